@@ -1,0 +1,10 @@
+# Everything Sherd builds on: Debian 12 packages, nothing downloaded.
+include(cmake/SherdDependencies.cmake)
+find_package(CLI11 REQUIRED QUIET)
+find_package(nlohmann_json REQUIRED QUIET)
+
+# OpenCL 1.2 by its C++ bindings, errors as exceptions.
+add_library(sherd_opencl INTERFACE)
+target_compile_definitions(sherd_opencl INTERFACE
+  CL_HPP_TARGET_OPENCL_VERSION=120 CL_HPP_MINIMUM_OPENCL_VERSION=120 CL_HPP_ENABLE_EXCEPTIONS
+  CL_TARGET_OPENCL_VERSION=120)

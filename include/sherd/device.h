@@ -1,0 +1,46 @@
+// OpenCL devices: which there are, and the one that works.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace sherd {
+
+/// One OpenCL device of this machine.
+struct DeviceInfo {
+  std::string platform;
+  std::string name;
+  std::string version;  ///< OpenCL version of the device
+  bool gpu = false;
+  unsigned computeUnits = 0;
+  std::size_t memoryBytes = 0;
+  std::size_t largestBufferBytes = 0;
+  bool chosen = false;  ///< what --device auto picks
+};
+
+/// Every usable device; platforms without devices are passed over.  Empty when there is none.
+[[nodiscard]] std::vector<DeviceInfo> listDevices();
+
+/// An open device: context, queue, and programs built once.  Opened once, used by one thread at a time.
+class Device {
+ public:
+  /// Open a device.
+  ///   choice  "auto" (a GPU, else a CPU), "gpu", "cpu", or a part of a platform's or device's name, any case
+  ///   throws  Error(device) nothing matches, or the device cannot be opened
+  explicit Device(std::string_view choice = "auto");
+  ~Device();
+  Device(Device&&) noexcept;
+  Device& operator=(Device&&) noexcept;
+
+  const DeviceInfo& info() const;
+
+  struct Impl;
+  Impl& impl() { return *impl_; }
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace sherd

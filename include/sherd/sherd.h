@@ -1,0 +1,17 @@
+// Sherd breaks 3D models: mesh -> solid -> labels -> fragments -> files.  This header includes the whole library.
+#pragma once
+
+#include <sherd/coords.h>
+#include <sherd/device.h>
+#include <sherd/error.h>
+#include <sherd/fracture.h>
+#include <sherd/fragments.h>
+#include <sherd/io.h>
+#include <sherd/labels.h>
+#include <sherd/leaf_blocks.h>
+#include <sherd/mesh.h>
+#include <sherd/progress.h>
+#include <sherd/render.h>
+#include <sherd/seeds.h>
+#include <sherd/solid.h>
+#include <sherd/version.h>

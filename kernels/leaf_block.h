@@ -1,0 +1,47 @@
+// The layout of leaf blocks, read by C++ and by OpenCL C, and the mask arithmetic on one leaf.
+//
+// A leaf is 8x8x8 voxels; a voxel's offset is (x << 6) | (y << 3) | z, z fastest, as in OpenVDB.  A mask is eight
+// 64-bit words, word x the slab of that x, bit (y << 3) | z.  Neighbour k of leaf l is neighbour[l*6 + k], k in the
+// order -x +x -y +y -z +z, SHERD_NO_LEAF where there is none.
+#ifndef SHERD_LEAF_BLOCK_H
+#define SHERD_LEAF_BLOCK_H
+
+#define SHERD_LEAF_SIZE 512
+#define SHERD_LEAF_WORDS 8
+#define SHERD_LEAF_FACES 6
+#define SHERD_NO_LEAF 0xffffffffu
+
+#define SHERD_TAG_MIXED 0x10000u  // a leaf whose voxels have more than one owner
+#define SHERD_NO_STEP 0xffffffffu  // a front that was never published
+
+#ifdef __OPENCL_VERSION__
+
+#define SHERD_Y0 0x00000000000000fful  // bits with y == 0
+#define SHERD_Y7 0xff00000000000000ul  // bits with y == 7
+#define SHERD_Z0 0x0101010101010101ul  // bits with z == 0
+#define SHERD_Z7 0x8080808080808080ul  // bits with z == 7
+
+// Bits of a slab moved by one voxel; what leaves the leaf is lost.
+inline ulong moved_y_up(ulong w) { return w << 8; }
+inline ulong moved_y_down(ulong w) { return w >> 8; }
+inline ulong moved_z_up(ulong w) { return (w & ~SHERD_Z7) << 1; }
+inline ulong moved_z_down(ulong w) { return (w & ~SHERD_Z0) >> 1; }
+
+// The in-slab neighbours of a slab's bits.
+inline ulong slab_neighbours(ulong w) {
+  return moved_y_up(w) | moved_y_down(w) | moved_z_up(w) | moved_z_down(w);
+}
+
+// What slab x of a leaf receives through face k from the neighbour's slab x (k >= 2), or from its touching slab.
+inline ulong through_face(const int k, const ulong w) {
+  switch (k) {
+    case 2: return w >> 56;                 // -y: its y == 7 is beside our y == 0
+    case 3: return w << 56;                 // +y
+    case 4: return (w >> 7) & SHERD_Z0;     // -z: its z == 7 is beside our z == 0
+    case 5: return (w & SHERD_Z0) << 7;     // +z
+    default: return w;                      // -x, +x: whole slabs touch
+  }
+}
+
+#endif
+#endif

@@ -1,0 +1,9 @@
+// OpenCL's C++ bindings with their warnings kept out of ours.
+#pragma once
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wconversion"
+#pragma GCC diagnostic ignored "-Wshadow"
+#pragma GCC diagnostic ignored "-Wignored-attributes"
+#include <CL/opencl.hpp>
+#pragma GCC diagnostic pop

@@ -1,0 +1,46 @@
+// What the sub-commands share: how they are registered, and how they print.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <cstdint>
+#include <functional>
+#include <string>
+
+namespace sherd::cli {
+
+/// What is to be run once the command line is parsed.
+using Action = std::function<void()>;
+
+/// Each adds a sub-command; parsing it sets `run`.
+void addFractureCommand(CLI::App& app, Action& run);
+void addInspectCommand(CLI::App& app, Action& run);
+void addDevicesCommand(CLI::App& app, Action& run);
+
+/// Write results to standard output.
+///   throws  Error(output) it is closed or full
+void printResult(const std::string& text);
+
+/// Write one line to standard error; nothing can be done when that fails.
+void printMessage(const std::string& line);
+
+/// Accepts whole decimal numbers from `low` to `high`.  CLI11's own conversion takes "-1" for
+/// 2^64-1, "010" for eight and numbers too large for the largest.
+template <class T>
+CLI::Validator wholeNumber(T low, T high) {
+  const std::string range = std::to_string(low) + ".." + std::to_string(high);
+  return CLI::Validator(
+      [low, high, range](std::string& text) -> std::string {
+        T value{};
+        const char* end = text.data() + text.size();
+        const auto [stop, error] = std::from_chars(text.data(), end, value);
+        if (error != std::errc() || stop != end || value < low || value > high) {
+          return "'" + text + "' is not a whole number in " + range;
+        }
+        text = std::to_string(value);
+        return {};
+      },
+      range);
+}
+
+}  // namespace sherd::cli

@@ -1,0 +1,276 @@
+// `sherd fracture`: break one mesh into a folder.
+#include <sherd/error.h>
+#include <sherd/fracture.h>
+#include <sherd/io.h>
+#include <tbb/global_control.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "cli/command.h"
+
+namespace sherd::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+struct FractureArguments {
+  std::string mesh;
+  std::string folder;
+  FractureOptions options;
+  std::vector<std::string> write{"labels", "vdb", "mesh", "preview"};
+  std::string device = "auto";
+  int threads = 0;  ///< 0: all cores
+  bool json = false;
+  bool quiet = false;
+};
+
+double secondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// ---- Ctrl-C: a flag that long work asks for; a caller that ignores the signal keeps ignoring it.
+
+volatile std::sig_atomic_t interrupted = 0;
+
+extern "C" void onInterrupt(int) { interrupted = 1; }
+
+void catchInterrupts() {
+  for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction old {};
+    if (::sigaction(number, nullptr, &old) != 0 || old.sa_handler == SIG_IGN) continue;
+    struct sigaction action {};
+    action.sa_handler = onInterrupt;
+    action.sa_flags = SA_RESTART;
+    ::sigaction(number, &action, nullptr);
+  }
+}
+
+void stopIfInterrupted() {
+  if (interrupted) throw Error(ErrorCode::cancelled, "");
+}
+
+// ---- Progress: one line on a terminal, redrawn some ten times a second.
+
+class ProgressLine {
+ public:
+  explicit ProgressLine(bool shown) : shown_(shown) {}
+  ~ProgressLine() { clear(); }
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+
+  void show(std::string_view stage, double fraction) {
+    constexpr int kWidth = 40;
+    if (!shown_ || (drawn_ && secondsSince(last_) < 0.1)) return;
+    const int full = static_cast<int>(std::lround(std::clamp(fraction, 0.0, 1.0) * kWidth));
+    const std::string bar(static_cast<std::size_t>(full), '#');
+    std::fprintf(stderr, "\r%-10.*s [%-*s] %3d %%", static_cast<int>(stage.size()), stage.data(),
+                 kWidth, bar.c_str(), full * 100 / kWidth);
+    last_ = Clock::now();
+    drawn_ = true;
+  }
+
+  void clear() {
+    if (drawn_) std::fputs("\r\x1b[K", stderr);
+    drawn_ = false;
+  }
+
+ private:
+  bool shown_;
+  bool drawn_ = false;
+  Clock::time_point last_;
+};
+
+// ---- What is told afterwards
+
+std::string number(double value, int digits) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.*g", digits, value);
+  return text;
+}
+
+void warn(const FractureArguments& arguments, const FractureResult& result) {
+  const std::size_t fragments = result.fragments.size();
+  if (static_cast<std::size_t>(arguments.options.pieces) < fragments) {
+    printMessage("sherd: warning: " + arguments.mesh + " has " + std::to_string(result.parts) +
+                 " separate parts, so it became " + std::to_string(fragments) + " fragments, not " +
+                 std::to_string(arguments.options.pieces));
+  }
+  if (result.solid.specks > 0) {
+    printMessage("sherd: warning: " + arguments.mesh + ": " + std::to_string(result.solid.specks) +
+                 (result.solid.specks == 1 ? " part" : " parts") + " under " +
+                 std::to_string(kSpeckVoxels) + " voxels dropped, " +
+                 std::to_string(result.solid.speckVoxels) + " voxels in all");
+  }
+}
+
+std::string asText(const FractureArguments& arguments, const SourceMesh& source,
+                   const FractureResult& result, const DeviceInfo& device, double seconds) {
+  return arguments.folder + ": " + std::to_string(result.fragments.size()) + " fragments of " +
+         source.name + " in " + number(seconds, 3) + " s (" + std::to_string(result.solid.voxels) +
+         " voxels of " + number(result.solid.frame.voxelSize, 4) + ", seed " +
+         std::to_string(arguments.options.seed) + ", " + device.name + ")\n";
+}
+
+std::string asJson(const FractureArguments& arguments, const SourceMesh& source,
+                   const FractureResult& result, const DeviceInfo& device, const fs::path& manifest,
+                   const std::vector<StageTime>& times) {
+  double volumeOut = 0.0;
+  for (const Fragment& fragment : result.fragments) volumeOut += fragment.mass.volume;
+  nlohmann::ordered_json seconds;
+  for (const StageTime& time : times) seconds[time.stage] = time.seconds;
+  const nlohmann::ordered_json json = {
+      {"schema", "sherd-report/1"},
+      {"command", "fracture"},
+      {"source", source.name},
+      {"manifest", manifest.string()},
+      {"seed", arguments.options.seed},
+      {"device", {{"platform", device.platform}, {"name", device.name}}},
+      {"pieces_asked", arguments.options.pieces},
+      {"fragments", result.fragments.size()},
+      {"parts", result.parts},
+      {"specks", result.solid.specks},
+      {"voxel_size", result.solid.frame.voxelSize},
+      {"voxels", result.solid.voxels},
+      {"vertices_in", source.mesh.vertices.size()},
+      {"triangles_in", source.mesh.triangles.size()},
+      {"volume_in", std::abs(volume(source.mesh))},
+      {"volume_out", volumeOut},
+      {"seconds", seconds}};
+  return json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+// ---- The command
+
+WriteOptions writeOptions(const std::vector<std::string>& names) {
+  const auto named = [&](const char* name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  return {.labels = named("labels"),
+          .vdb = named("vdb"),
+          .mesh = named("mesh"),
+          .preview = named("preview")};
+}
+
+void breakMesh(const FractureArguments& arguments) {
+  const Clock::time_point start = Clock::now();
+  std::optional<tbb::global_control> threads;
+  if (arguments.threads > 0) {
+    threads.emplace(tbb::global_control::max_allowed_parallelism,
+                    static_cast<std::size_t>(arguments.threads));
+  }
+  ProgressLine line(::isatty(STDERR_FILENO) == 1 && !arguments.quiet);
+  const Progress progress{
+      .report = [&](std::string_view stage, double fraction) { line.show(stage, fraction); },
+      .cancelled = [] { return interrupted != 0; }};
+
+  std::vector<StageTime> times;
+  const auto timed = [&](const char* stage, auto&& work) {
+    stopIfInterrupted();
+    line.show(stage, 0.0);
+    const Clock::time_point begin = Clock::now();
+    auto result = work();
+    times.push_back({stage, secondsSince(begin)});
+    return result;
+  };
+
+  checkFractureFolder(arguments.folder);
+  const SourceMesh source = timed("read", [&] { return readMesh(arguments.mesh); });
+  Device device = timed("device", [&] { return Device(arguments.device); });
+  stopIfInterrupted();
+  const FractureResult result = fracture(source.mesh, arguments.options, device, &progress);
+  times.insert(times.end(), result.times.begin(), result.times.end());
+  const fs::path manifest = timed("write", [&] {
+    return writeFracture(arguments.folder, source, arguments.options, result,
+                         writeOptions(arguments.write), &progress);
+  });
+  times.push_back({"total", secondsSince(start)});
+
+  line.clear();
+  warn(arguments, result);
+  if (arguments.json) {
+    printResult(asJson(arguments, source, result, device.info(), manifest, times));
+  } else if (!arguments.quiet) {
+    printResult(asText(arguments, source, result, device.info(), times.back().seconds));
+  }
+}
+
+void runFracture(const FractureArguments& arguments) {
+  catchInterrupts();
+  try {
+    breakMesh(arguments);
+  } catch (const Error& e) {
+    if (e.code() != ErrorCode::cancelled) throw;
+    throw Error(ErrorCode::cancelled, "interrupted; " + arguments.folder + " is as it was before");
+  }
+}
+
+CLI::Validator voxelSizeValidator() {
+  return CLI::Validator(
+      [](std::string& text) -> std::string {
+        double value = 0.0;
+        const char* end = text.data() + text.size();
+        const auto [stop, error] = std::from_chars(text.data(), end, value);
+        const bool good = error == std::errc() && stop == end && std::isfinite(value) && value > 0;
+        return good ? "" : "'" + text + "' is not a number above 0";
+      },
+      "> 0");
+}
+
+}  // namespace
+
+void addFractureCommand(CLI::App& app, Action& run) {
+  CLI::App* command = app.add_subcommand("fracture", "Break one mesh into fragments");
+  auto arguments = std::make_shared<FractureArguments>();
+  FractureOptions& options = arguments->options;
+
+  command->add_option("MESH", arguments->mesh, "The mesh: .obj .ply .stl .off .gltf .glb, also .gz")
+      ->required();
+  command
+      ->add_option(
+          "-o,--output", arguments->folder,
+          "Folder for the fragments: absent, empty or an earlier fracture's, which is replaced")
+      ->type_name("DIR")
+      ->required();
+  command->add_option("--pieces", options.pieces, "Fragments wanted")
+      ->check(wholeNumber(1, kMaxFragments))
+      ->capture_default_str();
+  command->add_option("--seed", options.seed, "Seed of every random choice")
+      ->check(wholeNumber<std::uint64_t>(0, std::numeric_limits<std::uint64_t>::max()))
+      ->capture_default_str();
+  CLI::Option* resolution =
+      command->add_option("--resolution", options.resolution, "Voxels along the longest side")
+          ->check(wholeNumber(8, 4096))
+          ->capture_default_str();
+  command
+      ->add_option("--voxel-size", options.voxelSize,
+                   "Voxel size in the mesh's own unit, in place of --resolution")
+      ->check(voxelSizeValidator())
+      ->excludes(resolution);
+  command->add_option("--write", arguments->write, "What to write, separated by commas")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"labels", "vdb", "mesh", "preview"}))
+      ->default_str("labels,vdb,mesh,preview");
+  command
+      ->add_option("--device", arguments->device,
+                   "OpenCL device: auto, gpu, cpu or a part of its name (see sherd devices)")
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--threads", arguments->threads,
+          "Threads of the host's work; default all cores (PoCL's own: POCL_MAX_PTHREAD_COUNT)")
+      ->check(wholeNumber(1, 4096));
+  command->add_flag("--json", arguments->json, "Print one JSON object: counts, volumes, seconds");
+  command->add_flag("--quiet", arguments->quiet, "Print nothing but warnings and errors");
+  command->callback([arguments, &run] { run = [arguments] { runFracture(*arguments); }; });
+}
+
+}  // namespace sherd::cli

@@ -1,0 +1,203 @@
+// `sherd inspect`: what is in a mesh, a voxel file, a level set or a fracture.
+#include <sherd/error.h>
+#include <sherd/io.h>
+#include <sherd/mesh.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "cli/command.h"
+#include "io/manifest.h"
+#include "io/vdb.h"
+
+namespace sherd::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+// Each inspector gives one flat JSON object; plain text is made from it, so that the two tell the
+// same.
+
+Json jsonOf(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+Json jsonOf(const openvdb::Coord& c) { return {c.x(), c.y(), c.z()}; }
+
+Json jsonOf(const VdbMetadata& metadata) {
+  Json json = Json::object();
+  for (const auto& [key, value] : metadata) json[key] = value;
+  return json;
+}
+
+Json inspectRle(const fs::path& file) {
+  const RunLengthVoxels voxels = readRle(file);
+  std::map<std::uint16_t, std::uint64_t> counts;
+  for (const Run& run : voxels.runs) counts[run.label] += run.length;
+  Json labels = Json::object();
+  for (const auto& [label, count] : counts) labels[std::to_string(label)] = count;
+  return {{"kind", "voxels"},
+          {"dims", jsonOf(voxels.dims)},
+          {"runs", voxels.runs.size()},
+          {"voxels_per_label", labels}};
+}
+
+Json inspectVdb(const fs::path& file) {
+  const VdbFile vdb = describeVdb(file);
+  Json grids = Json::array();
+  for (const VdbGrid& grid : vdb.grids) {
+    grids.push_back({{"name", grid.name},
+                     {"type", grid.type},
+                     {"class", grid.gridClass},
+                     {"voxel_size", jsonOf(grid.voxelSize)},
+                     {"background", grid.background},
+                     {"active_voxels", grid.activeVoxels},
+                     {"index_min", jsonOf(grid.activeBox.min)},
+                     {"index_max", jsonOf(grid.activeBox.max)},
+                     {"metadata", jsonOf(grid.metadata)}});
+  }
+  return {{"kind", "vdb"}, {"metadata", jsonOf(vdb.metadata)}, {"grids", grids}};
+}
+
+Json inspectMesh(const fs::path& file) {
+  const SourceMesh source = readMesh(file);
+  const std::size_t open = openEdges(source.mesh);
+  const Box box = bounds(source.mesh);
+  return {{"kind", "mesh"},
+          {"sha256", source.sha256},
+          {"vertices", source.mesh.vertices.size()},
+          {"triangles", source.mesh.triangles.size()},
+          {"degenerate_triangles", source.degenerateTriangles},
+          {"closed", open == 0},
+          {"open_edges", open},
+          {"parts", components(source.mesh).count},
+          {"area", area(source.mesh)},
+          {"volume", volume(source.mesh)},
+          {"box_min", jsonOf(box.min)},
+          {"box_max", jsonOf(box.max)}};
+}
+
+// A manifest is anybody's text: what it lacks or holds in another type is told, not crashed on.
+Json inspectManifest(const fs::path& file) {
+  if (!fs::exists(file)) {
+    throw Error(ErrorCode::input, file.string() + ": is not there; a finished fracture has it");
+  }
+  const std::optional<nlohmann::json> manifest = readManifest(file);
+  if (!manifest) {
+    throw Error(ErrorCode::input, file.string() +
+                                      ": is no manifest of a fracture; "
+                                      "expected JSON with \"schema\": \"sherd/1\"");
+  }
+  try {
+    const nlohmann::json& grid = manifest->at("grid");
+    Json fragments = Json::array();
+    for (const nlohmann::json& fragment : manifest->at("fragments")) {
+      fragments.push_back({{"id", fragment.at("id").get<int>()},
+                           {"voxels", fragment.at("voxels").get<std::uint64_t>()},
+                           {"share", fragment.at("share").get<double>()},
+                           {"volume", fragment.at("volume").get<double>()},
+                           {"area", fragment.at("area").get<double>()},
+                           {"fracture_area", fragment.at("fracture_area").get<double>()},
+                           {"contacts", fragment.at("contacts").size()}});
+    }
+    return {{"kind", "fracture"},
+            {"source", manifest->at("source").at("file").get<std::string>()},
+            {"seed", manifest->at("options").at("seed").get<std::uint64_t>()},
+            {"voxel_size", grid.at("voxel_size").get<double>()},
+            {"dims", grid.at("dims")},
+            {"solid_voxels", grid.at("solid_voxels").get<std::uint64_t>()},
+            {"parts", manifest->at("parts").get<std::uint64_t>()},
+            {"files", manifest->at("files").size()},
+            {"fragments", fragments}};
+  } catch (const nlohmann::json::exception& e) {
+    throw Error(ErrorCode::input, file.string() + ": is damaged: " + e.what());
+  }
+}
+
+Json inspect(const fs::path& file) {
+  const fs::file_status status = fs::status(file);
+  if (status.type() == fs::file_type::not_found) {
+    throw Error(ErrorCode::input, file.string() + ": no such file");
+  }
+  if (fs::is_directory(status)) return inspectManifest(file / "manifest.json");
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (extension == ".rle") return inspectRle(file);
+  if (extension == ".vdb") return inspectVdb(file);
+  if (extension == ".json") return inspectManifest(file);
+  return inspectMesh(file);
+}
+
+// ---- Plain text
+
+std::string plain(const Json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_number_float()) {
+    char text[64];
+    std::snprintf(text, sizeof text, "%.6g", value.get<double>());
+    return text;
+  }
+  if (value.is_array()) {
+    std::string text;
+    for (const Json& item : value) text += (text.empty() ? "" : " ") + plain(item);
+    return text;
+  }
+  return value.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string pad(const std::string& text, std::size_t width) {
+  return text + std::string(text.size() < width ? width - text.size() : 1, ' ');
+}
+
+// Rows of equal objects: a header of their keys, then a line each.
+std::string table(const Json& rows) {
+  std::string text;
+  if (rows.empty()) return text;
+  for (const auto& [key, value] : rows.front().items()) text += pad(key, 15);
+  text += "\n";
+  for (const Json& row : rows) {
+    for (const auto& [key, value] : row.items()) text += pad(plain(value), 15);
+    text += "\n";
+  }
+  return text;
+}
+
+std::string asText(const Json& object, const std::string& indent = "") {
+  std::string text;
+  for (const auto& [key, value] : object.items()) {
+    if (value.is_object()) {
+      text += indent + key + "\n" + asText(value, indent + "  ");
+    } else if (key == "fragments") {
+      text += table(value);
+    } else if (key == "grids") {
+      for (const Json& grid : value) text += indent + "grid\n" + asText(grid, indent + "  ");
+    } else {
+      text += indent + pad(key, 22) + plain(value) + "\n";
+    }
+  }
+  return text;
+}
+
+void runInspect(const std::string& file, bool json) {
+  Json found = {{"schema", "sherd-report/1"}, {"command", "inspect"}, {"file", file}};
+  const Json inside = inspect(file);
+  if (!json) return printResult(asText(inside));
+  found.update(inside);
+  printResult(found.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+}  // namespace
+
+void addInspectCommand(CLI::App& app, Action& run) {
+  CLI::App* command = app.add_subcommand(
+      "inspect", "Tell what is in a mesh, .rle, .vdb, manifest or fracture's folder");
+  auto file = std::make_shared<std::string>();
+  auto json = std::make_shared<bool>(false);
+  command->add_option("FILE", *file, "The file, or the folder of a fracture")->required();
+  command->add_flag("--json", *json, "Print one JSON object");
+  command->callback([file, json, &run] { run = [file, json] { runInspect(*file, *json); }; });
+}
+
+}  // namespace sherd::cli

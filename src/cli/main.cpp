@@ -1,0 +1,98 @@
+// The program `sherd`: one parse, one call, one catch.
+#include <fcntl.h>
+#include <sherd/error.h>
+#include <sherd/version.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <new>
+#include <sstream>
+#include <system_error>
+
+#include "cli/command.h"
+#include "io/atomic_file.h"
+
+namespace sherd::cli {
+
+void printResult(const std::string& text) {
+  std::fwrite(text.data(), 1, text.size(), stdout);
+  if (std::fflush(stdout) != 0) {
+    throw Error(ErrorCode::output, "standard output: " + reasonOf(errno));
+  }
+}
+
+void printMessage(const std::string& line) { std::fputs((line + "\n").c_str(), stderr); }
+
+namespace {
+
+// A full disk, a file size limit and a closed pipe shall be errors with a sentence, not deaths by
+// signal; and no file of ours shall get the number of a standard stream that the caller closed.
+void prepareProcess() {
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
+  for (int stream = 0; stream <= 2; ++stream) {
+    if (::fcntl(stream, F_GETFD) >= 0 || errno != EBADF) continue;
+    // Reading only: what is written to a closed standard output fails as it should.
+    if (::open("/dev/null", stream == 2 ? O_WRONLY : O_RDONLY) != stream) std::_Exit(1);
+  }
+}
+
+// CLI11's sentence without its full stop and line breaks.
+std::string oneLine(std::string text) {
+  while (!text.empty() && (text.back() == '\n' || text.back() == '.')) text.pop_back();
+  for (char& c : text) {
+    if (c == '\n') c = ' ';
+  }
+  return text;
+}
+
+// Help and version are printed here; `run` stays empty then.
+void parse(int argc, char** argv, Action& run) {
+  CLI::App app("Breaks 3D models into fragments.");
+  app.set_version_flag("--version", "sherd " SHERD_VERSION, "Print the version");
+  app.require_subcommand(1);
+  addFractureCommand(app, run);
+  addInspectCommand(app, run);
+  addDevicesCommand(app, run);
+  app.footer(
+      "Exit status: 0 done, 1 internal error, 2 usage, 3 input, 4 device, 5 output, 130 "
+      "interrupted.");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    if (e.get_exit_code() != 0) {
+      throw Error(ErrorCode::usage, oneLine(e.what()) + " (try sherd --help)");
+    }
+    std::ostringstream text;
+    app.exit(e, text, text);
+    printResult(text.str());
+  }
+}
+
+int report(ErrorCode code, const std::string& sentence) {
+  printMessage("sherd: " + sentence);
+  return static_cast<int>(code);
+}
+
+int runProgram(int argc, char** argv) {
+  try {
+    prepareProcess();
+    Action run;
+    parse(argc, argv, run);
+    if (run) run();
+    return 0;
+  } catch (const Error& e) {
+    return report(e.code(), e.what());
+  } catch (const std::bad_alloc&) {
+    return report(ErrorCode::internal, "not enough memory; try a lower --resolution");
+  } catch (const std::exception& e) {
+    return report(ErrorCode::internal, std::string("internal error: ") + e.what());
+  }
+}
+
+}  // namespace
+}  // namespace sherd::cli
+
+int main(int argc, char** argv) { return sherd::cli::runProgram(argc, argv); }

@@ -1,0 +1,44 @@
+// Files that appear whole or not at all.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace sherd {
+
+/// A file written beside its final name, under a hidden one, and renamed by commit().  Until then
+/// the target is untouched; without commit() nothing is left.  The target must be absent or a
+/// regular file: renaming onto a device or a symbolic link would replace it.
+class AtomicFile {
+ public:
+  /// throws  Error(output) the target is something else, or its folder cannot be written
+  explicit AtomicFile(std::filesystem::path file);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  /// Append; hand over large pieces, there is no buffer.
+  ///   throws  Error(output) the disk is full or the like, with the bytes that went well
+  void write(std::string_view bytes);
+
+  /// Close, and give the file its name.
+  ///   throws  Error(output)
+  void commit();
+
+ private:
+  [[noreturn]] void fail(int number) const;
+
+  std::filesystem::path file_;
+  std::filesystem::path temporary_;
+  int descriptor_ = -1;
+  std::uintmax_t written_ = 0;
+};
+
+/// Write `bytes` as the whole of a file.
+void writeWhole(const std::filesystem::path& file, std::string_view bytes);
+
+/// What an errno value means, in the middle of a sentence: "no space left on device".
+[[nodiscard]] std::string reasonOf(int number);
+
+}  // namespace sherd

@@ -1,0 +1,37 @@
+// Numbers as little-endian bytes, whatever the machine.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <type_traits>
+
+namespace sherd {
+
+/// The number at `bytes`.
+template <class T>
+requires std::is_unsigned_v<T> T loadLittle(const char* bytes) {
+  T value = 0;
+  for (std::size_t i = sizeof(T); i-- > 0;) {
+    value = static_cast<T>((std::uint64_t{value} << 8) | static_cast<unsigned char>(bytes[i]));
+  }
+  return value;
+}
+
+/// Append a number to `bytes`.
+template <class T>
+requires std::is_unsigned_v<T>
+void storeLittle(std::string& bytes, T value) {
+  char little[sizeof(T)];
+  for (std::size_t i = 0; i < sizeof(T); ++i) {
+    little[i] = static_cast<char>((std::uint64_t{value} >> (8 * i)) & 0xff);
+  }
+  bytes.append(little, sizeof(T));
+}
+
+inline void storeLittle(std::string& bytes, float value) {
+  storeLittle(bytes, std::bit_cast<std::uint32_t>(value));
+}
+
+}  // namespace sherd

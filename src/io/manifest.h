@@ -1,0 +1,35 @@
+// manifest.json: what a fracture is, and which files hold it.
+#pragma once
+
+#include <sherd/fracture.h>
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sherd {
+
+/// The files of a fracture, relative to its folder; empty where not written.
+struct FractureFiles {
+  std::string labels;
+  std::vector<std::string> vdb;   ///< [fragments] or empty
+  std::vector<std::string> mesh;  ///< [fragments] or empty
+  std::string preview;
+
+  std::vector<std::string> all() const;
+};
+
+/// The manifest as text.  It holds no times and no machine names, and its numbers read back as they
+/// were: equal fractures give equal bytes.
+[[nodiscard]] std::string manifestText(const SourceMesh& source, const FractureOptions& options,
+                                       const FractureResult& result, const FractureFiles& files);
+
+/// A file as a manifest, if it is one: JSON with "schema": "sherd/1".
+[[nodiscard]] std::optional<nlohmann::json> readManifest(const std::filesystem::path& file);
+
+/// The files that a manifest lists, if each is a path below its folder: relative, without "..".
+[[nodiscard]] std::optional<std::vector<std::string>> listedFiles(const nlohmann::json& manifest);
+
+}  // namespace sherd

@@ -1,0 +1,393 @@
+// A fracture's folder: written aside, then moved into place.
+//
+//     DIR/.sherd-partial/new/...     everything new, its manifest.json written last
+//     DIR/.sherd-partial/old/...     everything old, its manifest.json moved away first
+//
+// A run that was killed leaves .sherd-partial behind.  It marks the folder as ours, and its
+// manifests say which of the folder's files are.
+#include <fcntl.h>
+#include <sherd/error.h>
+#include <sherd/io.h>
+#include <sherd/render.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <tbb/parallel_for.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <utility>
+
+#include "io/atomic_file.h"
+#include "io/manifest.h"
+
+namespace sherd {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kManifest = "manifest.json";
+constexpr const char* kPartial = ".sherd-partial";
+constexpr std::size_t kFragmentsBetweenSteps = 16;  // written in parallel, then progress is told
+constexpr std::size_t kLongestStem = 200;           // bytes; names of 255 fit on every file system
+
+[[noreturn]] void outputError(const fs::path& path, const std::string& what) {
+  throw Error(ErrorCode::output, path.string() + ": " + what);
+}
+
+// ---- Names
+
+bool isUtf8(const std::string& text) {
+  try {
+    (void)nlohmann::json(text).dump();
+    return true;
+  } catch (const nlohmann::json::type_error&) {
+    return false;
+  }
+}
+
+// The stem as a file name that JSON can hold: nothing but UTF-8, no control characters.
+std::string safeStem(std::string stem) {
+  const bool utf8 = isUtf8(stem);
+  for (char& c : stem) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x20 || byte == 0x7f || byte == '/' || (byte >= 0x80 && !utf8)) c = '_';
+  }
+  if (stem.size() > kLongestStem) {
+    std::size_t end = kLongestStem;
+    while (end > 0 && (static_cast<unsigned char>(stem[end]) & 0xc0) == 0x80) --end;
+    stem.resize(end);
+  }
+  return stem.empty() ? "piece" : stem;
+}
+
+FractureFiles fileNames(const SourceMesh& source, std::size_t fragments,
+                        const WriteOptions& write) {
+  const std::string stem = safeStem(source.stem);
+  const std::size_t digits = std::max<std::size_t>(3, std::to_string(fragments).size());
+  FractureFiles files;
+  for (std::size_t id = 1; id <= fragments; ++id) {
+    const std::string number = std::to_string(id);
+    const std::string name = stem + "_" + std::string(digits - number.size(), '0') + number;
+    if (write.vdb) files.vdb.push_back("fragments/" + name + ".vdb");
+    if (write.mesh) files.mesh.push_back("meshes/" + name + ".ply");
+  }
+  if (write.labels) files.labels = "labels.rle";
+  if (write.preview) files.preview = "preview.png";
+  return files;
+}
+
+// ---- What is in the folder already
+
+bool present(const fs::path& path) {
+  return fs::symlink_status(path).type() != fs::file_type::not_found;
+}
+
+// Files below the folder only: a symbolic link in place of a sub-folder could lead anywhere.
+void requireOwnSubfolder(const fs::path& folder, const std::string& file) {
+  fs::path at = folder;
+  for (const fs::path& part : fs::path(file).parent_path()) {
+    at /= part;
+    const fs::file_status status = fs::symlink_status(at);
+    if (present(at) && !fs::is_directory(status)) {
+      outputError(at, "is not a folder; move it away or name another output folder");
+    }
+  }
+}
+
+// The files of the fracture that is in the folder now; empty where there is none.
+std::vector<std::string> presentFiles(const fs::path& folder) {
+  const auto manifest = readManifest(folder / kManifest);
+  if (!manifest) return {};
+  auto files = listedFiles(*manifest);
+  if (!files) {
+    outputError(folder / kManifest,
+                "lists files that are not below its folder, so nothing is replaced; "
+                "name an absent or empty folder");
+  }
+  return *files;
+}
+
+void requireOurs(const fs::path& folder) {
+  if (present(folder / kPartial)) return;
+  const std::optional<nlohmann::json> manifest = readManifest(folder / kManifest);
+  if (manifest) {
+    (void)presentFiles(folder);
+    return;
+  }
+  std::set<std::string> names;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    names.insert(entry.path().filename().string());
+  }
+  if (names.empty()) return;
+  outputError(folder, "holds '" + *names.begin() +
+                          "' and no manifest of a fracture; name an absent or empty folder");
+}
+
+// Only making something tells whether something can be made.
+void requireWritable(const fs::path& folder) {
+  std::string probe = (folder / ".sherd-probe-XXXXXX").string();
+  if (::mkdtemp(probe.data()) == nullptr) {
+    outputError(folder, "cannot be written: " + reasonOf(errno));
+  }
+  ::rmdir(probe.c_str());
+}
+
+void removeEmptyFolders(const fs::path& folder, const std::vector<std::string>& files) {
+  std::set<fs::path, std::greater<>> parents;  // deeper ones first
+  for (const std::string& file : files) {
+    for (fs::path p = fs::path(file).parent_path(); !p.empty(); p = p.parent_path())
+      parents.insert(p);
+  }
+  for (const fs::path& parent : parents)
+    ::rmdir((folder / parent).c_str());  // fails where not empty
+}
+
+// ---- Writing aside
+
+// Folders made where they were missing, taken away again unless kept.
+class MadeFolders {
+ public:
+  MadeFolders() = default;
+  ~MadeFolders() {
+    for (auto p = made_.rbegin(); p != made_.rend(); ++p) ::rmdir(p->c_str());
+  }
+  MadeFolders(const MadeFolders&) = delete;
+  MadeFolders& operator=(const MadeFolders&) = delete;
+
+  void make(const fs::path& folder) {
+    std::vector<fs::path> missing;
+    for (fs::path p = folder; !p.empty() && !fs::exists(p); p = p.parent_path()) {
+      if (p.has_filename()) missing.push_back(p);
+    }
+    for (auto p = missing.rbegin(); p != missing.rend(); ++p) {
+      if (::mkdir(p->c_str(), 0777) == 0) {
+        made_.push_back(*p);
+      } else if (errno != EEXIST) {
+        outputError(*p, "cannot be made: " + reasonOf(errno));
+      }
+    }
+  }
+  void keep() { made_.clear(); }
+
+ private:
+  std::vector<fs::path> made_;
+};
+
+// DIR/.sherd-partial, held by one process at a time.  The kernel lets go of the lock when a process
+// dies, so a folder that can be locked is nobody's: what an interrupted run left in it, or moved
+// into DIR, is cleared away.
+class PartialFolder {
+ public:
+  explicit PartialFolder(const fs::path& folder) : folder_(folder), path_(folder / kPartial) {
+    lock();
+    try {
+      clearUnfinished();
+    } catch (...) {
+      ::close(descriptor_);
+      throw;
+    }
+  }
+  ~PartialFolder() {
+    if (!keep_) {
+      std::error_code ignored;
+      fs::remove_all(path_, ignored);
+    }
+    ::close(descriptor_);
+  }
+  PartialFolder(const PartialFolder&) = delete;
+  PartialFolder& operator=(const PartialFolder&) = delete;
+
+  fs::path fresh() const { return path_ / "new"; }
+  fs::path replaced() const { return path_ / "old"; }
+  void keep() { keep_ = true; }
+
+ private:
+  void lock() {
+    for (;;) {
+      if (::mkdir(path_.c_str(), 0777) != 0 && errno != EEXIST) {
+        outputError(folder_, "cannot be written: " + reasonOf(errno));
+      }
+      descriptor_ = ::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+      if (descriptor_ < 0 && errno == ENOENT) continue;  // its last holder has just finished
+      if (descriptor_ < 0) outputError(path_, "cannot be opened: " + reasonOf(errno));
+      if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+        ::close(descriptor_);
+        outputError(folder_, "another sherd is writing there; wait for it or name another folder");
+      }
+      struct stat held {
+      }, named{};
+      if (::fstat(descriptor_, &held) == 0 && ::stat(path_.c_str(), &named) == 0 &&
+          held.st_ino == named.st_ino) {
+        return;
+      }
+      ::close(descriptor_);
+    }
+  }
+
+  void clearUnfinished() {
+    if (!present(folder_ / kManifest)) {
+      for (const fs::path& side : {fresh(), replaced()}) {
+        const auto manifest = readManifest(side / kManifest);
+        const auto files = manifest ? listedFiles(*manifest) : std::nullopt;
+        if (!files) continue;
+        for (const std::string& file : *files) {
+          requireOwnSubfolder(folder_, file);
+          ::unlink((folder_ / file).c_str());
+        }
+        removeEmptyFolders(folder_, *files);
+      }
+    }
+    fs::remove_all(fresh());
+    fs::remove_all(replaced());
+  }
+
+  fs::path folder_;
+  fs::path path_;
+  int descriptor_ = -1;
+  bool keep_ = false;
+};
+
+// Renames that are undone unless kept.
+class Moves {
+ public:
+  ~Moves() {
+    for (auto m = done_.rbegin(); m != done_.rend(); ++m) {
+      if (::rename(m->second.c_str(), m->first.c_str()) != 0) failed_ = true;
+    }
+    if (failed_) partial_.keep();  // the next run clears up by its manifests
+  }
+  explicit Moves(PartialFolder& partial) : partial_(partial) {}
+  Moves(const Moves&) = delete;
+  Moves& operator=(const Moves&) = delete;
+
+  void move(const fs::path& from, const fs::path& to) {
+    if (::rename(from.c_str(), to.c_str()) != 0) {
+      outputError(to, "cannot be put in place: " + reasonOf(errno));
+    }
+    done_.emplace_back(from, to);
+  }
+  void keep() { done_.clear(); }
+
+ private:
+  PartialFolder& partial_;
+  std::vector<std::pair<fs::path, fs::path>> done_;
+  bool failed_ = false;
+};
+
+void makeParents(const fs::path& root, const std::vector<std::string>& files) {
+  fs::create_directories(root);
+  for (const std::string& file : files) fs::create_directories((root / file).parent_path());
+}
+
+void writeFiles(const fs::path& folder, const FractureFiles& files, const SourceMesh& source,
+                const FractureOptions& options, const FractureResult& result,
+                const Progress* progress) {
+  const std::size_t fragments = result.fragments.size();
+  step(progress, "write", 0.0);
+  if (!files.labels.empty()) {
+    writeRle(folder / files.labels, encodeRuns(result.solid, result.labels));
+  }
+  for (std::size_t begin = 0; begin < fragments; begin += kFragmentsBetweenSteps) {
+    step(progress, "write", static_cast<double>(begin) / static_cast<double>(fragments));
+    const std::size_t end = std::min(fragments, begin + kFragmentsBetweenSteps);
+    tbb::parallel_for(begin, end, [&](std::size_t i) {
+      const Fragment& fragment = result.fragments[i];
+      if (!files.vdb.empty()) writeVdb(folder / files.vdb[i], fragment, source.name, options.seed);
+      if (!files.mesh.empty()) writePly(folder / files.mesh[i], fragment.mesh, fragment.facing);
+    });
+  }
+  step(progress, "write", 1.0);
+  if (!files.preview.empty()) {
+    writePng(folder / files.preview, renderFragments(result.fragments, {}, progress));
+  }
+  writeWhole(folder / kManifest, manifestText(source, options, result, files));
+}
+
+// From here on nothing waits and nothing is asked: renames only.
+void putInPlace(const fs::path& folder, PartialFolder& partial, const std::vector<std::string>& old,
+                const std::vector<std::string>& fresh) {
+  makeParents(partial.replaced(), old);
+  MadeFolders subfolders;
+  for (const std::string& file : fresh) subfolders.make((folder / file).parent_path());
+  Moves moves(partial);
+  if (present(folder / kManifest)) moves.move(folder / kManifest, partial.replaced() / kManifest);
+  for (const std::string& file : old) {
+    const fs::file_type type = fs::symlink_status(folder / file).type();
+    if (type == fs::file_type::regular || type == fs::file_type::symlink) {
+      moves.move(folder / file, partial.replaced() / file);
+    }
+  }
+  for (const std::string& file : fresh) moves.move(partial.fresh() / file, folder / file);
+  moves.move(partial.fresh() / kManifest, folder / kManifest);
+  moves.keep();
+  subfolders.keep();
+  removeEmptyFolders(folder, old);
+}
+
+// Files are written aside, but a message names them where they will be.
+std::string withoutAside(std::string message) {
+  const std::string aside = std::string(kPartial) + "/new/";
+  const std::size_t at = message.find(aside);
+  return at == std::string::npos ? message : message.erase(at, aside.size());
+}
+
+}  // namespace
+
+void checkFractureFolder(const fs::path& folder) {
+  try {
+    if (folder.empty()) throw Error(ErrorCode::output, "the output folder has no name");
+    if (fs::is_directory(folder)) {
+      requireOurs(folder);
+      requireWritable(folder);
+      return;
+    }
+    if (present(folder)) outputError(folder, "is not a folder; name an absent or empty folder");
+    fs::path parent = fs::absolute(folder).parent_path();
+    while (!present(parent)) parent = parent.parent_path();
+    if (!fs::is_directory(parent)) {
+      outputError(folder, "cannot be made, because " + parent.string() + " is not a folder");
+    }
+    requireWritable(parent);
+  } catch (const fs::filesystem_error& e) {
+    outputError(folder, "cannot be used: " + reasonOf(e.code().value()));
+  }
+}
+
+fs::path writeFracture(const fs::path& folder, const SourceMesh& source,
+                       const FractureOptions& options, const FractureResult& result,
+                       const WriteOptions& write, const Progress* progress) {
+  checkFractureFolder(folder);
+  const FractureFiles files = fileNames(source, result.fragments.size(), write);
+  const std::vector<std::string> fresh = files.all();
+  try {
+    MadeFolders made;
+    made.make(folder);
+    PartialFolder partial(folder);
+    const std::vector<std::string> old = presentFiles(folder);
+    const std::set<std::string> ours(old.begin(), old.end());
+    for (const std::string& file : old) requireOwnSubfolder(folder, file);
+    for (const std::string& file : fresh) {
+      requireOwnSubfolder(folder, file);
+      if (present(folder / file) && !ours.contains(file)) {
+        outputError(folder / file,
+                    "is in the way and not an earlier fracture's; move it away or "
+                    "name another output folder");
+      }
+    }
+    makeParents(partial.fresh(), fresh);
+    writeFiles(partial.fresh(), files, source, options, result, progress);
+    putInPlace(folder, partial, old, fresh);
+    made.keep();
+    return folder / kManifest;
+  } catch (const Error& e) {
+    throw Error(e.code(), withoutAside(e.what()));
+  } catch (const fs::filesystem_error& e) {
+    outputError(folder, "cannot be written: " + reasonOf(e.code().value()));
+  }
+}
+
+}  // namespace sherd

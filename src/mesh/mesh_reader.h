@@ -1,0 +1,41 @@
+// The seam between files and meshes: what a reader is given, and what it gives.
+#pragma once
+
+#include <sherd/error.h>
+
+#include <cstddef>
+#include <filesystem>
+#include <glm/vec3.hpp>
+#include <string>
+#include <vector>
+
+namespace sherd {
+
+enum class MeshFormat { obj, ply, stl, off, gltf, glb };
+
+/// A mesh file in memory, unpacked.
+struct MeshFile {
+  std::filesystem::path path;
+  std::string name;  ///< file name without folder, for messages
+  MeshFormat format;
+  std::string bytes;
+};
+
+/// What a reader found: node transforms applied, polygons triangulated, nothing merged or dropped.
+struct RawMesh {
+  std::vector<glm::dvec3> vertices;
+  std::vector<glm::uvec3> triangles;  ///< indices below vertices.size()
+  std::size_t polygons = 0;           ///< faces before triangulation
+};
+
+/// An error about a file's content: "bowl.stl: what".
+inline Error inputError(const MeshFile& file, const std::string& what) {
+  return Error(ErrorCode::input, file.name + ": " + what);
+}
+
+/// An error about a line of a text file: "bowl.obj:412: what".
+inline Error inputError(const MeshFile& file, std::size_t line, const std::string& what) {
+  return Error(ErrorCode::input, file.name + ":" + std::to_string(line) + ": " + what);
+}
+
+}  // namespace sherd

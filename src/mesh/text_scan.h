@@ -1,0 +1,110 @@
+// Lines, words and whole numbers of a text in memory.
+#pragma once
+
+#include <algorithm>
+#include <charconv>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+namespace sherd {
+
+inline bool isBlank(char c) { return c == ' ' || ('\t' <= c && c <= '\r'); }
+
+/// Whether a text holds nothing but blanks.
+inline bool isBlank(std::string_view text) {
+  return std::all_of(text.begin(), text.end(), [](char c) { return isBlank(c); });
+}
+
+/// A text from a file, fit for a message: what is not printable ASCII becomes '?'.
+inline std::string plainText(std::string_view text) {
+  std::string out(text);
+  for (char& c : out)
+    if (c < ' ' || c > '~') c = '?';
+  return out;
+}
+
+/// The beginning of a text from a file, in quotes.
+inline std::string inQuotes(std::string_view text) {
+  return std::string(1, '\'').append(plainText(text.substr(0, 40))).append(1, '\'');
+}
+
+/// Cuts the first word off a line; empty at its end.
+inline std::string_view takeWord(std::string_view& line) {
+  std::size_t begin = 0;
+  while (begin < line.size() && isBlank(line[begin])) ++begin;
+  std::size_t end = begin;
+  while (end < line.size() && !isBlank(line[end])) ++end;
+  const std::string_view word = line.substr(begin, end - begin);
+  line.remove_prefix(end);
+  return word;
+}
+
+/// How many words a line has.
+inline std::size_t countWords(std::string_view line) {
+  std::size_t count = 0;
+  while (!takeWord(line).empty()) ++count;
+  return count;
+}
+
+/// The whole number that a word is, if it is one.
+template <class Integer>
+std::optional<Integer> parseInteger(std::string_view word) {
+  Integer value{};
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
+  return value;
+}
+
+/// Whether a word is a number; "nan", "inf" and numbers too large or small for a double are.
+inline bool isNumber(std::string_view word) {
+  if (word.starts_with('+')) word.remove_prefix(1);
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  return error != std::errc::invalid_argument && end == word.data() + word.size();
+}
+
+/// Whether a line begins with that many numbers; they are cut off it.
+inline bool takeNumbers(std::string_view& line, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i)
+    if (!isNumber(takeWord(line))) return false;
+  return true;
+}
+
+/// Walks over the lines of a text; '\n', "\r\n" and '\r' end one.
+class LineReader {
+ public:
+  explicit LineReader(std::string_view text) : text_(text) {}
+
+  /// Go to the next line; false after the last.
+  bool next() {
+    if (position_ >= text_.size()) return false;
+    std::size_t end = position_;
+    while (end < text_.size() && text_[end] != '\n' && text_[end] != '\r') ++end;
+    line_ = text_.substr(position_, end - position_);
+    position_ = std::min(text_.size(), end + (text_.substr(end, 2) == "\r\n" ? 2 : 1));
+    ++number_;
+    return true;
+  }
+
+  std::string_view line() const { return line_; }
+  std::size_t number() const { return number_; }      ///< of the line, from 1
+  std::size_t position() const { return position_; }  ///< byte after the line and its end
+
+ private:
+  std::string_view text_, line_;
+  std::size_t position_ = 0, number_ = 0;
+};
+
+/// Go to the next line that holds something before a '#'; false after the last.
+inline bool nextDataLine(LineReader& lines, std::string_view& line) {
+  while (lines.next()) {
+    line = lines.line().substr(0, lines.line().find('#'));
+    if (!isBlank(line)) return true;
+  }
+  return false;
+}
+
+}  // namespace sherd

@@ -1,0 +1,13 @@
+// Progress: report, and stop when asked.
+#include <sherd/error.h>
+#include <sherd/progress.h>
+
+namespace sherd {
+
+void step(const Progress* progress, std::string_view stage, double fraction) {
+  if (!progress) return;
+  if (progress->cancelled && progress->cancelled()) throw Error(ErrorCode::cancelled, "stopped on request");
+  if (progress->report) progress->report(stage, fraction);
+}
+
+}  // namespace sherd

@@ -1,0 +1,32 @@
+// Counter-based random numbers: a hash of (seed, stage, item), never a shared generator.
+#pragma once
+
+#include <cstdint>
+
+namespace sherd {
+
+/// A bijection of 64 bits that looks random.
+/// source  Steele, Lea, Flood, Fast Splittable Pseudorandom Number Generators, 2014 (the finalizer of SplitMix64)
+constexpr std::uint64_t mixed(std::uint64_t x) {
+  x ^= x >> 30;
+  x *= 0xbf58476d1ce4e5b9u;
+  x ^= x >> 27;
+  x *= 0x94d049bb133111ebu;
+  return x ^ (x >> 31);
+}
+
+/// What a number is drawn for: two stages never share a number.
+enum class Stage : std::uint64_t { seedVoxel = 1, partSeed = 2, fragmentId = 3 };
+
+/// 64 random bits of one item.
+constexpr std::uint64_t randomBits(std::uint64_t seed, Stage stage, std::uint64_t item) {
+  return mixed(mixed(mixed(seed + 0x9e3779b97f4a7c15u) + static_cast<std::uint64_t>(stage)) + item);
+}
+
+/// A number 0..count-1, each as likely to within count / 2^64.
+constexpr std::uint64_t randomBelow(std::uint64_t count, std::uint64_t seed, Stage stage, std::uint64_t item) {
+  __extension__ using Wide = unsigned __int128;
+  return static_cast<std::uint64_t>((static_cast<Wide>(randomBits(seed, stage, item)) * count) >> 64);
+}
+
+}  // namespace sherd

@@ -1,0 +1,208 @@
+// Pictures of fragments: trace a band of rows, smooth its light, shade it, next band.
+#include <sherd/error.h>
+#include <sherd/render.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <new>
+#include <string>
+
+#include "render/camera.h"
+#include "render/light.h"
+#include "render/palette.h"
+#include "render/scene.h"
+#include "render/trace.h"
+
+namespace sherd {
+namespace {
+
+constexpr int kReach = 2;  // rows and columns the light is smoothed over, each way
+
+void checkOptions(const RenderOptions& options) {
+  const auto fail = [](const std::string& sentence) { throw Error(ErrorCode::usage, sentence); };
+  if (std::min(options.width, options.height) < 16 ||
+      std::max(options.width, options.height) > 16384)
+    fail("picture: size is " + std::to_string(options.width) + "x" +
+         std::to_string(options.height) + ", each side goes from 16 to 16384 pixels");
+  if (!(std::isfinite(options.explode) && options.explode >= 0.0))
+    fail("picture: explode is " + std::to_string(options.explode) + ", it must be 0 or more");
+  if (!(std::abs(options.elevation) <= 90.0))
+    fail("picture: elevation is " + std::to_string(options.elevation) +
+         ", it goes from -90 to 90 degrees");
+  if (!std::isfinite(options.azimuth)) fail("picture: azimuth is not a finite number");
+  if (options.up != 'x' && options.up != 'y' && options.up != 'z')
+    fail(std::string("picture: up axis is '") + options.up + "', it must be x, y or z");
+}
+
+/// Bounced light keeps hollows from going grey: what the sky cannot reach, the same colour lights.
+/// source  J. Jimenez et al., Practical Real-Time Strategies for Accurate Indirect Occlusion, 2016
+glm::vec3 withBounces(float sky, glm::vec3 albedo) {
+  const glm::vec3 a = 2.0404f * albedo - 0.3324f, b = -4.7951f * albedo + 0.6417f,
+                  c = 2.7552f * albedo + 0.6903f;
+  const float open = 0.05f + 0.95f * sky;  // no hollow is quite dark
+  return glm::max(glm::vec3(open), ((open * a + b) * open + c) * open);
+}
+
+class Renderer {
+ public:
+  Renderer(std::span<const Fragment> fragments, const RenderOptions& options)
+      : width_(options.width),
+        height_(options.height),
+        scene_(makeScene(fragments, options)),
+        camera_(frameScene(scene_, options)),
+        light_(makeLight(std::atan2(camera_.back.x, camera_.back.z))),
+        coverage_(scene_, camera_),
+        ground_(scene_, light_) {
+    for (const Fragment& fragment : fragments)
+      colours_.push_back(pieceColour(std::max(0, fragment.id - 1)));
+  }
+
+  Image render(const Progress* progress) const {
+    Image image{width_, height_,
+                std::vector<std::uint8_t>(3 * static_cast<std::size_t>(width_) *
+                                          static_cast<std::size_t>(height_))};
+    // Smoothing looks two rows up and down, so a band is shaded when the next one is traced.
+    const int bands = (height_ + kTile - 1) / kTile;
+    std::array<Band, 3> ring{Band(width_), Band(width_), Band(width_)};
+    for (int band = 0; band <= bands; ++band) {
+      step(progress, "render", static_cast<double>(band) / (bands + 1));
+      if (band < bands) trace(band, ring[static_cast<std::size_t>(band % 3)]);
+      if (band > 0) shade(band - 1, ring, image);
+    }
+    return image;
+  }
+
+ private:
+  void trace(int band, Band& target) const {
+    tbb::parallel_for(0, (width_ + kTile - 1) / kTile,
+                      [&](int tile) { tracer_.trace(tile * kTile, band * kTile, target); });
+  }
+
+  void shade(int band, const std::array<Band, 3>& ring, Image& image) const {
+    const int first = band * kTile, last = std::min(height_, first + kTile);
+    tbb::parallel_for(first, last, [&](int y) {
+      for (int x = 0; x < width_; ++x) {
+        const glm::vec3 light = pixel(ring, x, y);
+        std::uint8_t* rgb =
+            &image.rgb[3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+                            static_cast<std::size_t>(x))];
+        for (int k = 0; k < 3; ++k) rgb[k] = byteFromLinear(light[k]);
+      }
+    });
+  }
+
+  /// Where a sample of pixel (x, y) lies in its band.
+  std::size_t place(int sample, int x, int y) const {
+    return static_cast<std::size_t>((sample * kTile + y % kTile) * width_ + x);
+  }
+
+  glm::vec3 pixel(const std::array<Band, 3>& ring, int x, int y) const {
+    glm::vec3 sum(0.0f);
+    int open = 0;
+    for (int s = 0; s < kSamplesPerPixel; ++s) {
+      const Band& band = ring[static_cast<std::size_t>(y / kTile % 3)];
+      const std::size_t at = place(s, x, y);
+      if (band.surface[at] == Band::kNothing) {
+        ++open;
+      } else {
+        const glm::vec2 free = smoothed(ring, s, x, y, band.surface[at], band.samples[at]);
+        sum += toneMap(surfaceLight(band.surface[at], band.samples[at], free));
+      }
+    }
+    if (open > 0) sum += static_cast<float>(open) * backdrop(x, y);
+    return sum / static_cast<float>(kSamplesPerPixel);
+  }
+
+  /// Key and sky light at a sample: the mean of its neighbours on the same smooth surface, each of
+  /// which has tried one direction of the pattern.
+  glm::vec2 smoothed(const std::array<Band, 3>& ring, int s, int x, int y, std::uint32_t surface,
+                     const Sample& sample) const {
+    const float tolerance =
+        1.5f * camera_.pixel * glm::dot(camera_.eye - sample.position, camera_.back);
+    glm::vec2 sum(0.0f);
+    float weights = 0.0f;
+    for (int ny = std::max(0, y - kReach); ny <= std::min(height_ - 1, y + kReach); ++ny) {
+      const Band& band = ring[static_cast<std::size_t>(ny / kTile % 3)];
+      const float rowWeight = std::abs(ny - y) == kReach ? 0.5f : 1.0f;
+      for (int nx = std::max(0, x - kReach); nx <= std::min(width_ - 1, x + kReach); ++nx) {
+        const std::size_t at = place(s, nx, ny);
+        if (band.surface[at] != surface) continue;
+        const Sample& other = band.samples[at];
+        if (glm::dot(other.normal, sample.normal) < 0.9f ||
+            std::abs(glm::dot(sample.normal, other.position - sample.position)) > tolerance)
+          continue;
+        const float weight = std::abs(nx - x) == kReach ? 0.5f * rowWeight : rowWeight;
+        sum += weight * glm::vec2(other.key, other.sky);
+        weights += weight;
+      }
+    }
+    return weights > 0.0f ? sum / weights : glm::vec2(sample.key, sample.sky);
+  }
+
+  glm::vec3 surfaceLight(std::uint32_t surface, const Sample& sample, glm::vec2 free) const {
+    const bool inner = (surface - 1) % 2 != 0;
+    const PieceColour& colour = colours_[(surface - 1) / 2];
+    const glm::vec3 albedo = inner ? colour.inner : colour.outer;
+    const glm::vec3 n = sample.normal;
+    const glm::vec3 below = light_.ground * ground_.at(sample.position.x, sample.position.z);
+    const glm::vec3 around =
+        glm::mix(below, light_.sky, 0.5f + 0.5f * n.y) * withBounces(free.y, albedo);
+    const float facing = std::max(0.0f, glm::dot(n, light_.keyDirection));
+    glm::vec3 light = albedo * (light_.key * (facing * free.x) + around);
+    if (!inner) {
+      // A fired surface has a faint sheen, a break has none.
+      const glm::vec3 view = glm::normalize(camera_.eye - sample.position);
+      const float h = std::max(0.0f, glm::dot(n, glm::normalize(view + light_.keyDirection)));
+      const float h8 = h * h * h * h * h * h * h * h, h32 = h8 * h8 * h8 * h8;
+      const float graze = 1.0f - std::max(0.0f, glm::dot(n, view));
+      light += light_.key * (0.10f * h32 * facing * free.x);
+      light += light_.sky * (0.22f * graze * graze * graze * graze * free.y);
+    }
+    return light;
+  }
+
+  /// A bright sweep of paper, dimmer towards the corners, on which the fragments' shadow falls.
+  glm::vec3 backdrop(int x, int y) const {
+    const float u = (static_cast<float>(x) + 0.5f) / static_cast<float>(width_) - 0.5f;
+    const float v = (static_cast<float>(y) + 0.5f) / static_cast<float>(height_) - 0.44f;
+    const glm::vec3 middle(0.890f, 0.878f, 0.855f), corner(0.700f, 0.690f, 0.675f);
+    const glm::vec3 paper =
+        glm::mix(middle, corner, glm::smoothstep(0.1f, 0.85f, std::sqrt(u * u + v * v)));
+    const glm::vec3 d =
+        camera_.direction(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
+    const float drop = camera_.eye.y - scene_.groundY;
+    if (d.y >= 0.0f || drop <= 0.0f) return paper;
+    const float t = drop / -d.y;
+    return paper * ground_.at(camera_.eye.x + t * d.x, camera_.eye.z + t * d.z);
+  }
+
+  int width_, height_;
+  Scene scene_;
+  Camera camera_;
+  Light light_;
+  Coverage coverage_;
+  GroundLight ground_;
+  Tracer tracer_{scene_, camera_, light_, coverage_, width_};
+  std::vector<PieceColour> colours_;
+};
+
+}  // namespace
+
+Image renderFragments(std::span<const Fragment> fragments, const RenderOptions& options,
+                      const Progress* progress) {
+  checkOptions(options);
+  step(progress, "render", 0.0);
+  try {
+    return Renderer(fragments, options).render(progress);
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::output, "picture: no memory for " + std::to_string(options.width) + "x" +
+                                       std::to_string(options.height) +
+                                       " pixels; try a smaller picture");
+  }
+}
+
+}  // namespace sherd

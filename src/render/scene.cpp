@@ -1,0 +1,168 @@
+// The exploded fragments as Embree sees them.
+#include "render/scene.h"
+
+#include <sherd/error.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <string>
+
+namespace sherd {
+namespace {
+
+constexpr float kCreaseCosine = 0.7f;  // 45 degrees: what a surface mesh rounds off stays smooth
+
+glm::dvec3 yUp(glm::dvec3 p, char up) {
+  if (up == 'z') return {p.x, p.z, -p.y};
+  if (up == 'x') return {p.z, p.x, p.y};
+  return p;
+}
+
+glm::dvec3 centroidOfWhole(std::span<const Fragment> fragments) {
+  glm::dvec3 sum(0.0);
+  double volume = 0.0;
+  for (const Fragment& fragment : fragments) {
+    const double v = std::max(fragment.mass.volume, 0.0);
+    sum += v * fragment.mass.centroid;
+    volume += v;
+  }
+  if (volume > 0.0) return sum / volume;
+  for (const Fragment& fragment : fragments) sum += fragment.mass.centroid;
+  return sum / std::max(1.0, static_cast<double>(fragments.size()));
+}
+
+/// Where each vertex's triangles are listed.
+struct Fans {
+  std::vector<std::uint32_t> first;     // [vertices + 1]
+  std::vector<std::uint32_t> triangle;  // [3 * triangles]
+};
+
+Fans fans(const TriangleMesh& mesh) {
+  Fans result{std::vector<std::uint32_t>(mesh.vertices.size() + 2, 0),
+              std::vector<std::uint32_t>(3 * mesh.triangles.size())};
+  for (const glm::uvec3& t : mesh.triangles)
+    for (int k = 0; k < 3; ++k) ++result.first[t[k] + 2];
+  for (std::size_t v = 2; v < result.first.size(); ++v) result.first[v] += result.first[v - 1];
+  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i)
+    for (int k = 0; k < 3; ++k) result.triangle[result.first[mesh.triangles[i][k] + 1]++] = i;
+  return result;  // first[v + 1] has moved on to the end of v's list, which is where v + 1's begins
+}
+
+/// A corner's normal is the area-weighted mean over the faces round its vertex that face the same
+/// way as its own: the same original surface or neighbour, and no crease between them.
+void setNormals(const Fragment& fragment, Piece& piece) {
+  const TriangleMesh& mesh = fragment.mesh;
+  const std::size_t count = mesh.triangles.size();
+  std::vector<glm::vec3> areaNormal(count), normal(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const glm::uvec3& t = mesh.triangles[i];
+    const glm::vec3 a = piece.vertices[t.x], b = piece.vertices[t.y], c = piece.vertices[t.z];
+    areaNormal[i] = glm::cross(b - a, c - a);
+    const float length = glm::length(areaNormal[i]);
+    normal[i] = length > 0.0f ? areaNormal[i] / length : glm::vec3(0.0f, 1.0f, 0.0f);
+  }
+  const Fans fan = fans(mesh);
+  const auto facing = [&](std::size_t i) {
+    return fragment.facing.empty() ? 0 : fragment.facing[i];
+  };
+  for (std::size_t i = 0; i < count; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t v = mesh.triangles[i][k];
+      glm::vec3 sum(0.0f);
+      for (std::uint32_t j = fan.first[v]; j < fan.first[v + 1]; ++j) {
+        const std::uint32_t other = fan.triangle[j];
+        if (facing(other) == facing(i) && glm::dot(normal[other], normal[i]) > kCreaseCosine)
+          sum += areaNormal[other];
+      }
+      const float length = glm::length(sum);
+      piece.normals[i][static_cast<std::size_t>(k)] = length > 0.0f ? sum / length : normal[i];
+    }
+  }
+}
+
+void check(RTCDevice device) {
+  const RTCError error = rtcGetDeviceError(device);
+  if (error == RTC_ERROR_NONE) return;
+  throw Error(ErrorCode::output, "picture: Embree failed with error " +
+                                     std::to_string(static_cast<int>(error)) +
+                                     (error == RTC_ERROR_OUT_OF_MEMORY ? ", out of memory" : ""));
+}
+
+void build(Scene& scene) {
+  scene.device.reset(rtcNewDevice(nullptr));
+  if (!scene.device) check(nullptr);
+  scene.embree.reset(rtcNewScene(scene.device.get()));
+  rtcSetSceneFlags(scene.embree.get(), RTC_SCENE_FLAG_ROBUST);
+  for (std::size_t i = 0; i < scene.pieces.size(); ++i) {
+    const Piece& piece = scene.pieces[i];
+    RTCGeometry geometry = rtcNewGeometry(scene.device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                               piece.vertices.data(), 0, sizeof(glm::vec3),
+                               piece.vertices.size() - 1);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                               piece.triangles.data(), 0, sizeof(glm::uvec3),
+                               piece.triangles.size());
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(scene.embree.get(), geometry, static_cast<unsigned>(i));
+    rtcReleaseGeometry(geometry);
+  }
+  rtcCommitScene(scene.embree.get());
+  check(scene.device.get());
+}
+
+}  // namespace
+
+Scene makeScene(std::span<const Fragment> fragments, const RenderOptions& options) {
+  const glm::dvec3 whole = centroidOfWhole(fragments);
+  std::vector<glm::dvec3> shift(fragments.size());
+  glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
+  for (std::size_t i = 0; i < fragments.size(); ++i) {
+    shift[i] = options.explode * (fragments[i].mass.centroid - whole);
+    for (const glm::dvec3& v : fragments[i].mesh.vertices) {
+      const glm::dvec3 p = yUp(v + shift[i], options.up);
+      low = glm::min(low, p);
+      high = glm::max(high, p);
+    }
+  }
+  if (!(low.x <= high.x)) low = glm::dvec3(-1.0), high = glm::dvec3(1.0);
+  const glm::dvec3 centre = 0.5 * (low + high);
+  const double size = std::max(0.5 * glm::length(high - low), std::numeric_limits<double>::min());
+
+  Scene scene;
+  scene.groundY = static_cast<float>((low.y - centre.y) / size);
+  const glm::vec3 half = glm::vec3(0.5 * (high - low) / size);
+  for (int k = 0; k < 8; ++k)
+    scene.boxCorners.push_back(half * glm::vec3(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1));
+  scene.pieces.resize(fragments.size());
+  tbb::parallel_for(std::size_t{0}, fragments.size(), [&](std::size_t i) {
+    const TriangleMesh& mesh = fragments[i].mesh;
+    Piece& piece = scene.pieces[i];
+    piece.vertices.reserve(mesh.vertices.size() + 1);
+    for (const glm::dvec3& v : mesh.vertices)
+      piece.vertices.emplace_back((yUp(v + shift[i], options.up) - centre) / size);
+    piece.vertices.emplace_back(0.0f);
+    piece.triangles = mesh.triangles;
+    piece.normals.resize(mesh.triangles.size());
+    piece.inner.resize(mesh.triangles.size(), 0);
+    for (std::size_t t = 0; t < std::min(fragments[i].facing.size(), piece.inner.size()); ++t)
+      piece.inner[t] = fragments[i].facing[t] != 0;
+  });
+  // One thread builds: with more, the order within a leaf depends on their number, and with it
+  // which of two triangles a ray through their common edge hits.  (Embree's own threads=1 would
+  // throttle the whole process.)  The others make the normals meanwhile.
+  tbb::task_arena alone(1);
+  tbb::parallel_invoke([&] { alone.execute([&] { build(scene); }); },
+                       [&] {
+                         tbb::parallel_for(std::size_t{0}, fragments.size(), [&](std::size_t i) {
+                           setNormals(fragments[i], scene.pieces[i]);
+                         });
+                       });
+  return scene;
+}
+
+}  // namespace sherd

@@ -1,0 +1,40 @@
+// The exploded fragments as Embree sees them.
+#pragma once
+
+#include <embree3/rtcore.h>
+#include <sherd/render.h>
+
+#include <array>
+#include <glm/vec3.hpp>
+#include <memory>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+namespace sherd {
+
+/// One fragment in scene space: y up, centred on the exploded whole, whose box has a half diagonal
+/// of 1.
+struct Piece {
+  std::vector<glm::vec3> vertices;                ///< [n + 1]: Embree reads 4 bytes past the last
+  std::vector<glm::uvec3> triangles;              ///< [m]
+  std::vector<std::array<glm::vec3, 3>> normals;  ///< [m] unit normals at the corners
+  std::vector<std::uint8_t> inner;                ///< [m] 1 for a fracture face
+};
+
+struct Scene {
+  std::vector<Piece> pieces;          ///< Embree's geometry id is the index
+  std::vector<glm::vec3> boxCorners;  ///< [8] of the whole
+  float groundY = 0.0f;               ///< the lowest vertex lies here
+
+  std::unique_ptr<std::remove_pointer_t<RTCDevice>, decltype(&rtcReleaseDevice)> device{
+      nullptr, &rtcReleaseDevice};
+  std::unique_ptr<std::remove_pointer_t<RTCScene>, decltype(&rtcReleaseScene)> embree{
+      nullptr, &rtcReleaseScene};
+};
+
+/// Explode, centre and scale the fragments, give them smooth normals, and build the tree of boxes.
+///   throws  Error(output) when Embree fails
+[[nodiscard]] Scene makeScene(std::span<const Fragment> fragments, const RenderOptions& options);
+
+}  // namespace sherd

@@ -1,0 +1,189 @@
+// Smoothing labels into a cut.
+#include "surface/cut.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace sherd {
+namespace {
+
+constexpr int kHalo = 2;                // two binomial passes reach two voxels
+constexpr int kSide = 8 + 2 * kHalo;    // labels gathered round a leaf
+constexpr std::uint16_t kMixed = 0xffff;  // ids stay below
+
+using Halo = std::array<std::uint16_t, kSide * kSide * kSide>;
+using LeafWeights = std::array<std::uint16_t, 512>;
+
+// The normal quantile of (1 + d) / 2 for d in 0..1, in 1/1024 steps: distance in voxels by smoothed difference.
+class Profile {
+ public:
+  Profile() {
+    for (int i = 0; i < kSteps; ++i) {
+      double low = 0.0, high = 4.0;
+      for (int k = 0; k < 50; ++k) {
+        const double x = (low + high) / 2;
+        (std::erf(x / std::sqrt(2.0)) < static_cast<double>(i) / kSteps ? low : high) = x;
+      }
+      table_[static_cast<std::size_t>(i)] = static_cast<float>(low);
+    }
+    table_[kSteps] = 3.0f;
+  }
+
+  // Odd in `difference`, so that the two sides of a cut agree to the bit.
+  float distance(int difference, int sum) const {
+    if (sum == 0) return 3.0f;
+    const float at = static_cast<float>(std::abs(difference)) / static_cast<float>(sum) * kSteps;
+    const auto i = std::min(static_cast<std::size_t>(at), static_cast<std::size_t>(kSteps - 1));
+    const float x = std::min(table_[i] + (table_[i + 1] - table_[i]) * (at - static_cast<float>(i)), 3.0f);
+    return difference < 0 ? -x : x;
+  }
+
+ private:
+  static constexpr int kSteps = 1024;
+  std::array<float, kSteps + 1> table_{};
+};
+
+// Which single label a leaf's voxels have: 0 none, kMixed several.
+std::vector<std::uint16_t> leafLabels(const LeafBlocks& blocks, const Labels& labels) {
+  std::vector<std::uint16_t> only(blocks.count());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, only.size(), 64), [&](const auto& range) {
+    for (std::size_t leaf = range.begin(); leaf < range.end(); ++leaf) {
+      std::uint16_t found = 0;
+      for (std::size_t v = 0; v < 512; ++v) {
+        const std::uint16_t label = labels.fragment[leaf * 512 + v];
+        if (label == 0 || label == found) continue;
+        if (found != 0) {
+          found = kMixed;
+          break;
+        }
+        found = label;
+      }
+      only[leaf] = found;
+    }
+  });
+  return only;
+}
+
+// The 27 leaves round a leaf, itself in the middle, kNone where there is none.
+std::array<std::uint32_t, 27> leavesRound(const LeafBlocks& blocks, std::size_t leaf) {
+  std::array<std::uint32_t, 27> round;
+  std::size_t k = 0;
+  for (int x = -8; x <= 8; x += 8) {
+    for (int y = -8; y <= 8; y += 8) {
+      for (int z = -8; z <= 8; z += 8) {
+        round[k++] = findLeaf(blocks, blocks.origins[leaf] + openvdb::Coord(x, y, z));
+      }
+    }
+  }
+  return round;
+}
+
+Halo gather(const Labels& labels, const std::array<std::uint32_t, 27>& round) {
+  Halo halo;
+  std::size_t at = 0;
+  for (int x = -kHalo; x < 8 + kHalo; ++x) {
+    for (int y = -kHalo; y < 8 + kHalo; ++y) {
+      for (int z = -kHalo; z < 8 + kHalo; ++z) {
+        const std::uint32_t leaf = round[static_cast<std::size_t>(((x >> 3) + 1) * 9 + ((y >> 3) + 1) * 3 + (z >> 3) + 1)];
+        const int offset = ((x & 7) << 6) | ((y & 7) << 3) | (z & 7);
+        halo[at++] = leaf == LeafBlocks::kNone ? std::uint16_t{0}
+                                               : labels.fragment[std::size_t{leaf} * 512 + static_cast<std::size_t>(offset)];
+      }
+    }
+  }
+  return halo;
+}
+
+// The indicator of `label`, smoothed: weights out of 4096.  One axis at a time.
+LeafWeights smoothed(const Halo& halo, std::uint16_t label) {
+  std::array<std::uint16_t, kSide * kSide * 8> alongZ;
+  std::array<std::uint16_t, kSide * 8 * 8> alongY;
+  LeafWeights weights;
+  const auto tap = [](const auto* p, std::size_t stride) {
+    return static_cast<std::uint16_t>(p[0] + 4 * p[stride] + 6 * p[2 * stride] + 4 * p[3 * stride] + p[4 * stride]);
+  };
+  for (std::size_t xy = 0; xy < kSide * kSide; ++xy) {
+    std::array<std::uint16_t, kSide> row;
+    for (std::size_t z = 0; z < kSide; ++z) row[z] = halo[xy * kSide + z] == label;
+    for (std::size_t z = 0; z < 8; ++z) alongZ[xy * 8 + z] = tap(&row[z], 1);
+  }
+  for (std::size_t x = 0; x < kSide; ++x) {
+    for (std::size_t yz = 0; yz < 64; ++yz) alongY[x * 64 + yz] = tap(&alongZ[x * kSide * 8 + yz], 8);
+  }
+  for (std::size_t v = 0; v < 512; ++v) weights[v] = tap(&alongY[v], 64);
+  return weights;
+}
+
+CutLeaf cutLeaf(const Halo& halo, std::vector<std::uint16_t> fragments, const std::uint64_t* inside,
+                const std::uint16_t* owner) {
+  static const Profile profile;
+  CutLeaf cut;
+  std::vector<LeafWeights> weights;
+  for (const std::uint16_t fragment : fragments) weights.push_back(smoothed(halo, fragment));
+  cut.fragments = std::move(fragments);
+  cut.distance.resize(cut.fragments.size() * 512);
+  for (std::size_t v = 0; v < 512; ++v) {
+    int first = 0, second = 0, sum = 0;  // the two largest weights
+    for (const LeafWeights& w : weights) {
+      sum += w[v];
+      second = std::max(second, std::min<int>(first, w[v]));
+      first = std::max<int>(first, w[v]);
+    }
+    const bool isInside = (inside[v >> 6] >> (v & 63)) & 1;
+    for (std::size_t i = 0; i < cut.fragments.size(); ++i) {
+      const int own = weights[i][v];
+      float d = profile.distance((own == first ? second : first) - own, sum);
+      if (isInside) {
+        d = owner[v] == cut.fragments[i] ? std::min(d, -Cut::kLeastDepth) : std::max(d, Cut::kLeastDepth);
+      }
+      cut.distance[i * 512 + v] = d;
+    }
+  }
+  return cut;
+}
+
+}  // namespace
+
+Cut findCut(const LeafBlocks& blocks, const Labels& labels) {
+  const std::vector<std::uint16_t> leafLabel = leafLabels(blocks, labels);
+  std::vector<CutLeaf> perLeaf(blocks.count());
+  Cut cut;
+  cut.only.resize(blocks.count());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks.count(), 16), [&](const auto& range) {
+    for (std::size_t leaf = range.begin(); leaf < range.end(); ++leaf) {
+      const std::array<std::uint32_t, 27> round = leavesRound(blocks, leaf);
+      std::uint16_t only = 0;
+      for (const std::uint32_t other : round) {
+        if (other == LeafBlocks::kNone || leafLabel[other] == 0) continue;
+        only = only == 0 || only == leafLabel[other] ? leafLabel[other] : kMixed;
+      }
+      if (only != kMixed) {
+        cut.only[leaf] = only;
+        continue;
+      }
+      const Halo halo = gather(labels, round);
+      std::vector<std::uint16_t> fragments(halo.begin(), halo.end());
+      std::sort(fragments.begin(), fragments.end());
+      fragments.erase(std::unique(fragments.begin(), fragments.end()), fragments.end());
+      if (!fragments.empty() && fragments.front() == 0) fragments.erase(fragments.begin());
+      if (fragments.size() == 1) {
+        cut.only[leaf] = fragments.front();
+      } else if (fragments.size() > 1) {
+        perLeaf[leaf] = cutLeaf(halo, std::move(fragments), &blocks.inside[leaf * 8], &labels.fragment[leaf * 512]);
+      }
+    }
+  });
+  cut.index.assign(blocks.count(), Cut::kWhole);
+  for (std::size_t leaf = 0; leaf < blocks.count(); ++leaf) {
+    if (perLeaf[leaf].fragments.empty()) continue;
+    cut.index[leaf] = static_cast<std::uint32_t>(cut.leaves.size());
+    cut.leaves.push_back(std::move(perLeaf[leaf]));
+  }
+  return cut;
+}
+
+}  // namespace sherd

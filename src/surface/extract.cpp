@@ -1,0 +1,98 @@
+// Fragments out of a labelled solid.
+#include <sherd/error.h>
+#include <sherd/fragments.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <bit>
+#include <string>
+
+#include <glm/geometric.hpp>
+
+#include "surface/contacts.h"
+#include "surface/cut.h"
+#include "surface/level_set.h"
+#include "surface/mesh.h"
+
+namespace sherd {
+namespace {
+
+// The leaves that concern each fragment: [fragments + 1], ascending.
+std::vector<std::vector<std::uint32_t>> leavesOf(const Cut& cut, int fragments) {
+  std::vector<std::vector<std::uint32_t>> leaves(static_cast<std::size_t>(fragments) + 1);
+  for (std::uint32_t leaf = 0; leaf < cut.only.size(); ++leaf) {
+    if (cut.index[leaf] == Cut::kWhole) {
+      leaves[cut.only[leaf]].push_back(leaf);
+    } else {
+      for (const std::uint16_t fragment : cut.leaves[cut.index[leaf]].fragments) leaves[fragment].push_back(leaf);
+    }
+  }
+  return leaves;
+}
+
+VoxelBox voxelBox(const Solid& solid, const Labels& labels, std::uint16_t fragment,
+                  std::span<const std::uint32_t> leaves) {
+  VoxelBox box{openvdb::Coord::max(), openvdb::Coord::min()};
+  for (const std::uint32_t leaf : leaves) {
+    for (std::size_t x = 0; x < 8; ++x) {
+      for (std::uint64_t bits = solid.blocks.inside[leaf * 8 + x]; bits; bits &= bits - 1) {
+        const auto v = static_cast<std::uint32_t>(x * 64) + static_cast<std::uint32_t>(std::countr_zero(bits));
+        if (labels.fragment[std::size_t{leaf} * 512 + v] != fragment) continue;
+        const openvdb::Coord voxel = solid.blocks.origins[leaf] + coordFromOffset(v);
+        box.min.minComponent(voxel);
+        box.max.maxComponent(voxel);
+      }
+    }
+  }
+  return box;
+}
+
+double fractureArea(const Fragment& fragment) {
+  TriangleMesh cut{fragment.mesh.vertices, {}};
+  for (std::size_t t = 0; t < fragment.facing.size(); ++t) {
+    if (fragment.facing[t] != 0) cut.triangles.push_back(fragment.mesh.triangles[t]);
+  }
+  return area(cut);
+}
+
+}  // namespace
+
+std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels, int count,
+                                       const Progress* progress) {
+  step(progress, "extract", 0.0);
+  const std::vector<std::uint64_t> voxels = countVoxels(solid.blocks, labels, count);
+  if (voxels[0] != 0) {
+    throw Error(ErrorCode::internal, std::to_string(voxels[0]) + " voxels of the solid have no fragment");
+  }
+  const Cut cut = findCut(solid.blocks, labels);
+  const std::vector<std::vector<std::uint32_t>> leaves = leavesOf(cut, count);
+
+  std::vector<Fragment> fragments(static_cast<std::size_t>(count));
+  const auto extract = [&](std::size_t i) {
+    Fragment& fragment = fragments[i];
+    fragment.id = static_cast<int>(i) + 1;
+    const auto id = static_cast<std::uint16_t>(fragment.id);
+    fragment.voxels = voxels[i + 1];
+    fragment.voxelBox = voxelBox(solid, labels, id, leaves[i + 1]);
+    fragment.surface = fragmentLevelSet(solid, cut, id, leaves[i + 1]);
+    LevelSetMesh meshed = meshLevelSet(*fragment.surface, solid.frame, solidOver(solid, leaves[i + 1]).get());
+    fragment.mesh = std::move(meshed.mesh);
+    fragment.facing = facingOf(fragment.mesh, meshed.original, id, solid, labels);
+    fragment.mass = massProperties(fragment.mesh);
+    fragment.area = area(fragment.mesh);
+    fragment.fractureArea = fractureArea(fragment);
+  };
+  // In rounds, so that the caller's thread can report and be stopped between them.
+  constexpr std::size_t kRound = 8;
+  for (std::size_t first = 0; first < fragments.size(); first += kRound) {
+    tbb::parallel_for(first, std::min(first + kRound, fragments.size()), extract);
+    step(progress, "extract", static_cast<double>(std::min(first + kRound, fragments.size())) /
+                                  static_cast<double>(fragments.size()));
+  }
+  addContacts(fragments, solid, labels);
+  return fragments;
+}
+
+TriangleMesh solidMesh(const Solid& solid) { return meshLevelSet(*solid.distance, solid.frame, nullptr).mesh; }
+
+}  // namespace sherd

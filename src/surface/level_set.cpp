@@ -1,0 +1,75 @@
+// Cutting level sets.
+#include "surface/level_set.h"
+
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/Prune.h>
+
+#include <algorithm>
+#include <memory>
+
+namespace sherd {
+namespace {
+
+using openvdb::FloatGrid;
+using Leaf = FloatGrid::TreeType::LeafNodeType;
+
+FloatGrid::Ptr emptyLike(const FloatGrid& solid) {
+  FloatGrid::Ptr grid = FloatGrid::create(solid.background());
+  grid->setTransform(solid.transform().copy());
+  grid->setGridClass(openvdb::GRID_LEVEL_SET);
+  grid->setName("surface");
+  return grid;
+}
+
+// A leaf of the solid as it is; where the solid has none there, an interior tile.
+void addWhole(FloatGrid& grid, const Leaf* leaf, const openvdb::Coord& origin) {
+  if (leaf) {
+    grid.tree().addLeaf(new Leaf(*leaf));
+  } else {
+    grid.tree().addTile(1, origin, -grid.background(), false);
+  }
+}
+
+}  // namespace
+
+ConstFloatGridPtr fragmentLevelSet(const Solid& solid, const Cut& cut, std::uint16_t fragment,
+                                   std::span<const std::uint32_t> leaves) {
+  FloatGrid::Ptr grid = emptyLike(*solid.distance);
+  const float band = grid->background();
+  const auto voxelSize = static_cast<float>(solid.frame.voxelSize);
+  for (const std::uint32_t at : leaves) {
+    const openvdb::Coord& origin = solid.blocks.origins[at];
+    const Leaf* whole = solid.distance->tree().probeConstLeaf(origin);
+    if (cut.index[at] == Cut::kWhole) {
+      addWhole(*grid, whole, origin);
+      continue;
+    }
+    const CutLeaf& cutLeaf = cut.leaves[cut.index[at]];
+    const auto i = static_cast<std::size_t>(
+        std::lower_bound(cutLeaf.fragments.begin(), cutLeaf.fragments.end(), fragment) - cutLeaf.fragments.begin());
+    auto leaf = std::make_unique<Leaf>(origin, band, false);
+    for (openvdb::Index v = 0; v < 512; ++v) {
+      const float solidValue = whole ? whole->getValue(v) : -band;
+      const float value = std::max(solidValue, cutLeaf.distance[i * 512 + v] * voxelSize);
+      if (value <= -band) {
+        leaf->setValueOff(v, -band);
+      } else if (value < band) {
+        leaf->setValueOn(v, value);
+      }
+    }
+    grid->tree().addLeaf(leaf.release());
+  }
+  openvdb::tools::pruneLevelSet(grid->tree(), /*threaded=*/false);
+  return grid;
+}
+
+ConstFloatGridPtr solidOver(const Solid& solid, std::span<const std::uint32_t> leaves) {
+  FloatGrid::Ptr grid = emptyLike(*solid.distance);
+  for (const std::uint32_t at : leaves) {
+    const openvdb::Coord& origin = solid.blocks.origins[at];
+    addWhole(*grid, solid.distance->tree().probeConstLeaf(origin), origin);
+  }
+  return grid;
+}
+
+}  // namespace sherd

@@ -1,0 +1,61 @@
+// Level sets to triangles.  The only file that compiles OpenVDB's mesher.
+#include "surface/mesh.h"
+
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/VolumeToMesh.h>
+
+namespace sherd {
+namespace {
+
+double squaredDistance(const glm::dvec3& a, const glm::dvec3& b) { return glm::dot(a - b, a - b); }
+
+// The same values with the index space as world: float positions then lose nothing to a far-off origin.
+openvdb::FloatGrid::ConstPtr inIndexSpace(const openvdb::FloatGrid& grid) {
+  openvdb::FloatGrid::Ptr view =
+      openvdb::FloatGrid::create(openvdb::ConstPtrCast<openvdb::FloatTree>(grid.constTreePtr()));
+  view->setGridClass(openvdb::GRID_LEVEL_SET);
+  return view;
+}
+
+}  // namespace
+
+LevelSetMesh meshLevelSet(const openvdb::FloatGrid& grid, const GridFrame& frame,
+                          const openvdb::FloatGrid* reference) {
+  openvdb::tools::VolumeToMesh mesher(/*isovalue=*/0.0, /*adaptivity=*/0.0);  // fresh: a reused one remembers
+  if (reference) mesher.setRefGrid(inIndexSpace(*reference));
+  mesher(*inIndexSpace(grid));
+
+  LevelSetMesh out;
+  std::vector<glm::dvec3>& vertices = out.mesh.vertices;
+  vertices.reserve(mesher.pointListSize());
+  for (std::size_t i = 0; i < mesher.pointListSize(); ++i) {
+    const openvdb::Vec3s& p = mesher.pointList()[i];
+    vertices.push_back({p.x(), p.y(), p.z()});
+  }
+  // OpenVDB winds a level set's faces clockwise seen from outside.
+  for (std::size_t n = 0; n < mesher.polygonPoolListSize(); ++n) {
+    const openvdb::tools::PolygonPool& pool = mesher.polygonPoolList()[n];
+    const auto add = [&](unsigned a, unsigned b, unsigned c, char flags) {
+      out.mesh.triangles.push_back({c, b, a});
+      if (reference) out.original.push_back((flags & openvdb::tools::POLYFLAG_EXTERIOR) != 0);
+    };
+    for (std::size_t i = 0; i < pool.numQuads(); ++i) {
+      const openvdb::Vec4I& q = pool.quad(i);
+      if (squaredDistance(vertices[q[0]], vertices[q[2]]) <= squaredDistance(vertices[q[1]], vertices[q[3]])) {
+        add(q[0], q[1], q[2], pool.quadFlags(i));
+        add(q[0], q[2], q[3], pool.quadFlags(i));
+      } else {
+        add(q[1], q[2], q[3], pool.quadFlags(i));
+        add(q[1], q[3], q[0], pool.quadFlags(i));
+      }
+    }
+    for (std::size_t i = 0; i < pool.numTriangles(); ++i) {
+      const openvdb::Vec3I& t = pool.triangle(i);
+      add(t[0], t[1], t[2], pool.triangleFlags(i));
+    }
+  }
+  for (glm::dvec3& v : vertices) v = frame.worldFromIndex({v}).v;
+  return out;
+}
+
+}  // namespace sherd

@@ -1,0 +1,34 @@
+// Looking leaves up in leaf blocks.
+#include <sherd/leaf_blocks.h>
+
+#include <algorithm>
+
+namespace sherd {
+
+std::uint32_t findLeaf(const LeafBlocks& blocks, const openvdb::Coord& voxel) {
+  const openvdb::Coord origin = voxel & ~7;
+  const auto at = std::lower_bound(blocks.origins.begin(), blocks.origins.end(), origin);
+  if (at == blocks.origins.end() || *at != origin) return LeafBlocks::kNone;
+  return static_cast<std::uint32_t>(at - blocks.origins.begin());
+}
+
+std::vector<std::uint32_t> leafNeighbours(std::span<const openvdb::Coord> origins) {
+  // Both sides of a face are met in the same order, so one finger per direction walks the sorted list along.
+  std::vector<std::uint32_t> table(origins.size() * 6, LeafBlocks::kNone);
+  for (int axis = 0; axis < 3; ++axis) {
+    openvdb::Coord offset(0, 0, 0);
+    offset[axis] = 8;
+    std::size_t finger = 0;
+    for (std::size_t leaf = 0; leaf < origins.size(); ++leaf) {
+      const openvdb::Coord beyond = origins[leaf] + offset;
+      while (finger < origins.size() && origins[finger] < beyond) ++finger;
+      if (finger < origins.size() && origins[finger] == beyond) {
+        table[leaf * 6 + static_cast<std::size_t>(2 * axis + 1)] = static_cast<std::uint32_t>(finger);
+        table[finger * 6 + static_cast<std::size_t>(2 * axis)] = static_cast<std::uint32_t>(leaf);
+      }
+    }
+  }
+  return table;
+}
+
+}  // namespace sherd

@@ -1,0 +1,44 @@
+// Voxel solids for kernel tests, made without the code under test: sets of coordinates, and leaf blocks from them.
+#pragma once
+
+#include <sherd/leaf_blocks.h>
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace sherd::voxel_shapes {
+
+struct VoxelSolid {
+  std::string name;
+  std::set<openvdb::Coord> inside;
+  std::set<openvdb::Coord> outer;  ///< outer band: voxels outside within three steps of the inside
+};
+
+/// All voxels of the box -extent..extent for which `isInside` holds.
+VoxelSolid solidWhere(std::string name, int extent, const std::function<bool(const openvdb::Coord&)>& isInside);
+
+VoxelSolid ball(int radius);
+VoxelSolid cup(int radius, int wall);
+/// Each voxel of a box inside with probability `percent`: many parts, long winding ways, up to 256 nodes in a leaf.
+VoxelSolid sparseRandom(int extent, unsigned percent, unsigned seed);
+/// Separate small cubes, some touching only at edges or corners.
+VoxelSolid manyParts();
+VoxelSolid checkerboard(int extent);
+
+/// The shapes that every kernel is tried on.
+std::vector<VoxelSolid> all();
+
+/// Leaf blocks of a solid, with leaves that lie far from the origin on both sides.
+LeafBlocks blocksOf(const VoxelSolid& solid);
+
+/// Where a voxel lies in the arrays: leaf * 512 + offset.
+std::size_t placeOf(const LeafBlocks& blocks, const openvdb::Coord& voxel);
+
+/// The six face neighbours.
+std::vector<openvdb::Coord> neighbours(const openvdb::Coord& voxel);
+
+}  // namespace sherd::voxel_shapes

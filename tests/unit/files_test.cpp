@@ -1,0 +1,488 @@
+// What files hold, and that they appear whole or not at all.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/LevelSetSphere.h>
+#include <sherd/error.h>
+#include <sherd/io.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstring>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+#include <string>
+
+#include "io/atomic_file.h"
+#include "io/manifest.h"
+#include "io/vdb.h"
+
+namespace sherd {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string bytesOf(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+void writeText(const fs::path& path, const std::string& text) {
+  fs::create_directories(path.parent_path());
+  std::ofstream(path, std::ios::binary) << text;
+}
+
+// Every file and folder below, hidden ones too.
+std::set<std::string> below(const fs::path& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    names.insert(entry.path().lexically_relative(folder).string());
+  }
+  return names;
+}
+
+ErrorCode codeOf(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const Error& e) {
+    return e.code();
+  }
+  return ErrorCode{0};
+}
+
+// Files of this process may not grow past `bytes` while this lives: a disk that is full, wherever
+// the test runs.
+class FullDisk {
+ public:
+  explicit FullDisk(rlim_t bytes) {
+    ::getrlimit(RLIMIT_FSIZE, &old_);
+    const rlimit small{bytes, old_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &small);
+    handler_ = std::signal(SIGXFSZ, SIG_IGN);
+  }
+  ~FullDisk() {
+    ::setrlimit(RLIMIT_FSIZE, &old_);
+    std::signal(SIGXFSZ, handler_);
+  }
+
+ private:
+  rlimit old_{};
+  void (*handler_)(int) = nullptr;
+};
+
+class Files : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "sherd-files-XXXXXX").string();
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    folder_ = name;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  fs::path folder_;
+};
+using AtomicFileTest = Files;
+using WritePly = Files;
+using WriteVdb = Files;
+using WriteFracture = Files;
+
+TEST_F(AtomicFileTest, AppearsOnlyWhenCommitted) {
+  AtomicFile file(folder_ / "a");
+  file.write("one ");
+  file.write("two");
+  EXPECT_FALSE(fs::exists(folder_ / "a"));
+  file.commit();
+  EXPECT_EQ(bytesOf(folder_ / "a"), "one two");
+  EXPECT_EQ(below(folder_), std::set<std::string>{"a"});
+}
+
+TEST_F(AtomicFileTest, LeavesNothingWithoutCommit) {
+  writeText(folder_ / "a", "old");
+  { AtomicFile(folder_ / "a").write("new"); }
+  EXPECT_EQ(bytesOf(folder_ / "a"), "old");
+  EXPECT_EQ(below(folder_), std::set<std::string>{"a"});
+}
+
+TEST_F(AtomicFileTest, ReplacesARegularFile) {
+  writeText(folder_ / "a", "old and longer");
+  writeWhole(folder_ / "a", "new");
+  EXPECT_EQ(bytesOf(folder_ / "a"), "new");
+}
+
+TEST_F(AtomicFileTest, TakesNamesAsLongAsTheFileSystemDoes) {
+  writeWhole(folder_ / std::string(255, 'n'), "x");
+  EXPECT_EQ(bytesOf(folder_ / std::string(255, 'n')), "x");
+}
+
+TEST_F(AtomicFileTest, RefusesWhatIsNoRegularFile) {
+  const auto refused = [](const fs::path& path) {
+    return codeOf([&] { writeWhole(path, "x"); }) == ErrorCode::output;
+  };
+  fs::create_directory(folder_ / "sub");
+  fs::create_symlink("elsewhere", folder_ / "link");
+  ASSERT_EQ(::mkfifo((folder_ / "fifo").c_str(), 0600), 0);
+  EXPECT_TRUE(refused(folder_ / "sub"));
+  EXPECT_TRUE(refused(folder_ / "link"));
+  EXPECT_TRUE(refused(folder_ / "fifo"));
+  EXPECT_TRUE(refused("/dev/full"));
+  EXPECT_TRUE(refused("/dev/null"));
+  EXPECT_TRUE(refused(folder_ / "absent" / "a"));
+  EXPECT_EQ(below(folder_), (std::set<std::string>{"sub", "link", "fifo"}));
+  struct stat device {};
+  ASSERT_EQ(::stat("/dev/full", &device), 0);
+  EXPECT_TRUE(S_ISCHR(device.st_mode));
+}
+
+TEST_F(AtomicFileTest, TellsWhereAFullDiskStoppedItAndLeavesNothing) {
+  std::string sentence;
+  {
+    const FullDisk full(3'000'000);
+    try {
+      AtomicFile file(folder_ / "a");
+      for (int i = 0; i < 8; ++i) file.write(std::string(1'000'000, 'x'));
+      file.commit();
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::output);
+      sentence = e.what();
+    }
+  }
+  EXPECT_EQ(sentence, (folder_ / "a").string() + ": file too large after 3 MB");
+  EXPECT_TRUE(below(folder_).empty());
+}
+
+// ---- PLY, read back by the format's own rules
+
+struct Ply {
+  std::vector<float> positions;
+  std::vector<std::int32_t> corners;
+  std::vector<std::int32_t> facing;
+  bool whole = false;
+};
+
+Ply readPly(const fs::path& path) {
+  Ply ply;
+  const std::string bytes = bytesOf(path);
+  const std::size_t body = bytes.find("end_header\n") + 11;
+  std::istringstream header(bytes.substr(0, body));
+  std::size_t vertices = 0, faces = 0;
+  bool facing = false;
+  for (std::string line; std::getline(header, line);) {
+    if (line.starts_with("element vertex ")) vertices = std::stoul(line.substr(15));
+    if (line.starts_with("element face ")) faces = std::stoul(line.substr(13));
+    facing |= line == "property int facing";
+  }
+  std::size_t at = body;
+  const auto take = [&](auto& value) {
+    if (at + sizeof value <= bytes.size()) std::memcpy(&value, bytes.data() + at, sizeof value);
+    at += sizeof value;
+  };
+  for (std::size_t i = 0; i < vertices * 3; ++i) take(ply.positions.emplace_back());
+  for (std::size_t f = 0; f < faces; ++f) {
+    std::uint8_t n = 0;
+    take(n);
+    EXPECT_EQ(n, 3);
+    for (int c = 0; c < 3; ++c) take(ply.corners.emplace_back());
+    if (facing) take(ply.facing.emplace_back());
+  }
+  ply.whole = at == bytes.size();
+  return ply;
+}
+
+const TriangleMesh kTetrahedron{{{0, 0, 0}, {1.5, 0, 0}, {0, -2.25, 0}, {0, 0, 1e-3}},
+                                {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}}};
+
+TEST_F(WritePly, HoldsVerticesFacesAndWhatTheyFace) {
+  writePly(folder_ / "a.ply", kTetrahedron, {0, 7, 65534, 0});
+  const std::string header =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+      "property float z\nelement face 4\nproperty list uchar int vertex_indices\n"
+      "property int facing\nend_header\n";
+  EXPECT_EQ(bytesOf(folder_ / "a.ply").substr(0, header.size()), header);
+  const Ply ply = readPly(folder_ / "a.ply");
+  EXPECT_TRUE(ply.whole);
+  EXPECT_EQ(ply.positions, (std::vector<float>{0, 0, 0, 1.5f, 0, 0, 0, -2.25f, 0, 0, 0, 1e-3f}));
+  EXPECT_EQ(ply.corners, (std::vector<std::int32_t>{0, 1, 2, 0, 3, 1, 0, 2, 3, 1, 3, 2}));
+  EXPECT_EQ(ply.facing, (std::vector<std::int32_t>{0, 7, 65534, 0}));
+}
+
+TEST_F(WritePly, LeavesFacingOutWhereItIsNotGiven) {
+  writePly(folder_ / "a.ply", kTetrahedron);
+  const Ply ply = readPly(folder_ / "a.ply");
+  EXPECT_TRUE(ply.whole);
+  EXPECT_EQ(ply.corners.size(), 12u);
+  EXPECT_TRUE(ply.facing.empty());
+}
+
+// ---- VDB, read back by OpenVDB's own file reader
+
+Fragment ballFragment(int id) {
+  openvdb::initialize();
+  Fragment fragment;
+  fragment.id = id;
+  fragment.voxels = 100;
+  auto grid = openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(2.0f, {1, 2, 3}, 0.1f);
+  grid->setName("not this name");
+  fragment.surface = grid;
+  fragment.mesh = kTetrahedron;
+  fragment.facing = {0, 0, 0, 0};
+  fragment.mass.volume = 33.5;
+  fragment.mass.centroid = {1, 2, -0.0};
+  return fragment;
+}
+
+TEST_F(WriteVdb, IsALevelSetWithItsMetadata) {
+  const Fragment fragment = ballFragment(12);
+  writeVdb(folder_ / "a.vdb", fragment, "vase.obj", 0xffffffffffffffff);
+  openvdb::io::File file((folder_ / "a.vdb").string());
+  file.open();
+  EXPECT_TRUE(file.getMetadata()->metaValue<std::string>("creator").starts_with("sherd "));
+  ASSERT_EQ(file.getGrids()->size(), 1u);
+  const auto grid = openvdb::gridPtrCast<openvdb::FloatGrid>(file.readGrid("surface"));
+  EXPECT_EQ(grid->getGridClass(), openvdb::GRID_LEVEL_SET);
+  EXPECT_EQ(grid->background(), fragment.surface->background());
+  EXPECT_EQ(grid->transform(), fragment.surface->transform());
+  EXPECT_TRUE(grid->tree().hasSameTopology(fragment.surface->tree()));
+  for (auto it = fragment.surface->cbeginValueOn(); it; ++it) {
+    ASSERT_EQ(grid->tree().getValue(it.getCoord()), *it);
+  }
+  EXPECT_EQ(grid->metaValue<std::string>("piece"), "piece12");
+  EXPECT_EQ(grid->metaValue<std::int32_t>("fragment_id"), 12);
+  EXPECT_EQ(grid->metaValue<openvdb::Vec3d>("pivot"), openvdb::Vec3d(1, 2, 0));
+  EXPECT_EQ(grid->metaValue<double>("volume"), 33.5);
+  EXPECT_EQ(grid->metaValue<std::string>("seed"), "18446744073709551615");
+  EXPECT_EQ(grid->metaValue<std::string>("source"), "vase.obj");
+  EXPECT_EQ(grid->metaValue<openvdb::Vec3i>("file_bbox_min"),
+            fragment.surface->evalActiveVoxelBoundingBox().min().asVec3i());
+}
+
+TEST_F(WriteVdb, GivesEqualBytesForEqualFragmentsAndAnotherIdForOthers) {
+  writeVdb(folder_ / "a.vdb", ballFragment(1), "vase.obj", 7);
+  writeVdb(folder_ / "b.vdb", ballFragment(1), "vase.obj", 7);
+  writeVdb(folder_ / "c.vdb", ballFragment(2), "vase.obj", 7);
+  EXPECT_EQ(bytesOf(folder_ / "a.vdb"), bytesOf(folder_ / "b.vdb"));
+  const auto id = [&](const char* name) {
+    openvdb::io::File file((folder_ / name).string());
+    file.open();
+    return file.getUniqueTag();
+  };
+  EXPECT_EQ(id("a.vdb"), id("b.vdb"));
+  EXPECT_NE(id("a.vdb"), id("c.vdb"));
+}
+
+TEST_F(WriteVdb, NoticesAFullDisk) {
+  const Fragment fragment = ballFragment(1);
+  const FullDisk full(10'000);
+  EXPECT_EQ(codeOf([&] { writeVdb(folder_ / "a.vdb", fragment, "", 0); }), ErrorCode::output);
+  EXPECT_TRUE(below(folder_).empty());
+}
+
+TEST_F(WriteVdb, IsDescribedAsItIs) {
+  writeVdb(folder_ / "a.vdb", ballFragment(3), "vase.obj", 7);
+  const VdbFile file = describeVdb(folder_ / "a.vdb");
+  ASSERT_EQ(file.grids.size(), 1u);
+  EXPECT_EQ(file.grids[0].name, "surface");
+  EXPECT_EQ(file.grids[0].gridClass, "level set");
+  EXPECT_EQ(file.grids[0].activeVoxels, ballFragment(3).surface->activeVoxelCount());
+}
+
+TEST_F(WriteVdb, IsRefusedByDescribeVdbWhenCut) {
+  writeVdb(folder_ / "a.vdb", ballFragment(3), "vase.obj", 7);
+  const std::string bytes = bytesOf(folder_ / "a.vdb");
+  for (std::size_t n = 0; n < bytes.size(); n += 1 + n / 7) {
+    writeText(folder_ / "cut.vdb", bytes.substr(0, n));
+    EXPECT_EQ(codeOf([&] { (void)describeVdb(folder_ / "cut.vdb"); }), ErrorCode::input) << n;
+  }
+}
+
+// ---- A fracture's folder.  The fragments are not those of the solid: the folder's rules do not
+// ask.
+
+struct Fracture {
+  SourceMesh source;
+  FractureOptions options;
+  FractureResult result;
+};
+
+Fracture tinyFracture(int fragments) {
+  Fracture f;
+  f.source = {
+      .mesh = kTetrahedron, .name = "vase.obj", .stem = "vase", .sha256 = std::string(64, 'a')};
+  f.options.pieces = fragments;
+  Solid& solid = f.result.solid;
+  solid.blocks.origins = {{0, 0, 0}};
+  solid.blocks.inside.assign(8, 0);
+  solid.blocks.inside[0] = 1;
+  solid.box = {{0, 0, 0}, {0, 0, 0}};
+  solid.voxels = 1;
+  f.result.parts = 1;
+  f.result.labels.fragment.assign(512, 1);
+  for (int id = 1; id <= fragments; ++id) {
+    f.result.fragments.push_back(ballFragment(id));
+    f.result.fragments.back().voxels = id == 1 ? 1 : 0;
+  }
+  return f;
+}
+
+constexpr WriteOptions kNoPreview{.preview = false};
+
+void writeTiny(const fs::path& folder, int fragments, const Progress* progress = nullptr) {
+  const Fracture f = tinyFracture(fragments);
+  (void)writeFracture(folder, f.source, f.options, f.result, kNoPreview, progress);
+}
+
+const std::set<std::string> kTwoPieces{
+    "manifest.json",          "labels.rle", "fragments",           "fragments/vase_001.vdb",
+    "fragments/vase_002.vdb", "meshes",     "meshes/vase_001.ply", "meshes/vase_002.ply"};
+
+TEST_F(WriteFracture, MakesTheFolderAndFillsItWithWhatTheManifestLists) {
+  writeTiny(folder_ / "a" / "b", 2);
+  EXPECT_EQ(below(folder_ / "a" / "b"), kTwoPieces);
+  const auto manifest = readManifest(folder_ / "a" / "b" / "manifest.json");
+  ASSERT_TRUE(manifest);
+  EXPECT_EQ(
+      listedFiles(*manifest),
+      (std::vector<std::string>{"labels.rle", "fragments/vase_001.vdb", "fragments/vase_002.vdb",
+                                "meshes/vase_001.ply", "meshes/vase_002.ply"}));
+}
+
+TEST_F(WriteFracture, ManifestHoldsNoMinusZero) {
+  writeTiny(folder_ / "out", 2);
+  EXPECT_EQ(bytesOf(folder_ / "out" / "manifest.json").find("-0.0"), std::string::npos);
+}
+
+TEST_F(WriteFracture, ReplacesAnEarlierOneAndLeavesOtherFiles) {
+  writeTiny(folder_ / "out", 3);
+  writeText(folder_ / "out" / "notes.txt", "mine");
+  writeText(folder_ / "out" / "meshes" / "mine.ply", "mine");
+  writeTiny(folder_ / "out", 2);
+  std::set<std::string> want = kTwoPieces;
+  want.insert({"notes.txt", "meshes/mine.ply"});
+  EXPECT_EQ(below(folder_ / "out"), want);
+}
+
+TEST_F(WriteFracture, RefusesAForeignFolder) {
+  writeText(folder_ / "out" / "notes.txt", "mine");
+  EXPECT_EQ(codeOf([&] { writeTiny(folder_ / "out", 2); }), ErrorCode::output);
+  writeText(folder_ / "json" / "manifest.json", R"({"schema": "another/1", "files": []})");
+  EXPECT_EQ(codeOf([&] { writeTiny(folder_ / "json", 2); }), ErrorCode::output);
+  writeText(folder_ / "list" / "manifest.json",
+            R"({"schema": "sherd/1", "files": ["a", "../notes"]})");
+  EXPECT_EQ(codeOf([&] { writeTiny(folder_ / "list", 2); }), ErrorCode::output);
+  EXPECT_EQ(below(folder_),
+            (std::set<std::string>{"out", "out/notes.txt", "json", "json/manifest.json", "list",
+                                   "list/manifest.json"}));
+}
+
+TEST_F(WriteFracture, RefusesAFileInItsWay) {
+  writeTiny(folder_ / "out", 1);
+  writeText(folder_ / "out" / "meshes" / "vase_002.ply", "mine");
+  const std::set<std::string> before = below(folder_ / "out");
+  EXPECT_EQ(codeOf([&] { writeTiny(folder_ / "out", 2); }), ErrorCode::output);
+  EXPECT_EQ(below(folder_ / "out"), before);
+  EXPECT_EQ(bytesOf(folder_ / "out" / "meshes" / "vase_002.ply"), "mine");
+}
+
+TEST_F(WriteFracture, DoesNotFollowALinkOutOfTheFolder) {
+  writeTiny(folder_ / "out", 1);
+  fs::rename(folder_ / "out" / "meshes", folder_ / "elsewhere");
+  fs::create_directory_symlink(folder_ / "elsewhere", folder_ / "out" / "meshes");
+  EXPECT_EQ(codeOf([&] { writeTiny(folder_ / "out", 1); }), ErrorCode::output);
+  EXPECT_TRUE(fs::exists(folder_ / "elsewhere" / "vase_001.ply"));
+}
+
+TEST_F(WriteFracture, LeavesNothingOnAFullDisk) {
+  const Fracture f = tinyFracture(2);
+  const FullDisk full(10'000);
+  try {
+    (void)writeFracture(folder_ / "a" / "out", f.source, f.options, f.result, kNoPreview);
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::output);
+    EXPECT_EQ(std::string(e.what()).find(".sherd-partial"), std::string::npos) << e.what();
+  }
+  EXPECT_TRUE(below(folder_).empty());
+}
+
+TEST_F(WriteFracture, KeepsTheOldOneWhenStopped) {
+  writeTiny(folder_ / "out", 2);
+  const std::string manifest = bytesOf(folder_ / "out" / "manifest.json");
+  for (int stopAt = 0; stopAt < 4; ++stopAt) {
+    int asked = 0;
+    const Progress progress{.report = {}, .cancelled = [&] { return asked++ == stopAt; }};
+    const ErrorCode code = codeOf([&] { writeTiny(folder_ / "out", 30, &progress); });
+    EXPECT_EQ(code, ErrorCode::cancelled) << stopAt;
+    EXPECT_EQ(below(folder_ / "out"), kTwoPieces);
+    EXPECT_EQ(bytesOf(folder_ / "out" / "manifest.json"), manifest);
+  }
+}
+
+TEST_F(WriteFracture, ClearsUpAfterARunThatWasKilledHalfWayIntoPlace) {
+  // As the killed run left it: the old manifest set aside, one new file in place, one not yet; a
+  // stranger's file.
+  writeTiny(folder_ / "out", 3);
+  const fs::path partial = folder_ / "out" / ".sherd-partial";
+  fs::create_directories(partial / "old");
+  fs::create_directories(partial / "new");
+  fs::rename(folder_ / "out" / "manifest.json", partial / "old" / "manifest.json");
+  writeText(partial / "new" / "manifest.json",
+            R"({"schema": "sherd/1", "files": ["new.rle", "meshes/n.ply"]})");
+  writeText(folder_ / "out" / "new.rle", "x");
+  writeText(folder_ / "out" / "notes.txt", "mine");
+  writeTiny(folder_ / "out", 2);
+  std::set<std::string> want = kTwoPieces;
+  want.insert("notes.txt");
+  EXPECT_EQ(below(folder_ / "out"), want);
+}
+
+TEST_F(WriteFracture, RefusesAFolderThatAnotherRunIsWriting) {
+  int inner = 0;
+  const Progress progress{.report =
+                              [&](std::string_view, double) {
+                                if (inner++ == 0) {
+                                  EXPECT_EQ(codeOf([&] { writeTiny(folder_ / "out", 1); }),
+                                            ErrorCode::output);
+                                }
+                              },
+                          .cancelled = {}};
+  writeTiny(folder_ / "out", 2, &progress);
+  EXPECT_GT(inner, 0);
+  EXPECT_EQ(below(folder_ / "out"), kTwoPieces);
+}
+
+TEST_F(WriteFracture, TakesStemsThatNoFileSystemOrJsonTakes) {
+  Fracture f = tinyFracture(1);
+  for (const std::string& stem :
+       {std::string(""), std::string("a\xff\nb"), std::string(250, 'x')}) {
+    f.source.stem = stem;
+    (void)writeFracture(folder_ / "out", f.source, f.options, f.result, kNoPreview);
+    const auto files = listedFiles(*readManifest(folder_ / "out" / "manifest.json"));
+    ASSERT_TRUE(files);
+    for (const std::string& file : *files)
+      EXPECT_TRUE(fs::is_regular_file(folder_ / "out" / file)) << file;
+  }
+}
+
+TEST_F(Files, CheckFractureFolderLeavesNothingBehind) {
+  checkFractureFolder(folder_);
+  checkFractureFolder(folder_ / "absent" / "too");
+  EXPECT_TRUE(below(folder_).empty());
+}
+
+TEST_F(Files, CheckFractureFolderRefusesWhatCannotBeWritten) {
+  writeText(folder_ / "file", "");
+  const auto refused = [](const fs::path& path) {
+    return codeOf([&] { checkFractureFolder(path); }) == ErrorCode::output;
+  };
+  EXPECT_TRUE(refused(""));
+  EXPECT_TRUE(refused(folder_ / "file"));
+  EXPECT_TRUE(refused(folder_ / "file" / "out"));
+  EXPECT_TRUE(refused("/proc/out"));
+  EXPECT_TRUE(refused("/dev/null"));
+}
+
+}  // namespace
+}  // namespace sherd
