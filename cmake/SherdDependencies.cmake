@@ -6,7 +6,11 @@ find_path(SHERD_FINDOPENVDB_DIR FindOpenVDB.cmake
   REQUIRED)
 mark_as_advanced(SHERD_FINDOPENVDB_DIR)
 list(APPEND CMAKE_MODULE_PATH ${SHERD_FINDOPENVDB_DIR})
+# OpenVDB's module and the packages it asks for talk a lot, and complain of Python parts that nobody uses.
+set(SHERD_MESSAGE_LOG_LEVEL ${CMAKE_MESSAGE_LOG_LEVEL})
+set(CMAKE_MESSAGE_LOG_LEVEL WARNING)
 find_package(OpenVDB 10 REQUIRED COMPONENTS openvdb QUIET)
+set(CMAKE_MESSAGE_LOG_LEVEL ${SHERD_MESSAGE_LOG_LEVEL})
 find_package(TBB REQUIRED QUIET)
 find_package(OpenCL REQUIRED QUIET)
 find_package(ZLIB REQUIRED QUIET)

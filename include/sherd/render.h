@@ -21,7 +21,7 @@ struct Image {
 struct RenderOptions {
   int width = 1280;        ///< pixels, 16..16384
   int height = 720;        ///< pixels, 16..16384
-  double explode = 0.25;   ///< how far pieces move from the whole's centre, as a share of their own distance to it
+  double explode = 0.25;   ///< how far pieces move from the whole's centre, as a share of their own distance to it, 0..100
   double azimuth = 35.0;   ///< degrees about the up axis
   double elevation = 20.0; ///< degrees above the horizon, -90..90
   char up = 'y';           ///< the mesh's axis that points up: 'x', 'y' or 'z'

@@ -5,6 +5,8 @@
 #include <tbb/global_control.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -13,6 +15,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <thread>
 
 #include "cli/command.h"
 
@@ -37,21 +40,26 @@ double secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// ---- Ctrl-C: a flag that long work asks for; a caller that ignores the signal keeps ignoring it.
+// ---- Ctrl-C: a flag that long work asks for.
 
-volatile std::sig_atomic_t interrupted = 0;
+std::atomic<bool> interrupted{false};
 
-extern "C" void onInterrupt(int) { interrupted = 1; }
-
-void catchInterrupts() {
+// Signals are blocked in every thread and waited for in one, instead of handled: while a kernel is
+// built, LLVM puts handlers of its own in place, which delete the compiler's files and turn a
+// ctrl-C into a failed build.  A signal that the caller ignores stays ignored.
+void watchForInterrupts() {
+  sigset_t watched;
+  ::sigemptyset(&watched);
   for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
-    struct sigaction old {};
-    if (::sigaction(number, nullptr, &old) != 0 || old.sa_handler == SIG_IGN) continue;
     struct sigaction action {};
-    action.sa_handler = onInterrupt;
-    action.sa_flags = SA_RESTART;
-    ::sigaction(number, &action, nullptr);
+    ::sigaction(number, nullptr, &action);
+    if (action.sa_handler != SIG_IGN) ::sigaddset(&watched, number);
   }
+  ::pthread_sigmask(SIG_BLOCK, &watched, nullptr);
+  std::thread([watched] {
+    int number = 0;
+    while (::sigwait(&watched, &number) == 0) interrupted = true;
+  }).detach();
 }
 
 void stopIfInterrupted() {
@@ -160,6 +168,17 @@ WriteOptions writeOptions(const std::vector<std::string>& names) {
           .preview = named("preview")};
 }
 
+// What is wrong with a mesh is found by functions that do not know the file's name.
+FractureResult breakSource(const FractureArguments& arguments, const SourceMesh& source,
+                           Device& device, const Progress& progress) {
+  try {
+    return fracture(source.mesh, arguments.options, device, &progress);
+  } catch (const Error& e) {
+    if (e.code() != ErrorCode::input) throw;
+    throw Error(ErrorCode::input, arguments.mesh + ": " + e.what());
+  }
+}
+
 void breakMesh(const FractureArguments& arguments) {
   const Clock::time_point start = Clock::now();
   std::optional<tbb::global_control> threads;
@@ -170,7 +189,7 @@ void breakMesh(const FractureArguments& arguments) {
   ProgressLine line(::isatty(STDERR_FILENO) == 1 && !arguments.quiet);
   const Progress progress{
       .report = [&](std::string_view stage, double fraction) { line.show(stage, fraction); },
-      .cancelled = [] { return interrupted != 0; }};
+      .cancelled = [] { return interrupted.load(); }};
 
   std::vector<StageTime> times;
   const auto timed = [&](const char* stage, auto&& work) {
@@ -186,7 +205,7 @@ void breakMesh(const FractureArguments& arguments) {
   const SourceMesh source = timed("read", [&] { return readMesh(arguments.mesh); });
   Device device = timed("device", [&] { return Device(arguments.device); });
   stopIfInterrupted();
-  const FractureResult result = fracture(source.mesh, arguments.options, device, &progress);
+  const FractureResult result = breakSource(arguments, source, device, progress);
   times.insert(times.end(), result.times.begin(), result.times.end());
   const fs::path manifest = timed("write", [&] {
     return writeFracture(arguments.folder, source, arguments.options, result,
@@ -204,7 +223,7 @@ void breakMesh(const FractureArguments& arguments) {
 }
 
 void runFracture(const FractureArguments& arguments) {
-  catchInterrupts();
+  watchForInterrupts();
   try {
     breakMesh(arguments);
   } catch (const Error& e) {
@@ -241,14 +260,14 @@ void addFractureCommand(CLI::App& app, Action& run) {
       ->type_name("DIR")
       ->required();
   command->add_option("--pieces", options.pieces, "Fragments wanted")
-      ->check(wholeNumber(1, kMaxFragments))
+      ->transform(wholeNumber(1, kMaxFragments))
       ->capture_default_str();
   command->add_option("--seed", options.seed, "Seed of every random choice")
-      ->check(wholeNumber<std::uint64_t>(0, std::numeric_limits<std::uint64_t>::max()))
+      ->transform(wholeNumber<std::uint64_t>(0, std::numeric_limits<std::uint64_t>::max()))
       ->capture_default_str();
   CLI::Option* resolution =
       command->add_option("--resolution", options.resolution, "Voxels along the longest side")
-          ->check(wholeNumber(8, 4096))
+          ->transform(wholeNumber(8, 4096))
           ->capture_default_str();
   command
       ->add_option("--voxel-size", options.voxelSize,
@@ -267,7 +286,7 @@ void addFractureCommand(CLI::App& app, Action& run) {
       ->add_option(
           "--threads", arguments->threads,
           "Threads of the host's work; default all cores (PoCL's own: POCL_MAX_PTHREAD_COUNT)")
-      ->check(wholeNumber(1, 4096));
+      ->transform(wholeNumber(1, 4096));
   command->add_flag("--json", arguments->json, "Print one JSON object: counts, volumes, seconds");
   command->add_flag("--quiet", arguments->quiet, "Print nothing but warnings and errors");
   command->callback([arguments, &run] { run = [arguments] { runFracture(*arguments); }; });

@@ -152,9 +152,10 @@ RawMesh readWithAssimp(const MeshFile& file) {
   importer.SetIOHandler(new MeshFiles(file));  // the importer deletes it
   // No post-processing: merging and triangulating are ours, and Assimp's are slow or leave holes.
   const aiScene* scene = importer.ReadFile(assimpName(file.format), 0);
-  if (scene == nullptr || scene->mRootNode == nullptr)
-    throw inputError(
-        file, std::string("cannot be read (Assimp: ") + plainText(importer.GetErrorString()) + ")");
+  if (scene == nullptr || scene->mRootNode == nullptr) {
+    const std::string reason(importer.GetErrorString(), 0, 160);  // it may quote half of the file
+    throw inputError(file, "cannot be read (Assimp: " + plainText(reason) + ")");
+  }
 
   RawMesh out;
   struct Visit {

@@ -55,18 +55,25 @@ bool isTextStl(std::string_view bytes) {
 }
 
 FileCounts checkTextStl(const MeshFile& file) {
-  // One facet's lines in their order, by the word they begin with and the words that must follow.
+  // One facet's lines in their order: the word each begins with, the words and the numbers that
+  // must follow.
   struct Line {
     std::string_view word;
-    std::size_t more;
+    int words, numbers;
   };
-  constexpr std::array<Line, 7> kFacet{{{"facet", 4},
-                                        {"outer", 1},
-                                        {"vertex", 3},
-                                        {"vertex", 3},
-                                        {"vertex", 3},
-                                        {"endloop", 0},
-                                        {"endfacet", 0}}};
+  constexpr std::array<Line, 7> kFacet{{{"facet", 1, 3},
+                                        {"outer", 1, 0},
+                                        {"vertex", 0, 3},
+                                        {"vertex", 0, 3},
+                                        {"vertex", 0, 3},
+                                        {"endloop", 0, 0},
+                                        {"endfacet", 0, 0}}};
+  const auto fits = [](std::string_view line, const Line& expected) {
+    if (takeWord(line) != expected.word) return false;
+    for (int i = 0; i < expected.words; ++i)
+      if (takeWord(line).empty()) return false;
+    return takeNumbers(line, expected.numbers) && isBlank(line);
+  };
   std::size_t facets = 0, at = 0;
   bool inSolid = false;
   LineReader lines(file.bytes);
@@ -78,10 +85,8 @@ FileCounts checkTextStl(const MeshFile& file) {
       inSolid = !inSolid;
       continue;
     }
-    const Line expected = inSolid ? kFacet[at] : Line{"solid", 0};
-    const bool fits = word == "vertex" ? takeNumbers(rest, 3) && isBlank(rest)
-                                       : countWords(rest) == expected.more;
-    if (word != expected.word || !fits) {
+    const Line expected = inSolid ? kFacet[at] : Line{"solid", 0, 0};
+    if (!fits(lines.line(), expected)) {
       throw inputError(file, lines.number(),
                        "found " + inQuotes(lines.line()) + " where a line with '" +
                            std::string(expected.word) + "' is expected");

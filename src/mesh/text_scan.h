@@ -67,8 +67,8 @@ inline bool isNumber(std::string_view word) {
 }
 
 /// Whether a line begins with that many numbers; they are cut off it.
-inline bool takeNumbers(std::string_view& line, std::size_t count) {
-  for (std::size_t i = 0; i < count; ++i)
+inline bool takeNumbers(std::string_view& line, int count) {
+  for (int i = 0; i < count; ++i)
     if (!isNumber(takeWord(line))) return false;
   return true;
 }

@@ -30,8 +30,8 @@ struct Wedge {
 }  // namespace
 
 Camera frameScene(const Scene& scene, const RenderOptions& options) {
-  const double degree = 3.14159265358979323846 / 180.0;
-  const double a = options.azimuth * degree, e = options.elevation * degree;
+  const double a = std::fmod(options.azimuth, 360.0) * kRadiansPerDegree;
+  const double e = options.elevation * kRadiansPerDegree;
   Camera camera;
   camera.back = glm::dvec3(std::sin(a) * std::cos(e), std::sin(e), std::cos(a) * std::cos(e));
   camera.right = glm::dvec3(std::cos(a), 0.0, -std::sin(a));
@@ -42,8 +42,10 @@ Camera frameScene(const Scene& scene, const RenderOptions& options) {
 
   Wedge across{(1.0f - 2.0f * kMargin) * camera.pixel * camera.halfWidth};
   Wedge along{(1.0f - 2.0f * kMargin) * camera.pixel * camera.halfHeight};
+  float nearest = -std::numeric_limits<float>::infinity();
   const auto add = [&](const glm::vec3& p) {
     const float z = glm::dot(p, camera.back);
+    nearest = std::max(nearest, z);
     across.add(glm::dot(p, camera.right), z);
     along.add(glm::dot(p, camera.up), z);
   };
@@ -53,7 +55,8 @@ Camera frameScene(const Scene& scene, const RenderOptions& options) {
       add(piece.vertices[v]);
   if (empty)
     for (const glm::vec3& corner : scene.boxCorners) add(corner);
-  const float distance = std::max(across.distance(), along.distance());
+  // A speck or a needle seen from its end would otherwise touch the lens.
+  const float distance = std::max({across.distance(), along.distance(), nearest + 0.05f});
   camera.eye = camera.right * across.place() + camera.up * along.place() + camera.back * distance;
   return camera;
 }

@@ -11,6 +11,8 @@
 
 namespace sherd {
 
+inline constexpr double kRadiansPerDegree = 3.14159265358979323846 / 180.0;
+
 /// A pinhole camera: the ray through pixel position (x, y) goes from `eye` along right * u + up * v
 /// - back, with u and v from -tangent to tangent across the picture.
 struct Camera {

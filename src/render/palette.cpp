@@ -40,7 +40,7 @@ PieceColour pieceColour(int n) {
   constexpr std::array<float, 3> kLightness = {0.69f, 0.75f, 0.63f};
   const float hue = std::fmod(0.70f + kGoldenAngle * static_cast<float>(n), 6.28318531f);
   const float lightness = kLightness[static_cast<std::size_t>(n % 3)];
-  return {inGamut(lightness, 0.098f, hue), inGamut(lightness + 0.17f, 0.045f, hue)};
+  return {inGamut(lightness, 0.098f, hue), inGamut(lightness + 0.14f, 0.050f, hue)};
 }
 
 glm::vec3 toneMap(glm::vec3 light) {

@@ -28,8 +28,8 @@ void checkOptions(const RenderOptions& options) {
       std::max(options.width, options.height) > 16384)
     fail("picture: size is " + std::to_string(options.width) + "x" +
          std::to_string(options.height) + ", each side goes from 16 to 16384 pixels");
-  if (!(std::isfinite(options.explode) && options.explode >= 0.0))
-    fail("picture: explode is " + std::to_string(options.explode) + ", it must be 0 or more");
+  if (!(options.explode >= 0.0 && options.explode <= 100.0))
+    fail("picture: explode is " + std::to_string(options.explode) + ", it goes from 0 to 100");
   if (!(std::abs(options.elevation) <= 90.0))
     fail("picture: elevation is " + std::to_string(options.elevation) +
          ", it goes from -90 to 90 degrees");
@@ -54,7 +54,8 @@ class Renderer {
         height_(options.height),
         scene_(makeScene(fragments, options)),
         camera_(frameScene(scene_, options)),
-        light_(makeLight(std::atan2(camera_.back.x, camera_.back.z))),
+        light_(
+            makeLight(static_cast<float>(std::fmod(options.azimuth, 360.0) * kRadiansPerDegree))),
         coverage_(scene_, camera_),
         ground_(scene_, light_) {
     for (const Fragment& fragment : fragments)

@@ -131,7 +131,7 @@ Scene makeScene(std::span<const Fragment> fragments, const RenderOptions& option
   }
   if (!(low.x <= high.x)) low = glm::dvec3(-1.0), high = glm::dvec3(1.0);
   const glm::dvec3 centre = 0.5 * (low + high);
-  const double size = std::max(0.5 * glm::length(high - low), std::numeric_limits<double>::min());
+  const double size = high == low ? 1.0 : 0.5 * glm::length(high - low);
 
   Scene scene;
   scene.groundY = static_cast<float>((low.y - centre.y) / size);

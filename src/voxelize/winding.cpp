@@ -109,12 +109,22 @@ Winding::Winding(const TriangleMesh& mesh) {
   }
 }
 
+std::optional<std::size_t> Winding::columnAt(int x, int y) const {
+  if (x < box_.min.x() || x > box_.max.x() || y < box_.min.y() || y > box_.max.y()) return std::nullopt;
+  return static_cast<std::size_t>(x - box_.min.x()) * static_cast<std::size_t>(box_.dims().y()) +
+         static_cast<std::size_t>(y - box_.min.y());
+}
+
+int Winding::windingAbove(int x, int y) const {
+  const std::optional<std::size_t> c = columnAt(x, y);
+  return !c || first_[*c] == first_[*c + 1] ? 0 : changes_[first_[*c + 1] - 1].winding;
+}
+
 std::uint8_t Winding::insideRow(int x, int y, int z0) const {
-  if (x < box_.min.x() || x > box_.max.x() || y < box_.min.y() || y > box_.max.y()) return 0;
-  const auto c = static_cast<std::size_t>(x - box_.min.x()) * static_cast<std::size_t>(box_.dims().y()) +
-                 static_cast<std::size_t>(y - box_.min.y());
+  const std::optional<std::size_t> c = columnAt(x, y);
+  if (!c) return 0;
   unsigned row = 0;
-  for (std::size_t i = first_[c]; i + 1 < first_[c + 1] && changes_[i].z < z0 + 8; ++i) {
+  for (std::size_t i = first_[*c]; i + 1 < first_[*c + 1] && changes_[i].z < z0 + 8; ++i) {
     if (changes_[i].winding <= 0) continue;
     const int from = std::clamp(changes_[i].z - z0, 0, 8);
     const int to = std::clamp(changes_[i + 1].z - z0, 0, 8);

@@ -5,6 +5,7 @@
 #include <sherd/mesh.h>
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace sherd {
@@ -23,6 +24,9 @@ class Winding {
   /// Bit z of the result: the winding number at (x, y, z0 + z) is 1 or more; z in 0..7.
   std::uint8_t insideRow(int x, int y, int z0) const;
 
+  /// The winding number above the whole mesh: 0 in every column when it is closed.
+  int windingAbove(int x, int y) const;
+
   /// The lowest and the highest winding number of any voxel centre (0 outside the mesh's box).
   int lowest() const { return lowest_; }
   int highest() const { return highest_; }
@@ -35,6 +39,9 @@ class Winding {
     std::int32_t z;
     std::int32_t winding;
   };
+
+  // The column's number, or none outside the box.
+  std::optional<std::size_t> columnAt(int x, int y) const;
 
   VoxelBox box_;                    // columns: x and y of the box
   std::vector<std::size_t> first_;  // [columns + 1] into changes_

@@ -1,0 +1,21 @@
+# Install the build in BUILD below WORK, build the stranger's project against it, and run it on MESH.
+function(run)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT status EQUAL 0)
+    list(JOIN ARGN " " command)
+    message(FATAL_ERROR "${command}: ${status}\n${output}")
+  endif()
+endfunction()
+
+file(REMOVE_RECURSE ${WORK})
+run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
+run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${WORK}/build -D CMAKE_PREFIX_PATH=${WORK}/prefix
+  -D CMAKE_BUILD_TYPE=Release)
+run(${CMAKE_COMMAND} --build ${WORK}/build)
+run(${WORK}/build/stranger ${MESH} ${WORK}/pieces)
+foreach(file manifest.json labels.rle preview.png fragments/amphora_005.vdb meshes/amphora_005.ply)
+  if(NOT EXISTS ${WORK}/pieces/${file})
+    message(FATAL_ERROR "${WORK}/pieces/${file} is missing")
+  endif()
+endforeach()
+run(${WORK}/prefix/bin/sherd inspect ${WORK}/pieces)

@@ -1,0 +1,40 @@
+#!/usr/bin/env bash
+# Install the Debian packages that are missing.
+#
+# usage: install_packages.sh build|test|ci
+#   build  what the library and the program are made from
+#   test   also what the tests use
+#   ci     also sanitizers, oclgrind, the formatter and a second OpenCL driver
+set -euo pipefail
+
+build=(cmake ninja-build g++ libopenvdb-dev libtbb-dev libboost-iostreams-dev libimath-dev libopenexr-dev libglm-dev
+  ocl-icd-opencl-dev opencl-c-headers opencl-clhpp-headers pocl-opencl-icd libassimp-dev libembree-dev libpng-dev
+  zlib1g-dev libssl-dev libcli11-dev nlohmann-json3-dev)
+test=(libgtest-dev libbenchmark-dev python3 python3-numpy python3-openvdb mesa-opencl-icd)
+ci=(clang clang-format libclang-rt-14-dev oclgrind python3-scipy ccache)
+
+case "${1:-}" in
+  build) wanted=("${build[@]}") ;;
+  test) wanted=("${build[@]}" "${test[@]}") ;;
+  ci) wanted=("${build[@]}" "${test[@]}" "${ci[@]}") ;;
+  *) echo "usage: install_packages.sh build|test|ci" >&2; exit 2 ;;
+esac
+
+missing=()
+for package in "${wanted[@]}"; do
+  dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing+=("$package")
+done
+[ ${#missing[@]} -eq 0 ] && exit 0
+
+echo "Installing ${#missing[@]} Debian packages: ${missing[*]}"
+as_root=()
+[ "$(id -u)" -eq 0 ] || as_root=(sudo)
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+if ! { "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get update -qq &&
+       "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}"
+     } > "$log" 2>&1; then
+  tail -n 20 "$log" >&2
+  echo "install_packages.sh: apt-get could not install ${missing[*]}" >&2
+  exit 1
+fi

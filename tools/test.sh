@@ -1,0 +1,10 @@
+#!/usr/bin/env bash
+# Install what is missing, build, and run every test.
+#
+# usage: test.sh [CTEST_ARGUMENT...]    (such as -R Flood, or -L cli)
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+tools/install_packages.sh test
+tools/build.sh release -- -DSHERD_TESTS=ON -DSHERD_BENCH=ON
+ctest --test-dir build/release --output-on-failure --progress -j 2 "$@" | tail -n 40
