@@ -17,7 +17,8 @@ FractureResult fracture(const TriangleMesh& mesh, const FractureOptions& options
     last = now;
   };
 
-  result.solid = voxelize(mesh, {.resolution = options.resolution, .voxelSize = options.voxelSize}, progress);
+  result.solid =
+      voxelize(mesh, {.resolution = options.resolution, .voxelSize = options.voxelSize}, progress);
   done("voxelize");
   Parts parts = findParts(result.solid.blocks, device);
   result.solid = dropSpecks(std::move(result.solid), parts, device);
@@ -26,9 +27,11 @@ FractureResult fracture(const TriangleMesh& mesh, const FractureOptions& options
   const std::vector<Seed> seeds =
       placeSeeds(result.solid.blocks, parts, {.pieces = options.pieces, .seed = options.seed});
   done("seed");
-  result.labels = std::move(grow(result.solid.blocks, std::span(&seeds, 1), device, {}, progress).front());
+  result.labels =
+      std::move(grow(result.solid.blocks, std::span(&seeds, 1), device, {}, progress).front());
   done("grow");
-  result.fragments = extractFragments(result.solid, result.labels, static_cast<int>(seeds.size()), progress);
+  result.fragments =
+      extractFragments(result.solid, result.labels, static_cast<int>(seeds.size()), progress);
   done("extract");
   return result;
 }

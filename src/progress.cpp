@@ -6,7 +6,8 @@ namespace sherd {
 
 void step(const Progress* progress, std::string_view stage, double fraction) {
   if (!progress) return;
-  if (progress->cancelled && progress->cancelled()) throw Error(ErrorCode::cancelled, "stopped on request");
+  if (progress->cancelled && progress->cancelled())
+    throw Error(ErrorCode::cancelled, "stopped on request");
   if (progress->report) progress->report(stage, fraction);
 }
 

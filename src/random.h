@@ -6,7 +6,8 @@
 namespace sherd {
 
 /// A bijection of 64 bits that looks random.
-/// source  Steele, Lea, Flood, Fast Splittable Pseudorandom Number Generators, 2014 (the finalizer of SplitMix64)
+/// source  Steele, Lea, Flood, Fast Splittable Pseudorandom Number Generators, 2014 (the finalizer
+/// of SplitMix64)
 constexpr std::uint64_t mixed(std::uint64_t x) {
   x ^= x >> 30;
   x *= 0xbf58476d1ce4e5b9u;
@@ -24,9 +25,11 @@ constexpr std::uint64_t randomBits(std::uint64_t seed, Stage stage, std::uint64_
 }
 
 /// A number 0..count-1, each as likely to within count / 2^64.
-constexpr std::uint64_t randomBelow(std::uint64_t count, std::uint64_t seed, Stage stage, std::uint64_t item) {
+constexpr std::uint64_t randomBelow(std::uint64_t count, std::uint64_t seed, Stage stage,
+                                    std::uint64_t item) {
   __extension__ using Wide = unsigned __int128;
-  return static_cast<std::uint64_t>((static_cast<Wide>(randomBits(seed, stage, item)) * count) >> 64);
+  return static_cast<std::uint64_t>((static_cast<Wide>(randomBits(seed, stage, item)) * count) >>
+                                    64);
 }
 
 }  // namespace sherd

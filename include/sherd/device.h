@@ -23,12 +23,13 @@ struct DeviceInfo {
 /// Every usable device; platforms without devices are passed over.  Empty when there is none.
 [[nodiscard]] std::vector<DeviceInfo> listDevices();
 
-/// An open device: context, queue, and programs built once.  Opened once, used by one thread at a time.
+/// An open device: context, queue, and programs built once.  Opened once, used by one thread at a
+/// time.
 class Device {
  public:
   /// Open a device.
-  ///   choice  "auto" (a GPU, else a CPU), "gpu", "cpu", or a part of a platform's or device's name, any case
-  ///   throws  Error(device) nothing matches, or the device cannot be opened
+  ///   choice  "auto" (a GPU, else a CPU), "gpu", "cpu", or a part of a platform's or device's
+  ///   name, any case throws  Error(device) nothing matches, or the device cannot be opened
   explicit Device(std::string_view choice = "auto");
   ~Device();
   Device(Device&&) noexcept;

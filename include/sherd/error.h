@@ -16,8 +16,8 @@ enum class ErrorCode {
   cancelled = 130,  ///< the caller asked to stop
 };
 
-/// Thrown by every function of the library.  what() is one sentence to the user: what, where, found, expected, what
-/// to try; no final full stop.
+/// Thrown by every function of the library.  what() is one sentence to the user: what, where,
+/// found, expected, what to try; no final full stop.
 class Error : public std::runtime_error {
  public:
   Error(ErrorCode code, const std::string& sentence) : std::runtime_error(sentence), code_(code) {}

@@ -15,7 +15,7 @@
 namespace sherd {
 
 struct FractureOptions {
-  int pieces = 8;          ///< fragments wanted, 1..kMaxFragments
+  int pieces = 8;  ///< fragments wanted, 1..kMaxFragments
   std::uint64_t seed = 0;
   int resolution = 128;    ///< voxels along the longest side; used when voxelSize is 0
   double voxelSize = 0.0;  ///< world units per voxel; 0: from resolution
@@ -29,7 +29,7 @@ struct StageTime {
 
 struct FractureResult {
   Solid solid;
-  std::size_t parts = 0;            ///< 6-connected parts of the solid
+  std::size_t parts = 0;  ///< 6-connected parts of the solid
   Labels labels;
   std::vector<Fragment> fragments;  ///< [max(pieces, parts)] ascending by id
   std::vector<StageTime> times;
@@ -37,7 +37,7 @@ struct FractureResult {
 
 /// Break a mesh: voxelize, placeSeeds, grow, extractFragments, in this order and nothing else.
 ///   throws  what they throw
-[[nodiscard]] FractureResult fracture(const TriangleMesh& mesh, const FractureOptions& options, Device& device,
-                                      const Progress* progress = nullptr);
+[[nodiscard]] FractureResult fracture(const TriangleMesh& mesh, const FractureOptions& options,
+                                      Device& device, const Progress* progress = nullptr);
 
 }  // namespace sherd

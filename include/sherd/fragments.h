@@ -15,33 +15,35 @@ namespace sherd {
 
 /// Where a fragment touches another.
 struct Contact {
-  int fragment = 0;            ///< id of the other
-  double area = 0.0;           ///< world units squared, equal on both sides
-  glm::dvec3 normal{0.0};      ///< mean direction towards the other, unit length
-  WorldPoint centroid;         ///< of the shared surface, equal on both sides
+  int fragment = 0;        ///< id of the other
+  double area = 0.0;       ///< world units squared, equal on both sides
+  glm::dvec3 normal{0.0};  ///< mean direction towards the other, unit length
+  WorldPoint centroid;     ///< of the shared surface, equal on both sides
 };
 
 /// One piece.  Volume, centroid, inertia and areas are those of its mesh.
 struct Fragment {
-  int id = 0;                           ///< 1..n
+  int id = 0;  ///< 1..n
   std::uint64_t voxels = 0;
-  VoxelBox voxelBox;                    ///< of its inside voxels
-  ConstFloatGridPtr surface;            ///< level set, world units, transform and background as the solid's
-  TriangleMesh mesh;                    ///< closed, edge-manifold, oriented outwards, world units
-  std::vector<std::uint16_t> facing;    ///< [triangles] 0 original surface, else the fragment on the other side
+  VoxelBox voxelBox;          ///< of its inside voxels
+  ConstFloatGridPtr surface;  ///< level set, world units, transform and background as the solid's
+  TriangleMesh mesh;          ///< closed, edge-manifold, oriented outwards, world units
+  std::vector<std::uint16_t>
+      facing;  ///< [triangles] 0 original surface, else the fragment on the other side
   MassProperties mass;
   double area = 0.0;
-  double fractureArea = 0.0;            ///< area of the faces that face another fragment
-  std::vector<Contact> contacts;        ///< ascending by fragment
+  double fractureArea = 0.0;      ///< area of the faces that face another fragment
+  std::vector<Contact> contacts;  ///< ascending by fragment
 };
 
-/// Cut every fragment out of the solid.  A fragment's level set is max(solid, distance to the cut); the cut is where
-/// the labels' indicators, smoothed by two binomial passes, are equal, so it is smooth, two neighbours share it to the
-/// bit, and the original surface stays where it was.  Every inside voxel's centre lies in its owner's level set, and
-/// in no other.
+/// Cut every fragment out of the solid.  A fragment's level set is max(solid, distance to the cut);
+/// the cut is where the labels' indicators, smoothed by two binomial passes, are equal, so it is
+/// smooth, two neighbours share it to the bit, and the original surface stays where it was.  Every
+/// inside voxel's centre lies in its owner's level set, and in no other.
 ///   labels  of this solid's blocks, ids 1..fragments, each with at least one voxel
 ///   return  [fragments] ascending by id
-[[nodiscard]] std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels, int fragments,
+[[nodiscard]] std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
+                                                     int fragments,
                                                      const Progress* progress = nullptr);
 
 /// The unbroken solid's mesh, made as the fragments' are.

@@ -1,5 +1,6 @@
-// OpenVDB's names that the headers speak of: openvdb::Coord, and openvdb::FloatGrid by name only, because a file that
-// includes OpenVDB whole takes seconds longer to compile.  Include <openvdb/openvdb.h> where a grid's values are needed.
+// OpenVDB's names that the headers speak of: openvdb::Coord, and openvdb::FloatGrid by name only,
+// because a file that includes OpenVDB whole takes seconds longer to compile.  Include
+// <openvdb/openvdb.h> where a grid's values are needed.
 #pragma once
 
 #include <openvdb/math/Coord.h>
@@ -24,8 +25,8 @@ class Tree;
 }  // namespace tree
 template <typename Tree>
 class Grid;
-using FloatTree =
-    tree::Tree<tree::RootNode<tree::InternalNode<tree::InternalNode<tree::LeafNode<float, 3>, 4>, 5>>>;
+using FloatTree = tree::Tree<
+    tree::RootNode<tree::InternalNode<tree::InternalNode<tree::LeafNode<float, 3>, 4>, 5>>>;
 using FloatGrid = Grid<FloatTree>;
 }  // namespace OPENVDB_VERSION_NAME
 }  // namespace openvdb

@@ -12,7 +12,8 @@
 
 namespace sherd {
 
-/// A dense box of 16-bit labels, z fastest: 0 outside, 1 solid without a fragment, fragment id k as k + 1.
+/// A dense box of 16-bit labels, z fastest: 0 outside, 1 solid without a fragment, fragment id k as
+/// k + 1.
 struct VoxelLabels {
   openvdb::Coord dims{0, 0, 0};
   std::vector<std::uint16_t> labels;  ///< [dims.x * dims.y * dims.z], index (x * ny + y) * nz + z
@@ -25,7 +26,8 @@ struct Run {
   bool operator==(const Run&) const = default;
 };
 
-/// A run-length voxel file, decoded no further than its runs: adjacent runs differ, lengths add up to the box.
+/// A run-length voxel file, decoded no further than its runs: adjacent runs differ, lengths add up
+/// to the box.
 struct RunLengthVoxels {
   openvdb::Coord dims{0, 0, 0};
   std::vector<Run> runs;  ///< x slowest, z fastest; runs go on across rows and planes
@@ -38,18 +40,21 @@ struct RunLengthVoxels {
 ///   throws  Error(input) when the box holds more than 2^31 voxels
 [[nodiscard]] VoxelLabels expand(const RunLengthVoxels& voxels);
 
-/// Read and write the paper's `.rle`: u32 nx, ny, nz, then u16 label, u32 length until the end; little-endian.
-///   throws  Error(input) cut, empty box, run of length 0, runs that do not add up to the box; Error(output)
+/// Read and write the paper's `.rle`: u32 nx, ny, nz, then u16 label, u32 length until the end;
+/// little-endian.
+///   throws  Error(input) cut, empty box, run of length 0, runs that do not add up to the box;
+///   Error(output)
 [[nodiscard]] RunLengthVoxels readRle(const std::filesystem::path& file);
 void writeRle(const std::filesystem::path& file, const RunLengthVoxels& voxels);
 
-/// Write a fragment's level set as grid "surface", class level set, Blosc-compressed, with its metadata: piece,
-/// fragment_id, pivot, volume, seed, source.  The file's unique id is made from its content, so equal fragments give
-/// equal bytes.
-void writeVdb(const std::filesystem::path& file, const Fragment& fragment, const std::string& source,
-              std::uint64_t seed);
+/// Write a fragment's level set as grid "surface", class level set, Blosc-compressed, with its
+/// metadata: piece, fragment_id, pivot, volume, seed, source.  The file's unique id is made from
+/// its content, so equal fragments give equal bytes.
+void writeVdb(const std::filesystem::path& file, const Fragment& fragment,
+              const std::string& source, std::uint64_t seed);
 
-/// Write a mesh as binary little-endian PLY: float x, y, z; faces of three with `int facing` where it is given.
+/// Write a mesh as binary little-endian PLY: float x, y, z; faces of three with `int facing` where
+/// it is given.
 void writePly(const std::filesystem::path& file, const TriangleMesh& mesh,
               const std::vector<std::uint16_t>& facing = {});
 
@@ -59,20 +64,22 @@ struct WriteOptions {
   bool vdb = true;      ///< fragments/<stem>_001.vdb
   bool mesh = true;     ///< meshes/<stem>_001.ply
   bool preview = true;  ///< preview.png
+  char up = 'y';        ///< the mesh's axis that points up in the picture: 'x', 'y' or 'z'
 };
 
-/// See whether writeFracture may write into a folder: absent, empty or an earlier fracture's, and writable.  To be
-/// asked before long work; nothing is left behind.
+/// See whether writeFracture may write into a folder: absent, empty or an earlier fracture's, and
+/// writable.  To be asked before long work; nothing is left behind.
 ///   throws  Error(output) it holds something else, or cannot be written
 void checkFractureFolder(const std::filesystem::path& folder);
 
-/// Write a fracture into a folder that checkFractureFolder accepts.  What the earlier manifest lists is replaced, all
-/// else stays.  Everything is written beside and renamed, `manifest.json` last: without it the folder is unfinished.
-/// On failure the folder is as it was before.
+/// Write a fracture into a folder that checkFractureFolder accepts.  What the earlier manifest
+/// lists is replaced, all else stays.  Everything is written beside and renamed, `manifest.json`
+/// last: without it the folder is unfinished. On failure the folder is as it was before.
 ///   return  the manifest's path
 ///   throws  Error(output) the folder holds something else, cannot be written, or the disk is full
 std::filesystem::path writeFracture(const std::filesystem::path& folder, const SourceMesh& source,
                                     const FractureOptions& options, const FractureResult& result,
-                                    const WriteOptions& write = {}, const Progress* progress = nullptr);
+                                    const WriteOptions& write = {},
+                                    const Progress* progress = nullptr);
 
 }  // namespace sherd

@@ -13,8 +13,8 @@ namespace sherd {
 
 /// The leaves that hold inside voxels or outer-band voxels, as flat arrays.
 ///
-/// A voxel's offset in its leaf is OpenVDB's: (x << 6) | (y << 3) | z, z fastest.  A leaf's mask is eight 64-bit
-/// words, word x holding the slab of that x, bit (y << 3) | z:
+/// A voxel's offset in its leaf is OpenVDB's: (x << 6) | (y << 3) | z, z fastest.  A leaf's mask is
+/// eight 64-bit words, word x holding the slab of that x, bit (y << 3) | z:
 ///
 ///     mask[leaf*8 + x]   bit 63 ............ 8  7 ............ 0
 ///                        y=7 z=7..0   ...       y=0 z=7..z=0
@@ -39,7 +39,8 @@ struct LeafBlocks {
 
 /// Position of a voxel in its leaf from its offset 0..511.
 inline openvdb::Coord coordFromOffset(std::uint32_t offset) {
-  return {static_cast<int>(offset >> 6), static_cast<int>((offset >> 3) & 7), static_cast<int>(offset & 7)};
+  return {static_cast<int>(offset >> 6), static_cast<int>((offset >> 3) & 7),
+          static_cast<int>(offset & 7)};
 }
 
 /// Index of the leaf that holds `voxel`, or LeafBlocks::kNone.

@@ -4,11 +4,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <string>
-#include <vector>
-
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
+#include <string>
+#include <vector>
 
 namespace sherd {
 
@@ -20,17 +19,18 @@ struct TriangleMesh {
 
 /// A mesh as read from a file, and what was done to it on the way.
 struct SourceMesh {
-  TriangleMesh mesh;                     ///< equal vertices merged, unused ones dropped, node transforms applied
-  std::string name;                      ///< file name without folder
-  std::string stem;                      ///< file name without folder and extensions: names the pieces
-  std::string sha256;                    ///< of the file's bytes, 64 hexadecimal digits
-  std::size_t fileVertices = 0;          ///< vertices before merging
-  std::size_t degenerateTriangles = 0;   ///< triangles with two equal corners, dropped
+  TriangleMesh mesh;   ///< equal vertices merged, unused ones dropped, node transforms applied
+  std::string name;    ///< file name without folder
+  std::string stem;    ///< file name without folder and extensions: names the pieces
+  std::string sha256;  ///< of the file's bytes, 64 hexadecimal digits
+  std::size_t fileVertices = 0;         ///< vertices before merging
+  std::size_t degenerateTriangles = 0;  ///< triangles with two equal corners, dropped
 };
 
-/// Read OBJ, PLY (ASCII, both binary orders), STL (both kinds), OFF, glTF or GLB, by the file's extension; `.gz` of
-/// any is unpacked.  Polygons are triangulated, exactly equal vertices merged.
-///   throws  Error(input) absent, unreadable, cut, malformed, unknown format, no triangle, a non-finite vertex
+/// Read OBJ, PLY (ASCII, both binary orders), STL (both kinds), OFF, glTF or GLB, by the file's
+/// extension; `.gz` of any is unpacked.  Polygons are triangulated, exactly equal vertices merged.
+///   throws  Error(input) absent, unreadable, cut, malformed, unknown format, no triangle, a
+///   non-finite vertex
 [[nodiscard]] SourceMesh readMesh(const std::filesystem::path& file);
 
 /// Axis-aligned box of all vertices.
@@ -40,14 +40,16 @@ struct Box {
 };
 [[nodiscard]] Box bounds(const TriangleMesh& mesh);
 
-/// Edges that are not used exactly once in each direction; 0 for a closed, consistently oriented mesh.
-/// An edge used twice in each direction (two sheets touching) counts as closed.
+/// Edges that are not used exactly once in each direction; 0 for a closed, consistently oriented
+/// mesh. An edge used twice in each direction (two sheets touching) counts as closed.
 [[nodiscard]] std::size_t openEdges(const TriangleMesh& mesh);
 
-/// Edges that are not used by exactly two triangles, once in each direction; 0 for an edge-manifold closed mesh.
+/// Edges that are not used by exactly two triangles, once in each direction; 0 for an edge-manifold
+/// closed mesh.
 [[nodiscard]] std::size_t nonManifoldEdges(const TriangleMesh& mesh);
 
-/// Connected components over shared vertices: a number 0..count-1 per triangle, in order of first triangle.
+/// Connected components over shared vertices: a number 0..count-1 per triangle, in order of first
+/// triangle.
 struct Components {
   std::vector<std::uint32_t> ofTriangle;  ///< [m]
   std::uint32_t count = 0;

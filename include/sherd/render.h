@@ -19,18 +19,22 @@ struct Image {
 };
 
 struct RenderOptions {
-  int width = 1280;        ///< pixels, 16..16384
-  int height = 720;        ///< pixels, 16..16384
-  double explode = 0.25;   ///< how far pieces move from the whole's centre, as a share of their own distance to it, 0..100
-  double azimuth = 35.0;   ///< degrees about the up axis
-  double elevation = 20.0; ///< degrees above the horizon, -90..90
-  char up = 'y';           ///< the mesh's axis that points up: 'x', 'y' or 'z'
+  int width = 1280;       ///< pixels, 16..16384
+  int height = 720;       ///< pixels, 16..16384
+  double explode = 0.25;  ///< how far pieces move from the whole's centre, as a share of their own
+                          ///< distance to it, 0..100
+  double azimuth = 35.0;  ///< degrees about the up axis
+  double elevation = 20.0;  ///< degrees above the horizon, -90..90
+  char up = 'y';            ///< the mesh's axis that points up: 'x', 'y' or 'z'
 };
 
-/// An exploded view of the fragments on a plain ground, each in its colour, inner faces told from outer ones.
-/// Equal input gives equal bytes, whatever the number of threads.  Without fragments, the bare backdrop.
-///   throws  Error(usage) an option out of range; Error(output) no memory for the picture; Error(cancelled)
-[[nodiscard]] Image renderFragments(std::span<const Fragment> fragments, const RenderOptions& options = {},
+/// An exploded view of the fragments on a plain ground, each in its colour, inner faces told from
+/// outer ones. Equal input gives equal bytes, whatever the number of threads.  Without fragments,
+/// the bare backdrop.
+///   throws  Error(usage) an option out of range; Error(output) no memory for the picture;
+///   Error(cancelled)
+[[nodiscard]] Image renderFragments(std::span<const Fragment> fragments,
+                                    const RenderOptions& options = {},
                                     const Progress* progress = nullptr);
 
 /// Write an 8-bit RGB PNG.

@@ -26,8 +26,8 @@ struct Parts {
   }
 };
 
-/// Find the 6-connected parts on the device: a flood inside each leaf, then a union of the nodes that touch across
-/// leaf faces.  The result does not depend on the schedule.
+/// Find the 6-connected parts on the device: a flood inside each leaf, then a union of the nodes
+/// that touch across leaf faces.  The result does not depend on the schedule.
 ///   throws  Error(device)
 ///   source  Jaiganesh and Burtscher, ECL-CC, HPDC 2018 (the lock-free union)
 [[nodiscard]] Parts findParts(const LeafBlocks& blocks, Device& device);
@@ -43,10 +43,11 @@ struct SeedOptions {
   std::uint64_t seed = 0;  ///< every random choice is a hash of this, a stage and an item
 };
 
-/// Place one seed in each part, the rest uniformly over all inside voxels, on distinct voxels.  Ids are a random
-/// permutation of 1..n.  With fewer pieces than parts, one seed per part.
+/// Place one seed in each part, the rest uniformly over all inside voxels, on distinct voxels.  Ids
+/// are a random permutation of 1..n.  With fewer pieces than parts, one seed per part.
 ///   return  [max(pieces, parts)] ascending by fragment id
 ///   throws  Error(usage) more pieces than inside voxels, or than kMaxFragments
-[[nodiscard]] std::vector<Seed> placeSeeds(const LeafBlocks& blocks, const Parts& parts, const SeedOptions& options);
+[[nodiscard]] std::vector<Seed> placeSeeds(const LeafBlocks& blocks, const Parts& parts,
+                                           const SeedOptions& options);
 
 }  // namespace sherd

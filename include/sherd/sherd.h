@@ -1,4 +1,5 @@
-// Sherd breaks 3D models: mesh -> solid -> labels -> fragments -> files.  This header includes the whole library.
+// Sherd breaks 3D models: mesh -> solid -> labels -> fragments -> files.  This header includes the
+// whole library.
 #pragma once
 
 #include <sherd/coords.h>

@@ -20,24 +20,25 @@ inline constexpr int kHalfWidthVoxels = 3;
 inline constexpr std::uint64_t kSpeckVoxels = 27;
 
 struct SolidOptions {
-  int resolution = 128;    ///< voxels along the mesh's longest side, 8..4096; used when voxelSize is 0
+  int resolution =
+      128;  ///< voxels along the mesh's longest side, 8..4096; used when voxelSize is 0
   double voxelSize = 0.0;  ///< world units per voxel; 0: from resolution
 };
 
 /// A solid, read-only once returned.
 struct Solid {
   GridFrame frame;
-  ConstFloatGridPtr distance;       ///< level set, world units, inside negative, half width 3 voxels
-  LeafBlocks blocks;                ///< inside and outer-band voxels of `distance`
-  VoxelBox box;                     ///< tight box of the inside voxels
-  std::uint64_t voxels = 0;         ///< inside voxels
-  std::uint64_t specks = 0;         ///< parts dropped for having fewer than kSpeckVoxels voxels
-  std::uint64_t speckVoxels = 0;    ///< voxels in them
+  ConstFloatGridPtr distance;     ///< level set, world units, inside negative, half width 3 voxels
+  LeafBlocks blocks;              ///< inside and outer-band voxels of `distance`
+  VoxelBox box;                   ///< tight box of the inside voxels
+  std::uint64_t voxels = 0;       ///< inside voxels
+  std::uint64_t specks = 0;       ///< parts dropped for having fewer than kSpeckVoxels voxels
+  std::uint64_t speckVoxels = 0;  ///< voxels in them
 };
 
-/// Turn a closed mesh into a solid.  A voxel is inside when the mesh winds round its centre at least once, decided
-/// exactly; so closed parts that overlap unite, and a part oriented inwards within another is a cavity.  A mesh
-/// whose total volume is negative is turned over first.
+/// Turn a closed mesh into a solid.  A voxel is inside when the mesh winds round its centre at
+/// least once, decided exactly; so closed parts that overlap unite, and a part oriented inwards
+/// within another is a cavity.  A mesh whose total volume is negative is turned over first.
 ///   mesh    closed: openEdges(mesh) == 0
 ///   throws  Error(input) open mesh, box empty or not finite, nothing inside at this resolution;
 ///           Error(usage) resolution or voxel size out of range

@@ -1,4 +1,5 @@
-// Finding and opening OpenCL devices.  Everything that differs from one driver to another is in this file.
+// Finding and opening OpenCL devices.  Everything that differs from one driver to another is in
+// this file.
 #include <sherd/device.h>
 #include <sherd/error.h>
 
@@ -17,7 +18,8 @@ struct Candidate {
 };
 
 std::string trimmed(std::string s) {
-  while (!s.empty() && (s.back() == '\0' || std::isspace(static_cast<unsigned char>(s.back())))) s.pop_back();
+  while (!s.empty() && (s.back() == '\0' || std::isspace(static_cast<unsigned char>(s.back()))))
+    s.pop_back();
   return s;
 }
 
@@ -62,7 +64,8 @@ std::vector<Candidate> candidates() {
 
 std::string lower(std::string_view s) {
   std::string out(s);
-  std::transform(out.begin(), out.end(), out.begin(), [](unsigned char c) { return std::tolower(c); });
+  std::transform(out.begin(), out.end(), out.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
   return out;
 }
 
@@ -74,7 +77,9 @@ std::optional<std::size_t> choose(const std::vector<Candidate>& all, const std::
   };
   const auto gpu = [](const Candidate& c) { return c.info.gpu; };
   // Other CPU drivers (llvmpipe's) run far slower than PoCL.
-  const auto pocl = [](const Candidate& c) { return c.info.platform == "Portable Computing Language"; };
+  const auto pocl = [](const Candidate& c) {
+    return c.info.platform == "Portable Computing Language";
+  };
   const auto cpu = [](const Candidate& c) { return !c.info.gpu; };
   if (choice == "gpu") return first(gpu);
   if (choice == "cpu" || choice == "auto") {
@@ -108,7 +113,8 @@ Device::Device(std::string_view choice) : impl_(std::make_unique<Impl>()) {
   const std::optional<std::size_t> found = choose(all, lower(choice));
   if (!found) {
     std::string here;
-    for (const Candidate& c : all) here += (here.empty() ? "" : ", ") + c.info.platform + " / " + c.info.name;
+    for (const Candidate& c : all)
+      here += (here.empty() ? "" : ", ") + c.info.platform + " / " + c.info.name;
     throw Error(ErrorCode::device,
                 "no OpenCL device matches '" + std::string(choice) + "'; devices here: " +
                     (here.empty() ? "none (Debian's pocl-opencl-icd runs on any CPU)" : here));

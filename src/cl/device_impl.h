@@ -33,24 +33,28 @@ struct Device::Impl {
   }
 };
 
-/// Run `body`, turning what the OpenCL bindings throw into Error(device) that says what was being done.
+/// Run `body`, turning what the OpenCL bindings throw into Error(device) that says what was being
+/// done.
 template <class Body>
 auto withDevice(Device::Impl& device, const char* doing, Body&& body) {
   try {
     return body();
   } catch (const cl::Error& e) {
-    throw Error(ErrorCode::device, device.info.name + ": " + doing + " failed in " + e.what() + " with OpenCL error " +
-                                       std::to_string(e.err()) + "; try another --device");
+    throw Error(ErrorCode::device, device.info.name + ": " + doing + " failed in " + e.what() +
+                                       " with OpenCL error " + std::to_string(e.err()) +
+                                       "; try another --device");
   }
 }
 
 /// A device buffer of `count` T.
 ///   throws  Error(device) naming the size when it passes the device's largest allocation
 template <class T>
-cl::Buffer makeBuffer(Device::Impl& device, std::size_t count, cl_mem_flags flags = CL_MEM_READ_WRITE) {
+cl::Buffer makeBuffer(Device::Impl& device, std::size_t count,
+                      cl_mem_flags flags = CL_MEM_READ_WRITE) {
   const std::size_t bytes = std::max<std::size_t>(count, 1) * sizeof(T);
   if (bytes > device.info.largestBufferBytes) {
-    throw Error(ErrorCode::device, device.info.name + ": a buffer of " + std::to_string(bytes >> 20) +
+    throw Error(ErrorCode::device, device.info.name + ": a buffer of " +
+                                       std::to_string(bytes >> 20) +
                                        " MiB is needed, the device allows " +
                                        std::to_string(device.info.largestBufferBytes >> 20) +
                                        " MiB; try a lower --resolution");
@@ -58,18 +62,23 @@ cl::Buffer makeBuffer(Device::Impl& device, std::size_t count, cl_mem_flags flag
   return {device.context, flags, bytes};
 }
 
-/// A device buffer that holds a copy of `data`.  (No CL_MEM_USE_HOST_PTR: oclgrind reports false errors for it.)
+/// A device buffer that holds a copy of `data`.  (No CL_MEM_USE_HOST_PTR: oclgrind reports false
+/// errors for it.)
 template <class T>
-cl::Buffer uploadBuffer(Device::Impl& device, std::span<const T> data, cl_mem_flags flags = CL_MEM_READ_ONLY) {
+cl::Buffer uploadBuffer(Device::Impl& device, std::span<const T> data,
+                        cl_mem_flags flags = CL_MEM_READ_ONLY) {
   cl::Buffer buffer = makeBuffer<T>(device, data.size(), flags);
-  if (!data.empty()) device.queue.enqueueWriteBuffer(buffer, CL_TRUE, 0, data.size_bytes(), data.data());
+  if (!data.empty())
+    device.queue.enqueueWriteBuffer(buffer, CL_TRUE, 0, data.size_bytes(), data.data());
   return buffer;
 }
 
 template <class T>
-void readBuffer(Device::Impl& device, const cl::Buffer& buffer, std::span<T> out, std::size_t first = 0) {
+void readBuffer(Device::Impl& device, const cl::Buffer& buffer, std::span<T> out,
+                std::size_t first = 0) {
   if (!out.empty()) {
-    device.queue.enqueueReadBuffer(buffer, CL_TRUE, first * sizeof(T), out.size_bytes(), out.data());
+    device.queue.enqueueReadBuffer(buffer, CL_TRUE, first * sizeof(T), out.size_bytes(),
+                                   out.data());
   }
 }
 

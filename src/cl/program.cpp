@@ -1,4 +1,5 @@
-// Building the embedded kernels.  A program is built once for a device; PoCL and GPU drivers keep the result on disk.
+// Building the embedded kernels.  A program is built once for a device; PoCL and GPU drivers keep
+// the result on disk.
 #include <algorithm>
 
 #include "cl/device_impl.h"
@@ -6,7 +7,8 @@
 
 namespace sherd {
 
-cl::Kernel Device::Impl::kernel(const std::string& file, const char* name, const std::string& options) {
+cl::Kernel Device::Impl::kernel(const std::string& file, const char* name,
+                                const std::string& options) {
   return withDevice(*this, name, [&] {
     const std::string key = file + ' ' + options;
     auto program = programs.find(key);
@@ -20,7 +22,8 @@ cl::Kernel Device::Impl::kernel(const std::string& file, const char* name, const
         built.build(device, ("-cl-std=CL1.2 " + options).c_str());
       } catch (const cl::Error&) {
         std::string log = built.getBuildInfo<CL_PROGRAM_BUILD_LOG>(device);
-        throw Error(ErrorCode::device, info.name + ": " + file + " does not build: " + log.substr(0, 500));
+        throw Error(ErrorCode::device,
+                    info.name + ": " + file + " does not build: " + log.substr(0, 500));
       }
       program = programs.emplace(key, std::move(built)).first;
     }

@@ -30,6 +30,7 @@ struct FractureArguments {
   std::string folder;
   FractureOptions options;
   std::vector<std::string> write{"labels", "vdb", "mesh", "preview"};
+  std::string up = "y";
   std::string device = "auto";
   int threads = 0;  ///< 0: all cores
   bool json = false;
@@ -158,14 +159,15 @@ std::string asJson(const FractureArguments& arguments, const SourceMesh& source,
 
 // ---- The command
 
-WriteOptions writeOptions(const std::vector<std::string>& names) {
+WriteOptions writeOptions(const FractureArguments& arguments) {
   const auto named = [&](const char* name) {
-    return std::find(names.begin(), names.end(), name) != names.end();
+    return std::find(arguments.write.begin(), arguments.write.end(), name) != arguments.write.end();
   };
   return {.labels = named("labels"),
           .vdb = named("vdb"),
           .mesh = named("mesh"),
-          .preview = named("preview")};
+          .preview = named("preview"),
+          .up = arguments.up.front()};
 }
 
 // What is wrong with a mesh is found by functions that do not know the file's name.
@@ -209,7 +211,7 @@ void breakMesh(const FractureArguments& arguments) {
   times.insert(times.end(), result.times.begin(), result.times.end());
   const fs::path manifest = timed("write", [&] {
     return writeFracture(arguments.folder, source, arguments.options, result,
-                         writeOptions(arguments.write), &progress);
+                         writeOptions(arguments), &progress);
   });
   times.push_back({"total", secondsSince(start)});
 
@@ -278,6 +280,9 @@ void addFractureCommand(CLI::App& app, Action& run) {
       ->delimiter(',')
       ->check(CLI::IsMember({"labels", "vdb", "mesh", "preview"}))
       ->default_str("labels,vdb,mesh,preview");
+  command->add_option("--up", arguments->up, "The mesh's axis that points up in the picture")
+      ->check(CLI::IsMember({"x", "y", "z"}))
+      ->default_str("y");
   command
       ->add_option("--device", arguments->device,
                    "OpenCL device: auto, gpu, cpu or a part of its name (see sherd devices)")

@@ -25,14 +25,15 @@ SeedTable tableOf(const LeafBlocks& blocks, std::span<const std::vector<Seed>> s
   for (std::size_t f = 0; f < seedSets.size(); ++f) {
     for (const Seed& seed : seedSets[f]) {
       const std::uint32_t leaf = findLeaf(blocks, seed.voxel);
-      const auto offset = static_cast<std::uint32_t>(((seed.voxel.x() & 7) << 6) | ((seed.voxel.y() & 7) << 3) |
-                                                     (seed.voxel.z() & 7));
+      const auto offset = static_cast<std::uint32_t>(
+          ((seed.voxel.x() & 7) << 6) | ((seed.voxel.y() & 7) << 3) | (seed.voxel.z() & 7));
       if (leaf == LeafBlocks::kNone ||
           !((blocks.inside[leaf * 8 + (offset >> 6)] >> (offset & 63)) & 1) || seed.fragment == 0) {
         throw Error(ErrorCode::usage, "seed of fragment " + std::to_string(seed.fragment) +
                                           " does not lie on a voxel of the solid");
       }
-      const auto [at, added] = sorted.try_emplace({f * blocks.count() + leaf, offset}, seed.fragment);
+      const auto [at, added] =
+          sorted.try_emplace({f * blocks.count() + leaf, offset}, seed.fragment);
       if (!added) at->second = std::min(at->second, seed.fragment);
     }
   }
@@ -52,11 +53,13 @@ SeedTable tableOf(const LeafBlocks& blocks, std::span<const std::vector<Seed>> s
 // One growth on the device: its buffers, and the kernels launched over them.
 class Flood {
  public:
-  Flood(const LeafBlocks& blocks, std::size_t fractures, Device::Impl& device, const GrowOptions& options)
+  Flood(const LeafBlocks& blocks, std::size_t fractures, Device::Impl& device,
+        const GrowOptions& options)
       : device_(device),
         leafCount_(static_cast<cl_uint>(blocks.count())),
         items_(static_cast<cl_uint>(blocks.count() * fractures)),
-        group_(options.workGroupSize > 0 ? static_cast<std::size_t>(options.workGroupSize) : device.workGroupSize()),
+        group_(options.workGroupSize > 0 ? static_cast<std::size_t>(options.workGroupSize)
+                                         : device.workGroupSize()),
         keepCost_(options.keepCost),
         neighbour_(uploadBuffer<std::uint32_t>(device, blocks.neighbours)),
         owned_(filled<cl_ulong>(items_ * std::size_t{SHERD_LEAF_WORDS}, 0)),
@@ -68,7 +71,8 @@ class Flood {
         queued_(filled<cl_uint>(items_, SHERD_NO_STEP)),
         list_(makeBuffer<cl_uint>(device, 2 * std::size_t{items_})),
         listCount_(filled<cl_uint>(3, 0)),
-        cost_(keepCost_ ? filled<cl_uint>(items_ * std::size_t{SHERD_LEAF_SIZE}, 0) : makeBuffer<cl_uint>(device, 1)) {}
+        cost_(keepCost_ ? filled<cl_uint>(items_ * std::size_t{SHERD_LEAF_SIZE}, 0)
+                        : makeBuffer<cl_uint>(device, 1)) {}
 
   void seed(const SeedTable& table) {
     const cl::Buffer item = uploadBuffer<cl_uint>(device_, table.item);
@@ -80,7 +84,9 @@ class Flood {
     device_.queue.finish();  // the table's buffers end here
   }
 
-  void domain(std::span<const std::uint64_t> masks) { domain_ = uploadBuffer<std::uint64_t>(device_, masks); }
+  void domain(std::span<const std::uint64_t> masks) {
+    domain_ = uploadBuffer<std::uint64_t>(device_, masks);
+  }
 
   // Go on from all that is owned into the domain as it is now.
   void restart() { launch("flood_restart", items_, step_); }
@@ -128,8 +134,8 @@ class Flood {
   cl_uint setState(cl::Kernel& kernel) {
     cl_uint i = 0;
     const auto set = [&](const auto&... argument) { (kernel.setArg(i++, argument), ...); };
-    set(domain_, neighbour_, leafCount_, owned_, tag_, owner_, frontMask_, frontStep_, frontTag_, queued_, list_,
-        listCount_, items_, cost_, static_cast<cl_uint>(keepCost_));
+    set(domain_, neighbour_, leafCount_, owned_, tag_, owner_, frontMask_, frontStep_, frontTag_,
+        queued_, list_, listCount_, items_, cost_, static_cast<cl_uint>(keepCost_));
     return i;
   }
 
@@ -144,7 +150,8 @@ class Flood {
   void enqueue(cl::Kernel& kernel, std::size_t work) {
     const std::size_t wanted = std::min(work, std::max(device_.workItems(), group_));
     const std::size_t global = (std::max<std::size_t>(wanted, 1) + group_ - 1) / group_ * group_;
-    device_.queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(global), cl::NDRange(group_));
+    device_.queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(global),
+                                       cl::NDRange(group_));
   }
 
   Device::Impl& device_;
@@ -152,23 +159,25 @@ class Flood {
   std::size_t group_;
   bool keepCost_;
   cl_uint step_ = 0;
-  cl::Buffer domain_, neighbour_, owned_, tag_, owner_, frontMask_, frontStep_, frontTag_, queued_, list_, listCount_,
-      cost_;
+  cl::Buffer domain_, neighbour_, owned_, tag_, owner_, frontMask_, frontStep_, frontTag_, queued_,
+      list_, listCount_, cost_;
 };
 
 }  // namespace
 
-std::vector<Labels> grow(const LeafBlocks& blocks, std::span<const std::vector<Seed>> seedSets, Device& device,
-                         const GrowOptions& options, const Progress* progress) {
+std::vector<Labels> grow(const LeafBlocks& blocks, std::span<const std::vector<Seed>> seedSets,
+                         Device& device, const GrowOptions& options, const Progress* progress) {
   const SeedTable table = tableOf(blocks, seedSets);
   if (blocks.count() * seedSets.size() >= SHERD_NO_LEAF) {
-    throw Error(ErrorCode::usage, "the batch holds " + std::to_string(blocks.count() * seedSets.size()) +
-                                      " leaves, at most " + std::to_string(SHERD_NO_LEAF - 1) + " can grow together");
+    throw Error(ErrorCode::usage,
+                "the batch holds " + std::to_string(blocks.count() * seedSets.size()) +
+                    " leaves, at most " + std::to_string(SHERD_NO_LEAF - 1) + " can grow together");
   }
   Device::Impl& impl = device.impl();
   return withDevice(impl, "growing fragments", [&] {
     Flood flood(blocks, seedSets.size(), impl, options);
-    const auto perReadback = static_cast<std::uint32_t>(options.stepsPerReadback > 0 ? options.stepsPerReadback : 16);
+    const auto perReadback =
+        static_cast<std::uint32_t>(options.stepsPerReadback > 0 ? options.stepsPerReadback : 16);
     flood.domain(blocks.inside);
     flood.seed(table);
     flood.grow(SHERD_NO_STEP, perReadback, progress);
@@ -184,7 +193,8 @@ std::vector<Labels> grow(const LeafBlocks& blocks, std::span<const std::vector<S
   });
 }
 
-std::vector<std::uint64_t> countVoxels(const LeafBlocks& blocks, const Labels& labels, int fragments) {
+std::vector<std::uint64_t> countVoxels(const LeafBlocks& blocks, const Labels& labels,
+                                       int fragments) {
   std::vector<std::uint64_t> counts(static_cast<std::size_t>(fragments) + 1);
   for (std::size_t word = 0; word < blocks.inside.size(); ++word) {
     for (std::uint64_t bits = blocks.inside[word]; bits; bits &= bits - 1) {

@@ -9,9 +9,10 @@
 namespace sherd {
 namespace {
 
-// Voxels of each part, and the parts numbered by their lowest node: nodes ascend with leaves and voxels.
-void numberParts(const LeafBlocks& blocks, std::span<const cl_uint> nodeCount, std::span<const cl_uint> root,
-                 Parts& parts) {
+// Voxels of each part, and the parts numbered by their lowest node: nodes ascend with leaves and
+// voxels.
+void numberParts(const LeafBlocks& blocks, std::span<const cl_uint> nodeCount,
+                 std::span<const cl_uint> root, Parts& parts) {
   parts.partOfNode.resize(root.size());
   for (std::size_t n = 0; n < root.size(); ++n) {
     if (root[n] == n) {
@@ -25,7 +26,8 @@ void numberParts(const LeafBlocks& blocks, std::span<const cl_uint> nodeCount, s
     for (std::size_t x = 0; x < SHERD_LEAF_WORDS; ++x) {
       std::uint64_t bits = blocks.inside[leaf * SHERD_LEAF_WORDS + x];
       if (nodeCount[leaf] == 1) {
-        parts.voxels[parts.partOfNode[parts.firstNode[leaf]]] += static_cast<std::uint64_t>(std::popcount(bits));
+        parts.voxels[parts.partOfNode[parts.firstNode[leaf]]] +=
+            static_cast<std::uint64_t>(std::popcount(bits));
         continue;
       }
       for (; bits; bits &= bits - 1) {
@@ -48,7 +50,8 @@ Parts findParts(const LeafBlocks& blocks, Device& device) {
       cl_uint i = 0;
       (kernel.setArg(i++, arguments), ...);
       const std::size_t items = std::min(std::max<std::size_t>(work, 1), impl.workItems());
-      impl.queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange((items + group - 1) / group * group),
+      impl.queue.enqueueNDRangeKernel(kernel, cl::NullRange,
+                                      cl::NDRange((items + group - 1) / group * group),
                                       cl::NDRange(group));
     };
 
@@ -73,7 +76,8 @@ Parts findParts(const LeafBlocks& blocks, Device& device) {
     const cl::Buffer parent = makeBuffer<cl_uint>(impl, nodes);
     const cl::Buffer rootBuffer = makeBuffer<cl_uint>(impl, nodes);
     run("component_begin", nodes, nodes, parent);
-    run("component_join", blocks.count(), inside, neighbour, localNode, firstNode, leafCount, parent);
+    run("component_join", blocks.count(), inside, neighbour, localNode, firstNode, leafCount,
+        parent);
     run("component_flatten", nodes, nodes, parent, rootBuffer);
     std::vector<cl_uint> root(nodes);
     readBuffer<cl_uint>(impl, rootBuffer, root);

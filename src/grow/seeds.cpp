@@ -29,8 +29,10 @@ class VoxelIndex {
   std::uint64_t total() const { return total_; }
 
   VoxelKey ofAll(std::uint64_t number) const {
-    const auto word = static_cast<std::size_t>(std::upper_bound(before_.begin(), before_.end(), number) -
-                                               before_.begin()) - 1;
+    const auto word =
+        static_cast<std::size_t>(std::upper_bound(before_.begin(), before_.end(), number) -
+                                 before_.begin()) -
+        1;
     return word * 64 + nthBit(blocks_.inside[word], number - before_[word]);
   }
 
@@ -74,16 +76,20 @@ std::vector<std::uint16_t> permutedIds(std::size_t n, std::uint64_t seed) {
 
 }  // namespace
 
-std::vector<Seed> placeSeeds(const LeafBlocks& blocks, const Parts& parts, const SeedOptions& options) {
+std::vector<Seed> placeSeeds(const LeafBlocks& blocks, const Parts& parts,
+                             const SeedOptions& options) {
   const VoxelIndex voxels(blocks, parts);
-  const std::size_t count = std::max(static_cast<std::size_t>(std::max(options.pieces, 1)), parts.count());
+  const std::size_t count =
+      std::max(static_cast<std::size_t>(std::max(options.pieces, 1)), parts.count());
   if (count > kMaxFragments) {
-    throw Error(ErrorCode::usage, "the solid would give " + std::to_string(count) + " fragments, at most " +
-                                      std::to_string(kMaxFragments) + " have an id; try a lower --resolution");
+    throw Error(ErrorCode::usage, "the solid would give " + std::to_string(count) +
+                                      " fragments, at most " + std::to_string(kMaxFragments) +
+                                      " have an id; try a lower --resolution");
   }
   if (count > voxels.total()) {
     throw Error(ErrorCode::usage, std::to_string(count) + " pieces are asked of a solid of " +
-                                      std::to_string(voxels.total()) + " voxels; try a higher --resolution");
+                                      std::to_string(voxels.total()) +
+                                      " voxels; try a higher --resolution");
   }
 
   std::vector<std::uint64_t> pick;
@@ -92,8 +98,8 @@ std::vector<Seed> placeSeeds(const LeafBlocks& blocks, const Parts& parts, const
   }
   std::vector<VoxelKey> chosen = voxels.ofParts(std::move(pick));
 
-  // The rest over all voxels: a draw that hits a taken voxel goes on to the next free one, so that asking for as many
-  // pieces as voxels ends too.
+  // The rest over all voxels: a draw that hits a taken voxel goes on to the next free one, so that
+  // asking for as many pieces as voxels ends too.
   std::unordered_set<VoxelKey> taken(chosen.begin(), chosen.end());
   for (std::uint64_t item = 0; chosen.size() < count; ++item) {
     std::uint64_t number = randomBelow(voxels.total(), options.seed, Stage::seedVoxel, item);

@@ -198,7 +198,7 @@ RunLengthVoxels readRle(const std::filesystem::path& file) {
 void writeRle(const std::filesystem::path& file, const RunLengthVoxels& voxels) {
   AtomicFile out(file);
   std::string block;
-  for (int axis = 0; axis < 3; ++axis) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
     storeLittle(block, static_cast<std::uint32_t>(voxels.dims[axis]));
   }
   for (const Run& run : voxels.runs) {

@@ -284,7 +284,7 @@ void makeParents(const fs::path& root, const std::vector<std::string>& files) {
 }
 
 void writeFiles(const fs::path& folder, const FractureFiles& files, const SourceMesh& source,
-                const FractureOptions& options, const FractureResult& result,
+                const FractureOptions& options, const FractureResult& result, char up,
                 const Progress* progress) {
   const std::size_t fragments = result.fragments.size();
   step(progress, "write", 0.0);
@@ -302,7 +302,7 @@ void writeFiles(const fs::path& folder, const FractureFiles& files, const Source
   }
   step(progress, "write", 1.0);
   if (!files.preview.empty()) {
-    writePng(folder / files.preview, renderFragments(result.fragments, {}, progress));
+    writePng(folder / files.preview, renderFragments(result.fragments, {.up = up}, progress));
   }
   writeWhole(folder / kManifest, manifestText(source, options, result, files));
 }
@@ -379,7 +379,7 @@ fs::path writeFracture(const fs::path& folder, const SourceMesh& source,
       }
     }
     makeParents(partial.fresh(), fresh);
-    writeFiles(partial.fresh(), files, source, options, result, progress);
+    writeFiles(partial.fresh(), files, source, options, result, write.up, progress);
     putInPlace(folder, partial, old, fresh);
     made.keep();
     return folder / kManifest;

@@ -4,9 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
-
 #include <glm/geometric.hpp>
+#include <map>
 
 namespace sherd {
 namespace {
@@ -34,13 +33,15 @@ class LabelReader {
   std::uint32_t leaf_ = LeafBlocks::kNone;
 };
 
-// The label other than `own` that most of the eight voxels round an index position have; of equals the lower.
+// The label other than `own` that most of the eight voxels round an index position have; of equals
+// the lower.
 std::uint16_t mostAround(const glm::dvec3& p, std::uint16_t own, LabelReader& labels) {
   std::array<std::uint16_t, 8> found{};
   const openvdb::Coord base(static_cast<int>(std::floor(p.x)), static_cast<int>(std::floor(p.y)),
                             static_cast<int>(std::floor(p.z)));
   for (int k = 0; k < 8; ++k) {
-    found[static_cast<std::size_t>(k)] = labels.at(base + openvdb::Coord(k >> 2, (k >> 1) & 1, k & 1));
+    found[static_cast<std::size_t>(k)] =
+        labels.at(base + openvdb::Coord(k >> 2, (k >> 1) & 1, k & 1));
   }
   std::sort(found.begin(), found.end());
   std::uint16_t best = 0;
@@ -77,22 +78,27 @@ Interfaces voxelInterfaces(const Solid& solid, const Labels& labels) {
   Interfaces found;
   for (std::size_t leaf = 0; leaf < blocks.count(); ++leaf) {
     for (int axis = 0; axis < 3; ++axis) {
-      const std::uint32_t next = blocks.neighbours[leaf * 6 + static_cast<std::size_t>(2 * axis + 1)];
+      const std::uint32_t next =
+          blocks.neighbours[leaf * 6 + static_cast<std::size_t>(2 * axis + 1)];
       const int shift = 6 - 3 * axis;
       for (std::uint32_t v = 0; v < 512; ++v) {
         const bool last = ((v >> shift) & 7) == 7;
         if (last && next == LeafBlocks::kNone) continue;
-        const std::size_t other = last ? std::size_t{next} * 512 + (v & ~(7u << shift)) : leaf * 512 + v + (1u << shift);
+        const std::size_t other =
+            last ? std::size_t{next} * 512 + (v & ~(7u << shift)) : leaf * 512 + v + (1u << shift);
         const std::uint16_t a = labels.fragment[leaf * 512 + v], b = labels.fragment[other];
         if (a == b || a == 0 || b == 0) continue;
-        const auto isInside = [&](std::size_t voxel) { return (blocks.inside[voxel >> 6] >> (voxel & 63)) & 1; };
+        const auto isInside = [&](std::size_t voxel) {
+          return (blocks.inside[voxel >> 6] >> (voxel & 63)) & 1;
+        };
         if (!isInside(leaf * 512 + v) || !isInside(other)) continue;
         glm::dvec3 normal(0.0);
         normal[axis] = a < b ? 1.0 : -1.0;
         const openvdb::Coord voxel = blocks.origins[leaf] + coordFromOffset(v);
         glm::dvec3 at(voxel.x(), voxel.y(), voxel.z());
         at[axis] += 0.5;
-        found[{std::min(a, b), std::max(a, b)}].add(faceArea, normal, solid.frame.worldFromIndex({at}).v);
+        found[{std::min(a, b), std::max(a, b)}].add(faceArea, normal,
+                                                    solid.frame.worldFromIndex({at}).v);
       }
     }
   }
@@ -102,18 +108,21 @@ Interfaces voxelInterfaces(const Solid& solid, const Labels& labels) {
 }  // namespace
 
 std::vector<std::uint16_t> facingOf(const TriangleMesh& mesh, const std::vector<bool>& original,
-                                    std::uint16_t fragment, const Solid& solid, const Labels& labels) {
+                                    std::uint16_t fragment, const Solid& solid,
+                                    const Labels& labels) {
   std::vector<std::uint16_t> facing(mesh.triangles.size(), 0);
   LabelReader reader(solid.blocks, labels);
   for (std::size_t t = 0; t < facing.size(); ++t) {
     if (original[t]) continue;
     const glm::uvec3& corner = mesh.triangles[t];
-    const glm::dvec3 a = mesh.vertices[corner.x], b = mesh.vertices[corner.y], c = mesh.vertices[corner.z];
+    const glm::dvec3 a = mesh.vertices[corner.x], b = mesh.vertices[corner.y],
+                     c = mesh.vertices[corner.z];
     const glm::dvec3 normal = glm::cross(b - a, c - a);
     const double length = glm::length(normal);
     const glm::dvec3 centre = solid.frame.indexFromWorld({(a + b + c) / 3.0}).v;
     const glm::dvec3 outwards = length > 0 ? normal / length : glm::dvec3(0.0);
-    // A voxel off the face is the other side's; at a rim or in a narrow wedge it may be nobody's, so look nearer.
+    // A voxel off the face is the other side's; at a rim or in a narrow wedge it may be nobody's,
+    // so look nearer.
     for (const double away : {0.75, 0.25, 1.5}) {
       facing[t] = mostAround(centre + away * outwards, fragment, reader);
       if (facing[t] != 0) break;
@@ -137,12 +146,14 @@ void addContacts(std::span<Fragment> fragments, const Solid& solid, const Labels
       const double doubledArea = glm::length(doubled);
       if (doubledArea == 0.0) continue;
       // Half of each side: the two sides' faces are one surface seen twice.
-      measured[{std::min(own, other), std::max(own, other)}].add(doubledArea / 4, doubled / doubledArea, (a + b + c) / 3.0);
+      measured[{std::min(own, other), std::max(own, other)}].add(
+          doubledArea / 4, doubled / doubledArea, (a + b + c) / 3.0);
     }
   }
   for (const auto& [pair, byVoxels] : touching) {
     const auto found = measured.find(pair);
-    // A contact of a few voxels may have no face of its own in the meshes: then its voxel faces are all there is.
+    // A contact of a few voxels may have no face of its own in the meshes: then its voxel faces are
+    // all there is.
     const Interface& interface = found != measured.end() ? found->second : byVoxels;
     const double length = glm::length(interface.normal);
     Contact contact;

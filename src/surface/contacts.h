@@ -8,13 +8,16 @@
 
 namespace sherd {
 
-/// For each triangle of a fragment's mesh, the fragment on its other side, 0 on the original surface.
+/// For each triangle of a fragment's mesh, the fragment on its other side, 0 on the original
+/// surface.
 ///   original  [triangles] whether it lies on the solid's surface
-[[nodiscard]] std::vector<std::uint16_t> facingOf(const TriangleMesh& mesh, const std::vector<bool>& original,
-                                                  std::uint16_t fragment, const Solid& solid, const Labels& labels);
+[[nodiscard]] std::vector<std::uint16_t> facingOf(const TriangleMesh& mesh,
+                                                  const std::vector<bool>& original,
+                                                  std::uint16_t fragment, const Solid& solid,
+                                                  const Labels& labels);
 
-/// Fill in the contacts of all fragments: which touch over a voxel face comes from the labels; area, normal and
-/// centroid from the faces of both meshes that face each other.
+/// Fill in the contacts of all fragments: which touch over a voxel face comes from the labels;
+/// area, normal and centroid from the faces of both meshes that face each other.
 void addContacts(std::span<Fragment> fragments, const Solid& solid, const Labels& labels);
 
 }  // namespace sherd

@@ -11,14 +11,15 @@
 namespace sherd {
 namespace {
 
-constexpr int kHalo = 2;                // two binomial passes reach two voxels
-constexpr int kSide = 8 + 2 * kHalo;    // labels gathered round a leaf
+constexpr int kHalo = 2;                  // two binomial passes reach two voxels
+constexpr int kSide = 8 + 2 * kHalo;      // labels gathered round a leaf
 constexpr std::uint16_t kMixed = 0xffff;  // ids stay below
 
 using Halo = std::array<std::uint16_t, kSide * kSide * kSide>;
 using LeafWeights = std::array<std::uint16_t, 512>;
 
-// The normal quantile of (1 + d) / 2 for d in 0..1, in 1/1024 steps: distance in voxels by smoothed difference.
+// The normal quantile of (1 + d) / 2 for d in 0..1, in 1/1024 steps: distance in voxels by smoothed
+// difference.
 class Profile {
  public:
   Profile() {
@@ -38,7 +39,8 @@ class Profile {
     if (sum == 0) return 3.0f;
     const float at = static_cast<float>(std::abs(difference)) / static_cast<float>(sum) * kSteps;
     const auto i = std::min(static_cast<std::size_t>(at), static_cast<std::size_t>(kSteps - 1));
-    const float x = std::min(table_[i] + (table_[i + 1] - table_[i]) * (at - static_cast<float>(i)), 3.0f);
+    const float x =
+        std::min(table_[i] + (table_[i + 1] - table_[i]) * (at - static_cast<float>(i)), 3.0f);
     return difference < 0 ? -x : x;
   }
 
@@ -88,10 +90,13 @@ Halo gather(const Labels& labels, const std::array<std::uint32_t, 27>& round) {
   for (int x = -kHalo; x < 8 + kHalo; ++x) {
     for (int y = -kHalo; y < 8 + kHalo; ++y) {
       for (int z = -kHalo; z < 8 + kHalo; ++z) {
-        const std::uint32_t leaf = round[static_cast<std::size_t>(((x >> 3) + 1) * 9 + ((y >> 3) + 1) * 3 + (z >> 3) + 1)];
+        const std::uint32_t leaf =
+            round[static_cast<std::size_t>(((x >> 3) + 1) * 9 + ((y >> 3) + 1) * 3 + (z >> 3) + 1)];
         const int offset = ((x & 7) << 6) | ((y & 7) << 3) | (z & 7);
-        halo[at++] = leaf == LeafBlocks::kNone ? std::uint16_t{0}
-                                               : labels.fragment[std::size_t{leaf} * 512 + static_cast<std::size_t>(offset)];
+        halo[at++] =
+            leaf == LeafBlocks::kNone
+                ? std::uint16_t{0}
+                : labels.fragment[std::size_t{leaf} * 512 + static_cast<std::size_t>(offset)];
       }
     }
   }
@@ -104,7 +109,8 @@ LeafWeights smoothed(const Halo& halo, std::uint16_t label) {
   std::array<std::uint16_t, kSide * 8 * 8> alongY;
   LeafWeights weights;
   const auto tap = [](const auto* p, std::size_t stride) {
-    return static_cast<std::uint16_t>(p[0] + 4 * p[stride] + 6 * p[2 * stride] + 4 * p[3 * stride] + p[4 * stride]);
+    return static_cast<std::uint16_t>(p[0] + 4 * p[stride] + 6 * p[2 * stride] + 4 * p[3 * stride] +
+                                      p[4 * stride]);
   };
   for (std::size_t xy = 0; xy < kSide * kSide; ++xy) {
     std::array<std::uint16_t, kSide> row;
@@ -112,7 +118,8 @@ LeafWeights smoothed(const Halo& halo, std::uint16_t label) {
     for (std::size_t z = 0; z < 8; ++z) alongZ[xy * 8 + z] = tap(&row[z], 1);
   }
   for (std::size_t x = 0; x < kSide; ++x) {
-    for (std::size_t yz = 0; yz < 64; ++yz) alongY[x * 64 + yz] = tap(&alongZ[x * kSide * 8 + yz], 8);
+    for (std::size_t yz = 0; yz < 64; ++yz)
+      alongY[x * 64 + yz] = tap(&alongZ[x * kSide * 8 + yz], 8);
   }
   for (std::size_t v = 0; v < 512; ++v) weights[v] = tap(&alongY[v], 64);
   return weights;
@@ -138,7 +145,8 @@ CutLeaf cutLeaf(const Halo& halo, std::vector<std::uint16_t> fragments, const st
       const int own = weights[i][v];
       float d = profile.distance((own == first ? second : first) - own, sum);
       if (isInside) {
-        d = owner[v] == cut.fragments[i] ? std::min(d, -Cut::kLeastDepth) : std::max(d, Cut::kLeastDepth);
+        d = owner[v] == cut.fragments[i] ? std::min(d, -Cut::kLeastDepth)
+                                         : std::max(d, Cut::kLeastDepth);
       }
       cut.distance[i * 512 + v] = d;
     }
@@ -173,7 +181,8 @@ Cut findCut(const LeafBlocks& blocks, const Labels& labels) {
       if (fragments.size() == 1) {
         cut.only[leaf] = fragments.front();
       } else if (fragments.size() > 1) {
-        perLeaf[leaf] = cutLeaf(halo, std::move(fragments), &blocks.inside[leaf * 8], &labels.fragment[leaf * 512]);
+        perLeaf[leaf] = cutLeaf(halo, std::move(fragments), &blocks.inside[leaf * 8],
+                                &labels.fragment[leaf * 512]);
       }
     }
   });

@@ -12,22 +12,24 @@ namespace sherd {
 /// Signed distances to the cut in one leaf, for every fragment that reaches into it or nearly so.
 struct CutLeaf {
   std::vector<std::uint16_t> fragments;  ///< [n] ascending
-  std::vector<float> distance;           ///< [n*512] voxels, inside the fragment negative, within -3..3
+  std::vector<float> distance;  ///< [n*512] voxels, inside the fragment negative, within -3..3
 };
 
 /// The cut over all leaves.
 ///
-/// Each fragment's indicator is smoothed by two binomial passes over labelled voxels (s_i, in integers); where
-/// d_i = (max over j of s_j - s_i) / sum of s is zero the cut lies.  Across a plane two binomial passes turn the step
-/// into very nearly the normal distribution of variance 1, so the normal quantile of d_i is the distance to the cut.
-/// Where two fragments meet d_i = -d_j to the bit, so they share the cut.  At the centre of an inside voxel the
-/// distance is clamped to at least kLeastDepth on its owner's side: smoothing must not give a voxel away, or it could
-/// cut thin necks.
+/// Each fragment's indicator is smoothed by two binomial passes over labelled voxels (s_i, in
+/// integers); where d_i = (max over j of s_j - s_i) / sum of s is zero the cut lies.  Across a
+/// plane two binomial passes turn the step into very nearly the normal distribution of variance 1,
+/// so the normal quantile of d_i is the distance to the cut. Where two fragments meet d_i = -d_j to
+/// the bit, so they share the cut.  At the centre of an inside voxel the distance is clamped to at
+/// least kLeastDepth on its owner's side: smoothing must not give a voxel away, or it could cut
+/// thin necks.
 struct Cut {
-  static constexpr float kLeastDepth = 0.05f;   ///< voxels
+  static constexpr float kLeastDepth = 0.05f;  ///< voxels
   static constexpr std::uint32_t kWhole = 0xffffffffu;
 
-  std::vector<std::uint16_t> only;   ///< [leaf] the only fragment within two voxels of the leaf, or 0
+  std::vector<std::uint16_t>
+      only;  ///< [leaf] the only fragment within two voxels of the leaf, or 0
   std::vector<std::uint32_t> index;  ///< [leaf] into leaves, or kWhole
   std::vector<CutLeaf> leaves;
 };

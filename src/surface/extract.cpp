@@ -5,9 +5,8 @@
 
 #include <algorithm>
 #include <bit>
-#include <string>
-
 #include <glm/geometric.hpp>
+#include <string>
 
 #include "surface/contacts.h"
 #include "surface/cut.h"
@@ -24,7 +23,8 @@ std::vector<std::vector<std::uint32_t>> leavesOf(const Cut& cut, int fragments) 
     if (cut.index[leaf] == Cut::kWhole) {
       leaves[cut.only[leaf]].push_back(leaf);
     } else {
-      for (const std::uint16_t fragment : cut.leaves[cut.index[leaf]].fragments) leaves[fragment].push_back(leaf);
+      for (const std::uint16_t fragment : cut.leaves[cut.index[leaf]].fragments)
+        leaves[fragment].push_back(leaf);
     }
   }
   return leaves;
@@ -36,7 +36,8 @@ VoxelBox voxelBox(const Solid& solid, const Labels& labels, std::uint16_t fragme
   for (const std::uint32_t leaf : leaves) {
     for (std::size_t x = 0; x < 8; ++x) {
       for (std::uint64_t bits = solid.blocks.inside[leaf * 8 + x]; bits; bits &= bits - 1) {
-        const auto v = static_cast<std::uint32_t>(x * 64) + static_cast<std::uint32_t>(std::countr_zero(bits));
+        const auto v =
+            static_cast<std::uint32_t>(x * 64) + static_cast<std::uint32_t>(std::countr_zero(bits));
         if (labels.fragment[std::size_t{leaf} * 512 + v] != fragment) continue;
         const openvdb::Coord voxel = solid.blocks.origins[leaf] + coordFromOffset(v);
         box.min.minComponent(voxel);
@@ -62,7 +63,8 @@ std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
   step(progress, "extract", 0.0);
   const std::vector<std::uint64_t> voxels = countVoxels(solid.blocks, labels, count);
   if (voxels[0] != 0) {
-    throw Error(ErrorCode::internal, std::to_string(voxels[0]) + " voxels of the solid have no fragment");
+    throw Error(ErrorCode::internal,
+                std::to_string(voxels[0]) + " voxels of the solid have no fragment");
   }
   const Cut cut = findCut(solid.blocks, labels);
   const std::vector<std::vector<std::uint32_t>> leaves = leavesOf(cut, count);
@@ -75,7 +77,8 @@ std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
     fragment.voxels = voxels[i + 1];
     fragment.voxelBox = voxelBox(solid, labels, id, leaves[i + 1]);
     fragment.surface = fragmentLevelSet(solid, cut, id, leaves[i + 1]);
-    LevelSetMesh meshed = meshLevelSet(*fragment.surface, solid.frame, solidOver(solid, leaves[i + 1]).get());
+    LevelSetMesh meshed =
+        meshLevelSet(*fragment.surface, solid.frame, solidOver(solid, leaves[i + 1]).get());
     fragment.mesh = std::move(meshed.mesh);
     fragment.facing = facingOf(fragment.mesh, meshed.original, id, solid, labels);
     fragment.mass = massProperties(fragment.mesh);
@@ -86,13 +89,16 @@ std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
   constexpr std::size_t kRound = 8;
   for (std::size_t first = 0; first < fragments.size(); first += kRound) {
     tbb::parallel_for(first, std::min(first + kRound, fragments.size()), extract);
-    step(progress, "extract", static_cast<double>(std::min(first + kRound, fragments.size())) /
-                                  static_cast<double>(fragments.size()));
+    step(progress, "extract",
+         static_cast<double>(std::min(first + kRound, fragments.size())) /
+             static_cast<double>(fragments.size()));
   }
   addContacts(fragments, solid, labels);
   return fragments;
 }
 
-TriangleMesh solidMesh(const Solid& solid) { return meshLevelSet(*solid.distance, solid.frame, nullptr).mesh; }
+TriangleMesh solidMesh(const Solid& solid) {
+  return meshLevelSet(*solid.distance, solid.frame, nullptr).mesh;
+}
 
 }  // namespace sherd

@@ -46,7 +46,8 @@ ConstFloatGridPtr fragmentLevelSet(const Solid& solid, const Cut& cut, std::uint
     }
     const CutLeaf& cutLeaf = cut.leaves[cut.index[at]];
     const auto i = static_cast<std::size_t>(
-        std::lower_bound(cutLeaf.fragments.begin(), cutLeaf.fragments.end(), fragment) - cutLeaf.fragments.begin());
+        std::lower_bound(cutLeaf.fragments.begin(), cutLeaf.fragments.end(), fragment) -
+        cutLeaf.fragments.begin());
     auto leaf = std::make_unique<Leaf>(origin, band, false);
     for (openvdb::Index v = 0; v < 512; ++v) {
       const float solidValue = whole ? whole->getValue(v) : -band;

@@ -13,10 +13,13 @@ namespace sherd {
 
 /// The solid's level set cut to a fragment: max(solid, distance to the cut).
 ///   leaves  the leaves that hold the fragment or lie within two voxels of it, ascending
-[[nodiscard]] ConstFloatGridPtr fragmentLevelSet(const Solid& solid, const Cut& cut, std::uint16_t fragment,
+[[nodiscard]] ConstFloatGridPtr fragmentLevelSet(const Solid& solid, const Cut& cut,
+                                                 std::uint16_t fragment,
                                                  std::span<const std::uint32_t> leaves);
 
-/// The solid's own values over those leaves: what the mesher compares with to tell the original surface.
-[[nodiscard]] ConstFloatGridPtr solidOver(const Solid& solid, std::span<const std::uint32_t> leaves);
+/// The solid's own values over those leaves: what the mesher compares with to tell the original
+/// surface.
+[[nodiscard]] ConstFloatGridPtr solidOver(const Solid& solid,
+                                          std::span<const std::uint32_t> leaves);
 
 }  // namespace sherd

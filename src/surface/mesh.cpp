@@ -9,7 +9,8 @@ namespace {
 
 double squaredDistance(const glm::dvec3& a, const glm::dvec3& b) { return glm::dot(a - b, a - b); }
 
-// The same values with the index space as world: float positions then lose nothing to a far-off origin.
+// The same values with the index space as world: float positions then lose nothing to a far-off
+// origin.
 openvdb::FloatGrid::ConstPtr inIndexSpace(const openvdb::FloatGrid& grid) {
   openvdb::FloatGrid::Ptr view =
       openvdb::FloatGrid::create(openvdb::ConstPtrCast<openvdb::FloatTree>(grid.constTreePtr()));
@@ -21,7 +22,8 @@ openvdb::FloatGrid::ConstPtr inIndexSpace(const openvdb::FloatGrid& grid) {
 
 LevelSetMesh meshLevelSet(const openvdb::FloatGrid& grid, const GridFrame& frame,
                           const openvdb::FloatGrid* reference) {
-  openvdb::tools::VolumeToMesh mesher(/*isovalue=*/0.0, /*adaptivity=*/0.0);  // fresh: a reused one remembers
+  openvdb::tools::VolumeToMesh mesher(/*isovalue=*/0.0,
+                                      /*adaptivity=*/0.0);  // fresh: a reused one remembers
   if (reference) mesher.setRefGrid(inIndexSpace(*reference));
   mesher(*inIndexSpace(grid));
 
@@ -41,7 +43,8 @@ LevelSetMesh meshLevelSet(const openvdb::FloatGrid& grid, const GridFrame& frame
     };
     for (std::size_t i = 0; i < pool.numQuads(); ++i) {
       const openvdb::Vec4I& q = pool.quad(i);
-      if (squaredDistance(vertices[q[0]], vertices[q[2]]) <= squaredDistance(vertices[q[1]], vertices[q[3]])) {
+      if (squaredDistance(vertices[q[0]], vertices[q[2]]) <=
+          squaredDistance(vertices[q[1]], vertices[q[3]])) {
         add(q[0], q[1], q[2], pool.quadFlags(i));
         add(q[0], q[2], q[3], pool.quadFlags(i));
       } else {

@@ -10,14 +10,15 @@
 namespace sherd {
 
 struct LevelSetMesh {
-  TriangleMesh mesh;            ///< world units, closed, oriented outwards
-  std::vector<bool> original;   ///< [triangles] lies on the reference's surface; empty without one
+  TriangleMesh mesh;           ///< world units, closed, oriented outwards
+  std::vector<bool> original;  ///< [triangles] lies on the reference's surface; empty without one
 };
 
-/// Mesh the zero level with OpenVDB's dual mesher, without adaptivity: two triangles per quad, split at the shorter
-/// diagonal.
+/// Mesh the zero level with OpenVDB's dual mesher, without adaptivity: two triangles per quad,
+/// split at the shorter diagonal.
 ///   frame      of the grid; vertices are found in index space and placed in double
-///   reference  the level set this one was cut from, or null: faces on its surface are told and seams are sharp
+///   reference  the level set this one was cut from, or null: faces on its surface are told and
+///   seams are sharp
 [[nodiscard]] LevelSetMesh meshLevelSet(const openvdb::FloatGrid& grid, const GridFrame& frame,
                                         const openvdb::FloatGrid* reference);
 

@@ -9,9 +9,9 @@
 #include <sherd/error.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
-#include <array>
 
 namespace sherd {
 namespace {
@@ -20,7 +20,8 @@ using openvdb::Coord;
 using openvdb::FloatGrid;
 using Leaf = FloatGrid::TreeType::LeafNodeType;
 
-// No inside voxel is nearer to the surface than this share of a voxel: it keeps triangles from shrinking to points.
+// No inside voxel is nearer to the surface than this share of a voxel: it keeps triangles from
+// shrinking to points.
 constexpr float kLeastDepthVoxels = 1e-3f;
 
 // The mesh as meshToVolume wants it, in double: float would lose a large grid's last thousandths.
@@ -35,12 +36,15 @@ struct IndexMesh {
   }
 };
 
-// Lets the caller stop OpenVDB's long loops; they ask from many threads, so only a flag is read there.
+// Lets the caller stop OpenVDB's long loops; they ask from many threads, so only a flag is read
+// there.
 struct Interrupter {
   const Progress* progress;
   void start(const char* = nullptr) {}
   void end() {}
-  bool wasInterrupted(int = -1) const { return progress && progress->cancelled && progress->cancelled(); }
+  bool wasInterrupted(int = -1) const {
+    return progress && progress->cancelled && progress->cancelled();
+  }
 };
 
 float worldFromVoxels(float voxels, const GridFrame& frame) {
@@ -54,8 +58,8 @@ float background(const GridFrame& frame) {
 
 }  // namespace
 
-FloatGridPtr levelSetFromMesh(const TriangleMesh& mesh, const Winding& winding, const GridFrame& frame,
-                              const Progress* progress) {
+FloatGridPtr levelSetFromMesh(const TriangleMesh& mesh, const Winding& winding,
+                              const GridFrame& frame, const Progress* progress) {
   Interrupter interrupter{progress};
   FloatGrid::Ptr grid = openvdb::tools::meshToVolume<FloatGrid>(
       interrupter, IndexMesh{mesh}, *openvdb::math::Transform::createLinearTransform(1.0),
@@ -68,7 +72,8 @@ FloatGridPtr levelSetFromMesh(const TriangleMesh& mesh, const Winding& winding, 
   leaves.foreach ([&](Leaf& leaf, std::size_t) {
     for (int x = 0; x < 8; ++x) {
       for (int y = 0; y < 8; ++y) {
-        const unsigned inside = winding.insideRow(leaf.origin().x() + x, leaf.origin().y() + y, leaf.origin().z());
+        const unsigned inside =
+            winding.insideRow(leaf.origin().x() + x, leaf.origin().y() + y, leaf.origin().z());
         for (int z = 0; z < 8; ++z) {
           const auto offset = static_cast<openvdb::Index>((x << 6) | (y << 3) | z);
           const bool isInside = (inside >> z) & 1;
@@ -85,7 +90,8 @@ FloatGridPtr levelSetFromMesh(const TriangleMesh& mesh, const Winding& winding, 
   });
   openvdb::tools::signedFloodFillWithValues(grid->tree(), outside, -outside);
 
-  openvdb::math::Transform::Ptr transform = openvdb::math::Transform::createLinearTransform(frame.voxelSize);
+  openvdb::math::Transform::Ptr transform =
+      openvdb::math::Transform::createLinearTransform(frame.voxelSize);
   transform->postTranslate({frame.origin.v.x, frame.origin.v.y, frame.origin.v.z});
   grid->setTransform(transform);
   grid->setGridClass(openvdb::GRID_LEVEL_SET);
@@ -127,11 +133,13 @@ LeafBlocks leafBlocks(const FloatGrid& grid) {
     tiles.getBoundingBox(box);
     for (int x = box.min().x(); x <= box.max().x(); x += 8) {
       for (int y = box.min().y(); y <= box.max().y(); y += 8) {
-        for (int z = box.min().z(); z <= box.max().z(); z += 8) found.emplace_back(Coord(x, y, z), full);
+        for (int z = box.min().z(); z <= box.max().z(); z += 8)
+          found.emplace_back(Coord(x, y, z), full);
       }
     }
   }
-  std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::sort(found.begin(), found.end(),
+            [](const auto& a, const auto& b) { return a.first < b.first; });
 
   LeafBlocks blocks;
   for (const auto& [origin, masks] : found) {
@@ -149,7 +157,8 @@ ConstFloatGridPtr withoutVoxels(const FloatGrid& grid, const LeafBlocks& blocks,
   FloatGrid::Accessor accessor = copy->getAccessor();
   for (std::size_t word = 0; word < blocks.inside.size(); ++word) {
     for (std::uint64_t bits = blocks.inside[word]; bits; bits &= bits - 1) {
-      const auto offset = static_cast<std::uint32_t>((word % 8) * 64) + static_cast<std::uint32_t>(std::countr_zero(bits));
+      const auto offset = static_cast<std::uint32_t>((word % 8) * 64) +
+                          static_cast<std::uint32_t>(std::countr_zero(bits));
       if (!isSpeck(word / 8, offset)) continue;
       const Coord voxel = blocks.origins[word / 8] + coordFromOffset(offset);
       accessor.setValueOnly(voxel, -accessor.getValue(voxel));

@@ -15,11 +15,12 @@ namespace sherd {
 
 using FloatGridPtr = std::shared_ptr<openvdb::FloatGrid>;
 
-/// The narrow-band level set of a closed mesh: exact distance to the nearest triangle, sign by winding number.
+/// The narrow-band level set of a closed mesh: exact distance to the nearest triangle, sign by
+/// winding number.
 ///   mesh     in index space
 ///   return   world units; transform and background by `frame`
-[[nodiscard]] FloatGridPtr levelSetFromMesh(const TriangleMesh& mesh, const Winding& winding, const GridFrame& frame,
-                                            const Progress* progress);
+[[nodiscard]] FloatGridPtr levelSetFromMesh(const TriangleMesh& mesh, const Winding& winding,
+                                            const GridFrame& frame, const Progress* progress);
 
 /// The union of two level sets of one frame; `other` is used up.
 void unite(openvdb::FloatGrid& grid, openvdb::FloatGrid& other);
@@ -28,7 +29,8 @@ void unite(openvdb::FloatGrid& grid, openvdb::FloatGrid& other);
 [[nodiscard]] LeafBlocks leafBlocks(const openvdb::FloatGrid& grid);
 
 /// A copy of a level set in which the inside voxels that `isSpeck(leaf, offset)` names are outside.
-[[nodiscard]] ConstFloatGridPtr withoutVoxels(const openvdb::FloatGrid& grid, const LeafBlocks& blocks,
-                                              const std::function<bool(std::size_t, std::uint32_t)>& isSpeck);
+[[nodiscard]] ConstFloatGridPtr withoutVoxels(
+    const openvdb::FloatGrid& grid, const LeafBlocks& blocks,
+    const std::function<bool(std::size_t, std::uint32_t)>& isSpeck);
 
 }  // namespace sherd

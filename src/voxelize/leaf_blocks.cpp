@@ -13,7 +13,8 @@ std::uint32_t findLeaf(const LeafBlocks& blocks, const openvdb::Coord& voxel) {
 }
 
 std::vector<std::uint32_t> leafNeighbours(std::span<const openvdb::Coord> origins) {
-  // Both sides of a face are met in the same order, so one finger per direction walks the sorted list along.
+  // Both sides of a face are met in the same order, so one finger per direction walks the sorted
+  // list along.
   std::vector<std::uint32_t> table(origins.size() * 6, LeafBlocks::kNone);
   for (int axis = 0; axis < 3; ++axis) {
     openvdb::Coord offset(0, 0, 0);
@@ -23,7 +24,8 @@ std::vector<std::uint32_t> leafNeighbours(std::span<const openvdb::Coord> origin
       const openvdb::Coord beyond = origins[leaf] + offset;
       while (finger < origins.size() && origins[finger] < beyond) ++finger;
       if (finger < origins.size() && origins[finger] == beyond) {
-        table[leaf * 6 + static_cast<std::size_t>(2 * axis + 1)] = static_cast<std::uint32_t>(finger);
+        table[leaf * 6 + static_cast<std::size_t>(2 * axis + 1)] =
+            static_cast<std::uint32_t>(finger);
         table[finger * 6 + static_cast<std::size_t>(2 * axis)] = static_cast<std::uint32_t>(leaf);
       }
     }

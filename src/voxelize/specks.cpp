@@ -20,10 +20,12 @@ void measureVoxels(Solid& solid) {
     std::uint64_t zs = bits;  // any y, folded into the low byte
     for (int shift = 32; shift >= 8; shift /= 2) zs |= zs >> shift;
     const auto z = static_cast<unsigned>(zs & 0xff);
-    const openvdb::Coord origin = solid.blocks.origins[word / 8] + openvdb::Coord(static_cast<int>(word % 8), 0, 0);
-    solid.box.min.minComponent(origin + openvdb::Coord(0, std::countr_zero(bits) / 8, std::countr_zero(z)));
-    solid.box.max.maxComponent(origin + openvdb::Coord(0, 7 - std::countl_zero(bits) / 8,
-                                                       31 - std::countl_zero(z)));
+    const openvdb::Coord origin =
+        solid.blocks.origins[word / 8] + openvdb::Coord(static_cast<int>(word % 8), 0, 0);
+    solid.box.min.minComponent(origin +
+                               openvdb::Coord(0, std::countr_zero(bits) / 8, std::countr_zero(z)));
+    solid.box.max.maxComponent(
+        origin + openvdb::Coord(0, 7 - std::countl_zero(bits) / 8, 31 - std::countl_zero(z)));
   }
 }
 
@@ -39,9 +41,9 @@ Solid dropSpecks(Solid solid, Parts& parts, Device& device) {
     throw Error(ErrorCode::input, "no part of the solid has " + std::to_string(kSpeckVoxels) +
                                       " voxels at this voxel size; try a higher --resolution");
   }
-  solid.distance = withoutVoxels(*solid.distance, solid.blocks, [&](std::size_t leaf, std::uint32_t offset) {
-    return isSpeck(parts.at(leaf, offset));
-  });
+  solid.distance = withoutVoxels(
+      *solid.distance, solid.blocks,
+      [&](std::size_t leaf, std::uint32_t offset) { return isSpeck(parts.at(leaf, offset)); });
   solid.blocks = leafBlocks(*solid.distance);
   measureVoxels(solid);
   parts = findParts(solid.blocks, device);

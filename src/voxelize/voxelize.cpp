@@ -37,16 +37,18 @@ void turnOver(TriangleMesh& mesh) {
 bool windsRound(const TriangleMesh& mesh, const glm::dvec3& p) {
   double sum = 0.0;
   for (const glm::uvec3& t : mesh.triangles) {
-    const glm::dvec3 a = mesh.vertices[t.x] - p, b = mesh.vertices[t.y] - p, c = mesh.vertices[t.z] - p;
+    const glm::dvec3 a = mesh.vertices[t.x] - p, b = mesh.vertices[t.y] - p,
+                     c = mesh.vertices[t.z] - p;
     const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
-    sum += 2.0 * std::atan2(glm::dot(a, glm::cross(b, c)), la * lb * lc + glm::dot(a, b) * lc +
-                                                               glm::dot(b, c) * la + glm::dot(c, a) * lb);
+    sum += 2.0 *
+           std::atan2(glm::dot(a, glm::cross(b, c)), la * lb * lc + glm::dot(a, b) * lc +
+                                                         glm::dot(b, c) * la + glm::dot(c, a) * lb);
   }
   return sum > 2.0 * 3.14159265358979323846;  // a full turn is 4 pi
 }
 
-// The bodies of a mesh whose parts overlap: each an outward part with the inward parts (cavities) inside it.  An
-// inward part that lies in no other is a body turned inside out, and is turned back.
+// The bodies of a mesh whose parts overlap: each an outward part with the inward parts (cavities)
+// inside it.  An inward part that lies in no other is a body turned inside out, and is turned back.
 std::vector<TriangleMesh> bodies(const TriangleMesh& mesh) {
   const Components parts = components(mesh);
   std::vector<TriangleMesh> meshes(parts.count);
@@ -55,7 +57,8 @@ std::vector<TriangleMesh> bodies(const TriangleMesh& mesh) {
     meshes[parts.ofTriangle[t]].triangles.push_back(mesh.triangles[t]);
   }
   std::vector<TriangleMesh> outward, inward;
-  for (TriangleMesh& part : meshes) (volume(part) >= 0 ? outward : inward).push_back(std::move(part));
+  for (TriangleMesh& part : meshes)
+    (volume(part) >= 0 ? outward : inward).push_back(std::move(part));
 
   std::vector<double> size;
   for (const TriangleMesh& part : outward) size.push_back(volume(part));
@@ -71,7 +74,8 @@ std::vector<TriangleMesh> bodies(const TriangleMesh& mesh) {
       turnOver(part);
       whole.push_back(std::move(part));
     } else {
-      whole[host].triangles.insert(whole[host].triangles.end(), part.triangles.begin(), part.triangles.end());
+      whole[host].triangles.insert(whole[host].triangles.end(), part.triangles.begin(),
+                                   part.triangles.end());
     }
   }
   return whole;
@@ -87,7 +91,8 @@ double voxelSizeFor(const TriangleMesh& mesh, const SolidOptions& options) {
   if (options.voxelSize == 0.0) {
     if (options.resolution < 8 || options.resolution > kLargestResolution) {
       throw Error(ErrorCode::usage, "a resolution of " + std::to_string(options.resolution) +
-                                        " was asked for, 8 to " + std::to_string(kLargestResolution) + " are possible");
+                                        " was asked for, 8 to " +
+                                        std::to_string(kLargestResolution) + " are possible");
     }
     return longest / options.resolution;
   }
@@ -104,8 +109,9 @@ Solid voxelize(const TriangleMesh& source, const SolidOptions& options, const Pr
   step(progress, "voxelize", 0.0);
   if (const std::size_t open = openEdges(source); open > 0) {
     throw Error(ErrorCode::input,
-                std::to_string(open) + " edges of the mesh are open or turned against their neighbour; a closed mesh "
-                                       "is needed");
+                std::to_string(open) +
+                    " edges of the mesh are open or turned against their neighbour; a closed mesh "
+                    "is needed");
   }
   Solid solid;
   solid.frame.voxelSize = voxelSizeFor(source, options);
@@ -136,7 +142,8 @@ Solid voxelize(const TriangleMesh& source, const SolidOptions& options, const Pr
   measureVoxels(solid);
   if (solid.voxels == 0) {
     throw Error(ErrorCode::input, "no voxel centre lies inside the mesh at a voxel size of " +
-                                      std::to_string(solid.frame.voxelSize) + "; try a higher --resolution");
+                                      std::to_string(solid.frame.voxelSize) +
+                                      "; try a higher --resolution");
   }
   step(progress, "voxelize", 1.0);
   return solid;

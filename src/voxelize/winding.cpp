@@ -11,7 +11,8 @@
 namespace sherd {
 namespace {
 
-constexpr int kFractionBits = 16;  // boxes up to 2^13 voxels keep products of differences below 2^60
+constexpr int kFractionBits =
+    16;  // boxes up to 2^13 voxels keep products of differences below 2^60
 constexpr std::int64_t kOne = std::int64_t{1} << kFractionBits;
 
 struct Snapped {
@@ -20,7 +21,8 @@ struct Snapped {
 };
 
 Snapped snapped(const glm::dvec3& p) {
-  return {std::llround(p.x * static_cast<double>(kOne)), std::llround(p.y * static_cast<double>(kOne)), p.z};
+  return {std::llround(p.x * static_cast<double>(kOne)),
+          std::llround(p.y * static_cast<double>(kOne)), p.z};
 }
 
 // Twice the area of (a, b, p) seen along -z.
@@ -28,13 +30,17 @@ std::int64_t side(const Snapped& a, const Snapped& b, std::int64_t px, std::int6
   return (b.x - a.x) * (py - a.y) - (b.y - a.y) * (px - a.x);
 }
 
-// Whether a point on the edge a -> b counts as on its left: true for one of the two directions of every edge.
-bool ownsItsPoints(const Snapped& a, const Snapped& b) { return b.y < a.y || (b.y == a.y && b.x > a.x); }
+// Whether a point on the edge a -> b counts as on its left: true for one of the two directions of
+// every edge.
+bool ownsItsPoints(const Snapped& a, const Snapped& b) {
+  return b.y < a.y || (b.y == a.y && b.x > a.x);
+}
 
 std::int64_t ceilVoxel(std::int64_t v) { return (v + kOne - 1) >> kFractionBits; }
 std::int64_t floorVoxel(std::int64_t v) { return v >> kFractionBits; }
 
-// Call hit(x, y, z, up) for each column that passes the triangle; `up` is +1 where the ray enters the solid.
+// Call hit(x, y, z, up) for each column that passes the triangle; `up` is +1 where the ray enters
+// the solid.
 template <class Hit>
 void scan(std::array<Snapped, 3> t, Hit&& hit) {
   std::int64_t doubleArea = side(t[0], t[1], t[2].x, t[2].y);
@@ -46,15 +52,18 @@ void scan(std::array<Snapped, 3> t, Hit&& hit) {
   }
   const auto [x0, x1] = std::minmax({t[0].x, t[1].x, t[2].x});
   const auto [y0, y1] = std::minmax({t[0].y, t[1].y, t[2].y});
-  const std::array<std::int64_t, 3> bias{ownsItsPoints(t[1], t[2]) ? 0 : 1, ownsItsPoints(t[2], t[0]) ? 0 : 1,
+  const std::array<std::int64_t, 3> bias{ownsItsPoints(t[1], t[2]) ? 0 : 1,
+                                         ownsItsPoints(t[2], t[0]) ? 0 : 1,
                                          ownsItsPoints(t[0], t[1]) ? 0 : 1};
   for (std::int64_t x = ceilVoxel(x0); x <= floorVoxel(x1); ++x) {
     for (std::int64_t y = ceilVoxel(y0); y <= floorVoxel(y1); ++y) {
       const std::int64_t px = x * kOne, py = y * kOne;
-      const std::int64_t a = side(t[1], t[2], px, py), b = side(t[2], t[0], px, py), c = side(t[0], t[1], px, py);
+      const std::int64_t a = side(t[1], t[2], px, py), b = side(t[2], t[0], px, py),
+                         c = side(t[0], t[1], px, py);
       if (a < bias[0] || b < bias[1] || c < bias[2]) continue;
       const double z = (static_cast<double>(a) * t[0].z + static_cast<double>(b) * t[1].z +
-                        static_cast<double>(c) * t[2].z) / static_cast<double>(doubleArea);
+                        static_cast<double>(c) * t[2].z) /
+                       static_cast<double>(doubleArea);
       hit(static_cast<int>(x), static_cast<int>(y), static_cast<std::int32_t>(std::ceil(z)), up);
     }
   }
@@ -73,7 +82,8 @@ Winding::Winding(const TriangleMesh& mesh) {
   std::vector<Snapped> points(mesh.vertices.size());
   std::transform(mesh.vertices.begin(), mesh.vertices.end(), points.begin(), snapped);
   const auto column = [&](int x, int y) {
-    return static_cast<std::size_t>(x - box_.min.x()) * ny + static_cast<std::size_t>(y - box_.min.y());
+    return static_cast<std::size_t>(x - box_.min.x()) * ny +
+           static_cast<std::size_t>(y - box_.min.y());
   };
   const auto eachHit = [&](auto&& hit) {
     for (const glm::uvec3& t : mesh.triangles) scan({points[t.x], points[t.y], points[t.z]}, hit);
@@ -95,7 +105,8 @@ Winding::Winding(const TriangleMesh& mesh) {
         return a.z != b.z ? a.z < b.z : a.winding < b.winding;
       });
       int winding = 0;
-      for (auto change = begin; change != end; ++change) change->winding = winding += change->winding;
+      for (auto change = begin; change != end; ++change)
+        change->winding = winding += change->winding;
     }
   });
   for (std::size_t c = 0; c < columns; ++c) {
@@ -110,7 +121,8 @@ Winding::Winding(const TriangleMesh& mesh) {
 }
 
 std::optional<std::size_t> Winding::columnAt(int x, int y) const {
-  if (x < box_.min.x() || x > box_.max.x() || y < box_.min.y() || y > box_.max.y()) return std::nullopt;
+  if (x < box_.min.x() || x > box_.max.x() || y < box_.min.y() || y > box_.max.y())
+    return std::nullopt;
   return static_cast<std::size_t>(x - box_.min.x()) * static_cast<std::size_t>(box_.dims().y()) +
          static_cast<std::size_t>(y - box_.min.y());
 }

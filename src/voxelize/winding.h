@@ -12,10 +12,11 @@ namespace sherd {
 
 /// Winding numbers of a closed mesh along the voxel columns of its box.
 ///
-/// Every column of voxel centres along z is a ray; a triangle that it passes changes the winding number by one, up or
-/// down by the side it is met from.  Which triangles a ray passes is decided in integers, on vertices snapped to 1/65536
-/// voxel, with ties broken as if the ray were moved by an infinitely small step: of the triangles round an edge or a
-/// vertex each ray passes a consistent set, so a closed mesh gives closed columns, exactly.
+/// Every column of voxel centres along z is a ray; a triangle that it passes changes the winding
+/// number by one, up or down by the side it is met from.  Which triangles a ray passes is decided
+/// in integers, on vertices snapped to 1/65536 voxel, with ties broken as if the ray were moved by
+/// an infinitely small step: of the triangles round an edge or a vertex each ray passes a
+/// consistent set, so a closed mesh gives closed columns, exactly.
 class Winding {
  public:
   /// mesh: in index space, closed.

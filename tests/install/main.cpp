@@ -10,7 +10,8 @@ int main(int argc, char** argv) {
   sherd::Device device;
   const sherd::FractureResult result = sherd::fracture(source.mesh, options, device);
   for (const sherd::Fragment& fragment : result.fragments) {
-    std::cout << fragment.id << ' ' << fragment.mass.volume << ' ' << fragment.contacts.size() << '\n';
+    std::cout << fragment.id << ' ' << fragment.mass.volume << ' ' << fragment.contacts.size()
+              << '\n';
   }
   std::cout << sherd::writeFracture(argv[2], source, options, result).string() << '\n';
 }

@@ -8,13 +8,15 @@
 
 namespace sherd {
 
-/// One device for all tests of a program, as in the product; it is never freed, so that no driver is taken down while
-/// others still use it.  Without any device the tests are skipped, unless SHERD_REQUIRE_OPENCL=1.
+/// One device for all tests of a program, as in the product; it is never freed, so that no driver
+/// is taken down while others still use it.  Without any device the tests are skipped, unless
+/// SHERD_REQUIRE_OPENCL=1.
 class DeviceTest : public testing::Test {
  protected:
   void SetUp() override {
     const char* required = std::getenv("SHERD_REQUIRE_OPENCL");
-    if (listDevices().empty() && !(required && *required == '1')) GTEST_SKIP() << "no OpenCL device here";
+    if (listDevices().empty() && !(required && *required == '1'))
+      GTEST_SKIP() << "no OpenCL device here";
   }
 
   static Device& device() {

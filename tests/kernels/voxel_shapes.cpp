@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <random>
 
 namespace sherd::voxel_shapes {
@@ -14,7 +15,8 @@ std::vector<Coord> neighbours(const Coord& v) {
           v.offsetBy(0, 1, 0),  v.offsetBy(0, 0, -1), v.offsetBy(0, 0, 1)};
 }
 
-VoxelSolid solidWhere(std::string name, int extent, const std::function<bool(const Coord&)>& isInside) {
+VoxelSolid solidWhere(std::string name, int extent,
+                      const std::function<bool(const Coord&)>& isInside) {
   VoxelSolid solid;
   solid.name = std::move(name);
   for (int x = -extent; x <= extent; ++x) {
@@ -57,11 +59,12 @@ VoxelSolid sparseRandom(int extent, unsigned percent, unsigned seed) {
                     [&](const Coord&) { return random() % 100 < percent; });
 }
 
-VoxelSolid manyParts() {
-  return solidWhere("many parts", 20, [](const Coord& v) {
+VoxelSolid manyPartsWithin(int extent) {
+  return solidWhere("many parts", extent, [](const Coord& v) {
     const auto cell = [](int c) { return (c + 100) / 5; };
     const auto within = [](int c) { return (c + 100) % 5; };
-    // Cubes of 5 at every other cell of a checkerboard touch at edges; the others shrink to 3 and stand free.
+    // Cubes of 5 at every other cell of a checkerboard touch at edges; the others shrink to 3 and
+    // stand free.
     if ((cell(v.x()) + cell(v.y()) + cell(v.z())) % 2 == 0) return true;
     return cell(v.x()) % 3 == 0 && within(v.x()) > 0 && within(v.x()) < 4 && within(v.y()) > 0 &&
            within(v.y()) < 4 && within(v.z()) > 0 && within(v.z()) < 4;
@@ -69,18 +72,28 @@ VoxelSolid manyParts() {
 }
 
 VoxelSolid checkerboard(int extent) {
-  return solidWhere("checkerboard", extent, [](const Coord& v) { return ((v.x() + v.y() + v.z()) & 1) == 0; });
+  return solidWhere("checkerboard", extent,
+                    [](const Coord& v) { return ((v.x() + v.y() + v.z()) & 1) == 0; });
 }
 
 std::vector<VoxelSolid> all() {
-  return {ball(19),    cup(20, 3),         sparseRandom(12, 30, 1), sparseRandom(12, 45, 2), sparseRandom(10, 80, 3),
-          manyParts(), checkerboard(9)};
+  const char* small = std::getenv("SHERD_TEST_SMALL");
+  if (small && *small == '1')
+    return {ball(7), cup(8, 2), sparseRandom(5, 45, 2), manyPartsWithin(7), checkerboard(4)};
+  return {ball(19),
+          cup(20, 3),
+          sparseRandom(12, 30, 1),
+          sparseRandom(12, 45, 2),
+          sparseRandom(10, 80, 3),
+          manyPartsWithin(20),
+          checkerboard(9)};
 }
 
 LeafBlocks blocksOf(const VoxelSolid& solid) {
   std::map<Coord, std::array<std::array<std::uint64_t, 8>, 2>> leaves;
   const auto set = [&](const Coord& v, std::size_t which) {
-    leaves[v & ~7][which][static_cast<std::size_t>(v.x() & 7)] |= std::uint64_t{1} << (((v.y() & 7) << 3) | (v.z() & 7));
+    leaves[v & ~7][which][static_cast<std::size_t>(v.x() & 7)] |=
+        std::uint64_t{1} << (((v.y() & 7) << 3) | (v.z() & 7));
   };
   for (const Coord& v : solid.inside) set(v, 0);
   for (const Coord& v : solid.outer) set(v, 1);

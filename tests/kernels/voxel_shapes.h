@@ -1,4 +1,5 @@
-// Voxel solids for kernel tests, made without the code under test: sets of coordinates, and leaf blocks from them.
+// Voxel solids for kernel tests, made without the code under test: sets of coordinates, and leaf
+// blocks from them.
 #pragma once
 
 #include <sherd/leaf_blocks.h>
@@ -19,17 +20,20 @@ struct VoxelSolid {
 };
 
 /// All voxels of the box -extent..extent for which `isInside` holds.
-VoxelSolid solidWhere(std::string name, int extent, const std::function<bool(const openvdb::Coord&)>& isInside);
+VoxelSolid solidWhere(std::string name, int extent,
+                      const std::function<bool(const openvdb::Coord&)>& isInside);
 
 VoxelSolid ball(int radius);
 VoxelSolid cup(int radius, int wall);
-/// Each voxel of a box inside with probability `percent`: many parts, long winding ways, up to 256 nodes in a leaf.
+/// Each voxel of a box inside with probability `percent`: many parts, long winding ways, up to 256
+/// nodes in a leaf.
 VoxelSolid sparseRandom(int extent, unsigned percent, unsigned seed);
 /// Separate small cubes, some touching only at edges or corners.
-VoxelSolid manyParts();
+VoxelSolid manyPartsWithin(int extent);
 VoxelSolid checkerboard(int extent);
 
-/// The shapes that every kernel is tried on.
+/// The shapes that every kernel is tried on; small ones with SHERD_TEST_SMALL=1, for devices that
+/// are simulated.
 std::vector<VoxelSolid> all();
 
 /// Leaf blocks of a solid, with leaves that lie far from the origin on both sides.

@@ -21,8 +21,9 @@ using openvdb::Coord;
 struct Case {
   const char* name;
   TriangleMesh mesh;
-  double volume;                                         // of the ideal shape
-  std::function<double(const glm::dvec3&)> distance;     // to the ideal surface; empty where it has edges
+  double volume;  // of the ideal shape
+  std::function<double(const glm::dvec3&)>
+      distance;  // to the ideal surface; empty where it has edges
   double longest;
 };
 
@@ -43,19 +44,25 @@ std::vector<Case> cases() {
   };
   return {
       {"ball", shapes::ball(1.0, 6), shapes::ballVolume(1.0), sphere(1.0), 2.0},
-      {"cube", shapes::cube(2.0), 8.0, [](const glm::dvec3& p) { return boxDistance(p, 1.0); }, 2.0},
+      {"cube", shapes::cube(2.0), 8.0, [](const glm::dvec3& p) { return boxDistance(p, 1.0); },
+       2.0},
       {"torus", shapes::torus(1.0, 0.4, 256, 128), shapes::torusVolume(1.0, 0.4),
        [](const glm::dvec3& p) {
          return std::abs(std::hypot(std::hypot(p.x, p.y) - 1.0, p.z) - 0.4);
        },
        2.8},
-      {"cup", shapes::cup(1.0, 0.15, 1.6, 0.2, 256), shapes::cupVolume(1.0, 0.15, 1.6, 0.2), {}, 2.0},
+      {"cup",
+       shapes::cup(1.0, 0.15, 1.6, 0.2, 256),
+       shapes::cupVolume(1.0, 0.15, 1.6, 0.2),
+       {},
+       2.0},
       {"hollow ball", shapes::hollowBall(1.0, 0.6, 6), shapes::hollowBallVolume(1.0, 0.6),
        [=](const glm::dvec3& p) { return std::min(sphere(1.0)(p), sphere(0.6)(p)); }, 2.0},
       {"two overlapping balls",
        shapes::append(shapes::ball(1.0, 6, {-0.6, 0, 0}), shapes::ball(1.0, 6, {0.6, 0, 0})),
        overlappingBallsVolume(1.0, 0.6),
-       [=](const glm::dvec3& p) { return std::min(sphere(1.0, -0.6)(p), sphere(1.0, 0.6)(p)); }, 3.2},
+       [=](const glm::dvec3& p) { return std::min(sphere(1.0, -0.6)(p), sphere(1.0, 0.6)(p)); },
+       3.2},
   };
 }
 
@@ -66,7 +73,8 @@ int bodies(const TriangleMesh& mesh) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     volumes[parts.ofTriangle[t]] += volume({mesh.vertices, {mesh.triangles[t]}});
   }
-  return static_cast<int>(std::count_if(volumes.begin(), volumes.end(), [](double v) { return v > 0; }));
+  return static_cast<int>(
+      std::count_if(volumes.begin(), volumes.end(), [](double v) { return v > 0; }));
 }
 
 using Fracture = DeviceTest;
@@ -84,8 +92,8 @@ TEST_P(Promises, HoldOnAnalyticShapes) {
   ASSERT_EQ(result.fragments.size(), std::size_t{kPieces});
   EXPECT_NEAR(solid.frame.voxelSize, h, 1e-9 * h);
 
-  // The solid is the shape: half a voxel over its surface is the most that centres can be wrong by; on average much
-  // less, so a cavity or an overlap counted twice stands far outside.
+  // The solid is the shape: half a voxel over its surface is the most that centres can be wrong by;
+  // on average much less, so a cavity or an overlap counted twice stands far outside.
   const double surface = area(shape.mesh);
   EXPECT_NEAR(static_cast<double>(solid.voxels) * h * h * h, shape.volume, 0.1 * h * surface);
   const TriangleMesh whole = solidMesh(solid);
@@ -106,7 +114,8 @@ TEST_P(Promises, HoldOnAnalyticShapes) {
     for (std::size_t v = 0; v < result.labels.fragment.size(); ++v) {
       const bool isInside = (solid.blocks.inside[v >> 6] >> (v & 63)) & 1;
       if (isInside && result.labels.fragment[v] == fragment.id) {
-        piece.inside.insert(solid.blocks.origins[v / 512] + coordFromOffset(static_cast<std::uint32_t>(v % 512)));
+        piece.inside.insert(solid.blocks.origins[v / 512] +
+                            coordFromOffset(static_cast<std::uint32_t>(v % 512)));
       }
     }
     std::set<Coord> left = piece.inside;
@@ -123,7 +132,8 @@ TEST_P(Promises, HoldOnAnalyticShapes) {
     EXPECT_EQ(nonManifoldEdges(fragment.mesh), 0u);
     EXPECT_EQ(bodies(fragment.mesh), 1);
     EXPECT_GT(volume(fragment.mesh), 0.0);
-    EXPECT_NEAR(volume(fragment.mesh), static_cast<double>(fragment.voxels) * h * h * h, 0.5 * h * fragment.area);
+    EXPECT_NEAR(volume(fragment.mesh), static_cast<double>(fragment.voxels) * h * h * h,
+                0.5 * h * fragment.area);
     volumes += volume(fragment.mesh);
 
     // Facing names neighbours, and contacts know their other side.
@@ -148,11 +158,13 @@ TEST_P(Promises, HoldOnAnalyticShapes) {
 
   // No voxel centre in two level sets, each in its owner's.
   std::vector<openvdb::FloatGrid::ConstAccessor> accessors;
-  for (const Fragment& fragment : result.fragments) accessors.push_back(fragment.surface->getConstAccessor());
+  for (const Fragment& fragment : result.fragments)
+    accessors.push_back(fragment.surface->getConstAccessor());
   std::size_t notInOwn = 0, inOther = 0;
   for (std::size_t v = 0; v < result.labels.fragment.size(); v += 7) {
     if (!((solid.blocks.inside[v >> 6] >> (v & 63)) & 1)) continue;
-    const Coord at = solid.blocks.origins[v / 512] + coordFromOffset(static_cast<std::uint32_t>(v % 512));
+    const Coord at =
+        solid.blocks.origins[v / 512] + coordFromOffset(static_cast<std::uint32_t>(v % 512));
     for (std::size_t i = 0; i < accessors.size(); ++i) {
       const bool isIn = accessors[i].getValue(at) < 0;
       const bool owns = result.labels.fragment[v] == i + 1;
@@ -177,13 +189,15 @@ TEST_P(Promises, HoldOnAnalyticShapes) {
     for (const unsigned v : original) error += shape.distance(fragment.mesh.vertices[v]) / h;
     vertices += original.size();
   }
-  EXPECT_LT(error / static_cast<double>(vertices), 0.02) << "mean error of " << vertices << " vertices, voxels";
+  EXPECT_LT(error / static_cast<double>(vertices), 0.02)
+      << "mean error of " << vertices << " vertices, voxels";
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, Promises, testing::Range(0, 6));
 
 TEST_F(Fracture, OnePieceReturnsTheSolid) {
-  const FractureResult result = fracture(shapes::torus(1.0, 0.4), {.pieces = 1, .resolution = 64}, device());
+  const FractureResult result =
+      fracture(shapes::torus(1.0, 0.4), {.pieces = 1, .resolution = 64}, device());
   ASSERT_EQ(result.fragments.size(), 1u);
   const Fragment& piece = result.fragments[0];
   const TriangleMesh whole = solidMesh(result.solid);
@@ -192,25 +206,29 @@ TEST_F(Fracture, OnePieceReturnsTheSolid) {
   EXPECT_TRUE(piece.contacts.empty());
   EXPECT_EQ(piece.fractureArea, 0.0);
   const auto values = piece.surface->getConstAccessor();
-  for (auto on = result.solid.distance->cbeginValueOn(); on; ++on) ASSERT_EQ(values.getValue(on.getCoord()), *on);
+  for (auto on = result.solid.distance->cbeginValueOn(); on; ++on)
+    ASSERT_EQ(values.getValue(on.getCoord()), *on);
 }
 
 TEST_F(Fracture, AHalvedBallHasADiscForContact) {
-  // Two pieces of a ball with the seeds' ids swapped by other seeds: whatever the cut, both sides have one area, and
-  // it lies between that of a small cap's disc and twice the equator's.
-  const FractureResult result = fracture(shapes::ball(1.0, 5), {.pieces = 2, .seed = 5, .resolution = 96}, device());
+  // Two pieces of a ball with the seeds' ids swapped by other seeds: whatever the cut, both sides
+  // have one area, and it lies between that of a small cap's disc and twice the equator's.
+  const FractureResult result =
+      fracture(shapes::ball(1.0, 5), {.pieces = 2, .seed = 5, .resolution = 96}, device());
   ASSERT_EQ(result.fragments[0].contacts.size(), 1u);
   const Contact& contact = result.fragments[0].contacts[0];
-  EXPECT_NEAR(contact.area, (result.fragments[0].fractureArea + result.fragments[1].fractureArea) / 2,
+  EXPECT_NEAR(contact.area,
+              (result.fragments[0].fractureArea + result.fragments[1].fractureArea) / 2,
               1e-9 * contact.area);
-  // The divergence theorem: over a closed surface area times normal adds up to nothing, so the fracture faces' sum is
-  // minus the original faces'.
+  // The divergence theorem: over a closed surface area times normal adds up to nothing, so the
+  // fracture faces' sum is minus the original faces'.
   for (const Fragment& piece : result.fragments) {
     glm::dvec3 sum(0.0), outer(0.0);
     for (std::size_t t = 0; t < piece.facing.size(); ++t) {
       const glm::uvec3& c = piece.mesh.triangles[t];
       const glm::dvec3 a = piece.mesh.vertices[c.x];
-      (piece.facing[t] ? sum : outer) += glm::cross(piece.mesh.vertices[c.y] - a, piece.mesh.vertices[c.z] - a) / 2.0;
+      (piece.facing[t] ? sum : outer) +=
+          glm::cross(piece.mesh.vertices[c.y] - a, piece.mesh.vertices[c.z] - a) / 2.0;
     }
     EXPECT_NEAR(glm::length(sum + outer), 0.0, 1e-9);
     EXPECT_GT(glm::dot(glm::normalize(sum), piece.contacts[0].normal), 0.99);
@@ -225,7 +243,8 @@ TEST_F(Fracture, MovingAndScalingTheInputMovesAndScalesTheOutput) {
   TriangleMesh exact = mesh;
   for (glm::dvec3& v : exact.vertices) v = glm::round(v * 1024.0) / 1024.0;
   const FractureResult one = fracture(exact, options, device());
-  const FractureResult moved = fracture(shapes::transformed(exact, 4.0, {64.0, -32.0, 8.0}), options, device());
+  const FractureResult moved =
+      fracture(shapes::transformed(exact, 4.0, {64.0, -32.0, 8.0}), options, device());
   EXPECT_EQ(one.labels.fragment, moved.labels.fragment);
   ASSERT_EQ(one.fragments.size(), moved.fragments.size());
   for (std::size_t i = 0; i < one.fragments.size(); ++i) {
@@ -235,7 +254,8 @@ TEST_F(Fracture, MovingAndScalingTheInputMovesAndScalesTheOutput) {
     ASSERT_EQ(one.fragments[i].facing, moved.fragments[i].facing);
     double worst = 0.0;
     for (std::size_t v = 0; v < a.vertices.size(); ++v) {
-      worst = std::max(worst, glm::length(a.vertices[v] * 4.0 + glm::dvec3(64.0, -32.0, 8.0) - b.vertices[v]));
+      worst = std::max(
+          worst, glm::length(a.vertices[v] * 4.0 + glm::dvec3(64.0, -32.0, 8.0) - b.vertices[v]));
     }
     EXPECT_LT(worst, 1e-12 * 64.0);
   }
@@ -248,13 +268,16 @@ TEST_F(Fracture, EveryPartBecomesAFragmentAndSpecksAreDropped) {
   EXPECT_EQ(result.parts, 2u);
   EXPECT_EQ(result.fragments.size(), 2u);
   EXPECT_EQ(result.solid.specks, 1u);
-  EXPECT_EQ(result.solid.speckVoxels + result.solid.voxels, 2u * 25 * 25 * 25 + result.solid.speckVoxels);
+  EXPECT_EQ(result.solid.speckVoxels + result.solid.voxels,
+            2u * 25 * 25 * 25 + result.solid.speckVoxels);
   EXPECT_NEAR(volume(result.fragments[0].mesh), 1.0, 0.02);
 }
 
 TEST_F(Fracture, AnInvertedMeshIsTurnedOver) {
-  const FractureResult result = fracture(shapes::inverted(shapes::ball(1.0)), {.pieces = 2, .resolution = 32}, device());
-  EXPECT_NEAR(volume(result.fragments[0].mesh) + volume(result.fragments[1].mesh), shapes::ballVolume(1.0), 0.15);
+  const FractureResult result =
+      fracture(shapes::inverted(shapes::ball(1.0)), {.pieces = 2, .resolution = 32}, device());
+  EXPECT_NEAR(volume(result.fragments[0].mesh) + volume(result.fragments[1].mesh),
+              shapes::ballVolume(1.0), 0.15);
 }
 
 TEST_F(Fracture, ABallInACavityIsAPartOfItsOwn) {
@@ -270,7 +293,8 @@ TEST_F(Fracture, RefusesWhatItCannotBreak) {
   open.triangles.pop_back();
   EXPECT_THROW((void)fracture(open, {}, device()), Error);
   EXPECT_THROW((void)fracture(shapes::cube(1.0), {.resolution = 4097}, device()), Error);
-  EXPECT_THROW((void)fracture(shapes::cube(1.0), {.pieces = 1000, .resolution = 8}, device()), Error);
+  EXPECT_THROW((void)fracture(shapes::cube(1.0), {.pieces = 1000, .resolution = 8}, device()),
+               Error);
   EXPECT_THROW((void)fracture(shapes::cube(1.0), {.voxelSize = 1e-9}, device()), Error);
 }
 

@@ -185,7 +185,9 @@ Sample randomSample(unsigned seed, openvdb::Coord lowestLeaf, int leaves) {
     }
   }
   sample.dense.dims = tight.dims();
-  const auto side = [&](int axis) { return static_cast<std::size_t>(sample.dense.dims[axis]); };
+  const auto side = [&](std::size_t axis) {
+    return static_cast<std::size_t>(sample.dense.dims[axis]);
+  };
   sample.dense.labels.resize(side(0) * side(1) * side(2));
   for (std::size_t leaf = 0; leaf < blocks.count(); ++leaf) {
     for (std::uint32_t i = 0; i < 512; ++i) {

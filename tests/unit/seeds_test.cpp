@@ -46,15 +46,17 @@ TEST_F(Seeds, EveryPartHasOne) {
 }
 
 TEST_F(Seeds, AreUniformOverTheVoxels) {
-  // 8 octants of a cube, 40,000 draws: a chi-square of 7 degrees of freedom passes 24.3 once in 1,000.
-  const voxel_shapes::VoxelSolid solid =
-      voxel_shapes::solidWhere("cube", 8, [](const openvdb::Coord& v) { return v.x() < 8 && v.y() < 8 && v.z() < 8; });
+  // 8 octants of a cube, 40,000 draws: a chi-square of 7 degrees of freedom passes 24.3 once in
+  // 1,000.
+  const voxel_shapes::VoxelSolid solid = voxel_shapes::solidWhere(
+      "cube", 8, [](const openvdb::Coord& v) { return v.x() < 8 && v.y() < 8 && v.z() < 8; });
   const LeafBlocks blocks = voxel_shapes::blocksOf(solid);
   const Parts parts = findParts(blocks, device());
   std::array<double, 8> hits{};
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
     for (const Seed& s : placeSeeds(blocks, parts, {.pieces = 200, .seed = seed})) {
-      ++hits[static_cast<std::size_t>((s.voxel.x() < 0) * 4 + (s.voxel.y() < 0) * 2 + (s.voxel.z() < 0))];
+      ++hits[static_cast<std::size_t>((s.voxel.x() < 0) * 4 + (s.voxel.y() < 0) * 2 +
+                                      (s.voxel.z() < 0))];
     }
   }
   double chi2 = 0.0;
@@ -66,14 +68,16 @@ TEST_F(Seeds, IdsDoNotFollowThePlace) {
   // With ids in order of place, the correlation of id and x would be near 1.
   const voxel_shapes::VoxelSolid solid = voxel_shapes::ball(10);
   const LeafBlocks blocks = voxel_shapes::blocksOf(solid);
-  const std::vector<Seed> seeds = placeSeeds(blocks, findParts(blocks, device()), {.pieces = 400, .seed = 2});
+  const std::vector<Seed> seeds =
+      placeSeeds(blocks, findParts(blocks, device()), {.pieces = 400, .seed = 2});
   double sum = 0.0, sumX = 0.0;
   for (const Seed& s : seeds) {
     sum += (s.fragment - 200.5) * s.voxel.x();
     sumX += s.voxel.x() * s.voxel.x();
   }
   const double sumId = 400.0 * (400.0 * 400.0 - 1) / 12;
-  EXPECT_LT(std::abs(sum) / std::sqrt(sumX * sumId), 0.2);  // 4 standard deviations of no correlation
+  EXPECT_LT(std::abs(sum) / std::sqrt(sumX * sumId),
+            0.2);  // 4 standard deviations of no correlation
 }
 
 }  // namespace

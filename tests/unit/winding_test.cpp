@@ -27,7 +27,8 @@ std::uint64_t countInside(const TriangleMesh& mesh, int extent) {
 }
 
 TEST(Winding, ACubeHoldsTheCentresInIt) {
-  EXPECT_EQ(countInside(shapes::cube(9.0, {0.5, 0.5, 0.5}), 16), 9u * 9 * 9);  // -4 .. 5, 4 or 5 on the face
+  EXPECT_EQ(countInside(shapes::cube(9.0, {0.5, 0.5, 0.5}), 16),
+            9u * 9 * 9);  // -4 .. 5, 4 or 5 on the face
   EXPECT_EQ(countInside(shapes::cube(8.5), 16), 9u * 9 * 9);
 }
 
@@ -37,7 +38,8 @@ TEST(Winding, FacesThroughCentresAreHalfOpen) {
 }
 
 TEST(Winding, ABallHoldsTheCentresWithinItsRadius) {
-  // Between the inscribed polyhedron's insphere and its circumsphere a centre may go either way; count outside that.
+  // Between the inscribed polyhedron's insphere and its circumsphere a centre may go either way;
+  // count outside that.
   const double radius = 20.3;
   const TriangleMesh mesh = shapes::ball(radius, 5);
   const Winding winding(mesh);
@@ -55,7 +57,8 @@ TEST(Winding, ABallHoldsTheCentresWithinItsRadius) {
 }
 
 TEST(Winding, OverlapsCountTwiceAndCavitiesNotAtAll) {
-  const Winding two(shapes::append(shapes::ball(10, 4, {-4, 0, 0}), shapes::ball(10, 4, {4, 0, 0})));
+  const Winding two(
+      shapes::append(shapes::ball(10, 4, {-4, 0, 0}), shapes::ball(10, 4, {4, 0, 0})));
   EXPECT_EQ(two.lowest(), 0);
   EXPECT_EQ(two.highest(), 2);
   const Winding hollow(shapes::hollowBall(12, 6));
@@ -66,7 +69,8 @@ TEST(Winding, OverlapsCountTwiceAndCavitiesNotAtAll) {
 }
 
 TEST(Winding, EveryColumnOfAClosedMeshEndsOutside) {
-  // Vertices on, and edges through, voxel centres are the hard case: random meshes with corners on integers.
+  // Vertices on, and edges through, voxel centres are the hard case: random meshes with corners on
+  // integers.
   std::minstd_rand random(5);
   for (int round = 0; round < 200; ++round) {
     TriangleMesh mesh = shapes::ball(6.0, 1);

@@ -1,0 +1,23 @@
+// A kernel with a data race on purpose.  tools/check_kernels.sh runs it under oclgrind and fails
+// when no race is reported: a checker that cannot find this one would say nothing of the real
+// kernels either.
+#include <sherd/device.h>
+
+#include <iostream>
+
+#include "cl/device_impl.h"
+
+int main() {
+  sherd::Device device("oclgrind");
+  sherd::Device::Impl& impl = device.impl();
+  cl::Program program(impl.context,
+                      "kernel void race(global uint* sum) { sum[0] += (uint)get_global_id(0); }");
+  program.build(impl.device);
+  const cl::Buffer sum = sherd::makeBuffer<cl_uint>(impl, 1);
+  impl.queue.enqueueFillBuffer(sum, cl_uint{0}, 0, sizeof(cl_uint));
+  cl::Kernel kernel(program, "race");
+  kernel.setArg(0, sum);
+  impl.queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(64), cl::NDRange(8));
+  impl.queue.finish();
+  std::cout << "ran on " << impl.info.name << '\n';
+}

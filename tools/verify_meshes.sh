@@ -1,0 +1,40 @@
+#!/usr/bin/env bash
+# Break real meshes and let an independent checker judge the results.
+#
+# usage: verify_meshes.sh SHERD MESH_FOLDER CHECKER.py [quick]
+#   quick: some meshes only, at 128 voxels
+set -euo pipefail
+sherd=$1 meshes=$2 checker=$3 quick=${4:-}
+out=$(mktemp -d)
+trap 'rm -rf "$out"' EXIT
+export OCL_ICD_VENDORS=pocl.icd
+data=$(dirname "$0")/../data
+
+all=("$data/amphora.ply" "$meshes"/{armadillo.obj,bunny.off,dragon.obj,lucy.ply,3DBenchy.ply,vase_goblet.stl,boot.obj}
+  "$meshes"/{springer.obj,1002_tray_bottom.STL,ADIS16480.STL,mengerSponge3.glb,footbones.ply,99865_car.stl}
+  "$meshes/gearbox_assembly.ply.gz")
+if [ -n "$quick" ]; then
+  all=("$data/amphora.ply" "$meshes"/{dragon.obj,vase_goblet.stl,ADIS16480.STL,footbones.ply})
+fi
+
+passed=0 failed=0
+verify() {  # mesh resolution pieces
+  local limit=()
+  case $(basename "$1") in amphora*|armadillo*|dragon*|lucy*) limit=(--max-error 0.1) ;; esac
+  rm -rf "$out/pieces"
+  if "$sherd" fracture "$1" -o "$out/pieces" --resolution "$2" --pieces "$3" --write labels,vdb,mesh --quiet \
+      > "$out/log" 2>&1 &&
+     /usr/bin/python3 "$checker" "$out/pieces" --mesh "$1" ${limit[@]+"${limit[@]}"} > "$out/report" 2>&1; then
+    passed=$((passed + 1))
+  else
+    failed=$((failed + 1))
+    echo "FAILED $(basename "$1") at $2 in $3 pieces"
+    cat "$out/log" "$out/report" 2>/dev/null | head -n 20
+  fi
+}
+for mesh in "${all[@]}"; do
+  verify "$mesh" 128 8
+  [ -n "$quick" ] || verify "$mesh" 200 40
+done
+echo "$passed passed, $failed failed"
+[ "$failed" -eq 0 ]
