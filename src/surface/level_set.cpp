@@ -5,6 +5,7 @@
 #include <openvdb/tools/Prune.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 
 namespace sherd {
@@ -51,7 +52,12 @@ ConstFloatGridPtr fragmentLevelSet(const Solid& solid, const Cut& cut, std::uint
     auto leaf = std::make_unique<Leaf>(origin, band, false);
     for (openvdb::Index v = 0; v < 512; ++v) {
       const float solidValue = whole ? whole->getValue(v) : -band;
-      const float value = std::max(solidValue, cutLeaf.distance[i * 512 + v] * voxelSize);
+      // A distance of the whole band is no distance: three times the voxel size may lie a hair
+      // inside the background.
+      const float voxels = cutLeaf.distance[i * 512 + v];
+      const float toCut =
+          std::abs(voxels) < kHalfWidthVoxels ? voxels * voxelSize : std::copysign(band, voxels);
+      const float value = std::max(solidValue, toCut);
       if (value <= -band) {
         leaf->setValueOff(v, -band);
       } else if (value < band) {

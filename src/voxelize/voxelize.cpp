@@ -3,7 +3,6 @@
 #include <sherd/solid.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <sstream>
@@ -47,18 +46,40 @@ bool windsRound(const TriangleMesh& mesh, const glm::dvec3& p) {
   return sum > 2.0 * 3.14159265358979323846;  // a full turn is 4 pi
 }
 
+// The connected parts of a mesh, each with the vertices it uses.
+std::vector<TriangleMesh> separated(const TriangleMesh& mesh) {
+  const Components parts = components(mesh);
+  std::vector<TriangleMesh> meshes(parts.count);
+  std::vector<std::uint32_t> moved(mesh.vertices.size(), std::numeric_limits<std::uint32_t>::max());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    TriangleMesh& part = meshes[parts.ofTriangle[t]];
+    glm::uvec3 triangle = mesh.triangles[t];
+    for (int k = 0; k < 3; ++k) {  // parts share no vertex, so one table serves all
+      std::uint32_t& place = moved[triangle[k]];
+      if (place == std::numeric_limits<std::uint32_t>::max()) {
+        place = static_cast<std::uint32_t>(part.vertices.size());
+        part.vertices.push_back(mesh.vertices[triangle[k]]);
+      }
+      triangle[k] = place;
+    }
+    part.triangles.push_back(triangle);
+  }
+  return meshes;
+}
+
+void append(TriangleMesh& mesh, const TriangleMesh& other) {
+  const auto first = static_cast<unsigned>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
+  for (const glm::uvec3& t : other.triangles) mesh.triangles.push_back(t + first);
+}
+
 // The bodies of a mesh whose parts overlap: each an outward part with the inward parts (cavities)
 // inside it.  An inward part that lies in no other is a body turned inside out, and is turned back.
 std::vector<TriangleMesh> bodies(const TriangleMesh& mesh) {
-  const Components parts = components(mesh);
-  std::vector<TriangleMesh> meshes(parts.count);
-  for (TriangleMesh& part : meshes) part.vertices = mesh.vertices;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    meshes[parts.ofTriangle[t]].triangles.push_back(mesh.triangles[t]);
-  }
   std::vector<TriangleMesh> outward, inward;
-  for (TriangleMesh& part : meshes)
+  for (TriangleMesh& part : separated(mesh)) {
     (volume(part) >= 0 ? outward : inward).push_back(std::move(part));
+  }
 
   std::vector<double> size;
   for (const TriangleMesh& part : outward) size.push_back(volume(part));
@@ -66,7 +87,7 @@ std::vector<TriangleMesh> bodies(const TriangleMesh& mesh) {
   std::vector<TriangleMesh> whole = outward;
   for (TriangleMesh& part : inward) {
     std::size_t host = hosts;
-    const glm::dvec3 p = part.vertices[part.triangles.front().x];
+    const glm::dvec3 p = part.vertices.front();
     for (std::size_t h = 0; h < hosts; ++h) {
       if ((host == hosts || size[h] < size[host]) && windsRound(outward[h], p)) host = h;
     }
@@ -74,8 +95,7 @@ std::vector<TriangleMesh> bodies(const TriangleMesh& mesh) {
       turnOver(part);
       whole.push_back(std::move(part));
     } else {
-      whole[host].triangles.insert(whole[host].triangles.end(), part.triangles.begin(),
-                                   part.triangles.end());
+      append(whole[host], part);
     }
   }
   return whole;
