@@ -24,6 +24,10 @@ struct Device::Impl {
   ///   throws  Error(device) with the build log's first lines
   cl::Kernel kernel(const std::string& file, const char* name, const std::string& options = {});
 
+  /// Launch a kernel over `work` things, each work-item taking every so-many-th; `group` work-items
+  /// per work-group.
+  void launch(cl::Kernel& kernel, std::size_t work, std::size_t group);
+
   /// Work-items per work-group that suit plain grid-stride kernels here.
   std::size_t workGroupSize() const { return info.gpu ? 64 : 16; }
 

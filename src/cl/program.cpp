@@ -31,4 +31,10 @@ cl::Kernel Device::Impl::kernel(const std::string& file, const char* name,
   });
 }
 
+void Device::Impl::launch(cl::Kernel& kernel, std::size_t work, std::size_t group) {
+  const std::size_t items = std::clamp<std::size_t>(work, 1, std::max(workItems(), group));
+  queue.enqueueNDRangeKernel(kernel, cl::NullRange,
+                             cl::NDRange((items + group - 1) / group * group), cl::NDRange(group));
+}
+
 }  // namespace sherd

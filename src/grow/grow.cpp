@@ -147,12 +147,7 @@ class Flood {
     enqueue(kernel, work);
   }
 
-  void enqueue(cl::Kernel& kernel, std::size_t work) {
-    const std::size_t wanted = std::min(work, std::max(device_.workItems(), group_));
-    const std::size_t global = (std::max<std::size_t>(wanted, 1) + group_ - 1) / group_ * group_;
-    device_.queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(global),
-                                       cl::NDRange(group_));
-  }
+  void enqueue(cl::Kernel& kernel, std::size_t work) { device_.launch(kernel, work, group_); }
 
   Device::Impl& device_;
   cl_uint leafCount_, items_;

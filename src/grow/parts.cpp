@@ -44,15 +44,11 @@ Parts findParts(const LeafBlocks& blocks, Device& device) {
   Device::Impl& impl = device.impl();
   return withDevice(impl, "finding connected parts", [&] {
     const auto leafCount = static_cast<cl_uint>(blocks.count());
-    const std::size_t group = impl.workGroupSize();
     const auto run = [&](const char* name, std::size_t work, const auto&... arguments) {
       cl::Kernel kernel = impl.kernel("components.cl", name);
       cl_uint i = 0;
       (kernel.setArg(i++, arguments), ...);
-      const std::size_t items = std::min(std::max<std::size_t>(work, 1), impl.workItems());
-      impl.queue.enqueueNDRangeKernel(kernel, cl::NullRange,
-                                      cl::NDRange((items + group - 1) / group * group),
-                                      cl::NDRange(group));
+      impl.launch(kernel, work, impl.workGroupSize());
     };
 
     const cl::Buffer inside = uploadBuffer<std::uint64_t>(impl, blocks.inside);

@@ -432,9 +432,11 @@ class Interruption(CommandLine):
             if status == 0:
                 self.assertEqual(tree(out), tree(whole))
                 continue
-            self.assertEqual((status, said), (130, ""), err)
-            self.assertRegex(err, r"\Asherd: interrupted[^\n]*\n\Z")
+            self.assertEqual(said, "")
             self.assertFalse(os.path.lexists(out))
+            if status != -number:  # before main() begins the signal itself ends the process
+                self.assertEqual(status, 130, err)
+                self.assertRegex(err, r"\Asherd: interrupted[^\n]*\n\Z")
         self.assertIn(130, statuses)
 
     def test_an_old_fracture_survives(self):
@@ -442,7 +444,8 @@ class Interruption(CommandLine):
         before = tree(self.out)
         for seconds in (0.0, 0.1, 0.3):
             status, _, err = self.interrupt(signal.SIGINT, seconds, self.out, 400)
-            self.assertEqual(status, 130, err)
+            # Before main() begins the signal itself ends the process; a third of a second is well after.
+            self.assertIn(status, (130,) if seconds > 0.2 else (130, -signal.SIGINT), err)
             self.assertEqual(tree(self.out), before)
 
     def test_a_killed_run_is_cleared_up_by_the_next(self):

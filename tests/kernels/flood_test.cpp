@@ -85,7 +85,7 @@ using Flood = DeviceTest;
 
 TEST_F(Flood, EqualsTheReferenceOnEveryShape) {
   for (const VoxelSolid& solid : voxel_shapes::all()) {
-    for (const int seedCount : {1, 2, 12, 200}) {
+    for (const int seedCount : {1, 12, 200}) {
       const std::vector<std::vector<Seed>> sets{
           randomSeeds(solid, seedCount, static_cast<unsigned>(seedCount))};
       const std::vector<Labels> labels =
@@ -103,7 +103,7 @@ TEST_F(Flood, AnyBatchAndWorkGroupAndReadbackGiveTheSameLabels) {
   for (unsigned i = 0; i < 3; ++i)
     sets.push_back(randomSeeds(solid, 3 + 7 * static_cast<int>(i), i));
   for (const int group : {1, 3, 64}) {
-    for (const int readback : {1, 5, 64}) {
+    for (const int readback : {1, 40}) {
       const std::vector<Labels> together =
           grow(blocks, sets, device(),
                {.outerSteps = 4, .stepsPerReadback = readback, .workGroupSize = group});

@@ -1,0 +1,26 @@
+#!/usr/bin/env bash
+# What takes too long, or too much, for every change: all real meshes, long fuzzing, the Debian package, and a fresh
+# Debian 12 in a chroot.  Needs root for the chroot.  About an hour on two cores.
+#
+# usage: test_long.sh [CHECKER.py]    (with SHERD_TEST_DATA: the independent checker of finished fractures)
+set -euo pipefail
+cd "$(dirname "$0")/.."
+tools/install_packages.sh ci
+command -v debootstrap > /dev/null || DEBIAN_FRONTEND=noninteractive apt-get install -y -qq debootstrap > /dev/null
+tools/build.sh release -- -DSHERD_TESTS=ON
+
+if [ -n "${SHERD_TEST_DATA:-}" ] && [ -n "${1:-}" ]; then
+  echo "== all real meshes, at 128 voxels in 8 pieces and at 200 in 40"
+  tools/verify_meshes.sh build/release/sherd "$SHERD_TEST_DATA" "$1"
+fi
+
+echo "== fuzzing the readers for ten minutes"
+tools/build.sh asan sherd_fuzz
+OCL_ICD_VENDORS=pocl.icd build/asan/tests/fuzz/sherd_fuzz -max_total_time=600 -max_len=8192 -timeout=20 \
+  -rss_limit_mb=4096 -detect_leaks=0 -verbosity=0 -print_final_stats=1
+
+echo "== the Debian package"
+(cd build/release && cpack -G DEB > /dev/null && dpkg-deb -I sherd_*.deb | grep -E 'Package|Version|Depends')
+
+echo "== a fresh Debian 12"
+tools/fresh_machine.sh
