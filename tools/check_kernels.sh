@@ -1,6 +1,8 @@
 #!/usr/bin/env bash
-# Run the kernel tests under oclgrind: data races, uninitialised reads, bad addresses.  First a planted race, which it
-# must find.
+# Run the kernel tests under oclgrind: data races and bad addresses.  First a planted race, which it must find.
+#
+# Not --uninitialized: oclgrind 21.10 does not see what clEnqueueFillBuffer and vectorised stores have written, and
+# reports every read of it.
 #
 # usage: check_kernels.sh BUILD_FOLDER    (built with tests)
 set -euo pipefail
@@ -9,28 +11,21 @@ unset OCL_ICD_VENDORS
 export SHERD_TEST_DEVICE=oclgrind SHERD_TEST_SMALL=1 SHERD_REQUIRE_OPENCL=1
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
-# One kind of check at a time: with both, oclgrind calls every global read uninitialised.
-check() {  # --data-races|--uninitialized PROGRAM [ARGUMENT...]
-  local kind=$1
-  shift
-  timeout 600 oclgrind "$kind" --max-errors 20 --log "$log" "$@"
-}
+check() { timeout 900 oclgrind --data-races --max-errors 20 --log "$log" "$@"; }
 
-check --data-races "$build/tests/sherd_planted_race" > /dev/null
+check "$build/tests/sherd_planted_race" > /dev/null
 if ! grep -q 'data race' "$log"; then
   echo "check_kernels.sh: oclgrind does not report the planted race" >&2
   cat "$log" >&2
   exit 1
 fi
 
-for kind in --data-races --uninitialized; do
-  : > "$log"
-  if ! check $kind "$build/tests/sherd_kernel_tests" --gtest_brief=1 > "$log.out" 2>&1 || [ -s "$log" ]; then
-    head -n 40 "$log" "$log.out" >&2
-    rm -f "$log.out"
-    echo "check_kernels.sh: the kernel tests are not clean under oclgrind $kind" >&2
-    exit 1
-  fi
+: > "$log"
+if ! check "$build/tests/sherd_kernel_tests" --gtest_brief=1 > "$log.out" 2>&1 || [ -s "$log" ]; then
+  head -n 40 "$log" "$log.out" >&2
   rm -f "$log.out"
-done
+  echo "check_kernels.sh: the kernel tests are not clean under oclgrind" >&2
+  exit 1
+fi
+rm -f "$log.out"
 echo "oclgrind found the planted race and nothing in the kernels"

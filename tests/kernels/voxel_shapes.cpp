@@ -76,10 +76,15 @@ VoxelSolid checkerboard(int extent) {
                     [](const Coord& v) { return ((v.x() + v.y() + v.z()) & 1) == 0; });
 }
 
+bool small() {
+  const char* asked = std::getenv("SHERD_TEST_SMALL");
+  return asked && *asked == '1';
+}
+
 std::vector<VoxelSolid> all() {
-  const char* small = std::getenv("SHERD_TEST_SMALL");
-  if (small && *small == '1')
-    return {ball(7), cup(8, 2), sparseRandom(5, 45, 2), manyPartsWithin(7), checkerboard(4)};
+  if (small()) {
+    return {ball(5), cup(6, 2), sparseRandom(4, 45, 2), manyPartsWithin(5), checkerboard(3)};
+  }
   return {ball(19),
           cup(20, 3),
           sparseRandom(12, 30, 1),

@@ -32,8 +32,10 @@ VoxelSolid sparseRandom(int extent, unsigned percent, unsigned seed);
 VoxelSolid manyPartsWithin(int extent);
 VoxelSolid checkerboard(int extent);
 
-/// The shapes that every kernel is tried on; small ones with SHERD_TEST_SMALL=1, for devices that
-/// are simulated.
+/// SHERD_TEST_SMALL=1: less to do, for devices that are simulated.
+bool small();
+
+/// The shapes that every kernel is tried on; small ones when small().
 std::vector<VoxelSolid> all();
 
 /// Leaf blocks of a solid, with leaves that lie far from the origin on both sides.
