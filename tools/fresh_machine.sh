@@ -11,7 +11,7 @@ cleanup() {
 }
 trap 'cleanup "${1:-}"' EXIT
 
-mirror=$(grep -rhoE 'https?://[^ ]+/debian/?( |$)' /etc/apt/sources.list /etc/apt/sources.list.d 2>/dev/null | head -n 1)
+mirror=$(grep -rhoE 'https?://[^ ]+/debian/?( |$)' /etc/apt/sources.list /etc/apt/sources.list.d 2>/dev/null | head -n 1 || true)
 debootstrap --variant=minbase --include=ca-certificates bookworm "$root" "${mirror:-http://deb.debian.org/debian}" > "$root.log" 2>&1 ||
   { tail "$root.log" >&2; exit 1; }
 cp -r /etc/apt/apt.conf.d "$root/etc/apt/" # a proxy, where this machine has one
