@@ -6,7 +6,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 root=${1:-$(mktemp -d)}
 cleanup() {
-  umount "$root/proc" "$root/dev" 2>/dev/null || true
+  umount "$root/proc" "$root/dev" "$root/sys" 2>/dev/null || true
   [ -n "${1:-}" ] || rm -rf "$root"
 }
 trap 'cleanup "${1:-}"' EXIT
@@ -19,6 +19,7 @@ cp /etc/resolv.conf "$root/etc/resolv.conf"
 rm -rf "$root/etc/apt/apt.conf.d/docker-"*
 mount -t proc proc "$root/proc"
 mount --bind /dev "$root/dev"
+mount -t sysfs sysfs "$root/sys"  # PoCL asks it for the cores and the memory
 git clone -q . "$root/sherd"
 
 in_chroot() { chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 "$@"; }
