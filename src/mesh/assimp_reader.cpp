@@ -53,6 +53,24 @@ std::string plainOff(const std::string& bytes) {
   return out;
 }
 
+// A binary PLY as Assimp 5.2.5 can read it, where it cannot; else empty.  Assimp takes a line feed
+// before the first value for the second half of "\r\n" even where the header's lines end in "\n"
+// (https://github.com/assimp/assimp/issues/5341), so it gets one more to take.
+std::string plainPly(const std::string& bytes) {
+  LineReader lines(bytes);
+  bool binary = false;
+  while (lines.next()) {
+    std::string_view rest = lines.line();
+    const std::string_view keyword = takeWord(rest);
+    if (keyword == "format") binary = takeWord(rest) != "ascii";
+    if (keyword == "end_header") break;
+  }
+  const std::size_t body = lines.position();
+  const bool taken = binary && body < bytes.size() && bytes[body] == '\n' &&
+                     std::string_view(bytes).substr(body - 2, 2) != "\r\n";
+  return taken ? std::string(bytes).insert(body, 1, '\n') : std::string();
+}
+
 // A buffer that keeps its own bytes.
 class OwnedStream : public Assimp::IOStream {
  public:
@@ -75,7 +93,8 @@ class OwnedStream : public Assimp::IOStream {
 class MeshFiles : public Assimp::IOSystem {
  public:
   explicit MeshFiles(const MeshFile& file) : file_(file), name_(assimpName(file.format)) {
-    if (file.format == MeshFormat::off) off_ = plainOff(file.bytes);
+    if (file.format == MeshFormat::off) rewritten_ = plainOff(file.bytes);
+    if (file.format == MeshFormat::ply) rewritten_ = plainPly(file.bytes);
   }
 
   bool Exists(const char* name) const override { return name == name_; }
@@ -83,7 +102,7 @@ class MeshFiles : public Assimp::IOSystem {
   Assimp::IOStream* Open(const char* name, const char* mode) override {
     if (std::strchr(mode, 'w') != nullptr) return nullptr;
     if (name == name_) {
-      const std::string& bytes = file_.format == MeshFormat::off ? off_ : file_.bytes;
+      const std::string& bytes = rewritten_.empty() ? file_.bytes : rewritten_;
       return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t*>(bytes.data()),
                                         bytes.size());
     }
@@ -100,7 +119,7 @@ class MeshFiles : public Assimp::IOSystem {
  private:
   const MeshFile& file_;
   std::string_view name_;
-  std::string off_;
+  std::string rewritten_;  // what Assimp sees in place of the file; empty: the file itself
 };
 
 // world = linear * local + offset.

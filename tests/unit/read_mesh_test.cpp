@@ -21,7 +21,8 @@
 #include <string>
 #include <utility>
 
-#include "../shapes.h"
+#include "shapes.h"
+#include "temp_folder.h"
 
 namespace sherd {
 namespace {
@@ -29,14 +30,8 @@ namespace {
 namespace fs = std::filesystem;
 
 // A folder that lasts as long as the test.
-class ReadMesh : public testing::Test {
+class ReadMesh : public TempFolder {
  protected:
-  ReadMesh() {
-    std::string name = (fs::temp_directory_path() / "sherd_read_mesh_XXXXXX").string();
-    folder_ = mkdtemp(name.data());
-  }
-  ~ReadMesh() override { fs::remove_all(folder_); }
-
   fs::path write(const std::string& name, const std::string& bytes) const {
     std::ofstream(folder_ / name, std::ios::binary) << bytes;
     return folder_ / name;
@@ -75,8 +70,6 @@ class ReadMesh : public testing::Test {
       }
     }
   }
-
-  fs::path folder_;
 };
 
 // The same triangles in space: vertices may be numbered and triangles ordered in any way.
@@ -299,6 +292,28 @@ TEST_F(ReadMesh, KeepsTheOrderOfVerticesAndTriangles) {
   const SourceMesh source = read("cube.ply", plyBinary(cube, false));
   EXPECT_EQ(source.mesh.vertices, cube.vertices);
   EXPECT_EQ(source.mesh.triangles, cube.triangles);
+}
+
+// Assimp takes a line feed there for the end of the header.
+TEST_F(ReadMesh, TakesAnyByteForTheFirstOfABinaryPly) {
+  for (std::uint32_t byte = 0; byte < 256; ++byte) {
+    for (const bool bigEndian : {false, true}) {
+      TriangleMesh mesh = tetrahedron();
+      const std::uint32_t bits = bigEndian ? byte << 24 | 0x001234 : 0x3fc00000 | byte;
+      mesh.vertices[0].x = std::bit_cast<float>(bits);
+      const std::string bytes = plyBinary(mesh, bigEndian);
+      const std::size_t body = bytes.find("end_header\n") + 11;
+      ASSERT_EQ(static_cast<unsigned char>(bytes[body]), byte);
+      std::string windows;  // the same with the other kind of line end
+      for (const char c : bytes.substr(0, body)) windows += c == '\n' ? "\r\n" : std::string(1, c);
+      windows += bytes.substr(body);
+      for (const std::string& file : {bytes, windows}) {
+        const SourceMesh source = read("t.ply", file);
+        EXPECT_EQ(source.mesh.vertices, mesh.vertices) << byte;
+        EXPECT_EQ(source.mesh.triangles, mesh.triangles) << byte;
+      }
+    }
+  }
 }
 
 TEST_F(ReadMesh, TakesZeroAndMinusZeroForEqual) {
