@@ -1,31 +1,46 @@
-// components: the 6-connected parts of a mask.  A leaf's voxels fall into nodes (connected inside the leaf), and nodes
-// that touch across leaf faces are joined in a lock-free union-find whose roots are the lowest node of each part, so
-// that the result does not depend on the schedule.  Source: Jaiganesh and Burtscher, ECL-CC, HPDC 2018.
-// One work-item takes leaves i, i + items, ...; any work-group size.
+// components: the 6-connected parts of a mask, or of equal labels in it.  A leaf's voxels fall into nodes (connected
+// inside the leaf), and nodes that touch across leaf faces are joined in a lock-free union-find whose roots are the
+// lowest node of each part, so that the result does not depend on the schedule.
+// Source: Jaiganesh and Burtscher, ECL-CC, HPDC 2018.
+//
+// Several fractures of the same leaves go together: item = fracture * leafCount + leaf.
+// One work-item takes items i, i + all, ...; any work-group size.
 // Reference: tests/kernels/components_test.cpp, bit for bit.
 
-// Number the nodes of each leaf 0.. by their first voxel.
+// Number the nodes of each item 0.. by their first voxel.
 kernel void component_nodes(
     const global ulong* restrict inside,  // [leafCount*8]
     const uint leafCount,
-    global uchar* restrict localNode,     // [leafCount*512]  out: node of an inside voxel, else 0
-    global uint* restrict nodeCount)      // [leafCount]      out
+    const uint items,
+    const global ushort* restrict label,  // [items*512]  read when byLabel
+    const uint byLabel,
+    global ushort* restrict localNode,    // [items*512]  out: node of an inside voxel, else 0
+    global uint* restrict nodeCount)      // [items]      out
 {
-  for (size_t leaf = get_global_id(0); leaf < leafCount; leaf += get_global_size(0)) {
+  for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
+    const size_t leaf = item % leafCount;
+    const global ushort* restrict labels = label + (byLabel ? item * SHERD_LEAF_SIZE : 0);
     ulong left[SHERD_LEAF_WORDS];
     ulong any = 0;
     for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
       left[x] = inside[leaf * SHERD_LEAF_WORDS + x];
       any |= left[x];
     }
-    for (int i = 0; i < SHERD_LEAF_SIZE; ++i) localNode[leaf * SHERD_LEAF_SIZE + i] = 0;
+    for (int i = 0; i < SHERD_LEAF_SIZE; ++i) localNode[item * SHERD_LEAF_SIZE + i] = 0;
     uint node = 0;
+    ulong same[SHERD_LEAF_WORDS];  // voxels with the label that `same` was made for
+    for (int x = 0; x < SHERD_LEAF_WORDS; ++x) same[x] = ~0ul;
+    uint sameLabel = SHERD_TAG_MIXED;
     while (any) {
       ulong part[SHERD_LEAF_WORDS];
-      int found = 0;  // the first voxel left
+      int found = -1;  // the first voxel left
       for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
-        part[x] = found ? 0 : left[x] & (~left[x] + 1);
-        found |= part[x] != 0;
+        part[x] = found >= 0 ? 0 : left[x] & (~left[x] + 1);
+        if (part[x]) found = (x << 6) + lowest_bit(part[x]);
+      }
+      if (byLabel && labels[found] != sameLabel) {
+        sameLabel = labels[found];
+        equal_mask(labels, (ushort)sameLabel, same);
       }
       for (int changed = 1; changed;) {
         changed = 0;
@@ -33,7 +48,7 @@ kernel void component_nodes(
           ulong reach = part[x] | slab_neighbours(part[x]);
           if (x > 0) reach |= part[x - 1];
           if (x < SHERD_LEAF_WORDS - 1) reach |= part[x + 1];
-          reach &= left[x];
+          reach &= left[x] & same[x];
           changed |= reach != part[x];
           part[x] = reach;
         }
@@ -42,8 +57,7 @@ kernel void component_nodes(
       for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
         if (node > 0) {
           for (ulong bits = part[x]; bits; bits &= bits - 1) {
-            const int bit = 63 - (int)clz(bits & (~bits + 1));
-            localNode[leaf * SHERD_LEAF_SIZE + (x << 6) + bit] = (uchar)node;
+            localNode[item * SHERD_LEAF_SIZE + (x << 6) + lowest_bit(bits)] = (ushort)node;
           }
         }
         left[x] &= ~part[x];
@@ -51,7 +65,7 @@ kernel void component_nodes(
       }
       ++node;
     }
-    nodeCount[leaf] = node;
+    nodeCount[item] = node;
   }
 }
 
@@ -82,31 +96,38 @@ kernel void component_begin(const uint nodes, global uint* restrict parent)  // 
   for (size_t i = get_global_id(0); i < nodes; i += get_global_size(0)) parent[i] = (uint)i;
 }
 
-// Join the nodes that touch across the +x, +y and +z faces of each leaf.
+// Join the nodes that touch across the +x, +y and +z faces of each item.
 kernel void component_join(
-    const global ulong* restrict inside,     // [leafCount*8]
-    const global uint* restrict neighbour,   // [leafCount*6]
-    const global uchar* restrict localNode,  // [leafCount*512]
-    const global uint* restrict firstNode,   // [leafCount]
+    const global ulong* restrict inside,      // [leafCount*8]
+    const global uint* restrict neighbour,    // [leafCount*6]
     const uint leafCount,
-    volatile global uint* parent)            // [nodes]  in, out
+    const uint items,
+    const global ushort* restrict label,      // [items*512]  read when byLabel
+    const uint byLabel,
+    const global ushort* restrict localNode,  // [items*512]
+    const global uint* restrict firstNode,    // [items]
+    volatile global uint* parent)             // [nodes]  in, out
 {
-  for (size_t leaf = get_global_id(0); leaf < leafCount; leaf += get_global_size(0)) {
+  for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
+    const size_t leaf = item % leafCount;
     for (int k = 1; k < SHERD_LEAF_FACES; k += 2) {
-      const uint other = neighbour[leaf * SHERD_LEAF_FACES + k];
-      if (other == SHERD_NO_LEAF) continue;
+      const uint otherLeaf = neighbour[leaf * SHERD_LEAF_FACES + k];
+      if (otherLeaf == SHERD_NO_LEAF) continue;
+      const size_t other = item - leaf + otherLeaf;
       uint lastA = SHERD_NO_LEAF, lastB = SHERD_NO_LEAF;
       for (int x = (k == 1 ? SHERD_LEAF_WORDS - 1 : 0); x < SHERD_LEAF_WORDS; ++x) {
         const int otherX = k == 1 ? 0 : x;
         ulong touching = inside[leaf * SHERD_LEAF_WORDS + x] &
-                         through_face(k, inside[(size_t)other * SHERD_LEAF_WORDS + otherX]);
+                         through_face(k, inside[(size_t)otherLeaf * SHERD_LEAF_WORDS + otherX]);
         for (; touching; touching &= touching - 1) {
-          const int bit = 63 - (int)clz(touching & (~touching + 1));
+          const int bit = lowest_bit(touching);
           const int otherBit = k == 3 ? bit - 56 : (k == 5 ? bit - 7 : bit);
-          const uint a = firstNode[leaf] + localNode[leaf * SHERD_LEAF_SIZE + (x << 6) + bit];
-          const uint b = firstNode[other] +
-                         localNode[(size_t)other * SHERD_LEAF_SIZE + (otherX << 6) + otherBit];
+          const size_t at = item * SHERD_LEAF_SIZE + (x << 6) + bit;
+          const size_t otherAt = other * SHERD_LEAF_SIZE + (otherX << 6) + otherBit;
+          const uint a = firstNode[item] + localNode[at];
+          const uint b = firstNode[other] + localNode[otherAt];
           if (a == lastA && b == lastB) continue;
+          if (byLabel && label[at] != label[otherAt]) continue;
           join(parent, a, b);
           lastA = a;
           lastB = b;
@@ -122,4 +143,82 @@ kernel void component_flatten(
     global uint* restrict root)    // [nodes]  out: lowest node of the part
 {
   for (size_t i = get_global_id(0); i < nodes; i += get_global_size(0)) root[i] = root_of(parent, (uint)i);
+}
+
+// How many voxels a node has, and their label.
+kernel void component_measure(
+    const global ulong* restrict inside,      // [leafCount*8]
+    const uint leafCount,
+    const uint items,
+    const global ushort* restrict label,      // [items*512]
+    const global ushort* restrict localNode,  // [items*512]
+    const global uint* restrict firstNode,    // [items]
+    const global uint* restrict nodeCount,    // [items]
+    global uint* restrict nodeVoxels,         // [nodes]  out
+    global ushort* restrict nodeLabel)        // [nodes]  out
+{
+  for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
+    const size_t leaf = item % leafCount;
+    for (uint n = 0; n < nodeCount[item]; ++n) nodeVoxels[firstNode[item] + n] = 0;
+    for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
+      for (ulong bits = inside[leaf * SHERD_LEAF_WORDS + x]; bits; bits &= bits - 1) {
+        const size_t at = item * SHERD_LEAF_SIZE + (x << 6) + lowest_bit(bits);
+        const uint node = firstNode[item] + localNode[at];
+        ++nodeVoxels[node];
+        nodeLabel[node] = label[at];
+      }
+    }
+  }
+}
+
+// Mark the parts that hold one of the given voxels.
+kernel void component_mark(
+    const global ushort* restrict localNode,  // [items*512]
+    const global uint* restrict firstNode,    // [items]
+    const global uint* restrict root,         // [nodes]
+    const global uint* restrict voxelItem,    // [voxels]
+    const global ushort* restrict voxelOffset,  // [voxels]
+    const uint voxels,
+    volatile global uint* keep)               // [nodes]  in: 0; out: 1 at the roots of marked parts
+{
+  for (size_t i = get_global_id(0); i < voxels; i += get_global_size(0)) {
+    const uint item = voxelItem[i];
+    const uint node = firstNode[item] + localNode[(size_t)item * SHERD_LEAF_SIZE + voxelOffset[i]];
+    atomic_xchg(&keep[root[node]], 1u);
+  }
+}
+
+// The voxels of marked parts, and how many are in none.
+kernel void component_kept(
+    const global ulong* restrict inside,      // [leafCount*8]
+    const uint leafCount,
+    const uint items,
+    const global ushort* restrict localNode,  // [items*512]
+    const global uint* restrict firstNode,    // [items]
+    const global uint* restrict nodeCount,    // [items]
+    const global uint* restrict root,         // [nodes]
+    const global uint* restrict keep,         // [nodes]
+    global ulong* restrict kept,              // [items*8]  out
+    volatile global uint* freed)              // [fractures]  in: 0; out
+{
+  for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
+    const size_t leaf = item % leafCount;
+    uint lost = 0;
+    uint some = 0;  // nodes of this item that are kept
+    for (uint n = 0; n < nodeCount[item]; ++n) some += keep[root[firstNode[item] + n]] != 0;
+    for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
+      const ulong all = inside[leaf * SHERD_LEAF_WORDS + x];
+      ulong mask = some ? all : 0;
+      if (some && some < nodeCount[item]) {
+        for (ulong bits = all; bits; bits &= bits - 1) {
+          const int bit = lowest_bit(bits);
+          const uint node = firstNode[item] + localNode[item * SHERD_LEAF_SIZE + (x << 6) + bit];
+          if (!keep[root[node]]) mask &= ~(1ul << bit);
+        }
+      }
+      kept[item * SHERD_LEAF_WORDS + x] = mask;
+      lost += (uint)popcount(all & ~mask);
+    }
+    if (lost) atomic_add(&freed[item / leafCount], lost);
+  }
 }

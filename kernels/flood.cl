@@ -73,9 +73,6 @@ inline void publish(const ulong* front, const int selfLeft, const uint item, con
   }
 }
 
-// The lowest set bit's number.
-inline int lowest(const ulong bits) { return 63 - (int)clz(bits & (~bits + 1)); }
-
 // Write a one-label leaf out, one row of eight voxels at a time.
 inline void write_rows(const ulong* mask, const ushort label, global ushort* out) {
   const ushort8 bit = (ushort8)(1, 2, 4, 8, 16, 32, 64, 128);
@@ -122,6 +119,30 @@ kernel void flood_seed(
   }
 }
 
+// Take labels that `owner` holds already instead of seeds: those of kept voxels stay, the rest reads 0.
+kernel void flood_load(
+    FLOOD_STATE,
+    const global ulong* restrict kept)       // [items*8]    voxels whose label stays
+{
+  for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
+    uint only = 0;
+    for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
+      const ulong mask = kept[item * SHERD_LEAF_WORDS + x];
+      ulong labelled = 0;
+      for (int i = 0; i < 64; ++i) {
+        const size_t v = item * SHERD_LEAF_SIZE + (x << 6) + i;
+        const uint label = (mask >> i) & 1 ? owner[v] : 0u;
+        owner[v] = (ushort)label;
+        if (!label) continue;
+        labelled |= 1ul << i;
+        if (label != only) only = only ? SHERD_TAG_MIXED : label;
+      }
+      owned[item * SHERD_LEAF_WORDS + x] = labelled;
+    }
+    tag[item] = only;
+  }
+}
+
 // Begin a second growth from everything owned so far into another domain: all of it is the front of `step`.
 kernel void flood_restart(FLOOD_STATE, const uint step)
 {
@@ -130,7 +151,7 @@ kernel void flood_restart(FLOOD_STATE, const uint step)
     ulong open = 0;
     for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
       frontMask[copy * SHERD_LEAF_WORDS + x] = owned[item * SHERD_LEAF_WORDS + x];
-      open |= domain[(item % leafCount) * SHERD_LEAF_WORDS + x];
+      open |= domain[(item % leafCount) * SHERD_LEAF_WORDS + x] & ~owned[item * SHERD_LEAF_WORDS + x];
     }
     frontStep[copy] = step;
     frontTag[copy] = tag[item];
@@ -210,7 +231,7 @@ kernel void flood_step(FLOOD_STATE, const uint step)
       }
       for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
         for (ulong bits = reached[x]; bits; bits &= bits - 1) {
-          const int bit = lowest(bits);
+          const int bit = lowest_bit(bits);
           const int y = bit >> 3, z = bit & 7;
           uint best = SHERD_TAG_MIXED;
           for (int k = 0; k < SHERD_LEAF_FACES; ++k) {
@@ -232,7 +253,7 @@ kernel void flood_step(FLOOD_STATE, const uint step)
     if (keepCost) {
       for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
         for (ulong bits = reached[x]; bits; bits &= bits - 1) {
-          cost[(size_t)item * SHERD_LEAF_SIZE + (x << 6) + lowest(bits)] = step;
+          cost[(size_t)item * SHERD_LEAF_SIZE + (x << 6) + lowest_bit(bits)] = step;
         }
       }
     }

@@ -43,5 +43,17 @@ inline ulong through_face(const int k, const ulong w) {
   }
 }
 
+// The number of the lowest set bit.
+inline int lowest_bit(const ulong bits) { return 63 - (int)clz(bits & (~bits + 1)); }
+
+// The voxels of a leaf that have this label.
+inline void equal_mask(const global ushort* labels, const ushort label, ulong* mask) {
+  for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
+    ulong word = 0;
+    for (int i = 0; i < 64; ++i) word |= (ulong)(labels[(x << 6) + i] == label) << i;
+    mask[x] = word;
+  }
+}
+
 #endif
 #endif

@@ -17,7 +17,23 @@ constexpr std::uint64_t mixed(std::uint64_t x) {
 }
 
 /// What a number is drawn for: two stages never share a number.
-enum class Stage : std::uint64_t { seedVoxel = 1, partSeed = 2, fragmentId = 3 };
+enum class Stage : std::uint64_t {
+  seedVoxel = 1,
+  partSeed = 2,
+  fragmentId = 3,
+  erosion = 16,
+  reseed = 20,
+  noise = 22,
+  again = 23,
+  haltonDigit = 32,
+  gaussianSeed = 33,
+  poissonDart = 34,
+  impactPlace = 35,
+  impactSeed = 36,  // makes a seed of its own for each impact, from which the next two draw
+  impactOffset = 37,
+  impactRest = 38,
+  convexitySample = 64
+};
 
 /// 64 random bits of one item.
 constexpr std::uint64_t randomBits(std::uint64_t seed, Stage stage, std::uint64_t item) {

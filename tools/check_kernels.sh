@@ -8,7 +8,7 @@
 set -euo pipefail
 build=${1:?usage: check_kernels.sh BUILD_FOLDER}
 unset OCL_ICD_VENDORS
-export SHERD_TEST_DEVICE=oclgrind SHERD_TEST_SMALL=1 SHERD_REQUIRE_OPENCL=1
+export SHERD_TEST_DEVICE=oclgrind SHERD_TEST_SMALL=1 SHERD_REQUIRE_OPENCL=1 SHERD_PROPERTY_CASES=2
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 check() { timeout 900 oclgrind --data-races --max-errors 20 --log "$log" "$@"; }

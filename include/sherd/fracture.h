@@ -1,14 +1,17 @@
 // The whole way from a mesh to fragments.
 #pragma once
 
+#include <sherd/erode.h>
 #include <sherd/fragments.h>
 #include <sherd/labels.h>
 #include <sherd/mesh.h>
 #include <sherd/progress.h>
 #include <sherd/seeds.h>
+#include <sherd/shares.h>
 #include <sherd/solid.h>
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -19,6 +22,14 @@ struct FractureOptions {
   std::uint64_t seed = 0;
   int resolution = 128;    ///< voxels along the longest side; used when voxelSize is 0
   double voxelSize = 0.0;  ///< world units per voxel; 0: from resolution
+
+  SeedOptions seeds{};               ///< its `pieces` and `seed` are taken from above
+  int extraSeedsPerPiece = 0;        ///< extra seeds beside seeds.extraSeeds, for each fragment
+  std::filesystem::path seedFile{};  ///< explicit seeds in place of placed ones; empty: none
+  GrowOptions grow{};                ///< its noise seed is made from `seed`
+  ShareOptions shares{};
+  ErodeOptions erode{};  ///< its `seed` is taken from above
+  double missing = 0.0;  ///< fragments withheld: a number from 1 up, or below 1 a share of all
 };
 
 /// Seconds that one stage took.
@@ -30,13 +41,22 @@ struct StageTime {
 struct FractureResult {
   Solid solid;
   std::size_t parts = 0;  ///< 6-connected parts of the solid
-  Labels labels;
+  std::vector<Seed> seeds;
+  Labels labels;                    ///< as they are after erosion
+  std::vector<std::uint64_t> worn;  ///< [fragments+1] worn voxels of each, [0] of all
   std::vector<Fragment> fragments;  ///< [max(pieces, parts)] ascending by id
+  std::size_t withheld = 0;         ///< how many of the last fragments are withheld
+  std::vector<int> parents;         ///< [fragments] of refracture: the old fragment each comes
+                                    ///< from; empty where a mesh was broken
   std::vector<StageTime> times;
+
+  std::size_t kept() const { return fragments.size() - withheld; }
 };
 
-/// Break a mesh: voxelize, placeSeeds, grow, extractFragments, in this order and nothing else.
-///   throws  what they throw
+/// Break a mesh: voxelize, placeSeeds, grow, erode, extractFragments, in this order and nothing
+/// else.  Ids are a random permutation, so withholding the last ones withholds random ones.
+///   throws  what they throw; Error(usage) nothing would be left, or seeds of a file and pieces
+///           disagree
 [[nodiscard]] FractureResult fracture(const TriangleMesh& mesh, const FractureOptions& options,
                                       Device& device, const Progress* progress = nullptr);
 

@@ -33,8 +33,10 @@ struct RunLengthVoxels {
   std::vector<Run> runs;  ///< x slowest, z fastest; runs go on across rows and planes
 };
 
-/// The runs of a labelled solid over its tight box.
-[[nodiscard]] RunLengthVoxels encodeRuns(const Solid& solid, const Labels& labels);
+/// The runs of a labelled solid over its tight box.  What is worn off, and ids above `fragments`
+/// (withheld ones), are solid without a fragment.
+[[nodiscard]] RunLengthVoxels encodeRuns(const Solid& solid, const Labels& labels,
+                                         int fragments = kMaxFragments);
 
 /// Every voxel of `voxels`.
 ///   throws  Error(input) when the box holds more than 2^31 voxels
@@ -53,6 +55,11 @@ void writeRle(const std::filesystem::path& file, const RunLengthVoxels& voxels);
 void writeVdb(const std::filesystem::path& file, const Fragment& fragment,
               const std::string& source, std::uint64_t seed);
 
+/// Write the arrival costs of a solid's inside voxels as Int32 grid "cost", compressed and named as
+/// writeVdb does it; the background is -1.
+///   labels  with costs
+void writeCost(const std::filesystem::path& file, const Solid& solid, const Labels& labels);
+
 /// Write a mesh as binary little-endian PLY: float x, y, z; faces of three with `int facing` where
 /// it is given.
 void writePly(const std::filesystem::path& file, const TriangleMesh& mesh,
@@ -64,6 +71,8 @@ struct WriteOptions {
   bool vdb = true;      ///< fragments/<stem>_001.vdb
   bool mesh = true;     ///< meshes/<stem>_001.ply
   bool preview = true;  ///< preview.png
+  bool seeds = false;   ///< seeds.json
+  bool cost = false;    ///< cost.vdb, when the labels hold costs
   char up = 'y';        ///< the mesh's axis that points up in the picture: 'x', 'y' or 'z'
 };
 

@@ -4,6 +4,7 @@
 
 #include <sherd/coords.h>
 #include <sherd/device.h>
+#include <sherd/erode.h>
 #include <sherd/error.h>
 #include <sherd/fracture.h>
 #include <sherd/fragments.h>
@@ -11,8 +12,11 @@
 #include <sherd/labels.h>
 #include <sherd/leaf_blocks.h>
 #include <sherd/mesh.h>
+#include <sherd/metric.h>
 #include <sherd/progress.h>
+#include <sherd/refracture.h>
 #include <sherd/render.h>
 #include <sherd/seeds.h>
+#include <sherd/shares.h>
 #include <sherd/solid.h>
 #include <sherd/version.h>

@@ -2,6 +2,7 @@
 #include <sherd/error.h>
 #include <sherd/fracture.h>
 #include <sherd/io.h>
+#include <sherd/refracture.h>
 #include <tbb/global_control.h>
 #include <unistd.h>
 
@@ -18,6 +19,7 @@
 #include <thread>
 
 #include "cli/command.h"
+#include "cli/fracture_options.h"
 
 namespace sherd::cli {
 namespace {
@@ -28,6 +30,8 @@ using Clock = std::chrono::steady_clock;
 struct FractureArguments {
   std::string mesh;
   std::string folder;
+  std::vector<int>
+      only;  ///< fragments of a finished fracture to break again; empty: MESH is a mesh
   FractureOptions options;
   std::vector<std::string> write{"labels", "vdb", "mesh", "preview"};
   std::string up = "y";
@@ -108,7 +112,8 @@ std::string number(double value, int digits) {
 
 void warn(const FractureArguments& arguments, const FractureResult& result) {
   const std::size_t fragments = result.fragments.size();
-  if (static_cast<std::size_t>(arguments.options.pieces) < fragments) {
+  if (arguments.options.seedFile.empty() && arguments.only.empty() &&
+      static_cast<std::size_t>(arguments.options.pieces) < fragments) {
     printMessage("sherd: warning: " + arguments.mesh + " has " + std::to_string(result.parts) +
                  " separate parts, so it became " + std::to_string(fragments) + " fragments, not " +
                  std::to_string(arguments.options.pieces));
@@ -123,9 +128,12 @@ void warn(const FractureArguments& arguments, const FractureResult& result) {
 
 std::string asText(const FractureArguments& arguments, const SourceMesh& source,
                    const FractureResult& result, const DeviceInfo& device, double seconds) {
+  const std::string withheld =
+      result.withheld > 0 ? ", " + std::to_string(result.withheld) + " of them withheld," : "";
   return arguments.folder + ": " + std::to_string(result.fragments.size()) + " fragments of " +
-         source.name + " in " + number(seconds, 3) + " s (" + std::to_string(result.solid.voxels) +
-         " voxels of " + number(result.solid.frame.voxelSize, 4) + ", seed " +
+         source.name + withheld + " in " + number(seconds, 3) + " s (" +
+         std::to_string(result.solid.voxels) + " voxels of " +
+         number(result.solid.frame.voxelSize, 4) + ", seed " +
          std::to_string(arguments.options.seed) + ", " + device.name + ")\n";
 }
 
@@ -145,7 +153,10 @@ std::string asJson(const FractureArguments& arguments, const SourceMesh& source,
       {"device", {{"platform", device.platform}, {"name", device.name}}},
       {"pieces_asked", arguments.options.pieces},
       {"fragments", result.fragments.size()},
+      {"withheld", result.withheld},
       {"parts", result.parts},
+      {"freed_voxels", result.labels.freed},
+      {"worn_voxels", result.worn.front()},
       {"specks", result.solid.specks},
       {"voxel_size", result.solid.frame.voxelSize},
       {"voxels", result.solid.voxels},
@@ -167,6 +178,8 @@ WriteOptions writeOptions(const FractureArguments& arguments) {
           .vdb = named("vdb"),
           .mesh = named("mesh"),
           .preview = named("preview"),
+          .seeds = named("seeds"),
+          .cost = named("cost"),
           .up = arguments.up.front()};
 }
 
@@ -176,12 +189,14 @@ FractureResult breakSource(const FractureArguments& arguments, const SourceMesh&
   try {
     return fracture(source.mesh, arguments.options, device, &progress);
   } catch (const Error& e) {
-    if (e.code() != ErrorCode::input) throw;
+    const std::string seedFile = arguments.options.seedFile.string();
+    const bool aboutSeeds = !seedFile.empty() && std::string_view(e.what()).starts_with(seedFile);
+    if (e.code() != ErrorCode::input || aboutSeeds) throw;
     throw Error(ErrorCode::input, arguments.mesh + ": " + e.what());
   }
 }
 
-void breakMesh(const FractureArguments& arguments) {
+void breakMesh(FractureArguments& arguments) {
   const Clock::time_point start = Clock::now();
   std::optional<tbb::global_control> threads;
   if (arguments.threads > 0) {
@@ -204,10 +219,23 @@ void breakMesh(const FractureArguments& arguments) {
   };
 
   checkFractureFolder(arguments.folder);
-  const SourceMesh source = timed("read", [&] { return readMesh(arguments.mesh); });
+  const bool again = !arguments.only.empty();
+  const FinishedFracture finished = timed("read", [&] {
+    FinishedFracture read;
+    if (again) {
+      read = readFracture(arguments.mesh);
+    } else {
+      read.source = readMesh(arguments.mesh);
+    }
+    return read;
+  });
+  const SourceMesh& source = finished.source;
+  if (again) arguments.options.resolution = finished.resolution;
   Device device = timed("device", [&] { return Device(arguments.device); });
   stopIfInterrupted();
-  const FractureResult result = breakSource(arguments, source, device, progress);
+  const FractureResult result =
+      again ? refracture(finished, arguments.only, arguments.options, device, &progress)
+            : breakSource(arguments, source, device, progress);
   times.insert(times.end(), result.times.begin(), result.times.end());
   const fs::path manifest = timed("write", [&] {
     return writeFracture(arguments.folder, source, arguments.options, result,
@@ -224,26 +252,15 @@ void breakMesh(const FractureArguments& arguments) {
   }
 }
 
-void runFracture(const FractureArguments& arguments) {
+void runFracture(FractureArguments& arguments) {
   watchForInterrupts();
+  arguments.options.grow.keepCost = writeOptions(arguments).cost;
   try {
     breakMesh(arguments);
   } catch (const Error& e) {
     if (e.code() != ErrorCode::cancelled) throw;
     throw Error(ErrorCode::cancelled, "interrupted; " + arguments.folder + " is as it was before");
   }
-}
-
-CLI::Validator voxelSizeValidator() {
-  return CLI::Validator(
-      [](std::string& text) -> std::string {
-        double value = 0.0;
-        const char* end = text.data() + text.size();
-        const auto [stop, error] = std::from_chars(text.data(), end, value);
-        const bool good = error == std::errc() && stop == end && std::isfinite(value) && value > 0;
-        return good ? "" : "'" + text + "' is not a number above 0";
-      },
-      "> 0");
 }
 
 }  // namespace
@@ -253,7 +270,10 @@ void addFractureCommand(CLI::App& app, Action& run) {
   auto arguments = std::make_shared<FractureArguments>();
   FractureOptions& options = arguments->options;
 
-  command->add_option("MESH", arguments->mesh, "The mesh: .obj .ply .stl .off .gltf .glb, also .gz")
+  command
+      ->add_option(
+          "MESH", arguments->mesh,
+          "The mesh: .obj .ply .stl .off .gltf .glb, also .gz; with --only a manifest.json")
       ->required();
   command
       ->add_option(
@@ -274,11 +294,28 @@ void addFractureCommand(CLI::App& app, Action& run) {
   command
       ->add_option("--voxel-size", options.voxelSize,
                    "Voxel size in the mesh's own unit, in place of --resolution")
-      ->check(voxelSizeValidator())
+      ->check(aboveZero())
       ->excludes(resolution);
+  command
+      ->add_option("--only", arguments->only,
+                   "Break these fragments of a finished fracture again, MESH being its "
+                   "manifest.json; --pieces is for each of them")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->transform(wholeNumber(1, kMaxFragments))
+      ->type_name("ID,...")
+      ->excludes(resolution)
+      ->excludes("--voxel-size");
+  addSeedOptions(*command, options);
+  addGrowthOptions(*command, options);
+  addErosionOptions(*command, options);
+  for (const char* ofMeshes : {"--seeds", "--missing", "--erode-iterations"}) {
+    command->get_option("--only")->excludes(ofMeshes);
+  }
   command->add_option("--write", arguments->write, "What to write, separated by commas")
       ->delimiter(',')
-      ->check(CLI::IsMember({"labels", "vdb", "mesh", "preview"}))
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember({"labels", "vdb", "mesh", "preview", "seeds", "cost"}))
       ->default_str("labels,vdb,mesh,preview");
   command->add_option("--up", arguments->up, "The mesh's axis that points up in the picture")
       ->check(CLI::IsMember({"x", "y", "z"}))

@@ -80,19 +80,11 @@ Json inspectMesh(const fs::path& file) {
 
 // A manifest is anybody's text: what it lacks or holds in another type is told, not crashed on.
 Json inspectManifest(const fs::path& file) {
-  if (!fs::exists(file)) {
-    throw Error(ErrorCode::input, file.string() + ": is not there; a finished fracture has it");
-  }
-  const std::optional<nlohmann::json> manifest = readManifest(file);
-  if (!manifest) {
-    throw Error(ErrorCode::input, file.string() +
-                                      ": is no manifest of a fracture; "
-                                      "expected JSON with \"schema\": \"sherd/1\"");
-  }
+  const nlohmann::json manifest = needManifest(file);
   try {
-    const nlohmann::json& grid = manifest->at("grid");
+    const nlohmann::json& grid = manifest.at("grid");
     Json fragments = Json::array();
-    for (const nlohmann::json& fragment : manifest->at("fragments")) {
+    for (const nlohmann::json& fragment : manifest.at("fragments")) {
       fragments.push_back({{"id", fragment.at("id").get<int>()},
                            {"voxels", fragment.at("voxels").get<std::uint64_t>()},
                            {"share", fragment.at("share").get<double>()},
@@ -102,13 +94,13 @@ Json inspectManifest(const fs::path& file) {
                            {"contacts", fragment.at("contacts").size()}});
     }
     return {{"kind", "fracture"},
-            {"source", manifest->at("source").at("file").get<std::string>()},
-            {"seed", manifest->at("options").at("seed").get<std::uint64_t>()},
+            {"source", manifest.at("source").at("file").get<std::string>()},
+            {"seed", manifest.at("options").at("seed").get<std::uint64_t>()},
             {"voxel_size", grid.at("voxel_size").get<double>()},
             {"dims", grid.at("dims")},
             {"solid_voxels", grid.at("solid_voxels").get<std::uint64_t>()},
-            {"parts", manifest->at("parts").get<std::uint64_t>()},
-            {"files", manifest->at("files").size()},
+            {"parts", manifest.at("parts").get<std::uint64_t>()},
+            {"files", manifest.at("files").size()},
             {"fragments", fragments}};
   } catch (const nlohmann::json::exception& e) {
     throw Error(ErrorCode::input, file.string() + ": is damaged: " + e.what());

@@ -1,190 +1,223 @@
-// Flood growth on the device.  The method is described in kernels/flood.cl.
+// Growth, stage by stage: grow, roughen, keep what hangs together, regrow the rest, carry outwards.
+#include <sherd/coords.h>
 #include <sherd/error.h>
 #include <sherd/labels.h>
 
 #include <algorithm>
 #include <bit>
-#include <map>
-#include <string>
 
-#include "cl/device_impl.h"
-#include "leaf_block.h"
+#include "grow/components.h"
+#include "grow/flood.h"
+#include "grow/nearest.h"
+#include "grow/relief.h"
+#include "grow/rough.h"
 
 namespace sherd {
 namespace {
 
-// The seeds of all fractures, grouped by the item (fracture * leaves + leaf) that holds them.
-struct SeedTable {
-  std::vector<cl_uint> item, first;
-  std::vector<cl_ushort> offset, label;
-};
-
-SeedTable tableOf(const LeafBlocks& blocks, std::span<const std::vector<Seed>> seedSets) {
-  // Ordered by item and offset; of two seeds on one voxel the lower id stays.
-  std::map<std::pair<std::uint64_t, std::uint32_t>, std::uint16_t> sorted;
-  for (std::size_t f = 0; f < seedSets.size(); ++f) {
-    for (const Seed& seed : seedSets[f]) {
-      const std::uint32_t leaf = findLeaf(blocks, seed.voxel);
-      const auto offset = static_cast<std::uint32_t>(
-          ((seed.voxel.x() & 7) << 6) | ((seed.voxel.y() & 7) << 3) | (seed.voxel.z() & 7));
-      if (leaf == LeafBlocks::kNone ||
-          !((blocks.inside[leaf * 8 + (offset >> 6)] >> (offset & 63)) & 1) || seed.fragment == 0) {
-        throw Error(ErrorCode::usage, "seed of fragment " + std::to_string(seed.fragment) +
-                                          " does not lie on a voxel of the solid");
-      }
-      const auto [at, added] =
-          sorted.try_emplace({f * blocks.count() + leaf, offset}, seed.fragment);
-      if (!added) at->second = std::min(at->second, seed.fragment);
-    }
-  }
-  SeedTable table;
-  for (const auto& [key, label] : sorted) {
-    if (table.item.empty() || table.item.back() != key.first) {
-      table.item.push_back(static_cast<cl_uint>(key.first));
-      table.first.push_back(static_cast<cl_uint>(table.offset.size()));
-    }
-    table.offset.push_back(static_cast<cl_ushort>(key.second));
-    table.label.push_back(label);
-  }
-  table.first.push_back(static_cast<cl_uint>(table.offset.size()));
-  return table;
+void check(const GrowOptions& options) {
+  const auto need = [](bool good, const char* sentence) {
+    if (!good) throw Error(ErrorCode::usage, sentence);
+  };
+  need(options.neighborhood == 6 || options.neighborhood == 26, "a neighborhood is 6 or 26");
+  need(options.roughness >= 0.0 && options.roughness <= 100.0, "the roughness lies in 0..100");
+  need(options.hurst >= 0.1 && options.hurst <= 1.0, "the Hurst exponent lies in 0.1..1");
+  need(options.outerSteps >= 0 && options.outerSteps <= 64, "the outer steps lie in 0..64");
 }
 
-// One growth on the device: its buffers, and the kernels launched over them.
-class Flood {
- public:
-  Flood(const LeafBlocks& blocks, std::size_t fractures, Device::Impl& device,
-        const GrowOptions& options)
-      : device_(device),
-        leafCount_(static_cast<cl_uint>(blocks.count())),
-        items_(static_cast<cl_uint>(blocks.count() * fractures)),
-        group_(options.workGroupSize > 0 ? static_cast<std::size_t>(options.workGroupSize)
-                                         : device.workGroupSize()),
-        keepCost_(options.keepCost),
-        neighbour_(uploadBuffer<std::uint32_t>(device, blocks.neighbours)),
-        owned_(filled<cl_ulong>(items_ * std::size_t{SHERD_LEAF_WORDS}, 0)),
-        tag_(filled<cl_uint>(items_, 0)),
-        owner_(makeBuffer<cl_ushort>(device, items_ * std::size_t{SHERD_LEAF_SIZE})),
-        frontMask_(makeBuffer<cl_ulong>(device, 2 * items_ * std::size_t{SHERD_LEAF_WORDS})),
-        frontStep_(filled<cl_uint>(2 * std::size_t{items_}, SHERD_NO_STEP)),
-        frontTag_(makeBuffer<cl_uint>(device, 2 * std::size_t{items_})),
-        queued_(filled<cl_uint>(items_, SHERD_NO_STEP)),
-        list_(makeBuffer<cl_uint>(device, 2 * std::size_t{items_})),
-        listCount_(filled<cl_uint>(3, 0)),
-        cost_(keepCost_ ? filled<cl_uint>(items_ * std::size_t{SHERD_LEAF_SIZE}, 0)
-                        : makeBuffer<cl_uint>(device, 1)) {}
+// A tenth of the longest side of the leaves' box.
+double tenthOfSide(const LeafBlocks& blocks) {
+  VoxelBox box{openvdb::Coord::max(), openvdb::Coord::min()};
+  for (std::size_t leaf = 0; leaf < blocks.count(); ++leaf) {
+    box.min.minComponent(blocks.origins[leaf]);
+    box.max.maxComponent(blocks.origins[leaf]);
+  }
+  const openvdb::Coord dims = box.max - box.min;
+  return (std::max({dims.x(), dims.y(), dims.z()}) + 8) / 10.0;
+}
 
-  void seed(const SeedTable& table) {
-    const cl::Buffer item = uploadBuffer<cl_uint>(device_, table.item);
-    const cl::Buffer first = uploadBuffer<cl_uint>(device_, table.first);
-    const cl::Buffer offset = uploadBuffer<cl_ushort>(device_, table.offset);
-    const cl::Buffer label = uploadBuffer<cl_ushort>(device_, table.label);
-    const auto seedItems = static_cast<cl_uint>(table.item.size());
-    launch("flood_seed", table.item.size(), item, first, offset, label, seedItems);
-    device_.queue.finish();  // the table's buffers end here
+// The growth of a batch, on its way.
+struct Growing {
+  GrowthState& state;
+  const SeedTable& seeds;
+  const GrowOptions& options;
+  const Progress* progress;
+  cl::Buffer labels{}, cost{};
+  std::vector<std::vector<std::uint64_t>> freed{};  // [fracture][time]
+
+  std::uint32_t perReadback() const {
+    return static_cast<std::uint32_t>(options.stepsPerReadback > 0 ? options.stepsPerReadback : 16);
   }
 
-  void domain(std::span<const std::uint64_t> masks) {
-    domain_ = uploadBuffer<std::uint64_t>(device_, masks);
+  // Plain layers over faces go by masks, and can go straight on into the outer band.
+  bool isPlainFlood() const {
+    return options.growth == Growth::flood && options.neighborhood == 6 &&
+           options.grain.strength == 0.0;
   }
 
-  // Go on from all that is owned into the domain as it is now.
-  void restart() { launch("flood_restart", items_, step_); }
+  void take(Grown grown) {
+    labels = grown.labels;
+    cost = grown.cost;
+  }
 
-  // Take up to `steps` layers, looking every `perReadback` whether anything is left to do.
-  void grow(std::uint32_t steps, std::uint32_t perReadback, const Progress* progress) {
-    cl::Kernel kernel = device_.kernel("flood.cl", "flood_step");
-    const cl_uint stepArgument = setState(kernel);
-    for (std::uint32_t done = 0; done < steps;) {
-      for (std::uint32_t k = 0; k < perReadback && done < steps; ++k, ++done) {
-        ++step_;
-        kernel.setArg(stepArgument, step_);
-        enqueue(kernel, items_);
-      }
-      cl_uint left[3];
-      readBuffer<cl_uint>(device_, listCount_, left);
-      step(progress, "grow", 0.0);
-      if (left[(step_ + 1) % 3] == 0) break;
+  void growFirst() {
+    switch (options.growth) {
+      case Growth::flood:
+        return take(
+            growByWeight(state, seeds, layerSteps(options.neighborhood, options.grain), progress));
+      case Growth::chain:
+        return take(growChain(state, seeds, metricFor(options.metric, options.grain), progress));
+      case Growth::nearest:
+        return take(
+            growNearest(state, seeds, metricFor(options.metric, options.grain), options.keepCost));
+      case Growth::euclid:
+        return take(growNearest(state, seeds, metricFor(Metric::euclidean, options.grain),
+                                options.keepCost));
     }
   }
 
-  void finish() { launch("flood_finish", items_); }
-
-  Labels labels(std::size_t fracture) {
-    Labels out;
-    const std::size_t voxels = std::size_t{leafCount_} * SHERD_LEAF_SIZE;
-    out.fragment.resize(voxels);
-    readBuffer<std::uint16_t>(device_, owner_, out.fragment, fracture * voxels);
-    if (keepCost_) {
-      out.cost.resize(voxels);
-      readBuffer<std::uint32_t>(device_, cost_, out.cost, fracture * voxels);
-    }
-    return out;
+  void roughen() {
+    std::vector<std::uint64_t> noise = options.noiseSeeds;
+    noise.resize(state.fractures);
+    const double window =
+        options.roughnessWindow > 0 ? options.roughnessWindow : tenthOfSide(state.blocks);
+    labels = roughened(state, labels, seeds, noise,
+                       octaveAmplitudes(options.roughness, options.hurst, window));
   }
 
- private:
-  template <class T>
-  cl::Buffer filled(std::size_t count, T value) {
-    cl::Buffer buffer = makeBuffer<T>(device_, count);
-    device_.queue.enqueueFillBuffer(buffer, value, 0, std::max<std::size_t>(count, 1) * sizeof(T));
-    return buffer;
+  // Count what `kept` leaves out.
+  KeptParts noted(KeptParts kept) {
+    freed.resize(state.fractures);
+    for (std::size_t f = 0; f < freed.size(); ++f) freed[f].push_back(kept.freed[f]);
+    return kept;
   }
 
-  // Set the arguments FLOOD_STATE names, in its order; return the number of the next.
-  cl_uint setState(cl::Kernel& kernel) {
-    cl_uint i = 0;
-    const auto set = [&](const auto&... argument) { (kernel.setArg(i++, argument), ...); };
-    set(domain_, neighbour_, leafCount_, owned_, tag_, owner_, frontMask_, frontStep_, frontTag_,
-        queued_, list_, listCount_, items_, cost_, static_cast<cl_uint>(keepCost_));
-    return i;
+  // Can a fragment have fallen into several parts?
+  bool mayBeCutOff() const {
+    const bool severalSeeds =
+        std::find(seeds.primary.begin(), seeds.primary.end(), false) != seeds.primary.end();
+    const bool byFaces = options.growth == Growth::chain ||
+                         (options.growth == Growth::flood && options.neighborhood == 6);
+    return severalSeeds || !byFaces;
   }
-
-  template <class... Arguments>
-  void launch(const char* name, std::size_t work, const Arguments&... arguments) {
-    cl::Kernel kernel = device_.kernel("flood.cl", name);
-    cl_uint i = setState(kernel);
-    (kernel.setArg(i++, arguments), ...);
-    enqueue(kernel, work);
-  }
-
-  void enqueue(cl::Kernel& kernel, std::size_t work) { device_.launch(kernel, work, group_); }
-
-  Device::Impl& device_;
-  cl_uint leafCount_, items_;
-  std::size_t group_;
-  bool keepCost_;
-  cl_uint step_ = 0;
-  cl::Buffer domain_, neighbour_, owned_, tag_, owner_, frontMask_, frontStep_, frontTag_, queued_,
-      list_, listCount_, cost_;
 };
+
+cl::Buffer band(GrowthState& state) {
+  return uploadBuffer<std::uint64_t>(state.device, state.blocks.outerBand);
+}
+
+// Kernels leave costs of leaves that they skip as they were, and layers in the outer band their
+// own.
+void clearOutside(const LeafBlocks& blocks, std::vector<std::uint32_t>& cost) {
+  for (std::size_t place = 0; place < cost.size(); ++place) {
+    if (!((blocks.inside[place / 64] >> (place % 64)) & 1)) cost[place] = 0;
+  }
+}
+
+std::vector<Labels> read(const Growing& growing) {
+  std::vector<Labels> all(growing.state.fractures);
+  const std::size_t voxels = std::size_t{growing.state.leafCount} * SHERD_LEAF_SIZE;
+  for (std::size_t f = 0; f < all.size(); ++f) {
+    all[f].fragment.resize(voxels);
+    readBuffer<std::uint16_t>(growing.state.device, growing.labels, all[f].fragment, f * voxels);
+    if (growing.options.keepCost) {
+      all[f].cost.resize(voxels);
+      readBuffer<std::uint32_t>(growing.state.device, growing.cost, all[f].cost, f * voxels);
+      clearOutside(growing.state.blocks, all[f].cost);
+    }
+    if (!growing.freed.empty()) all[f].freed = growing.freed[f];
+  }
+  return all;
+}
+
+// Every inside voxel, as a mask for each fracture.
+cl::Buffer allInside(GrowthState& state) {
+  cl::Buffer mask = makeBuffer<cl_ulong>(state.device, state.words());
+  const std::size_t bytes = state.blocks.inside.size() * sizeof(cl_ulong);
+  for (std::size_t f = 0; f < state.fractures; ++f) {
+    state.device.queue.enqueueCopyBuffer(state.inside, mask, 0, f * bytes, bytes);
+  }
+  return mask;
+}
+
+// The parts that hold their fragments' first seeds; euclid regrows the rest by its chamfer once.
+cl::Buffer settled(Growing& growing) {
+  GrowthState& state = growing.state;
+  KeptParts parts = growing.noted(keepSeededParts(state, growing.labels, growing.seeds));
+  if (growing.options.growth != Growth::euclid || parts.all()) return parts.mask;
+  growing.labels = regrowByWeight(state, growing.labels, parts.mask,
+                                  chamferSteps(growing.options.grain), growing.progress)
+                       .labels;
+  return growing.noted(keepSeededParts(state, growing.labels, growing.seeds)).mask;
+}
+
+// Give the rest of the inside to the neighbours of what is kept, then carry labels outwards.
+void regrow(Growing& growing, const cl::Buffer& kept, std::uint32_t outerSteps) {
+  GrowthState& state = growing.state;
+  Flood flood(state, false);
+  flood.load(growing.labels, kept);
+  if (growing.options.regrowIsolated) {
+    flood.grow(state.inside, SHERD_NO_STEP, growing.perReadback(), growing.progress);
+  }
+  if (outerSteps > 0) {
+    flood.grow(band(state), outerSteps, growing.perReadback(), growing.progress);
+  }
+  growing.labels = flood.labels();
+}
+
+void growAll(Growing& growing) {
+  GrowthState& state = growing.state;
+  const GrowOptions& options = growing.options;
+  const auto outer = static_cast<std::uint32_t>(options.outerSteps);
+  const bool settles = options.regrowIsolated && growing.mayBeCutOff();
+  const bool rough = options.roughness > 0.0;
+
+  if (growing.isPlainFlood()) {
+    Flood flood(state, options.keepCost);
+    flood.seed(growing.seeds);
+    flood.grow(state.inside, SHERD_NO_STEP, growing.perReadback(), growing.progress);
+    const bool last = !settles && !rough;
+    if (last && outer > 0) flood.grow(band(state), outer, growing.perReadback(), growing.progress);
+    growing.take({flood.labels(), flood.cost()});
+    if (last) return;
+  } else {
+    growing.growFirst();
+  }
+  cl::Buffer kept = settles ? settled(growing) : allInside(state);
+  if (rough) {
+    // A fragment is in one part of the solid before it is displaced, and stays there; it may be
+    // carried off its seed, so now its largest part counts.
+    if (settles) regrow(growing, kept, 0);
+    growing.roughen();
+    kept = options.regrowIsolated ? growing.noted(keepLargestParts(state, growing.labels)).mask
+                                  : allInside(state);
+  }
+  regrow(growing, kept, outer);
+}
 
 }  // namespace
 
 std::vector<Labels> grow(const LeafBlocks& blocks, std::span<const std::vector<Seed>> seedSets,
                          Device& device, const GrowOptions& options, const Progress* progress) {
+  check(options);
   const SeedTable table = tableOf(blocks, seedSets);
-  if (blocks.count() * seedSets.size() >= SHERD_NO_LEAF) {
-    throw Error(ErrorCode::usage,
-                "the batch holds " + std::to_string(blocks.count() * seedSets.size()) +
-                    " leaves, at most " + std::to_string(SHERD_NO_LEAF - 1) + " can grow together");
-  }
-  Device::Impl& impl = device.impl();
-  return withDevice(impl, "growing fragments", [&] {
-    Flood flood(blocks, seedSets.size(), impl, options);
-    const auto perReadback =
-        static_cast<std::uint32_t>(options.stepsPerReadback > 0 ? options.stepsPerReadback : 16);
-    flood.domain(blocks.inside);
-    flood.seed(table);
-    flood.grow(SHERD_NO_STEP, perReadback, progress);
-    if (options.outerSteps > 0) {
-      flood.domain(blocks.outerBand);
-      flood.restart();
-      flood.grow(static_cast<std::uint32_t>(options.outerSteps), perReadback, progress);
-    }
-    flood.finish();
-    std::vector<Labels> all;
-    for (std::size_t f = 0; f < seedSets.size(); ++f) all.push_back(flood.labels(f));
-    return all;
+  return withDevice(device.impl(), "growing fragments", [&] {
+    GrowthState state(blocks, seedSets.size(), device.impl(), options.workGroupSize);
+    Growing growing{state, table, options, progress};
+    growAll(growing);
+    return read(growing);
+  });
+}
+
+Labels carriedOverBand(const LeafBlocks& blocks, Labels labels, Device& device, int steps) {
+  return withDevice(device.impl(), "carrying labels outwards", [&] {
+    GrowthState state(blocks, 1, device.impl());
+    Flood flood(state, false);
+    flood.load(uploadBuffer<std::uint16_t>(state.device, labels.fragment, CL_MEM_READ_WRITE),
+               state.inside);
+    flood.grow(band(state), static_cast<std::uint32_t>(steps), 16, nullptr);
+    readBuffer<std::uint16_t>(state.device, flood.labels(), labels.fragment);
+    return std::move(labels);
   });
 }
 
@@ -193,7 +226,9 @@ std::vector<std::uint64_t> countVoxels(const LeafBlocks& blocks, const Labels& l
   std::vector<std::uint64_t> counts(static_cast<std::size_t>(fragments) + 1);
   for (std::size_t word = 0; word < blocks.inside.size(); ++word) {
     for (std::uint64_t bits = blocks.inside[word]; bits; bits &= bits - 1) {
-      ++counts[labels.fragment[word * 64 + static_cast<std::size_t>(std::countr_zero(bits))]];
+      const std::uint16_t label =
+          labels.fragment[word * 64 + static_cast<std::size_t>(std::countr_zero(bits))];
+      if (label != Labels::kWorn) ++counts[label];
     }
   }
   return counts;

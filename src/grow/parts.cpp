@@ -3,8 +3,7 @@
 
 #include <bit>
 
-#include "cl/device_impl.h"
-#include "leaf_block.h"
+#include "grow/components.h"
 
 namespace sherd {
 namespace {
@@ -43,41 +42,15 @@ void numberParts(const LeafBlocks& blocks, std::span<const cl_uint> nodeCount,
 Parts findParts(const LeafBlocks& blocks, Device& device) {
   Device::Impl& impl = device.impl();
   return withDevice(impl, "finding connected parts", [&] {
-    const auto leafCount = static_cast<cl_uint>(blocks.count());
-    const auto run = [&](const char* name, std::size_t work, const auto&... arguments) {
-      cl::Kernel kernel = impl.kernel("components.cl", name);
-      cl_uint i = 0;
-      (kernel.setArg(i++, arguments), ...);
-      impl.launch(kernel, work, impl.workGroupSize());
-    };
-
-    const cl::Buffer inside = uploadBuffer<std::uint64_t>(impl, blocks.inside);
-    const cl::Buffer neighbour = uploadBuffer<std::uint32_t>(impl, blocks.neighbours);
-    const cl::Buffer localNode = makeBuffer<cl_uchar>(impl, blocks.count() * SHERD_LEAF_SIZE);
-    const cl::Buffer counts = makeBuffer<cl_uint>(impl, blocks.count());
-    run("component_nodes", blocks.count(), inside, leafCount, localNode, counts);
-
+    GrowthState state(blocks, 1, impl);
+    NodeParts found = findNodeParts(state);
     Parts parts;
-    parts.localNode.resize(blocks.count() * SHERD_LEAF_SIZE);
-    std::vector<cl_uint> nodeCount(blocks.count());
-    readBuffer<std::uint8_t>(impl, localNode, parts.localNode);
-    readBuffer<cl_uint>(impl, counts, nodeCount);
-    cl_uint nodes = 0;
-    for (const cl_uint n : nodeCount) {
-      parts.firstNode.push_back(nodes);
-      nodes += n;
-    }
-
-    const cl::Buffer firstNode = uploadBuffer<std::uint32_t>(impl, parts.firstNode);
-    const cl::Buffer parent = makeBuffer<cl_uint>(impl, nodes);
-    const cl::Buffer rootBuffer = makeBuffer<cl_uint>(impl, nodes);
-    run("component_begin", nodes, nodes, parent);
-    run("component_join", blocks.count(), inside, neighbour, localNode, firstNode, leafCount,
-        parent);
-    run("component_flatten", nodes, nodes, parent, rootBuffer);
-    std::vector<cl_uint> root(nodes);
-    readBuffer<cl_uint>(impl, rootBuffer, root);
-    numberParts(blocks, nodeCount, root, parts);
+    parts.localNode.resize(state.voxels());
+    readBuffer<std::uint16_t>(impl, found.localNode, parts.localNode);
+    std::vector<cl_uint> root(found.nodes);
+    readBuffer<cl_uint>(impl, found.root, root);
+    parts.firstNode = std::move(found.first);
+    numberParts(blocks, found.nodesOfItem, root, parts);
     return parts;
   });
 }

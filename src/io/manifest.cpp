@@ -1,6 +1,8 @@
 // manifest.json: what a fracture is, and which files hold it.
 #include "io/manifest.h"
 
+#include <sherd/error.h>
+#include <sherd/evaluate.h>
 #include <sherd/io.h>
 
 #include <algorithm>
@@ -23,12 +25,97 @@ Json jsonOf(const glm::dvec3& v) { return {plain(v.x), plain(v.y), plain(v.z)}; 
 Json jsonOf(const openvdb::Coord& c) { return {c.x(), c.y(), c.z()}; }
 
 Json sourceJson(const SourceMesh& source) {
+  if (source.mesh.triangles.empty()) {  // a fracture that was broken again, by its manifest
+    return {{"file", source.name}, {"fracture_sha256", source.sha256}};
+  }
   return {{"file", source.name},
           {"sha256", source.sha256},
           {"file_vertices", source.fileVertices},
           {"vertices", source.mesh.vertices.size()},
           {"triangles", source.mesh.triangles.size()},
           {"degenerate_triangles", source.degenerateTriangles}};
+}
+
+// 1 / sum of squared shares: n equal fragments count as n.
+double effectiveNumber(const FractureResult& result) {
+  std::vector<double> voxels;
+  for (const Fragment& f : result.fragments) voxels.push_back(static_cast<double>(f.voxels));
+  return effectiveCount(voxels);
+}
+
+const char* nameOf(Growth growth) {
+  constexpr const char* kNames[] = {"flood", "nearest", "chain", "euclid"};
+  return kNames[static_cast<int>(growth)];
+}
+const char* nameOf(Metric metric) {
+  constexpr const char* kNames[] = {"euclidean", "chebyshev", "manhattan"};
+  return kNames[static_cast<int>(metric)];
+}
+const char* nameOf(Sampler sampler) {
+  constexpr const char* kNames[] = {"uniform", "halton", "gaussian", "poisson"};
+  return kNames[static_cast<int>(sampler)];
+}
+const char* nameOf(ErodeShape shape) {
+  constexpr const char* kNames[] = {"cross", "square", "ellipse"};
+  return kNames[static_cast<int>(shape)];
+}
+
+Json impactJson(const Impact& impact) {
+  Json json = Json::object();
+  if (const auto* point = std::get_if<WorldPoint>(&impact.place)) json["point"] = jsonOf(point->v);
+  if (const auto* ray = std::get_if<Ray>(&impact.place)) {
+    json["ray"] = {{"origin", jsonOf(ray->origin.v)}, {"direction", jsonOf(ray->direction)}};
+  }
+  json["count"] = impact.count;
+  if (impact.spread > 0.0) {
+    json["spread"] = impact.spread;
+  } else {
+    json["bias"] = impact.bias;
+  }
+  json["merge"] = impact.merge;
+  return json;
+}
+
+Json seedOptionsJson(const FractureOptions& options) {
+  if (!options.seedFile.empty()) return {{"file", options.seedFile.filename().string()}};
+  const SeedOptions& seeds = options.seeds;
+  Json json = {{"sampler", nameOf(seeds.sampler)},
+               {"on", seeds.on == SeedsOn::surface ? "surface" : "volume"},
+               {"extra", seeds.extraSeeds},
+               {"extra_per_piece", options.extraSeedsPerPiece},
+               {"merge_metric", nameOf(seeds.mergeMetric)},
+               {"random_impacts", seeds.randomImpacts},
+               {"impacts", Json::array()}};
+  for (const Impact& impact : seeds.impacts) json["impacts"].push_back(impactJson(impact));
+  return json;
+}
+
+Json growOptionsJson(const GrowOptions& grow) {
+  Json json = {{"growth", nameOf(grow.growth)}};
+  if (grow.growth == Growth::flood) json["neighborhood"] = grow.neighborhood;
+  if (grow.growth == Growth::nearest || grow.growth == Growth::chain) {
+    json["metric"] = nameOf(grow.metric);
+  }
+  if (grow.grain.strength != 0.0) {
+    json["grain"] = {{"direction", jsonOf(grow.grain.direction)},
+                     {"strength", grow.grain.strength}};
+  }
+  json["roughness"] = grow.roughness;
+  json["hurst"] = grow.hurst;
+  json["isolated"] = grow.regrowIsolated ? "regrow" : "keep";
+  return json;
+}
+
+Json erodeOptionsJson(const ErodeOptions& erode) {
+  if (erode.iterations == 0) return {{"iterations", 0}};
+  return {{"iterations", erode.iterations},
+          {"shape", nameOf(erode.shape)},
+          {"size", erode.size},
+          {"planes", erode.planes},
+          {"threshold", erode.threshold},
+          {"probability", erode.probability},
+          {"on", erode.on == ErodeOn::all ? "all" : "fracture"},
+          {"crumbs", erode.crumbs == Crumbs::kept ? "keep" : "wear"}};
 }
 
 Json optionsJson(const FractureOptions& options, const FractureResult& result) {
@@ -38,6 +125,12 @@ Json optionsJson(const FractureOptions& options, const FractureResult& result) {
   } else {
     json["resolution"] = options.resolution;
   }
+  json["seeds"] = seedOptionsJson(options);
+  json["grow"] = growOptionsJson(options.grow);
+  json["min_share"] = options.shares.minShare;
+  json["balance"] = options.shares.balance;
+  json["erode"] = erodeOptionsJson(options.erode);
+  json["missing"] = options.missing;
   return json;
 }
 
@@ -54,9 +147,10 @@ Json gridJson(const SourceMesh& source, const FractureOptions& options,
               const FractureResult& result) {
   const Solid& solid = result.solid;
   const openvdb::Coord& first = solid.box.min;
-  const std::uint64_t labelled =
-      std::transform_reduce(result.fragments.begin(), result.fragments.end(), std::uint64_t{0},
-                            std::plus<>(), [](const Fragment& f) { return f.voxels; });
+  const std::uint64_t labelled = std::transform_reduce(
+      result.fragments.begin(),
+      result.fragments.end() - static_cast<std::ptrdiff_t>(result.withheld), std::uint64_t{0},
+      std::plus<>(), [](const Fragment& f) { return f.voxels; });
   return {{"resolution", resolutionUsed(source, options, solid.frame.voxelSize)},
           {"voxel_size", solid.frame.voxelSize},
           {"dims", jsonOf(solid.box.dims())},
@@ -77,22 +171,36 @@ Json contactsJson(const Fragment& fragment) {
   return contacts;
 }
 
-Json fragmentJson(const Fragment& fragment, std::uint64_t solidVoxels, Json files) {
+// [fragments] where each grew from, the primary seed first.
+std::vector<Json> seedPositions(const FractureResult& result) {
+  std::vector<Json> positions(result.fragments.size(), Json::array());
+  for (const Seed& seed : result.seeds) {
+    const openvdb::Coord& v = seed.voxel;
+    positions[seed.fragment - 1u].push_back(
+        jsonOf(result.solid.frame.worldFromIndex({{v.x(), v.y(), v.z()}}).v));
+  }
+  return positions;
+}
+
+Json fragmentJson(const Fragment& fragment, const FractureResult& result, Json seeds, Json files) {
   const Box box = bounds(fragment.mesh);
   const glm::dmat3& m = fragment.mass.inertia;
-  return {{"id", fragment.id},
-          {"voxels", fragment.voxels},
-          {"volume", plain(fragment.mass.volume)},
-          {"share", static_cast<double>(fragment.voxels) / static_cast<double>(solidVoxels)},
-          {"bbox", {{"min", jsonOf(box.min)}, {"max", jsonOf(box.max)}}},
-          {"centroid", jsonOf(fragment.mass.centroid)},
-          {"inertia",
-           {plain(m[0][0]), plain(m[1][1]), plain(m[2][2]), plain(m[1][0]), plain(m[2][0]),
-            plain(m[2][1])}},
-          {"area", plain(fragment.area)},
-          {"fracture_area", plain(fragment.fractureArea)},
-          {"files", std::move(files)},
-          {"contacts", contactsJson(fragment)}};
+  return {
+      {"id", fragment.id},
+      {"voxels", fragment.voxels},
+      {"volume", plain(fragment.mass.volume)},
+      {"share", static_cast<double>(fragment.voxels) / static_cast<double>(result.solid.voxels)},
+      {"bbox", {{"min", jsonOf(box.min)}, {"max", jsonOf(box.max)}}},
+      {"centroid", jsonOf(fragment.mass.centroid)},
+      {"inertia",
+       {plain(m[0][0]), plain(m[1][1]), plain(m[2][2]), plain(m[1][0]), plain(m[2][0]),
+        plain(m[2][1])}},
+      {"area", plain(fragment.area)},
+      {"fracture_area", plain(fragment.fractureArea)},
+      {"worn_voxels", result.worn[static_cast<std::size_t>(fragment.id)]},
+      {"seeds", std::move(seeds)},
+      {"files", std::move(files)},
+      {"contacts", contactsJson(fragment)}};
 }
 
 }  // namespace
@@ -102,7 +210,9 @@ std::vector<std::string> FractureFiles::all() const {
   if (!labels.empty()) list.push_back(labels);
   list.insert(list.end(), vdb.begin(), vdb.end());
   list.insert(list.end(), mesh.begin(), mesh.end());
-  if (!preview.empty()) list.push_back(preview);
+  for (const std::string& file : {preview, seeds, cost}) {
+    if (!file.empty()) list.push_back(file);
+  }
   return list;
 }
 
@@ -111,21 +221,30 @@ std::string manifestText(const SourceMesh& source, const FractureOptions& option
   Json manifest = {{"schema", kSchema},
                    {"source", sourceJson(source)},
                    {"options", optionsJson(options, result)}};
-  if (static_cast<std::size_t>(options.pieces) < result.fragments.size()) {
+  const bool asked = options.seedFile.empty() && result.parents.empty();
+  if (asked && static_cast<std::size_t>(options.pieces) < result.fragments.size()) {
     manifest["pieces_asked"] = options.pieces;
   }
   manifest["grid"] = gridJson(source, options, result);
   manifest["parts"] = result.parts;
+  manifest["effective_number"] = effectiveNumber(result);
   manifest["specks"] = {{"parts", result.solid.specks}, {"voxels", result.solid.speckVoxels}};
   manifest["fragments"] = Json::array();
+  manifest["withheld"] = Json::array();
+  std::vector<Json> seeds = seedPositions(result);
   for (std::size_t i = 0; i < result.fragments.size(); ++i) {
     Json own = Json::object();
+    if (i >= result.kept()) {
+      manifest["withheld"].push_back(
+          fragmentJson(result.fragments[i], result, std::move(seeds[i]), std::move(own)));
+      continue;
+    }
     if (!files.vdb.empty()) own["vdb"] = files.vdb[i];
     if (!files.mesh.empty()) own["mesh"] = files.mesh[i];
-    manifest["fragments"].push_back(
-        fragmentJson(result.fragments[i], result.solid.voxels, std::move(own)));
+    Json fragment = fragmentJson(result.fragments[i], result, std::move(seeds[i]), std::move(own));
+    if (!result.parents.empty()) fragment["parent"] = result.parents[i];
+    manifest["fragments"].push_back(std::move(fragment));
   }
-  manifest["withheld"] = Json::array();
   manifest["files"] = files.all();
   // A source's name may hold bytes that are not UTF-8; JSON cannot.
   return manifest.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -137,6 +256,19 @@ std::optional<nlohmann::json> readManifest(const std::filesystem::path& file) {
   nlohmann::json json = nlohmann::json::parse(in, nullptr, /*allow_exceptions=*/false);
   if (!json.is_object() || !json.contains("schema") || json["schema"] != kSchema) return {};
   return json;
+}
+
+nlohmann::json needManifest(const std::filesystem::path& file) {
+  if (!std::filesystem::exists(file)) {
+    throw Error(ErrorCode::input, file.string() + ": is not there; a finished fracture has it");
+  }
+  std::optional<nlohmann::json> manifest = readManifest(file);
+  if (!manifest) {
+    throw Error(ErrorCode::input, file.string() +
+                                      ": is no manifest of a fracture; "
+                                      "expected JSON with \"schema\": \"sherd/1\"");
+  }
+  return std::move(*manifest);
 }
 
 std::optional<std::vector<std::string>> listedFiles(const nlohmann::json& manifest) {

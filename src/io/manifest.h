@@ -14,9 +14,11 @@ namespace sherd {
 /// The files of a fracture, relative to its folder; empty where not written.
 struct FractureFiles {
   std::string labels;
-  std::vector<std::string> vdb;   ///< [fragments] or empty
-  std::vector<std::string> mesh;  ///< [fragments] or empty
+  std::vector<std::string> vdb;   ///< [fragments that are not withheld] or empty
+  std::vector<std::string> mesh;  ///< [fragments that are not withheld] or empty
   std::string preview;
+  std::string seeds;
+  std::string cost;
 
   std::vector<std::string> all() const;
 };
@@ -28,6 +30,10 @@ struct FractureFiles {
 
 /// A file as a manifest, if it is one: JSON with "schema": "sherd/1".
 [[nodiscard]] std::optional<nlohmann::json> readManifest(const std::filesystem::path& file);
+
+/// A file as a manifest, which it has to be.
+///   throws  Error(input) it is absent or something else
+[[nodiscard]] nlohmann::json needManifest(const std::filesystem::path& file);
 
 /// The files that a manifest lists, if each is a path below its folder: relative, without "..".
 [[nodiscard]] std::optional<std::vector<std::string>> listedFiles(const nlohmann::json& manifest);

@@ -116,10 +116,13 @@ openvdb::Coord readDims(std::ifstream& in, const std::filesystem::path& file) {
 
 }  // namespace
 
-RunLengthVoxels encodeRuns(const Solid& solid, const Labels& labels) {
+RunLengthVoxels encodeRuns(const Solid& solid, const Labels& labels, int fragments) {
   const VoxelBox& box = solid.box;
   assert(!box.empty());
   const LeafColumns columns(solid.blocks, box);
+  const auto voxelLabel = [&](std::uint16_t label) {
+    return static_cast<std::uint16_t>(label <= fragments ? label + 1 : 1);
+  };
   RunLengthVoxels voxels{box.dims(), {}};
   for (int x = box.min.x(); x <= box.max.x(); ++x) {
     for (int y = box.min.y(); y <= box.max.y(); ++y) {
@@ -135,7 +138,7 @@ RunLengthVoxels encodeRuns(const Solid& solid, const Labels& labels) {
           if ((row >> bit & 1) == 0) continue;
           const int inside = solid.blocks.origins[leaf].z() + static_cast<int>(bit);
           append(voxels.runs, 0, static_cast<std::uint64_t>(inside - z));
-          append(voxels.runs, static_cast<std::uint16_t>(labels.fragment[first + bit] + 1), 1);
+          append(voxels.runs, voxelLabel(labels.fragment[first + bit]), 1);
           z = inside + 1;
         }
       }

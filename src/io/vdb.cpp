@@ -8,6 +8,7 @@
 #include <sherd/io.h>
 #include <sherd/version.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <fstream>
@@ -97,10 +98,27 @@ VdbGrid describe(const openvdb::GridBase& grid) {
   throw Error(ErrorCode::input, file.string() + ": " + what);
 }
 
-}  // namespace
+// Open a file and let `read` take what it wants from its stream.
+template <class Read>
+auto withStream(const std::filesystem::path& file, Read&& read) {
+  if (std::filesystem::is_directory(file)) inputError(file, "is a folder; a .vdb file is needed");
+  std::ifstream in(file, std::ios::binary);
+  if (!in) inputError(file, "cannot be opened: " + reasonOf(errno));
+  in.exceptions(std::ios::badbit | std::ios::failbit);  // OpenVDB reads on past a file's end
+  try {
+    openvdb::initialize();
+    openvdb::io::Stream stream(in, /*delayLoad=*/false);
+    return read(stream);
+  } catch (const std::ios::failure&) {
+    inputError(file, "ends too early; the file is cut or is no .vdb file");
+  } catch (const std::exception& e) {  // whatever a damaged file makes OpenVDB throw
+    inputError(file, std::string("is no .vdb file that OpenVDB can read: ") + e.what());
+  }
+}
 
-void writeVdb(const std::filesystem::path& file, const Fragment& fragment,
-              const std::string& source, std::uint64_t seed) {
+// Write the grid that `make` makes.
+template <class Make>
+void writeGrid(const std::filesystem::path& file, Make&& make) {
   std::string bytes;
   try {
     openvdb::initialize();
@@ -110,9 +128,7 @@ void writeVdb(const std::filesystem::path& file, const Fragment& fragment,
     // Blender turns a file upright when its creator starts with "Houdini"; ours must not.
     openvdb::MetaMap fileMetadata;
     fileMetadata.insertMeta("creator", openvdb::StringMetadata("sherd " SHERD_VERSION));
-    bytes = archive.bytes(
-        {fragment.surface->copyGridReplacingMetadata(gridMetadata(fragment, source, seed))},
-        fileMetadata);
+    bytes = archive.bytes({make()}, fileMetadata);
   } catch (const openvdb::Exception& e) {
     throw Error(ErrorCode::output, file.string() + ": OpenVDB cannot encode it: " + e.what());
   }
@@ -120,24 +136,56 @@ void writeVdb(const std::filesystem::path& file, const Fragment& fragment,
   writeWhole(file, bytes);
 }
 
+}  // namespace
+
+void writeVdb(const std::filesystem::path& file, const Fragment& fragment,
+              const std::string& source, std::uint64_t seed) {
+  writeGrid(file, [&] {
+    return fragment.surface->copyGridReplacingMetadata(gridMetadata(fragment, source, seed));
+  });
+}
+
+void writeCost(const std::filesystem::path& file, const Solid& solid, const Labels& labels) {
+  writeGrid(file, [&] {
+    const openvdb::Int32Grid::Ptr grid = openvdb::Int32Grid::create(-1);
+    grid->setTransform(solid.distance->transform().copy());
+    grid->setName("cost");
+    for (std::size_t leaf = 0; leaf < solid.blocks.count(); ++leaf) {
+      const std::uint64_t* inside = &solid.blocks.inside[leaf * 8];
+      if (std::all_of(inside, inside + 8, [](std::uint64_t word) { return word == 0; })) continue;
+      auto* node = grid->tree().touchLeaf(solid.blocks.origins[leaf]);
+      for (openvdb::Index v = 0; v < 512; ++v) {
+        if ((inside[v >> 6] >> (v & 63)) & 1) {
+          node->setValueOn(v, static_cast<std::int32_t>(labels.cost[leaf * 512 + v]));
+        }
+      }
+    }
+    return grid;
+  });
+}
+
 VdbFile describeVdb(const std::filesystem::path& file) {
-  if (std::filesystem::is_directory(file)) inputError(file, "is a folder; a .vdb file is needed");
-  std::ifstream in(file, std::ios::binary);
-  if (!in) inputError(file, "cannot be opened: " + reasonOf(errno));
-  in.exceptions(std::ios::badbit | std::ios::failbit);  // OpenVDB reads on past a file's end
-  try {
-    openvdb::initialize();
-    openvdb::io::Stream stream(in, /*delayLoad=*/false);
+  return withStream(file, [](openvdb::io::Stream& stream) {
     VdbFile found;
     if (const auto metadata = stream.getMetadata()) found.metadata = textOf(*metadata);
     const openvdb::GridPtrVecPtr grids = stream.getGrids();
     for (const openvdb::GridBase::Ptr& grid : *grids) found.grids.push_back(describe(*grid));
     return found;
-  } catch (const std::ios::failure&) {
-    inputError(file, "ends too early; the file is cut or is no .vdb file");
-  } catch (const std::exception& e) {  // whatever a damaged file makes OpenVDB throw
-    inputError(file, std::string("is no .vdb file that OpenVDB can read: ") + e.what());
+  });
+}
+
+std::shared_ptr<openvdb::FloatGrid> readLevelSet(const std::filesystem::path& file) {
+  const auto found = withStream(file, [](openvdb::io::Stream& stream) {
+    const openvdb::GridPtrVecPtr grids = stream.getGrids();
+    for (const openvdb::GridBase::Ptr& grid : *grids) {
+      if (auto level = openvdb::gridPtrCast<openvdb::FloatGrid>(grid)) return level;
+    }
+    return openvdb::FloatGrid::Ptr();
+  });
+  if (!found || found->getGridClass() != openvdb::GRID_LEVEL_SET) {
+    inputError(file, "holds no level set");
   }
+  return found;
 }
 
 }  // namespace sherd

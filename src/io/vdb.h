@@ -2,9 +2,11 @@
 #pragma once
 
 #include <sherd/coords.h>
+#include <sherd/grid_fwd.h>
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -33,5 +35,9 @@ struct VdbFile {
 /// Read a whole `.vdb` file and tell what is in it.
 ///   throws  Error(input) absent, cut, or not OpenVDB's
 [[nodiscard]] VdbFile describeVdb(const std::filesystem::path& file);
+
+/// The first float level set of a `.vdb` file.
+///   throws  Error(input) as describeVdb; there is none
+[[nodiscard]] std::shared_ptr<openvdb::FloatGrid> readLevelSet(const std::filesystem::path& file);
 
 }  // namespace sherd

@@ -77,6 +77,8 @@ FractureFiles fileNames(const SourceMesh& source, std::size_t fragments,
   }
   if (write.labels) files.labels = "labels.rle";
   if (write.preview) files.preview = "preview.png";
+  if (write.seeds) files.seeds = "seeds.json";
+  if (write.cost) files.cost = "cost.vdb";
   return files;
 }
 
@@ -286,11 +288,14 @@ void makeParents(const fs::path& root, const std::vector<std::string>& files) {
 void writeFiles(const fs::path& folder, const FractureFiles& files, const SourceMesh& source,
                 const FractureOptions& options, const FractureResult& result, char up,
                 const Progress* progress) {
-  const std::size_t fragments = result.fragments.size();
+  const std::size_t fragments = result.kept();
   step(progress, "write", 0.0);
   if (!files.labels.empty()) {
-    writeRle(folder / files.labels, encodeRuns(result.solid, result.labels));
+    writeRle(folder / files.labels,
+             encodeRuns(result.solid, result.labels, static_cast<int>(fragments)));
   }
+  if (!files.seeds.empty()) writeSeeds(folder / files.seeds, result.seeds, result.solid);
+  if (!files.cost.empty()) writeCost(folder / files.cost, result.solid, result.labels);
   for (std::size_t begin = 0; begin < fragments; begin += kFragmentsBetweenSteps) {
     step(progress, "write", static_cast<double>(begin) / static_cast<double>(fragments));
     const std::size_t end = std::min(fragments, begin + kFragmentsBetweenSteps);
@@ -302,7 +307,8 @@ void writeFiles(const fs::path& folder, const FractureFiles& files, const Source
   }
   step(progress, "write", 1.0);
   if (!files.preview.empty()) {
-    writePng(folder / files.preview, renderFragments(result.fragments, {.up = up}, progress));
+    writePng(folder / files.preview,
+             renderFragments(std::span(result.fragments).first(fragments), {.up = up}, progress));
   }
   writeWhole(folder / kManifest, manifestText(source, options, result, files));
 }
@@ -361,7 +367,7 @@ fs::path writeFracture(const fs::path& folder, const SourceMesh& source,
                        const FractureOptions& options, const FractureResult& result,
                        const WriteOptions& write, const Progress* progress) {
   checkFractureFolder(folder);
-  const FractureFiles files = fileNames(source, result.fragments.size(), write);
+  const FractureFiles files = fileNames(source, result.kept(), write);
   const std::vector<std::string> fresh = files.all();
   try {
     MadeFolders made;

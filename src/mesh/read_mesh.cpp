@@ -1,5 +1,4 @@
 // Reads a mesh file: bytes, unpacking, the check that it is whole, the format's reader, merging.
-#include <openssl/evp.h>
 #include <sherd/error.h>
 #include <sherd/mesh.h>
 #include <zlib.h>
@@ -15,6 +14,7 @@
 #include <string_view>
 #include <utility>
 
+#include "io/sha256.h"
 #include "mesh/assimp_reader.h"
 #include "mesh/completeness.h"
 #include "mesh/file_bytes.h"
@@ -45,20 +45,6 @@ std::optional<MeshFormat> formatFromExtension(const std::string& extension) {
   for (const auto& [name, format] : kFormats)
     if (lowerCase(extension) == name) return format;
   return std::nullopt;
-}
-
-std::string sha256(const std::string& bytes) {
-  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
-  unsigned size = 0;
-  if (EVP_Digest(bytes.data(), bytes.size(), digest.data(), &size, EVP_sha256(), nullptr) != 1)
-    throw Error(ErrorCode::internal, "OpenSSL gives no SHA-256");
-  std::string text;
-  for (unsigned i = 0; i < size; ++i) {
-    constexpr std::string_view kDigits = "0123456789abcdef";
-    text += kDigits[digest[i] >> 4];
-    text += kDigits[digest[i] & 15];
-  }
-  return text;
 }
 
 // Unpack a gzip file, which may be several streams one after another.

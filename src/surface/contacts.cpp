@@ -33,6 +33,13 @@ class LabelReader {
   std::uint32_t leaf_ = LeafBlocks::kNone;
 };
 
+constexpr double kDeepestWear = 64.0;  // voxels
+
+openvdb::Coord nearestVoxel(const glm::dvec3& p) {
+  return {static_cast<int>(std::floor(p.x + 0.5)), static_cast<int>(std::floor(p.y + 0.5)),
+          static_cast<int>(std::floor(p.z + 0.5))};
+}
+
 // The label other than `own` that most of the eight voxels round an index position have; of equals
 // the lower.
 std::uint16_t mostAround(const glm::dvec3& p, std::uint16_t own, LabelReader& labels) {
@@ -109,7 +116,7 @@ Interfaces voxelInterfaces(const Solid& solid, const Labels& labels) {
 
 std::vector<std::uint16_t> facingOf(const TriangleMesh& mesh, const std::vector<bool>& original,
                                     std::uint16_t fragment, const Solid& solid,
-                                    const Labels& labels) {
+                                    const Labels& labels, bool worn) {
   std::vector<std::uint16_t> facing(mesh.triangles.size(), 0);
   LabelReader reader(solid.blocks, labels);
   for (std::size_t t = 0; t < facing.size(); ++t) {
@@ -126,6 +133,11 @@ std::vector<std::uint16_t> facingOf(const TriangleMesh& mesh, const std::vector<
     for (const double away : {0.75, 0.25, 1.5}) {
       facing[t] = mostAround(centre + away * outwards, fragment, reader);
       if (facing[t] != 0) break;
+    }
+    for (double away = 2.5; worn && facing[t] == 0 && away < kDeepestWear; away += 1.0) {
+      const glm::dvec3 at = centre + away * outwards;
+      if (reader.at(nearestVoxel(at)) == 0) break;  // out of the solid: it was its surface
+      facing[t] = mostAround(at, fragment, reader);
     }
   }
   return facing;

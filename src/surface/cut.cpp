@@ -7,13 +7,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
+#include <utility>
 
 namespace sherd {
 namespace {
 
-constexpr int kHalo = 2;                  // two binomial passes reach two voxels
-constexpr int kSide = 8 + 2 * kHalo;      // labels gathered round a leaf
-constexpr std::uint16_t kMixed = 0xffff;  // ids stay below
+constexpr int kHalo = 2;                   // two binomial passes reach two voxels
+constexpr int kSide = 8 + 2 * kHalo;       // labels gathered round a leaf
+constexpr std::uint32_t kMixed = 0x10000;  // labels stay below, Labels::kWorn too
 
 using Halo = std::array<std::uint16_t, kSide * kSide * kSide>;
 using LeafWeights = std::array<std::uint16_t, 512>;
@@ -50,11 +52,11 @@ class Profile {
 };
 
 // Which single label a leaf's voxels have: 0 none, kMixed several.
-std::vector<std::uint16_t> leafLabels(const LeafBlocks& blocks, const Labels& labels) {
-  std::vector<std::uint16_t> only(blocks.count());
+std::vector<std::uint32_t> leafLabels(const LeafBlocks& blocks, const Labels& labels) {
+  std::vector<std::uint32_t> only(blocks.count());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, only.size(), 64), [&](const auto& range) {
     for (std::size_t leaf = range.begin(); leaf < range.end(); ++leaf) {
-      std::uint16_t found = 0;
+      std::uint32_t found = 0;
       for (std::size_t v = 0; v < 512; ++v) {
         const std::uint16_t label = labels.fragment[leaf * 512 + v];
         if (label == 0 || label == found) continue;
@@ -125,8 +127,15 @@ LeafWeights smoothed(const Halo& halo, std::uint16_t label) {
   return weights;
 }
 
+// How far a fragment of so many voxels keeps to its voxels' faces: two binomial passes would leave
+// little of one that is a few voxels wide.
+float stairs(std::uint64_t voxels) {
+  constexpr float kAll = 64.0f, kNone = 216.0f;  // cubes of 4 and 6
+  return std::clamp((kNone - static_cast<float>(voxels)) / (kNone - kAll), 0.0f, 1.0f);
+}
+
 CutLeaf cutLeaf(const Halo& halo, std::vector<std::uint16_t> fragments, const std::uint64_t* inside,
-                const std::uint16_t* owner) {
+                const std::uint16_t* owner, std::span<const float> stairsOf) {
   static const Profile profile;
   CutLeaf cut;
   std::vector<LeafWeights> weights;
@@ -135,15 +144,28 @@ CutLeaf cutLeaf(const Halo& halo, std::vector<std::uint16_t> fragments, const st
   cut.distance.resize(cut.fragments.size() * 512);
   for (std::size_t v = 0; v < 512; ++v) {
     int first = 0, second = 0, sum = 0;  // the two largest weights
-    for (const LeafWeights& w : weights) {
-      sum += w[v];
-      second = std::max(second, std::min<int>(first, w[v]));
-      first = std::max<int>(first, w[v]);
+    std::size_t largest = 0, next = 0;   // whose they are
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+      const int w = weights[i][v];
+      sum += w;
+      if (w > first) {
+        second = std::exchange(first, w);
+        next = std::exchange(largest, i);
+      } else if (w > second) {
+        second = w;
+        next = i;
+      }
     }
     const bool isInside = (inside[v >> 6] >> (v & 63)) & 1;
     for (std::size_t i = 0; i < cut.fragments.size(); ++i) {
       const int own = weights[i][v];
-      float d = profile.distance((own == first ? second : first) - own, sum);
+      const bool isLargest = i == largest && own > 0;
+      float d = profile.distance((isLargest ? second : first) - own, sum);
+      const std::size_t rival = isLargest ? next : largest;
+      const float keep = std::max(stairsOf[cut.fragments[i]], stairsOf[cut.fragments[rival]]);
+      if (keep > 0.0f && owner[v] != 0) {
+        d = (1.0f - keep) * d + keep * (owner[v] == cut.fragments[i] ? -0.5f : 0.5f);
+      }
       if (isInside) {
         d = owner[v] == cut.fragments[i] ? std::min(d, -Cut::kLeastDepth)
                                          : std::max(d, Cut::kLeastDepth);
@@ -157,20 +179,23 @@ CutLeaf cutLeaf(const Halo& halo, std::vector<std::uint16_t> fragments, const st
 }  // namespace
 
 Cut findCut(const LeafBlocks& blocks, const Labels& labels) {
-  const std::vector<std::uint16_t> leafLabel = leafLabels(blocks, labels);
+  std::vector<float> stairsOf(std::size_t{Labels::kWorn} + 1);
+  const std::vector<std::uint64_t> voxels = countVoxels(blocks, labels, Labels::kWorn - 1);
+  for (std::size_t id = 1; id < voxels.size(); ++id) stairsOf[id] = stairs(voxels[id]);
+  const std::vector<std::uint32_t> leafLabel = leafLabels(blocks, labels);
   std::vector<CutLeaf> perLeaf(blocks.count());
   Cut cut;
   cut.only.resize(blocks.count());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks.count(), 16), [&](const auto& range) {
     for (std::size_t leaf = range.begin(); leaf < range.end(); ++leaf) {
       const std::array<std::uint32_t, 27> round = leavesRound(blocks, leaf);
-      std::uint16_t only = 0;
+      std::uint32_t only = 0;
       for (const std::uint32_t other : round) {
         if (other == LeafBlocks::kNone || leafLabel[other] == 0) continue;
         only = only == 0 || only == leafLabel[other] ? leafLabel[other] : kMixed;
       }
       if (only != kMixed) {
-        cut.only[leaf] = only;
+        cut.only[leaf] = static_cast<std::uint16_t>(only);
         continue;
       }
       const Halo halo = gather(labels, round);
@@ -182,7 +207,7 @@ Cut findCut(const LeafBlocks& blocks, const Labels& labels) {
         cut.only[leaf] = fragments.front();
       } else if (fragments.size() > 1) {
         perLeaf[leaf] = cutLeaf(halo, std::move(fragments), &blocks.inside[leaf * 8],
-                                &labels.fragment[leaf * 512]);
+                                &labels.fragment[leaf * 512], stairsOf);
       }
     }
   });

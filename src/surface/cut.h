@@ -15,7 +15,8 @@ struct CutLeaf {
   std::vector<float> distance;  ///< [n*512] voxels, inside the fragment negative, within -3..3
 };
 
-/// The cut over all leaves.
+/// The cut over all leaves.  What is worn off counts as one more fragment, Labels::kWorn, so that
+/// the surface it leaves is as smooth as a cut.
 ///
 /// Each fragment's indicator is smoothed by two binomial passes over labelled voxels (s_i, in
 /// integers); where d_i = (max over j of s_j - s_i) / sum of s is zero the cut lies.  Across a
@@ -23,7 +24,8 @@ struct CutLeaf {
 /// so the normal quantile of d_i is the distance to the cut. Where two fragments meet d_i = -d_j to
 /// the bit, so they share the cut.  At the centre of an inside voxel the distance is clamped to at
 /// least kLeastDepth on its owner's side: smoothing must not give a voxel away, or it could cut
-/// thin necks.
+/// thin necks.  Fragments of fewer than 216 voxels keep ever more to their voxels' faces, those of
+/// up to 64 wholly: smoothing would leave little of them.
 struct Cut {
   static constexpr float kLeastDepth = 0.05f;  ///< voxels
   static constexpr std::uint32_t kWhole = 0xffffffffu;

@@ -20,11 +20,13 @@ namespace {
 std::vector<std::vector<std::uint32_t>> leavesOf(const Cut& cut, int fragments) {
   std::vector<std::vector<std::uint32_t>> leaves(static_cast<std::size_t>(fragments) + 1);
   for (std::uint32_t leaf = 0; leaf < cut.only.size(); ++leaf) {
+    const auto add = [&](std::uint16_t fragment) {
+      if (fragment != Labels::kWorn) leaves[fragment].push_back(leaf);
+    };
     if (cut.index[leaf] == Cut::kWhole) {
-      leaves[cut.only[leaf]].push_back(leaf);
+      add(cut.only[leaf]);
     } else {
-      for (const std::uint16_t fragment : cut.leaves[cut.index[leaf]].fragments)
-        leaves[fragment].push_back(leaf);
+      for (const std::uint16_t fragment : cut.leaves[cut.index[leaf]].fragments) add(fragment);
     }
   }
   return leaves;
@@ -59,7 +61,7 @@ double fractureArea(const Fragment& fragment) {
 }  // namespace
 
 std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels, int count,
-                                       const Progress* progress) {
+                                       const Labels* unworn, const Progress* progress) {
   step(progress, "extract", 0.0);
   const std::vector<std::uint64_t> voxels = countVoxels(solid.blocks, labels, count);
   if (voxels[0] != 0) {
@@ -80,7 +82,8 @@ std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
     LevelSetMesh meshed =
         meshLevelSet(*fragment.surface, solid.frame, solidOver(solid, leaves[i + 1]).get());
     fragment.mesh = std::move(meshed.mesh);
-    fragment.facing = facingOf(fragment.mesh, meshed.original, id, solid, labels);
+    fragment.facing = facingOf(fragment.mesh, meshed.original, id, solid, unworn ? *unworn : labels,
+                               unworn != nullptr);
     fragment.mass = massProperties(fragment.mesh);
     fragment.area = area(fragment.mesh);
     fragment.fractureArea = fractureArea(fragment);
@@ -93,7 +96,7 @@ std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
          static_cast<double>(std::min(first + kRound, fragments.size())) /
              static_cast<double>(fragments.size()));
   }
-  addContacts(fragments, solid, labels);
+  addContacts(fragments, solid, unworn ? *unworn : labels);
   return fragments;
 }
 

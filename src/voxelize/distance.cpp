@@ -101,6 +101,11 @@ FloatGridPtr levelSetFromMesh(const TriangleMesh& mesh, const Winding& winding,
 
 void unite(FloatGrid& grid, FloatGrid& other) { openvdb::tools::csgUnion(grid, other); }
 
+GridFrame frameOf(const FloatGrid& grid) {
+  const openvdb::Vec3d origin = grid.transform().indexToWorld(openvdb::Vec3d(0.0));
+  return {{{origin.x(), origin.y(), origin.z()}}, grid.voxelSize()[0]};
+}
+
 LeafBlocks leafBlocks(const FloatGrid& grid) {
   struct Masks {
     std::array<std::uint64_t, 8> inside{}, outerBand{};

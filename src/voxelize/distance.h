@@ -25,6 +25,9 @@ using FloatGridPtr = std::shared_ptr<openvdb::FloatGrid>;
 /// The union of two level sets of one frame; `other` is used up.
 void unite(openvdb::FloatGrid& grid, openvdb::FloatGrid& other);
 
+/// Where a grid's voxels lie.
+[[nodiscard]] GridFrame frameOf(const openvdb::FloatGrid& grid);
+
 /// The inside and outer-band voxels of a level set, interior tiles included.
 [[nodiscard]] LeafBlocks leafBlocks(const openvdb::FloatGrid& grid);
 

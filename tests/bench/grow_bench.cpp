@@ -82,7 +82,8 @@ void growDevice(benchmark::State& state) {
   const Ball& solid = ball(static_cast<int>(state.range(0)));
   const std::vector<std::vector<sherd::Seed>> sets{solid.seeds};
   for (auto _ : state) {
-    benchmark::DoNotOptimize(sherd::grow(solid.blocks, sets, device(), {.outerSteps = 0}));
+    benchmark::DoNotOptimize(sherd::grow(solid.blocks, sets, device(),
+                                         {.growth = sherd::Growth::flood, .outerSteps = 0}));
   }
   report(state, solid);
 }
@@ -132,6 +133,43 @@ void growSerialQueue(benchmark::State& state) {
   report(state, solid);
 }
 
+// Every way of growing.
+struct Way {
+  const char* name;
+  sherd::GrowOptions options;
+};
+const std::vector<Way>& ways() {
+  using sherd::Growth;
+  static const std::vector<Way> all{
+      {"flood", {.growth = Growth::flood}},
+      {"flood, 26 neighbours", {.growth = Growth::flood, .neighborhood = 26}},
+      {"nearest, kept", {.growth = Growth::nearest, .regrowIsolated = false}},
+      {"nearest", {.growth = Growth::nearest}},
+      {"euclid", {.growth = Growth::euclid}},
+      {"chain", {.growth = Growth::chain}},
+      {"euclid, grain", {.growth = Growth::euclid, .grain = {{0, 0, 1}, 2.0}}},
+      {"euclid, roughness 2", {.growth = Growth::euclid, .roughness = 2.0}}};
+  return all;
+}
+
+void growWay(benchmark::State& state) {
+  const Ball& solid = ball(static_cast<int>(state.range(0)));
+  const Way& way = ways()[static_cast<std::size_t>(state.range(1))];
+  sherd::GrowOptions options = way.options;
+  options.outerSteps = 0;
+  const std::vector<std::vector<sherd::Seed>> sets{solid.seeds};
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(sherd::grow(solid.blocks, sets, device(), options));
+  }
+  state.SetLabel(way.name);
+  report(state, solid);
+}
+
+BENCHMARK(growWay)
+    ->Name("grow/way")
+    ->ArgsProduct({{128, 256}, benchmark::CreateDenseRange(0, 7, 1)})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
 BENCHMARK(growDevice)
     ->Name("grow/device")
     ->Arg(128)

@@ -90,8 +90,9 @@ TEST_F(Flood, EqualsTheReferenceOnEveryShape) {
     for (const int seedCount : counts) {
       const std::vector<std::vector<Seed>> sets{
           randomSeeds(solid, seedCount, static_cast<unsigned>(seedCount))};
-      const std::vector<Labels> labels =
-          grow(voxel_shapes::blocksOf(solid), sets, device(), {.keepCost = true, .outerSteps = 6});
+      const std::vector<Labels> labels = grow(
+          voxel_shapes::blocksOf(solid), sets, device(),
+          {.growth = Growth::flood, .regrowIsolated = false, .keepCost = true, .outerSteps = 6});
       ASSERT_EQ(labels.size(), 1u);
       expectEqual(solid, sets[0], labels[0], 6);
     }
@@ -107,9 +108,12 @@ TEST_F(Flood, AnyBatchAndWorkGroupAndReadbackGiveTheSameLabels) {
   for (const int group : {1, 3, 64}) {
     for (const int readback :
          voxel_shapes::small() ? std::vector<int>{8} : std::vector<int>{1, 5, 64}) {
-      const std::vector<Labels> together =
-          grow(blocks, sets, device(),
-               {.outerSteps = 4, .stepsPerReadback = readback, .workGroupSize = group});
+      const std::vector<Labels> together = grow(blocks, sets, device(),
+                                                {.growth = Growth::flood,
+                                                 .regrowIsolated = false,
+                                                 .outerSteps = 4,
+                                                 .stepsPerReadback = readback,
+                                                 .workGroupSize = group});
       ASSERT_EQ(together.size(), sets.size());
       for (std::size_t i = 0; i < sets.size(); ++i) expectEqual(solid, sets[i], together[i], 4);
     }
@@ -123,7 +127,7 @@ TEST_F(Flood, TiesGoToTheLowerId) {
   const LeafBlocks blocks = voxel_shapes::blocksOf(bar);
   const std::vector<std::vector<Seed>> sets{{{{-10, 0, 0}, 2}, {{10, 0, 0}, 1}},
                                             {{{-10, 0, 0}, 1}, {{10, 0, 0}, 2}}};
-  const std::vector<Labels> labels = grow(blocks, sets, device());
+  const std::vector<Labels> labels = grow(blocks, sets, device(), {.growth = Growth::flood});
   const std::size_t middle = voxel_shapes::placeOf(blocks, {0, 0, 0});
   EXPECT_EQ(labels[0].fragment[middle], 1);
   EXPECT_EQ(labels[1].fragment[middle], 1);
@@ -136,7 +140,8 @@ TEST_F(Flood, PartsWithoutASeedStayUnlabelled) {
   });
   const LeafBlocks blocks = voxel_shapes::blocksOf(two);
   const std::vector<std::vector<Seed>> sets{{{{-6, 0, 0}, 1}}};
-  const Labels labels = grow(blocks, sets, device(), {.outerSteps = 0}).front();
+  const Labels labels =
+      grow(blocks, sets, device(), {.growth = Growth::flood, .outerSteps = 0}).front();
   const std::vector<std::uint64_t> counts = countVoxels(blocks, labels, 1);
   EXPECT_EQ(counts, (std::vector<std::uint64_t>{125, 125}));
 }

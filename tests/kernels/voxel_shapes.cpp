@@ -127,4 +127,8 @@ std::size_t placeOf(const LeafBlocks& blocks, const Coord& v) {
          static_cast<std::size_t>(((v.x() & 7) << 6) | ((v.y() & 7) << 3) | (v.z() & 7));
 }
 
+bool leafOrder(const Coord& a, const Coord& b) {
+  return std::pair(a & ~7, a) < std::pair(b & ~7, b);
+}
+
 }  // namespace sherd::voxel_shapes

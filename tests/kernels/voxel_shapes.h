@@ -44,6 +44,9 @@ LeafBlocks blocksOf(const VoxelSolid& solid);
 /// Where a voxel lies in the arrays: leaf * 512 + offset.
 std::size_t placeOf(const LeafBlocks& blocks, const openvdb::Coord& voxel);
 
+/// Does `a` come before `b` in the arrays?
+bool leafOrder(const openvdb::Coord& a, const openvdb::Coord& b);
+
 /// The six face neighbours.
 std::vector<openvdb::Coord> neighbours(const openvdb::Coord& voxel);
 

@@ -21,6 +21,7 @@
 #include "io/atomic_file.h"
 #include "io/manifest.h"
 #include "io/vdb.h"
+#include "temp_folder.h"
 
 namespace sherd {
 namespace {
@@ -75,20 +76,11 @@ class FullDisk {
   void (*handler_)(int) = nullptr;
 };
 
-class Files : public testing::Test {
- protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "sherd-files-XXXXXX").string();
-    ASSERT_NE(::mkdtemp(name.data()), nullptr);
-    folder_ = name;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  fs::path folder_;
-};
-using AtomicFileTest = Files;
-using WritePly = Files;
-using WriteVdb = Files;
-using WriteFracture = Files;
+using AtomicFileTest = TempFolder;
+using WritePly = TempFolder;
+using WriteVdb = TempFolder;
+using WriteFracture = TempFolder;
+using CheckFractureFolder = TempFolder;
 
 TEST_F(AtomicFileTest, AppearsOnlyWhenCommitted) {
   AtomicFile file(folder_ / "a");
@@ -324,6 +316,7 @@ Fracture tinyFracture(int fragments) {
     f.result.fragments.push_back(ballFragment(id));
     f.result.fragments.back().voxels = id == 1 ? 1 : 0;
   }
+  f.result.worn.assign(static_cast<std::size_t>(fragments) + 1, 0);
   return f;
 }
 
@@ -466,13 +459,13 @@ TEST_F(WriteFracture, TakesStemsThatNoFileSystemOrJsonTakes) {
   }
 }
 
-TEST_F(Files, CheckFractureFolderLeavesNothingBehind) {
+TEST_F(CheckFractureFolder, LeavesNothingBehind) {
   checkFractureFolder(folder_);
   checkFractureFolder(folder_ / "absent" / "too");
   EXPECT_TRUE(below(folder_).empty());
 }
 
-TEST_F(Files, CheckFractureFolderRefusesWhatCannotBeWritten) {
+TEST_F(CheckFractureFolder, RefusesWhatCannotBeWritten) {
   writeText(folder_ / "file", "");
   const auto refused = [](const fs::path& path) {
     return codeOf([&] { checkFractureFolder(path); }) == ErrorCode::output;

@@ -19,6 +19,7 @@
 
 #include "render/palette.h"
 #include "shapes.h"
+#include "temp_folder.h"
 
 namespace sherd {
 namespace {
@@ -288,17 +289,7 @@ TEST(Render, StopsWhenAskedTo) {
             ErrorCode::cancelled);
 }
 
-class Png : public testing::Test {
- protected:
-  void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "sherd-png-XXXXXX").string();
-    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
-    folder = pattern;
-  }
-  void TearDown() override { fs::remove_all(folder); }
-
-  fs::path folder;
-};
+using Png = TempFolder;
 
 /// Every byte value, in no pattern that a filter likes.
 Image noise(int width, int height) {
@@ -317,10 +308,10 @@ std::string bytesOf(const fs::path& file) {
 
 TEST_F(Png, ReadsBackAsThePictureItWas) {
   for (const Image& image : {noise(97, 41), renderFragments({}, {.width = 64, .height = 48})}) {
-    writePng(folder / "a.png", image);
+    writePng(folder_ / "a.png", image);
     png_image reader{};
     reader.version = PNG_IMAGE_VERSION;
-    ASSERT_TRUE(png_image_begin_read_from_file(&reader, (folder / "a.png").c_str()));
+    ASSERT_TRUE(png_image_begin_read_from_file(&reader, (folder_ / "a.png").c_str()));
     EXPECT_EQ(reader.format, static_cast<png_uint_32>(PNG_FORMAT_RGB));
     ASSERT_EQ(static_cast<int>(reader.width), image.width);
     ASSERT_EQ(static_cast<int>(reader.height), image.height);
@@ -331,10 +322,10 @@ TEST_F(Png, ReadsBackAsThePictureItWas) {
 }
 
 TEST_F(Png, HoldsNothingButThePicture) {
-  writePng(folder / "a.png", noise(97, 41));
-  writePng(folder / "b.png", noise(97, 41));
-  const std::string bytes = bytesOf(folder / "a.png");
-  EXPECT_EQ(bytes, bytesOf(folder / "b.png"));
+  writePng(folder_ / "a.png", noise(97, 41));
+  writePng(folder_ / "b.png", noise(97, 41));
+  const std::string bytes = bytesOf(folder_ / "a.png");
+  EXPECT_EQ(bytes, bytesOf(folder_ / "b.png"));
   std::set<std::string> chunks;
   for (std::size_t i = 8; i + 12 <= bytes.size();) {
     std::size_t length = 0;
@@ -347,10 +338,11 @@ TEST_F(Png, HoldsNothingButThePicture) {
 }
 
 TEST_F(Png, RefusesWhereItCannotWrite) {
-  EXPECT_EQ(codeOf([&] { writePng(folder / "absent" / "a.png", noise(8, 8)); }), ErrorCode::output);
-  EXPECT_EQ(codeOf([&] { writePng(folder, noise(8, 8)); }), ErrorCode::output);
-  EXPECT_EQ(codeOf([&] { writePng(folder / "a.png", {8, 8, {}}); }), ErrorCode::output);
-  EXPECT_TRUE(fs::is_empty(folder));
+  EXPECT_EQ(codeOf([&] { writePng(folder_ / "absent" / "a.png", noise(8, 8)); }),
+            ErrorCode::output);
+  EXPECT_EQ(codeOf([&] { writePng(folder_, noise(8, 8)); }), ErrorCode::output);
+  EXPECT_EQ(codeOf([&] { writePng(folder_ / "a.png", {8, 8, {}}); }), ErrorCode::output);
+  EXPECT_TRUE(fs::is_empty(folder_));
 }
 
 // A limit on the size of this process's files stands for a disk that is full.
@@ -360,11 +352,11 @@ TEST_F(Png, LeavesNothingOnAFullDisk) {
   const auto oldHandler = std::signal(SIGXFSZ, SIG_IGN);
   const struct rlimit small { 1000, old.rlim_max };
   ::setrlimit(RLIMIT_FSIZE, &small);
-  const ErrorCode code = codeOf([&] { writePng(folder / "a.png", noise(97, 41)); });
+  const ErrorCode code = codeOf([&] { writePng(folder_ / "a.png", noise(97, 41)); });
   ::setrlimit(RLIMIT_FSIZE, &old);
   std::signal(SIGXFSZ, oldHandler);
   EXPECT_EQ(code, ErrorCode::output);
-  EXPECT_TRUE(fs::is_empty(folder));
+  EXPECT_TRUE(fs::is_empty(folder_));
 }
 
 TEST(Palette, NeighboursInNumberDiffer) {

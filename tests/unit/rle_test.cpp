@@ -11,21 +11,16 @@
 #include <random>
 #include <string>
 
+#include "temp_folder.h"
+
 namespace sherd {
 namespace {
 
 namespace fs = std::filesystem;
 using Runs = std::vector<Run>;  // within a test, Run is a member of GoogleTest's
 
-class ReadRle : public testing::Test {
+class ReadRle : public TempFolder {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "sherd-rle-XXXXXX").string();
-    ASSERT_NE(::mkdtemp(name.data()), nullptr);
-    folder_ = name;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   fs::path file(const std::string& bytes) const {
     const fs::path path = folder_ / "x.rle";
     std::ofstream(path, std::ios::binary) << bytes;
@@ -42,8 +37,6 @@ class ReadRle : public testing::Test {
     }
     return "";
   }
-
-  fs::path folder_;
 };
 using WriteRle = ReadRle;
 
@@ -184,6 +177,7 @@ Sample randomSample(unsigned seed, openvdb::Coord lowestLeaf, int leaves) {
       }
     }
   }
+  if (tight.empty()) return sample;
   sample.dense.dims = tight.dims();
   const auto side = [&](std::size_t axis) {
     return static_cast<std::size_t>(sample.dense.dims[axis]);

@@ -1,0 +1,77 @@
+// nearest: give every inside voxel the label of its nearest seed, whatever lies between them; ties go to the lower
+// label.  A leaf first bounds the distance that any of its voxels can have to its nearest seed, then looks only at
+// seeds that can come below the bound.
+//
+// One work-item takes items i, i + all, ... (item = fracture * leafCount + leaf); any work-group size.
+// Reference: tests/kernels/nearest_test.cpp, bit for bit.
+
+// The least (side -1) or greatest (side 1) distance that a voxel of the leaf centred at c can have to a seed.
+// Differences are doubled, so that the centre of a leaf is an integer; no voxel is further than 7 from it (doubled).
+inline long leaf_bound(const struct sherd_metric* metric, const int4 doubledCentre, const int4 seed, const int side) {
+  const long x = doubledCentre.x - 2 * seed.x, y = doubledCentre.y - 2 * seed.y, z = doubledCentre.z - 2 * seed.z;
+  long a[3];
+  for (int i = 0; i < 3; ++i) {
+    const long q = sherd_row(metric, i, x, y, z);
+    const long slack =
+        7l * (abs(metric->row[3 * i]) + abs(metric->row[3 * i + 1]) + abs(metric->row[3 * i + 2]));
+    a[i] = max(SHERD_ABS(q) + side * slack, 0l);
+  }
+  return sherd_norm(metric->kind, a[0], a[1], a[2]);
+}
+
+kernel void nearest(
+    const global ulong* restrict inside,      // [leafCount*8]
+    const global int4* restrict origin,       // [leafCount]    lowest voxel, w unused
+    const uint leafCount,
+    const uint items,
+    const global int4* restrict seed,         // [seeds]        voxel, w the label; a fracture's ascend by label
+    const global uint* restrict firstSeed,    // [fractures+1]
+    const struct sherd_metric metric,
+    global ushort* restrict owner,            // [items*512]    out: 1.. inside, 0 outside
+    global uint* restrict cost,               // [items*512]    out, when keepCost: distance >> metric.shift
+    const uint keepCost)
+{
+  for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
+    const uint leaf = (uint)(item % leafCount);
+    const int4 low = origin[leaf];
+    const int4 doubledCentre = 2 * low + 7;
+    const uint first = firstSeed[item / leafCount], last = firstSeed[item / leafCount + 1];
+    ulong mask[SHERD_LEAF_WORDS];
+    ulong any = 0;
+    for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
+      mask[x] = inside[(size_t)leaf * SHERD_LEAF_WORDS + x];
+      any |= mask[x];
+    }
+    global ushort* restrict owners = owner + item * SHERD_LEAF_SIZE;
+    if (!any) {
+      for (int v = 0; v < SHERD_LEAF_SIZE; ++v) owners[v] = 0;
+      continue;
+    }
+    long bound = LONG_MAX;
+    for (uint s = first; s < last; ++s) bound = min(bound, leaf_bound(&metric, doubledCentre, seed[s], 1));
+
+    long best[SHERD_LEAF_SIZE];
+    ushort label[SHERD_LEAF_SIZE];
+    for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
+      best[v] = LONG_MAX;
+      label[v] = 0;
+    }
+    for (uint s = first; s < last; ++s) {
+      const int4 at = seed[s];
+      if (leaf_bound(&metric, doubledCentre, at, -1) > bound) continue;
+      for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
+        const long d = sherd_distance(&metric, low.x + (v >> 6) - at.x, low.y + ((v >> 3) & 7) - at.y,
+                                      low.z + (v & 7) - at.z);
+        if (d < best[v]) {  // strict: ties stay with the lower label
+          best[v] = d;
+          label[v] = (ushort)at.w;
+        }
+      }
+    }
+    for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
+      const int isInside = (int)((mask[v >> 6] >> (v & 63)) & 1);
+      owners[v] = isInside ? label[v] : (ushort)0;
+      if (keepCost) cost[item * SHERD_LEAF_SIZE + v] = isInside ? (uint)(best[v] >> metric.shift) : 0u;
+    }
+  }
+}

@@ -1,0 +1,105 @@
+// Sorting the voxels of leaf blocks by fragment.
+#include "erode/masks.h"
+
+#include <sherd/error.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <string>
+
+namespace sherd {
+namespace {
+
+struct Group {
+  std::uint16_t label = 0;
+  LeafMask mask{};
+};
+
+// The inside voxels of a leaf by label, ascending.  Sorted, not searched, because a leaf may hold
+// hundreds of labels.
+std::vector<Group> groupsOf(std::span<const std::uint64_t, 8> inside,
+                            std::span<const std::uint16_t, 512> labels) {
+  std::array<std::uint32_t, 512> keys;
+  std::size_t count = 0;
+  for (std::size_t x = 0; x < 8; ++x) {
+    for (std::uint64_t bits = inside[x]; bits; bits &= bits - 1) {
+      const auto at =
+          static_cast<std::uint32_t>(x * 64) + static_cast<std::uint32_t>(std::countr_zero(bits));
+      keys[count++] = std::uint32_t{labels[at]} << 16 | at;
+    }
+  }
+  const auto end = keys.begin() + static_cast<std::ptrdiff_t>(count);
+  if (!std::is_sorted(keys.begin(), end)) std::sort(keys.begin(), end);
+  std::vector<Group> groups;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto label = static_cast<std::uint16_t>(keys[i] >> 16);
+    if (groups.empty() || groups.back().label != label) groups.push_back({label, {}});
+    groups.back().mask[(keys[i] >> 6) & 7] |= std::uint64_t{1} << (keys[i] & 63);
+  }
+  return groups;
+}
+
+void checkLabel(std::uint16_t label, int fragments) {
+  if (label <= fragments || label == Labels::kWorn) return;
+  throw Error(ErrorCode::usage, "erode: a voxel has label " + std::to_string(label) +
+                                    ", there are " + std::to_string(fragments) + " fragments");
+}
+
+}  // namespace
+
+std::vector<Round> leavesRound(std::span<const openvdb::Coord> origins) {
+  // A shifted list is still sorted, so one finger per direction walks it along.  13 of the
+  // directions ascend; the others are these seen from the other side.
+  Round none;
+  none.fill(LeafBlocks::kNone);
+  std::vector<Round> round(origins.size(), none);
+  for (std::size_t leaf = 0; leaf < origins.size(); ++leaf) {
+    round[leaf][13] = static_cast<std::uint32_t>(leaf);
+  }
+  for (std::size_t k = 14; k < 27; ++k) {
+    const auto at = static_cast<int>(k);
+    const openvdb::Coord offset(8 * (at / 9 - 1), 8 * (at / 3 % 3 - 1), 8 * (at % 3 - 1));
+    std::size_t finger = 0;
+    for (std::size_t leaf = 0; leaf < origins.size(); ++leaf) {
+      const openvdb::Coord beyond = origins[leaf] + offset;
+      while (finger < origins.size() && origins[finger] < beyond) ++finger;
+      if (finger == origins.size()) break;
+      if (origins[finger] != beyond) continue;
+      round[leaf][k] = static_cast<std::uint32_t>(finger);
+      round[finger][26 - k] = static_cast<std::uint32_t>(leaf);
+    }
+  }
+  return round;
+}
+
+std::vector<FragmentMasks> fragmentMasks(const LeafBlocks& blocks, const Labels& labels,
+                                         int fragments) {
+  std::vector<std::vector<Group>> groups(blocks.count());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, groups.size(), 64), [&](const auto& range) {
+    for (std::size_t leaf = range.begin(); leaf < range.end(); ++leaf) {
+      groups[leaf] =
+          groupsOf(std::span<const std::uint64_t, 8>(&blocks.inside[leaf * 8], 8),
+                   std::span<const std::uint16_t, 512>(&labels.fragment[leaf * 512], 512));
+    }
+  });
+  std::vector<FragmentMasks> all(static_cast<std::size_t>(fragments));
+  for (std::size_t leaf = 0; leaf < groups.size(); ++leaf) {
+    for (const Group& group : groups[leaf]) {
+      checkLabel(group.label, fragments);
+      if (group.label == 0 || group.label == Labels::kWorn) continue;
+      FragmentMasks& fragment = all[group.label - std::size_t{1}];
+      fragment.leaf.push_back(static_cast<std::uint32_t>(leaf));
+      fragment.origins.push_back(blocks.origins[leaf]);
+      fragment.masks.push_back(group.mask);
+    }
+  }
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, all.size()), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      all[i].round = leavesRound(all[i].origins);
+    }
+  });
+  return all;
+}
+
+}  // namespace sherd

@@ -1,0 +1,111 @@
+// Parts on the device.  The method is described in kernels/components.cl.
+#include "grow/components.h"
+
+#include <algorithm>
+
+namespace sherd {
+namespace {
+
+constexpr const char* kFile = "components.cl";
+
+}  // namespace
+
+NodeParts findNodeParts(GrowthState& state, const cl::Buffer* labels) {
+  NodeParts found;
+  const auto byLabel = static_cast<cl_uint>(labels != nullptr);
+  const cl::Buffer label = labels ? *labels : makeBuffer<cl_ushort>(state.device, 1);
+  found.localNode = makeBuffer<cl_ushort>(state.device, state.voxels());
+  found.nodeCount = makeBuffer<cl_uint>(state.device, state.items);
+  state.run(kFile, "component_nodes", state.items, state.inside, state.leafCount, state.items,
+            label, byLabel, found.localNode, found.nodeCount);
+
+  found.nodesOfItem.resize(state.items);
+  readBuffer<cl_uint>(state.device, found.nodeCount, found.nodesOfItem);
+  found.first.reserve(state.items);
+  for (const cl_uint n : found.nodesOfItem) {
+    found.first.push_back(found.nodes);
+    found.nodes += n;
+  }
+
+  found.firstNode = uploadBuffer<cl_uint>(state.device, found.first);
+  found.root = makeBuffer<cl_uint>(state.device, found.nodes);
+  const cl::Buffer parent = makeBuffer<cl_uint>(state.device, found.nodes);
+  state.run(kFile, "component_begin", found.nodes, found.nodes, parent);
+  state.run(kFile, "component_join", state.items, state.inside, state.neighbour, state.leafCount,
+            state.items, label, byLabel, found.localNode, found.firstNode, parent);
+  state.run(kFile, "component_flatten", found.nodes, found.nodes, parent, found.root);
+  return found;
+}
+
+bool KeptParts::all() const {
+  return std::all_of(freed.begin(), freed.end(), [](cl_uint n) { return n == 0; });
+}
+
+namespace {
+
+// The voxels of the parts marked in `keep` [nodes].
+KeptParts keptBy(GrowthState& state, const NodeParts& parts, const cl::Buffer& keep) {
+  const cl::Buffer freed = state.filled<cl_uint>(state.fractures, 0);
+  KeptParts kept{makeBuffer<cl_ulong>(state.device, state.words()), {}};
+  state.run(kFile, "component_kept", state.items, state.inside, state.leafCount, state.items,
+            parts.localNode, parts.firstNode, parts.nodeCount, parts.root, keep, kept.mask, freed);
+  kept.freed.resize(state.fractures);
+  readBuffer<cl_uint>(state.device, freed, kept.freed);
+  return kept;
+}
+
+}  // namespace
+
+KeptParts keepSeededParts(GrowthState& state, const cl::Buffer& labels, const SeedTable& seeds) {
+  const NodeParts parts = findNodeParts(state, &labels);
+  std::vector<cl_uint> item;
+  std::vector<cl_ushort> offset;
+  for (std::size_t i = 0; i < seeds.item.size(); ++i) {
+    if (!seeds.primary[i]) continue;
+    item.push_back(seeds.item[i]);
+    offset.push_back(seeds.offset[i]);
+  }
+  const cl::Buffer keep = state.filled<cl_uint>(parts.nodes, 0);
+  const cl::Buffer itemBuffer = uploadBuffer<cl_uint>(state.device, item);
+  const cl::Buffer offsetBuffer = uploadBuffer<cl_ushort>(state.device, offset);
+  state.run(kFile, "component_mark", item.size(), parts.localNode, parts.firstNode, parts.root,
+            itemBuffer, offsetBuffer, static_cast<cl_uint>(item.size()), keep);
+  return keptBy(state, parts, keep);
+}
+
+KeptParts keepLargestParts(GrowthState& state, const cl::Buffer& labels) {
+  const NodeParts parts = findNodeParts(state, &labels);
+  const cl::Buffer voxelBuffer = makeBuffer<cl_uint>(state.device, parts.nodes);
+  const cl::Buffer labelBuffer = makeBuffer<cl_ushort>(state.device, parts.nodes);
+  state.run(kFile, "component_measure", state.items, state.inside, state.leafCount, state.items,
+            labels, parts.localNode, parts.firstNode, parts.nodeCount, voxelBuffer, labelBuffer);
+  std::vector<cl_uint> voxels(parts.nodes), root(parts.nodes);
+  std::vector<cl_ushort> label(parts.nodes);
+  readBuffer<cl_uint>(state.device, voxelBuffer, voxels);
+  readBuffer<cl_uint>(state.device, parts.root, root);
+  readBuffer<cl_ushort>(state.device, labelBuffer, label);
+
+  // Nodes ascend, and so do roots: the first of equal parts stays the largest.
+  for (cl_uint n = 0; n < parts.nodes; ++n) {
+    if (root[n] != n) voxels[root[n]] += voxels[n];
+  }
+  constexpr cl_uint kNone = SHERD_NO_LEAF;
+  std::vector<cl_uint> keep(parts.nodes, 0);
+  cl_uint node = 0;
+  for (cl_uint fracture = 0; fracture < state.fractures; ++fracture) {
+    const std::size_t next = std::size_t{fracture + 1} * state.leafCount;
+    const cl_uint end = next < parts.first.size() ? parts.first[next] : parts.nodes;
+    std::vector<cl_uint> largest(std::size_t{Labels::kWorn} + 1, kNone);
+    for (; node < end; ++node) {
+      if (root[node] != node || label[node] == 0) continue;
+      cl_uint& best = largest[label[node]];
+      if (best == kNone || voxels[node] > voxels[best]) best = node;
+    }
+    for (const cl_uint best : largest) {
+      if (best != kNone) keep[best] = 1;
+    }
+  }
+  return keptBy(state, parts, uploadBuffer<cl_uint>(state.device, keep));
+}
+
+}  // namespace sherd

@@ -1,0 +1,89 @@
+// Flood growth on the device.  The method is described in kernels/flood.cl.
+#include "grow/flood.h"
+
+namespace sherd {
+
+Flood::Flood(GrowthState& state, bool keepCost)
+    : state_(state),
+      keepCost_(keepCost ? 1 : 0),
+      domain_(state.inside),
+      owned_(state.filled<cl_ulong>(state.words(), 0)),
+      tag_(state.filled<cl_uint>(state.items, 0)),
+      owner_(makeBuffer<cl_ushort>(state.device, state.voxels())),
+      frontMask_(makeBuffer<cl_ulong>(state.device, 2 * state.words())),
+      frontStep_(state.filled<cl_uint>(2 * std::size_t{state.items}, SHERD_NO_STEP)),
+      frontTag_(makeBuffer<cl_uint>(state.device, 2 * std::size_t{state.items})),
+      queued_(state.filled<cl_uint>(state.items, SHERD_NO_STEP)),
+      list_(makeBuffer<cl_uint>(state.device, 2 * std::size_t{state.items})),
+      listCount_(state.filled<cl_uint>(3, 0)),
+      cost_(keepCost ? state.filled<cl_uint>(state.voxels(), 0)
+                     : makeBuffer<cl_uint>(state.device, 1)) {}
+
+void Flood::seed(const SeedTable& table) {
+  // Grouped by item: one work-item each.
+  std::vector<cl_uint> item, first;
+  for (std::size_t i = 0; i < table.item.size(); ++i) {
+    if (!item.empty() && item.back() == table.item[i]) continue;
+    item.push_back(table.item[i]);
+    first.push_back(static_cast<cl_uint>(i));
+  }
+  first.push_back(static_cast<cl_uint>(table.item.size()));
+  const cl::Buffer itemBuffer = uploadBuffer<cl_uint>(state_.device, item);
+  const cl::Buffer firstBuffer = uploadBuffer<cl_uint>(state_.device, first);
+  const cl::Buffer offset = uploadBuffer<cl_ushort>(state_.device, table.offset);
+  const cl::Buffer label = uploadBuffer<cl_ushort>(state_.device, table.label);
+  launch("flood_seed", item.size(), itemBuffer, firstBuffer, offset, label,
+         static_cast<cl_uint>(item.size()));
+  state_.device.queue.finish();  // the table's buffers end here
+  seeded_ = true;
+}
+
+void Flood::load(const cl::Buffer& labels, const cl::Buffer& kept) {
+  owner_ = labels;
+  launch("flood_load", state_.items, kept);
+  seeded_ = false;
+}
+
+void Flood::grow(const cl::Buffer& domain, std::uint32_t steps, std::uint32_t perReadback,
+                 const Progress* progress) {
+  domain_ = domain;
+  if (!seeded_) launch("flood_restart", state_.items, step_);
+  seeded_ = false;
+  cl::Kernel kernel = state_.device.kernel("flood.cl", "flood_step");
+  const cl_uint stepArgument = setState(kernel);
+  for (std::uint32_t done = 0; done < steps;) {
+    for (std::uint32_t k = 0; k < perReadback && done < steps; ++k, ++done) {
+      ++step_;
+      kernel.setArg(stepArgument, step_);
+      state_.launch(kernel, state_.items);
+    }
+    cl_uint left[3];
+    readBuffer<cl_uint>(state_.device, listCount_, left);
+    step(progress, "grow", 0.0);
+    if (left[(step_ + 1) % 3] == 0) break;
+  }
+}
+
+cl::Buffer Flood::labels() {
+  launch("flood_finish", state_.items);
+  return owner_;
+}
+
+// Set the arguments FLOOD_STATE names, in its order; return the number of the next.
+cl_uint Flood::setState(cl::Kernel& kernel) {
+  cl_uint i = 0;
+  const auto set = [&](const auto&... argument) { (kernel.setArg(i++, argument), ...); };
+  set(domain_, state_.neighbour, state_.leafCount, owned_, tag_, owner_, frontMask_, frontStep_,
+      frontTag_, queued_, list_, listCount_, state_.items, cost_, keepCost_);
+  return i;
+}
+
+template <class... Arguments>
+void Flood::launch(const char* name, std::size_t work, const Arguments&... arguments) {
+  cl::Kernel kernel = state_.device.kernel("flood.cl", name);
+  cl_uint i = setState(kernel);
+  (kernel.setArg(i++, arguments), ...);
+  state_.launch(kernel, work);
+}
+
+}  // namespace sherd

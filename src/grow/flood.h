@@ -1,0 +1,43 @@
+// Growth by layers of face neighbours; the method is described in kernels/flood.cl.
+#pragma once
+
+#include "grow/growth_state.h"
+
+namespace sherd {
+
+/// One growth on the device: its buffers, and the kernels launched over them.
+class Flood {
+ public:
+  /// A growth that has nothing yet.
+  Flood(GrowthState& state, bool keepCost);
+
+  /// Begin with seeds.
+  void seed(const SeedTable& table);
+
+  /// Begin with labels that exist: `labels` [items*512] becomes this growth's own, and what is not
+  /// in `kept` [items*8] is 0.
+  void load(const cl::Buffer& labels, const cl::Buffer& kept);
+
+  /// Take up to `steps` layers into `domain` [leafCount*8], from all that is owned when this is not
+  /// the first growth, looking every `perReadback` layers whether anything is left to do.
+  void grow(const cl::Buffer& domain, std::uint32_t steps, std::uint32_t perReadback,
+            const Progress* progress);
+
+  /// The labels [items*512], 0 where nothing reached.
+  cl::Buffer labels();
+  const cl::Buffer& cost() const { return cost_; }  ///< [items*512] when kept
+
+ private:
+  cl_uint setState(cl::Kernel& kernel);
+  template <class... Arguments>
+  void launch(const char* name, std::size_t work, const Arguments&... arguments);
+
+  GrowthState& state_;
+  cl_uint keepCost_;
+  cl_uint step_ = 0;
+  bool seeded_ = false;  // the seeds are the front: no restart
+  cl::Buffer domain_, owned_, tag_, owner_, frontMask_, frontStep_, frontTag_, queued_, list_,
+      listCount_, cost_;
+};
+
+}  // namespace sherd

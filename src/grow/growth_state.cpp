@@ -1,0 +1,95 @@
+// Leaf blocks and seeds on their way to the device.
+#include "grow/growth_state.h"
+
+#include <sherd/error.h>
+
+#include <map>
+#include <set>
+#include <string>
+
+namespace sherd {
+namespace {
+
+cl_uint itemsOf(const LeafBlocks& blocks, std::size_t fractures) {
+  const std::size_t items = blocks.count() * fractures;
+  if (items >= SHERD_NO_LEAF) {
+    throw Error(ErrorCode::usage, "the batch holds " + std::to_string(items) + " leaves, at most " +
+                                      std::to_string(SHERD_NO_LEAF - 1) + " can grow together");
+  }
+  return static_cast<cl_uint>(items);
+}
+
+}  // namespace
+
+GrowthState::GrowthState(const LeafBlocks& b, std::size_t fractureCount, Device::Impl& d,
+                         int workGroupSize)
+    : device(d),
+      blocks(b),
+      leafCount(static_cast<cl_uint>(b.count())),
+      fractures(static_cast<cl_uint>(fractureCount)),
+      items(itemsOf(b, fractureCount)),
+      inside(uploadBuffer<std::uint64_t>(d, b.inside)),
+      neighbour(uploadBuffer<std::uint32_t>(d, b.neighbours)),
+      group_(workGroupSize > 0 ? static_cast<std::size_t>(workGroupSize) : d.workGroupSize()) {}
+
+const cl::Buffer& GrowthState::origin() {
+  if (!origin_) {
+    std::vector<cl_int4> origins;
+    origins.reserve(leafCount);
+    for (const openvdb::Coord& o : blocks.origins) origins.push_back({{o.x(), o.y(), o.z(), 0}});
+    origin_ = uploadBuffer<cl_int4>(device, origins);
+  }
+  return *origin_;
+}
+
+const cl::Buffer& GrowthState::round27() {
+  if (!round27_) {
+    std::vector<cl_uint> round;
+    round.reserve(std::size_t{leafCount} * 27);
+    for (const openvdb::Coord& origin : blocks.origins) {
+      for (int x = -8; x <= 8; x += 8) {
+        for (int y = -8; y <= 8; y += 8) {
+          for (int z = -8; z <= 8; z += 8) {
+            round.push_back(findLeaf(blocks, origin + openvdb::Coord(x, y, z)));
+          }
+        }
+      }
+    }
+    round27_ = uploadBuffer<cl_uint>(device, round);
+  }
+  return *round27_;
+}
+
+SeedTable tableOf(const LeafBlocks& blocks, std::span<const std::vector<Seed>> seedSets) {
+  struct Entry {
+    std::uint16_t label;
+    bool primary;
+  };
+  std::map<std::pair<std::uint64_t, std::uint32_t>, Entry> sorted;
+  for (std::size_t f = 0; f < seedSets.size(); ++f) {
+    std::set<std::uint16_t> met;
+    for (const Seed& seed : seedSets[f]) {
+      const std::uint32_t leaf = findLeaf(blocks, seed.voxel);
+      const auto offset = static_cast<std::uint32_t>(
+          ((seed.voxel.x() & 7) << 6) | ((seed.voxel.y() & 7) << 3) | (seed.voxel.z() & 7));
+      if (leaf == LeafBlocks::kNone ||
+          !((blocks.inside[leaf * 8 + (offset >> 6)] >> (offset & 63)) & 1) || seed.fragment == 0) {
+        throw Error(ErrorCode::usage, "seed of fragment " + std::to_string(seed.fragment) +
+                                          " does not lie on a voxel of the solid");
+      }
+      const Entry entry{seed.fragment, met.insert(seed.fragment).second};
+      const auto [at, added] = sorted.try_emplace({f * blocks.count() + leaf, offset}, entry);
+      if (!added && entry.label < at->second.label) at->second = entry;
+    }
+  }
+  SeedTable table;
+  for (const auto& [key, entry] : sorted) {
+    table.item.push_back(static_cast<cl_uint>(key.first));
+    table.offset.push_back(static_cast<cl_ushort>(key.second));
+    table.label.push_back(entry.label);
+    table.primary.push_back(entry.primary);
+  }
+  return table;
+}
+
+}  // namespace sherd

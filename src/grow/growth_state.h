@@ -1,0 +1,68 @@
+// What all ways of growing share on the device: the leaf blocks, and how kernels are launched over
+// them.
+#pragma once
+
+#include <sherd/labels.h>
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "cl/device_impl.h"
+#include "leaf_block.h"
+
+namespace sherd {
+
+/// Leaf blocks on the device, for several fractures at once: item = fracture * leaves + leaf.
+class GrowthState {
+ public:
+  ///   throws  Error(usage) more items than 32 bits count
+  GrowthState(const LeafBlocks& blocks, std::size_t fractures, Device::Impl& device,
+              int workGroupSize = 0);
+
+  Device::Impl& device;
+  const LeafBlocks& blocks;
+  const cl_uint leafCount, fractures, items;
+  const cl::Buffer inside;     ///< [leafCount*8]
+  const cl::Buffer neighbour;  ///< [leafCount*6]
+
+  const cl::Buffer& origin();   ///< [leafCount] int4
+  const cl::Buffer& round27();  ///< [leafCount*27] the leaves round a leaf, x slowest
+
+  std::size_t voxels() const { return std::size_t{items} * SHERD_LEAF_SIZE; }
+  std::size_t words() const { return std::size_t{items} * SHERD_LEAF_WORDS; }
+
+  template <class T>
+  cl::Buffer filled(std::size_t count, T value) {
+    cl::Buffer buffer = makeBuffer<T>(device, count);
+    device.queue.enqueueFillBuffer(buffer, value, 0, std::max<std::size_t>(count, 1) * sizeof(T));
+    return buffer;
+  }
+
+  /// Launch kernels/<file>'s kernel `name` over `work` things.
+  template <class... Arguments>
+  void run(const char* file, const char* name, std::size_t work, const Arguments&... arguments) {
+    cl::Kernel kernel = device.kernel(file, name);
+    cl_uint i = 0;
+    (kernel.setArg(i++, arguments), ...);
+    launch(kernel, work);
+  }
+  void launch(cl::Kernel& kernel, std::size_t work) { device.launch(kernel, work, group_); }
+
+ private:
+  std::size_t group_;
+  std::optional<cl::Buffer> origin_, round27_;
+};
+
+/// Seeds of all fractures, by item and offset, ascending; of two on one voxel the lower label.
+struct SeedTable {
+  std::vector<cl_uint> item;
+  std::vector<cl_ushort> offset, label;
+  std::vector<bool> primary;  ///< the first of its fragment in its seed set
+};
+
+///   throws  Error(usage) a seed outside the solid, or of fragment 0
+[[nodiscard]] SeedTable tableOf(const LeafBlocks& blocks,
+                                std::span<const std::vector<Seed>> seedSets);
+
+}  // namespace sherd

@@ -1,0 +1,155 @@
+// Driving kernels/levels.cl.
+#include "grow/levels.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+namespace sherd {
+namespace {
+
+constexpr cl_uint kRoundsPerReadback = 32;
+constexpr cl_uint kRungsPerVoxel = 8;  // of the chain's ladder
+constexpr std::size_t kControlWords = 11;
+
+class Levels {
+ public:
+  explicit Levels(GrowthState& state)
+      : state_(state),
+        owned_(state.filled<cl_ulong>(state.words(), 0)),
+        source_(makeBuffer<cl_uint>(state.device, state.voxels())),
+        cost_(state.filled<cl_uint>(state.voxels(), 0)),
+        claim_(makeBuffer<cl_ulong>(state.device, state.words())),
+        wake_(state.filled<cl_uint>(state.items, SHERD_NO_STEP)),
+        dirty_(state.filled<cl_uint>(state.items, 0)),
+        queued_(state.filled<cl_uint>(state.items, 0)),
+        list_(makeBuffer<cl_uint>(state.device, 2 * std::size_t{state.items})),
+        taken_(makeBuffer<cl_uint>(state.device, state.items)) {
+    std::array<cl_uint, kControlWords> control{};
+    for (std::size_t i = 3; i < 6; ++i) control[i] = SHERD_NO_STEP;  // nothing waits
+    control_ = uploadBuffer<cl_uint>(state.device, control, CL_MEM_READ_WRITE);
+  }
+
+  void seed(const SeedTable& table, std::span<const cl_uint> source) {
+    std::vector<cl_uint> item, first;
+    for (std::size_t i = 0; i < table.item.size(); ++i) {
+      if (!item.empty() && item.back() == table.item[i]) continue;
+      item.push_back(table.item[i]);
+      first.push_back(static_cast<cl_uint>(i));
+    }
+    first.push_back(static_cast<cl_uint>(table.item.size()));
+    const cl::Buffer itemBuffer = uploadBuffer<cl_uint>(state_.device, item);
+    const cl::Buffer firstBuffer = uploadBuffer<cl_uint>(state_.device, first);
+    const cl::Buffer offset = uploadBuffer<cl_ushort>(state_.device, table.offset);
+    const cl::Buffer sourceBuffer = uploadBuffer<cl_uint>(state_.device, source);
+    launch("levels_seed", item.size(), itemBuffer, firstBuffer, offset, sourceBuffer,
+           static_cast<cl_uint>(item.size()));
+    state_.device.queue.finish();  // the table's buffers end here
+  }
+
+  void load(const cl::Buffer& labels, const cl::Buffer& kept) {
+    launch("levels_load", state_.items, kept, labels);
+  }
+
+  // `stride` and the chain's buffers: see the kernel.
+  void grow(const Steps& steps, bool chain, cl_uint stride, const sherd_metric& metric,
+            const cl::Buffer& seeds, const Progress* progress) {
+    const cl::Buffer stepBuffer = uploadBuffer<cl_int4>(state_.device, steps.step);
+    const cl::Buffer within = uploadBuffer<cl_int>(state_.device, steps.within);
+    launch("levels_begin", state_.items);
+    cl::Kernel take = state_.device.kernel("levels.cl", "levels_take");
+    cl::Kernel publish = state_.device.kernel("levels.cl", "levels_publish");
+    const cl_uint roundOfTake = setState(take), roundOfPublish = setState(publish);
+    cl_uint i = roundOfTake + 1;
+    const auto set = [&](const auto&... argument) { (take.setArg(i++, argument), ...); };
+    set(stepBuffer, within, static_cast<cl_uint>(steps.step.size()), static_cast<cl_uint>(chain),
+        stride, metric, seeds, state_.origin());
+    for (cl_uint round = 1;;) {
+      for (cl_uint k = 0; k < kRoundsPerReadback; ++k, ++round) {
+        take.setArg(roundOfTake, round);
+        state_.launch(take, state_.items);
+        publish.setArg(roundOfPublish, round);
+        state_.launch(publish, state_.items);
+      }
+      std::array<cl_uint, kControlWords> control;
+      readBuffer<cl_uint>(state_.device, control_, control);
+      step(progress, "grow", 0.0);
+      if (control[round % 3] == 0) break;
+    }
+  }
+
+  Grown finish(const cl::Buffer& labelOfSource, bool chain) {
+    Grown grown{makeBuffer<cl_ushort>(state_.device, state_.voxels()), cost_};
+    launch("levels_finish", state_.items, labelOfSource, static_cast<cl_uint>(chain), grown.labels);
+    return grown;
+  }
+
+ private:
+  // Set the arguments LEVELS_STATE names, in its order; return the number of the next.
+  cl_uint setState(cl::Kernel& kernel) {
+    cl_uint i = 0;
+    const auto set = [&](const auto&... argument) { (kernel.setArg(i++, argument), ...); };
+    set(state_.inside, state_.round27(), state_.leafCount, state_.items, owned_, source_, cost_,
+        claim_, wake_, dirty_, queued_, list_, taken_, control_);
+    return i;
+  }
+
+  template <class... Arguments>
+  void launch(const char* name, std::size_t work, const Arguments&... arguments) {
+    cl::Kernel kernel = state_.device.kernel("levels.cl", name);
+    cl_uint i = setState(kernel);
+    (kernel.setArg(i++, arguments), ...);
+    state_.launch(kernel, work);
+  }
+
+  GrowthState& state_;
+  cl::Buffer owned_, source_, cost_, claim_, wake_, dirty_, queued_, list_, taken_, control_;
+};
+
+Grown runByWeight(GrowthState& state, Levels& levels, const Steps& steps,
+                  const Progress* progress) {
+  const cl::Buffer none = makeBuffer<cl_int4>(state.device, 1);
+  levels.grow(steps, false, steps.leastWeight, sherd_metric{}, none, progress);
+  return levels.finish(none, false);
+}
+
+}  // namespace
+
+Grown growByWeight(GrowthState& state, const SeedTable& seeds, const Steps& steps,
+                   const Progress* progress) {
+  Levels levels(state);
+  levels.seed(seeds, std::vector<cl_uint>(seeds.label.begin(), seeds.label.end()));
+  return runByWeight(state, levels, steps, progress);
+}
+
+Grown growChain(GrowthState& state, const SeedTable& seeds, const sherd_metric& metric,
+                const Progress* progress) {
+  // Sources are numbered by label, so that ties between them go to the lower label.
+  std::vector<cl_uint> order(seeds.item.size()), source(seeds.item.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](cl_uint a, cl_uint b) { return seeds.label[a] < seeds.label[b]; });
+  std::vector<cl_int4> voxel;
+  std::vector<cl_ushort> label;
+  for (const cl_uint i : order) {
+    source[i] = static_cast<cl_uint>(voxel.size());
+    const openvdb::Coord at =
+        state.blocks.origins[seeds.item[i] % state.leafCount] + coordFromOffset(seeds.offset[i]);
+    voxel.push_back({{at.x(), at.y(), at.z(), 0}});
+    label.push_back(seeds.label[i]);
+  }
+  Levels levels(state);
+  levels.seed(seeds, source);
+  const cl::Buffer voxels = uploadBuffer<cl_int4>(state.device, voxel);
+  levels.grow(layerSteps(6, {}), true, kRungsPerVoxel, metric, voxels, progress);
+  return levels.finish(uploadBuffer<cl_ushort>(state.device, label), true);
+}
+
+Grown regrowByWeight(GrowthState& state, const cl::Buffer& labels, const cl::Buffer& kept,
+                     const Steps& steps, const Progress* progress) {
+  Levels levels(state);
+  levels.load(labels, kept);
+  return runByWeight(state, levels, steps, progress);
+}
+
+}  // namespace sherd

@@ -1,0 +1,105 @@
+// Integer tables for metrics, steps and the grain.
+#include "grow/metric.h"
+
+#include <sherd/error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <numeric>
+
+namespace sherd {
+namespace {
+
+// Lengths along the grain are divided by 1 + strength.
+glm::dmat3 stretching(const Grain& grain) {
+  if (grain.strength == 0.0) return glm::dmat3(1.0);
+  const double length = glm::length(grain.direction);
+  if (!(length > 0.0) || !std::isfinite(length)) {
+    throw Error(ErrorCode::usage, "the grain needs a direction other than 0,0,0");
+  }
+  if (!(grain.strength >= -0.75 && grain.strength <= 9.0)) {
+    throw Error(ErrorCode::usage, "the grain's strength lies in -0.75..9");
+  }
+  const glm::dvec3 g = grain.direction / length;
+  return glm::dmat3(1.0) - (1.0 - 1.0 / (1.0 + grain.strength)) * glm::outerProduct(g, g);
+}
+
+void add(Steps& steps, const glm::ivec3& d, double weight) {
+  const auto whole = static_cast<cl_int>(std::max(1.0, std::floor(weight + 0.5)));
+  steps.step.push_back({{d.x, d.y, d.z, whole}});
+  // The two voxels a long step passes: half of it, rounded towards the start and towards the end.
+  for (const bool up : {false, true}) {
+    cl_int packed = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const int half = up ? (d[axis] + (d[axis] > 0) - (d[axis] < 0)) / 2 : d[axis] / 2;
+      packed = packed << 4 | (half + 4);
+    }
+    steps.within.push_back(packed);
+  }
+}
+
+void setLeastWeight(Steps& steps) {
+  cl_int least = steps.step.front().s[3];
+  for (const cl_int4& step : steps.step) least = std::min(least, step.s[3]);
+  steps.leastWeight = static_cast<cl_uint>(least);
+}
+
+}  // namespace
+
+sherd_metric metricFor(Metric metric, const Grain& grain) {
+  sherd_metric out{};
+  out.kind = metric == Metric::euclidean   ? SHERD_EUCLIDEAN
+             : metric == Metric::chebyshev ? SHERD_CHEBYSHEV
+                                           : SHERD_MANHATTAN;
+  const bool plain = grain.strength == 0.0;
+  const glm::dmat3 matrix = stretching(grain);
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      const double entry = matrix[column][row] * (plain ? 1 : SHERD_GRAIN_ONE);
+      out.row[3 * row + column] = static_cast<int>(std::floor(entry + 0.5));
+    }
+  }
+  if (!plain) out.shift = metric == Metric::euclidean ? 12 : 6;  // SHERD_GRAIN_ONE or its square
+  return out;
+}
+
+Steps layerSteps(int neighborhood, const Grain& grain) {
+  const glm::dmat3 matrix = stretching(grain);
+  Steps steps;
+  for (int x = -1; x <= 1; ++x) {
+    for (int y = -1; y <= 1; ++y) {
+      for (int z = -1; z <= 1; ++z) {
+        const int axes = std::abs(x) + std::abs(y) + std::abs(z);
+        if (axes == 0 || (neighborhood == 6 && axes > 1)) continue;
+        const glm::dvec3 d = matrix * glm::dvec3(x, y, z);
+        const double length = std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
+        add(steps, {x, y, z}, grain.strength == 0.0 ? 1.0 : 8.0 * length);
+      }
+    }
+  }
+  setLeastWeight(steps);
+  return steps;
+}
+
+Steps chamferSteps(const Grain& grain) {
+  const glm::dmat3 matrix = stretching(grain);
+  Steps steps;
+  for (const int reach : {1, 2}) {
+    for (int x = -2; x <= 2; ++x) {
+      for (int y = -2; y <= 2; ++y) {
+        for (int z = -2; z <= 2; ++z) {
+          const int furthest = std::max({std::abs(x), std::abs(y), std::abs(z)});
+          if (furthest != reach || std::gcd(std::gcd(x, y), z) != 1) continue;
+          add(steps, {x, y, z}, 16.0 * glm::length(matrix * glm::dvec3(x, y, z)));
+        }
+      }
+    }
+  }
+  setLeastWeight(steps);
+  return steps;
+}
+
+}  // namespace sherd

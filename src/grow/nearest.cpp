@@ -1,0 +1,37 @@
+// Driving kernels/nearest.cl.
+#include "grow/nearest.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace sherd {
+
+Grown growNearest(GrowthState& state, const SeedTable& seeds, const sherd_metric& metric,
+                  bool keepCost) {
+  std::vector<std::size_t> order(seeds.item.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto fractureOf = [&](std::size_t i) { return seeds.item[i] / state.leafCount; };
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return std::pair(fractureOf(a), seeds.label[a]) < std::pair(fractureOf(b), seeds.label[b]);
+  });
+  std::vector<cl_int4> voxel;
+  std::vector<cl_uint> first(state.fractures + 1, 0);
+  for (const std::size_t i : order) {
+    const openvdb::Coord at =
+        state.blocks.origins[seeds.item[i] % state.leafCount] + coordFromOffset(seeds.offset[i]);
+    voxel.push_back({{at.x(), at.y(), at.z(), seeds.label[i]}});
+    ++first[fractureOf(i) + 1];
+  }
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  const cl::Buffer voxels = uploadBuffer<cl_int4>(state.device, voxel);
+  const cl::Buffer firsts = uploadBuffer<cl_uint>(state.device, first);
+  Grown grown{makeBuffer<cl_ushort>(state.device, state.voxels()),
+              makeBuffer<cl_uint>(state.device, keepCost ? state.voxels() : 1)};
+  state.run("nearest.cl", "nearest", state.items, state.inside, state.origin(), state.leafCount,
+            state.items, voxels, firsts, metric, grown.labels, grown.cost,
+            static_cast<cl_uint>(keepCost));
+  state.device.queue.finish();  // the seeds' buffers end here
+  return grown;
+}
+
+}  // namespace sherd

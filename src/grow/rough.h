@@ -1,0 +1,16 @@
+// Rough cracks; the method is described in kernels/rough.cl.
+#pragma once
+
+#include "grow/growth_state.h"
+
+namespace sherd {
+
+/// Let every voxel take the label at the end of its displacement; primary seeds keep theirs.
+///   noiseSeeds  [fractures]
+///   amplitudes  see grow/relief.h
+[[nodiscard]] cl::Buffer roughened(GrowthState& state, const cl::Buffer& labels,
+                                   const SeedTable& seeds,
+                                   std::span<const std::uint64_t> noiseSeeds,
+                                   std::span<const cl_int> amplitudes);
+
+}  // namespace sherd

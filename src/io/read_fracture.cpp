@@ -1,0 +1,105 @@
+// A fracture's folder read back.
+#include <sherd/error.h>
+#include <sherd/io.h>
+#include <sherd/refracture.h>
+
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "io/manifest.h"
+#include "io/sha256.h"
+#include "io/vdb.h"
+#include "voxelize/distance.h"
+#include "voxelize/specks.h"
+
+namespace sherd {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void inputError(const fs::path& file, const std::string& what) {
+  throw Error(ErrorCode::input, file.string() + ": " + what);
+}
+
+std::string bytesOf(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+// The labels of a voxel file, on the leaves of the solid.
+Labels labelsOn(const LeafBlocks& blocks, const VoxelLabels& voxels, const openvdb::Coord& first,
+                int fragments, const fs::path& file) {
+  Labels labels;
+  labels.fragment.assign(blocks.count() * 512, 0);
+  for (std::size_t place = 0; place < labels.fragment.size(); ++place) {
+    if (!((blocks.inside[place >> 6] >> (place & 63)) & 1)) continue;
+    const openvdb::Coord at = blocks.origins[place / 512] +
+                              coordFromOffset(static_cast<std::uint32_t>(place % 512)) - first;
+    std::uint16_t label = 0;
+    if (at.x() >= 0 && at.y() >= 0 && at.z() >= 0 && at.x() < voxels.dims.x() &&
+        at.y() < voxels.dims.y() && at.z() < voxels.dims.z()) {
+      const auto side = [&](int axis) { return static_cast<std::size_t>(voxels.dims[axis]); };
+      label = voxels.labels[(static_cast<std::size_t>(at.x()) * side(1) +
+                             static_cast<std::size_t>(at.y())) *
+                                side(2) +
+                            static_cast<std::size_t>(at.z())];
+    }
+    if (label < 2 || label > fragments + 1) {
+      inputError(file, "does not belong to the fragments' .vdb files beside it");
+    }
+    labels.fragment[place] = static_cast<std::uint16_t>(label - 1);
+  }
+  return labels;
+}
+
+FinishedFracture read(const fs::path& file, const nlohmann::json& manifest) {
+  FinishedFracture finished;
+  const auto& grid = manifest.at("grid");
+  const auto& fragments = manifest.at("fragments");
+  const fs::path folder = file.parent_path();
+  finished.fragments = static_cast<int>(fragments.size());
+  finished.resolution = grid.at("resolution").get<int>();
+  finished.source.name = manifest.at("source").at("file").get<std::string>();
+  finished.source.stem = fs::path(finished.source.name).stem().string();
+  finished.source.sha256 = sha256(bytesOf(file));
+
+  const fs::path rle = folder / "labels.rle";
+  if (!fs::exists(rle)) inputError(file, "the fracture was written without labels.rle");
+  FloatGridPtr whole;
+  for (const auto& fragment : fragments) {
+    if (!fragment.at("files").contains("vdb")) {
+      inputError(file, "the fracture was written without .vdb files");
+    }
+    FloatGridPtr level = readLevelSet(folder / fragment.at("files").at("vdb").get<std::string>());
+    if (whole) {
+      unite(*whole, *level);
+    } else {
+      whole = std::move(level);
+    }
+  }
+  if (!whole) inputError(file, "the fracture has no fragment");
+  Solid& solid = finished.solid;
+  solid.frame = frameOf(*whole);
+  solid.blocks = leafBlocks(*whole);
+  solid.distance = std::move(whole);
+  measureVoxels(solid);
+
+  const auto& min = grid.at("index_min");
+  const openvdb::Coord first(min.at(0).get<int>(), min.at(1).get<int>(), min.at(2).get<int>());
+  finished.labels = labelsOn(solid.blocks, expand(readRle(rle)), first, finished.fragments, rle);
+  return finished;
+}
+
+}  // namespace
+
+FinishedFracture readFracture(const fs::path& manifest) {
+  try {
+    return read(manifest, needManifest(manifest));
+  } catch (const nlohmann::json::exception&) {
+    inputError(manifest,
+               "is damaged: a field that every fracture has is missing or of another kind");
+  }
+}
+
+}  // namespace sherd

@@ -1,0 +1,130 @@
+// Seed placement.  It costs a search per seed, so it stays on the host.
+#include <sherd/error.h>
+#include <sherd/seeds.h>
+
+#include <algorithm>
+#include <numeric>
+#include <string>
+
+#include "random.h"
+#include "seed/impacts.h"
+#include "seed/nearest_seed.h"
+#include "seed/samplers.h"
+#include "seed/voxel_index.h"
+
+namespace sherd {
+namespace {
+
+// A random permutation of 1..n (Fisher and Yates).
+std::vector<std::uint16_t> permutedIds(std::size_t n, std::uint64_t seed) {
+  std::vector<std::uint16_t> ids(n);
+  std::iota(ids.begin(), ids.end(), std::uint16_t{1});
+  for (std::size_t i = n; i > 1; --i) {
+    std::swap(ids[i - 1], ids[randomBelow(i, seed, Stage::fragmentId, i)]);
+  }
+  return ids;
+}
+
+std::size_t countPieces(const Parts& parts, const SeedOptions& options) {
+  const std::size_t count =
+      std::max(static_cast<std::size_t>(std::max(options.pieces, 1)), parts.count());
+  if (count > kMaxFragments) {
+    throw Error(ErrorCode::usage, "the solid would give " + std::to_string(count) +
+                                      " fragments, at most " + std::to_string(kMaxFragments) +
+                                      " have an id; try a lower --resolution");
+  }
+  return count;
+}
+
+// Impacts strike after the parts have their seeds, and before the rest.
+void checkImpactsFit(const std::vector<Blow>& blows, const Parts& parts,
+                     const SeedOptions& options) {
+  std::size_t count = 0;
+  for (const Blow& blow : blows) count += blow.merge ? 0 : blow.count;
+  if (count == 0 || count + parts.count() <= static_cast<std::size_t>(options.pieces)) return;
+  throw Error(ErrorCode::usage,
+              "the impacts make " + std::to_string(count) + " pieces beside one for each of " +
+                  std::to_string(parts.count()) + " parts, " + std::to_string(options.pieces) +
+                  " are asked; raise --pieces or let the impacts merge");
+}
+
+void checkRoom(std::size_t pieces, std::size_t further, const VoxelIndex& candidates,
+               const SeedOptions& options) {
+  if (pieces + further <= candidates.total()) return;
+  const bool volume = options.on == SeedsOn::volume;
+  throw Error(ErrorCode::usage,
+              std::to_string(pieces) + " pieces" +
+                  (further ? " and " + std::to_string(further) + " further seeds" : "") +
+                  " are asked of a solid of " + std::to_string(candidates.total()) +
+                  (volume ? " voxels" : " surface voxels") + "; try a higher --resolution" +
+                  (volume ? "" : " or --seeds-on volume"));
+}
+
+// The chosen voxels as seeds: [ids, ascending by id][the rest, nearest of those in their part].
+std::vector<Seed> withIds(const Chosen& chosen, const std::vector<std::uint16_t>& ids,
+                          const VoxelIndex& candidates, const Parts& parts, Metric metric) {
+  std::vector<Seed> seeds(ids.size());
+  std::vector<std::uint32_t> partOfSeed(ids.size());
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    seeds[ids[i] - 1u] = {candidates.place(chosen.voxels[i]), ids[i]};
+    partOfSeed[ids[i] - 1u] = partOf(parts, chosen.voxels[i]);
+  }
+  if (chosen.size() == ids.size()) return seeds;
+  const NearestSeed nearest(seeds, partOfSeed, parts.count(), metric);
+  for (std::size_t i = ids.size(); i < chosen.size(); ++i) {
+    const openvdb::Coord voxel = candidates.place(chosen.voxels[i]);
+    seeds.push_back({voxel, nearest.fragmentAt(voxel, partOf(parts, chosen.voxels[i]))});
+  }
+  return seeds;
+}
+
+}  // namespace
+
+int fragmentsOf(std::span<const Seed> seeds) {
+  int highest = 0;
+  for (const Seed& seed : seeds) highest = std::max<int>(highest, seed.fragment);
+  return highest;
+}
+
+std::vector<Seed> placeSeeds(const Solid& solid, const Parts& parts, const SeedOptions& options) {
+  if (options.extraSeeds < 0 || options.randomImpacts < 0) {
+    throw Error(ErrorCode::usage, "the number of extra seeds and of impacts must be 0 or more");
+  }
+  const std::size_t pieces = countPieces(parts, options);
+  const bool impacts = !options.impacts.empty() || options.randomImpacts > 0;
+  std::vector<std::uint64_t> surface;
+  if (impacts || options.on == SeedsOn::surface) surface = surfaceMask(solid.blocks);
+  const VoxelIndex inside(solid.blocks, solid.blocks.inside);
+  const VoxelIndex onSurface(solid.blocks, surface);
+  const VoxelIndex& candidates = options.on == SeedsOn::volume ? inside : onSurface;
+
+  const auto extra = static_cast<std::size_t>(options.extraSeeds);
+  checkRoom(pieces, extra, candidates, options);
+  const std::vector<Blow> blows =
+      impacts ? aim(solid, parts, options, pieces, inside, onSurface) : std::vector<Blow>{};
+  checkImpactsFit(blows, parts, options);
+  const std::size_t merged =
+      std::accumulate(blows.begin(), blows.end(), std::size_t{0},
+                      [](std::size_t sum, const Blow& b) { return sum + (b.merge ? b.count : 0); });
+  checkRoom(pieces, merged + extra, candidates, options);
+
+  const std::vector<std::uint64_t> room = candidates.countInParts(parts);
+  const auto scatterAll = [&](bool merge, Chosen& chosen) {
+    for (std::size_t i = 0; i < blows.size(); ++i) {
+      if (blows[i].merge != merge) continue;
+      scatter(blows[i], i, candidates, solid.box, parts, room, options.seed, chosen);
+    }
+  };
+  SeedSampler sampler(candidates, solid.box, options.sampler, options.seed);
+  Chosen chosen;
+  for (const VoxelKey key : onePerPart(candidates, parts, room, options.seed)) {
+    chosen.add(key);
+  }
+  scatterAll(/*merge=*/false, chosen);
+  sampler.draw(pieces - chosen.size(), chosen);
+  scatterAll(/*merge=*/true, chosen);
+  sampler.draw(extra, chosen);
+  return withIds(chosen, permutedIds(pieces, options.seed), candidates, parts, options.mergeMetric);
+}
+
+}  // namespace sherd

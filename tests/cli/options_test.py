@@ -1,0 +1,328 @@
+#!/usr/bin/python3
+"""Every group of `sherd fracture`'s options: what it does, what the manifest says of it, and what is refused.
+
+Environment: SHERD_BIN the program, SHERD_DATA the folder with amphora.ply.  Needs Debian's python3-numpy.
+"""
+import json
+import math
+import os
+import unittest
+
+import numpy as np
+
+from cli_test import CommandLine, joined, sphere, tree, write_obj
+
+AMPHORA = os.path.join(os.environ["SHERD_DATA"], "amphora.ply")
+
+
+class Options(CommandLine):
+    def broken(self, *options, pieces=12, **more):
+        """The manifest of the ball in 12 pieces, after a look at labels.rle: the fragments fill the solid."""
+        out = more.get("out", self.out)
+        self.done("--write", "labels,seeds", *options, pieces=pieces, **more)
+        with open(os.path.join(out, "manifest.json")) as file:
+            manifest = json.load(file)
+        runs = np.fromfile(os.path.join(out, "labels.rle"), np.dtype([("label", "<u2"), ("run", "<u4")]), offset=12)
+        fragments, grid = manifest["fragments"], manifest["grid"]
+        self.assertEqual(len(fragments) + len(manifest["withheld"]), pieces)
+        counts = np.bincount(runs["label"], runs["run"], len(fragments) + 2).astype(int)
+        self.assertEqual(list(counts[2:]), [f["voxels"] for f in fragments])
+        self.assertEqual(counts[1], grid["worn_voxels"])
+        self.assertEqual(counts[1:].sum(), grid["solid_voxels"])
+        self.assertGreater(min(counts[2:]), 0)
+        return manifest
+
+    def labels(self, *options, **more):
+        self.broken(*options, **more)
+        with open(os.path.join(self.out, "labels.rle"), "rb") as file:
+            return file.read()
+
+    @staticmethod
+    def seeds(manifest):
+        return [seed for fragment in manifest["fragments"] for seed in fragment["seeds"]]
+
+
+class Seeds(Options):
+    def test_samplers_and_places(self):
+        seen = set()
+        for sampler in ("uniform", "halton", "gaussian", "poisson"):
+            for place in ("volume", "surface"):
+                with self.subTest(sampler=sampler, place=place):
+                    manifest = self.broken("--sampler", sampler, "--seeds-on", place)
+                    self.assertEqual(manifest["options"]["seeds"]["sampler"], sampler)
+                    self.assertEqual(manifest["options"]["seeds"]["on"], place)
+                    seen.add(json.dumps(self.seeds(manifest)))
+                    if place == "surface":  # a voxel is 1/16, and its diagonal 0.11
+                        self.assertGreater(min(math.dist(s, (0, 0, 0)) for s in self.seeds(manifest)), 1 - 0.11)
+        self.assertEqual(len(seen), 8)
+
+    def test_extra_seeds(self):
+        for text, extra, each, seeds in (("30", 30, 0, 42), ("2n", 0, 2, 36), ("0", 0, 0, 12)):
+            for metric in ("euclidean", "chebyshev", "manhattan"):
+                manifest = self.broken("--extra-seeds", text, "--merge-metric", metric)
+                told = manifest["options"]["seeds"]
+                self.assertEqual((told["extra"], told["extra_per_piece"], told["merge_metric"]), (extra, each, metric))
+                self.assertEqual(len(self.seeds(manifest)), seeds)
+
+    def test_impacts_scatter_seeds_where_they_strike(self):
+        for impact in ("1,0,0,6,0.1", "9,0,0,6,0.1", "ray:9,0,0,-2,0,0,6,0.1"):
+            manifest = self.broken("--impact", impact)
+            near = [s for s in self.seeds(manifest) if math.dist(s, (1, 0, 0)) < 0.45]
+            self.assertGreaterEqual(len(near), 6)
+            self.assertEqual(len(self.seeds(manifest)), 12)
+            told = manifest["options"]["seeds"]["impacts"]
+            self.assertEqual([(i["count"], i["spread"], i["merge"]) for i in told], [(6, 0.1, False)])
+
+    def test_impacts_that_merge_make_no_fragments(self):
+        manifest = self.broken("--impact", "1,0,0,6,n=9,merge", "--impact", "0,0,1,3,merge")
+        self.assertEqual(len(self.seeds(manifest)), 12 + 9)
+        self.assertEqual([i["bias"] for i in manifest["options"]["seeds"]["impacts"]], [9, 5])
+
+    def test_random_impacts(self):
+        manifest = self.broken("--impacts", "3")
+        self.assertEqual(manifest["options"]["seeds"]["random_impacts"], 3)
+        self.assertEqual(len(self.seeds(manifest)), 12)
+
+    def test_seeds_of_a_file_grow_the_same_again(self):
+        first = self.labels("--extra-seeds", "2n", pieces=5)
+        seeds = os.path.join(self.out, "seeds.json")
+        again = self.path("again")
+        result = self.run_sherd("fracture", self.ball, "-o", again, "--resolution", "32", "--seeds", seeds)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        with open(os.path.join(again, "labels.rle"), "rb") as file:
+            self.assertEqual(file.read(), first)
+        with open(os.path.join(again, "manifest.json")) as file:
+            options = json.load(file)["options"]
+        self.assertEqual((options["pieces"], options["seeds"]), (5, {"file": "seeds.json"}))
+
+    def test_hostile_files_of_seeds(self):
+        def listed(*seeds):
+            return json.dumps({"schema": "sherd-seeds/1", "seeds": [{"fragment": f, "position": p} for f, p in seeds]})
+
+        two = self.path("two.obj")
+        write_obj(two, joined(sphere(), sphere(center=(4, 0, 0))))
+        files = {
+            "empty": "", "nul": "\0" * 100, "text": "seeds", "number": "7", "list": "[]", "object": "{}",
+            "null": "null", "deep": "[" * 100000, "cut": listed((1, [0, 0, 0]))[:-1],
+            "more": listed((1, [0, 0, 0])) + "x",
+            "other schema": '{"schema": "sherd-seeds/9", "seeds": []}',
+            "no object": '{"schema": "sherd-seeds/1", "seeds": [7]}',
+            "seeds no list": '{"schema": "sherd-seeds/1", "seeds": 7}',
+            "fragment 0": listed((0, [0, 0, 0])), "fragment -1": listed((-1, [0, 0, 0])),
+            "fragment 65535": listed((65535, [0, 0, 0])), "fragment 1.5": listed((1.5, [0, 0, 0])),
+            "fragment as text": listed(("1", [0, 0, 0])), "a huge fragment": listed((10**30, [0, 0, 0])),
+            "a gap": listed((1, [0, 0, 0]), (3, [0.5, 0, 0])), "two numbers": listed((1, [0, 0])),
+            "four numbers": listed((1, [0, 0, 0, 0])), "text in it": listed((1, [0, 0, "0"])),
+            "nan": listed((1, [0, 0, math.nan])), "infinite": listed((1, [0, 0, 0])).replace("0]", "1e999]"),
+            "far": listed((1, [1e300, 0, 0])), "outside": listed((1, [1.5, 0, 0])),
+            "one id in two parts": listed((1, [0, 0, 0]), (1, [4, 0, 0])),
+        }
+        for name, text in files.items():
+            with self.subTest(name):
+                path = self.path(name + ".json", text.encode())
+                result = self.run_sherd("fracture", two, "-o", self.out, "--resolution", "40", "--seeds", path)
+                self.refused(3, result, path)
+                self.nothing_written()
+        for path in (self.path("absent.json"), self.tmp):
+            self.refused(3, self.run_sherd("fracture", two, "-o", self.out, "--seeds", path), path)
+
+
+class Growth(Options):
+    def test_growths(self):
+        seen = set()
+        for growth, more, told in (("flood", (), {"neighborhood": 6}),
+                                   ("flood", ("--neighborhood", "26"), {"neighborhood": 26}),
+                                   ("nearest", ("--metric", "manhattan"), {"metric": "manhattan"}),
+                                   ("chain", ("--metric", "chebyshev"), {"metric": "chebyshev"}), ("euclid", (), {})):
+            options = self.broken("--growth", growth, *more)["options"]["grow"]
+            self.assertEqual(options, {"growth": growth, "roughness": 0, "hurst": 0.8, "isolated": "regrow", **told})
+            seen.add(tree(self.out)["labels.rle"])
+        self.assertEqual(len(seen), 4)  # in a ball a flood over faces is the nearest seed by manhattan's metric
+
+    def test_grain_makes_splinters_along_it_and_plates_across_it(self):
+        def longer(*options):  # mean extent along z, of that along x
+            boxes = [f["bbox"] for f in self.broken("--write", "mesh", *options, pieces=40)["fragments"]]
+            return np.divide(*(sum(b["max"][i] - b["min"][i] for b in boxes) for i in (2, 0)))
+
+        plain, splinters, plates = longer(), longer("--grain", "0,0,2,4"), longer("--grain", "0,0,1,-0.7")
+        self.assertLess(abs(math.log(plain)), 0.2)
+        self.assertGreater(splinters, 1.5)
+        self.assertLess(plates, 1 / 1.5)
+
+    def test_roughness_makes_cracks_larger(self):
+        def cracks(*options):
+            return sum(f["fracture_area"] for f in self.broken(*options, pieces=3)["fragments"])
+
+        self.assertLess(1.1 * cracks(), cracks("--roughness", "1"))
+        self.assertLess(1.1 * cracks(), cracks("--roughness", "1,0.3"))
+
+    def test_isolated_voxels_are_regrown_or_kept(self):
+        many = ("--growth", "nearest", "--extra-seeds", "20n")
+        freed = [json.loads(self.done("--json", "--isolated", what, *many).stdout)["freed_voxels"]
+                 for what in ("regrow", "keep")]
+        self.assertGreater(sum(freed[0]), 0)
+        self.assertEqual(freed[1], [])
+        self.assertNotEqual(self.labels(*many), self.labels("--isolated", "keep", *many))
+
+    def test_least_share_and_balance(self):
+        plain, fair = self.broken(), self.broken("--balance", "10")
+        self.assertGreater(fair["effective_number"], plain["effective_number"])
+        self.assertLess(min(f["share"] for f in plain["fragments"]), 0.05)
+        large = self.broken("--min-share", "0.05")
+        self.assertGreaterEqual(min(f["share"] for f in large["fragments"]), 0.05)
+        self.assertEqual((large["options"]["min_share"], fair["options"]["balance"]), (0.05, 10))
+
+    def test_missing_fragments_are_told_and_not_written(self):
+        for text in ("3", "0.25"):
+            manifest = self.broken("--missing", text, "--write", "labels,mesh,vdb")
+            self.assertEqual([f["id"] for f in manifest["fragments"]], list(range(1, 10)))
+            self.assertEqual([f["id"] for f in manifest["withheld"]], [10, 11, 12])
+            self.assertEqual({f: len([n for n in tree(self.out) if n.startswith(f) and not n.endswith("/")])
+                              for f in ("meshes", "fragments")}, {"meshes": 9, "fragments": 9})
+        self.assertEqual(len(self.broken("--missing", "0.01")["withheld"]), 0)
+
+
+class Erosion(Options):
+    def worn(self, *options, iterations="2"):
+        manifest = self.broken("--erode-iterations", iterations, *options)
+        self.assertEqual(manifest["grid"]["worn_voxels"], sum(f["worn_voxels"] for f in manifest["fragments"]))
+        return manifest["grid"]["worn_voxels"], manifest["options"]["erode"]
+
+    def test_none_unless_asked(self):
+        worn, told = self.worn("--erode-size", "5", iterations="0")
+        self.assertEqual((worn, told), (0, {"iterations": 0}))
+
+    def test_shapes(self):
+        plain = {"iterations": 2, "shape": "ellipse", "size": 3, "planes": False, "threshold": 1, "probability": 1,
+                 "on": "fracture", "crumbs": "wear"}
+        worn, told = self.worn()
+        self.assertEqual(told, plain)
+        self.assertGreater(worn, 0)
+        for option, name, value, sign in (("--erode-shape", "shape", "square", 1),
+                                          ("--erode-shape", "shape", "cross", 0),
+                                          ("--erode-size", "size", 5, None), ("--erode-planes", "planes", True, None),
+                                          ("--erode-threshold", "threshold", 0.7, -1),
+                                          ("--erode-probability", "probability", 0.5, -1),
+                                          ("--erode-on", "on", "all", 1), ("--erode-crumbs", "crumbs", "keep", None)):
+            with self.subTest(option):
+                other, told = self.worn(option, *([] if value is True else [str(value)]))
+                self.assertEqual(told, {**plain, name: value})
+                if sign is not None:
+                    self.assertEqual(np.sign(other - worn), sign)
+
+    def test_the_most_there_is_leaves_every_fragment_a_voxel(self):
+        worn, _ = self.worn("--erode-size", "13", "--erode-shape", "square", "--erode-on", "all", iterations="1000")
+        self.assertGreater(worn, 0)
+
+    def test_with_missing_fragments(self):
+        """Worn and withheld voxels are both of no fragment in labels.rle."""
+        self.broken("--erode-iterations", "1", "--missing", "4")
+
+
+class Again(Options):
+    def test_fragments_are_broken_again_and_the_others_stay(self):
+        first = os.path.join(self.data, "first")
+        self.done("--write", "labels,vdb", pieces=5, out=first)
+        manifest = os.path.join(first, "manifest.json")
+        result = self.run_sherd("fracture", "--only", "2,4", manifest, "-o", self.out, "--pieces", "3",
+                                "--write", "labels,vdb")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        with open(manifest) as file:
+            before = {f["id"]: f for f in json.load(file)["fragments"]}
+        with open(os.path.join(self.out, "manifest.json")) as file:
+            after = json.load(file)["fragments"]
+        self.assertEqual([f["id"] for f in after], list(range(1, 10)))
+        self.assertEqual(sorted(f["parent"] for f in after), [1, 2, 2, 2, 3, 4, 4, 4, 5])
+        for parent, old in before.items():
+            pieces = [f for f in after if f["parent"] == parent]
+            self.assertEqual(sum(f["voxels"] for f in pieces), old["voxels"])
+            volume = sum(f["volume"] for f in pieces)
+            # A tenth of a voxel more or less along a rim, and for new cuts all over them, of pieces 10 voxels wide.
+            self.assertLess(abs(volume / old["volume"] - 1), 0.01 if len(pieces) == 1 else 0.03)
+
+    def test_what_is_no_finished_fracture_is_refused(self):
+        self.done("--write", "vdb", pieces=2)
+        manifest = os.path.join(self.out, "manifest.json")
+        again = os.path.join(self.data, "again")
+        run = lambda *arguments: self.run_sherd("fracture", *arguments, "-o", again)
+        self.refused(3, run(manifest, "--only", "1"), "labels.rle")
+        self.refused(3, run(self.ball, "--only", "1"), "manifest")
+        self.done("--write", "labels,vdb", pieces=2)
+        self.refused(2, run(manifest, "--only", "3"), "fragment 3")
+        self.refused(2, run(manifest, "--only", "1", "--resolution", "64"), "--resolution")
+        self.assertFalse(os.path.exists(again))
+
+
+class WrongValues(Options):
+    def test_one_sentence_and_status_2(self):
+        wrong = {
+            "--sampler": ("Uniform", "", "0"), "--seeds-on": ("edge",), "--merge-metric": ("cosine",),
+            "--extra-seeds": ("", "-1", "n", "2m", "1.5n", "+2", "1001n", "99999999999n", "10000001"),
+            "--impact": ("", "1,2", "1,2,x", "1,2,nan", "0,0,0,0", "0,0,0,1.5", "0,0,0,2,-1", "0,0,0,2,n=0",
+                         "0,0,0,2,n=1001", "0,0,0,2,0.1,merge,merge", "0,0,0,merge,2", "ray:0,0,0", "ray:", "0,0,0,"),
+            "--impacts": ("-1", "10001", "1.5"),
+            "--growth": ("voronoi", "3"), "--neighborhood": ("18", "x"), "--metric": ("l2",),
+            "--grain": ("", "1,0,0", "0,0,0,1", "1,0,0,10", "1,0,0,-0.8", "1,0,nan,1"),
+            "--roughness": ("", "-1", "101", "1,2", "1,0", "1,0.8,3", "x"),
+            "--isolated": ("maybe",), "--min-share": ("-0.1", "1.1", "x", "nan"), "--balance": ("-1", "101", "2.5"),
+            "--missing": ("", "-1", "1.5", "all", "1e9"),
+            "--erode-iterations": ("-1", "1001", "1.5"), "--erode-shape": ("circle",),
+            "--erode-size": ("1", "4", "15", "x"), "--erode-threshold": ("-1", "1.1", "nan"),
+            "--erode-probability": ("-1", "1.1", "x"),
+            "--erode-on": ("edges",), "--erode-crumbs": ("kept",),
+        }
+        for option, texts in wrong.items():
+            for text in texts:
+                with self.subTest(option=option, text=text):
+                    self.refused(2, self.fracture(option + "=" + text), option)
+                    self.nothing_written()
+
+    def test_what_cannot_be_done_on_this_solid(self):
+        for options, word in ((("--impacts", "12"), "--pieces"), (("--impact", "0,0,0,12"), "--pieces"),
+                              (("--impact", "ray:9,9,9,1,0,0"), "misses"),
+                              (("--impact", "ray:9,0,0,0,0,0"), "direction"),
+                              (("--impact", "0,0,0,60000,merge"), "further seeds"),
+                              (("--extra-seeds", "100000"), "voxels"),
+                              (("--extra-seeds", "17000", "--seeds-on", "surface"), "surface voxels"),
+                              (("--min-share", "0.09"), "9 %"), (("--min-share", "0.0833"), "--balance"),
+                              (("--missing", "12"), "11"), (("--missing", "0.99"), "11")):
+            with self.subTest(options):
+                self.refused(2, self.fracture(*options, pieces=12), word)
+                self.nothing_written()
+
+    def test_a_list_does_not_swallow_the_mesh(self):
+        result = self.run_sherd("fracture", "--write", "labels", self.ball, "-o", self.out, "--resolution", "32")
+        self.assertEqual(result.returncode, 0, result.stderr)
+
+    def test_seeds_of_a_file_and_pieces_exclude_each_other(self):
+        self.refused(2, self.fracture("--seeds", "x.json"), "--pieces", "--seeds")
+
+
+class SameBytes(Options):
+    def test_whatever_runs_them(self):
+        """A few sets of options that use everything, on a real vessel, with one and with two threads of PoCL."""
+        sets = (("--sampler", "poisson", "--extra-seeds", "3n", "--impacts", "2", "--roughness", "1",
+                 "--grain", "1,2,0.5,3", "--erode-iterations", "2", "--erode-probability", "0.5", "--missing", "2"),
+                ("--growth", "chain", "--sampler", "halton", "--seeds-on", "surface", "--balance", "2",
+                 "--min-share", "0.001"),
+                ("--growth", "flood", "--neighborhood", "26", "--sampler", "gaussian", "--grain", "0,0,1,-0.5",
+                 "--erode-iterations", "1", "--erode-on", "all", "--erode-shape", "square", "--erode-crumbs", "keep"),
+                ("--growth", "nearest", "--metric", "chebyshev", "--impact", "0,0,0,4,n=20,merge",
+                 "--isolated", "keep"))
+        for options in sets:
+            trees = []
+            for i, threads in enumerate(("1", "2", "2")):
+                out = self.path(f"out{i}")
+                result = self.run_sherd("fracture", AMPHORA, "-o", out, "--resolution", "64", "--pieces", "20",
+                                        "--write", "labels,vdb,mesh,seeds,cost", *options,
+                                        env={**os.environ, "POCL_MAX_PTHREAD_COUNT": threads})
+                self.assertEqual(result.returncode, 0, result.stderr)
+                trees.append(tree(out))
+            with self.subTest(options):
+                self.assertGreater(len(trees[0]), 20)
+                self.assertEqual(trees[0], trees[1])
+                self.assertEqual(trees[1], trees[2])
+
+
+if __name__ == "__main__":
+    unittest.main()

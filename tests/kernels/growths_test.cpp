@@ -1,0 +1,271 @@
+// nearest.cl, levels.cl, rough.cl and the regrowth of cut-off parts against plain references, bit
+// for bit.
+#include <sherd/error.h>
+#include <sherd/labels.h>
+
+#include <algorithm>
+#include <random>
+
+#include "device_fixture.h"
+#include "grow_reference.h"
+
+namespace sherd {
+namespace {
+
+using openvdb::Coord;
+using reference::LabelMap;
+using voxel_shapes::VoxelSolid;
+
+using Growths = DeviceTest;
+
+// Distinct voxels; the first `fragments` have ids of their own, the rest repeat them.
+std::vector<Seed> randomSeeds(const VoxelSolid& solid, std::size_t fragments, std::size_t extra,
+                              unsigned seed) {
+  std::vector<Coord> voxels(solid.inside.begin(), solid.inside.end());
+  std::shuffle(voxels.begin(), voxels.end(), std::mt19937(seed));
+  fragments = std::min(fragments, voxels.size());
+  extra = std::min(extra, voxels.size() - fragments);
+  std::vector<Seed> seeds;
+  for (std::size_t i = 0; i < fragments + extra; ++i) {
+    seeds.push_back({voxels[i], static_cast<std::uint16_t>(1 + (i * 7 + 3) % fragments)});
+  }
+  // the first of each id must be its primary whatever the stride: ids 1..n once, then extras
+  for (std::size_t i = 0; i < fragments; ++i) seeds[i].fragment = static_cast<std::uint16_t>(i + 1);
+  return seeds;
+}
+
+std::vector<Labels> growOne(const VoxelSolid& solid, const std::vector<Seed>& seeds, Device& device,
+                            GrowOptions options) {
+  const std::vector<std::vector<Seed>> sets{seeds};
+  options.keepCost = true;
+  return grow(voxel_shapes::blocksOf(solid), sets, device, options);
+}
+
+LabelMap labelsOf(const std::map<Coord, reference::Arrival>& arrivals) {
+  LabelMap labels;
+  for (const auto& [voxel, arrival] : arrivals) labels[voxel] = arrival.label;
+  return labels;
+}
+
+LabelMap startOf(const std::vector<Seed>& seeds) {
+  LabelMap start;
+  for (const Seed& seed : seeds) start.try_emplace(seed.voxel, seed.fragment);
+  return start;
+}
+
+void expectCosts(const VoxelSolid& solid, const Labels& labels,
+                 const std::map<Coord, reference::Arrival>& arrivals) {
+  const LeafBlocks blocks = voxel_shapes::blocksOf(solid);
+  std::size_t wrong = 0;
+  for (const auto& [voxel, arrival] : arrivals) {
+    wrong += labels.cost[voxel_shapes::placeOf(blocks, voxel)] != arrival.cost;
+  }
+  EXPECT_EQ(wrong, 0u) << solid.name;
+}
+
+TEST_F(Growths, NearestEqualsBruteForceForEveryMetric) {
+  for (const VoxelSolid& solid : voxel_shapes::all()) {
+    const LeafBlocks blocks = voxel_shapes::blocksOf(solid);
+    for (const Metric metric : {Metric::euclidean, Metric::chebyshev, Metric::manhattan}) {
+      for (const std::size_t count : voxel_shapes::small() ? std::vector<std::size_t>{3}
+                                                           : std::vector<std::size_t>{1, 9, 60}) {
+        const std::vector<Seed> seeds = randomSeeds(solid, count, count / 3, 5);
+        const Labels labels =
+            growOne(solid, seeds, device(),
+                    {.growth = Growth::nearest, .metric = metric, .regrowIsolated = false})
+                .front();
+        const auto reference = reference::nearest(solid, seeds, metric);
+        EXPECT_EQ(reference::mapOf(blocks, labels), labelsOf(reference)) << solid.name;
+        expectCosts(solid, labels, reference);
+      }
+    }
+  }
+}
+
+TEST_F(Growths, MooreFloodEqualsDijkstra) {
+  for (const VoxelSolid& solid : voxel_shapes::all()) {
+    const LeafBlocks blocks = voxel_shapes::blocksOf(solid);
+    const std::vector<Seed> seeds = randomSeeds(solid, 7, 3, 1);
+    const Labels labels =
+        growOne(solid, seeds, device(),
+                {.growth = Growth::flood, .neighborhood = 26, .regrowIsolated = false})
+            .front();
+    const auto reference = reference::dijkstra(solid.inside, startOf(seeds), reference::moore());
+    EXPECT_EQ(reference::mapOf(blocks, labels), labelsOf(reference)) << solid.name;
+    expectCosts(solid, labels, reference);
+  }
+}
+
+// Seeds of one part only, so that every step of the way can be repeated by the reference.
+TEST_F(Growths, EuclidEqualsItsStepsOneByOne) {
+  for (const VoxelSolid& solid : voxel_shapes::all()) {
+    const LeafBlocks blocks = voxel_shapes::blocksOf(solid);
+    const std::vector<Seed> seeds = randomSeeds(solid, 7, 5, 2);
+    const Labels labels = growOne(solid, seeds, device(), {.growth = Growth::euclid}).front();
+
+    const LabelMap nearest = labelsOf(reference::nearest(solid, seeds, Metric::euclidean));
+    LabelMap kept = reference::kept(nearest, seeds);
+    ASSERT_GE(labels.freed.size(), 1u);
+    EXPECT_EQ(labels.freed[0], nearest.size() - kept.size()) << solid.name;
+    LabelMap grown = labelsOf(reference::dijkstra(solid.inside, kept, reference::chamfer()));
+    kept = reference::kept(grown, seeds);
+    std::vector<reference::Step> faces;
+    for (const Coord& to : voxel_shapes::neighbours({0, 0, 0})) faces.push_back({to, 1, {}});
+    grown = labelsOf(reference::dijkstra(solid.inside, kept, faces));
+    EXPECT_EQ(reference::mapOf(blocks, labels), grown) << solid.name;
+  }
+}
+
+// The chain by a queue that always takes the least (rung, round, cost, source): see levels.cl.
+LabelMap referenceChain(const VoxelSolid& solid, const std::vector<Seed>& seeds, Metric metric) {
+  struct Owner {
+    std::uint64_t cost;
+    std::uint16_t label;
+    Coord seed;
+  };
+  std::map<Coord, Owner> owned;
+  for (const Seed& seed : seeds) owned[seed.voxel] = {0, seed.fragment, seed.voxel};
+  const auto rungAbove = [&](std::uint64_t distance) {
+    if (metric != Metric::euclidean) return distance;
+    std::uint64_t n = 0;
+    while (n * n < 64 * distance) ++n;
+    return n * n / 64;
+  };
+  const auto before = [&](const Owner& a, const Owner& b) {
+    if (a.cost != b.cost) return a.cost < b.cost;
+    if (a.label != b.label) return a.label < b.label;
+    return voxel_shapes::leafOrder(a.seed, b.seed);
+  };
+  std::uint64_t threshold = 0;
+  std::map<Coord, Owner> front = owned;  // those that may have something left to offer
+  for (;;) {
+    std::map<Coord, Owner> offers;
+    for (auto at = front.begin(); at != front.end();) {
+      const auto [voxel, owner] = *at;
+      bool offered = false;
+      for (const Coord& n : voxel_shapes::neighbours(voxel)) {
+        if (!solid.inside.count(n) || owned.count(n)) continue;
+        offered = true;
+        Owner offer = owner;
+        offer.cost = std::max(owner.cost, reference::distance(metric, n, owner.seed));
+        const auto [best, added] = offers.try_emplace(n, offer);
+        if (!added && before(offer, best->second)) best->second = offer;
+      }
+      at = offered ? std::next(at) : front.erase(at);
+    }
+    if (offers.empty()) break;
+    std::uint64_t least = ~0ull;
+    bool took = false;
+    for (const auto& [voxel, offer] : offers) {
+      if (offer.cost <= threshold) {
+        owned[voxel] = front[voxel] = offer;
+        took = true;
+      }
+      least = std::min(least, offer.cost);
+    }
+    if (!took) threshold = rungAbove(least);
+  }
+  LabelMap labels;
+  for (const auto& [voxel, owner] : owned) labels[voxel] = owner.label;
+  return labels;
+}
+
+TEST_F(Growths, ChainEqualsAPlainQueueAndIsConnected) {
+  for (const VoxelSolid& solid : voxel_shapes::all()) {
+    const LeafBlocks blocks = voxel_shapes::blocksOf(solid);
+    for (const Metric metric : {Metric::euclidean, Metric::chebyshev, Metric::manhattan}) {
+      const std::vector<Seed> seeds = randomSeeds(solid, 6, 0, 3);
+      const Labels labels =
+          growOne(solid, seeds, device(), {.growth = Growth::chain, .metric = metric}).front();
+      const LabelMap map = reference::mapOf(blocks, labels);
+      EXPECT_EQ(map, referenceChain(solid, seeds, metric)) << solid.name;
+      EXPECT_EQ(reference::connectedParts(map), seeds.size()) << solid.name;
+    }
+  }
+}
+
+TEST_F(Growths, EveryGrowthGivesConnectedFragmentsThatCoverTheirParts) {
+  const bool small = voxel_shapes::small();
+  const VoxelSolid solid = small ? voxel_shapes::cup(6, 2) : voxel_shapes::cup(11, 3);
+  const LeafBlocks blocks = voxel_shapes::blocksOf(solid);
+  for (const Growth growth : {Growth::flood, Growth::nearest, Growth::chain, Growth::euclid}) {
+    for (const int neighborhood : {6, 26}) {
+      if (small && neighborhood == 6) continue;
+      for (const double roughness : {0.0, 1.5}) {
+        for (const double strength : {0.0, 2.0, -0.5}) {
+          if (small && (strength < 0.0) == (roughness > 0.0)) continue;
+          const std::vector<Seed> seeds = randomSeeds(solid, 9, 14, 4);
+          const Labels labels = growOne(solid, seeds, device(),
+                                        {.growth = growth,
+                                         .neighborhood = neighborhood,
+                                         .grain = {{1, 2, 0}, strength},
+                                         .roughness = roughness})
+                                    .front();
+          const LabelMap map = reference::mapOf(blocks, labels);
+          EXPECT_EQ(map.size(), solid.inside.size());
+          EXPECT_EQ(reference::connectedParts(map), 9u);
+          if (roughness == 0.0) {
+            EXPECT_EQ(reference::kept(map, seeds).size(), map.size());
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST_F(Growths, BatchesAndWorkGroupsGiveTheSameLabels) {
+  const VoxelSolid solid =
+      voxel_shapes::small() ? voxel_shapes::cup(6, 2) : voxel_shapes::cup(11, 3);
+  const LeafBlocks blocks = voxel_shapes::blocksOf(solid);
+  const std::vector<std::vector<Seed>> sets{
+      randomSeeds(solid, 3, 0, 1), randomSeeds(solid, 12, 20, 2), randomSeeds(solid, 1, 0, 3)};
+  for (const Growth growth : {Growth::flood, Growth::nearest, Growth::chain, Growth::euclid}) {
+    GrowOptions options{.growth = growth, .neighborhood = 26, .roughness = 1.0};
+    options.keepCost = true;
+    options.noiseSeeds = {11, 22, 33};
+    const std::vector<Labels> together = grow(blocks, sets, device(), options);
+    for (std::size_t i = 0; i < sets.size(); ++i) {
+      GrowOptions alone = options;
+      alone.noiseSeeds = {options.noiseSeeds[i]};
+      alone.workGroupSize = static_cast<int>(1 + i);
+      const Labels own = std::move(grow(blocks, std::span(&sets[i], 1), device(), alone).front());
+      EXPECT_EQ(own.fragment, together[i].fragment);
+      EXPECT_EQ(own.cost, together[i].cost);
+    }
+  }
+}
+
+TEST_F(Growths, NoRoughnessMovesNothingAndRoughnessMovesOnlyWhatIsNearACrack) {
+  const VoxelSolid solid = voxel_shapes::ball(voxel_shapes::small() ? 9 : 20);
+  const LeafBlocks blocks = voxel_shapes::blocksOf(solid);
+  const std::vector<Seed> seeds{{{-5, 0, 0}, 1}, {{5, 1, 0}, 2}};
+  const auto map = [&](double roughness) {
+    return reference::mapOf(blocks,
+                            growOne(solid, seeds, device(), {.roughness = roughness}).front());
+  };
+  const LabelMap smooth = map(0.0), rough = map(1.0);
+  std::size_t moved = 0;
+  for (const auto& [voxel, label] : smooth) {
+    if (rough.at(voxel) == label) continue;
+    ++moved;
+    EXPECT_LT(std::abs(voxel.x()), 14);
+  }
+  EXPECT_GT(moved, 0u);
+  EXPECT_EQ(map(0.0), smooth);
+}
+
+TEST_F(Growths, RefusesWhatIsOutOfRange) {
+  const VoxelSolid solid = voxel_shapes::ball(4);
+  const std::vector<Seed> seeds{{{0, 0, 0}, 1}};
+  const auto refused = [&](const GrowOptions& options) {
+    EXPECT_THROW((void)growOne(solid, seeds, device(), options), Error);
+  };
+  refused({.growth = Growth::flood, .neighborhood = 18});
+  refused({.grain = {{0, 0, 0}, 1.0}});
+  refused({.grain = {{1, 0, 0}, -0.9}});
+  refused({.roughness = -1.0});
+  refused({.roughness = 1.0, .hurst = 2.0});
+}
+
+}  // namespace
+}  // namespace sherd

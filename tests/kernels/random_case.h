@@ -1,0 +1,171 @@
+// Random solids and random options for property tests.
+#pragma once
+
+#include <sherd/erode.h>
+#include <sherd/labels.h>
+
+#include <random>
+
+#include "unit/seeds_fixture.h"
+
+namespace sherd::random_case {
+
+using openvdb::Coord;
+using voxel_shapes::VoxelSolid;
+
+/// Numbers that are the same with every compiler: draws within one call stand in braces, which are
+/// taken in order.
+class Draw {
+ public:
+  explicit Draw(std::uint64_t number) : bits_(number + 1) {}
+
+  int upTo(int most) { return most <= 0 ? 0 : static_cast<int>(bits_() % (most + 1ull)); }
+  int between(int low, int high) { return low + upTo(high - low); }
+  bool oneIn(int n) { return upTo(n - 1) == 0; }
+  double between(double low, double high) {
+    return low + (high - low) * static_cast<double>(bits_() >> 11) * 0x1p-53;
+  }
+  std::uint64_t seed() { return bits_(); }
+  template <class T>
+  T of(std::initializer_list<T> these) {
+    return these.begin()[upTo(static_cast<int>(these.size()) - 1)];
+  }
+
+ private:
+  std::mt19937_64 bits_;
+};
+
+inline VoxelSolid unionOfBoxesAndBalls(Draw& draw, int extent) {
+  struct Body {
+    Coord centre, reach;
+    bool isBall;
+  };
+  std::vector<Body> bodies(static_cast<std::size_t>(draw.between(2, 7)));
+  for (Body& body : bodies) {
+    for (int axis = 0; axis < 3; ++axis) {
+      body.centre[axis] = draw.between(-extent, extent);
+      body.reach[axis] = draw.upTo(extent / 2);
+    }
+    body.isBall = draw.oneIn(2);
+  }
+  return voxel_shapes::solidWhere("boxes and balls", extent, [&](const Coord& v) {
+    return std::any_of(bodies.begin(), bodies.end(), [&](const Body& body) {
+      const Coord d = v - body.centre;
+      const int r = body.reach.x();
+      if (body.isBall) return d.x() * d.x() + d.y() * d.y() + d.z() * d.z() <= r * r;
+      return std::abs(d.x()) <= r && std::abs(d.y()) <= body.reach.y() &&
+             std::abs(d.z()) <= body.reach.z();
+    });
+  });
+}
+
+inline VoxelSolid shapeFor(Draw& draw, int most) {
+  const int extent = draw.between(3, most);
+  const auto seed = static_cast<unsigned>(draw.upTo(1000));
+  switch (draw.upTo(7)) {
+    case 0:
+      return voxel_shapes::ball(extent);
+    case 1:
+      return voxel_shapes::cup(most, draw.between(1, 4));
+    case 2:
+      return voxel_shapes::sparseRandom(std::min(extent, 9), 5 + seed % 91, seed);
+    case 3:
+      return voxel_shapes::manyPartsWithin(extent);
+    case 4:
+      return voxel_shapes::checkerboard(std::min(extent, 5));
+    default:
+      return unionOfBoxesAndBalls(draw, most);
+  }
+}
+
+// The shape somewhere, so that leaves cut it otherwise.
+inline VoxelSolid anySolid(Draw& draw) {
+  VoxelSolid solid;
+  while (solid.inside.empty()) solid = shapeFor(draw, voxel_shapes::small() ? 6 : 14);
+  const int far = draw.of({0, 8, 20, 1'000'000});
+  const Coord by{draw.between(-far, far), draw.between(-far, far), draw.between(-far, far)};
+  VoxelSolid moved{solid.name, {}, {}};
+  for (const Coord& v : solid.inside) moved.inside.insert(v + by);
+  for (const Coord& v : solid.outer) moved.outer.insert(v + by);
+  return moved;
+}
+
+inline Impact anyImpact(Draw& draw, const ShapeSolid& on) {
+  const auto anyVoxel = [&] {
+    return *std::next(on.shape.inside.begin(), draw.upTo(static_cast<int>(on.solid.voxels) - 1));
+  };
+  const auto world = [&](const Coord& v) {
+    return on.solid.frame.worldFromIndex({{v.x(), v.y(), v.z()}});
+  };
+  Impact impact;
+  if (draw.oneIn(3)) impact.place = world(anyVoxel());
+  if (draw.oneIn(3)) {  // its way leads through a voxel of the solid
+    const WorldPoint to = world(anyVoxel());
+    const WorldPoint from = world(anyVoxel() + Coord{draw.of({-40, 0, 41}), draw.upTo(40), 50});
+    impact.place = Ray{from, to.v - from.v};
+  }
+  impact.count = draw.upTo(2);
+  if (draw.oneIn(2)) impact.spread = draw.between(0.01, 3.0);
+  impact.bias = draw.between(1, 12);
+  impact.merge = draw.oneIn(2);
+  return impact;
+}
+
+inline SeedOptions anySeeds(Draw& draw, const ShapeSolid& on) {
+  SeedOptions options;
+  const int parts = static_cast<int>(on.parts.count());
+  options.on = draw.of({SeedsOn::volume, SeedsOn::surface});
+  options.pieces = draw.between(1, std::max(1, static_cast<int>(on.solid.voxels / 100)));
+  options.seed = draw.seed();
+  options.sampler = kSamplers[draw.upTo(3)];
+  options.mergeMetric = kMetrics[draw.upTo(2)];
+  const int candidates = static_cast<int>(options.on == SeedsOn::volume ? on.shape.inside.size()
+                                                                        : on.surface().size());
+  const int fragments = std::max(options.pieces, parts), room = candidates - fragments;
+  if (draw.oneIn(2)) options.extraSeeds = draw.upTo(std::min(3 * fragments, room / 2));
+  // Impacts need room; whether it is in the part that they strike is seen when they are tried.
+  if (options.pieces - parts >= 16 && room > 4 * fragments && !draw.oneIn(3)) {
+    for (int i = draw.upTo(3); i > 0; --i) options.impacts.push_back(anyImpact(draw, on));
+    options.randomImpacts = draw.upTo(2);
+  }
+  return options;
+}
+
+inline GrowOptions anyGrowth(Draw& draw) {
+  GrowOptions options;
+  options.growth = draw.of({Growth::flood, Growth::nearest, Growth::chain, Growth::euclid});
+  options.neighborhood = draw.of({6, 26});
+  options.metric = kMetrics[draw.upTo(2)];
+  if (draw.oneIn(3)) {
+    options.grain = {{draw.between(-1.0, 1.0), draw.between(-1.0, 1.0), draw.between(0.1, 1.0)},
+                     draw.of({-0.75, 9.0, draw.between(-0.75, 9.0)})};
+  }
+  if (draw.oneIn(3)) {
+    options.roughness = draw.of({0.3, 1.0, 3.0, 100.0});
+    options.hurst = draw.between(0.1, 1.0);
+    options.roughnessWindow = draw.of({0.0, 1.0, 8.5, 300.0});
+  }
+  options.regrowIsolated = !draw.oneIn(4);
+  options.noiseSeeds = {draw.seed(), draw.seed()};
+  options.keepCost = draw.oneIn(2);
+  options.outerSteps = draw.of({0, 1, 3, 6, 64});
+  options.stepsPerReadback = draw.of({0, 0, 1, 5});
+  options.workGroupSize = draw.of({0, 0, 1, 3, 64});
+  return options;
+}
+
+inline ErodeOptions anyErosion(Draw& draw) {
+  ErodeOptions options;
+  options.shape = draw.of({ErodeShape::cross, ErodeShape::square, ErodeShape::ellipse});
+  options.size = 3 + 2 * draw.upTo(5);
+  options.planes = draw.oneIn(3);
+  options.iterations = draw.of({0, 1, 2, 5, 20});
+  if (draw.oneIn(2)) options.threshold = draw.between(0.001, 1.0);
+  if (draw.oneIn(2)) options.probability = draw.between(0.001, 1.0);
+  options.on = draw.of({ErodeOn::fracture, ErodeOn::all});
+  options.crumbs = draw.of({Crumbs::worn, Crumbs::kept});
+  options.seed = draw.seed();
+  return options;
+}
+
+}  // namespace sherd::random_case

@@ -1,0 +1,36 @@
+// Erosion that is easy to believe: voxel by voxel, cell by cell.
+#pragma once
+
+#include <sherd/erode.h>
+
+#include <functional>
+#include <map>
+#include <set>
+#include <string>
+
+#include "kernels/voxel_shapes.h"
+
+namespace sherd::erode_reference {
+
+/// A solid with a label on each inside voxel, both ways.
+struct Labelled {
+  std::string name;
+  std::map<openvdb::Coord, int> voxels;
+  LeafBlocks blocks;
+  Labels labels;  ///< label 1 is also on the outer band, which erosion must neither read nor change
+  int fragments = 0;
+};
+
+Labelled labelled(const voxel_shapes::VoxelSolid& solid, int fragments,
+                  const std::function<int(const openvdb::Coord&)>& labelOf);
+
+/// The solids that every shape is tried on; in some, voxels have no label.
+std::vector<Labelled> all();
+
+/// What erode() makes of each voxel's label where probability is 1.
+std::map<openvdb::Coord, int> erode(const Labelled& solid, const ErodeOptions& options);
+
+/// What tools::erodeActiveValues leaves of a fragment, by 6 or 26 neighbours.
+std::set<openvdb::Coord> erodedByOpenVdb(const Labelled& solid, int fragment, bool by26);
+
+}  // namespace sherd::erode_reference
