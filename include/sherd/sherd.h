@@ -6,6 +6,7 @@
 #include <sherd/device.h>
 #include <sherd/erode.h>
 #include <sherd/error.h>
+#include <sherd/evaluate.h>
 #include <sherd/fracture.h>
 #include <sherd/fragments.h>
 #include <sherd/io.h>

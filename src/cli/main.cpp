@@ -55,6 +55,7 @@ void parse(int argc, char** argv, Action& run) {
   app.require_subcommand(1);
   addFractureCommand(app, run);
   addInspectCommand(app, run);
+  addEvaluateCommand(app, run);
   addDevicesCommand(app, run);
   app.footer(
       "Exit status: 0 done, 1 internal error, 2 usage, 3 input, 4 device, 5 output, 130 "

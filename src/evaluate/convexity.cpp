@@ -1,0 +1,166 @@
+// How convex a body is.
+#include <sherd/error.h>
+#include <sherd/evaluate.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <string>
+
+#include "evaluate/hull.h"
+#include "evaluate/inside.h"
+#include "random.h"
+
+namespace sherd {
+namespace {
+
+constexpr double kPush = 1e-4;  // of the diagonal of all points' box
+
+struct SurfacePoint {
+  glm::dvec3 position{0.0};
+  glm::dvec3 normal{0.0};  ///< unit, or zero where the normals round it cancel
+};
+
+/// The vector's direction, or zero.
+glm::dvec3 unit(const glm::dvec3& v) {
+  const double length = glm::length(v);
+  return length > 0.0 ? v / length : glm::dvec3(0.0);
+}
+
+/// The mesh about the mean of its vertices, its largest absolute coordinate 1.
+TriangleMesh normalised(const TriangleMesh& mesh) {
+  TriangleMesh result{mesh.vertices, mesh.triangles};
+  const double share = 1.0 / static_cast<double>(mesh.vertices.size());
+  glm::dvec3 mean(0.0);
+  for (const glm::dvec3& v : mesh.vertices) mean += share * v;
+  double largest = 0.0;
+  for (glm::dvec3& v : result.vertices) {
+    v -= mean;
+    largest = std::max({largest, std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+  }
+  if (!(largest > 0.0 && std::isfinite(largest))) {
+    throw Error(ErrorCode::input, "the mesh has no area; a body is needed");
+  }
+  for (glm::dvec3& v : result.vertices) v /= largest;
+  return result;
+}
+
+/// A vertex's normal is the mean of those of the faces round it, weighted by their angles there.
+std::vector<glm::dvec3> vertexNormals(const TriangleMesh& mesh) {
+  std::vector<glm::dvec3> normals(mesh.vertices.size(), glm::dvec3(0.0));
+  for (const glm::uvec3& t : mesh.triangles) {
+    for (int k = 0; k < 3; ++k) {
+      const glm::dvec3& corner = mesh.vertices[t[k]];
+      const glm::dvec3 a = mesh.vertices[t[(k + 1) % 3]] - corner;
+      const glm::dvec3 b = mesh.vertices[t[(k + 2) % 3]] - corner;
+      const glm::dvec3 across = glm::cross(a, b);
+      normals[t[k]] += std::atan2(glm::length(across), glm::dot(a, b)) * unit(across);
+    }
+  }
+  for (glm::dvec3& normal : normals) normal = unit(normal);
+  return normals;
+}
+
+/// Twice the area of the triangles up to and with each.
+std::vector<double> areaSums(const TriangleMesh& mesh) {
+  std::vector<double> sums;
+  sums.reserve(mesh.triangles.size());
+  double sum = 0.0;
+  for (const glm::uvec3& t : mesh.triangles) {
+    const glm::dvec3& a = mesh.vertices[t.x];
+    sums.push_back(sum += glm::length(glm::cross(mesh.vertices[t.y] - a, mesh.vertices[t.z] - a)));
+  }
+  return sums;
+}
+
+std::vector<SurfacePoint> drawPoints(const TriangleMesh& mesh, std::size_t count,
+                                     std::uint64_t seed) {
+  const std::vector<double> sums = areaSums(mesh);
+  if (!(sums.back() > 0.0)) {
+    throw Error(ErrorCode::input, "the mesh has no area; a body is needed");
+  }
+  const std::vector<glm::dvec3> normals = vertexNormals(mesh);
+  const auto draw = [&](std::size_t item) {  // uniform in [0, 1)
+    return static_cast<double>(randomBits(seed, Stage::convexitySample, item) >> 11) * 0x1p-53;
+  };
+  std::vector<SurfacePoint> points(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto at = std::upper_bound(sums.begin(), sums.end(), draw(3 * i) * sums.back());
+    const glm::uvec3& t =
+        mesh.triangles[std::min(static_cast<std::size_t>(at - sums.begin()), sums.size() - 1)];
+    // The square root makes a uniform point of the triangle out of one of the square.
+    const double root = std::sqrt(draw(3 * i + 1)), split = draw(3 * i + 2);
+    const double x = 1.0 - root, y = root * (1.0 - split), z = root * split;
+    points[i] = {x * mesh.vertices[t.x] + y * mesh.vertices[t.y] + z * mesh.vertices[t.z],
+                 unit(x * normals[t.x] + y * normals[t.y] + z * normals[t.z])};
+  }
+  return points;
+}
+
+double boxDiagonal(const std::vector<SurfacePoint>& points) {
+  glm::dvec3 low = points.front().position, high = low;
+  for (const SurfacePoint& point : points) {
+    low = glm::min(low, point.position);
+    high = glm::max(high, point.position);
+  }
+  return glm::length(high - low);
+}
+
+/// The distances in order, without those below 0.
+Convexity summary(const std::vector<double>& distances) {
+  Convexity result;
+  double sum = 0.0;
+  for (const double d : distances) {
+    if (d < 0.0) continue;
+    sum += d;
+    ++result.samples;
+  }
+  if (result.samples == 0) {
+    throw Error(ErrorCode::input,
+                "no point of the surface has the inside below it; "
+                "a closed mesh oriented outwards is needed");
+  }
+  const double count = static_cast<double>(result.samples), mean = sum / count;
+  double squares = 0.0;
+  for (const double d : distances) squares += d < 0.0 ? 0.0 : (d - mean) * (d - mean);
+  result.value = 1.0 - mean;
+  result.standardDeviation = std::sqrt(squares / count);
+  return result;
+}
+
+}  // namespace
+
+Convexity convexity(const TriangleMesh& mesh, std::size_t samples, std::uint64_t seed) {
+  if (samples == 0) throw Error(ErrorCode::usage, "convexity: 0 samples, expected at least 1");
+  if (mesh.triangles.empty()) {
+    throw Error(ErrorCode::input, "the mesh has no area; a body is needed");
+  }
+  const TriangleMesh body = normalised(mesh);
+  const std::vector<SurfacePoint> points = drawPoints(body, samples, seed);
+  const double push = kPush * boxDiagonal(points);
+  const std::vector<HalfSpace> hull = convexHull(body.vertices);
+  const InsideTest inside(body);
+
+  std::vector<double> distances(samples, -1.0);  // below 0: dropped
+  tbb::parallel_for(std::size_t{0}, samples, [&](std::size_t i) {
+    const SurfacePoint& point = points[i];
+    const glm::dvec3 pushed = point.position - push * point.normal;
+    if (point.normal == glm::dvec3(0.0) || !inside.contains(pushed)) return;
+    distances[i] = exitDistance(hull, pushed, point.normal);
+  });
+  return summary(distances);
+}
+
+double effectiveCount(std::span<const double> shares) {
+  double sum = 0.0, squares = 0.0;
+  for (const double share : shares) {
+    sum += share;
+    squares += share * share;
+  }
+  return squares > 0.0 ? sum * sum / squares : 0.0;
+}
+
+}  // namespace sherd
