@@ -1,0 +1,555 @@
+#!/usr/bin/python3
+"""Make the picture gallery: docs/gallery.md and its pictures, each with the command that makes it.
+
+usage: gallery.py SHERD FOLDER            writes FOLDER/gallery.md and FOLDER/images/gallery/*
+       gallery.py --inputs FOLDER         writes only the meshes and seeds that the commands name
+
+With FOLDER docs it makes the gallery of this repository anew, in some ten minutes on two cores.  Besides data/amphora.ply it needs no
+file: block, plate and ball are made here.  Figures are those of "Generating implicit object fragment datasets for machine
+learning".
+
+Needs Debian's python3-numpy, python3-pil and python3-matplotlib, and a C++ compiler with libopenvdb-dev: cost.vdb is an
+Int32 grid, which Debian's python3-openvdb does not read.
+"""
+import argparse
+import json
+import math
+import pathlib
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+from PIL import Image, ImageDraw
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+SIDE = 288  # pixels, the longest side of a picture
+
+
+# ---- inputs ----------------------------------------------------------------------------------------------------------
+
+def box(x, y, z):
+    corners = [(i * x, j * y, k * z) for i in (0, 1) for j in (0, 1) for k in (0, 1)]
+    return corners, [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+
+
+def ball(meridians=96):
+    rows = meridians // 2
+    points, faces = [(0.0, 1.0, 0.0)], []
+    for r in range(1, rows):
+        t = math.pi * r / rows
+        for s in range(meridians):
+            p = 2 * math.pi * s / meridians
+            points.append((math.sin(t) * math.cos(p), math.cos(t), -math.sin(t) * math.sin(p)))
+    points.append((0.0, -1.0, 0.0))
+
+    def at(r, s):
+        return 1 + (r - 1) * meridians + s % meridians
+
+    for s in range(meridians):
+        faces.append((0, at(1, s), at(1, s + 1)))
+        faces += [(at(r, s), at(r + 1, s), at(r + 1, s + 1), at(r, s + 1)) for r in range(1, rows - 1)]
+        faces.append((len(points) - 1, at(rows - 1, s + 1), at(rows - 1, s)))
+    return points, faces
+
+
+def write_obj(path, mesh):
+    points, faces = mesh
+    path.write_text("".join("v %.9g %.9g %.9g\n" % p for p in points) +
+                    "".join("f " + " ".join(str(i + 1) for i in f) + "\n" for f in faces))
+
+
+def write_seeds(path, positions):
+    seeds = [{"fragment": i + 1, "position": p} for i, p in enumerate(positions)]
+    path.write_text(json.dumps({"schema": "sherd-seeds/1", "seeds": seeds}, indent=1) + "\n")
+
+
+def write_inputs(folder):
+    write_obj(folder / "block.obj", box(1, 1, 1))
+    write_obj(folder / "plate.obj", box(1, 1, 0.15))
+    write_obj(folder / "ball.obj", ball())
+    write_seeds(folder / "bricks.json", [[x / 8, (2 * row + 1) / 10, 0.075] for row in range(5)
+                                         for x in ([1, 3, 5, 7] if row % 2 == 0 else [0.5, 2, 4, 6, 7.5])])
+    write_seeds(folder / "four.json", [[0.25, 0.27, 0.5], [0.74, 0.25, 0.5], [0.3, 0.76, 0.5], [0.77, 0.72, 0.5]])
+    write_seeds(folder / "six.json", [[-0.116, 0.237, 0.056], [-0.099, 0.315, 0.010], [-0.007, 0.100, -0.081],
+                                      [-0.046, 0.276, -0.113], [-0.071, 0.146, -0.074], [0.003, 0.093, 0.070]])
+    shutil.copy(ROOT / "data/amphora.ply", folder / "amphora.ply")
+
+
+# ---- what the gallery shows ------------------------------------------------------------------------------------------
+
+class Group:
+    """Fractures of one mesh that differ in one option."""
+
+    def __init__(self, key, title, text, mesh, base, items, columns=4):
+        self.key, self.title, self.text, self.mesh, self.base = key, title, text, mesh, base
+        self.items, self.columns = items, columns  # items: (name, options, what to see)
+
+
+EYE = "ray:0.6,0.6,0.84,-0.539,-0.342,-0.77"  # from the eye of preview.png towards the belly of the amphora
+WEAR = "--pieces 6 --seed 3 --resolution 96 --erode-iterations"
+
+CHAPTERS = [
+    ("Pieces and voxels", [
+        Group("pieces", "--pieces", "How many.", "amphora.ply", "--seed 3", [
+            ("3", "--pieces 3", "three"), ("8", "--pieces 8", "the default"), ("25", "--pieces 25", "25"),
+            ("100", "--pieces 100", "100")]),
+        Group("seed", "--seed", "Another seed, another fracture; the same seed, the same bytes.", "amphora.ply",
+              "--pieces 8", [("1", "--seed 1", ""), ("2", "--seed 2", ""), ("4", "--seed 4", "")], 3),
+        Group("resolution", "--resolution and --voxel-size",
+              "Voxels along the longest side, or a voxel's size in the mesh's own unit. A crack is a surface between "
+              "voxels; at a low resolution its steps show, most of all on a thin wall.", "amphora.ply",
+              "--seeds six.json", [
+                  ("48", "--resolution 48", "the wall is one voxel thick: lumps"),
+                  ("128", "--resolution 128", "the default"),
+                  ("320", "--resolution 320", "fine"),
+                  ("size", "--voxel-size 0.004", "4 mm, as the amphora is in metres")]),
+        Group("up", "--up", "The axis that points up in `preview.png`; the fragments stay the same.", "plate.obj",
+              "--pieces 6 --seed 3", [("y", "--up y", "the default"), ("z", "--up z", "lying down")], 2),
+    ]),
+    ("Growth", [
+        Group("growth", "--growth", "How fragments spread from the same six seeds.", "plate.obj", "--pieces 6 --seed 3", [
+            ("flood", "--growth flood", "layer by layer over faces: cracks go along axes and diagonals, as the steps "
+             "of Figure 3 do"),
+            ("nearest", "--growth nearest", "the nearest seed: a Voronoi diagram"),
+            ("chain", "--growth chain", "the Discrete Voronoi Chain: in a convex solid the same cracks"),
+            ("euclid", "--growth euclid", "the default: nearest, and what is cut off is grown again")]),
+        Group("growth-amphora", "--growth on a solid with gaps",
+              "A flood has to walk round the neck and along the handle; the nearest seed sees across the gap.",
+              "amphora.ply", "--pieces 6 --seed 3", [
+                  ("flood", "--growth flood", "cracks where the ways meet, curled and stepped"),
+                  ("euclid", "--growth euclid", "cracks in planes through the whole vessel")], 2),
+        Group("neighborhood", "--neighborhood", "Where a flood steps to.", "plate.obj",
+              "--pieces 6 --seed 3 --growth flood", [
+                  ("6", "--neighborhood 6", "6 faces (von Neumann): fronts are octahedra"),
+                  ("26", "--neighborhood 26", "faces, edges and corners (Moore): fronts are cubes")], 2),
+        Group("metric", "--metric", "What near means to `nearest` and `chain`.", "plate.obj",
+              "--pieces 6 --seed 3 --growth nearest", [
+                  ("euclidean", "--metric euclidean", "straight cracks in any direction"),
+                  ("chebyshev", "--metric chebyshev", "as a flood over 26 neighbours"),
+                  ("manhattan", "--metric manhattan", "as a flood over 6")], 3),
+        Group("roughness", "--roughness", "Cracks with the relief of broken stone: the rms height in voxels, measured over "
+              "a tenth of the solid.", "block.obj", "--pieces 5 --seed 4", [
+                  ("0", "--roughness 0", "smooth"), ("1", "--roughness 1", "grain"),
+                  ("3", "--roughness 3", "rugged, the first overhangs"),
+                  ("6", "--roughness 6", "so steep that cracks overhang and open pits in the outer faces")]),
+        Group("hurst", "--roughness r,H", "The Hurst exponent: how much of the height is in the small waves. Look at the "
+              "rims.", "plate.obj", "--pieces 6 --seed 3", [
+                  ("05", "--roughness 3,0.5", "H 0.5: crumbly"), ("08", "--roughness 3,0.8", "H 0.8: the default"),
+                  ("10", "--roughness 3,1", "H 1: rolling")], 3),
+        Group("grain", "--grain", "Lengths along a direction count less (wood) or more (slate).", "block.obj",
+              "--pieces 9 --seed 2", [
+                  ("none", "", "no grain"), ("wood", "--grain 0,1,0,6", "splinters along y"),
+                  ("slant", "--grain 1,2,0,6 --roughness 1", "splinters on a slant, rough"),
+                  ("slate", "--grain 0,1,0,-0.75", "plates across y")]),
+        Group("isolated", "--isolated", "Further seeds may cut a part of a fragment off from its first seed.", "plate.obj",
+              "--pieces 5 --seed 8 --extra-seeds 6n --resolution 64", [
+                  ("regrow", "--isolated regrow", "the default: violet and green have grown into it; every fragment is one piece"),
+                  ("keep", "--isolated keep", "the orange island at the right stays")], 2),
+        Group("min-share", "--min-share", "Seeds of small fragments are drawn again. Ten fragments have a tenth of the "
+              "solid on average.", "plate.obj", "--pieces 10 --seed 1", [
+                  ("0", "--min-share 0", "any size"), ("05", "--min-share 0.05", "no less than 5 %"),
+                  ("08", "--min-share 0.08", "no less than 8 %")], 3),
+        Group("balance", "--balance", "Seeds move to the centres of their fragments (Lloyd's steps).", "plate.obj",
+              "--pieces 10 --seed 1", [
+                  ("0", "--balance 0", "none"), ("1", "--balance 1", "one step"), ("5", "--balance 5", "five"),
+                  ("40", "--balance 40", "forty: about equal sizes")]),
+        Group("missing", "--missing", "Fragments that were not found. The manifest tells which; the others keep their "
+              "places.", "amphora.ply", "--pieces 12 --seed 3", [
+                  ("0", "--missing 0", "all twelve"), ("3", "--missing 3", "three withheld"),
+                  ("half", "--missing 0.5", "half of them withheld")], 3),
+    ]),
+    ("Seeds", [
+        Group("sampler", "--sampler", "How seeds are drawn. The histograms are further down, at Figure 5.", "plate.obj",
+              "--pieces 16 --seed 5", [
+                  ("uniform", "--sampler uniform", "anywhere: large and small"),
+                  ("halton", "--sampler halton", "a low-discrepancy sequence: more even"),
+                  ("gaussian", "--sampler gaussian", "small in the middle, large at the rim"),
+                  ("poisson", "--sampler poisson", "well apart: no two seeds are close")]),
+        Group("seeds-on", "--seeds-on", "Where seeds may lie.", "ball.obj", "--pieces 10 --seed 2", [
+            ("volume", "--seeds-on volume", "seeds lie inside too, pieces are wedges and lumps"),
+            ("surface", "--seeds-on surface", "every piece has its part of the surface")], 2),
+        Group("extra", "--extra-seeds", "Further seeds, given to the nearest fragment: less convex pieces.", "plate.obj",
+              "--pieces 6 --seed 3", [
+                  ("0", "--extra-seeds 0", "none"), ("1n", "--extra-seeds 1n", "one for each fragment"),
+                  ("2n", "--extra-seeds 2n", "two"), ("6n", "--extra-seeds 6n", "six")]),
+        Group("merge-metric", "--merge-metric", "What nearest means when further seeds are given to fragments: by "
+              "another metric some of them go to another fragment.", "plate.obj", "--pieces 6 --seed 3 --extra-seeds 2n", [
+                  ("chebyshev", "--merge-metric chebyshev", "the default: the seed right of the middle goes to yellow"),
+                  ("euclidean", "--merge-metric euclidean", "it goes to violet"),
+                  ("manhattan", "--merge-metric manhattan", "it goes to red")], 3),
+        Group("seed-file", "--seeds", "Seeds of one's own, from a file as `--write seeds` makes it.", "plate.obj", "", [
+            ("bricks", "--seeds bricks.json", "a wall"),
+            ("flood", "--seeds bricks.json --growth flood", "a wall, flooded"),
+            ("rough", "--seeds bricks.json --roughness 1", "an old wall")], 3),
+    ]),
+    ("Impacts", [
+        Group("impact", "--impact", "A blow at a point: here 20 of 24 seeds scatter about the middle of the front. The last "
+              "number is their spread, in world units or as the paper's bias n.", "plate.obj", "--pieces 24 --seed 1", [
+                  ("none", "", "no blow"),
+                  ("003", "--impact 0.5,0.5,0.15,20,0.03", "a spread of 3 % of the side: a bullet"),
+                  ("010", "--impact 0.5,0.5,0.15,20,0.1", "10 %"),
+                  ("025", "--impact 0.5,0.5,0.15,20,0.25", "25 %: squashed"),
+                  ("n2", "--impact 0.5,0.5,0.15,20,n=2", "n = 2: a standard deviation of side / &radic;24"),
+                  ("n5", "--impact 0.5,0.5,0.15,20,n=5", "n = 5, the default"),
+                  ("n15", "--impact 0.5,0.5,0.15,20,n=15", "n = 15"),
+                  ("n100", "--impact 0.5,0.5,0.15,20,n=100", "n = 100")]),
+        Group("impacts", "Several blows", "Each `--impact` is one more; `--impacts` places them at random.", "plate.obj",
+              "--seed 1", [
+                  ("two", "--pieces 24 --impact 0.2,0.8,0.15,10,0.05 --impact 0.8,0.3,0.15,10,0.05",
+                   "top left and bottom right"),
+                  ("random", "--pieces 24 --impacts 3", "three at random"),
+                  ("alone", "--pieces 8", "eight pieces, no blow"),
+                  ("merge", "--pieces 8 --impact 0.5,0.5,0.15,16,0.1,merge",
+                   "`merge`: still eight; the blow's seeds only bend the cracks near it")]),
+    ]),
+    ("Figure 6: a blow by a ray", [
+        Group("figure6", "--impact ray:",
+              "The paper selects an impact on the screen. A ray from the viewer's eye, origin and direction, hits the "
+              "first voxel that it meets; `ray:` below is the middle of the picture.", "amphora.ply", "--seed 1", [
+                  ("before", "--pieces 4", "four fragments, no blow"),
+                  ("ray", "--pieces 18 --impact " + EYE + ",14,0.03", "eighteen, 14 of them from a blow that spreads 3 cm"),
+                  ("wide", "--pieces 18 --impact " + EYE + ",14,0.08", "8 cm"),
+                  ("rough", "--pieces 18 --roughness 1 --resolution 192 --impact " + EYE + ",14,0.03",
+                   "rough, and finer")]),
+    ]),
+    ("Erosion", [
+        Group("erode-iterations", "--erode-iterations", "How often cracks are worn. The original surface stays.", "plate.obj",
+              "--pieces 6 --seed 3 --resolution 96", [
+                  ("0", "--erode-iterations 0", "not at all"), ("1", "--erode-iterations 1", "once"),
+                  ("3", "--erode-iterations 3", "three times"), ("6", "--erode-iterations 6", "six times")]),
+        Group("erode-threshold", "--erode-threshold", "The share of the shape that must be filled. Where it is 1, a layer "
+              "goes each time; lower, only rims and corners go.", "plate.obj", WEAR + " 6 --erode-size 5", [
+                  ("10", "--erode-threshold 1", "all of the crack recedes"),
+                  ("08", "--erode-threshold 0.8", "less of it"), ("07", "--erode-threshold 0.7", "rims go round"),
+                  ("05", "--erode-threshold 0.5", "next to nothing goes")]),
+        Group("erode-probability", "--erode-probability", "A voxel is tested by chance: pitted cracks.", "plate.obj",
+              WEAR + " 4", [
+                  ("10", "--erode-probability 1", "always"), ("05", "--erode-probability 0.5", "half of the time"),
+                  ("02", "--erode-probability 0.2", "seldom"), ("005", "--erode-probability 0.05", "hardly")]),
+        Group("erode-on", "--erode-on", "What wears.", "amphora.ply",
+              "--pieces 8 --seed 3 --resolution 192 --erode-iterations 2 --erode-probability 0.3", [
+                  ("fracture", "--erode-on fracture", "the default: the cracks"),
+                  ("all", "--erode-on all", "the whole surface"),
+                  ("gentle", "--erode-on all --erode-threshold 0.7", "the whole surface, gently")], 3),
+        Group("erode-crumbs", "--erode-crumbs", "What becomes of bits that come loose.", "plate.obj",
+              WEAR + " 12 --erode-probability 0.5", [
+                  ("wear", "--erode-crumbs wear", "the default: they go, every fragment is one piece"),
+                  ("keep", "--erode-crumbs keep", "they stay, as voxels of their fragment")], 2),
+    ]),
+]
+
+HISTOGRAMS = [  # mesh plate.obj
+    ("figure5-sampler", "One picture and the shares of 20 fractures, seeds 1 to 20, ten pieces each.",
+     "--pieces 10 --resolution 96", [
+         ("uniform", "--sampler uniform"), ("halton", "--sampler halton"), ("gaussian", "--sampler gaussian"),
+         ("poisson", "--sampler poisson")]),
+    ("figure5-spread", "Two blows with 8 of 20 seeds each, more and more concentrated: many small pieces and a few large "
+     "ones.", "--pieces 20 --resolution 96", [
+         (f"n{n}", f"--impact 0.25,0.7,0.15,8,n={n} --impact 0.75,0.3,0.15,8,n={n}") for n in (2, 10, 50, 250)]),
+    ("figure5-extra", "Further seeds bend the cracks and leave the spread of shares about as it was.", "--pieces 10 --resolution 96", [
+        (k, f"--extra-seeds {k}") for k in ("0", "1n", "2n", "6n")]),
+]
+SEEDS = range(1, 21)
+PICTURED_SEED = 5
+
+SHAPES = ["cross", "square", "ellipse"]
+SIZES = [3, 5, 7]
+FIGURE7 = "--pieces 1 --resolution 48 --erode-on all --erode-iterations 6 --erode-threshold 0.57"
+
+
+# ---- running and drawing ---------------------------------------------------------------------------------------------
+
+def command(mesh, options):
+    mesh = "data/amphora.ply" if mesh == "amphora.ply" else mesh
+    return " ".join(f"sherd fracture {mesh} -o pieces {options}".split())
+
+
+class Runner:
+    def __init__(self, sherd, work):
+        self.sherd, self.work, self.count = pathlib.Path(sherd).resolve(), work, 0
+
+    def fracture(self, mesh, options, write):
+        """Break a mesh; the folder, which the next call replaces."""
+        self.count += 1
+        line = [str(self.sherd), "fracture", mesh, "-o", "pieces", *shlex.split(options), "--write", write, "--quiet"]
+        done = subprocess.run(line, cwd=self.work, stderr=subprocess.PIPE, text=True)
+        if done.returncode != 0:
+            raise RuntimeError(f"{done.stderr.strip()}\n(ran: {shlex.join(line)})")
+        if done.stderr:
+            print(f"{options}: {done.stderr.strip()}", file=sys.stderr)
+        return self.work / "pieces"
+
+    def preview(self, mesh, options):
+        return Image.open(self.fracture(mesh, options, "preview") / "preview.png").convert("RGB")
+
+
+def coloured_box(image):
+    """Where the pieces are: ground and shadow are grey."""
+    pixels = np.asarray(image).astype(int)
+    mask = pixels.max(axis=2) - pixels.min(axis=2) > 24
+    rows, columns = np.flatnonzero(mask.sum(axis=1) > 1), np.flatnonzero(mask.sum(axis=0) > 1)
+    return columns[0], rows[0], columns[-1] + 1, rows[-1] + 1
+
+
+def cropped(images, side=SIDE):
+    """The pictures, all with the same frame round all their pieces."""
+    boxes = np.array([coloured_box(image) for image in images])
+    low, high = boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)
+    margin = int(0.04 * max(high - low)) + 6
+    low, high = np.maximum(low - margin, 0), np.minimum(high + margin, images[0].size)
+    scale = side / max(high - low)
+    size = tuple(int(round(s)) for s in (high - low) * scale)
+    return [image.crop((*low, *high)).resize(size, Image.LANCZOS) for image in images]
+
+
+class Page:
+    def __init__(self, folder):
+        self.images = folder / "images" / "gallery"
+        self.images.mkdir(parents=True, exist_ok=True)
+        self.path, self.lines = folder / "gallery.md", []
+
+    def text(self, *lines):
+        self.lines += [*lines, ""]
+
+    def photo(self, name, image):
+        image.save(self.images / f"{name}.jpg", quality=80, optimize=True)
+        return self.picture(f"{name}.jpg", image.width)
+
+    def drawing(self, name, image):
+        image.convert("RGB").quantize(64, dither=Image.Dither.NONE).save(self.images / f"{name}.png", optimize=True)
+        return self.picture(f"{name}.png", image.width)
+
+    def picture(self, file, width):
+        return f'<img src="images/gallery/{file}" width="{width}" alt="{file.rsplit(".", 1)[0]}">'
+
+    def table(self, cells, columns):
+        """Cells [(picture, words below it)], in rows of so many."""
+        for start in range(0, len(cells), columns):
+            row = cells[start:start + columns]
+            self.lines += ["| " + " | ".join(cell[0] for cell in row) + " |", "|" + "---|" * len(row)]
+            self.text("| " + " | ".join(cell[1] for cell in row) + " |")
+
+    def commands(self, lines):
+        self.text("```", *lines, "```")
+
+    def finish(self):
+        self.path.write_text("\n".join(self.lines).rstrip() + "\n")
+
+
+def show_group(page, runner, group):
+    page.text(f"### `{group.title}`" if group.title.startswith("--") else f"### {group.title}", "", group.text)
+    options = [" ".join(f"{group.base} {item[1]}".split()) for item in group.items]
+    images = cropped([runner.preview(group.mesh, o) for o in options])
+    cells = []
+    for (name, own, words), image in zip(group.items, images):
+        label = f"`{own}`" if own and len(own) < 40 else ""
+        cells.append((page.photo(f"{group.key}-{name}", image), "<br>".join(part for part in (label, words) if part)))
+    page.table(cells, group.columns if group.columns * images[0].width <= 1000 else 2)
+    page.commands([command(group.mesh, o) for o in options])
+
+
+def cubes(cells, colours, width, height, scale, centre):
+    """Unit cubes [n, 3] with colours [n, 3], from the right and above, y up."""
+    image = Image.new("RGB", (2 * width, 2 * height), "white")
+    draw = ImageDraw.Draw(image)
+    a, e = math.radians(32), math.radians(26)  # azimuth and elevation of the eye
+    eye = np.array([math.sin(a) * math.cos(e), math.sin(e), math.cos(a) * math.cos(e)])
+    right = np.array([math.cos(a), 0.0, -math.sin(a)])
+    up = np.cross(eye, right)
+    filled = {tuple(c) for c in cells}
+    faces = [((1, 0, 0), [(1, 0, 0), (1, 1, 0), (1, 1, 1), (1, 0, 1)], 0.66),
+             ((0, 1, 0), [(0, 1, 0), (1, 1, 0), (1, 1, 1), (0, 1, 1)], 1.0),
+             ((0, 0, 1), [(0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)], 0.83)]
+    for i in np.argsort(cells @ eye, kind="stable"):
+        for normal, corners, light in faces:
+            if tuple(cells[i] + normal) in filled:
+                continue
+            p = (cells[i] + np.array(corners) - centre) * 2 * scale
+            fill = tuple(int(c * light) for c in colours[i])
+            draw.polygon([(width + q @ right, height - q @ up) for q in p], fill=fill,
+                         outline=tuple(int(0.8 * c) for c in fill))
+    return image.resize((width, height), Image.LANCZOS)
+
+
+COST_READER = r"""
+#include <openvdb/io/File.h>
+#include <openvdb/openvdb.h>
+
+#include <cstdio>
+
+int main(int, char** arguments) {
+  openvdb::initialize();
+  openvdb::io::File file(arguments[1]);
+  file.open();
+  const auto grid = openvdb::gridPtrCast<openvdb::Int32Grid>(file.readGrid("cost"));
+  for (auto value = grid->cbeginValueOn(); value; ++value) {
+    const openvdb::Coord c = value.getCoord();
+    const int row[4] = {c.x(), c.y(), c.z(), *value};
+    std::fwrite(row, sizeof(int), 4, stdout);
+  }
+}
+"""
+
+
+def read_labels(path):
+    raw = path.read_bytes()
+    dims = np.frombuffer(raw, "<u4", 3)
+    runs = np.frombuffer(raw, [("label", "<u2"), ("length", "<u4")], offset=12)
+    return np.repeat(runs["label"], runs["length"]).reshape(dims)
+
+
+PALETTE = np.array([(222, 122, 138), (108, 168, 224), (96, 190, 160), (226, 184, 92)])
+
+
+def show_figure3(page, runner):
+    page.text("## Figure 3: ten steps", "", "The voxels that a flood of four seeds has reached after ten steps, from the grid "
+              "of `--write cost`: a voxel's value is the step it was reached in, told by rings. Cut "
+              "open at the seeds. Below, the fragments when all is flooded.")
+    source, program = runner.work / "read_cost.cpp", runner.work / "read_cost"
+    source.write_text(COST_READER)
+    subprocess.run(["g++", "-std=c++17", "-O1", source, "-o", program, "-lopenvdb", "-ltbb"], check=True)
+    cells, previews, lines = [], [], []
+    for neighbours in (26, 6):
+        options = f"--seeds four.json --resolution 48 --growth flood --neighborhood {neighbours}"
+        folder = runner.fracture("block.obj", options, "labels,cost,preview")
+        labels = read_labels(folder / "labels.rle")
+        rows = np.frombuffer(subprocess.run([program, folder / "cost.vdb"], check=True, stdout=subprocess.PIPE).stdout,
+                             np.int32).reshape(-1, 4)
+        low = np.array(json.loads((folder / "manifest.json").read_text())["grid"]["index_min"])
+        reached = rows[(rows[:, 3] <= 10) & (rows[:, 2] <= rows[rows[:, 3] == 0, 2].max())]
+        owner = labels[tuple((reached[:, :3] - low).T)].astype(int) - 2
+        shade = np.where(reached[:, 3] % 2 == 0, 1.0, 0.8)[:, None]
+        image = cubes(reached[:, :3], PALETTE[owner % 4] * shade, SIDE, SIDE, 5.2, low + [24, 24, 20])
+        words = {26: "26 neighbours (Moore): cubes", 6: "6 neighbours (von Neumann): octahedra"}[neighbours]
+        cells.append((page.drawing(f"figure3-{neighbours}", image), words))
+        previews.append(Image.open(folder / "preview.png").convert("RGB"))
+        lines.append(command("block.obj", options + " --write labels,cost,preview"))
+    page.table(cells, 2)
+    page.table([(page.photo(f"figure3-{n}-whole", image), f"`--neighborhood {n}`")
+                for n, image in zip((26, 6), cropped(previews))], 2)
+    page.commands(lines)
+
+
+def histogram(shares, most, title):
+    import matplotlib
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+    figure, axes = plt.subplots(figsize=(3.2, 2.0), dpi=100)
+    axes.hist(100 * shares, bins=np.linspace(0, most, 31), color="#6c8cbf")
+    axes.axvline(100 * shares.mean(), color="#b04a4a", linewidth=1)
+    axes.set_xlabel("share of the solid, %", fontsize=8)
+    axes.set_ylabel("fragments", fontsize=8)
+    axes.set_title(title, fontsize=8)
+    axes.tick_params(labelsize=7)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+    figure.tight_layout(pad=0.4)
+    figure.canvas.draw()
+    image = Image.fromarray(np.asarray(figure.canvas.buffer_rgba())[:, :, :3].copy())
+    plt.close(figure)
+    return image
+
+
+def show_figure5(page, runner):
+    page.text("## Figure 5: volumes by sampler, spread and further seeds", "", "The red line is the mean share.")
+    for key, text, base, items in HISTOGRAMS:
+        page.text(text)
+        options = [f"{base} {own}" for _, own in items]
+        shares = []
+        for o in options:
+            manifests = [json.loads((runner.fracture("plate.obj", f"{o} --seed {s}", "seeds") / "manifest.json").read_text())
+                         for s in SEEDS]
+            shares.append(np.array([f["share"] for m in manifests for f in m["fragments"]]))
+        most = math.ceil(20 * max(np.quantile(s, 0.995) for s in shares)) * 5
+        images = cropped([runner.preview("plate.obj", f"{o} --seed {PICTURED_SEED}") for o in options], 240)
+        cells = []
+        for (name, own), image, share in zip(items, images, shares):
+            title = f"{len(share)} fragments, standard deviation {100 * share.std():.1f} %"
+            plot = page.drawing(f"{key}-{name}-shares", histogram(share, most, title))
+            label = own if own.count("--") == 1 else "n = " + name[1:]
+            cells.append((page.photo(f"{key}-{name}", image) + "<br>" + plot, f"`{label}`"))
+        page.table(cells, 2)
+        page.commands([command("plate.obj", f"{o} --seed {PICTURED_SEED}") for o in options])
+
+
+def shape_cells(shape, size, planes):
+    """The cells of include/sherd/erode.h; with planes the sections by the three axis planes."""
+    r = size // 2
+    grid = np.stack(np.meshgrid(*[np.arange(-r, r + 1)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    zeros = (grid == 0).sum(axis=1)
+    inside = {"cross": zeros >= 2, "square": zeros >= 0, "ellipse": (grid**2).sum(axis=1) <= r * r}[shape]
+    return grid[inside & (zeros >= 1)] if planes else grid[inside]
+
+
+def show_figure7(page, runner):
+    page.text("## Figure 7: erosion shapes", "", "The cells of each `--erode-shape` at size 5, and what they do to a block at "
+              "sizes 3, 5 and 7: six iterations, and a voxel stays where 57 % of its shape is filled. A flat face fills "
+              "more than that, an edge or corner less, so edges go round. With `--erode-planes`, as in the paper, the "
+              "three sections are tested one by one, and one too little filled is enough. A cross in 3-D is well filled "
+              "on an edge: it takes corners only. Cross and ellipse of size 3 are the same cells, and do nothing here. "
+              "What is left of the flat faces stands half a voxel above what was worn beside it: wear goes in whole "
+              "voxels.")
+    for planes in (False, True):
+        for shape in SHAPES:
+            flags = f"--erode-shape {shape}" + (" --erode-planes" if planes else "")
+            key = f"figure7-{shape}" + ("-planes" if planes else "")
+            cells = shape_cells(shape, 5, planes)
+            count = f"3 times {(cells[:, 0] == 0).sum()} cells" if planes else f"{len(cells)} cells"
+            colours = np.where((cells == 0).all(axis=1)[:, None], (200, 110, 110), (130, 160, 205))
+            row = [(page.drawing(key, cubes(cells, colours, 150, 150, 19, np.full(3, 0.5))), count)]
+            options = [f"{FIGURE7} {flags} --erode-size {size}" for size in SIZES]
+            for size, image in zip(SIZES, cropped([runner.preview("block.obj", o) for o in options], 220)):
+                row.append((page.photo(f"{key}-{size}", image), f"`--erode-size {size}`"))
+            page.text(f"`{flags}`")
+            page.table(row, 4)
+            page.commands([command("block.obj", o) for o in options])
+
+
+INTRODUCTION = """# Gallery
+
+Pictures of what each option does, each with its command. `tools/gallery.py build/release/sherd docs` makes this page and its
+pictures anew; they are `preview.png`, cropped alike in a row and made small. `tools/gallery.py --inputs .` writes the other
+inputs: `block.obj` (side 1), `plate.obj` (1 by 1 by 0.15, the front at z = 0.15), `ball.obj` (radius 1), and seeds.
+
+Options without a picture: `--device` and `--threads` change nothing but the time, `--write`, `--json` and `--quiet` say what
+comes out. [cli.md](cli.md) has the meaning and range of every option."""
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("sherd", nargs="?", help="the program")
+    parser.add_argument("folder", type=pathlib.Path, help="docs, or a folder that becomes like it")
+    parser.add_argument("--inputs", action="store_true", help="write the meshes and seeds to FOLDER, nothing else")
+    options = parser.parse_args()
+    options.folder.mkdir(parents=True, exist_ok=True)
+    if options.inputs:
+        write_inputs(options.folder)
+        return
+    if not options.sherd:
+        parser.error("the program is needed, as in gallery.py build/release/sherd docs")
+    with tempfile.TemporaryDirectory(prefix="sherd-gallery-") as work:
+        runner, page = Runner(options.sherd, pathlib.Path(work)), Page(options.folder)
+        write_inputs(runner.work)
+        page.text(INTRODUCTION)
+        for title, groups in CHAPTERS:
+            page.text(f"## {title}")
+            for group in groups:
+                print(group.key, flush=True)
+                show_group(page, runner, group)
+            if title == "Growth":
+                show_figure3(page, runner)
+            if title == "Seeds":
+                print("figure5", flush=True)
+                show_figure5(page, runner)
+        print("figure7", flush=True)
+        show_figure7(page, runner)
+        page.finish()
+        size = sum(f.stat().st_size for f in page.images.iterdir())
+        print(f"{runner.count} fractures, {len(list(page.images.iterdir()))} pictures, {size} bytes")
+
+
+if __name__ == "__main__":
+    main()

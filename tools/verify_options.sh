@@ -1,0 +1,104 @@
+#!/usr/bin/env bash
+# Break every closed mesh of a folder by many options, and let an independent checker judge each result.
+#
+# usage: verify_options.sh SHERD MESH_FOLDER CHECKER.py [quick]
+#   quick: three meshes only
+#
+# At 128 voxels, for N in 2, 5, 10, 50, 200 with parts <= N <= voxels / 100: exactly N fragments, every voxel of the solid
+# in one of them, each 6-connected, and no fault found by the checker.  Plain options for every N; the other sets of options
+# for one N each, another for every mesh.  A mesh is left out when Sherd finds it open and MESH_FOLDER/stats.csv, where it
+# is there, does not call it watertight; and when it is thinner than its voxels, so that the unbroken solid's mesh has less
+# than four fifths of its voxels' volume: the checker compares the two.  How far the surface lies from the mesh is seen once
+# for each mesh, since these options do not move it.  A line for each run with faults, with the command that repeats it.
+set -euo pipefail
+sherd=$1 meshes=$2 checker=$3 quick=${4:-}
+export OCL_ICD_VENDORS=pocl.icd
+python=/usr/bin/python3  # Debian's: numpy, scipy and pyopenvdb are there
+out=$(mktemp -d)
+trap 'rm -rf "$out"' EXIT
+shopt -s nullglob nocaseglob
+
+all=("$meshes"/*.{obj,ply,stl,off,gltf,glb}{,.gz})
+[ -z "$quick" ] || all=("$meshes"/{vase_goblet.stl,footbones.ply,99865_car.stl})
+sets=("--extra-seeds 2n" "--impacts 2" "--roughness 2" "--grain 1,2,0.5,3" "--growth flood" "--growth flood --neighborhood 26"
+  "--growth nearest" "--growth chain")
+
+field() { "$python" -c 'import json, sys; print(json.load(open(sys.argv[1]))[sys.argv[2]])' "$out/report.json" "$1"; }
+isThin() { "$python" -c 'import json, sys; r = json.load(open(sys.argv[1])); sys.exit(
+  r["volume_out"] > 0.8 * r["voxels"] * r["voxel_size"] ** 3)' "$out/report.json"; }
+isWatertight() {  # by the folder's own table
+  [ -f "$meshes/stats.csv" ] && "$python" - "$meshes/stats.csv" "$(basename "$1")" << 'END'
+import csv, sys
+sys.exit(not any(r["file"] == sys.argv[2] and r["watertight"] == "True" for r in csv.DictReader(open(sys.argv[1]))))
+END
+}
+
+runs=0 failed=0 swept=0 open=0 thin=0
+fault() {  # mesh what command...
+  failed=$((failed + 1))
+  echo "FAULT $(basename "$1"): $2 | ${*:3}"
+}
+verify() {  # mesh pieces option...
+  local mesh=$1 pieces=$2
+  shift 2
+  local command="fracture $mesh --pieces $pieces --resolution 128 $* --write labels,vdb,mesh"
+  runs=$((runs + 1))
+  rm -rf "$out/pieces"
+  # shellcheck disable=SC2086
+  if ! "$sherd" $command -o "$out/pieces" --json > "$out/report.json" 2> "$out/log"; then
+    fault "$mesh" "$(tail -n 1 "$out/log")" "$command"
+    return
+  fi
+  local surface=()
+  [ -n "$compared" ] || surface=(--mesh "$mesh")
+  compared=yes
+  "$python" "$checker" "$out/pieces" ${surface[@]+"${surface[@]}"} --json > "$out/checked.json" 2> "$out/log" || true
+  "$python" - "$out" "$pieces" > "$out/faults" 2>&1 << 'END' || true
+import json, os, sys
+out, pieces = sys.argv[1], int(sys.argv[2])
+text = open(os.path.join(out, "checked.json")).read()
+if not text:
+    log = open(os.path.join(out, "log")).read().split("\n")
+    sys.exit("the checker stopped: " + " ".join(log[-2:]))
+checked, report = json.loads(text), json.load(open(os.path.join(out, "report.json")))
+faults, figures = checked["faults"], checked["figures"]
+if figures["fragments"] != pieces:
+    faults.append(f"{figures['fragments']} fragments, {pieces} asked")
+if figures["voxels"] != report["voxels"]:
+    faults.append(f"{figures['voxels']} voxels in fragments, the solid has {report['voxels']}")
+print("; ".join(faults[:3]) + (f"; and {len(faults) - 3} more" if len(faults) > 3 else ""), end="")
+END
+  [ ! -s "$out/faults" ] || fault "$mesh" "$(tr '\n' ' ' < "$out/faults")" "$command"
+}
+nth() { local at=$1; shift; local of=("$@"); echo "${of[at % $#]}"; }
+
+for mesh in "${all[@]}"; do
+  rm -rf "$out/pieces"
+  if ! "$sherd" fracture "$mesh" -o "$out/pieces" --pieces 1 --write labels --json > "$out/report.json" 2> "$out/log"; then
+    open=$((open + 1))
+    ! isWatertight "$mesh" || fault "$mesh" "watertight, but refused: $(tail -n 1 "$out/log")" "fracture $mesh --pieces 1"
+    continue
+  fi
+  if isThin; then
+    thin=$((thin + 1))
+    continue
+  fi
+  compared= parts=$(field parts) most=$(($(field voxels) / 100))
+  fitting=() struck=()  # N, and N with room for two impacts
+  for pieces in 2 5 10 50 200; do
+    [ "$pieces" -ge "$parts" ] && [ "$pieces" -le "$most" ] || continue
+    fitting+=("$pieces")
+    [ "$pieces" -lt $((parts + 2)) ] || struck+=("$pieces")
+    verify "$mesh" "$pieces"
+  done
+  [ "${#fitting[@]}" -gt 0 ] || continue
+  for i in "${!sets[@]}"; do
+    chosen=("${fitting[@]}")
+    [[ ${sets[i]} != --impacts* ]] || chosen=(${struck[@]+"${struck[@]}"})
+    # shellcheck disable=SC2086
+    [ "${#chosen[@]}" -eq 0 ] || verify "$mesh" "$(nth $((swept + i)) "${chosen[@]}")" ${sets[i]}
+  done
+  swept=$((swept + 1))
+done
+echo "$runs runs on $swept meshes, left out: $open open, $thin too thin; $failed faults"
+[ "$failed" -eq 0 ] && [ "$runs" -gt 0 ]
