@@ -3,7 +3,6 @@
 #include <sherd/error.h>
 #include <sherd/refracture.h>
 
-#include <bit>
 #include <chrono>
 #include <set>
 
@@ -12,10 +11,6 @@
 
 namespace sherd {
 namespace {
-
-bool isInside(const LeafBlocks& blocks, std::size_t place) {
-  return (blocks.inside[place >> 6] >> (place & 63)) & 1;
-}
 
 // One fragment's voxels as a solid, over the same leaves.
 Solid portion(const FinishedFracture& finished, int id) {
@@ -77,10 +72,9 @@ FractureResult refracture(const FinishedFracture& finished, std::span<const int>
     result.parents.push_back(id);
     newId[static_cast<std::size_t>(id)] = static_cast<std::uint16_t>(result.parents.size());
   }
-  for (std::size_t place = 0; place < result.labels.fragment.size(); ++place) {
-    if (!isInside(finished.solid.blocks, place)) continue;
+  finished.solid.blocks.forEachInside([&](std::size_t place) {
     result.labels.fragment[place] = newId[finished.labels.fragment[place]];
-  }
+  });
   for (const int id : broken) {
     const Solid part = portion(finished, id);
     const SeededLabels grown = breakPortion(part, id, options, device, progress);
@@ -91,11 +85,10 @@ FractureResult refracture(const FinishedFracture& finished, std::span<const int>
       throw Error(ErrorCode::usage,
                   "there would be more than " + std::to_string(kMaxFragments) + " fragments");
     }
-    for (std::size_t place = 0; place < result.labels.fragment.size(); ++place) {
-      if (!isInside(part.blocks, place)) continue;
+    part.blocks.forEachInside([&](std::size_t place) {
       result.labels.fragment[place] =
           static_cast<std::uint16_t>(first + grown.labels.fragment[place]);
-    }
+    });
     for (Seed seed : grown.seeds) {
       seed.fragment = static_cast<std::uint16_t>(first + seed.fragment);
       result.seeds.push_back(seed);

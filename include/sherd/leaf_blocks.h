@@ -3,6 +3,7 @@
 
 #include <sherd/grid_fwd.h>
 
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -11,6 +12,18 @@
 
 namespace sherd {
 
+/// Position of a voxel in its leaf from its offset 0..511.
+inline openvdb::Coord coordFromOffset(std::uint32_t offset) {
+  return {static_cast<int>(offset >> 6), static_cast<int>((offset >> 3) & 7),
+          static_cast<int>(offset & 7)};
+}
+
+/// Offset 0..511 of a voxel in its leaf, from its place in the grid.
+inline std::uint32_t offsetFromCoord(const openvdb::Coord& voxel) {
+  return static_cast<std::uint32_t>(((voxel.x() & 7) << 6) | ((voxel.y() & 7) << 3) |
+                                    (voxel.z() & 7));
+}
+
 /// The leaves that hold inside voxels or outer-band voxels, as flat arrays.
 ///
 /// A voxel's offset in its leaf is OpenVDB's: (x << 6) | (y << 3) | z, z fastest.  A leaf's mask is
@@ -18,6 +31,8 @@ namespace sherd {
 ///
 ///     mask[leaf*8 + x]   bit 63 ............ 8  7 ............ 0
 ///                        y=7 z=7..0   ...       y=0 z=7..z=0
+///
+/// A voxel of the blocks is named by its place, leaf * 512 + offset, which ascends in leaf order.
 ///
 /// The device reads the same arrays: layout in kernels/leaf_block.h.
 struct LeafBlocks {
@@ -35,18 +50,34 @@ struct LeafBlocks {
     for (const std::uint64_t word : inside) n += static_cast<std::uint64_t>(std::popcount(word));
     return n;
   }
-};
 
-/// Position of a voxel in its leaf from its offset 0..511.
-inline openvdb::Coord coordFromOffset(std::uint32_t offset) {
-  return {static_cast<int>(offset >> 6), static_cast<int>((offset >> 3) & 7),
-          static_cast<int>(offset & 7)};
-}
+  bool isInside(std::size_t place) const { return (inside[place / 64] >> (place % 64)) & 1; }
+
+  openvdb::Coord voxelAt(std::size_t place) const {
+    return origins[place / 512] + coordFromOffset(static_cast<std::uint32_t>(place % 512));
+  }
+
+  /// Call visit(place) for each inside voxel, in ascending order.
+  template <class Visit>
+  void forEachInside(const Visit& visit) const {
+    for (std::size_t word = 0; word < inside.size(); ++word) {
+      for (std::uint64_t bits = inside[word]; bits; bits &= bits - 1) {
+        visit(word * 64 + static_cast<std::size_t>(std::countr_zero(bits)));
+      }
+    }
+  }
+};
 
 /// Index of the leaf that holds `voxel`, or LeafBlocks::kNone.
 [[nodiscard]] std::uint32_t findLeaf(const LeafBlocks& blocks, const openvdb::Coord& voxel);
 
 /// The neighbour table of leaves sorted as LeafBlocks wants them.
 [[nodiscard]] std::vector<std::uint32_t> leafNeighbours(std::span<const openvdb::Coord> origins);
+
+/// The 27 leaves round a leaf by x, y, z, itself at 13; LeafBlocks::kNone where there is none.
+using LeafRound = std::array<std::uint32_t, 27>;
+
+/// The leaves round each of leaves sorted as LeafBlocks wants them.
+[[nodiscard]] std::vector<LeafRound> leavesRound(std::span<const openvdb::Coord> origins);
 
 }  // namespace sherd

@@ -28,8 +28,9 @@ struct Parts {
   std::vector<std::uint64_t> voxels;      ///< [count()] inside voxels of each part
 
   std::size_t count() const { return voxels.size(); }
-  std::uint32_t at(std::size_t leaf, std::uint32_t offset) const {
-    return partOfNode[firstNode[leaf] + localNode[leaf * 512 + offset]];
+  /// The part of the inside voxel at a place in the leaf blocks.
+  std::uint32_t at(std::size_t place) const {
+    return partOfNode[firstNode[place / 512] + localNode[place]];
   }
 };
 

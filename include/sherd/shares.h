@@ -26,17 +26,11 @@ struct SeededLabels {
 /// the largest by then; from the eighth growth on every seed also takes a Lloyd step.
 ///   seeds   as placeSeeds returns them
 ///   throws  Error(usage) minShare cannot be had: more than 1 / fragments, a part of the solid
-///   below
-///           it, or not within `tries`; what grow throws
+///           below it, or not within `tries`; what grow throws
 ///   source  Lloyd, Least squares quantization in PCM, 1982 (the steps on centres)
 [[nodiscard]] SeededLabels growWithShares(const LeafBlocks& blocks, const Parts& parts,
                                           std::vector<Seed> seeds, Device& device,
                                           const GrowOptions& grow, const ShareOptions& shares,
                                           std::uint64_t seed, const Progress* progress = nullptr);
-
-/// Each primary seed moved to the voxel of its fragment that is nearest to the fragment's centroid.
-/// Further seeds of a fragment stay.
-[[nodiscard]] std::vector<Seed> centredSeeds(const LeafBlocks& blocks, const Labels& labels,
-                                             std::vector<Seed> seeds);
 
 }  // namespace sherd

@@ -202,7 +202,7 @@ class Wear {
 
   const LeafBlocks& blocks_;
   Rule rule_;
-  std::vector<Round> round_;  // of the solid's leaves; empty where outside it is not filled
+  std::vector<LeafRound> round_;  // of the solid's leaves; empty where outside it is not filled
 };
 
 bool takesAll(const FragmentMasks& fragment, const std::vector<LeafMask>& taken) {

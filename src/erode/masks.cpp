@@ -48,31 +48,6 @@ void checkLabel(std::uint16_t label, int fragments) {
 
 }  // namespace
 
-std::vector<Round> leavesRound(std::span<const openvdb::Coord> origins) {
-  // A shifted list is still sorted, so one finger per direction walks it along.  13 of the
-  // directions ascend; the others are these seen from the other side.
-  Round none;
-  none.fill(LeafBlocks::kNone);
-  std::vector<Round> round(origins.size(), none);
-  for (std::size_t leaf = 0; leaf < origins.size(); ++leaf) {
-    round[leaf][13] = static_cast<std::uint32_t>(leaf);
-  }
-  for (std::size_t k = 14; k < 27; ++k) {
-    const auto at = static_cast<int>(k);
-    const openvdb::Coord offset(8 * (at / 9 - 1), 8 * (at / 3 % 3 - 1), 8 * (at % 3 - 1));
-    std::size_t finger = 0;
-    for (std::size_t leaf = 0; leaf < origins.size(); ++leaf) {
-      const openvdb::Coord beyond = origins[leaf] + offset;
-      while (finger < origins.size() && origins[finger] < beyond) ++finger;
-      if (finger == origins.size()) break;
-      if (origins[finger] != beyond) continue;
-      round[leaf][k] = static_cast<std::uint32_t>(finger);
-      round[finger][26 - k] = static_cast<std::uint32_t>(leaf);
-    }
-  }
-  return round;
-}
-
 std::vector<FragmentMasks> fragmentMasks(const LeafBlocks& blocks, const Labels& labels,
                                          int fragments) {
   std::vector<std::vector<Group>> groups(blocks.count());

@@ -27,18 +27,12 @@ inline std::uint64_t voxelsIn(const LeafMask& mask) {
   return n;
 }
 
-/// The 27 leaves round a leaf by x, y, z, itself at 13; LeafBlocks::kNone where there is none.
-using Round = std::array<std::uint32_t, 27>;
-
-/// The leaves round each of leaves sorted as LeafBlocks wants them.
-[[nodiscard]] std::vector<Round> leavesRound(std::span<const openvdb::Coord> origins);
-
 /// One fragment: the leaves that hold voxels of it.
 struct FragmentMasks {
   std::vector<std::uint32_t> leaf;      ///< [n] leaf of the blocks, ascending
   std::vector<openvdb::Coord> origins;  ///< [n]
   std::vector<LeafMask> masks;          ///< [n]
-  std::vector<Round> round;             ///< [n] within the fragment
+  std::vector<LeafRound> round;         ///< [n] within the fragment
 };
 
 /// The inside voxels of each fragment: [fragments], of fragment i + 1.

@@ -4,7 +4,6 @@
 #include <sherd/labels.h>
 
 #include <algorithm>
-#include <bit>
 
 #include "grow/components.h"
 #include "grow/flood.h"
@@ -110,7 +109,7 @@ cl::Buffer band(GrowthState& state) {
 // own.
 void clearOutside(const LeafBlocks& blocks, std::vector<std::uint32_t>& cost) {
   for (std::size_t place = 0; place < cost.size(); ++place) {
-    if (!((blocks.inside[place / 64] >> (place % 64)) & 1)) cost[place] = 0;
+    if (!blocks.isInside(place)) cost[place] = 0;
   }
 }
 
@@ -224,13 +223,10 @@ Labels carriedOverBand(const LeafBlocks& blocks, Labels labels, Device& device, 
 std::vector<std::uint64_t> countVoxels(const LeafBlocks& blocks, const Labels& labels,
                                        int fragments) {
   std::vector<std::uint64_t> counts(static_cast<std::size_t>(fragments) + 1);
-  for (std::size_t word = 0; word < blocks.inside.size(); ++word) {
-    for (std::uint64_t bits = blocks.inside[word]; bits; bits &= bits - 1) {
-      const std::uint16_t label =
-          labels.fragment[word * 64 + static_cast<std::size_t>(std::countr_zero(bits))];
-      if (label != Labels::kWorn) ++counts[label];
-    }
-  }
+  blocks.forEachInside([&](std::size_t place) {
+    const std::uint16_t label = labels.fragment[place];
+    if (label != Labels::kWorn) ++counts[label];
+  });
   return counts;
 }
 

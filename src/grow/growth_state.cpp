@@ -44,18 +44,7 @@ const cl::Buffer& GrowthState::origin() {
 
 const cl::Buffer& GrowthState::round27() {
   if (!round27_) {
-    std::vector<cl_uint> round;
-    round.reserve(std::size_t{leafCount} * 27);
-    for (const openvdb::Coord& origin : blocks.origins) {
-      for (int x = -8; x <= 8; x += 8) {
-        for (int y = -8; y <= 8; y += 8) {
-          for (int z = -8; z <= 8; z += 8) {
-            round.push_back(findLeaf(blocks, origin + openvdb::Coord(x, y, z)));
-          }
-        }
-      }
-    }
-    round27_ = uploadBuffer<cl_uint>(device, round);
+    round27_ = uploadBuffer<LeafRound>(device, leavesRound(blocks.origins));
   }
   return *round27_;
 }
@@ -70,10 +59,9 @@ SeedTable tableOf(const LeafBlocks& blocks, std::span<const std::vector<Seed>> s
     std::set<std::uint16_t> met;
     for (const Seed& seed : seedSets[f]) {
       const std::uint32_t leaf = findLeaf(blocks, seed.voxel);
-      const auto offset = static_cast<std::uint32_t>(
-          ((seed.voxel.x() & 7) << 6) | ((seed.voxel.y() & 7) << 3) | (seed.voxel.z() & 7));
-      if (leaf == LeafBlocks::kNone ||
-          !((blocks.inside[leaf * 8 + (offset >> 6)] >> (offset & 63)) & 1) || seed.fragment == 0) {
+      const std::uint32_t offset = offsetFromCoord(seed.voxel);
+      if (leaf == LeafBlocks::kNone || !blocks.isInside(std::size_t{leaf} * 512 + offset) ||
+          seed.fragment == 0) {
         throw Error(ErrorCode::usage, "seed of fragment " + std::to_string(seed.fragment) +
                                           " does not lie on a voxel of the solid");
       }
@@ -90,6 +78,35 @@ SeedTable tableOf(const LeafBlocks& blocks, std::span<const std::vector<Seed>> s
     table.primary.push_back(entry.primary);
   }
   return table;
+}
+
+SeedGroups groupsOf(GrowthState& state, const SeedTable& seeds) {
+  std::vector<cl_uint> item, first;
+  for (std::size_t i = 0; i < seeds.item.size(); ++i) {
+    if (!item.empty() && item.back() == seeds.item[i]) continue;
+    item.push_back(seeds.item[i]);
+    first.push_back(static_cast<cl_uint>(i));
+  }
+  first.push_back(static_cast<cl_uint>(seeds.item.size()));
+  return {uploadBuffer<cl_uint>(state.device, item), uploadBuffer<cl_uint>(state.device, first),
+          uploadBuffer<cl_ushort>(state.device, seeds.offset), static_cast<cl_uint>(item.size())};
+}
+
+PrimarySeeds primariesOf(GrowthState& state, const SeedTable& seeds) {
+  std::vector<cl_uint> item;
+  std::vector<cl_ushort> offset, label;
+  for (std::size_t i = 0; i < seeds.item.size(); ++i) {
+    if (!seeds.primary[i]) continue;
+    item.push_back(seeds.item[i]);
+    offset.push_back(seeds.offset[i]);
+    label.push_back(seeds.label[i]);
+  }
+  return {uploadBuffer<cl_uint>(state.device, item), uploadBuffer<cl_ushort>(state.device, offset),
+          uploadBuffer<cl_ushort>(state.device, label), static_cast<cl_uint>(item.size())};
+}
+
+openvdb::Coord seedVoxel(const GrowthState& state, const SeedTable& seeds, std::size_t i) {
+  return state.blocks.origins[seeds.item[i] % state.leafCount] + coordFromOffset(seeds.offset[i]);
 }
 
 }  // namespace sherd

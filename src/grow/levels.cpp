@@ -31,20 +31,10 @@ class Levels {
   }
 
   void seed(const SeedTable& table, std::span<const cl_uint> source) {
-    std::vector<cl_uint> item, first;
-    for (std::size_t i = 0; i < table.item.size(); ++i) {
-      if (!item.empty() && item.back() == table.item[i]) continue;
-      item.push_back(table.item[i]);
-      first.push_back(static_cast<cl_uint>(i));
-    }
-    first.push_back(static_cast<cl_uint>(table.item.size()));
-    const cl::Buffer itemBuffer = uploadBuffer<cl_uint>(state_.device, item);
-    const cl::Buffer firstBuffer = uploadBuffer<cl_uint>(state_.device, first);
-    const cl::Buffer offset = uploadBuffer<cl_ushort>(state_.device, table.offset);
-    const cl::Buffer sourceBuffer = uploadBuffer<cl_uint>(state_.device, source);
-    launch("levels_seed", item.size(), itemBuffer, firstBuffer, offset, sourceBuffer,
-           static_cast<cl_uint>(item.size()));
-    state_.device.queue.finish();  // the table's buffers end here
+    const SeedGroups seeds = groupsOf(state_, table);
+    const cl::Buffer sources = uploadBuffer<cl_uint>(state_.device, source);
+    launch("levels_seed", seeds.count, seeds.item, seeds.first, seeds.offset, sources, seeds.count);
+    state_.device.queue.finish();  // the seeds' buffers end here
   }
 
   void load(const cl::Buffer& labels, const cl::Buffer& kept) {
@@ -133,8 +123,7 @@ Grown growChain(GrowthState& state, const SeedTable& seeds, const sherd_metric& 
   std::vector<cl_ushort> label;
   for (const cl_uint i : order) {
     source[i] = static_cast<cl_uint>(voxel.size());
-    const openvdb::Coord at =
-        state.blocks.origins[seeds.item[i] % state.leafCount] + coordFromOffset(seeds.offset[i]);
+    const openvdb::Coord at = seedVoxel(state, seeds, i);
     voxel.push_back({{at.x(), at.y(), at.z(), 0}});
     label.push_back(seeds.label[i]);
   }

@@ -17,8 +17,7 @@ Grown growNearest(GrowthState& state, const SeedTable& seeds, const sherd_metric
   std::vector<cl_int4> voxel;
   std::vector<cl_uint> first(state.fractures + 1, 0);
   for (const std::size_t i : order) {
-    const openvdb::Coord at =
-        state.blocks.origins[seeds.item[i] % state.leafCount] + coordFromOffset(seeds.offset[i]);
+    const openvdb::Coord at = seedVoxel(state, seeds, i);
     voxel.push_back({{at.x(), at.y(), at.z(), seeds.label[i]}});
     ++first[fractureOf(i) + 1];
   }

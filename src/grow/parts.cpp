@@ -21,18 +21,16 @@ void numberParts(const LeafBlocks& blocks, std::span<const cl_uint> nodeCount,
       parts.partOfNode[n] = parts.partOfNode[root[n]];  // a root is lower than its nodes
     }
   }
-  for (std::size_t leaf = 0; leaf < blocks.count(); ++leaf) {
-    for (std::size_t x = 0; x < SHERD_LEAF_WORDS; ++x) {
-      std::uint64_t bits = blocks.inside[leaf * SHERD_LEAF_WORDS + x];
-      if (nodeCount[leaf] == 1) {
-        parts.voxels[parts.partOfNode[parts.firstNode[leaf]]] +=
-            static_cast<std::uint64_t>(std::popcount(bits));
-        continue;
-      }
-      for (; bits; bits &= bits - 1) {
-        ++parts.voxels[parts.at(leaf, static_cast<std::uint32_t>(x * 64) +
-                                          static_cast<std::uint32_t>(std::countr_zero(bits)))];
-      }
+  for (std::size_t word = 0; word < blocks.inside.size(); ++word) {
+    const std::size_t leaf = word / SHERD_LEAF_WORDS;
+    std::uint64_t bits = blocks.inside[word];
+    if (nodeCount[leaf] == 1) {
+      parts.voxels[parts.partOfNode[parts.firstNode[leaf]]] +=
+          static_cast<std::uint64_t>(std::popcount(bits));
+      continue;
+    }
+    for (; bits; bits &= bits - 1) {
+      ++parts.voxels[parts.at(word * 64 + static_cast<std::size_t>(std::countr_zero(bits)))];
     }
   }
 }

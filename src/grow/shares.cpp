@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <set>
 #include <string>
@@ -13,21 +12,6 @@
 
 namespace sherd {
 namespace {
-
-// Call visit(place, label) for every inside voxel, in leaf order.
-template <class Visit>
-void forEachVoxel(const LeafBlocks& blocks, const Labels& labels, Visit&& visit) {
-  for (std::size_t word = 0; word < blocks.inside.size(); ++word) {
-    for (std::uint64_t bits = blocks.inside[word]; bits; bits &= bits - 1) {
-      const std::size_t place = word * 64 + static_cast<std::size_t>(std::countr_zero(bits));
-      visit(place, labels.fragment[place]);
-    }
-  }
-}
-
-openvdb::Coord voxelAt(const LeafBlocks& blocks, std::size_t place) {
-  return blocks.origins[place / 512] + coordFromOffset(static_cast<std::uint32_t>(place % 512));
-}
 
 std::string percent(double share) {
   char text[32];
@@ -60,9 +44,7 @@ std::vector<std::uint16_t> withoutLastOfParts(const LeafBlocks& blocks, const Pa
                                               const std::vector<Seed>& seeds,
                                               std::vector<std::uint16_t> small) {
   const auto partOf = [&](const Seed& s) {
-    const auto offset = static_cast<std::uint32_t>(((s.voxel.x() & 7) << 6) |
-                                                   ((s.voxel.y() & 7) << 3) | (s.voxel.z() & 7));
-    return parts.at(findLeaf(blocks, s.voxel), offset);
+    return parts.at(std::size_t{findLeaf(blocks, s.voxel)} * 512 + offsetFromCoord(s.voxel));
   };
   const std::set<std::uint16_t> lost(small.begin(), small.end());
   std::set<std::uint32_t> seeded;
@@ -107,12 +89,13 @@ void reseed(const LeafBlocks& blocks, const Parts& parts, const Labels& labels,
   std::vector<std::vector<Wish>> wishesOf(size.size());
   for (const Wish& wish : wishes) wishesOf[wish.from].push_back(wish);
   std::vector<std::uint64_t> met(size.size(), 0);
-  forEachVoxel(blocks, labels, [&](std::size_t place, std::uint16_t label) {
+  blocks.forEachInside([&](std::size_t place) {
+    const std::uint16_t label = labels.fragment[place];
     if (label == 0) return;
     const std::uint64_t number = met[label]++;
     for (Wish& wish : wishesOf[label]) {
       if (wish.number != number) continue;
-      const openvdb::Coord voxel = voxelAt(blocks, place);
+      const openvdb::Coord voxel = blocks.voxelAt(place);
       if (!taken.insert(voxel).second) {
         ++wish.number;  // a seed lies there: the next voxel of the fragment
       } else {
@@ -122,8 +105,8 @@ void reseed(const LeafBlocks& blocks, const Parts& parts, const Labels& labels,
   });
 }
 
-}  // namespace
-
+// Each primary seed moved to the voxel of its fragment that is nearest to the fragment's centroid.
+// Further seeds of a fragment stay.
 std::vector<Seed> centredSeeds(const LeafBlocks& blocks, const Labels& labels,
                                std::vector<Seed> seeds) {
   struct Sum {
@@ -135,9 +118,10 @@ std::vector<Seed> centredSeeds(const LeafBlocks& blocks, const Labels& labels,
   std::size_t fragments = 0;
   for (const Seed& seed : seeds) fragments = std::max<std::size_t>(fragments, seed.fragment);
   std::vector<Sum> sums(fragments + 1);
-  forEachVoxel(blocks, labels, [&](std::size_t place, std::uint16_t label) {
+  blocks.forEachInside([&](std::size_t place) {
+    const std::uint16_t label = labels.fragment[place];
     if (label == 0 || label > fragments) return;
-    const openvdb::Coord voxel = voxelAt(blocks, place);
+    const openvdb::Coord voxel = blocks.voxelAt(place);
     for (std::size_t i = 0; i < 3; ++i) sums[label].at[i] += voxel[static_cast<int>(i)];
     ++sums[label].count;
   });
@@ -148,10 +132,11 @@ std::vector<Seed> centredSeeds(const LeafBlocks& blocks, const Labels& labels,
   }
   std::set<openvdb::Coord> further;  // seeds that stay where they are
   for (std::size_t i = fragments; i < seeds.size(); ++i) further.insert(seeds[i].voxel);
-  forEachVoxel(blocks, labels, [&](std::size_t place, std::uint16_t label) {
+  blocks.forEachInside([&](std::size_t place) {
+    const std::uint16_t label = labels.fragment[place];
     if (label == 0 || label > fragments) return;
     Sum& sum = sums[label];
-    const openvdb::Coord voxel = voxelAt(blocks, place);
+    const openvdb::Coord voxel = blocks.voxelAt(place);
     std::int64_t distance = 0;
     for (std::size_t i = 0; i < 3; ++i) {
       const std::int64_t d = voxel[static_cast<int>(i)] - sum.at[i];
@@ -167,6 +152,8 @@ std::vector<Seed> centredSeeds(const LeafBlocks& blocks, const Labels& labels,
   }
   return seeds;
 }
+
+}  // namespace
 
 SeededLabels growWithShares(const LeafBlocks& blocks, const Parts& parts, std::vector<Seed> seeds,
                             Device& device, const GrowOptions& growOptions,

@@ -32,10 +32,8 @@ Labels labelsOn(const LeafBlocks& blocks, const VoxelLabels& voxels, const openv
                 int fragments, const fs::path& file) {
   Labels labels;
   labels.fragment.assign(blocks.count() * 512, 0);
-  for (std::size_t place = 0; place < labels.fragment.size(); ++place) {
-    if (!((blocks.inside[place >> 6] >> (place & 63)) & 1)) continue;
-    const openvdb::Coord at = blocks.origins[place / 512] +
-                              coordFromOffset(static_cast<std::uint32_t>(place % 512)) - first;
+  blocks.forEachInside([&](std::size_t place) {
+    const openvdb::Coord at = blocks.voxelAt(place) - first;
     std::uint16_t label = 0;
     if (at.x() >= 0 && at.y() >= 0 && at.z() >= 0 && at.x() < voxels.dims.x() &&
         at.y() < voxels.dims.y() && at.z() < voxels.dims.z()) {
@@ -49,7 +47,7 @@ Labels labelsOn(const LeafBlocks& blocks, const VoxelLabels& voxels, const openv
       inputError(file, "does not belong to the fragments' .vdb files beside it");
     }
     labels.fragment[place] = static_cast<std::uint16_t>(label - 1);
-  }
+  });
   return labels;
 }
 

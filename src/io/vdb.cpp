@@ -8,7 +8,6 @@
 #include <sherd/io.h>
 #include <sherd/version.h>
 
-#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <fstream>
@@ -150,16 +149,10 @@ void writeCost(const std::filesystem::path& file, const Solid& solid, const Labe
     const openvdb::Int32Grid::Ptr grid = openvdb::Int32Grid::create(-1);
     grid->setTransform(solid.distance->transform().copy());
     grid->setName("cost");
-    for (std::size_t leaf = 0; leaf < solid.blocks.count(); ++leaf) {
-      const std::uint64_t* inside = &solid.blocks.inside[leaf * 8];
-      if (std::all_of(inside, inside + 8, [](std::uint64_t word) { return word == 0; })) continue;
-      auto* node = grid->tree().touchLeaf(solid.blocks.origins[leaf]);
-      for (openvdb::Index v = 0; v < 512; ++v) {
-        if ((inside[v >> 6] >> (v & 63)) & 1) {
-          node->setValueOn(v, static_cast<std::int32_t>(labels.cost[leaf * 512 + v]));
-        }
-      }
-    }
+    openvdb::Int32Grid::Accessor accessor = grid->getAccessor();
+    solid.blocks.forEachInside([&](std::size_t place) {
+      accessor.setValue(solid.blocks.voxelAt(place), static_cast<std::int32_t>(labels.cost[place]));
+    });
     return grid;
   });
 }

@@ -110,11 +110,11 @@ std::vector<Seed> seedsFromPoints(std::span<const SeedPoint> points, const Solid
         freeVoxelNear(solid.frame.indexFromWorld(points[i].position).v, inside, chosen);
     if (!key) throw inputError(i, refusal(points[i].position, solid, inside));
     chosen.add(*key);
-    const std::uint32_t part = partOf(parts, *key);
+    const std::uint32_t part = parts.at(*key);
     seeded[part] = true;
     std::size_t& first = firstOf[static_cast<std::size_t>(points[i].fragment - 1)];
     if (first == kNone) first = i;
-    if (partOf(parts, chosen.voxels[first]) != part) {
+    if (parts.at(chosen.voxels[first]) != part) {
       throw inputError(i, "of fragment " + std::to_string(points[i].fragment) +
                               " lies in another part of the solid than seed " +
                               std::to_string(first + 1) + "; a fragment lies in one part");

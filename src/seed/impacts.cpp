@@ -75,7 +75,7 @@ std::optional<VoxelKey> drawNear(const Blow& blow, const glm::dvec3& side, std::
     voxel[axis] = static_cast<int>(at);
   }
   const std::optional<VoxelKey> key = candidates.find(voxel);
-  if (!key || partOf(parts, *key) != blow.part) return {};
+  if (!key || parts.at(*key) != blow.part) return {};
   return key;
 }
 
@@ -94,7 +94,7 @@ std::vector<Blow> aim(const Solid& solid, const Parts& parts, const SeedOptions&
     checkRanges(impact, i);
     Blow blow;
     blow.centre = struck(impact, i, solid, options.seed, inside, surface);
-    blow.part = partOf(parts, *inside.find(blow.centre));
+    blow.part = parts.at(*inside.find(blow.centre));
     blow.count = impact.count > 0 ? static_cast<std::size_t>(impact.count) : share;
     blow.merge = impact.merge;
     if (impact.spread > 0.0) {
@@ -116,7 +116,7 @@ void scatter(const Blow& blow, std::size_t number, const VoxelIndex& candidates,
   const std::uint64_t room =
       inPart[blow.part] - static_cast<std::uint64_t>(std::count_if(
                               chosen.voxels.begin(), chosen.voxels.end(),
-                              [&](VoxelKey key) { return partOf(parts, key) == blow.part; }));
+                              [&](VoxelKey key) { return parts.at(key) == blow.part; }));
   if (blow.count > room) {
     throw usageError(number, " asks for " + std::to_string(blow.count) +
                                  " seeds in a part of the solid with room for " +
@@ -149,7 +149,7 @@ void scatter(const Blow& blow, std::size_t number, const VoxelIndex& candidates,
   // As wide as that, it is any free voxel of the part.
   std::vector<VoxelKey> open;
   candidates.forEach([&](VoxelKey key) {
-    if (partOf(parts, key) == blow.part && !chosen.taken.contains(key)) open.push_back(key);
+    if (parts.at(key) == blow.part && !chosen.taken.contains(key)) open.push_back(key);
   });
   for (std::size_t i = 0; chosen.size() < end; ++i) {
     std::swap(open[i], open[i + randomBelow(open.size() - i, own, Stage::impactRest, i)]);

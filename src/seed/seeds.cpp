@@ -67,13 +67,13 @@ std::vector<Seed> withIds(const Chosen& chosen, const std::vector<std::uint16_t>
   std::vector<std::uint32_t> partOfSeed(ids.size());
   for (std::size_t i = 0; i < ids.size(); ++i) {
     seeds[ids[i] - 1u] = {candidates.place(chosen.voxels[i]), ids[i]};
-    partOfSeed[ids[i] - 1u] = partOf(parts, chosen.voxels[i]);
+    partOfSeed[ids[i] - 1u] = parts.at(chosen.voxels[i]);
   }
   if (chosen.size() == ids.size()) return seeds;
   const NearestSeed nearest(seeds, partOfSeed, parts.count(), metric);
   for (std::size_t i = ids.size(); i < chosen.size(); ++i) {
     const openvdb::Coord voxel = candidates.place(chosen.voxels[i]);
-    seeds.push_back({voxel, nearest.fragmentAt(voxel, partOf(parts, chosen.voxels[i]))});
+    seeds.push_back({voxel, nearest.fragmentAt(voxel, parts.at(chosen.voxels[i]))});
   }
   return seeds;
 }

@@ -74,9 +74,7 @@ VoxelKey VoxelIndex::at(std::uint64_t number) const {
 std::optional<VoxelKey> VoxelIndex::find(const openvdb::Coord& voxel) const {
   const std::uint32_t leaf = findLeaf(blocks_, voxel);
   if (leaf == LeafBlocks::kNone) return {};
-  const auto offset =
-      static_cast<std::uint64_t>(((voxel.x() & 7) << 6) | ((voxel.y() & 7) << 3) | (voxel.z() & 7));
-  const VoxelKey key = leaf * std::uint64_t{512} + offset;
+  const VoxelKey key = std::uint64_t{leaf} * 512 + offsetFromCoord(voxel);
   if (!((mask_[key / 64] >> (key % 64)) & 1)) return {};
   return key;
 }
@@ -123,7 +121,7 @@ openvdb::Coord VoxelIndex::nearest(const glm::dvec3& point) const {
 std::vector<std::uint64_t> VoxelIndex::countInParts(const Parts& parts) const {
   if (total_ == 0 || parts.count() == 1) return std::vector<std::uint64_t>(parts.count(), total_);
   std::vector<std::uint64_t> count(parts.count());
-  forEach([&](VoxelKey key) { ++count[partOf(parts, key)]; });
+  forEach([&](VoxelKey key) { ++count[parts.at(key)]; });
   return count;
 }
 
@@ -133,7 +131,7 @@ std::vector<VoxelKey> VoxelIndex::atInParts(const Parts& parts,
   std::vector<VoxelKey> found(number.size());
   std::vector<bool> done(number.size());
   forEach([&](VoxelKey key) {
-    const std::uint32_t part = partOf(parts, key);
+    const std::uint32_t part = parts.at(key);
     if (done[part] || number[part]-- > 0) return;
     found[part] = key;
     done[part] = true;

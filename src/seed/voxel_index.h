@@ -11,7 +11,7 @@
 
 namespace sherd {
 
-/// A voxel by leaf and offset, leaf * 512 + offset: one number that ascends in leaf order.
+/// A voxel by its place in leaf blocks.
 using VoxelKey = std::uint64_t;
 
 /// Inside voxels with a face neighbour that is not inside: [leaf*8] words like LeafBlocks::inside.
@@ -31,9 +31,7 @@ class VoxelIndex {
   /// The voxel at a place, where the mask holds it.
   std::optional<VoxelKey> find(const openvdb::Coord& voxel) const;
 
-  openvdb::Coord place(VoxelKey key) const {
-    return blocks_.origins[key / 512] + coordFromOffset(static_cast<std::uint32_t>(key % 512));
-  }
+  openvdb::Coord place(VoxelKey key) const { return blocks_.voxelAt(key); }
 
   /// The nearest voxel to a point in index space; ties to the lowest x, then y, then z.
   openvdb::Coord nearest(const glm::dvec3& point) const;
@@ -60,9 +58,5 @@ class VoxelIndex {
   std::vector<std::uint64_t> before_;  // [word] voxels in earlier words
   std::uint64_t total_ = 0;
 };
-
-inline std::uint32_t partOf(const Parts& parts, VoxelKey key) {
-  return parts.at(key / 512, static_cast<std::uint32_t>(key % 512));
-}
 
 }  // namespace sherd

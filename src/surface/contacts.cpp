@@ -22,8 +22,7 @@ class LabelReader {
       leaf_ = findLeaf(blocks_, voxel);
     }
     if (leaf_ == LeafBlocks::kNone) return 0;
-    const int offset = ((voxel.x() & 7) << 6) | ((voxel.y() & 7) << 3) | (voxel.z() & 7);
-    return labels_.fragment[std::size_t{leaf_} * 512 + static_cast<std::size_t>(offset)];
+    return labels_.fragment[std::size_t{leaf_} * 512 + offsetFromCoord(voxel)];
   }
 
  private:
@@ -95,13 +94,10 @@ Interfaces voxelInterfaces(const Solid& solid, const Labels& labels) {
             last ? std::size_t{next} * 512 + (v & ~(7u << shift)) : leaf * 512 + v + (1u << shift);
         const std::uint16_t a = labels.fragment[leaf * 512 + v], b = labels.fragment[other];
         if (a == b || a == 0 || b == 0) continue;
-        const auto isInside = [&](std::size_t voxel) {
-          return (blocks.inside[voxel >> 6] >> (voxel & 63)) & 1;
-        };
-        if (!isInside(leaf * 512 + v) || !isInside(other)) continue;
+        if (!blocks.isInside(leaf * 512 + v) || !blocks.isInside(other)) continue;
         glm::dvec3 normal(0.0);
         normal[axis] = a < b ? 1.0 : -1.0;
-        const openvdb::Coord voxel = blocks.origins[leaf] + coordFromOffset(v);
+        const openvdb::Coord voxel = blocks.voxelAt(leaf * 512 + v);
         glm::dvec3 at(voxel.x(), voxel.y(), voxel.z());
         at[axis] += 0.5;
         found[{std::min(a, b), std::max(a, b)}].add(faceArea, normal,

@@ -72,21 +72,7 @@ std::vector<std::uint32_t> leafLabels(const LeafBlocks& blocks, const Labels& la
   return only;
 }
 
-// The 27 leaves round a leaf, itself in the middle, kNone where there is none.
-std::array<std::uint32_t, 27> leavesRound(const LeafBlocks& blocks, std::size_t leaf) {
-  std::array<std::uint32_t, 27> round;
-  std::size_t k = 0;
-  for (int x = -8; x <= 8; x += 8) {
-    for (int y = -8; y <= 8; y += 8) {
-      for (int z = -8; z <= 8; z += 8) {
-        round[k++] = findLeaf(blocks, blocks.origins[leaf] + openvdb::Coord(x, y, z));
-      }
-    }
-  }
-  return round;
-}
-
-Halo gather(const Labels& labels, const std::array<std::uint32_t, 27>& round) {
+Halo gather(const Labels& labels, const LeafRound& round) {
   Halo halo;
   std::size_t at = 0;
   for (int x = -kHalo; x < 8 + kHalo; ++x) {
@@ -94,11 +80,9 @@ Halo gather(const Labels& labels, const std::array<std::uint32_t, 27>& round) {
       for (int z = -kHalo; z < 8 + kHalo; ++z) {
         const std::uint32_t leaf =
             round[static_cast<std::size_t>(((x >> 3) + 1) * 9 + ((y >> 3) + 1) * 3 + (z >> 3) + 1)];
-        const int offset = ((x & 7) << 6) | ((y & 7) << 3) | (z & 7);
-        halo[at++] =
-            leaf == LeafBlocks::kNone
-                ? std::uint16_t{0}
-                : labels.fragment[std::size_t{leaf} * 512 + static_cast<std::size_t>(offset)];
+        halo[at++] = leaf == LeafBlocks::kNone
+                         ? std::uint16_t{0}
+                         : labels.fragment[std::size_t{leaf} * 512 + offsetFromCoord({x, y, z})];
       }
     }
   }
@@ -183,12 +167,13 @@ Cut findCut(const LeafBlocks& blocks, const Labels& labels) {
   const std::vector<std::uint64_t> voxels = countVoxels(blocks, labels, Labels::kWorn - 1);
   for (std::size_t id = 1; id < voxels.size(); ++id) stairsOf[id] = stairs(voxels[id]);
   const std::vector<std::uint32_t> leafLabel = leafLabels(blocks, labels);
+  const std::vector<LeafRound> rounds = leavesRound(blocks.origins);
   std::vector<CutLeaf> perLeaf(blocks.count());
   Cut cut;
   cut.only.resize(blocks.count());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks.count(), 16), [&](const auto& range) {
     for (std::size_t leaf = range.begin(); leaf < range.end(); ++leaf) {
-      const std::array<std::uint32_t, 27> round = leavesRound(blocks, leaf);
+      const LeafRound& round = rounds[leaf];
       std::uint32_t only = 0;
       for (const std::uint32_t other : round) {
         if (other == LeafBlocks::kNone || leafLabel[other] == 0) continue;

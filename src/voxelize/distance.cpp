@@ -157,18 +157,14 @@ LeafBlocks leafBlocks(const FloatGrid& grid) {
 }
 
 ConstFloatGridPtr withoutVoxels(const FloatGrid& grid, const LeafBlocks& blocks,
-                                const std::function<bool(std::size_t, std::uint32_t)>& isSpeck) {
+                                const std::function<bool(std::size_t)>& isSpeck) {
   FloatGrid::Ptr copy = grid.deepCopy();
   FloatGrid::Accessor accessor = copy->getAccessor();
-  for (std::size_t word = 0; word < blocks.inside.size(); ++word) {
-    for (std::uint64_t bits = blocks.inside[word]; bits; bits &= bits - 1) {
-      const auto offset = static_cast<std::uint32_t>((word % 8) * 64) +
-                          static_cast<std::uint32_t>(std::countr_zero(bits));
-      if (!isSpeck(word / 8, offset)) continue;
-      const Coord voxel = blocks.origins[word / 8] + coordFromOffset(offset);
-      accessor.setValueOnly(voxel, -accessor.getValue(voxel));
-    }
-  }
+  blocks.forEachInside([&](std::size_t place) {
+    if (!isSpeck(place)) return;
+    const Coord voxel = blocks.voxelAt(place);
+    accessor.setValueOnly(voxel, -accessor.getValue(voxel));
+  });
   return copy;
 }
 

@@ -31,9 +31,9 @@ void unite(openvdb::FloatGrid& grid, openvdb::FloatGrid& other);
 /// The inside and outer-band voxels of a level set, interior tiles included.
 [[nodiscard]] LeafBlocks leafBlocks(const openvdb::FloatGrid& grid);
 
-/// A copy of a level set in which the inside voxels that `isSpeck(leaf, offset)` names are outside.
-[[nodiscard]] ConstFloatGridPtr withoutVoxels(
-    const openvdb::FloatGrid& grid, const LeafBlocks& blocks,
-    const std::function<bool(std::size_t, std::uint32_t)>& isSpeck);
+/// A copy of a level set in which the inside voxels that `isSpeck(place)` names are outside.
+[[nodiscard]] ConstFloatGridPtr withoutVoxels(const openvdb::FloatGrid& grid,
+                                              const LeafBlocks& blocks,
+                                              const std::function<bool(std::size_t)>& isSpeck);
 
 }  // namespace sherd

@@ -41,9 +41,8 @@ Solid dropSpecks(Solid solid, Parts& parts, Device& device) {
     throw Error(ErrorCode::input, "no part of the solid has " + std::to_string(kSpeckVoxels) +
                                       " voxels at this voxel size; try a higher --resolution");
   }
-  solid.distance = withoutVoxels(
-      *solid.distance, solid.blocks,
-      [&](std::size_t leaf, std::uint32_t offset) { return isSpeck(parts.at(leaf, offset)); });
+  solid.distance = withoutVoxels(*solid.distance, solid.blocks,
+                                 [&](std::size_t place) { return isSpeck(parts.at(place)); });
   solid.blocks = leafBlocks(*solid.distance);
   measureVoxels(solid);
   parts = findParts(solid.blocks, device);

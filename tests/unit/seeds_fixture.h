@@ -33,7 +33,7 @@ struct ShapeSolid {
 
   std::uint32_t partOf(const openvdb::Coord& voxel) const {
     const std::size_t place = voxel_shapes::placeOf(solid.blocks, voxel);
-    return parts.at(place / 512, static_cast<std::uint32_t>(place % 512));
+    return parts.at(place);
   }
 
   bool onSurface(const openvdb::Coord& voxel) const {
