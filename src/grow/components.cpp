@@ -58,18 +58,10 @@ KeptParts keptBy(GrowthState& state, const NodeParts& parts, const cl::Buffer& k
 
 KeptParts keepSeededParts(GrowthState& state, const cl::Buffer& labels, const SeedTable& seeds) {
   const NodeParts parts = findNodeParts(state, &labels);
-  std::vector<cl_uint> item;
-  std::vector<cl_ushort> offset;
-  for (std::size_t i = 0; i < seeds.item.size(); ++i) {
-    if (!seeds.primary[i]) continue;
-    item.push_back(seeds.item[i]);
-    offset.push_back(seeds.offset[i]);
-  }
+  const PrimarySeeds primaries = primariesOf(state, seeds);
   const cl::Buffer keep = state.filled<cl_uint>(parts.nodes, 0);
-  const cl::Buffer itemBuffer = uploadBuffer<cl_uint>(state.device, item);
-  const cl::Buffer offsetBuffer = uploadBuffer<cl_ushort>(state.device, offset);
-  state.run(kFile, "component_mark", item.size(), parts.localNode, parts.firstNode, parts.root,
-            itemBuffer, offsetBuffer, static_cast<cl_uint>(item.size()), keep);
+  state.run(kFile, "component_mark", primaries.count, parts.localNode, parts.firstNode, parts.root,
+            primaries.item, primaries.offset, primaries.count, keep);
   return keptBy(state, parts, keep);
 }
 

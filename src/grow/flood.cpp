@@ -20,21 +20,10 @@ Flood::Flood(GrowthState& state, bool keepCost)
                      : makeBuffer<cl_uint>(state.device, 1)) {}
 
 void Flood::seed(const SeedTable& table) {
-  // Grouped by item: one work-item each.
-  std::vector<cl_uint> item, first;
-  for (std::size_t i = 0; i < table.item.size(); ++i) {
-    if (!item.empty() && item.back() == table.item[i]) continue;
-    item.push_back(table.item[i]);
-    first.push_back(static_cast<cl_uint>(i));
-  }
-  first.push_back(static_cast<cl_uint>(table.item.size()));
-  const cl::Buffer itemBuffer = uploadBuffer<cl_uint>(state_.device, item);
-  const cl::Buffer firstBuffer = uploadBuffer<cl_uint>(state_.device, first);
-  const cl::Buffer offset = uploadBuffer<cl_ushort>(state_.device, table.offset);
+  const SeedGroups seeds = groupsOf(state_, table);
   const cl::Buffer label = uploadBuffer<cl_ushort>(state_.device, table.label);
-  launch("flood_seed", item.size(), itemBuffer, firstBuffer, offset, label,
-         static_cast<cl_uint>(item.size()));
-  state_.device.queue.finish();  // the table's buffers end here
+  launch("flood_seed", seeds.count, seeds.item, seeds.first, seeds.offset, label, seeds.count);
+  state_.device.queue.finish();  // the seeds' buffers end here
   seeded_ = true;
 }
 

@@ -61,6 +61,27 @@ struct SeedTable {
   std::vector<bool> primary;  ///< the first of its fragment in its seed set
 };
 
+/// Seeds on the device, grouped by item, for kernels that take an item a work-item.
+struct SeedGroups {
+  cl::Buffer item;    ///< [count] items with seeds, ascending
+  cl::Buffer first;   ///< [count+1] where an item's seeds begin
+  cl::Buffer offset;  ///< [seeds]
+  cl_uint count = 0;
+};
+
+/// The first seed of each fragment on the device.
+struct PrimarySeeds {
+  cl::Buffer item, offset, label;  ///< [count]
+  cl_uint count = 0;
+};
+
+[[nodiscard]] SeedGroups groupsOf(GrowthState& state, const SeedTable& seeds);
+[[nodiscard]] PrimarySeeds primariesOf(GrowthState& state, const SeedTable& seeds);
+
+/// Where a seed of the table lies.
+[[nodiscard]] openvdb::Coord seedVoxel(const GrowthState& state, const SeedTable& seeds,
+                                       std::size_t i);
+
 ///   throws  Error(usage) a seed outside the solid, or of fragment 0
 [[nodiscard]] SeedTable tableOf(const LeafBlocks& blocks,
                                 std::span<const std::vector<Seed>> seedSets);

@@ -13,19 +13,9 @@ cl::Buffer roughened(GrowthState& state, const cl::Buffer& labels, const SeedTab
             state.leafCount, state.items, noise, amplitude, static_cast<cl_int>(amplitudes.size()),
             labels, out);
 
-  std::vector<cl_uint> item;
-  std::vector<cl_ushort> offset, label;
-  for (std::size_t i = 0; i < seeds.item.size(); ++i) {
-    if (!seeds.primary[i]) continue;
-    item.push_back(seeds.item[i]);
-    offset.push_back(seeds.offset[i]);
-    label.push_back(seeds.label[i]);
-  }
-  const cl::Buffer items = uploadBuffer<cl_uint>(state.device, item);
-  const cl::Buffer offsets = uploadBuffer<cl_ushort>(state.device, offset);
-  const cl::Buffer ids = uploadBuffer<cl_ushort>(state.device, label);
-  state.run("rough.cl", "rough_pin", item.size(), items, offsets, ids,
-            static_cast<cl_uint>(item.size()), out);
+  const PrimarySeeds primaries = primariesOf(state, seeds);
+  state.run("rough.cl", "rough_pin", primaries.count, primaries.item, primaries.offset,
+            primaries.label, primaries.count, out);
   state.device.queue.finish();  // the buffers made here end here
   return out;
 }
