@@ -14,7 +14,7 @@ inline long leaf_bound(const struct sherd_metric* metric, const int4 doubledCent
     const long q = sherd_row(metric, i, x, y, z);
     const long slack =
         7l * (abs(metric->row[3 * i]) + abs(metric->row[3 * i + 1]) + abs(metric->row[3 * i + 2]));
-    a[i] = max(SHERD_ABS(q) + side * slack, 0l);
+    a[i] = max((long)abs(q) + side * slack, 0l);
   }
   return sherd_norm(metric->kind, a[0], a[1], a[2]);
 }

@@ -1,4 +1,4 @@
-// Distances between voxels as integers, the same in C++ and in OpenCL C.
+// Distances between voxels as integers.  The host fills metrics in, devices measure by them.
 //
 // A metric is a kind (euclidean squared, chebyshev, manhattan) and an integer matrix that the difference is multiplied
 // by first: the identity, or SHERD_GRAIN_ONE times a stretching for anisotropic growth.  A distance is 64 bits wide;
@@ -11,17 +11,6 @@
 #define SHERD_MANHATTAN 2
 #define SHERD_GRAIN_ONE 64
 
-#ifdef __OPENCL_VERSION__
-#define SHERD_LONG long
-// Calls, not comparisons: a compiler makes llvm.abs and llvm.smax of those, which oclgrind does not know.
-#define SHERD_ABS(a) ((long)abs(a))
-#define SHERD_LARGER(a, b) max(a, b)
-#else
-#define SHERD_LONG long long
-#define SHERD_ABS(a) ((a) < 0 ? -(a) : (a))
-#define SHERD_LARGER(a, b) ((a) > (b) ? (a) : (b))
-#endif
-
 // Rows of the matrix.
 struct sherd_metric {
   int kind;
@@ -29,26 +18,28 @@ struct sherd_metric {
   int row[9];
 };
 
+#ifdef __OPENCL_VERSION__
+
 // One row of the matrix times a difference.
-inline SHERD_LONG sherd_row(const struct sherd_metric* metric, const int i, const SHERD_LONG x,
-                                           const SHERD_LONG y, const SHERD_LONG z) {
+inline long sherd_row(const struct sherd_metric* metric, const int i, const long x, const long y, const long z) {
   return metric->row[3 * i] * x + metric->row[3 * i + 1] * y + metric->row[3 * i + 2] * z;
 }
 
 // The distance of a stretched difference of absolute values a, b, c: it grows with each.
-inline SHERD_LONG sherd_norm(const int kind, const SHERD_LONG a, const SHERD_LONG b,
-                                            const SHERD_LONG c) {
+inline long sherd_norm(const int kind, const long a, const long b, const long c) {
   if (kind == SHERD_EUCLIDEAN) return a * a + b * b + c * c;
   if (kind == SHERD_MANHATTAN) return a + b + c;
-  const SHERD_LONG ab = SHERD_LARGER(a, b);
-  return SHERD_LARGER(ab, c);
+  return max(max(a, b), c);
 }
 
-inline SHERD_LONG sherd_distance(const struct sherd_metric* metric, const int x, const int y,
-                                                const int z) {
-  const SHERD_LONG a = sherd_row(metric, 0, x, y, z), b = sherd_row(metric, 1, x, y, z),
-                   c = sherd_row(metric, 2, x, y, z);
-  return sherd_norm(metric->kind, SHERD_ABS(a), SHERD_ABS(b), SHERD_ABS(c));
+// max and abs are called, not written as comparisons: a compiler makes llvm.smax and llvm.abs of those, which oclgrind
+// does not know.
+inline long sherd_distance(const struct sherd_metric* metric, const int x, const int y, const int z) {
+  const long a = sherd_row(metric, 0, x, y, z), b = sherd_row(metric, 1, x, y, z),
+             c = sherd_row(metric, 2, x, y, z);
+  return sherd_norm(metric->kind, (long)abs(a), (long)abs(b), (long)abs(c));
 }
+
+#endif  // __OPENCL_VERSION__
 
 #endif

@@ -3,9 +3,9 @@
 #include <sherd/error.h>
 #include <sherd/refracture.h>
 
-#include <chrono>
 #include <set>
 
+#include "fracture_stages.h"
 #include "random.h"
 #include "voxelize/specks.h"
 
@@ -29,17 +29,8 @@ SeededLabels breakPortion(const Solid& part, int id, const FractureOptions& opti
                           const Progress* progress) {
   const std::uint64_t seed = randomBits(options.seed, Stage::again, static_cast<std::uint64_t>(id));
   const Parts parts = findParts(part.blocks, device);
-  SeedOptions seeds = options.seeds;
-  seeds.pieces = options.pieces;
-  seeds.seed = seed;
-  seeds.extraSeeds += options.extraSeedsPerPiece * options.pieces;
-  GrowOptions grow = options.grow;
-  grow.noiseSeeds = {randomBits(seed, Stage::noise, 0)};
-  grow.outerSteps = 0;
-  const openvdb::Coord dims = part.box.dims();
-  grow.roughnessWindow = std::max({dims.x(), dims.y(), dims.z()}) / 10.0;
-  return growWithShares(part.blocks, parts, placeSeeds(part, parts, seeds), device, grow,
-                        options.shares, seed, progress);
+  std::vector<Seed> seeds = placeSeeds(part, parts, seedOptionsFor(options, parts, seed));
+  return growFor(options, part.blocks, parts, std::move(seeds), seed, device, progress);
 }
 
 }  // namespace
@@ -55,14 +46,8 @@ FractureResult refracture(const FinishedFracture& finished, std::span<const int>
                                         std::to_string(finished.fragments));
     }
   }
-  auto last = std::chrono::steady_clock::now();
+  StageClock clock;
   FractureResult result;
-  const auto done = [&](const char* stage) {
-    const auto now = std::chrono::steady_clock::now();
-    result.times.push_back({stage, std::chrono::duration<double>(now - last).count()});
-    last = now;
-  };
-
   result.solid = finished.solid;
   result.parts = findParts(finished.solid.blocks, device).count();
   result.labels.fragment.assign(finished.labels.fragment.size(), 0);
@@ -96,10 +81,11 @@ FractureResult refracture(const FinishedFracture& finished, std::span<const int>
   }
   result.labels = carriedOverBand(finished.solid.blocks, std::move(result.labels), device);
   result.worn.assign(result.parents.size() + 1, 0);
-  done("grow");
+  clock.done("grow");
   result.fragments = extractFragments(result.solid, result.labels,
                                       static_cast<int>(result.parents.size()), nullptr, progress);
-  done("extract");
+  clock.done("extract");
+  result.times = clock.times();
   return result;
 }
 

@@ -1,7 +1,7 @@
 // The solid as flat arrays of 8x8x8 leaves: what kernels walk.
 #pragma once
 
-#include <sherd/grid_fwd.h>
+#include <sherd/coords.h>
 
 #include <array>
 #include <bit>
@@ -70,6 +70,9 @@ struct LeafBlocks {
 
 /// Index of the leaf that holds `voxel`, or LeafBlocks::kNone.
 [[nodiscard]] std::uint32_t findLeaf(const LeafBlocks& blocks, const openvdb::Coord& voxel);
+
+/// The tight box of the inside voxels; empty() where there are none.
+[[nodiscard]] VoxelBox insideBox(const LeafBlocks& blocks);
 
 /// The neighbour table of leaves sorted as LeafBlocks wants them.
 [[nodiscard]] std::vector<std::uint32_t> leafNeighbours(std::span<const openvdb::Coord> origins);

@@ -7,6 +7,8 @@
 #include <optional>
 #include <span>
 
+#include "option_names.h"
+
 namespace sherd::cli {
 namespace {
 
@@ -59,21 +61,20 @@ std::optional<std::vector<double>> numbersIn(std::span<const std::string> parts)
 // One of `names`, in their order.
 template <class Enum>
 CLI::Option* addChoice(CLI::App& command, const std::string& name, Enum& value,
-                       const std::vector<std::string>& names, const std::string& help) {
+                       std::span<const char* const> names, const std::string& help) {
+  const std::vector<std::string> choices(names.begin(), names.end());
   return command
       .add_option_function<std::string>(
           name,
-          [&value, names](const std::string& text) {
-            const auto at = std::find(names.begin(), names.end(), text);
-            value = static_cast<Enum>(at - names.begin());
+          [&value, choices](const std::string& text) {
+            const auto at = std::find(choices.begin(), choices.end(), text);
+            value = static_cast<Enum>(at - choices.begin());
           },
           help)
-      ->check(CLI::IsMember(names))
+      ->check(CLI::IsMember(choices))
       ->type_name("")
       ->default_str(names[static_cast<std::size_t>(value)]);
 }
-
-const std::vector<std::string> kMetrics{"euclidean", "chebyshev", "manhattan"};
 
 // "K", or "Kn" for K of each fragment.
 void parseExtraSeeds(const std::string& text, FractureOptions& options) {
@@ -175,18 +176,16 @@ CLI::Validator aboveZero() {
 void addSeedOptions(CLI::App& command, FractureOptions& options) {
   const std::string group = "Seeds";
   SeedOptions& seeds = options.seeds;
-  addChoice(command, "--sampler", seeds.sampler, {"uniform", "halton", "gaussian", "poisson"},
-            "How seeds are drawn")
+  addChoice(command, "--sampler", seeds.sampler, names::kSampler, "How seeds are drawn")
       ->group(group);
-  addChoice(command, "--seeds-on", seeds.on, {"volume", "surface"}, "Where seeds may lie")
-      ->group(group);
+  addChoice(command, "--seeds-on", seeds.on, names::kSeedsOn, "Where seeds may lie")->group(group);
   command
       .add_option_function<std::string>(
           "--extra-seeds", [&options](const std::string& text) { parseExtraSeeds(text, options); },
           "Further seeds, given to the nearest fragment: less convex pieces; 2n is two a fragment")
       ->type_name("K|Kn")
       ->group(group);
-  addChoice(command, "--merge-metric", seeds.mergeMetric, kMetrics,
+  addChoice(command, "--merge-metric", seeds.mergeMetric, names::kMetric,
             "What nearest means for extra seeds")
       ->group(group);
   command
@@ -216,7 +215,7 @@ void addSeedOptions(CLI::App& command, FractureOptions& options) {
 void addGrowthOptions(CLI::App& command, FractureOptions& options) {
   const std::string group = "Growth";
   GrowOptions& grow = options.grow;
-  addChoice(command, "--growth", grow.growth, {"flood", "nearest", "chain", "euclid"},
+  addChoice(command, "--growth", grow.growth, names::kGrowth,
             "How fragments spread from their seeds")
       ->group(group);
   command.add_option("--neighborhood", grow.neighborhood, "Neighbours a flood steps to: 6 or 26")
@@ -224,7 +223,7 @@ void addGrowthOptions(CLI::App& command, FractureOptions& options) {
       ->type_name("")
       ->capture_default_str()
       ->group(group);
-  addChoice(command, "--metric", grow.metric, kMetrics, "Distance of nearest and chain")
+  addChoice(command, "--metric", grow.metric, names::kMetric, "Distance of nearest and chain")
       ->group(group);
   command
       .add_option_function<std::string>(
@@ -240,15 +239,9 @@ void addGrowthOptions(CLI::App& command, FractureOptions& options) {
           "(default 0.8)")
       ->type_name("r[,H]")
       ->group(group);
-  command
-      .add_option_function<std::string>(
-          "--isolated",
-          [&grow](const std::string& text) { grow.regrowIsolated = text == "regrow"; },
-          "What is cut off from its fragment's first seed: regrow gives it to neighbours, keep "
-          "leaves it")
-      ->check(CLI::IsMember({"regrow", "keep"}))
-      ->type_name("")
-      ->default_str("regrow")
+  addChoice(command, "--isolated", grow.regrowIsolated, names::kIsolated,
+            "What is cut off from its fragment's first seed: regrow gives it to neighbours, keep "
+            "leaves it")
       ->group(group);
   command
       .add_option(
@@ -279,7 +272,7 @@ void addErosionOptions(CLI::App& command, FractureOptions& options) {
       ->transform(wholeNumber(0, 1000))
       ->capture_default_str()
       ->group(group);
-  addChoice(command, "--erode-shape", erode.shape, {"cross", "square", "ellipse"},
+  addChoice(command, "--erode-shape", erode.shape, names::kErodeShape,
             "Shape that must be filled about a voxel")
       ->group(group);
   command.add_option("--erode-size", erode.size, "Size of the shape, odd")
@@ -302,10 +295,10 @@ void addErosionOptions(CLI::App& command, FractureOptions& options) {
       ->check(numberBetween(0.0, 1.0, "0..1"))
       ->capture_default_str()
       ->group(group);
-  addChoice(command, "--erode-on", erode.on, {"fracture", "all"},
+  addChoice(command, "--erode-on", erode.on, names::kErodeOn,
             "Wear cracks only, or the original surface too")
       ->group(group);
-  addChoice(command, "--erode-crumbs", erode.crumbs, {"wear", "keep"},
+  addChoice(command, "--erode-crumbs", erode.crumbs, names::kCrumbs,
             "Smaller parts of a fragment that falls apart")
       ->group(group);
 }

@@ -1,5 +1,4 @@
 // Growth, stage by stage: grow, roughen, keep what hangs together, regrow the rest, carry outwards.
-#include <sherd/coords.h>
 #include <sherd/error.h>
 #include <sherd/labels.h>
 
@@ -24,15 +23,10 @@ void check(const GrowOptions& options) {
   need(options.outerSteps >= 0 && options.outerSteps <= 64, "the outer steps lie in 0..64");
 }
 
-// A tenth of the longest side of the leaves' box.
+// A tenth of the longest side of the solid.
 double tenthOfSide(const LeafBlocks& blocks) {
-  VoxelBox box{openvdb::Coord::max(), openvdb::Coord::min()};
-  for (std::size_t leaf = 0; leaf < blocks.count(); ++leaf) {
-    box.min.minComponent(blocks.origins[leaf]);
-    box.max.maxComponent(blocks.origins[leaf]);
-  }
-  const openvdb::Coord dims = box.max - box.min;
-  return (std::max({dims.x(), dims.y(), dims.z()}) + 8) / 10.0;
+  const openvdb::Coord dims = insideBox(blocks).dims();
+  return std::max({dims.x(), dims.y(), dims.z()}) / 10.0;
 }
 
 // The growth of a batch, on its way.

@@ -11,6 +11,9 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "io/input_error.h"
+#include "option_names.h"
+
 namespace sherd {
 namespace {
 
@@ -43,23 +46,6 @@ double effectiveNumber(const FractureResult& result) {
   return effectiveCount(voxels);
 }
 
-const char* nameOf(Growth growth) {
-  constexpr const char* kNames[] = {"flood", "nearest", "chain", "euclid"};
-  return kNames[static_cast<int>(growth)];
-}
-const char* nameOf(Metric metric) {
-  constexpr const char* kNames[] = {"euclidean", "chebyshev", "manhattan"};
-  return kNames[static_cast<int>(metric)];
-}
-const char* nameOf(Sampler sampler) {
-  constexpr const char* kNames[] = {"uniform", "halton", "gaussian", "poisson"};
-  return kNames[static_cast<int>(sampler)];
-}
-const char* nameOf(ErodeShape shape) {
-  constexpr const char* kNames[] = {"cross", "square", "ellipse"};
-  return kNames[static_cast<int>(shape)];
-}
-
 Json impactJson(const Impact& impact) {
   Json json = Json::object();
   if (const auto* point = std::get_if<WorldPoint>(&impact.place)) json["point"] = jsonOf(point->v);
@@ -79,11 +65,11 @@ Json impactJson(const Impact& impact) {
 Json seedOptionsJson(const FractureOptions& options) {
   if (!options.seedFile.empty()) return {{"file", options.seedFile.filename().string()}};
   const SeedOptions& seeds = options.seeds;
-  Json json = {{"sampler", nameOf(seeds.sampler)},
-               {"on", seeds.on == SeedsOn::surface ? "surface" : "volume"},
+  Json json = {{"sampler", names::of(names::kSampler, seeds.sampler)},
+               {"on", names::of(names::kSeedsOn, seeds.on)},
                {"extra", seeds.extraSeeds},
                {"extra_per_piece", options.extraSeedsPerPiece},
-               {"merge_metric", nameOf(seeds.mergeMetric)},
+               {"merge_metric", names::of(names::kMetric, seeds.mergeMetric)},
                {"random_impacts", seeds.randomImpacts},
                {"impacts", Json::array()}};
   for (const Impact& impact : seeds.impacts) json["impacts"].push_back(impactJson(impact));
@@ -91,10 +77,10 @@ Json seedOptionsJson(const FractureOptions& options) {
 }
 
 Json growOptionsJson(const GrowOptions& grow) {
-  Json json = {{"growth", nameOf(grow.growth)}};
+  Json json = {{"growth", names::of(names::kGrowth, grow.growth)}};
   if (grow.growth == Growth::flood) json["neighborhood"] = grow.neighborhood;
   if (grow.growth == Growth::nearest || grow.growth == Growth::chain) {
-    json["metric"] = nameOf(grow.metric);
+    json["metric"] = names::of(names::kMetric, grow.metric);
   }
   if (grow.grain.strength != 0.0) {
     json["grain"] = {{"direction", jsonOf(grow.grain.direction)},
@@ -102,20 +88,20 @@ Json growOptionsJson(const GrowOptions& grow) {
   }
   json["roughness"] = grow.roughness;
   json["hurst"] = grow.hurst;
-  json["isolated"] = grow.regrowIsolated ? "regrow" : "keep";
+  json["isolated"] = names::of(names::kIsolated, grow.regrowIsolated);
   return json;
 }
 
 Json erodeOptionsJson(const ErodeOptions& erode) {
   if (erode.iterations == 0) return {{"iterations", 0}};
   return {{"iterations", erode.iterations},
-          {"shape", nameOf(erode.shape)},
+          {"shape", names::of(names::kErodeShape, erode.shape)},
           {"size", erode.size},
           {"planes", erode.planes},
           {"threshold", erode.threshold},
           {"probability", erode.probability},
-          {"on", erode.on == ErodeOn::all ? "all" : "fracture"},
-          {"crumbs", erode.crumbs == Crumbs::kept ? "keep" : "wear"}};
+          {"on", names::of(names::kErodeOn, erode.on)},
+          {"crumbs", names::of(names::kCrumbs, erode.crumbs)}};
 }
 
 Json optionsJson(const FractureOptions& options, const FractureResult& result) {
@@ -260,13 +246,11 @@ std::optional<nlohmann::json> readManifest(const std::filesystem::path& file) {
 
 nlohmann::json needManifest(const std::filesystem::path& file) {
   if (!std::filesystem::exists(file)) {
-    throw Error(ErrorCode::input, file.string() + ": is not there; a finished fracture has it");
+    inputError(file, "is not there; a finished fracture has it");
   }
   std::optional<nlohmann::json> manifest = readManifest(file);
   if (!manifest) {
-    throw Error(ErrorCode::input, file.string() +
-                                      ": is no manifest of a fracture; "
-                                      "expected JSON with \"schema\": \"sherd/1\"");
+    inputError(file, "is no manifest of a fracture; expected JSON with \"schema\": \"sherd/1\"");
   }
   return std::move(*manifest);
 }

@@ -1,15 +1,14 @@
 // A fracture's folder read back.
-#include <sherd/error.h>
 #include <sherd/io.h>
 #include <sherd/refracture.h>
 
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "io/input_error.h"
 #include "io/manifest.h"
 #include "io/sha256.h"
 #include "io/vdb.h"
+#include "mesh/file_bytes.h"
 #include "voxelize/distance.h"
 #include "voxelize/specks.h"
 
@@ -17,15 +16,6 @@ namespace sherd {
 namespace {
 
 namespace fs = std::filesystem;
-
-[[noreturn]] void inputError(const fs::path& file, const std::string& what) {
-  throw Error(ErrorCode::input, file.string() + ": " + what);
-}
-
-std::string bytesOf(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 // The labels of a voxel file, on the leaves of the solid.
 Labels labelsOn(const LeafBlocks& blocks, const VoxelLabels& voxels, const openvdb::Coord& first,
@@ -60,7 +50,7 @@ FinishedFracture read(const fs::path& file, const nlohmann::json& manifest) {
   finished.resolution = grid.at("resolution").get<int>();
   finished.source.name = manifest.at("source").at("file").get<std::string>();
   finished.source.stem = fs::path(finished.source.name).stem().string();
-  finished.source.sha256 = sha256(bytesOf(file));
+  finished.source.sha256 = sha256(readFileBytes(file));
 
   const fs::path rle = folder / "labels.rle";
   if (!fs::exists(rle)) inputError(file, "the fracture was written without labels.rle");

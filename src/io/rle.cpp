@@ -14,6 +14,7 @@
 #include <string>
 
 #include "io/atomic_file.h"
+#include "io/input_error.h"
 #include "io/little_endian.h"
 
 namespace sherd {
@@ -80,10 +81,6 @@ class LeafColumns {
   int x0_, y0_, nx_, ny_;
   std::vector<Range> columns_;
 };
-
-[[noreturn]] void inputError(const std::filesystem::path& file, const std::string& what) {
-  throw Error(ErrorCode::input, file.string() + ": " + what);
-}
 
 // Reads up to bytes.size(); fewer only at the end of the file.
 std::size_t readSome(std::ifstream& in, std::span<char> bytes, const std::filesystem::path& file) {

@@ -14,6 +14,7 @@
 #include <sstream>
 
 #include "io/atomic_file.h"
+#include "io/input_error.h"
 
 namespace sherd {
 namespace {
@@ -91,10 +92,6 @@ VdbGrid describe(const openvdb::GridBase& grid) {
           .activeVoxels = grid.activeVoxelCount(),
           .activeBox = {box.min(), box.max()},
           .metadata = textOf(grid)};
-}
-
-[[noreturn]] void inputError(const std::filesystem::path& file, const std::string& what) {
-  throw Error(ErrorCode::input, file.string() + ": " + what);
 }
 
 // Open a file and let `read` take what it wants from its stream.

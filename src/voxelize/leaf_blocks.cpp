@@ -2,6 +2,7 @@
 #include <sherd/leaf_blocks.h>
 
 #include <algorithm>
+#include <bit>
 
 namespace sherd {
 
@@ -10,6 +11,24 @@ std::uint32_t findLeaf(const LeafBlocks& blocks, const openvdb::Coord& voxel) {
   const auto at = std::lower_bound(blocks.origins.begin(), blocks.origins.end(), origin);
   if (at == blocks.origins.end() || *at != origin) return LeafBlocks::kNone;
   return static_cast<std::uint32_t>(at - blocks.origins.begin());
+}
+
+VoxelBox insideBox(const LeafBlocks& blocks) {
+  VoxelBox box{openvdb::Coord::max(), openvdb::Coord::min()};
+  for (std::size_t word = 0; word < blocks.inside.size(); ++word) {
+    const std::uint64_t bits = blocks.inside[word];
+    if (!bits) continue;
+    std::uint64_t zs = bits;  // any y, folded into the low byte
+    for (int shift = 32; shift >= 8; shift /= 2) zs |= zs >> shift;
+    const auto z = static_cast<unsigned>(zs & 0xff);
+    const openvdb::Coord origin =
+        blocks.origins[word / 8] + openvdb::Coord(static_cast<int>(word % 8), 0, 0);
+    box.min.minComponent(origin +
+                         openvdb::Coord(0, std::countr_zero(bits) / 8, std::countr_zero(z)));
+    box.max.maxComponent(
+        origin + openvdb::Coord(0, 7 - std::countl_zero(bits) / 8, 31 - std::countl_zero(z)));
+  }
+  return box.max.x() < box.min.x() ? VoxelBox{} : box;
 }
 
 std::vector<std::uint32_t> leafNeighbours(std::span<const openvdb::Coord> origins) {

@@ -1,0 +1,35 @@
+// What breaking a mesh and breaking fragments again have in common.
+#pragma once
+
+#include <sherd/fracture.h>
+
+#include <chrono>
+#include <vector>
+
+namespace sherd {
+
+/// The seconds of one stage after another.
+class StageClock {
+ public:
+  void done(const char* stage) {
+    const auto now = std::chrono::steady_clock::now();
+    times_.push_back({stage, std::chrono::duration<double>(now - last_).count()});
+    last_ = now;
+  }
+  const std::vector<StageTime>& times() const { return times_; }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+  std::vector<StageTime> times_;
+};
+
+/// options.seeds for a solid of these parts, with every choice from `seed`.
+[[nodiscard]] SeedOptions seedOptionsFor(const FractureOptions& options, const Parts& parts,
+                                         std::uint64_t seed);
+
+/// Grow as options.grow and options.shares say, with every choice from `seed`.
+[[nodiscard]] SeededLabels growFor(const FractureOptions& options, const LeafBlocks& blocks,
+                                   const Parts& parts, std::vector<Seed> seeds, std::uint64_t seed,
+                                   Device& device, const Progress* progress);
+
+}  // namespace sherd

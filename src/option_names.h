@@ -1,0 +1,24 @@
+// The names of options' values, in the order of their enums: what the command line takes and
+// manifests tell.
+#pragma once
+
+#include <cstddef>
+
+namespace sherd::names {
+
+inline constexpr const char* kGrowth[] = {"flood", "nearest", "chain", "euclid"};
+inline constexpr const char* kMetric[] = {"euclidean", "chebyshev", "manhattan"};
+inline constexpr const char* kSampler[] = {"uniform", "halton", "gaussian", "poisson"};
+inline constexpr const char* kSeedsOn[] = {"volume", "surface"};
+inline constexpr const char* kErodeShape[] = {"cross", "square", "ellipse"};
+inline constexpr const char* kErodeOn[] = {"fracture", "all"};
+inline constexpr const char* kCrumbs[] = {"wear", "keep"};
+inline constexpr const char* kIsolated[] = {"keep", "regrow"};  // by GrowOptions::regrowIsolated
+
+/// The name of a value.
+template <class Value, std::size_t n>
+const char* of(const char* const (&names)[n], Value value) {
+  return names[static_cast<std::size_t>(value)];
+}
+
+}  // namespace sherd::names
