@@ -51,7 +51,7 @@ FractureResult fracture(const TriangleMesh& mesh, const FractureOptions& options
   erosion.seed = options.seed;
   const bool wears = erosion.iterations > 0;
   if (wears) {
-    Erosion worn = erode(blocks, grown.labels, fragments, erosion, progress);
+    Erosion worn = erode(blocks, grown.labels, fragments, erosion, device, progress);
     result.labels = carriedOverBand(blocks, std::move(worn.labels), device);
     result.worn = std::move(worn.worn);
     clock.done("erode");

@@ -62,16 +62,18 @@ struct Erosion {
 ///
 /// A fragment is never worn away: an iteration that would take its last voxel does not happen to
 /// it.  Crumbs are dealt with once, after the last iteration: of a fragment's 6-connected parts the
-/// one with the most voxels stays, of equal ones that with the lowest voxel by x, y, z.
+/// one with the most voxels stays, of equal ones that with the first voxel in leaf order.
 ///
 ///   labels     inside voxels 0..fragments or Labels::kWorn; labels of the outer band are neither
 ///              read nor changed, so carry them anew where that matters
 ///   fragments  1..kMaxFragments
-///   cost       leaves * iterations, and shell voxels * size^2 * iterations; on the host
+///   cost       leaves * iterations, and shell voxels * size^2 * iterations on the host; crumbs are
+///              found on the device
 ///   throws     Error(usage) options out of range, labels that are not those of `blocks`;
-///              Error(cancelled)
+///              Error(device); Error(cancelled)
 ///   source     Generating implicit object fragment datasets for machine learning, 3.2.3
 [[nodiscard]] Erosion erode(const LeafBlocks& blocks, const Labels& labels, int fragments,
-                            const ErodeOptions& options, const Progress* progress = nullptr);
+                            const ErodeOptions& options, Device& device,
+                            const Progress* progress = nullptr);
 
 }  // namespace sherd

@@ -10,10 +10,10 @@
 #include <cmath>
 #include <string>
 
-#include "erode/largest_part.h"
 #include "erode/masks.h"
 #include "erode/shape.h"
 #include "erode/shell.h"
+#include "grow/parts.h"
 #include "random.h"
 
 namespace sherd {
@@ -224,18 +224,19 @@ std::uint64_t take(FragmentMasks& fragment, const std::vector<LeafMask>& taken, 
   return voxels;
 }
 
-std::vector<LeafMask> crumbsOf(const FragmentMasks& fragment) {
-  std::vector<LeafMask> crumbs = largestPart(fragment);
-  for (std::size_t i = 0; i < crumbs.size(); ++i) {
-    for (std::size_t x = 0; x < 8; ++x) crumbs[i][x] = fragment.masks[i][x] & ~crumbs[i][x];
+// A fragment's voxels that are not in the masks [leaf*8] of the blocks.
+std::vector<LeafMask> without(const FragmentMasks& fragment, std::span<const std::uint64_t> kept) {
+  std::vector<LeafMask> rest = fragment.masks;
+  for (std::size_t i = 0; i < rest.size(); ++i) {
+    for (std::size_t x = 0; x < 8; ++x) rest[i][x] &= ~kept[std::size_t{fragment.leaf[i]} * 8 + x];
   }
-  return crumbs;
+  return rest;
 }
 
 }  // namespace
 
 Erosion erode(const LeafBlocks& blocks, const Labels& labels, int fragments,
-              const ErodeOptions& options, const Progress* progress) {
+              const ErodeOptions& options, Device& device, const Progress* progress) {
   check(blocks, labels, fragments, options);
   step(progress, "erode", 0.0);
   Erosion result{labels, std::vector<std::uint64_t>(static_cast<std::size_t>(fragments) + 1)};
@@ -255,7 +256,10 @@ Erosion erode(const LeafBlocks& blocks, const Labels& labels, int fragments,
         [&](const FragmentMasks& fragment) { return wear.takenFrom(fragment, iteration); });
     step(progress, "erode", static_cast<double>(iteration + 1) / options.iterations);
   }
-  if (options.crumbs == Crumbs::worn) forEachFragment(crumbsOf);
+  if (options.crumbs == Crumbs::worn) {
+    const std::vector<std::uint64_t> largest = largestParts(blocks, result.labels, device);
+    forEachFragment([&](const FragmentMasks& fragment) { return without(fragment, largest); });
+  }
   for (std::size_t i = 1; i < result.worn.size(); ++i) result.worn[0] += result.worn[i];
   return result;
 }

@@ -21,12 +21,6 @@ inline bool isEmpty(const LeafMask& mask) {
   return any == 0;
 }
 
-inline std::uint64_t voxelsIn(const LeafMask& mask) {
-  std::uint64_t n = 0;
-  for (const std::uint64_t word : mask) n += static_cast<std::uint64_t>(std::popcount(word));
-  return n;
-}
-
 /// One fragment: the leaves that hold voxels of it.
 struct FragmentMasks {
   std::vector<std::uint32_t> leaf;      ///< [n] leaf of the blocks, ascending

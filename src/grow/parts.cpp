@@ -1,4 +1,6 @@
 // The 6-connected parts of the inside.  The method is described in kernels/components.cl.
+#include "grow/parts.h"
+
 #include <sherd/seeds.h>
 
 #include <bit>
@@ -50,6 +52,18 @@ Parts findParts(const LeafBlocks& blocks, Device& device) {
     parts.firstNode = std::move(found.first);
     numberParts(blocks, found.nodesOfItem, root, parts);
     return parts;
+  });
+}
+
+std::vector<std::uint64_t> largestParts(const LeafBlocks& blocks, const Labels& labels,
+                                        Device& device) {
+  Device::Impl& impl = device.impl();
+  return withDevice(impl, "finding the largest parts", [&] {
+    GrowthState state(blocks, 1, impl);
+    const cl::Buffer uploaded = uploadBuffer<std::uint16_t>(impl, labels.fragment);
+    std::vector<std::uint64_t> mask(state.words());
+    readBuffer<std::uint64_t>(impl, keepLargestParts(state, uploaded).mask, mask);
+    return mask;
   });
 }
 

@@ -76,9 +76,9 @@ void expectGrowth(const ShapeSolid& on, const std::vector<Seed>& seeds, const La
 }
 
 void expectErosion(const ShapeSolid& on, const Labels& before, int fragments,
-                   const ErodeOptions& options) {
+                   const ErodeOptions& options, Device& device) {
   const LeafBlocks& blocks = on.solid.blocks;
-  const Erosion eroded = erode(blocks, before, fragments, options);
+  const Erosion eroded = erode(blocks, before, fragments, options, device);
   std::size_t strange = 0;
   for (std::size_t place = 0; place < before.fragment.size(); ++place) {
     const bool inside = (blocks.inside[place / 64] >> (place % 64)) & 1;
@@ -100,7 +100,7 @@ void expectErosion(const ShapeSolid& on, const Labels& before, int fragments,
     std::erase_if(left, [](const auto& voxel) { return voxel.second == Labels::kWorn; });
     EXPECT_EQ(reference::connectedParts(left), static_cast<std::size_t>(fragments));
   }
-  const Erosion again = erode(blocks, before, fragments, options);
+  const Erosion again = erode(blocks, before, fragments, options, device);
   EXPECT_EQ(again.labels.fragment, eroded.labels.fragment);
   EXPECT_EQ(again.worn, eroded.worn);
 }
@@ -152,7 +152,7 @@ void tryCase(std::uint64_t number, Device& device) {
   const std::vector<Labels> grown = grow(blocks, sets, device, growOptions);
   for (std::size_t i = 0; i < sets.size(); ++i) expectGrowth(on, sets[i], grown[i], growOptions);
   expectBatch(blocks, sets, grown, growOptions, device);
-  expectErosion(on, grown[0], static_cast<int>(fragments), erodeOptions);
+  expectErosion(on, grown[0], static_cast<int>(fragments), erodeOptions, device);
 }
 
 std::uint64_t numberFrom(const char* name, std::uint64_t otherwise) {

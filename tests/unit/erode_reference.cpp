@@ -103,8 +103,12 @@ std::set<Coord> voxelsOf(const Voxels& voxels, int fragment) {
   return own;
 }
 
-// All but the largest 6-connected part; sets ascend by x, y, z, so the first of equals stays.
+// All but the largest 6-connected part; of equal ones that with the first voxel in leaf order
+// stays.
 std::set<Coord> crumbs(const std::set<Coord>& fragment) {
+  const auto first = [](const std::set<Coord>& part) {
+    return *std::min_element(part.begin(), part.end(), voxel_shapes::leafOrder);
+  };
   std::set<Coord> rest = fragment, largest;
   while (!rest.empty()) {
     std::set<Coord> part;
@@ -116,7 +120,10 @@ std::set<Coord> crumbs(const std::set<Coord>& fragment) {
       part.insert(voxel);
       for (const Coord& n : voxel_shapes::neighbours(voxel)) open.push_back(n);
     }
-    if (part.size() > largest.size()) largest = part;
+    if (part.size() > largest.size() ||
+        (part.size() == largest.size() && voxel_shapes::leafOrder(first(part), first(largest)))) {
+      largest = part;
+    }
   }
   std::set<Coord> others;
   std::set_difference(fragment.begin(), fragment.end(), largest.begin(), largest.end(),
