@@ -3,7 +3,8 @@
 //
 // D is a sum of octaves of value noise on lattices of 2, 4, 8, ... voxels, whose amplitudes grow as spacing^H: on a
 // crack that was smooth it is a self-affine relief of Hurst exponent H.  The walk takes one face step at a time and
-// leaves out those that would leave the solid, so that it slides along walls.  Everything is integers.
+// leaves out those that would leave the solid, so that it slides along walls.  Everything is integers.  Leaves that are
+// too far from every crack for a walk to reach another label keep theirs.
 // Source of the relief: Bouchaud, Scaling properties of cracks, J. Phys. Condens. Matter 9, 1997.
 //
 // One work-item takes items i, i + all, ... (item = fracture * leafCount + leaf); any work-group size.
@@ -25,6 +26,21 @@ inline ulong lattice_bits(const ulong seed, const int octave, const int i, const
   return rough_mixed(seed ^ rough_mixed(place + 0x9e3779b97f4a7c15ul));
 }
 
+inline int lattice_value(const ulong bits, const int axis, const int amplitude) {
+  const int value = (int)((bits >> (16 * axis)) & 0xffff) - 32768;
+  return (int)(((long)value * amplitude) >> 15);
+}
+
+// Where a leaf lies in an octave's lattice.  Lattices wider than a leaf are shifted by a random number of leaves:
+// unshifted ones would all have points at the origin, and be flat there together.
+inline int4 shifted_low(const ulong seed, const int octave, const int4 low) {
+  if (octave < 3) return low;
+  const ulong bits = rough_mixed(seed + ((ulong)(uint)octave << 48));
+  const int leaves = (2 << octave) >> 3;
+  return low + (int4)((int)(bits & 0xffff) & (leaves - 1), (int)((bits >> 16) & 0xffff) & (leaves - 1),
+                      (int)((bits >> 32) & 0xffff) & (leaves - 1), 0) * 8;
+}
+
 // t^3 (6 t^2 - 15 t + 10) for t = at / 2^log2Spacing, out of 32768.
 inline int smooth_weight(const int at, const int log2Spacing) {
   const long t = (long)at << (15 - log2Spacing);
@@ -33,108 +49,277 @@ inline int smooth_weight(const int at, const int log2Spacing) {
   return (int)((t3 * (6 * t2 - 15 * t + 10 * 32768)) >> 15);
 }
 
-inline int blend(const int a, const int b, const int weight) { return a + (((b - a) * weight) >> 15); }
+// a + (b - a) * weight / 32768, rounded down; weights here come times 65536, which is what mul_hi takes away again.
+inline int blend(const int a, const int b, const int weight) { return a + mul_hi((b - a) << 1, weight); }
+inline int8 blend8(const int8 a, const int8 b, const int8 weight) { return a + mul_hi((b - a) << 1, weight); }
 
-// Add one octave of one axis to a leaf's displacements (1/256 voxel).  A leaf meets at most 5 lattice points an axis.
-inline void add_octave(const ulong seed, const int octave, const int axis, const int amplitude, const int4 low,
-                       int* displacement) {
+// The blend along z of a row of 8 voxels.
+inline int8 blend_row(const int* line, const int log2Spacing, const int8 weight) {
+  if (log2Spacing >= 3) return blend8((int8)(line[0]), (int8)(line[1]), weight);
+  if (log2Spacing == 2) {
+    const int4 a = (int4)(line[0]), b = (int4)(line[1]), c = (int4)(line[2]);
+    return blend8((int8)(a, b), (int8)(b, c), weight);
+  }
+  const int2 a = (int2)(line[0]), b = (int2)(line[1]), c = (int2)(line[2]), d = (int2)(line[3]), e = (int2)(line[4]);
+  return blend8((int8)(a, b, c, d), (int8)(b, c, d, e), weight);
+}
+
+// Add an octave to a leaf's displacements, [axis*64 + x*8 + y] rows along z in 1/256 voxel.  A leaf meets at most 5
+// lattice points an axis.
+inline void add_octave(const ulong seed, const int octave, const int amplitude, const int4 leafLow,
+                       int8* displacement) {
   const int log2Spacing = octave + 1, spacing = 1 << log2Spacing;
   const int side = log2Spacing >= 3 ? 2 : (8 >> log2Spacing) + 1;
+  const int4 low = shifted_low(seed, octave, leafLow);
   const int i0 = low.x >> log2Spacing, j0 = low.y >> log2Spacing, k0 = low.z >> log2Spacing;
-  int lattice[5 * 5 * 5];
+  int lattice[3][5 * 5 * 5];
   for (int i = 0; i < side; ++i) {
     for (int j = 0; j < side; ++j) {
       for (int k = 0; k < side; ++k) {
         const ulong bits = lattice_bits(seed, octave, i0 + i, j0 + j, k0 + k);
-        lattice[(i * 5 + j) * 5 + k] = (int)((bits >> (16 * axis)) & 0xffff) - 32768;
+        for (int axis = 0; axis < 3; ++axis) {
+          lattice[axis][(i * 5 + j) * 5 + k] = lattice_value(bits, axis, amplitude);
+        }
       }
     }
   }
-  int weightY[8], weightZ[8];
+  int weightX[8], weightY[8], rowWeight[8];
   for (int n = 0; n < 8; ++n) {
-    weightY[n] = smooth_weight((low.y + n) & (spacing - 1), log2Spacing);
-    weightZ[n] = smooth_weight((low.z + n) & (spacing - 1), log2Spacing);
+    weightX[n] = smooth_weight((low.x + n) & (spacing - 1), log2Spacing) << 16;
+    weightY[n] = smooth_weight((low.y + n) & (spacing - 1), log2Spacing) << 16;
+    rowWeight[n] = smooth_weight((low.z + n) & (spacing - 1), log2Spacing) << 16;
   }
-  for (int x = 0; x < 8; ++x) {
-    const int weightX = smooth_weight((low.x + x) & (spacing - 1), log2Spacing);
-    const int i = ((low.x + x) >> log2Spacing) - i0;
-    int plane[5 * 5];
-    for (int j = 0; j < side; ++j) {
-      for (int k = 0; k < side; ++k) {
-        plane[j * 5 + k] = blend(lattice[(i * 5 + j) * 5 + k], lattice[((i + 1) * 5 + j) * 5 + k], weightX);
+  const int8 weightZ = vload8(0, rowWeight);
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int x = 0; x < 8; ++x) {
+      const int* near = lattice[axis] + (((low.x + x) >> log2Spacing) - i0) * 25;
+      int plane[5 * 5];
+      for (int j = 0; j < side; ++j) {
+        for (int k = 0; k < side; ++k) {
+          plane[j * 5 + k] = blend(near[j * 5 + k], near[25 + j * 5 + k], weightX[x]);
+        }
       }
-    }
-    for (int y = 0; y < 8; ++y) {
-      const int j = ((low.y + y) >> log2Spacing) - j0;
-      int line[5];
-      for (int k = 0; k < side; ++k) line[k] = blend(plane[j * 5 + k], plane[(j + 1) * 5 + k], weightY[y]);
-      for (int z = 0; z < 8; ++z) {
-        const int k = ((low.z + z) >> log2Spacing) - k0;
-        const int value = blend(line[k], line[k + 1], weightZ[z]);
-        displacement[(x << 6) | (y << 3) | z] += (int)(((long)value * amplitude) >> 15);
+      for (int y = 0; y < 8; ++y) {
+        const int* row = plane + (((low.y + y) >> log2Spacing) - j0) * 5;
+        int line[5];
+        for (int k = 0; k < side; ++k) line[k] = blend(row[k], row[5 + k], weightY[y]);
+        displacement[axis * 64 + x * 8 + y] += blend_row(line, log2Spacing, weightZ);
       }
     }
   }
 }
 
+// The one label of voxels or leaves; 0 where they have none, ROUGH_SEVERAL where they differ.
+#define ROUGH_SEVERAL 0xffffu
+
+inline uint label_of_both(const uint a, const uint b) { return a == b || b == 0 ? a : a == 0 ? b : ROUGH_SEVERAL; }
+
+kernel void rough_leaves(
+    const global ulong* restrict inside,   // [leafCount*8]
+    const uint leafCount,
+    const uint items,
+    const global ushort* restrict before,  // [items*512]  labels
+    global uint* restrict single,          // [items]      out: the leaf's one label
+    global uint* restrict full)            // [items]      out: 1 where it is inside throughout
+{
+  for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
+    uint found = 0;
+    ulong all = ~0ul;
+    for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
+      const ulong word = inside[(item % leafCount) * SHERD_LEAF_WORDS + x];
+      all &= word;
+      for (int v = 0; word != 0 && v < 64; ++v) {
+        if ((word >> v) & 1) found = label_of_both(found, before[item * SHERD_LEAF_SIZE + x * 64 + v]);
+      }
+    }
+    single[item] = found;
+    full[item] = all == ~0ul ? 1 : 0;
+  }
+}
+
+// Make the one label of the leaves within `ring` of each that of those within ring + 1, and note how far there is one.
+kernel void rough_rings(
+    const global uint* restrict round27,  // [leafCount*27]
+    const uint leafCount,
+    const uint items,
+    const uint ring,
+    const global uint* restrict single,   // [items]
+    global uint* restrict wider,          // [items]  out
+    global uint* restrict same)           // [items]  in, out: rings, its own leaf the first, with one label at most
+{
+  for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
+    const size_t leaf = item % leafCount;
+    uint found = single[item];
+    if (found != ROUGH_SEVERAL) same[item] = ring + 1;
+    for (int k = 0; k < 27; ++k) {
+      const uint other = round27[leaf * 27 + k];
+      if (other != SHERD_NO_LEAF) found = label_of_both(found, single[item - leaf + other]);
+    }
+    wider[item] = found;
+  }
+}
+
+inline int least_of(const int8 v) {
+  const int4 a = min(v.lo, v.hi);
+  return min(min(a.x, a.y), min(a.z, a.w));
+}
+inline int most_of(const int8 v) {
+  const int4 a = max(v.lo, v.hi);
+  return max(max(a.x, a.y), max(a.z, a.w));
+}
+
+// How many leaves away a walk of a leaf may end, displacements being in least..most (1/256 voxel).
+inline int leaves_away(const int least, const int most) { return (max(-(least >> 8), most >> 8) + 7) / 8; }
+
+// The same from an octave's values at the corners of the leaf: between them it is monotone along each axis.
+inline int leaves_away_at_most(const ulong seed, const global int* restrict amplitude, const int octaves,
+                               const int4 leafLow) {
+  int least[3] = {128, 128, 128}, most[3] = {128, 128, 128};  // rounded to the nearest voxel
+  for (int octave = 0; octave < octaves; ++octave) {
+    const int log2Spacing = octave + 1, spacing = 1 << log2Spacing;
+    if (log2Spacing < 3) {  // the leaf holds more than a cell
+      for (int axis = 0; axis < 3; ++axis) {
+        least[axis] -= amplitude[octave];
+        most[axis] += amplitude[octave];
+      }
+      continue;
+    }
+    const int4 low = shifted_low(seed, octave, leafLow);
+    ulong bits[8];
+    for (int corner = 0; corner < 8; ++corner) {
+      bits[corner] = lattice_bits(seed, octave, (low.x >> log2Spacing) + (corner >> 2),
+                                  (low.y >> log2Spacing) + ((corner >> 1) & 1), (low.z >> log2Spacing) + (corner & 1));
+    }
+    int first[3], last[3];  // weights of the leaf's ends along x, y, z
+    const int at[3] = {low.x & (spacing - 1), low.y & (spacing - 1), low.z & (spacing - 1)};
+    for (int axis = 0; axis < 3; ++axis) {
+      first[axis] = smooth_weight(at[axis], log2Spacing) << 16;
+      last[axis] = smooth_weight(at[axis] + 7, log2Spacing) << 16;
+    }
+    const int8 weightX = (int8)((int4)(first[0]), (int4)(last[0]));
+    const int8 weightY = (int8)((int2)(first[1]), (int2)(last[1]), (int2)(first[1]), (int2)(last[1]));
+    const int8 weightZ = (int8)(first[2], last[2], first[2], last[2], first[2], last[2], first[2], last[2]);
+    for (int axis = 0; axis < 3; ++axis) {
+      int8 along[4];
+      for (int n = 0; n < 4; ++n) {
+        along[n] = blend8((int8)(lattice_value(bits[n], axis, amplitude[octave])),
+                          (int8)(lattice_value(bits[n + 4], axis, amplitude[octave])), weightX);
+      }
+      const int8 value =
+          blend8(blend8(along[0], along[2], weightY), blend8(along[1], along[3], weightY), weightZ);
+      least[axis] += least_of(value) - 3;  // three blends round down
+      most[axis] += most_of(value) + 3;
+    }
+  }
+  return max(max(leaves_away(least[0], most[0]), leaves_away(least[1], most[1])), leaves_away(least[2], most[2]));
+}
+
+// Where a walk by `way` from a voxel ends.
+inline size_t walk_end(const global ulong* restrict inside, const global uint* restrict neighbour, const uint leaf,
+                       const int from, const int* way) {
+  int steps[3], passed[3] = {0, 0, 0}, most = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    steps[axis] = (int)abs(way[axis]);
+    most = max(most, steps[axis]);
+  }
+  uint atLeaf = leaf;
+  int at = from;
+  for (int i = 0; i < most; ++i) {
+    for (int axis = 0; axis < 3; ++axis) {  // an axis's steps lie evenly among `most`
+      passed[axis] += steps[axis];
+      if (passed[axis] < most) continue;
+      passed[axis] -= most;
+      const int up = way[axis] > 0 ? 1 : 0;
+      const int shift = 6 - 3 * axis;
+      const int next = ((at >> shift) & 7) + 2 * up - 1;
+      uint nextLeaf = atLeaf;
+      if (next & ~7) nextLeaf = neighbour[(size_t)atLeaf * SHERD_LEAF_FACES + 2 * axis + up];
+      if (nextLeaf == SHERD_NO_LEAF) continue;
+      const int nextAt = (at & ~(7 << shift)) | ((next & 7) << shift);
+      if (!((inside[(size_t)nextLeaf * SHERD_LEAF_WORDS + (nextAt >> 6)] >> (nextAt & 63)) & 1)) continue;
+      atLeaf = nextLeaf;
+      at = nextAt;
+    }
+  }
+  return (size_t)atLeaf * SHERD_LEAF_SIZE + at;
+}
+
+// The leaf i, j, k leaves away, where all leaves of the box between are inside throughout; else SHERD_NO_LEAF.
+inline uint leaf_straight_away(const global uint* restrict round27, const global uint* restrict full, const uint leaf,
+                               const int i, const int j, const int k) {
+  const int stepI = i < 0 ? 4 : 22, stepJ = j < 0 ? 10 : 16, stepK = k < 0 ? 12 : 14;
+  uint alongX = leaf, alongY = leaf, alongZ = leaf;
+  for (int a = 0; a <= (int)abs(i); ++a) {
+    alongY = alongX;
+    for (int b = 0; b <= (int)abs(j); ++b) {
+      alongZ = alongY;
+      for (int c = 0; c <= (int)abs(k); ++c) {
+        if (!full[alongZ]) return SHERD_NO_LEAF;
+        if (c < (int)abs(k)) alongZ = round27[(size_t)alongZ * 27 + stepK];
+        if (alongZ == SHERD_NO_LEAF) return SHERD_NO_LEAF;
+      }
+      if (b < (int)abs(j)) alongY = round27[(size_t)alongY * 27 + stepJ];
+      if (alongY == SHERD_NO_LEAF) return SHERD_NO_LEAF;
+    }
+    if (a < (int)abs(i)) alongX = round27[(size_t)alongX * 27 + stepI];
+    if (alongX == SHERD_NO_LEAF) return SHERD_NO_LEAF;
+  }
+  return alongZ;
+}
+
 kernel void rough(
     const global ulong* restrict inside,      // [leafCount*8]
     const global uint* restrict neighbour,    // [leafCount*6]
+    const global uint* restrict round27,      // [leafCount*27]
     const global int4* restrict origin,       // [leafCount]   lowest voxel, w unused
     const uint leafCount,
     const uint items,
     const global ulong* restrict noiseSeed,   // [fractures]
     const global int* restrict amplitude,     // [octaves]     1/256 voxels at the lattice's extremes
     const int octaves,
+    const global uint* restrict same,         // [items]       as rough_rings leaves it
+    const global uint* restrict full,         // [items]       as rough_leaves leaves it
     const global ushort* restrict before,     // [items*512]   labels
     global ushort* restrict after)            // [items*512]   out
 {
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
     const uint leaf = (uint)(item % leafCount);
-    const size_t base = item - leaf;
-    ulong any = 0;
-    for (int x = 0; x < SHERD_LEAF_WORDS; ++x) any |= inside[(size_t)leaf * SHERD_LEAF_WORDS + x];
-    if (!any) {
-      for (int v = 0; v < SHERD_LEAF_SIZE; ++v) after[item * SHERD_LEAF_SIZE + v] = 0;
+    const size_t base = (item - leaf) * SHERD_LEAF_SIZE;
+    const ulong seed = noiseSeed[item / leafCount];
+    if ((int)same[item] > leaves_away_at_most(seed, amplitude, octaves, origin[leaf])) {  // to no other label
+      for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
+        const bool isInside = (inside[(size_t)leaf * SHERD_LEAF_WORDS + (v >> 6)] >> (v & 63)) & 1;
+        after[item * SHERD_LEAF_SIZE + v] = isInside ? before[item * SHERD_LEAF_SIZE + v] : 0;
+      }
       continue;
     }
-    int displacement[3][SHERD_LEAF_SIZE];
-    for (int axis = 0; axis < 3; ++axis) {
-      for (int v = 0; v < SHERD_LEAF_SIZE; ++v) displacement[axis][v] = 0;
-      for (int octave = 0; octave < octaves; ++octave) {
-        add_octave(noiseSeed[item / leafCount], octave, axis, amplitude[octave], origin[leaf], displacement[axis]);
-      }
+    int8 displacement[3 * 64];
+    for (int row = 0; row < 3 * 64; ++row) displacement[row] = (int8)(128);  // half a voxel: rounds to the nearest
+    for (int octave = 0; octave < octaves; ++octave) {
+      add_octave(seed, octave, amplitude[octave], origin[leaf], displacement);
     }
-    for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
-      ushort label = 0;
-      if ((inside[(size_t)leaf * SHERD_LEAF_WORDS + (v >> 6)] >> (v & 63)) & 1) {
-        int way[3], direction[3], most = 0;
-        for (int axis = 0; axis < 3; ++axis) {
-          const int whole = (displacement[axis][v] + 128) >> 8;
-          way[axis] = abs(whole);
-          direction[axis] = whole < 0 ? 0 : 1;
-          most = max(most, way[axis]);
+    int4 last = (int4)(0);  // leaves away, of the voxel before: its neighbours mostly go to the same
+    uint end = leaf_straight_away(round27, full + (item - leaf), leaf, 0, 0, 0);
+    for (int row = 0; row < 64; ++row) {
+      int ways[3][8];
+      for (int axis = 0; axis < 3; ++axis) vstore8(displacement[axis * 64 + row] >> 8, 0, ways[axis]);
+      for (int z = 0; z < 8; ++z) {
+        const int v = row * 8 + z;
+        const int way[3] = {ways[0][z], ways[1][z], ways[2][z]};
+        const int x = (v >> 6) + way[0], y = ((v >> 3) & 7) + way[1], to = (v & 7) + way[2];
+        const int4 away = (int4)(x >> 3, y >> 3, to >> 3, 0);
+        if (any(away != last)) {
+          end = leaf_straight_away(round27, full + (item - leaf), leaf, away.x, away.y, away.z);
+          last = away;
         }
-        uint atLeaf = leaf;
-        int at = v;
-        for (int i = 0; i < most; ++i) {
-          for (int axis = 0; axis < 3; ++axis) {  // `way` steps of each axis, evenly among `most`
-            if ((i + 1) * way[axis] / most == i * way[axis] / most) continue;
-            const int shift = 6 - 3 * axis;
-            const int place = (at >> shift) & 7;
-            const int next = place + (direction[axis] ? 1 : -1);
-            uint nextLeaf = atLeaf;
-            if (next & ~7) nextLeaf = neighbour[(size_t)atLeaf * SHERD_LEAF_FACES + 2 * axis + direction[axis]];
-            if (nextLeaf == SHERD_NO_LEAF) continue;
-            const int nextAt = (at & ~(7 << shift)) | ((next & 7) << shift);
-            if (!((inside[(size_t)nextLeaf * SHERD_LEAF_WORDS + (nextAt >> 6)] >> (nextAt & 63)) & 1)) continue;
-            atLeaf = nextLeaf;
-            at = nextAt;
-          }
+        ushort label = 0;
+        if (end != SHERD_NO_LEAF) {  // nothing is in the way
+          label = before[base + (size_t)end * SHERD_LEAF_SIZE + (((x & 7) << 6) | ((y & 7) << 3) | (to & 7))];
+        } else if ((inside[(size_t)leaf * SHERD_LEAF_WORDS + (v >> 6)] >> (v & 63)) & 1) {
+          label = before[base + walk_end(inside, neighbour, leaf, v, way)];
         }
-        label = before[(base + atLeaf) * SHERD_LEAF_SIZE + at];
+        after[item * SHERD_LEAF_SIZE + v] = label;
       }
-      after[item * SHERD_LEAF_SIZE + v] = label;
     }
   }
 }

@@ -1,7 +1,45 @@
 // Driving kernels/rough.cl.
 #include "grow/rough.h"
 
+#include <algorithm>
+#include <cstdlib>
+#include <utility>
+
 namespace sherd {
+namespace {
+
+constexpr const char* kFile = "rough.cl";
+
+// How many leaves away a walk can end.
+cl_uint leavesReached(std::span<const cl_int> amplitudes) {
+  std::int64_t most = 128;  // 1/256 voxels, rounded to the nearest voxel
+  for (const cl_int amplitude : amplitudes) most += std::abs(std::int64_t{amplitude}) + 1;
+  return static_cast<cl_uint>((most / 256 + 7) / 8);
+}
+
+// What walks need to know of leaves.
+struct Leaves {
+  cl::Buffer same;  // [items] rings of leaves, its own the first, with one label at most
+  cl::Buffer full;  // [items] inside throughout?
+};
+
+Leaves leavesOf(GrowthState& state, const cl::Buffer& labels, cl_uint reach) {
+  constexpr cl_uint kMostRings = 16;  // beyond, leaves count as near a crack
+  Leaves leaves{state.filled<cl_uint>(state.items, 0),
+                makeBuffer<cl_uint>(state.device, state.items)};
+  cl::Buffer single = makeBuffer<cl_uint>(state.device, state.items);
+  cl::Buffer wider = makeBuffer<cl_uint>(state.device, state.items);
+  state.run(kFile, "rough_leaves", state.items, state.inside, state.leafCount, state.items, labels,
+            single, leaves.full);
+  for (cl_uint ring = 0; ring <= std::min(reach, kMostRings); ++ring) {
+    state.run(kFile, "rough_rings", state.items, state.round27(), state.leafCount, state.items,
+              ring, single, wider, leaves.same);
+    std::swap(single, wider);
+  }
+  return leaves;
+}
+
+}  // namespace
 
 cl::Buffer roughened(GrowthState& state, const cl::Buffer& labels, const SeedTable& seeds,
                      std::span<const std::uint64_t> noiseSeeds,
@@ -9,13 +47,14 @@ cl::Buffer roughened(GrowthState& state, const cl::Buffer& labels, const SeedTab
   const cl::Buffer noise = uploadBuffer<std::uint64_t>(state.device, noiseSeeds);
   const cl::Buffer amplitude = uploadBuffer<cl_int>(state.device, amplitudes);
   const cl::Buffer out = makeBuffer<cl_ushort>(state.device, state.voxels());
-  state.run("rough.cl", "rough", state.items, state.inside, state.neighbour, state.origin(),
-            state.leafCount, state.items, noise, amplitude, static_cast<cl_int>(amplitudes.size()),
-            labels, out);
+  const Leaves leaves = leavesOf(state, labels, leavesReached(amplitudes));
+  state.run(kFile, "rough", state.items, state.inside, state.neighbour, state.round27(),
+            state.origin(), state.leafCount, state.items, noise, amplitude,
+            static_cast<cl_int>(amplitudes.size()), leaves.same, leaves.full, labels, out);
 
   const PrimarySeeds primaries = primariesOf(state, seeds);
-  state.run("rough.cl", "rough_pin", primaries.count, primaries.item, primaries.offset,
-            primaries.label, primaries.count, out);
+  state.run(kFile, "rough_pin", primaries.count, primaries.item, primaries.offset, primaries.label,
+            primaries.count, out);
   state.device.queue.finish();  // the buffers made here end here
   return out;
 }

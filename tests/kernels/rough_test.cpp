@@ -24,25 +24,33 @@ int latticeValue(std::uint64_t seed, int octave, int axis, const Coord& p) {
   return static_cast<int>((bits >> (16 * axis)) & 0xffff) - 32768;
 }
 
-// Value noise at one voxel: eight lattice points, blended along x, then y, then z.
-int noise(std::uint64_t seed, int octave, int axis, const Coord& voxel) {
+// Value noise at one voxel, 1/256 voxel: eight lattice points, blended along x, then y, then z.
+int noise(std::uint64_t seed, int octave, int axis, int amplitude, const Coord& voxel) {
   const int spacing = 2 << octave;
+  Coord at = voxel;  // in the lattice, which lies a random number of leaves off
+  const std::uint64_t bits = mixed(seed + (static_cast<std::uint64_t>(octave) << 48));
+  for (int i = 0; spacing >= 16 && i < 3; ++i) {
+    at[i] += 8 * static_cast<int>((bits >> (16 * i)) % static_cast<std::uint64_t>(spacing / 8));
+  }
   Coord cell;
   std::int64_t weight[3];
   for (int i = 0; i < 3; ++i) {
-    cell[i] = static_cast<int>(floorDiv(voxel[i], spacing));
-    const std::int64_t t = (voxel[i] - cell[i] * spacing) * (32768 / spacing);
+    cell[i] = static_cast<int>(floorDiv(at[i], spacing));
+    const std::int64_t t = (at[i] - cell[i] * spacing) * (32768 / spacing);
     const std::int64_t t2 = t * t / 32768, t3 = t2 * t / 32768;
     weight[i] = t3 * (6 * t2 - 15 * t + 10 * 32768) / 32768;
   }
+  const auto value = [&](const Coord& offset) {
+    const std::int64_t lattice = latticeValue(seed, octave, axis, cell + offset);
+    return floorDiv(lattice * amplitude, 32768);
+  };
   const auto blend = [](std::int64_t a, std::int64_t b, std::int64_t w) {
     return a + floorDiv((b - a) * w, 32768);
   };
   std::int64_t alongX[2][2], alongY[2];
   for (int j = 0; j < 2; ++j) {
     for (int k = 0; k < 2; ++k) {
-      alongX[j][k] = blend(latticeValue(seed, octave, axis, cell + Coord(0, j, k)),
-                           latticeValue(seed, octave, axis, cell + Coord(1, j, k)), weight[0]);
+      alongX[j][k] = blend(value({0, j, k}), value({1, j, k}), weight[0]);
     }
   }
   for (int k = 0; k < 2; ++k) alongY[k] = blend(alongX[0][k], alongX[1][k], weight[1]);
@@ -55,8 +63,7 @@ Coord displacement(std::uint64_t seed, const std::vector<std::int32_t>& amplitud
   for (int axis = 0; axis < 3; ++axis) {
     std::int64_t sum = 0;
     for (std::size_t o = 0; o < amplitudes.size(); ++o) {
-      sum += floorDiv(std::int64_t{noise(seed, static_cast<int>(o), axis, voxel)} * amplitudes[o],
-                      32768);
+      sum += noise(seed, static_cast<int>(o), axis, amplitudes[o], voxel);
     }
     whole[axis] = static_cast<int>(floorDiv(sum + 128, 256));
   }
@@ -128,8 +135,8 @@ TEST(RoughAmplitudes, GiveTheHeightThatWasAsked) {
         for (int z = 0; z < 24; z += 2, ++n) {
           double d = 0.0;
           for (std::size_t o = 0; o < amplitudes.size(); ++o) {
-            d += noise(seed, static_cast<int>(o), axis, corner + Coord(0, y, z)) *
-                 (amplitudes[o] / 256.0) / 32768.0;
+            d += noise(seed, static_cast<int>(o), axis, amplitudes[o], corner + Coord(0, y, z)) /
+                 256.0;
           }
           sum += d;
           squares += d * d;
