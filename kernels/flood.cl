@@ -1,4 +1,5 @@
-// flood: grow labels over a domain of voxels, all seeds at once, one layer of face neighbours per step.
+// flood: grow labels over a domain of voxels, all seeds at once, one layer of neighbours per step: the 6 over faces, or
+// all 26.
 //
 // A voxel belongs to the label that reaches it in the fewest steps, ties to the lower id: one answer, whatever the
 // order of work.  A step takes a list of leaves where something can change, and whole slabs of 64 voxels at a time by
@@ -19,6 +20,8 @@
 #define FLOOD_STATE                                                                              \
   const global ulong *restrict domain,       /* [leafCount*8]  voxels that may be reached */    \
   const global uint *restrict neighbour,     /* [leafCount*6] */                                \
+  const global uint *restrict round27,       /* [leafCount*27] where all 26 neighbours count */ \
+  const uint neighbours,                     /* 6 or 26 */                                      \
   const uint leafCount,                                                                         \
   global ulong *restrict owned,              /* [items*8]      voxels that have a label */      \
   global uint *restrict tag,                 /* [items]        0, the only label, or mixed */   \
@@ -33,6 +36,19 @@
   global uint *restrict cost,                /* [items*512]    steps, when keepCost */          \
   const uint keepCost
 
+// The leaves beside one as round27 has them, x slowest, 13 itself: those over faces first, -x +x -y +y -z +z.
+constant uchar kBeside[26] = {4, 22, 10, 16, 12, 14, 0,  1,  2,  3,  5,  6,  7,
+                              8, 9,  11, 15, 17, 18, 19, 20, 21, 23, 24, 25, 26};
+
+// The bits of a leaf's mask that border on the leaf at `beside`, of all slabs together.
+inline ulong bordering(const int beside, const ulong first, const ulong last, const ulong any) {
+  const int i = beside / 9, j = beside / 3 % 3, k = beside % 3;
+  ulong bits = i == 0 ? first : i == 2 ? last : any;
+  if (j != 1) bits &= j == 0 ? SHERD_Y0 : SHERD_Y7;
+  if (k != 1) bits &= k == 0 ? SHERD_Z0 : SHERD_Z7;
+  return bits;
+}
+
 inline void enqueue(global uint* queued, global uint* list, global uint* listCount, const uint items,
                     const uint item, const uint step) {
   if (atomic_xchg(&queued[item], step) == step) return;
@@ -43,8 +59,9 @@ inline void enqueue(global uint* queued, global uint* list, global uint* listCou
 // Make `front` what `item` reached in `step`, and queue who can go on from it.
 inline void publish(const ulong* front, const int selfLeft, const uint item, const uint leaf, const uint step,
                     const uint newTag, const global ulong* domain, const global uint* neighbour,
-                    global ulong* frontMask, global uint* frontStep, global uint* frontTag, global uint* queued,
-                    global uint* list, global uint* listCount, const uint items) {
+                    const global uint* round27, const uint neighbours, global ulong* frontMask,
+                    global uint* frontStep, global uint* frontTag, global uint* queued, global uint* list,
+                    global uint* listCount, const uint items) {
   const size_t copy = (size_t)(step & 1) * items + item;
   ulong any = 0;
   for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
@@ -54,6 +71,15 @@ inline void publish(const ulong* front, const int selfLeft, const uint item, con
   frontStep[copy] = step;
   frontTag[copy] = newTag;
   if (selfLeft) enqueue(queued, list, listCount, items, item, step + 1);
+  if (neighbours == 26) {
+    for (int n = 0; n < 26; ++n) {
+      const uint other = round27[(size_t)leaf * 27 + kBeside[n]];
+      if (other != SHERD_NO_LEAF && bordering(kBeside[n], front[0], front[7], any)) {
+        enqueue(queued, list, listCount, items, item - leaf + other, step + 1);
+      }
+    }
+    return;
+  }
   const ulong touches[SHERD_LEAF_FACES] = {front[0],       front[7],       any & SHERD_Y0,
                                            any & SHERD_Y7, any & SHERD_Z0, any & SHERD_Z7};
   for (int k = 0; k < SHERD_LEAF_FACES; ++k) {
@@ -114,8 +140,8 @@ kernel void flood_seed(
         if (!((front[v >> 6] >> (v & 63)) & 1)) owner[(size_t)item * SHERD_LEAF_SIZE + v] = 0;
       }
     }
-    publish(front, 1, item, leaf, 0, only, domain, neighbour, frontMask, frontStep, frontTag, queued, list,
-            listCount, items);
+    publish(front, 1, item, leaf, 0, only, domain, neighbour, round27, neighbours, frontMask, frontStep, frontTag,
+            queued, list, listCount, items);
   }
 }
 
@@ -159,6 +185,113 @@ kernel void flood_restart(FLOOD_STATE, const uint step)
   }
 }
 
+// What a leaf's open voxels receive from fronts over faces, and from which items.
+inline void arrive6(const global uint* beside, const uint base, const global ulong* frontMask,
+                    const global uint* frontStep, const uint live, const ulong* open, ulong* reached, uint* source) {
+  ulong self[SHERD_LEAF_WORDS];
+  for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
+    self[x] = source[13] != SHERD_NO_LEAF ? frontMask[(size_t)source[13] * SHERD_LEAF_WORDS + x] : 0;
+  }
+  for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
+    ulong r = slab_neighbours(self[x]);
+    if (x > 0) r |= self[x - 1];
+    if (x < SHERD_LEAF_WORDS - 1) r |= self[x + 1];
+    reached[x] = r & open[x];
+  }
+  for (int k = 0; k < SHERD_LEAF_FACES; ++k) {
+    const uint other = beside[k];
+    if (other == SHERD_NO_LEAF || frontStep[base + other] != live) continue;
+    const global ulong* restrict theirs = frontMask + (size_t)(base + other) * SHERD_LEAF_WORDS;
+    ulong arrives = 0;
+    if (k < 2) {
+      const int x = k == 0 ? 0 : 7;
+      arrives = theirs[7 - x] & open[x];
+      reached[x] |= arrives;
+    } else {
+      for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
+        const ulong r = through_face(k, theirs[x]) & open[x];
+        reached[x] |= r;
+        arrives |= r;
+      }
+    }
+    if (arrives) source[kBeside[k]] = base + other;
+  }
+}
+
+// The same over faces, edges and corners.
+inline void arrive26(const global uint* beside, const uint base, const global ulong* frontMask,
+                     const global uint* frontStep, const uint live, const ulong* open, ulong* reached, uint* source) {
+  for (int k = 0; k < 27; ++k) {
+    const uint other = beside[k];
+    if (k == 13 || other == SHERD_NO_LEAF || frontStep[base + other] != live) continue;
+    const global ulong* restrict theirs = frontMask + (size_t)(base + other) * SHERD_LEAF_WORDS;
+    ulong any = 0;
+    for (int x = 0; x < SHERD_LEAF_WORDS; ++x) any |= theirs[x];
+    if (bordering(26 - k, theirs[0], theirs[7], any)) source[k] = base + other;
+  }
+  for (int x = 0; x < SHERD_LEAF_WORDS; ++x) reached[x] = 0;
+  for (int x = -1; x <= SHERD_LEAF_WORDS; ++x) {  // a slab of this leaf or of the leaves beside, spread along z, then y
+    ulong row[3];
+    for (int j = 0; j < 3; ++j) {
+      ulong word[3];
+      for (int k = 0; k < 3; ++k) {
+        const uint from = source[((x >> 3) + 1) * 9 + j * 3 + k];
+        word[k] = from == SHERD_NO_LEAF ? 0 : frontMask[(size_t)from * SHERD_LEAF_WORDS + (x & 7)];
+      }
+      row[j] = word[1] | moved_z_up(word[1]) | moved_z_down(word[1]) | through_face(4, word[0]) |
+               through_face(5, word[2]);
+    }
+    const ulong slab = row[1] | moved_y_up(row[1]) | moved_y_down(row[1]) | through_face(2, row[0]) |
+                       through_face(3, row[2]);
+    for (int to = max(x - 1, 0); to <= min(x + 1, 7); ++to) reached[to] |= slab & open[to];
+  }
+}
+
+// Give the reached voxels the lowest label of the front voxels beside them.  Voxels that are not in a front are not
+// read, and only reached ones written: another work-item may be at its own part of a row.
+#define FLOOD_NO_LABEL 0xffff
+
+inline void take_labels(const uint* source, const global ulong* frontMask, const global uint* frontTag,
+                        const global ushort* owner, const uint neighbours, const ulong* reached,
+                        global ushort* owners) {
+  ushort near[10 * 10 * 10];  // labels of the front voxels at x, y, z of -1..8
+  for (int i = 0; i < 10 * 10 * 10 / 8; ++i) vstore8((ushort8)(FLOOD_NO_LABEL), i, near);
+  for (int k = 0; k < 27; ++k) {
+    if (source[k] == SHERD_NO_LEAF) continue;
+    const int i = 8 * (k / 9) - 8, j = 8 * (k / 3 % 3) - 8, l = 8 * (k % 3) - 8;  // where the leaf begins
+    const uint tag = frontTag[source[k]];
+    for (int x = max(i, -1); x <= min(i + 7, 8); ++x) {
+      ulong word = frontMask[(size_t)source[k] * SHERD_LEAF_WORDS + (x & 7)];
+      if (j != 0) word &= j < 0 ? SHERD_Y7 : SHERD_Y0;
+      if (l != 0) word &= l < 0 ? SHERD_Z7 : SHERD_Z0;
+      for (; word; word &= word - 1) {
+        const int bit = lowest_bit(word);
+        const ushort label =
+            tag == SHERD_TAG_MIXED ? owner[(size_t)source[k] * SHERD_LEAF_SIZE + ((x & 7) << 6) + bit] : (ushort)tag;
+        near[((x + 1) * 10 + j + (bit >> 3) + 1) * 10 + l + (bit & 7) + 1] = label;
+      }
+    }
+  }
+  for (int row = 0; row < 64; ++row) {
+    uint set = (uint)(reached[row >> 3] >> (8 * (row & 7))) & 0xff;
+    if (!set) continue;
+    ushort8 least = (ushort8)(FLOOD_NO_LABEL);
+    for (int k = 0; k < 9; ++k) {  // the rows beside, itself at 4
+      if (neighbours == 6 && !(k & 1) && k != 4) continue;
+      const ushort* beside = near + (((row >> 3) + k / 3) * 10 + (row & 7) + k % 3) * 10;
+      least = min(least, vload8(0, beside + 1));
+      if (neighbours == 6 && k != 4) continue;
+      least = min(least, min(vload8(0, beside), vload8(0, beside + 2)));
+    }
+    ushort labels[8];
+    vstore8(least, 0, labels);
+    for (; set; set &= set - 1) {
+      const int z = lowest_bit(set);
+      owners[row * 8 + z] = labels[z];
+    }
+  }
+}
+
 // One layer.
 kernel void flood_step(FLOOD_STATE, const uint step)
 {
@@ -178,42 +311,23 @@ kernel void flood_step(FLOOD_STATE, const uint step)
     }
     if (!isOpen) continue;
 
-    // What arrives, and whether all of it carries one label.
     ulong reached[SHERD_LEAF_WORDS];
-    ulong self[SHERD_LEAF_WORDS];
-    const int selfLive = frontStep[before + item] == step - 1;
+    uint source[27];  // items whose live front may border on this leaf, as kBeside numbers them
+    for (int k = 0; k < 27; ++k) source[k] = SHERD_NO_LEAF;
+    if (frontStep[before + item] == step - 1) source[13] = item;
+    if (neighbours == 26) {
+      arrive26(round27 + (size_t)leaf * 27, base, frontMask + before * SHERD_LEAF_WORDS, frontStep + before, step - 1,
+               open, reached, source);
+    } else {
+      arrive6(neighbour + (size_t)leaf * SHERD_LEAF_FACES, base, frontMask + before * SHERD_LEAF_WORDS,
+              frontStep + before, step - 1, open, reached, source);
+    }
     uint label = tag[item];  // 0: none yet
     int oneLabel = label != SHERD_TAG_MIXED;
-    for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
-      self[x] = selfLive ? frontMask[(before + item) * SHERD_LEAF_WORDS + x] : 0;
-    }
-    for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
-      ulong r = slab_neighbours(self[x]);
-      if (x > 0) r |= self[x - 1];
-      if (x < SHERD_LEAF_WORDS - 1) r |= self[x + 1];
-      reached[x] = r & open[x];
-    }
-    uint source[SHERD_LEAF_FACES];  // neighbour items whose front is live
-    for (int k = 0; k < SHERD_LEAF_FACES; ++k) {
-      source[k] = SHERD_NO_LEAF;
-      const uint other = neighbour[(size_t)leaf * SHERD_LEAF_FACES + k];
-      if (other == SHERD_NO_LEAF || frontStep[before + base + other] != step - 1) continue;
-      const global ulong* restrict theirs = frontMask + (before + base + other) * SHERD_LEAF_WORDS;
-      ulong arrives = 0;
-      if (k < 2) {
-        const int x = k == 0 ? 0 : 7;
-        arrives = theirs[7 - x] & open[x];
-        reached[x] |= arrives;
-      } else {
-        for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
-          const ulong r = through_face(k, theirs[x]) & open[x];
-          reached[x] |= r;
-          arrives |= r;
-        }
-      }
-      if (!arrives) continue;
-      source[k] = base + other;
-      const uint theirTag = frontTag[before + base + other];
+    for (uint n = 0; n < neighbours; ++n) {
+      const uint from = source[kBeside[n]];
+      if (from == SHERD_NO_LEAF) continue;
+      const uint theirTag = frontTag[before + from];
       if (label == 0) label = theirTag;
       oneLabel &= theirTag == label && theirTag != SHERD_TAG_MIXED;
     }
@@ -229,25 +343,7 @@ kernel void flood_step(FLOOD_STATE, const uint step)
         for (int x = 0; x < SHERD_LEAF_WORDS; ++x) old[x] = owned[(size_t)item * SHERD_LEAF_WORDS + x];
         write_rows(old, (ushort)selfTag, owners);
       }
-      for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
-        for (ulong bits = reached[x]; bits; bits &= bits - 1) {
-          const int bit = lowest_bit(bits);
-          const int y = bit >> 3, z = bit & 7;
-          uint best = SHERD_TAG_MIXED;
-          for (int k = 0; k < SHERD_LEAF_FACES; ++k) {
-            const int d = (k & 1) ? 1 : -1;
-            const int nx = x + (k < 2 ? d : 0), ny = y + ((k >> 1) == 1 ? d : 0), nz = z + (k >= 4 ? d : 0);
-            const uint from = ((nx | ny | nz) & ~7) ? source[k] : item;
-            if (from == SHERD_NO_LEAF || (from == item && !selfLive)) continue;
-            const int offset = ((nx & 7) << 6) | ((ny & 7) << 3) | (nz & 7);
-            if (!((frontMask[(before + from) * SHERD_LEAF_WORDS + (offset >> 6)] >> (offset & 63)) & 1)) continue;
-            const uint theirTag = frontTag[before + from];
-            best = min(best, theirTag == SHERD_TAG_MIXED ? (uint)owner[(size_t)from * SHERD_LEAF_SIZE + offset]
-                                                         : theirTag);
-          }
-          owners[(x << 6) + bit] = (ushort)best;
-        }
-      }
+      take_labels(source, frontMask + before * SHERD_LEAF_WORDS, frontTag + before, owner, neighbours, reached, owners);
       label = SHERD_TAG_MIXED;
     }
     if (keepCost) {
@@ -263,8 +359,8 @@ kernel void flood_step(FLOOD_STATE, const uint step)
       left |= open[x] & ~reached[x];
     }
     tag[item] = label;
-    publish(reached, left != 0, item, leaf, step, label, domain, neighbour, frontMask, frontStep, frontTag,
-            queued, list, listCount, items);
+    publish(reached, left != 0, item, leaf, step, label, domain, neighbour, round27, neighbours, frontMask, frontStep,
+            frontTag, queued, list, listCount, items);
   }
 }
 

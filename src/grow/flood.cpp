@@ -3,9 +3,11 @@
 
 namespace sherd {
 
-Flood::Flood(GrowthState& state, bool keepCost)
+Flood::Flood(GrowthState& state, bool keepCost, int neighbours)
     : state_(state),
       keepCost_(keepCost ? 1 : 0),
+      neighbours_(static_cast<cl_uint>(neighbours)),
+      round_(neighbours == 26 ? state.round27() : makeBuffer<cl_uint>(state.device, 1)),
       domain_(state.inside),
       owned_(state.filled<cl_ulong>(state.words(), 0)),
       tag_(state.filled<cl_uint>(state.items, 0)),
@@ -62,8 +64,9 @@ cl::Buffer Flood::labels() {
 cl_uint Flood::setState(cl::Kernel& kernel) {
   cl_uint i = 0;
   const auto set = [&](const auto&... argument) { (kernel.setArg(i++, argument), ...); };
-  set(domain_, state_.neighbour, state_.leafCount, owned_, tag_, owner_, frontMask_, frontStep_,
-      frontTag_, queued_, list_, listCount_, state_.items, cost_, keepCost_);
+  set(domain_, state_.neighbour, round_, neighbours_, state_.leafCount, owned_, tag_, owner_,
+      frontMask_, frontStep_, frontTag_, queued_, list_, listCount_, state_.items, cost_,
+      keepCost_);
   return i;
 }
 

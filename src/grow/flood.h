@@ -1,4 +1,4 @@
-// Growth by layers of face neighbours; the method is described in kernels/flood.cl.
+// Growth by layers of neighbours; the method is described in kernels/flood.cl.
 #pragma once
 
 #include "grow/growth_state.h"
@@ -8,8 +8,8 @@ namespace sherd {
 /// One growth on the device: its buffers, and the kernels launched over them.
 class Flood {
  public:
-  /// A growth that has nothing yet.
-  Flood(GrowthState& state, bool keepCost);
+  /// A growth that has nothing yet, over faces or all 26 neighbours.
+  Flood(GrowthState& state, bool keepCost, int neighbours = 6);
 
   /// Begin with seeds.
   void seed(const SeedTable& table);
@@ -33,11 +33,11 @@ class Flood {
   void launch(const char* name, std::size_t work, const Arguments&... arguments);
 
   GrowthState& state_;
-  cl_uint keepCost_;
+  cl_uint keepCost_, neighbours_;
   cl_uint step_ = 0;
   bool seeded_ = false;  // the seeds are the front: no restart
-  cl::Buffer domain_, owned_, tag_, owner_, frontMask_, frontStep_, frontTag_, queued_, list_,
-      listCount_, cost_;
+  cl::Buffer round_, domain_, owned_, tag_, owner_, frontMask_, frontStep_, frontTag_, queued_,
+      list_, listCount_, cost_;
 };
 
 }  // namespace sherd

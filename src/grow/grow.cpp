@@ -42,10 +42,9 @@ struct Growing {
     return static_cast<std::uint32_t>(options.stepsPerReadback > 0 ? options.stepsPerReadback : 16);
   }
 
-  // Plain layers over faces go by masks, and can go straight on into the outer band.
+  // Plain layers go by masks.
   bool isPlainFlood() const {
-    return options.growth == Growth::flood && options.neighborhood == 6 &&
-           options.grain.strength == 0.0;
+    return options.growth == Growth::flood && options.grain.strength == 0.0;
   }
 
   void take(Grown grown) {
@@ -166,10 +165,10 @@ void growAll(Growing& growing) {
   const bool rough = options.roughness > 0.0;
 
   if (growing.isPlainFlood()) {
-    Flood flood(state, options.keepCost);
+    Flood flood(state, options.keepCost, options.neighborhood);
     flood.seed(growing.seeds);
     flood.grow(state.inside, SHERD_NO_STEP, growing.perReadback(), growing.progress);
-    const bool last = !settles && !rough;
+    const bool last = !settles && !rough && options.neighborhood == 6;  // the band is over faces
     if (last && outer > 0) flood.grow(band(state), outer, growing.perReadback(), growing.progress);
     growing.take({flood.labels(), flood.cost()});
     if (last) return;
