@@ -60,7 +60,7 @@ FractureResult fracture(const TriangleMesh& mesh, const FractureOptions& options
     result.worn.assign(static_cast<std::size_t>(fragments) + 1, 0);
   }
   result.fragments = extractFragments(result.solid, result.labels, fragments,
-                                      wears ? &grown.labels : nullptr, progress);
+                                      wears ? &grown.labels : nullptr, options.surface, progress);
   clock.done("extract");
   result.times = clock.times();
   return result;

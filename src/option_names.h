@@ -13,6 +13,7 @@ inline constexpr const char* kSeedsOn[] = {"volume", "surface"};
 inline constexpr const char* kErodeShape[] = {"cross", "square", "ellipse"};
 inline constexpr const char* kErodeOn[] = {"fracture", "all"};
 inline constexpr const char* kCrumbs[] = {"wear", "keep"};
+inline constexpr const char* kInterface[] = {"shared", "independent"};
 inline constexpr const char* kIsolated[] = {"keep", "regrow"};  // by GrowOptions::regrowIsolated
 
 /// The name of a value.

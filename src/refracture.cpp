@@ -82,8 +82,9 @@ FractureResult refracture(const FinishedFracture& finished, std::span<const int>
   result.labels = carriedOverBand(finished.solid.blocks, std::move(result.labels), device);
   result.worn.assign(result.parents.size() + 1, 0);
   clock.done("grow");
-  result.fragments = extractFragments(result.solid, result.labels,
-                                      static_cast<int>(result.parents.size()), nullptr, progress);
+  result.fragments =
+      extractFragments(result.solid, result.labels, static_cast<int>(result.parents.size()),
+                       nullptr, options.surface, progress);
   clock.done("extract");
   result.times = clock.times();
   return result;

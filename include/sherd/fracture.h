@@ -9,6 +9,7 @@
 #include <sherd/seeds.h>
 #include <sherd/shares.h>
 #include <sherd/solid.h>
+#include <sherd/surface.h>
 
 #include <cstdint>
 #include <filesystem>
@@ -29,6 +30,7 @@ struct FractureOptions {
   GrowOptions grow{};                ///< its noise seed is made from `seed`
   ShareOptions shares{};
   ErodeOptions erode{};  ///< its `seed` is taken from above
+  SurfaceOptions surface{};
   double missing = 0.0;  ///< fragments withheld: a number from 1 up, or below 1 a share of all
 };
 

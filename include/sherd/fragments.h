@@ -7,6 +7,7 @@
 #include <sherd/mesh.h>
 #include <sherd/progress.h>
 #include <sherd/solid.h>
+#include <sherd/surface.h>
 
 #include <cstdint>
 #include <vector>
@@ -40,17 +41,18 @@ struct Fragment {
 /// the cut is where the labels' indicators, smoothed by two binomial passes, are equal, so it is
 /// smooth, two neighbours share it to the bit, and the original surface stays where it was.  Every
 /// inside voxel's centre lies in its owner's level set, and in no other.
+/// Meshes are made as options.interface says; the level sets are the same either way.
 ///   labels  of this solid's blocks, ids 1..fragments or Labels::kWorn, each id with at least one
 ///           voxel
 ///   unworn  the labels before erosion, when there was any: what worn faces faced, and what
-///   touched,
-///           is read from them
+///           touched, is read from them
 ///   return  [fragments] ascending by id
 [[nodiscard]] std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
                                                      int fragments, const Labels* unworn = nullptr,
+                                                     const SurfaceOptions& options = {},
                                                      const Progress* progress = nullptr);
 
 /// The unbroken solid's mesh, made as the fragments' are.
-[[nodiscard]] TriangleMesh solidMesh(const Solid& solid);
+[[nodiscard]] TriangleMesh solidMesh(const Solid& solid, const SurfaceOptions& options = {});
 
 }  // namespace sherd

@@ -20,4 +20,5 @@
 #include <sherd/seeds.h>
 #include <sherd/shares.h>
 #include <sherd/solid.h>
+#include <sherd/surface.h>
 #include <sherd/version.h>

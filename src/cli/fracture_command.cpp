@@ -309,6 +309,7 @@ void addFractureCommand(CLI::App& app, Action& run) {
   addSeedOptions(*command, options);
   addGrowthOptions(*command, options);
   addErosionOptions(*command, options);
+  addSurfaceOptions(*command, options);
   for (const char* ofMeshes : {"--seeds", "--missing", "--erode-iterations"}) {
     command->get_option("--only")->excludes(ofMeshes);
   }

@@ -264,6 +264,12 @@ void addGrowthOptions(CLI::App& command, FractureOptions& options) {
       ->group(group);
 }
 
+void addSurfaceOptions(CLI::App& command, FractureOptions& options) {
+  addChoice(command, "--interface", options.surface.interface, names::kInterface,
+            "Surfaces between fragments: shared bit for bit, or each fragment meshed by itself")
+      ->group("Surface");
+}
+
 void addErosionOptions(CLI::App& command, FractureOptions& options) {
   const std::string group = "Erosion";
   ErodeOptions& erode = options.erode;

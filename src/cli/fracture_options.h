@@ -13,5 +13,6 @@ namespace sherd::cli {
 void addSeedOptions(CLI::App& command, FractureOptions& options);
 void addGrowthOptions(CLI::App& command, FractureOptions& options);
 void addErosionOptions(CLI::App& command, FractureOptions& options);
+void addSurfaceOptions(CLI::App& command, FractureOptions& options);
 
 }  // namespace sherd::cli

@@ -117,6 +117,7 @@ Json optionsJson(const FractureOptions& options, const FractureResult& result) {
   json["balance"] = options.shares.balance;
   json["erode"] = erodeOptionsJson(options.erode);
   json["missing"] = options.missing;
+  json["interface"] = names::of(names::kInterface, options.surface.interface);
   return json;
 }
 

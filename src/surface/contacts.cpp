@@ -63,7 +63,7 @@ std::uint16_t mostAround(const glm::dvec3& p, std::uint16_t own, LabelReader& la
 }
 
 // What is known of one pair's shared surface.
-struct Interface {
+struct Touching {
   double area = 0.0;
   glm::dvec3 normal{0.0};    // area-weighted, from the lower id to the higher
   glm::dvec3 centroid{0.0};  // area-weighted
@@ -75,13 +75,13 @@ struct Interface {
   }
 };
 using Pair = std::pair<std::uint16_t, std::uint16_t>;  // lower, higher
-using Interfaces = std::map<Pair, Interface>;
+using Touchings = std::map<Pair, Touching>;
 
 // Pairs that share a voxel face, with the area of those faces.
-Interfaces voxelInterfaces(const Solid& solid, const Labels& labels) {
+Touchings voxelTouchings(const Solid& solid, const Labels& labels) {
   const LeafBlocks& blocks = solid.blocks;
   const double faceArea = solid.frame.voxelSize * solid.frame.voxelSize;
-  Interfaces found;
+  Touchings found;
   for (std::size_t leaf = 0; leaf < blocks.count(); ++leaf) {
     for (int axis = 0; axis < 3; ++axis) {
       const std::uint32_t next =
@@ -140,8 +140,8 @@ std::vector<std::uint16_t> facingOf(const TriangleMesh& mesh, const std::vector<
 }
 
 void addContacts(std::span<Fragment> fragments, const Solid& solid, const Labels& labels) {
-  const Interfaces touching = voxelInterfaces(solid, labels);
-  Interfaces measured;
+  const Touchings touching = voxelTouchings(solid, labels);
+  Touchings measured;
   for (const Fragment& fragment : fragments) {
     const auto own = static_cast<std::uint16_t>(fragment.id);
     for (std::size_t t = 0; t < fragment.facing.size(); ++t) {
@@ -162,7 +162,7 @@ void addContacts(std::span<Fragment> fragments, const Solid& solid, const Labels
     const auto found = measured.find(pair);
     // A contact of a few voxels may have no face of its own in the meshes: then its voxel faces are
     // all there is.
-    const Interface& interface = found != measured.end() ? found->second : byVoxels;
+    const Touching& interface = found != measured.end() ? found->second : byVoxels;
     const double length = glm::length(interface.normal);
     Contact contact;
     contact.area = interface.area;

@@ -163,13 +163,13 @@ CutLeaf cutLeaf(const Halo& halo, std::vector<std::uint16_t> fragments, const st
 }  // namespace
 
 Cut findCut(const LeafBlocks& blocks, const Labels& labels) {
-  std::vector<float> stairsOf(std::size_t{Labels::kWorn} + 1);
   const std::vector<std::uint64_t> voxels = countVoxels(blocks, labels, Labels::kWorn - 1);
-  for (std::size_t id = 1; id < voxels.size(); ++id) stairsOf[id] = stairs(voxels[id]);
   const std::vector<std::uint32_t> leafLabel = leafLabels(blocks, labels);
   const std::vector<LeafRound> rounds = leavesRound(blocks.origins);
   std::vector<CutLeaf> perLeaf(blocks.count());
   Cut cut;
+  cut.stairs.resize(std::size_t{Labels::kWorn} + 1);
+  for (std::size_t id = 1; id < voxels.size(); ++id) cut.stairs[id] = stairs(voxels[id]);
   cut.only.resize(blocks.count());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks.count(), 16), [&](const auto& range) {
     for (std::size_t leaf = range.begin(); leaf < range.end(); ++leaf) {
@@ -192,7 +192,7 @@ Cut findCut(const LeafBlocks& blocks, const Labels& labels) {
         cut.only[leaf] = fragments.front();
       } else if (fragments.size() > 1) {
         perLeaf[leaf] = cutLeaf(halo, std::move(fragments), &blocks.inside[leaf * 8],
-                                &labels.fragment[leaf * 512], stairsOf);
+                                &labels.fragment[leaf * 512], cut.stairs);
       }
     }
   });

@@ -34,6 +34,7 @@ struct Cut {
       only;  ///< [leaf] the only fragment within two voxels of the leaf, or 0
   std::vector<std::uint32_t> index;  ///< [leaf] into leaves, or kWhole
   std::vector<CutLeaf> leaves;
+  std::vector<float> stairs;  ///< [65536] by label: how far it keeps to its voxels' faces, 0..1
 };
 
 [[nodiscard]] Cut findCut(const LeafBlocks& blocks, const Labels& labels);

@@ -10,6 +10,7 @@
 
 #include "surface/contacts.h"
 #include "surface/cut.h"
+#include "surface/interface_mesh.h"
 #include "surface/level_set.h"
 #include "surface/mesh.h"
 
@@ -61,7 +62,8 @@ double fractureArea(const Fragment& fragment) {
 }  // namespace
 
 std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels, int count,
-                                       const Labels* unworn, const Progress* progress) {
+                                       const Labels* unworn, const SurfaceOptions& options,
+                                       const Progress* progress) {
   step(progress, "extract", 0.0);
   const std::vector<std::uint64_t> voxels = countVoxels(solid.blocks, labels, count);
   if (voxels[0] != 0) {
@@ -71,6 +73,10 @@ std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
   const Cut cut = findCut(solid.blocks, labels);
   const std::vector<std::vector<std::uint32_t>> leaves = leavesOf(cut, count);
 
+  const bool isShared = options.interface == Interface::shared;
+  std::vector<LabelledMesh> shared;
+  if (isShared) shared = interfaceMeshes(solid, labels, cut, count);
+
   std::vector<Fragment> fragments(static_cast<std::size_t>(count));
   const auto extract = [&](std::size_t i) {
     Fragment& fragment = fragments[i];
@@ -79,11 +85,21 @@ std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
     fragment.voxels = voxels[i + 1];
     fragment.voxelBox = voxelBox(solid, labels, id, leaves[i + 1]);
     fragment.surface = fragmentLevelSet(solid, cut, id, leaves[i + 1]);
-    LevelSetMesh meshed =
-        meshLevelSet(*fragment.surface, solid.frame, solidOver(solid, leaves[i + 1]).get());
-    fragment.mesh = std::move(meshed.mesh);
-    fragment.facing = facingOf(fragment.mesh, meshed.original, id, solid, unworn ? *unworn : labels,
-                               unworn != nullptr);
+    std::vector<bool> original;
+    if (isShared) {
+      fragment.mesh = std::move(shared[i].mesh);
+      fragment.facing = std::move(shared[i].other);
+      for (const std::uint16_t other : fragment.facing) original.push_back(other == 0);
+    } else {
+      LevelSetMesh meshed =
+          meshLevelSet(*fragment.surface, solid.frame, solidOver(solid, leaves[i + 1]).get());
+      fragment.mesh = std::move(meshed.mesh);
+      original = std::move(meshed.original);
+    }
+    if (unworn || !isShared) {  // else what is beyond each face is known
+      fragment.facing = facingOf(fragment.mesh, original, id, solid, unworn ? *unworn : labels,
+                                 unworn != nullptr);
+    }
     fragment.mass = massProperties(fragment.mesh);
     fragment.area = area(fragment.mesh);
     fragment.fractureArea = fractureArea(fragment);
@@ -100,7 +116,16 @@ std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
   return fragments;
 }
 
-TriangleMesh solidMesh(const Solid& solid) {
+TriangleMesh solidMesh(const Solid& solid, const SurfaceOptions& options) {
+  if (options.interface == Interface::shared) {
+    Labels one;
+    one.fragment.assign(solid.blocks.count() * 512, 1);
+    Cut uncut;
+    uncut.only.assign(solid.blocks.count(), 1);
+    uncut.index.assign(solid.blocks.count(), Cut::kWhole);
+    uncut.stairs.resize(2);
+    return std::move(interfaceMeshes(solid, one, uncut, 1).front().mesh);
+  }
   return meshLevelSet(*solid.distance, solid.frame, nullptr).mesh;
 }
 

@@ -79,24 +79,27 @@ int bodies(const TriangleMesh& mesh) {
 
 using Fracture = DeviceTest;
 
-class Promises : public DeviceTest, public testing::WithParamInterface<int> {};
+class Promises : public DeviceTest,
+                 public testing::WithParamInterface<std::pair<std::size_t, Interface>> {};
 
 TEST_P(Promises, HoldOnAnalyticShapes) {
-  const Case shape = cases()[static_cast<std::size_t>(GetParam())];
+  const Case shape = cases()[GetParam().first];
+  const SurfaceOptions surface{.interface = GetParam().second};
   SCOPED_TRACE(shape.name);
   constexpr int kPieces = 10, kResolution = 128;
   const double h = shape.longest / kResolution;
-  const FractureResult result =
-      fracture(shape.mesh, {.pieces = kPieces, .seed = 3, .resolution = kResolution}, device());
+  const FractureResult result = fracture(
+      shape.mesh, {.pieces = kPieces, .seed = 3, .resolution = kResolution, .surface = surface},
+      device());
   const Solid& solid = result.solid;
   ASSERT_EQ(result.fragments.size(), std::size_t{kPieces});
   EXPECT_NEAR(solid.frame.voxelSize, h, 1e-9 * h);
 
   // The solid is the shape: half a voxel over its surface is the most that centres can be wrong by;
   // on average much less, so a cavity or an overlap counted twice stands far outside.
-  const double surface = area(shape.mesh);
-  EXPECT_NEAR(static_cast<double>(solid.voxels) * h * h * h, shape.volume, 0.1 * h * surface);
-  const TriangleMesh whole = solidMesh(solid);
+  const double skin = area(shape.mesh);
+  EXPECT_NEAR(static_cast<double>(solid.voxels) * h * h * h, shape.volume, 0.1 * h * skin);
+  const TriangleMesh whole = solidMesh(solid, surface);
   EXPECT_NEAR(volume(whole), shape.volume, 0.005 * shape.volume);
 
   // 1. Each inside voxel has one label, and the counts agree.
@@ -193,21 +196,30 @@ TEST_P(Promises, HoldOnAnalyticShapes) {
       << "mean error of " << vertices << " vertices, voxels";
 }
 
-INSTANTIATE_TEST_SUITE_P(Shapes, Promises, testing::Range(0, 6));
+std::vector<std::pair<std::size_t, Interface>> everyShape() {
+  std::vector<std::pair<std::size_t, Interface>> all{{0, Interface::independent},
+                                                     {3, Interface::independent}};
+  for (std::size_t i = 0; i < cases().size(); ++i) all.push_back({i, Interface::shared});
+  return all;
+}
+INSTANTIATE_TEST_SUITE_P(Shapes, Promises, testing::ValuesIn(everyShape()));
 
 TEST_F(Fracture, OnePieceReturnsTheSolid) {
-  const FractureResult result =
-      fracture(shapes::torus(1.0, 0.4), {.pieces = 1, .resolution = 64}, device());
-  ASSERT_EQ(result.fragments.size(), 1u);
-  const Fragment& piece = result.fragments[0];
-  const TriangleMesh whole = solidMesh(result.solid);
-  EXPECT_EQ(piece.mesh.triangles.size(), whole.triangles.size());
-  EXPECT_NEAR(volume(piece.mesh), volume(whole), 1e-12);
-  EXPECT_TRUE(piece.contacts.empty());
-  EXPECT_EQ(piece.fractureArea, 0.0);
-  const auto values = piece.surface->getConstAccessor();
-  for (auto on = result.solid.distance->cbeginValueOn(); on; ++on)
-    ASSERT_EQ(values.getValue(on.getCoord()), *on);
+  for (const Interface interface : {Interface::shared, Interface::independent}) {
+    const SurfaceOptions surface{interface};
+    const FractureResult result = fracture(
+        shapes::torus(1.0, 0.4), {.pieces = 1, .resolution = 64, .surface = surface}, device());
+    ASSERT_EQ(result.fragments.size(), 1u);
+    const Fragment& piece = result.fragments[0];
+    const TriangleMesh whole = solidMesh(result.solid, surface);
+    EXPECT_EQ(piece.mesh.triangles.size(), whole.triangles.size());
+    EXPECT_NEAR(volume(piece.mesh), volume(whole), 1e-12);
+    EXPECT_TRUE(piece.contacts.empty());
+    EXPECT_EQ(piece.fractureArea, 0.0);
+    const auto values = piece.surface->getConstAccessor();
+    for (auto on = result.solid.distance->cbeginValueOn(); on; ++on)
+      ASSERT_EQ(values.getValue(on.getCoord()), *on);
+  }
 }
 
 TEST_F(Fracture, AHalvedBallHasADiscForContact) {

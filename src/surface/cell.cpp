@@ -1,0 +1,155 @@
+// Loops of crossed edges.
+#include "surface/cell.h"
+
+#include <algorithm>
+
+namespace sherd {
+namespace {
+
+using Links = std::array<std::uint8_t, 12>;  // union-find over the cell's edges
+
+std::uint8_t rootOf(const Links& links, std::uint8_t edge) {
+  while (links[edge] != edge) edge = links[edge];
+  return edge;
+}
+
+void link(Links& links, std::uint8_t a, std::uint8_t b) {
+  a = rootOf(links, a);
+  b = rootOf(links, b);
+  links[std::max(a, b)] = std::min(a, b);
+}
+
+Links unlinked() {
+  Links links;
+  for (std::uint8_t e = 0; e < 12; ++e) links[e] = e;
+  return links;
+}
+
+std::uint8_t edgeBetween(unsigned a, unsigned b) {
+  const unsigned low = std::min(a, b), high = std::max(a, b);
+  for (std::uint8_t e = 0; e < 12; ++e) {
+    if (kCellEdges[e][0] == low && kCellEdges[e][1] == high) return e;
+  }
+  return CellSheets::kNone;
+}
+
+// A face's corners in a ring, and the edge from each to the next.
+struct Face {
+  std::array<std::uint8_t, 4> corner, edge;
+};
+
+const std::array<Face, kCellFaces>& faces() {
+  static const std::array<Face, kCellFaces> all = [] {
+    std::array<Face, kCellFaces> made;
+    for (unsigned f = 0; f < kCellFaces; ++f) {
+      const unsigned across = 4u >> (f / 2);
+      const unsigned u = f / 2 == 0 ? 2 : 4, v = f / 2 == 2 ? 2 : 1;
+      const unsigned base = f % 2 ? across : 0;
+      const std::array<unsigned, 4> ring{base, base + u, base + u + v, base + v};
+      for (unsigned k = 0; k < 4; ++k) {
+        made[f].corner[k] = static_cast<std::uint8_t>(ring[k]);
+        made[f].edge[k] = edgeBetween(ring[k], ring[(k + 1) % 4]);
+      }
+    }
+    return made;
+  }();
+  return all;
+}
+
+// Which of two labels has its corners parted where they alternate round a face.
+bool isParted(std::uint16_t label, std::uint16_t other) {
+  return static_cast<std::uint16_t>(label - 1) < static_cast<std::uint16_t>(other - 1);
+}
+
+// Link the edges of a face that follow each other along the label's boundary; whether the label
+// lies on two opposite corners only.
+bool linkFace(const CellLabels& labels, const Face& face, std::uint16_t label, bool isTurned,
+              Links& links) {
+  std::array<bool, 4> own;
+  unsigned count = 0;
+  for (unsigned k = 0; k < 4; ++k) {
+    own[k] = labels[face.corner[k]] == label;
+    count += own[k];
+  }
+  if (count == 0 || count == 4) return false;
+  if (count == 2 && own[0] == own[2]) {
+    const unsigned mine = own[0] ? 0 : 1;  // the first of its corners
+    const std::uint16_t one = labels[face.corner[mine + 1]],
+                        two = labels[face.corner[(mine + 3) % 4]];
+    const bool parted = (one == two && isParted(label, one)) != isTurned;
+    const unsigned round = parted ? mine : mine + 1;  // a corner whose two edges belong together
+    link(links, face.edge[(round + 3) % 4], face.edge[round % 4]);
+    link(links, face.edge[(round + 1) % 4], face.edge[(round + 2) % 4]);
+    return true;
+  }
+  std::uint8_t first = CellSheets::kNone;
+  for (unsigned k = 0; k < 4; ++k) {
+    if (own[k] == own[(k + 1) % 4]) continue;
+    if (first == CellSheets::kNone) {
+      first = face.edge[k];
+    } else {
+      link(links, first, face.edge[k]);
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+unsigned doubledFaces(const CellLabels& labels, std::uint16_t label, unsigned turned) {
+  Links links = unlinked();
+  unsigned opposite = 0, doubled = 0;
+  for (unsigned f = 0; f < kCellFaces; ++f) {
+    if (linkFace(labels, faces()[f], label, (turned >> f) & 1, links)) opposite |= 1u << f;
+  }
+  for (unsigned f = 0; opposite && f < kCellFaces; ++f) {
+    if (!((opposite >> f) & 1)) continue;
+    const auto& edge = faces()[f].edge;
+    const std::uint8_t root = rootOf(links, edge[0]);
+    if (std::all_of(edge.begin(), edge.end(),
+                    [&](std::uint8_t e) { return rootOf(links, e) == root; })) {
+      doubled |= 1u << f;
+    }
+  }
+  return doubled;
+}
+
+CellSheets sheetsOf(const CellLabels& labels, const std::array<std::uint8_t, 8>& turned) {
+  CellSheets sheets;
+  for (auto& loops : sheets.loopOf) loops.fill(CellSheets::kNone);
+  sheets.positionOf.fill(CellSheets::kNone);
+  Links places = unlinked();
+  for (std::size_t corner = 0; corner < 8; ++corner) {
+    const std::uint16_t label = labels[corner];
+    const auto end = labels.begin() + static_cast<std::ptrdiff_t>(corner);
+    if (label == 0 || std::find(labels.begin(), end, label) != end) continue;
+    Links links = unlinked();
+    for (unsigned f = 0; f < kCellFaces; ++f) {
+      (void)linkFace(labels, faces()[f], label, (turned[corner] >> f) & 1, links);
+    }
+    std::array<std::uint8_t, 12> loop;
+    loop.fill(CellSheets::kNone);
+    for (std::uint8_t e = 0; e < 12; ++e) {
+      const std::uint16_t low = labels[kCellEdges[e][0]], high = labels[kCellEdges[e][1]];
+      if (low == high || (low != label && high != label)) continue;
+      const std::uint8_t root = rootOf(links, e);
+      link(places, e, root);
+      if (loop[root] == CellSheets::kNone) loop[root] = sheets.loops++;
+      sheets.loopOf[e][low == label ? 0 : 1] = loop[root];
+    }
+  }
+  std::array<std::uint8_t, 12> position;
+  position.fill(CellSheets::kNone);
+  for (std::uint8_t e = 0; e < 12; ++e) {
+    if (labels[kCellEdges[e][0]] == labels[kCellEdges[e][1]]) continue;
+    const std::uint8_t root = rootOf(places, e);
+    if (position[root] == CellSheets::kNone) position[root] = sheets.positions++;
+    sheets.positionOf[e] = position[root];
+    for (const std::uint8_t loop : sheets.loopOf[e]) {
+      if (loop != CellSheets::kNone) sheets.positionOfLoop[loop] = position[root];
+    }
+  }
+  return sheets;
+}
+
+}  // namespace sherd

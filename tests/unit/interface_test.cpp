@@ -1,0 +1,215 @@
+// The mesh of all labels: closed and manifold whatever the labels are, and shared to the bit.
+#include <gtest/gtest.h>
+#include <openvdb/openvdb.h>
+#include <sherd/fracture.h>
+#include <sherd/mesh.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "kernels/device_fixture.h"
+#include "random.h"
+#include "shapes.h"
+#include "surface/cell.h"
+#include "surface/interface_mesh.h"
+
+namespace sherd {
+namespace {
+
+using openvdb::Coord;
+
+// A solid that fills a box of `side` voxels' inside, voxel by voxel, and labels on it.
+struct Labelled {
+  Solid solid;
+  Labels labels;
+  Cut cut;
+};
+
+// `labelOf` 0 outside.  Distances and cut are half a voxel from every face between voxels.
+template <class LabelOf>
+Labelled labelled(int side, int fragments, const LabelOf& labelOf) {
+  Labelled made;
+  made.solid.frame = {{glm::dvec3(0.0)}, 1.0};
+  const openvdb::FloatGrid::Ptr distance = openvdb::FloatGrid::create(3.0f);
+  for (int x = -8; x < side + 8; x += 8) {
+    for (int y = -8; y < side + 8; y += 8) {
+      for (int z = -8; z < side + 8; z += 8) made.solid.blocks.origins.push_back({x, y, z});
+    }
+  }
+  LeafBlocks& blocks = made.solid.blocks;
+  blocks.inside.assign(blocks.count() * 8, 0);
+  blocks.outerBand.assign(blocks.count() * 8, 0);
+  blocks.neighbours = leafNeighbours(blocks.origins);
+  made.labels.fragment.assign(blocks.count() * 512, 0);
+  made.cut.only.assign(blocks.count(), 0);
+  made.cut.stairs.assign(std::size_t{Labels::kWorn} + 1, 0.0f);
+  for (std::size_t leaf = 0; leaf < blocks.count(); ++leaf) {
+    CutLeaf cut;
+    for (int id = 1; id <= fragments; ++id) cut.fragments.push_back(static_cast<std::uint16_t>(id));
+    cut.distance.assign(cut.fragments.size() * 512, 0.5f);
+    for (std::size_t place = leaf * 512; place < (leaf + 1) * 512; ++place) {
+      const Coord at = blocks.voxelAt(place);
+      const bool within = at.x() >= 0 && at.y() >= 0 && at.z() >= 0 && at.x() < side &&
+                          at.y() < side && at.z() < side;
+      const std::uint16_t label = within ? labelOf(at) : std::uint16_t{0};
+      distance->tree().setValue(at, label ? -0.5f : 0.5f);
+      if (!label) continue;
+      blocks.inside[place / 64] |= std::uint64_t{1} << (place % 64);
+      made.labels.fragment[place] = label;
+      cut.distance[(label - std::size_t{1}) * 512 + place % 512] = -0.5f;
+    }
+    made.cut.index.push_back(static_cast<std::uint32_t>(leaf));
+    made.cut.leaves.push_back(std::move(cut));
+  }
+  made.solid.distance = distance;
+  return made;
+}
+
+std::vector<LabelledMesh> meshesOf(const Labelled& made, int fragments) {
+  return interfaceMeshes(made.solid, made.labels, made.cut, fragments);
+}
+
+// Vertices whose triangles are not one fan.
+std::size_t nonManifoldVertices(const TriangleMesh& mesh) {
+  std::vector<std::map<unsigned, unsigned>> next(mesh.vertices.size());  // round each vertex
+  for (const glm::uvec3& t : mesh.triangles) {
+    for (int k = 0; k < 3; ++k) next[t[k]][t[(k + 1) % 3]] = t[(k + 2) % 3];
+  }
+  std::size_t wrong = 0;
+  for (const auto& ring : next) {
+    if (ring.empty()) continue;
+    std::size_t steps = 0;
+    const unsigned first = ring.begin()->first;
+    for (unsigned at = first; steps <= ring.size();) {
+      const auto found = ring.find(at);
+      if (found == ring.end()) break;
+      at = found->second;
+      ++steps;
+      if (at == first) break;
+    }
+    wrong += steps != ring.size();
+  }
+  return wrong;
+}
+
+void expectManifold(const Labelled& made, int fragments) {
+  const std::vector<std::uint64_t> voxels = countVoxels(made.solid.blocks, made.labels, fragments);
+  const std::vector<LabelledMesh> meshes = meshesOf(made, fragments);
+  ASSERT_EQ(meshes.size(), static_cast<std::size_t>(fragments));
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    SCOPED_TRACE("label " + std::to_string(i + 1));
+    EXPECT_EQ(meshes[i].mesh.triangles.empty(), voxels[i + 1] == 0);
+    EXPECT_EQ(openEdges(meshes[i].mesh), 0u);
+    EXPECT_EQ(nonManifoldEdges(meshes[i].mesh), 0u);
+    EXPECT_EQ(nonManifoldVertices(meshes[i].mesh), 0u);
+    if (voxels[i + 1] > 0) {
+      EXPECT_GT(volume(meshes[i].mesh), 0.0);
+    }
+  }
+}
+
+TEST(Interface, EveryPairOfNeighbouringCellsIsManifold) {
+  // All labelings of 2 x 2 x 3 voxels by outside and one fragment: every two cells that share a
+  // face.
+  for (unsigned bits = 1; bits < 1u << 12; ++bits) {
+    const Labelled made = labelled(3, 1, [&](const Coord& v) {
+      const int n = v.x() * 4 + v.y() * 2 + v.z();
+      return static_cast<std::uint16_t>(v.y() < 2 && v.z() < 2 && ((bits >> n) & 1));
+    });
+    SCOPED_TRACE(testing::Message() << "voxels " << bits);
+    expectManifold(made, 1);
+    if (HasFailure()) return;
+  }
+}
+
+TEST(Interface, RandomLabelsGiveManifoldMeshes) {
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    const int fragments = 1 + static_cast<int>(seed % 5);
+    const std::uint64_t outside = seed / 5 % 4;  // of 4 draws, how many are no voxel
+    const Labelled made = labelled(12, fragments, [&](const Coord& v) {
+      const auto item = static_cast<std::uint64_t>((v.x() * 64 + v.y()) * 64 + v.z());
+      if (mixed(item * 977 + seed) % 4 < outside) return std::uint16_t{0};
+      return static_cast<std::uint16_t>(1 + mixed(item * 7919 + seed * 31 + 5) %
+                                                static_cast<std::uint64_t>(fragments));
+    });
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    expectManifold(made, fragments);
+    if (HasFailure()) return;
+  }
+}
+
+TEST(Interface, AVoxelAloneKeepsMostOfItsVolume) {
+  Labelled made = labelled(5, 2, [](const Coord& v) {
+    return v == Coord(2, 2, 2) ? std::uint16_t{1} : std::uint16_t{2};
+  });
+  // About each corner the edges are crossed half way: the mean of three such points is 1/6 off the
+  // voxel's centre, and nine tenths of the way from there to the cell's centre 7/15.
+  made.cut.stairs[1] = 1.0f;
+  EXPECT_NEAR(volume(meshesOf(made, 2)[0].mesh), std::pow(14.0 / 15.0, 3), 1e-6);
+  made.cut.stairs[1] = 0.0f;
+  EXPECT_NEAR(volume(meshesOf(made, 2)[0].mesh), std::pow(1.0 / 3.0, 3), 1e-6);
+}
+
+using Face = std::array<std::array<double, 3>, 3>;
+
+// The faces of a mesh towards a label, each from its least corner on, in order.
+std::vector<Face> facesTowards(const Fragment& fragment, int other, bool reversed) {
+  std::vector<Face> faces;
+  for (std::size_t t = 0; t < fragment.facing.size(); ++t) {
+    if (fragment.facing[t] != other) continue;
+    Face face;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const glm::dvec3& v =
+          fragment.mesh
+              .vertices[fragment.mesh.triangles[t][static_cast<int>(reversed ? 2 - k : k)]];
+      face[k] = {v.x, v.y, v.z};
+    }
+    std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
+    faces.push_back(face);
+  }
+  std::sort(faces.begin(), faces.end());
+  return faces;
+}
+
+using InterfaceOfFracture = DeviceTest;
+
+TEST_F(InterfaceOfFracture, IsTheSameFromBothSidesBitForBit) {
+  for (const TriangleMesh& mesh :
+       {shapes::ball(1.0), shapes::cup(1.0, 0.08, 1.5, 0.25, 64), shapes::torus(1.0, 0.4)}) {
+    const FractureResult result = fracture(
+        mesh, {.pieces = 12, .seed = 4, .resolution = 64, .grow = {.roughness = 1.0}}, device());
+    std::size_t faces = 0;
+    for (const Fragment& a : result.fragments) {
+      for (const Fragment& b : result.fragments) {
+        if (b.id <= a.id) continue;
+        const std::vector<Face> ours = facesTowards(a, b.id, false);
+        EXPECT_TRUE(ours == facesTowards(b, a.id, true)) << a.id << " and " << b.id;
+        faces += ours.size();
+      }
+    }
+    EXPECT_GT(faces, 500u);
+  }
+}
+
+TEST_F(InterfaceOfFracture, LeavesNoGap) {
+  // What is shared cancels, so volumes add up to the mesh of the outside faces alone.
+  const FractureResult result =
+      fracture(shapes::cup(1.0, 0.2, 1.5, 0.25, 64), {.pieces = 9, .resolution = 64}, device());
+  double volumes = 0.0;
+  TriangleMesh outside;
+  for (const Fragment& f : result.fragments) {
+    volumes += volume(f.mesh);
+    const auto first = static_cast<unsigned>(outside.vertices.size());
+    outside.vertices.insert(outside.vertices.end(), f.mesh.vertices.begin(), f.mesh.vertices.end());
+    for (std::size_t t = 0; t < f.facing.size(); ++t) {
+      if (f.facing[t] == 0) outside.triangles.push_back(f.mesh.triangles[t] + first);
+    }
+  }
+  EXPECT_NEAR(volumes, volume(outside), 1e-9 * volumes);
+}
+
+}  // namespace
+}  // namespace sherd
