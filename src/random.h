@@ -40,6 +40,11 @@ constexpr std::uint64_t randomBits(std::uint64_t seed, Stage stage, std::uint64_
   return mixed(mixed(mixed(seed + 0x9e3779b97f4a7c15u) + static_cast<std::uint64_t>(stage)) + item);
 }
 
+/// A number of [0, 1), a multiple of 2^-53.
+constexpr double randomUnit(std::uint64_t seed, Stage stage, std::uint64_t item) {
+  return static_cast<double>(randomBits(seed, stage, item) >> 11) * 0x1p-53;
+}
+
 /// A number 0..count-1, each as likely to within count / 2^64.
 constexpr std::uint64_t randomBelow(std::uint64_t count, std::uint64_t seed, Stage stage,
                                     std::uint64_t item) {

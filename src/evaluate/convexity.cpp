@@ -84,7 +84,7 @@ std::vector<SurfacePoint> drawPoints(const TriangleMesh& mesh, std::size_t count
   }
   const std::vector<glm::dvec3> normals = vertexNormals(mesh);
   const auto draw = [&](std::size_t item) {  // uniform in [0, 1)
-    return static_cast<double>(randomBits(seed, Stage::convexitySample, item) >> 11) * 0x1p-53;
+    return randomUnit(seed, Stage::convexitySample, item);
   };
   std::vector<SurfacePoint> points(count);
   for (std::size_t i = 0; i < count; ++i) {

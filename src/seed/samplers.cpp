@@ -2,53 +2,14 @@
 #include "seed/samplers.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numeric>
 
 #include "random.h"
 #include "seed/irwin_hall.h"
 #include "seed/poisson.h"
+#include "seed/radical_inverse.h"
 
 namespace sherd {
-namespace {
-
-// Halton's sequence in one base, in whole numbers: the digits of the index mirrored at the point,
-// each place with a random permutation of its own.  That keeps one point in each interval of
-// length base^-k among base^k successive ones, and a seed has far more sequences than the 1,440 of
-// one permutation per base.
-// source  Matousek, On the L2-discrepancy for anchored boxes, 1998 (random digit scrambling)
-class RadicalInverse {
- public:
-  RadicalInverse(std::uint64_t base, std::size_t digits, std::uint64_t seed)
-      : base_(base), permuted_(digits) {
-    for (std::size_t place = 0; place < digits; ++place) {
-      std::array<std::uint8_t, 5>& digit = permuted_[place];
-      std::iota(digit.begin(), digit.end(), std::uint8_t{0});
-      for (std::uint64_t i = base; i > 1; --i) {
-        const std::uint64_t item = (base * 64 + place) * 8 + i;
-        std::swap(digit[i - 1], digit[randomBelow(i, seed, Stage::haltonDigit, item)]);
-      }
-      denominator_ *= base;
-    }
-  }
-
-  // floor(count * the number of [0, 1) at this index); count < 2^31.
-  std::uint64_t below(std::uint64_t count, std::uint64_t index) const {
-    std::uint64_t numerator = 0;
-    for (const std::array<std::uint8_t, 5>& digit : permuted_) {
-      numerator = numerator * base_ + digit[index % base_];
-      index /= base_;
-    }
-    return numerator * count / denominator_;
-  }
-
- private:
-  std::uint64_t base_, denominator_ = 1;
-  std::vector<std::array<std::uint8_t, 5>> permuted_;  // [place], the index's lowest digit first
-};
-
-}  // namespace
 
 std::vector<VoxelKey> onePerPart(const VoxelIndex& candidates, const Parts& parts,
                                  std::span<const std::uint64_t> inPart, std::uint64_t seed) {
@@ -88,7 +49,8 @@ std::uint64_t SeedSampler::tries(std::size_t count) const {
 
 void SeedSampler::drawHalton(std::size_t end, Chosen& chosen) {
   // Places enough for 2^28 draws.
-  const RadicalInverse inX(2, 28, seed_), inY(3, 18, seed_), inZ(5, 13, seed_);
+  const RadicalInverse inX(2, 28, seed_, Stage::haltonDigit), inY(3, 18, seed_, Stage::haltonDigit),
+      inZ(5, 13, seed_, Stage::haltonDigit);
   const openvdb::Coord dims = box_.dims();
   const auto along = [&](const RadicalInverse& inverse, int axis) {
     return static_cast<int>(inverse.below(static_cast<std::uint64_t>(dims[axis]), next_));
