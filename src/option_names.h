@@ -15,6 +15,10 @@ inline constexpr const char* kErodeOn[] = {"fracture", "all"};
 inline constexpr const char* kCrumbs[] = {"wear", "keep"};
 inline constexpr const char* kInterface[] = {"shared", "independent"};
 inline constexpr const char* kIsolated[] = {"keep", "regrow"};  // by GrowOptions::regrowIsolated
+inline constexpr const char* kPointSampler[] = {"uniform", "halton", "poisson"};
+inline constexpr const char* kPointRule[] = {"area", "per-triangle"};
+inline constexpr const char* kPointFormat[] = {"ply", "xyz", "npz"};
+inline constexpr const char* kSampleType[] = {"float32", "float16"};
 
 /// The name of a value.
 template <class Value, std::size_t n>

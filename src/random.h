@@ -32,7 +32,15 @@ enum class Stage : std::uint64_t {
   impactSeed = 36,  // makes a seed of its own for each impact, from which the next two draw
   impactOffset = 37,
   impactRest = 38,
-  convexitySample = 64
+  convexitySample = 64,
+  pointPiece = 80,  // makes a seed of its own for each fragment, 0 the whole, from which these draw
+  pointPlace = 81,
+  pointDigit = 82,
+  pointShuffle = 83,
+  pointCandidate = 84,
+  spacePlace = 85,
+  spaceSurface = 86,
+  spaceOffset = 87
 };
 
 /// 64 random bits of one item.

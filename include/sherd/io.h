@@ -4,6 +4,7 @@
 #include <sherd/fracture.h>
 #include <sherd/grid_fwd.h>
 #include <sherd/leaf_blocks.h>
+#include <sherd/points.h>
 
 #include <cstdint>
 #include <filesystem>
@@ -65,6 +66,22 @@ void writeCost(const std::filesystem::path& file, const Solid& solid, const Labe
 void writePly(const std::filesystem::path& file, const TriangleMesh& mesh,
               const std::vector<std::uint16_t>& facing = {});
 
+/// How surface points are written.
+enum class PointFormat {
+  ply,  ///< binary little-endian: float x, y, z, nx, ny, nz, int facing
+  xyz,  ///< text, a line "x y z nx ny nz" for each point
+  npz,  ///< NumPy: positions float32 [n, 3], normals float32 [n, 3], facing int32 [n]
+};
+
+/// Write surface points.  What is written has single precision, and reads back as it was.
+///   throws  Error(output)
+void writePoints(const std::filesystem::path& file, const SurfacePoints& points,
+                 PointFormat format);
+
+/// Write distance samples as NumPy's `.npz`: positions [n, 3] and sdf [n], of samples.type.
+///   throws  Error(output)
+void writeDistances(const std::filesystem::path& file, const DistanceSamples& samples);
+
 /// Which files a fracture writes beside `manifest.json`.
 struct WriteOptions {
   bool labels = true;   ///< labels.rle
@@ -73,7 +90,16 @@ struct WriteOptions {
   bool preview = true;  ///< preview.png
   bool seeds = false;   ///< seeds.json
   bool cost = false;    ///< cost.vdb, when the labels hold costs
-  char up = 'y';        ///< the mesh's axis that points up in the picture: 'x', 'y' or 'z'
+
+  PointOptions points{};     ///< points/<stem>_001.ply where count is above 0; its `seed` is made
+                             ///< from the fracture's, for each fragment
+  bool sharePoints = false;  ///< points.count is of all fragments, shared out by their area
+  std::vector<PointFormat> pointFormats{PointFormat::ply};
+  DistanceOptions distances{};  ///< sdf/<stem>_001.npz, and sdf/<stem>.npz of the unbroken solid,
+                                ///< where count is above 0; `spread` is the voxel size where it is
+                                ///< 0, its `seed` is made as that of points
+
+  char up = 'y';  ///< the mesh's axis that points up in the picture: 'x', 'y' or 'z'
 };
 
 /// See whether writeFracture may write into a folder: absent, empty or an earlier fracture's, and
@@ -85,7 +111,8 @@ void checkFractureFolder(const std::filesystem::path& folder);
 /// lists is replaced, all else stays.  Everything is written beside and renamed, `manifest.json`
 /// last: without it the folder is unfinished. On failure the folder is as it was before.
 ///   return  the manifest's path
-///   throws  Error(output) the folder holds something else, cannot be written, or the disk is full
+///   throws  what samplePoints and sampleDistances throw; Error(output) the folder holds something
+///   else, cannot be written, or the disk is full
 std::filesystem::path writeFracture(const std::filesystem::path& folder, const SourceMesh& source,
                                     const FractureOptions& options, const FractureResult& result,
                                     const WriteOptions& write = {},

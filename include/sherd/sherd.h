@@ -14,6 +14,7 @@
 #include <sherd/leaf_blocks.h>
 #include <sherd/mesh.h>
 #include <sherd/metric.h>
+#include <sherd/points.h>
 #include <sherd/progress.h>
 #include <sherd/refracture.h>
 #include <sherd/render.h>

@@ -34,6 +34,7 @@ struct FractureArguments {
       only;  ///< fragments of a finished fracture to break again; empty: MESH is a mesh
   FractureOptions options;
   std::vector<std::string> write{"labels", "vdb", "mesh", "preview"};
+  WriteOptions points;  ///< what it says of points and distance samples
   std::string up = "y";
   std::string device = "auto";
   int threads = 0;  ///< 0: all cores
@@ -174,13 +175,15 @@ WriteOptions writeOptions(const FractureArguments& arguments) {
   const auto named = [&](const char* name) {
     return std::find(arguments.write.begin(), arguments.write.end(), name) != arguments.write.end();
   };
-  return {.labels = named("labels"),
-          .vdb = named("vdb"),
-          .mesh = named("mesh"),
-          .preview = named("preview"),
-          .seeds = named("seeds"),
-          .cost = named("cost"),
-          .up = arguments.up.front()};
+  WriteOptions write = arguments.points;
+  write.labels = named("labels");
+  write.vdb = named("vdb");
+  write.mesh = named("mesh");
+  write.preview = named("preview");
+  write.seeds = named("seeds");
+  write.cost = named("cost");
+  write.up = arguments.up.front();
+  return write;
 }
 
 // What is wrong with a mesh is found by functions that do not know the file's name.
@@ -310,6 +313,7 @@ void addFractureCommand(CLI::App& app, Action& run) {
   addGrowthOptions(*command, options);
   addErosionOptions(*command, options);
   addSurfaceOptions(*command, options);
+  addPointOptions(*command, arguments->points);
   for (const char* ofMeshes : {"--seeds", "--missing", "--erode-iterations"}) {
     command->get_option("--only")->excludes(ofMeshes);
   }
@@ -332,7 +336,10 @@ void addFractureCommand(CLI::App& app, Action& run) {
       ->transform(wholeNumber(1, 4096));
   command->add_flag("--json", arguments->json, "Print one JSON object: counts, volumes, seconds");
   command->add_flag("--quiet", arguments->quiet, "Print nothing but warnings and errors");
-  command->callback([arguments, &run] { run = [arguments] { runFracture(*arguments); }; });
+  command->callback([arguments, &run] {
+    checkPointOptions(arguments->points);
+    run = [arguments] { runFracture(*arguments); };
+  });
 }
 
 }  // namespace sherd::cli

@@ -162,6 +162,20 @@ void parseMissing(const std::string& text, double& missing) {
   missing = *value;
 }
 
+// Formats separated by commas, each once.
+void parsePointFormats(const std::string& text, std::vector<PointFormat>& formats) {
+  formats.clear();
+  for (const std::string& part : split(text)) {
+    const auto* const end = std::end(names::kPointFormat);
+    const auto* const at = std::find(std::begin(names::kPointFormat), end, part);
+    const auto format = static_cast<PointFormat>(at - std::begin(names::kPointFormat));
+    if (at == end || std::find(formats.begin(), formats.end(), format) != formats.end()) {
+      refuse("--point-format", text, "a list of ply, xyz and npz, each once");
+    }
+    formats.push_back(format);
+  }
+}
+
 }  // namespace
 
 CLI::Validator aboveZero() {
@@ -307,6 +321,60 @@ void addErosionOptions(CLI::App& command, FractureOptions& options) {
   addChoice(command, "--erode-crumbs", erode.crumbs, names::kCrumbs,
             "Smaller parts of a fragment that falls apart")
       ->group(group);
+}
+
+void addPointOptions(CLI::App& command, WriteOptions& write) {
+  const std::string group = "Points";
+  constexpr std::size_t kMost = kMaxPoints;
+  CLI::Option* points =
+      command
+          .add_option("--points", write.points.count,
+                      "Points drawn on each fragment's surface, written to points/; 0 none")
+          ->transform(wholeNumber<std::size_t>(0, kMost))
+          ->capture_default_str()
+          ->group(group);
+  command
+      .add_flag("--share-points", write.sharePoints,
+                "--points is for all fragments together, shared out by their area")
+      ->needs(points)
+      ->group(group);
+  addChoice(command, "--point-sampler", write.points.sampler, names::kPointSampler,
+            "How points are spread: each by itself, evenly, well apart")
+      ->needs(points)
+      ->group(group);
+  addChoice(command, "--point-rule", write.points.rule, names::kPointRule,
+            "Points by area, or at least one per triangle, shuffled and cut, as in the paper")
+      ->needs(points)
+      ->group(group);
+  command
+      .add_option_function<std::string>(
+          "--point-format",
+          [&write](const std::string& text) { parsePointFormats(text, write.pointFormats); },
+          "Files of points, one or more: binary, text, NumPy's")
+      ->type_name("ply,xyz,npz")
+      ->default_str("ply")
+      ->needs(points)
+      ->group(group);
+  CLI::Option* samples =
+      command
+          .add_option("--sdf-samples", write.distances.count,
+                      "Points in and round each fragment and the whole, with their signed "
+                      "distance, written to sdf/; 0 none")
+          ->transform(wholeNumber<std::size_t>(0, kMost))
+          ->capture_default_str()
+          ->group(group);
+  addChoice(command, "--sdf-type", write.distances.type, names::kSampleType,
+            "Numbers of these files")
+      ->needs(samples)
+      ->group(group);
+}
+
+void checkPointOptions(const WriteOptions& write) {
+  if (write.points.sampler == PointSampler::poisson &&
+      write.points.rule == PointRule::perTriangle) {
+    throw CLI::ValidationError("--point-rule",
+                               "'per-triangle' does not go with --point-sampler poisson");
+  }
 }
 
 }  // namespace sherd::cli

@@ -1,7 +1,8 @@
-// The options that shape a fracture, by group.
+// The options of a fracture, by group.
 #pragma once
 
 #include <sherd/fracture.h>
+#include <sherd/io.h>
 
 #include "cli/command.h"
 
@@ -14,5 +15,10 @@ void addSeedOptions(CLI::App& command, FractureOptions& options);
 void addGrowthOptions(CLI::App& command, FractureOptions& options);
 void addErosionOptions(CLI::App& command, FractureOptions& options);
 void addSurfaceOptions(CLI::App& command, FractureOptions& options);
+void addPointOptions(CLI::App& command, WriteOptions& write);
+
+/// Refuses what cannot go together, before the work.
+///   throws  CLI::ValidationError
+void checkPointOptions(const WriteOptions& write);
 
 }  // namespace sherd::cli

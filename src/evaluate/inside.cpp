@@ -84,4 +84,13 @@ bool InsideTest::contains(const glm::dvec3& point) const {
   return first == second ? first : windsAlong(origin, kDirections[2]);
 }
 
+std::optional<bool> InsideTest::unanimous(const glm::dvec3& point) const {
+  const glm::vec3 origin(point);
+  const bool first = windsAlong(origin, kDirections[0]);
+  for (int k = 1; k < 3; ++k) {
+    if (windsAlong(origin, kDirections[k]) != first) return {};
+  }
+  return first;
+}
+
 }  // namespace sherd

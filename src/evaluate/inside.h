@@ -5,6 +5,7 @@
 #include <sherd/mesh.h>
 
 #include <memory>
+#include <optional>
 #include <type_traits>
 #include <vector>
 
@@ -19,6 +20,13 @@ class InsideTest {
   /// Whether the mesh winds round the point.  Right where the point is farther from the surface
   /// than single precision can tell, some 1e-6 of the mesh.
   [[nodiscard]] bool contains(const glm::dvec3& point) const;
+
+  /// What three rays say, if they agree.  Wrong answers that agree are for points on the surface,
+  /// as single precision has it.
+  [[nodiscard]] std::optional<bool> unanimous(const glm::dvec3& point) const;
+
+  /// The mesh, in single precision, as geometry 0 with its triangles in their order.
+  [[nodiscard]] RTCScene scene() const { return scene_.get(); }
 
  private:
   [[nodiscard]] bool windsAlong(const glm::vec3& origin, const glm::vec3& direction) const;

@@ -104,7 +104,27 @@ Json erodeOptionsJson(const ErodeOptions& erode) {
           {"crumbs", names::of(names::kCrumbs, erode.crumbs)}};
 }
 
-Json optionsJson(const FractureOptions& options, const FractureResult& result) {
+Json pointOptionsJson(const WriteOptions& write) {
+  Json json = {{"count", write.points.count},
+               {"shared", write.sharePoints},
+               {"sampler", names::of(names::kPointSampler, write.points.sampler)},
+               {"rule", names::of(names::kPointRule, write.points.rule)},
+               {"formats", Json::array()}};
+  for (const PointFormat format : write.pointFormats) {
+    json["formats"].push_back(names::of(names::kPointFormat, format));
+  }
+  return json;
+}
+
+Json distanceOptionsJson(const WriteOptions& write, const Solid& solid) {
+  const double spread = write.distances.spread;
+  return {{"count", write.distances.count},
+          {"type", names::of(names::kSampleType, write.distances.type)},
+          {"spread", spread > 0.0 ? spread : solid.frame.voxelSize}};
+}
+
+Json optionsJson(const FractureOptions& options, const FractureResult& result,
+                 const WriteOptions& write) {
   Json json = {{"pieces", result.fragments.size()}, {"seed", options.seed}};
   if (options.voxelSize > 0.0) {
     json["voxel_size"] = options.voxelSize;
@@ -118,6 +138,8 @@ Json optionsJson(const FractureOptions& options, const FractureResult& result) {
   json["erode"] = erodeOptionsJson(options.erode);
   json["missing"] = options.missing;
   json["interface"] = names::of(names::kInterface, options.surface.interface);
+  if (write.points.count > 0) json["points"] = pointOptionsJson(write);
+  if (write.distances.count > 0) json["sdf"] = distanceOptionsJson(write, result.solid);
   return json;
 }
 
@@ -197,17 +219,22 @@ std::vector<std::string> FractureFiles::all() const {
   if (!labels.empty()) list.push_back(labels);
   list.insert(list.end(), vdb.begin(), vdb.end());
   list.insert(list.end(), mesh.begin(), mesh.end());
-  for (const std::string& file : {preview, seeds, cost}) {
+  for (const std::vector<std::string>& ofFragment : points) {
+    list.insert(list.end(), ofFragment.begin(), ofFragment.end());
+  }
+  list.insert(list.end(), sdf.begin(), sdf.end());
+  for (const std::string& file : {solidSdf, preview, seeds, cost}) {
     if (!file.empty()) list.push_back(file);
   }
   return list;
 }
 
 std::string manifestText(const SourceMesh& source, const FractureOptions& options,
-                         const FractureResult& result, const FractureFiles& files) {
+                         const FractureResult& result, const FractureFiles& files,
+                         const WriteOptions& write) {
   Json manifest = {{"schema", kSchema},
                    {"source", sourceJson(source)},
-                   {"options", optionsJson(options, result)}};
+                   {"options", optionsJson(options, result, write)}};
   const bool asked = options.seedFile.empty() && result.parents.empty();
   if (asked && static_cast<std::size_t>(options.pieces) < result.fragments.size()) {
     manifest["pieces_asked"] = options.pieces;
@@ -228,10 +255,16 @@ std::string manifestText(const SourceMesh& source, const FractureOptions& option
     }
     if (!files.vdb.empty()) own["vdb"] = files.vdb[i];
     if (!files.mesh.empty()) own["mesh"] = files.mesh[i];
+    if (!files.points.empty()) {
+      const std::vector<std::string>& points = files.points[i];
+      own["points"] = points.size() == 1 ? Json(points[0]) : Json(points);
+    }
+    if (!files.sdf.empty()) own["sdf"] = files.sdf[i];
     Json fragment = fragmentJson(result.fragments[i], result, std::move(seeds[i]), std::move(own));
     if (!result.parents.empty()) fragment["parent"] = result.parents[i];
     manifest["fragments"].push_back(std::move(fragment));
   }
+  if (!files.solidSdf.empty()) manifest["sdf"] = files.solidSdf;
   manifest["files"] = files.all();
   // A source's name may hold bytes that are not UTF-8; JSON cannot.
   return manifest.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";

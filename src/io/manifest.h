@@ -2,6 +2,7 @@
 #pragma once
 
 #include <sherd/fracture.h>
+#include <sherd/io.h>
 
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
@@ -14,8 +15,12 @@ namespace sherd {
 /// The files of a fracture, relative to its folder; empty where not written.
 struct FractureFiles {
   std::string labels;
-  std::vector<std::string> vdb;   ///< [fragments that are not withheld] or empty
-  std::vector<std::string> mesh;  ///< [fragments that are not withheld] or empty
+  std::vector<std::string> vdb;                  ///< [fragments that are not withheld] or empty
+  std::vector<std::string> mesh;                 ///< [fragments that are not withheld] or empty
+  std::vector<std::vector<std::string>> points;  ///< [fragments that are not withheld][formats] or
+                                                 ///< empty
+  std::vector<std::string> sdf;                  ///< [fragments that are not withheld] or empty
+  std::string solidSdf;
   std::string preview;
   std::string seeds;
   std::string cost;
@@ -26,7 +31,8 @@ struct FractureFiles {
 /// The manifest as text.  It holds no times and no machine names, and its numbers read back as they
 /// were: equal fractures give equal bytes.
 [[nodiscard]] std::string manifestText(const SourceMesh& source, const FractureOptions& options,
-                                       const FractureResult& result, const FractureFiles& files);
+                                       const FractureResult& result, const FractureFiles& files,
+                                       const WriteOptions& write);
 
 /// A file as a manifest, if it is one: JSON with "schema": "sherd/1".
 [[nodiscard]] std::optional<nlohmann::json> readManifest(const std::filesystem::path& file);

@@ -23,6 +23,8 @@
 
 #include "io/atomic_file.h"
 #include "io/manifest.h"
+#include "io/write_points.h"
+#include "option_names.h"
 
 namespace sherd {
 namespace {
@@ -74,7 +76,16 @@ FractureFiles fileNames(const SourceMesh& source, std::size_t fragments,
     const std::string name = stem + "_" + std::string(digits - number.size(), '0') + number;
     if (write.vdb) files.vdb.push_back("fragments/" + name + ".vdb");
     if (write.mesh) files.mesh.push_back("meshes/" + name + ".ply");
+    if (write.points.count > 0) {
+      files.points.emplace_back();
+      for (const PointFormat format : write.pointFormats) {
+        files.points.back().push_back("points/" + name + "." +
+                                      names::of(names::kPointFormat, format));
+      }
+    }
+    if (write.distances.count > 0) files.sdf.push_back("sdf/" + name + ".npz");
   }
+  if (write.distances.count > 0) files.solidSdf = "sdf/" + stem + ".npz";
   if (write.labels) files.labels = "labels.rle";
   if (write.preview) files.preview = "preview.png";
   if (write.seeds) files.seeds = "seeds.json";
@@ -286,9 +297,11 @@ void makeParents(const fs::path& root, const std::vector<std::string>& files) {
 }
 
 void writeFiles(const fs::path& folder, const FractureFiles& files, const SourceMesh& source,
-                const FractureOptions& options, const FractureResult& result, char up,
-                const Progress* progress) {
+                const FractureOptions& options, const FractureResult& result,
+                const WriteOptions& write, const Progress* progress) {
   const std::size_t fragments = result.kept();
+  std::vector<std::size_t> counts;
+  if (!files.points.empty()) counts = pointCounts(result, write);
   step(progress, "write", 0.0);
   if (!files.labels.empty()) {
     writeRle(folder / files.labels,
@@ -303,14 +316,20 @@ void writeFiles(const fs::path& folder, const FractureFiles& files, const Source
       const Fragment& fragment = result.fragments[i];
       if (!files.vdb.empty()) writeVdb(folder / files.vdb[i], fragment, source.name, options.seed);
       if (!files.mesh.empty()) writePly(folder / files.mesh[i], fragment.mesh, fragment.facing);
+      if (!files.points.empty()) {
+        writePointsOf(folder, files.points[i], fragment, counts[i], options.seed, write);
+      }
     });
+  }
+  if (!files.solidSdf.empty()) {
+    writeAllDistances(folder, files, result, options.seed, write.distances, progress);
   }
   step(progress, "write", 1.0);
   if (!files.preview.empty()) {
-    writePng(folder / files.preview,
-             renderFragments(std::span(result.fragments).first(fragments), {.up = up}, progress));
+    writePng(folder / files.preview, renderFragments(std::span(result.fragments).first(fragments),
+                                                     {.up = write.up}, progress));
   }
-  writeWhole(folder / kManifest, manifestText(source, options, result, files));
+  writeWhole(folder / kManifest, manifestText(source, options, result, files, write));
 }
 
 // From here on nothing waits and nothing is asked: renames only.
@@ -385,7 +404,7 @@ fs::path writeFracture(const fs::path& folder, const SourceMesh& source,
       }
     }
     makeParents(partial.fresh(), fresh);
-    writeFiles(partial.fresh(), files, source, options, result, write.up, progress);
+    writeFiles(partial.fresh(), files, source, options, result, write, progress);
     putInPlace(folder, partial, old, fresh);
     made.keep();
     return folder / kManifest;

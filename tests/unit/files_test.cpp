@@ -320,7 +320,7 @@ Fracture tinyFracture(int fragments) {
   return f;
 }
 
-constexpr WriteOptions kNoPreview{.preview = false};
+const WriteOptions kNoPreview{.preview = false};
 
 void writeTiny(const fs::path& folder, int fragments, const Progress* progress = nullptr) {
   const Fracture f = tinyFracture(fragments);

@@ -1,0 +1,34 @@
+// Numbers of 16 bits (IEEE 754 binary16).
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace sherd {
+
+inline constexpr double kLargestHalf = 65504.0;
+
+/// The nearest number of 16 bits, of two equally near ones the even one.
+///   value  at most kLargestHalf in magnitude
+inline double roundedToHalf(double value) {
+  // Numbers of 11 significant bits; below 2^-14 they are 2^-24 apart.
+  const int exponent = value == 0.0 ? -14 : std::max(std::ilogb(value), -14);
+  return std::ldexp(std::nearbyint(std::ldexp(value, 10 - exponent)), exponent - 10);
+}
+
+/// The bits of a number of 16 bits.
+///   value  as roundedToHalf returns it
+inline std::uint16_t halfBits(double value) {
+  const std::uint16_t sign = std::signbit(value) ? 0x8000u : 0u;
+  const double size = std::abs(value);
+  if (size < 0x1p-14) {
+    return static_cast<std::uint16_t>(sign | static_cast<std::uint16_t>(std::ldexp(size, 24)));
+  }
+  const int exponent = std::ilogb(size);
+  const auto digits = static_cast<std::uint32_t>(std::ldexp(size, 10 - exponent));  // 1024..2047
+  return static_cast<std::uint16_t>(sign + ((static_cast<std::uint32_t>(exponent) + 14u) << 10) +
+                                    digits);
+}
+
+}  // namespace sherd

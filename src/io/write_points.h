@@ -1,0 +1,32 @@
+// Points and distance samples of a fracture: drawn when they are written, so that few are in memory
+// at a time.
+#pragma once
+
+#include <sherd/io.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "io/manifest.h"
+
+namespace sherd {
+
+/// [fragments that are not withheld] how many points each gets.
+[[nodiscard]] std::vector<std::size_t> pointCounts(const FractureResult& result,
+                                                   const WriteOptions& write);
+
+/// Draw points on a fragment and write them.
+///   files  [write.pointFormats] relative to the folder
+///   seed   of the fracture
+void writePointsOf(const std::filesystem::path& folder, const std::vector<std::string>& files,
+                   const Fragment& fragment, std::size_t count, std::uint64_t seed,
+                   const WriteOptions& write);
+
+/// Draw and write files.solidSdf and files.sdf.
+///   seed  of the fracture
+void writeAllDistances(const std::filesystem::path& folder, const FractureFiles& files,
+                       const FractureResult& result, std::uint64_t seed, DistanceOptions options,
+                       const Progress* progress);
+
+}  // namespace sherd

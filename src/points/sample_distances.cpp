@@ -1,0 +1,94 @@
+// Points in the space round a body, and their distance to it.
+#include <sherd/error.h>
+#include <sherd/points.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <string>
+
+#include "half.h"
+#include "points/surface.h"
+#include "random.h"
+#include "seed/irwin_hall.h"
+
+namespace sherd {
+namespace {
+
+double rounded(double value, SampleType type) {
+  return type == SampleType::float16 ? roundedToHalf(value)
+                                     : static_cast<double>(static_cast<float>(value));
+}
+
+double largestOf(SampleType type) { return type == SampleType::float16 ? kLargestHalf : 0x1p127; }
+
+void check(const DistanceOptions& options) {
+  if (options.count > kMaxPoints) {
+    throw Error(ErrorCode::usage, std::to_string(options.count) + " distance samples, at most " +
+                                      std::to_string(kMaxPoints) + " are drawn at once");
+  }
+  if (!(options.spread > 0.0 && std::isfinite(options.spread))) {
+    throw Error(ErrorCode::usage, "the spread of distance samples is " +
+                                      std::to_string(options.spread) + ", expected above 0");
+  }
+}
+
+/// The mesh's box, widened on all sides.
+Box boxAround(const TriangleMesh& mesh, const DistanceOptions& options) {
+  Box box = bounds(mesh);
+  const glm::dvec3 side = box.max - box.min;
+  const double wider = std::max(0.05 * std::max({side.x, side.y, side.z}), 3.0 * options.spread);
+  box.min -= wider;
+  box.max += wider;
+  return box;
+}
+
+/// Coordinates and distances have to fit.  Normal draws reach six standard deviations, that is 18
+/// spreads, from the surface.
+void requireRoom(const Box& box, const DistanceOptions& options) {
+  const glm::dvec3 far = glm::max(glm::abs(box.min), glm::abs(box.max));
+  const double farthest = std::max({far.x, far.y, far.z, glm::length(box.max - box.min)});
+  const double reach = farthest + 18.0 * options.spread;
+  if (reach < largestOf(options.type)) return;
+  throw Error(ErrorCode::usage, "distance samples reach to " + std::to_string(reach) +
+                                    ", beyond what their type can hold; take float32, or move the "
+                                    "mesh nearer to the origin");
+}
+
+}  // namespace
+
+DistanceSamples sampleDistances(const TriangleMesh& mesh, const DistanceOptions& options,
+                                const Progress* progress) {
+  check(options);
+  DistanceSamples samples{{}, {}, options.type};
+  if (options.count == 0) return samples;
+  const Surface surface(mesh);
+  const Box box = boxAround(mesh, options);
+  requireRoom(box, options);
+  const std::uint64_t seed = options.seed;
+  samples.positions.reserve(options.count);
+  for (std::size_t i = 0; i < options.count; ++i) {
+    glm::dvec3 p;
+    if (i % 2 == 0) {
+      for (int axis = 0; axis < 3; ++axis) {
+        const double share =
+            randomUnit(seed, Stage::spacePlace, 3 * i + static_cast<std::uint64_t>(axis));
+        p[axis] = box.min[axis] + share * (box.max[axis] - box.min[axis]);
+      }
+    } else {
+      const std::size_t t = surface.triangleAt(randomUnit(seed, Stage::spaceSurface, 3 * i));
+      // The mean of n uniforms has a standard deviation of 1 / sqrt(12 n), here 1 / 12.
+      const double normal = 12.0 * meanOfUniforms(kNormalTerms, seed, Stage::spaceOffset, i);
+      p = surface.pointIn(t, randomUnit(seed, Stage::spaceSurface, 3 * i + 1),
+                          randomUnit(seed, Stage::spaceSurface, 3 * i + 2)) +
+          (i % 4 == 1 ? 1.0 : 3.0) * options.spread * normal * surface.normalOf(t);
+    }
+    for (int axis = 0; axis < 3; ++axis) p[axis] = rounded(p[axis], options.type);
+    samples.positions.push_back(p);
+  }
+  samples.distances = signedDistances(mesh, samples.positions, progress);
+  return samples;
+}
+
+}  // namespace sherd

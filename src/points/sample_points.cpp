@@ -1,0 +1,162 @@
+// Points on a mesh.
+#include <sherd/error.h>
+#include <sherd/points.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "points/eliminate.h"
+#include "points/surface.h"
+#include "random.h"
+#include "seed/radical_inverse.h"
+
+namespace sherd {
+namespace {
+
+/// A point before it is looked up.
+struct Draw {
+  std::size_t triangle = 0;
+  glm::dvec3 position{0.0};
+};
+
+std::vector<Draw> drawUniform(const Surface& surface, std::size_t count, std::uint64_t seed,
+                              Stage stage) {
+  std::vector<Draw> draws(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t t = surface.triangleAt(randomUnit(seed, stage, 3 * i));
+    draws[i] = {t, surface.pointIn(t, randomUnit(seed, stage, 3 * i + 1),
+                                   randomUnit(seed, stage, 3 * i + 2))};
+  }
+  return draws;
+}
+
+/// Halton's points: three numbers of [0, 1) at each index, each of some 40 bits.
+class Halton {
+ public:
+  explicit Halton(std::uint64_t seed)
+      : a(2, 40, seed, Stage::pointDigit),
+        b(3, 25, seed, Stage::pointDigit),
+        c(5, 17, seed, Stage::pointDigit) {}
+
+  RadicalInverse a, b, c;
+};
+
+std::vector<Draw> drawHalton(const Surface& surface, std::size_t count, std::uint64_t seed) {
+  const Halton halton(seed);
+  std::vector<Draw> draws(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t t = surface.triangleAt(halton.a.at(i));
+    draws[i] = {t, surface.pointIn(t, halton.b.at(i), halton.c.at(i))};
+  }
+  return draws;
+}
+
+std::vector<Draw> drawApart(const Surface& surface, std::size_t count, std::uint64_t seed) {
+  const std::vector<Draw> draws =
+      drawUniform(surface, count * kCandidatesPerPoint, seed, Stage::pointCandidate);
+  std::vector<glm::dvec3> candidates;
+  candidates.reserve(draws.size());
+  for (const Draw& draw : draws) candidates.push_back(draw.position);
+  std::vector<Draw> kept;
+  kept.reserve(count);
+  for (const std::size_t i : eliminated(candidates, count, surface.area())) {
+    kept.push_back(draws[i]);
+  }
+  return kept;
+}
+
+/// The triangle of each point that the paper's rule gives, in their order; at least `count`, as a
+/// sum of numbers rounded up is no smaller than that of the numbers.
+std::vector<std::size_t> atLeastOneEach(const Surface& surface, std::size_t count) {
+  std::vector<std::size_t> triangles;
+  for (std::size_t t = 0; t < surface.triangles(); ++t) {
+    const double share = surface.area(t) / surface.area();
+    if (share == 0.0) continue;
+    const double own = std::ceil(share * static_cast<double>(count));
+    triangles.insert(triangles.end(), std::max<std::size_t>(1, static_cast<std::size_t>(own)), t);
+  }
+  // Rounding in the shares can cost no more than the last point.
+  if (triangles.size() < count) triangles.resize(count, triangles.back());
+  return triangles;
+}
+
+std::vector<Draw> drawPerTriangle(const Surface& surface, const PointOptions& options) {
+  const std::vector<std::size_t> triangles = atLeastOneEach(surface, options.count);
+  std::vector<std::size_t> order(triangles.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const Halton halton(options.seed);
+  const bool even = options.sampler == PointSampler::halton;
+  std::vector<Draw> draws(options.count);
+  for (std::size_t i = 0; i < options.count; ++i) {  // Fisher and Yates, as far as it is needed
+    std::swap(order[i],
+              order[i + randomBelow(order.size() - i, options.seed, Stage::pointShuffle, i)]);
+    const std::size_t n = order[i], t = triangles[n];
+    const double u = even ? halton.b.at(n) : randomUnit(options.seed, Stage::pointPlace, 3 * n + 1);
+    const double v = even ? halton.c.at(n) : randomUnit(options.seed, Stage::pointPlace, 3 * n + 2);
+    draws[i] = {t, surface.pointIn(t, u, v)};
+  }
+  return draws;
+}
+
+std::vector<Draw> draw(const Surface& surface, const PointOptions& options) {
+  if (options.rule == PointRule::perTriangle) return drawPerTriangle(surface, options);
+  switch (options.sampler) {
+    case PointSampler::uniform:
+      break;
+    case PointSampler::halton:
+      return drawHalton(surface, options.count, options.seed);
+    case PointSampler::poisson:
+      return drawApart(surface, options.count, options.seed);
+  }
+  return drawUniform(surface, options.count, options.seed, Stage::pointPlace);
+}
+
+}  // namespace
+
+SurfacePoints samplePoints(const TriangleMesh& mesh, std::span<const std::uint16_t> facing,
+                           const PointOptions& options) {
+  assert(facing.empty() || facing.size() == mesh.triangles.size());
+  if (options.count > kMaxPoints) {
+    throw Error(ErrorCode::usage, std::to_string(options.count) + " points, at most " +
+                                      std::to_string(kMaxPoints) + " are drawn at once");
+  }
+  if (options.rule == PointRule::perTriangle && options.sampler == PointSampler::poisson) {
+    throw Error(ErrorCode::usage,
+                "points that are well apart cannot be one for each triangle; take the rule area, "
+                "or the sampler uniform or halton");
+  }
+  SurfacePoints points;
+  if (options.count == 0) return points;
+  const Surface surface(mesh);
+  points.positions.reserve(options.count);
+  points.normals.reserve(options.count);
+  points.facing.reserve(options.count);
+  for (const Draw& d : draw(surface, options)) {
+    points.positions.push_back(d.position);
+    points.normals.push_back(surface.normalOf(d.triangle));
+    points.facing.push_back(facing.empty() ? std::uint16_t{0} : facing[d.triangle]);
+  }
+  return points;
+}
+
+std::vector<std::size_t> shareOut(std::size_t total, std::span<const double> areas) {
+  const double sum = std::accumulate(areas.begin(), areas.end(), 0.0);
+  std::vector<std::size_t> counts;
+  std::vector<std::pair<double, std::size_t>> remainders;  // less the remainder: largest first
+  std::size_t given = 0;
+  for (std::size_t i = 0; i < areas.size(); ++i) {
+    const double part = areas[i] / sum * static_cast<double>(total), whole = std::floor(part);
+    counts.push_back(std::min(static_cast<std::size_t>(whole), total - given));
+    given += counts.back();
+    remainders.emplace_back(whole - part, i);
+  }
+  std::sort(remainders.begin(), remainders.end());
+  for (std::size_t k = 0; given < total; ++k, ++given) ++counts[remainders[k].second];
+  return counts;
+}
+
+}  // namespace sherd

@@ -1,0 +1,50 @@
+// A mesh as a surface to draw points on.
+#include "points/surface.h"
+
+#include <sherd/error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+namespace sherd {
+namespace {
+
+glm::dvec3 acrossOf(const TriangleMesh& mesh, std::size_t triangle) {
+  const glm::uvec3& t = mesh.triangles[triangle];
+  const glm::dvec3& a = mesh.vertices[t.x];
+  return glm::cross(mesh.vertices[t.y] - a, mesh.vertices[t.z] - a);
+}
+
+}  // namespace
+
+Surface::Surface(const TriangleMesh& mesh) : mesh_(mesh) {
+  sums_.reserve(mesh.triangles.size());
+  double sum = 0.0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    sums_.push_back(sum += 0.5 * glm::length(acrossOf(mesh, t)));
+  }
+  if (!(sum > 0.0 && std::isfinite(sum))) {
+    throw Error(ErrorCode::input, "the mesh has no area; a surface is needed to draw points on");
+  }
+}
+
+// The first sum above share * area: so the triangle added something.
+std::size_t Surface::triangleAt(double share) const {
+  const auto at = std::upper_bound(sums_.begin(), sums_.end(), share * sums_.back());
+  return static_cast<std::size_t>(at - sums_.begin());
+}
+
+// The square root makes a uniform point of the triangle out of one of the square.
+glm::dvec3 Surface::pointIn(std::size_t triangle, double u, double v) const {
+  const glm::uvec3& t = mesh_.triangles[triangle];
+  const double root = std::sqrt(u);
+  return (1.0 - root) * mesh_.vertices[t.x] + root * (1.0 - v) * mesh_.vertices[t.y] +
+         root * v * mesh_.vertices[t.z];
+}
+
+glm::dvec3 Surface::normalOf(std::size_t triangle) const {
+  return glm::normalize(acrossOf(mesh_, triangle));
+}
+
+}  // namespace sherd

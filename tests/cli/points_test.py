@@ -1,0 +1,212 @@
+#!/usr/bin/python3
+"""Points and distance samples of `sherd fracture`: what the files hold, as NumPy reads them, and what is refused.
+
+Environment: SHERD_BIN the program, SHERD_DATA the folder with amphora.ply.  Needs Debian's python3-numpy.
+"""
+import json
+import os
+import unittest
+import zipfile
+
+import numpy as np
+
+from cli_test import CommandLine, tree
+
+AMPHORA = os.path.join(os.environ["SHERD_DATA"], "amphora.ply")
+PIECES = 5
+POINT = np.dtype([(name, "<f4") for name in ("x", "y", "z", "nx", "ny", "nz")] + [("facing", "<i4")])
+
+
+def read_points_ply(path):
+    """Positions, normals and facing of a file whose header is the one that is promised, and no other."""
+    with open(path, "rb") as file:
+        header, body = file.read().split(b"end_header\n", 1)
+    lines = header.decode().splitlines()
+    assert lines[:2] == ["ply", "format binary_little_endian 1.0"], lines
+    assert lines[3:] == [f"property float {n}" for n in POINT.names[:6]] + ["property int facing"], lines
+    points = np.frombuffer(body, POINT)
+    assert lines[2] == f"element vertex {len(points)}", lines
+    vectors = np.stack([points[name] for name in POINT.names[:6]], 1)
+    return vectors[:, :3], vectors[:, 3:], points["facing"]
+
+
+def read_mesh_ply(path):
+    with open(path, "rb") as file:
+        header, body = file.read().split(b"end_header\n", 1)
+    counts = [int(line.split()[2]) for line in header.decode().splitlines() if line.startswith("element")]
+    vertices = np.frombuffer(body, "<f4", 3 * counts[0]).reshape(-1, 3)
+    faces = np.frombuffer(body, np.dtype([("n", "u1"), ("v", "<i4", 3), ("facing", "<i4")]), offset=12 * counts[0])
+    return vertices.astype(float), faces["v"], faces["facing"]
+
+
+class Points(CommandLine):
+    def broken(self, *options, out=None):
+        """The manifest of the amphora in five pieces."""
+        out = out or self.out
+        result = self.run_sherd("fracture", AMPHORA, "-o", out, "--resolution", "48", "--pieces", str(PIECES),
+                                "--write", "mesh", *options)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        with open(os.path.join(out, "manifest.json")) as file:
+            return json.load(file)
+
+    def at(self, name):
+        return os.path.join(self.out, name)
+
+    def test_every_format_holds_the_same_points(self):
+        manifest = self.broken("--points", "500", "--point-format", "npz,ply,xyz")
+        for fragment in manifest["fragments"]:
+            number = f"amphora_{fragment['id']:03}"
+            files = fragment["files"]["points"]
+            self.assertEqual(files, [f"points/{number}.{end}" for end in ("npz", "ply", "xyz")])
+            self.assertLessEqual(set(files), set(manifest["files"]))
+            arrays = np.load(self.at(files[0]))
+            self.assertEqual({name: (a.shape, a.dtype.str) for name, a in arrays.items()},
+                             {"positions": ((500, 3), "<f4"), "normals": ((500, 3), "<f4"), "facing": ((500,), "<i4")})
+            positions, normals, facing = read_points_ply(self.at(files[1]))
+            text = np.loadtxt(self.at(files[2]), dtype=np.float32)
+            np.testing.assert_array_equal(arrays["positions"], positions)
+            np.testing.assert_array_equal(arrays["normals"], normals)
+            np.testing.assert_array_equal(arrays["facing"], facing)
+            np.testing.assert_array_equal(text, np.hstack([positions, normals]))
+            # Three roundings of numbers below 1.
+            self.assertLess(np.abs(np.linalg.norm(normals, axis=1) - 1).max(), 3 * 2**-24)
+            neighbours = {0} | {contact["id"] for contact in fragment["contacts"]}
+            self.assertLessEqual(set(facing), neighbours)
+            box = fragment["bbox"]
+            self.assertTrue((positions >= np.float32(box["min"])).all())
+            self.assertTrue((positions <= np.float32(box["max"])).all())
+
+    def test_points_lie_on_the_mesh_and_face_what_it_faces(self):
+        manifest = self.broken("--points", "300")
+        fragment = manifest["fragments"][0]
+        self.assertEqual(fragment["files"]["points"], "points/amphora_001.ply")
+        positions, normals, facing = read_points_ply(self.at(fragment["files"]["points"]))
+        vertices, faces, of_face = read_mesh_ply(self.at(fragment["files"]["mesh"]))
+        a, b, c = (vertices[faces[:, k]] for k in range(3))
+        across = np.cross(b - a, c - a)
+        across /= np.maximum(np.linalg.norm(across, axis=1), 1e-300)[:, None]
+        for p, n, f in zip(positions.astype(float), normals, facing):
+            # Triangles with this normal, in whose plane and between whose edges the point lies: to 1e-6 of an amphora
+            # that is 0.45 high, as files have 24 bits and a triangle's normal is only as good as its corners.
+            inside = [(np.cross(v - u, p - u) * across).sum(1) > -1e-8 for u, v in ((a, b), (b, c), (c, a))]
+            near = (np.abs(((p - a) * across).sum(1)) < 1e-6) & (across @ n > 0.999) & np.all(inside, axis=0)
+            self.assertIn(f, of_face[near])
+
+    def test_shares_add_up_to_the_whole(self):
+        manifest = self.broken("--points", "1001", "--share-points", "--point-format", "npz")
+        self.assertEqual(manifest["options"]["points"], {"count": 1001, "shared": True, "sampler": "uniform",
+                                                         "rule": "area", "formats": ["npz"]})
+        counts = [len(np.load(self.at(f["files"]["points"]))["facing"]) for f in manifest["fragments"]]
+        areas = np.array([f["area"] for f in manifest["fragments"]])
+        self.assertEqual(sum(counts), 1001)
+        self.assertLess(np.abs(counts - 1001 * areas / areas.sum()).max(), 1)
+
+    def test_samplers_and_rules(self):
+        seen = set()
+        for sampler, rule in (("uniform", "area"), ("halton", "area"), ("poisson", "area"),
+                              ("uniform", "per-triangle"), ("halton", "per-triangle")):
+            manifest = self.broken("--points", "100", "--point-sampler", sampler, "--point-rule", rule)
+            told = manifest["options"]["points"]
+            self.assertEqual((told["sampler"], told["rule"], told["formats"]), (sampler, rule, ["ply"]))
+            first = [read_points_ply(self.at(f["files"]["points"]))[0] for f in manifest["fragments"]]
+            self.assertEqual([len(p) for p in first], [100] * PIECES)
+            seen.add(first[0].tobytes())
+        self.assertEqual(len(seen), 5)
+
+    def test_withheld_fragments_have_none(self):
+        manifest = self.broken("--points", "60", "--share-points", "--sdf-samples", "20", "--missing", "2")
+        self.assertEqual((len(manifest["fragments"]), len(manifest["withheld"])), (3, 2))
+        self.assertEqual([f["files"] for f in manifest["withheld"]], [{}, {}])
+        self.assertEqual(len(os.listdir(self.at("points"))), 3)
+        self.assertEqual(len(os.listdir(self.at("sdf"))), 4)
+        self.assertEqual(sum(len(read_points_ply(self.at(f["files"]["points"]))[0]) for f in manifest["fragments"]), 60)
+
+    def test_distances(self):
+        for kind, bits in (("float32", 24), ("float16", 11)):
+            manifest = self.broken("--sdf-samples", "4000", "--sdf-type", kind)
+            self.assertEqual(manifest["sdf"], "sdf/amphora.npz")
+            self.assertEqual(manifest["options"]["sdf"], {"count": 4000, "type": kind,
+                                                          "spread": manifest["grid"]["voxel_size"]})
+            self.assertNotIn("points", manifest["options"])
+            self.assertIn(manifest["sdf"], manifest["files"])
+            for fragment in manifest["fragments"]:
+                name = fragment["files"]["sdf"]
+                self.assertEqual(name, f"sdf/amphora_{fragment['id']:03}.npz")
+                self.assertIn(name, manifest["files"])
+                arrays = np.load(self.at(name))
+                positions, sdf = arrays["positions"], arrays["sdf"]
+                self.assertEqual((positions.dtype, positions.shape), (np.dtype(kind), (4000, 3)))
+                self.assertEqual((sdf.dtype, sdf.shape), (np.dtype(kind), (4000,)))
+                # The uniform half tells the volume: the share inside of a box that is known.
+                low, high = (np.array(fragment["bbox"][end]) for end in ("min", "max"))
+                wider = max(0.05 * max(high - low), 3 * manifest["grid"]["voxel_size"])
+                box = np.prod(high - low + 2 * wider)
+                share = fragment["volume"] / box
+                self.assertLess(abs((sdf[::2] < 0).mean() - share), 5 * (share * (1 - share) / 2000)**0.5)
+                # A vertex is never nearer than the surface, and the nearest one at most an edge (under 2 voxels) farther.
+                vertices = read_mesh_ply(self.at(fragment["files"]["mesh"]))[0]
+                for p, d in list(zip(positions.astype(float), sdf.astype(float)))[:200]:
+                    nearest = np.linalg.norm(vertices - p, axis=1).min()
+                    rounding = 2.0**-bits
+                    self.assertGreaterEqual(nearest, abs(d) - rounding)
+                    self.assertLess(nearest, abs(d) + 2 * manifest["grid"]["voxel_size"] + rounding)
+
+    def test_npz_is_stored_and_holds_no_times(self):
+        self.broken("--points", "10", "--point-format", "npz")
+        with zipfile.ZipFile(self.at("points/amphora_001.npz")) as file:
+            self.assertIsNone(file.testzip())
+            self.assertEqual(file.namelist(), ["positions.npy", "normals.npy", "facing.npy"])
+            for entry in file.infolist():
+                self.assertEqual((entry.date_time, entry.compress_type), ((1980, 1, 1, 0, 0, 0), zipfile.ZIP_STORED))
+                data = file.read(entry)
+                self.assertEqual(data[:8], b"\x93NUMPY\x01\x00")
+                self.assertEqual((10 + int.from_bytes(data[8:10], "little")) % 64, 0)
+
+    def test_the_same_again_on_other_threads(self):
+        options = ("--points", "200", "--point-sampler", "poisson", "--point-format", "ply,xyz,npz",
+                   "--sdf-samples", "500")
+        self.broken(*options)
+        for threads in ("1", "2"):
+            other = self.path("other" + threads)
+            self.broken(*options, "--threads", threads, out=other)
+            self.assertEqual(tree(self.out), tree(other))
+        self.broken(*options, out=self.out)  # over the old ones
+        self.assertEqual(tree(self.out), tree(other))
+        self.broken("--seed", "1", *options, out=other)
+        mine, others = tree(self.out), tree(other)
+        for name in ("points/amphora_001.ply", "sdf/amphora.npz"):
+            self.assertNotEqual(mine[name], others[name])
+
+    def test_a_later_fracture_without_points_takes_them_away(self):
+        self.broken("--points", "10", "--sdf-samples", "10")
+        manifest = self.broken()
+        self.assertEqual(sorted(os.listdir(self.out)), ["manifest.json", "meshes"])
+        self.assertNotIn("sdf", manifest)
+        self.assertNotIn("points", manifest["fragments"][0]["files"])
+
+    def test_what_cannot_be_is_refused(self):
+        some = ("--points", "10")
+        for options in (("--points", "-1"), ("--points", "1e3"), ("--points", "10000001"), ("--points",),
+                        ("--points", "x"), (*some, "--point-sampler", "gaussian"), (*some, "--point-rule", "none"),
+                        (*some, "--point-format", "obj"), (*some, "--point-format", "ply,"),
+                        (*some, "--point-format", "ply,ply"), (*some, "--point-format", ""),
+                        (*some, "--point-sampler", "poisson", "--point-rule", "per-triangle"),
+                        ("--share-points",), ("--point-sampler", "halton"), ("--point-format", "npz"),
+                        ("--sdf-samples", "-5"), ("--sdf-samples", "0.5"), ("--sdf-type", "float16"),
+                        ("--sdf-samples", "10", "--sdf-type", "float64"), ("--write", "points")):
+            with self.subTest(options):
+                self.refused(2, self.fracture(*options))
+                self.assertFalse(os.path.exists(self.out))
+
+    def test_numbers_too_large_for_16_bits_are_refused(self):
+        far = self.path("far.obj")
+        with open(self.ball) as ball, open(far, "w") as file:
+            for line in ball:
+                word, *numbers = line.split()
+                file.write(line if word != "v" else "v {} {} {}\n".format(70000 + float(numbers[0]), *numbers[1:]))
+        self.refused(2, self.fracture("--sdf-samples", "10", "--sdf-type", "float16", mesh=far), "float32")
+        self.assertFalse(os.path.exists(self.out))
+
+
+if __name__ == "__main__":
+    unittest.main()
