@@ -515,7 +515,7 @@ pictures anew; they are `preview.png`, cropped alike in a row and made small. `t
 inputs: `block.obj` (side 1), `plate.obj` (1 by 1 by 0.15, the front at z = 0.15), `ball.obj` (radius 1), and seeds.
 
 Options without a picture: `--device` and `--threads` change nothing but the time, `--write`, `--json` and `--quiet` say what
-comes out. [cli.md](cli.md) has the meaning and range of every option."""
+comes out, and those of points and distances (`--points`, `--sdf-samples` and theirs) draw on pieces that stay as they are. [cli.md](cli.md) has the meaning and range of every option."""
 
 
 def main():
