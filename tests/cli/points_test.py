@@ -4,6 +4,7 @@
 Environment: SHERD_BIN the program, SHERD_DATA the folder with amphora.ply.  Needs Debian's python3-numpy.
 """
 import json
+import math
 import os
 import unittest
 import zipfile
@@ -112,6 +113,29 @@ class Points(CommandLine):
             self.assertEqual([len(p) for p in first], [100] * PIECES)
             seen.add(first[0].tobytes())
         self.assertEqual(len(seen), 5)
+
+    def test_halton_and_poisson_fill_fragments_more_evenly_than_chance(self):
+        """Chi-square of counts in boxes, all fragments together.  That of independent points is below
+        k - 2 sqrt(k x) at most once in e^x, k its degrees (Laurent and Massart 2000)."""
+        def points(count, *options):
+            manifest = self.broken("--points", str(count), "--point-format", "npz", *options)
+            return [np.load(self.at(f["files"]["points"]))["positions"] for f in manifest["fragments"]]
+
+        many, few = points(400_000), {}
+        for sampler in ("uniform", "halton", "poisson"):
+            sums, boxes = 0.0, 0
+            for reference, drawn in zip(many, points(2000, "--point-sampler", sampler)):
+                edges = [np.linspace(low, high + 1e-6, 7) for low, high in zip(reference.min(0), reference.max(0))]
+                counts, expected = (np.histogramdd(p, edges)[0] for p in (drawn, reference))
+                expected *= len(drawn) / len(reference)
+                full = expected > 5
+                sums += ((counts - expected)[full]**2 / expected[full]).sum()
+                boxes += full.sum()
+            few[sampler] = sums
+        lowest = boxes - 2 * (boxes * math.log(1e6))**0.5
+        self.assertGreater(few["uniform"], lowest)
+        self.assertLess(few["halton"], lowest)
+        self.assertLess(few["poisson"], lowest)
 
     def test_withheld_fragments_have_none(self):
         manifest = self.broken("--points", "60", "--share-points", "--sdf-samples", "20", "--missing", "2")
