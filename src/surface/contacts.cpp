@@ -7,32 +7,10 @@
 #include <glm/geometric.hpp>
 #include <map>
 
+#include "surface/label_reader.h"
+
 namespace sherd {
 namespace {
-
-// Labels by voxel, remembering the last leaf: neighbouring questions hit the same one.
-class LabelReader {
- public:
-  LabelReader(const LeafBlocks& blocks, const Labels& labels) : blocks_(blocks), labels_(labels) {}
-
-  std::uint16_t at(const openvdb::Coord& voxel) {
-    const openvdb::Coord origin = voxel & ~7;
-    if (origin != origin_) {
-      origin_ = origin;
-      leaf_ = findLeaf(blocks_, voxel);
-    }
-    if (leaf_ == LeafBlocks::kNone) return 0;
-    return labels_.fragment[std::size_t{leaf_} * 512 + offsetFromCoord(voxel)];
-  }
-
- private:
-  const LeafBlocks& blocks_;
-  const Labels& labels_;
-  openvdb::Coord origin_ = openvdb::Coord::max();
-  std::uint32_t leaf_ = LeafBlocks::kNone;
-};
-
-constexpr double kDeepestWear = 64.0;  // voxels
 
 openvdb::Coord nearestVoxel(const glm::dvec3& p) {
   return {static_cast<int>(std::floor(p.x + 0.5)), static_cast<int>(std::floor(p.y + 0.5)),

@@ -8,6 +8,9 @@
 
 namespace sherd {
 
+/// How far through worn voxels a face is asked what it faced, voxels.
+inline constexpr int kDeepestWear = 64;
+
 /// For each triangle of a fragment's mesh, the fragment on its other side, 0 on the original
 /// surface.
 ///   original  [triangles] whether it lies on the solid's surface

@@ -1,0 +1,249 @@
+// Edge collapse by quadric error, with the regions of equal facing kept as they are:
+//
+//     free - free      to where the quadric is least
+//     free - rim       to the rim's vertex, which stays; so too with fixed vertices
+//     rim  - rim       along a rim edge only, to where the quadric is least
+//     rim  - fixed     along a rim edge only, to the fixed vertex
+//
+// and none that changes the topology or turns a face over.
+#include <sherd/surface.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <queue>
+#include <tuple>
+
+#include "surface/edge_collapse.h"
+#include "surface/quadric.h"
+
+namespace sherd {
+namespace {
+
+using Index = CollapsingMesh::Index;
+
+// Beside the quadric there is a pull towards an edge's middle, so weak that it decides only where
+// the quadric does not: in planes and along straight lines.  Half a double's digits: as far above
+// rounding as below what it may not disturb.
+constexpr double kPull = 1e-8;
+
+// The cosine that a face may turn by in one collapse: 78 degrees. Quadrics do not see folds.
+constexpr double kLeastCosine = 0.2;
+
+struct Candidate {
+  double cost;
+  Index from, to;  // from < to
+  std::uint32_t fromVersion, toVersion;
+  bool operator>(const Candidate& other) const {
+    return std::tie(cost, from, to) > std::tie(other.cost, other.from, other.to);
+  }
+};
+
+class Decimator {
+ public:
+  Decimator(const TriangleMesh& mesh, std::span<const std::uint16_t> facing)
+      : mesh_(mesh, facing),
+        world_(mesh.vertices),
+        at_(mesh.vertices),
+        quadrics_(at_.size()),
+        version_(at_.size(), 0) {
+    toUnitBox();
+    for (const glm::uvec3& face : mesh_.faces()) addQuadrics(face);
+    for (Index v = 0; v < at_.size(); ++v) {
+      for (const Index n : mesh_.neighbours(v)) {
+        if (v < n) offer(v, n);
+      }
+    }
+  }
+
+  void collapseTo(std::size_t triangles) {
+    while (mesh_.trianglesLeft() > triangles && !queue_.empty()) {
+      std::vector<Candidate> refused;
+      const std::size_t before = mesh_.trianglesLeft();
+      while (mesh_.trianglesLeft() > triangles && !queue_.empty()) {
+        const Candidate next = queue_.top();
+        queue_.pop();
+        if (isStale(next)) continue;
+        const std::optional<glm::dvec3> place = placeOf(next.from, next.to);
+        if (place && mesh_.keepsTopology(next.from, next.to) &&
+            turnsNoFace(next.from, next.to, *place)) {
+          collapse(next.from, next.to, *place);
+        } else {
+          refused.push_back(next);
+        }
+      }
+      // What was refused may do once its surroundings have changed.
+      for (const Candidate& again : refused) {
+        if (!isStale(again)) queue_.push(again);
+      }
+      if (mesh_.trianglesLeft() == before) return;
+    }
+  }
+
+  CoarseMesh result() const {
+    CoarseMesh out;
+    std::vector<Index> number(at_.size(), 0);
+    for (Index v = 0; v < at_.size(); ++v) {
+      if (mesh_.facesAround(v).empty()) continue;
+      number[v] = static_cast<Index>(out.mesh.vertices.size());
+      out.mesh.vertices.push_back(world_[v]);
+    }
+    for (Index f = 0; f < mesh_.faces().size(); ++f) {
+      const glm::uvec3& t = mesh_.faces()[f];
+      if (t.x == t.y) continue;
+      out.mesh.triangles.push_back({number[t.x], number[t.y], number[t.z]});
+      out.facing.push_back(mesh_.facing(f));
+    }
+    return out;
+  }
+
+ private:
+  bool isStale(const Candidate& c) const {
+    return version_[c.from] != c.fromVersion || version_[c.to] != c.toVersion;
+  }
+
+  // Quadrics hold fourth powers of coordinates' size; about the origin little is lost.
+  void toUnitBox() {
+    const Box box = bounds({at_, {}});
+    middle_ = (box.min + box.max) / 2.0;
+    const glm::dvec3 side = box.max - box.min;
+    scale_ = std::max({side.x, side.y, side.z, std::numeric_limits<double>::min()});
+    for (glm::dvec3& v : at_) v = (v - middle_) / scale_;
+  }
+
+  glm::dvec3 areaNormal(const glm::uvec3& t) const {  // as long as twice the area
+    return glm::cross(at_[t.y] - at_[t.x], at_[t.z] - at_[t.x]);
+  }
+
+  void addQuadrics(const glm::uvec3& t) {
+    const glm::dvec3 doubled = areaNormal(t);
+    const double length = glm::length(doubled);
+    if (length == 0.0) return;
+    const glm::dvec3 normal = doubled / length;
+    const Quadric face = Quadric::plane(normal, at_[t.x], length / 2);
+    for (int k = 0; k < 3; ++k) {
+      const Index a = t[k], b = t[(k + 1) % 3];
+      quadrics_[a] += face;
+      if (!mesh_.isRim(a, b)) continue;
+      // A wall on the rim, of the area of a square on the edge, holds the rim as a line.
+      const glm::dvec3 along = at_[b] - at_[a], across = glm::cross(along, normal);
+      const double squared = glm::dot(along, along);
+      if (squared == 0.0) continue;
+      const Quadric wall = Quadric::plane(across / std::sqrt(squared), at_[a], squared);
+      quadrics_[a] += wall;
+      quadrics_[b] += wall;
+    }
+  }
+
+  // Where the edge goes; nothing where its collapse would change a region.
+  std::optional<glm::dvec3> placeOf(Index a, Index b) const {
+    const int rimsA = mesh_.rimEdges(a), rimsB = mesh_.rimEdges(b);
+    if (rimsA != 0 && rimsB != 0 && !mesh_.isRim(a, b)) return {};
+    const bool fixedA = rimsA != 0 && rimsA != 2, fixedB = rimsB != 0 && rimsB != 2;
+    if (fixedA && fixedB) return {};
+    if (fixedA || (rimsA != 0 && rimsB == 0)) return at_[a];
+    if (fixedB || (rimsB != 0 && rimsA == 0)) return at_[b];
+    return least(a, b);
+  }
+
+  // The least of the quadric with the pull towards the middle.  Where that lies farther off than
+  // the edge is long, the quadric decides too little, and the best of three stands in.
+  glm::dvec3 least(Index a, Index b) const {
+    Quadric q = quadrics_[a];
+    q += quadrics_[b];
+    const glm::dvec3 middle = (at_[a] + at_[b]) / 2.0;
+    const double pull = kPull * q.weight();
+    if (pull > 0.0) {
+      const glm::dmat3 m = q.a + glm::dmat3(pull);
+      glm::dvec3 step = solved(m, -(q.a * middle + q.b));
+      // Once more from there: takes back what the pull has cost where the quadric decides.
+      step += solved(m, -(q.a * (middle + step) + q.b));
+      // Asked so that what is no number is no.
+      if (glm::dot(step, step) <= glm::dot(at_[a] - at_[b], at_[a] - at_[b])) return middle + step;
+    }
+    glm::dvec3 best = middle;
+    for (const glm::dvec3& other : {at_[a], at_[b]}) {
+      if (q(other) < q(best)) best = other;
+    }
+    return best;
+  }
+
+  bool turnsNoFace(Index a, Index b, const glm::dvec3& place) const {
+    for (const Index v : {a, b}) {
+      for (const Index f : mesh_.facesAround(v)) {
+        if (mesh_.has(f, a) && mesh_.has(f, b)) continue;
+        const glm::uvec3& t = mesh_.faces()[f];
+        const glm::dvec3 before = areaNormal(t);
+        const auto corner = [&](int k) { return t[k] == v ? place : at_[t[k]]; };
+        const glm::dvec3 p = corner(0);
+        const glm::dvec3 after = glm::cross(corner(1) - p, corner(2) - p);
+        const double lengths = glm::length(before) * glm::length(after);
+        // A face that had no area may become anything.
+        if (glm::length(before) > 0.0 && glm::dot(before, after) <= kLeastCosine * lengths) {
+          return false;
+        }
+      }
+    }
+    return true;
+  }
+
+  void collapse(Index a, Index b, const glm::dvec3& place) {
+    mesh_.collapse(a, b);
+    if (place == at_[b]) {
+      world_[a] = world_[b];
+    } else if (place != at_[a]) {
+      world_[a] = middle_ + scale_ * place;
+    }
+    at_[a] = place;
+    quadrics_[a] += quadrics_[b];
+    ++version_[b];
+    ++version_[a];
+    for (const Index n : mesh_.neighbours(a)) offer(std::min(a, n), std::max(a, n));
+  }
+
+  void offer(Index a, Index b) {
+    const std::optional<glm::dvec3> place = placeOf(a, b);
+    if (!place) return;  // and never: regions stay what they are
+    Quadric q = quadrics_[a];
+    q += quadrics_[b];
+    // The pull ranks collapses that cost nothing: short edges first, so that planes are thinned out
+    // evenly.
+    const double squared = glm::dot(at_[a] - at_[b], at_[a] - at_[b]);
+    const double cost = std::max(q(*place), 0.0) + kPull * q.weight() * squared;
+    queue_.push({cost, a, b, version_[a], version_[b]});
+  }
+
+  CollapsingMesh mesh_;
+  std::vector<glm::dvec3> world_;  // to the bit where nothing moved
+  std::vector<glm::dvec3> at_;     // in the unit box
+  glm::dvec3 middle_{0.0};
+  double scale_ = 1.0;
+  std::vector<Quadric> quadrics_;
+  std::vector<std::uint32_t> version_;  // [vertices] counts moves: a candidate of another is stale
+  std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> queue_;
+};
+
+}  // namespace
+
+std::vector<CoarseMesh> decimated(const TriangleMesh& mesh, std::span<const std::uint16_t> facing,
+                                  std::span<const std::size_t> triangles) {
+  assert(facing.size() == mesh.triangles.size());
+  std::vector<CoarseMesh> out(triangles.size());
+  std::vector<std::size_t> order(triangles.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return triangles[a] > triangles[b]; });
+  Decimator decimator(mesh, facing);
+  for (const std::size_t i : order) {
+    decimator.collapseTo(triangles[i]);
+    out[i] = decimator.result();
+    out[i].asked = triangles[i];
+  }
+  return out;
+}
+
+}  // namespace sherd

@@ -1,0 +1,44 @@
+// Labels by voxel.
+#pragma once
+
+#include <sherd/labels.h>
+#include <sherd/leaf_blocks.h>
+
+#include <cstdint>
+
+namespace sherd {
+
+/// Labels by voxel, remembering the last leaf: neighbouring questions hit the same one.
+class LabelReader {
+ public:
+  LabelReader(const LeafBlocks& blocks, const Labels& labels) : blocks_(blocks), labels_(labels) {}
+
+  /// The label of a voxel, in the outer band too; 0 beyond.
+  std::uint16_t at(const openvdb::Coord& voxel) {
+    return find(voxel) ? labels_.fragment[placeOf(voxel)] : std::uint16_t{0};
+  }
+
+  bool isInside(const openvdb::Coord& voxel) {
+    return find(voxel) && blocks_.isInside(placeOf(voxel));
+  }
+
+ private:
+  bool find(const openvdb::Coord& voxel) {
+    const openvdb::Coord origin = voxel & ~7;
+    if (origin != origin_) {
+      origin_ = origin;
+      leaf_ = findLeaf(blocks_, voxel);
+    }
+    return leaf_ != LeafBlocks::kNone;
+  }
+  std::size_t placeOf(const openvdb::Coord& voxel) const {
+    return std::size_t{leaf_} * 512 + offsetFromCoord(voxel);
+  }
+
+  const LeafBlocks& blocks_;
+  const Labels& labels_;
+  openvdb::Coord origin_ = openvdb::Coord::max();
+  std::uint32_t leaf_ = LeafBlocks::kNone;
+};
+
+}  // namespace sherd
