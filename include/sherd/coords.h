@@ -3,6 +3,7 @@
 
 #include <sherd/grid_fwd.h>
 
+#include <algorithm>
 #include <glm/vec3.hpp>
 
 namespace sherd {
@@ -32,6 +33,7 @@ struct VoxelBox {
 
   bool empty() const { return max.x() < min.x(); }
   openvdb::Coord dims() const { return max - min + openvdb::Coord(1, 1, 1); }
+  int longestSide() const { return std::max({dims().x(), dims().y(), dims().z()}); }
 };
 
 }  // namespace sherd

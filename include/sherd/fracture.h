@@ -32,6 +32,7 @@ struct FractureOptions {
   ErodeOptions erode{};  ///< its `seed` is taken from above
   SurfaceOptions surface{};
   double missing = 0.0;  ///< fragments withheld: a number from 1 up, or below 1 a share of all
+  SurfaceOptions surface{};
 };
 
 /// Seconds that one stage took.

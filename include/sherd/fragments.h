@@ -35,6 +35,8 @@ struct Fragment {
   double area = 0.0;
   double fractureArea = 0.0;      ///< area of the faces that face another fragment
   std::vector<Contact> contacts;  ///< ascending by fragment
+  std::vector<CoarseMesh>
+      coarse{};  ///< `mesh` decimated, one for each of SurfaceOptions::triangles
 };
 
 /// Cut every fragment out of the solid.  A fragment's level set is max(solid, distance to the cut);
@@ -46,10 +48,11 @@ struct Fragment {
 ///           voxel
 ///   unworn  the labels before erosion, when there was any: what worn faces faced, and what
 ///           touched, is read from them
+///   surface how the mesh is made; the level set is the same for all
 ///   return  [fragments] ascending by id
 [[nodiscard]] std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
                                                      int fragments, const Labels* unworn = nullptr,
-                                                     const SurfaceOptions& options = {},
+                                                     const SurfaceOptions& surface = {},
                                                      const Progress* progress = nullptr);
 
 /// The unbroken solid's mesh, made as the fragments' are.

@@ -88,7 +88,8 @@ void parseExtraSeeds(const std::string& text, FractureOptions& options) {
   if (error != std::errc() || stop != end || count < 0 || count > most) {
     refuse("--extra-seeds", text, "a whole number, or one times n as in 2n");
   }
-  (perPiece ? options.extraSeedsPerPiece : options.seeds.extraSeeds) = count;
+  options.extraSeedsPerPiece = perPiece ? count : 0;
+  options.seeds.extraSeeds = perPiece ? 0 : count;
 }
 
 // x,y,z[,count[,spread]][,merge], or ray:ox,oy,oz,dx,dy,dz[,...]; spread in world units or as n=5.
@@ -152,6 +153,17 @@ void parseRoughness(const std::string& text, GrowOptions& grow) {
   if (!good) refuse("--roughness", text, "r or r,H with r in 0..100 voxels and H in 0.1..1");
   grow.roughness = (*numbers)[0];
   if (numbers->size() == 2) grow.hurst = (*numbers)[1];
+}
+
+// "K", or "Fk" for F times the voxels of the longest side.
+void parseIterations(const std::string& option, const std::string& text, Iterations& iterations) {
+  const bool perVoxel = text.ends_with('k');
+  const std::optional<double> value = numberIn(text.substr(0, text.size() - perVoxel));
+  const bool good = value && *value >= 0.0 && *value <= (perVoxel ? 1.0 : 1000.0) &&
+                    (perVoxel || *value == std::floor(*value));
+  if (!good) refuse(option, text, "a whole number in 0..1000, or F in 0..1 times k as in 0.048k");
+  iterations = {.count = perVoxel ? 0 : static_cast<int>(*value),
+                .perVoxel = perVoxel ? *value : 0.0};
 }
 
 void parseMissing(const std::string& text, double& missing) {
@@ -320,6 +332,51 @@ void addErosionOptions(CLI::App& command, FractureOptions& options) {
       ->group(group);
   addChoice(command, "--erode-crumbs", erode.crumbs, names::kCrumbs,
             "Smaller parts of a fragment that falls apart")
+      ->group(group);
+}
+
+void addSurfaceOptions(CLI::App& command, FractureOptions& options) {
+  const std::string group = "Surface";
+  SurfaceOptions& surface = options.surface;
+  SmoothOptions& smooth = surface.smooth;
+  const auto addIterations = [&](const std::string& name, Iterations& iterations,
+                                 const std::string& help) {
+    command
+        .add_option_function<std::string>(
+            name,
+            [name, &iterations](const std::string& text) {
+              parseIterations(name, text, iterations);
+            },
+            help)
+        ->type_name("K|Fk")
+        ->default_str("0")
+        ->group(group);
+  };
+  const auto addWeight = [&](const std::string& name, double& weight, const std::string& help) {
+    command.add_option(name, weight, help)
+        ->check(numberBetween(0.0, 1.0, "0..1"))
+        ->capture_default_str()
+        ->group(group);
+  };
+  addChoice(command, "--surface", surface.surface, names::kSurface,
+            "Meshes of the smooth level sets, or of the bare labels' voxels")
+      ->group(group);
+  addIterations("--smooth-iterations", smooth.iterations,
+                "Laplacian smoothing of all but cracks; 0.048k is 0.048 times the voxels of the "
+                "longest side");
+  addWeight("--smooth-weight", smooth.weight,
+            "How far a vertex goes to its neighbours' mean each time");
+  addIterations("--smooth-boundary-iterations", smooth.boundaryIterations,
+                "The same for vertices of cracks, their rims included");
+  addWeight("--smooth-boundary-weight", smooth.boundaryWeight,
+            "How far these go; 0 leaves fragments fitting");
+  command
+      .add_option("--triangles", surface.triangles,
+                  "Write each mesh also decimated to at most so many triangles, for each number")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->transform(wholeNumber<std::size_t>(4, 1'000'000'000))
+      ->type_name("T,...")
       ->group(group);
 }
 

@@ -123,6 +123,18 @@ Json distanceOptionsJson(const WriteOptions& write, const Solid& solid) {
           {"spread", spread > 0.0 ? spread : solid.frame.voxelSize}};
 }
 
+Json surfaceOptionsJson(const SurfaceOptions& surface, int longestSide) {
+  const SmoothOptions& smooth = surface.smooth;
+  return {{"of", names::of(names::kSurface, surface.surface)},
+          {"interface", names::of(names::kInterface, surface.interface)},
+          {"smooth",
+           {{"iterations", smooth.iterations.over(longestSide)},
+            {"weight", smooth.weight},
+            {"boundary_iterations", smooth.boundaryIterations.over(longestSide)},
+            {"boundary_weight", smooth.boundaryWeight}}},
+          {"triangles", surface.triangles}};
+}
+
 Json optionsJson(const FractureOptions& options, const FractureResult& result,
                  const WriteOptions& write) {
   Json json = {{"pieces", result.fragments.size()}, {"seed", options.seed}};
@@ -137,9 +149,9 @@ Json optionsJson(const FractureOptions& options, const FractureResult& result,
   json["balance"] = options.shares.balance;
   json["erode"] = erodeOptionsJson(options.erode);
   json["missing"] = options.missing;
-  json["interface"] = names::of(names::kInterface, options.surface.interface);
   if (write.points.count > 0) json["points"] = pointOptionsJson(write);
   if (write.distances.count > 0) json["sdf"] = distanceOptionsJson(write, result.solid);
+  json["surface"] = surfaceOptionsJson(options.surface, result.solid.box.longestSide());
   return json;
 }
 
@@ -212,6 +224,16 @@ Json fragmentJson(const Fragment& fragment, const FractureResult& result, Json s
       {"contacts", contactsJson(fragment)}};
 }
 
+Json decimatedJson(const Fragment& fragment, const std::vector<std::string>& files) {
+  Json meshes = Json::array();
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    meshes.push_back({{"asked", fragment.coarse[i].asked},
+                      {"triangles", fragment.coarse[i].mesh.triangles.size()},
+                      {"file", files[i]}});
+  }
+  return meshes;
+}
+
 }  // namespace
 
 std::vector<std::string> FractureFiles::all() const {
@@ -223,6 +245,9 @@ std::vector<std::string> FractureFiles::all() const {
     list.insert(list.end(), ofFragment.begin(), ofFragment.end());
   }
   list.insert(list.end(), sdf.begin(), sdf.end());
+  for (const std::vector<std::string>& ofOne : coarse) {
+    list.insert(list.end(), ofOne.begin(), ofOne.end());
+  }
   for (const std::string& file : {solidSdf, preview, seeds, cost}) {
     if (!file.empty()) list.push_back(file);
   }
@@ -261,6 +286,9 @@ std::string manifestText(const SourceMesh& source, const FractureOptions& option
     }
     if (!files.sdf.empty()) own["sdf"] = files.sdf[i];
     Json fragment = fragmentJson(result.fragments[i], result, std::move(seeds[i]), std::move(own));
+    if (!files.coarse.empty()) {
+      fragment["decimated"] = decimatedJson(result.fragments[i], files.coarse[i]);
+    }
     if (!result.parents.empty()) fragment["parent"] = result.parents[i];
     manifest["fragments"].push_back(std::move(fragment));
   }

@@ -17,6 +17,7 @@ struct FractureFiles {
   std::string labels;
   std::vector<std::string> vdb;                  ///< [fragments that are not withheld] or empty
   std::vector<std::string> mesh;                 ///< [fragments that are not withheld] or empty
+  std::vector<std::vector<std::string>> coarse;  ///< [of these][SurfaceOptions::triangles] or empty
   std::vector<std::vector<std::string>> points;  ///< [fragments that are not withheld][formats] or
                                                  ///< empty
   std::vector<std::string> sdf;                  ///< [fragments that are not withheld] or empty

@@ -67,7 +67,7 @@ std::string safeStem(std::string stem) {
 }
 
 FractureFiles fileNames(const SourceMesh& source, std::size_t fragments,
-                        const WriteOptions& write) {
+                        const std::vector<std::size_t>& triangles, const WriteOptions& write) {
   const std::string stem = safeStem(source.stem);
   const std::size_t digits = std::max<std::size_t>(3, std::to_string(fragments).size());
   FractureFiles files;
@@ -84,6 +84,11 @@ FractureFiles fileNames(const SourceMesh& source, std::size_t fragments,
       }
     }
     if (write.distances.count > 0) files.sdf.push_back("sdf/" + name + ".npz");
+    if (!write.mesh || triangles.empty()) continue;
+    std::vector<std::string>& coarse = files.coarse.emplace_back();
+    for (const std::size_t t : triangles) {
+      coarse.push_back("meshes/" + name + "_t" + std::to_string(t) + ".ply");
+    }
   }
   if (write.distances.count > 0) files.solidSdf = "sdf/" + stem + ".npz";
   if (write.labels) files.labels = "labels.rle";
@@ -319,6 +324,9 @@ void writeFiles(const fs::path& folder, const FractureFiles& files, const Source
       if (!files.points.empty()) {
         writePointsOf(folder, files.points[i], fragment, counts[i], options.seed, write);
       }
+      for (std::size_t k = 0; !files.coarse.empty() && k < files.coarse[i].size(); ++k) {
+        writePly(folder / files.coarse[i][k], fragment.coarse[k].mesh, fragment.coarse[k].facing);
+      }
     });
   }
   if (!files.solidSdf.empty()) {
@@ -386,7 +394,7 @@ fs::path writeFracture(const fs::path& folder, const SourceMesh& source,
                        const FractureOptions& options, const FractureResult& result,
                        const WriteOptions& write, const Progress* progress) {
   checkFractureFolder(folder);
-  const FractureFiles files = fileNames(source, result.kept(), write);
+  const FractureFiles files = fileNames(source, result.kept(), options.surface.triangles, write);
   const std::vector<std::string> fresh = files.all();
   try {
     MadeFolders made;

@@ -11,6 +11,7 @@
 #include "surface/contacts.h"
 #include "surface/cut.h"
 #include "surface/interface_mesh.h"
+#include "surface/label_mesh.h"
 #include "surface/level_set.h"
 #include "surface/mesh.h"
 
@@ -62,8 +63,9 @@ double fractureArea(const Fragment& fragment) {
 }  // namespace
 
 std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels, int count,
-                                       const Labels* unworn, const SurfaceOptions& options,
+                                       const Labels* unworn, const SurfaceOptions& surface,
                                        const Progress* progress) {
+  checkSurfaceOptions(surface);
   step(progress, "extract", 0.0);
   const std::vector<std::uint64_t> voxels = countVoxels(solid.blocks, labels, count);
   if (voxels[0] != 0) {
@@ -73,7 +75,8 @@ std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
   const Cut cut = findCut(solid.blocks, labels);
   const std::vector<std::vector<std::uint32_t>> leaves = leavesOf(cut, count);
 
-  const bool isShared = options.interface == Interface::shared;
+  const bool isShared =
+      surface.surface == Surface::smooth && surface.interface == Interface::shared;
   std::vector<LabelledMesh> shared;
   if (isShared) shared = interfaceMeshes(solid, labels, cut, count);
 
@@ -85,21 +88,30 @@ std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
     fragment.voxels = voxels[i + 1];
     fragment.voxelBox = voxelBox(solid, labels, id, leaves[i + 1]);
     fragment.surface = fragmentLevelSet(solid, cut, id, leaves[i + 1]);
-    std::vector<bool> original;
-    if (isShared) {
+    const Labels& before = unworn ? *unworn : labels;
+    if (surface.surface == Surface::labels) {
+      VoxelMesh meshed =
+          meshOfFaces(facesOf(solid, labels, before, id, leaves[i + 1]), solid.frame);
+      fragment.mesh = std::move(meshed.mesh);
+      fragment.facing = std::move(meshed.facing);
+    } else if (isShared) {
       fragment.mesh = std::move(shared[i].mesh);
       fragment.facing = std::move(shared[i].other);
-      for (const std::uint16_t other : fragment.facing) original.push_back(other == 0);
+      if (unworn) {
+        std::vector<bool> original;
+        for (const std::uint16_t other : fragment.facing) original.push_back(other == 0);
+        fragment.facing = facingOf(fragment.mesh, original, id, solid, before, true);
+      }
     } else {
       LevelSetMesh meshed =
           meshLevelSet(*fragment.surface, solid.frame, solidOver(solid, leaves[i + 1]).get());
       fragment.mesh = std::move(meshed.mesh);
-      original = std::move(meshed.original);
+      fragment.facing =
+          facingOf(fragment.mesh, meshed.original, id, solid, before, unworn != nullptr);
     }
-    if (unworn || !isShared) {  // else what is beyond each face is known
-      fragment.facing = facingOf(fragment.mesh, original, id, solid, unworn ? *unworn : labels,
-                                 unworn != nullptr);
-    }
+    fragment.mesh = smoothed(std::move(fragment.mesh), fragment.facing, surface.smooth,
+                             solid.box.longestSide());
+    fragment.coarse = decimated(fragment.mesh, fragment.facing, surface.triangles);
     fragment.mass = massProperties(fragment.mesh);
     fragment.area = area(fragment.mesh);
     fragment.fractureArea = fractureArea(fragment);

@@ -1,0 +1,173 @@
+#!/usr/bin/python3
+"""`sherd fracture --surface`, smoothing and `--triangles`: the meshes, and what the manifest says.
+
+Environment: SHERD_BIN the program, SHERD_DATA the folder with amphora.ply.  Needs Debian's python3-numpy.
+"""
+import json
+import os
+import unittest
+
+import numpy as np
+
+from cli_test import CommandLine, tree
+
+AMPHORA = os.path.join(os.environ["SHERD_DATA"], "amphora.ply")
+
+BARE = {"of": "smooth", "triangles": [],
+        "smooth": {"iterations": 0, "weight": 0.9, "boundary_iterations": 0, "boundary_weight": 0.2}}
+
+
+
+def read_ply(path):
+    """Vertices, triangles and facing of a .ply that Sherd wrote."""
+    with open(path, "rb") as file:
+        data = file.read()
+    head, body = data.split(b"end_header\n", 1)
+    counts = [int(line.split()[2]) for line in head.split(b"\n") if line.startswith(b"element")]
+    vertices = np.frombuffer(body, "<f4", counts[0] * 3).reshape(-1, 3).astype(float)
+    faces = np.frombuffer(body, [("n", "u1"), ("v", "<i4", 3), ("facing", "<i4")], offset=counts[0] * 12)
+    assert len(faces) == counts[1] and (faces["n"] == 3).all()
+    return vertices, faces["v"], faces["facing"]
+
+
+def volume(vertices, faces):
+    a, b, c = (vertices[faces[:, k]] for k in range(3))
+    return np.einsum("ij,ij->", a, np.cross(b, c)) / 6
+
+
+def directed_edges(faces):
+    return np.concatenate([faces[:, [k, (k + 1) % 3]] for k in range(3)])
+
+
+class SurfaceCase(CommandLine):
+    def manifest(self):
+        with open(os.path.join(self.out, "manifest.json")) as file:
+            return json.load(file)
+
+    def broken(self, *options, **more):
+        self.done("--write", "labels,mesh", *options, **more)
+        return self.manifest()
+
+    def mesh(self, file):
+        vertices, faces, facing = read_ply(os.path.join(self.out, file))
+        edges = directed_edges(faces)
+        there = set(map(tuple, edges))
+        self.assertEqual(len(there), len(edges), file)  # once each way: closed, edge-manifold
+        self.assertEqual(there, {(b, a) for a, b in there}, file)
+        self.assertGreater(volume(vertices, faces), 0)
+        return vertices, faces, facing
+
+
+class Labels(SurfaceCase):
+    def test_default_is_smooth(self):
+        self.assertEqual(self.broken()["options"]["surface"], BARE)
+
+    def test_labels_are_the_voxels(self):
+        manifest = self.broken("--surface", "labels")
+        self.assertEqual(manifest["options"]["surface"], {**BARE, "of": "labels"})
+        h, start = manifest["grid"]["voxel_size"], np.array(manifest["grid"]["origin"])
+        for fragment in manifest["fragments"]:
+            vertices, faces, facing = self.mesh(fragment["files"]["mesh"])
+            corners = (vertices - start) / h + 0.5
+            off = np.abs(corners - np.round(corners)).max()
+            self.assertLess(off, 1 / 64 + 1e-4)  # single precision, and sheets set apart
+            touching = (np.abs(corners - np.round(corners)).max(axis=1) > 1e-3).sum()
+            # No vertex moved apart sweeps more than 1/64 over the twelve halves of faces it may have.
+            self.assertAlmostEqual(fragment["volume"] / h**3, fragment["voxels"], delta=0.1 + touching * 6 / 64)
+            self.assertEqual(set(facing), {0} | {c["id"] for c in fragment["contacts"]})
+
+    def test_a_boundary_of_no_weight_stays(self):
+        """Figure 8 of the paper: fragments still fit, the original surface is smooth."""
+        self.broken("--surface", "labels")
+        bare = {f["id"]: self.mesh(f["files"]["mesh"]) for f in self.manifest()["fragments"]}
+        self.broken("--surface", "labels", "--smooth-iterations", "4", "--smooth-boundary-iterations", "4",
+                    "--smooth-boundary-weight", "0")
+        for fragment in self.manifest()["fragments"]:
+            vertices, faces, facing = self.mesh(fragment["files"]["mesh"])
+            before = bare[fragment["id"]]
+            np.testing.assert_array_equal(faces, before[1])
+            np.testing.assert_array_equal(facing, before[2])
+            boundary = np.zeros(len(vertices), bool)
+            boundary[faces[facing != 0].ravel()] = True
+            moved = (vertices != before[0]).any(axis=1)
+            self.assertFalse((moved & boundary).any())
+            self.assertGreater((moved & ~boundary).sum(), 0.5 * (~boundary).sum())
+
+    def test_smoothing_is_told_as_done(self):
+        smooth = self.broken("--smooth-iterations", "0.1k", "--smooth-weight", "0.5", "--smooth-boundary-iterations",
+                             "2", "--smooth-boundary-weight", "1")["options"]["surface"]
+        self.assertEqual(smooth, {**BARE, "smooth": {"iterations": 3, "weight": 0.5, "boundary_iterations": 2,
+                                                     "boundary_weight": 1.0}})  # 0.1 of 32 voxels
+
+    def test_worn_fragments(self):
+        manifest = self.broken("--surface", "labels", "--erode-iterations", "2")
+        for fragment in manifest["fragments"]:
+            facing = self.mesh(fragment["files"]["mesh"])[2]
+            self.assertLessEqual(set(facing), set(range(4)) - {fragment["id"]})
+            self.assertGreater((facing != 0).sum(), 0)
+
+
+class Triangles(SurfaceCase):
+    def test_a_file_for_each_number(self):
+        for surface in ("smooth", "labels"):
+            manifest = self.broken("--triangles", "2000,400", "--surface", surface, pieces=4)
+            self.assertEqual(manifest["options"]["surface"]["triangles"], [2000, 400])
+            files = []
+            for fragment in manifest["fragments"]:
+                whole = self.mesh(fragment["files"]["mesh"])
+                told = fragment["decimated"]
+                self.assertEqual([t["asked"] for t in told], [2000, 400])
+                for entry in told:
+                    self.assertEqual(entry["file"],
+                                     f"meshes/ball_{fragment['id']:03}_t{entry['asked']}.ply")
+                    vertices, faces, facing = self.mesh(entry["file"])
+                    self.assertEqual(len(faces), entry["triangles"])
+                    self.assertLessEqual(len(faces), entry["asked"])
+                    self.assertEqual(set(facing), set(whole[2]))
+                    self.assertLess(abs(volume(vertices, faces) / fragment["volume"] - 1), 0.05)
+                    files.append(entry["file"])
+            self.assertLessEqual(set(files), set(manifest["files"]))
+            self.assertEqual(len([n for n in tree(self.out) if n.startswith("meshes/")]), 1 + 4 * 3)
+
+    def test_what_cannot_be_reached_is_told(self):
+        for fragment in self.broken("--triangles", "4", pieces=20)["fragments"]:
+            entry, = fragment["decimated"]
+            self.assertEqual(len(self.mesh(entry["file"])[1]), entry["triangles"])
+            self.assertGreater(entry["triangles"], 4)  # three regions meet in more than four places
+
+    def test_none_without_meshes_or_numbers(self):
+        self.assertNotIn("decimated", self.broken()["fragments"][0])
+        self.done("--write", "labels", "--triangles", "100")
+        self.assertNotIn("decimated", self.manifest()["fragments"][0])
+
+
+class WrongValues(SurfaceCase):
+    def test_one_sentence_and_status_2(self):
+        wrong = {"--surface": ("", "Labels", "cubes"),
+                 "--smooth-iterations": ("", "-1", "1001", "1.5", "k", "1.5k", "-0.1k", "nan", "0.1n"),
+                 "--smooth-boundary-iterations": ("", "-1", "nank", "2 k"),
+                 "--smooth-weight": ("", "-0.1", "1.1", "nan"), "--smooth-boundary-weight": ("x", "2"),
+                 "--triangles": ("", "3", "-4", "1e3", "100,x", "100,100", "1000000001")}
+        for option, texts in wrong.items():
+            for text in texts:
+                with self.subTest(option=option, text=text):
+                    self.refused(2, self.fracture(option + "=" + text))
+                    self.nothing_written()
+
+
+class SameBytes(SurfaceCase):
+    def test_whatever_runs_them(self):
+        trees = []
+        for i, threads in enumerate(("1", "2", "2")):
+            out = self.path(f"out{i}")
+            result = self.run_sherd("fracture", AMPHORA, "-o", out, "--surface", "labels", "--smooth-iterations",
+                                    "0.048k", "--smooth-boundary-iterations", "0.048k", "--resolution", "64", "--write", "mesh", "--triangles", "1000,200", "--threads", threads)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            trees.append(tree(out))
+        self.assertEqual(len([n for n in trees[0] if n.endswith(".ply")]), 8 * 3)
+        self.assertEqual(trees[0], trees[1])
+        self.assertEqual(trees[1], trees[2])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,139 @@
+// Fragments whose meshes are made in the paper's way.
+#include <gtest/gtest.h>
+#include <sherd/fracture.h>
+
+#include <map>
+
+#include "kernels/device_fixture.h"
+#include "mesh_checks.h"
+#include "shapes.h"
+
+namespace sherd {
+namespace {
+
+using openvdb::Coord;
+
+const Coord kSteps[6] = {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}};
+
+using LabelSurface = DeviceTest;
+
+FractureOptions bareLabels(Growth growth = Growth::flood) {
+  FractureOptions options{.pieces = 6, .seed = 4, .resolution = 40};
+  options.extraSeedsPerPiece = 2;
+  options.grow.growth = growth;
+  options.grow.roughness = 1.0;
+  options.surface.surface = Surface::labels;
+  return options;
+}
+
+TEST_F(LabelSurface, FragmentsAreTheirVoxels) {
+  const FractureResult result = fracture(shapes::cup(1.0, 0.3, 1.5, 0.3), bareLabels(), device());
+  const Solid& solid = result.solid;
+  const double h = solid.frame.voxelSize;
+  std::map<Coord, std::uint16_t> label;
+  solid.blocks.forEachInside([&](std::size_t place) {
+    label[solid.blocks.voxelAt(place)] = result.labels.fragment[place];
+  });
+  for (const Fragment& fragment : result.fragments) {
+    SCOPED_TRACE(fragment.id);
+    expectClosedManifold(fragment.mesh);
+    EXPECT_EQ(coincidentVertices(fragment.mesh), 0u);
+    EXPECT_NEAR(fragment.mass.volume, static_cast<double>(fragment.voxels) * h * h * h,
+                fragment.area * 1.125 / 64 * h);
+
+    // The voxels' faces, counted, against the area that faces each.  A face whose corners moved by
+    // at most 1/64 changes its area by less than a tenth.
+    std::map<std::uint16_t, double> counted;
+    for (const auto& [voxel, id] : label) {
+      if (id != fragment.id) continue;
+      for (const Coord& step : kSteps) {
+        const auto beyond = label.find(voxel + step);
+        const std::uint16_t other = beyond == label.end() ? std::uint16_t{0} : beyond->second;
+        if (other != id) counted[other] += h * h;
+      }
+    }
+    const std::map<std::uint16_t, double> measured = areas(fragment.mesh, fragment.facing);
+    ASSERT_EQ(measured.size(), counted.size());
+    for (const auto& [other, size] : counted) EXPECT_NEAR(measured.at(other), size, 0.1 * size);
+
+    // Each triangle faces the voxel beyond it.
+    for (std::size_t t = 0; t < fragment.facing.size(); ++t) {
+      const glm::uvec3& c = fragment.mesh.triangles[t];
+      const glm::dvec3 a = fragment.mesh.vertices[c.x], b = fragment.mesh.vertices[c.y],
+                       d = fragment.mesh.vertices[c.z];
+      const glm::dvec3 at =
+          solid.frame
+              .indexFromWorld(
+                  {(a + b + d) / 3.0 + 0.25 * h * glm::normalize(glm::cross(b - a, d - a))})
+              .v;
+      const glm::ivec3 voxel(glm::round(at));
+      const auto beyond = label.find(Coord(voxel.x, voxel.y, voxel.z));
+      ASSERT_EQ(fragment.facing[t], beyond == label.end() ? 0 : beyond->second);
+    }
+  }
+}
+
+TEST_F(LabelSurface, TwoSidesOfACrackHaveOneSurface) {
+  const FractureResult result = fracture(shapes::ball(1.0), bareLabels(Growth::euclid), device());
+  for (const Fragment& fragment : result.fragments) {
+    for (const Contact& contact : fragment.contacts) {
+      const Fragment& other = result.fragments[static_cast<std::size_t>(contact.fragment) - 1];
+      const double here =
+          areas(fragment.mesh, fragment.facing).at(static_cast<std::uint16_t>(contact.fragment));
+      const double there =
+          areas(other.mesh, other.facing).at(static_cast<std::uint16_t>(fragment.id));
+      EXPECT_NEAR(here, there, 0.1 * here);  // as above; equal where no sheets touch
+    }
+  }
+}
+
+TEST_F(LabelSurface, WornFacesKeepWhatTheyFaced) {
+  FractureOptions options = bareLabels(Growth::euclid);
+  options.grow.roughness = 0.0;
+  options.extraSeedsPerPiece = 0;
+  const FractureResult whole = fracture(shapes::ball(1.0), options, device());
+  options.erode.iterations = 2;
+  const FractureResult worn = fracture(shapes::ball(1.0), options, device());
+  ASSERT_GT(worn.worn[0], 0u);
+  for (std::size_t i = 0; i < worn.fragments.size(); ++i) {
+    const Fragment& fragment = worn.fragments[i];
+    expectClosedManifold(fragment.mesh);
+    // Two layers off a crack: its faces lie deeper in, and face no fragment that was not there.
+    EXPECT_GT(fragment.fractureArea, 0.0);
+    for (const auto& [other, size] : areas(fragment.mesh, fragment.facing)) {
+      EXPECT_NE(other, fragment.id);
+      EXPECT_NE(other, Labels::kWorn);
+      EXPECT_LE(other, worn.fragments.size());
+    }
+    EXPECT_LT(fragment.voxels, whole.fragments[i].voxels);
+  }
+}
+
+using DecimatedFracture = DeviceTest;
+
+TEST_F(DecimatedFracture, EveryFragmentStaysClosedAndKeepsWhatItFaces) {
+  for (const Surface surface : {Surface::smooth, Surface::labels}) {
+    FractureOptions options{.pieces = 7, .seed = 2, .resolution = 64};
+    options.surface.surface = surface;
+    options.surface.triangles = {1500, 300};
+    if (surface == Surface::labels) {
+      options.surface.smooth.iterations = options.surface.smooth.boundaryIterations = {3};
+    }
+    const FractureResult result = fracture(shapes::cup(1.0, 0.3, 1.5, 0.3), options, device());
+    for (const Fragment& fragment : result.fragments) {
+      ASSERT_EQ(fragment.coarse.size(), 2u);
+      for (const CoarseMesh& coarse : fragment.coarse) {
+        SCOPED_TRACE(coarse.asked);
+        EXPECT_LE(coarse.mesh.triangles.size(), coarse.asked);
+        expectClosedManifold(coarse.mesh);
+        EXPECT_EQ(regions(coarse.mesh, coarse.facing), regions(fragment.mesh, fragment.facing));
+        // Half a voxel over the surface is what the mesh itself may be off by.
+        EXPECT_NEAR(volume(coarse.mesh), fragment.mass.volume,
+                    0.5 * result.solid.frame.voxelSize * fragment.area);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sherd
