@@ -284,6 +284,7 @@ void addFractureCommand(CLI::App& app, Action& run) {
           "Folder for the fragments: absent, empty or an earlier fracture's, which is replaced")
       ->type_name("DIR")
       ->required();
+  addPreset(*command, options);
   command->add_option("--pieces", options.pieces, "Fragments wanted")
       ->transform(wholeNumber(1, kMaxFragments))
       ->capture_default_str();

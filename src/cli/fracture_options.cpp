@@ -290,12 +290,6 @@ void addGrowthOptions(CLI::App& command, FractureOptions& options) {
       ->group(group);
 }
 
-void addSurfaceOptions(CLI::App& command, FractureOptions& options) {
-  addChoice(command, "--interface", options.surface.interface, names::kInterface,
-            "Surfaces between fragments: shared bit for bit, or each fragment meshed by itself")
-      ->group("Surface");
-}
-
 void addErosionOptions(CLI::App& command, FractureOptions& options) {
   const std::string group = "Erosion";
   ErodeOptions& erode = options.erode;
@@ -360,6 +354,9 @@ void addSurfaceOptions(CLI::App& command, FractureOptions& options) {
   };
   addChoice(command, "--surface", surface.surface, names::kSurface,
             "Meshes of the smooth level sets, or of the bare labels' voxels")
+      ->group(group);
+  addChoice(command, "--interface", surface.interface, names::kInterface,
+            "Surfaces between fragments: shared bit for bit, or each fragment meshed by itself")
       ->group(group);
   addIterations("--smooth-iterations", smooth.iterations,
                 "Laplacian smoothing of all but cracks; 0.048k is 0.048 times the voxels of the "
@@ -432,6 +429,15 @@ void checkPointOptions(const WriteOptions& write) {
     throw CLI::ValidationError("--point-rule",
                                "'per-triangle' does not go with --point-sampler poisson");
   }
+}
+
+void addPreset(CLI::App& command, FractureOptions& options) {
+  command
+      .add_option_function<std::string>(
+          "--preset", [&options](const std::string&) { options = paperOptions(); },
+          "Options as the paper has them in its section 4.1; any that is given beats it")
+      ->check(CLI::IsMember({"paper"}))
+      ->type_name("");
 }
 
 }  // namespace sherd::cli

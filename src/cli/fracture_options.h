@@ -21,4 +21,8 @@ void addPointOptions(CLI::App& command, WriteOptions& write);
 ///   throws  CLI::ValidationError
 void checkPointOptions(const WriteOptions& write);
 
+/// --preset.  To be added before all others that set `options`: CLI11 sets values in the order in
+/// which options were added, wherever they stand on the command line, so the others win.
+void addPreset(CLI::App& command, FractureOptions& options);
+
 }  // namespace sherd::cli

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""`sherd fracture --surface`, smoothing and `--triangles`: the meshes, and what the manifest says.
+"""`sherd fracture --surface`, smoothing, `--triangles` and `--preset`: the meshes, and what the manifest says.
 
 Environment: SHERD_BIN the program, SHERD_DATA the folder with amphora.ply.  Needs Debian's python3-numpy.
 """
@@ -16,6 +16,16 @@ AMPHORA = os.path.join(os.environ["SHERD_DATA"], "amphora.ply")
 BARE = {"of": "smooth", "triangles": [],
         "smooth": {"iterations": 0, "weight": 0.9, "boundary_iterations": 0, "boundary_weight": 0.2}}
 
+# Section 4.1 of the paper, at 128 voxels along the longest side: trunc(0.048 * 128) = 6.
+PAPER = {
+    "pieces": 5, "seed": 0, "resolution": 128,
+    "seeds": {"sampler": "uniform", "on": "volume", "extra": 0, "extra_per_piece": 2, "merge_metric": "chebyshev",
+              "random_impacts": 0, "impacts": []},
+    "grow": {"growth": "flood", "neighborhood": 6, "roughness": 0.0, "hurst": 0.8, "isolated": "regrow"},
+    "min_share": 0.0, "balance": 0, "erode": {"iterations": 0}, "missing": 0.0,
+    "surface": {"of": "labels", "triangles": [],
+                "smooth": {"iterations": 6, "weight": 0.9, "boundary_iterations": 6, "boundary_weight": 0.2}},
+}
 
 
 def read_ply(path):
@@ -141,9 +151,35 @@ class Triangles(SurfaceCase):
         self.assertNotIn("decimated", self.manifest()["fragments"][0])
 
 
+class Preset(SurfaceCase):
+    def preset(self, *options):
+        result = self.run_sherd("fracture", *options, self.ball, "-o", self.out, "--write", "labels", "--pieces", "5")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return self.manifest()["options"]
+
+    def test_paper(self):
+        self.assertEqual(self.preset("--preset", "paper"), PAPER)
+
+    def test_an_option_that_is_given_wins_wherever_it_stands(self):
+        given = ["--resolution", "48", "--extra-seeds", "3", "--growth", "euclid", "--smooth-boundary-weight", "0",
+                 "--erode-iterations", "1", "--seed", "9"]
+        before, after = self.preset(*given, "--preset", "paper"), self.preset("--preset", "paper", *given)
+        self.assertEqual(before, after)
+        self.assertEqual((before["resolution"], before["seed"], before["erode"]["iterations"]), (48, 9, 1))
+        self.assertEqual(before["seeds"], {**PAPER["seeds"], "extra": 3, "extra_per_piece": 0})
+        self.assertEqual(before["grow"]["growth"], "euclid")
+        self.assertEqual(before["surface"]["of"], "labels")
+        self.assertEqual(before["surface"]["smooth"], {"iterations": 2, "weight": 0.9, "boundary_iterations": 2,
+                                                       "boundary_weight": 0.0})  # trunc(0.048 * 48)
+
+    def test_a_voxel_size_beats_the_presets_resolution(self):
+        options = self.preset("--voxel-size", "0.05", "--preset", "paper")
+        self.assertEqual((options.get("voxel_size"), options.get("resolution")), (0.05, None))
+
+
 class WrongValues(SurfaceCase):
     def test_one_sentence_and_status_2(self):
-        wrong = {"--surface": ("", "Labels", "cubes"),
+        wrong = {"--surface": ("", "Labels", "cubes"), "--preset": ("", "Paper", "release"),
                  "--smooth-iterations": ("", "-1", "1001", "1.5", "k", "1.5k", "-0.1k", "nan", "0.1n"),
                  "--smooth-boundary-iterations": ("", "-1", "nank", "2 k"),
                  "--smooth-weight": ("", "-0.1", "1.1", "nan"), "--smooth-boundary-weight": ("x", "2"),
@@ -160,8 +196,8 @@ class SameBytes(SurfaceCase):
         trees = []
         for i, threads in enumerate(("1", "2", "2")):
             out = self.path(f"out{i}")
-            result = self.run_sherd("fracture", AMPHORA, "-o", out, "--surface", "labels", "--smooth-iterations",
-                                    "0.048k", "--smooth-boundary-iterations", "0.048k", "--resolution", "64", "--write", "mesh", "--triangles", "1000,200", "--threads", threads)
+            result = self.run_sherd("fracture", AMPHORA, "-o", out, "--preset", "paper", "--resolution", "64",
+                                    "--write", "mesh", "--triangles", "1000,200", "--threads", threads)
             self.assertEqual(result.returncode, 0, result.stderr)
             trees.append(tree(out))
         self.assertEqual(len([n for n in trees[0] if n.endswith(".ply")]), 8 * 3)

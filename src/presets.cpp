@@ -1,0 +1,32 @@
+// Options that belong together.
+#include <sherd/fracture.h>
+
+namespace sherd {
+
+// Everything the paper says is set, also where it is the default: a default may change.
+FractureOptions paperOptions() {
+  constexpr Iterations kIterations{.perVoxel = 0.048};
+  FractureOptions options;
+  options.resolution = 128;
+  options.seeds.sampler = Sampler::uniform;
+  options.seeds.on = SeedsOn::volume;
+  options.seeds.extraSeeds = 0;
+  options.extraSeedsPerPiece = 2;
+  options.seeds.mergeMetric = Metric::chebyshev;
+  options.seeds.randomImpacts = 0;
+  options.grow.growth = Growth::flood;
+  options.grow.neighborhood = 6;
+  options.grow.roughness = 0.0;
+  options.grow.regrowIsolated = true;
+  options.shares = {};
+  options.erode.iterations = 0;
+  options.missing = 0.0;
+  options.surface = {.surface = Surface::labels,
+                     .smooth = {.iterations = kIterations,
+                                .weight = 0.9,
+                                .boundaryIterations = kIterations,
+                                .boundaryWeight = 0.2}};
+  return options;
+}
+
+}  // namespace sherd
