@@ -30,7 +30,6 @@ struct FractureOptions {
   GrowOptions grow{};                ///< its noise seed is made from `seed`
   ShareOptions shares{};
   ErodeOptions erode{};  ///< its `seed` is taken from above
-  SurfaceOptions surface{};
   double missing = 0.0;  ///< fragments withheld: a number from 1 up, or below 1 a share of all
   SurfaceOptions surface{};
 };

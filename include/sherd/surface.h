@@ -26,8 +26,8 @@ enum class Surface {
 
 /// How the surface between two fragments is made, where it is smooth.
 enum class Interface {
-  shared,  ///< one mesh of all fragments at once: what two share is the same vertices and faces, bit
-           ///< for bit, seen from both sides, until they are smoothed or decimated
+  shared,  ///< one mesh of all fragments at once: what two share is the same vertices and faces,
+           ///< bit for bit, seen from both sides, until they are smoothed or decimated
   independent  ///< each fragment's level set meshed by itself, as OpenVDB would
 };
 

@@ -68,7 +68,8 @@ TriangleMesh smoothed(TriangleMesh mesh, std::span<const std::uint16_t> facing,
   }
   std::vector<bool> other = boundary;
   other.flip();
-  smooth(mesh.vertices, mesh.triangles, other, options.weight, options.iterations.over(longestSide));
+  smooth(mesh.vertices, mesh.triangles, other, options.weight,
+         options.iterations.over(longestSide));
   smooth(mesh.vertices, mesh.triangles, boundary, options.boundaryWeight,
          options.boundaryIterations.over(longestSide));
   return mesh;

@@ -206,7 +206,7 @@ INSTANTIATE_TEST_SUITE_P(Shapes, Promises, testing::ValuesIn(everyShape()));
 
 TEST_F(Fracture, OnePieceReturnsTheSolid) {
   for (const Interface interface : {Interface::shared, Interface::independent}) {
-    const SurfaceOptions surface{interface};
+    const SurfaceOptions surface{.interface = interface};
     const FractureResult result = fracture(
         shapes::torus(1.0, 0.4), {.pieces = 1, .resolution = 64, .surface = surface}, device());
     ASSERT_EQ(result.fragments.size(), 1u);
