@@ -9,7 +9,7 @@
 #include <string>
 
 #include "half.h"
-#include "points/surface.h"
+#include "points/surface_by_area.h"
 #include "random.h"
 #include "seed/irwin_hall.h"
 
@@ -63,7 +63,7 @@ DistanceSamples sampleDistances(const TriangleMesh& mesh, const DistanceOptions&
   check(options);
   DistanceSamples samples{{}, {}, options.type};
   if (options.count == 0) return samples;
-  const Surface surface(mesh);
+  const SurfaceByArea surface(mesh);
   const Box box = boxAround(mesh, options);
   requireRoom(box, options);
   const std::uint64_t seed = options.seed;

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "points/eliminate.h"
-#include "points/surface.h"
+#include "points/surface_by_area.h"
 #include "random.h"
 #include "seed/radical_inverse.h"
 
@@ -23,7 +23,7 @@ struct Draw {
   glm::dvec3 position{0.0};
 };
 
-std::vector<Draw> drawUniform(const Surface& surface, std::size_t count, std::uint64_t seed,
+std::vector<Draw> drawUniform(const SurfaceByArea& surface, std::size_t count, std::uint64_t seed,
                               Stage stage) {
   std::vector<Draw> draws(count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -45,7 +45,7 @@ class Halton {
   RadicalInverse a, b, c;
 };
 
-std::vector<Draw> drawHalton(const Surface& surface, std::size_t count, std::uint64_t seed) {
+std::vector<Draw> drawHalton(const SurfaceByArea& surface, std::size_t count, std::uint64_t seed) {
   const Halton halton(seed);
   std::vector<Draw> draws(count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -55,7 +55,7 @@ std::vector<Draw> drawHalton(const Surface& surface, std::size_t count, std::uin
   return draws;
 }
 
-std::vector<Draw> drawApart(const Surface& surface, std::size_t count, std::uint64_t seed) {
+std::vector<Draw> drawApart(const SurfaceByArea& surface, std::size_t count, std::uint64_t seed) {
   const std::vector<Draw> draws =
       drawUniform(surface, count * kCandidatesPerPoint, seed, Stage::pointCandidate);
   std::vector<glm::dvec3> candidates;
@@ -71,7 +71,7 @@ std::vector<Draw> drawApart(const Surface& surface, std::size_t count, std::uint
 
 /// The triangle of each point that the paper's rule gives, in their order; at least `count`, as a
 /// sum of numbers rounded up is no smaller than that of the numbers.
-std::vector<std::size_t> atLeastOneEach(const Surface& surface, std::size_t count) {
+std::vector<std::size_t> atLeastOneEach(const SurfaceByArea& surface, std::size_t count) {
   std::vector<std::size_t> triangles;
   for (std::size_t t = 0; t < surface.triangles(); ++t) {
     const double share = surface.area(t) / surface.area();
@@ -84,7 +84,7 @@ std::vector<std::size_t> atLeastOneEach(const Surface& surface, std::size_t coun
   return triangles;
 }
 
-std::vector<Draw> drawPerTriangle(const Surface& surface, const PointOptions& options) {
+std::vector<Draw> drawPerTriangle(const SurfaceByArea& surface, const PointOptions& options) {
   const std::vector<std::size_t> triangles = atLeastOneEach(surface, options.count);
   std::vector<std::size_t> order(triangles.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -102,7 +102,7 @@ std::vector<Draw> drawPerTriangle(const Surface& surface, const PointOptions& op
   return draws;
 }
 
-std::vector<Draw> draw(const Surface& surface, const PointOptions& options) {
+std::vector<Draw> draw(const SurfaceByArea& surface, const PointOptions& options) {
   if (options.rule == PointRule::perTriangle) return drawPerTriangle(surface, options);
   switch (options.sampler) {
     case PointSampler::uniform:
@@ -131,7 +131,7 @@ SurfacePoints samplePoints(const TriangleMesh& mesh, std::span<const std::uint16
   }
   SurfacePoints points;
   if (options.count == 0) return points;
-  const Surface surface(mesh);
+  const SurfaceByArea surface(mesh);
   points.positions.reserve(options.count);
   points.normals.reserve(options.count);
   points.facing.reserve(options.count);

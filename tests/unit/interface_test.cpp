@@ -11,6 +11,7 @@
 #include <set>
 
 #include "kernels/device_fixture.h"
+#include "mesh_checks.h"
 #include "random.h"
 #include "shapes.h"
 #include "surface/cell.h"
@@ -72,29 +73,6 @@ std::vector<LabelledMesh> meshesOf(const Labelled& made, int fragments) {
   return interfaceMeshes(made.solid, made.labels, made.cut, fragments);
 }
 
-// Vertices whose triangles are not one fan.
-std::size_t nonManifoldVertices(const TriangleMesh& mesh) {
-  std::vector<std::map<unsigned, unsigned>> next(mesh.vertices.size());  // round each vertex
-  for (const glm::uvec3& t : mesh.triangles) {
-    for (int k = 0; k < 3; ++k) next[t[k]][t[(k + 1) % 3]] = t[(k + 2) % 3];
-  }
-  std::size_t wrong = 0;
-  for (const auto& ring : next) {
-    if (ring.empty()) continue;
-    std::size_t steps = 0;
-    const unsigned first = ring.begin()->first;
-    for (unsigned at = first; steps <= ring.size();) {
-      const auto found = ring.find(at);
-      if (found == ring.end()) break;
-      at = found->second;
-      ++steps;
-      if (at == first) break;
-    }
-    wrong += steps != ring.size();
-  }
-  return wrong;
-}
-
 void expectManifold(const Labelled& made, int fragments) {
   const std::vector<std::uint64_t> voxels = countVoxels(made.solid.blocks, made.labels, fragments);
   const std::vector<LabelledMesh> meshes = meshesOf(made, fragments);
@@ -102,9 +80,7 @@ void expectManifold(const Labelled& made, int fragments) {
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     SCOPED_TRACE("label " + std::to_string(i + 1));
     EXPECT_EQ(meshes[i].mesh.triangles.empty(), voxels[i + 1] == 0);
-    EXPECT_EQ(openEdges(meshes[i].mesh), 0u);
-    EXPECT_EQ(nonManifoldEdges(meshes[i].mesh), 0u);
-    EXPECT_EQ(nonManifoldVertices(meshes[i].mesh), 0u);
+    expectClosedManifold(meshes[i].mesh);
     if (voxels[i + 1] > 0) {
       EXPECT_GT(volume(meshes[i].mesh), 0.0);
     }

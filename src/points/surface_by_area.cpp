@@ -1,5 +1,5 @@
 // A mesh as a surface to draw points on.
-#include "points/surface.h"
+#include "points/surface_by_area.h"
 
 #include <sherd/error.h>
 
@@ -18,7 +18,7 @@ glm::dvec3 acrossOf(const TriangleMesh& mesh, std::size_t triangle) {
 
 }  // namespace
 
-Surface::Surface(const TriangleMesh& mesh) : mesh_(mesh) {
+SurfaceByArea::SurfaceByArea(const TriangleMesh& mesh) : mesh_(mesh) {
   sums_.reserve(mesh.triangles.size());
   double sum = 0.0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -30,20 +30,20 @@ Surface::Surface(const TriangleMesh& mesh) : mesh_(mesh) {
 }
 
 // The first sum above share * area: so the triangle added something.
-std::size_t Surface::triangleAt(double share) const {
+std::size_t SurfaceByArea::triangleAt(double share) const {
   const auto at = std::upper_bound(sums_.begin(), sums_.end(), share * sums_.back());
   return static_cast<std::size_t>(at - sums_.begin());
 }
 
 // The square root makes a uniform point of the triangle out of one of the square.
-glm::dvec3 Surface::pointIn(std::size_t triangle, double u, double v) const {
+glm::dvec3 SurfaceByArea::pointIn(std::size_t triangle, double u, double v) const {
   const glm::uvec3& t = mesh_.triangles[triangle];
   const double root = std::sqrt(u);
   return (1.0 - root) * mesh_.vertices[t.x] + root * (1.0 - v) * mesh_.vertices[t.y] +
          root * v * mesh_.vertices[t.z];
 }
 
-glm::dvec3 Surface::normalOf(std::size_t triangle) const {
+glm::dvec3 SurfaceByArea::normalOf(std::size_t triangle) const {
   return glm::normalize(acrossOf(mesh_, triangle));
 }
 

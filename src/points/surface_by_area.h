@@ -8,10 +8,10 @@
 namespace sherd {
 
 /// A mesh and the sums of its triangles' areas.  Kept by reference.
-class Surface {
+class SurfaceByArea {
  public:
   /// throws  Error(input) no area
-  explicit Surface(const TriangleMesh& mesh);
+  explicit SurfaceByArea(const TriangleMesh& mesh);
 
   double area() const { return sums_.back(); }
   std::size_t triangles() const { return sums_.size(); }
