@@ -106,6 +106,7 @@ kernel void component_join(
     const uint byLabel,
     const global ushort* restrict localNode,  // [items*512]
     const global uint* restrict firstNode,    // [items]
+    const global uint* restrict nodeCount,    // [items]
     volatile global uint* parent)             // [nodes]  in, out
 {
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
@@ -115,11 +116,14 @@ kernel void component_join(
       if (otherLeaf == SHERD_NO_LEAF) continue;
       const size_t other = item - leaf + otherLeaf;
       uint lastA = SHERD_NO_LEAF, lastB = SHERD_NO_LEAF;
-      for (int x = (k == 1 ? SHERD_LEAF_WORDS - 1 : 0); x < SHERD_LEAF_WORDS; ++x) {
+      const bool onePair = nodeCount[item] == 1 && nodeCount[other] == 1;  // the first two voxels tell
+      bool told = false;
+      for (int x = (k == 1 ? SHERD_LEAF_WORDS - 1 : 0); x < SHERD_LEAF_WORDS && !told; ++x) {
         const int otherX = k == 1 ? 0 : x;
         ulong touching = inside[leaf * SHERD_LEAF_WORDS + x] &
                          through_face(k, inside[(size_t)otherLeaf * SHERD_LEAF_WORDS + otherX]);
-        for (; touching; touching &= touching - 1) {
+        for (; touching && !told; touching &= touching - 1) {
+          told = onePair;
           const int bit = lowest_bit(touching);
           const int otherBit = k == 3 ? bit - 56 : (k == 5 ? bit - 7 : bit);
           const size_t at = item * SHERD_LEAF_SIZE + (x << 6) + bit;

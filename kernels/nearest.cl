@@ -50,6 +50,20 @@ kernel void nearest(
     long bound = LONG_MAX;
     for (uint s = first; s < last; ++s) bound = min(bound, leaf_bound(&metric, doubledCentre, seed[s], 1));
 
+    // Inside a cell only its own seed is near enough.
+    uint candidates = 0, only = 0;
+    for (uint s = first; s < last && candidates < 2; ++s) {
+      if (leaf_bound(&metric, doubledCentre, seed[s], -1) > bound) continue;
+      ++candidates;
+      only = s;
+    }
+    if (candidates == 1 && !keepCost) {
+      for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
+        owners[v] = (mask[v >> 6] >> (v & 63)) & 1 ? (ushort)seed[only].w : (ushort)0;
+      }
+      continue;
+    }
+
     long best[SHERD_LEAF_SIZE];
     ushort label[SHERD_LEAF_SIZE];
     for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {

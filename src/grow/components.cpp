@@ -32,7 +32,7 @@ NodeParts findNodeParts(GrowthState& state, const cl::Buffer* labels) {
   const cl::Buffer parent = makeBuffer<cl_uint>(state.device, found.nodes);
   state.run(kFile, "component_begin", found.nodes, found.nodes, parent);
   state.run(kFile, "component_join", state.items, state.inside, state.neighbour, state.leafCount,
-            state.items, label, byLabel, found.localNode, found.firstNode, parent);
+            state.items, label, byLabel, found.localNode, found.firstNode, found.nodeCount, parent);
   state.run(kFile, "component_flatten", found.nodes, found.nodes, parent, found.root);
   return found;
 }
