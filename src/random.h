@@ -40,7 +40,8 @@ enum class Stage : std::uint64_t {
   pointCandidate = 84,
   spacePlace = 85,
   spaceSurface = 86,
-  spaceOffset = 87
+  spaceOffset = 87,
+  pointContact = 88
 };
 
 /// 64 random bits of one item.

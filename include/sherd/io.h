@@ -82,6 +82,11 @@ void writePoints(const std::filesystem::path& file, const SurfacePoints& points,
 ///   throws  Error(output)
 void writeDistances(const std::filesystem::path& file, const DistanceSamples& samples);
 
+/// Write correspondences as NumPy's `.npz`: fragments int32 [n, 2], positions float32 [n, 3],
+/// normals float32 [n, 3].
+///   throws  Error(output)
+void writeCorrespondences(const std::filesystem::path& file, const Correspondences& points);
+
 /// Which files a fracture writes beside `manifest.json`.
 struct WriteOptions {
   bool labels = true;   ///< labels.rle
@@ -98,9 +103,14 @@ struct WriteOptions {
   DistanceOptions distances{};  ///< sdf/<stem>_001.npz, and sdf/<stem>.npz of the unbroken solid,
                                 ///< where count is above 0; `spread` is the voxel size where it is
                                 ///< 0, its `seed` is made as that of points
+  std::size_t correspondences = 0;  ///< correspondences.npz: points for each contact, where above 0
 
   char up = 'y';  ///< the mesh's axis that points up in the picture: 'x', 'y' or 'z'
 };
+
+/// See whether what is to be written can be had.  To be asked before long work.
+///   throws  Error(usage) correspondences of fragments that do not share their surfaces
+void checkWriteOptions(const WriteOptions& write, const FractureOptions& options);
 
 /// See whether writeFracture may write into a folder: absent, empty or an earlier fracture's, and
 /// writable.  To be asked before long work; nothing is left behind.
@@ -111,8 +121,9 @@ void checkFractureFolder(const std::filesystem::path& folder);
 /// lists is replaced, all else stays.  Everything is written beside and renamed, `manifest.json`
 /// last: without it the folder is unfinished. On failure the folder is as it was before.
 ///   return  the manifest's path
-///   throws  what samplePoints and sampleDistances throw; Error(output) the folder holds something
-///   else, cannot be written, or the disk is full
+///   throws  Error(usage) correspondences of fragments that do not share their surfaces; what
+///   samplePoints and sampleDistances throw; Error(output) the folder holds something else, cannot
+///   be written, or the disk is full
 std::filesystem::path writeFracture(const std::filesystem::path& folder, const SourceMesh& source,
                                     const FractureOptions& options, const FractureResult& result,
                                     const WriteOptions& write = {},

@@ -2,9 +2,11 @@
 // distance to it.
 #pragma once
 
+#include <sherd/fragments.h>
 #include <sherd/mesh.h>
 #include <sherd/progress.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
@@ -63,6 +65,23 @@ struct SurfacePoints {
 ///   areas   0 or more, at least one above 0
 ///   return  [areas] counts that add up to total
 [[nodiscard]] std::vector<std::size_t> shareOut(std::size_t total, std::span<const double> areas);
+
+/// Points on surfaces that two fragments share: as the fragments lie in the whole, a point belongs
+/// to both.
+struct Correspondences {
+  std::vector<std::array<int, 2>> fragments;  ///< [n] ids, the lower first
+  std::vector<glm::dvec3> positions;          ///< [n] world units
+  std::vector<glm::dvec3> normals;            ///< [n] unit, from the lower id's towards the other
+};
+
+/// Draw points on the faces between each two fragments that touch, uniform by area.
+///   fragments        [n] of ids 1..n, with the surface between them shared: Interface::shared or
+///                    Surface::labels, neither worn nor smoothed there; others that they touch are
+///                    left out
+///   countPerContact  0..kMaxPoints; a contact too small to have faces in the meshes gets none
+[[nodiscard]] Correspondences sampleCorrespondences(std::span<const Fragment> fragments,
+                                                    std::size_t countPerContact,
+                                                    std::uint64_t seed);
 
 /// The numbers that samples are stored as.
 enum class SampleType { float32, float16 };

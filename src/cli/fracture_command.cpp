@@ -257,6 +257,7 @@ void breakMesh(FractureArguments& arguments) {
 
 void runFracture(FractureArguments& arguments) {
   watchForInterrupts();
+  checkWriteOptions(writeOptions(arguments), arguments.options);
   arguments.options.grow.keepCost = writeOptions(arguments).cost;
   try {
     breakMesh(arguments);

@@ -409,6 +409,13 @@ void addPointOptions(CLI::App& command, WriteOptions& write) {
       ->default_str("ply")
       ->needs(points)
       ->group(group);
+  command
+      .add_option("--correspondences", write.correspondences,
+                  "Points on the surface between each two fragments that touch, written to "
+                  "correspondences.npz")
+      ->transform(wholeNumber<std::size_t>(0, kMost))
+      ->capture_default_str()
+      ->group(group);
   CLI::Option* samples =
       command
           .add_option("--sdf-samples", write.distances.count,

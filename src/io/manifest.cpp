@@ -151,6 +151,7 @@ Json optionsJson(const FractureOptions& options, const FractureResult& result,
   json["missing"] = options.missing;
   if (write.points.count > 0) json["points"] = pointOptionsJson(write);
   if (write.distances.count > 0) json["sdf"] = distanceOptionsJson(write, result.solid);
+  if (write.correspondences > 0) json["correspondences"] = write.correspondences;
   json["surface"] = surfaceOptionsJson(options.surface, result.solid.box.longestSide());
   return json;
 }
@@ -248,7 +249,7 @@ std::vector<std::string> FractureFiles::all() const {
   for (const std::vector<std::string>& ofOne : coarse) {
     list.insert(list.end(), ofOne.begin(), ofOne.end());
   }
-  for (const std::string& file : {solidSdf, preview, seeds, cost}) {
+  for (const std::string& file : {solidSdf, correspondences, preview, seeds, cost}) {
     if (!file.empty()) list.push_back(file);
   }
   return list;
@@ -293,6 +294,7 @@ std::string manifestText(const SourceMesh& source, const FractureOptions& option
     manifest["fragments"].push_back(std::move(fragment));
   }
   if (!files.solidSdf.empty()) manifest["sdf"] = files.solidSdf;
+  if (!files.correspondences.empty()) manifest["correspondences"] = files.correspondences;
   manifest["files"] = files.all();
   // A source's name may hold bytes that are not UTF-8; JSON cannot.
   return manifest.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -22,6 +22,7 @@ struct FractureFiles {
                                                  ///< empty
   std::vector<std::string> sdf;                  ///< [fragments that are not withheld] or empty
   std::string solidSdf;
+  std::string correspondences;
   std::string preview;
   std::string seeds;
   std::string cost;

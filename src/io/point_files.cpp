@@ -74,6 +74,23 @@ void writePoints(const std::filesystem::path& file, const SurfacePoints& points,
   }
 }
 
+void writeCorrespondences(const std::filesystem::path& file, const Correspondences& points) {
+  const std::size_t n = points.positions.size();
+  std::array<NpyArray, 3> arrays{{{"fragments", "<i4", {n, 2}, {}},
+                                  {"positions", "<f4", {n, 3}, {}},
+                                  {"normals", "<f4", {n, 3}, {}}}};
+  for (std::size_t i = 0; i < n; ++i) {
+    for (const int id : points.fragments[i]) {
+      storeLittle(arrays[0].bytes, static_cast<std::uint32_t>(id));
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+      storeLittle(arrays[1].bytes, static_cast<float>(points.positions[i][axis]));
+      storeLittle(arrays[2].bytes, static_cast<float>(points.normals[i][axis]));
+    }
+  }
+  writeNpz(file, arrays);
+}
+
 void writeDistances(const std::filesystem::path& file, const DistanceSamples& samples) {
   const bool half = samples.type == SampleType::float16;
   const auto store = [&](std::string& bytes, double value) {

@@ -91,6 +91,7 @@ FractureFiles fileNames(const SourceMesh& source, std::size_t fragments,
     }
   }
   if (write.distances.count > 0) files.solidSdf = "sdf/" + stem + ".npz";
+  if (write.correspondences > 0) files.correspondences = "correspondences.npz";
   if (write.labels) files.labels = "labels.rle";
   if (write.preview) files.preview = "preview.png";
   if (write.seeds) files.seeds = "seeds.json";
@@ -332,6 +333,11 @@ void writeFiles(const fs::path& folder, const FractureFiles& files, const Source
   if (!files.solidSdf.empty()) {
     writeAllDistances(folder, files, result, options.seed, write.distances, progress);
   }
+  if (!files.correspondences.empty()) {
+    writeCorrespondences(folder / files.correspondences,
+                         sampleCorrespondences(std::span(result.fragments).first(fragments),
+                                               write.correspondences, options.seed));
+  }
   step(progress, "write", 1.0);
   if (!files.preview.empty()) {
     writePng(folder / files.preview, renderFragments(std::span(result.fragments).first(fragments),
@@ -370,6 +376,20 @@ std::string withoutAside(std::string message) {
 
 }  // namespace
 
+void checkWriteOptions(const WriteOptions& write, const FractureOptions& options) {
+  const SurfaceOptions& surface = options.surface;
+  const bool isShared =
+      surface.surface == Surface::labels || surface.interface == Interface::shared;
+  const Iterations& smoothed = surface.smooth.boundaryIterations;
+  const bool isSmoothed =
+      surface.smooth.boundaryWeight > 0.0 && (smoothed.count > 0 || smoothed.perVoxel > 0.0);
+  if (write.correspondences > 0 && (!isShared || isSmoothed || options.erode.iterations > 0)) {
+    throw Error(ErrorCode::usage,
+                "correspondences need surfaces that fragments share: not meshed independently, "
+                "neither worn nor smoothed at the cracks");
+  }
+}
+
 void checkFractureFolder(const fs::path& folder) {
   try {
     if (folder.empty()) throw Error(ErrorCode::output, "the output folder has no name");
@@ -393,6 +413,7 @@ void checkFractureFolder(const fs::path& folder) {
 fs::path writeFracture(const fs::path& folder, const SourceMesh& source,
                        const FractureOptions& options, const FractureResult& result,
                        const WriteOptions& write, const Progress* progress) {
+  checkWriteOptions(write, options);
   checkFractureFolder(folder);
   const FractureFiles files = fileNames(source, result.kept(), options.surface.triangles, write);
   const std::vector<std::string> fresh = files.all();

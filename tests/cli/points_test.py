@@ -175,6 +175,35 @@ class Points(CommandLine):
                     self.assertGreaterEqual(nearest, abs(d) - rounding)
                     self.assertLess(nearest, abs(d) + 2 * manifest["grid"]["voxel_size"] + rounding)
 
+    def test_correspondences_lie_on_faces_of_both_fragments(self):
+        manifest = self.broken("--correspondences", "40")
+        self.assertEqual(manifest["correspondences"], "correspondences.npz")
+        self.assertEqual(manifest["options"]["correspondences"], 40)
+        found = np.load(self.at("correspondences.npz"))
+        pairs, positions, normals = found["fragments"], found["positions"].astype(float), found["normals"]
+        touching = [(f["id"], c["id"]) for f in manifest["fragments"] for c in f["contacts"] if f["id"] < c["id"]]
+        self.assertGreater(len(touching), 3)
+        self.assertEqual([tuple(pair) for pair in pairs], [pair for pair in touching for _ in range(40)])
+        meshes = [read_mesh_ply(self.at(f["files"]["mesh"])) for f in manifest["fragments"]]
+        for pair in touching:
+            own = (pairs == pair).all(axis=1)
+            for one, other, sign in ((*pair, 1), (*pair[::-1], -1)):
+                vertices, faces, facing = meshes[one - 1]
+                a, b, c = (vertices[faces[facing == other, k]] for k in range(3))
+                across = np.cross(b - a, c - a)
+                across /= np.maximum(np.linalg.norm(across, axis=1), 1e-300)[:, None]
+                for p, n in zip(positions[own], sign * normals[own]):  # as in the test above
+                    inside = [(np.cross(v - u, p - u) * across).sum(1) > -1e-8 for u, v in ((a, b), (b, c), (c, a))]
+                    near = (np.abs(((p - a) * across).sum(1)) < 1e-6) & (across @ n > 0.999) & np.all(inside, axis=0)
+                    self.assertTrue(near.any())
+
+    def test_correspondences_need_a_shared_surface(self):
+        for options in (("--interface", "independent"), ("--erode-iterations", "1"),
+                        ("--smooth-boundary-iterations", "2")):
+            with self.subTest(options):
+                self.refused(2, self.fracture("--correspondences", "5", *options), "share")
+                self.assertFalse(os.path.exists(self.out))
+
     def test_npz_is_stored_and_holds_no_times(self):
         self.broken("--points", "10", "--point-format", "npz")
         with zipfile.ZipFile(self.at("points/amphora_001.npz")) as file:
