@@ -21,7 +21,9 @@ struct Labels {
   std::vector<std::uint16_t> fragment;  ///< [leaf*512] 1..n or kWorn on inside voxels, and carried
                                         ///< over the outer band; else 0
   std::vector<std::uint32_t> cost;      ///< [leaf*512] arrival cost of inside voxels in the
-                                        ///< growth's own unit, else 0; empty unless asked for
+                                        ///< growth's own unit, else 0; empty unless asked for.  Of
+                                        ///< voxels that were regrown or roughened it stays that of
+                                        ///< the first growth
   std::vector<std::uint64_t> freed;     ///< voxels cut off from their fragment's first seed, each
                                         ///< time they were looked for; all of them were regrown
 };

@@ -1,12 +1,15 @@
 // A closed manifold out of voxel faces.  Four faces meet at a lattice edge where two voxels touch
 // over nothing more; there each voxel's two faces go together:
 //
-//          |###            A vertex is a cycle of faces so joined round a lattice corner: a corner
-//          |#A#            may have several.  Where both ends of such an edge have one vertex each
-//     -----+-----          for both pairs (the voxels hang together beyond the ends), the edge
-//     would
-//      #B# |               still have four faces, so each pair gets a vertex in its middle.
+//          |###
+//          |#A#
+//     -----+-----
+//      #B# |
 //      ### |
+//
+// A vertex is a cycle of faces so joined round a lattice corner: a corner may have several.  Where
+// both ends of such an edge have one vertex each for both pairs (the voxels hang together beyond
+// the ends), the edge would still have four faces, so each pair gets a vertex in its middle.
 #include "surface/label_mesh.h"
 
 #include <algorithm>
