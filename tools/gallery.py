@@ -239,6 +239,21 @@ CHAPTERS = [
                   ("wear", "--erode-crumbs wear", "the default: they go, every fragment is one piece"),
                   ("keep", "--erode-crumbs keep", "they stay, as voxels of their fragment")], 2),
     ]),
+    ("Surfaces", [
+        Group("surface", "--surface and --interface", "How meshes are made of the same voxels.", "amphora.ply",
+              "--pieces 6 --seed 3 --resolution 64", [
+                  ("smooth", "--surface smooth", "the default: the original surface and smooth cracks, one mesh of all "
+                   "fragments"),
+                  ("independent", "--interface independent", "each fragment meshed by itself"),
+                  ("labels", "--surface labels", "the voxels' own faces"),
+                  ("paper", "--preset paper --resolution 64", "the paper's options: labels, smoothed")]),
+        Group("figure8", "Figure 8: --smooth-boundary-weight", "Stairs smoothed away from the cracks alone, and at the cracks "
+              "too.", "amphora.ply", "--pieces 6 --seed 3 --resolution 96 --surface labels --smooth-iterations 0.048k "
+              "--smooth-boundary-iterations 0.048k", [
+                  ("0", "--smooth-boundary-weight 0", "cracks keep every voxel"),
+                  ("02", "--smooth-boundary-weight 0.2", "the paper's"),
+                  ("09", "--smooth-boundary-weight 0.9", "as strong as elsewhere: rims draw back")], 3),
+    ]),
 ]
 
 HISTOGRAMS = [  # mesh plate.obj
