@@ -94,15 +94,25 @@ bool linkFace(const CellLabels& labels, const Face& face, std::uint16_t label, b
   return false;
 }
 
+// Does a label lie on two opposite corners of a face only?  Few do: a look before the work.
+bool liesOpposite(const CellLabels& labels, std::uint16_t label) {
+  return std::any_of(faces().begin(), faces().end(), [&](const Face& face) {
+    const bool a = labels[face.corner[0]] == label, b = labels[face.corner[1]] == label;
+    return a != b && (labels[face.corner[2]] == label) == a &&
+           (labels[face.corner[3]] == label) == b;
+  });
+}
+
 }  // namespace
 
 unsigned doubledFaces(const CellLabels& labels, std::uint16_t label, unsigned turned) {
+  if (!liesOpposite(labels, label)) return 0;
   Links links = unlinked();
   unsigned opposite = 0, doubled = 0;
   for (unsigned f = 0; f < kCellFaces; ++f) {
     if (linkFace(labels, faces()[f], label, (turned >> f) & 1, links)) opposite |= 1u << f;
   }
-  for (unsigned f = 0; opposite && f < kCellFaces; ++f) {
+  for (unsigned f = 0; f < kCellFaces; ++f) {
     if (!((opposite >> f) & 1)) continue;
     const auto& edge = faces()[f].edge;
     const std::uint8_t root = rootOf(links, edge[0]);

@@ -13,8 +13,8 @@ namespace sherd {
 struct CellValues {
   CellLabels labels{};
   std::array<float, 8> toSurface{};  ///< distance to the solid's surface, any unit, inside negative
-  std::array<std::array<float, 8>, 8>
-      toCut{};  ///< [corner whose label][corner] voxels to the cut, inside negative
+  std::array<std::array<float, 8>, 8> toCut{};  ///< [corner whose label][corner] voxels to the cut,
+                                                ///< inside negative; read where two fragments meet
 };
 
 /// The place of one of a cell's vertices, in 0..1 along each axis.

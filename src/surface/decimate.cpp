@@ -233,6 +233,7 @@ std::vector<CoarseMesh> decimated(const TriangleMesh& mesh, std::span<const std:
                                   std::span<const std::size_t> triangles) {
   assert(facing.size() == mesh.triangles.size());
   std::vector<CoarseMesh> out(triangles.size());
+  if (out.empty()) return out;  // the decimator's own set-up costs more than the mesh did
   std::vector<std::size_t> order(triangles.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),

@@ -45,8 +45,6 @@ class Field {
   Field(const Solid& solid, const Labels& labels, const Cut& cut)
       : solid_(solid), labels_(labels), cut_(cut), rounds_(leavesRound(solid.blocks.origins)) {}
 
-  const LeafRound& round(std::size_t leaf) const { return rounds_[leaf]; }
-
   // The place of a voxel up to a leaf away from a leaf's own, x, y, z counted from its lowest; or
   // kNowhere.
   static constexpr std::size_t kNowhere = ~std::size_t{0};
@@ -132,11 +130,15 @@ CellValues valuesOf(const Field& field, const openvdb::FloatGrid::ConstAccessor&
                     std::size_t leaf, int x, int y, int z, const CellLabels& labels) {
   CellValues values;
   values.labels = labels;
+  const std::uint16_t some = *std::max_element(labels.begin(), labels.end());
+  const bool isCut =  // between two fragments
+      std::any_of(labels.begin(), labels.end(), [&](auto l) { return l != 0 && l != some; });
   const openvdb::Coord low = field.solid().blocks.origins[leaf] + openvdb::Coord(x, y, z);
   for (int corner = 0; corner < 8; ++corner) {
     const int i = corner >> 2, j = (corner >> 1) & 1, k = corner & 1;
     const auto c = static_cast<std::size_t>(corner);
     values.toSurface[c] = distance.getValue(low + openvdb::Coord(i, j, k));
+    if (!isCut) continue;
     const std::size_t place = field.placeNear(leaf, x + i, y + j, z + k);
     for (std::size_t n = 0; n < 8; ++n) {
       if (labels[n] != 0) values.toCut[n][c] = field.toCut(place, labels[n]);
@@ -145,14 +147,48 @@ CellValues valuesOf(const Field& field, const openvdb::FloatGrid::ConstAccessor&
   return values;
 }
 
+// The labels of a leaf's voxels and of the layers beyond its high faces: all corners of its cells.
+class CornerLabels {
+ public:
+  CornerLabels(const Field& field, std::size_t leaf) {
+    std::size_t at = 0;
+    for (int x = 0; x < kSide; ++x) {
+      for (int y = 0; y < kSide; ++y) {
+        for (int z = 0; z < kSide; ++z) labels_[at++] = field.label(field.placeNear(leaf, x, y, z));
+      }
+    }
+  }
+
+  bool isOne() const {
+    return std::all_of(labels_.begin(), labels_.end(), [&](auto l) { return l == labels_[0]; });
+  }
+
+  CellLabels of(const openvdb::Coord& cell) const {
+    const std::size_t low =
+        static_cast<std::size_t>((cell.x() * kSide + cell.y()) * kSide + cell.z());
+    CellLabels labels;
+    for (std::size_t corner = 0; corner < 8; ++corner) {
+      labels[corner] =
+          labels_[low + (corner >> 2) * kSide * kSide + ((corner >> 1) & 1) * kSide + (corner & 1)];
+    }
+    return labels;
+  }
+
+ private:
+  static constexpr int kSide = 9;
+  std::array<std::uint16_t, std::size_t{kSide} * kSide * kSide> labels_;
+};
+
 LeafCells cellsOf(const Field& field, std::size_t leaf) {
   LeafCells found;
   found.cellAt.fill(kNoCell);
+  const CornerLabels corners(field, leaf);
+  if (corners.isOne()) return found;
   const openvdb::FloatGrid::ConstAccessor distance = field.solid().distance->getConstAccessor();
   const openvdb::Coord& origin = field.solid().blocks.origins[leaf];
   for (std::uint32_t offset = 0; offset < 512; ++offset) {
     const openvdb::Coord at = coordFromOffset(offset);
-    const CellLabels labels = field.labelsOf(leaf, at.x(), at.y(), at.z());
+    const CellLabels labels = corners.of(at);
     if (std::all_of(labels.begin(), labels.end(), [&](auto l) { return l == labels[0]; })) continue;
     Cell cell;
     cell.offset = static_cast<std::uint16_t>(offset);
