@@ -246,7 +246,7 @@ CHAPTERS = [
                    "fragments"),
                   ("independent", "--interface independent", "each fragment meshed by itself"),
                   ("labels", "--surface labels", "the voxels' own faces"),
-                  ("paper", "--preset paper --resolution 64", "the paper's options: labels, smoothed")]),
+                  ("paper", "--preset paper", "the paper's options: labels, smoothed")]),
         Group("figure8", "Figure 8: --smooth-boundary-weight", "Stairs smoothed away from the cracks alone, and at the cracks "
               "too.", "amphora.ply", "--pieces 6 --seed 3 --resolution 96 --surface labels --smooth-iterations 0.048k "
               "--smooth-boundary-iterations 0.048k", [
