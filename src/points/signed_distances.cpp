@@ -12,9 +12,9 @@
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 #include <limits>
-#include <numbers>
 
 #include "evaluate/inside.h"
+#include "mesh/winding_number.h"
 #include "points/nearest_on_triangle.h"
 
 namespace sherd {
@@ -74,21 +74,6 @@ double distanceTo(const TriangleMesh& mesh, RTCScene scene, const glm::dvec3& po
   query.radius = std::numeric_limits<float>::infinity();
   rtcPointQuery(scene, &query, &context, &lookAt, &nearest);
   return std::sqrt(nearest.squared);
-}
-
-/// How often the mesh winds round the point, from the angles its triangles are seen under: slow,
-/// and right everywhere but on the surface.
-/// source  Van Oosterom and Strackee, The solid angle of a plane triangle, 1983
-double windingNumber(const TriangleMesh& mesh, const glm::dvec3& point) {
-  double sum = 0.0;
-  for (const glm::uvec3& t : mesh.triangles) {
-    const glm::dvec3 a = mesh.vertices[t.x] - point, b = mesh.vertices[t.y] - point,
-                     c = mesh.vertices[t.z] - point;
-    const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
-    sum += std::atan2(glm::dot(a, glm::cross(b, c)), la * lb * lc + glm::dot(a, b) * lc +
-                                                         glm::dot(b, c) * la + glm::dot(c, a) * lb);
-  }
-  return sum / (2.0 * std::numbers::pi);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <limits>
 #include <sstream>
 
+#include "mesh/winding_number.h"
 #include "voxelize/distance.h"
 #include "voxelize/specks.h"
 #include "voxelize/winding.h"
@@ -29,21 +30,6 @@ TriangleMesh inIndexSpace(TriangleMesh mesh, const GridFrame& frame) {
 
 void turnOver(TriangleMesh& mesh) {
   for (glm::uvec3& t : mesh.triangles) std::swap(t.y, t.z);
-}
-
-// Whether the mesh winds round a point at least once: the signed solid angle, summed.
-// source  Van Oosterom and Strackee, The Solid Angle of a Plane Triangle, 1983
-bool windsRound(const TriangleMesh& mesh, const glm::dvec3& p) {
-  double sum = 0.0;
-  for (const glm::uvec3& t : mesh.triangles) {
-    const glm::dvec3 a = mesh.vertices[t.x] - p, b = mesh.vertices[t.y] - p,
-                     c = mesh.vertices[t.z] - p;
-    const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
-    sum += 2.0 *
-           std::atan2(glm::dot(a, glm::cross(b, c)), la * lb * lc + glm::dot(a, b) * lc +
-                                                         glm::dot(b, c) * la + glm::dot(c, a) * lb);
-  }
-  return sum > 2.0 * 3.14159265358979323846;  // a full turn is 4 pi
 }
 
 // The connected parts of a mesh, each with the vertices it uses.
@@ -89,7 +75,7 @@ std::vector<TriangleMesh> bodies(const TriangleMesh& mesh) {
     std::size_t host = hosts;
     const glm::dvec3 p = part.vertices.front();
     for (std::size_t h = 0; h < hosts; ++h) {
-      if ((host == hosts || size[h] < size[host]) && windsRound(outward[h], p)) host = h;
+      if ((host == hosts || size[h] < size[host]) && windingNumber(outward[h], p) > 0.5) host = h;
     }
     if (host == hosts) {
       turnOver(part);
