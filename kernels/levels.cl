@@ -10,8 +10,11 @@
 // rungs a voxel, and stays until a round takes nothing.  When a round takes nothing the threshold goes on to the least
 // offer that waits.
 //
-// A round has two launches, so that none reads what the same launch writes: levels_take reads what neighbours owned
-// before and writes what it takes; levels_publish makes that owned and queues who can go on.
+// The best offer to each voxel is kept while it waits, so a round looks only at what the last one took: its offers are
+// found a row of eight voxels at a time.
+//
+// A round has two launches, so that none reads what the same launch writes: levels_take reads what neighbours took in the
+// round before and writes what it takes; levels_publish makes that owned and queues who can go on.
 // item = fracture * leafCount + leaf; one work-item takes list entries i, i + all, ...; any work-group size.
 // Reference: tests/kernels/levels_test.cpp, bit for bit.
 
@@ -27,9 +30,11 @@
   const uint leafCount,                                                                               \
   const uint items,                                                                                   \
   global ulong *restrict owned,             /* [items*8] */                                           \
+  global ulong *restrict offered,           /* [items*8]      not owned, but offered */               \
   global uint *restrict source,             /* [items*512]    label, or for a chain the seed */       \
-  global uint *restrict cost,               /* [items*512] */                                         \
-  global ulong *restrict claim,             /* [items*8]      taken in this round */                  \
+  global uint *restrict cost,               /* [items*512]    of what is owned or offered */          \
+  global ulong *restrict claim,             /* [2*items*8]    taken, by round parity */               \
+  global uint *restrict claimed,            /* [2*items]      the round `claim` is of */              \
   global uint *restrict wake,               /* [items]        the least offer that waits here */      \
   volatile global uint *dirty,              /* [items]        1: a neighbour took something */        \
   volatile global uint *queued,             /* [items]        last round queued for */                \
@@ -58,6 +63,12 @@ kernel void levels_begin(LEVELS_STATE)
   }
 }
 
+// What round 0 took is what the beginning owns.
+inline void own(global ulong* owned, global ulong* claim, const size_t word, const ulong mask) {
+  owned[word] |= mask;
+  claim[word] = owned[word];
+}
+
 // Own what is kept of labels that exist, at cost 0.
 kernel void levels_load(
     LEVELS_STATE,
@@ -67,7 +78,7 @@ kernel void levels_load(
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
     for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
       const ulong mask = kept[item * SHERD_LEAF_WORDS + x];
-      owned[item * SHERD_LEAF_WORDS + x] = mask;
+      own(owned, claim, item * SHERD_LEAF_WORDS + x, mask);
       for (ulong bits = mask; bits; bits &= bits - 1) {
         const size_t v = item * SHERD_LEAF_SIZE + (x << 6) + lowest_bit(bits);
         source[v] = label[v];
@@ -90,7 +101,7 @@ kernel void levels_seed(
     const size_t item = seedItem[i];
     for (uint s = firstSeed[i]; s < firstSeed[i + 1]; ++s) {
       const uint offset = seedOffset[s];
-      owned[item * SHERD_LEAF_WORDS + (offset >> 6)] |= 1ul << (offset & 63);
+      own(owned, claim, item * SHERD_LEAF_WORDS + (offset >> 6), 1ul << (offset & 63));
       source[item * SHERD_LEAF_SIZE + offset] = seedSource[s];
       cost[item * SHERD_LEAF_SIZE + offset] = 0;
     }
@@ -101,25 +112,43 @@ kernel void levels_seed(
 #define HALO 2
 #define HALO_SIDE 12
 
-inline void gather_halo(const global ulong* masks, const size_t base, const uint* round, ushort* halo) {
+inline void clear_halo(ushort* halo) {
   for (int i = 0; i < HALO_SIDE * HALO_SIDE; ++i) halo[i] = 0;
-  for (int k = 0; k < 27; ++k) {
-    if (round[k] == SHERD_NO_LEAF) continue;
-    const int dx = k / 9 - 1, dy = k / 3 % 3 - 1, dz = k % 3 - 1;
-    for (int x = dx < 0 ? 8 - HALO : 0; x < (dx > 0 ? HALO : 8); ++x) {
-      const ulong word = masks[(base + round[k]) * SHERD_LEAF_WORDS + x];
-      if (!word) continue;
-      for (int y = dy < 0 ? 8 - HALO : 0; y < (dy > 0 ? HALO : 8); ++y) {
-        const uint bits = (uint)(word >> (8 * y)) & 0xff;
-        const uint row = dz < 0 ? bits >> (8 - HALO) : (dz == 0 ? bits << HALO : (bits << (8 + HALO)) & 0xfff);
-        halo[(x + 8 * dx + HALO) * HALO_SIDE + y + 8 * dy + HALO] |= (ushort)row;
-      }
+}
+
+// Add what neighbour k's mask has within the halo.
+inline void add_to_halo(const global ulong* mask, const int k, ushort* halo) {
+  const int dx = k / 9 - 1, dy = k / 3 % 3 - 1, dz = k % 3 - 1;
+  for (int x = dx < 0 ? 8 - HALO : 0; x < (dx > 0 ? HALO : 8); ++x) {
+    const ulong word = mask[x];
+    if (!word) continue;
+    for (int y = dy < 0 ? 8 - HALO : 0; y < (dy > 0 ? HALO : 8); ++y) {
+      const uint bits = (uint)(word >> (8 * y)) & 0xff;
+      const uint row = dz < 0 ? bits >> (8 - HALO) : (dz == 0 ? bits << HALO : (bits << (8 + HALO)) & 0xfff);
+      halo[(x + 8 * dx + HALO) * HALO_SIDE + y + 8 * dy + HALO] |= (ushort)row;
     }
   }
 }
 
-inline int in_halo(const ushort* halo, const int x, const int y, const int z) {
-  return (halo[(x + HALO) * HALO_SIDE + y + HALO] >> (z + HALO)) & 1;
+// The eight bits of the row at x, y that lie z beyond the leaf's own.
+inline uint halo_row(const ushort* halo, const int x, const int y, const int z) {
+  return (uint)halo[(x + HALO) * HALO_SIDE + y + HALO] >> (z + HALO) & 0xff;
+}
+
+// The rows of slab x, a bit each, that have something of the halo at most two rows away.
+inline uint rows_near(const ushort* halo, const int x) {
+  uint rows = 0;
+  for (int y = 0; y < HALO_SIDE; ++y) {
+    uint any = 0;
+    for (int dx = 0; dx <= 2 * HALO; ++dx) any |= halo[(x + dx) * HALO_SIDE + y];
+    if (any) rows |= 0x1fu << y;
+  }
+  return (rows >> 4) & 0xff;
+}
+
+// Do steps lead out of a leaf to neighbour k?  Six lead over faces only.
+inline int leads_to(const int k, const uint steps) {
+  return steps > 6 || (k % 3 != 1) + (k / 3 % 3 != 1) + (k / 9 != 1) <= 1;
 }
 
 // The least rung of the chain's ladder that is not below a distance.
@@ -173,82 +202,111 @@ kernel void levels_take(
       enqueue(queued, list, control, items, item, round + 1);
       continue;
     }
-    uint round27Here[27];
-    for (int k = 0; k < 27; ++k) round27Here[k] = round27[(size_t)leaf * 27 + k];
-    ushort halo[HALO_SIDE * HALO_SIDE], inSolid[HALO_SIDE * HALO_SIDE];
-    gather_halo(owned, base, round27Here, halo);
-    if (steps > 26) gather_halo(inside, 0, round27Here, inSolid);
-    const int reach = steps > 26 ? 2 : 1;
-    const uint window = reach == 2 ? 0x1f : 0x7;
+    const global ulong* solid = inside + (size_t)leaf * SHERD_LEAF_WORDS;
+    const global ulong* own = owned + (size_t)item * SHERD_LEAF_WORDS;
+    global ulong* waiting = offered + (size_t)item * SHERD_LEAF_WORDS;
+    uint least = wake[item];
 
-    uint least = 0xffffffffu;  // that waits
-    ulong took = 0;
-    for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
-      ulong taking = 0;
-      const ulong open = inside[(size_t)leaf * SHERD_LEAF_WORDS + x] & ~owned[(size_t)item * SHERD_LEAF_WORDS + x];
-      for (ulong bits = open; bits; bits &= bits - 1) {
-        const int bit = lowest_bit(bits);
-        const int y = bit >> 3, z = bit & 7;
-        uint near = 0;
-        for (int dx = -reach; dx <= reach; ++dx) {
-          for (int dy = -reach; dy <= reach; ++dy) {
-            near |= (uint)halo[(x + dx + HALO) * HALO_SIDE + y + dy + HALO] >> (z + HALO - reach);
-          }
-        }
-        if (!(near & window)) continue;
-        uint bestCost = 0xffffffffu, bestSource = 0xffffffffu;
+    // Offers of what the last round took.
+    uint around[27];
+    ushort fresh[HALO_SIDE * HALO_SIDE], inSolid[HALO_SIDE * HALO_SIDE];
+    const size_t lastItems = (size_t)((round + 1) & 1) * items;
+    int anyFresh = 0;
+    for (int k = 0; k < 27; ++k) {
+      around[k] = round27[(size_t)leaf * 27 + k];
+      if (around[k] == SHERD_NO_LEAF || !leads_to(k, steps)) continue;
+      const size_t other = lastItems + base + around[k];
+      if (claimed[other] != round - 1) continue;
+      if (!anyFresh) clear_halo(fresh);
+      anyFresh = 1;
+      add_to_halo(claim + other * SHERD_LEAF_WORDS, k, fresh);
+    }
+    if (anyFresh && steps > 26) {
+      clear_halo(inSolid);
+      for (int k = 0; k < 27; ++k) {
+        if (around[k] != SHERD_NO_LEAF) add_to_halo(inside + (size_t)around[k] * SHERD_LEAF_WORDS, k, inSolid);
+      }
+    }
+    for (int x = 0; anyFresh && x < SHERD_LEAF_WORDS; ++x) {
+      const ulong openSlab = solid[x] & ~own[x];
+      ulong offeredSlab = waiting[x];
+      for (uint rows = openSlab ? rows_near(fresh, x) : 0; rows; rows &= rows - 1) {
+        const int y = lowest_bit(rows);
+        const uint open = (uint)(openSlab >> (8 * y)) & 0xff;
+        if (!open) continue;
         for (uint k = 0; k < steps; ++k) {
-          const int4 from = (int4)(x, y, z, 0) - step[k];
-          if (!in_halo(halo, from.x, from.y, from.z)) continue;
+          const int4 s = step[k];
+          uint reached = open & halo_row(fresh, x - s.x, y - s.y, -s.z);
+          if (!reached) continue;
           if (k >= 26) {  // a long step: the voxels it passes over belong to the solid
-            int open2 = 1;
             for (int j = 0; j < 2; ++j) {
               const int packed = within[2 * k + j];
-              const int px = from.x + ((packed >> 8) & 15) - 4, py = from.y + ((packed >> 4) & 15) - 4,
-                        pz = from.z + (packed & 15) - 4;
-              open2 &= in_halo(inSolid, px, py, pz);
+              const int px = ((packed >> 8) & 15) - 4, py = ((packed >> 4) & 15) - 4, pz = (packed & 15) - 4;
+              reached &= halo_row(inSolid, x - s.x + px, y - s.y + py, pz - s.z);
             }
-            if (!open2) continue;
           }
-          const uint other = round27Here[((from.x >> 3) + 1) * 9 + ((from.y >> 3) + 1) * 3 + (from.z >> 3) + 1];
-          const size_t at = (size_t)(base + other) * SHERD_LEAF_SIZE +
-                            (((from.x & 7) << 6) | ((from.y & 7) << 3) | (from.z & 7));
-          uint offer = cost[at];
-          const uint offers = source[at];
-          if (chain) {
-            const int4 p = origin[leaf] + (int4)(x, y, z, 0) - seed[offers];
-            offer = max(offer, (uint)(sherd_distance(&metric, p.x, p.y, p.z) >> metric.shift));
-          } else {
-            offer += (uint)step[k].w;
-          }
-          if (offer < bestCost || (offer == bestCost && offers < bestSource)) {
-            bestCost = offer;
-            bestSource = offers;
+          for (; reached; reached &= reached - 1) {
+            const int z = lowest_bit(reached);
+            const int4 from = (int4)(x, y, z, 0) - s;
+            const uint other = around[((from.x >> 3) + 1) * 9 + ((from.y >> 3) + 1) * 3 + (from.z >> 3) + 1];
+            const size_t there = (size_t)(base + other) * SHERD_LEAF_SIZE +
+                                 (((from.x & 7) << 6) | ((from.y & 7) << 3) | (from.z & 7));
+            uint offer = cost[there];
+            const uint offers = source[there];
+            if (chain) {
+              const int4 p = origin[leaf] + (int4)(x, y, z, 0) - seed[offers];
+              offer = max(offer, (uint)(sherd_distance(&metric, p.x, p.y, p.z) >> metric.shift));
+            } else {
+              offer += (uint)s.w;
+            }
+            const ulong bit = 1ul << (8 * y + z);
+            const size_t here = (size_t)item * SHERD_LEAF_SIZE + (x << 6) + 8 * y + z;
+            if (!(offeredSlab & bit) || offer < cost[here] || (offer == cost[here] && offers < source[here])) {
+              offeredSlab |= bit;
+              cost[here] = offer;
+              source[here] = offers;
+              least = min(least, offer);
+            }
           }
         }
-        if (bestCost == 0xffffffffu) continue;
-        if (bestCost > threshold) {
-          least = min(least, bestCost);
-          continue;
-        }
-        taking |= 1ul << bit;
-        cost[(size_t)item * SHERD_LEAF_SIZE + (x << 6) + bit] = bestCost;
-        source[(size_t)item * SHERD_LEAF_SIZE + (x << 6) + bit] = bestSource;
       }
-      claim[(size_t)item * SHERD_LEAF_WORDS + x] = taking;
-      took |= taking;
+      waiting[x] = offeredSlab;
+    }
+
+    // Take what is within the threshold; `least` becomes the least that still waits.
+    ulong took = 0;
+    if (least <= threshold) {
+      least = 0xffffffffu;
+      for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
+        ulong taking = 0;
+        for (ulong bits = waiting[x]; bits; bits &= bits - 1) {
+          const int bit = lowest_bit(bits);
+          const uint offer = cost[(size_t)item * SHERD_LEAF_SIZE + (x << 6) + bit];
+          if (offer <= threshold) {
+            taking |= 1ul << bit;
+          } else {
+            least = min(least, offer);
+          }
+        }
+        claim[((size_t)(round & 1) * items + item) * SHERD_LEAF_WORDS + x] = taking;
+        waiting[x] &= ~taking;
+        took |= taking;
+      }
     }
     wake[item] = least;
     if (least != 0xffffffffu) {
       atomic_min(&control[CONTROL_WAITING + now], least);
       enqueue(queued, list, control, items, item, round + 1);
     }
-    if (took) taken[atomic_inc(&control[CONTROL_TAKEN + now])] = item;
+    if (took) {
+      claimed[(size_t)(round & 1) * items + item] = round;
+      taken[atomic_inc(&control[CONTROL_TAKEN + now])] = item;
+    }
   }
 }
 
 // Own what was taken, and queue every item that may be offered something by it.
-kernel void levels_publish(LEVELS_STATE, const uint round)
+kernel void levels_publish(LEVELS_STATE, const uint round, const uint steps)
 {
   const uint entries = control[CONTROL_TAKEN + round % 3];
   for (size_t i = get_global_id(0); i < entries; i += get_global_size(0)) {
@@ -256,13 +314,14 @@ kernel void levels_publish(LEVELS_STATE, const uint round)
     const uint leaf = item % leafCount;
     ulong any = 0, lowX = 0, highX = 0;
     for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
-      const ulong taking = claim[(size_t)item * SHERD_LEAF_WORDS + x];
+      const ulong taking = claim[((size_t)(round & 1) * items + item) * SHERD_LEAF_WORDS + x];
       owned[(size_t)item * SHERD_LEAF_WORDS + x] |= taking;
       any |= taking;
       if (x < HALO) lowX |= taking;
       if (x >= 8 - HALO) highX |= taking;
     }
     for (int k = 0; k < 27; ++k) {
+      if (!leads_to(k, steps)) continue;
       const int dx = k / 9 - 1, dy = k / 3 % 3 - 1, dz = k % 3 - 1;
       ulong near = dx < 0 ? lowX : (dx > 0 ? highX : any);
       if (dy) near &= dy < 0 ? 0x000000000000fffful : 0xffff000000000000ul;

@@ -9,7 +9,7 @@ namespace sherd {
 namespace {
 
 constexpr cl_uint kRoundsPerReadback = 32;
-constexpr cl_uint kRungsPerVoxel = 8;  // of the chain's ladder
+constexpr cl_uint kRungsPerVoxel = 2;  // of the chain's ladder
 constexpr std::size_t kControlWords = 11;
 
 class Levels {
@@ -17,9 +17,11 @@ class Levels {
   explicit Levels(GrowthState& state)
       : state_(state),
         owned_(state.filled<cl_ulong>(state.words(), 0)),
+        offered_(state.filled<cl_ulong>(state.words(), 0)),
         source_(makeBuffer<cl_uint>(state.device, state.voxels())),
         cost_(state.filled<cl_uint>(state.voxels(), 0)),
-        claim_(makeBuffer<cl_ulong>(state.device, state.words())),
+        claim_(state.filled<cl_ulong>(2 * state.words(), 0)),
+        claimed_(state.filled<cl_uint>(2 * std::size_t{state.items}, 0)),
         wake_(state.filled<cl_uint>(state.items, SHERD_NO_STEP)),
         dirty_(state.filled<cl_uint>(state.items, 0)),
         queued_(state.filled<cl_uint>(state.items, 0)),
@@ -52,8 +54,10 @@ class Levels {
     const cl_uint roundOfTake = setState(take), roundOfPublish = setState(publish);
     cl_uint i = roundOfTake + 1;
     const auto set = [&](const auto&... argument) { (take.setArg(i++, argument), ...); };
-    set(stepBuffer, within, static_cast<cl_uint>(steps.step.size()), static_cast<cl_uint>(chain),
-        stride, metric, seeds, state_.origin());
+    const auto count = static_cast<cl_uint>(steps.step.size());
+    set(stepBuffer, within, count, static_cast<cl_uint>(chain), stride, metric, seeds,
+        state_.origin());
+    publish.setArg(roundOfPublish + 1, count);
     for (cl_uint round = 1;;) {
       for (cl_uint k = 0; k < kRoundsPerReadback; ++k, ++round) {
         take.setArg(roundOfTake, round);
@@ -79,8 +83,8 @@ class Levels {
   cl_uint setState(cl::Kernel& kernel) {
     cl_uint i = 0;
     const auto set = [&](const auto&... argument) { (kernel.setArg(i++, argument), ...); };
-    set(state_.inside, state_.round27(), state_.leafCount, state_.items, owned_, source_, cost_,
-        claim_, wake_, dirty_, queued_, list_, taken_, control_);
+    set(state_.inside, state_.round27(), state_.leafCount, state_.items, owned_, offered_, source_,
+        cost_, claim_, claimed_, wake_, dirty_, queued_, list_, taken_, control_);
     return i;
   }
 
@@ -93,7 +97,8 @@ class Levels {
   }
 
   GrowthState& state_;
-  cl::Buffer owned_, source_, cost_, claim_, wake_, dirty_, queued_, list_, taken_, control_;
+  cl::Buffer owned_, offered_, source_, cost_, claim_, claimed_, wake_, dirty_, queued_, list_,
+      taken_, control_;
 };
 
 Grown runByWeight(GrowthState& state, Levels& levels, const Steps& steps,

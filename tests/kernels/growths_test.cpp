@@ -128,8 +128,8 @@ LabelMap referenceChain(const VoxelSolid& solid, const std::vector<Seed>& seeds,
   const auto rungAbove = [&](std::uint64_t distance) {
     if (metric != Metric::euclidean) return distance;
     std::uint64_t n = 0;
-    while (n * n < 64 * distance) ++n;
-    return n * n / 64;
+    while (n * n < 4 * distance) ++n;
+    return n * n / 4;
   };
   const auto before = [&](const Owner& a, const Owner& b) {
     if (a.cost != b.cost) return a.cost < b.cost;
