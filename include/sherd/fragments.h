@@ -40,7 +40,8 @@ struct Fragment {
 };
 
 /// Cut every fragment out of the solid.  A fragment's level set is max(solid, distance to the cut);
-/// the cut is where the labels' indicators, smoothed by two binomial passes, are equal, so it is
+/// the cut is the plane half way between two seeds where the labels are their Voronoi cells, and
+/// elsewhere where the labels' indicators, smoothed by two binomial passes, are equal; so it is
 /// smooth, two neighbours share it to the bit, and the original surface stays where it was.  Every
 /// inside voxel's centre lies in its owner's level set, and in no other.
 /// Meshes are made as options.interface says; the level sets are the same either way.

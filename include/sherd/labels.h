@@ -14,6 +14,19 @@
 
 namespace sherd {
 
+/// Anisotropy: along `direction`, lengths count as divided by 1 + strength.
+struct Grain {
+  glm::dvec3 direction{0.0, 0.0, 1.0};  ///< any length but 0
+  double strength = 0.0;  ///< -0.75..9; above 0 splinters along it (wood), below 0 plates across
+                          ///< it (slate), 0 none
+};
+
+/// Seeds whose Voronoi cells fragments are.
+struct VoronoiSites {
+  std::vector<Seed> seeds;
+  Grain grain{};  ///< distances are euclidean under it
+};
+
 /// Fragment ids over the leaf blocks.
 struct Labels {
   static constexpr std::uint16_t kWorn = 65535;  ///< a voxel that was worn off, or withheld
@@ -26,6 +39,9 @@ struct Labels {
                                         ///< the first growth
   std::vector<std::uint64_t> freed;     ///< voxels cut off from their fragment's first seed, each
                                         ///< time they were looked for; all of them were regrown
+  VoronoiSites sites{};  ///< where voxels belong to the nearest of these seeds, but for what was
+                         ///< regrown, or worn: the cut between two is then a plane.  Empty where
+                         ///< growth goes by other rules
 };
 
 /// How fragments spread from their seeds.
@@ -33,15 +49,8 @@ enum class Growth {
   flood,    ///< layer by layer; the shape of a fragment follows the way round gaps
   nearest,  ///< nearest seed by the metric, blind to gaps: the paper's straightforward way
   chain,    ///< Discrete Voronoi Chain: over faces, in the order of the largest distance to the
-            ///< seed met on the way (distances rounded up to 1/8 voxel decide the order)
+            ///< seed met on the way (distances rounded up to half voxels decide the order)
   euclid,   ///< nearest seed; what is cut off from its seed is regrown by a 5^3 chamfer
-};
-
-/// Anisotropy: along `direction`, lengths count as divided by 1 + strength.
-struct Grain {
-  glm::dvec3 direction{0.0, 0.0, 1.0};  ///< any length but 0
-  double strength = 0.0;  ///< -0.75..9; above 0 splinters along it (wood), below 0 plates across
-                          ///< it (slate), 0 none
 };
 
 struct GrowOptions {

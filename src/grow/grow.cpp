@@ -187,6 +187,12 @@ void growAll(Growing& growing) {
   regrow(growing, kept, outer);
 }
 
+bool givesVoronoiCells(const GrowOptions& options) {
+  return options.roughness == 0.0 &&
+         (options.growth == Growth::euclid ||
+          (options.growth == Growth::nearest && options.metric == Metric::euclidean));
+}
+
 }  // namespace
 
 std::vector<Labels> grow(const LeafBlocks& blocks, std::span<const std::vector<Seed>> seedSets,
@@ -197,7 +203,13 @@ std::vector<Labels> grow(const LeafBlocks& blocks, std::span<const std::vector<S
     GrowthState state(blocks, seedSets.size(), device.impl(), options.workGroupSize);
     Growing growing{state, table, options, progress};
     growAll(growing);
-    return read(growing);
+    std::vector<Labels> all = read(growing);
+    if (givesVoronoiCells(options)) {
+      for (std::size_t f = 0; f < all.size(); ++f) {
+        all[f].sites = {{seedSets[f].begin(), seedSets[f].end()}, options.grain};
+      }
+    }
+    return all;
   });
 }
 

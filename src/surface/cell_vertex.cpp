@@ -11,10 +11,15 @@ namespace sherd {
 namespace {
 
 // Vertices stay off the cell's faces, so that those of two cells never fall together.
-constexpr double kMargin = 0.02;
+constexpr double kMargin = 0.005;
 
 // Pulls the solution to the mean where planes are nearly parallel.
 constexpr double kPull = 0.05;
+
+// How far beyond its cell a rim may want to lie, and how often a place is moved to the surface's
+// plane and back into the box of places it may have.
+constexpr double kBeyond = 0.5;
+constexpr int kRounds = 8;
 
 // Two sheets in one cell must not fall together there either.
 constexpr double kMostStairs = 0.9;
@@ -83,13 +88,17 @@ glm::dvec3 meeting(const std::array<Crossing, 12>& crossings, std::size_t count,
   return mean + glm::inverse(a) * b;
 }
 
+glm::dvec3 within(const glm::dvec3& p, double margin) {
+  return glm::clamp(p, glm::dvec3(margin), glm::dvec3(1.0 - margin));
+}
+
 }  // namespace
 
-glm::dvec3 cellVertex(const CellValues& values, const CellSheets& sheets, unsigned position,
+CellVertex cellVertex(const CellValues& values, const CellSheets& sheets, unsigned position,
                       std::span<const float> stairs) {
   std::array<Crossing, 12> crossings;
-  std::size_t count = 0;
-  glm::dvec3 sum(0.0);
+  std::size_t count = 0, outers = 0;
+  glm::dvec3 sum(0.0), outerSum(0.0), outward(0.0);
   std::uint16_t one = 0, other = 0;  // the pair of labels, while there is only one
   bool onePair = true, outer = false;
   float keep = 0.0f;
@@ -104,13 +113,38 @@ glm::dvec3 cellVertex(const CellValues& values, const CellSheets& sheets, unsign
     outer = outer || a == 0;
     keep = std::max({keep, stairs[a], stairs[b]});
     crossings[count] = crossing(values, low, high);
-    sum += crossings[count++].point;
+    sum += crossings[count].point;
+    if (a == 0) {
+      outerSum += crossings[count].point;
+      outward += values.labels[low] == 0 ? -crossings[count].normal : crossings[count].normal;
+      ++outers;
+    }
+    ++count;
   }
   const glm::dvec3 mean = sum / static_cast<double>(count);
   const glm::dvec3 centre(0.5);
-  if (!outer && keep > 0.0f) return mean + kMostStairs * double{keep} * (centre - mean);
-  const glm::dvec3 at = onePair ? mean : meeting(crossings, count, mean);
-  return glm::clamp(at, glm::dvec3(kMargin), glm::dvec3(1.0 - kMargin));
+  if (!outer && keep > 0.0f) {
+    const glm::dvec3 at = mean + kMostStairs * double{keep} * (centre - mean);
+    return {at, at};
+  }
+  if (onePair) {
+    const glm::dvec3 at = within(mean, kMargin);
+    return {at, at};
+  }
+  // On a rim the original surface comes first: it was there before the crack.
+  const glm::dvec3 meets = meeting(crossings, count, mean);
+  const double length = glm::length(outward);
+  const auto ontoSurface = [&](const glm::dvec3& p) {
+    if (length == 0.0) return p;
+    const glm::dvec3 n = outward / length;
+    return p - glm::dot(p - outerSum / static_cast<double>(outers), n) * n;
+  };
+  const auto nearest = [&](double margin) {
+    glm::dvec3 at = within(meets, margin);
+    for (int round = 0; round < kRounds; ++round) at = within(ontoSurface(at), margin);
+    return at;
+  };
+  return {nearest(kMargin), nearest(-kBeyond)};
 }
 
 }  // namespace sherd

@@ -17,10 +17,17 @@ struct CellValues {
                                                 ///< inside negative; read where two fragments meet
 };
 
-/// The place of one of a cell's vertices, in 0..1 along each axis.
+/// The place of a vertex, in 0..1 along each axis.
+struct CellVertex {
+  glm::dvec3 at{0.0};
+  glm::dvec3 wanted{0.0};  ///< where it belongs; up to half a voxel beyond the cell on a rim, else
+                           ///< `at`
+};
+
+/// One of a cell's vertices.
 ///   position  0..sheets.positions-1
 ///   stairs    [labels] how far a label keeps to its voxels' faces, 0..1
-[[nodiscard]] glm::dvec3 cellVertex(const CellValues& values, const CellSheets& sheets,
+[[nodiscard]] CellVertex cellVertex(const CellValues& values, const CellSheets& sheets,
                                     unsigned position, std::span<const float> stairs);
 
 }  // namespace sherd

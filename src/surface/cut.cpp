@@ -7,17 +7,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <span>
 #include <utility>
+
+#include "surface/site_cut.h"
 
 namespace sherd {
 namespace {
 
-constexpr int kHalo = 2;                   // two binomial passes reach two voxels
-constexpr int kSide = 8 + 2 * kHalo;       // labels gathered round a leaf
+constexpr int kHalo = kCutHalo;  // two binomial passes reach two voxels
+constexpr int kSide = kCutSide;
 constexpr std::uint32_t kMixed = 0x10000;  // labels stay below, Labels::kWorn too
 
-using Halo = std::array<std::uint16_t, kSide * kSide * kSide>;
 using LeafWeights = std::array<std::uint16_t, 512>;
 
 // The normal quantile of (1 + d) / 2 for d in 0..1, in 1/1024 steps: distance in voxels by smoothed
@@ -72,8 +74,10 @@ std::vector<std::uint32_t> leafLabels(const LeafBlocks& blocks, const Labels& la
   return only;
 }
 
-Halo gather(const Labels& labels, const LeafRound& round) {
-  Halo halo;
+// `labelAt` tells a label by its place.
+template <class LabelAt>
+CutHalo gather(const LeafRound& round, const LabelAt& labelAt) {
+  CutHalo halo;
   std::size_t at = 0;
   for (int x = -kHalo; x < 8 + kHalo; ++x) {
     for (int y = -kHalo; y < 8 + kHalo; ++y) {
@@ -82,15 +86,28 @@ Halo gather(const Labels& labels, const LeafRound& round) {
             round[static_cast<std::size_t>(((x >> 3) + 1) * 9 + ((y >> 3) + 1) * 3 + (z >> 3) + 1)];
         halo[at++] = leaf == LeafBlocks::kNone
                          ? std::uint16_t{0}
-                         : labels.fragment[std::size_t{leaf} * 512 + offsetFromCoord({x, y, z})];
+                         : labelAt(std::size_t{leaf} * 512 + offsetFromCoord({x, y, z}));
       }
     }
   }
   return halo;
 }
 
+// The labels of a halo but 0, ascending.
+std::vector<std::uint16_t> fragmentsIn(const CutHalo& halo) {
+  std::vector<std::uint16_t> fragments;
+  std::uint16_t last = 0;
+  for (const std::uint16_t label : halo) {
+    if (label == last || label == 0) continue;
+    last = label;
+    const auto at = std::lower_bound(fragments.begin(), fragments.end(), label);
+    if (at == fragments.end() || *at != label) fragments.insert(at, label);
+  }
+  return fragments;
+}
+
 // The indicator of `label`, smoothed: weights out of 4096.  One axis at a time.
-LeafWeights smoothed(const Halo& halo, std::uint16_t label) {
+LeafWeights smoothed(const CutHalo& halo, std::uint16_t label) {
   std::array<std::uint16_t, kSide * kSide * 8> alongZ;
   std::array<std::uint16_t, kSide * 8 * 8> alongY;
   LeafWeights weights;
@@ -118,45 +135,79 @@ float stairs(std::uint64_t voxels) {
   return std::clamp((kNone - static_cast<float>(voxels)) / (kNone - kAll), 0.0f, 1.0f);
 }
 
-CutLeaf cutLeaf(const Halo& halo, std::vector<std::uint16_t> fragments, const std::uint64_t* inside,
-                const std::uint16_t* owner, std::span<const float> stairsOf) {
+// Distances to where the smoothed indicators are equal: [fragments*512].
+std::vector<float> smoothCut(const CutHalo& halo, std::span<const std::uint16_t> fragments) {
   static const Profile profile;
-  CutLeaf cut;
   std::vector<LeafWeights> weights;
   for (const std::uint16_t fragment : fragments) weights.push_back(smoothed(halo, fragment));
-  cut.fragments = std::move(fragments);
-  cut.distance.resize(cut.fragments.size() * 512);
+  std::vector<float> distance(fragments.size() * 512);
   for (std::size_t v = 0; v < 512; ++v) {
     int first = 0, second = 0, sum = 0;  // the two largest weights
-    std::size_t largest = 0, next = 0;   // whose they are
+    std::size_t largest = 0;             // whose the first is
     for (std::size_t i = 0; i < weights.size(); ++i) {
       const int w = weights[i][v];
       sum += w;
       if (w > first) {
         second = std::exchange(first, w);
-        next = std::exchange(largest, i);
+        largest = i;
       } else if (w > second) {
         second = w;
-        next = i;
+      }
+    }
+    for (std::size_t i = 0; i < fragments.size(); ++i) {
+      const int own = weights[i][v];
+      distance[i * 512 + v] =
+          profile.distance((i == largest && own > 0 ? second : first) - own, sum);
+    }
+  }
+  return distance;
+}
+
+// The number of the least distance, and of the next.
+std::array<std::size_t, 2> leastTwo(const std::vector<float>& distance, std::size_t v) {
+  std::array<std::size_t, 2> least{0, 0};
+  for (std::size_t i = 1; i * 512 < distance.size(); ++i) {
+    const float d = distance[i * 512 + v];
+    if (d < distance[least[0] * 512 + v]) {
+      least = {i, least[0]};
+    } else if (least[1] == least[0] || d < distance[least[1] * 512 + v]) {
+      least[1] = i;
+    }
+  }
+  return least;
+}
+
+CutLeaf cutLeaf(const CutHalo& halo, const SiteCut* sites, std::vector<std::uint16_t> fragments,
+                const std::uint64_t* inside, const std::uint16_t* owner,
+                std::span<const float> stairsOf) {
+  CutLeaf cut;
+  if (sites == nullptr || !sites->holdsEverywhere()) {
+    cut.distance = smoothCut(halo, fragments);
+  } else {
+    cut.distance = sites->distance;
+  }
+  for (std::size_t v = 0; v < 512; ++v) {
+    if (sites != nullptr && sites->holdsAt(v)) {
+      for (std::size_t i = 0; i < fragments.size(); ++i) {
+        cut.distance[i * 512 + v] = sites->distance[i * 512 + v];
       }
     }
     const bool isInside = (inside[v >> 6] >> (v & 63)) & 1;
-    for (std::size_t i = 0; i < cut.fragments.size(); ++i) {
-      const int own = weights[i][v];
-      const bool isLargest = i == largest && own > 0;
-      float d = profile.distance((isLargest ? second : first) - own, sum);
-      const std::size_t rival = isLargest ? next : largest;
-      const float keep = std::max(stairsOf[cut.fragments[i]], stairsOf[cut.fragments[rival]]);
+    const auto [largest, next] = leastTwo(cut.distance, v);
+    for (std::size_t i = 0; i < fragments.size(); ++i) {
+      float& d = cut.distance[i * 512 + v];
+      const std::size_t rival = i == largest ? next : largest;
+      const float keep = std::max(stairsOf[fragments[i]], stairsOf[fragments[rival]]);
       if (keep > 0.0f && owner[v] != 0) {
-        d = (1.0f - keep) * d + keep * (owner[v] == cut.fragments[i] ? -0.5f : 0.5f);
+        d = (1.0f - keep) * d + keep * (owner[v] == fragments[i] ? -0.5f : 0.5f);
       }
       if (isInside) {
-        d = owner[v] == cut.fragments[i] ? std::min(d, -Cut::kLeastDepth)
-                                         : std::max(d, Cut::kLeastDepth);
+        d = owner[v] == fragments[i] ? std::min(d, -Cut::kLeastDepth)
+                                     : std::max(d, Cut::kLeastDepth);
       }
-      cut.distance[i * 512 + v] = d;
     }
   }
+  cut.fragments = std::move(fragments);
   return cut;
 }
 
@@ -166,6 +217,7 @@ Cut findCut(const LeafBlocks& blocks, const Labels& labels) {
   const std::vector<std::uint64_t> voxels = countVoxels(blocks, labels, Labels::kWorn - 1);
   const std::vector<std::uint32_t> leafLabel = leafLabels(blocks, labels);
   const std::vector<LeafRound> rounds = leavesRound(blocks.origins);
+  const Sites sites(labels.sites);
   std::vector<CutLeaf> perLeaf(blocks.count());
   Cut cut;
   cut.stairs.resize(std::size_t{Labels::kWorn} + 1);
@@ -183,16 +235,20 @@ Cut findCut(const LeafBlocks& blocks, const Labels& labels) {
         cut.only[leaf] = static_cast<std::uint16_t>(only);
         continue;
       }
-      const Halo halo = gather(labels, round);
-      std::vector<std::uint16_t> fragments(halo.begin(), halo.end());
-      std::sort(fragments.begin(), fragments.end());
-      fragments.erase(std::unique(fragments.begin(), fragments.end()), fragments.end());
-      if (!fragments.empty() && fragments.front() == 0) fragments.erase(fragments.begin());
+      const CutHalo halo = gather(round, [&](std::size_t place) { return labels.fragment[place]; });
+      std::vector<std::uint16_t> fragments = fragmentsIn(halo);
       if (fragments.size() == 1) {
         cut.only[leaf] = fragments.front();
       } else if (fragments.size() > 1) {
-        perLeaf[leaf] = cutLeaf(halo, std::move(fragments), &blocks.inside[leaf * 8],
-                                &labels.fragment[leaf * 512], cut.stairs);
+        std::optional<SiteCut> planes;
+        if (!sites.empty()) {
+          const CutHalo within = gather(round, [&](std::size_t place) {
+            return blocks.isInside(place) ? labels.fragment[place] : std::uint16_t{0};
+          });
+          planes = siteCut(within, blocks.origins[leaf], fragments, sites);
+        }
+        perLeaf[leaf] = cutLeaf(halo, planes ? &*planes : nullptr, std::move(fragments),
+                                &blocks.inside[leaf * 8], &labels.fragment[leaf * 512], cut.stairs);
       }
     }
   });

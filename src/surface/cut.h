@@ -21,11 +21,12 @@ struct CutLeaf {
 /// Each fragment's indicator is smoothed by two binomial passes over labelled voxels (s_i, in
 /// integers); where d_i = (max over j of s_j - s_i) / sum of s is zero the cut lies.  Across a
 /// plane two binomial passes turn the step into very nearly the normal distribution of variance 1,
-/// so the normal quantile of d_i is the distance to the cut. Where two fragments meet d_i = -d_j to
-/// the bit, so they share the cut.  At the centre of an inside voxel the distance is clamped to at
-/// least kLeastDepth on its owner's side: smoothing must not give a voxel away, or it could cut
-/// thin necks.  Fragments of fewer than 216 voxels keep ever more to their voxels' faces, those of
-/// up to 64 wholly: smoothing would leave little of them.
+/// so the normal quantile of d_i is the distance to the cut.  Where all voxels up to two away
+/// belong to the nearest of the labels' sites the planes half way take its place (see site_cut.h).
+/// Where two fragments meet d_i = -d_j to the bit, so they share the cut.  At the centre of an
+/// inside voxel the distance is clamped to at least kLeastDepth on its owner's side: smoothing must
+/// not give a voxel away, or it could cut thin necks.  Fragments of fewer than 216 voxels keep ever
+/// more to their voxels' faces, those of up to 64 wholly: smoothing would leave little of them.
 struct Cut {
   static constexpr float kLeastDepth = 0.05f;  ///< voxels
   static constexpr std::uint32_t kWhole = 0xffffffffu;

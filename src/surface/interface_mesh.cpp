@@ -12,6 +12,7 @@
 
 #include "surface/cell.h"
 #include "surface/cell_vertex.h"
+#include "surface/rims.h"
 
 namespace sherd {
 namespace {
@@ -31,12 +32,8 @@ struct LeafCells {
   std::vector<Cell> cells;
   std::array<std::uint16_t, 512> cellAt{};  // by offset; kNoCell where no surface passes
   std::vector<glm::dvec3> vertices;         // [loops] index space
+  std::vector<Junction> junctions;          // vertices within the leaf
   std::size_t firstVertex = 0;              // in the whole mesh
-};
-
-struct Quad {
-  std::uint16_t label, other;  // whose surface it is, and what is beyond
-  std::array<std::uint32_t, 4> vertex;
 };
 
 // Labels and distances by voxel, over leaf blocks.
@@ -195,13 +192,17 @@ LeafCells cellsOf(const Field& field, std::size_t leaf) {
     cell.sheets = sheetsOf(labels, turnedByCorner(field, leaf, {at.x(), at.y(), at.z()}, labels));
     cell.firstLoop = static_cast<std::uint32_t>(found.vertices.size());
     const CellValues values = valuesOf(field, distance, leaf, at.x(), at.y(), at.z(), labels);
-    std::array<glm::dvec3, 12> position;
-    for (std::uint8_t p = 0; p < cell.sheets.positions; ++p) {
-      position[p] = cellVertex(values, cell.sheets, p, field.cut().stairs);
-    }
     const glm::dvec3 low(origin.x() + at.x(), origin.y() + at.y(), origin.z() + at.z());
-    for (std::uint8_t l = 0; l < cell.sheets.loops; ++l) {
-      found.vertices.push_back(low + position[cell.sheets.positionOfLoop[l]]);
+    found.vertices.resize(found.vertices.size() + cell.sheets.loops);
+    for (std::uint8_t p = 0; p < cell.sheets.positions; ++p) {
+      const CellVertex vertex = cellVertex(values, cell.sheets, p, field.cut().stairs);
+      Junction junction{{}, low + vertex.wanted};
+      for (std::uint8_t l = 0; l < cell.sheets.loops; ++l) {
+        if (cell.sheets.positionOfLoop[l] != p) continue;
+        junction.vertices.push_back(cell.firstLoop + l);
+        found.vertices[cell.firstLoop + l] = low + vertex.at;
+      }
+      if (vertex.wanted != vertex.at) found.junctions.push_back(std::move(junction));
     }
     found.cellAt[offset] = static_cast<std::uint16_t>(found.cells.size());
     found.cells.push_back(cell);
@@ -220,8 +221,9 @@ std::size_t edgeAlong(unsigned axis, unsigned corner) {
 }
 
 // The quads about the edges that begin at the lowest corner of the leaf's cells.
-std::vector<Quad> quadsOf(const Field& field, const std::vector<LeafCells>& all, std::size_t leaf) {
-  std::vector<Quad> quads;
+std::vector<InterfaceQuad> quadsOf(const Field& field, const std::vector<LeafCells>& all,
+                                   std::size_t leaf) {
+  std::vector<InterfaceQuad> quads;
   for (const Cell& cell : all[leaf].cells) {
     const openvdb::Coord at = coordFromOffset(cell.offset);
     for (unsigned axis = 0; axis < 3; ++axis) {
@@ -258,18 +260,18 @@ std::vector<Quad> quadsOf(const Field& field, const std::vector<LeafCells>& all,
 }
 
 // Quads sorted by label: [fragments], in the order of leaves.
-std::vector<std::vector<Quad>> byLabel(const std::vector<std::vector<Quad>>& ofLeaves,
-                                       int fragments) {
-  std::vector<std::vector<Quad>> sorted(static_cast<std::size_t>(fragments));
-  for (const std::vector<Quad>& quads : ofLeaves) {
-    for (const Quad& quad : quads) {
+std::vector<std::vector<InterfaceQuad>> byLabel(
+    const std::vector<std::vector<InterfaceQuad>>& ofLeaves, int fragments) {
+  std::vector<std::vector<InterfaceQuad>> sorted(static_cast<std::size_t>(fragments));
+  for (const std::vector<InterfaceQuad>& quads : ofLeaves) {
+    for (const InterfaceQuad& quad : quads) {
       if (quad.label != Labels::kWorn) sorted[quad.label - 1u].push_back(quad);
     }
   }
   return sorted;
 }
 
-LabelledMesh meshOf(std::span<const Quad> quads, std::span<const glm::dvec3> vertices,
+LabelledMesh meshOf(std::span<const InterfaceQuad> quads, std::span<const glm::dvec3> vertices,
                     std::span<std::uint32_t> numbers) {
   LabelledMesh out;
   const auto number = [&](std::uint32_t vertex) {
@@ -279,19 +281,9 @@ LabelledMesh meshOf(std::span<const Quad> quads, std::span<const glm::dvec3> ver
     }
     return numbers[vertex];
   };
-  const auto squaredLength = [&](std::uint32_t a, std::uint32_t b) {
-    const glm::dvec3 d = vertices[a] - vertices[b];
-    return glm::dot(d, d);
-  };
-  for (const Quad& quad : quads) {
-    const auto& v = quad.vertex;
-    std::array<std::uint32_t, 4> n{};
-    for (std::size_t k = 0; k < 4; ++k) n[k] = number(v[k]);
-    // At the shorter diagonal, which both sides of an interface find the same.
-    if (squaredLength(v[0], v[2]) <= squaredLength(v[1], v[3])) {
-      out.mesh.triangles.insert(out.mesh.triangles.end(), {{n[0], n[1], n[2]}, {n[0], n[2], n[3]}});
-    } else {
-      out.mesh.triangles.insert(out.mesh.triangles.end(), {{n[1], n[2], n[3]}, {n[1], n[3], n[0]}});
+  for (const InterfaceQuad& quad : quads) {
+    for (const auto& t : trianglesOf(quad, vertices)) {
+      out.mesh.triangles.emplace_back(number(t[0]), number(t[1]), number(t[2]));
     }
     out.other.insert(out.other.end(), 2, quad.other);
   }
@@ -313,16 +305,21 @@ std::vector<LabelledMesh> interfaceMeshes(const Solid& solid, const Labels& labe
   std::vector<LeafCells> cells(solid.blocks.count());
   forEach(cells.size(), [&](std::size_t leaf) { cells[leaf] = cellsOf(field, leaf); });
   std::vector<glm::dvec3> vertices;
+  std::vector<Junction> junctions;
   for (LeafCells& leaf : cells) {
     leaf.firstVertex = vertices.size();
-    for (const glm::dvec3& v : leaf.vertices) {
-      vertices.push_back(solid.frame.worldFromIndex({v}).v);
+    vertices.insert(vertices.end(), leaf.vertices.begin(), leaf.vertices.end());
+    for (Junction& junction : leaf.junctions) {
+      for (std::uint32_t& v : junction.vertices) v += static_cast<std::uint32_t>(leaf.firstVertex);
+      junctions.push_back(std::move(junction));
     }
     leaf.vertices = {};
   }
-  std::vector<std::vector<Quad>> quads(cells.size());
+  std::vector<std::vector<InterfaceQuad>> quads(cells.size());
   forEach(cells.size(), [&](std::size_t leaf) { quads[leaf] = quadsOf(field, cells, leaf); });
-  const std::vector<std::vector<Quad>> sorted = byLabel(quads, fragments);
+  straightenRims(quads, junctions, vertices);
+  for (glm::dvec3& v : vertices) v = solid.frame.worldFromIndex({v}).v;
+  const std::vector<std::vector<InterfaceQuad>> sorted = byLabel(quads, fragments);
   // A vertex belongs to one label, so fragments number theirs side by side.
   std::vector<std::uint32_t> numbers(vertices.size(), kNone);
   std::vector<LabelledMesh> meshes(sorted.size());

@@ -1,0 +1,60 @@
+// The cut between Voronoi cells: planes half way between seeds.
+#pragma once
+
+#include <sherd/labels.h>
+
+#include <array>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+namespace sherd {
+
+constexpr int kCutHalo = 2;  ///< voxels round a leaf that its cut depends on
+constexpr int kCutSide = 8 + 2 * kCutHalo;
+
+/// Labels of a leaf and of what lies round it, z fastest.
+using CutHalo = std::array<std::uint16_t, kCutSide * kCutSide * kCutSide>;
+
+/// Seeds by fragment, to measure distances from.
+class Sites {
+ public:
+  explicit Sites(const VoronoiSites& sites);
+
+  bool empty() const { return first_.empty(); }
+
+  /// A voxel or seed under the grain, in units of its metric.
+  glm::i64vec3 stretched(const openvdb::Coord& voxel) const;
+
+  /// The sites of a fragment, stretched; none where it has none.
+  std::span<const glm::i64vec3> of(std::uint16_t fragment) const;
+
+  /// How fast, per voxel, the difference of the squared distances to two stretched sites grows
+  /// towards one of them.
+  double slope(const glm::i64vec3& a, const glm::i64vec3& b) const;
+
+ private:
+  std::array<std::int64_t, 9> rows_{};
+  std::vector<std::uint32_t> first_;  // [ids+2] into sites_, or empty
+  std::vector<glm::i64vec3> sites_;
+};
+
+/// A leaf's cut where its labels are those of the nearest sites.
+struct SiteCut {
+  std::array<std::uint8_t, 64> holds{};  ///< [x*8+y] bit z: all inside voxels up to two away belong
+                                         ///< to their nearest site
+  std::vector<float> distance;           ///< [fragments*512] voxels to the plane, within -3..3
+
+  bool holdsAt(std::size_t v) const { return (holds[v >> 3] >> (v & 7)) & 1; }
+  bool holdsEverywhere() const;
+};
+
+/// Distances to the planes between each fragment and its nearest rival.
+///   halo       labels of inside voxels, else 0
+///   origin     the leaf's lowest voxel
+///   fragments  [n] whose cut is asked for
+[[nodiscard]] SiteCut siteCut(const CutHalo& halo, const openvdb::Coord& origin,
+                              std::span<const std::uint16_t> fragments, const Sites& sites);
+
+}  // namespace sherd

@@ -1,0 +1,215 @@
+// Where the fragments' original surface lies, against the shapes' own equations.
+#include <gtest/gtest.h>
+#include <sherd/fracture.h>
+#include <sherd/mesh.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+#include <glm/vec2.hpp>
+#include <numeric>
+#include <span>
+
+#include "kernels/device_fixture.h"
+#include "random.h"
+#include "rims.h"
+#include "shapes.h"
+
+namespace sherd {
+namespace {
+
+// The distance to a polygon of the half plane (r, z), r >= 0.
+double distanceToSection(const glm::dvec2& at, std::span<const glm::dvec2> section) {
+  double least = 1e300;
+  for (std::size_t k = 0; k + 1 < section.size(); ++k) {
+    const glm::dvec2 along = section[k + 1] - section[k];
+    const double t =
+        std::clamp(glm::dot(at - section[k], along) / glm::dot(along, along), 0.0, 1.0);
+    least = std::min(least, glm::length(at - section[k] - t * along));
+  }
+  return least;
+}
+
+struct Shape {
+  const char* name;
+  TriangleMesh mesh;
+  std::function<double(const glm::dvec3&)> toSurface;
+  std::function<double(const glm::dvec3&)> toEdge;  // where faces of the shape meet at an angle
+  double curvature;  // the largest k1 + k2, per unit length; 0 where it has edges
+};
+
+std::vector<Shape> shapesOfTheTest() {
+  const auto noEdge = [](const glm::dvec3&) { return 1e300; };
+  const auto polar = [](const glm::dvec3& p) { return glm::dvec2(std::hypot(p.x, p.y), p.z); };
+  std::vector<Shape> all;
+  all.push_back({"ball", shapes::ball(1.0, 7),
+                 [](const glm::dvec3& p) { return std::abs(glm::length(p) - 1.0); }, noEdge, 2.0});
+  all.push_back({"torus", shapes::torus(1.0, 0.4, 800, 320),
+                 [=](const glm::dvec3& p) {
+                   return std::abs(glm::length(polar(p) - glm::dvec2(1.0, 0.0)) - 0.4);
+                 },
+                 noEdge, 1 / 0.4 + 1 / 1.4});
+  all.push_back({"cube", shapes::cube(2.0),
+                 [](const glm::dvec3& p) {
+                   const glm::dvec3 d = glm::abs(p) - 1.0;
+                   const double outside = glm::length(glm::max(d, glm::dvec3(0.0)));
+                   return std::abs(outside + std::min(0.0, std::max({d.x, d.y, d.z})));
+                 },
+                 [](const glm::dvec3& p) {
+                   std::array<double, 3> d;
+                   for (int k = 0; k < 3; ++k)
+                     d[static_cast<std::size_t>(k)] = std::abs(std::abs(p[k]) - 1.0);
+                   std::sort(d.begin(), d.end());
+                   return std::hypot(d[0], d[1]);
+                 },
+                 0.0});
+  static const std::vector<glm::dvec2> section{{0, 0},      {1, 0},       {1, 1.5},
+                                               {0.75, 1.5}, {0.75, 0.25}, {0, 0.25}};
+  all.push_back({"cup", shapes::cup(1.0, 0.25, 1.5, 0.25, 1200),
+                 [=](const glm::dvec3& p) { return distanceToSection(polar(p), section); },
+                 [=](const glm::dvec3& p) {
+                   double least = 1e300;
+                   for (std::size_t k = 1; k + 1 < section.size(); ++k) {
+                     least = std::min(least, glm::length(polar(p) - section[k]));
+                   }
+                   return least;
+                 },
+                 0.0});
+  return all;
+}
+
+// Turned and shifted at random.
+class Placed {
+ public:
+  explicit Placed(std::uint64_t seed) {
+    std::array<double, 7> draw{};
+    for (std::size_t i = 0; i < draw.size(); ++i) {
+      draw[i] = static_cast<double>(mixed(seed * 1000 + i) >> 11) * 0x1p-53;
+    }
+    const glm::dvec3 axis = glm::normalize(glm::dvec3(draw[0], draw[1], draw[2]) - 0.5);
+    turn_ = glm::mat3_cast(glm::angleAxis(6.28 * draw[3], axis));
+    shift_ = {draw[4], draw[5], draw[6]};
+  }
+
+  TriangleMesh of(TriangleMesh mesh) const {
+    for (glm::dvec3& v : mesh.vertices) v = turn_ * v + shift_;
+    return mesh;
+  }
+  glm::dvec3 back(const glm::dvec3& v) const { return glm::transpose(turn_) * (v - shift_); }
+
+ private:
+  glm::dmat3 turn_;
+  glm::dvec3 shift_;
+};
+
+struct Errors {
+  std::vector<double> anywhere;  // voxels, ascending
+  std::vector<double> away;      // of vertices farther than a voxel from rims and edges
+  double mean = 0.0;             // anywhere
+};
+
+// How far vertices of faces that face nothing are from the shape.
+Errors errorsOf(const FractureResult& result, const Shape& shape, const Placed& placed) {
+  const double h = result.solid.frame.voxelSize;
+  Errors errors;
+  for (const Fragment& fragment : result.fragments) {
+    const Rim rim(fragment, h);
+    std::vector<bool> original(fragment.mesh.vertices.size());
+    for (std::size_t t = 0; t < fragment.facing.size(); ++t) {
+      for (int k = 0; k < 3; ++k) {
+        if (fragment.facing[t] == 0) original[fragment.mesh.triangles[t][k]] = true;
+      }
+    }
+    for (std::size_t v = 0; v < original.size(); ++v) {
+      if (!original[v]) continue;
+      const glm::dvec3& world = fragment.mesh.vertices[v];
+      const glm::dvec3 at = placed.back(world);
+      errors.anywhere.push_back(shape.toSurface(at) / h);
+      if (shape.toEdge(at) > h && !rim.isWithinAVoxel(world)) {
+        errors.away.push_back(errors.anywhere.back());
+      }
+    }
+  }
+  std::sort(errors.anywhere.begin(), errors.anywhere.end());
+  std::sort(errors.away.begin(), errors.away.end());
+  errors.mean = std::accumulate(errors.anywhere.begin(), errors.anywhere.end(), 0.0) /
+                static_cast<double>(errors.anywhere.size());
+  return errors;
+}
+
+using OriginalSurface = DeviceTest;
+
+TEST_F(OriginalSurface, LiesWhereTheShapeHasIt) {
+  for (const Shape& shape : shapesOfTheTest()) {
+    for (const int pieces : {2, 5, 20}) {
+      SCOPED_TRACE(testing::Message() << shape.name << " in " << pieces);
+      const Placed placed(static_cast<std::uint64_t>(pieces));
+      const FractureResult result = fracture(
+          placed.of(shape.mesh), {.pieces = pieces, .seed = 3, .resolution = 128}, device());
+      const Errors errors = errorsOf(result, shape, placed);
+      ASSERT_GT(errors.away.size(), 1000u);
+      EXPECT_LT(errors.mean, shape.curvature > 0.0
+                                 ? 0.15 * shape.curvature * result.solid.frame.voxelSize
+                                 : 0.02);
+      EXPECT_LT(errors.away[errors.away.size() * 99 / 100], 0.05);
+      EXPECT_LT(errors.anywhere.back(), 0.75);
+
+      double volumes = 0.0;
+      for (const Fragment& fragment : result.fragments) volumes += volume(fragment.mesh);
+      const double whole = volume(solidMesh(result.solid));
+      EXPECT_NEAR(volumes, whole, (pieces <= 10 ? 0.0025 : 0.005) * whole);
+    }
+  }
+}
+
+TEST_F(OriginalSurface, CracksBetweenTwoSeedsArePlanes) {
+  for (const std::uint64_t seed : {1, 2, 3, 4}) {
+    for (const double strength : {0.0, 2.0}) {
+      SCOPED_TRACE(testing::Message() << "seed " << seed << ", grain " << strength);
+      const Grain grain{{1, 2, -1}, strength};
+      const FractureResult result = fracture(
+          shapes::ball(1.0, 6),
+          {.pieces = 2, .seed = seed, .resolution = 96, .grow = {.grain = grain}}, device());
+      const GridFrame& frame = result.solid.frame;
+      // Half way between the seeds, all lengths along the grain divided by 1 + strength; growth
+      // measures by a matrix of 64ths.
+      const glm::dvec3 g = glm::normalize(grain.direction);
+      const glm::dmat3 stretching =
+          glm::dmat3(1.0) - (1.0 - 1.0 / (1.0 + strength)) * glm::outerProduct(g, g);
+      glm::dmat3 rounded(0.0);
+      for (int k = 0; k < 3; ++k) rounded[k] = glm::round(64.0 * stretching[k]) / 64.0;
+      const auto at = [](const openvdb::Coord& c) { return glm::dvec3(c.x(), c.y(), c.z()); };
+      const glm::dvec3 a = at(result.seeds.at(0).voxel), b = at(result.seeds.at(1).voxel);
+      const glm::dvec3 normal = glm::normalize(rounded * (rounded * (b - a)));
+      const Fragment& fragment = result.fragments[0];
+      const Rim rim(fragment, frame.voxelSize);
+      std::vector<double> inner, rims;
+      for (std::size_t t = 0; t < fragment.facing.size(); ++t) {
+        if (fragment.facing[t] == 0) continue;
+        for (int k = 0; k < 3; ++k) {
+          const glm::dvec3& v = fragment.mesh.vertices[fragment.mesh.triangles[t][k]];
+          const double off = glm::dot(frame.indexFromWorld({v}).v - 0.5 * (a + b), normal);
+          (rim.isWithinAVoxel(v) ? rims : inner).push_back(off * off);
+        }
+      }
+      ASSERT_GT(inner.size(), 1000u);
+      const auto rms = [](const std::vector<double>& squares) {
+        return std::sqrt(std::accumulate(squares.begin(), squares.end(), 0.0) /
+                         static_cast<double>(squares.size()));
+      };
+      // A voxel's centre keeps a twentieth of a voxel from the cut (Cut::kLeastDepth).
+      EXPECT_LT(rms(inner), 0.05);
+      EXPECT_LT(*std::max_element(inner.begin(), inner.end()), 0.5 * 0.5);
+      EXPECT_LT(rms(rims), 0.15);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sherd
