@@ -4,49 +4,71 @@
 #include <openvdb/math/Coord.h>
 #include <sherd/fragments.h>
 
+#include <algorithm>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <map>
+#include <utility>
 #include <vector>
 
 namespace sherd {
 
-// Vertices of edges between the original surface and cracks, by cells of one voxel.
+// Edges between the original surface and cracks, by cells of one voxel.
 class Rim {
  public:
   Rim(const Fragment& fragment, double voxelSize) : voxelSize_(voxelSize) {
-    std::vector<int> kinds(fragment.mesh.vertices.size(), 0);
+    std::map<std::pair<unsigned, unsigned>, int> kinds;  // of the faces at an edge
     for (std::size_t t = 0; t < fragment.facing.size(); ++t) {
+      const glm::uvec3& corner = fragment.mesh.triangles[t];
       for (int k = 0; k < 3; ++k) {
-        kinds[fragment.mesh.triangles[t][k]] |= fragment.facing[t] == 0 ? 1 : 2;
+        kinds[std::minmax(corner[k], corner[(k + 1) % 3])] |= fragment.facing[t] == 0 ? 1 : 2;
       }
     }
-    for (std::size_t v = 0; v < kinds.size(); ++v) {
-      if (kinds[v] == 3)
-        cells_[cellOf(fragment.mesh.vertices[v])].push_back(fragment.mesh.vertices[v]);
+    for (const auto& [edge, kind] : kinds) {
+      if (kind != 3) continue;
+      const Segment segment{fragment.mesh.vertices[edge.first],
+                            fragment.mesh.vertices[edge.second]};
+      cells_[cellOf(0.5 * (segment.a + segment.b))].push_back(segment);
     }
   }
 
-  bool isWithinAVoxel(const glm::dvec3& p) const {
+  /// Is there an edge within so many voxels, at most one?
+  bool isWithin(double voxels, const glm::dvec3& p) const {
+    constexpr int kReach = 2;  // an edge is at most some two voxels long
     const openvdb::Coord middle = cellOf(p);
-    for (int k = 0; k < 27; ++k) {
-      const auto found = cells_.find(middle + openvdb::Coord(k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1));
-      if (found == cells_.end()) continue;
-      for (const glm::dvec3& v : found->second) {
-        if (glm::length(v - p) < voxelSize_) return true;
+    openvdb::Coord at;
+    for (at[0] = middle[0] - kReach; at[0] <= middle[0] + kReach; ++at[0]) {
+      for (at[1] = middle[1] - kReach; at[1] <= middle[1] + kReach; ++at[1]) {
+        for (at[2] = middle[2] - kReach; at[2] <= middle[2] + kReach; ++at[2]) {
+          const auto found = cells_.find(at);
+          if (found == cells_.end()) continue;
+          for (const Segment& segment : found->second) {
+            if (segment.distance(p) < voxels * voxelSize_) return true;
+          }
+        }
       }
     }
     return false;
   }
 
  private:
+  struct Segment {
+    glm::dvec3 a, b;
+    double distance(const glm::dvec3& p) const {
+      const glm::dvec3 along = b - a;
+      const double length = glm::dot(along, along);
+      const double t = length > 0.0 ? glm::clamp(glm::dot(p - a, along) / length, 0.0, 1.0) : 0.0;
+      return glm::length(p - a - t * along);
+    }
+  };
+
   openvdb::Coord cellOf(const glm::dvec3& p) const {
     const glm::dvec3 cell = glm::floor(p / voxelSize_);
     return {static_cast<int>(cell.x), static_cast<int>(cell.y), static_cast<int>(cell.z)};
   }
 
   double voxelSize_;
-  std::map<openvdb::Coord, std::vector<glm::dvec3>> cells_;
+  std::map<openvdb::Coord, std::vector<Segment>> cells_;
 };
 
 }  // namespace sherd

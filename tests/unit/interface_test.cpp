@@ -7,16 +7,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <glm/common.hpp>
-#include <glm/geometric.hpp>
-#include <glm/vec2.hpp>
-#include <map>
-#include <set>
 
 #include "kernels/device_fixture.h"
 #include "mesh_checks.h"
 #include "random.h"
-#include "rims.h"
 #include "shapes.h"
 #include "surface/cell.h"
 #include "surface/interface_mesh.h"
@@ -189,58 +183,6 @@ TEST_F(InterfaceOfFracture, LeavesNoGap) {
     }
   }
   EXPECT_NEAR(volumes, volume(outside), 1e-9 * volumes);
-}
-
-// A cup of revolution about z, as shapes::cup has it: distance of a point to its surface.
-double distanceToCup(const glm::dvec3& p, double radius, double wall, double height, double floor) {
-  const glm::dvec2 at(std::hypot(p.x, p.y), p.z);
-  const std::array<glm::dvec2, 6> section{{{0, 0},
-                                           {radius, 0},
-                                           {radius, height},
-                                           {radius - wall, height},
-                                           {radius - wall, floor},
-                                           {0, floor}}};
-  double least = 1e300;
-  for (std::size_t k = 0; k + 1 < section.size(); ++k) {
-    const glm::dvec2 along = section[k + 1] - section[k];
-    const double t =
-        std::clamp(glm::dot(at - section[k], along) / glm::dot(along, along), 0.0, 1.0);
-    least = std::min(least, glm::length(at - section[k] - t * along));
-  }
-  return least;
-}
-
-// A face is of the original surface where it lies on the cup and along it.  Within a voxel of the
-// rim both are near, so these are left out.
-TEST_F(InterfaceOfFracture, KnowsTheOriginalSurfaceOfAThinCup) {
-  constexpr double kRadius = 1.0, kHeight = 1.5, kFloor = 0.0625, kWall = 0.0625;  // 4 voxels
-  const FractureResult result = fracture(shapes::cup(kRadius, kWall, kHeight, kFloor, 256),
-                                         {.pieces = 8, .seed = 2, .resolution = 128}, device());
-  const double h = result.solid.frame.voxelSize;
-  const auto distance = [&](const glm::dvec3& p) {
-    return distanceToCup(p, kRadius, kWall, kHeight, kFloor);
-  };
-  std::size_t faces = 0, cracks = 0, wrong = 0, wrongByDistance = 0;
-  for (const Fragment& fragment : result.fragments) {
-    const Rim rim(fragment, h);
-    for (std::size_t t = 0; t < fragment.facing.size(); ++t) {
-      const glm::uvec3& corner = fragment.mesh.triangles[t];
-      const glm::dvec3 a = fragment.mesh.vertices[corner.x], b = fragment.mesh.vertices[corner.y],
-                       c = fragment.mesh.vertices[corner.z];
-      const glm::dvec3 centre = (a + b + c) / 3.0;
-      if (rim.isWithinAVoxel(centre)) continue;
-      const bool original = fragment.facing[t] == 0;
-      const bool lies = distance(centre) < 0.4 * h;
-      ++faces;
-      cracks += !original;
-      wrong += original != lies;
-      wrongByDistance += !original && distance(centre) < 0.025 * 2.0;
-    }
-  }
-  EXPECT_GT(cracks, 500u);
-  EXPECT_EQ(wrong, 0u) << "of " << faces << " faces, " << cracks << " of them of cracks";
-  // What labels by distance, with 0.025 of the box as threshold, would make of the cracks.
-  EXPECT_GT(3 * wrongByDistance, cracks);
 }
 
 }  // namespace

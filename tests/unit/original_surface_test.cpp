@@ -131,7 +131,7 @@ Errors errorsOf(const FractureResult& result, const Shape& shape, const Placed& 
       const glm::dvec3& world = fragment.mesh.vertices[v];
       const glm::dvec3 at = placed.back(world);
       errors.anywhere.push_back(shape.toSurface(at) / h);
-      if (shape.toEdge(at) > h && !rim.isWithinAVoxel(world)) {
+      if (shape.toEdge(at) > h && !rim.isWithin(1.0, world)) {
         errors.away.push_back(errors.anywhere.back());
       }
     }
@@ -168,6 +168,51 @@ TEST_F(OriginalSurface, LiesWhereTheShapeHasIt) {
   }
 }
 
+// A face is of the original surface where that is nearer than the crack, the plane half way to the
+// nearest other seed.  Within half a voxel of the rim both are near, so these are left out.
+TEST_F(OriginalSurface, IsToldFromCracksOnAThinCup) {
+  constexpr double kWall = 0.046875;  // 3 voxels
+  const std::array<glm::dvec2, 6> section{
+      {{0, 0}, {1, 0}, {1, 1.5}, {1 - kWall, 1.5}, {1 - kWall, kWall}, {0, kWall}}};
+  const FractureResult result = fracture(shapes::cup(1.0, kWall, 1.5, kWall, 512),
+                                         {.pieces = 8, .seed = 2, .resolution = 128}, device());
+  const double h = result.solid.frame.voxelSize;
+  const auto seedOf = [&](int id) {
+    const openvdb::Coord& c = result.seeds.at(static_cast<std::size_t>(id) - 1).voxel;
+    return result.solid.frame.worldFromIndex({glm::dvec3(c.x(), c.y(), c.z())}).v;
+  };
+  std::size_t faces = 0, cracks = 0, wrong = 0, wrongByDistance = 0;
+  for (const Fragment& fragment : result.fragments) {
+    const Rim rim(fragment, h);
+    const glm::dvec3 own = seedOf(fragment.id);
+    for (std::size_t t = 0; t < fragment.facing.size(); ++t) {
+      const glm::uvec3& corner = fragment.mesh.triangles[t];
+      const glm::dvec3 centre =
+          (fragment.mesh.vertices[corner.x] + fragment.mesh.vertices[corner.y] +
+           fragment.mesh.vertices[corner.z]) /
+          3.0;
+      if (rim.isWithin(0.5, centre)) continue;
+      double toCrack = 1e300;
+      for (const Fragment& other : result.fragments) {
+        if (other.id == fragment.id) continue;
+        const glm::dvec3 there = seedOf(other.id);
+        toCrack = std::min(
+            toCrack, std::abs(glm::dot(centre - 0.5 * (own + there), glm::normalize(there - own))));
+      }
+      const double toCup = distanceToSection({std::hypot(centre.x, centre.y), centre.z}, section);
+      const bool isOriginal = toCup < toCrack;
+      ++faces;
+      cracks += !isOriginal;
+      wrong += isOriginal != (fragment.facing[t] == 0);
+      wrongByDistance += !isOriginal && toCup < 0.025 * 2.0;
+    }
+  }
+  EXPECT_GT(cracks, 500u);
+  EXPECT_EQ(wrong, 0u) << "of " << faces << " faces, " << cracks << " of them of cracks";
+  // What labels by distance, with 0.025 of the box as threshold, would make of the cracks.
+  EXPECT_GT(3 * wrongByDistance, cracks);
+}
+
 TEST_F(OriginalSurface, CracksBetweenTwoSeedsArePlanes) {
   for (const std::uint64_t seed : {1, 2, 3, 4}) {
     for (const double strength : {0.0, 2.0}) {
@@ -195,7 +240,7 @@ TEST_F(OriginalSurface, CracksBetweenTwoSeedsArePlanes) {
         for (int k = 0; k < 3; ++k) {
           const glm::dvec3& v = fragment.mesh.vertices[fragment.mesh.triangles[t][k]];
           const double off = glm::dot(frame.indexFromWorld({v}).v - 0.5 * (a + b), normal);
-          (rim.isWithinAVoxel(v) ? rims : inner).push_back(off * off);
+          (rim.isWithin(1.0, v) ? rims : inner).push_back(off * off);
         }
       }
       ASSERT_GT(inner.size(), 1000u);
