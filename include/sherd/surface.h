@@ -27,7 +27,7 @@ enum class Surface {
 /// How the surface between two fragments is made, where it is smooth.
 enum class Interface {
   shared,  ///< one mesh of all fragments at once: what two share is the same vertices and faces,
-           ///< bit for bit, seen from both sides, until they are smoothed or decimated
+           ///< bit for bit, seen from both sides; smoothed and decimated they share them still
   independent  ///< each fragment's level set meshed by itself, as OpenVDB would
 };
 
@@ -55,7 +55,10 @@ struct SmoothOptions {
 struct SurfaceOptions {
   Surface surface = Surface::smooth;
   Interface interface = Interface::shared;
-  SmoothOptions smooth{};  ///< of either surface; nothing is smoothed unless iterations are given
+  double adaptivity = 0.0;  ///< 0..1, 0 none: fewer polygons where these change little, before all
+                            ///< else. How far a vertex may be, in voxels, from the planes of the
+                            ///< faces it stands for (root of the mean square)
+  SmoothOptions smooth{};   ///< of either surface; nothing is smoothed unless iterations are given
   std::vector<std::size_t> triangles{};  ///< also decimate every mesh to at most so many: each from
                                          ///< 4 up, none twice
 };
@@ -73,9 +76,11 @@ void checkSurfaceOptions(const SurfaceOptions& options);
 /// amphora of 128 voxels in 8 pieces loses 4.7 % of its volume by the paper's weights, with
 /// them 3.6 %).
 ///
-/// Inside an interface the two sides' label meshes are mirror images and move alike, as far from
-/// the rim as there are iterations; at the rim and where more than two fragments meet each side has
-/// neighbours of its own, and the sides part.
+/// With Interface::shared all fragments are smoothed at once: a vertex that several have goes to
+/// the mean of where each of them would move it, so the two sides stay together.  Of
+/// Surface::labels the two sides' meshes are mirror images inside an interface and move alike, as
+/// far from the rim as there are iterations; at the rim and where more than two fragments meet
+/// each side has neighbours of its own, and the sides part.
 ///   facing       [triangles] 0 original surface, else the fragment on the other side
 ///   longestSide  voxels, for the number of iterations
 ///   cost         triangles * iterations
@@ -93,8 +98,9 @@ struct CoarseMesh {
 /// Decimate by collapsing edges, the least quadric error first, until at most so many triangles are
 /// left.  No collapse changes the topology: neither that of the surface nor of the regions of equal
 /// facing, whose borders are simplified as lines and held in place by quadrics of their own; where
-/// three regions meet the vertex stays where it is.  So a mesh may keep more triangles than were
-/// asked for: CoarseMesh::mesh tells.
+/// three regions meet the vertex stays where it is.  With Interface::shared all fragments are
+/// decimated at once, until none has more, and share their surfaces as before.  So a mesh may keep
+/// more triangles than were asked for: CoarseMesh::mesh tells.
 ///   mesh       closed, edge- and vertex-manifold
 ///   triangles  [k] any order; each result goes on from the next larger one's
 ///   return     [k] in the order of `triangles`

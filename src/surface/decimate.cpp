@@ -5,11 +5,11 @@
 //     rim  - rim       along a rim edge only, to where the quadric is least
 //     rim  - fixed     along a rim edge only, to the fixed vertex
 //
-// and none that changes the topology or turns a face over.
-#include <sherd/surface.h>
+// and none that changes the topology or turns a face over.  Meshes that share faces are decimated
+// as one, so what they share they share afterwards.
+#include "surface/decimate.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -36,6 +36,7 @@ constexpr double kLeastCosine = 0.2;
 
 struct Candidate {
   double cost;
+  double error;    // mean squared distance to the planes, in the unit box
   Index from, to;  // from < to
   std::uint32_t fromVersion, toVersion;
   bool operator>(const Candidate& other) const {
@@ -45,14 +46,15 @@ struct Candidate {
 
 class Decimator {
  public:
-  Decimator(const TriangleMesh& mesh, std::span<const std::uint16_t> facing)
-      : mesh_(mesh, facing),
-        world_(mesh.vertices),
-        at_(mesh.vertices),
+  explicit Decimator(const Complex& complex)
+      : mesh_(complex),
+        fixed_(complex.fixed),
+        world_(complex.vertices),
+        at_(complex.vertices),
         quadrics_(at_.size()),
         version_(at_.size(), 0) {
     toUnitBox();
-    for (const glm::uvec3& face : mesh_.faces()) addQuadrics(face);
+    for (const ComplexFace& face : mesh_.faces()) addQuadrics(face.corner);
     for (Index v = 0; v < at_.size(); ++v) {
       for (const Index n : mesh_.neighbours(v)) {
         if (v < n) offer(v, n);
@@ -60,48 +62,60 @@ class Decimator {
     }
   }
 
-  void collapseTo(std::size_t triangles) {
-    while (mesh_.trianglesLeft() > triangles && !queue_.empty()) {
+  /// Collapse edges of labels with more triangles than that, as long as no vertex moves by more
+  /// than `error` off the planes it came from, in the root of the mean square.
+  void collapseTo(std::size_t triangles, double error) {
+    const double most = error / scale_;
+    above_ = 0;
+    for (std::uint16_t label = 1; label <= mesh_.labels(); ++label) {
+      above_ += mesh_.trianglesLeft(label) > triangles;
+    }
+    std::vector<Candidate> later;  // of labels that have few enough, or with too large an error
+    for (bool goesOn = true; goesOn && above_ > 0;) {
+      goesOn = false;
       std::vector<Candidate> refused;
-      const std::size_t before = mesh_.trianglesLeft();
-      while (mesh_.trianglesLeft() > triangles && !queue_.empty()) {
+      while (above_ > 0 && !queue_.empty()) {
         const Candidate next = queue_.top();
         queue_.pop();
         if (isStale(next)) continue;
+        const std::vector<std::uint16_t> labels = mesh_.labelsAt(next.from, next.to);
+        if (next.error > most * most || !isAnyAbove(labels, triangles)) {
+          later.push_back(next);
+          continue;
+        }
         const std::optional<glm::dvec3> place = placeOf(next.from, next.to);
         if (place && mesh_.keepsTopology(next.from, next.to) &&
             turnsNoFace(next.from, next.to, *place)) {
+          for (const std::uint16_t label : labels) above_ -= mesh_.trianglesLeft(label) > triangles;
           collapse(next.from, next.to, *place);
+          for (const std::uint16_t label : labels) above_ += mesh_.trianglesLeft(label) > triangles;
+          goesOn = true;
         } else {
           refused.push_back(next);
         }
       }
       // What was refused may do once its surroundings have changed.
-      for (const Candidate& again : refused) {
-        if (!isStale(again)) queue_.push(again);
-      }
-      if (mesh_.trianglesLeft() == before) return;
+      offerAgain(refused);
     }
+    offerAgain(later);
   }
 
-  CoarseMesh result() const {
-    CoarseMesh out;
-    std::vector<Index> number(at_.size(), 0);
-    for (Index v = 0; v < at_.size(); ++v) {
-      if (mesh_.facesAround(v).empty()) continue;
-      number[v] = static_cast<Index>(out.mesh.vertices.size());
-      out.mesh.vertices.push_back(world_[v]);
-    }
-    for (Index f = 0; f < mesh_.faces().size(); ++f) {
-      const glm::uvec3& t = mesh_.faces()[f];
-      if (t.x == t.y) continue;
-      out.mesh.triangles.push_back({number[t.x], number[t.y], number[t.z]});
-      out.facing.push_back(mesh_.facing(f));
-    }
-    return out;
+  std::vector<LabelledFaces> result() const {
+    return meshesOf(world_, mesh_.faces(), mesh_.labels());
   }
 
  private:
+  bool isAnyAbove(const std::vector<std::uint16_t>& labels, std::size_t triangles) const {
+    return std::any_of(labels.begin(), labels.end(),
+                       [&](std::uint16_t label) { return mesh_.trianglesLeft(label) > triangles; });
+  }
+
+  void offerAgain(const std::vector<Candidate>& candidates) {
+    for (const Candidate& again : candidates) {
+      if (!isStale(again)) queue_.push(again);
+    }
+  }
+
   bool isStale(const Candidate& c) const {
     return version_[c.from] != c.fromVersion || version_[c.to] != c.toVersion;
   }
@@ -141,6 +155,7 @@ class Decimator {
 
   // Where the edge goes; nothing where its collapse would change a region.
   std::optional<glm::dvec3> placeOf(Index a, Index b) const {
+    if (fixed_[a] || fixed_[b]) return {};
     const int rimsA = mesh_.rimEdges(a), rimsB = mesh_.rimEdges(b);
     if (rimsA != 0 && rimsB != 0 && !mesh_.isRim(a, b)) return {};
     const bool fixedA = rimsA != 0 && rimsA != 2, fixedB = rimsB != 0 && rimsB != 2;
@@ -176,7 +191,7 @@ class Decimator {
     for (const Index v : {a, b}) {
       for (const Index f : mesh_.facesAround(v)) {
         if (mesh_.has(f, a) && mesh_.has(f, b)) continue;
-        const glm::uvec3& t = mesh_.faces()[f];
+        const glm::uvec3& t = mesh_.faces()[f].corner;
         const glm::dvec3 before = areaNormal(t);
         const auto corner = [&](int k) { return t[k] == v ? place : at_[t[k]]; };
         const glm::dvec3 p = corner(0);
@@ -213,11 +228,14 @@ class Decimator {
     // The pull ranks collapses that cost nothing: short edges first, so that planes are thinned out
     // evenly.
     const double squared = glm::dot(at_[a] - at_[b], at_[a] - at_[b]);
-    const double cost = std::max(q(*place), 0.0) + kPull * q.weight() * squared;
-    queue_.push({cost, a, b, version_[a], version_[b]});
+    const double error = std::max(q(*place), 0.0);
+    queue_.push({error + kPull * q.weight() * squared, q.weight() > 0.0 ? error / q.weight() : 0.0,
+                 a, b, version_[a], version_[b]});
   }
 
   CollapsingMesh mesh_;
+  std::vector<bool> fixed_;
+  std::size_t above_ = 0;          // labels with more triangles than are asked for
   std::vector<glm::dvec3> world_;  // to the bit where nothing moved
   std::vector<glm::dvec3> at_;     // in the unit box
   glm::dvec3 middle_{0.0};
@@ -229,22 +247,36 @@ class Decimator {
 
 }  // namespace
 
-std::vector<CoarseMesh> decimated(const TriangleMesh& mesh, std::span<const std::uint16_t> facing,
-                                  std::span<const std::size_t> triangles) {
-  assert(facing.size() == mesh.triangles.size());
-  std::vector<CoarseMesh> out(triangles.size());
-  if (out.empty()) return out;  // the decimator's own set-up costs more than the mesh did
+std::vector<std::vector<CoarseMesh>> decimated(const Complex& complex,
+                                               std::span<const std::size_t> triangles) {
+  std::vector<std::vector<CoarseMesh>> out(complex.labels,
+                                           std::vector<CoarseMesh>(triangles.size()));
+  if (triangles.empty()) return out;  // the decimator's own set-up costs more than the mesh did
   std::vector<std::size_t> order(triangles.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return triangles[a] > triangles[b]; });
-  Decimator decimator(mesh, facing);
+  Decimator decimator(complex);
   for (const std::size_t i : order) {
-    decimator.collapseTo(triangles[i]);
-    out[i] = decimator.result();
-    out[i].asked = triangles[i];
+    decimator.collapseTo(triangles[i], std::numeric_limits<double>::infinity());
+    std::vector<LabelledFaces> result = decimator.result();
+    for (std::size_t label = 0; label < result.size(); ++label) {
+      out[label][i] = {std::move(result[label].mesh.mesh), std::move(result[label].facing),
+                       triangles[i]};
+    }
   }
   return out;
+}
+
+std::vector<CoarseMesh> decimated(const TriangleMesh& mesh, std::span<const std::uint16_t> facing,
+                                  std::span<const std::size_t> triangles) {
+  return std::move(decimated(complexOf(mesh, facing), triangles).front());
+}
+
+std::vector<LabelledFaces> simplified(const Complex& complex, double error) {
+  Decimator decimator(complex);
+  decimator.collapseTo(0, error);
+  return decimator.result();
 }
 
 }  // namespace sherd

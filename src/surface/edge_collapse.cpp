@@ -5,42 +5,75 @@
 #include <iterator>
 
 namespace sherd {
+namespace {
 
-CollapsingMesh::CollapsingMesh(const TriangleMesh& mesh, std::span<const std::uint16_t> facing)
-    : faces_(mesh.triangles),
-      facing_(facing.begin(), facing.end()),
-      around_(mesh.vertices.size()),
-      left_(faces_.size()) {
+template <class T>
+void sortUnique(std::vector<T>& all) {
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+}
+
+}  // namespace
+
+CollapsingMesh::CollapsingMesh(const Complex& complex)
+    : faces_(complex.faces),
+      around_(complex.vertices.size()),
+      labels_(complex.labels),
+      left_(std::size_t{labels_} + 1, 0) {
   for (Index f = 0; f < faces_.size(); ++f) {
-    for (int k = 0; k < 3; ++k) around_[faces_[f][k]].push_back(f);
+    for (int k = 0; k < 3; ++k) around_[faces_[f].corner[k]].push_back(f);
+    for (const std::uint16_t label : {faces_[f].front, faces_[f].back}) {
+      if (label <= labels_) ++left_[label];
+    }
   }
+}
+
+std::uint64_t CollapsingMesh::region(Index f) const {
+  const ComplexFace& face = faces_[f];
+  const bool isBetween = face.back >= 1 && face.back <= labels_;
+  return std::uint64_t{isBetween} << 32 | std::uint64_t{face.front} << 16 |
+         (isBetween ? face.back : face.facing);
 }
 
 std::vector<CollapsingMesh::Index> CollapsingMesh::neighbours(Index v) const {
   std::vector<Index> found;
   for (const Index f : around_[v]) {
     for (int k = 0; k < 3; ++k) {
-      if (faces_[f][k] != v) found.push_back(faces_[f][k]);
+      if (faces_[f].corner[k] != v) found.push_back(faces_[f].corner[k]);
     }
   }
-  std::sort(found.begin(), found.end());
-  found.erase(std::unique(found.begin(), found.end()), found.end());
+  sortUnique(found);
+  return found;
+}
+
+std::vector<CollapsingMesh::Index> CollapsingMesh::neighboursOn(std::uint16_t label,
+                                                                Index v) const {
+  std::vector<Index> found;
+  for (const Index f : around_[v]) {
+    if (!faces_[f].isOf(label)) continue;
+    for (int k = 0; k < 3; ++k) {
+      if (faces_[f].corner[k] != v) found.push_back(faces_[f].corner[k]);
+    }
+  }
+  sortUnique(found);
   return found;
 }
 
 bool CollapsingMesh::isRim(Index a, Index b) const {
-  std::uint16_t found[2] = {0, 0};  // by the two faces at the edge
   std::size_t n = 0;
+  std::uint64_t first = 0;
   for (const Index f : around_[a]) {
-    if (has(f, b)) found[n++ & 1] = facing_[f];
+    if (!has(f, b)) continue;
+    if (n++ == 0) first = region(f);
+    if (region(f) != first) return true;
   }
-  return found[0] != found[1];
+  return n != 2;
 }
 
 int CollapsingMesh::rimEdges(Index v) const {
-  const std::uint16_t first = facing_[around_[v].front()];
+  const std::uint64_t first = region(around_[v].front());
   if (std::all_of(around_[v].begin(), around_[v].end(),
-                  [&](Index f) { return facing_[f] == first; })) {
+                  [&](Index f) { return region(f) == first; })) {
     return 0;
   }
   int count = 0;
@@ -48,21 +81,50 @@ int CollapsingMesh::rimEdges(Index v) const {
   return count;
 }
 
+std::vector<std::uint16_t> CollapsingMesh::labelsAt(Index a, Index b) const {
+  std::vector<std::uint16_t> found;
+  for (const Index f : around_[a]) {
+    if (!has(f, b)) continue;
+    for (const std::uint16_t label : {faces_[f].front, faces_[f].back}) {
+      if (label >= 1 && label <= labels_) found.push_back(label);
+    }
+  }
+  sortUnique(found);
+  return found;
+}
+
 bool CollapsingMesh::keepsTopology(Index a, Index b) const {
-  const std::vector<Index> na = neighbours(a), nb = neighbours(b);
-  std::vector<Index> common;
-  std::set_intersection(na.begin(), na.end(), nb.begin(), nb.end(), std::back_inserter(common));
-  if (common.size() != 2) return false;
-  if (na.size() == 3 && nb.size() == 3) return false;  // a tetrahedron
+  std::vector<std::uint16_t> labels;
+  for (const Index v : {a, b}) {
+    for (const Index f : around_[v]) {
+      for (const std::uint16_t label : {faces_[f].front, faces_[f].back}) {
+        if (label >= 1 && label <= labels_) labels.push_back(label);
+      }
+    }
+  }
+  sortUnique(labels);
+  for (const std::uint16_t label : labels) {
+    const std::vector<Index> na = neighboursOn(label, a), nb = neighboursOn(label, b);
+    if (na.empty() || nb.empty()) continue;  // it moves, or stays, as a whole
+    if (!std::binary_search(na.begin(), na.end(), b)) return false;  // it would touch itself
+    std::vector<Index> common;
+    std::set_intersection(na.begin(), na.end(), nb.begin(), nb.end(), std::back_inserter(common));
+    if (common.size() != 2) return false;
+    if (na.size() == 3 && nb.size() == 3) return false;  // a tetrahedron
+  }
   if (!isRim(a, b)) return true;
   // A face with all three edges on rims is a region, or the end of one, that would vanish.
-  return !(isRim(a, common[0]) && isRim(b, common[0])) &&
-         !(isRim(a, common[1]) && isRim(b, common[1]));
+  return std::none_of(around_[a].begin(), around_[a].end(), [&](Index f) {
+    if (!has(f, b)) return false;
+    const glm::uvec3& t = faces_[f].corner;
+    const Index c = t.x != a && t.x != b ? t.x : (t.y != a && t.y != b ? t.y : t.z);
+    return isRim(a, c) && isRim(b, c);
+  });
 }
 
 void CollapsingMesh::collapse(Index a, Index b) {
   for (const Index f : around_[b]) {
-    glm::uvec3& t = faces_[f];
+    glm::uvec3& t = faces_[f].corner;
     if (!has(f, a)) {
       for (int k = 0; k < 3; ++k) {
         if (t[k] == b) t[k] = a;
@@ -74,7 +136,9 @@ void CollapsingMesh::collapse(Index a, Index b) {
       if (t[k] != b) std::erase(around_[t[k]], f);
     }
     t = glm::uvec3(0);
-    --left_;
+    for (const std::uint16_t label : {faces_[f].front, faces_[f].back}) {
+      if (label <= labels_) --left_[label];
+    }
   }
   around_[b].clear();
 }

@@ -10,10 +10,12 @@
 
 #include "surface/contacts.h"
 #include "surface/cut.h"
+#include "surface/decimate.h"
 #include "surface/interface_mesh.h"
 #include "surface/label_mesh.h"
 #include "surface/level_set.h"
 #include "surface/mesh.h"
+#include "surface/smooth.h"
 
 namespace sherd {
 namespace {
@@ -60,6 +62,52 @@ double fractureArea(const Fragment& fragment) {
   return area(cut);
 }
 
+// The meshes of all fragments, with what two share the same to the bit.
+void meshTogether(std::span<Fragment> fragments, const Solid& solid, const Labels& labels,
+                  const Cut& cut, const Labels* unworn, const SurfaceOptions& surface) {
+  std::vector<LabelledMesh> meshes =
+      interfaceMeshes(solid, labels, cut, static_cast<int>(fragments.size()));
+  std::vector<std::vector<std::uint16_t>> facing(meshes.size());
+  tbb::parallel_for(std::size_t{0}, meshes.size(), [&](std::size_t i) {
+    facing[i] = meshes[i].other;
+    if (!unworn) return;
+    std::vector<bool> original;
+    for (const std::uint16_t other : facing[i]) original.push_back(other == 0);
+    facing[i] =
+        facingOf(meshes[i].mesh, original, static_cast<std::uint16_t>(i + 1), solid, *unworn, true);
+  });
+  if (surface.adaptivity > 0.0) {
+    std::vector<LabelledFaces> fewer =
+        simplified(complexOf(meshes, facing), surface.adaptivity * solid.frame.voxelSize);
+    for (std::size_t i = 0; i < meshes.size(); ++i) {
+      meshes[i] = std::move(fewer[i].mesh);
+      facing[i] = std::move(fewer[i].facing);
+    }
+  }
+  smoothTogether(meshes, facing, surface.smooth, solid.box.longestSide());
+  std::vector<std::vector<CoarseMesh>> coarse;
+  if (!surface.triangles.empty()) coarse = decimated(complexOf(meshes, facing), surface.triangles);
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    fragments[i].mesh = std::move(meshes[i].mesh);
+    fragments[i].facing = std::move(facing[i]);
+    if (!coarse.empty()) fragments[i].coarse = std::move(coarse[i]);
+  }
+}
+
+// The same for a fragment that was meshed by itself.
+void shape(Fragment& fragment, const SurfaceOptions& surface, const Solid& solid) {
+  if (surface.adaptivity > 0.0) {
+    LabelledFaces fewer = std::move(simplified(complexOf(fragment.mesh, fragment.facing),
+                                               surface.adaptivity * solid.frame.voxelSize)
+                                        .front());
+    fragment.mesh = std::move(fewer.mesh.mesh);
+    fragment.facing = std::move(fewer.facing);
+  }
+  fragment.mesh =
+      smoothed(std::move(fragment.mesh), fragment.facing, surface.smooth, solid.box.longestSide());
+  fragment.coarse = decimated(fragment.mesh, fragment.facing, surface.triangles);
+}
+
 }  // namespace
 
 std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels, int count,
@@ -77,10 +125,9 @@ std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
 
   const bool isShared =
       surface.surface == Surface::smooth && surface.interface == Interface::shared;
-  std::vector<LabelledMesh> shared;
-  if (isShared) shared = interfaceMeshes(solid, labels, cut, count);
-
+  const Labels& before = unworn ? *unworn : labels;
   std::vector<Fragment> fragments(static_cast<std::size_t>(count));
+  if (isShared) meshTogether(fragments, solid, labels, cut, unworn, surface);
   const auto extract = [&](std::size_t i) {
     Fragment& fragment = fragments[i];
     fragment.id = static_cast<int>(i) + 1;
@@ -88,30 +135,19 @@ std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
     fragment.voxels = voxels[i + 1];
     fragment.voxelBox = voxelBox(solid, labels, id, leaves[i + 1]);
     fragment.surface = fragmentLevelSet(solid, cut, id, leaves[i + 1]);
-    const Labels& before = unworn ? *unworn : labels;
     if (surface.surface == Surface::labels) {
       VoxelMesh meshed =
           meshOfFaces(facesOf(solid, labels, before, id, leaves[i + 1]), solid.frame);
       fragment.mesh = std::move(meshed.mesh);
       fragment.facing = std::move(meshed.facing);
-    } else if (isShared) {
-      fragment.mesh = std::move(shared[i].mesh);
-      fragment.facing = std::move(shared[i].other);
-      if (unworn) {
-        std::vector<bool> original;
-        for (const std::uint16_t other : fragment.facing) original.push_back(other == 0);
-        fragment.facing = facingOf(fragment.mesh, original, id, solid, before, true);
-      }
-    } else {
+    } else if (!isShared) {
       LevelSetMesh meshed =
           meshLevelSet(*fragment.surface, solid.frame, solidOver(solid, leaves[i + 1]).get());
       fragment.mesh = std::move(meshed.mesh);
       fragment.facing =
           facingOf(fragment.mesh, meshed.original, id, solid, before, unworn != nullptr);
     }
-    fragment.mesh = smoothed(std::move(fragment.mesh), fragment.facing, surface.smooth,
-                             solid.box.longestSide());
-    fragment.coarse = decimated(fragment.mesh, fragment.facing, surface.triangles);
+    if (!isShared) shape(fragment, surface, solid);
     fragment.mass = massProperties(fragment.mesh);
     fragment.area = area(fragment.mesh);
     fragment.fractureArea = fractureArea(fragment);
@@ -124,7 +160,7 @@ std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
          static_cast<double>(std::min(first + kRound, fragments.size())) /
              static_cast<double>(fragments.size()));
   }
-  addContacts(fragments, solid, unworn ? *unworn : labels);
+  addContacts(fragments, solid, before);
   return fragments;
 }
 

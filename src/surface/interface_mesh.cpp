@@ -32,8 +32,10 @@ struct LeafCells {
   std::vector<Cell> cells;
   std::array<std::uint16_t, 512> cellAt{};  // by offset; kNoCell where no surface passes
   std::vector<glm::dvec3> vertices;         // [loops] index space
-  std::vector<Junction> junctions;          // vertices within the leaf
-  std::size_t firstVertex = 0;              // in the whole mesh
+  std::vector<std::uint32_t> places;        // [loops] equal where they share a position
+  std::uint32_t placeCount = 0;
+  std::vector<Junction> junctions;  // vertices within the leaf
+  std::size_t firstVertex = 0;      // in the whole mesh
 };
 
 // Labels and distances by voxel, over leaf blocks.
@@ -194,6 +196,7 @@ LeafCells cellsOf(const Field& field, std::size_t leaf) {
     const CellValues values = valuesOf(field, distance, leaf, at.x(), at.y(), at.z(), labels);
     const glm::dvec3 low(origin.x() + at.x(), origin.y() + at.y(), origin.z() + at.z());
     found.vertices.resize(found.vertices.size() + cell.sheets.loops);
+    found.places.resize(found.vertices.size());
     for (std::uint8_t p = 0; p < cell.sheets.positions; ++p) {
       const CellVertex vertex = cellVertex(values, cell.sheets, p, field.cut().stairs);
       Junction junction{{}, low + vertex.wanted};
@@ -201,9 +204,11 @@ LeafCells cellsOf(const Field& field, std::size_t leaf) {
         if (cell.sheets.positionOfLoop[l] != p) continue;
         junction.vertices.push_back(cell.firstLoop + l);
         found.vertices[cell.firstLoop + l] = low + vertex.at;
+        found.places[cell.firstLoop + l] = found.placeCount + p;
       }
       if (vertex.wanted != vertex.at) found.junctions.push_back(std::move(junction));
     }
+    found.placeCount += cell.sheets.positions;
     found.cellAt[offset] = static_cast<std::uint16_t>(found.cells.size());
     found.cells.push_back(cell);
   }
@@ -272,12 +277,13 @@ std::vector<std::vector<InterfaceQuad>> byLabel(
 }
 
 LabelledMesh meshOf(std::span<const InterfaceQuad> quads, std::span<const glm::dvec3> vertices,
-                    std::span<std::uint32_t> numbers) {
+                    std::span<const std::uint32_t> places, std::span<std::uint32_t> numbers) {
   LabelledMesh out;
   const auto number = [&](std::uint32_t vertex) {
     if (numbers[vertex] == kNone) {
       numbers[vertex] = static_cast<std::uint32_t>(out.mesh.vertices.size());
       out.mesh.vertices.push_back(vertices[vertex]);
+      out.place.push_back(places[vertex]);
     }
     return numbers[vertex];
   };
@@ -305,15 +311,20 @@ std::vector<LabelledMesh> interfaceMeshes(const Solid& solid, const Labels& labe
   std::vector<LeafCells> cells(solid.blocks.count());
   forEach(cells.size(), [&](std::size_t leaf) { cells[leaf] = cellsOf(field, leaf); });
   std::vector<glm::dvec3> vertices;
+  std::vector<std::uint32_t> places;
+  std::uint32_t placeCount = 0;
   std::vector<Junction> junctions;
   for (LeafCells& leaf : cells) {
     leaf.firstVertex = vertices.size();
+    for (const std::uint32_t place : leaf.places) places.push_back(placeCount + place);
+    placeCount += leaf.placeCount;
     vertices.insert(vertices.end(), leaf.vertices.begin(), leaf.vertices.end());
     for (Junction& junction : leaf.junctions) {
       for (std::uint32_t& v : junction.vertices) v += static_cast<std::uint32_t>(leaf.firstVertex);
       junctions.push_back(std::move(junction));
     }
     leaf.vertices = {};
+    leaf.places = {};
   }
   std::vector<std::vector<InterfaceQuad>> quads(cells.size());
   forEach(cells.size(), [&](std::size_t leaf) { quads[leaf] = quadsOf(field, cells, leaf); });
@@ -323,7 +334,8 @@ std::vector<LabelledMesh> interfaceMeshes(const Solid& solid, const Labels& labe
   // A vertex belongs to one label, so fragments number theirs side by side.
   std::vector<std::uint32_t> numbers(vertices.size(), kNone);
   std::vector<LabelledMesh> meshes(sorted.size());
-  forEach(meshes.size(), [&](std::size_t i) { meshes[i] = meshOf(sorted[i], vertices, numbers); });
+  forEach(meshes.size(),
+          [&](std::size_t i) { meshes[i] = meshOf(sorted[i], vertices, places, numbers); });
   return meshes;
 }
 

@@ -2,30 +2,23 @@
 #pragma once
 
 #include <sherd/labels.h>
-#include <sherd/mesh.h>
 #include <sherd/solid.h>
 
-#include <cstdint>
 #include <vector>
 
+#include "surface/complex.h"
 #include "surface/cut.h"
 
 namespace sherd {
-
-/// A fragment's part of it.
-struct LabelledMesh {
-  TriangleMesh mesh;                 ///< world units, closed, manifold, oriented outwards
-  std::vector<std::uint16_t> other;  ///< [triangles] the label on the other side; 0: outside
-};
 
 /// Mesh all labels at once: a dual mesh over the cells between voxel centres, with a quad, split in
 /// two, for each pair of face neighbours of different labels.  So what two fragments share is one
 /// set of faces, seen from both sides, vertex for vertex and bit for bit; and a face's two labels
 /// are known, not guessed.
 ///
-/// A cell has a vertex per sheet (see cell.h): the mean of the crossings of its edges by the
-/// solid's surface or by the cut, as in surface nets; where surfaces of several pairs of labels
-/// meet it lies where their planes do, so that rims are sharp.
+/// A cell has a place per surface that passes, and a vertex per sheet (see cell.h): the mean of the
+/// crossings of its edges by the solid's surface or by the cut, as in surface nets; where surfaces
+/// of several pairs of labels meet it lies where their planes do, so that rims are sharp.
 ///   return  [fragments] of labels 1..fragments
 ///   source  Gibson, Constrained Elastic Surface Nets, 1998; Ju et al., Dual Contouring of Hermite
 ///           Data, 2002; Wenger, Isosurfaces, 2013 (cells that share an ambiguous face)

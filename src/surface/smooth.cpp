@@ -1,7 +1,10 @@
 // Laplacian smoothing in two passes.
+#include "surface/smooth.h"
+
 #include <sherd/error.h>
 #include <sherd/surface.h>
 
+#include <algorithm>
 #include <cassert>
 #include <cstddef>
 #include <set>
@@ -10,9 +13,35 @@
 namespace sherd {
 namespace {
 
-// One pass: vertices with moves[v] go towards the mean over `faces`, all at once.
-void smooth(std::vector<glm::dvec3>& vertices, const std::vector<glm::uvec3>& faces,
-            const std::vector<bool>& moves, double weight, int iterations) {
+// What is smoothed: one mesh, or several whose vertices at one place stay together.
+struct Smoothed {
+  std::vector<glm::dvec3> vertices;
+  std::vector<glm::uvec3> faces;
+  std::vector<bool> boundary;         // [vertices]
+  std::vector<std::uint32_t> places;  // [vertices] or empty
+};
+
+// Vertices that move and share a place all go to their mean.
+void bringTogether(Smoothed& mesh, const std::vector<bool>& moves) {
+  if (mesh.places.empty()) return;
+  const std::uint32_t count = *std::max_element(mesh.places.begin(), mesh.places.end()) + 1;
+  std::vector<glm::dvec3> sum(count, glm::dvec3(0.0));
+  std::vector<int> members(count, 0);
+  for (std::size_t v = 0; v < moves.size(); ++v) {
+    if (!moves[v]) continue;
+    sum[mesh.places[v]] += mesh.vertices[v];
+    ++members[mesh.places[v]];
+  }
+  for (std::size_t v = 0; v < moves.size(); ++v) {
+    const std::uint32_t place = mesh.places[v];
+    if (moves[v]) mesh.vertices[v] = sum[place] / static_cast<double>(members[place]);
+  }
+}
+
+// One pass: vertices with moves[v] go towards the mean over faces, all at once.
+void smooth(Smoothed& mesh, const std::vector<bool>& moves, double weight, int iterations) {
+  std::vector<glm::dvec3>& vertices = mesh.vertices;
+  const std::vector<glm::uvec3>& faces = mesh.faces;
   if (weight == 0.0 || iterations == 0) return;
   std::vector<int> neighbours(vertices.size(), 0);
   for (const glm::uvec3& face : faces) {
@@ -31,12 +60,37 @@ void smooth(std::vector<glm::dvec3>& vertices, const std::vector<glm::uvec3>& fa
       if (!moves[v] || neighbours[v] == 0) continue;
       vertices[v] += weight * (sum[v] / static_cast<double>(neighbours[v]) - vertices[v]);
     }
+    bringTogether(mesh, moves);
+  }
+}
+
+void smooth(Smoothed& mesh, const SmoothOptions& options, int longestSide) {
+  std::vector<bool> other = mesh.boundary;
+  other.flip();
+  smooth(mesh, other, options.weight, options.iterations.over(longestSide));
+  smooth(mesh, mesh.boundary, options.boundaryWeight, options.boundaryIterations.over(longestSide));
+}
+
+// Add a mesh behind what is there.
+void add(Smoothed& to, const TriangleMesh& mesh, std::span<const std::uint16_t> facing) {
+  assert(facing.size() == mesh.triangles.size());
+  const auto first = static_cast<unsigned>(to.vertices.size());
+  to.vertices.insert(to.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
+  to.boundary.resize(to.vertices.size(), false);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    to.faces.push_back(mesh.triangles[t] + first);
+    for (int k = 0; facing[t] != 0 && k < 3; ++k) to.boundary[to.faces.back()[k]] = true;
   }
 }
 
 bool areGood(const Iterations& iterations) {
   return iterations.count >= 0 && iterations.count <= 1000 && iterations.perVoxel >= 0.0 &&
          iterations.perVoxel <= 1.0;
+}
+
+bool movesAnything(const SmoothOptions& options, int longestSide) {
+  return options.iterations.over(longestSide) > 0 ||
+         options.boundaryIterations.over(longestSide) > 0;
 }
 
 bool isShare(double weight) { return weight >= 0.0 && weight <= 1.0; }
@@ -50,6 +104,9 @@ void checkSurfaceOptions(const SurfaceOptions& options) {
     throw Error(ErrorCode::usage,
                 "smoothing takes weights of 0..1, and 0..1000 iterations or 0..1 a voxel");
   }
+  if (!(options.adaptivity >= 0.0 && options.adaptivity <= 1.0)) {
+    throw Error(ErrorCode::usage, "the adaptivity lies in 0..1");
+  }
   std::set<std::size_t> seen;
   for (const std::size_t triangles : options.triangles) {
     if (triangles < 4 || !seen.insert(triangles).second) {
@@ -61,18 +118,30 @@ void checkSurfaceOptions(const SurfaceOptions& options) {
 
 TriangleMesh smoothed(TriangleMesh mesh, std::span<const std::uint16_t> facing,
                       const SmoothOptions& options, int longestSide) {
-  assert(facing.size() == mesh.triangles.size());
-  std::vector<bool> boundary(mesh.vertices.size(), false);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    for (int k = 0; facing[t] != 0 && k < 3; ++k) boundary[mesh.triangles[t][k]] = true;
-  }
-  std::vector<bool> other = boundary;
-  other.flip();
-  smooth(mesh.vertices, mesh.triangles, other, options.weight,
-         options.iterations.over(longestSide));
-  smooth(mesh.vertices, mesh.triangles, boundary, options.boundaryWeight,
-         options.boundaryIterations.over(longestSide));
+  if (!movesAnything(options, longestSide)) return mesh;
+  Smoothed all;
+  add(all, mesh, facing);
+  smooth(all, options, longestSide);
+  mesh.vertices = std::move(all.vertices);
   return mesh;
+}
+
+void smoothTogether(std::span<LabelledMesh> meshes,
+                    std::span<const std::vector<std::uint16_t>> facing,
+                    const SmoothOptions& options, int longestSide) {
+  if (!movesAnything(options, longestSide)) return;
+  Smoothed all;
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    add(all, meshes[i].mesh, facing[i]);
+    all.places.insert(all.places.end(), meshes[i].place.begin(), meshes[i].place.end());
+  }
+  smooth(all, options, longestSide);
+  auto from = all.vertices.begin();
+  for (LabelledMesh& mesh : meshes) {
+    const auto to = from + static_cast<std::ptrdiff_t>(mesh.mesh.vertices.size());
+    mesh.mesh.vertices.assign(from, to);
+    from = to;
+  }
 }
 
 }  // namespace sherd

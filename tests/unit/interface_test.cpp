@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "kernels/device_fixture.h"
 #include "mesh_checks.h"
@@ -130,15 +131,15 @@ TEST(Interface, AVoxelAloneKeepsMostOfItsVolume) {
 using Face = std::array<std::array<double, 3>, 3>;
 
 // The faces of a mesh towards a label, each from its least corner on, in order.
-std::vector<Face> facesTowards(const Fragment& fragment, int other, bool reversed) {
+std::vector<Face> facesTowards(const TriangleMesh& mesh, const std::vector<std::uint16_t>& facing,
+                               int other, bool reversed) {
   std::vector<Face> faces;
-  for (std::size_t t = 0; t < fragment.facing.size(); ++t) {
-    if (fragment.facing[t] != other) continue;
+  for (std::size_t t = 0; t < facing.size(); ++t) {
+    if (facing[t] != other) continue;
     Face face;
     for (std::size_t k = 0; k < 3; ++k) {
       const glm::dvec3& v =
-          fragment.mesh
-              .vertices[fragment.mesh.triangles[t][static_cast<int>(reversed ? 2 - k : k)]];
+          mesh.vertices[mesh.triangles[t][static_cast<int>(reversed ? 2 - k : k)]];
       face[k] = {v.x, v.y, v.z};
     }
     std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
@@ -150,21 +151,89 @@ std::vector<Face> facesTowards(const Fragment& fragment, int other, bool reverse
 
 using InterfaceOfFracture = DeviceTest;
 
+// Faces that two fragments share, which must be the same from both sides.
+std::size_t sharedFaces(const FractureResult& result) {
+  std::size_t faces = 0;
+  const auto compare = [&](const Fragment& a, const Fragment& b, const auto& meshOf) {
+    const auto& [mesh, facing] = meshOf(a);
+    const auto& [theirs, theirFacing] = meshOf(b);
+    const std::vector<Face> ours = facesTowards(mesh, facing, b.id, false);
+    EXPECT_TRUE(ours == facesTowards(theirs, theirFacing, a.id, true)) << a.id << " and " << b.id;
+    faces += ours.size();
+  };
+  for (const Fragment& a : result.fragments) {
+    for (const Fragment& b : result.fragments) {
+      if (b.id <= a.id) continue;
+      compare(a, b, [](const Fragment& f) { return std::pair(f.mesh, f.facing); });
+      for (std::size_t i = 0; i < a.coarse.size(); ++i) {
+        compare(a, b,
+                [&](const Fragment& f) { return std::pair(f.coarse[i].mesh, f.coarse[i].facing); });
+      }
+    }
+  }
+  return faces;
+}
+
 TEST_F(InterfaceOfFracture, IsTheSameFromBothSidesBitForBit) {
   for (const TriangleMesh& mesh :
        {shapes::ball(1.0), shapes::cup(1.0, 0.08, 1.5, 0.25, 64), shapes::torus(1.0, 0.4)}) {
-    const FractureResult result = fracture(
-        mesh, {.pieces = 12, .seed = 4, .resolution = 64, .grow = {.roughness = 1.0}}, device());
-    std::size_t faces = 0;
-    for (const Fragment& a : result.fragments) {
-      for (const Fragment& b : result.fragments) {
-        if (b.id <= a.id) continue;
-        const std::vector<Face> ours = facesTowards(a, b.id, false);
-        EXPECT_TRUE(ours == facesTowards(b, a.id, true)) << a.id << " and " << b.id;
-        faces += ours.size();
+    EXPECT_GT(sharedFaces(fracture(
+                  mesh, {.pieces = 12, .seed = 4, .resolution = 64, .grow = {.roughness = 1.0}},
+                  device())),
+              500u);
+  }
+}
+
+TEST_F(InterfaceOfFracture, StaysTheSameSimplifiedSmoothedDecimatedAndWorn) {
+  for (const double roughness : {0.0, 1.0}) {
+    for (const double adaptivity : {0.0, 0.1}) {
+      for (const int iterations : {0, 3}) {
+        for (const int wear : {0, 1}) {
+          SCOPED_TRACE(testing::Message()
+                       << roughness << ' ' << adaptivity << ' ' << iterations << ' ' << wear);
+          FractureOptions options{.pieces = 9, .seed = 4, .resolution = 48};
+          options.grow.roughness = roughness;
+          options.surface.adaptivity = adaptivity;
+          options.surface.smooth.iterations = {iterations};
+          options.surface.smooth.boundaryIterations = {iterations};
+          options.surface.triangles = {800, 200};
+          options.erode.iterations = wear;
+          options.erode.probability = 0.2;
+          const FractureResult result =
+              fracture(shapes::cup(1.0, 0.3, 1.5, 0.3, 64), options, device());
+          // Worn faces tell what they faced, but are not shared.
+          if (wear == 0) {
+            EXPECT_GT(sharedFaces(result), 100u);
+          }
+          for (const Fragment& fragment : result.fragments) {
+            expectClosedManifold(fragment.mesh);
+            ASSERT_EQ(fragment.coarse.size(), 2u);
+            for (const CoarseMesh& coarse : fragment.coarse) {
+              expectClosedManifold(coarse.mesh);
+              // Regions of worn and rough cracks are many, and each keeps its border.
+              if (roughness == 0.0 && wear == 0) {
+                EXPECT_LE(coarse.mesh.triangles.size(), coarse.asked);
+              }
+            }
+          }
+        }
       }
     }
-    EXPECT_GT(faces, 500u);
+  }
+}
+
+TEST_F(InterfaceOfFracture, SimplifiedKeepsThePlaceOfTheSurface) {
+  // Flat faces and flat cracks need few polygons, and lose nothing by it.
+  FractureOptions options{.pieces = 6, .seed = 2, .resolution = 64};
+  const FractureResult all = fracture(shapes::cube(1.0), options, device());
+  options.surface.adaptivity = 0.05;
+  const FractureResult fewer = fracture(shapes::cube(1.0), options, device());
+  const double h = all.solid.frame.voxelSize;
+  for (std::size_t i = 0; i < all.fragments.size(); ++i) {
+    const Fragment &a = all.fragments[i], &b = fewer.fragments[i];
+    EXPECT_LT(5 * b.mesh.triangles.size(), a.mesh.triangles.size());
+    EXPECT_NEAR(a.mass.volume, b.mass.volume, 0.05 * h * a.area);
+    EXPECT_NEAR(a.fractureArea, b.fractureArea, 0.01 * a.area);
   }
 }
 

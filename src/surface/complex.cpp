@@ -1,0 +1,152 @@
+// Joining meshes into a complex, and taking it apart.
+#include "surface/complex.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cassert>
+#include <map>
+#include <utility>
+
+namespace sherd {
+namespace {
+
+constexpr std::uint32_t kNone = 0xffffffffu;
+
+// Which of a label's vertices at its place each vertex is: 0, 1, ..
+std::vector<std::uint8_t> sheetsOf(const LabelledMesh& mesh, std::vector<std::uint8_t>& count) {
+  std::vector<std::uint8_t> sheet;
+  sheet.reserve(mesh.place.size());
+  for (const std::uint32_t place : mesh.place) sheet.push_back(count[place]++);
+  for (const std::uint32_t place : mesh.place) count[place] = 0;
+  return sheet;
+}
+
+LabelledFaces meshOf(std::span<const glm::dvec3> vertices, std::span<const ComplexFace> faces,
+                     std::span<const std::uint32_t> own, std::uint16_t label) {
+  LabelledFaces out;
+  const auto add = [&](std::uint32_t v) {
+    out.mesh.mesh.vertices.push_back(vertices[v]);
+    out.mesh.place.push_back(v);
+    return static_cast<std::uint32_t>(out.mesh.place.size() - 1);
+  };
+  // In the order of the complex, so that a mesh which nothing happened to stays as it was.
+  std::vector<std::uint32_t> number(vertices.size(), kNone);
+  for (const std::uint32_t f : own) {
+    for (int k = 0; k < 3; ++k) number[faces[f].corner[k]] = 0;
+  }
+  for (std::uint32_t v = 0; v < number.size(); ++v) {
+    if (number[v] != kNone) number[v] = add(v);
+  }
+  std::map<std::pair<std::uint32_t, std::uint8_t>, std::uint32_t> further;  // of sheets above 0
+  for (const std::uint32_t f : own) {
+    const ComplexFace& face = faces[f];
+    const bool isFront = face.front == label;
+    glm::uvec3 corner;
+    for (const int k : {0, 1, 2}) {
+      const std::uint32_t v = face.corner[k];
+      const std::uint8_t sheet =
+          (isFront ? face.frontSheet : face.backSheet)[static_cast<std::size_t>(k)];
+      if (sheet == 0) {
+        corner[k] = number[v];
+      } else {
+        const auto [found, isNew] = further.try_emplace({v, sheet}, kNone);
+        if (isNew) found->second = add(v);
+        corner[k] = found->second;
+      }
+    }
+    if (!isFront) std::swap(corner.y, corner.z);
+    out.mesh.mesh.triangles.push_back(corner);
+    out.mesh.other.push_back(isFront ? face.back : face.front);
+    out.facing.push_back(isFront ? face.facing : face.front);
+  }
+  return out;
+}
+
+}  // namespace
+
+Complex complexOf(const TriangleMesh& mesh, std::span<const std::uint16_t> facing) {
+  assert(facing.size() == mesh.triangles.size());
+  Complex out{mesh.vertices, std::vector<bool>(mesh.vertices.size(), false), {}, 1};
+  out.faces.reserve(mesh.triangles.size());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    out.faces.push_back({mesh.triangles[t], 1, 0, facing[t]});
+  }
+  return out;
+}
+
+Complex complexOf(std::span<const LabelledMesh> meshes,
+                  std::span<const std::vector<std::uint16_t>> facing) {
+  Complex out;
+  out.labels = static_cast<std::uint16_t>(meshes.size());
+  std::size_t places = 0;
+  for (const LabelledMesh& mesh : meshes) {
+    for (const std::uint32_t place : mesh.place) places = std::max<std::size_t>(places, place + 1u);
+  }
+  out.vertices.resize(places);
+  out.fixed.resize(places);
+  std::vector<std::uint8_t> count(places, 0);
+  std::vector<std::vector<std::uint8_t>> sheets;
+  for (const LabelledMesh& mesh : meshes) {
+    sheets.push_back(sheetsOf(mesh, count));
+    for (std::size_t v = 0; v < mesh.place.size(); ++v) {
+      out.vertices[mesh.place[v]] = mesh.mesh.vertices[v];
+      if (sheets.back()[v] > 0) out.fixed[mesh.place[v]] = true;
+    }
+  }
+  // Faces at fixed vertices are looked up, so that the back's sheets are known as well.
+  using Key = std::array<std::uint32_t, 5>;  // front, back, places ascending
+  std::map<Key, std::size_t> atFixed;
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    const LabelledMesh& mesh = meshes[i];
+    const auto label = static_cast<std::uint16_t>(i + 1);
+    for (std::size_t t = 0; t < mesh.other.size(); ++t) {
+      const std::uint16_t other = mesh.other[t];
+      const glm::uvec3& vertex = mesh.mesh.triangles[t];
+      ComplexFace face{{mesh.place[vertex.x], mesh.place[vertex.y], mesh.place[vertex.z]},
+                       label,
+                       other,
+                       facing[i][t],
+                       {sheets[i][vertex.x], sheets[i][vertex.y], sheets[i][vertex.z]},
+                       {}};
+      const bool isBack = out.isClosed(other) && other < label;
+      const glm::uvec3& c = face.corner;
+      if (out.fixed[c.x] || out.fixed[c.y] || out.fixed[c.z]) {
+        Key key{std::min(label, other), std::max(label, other), c.x, c.y, c.z};
+        std::sort(key.begin() + 2, key.end());
+        if (!isBack) {
+          atFixed[key] = out.faces.size();
+        } else if (const auto found = atFixed.find(key); found != atFixed.end()) {
+          ComplexFace& front = out.faces[found->second];
+          for (int k = 0; k < 3; ++k) {
+            for (int j = 0; j < 3; ++j) {
+              if (front.corner[k] != c[j]) continue;
+              front.backSheet[static_cast<std::size_t>(k)] =
+                  face.frontSheet[static_cast<std::size_t>(j)];
+            }
+          }
+        }
+      }
+      if (!isBack) out.faces.push_back(face);
+    }
+  }
+  return out;
+}
+
+std::vector<LabelledFaces> meshesOf(std::span<const glm::dvec3> vertices,
+                                    std::span<const ComplexFace> faces, std::uint16_t labels) {
+  std::vector<std::vector<std::uint32_t>> own(labels);
+  for (std::uint32_t f = 0; f < faces.size(); ++f) {
+    if (faces[f].corner.x == faces[f].corner.y) continue;
+    for (const std::uint16_t label : {faces[f].front, faces[f].back}) {
+      if (label >= 1 && label <= labels) own[label - 1u].push_back(f);
+    }
+  }
+  std::vector<LabelledFaces> out(labels);
+  tbb::parallel_for(std::size_t{0}, out.size(), [&](std::size_t i) {
+    out[i] = meshOf(vertices, faces, own[i], static_cast<std::uint16_t>(i + 1));
+  });
+  return out;
+}
+
+}  // namespace sherd

@@ -1,0 +1,20 @@
+// Smoothing meshes that share vertices.
+#pragma once
+
+#include <sherd/surface.h>
+
+#include <span>
+#include <vector>
+
+#include "surface/complex.h"
+
+namespace sherd {
+
+/// Smooth meshes as `smoothed` does each, but vertices at one place go to the mean of where each
+/// would: what meshes share stays shared.
+///   facing  [meshes][triangles]
+void smoothTogether(std::span<LabelledMesh> meshes,
+                    std::span<const std::vector<std::uint16_t>> facing,
+                    const SmoothOptions& options, int longestSide);
+
+}  // namespace sherd
