@@ -13,6 +13,7 @@
 #include <sherd/labels.h>
 #include <sherd/leaf_blocks.h>
 #include <sherd/mesh.h>
+#include <sherd/mesh_quality.h>
 #include <sherd/metric.h>
 #include <sherd/points.h>
 #include <sherd/progress.h>
