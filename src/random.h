@@ -33,6 +33,8 @@ enum class Stage : std::uint64_t {
   impactOffset = 37,
   impactRest = 38,
   convexitySample = 64,
+  fitPiece = 65,  // makes a seed of its own for each fragment, 0 the whole, for points and the next
+  fitSpace = 66,
   pointPiece = 80,  // makes a seed of its own for each fragment, 0 the whole, from which these draw
   pointPlace = 81,
   pointDigit = 82,

@@ -7,6 +7,7 @@
 #include <sherd/erode.h>
 #include <sherd/error.h>
 #include <sherd/evaluate.h>
+#include <sherd/fit.h>
 #include <sherd/fracture.h>
 #include <sherd/fragments.h>
 #include <sherd/io.h>
