@@ -1,11 +1,17 @@
 // Figures that tell of a finished fracture.
 #pragma once
 
+#include <sherd/fit.h>
 #include <sherd/mesh.h>
+#include <sherd/mesh_quality.h>
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
+#include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
 namespace sherd {
 
@@ -41,5 +47,83 @@ struct Convexity {
 /// n for n equal shares, near 1 when one piece holds nearly all; 0 when no share is above 0.
 ///   source  the inverse of Simpson's index; Laakso and Taagepera, 1979
 [[nodiscard]] double effectiveCount(std::span<const double> shares);
+
+/// A fragment as a folder has it.
+struct EvaluatedFragment {
+  std::string name;   ///< its mesh's file, relative to the folder; empty without a mesh
+  FragmentMesh mesh;  ///< with its id; without triangles where no mesh was written
+  std::size_t droppedTriangles = 0;  ///< with two equal corners, which reading leaves out
+
+  // As the manifest has it.  Of a folder without one, evaluate() takes them from the meshes.
+  double share = 0.0;
+  double volume = 0.0;
+  double area = 0.0;
+  double fractureArea = 0.0;
+  std::size_t contacts = 0;
+};
+
+/// The fragments of one folder.
+struct FragmentSet {
+  bool manifest = false;                     ///< a fracture of Sherd's
+  std::string source;                        ///< the mesh's file name, where there is a manifest
+  std::uint64_t seed = 0;                    ///< the fracture's, where there is a manifest
+  double voxelSize = 0.0;                    ///< world units, where there is a manifest, else 0
+  std::vector<EvaluatedFragment> fragments;  ///< [>= 1]
+};
+
+/// Read the fragments of a folder: those that its manifest.json lists, else every file in it that
+/// readMesh can read by its name, numbered from 1 in natural order: piece_2 before piece_10.
+///   throws  Error(input) it is no folder, or holds neither; the manifest is damaged; a mesh cannot
+///           be read
+[[nodiscard]] FragmentSet readFragments(const std::filesystem::path& folder);
+
+struct EvaluateOptions {
+  std::size_t samples = 5000;  ///< of convexity and of fit
+  std::uint64_t seed = 0;
+  double tolerance = 0.01;  ///< FitOptions::tolerance
+};
+
+/// One fragment in figures.
+struct FragmentFigures {
+  int id = 0;
+  std::string name;
+  double share = 0.0;  ///< of all voxels by the manifest, else of the sum of all volumes
+  double volume = 0.0;
+  double area = 0.0;
+  double fractureArea = 0.0;  ///< without a manifest by the points of fit
+  std::size_t contacts = 0;   ///< fragments it touches, without a manifest by the points of fit
+  std::optional<MeshQuality> quality;  ///< absent without a mesh
+  std::optional<Convexity> convexity;
+  std::string noConvexity;  ///< why it is absent, where there is a mesh
+  FragmentFit fit;          ///< empty without a mesh
+};
+
+/// A whole fracture in figures.
+struct Evaluation {
+  std::vector<FragmentFigures> fragments;  ///< [>= 1]
+  double volume = 0.0;
+  double area = 0.0;
+  double fractureArea = 0.0;
+  std::size_t contacts = 0;  ///< pairs of fragments that touch
+  double smallestShare = 0.0;
+  double largestShare = 0.0;
+  double effectiveFragments = 0.0;
+  std::optional<double> convexity;               ///< mean over the fragments that have one
+  std::optional<double> convexityStandardError;  ///< of that mean, as of a sample of fragments
+  std::size_t sound = 0;  ///< fragments whose mesh is closed, manifold, outward, without degenerate
+                          ///< or duplicate triangles
+  std::size_t open = 0;   ///< fragments whose mesh is not closed: their volume is not reliable
+  MeshQuality quality;    ///< counts added up, the smallest angle, means over all triangles
+  Fit fit;
+  std::vector<std::string> notes;  ///< what to know about the figures, a sentence each
+};
+
+/// Measure a folder's fragments.  Nothing that is wrong with a mesh ends it: what cannot be
+/// measured is absent.  A closed mesh that is oriented inwards is turned over, after its quality is
+/// told.
+///   whole   the unbroken mesh, in the place of the fragments, or null
+///   throws  Error(usage) an option out of range; Error(input) the unbroken mesh has no area
+[[nodiscard]] Evaluation evaluate(const FragmentSet& set, const TriangleMesh* whole,
+                                  const EvaluateOptions& options = {});
 
 }  // namespace sherd

@@ -33,6 +33,9 @@ struct SourceMesh {
 ///   non-finite vertex
 [[nodiscard]] SourceMesh readMesh(const std::filesystem::path& file);
 
+/// Whether readMesh knows the format, by the file's extension.
+[[nodiscard]] bool isMeshName(const std::filesystem::path& file);
+
 /// Axis-aligned box of all vertices.
 struct Box {
   glm::dvec3 min{0.0};

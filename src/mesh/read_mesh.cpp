@@ -130,6 +130,10 @@ std::string readFileBytes(const fs::path& file) {
   return bytes;
 }
 
+bool isMeshName(const fs::path& file) {
+  return formatFromExtension(splitName(file).extension).has_value();
+}
+
 SourceMesh readMesh(const fs::path& path) {
   std::string bytes = readFileBytes(path);
   const FileName name = splitName(path);

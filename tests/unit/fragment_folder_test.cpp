@@ -1,0 +1,143 @@
+// Folders of fragments read back and measured.
+#include <gtest/gtest.h>
+#include <sherd/error.h>
+#include <sherd/evaluate.h>
+#include <sherd/io.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "../shapes.h"
+#include "../temp_folder.h"
+#include "io/natural_order.h"
+#include "io/read_facing.h"
+
+namespace sherd {
+namespace {
+
+using ReadFacing = TempFolder;
+using ReadFragments = TempFolder;
+
+TEST(NaturalOrder, TakesDigitsAsNumbers) {
+  std::vector<std::string> names{"piece_10", "piece_2", "piece_1", "piece_02", "piece", "a10b2",
+                                 "a9b30",    "a10b1",   "",        "10",       "9"};
+  std::sort(names.begin(), names.end(), naturallyBefore);
+  EXPECT_EQ(names, (std::vector<std::string>{"", "9", "10", "a9b30", "a10b1", "a10b2", "piece",
+                                             "piece_1", "piece_02", "piece_2", "piece_10"}));
+}
+
+TEST_F(ReadFacing, GivesWhatWasWritten) {
+  const TriangleMesh cube = shapes::cube(1.0);
+  std::vector<std::uint16_t> facing(cube.triangles.size());
+  for (std::size_t t = 0; t < facing.size(); ++t) facing[t] = static_cast<std::uint16_t>(5000 * t);
+  const auto file = folder_ / "cube.ply";
+  writePly(file, cube, facing);
+  EXPECT_EQ(readFacing(file, readMesh(file).mesh), facing);
+  writePly(file, cube);
+  EXPECT_TRUE(readFacing(file, cube).empty());
+}
+
+// Two vertices that single precision makes one: readMesh drops the triangle between them.
+TEST_F(ReadFacing, FollowsTrianglesThatReadingDrops) {
+  TriangleMesh cube = shapes::cube(1.0);
+  const glm::uvec3 t = cube.triangles[4];
+  cube.vertices.push_back(cube.vertices[t.x] + glm::dvec3(1e-12));
+  cube.triangles.insert(cube.triangles.begin() + 4, {t.x, 8u, t.y});
+  std::vector<std::uint16_t> facing{0, 1, 2, 3, 99, 4, 5, 6, 7, 8, 9, 10, 11};
+  const auto file = folder_ / "cube.ply";
+  writePly(file, cube, facing);
+  facing.erase(facing.begin() + 4);
+  EXPECT_EQ(readFacing(file, readMesh(file).mesh), facing);
+}
+
+TEST_F(ReadFacing, PassesOverWhatElseIsThere) {
+  const auto file = folder_ / "a.ply";
+  std::string bytes =
+      "ply\nformat binary_little_endian 1.0\ncomment facing 3\nelement vertex 3\n"
+      "property uchar red\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 1\nproperty list uchar float texcoord\nproperty list uchar int vertex_indices\n"
+      "property int facing\nend_header\n";
+  const auto put = [&](auto value) {
+    bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+  };
+  for (const float v : {0.0f, 1.0f, 2.0f}) {
+    put(std::uint8_t{7});
+    put(v), put(v * v), put(1.0f);
+  }
+  put(std::uint8_t{2}), put(0.5f), put(0.25f);
+  put(std::uint8_t{3}), put(0), put(1), put(2), put(42);
+  std::ofstream(file, std::ios::binary) << bytes;
+  const TriangleMesh one{{{0, 0, 1}, {1, 1, 1}, {2, 4, 1}}, {{0, 1, 2}}};
+  EXPECT_EQ(readFacing(file, one), std::vector<std::uint16_t>{42});
+  std::ofstream(file, std::ios::binary) << bytes.substr(0, bytes.size() - 2);
+  EXPECT_TRUE(readFacing(file, one).empty());
+}
+
+TEST_F(ReadFragments, TakesEveryMeshInNaturalOrder) {
+  for (const char* name : {"piece_10.ply", "piece_2.PLY", ".piece_3.ply"}) {
+    writePly(folder_ / name, shapes::cube(1.0));
+  }
+  std::ofstream(folder_ / "notes.txt") << "no mesh";
+  std::filesystem::create_directory(folder_ / "piece_4.ply");
+  const FragmentSet set = readFragments(folder_);
+  EXPECT_FALSE(set.manifest);
+  ASSERT_EQ(set.fragments.size(), 2u);
+  EXPECT_EQ(set.fragments[0].name, "piece_2.PLY");
+  EXPECT_EQ(set.fragments[1].name, "piece_10.ply");
+  EXPECT_EQ(set.fragments[1].mesh.id, 2);
+  EXPECT_EQ(set.fragments[1].mesh.mesh.triangles.size(), 12u);
+}
+
+TEST_F(ReadFragments, RefusesWhatHoldsNone) {
+  EXPECT_THROW((void)readFragments(folder_), Error);
+  EXPECT_THROW((void)readFragments(folder_ / "none"), Error);
+  std::ofstream(folder_ / "a.obj") << "v 0 0 0\n";
+  EXPECT_THROW((void)readFragments(folder_), Error);
+  EXPECT_THROW((void)readFragments(folder_ / "a.obj"), Error);
+}
+
+EvaluatedFragment meshOf(int id, TriangleMesh mesh) {
+  EvaluatedFragment fragment;
+  fragment.name = "piece_" + std::to_string(id) + ".obj";
+  fragment.mesh = {id, std::move(mesh), {}};
+  return fragment;
+}
+
+TEST(Evaluate, MeasuresAnyMeshes) {
+  TriangleMesh open = shapes::cube(1.0, {0, 0, 5});
+  open.triangles.pop_back();
+  FragmentSet set;
+  set.fragments = {meshOf(1, shapes::cube(1.0)),
+                   meshOf(2, shapes::inverted(shapes::cube(2.0, {5, 0, 0}))), meshOf(3, open),
+                   meshOf(4, {{{0, 9, 0}, {1, 9, 0}, {0, 9, 1}}, {{0, 1, 2}, {0, 2, 1}}})};
+  const Evaluation found = evaluate(set, nullptr, {.samples = 500});
+  const std::vector<FragmentFigures>& f = found.fragments;
+  EXPECT_EQ(found.sound, 1u);
+  EXPECT_EQ(found.open, 1u);
+  EXPECT_NEAR(f[1].volume, 8.0, 1e-12);  // turned over
+  EXPECT_FALSE(f[1].quality->outward());
+  EXPECT_TRUE(f[0].convexity && f[1].convexity);
+  EXPECT_NEAR(f[1].convexity->value, f[0].convexity->value, 1e-6);
+  EXPECT_FALSE(f[2].convexity || f[3].convexity);
+  EXPECT_NE(f[2].noConvexity.find("open"), std::string::npos);
+  EXPECT_NE(f[3].noConvexity, "");
+  EXPECT_NEAR(f[0].share + f[1].share + f[2].share + f[3].share, 1.0, 1e-12);
+  EXPECT_EQ(found.contacts, 0u);
+  EXPECT_EQ(found.notes.size(), 3u);  // open, inwards, flat
+}
+
+// Fragments that are not there have no figures of their mesh.
+TEST(Evaluate, TellsTheManifestWithoutMeshes) {
+  FragmentSet set;
+  set.manifest = true;
+  set.fragments.resize(2);
+  for (EvaluatedFragment& f : set.fragments) f.share = 0.5, f.contacts = 1, f.volume = 3.0;
+  const Evaluation found = evaluate(set, nullptr);
+  EXPECT_EQ(found.contacts, 1u);
+  EXPECT_DOUBLE_EQ(found.effectiveFragments, 2.0);
+  EXPECT_DOUBLE_EQ(found.volume, 6.0);
+  EXPECT_FALSE(found.fragments[0].quality || found.convexity || found.fit.gap);
+}
+
+}  // namespace
+}  // namespace sherd
