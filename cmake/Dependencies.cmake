@@ -2,6 +2,10 @@
 include(cmake/SherdDependencies.cmake)
 find_package(CLI11 REQUIRED QUIET)
 find_package(nlohmann_json REQUIRED QUIET)
+if(SHERD_CGAL)
+  set(CGAL_DO_NOT_WARN_ABOUT_CMAKE_BUILD_TYPE ON)
+  find_package(CGAL REQUIRED QUIET)
+endif()
 
 # OpenCL 1.2 by its C++ bindings, errors as exceptions.
 add_library(sherd_opencl INTERFACE)

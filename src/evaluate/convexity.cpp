@@ -10,6 +10,7 @@
 #include <limits>
 #include <string>
 
+#include "evaluate/convexity_rays.h"
 #include "evaluate/hull.h"
 #include "evaluate/inside.h"
 #include "random.h"
@@ -109,8 +110,9 @@ double boxDiagonal(const std::vector<SurfacePoint>& points) {
   return glm::length(high - low);
 }
 
-/// The distances in order, without those below 0.
-Convexity summary(const std::vector<double>& distances) {
+}  // namespace
+
+Convexity convexityFrom(std::span<const double> distances) {
   Convexity result;
   double sum = 0.0;
   for (const double d : distances) {
@@ -131,27 +133,32 @@ Convexity summary(const std::vector<double>& distances) {
   return result;
 }
 
-}  // namespace
-
-Convexity convexity(const TriangleMesh& mesh, std::size_t samples, std::uint64_t seed) {
+ConvexityRays convexityRays(const TriangleMesh& mesh, std::size_t samples, std::uint64_t seed) {
   if (samples == 0) throw Error(ErrorCode::usage, "convexity: 0 samples, expected at least 1");
   if (mesh.triangles.empty()) {
     throw Error(ErrorCode::input, "the mesh has no area; a body is needed");
   }
-  const TriangleMesh body = normalised(mesh);
-  const std::vector<SurfacePoint> points = drawPoints(body, samples, seed);
+  ConvexityRays result{normalised(mesh), {}};
+  const std::vector<SurfacePoint> points = drawPoints(result.body, samples, seed);
   const double push = kPush * boxDiagonal(points);
-  const std::vector<HalfSpace> hull = convexHull(body.vertices);
-  const InsideTest inside(body);
+  for (const SurfacePoint& point : points) {
+    if (point.normal == glm::dvec3(0.0)) continue;
+    result.rays.push_back({point.position - push * point.normal, point.normal});
+  }
+  return result;
+}
 
-  std::vector<double> distances(samples, -1.0);  // below 0: dropped
-  tbb::parallel_for(std::size_t{0}, samples, [&](std::size_t i) {
-    const SurfacePoint& point = points[i];
-    const glm::dvec3 pushed = point.position - push * point.normal;
-    if (point.normal == glm::dvec3(0.0) || !inside.contains(pushed)) return;
-    distances[i] = exitDistance(hull, pushed, point.normal);
+Convexity convexity(const TriangleMesh& mesh, std::size_t samples, std::uint64_t seed) {
+  const ConvexityRays asked = convexityRays(mesh, samples, seed);
+  const std::vector<ConvexityRays::Ray>& rays = asked.rays;
+  const std::vector<HalfSpace> hull = convexHull(asked.body.vertices);
+  const InsideTest inside(asked.body);
+  std::vector<double> distances(rays.size(), -1.0);  // below 0: dropped
+  tbb::parallel_for(std::size_t{0}, rays.size(), [&](std::size_t i) {
+    if (!inside.contains(rays[i].origin)) return;
+    distances[i] = exitDistance(hull, rays[i].origin, rays[i].direction);
   });
-  return summary(distances);
+  return convexityFrom(distances);
 }
 
 double effectiveCount(std::span<const double> shares) {

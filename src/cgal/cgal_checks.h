@@ -1,0 +1,37 @@
+// What CGAL, a library that is not ours, says of a mesh.  See docs/decisions/0005-licences.md.
+#pragma once
+
+#include <sherd/evaluate.h>
+#include <sherd/mesh.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+namespace sherd {
+
+/// CGAL's verdict.  What needs more than the mesh has is absent.
+struct CgalVerdict {
+  bool polygonMesh = false;  ///< is_polygon_soup_a_polygon_mesh: every edge and vertex manifold,
+                             ///< faces that share an edge oriented alike
+  bool valid = false;        ///< is_valid_polygon_mesh; false where it is no polygon mesh
+  bool closed = false;       ///< is_closed; false where it is no polygon mesh
+  std::optional<std::size_t>
+      selfIntersections;  ///< pairs of triangles that cross, of a polygon mesh
+  bool boundsVolume =
+      false;  ///< does_bound_a_volume; false where it is not closed, or intersects itself
+  std::optional<Convexity> convexity;  ///< that of convexity(), from the same points, by CGAL's
+                                       ///< hull, its AABB tree and its test for inside; of a mesh
+                                       ///< that is closed and does not intersect itself
+};
+
+/// Whether this build has CGAL (SHERD_CGAL=ON).
+[[nodiscard]] bool hasCgal();
+
+/// Ask CGAL.
+///   mesh    oriented outwards, if closed
+///   throws  Error(internal) this build has no CGAL
+[[nodiscard]] CgalVerdict askCgal(const TriangleMesh& mesh, std::size_t samples,
+                                  std::uint64_t seed);
+
+}  // namespace sherd
