@@ -193,7 +193,7 @@ class Evaluate(unittest.TestCase):
 
     def test_bad_folders_are_refused(self):
         self.assertIn("no such folder", self.evaluate(self.pieces / "none", status=3))
-        self.assertIn("is not there", self.evaluate(self.tmp, status=3))
+        self.assertIn("neither manifest.json nor meshes", self.evaluate(self.tmp, status=3))
         folder = self.copy()
         (folder / "manifest.json").write_text("{}")
         self.assertIn("is no manifest", self.evaluate(folder, status=3))
@@ -219,13 +219,52 @@ class Evaluate(unittest.TestCase):
         mesh.write_text("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
                         "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
                         "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
-        self.assertIn("flat", self.evaluate(folder, status=3))
+        told = self.evaluate(folder, "--json")  # can be read, and measured as what it is
+        self.assertIsNone(told["fragments"][2]["convexity"])
+        self.assertIn("open", told["fragments"][2]["no_convexity"])
+        self.assertEqual((told["sound"], told["open"]), (4, 1))
         mesh.unlink()
         self.assertIn(mesh.name, self.evaluate(folder, status=3))
 
+    def test_fragments_are_sound_and_lie_on_the_mesh(self):
+        told = self.evaluate(self.pieces, "--json", "--mesh", AMPHORA, "--samples", "2000")
+        self.assertEqual((told["sound"], told["open"], told["notes"]), (5, 0, []))
+        self.assertEqual(told["quality"]["triangles"], sum(f["quality"]["triangles"] for f in told["fragments"]))
+        self.assertEqual(sum(told["quality"]["smallest_angles"]), told["quality"]["triangles"])
+        # At 64 voxels the neck's rims and the handles are a few voxels wide: half a voxel off there, little elsewhere.
+        error = told["surface_error"]
+        self.assertEqual(set(error["voxels"]), {"mean", "p99", "max"})
+        self.assertAlmostEqual(error["voxels"]["mean"], error["mean"] / told["voxel_size"], places=12)
+        self.assertLess(error["voxels"]["mean"], 0.05)
+        self.assertLess(error["voxels"]["p99"], 0.5)
+        self.assertLess(told["whole"]["missing"]["voxels"]["mean"], 0.1)
+        # Neighbours share their faces, but for single precision in the file.
+        self.assertLess(told["gap"]["max"], 1e-5 * told["diagonal"])
+        self.assertLess(told["overlap"]["share"], 1e-3)
+        # What is void is missing from the sum: 2000 points tell it to 5 times 0.003.
+        self.assertLess(abs(told["whole"]["volume_error"]), 0.03)
+        self.assertAlmostEqual(told["whole"]["void_share"], -told["whole"]["volume_error"], delta=0.02)
+        text = self.evaluate(self.pieces, "--mesh", AMPHORA, "--samples", "200")
+        for words in ("5 of 5", "surface error", "missing surface", "gap", "overlap", "void", "volume error"):
+            self.assertIn(words, text)
+
+    def test_threads_change_nothing(self):
+        outputs = []
+        for threads in ("1", "3"):
+            files = [pathlib.Path(self.tmp) / f"threads{threads}.{end}" for end in ("csv", "svg")]
+            text = self.evaluate(self.pieces, "--mesh", AMPHORA, "--samples", "500", "--threads", threads, "--json",
+                                 "--csv", files[0], "--plot", files[1])
+            outputs.append((text, [file.read_bytes() for file in files]))
+        self.assertEqual(*outputs)
+
     def test_bad_options_are_usage(self):
-        for arguments in ((), (self.pieces, "--samples", "0"), (self.pieces, "--seed", "-1"), (self.pieces, "more")):
+        for arguments in ((), (self.pieces, "--samples", "0"), (self.pieces, "--seed", "-1"), (self.pieces, "more"),
+                          (self.pieces, "--tolerance", "0"), (self.pieces, "--tolerance", "x"),
+                          (self.pieces, "--threads", "0"), (self.pieces, "--mesh")):
             self.evaluate(*arguments, status=2)
+        self.evaluate(self.pieces, "--mesh", self.tmp + "/none.ply", status=3)
+        for option in ("--csv", "--plot"):
+            self.evaluate(self.pieces, option, self.tmp + "/none/a", status=5)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,186 @@
+// An evaluation as a picture: shares, convexity and angles.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <numeric>
+
+#include "cli/evaluate_report.h"
+#include "cli/svg.h"
+
+namespace sherd::cli {
+namespace {
+
+// Colours of Okabe and Ito, which the colour-blind tell apart.
+constexpr const char* kBlue = "#0072b2";
+constexpr const char* kOrange = "#d55e00";
+constexpr const char* kGreen = "#009e73";
+constexpr const char* kInk = "#222222";
+constexpr const char* kGrey = "#777777";
+constexpr const char* kRule = "#dddddd";
+
+constexpr double kWidth = 960, kHeight = 360;
+constexpr double kTop = 104, kBottom = 300;  // of every panel
+constexpr std::size_t kMostLabels = 30;      // more fragments than these have no number each
+
+template <class... Values>
+std::string format(const char* pattern, Values... values) {
+  char text[256];
+  std::snprintf(text, sizeof text, pattern, values...);
+  return text;
+}
+
+/// A panel, and the numbers along its upright axis.
+struct Panel {
+  double left, right;
+  double low, high;  ///< values at the bottom and the top
+
+  double y(double value) const {
+    const double share = (std::clamp(value, low, high) - low) / (high - low);
+    return kBottom - share * (kBottom - kTop);
+  }
+};
+
+/// 1, 2 or 5 times a power of ten: four to eight of them in `range`.
+double niceStep(double range) {
+  const double rough = range / 5.0, power = std::pow(10.0, std::floor(std::log10(rough)));
+  const double lead = rough / power;
+  return power * (lead < 1.5 ? 1.0 : lead < 3.5 ? 2.0 : lead < 7.5 ? 5.0 : 10.0);
+}
+
+void drawFrame(Svg& svg, const Panel& panel, const std::string& title, const std::string& below,
+               const std::function<std::string(double)>& label) {
+  svg.text(panel.left, kTop - 18, title, 13, kInk, Svg::Anchor::start, true);
+  const double step = niceStep(panel.high - panel.low);
+  for (double value = std::ceil(panel.low / step - 1e-9) * step + 0.0;  // not -0
+       value <= panel.high + 1e-9 * step; value += step) {
+    svg.line(panel.left, panel.y(value), panel.right, panel.y(value), kRule);
+    svg.text(panel.left - 6, panel.y(value) + 4, label(value), 11, kGrey, Svg::Anchor::end);
+  }
+  svg.text((panel.left + panel.right) / 2, kBottom + 38, below, 11, kGrey, Svg::Anchor::middle);
+}
+
+/// A column of n beside one another.
+struct Column {
+  double left, width;
+  double middle() const { return left + width / 2; }
+};
+
+Column column(const Panel& panel, std::size_t i, std::size_t count) {
+  const double pitch = (panel.right - panel.left) / static_cast<double>(count);
+  const double gap = std::min(6.0, 0.2 * pitch);
+  return {panel.left + pitch * static_cast<double>(i) + gap / 2, pitch - gap};
+}
+
+void drawNumbers(Svg& svg, const Panel& panel, const Evaluation& figures,
+                 const std::vector<std::size_t>& order) {
+  if (order.size() > kMostLabels) return;
+  const double size = order.size() > 16 ? 8 : 11;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    svg.text(column(panel, i, order.size()).middle(), kBottom + 16,
+             std::to_string(figures.fragments[order[i]].id), size, kGrey, Svg::Anchor::middle);
+  }
+}
+
+std::string percent(double share) { return format("%g %%", std::round(1e4 * share) / 100); }
+
+void drawShares(Svg& svg, const Evaluation& figures, const std::vector<std::size_t>& order) {
+  const Panel panel{60, 320, 0.0, std::max(1.05 * figures.largestShare, 1e-6)};
+  drawFrame(svg, panel, "Share of the whole", "fragments, the largest first", percent);
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const Column at = column(panel, i, order.size());
+    const double top = panel.y(figures.fragments[order[i]].share);
+    svg.rect(at.left, top, at.width, kBottom - top, kBlue);
+  }
+  drawNumbers(svg, panel, figures, order);
+}
+
+void drawConvexity(Svg& svg, const Evaluation& figures, const std::vector<std::size_t>& order) {
+  double least = 0.95;
+  for (const FragmentFigures& f : figures.fragments) {
+    if (f.convexity) least = std::min(least, f.convexity->value);
+  }
+  const Panel panel{390, 650, std::floor(least * 10.0 - 0.5) / 10.0, 1.0};
+  drawFrame(svg, panel, "Convexity", "fragments, in the same order",
+            [](double value) { return format("%.2g", std::round(value * 1e6) / 1e6); });
+  if (!figures.convexity) {
+    svg.text((panel.left + panel.right) / 2, (kTop + kBottom) / 2, "no closed mesh", 12, kGrey,
+             Svg::Anchor::middle);
+    return;
+  }
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const FragmentFigures& f = figures.fragments[order[i]];
+    const Column at = column(panel, i, order.size());
+    if (f.convexity) {
+      svg.line(at.middle(), panel.y(1.0), at.middle(), panel.y(f.convexity->value), kRule);
+      svg.circle(at.middle(), panel.y(f.convexity->value), std::clamp(at.width / 3, 1.5, 4.5),
+                 kOrange);
+    } else if (order.size() <= kMostLabels) {
+      svg.text(at.middle(), kBottom - 6, "?", 11, kGrey, Svg::Anchor::middle);
+    }
+  }
+  svg.line(panel.left, panel.y(*figures.convexity), panel.right, panel.y(*figures.convexity),
+           kOrange, /*dashed=*/true);
+  drawNumbers(svg, panel, figures, order);
+}
+
+void drawAngles(Svg& svg, const Evaluation& figures) {
+  const MeshQuality& quality = figures.quality;
+  const double triangles = std::max(1.0, static_cast<double>(quality.triangles));
+  const auto most = *std::max_element(quality.smallestAngles.begin(), quality.smallestAngles.end());
+  const Panel panel{720, 940, 0.0, std::max(1.05 * static_cast<double>(most) / triangles, 1e-6)};
+  drawFrame(svg, panel, "Smallest angles", "degrees", percent);
+  constexpr std::size_t kBins = MeshQuality::kAngleBins;
+  for (std::size_t i = 0; i < kBins; ++i) {
+    const Column at = column(panel, i, kBins);
+    const double top = panel.y(static_cast<double>(quality.smallestAngles[i]) / triangles);
+    svg.rect(at.left, top, at.width, kBottom - top, i < 2 ? kOrange : kGreen);
+  }
+  for (int degrees = 0; degrees <= 60; degrees += 10) {
+    const double x = panel.left + (panel.right - panel.left) * degrees / 60.0;
+    svg.text(x, kBottom + 16, std::to_string(degrees), 11, kGrey, Svg::Anchor::middle);
+  }
+}
+
+std::string headline(const EvaluateReport& report) {
+  if (report.set.manifest) return report.set.source;
+  const std::filesystem::path folder = std::filesystem::path(report.folder).lexically_normal();
+  return (folder.has_filename() ? folder : folder.parent_path()).filename().string();
+}
+
+std::string subtitle(const EvaluateReport& report) {
+  const Evaluation& figures = report.figures;
+  std::string text = format("%zu fragments, as even as %.2f equal ones", figures.fragments.size(),
+                            figures.effectiveFragments);
+  if (figures.convexity) text += format(", convexity %.3f", *figures.convexity);
+  if (figures.quality.triangles > 0) text += format(", %zu sound meshes", figures.sound);
+  const std::optional<DistanceSummary>& error = figures.fit.surfaceError;
+  if (error && report.set.voxelSize > 0.0) {
+    text += format(", surface error %.3f voxels", error->mean / report.set.voxelSize);
+  } else if (error) {
+    text += format(", surface error %.2g %% of the diagonal",
+                   100.0 * ratio(error->mean, figures.fit.diagonal));
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string reportPlot(const EvaluateReport& report) {
+  const Evaluation& figures = report.figures;
+  std::vector<std::size_t> order(figures.fragments.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return figures.fragments[a].share > figures.fragments[b].share;
+  });
+  Svg svg(kWidth, kHeight);
+  svg.text(24, 34, headline(report), 18, kInk, Svg::Anchor::start, true);
+  svg.text(24, 56, subtitle(report), 12, kGrey);
+  drawShares(svg, figures, order);
+  drawConvexity(svg, figures, order);
+  drawAngles(svg, figures);
+  return svg.done();
+}
+
+}  // namespace sherd::cli

@@ -1,0 +1,145 @@
+// An evaluation as text for people.
+#include <algorithm>
+#include <cstdio>
+
+#include "cli/evaluate_report.h"
+
+namespace sherd::cli {
+namespace {
+
+template <class... Values>
+std::string format(const char* pattern, Values... values) {
+  char text[512];
+  std::snprintf(text, sizeof text, pattern, values...);
+  return text;
+}
+
+std::string title(const EvaluateReport& report) {
+  const std::size_t count = report.figures.fragments.size();
+  std::string text =
+      report.folder + ": " + std::to_string(count) + (count == 1 ? " fragment" : " fragments");
+  if (!report.set.manifest) return text + " (meshes without a manifest)";
+  return text + " of " + report.set.source + ", seed " + std::to_string(report.set.seed);
+}
+
+std::string fragmentLine(const FragmentFigures& f) {
+  std::string line = format("%5d %6.2f %% %13.6g %12.2f %% %9zu", f.id, 100.0 * f.share, f.volume,
+                            100.0 * ratio(f.fractureArea, f.area), f.contacts);
+  if (f.quality) {
+    line += format(" %10zu %7zu %6.1f", f.quality->triangles, faults(*f.quality),
+                   f.quality->smallestAngle);
+  } else {
+    line += "          -       -      -";
+  }
+  return line + (f.convexity ? format(" %10.4f\n", f.convexity->value) : "          -\n");
+}
+
+std::string convexityLine(const Evaluation& figures) {
+  if (!figures.convexity) {
+    return figures.quality.triangles > 0
+               ? "convexity              - (no closed mesh here)\n"
+               : "convexity              - (no meshes here; sherd fracture --write mesh makes "
+                 "them)\n";
+  }
+  if (!figures.convexityStandardError) {
+    return format("convexity              %.4f\n", *figures.convexity);
+  }
+  return format("convexity              %.4f +- %.4f (mean and its standard error)\n",
+                *figures.convexity, *figures.convexityStandardError);
+}
+
+std::string qualityLines(const Evaluation& figures) {
+  const MeshQuality& q = figures.quality;
+  const auto meshes = std::count_if(figures.fragments.begin(), figures.fragments.end(),
+                                    [](const FragmentFigures& f) { return f.quality.has_value(); });
+  std::string text = format("sound meshes           %zu of %td", figures.sound, meshes);
+  const std::pair<std::size_t, const char*> kinds[] = {
+      {q.boundaryEdges, "boundary edges"},
+      {q.nonManifoldEdges, "non-manifold edges"},
+      {q.flippedEdges, "flipped edges"},
+      {q.nonManifoldVertices, "non-manifold vertices"},
+      {q.degenerateTriangles, "triangles without area"},
+      {q.duplicateTriangles, "duplicate triangles"}};
+  for (const auto& [count, name] : kinds) {
+    if (count > 0) text += format("; %zu %s", count, name);
+  }
+  return text + format(
+                    "\nsmallest angles        mean %.1f, least %.2g degrees; %.2f %% of %zu "
+                    "triangles under 10\n",
+                    q.meanSmallestAngle, q.smallestAngle, 100.0 * q.sliverShare, q.triangles);
+}
+
+/// In voxels where there are some, else out of the diagonal.
+std::string distanceLine(const char* name, const std::optional<DistanceSummary>& d,
+                         const EvaluateReport& report) {
+  if (!d) return {};
+  const double voxel = report.set.voxelSize, diagonal = report.figures.fit.diagonal;
+  const double unit = voxel > 0.0 ? voxel : diagonal / 100.0;
+  return format("%-22s mean %.4f, 99 %% within %.4f, at most %.4f %s\n", name, d->mean / unit,
+                d->p99 / unit, d->max / unit, voxel > 0.0 ? "voxels" : "% of the diagonal");
+}
+
+std::string fitLines(const EvaluateReport& report) {
+  const Evaluation& figures = report.figures;
+  const Fit& fit = figures.fit;
+  std::string text = distanceLine("surface error", fit.surfaceError, report) +
+                     distanceLine("missing surface", fit.missing, report) +
+                     distanceLine("gap", fit.gap, report);
+  if (fit.overlapShare) {
+    text += format("overlap                %.4f %% of the volume, %.4g deep\n",
+                   100.0 * *fit.overlapShare, fit.overlapDepth);
+  }
+  if (fit.voidShare) {
+    text +=
+        format("void                   %.4f %% of the unbroken volume\n", 100.0 * *fit.voidShare);
+  }
+  if (const std::optional<double> error = volumeError(figures)) {
+    text += format("volume error           %+.4f %%\n", 100.0 * *error);
+  }
+  return text;
+}
+
+std::string cgalLine(const EvaluateReport& report) {
+  if (report.cgal.empty()) return {};
+  std::size_t bounding = 0, crossing = 0, count = 0;
+  double sum = 0.0;
+  for (const CgalVerdict& v : report.cgal) {
+    bounding += v.boundsVolume;
+    crossing += v.selfIntersections.value_or(0) > 0;
+    if (!v.convexity) continue;
+    sum += v.convexity->value;
+    ++count;
+  }
+  std::string text = format(
+      "CGAL                   %zu of %zu bound a volume, %zu intersect "
+      "themselves",
+      bounding, report.cgal.size(), crossing);
+  if (count > 0) text += format("; convexity %.4f of %zu", sum / static_cast<double>(count), count);
+  return text + "\n";
+}
+
+}  // namespace
+
+std::string reportTable(const EvaluateReport& report) {
+  const Evaluation& figures = report.figures;
+  std::string text = title(report) + "\n\n";
+  text +=
+      "   id    share        volume  fracture area  contacts  triangles  faults  angle  "
+      "convexity\n";
+  for (const FragmentFigures& f : figures.fragments) text += fragmentLine(f);
+  text += format("\neffective fragments    %.2f of %zu\n", figures.effectiveFragments,
+                 figures.fragments.size());
+  text += format("shares                 %.2f %% to %.2f %%\n", 100.0 * figures.smallestShare,
+                 100.0 * figures.largestShare);
+  text += format("volume                 %.6g\n", figures.volume);
+  text += format("fracture area          %.2f %% of all surface\n",
+                 100.0 * ratio(figures.fractureArea, figures.area));
+  text += format("contacts per fragment  %.2f\n", contactsPerFragment(figures));
+  text += convexityLine(figures);
+  if (figures.quality.triangles > 0) text += qualityLines(figures) + fitLines(report);
+  text += cgalLine(report);
+  for (const std::string& note : figures.notes) text += "note: " + note + "\n";
+  return text;
+}
+
+}  // namespace sherd::cli
