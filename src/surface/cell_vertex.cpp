@@ -139,12 +139,9 @@ CellVertex cellVertex(const CellValues& values, const CellSheets& sheets, unsign
     const glm::dvec3 n = outward / length;
     return p - glm::dot(p - outerSum / static_cast<double>(outers), n) * n;
   };
-  const auto nearest = [&](double margin) {
-    glm::dvec3 at = within(meets, margin);
-    for (int round = 0; round < kRounds; ++round) at = within(ontoSurface(at), margin);
-    return at;
-  };
-  return {nearest(kMargin), nearest(-kBeyond)};
+  glm::dvec3 wanted = within(meets, -kBeyond);
+  for (int round = 0; round < kRounds; ++round) wanted = within(ontoSurface(wanted), -kBeyond);
+  return {within(meets, kMargin), wanted};
 }
 
 }  // namespace sherd

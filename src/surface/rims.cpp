@@ -9,8 +9,8 @@
 namespace sherd {
 namespace {
 
-constexpr double kLeastCosine = 0.25;  // between a triangle and its quad as it was
-constexpr double kLeastArea = 0.01;    // square voxels
+constexpr double kLeastCosine = 0.7;  // between a triangle and its quad as it was
+constexpr double kLeastArea = 0.01;   // square voxels
 constexpr int kRounds = 2;
 constexpr std::array kSteps{1.0, 0.75, 0.5, 0.25};
 

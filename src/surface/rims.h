@@ -29,7 +29,7 @@ struct Junction {
 };
 
 /// Move junctions to the places they want, or as near as no triangle there gets bad: turned by more
-/// than some 75 degrees from where its quad was, or smaller than a hundredth of a voxel's face.
+/// than 45 degrees from where its quad was, or smaller than a hundredth of a voxel's face.
 /// What is bad already may stay so, but gets no worse.  One after the other, twice, as a
 /// neighbour's move may make room.
 ///
