@@ -1,0 +1,150 @@
+// From text to the options of what a fracture leaves: meshes, points, files.
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <optional>
+
+#include "cli/fracture_options.h"
+#include "cli/option_text.h"
+#include "option_names.h"
+
+namespace sherd::cli {
+namespace {
+
+// "K", or "Fk" for F times the voxels of the longest side.
+void parseIterations(const std::string& option, const std::string& text, Iterations& iterations) {
+  const bool perVoxel = text.ends_with('k');
+  const std::optional<double> value = numberIn(text.substr(0, text.size() - perVoxel));
+  const bool good = value && *value >= 0.0 && *value <= (perVoxel ? 1.0 : 1000.0) &&
+                    (perVoxel || *value == std::floor(*value));
+  if (!good) refuse(option, text, "a whole number in 0..1000, or F in 0..1 times k as in 0.048k");
+  iterations = {.count = perVoxel ? 0 : static_cast<int>(*value),
+                .perVoxel = perVoxel ? *value : 0.0};
+}
+
+// Formats separated by commas, each once.
+void parsePointFormats(const std::string& text, std::vector<PointFormat>& formats) {
+  formats.clear();
+  for (const std::string& part : split(text)) {
+    const auto* const end = std::end(names::kPointFormat);
+    const auto* const at = std::find(std::begin(names::kPointFormat), end, part);
+    const auto format = static_cast<PointFormat>(at - std::begin(names::kPointFormat));
+    if (at == end || std::find(formats.begin(), formats.end(), format) != formats.end()) {
+      refuse("--point-format", text, "a list of ply, xyz and npz, each once");
+    }
+    formats.push_back(format);
+  }
+}
+
+}  // namespace
+
+void addSurfaceOptions(CLI::App& command, FractureOptions& options) {
+  const std::string group = "Surface";
+  SurfaceOptions& surface = options.surface;
+  SmoothOptions& smooth = surface.smooth;
+  const auto addIterations = [&](const std::string& name, Iterations& iterations,
+                                 const std::string& help) {
+    command
+        .add_option_function<std::string>(
+            name,
+            [name, &iterations](const std::string& text) {
+              parseIterations(name, text, iterations);
+            },
+            help)
+        ->type_name("K|Fk")
+        ->default_str("0")
+        ->group(group);
+  };
+  const auto addWeight = [&](const std::string& name, double& weight, const std::string& help) {
+    command.add_option(name, weight, help)
+        ->check(numberBetween(0.0, 1.0, "0..1"))
+        ->capture_default_str()
+        ->group(group);
+  };
+  addChoice(command, "--surface", surface.surface, names::kSurface,
+            "Meshes of the smooth level sets, or of the bare labels' voxels")
+      ->group(group);
+  addChoice(command, "--interface", surface.interface, names::kInterface,
+            "Surfaces between fragments: shared bit for bit, or each fragment meshed by itself")
+      ->group(group);
+  addIterations("--smooth-iterations", smooth.iterations,
+                "Laplacian smoothing of all but cracks; 0.048k is 0.048 times the voxels of the "
+                "longest side");
+  addWeight("--smooth-weight", smooth.weight,
+            "How far a vertex goes to its neighbours' mean each time");
+  addIterations("--smooth-boundary-iterations", smooth.boundaryIterations,
+                "The same for vertices of cracks, their rims included");
+  addWeight("--smooth-boundary-weight", smooth.boundaryWeight,
+            "How far these go; 0 leaves fragments fitting");
+  command
+      .add_option("--triangles", surface.triangles,
+                  "Write each mesh also decimated to at most so many triangles, for each number")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->transform(wholeNumber<std::size_t>(4, 1'000'000'000))
+      ->type_name("T,...")
+      ->group(group);
+}
+
+void addPointOptions(CLI::App& command, WriteOptions& write) {
+  const std::string group = "Points";
+  constexpr std::size_t kMost = kMaxPoints;
+  CLI::Option* points =
+      command
+          .add_option("--points", write.points.count,
+                      "Points drawn on each fragment's surface, written to points/; 0 none")
+          ->transform(wholeNumber<std::size_t>(0, kMost))
+          ->capture_default_str()
+          ->group(group);
+  command
+      .add_flag("--share-points", write.sharePoints,
+                "--points is for all fragments together, shared out by their area")
+      ->needs(points)
+      ->group(group);
+  addChoice(command, "--point-sampler", write.points.sampler, names::kPointSampler,
+            "How points are spread: each by itself, evenly, well apart")
+      ->needs(points)
+      ->group(group);
+  addChoice(command, "--point-rule", write.points.rule, names::kPointRule,
+            "Points by area, or at least one per triangle, shuffled and cut, as in the paper")
+      ->needs(points)
+      ->group(group);
+  command
+      .add_option_function<std::string>(
+          "--point-format",
+          [&write](const std::string& text) { parsePointFormats(text, write.pointFormats); },
+          "Files of points, one or more: binary, text, NumPy's")
+      ->type_name("ply,xyz,npz")
+      ->default_str("ply")
+      ->needs(points)
+      ->group(group);
+  command
+      .add_option("--correspondences", write.correspondences,
+                  "Points on the surface between each two fragments that touch, written to "
+                  "correspondences.npz")
+      ->transform(wholeNumber<std::size_t>(0, kMost))
+      ->capture_default_str()
+      ->group(group);
+  CLI::Option* samples =
+      command
+          .add_option("--sdf-samples", write.distances.count,
+                      "Points in and round each fragment and the whole, with their signed "
+                      "distance, written to sdf/; 0 none")
+          ->transform(wholeNumber<std::size_t>(0, kMost))
+          ->capture_default_str()
+          ->group(group);
+  addChoice(command, "--sdf-type", write.distances.type, names::kSampleType,
+            "Numbers of these files")
+      ->needs(samples)
+      ->group(group);
+}
+
+void checkPointOptions(const WriteOptions& write) {
+  if (write.points.sampler == PointSampler::poisson &&
+      write.points.rule == PointRule::perTriangle) {
+    throw CLI::ValidationError("--point-rule",
+                               "'per-triangle' does not go with --point-sampler poisson");
+  }
+}
+
+}  // namespace sherd::cli
