@@ -1,0 +1,116 @@
+// A PLY file's header, and the values of its body one after another.
+#include "mesh/ply_body.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <utility>
+
+namespace sherd {
+namespace {
+
+std::optional<PlyType> typeFromName(std::string_view name) {
+  constexpr std::array<std::pair<std::string_view, PlyType>, 16> kTypes{{
+      {"char", {1, true, true}},
+      {"int8", {1, true, true}},
+      {"uchar", {1, true, false}},
+      {"uint8", {1, true, false}},
+      {"short", {2, true, true}},
+      {"int16", {2, true, true}},
+      {"ushort", {2, true, false}},
+      {"uint16", {2, true, false}},
+      {"int", {4, true, true}},
+      {"int32", {4, true, true}},
+      {"uint", {4, true, false}},
+      {"uint32", {4, true, false}},
+      {"float", {4, false, true}},
+      {"float32", {4, false, true}},
+      {"double", {8, false, true}},
+      {"float64", {8, false, true}},
+  }};
+  const auto* found =
+      std::find_if(kTypes.begin(), kTypes.end(), [&](const auto& t) { return t.first == name; });
+  if (found == kTypes.end()) return std::nullopt;
+  return found->second;
+}
+
+}  // namespace
+
+PlyHeader readPlyHeader(const MeshFile& file) {
+  PlyHeader header;
+  LineReader lines(file.bytes);
+  const auto fail = [&](const std::string& what) { return inputError(file, lines.number(), what); };
+  if (!lines.next() || lines.line() != "ply") throw fail("found no 'ply' in the first line");
+  bool hasFormat = false;
+  while (lines.next()) {
+    std::string_view rest = lines.line();
+    const std::string_view keyword = takeWord(rest);
+    if (keyword == "end_header") {
+      if (!hasFormat) throw fail("the header names no format");
+      header.bodyAt = lines.position();
+      header.lineCount = lines.number();
+      return header;
+    }
+    if (keyword == "format") {
+      const std::string_view name = takeWord(rest);
+      if (name == "ascii")
+        header.encoding = PlyEncoding::ascii;
+      else if (name == "binary_little_endian")
+        header.encoding = PlyEncoding::littleEndian;
+      else if (name == "binary_big_endian")
+        header.encoding = PlyEncoding::bigEndian;
+      else
+        throw fail("format " + inQuotes(name) + " is not known");
+      hasFormat = true;
+    } else if (keyword == "element") {
+      const std::string name(takeWord(rest));
+      const auto count = parseInteger<std::uint32_t>(takeWord(rest));
+      if (!count) throw fail("element " + inQuotes(name) + " has no count");
+      header.elements.push_back({name, *count, {}});
+      if (name == "vertex") header.vertices = *count;
+    } else if (keyword == "property") {
+      if (header.elements.empty()) throw fail("property before the first element");
+      PlyProperty property;
+      std::string_view type = takeWord(rest);
+      if (type == "list") {
+        property.listCount = typeFromName(takeWord(rest));
+        if (!property.listCount || !property.listCount->isInteger)
+          throw fail("the list's count is not of a whole-number type");
+        type = takeWord(rest);
+      }
+      const auto value = typeFromName(type);
+      if (!value) throw fail("type " + inQuotes(type) + " is not known");
+      property.value = *value;
+      property.name = takeWord(rest);
+      header.elements.back().properties.push_back(property);
+    } else if (keyword == "comment") {
+      header.comments.emplace_back(rest);
+    } else if (!keyword.empty() && keyword != "obj_info") {
+      throw fail("found " + inQuotes(keyword) + " in the header");
+    }
+  }
+  throw inputError(file, "cut short: the header has no 'end_header'");
+}
+
+double PlyBody::number(const PlyType& type) {
+  if (encoding_ == PlyEncoding::ascii) {
+    std::string_view word = takeWord(rest_);
+    if (word.empty()) throw lineTooShort();
+    const std::string_view asFound = word;
+    if (word.starts_with('+')) word.remove_prefix(1);
+    double value = 0.0;
+    const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (error == std::errc::invalid_argument || stop != word.data() + word.size()) {
+      throw notA("number", asFound);
+    }
+    return value;
+  }
+  if (type.isInteger) return static_cast<double>(integer(type));
+  const PlyType bits{type.bytes, true, false};
+  const auto value = static_cast<std::uint64_t>(integer(bits));
+  if (type.bytes == 8) return std::bit_cast<double>(value);
+  return std::bit_cast<float>(static_cast<std::uint32_t>(value));
+}
+
+}  // namespace sherd
