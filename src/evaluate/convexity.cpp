@@ -13,6 +13,7 @@
 #include "evaluate/convexity_rays.h"
 #include "evaluate/hull.h"
 #include "evaluate/inside.h"
+#include "mesh/vertex_normals.h"
 #include "random.h"
 
 namespace sherd {
@@ -24,12 +25,6 @@ struct SurfacePoint {
   glm::dvec3 position{0.0};
   glm::dvec3 normal{0.0};  ///< unit, or zero where the normals round it cancel
 };
-
-/// The vector's direction, or zero.
-glm::dvec3 unit(const glm::dvec3& v) {
-  const double length = glm::length(v);
-  return length > 0.0 ? v / length : glm::dvec3(0.0);
-}
 
 /// The mesh about the mean of its vertices, its largest absolute coordinate 1.
 TriangleMesh normalised(const TriangleMesh& mesh) {
@@ -47,22 +42,6 @@ TriangleMesh normalised(const TriangleMesh& mesh) {
   }
   for (glm::dvec3& v : result.vertices) v /= largest;
   return result;
-}
-
-/// A vertex's normal is the mean of those of the faces round it, weighted by their angles there.
-std::vector<glm::dvec3> vertexNormals(const TriangleMesh& mesh) {
-  std::vector<glm::dvec3> normals(mesh.vertices.size(), glm::dvec3(0.0));
-  for (const glm::uvec3& t : mesh.triangles) {
-    for (int k = 0; k < 3; ++k) {
-      const glm::dvec3& corner = mesh.vertices[t[k]];
-      const glm::dvec3 a = mesh.vertices[t[(k + 1) % 3]] - corner;
-      const glm::dvec3 b = mesh.vertices[t[(k + 2) % 3]] - corner;
-      const glm::dvec3 across = glm::cross(a, b);
-      normals[t[k]] += std::atan2(glm::length(across), glm::dot(a, b)) * unit(across);
-    }
-  }
-  for (glm::dvec3& normal : normals) normal = unit(normal);
-  return normals;
 }
 
 /// Twice the area of the triangles up to and with each.
@@ -96,7 +75,7 @@ std::vector<SurfacePoint> drawPoints(const TriangleMesh& mesh, std::size_t count
     const double root = std::sqrt(draw(3 * i + 1)), split = draw(3 * i + 2);
     const double x = 1.0 - root, y = root * (1.0 - split), z = root * split;
     points[i] = {x * mesh.vertices[t.x] + y * mesh.vertices[t.y] + z * mesh.vertices[t.z],
-                 unit(x * normals[t.x] + y * normals[t.y] + z * normals[t.z])};
+                 unitOrZero(x * normals[t.x] + y * normals[t.y] + z * normals[t.z])};
   }
   return points;
 }
