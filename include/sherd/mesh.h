@@ -1,6 +1,8 @@
 // Triangle meshes: what a reader gives, and what can be measured on them.
 #pragma once
 
+#include <sherd/appearance.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -25,10 +27,16 @@ struct SourceMesh {
   std::string sha256;  ///< of the file's bytes, 64 hexadecimal digits
   std::size_t fileVertices = 0;         ///< vertices before merging
   std::size_t degenerateTriangles = 0;  ///< triangles with two equal corners, dropped
+  Appearance appearance{};              ///< of `mesh`; empty for a plain one
 };
 
 /// Read OBJ, PLY (ASCII, both binary orders), STL (both kinds), OFF, glTF or GLB, by the file's
 /// extension; `.gz` of any is unpacked.  Polygons are triangulated, exactly equal vertices merged.
+///
+/// The look comes along: texture coordinates (the first set; that of the base colour in glTF),
+/// vertex and face colours (their alpha is left out), materials with names, base colours and
+/// base-colour textures.  Material libraries and textures are read from the mesh's folder and below
+/// it, and from nowhere else; what is not there is told in Appearance::warnings.
 ///   throws  Error(input) absent, unreadable, cut, malformed, unknown format, no triangle, a
 ///   non-finite vertex
 [[nodiscard]] SourceMesh readMesh(const std::filesystem::path& file);

@@ -2,6 +2,7 @@
 // whole library.
 #pragma once
 
+#include <sherd/appearance.h>
 #include <sherd/coords.h>
 #include <sherd/device.h>
 #include <sherd/erode.h>

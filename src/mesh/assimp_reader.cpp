@@ -1,4 +1,4 @@
-// Reads a mesh by Assimp.  The only file that includes Assimp.
+// Reads a mesh by Assimp.  Only this and assimp_look.cpp include Assimp.
 #include "mesh/assimp_reader.h"
 
 #include <assimp/MemoryIOWrapper.h>
@@ -11,8 +11,10 @@
 #include <glm/matrix.hpp>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string_view>
 
+#include "mesh/assimp_look.h"
 #include "mesh/gltf_buffer.h"
 #include "mesh/text_scan.h"
 #include "mesh/triangulate.h"
@@ -134,7 +136,8 @@ Affine compose(const Affine& outer, const aiMatrix4x4& m) {
   return {outer.linear * linear, outer.linear * glm::dvec3(m.a4, m.b4, m.c4) + outer.offset};
 }
 
-void appendMesh(const MeshFile& file, const aiMesh& mesh, const Affine& world, RawMesh& out) {
+void appendMesh(const MeshFile& file, const aiMesh& mesh, const Affine& world,
+                const AssimpLook* look, RawMesh& out) {
   const std::size_t first = out.vertices.size();
   if (first + mesh.mNumVertices > std::numeric_limits<std::uint32_t>::max())
     throw inputError(file, "more than 2^32 vertices, which is more than can be held");
@@ -162,6 +165,7 @@ void appendMesh(const MeshFile& file, const aiMesh& mesh, const Affine& world, R
     triangulate(out.vertices, polygon, out.triangles);
     ++out.polygons;
   }
+  if (look != nullptr) appendLook(mesh, *look, out);
 }
 
 }  // namespace
@@ -177,6 +181,10 @@ RawMesh readWithAssimp(const MeshFile& file) {
   }
 
   RawMesh out;
+  std::optional<AssimpLook> look;  // of the other formats only their plain files come here
+  if (file.format == MeshFormat::gltf || file.format == MeshFormat::glb) {
+    look = lookOf(file, *scene, out.look);
+  }
   struct Visit {
     const aiNode* node;
     Affine parent;
@@ -187,7 +195,8 @@ RawMesh readWithAssimp(const MeshFile& file) {
     stack.pop_back();
     const Affine world = compose(visit.parent, visit.node->mTransformation);
     for (unsigned i = 0; i < visit.node->mNumMeshes; ++i)
-      appendMesh(file, *scene->mMeshes[visit.node->mMeshes[i]], world, out);
+      appendMesh(file, *scene->mMeshes[visit.node->mMeshes[i]], world, look ? &*look : nullptr,
+                 out);
     for (unsigned i = visit.node->mNumChildren; i-- > 0;)
       stack.push_back({visit.node->mChildren[i], world});
   }

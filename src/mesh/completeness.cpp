@@ -7,39 +7,13 @@
 #include <cstdint>
 #include <cstring>
 
+#include "mesh/obj_lines.h"
 #include "mesh/text_scan.h"
 
 namespace sherd {
 namespace {
 
 static_assert(std::endian::native == std::endian::little);  // binary STL is read as it lies
-
-// The lines of an OBJ file, those joined that end in a backslash.
-class ObjLines {
- public:
-  explicit ObjLines(std::string_view text) : lines_(text) {}
-  bool next() {
-    if (!lines_.next()) return false;
-    line_ = lines_.line();
-    number_ = lines_.number();
-    if (!line_.ends_with('\\')) return true;
-    joined_.clear();
-    while (line_.ends_with('\\')) {
-      joined_.append(line_.substr(0, line_.size() - 1)).append(" ");
-      line_ = lines_.next() ? lines_.line() : std::string_view();
-    }
-    line_ = joined_.append(line_);
-    return true;
-  }
-  std::string_view line() const { return line_; }
-  std::size_t number() const { return number_; }  // of the first line joined
-
- private:
-  LineReader lines_;
-  std::string joined_;
-  std::string_view line_;
-  std::size_t number_ = 0;
-};
 
 constexpr std::size_t kStlHeader = 84;  // 80 bytes of anything, then the count
 constexpr std::size_t kStlRecord = 50;
@@ -95,7 +69,7 @@ FileCounts checkTextStl(const MeshFile& file) {
     if (at == 0) ++facets;
   }
   if (inSolid) throw inputError(file, "cut short: the last solid has no 'endsolid'");
-  return {3 * facets, facets};
+  return {3 * facets, facets, false};
 }
 
 }  // namespace
@@ -119,6 +93,7 @@ FileCounts checkComplete(const MeshFile& file) {
 
 FileCounts checkObj(const MeshFile& file) {
   std::size_t vertices = 0, polygons = 0, largest = 0, largestLine = 0;
+  bool look = false;
   ObjLines lines(file.bytes);
   while (lines.next()) {
     std::string_view rest = lines.line();
@@ -127,6 +102,9 @@ FileCounts checkObj(const MeshFile& file) {
       if (!takeNumbers(rest, 3))
         throw inputError(file, lines.number(), "vertex has less than 3 coordinates");
       ++vertices;
+      if (!look) look = takeNumbers(rest, 3);
+    } else if (keyword == "vt" || keyword == "usemtl") {
+      look = true;
     } else if (keyword == "f") {
       std::size_t corners = 0;
       for (std::string_view word = takeWord(rest); !word.empty() && word[0] != '#';
@@ -155,7 +133,7 @@ FileCounts checkObj(const MeshFile& file) {
                      "face uses vertex " + std::to_string(largest) + ", the file has " +
                          std::to_string(vertices));
   }
-  return {vertices, polygons};
+  return {vertices, polygons, look};
 }
 
 FileCounts checkStl(const MeshFile& file) {
@@ -163,7 +141,7 @@ FileCounts checkStl(const MeshFile& file) {
   std::uint32_t triangles = 0;
   if (size >= kStlHeader) std::memcpy(&triangles, file.bytes.data() + 80, sizeof triangles);
   if (size >= kStlHeader && size == kStlHeader + kStlRecord * triangles)
-    return {std::size_t{3} * triangles, triangles};
+    return {std::size_t{3} * triangles, triangles, false};
   if (isTextStl(file.bytes)) return checkTextStl(file);
   if (size < kStlHeader)
     throw inputError(file, "cut short: neither text nor a whole header of a binary STL");
@@ -218,7 +196,7 @@ FileCounts checkOff(const MeshFile& file) {
   }
   if (nextDataLine(lines, line))
     throw inputError(file, lines.number(), "found " + inQuotes(line) + " after the last face");
-  return {*vertices, polygons};
+  return {*vertices, polygons, false};
 }
 
 }  // namespace sherd

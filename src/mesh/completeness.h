@@ -11,6 +11,7 @@ namespace sherd {
 struct FileCounts {
   std::optional<std::size_t> vertices;
   std::optional<std::size_t> polygons;
+  bool look = false;  ///< an OBJ or PLY with texture coordinates, colours or materials
 };
 
 /// Compare what a file announces with what it holds, and every index with what it points to.

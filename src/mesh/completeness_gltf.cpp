@@ -330,7 +330,8 @@ class Document {
   std::vector<std::string> buffers_;
 };
 
-// "%20" and its like as the characters they stand for.
+}  // namespace
+
 std::string percentDecoded(std::string_view text) {
   std::string out;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -346,8 +347,6 @@ std::string percentDecoded(std::string_view text) {
   }
   return out;
 }
-
-}  // namespace
 
 std::string readGltfBuffer(const MeshFile& file, std::string_view uri) {
   const std::filesystem::path relative = percentDecoded(uri);

@@ -1,6 +1,7 @@
 // Whether a PLY file is whole.
 #include "mesh/completeness.h"
 #include "mesh/ply_body.h"
+#include "mesh/read_ply.h"
 #include "mesh/text_scan.h"
 
 namespace sherd {
@@ -58,7 +59,7 @@ FileCounts checkPly(const MeshFile& file) {
     }
   }
   body.finish();
-  return {header.vertices, polygons};
+  return {header.vertices, polygons, hasLook(header)};
 }
 
 }  // namespace sherd

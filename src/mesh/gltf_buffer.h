@@ -13,4 +13,7 @@ namespace sherd {
 ///   throws  Error(input) absent, unreadable, outside the folder
 [[nodiscard]] std::string readGltfBuffer(const MeshFile& file, std::string_view uri);
 
+/// "%20" and its like as the characters they stand for.
+[[nodiscard]] std::string percentDecoded(std::string_view text);
+
 }  // namespace sherd

@@ -46,6 +46,11 @@ std::vector<std::uint32_t> firstEqual(const std::vector<glm::dvec3>& vertices) {
   return first;
 }
 
+template <class Value>
+std::array<Value, 3> cornersOf(const glm::uvec3& t, const std::vector<Value>& ofVertex) {
+  return {ofVertex[t.x], ofVertex[t.y], ofVertex[t.z]};
+}
+
 }  // namespace
 
 Merged mergeVertices(const RawMesh& raw) {
@@ -53,14 +58,18 @@ Merged mergeVertices(const RawMesh& raw) {
   Merged out;
   out.mesh.triangles.reserve(raw.triangles.size());
   std::vector<std::uint32_t> number(raw.vertices.size(), kNone);  // in the new mesh
-  for (const glm::uvec3& t : raw.triangles) {
+  for (std::size_t i = 0; i < raw.triangles.size(); ++i) {
+    const glm::uvec3& t = raw.triangles[i];
     const glm::uvec3 merged(first[t.x], first[t.y], first[t.z]);
     if (merged.x == merged.y || merged.y == merged.z || merged.z == merged.x) {
       ++out.degenerateTriangles;
       continue;
     }
     out.mesh.triangles.push_back(merged);
-    for (int i = 0; i < 3; ++i) number[merged[i]] = 0;
+    for (int k = 0; k < 3; ++k) number[merged[k]] = 0;
+    if (!raw.texcoords.empty()) out.look.texcoords.push_back(cornersOf(t, raw.texcoords));
+    if (!raw.colours.empty()) out.look.colours.push_back(cornersOf(t, raw.colours));
+    if (!raw.material.empty()) out.look.material.push_back(raw.material[i]);
   }
   for (std::size_t i = 0; i < number.size(); ++i) {
     if (number[i] == kNone) continue;

@@ -9,6 +9,7 @@ namespace sherd {
 
 struct Merged {
   TriangleMesh mesh;
+  SurfaceLook look;                     ///< of `mesh`, corner by corner
   std::size_t degenerateTriangles = 0;  ///< with two equal corners, dropped
 };
 

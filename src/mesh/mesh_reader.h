@@ -1,6 +1,7 @@
 // The seam between files and meshes: what a reader is given, and what it gives.
 #pragma once
 
+#include <sherd/appearance.h>
 #include <sherd/error.h>
 
 #include <cstddef>
@@ -22,10 +23,16 @@ struct MeshFile {
 };
 
 /// What a reader found: node transforms applied, polygons triangulated, nothing merged or dropped.
+/// A vertex that looks different on two sides of a seam is there twice.
 struct RawMesh {
   std::vector<glm::dvec3> vertices;
   std::vector<glm::uvec3> triangles;  ///< indices below vertices.size()
   std::size_t polygons = 0;           ///< faces before triangulation
+
+  std::vector<glm::vec2> texcoords;     ///< [vertices], or empty; see SurfaceLook
+  std::vector<glm::u8vec3> colours;     ///< [vertices], or empty
+  std::vector<std::uint32_t> material;  ///< [triangles] below look.materials.size(), or empty
+  Appearance look;                      ///< but for its surface
 };
 
 /// An error about a file's content: "bowl.stl: what".

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <charconv>
 #include <utility>
 
 namespace sherd {
@@ -95,16 +94,11 @@ PlyHeader readPlyHeader(const MeshFile& file) {
 
 double PlyBody::number(const PlyType& type) {
   if (encoding_ == PlyEncoding::ascii) {
-    std::string_view word = takeWord(rest_);
+    const std::string_view word = takeWord(rest_);
     if (word.empty()) throw lineTooShort();
-    const std::string_view asFound = word;
-    if (word.starts_with('+')) word.remove_prefix(1);
-    double value = 0.0;
-    const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (error == std::errc::invalid_argument || stop != word.data() + word.size()) {
-      throw notA("number", asFound);
-    }
-    return value;
+    const auto value = parseReal(word);
+    if (!value) throw notA("number", word);
+    return *value;
   }
   if (type.isInteger) return static_cast<double>(integer(type));
   const PlyType bits{type.bytes, true, false};

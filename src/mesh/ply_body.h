@@ -111,7 +111,7 @@ class PlyBody {
     return static_cast<std::int64_t>(value << unused) >> unused;  // carries the sign up
   }
 
-  // A number of any type; one that is too large or small for a double is 0.
+  // A number of any type; one that is too large for a double is infinite.
   double number(const PlyType& type);
 
   // Nothing but blanks may follow the last element.

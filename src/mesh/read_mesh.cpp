@@ -19,6 +19,8 @@
 #include "mesh/completeness.h"
 #include "mesh/file_bytes.h"
 #include "mesh/merge.h"
+#include "mesh/read_obj.h"
+#include "mesh/read_ply.h"
 
 namespace sherd {
 namespace {
@@ -109,6 +111,14 @@ void requireFinite(const MeshFile& file, const RawMesh& raw) {
   }
 }
 
+RawMesh readWithLook(const MeshFile& file) {
+  RawMesh raw = file.format == MeshFormat::ply ? readPlyWithLook(file) : readObjWithLook(file);
+  for (glm::vec2& at : raw.texcoords) {
+    if (!std::isfinite(at.x) || !std::isfinite(at.y)) at = glm::vec2(0.0f);
+  }
+  return raw;
+}
+
 }  // namespace
 
 std::string readFileBytes(const fs::path& file) {
@@ -152,7 +162,7 @@ SourceMesh readMesh(const fs::path& path) {
 
   const FileCounts counts = checkComplete(file);
   if (counts.polygons == 0u) throw inputError(file, "holds no triangle");
-  const RawMesh raw = readWithAssimp(file);
+  RawMesh raw = counts.look ? readWithLook(file) : readWithAssimp(file);
   if (counts.polygons && *counts.polygons != raw.polygons) {
     throw inputError(file, "holds " + std::to_string(*counts.polygons) + " faces, of which " +
                                std::to_string(raw.polygons) + " could be read");
@@ -164,6 +174,8 @@ SourceMesh readMesh(const fs::path& path) {
     throw inputError(file, "holds no triangle with three different corners");
   out.mesh = std::move(merged.mesh);
   out.degenerateTriangles = merged.degenerateTriangles;
+  out.appearance = std::move(raw.look);
+  out.appearance.surface = std::move(merged.look);
   return out;
 }
 

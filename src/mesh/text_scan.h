@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cstddef>
+#include <cstdlib>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -42,6 +43,13 @@ inline std::string_view takeWord(std::string_view& line) {
   return word;
 }
 
+/// A text without the blanks round it.
+inline std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && isBlank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && isBlank(text.back())) text.remove_suffix(1);
+  return text;
+}
+
 /// How many words a line has.
 inline std::size_t countWords(std::string_view line) {
   std::size_t count = 0;
@@ -58,13 +66,19 @@ std::optional<Integer> parseInteger(std::string_view word) {
   return value;
 }
 
-/// Whether a word is a number; "nan", "inf" and numbers too large or small for a double are.
-inline bool isNumber(std::string_view word) {
+/// The number that a word is, if it is one; one that is too large for a double is infinite.
+inline std::optional<double> parseReal(std::string_view word) {
   if (word.starts_with('+')) word.remove_prefix(1);
   double value = 0.0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  return error != std::errc::invalid_argument && end == word.data() + word.size();
+  if (error == std::errc::invalid_argument || end != word.data() + word.size()) return std::nullopt;
+  if (error == std::errc::result_out_of_range)
+    return std::strtod(std::string(word).c_str(), nullptr);
+  return value;
 }
+
+/// Whether a word is a number; "nan", "inf" and numbers too large or small for a double are.
+inline bool isNumber(std::string_view word) { return parseReal(word).has_value(); }
 
 /// Whether a line begins with that many numbers; they are cut off it.
 inline bool takeNumbers(std::string_view& line, int count) {

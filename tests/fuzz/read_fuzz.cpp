@@ -12,14 +12,16 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <string>
 #include <vector>
 
+#include "mesh/mtl.h"
 #include "shapes.h"
 
 namespace {
 
-const std::vector<std::string> kFormats{"ply", "stl", "obj", "off", "gltf", "glb", "rle"};
+const std::vector<std::string> kFormats{"ply", "stl", "obj", "off", "gltf", "glb", "rle", "mtl"};
 
 std::filesystem::path scratch(const std::string& extension) {
   const std::filesystem::path memory = "/dev/shm";
@@ -31,6 +33,27 @@ std::filesystem::path scratch(const std::string& extension) {
 // What a reader returns must be what its header promises.
 void check(bool holds) {
   if (!holds) std::abort();
+}
+
+// Whether an array has one entry for each triangle, or none.
+template <class Entries>
+bool fits(const Entries& entries, const sherd::SourceMesh& source) {
+  return entries.empty() || entries.size() == source.mesh.triangles.size();
+}
+
+void checkLook(const sherd::SourceMesh& source) {
+  const sherd::Appearance& look = source.appearance;
+  check(fits(look.surface.texcoords, source) && fits(look.surface.colours, source) &&
+        fits(look.surface.material, source));
+  for (const auto& corners : look.surface.texcoords) {
+    for (const glm::vec2& at : corners) check(std::isfinite(at.x) && std::isfinite(at.y));
+  }
+  for (const std::uint32_t material : look.surface.material) {
+    check(material < look.materials.size());
+  }
+  for (const sherd::Material& material : look.materials) {
+    check(material.texture < static_cast<int>(look.textures.size()));
+  }
 }
 
 void readOne(std::uint8_t format, const char* data, std::size_t size) {
@@ -45,8 +68,12 @@ void readOne(std::uint8_t format, const char* data, std::size_t size) {
       check(sum == static_cast<std::uint64_t>(voxels.dims.x()) *
                        static_cast<std::uint64_t>(voxels.dims.y()) *
                        static_cast<std::uint64_t>(voxels.dims.z()));
+    } else if (extension == "mtl") {
+      std::map<std::string, sherd::MtlMaterial> materials;
+      sherd::addMtl(std::string_view(data, size), materials);
     } else {
       const sherd::SourceMesh source = sherd::readMesh(file);
+      checkLook(source);
       check(!source.mesh.triangles.empty());
       for (const glm::dvec3& v : source.mesh.vertices) {
         check(std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z));
@@ -96,6 +123,28 @@ int main() {
       {4,
        R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":36}],"meshes":[{"primitives":[{}]}]})"},
       {5, std::string("glTF\2\0\0\0\14\0\0\0", 12)},
+      {0,
+       "ply\nformat ascii 1.0\ncomment TextureFile a.png\ncomment material 0 m 0\n"
+       "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+       "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty float s\n"
+       "property float t\nelement face 1\nproperty list uchar int vertex_indices\n"
+       "property list uchar float texcoord\nproperty int material\nend_header\n"
+       "0 0 0 1 2 3 0 0\n1 0 0 4 5 6 0 1\n0 1 0 7 8 9 1 1\n3 0 1 2 6 0 0 1 0 1 1 0\n"},
+      {2,
+       "mtllib a.mtl\nv 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0\nvt 0 1\nvt 1 1\nvt 1 0\nusemtl m\n"
+       "f 1/1 2/2/ 3/3\nusemtl n\nf -1/-1 -2/-2 -3//\n"},
+      {4, R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
+          R"("buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,)"
+          R"(AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],"bufferViews":[{"buffer":0,)"
+          R"("byteLength":36}],"accessors":[{"bufferView":0,"componentType":5126,"count":3,)"
+          R"("type":"VEC3"},{"bufferView":0,"componentType":5126,"count":3,"type":"VEC2"},)"
+          R"({"bufferView":0,"componentType":5121,"count":3,"type":"VEC4","normalized":true}],)"
+          R"("images":[{"bufferView":0,"mimeType":"image/png"},{"uri":"x.png"}],)"
+          R"("textures":[{"source":0},{"source":1}],"materials":[{"name":"m",)"
+          R"("pbrMetallicRoughness":{"baseColorTexture":{"index":1,"texCoord":0},)"
+          R"("baseColorFactor":[1,0.5,0,1]}}],"meshes":[{"primitives":[{"attributes":)"
+          R"({"POSITION":0,"TEXCOORD_0":1,"COLOR_0":2},"material":0}]}]})"},
+      {7, "newmtl a\nKd 1 0.5 0\nmap_Kd -s 1 1 1 -clamp on a b.png\nnewmtl b\nKd 1\nmap_Kd\n"},
       {6, std::string("\1\0\0\0\1\0\0\0\2\0\0\0\1\0\2\0\0\0", 18)},
   };
   std::minstd_rand random(17);

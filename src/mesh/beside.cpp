@@ -1,0 +1,56 @@
+// Files that a mesh file names: what lies beside it may be read, nothing else.
+#include "mesh/beside.h"
+
+#include <algorithm>
+
+#include "mesh/file_bytes.h"
+#include "mesh/text_scan.h"
+
+namespace sherd {
+
+std::optional<std::filesystem::path> pathBeside(const MeshFile& file, std::string_view name) {
+  std::string text(name);
+  if (text.find('\0') != std::string::npos) return std::nullopt;
+  std::replace(text.begin(), text.end(), '\\', '/');
+  const std::filesystem::path relative = std::filesystem::path(text).lexically_normal();
+  if (relative.empty() || relative.is_absolute() || *relative.begin() == "..") return std::nullopt;
+  return file.path.parent_path() / relative;
+}
+
+std::optional<std::string> readBeside(const MeshFile& file, std::string_view name,
+                                      const std::string& kind, std::vector<std::string>& warnings) {
+  const std::string what = file.name + ": its " + kind + " " + inQuotes(name) + " ";
+  const auto path = pathBeside(file, name);
+  if (!path) {
+    warnings.push_back(what + "does not lie in or below the file's folder, so it is left out");
+    return std::nullopt;
+  }
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(*path, error)) {
+    warnings.push_back(what + "is not there, so it is left out");
+    return std::nullopt;
+  }
+  try {
+    return readFileBytes(*path);
+  } catch (const Error&) {
+    warnings.push_back(what + "cannot be read, so it is left out");
+    return std::nullopt;
+  }
+}
+
+int textureBeside(const MeshFile& file, std::string_view name, Appearance& look) {
+  const auto known = std::find_if(look.textures.begin(), look.textures.end(),
+                                  [&](const Texture& t) { return t.name == name; });
+  if (known != look.textures.end()) return static_cast<int>(known - look.textures.begin());
+  std::optional<std::string> bytes = readBeside(file, name, "texture", look.warnings);
+  if (bytes && bytes->empty()) {
+    look.warnings.push_back(file.name + ": its texture " + inQuotes(name) +
+                            " is empty, so it is left out");
+    bytes.reset();
+  }
+  if (!bytes) return -1;
+  look.textures.push_back({std::string(name), std::move(*bytes)});
+  return static_cast<int>(look.textures.size()) - 1;
+}
+
+}  // namespace sherd
