@@ -1,0 +1,203 @@
+// The look of a mesh on surfaces near it, where it is known at every point.
+#include <gtest/gtest.h>
+#include <sherd/mesh.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <numbers>
+#include <set>
+
+#include "appearance/charts.h"
+#include "appearance/transfer.h"
+#include "shapes.h"
+
+namespace sherd {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+std::vector<std::uint16_t> allOriginal(const TriangleMesh& mesh) {
+  return std::vector<std::uint16_t>(mesh.triangles.size(), 0);
+}
+
+// A colour that is linear in the place: what lies between corners is what the function says.
+glm::dvec3 colourAt(const glm::dvec3& p) { return 127.0 + 100.0 * p; }
+
+SurfaceLook coloured(const TriangleMesh& mesh) {
+  SurfaceLook look;
+  for (const glm::uvec3& t : mesh.triangles) {
+    auto& corners = look.colours.emplace_back();
+    for (int k = 0; k < 3; ++k) {
+      corners[static_cast<std::size_t>(k)] = glm::u8vec3(colourAt(mesh.vertices[t[k]]) + 0.5);
+    }
+  }
+  return look;
+}
+
+TEST(Appearance, ColoursAreThoseOfTheNearestPlace) {
+  const TriangleMesh input = shapes::ball(1.0, 4);
+  TriangleMesh output = shapes::ball(1.0, 5);
+  for (glm::dvec3& v : output.vertices) v = {v.y, -v.z, v.x};  // other triangles
+  const SurfaceLook look = coloured(input);
+  std::vector<std::uint16_t> facing = allOriginal(output);
+  for (std::size_t t = 0; t < facing.size(); t += 7) facing[t] = 3;
+  const SurfaceLook found = LookSource(input, look).on(output, facing, 0);
+  EXPECT_TRUE(found.texcoords.empty());
+  EXPECT_TRUE(found.material.empty());
+  ASSERT_EQ(found.colours.size(), output.triangles.size());
+  // The input's triangles are up to 0.0013 below the ball; both roundings are half a step.
+  const double most = 100.0 * 0.0014 + 1.0;
+  for (std::size_t t = 0; t < facing.size(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const glm::dvec3 colour(found.colours[t][static_cast<std::size_t>(k)]);
+      const glm::dvec3 expected = colourAt(output.vertices[output.triangles[t][k]]);
+      if (facing[t] != 0) {
+        EXPECT_EQ(colour, glm::dvec3(kInsideColour));
+      } else {
+        const glm::dvec3 apart = glm::abs(colour - expected);
+        EXPECT_LE(std::max({apart.x, apart.y, apart.z}), most);
+      }
+    }
+  }
+}
+
+TEST(Appearance, MovingAndScalingChangesNothing) {
+  const TriangleMesh input = shapes::ball(1.0, 3), output = shapes::ball(1.01, 4);
+  const SurfaceLook look = coloured(input);
+  const SurfaceLook here = LookSource(input, look).on(output, allOriginal(output), 0);
+  const auto seenAt = [&](double scale, const glm::dvec3& offset) {
+    const TriangleMesh there = shapes::transformed(output, scale, offset);
+    return LookSource(shapes::transformed(input, scale, offset), look)
+        .on(there, allOriginal(there), 0)
+        .colours;
+  };
+  EXPECT_EQ(seenAt(64.0, glm::dvec3(0.0)), here.colours);
+  // The move rounds, so a colour half-way between two steps may go to either.
+  const auto moved = seenAt(1.0, {4096.0, -8192.0, 1024.0});
+  for (std::size_t t = 0; t < moved.size(); ++t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const glm::ivec3 apart = glm::abs(glm::ivec3(moved[t][k]) - glm::ivec3(here.colours[t][k]));
+      EXPECT_LE(std::max({apart.x, apart.y, apart.z}), 1);
+    }
+  }
+}
+
+// A tube's outside, open at both ends: u once round, v along it.  Vertices are shared, so the seam
+// is in the texture coordinates only.
+struct Tube {
+  TriangleMesh mesh;
+  SurfaceLook look;
+};
+Tube tube(double radius, int segments, int rings, double turned) {
+  Tube out;
+  for (int j = 0; j <= rings; ++j) {
+    for (int i = 0; i < segments; ++i) {
+      const double angle = 2.0 * kPi * (i + turned) / segments;
+      out.mesh.vertices.emplace_back(radius * std::cos(angle), radius * std::sin(angle),
+                                     2.0 * j / rings);
+    }
+  }
+  const auto vertex = [&](int i, int j) {
+    return static_cast<std::uint32_t>(j * segments + i % segments);
+  };
+  const auto texcoord = [&](int i, int j) {
+    return glm::vec2(static_cast<float>(i) / static_cast<float>(segments),
+                     static_cast<float>(j) / static_cast<float>(rings));
+  };
+  for (int j = 0; j < rings; ++j) {
+    for (int i = 0; i < segments; ++i) {
+      out.mesh.triangles.emplace_back(vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1));
+      out.look.texcoords.push_back({texcoord(i, j), texcoord(i + 1, j), texcoord(i + 1, j + 1)});
+      out.mesh.triangles.emplace_back(vertex(i, j), vertex(i + 1, j + 1), vertex(i, j + 1));
+      out.look.texcoords.push_back({texcoord(i, j), texcoord(i + 1, j + 1), texcoord(i, j + 1)});
+    }
+  }
+  return out;
+}
+
+TEST(Appearance, NoTriangleSpansASeam) {
+  constexpr int kSegments = 50;
+  const Tube input = tube(1.0, 64, 10, 0.0);
+  const TriangleMesh output = tube(1.002, kSegments, 13, 0.37).mesh;
+  const SurfaceLook found = LookSource(input.mesh, input.look).on(output, allOriginal(output), 0);
+  int beside = 0;
+  for (std::size_t t = 0; t < output.triangles.size(); ++t) {
+    float low = 1.0f, high = 0.0f;
+    bool crosses = false;
+    for (int k = 0; k < 3; ++k) {
+      const glm::vec2 at = found.texcoords[t][static_cast<std::size_t>(k)];
+      low = std::min(low, at.x), high = std::max(high, at.x);
+      const glm::dvec3& p = output.vertices[output.triangles[t][k]];
+      const glm::dvec3& q = output.vertices[output.triangles[t][(k + 1) % 3]];
+      crosses |= p.x > 0.0 && (p.y < 0.0) != (q.y < 0.0);
+      EXPECT_NEAR(at.y, p.z / 2.0, 1e-6);
+    }
+    EXPECT_LE(high - low, 1.01f / kSegments);
+    beside += crosses;
+    for (int k = 0; k < 3 && !crosses; ++k) {
+      const glm::dvec3& p = output.vertices[output.triangles[t][k]];
+      const double turn = std::atan2(p.y, p.x) / (2.0 * kPi);
+      // What lies 0.002 outside a chord is that much farther from its middle when it is projected,
+      // at most 1/128 away; and chords are not spread as their angles are, which is (1/64)^3.
+      EXPECT_NEAR(found.texcoords[t][static_cast<std::size_t>(k)].x, turn < 0.0 ? turn + 1.0 : turn,
+                  2e-5);
+    }
+  }
+  EXPECT_EQ(beside, 26);  // the seam is crossed by two triangles of each of 13 rings
+}
+
+TEST(Appearance, ThinWallsKeepTheirSides) {
+  const TriangleMesh input = shapes::hollowBall(1.0, 0.99, 4);
+  SurfaceLook look;
+  for (const glm::uvec3& t : input.triangles) {
+    const bool outer = glm::length(input.vertices[t.x]) > 0.995;
+    const glm::u8vec3 colour = outer ? glm::u8vec3(255, 0, 0) : glm::u8vec3(0, 0, 255);
+    look.colours.push_back({colour, colour, colour});
+    look.material.push_back(outer ? 0 : 1);
+  }
+  // Each side lies nearer to the other's triangles than to its own.
+  const TriangleMesh outside = shapes::ball(0.985, 4);
+  const TriangleMesh cavity = shapes::inverted(shapes::ball(1.001, 4));
+  for (const bool flipped : {false, true}) {  // an input turned inside out is turned back
+    const TriangleMesh mesh = flipped ? shapes::inverted(input) : input;
+    const LookSource source(mesh, look);
+    for (const auto& [output, material] : {std::pair(outside, 0u), std::pair(cavity, 1u)}) {
+      const SurfaceLook found = source.on(output, allOriginal(output), 2);
+      for (std::size_t t = 0; t < output.triangles.size(); ++t) {
+        ASSERT_EQ(found.material[t], material) << flipped;
+        ASSERT_EQ(found.colours[t][0].x, material == 0 ? 255 : 0);
+      }
+    }
+  }
+}
+
+TEST(Charts, EndAtSeamsAndMaterials) {
+  const Tube whole = tube(1.0, 16, 4, 0.0);
+  const Charts one = charts(whole.mesh, whole.look);
+  EXPECT_EQ(one.of, std::vector<std::uint32_t>(128, 0));
+  EXPECT_EQ(one.ownSeam.size(), 8u);  // a triangle on each side of the seam in each of four rings
+  const Charts plain = charts(whole.mesh, {});
+  EXPECT_EQ(plain.of, std::vector<std::uint32_t>(128, 0));
+  EXPECT_TRUE(plain.ownSeam.empty());
+  SurfaceLook halves = whole.look;
+  for (std::uint32_t t = 0; t < 128; ++t) halves.material.push_back(t / 64);
+  const Charts two = charts(whole.mesh, halves);
+  for (std::uint32_t t = 0; t < 128; ++t) EXPECT_EQ(two.of[t], t < 64 ? 0u : 64u);
+  const TriangleMesh cube = shapes::cube(1.0);
+  SurfaceLook faces;  // each triangle has texture coordinates of its own
+  for (std::size_t t = 0; t < 12; ++t) {
+    const auto u = static_cast<float>(t);
+    faces.texcoords.push_back({glm::vec2(u, 0), glm::vec2(u + 0.5f, 0), glm::vec2(u, 0.5f)});
+  }
+  const Charts each = charts(cube, faces);
+  EXPECT_EQ(std::set<std::uint32_t>(each.of.begin(), each.of.end()).size(), 12u);
+  EXPECT_TRUE(each.ownSeam.empty());
+  for (const auto& beyond : each.beyond) {
+    for (const std::uint32_t triangle : beyond) EXPECT_EQ(triangle, kNoTriangle);
+  }
+}
+
+}  // namespace
+}  // namespace sherd
