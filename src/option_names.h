@@ -19,6 +19,7 @@ inline constexpr const char* kIsolated[] = {"keep", "regrow"};  // by GrowOption
 inline constexpr const char* kPointSampler[] = {"uniform", "halton", "poisson"};
 inline constexpr const char* kPointRule[] = {"area", "per-triangle"};
 inline constexpr const char* kPointFormat[] = {"ply", "xyz", "npz"};
+inline constexpr const char* kMeshFileFormat[] = {"ply", "obj", "glb"};
 inline constexpr const char* kSampleType[] = {"float32", "float16"};
 
 /// The name of a value.

@@ -188,9 +188,9 @@ def read_ply(file):
     raw = file.read_bytes()
     header, body = raw.split(b"end_header\n", 1)
     counts = [int(line.split()[2]) for line in header.split(b"\n") if line.startswith(b"element")]
-    vertices = np.frombuffer(body, "<f4", 3 * counts[0]).reshape(-1, 3)
-    faces = np.frombuffer(body, [("n", "u1"), ("corner", "<i4", 3), ("facing", "<i4")], counts[1], 12 * counts[0])
-    return vertices, faces["corner"], faces["facing"]
+    vertices = np.frombuffer(body, [("at", "<f4", 3), ("normal", "<f4", 3), ("facing", "<i4")], counts[0])
+    faces = np.frombuffer(body, [("n", "u1"), ("corner", "<i4", 3), ("facing", "<i4")], counts[1], vertices.nbytes)
+    return vertices["at"], faces["corner"], faces["facing"]
 
 
 def rms_and_most(values):

@@ -61,8 +61,11 @@ void writeVdb(const std::filesystem::path& file, const Fragment& fragment,
 ///   labels  with costs
 void writeCost(const std::filesystem::path& file, const Solid& solid, const Labels& labels);
 
-/// Write a mesh as binary little-endian PLY: float x, y, z; faces of three with `int facing` where
-/// it is given.
+/// Write a mesh as binary little-endian PLY: float x, y, z; faces of three.  Where `facing` is
+/// given, faces have `int facing`, and vertices have it behind their normals, float nx, ny, nz:
+/// normals are the mean of the faces round a vertex, weighted by their angles there; a vertex's
+/// facing is 0 where all of these are of the original surface, else the id that they face most, by
+/// the same angles, of those that are not 0.
 void writePly(const std::filesystem::path& file, const TriangleMesh& mesh,
               const std::vector<std::uint16_t>& facing = {});
 
@@ -87,14 +90,25 @@ void writeDistances(const std::filesystem::path& file, const DistanceSamples& sa
 ///   throws  Error(output)
 void writeCorrespondences(const std::filesystem::path& file, const Correspondences& points);
 
+/// How fragments' meshes are written.  Where the mesh that was broken has a look, all three hold
+/// it: the original surface's is that of the nearest part of it; what the fracture laid bare has
+/// kInsideColour and a material "inside".
+enum class MeshFileFormat {
+  ply,  ///< as writePly, and colours of vertices, texture coordinates and material of faces
+  obj,  ///< with normals and materials; the library of materials, one for all, lies beside it
+  glb,  ///< binary glTF 2.0 with its textures in it; a primitive for each material
+};
+
 /// Which files a fracture writes beside `manifest.json`.
 struct WriteOptions {
   bool labels = true;   ///< labels.rle
   bool vdb = true;      ///< fragments/<stem>_001.vdb
-  bool mesh = true;     ///< meshes/<stem>_001.ply
+  bool mesh = true;     ///< meshes/<stem>_001.ply, and textures where the input has some
   bool preview = true;  ///< preview.png
   bool seeds = false;   ///< seeds.json
   bool cost = false;    ///< cost.vdb, when the labels hold costs
+
+  std::vector<MeshFileFormat> meshFormats{MeshFileFormat::ply};  ///< not empty, each once
 
   PointOptions points{};     ///< points/<stem>_001.ply where count is above 0; its `seed` is made
                              ///< from the fracture's, for each fragment

@@ -20,6 +20,7 @@
 
 #include "cli/command.h"
 #include "cli/fracture_options.h"
+#include "mesh/text_scan.h"
 
 namespace sherd::cli {
 namespace {
@@ -34,7 +35,7 @@ struct FractureArguments {
       only;  ///< fragments of a finished fracture to break again; empty: MESH is a mesh
   FractureOptions options;
   std::vector<std::string> write{"labels", "vdb", "mesh", "preview"};
-  WriteOptions points;  ///< what it says of points and distance samples
+  WriteOptions files;  ///< all of it but what `write` and `up` name
   std::string up = "y";
   std::string device = "auto";
   int threads = 0;  ///< 0: all cores
@@ -111,7 +112,19 @@ std::string number(double value, int digits) {
   return text;
 }
 
-void warn(const FractureArguments& arguments, const FractureResult& result) {
+void warn(const FractureArguments& arguments, const SourceMesh& source,
+          const FractureResult& result) {
+  for (const std::string& warning : source.appearance.warnings) {
+    printMessage("sherd: warning: " + warning);
+  }
+  const std::vector<MeshFileFormat>& formats = arguments.files.meshFormats;
+  if (std::find(formats.begin(), formats.end(), MeshFileFormat::glb) != formats.end()) {
+    for (const Texture& texture : source.appearance.textures) {
+      if (imageType(texture.bytes) != ImageType::other) continue;
+      printMessage("sherd: warning: " + source.name + ": its texture " + inQuotes(texture.name) +
+                   " is neither PNG nor JPEG, so .glb files go without it");
+    }
+  }
   const std::size_t fragments = result.fragments.size();
   if (arguments.options.seedFile.empty() && arguments.only.empty() &&
       static_cast<std::size_t>(arguments.options.pieces) < fragments) {
@@ -175,7 +188,7 @@ WriteOptions writeOptions(const FractureArguments& arguments) {
   const auto named = [&](const char* name) {
     return std::find(arguments.write.begin(), arguments.write.end(), name) != arguments.write.end();
   };
-  WriteOptions write = arguments.points;
+  WriteOptions write = arguments.files;
   write.labels = named("labels");
   write.vdb = named("vdb");
   write.mesh = named("mesh");
@@ -247,7 +260,7 @@ void breakMesh(FractureArguments& arguments) {
   times.push_back({"total", secondsSince(start)});
 
   line.clear();
-  warn(arguments, result);
+  warn(arguments, source, result);
   if (arguments.json) {
     printResult(asJson(arguments, source, result, device.info(), manifest, times));
   } else if (!arguments.quiet) {
@@ -315,7 +328,7 @@ void addFractureCommand(CLI::App& app, Action& run) {
   addGrowthOptions(*command, options);
   addErosionOptions(*command, options);
   addSurfaceOptions(*command, options);
-  addPointOptions(*command, arguments->points);
+  addPointOptions(*command, arguments->files);
   for (const char* ofMeshes : {"--seeds", "--missing", "--erode-iterations"}) {
     command->get_option("--only")->excludes(ofMeshes);
   }
@@ -324,6 +337,7 @@ void addFractureCommand(CLI::App& app, Action& run) {
       ->allow_extra_args(false)
       ->check(CLI::IsMember({"labels", "vdb", "mesh", "preview", "seeds", "cost"}))
       ->default_str("labels,vdb,mesh,preview");
+  addMeshFormatOption(*command, arguments->files);
   command->add_option("--up", arguments->up, "The mesh's axis that points up in the picture")
       ->check(CLI::IsMember({"x", "y", "z"}))
       ->default_str("y");
@@ -339,7 +353,7 @@ void addFractureCommand(CLI::App& app, Action& run) {
   command->add_flag("--json", arguments->json, "Print one JSON object: counts, volumes, seconds");
   command->add_flag("--quiet", arguments->quiet, "Print nothing but warnings and errors");
   command->callback([arguments, &run] {
-    checkPointOptions(arguments->points);
+    checkPointOptions(arguments->files);
     run = [arguments] { runFracture(*arguments); };
   });
 }

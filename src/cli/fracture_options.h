@@ -16,6 +16,7 @@ void addGrowthOptions(CLI::App& command, FractureOptions& options);
 void addErosionOptions(CLI::App& command, FractureOptions& options);
 void addSurfaceOptions(CLI::App& command, FractureOptions& options);
 void addPointOptions(CLI::App& command, WriteOptions& write);
+void addMeshFormatOption(CLI::App& command, WriteOptions& write);
 
 /// Refuses what cannot go together, before the work.
 ///   throws  CLI::ValidationError

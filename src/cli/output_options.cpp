@@ -23,14 +23,20 @@ void parseIterations(const std::string& option, const std::string& text, Iterati
 }
 
 // Formats separated by commas, each once.
-void parsePointFormats(const std::string& text, std::vector<PointFormat>& formats) {
+template <class Format, std::size_t n>
+void parseFormats(const std::string& option, const std::string& text,
+                  const char* const (&formatNames)[n], std::vector<Format>& formats) {
+  std::string all;
+  for (std::size_t i = 0; i < n; ++i) {
+    all += (i == 0 ? "" : i + 1 < n ? ", " : " and ") + std::string(formatNames[i]);
+  }
   formats.clear();
   for (const std::string& part : split(text)) {
-    const auto* const end = std::end(names::kPointFormat);
-    const auto* const at = std::find(std::begin(names::kPointFormat), end, part);
-    const auto format = static_cast<PointFormat>(at - std::begin(names::kPointFormat));
-    if (at == end || std::find(formats.begin(), formats.end(), format) != formats.end()) {
-      refuse("--point-format", text, "a list of ply, xyz and npz, each once");
+    const auto* const at = std::find(std::begin(formatNames), std::end(formatNames), part);
+    const auto format = static_cast<Format>(at - std::begin(formatNames));
+    if (at == std::end(formatNames) ||
+        std::find(formats.begin(), formats.end(), format) != formats.end()) {
+      refuse(option, text, "a list of " + all + ", each once");
     }
     formats.push_back(format);
   }
@@ -112,7 +118,9 @@ void addPointOptions(CLI::App& command, WriteOptions& write) {
   command
       .add_option_function<std::string>(
           "--point-format",
-          [&write](const std::string& text) { parsePointFormats(text, write.pointFormats); },
+          [&write](const std::string& text) {
+            parseFormats("--point-format", text, names::kPointFormat, write.pointFormats);
+          },
           "Files of points, one or more: binary, text, NumPy's")
       ->type_name("ply,xyz,npz")
       ->default_str("ply")
@@ -137,6 +145,18 @@ void addPointOptions(CLI::App& command, WriteOptions& write) {
             "Numbers of these files")
       ->needs(samples)
       ->group(group);
+}
+
+void addMeshFormatOption(CLI::App& command, WriteOptions& write) {
+  command
+      .add_option_function<std::string>(
+          "--mesh-format",
+          [&write](const std::string& text) {
+            parseFormats("--mesh-format", text, names::kMeshFileFormat, write.meshFormats);
+          },
+          "Files of meshes, one or more: PLY, OBJ with materials, binary glTF")
+      ->type_name("ply,obj,glb")
+      ->default_str("ply");
 }
 
 void checkPointOptions(const WriteOptions& write) {

@@ -225,12 +225,17 @@ Json fragmentJson(const Fragment& fragment, const FractureResult& result, Json s
       {"contacts", contactsJson(fragment)}};
 }
 
-Json decimatedJson(const Fragment& fragment, const std::vector<std::string>& files) {
+// A path, or a list of paths where there are several.
+Json pathsJson(const std::vector<std::string>& paths) {
+  return paths.size() == 1 ? Json(paths[0]) : Json(paths);
+}
+
+Json decimatedJson(const Fragment& fragment, const std::vector<std::vector<std::string>>& files) {
   Json meshes = Json::array();
   for (std::size_t i = 0; i < files.size(); ++i) {
     meshes.push_back({{"asked", fragment.coarse[i].asked},
                       {"triangles", fragment.coarse[i].mesh.triangles.size()},
-                      {"file", files[i]}});
+                      {"file", pathsJson(files[i])}});
   }
   return meshes;
 }
@@ -241,13 +246,19 @@ std::vector<std::string> FractureFiles::all() const {
   std::vector<std::string> list;
   if (!labels.empty()) list.push_back(labels);
   list.insert(list.end(), vdb.begin(), vdb.end());
-  list.insert(list.end(), mesh.begin(), mesh.end());
+  for (const std::vector<std::string>& ofFragment : mesh) {
+    list.insert(list.end(), ofFragment.begin(), ofFragment.end());
+  }
+  if (!materials.empty()) list.push_back(materials);
+  list.insert(list.end(), textures.begin(), textures.end());
   for (const std::vector<std::string>& ofFragment : points) {
     list.insert(list.end(), ofFragment.begin(), ofFragment.end());
   }
   list.insert(list.end(), sdf.begin(), sdf.end());
-  for (const std::vector<std::string>& ofOne : coarse) {
-    list.insert(list.end(), ofOne.begin(), ofOne.end());
+  for (const auto& ofFragment : coarse) {
+    for (const std::vector<std::string>& ofOne : ofFragment) {
+      list.insert(list.end(), ofOne.begin(), ofOne.end());
+    }
   }
   for (const std::string& file : {solidSdf, correspondences, preview, seeds, cost}) {
     if (!file.empty()) list.push_back(file);
@@ -280,11 +291,8 @@ std::string manifestText(const SourceMesh& source, const FractureOptions& option
       continue;
     }
     if (!files.vdb.empty()) own["vdb"] = files.vdb[i];
-    if (!files.mesh.empty()) own["mesh"] = files.mesh[i];
-    if (!files.points.empty()) {
-      const std::vector<std::string>& points = files.points[i];
-      own["points"] = points.size() == 1 ? Json(points[0]) : Json(points);
-    }
+    if (!files.mesh.empty()) own["mesh"] = pathsJson(files.mesh[i]);
+    if (!files.points.empty()) own["points"] = pathsJson(files.points[i]);
     if (!files.sdf.empty()) own["sdf"] = files.sdf[i];
     Json fragment = fragmentJson(result.fragments[i], result, std::move(seeds[i]), std::move(own));
     if (!files.coarse.empty()) {

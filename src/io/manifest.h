@@ -15,9 +15,13 @@ namespace sherd {
 /// The files of a fracture, relative to its folder; empty where not written.
 struct FractureFiles {
   std::string labels;
-  std::vector<std::string> vdb;                  ///< [fragments that are not withheld] or empty
-  std::vector<std::string> mesh;                 ///< [fragments that are not withheld] or empty
-  std::vector<std::vector<std::string>> coarse;  ///< [of these][SurfaceOptions::triangles] or empty
+  std::vector<std::string> vdb;                ///< [fragments that are not withheld] or empty
+  std::vector<std::vector<std::string>> mesh;  ///< [fragments that are not withheld][formats] or
+                                               ///< empty
+  std::vector<std::vector<std::vector<std::string>>>
+      coarse;                         ///< [of these][SurfaceOptions::triangles][formats] or empty
+  std::string materials;              ///< the library of .obj files
+  std::vector<std::string> textures;  ///< [MaterialTable::textures] or empty
   std::vector<std::vector<std::string>> points;  ///< [fragments that are not withheld][formats] or
                                                  ///< empty
   std::vector<std::string> sdf;                  ///< [fragments that are not withheld] or empty

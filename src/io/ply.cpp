@@ -6,32 +6,114 @@
 
 #include "io/atomic_file.h"
 #include "io/little_endian.h"
+#include "io/piece_mesh.h"
+#include "mesh/vertex_normals.h"
 
 namespace sherd {
+namespace {
+
+void storeVector(std::string& bytes, const glm::dvec3& v) {
+  for (int axis = 0; axis < 3; ++axis) storeLittle(bytes, static_cast<float>(v[axis]));
+}
+
+void storeFace(std::string& bytes, const glm::uvec3& triangle) {
+  storeLittle(bytes, std::uint8_t{3});
+  for (int corner = 0; corner < 3; ++corner) storeLittle(bytes, triangle[corner]);
+}
+
+std::string header(const TriangleMesh& mesh, const std::string& comments,
+                   const std::string& ofVertices, const std::string& ofFaces) {
+  std::string text = "ply\nformat binary_little_endian 1.0\n";
+  text.append(comments).append("element vertex ").append(std::to_string(mesh.vertices.size()));
+  text.append("\nproperty float x\nproperty float y\nproperty float z\n").append(ofVertices);
+  text.append("element face ").append(std::to_string(mesh.triangles.size()));
+  text.append("\nproperty list uchar int vertex_indices\n").append(ofFaces);
+  return text.append("end_header\n");
+}
+
+// A vertex's colour is that of the first face round it that is of the original surface; the
+// inside's where there is none.
+std::vector<glm::u8vec3> vertexColours(const PieceMesh& piece) {
+  std::vector<glm::u8vec3> colours(piece.mesh.vertices.size(), kInsideColour);
+  for (std::size_t t = piece.facing.size(); t-- > 0;) {
+    if (piece.facing[t] != 0) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      colours[piece.mesh.triangles[t][static_cast<int>(k)]] = piece.look.colours[t][k];
+    }
+  }
+  return colours;
+}
+
+std::string commentsOf(const PieceMesh& piece) {
+  std::string text;
+  const SurfaceLook& look = piece.look;
+  for (std::size_t i = 0; i < piece.materials.materials.size() && !look.material.empty(); ++i) {
+    const MaterialTable::Entry& material = piece.materials.materials[i];
+    text.append("comment material ").append(std::to_string(i)).append(" ").append(material.name);
+    if (material.texture >= 0) text.append(" ").append(std::to_string(material.texture));
+    text.append("\n");
+  }
+  for (const MaterialTable::Picture& picture : piece.materials.textures) {
+    if (look.texcoords.empty()) break;
+    text.append("comment TextureFile ").append(picture.file).append("\n");
+  }
+  return text;
+}
+
+}  // namespace
 
 void writePly(const std::filesystem::path& file, const TriangleMesh& mesh,
               const std::vector<std::uint16_t>& facing) {
   assert(facing.empty() || facing.size() == mesh.triangles.size());
-  std::string bytes =
-      "ply\nformat binary_little_endian 1.0\n"
-      "element vertex " +
-      std::to_string(mesh.vertices.size()) +
-      "\n"
-      "property float x\nproperty float y\nproperty float z\n"
-      "element face " +
-      std::to_string(mesh.triangles.size()) +
-      "\n"
-      "property list uchar int vertex_indices\n" +
-      (facing.empty() ? "" : "property int facing\n") + "end_header\n";
-  bytes.reserve(bytes.size() + mesh.vertices.size() * 12 +
-                mesh.triangles.size() * (facing.empty() ? 13 : 17));
-  for (const glm::dvec3& v : mesh.vertices) {
-    for (int axis = 0; axis < 3; ++axis) storeLittle(bytes, static_cast<float>(v[axis]));
+  if (!facing.empty()) {
+    writePiecePly(file, {"", mesh, facing, {}, {}});
+    return;
+  }
+  std::string bytes = header(mesh, "", "", "");
+  bytes.reserve(bytes.size() + mesh.vertices.size() * 12 + mesh.triangles.size() * 13);
+  for (const glm::dvec3& v : mesh.vertices) storeVector(bytes, v);
+  for (const glm::uvec3& t : mesh.triangles) storeFace(bytes, t);
+  writeWhole(file, bytes);
+}
+
+void writePiecePly(const std::filesystem::path& file, const PieceMesh& piece) {
+  const TriangleMesh& mesh = piece.mesh;
+  const SurfaceLook& look = piece.look;
+  const bool colours = !look.colours.empty(), texcoords = !look.texcoords.empty();
+  const bool materials = !look.material.empty();
+  const bool textures = texcoords && piece.materials.textures.size() > 1;
+  std::string ofVertices =
+      "property float nx\nproperty float ny\nproperty float nz\nproperty int facing\n";
+  if (colours) ofVertices += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  std::string ofFaces = "property int facing\n";
+  if (texcoords) ofFaces += "property list uchar float texcoord\n";
+  if (textures) ofFaces += "property int texnumber\n";
+  if (materials) ofFaces += "property int material\n";
+  std::string bytes = header(mesh, commentsOf(piece), ofVertices, ofFaces);
+  bytes.reserve(bytes.size() + mesh.vertices.size() * 31 +
+                mesh.triangles.size() * (texcoords ? 50 : 21));
+
+  const std::vector<glm::dvec3> normals = vertexNormals(mesh);
+  const std::vector<std::uint16_t> facing = vertexFacing(mesh, piece.facing);
+  const std::vector<glm::u8vec3> colour =
+      colours ? vertexColours(piece) : std::vector<glm::u8vec3>();
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    storeVector(bytes, mesh.vertices[i]);
+    storeVector(bytes, normals[i]);
+    storeLittle(bytes, std::uint32_t{facing[i]});
+    for (int k = 0; k < 3 && colours; ++k) storeLittle(bytes, colour[i][k]);
   }
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    storeLittle(bytes, std::uint8_t{3});
-    for (int corner = 0; corner < 3; ++corner) storeLittle(bytes, mesh.triangles[t][corner]);
-    if (!facing.empty()) storeLittle(bytes, std::uint32_t{facing[t]});
+    storeFace(bytes, mesh.triangles[t]);
+    storeLittle(bytes, std::uint32_t{piece.facing[t]});
+    if (texcoords) storeLittle(bytes, std::uint8_t{6});
+    for (std::size_t k = 0; k < 3 && texcoords; ++k) {
+      storeLittle(bytes, look.texcoords[t][k].x);
+      storeLittle(bytes, look.texcoords[t][k].y);
+    }
+    const int texture = materials ? piece.materials.materials[look.material[t]].texture : 0;
+    if (textures) storeLittle(bytes, static_cast<std::uint32_t>(texture < 0 ? 0 : texture));
+    if (materials) storeLittle(bytes, look.material[t]);
   }
   writeWhole(file, bytes);
 }

@@ -22,10 +22,20 @@ namespace fs = std::filesystem;
   inputError(manifest, "is damaged: " + why);
 }
 
+// A path; of several formats' the one that says what its faces face; empty where there are none.
+std::string meshOf(const nlohmann::json& files) {
+  const nlohmann::json mesh = files.value("mesh", nlohmann::json(""));
+  if (!mesh.is_array()) return mesh.get<std::string>();
+  for (const nlohmann::json& path : mesh) {
+    if (path.get<std::string>().ends_with(".ply")) return path.get<std::string>();
+  }
+  return mesh.at(0).get<std::string>();
+}
+
 // A manifest is anybody's text: what it lacks is told, not crashed on.
 EvaluatedFragment fragmentOf(const nlohmann::json& fragment) {
   EvaluatedFragment result;
-  result.name = fragment.at("files").value("mesh", std::string());
+  result.name = meshOf(fragment.at("files"));
   result.mesh.id = fragment.at("id").get<int>();
   result.share = fragment.at("share").get<double>();
   result.volume = fragment.at("volume").get<double>();

@@ -22,9 +22,10 @@
 #include <utility>
 
 #include "io/atomic_file.h"
+#include "io/file_names.h"
 #include "io/manifest.h"
+#include "io/mesh_writer.h"
 #include "io/write_points.h"
-#include "option_names.h"
 
 namespace sherd {
 namespace {
@@ -34,69 +35,9 @@ namespace fs = std::filesystem;
 constexpr const char* kManifest = "manifest.json";
 constexpr const char* kPartial = ".sherd-partial";
 constexpr std::size_t kFragmentsBetweenSteps = 16;  // written in parallel, then progress is told
-constexpr std::size_t kLongestStem = 200;           // bytes; names of 255 fit on every file system
 
 [[noreturn]] void outputError(const fs::path& path, const std::string& what) {
   throw Error(ErrorCode::output, path.string() + ": " + what);
-}
-
-// ---- Names
-
-bool isUtf8(const std::string& text) {
-  try {
-    (void)nlohmann::json(text).dump();
-    return true;
-  } catch (const nlohmann::json::type_error&) {
-    return false;
-  }
-}
-
-// The stem as a file name that JSON can hold: nothing but UTF-8, no control characters.
-std::string safeStem(std::string stem) {
-  const bool utf8 = isUtf8(stem);
-  for (char& c : stem) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte < 0x20 || byte == 0x7f || byte == '/' || (byte >= 0x80 && !utf8)) c = '_';
-  }
-  if (stem.size() > kLongestStem) {
-    std::size_t end = kLongestStem;
-    while (end > 0 && (static_cast<unsigned char>(stem[end]) & 0xc0) == 0x80) --end;
-    stem.resize(end);
-  }
-  return stem.empty() ? "piece" : stem;
-}
-
-FractureFiles fileNames(const SourceMesh& source, std::size_t fragments,
-                        const std::vector<std::size_t>& triangles, const WriteOptions& write) {
-  const std::string stem = safeStem(source.stem);
-  const std::size_t digits = std::max<std::size_t>(3, std::to_string(fragments).size());
-  FractureFiles files;
-  for (std::size_t id = 1; id <= fragments; ++id) {
-    const std::string number = std::to_string(id);
-    const std::string name = stem + "_" + std::string(digits - number.size(), '0') + number;
-    if (write.vdb) files.vdb.push_back("fragments/" + name + ".vdb");
-    if (write.mesh) files.mesh.push_back("meshes/" + name + ".ply");
-    if (write.points.count > 0) {
-      files.points.emplace_back();
-      for (const PointFormat format : write.pointFormats) {
-        files.points.back().push_back("points/" + name + "." +
-                                      names::of(names::kPointFormat, format));
-      }
-    }
-    if (write.distances.count > 0) files.sdf.push_back("sdf/" + name + ".npz");
-    if (!write.mesh || triangles.empty()) continue;
-    std::vector<std::string>& coarse = files.coarse.emplace_back();
-    for (const std::size_t t : triangles) {
-      coarse.push_back("meshes/" + name + "_t" + std::to_string(t) + ".ply");
-    }
-  }
-  if (write.distances.count > 0) files.solidSdf = "sdf/" + stem + ".npz";
-  if (write.correspondences > 0) files.correspondences = "correspondences.npz";
-  if (write.labels) files.labels = "labels.rle";
-  if (write.preview) files.preview = "preview.png";
-  if (write.seeds) files.seeds = "seeds.json";
-  if (write.cost) files.cost = "cost.vdb";
-  return files;
 }
 
 // ---- What is in the folder already
@@ -303,8 +244,8 @@ void makeParents(const fs::path& root, const std::vector<std::string>& files) {
 }
 
 void writeFiles(const fs::path& folder, const FractureFiles& files, const SourceMesh& source,
-                const FractureOptions& options, const FractureResult& result,
-                const WriteOptions& write, const Progress* progress) {
+                const MaterialTable& table, const FractureOptions& options,
+                const FractureResult& result, const WriteOptions& write, const Progress* progress) {
   const std::size_t fragments = result.kept();
   std::vector<std::size_t> counts;
   if (!files.points.empty()) counts = pointCounts(result, write);
@@ -315,18 +256,19 @@ void writeFiles(const fs::path& folder, const FractureFiles& files, const Source
   }
   if (!files.seeds.empty()) writeSeeds(folder / files.seeds, result.seeds, result.solid);
   if (!files.cost.empty()) writeCost(folder / files.cost, result.solid, result.labels);
+  const MeshWriter meshes(folder, files, source, table, write);
   for (std::size_t begin = 0; begin < fragments; begin += kFragmentsBetweenSteps) {
     step(progress, "write", static_cast<double>(begin) / static_cast<double>(fragments));
     const std::size_t end = std::min(fragments, begin + kFragmentsBetweenSteps);
     tbb::parallel_for(begin, end, [&](std::size_t i) {
       const Fragment& fragment = result.fragments[i];
       if (!files.vdb.empty()) writeVdb(folder / files.vdb[i], fragment, source.name, options.seed);
-      if (!files.mesh.empty()) writePly(folder / files.mesh[i], fragment.mesh, fragment.facing);
+      if (!files.mesh.empty()) meshes.write(fragment.mesh, fragment.facing, files.mesh[i]);
       if (!files.points.empty()) {
         writePointsOf(folder, files.points[i], fragment, counts[i], options.seed, write);
       }
       for (std::size_t k = 0; !files.coarse.empty() && k < files.coarse[i].size(); ++k) {
-        writePly(folder / files.coarse[i][k], fragment.coarse[k].mesh, fragment.coarse[k].facing);
+        meshes.write(fragment.coarse[k].mesh, fragment.coarse[k].facing, files.coarse[i][k]);
       }
     });
   }
@@ -415,7 +357,9 @@ fs::path writeFracture(const fs::path& folder, const SourceMesh& source,
                        const WriteOptions& write, const Progress* progress) {
   checkWriteOptions(write, options);
   checkFractureFolder(folder);
-  const FractureFiles files = fileNames(source, result.kept(), options.surface.triangles, write);
+  const MaterialTable table = materialTable(source.appearance);
+  const FractureFiles files =
+      fileNames(source, result.kept(), options.surface.triangles, table, write);
   const std::vector<std::string> fresh = files.all();
   try {
     MadeFolders made;
@@ -433,7 +377,7 @@ fs::path writeFracture(const fs::path& folder, const SourceMesh& source,
       }
     }
     makeParents(partial.fresh(), fresh);
-    writeFiles(partial.fresh(), files, source, options, result, write, progress);
+    writeFiles(partial.fresh(), files, source, table, options, result, write, progress);
     putInPlace(folder, partial, old, fresh);
     made.keep();
     return folder / kManifest;

@@ -25,9 +25,10 @@ def read_ply(path):
     data = path.read_bytes()
     head, _, body = data.partition(b"end_header\n")
     count = {line.split()[1]: int(line.split()[2]) for line in head.decode().splitlines() if line.startswith("element")}
-    vertices = np.frombuffer(body, "<f4", 3 * count["vertex"]).reshape(-1, 3).astype(float)
+    vertex = np.dtype([("at", "<f4", 3), ("normal", "<f4", 3), ("facing", "<i4")])
     face = np.dtype([("n", "u1"), ("at", "<i4", 3), ("facing", "<i4")])
-    return vertices, np.frombuffer(body, face, count["face"], offset=12 * count["vertex"])["at"]
+    vertices = np.frombuffer(body, vertex, count["vertex"])["at"].astype(float)
+    return vertices, np.frombuffer(body, face, count["face"], offset=vertex.itemsize * count["vertex"])["at"]
 
 
 def unit(v):

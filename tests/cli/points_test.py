@@ -35,9 +35,9 @@ def read_mesh_ply(path):
     with open(path, "rb") as file:
         header, body = file.read().split(b"end_header\n", 1)
     counts = [int(line.split()[2]) for line in header.decode().splitlines() if line.startswith("element")]
-    vertices = np.frombuffer(body, "<f4", 3 * counts[0]).reshape(-1, 3)
-    faces = np.frombuffer(body, np.dtype([("n", "u1"), ("v", "<i4", 3), ("facing", "<i4")]), offset=12 * counts[0])
-    return vertices.astype(float), faces["v"], faces["facing"]
+    vertices = np.frombuffer(body, [("at", "<f4", 3), ("normal", "<f4", 3), ("facing", "<i4")], counts[0])
+    faces = np.frombuffer(body, [("n", "u1"), ("v", "<i4", 3), ("facing", "<i4")], offset=vertices.nbytes)
+    return vertices["at"].astype(float), faces["v"], faces["facing"]
 
 
 class Points(CommandLine):

@@ -34,8 +34,9 @@ def read_ply(path):
         data = file.read()
     head, body = data.split(b"end_header\n", 1)
     counts = [int(line.split()[2]) for line in head.split(b"\n") if line.startswith(b"element")]
-    vertices = np.frombuffer(body, "<f4", counts[0] * 3).reshape(-1, 3).astype(float)
-    faces = np.frombuffer(body, [("n", "u1"), ("v", "<i4", 3), ("facing", "<i4")], offset=counts[0] * 12)
+    vertices = np.frombuffer(body, [("at", "<f4", 3), ("normal", "<f4", 3), ("facing", "<i4")], counts[0])
+    faces = np.frombuffer(body, [("n", "u1"), ("v", "<i4", 3), ("facing", "<i4")], offset=vertices.nbytes)
+    vertices = vertices["at"].astype(float)
     assert len(faces) == counts[1] and (faces["n"] == 3).all()
     return vertices, faces["v"], faces["facing"]
 

@@ -150,6 +150,7 @@ TEST_F(AtomicFileTest, TellsWhereAFullDiskStoppedItAndLeavesNothing) {
 
 struct Ply {
   std::vector<float> positions;
+  std::vector<std::int32_t> facingOfVertices;
   std::vector<std::int32_t> corners;
   std::vector<std::int32_t> facing;
   bool whole = false;
@@ -172,7 +173,12 @@ Ply readPly(const fs::path& path) {
     if (at + sizeof value <= bytes.size()) std::memcpy(&value, bytes.data() + at, sizeof value);
     at += sizeof value;
   };
-  for (std::size_t i = 0; i < vertices * 3; ++i) take(ply.positions.emplace_back());
+  for (std::size_t i = 0; i < vertices; ++i) {
+    for (int k = 0; k < 3; ++k) take(ply.positions.emplace_back());
+    float normal = 0.0f;
+    for (int k = 0; k < 3 && facing; ++k) take(normal);
+    if (facing) take(ply.facingOfVertices.emplace_back());
+  }
   for (std::size_t f = 0; f < faces; ++f) {
     std::uint8_t n = 0;
     take(n);
@@ -191,7 +197,8 @@ TEST_F(WritePly, HoldsVerticesFacesAndWhatTheyFace) {
   writePly(folder_ / "a.ply", kTetrahedron, {0, 7, 65534, 0});
   const std::string header =
       "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
-      "property float z\nelement face 4\nproperty list uchar int vertex_indices\n"
+      "property float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
+      "property int facing\nelement face 4\nproperty list uchar int vertex_indices\n"
       "property int facing\nend_header\n";
   EXPECT_EQ(bytesOf(folder_ / "a.ply").substr(0, header.size()), header);
   const Ply ply = readPly(folder_ / "a.ply");
@@ -199,6 +206,7 @@ TEST_F(WritePly, HoldsVerticesFacesAndWhatTheyFace) {
   EXPECT_EQ(ply.positions, (std::vector<float>{0, 0, 0, 1.5f, 0, 0, 0, -2.25f, 0, 0, 0, 1e-3f}));
   EXPECT_EQ(ply.corners, (std::vector<std::int32_t>{0, 1, 2, 0, 3, 1, 0, 2, 3, 1, 3, 2}));
   EXPECT_EQ(ply.facing, (std::vector<std::int32_t>{0, 7, 65534, 0}));
+  EXPECT_EQ(ply.facingOfVertices, (std::vector<std::int32_t>{7, 7, 65534, 65534}));
 }
 
 TEST_F(WritePly, LeavesFacingOutWhereItIsNotGiven) {

@@ -1,0 +1,101 @@
+// How the files of a fracture are named.
+#include "io/file_names.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "option_names.h"
+
+namespace sherd {
+namespace {
+
+constexpr std::size_t kLongestName = 200;  // bytes; names of 255 fit on every file system
+
+bool isUtf8(const std::string& text) {
+  try {
+    (void)nlohmann::json(text).dump();
+    return true;
+  } catch (const nlohmann::json::type_error&) {
+    return false;
+  }
+}
+
+std::vector<std::string> meshNames(const std::string& name, const WriteOptions& write) {
+  std::vector<std::string> names;
+  for (const MeshFileFormat format : write.meshFormats) {
+    names.push_back(name + "." + names::of(names::kMeshFileFormat, format));
+  }
+  return names;
+}
+
+// What .obj and .ply files refer to; a .glb has its textures in it.
+void addLooks(FractureFiles& files, const std::string& stem, const MaterialTable& table,
+              const WriteOptions& write) {
+  const auto wanted = [&](MeshFileFormat format) {
+    return std::find(write.meshFormats.begin(), write.meshFormats.end(), format) !=
+           write.meshFormats.end();
+  };
+  if (wanted(MeshFileFormat::obj)) files.materials = "meshes/" + withoutBlanks(stem) + ".mtl";
+  if (!wanted(MeshFileFormat::obj) && !wanted(MeshFileFormat::ply)) return;
+  for (const MaterialTable::Picture& picture : table.textures) {
+    files.textures.push_back("meshes/" + picture.file);
+  }
+}
+
+}  // namespace
+
+std::string withoutBlanks(std::string name) {
+  std::replace(name.begin(), name.end(), ' ', '_');
+  return name;
+}
+
+std::string safeName(std::string name, const std::string& otherwise) {
+  const bool utf8 = isUtf8(name);
+  for (char& c : name) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x20 || byte == 0x7f || byte == '/' || (byte >= 0x80 && !utf8)) c = '_';
+  }
+  if (name.size() > kLongestName) {
+    std::size_t end = kLongestName;
+    while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xc0) == 0x80) --end;
+    name.resize(end);
+  }
+  return name.empty() ? otherwise : name;
+}
+
+FractureFiles fileNames(const SourceMesh& source, std::size_t fragments,
+                        const std::vector<std::size_t>& triangles, const MaterialTable& table,
+                        const WriteOptions& write) {
+  const std::string stem = safeName(source.stem, "piece");
+  const std::size_t digits = std::max<std::size_t>(3, std::to_string(fragments).size());
+  FractureFiles files;
+  for (std::size_t id = 1; id <= fragments; ++id) {
+    const std::string number = std::to_string(id);
+    const std::string name = stem + "_" + std::string(digits - number.size(), '0') + number;
+    if (write.vdb) files.vdb.push_back("fragments/" + name + ".vdb");
+    if (write.mesh) files.mesh.push_back(meshNames("meshes/" + name, write));
+    if (write.points.count > 0) {
+      files.points.emplace_back();
+      for (const PointFormat format : write.pointFormats) {
+        files.points.back().push_back("points/" + name + "." +
+                                      names::of(names::kPointFormat, format));
+      }
+    }
+    if (write.distances.count > 0) files.sdf.push_back("sdf/" + name + ".npz");
+    if (!write.mesh || triangles.empty()) continue;
+    std::vector<std::vector<std::string>>& coarse = files.coarse.emplace_back();
+    for (const std::size_t t : triangles) {
+      coarse.push_back(meshNames("meshes/" + name + "_t" + std::to_string(t), write));
+    }
+  }
+  if (write.mesh) addLooks(files, stem, table, write);
+  if (write.distances.count > 0) files.solidSdf = "sdf/" + stem + ".npz";
+  if (write.correspondences > 0) files.correspondences = "correspondences.npz";
+  if (write.labels) files.labels = "labels.rle";
+  if (write.preview) files.preview = "preview.png";
+  if (write.seeds) files.seeds = "seeds.json";
+  if (write.cost) files.cost = "cost.vdb";
+  return files;
+}
+
+}  // namespace sherd

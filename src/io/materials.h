@@ -1,0 +1,37 @@
+// The materials that a fracture's mesh files name.
+#pragma once
+
+#include <sherd/appearance.h>
+
+#include <string>
+#include <vector>
+
+namespace sherd {
+
+/// The input's materials, under names that every format can hold, and that of the inside.
+struct MaterialTable {
+  struct Entry {
+    std::string name;  ///< unique, UTF-8 without blanks
+    glm::vec3 colour{1.0f};
+    int texture = -1;  ///< an index into textures; -1: none
+  };
+  struct Picture {
+    std::string file;   ///< unique, without a folder
+    std::string bytes;  ///< as read
+    ImageType type = ImageType::other;
+  };
+
+  std::vector<Entry> materials;  ///< "inside" last; before it the input's, or one named "outside"
+  std::vector<Picture> textures;
+
+  [[nodiscard]] std::uint32_t inside() const {
+    return static_cast<std::uint32_t>(materials.size()) - 1;
+  }
+};
+
+[[nodiscard]] MaterialTable materialTable(const Appearance& appearance);
+
+/// The library of the table's materials for OBJ files.
+[[nodiscard]] std::string mtlText(const MaterialTable& table);
+
+}  // namespace sherd

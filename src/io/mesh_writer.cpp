@@ -1,0 +1,46 @@
+// Writes the meshes of a fracture, with the look of the mesh that was broken.
+#include "io/mesh_writer.h"
+
+#include "io/atomic_file.h"
+#include "io/piece_mesh.h"
+
+namespace sherd {
+
+MeshWriter::MeshWriter(const std::filesystem::path& folder, const FractureFiles& files,
+                       const SourceMesh& source, const MaterialTable& table,
+                       const WriteOptions& write)
+    : folder_(folder),
+      table_(table),
+      options_(write),
+      library_(std::filesystem::path(files.materials).filename().string()) {
+  if (files.mesh.empty()) return;
+  if (!files.materials.empty()) writeWhole(folder / files.materials, mtlText(table));
+  for (std::size_t i = 0; i < files.textures.size(); ++i) {
+    writeWhole(folder / files.textures[i], table.textures[i].bytes);
+  }
+  if (!source.appearance.surface.empty()) look_.emplace(source.mesh, source.appearance.surface);
+}
+
+void MeshWriter::write(const TriangleMesh& mesh, const std::vector<std::uint16_t>& facing,
+                       const std::vector<std::string>& paths) const {
+  SurfaceLook look;
+  if (look_) look = look_->on(mesh, facing, table_.inside());
+  const std::string name = std::filesystem::path(paths.front()).stem().string();
+  const PieceMesh piece{name, mesh, facing, look, table_};
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    const std::filesystem::path file = folder_ / paths[i];
+    switch (options_.meshFormats[i]) {
+      case MeshFileFormat::ply:
+        writePiecePly(file, piece);
+        break;
+      case MeshFileFormat::obj:
+        writePieceObj(file, piece, library_);
+        break;
+      case MeshFileFormat::glb:
+        writePieceGlb(file, piece);
+        break;
+    }
+  }
+}
+
+}  // namespace sherd

@@ -1,0 +1,33 @@
+// Writes the meshes of a fracture, with the look of the mesh that was broken.
+#pragma once
+
+#include <sherd/io.h>
+
+#include <optional>
+
+#include "appearance/transfer.h"
+#include "io/manifest.h"
+#include "io/materials.h"
+
+namespace sherd {
+
+/// Writes meshes into a folder; any thread may ask.  What it is made of is kept by reference.
+class MeshWriter {
+ public:
+  /// Writes what meshes refer to: the library of materials and the textures.
+  MeshWriter(const std::filesystem::path& folder, const FractureFiles& files,
+             const SourceMesh& source, const MaterialTable& table, const WriteOptions& write);
+
+  ///   paths  [formats] in the folder
+  void write(const TriangleMesh& mesh, const std::vector<std::uint16_t>& facing,
+             const std::vector<std::string>& paths) const;
+
+ private:
+  const std::filesystem::path& folder_;
+  const MaterialTable& table_;
+  const WriteOptions& options_;
+  std::string library_;             ///< its file name
+  std::optional<LookSource> look_;  ///< where the source has a look
+};
+
+}  // namespace sherd

@@ -1,0 +1,347 @@
+#!/usr/bin/python3
+"""The look of a mesh on its fragments, and `--mesh-format`: files read by parsers of this test's own.
+
+Environment: SHERD_BIN the program, SHERD_DATA the folder with amphora.ply.  Needs Debian's python3-numpy.
+"""
+import json
+import os
+import struct
+import unittest
+import zlib
+
+import numpy as np
+
+from cli_test import CommandLine, tree
+
+INSIDE = np.array([224, 214, 196])
+TYPES = {"float": "<f4", "int": "<i4", "uchar": "u1"}
+
+
+def png(pixels):
+    """A picture [h, w, 3] of bytes as PNG."""
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    h, w, _ = pixels.shape
+    rows = b"".join(b"\0" + row.tobytes() for row in pixels)
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">2I5B", w, h, 8, 2, 0, 0, 0)) +
+            chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
+PICTURE = png(np.arange(4 * 4 * 3, dtype=np.uint8).reshape(4, 4, 3))
+
+
+def colour_at(p):
+    """0..1, linear in the place, so that it is known between corners too."""
+    return 0.5 + 0.2 * p
+
+
+def drum(colours=True, segments=48, rings=12):
+    """A closed drum about y as OBJ: u once round its side, whose material is `side`, v up; caps of another material."""
+    angle = 2 * np.pi * np.arange(segments) / segments
+    ring = np.column_stack([np.cos(angle), 0 * angle, np.sin(angle)])
+    levels = np.linspace(-1, 1, rings + 1)
+    v = np.concatenate([ring + [0, y, 0] for y in levels] + [[[0, -1, 0], [0, 1, 0]]])
+    lines = ["mtllib drum.mtl", "o drum"]
+    for p in v:
+        lines.append("v " + " ".join(f"{x:.9g}" for x in ([*p, *colour_at(p)] if colours else p)))
+    lines += [f"vt {i / segments:.9g} {j / rings:.9g}" for j in range(rings + 1) for i in range(segments + 1)]
+    lines.append("usemtl side of it")
+    for j in range(rings):
+        for i in range(segments):
+            corners = [(i, j), (i, j + 1), (i + 1, j + 1), (i + 1, j)]  # quads
+            lines.append("f " + " ".join(f"{b * segments + a % segments + 1}/{b * (segments + 1) + a + 1}"
+                                         for a, b in corners))
+    lines.append("usemtl cap")
+    for j, middle in ((0, len(v) - 1), (rings, len(v))):
+        for i in range(segments):
+            a, b = j * segments + i + 1, j * segments + (i + 1) % segments + 1
+            lines.append(f"f {middle} {a} {b}" if j == 0 else f"f {middle} {b} {a}")
+    return ("\n".join(lines) + "\n").encode()
+
+
+def read_ply(path):
+    """Comments, and per element the columns of a binary PLY whose lists have the lengths of their first rows."""
+    with open(path, "rb") as file:
+        head, body = file.read().split(b"end_header\n", 1)
+    comments, elements = [], []
+    for line in head.decode().splitlines():
+        words = line.split()
+        if words[0] == "comment":
+            comments.append(words[1:])
+        if words[0] == "element":
+            elements.append((words[1], int(words[2]), []))
+        if words[0] == "property":
+            elements[-1][2].append(words[1:])
+    out, at = {}, 0
+    for name, count, properties in elements:
+        fields = []
+        for p in properties:
+            if p[0] == "list":
+                length = {"vertex_indices": 3, "texcoord": 6}[p[3]]
+                fields += [("n_" + p[3], TYPES[p[1]]), (p[3], TYPES[p[2]], length)]
+            else:
+                fields.append((p[1], TYPES[p[0]]))
+        rows = np.frombuffer(body, fields, count, at)
+        at += rows.nbytes
+        for field in rows.dtype.names:
+            if field.startswith("n_"):
+                assert (rows[field] == rows[field[2:]].shape[1]).all()
+        out[name] = rows
+    assert at == len(body)
+    return comments, out["vertex"], out["face"]
+
+
+def columns(rows, *names):
+    return np.column_stack([rows[name] for name in names]).astype(float)
+
+
+class Glb:
+    """A binary glTF file, checked against the rules of its specification that concern it."""
+
+    def __init__(self, test, path):
+        with open(path, "rb") as file:
+            data = file.read()
+        magic, version, length, json_length, json_type = struct.unpack("<4s4I", data[:20])
+        test.assertEqual((magic, version, length, json_type), (b"glTF", 2, len(data), 0x4E4F534A))
+        test.assertEqual(json_length % 4, 0)
+        self.json = json.loads(data[20:20 + json_length])
+        at = 20 + json_length
+        bin_length, bin_type = struct.unpack("<2I", data[at:at + 8])
+        test.assertEqual((bin_type, bin_length % 4, at + 8 + bin_length), (0x004E4942, 0, len(data)))
+        self.buffer = data[at + 8:]
+        self.check(test)
+
+    def view(self, i):
+        view = self.json["bufferViews"][i]
+        return self.buffer[view["byteOffset"]:view["byteOffset"] + view["byteLength"]]
+
+    def array(self, i):
+        a = self.json["accessors"][i]
+        kind = {5123: "<u2", 5125: "<u4", 5126: "<f4"}[a["componentType"]]
+        width = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}[a["type"]]
+        return np.frombuffer(self.view(a["bufferView"]), kind).reshape(a["count"], width)
+
+    def primitives(self):
+        for p in self.json["meshes"][0]["primitives"]:
+            yield (self.json["materials"][p["material"]], self.array(p["indices"])[:, 0].reshape(-1, 3),
+                   {name: self.array(i) for name, i in p["attributes"].items()})
+
+    def check(self, test):
+        doc = self.json
+        test.assertEqual(doc["asset"]["version"], "2.0")
+        test.assertEqual([b["byteLength"] for b in doc["buffers"]], [len(self.buffer)])
+        used = set()
+        for view in doc["bufferViews"]:
+            test.assertEqual((view["buffer"], view["byteOffset"] % 4, "byteStride" in view), (0, 0, False))
+            test.assertGreater(view["byteLength"], 0)
+            test.assertLessEqual(view["byteOffset"] + view["byteLength"], len(self.buffer))
+            test.assertFalse(used & set(range(view["byteOffset"], view["byteOffset"] + view["byteLength"])))
+            used |= set(range(view["byteOffset"], view["byteOffset"] + view["byteLength"]))
+        for i, a in enumerate(doc["accessors"]):
+            test.assertLessEqual(set(a), {"bufferView", "componentType", "count", "type", "min", "max", "normalized"})
+            test.assertEqual(self.array(i).nbytes, doc["bufferViews"][a["bufferView"]]["byteLength"])
+            test.assertGreater(a["count"], 0)
+        for p in doc["meshes"][0]["primitives"]:
+            test.assertEqual(p.get("mode", 4), 4)
+            counts = {doc["accessors"][i]["count"] for i in p["attributes"].values()}
+            test.assertEqual(len(counts), 1)
+            for i in p["attributes"].values():
+                test.assertEqual(doc["bufferViews"][doc["accessors"][i]["bufferView"]]["target"], 34962)
+            test.assertEqual(doc["bufferViews"][doc["accessors"][p["indices"]]["bufferView"]]["target"], 34963)
+            test.assertLess(self.array(p["indices"]).max(), counts.pop())
+            place = doc["accessors"][p["attributes"]["POSITION"]]
+            test.assertEqual((place["componentType"], place["type"]), (5126, "VEC3"))
+            at = self.array(p["attributes"]["POSITION"])
+            test.assertEqual(place["min"], at.min(axis=0).tolist())
+            test.assertEqual(place["max"], at.max(axis=0).tolist())
+            normals = self.array(p["attributes"]["NORMAL"]).astype(float)
+            test.assertLess(abs(np.linalg.norm(normals, axis=1) - 1).max(), 1e-6)
+            if "COLOR_0" in p["attributes"]:
+                colour = doc["accessors"][p["attributes"]["COLOR_0"]]
+                test.assertEqual((colour["componentType"], colour["normalized"], colour["type"]), (5123, True, "VEC4"))
+        for texture in doc.get("textures", []):
+            test.assertEqual(doc["bufferViews"][doc["images"][texture["source"]]["bufferView"]].get("target"), None)
+
+
+def srgb(linear):
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 1e-9) ** (1 / 2.4) - 0.055)
+
+
+def surface(corners):
+    """Triangles [m, 3, 3] as a set, whatever their order and first corner."""
+    return {min((a, b, c), (b, c, a), (c, a, b)) for a, b, c in (tuple(map(tuple, t)) for t in corners.tolist())}
+
+
+class Look(CommandLine):
+    def drum(self, library=b"newmtl side of it\nKd 1 1 1\nmap_Kd paint.png\nnewmtl cap\nKd 0.25 0.5 0.75\n", **more):
+        if library is not None:
+            self.path("drum.mtl", library)
+        self.path("paint.png", PICTURE)
+        return self.path("drum.obj", drum(**more))
+
+    def pieces(self):
+        with open(os.path.join(self.out, "manifest.json")) as file:
+            return json.load(file)
+
+    def at(self, name):
+        return os.path.join(self.out, name)
+
+    def test_ply(self):
+        self.done("--write", "mesh", mesh=self.drum(), pieces=4)
+        h = self.pieces()["grid"]["voxel_size"]
+        for piece in self.pieces()["fragments"]:
+            comments, v, f = read_ply(self.at(piece["files"]["mesh"]))
+            self.assertEqual(comments, [["material", "0", "side_of_it", "0"], ["material", "1", "cap"],
+                                        ["material", "2", "inside"], ["TextureFile", "paint.png"]])
+            place, colour = columns(v, "x", "y", "z"), columns(v, "red", "green", "blue")
+            corners, uv = f["vertex_indices"], f["texcoord"].reshape(-1, 3, 2)
+            inside = f["facing"] > 0
+            self.assertTrue((f["material"][inside] == 2).all() and (f["material"][~inside] < 2).all())
+            self.assertTrue((uv[inside] == 0).all())
+            # Vertices: original where a face round them is; edges of the drum are rounded over a voxel.
+            original = np.zeros(len(v), bool)
+            original[corners[~inside]] = True
+            self.assertTrue((colour[~original] == INSIDE).all())
+            off = abs(colour[original] - 255 * colour_at(place[original])).max(axis=1)
+            self.assertLess(np.median(off), 1)
+            self.assertLess(off.max(), 255 * 0.2 * h + 1)
+            self.assertTrue((v["facing"][np.setdiff1d(corners[~inside], corners[inside])] == 0).all())
+            self.assertTrue((v["facing"][corners[inside]] > 0).all())
+            # Texture coordinates are the place's, and no face spans the seam at angle 0.
+            side = f["material"] == 0
+            self.assertLess(np.ptp(uv[side][:, :, 0], axis=1).max(), 2 * h / (2 * np.pi))
+            turn = np.arctan2(place[:, 2], place[:, 0])[corners[side]] / (2 * np.pi)
+            apart = uv[side][:, :, 0] - turn
+            self.assertLess(abs(apart - np.round(apart)).max(), 1.5 * h / (2 * np.pi))
+            self.assertLess(abs(uv[side][:, :, 1] - (place[:, 1][corners[side]] + 1) / 2).max(), h / 2)
+            # A face is of the cap or the side, whichever is nearer by more than a voxel.
+            a, b, c = (place[corners[:, k]] for k in range(3))
+            middle, normal = (a + b + c) / 3, np.cross(b - a, c - a)
+            to_cap, to_side = 1 - abs(middle[:, 1]), 1 - np.hypot(middle[:, 0], middle[:, 2])
+            self.assertTrue((f["material"][~inside & (to_cap + h < to_side)] == 1).all())
+            self.assertTrue((f["material"][~inside & (to_side + h < to_cap)] == 0).all())
+            normals = columns(v, "nx", "ny", "nz")
+            self.assertLess(abs(np.linalg.norm(normals, axis=1) - 1).max(), 1e-6)
+            summed = np.zeros_like(normals)
+            for k in range(3):
+                np.add.at(summed, corners[:, k], normal)
+            self.assertGreater(np.mean((summed * normals).sum(axis=1) > 0), 0.999)
+
+    def test_all_formats_agree(self):
+        self.done("--write", "mesh", "--mesh-format", "glb,ply,obj", "--triangles", "300", mesh=self.drum())
+        manifest = self.pieces()
+        self.assertIn("meshes/drum.mtl", manifest["files"])
+        self.assertIn("meshes/paint.png", manifest["files"])
+        for name in ("drum.mtl", "paint.png"):
+            self.assertTrue(os.path.isfile(self.at("meshes/" + name)))
+        with open(self.at("meshes/paint.png"), "rb") as file:
+            self.assertEqual(file.read(), PICTURE)
+        with open(self.at("meshes/drum.mtl")) as file:
+            self.assertIn("newmtl side_of_it\nKd 1 1 1\nillum 1\nmap_Kd paint.png\n", file.read())
+        for piece in manifest["fragments"]:
+            self.assertEqual(piece["files"]["mesh"],
+                             [f"meshes/drum_{piece['id']:03}.{kind}" for kind in ("glb", "ply", "obj")])
+            for glb, ply, obj in (piece["files"]["mesh"], piece["decimated"][0]["file"]):
+                self.compare(glb, ply, obj)
+        self.assertEqual(self.run_sherd("evaluate", self.out, "--samples", "100").returncode, 0)
+
+    def compare(self, glb, ply, obj):
+        _, v, f = read_ply(self.at(ply))
+        place = np.column_stack([v["x"], v["y"], v["z"]])
+        whole = surface(place[f["vertex_indices"]])
+        file = Glb(self, self.at(glb))
+        name = os.path.basename(glb)[:-4]
+        self.assertEqual([n["name"] for n in file.json["nodes"]], [name])
+        told = []
+        for material, indices, attributes in file.primitives():
+            told.append(material["name"])
+            at = attributes["POSITION"]
+            corners = f["material"] == ["side_of_it", "cap", "inside"].index(material["name"])
+            self.assertEqual(surface(at[indices]), surface(place[f["vertex_indices"][corners]]))
+            facing = attributes["_FACING"][:, 0]
+            self.assertEqual((facing == 0).all(), material["name"] != "inside")
+            self.assertLessEqual(set(facing), set(f["facing"]))
+            colours = 255 * srgb(attributes["COLOR_0"][:, :3] / 65535)
+            if material["name"] == "inside":
+                self.assertLess(abs(colours - INSIDE).max(), 0.1)
+            else:
+                self.assertLess(abs(colours - 255 * colour_at(at)).max(), 255 * 0.2 * 0.2)
+            self.assertEqual("baseColorTexture" in material["pbrMetallicRoughness"], material["name"] == "side_of_it")
+            # Its v runs downwards; by the faces of the .ply, in their order.
+            uv = attributes["TEXCOORD_0"][indices] * [1, -1] + [0, 1]
+            self.assertLess(abs(uv - f["texcoord"][corners].reshape(-1, 3, 2)).max(), 1e-6)
+        self.assertIn("inside", told)
+        if "side_of_it" in told:
+            self.assertEqual([file.view(i["bufferView"]) for i in file.json["images"]], [PICTURE])
+        with open(self.at(obj)) as text:
+            lines = [line.split() for line in text]
+        self.assertEqual(lines[:2], [["mtllib", "drum.mtl"], ["o", name]])
+        vertices = np.array([line[1:] for line in lines if line[0] == "v"], np.float32)
+        self.assertTrue((vertices[:, :3] == place).all())
+        self.assertLess(abs(255 * vertices[:, 3:] - columns(v, "red", "green", "blue")).max(), 0.01)
+        faces = [[c.split("/") for c in line[1:]] for line in lines if line[0] == "f"]
+        self.assertEqual(surface(vertices[[[int(c[0]) - 1 for c in face] for face in faces], :3]), whole)
+        self.assertLessEqual({line[1] for line in lines if line[0] == "usemtl"}, {"side_of_it", "cap", "inside"})
+        counts = [sum(line[0] == kind for line in lines) for kind in ("vt", "vn")]
+        for k, count in ((1, counts[0]), (2, counts[1])):
+            used = [int(c[k]) for face in faces for c in face if c[k]]
+            self.assertTrue(1 <= min(used) and max(used) <= count)
+        for path in (glb, obj):
+            told = json.loads(self.run_sherd("inspect", self.at(path), "--json").stdout)
+            self.assertEqual((told["closed"], told["open_edges"], told["triangles"]), (True, 0, len(f)))
+
+    def test_plain_meshes(self):
+        self.done("--write", "mesh", "--mesh-format", "ply,obj,glb")
+        for piece in self.pieces()["fragments"]:
+            glb, ply, obj = (self.at(piece["files"]["mesh"][k]) for k in (2, 0, 1))
+            comments, v, f = read_ply(ply)
+            self.assertEqual(comments, [])
+            self.assertEqual(v.dtype.names, ("x", "y", "z", "nx", "ny", "nz", "facing"))
+            self.assertEqual(f.dtype.names, ("n_vertex_indices", "vertex_indices", "facing"))
+            names = set()
+            for material, indices, attributes in Glb(self, glb).primitives():
+                names.add(material["name"])
+                self.assertEqual(set(attributes), {"POSITION", "NORMAL", "_FACING"})
+            self.assertEqual(names, {"outside", "inside"})
+            with open(obj) as text:
+                self.assertEqual({line.split()[1] for line in text if line.startswith("usemtl")}, names)
+        self.assertIn("meshes/ball.mtl", self.pieces()["files"])
+
+    def test_what_is_missing_is_told(self):
+        result = self.done("--write", "mesh", mesh=self.drum(library=None))
+        self.assertEqual(result.stderr, "sherd: warning: drum.obj: its material library 'drum.mtl' is not there, "
+                                        "so it is left out\n")
+        secret = self.path("secret.png", PICTURE)
+        os.mkdir(os.path.join(self.tmp, "in"))
+        with open(os.path.join(self.tmp, "in", "drum.obj"), "wb") as file:
+            file.write(drum())
+        for name in ("../secret.png", secret, "gone.png"):
+            self.path("in/drum.mtl", b"newmtl side of it\nmap_Kd " + name.encode() + b"\n")
+            result = self.done("--mesh-format", "obj,glb", mesh=os.path.join(self.tmp, "in", "drum.obj"))
+            self.assertIn("sherd: warning: drum.obj: its texture '" + name[:40], result.stderr)
+            self.assertFalse([n for n in tree(self.out) if n.endswith(".png") and n.startswith("meshes")])
+
+    def test_the_same_bytes_by_any_number_of_threads(self):
+        mesh, trees = self.drum(), []
+        for threads in ("1", "3"):
+            out = os.path.join(self.tmp, "out" + threads)
+            self.done("--write", "mesh", "--mesh-format", "ply,obj,glb", "--threads", threads, mesh=mesh, out=out)
+            trees.append(tree(out))
+        self.assertEqual(trees[0], trees[1])
+
+    def test_a_piece_can_be_broken_again_with_its_look(self):
+        self.done("--write", "mesh", "--mesh-format", "glb", mesh=self.drum(), pieces=2)
+        again = os.path.join(self.tmp, "again")
+        self.done("--write", "mesh", mesh=self.at("meshes/drum_001.glb"), out=again, pieces=2)
+        _, v, f = read_ply(os.path.join(again, "meshes/drum_001_001.ply"))
+        self.assertEqual(len(v.dtype.names), 10)
+        self.assertTrue((f["material"][f["facing"] > 0] == f["material"].max()).all())
+
+    def test_usage(self):
+        for value in ("stl", "ply,ply", "", "ply,"):
+            self.refused(2, self.fracture("--mesh-format", value), "--mesh-format", "ply, obj and glb")
+        self.nothing_written()
+
+
+if __name__ == "__main__":
+    unittest.main()

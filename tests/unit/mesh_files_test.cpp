@@ -1,0 +1,226 @@
+// The meshes of fragments in their files, read back: the surface stays closed, and the look is what
+// went in.
+#include <gtest/gtest.h>
+#include <sherd/io.h>
+#include <sherd/mesh.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <glm/geometric.hpp>
+#include <iterator>
+#include <map>
+#include <numbers>
+#include <set>
+#include <sstream>
+
+#include "io/materials.h"
+#include "io/piece_mesh.h"
+#include "mesh/vertex_normals.h"
+#include "shapes.h"
+#include "temp_folder.h"
+
+namespace sherd {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kPng = "\x89PNG\r\n\x1a\n of no use";
+
+// A cube whose sides are faces 0, 0, 7, 7, 9, 9 of two triangles each in the order of `cube`.
+struct Piece {
+  TriangleMesh mesh = shapes::cube(2.0, {10.0, 20.0, 30.0});
+  std::vector<std::uint16_t> facing{0, 0, 0, 0, 7, 7, 7, 7, 9, 9, 9, 9};
+  SurfaceLook look{};
+  Appearance input{};
+  MaterialTable table{};
+  std::string name = "vase_001";
+
+  explicit Piece(bool looks) {
+    if (looks) {
+      for (std::size_t t = 0; t < 12; ++t) {
+        const bool inside = facing[t] != 0;
+        const auto u = static_cast<float>(t);
+        look.texcoords.push_back({});
+        look.colours.push_back({kInsideColour, kInsideColour, kInsideColour});
+        for (std::size_t k = 0; k < 3 && !inside; ++k) {
+          const auto v = static_cast<float>(k);
+          look.texcoords[t][k] = {u / 16.0f, v / 4.0f};
+          // One for each vertex, or formats with a colour for a vertex would lose some.
+          const std::uint32_t vertex = mesh.triangles[t][static_cast<int>(k)];
+          look.colours[t][k] = {vertex * 30, 255 - vertex, vertex};
+        }
+        look.material.push_back(inside ? 2 : static_cast<std::uint32_t>(t / 2));
+      }
+      input.materials = {{"gl aze", {0.5f, 0.25f, 1.0f}, 0}, {"inside", glm::vec3(1.0f), -1}};
+      input.textures = {{"some/where/glaze one.jpeg", kPng}};
+    }
+    table = materialTable(input);
+  }
+  PieceMesh piece() const { return {name, mesh, facing, look, table}; }
+};
+
+class MeshFiles : public TempFolder {
+ protected:
+  std::string bytesOf(const std::string& name) const {
+    std::ifstream in(folder_ / name, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  void writeAll(const Piece& piece) const {
+    writePiecePly(folder_ / "vase_001.ply", piece.piece());
+    writePieceObj(folder_ / "vase_001.obj", piece.piece(), "vase.mtl");
+    writePieceGlb(folder_ / "vase_001.glb", piece.piece());
+    std::ofstream(folder_ / "vase.mtl") << mtlText(piece.table);
+    for (const MaterialTable::Picture& picture : piece.table.textures) {
+      std::ofstream(folder_ / picture.file, std::ios::binary) << picture.bytes;
+    }
+  }
+};
+
+using Place = std::array<double, 3>;
+Place placeOf(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+
+// Triangles by their corners' places, so that files may number and order them as they like.
+std::map<std::set<Place>, std::size_t> byPlaces(const TriangleMesh& mesh) {
+  std::map<std::set<Place>, std::size_t> out;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    std::set<Place> places;
+    for (int k = 0; k < 3; ++k) places.insert(placeOf(mesh.vertices[mesh.triangles[t][k]]));
+    out[places] = t;
+  }
+  return out;
+}
+
+TEST_F(MeshFiles, EveryFormatIsTheSameClosedSurface) {
+  for (const bool looks : {false, true}) {
+    const Piece piece(looks);
+    writeAll(piece);
+    for (const char* name : {"vase_001.ply", "vase_001.obj", "vase_001.glb"}) {
+      SCOPED_TRACE(name);
+      const SourceMesh back = readMesh(folder_ / name);
+      EXPECT_EQ(nonManifoldEdges(back.mesh), 0u);
+      EXPECT_EQ(back.mesh.vertices.size(), 8u);
+      EXPECT_DOUBLE_EQ(volume(back.mesh), 8.0);
+      EXPECT_TRUE(back.appearance.warnings.empty());
+      const auto here = byPlaces(piece.mesh), there = byPlaces(back.mesh);
+      ASSERT_EQ(here.size(), 12u);
+      for (const auto& [places, t] : here) EXPECT_TRUE(there.contains(places));
+    }
+  }
+}
+
+TEST_F(MeshFiles, EveryFormatHoldsTheLook) {
+  const Piece piece(true);
+  writeAll(piece);
+  for (const char* name : {"vase_001.ply", "vase_001.obj", "vase_001.glb"}) {
+    SCOPED_TRACE(name);
+    const bool isGlb = std::string(name).ends_with("glb");
+    const SourceMesh back = readMesh(folder_ / name);
+    const Appearance& look = back.appearance;
+    const auto there = byPlaces(back.mesh);
+    for (const auto& [places, t] : byPlaces(piece.mesh)) {
+      const std::size_t u = there.at(places);
+      const Material& material = look.materials.at(look.surface.material.at(u));
+      EXPECT_EQ(material.name, piece.facing[t] != 0 ? "inside" : t < 2 ? "gl_aze" : "inside_2");
+      EXPECT_EQ(material.texture, t < 2 ? 0 : -1);
+      if (t < 2 && isGlb) {
+        EXPECT_EQ(material.colour, glm::vec3(0.5f, 0.25f, 1.0f));
+      }
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Place at = placeOf(piece.mesh.vertices[piece.mesh.triangles[t][static_cast<int>(k)]]);
+        std::size_t j = 0;
+        while (placeOf(back.mesh.vertices[back.mesh.triangles[u][static_cast<int>(j)]]) != at) ++j;
+        if (piece.facing[t] == 0) {
+          const glm::vec2 apart = look.surface.texcoords[u][j] - piece.look.texcoords[t][k];
+          EXPECT_LE(std::abs(apart.x) + std::abs(apart.y), 1e-6f);
+        }
+        // Vertices at the rim have the original surface's colour where they have one only.
+        if (isGlb || piece.facing[t] == 0) {
+          EXPECT_EQ(look.surface.colours[u][j], piece.look.colours[t][k]);
+        }
+      }
+    }
+    ASSERT_EQ(look.textures.size(), 1u);
+    EXPECT_EQ(look.textures[0].bytes, kPng);
+  }
+}
+
+TEST_F(MeshFiles, ObjNamesItsPieceMaterialsAndTextures) {
+  const Piece piece(true);
+  writeAll(piece);
+  const std::string text = bytesOf("vase_001.obj"), library = bytesOf("vase.mtl");
+  EXPECT_TRUE(text.starts_with("mtllib vase.mtl\no vase_001\nv 9 19 29 0 1 0\n"));
+  for (const char* line : {"\nusemtl gl_aze\n", "\nusemtl inside_2\n", "\nusemtl inside\n"}) {
+    EXPECT_NE(text.find(line), std::string::npos) << line;
+  }
+  EXPECT_NE(library.find("newmtl gl_aze\nKd 0.5 0.25 1\nillum 1\nmap_Kd glaze_one.png\n"),
+            std::string::npos);
+  EXPECT_NE(library.find("newmtl inside\n"), std::string::npos);
+}
+
+TEST_F(MeshFiles, NamesOfMaterialsAndTexturesAreSafeAndUnique) {
+  Appearance input;
+  input.materials = {{"", glm::vec3(1.0f), -1},
+                     {"outside", glm::vec3(1.0f), -1},
+                     {"a/b\nc", glm::vec3(1.0f), -1},
+                     {"\xff", glm::vec3(1.0f), -1}};
+  input.textures = {
+      {"../../x.png", kPng}, {"x.png", kPng}, {"vase_001.ply", "?"}, {"", "?"}, {"y.tga", "?"}};
+  const MaterialTable table = materialTable(input);
+  std::vector<std::string> names, files;
+  for (const auto& material : table.materials) names.push_back(material.name);
+  for (const auto& picture : table.textures) files.push_back(picture.file);
+  EXPECT_EQ(names, (std::vector<std::string>{"outside", "outside_2", "a_b_c", "_", "inside"}));
+  EXPECT_EQ(files, (std::vector<std::string>{"x.png", "x_2.png", "vase_001.image", "texture.image",
+                                             "y.tga"}));
+}
+
+TEST(VertexFacing, IsWhatTheMostAngleFaces) {
+  const Piece piece(false);
+  // Every corner of a cube has a right angle for each of its three sides, in one or two triangles;
+  // sides are 0, 0, 7, 7, 9, 9, opposite ones alike.
+  for (const std::uint16_t facing : vertexFacing(piece.mesh, piece.facing)) EXPECT_EQ(facing, 7);
+  std::vector<std::uint16_t> facing = piece.facing;
+  std::fill(facing.begin() + 8, facing.end(), std::uint16_t{7});
+  for (const std::uint16_t id : vertexFacing(piece.mesh, facing)) EXPECT_EQ(id, 7);
+  std::fill(facing.begin(), facing.end(), std::uint16_t{0});
+  facing[3] = 5;
+  const std::vector<std::uint16_t> one = vertexFacing(piece.mesh, facing);
+  for (std::uint32_t v = 0; v < 8; ++v) {
+    const glm::uvec3& t = piece.mesh.triangles[3];
+    EXPECT_EQ(one[v], v == t.x || v == t.y || v == t.z ? 5 : 0);
+  }
+  // A pyramid's top: two narrow faces of 4 against a wide one of 3.
+  TriangleMesh fan;
+  fan.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 0.1, 0}, {1, 0.2, 0}, {-1, 1, 0}};
+  fan.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}};
+  EXPECT_EQ(vertexFacing(fan, {4, 4, 3})[0], 3);
+  EXPECT_EQ(vertexFacing(fan, {4, 0, 0})[0], 4);
+}
+
+TEST(VertexNormals, WeighFacesByTheirAngles) {
+  // However a cube's sides are cut into triangles, its corners' normals are its diagonals.
+  const TriangleMesh cube = shapes::cube(2.0);
+  const std::vector<glm::dvec3> normals = vertexNormals(cube);
+  for (std::size_t i = 0; i < 8; ++i) {
+    EXPECT_LT(glm::length(normals[i] - cube.vertices[i] / std::sqrt(3.0)), 1e-15);
+  }
+  const TriangleMesh ball = shapes::ball(1.0, 4);
+  const std::vector<glm::dvec3> outwards = vertexNormals(ball);
+  for (std::size_t i = 0; i < outwards.size(); ++i) {
+    EXPECT_LT(glm::length(outwards[i] - ball.vertices[i]), 0.01);
+    EXPECT_NEAR(glm::length(outwards[i]), 1.0, 1e-12);
+  }
+}
+
+TEST(Srgb, ThereAndBackAgain) {
+  for (int i = 0; i < 256; ++i) {
+    const glm::u8vec3 grey(static_cast<std::uint8_t>(i));
+    EXPECT_EQ(srgbFromLinear(linearFromSrgb(grey)), grey);
+  }
+  EXPECT_NEAR(linearFromSrgb(glm::u8vec3(188)).x, 0.5029, 1e-4);  // half the light
+}
+
+}  // namespace
+}  // namespace sherd
