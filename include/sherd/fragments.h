@@ -56,6 +56,12 @@ struct Fragment {
                                                      const SurfaceOptions& surface = {},
                                                      const Progress* progress = nullptr);
 
+/// The curves that bound the faces of a fragment towards another, where their contact ends.
+///   return  closed curves of the mesh's vertices, the faces on their left seen from outside; none
+///           where no face faces it.  A curve may pass a vertex twice
+[[nodiscard]] std::vector<std::vector<std::uint32_t>> rimCurves(const Fragment& fragment,
+                                                                int other);
+
 /// The unbroken solid's mesh, made as the fragments' are.
 [[nodiscard]] TriangleMesh solidMesh(const Solid& solid, const SurfaceOptions& options = {});
 

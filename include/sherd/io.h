@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -69,6 +70,11 @@ void writeCost(const std::filesystem::path& file, const Solid& solid, const Labe
 void writePly(const std::filesystem::path& file, const TriangleMesh& mesh,
               const std::vector<std::uint16_t>& facing = {});
 
+/// Write the rims of all contacts (see rimCurves) as closed polylines in OBJ, an object
+/// rim_<id>_<id> for each two fragments that touch, the lower id first.
+///   throws  Error(output)
+void writeRims(const std::filesystem::path& file, std::span<const Fragment> fragments);
+
 /// How surface points are written.
 enum class PointFormat {
   ply,  ///< binary little-endian: float x, y, z, nx, ny, nz, int facing
@@ -106,6 +112,7 @@ struct WriteOptions {
   bool mesh = true;     ///< meshes/<stem>_001.ply, and textures where the input has some
   bool preview = true;  ///< preview.png
   bool seeds = false;   ///< seeds.json
+  bool rims = false;    ///< rims.obj
   bool cost = false;    ///< cost.vdb, when the labels hold costs
 
   std::vector<MeshFileFormat> meshFormats{MeshFileFormat::ply};  ///< not empty, each once

@@ -75,9 +75,8 @@ struct Correspondences {
 };
 
 /// Draw points on the faces between each two fragments that touch, uniform by area.
-///   fragments        [n] of ids 1..n, with the surface between them shared: Interface::shared or
-///                    Surface::labels, neither worn nor smoothed there; others that they touch are
-///                    left out
+///   fragments        [n] of ids 1..n, with the surface between them shared: Interface::shared, not
+///                    worn, or Surface::labels as it is meshed; others that they touch are left out
 ///   countPerContact  0..kMaxPoints; a contact too small to have faces in the meshes gets none
 [[nodiscard]] Correspondences sampleCorrespondences(std::span<const Fragment> fragments,
                                                     std::size_t countPerContact,

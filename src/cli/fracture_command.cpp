@@ -194,6 +194,7 @@ WriteOptions writeOptions(const FractureArguments& arguments) {
   write.mesh = named("mesh");
   write.preview = named("preview");
   write.seeds = named("seeds");
+  write.rims = named("rims");
   write.cost = named("cost");
   write.up = arguments.up.front();
   return write;
@@ -335,7 +336,7 @@ void addFractureCommand(CLI::App& app, Action& run) {
   command->add_option("--write", arguments->write, "What to write, separated by commas")
       ->delimiter(',')
       ->allow_extra_args(false)
-      ->check(CLI::IsMember({"labels", "vdb", "mesh", "preview", "seeds", "cost"}))
+      ->check(CLI::IsMember({"labels", "vdb", "mesh", "preview", "seeds", "rims", "cost"}))
       ->default_str("labels,vdb,mesh,preview");
   addMeshFormatOption(*command, arguments->files);
   command->add_option("--up", arguments->up, "The mesh's axis that points up in the picture")

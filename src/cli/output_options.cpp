@@ -73,6 +73,13 @@ void addSurfaceOptions(CLI::App& command, FractureOptions& options) {
   addChoice(command, "--interface", surface.interface, names::kInterface,
             "Surfaces between fragments: shared bit for bit, or each fragment meshed by itself")
       ->group(group);
+  command
+      .add_option("--adaptivity", surface.adaptivity,
+                  "Fewer polygons where these change little: voxels that a vertex may be off; 0 "
+                  "none")
+      ->check(numberBetween(0.0, 1.0, "0..1"))
+      ->capture_default_str()
+      ->group(group);
   addIterations("--smooth-iterations", smooth.iterations,
                 "Laplacian smoothing of all but cracks; 0.048k is 0.048 times the voxels of the "
                 "longest side");

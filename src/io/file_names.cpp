@@ -94,6 +94,7 @@ FractureFiles fileNames(const SourceMesh& source, std::size_t fragments,
   if (write.labels) files.labels = "labels.rle";
   if (write.preview) files.preview = "preview.png";
   if (write.seeds) files.seeds = "seeds.json";
+  if (write.rims) files.rims = "rims.obj";
   if (write.cost) files.cost = "cost.vdb";
   return files;
 }

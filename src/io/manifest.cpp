@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
@@ -127,6 +128,7 @@ Json surfaceOptionsJson(const SurfaceOptions& surface, int longestSide) {
   const SmoothOptions& smooth = surface.smooth;
   return {{"of", names::of(names::kSurface, surface.surface)},
           {"interface", names::of(names::kInterface, surface.interface)},
+          {"adaptivity", surface.adaptivity},
           {"smooth",
            {{"iterations", smooth.iterations.over(longestSide)},
             {"weight", smooth.weight},
@@ -182,13 +184,25 @@ Json gridJson(const SourceMesh& source, const FractureOptions& options,
           {"worn_voxels", solid.voxels - labelled}};
 }
 
+double rimLength(const Fragment& fragment, int other) {
+  double length = 0.0;
+  for (const std::vector<std::uint32_t>& curve : rimCurves(fragment, other)) {
+    for (std::size_t i = 0; i < curve.size(); ++i) {
+      length += glm::length(fragment.mesh.vertices[curve[(i + 1) % curve.size()]] -
+                            fragment.mesh.vertices[curve[i]]);
+    }
+  }
+  return length;
+}
+
 Json contactsJson(const Fragment& fragment) {
   Json contacts = Json::array();
   for (const Contact& contact : fragment.contacts) {
     contacts.push_back({{"id", contact.fragment},
                         {"area", plain(contact.area)},
                         {"normal", jsonOf(contact.normal)},
-                        {"centroid", jsonOf(contact.centroid.v)}});
+                        {"centroid", jsonOf(contact.centroid.v)},
+                        {"rim_length", rimLength(fragment, contact.fragment)}});
   }
   return contacts;
 }
@@ -219,6 +233,7 @@ Json fragmentJson(const Fragment& fragment, const FractureResult& result, Json s
         plain(m[2][1])}},
       {"area", plain(fragment.area)},
       {"fracture_area", plain(fragment.fractureArea)},
+      {"original_area", plain(fragment.area - fragment.fractureArea)},
       {"worn_voxels", result.worn[static_cast<std::size_t>(fragment.id)]},
       {"seeds", std::move(seeds)},
       {"files", std::move(files)},
@@ -260,7 +275,7 @@ std::vector<std::string> FractureFiles::all() const {
       list.insert(list.end(), ofOne.begin(), ofOne.end());
     }
   }
-  for (const std::string& file : {solidSdf, correspondences, preview, seeds, cost}) {
+  for (const std::string& file : {solidSdf, correspondences, preview, seeds, rims, cost}) {
     if (!file.empty()) list.push_back(file);
   }
   return list;

@@ -29,6 +29,7 @@ struct FractureFiles {
   std::string correspondences;
   std::string preview;
   std::string seeds;
+  std::string rims;
   std::string cost;
 
   std::vector<std::string> all() const;

@@ -255,6 +255,9 @@ void writeFiles(const fs::path& folder, const FractureFiles& files, const Source
              encodeRuns(result.solid, result.labels, static_cast<int>(fragments)));
   }
   if (!files.seeds.empty()) writeSeeds(folder / files.seeds, result.seeds, result.solid);
+  if (!files.rims.empty()) {
+    writeRims(folder / files.rims, std::span(result.fragments).first(result.kept()));
+  }
   if (!files.cost.empty()) writeCost(folder / files.cost, result.solid, result.labels);
   const MeshWriter meshes(folder, files, source, table, write);
   for (std::size_t begin = 0; begin < fragments; begin += kFragmentsBetweenSteps) {
@@ -320,15 +323,16 @@ std::string withoutAside(std::string message) {
 
 void checkWriteOptions(const WriteOptions& write, const FractureOptions& options) {
   const SurfaceOptions& surface = options.surface;
-  const bool isShared =
-      surface.surface == Surface::labels || surface.interface == Interface::shared;
   const Iterations& smoothed = surface.smooth.boundaryIterations;
   const bool isSmoothed =
       surface.smooth.boundaryWeight > 0.0 && (smoothed.count > 0 || smoothed.perVoxel > 0.0);
-  if (write.correspondences > 0 && (!isShared || isSmoothed || options.erode.iterations > 0)) {
+  const bool isShared = surface.surface == Surface::labels
+                            ? !isSmoothed && surface.adaptivity == 0.0
+                            : surface.interface == Interface::shared;
+  if (write.correspondences > 0 && (!isShared || options.erode.iterations > 0)) {
     throw Error(ErrorCode::usage,
                 "correspondences need surfaces that fragments share: not meshed independently, "
-                "neither worn nor smoothed at the cracks");
+                "not worn, and of labels neither smoothed at the cracks nor simplified");
   }
 }
 

@@ -1,0 +1,40 @@
+// Rims of contacts as OBJ polylines.
+#include <sherd/io.h>
+
+#include <cstdio>
+
+#include "io/atomic_file.h"
+#include "io/number_text.h"
+
+namespace sherd {
+
+void writeRims(const std::filesystem::path& file, std::span<const Fragment> fragments) {
+  std::string text;
+  std::size_t vertices = 0;
+  for (const Fragment& fragment : fragments) {
+    for (const Contact& contact : fragment.contacts) {
+      if (contact.fragment < fragment.id) continue;
+      char name[32];
+      std::snprintf(name, sizeof name, "o rim_%03d_%03d\n", fragment.id, contact.fragment);
+      text += name;
+      for (const std::vector<std::uint32_t>& curve : rimCurves(fragment, contact.fragment)) {
+        for (const std::uint32_t v : curve) {
+          const glm::dvec3& at = fragment.mesh.vertices[v];
+          text += 'v';
+          for (int axis = 0; axis < 3; ++axis) {
+            appendFloat(text += ' ', static_cast<float>(at[axis]));
+          }
+          text += '\n';
+        }
+        text += 'l';
+        for (std::size_t i = 1; i <= curve.size(); ++i) appendShortest(text += ' ', vertices + i);
+        appendShortest(text += ' ', vertices + 1);
+        text += '\n';
+        vertices += curve.size();
+      }
+    }
+  }
+  writeWhole(file, text);
+}
+
+}  // namespace sherd
