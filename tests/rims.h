@@ -8,6 +8,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <map>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -16,25 +17,28 @@ namespace sherd {
 // Edges between the original surface and cracks, by cells of one voxel.
 class Rim {
  public:
-  Rim(const Fragment& fragment, double voxelSize) : voxelSize_(voxelSize) {
-    std::map<std::pair<unsigned, unsigned>, int> kinds;  // of the faces at an edge
+  enum class Of { cracks, regions };  ///< regions: lines between two cracks are rims too
+
+  Rim(const Fragment& fragment, double voxelSize, Of of = Of::cracks) : voxelSize_(voxelSize) {
+    std::map<std::pair<unsigned, unsigned>, std::set<int>> kinds;  // of the faces at an edge
     for (std::size_t t = 0; t < fragment.facing.size(); ++t) {
       const glm::uvec3& corner = fragment.mesh.triangles[t];
       for (int k = 0; k < 3; ++k) {
-        kinds[std::minmax(corner[k], corner[(k + 1) % 3])] |= fragment.facing[t] == 0 ? 1 : 2;
+        kinds[std::minmax(corner[k], corner[(k + 1) % 3])].insert(
+            of == Of::cracks ? fragment.facing[t] != 0 : fragment.facing[t]);
       }
     }
     for (const auto& [edge, kind] : kinds) {
-      if (kind != 3) continue;
+      if (kind.size() < 2) continue;
       const Segment segment{fragment.mesh.vertices[edge.first],
                             fragment.mesh.vertices[edge.second]};
       cells_[cellOf(0.5 * (segment.a + segment.b))].push_back(segment);
     }
   }
 
-  /// Is there an edge within so many voxels, at most one?
+  /// Is there an edge within so many voxels, at most two?
   bool isWithin(double voxels, const glm::dvec3& p) const {
-    constexpr int kReach = 2;  // an edge is at most some two voxels long
+    constexpr int kReach = 3;  // an edge is at most some two voxels long
     const openvdb::Coord middle = cellOf(p);
     openvdb::Coord at;
     for (at[0] = middle[0] - kReach; at[0] <= middle[0] + kReach; ++at[0]) {

@@ -3,6 +3,7 @@
 #include <openvdb/openvdb.h>
 #include <sherd/fracture.h>
 #include <sherd/mesh.h>
+#include <sherd/points.h>
 
 #include <algorithm>
 #include <array>
@@ -12,6 +13,7 @@
 #include "kernels/device_fixture.h"
 #include "mesh_checks.h"
 #include "random.h"
+#include "rims.h"
 #include "shapes.h"
 #include "surface/cell.h"
 #include "surface/interface_mesh.h"
@@ -252,6 +254,49 @@ TEST_F(InterfaceOfFracture, LeavesNoGap) {
     }
   }
   EXPECT_NEAR(volumes, volume(outside), 1e-9 * volumes);
+}
+
+// Points on fragments, and how deep each lies in the other fragments at most, in voxels.
+struct Depths {
+  double deepest = 0.0;  // anywhere
+  double apart =
+      0.0;  // of points on a crack, two voxels off its border, from the fragment they face
+  std::size_t onCracks = 0;
+};
+
+Depths depthsOf(const FractureResult& result) {
+  const double h = result.solid.frame.voxelSize;
+  Depths depths;
+  for (const Fragment& fragment : result.fragments) {
+    const SurfacePoints points = samplePoints(fragment.mesh, fragment.facing, {.count = 1000});
+    const Rim rim(fragment, h, Rim::Of::regions);
+    for (const Fragment& other : result.fragments) {
+      if (other.id == fragment.id) continue;
+      const std::vector<double> distance = signedDistances(other.mesh, points.positions);
+      for (std::size_t i = 0; i < distance.size(); ++i) {
+        depths.deepest = std::max(depths.deepest, -distance[i] / h);
+        if (points.facing[i] != other.id || rim.isWithin(2.0, points.positions[i])) continue;
+        ++depths.onCracks;
+        depths.apart = std::max(depths.apart, std::abs(distance[i]) / h);
+      }
+    }
+  }
+  return depths;
+}
+
+TEST_F(InterfaceOfFracture, PointsLieInOneFragmentOnly) {
+  FractureOptions options{.pieces = 6, .seed = 3, .resolution = 64};
+  for (const TriangleMesh& mesh : {shapes::ball(1.0), shapes::cup(1.0, 0.3, 1.5, 0.3, 64)}) {
+    options.surface.interface = Interface::shared;
+    const Depths shared = depthsOf(fracture(mesh, options, device()));
+    EXPECT_GT(shared.onCracks, 500u);
+    EXPECT_LT(shared.deepest, 1e-9);
+    EXPECT_LT(shared.apart, 1e-9);
+    options.surface.interface = Interface::independent;
+    const Depths independent = depthsOf(fracture(mesh, options, device()));
+    EXPECT_GT(independent.onCracks, 500u);
+    EXPECT_LT(independent.apart, 0.1);
+  }
 }
 
 }  // namespace

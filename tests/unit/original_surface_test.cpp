@@ -213,6 +213,37 @@ TEST_F(OriginalSurface, IsToldFromCracksOnAThinCup) {
   EXPECT_GT(3 * wrongByDistance, cracks);
 }
 
+TEST_F(OriginalSurface, ABallsCrackEndsInACircle) {
+  const FractureResult result =
+      fracture(shapes::ball(1.0, 6), {.pieces = 2, .seed = 3, .resolution = 128}, device());
+  const double h = result.solid.frame.voxelSize;
+  const auto seedOf = [&](std::size_t i) {
+    const openvdb::Coord& c = result.seeds.at(i).voxel;
+    return result.solid.frame.worldFromIndex({glm::dvec3(c.x(), c.y(), c.z())}).v;
+  };
+  const glm::dvec3 between = (seedOf(0) + seedOf(1)) / 2.0;
+  const glm::dvec3 normal = glm::normalize(seedOf(1) - seedOf(0));
+  const double offset = glm::dot(between, normal);  // of the crack's plane from the centre
+  const double radius = std::sqrt(1.0 - offset * offset);
+  for (const Fragment& fragment : result.fragments) {
+    const auto curves = rimCurves(fragment, 3 - fragment.id);
+    ASSERT_EQ(curves.size(), 1u);
+    double length = 0.0;
+    glm::dvec3 enclosed(0.0);  // twice the area, along the normal of a curve walked left about it
+    for (std::size_t i = 0; i < curves[0].size(); ++i) {
+      const glm::dvec3& a = fragment.mesh.vertices[curves[0][i]];
+      const glm::dvec3& b = fragment.mesh.vertices[curves[0][(i + 1) % curves[0].size()]];
+      EXPECT_NEAR(glm::length(a), 1.0, 0.75 * h);
+      length += glm::length(b - a);
+      enclosed += glm::cross(a, b);
+    }
+    EXPECT_NEAR(length, 2.0 * M_PI * radius, 0.03 * length);
+    const double sign = fragment.id == 1 ? 1.0 : -1.0;
+    EXPECT_NEAR(sign * glm::dot(enclosed, normal) / 2.0, M_PI * radius * radius, 0.02);
+    EXPECT_TRUE(rimCurves(fragment, 7).empty());
+  }
+}
+
 TEST_F(OriginalSurface, CracksBetweenTwoSeedsArePlanes) {
   for (const std::uint64_t seed : {1, 2, 3, 4}) {
     for (const double strength : {0.0, 2.0}) {
