@@ -1,8 +1,10 @@
 #!/usr/bin/env bash
 # Break every closed mesh of a folder by many options, and let an independent checker judge each result.
 #
-# usage: verify_options.sh SHERD MESH_FOLDER CHECKER.py [quick]
+# usage: verify_options.sh SHERD MESH_FOLDER CHECKER.py [quick|surfaces]
 #   quick: three meshes only
+#   surfaces: every mesh in 10 pieces, or one for each of its parts, with its meshes as they come, worn, rough, smoothed and
+#   decimated to 2000 triangles.  CGAL is asked too (sherd evaluate --cgal): all closed, manifold, valid and outwards
 #
 # At 128 voxels, for N in 2, 5, 10, 50, 200 with parts <= N <= voxels / 100: exactly N fragments, every voxel of the solid
 # in one of them, each 6-connected, and no fault found by the checker.  Plain options for every N; the other sets of options
@@ -11,7 +13,7 @@
 # than four fifths of its voxels' volume: the checker compares the two.  How far the surface lies from the mesh is seen once
 # for each mesh, since these options do not move it.  A line for each run with faults, with the command that repeats it.
 set -euo pipefail
-sherd=$1 meshes=$2 checker=$3 quick=${4:-}
+sherd=$1 meshes=$2 checker=$3 mode=${4:-}
 export OCL_ICD_VENDORS=pocl.icd
 python=/usr/bin/python3  # Debian's: numpy, scipy and pyopenvdb are there
 out=$(mktemp -d)
@@ -19,9 +21,11 @@ trap 'rm -rf "$out"' EXIT
 shopt -s nullglob nocaseglob
 
 all=("$meshes"/*.{obj,ply,stl,off,gltf,glb}{,.gz})
-[ -z "$quick" ] || all=("$meshes"/{vase_goblet.stl,footbones.ply,99865_car.stl})
+[ "$mode" != quick ] || all=("$meshes"/{vase_goblet.stl,footbones.ply,99865_car.stl})
 sets=("--extra-seeds 2n" "--impacts 2" "--roughness 2" "--grain 1,2,0.5,3" "--growth flood" "--growth flood --neighborhood 26"
   "--growth nearest" "--growth chain")
+surfaces=("" "--erode-iterations 2 --erode-probability 0.5" "--roughness 2"
+  "--smooth-iterations 0.048k --smooth-boundary-iterations 0.048k" "--triangles 2000")
 
 field() { "$python" -c 'import json, sys; print(json.load(open(sys.argv[1]))[sys.argv[2]])' "$out/report.json" "$1"; }
 isThin() { "$python" -c 'import json, sys; r = json.load(open(sys.argv[1])); sys.exit(
@@ -52,7 +56,21 @@ verify() {  # mesh pieces option...
   local surface=()
   [ -n "$compared" ] || surface=(--mesh "$mesh")
   compared=yes
-  "$python" "$checker" "$out/pieces" ${surface[@]+"${surface[@]}"} --json > "$out/checked.json" 2> "$out/log" || true
+  judge "$pieces" ${surface[@]+"${surface[@]}"}
+  [ ! -s "$out/faults" ] || fault "$mesh" "$(tr '\n' ' ' < "$out/faults")" "$command"
+  [[ $* == *--triangles* ]] || return 0
+  useDecimated
+  judge "$pieces"
+  [ ! -s "$out/faults" ] || fault "$mesh" "decimated: $(tr '\n' ' ' < "$out/faults")" "$command"
+}
+# What is wrong with $out/pieces, as one line in $out/faults.
+judge() {  # pieces checker's option...
+  local pieces=$1
+  shift
+  "$python" "$checker" "$out/pieces" "$@" --json > "$out/checked.json" 2> "$out/log" || true
+  echo '{"fragments": []}' > "$out/evaluated.json"
+  [ "$mode" != surfaces ] ||
+    "$sherd" evaluate "$out/pieces" --cgal --samples 1 --json > "$out/evaluated.json" 2> "$out/log" || true
   "$python" - "$out" "$pieces" > "$out/faults" 2>&1 << 'END' || true
 import json, os, sys
 out, pieces = sys.argv[1], int(sys.argv[2])
@@ -64,11 +82,24 @@ checked, report = json.loads(text), json.load(open(os.path.join(out, "report.jso
 faults, figures = checked["faults"], checked["figures"]
 if figures["fragments"] != pieces:
     faults.append(f"{figures['fragments']} fragments, {pieces} asked")
-if figures["voxels"] != report["voxels"]:
+if figures["voxels"] + report["worn_voxels"] != report["voxels"]:
     faults.append(f"{figures['voxels']} voxels in fragments, the solid has {report['voxels']}")
+for fragment in json.load(open(os.path.join(out, "evaluated.json")))["fragments"]:
+    quality, cgal = fragment["quality"], fragment["cgal"]
+    if not (quality["closed"] and quality["manifold"] and quality["outward"] and quality["degenerate_triangles"] == 0):
+        faults.append(f"fragment {fragment['id']}: mesh is not sound")
+    if not (cgal["polygon_mesh"] and cgal["valid"] and cgal["closed"]):
+        faults.append(f"fragment {fragment['id']}: not a closed, valid mesh to CGAL")
 print("; ".join(faults[:3]) + (f"; and {len(faults) - 3} more" if len(faults) > 3 else ""), end="")
 END
-  [ ! -s "$out/faults" ] || fault "$mesh" "$(tr '\n' ' ' < "$out/faults")" "$command"
+}
+useDecimated() {  # in place of the meshes they were made from
+  "$python" - "$out/pieces" << 'END'
+import json, os, shutil, sys
+folder = sys.argv[1]
+for fragment in json.load(open(os.path.join(folder, "manifest.json")))["fragments"]:
+    shutil.copyfile(os.path.join(folder, fragment["decimated"][0]["file"]), os.path.join(folder, fragment["files"]["mesh"]))
+END
 }
 nth() { local at=$1; shift; local of=("$@"); echo "${of[at % $#]}"; }
 
@@ -84,6 +115,14 @@ for mesh in "${all[@]}"; do
     continue
   fi
   compared= parts=$(field parts) most=$(($(field voxels) / 100))
+  if [ "$mode" = surfaces ]; then
+    for options in "${surfaces[@]}"; do
+      # shellcheck disable=SC2086
+      verify "$mesh" $((parts > 10 ? parts : 10)) $options
+    done
+    swept=$((swept + 1))
+    continue
+  fi
   fitting=() struck=()  # N, and N with room for two impacts
   for pieces in 2 5 10 50 200; do
     [ "$pieces" -ge "$parts" ] && [ "$pieces" -le "$most" ] || continue
