@@ -89,6 +89,7 @@ class Group:
 
 
 EYE = "ray:0.6,0.6,0.84,-0.539,-0.342,-0.77"  # from the eye of preview.png towards the belly of the amphora
+STAIRS = "--pieces 6 --seed 3 --resolution 96 --surface labels"
 WEAR = "--pieces 6 --seed 3 --resolution 96 --erode-iterations"
 
 CHAPTERS = [
@@ -248,8 +249,7 @@ CHAPTERS = [
                   ("labels", "--surface labels", "the voxels' own faces"),
                   ("paper", "--preset paper", "the paper's options: labels, smoothed")]),
         Group("figure8", "Figure 8: --smooth-boundary-weight", "Stairs smoothed away from the cracks alone, and at the cracks "
-              "too.", "amphora.ply", "--pieces 6 --seed 3 --resolution 96 --surface labels --smooth-iterations 0.048k "
-              "--smooth-boundary-iterations 0.048k", [
+              "too.", "amphora.ply", STAIRS + " --smooth-iterations 0.048k --smooth-boundary-iterations 0.048k", [
                   ("0", "--smooth-boundary-weight 0", "cracks keep every voxel"),
                   ("02", "--smooth-boundary-weight 0.2", "the paper's"),
                   ("09", "--smooth-boundary-weight 0.9", "as strong as elsewhere: rims draw back")], 3),
@@ -523,6 +523,109 @@ def show_figure7(page, runner):
             page.commands([command("block.obj", o) for o in options])
 
 
+TYPES = {"float": "<f4", "int": "<i4", "uchar": "u1"}
+
+
+def read_ply(path):
+    """The elements of a binary PLY file of ours, as arrays with a field for each property; faces are triangles."""
+    raw = path.read_bytes()
+    body = raw.index(b"end_header\n") + len(b"end_header\n")
+    elements = []
+    for line in raw[:body].decode().split("\n"):
+        words = line.split()
+        if words[:1] == ["element"]:
+            elements.append((words[1], int(words[2]), []))
+        elif words[:2] == ["property", "list"]:
+            elements[-1][2].extend([("count", TYPES[words[2]]), (words[4], TYPES[words[3]], 3)])
+        elif words[:1] == ["property"]:
+            elements[-1][2].append((words[2], TYPES[words[1]]))
+    arrays = {}
+    for name, count, fields in elements:
+        dtype = np.dtype(fields)
+        arrays[name] = np.frombuffer(raw, dtype, count, body)
+        body += count * dtype.itemsize
+    return arrays
+
+
+def view():
+    """Right, up and towards the eye: from the right and above, y up."""
+    a, e = math.radians(35), math.radians(20)
+    eye = np.array([math.sin(a) * math.cos(e), math.sin(e), math.cos(a) * math.cos(e)])
+    right = np.array([math.cos(a), 0.0, -math.sin(a)])
+    return np.array([right, np.cross(eye, right), eye])
+
+
+def framed(points, size):
+    """Where points seen from the eye lie in a picture of this size, twice as large; and how near they are."""
+    seen = points @ view().T
+    low, high = seen[:, :2].min(axis=0), seen[:, :2].max(axis=0)
+    scale = 1.88 * size / max(high - low)
+    place = (seen[:, :2] - (low + high) / 2) * scale
+    return np.column_stack([size + place[:, 0], size - place[:, 1]]), seen[:, 2]
+
+
+def wires(path, size):
+    """A mesh with its edges; faces towards other fragments are lighter."""
+    ply = read_ply(path)
+    points = np.column_stack([ply["vertex"][axis] for axis in "xyz"]).astype(float)
+    triangles, facing = ply["face"]["vertex_indices"], ply["face"]["facing"]
+    place, depth = framed(points, size)
+    corners = points[triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.linalg.norm(normals, axis=1)[:, None] + 1e-30
+    light = 0.55 + 0.45 * np.clip(normals @ (view()[2] + 0.5 * view()[1]) / 1.12, 0, 1)
+    image = Image.new("RGB", (2 * size, 2 * size), "white")
+    draw = ImageDraw.Draw(image)
+    for t in np.argsort(depth[triangles].mean(axis=1), kind="stable"):
+        if normals[t] @ view()[2] <= 0:
+            continue
+        colour = np.array((226, 184, 92) if facing[t] == 0 else (244, 232, 205)) * light[t]
+        draw.polygon([tuple(q) for q in place[triangles[t]]], fill=tuple(int(c) for c in colour), outline=(90, 80, 60))
+    return image.resize((size, size), Image.LANCZOS)
+
+
+def dots(path, size):
+    """Points on a fragment, those that are seen; on cracks they are red."""
+    vertex = read_ply(path)["vertex"]
+    points = np.column_stack([vertex[axis] for axis in "xyz"]).astype(float)
+    normals = np.column_stack([vertex["n" + axis] for axis in "xyz"])
+    place, _ = framed(points, size)
+    image = Image.new("RGB", (2 * size, 2 * size), "white")
+    draw = ImageDraw.Draw(image)
+    for (x, y), facing, towards in zip(place, vertex["facing"], normals @ view()[2]):
+        if towards > 0:
+            draw.ellipse([x - 3, y - 3, x + 3, y + 3], fill=(60, 80, 120) if facing == 0 else (190, 80, 70))
+    return image.resize((size, size), Image.LANCZOS)
+
+
+def show_figure9(page, runner):
+    page.text("### Figure 9: `--triangles` and `--adaptivity`", "", "A fragment of the amphora as it is meshed, decimated, and with "
+              "fewer polygons where these change little. Faces of cracks are lighter; neighbours keep the same ones.")
+    base, cells, lines = "--pieces 8 --seed 1 --resolution 96", [], []
+    for key, own, file in (("all", "", ""), ("2000", "--triangles 2000", "_t2000"), ("300", "--triangles 300", "_t300"),
+                           ("adaptive", "--adaptivity 0.1", "")):
+        options = f"{base} {own}".strip()
+        path = runner.fracture("amphora.ply", options, "mesh") / "meshes" / f"amphora_005{file}.ply"
+        count = len(read_ply(path)["face"])
+        cells.append((page.drawing(f"figure9-{key}", wires(path, SIDE)), (f"`{own}`<br>" if own else "") + f"{count} triangles"))
+        lines.append(command("amphora.ply", options))
+    page.table(cells, 2)
+    page.commands(lines)
+
+
+def show_figure11(page, runner):
+    page.text("### Figure 11: `--point-sampler`", "", "1000 points on a fragment; those on cracks are red.")
+    base, cells, lines = "--pieces 8 --seed 1 --points 1000", [], []
+    for sampler, words in (("uniform", "each by itself: clusters and holes"), ("halton", "evenly, by Halton's sequence"),
+                           ("poisson", "well apart")):
+        options = f"{base} --point-sampler {sampler}"
+        path = runner.fracture("amphora.ply", options, "seeds") / "points" / "amphora_005.ply"
+        cells.append((page.drawing(f"figure11-{sampler}", dots(path, SIDE)), f"`--point-sampler {sampler}`<br>{words}"))
+        lines.append(command("amphora.ply", options))
+    page.table(cells, 3)
+    page.commands(lines)
+
+
 INTRODUCTION = """# Gallery
 
 Pictures of what each option does, each with its command. `tools/gallery.py build/release/sherd docs` makes this page and its
@@ -530,7 +633,7 @@ pictures anew; they are `preview.png`, cropped alike in a row and made small. `t
 inputs: `block.obj` (side 1), `plate.obj` (1 by 1 by 0.15, the front at z = 0.15), `ball.obj` (radius 1), and seeds.
 
 Options without a picture: `--device` and `--threads` change nothing but the time, `--write`, `--json` and `--quiet` say what
-comes out, and those of points and distances (`--points`, `--sdf-samples` and theirs) draw on pieces that stay as they are. [cli.md](cli.md) has the meaning and range of every option."""
+comes out, and those of distances (`--sdf-samples` and its) draw on pieces that stay as they are. [cli.md](cli.md) has the meaning and range of every option."""
 
 
 def main():
@@ -554,6 +657,10 @@ def main():
             for group in groups:
                 print(group.key, flush=True)
                 show_group(page, runner, group)
+            if title == "Surfaces":
+                print("figures 9 and 11", flush=True)
+                show_figure9(page, runner)
+                show_figure11(page, runner)
             if title == "Growth":
                 show_figure3(page, runner)
             if title == "Seeds":
