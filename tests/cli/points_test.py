@@ -199,7 +199,8 @@ class Points(CommandLine):
 
     def test_correspondences_need_a_shared_surface(self):
         for options in (("--interface", "independent"), ("--erode-iterations", "1"),
-                        ("--smooth-boundary-iterations", "2")):
+                        ("--surface", "labels", "--smooth-boundary-iterations", "2"),
+                        ("--surface", "labels", "--adaptivity", "0.1")):
             with self.subTest(options):
                 self.refused(2, self.fracture("--correspondences", "5", *options), "share")
                 self.assertFalse(os.path.exists(self.out))

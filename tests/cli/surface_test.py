@@ -13,7 +13,7 @@ from cli_test import CommandLine, tree
 
 AMPHORA = os.path.join(os.environ["SHERD_DATA"], "amphora.ply")
 
-BARE = {"of": "smooth", "interface": "shared", "triangles": [],
+BARE = {"of": "smooth", "interface": "shared", "adaptivity": 0.0, "triangles": [],
         "smooth": {"iterations": 0, "weight": 0.9, "boundary_iterations": 0, "boundary_weight": 0.2}}
 
 # Section 4.1 of the paper, at 128 voxels along the longest side: trunc(0.048 * 128) = 6.
@@ -23,7 +23,7 @@ PAPER = {
               "random_impacts": 0, "impacts": []},
     "grow": {"growth": "flood", "neighborhood": 6, "roughness": 0.0, "hurst": 0.8, "isolated": "regrow"},
     "min_share": 0.0, "balance": 0, "erode": {"iterations": 0}, "missing": 0.0,
-    "surface": {"of": "labels", "interface": "shared", "triangles": [],
+    "surface": {"of": "labels", "interface": "shared", "adaptivity": 0.0, "triangles": [],
                 "smooth": {"iterations": 6, "weight": 0.9, "boundary_iterations": 6, "boundary_weight": 0.2}},
 }
 
