@@ -244,6 +244,55 @@ TEST_F(OriginalSurface, ABallsCrackEndsInACircle) {
   }
 }
 
+// The area of a plane's section of a box about the origin: its corners on the box's edges, in turn.
+double sectionOfBox(const glm::dvec3& half, const glm::dvec3& normal, double offset) {
+  std::vector<glm::dvec3> corners;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const int sides : {0, 1, 2, 3}) {
+      glm::dvec3 p;
+      p[(axis + 1) % 3] = (sides & 1 ? 1 : -1) * half[(axis + 1) % 3];
+      p[(axis + 2) % 3] = (sides & 2 ? 1 : -1) * half[(axis + 2) % 3];
+      p[axis] = 0.0;
+      p[axis] = (offset - glm::dot(p, normal)) / normal[axis];
+      if (std::abs(p[axis]) <= half[axis]) corners.push_back(p);
+    }
+  }
+  glm::dvec3 middle(0.0), doubled(0.0);
+  for (const glm::dvec3& p : corners) middle += p / static_cast<double>(corners.size());
+  const glm::dvec3 u = glm::normalize(corners.at(0) - middle), v = glm::cross(normal, u);
+  std::sort(corners.begin(), corners.end(), [&](const glm::dvec3& a, const glm::dvec3& b) {
+    return std::atan2(glm::dot(a - middle, v), glm::dot(a - middle, u)) <
+           std::atan2(glm::dot(b - middle, v), glm::dot(b - middle, u));
+  });
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    doubled += glm::cross(corners[i], corners[(i + 1) % corners.size()]);
+  }
+  return glm::length(doubled) / 2.0;
+}
+
+TEST_F(OriginalSurface, ThinContactsHaveTheAreaOfTheirPlanes) {
+  // A plate three voxels thick, where contacts are 3 wide and some 60 long.
+  const glm::dvec3 half(0.5, 0.5, 1.5 / 64);
+  TriangleMesh plate = shapes::cube(2.0);
+  for (glm::dvec3& v : plate.vertices) v *= half;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    SCOPED_TRACE(seed);
+    const Placed placed(seed);
+    const FractureResult result =
+        fracture(placed.of(plate), {.pieces = 2, .seed = seed, .voxelSize = 1.0 / 64}, device());
+    const auto seedOf = [&](std::size_t i) {
+      const openvdb::Coord& c = result.seeds.at(i).voxel;
+      return placed.back(result.solid.frame.worldFromIndex({glm::dvec3(c.x(), c.y(), c.z())}).v);
+    };
+    const glm::dvec3 normal = glm::normalize(seedOf(1) - seedOf(0));
+    const double area = sectionOfBox(half, normal, glm::dot((seedOf(0) + seedOf(1)) / 2.0, normal));
+    ASSERT_EQ(result.fragments[0].contacts.size(), 1u);
+    EXPECT_NEAR(result.fragments[0].contacts[0].area, area, 0.03 * area);
+    EXPECT_NEAR(result.fragments[1].contacts[0].area, result.fragments[0].contacts[0].area,
+                1e-12 * area);
+  }
+}
+
 TEST_F(OriginalSurface, CracksBetweenTwoSeedsArePlanes) {
   for (const std::uint64_t seed : {1, 2, 3, 4}) {
     for (const double strength : {0.0, 2.0}) {
