@@ -34,6 +34,10 @@ constexpr double kPull = 1e-8;
 // The cosine that a face may turn by in one collapse: 78 degrees. Quadrics do not see folds.
 constexpr double kLeastCosine = 0.2;
 
+// The least height of a face in the unit box, unless it had less area before.  Files hold single
+// precision, which has to tell its corners from a line.
+constexpr double kLeastHeight = 4e-6;
+
 struct Candidate {
   double cost;
   double error;    // mean squared distance to the planes, in the unit box
@@ -194,13 +198,16 @@ class Decimator {
         const glm::uvec3& t = mesh_.faces()[f].corner;
         const glm::dvec3 before = areaNormal(t);
         const auto corner = [&](int k) { return t[k] == v ? place : at_[t[k]]; };
-        const glm::dvec3 p = corner(0);
-        const glm::dvec3 after = glm::cross(corner(1) - p, corner(2) - p);
+        const glm::dvec3 p = corner(0), q = corner(1), r = corner(2);
+        const glm::dvec3 after = glm::cross(q - p, r - p);
         const double lengths = glm::length(before) * glm::length(after);
         // A face that had no area may become anything.
-        if (glm::length(before) > 0.0 && glm::dot(before, after) <= kLeastCosine * lengths) {
+        if (glm::length(before) == 0.0) continue;
+        if (glm::dot(before, after) <= kLeastCosine * lengths) return false;
+        const double longest =
+            std::max({glm::length(q - p), glm::length(r - q), glm::length(p - r)});
+        if (glm::length(after) < std::min(kLeastHeight * longest, glm::length(before)))
           return false;
-        }
       }
     }
     return true;

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 #include <sherd/fracture.h>
 
+#include <algorithm>
+#include <glm/geometric.hpp>
 #include <map>
 
 #include "kernels/device_fixture.h"
@@ -132,6 +134,24 @@ TEST_F(DecimatedFracture, EveryFragmentStaysClosedAndKeepsWhatItFaces) {
                     0.5 * result.solid.frame.voxelSize * fragment.area);
       }
     }
+  }
+}
+
+TEST_F(DecimatedFracture, HasNoFaceThatSinglePrecisionTakesForALine) {
+  TriangleMesh plate = shapes::cube(1.0, glm::dvec3(0.5));
+  for (glm::dvec3& v : plate.vertices) v.z *= 0.15;
+  FractureOptions options{.pieces = 6, .seed = 4, .resolution = 96};
+  options.surface.triangles = {1000};
+  for (const Fragment& fragment : fracture(plate, options, device()).fragments) {
+    std::size_t lines = 0;
+    for (const glm::uvec3& corner : fragment.coarse[0].mesh.triangles) {
+      glm::dvec3 p[3];  // as a file has them
+      for (int k = 0; k < 3; ++k) p[k] = glm::vec3(fragment.coarse[0].mesh.vertices[corner[k]]);
+      const double longest =
+          std::max({glm::length(p[1] - p[0]), glm::length(p[2] - p[1]), glm::length(p[0] - p[2])});
+      lines += glm::length(glm::cross(p[1] - p[0], p[2] - p[0])) < 1e-6 * longest;
+    }
+    EXPECT_EQ(lines, 0u) << fragment.id;
   }
 }
 
