@@ -2,19 +2,29 @@
 #include <sherd/fragments.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <map>
 #include <utility>
 
 namespace sherd {
 
 std::vector<std::vector<std::uint32_t>> rimCurves(const Fragment& fragment, int other) {
+  // A border vertex has faces of the region and others.
+  std::vector<std::uint8_t> kinds(fragment.mesh.vertices.size(), 0);
+  for (std::size_t t = 0; t < fragment.facing.size(); ++t) {
+    const std::uint8_t kind = fragment.facing[t] == other ? 1 : 2;
+    for (int k = 0; k < 3; ++k) kinds[fragment.mesh.triangles[t][k]] |= kind;
+  }
   // Edges of the region that no other face of it has in the opposite direction.
   using Edge = std::pair<std::uint32_t, std::uint32_t>;
   std::vector<Edge> edges;
   for (std::size_t t = 0; t < fragment.facing.size(); ++t) {
     if (fragment.facing[t] != other) continue;
     const glm::uvec3& corner = fragment.mesh.triangles[t];
-    for (int k = 0; k < 3; ++k) edges.emplace_back(corner[k], corner[(k + 1) % 3]);
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t from = corner[k], to = corner[(k + 1) % 3];
+      if (kinds[from] == 3 && kinds[to] == 3) edges.emplace_back(from, to);
+    }
   }
   std::sort(edges.begin(), edges.end());
   std::multimap<std::uint32_t, std::uint32_t> onwards;
