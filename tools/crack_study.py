@@ -26,6 +26,8 @@ import tempfile
 
 import numpy as np
 
+from mesh_file import read_mesh
+
 # Half the way from seed 1 to seed 2, in voxels at 512: across the middle of the block, and whole, so that the seeds are
 # centres of voxels and the plane is known exactly.
 ALIGNED = (0, 0, 64)
@@ -183,16 +185,6 @@ def rough_cracks(options):
     return rows, curves
 
 
-def read_ply(file):
-    """Vertices [n, 3], corners [m, 3] and facing [m] of a fragment's mesh; see docs/formats.md."""
-    raw = file.read_bytes()
-    header, body = raw.split(b"end_header\n", 1)
-    counts = [int(line.split()[2]) for line in header.split(b"\n") if line.startswith(b"element")]
-    vertices = np.frombuffer(body, [("at", "<f4", 3), ("normal", "<f4", 3), ("facing", "<i4")], counts[0])
-    faces = np.frombuffer(body, [("n", "u1"), ("corner", "<i4", 3), ("facing", "<i4")], counts[1], vertices.nbytes)
-    return vertices["at"], faces["corner"], faces["facing"]
-
-
 def rms_and_most(values):
     return [float(np.sqrt((values**2).mean())), float(np.abs(values).max())]
 
@@ -213,7 +205,7 @@ def smooth_case(options, way):
                 faces.append((at - point) @ normal)
             vertices, inner = [], []
             for file in sorted((pieces / "meshes").glob("*.ply")):
-                v, corner, facing = read_ply(file)
+                v, corner, facing = read_mesh(file)
                 off = (v.astype(float) * options.resolution - 0.5 - point) @ normal
                 crack = np.unique(corner[facing != 0])
                 vertices.append(off[crack])

@@ -24,6 +24,8 @@ import tempfile
 import numpy as np
 import scipy.spatial
 
+from mesh_file import read_mesh
+
 RADIUS, HEIGHT, SEGMENTS = 1.0, 1.5, 512
 SHARES = (0.025, 0.01, 0.005)
 
@@ -74,32 +76,6 @@ def to_cup(points, wall):
     return np.min(distances, axis=0)
 
 
-TYPES = {"float": "<f4", "int": "<i4", "uchar": "u1", "uint": "<u4"}
-
-
-def read_ply(file):
-    """Vertices, triangles and the faces' `facing` of a binary PLY file of triangles, whatever else it holds."""
-    content = file.read_bytes()
-    body = content.index(b"end_header\n") + len(b"end_header\n")
-    elements = []
-    for line in content[:body].decode().split("\n"):
-        words = line.split()
-        if words[:1] == ["element"]:
-            elements.append((words[1], int(words[2]), []))
-        elif words[:1] == ["property"] and words[1] == "list":
-            count = {"vertex_indices": 3, "texcoord": 6}[words[4]]
-            elements[-1][2].extend([("count of " + words[4], TYPES[words[2]]), (words[4], TYPES[words[3]], count)])
-        elif words[:1] == ["property"]:
-            elements[-1][2].append((words[2], TYPES[words[1]]))
-    tables = {}
-    for name, count, fields in elements:
-        dtype = np.dtype(fields)
-        tables[name] = np.frombuffer(content, dtype, count, body)
-        body += count * dtype.itemsize
-    vertex, face = tables["vertex"], tables["face"]
-    return np.column_stack([vertex[axis] for axis in "xyz"]).astype(float), face["vertex_indices"], face["facing"]
-
-
 def near_rims(vertices, triangles, facing, centres, distance):
     """Which centres lie within a distance of an edge between the original surface and a crack."""
     edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
@@ -124,7 +100,7 @@ def faces_of(sherd, mesh, wall, seed, options):
         voxel = manifest["grid"]["voxel_size"]
         seeds = {f["id"]: np.array(f["seeds"][0]) for f in manifest["fragments"]}
         for fragment in manifest["fragments"]:
-            vertices, triangles, facing = read_ply(pathlib.Path(folder) / fragment["files"]["mesh"])
+            vertices, triangles, facing = read_mesh(pathlib.Path(folder) / fragment["files"]["mesh"])
             centres = vertices[triangles].mean(axis=1)
             kept = ~near_rims(vertices, triangles, facing, centres, 0.5 * voxel)
             centres, facing = centres[kept], facing[kept]

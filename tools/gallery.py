@@ -24,6 +24,8 @@ import tempfile
 import numpy as np
 from PIL import Image, ImageDraw
 
+from mesh_file import read_mesh, read_ply
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 SIDE = 288  # pixels, the longest side of a picture
 
@@ -523,30 +525,6 @@ def show_figure7(page, runner):
             page.commands([command("block.obj", o) for o in options])
 
 
-TYPES = {"float": "<f4", "int": "<i4", "uchar": "u1"}
-
-
-def read_ply(path):
-    """The elements of a binary PLY file of ours, as arrays with a field for each property; faces are triangles."""
-    raw = path.read_bytes()
-    body = raw.index(b"end_header\n") + len(b"end_header\n")
-    elements = []
-    for line in raw[:body].decode().split("\n"):
-        words = line.split()
-        if words[:1] == ["element"]:
-            elements.append((words[1], int(words[2]), []))
-        elif words[:2] == ["property", "list"]:
-            elements[-1][2].extend([("count", TYPES[words[2]]), (words[4], TYPES[words[3]], 3)])
-        elif words[:1] == ["property"]:
-            elements[-1][2].append((words[2], TYPES[words[1]]))
-    arrays = {}
-    for name, count, fields in elements:
-        dtype = np.dtype(fields)
-        arrays[name] = np.frombuffer(raw, dtype, count, body)
-        body += count * dtype.itemsize
-    return arrays
-
-
 def view():
     """Right, up and towards the eye: from the right and above, y up."""
     a, e = math.radians(35), math.radians(20)
@@ -566,9 +544,7 @@ def framed(points, size):
 
 def wires(path, size):
     """A mesh with its edges; faces towards other fragments are lighter."""
-    ply = read_ply(path)
-    points = np.column_stack([ply["vertex"][axis] for axis in "xyz"]).astype(float)
-    triangles, facing = ply["face"]["vertex_indices"], ply["face"]["facing"]
+    points, triangles, facing = read_mesh(path)
     place, depth = framed(points, size)
     corners = points[triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

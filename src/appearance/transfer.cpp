@@ -18,6 +18,7 @@
 #include <tuple>
 #include <unordered_set>
 
+#include "embree_error.h"
 #include "mesh/vertex_normals.h"
 #include "points/nearest_on_triangle.h"
 
@@ -31,13 +32,7 @@ constexpr double kMargin = 1e-6;  // more than single precision can err where th
 // between two that meet in an edge.
 constexpr double kWrongSide = 2.0, kTilt = 0.01;
 
-void check(RTCDevice device) {
-  const RTCError error = rtcGetDeviceError(device);
-  if (error == RTC_ERROR_NONE) return;
-  throw Error(ErrorCode::internal, "appearance: Embree failed with error " +
-                                       std::to_string(static_cast<int>(error)) +
-                                       (error == RTC_ERROR_OUT_OF_MEMORY ? ", out of memory" : ""));
-}
+void check(RTCDevice device) { checkEmbree(device, ErrorCode::internal, "appearance"); }
 
 // Weights of a triangle's corners at a point of it; those of a triangle without area go to the
 // corner that is nearest.

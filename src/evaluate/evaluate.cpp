@@ -8,15 +8,12 @@
 #include <numeric>
 #include <string>
 
+#include "mesh/turned_over.h"
+
 namespace sherd {
 namespace {
 
 bool hasMesh(const EvaluatedFragment& fragment) { return !fragment.mesh.mesh.triangles.empty(); }
-
-TriangleMesh turnedOver(TriangleMesh mesh) {
-  for (glm::uvec3& t : mesh.triangles) std::swap(t.y, t.z);
-  return mesh;
-}
 
 /// A sentence's subject: "1 fragment is", "3 fragments are".
 std::string fragmentsAre(std::size_t count) {

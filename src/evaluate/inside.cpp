@@ -7,6 +7,8 @@
 #include <limits>
 #include <string>
 
+#include "embree_error.h"
+
 namespace sherd {
 namespace {
 
@@ -31,13 +33,7 @@ void countAndGoOn(const RTCFilterFunctionNArguments* hit) {
   hit->valid[0] = 0;
 }
 
-void check(RTCDevice device) {
-  const RTCError error = rtcGetDeviceError(device);
-  if (error == RTC_ERROR_NONE) return;
-  throw Error(ErrorCode::internal, "inside test: Embree failed with error " +
-                                       std::to_string(static_cast<int>(error)) +
-                                       (error == RTC_ERROR_OUT_OF_MEMORY ? ", out of memory" : ""));
-}
+void check(RTCDevice device) { checkEmbree(device, ErrorCode::internal, "inside test"); }
 
 }  // namespace
 

@@ -12,6 +12,8 @@
 #include <limits>
 #include <string>
 
+#include "embree_error.h"
+
 namespace sherd {
 namespace {
 
@@ -85,13 +87,7 @@ void setNormals(const Fragment& fragment, Piece& piece) {
   }
 }
 
-void check(RTCDevice device) {
-  const RTCError error = rtcGetDeviceError(device);
-  if (error == RTC_ERROR_NONE) return;
-  throw Error(ErrorCode::output, "picture: Embree failed with error " +
-                                     std::to_string(static_cast<int>(error)) +
-                                     (error == RTC_ERROR_OUT_OF_MEMORY ? ", out of memory" : ""));
-}
+void check(RTCDevice device) { checkEmbree(device, ErrorCode::output, "picture"); }
 
 void build(Scene& scene) {
   scene.device.reset(rtcNewDevice(nullptr));

@@ -7,6 +7,7 @@
 #include <limits>
 #include <sstream>
 
+#include "mesh/turned_over.h"
 #include "mesh/winding_number.h"
 #include "voxelize/distance.h"
 #include "voxelize/specks.h"
@@ -26,10 +27,6 @@ double longestSide(const TriangleMesh& mesh) {
 TriangleMesh inIndexSpace(TriangleMesh mesh, const GridFrame& frame) {
   for (glm::dvec3& v : mesh.vertices) v = frame.indexFromWorld({v}).v;
   return mesh;
-}
-
-void turnOver(TriangleMesh& mesh) {
-  for (glm::uvec3& t : mesh.triangles) std::swap(t.y, t.z);
 }
 
 // The connected parts of a mesh, each with the vertices it uses.
@@ -78,7 +75,7 @@ std::vector<TriangleMesh> bodies(const TriangleMesh& mesh) {
       if ((host == hosts || size[h] < size[host]) && windingNumber(outward[h], p) > 0.5) host = h;
     }
     if (host == hosts) {
-      turnOver(part);
+      part = turnedOver(std::move(part));
       whole.push_back(std::move(part));
     } else {
       append(whole[host], part);
@@ -124,7 +121,7 @@ Solid voxelize(const TriangleMesh& source, const SolidOptions& options, const Pr
   solid.frame.origin.v = bounds(source).min + 0.5 * solid.frame.voxelSize;
 
   TriangleMesh mesh = inIndexSpace(source, solid.frame);
-  if (volume(mesh) < 0) turnOver(mesh);
+  if (volume(mesh) < 0) mesh = turnedOver(std::move(mesh));
   const Winding winding(mesh);
   step(progress, "voxelize", 0.1);
 

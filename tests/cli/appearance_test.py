@@ -12,9 +12,9 @@ import zlib
 import numpy as np
 
 from cli_test import CommandLine, tree
+from ply_file import columns, read_ply
 
 INSIDE = np.array([224, 214, 196])
-TYPES = {"float": "<f4", "int": "<i4", "uchar": "u1"}
 
 
 def png(pixels):
@@ -57,42 +57,6 @@ def drum(colours=True, segments=48, rings=12):
             a, b = j * segments + i + 1, j * segments + (i + 1) % segments + 1
             lines.append(f"f {middle} {a} {b}" if j == 0 else f"f {middle} {b} {a}")
     return ("\n".join(lines) + "\n").encode()
-
-
-def read_ply(path):
-    """Comments, and per element the columns of a binary PLY whose lists have the lengths of their first rows."""
-    with open(path, "rb") as file:
-        head, body = file.read().split(b"end_header\n", 1)
-    comments, elements = [], []
-    for line in head.decode().splitlines():
-        words = line.split()
-        if words[0] == "comment":
-            comments.append(words[1:])
-        if words[0] == "element":
-            elements.append((words[1], int(words[2]), []))
-        if words[0] == "property":
-            elements[-1][2].append(words[1:])
-    out, at = {}, 0
-    for name, count, properties in elements:
-        fields = []
-        for p in properties:
-            if p[0] == "list":
-                length = {"vertex_indices": 3, "texcoord": 6}[p[3]]
-                fields += [("n_" + p[3], TYPES[p[1]]), (p[3], TYPES[p[2]], length)]
-            else:
-                fields.append((p[1], TYPES[p[0]]))
-        rows = np.frombuffer(body, fields, count, at)
-        at += rows.nbytes
-        for field in rows.dtype.names:
-            if field.startswith("n_"):
-                assert (rows[field] == rows[field[2:]].shape[1]).all()
-        out[name] = rows
-    assert at == len(body)
-    return comments, out["vertex"], out["face"]
-
-
-def columns(rows, *names):
-    return np.column_stack([rows[name] for name in names]).astype(float)
 
 
 class Glb:

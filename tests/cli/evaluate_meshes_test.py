@@ -5,7 +5,6 @@ Environment: SHERD_BIN the program.
 """
 import csv
 import json
-import os
 import pathlib
 import shutil
 import subprocess
@@ -13,7 +12,7 @@ import tempfile
 import unittest
 import xml.etree.ElementTree
 
-SHERD = os.environ["SHERD_BIN"]
+from evaluating import SHERD, Evaluating
 
 # The corners of a box, x fastest, and its faces seen from outside.
 FACES = [(0, 4, 6), (0, 6, 2), (1, 3, 7), (1, 7, 5), (0, 1, 5), (0, 5, 4), (2, 6, 7), (2, 7, 3), (0, 2, 3), (0, 3, 1),
@@ -29,7 +28,7 @@ def obj(vertices, faces):
         "f " + " ".join(str(i + 1) for i in face) + "\n" for face in faces)
 
 
-class EvaluateMeshes(unittest.TestCase):
+class EvaluateMeshes(Evaluating, unittest.TestCase):
     def setUp(self):
         self.tmp = pathlib.Path(tempfile.mkdtemp(prefix="sherd-meshes-"))
         self.addCleanup(shutil.rmtree, self.tmp)
@@ -41,16 +40,6 @@ class EvaluateMeshes(unittest.TestCase):
         for i, text in enumerate(meshes):
             (folder / f"piece_{i}.obj").write_text(text)
         return folder
-
-    def evaluate(self, *arguments, status=0):
-        result = subprocess.run([SHERD, "evaluate", *map(str, arguments)], capture_output=True, text=True, timeout=120)
-        self.assertEqual(result.returncode, status, result.stderr)
-        if status:
-            self.assertEqual(result.stdout, "")
-            self.assertRegex(result.stderr, r"\Asherd: [^\n]{8,}[^\n.]\n\Z")
-            return result.stderr
-        self.assertEqual(result.stderr, "")
-        return json.loads(result.stdout) if "--json" in arguments else result.stdout
 
     def test_slices_of_a_bar(self):
         """Slices 1, 2, ... 12 thick, in a bar 78 long: shares and contacts are known, and the order of piece_10."""

@@ -16,19 +16,10 @@ import unittest
 import numpy as np
 from scipy.spatial import ConvexHull
 
-SHERD = os.environ["SHERD_BIN"]
+from evaluating import SHERD, Evaluating
+from ply_file import read_triangles
+
 AMPHORA = pathlib.Path(os.environ["SHERD_DATA"]) / "amphora.ply"
-
-
-def read_ply(path):
-    """Vertices and triangles of a mesh that Sherd wrote (docs/formats.md)."""
-    data = path.read_bytes()
-    head, _, body = data.partition(b"end_header\n")
-    count = {line.split()[1]: int(line.split()[2]) for line in head.decode().splitlines() if line.startswith("element")}
-    vertex = np.dtype([("at", "<f4", 3), ("normal", "<f4", 3), ("facing", "<i4")])
-    face = np.dtype([("n", "u1"), ("at", "<i4", 3), ("facing", "<i4")])
-    vertices = np.frombuffer(body, vertex, count["vertex"])["at"].astype(float)
-    return vertices, np.frombuffer(body, face, count["face"], offset=vertex.itemsize * count["vertex"])["at"]
 
 
 def unit(v):
@@ -90,7 +81,7 @@ def convexity(vertices, faces, samples=1000, seed=1):
     return 1 - distance.mean(), distance.std() / math.sqrt(inside.sum()), inside.sum() / samples
 
 
-class Evaluate(unittest.TestCase):
+class Evaluate(Evaluating, unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.tmp = tempfile.mkdtemp(prefix="sherd-evaluate-")
@@ -102,16 +93,6 @@ class Evaluate(unittest.TestCase):
     def fracture(cls, mesh, out, pieces=5, write="mesh"):
         subprocess.run([SHERD, "fracture", mesh, "-o", out, "--pieces", str(pieces), "--seed", "3", "--resolution", "64",
                         "--write", write, "--quiet"], check=True)
-
-    def evaluate(self, *arguments, status=0):
-        result = subprocess.run([SHERD, "evaluate", *map(str, arguments)], capture_output=True, text=True, timeout=120)
-        self.assertEqual(result.returncode, status, result.stderr)
-        if status:
-            self.assertEqual(result.stdout, "")
-            self.assertRegex(result.stderr, r"\Asherd: [^\n]{8,}[^\n.]\n\Z")
-            return result.stderr
-        self.assertEqual(result.stderr, "")
-        return json.loads(result.stdout) if "--json" in arguments else result.stdout
 
     def copy(self):
         folder = pathlib.Path(tempfile.mkdtemp(dir=self.tmp)) / "copy"
@@ -131,7 +112,7 @@ class Evaluate(unittest.TestCase):
         self.assertEqual(len(told["fragments"]), len(manifest["fragments"]))
         for listed, fragment in zip(manifest["fragments"], told["fragments"]):
             with self.subTest(folder=folder.name, fragment=fragment["id"]):
-                value, error, kept = convexity(*read_ply(folder / listed["files"]["mesh"]))
+                value, error, kept = convexity(*read_triangles(folder / listed["files"]["mesh"])[:2])
                 both = math.hypot(error, fragment["distance_deviation"] / math.sqrt(fragment["samples"]))
                 self.assertLess(abs(fragment["convexity"] - value), 5 * both)
                 self.assertAlmostEqual(fragment["samples"] / 5000, kept, delta=0.01)

@@ -10,6 +10,7 @@ import unittest
 import numpy as np
 
 from cli_test import CommandLine, tree
+from ply_file import read_triangles
 
 AMPHORA = os.path.join(os.environ["SHERD_DATA"], "amphora.ply")
 
@@ -26,19 +27,6 @@ PAPER = {
     "surface": {"of": "labels", "interface": "shared", "adaptivity": 0.0, "triangles": [],
                 "smooth": {"iterations": 6, "weight": 0.9, "boundary_iterations": 6, "boundary_weight": 0.2}},
 }
-
-
-def read_ply(path):
-    """Vertices, triangles and facing of a .ply that Sherd wrote."""
-    with open(path, "rb") as file:
-        data = file.read()
-    head, body = data.split(b"end_header\n", 1)
-    counts = [int(line.split()[2]) for line in head.split(b"\n") if line.startswith(b"element")]
-    vertices = np.frombuffer(body, [("at", "<f4", 3), ("normal", "<f4", 3), ("facing", "<i4")], counts[0])
-    faces = np.frombuffer(body, [("n", "u1"), ("v", "<i4", 3), ("facing", "<i4")], offset=vertices.nbytes)
-    vertices = vertices["at"].astype(float)
-    assert len(faces) == counts[1] and (faces["n"] == 3).all()
-    return vertices, faces["v"], faces["facing"]
 
 
 def volume(vertices, faces):
@@ -60,7 +48,7 @@ class SurfaceCase(CommandLine):
         return self.manifest()
 
     def mesh(self, file):
-        vertices, faces, facing = read_ply(os.path.join(self.out, file))
+        vertices, faces, facing = read_triangles(os.path.join(self.out, file))
         edges = directed_edges(faces)
         there = set(map(tuple, edges))
         self.assertEqual(len(there), len(edges), file)  # once each way: closed, edge-manifold
