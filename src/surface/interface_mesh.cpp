@@ -13,6 +13,7 @@
 #include "surface/cell.h"
 #include "surface/cell_vertex.h"
 #include "surface/rims.h"
+#include "surface/touching.h"
 
 namespace sherd {
 namespace {
@@ -34,8 +35,9 @@ struct LeafCells {
   std::vector<glm::dvec3> vertices;         // [loops] index space
   std::vector<std::uint32_t> places;        // [loops] equal where they share a position
   std::uint32_t placeCount = 0;
-  std::vector<Junction> junctions;  // vertices within the leaf
-  std::size_t firstVertex = 0;      // in the whole mesh
+  std::vector<std::uint32_t> crowded;  // places where a fragment has several vertices
+  std::vector<Junction> junctions;     // vertices within the leaf
+  std::size_t firstVertex = 0;         // in the whole mesh
 };
 
 // Labels and distances by voxel, over leaf blocks.
@@ -178,6 +180,26 @@ class CornerLabels {
   std::array<std::uint16_t, std::size_t{kSide} * kSide * kSide> labels_;
 };
 
+// Does a fragment have several sheets at one place of the cell?
+bool isCrowded(const CellSheets& sheets, const CellLabels& labels, std::uint8_t position) {
+  std::array<std::uint16_t, 24> labelOf{};  // of loops
+  for (std::size_t e = 0; e < 12; ++e) {
+    for (std::size_t side : {0, 1}) {
+      const std::uint8_t loop = sheets.loopOf[e][side];
+      if (loop != CellSheets::kNone) labelOf[loop] = labels[kCellEdges[e][side]];
+    }
+  }
+  for (std::uint8_t l = 0; l < sheets.loops; ++l) {
+    for (std::uint8_t k = 0; k < l; ++k) {
+      if (labelOf[l] == labelOf[k] && labelOf[l] != Labels::kWorn &&
+          sheets.positionOfLoop[l] == position && sheets.positionOfLoop[k] == position) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
 LeafCells cellsOf(const Field& field, std::size_t leaf) {
   LeafCells found;
   found.cellAt.fill(kNoCell);
@@ -198,6 +220,7 @@ LeafCells cellsOf(const Field& field, std::size_t leaf) {
     found.vertices.resize(found.vertices.size() + cell.sheets.loops);
     found.places.resize(found.vertices.size());
     for (std::uint8_t p = 0; p < cell.sheets.positions; ++p) {
+      if (isCrowded(cell.sheets, labels, p)) found.crowded.push_back(found.placeCount + p);
       const CellVertex vertex = cellVertex(values, cell.sheets, p, field.cut().stairs);
       Junction junction{{}, low + vertex.wanted};
       for (std::uint8_t l = 0; l < cell.sheets.loops; ++l) {
@@ -264,35 +287,46 @@ std::vector<InterfaceQuad> quadsOf(const Field& field, const std::vector<LeafCel
   return quads;
 }
 
-// Quads sorted by label: [fragments], in the order of leaves.
-std::vector<std::vector<InterfaceQuad>> byLabel(
-    const std::vector<std::vector<InterfaceQuad>>& ofLeaves, int fragments) {
-  std::vector<std::vector<InterfaceQuad>> sorted(static_cast<std::size_t>(fragments));
+// The faces of one label.
+struct LabelFaces {
+  std::vector<InterfaceQuad> quads;
+  std::vector<InterfaceTriangle> triangles;
+};
+
+// [fragments], in the order of leaves.
+std::vector<LabelFaces> byLabel(const std::vector<std::vector<InterfaceQuad>>& ofLeaves,
+                                const std::vector<InterfaceTriangle>& triangles, int fragments) {
+  std::vector<LabelFaces> sorted(static_cast<std::size_t>(fragments));
   for (const std::vector<InterfaceQuad>& quads : ofLeaves) {
     for (const InterfaceQuad& quad : quads) {
-      if (quad.label != Labels::kWorn) sorted[quad.label - 1u].push_back(quad);
+      if (quad.label != Labels::kWorn) sorted[quad.label - 1u].quads.push_back(quad);
     }
+  }
+  for (const InterfaceTriangle& triangle : triangles) {
+    sorted[triangle.label - 1u].triangles.push_back(triangle);
   }
   return sorted;
 }
 
-LabelledMesh meshOf(std::span<const InterfaceQuad> quads, std::span<const glm::dvec3> vertices,
-                    std::span<const std::uint32_t> places, std::span<std::uint32_t> numbers) {
+LabelledMesh meshOf(const LabelFaces& faces, const InterfaceVertices& vertices,
+                    std::span<std::uint32_t> numbers) {
   LabelledMesh out;
   const auto number = [&](std::uint32_t vertex) {
     if (numbers[vertex] == kNone) {
       numbers[vertex] = static_cast<std::uint32_t>(out.mesh.vertices.size());
-      out.mesh.vertices.push_back(vertices[vertex]);
-      out.place.push_back(places[vertex]);
+      out.mesh.vertices.push_back(vertices.at[vertex]);
+      out.place.push_back(vertices.place[vertex]);
     }
     return numbers[vertex];
   };
-  for (const InterfaceQuad& quad : quads) {
-    for (const auto& t : trianglesOf(quad, vertices)) {
-      out.mesh.triangles.emplace_back(number(t[0]), number(t[1]), number(t[2]));
-    }
-    out.other.insert(out.other.end(), 2, quad.other);
+  const auto add = [&](const std::array<std::uint32_t, 3>& t, std::uint16_t other) {
+    out.mesh.triangles.emplace_back(number(t[0]), number(t[1]), number(t[2]));
+    out.other.push_back(other);
+  };
+  for (const InterfaceQuad& quad : faces.quads) {
+    for (const auto& t : trianglesOf(quad, vertices.at)) add(t, quad.other);
   }
+  for (const InterfaceTriangle& triangle : faces.triangles) add(triangle.vertex, triangle.other);
   return out;
 }
 
@@ -310,15 +344,15 @@ std::vector<LabelledMesh> interfaceMeshes(const Solid& solid, const Labels& labe
   const Field field(solid, labels, cut);
   std::vector<LeafCells> cells(solid.blocks.count());
   forEach(cells.size(), [&](std::size_t leaf) { cells[leaf] = cellsOf(field, leaf); });
-  std::vector<glm::dvec3> vertices;
-  std::vector<std::uint32_t> places;
-  std::uint32_t placeCount = 0;
+  InterfaceVertices vertices;
+  std::vector<std::uint32_t> crowded;
   std::vector<Junction> junctions;
   for (LeafCells& leaf : cells) {
-    leaf.firstVertex = vertices.size();
-    for (const std::uint32_t place : leaf.places) places.push_back(placeCount + place);
-    placeCount += leaf.placeCount;
-    vertices.insert(vertices.end(), leaf.vertices.begin(), leaf.vertices.end());
+    leaf.firstVertex = vertices.at.size();
+    for (const std::uint32_t p : leaf.places) vertices.place.push_back(vertices.places + p);
+    for (const std::uint32_t p : leaf.crowded) crowded.push_back(vertices.places + p);
+    vertices.places += leaf.placeCount;
+    vertices.at.insert(vertices.at.end(), leaf.vertices.begin(), leaf.vertices.end());
     for (Junction& junction : leaf.junctions) {
       for (std::uint32_t& v : junction.vertices) v += static_cast<std::uint32_t>(leaf.firstVertex);
       junctions.push_back(std::move(junction));
@@ -328,14 +362,14 @@ std::vector<LabelledMesh> interfaceMeshes(const Solid& solid, const Labels& labe
   }
   std::vector<std::vector<InterfaceQuad>> quads(cells.size());
   forEach(cells.size(), [&](std::size_t leaf) { quads[leaf] = quadsOf(field, cells, leaf); });
-  straightenRims(quads, junctions, vertices);
-  for (glm::dvec3& v : vertices) v = solid.frame.worldFromIndex({v}).v;
-  const std::vector<std::vector<InterfaceQuad>> sorted = byLabel(quads, fragments);
+  straightenRims(quads, junctions, vertices.at);
+  const std::vector<InterfaceTriangle> gaps = partTouchingSheets(crowded, quads, vertices);
+  for (glm::dvec3& v : vertices.at) v = solid.frame.worldFromIndex({v}).v;
+  const std::vector<LabelFaces> sorted = byLabel(quads, gaps, fragments);
   // A vertex belongs to one label, so fragments number theirs side by side.
-  std::vector<std::uint32_t> numbers(vertices.size(), kNone);
+  std::vector<std::uint32_t> numbers(vertices.at.size(), kNone);
   std::vector<LabelledMesh> meshes(sorted.size());
-  forEach(meshes.size(),
-          [&](std::size_t i) { meshes[i] = meshOf(sorted[i], vertices, places, numbers); });
+  forEach(meshes.size(), [&](std::size_t i) { meshes[i] = meshOf(sorted[i], vertices, numbers); });
   return meshes;
 }
 
