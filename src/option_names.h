@@ -20,6 +20,8 @@ inline constexpr const char* kPointSampler[] = {"uniform", "halton", "poisson"};
 inline constexpr const char* kPointRule[] = {"area", "per-triangle"};
 inline constexpr const char* kPointFormat[] = {"ply", "xyz", "npz"};
 inline constexpr const char* kMeshFileFormat[] = {"ply", "obj", "glb"};
+inline constexpr const char* kVdbFiles[] = {"files", "single", "both"};
+inline constexpr const char* kVdbCompression[] = {"blosc", "zip", "none"};
 inline constexpr const char* kSampleType[] = {"float32", "float16"};
 
 /// The name of a value.

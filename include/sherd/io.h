@@ -51,11 +51,46 @@ struct RunLengthVoxels {
 [[nodiscard]] RunLengthVoxels readRle(const std::filesystem::path& file);
 void writeRle(const std::filesystem::path& file, const RunLengthVoxels& voxels);
 
-/// Write a fragment's level set as grid "surface", class level set, Blosc-compressed, with its
-/// metadata: piece, fragment_id, pivot, volume, seed, source.  The file's unique id is made from
-/// its content, so equal fragments give equal bytes.
-void writeVdb(const std::filesystem::path& file, const Fragment& fragment,
-              const std::string& source, std::uint64_t seed);
+/// What the grids of a `.vdb` file tell beside their values.
+struct VdbNotes {
+  std::string source;  ///< the input's file name
+  std::uint64_t seed = 0;
+  double density = 1.0;        ///< mass of a unit of volume
+  std::vector<int> parents{};  ///< [fragments] as FractureResult::parents, or empty
+};
+
+/// How the values of `.vdb` files are packed; nothing is lost by any.
+enum class VdbCompression {
+  blosc,  ///< smallest and fast; a few home-made readers lack it
+  zip,    ///< a tenth larger, slow to write
+  none,   ///< inactive values are left out all the same
+};
+
+struct VdbOptions {
+  bool fog = false;   ///< also a grid "density", class fog volume: 0 outside, 1 inside, rising over
+                      ///< the three voxels below the surface, or as deep as a thin fragment is
+  bool half = false;  ///< values of 16 bits, read back as 32: some 0.0008 voxel off, a third less
+  VdbCompression compression = VdbCompression::blosc;
+};
+
+/// Write a fragment's level set as grid "surface", class level set, with its metadata: piece,
+/// fragment_id, pivot, volume, density, mass, inertia, inertia_orient, area_inside, area_outside,
+/// seed, source, tool_version, and parent_id where there are parents.  The file's unique id is made
+/// from its content, so equal fragments give equal bytes.
+///   throws  Error(output)
+void writeVdb(const std::filesystem::path& file, const Fragment& fragment, const VdbNotes& notes,
+              const VdbOptions& options = {});
+
+/// Write fragments into one file: grids surface_1, surface_2, ... by id, with the metadata of
+/// writeVdb, density_1, ... where asked for, and Int32 grid "fragment_id": each voxel of the solid
+/// is active and has its fragment's id, or 0 where it is of none of these.
+void writeVdbOfAll(const std::filesystem::path& file, std::span<const Fragment> fragments,
+                   const Solid& solid, const Labels& labels, const VdbNotes& notes,
+                   const VdbOptions& options = {});
+
+/// Write the unbroken solid's level set as grid "surface", with source, seed and tool_version.
+void writeVdbOfSolid(const std::filesystem::path& file, const Solid& solid, const VdbNotes& notes,
+                     const VdbOptions& options = {});
 
 /// Write the arrival costs of a solid's inside voxels as Int32 grid "cost", compressed and named as
 /// writeVdb does it; the background is -1.
@@ -74,6 +109,24 @@ void writePly(const std::filesystem::path& file, const TriangleMesh& mesh,
 /// rim_<id>_<id> for each two fragments that touch, the lower id first.
 ///   throws  Error(output)
 void writeRims(const std::filesystem::path& file, std::span<const Fragment> fragments);
+
+/// Write what touches what, for simulations, as JSON by the schema of NVIDIA Blast: chunks, the
+/// whole first and the fragments below it, and bonds between fragments, each with area, normal
+/// and centroid.
+///   throws  Error(output)
+void writeGraph(const std::filesystem::path& file, std::span<const Fragment> fragments,
+                const VdbNotes& notes);
+
+/// The same as Houdini's constraint network, in its ASCII format `.geo`: a point at each fragment's
+/// centre of mass, with `name`, and an open polygon between two that touch, with constraint_name,
+/// constraint_type, restlength and strength, which is the contact's area.
+void writeConstraints(const std::filesystem::path& file, std::span<const Fragment> fragments);
+
+/// Write the convex hull of a fragment's mesh as OBJ.
+///   gap     what is left between the hulls of two neighbours that are convex; world units
+///   throws  Error(output); Error(input) the mesh is flat
+void writeProxy(const std::filesystem::path& file, const Fragment& fragment,
+                const std::string& name, double gap);
 
 /// How surface points are written.
 enum class PointFormat {
@@ -105,15 +158,32 @@ enum class MeshFileFormat {
   glb,  ///< binary glTF 2.0 with its textures in it; a primitive for each material
 };
 
+/// Into which `.vdb` files fragments go.
+enum class VdbFiles {
+  files,   ///< one each
+  single,  ///< fragments.vdb
+  both,
+};
+
 /// Which files a fracture writes beside `manifest.json`.
 struct WriteOptions {
   bool labels = true;   ///< labels.rle
-  bool vdb = true;      ///< fragments/<stem>_001.vdb
+  bool vdb = true;      ///< as vdbFiles says
   bool mesh = true;     ///< meshes/<stem>_001.ply, and textures where the input has some
   bool preview = true;  ///< preview.png
   bool seeds = false;   ///< seeds.json
   bool rims = false;    ///< rims.obj
   bool cost = false;    ///< cost.vdb, when the labels hold costs
+  bool solid = false;   ///< the unbroken solid too: fragments/<stem>.vdb where vdb is written, and
+                        ///< meshes/<stem>.ply and so on where mesh is
+  bool scene = false;   ///< scene.glb: a node for each fragment, its origin the centre of mass
+  bool graph = false;   ///< graph.json and graph.geo
+  bool proxy = false;   ///< proxies/<stem>_001.obj, convex hulls
+
+  VdbFiles vdbFiles = VdbFiles::files;  ///< fragments/<stem>_001.vdb, fragments.vdb, or both
+  VdbOptions vdbOptions{};
+  double density = 1.0;   ///< mass of a unit of volume, above 0
+  double proxyGap = 0.0;  ///< as writeProxy's; at least 0
 
   std::vector<MeshFileFormat> meshFormats{MeshFileFormat::ply};  ///< not empty, each once
 

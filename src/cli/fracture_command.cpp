@@ -196,6 +196,11 @@ WriteOptions writeOptions(const FractureArguments& arguments) {
   write.seeds = named("seeds");
   write.rims = named("rims");
   write.cost = named("cost");
+  write.solid = named("solid");
+  write.scene = named("scene");
+  write.graph = named("graph");
+  write.proxy = named("proxy");
+  write.vdbOptions.fog = named("fog");
   write.up = arguments.up.front();
   return write;
 }
@@ -336,9 +341,11 @@ void addFractureCommand(CLI::App& app, Action& run) {
   command->add_option("--write", arguments->write, "What to write, separated by commas")
       ->delimiter(',')
       ->allow_extra_args(false)
-      ->check(CLI::IsMember({"labels", "vdb", "mesh", "preview", "seeds", "rims", "cost"}))
+      ->check(CLI::IsMember({"labels", "vdb", "mesh", "preview", "seeds", "rims", "cost", "fog",
+                             "solid", "scene", "graph", "proxy"}))
       ->default_str("labels,vdb,mesh,preview");
   addMeshFormatOption(*command, arguments->files);
+  addHostOptions(*command, arguments->files);
   command->add_option("--up", arguments->up, "The mesh's axis that points up in the picture")
       ->check(CLI::IsMember({"x", "y", "z"}))
       ->default_str("y");

@@ -166,6 +166,32 @@ void addMeshFormatOption(CLI::App& command, WriteOptions& write) {
       ->default_str("ply");
 }
 
+void addHostOptions(CLI::App& command, WriteOptions& write) {
+  const std::string group = "Files for hosts";
+  addChoice(command, "--vdb", write.vdbFiles, names::kVdbFiles,
+            "A .vdb for each fragment, one fragments.vdb with all and their ids, or both")
+      ->group(group);
+  command
+      .add_flag("--half", write.vdbOptions.half,
+                "Values of 16 bits in .vdb files: a third smaller, 0.001 voxel off")
+      ->group(group);
+  addChoice(command, "--compress", write.vdbOptions.compression, names::kVdbCompression,
+            "How .vdb files are packed")
+      ->group(group);
+  command
+      .add_option("--density", write.density,
+                  "Mass of a unit of volume, for masses and inertia in .vdb files and scene.glb")
+      ->check(aboveZero())
+      ->capture_default_str()
+      ->group(group);
+  command
+      .add_option("--proxy-gap", write.proxyGap,
+                  "Room between the convex hulls of neighbours, in the mesh's unit")
+      ->check(numberBetween(0.0, 1e300, "0.."))
+      ->capture_default_str()
+      ->group(group);
+}
+
 void checkPointOptions(const WriteOptions& write) {
   if (write.points.sampler == PointSampler::poisson &&
       write.points.rule == PointRule::perTriangle) {

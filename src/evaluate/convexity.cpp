@@ -11,8 +11,8 @@
 #include <string>
 
 #include "evaluate/convexity_rays.h"
-#include "evaluate/hull.h"
 #include "evaluate/inside.h"
+#include "mesh/hull.h"
 #include "mesh/vertex_normals.h"
 #include "random.h"
 

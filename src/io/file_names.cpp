@@ -63,16 +63,23 @@ std::string safeName(std::string name, const std::string& otherwise) {
   return name.empty() ? otherwise : name;
 }
 
+std::string pieceName(const std::string& stem, std::size_t id, std::size_t fragments) {
+  const std::size_t digits = std::max<std::size_t>(3, std::to_string(fragments).size());
+  const std::string number = std::to_string(id);
+  return stem + "_" + std::string(digits - number.size(), '0') + number;
+}
+
 FractureFiles fileNames(const SourceMesh& source, std::size_t fragments,
                         const std::vector<std::size_t>& triangles, const MaterialTable& table,
                         const WriteOptions& write) {
   const std::string stem = safeName(source.stem, "piece");
-  const std::size_t digits = std::max<std::size_t>(3, std::to_string(fragments).size());
   FractureFiles files;
   for (std::size_t id = 1; id <= fragments; ++id) {
-    const std::string number = std::to_string(id);
-    const std::string name = stem + "_" + std::string(digits - number.size(), '0') + number;
-    if (write.vdb) files.vdb.push_back("fragments/" + name + ".vdb");
+    const std::string name = pieceName(stem, id, fragments);
+    if (write.vdb && write.vdbFiles != VdbFiles::single) {
+      files.vdb.push_back("fragments/" + name + ".vdb");
+    }
+    if (write.proxy) files.proxy.push_back("proxies/" + name + ".obj");
     if (write.mesh) files.mesh.push_back(meshNames("meshes/" + name, write));
     if (write.points.count > 0) {
       files.points.emplace_back();
@@ -87,6 +94,14 @@ FractureFiles fileNames(const SourceMesh& source, std::size_t fragments,
     for (const std::size_t t : triangles) {
       coarse.push_back(meshNames("meshes/" + name + "_t" + std::to_string(t), write));
     }
+  }
+  if (write.vdb && write.vdbFiles != VdbFiles::files) files.allVdb = "fragments.vdb";
+  if (write.solid && write.vdb) files.solidVdb = "fragments/" + stem + ".vdb";
+  if (write.solid && write.mesh) files.solidMesh = meshNames("meshes/" + stem, write);
+  if (write.scene) files.scene = "scene.glb";
+  if (write.graph) {
+    files.graph = "graph.json";
+    files.constraints = "graph.geo";
   }
   if (write.mesh) addLooks(files, stem, table, write);
   if (write.distances.count > 0) files.solidSdf = "sdf/" + stem + ".npz";

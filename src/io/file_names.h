@@ -17,6 +17,10 @@ namespace sherd {
 /// A name with '_' for each blank, for formats in which a blank ends it.
 [[nodiscard]] std::string withoutBlanks(std::string name);
 
+/// A fragment's name: the stem, and its id with leading zeros to three digits or to as many as the
+/// highest of `fragments` ids has.
+[[nodiscard]] std::string pieceName(const std::string& stem, std::size_t id, std::size_t fragments);
+
 /// The files that are to be written.
 ///   fragments  those that are not withheld
 ///   triangles  SurfaceOptions::triangles

@@ -4,15 +4,18 @@
 //
 // Every buffer view begins at a multiple of four bytes, and holds one attribute, one list of
 // indices, or one picture.
+#include <sherd/error.h>
 #include <sherd/version.h>
 
 #include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "io/atomic_file.h"
 #include "io/little_endian.h"
 #include "io/piece_mesh.h"
+#include "mesh/principal_inertia.h"
 
 namespace sherd {
 namespace {
@@ -59,15 +62,26 @@ std::array<std::uint16_t, 256> linearShorts() {
   return table;
 }
 
+// What all pieces of a file share.
+struct Shared {
+  explicit Shared(const MaterialTable& table)
+      : textureNumbers(table.textures.size(), -1), materialNumbers(table.materials.size(), -1) {}
+
+  Buffer buffer{};
+  Json meshes = Json::array(), nodes = Json::array(), materials = Json::array(),
+       textures = Json::array(), images = Json::array();
+  std::vector<int> textureNumbers, materialNumbers;  // -1: not there yet
+};
+
 struct Writer {
   const PieceMesh& piece;
+  Shared& shared;
+  glm::dvec3 origin{0.0};  // of the node
   SplitCorners split = splitCorners(piece);
   bool colours = !piece.look.colours.empty();
   bool texcoords = !piece.look.texcoords.empty();
-  Buffer buffer{};
-  Json materials = Json::array(), textures = Json::array(), images = Json::array();
+  Buffer& buffer = shared.buffer;
   std::vector<std::uint32_t> numberOf = std::vector<std::uint32_t>(split.corners.size(), kNone);
-  std::vector<int> textureNumbers = std::vector<int>(piece.materials.textures.size(), -1);
 
   // The faces of a material as a primitive; null where there is none.
   Json primitive(std::uint32_t material) {
@@ -93,17 +107,19 @@ struct Writer {
     for (const std::uint32_t index : indices) storeLittle(buffer.bytes, index);
     const std::size_t list =
         buffer.accessor(buffer.end(kIndices), kUnsignedInt, indices.size(), "SCALAR");
-    materials.push_back(materialJson(material));
-    return {{"attributes", std::move(attributes)},
-            {"indices", list},
-            {"material", materials.size() - 1}};
+    int& number = shared.materialNumbers[material];
+    if (number < 0) {
+      shared.materials.push_back(materialJson(material));
+      number = static_cast<int>(shared.materials.size()) - 1;
+    }
+    return {{"attributes", std::move(attributes)}, {"indices", list}, {"material", number}};
   }
 
   std::size_t positions(const std::vector<std::uint32_t>& used) {
     glm::vec3 low(std::numeric_limits<float>::infinity()), high(-low);
     buffer.begin();
     for (const std::uint32_t corner : used) {
-      const glm::vec3 at(piece.mesh.vertices[split.corners[corner].vertex]);
+      const glm::vec3 at(piece.mesh.vertices[split.corners[corner].vertex] - origin);
       for (int axis = 0; axis < 3; ++axis) {
         storeLittle(buffer.bytes, at[axis]);
         low[axis] = std::min(low[axis], at[axis]);
@@ -180,57 +196,103 @@ struct Writer {
     if (texture < 0) return -1;
     const auto at = static_cast<std::size_t>(texture);
     const MaterialTable::Picture& picture = piece.materials.textures[at];
-    if (picture.type == ImageType::other || textureNumbers[at] >= 0) return textureNumbers[at];
+    int& number = shared.textureNumbers[at];
+    if (picture.type == ImageType::other || number >= 0) return number;
     buffer.begin();
     buffer.bytes += picture.bytes;
-    images.push_back({{"name", picture.file},
-                      {"mimeType", picture.type == ImageType::png ? "image/png" : "image/jpeg"},
-                      {"bufferView", buffer.end(0)}});
-    textures.push_back({{"source", images.size() - 1}});
-    return textureNumbers[at] = static_cast<int>(textures.size()) - 1;
+    shared.images.push_back(
+        {{"name", picture.file},
+         {"mimeType", picture.type == ImageType::png ? "image/png" : "image/jpeg"},
+         {"bufferView", buffer.end(0)}});
+    shared.textures.push_back({{"source", shared.images.size() - 1}});
+    return number = static_cast<int>(shared.textures.size()) - 1;
   }
 
-  Json document() {
+  // Adds the mesh, and returns a node with it.
+  Json node() {
     Json primitives = Json::array();
     for (std::uint32_t m = 0; m < piece.materials.materials.size(); ++m) {
       Json one = primitive(m);
       if (!one.is_null()) primitives.push_back(std::move(one));
     }
-    Json json = {{"asset", {{"version", "2.0"}, {"generator", "Sherd " SHERD_VERSION}}},
-                 {"scene", 0},
-                 {"scenes", {{{"nodes", {0}}}}},
-                 {"nodes", {{{"name", piece.name}, {"mesh", 0}}}}};
-    json["meshes"] = Json::array({{{"name", piece.name}, {"primitives", std::move(primitives)}}});
-    json["materials"] = std::move(materials);
-    if (!textures.empty()) {
-      json["textures"] = std::move(textures);
-      json["images"] = std::move(images);
-    }
-    json["accessors"] = std::move(buffer.accessors);
-    json["bufferViews"] = std::move(buffer.views);
-    json["buffers"] = Json::array({{{"byteLength", buffer.bytes.size()}}});
-    return json;
+    shared.meshes.push_back({{"name", piece.name}, {"primitives", std::move(primitives)}});
+    return {{"name", piece.name}, {"mesh", shared.meshes.size() - 1}};
   }
 };
+
+constexpr const char* kPhysics = "KHR_physics_rigid_bodies";
+
+Json motionJson(const MassProperties& mass, double density) {
+  const PrincipalInertia inertia = principalInertia(mass);
+  const glm::dvec3 moments = density * inertia.moments;
+  const glm::dquat& turn = inertia.orientation;
+  return {{"mass", density * mass.volume},
+          {"centerOfMass", {0.0, 0.0, 0.0}},
+          {"inertiaDiagonal", {moments.x, moments.y, moments.z}},
+          {"inertiaOrientation", {turn.x, turn.y, turn.z, turn.w}}};
+}
+
+Json documentOf(Shared& shared, bool hasPhysics) {
+  std::vector<std::size_t> all(shared.nodes.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  Json json = {{"asset", {{"version", "2.0"}, {"generator", "Sherd " SHERD_VERSION}}}};
+  if (hasPhysics) json["extensionsUsed"] = {kPhysics};
+  json["scene"] = 0;
+  json["scenes"] = Json::array({{{"nodes", all}}});
+  json["nodes"] = std::move(shared.nodes);
+  json["meshes"] = std::move(shared.meshes);
+  json["materials"] = std::move(shared.materials);
+  if (!shared.textures.empty()) {
+    json["textures"] = std::move(shared.textures);
+    json["images"] = std::move(shared.images);
+  }
+  json["accessors"] = std::move(shared.buffer.accessors);
+  json["bufferViews"] = std::move(shared.buffer.views);
+  json["buffers"] = Json::array({{{"byteLength", shared.buffer.bytes.size()}}});
+  return json;
+}
 
 void storeChunk(std::string& bytes, const char* type, const std::string& content) {
   storeLittle(bytes, static_cast<std::uint32_t>(content.size()));
   bytes.append(type, 4).append(content);
 }
 
+void writeGlb(const std::filesystem::path& file, Shared& shared, bool hasPhysics) {
+  std::string text = documentOf(shared, hasPhysics).dump();
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  const std::size_t length = 12 + 8 + text.size() + 8 + shared.buffer.bytes.size();
+  if (length > std::numeric_limits<std::uint32_t>::max()) {
+    throw Error(ErrorCode::output, file.string() + ": would have " + std::to_string(length) +
+                                       " bytes; binary glTF holds less than 2^32");
+  }
+  std::string bytes = "glTF";
+  storeLittle(bytes, std::uint32_t{2});
+  storeLittle(bytes, static_cast<std::uint32_t>(length));
+  storeChunk(bytes, "JSON", text);
+  storeChunk(bytes, "BIN\0", shared.buffer.bytes);
+  writeWhole(file, bytes);
+}
+
 }  // namespace
 
 void writePieceGlb(const std::filesystem::path& file, const PieceMesh& piece) {
-  Writer writer{.piece = piece};
-  std::string text = writer.document().dump();
-  text.resize((text.size() + 3) / 4 * 4, ' ');
-  std::string bytes = "glTF";
-  storeLittle(bytes, std::uint32_t{2});
-  storeLittle(bytes,
-              static_cast<std::uint32_t>(12 + 8 + text.size() + 8 + writer.buffer.bytes.size()));
-  storeChunk(bytes, "JSON", text);
-  storeChunk(bytes, "BIN\0", writer.buffer.bytes);
-  writeWhole(file, bytes);
+  Shared shared(piece.materials);
+  shared.nodes.push_back(Writer{.piece = piece, .shared = shared}.node());
+  writeGlb(file, shared, false);
+}
+
+void writeSceneGlb(const std::filesystem::path& file, std::span<const SceneNode> nodes,
+                   double density) {
+  if (nodes.empty()) return;
+  Shared shared(nodes.front().piece.materials);
+  for (const SceneNode& one : nodes) {
+    const glm::dvec3& centre = one.mass.centroid;
+    Json node = Writer{.piece = one.piece, .shared = shared, .origin = centre}.node();
+    node["translation"] = {centre.x, centre.y, centre.z};
+    node["extensions"] = {{kPhysics, {{"motion", motionJson(one.mass, density)}}}};
+    shared.nodes.push_back(std::move(node));
+  }
+  writeGlb(file, shared, true);
 }
 
 }  // namespace sherd

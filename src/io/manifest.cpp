@@ -154,6 +154,8 @@ Json optionsJson(const FractureOptions& options, const FractureResult& result,
   if (write.points.count > 0) json["points"] = pointOptionsJson(write);
   if (write.distances.count > 0) json["sdf"] = distanceOptionsJson(write, result.solid);
   if (write.correspondences > 0) json["correspondences"] = write.correspondences;
+  if (write.density != 1.0) json["density"] = write.density;
+  if (write.proxy) json["proxy_gap"] = write.proxyGap;
   json["surface"] = surfaceOptionsJson(options.surface, result.solid.box.longestSide());
   return json;
 }
@@ -264,6 +266,8 @@ std::vector<std::string> FractureFiles::all() const {
   for (const std::vector<std::string>& ofFragment : mesh) {
     list.insert(list.end(), ofFragment.begin(), ofFragment.end());
   }
+  list.insert(list.end(), solidMesh.begin(), solidMesh.end());
+  list.insert(list.end(), proxy.begin(), proxy.end());
   if (!materials.empty()) list.push_back(materials);
   list.insert(list.end(), textures.begin(), textures.end());
   for (const std::vector<std::string>& ofFragment : points) {
@@ -275,7 +279,8 @@ std::vector<std::string> FractureFiles::all() const {
       list.insert(list.end(), ofOne.begin(), ofOne.end());
     }
   }
-  for (const std::string& file : {solidSdf, correspondences, preview, seeds, rims, cost}) {
+  for (const std::string& file : {allVdb, solidVdb, solidSdf, correspondences, preview, seeds, rims,
+                                  cost, scene, graph, constraints}) {
     if (!file.empty()) list.push_back(file);
   }
   return list;
@@ -309,6 +314,7 @@ std::string manifestText(const SourceMesh& source, const FractureOptions& option
     if (!files.mesh.empty()) own["mesh"] = pathsJson(files.mesh[i]);
     if (!files.points.empty()) own["points"] = pathsJson(files.points[i]);
     if (!files.sdf.empty()) own["sdf"] = files.sdf[i];
+    if (!files.proxy.empty()) own["proxy"] = files.proxy[i];
     Json fragment = fragmentJson(result.fragments[i], result, std::move(seeds[i]), std::move(own));
     if (!files.coarse.empty()) {
       fragment["decimated"] = decimatedJson(result.fragments[i], files.coarse[i]);
@@ -316,6 +322,13 @@ std::string manifestText(const SourceMesh& source, const FractureOptions& option
     if (!result.parents.empty()) fragment["parent"] = result.parents[i];
     manifest["fragments"].push_back(std::move(fragment));
   }
+  Json solid = Json::object();
+  if (!files.solidVdb.empty()) solid["vdb"] = files.solidVdb;
+  if (!files.solidMesh.empty()) solid["mesh"] = pathsJson(files.solidMesh);
+  if (!solid.empty()) manifest["solid"] = std::move(solid);
+  if (!files.allVdb.empty()) manifest["vdb"] = files.allVdb;
+  if (!files.scene.empty()) manifest["scene"] = files.scene;
+  if (!files.graph.empty()) manifest["graph"] = files.graph;
   if (!files.solidSdf.empty()) manifest["sdf"] = files.solidSdf;
   if (!files.correspondences.empty()) manifest["correspondences"] = files.correspondences;
   manifest["files"] = files.all();

@@ -15,22 +15,29 @@ namespace sherd {
 /// The files of a fracture, relative to its folder; empty where not written.
 struct FractureFiles {
   std::string labels;
-  std::vector<std::string> vdb;                ///< [fragments that are not withheld] or empty
+  std::vector<std::string> vdb;  ///< [fragments that are not withheld] or empty
+  std::string allVdb;            ///< of all of these
+  std::string solidVdb;
   std::vector<std::vector<std::string>> mesh;  ///< [fragments that are not withheld][formats] or
                                                ///< empty
   std::vector<std::vector<std::vector<std::string>>>
-      coarse;                         ///< [of these][SurfaceOptions::triangles][formats] or empty
-  std::string materials;              ///< the library of .obj files
-  std::vector<std::string> textures;  ///< [MaterialTable::textures] or empty
+      coarse;                          ///< [of these][SurfaceOptions::triangles][formats] or empty
+  std::vector<std::string> solidMesh;  ///< [formats] or empty
+  std::string materials;               ///< the library of .obj files
+  std::vector<std::string> textures;   ///< [MaterialTable::textures] or empty
   std::vector<std::vector<std::string>> points;  ///< [fragments that are not withheld][formats] or
                                                  ///< empty
   std::vector<std::string> sdf;                  ///< [fragments that are not withheld] or empty
+  std::vector<std::string> proxy;                ///< [fragments that are not withheld] or empty
   std::string solidSdf;
   std::string correspondences;
   std::string preview;
   std::string seeds;
   std::string rims;
   std::string cost;
+  std::string scene;
+  std::string graph;
+  std::string constraints;
 
   std::vector<std::string> all() const;
 };

@@ -1,7 +1,10 @@
 // Writes the meshes of a fracture, with the look of the mesh that was broken.
 #include "io/mesh_writer.h"
 
+#include <tbb/parallel_for.h>
+
 #include "io/atomic_file.h"
+#include "io/file_names.h"
 #include "io/piece_mesh.h"
 
 namespace sherd {
@@ -12,8 +15,9 @@ MeshWriter::MeshWriter(const std::filesystem::path& folder, const FractureFiles&
     : folder_(folder),
       table_(table),
       options_(write),
-      library_(std::filesystem::path(files.materials).filename().string()) {
-  if (files.mesh.empty()) return;
+      library_(std::filesystem::path(files.materials).filename().string()),
+      stem_(safeName(source.stem, "piece")) {
+  if (files.mesh.empty() && files.scene.empty()) return;
   if (!files.materials.empty()) writeWhole(folder / files.materials, mtlText(table));
   for (std::size_t i = 0; i < files.textures.size(); ++i) {
     writeWhole(folder / files.textures[i], table.textures[i].bytes);
@@ -21,10 +25,14 @@ MeshWriter::MeshWriter(const std::filesystem::path& folder, const FractureFiles&
   if (!source.appearance.surface.empty()) look_.emplace(source.mesh, source.appearance.surface);
 }
 
+SurfaceLook MeshWriter::lookOf(const TriangleMesh& mesh,
+                               const std::vector<std::uint16_t>& facing) const {
+  return look_ ? look_->on(mesh, facing, table_.inside()) : SurfaceLook();
+}
+
 void MeshWriter::write(const TriangleMesh& mesh, const std::vector<std::uint16_t>& facing,
                        const std::vector<std::string>& paths) const {
-  SurfaceLook look;
-  if (look_) look = look_->on(mesh, facing, table_.inside());
+  const SurfaceLook look = lookOf(mesh, facing);
   const std::string name = std::filesystem::path(paths.front()).stem().string();
   const PieceMesh piece{name, mesh, facing, look, table_};
   for (std::size_t i = 0; i < paths.size(); ++i) {
@@ -41,6 +49,23 @@ void MeshWriter::write(const TriangleMesh& mesh, const std::vector<std::uint16_t
         break;
     }
   }
+}
+
+void MeshWriter::writeScene(std::span<const Fragment> fragments, const std::string& path) const {
+  std::vector<SurfaceLook> looks(fragments.size());
+  tbb::parallel_for(std::size_t{0}, fragments.size(), [&](std::size_t i) {
+    looks[i] = lookOf(fragments[i].mesh, fragments[i].facing);
+  });
+  std::vector<std::string> names;
+  for (const Fragment& fragment : fragments) {
+    names.push_back(pieceName(stem_, fragment.id, fragments.size()));
+  }
+  std::vector<SceneNode> nodes;
+  for (std::size_t i = 0; i < fragments.size(); ++i) {
+    const Fragment& fragment = fragments[i];
+    nodes.push_back({{names[i], fragment.mesh, fragment.facing, looks[i], table_}, fragment.mass});
+  }
+  writeSceneGlb(folder_ / path, nodes, options_.density);
 }
 
 }  // namespace sherd

@@ -22,11 +22,18 @@ class MeshWriter {
   void write(const TriangleMesh& mesh, const std::vector<std::uint16_t>& facing,
              const std::vector<std::string>& paths) const;
 
+  /// All of them as nodes of one .glb, named as their own meshes' files would be.
+  ///   path  in the folder
+  void writeScene(std::span<const Fragment> fragments, const std::string& path) const;
+
  private:
+  SurfaceLook lookOf(const TriangleMesh& mesh, const std::vector<std::uint16_t>& facing) const;
+
   const std::filesystem::path& folder_;
   const MaterialTable& table_;
   const WriteOptions& options_;
   std::string library_;             ///< its file name
+  std::string stem_;                ///< of nodes
   std::optional<LookSource> look_;  ///< where the source has a look
 };
 

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -59,6 +60,18 @@ void writePiecePly(const std::filesystem::path& file, const PieceMesh& piece);
 ///   library  the file of mtlText(piece.materials), beside it
 void writePieceObj(const std::filesystem::path& file, const PieceMesh& piece,
                    const std::string& library);
+
+/// A piece of a scene.
+struct SceneNode {
+  PieceMesh piece;
+  MassProperties mass;
+};
+
+/// Binary glTF 2.0 of several pieces that have one table of materials: a node for each at its
+/// centre of mass, with mass and inertia as the extension KHR_physics_rigid_bodies has them.
+///   density  mass of a unit of volume
+void writeSceneGlb(const std::filesystem::path& file, std::span<const SceneNode> nodes,
+                   double density);
 
 /// Binary glTF 2.0 with its PNG and JPEG textures in it; one node, a primitive for each material.
 void writePieceGlb(const std::filesystem::path& file, const PieceMesh& piece);

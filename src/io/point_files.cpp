@@ -5,7 +5,7 @@
 #include <charconv>
 #include <string>
 
-#include "half.h"
+#include "half_float.h"
 #include "io/atomic_file.h"
 #include "io/little_endian.h"
 #include "io/npz.h"

@@ -1,4 +1,4 @@
-// Level sets as `.vdb` files, byte for byte the same for the same fragment.
+// Grids as `.vdb` files, byte for byte the same for the same fragments.
 #include "io/vdb.h"
 
 #include <openssl/sha.h>
@@ -15,6 +15,8 @@
 
 #include "io/atomic_file.h"
 #include "io/input_error.h"
+#include "mesh/principal_inertia.h"
+#include "surface/level_set.h"
 
 namespace sherd {
 namespace {
@@ -54,22 +56,73 @@ void setUuidFromContent(std::string& bytes) {
   bytes.replace(kUuidAt, kUuidLength, uuid);
 }
 
-// Houdini shows these as attributes of the same names.  The seed is text: its 64 bits have no sign.
-openvdb::MetaMap gridMetadata(const Fragment& fragment, const std::string& source,
-                              std::uint64_t seed) {
-  const glm::dvec3& centroid = fragment.mass.centroid;
+// Houdini shows metadata as attributes of the same names.  The seed is text: its 64 bits have no
+// sign.
+openvdb::MetaMap commonMetadata(const VdbNotes& notes) {
   openvdb::MetaMap metadata;
-  metadata.insertMeta(openvdb::GridBase::META_GRID_NAME, openvdb::StringMetadata("surface"));
-  metadata.insertMeta(
-      openvdb::GridBase::META_GRID_CLASS,
-      openvdb::StringMetadata(openvdb::GridBase::gridClassToString(openvdb::GRID_LEVEL_SET)));
+  metadata.insertMeta("seed", openvdb::StringMetadata(std::to_string(notes.seed)));
+  metadata.insertMeta("source", openvdb::StringMetadata(notes.source));
+  metadata.insertMeta("tool_version", openvdb::StringMetadata(SHERD_VERSION));
+  return metadata;
+}
+
+openvdb::MetaMap pieceMetadata(const Fragment& fragment, const VdbNotes& notes) {
+  const glm::dvec3& centroid = fragment.mass.centroid;
+  const PrincipalInertia inertia = principalInertia(fragment.mass);
+  const glm::dvec3 moments = notes.density * inertia.moments;
+  const glm::dquat& turn = inertia.orientation;
+  openvdb::MetaMap metadata = commonMetadata(notes);
   metadata.insertMeta("piece", openvdb::StringMetadata("piece" + std::to_string(fragment.id)));
   metadata.insertMeta("fragment_id", openvdb::Int32Metadata(fragment.id));
   metadata.insertMeta("pivot", openvdb::Vec3DMetadata({centroid.x, centroid.y, centroid.z}));
   metadata.insertMeta("volume", openvdb::DoubleMetadata(fragment.mass.volume));
-  metadata.insertMeta("seed", openvdb::StringMetadata(std::to_string(seed)));
-  metadata.insertMeta("source", openvdb::StringMetadata(source));
+  metadata.insertMeta("density", openvdb::DoubleMetadata(notes.density));
+  metadata.insertMeta("mass", openvdb::DoubleMetadata(notes.density * fragment.mass.volume));
+  metadata.insertMeta("inertia", openvdb::Vec3DMetadata({moments.x, moments.y, moments.z}));
+  metadata.insertMeta("inertia_orient", openvdb::Vec4DMetadata({turn.x, turn.y, turn.z, turn.w}));
+  metadata.insertMeta("area_inside", openvdb::DoubleMetadata(fragment.fractureArea));
+  metadata.insertMeta("area_outside",
+                      openvdb::DoubleMetadata(fragment.area - fragment.fractureArea));
+  if (!notes.parents.empty()) {
+    metadata.insertMeta("parent_id", openvdb::Int32Metadata(
+                                         notes.parents[static_cast<std::size_t>(fragment.id - 1)]));
+  }
   return metadata;
+}
+
+// The level set under a name and, where asked for, its fog under another.
+void addGrids(openvdb::GridCPtrVec& grids, const openvdb::FloatGrid& levelSet,
+              const std::string& number, const openvdb::MetaMap& metadata,
+              const VdbOptions& options) {
+  const auto add = [&](const openvdb::GridBase::Ptr& grid, const std::string& name) {
+    grid->setName(name + number);
+    grid->setSaveFloatAsHalf(options.half);
+    grids.push_back(grid);
+  };
+  openvdb::MetaMap surface = metadata;
+  surface.insertMeta(
+      openvdb::GridBase::META_GRID_CLASS,
+      openvdb::StringMetadata(openvdb::GridBase::gridClassToString(openvdb::GRID_LEVEL_SET)));
+  add(openvdb::ConstPtrCast<openvdb::GridBase>(levelSet.copyGridReplacingMetadata(surface)),
+      "surface");
+  if (!options.fog) return;
+  const openvdb::FloatGrid::Ptr fog = fogVolume(levelSet);
+  fog->clearMetadata();
+  fog->insertMeta(metadata);
+  fog->setGridClass(openvdb::GRID_FOG_VOLUME);
+  add(fog, "density");
+}
+
+std::uint32_t flagsOf(VdbCompression compression) {
+  switch (compression) {
+    case VdbCompression::zip:
+      return openvdb::io::COMPRESS_ZIP | openvdb::io::COMPRESS_ACTIVE_MASK;
+    case VdbCompression::none:
+      return openvdb::io::COMPRESS_ACTIVE_MASK;
+    case VdbCompression::blosc:
+      break;
+  }
+  return openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK;
 }
 
 VdbMetadata textOf(const openvdb::MetaMap& metadata) {
@@ -112,19 +165,21 @@ auto withStream(const std::filesystem::path& file, Read&& read) {
   }
 }
 
-// Write the grid that `make` makes.
+// Write the grids that `make` makes.
 template <class Make>
-void writeGrid(const std::filesystem::path& file, Make&& make) {
+void writeGrids(const std::filesystem::path& file, VdbCompression compression, Make&& make) {
   std::string bytes;
   try {
     openvdb::initialize();
     MemoryArchive archive;
-    archive.setCompression(openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK);
+    archive.setCompression(flagsOf(compression));
     archive.setGridStatsMetadataEnabled(true);  // Houdini's file browser reads the bounds from it
     // Blender turns a file upright when its creator starts with "Houdini"; ours must not.
     openvdb::MetaMap fileMetadata;
     fileMetadata.insertMeta("creator", openvdb::StringMetadata("sherd " SHERD_VERSION));
-    bytes = archive.bytes({make()}, fileMetadata);
+    openvdb::GridCPtrVec grids;
+    make(grids);
+    bytes = archive.bytes(grids, fileMetadata);
   } catch (const openvdb::Exception& e) {
     throw Error(ErrorCode::output, file.string() + ": OpenVDB cannot encode it: " + e.what());
   }
@@ -132,25 +187,58 @@ void writeGrid(const std::filesystem::path& file, Make&& make) {
   writeWhole(file, bytes);
 }
 
+// Values of all voxels of the solid.
+//   valueOf  (place) in the solid's blocks
+template <class ValueOf>
+openvdb::Int32Grid::Ptr voxelGrid(const Solid& solid, const char* name, std::int32_t background,
+                                  const ValueOf& valueOf) {
+  const openvdb::Int32Grid::Ptr grid = openvdb::Int32Grid::create(background);
+  grid->setTransform(solid.distance->transform().copy());
+  grid->setName(name);
+  openvdb::Int32Grid::Accessor accessor = grid->getAccessor();
+  solid.blocks.forEachInside(
+      [&](std::size_t place) { accessor.setValue(solid.blocks.voxelAt(place), valueOf(place)); });
+  return grid;
+}
+
 }  // namespace
 
-void writeVdb(const std::filesystem::path& file, const Fragment& fragment,
-              const std::string& source, std::uint64_t seed) {
-  writeGrid(file, [&] {
-    return fragment.surface->copyGridReplacingMetadata(gridMetadata(fragment, source, seed));
+void writeVdb(const std::filesystem::path& file, const Fragment& fragment, const VdbNotes& notes,
+              const VdbOptions& options) {
+  writeGrids(file, options.compression, [&](openvdb::GridCPtrVec& grids) {
+    addGrids(grids, *fragment.surface, "", pieceMetadata(fragment, notes), options);
+  });
+}
+
+void writeVdbOfAll(const std::filesystem::path& file, std::span<const Fragment> fragments,
+                   const Solid& solid, const Labels& labels, const VdbNotes& notes,
+                   const VdbOptions& options) {
+  writeGrids(file, options.compression, [&](openvdb::GridCPtrVec& grids) {
+    for (const Fragment& fragment : fragments) {
+      addGrids(grids, *fragment.surface, "_" + std::to_string(fragment.id),
+               pieceMetadata(fragment, notes), options);
+    }
+    const openvdb::Int32Grid::Ptr ids = voxelGrid(solid, "fragment_id", 0, [&](std::size_t place) {
+      const std::uint16_t id = labels.fragment[place];
+      return id <= fragments.size() ? std::int32_t{id} : 0;
+    });
+    ids->insertMeta(commonMetadata(notes));
+    grids.push_back(ids);
+  });
+}
+
+void writeVdbOfSolid(const std::filesystem::path& file, const Solid& solid, const VdbNotes& notes,
+                     const VdbOptions& options) {
+  writeGrids(file, options.compression, [&](openvdb::GridCPtrVec& grids) {
+    addGrids(grids, *solid.distance, "", commonMetadata(notes), options);
   });
 }
 
 void writeCost(const std::filesystem::path& file, const Solid& solid, const Labels& labels) {
-  writeGrid(file, [&] {
-    const openvdb::Int32Grid::Ptr grid = openvdb::Int32Grid::create(-1);
-    grid->setTransform(solid.distance->transform().copy());
-    grid->setName("cost");
-    openvdb::Int32Grid::Accessor accessor = grid->getAccessor();
-    solid.blocks.forEachInside([&](std::size_t place) {
-      accessor.setValue(solid.blocks.voxelAt(place), static_cast<std::int32_t>(labels.cost[place]));
-    });
-    return grid;
+  writeGrids(file, VdbCompression::blosc, [&](openvdb::GridCPtrVec& grids) {
+    grids.push_back(voxelGrid(solid, "cost", -1, [&](std::size_t place) {
+      return static_cast<std::int32_t>(labels.cost[place]);
+    }));
   });
 }
 
@@ -164,18 +252,24 @@ VdbFile describeVdb(const std::filesystem::path& file) {
   });
 }
 
-std::shared_ptr<openvdb::FloatGrid> readLevelSet(const std::filesystem::path& file) {
-  const auto found = withStream(file, [](openvdb::io::Stream& stream) {
+std::vector<NamedLevelSet> readLevelSets(const std::filesystem::path& file) {
+  std::vector<NamedLevelSet> found = withStream(file, [](openvdb::io::Stream& stream) {
+    std::vector<NamedLevelSet> all;
     const openvdb::GridPtrVecPtr grids = stream.getGrids();
     for (const openvdb::GridBase::Ptr& grid : *grids) {
-      if (auto level = openvdb::gridPtrCast<openvdb::FloatGrid>(grid)) return level;
+      const auto level = openvdb::gridPtrCast<openvdb::FloatGrid>(grid);
+      if (level && level->getGridClass() == openvdb::GRID_LEVEL_SET) {
+        all.push_back({level->getName(), level});
+      }
     }
-    return openvdb::FloatGrid::Ptr();
+    return all;
   });
-  if (!found || found->getGridClass() != openvdb::GRID_LEVEL_SET) {
-    inputError(file, "holds no level set");
-  }
+  if (found.empty()) inputError(file, "holds no level set");
   return found;
+}
+
+std::shared_ptr<openvdb::FloatGrid> readLevelSet(const std::filesystem::path& file) {
+  return readLevelSets(file).front().grid;
 }
 
 }  // namespace sherd

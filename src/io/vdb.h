@@ -36,6 +36,16 @@ struct VdbFile {
 ///   throws  Error(input) absent, cut, or not OpenVDB's
 [[nodiscard]] VdbFile describeVdb(const std::filesystem::path& file);
 
+/// A grid that is a level set, and its name.
+struct NamedLevelSet {
+  std::string name;
+  std::shared_ptr<openvdb::FloatGrid> grid;
+};
+
+/// The float level sets of a `.vdb` file, in its order.
+///   throws  Error(input) as describeVdb; there is none
+[[nodiscard]] std::vector<NamedLevelSet> readLevelSets(const std::filesystem::path& file);
+
 /// The first float level set of a `.vdb` file.
 ///   throws  Error(input) as describeVdb; there is none
 [[nodiscard]] std::shared_ptr<openvdb::FloatGrid> readLevelSet(const std::filesystem::path& file);

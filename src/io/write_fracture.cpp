@@ -256,16 +256,38 @@ void writeFiles(const fs::path& folder, const FractureFiles& files, const Source
   }
   if (!files.seeds.empty()) writeSeeds(folder / files.seeds, result.seeds, result.solid);
   if (!files.rims.empty()) {
-    writeRims(folder / files.rims, std::span(result.fragments).first(result.kept()));
+    writeRims(folder / files.rims, std::span(result.fragments).first(fragments));
   }
   if (!files.cost.empty()) writeCost(folder / files.cost, result.solid, result.labels);
+  const VdbNotes notes{source.name, options.seed, write.density, result.parents};
+  const std::span<const Fragment> kept = std::span(result.fragments).first(fragments);
+  if (!files.allVdb.empty()) {
+    writeVdbOfAll(folder / files.allVdb, kept, result.solid, result.labels, notes,
+                  write.vdbOptions);
+  }
+  if (!files.solidVdb.empty()) {
+    writeVdbOfSolid(folder / files.solidVdb, result.solid, notes, write.vdbOptions);
+  }
+  if (!files.graph.empty()) {
+    writeGraph(folder / files.graph, kept, notes);
+    writeConstraints(folder / files.constraints, kept);
+  }
   const MeshWriter meshes(folder, files, source, table, write);
+  if (!files.solidMesh.empty()) {
+    const TriangleMesh whole = solidMesh(result.solid, options.surface);
+    meshes.write(whole, std::vector<std::uint16_t>(whole.triangles.size(), 0), files.solidMesh);
+  }
+  if (!files.scene.empty()) meshes.writeScene(kept, files.scene);
   for (std::size_t begin = 0; begin < fragments; begin += kFragmentsBetweenSteps) {
     step(progress, "write", static_cast<double>(begin) / static_cast<double>(fragments));
     const std::size_t end = std::min(fragments, begin + kFragmentsBetweenSteps);
     tbb::parallel_for(begin, end, [&](std::size_t i) {
       const Fragment& fragment = result.fragments[i];
-      if (!files.vdb.empty()) writeVdb(folder / files.vdb[i], fragment, source.name, options.seed);
+      if (!files.vdb.empty()) writeVdb(folder / files.vdb[i], fragment, notes, write.vdbOptions);
+      if (!files.proxy.empty()) {
+        const fs::path file = folder / files.proxy[i];
+        writeProxy(file, fragment, file.stem().string(), write.proxyGap);
+      }
       if (!files.mesh.empty()) meshes.write(fragment.mesh, fragment.facing, files.mesh[i]);
       if (!files.points.empty()) {
         writePointsOf(folder, files.points[i], fragment, counts[i], options.seed, write);

@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 #include <string>
 
-#include "half.h"
+#include "half_float.h"
 #include "points/surface_by_area.h"
 #include "random.h"
 #include "seed/irwin_hall.h"

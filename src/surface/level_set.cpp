@@ -2,6 +2,7 @@
 #include "surface/level_set.h"
 
 #include <openvdb/openvdb.h>
+#include <openvdb/tools/LevelSetUtil.h>
 #include <openvdb/tools/Prune.h>
 
 #include <algorithm>
@@ -77,6 +78,12 @@ ConstFloatGridPtr solidOver(const Solid& solid, std::span<const std::uint32_t> l
     addWhole(*grid, solid.distance->tree().probeConstLeaf(origin), origin);
   }
   return grid;
+}
+
+std::shared_ptr<FloatGrid> fogVolume(const FloatGrid& levelSet) {
+  FloatGrid::Ptr fog = levelSet.deepCopy();
+  openvdb::tools::sdfToFogVolume(*fog);
+  return fog;
 }
 
 }  // namespace sherd

@@ -5,6 +5,7 @@
 #include <sherd/solid.h>
 
 #include <cstdint>
+#include <memory>
 #include <span>
 
 #include "surface/cut.h"
@@ -21,5 +22,9 @@ namespace sherd {
 /// surface.
 [[nodiscard]] ConstFloatGridPtr solidOver(const Solid& solid,
                                           std::span<const std::uint32_t> leaves);
+
+/// The level set as a fog volume: 0 outside, 1 inside, rising over the three voxels below the
+/// surface, or as deep as a thin body is.
+[[nodiscard]] std::shared_ptr<openvdb::FloatGrid> fogVolume(const openvdb::FloatGrid& levelSet);
 
 }  // namespace sherd

@@ -54,7 +54,7 @@ void writeFiles(benchmark::State& state) {
     tbb::parallel_for(std::size_t{0}, result.fragments.size(), [&](std::size_t i) {
       const sherd::Fragment& fragment = result.fragments[i];
       const std::string name = std::to_string(i);
-      sherd::writeVdb(folder / (name + ".vdb"), fragment, "ball", 3);
+      sherd::writeVdb(folder / (name + ".vdb"), fragment, {"ball", 3});
       sherd::writePly(folder / (name + ".ply"), fragment.mesh, fragment.facing);
     });
   }

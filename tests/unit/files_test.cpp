@@ -236,7 +236,7 @@ Fragment ballFragment(int id) {
 
 TEST_F(WriteVdb, IsALevelSetWithItsMetadata) {
   const Fragment fragment = ballFragment(12);
-  writeVdb(folder_ / "a.vdb", fragment, "vase.obj", 0xffffffffffffffff);
+  writeVdb(folder_ / "a.vdb", fragment, {"vase.obj", 0xffffffffffffffff});
   openvdb::io::File file((folder_ / "a.vdb").string());
   file.open();
   EXPECT_TRUE(file.getMetadata()->metaValue<std::string>("creator").starts_with("sherd "));
@@ -260,9 +260,9 @@ TEST_F(WriteVdb, IsALevelSetWithItsMetadata) {
 }
 
 TEST_F(WriteVdb, GivesEqualBytesForEqualFragmentsAndAnotherIdForOthers) {
-  writeVdb(folder_ / "a.vdb", ballFragment(1), "vase.obj", 7);
-  writeVdb(folder_ / "b.vdb", ballFragment(1), "vase.obj", 7);
-  writeVdb(folder_ / "c.vdb", ballFragment(2), "vase.obj", 7);
+  writeVdb(folder_ / "a.vdb", ballFragment(1), {"vase.obj", 7});
+  writeVdb(folder_ / "b.vdb", ballFragment(1), {"vase.obj", 7});
+  writeVdb(folder_ / "c.vdb", ballFragment(2), {"vase.obj", 7});
   EXPECT_EQ(bytesOf(folder_ / "a.vdb"), bytesOf(folder_ / "b.vdb"));
   const auto id = [&](const char* name) {
     openvdb::io::File file((folder_ / name).string());
@@ -276,12 +276,12 @@ TEST_F(WriteVdb, GivesEqualBytesForEqualFragmentsAndAnotherIdForOthers) {
 TEST_F(WriteVdb, NoticesAFullDisk) {
   const Fragment fragment = ballFragment(1);
   const FullDisk full(10'000);
-  EXPECT_EQ(codeOf([&] { writeVdb(folder_ / "a.vdb", fragment, "", 0); }), ErrorCode::output);
+  EXPECT_EQ(codeOf([&] { writeVdb(folder_ / "a.vdb", fragment, {}); }), ErrorCode::output);
   EXPECT_TRUE(below(folder_).empty());
 }
 
 TEST_F(WriteVdb, IsDescribedAsItIs) {
-  writeVdb(folder_ / "a.vdb", ballFragment(3), "vase.obj", 7);
+  writeVdb(folder_ / "a.vdb", ballFragment(3), {"vase.obj", 7});
   const VdbFile file = describeVdb(folder_ / "a.vdb");
   ASSERT_EQ(file.grids.size(), 1u);
   EXPECT_EQ(file.grids[0].name, "surface");
@@ -290,7 +290,7 @@ TEST_F(WriteVdb, IsDescribedAsItIs) {
 }
 
 TEST_F(WriteVdb, IsRefusedByDescribeVdbWhenCut) {
-  writeVdb(folder_ / "a.vdb", ballFragment(3), "vase.obj", 7);
+  writeVdb(folder_ / "a.vdb", ballFragment(3), {"vase.obj", 7});
   const std::string bytes = bytesOf(folder_ / "a.vdb");
   for (std::size_t n = 0; n < bytes.size(); n += 1 + n / 7) {
     writeText(folder_ / "cut.vdb", bytes.substr(0, n));

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "../shapes.h"
-#include "half.h"
+#include "half_float.h"
 #include "points/nearest_on_triangle.h"
 
 namespace sherd {

@@ -1,7 +1,8 @@
-// The convex hull of points, as half spaces.
-#include "evaluate/hull.h"
+// The convex hull of points, as half spaces and as a mesh.
+#include "mesh/hull.h"
 
 #include <libqhull_r/libqhull_r.h>
+#include <libqhull_r/poly_r.h>
 #include <sherd/error.h>
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include <limits>
 #include <new>
 #include <string>
+#include <unordered_map>
 
 namespace sherd {
 namespace {
@@ -49,6 +51,39 @@ class Quickhull {
     return result;
   }
 
+  // Facets as fans, and the points that are corners of them.
+  //   points  as run had them
+  TriangleMesh mesh(const std::vector<glm::dvec3>& points) {
+    TriangleMesh result;
+    std::unordered_map<int, std::uint32_t> numbers;  // by point
+    const auto number = [&](int point) {
+      const auto [found, isNew] =
+          numbers.try_emplace(point, static_cast<std::uint32_t>(result.vertices.size()));
+      if (isNew) result.vertices.push_back(points[static_cast<std::size_t>(point)]);
+      return found->second;
+    };
+    for (facetT* facet = state_.facet_list; facet && facet->next; facet = facet->next) {
+      setT* corners = qh_facet3vertex(&state_, facet);  // round the facet, either way
+      std::vector<std::uint32_t> ring;
+      for (int i = 0; i < qh_setsize(&state_, corners); ++i) {
+        const auto* vertex = static_cast<const vertexT*>(corners->e[i].p);
+        ring.push_back(number(qh_pointid(&state_, vertex->point)));
+      }
+      qh_settempfree(&state_, &corners);
+      glm::dvec3 round(0.0);
+      for (std::size_t i = 0; i < ring.size(); ++i) {
+        round += glm::cross(result.vertices[ring[i]], result.vertices[ring[(i + 1) % ring.size()]]);
+      }
+      const coordT* n = facet->normal;
+      if (glm::dot(round, glm::dvec3(n[0], n[1], n[2])) < 0.0)
+        std::reverse(ring.begin(), ring.end());
+      for (std::size_t i = 2; i < ring.size(); ++i) {
+        result.triangles.emplace_back(ring[0], ring[i - 1], ring[i]);
+      }
+    }
+    return result;
+  }
+
   std::string firstLineSaid() {
     std::fflush(log_);
     const std::string text(said_, saidBytes_);
@@ -62,9 +97,7 @@ class Quickhull {
   qhT state_;
 };
 
-}  // namespace
-
-std::vector<HalfSpace> convexHull(std::vector<glm::dvec3> points) {
+void hullOf(Quickhull& quickhull, std::vector<glm::dvec3>& points) {
   static_assert(sizeof(glm::dvec3) == 3 * sizeof(coordT), "Qhull reads the points as they lie");
   if (points.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
     throw Error(ErrorCode::input, "convex hull: " + std::to_string(points.size()) +
@@ -72,7 +105,6 @@ std::vector<HalfSpace> convexHull(std::vector<glm::dvec3> points) {
   }
   // Qhull asks for dimension + 1 points, and says so as an error of ours.
   if (points.size() < 4) throw Error(ErrorCode::input, "the mesh is flat; a body is needed");
-  Quickhull quickhull;
   const int status = quickhull.run(points);
   if (status == qh_ERRsingular) {
     throw Error(ErrorCode::input, "the mesh is flat; a body is needed");
@@ -81,7 +113,45 @@ std::vector<HalfSpace> convexHull(std::vector<glm::dvec3> points) {
   if (status != qh_ERRnone) {
     throw Error(ErrorCode::internal, "convex hull: " + quickhull.firstLineSaid());
   }
+}
+
+// Where the planes of half spaces about the origin meet: the duals of the facets of the hull of
+// their own duals.
+std::vector<glm::dvec3> cornersOf(const std::vector<HalfSpace>& sides) {
+  std::vector<glm::dvec3> duals;
+  for (const HalfSpace& side : sides) duals.push_back(side.normal / -side.offset);
+  std::vector<glm::dvec3> corners;
+  for (const HalfSpace& facet : convexHull(std::move(duals))) {
+    corners.push_back(facet.normal / -facet.offset);
+  }
+  return corners;
+}
+
+}  // namespace
+
+std::vector<HalfSpace> convexHull(std::vector<glm::dvec3> points) {
+  Quickhull quickhull;
+  hullOf(quickhull, points);
   return quickhull.halfSpaces();
+}
+
+TriangleMesh convexHullMesh(std::vector<glm::dvec3> points, double inset) {
+  glm::dvec3 middle(0.0);
+  for (const glm::dvec3& p : points) middle += p;
+  middle /= static_cast<double>(std::max<std::size_t>(points.size(), 1));
+  for (glm::dvec3& p : points) p -= middle;
+  if (inset > 0.0) {
+    std::vector<HalfSpace> sides = convexHull(points);
+    double room = std::numeric_limits<double>::infinity();
+    for (const HalfSpace& side : sides) room = std::min(room, -side.offset);
+    for (HalfSpace& side : sides) side.offset += std::min(inset, 0.5 * room);
+    points = cornersOf(sides);
+  }
+  Quickhull quickhull;
+  hullOf(quickhull, points);
+  TriangleMesh mesh = quickhull.mesh(points);
+  for (glm::dvec3& v : mesh.vertices) v += middle;
+  return mesh;
 }
 
 double exitDistance(std::span<const HalfSpace> hull, const glm::dvec3& origin,

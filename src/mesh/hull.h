@@ -1,5 +1,7 @@
-// The convex hull of points, as half spaces.
+// The convex hull of points, as half spaces and as a mesh.
 #pragma once
+
+#include <sherd/mesh.h>
 
 #include <glm/vec3.hpp>
 #include <span>
@@ -18,6 +20,12 @@ struct HalfSpace {
 ///   throws  Error(input) the points lie in a plane
 ///   source  Barber, Dobkin, Huhdanpaa, The Quickhull algorithm for convex hulls, 1996 (Qhull)
 [[nodiscard]] std::vector<HalfSpace> convexHull(std::vector<glm::dvec3> points);
+
+/// The hull as a mesh, oriented outwards; facets that are flat to within rounding are fans.
+///   inset   how far each facet is moved inwards; no farther than half of what its distance from
+///           the points' mean allows, so that something is left
+///   throws  as convexHull
+[[nodiscard]] TriangleMesh convexHullMesh(std::vector<glm::dvec3> points, double inset = 0.0);
 
 /// Where a ray from inside leaves the hull, in lengths of its direction: >= 0.
 [[nodiscard]] double exitDistance(std::span<const HalfSpace> hull, const glm::dvec3& origin,

@@ -1,0 +1,27 @@
+// Simple bodies in place of fragments, for simulations.
+#include <sherd/io.h>
+
+#include "io/atomic_file.h"
+#include "io/number_text.h"
+#include "mesh/hull.h"
+
+namespace sherd {
+
+void writeProxy(const std::filesystem::path& file, const Fragment& fragment,
+                const std::string& name, double gap) {
+  const TriangleMesh hull = convexHullMesh(fragment.mesh.vertices, 0.5 * gap);
+  std::string text = "o " + name + "\n";
+  for (const glm::dvec3& v : hull.vertices) {
+    text += 'v';
+    for (int axis = 0; axis < 3; ++axis) appendFloat(text += ' ', static_cast<float>(v[axis]));
+    text += '\n';
+  }
+  for (const glm::uvec3& t : hull.triangles) {
+    text += 'f';
+    for (int k = 0; k < 3; ++k) appendShortest(text += ' ', t[k] + 1);
+    text += '\n';
+  }
+  writeWhole(file, text);
+}
+
+}  // namespace sherd

@@ -1,0 +1,238 @@
+#!/usr/bin/python3
+"""Files for hosts: .vdb files by layout and packing, scene.glb, constraint graphs and proxies, as other readers have them.
+
+Environment: SHERD_BIN the program, SHERD_DATA the folder with amphora.ply.  Needs Debian's python3-numpy and
+python3-openvdb.
+"""
+import json
+import os
+import re
+import struct
+import unittest
+
+import numpy as np
+import pyopenvdb as vdb
+
+from cli_test import CommandLine
+
+AMPHORA = os.path.join(os.environ["SHERD_DATA"], "amphora.ply")
+PIECES = 6
+
+
+def read_glb(path):
+    """The JSON and the buffer."""
+    with open(path, "rb") as file:
+        data = file.read()
+    magic, version, length = struct.unpack_from("<4sII", data)
+    assert (magic, version, length) == (b"glTF", 2, len(data))
+    size, kind = struct.unpack_from("<I4s", data, 12)
+    assert kind == b"JSON"
+    return json.loads(data[20:20 + size]), data[28 + size:]
+
+
+def accessor(document, buffer, number):
+    """[count, components] of float32 or uint32."""
+    of = document["accessors"][number]
+    view = document["bufferViews"][of["bufferView"]]
+    kind = {5126: "<f4", 5125: "<u4"}[of["componentType"]]
+    width = {"SCALAR": 1, "VEC2": 2, "VEC3": 3}[of["type"]]
+    return np.frombuffer(buffer, kind, of["count"] * width, view["byteOffset"]).reshape(-1, width)
+
+
+def volume(vertices, triangles):
+    a, b, c = (vertices[triangles[:, k]].astype(float) for k in range(3))
+    return np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6
+
+
+class Hosts(CommandLine):
+    def broken(self, *arguments, out=None, pieces=PIECES):
+        out = out or self.out
+        done = self.run_sherd("fracture", AMPHORA, "-o", out, "--resolution", "48", "--pieces", str(pieces), *arguments)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        with open(os.path.join(out, "manifest.json")) as file:
+            return json.load(file)
+
+    def grids_of(self, name):
+        told = json.loads(self.run_sherd("inspect", os.path.join(self.out, name), "--json").stdout)
+        return {grid["name"] for grid in told["grids"]}
+
+    def test_one_file_holds_all_fragments(self):
+        manifest = self.broken("--write", "vdb", "--vdb", "both", "--density", "2.5")
+        names = {f"surface_{i}" for i in range(1, PIECES + 1)}
+        self.assertEqual(self.grids_of("fragments.vdb"), names | {"fragment_id"})
+        self.assertEqual(manifest["vdb"], "fragments.vdb")
+        for fragment in manifest["fragments"]:
+            grid = vdb.read(os.path.join(self.out, "fragments.vdb"), f"surface_{fragment['id']}")
+            alone = vdb.read(os.path.join(self.out, fragment["files"]["vdb"]), "surface")
+            self.assertEqual((grid.gridClass, grid.background, grid.transform), (alone.gridClass, alone.background, alone.transform))
+            self.assertEqual([(item.min, item.value) for item in grid.citerOnValues()],
+                             [(item.min, item.value) for item in alone.citerOnValues()])
+            metadata = grid.metadata
+            self.assertEqual(metadata["piece"], f"piece{fragment['id']}")
+            self.assertEqual(metadata["mass"], 2.5 * fragment["volume"])
+            self.assertEqual((metadata["area_inside"], metadata["area_outside"]),
+                             (fragment["fracture_area"], fragment["original_area"]))
+            # The principal moments are the eigenvalues of the manifest's inertia, and the quaternion turns to its axes.
+            xx, yy, zz, xy, xz, yz = fragment["inertia"]
+            inertia = 2.5 * np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+            x, y, z, w = metadata["inertia_orient"]
+            turn = np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                             [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                             [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
+            np.testing.assert_allclose(turn @ np.diag(metadata["inertia"]) @ turn.T, inertia, atol=1e-9 * np.trace(inertia))
+
+    def test_a_single_file_replaces_the_others(self):
+        manifest = self.broken("--write", "vdb", "--vdb", "single")
+        self.assertEqual(manifest["files"], ["fragments.vdb"])
+
+    def test_packing_changes_bytes_and_not_values(self):
+        sizes, values = {}, {}
+        for name, options in {"blosc": [], "zip": ["--compress", "zip"], "none": ["--compress", "none"],
+                              "half": ["--half"]}.items():
+            out = self.path(name)
+            manifest = self.broken("--write", "vdb", *options, out=out)
+            files = [os.path.join(out, f["files"]["vdb"]) for f in manifest["fragments"]]
+            sizes[name] = sum(map(os.path.getsize, files))
+            grid = vdb.read(files[0], "surface")
+            values[name] = [item.value for item in grid.citerOnValues()]
+            self.assertEqual(grid.metadata["is_saved_as_half_float"], name == "half")
+            self.assertEqual(grid.gridClass, "level set")
+        self.assertEqual(values["zip"], values["blosc"])
+        self.assertEqual(values["none"], values["blosc"])
+        off = np.abs(np.subtract(values["half"], values["blosc"])).max() / manifest["grid"]["voxel_size"]
+        self.assertTrue(0 < off < 0.002, off)
+        self.assertLess(sizes["half"], 0.8 * sizes["none"])
+        self.assertEqual(len({sizes["blosc"], sizes["zip"], sizes["none"]}), 3)
+
+    def test_fog_is_full_inside_and_empty_outside(self):
+        manifest = self.broken("--write", "vdb,fog", "--vdb", "both")
+        fragment = manifest["fragments"][0]
+        path = os.path.join(self.out, fragment["files"]["vdb"])
+        surface, fog = vdb.read(path, "surface"), vdb.read(path, "density")
+        self.assertEqual((fog.gridClass, fog.background), ("fog volume", 0.0))
+        self.assertEqual(fog.transform, surface.transform)
+        band = min(surface.background, -min(item.value for item in surface.citerAllValues()))
+        inside = surface.getConstAccessor()
+        for item in list(fog.citerOnValues())[::37]:
+            value = inside.getValue(item.min)
+            self.assertAlmostEqual(item.value, min(1.0, -value / band), delta=1e-5)
+            self.assertLess(value, 0)
+        self.assertLessEqual({f"density_{i}" for i in range(1, PIECES + 1)}, self.grids_of("fragments.vdb"))
+
+    def test_the_solid_is_written_in_every_format(self):
+        self.done("--write", "vdb,mesh,solid", "--mesh-format", "ply,obj,glb")
+        with open(os.path.join(self.out, "manifest.json")) as file:
+            manifest = json.load(file)
+        self.assertEqual(manifest["solid"], {"vdb": "fragments/ball.vdb",
+                                             "mesh": [f"meshes/ball.{kind}" for kind in ("ply", "obj", "glb")]})
+        told = json.loads(self.run_sherd("inspect", os.path.join(self.out, "meshes", "ball.ply"), "--json").stdout)
+        self.assertTrue(told["closed"])
+        ball = json.loads(self.run_sherd("inspect", self.ball, "--json").stdout)
+        self.assertAlmostEqual(told["volume"] / ball["volume"], 1, delta=0.005)
+        grid = vdb.read(os.path.join(self.out, "fragments", "ball.vdb"), "surface")
+        self.assertEqual(grid.gridClass, "level set")
+
+    def test_scene_has_a_body_for_each_fragment(self):
+        manifest = self.broken("--write", "scene,mesh", "--density", "3")
+        document, buffer = read_glb(os.path.join(self.out, "scene.glb"))
+        self.assertEqual(document["extensionsUsed"], ["KHR_physics_rigid_bodies"])
+        self.assertEqual(document["scenes"][0]["nodes"], list(range(PIECES)))
+        self.assertEqual([m["name"] for m in document["materials"]], ["outside", "inside"])
+        for node, fragment in zip(document["nodes"], manifest["fragments"], strict=True):
+            self.assertEqual(node["name"], f"amphora_{fragment['id']:03d}")
+            self.assertEqual(node["translation"], fragment["centroid"])
+            motion = node["extensions"]["KHR_physics_rigid_bodies"]["motion"]
+            self.assertEqual(motion["mass"], 3 * fragment["volume"])
+            self.assertAlmostEqual(sum(motion["inertiaDiagonal"]), 3 * sum(fragment["inertia"][:3]), delta=1e-9)
+            self.assertAlmostEqual(np.linalg.norm(motion["inertiaOrientation"]), 1)
+            total, low, high = 0.0, [], []
+            for primitive in document["meshes"][node["mesh"]]["primitives"]:
+                at = accessor(document, buffer, primitive["attributes"]["POSITION"])
+                total += volume(at, accessor(document, buffer, primitive["indices"]).reshape(-1, 3))
+                low.append(at.min(0))
+                high.append(at.max(0))
+            self.assertAlmostEqual(total / fragment["volume"], 1, delta=1e-4)
+            np.testing.assert_allclose(np.min(low, 0) + node["translation"], fragment["bbox"]["min"], atol=1e-5)
+            np.testing.assert_allclose(np.max(high, 0) + node["translation"], fragment["bbox"]["max"], atol=1e-5)
+
+    def test_graph_has_a_bond_for_each_contact(self):
+        manifest = self.broken("--write", "graph")
+        with open(os.path.join(self.out, "graph.json")) as file:
+            graph = json.load(file)
+        root, chunks = graph["chunks"][0], graph["chunks"][1:]
+        self.assertEqual((root["parentChunkIndex"], root["flags"]), (2**32 - 1, 0))
+        self.assertAlmostEqual(root["volume"], sum(f["volume"] for f in manifest["fragments"]))
+        for chunk, fragment in zip(chunks, manifest["fragments"], strict=True):
+            self.assertEqual((chunk["userData"], chunk["parentChunkIndex"], chunk["flags"]), (fragment["id"], 0, 1))
+            self.assertEqual((chunk["centroid"], chunk["volume"]), (fragment["centroid"], fragment["volume"]))
+        contacts = {(f["id"], c["id"]): c for f in manifest["fragments"] for c in f["contacts"] if c["id"] > f["id"]}
+        bonds = {tuple(b["chunkIndices"]): b for b in graph["bonds"]}
+        self.assertEqual(set(bonds), set(contacts))
+        self.assertEqual(len(bonds), len(graph["bonds"]))
+        for pair, bond in bonds.items():
+            for key in ("area", "normal", "centroid"):
+                self.assertEqual(bond[key], contacts[pair][key])
+        with open(os.path.join(self.out, "graph.geo")) as file:
+            text = file.read()
+        self.assertTrue(text.startswith(f"PGEOMETRY V5\nNPoints {PIECES} NPrims {len(contacts)}\n"))
+        points = [list(map(float, m)) for m in re.findall(r"^(\S+) (\S+) (\S+) 1 \(\d+\)$", text, re.M)]
+        self.assertEqual(points, [f["centroid"] for f in manifest["fragments"]])
+        lines = re.findall(r"^ 2 : (\d+) (\d+) \[0 0 (\S+) (\S+)\]$", text, re.M)
+        self.assertEqual(len(lines), len(contacts))
+        for a, b, length, strength in lines:
+            self.assertEqual(float(strength), contacts[int(a) + 1, int(b) + 1]["area"])
+            self.assertAlmostEqual(float(length), np.linalg.norm(np.subtract(points[int(a)], points[int(b)])))
+
+    def test_withheld_fragments_are_in_no_file(self):
+        manifest = self.broken("--write", "vdb,graph,scene,proxy", "--vdb", "single", "--missing", "2")
+        left = PIECES - 2
+        names = self.grids_of("fragments.vdb")
+        self.assertEqual(names, {f"surface_{i}" for i in range(1, left + 1)} | {"fragment_id"})
+        with open(os.path.join(self.out, "graph.json")) as file:
+            graph = json.load(file)
+        self.assertEqual(len(graph["chunks"]), left + 1)
+        self.assertTrue(all(max(b["chunkIndices"]) <= left for b in graph["bonds"]))
+        self.assertEqual(len(read_glb(os.path.join(self.out, "scene.glb"))[0]["nodes"]), left)
+        self.assertEqual(len(manifest["fragments"]), left)
+
+    def test_proxies_are_convex_and_hold_the_fragments(self):
+        from scipy.spatial import ConvexHull
+        manifest = self.broken("--write", "proxy,mesh")
+        for fragment in manifest["fragments"]:
+            path = os.path.join(self.out, fragment["files"]["proxy"])
+            told = json.loads(self.run_sherd("inspect", path, "--json").stdout)
+            self.assertTrue(told["closed"])
+            with open(path) as file:
+                lines = [line.split() for line in file]
+            self.assertEqual(lines[0], ["o", os.path.basename(path)[:-4]])
+            corners = np.array([line[1:] for line in lines if line[0] == "v"], float)
+            hull = ConvexHull(corners)
+            self.assertEqual(len(hull.vertices), len(corners))
+            self.assertAlmostEqual(told["volume"] / hull.volume, 1, delta=1e-4)
+            self.assertGreater(told["volume"], fragment["volume"])
+            np.testing.assert_allclose(corners.min(0), fragment["bbox"]["min"], atol=1e-5)
+            np.testing.assert_allclose(corners.max(0), fragment["bbox"]["max"], atol=1e-5)
+
+    def test_a_gap_moves_every_side_of_a_proxy_inwards(self):
+        box = self.path("box.obj", b"".join(
+            b"v %d %d %d\n" % (i >> 2 & 1, 2 * (i >> 1 & 1), 4 * (i & 1)) for i in range(8)) +
+            b"f 1 2 4 3\nf 5 7 8 6\nf 1 5 6 2\nf 3 4 8 7\nf 1 3 7 5\nf 2 6 8 4\n")
+        sides = {}
+        for gap in ("0", "0.2"):
+            out = self.path(f"gap{gap}")
+            done = self.run_sherd("fracture", box, "-o", out, "--pieces", "1", "--resolution", "32", "--write", "proxy",
+                                  "--proxy-gap", gap)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            with open(os.path.join(out, "proxies", "box_001.obj")) as file:
+                corners = np.array([line.split()[1:] for line in file if line[0] == "v"], float)
+            sides[gap] = np.ptp(corners, axis=0)
+        np.testing.assert_allclose(sides["0"] - sides["0.2"], 0.2, atol=1e-5)
+
+    def test_refuses_values_that_make_no_sense(self):
+        for arguments in (["--vdb", "all"], ["--compress", "gzip"], ["--density", "0"], ["--density", "nan"],
+                          ["--proxy-gap", "-1"]):
+            self.refused(2, self.fracture(*arguments), arguments[0])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,128 @@
+// What stands behind files for hosts: principal axes, hulls as meshes, ids as a grid.
+#include <gtest/gtest.h>
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/LevelSetSphere.h>
+#include <sherd/error.h>
+#include <sherd/io.h>
+
+#include <glm/gtc/matrix_transform.hpp>
+#include <glm/mat3x3.hpp>
+
+#include "mesh/hull.h"
+#include "mesh/principal_inertia.h"
+#include "mesh_checks.h"
+#include "shapes.h"
+#include "temp_folder.h"
+
+namespace sherd {
+namespace {
+
+// A box with sides 1, 2, 3, turned.
+TriangleMesh turnedBox(const glm::dmat3& turn, const glm::dvec3& centre) {
+  TriangleMesh mesh = shapes::cube(1.0);
+  for (glm::dvec3& v : mesh.vertices) v = turn * (v * glm::dvec3(1, 2, 3)) + centre;
+  return mesh;
+}
+
+glm::dmat3 someTurn() {
+  return glm::dmat3(glm::rotate(glm::rotate(glm::dmat4(1.0), 0.7, glm::dvec3(0, 0, 1)), -1.1,
+                                glm::normalize(glm::dvec3(1, 2, 0))));
+}
+
+TEST(PrincipalInertia, FindsTheAxesOfATurnedBox) {
+  const PrincipalInertia found =
+      principalInertia(massProperties(turnedBox(someTurn(), {5.0, -3.0, 2.0})));
+  std::vector<double> moments{found.moments.x, found.moments.y, found.moments.z};
+  std::sort(moments.begin(), moments.end());
+  // m (b^2 + c^2) / 12 with m = 6
+  EXPECT_NEAR(moments[0], 0.5 * (1 + 4), 1e-9);
+  EXPECT_NEAR(moments[1], 0.5 * (1 + 9), 1e-9);
+  EXPECT_NEAR(moments[2], 0.5 * (4 + 9), 1e-9);
+  const glm::dmat3 axes = glm::mat3_cast(found.orientation);
+  EXPECT_NEAR(glm::determinant(axes), 1.0, 1e-12);
+  glm::dmat3 diagonal(0.0);
+  for (int k = 0; k < 3; ++k) diagonal[k][k] = found.moments[k];
+  const glm::dmat3 back = axes * diagonal * glm::transpose(axes);
+  const glm::dmat3 inertia = massProperties(turnedBox(someTurn(), {5.0, -3.0, 2.0})).inertia;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) EXPECT_NEAR(back[i][j], inertia[i][j], 1e-9);
+  }
+}
+
+TEST(ConvexHullMesh, IsTheBodyItselfWhereThatIsConvex) {
+  const TriangleMesh box = turnedBox(someTurn(), {5.0, -3.0, 2.0});
+  std::vector<glm::dvec3> points = box.vertices;
+  points.push_back({5.0, -3.0, 2.0});  // inside
+  const TriangleMesh hull = convexHullMesh(points);
+  EXPECT_EQ(hull.vertices.size(), 8u);
+  EXPECT_EQ(hull.triangles.size(), 12u);
+  EXPECT_NEAR(volume(hull), 6.0, 1e-9);
+  EXPECT_NEAR(area(hull), 22.0, 1e-9);
+  expectClosedManifold(hull);
+
+  const TriangleMesh ball = shapes::ball(1.0, 3);
+  const TriangleMesh ballHull = convexHullMesh(ball.vertices);
+  EXPECT_EQ(ballHull.triangles.size(), ball.triangles.size());
+  EXPECT_NEAR(volume(ballHull), volume(ball), 1e-9);
+  expectClosedManifold(ballHull);
+}
+
+TEST(ConvexHullMesh, IsInsetOnEverySide) {
+  const TriangleMesh box = turnedBox(someTurn(), {5.0, -3.0, 2.0});
+  const TriangleMesh inset = convexHullMesh(box.vertices, 0.1);
+  EXPECT_NEAR(volume(inset), 0.8 * 1.8 * 2.8, 1e-9);
+  expectClosedManifold(inset);
+  // No farther than half of what there is: half a side of the shortest, so half its length is left.
+  EXPECT_NEAR(volume(convexHullMesh(box.vertices, 10.0)), 0.5 * 1.5 * 2.5, 1e-9);
+}
+
+TEST(ConvexHullMesh, RefusesAFlatBody) {
+  EXPECT_THROW((void)convexHullMesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}), Error);
+  EXPECT_THROW((void)convexHullMesh({{0, 0, 0}}), Error);
+}
+
+using WriteVdbOfAll = TempFolder;
+
+TEST_F(WriteVdbOfAll, HasTheIdOfEveryVoxel) {
+  Solid solid;
+  const auto grid = openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(1.0f, {0, 0, 0}, 0.1f);
+  solid.distance = grid;
+  solid.blocks.origins = {{-8, 0, 0}, {0, 0, 0}};
+  solid.blocks.inside.assign(16, 0);
+  solid.blocks.outerBand.assign(16, 0);
+  Labels labels;
+  labels.fragment.assign(1024, 0);
+  for (std::size_t place = 0; place < 1024; place += 3) {
+    solid.blocks.inside[place / 64] |= std::uint64_t{1} << (place % 64);
+    labels.fragment[place] = static_cast<std::uint16_t>(1 + place % 4);  // of 2 fragments
+  }
+  labels.fragment[3] = Labels::kWorn;
+  std::vector<Fragment> fragments(2);
+  for (std::size_t i = 0; i < 2; ++i) {
+    fragments[i].id = static_cast<int>(i) + 1;
+    fragments[i].surface = grid;
+  }
+  writeVdbOfAll(folder_ / "all.vdb", fragments, solid, labels, {"ball.obj", 7});
+  openvdb::io::File file((folder_ / "all.vdb").string());
+  file.open();
+  std::vector<std::string> names;
+  for (auto name = file.beginName(); name != file.endName(); ++name) names.push_back(*name);
+  std::sort(names.begin(), names.end());
+  EXPECT_EQ(names, (std::vector<std::string>{"fragment_id", "surface_1", "surface_2"}));
+  const auto ids = openvdb::gridPtrCast<openvdb::Int32Grid>(file.readGrid("fragment_id"));
+  ASSERT_TRUE(ids);
+  EXPECT_EQ(ids->background(), 0);
+  EXPECT_EQ(ids->transform(), grid->transform());
+  openvdb::Index64 active = 0;
+  solid.blocks.forEachInside([&](std::size_t place) {
+    const openvdb::Coord at = solid.blocks.voxelAt(place);
+    const std::uint16_t label = labels.fragment[place];
+    EXPECT_EQ(ids->tree().getValue(at), label <= 2 ? label : 0);
+    EXPECT_TRUE(ids->tree().isValueOn(at));
+    ++active;
+  });
+  EXPECT_EQ(ids->activeVoxelCount(), active);
+}
+
+}  // namespace
+}  // namespace sherd
