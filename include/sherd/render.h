@@ -37,6 +37,40 @@ struct RenderOptions {
                                     const RenderOptions& options = {},
                                     const Progress* progress = nullptr);
 
+/// What a picture is made of, for compositing.  Rows from the top; where no fragment is seen, 0 in
+/// every layer but depth.
+struct Layers {
+  int width = 0;
+  int height = 0;
+  std::vector<float> rgba;  ///< [height * width * 4] linear light of the fragments, not toned
+                            ///< down, times alpha; alpha is the share of the pixel they cover
+  // At pixels' centres:
+  std::vector<float> depth;             ///< [height * width] along the view, world units; infinite
+                                        ///< where nothing is seen
+  std::vector<glm::vec3> normal;        ///< unit, world axes, towards the camera
+  std::vector<glm::vec3> position;      ///< world, of the exploded fragment
+  std::vector<std::uint32_t> fragment;  ///< id
+  std::vector<std::uint32_t> facing;    ///< 0 original surface, else the fragment that was beyond
+};
+
+/// The layers of renderFragments' picture, without its ground and backdrop.
+///   throws  as renderFragments
+[[nodiscard]] Layers renderLayers(std::span<const Fragment> fragments,
+                                  const RenderOptions& options = {},
+                                  const Progress* progress = nullptr);
+
+/// Write layers as OpenEXR, ZIP-compressed scan lines: R, G, B, A of 16 bits; Z, N.X, N.Y, N.Z,
+/// P.X, P.Y, P.Z of 32 bits; id and facing as unsigned integers.
+///   throws  Error(output)
+void writeExr(const std::filesystem::path& file, const Layers& layers);
+
+/// The fragments of a fracture's folder, of its manifest, or of a folder of meshes as
+/// readFragments has it; else the one mesh of a file, or the level sets of a `.vdb` file.  A
+/// fracture's fragments without meshes are meshed from their level sets.
+///   return  id, mesh, facing where it is known, and mass of each
+///   throws  Error(input) nothing there can be drawn, or it is damaged
+[[nodiscard]] std::vector<Fragment> readPieces(const std::filesystem::path& path);
+
 /// Write an 8-bit RGB PNG.
 ///   throws  Error(output)
 void writePng(const std::filesystem::path& file, const Image& image);

@@ -16,6 +16,7 @@ using Action = std::function<void()>;
 void addFractureCommand(CLI::App& app, Action& run);
 void addInspectCommand(CLI::App& app, Action& run);
 void addEvaluateCommand(CLI::App& app, Action& run);
+void addRenderCommand(CLI::App& app, Action& run);
 void addDevicesCommand(CLI::App& app, Action& run);
 
 /// Write results to standard output.

@@ -56,6 +56,7 @@ void parse(int argc, char** argv, Action& run) {
   addFractureCommand(app, run);
   addInspectCommand(app, run);
   addEvaluateCommand(app, run);
+  addRenderCommand(app, run);
   addDevicesCommand(app, run);
   app.footer(
       "Exit status: 0 done, 1 internal error, 2 usage, 3 input, 4 device, 5 output, 130 "

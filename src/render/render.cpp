@@ -12,6 +12,7 @@
 #include <string>
 
 #include "render/camera.h"
+#include "render/layers.h"
 #include "render/light.h"
 #include "render/palette.h"
 #include "render/scene.h"
@@ -63,18 +64,26 @@ class Renderer {
   }
 
   Image render(const Progress* progress) const {
-    Image image{width_, height_,
-                std::vector<std::uint8_t>(3 * static_cast<std::size_t>(width_) *
-                                          static_cast<std::size_t>(height_))};
-    // Smoothing looks two rows up and down, so a band is shaded when the next one is traced.
-    const int bands = (height_ + kTile - 1) / kTile;
-    std::array<Band, 3> ring{Band(width_), Band(width_), Band(width_)};
-    for (int band = 0; band <= bands; ++band) {
-      step(progress, "render", static_cast<double>(band) / (bands + 1));
-      if (band < bands) trace(band, ring[static_cast<std::size_t>(band % 3)]);
-      if (band > 0) shade(band - 1, ring, image);
-    }
+    Image image{width_, height_, std::vector<std::uint8_t>(3 * pixels())};
+    forEachPixel(progress, [&](const Bands& ring, int x, int y) {
+      const Seen seen = pixel(ring, x, y, toneMap);
+      const glm::vec3 light = seen.light + seen.open * backdrop(x, y);
+      std::uint8_t* rgb = &image.rgb[3 * placeOf(x, y)];
+      for (int k = 0; k < 3; ++k) rgb[k] = byteFromLinear(light[k]);
+    });
     return image;
+  }
+
+  Layers layers(std::span<const Fragment> fragments, char up, const Progress* progress) const {
+    Layers layers{width_, height_, std::vector<float>(4 * pixels()), {}, {}, {}, {}, {}};
+    forEachPixel(progress, [&](const Bands& ring, int x, int y) {
+      const Seen seen = pixel(ring, x, y, [](const glm::vec3& light) { return light; });
+      float* rgba = &layers.rgba[4 * placeOf(x, y)];
+      for (int k = 0; k < 3; ++k) rgba[k] = seen.light[k];
+      rgba[3] = 1.0f - seen.open;
+    });
+    traceCentres(fragments, scene_, camera_, up, layers);
+    return layers;
   }
 
  private:
@@ -83,17 +92,30 @@ class Renderer {
                       [&](int tile) { tracer_.trace(tile * kTile, band * kTile, target); });
   }
 
-  void shade(int band, const std::array<Band, 3>& ring, Image& image) const {
-    const int first = band * kTile, last = std::min(height_, first + kTile);
-    tbb::parallel_for(first, last, [&](int y) {
-      for (int x = 0; x < width_; ++x) {
-        const glm::vec3 light = pixel(ring, x, y);
-        std::uint8_t* rgb =
-            &image.rgb[3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
-                            static_cast<std::size_t>(x))];
-        for (int k = 0; k < 3; ++k) rgb[k] = byteFromLinear(light[k]);
-      }
-    });
+  using Bands = std::array<Band, 3>;
+
+  std::size_t pixels() const {
+    return static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
+  }
+  std::size_t placeOf(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+           static_cast<std::size_t>(x);
+  }
+
+  // Smoothing looks two rows up and down, so a band is shaded when the next one is traced.
+  template <class Shade>
+  void forEachPixel(const Progress* progress, const Shade& shade) const {
+    const int bands = (height_ + kTile - 1) / kTile;
+    Bands ring{Band(width_), Band(width_), Band(width_)};
+    for (int band = 0; band <= bands; ++band) {
+      step(progress, "render", static_cast<double>(band) / (bands + 1));
+      if (band < bands) trace(band, ring[static_cast<std::size_t>(band % 3)]);
+      if (band == 0) continue;
+      const int first = (band - 1) * kTile, last = std::min(height_, first + kTile);
+      tbb::parallel_for(first, last, [&](int y) {
+        for (int x = 0; x < width_; ++x) shade(ring, x, y);
+      });
+    }
   }
 
   /// Where a sample of pixel (x, y) lies in its band.
@@ -101,7 +123,13 @@ class Renderer {
     return static_cast<std::size_t>((sample * kTile + y % kTile) * width_ + x);
   }
 
-  glm::vec3 pixel(const std::array<Band, 3>& ring, int x, int y) const {
+  /// The light that a pixel's samples see fragments in, and the share of those that see none.
+  struct Seen {
+    glm::vec3 light{0.0f};  ///< of all samples together
+    float open = 0.0f;
+  };
+  template <class Tone>
+  Seen pixel(const Bands& ring, int x, int y, const Tone& tone) const {
     glm::vec3 sum(0.0f);
     int open = 0;
     for (int s = 0; s < kSamplesPerPixel; ++s) {
@@ -111,16 +139,16 @@ class Renderer {
         ++open;
       } else {
         const glm::vec2 free = smoothed(ring, s, x, y, band.surface[at], band.samples[at]);
-        sum += toneMap(surfaceLight(band.surface[at], band.samples[at], free));
+        sum += tone(surfaceLight(band.surface[at], band.samples[at], free));
       }
     }
-    if (open > 0) sum += static_cast<float>(open) * backdrop(x, y);
-    return sum / static_cast<float>(kSamplesPerPixel);
+    constexpr float kShare = 1.0f / static_cast<float>(kSamplesPerPixel);
+    return {kShare * sum, kShare * static_cast<float>(open)};
   }
 
   /// Key and sky light at a sample: the mean of its neighbours on the same smooth surface, each of
   /// which has tried one direction of the pattern.
-  glm::vec2 smoothed(const std::array<Band, 3>& ring, int s, int x, int y, std::uint32_t surface,
+  glm::vec2 smoothed(const Bands& ring, int s, int x, int y, std::uint32_t surface,
                      const Sample& sample) const {
     const float tolerance =
         1.5f * camera_.pixel * glm::dot(camera_.eye - sample.position, camera_.back);
@@ -191,19 +219,32 @@ class Renderer {
   std::vector<PieceColour> colours_;
 };
 
-}  // namespace
-
-Image renderFragments(std::span<const Fragment> fragments, const RenderOptions& options,
-                      const Progress* progress) {
+template <class Render>
+auto withinMemory(const RenderOptions& options, const Progress* progress, const Render& render) {
   checkOptions(options);
   step(progress, "render", 0.0);
   try {
-    return Renderer(fragments, options).render(progress);
+    return render();
   } catch (const std::bad_alloc&) {
     throw Error(ErrorCode::output, "picture: no memory for " + std::to_string(options.width) + "x" +
                                        std::to_string(options.height) +
                                        " pixels; try a smaller picture");
   }
+}
+
+}  // namespace
+
+Image renderFragments(std::span<const Fragment> fragments, const RenderOptions& options,
+                      const Progress* progress) {
+  return withinMemory(options, progress,
+                      [&] { return Renderer(fragments, options).render(progress); });
+}
+
+Layers renderLayers(std::span<const Fragment> fragments, const RenderOptions& options,
+                    const Progress* progress) {
+  return withinMemory(options, progress, [&] {
+    return Renderer(fragments, options).layers(fragments, options.up, progress);
+  });
 }
 
 }  // namespace sherd

@@ -113,6 +113,12 @@ void build(Scene& scene) {
 
 }  // namespace
 
+glm::vec3 worldDirection(const glm::vec3& d, char up) {
+  if (up == 'z') return {d.x, -d.z, d.y};
+  if (up == 'x') return {d.y, d.z, d.x};
+  return d;
+}
+
 Scene makeScene(std::span<const Fragment> fragments, const RenderOptions& options) {
   const glm::dvec3 whole = centroidOfWhole(fragments);
   std::vector<glm::dvec3> shift(fragments.size());
@@ -130,6 +136,8 @@ Scene makeScene(std::span<const Fragment> fragments, const RenderOptions& option
   const double size = high == low ? 1.0 : 0.5 * glm::length(high - low);
 
   Scene scene;
+  scene.shifts = shift;
+  scene.size = size;
   scene.groundY = static_cast<float>((low.y - centre.y) / size);
   const glm::vec3 half = glm::vec3(0.5 * (high - low) / size);
   for (int k = 0; k < 8; ++k)

@@ -23,6 +23,8 @@ struct Piece {
 };
 
 struct Scene {
+  std::vector<glm::dvec3> shifts;     ///< [pieces] by how much each was moved; world
+  double size = 1.0;                  ///< world units in a unit of the scene
   std::vector<Piece> pieces;          ///< Embree's geometry id is the index
   std::vector<glm::vec3> boxCorners;  ///< [8] of the whole
   float groundY = 0.0f;               ///< the lowest vertex lies here
@@ -32,6 +34,10 @@ struct Scene {
   std::unique_ptr<std::remove_pointer_t<RTCScene>, decltype(&rtcReleaseScene)> embree{
       nullptr, &rtcReleaseScene};
 };
+
+/// A direction of the scene, y up, in the mesh's own axes.
+///   up  RenderOptions::up
+[[nodiscard]] glm::vec3 worldDirection(const glm::vec3& direction, char up);
 
 /// Explode, centre and scale the fragments, give them smooth normals, and build the tree of boxes.
 ///   throws  Error(output) when Embree fails

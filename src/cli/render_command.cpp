@@ -1,0 +1,157 @@
+// `sherd render`: pictures of fragments.
+#include <sherd/error.h>
+#include <sherd/render.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include "cli/command.h"
+#include "cli/option_text.h"
+
+namespace sherd::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct NamedView {
+  const char* name;
+  double azimuth, elevation;
+};
+constexpr NamedView kViews[] = {{"front", 0, 0},          {"right", 90, 0}, {"back", 180, 0},
+                                {"left", 270, 0},         {"top", 0, 90},   {"bottom", 0, -90},
+                                {"three-quarter", 35, 20}};
+
+struct RenderArguments {
+  std::string path;
+  std::string output;
+  RenderOptions options;
+  std::string up = "y";
+  int turntable = 0;  ///< pictures all the way round; 0: one
+  int threads = 0;    ///< 0: all cores
+};
+
+void parseView(const std::string& text, RenderOptions& options) {
+  for (const NamedView& view : kViews) {
+    if (text != view.name) continue;
+    options.azimuth = view.azimuth;
+    options.elevation = view.elevation;
+    return;
+  }
+  const std::vector<std::string> parts = split(text);
+  const auto numbers = numbersIn(parts);
+  if (!numbers || numbers->size() != 2 || std::abs((*numbers)[1]) > 90.0) {
+    refuse("--view", text,
+           "front, right, back, left, top, bottom, three-quarter, or AZIMUTH,ELEVATION in degrees");
+  }
+  options.azimuth = (*numbers)[0];
+  options.elevation = (*numbers)[1];
+}
+
+void parseSize(const std::string& text, RenderOptions& options) {
+  const std::size_t x = std::min(text.find('x'), text.size());
+  const std::vector<std::string> sides{text.substr(0, x),
+                                       text.substr(std::min(x + 1, text.size()))};
+  const auto numbers = numbersIn(sides);
+  const auto good = [](double side) {
+    return side >= 16.0 && side <= 16384.0 && side == std::floor(side);
+  };
+  if (!numbers || !good((*numbers)[0]) || !good((*numbers)[1])) {
+    refuse("--size", text, "WIDTHxHEIGHT, each 16 to 16384 pixels, as 1280x720");
+  }
+  options.width = static_cast<int>((*numbers)[0]);
+  options.height = static_cast<int>((*numbers)[1]);
+}
+
+std::string lowerExtension(const fs::path& file) {
+  std::string text = file.extension().string();
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+// x.png as x_007.png
+fs::path numbered(const fs::path& file, int number, int count) {
+  const std::size_t digits = std::max<std::size_t>(3, std::to_string(count).size());
+  const std::string text = std::to_string(number);
+  fs::path name = file.stem();
+  name += "_" + std::string(digits - text.size(), '0') + text + file.extension().string();
+  return file.parent_path() / name;
+}
+
+void runRender(RenderArguments& arguments) {
+  std::optional<tbb::global_control> threads;
+  if (arguments.threads > 0) {
+    threads.emplace(tbb::global_control::max_allowed_parallelism,
+                    static_cast<std::size_t>(arguments.threads));
+  }
+  const fs::path output = arguments.output;
+  const std::string extension = lowerExtension(output);
+  if (extension != ".png" && extension != ".exr") {
+    throw Error(ErrorCode::usage,
+                "--output: '" + arguments.output + "' ends neither in .png nor .exr");
+  }
+  RenderOptions options = arguments.options;
+  options.up = arguments.up.front();
+  const std::vector<Fragment> pieces = readPieces(arguments.path);
+  const int count = std::max(1, arguments.turntable);
+  for (int i = 0; i < count; ++i) {
+    options.azimuth = arguments.options.azimuth + 360.0 * i / count;
+    const fs::path file = arguments.turntable > 0 ? numbered(output, i + 1, count) : output;
+    if (extension == ".png") {
+      writePng(file, renderFragments(pieces, options));
+    } else {
+      writeExr(file, renderLayers(pieces, options));
+    }
+  }
+}
+
+}  // namespace
+
+void addRenderCommand(CLI::App& app, Action& run) {
+  CLI::App* command =
+      app.add_subcommand("render", "Draw a fracture, a mesh or a level set as .png or .exr");
+  auto arguments = std::make_shared<RenderArguments>();
+  command
+      ->add_option("PATH", arguments->path,
+                   "A fracture's folder, a folder of meshes, a mesh, or a .vdb file")
+      ->required();
+  command
+      ->add_option("-o,--output", arguments->output,
+                   "The picture: .png, or .exr with layers for compositing")
+      ->type_name("FILE")
+      ->required();
+  command
+      ->add_option_function<std::string>(
+          "--view", [arguments](const std::string& text) { parseView(text, arguments->options); },
+          "front, right, back, left, top, bottom, three-quarter, or AZIMUTH,ELEVATION in degrees")
+      ->type_name("VIEW")
+      ->default_str("three-quarter");
+  command
+      ->add_option("--explode", arguments->options.explode,
+                   "How far pieces move apart, as a share of their distance to the middle")
+      ->check(numberBetween(0.0, 100.0, "0..100"))
+      ->capture_default_str();
+  command
+      ->add_option_function<std::string>(
+          "--size", [arguments](const std::string& text) { parseSize(text, arguments->options); },
+          "Pixels")
+      ->type_name("WxH")
+      ->default_str("1280x720");
+  command
+      ->add_option("--turntable", arguments->turntable,
+                   "So many pictures all the way round, numbered: x_001.png and so on; 0 one")
+      ->transform(wholeNumber(0, 100'000))
+      ->capture_default_str();
+  command->add_option("--up", arguments->up, "The mesh's axis that points up")
+      ->check(CLI::IsMember({"x", "y", "z"}))
+      ->default_str("y");
+  command->add_option("--threads", arguments->threads, "Threads; default all cores")
+      ->transform(wholeNumber(1, 4096));
+  command->callback([arguments, &run] { run = [arguments] { runRender(*arguments); }; });
+}
+
+}  // namespace sherd::cli

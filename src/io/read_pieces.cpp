@@ -1,0 +1,117 @@
+// What is to be drawn, from whatever file or folder it is in.
+#include <openvdb/openvdb.h>
+#include <sherd/error.h>
+#include <sherd/evaluate.h>
+#include <sherd/render.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cctype>
+#include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
+
+#include "io/input_error.h"
+#include "io/manifest.h"
+#include "io/read_facing.h"
+#include "io/vdb.h"
+#include "mesh/turned_over.h"
+#include "surface/mesh.h"
+
+namespace sherd {
+namespace {
+
+namespace fs = std::filesystem;
+
+Fragment pieceOf(int id, TriangleMesh mesh, std::vector<std::uint16_t> facing = {}) {
+  Fragment piece;
+  piece.id = id;
+  piece.mesh = std::move(mesh);
+  piece.facing = std::move(facing);
+  piece.mass = massProperties(piece.mesh);
+  return piece;
+}
+
+// By any transform: meshed among its voxels, then moved.
+TriangleMesh meshOf(const openvdb::FloatGrid& grid) {
+  TriangleMesh mesh = meshLevelSet(grid, {}, nullptr).mesh;
+  for (glm::dvec3& v : mesh.vertices) {
+    const openvdb::Vec3d at = grid.indexToWorld(openvdb::Vec3d(v.x, v.y, v.z));
+    v = {at.x(), at.y(), at.z()};
+  }
+  return volume(mesh) < 0.0 ? turnedOver(std::move(mesh)) : mesh;
+}
+
+std::vector<Fragment> fromLevelSets(const fs::path& file) {
+  std::vector<Fragment> pieces;
+  for (const NamedLevelSet& level : readLevelSets(file)) {
+    pieces.push_back(pieceOf(static_cast<int>(pieces.size()) + 1, meshOf(*level.grid)));
+  }
+  return pieces;
+}
+
+// Of a fracture without meshes.
+std::vector<Fragment> fromVolumes(const fs::path& folder) {
+  const fs::path file = folder / "manifest.json";
+  const nlohmann::json manifest = needManifest(file);
+  const auto listed = listedFiles(manifest);
+  std::vector<fs::path> volumes;
+  try {
+    for (const nlohmann::json& fragment : manifest.at("fragments")) {
+      const std::string path = fragment.at("files").value("vdb", std::string());
+      const bool known = listed && std::find(listed->begin(), listed->end(), path) != listed->end();
+      if (path.empty() || !known) {
+        inputError(file, "names neither meshes nor level sets of its fragments");
+      }
+      volumes.push_back(folder / path);
+    }
+  } catch (const nlohmann::json::exception& e) {
+    inputError(file, std::string("is damaged: ") + e.what());
+  }
+  std::vector<Fragment> pieces(volumes.size());
+  tbb::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t i) {
+    pieces[i] = pieceOf(static_cast<int>(i) + 1, meshOf(*readLevelSet(volumes[i])));
+  });
+  return pieces;
+}
+
+std::vector<Fragment> fromFolder(const fs::path& folder) {
+  FragmentSet set = readFragments(folder);
+  const bool hasMeshes = std::none_of(set.fragments.begin(), set.fragments.end(),
+                                      [](const EvaluatedFragment& f) { return f.name.empty(); });
+  if (!hasMeshes) return fromVolumes(folder);
+  std::vector<Fragment> pieces;
+  for (EvaluatedFragment& fragment : set.fragments) {
+    FragmentMesh& mesh = fragment.mesh;
+    pieces.push_back(pieceOf(mesh.id, std::move(mesh.mesh), std::move(mesh.facing)));
+  }
+  return pieces;
+}
+
+std::string lowerExtension(const fs::path& file) {
+  std::string text = file.extension().string();
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+}  // namespace
+
+std::vector<Fragment> readPieces(const fs::path& path) {
+  if (!fs::exists(path)) inputError(path, "no such file or folder");
+  if (fs::is_directory(path)) return fromFolder(path);
+  const std::string extension = lowerExtension(path);
+  if (extension == ".vdb") return fromLevelSets(path);
+  if (extension == ".json") {
+    (void)needManifest(path);
+    const fs::path folder = path.parent_path();
+    return fromFolder(folder.empty() ? "." : folder);
+  }
+  SourceMesh read = readMesh(path);
+  std::vector<std::uint16_t> facing;
+  if (extension == ".ply") facing = readFacing(path, read.mesh);
+  std::vector<Fragment> pieces;
+  pieces.push_back(pieceOf(1, std::move(read.mesh), std::move(facing)));
+  return pieces;
+}
+
+}  // namespace sherd

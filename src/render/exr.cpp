@@ -1,0 +1,81 @@
+// Layers as OpenEXR files.
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfIO.h>
+#include <ImfOutputFile.h>
+#include <half.h>
+#include <sherd/error.h>
+#include <sherd/render.h>
+
+#include <string>
+
+#include "io/atomic_file.h"
+
+namespace sherd {
+namespace {
+
+// A file in memory: ours to write to a disk that may be full.
+class Memory : public Imf::OStream {
+ public:
+  Memory() : Imf::OStream("picture") {}
+  void write(const char data[], int size) override {
+    const auto count = static_cast<std::size_t>(size);
+    if (at_ + count > bytes.size()) bytes.resize(at_ + count);
+    bytes.replace(at_, count, data, count);
+    at_ += count;
+  }
+  std::uint64_t tellp() override { return at_; }
+  void seekp(std::uint64_t to) override { at_ = to; }
+
+  std::string bytes;
+
+ private:
+  std::size_t at_ = 0;
+};
+
+struct Channels {
+  Imf::Header header;
+  Imf::FrameBuffer buffer;
+  std::size_t width;
+
+  // Values of all pixels, `stride` bytes from one to the next.
+  void add(const char* name, Imf::PixelType type, const void* first, std::size_t stride) {
+    header.channels().insert(name, Imf::Channel(type));
+    char* bytes = const_cast<char*>(static_cast<const char*>(first));  // it is read only
+    buffer.insert(name, Imf::Slice(type, bytes, stride, stride * width));
+  }
+};
+
+}  // namespace
+
+void writeExr(const std::filesystem::path& file, const Layers& layers) {
+  std::vector<half> rgba(layers.rgba.begin(), layers.rgba.end());
+  Channels channels{
+      Imf::Header(layers.width, layers.height), {}, static_cast<std::size_t>(layers.width)};
+  channels.header.compression() = Imf::ZIP_COMPRESSION;
+  const char* const kColours[] = {"R", "G", "B", "A"};
+  for (std::size_t k = 0; k < 4; ++k) {
+    channels.add(kColours[k], Imf::HALF, &rgba[k], 4 * sizeof(half));
+  }
+  channels.add("Z", Imf::FLOAT, layers.depth.data(), sizeof(float));
+  const char* const kNormals[] = {"N.X", "N.Y", "N.Z"};
+  const char* const kPositions[] = {"P.X", "P.Y", "P.Z"};
+  for (int k = 0; k < 3; ++k) {
+    channels.add(kNormals[k], Imf::FLOAT, &layers.normal[0][k], sizeof(glm::vec3));
+    channels.add(kPositions[k], Imf::FLOAT, &layers.position[0][k], sizeof(glm::vec3));
+  }
+  channels.add("id", Imf::UINT, layers.fragment.data(), sizeof(std::uint32_t));
+  channels.add("facing", Imf::UINT, layers.facing.data(), sizeof(std::uint32_t));
+  Memory memory;
+  try {
+    Imf::OutputFile out(memory, channels.header);
+    out.setFrameBuffer(channels.buffer);
+    out.writePixels(layers.height);
+  } catch (const std::exception& e) {
+    throw Error(ErrorCode::output, file.string() + ": OpenEXR cannot encode it: " + e.what());
+  }
+  writeWhole(file, memory.bytes);
+}
+
+}  // namespace sherd
