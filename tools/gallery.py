@@ -299,6 +299,10 @@ class Runner:
             print(f"{options}: {done.stderr.strip()}", file=sys.stderr)
         return self.work / "pieces"
 
+    def rendered(self, folder, words):
+        subprocess.run([str(self.sherd), "render", *words.split(), "-o", "picture.png"], cwd=folder, check=True)
+        return Image.open(folder / "picture.png").convert("RGB")
+
     def preview(self, mesh, options):
         return Image.open(self.fracture(mesh, options, "preview") / "preview.png").convert("RGB")
 
@@ -670,14 +674,32 @@ def show_figure11(page, runner):
     page.commands(lines)
 
 
+def show_render(page, runner):
+    page.text("## Pictures of a fracture", "", "`sherd render` draws a finished fracture, its level sets or hulls, or any mesh.")
+    options = "--pieces 8 --seed 1 --write mesh,proxy"
+    folder = runner.fracture("amphora.ply", options, "mesh,proxy")
+    page.commands([command("amphora.ply", options)])
+    for title, items in (
+            ("`--view`", [("front", "pieces --view front"), ("top", "pieces --view top"), ("behind", "pieces --view 215,-10")]),
+            ("`--explode`", [("together", "pieces --explode 0"), ("apart", "pieces --explode 1")]),
+            ("Other things to draw", [("piece", "pieces/meshes/amphora_002.ply"), ("hulls", "pieces/proxies")])):
+        page.text(f"### {title}")
+        lines = [f"sherd render {words} -o picture.png" for _, words in items]
+        images = cropped([runner.rendered(folder.parent, words) for _, words in items], 230)
+        cells = [(page.photo(f"render-{name}", image), f"`{words.split(' ', 1)[-1]}`")
+                 for (name, words), image in zip(items, images)]
+        page.table(cells, 3)
+        page.commands(lines)
+
+
 INTRODUCTION = """# Gallery
 
-Pictures of what each option does, each with its command. `tools/gallery.py build/release/sherd docs` makes this page and its
+Pictures of what each option does, each with its command. `tools/pictures.sh` makes this page and its
 pictures anew; they are `preview.png`, cropped alike in a row and made small. `tools/gallery.py --inputs .` writes the other
 inputs: `block.obj` (side 1), `plate.obj` (1 by 1 by 0.15, the front at z = 0.15), `ball.obj` (radius 1), and seeds.
 
-Options without a picture: `--device` and `--threads` change nothing but the time, `--write`, `--json` and `--quiet` say what
-comes out, and those of distances (`--sdf-samples` and its) draw on pieces that stay as they are. [cli.md](cli.md) has the meaning and range of every option."""
+Options without a picture: `--device` and `--threads` change nothing but the time, `--write`, `--json`, `--quiet` and the files for
+hosts (`--vdb` and after it) say what comes out, and those of distances (`--sdf-samples` and its) draw on pieces that stay as they are. [cli.md](cli.md) has the meaning and range of every option."""
 
 
 def main():
@@ -716,6 +738,8 @@ def main():
                 show_figure5(page, runner)
         print("figure7", flush=True)
         show_figure7(page, runner)
+        print("pictures", flush=True)
+        show_render(page, runner)
         page.finish()
         size = sum(f.stat().st_size for f in page.images.iterdir())
         print(f"{runner.count} fractures, {len(list(page.images.iterdir()))} pictures, {size} bytes")

@@ -1,0 +1,16 @@
+#!/usr/bin/env bash
+# Make every picture of README.md and docs/gallery.md anew, and the gallery's page with them.  Some ten minutes on two cores.
+#
+# usage: pictures.sh
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+tools/install_packages.sh pictures
+tools/build.sh release sherd_cli -- -DSHERD_TESTS=OFF -DSHERD_BENCH=OFF
+sherd=build/release/sherd
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+"$sherd" fracture data/amphora.ply -o "$work/pieces" --pieces 8 --seed 1 --write mesh --quiet
+"$sherd" render "$work/pieces" -o docs/images/amphora.png
+/usr/bin/python3 tools/gallery.py "$sherd" docs
