@@ -77,7 +77,8 @@ void checkSurfaceOptions(const SurfaceOptions& options);
 /// them 3.6 %).
 ///
 /// With Interface::shared all fragments are smoothed at once: a vertex that several have goes to
-/// the mean of where each of them would move it, so the two sides stay together.  Of
+/// the mean of where each of them would move it, so the two sides stay together; and surfaces of
+/// pores and crumbs, under 100 triangles, stay as they are, or they would shrink to a point.  Of
 /// Surface::labels the two sides' meshes are mirror images inside an interface and move alike, as
 /// far from the rim as there are iterations; at the rim and where more than two fragments meet
 /// each side has neighbours of its own, and the sides part.

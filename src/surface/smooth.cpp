@@ -13,12 +13,17 @@
 namespace sherd {
 namespace {
 
+// Surfaces of fewer triangles than this, those of pores and crumbs of a voxel or three, would
+// shrink to a point.
+constexpr std::size_t kLeastTriangles = 100;
+
 // What is smoothed: one mesh, or several whose vertices at one place stay together.
 struct Smoothed {
   std::vector<glm::dvec3> vertices;
   std::vector<glm::uvec3> faces;
   std::vector<bool> boundary;         // [vertices]
   std::vector<std::uint32_t> places;  // [vertices] or empty
+  std::vector<bool> stays{};          // [vertices] or empty
 };
 
 // Vertices that move and share a place all go to their mean.
@@ -65,10 +70,29 @@ void smooth(Smoothed& mesh, const std::vector<bool>& moves, double weight, int i
 }
 
 void smooth(Smoothed& mesh, const SmoothOptions& options, int longestSide) {
-  std::vector<bool> other = mesh.boundary;
+  std::vector<bool> boundary = mesh.boundary, other = mesh.boundary;
   other.flip();
+  for (std::size_t v = 0; v < mesh.stays.size(); ++v) {
+    if (mesh.stays[v]) boundary[v] = other[v] = false;
+  }
   smooth(mesh, other, options.weight, options.iterations.over(longestSide));
-  smooth(mesh, mesh.boundary, options.boundaryWeight, options.boundaryIterations.over(longestSide));
+  smooth(mesh, boundary, options.boundaryWeight, options.boundaryIterations.over(longestSide));
+}
+
+// [places] Does a small surface pass there?
+std::vector<bool> smallSurfaces(std::span<const LabelledMesh> meshes,
+                                std::span<const std::uint32_t> places) {
+  std::vector<bool> isSmall(*std::max_element(places.begin(), places.end()) + std::size_t{1});
+  for (const LabelledMesh& mesh : meshes) {
+    const Components parts = components(mesh.mesh);
+    std::vector<std::size_t> triangles(parts.count, 0);
+    for (const std::uint32_t part : parts.ofTriangle) ++triangles[part];
+    for (std::size_t t = 0; t < parts.ofTriangle.size(); ++t) {
+      if (triangles[parts.ofTriangle[t]] >= kLeastTriangles) continue;
+      for (int k = 0; k < 3; ++k) isSmall[mesh.place[mesh.mesh.triangles[t][k]]] = true;
+    }
+  }
+  return isSmall;
 }
 
 // Add a mesh behind what is there.
@@ -135,6 +159,8 @@ void smoothTogether(std::span<LabelledMesh> meshes,
     add(all, meshes[i].mesh, facing[i]);
     all.places.insert(all.places.end(), meshes[i].place.begin(), meshes[i].place.end());
   }
+  const std::vector<bool> isSmall = smallSurfaces(meshes, all.places);
+  for (const std::uint32_t place : all.places) all.stays.push_back(isSmall[place]);
   smooth(all, options, longestSide);
   auto from = all.vertices.begin();
   for (LabelledMesh& mesh : meshes) {

@@ -11,7 +11,8 @@
 namespace sherd {
 
 /// Smooth meshes as `smoothed` does each, but vertices at one place go to the mean of where each
-/// would: what meshes share stays shared.
+/// would: what meshes share stays shared.  Closed surfaces of fewer than 100 triangles, round pores
+/// and crumbs of a voxel or three, stay as they are: they would shrink to a point.
 ///   facing  [meshes][triangles]
 void smoothTogether(std::span<LabelledMesh> meshes,
                     std::span<const std::vector<std::uint16_t>> facing,

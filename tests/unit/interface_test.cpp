@@ -275,6 +275,31 @@ TEST_F(InterfaceOfFracture, SimplifiedKeepsThePlaceOfTheSurface) {
   }
 }
 
+// The smaller of two closed surfaces.
+TriangleMesh smallerPart(const TriangleMesh& mesh) {
+  const Components parts = components(mesh);
+  EXPECT_EQ(parts.count, 2u);
+  const auto first = std::count(parts.ofTriangle.begin(), parts.ofTriangle.end(), 0u);
+  const std::uint32_t smaller = 2 * static_cast<std::size_t>(first) > mesh.triangles.size();
+  TriangleMesh part{mesh.vertices, {}};
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (parts.ofTriangle[t] == smaller) part.triangles.push_back(mesh.triangles[t]);
+  }
+  return part;
+}
+
+TEST_F(InterfaceOfFracture, SmoothingLeavesAPore) {
+  const TriangleMesh ball = shapes::hollowBall(1.0, 0.04);  // the pore is little more than a voxel
+  FractureOptions options{.pieces = 1, .resolution = 64};
+  const TriangleMesh before = fracture(ball, options, device()).fragments[0].mesh;
+  options.surface.smooth.iterations = {20};
+  options.surface.smooth.weight = 0.9;
+  const TriangleMesh after = fracture(ball, options, device()).fragments[0].mesh;
+  EXPECT_LT(volume(smallerPart(before)), 0.0);
+  EXPECT_NEAR(volume(smallerPart(after)) / volume(smallerPart(before)), 1.0, 1e-9);
+  EXPECT_LT(volume(after), volume(before));
+}
+
 TEST_F(InterfaceOfFracture, LeavesNoGap) {
   // What is shared cancels, so volumes add up to the mesh of the outside faces alone.
   const FractureResult result =
