@@ -4,7 +4,7 @@
 # usage: install_packages.sh build|test|ci|pictures
 #   build  what the library and the program are made from
 #   test   also what the tests use
-#   ci     also sanitizers, oclgrind, the formatter and a second OpenCL driver
+#   ci     also sanitizers, oclgrind, the formatter and another reader of pictures
 #   pictures  what the pictures of the documents are made with
 set -euo pipefail
 
@@ -13,7 +13,7 @@ build=(cmake ninja-build g++ libopenvdb-dev libtbb-dev libboost-iostreams-dev li
   libcgal-dev libpng-dev zlib1g-dev libssl-dev libcli11-dev nlohmann-json3-dev)
 test=(libgtest-dev libbenchmark-dev python3 python3-numpy python3-scipy python3-openvdb mesa-opencl-icd)
 pictures=(python3-numpy python3-pil python3-matplotlib blender)
-ci=(clang clang-format libclang-rt-14-dev oclgrind ccache)
+ci=(python3-openimageio clang clang-format libclang-rt-14-dev oclgrind ccache)
 
 case "${1:-}" in
   build) wanted=("${build[@]}") ;;

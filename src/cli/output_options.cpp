@@ -161,8 +161,8 @@ void addMeshFormatOption(CLI::App& command, WriteOptions& write) {
           [&write](const std::string& text) {
             parseFormats("--mesh-format", text, names::kMeshFileFormat, write.meshFormats);
           },
-          "Files of meshes, one or more: PLY, OBJ with materials, binary glTF")
-      ->type_name("ply,obj,glb")
+          "Files of meshes, one or more: PLY, OBJ with materials, binary glTF, STL")
+      ->type_name("ply,obj,glb,stl")
       ->default_str("ply");
 }
 

@@ -47,6 +47,9 @@ void MeshWriter::write(const TriangleMesh& mesh, const std::vector<std::uint16_t
       case MeshFileFormat::glb:
         writePieceGlb(file, piece);
         break;
+      case MeshFileFormat::stl:
+        writePieceStl(file, piece);
+        break;
     }
   }
 }

@@ -53,13 +53,16 @@ struct SplitCorners {
 [[nodiscard]] SplitCorners splitCorners(const PieceMesh& piece);
 
 /// Binary little-endian PLY; one vertex for each of the mesh's, so it stays closed.
-///   throws  Error(output), as all three
+///   throws  Error(output), as all of them
 void writePiecePly(const std::filesystem::path& file, const PieceMesh& piece);
 
 /// OBJ with normals, and texture coordinates and colours where there are some.
 ///   library  the file of mtlText(piece.materials), beside it
 void writePieceObj(const std::filesystem::path& file, const PieceMesh& piece,
                    const std::string& library);
+
+/// Binary STL: the triangles alone, with their normals.
+void writePieceStl(const std::filesystem::path& file, const PieceMesh& piece);
 
 /// A piece of a scene.
 struct SceneNode {

@@ -14,6 +14,7 @@ import numpy as np
 import pyopenvdb as vdb
 
 from cli_test import CommandLine
+from ply_file import read_triangles
 
 AMPHORA = os.path.join(os.environ["SHERD_DATA"], "amphora.ply")
 PIECES = 6
@@ -131,6 +132,22 @@ class Hosts(CommandLine):
         self.assertAlmostEqual(told["volume"] / ball["volume"], 1, delta=0.005)
         grid = vdb.read(os.path.join(self.out, "fragments", "ball.vdb"), "surface")
         self.assertEqual(grid.gridClass, "level set")
+
+    def test_stl_has_the_same_triangles(self):
+        manifest = self.broken("--write", "mesh", "--mesh-format", "ply,stl")
+        for fragment in manifest["fragments"]:
+            ply, stl = (os.path.join(self.out, file) for file in fragment["files"]["mesh"])
+            vertices, triangles, _ = read_triangles(ply)
+            with open(stl, "rb") as file:
+                data = file.read()
+            self.assertTrue(data.startswith(b"Sherd amphora_"))
+            faces = np.frombuffer(data, [("normal", "<f4", 3), ("at", "<f4", (3, 3)), ("zero", "<u2")], offset=84)
+            self.assertEqual(struct.unpack_from("<I", data, 80)[0], len(faces))
+            np.testing.assert_array_equal(faces["at"], vertices[triangles].astype(np.float32))
+            round_about = np.cross(faces["at"][:, 1] - faces["at"][:, 0], faces["at"][:, 2] - faces["at"][:, 0])
+            self.assertGreater(np.einsum("ij,ij->i", faces["normal"], round_about).min(), 0)
+            told = json.loads(self.run_sherd("inspect", stl, "--json").stdout)
+            self.assertTrue(told["closed"])
 
     def test_scene_has_a_body_for_each_fragment(self):
         manifest = self.broken("--write", "scene,mesh", "--density", "3")

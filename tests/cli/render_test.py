@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 """`sherd render`: what its pictures and layers hold, from which files it draws, and what it refuses.
 
-Environment: SHERD_BIN the program, SHERD_DATA the folder with amphora.ply.  Needs Debian's python3-numpy.
+Environment: SHERD_BIN the program, SHERD_DATA the folder with amphora.ply.  Needs Debian's python3-numpy; with
+python3-openimageio the layers are read by that too.
 """
 import json
 import math
@@ -10,6 +11,11 @@ import struct
 import unittest
 
 import numpy as np
+
+try:
+    import OpenImageIO
+except ImportError:
+    OpenImageIO = None
 
 from cli_test import CommandLine, tree
 from exr_file import read_exr
@@ -63,6 +69,19 @@ class Render(CommandLine):
         self.assertAlmostEqual(layers["P.X"][seen].max(), 3, delta=step)
         self.assertTrue((layers["A"][seen] > 0).all() and (layers["A"] <= 1).all())
         self.assertTrue((layers["R"][layers["A"] == 0] == 0).all())
+
+    @unittest.skipUnless(OpenImageIO, "python3-openimageio is not installed")
+    def test_another_reader_finds_the_same_layers(self):
+        layers = self.layers(self.path("box.obj", BOX), "--size", "80x60")
+        image = OpenImageIO.ImageBuf(self.path("layers.exr"))
+        names = list(image.spec().channelnames)
+        self.assertEqual(sorted(names), sorted(layers))
+        pixels = image.get_pixels(OpenImageIO.FLOAT)
+        for k, name in enumerate(names):
+            values = pixels[..., k]
+            if layers[name].dtype == np.uint32:  # it takes whole numbers for shares of the largest
+                values = np.rint(values * (2.0**32 - 1))
+            np.testing.assert_array_equal(values, layers[name].astype(np.float32), name)
 
     def test_up_turns_the_view_and_not_the_layers(self):
         box = self.path("box.obj", BOX)
