@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # Install the Debian packages that are missing.
 #
-# usage: install_packages.sh build|test|ci|pictures
+# usage: install_packages.sh build|test|ci|hosts|pictures
 #   build  what the library and the program are made from
 #   test   also what the tests use
-#   ci     also sanitizers, oclgrind, the formatter and another reader of pictures
+#   ci     also sanitizers, oclgrind and the formatter
+#   hosts  programs that read what Sherd writes: Blender, OpenImageIO
 #   pictures  what the pictures of the documents are made with
 set -euo pipefail
 
@@ -12,15 +13,17 @@ build=(cmake ninja-build g++ libopenvdb-dev libtbb-dev libboost-iostreams-dev li
   ocl-icd-opencl-dev opencl-c-headers opencl-clhpp-headers pocl-opencl-icd libassimp-dev libembree-dev libqhull-dev
   libcgal-dev libpng-dev zlib1g-dev libssl-dev libcli11-dev nlohmann-json3-dev)
 test=(libgtest-dev libbenchmark-dev python3 python3-numpy python3-scipy python3-openvdb mesa-opencl-icd)
+hosts=(blender python3-openimageio)
 pictures=(python3-numpy python3-pil python3-matplotlib blender)
-ci=(python3-openimageio clang clang-format libclang-rt-14-dev oclgrind ccache)
+ci=(clang clang-format libclang-rt-14-dev oclgrind ccache)
 
 case "${1:-}" in
   build) wanted=("${build[@]}") ;;
   test) wanted=("${build[@]}" "${test[@]}") ;;
   ci) wanted=("${build[@]}" "${test[@]}" "${ci[@]}") ;;
+  hosts) wanted=("${hosts[@]}") ;;
   pictures) wanted=("${build[@]}" "${pictures[@]}") ;;
-  *) echo "usage: install_packages.sh build|test|ci|pictures" >&2; exit 2 ;;
+  *) echo "usage: install_packages.sh build|test|ci|hosts|pictures" >&2; exit 2 ;;
 esac
 
 missing=()

@@ -54,12 +54,16 @@ std::vector<Fragment> fromVolumes(const fs::path& folder) {
   const fs::path file = folder / "manifest.json";
   const nlohmann::json manifest = needManifest(file);
   const auto listed = listedFiles(manifest);
+  const auto isListed = [&](const std::string& path) {
+    return listed && std::find(listed->begin(), listed->end(), path) != listed->end();
+  };
   std::vector<fs::path> volumes;
   try {
+    const std::string all = manifest.value("vdb", std::string());
+    if (isListed(all)) return fromLevelSets(folder / all);
     for (const nlohmann::json& fragment : manifest.at("fragments")) {
       const std::string path = fragment.at("files").value("vdb", std::string());
-      const bool known = listed && std::find(listed->begin(), listed->end(), path) != listed->end();
-      if (path.empty() || !known) {
+      if (!isListed(path)) {
         inputError(file, "names neither meshes nor level sets of its fragments");
       }
       volumes.push_back(folder / path);

@@ -131,6 +131,10 @@ class Render(CommandLine):
         for source in (self.out, os.path.join(self.out, "fragments.vdb"), os.path.join(self.out, "manifest.json")):
             layers = self.layers(source, "--size", "160x120")
             self.assertGreaterEqual(len(set(np.unique(layers["id"])) - {0}), 3, source)
+        for layout in ("files", "single"):
+            self.broken("--write", "vdb", "--vdb", layout)
+            self.assertGreaterEqual(len(set(np.unique(self.layers(self.out, "--size", "160x120")["id"])) - {0}), 3)
+        self.broken("--write", "vdb")
         one = self.layers(os.path.join(self.out, "fragments", "amphora_002.vdb"), "--size", "64x48")
         self.assertEqual(set(np.unique(one["id"])), {0, 1})
 

@@ -1,0 +1,129 @@
+#!/usr/bin/python3
+"""Blender opens what is written for hosts: .vdb files of every layout and packing, and scene.glb.
+
+Environment: as blender_test.py.  Without Blender all is skipped.
+"""
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+import numpy as np
+
+from blender_test import Blender
+from appearance_test import png
+from cli_test import SHERD, sphere, write_obj
+
+PACKED = {"blosc": ["--vdb", "both", "--write", "vdb,fog,solid"], "zip": ["--compress", "zip", "--write", "vdb"],
+          "none": ["--compress", "none", "--write", "vdb"], "half": ["--half", "--write", "vdb"]}
+PIECES = 4
+
+# Opens every file alone, and meshes its level sets at 0.
+OPEN = '''
+def of_grid(volume, name):
+    mesh = bpy.data.objects.new(name, bpy.data.meshes.new(name))
+    bpy.context.scene.collection.objects.link(mesh)
+    modifier = mesh.modifiers.new("Volume to Mesh", "VOLUME_TO_MESH")
+    modifier.object, modifier.grid_name, modifier.threshold, modifier.adaptivity = volume, name, 0.0, 0.0
+    modifier.resolution_mode = "GRID"
+    return mesh
+
+told = {}
+for path in sys.argv[sys.argv.index("--") + 3:]:
+    data = bpy.data.volumes.new(os.path.basename(path))
+    data.filepath, data.is_sequence = path, False
+    volume = bpy.data.objects.new(data.name, data)
+    bpy.context.scene.collection.objects.link(volume)
+    bpy.context.view_layer.update()
+    data.grids.load()
+    grids = {g.name: g.data_type for g in data.grids}
+    surfaces = sorted((n for n in grids if n.startswith("surface")), key=lambda n: (len(n), n))
+    told[path] = {"grids": grids, "surfaces": [measures(of_grid(volume, n)) for n in surfaces]}
+tell(files=told)
+'''
+
+
+class HostFiles(Blender):
+    @classmethod
+    def setUpClass(cls):
+        cls.made = pathlib.Path(tempfile.mkdtemp(prefix="sherd-blender-files-"))
+        cls.addClassCleanup(shutil.rmtree, cls.made)
+        cls.ball = cls.made / "ball.obj"
+        write_obj(cls.ball, sphere(24, 48, center=(2.0, 3.0, 5.0), radius=1.5))
+
+    def fracture(self, folder, mesh, *options):
+        subprocess.run([SHERD, "fracture", mesh, "-o", folder, "--pieces", str(PIECES), "--resolution", "48", "--quiet", *options],
+                       check=True, timeout=120)
+        return json.loads((folder / "manifest.json").read_text())
+
+    def test_every_packing_opens_in_place_and_closed(self):
+        manifests = {name: self.fracture(self.tmp / name, self.ball, *options) for name, options in PACKED.items()}
+        single = self.tmp / "blosc" / "fragments.vdb"
+        solid = self.tmp / "blosc" / "fragments" / "ball.vdb"
+        alone = {name: [str(self.tmp / name / f["files"]["vdb"]) for f in manifests[name]["fragments"]] for name in PACKED}
+        told = self.blender(OPEN, *sum(alone.values(), []), single, solid)["files"]
+        voxel = manifests["blosc"]["grid"]["voxel_size"]
+
+        def holds(mesh, says):
+            self.assertTrue(mesh["closed"])
+            self.assertAlmostEqual(mesh["volume"] / says["volume"], 1, delta=0.01)
+            # Blender 3.4 adds half a voxel to every vertex; the mesher rounds corners.
+            self.assertLess(np.abs(np.subtract(mesh["centre"], says["centroid"]) - voxel / 2).max(), 0.05 * voxel)
+            np.testing.assert_allclose(mesh["low"], np.add(says["bbox"]["min"], voxel / 2), atol=voxel)
+            np.testing.assert_allclose(mesh["high"], np.add(says["bbox"]["max"], voxel / 2), atol=voxel)
+
+        for name, files in alone.items():
+            for path, says in zip(files, manifests[name]["fragments"], strict=True):
+                with self.subTest(name, fragment=says["id"]):
+                    fog = {"density": "FLOAT"} if name == "blosc" else {}
+                    self.assertEqual(told[path]["grids"], {"surface": "FLOAT", **fog})
+                    holds(told[path]["surfaces"][0], says)
+        numbers = range(1, PIECES + 1)
+        self.assertEqual(told[str(single)]["grids"], {"fragment_id": "INT", **{f"surface_{i}": "FLOAT" for i in numbers},
+                                                      **{f"density_{i}": "FLOAT" for i in numbers}})
+        for mesh, says in zip(told[str(single)]["surfaces"], manifests["blosc"]["fragments"], strict=True):
+            holds(mesh, says)
+        whole = told[str(solid)]["surfaces"][0]
+        self.assertTrue(whole["closed"])
+        self.assertAlmostEqual(whole["volume"] / sum(f["volume"] for f in manifests["blosc"]["fragments"]), 1, delta=0.01)
+
+    def test_scene_has_named_nodes_materials_and_the_texture(self):
+        (self.made / "checks.png").write_bytes(png(np.arange(12, dtype=np.uint8).reshape(2, 2, 3) * 20))
+        (self.made / "look.mtl").write_text("newmtl glaze\nKd 1 1 1\nmap_Kd checks.png\n")
+        places, faces = sphere(24, 48, center=(2.0, 3.0, 5.0), radius=1.5)
+        with open(self.made / "painted.obj", "w") as file:
+            file.write("mtllib look.mtl\nusemtl glaze\n")
+            file.writelines(f"v {x} {y} {z}\n" for x, y, z in places)
+            file.writelines(f"vt {(x - 0.5) / 3} {(y - 1.5) / 3}\n" for x, y, _ in places)
+            file.writelines(f"f {a + 1}/{a + 1} {b + 1}/{b + 1} {c + 1}/{c + 1}\n" for a, b, c in faces)
+        manifest = self.fracture(self.tmp / "painted", self.made / "painted.obj", "--write", "scene", "--density", "2")
+        told = self.blender('''
+if "bool" not in vars(np):
+    np.bool = bool  # Blender 3.4's importer asks for a name that numpy 1.24 (Debian 12) has dropped
+bpy.ops.object.select_all(action="SELECT")
+bpy.ops.object.delete()
+bpy.ops.import_scene.gltf(filepath=sys.argv[-1])
+bpy.context.view_layer.update()
+tell(things=[{**measures(o), "location": o.location[:], "materials": [m.name for m in o.data.materials], "uv": len(o.data.uv_layers)}
+             for o in bpy.data.objects if o.type == "MESH"],
+     images=[i.size[:] for i in bpy.data.images if i.name.startswith("checks")],
+     textured=[m.name for m in bpy.data.materials if m.use_nodes and any(n.type == "TEX_IMAGE" for n in m.node_tree.nodes)],
+     materials=[m.name for m in bpy.data.materials if m.users])
+''', self.tmp / "painted" / "scene.glb")
+        self.assertEqual([t["name"] for t in told["things"]], [f"painted_{i:03d}" for i in range(1, PIECES + 1)])
+        own = [name for name in told["materials"] if name.startswith(("glaze", "inside"))]
+        self.assertEqual(sorted(own), ["glaze", "inside"], "each is there once for all")
+        self.assertEqual((told["textured"], told["images"]), (["glaze"], [[2, 2]]))
+        for thing, says in zip(told["things"], manifest["fragments"], strict=True):
+            self.assertEqual((thing["materials"], thing["uv"]), (["glaze", "inside"], 1))
+            x, y, z = says["centroid"]
+            np.testing.assert_allclose(thing["location"], [x, -z, y], atol=1e-5)  # the importer takes y for up
+            np.testing.assert_allclose(thing["centre"], [x, -z, y], atol=1e-4)
+            self.assertAlmostEqual(thing["volume"] / says["volume"], 1, delta=1e-4)
+
+
+if __name__ == "__main__":
+    unittest.main()
