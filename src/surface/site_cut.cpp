@@ -135,37 +135,32 @@ SiteCut siteCut(const CutHalo& halo, const openvdb::Coord& origin,
         const std::uint16_t label = halo[i];
         if (!own && label == 0) continue;
         const glm::i64vec3 at = sites.stretched(origin + openvdb::Coord(x, y, z));
-        std::size_t first = 0, second = 0;
+        std::int64_t least = kFar;
         for (std::size_t k = 0; k < sitesOf.size(); ++k) {
           nearest[k] = nearestOf(sitesOf[k], at);
-          if (k == 0) continue;
-          if (nearest[k].squared < nearest[first].squared) {
-            second = first;
-            first = k;
-          } else if (second == first || nearest[k].squared < nearest[second].squared) {
-            second = k;
-          }
+          least = std::min(least, nearest[k].squared);
         }
         if (label != 0) {
           const auto k = static_cast<std::size_t>(
               std::find(fragments.begin(), fragments.end(), label) - fragments.begin());
-          if (k == fragments.size() || nearest[k].squared == kFar ||
-              nearest[k].squared != nearest[first].squared) {
+          if (k == fragments.size() || nearest[k].squared == kFar || nearest[k].squared != least) {
             wrong[i / kCutSide] |= static_cast<std::uint16_t>(1u << (i % kCutSide));
           }
         }
         if (!own) continue;
         for (std::size_t k = 0; k < fragments.size(); ++k) {
-          const std::size_t other = k == first ? second : first;
-          const Nearest& rival = nearest[other];
           if (nearest[k].squared == kFar) continue;
-          float d = -3.0f;
-          if (rival.squared != kFar) {
+          // The plane towards the next nearest site need not be the nearest plane: sites may lie
+          // close together.
+          double d = -3.0;
+          for (std::size_t other = 0; other < fragments.size(); ++other) {
+            const Nearest& rival = nearest[other];
+            if (other == k || rival.squared == kFar) continue;
             const double slope = slopes.between(k, other, nearest[k], rival);
             const double difference = static_cast<double>(nearest[k].squared - rival.squared);
-            d = slope > 0.0 ? static_cast<float>(std::clamp(difference / slope, -3.0, 3.0)) : 0.0f;
+            d = std::max(d, slope > 0.0 ? difference / slope : 0.0);
           }
-          cut.distance[k * 512 + offsetFromCoord({x, y, z})] = d;
+          cut.distance[k * 512 + offsetFromCoord({x, y, z})] = static_cast<float>(std::min(d, 3.0));
         }
       }
     }

@@ -50,7 +50,8 @@ struct SiteCut {
   bool holdsEverywhere() const;
 };
 
-/// Distances to the planes between each fragment and its nearest rival.
+/// Distances to the planes that bound each fragment's cell: to the nearest of them inside it, and
+/// outside to the one that is passed by most.
 ///   halo       labels of inside voxels, else 0
 ///   origin     the leaf's lowest voxel
 ///   fragments  [n] whose cut is asked for

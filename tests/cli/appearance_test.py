@@ -302,8 +302,8 @@ class Look(CommandLine):
         self.assertTrue((f["material"][f["facing"] > 0] == f["material"].max()).all())
 
     def test_usage(self):
-        for value in ("stl", "ply,ply", "", "ply,"):
-            self.refused(2, self.fracture("--mesh-format", value), "--mesh-format", "ply, obj and glb")
+        for value in ("fbx", "ply,ply", "", "ply,"):
+            self.refused(2, self.fracture("--mesh-format", value), "--mesh-format", "ply, obj, glb and stl")
         self.nothing_written()
 
 

@@ -1,0 +1,73 @@
+// The cut between Voronoi cells, against planes.
+#include "surface/site_cut.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+#include <vector>
+
+namespace sherd {
+namespace {
+
+// How far a point lies beyond the plane half way from `own` to `other`.
+double beyond(const glm::dvec3& p, const glm::dvec3& own, const glm::dvec3& other) {
+  return glm::dot(p - 0.5 * (own + other), glm::normalize(other - own));
+}
+
+TEST(SiteCut, GoesByTheNearestPlaneAndNotByTheNearestSite) {
+  // Two sites are neighbours: inside the first cell the second site is nearly always the next
+  // nearest, but the plane towards a third is often nearer.
+  const std::vector<glm::ivec3> sites{{1, 3, 4}, {0, 3, 4}, {9, 5, 3}, {4, 11, 6}};
+  VoronoiSites voronoi;
+  std::vector<std::uint16_t> fragments;
+  for (std::size_t i = 0; i < sites.size(); ++i) {
+    fragments.push_back(static_cast<std::uint16_t>(i + 1));
+    Seed seed;
+    seed.voxel = openvdb::Coord(sites[i].x, sites[i].y, sites[i].z);
+    seed.fragment = fragments.back();
+    voronoi.seeds.push_back(seed);
+  }
+  CutHalo halo{};
+  std::size_t at = 0;
+  for (int x = -kCutHalo; x < 8 + kCutHalo; ++x) {
+    for (int y = -kCutHalo; y < 8 + kCutHalo; ++y) {
+      for (int z = -kCutHalo; z < 8 + kCutHalo; ++z) {
+        std::size_t nearest = 0;
+        const auto squared = [&](std::size_t i) {
+          const glm::ivec3 d = sites[i] - glm::ivec3(x, y, z);
+          return d.x * d.x + d.y * d.y + d.z * d.z;
+        };
+        for (std::size_t i = 1; i < sites.size(); ++i) {
+          if (squared(i) < squared(nearest)) nearest = i;
+        }
+        halo[at++] = fragments[nearest];
+      }
+    }
+  }
+  const SiteCut cut = siteCut(halo, {0, 0, 0}, fragments, Sites(voronoi));
+  EXPECT_TRUE(cut.holdsEverywhere());
+  std::size_t notByTheNextSite = 0;
+  for (int x = 0; x < 8; ++x) {
+    for (int y = 0; y < 8; ++y) {
+      for (int z = 0; z < 8; ++z) {
+        const glm::dvec3 p(x, y, z);
+        const auto v = static_cast<std::size_t>(x * 64 + y * 8 + z);
+        for (std::size_t k = 0; k < sites.size(); ++k) {
+          double most = -3.0;
+          for (std::size_t other = 0; other < sites.size(); ++other) {
+            if (other != k) most = std::max(most, beyond(p, sites[k], sites[other]));
+          }
+          EXPECT_NEAR(cut.distance[k * 512 + v], std::min(most, 3.0), 1e-6)
+              << x << ' ' << y << ' ' << z;
+        }
+        notByTheNextSite += beyond(p, sites[0], sites[2]) < 0.0 &&
+                            beyond(p, sites[0], sites[2]) > beyond(p, sites[0], sites[1]);
+      }
+    }
+  }
+  EXPECT_GT(notByTheNextSite, 50u);
+}
+
+}  // namespace
+}  // namespace sherd
