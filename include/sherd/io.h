@@ -150,8 +150,8 @@ void writeDistances(const std::filesystem::path& file, const DistanceSamples& sa
 void writeCorrespondences(const std::filesystem::path& file, const Correspondences& points);
 
 /// How fragments' meshes are written.  Where the mesh that was broken has a look, the first three
-/// hold it: the original surface's is that of the nearest part of it; what the fracture laid bare has
-/// kInsideColour and a material "inside".
+/// hold it: the original surface's is that of the nearest part of it; what the fracture laid bare
+/// has kInsideColour and a material "inside".
 enum class MeshFileFormat {
   ply,  ///< as writePly, and colours of vertices, texture coordinates and material of faces
   obj,  ///< with normals and materials; the library of materials, one for all, lies beside it
