@@ -147,7 +147,7 @@ void addGrowthOptions(CLI::App& command, FractureOptions& options) {
             "How fragments spread from their seeds")
       ->group(group);
   command.add_option("--neighborhood", grow.neighborhood, "Neighbours a flood steps to: 6 or 26")
-      ->check(CLI::IsMember({6, 26}))
+      ->check(oneOf({6, 26}))
       ->type_name("")
       ->capture_default_str()
       ->group(group);
@@ -204,7 +204,7 @@ void addErosionOptions(CLI::App& command, FractureOptions& options) {
             "Shape that must be filled about a voxel")
       ->group(group);
   command.add_option("--erode-size", erode.size, "Size of the shape, odd")
-      ->check(CLI::IsMember({3, 5, 7, 9, 11, 13}))
+      ->check(oneOf({3, 5, 7, 9, 11, 13}))
       ->type_name("")
       ->capture_default_str()
       ->group(group);
@@ -214,7 +214,7 @@ void addErosionOptions(CLI::App& command, FractureOptions& options) {
       ->group(group);
   command
       .add_option("--erode-threshold", erode.threshold, "Share of the shape that must be filled")
-      ->check(numberBetween(0.0, 1.0, "0..1"))
+      ->check(numberBetween(1e-6, 1.0, "0.000001..1"))
       ->capture_default_str()
       ->group(group);
   command

@@ -37,6 +37,18 @@ std::optional<std::vector<double>> numbersIn(std::span<const std::string> parts)
   return numbers;
 }
 
+CLI::Validator oneOf(std::vector<int> numbers) {
+  std::string all;
+  for (const int number : numbers) all += (all.empty() ? "" : ", ") + std::to_string(number);
+  return CLI::Validator(
+      [numbers, all](std::string& text) -> std::string {
+        const bool isOne = std::any_of(numbers.begin(), numbers.end(),
+                                       [&](int number) { return text == std::to_string(number); });
+        return isOne ? "" : "'" + text + "' is none of " + all;
+      },
+      "{" + all + "}");
+}
+
 CLI::Validator numberBetween(double low, double high, const std::string& range) {
   return CLI::Validator(
       [=](std::string& text) -> std::string {

@@ -24,6 +24,9 @@ namespace sherd::cli {
 /// Accepts numbers from `low` to `high`.
 [[nodiscard]] CLI::Validator numberBetween(double low, double high, const std::string& range);
 
+/// Accepts some whole numbers only.
+[[nodiscard]] CLI::Validator oneOf(std::vector<int> numbers);
+
 /// throws  CLI::ValidationError "option: 'text' is not expected"
 [[noreturn]] void refuse(const std::string& option, const std::string& text,
                          const std::string& expected);

@@ -187,7 +187,7 @@ void addHostOptions(CLI::App& command, WriteOptions& write) {
   command
       .add_option("--proxy-gap", write.proxyGap,
                   "Room between the convex hulls of neighbours, in the mesh's unit")
-      ->check(numberBetween(0.0, 1e300, "0.."))
+      ->check(numberBetween(0.0, 1e9, "0..1e9"))
       ->capture_default_str()
       ->group(group);
 }

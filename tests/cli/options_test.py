@@ -267,7 +267,7 @@ class WrongValues(Options):
             "--isolated": ("maybe",), "--min-share": ("-0.1", "1.1", "x", "nan"), "--balance": ("-1", "101", "2.5"),
             "--missing": ("", "-1", "1.5", "all", "1e9"),
             "--erode-iterations": ("-1", "1001", "1.5"), "--erode-shape": ("circle",),
-            "--erode-size": ("1", "4", "15", "x"), "--erode-threshold": ("-1", "1.1", "nan"),
+            "--erode-size": ("1", "4", "15", "x"), "--erode-threshold": ("-1", "0", "1.1", "nan"),
             "--erode-probability": ("-1", "1.1", "x"),
             "--erode-on": ("edges",), "--erode-crumbs": ("kept",),
         }
