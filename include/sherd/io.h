@@ -51,6 +51,11 @@ struct RunLengthVoxels {
 [[nodiscard]] RunLengthVoxels readRle(const std::filesystem::path& file);
 void writeRle(const std::filesystem::path& file, const RunLengthVoxels& voxels);
 
+/// Write every voxel as NumPy's `.npy`: uint16 [nx, ny, nz] in C order.  Any size: nothing is
+/// expanded in memory.
+///   throws  Error(output)
+void writeNpyLabels(const std::filesystem::path& file, const RunLengthVoxels& voxels);
+
 /// What the grids of a `.vdb` file tell beside their values.
 struct VdbNotes {
   std::string source;  ///< the input's file name
@@ -179,6 +184,7 @@ struct WriteOptions {
                         ///< meshes/<stem>.ply and so on where mesh is
   bool scene = false;   ///< scene.glb: a node for each fragment, its origin the centre of mass
   bool graph = false;   ///< graph.json and graph.geo
+  bool npy = false;     ///< labels.npy
   bool proxy = false;   ///< proxies/<stem>_001.obj, convex hulls
 
   VdbFiles vdbFiles = VdbFiles::files;  ///< fragments/<stem>_001.vdb, fragments.vdb, or both

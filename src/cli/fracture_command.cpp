@@ -200,6 +200,7 @@ WriteOptions writeOptions(const FractureArguments& arguments) {
   write.scene = named("scene");
   write.graph = named("graph");
   write.proxy = named("proxy");
+  write.npy = named("npy");
   write.vdbOptions.fog = named("fog");
   write.up = arguments.up.front();
   return write;
@@ -342,7 +343,7 @@ void addFractureCommand(CLI::App& app, Action& run) {
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(CLI::IsMember({"labels", "vdb", "mesh", "preview", "seeds", "rims", "cost", "fog",
-                             "solid", "scene", "graph", "proxy"}))
+                             "solid", "scene", "graph", "proxy", "npy"}))
       ->default_str("labels,vdb,mesh,preview");
   addMeshFormatOption(*command, arguments->files);
   addHostOptions(*command, arguments->files);

@@ -98,6 +98,7 @@ FractureFiles fileNames(const SourceMesh& source, std::size_t fragments,
   if (write.vdb && write.vdbFiles != VdbFiles::files) files.allVdb = "fragments.vdb";
   if (write.solid && write.vdb) files.solidVdb = "fragments/" + stem + ".vdb";
   if (write.solid && write.mesh) files.solidMesh = meshNames("meshes/" + stem, write);
+  if (write.npy) files.npy = "labels.npy";
   if (write.scene) files.scene = "scene.glb";
   if (write.graph) {
     files.graph = "graph.json";

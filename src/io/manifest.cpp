@@ -280,7 +280,7 @@ std::vector<std::string> FractureFiles::all() const {
     }
   }
   for (const std::string& file : {allVdb, solidVdb, solidSdf, correspondences, preview, seeds, rims,
-                                  cost, scene, graph, constraints}) {
+                                  cost, npy, scene, graph, constraints}) {
     if (!file.empty()) list.push_back(file);
   }
   return list;

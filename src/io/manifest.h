@@ -35,6 +35,7 @@ struct FractureFiles {
   std::string seeds;
   std::string rims;
   std::string cost;
+  std::string npy;
   std::string scene;
   std::string graph;
   std::string constraints;

@@ -22,6 +22,8 @@ namespace {
 constexpr std::uint16_t kDay = 0x0021, kTime = 0;
 constexpr std::uint16_t kVersion = 20;  // 2.0, as every ZIP reader has it
 
+}  // namespace
+
 std::string npyHeader(const NpyArray& array) {
   std::string text = "{'descr': '";
   text.append(array.type).append("', 'fortran_order': False, 'shape': (");
@@ -37,6 +39,8 @@ std::string npyHeader(const NpyArray& array) {
   storeLittle(header, static_cast<std::uint16_t>(text.size()));
   return header + text;
 }
+
+namespace {
 
 std::uint32_t checksum(std::string_view first, std::string_view second) {
   uLong sum = ::crc32_z(0, nullptr, 0);

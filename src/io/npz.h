@@ -18,6 +18,9 @@ struct NpyArray {
   std::string bytes;               ///< the numbers, little-endian
 };
 
+/// The header of a `.npy` file, format 1.0, which the numbers follow.  `bytes` is not looked at.
+[[nodiscard]] std::string npyHeader(const NpyArray& array);
+
 /// Write arrays as `.npz`: a ZIP file of stored `.npy` files, format 1.0.  It has no times in it:
 /// equal arrays give equal bytes.
 ///   arrays  under 4 GiB in all

@@ -250,9 +250,11 @@ void writeFiles(const fs::path& folder, const FractureFiles& files, const Source
   std::vector<std::size_t> counts;
   if (!files.points.empty()) counts = pointCounts(result, write);
   step(progress, "write", 0.0);
-  if (!files.labels.empty()) {
-    writeRle(folder / files.labels,
-             encodeRuns(result.solid, result.labels, static_cast<int>(fragments)));
+  if (!files.labels.empty() || !files.npy.empty()) {
+    const RunLengthVoxels voxels =
+        encodeRuns(result.solid, result.labels, static_cast<int>(fragments));
+    if (!files.labels.empty()) writeRle(folder / files.labels, voxels);
+    if (!files.npy.empty()) writeNpyLabels(folder / files.npy, voxels);
   }
   if (!files.seeds.empty()) writeSeeds(folder / files.seeds, result.seeds, result.solid);
   if (!files.rims.empty()) {

@@ -133,6 +133,17 @@ class Hosts(CommandLine):
         grid = vdb.read(os.path.join(self.out, "fragments", "ball.vdb"), "surface")
         self.assertEqual(grid.gridClass, "level set")
 
+    def test_dense_labels_are_those_of_the_runs(self):
+        manifest = self.broken("--write", "labels,npy")
+        dense = np.load(os.path.join(self.out, "labels.npy"))
+        raw = np.fromfile(os.path.join(self.out, "labels.rle"), "u1")
+        runs = raw[12:].view([("label", "<u2"), ("length", "<u4")])
+        labels = np.repeat(runs["label"], runs["length"]).reshape(raw[:12].view("<u4"))
+        np.testing.assert_array_equal(dense, labels)
+        self.assertEqual((dense.dtype, list(dense.shape)), (np.dtype("<u2"), manifest["grid"]["dims"]))
+        for fragment in manifest["fragments"]:
+            self.assertEqual((dense == fragment["id"] + 1).sum(), fragment["voxels"])
+
     def test_stl_has_the_same_triangles(self):
         manifest = self.broken("--write", "mesh", "--mesh-format", "ply,stl")
         for fragment in manifest["fragments"]:
