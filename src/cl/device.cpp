@@ -4,10 +4,10 @@
 #include <sherd/error.h>
 
 #include <algorithm>
-#include <cctype>
 #include <optional>
 
 #include "cl/device_impl.h"
+#include "lower_case.h"
 
 namespace sherd {
 namespace {
@@ -62,13 +62,6 @@ std::vector<Candidate> candidates() {
   return found;
 }
 
-std::string lower(std::string_view s) {
-  std::string out(s);
-  std::transform(out.begin(), out.end(), out.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  return out;
-}
-
 std::optional<std::size_t> choose(const std::vector<Candidate>& all, const std::string& choice) {
   const auto first = [&](auto&& accept) -> std::optional<std::size_t> {
     const auto it = std::find_if(all.begin(), all.end(), accept);
@@ -90,8 +83,8 @@ std::optional<std::size_t> choose(const std::vector<Candidate>& all, const std::
     return found;
   }
   return first([&](const Candidate& c) {
-    return lower(c.info.platform).find(choice) != std::string::npos ||
-           lower(c.info.name).find(choice) != std::string::npos;
+    return lowerCase(c.info.platform).find(choice) != std::string::npos ||
+           lowerCase(c.info.name).find(choice) != std::string::npos;
   });
 }
 
@@ -110,7 +103,7 @@ std::vector<DeviceInfo> listDevices() {
 
 Device::Device(std::string_view choice) : impl_(std::make_unique<Impl>()) {
   const std::vector<Candidate> all = candidates();
-  const std::optional<std::size_t> found = choose(all, lower(choice));
+  const std::optional<std::size_t> found = choose(all, lowerCase(std::string(choice)));
   if (!found) {
     std::string here;
     for (const Candidate& c : all)

@@ -12,6 +12,7 @@
 #include "cli/command.h"
 #include "io/manifest.h"
 #include "io/vdb.h"
+#include "lower_case.h"
 
 namespace sherd::cli {
 namespace {
@@ -113,9 +114,7 @@ Json inspect(const fs::path& file) {
     throw Error(ErrorCode::input, file.string() + ": no such file");
   }
   if (fs::is_directory(status)) return inspectManifest(file / "manifest.json");
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = lowerCase(file.extension().string());
   if (extension == ".rle") return inspectRle(file);
   if (extension == ".vdb") return inspectVdb(file);
   if (extension == ".json") return inspectManifest(file);

@@ -4,13 +4,14 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <memory>
 #include <optional>
 
 #include "cli/command.h"
 #include "cli/option_text.h"
+#include "io/file_names.h"
+#include "lower_case.h"
 
 namespace sherd::cli {
 namespace {
@@ -66,20 +67,10 @@ void parseSize(const std::string& text, RenderOptions& options) {
   options.height = static_cast<int>((*numbers)[1]);
 }
 
-std::string lowerExtension(const fs::path& file) {
-  std::string text = file.extension().string();
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
-
 // x.png as x_007.png
-fs::path numbered(const fs::path& file, int number, int count) {
-  const std::size_t digits = std::max<std::size_t>(3, std::to_string(count).size());
-  const std::string text = std::to_string(number);
-  fs::path name = file.stem();
-  name += "_" + std::string(digits - text.size(), '0') + text + file.extension().string();
-  return file.parent_path() / name;
+fs::path numbered(const fs::path& file, std::size_t number, std::size_t count) {
+  const std::string name = pieceName(file.stem().string(), number, count);
+  return file.parent_path() / (name + file.extension().string());
 }
 
 void runRender(RenderArguments& arguments) {
@@ -89,7 +80,7 @@ void runRender(RenderArguments& arguments) {
                     static_cast<std::size_t>(arguments.threads));
   }
   const fs::path output = arguments.output;
-  const std::string extension = lowerExtension(output);
+  const std::string extension = lowerCase(output.extension().string());
   if (extension != ".png" && extension != ".exr") {
     throw Error(ErrorCode::usage,
                 "--output: '" + arguments.output + "' ends neither in .png nor .exr");
@@ -97,9 +88,10 @@ void runRender(RenderArguments& arguments) {
   RenderOptions options = arguments.options;
   options.up = arguments.up.front();
   const std::vector<Fragment> pieces = readPieces(arguments.path);
-  const int count = std::max(1, arguments.turntable);
-  for (int i = 0; i < count; ++i) {
-    options.azimuth = arguments.options.azimuth + 360.0 * i / count;
+  const auto count = static_cast<std::size_t>(std::max(1, arguments.turntable));
+  for (std::size_t i = 0; i < count; ++i) {
+    options.azimuth =
+        arguments.options.azimuth + 360.0 * static_cast<double>(i) / static_cast<double>(count);
     const fs::path file = arguments.turntable > 0 ? numbered(output, i + 1, count) : output;
     if (extension == ".png") {
       writePng(file, renderFragments(pieces, options));

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "io/atomic_file.h"
+#include "io/json_of.h"
 #include "io/number_text.h"
 
 namespace sherd {
@@ -13,8 +14,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::uint32_t kNoParent = 0xffffffffu;  // as Blast has it
-
-Json jsonOf(const glm::dvec3& v) { return {v.x + 0.0, v.y + 0.0, v.z + 0.0}; }
 
 Json chunkJson(const glm::dvec3& centroid, double volume, std::uint32_t parent, bool isSupport,
                int userData) {
@@ -35,10 +34,6 @@ void forEachContact(std::span<const Fragment> fragments, const See& see) {
       see(fragment, fragments[other], contact);
     }
   }
-}
-
-void appendVector(std::string& text, const glm::dvec3& v) {
-  for (int axis = 0; axis < 3; ++axis) appendShortest(text += ' ', v[axis] + 0.0);
 }
 
 }  // namespace
@@ -96,10 +91,12 @@ void writeConstraints(const std::filesystem::path& file, std::span<const Fragmen
   for (const Fragment& fragment : fragments) appendShortest(text += " piece", fragment.id);
   text += '\n';
   for (std::size_t i = 0; i < fragments.size(); ++i) {
-    std::string line;
-    appendVector(line, fragments[i].mass.centroid);
-    text.append(line, 1);
-    appendShortest(text += " 1 (", i);
+    const glm::dvec3& at = fragments[i].mass.centroid;
+    for (int axis = 0; axis < 3; ++axis) {
+      appendShortest(text, at[axis] + 0.0);
+      text += ' ';
+    }
+    appendShortest(text += "1 (", i);
     text += ")\n";
   }
   if (bonds > 0) {

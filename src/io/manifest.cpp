@@ -13,6 +13,7 @@
 #include <numeric>
 
 #include "io/input_error.h"
+#include "io/json_of.h"
 #include "option_names.h"
 
 namespace sherd {
@@ -21,12 +22,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kSchema = "sherd/1";
-
-// Adding zero turns -0 into 0 and leaves every other number as it is.
-double plain(double value) { return value + 0.0; }
-
-Json jsonOf(const glm::dvec3& v) { return {plain(v.x), plain(v.y), plain(v.z)}; }
-Json jsonOf(const openvdb::Coord& c) { return {c.x(), c.y(), c.z()}; }
 
 Json sourceJson(const SourceMesh& source) {
   if (source.mesh.triangles.empty()) {  // a fracture that was broken again, by its manifest

@@ -1,8 +1,6 @@
 // Writes the meshes of a fracture, with the look of the mesh that was broken.
 #include "io/mesh_writer.h"
 
-#include <tbb/parallel_for.h>
-
 #include "io/atomic_file.h"
 #include "io/file_names.h"
 #include "io/piece_mesh.h"
@@ -31,8 +29,7 @@ SurfaceLook MeshWriter::lookOf(const TriangleMesh& mesh,
 }
 
 void MeshWriter::write(const TriangleMesh& mesh, const std::vector<std::uint16_t>& facing,
-                       const std::vector<std::string>& paths) const {
-  const SurfaceLook look = lookOf(mesh, facing);
+                       const SurfaceLook& look, const std::vector<std::string>& paths) const {
   const std::string name = std::filesystem::path(paths.front()).stem().string();
   const PieceMesh piece{name, mesh, facing, look, table_};
   for (std::size_t i = 0; i < paths.size(); ++i) {
@@ -54,11 +51,8 @@ void MeshWriter::write(const TriangleMesh& mesh, const std::vector<std::uint16_t
   }
 }
 
-void MeshWriter::writeScene(std::span<const Fragment> fragments, const std::string& path) const {
-  std::vector<SurfaceLook> looks(fragments.size());
-  tbb::parallel_for(std::size_t{0}, fragments.size(), [&](std::size_t i) {
-    looks[i] = lookOf(fragments[i].mesh, fragments[i].facing);
-  });
+void MeshWriter::writeScene(std::span<const Fragment> fragments, std::span<const SurfaceLook> looks,
+                            const std::string& path) const {
   std::vector<std::string> names;
   for (const Fragment& fragment : fragments) {
     names.push_back(pieceName(stem_, fragment.id, fragments.size()));

@@ -18,17 +18,21 @@ class MeshWriter {
   MeshWriter(const std::filesystem::path& folder, const FractureFiles& files,
              const SourceMesh& source, const MaterialTable& table, const WriteOptions& write);
 
-  ///   paths  [formats] in the folder
-  void write(const TriangleMesh& mesh, const std::vector<std::uint16_t>& facing,
-             const std::vector<std::string>& paths) const;
-
-  /// All of them as nodes of one .glb, named as their own meshes' files would be.
-  ///   path  in the folder
-  void writeScene(std::span<const Fragment> fragments, const std::string& path) const;
-
- private:
+  /// What a mesh takes over of the source's look; empty where that has none.
   SurfaceLook lookOf(const TriangleMesh& mesh, const std::vector<std::uint16_t>& facing) const;
 
+  ///   look   lookOf the mesh
+  ///   paths  [formats] in the folder
+  void write(const TriangleMesh& mesh, const std::vector<std::uint16_t>& facing,
+             const SurfaceLook& look, const std::vector<std::string>& paths) const;
+
+  /// All of them as nodes of one .glb, named as their own meshes' files would be.
+  ///   looks  [fragments] lookOf their meshes
+  ///   path   in the folder
+  void writeScene(std::span<const Fragment> fragments, std::span<const SurfaceLook> looks,
+                  const std::string& path) const;
+
+ private:
   const std::filesystem::path& folder_;
   const MaterialTable& table_;
   const WriteOptions& options_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <charconv>
+#include <glm/vec3.hpp>
 #include <string>
 
 namespace sherd {
@@ -14,5 +15,10 @@ void appendShortest(std::string& text, Number value) {
 }
 
 inline void appendFloat(std::string& text, float value) { appendShortest(text, value + 0.0f); }
+
+/// Append " x y z" in single precision.
+inline void appendVector(std::string& text, const glm::dvec3& v) {
+  for (int axis = 0; axis < 3; ++axis) appendFloat(text += ' ', static_cast<float>(v[axis]));
+}
 
 }  // namespace sherd

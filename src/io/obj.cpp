@@ -4,13 +4,6 @@
 #include "io/piece_mesh.h"
 
 namespace sherd {
-namespace {
-
-void appendVector(std::string& text, const glm::dvec3& v) {
-  for (int axis = 0; axis < 3; ++axis) appendFloat(text += ' ', static_cast<float>(v[axis]));
-}
-
-}  // namespace
 
 void writePieceObj(const std::filesystem::path& file, const PieceMesh& piece,
                    const std::string& library) {

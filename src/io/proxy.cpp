@@ -12,8 +12,7 @@ void writeProxy(const std::filesystem::path& file, const Fragment& fragment,
   const TriangleMesh hull = convexHullMesh(fragment.mesh.vertices, 0.5 * gap);
   std::string text = "o " + name + "\n";
   for (const glm::dvec3& v : hull.vertices) {
-    text += 'v';
-    for (int axis = 0; axis < 3; ++axis) appendFloat(text += ' ', static_cast<float>(v[axis]));
+    appendVector(text += 'v', v);
     text += '\n';
   }
   for (const glm::uvec3& t : hull.triangles) {

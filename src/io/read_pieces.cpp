@@ -1,20 +1,17 @@
 // What is to be drawn, from whatever file or folder it is in.
-#include <openvdb/openvdb.h>
 #include <sherd/error.h>
 #include <sherd/evaluate.h>
 #include <sherd/render.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <cctype>
-#include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
 #include "io/input_error.h"
 #include "io/manifest.h"
 #include "io/read_facing.h"
 #include "io/vdb.h"
-#include "mesh/turned_over.h"
+#include "lower_case.h"
 #include "surface/mesh.h"
 
 namespace sherd {
@@ -31,20 +28,10 @@ Fragment pieceOf(int id, TriangleMesh mesh, std::vector<std::uint16_t> facing = 
   return piece;
 }
 
-// By any transform: meshed among its voxels, then moved.
-TriangleMesh meshOf(const openvdb::FloatGrid& grid) {
-  TriangleMesh mesh = meshLevelSet(grid, {}, nullptr).mesh;
-  for (glm::dvec3& v : mesh.vertices) {
-    const openvdb::Vec3d at = grid.indexToWorld(openvdb::Vec3d(v.x, v.y, v.z));
-    v = {at.x(), at.y(), at.z()};
-  }
-  return volume(mesh) < 0.0 ? turnedOver(std::move(mesh)) : mesh;
-}
-
 std::vector<Fragment> fromLevelSets(const fs::path& file) {
   std::vector<Fragment> pieces;
   for (const NamedLevelSet& level : readLevelSets(file)) {
-    pieces.push_back(pieceOf(static_cast<int>(pieces.size()) + 1, meshOf(*level.grid)));
+    pieces.push_back(pieceOf(static_cast<int>(pieces.size()) + 1, meshInWorld(*level.grid)));
   }
   return pieces;
 }
@@ -73,7 +60,7 @@ std::vector<Fragment> fromVolumes(const fs::path& folder) {
   }
   std::vector<Fragment> pieces(volumes.size());
   tbb::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t i) {
-    pieces[i] = pieceOf(static_cast<int>(i) + 1, meshOf(*readLevelSet(volumes[i])));
+    pieces[i] = pieceOf(static_cast<int>(i) + 1, meshInWorld(*readLevelSet(volumes[i])));
   });
   return pieces;
 }
@@ -91,19 +78,12 @@ std::vector<Fragment> fromFolder(const fs::path& folder) {
   return pieces;
 }
 
-std::string lowerExtension(const fs::path& file) {
-  std::string text = file.extension().string();
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
-
 }  // namespace
 
 std::vector<Fragment> readPieces(const fs::path& path) {
   if (!fs::exists(path)) inputError(path, "no such file or folder");
   if (fs::is_directory(path)) return fromFolder(path);
-  const std::string extension = lowerExtension(path);
+  const std::string extension = lowerCase(path.extension().string());
   if (extension == ".vdb") return fromLevelSets(path);
   if (extension == ".json") {
     (void)needManifest(path);

@@ -19,11 +19,7 @@ void writeRims(const std::filesystem::path& file, std::span<const Fragment> frag
       text += name;
       for (const std::vector<std::uint32_t>& curve : rimCurves(fragment, contact.fragment)) {
         for (const std::uint32_t v : curve) {
-          const glm::dvec3& at = fragment.mesh.vertices[v];
-          text += 'v';
-          for (int axis = 0; axis < 3; ++axis) {
-            appendFloat(text += ' ', static_cast<float>(at[axis]));
-          }
+          appendVector(text += 'v', fragment.mesh.vertices[v]);
           text += '\n';
         }
         text += 'l';

@@ -277,9 +277,10 @@ void writeFiles(const fs::path& folder, const FractureFiles& files, const Source
   const MeshWriter meshes(folder, files, source, table, write);
   if (!files.solidMesh.empty()) {
     const TriangleMesh whole = solidMesh(result.solid, options.surface);
-    meshes.write(whole, std::vector<std::uint16_t>(whole.triangles.size(), 0), files.solidMesh);
+    const std::vector<std::uint16_t> facing(whole.triangles.size(), 0);
+    meshes.write(whole, facing, meshes.lookOf(whole, facing), files.solidMesh);
   }
-  if (!files.scene.empty()) meshes.writeScene(kept, files.scene);
+  std::vector<SurfaceLook> looks(files.scene.empty() ? 0 : fragments);
   for (std::size_t begin = 0; begin < fragments; begin += kFragmentsBetweenSteps) {
     step(progress, "write", static_cast<double>(begin) / static_cast<double>(fragments));
     const std::size_t end = std::min(fragments, begin + kFragmentsBetweenSteps);
@@ -290,15 +291,24 @@ void writeFiles(const fs::path& folder, const FractureFiles& files, const Source
         const fs::path file = folder / files.proxy[i];
         writeProxy(file, fragment, file.stem().string(), write.proxyGap);
       }
-      if (!files.mesh.empty()) meshes.write(fragment.mesh, fragment.facing, files.mesh[i]);
+      if (!files.mesh.empty() || !looks.empty()) {
+        SurfaceLook look = meshes.lookOf(fragment.mesh, fragment.facing);
+        if (!files.mesh.empty()) {
+          meshes.write(fragment.mesh, fragment.facing, look, files.mesh[i]);
+        }
+        if (!looks.empty()) looks[i] = std::move(look);
+      }
       if (!files.points.empty()) {
         writePointsOf(folder, files.points[i], fragment, counts[i], options.seed, write);
       }
       for (std::size_t k = 0; !files.coarse.empty() && k < files.coarse[i].size(); ++k) {
-        meshes.write(fragment.coarse[k].mesh, fragment.coarse[k].facing, files.coarse[i][k]);
+        const CoarseMesh& coarse = fragment.coarse[k];
+        meshes.write(coarse.mesh, coarse.facing, meshes.lookOf(coarse.mesh, coarse.facing),
+                     files.coarse[i][k]);
       }
     });
   }
+  if (!files.scene.empty()) meshes.writeScene(kept, looks, files.scene);
   if (!files.solidSdf.empty()) {
     writeAllDistances(folder, files, result, options.seed, write.distances, progress);
   }

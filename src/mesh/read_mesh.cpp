@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -15,6 +14,7 @@
 #include <utility>
 
 #include "io/sha256.h"
+#include "lower_case.h"
 #include "mesh/assimp_reader.h"
 #include "mesh/completeness.h"
 #include "mesh/file_bytes.h"
@@ -29,12 +29,6 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kLargestUnpacked = std::size_t{1}
                                          << 33;  // a small .gz may stand for any number of zeros
-
-std::string lowerCase(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 std::optional<MeshFormat> formatFromExtension(const std::string& extension) {
   constexpr std::array<std::pair<std::string_view, MeshFormat>, 6> kFormats{

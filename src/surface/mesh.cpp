@@ -4,6 +4,8 @@
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/VolumeToMesh.h>
 
+#include "mesh/turned_over.h"
+
 namespace sherd {
 namespace {
 
@@ -59,6 +61,15 @@ LevelSetMesh meshLevelSet(const openvdb::FloatGrid& grid, const GridFrame& frame
   }
   for (glm::dvec3& v : vertices) v = frame.worldFromIndex({v}).v;
   return out;
+}
+
+TriangleMesh meshInWorld(const openvdb::FloatGrid& grid) {
+  TriangleMesh mesh = meshLevelSet(grid, {}, nullptr).mesh;
+  for (glm::dvec3& v : mesh.vertices) {
+    const openvdb::Vec3d at = grid.indexToWorld(openvdb::Vec3d(v.x, v.y, v.z));
+    v = {at.x(), at.y(), at.z()};
+  }
+  return volume(mesh) < 0.0 ? turnedOver(std::move(mesh)) : mesh;  // a mirroring transform
 }
 
 }  // namespace sherd

@@ -22,4 +22,7 @@ struct LevelSetMesh {
 [[nodiscard]] LevelSetMesh meshLevelSet(const openvdb::FloatGrid& grid, const GridFrame& frame,
                                         const openvdb::FloatGrid* reference);
 
+/// The same of a grid with any transform, in world units.
+[[nodiscard]] TriangleMesh meshInWorld(const openvdb::FloatGrid& grid);
+
 }  // namespace sherd

@@ -1,10 +1,8 @@
-// What stands behind files for hosts: principal axes, hulls as meshes, ids as a grid.
+// What stands behind files for hosts: principal axes, hulls as meshes.
 #include <gtest/gtest.h>
-#include <openvdb/openvdb.h>
-#include <openvdb/tools/LevelSetSphere.h>
 #include <sherd/error.h>
-#include <sherd/io.h>
 
+#include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/mat3x3.hpp>
 
@@ -12,7 +10,6 @@
 #include "mesh/principal_inertia.h"
 #include "mesh_checks.h"
 #include "shapes.h"
-#include "temp_folder.h"
 
 namespace sherd {
 namespace {
@@ -79,49 +76,6 @@ TEST(ConvexHullMesh, IsInsetOnEverySide) {
 TEST(ConvexHullMesh, RefusesAFlatBody) {
   EXPECT_THROW((void)convexHullMesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}), Error);
   EXPECT_THROW((void)convexHullMesh({{0, 0, 0}}), Error);
-}
-
-using WriteVdbOfAll = TempFolder;
-
-TEST_F(WriteVdbOfAll, HasTheIdOfEveryVoxel) {
-  Solid solid;
-  const auto grid = openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(1.0f, {0, 0, 0}, 0.1f);
-  solid.distance = grid;
-  solid.blocks.origins = {{-8, 0, 0}, {0, 0, 0}};
-  solid.blocks.inside.assign(16, 0);
-  solid.blocks.outerBand.assign(16, 0);
-  Labels labels;
-  labels.fragment.assign(1024, 0);
-  for (std::size_t place = 0; place < 1024; place += 3) {
-    solid.blocks.inside[place / 64] |= std::uint64_t{1} << (place % 64);
-    labels.fragment[place] = static_cast<std::uint16_t>(1 + place % 4);  // of 2 fragments
-  }
-  labels.fragment[3] = Labels::kWorn;
-  std::vector<Fragment> fragments(2);
-  for (std::size_t i = 0; i < 2; ++i) {
-    fragments[i].id = static_cast<int>(i) + 1;
-    fragments[i].surface = grid;
-  }
-  writeVdbOfAll(folder_ / "all.vdb", fragments, solid, labels, {"ball.obj", 7});
-  openvdb::io::File file((folder_ / "all.vdb").string());
-  file.open();
-  std::vector<std::string> names;
-  for (auto name = file.beginName(); name != file.endName(); ++name) names.push_back(*name);
-  std::sort(names.begin(), names.end());
-  EXPECT_EQ(names, (std::vector<std::string>{"fragment_id", "surface_1", "surface_2"}));
-  const auto ids = openvdb::gridPtrCast<openvdb::Int32Grid>(file.readGrid("fragment_id"));
-  ASSERT_TRUE(ids);
-  EXPECT_EQ(ids->background(), 0);
-  EXPECT_EQ(ids->transform(), grid->transform());
-  openvdb::Index64 active = 0;
-  solid.blocks.forEachInside([&](std::size_t place) {
-    const openvdb::Coord at = solid.blocks.voxelAt(place);
-    const std::uint16_t label = labels.fragment[place];
-    EXPECT_EQ(ids->tree().getValue(at), label <= 2 ? label : 0);
-    EXPECT_TRUE(ids->tree().isValueOn(at));
-    ++active;
-  });
-  EXPECT_EQ(ids->activeVoxelCount(), active);
 }
 
 }  // namespace

@@ -1,0 +1,22 @@
+// Numbers as JSON has them.
+#pragma once
+
+#include <sherd/grid_fwd.h>
+
+#include <glm/vec3.hpp>
+#include <nlohmann/json.hpp>
+
+namespace sherd {
+
+/// Adding zero turns -0 into 0 and leaves every other number as it is.
+[[nodiscard]] inline double plain(double value) { return value + 0.0; }
+
+[[nodiscard]] inline nlohmann::ordered_json jsonOf(const glm::dvec3& v) {
+  return {plain(v.x), plain(v.y), plain(v.z)};
+}
+
+[[nodiscard]] inline nlohmann::ordered_json jsonOf(const openvdb::Coord& c) {
+  return {c.x(), c.y(), c.z()};
+}
+
+}  // namespace sherd
