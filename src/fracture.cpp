@@ -27,8 +27,11 @@ FractureResult fracture(const TriangleMesh& mesh, const FractureOptions& options
   FractureResult result;
   StageClock clock;
 
-  result.solid =
-      voxelize(mesh, {.resolution = options.resolution, .voxelSize = options.voxelSize}, progress);
+  const SolidOptions solid{.resolution = options.resolution,
+                           .voxelSize = options.voxelSize,
+                           .fill = options.fill,
+                           .shellThickness = options.shellThickness};
+  result.solid = voxelize(mesh, solid, progress);
   clock.done("voxelize");
   Parts parts = findParts(result.solid.blocks, device);
   result.solid = dropSpecks(std::move(result.solid), parts, device);

@@ -8,6 +8,7 @@ FractureOptions paperOptions() {
   constexpr Iterations kIterations{.perVoxel = 0.048};
   FractureOptions options;
   options.resolution = 128;
+  options.fill = Fill::automatic;
   options.seeds.sampler = Sampler::uniform;
   options.seeds.on = SeedsOn::volume;
   options.seeds.extraSeeds = 0;

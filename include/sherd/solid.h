@@ -5,9 +5,11 @@
 #include <sherd/grid_fwd.h>
 #include <sherd/leaf_blocks.h>
 #include <sherd/mesh.h>
+#include <sherd/mesh_report.h>
 #include <sherd/progress.h>
 
 #include <cstdint>
+#include <string>
 
 namespace sherd {
 
@@ -19,10 +21,27 @@ inline constexpr int kHalfWidthVoxels = 3;
 /// Parts of the solid with fewer voxels than this are specks: dropped and counted.
 inline constexpr std::uint64_t kSpeckVoxels = 27;
 
+/// Walls of this many voxels and more stay in one piece.
+inline constexpr double kHeldWallVoxels = 1.25;
+
 struct SolidOptions {
   int resolution =
       128;  ///< voxels along the mesh's longest side, 8..4096; used when voxelSize is 0
   double voxelSize = 0.0;  ///< world units per voxel; 0: from resolution
+  Fill fill = Fill::automatic;
+  double shellThickness = 0.0;  ///< world units, of a shell; 0: two and a half voxels.  With
+                                ///< Fill::automatic, above 0 asks for a shell
+};
+
+/// What was found on the way from a mesh to its solid.
+struct SolidReport {
+  MeshDefects defects;
+  Fill fill = Fill::winding;    ///< what was used; not automatic
+  std::string fillReason;       ///< half a sentence
+  double shellThickness = 0.0;  ///< world units, of a shell; else 0
+  double meshVolume = 0.0;      ///< of the mesh by the divergence theorem, its parts turned
+                                ///< outwards and its holes closed; 0 for a shell
+  WallThickness walls{};
 };
 
 /// A solid, read-only once returned.
@@ -34,14 +53,17 @@ struct Solid {
   std::uint64_t voxels = 0;       ///< inside voxels
   std::uint64_t specks = 0;       ///< parts dropped for having fewer than kSpeckVoxels voxels
   std::uint64_t speckVoxels = 0;  ///< voxels in them
+  SolidReport report{};
 };
 
-/// Turn a closed mesh into a solid.  A voxel is inside when the mesh winds round its centre at
-/// least once, decided exactly; so closed parts that overlap unite, and a part oriented inwards
-/// within another is a cavity.  A mesh whose total volume is negative is turned over first.
-///   mesh    closed: openEdges(mesh) == 0
-///   throws  Error(input) open mesh, box empty or not finite, nothing inside at this resolution;
-///           Error(usage) resolution or voxel size out of range
+/// Turn a mesh into a solid.  Doubled triangles are dropped, triangles turned the way of their
+/// neighbours, and parts that are inside out turned over, but for those within another part: these
+/// bound cavities.  Then a voxel is inside where the mesh winds round its centre, or as
+/// options.fill has it: of closed meshes exactly, so parts that overlap unite; holes of open ones
+/// are closed.  Distances are exact, to the triangles that bound the solid.
+///   throws  Error(input) box empty or not finite, nothing inside at this resolution;
+///           Error(usage) resolution, voxel size or thickness out of range; Error(cancelled)
+///   source  Barill et al., Fast Winding Numbers for Soups and Clouds, 2018
 [[nodiscard]] Solid voxelize(const TriangleMesh& mesh, const SolidOptions& options = {},
                              const Progress* progress = nullptr);
 

@@ -20,6 +20,7 @@
 
 #include "cli/command.h"
 #include "cli/fracture_options.h"
+#include "io/mesh_report.h"
 #include "mesh/text_scan.h"
 
 namespace sherd::cli {
@@ -132,6 +133,11 @@ void warn(const FractureArguments& arguments, const SourceMesh& source,
                  " separate parts, so it became " + std::to_string(fragments) + " fragments, not " +
                  std::to_string(arguments.options.pieces));
   }
+  if (arguments.only.empty()) {
+    for (const std::string& warning : reportWarnings(source, result)) {
+      printMessage("sherd: warning: " + warning);
+    }
+  }
   if (result.solid.specks > 0) {
     printMessage("sherd: warning: " + arguments.mesh + ": " + std::to_string(result.solid.specks) +
                  (result.solid.specks == 1 ? " part" : " parts") + " under " +
@@ -178,6 +184,7 @@ std::string asJson(const FractureArguments& arguments, const SourceMesh& source,
       {"triangles_in", source.mesh.triangles.size()},
       {"volume_in", std::abs(volume(source.mesh))},
       {"volume_out", volumeOut},
+      {"report", arguments.only.empty() ? reportJson(source, result) : nlohmann::ordered_json()},
       {"seconds", seconds}};
   return json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
@@ -271,6 +278,7 @@ void breakMesh(FractureArguments& arguments) {
   if (arguments.json) {
     printResult(asJson(arguments, source, result, device.info(), manifest, times));
   } else if (!arguments.quiet) {
+    if (!again) printResult(reportText(source, result));
     printResult(asText(arguments, source, result, device.info(), times.back().seconds));
   }
 }
@@ -331,12 +339,14 @@ void addFractureCommand(CLI::App& app, Action& run) {
       ->type_name("ID,...")
       ->excludes(resolution)
       ->excludes("--voxel-size");
+  addFillOptions(*command, options);
   addSeedOptions(*command, options);
   addGrowthOptions(*command, options);
   addErosionOptions(*command, options);
   addSurfaceOptions(*command, options);
   addPointOptions(*command, arguments->files);
-  for (const char* ofMeshes : {"--seeds", "--missing", "--erode-iterations"}) {
+  for (const char* ofMeshes :
+       {"--seeds", "--missing", "--erode-iterations", "--fill", "--shell-thickness"}) {
     command->get_option("--only")->excludes(ofMeshes);
   }
   command->add_option("--write", arguments->write, "What to write, separated by commas")

@@ -101,6 +101,20 @@ void parseMissing(const std::string& text, double& missing) {
 
 }  // namespace
 
+void addFillOptions(CLI::App& command, FractureOptions& options) {
+  const std::string group = "Solid";
+  addChoice(command, "--fill", options.fill, names::kFill,
+            "How the mesh tells its inside; auto takes winding, or shell where the mesh encloses "
+            "nothing")
+      ->group(group);
+  command
+      .add_option("--shell-thickness", options.shellThickness,
+                  "Make a shell of this thickness about the surface, in the mesh's own unit; "
+                  "default of --fill shell: two and a half voxels")
+      ->check(aboveZero())
+      ->group(group);
+}
+
 void addSeedOptions(CLI::App& command, FractureOptions& options) {
   const std::string group = "Seeds";
   SeedOptions& seeds = options.seeds;

@@ -11,6 +11,7 @@ namespace sherd::cli {
 /// Accepts finite numbers above 0.
 [[nodiscard]] CLI::Validator aboveZero();
 
+void addFillOptions(CLI::App& command, FractureOptions& options);
 void addSeedOptions(CLI::App& command, FractureOptions& options);
 void addGrowthOptions(CLI::App& command, FractureOptions& options);
 void addErosionOptions(CLI::App& command, FractureOptions& options);

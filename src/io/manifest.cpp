@@ -14,6 +14,7 @@
 
 #include "io/input_error.h"
 #include "io/json_of.h"
+#include "io/mesh_report.h"
 #include "option_names.h"
 
 namespace sherd {
@@ -139,6 +140,10 @@ Json optionsJson(const FractureOptions& options, const FractureResult& result,
     json["voxel_size"] = options.voxelSize;
   } else {
     json["resolution"] = options.resolution;
+  }
+  if (result.parents.empty()) {
+    json["fill"] = names::of(names::kFill, options.fill);
+    if (options.shellThickness > 0.0) json["shell_thickness"] = options.shellThickness;
   }
   json["seeds"] = seedOptionsJson(options);
   json["grow"] = growOptionsJson(options.grow);
@@ -287,6 +292,7 @@ std::string manifestText(const SourceMesh& source, const FractureOptions& option
   Json manifest = {{"schema", kSchema},
                    {"source", sourceJson(source)},
                    {"options", optionsJson(options, result, write)}};
+  if (result.parents.empty()) manifest["report"] = reportJson(source, result);
   const bool asked = options.seedFile.empty() && result.parents.empty();
   if (asked && static_cast<std::size_t>(options.pieces) < result.fragments.size()) {
     manifest["pieces_asked"] = options.pieces;

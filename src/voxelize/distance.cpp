@@ -3,15 +3,19 @@
 
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Composite.h>
-#include <openvdb/tools/MeshToVolume.h>
 #include <openvdb/tools/SignedFloodFill.h>
-#include <openvdb/tree/LeafManager.h>
-#include <sherd/error.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "voxelize/band.h"
+#include "voxelize/triangle_tree.h"
 
 namespace sherd {
 namespace {
@@ -24,29 +28,6 @@ using Leaf = FloatGrid::TreeType::LeafNodeType;
 // shrinking to points.
 constexpr float kLeastDepthVoxels = 1e-3f;
 
-// The mesh as meshToVolume wants it, in double: float would lose a large grid's last thousandths.
-struct IndexMesh {
-  const TriangleMesh& mesh;
-  std::size_t polygonCount() const { return mesh.triangles.size(); }
-  std::size_t pointCount() const { return mesh.vertices.size(); }
-  std::size_t vertexCount(std::size_t) const { return 3; }
-  void getIndexSpacePoint(std::size_t n, std::size_t v, openvdb::Vec3d& p) const {
-    const glm::dvec3& q = mesh.vertices[mesh.triangles[n][static_cast<int>(v)]];
-    p = {q.x, q.y, q.z};
-  }
-};
-
-// Lets the caller stop OpenVDB's long loops; they ask from many threads, so only a flag is read
-// there.
-struct Interrupter {
-  const Progress* progress;
-  void start(const char* = nullptr) {}
-  void end() {}
-  bool wasInterrupted(int = -1) const {
-    return progress && progress->cancelled && progress->cancelled();
-  }
-};
-
 float worldFromVoxels(float voxels, const GridFrame& frame) {
   return static_cast<float>(static_cast<double>(voxels) * frame.voxelSize);
 }
@@ -58,36 +39,50 @@ float background(const GridFrame& frame) {
 
 }  // namespace
 
-FloatGridPtr levelSetFromMesh(const TriangleMesh& mesh, const Winding& winding,
-                              const GridFrame& frame, const Progress* progress) {
-  Interrupter interrupter{progress};
-  FloatGrid::Ptr grid = openvdb::tools::meshToVolume<FloatGrid>(
-      interrupter, IndexMesh{mesh}, *openvdb::math::Transform::createLinearTransform(1.0),
-      static_cast<float>(kHalfWidthVoxels), 0.0f, openvdb::tools::UNSIGNED_DISTANCE_FIELD);
-  step(progress, "voxelize", 0.5);
+FloatGridPtr levelSetOf(const Filling& filling, const GridFrame& frame, const Progress* progress) {
+  const double reach = kHalfWidthVoxels + filling.halfThickness;
+  const std::vector<BandLeaf> band =
+      bandOf(TriangleTree(filling.surface), bounds(filling.surface), reach, progress);
+  step(progress, "voxelize", 0.8);
 
   const float outside = background(frame);
-  openvdb::tools::changeBackground(grid->tree(), outside);
-  openvdb::tree::LeafManager<FloatGrid::TreeType> leaves(grid->tree());
-  leaves.foreach ([&](Leaf& leaf, std::size_t) {
-    for (int x = 0; x < 8; ++x) {
-      for (int y = 0; y < 8; ++y) {
-        const unsigned inside =
-            winding.insideRow(leaf.origin().x() + x, leaf.origin().y() + y, leaf.origin().z());
-        for (int z = 0; z < 8; ++z) {
-          const auto offset = static_cast<openvdb::Index>((x << 6) | (y << 3) | z);
-          const bool isInside = (inside >> z) & 1;
-          const float distance = leaf.getValue(offset);  // voxels, >= 0
-          if (!leaf.isValueOn(offset) || !(distance < static_cast<float>(kHalfWidthVoxels))) {
-            leaf.setValueOff(offset, isInside ? -outside : outside);
-          } else {
-            const float voxels = isInside ? -std::max(distance, kLeastDepthVoxels) : distance;
-            leaf.setValueOnly(offset, worldFromVoxels(voxels, frame));
-          }
+  const auto half = static_cast<float>(filling.halfThickness);
+  FloatGrid::Ptr grid = FloatGrid::create(outside);
+  std::vector<std::unique_ptr<Leaf>> leaves(band.size());
+  tbb::parallel_for(std::size_t{0}, band.size(), [&](std::size_t i) {
+    const Coord& origin = band[i].origin;
+    leaves[i] = std::make_unique<Leaf>(origin, outside, false);
+    for (int row = 0; row < 64; ++row) {
+      const auto first = static_cast<openvdb::Index>(row * 8);
+      std::uint8_t near = 0;
+      for (unsigned z = 0; z < 8; ++z) {
+        if (band[i].distance[first + z] < static_cast<float>(reach)) {
+          near |= static_cast<std::uint8_t>(1u << z);
+        }
+      }
+      if (near == 0) continue;
+      const unsigned inside =
+          filling.insideRow
+              ? filling.insideRow(origin.x() + row / 8, origin.y() + row % 8, origin.z(), near)
+              : 0u;
+      for (unsigned z = 0; z < 8; ++z) {
+        if ((near >> z & 1) == 0) continue;
+        const float distance = band[i].distance[first + z];
+        float voxels = distance - half;
+        if (filling.insideRow) voxels = (inside >> z & 1) != 0 ? -distance : distance;
+        const bool isInside = filling.insideRow ? (inside >> z & 1) != 0 : voxels < 0.0f;
+        if (isInside) voxels = std::min(voxels, -kLeastDepthVoxels);
+        if (voxels <= -static_cast<float>(kHalfWidthVoxels)) {
+          leaves[i]->setValueOff(first + z, -outside);
+        } else if (voxels < static_cast<float>(kHalfWidthVoxels)) {
+          leaves[i]->setValueOn(first + z, worldFromVoxels(voxels, frame));
         }
       }
     }
   });
+  for (std::unique_ptr<Leaf>& leaf : leaves) {
+    if (!leaf->isEmpty()) grid->tree().addLeaf(leaf.release());
+  }
   openvdb::tools::signedFloodFillWithValues(grid->tree(), outside, -outside);
 
   openvdb::math::Transform::Ptr transform =

@@ -9,18 +9,17 @@
 
 #include <functional>
 
-#include "voxelize/winding.h"
+#include "voxelize/fill.h"
 
 namespace sherd {
 
 using FloatGridPtr = std::shared_ptr<openvdb::FloatGrid>;
 
-/// The narrow-band level set of a closed mesh: exact distance to the nearest triangle, sign by
-/// winding number.
-///   mesh     in index space
+/// The narrow-band level set of what a mesh fills.
 ///   return   world units; transform and background by `frame`
-[[nodiscard]] FloatGridPtr levelSetFromMesh(const TriangleMesh& mesh, const Winding& winding,
-                                            const GridFrame& frame, const Progress* progress);
+///   throws   Error(cancelled)
+[[nodiscard]] FloatGridPtr levelSetOf(const Filling& filling, const GridFrame& frame,
+                                      const Progress* progress);
 
 /// The union of two level sets of one frame; `other` is used up.
 void unite(openvdb::FloatGrid& grid, openvdb::FloatGrid& other);

@@ -7,22 +7,21 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 
 namespace sherd {
 namespace {
 
-constexpr int kFractionBits =
-    16;  // boxes up to 2^13 voxels keep products of differences below 2^60
-constexpr std::int64_t kOne = std::int64_t{1} << kFractionBits;
+// Of the differences between two snapped places: their products stay below 2^60.
+constexpr int kBits = 29;
 
 struct Snapped {
   std::int64_t x, y;
   double z;
 };
 
-Snapped snapped(const glm::dvec3& p) {
-  return {std::llround(p.x * static_cast<double>(kOne)),
-          std::llround(p.y * static_cast<double>(kOne)), p.z};
+Snapped snapped(const glm::dvec3& p, int bits) {
+  return {std::llround(std::ldexp(p.x, bits)), std::llround(std::ldexp(p.y, bits)), p.z};
 }
 
 // Twice the area of (a, b, p) seen along -z.
@@ -36,13 +35,11 @@ bool ownsItsPoints(const Snapped& a, const Snapped& b) {
   return b.y < a.y || (b.y == a.y && b.x > a.x);
 }
 
-std::int64_t ceilVoxel(std::int64_t v) { return (v + kOne - 1) >> kFractionBits; }
-std::int64_t floorVoxel(std::int64_t v) { return v >> kFractionBits; }
-
 // Call hit(x, y, z, up) for each column that passes the triangle; `up` is +1 where the ray enters
 // the solid.
 template <class Hit>
-void scan(std::array<Snapped, 3> t, Hit&& hit) {
+void scan(std::array<Snapped, 3> t, int bits, Hit&& hit) {
+  const std::int64_t one = std::int64_t{1} << bits;
   std::int64_t doubleArea = side(t[0], t[1], t[2].x, t[2].y);
   if (doubleArea == 0) return;  // seen edge-on
   const int up = doubleArea > 0 ? -1 : 1;
@@ -55,9 +52,9 @@ void scan(std::array<Snapped, 3> t, Hit&& hit) {
   const std::array<std::int64_t, 3> bias{ownsItsPoints(t[1], t[2]) ? 0 : 1,
                                          ownsItsPoints(t[2], t[0]) ? 0 : 1,
                                          ownsItsPoints(t[0], t[1]) ? 0 : 1};
-  for (std::int64_t x = ceilVoxel(x0); x <= floorVoxel(x1); ++x) {
-    for (std::int64_t y = ceilVoxel(y0); y <= floorVoxel(y1); ++y) {
-      const std::int64_t px = x * kOne, py = y * kOne;
+  for (std::int64_t x = (x0 + one - 1) >> bits; x <= x1 >> bits; ++x) {
+    for (std::int64_t y = (y0 + one - 1) >> bits; y <= y1 >> bits; ++y) {
+      const std::int64_t px = x * one, py = y * one;
       const std::int64_t a = side(t[1], t[2], px, py), b = side(t[2], t[0], px, py),
                          c = side(t[0], t[1], px, py);
       if (a < bias[0] || b < bias[1] || c < bias[2]) continue;
@@ -71,7 +68,13 @@ void scan(std::array<Snapped, 3> t, Hit&& hit) {
 
 }  // namespace
 
-Winding::Winding(const TriangleMesh& mesh) {
+int Winding::latticeBits(const Box& box) {
+  const glm::dvec3 size = box.max - box.min;
+  const double longest = std::max({size.x, size.y, size.z}) + 4.0;
+  return std::clamp(kBits - static_cast<int>(std::ceil(std::log2(longest))), 0, 24);
+}
+
+Winding::Winding(const TriangleMesh& mesh, Rule rule) {
   const Box box = bounds(mesh);
   for (int axis = 0; axis < 3; ++axis) {
     box_.min[axis] = static_cast<int>(std::floor(box.min[axis])) - 1;
@@ -80,13 +83,17 @@ Winding::Winding(const TriangleMesh& mesh) {
   const auto ny = static_cast<std::size_t>(box_.dims().y());
   const std::size_t columns = static_cast<std::size_t>(box_.dims().x()) * ny;
   std::vector<Snapped> points(mesh.vertices.size());
-  std::transform(mesh.vertices.begin(), mesh.vertices.end(), points.begin(), snapped);
+  const int bits = latticeBits(box);
+  std::transform(mesh.vertices.begin(), mesh.vertices.end(), points.begin(),
+                 [&](const glm::dvec3& p) { return snapped(p, bits); });
   const auto column = [&](int x, int y) {
     return static_cast<std::size_t>(x - box_.min.x()) * ny +
            static_cast<std::size_t>(y - box_.min.y());
   };
   const auto eachHit = [&](auto&& hit) {
-    for (const glm::uvec3& t : mesh.triangles) scan({points[t.x], points[t.y], points[t.z]}, hit);
+    for (const glm::uvec3& t : mesh.triangles) {
+      scan({points[t.x], points[t.y], points[t.z]}, bits, hit);
+    }
   };
 
   // Two passes, count and place, keep the changes of a column together without sorting all of them.
@@ -105,8 +112,10 @@ Winding::Winding(const TriangleMesh& mesh) {
         return a.z != b.z ? a.z < b.z : a.winding < b.winding;
       });
       int winding = 0;
-      for (auto change = begin; change != end; ++change)
-        change->winding = winding += change->winding;
+      for (auto change = begin; change != end; ++change) {
+        winding = rule == Rule::parity ? 1 - winding : winding + change->winding;
+        change->winding = winding;
+      }
     }
   });
   for (std::size_t c = 0; c < columns; ++c) {
@@ -130,6 +139,16 @@ std::optional<std::size_t> Winding::columnAt(int x, int y) const {
 int Winding::windingAbove(int x, int y) const {
   const std::optional<std::size_t> c = columnAt(x, y);
   return !c || first_[*c] == first_[*c + 1] ? 0 : changes_[first_[*c + 1] - 1].winding;
+}
+
+int Winding::at(int x, int y, int z) const {
+  const std::optional<std::size_t> c = columnAt(x, y);
+  if (!c) return 0;
+  const auto begin = changes_.begin() + static_cast<std::ptrdiff_t>(first_[*c]);
+  const auto end = changes_.begin() + static_cast<std::ptrdiff_t>(first_[*c + 1]);
+  const auto above = std::upper_bound(
+      begin, end, z, [](int level, const Change& change) { return level < change.z; });
+  return above == begin ? 0 : std::prev(above)->winding;
 }
 
 std::uint8_t Winding::insideRow(int x, int y, int z0) const {

@@ -14,16 +14,29 @@ namespace sherd {
 ///
 /// Every column of voxel centres along z is a ray; a triangle that it passes changes the winding
 /// number by one, up or down by the side it is met from.  Which triangles a ray passes is decided
-/// in integers, on vertices snapped to 1/65536 voxel, with ties broken as if the ray were moved by
+/// in integers, on vertices snapped to a lattice of 2^-21 voxel in a box of 256 voxels, twice as
+/// wide in one twice as large, with ties broken as if the ray were moved by
 /// an infinitely small step: of the triangles round an edge or a vertex each ray passes a
 /// consistent set, so a closed mesh gives closed columns, exactly.
 class Winding {
  public:
-  /// mesh: in index space, closed.
-  explicit Winding(const TriangleMesh& mesh);
+  /// What a crossing counts.
+  enum class Rule {
+    signedTurns,  ///< one up or down, by the side that it is met from
+    parity,       ///< from 0 to 1, and back; whatever way triangles are turned
+  };
+
+  /// mesh: in index space, closed (for parity: but for what way its triangles are turned).
+  explicit Winding(const TriangleMesh& mesh, Rule rule = Rule::signedTurns);
 
   /// Bit z of the result: the winding number at (x, y, z0 + z) is 1 or more; z in 0..7.
   std::uint8_t insideRow(int x, int y, int z0) const;
+
+  /// The lattice that vertices are snapped to has steps of 2^-bits voxels.
+  static int latticeBits(const Box& box);
+
+  /// The winding number at a voxel centre.
+  int at(int x, int y, int z) const;
 
   /// The winding number above the whole mesh: 0 in every column when it is closed.
   int windingAbove(int x, int y) const;
@@ -31,6 +44,24 @@ class Winding {
   /// The lowest and the highest winding number of any voxel centre (0 outside the mesh's box).
   int lowest() const { return lowest_; }
   int highest() const { return highest_; }
+
+  /// Calls visit(x, y, z, end, winding) for each run of voxels z..end-1 of a column that has one
+  /// winding number other than 0.
+  template <class Visit>
+  void forEachRun(Visit&& visit) const {
+    const auto ny = static_cast<std::size_t>(box_.dims().y());
+    for (std::size_t c = 0; c + 1 < first_.size(); ++c) {
+      const int x = box_.min.x() + static_cast<int>(c / ny);
+      const int y = box_.min.y() + static_cast<int>(c % ny);
+      for (std::size_t i = first_[c]; i + 1 < first_[c + 1]; ++i) {
+        const Change &from = changes_[i], &to = changes_[i + 1];
+        if (from.winding != 0 && from.z != to.z) visit(x, y, from.z, to.z, from.winding);
+      }
+    }
+  }
+
+  /// The voxels whose columns are kept; outside it all winding numbers are 0.
+  const VoxelBox& box() const { return box_; }
 
   std::uint64_t insideVoxels() const { return insideVoxels_; }
 

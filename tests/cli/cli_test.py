@@ -300,8 +300,6 @@ class WrongUse(CommandLine):
             stl = file.read()
         with open(self.ball, "rb") as file:
             obj = file.read()
-        holed = self.path("holed.obj")
-        write_obj(holed, (ball[0], ball[1][1:]))
         cases = {
             "absent": (self.path("absent.obj"), "absent.obj"),
             "a folder": (self.data, self.data),
@@ -314,7 +312,6 @@ class WrongUse(CommandLine):
             "not a number": (self.path("nan.stl", stl[:96] + struct.pack("<f", math.nan) + stl[100:]), "nan.stl"),
             "infinite": (self.path("inf.stl", stl[:96] + struct.pack("<f", math.inf) + stl[100:]), "inf.stl"),
             "text infinite": (self.path("inf.obj", obj.replace(b"v 0 0 1\n", b"v 0 0 inf\n", 1)), "inf.obj"),
-            "open": (holed, "holed.obj"),
         }
         os.mkdir(self.path("folder.obj"))
         for name, (mesh, word) in cases.items():

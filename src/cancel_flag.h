@@ -1,0 +1,34 @@
+// Stopping work on many threads when the caller asks for it.
+#pragma once
+
+#include <sherd/error.h>
+#include <sherd/progress.h>
+
+#include <atomic>
+
+namespace sherd {
+
+/// Whether the caller wants to stop, asked from any thread.  Tasks return early once it is set, and
+/// the thread that started them throws.
+class CancelFlag {
+ public:
+  explicit CancelFlag(const Progress* progress) : progress_(progress) {}
+
+  [[nodiscard]] bool isSet() {
+    if (!set_ && progress_ != nullptr && progress_->cancelled && progress_->cancelled()) {
+      set_ = true;
+    }
+    return set_;
+  }
+
+  ///   throws  Error(cancelled)
+  void throwIfSet() const {
+    if (set_) throw Error(ErrorCode::cancelled, "stopped on request");
+  }
+
+ private:
+  const Progress* progress_;
+  std::atomic<bool> set_{false};
+};
+
+}  // namespace sherd

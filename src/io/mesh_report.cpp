@@ -1,0 +1,133 @@
+// What was found wrong with a mesh and done about it, told.
+#include "io/mesh_report.h"
+
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "option_names.h"
+
+namespace sherd {
+namespace {
+
+std::string text(double value) {
+  char out[64];
+  std::snprintf(out, sizeof out, "%.4g", value);
+  return out;
+}
+
+std::string percent(double share) {
+  char out[64];
+  std::snprintf(out, sizeof out, "%.2g %%", 100.0 * share);
+  return out;
+}
+
+std::string counted(std::size_t count, const std::string& what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
+// Of the fragments' meshes; of voxels where some were worn off.
+double solidVolume(const FractureResult& result) {
+  if (!result.worn.empty() && result.worn.front() > 0) {
+    return static_cast<double>(result.solid.voxels) * std::pow(result.solid.frame.voxelSize, 3);
+  }
+  double sum = 0.0;
+  for (const Fragment& fragment : result.fragments) sum += fragment.mass.volume;
+  return sum;
+}
+
+// By how much the solid's volume differs from the mesh's, as a share of it.
+double difference(const FractureResult& result) {
+  const double mesh = result.solid.report.meshVolume;
+  return mesh > 0.0 ? solidVolume(result) / mesh - 1.0 : 0.0;
+}
+
+}  // namespace
+
+nlohmann::ordered_json reportJson(const SourceMesh& source, const FractureResult& result) {
+  const SolidReport& report = result.solid.report;
+  const MeshDefects& defects = report.defects;
+  nlohmann::ordered_json json = {{"parts", defects.parts},
+                                 {"boundary_edges", defects.boundaryEdges},
+                                 {"non_manifold_edges", defects.nonManifoldEdges},
+                                 {"misoriented_edges", defects.misorientedEdges},
+                                 {"turned_triangles", defects.turnedTriangles},
+                                 {"turned_parts", defects.turnedParts},
+                                 {"degenerate_triangles", source.degenerateTriangles},
+                                 {"zero_area_triangles", defects.zeroAreaTriangles},
+                                 {"duplicate_triangles", defects.duplicateTriangles},
+                                 {"fill", names::of(names::kFill, report.fill)},
+                                 {"fill_reason", report.fillReason}};
+  if (report.fill == Fill::shell) {
+    json["shell_thickness"] = report.shellThickness;
+  } else {
+    json["mesh_volume"] = report.meshVolume;
+  }
+  json["solid_volume"] = solidVolume(result);
+  json["walls"] = {{"thin_share", report.walls.thinShare},
+                   {"thinnest_voxels", std::isfinite(report.walls.thinnest)
+                                           ? nlohmann::ordered_json(report.walls.thinnest)
+                                           : nlohmann::ordered_json()},
+                   {"resolution_to_hold", report.walls.resolution > 0
+                                              ? nlohmann::ordered_json(report.walls.resolution)
+                                              : nlohmann::ordered_json()}};
+  return json;
+}
+
+std::string reportText(const SourceMesh& source, const FractureResult& result) {
+  const SolidReport& report = result.solid.report;
+  const MeshDefects& defects = report.defects;
+  std::string found = source.name + ": " + counted(source.mesh.triangles.size(), "triangle") +
+                      " in " + counted(defects.parts, "part");
+  const std::pair<std::size_t, const char*> faults[] = {
+      {defects.boundaryEdges, "boundary edge"},
+      {defects.nonManifoldEdges, "non-manifold edge"},
+      {defects.misorientedEdges, "misoriented edge"},
+      {defects.duplicateTriangles, "duplicate triangle"},
+      {source.degenerateTriangles + defects.zeroAreaTriangles, "degenerate triangle"}};
+  bool clean = true;
+  for (const auto& [count, what] : faults) {
+    if (count > 0) found += ", " + counted(count, what);
+    clean &= count == 0;
+  }
+  if (clean) found += ", closed and clean";
+
+  std::string done =
+      std::string("filled by ") + names::of(names::kFill, report.fill) + ": " + report.fillReason;
+  if (report.fill == Fill::shell) done += "; a shell " + text(report.shellThickness) + " thick";
+  if (defects.turnedTriangles > 0) {
+    done += "; " + counted(defects.turnedTriangles, "triangle") + " turned over";
+  }
+  if (defects.turnedParts > 0) {
+    done += "; " + counted(defects.turnedParts, "part") + " turned inside out";
+  }
+
+  std::string volumes = "volume " + text(solidVolume(result));
+  if (report.meshVolume > 0.0) {
+    volumes += ", the mesh's own " + text(report.meshVolume) + " (" +
+               (difference(result) < 0.0 ? "-" : "+") + percent(std::abs(difference(result))) + ")";
+  }
+  if (report.walls.thinShare > 0.0) {
+    volumes += "; walls thinner than a voxel behind " + percent(report.walls.thinShare) +
+               " of the surface";
+  }
+  return found + "\n" + done + "\n" + volumes + "\n";
+}
+
+std::vector<std::string> reportWarnings(const SourceMesh& source, const FractureResult& result) {
+  std::vector<std::string> warnings;
+  const SolidReport& report = result.solid.report;
+  if (std::abs(difference(result)) > kVolumesAgree) {
+    warnings.push_back(source.name + ": the solid's volume is " + text(solidVolume(result)) +
+                       ", the mesh's own " + text(report.meshVolume) +
+                       "; overlapping parts count once, and walls thinner than a voxel are lost");
+  }
+  if (report.walls.resolution > 0 && report.fill != Fill::shell) {
+    warnings.push_back(source.name + ": walls are down to " + text(report.walls.thinnest) +
+                       " voxels thin, of which parts may be lost; a --resolution of " +
+                       std::to_string(report.walls.resolution) + " would hold them");
+  }
+  return warnings;
+}
+
+}  // namespace sherd

@@ -1,0 +1,17 @@
+// Two meshes in one.
+#pragma once
+
+#include <sherd/mesh.h>
+
+namespace sherd {
+
+/// Both meshes' triangles; nothing is merged.
+[[nodiscard]] inline TriangleMesh joined(TriangleMesh mesh, const TriangleMesh& other) {
+  const auto first = static_cast<glm::uint>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
+  mesh.triangles.reserve(mesh.triangles.size() + other.triangles.size());
+  for (const glm::uvec3& t : other.triangles) mesh.triangles.push_back(t + first);
+  return mesh;
+}
+
+}  // namespace sherd

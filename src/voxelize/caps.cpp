@@ -1,0 +1,97 @@
+// Closing a mesh.
+#include "voxelize/caps.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "mesh/edges.h"
+
+namespace sherd {
+namespace {
+
+constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
+// Halves of the loop's part from one vertex to another, and a triangle between their chords: of n
+// triangles half lie along the boundary and are as small as its edges, so a tree of them is local.
+void addHalves(std::uint32_t from, std::uint32_t to, TriangleMesh& caps) {
+  if (to - from < 2) return;
+  const std::uint32_t middle = from + (to - from) / 2;
+  caps.triangles.emplace_back(from, middle, to);
+  addHalves(from, middle, caps);
+  addHalves(middle, to, caps);
+}
+
+void addCap(const TriangleMesh& mesh, std::span<const std::uint32_t> loop, TriangleMesh& caps) {
+  if (loop.size() < 3) return;  // there and back: nothing between
+  const auto first = static_cast<std::uint32_t>(caps.vertices.size());
+  for (const std::uint32_t vertex : loop) caps.vertices.push_back(mesh.vertices[vertex]);
+  addHalves(first, first + static_cast<std::uint32_t>(loop.size()) - 1, caps);
+}
+
+}  // namespace
+
+TriangleMesh loopCaps(const TriangleMesh& mesh) {
+  // Edges that are missing, by the vertex they leave.  As many arrive at each vertex as leave it,
+  // so a walk along them ends only where it began.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> missing;
+  forEachEdge(mesh, [&](const EdgeUse& edge) {
+    for (std::size_t n = edge.backward; n < edge.forward; ++n)
+      missing.emplace_back(edge.high, edge.low);
+    for (std::size_t n = edge.forward; n < edge.backward; ++n)
+      missing.emplace_back(edge.low, edge.high);
+  });
+  TriangleMesh caps;
+  if (missing.empty()) return caps;
+  std::sort(missing.begin(), missing.end());
+  std::vector<std::size_t> next(mesh.vertices.size() + 1, 0);  // first edge not walked yet
+  for (const auto& edge : missing) ++next[edge.first + 1];
+  for (std::size_t v = 0; v + 1 < next.size(); ++v) next[v + 1] += next[v];
+  const std::vector<std::size_t> first = next;
+
+  std::vector<std::uint32_t> path;
+  std::vector<std::uint32_t> onPath(mesh.vertices.size(), kNone);  // place on the path
+  for (std::uint32_t start = 0; start < mesh.vertices.size(); ++start) {
+    while (next[start] < first[start + 1]) {
+      path.assign(1, start);
+      onPath[start] = 0;
+      while (!path.empty() && next[path.back()] < first[path.back() + 1]) {
+        const std::uint32_t to = missing[next[path.back()]++].second;
+        if (onPath[to] == kNone) {
+          onPath[to] = static_cast<std::uint32_t>(path.size());
+          path.push_back(to);
+          continue;
+        }
+        // A loop is closed: it leaves the path, which goes on from where it began.
+        const std::size_t from = onPath[to];
+        addCap(mesh, std::span(path).subspan(from), caps);
+        for (std::size_t i = from + 1; i < path.size(); ++i) onPath[path[i]] = kNone;
+        path.resize(from + 1);
+      }
+      onPath[start] = kNone;
+    }
+  }
+  return caps;
+}
+
+TriangleMesh coneCaps(const TriangleMesh& mesh) {
+  TriangleMesh caps;
+  forEachEdge(mesh, [&](const EdgeUse& edge) {
+    if ((edge.forward + edge.backward) % 2 == 0) return;
+    if (caps.vertices.empty()) {
+      glm::dvec3 sum(0.0);
+      for (const glm::dvec3& v : mesh.vertices) sum += v;
+      caps.vertices.push_back(sum / static_cast<double>(mesh.vertices.size()));
+    }
+    const auto first = static_cast<std::uint32_t>(caps.vertices.size());
+    caps.vertices.push_back(mesh.vertices[edge.low]);
+    caps.vertices.push_back(mesh.vertices[edge.high]);
+    caps.triangles.emplace_back(first, first + 1, 0);
+  });
+  return caps;
+}
+
+}  // namespace sherd

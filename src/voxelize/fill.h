@@ -1,0 +1,43 @@
+// What a mesh bounds: a surface, and the side of it that voxel centres are on.
+#pragma once
+
+#include <sherd/mesh.h>
+#include <sherd/mesh_report.h>
+#include <sherd/solid.h>
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+namespace sherd {
+
+/// A mesh that says what is inside.  All in index space.
+struct Filling {
+  Fill fill = Fill::winding;  ///< not automatic
+  std::string reason;         ///< why, as half a sentence
+  TriangleMesh surface;       ///< what the solid's distance is measured to
+
+  /// Bit z of the result: the centre (x, y, z0 + z) is inside; z in 0..7.  Only bits of `wanted`
+  /// are told.  Empty for a shell.
+  std::function<std::uint8_t(int x, int y, int z0, std::uint8_t wanted)> insideRow;
+
+  double halfThickness = 0.0;  ///< voxels; of a shell: what is nearer to the surface is inside
+};
+
+/// The filling that `options` asks for.
+///   throws    Error(cancelled)
+///   mesh      as repaired() gives it, in index space
+///   original  the same before repair, for a shell, which has doubled triangles too
+[[nodiscard]] Filling fillingOf(TriangleMesh mesh, const TriangleMesh& original,
+                                const SolidOptions& options, double voxelSize,
+                                const Progress* progress = nullptr);
+
+/// How well a mesh encloses what lies behind it: the mean over its area of the winding number just
+/// behind the surface.  1 for closed meshes, 0.75 for a bowl, 0.5 for a flat sheet.
+[[nodiscard]] double enclosure(const TriangleMesh& mesh);
+
+/// How thick the solid is behind the mesh's surface.
+///   mesh  in index space, oriented outwards
+[[nodiscard]] WallThickness wallThickness(const TriangleMesh& mesh, double longestSideVoxels);
+
+}  // namespace sherd

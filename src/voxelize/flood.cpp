@@ -1,0 +1,90 @@
+// The inside by colouring the regions between surfaces.
+#include "voxelize/flood.h"
+
+#include <sherd/grid_fwd.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace sherd {
+namespace {
+
+constexpr std::uint8_t kUnseen = 255;
+constexpr std::uint8_t kDeepest = 254;
+
+// The mesh with its axes turned round, so that columns along z are the original's along `axis`, and
+// off the voxel centres by half a step of Winding's lattice: centres on a surface would go one way
+// in columns along x, and the other way along z.
+TriangleMesh columnsAlong(TriangleMesh mesh, int axis) {
+  const double nudge = std::ldexp(0.5, -Winding::latticeBits(bounds(mesh)));
+  for (glm::dvec3& v : mesh.vertices) {
+    v += nudge;
+    v = {v[(axis + 1) % 3], v[(axis + 2) % 3], v[axis]};
+  }
+  return mesh;
+}
+
+}  // namespace
+
+FloodedBox::FloodedBox(const TriangleMesh& mesh) {
+  const Box box = bounds(mesh);
+  for (int axis = 0; axis < 3; ++axis) {
+    box_.min[axis] = static_cast<int>(std::floor(box.min[axis])) - 1;
+    box_.max[axis] = static_cast<int>(std::ceil(box.max[axis])) + 1;
+  }
+  const openvdb::Coord dims = box_.dims();
+  depth_.assign(static_cast<std::size_t>(dims.x()) * static_cast<std::size_t>(dims.y()) *
+                    static_cast<std::size_t>(dims.z()),
+                kUnseen);
+  const std::array<Winding, 3> columns{Winding(columnsAlong(mesh, 0), Winding::Rule::parity),
+                                       Winding(columnsAlong(mesh, 1), Winding::Rule::parity),
+                                       Winding(columnsAlong(mesh, 2), Winding::Rule::parity)};
+  const auto state = [&](int axis, const openvdb::Coord& p) {
+    return columns[static_cast<std::size_t>(axis)].at(p[(axis + 1) % 3], p[(axis + 2) % 3],
+                                                      p[axis]);
+  };
+
+  // Level by level: all that is reached without a crossing, then what is one crossing farther.
+  std::vector<openvdb::Coord> level{box_.min}, beyond;
+  depth_[place(box_.min.x(), box_.min.y(), box_.min.z())] = 0;
+  for (std::uint8_t depth = 0; !level.empty() && depth <= kDeepest; ++depth) {
+    beyond.clear();
+    for (std::size_t i = 0; i < level.size(); ++i) {
+      const openvdb::Coord from = level[i];
+      for (int axis = 0; axis < 3; ++axis) {
+        for (const int step : {-1, 1}) {
+          openvdb::Coord to = from;
+          to[axis] += step;
+          if (to[axis] < box_.min[axis] || to[axis] > box_.max[axis]) continue;
+          std::uint8_t& seen = depth_[place(to.x(), to.y(), to.z())];
+          if (seen != kUnseen) continue;
+          if (state(axis, from) == state(axis, to)) {
+            seen = depth;
+            level.push_back(to);
+          } else {
+            beyond.push_back(to);
+          }
+        }
+      }
+    }
+    level.clear();
+    for (const openvdb::Coord& to : beyond) {
+      std::uint8_t& seen = depth_[place(to.x(), to.y(), to.z())];
+      if (seen != kUnseen) continue;
+      seen = static_cast<std::uint8_t>(depth + 1);
+      level.push_back(to);
+    }
+  }
+}
+
+std::uint8_t FloodedBox::insideRow(int x, int y, int z0) const {
+  if (x < box_.min.x() || x > box_.max.x() || y < box_.min.y() || y > box_.max.y()) return 0;
+  unsigned row = 0;
+  for (int z = std::max(z0, box_.min.z()); z <= std::min(z0 + 7, box_.max.z()); ++z) {
+    row |= (depth_[place(x, y, z)] & 1u) << (z - z0);
+  }
+  return static_cast<std::uint8_t>(row);
+}
+
+}  // namespace sherd

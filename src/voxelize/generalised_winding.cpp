@@ -1,0 +1,132 @@
+// The generalised winding number of any mesh at voxel centres.
+#include "voxelize/generalised_winding.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <utility>
+
+#include "mesh/joined.h"
+#include "voxelize/caps.h"
+
+namespace sherd {
+
+namespace {
+
+// Columns and solid angles must agree on which side of a cap a centre lies: both see its vertices
+// snapped to the columns' lattice, and centres on it moved as columns break ties.
+TriangleMesh onLattice(TriangleMesh caps, const Box& box) {
+  const int bits = Winding::latticeBits(box);
+  for (glm::dvec3& v : caps.vertices) {
+    v.x = std::ldexp(static_cast<double>(std::llround(std::ldexp(v.x, bits))), -bits);
+    v.y = std::ldexp(static_cast<double>(std::llround(std::ldexp(v.y, bits))), -bits);
+  }
+  return caps;
+}
+constexpr glm::dvec3 kTie(1e-10, 1e-11, 1e-9);
+
+// Caps of cracks, whose two sides lie on each other, have no solid angle worth its cost; there are
+// thousands where edges meet others' middles.
+TriangleMesh withArea(TriangleMesh caps) {
+  constexpr double kLeastArea = 1e-4;  // square voxels
+  std::erase_if(caps.triangles, [&](const glm::uvec3& t) {
+    const glm::dvec3& a = caps.vertices[t.x];
+    return glm::length(glm::cross(caps.vertices[t.y] - a, caps.vertices[t.z] - a)) <
+           2.0 * kLeastArea;
+  });
+  return caps;
+}
+
+}  // namespace
+
+GeneralisedWinding::GeneralisedWinding(const TriangleMesh& mesh)
+    : GeneralisedWinding(onLattice(loopCaps(mesh), bounds(mesh)), mesh) {}
+
+GeneralisedWinding::GeneralisedWinding(TriangleMesh caps, const TriangleMesh& mesh)
+    : caps_(std::move(caps)), capTree_(withArea(caps_)), columns_(joined(mesh, caps_)) {
+  if (isSimple()) return;
+  wholeTree_ = TriangleTree(joined(mesh, caps_));
+  markOdd();
+}
+
+openvdb::Coord GeneralisedWinding::oddDims() const {
+  const openvdb::Coord dims = columns_.box().dims();
+  return {dims.x() / kOddSide + 1, dims.y() / kOddSide + 1, dims.z() / kOddSide + 1};
+}
+
+void GeneralisedWinding::markOdd() {
+  const openvdb::Coord dims = oddDims(), min = columns_.box().min;
+  const auto size = [](int v) { return static_cast<std::size_t>(v); };
+  odd_.assign(size(dims.x()) * size(dims.y()) * size(dims.z()), false);
+  columns_.forEachRun([&](int x, int y, int z, int end, int winding) {
+    if (winding == 1) return;
+    const std::size_t column =
+        (size((x - min.x()) / kOddSide) * size(dims.y()) + size((y - min.y()) / kOddSide)) *
+        size(dims.z());
+    for (int k = (z - min.z()) / kOddSide; k <= (end - 1 - min.z()) / kOddSide; ++k) {
+      odd_[column + size(k)] = true;
+    }
+  });
+}
+
+bool GeneralisedWinding::isPlain(const Box& box) const {
+  constexpr double kAround = 2.0, kLargest = 1.0, kHardly = 0.3;
+  const openvdb::Coord dims = oddDims(), min = columns_.box().min;
+  openvdb::Coord low, high;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto cube = [&](double v) {
+      const int at = static_cast<int>(std::floor((v - min[axis]) / kOddSide));
+      return std::clamp(at, 0, dims[axis] - 1);
+    };
+    low[axis] = cube(box.min[axis] - kAround);
+    high[axis] = cube(box.max[axis] + kAround);
+  }
+  for (int x = low.x(); x <= high.x(); ++x) {
+    for (int y = low.y(); y <= high.y(); ++y) {
+      for (int z = low.z(); z <= high.z(); ++z) {
+        if (odd_[(static_cast<std::size_t>(x) * static_cast<std::size_t>(dims.y()) +
+                  static_cast<std::size_t>(y)) *
+                     static_cast<std::size_t>(dims.z()) +
+                 static_cast<std::size_t>(z)]) {
+          return false;
+        }
+      }
+    }
+  }
+  if (capTree_.empty()) return true;
+  const glm::dvec3 size = box.max - box.min;
+  return std::max({size.x, size.y, size.z}) <= kLargest &&
+         std::abs(capTree_.winding(0.5 * (box.min + box.max))) < kHardly;
+}
+
+double GeneralisedWinding::at(int x, int y, int z) const {
+  return columns_.at(x, y, z) - capTree_.winding(glm::dvec3(x, y, z) + kTie);
+}
+
+double GeneralisedWinding::at(const glm::dvec3& point) const {
+  const glm::dvec3 voxel = glm::round(point);
+  const int whole =
+      columns_.at(static_cast<int>(voxel.x), static_cast<int>(voxel.y), static_cast<int>(voxel.z)) +
+      wholeTree_.entries(voxel, point);
+  return whole - capTree_.winding(point);
+}
+
+double GeneralisedWinding::afterStep(const glm::dvec3& from, double winding,
+                                     const glm::dvec3& to) const {
+  // Caps' solid angle jumps where they lie between the two: a cap and a triangle are no single
+  // step.
+  const int entries = wholeTree_.entries(from, to);
+  return std::abs(entries) == 1 ? winding + entries : at(to);
+}
+
+std::uint8_t GeneralisedWinding::insideRow(int x, int y, int z0, std::uint8_t wanted) const {
+  if (capTree_.empty()) return columns_.insideRow(x, y, z0);
+  unsigned row = 0;
+  for (int z = 0; z < 8; ++z) {
+    if ((wanted >> z & 1) != 0 && isInside(x, y, z0 + z)) row |= 1u << z;
+  }
+  return static_cast<std::uint8_t>(row);
+}
+
+}  // namespace sherd

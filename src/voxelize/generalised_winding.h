@@ -1,0 +1,66 @@
+// The generalised winding number of any mesh at voxel centres.
+#pragma once
+
+#include <sherd/mesh.h>
+
+#include <cstdint>
+#include <vector>
+
+#include "voxelize/triangle_tree.h"
+#include "voxelize/winding.h"
+
+namespace sherd {
+
+/// How much a mesh winds round voxel centres: 1 inside a closed one, 0 outside, in between near
+/// holes.
+///
+/// It is that of the mesh closed by caps, a whole number which Winding tells exactly, less that of
+/// the caps alone.  So a closed mesh costs no solid angle, and an open one those of its caps.
+class GeneralisedWinding {
+ public:
+  ///   mesh  in index space
+  explicit GeneralisedWinding(const TriangleMesh& mesh);
+
+  [[nodiscard]] double at(int x, int y, int z) const;
+  [[nodiscard]] bool isInside(int x, int y, int z) const { return at(x, y, z) >= 0.5; }
+
+  /// At any point, where the winding is not simple: by the surfaces between it and the nearest
+  /// voxel centre.
+  [[nodiscard]] double at(const glm::dvec3& point) const;
+
+  /// What at(to) is, from at(from) = `winding`, for points hardly apart; cheaper where one surface
+  /// lies between them.
+  [[nodiscard]] double afterStep(const glm::dvec3& from, double winding,
+                                 const glm::dvec3& to) const;
+
+  /// Whether every surface in a box, and a voxel round it, parts the inside from the outside: the
+  /// closed mesh winds once or not at all round the voxel centres there, and its caps hardly.
+  [[nodiscard]] bool isPlain(const Box& box) const;
+
+  /// Bit z of the result: (x, y, z0 + z) is inside; z in 0..7.  Only bits of `wanted` are told.
+  [[nodiscard]] std::uint8_t insideRow(int x, int y, int z0, std::uint8_t wanted) const;
+
+  /// Empty for a closed mesh.
+  [[nodiscard]] const TriangleMesh& caps() const { return caps_; }
+
+  /// Whether the mesh is closed and no voxel centre lies in two of its bodies, or in one that is
+  /// inside out: every surface then parts the inside from the outside.
+  [[nodiscard]] bool isSimple() const {
+    return caps_.triangles.empty() && columns_.lowest() >= 0 && columns_.highest() <= 1;
+  }
+
+ private:
+  GeneralisedWinding(TriangleMesh caps, const TriangleMesh& mesh);
+
+  static constexpr int kOddSide = 4;
+  void markOdd();
+  [[nodiscard]] openvdb::Coord oddDims() const;
+
+  TriangleMesh caps_;
+  TriangleTree capTree_;
+  Winding columns_;
+  TriangleTree wholeTree_{{}};  // mesh and caps; empty where the winding is simple
+  std::vector<bool> odd_;  // cubes of kOddSide voxels that hold a winding number below 0 or above 1
+};
+
+}  // namespace sherd

@@ -1,0 +1,383 @@
+// Solids from meshes of every kind.
+#include "voxelize/fill.h"
+
+#include <gtest/gtest.h>
+#include <sherd/error.h>
+#include <sherd/solid.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <numbers>
+#include <random>
+#include <set>
+#include <tuple>
+
+#include "mesh/repair.h"
+#include "mesh/winding_number.h"
+#include "shapes.h"
+#include "voxelize/band.h"
+#include "voxelize/caps.h"
+#include "voxelize/triangle_tree.h"
+
+namespace sherd {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+glm::dvec3 randomPoint(std::mt19937& random, double extent) {
+  std::uniform_real_distribution<double> uniform(-extent, extent);
+  const double x = uniform(random), y = uniform(random), z = uniform(random);
+  return {x, y, z};
+}
+
+TriangleMesh turned(TriangleMesh mesh, double angle, const glm::dvec3& offset) {
+  const double c = std::cos(angle), s = std::sin(angle);
+  const glm::dmat3 about(c, s, 0, -s, c, 0, 0, 0, 1), across(1, 0, 0, 0, c, s, 0, -s, c);
+  for (glm::dvec3& v : mesh.vertices) v = across * (about * v) + offset;
+  return mesh;
+}
+
+// Triangles for which `dropped` says so of their middle are left out.
+TriangleMesh without(TriangleMesh mesh, const std::function<bool(glm::dvec3)>& dropped) {
+  std::erase_if(mesh.triangles, [&](const glm::uvec3& t) {
+    return dropped((mesh.vertices[t.x] + mesh.vertices[t.y] + mesh.vertices[t.z]) / 3.0);
+  });
+  return mesh;
+}
+
+using Voxels = std::set<std::tuple<int, int, int>>;
+
+Voxels voxelsOf(const Solid& solid) {
+  Voxels voxels;
+  solid.blocks.forEachInside([&](std::size_t place) {
+    const openvdb::Coord v = solid.blocks.voxelAt(place);
+    voxels.emplace(v.x(), v.y(), v.z());
+  });
+  return voxels;
+}
+
+double volumeOf(const Solid& solid) {
+  return static_cast<double>(solid.voxels) * std::pow(solid.frame.voxelSize, 3);
+}
+
+// ---- The tree
+
+TEST(TriangleTree, FindsTheNearestTriangleAsALookAtAllOfThemDoes) {
+  const TriangleMesh mesh = shapes::torus(10.0, 4.0, 40, 20);
+  const TriangleTree tree(mesh);
+  std::mt19937 random(5);
+  for (int i = 0; i < 200; ++i) {
+    const glm::dvec3 p = randomPoint(random, 16.0);
+    double least = INFINITY;
+    for (const glm::uvec3& t : mesh.triangles) {
+      const TriangleMesh one{{mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z]},
+                             {{0, 1, 2}}};
+      least = std::min(least, TriangleTree(one).nearest(p, INFINITY).distance);
+    }
+    EXPECT_EQ(tree.nearest(p, INFINITY).distance, least);
+    const auto near = tree.nearest(p, 2.0);
+    EXPECT_EQ(near.triangle == TriangleTree::kNone, least >= 2.0);
+    EXPECT_EQ(tree.nearest(p, INFINITY, 17).distance, least) << "a bad guess changes nothing";
+  }
+  EXPECT_EQ(TriangleTree({}).nearest({0, 0, 0}, INFINITY).triangle, TriangleTree::kNone);
+}
+
+TEST(TriangleTree, WindsAsTheSumOfAllSolidAnglesDoes) {
+  const TriangleMesh mesh =
+      without(shapes::ball(10.0, 4), [](const glm::dvec3& p) { return p.z > 8.0; });
+  const TriangleTree tree(mesh);
+  std::mt19937 random(6);
+  for (int i = 0; i < 300; ++i) {
+    const glm::dvec3 p = randomPoint(random, 14.0);
+    EXPECT_NEAR(tree.winding(p), windingNumber(mesh, p), 0.01) << p.x << " " << p.y << " " << p.z;
+  }
+}
+
+TEST(TriangleTree, StepsGoInAsOftenAsTheWindingNumberRises) {
+  const TriangleMesh mesh = shapes::append(shapes::cube(9.0), shapes::ball(5.0, 3, {4, 1, 0}));
+  const TriangleTree tree(mesh);
+  std::mt19937 random(7);
+  for (int i = 0; i < 300; ++i) {
+    // From lattice points, which lie in the cube's planes and on its edges' lines.
+    const glm::dvec3 from = glm::round(randomPoint(random, 8.0)), to = randomPoint(random, 8.0);
+    EXPECT_EQ(tree.entries(from, to),
+              std::lround(windingNumber(mesh, to)) - std::lround(windingNumber(mesh, from)));
+  }
+}
+
+TEST(Band, HoldsEveryVoxelNearTheSurfaceAndItsDistance) {
+  const double radius = 9.3;
+  const TriangleMesh mesh = shapes::ball(radius, 5);
+  const auto band = bandOf(TriangleTree(mesh), bounds(mesh), 3.0, nullptr);
+  std::size_t near = 0, expected = 0;
+  for (const BandLeaf& leaf : band) {
+    for (std::uint32_t offset = 0; offset < 512; ++offset) {
+      if (!std::isfinite(leaf.distance[offset])) continue;
+      ++near;
+      const openvdb::Coord v = leaf.origin + coordFromOffset(offset);
+      const double r = std::sqrt(v.x() * v.x() + v.y() * v.y() + v.z() * v.z());
+      // The polyhedron lies up to this far within the ball: 1 - cos of half an edge's angle.
+      EXPECT_NEAR(leaf.distance[offset], std::abs(r - radius), radius * 0.0008);
+    }
+  }
+  for (int x = -14; x <= 14; ++x) {
+    for (int y = -14; y <= 14; ++y) {
+      for (int z = -14; z <= 14; ++z) {
+        expected += std::abs(std::sqrt(x * x + y * y + z * z) - radius) < 2.99 ? 1u : 0u;
+      }
+    }
+  }
+  EXPECT_GE(near, expected);
+}
+
+// ---- Rules of filling
+
+// Where the centres of a box of voxels do not lie on the same side by all three rules, how far they
+// are from the surface.
+double farthestDisagreement(const TriangleMesh& source, int resolution, std::size_t& inside) {
+  const double voxelSize = voxelSizeFor(source, {.resolution = resolution});
+  TriangleMesh mesh = source;
+  const glm::dvec3 corner = bounds(source).min + 0.5 * voxelSize;
+  for (glm::dvec3& v : mesh.vertices) v = (v - corner) / voxelSize;
+  const Repaired whole = repaired(mesh);
+  const auto filled = [&](Fill fill) {
+    return fillingOf(whole.mesh, mesh, {.resolution = resolution, .fill = fill}, voxelSize);
+  };
+  const Filling winding = filled(Fill::winding), parity = filled(Fill::parity),
+                flood = filled(Fill::flood);
+  const TriangleTree tree(mesh);
+  double farthest = 0.0;
+  inside = 0;
+  const Box box = bounds(mesh);
+  for (int x = -2; x <= static_cast<int>(box.max.x) + 2; ++x) {
+    for (int y = -2; y <= static_cast<int>(box.max.y) + 2; ++y) {
+      for (int z = -8; z <= static_cast<int>(box.max.z) + 2; z += 8) {
+        const unsigned a = winding.insideRow(x, y, z, 255), b = parity.insideRow(x, y, z, 255),
+                       c = flood.insideRow(x, y, z, 255);
+        inside += static_cast<std::size_t>(std::popcount(a));
+        for (unsigned bits = (a ^ b) | (a ^ c); bits != 0; bits &= bits - 1) {
+          const glm::dvec3 centre(x, y, z + std::countr_zero(bits));
+          farthest = std::max(farthest, tree.nearest(centre, INFINITY).distance);
+        }
+      }
+    }
+  }
+  return farthest;
+}
+
+TEST(Fill, WindingParityAndFloodAgreeOnCleanMeshes) {
+  const std::pair<const char*, TriangleMesh> all[] = {
+      {"ball", shapes::ball(1.0, 4)},
+      {"torus", shapes::torus(1.0, 0.35)},
+      {"cube", shapes::cube(1.0)},
+      {"cup", shapes::cup(1.0, 0.1, 1.6, 0.15)},
+      {"hollow ball", shapes::hollowBall(1.0, 0.7)},
+      {"two balls apart", shapes::append(shapes::ball(1.0), shapes::ball(0.5, 4, {2, 0, 0}))}};
+  for (const auto& [name, mesh] : all) {
+    for (const double angle : {0.0, 0.4, 2.0}) {
+      std::size_t inside = 0;
+      EXPECT_LT(farthestDisagreement(turned(mesh, angle, {3.1, -40.7, 5e3}), 64, inside), 1e-6)
+          << name << " turned by " << angle;
+      EXPECT_GT(inside, 1000u);
+    }
+  }
+}
+
+TEST(Fill, RulesAgreeOnRealMeshes) {
+  const char* folder = std::getenv("SHERD_TEST_DATA");
+  if (folder == nullptr) GTEST_SKIP() << "SHERD_TEST_DATA names no folder of meshes";
+  for (const char* name : {"bunny.off", "1002_tray_bottom.STL", "springer.obj", "boot.obj"}) {
+    const SourceMesh source = readMesh(std::filesystem::path(folder) / name);
+    std::size_t inside = 0;
+    EXPECT_LT(farthestDisagreement(source.mesh, 96, inside), 1e-6) << name;
+    EXPECT_GT(inside, 1000u) << name;
+  }
+}
+
+TEST(Fill, TheWayTrianglesAreTurnedDoesNotMatter) {
+  const TriangleMesh ball = shapes::ball(1.0, 3);
+  TriangleMesh mixed = ball;
+  for (std::size_t i = 0; i < mixed.triangles.size(); i += 3) {
+    std::swap(mixed.triangles[i].y, mixed.triangles[i].z);
+  }
+  const Solid whole = voxelize(ball, {.resolution = 32}),
+              solid = voxelize(mixed, {.resolution = 32});
+  EXPECT_EQ(voxelsOf(solid), voxelsOf(whole));
+  EXPECT_GT(solid.report.defects.misorientedEdges, 0u);
+  EXPECT_EQ(solid.report.defects.turnedTriangles, (ball.triangles.size() + 2) / 3);
+  const Solid inside = voxelize(shapes::inverted(ball), {.resolution = 32});
+  EXPECT_EQ(voxelsOf(inside), voxelsOf(whole));
+  EXPECT_EQ(inside.report.defects.turnedParts, 1u);
+}
+
+TEST(Fill, APartThatIsInsideOutIsTurnedButACavityIsNot) {
+  const TriangleMesh big = shapes::ball(1.0, 3);
+  const TriangleMesh apart = shapes::ball(0.4, 3, {2.0, 0, 0}), within = shapes::ball(0.4, 3);
+  const Solid two = voxelize(shapes::append(big, apart), {.resolution = 64});
+  const Solid other = voxelize(shapes::append(big, shapes::inverted(apart)), {.resolution = 64});
+  EXPECT_EQ(voxelsOf(two), voxelsOf(other));
+  EXPECT_EQ(other.report.defects.turnedParts, 1u);
+  const Solid hollow = voxelize(shapes::append(big, shapes::inverted(within)), {.resolution = 64});
+  EXPECT_EQ(hollow.report.defects.turnedParts, 0u);
+  EXPECT_NEAR(volumeOf(hollow), shapes::hollowBallVolume(1.0, 0.4), 0.02);
+}
+
+TEST(Fill, DoubledTrianglesCountOnce) {
+  const TriangleMesh ball = shapes::ball(1.0, 3);
+  TriangleMesh doubled = ball;
+  for (std::size_t i = 0; i < ball.triangles.size(); i += 5) {
+    const glm::uvec3 t = ball.triangles[i];
+    doubled.triangles.emplace_back(t.y, t.z, t.x);
+  }
+  const Solid solid = voxelize(doubled, {.resolution = 32});
+  EXPECT_EQ(voxelsOf(solid), voxelsOf(voxelize(ball, {.resolution = 32})));
+  EXPECT_EQ(solid.report.defects.duplicateTriangles, (ball.triangles.size() + 4) / 5);
+  EXPECT_GT(solid.report.defects.nonManifoldEdges, 0u);
+}
+
+TEST(Fill, AWallBetweenTwoBodiesThatTouchIsNone) {
+  // Two boxes side by side, each with its own copy of the square between them.
+  TriangleMesh boxes = shapes::append(shapes::cube(1.0), shapes::cube(1.0, {1.0, 0, 0}));
+  const Solid solid = voxelize(boxes, {.voxelSize = 1.0 / 16.0});
+  EXPECT_EQ(solid.voxels, 16u * 16 * 32);
+}
+
+// ---- Holes
+
+TEST(Fill, AHoleIsClosedNearlyFlat) {
+  const double radius = 1.0, height = 0.9;
+  const TriangleMesh open =
+      without(shapes::ball(radius, 5), [&](const glm::dvec3& p) { return p.z > height; });
+  const Solid solid = voxelize(open, {.voxelSize = 1.0 / 40.0});
+  EXPECT_EQ(solid.report.fill, Fill::winding);
+  EXPECT_GT(solid.report.defects.boundaryEdges, 20u);
+  // Between the ball cut flat and the whole one, some way bulged: the winding number goes on.
+  const double cap = kPi * std::pow(radius - height, 2) * (3 * radius - (radius - height)) / 3;
+  const double whole = shapes::ballVolume(radius);
+  EXPECT_GT(volumeOf(solid), whole - 1.1 * cap);
+  EXPECT_LT(volumeOf(solid), whole);
+}
+
+TEST(Fill, OneMissingTriangleChangesNothing) {
+  TriangleMesh open = shapes::ball(1.0, 4);
+  const TriangleMesh ball = open;
+  open.triangles.erase(open.triangles.begin() + 700);
+  const Voxels whole = voxelsOf(voxelize(ball, {.resolution = 48}));
+  const Voxels solid = voxelsOf(voxelize(open, {.resolution = 48}));
+  Voxels apart;
+  std::set_symmetric_difference(whole.begin(), whole.end(), solid.begin(), solid.end(),
+                                std::inserter(apart, apart.begin()));
+  EXPECT_LE(apart.size(), 1u);
+}
+
+TEST(Fill, WhereAnOpenMeshHasASurfaceItIsAsExactAsAClosedOnes) {
+  const double radius = 1.0, h = 1.0 / 40.0;
+  const TriangleMesh ball = shapes::ball(radius, 5);
+  const TriangleMesh open = without(ball, [&](const glm::dvec3& p) { return p.z > 0.8; });
+  const Solid closed = voxelize(ball, {.voxelSize = h}), holed = voxelize(open, {.voxelSize = h});
+  // Below the hole's rim by more than the band both have the same voxels, each with its distance.
+  const auto below = [&](const Solid& solid) {
+    Voxels voxels;
+    for (const auto& v : voxelsOf(solid)) {
+      const auto [x, y, z] = v;
+      const glm::dvec3 at = solid.frame.worldFromIndex({{x, y, z}}).v;
+      if (at.z < 0.8 - 4 * h)
+        voxels.emplace(std::lround(at.x / h * 2), std::lround(at.y / h * 2),
+                       std::lround(at.z / h * 2));
+    }
+    return voxels;
+  };
+  EXPECT_EQ(below(holed), below(closed));
+}
+
+TEST(Fill, TheSolidMovesWithTheMesh) {
+  const TriangleMesh open =
+      without(shapes::ball(1.0, 4), [](const glm::dvec3& p) { return p.z > 0.9; });
+  const Solid here = voxelize(open, {.resolution = 48});
+  const Solid there = voxelize(shapes::transformed(open, 4.0, {0, 0, 0}), {.resolution = 48});
+  EXPECT_EQ(voxelsOf(here), voxelsOf(there));
+  const double h = here.frame.voxelSize;
+  for (const double angle : {0.3, 1.1}) {
+    const Solid other = voxelize(turned(open, angle, {10, 20, 30}), {.voxelSize = h});
+    EXPECT_NEAR(volumeOf(other) / volumeOf(here), 1.0, 0.003);
+  }
+}
+
+// ---- Overlaps
+
+TEST(Fill, OverlapsUniteWithExactDistancesOutside) {
+  const double h = 1.0 / 24.0;
+  const glm::dvec3 a(0.0), b(0.9, 0.2, 0.1);
+  const TriangleMesh mesh = shapes::append(shapes::ball(1.0, 5, a), shapes::ball(0.7, 5, b));
+  const Solid solid = voxelize(mesh, {.voxelSize = h});
+  const double apart = glm::length(b - a), R = 1.0, r = 0.7;
+  const double lens =
+      kPi * std::pow(R + r - apart, 2) *
+      (apart * apart + 2 * apart * r - 3 * r * r + 2 * apart * R + 6 * r * R - 3 * R * R) /
+      (12 * apart);
+  EXPECT_NEAR(volumeOf(solid), shapes::ballVolume(R) + shapes::ballVolume(r) - lens, 0.012);
+  solid.blocks.forEachInside([&](std::size_t place) {
+    const openvdb::Coord v = solid.blocks.voxelAt(place);
+    const glm::dvec3 p = solid.frame.worldFromIndex({{v.x(), v.y(), v.z()}}).v;
+    EXPECT_LT(std::min(glm::length(p - a) - R, glm::length(p - b) - r), 1e-9);
+  });
+}
+
+// ---- Shells
+
+TEST(Fill, ASheetThatEnclosesNothingBecomesAShell) {
+  const double side = 2.0, thickness = 0.2;
+  TriangleMesh sheet{{{0, 0, 0}, {side, 0, 0.3}, {side, side, 0.3}, {0, side, 0}},
+                     {{0, 1, 2}, {0, 2, 3}}};
+  EXPECT_NEAR(enclosure(sheet), 0.5, 0.01);
+  const Solid solid = voxelize(sheet, {.voxelSize = 0.025, .shellThickness = thickness});
+  EXPECT_EQ(solid.report.fill, Fill::shell);
+  EXPECT_EQ(voxelize(sheet, {.resolution = 64}).report.fill, Fill::shell);
+  const double slope = std::sqrt(side * side + 0.3 * 0.3);
+  // A slab, half a rod along each edge, and a quarter of a ball at each corner.
+  const double expected = side * slope * thickness +
+                          (side + slope) * kPi * thickness * thickness / 4 +
+                          kPi * std::pow(thickness, 3) / 6;
+  EXPECT_NEAR(volumeOf(solid) / expected, 1.0, 0.01);
+}
+
+TEST(Fill, ABowlIsAShellAndABallWithASmallHoleIsNot) {
+  const TriangleMesh ball = shapes::ball(1.0, 4);
+  const TriangleMesh bowl = without(ball, [](const glm::dvec3& p) { return p.z > 0.0; });
+  EXPECT_EQ(voxelize(bowl, {.resolution = 64}).report.fill, Fill::shell);
+  const TriangleMesh holed = without(ball, [](const glm::dvec3& p) { return p.z > 0.9; });
+  EXPECT_EQ(voxelize(holed, {.resolution = 64}).report.fill, Fill::winding);
+  EXPECT_EQ(voxelize(bowl, {.resolution = 64, .fill = Fill::winding}).report.fill, Fill::winding);
+}
+
+// ---- The report
+
+TEST(Fill, WallsThinnerThanAVoxelAreTold) {
+  const Solid solid = voxelize(shapes::cup(1.0, 0.02, 1.6, 0.2), {.resolution = 64});
+  const WallThickness& walls = solid.report.walls;
+  EXPECT_NEAR(walls.thinnest, 0.02 / solid.frame.voxelSize, 0.05);
+  EXPECT_GT(walls.thinShare, 0.5);
+  // The cup is 2 wide: its wall of 0.02 has a voxel and a quarter at 125.
+  EXPECT_NEAR(walls.resolution, 125, 5);
+  EXPECT_EQ(voxelize(shapes::ball(1.0), {.resolution = 32}).report.walls.resolution, 0);
+}
+
+TEST(Caps, CloseWhatIsOpenAndNothingElse) {
+  EXPECT_TRUE(loopCaps(shapes::torus(1.0, 0.3)).triangles.empty());
+  EXPECT_TRUE(coneCaps(shapes::torus(1.0, 0.3)).triangles.empty());
+  const TriangleMesh open =
+      without(shapes::ball(1.0, 3), [](const glm::dvec3& p) { return std::abs(p.z) > 0.8; });
+  const TriangleMesh caps = loopCaps(open);
+  EXPECT_GT(caps.triangles.size(), 10u);
+  // Far away the closed mesh's winding number is 0, so the caps' is the mesh's with a minus sign.
+  const glm::dvec3 inside(0.1, 0.2, 0.0), outside(2.0, 0.3, 0.1);
+  EXPECT_NEAR(windingNumber(open, inside) + windingNumber(caps, inside), 1.0, 1e-9);
+  EXPECT_NEAR(windingNumber(open, outside) + windingNumber(caps, outside), 0.0, 1e-9);
+}
+
+}  // namespace
+}  // namespace sherd
