@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 namespace sherd {
 
@@ -29,6 +30,17 @@ inline std::uint16_t halfBits(double value) {
   const auto digits = static_cast<std::uint32_t>(std::ldexp(size, 10 - exponent));  // 1024..2047
   return static_cast<std::uint16_t>(sign + ((static_cast<std::uint32_t>(exponent) + 14u) << 10) +
                                     digits);
+}
+
+/// The number that 16 bits are.
+inline double halfValue(std::uint16_t bits) {
+  const int exponent = bits >> 10 & 31, digits = bits & 1023;
+  double size = exponent == 0 ? std::ldexp(digits, -24) : std::ldexp(1024 + digits, exponent - 25);
+  if (exponent == 31) {
+    size = digits == 0 ? std::numeric_limits<double>::infinity()
+                       : std::numeric_limits<double>::quiet_NaN();
+  }
+  return (bits & 0x8000) != 0 ? -size : size;
 }
 
 }  // namespace sherd

@@ -21,6 +21,7 @@ inline constexpr const char* kPointSampler[] = {"uniform", "halton", "poisson"};
 inline constexpr const char* kPointRule[] = {"area", "per-triangle"};
 inline constexpr const char* kPointFormat[] = {"ply", "xyz", "npz"};
 inline constexpr const char* kMeshFileFormat[] = {"ply", "obj", "glb", "stl"};
+inline constexpr const char* kVoxelFormat[] = {"rle", "npy", "npz", "vox", "qstack", "bing"};
 inline constexpr const char* kVdbFiles[] = {"files", "single", "both"};
 inline constexpr const char* kVdbCompression[] = {"blosc", "zip", "none"};
 inline constexpr const char* kSampleType[] = {"float32", "float16"};

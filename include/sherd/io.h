@@ -5,6 +5,7 @@
 #include <sherd/grid_fwd.h>
 #include <sherd/leaf_blocks.h>
 #include <sherd/points.h>
+#include <sherd/voxel_files.h>
 
 #include <cstdint>
 #include <filesystem>
@@ -14,47 +15,10 @@
 
 namespace sherd {
 
-/// A dense box of 16-bit labels, z fastest: 0 outside, 1 solid without a fragment, fragment id k as
-/// k + 1.
-struct VoxelLabels {
-  openvdb::Coord dims{0, 0, 0};
-  std::vector<std::uint16_t> labels;  ///< [dims.x * dims.y * dims.z], index (x * ny + y) * nz + z
-};
-
-/// One run of equal labels.
-struct Run {
-  std::uint16_t label = 0;
-  std::uint32_t length = 0;
-  bool operator==(const Run&) const = default;
-};
-
-/// A run-length voxel file, decoded no further than its runs: adjacent runs differ, lengths add up
-/// to the box.
-struct RunLengthVoxels {
-  openvdb::Coord dims{0, 0, 0};
-  std::vector<Run> runs;  ///< x slowest, z fastest; runs go on across rows and planes
-};
-
 /// The runs of a labelled solid over its tight box.  What is worn off, and ids above `fragments`
 /// (withheld ones), are solid without a fragment.
 [[nodiscard]] RunLengthVoxels encodeRuns(const Solid& solid, const Labels& labels,
                                          int fragments = kMaxFragments);
-
-/// Every voxel of `voxels`.
-///   throws  Error(input) when the box holds more than 2^31 voxels
-[[nodiscard]] VoxelLabels expand(const RunLengthVoxels& voxels);
-
-/// Read and write the paper's `.rle`: u32 nx, ny, nz, then u16 label, u32 length until the end;
-/// little-endian.
-///   throws  Error(input) cut, empty box, run of length 0, runs that do not add up to the box;
-///   Error(output)
-[[nodiscard]] RunLengthVoxels readRle(const std::filesystem::path& file);
-void writeRle(const std::filesystem::path& file, const RunLengthVoxels& voxels);
-
-/// Write every voxel as NumPy's `.npy`: uint16 [nx, ny, nz] in C order.  Any size: nothing is
-/// expanded in memory.
-///   throws  Error(output)
-void writeNpyLabels(const std::filesystem::path& file, const RunLengthVoxels& voxels);
 
 /// What the grids of a `.vdb` file tell beside their values.
 struct VdbNotes {
@@ -173,7 +137,7 @@ enum class VdbFiles {
 
 /// Which files a fracture writes beside `manifest.json`.
 struct WriteOptions {
-  bool labels = true;   ///< labels.rle
+  bool labels = true;   ///< labels.rle, or as voxelFormats says
   bool vdb = true;      ///< as vdbFiles says
   bool mesh = true;     ///< meshes/<stem>_001.ply, and textures where the input has some
   bool preview = true;  ///< preview.png
@@ -184,7 +148,6 @@ struct WriteOptions {
                         ///< meshes/<stem>.ply and so on where mesh is
   bool scene = false;   ///< scene.glb: a node for each fragment, its origin the centre of mass
   bool graph = false;   ///< graph.json and graph.geo
-  bool npy = false;     ///< labels.npy
   bool proxy = false;   ///< proxies/<stem>_001.obj, convex hulls
 
   VdbFiles vdbFiles = VdbFiles::files;  ///< fragments/<stem>_001.vdb, fragments.vdb, or both
@@ -192,6 +155,7 @@ struct WriteOptions {
   double density = 1.0;   ///< mass of a unit of volume, above 0
   double proxyGap = 0.0;  ///< as writeProxy's; at least 0
 
+  std::vector<VoxelFormat> voxelFormats{VoxelFormat::rle};       ///< not empty, each once
   std::vector<MeshFileFormat> meshFormats{MeshFileFormat::ply};  ///< not empty, each once
 
   PointOptions points{};     ///< points/<stem>_001.ply where count is above 0; its `seed` is made

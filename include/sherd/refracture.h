@@ -18,7 +18,7 @@ struct FinishedFracture {
   Labels labels;  ///< 1..fragments on every inside voxel
 };
 
-/// Read a fracture by its `manifest.json`, from `labels.rle` and the fragments' `.vdb` files.
+/// Read a fracture by its `manifest.json`, from its labels and the fragments' `.vdb` files.
 ///   throws  Error(input) no manifest of a fracture, written without labels or vdb, a file that is
 ///           absent, damaged or does not belong to the others
 [[nodiscard]] FinishedFracture readFracture(const std::filesystem::path& manifest);

@@ -26,3 +26,4 @@
 #include <sherd/solid.h>
 #include <sherd/surface.h>
 #include <sherd/version.h>
+#include <sherd/voxel_files.h>

@@ -15,6 +15,7 @@ using Action = std::function<void()>;
 /// Each adds a sub-command; parsing it sets `run`.
 void addFractureCommand(CLI::App& app, Action& run);
 void addInspectCommand(CLI::App& app, Action& run);
+void addConvertCommand(CLI::App& app, Action& run);
 void addEvaluateCommand(CLI::App& app, Action& run);
 void addRenderCommand(CLI::App& app, Action& run);
 void addDevicesCommand(CLI::App& app, Action& run);

@@ -207,7 +207,6 @@ WriteOptions writeOptions(const FractureArguments& arguments) {
   write.scene = named("scene");
   write.graph = named("graph");
   write.proxy = named("proxy");
-  write.npy = named("npy");
   write.vdbOptions.fog = named("fog");
   write.up = arguments.up.front();
   return write;
@@ -353,8 +352,9 @@ void addFractureCommand(CLI::App& app, Action& run) {
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(CLI::IsMember({"labels", "vdb", "mesh", "preview", "seeds", "rims", "cost", "fog",
-                             "solid", "scene", "graph", "proxy", "npy"}))
+                             "solid", "scene", "graph", "proxy"}))
       ->default_str("labels,vdb,mesh,preview");
+  addVoxelFormatOption(*command, arguments->files);
   addMeshFormatOption(*command, arguments->files);
   addHostOptions(*command, arguments->files);
   command->add_option("--up", arguments->up, "The mesh's axis that points up in the picture")

@@ -17,6 +17,7 @@ void addGrowthOptions(CLI::App& command, FractureOptions& options);
 void addErosionOptions(CLI::App& command, FractureOptions& options);
 void addSurfaceOptions(CLI::App& command, FractureOptions& options);
 void addPointOptions(CLI::App& command, WriteOptions& write);
+void addVoxelFormatOption(CLI::App& command, WriteOptions& write);
 void addMeshFormatOption(CLI::App& command, WriteOptions& write);
 void addHostOptions(CLI::App& command, WriteOptions& write);
 

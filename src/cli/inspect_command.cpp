@@ -13,6 +13,7 @@
 #include "io/manifest.h"
 #include "io/vdb.h"
 #include "lower_case.h"
+#include "option_names.h"
 
 namespace sherd::cli {
 namespace {
@@ -32,16 +33,23 @@ Json jsonOf(const VdbMetadata& metadata) {
   return json;
 }
 
-Json inspectRle(const fs::path& file) {
-  const RunLengthVoxels voxels = readRle(file);
+Json inspectVoxels(const fs::path& file, VoxelFormat format) {
+  const PlacedVoxels read = readVoxels(file);
   std::map<std::uint16_t, std::uint64_t> counts;
-  for (const Run& run : voxels.runs) counts[run.label] += run.length;
+  for (const Run& run : read.voxels.runs) counts[run.label] += run.length;
   Json labels = Json::object();
   for (const auto& [label, count] : counts) labels[std::to_string(label)] = count;
-  return {{"kind", "voxels"},
-          {"dims", jsonOf(voxels.dims)},
-          {"runs", voxels.runs.size()},
-          {"voxels_per_label", labels}};
+  Json found = {{"kind", "voxels"},
+                {"format", names::of(names::kVoxelFormat, format)},
+                {"dims", jsonOf(read.voxels.dims)},
+                {"runs", read.voxels.runs.size()}};
+  if (read.place) {
+    found["origin"] = jsonOf(read.place->frame.origin.v);
+    found["voxel_size"] = read.place->frame.voxelSize;
+    found["index_min"] = jsonOf(read.place->indexMin);
+  }
+  found["voxels_per_label"] = labels;
+  return found;
 }
 
 Json inspectVdb(const fs::path& file) {
@@ -115,7 +123,7 @@ Json inspect(const fs::path& file) {
   }
   if (fs::is_directory(status)) return inspectManifest(file / "manifest.json");
   const std::string extension = lowerCase(file.extension().string());
-  if (extension == ".rle") return inspectRle(file);
+  if (const auto format = voxelFormatOf(file)) return inspectVoxels(file, *format);
   if (extension == ".vdb") return inspectVdb(file);
   if (extension == ".json") return inspectManifest(file);
   return inspectMesh(file);
@@ -183,7 +191,7 @@ void runInspect(const std::string& file, bool json) {
 
 void addInspectCommand(CLI::App& app, Action& run) {
   CLI::App* command = app.add_subcommand(
-      "inspect", "Tell what is in a mesh, .rle, .vdb, manifest or fracture's folder");
+      "inspect", "Tell what is in a mesh, a voxel file, .vdb, manifest or fracture's folder");
   auto file = std::make_shared<std::string>();
   auto json = std::make_shared<bool>(false);
   command->add_option("FILE", *file, "The file, or the folder of a fracture")->required();

@@ -55,6 +55,7 @@ void parse(int argc, char** argv, Action& run) {
   app.require_subcommand(1);
   addFractureCommand(app, run);
   addInspectCommand(app, run);
+  addConvertCommand(app, run);
   addEvaluateCommand(app, run);
   addRenderCommand(app, run);
   addDevicesCommand(app, run);

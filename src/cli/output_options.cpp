@@ -154,6 +154,19 @@ void addPointOptions(CLI::App& command, WriteOptions& write) {
       ->group(group);
 }
 
+void addVoxelFormatOption(CLI::App& command, WriteOptions& write) {
+  command
+      .add_option_function<std::string>(
+          "--voxel-format",
+          [&write](const std::string& text) {
+            parseFormats("--voxel-format", text, names::kVoxelFormat, write.voxelFormats);
+          },
+          "Files of labels, one or more: run-length, NumPy's dense array, the same deflated with "
+          "its place, MagicaVoxel, quad-stack, raw cube")
+      ->type_name("rle,npy,npz,vox,qstack,bing")
+      ->default_str("rle");
+}
+
 void addMeshFormatOption(CLI::App& command, WriteOptions& write) {
   command
       .add_option_function<std::string>(

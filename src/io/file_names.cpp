@@ -98,7 +98,6 @@ FractureFiles fileNames(const SourceMesh& source, std::size_t fragments,
   if (write.vdb && write.vdbFiles != VdbFiles::files) files.allVdb = "fragments.vdb";
   if (write.solid && write.vdb) files.solidVdb = "fragments/" + stem + ".vdb";
   if (write.solid && write.mesh) files.solidMesh = meshNames("meshes/" + stem, write);
-  if (write.npy) files.npy = "labels.npy";
   if (write.scene) files.scene = "scene.glb";
   if (write.graph) {
     files.graph = "graph.json";
@@ -107,7 +106,10 @@ FractureFiles fileNames(const SourceMesh& source, std::size_t fragments,
   if (write.mesh) addLooks(files, stem, table, write);
   if (write.distances.count > 0) files.solidSdf = "sdf/" + stem + ".npz";
   if (write.correspondences > 0) files.correspondences = "correspondences.npz";
-  if (write.labels) files.labels = "labels.rle";
+  for (const VoxelFormat format : write.voxelFormats) {
+    if (!write.labels) break;
+    files.labels.push_back(std::string("labels.") + names::of(names::kVoxelFormat, format));
+  }
   if (write.preview) files.preview = "preview.png";
   if (write.seeds) files.seeds = "seeds.json";
   if (write.rims) files.rims = "rims.obj";

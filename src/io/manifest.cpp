@@ -261,7 +261,7 @@ Json decimatedJson(const Fragment& fragment, const std::vector<std::vector<std::
 
 std::vector<std::string> FractureFiles::all() const {
   std::vector<std::string> list;
-  if (!labels.empty()) list.push_back(labels);
+  list.insert(list.end(), labels.begin(), labels.end());
   list.insert(list.end(), vdb.begin(), vdb.end());
   for (const std::vector<std::string>& ofFragment : mesh) {
     list.insert(list.end(), ofFragment.begin(), ofFragment.end());
@@ -280,7 +280,7 @@ std::vector<std::string> FractureFiles::all() const {
     }
   }
   for (const std::string& file : {allVdb, solidVdb, solidSdf, correspondences, preview, seeds, rims,
-                                  cost, npy, scene, graph, constraints}) {
+                                  cost, scene, graph, constraints}) {
     if (!file.empty()) list.push_back(file);
   }
   return list;

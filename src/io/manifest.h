@@ -14,7 +14,7 @@ namespace sherd {
 
 /// The files of a fracture, relative to its folder; empty where not written.
 struct FractureFiles {
-  std::string labels;
+  std::vector<std::string> labels;  ///< [formats] or empty
   std::vector<std::string> vdb;  ///< [fragments that are not withheld] or empty
   std::string allVdb;            ///< of all of these
   std::string solidVdb;
@@ -35,7 +35,6 @@ struct FractureFiles {
   std::string seeds;
   std::string rims;
   std::string cost;
-  std::string npy;
   std::string scene;
   std::string graph;
   std::string constraints;

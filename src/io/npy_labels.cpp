@@ -1,30 +1,166 @@
-// Labels as a dense array for NumPy.
-#include <sherd/io.h>
+// Labels as dense arrays of NumPy: `.npy`, and `.npz` with the place of the box.
+#include <sherd/voxel_files.h>
 
-#include <algorithm>
+#include <array>
+#include <bit>
 
-#include "io/atomic_file.h"
+#include "io/input_error.h"
 #include "io/little_endian.h"
+#include "io/npy_reader.h"
 #include "io/npz.h"
+#include "io/voxel_encoders.h"
+#include "io/voxel_runs.h"
 
 namespace sherd {
+namespace {
 
-void writeNpyLabels(const std::filesystem::path& file, const RunLengthVoxels& voxels) {
-  constexpr std::size_t kBlock = std::size_t{1} << 20;  // bytes handed over at once
-  const openvdb::Coord& dims = voxels.dims;
-  const auto side = [&](int axis) { return static_cast<std::size_t>(dims[axis]); };
-  AtomicFile out(file);
-  std::string block = npyHeader({"labels", "<u2", {side(0), side(1), side(2)}, {}});
-  for (const Run& run : voxels.runs) {
-    for (std::uint32_t i = 0; i < run.length; ++i) {
-      storeLittle(block, run.label);
-      if (block.size() < kBlock) continue;
-      out.write(block);
-      block.clear();
+/// Makes runs of an `.npy` file that comes piece by piece, so that the array is never in memory.
+class LabelArrayReader {
+ public:
+  ///   size  of the whole file
+  LabelArrayReader(std::uint64_t size, std::string name) : size_(size), name_(std::move(name)) {}
+
+  void take(std::string_view bytes) {
+    if (!header_) {
+      head_.append(bytes);
+      header_ = npyHeaderOf(head_, size_, name_);
+      if (!header_) return;
+      checkHeader();
+      const std::string body = head_.substr(header_->bodyAt);
+      head_.clear();
+      return takeNumbers(body);
     }
+    takeNumbers(bytes);
   }
-  out.write(block);
-  out.commit();
+
+  RunLengthVoxels finish() {
+    if (!header_) inputError(name_, "is cut: its .npy header has no end");
+    if (!header_->fortranOrder) return std::move(voxels_);
+    return withAxesReversed(voxels_, name_);
+  }
+
+ private:
+  void checkHeader() {
+    if (header_->shape.size() != 3 || header_->kind == 'f') {
+      inputError(name_, "holds " + header_->text() + "; labels are whole numbers [nx, ny, nz]");
+    }
+    std::array<std::uint64_t, 3> sides{header_->shape[0], header_->shape[1], header_->shape[2]};
+    if (header_->fortranOrder) std::swap(sides[0], sides[2]);
+    voxels_.dims = boxOf(sides, name_);
+  }
+
+  // Numbers may lie across two pieces.
+  void takeNumbers(std::string_view bytes) {
+    const std::size_t n = header_->itemBytes;
+    if (!head_.empty()) {
+      const std::size_t missing = std::min(n - head_.size(), bytes.size());
+      head_.append(bytes.substr(0, missing));
+      bytes.remove_prefix(missing);
+      if (head_.size() < n) return;
+      takeNumber(head_.data());
+      head_.clear();
+    }
+    for (; bytes.size() >= n; bytes.remove_prefix(n)) takeNumber(bytes.data());
+    head_.append(bytes);
+  }
+
+  void takeNumber(const char* bytes) {
+    std::uint64_t value = 0;
+    const std::size_t n = header_->itemBytes;
+    for (std::size_t i = 0; i < n; ++i) {
+      value = value << 8 | static_cast<unsigned char>(bytes[header_->bigEndian ? i : n - 1 - i]);
+    }
+    const bool negative = header_->kind == 'i' && (value >> (8 * n - 1) & 1) != 0;
+    if (negative || value > 0xffff) {
+      inputError(name_, "holds a label that is not in 0..65535");
+    }
+    appendRun(voxels_.runs, static_cast<std::uint16_t>(value), 1);
+  }
+
+  std::uint64_t size_;
+  std::string name_;
+  std::optional<NpyHeader> header_;
+  std::string head_;  // of the file until there is a header, then of a number
+  RunLengthVoxels voxels_;
+};
+
+std::string bytesOf(std::span<const double> values) {
+  std::string bytes;
+  for (const double value : values) storeLittle(bytes, std::bit_cast<std::uint64_t>(value));
+  return bytes;
+}
+
+NpyArray labelArray(const RunLengthVoxels& voxels) {
+  const auto side = [&](int axis) { return static_cast<std::size_t>(voxels.dims[axis]); };
+  return {"labels", "<u2", {side(0), side(1), side(2)}, {}};
+}
+
+std::optional<VoxelPlace> placeOf(const std::vector<ZipEntry>& entries, const std::string& name) {
+  const auto origin = numbersOf(entries, "origin", 3, name);
+  const auto voxelSize = numbersOf(entries, "voxel_size", 1, name);
+  const auto indexMin = numbersOf(entries, "index_min", 3, name);
+  if (!origin && !voxelSize) return {};
+  const bool good = origin && voxelSize && origin->values.size() == 3 &&
+                    voxelSize->values.size() == 1 && voxelSize->values[0] > 0.0 &&
+                    std::isfinite(voxelSize->values[0]) &&
+                    std::all_of(origin->values.begin(), origin->values.end(),
+                                [](double v) { return std::isfinite(v); });
+  if (!good) inputError(name, "needs an origin of three numbers and a voxel_size above 0");
+  const std::vector<double>& at = origin->values;
+  VoxelPlace place{{{{at[0], at[1], at[2]}}, voxelSize->values[0]}};
+  if (!indexMin) return place;
+  constexpr double kFar = 2147483647.0;
+  const bool whole = indexMin->values.size() == 3 &&
+                     std::all_of(indexMin->values.begin(), indexMin->values.end(), [](double v) {
+                       return std::abs(v) <= kFar && v == std::floor(v);
+                     });
+  if (!whole) inputError(name, "needs an index_min of three whole numbers");
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    place.indexMin[axis] = static_cast<std::int32_t>(indexMin->values[axis]);
+  }
+  return place;
+}
+
+}  // namespace
+
+RunLengthVoxels parseNpyLabels(std::string_view bytes, const std::string& name) {
+  LabelArrayReader reader(bytes.size(), name);
+  reader.take(bytes);
+  return reader.finish();
+}
+
+PlacedVoxels parseNpzLabels(std::string_view bytes, const std::string& name) {
+  const std::vector<ZipEntry> entries = zipEntries(bytes, name);
+  const ZipEntry* labels = entryOf(entries, "labels");
+  if (labels == nullptr) inputError(name, "has no array 'labels'");
+  PlacedVoxels voxels{{}, placeOf(entries, name)};
+  LabelArrayReader reader(labels->size, name + ", array 'labels'");
+  unpack(*labels, name, [&](std::string_view part) { reader.take(part); });
+  voxels.voxels = reader.finish();
+  return voxels;
+}
+
+void encodeNpyLabels(const RunLengthVoxels& voxels, const ByteSink& sink) {
+  sink(npyHeader(labelArray(voxels)));
+  encodeDense(voxels, sink);
+}
+
+void encodeNpzLabels(const PlacedVoxels& voxels, const ByteSink& sink) {
+  NpzWriter writer(sink);
+  writer.deflate(labelArray(voxels.voxels),
+                 [&](const ByteSink& numbers) { encodeDense(voxels.voxels, numbers); });
+  if (voxels.place) {
+    const GridFrame& frame = voxels.place->frame;
+    const glm::dvec3& at = frame.origin.v;
+    writer.store({"origin", "<f8", {3}, bytesOf(std::array{at.x, at.y, at.z})});
+    writer.store({"voxel_size", "<f8", {}, bytesOf(std::array{frame.voxelSize})});
+    NpyArray indexMin{"index_min", "<i4", {3}, {}};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      storeLittle(indexMin.bytes, static_cast<std::uint32_t>(voxels.place->indexMin[axis]));
+    }
+    writer.store(indexMin);
+  }
+  writer.finish();
 }
 
 }  // namespace sherd

@@ -1,8 +1,10 @@
-// Arrays for NumPy.
+// Arrays for NumPy, written.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -14,7 +16,7 @@ namespace sherd {
 struct NpyArray {
   std::string name;                ///< as numpy.load names it: letters
   std::string_view type;           ///< NumPy's word for it: "<f4", "<f2", "<i4"
-  std::vector<std::size_t> shape;  ///< at least one
+  std::vector<std::size_t> shape;  ///< empty for a single number
   std::string bytes;               ///< the numbers, little-endian
 };
 
@@ -26,5 +28,33 @@ struct NpyArray {
 ///   arrays  under 4 GiB in all
 ///   throws  Error(output)
 void writeNpz(const std::filesystem::path& file, std::span<const NpyArray> arrays);
+
+/// Writes a ZIP file of `.npy` files, one after another.
+class NpzWriter {
+ public:
+  using Sink = std::function<void(std::string_view)>;
+
+  explicit NpzWriter(Sink sink) : sink_(std::move(sink)) {}
+
+  void store(const NpyArray& array);
+
+  /// Deflated; what it unpacks to may be larger than memory.
+  ///   array    without its bytes
+  ///   numbers  hands them to a sink
+  ///   throws   Error(output) it is above 4 GiB even when packed
+  void deflate(const NpyArray& array, const std::function<void(const Sink&)>& numbers);
+
+  /// Write the directory, which ends the file.
+  void finish();
+
+ private:
+  struct Entry;
+  void add(const Entry& entry, std::span<const std::string_view> parts);
+
+  Sink sink_;
+  std::string directory_;
+  std::uint64_t offset_ = 0;
+  std::uint16_t count_ = 0;
+};
 
 }  // namespace sherd

@@ -2,7 +2,9 @@
 #include <sherd/io.h>
 #include <sherd/refracture.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "io/input_error.h"
 #include "io/manifest.h"
@@ -41,6 +43,16 @@ Labels labelsOn(const LeafBlocks& blocks, const VoxelLabels& voxels, const openv
   return labels;
 }
 
+// The first voxel file of the fracture with its own box and ids.
+std::optional<fs::path> labelFile(const fs::path& folder, const nlohmann::json& manifest) {
+  const auto files = listedFiles(manifest);
+  for (const char* name : {"labels.rle", "labels.npy", "labels.npz", "labels.qstack"}) {
+    if (!files || std::find(files->begin(), files->end(), name) == files->end()) continue;
+    if (fs::exists(folder / name)) return folder / name;
+  }
+  return {};
+}
+
 FinishedFracture read(const fs::path& file, const nlohmann::json& manifest) {
   FinishedFracture finished;
   const auto& grid = manifest.at("grid");
@@ -52,8 +64,10 @@ FinishedFracture read(const fs::path& file, const nlohmann::json& manifest) {
   finished.source.stem = fs::path(finished.source.name).stem().string();
   finished.source.sha256 = sha256(readFileBytes(file));
 
-  const fs::path rle = folder / "labels.rle";
-  if (!fs::exists(rle)) inputError(file, "the fracture was written without labels.rle");
+  const std::optional<fs::path> labels = labelFile(folder, manifest);
+  if (!labels) {
+    inputError(file, "the fracture was written without labels.rle, .npy, .npz or .qstack");
+  }
   FloatGridPtr whole;
   for (const auto& fragment : fragments) {
     if (!fragment.at("files").contains("vdb")) {
@@ -75,7 +89,8 @@ FinishedFracture read(const fs::path& file, const nlohmann::json& manifest) {
 
   const auto& min = grid.at("index_min");
   const openvdb::Coord first(min.at(0).get<int>(), min.at(1).get<int>(), min.at(2).get<int>());
-  finished.labels = labelsOn(solid.blocks, expand(readRle(rle)), first, finished.fragments, rle);
+  finished.labels = labelsOn(solid.blocks, expand(readVoxels(*labels).voxels), first,
+                             finished.fragments, *labels);
   return finished;
 }
 

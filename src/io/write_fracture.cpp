@@ -243,6 +243,15 @@ void makeParents(const fs::path& root, const std::vector<std::string>& files) {
   for (const std::string& file : files) fs::create_directories((root / file).parent_path());
 }
 
+// The labels over the solid's tight box, and where it lies.
+PlacedVoxels labelledBox(const FractureResult& result, int fragments) {
+  const openvdb::Coord& first = result.solid.box.min;
+  const GridFrame& frame = result.solid.frame;
+  const WorldPoint origin = frame.worldFromIndex({{first.x(), first.y(), first.z()}});
+  return {encodeRuns(result.solid, result.labels, fragments),
+          VoxelPlace{{origin, frame.voxelSize}, first}};
+}
+
 void writeFiles(const fs::path& folder, const FractureFiles& files, const SourceMesh& source,
                 const MaterialTable& table, const FractureOptions& options,
                 const FractureResult& result, const WriteOptions& write, const Progress* progress) {
@@ -250,11 +259,11 @@ void writeFiles(const fs::path& folder, const FractureFiles& files, const Source
   std::vector<std::size_t> counts;
   if (!files.points.empty()) counts = pointCounts(result, write);
   step(progress, "write", 0.0);
-  if (!files.labels.empty() || !files.npy.empty()) {
-    const RunLengthVoxels voxels =
-        encodeRuns(result.solid, result.labels, static_cast<int>(fragments));
-    if (!files.labels.empty()) writeRle(folder / files.labels, voxels);
-    if (!files.npy.empty()) writeNpyLabels(folder / files.npy, voxels);
+  if (!files.labels.empty()) {
+    const PlacedVoxels voxels = labelledBox(result, static_cast<int>(fragments));
+    for (std::size_t i = 0; i < files.labels.size(); ++i) {
+      writeVoxels(folder / files.labels[i], voxels, write.voxelFormats[i]);
+    }
   }
   if (!files.seeds.empty()) writeSeeds(folder / files.seeds, result.seeds, result.solid);
   if (!files.rims.empty()) {

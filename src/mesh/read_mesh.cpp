@@ -123,7 +123,7 @@ std::string readFileBytes(const fs::path& file) {
   const fs::file_status status = fs::status(file, error);
   if (status.type() == fs::file_type::not_found) throw fail("there is no such file");
   if (error) throw fail("cannot be read: " + error.message());
-  if (fs::is_directory(status)) throw fail("is a directory, a mesh file is needed");
+  if (fs::is_directory(status)) throw fail("is a directory, a file is needed");
   if (!fs::is_regular_file(status)) throw fail("is not a regular file");
   std::ifstream in(file, std::ios::binary);
   if (!in) throw fail("cannot be opened for reading");

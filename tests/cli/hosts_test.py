@@ -13,6 +13,7 @@ import unittest
 import numpy as np
 import pyopenvdb as vdb
 
+import voxel_formats
 from cli_test import CommandLine
 from ply_file import read_triangles
 
@@ -133,8 +134,10 @@ class Hosts(CommandLine):
         grid = vdb.read(os.path.join(self.out, "fragments", "ball.vdb"), "surface")
         self.assertEqual(grid.gridClass, "level set")
 
-    def test_dense_labels_are_those_of_the_runs(self):
-        manifest = self.broken("--write", "labels,npy")
+    def test_labels_are_the_same_in_every_format(self):
+        formats = ("rle", "npy", "npz", "vox", "qstack", "bing")
+        manifest = self.broken("--write", "labels", "--voxel-format", ",".join(formats))
+        self.assertEqual(manifest["files"], ["labels." + name for name in formats])
         dense = np.load(os.path.join(self.out, "labels.npy"))
         raw = np.fromfile(os.path.join(self.out, "labels.rle"), "u1")
         runs = raw[12:].view([("label", "<u2"), ("length", "<u4")])
@@ -143,6 +146,23 @@ class Hosts(CommandLine):
         self.assertEqual((dense.dtype, list(dense.shape)), (np.dtype("<u2"), manifest["grid"]["dims"]))
         for fragment in manifest["fragments"]:
             self.assertEqual((dense == fragment["id"] + 1).sum(), fragment["voxels"])
+        with np.load(os.path.join(self.out, "labels.npz")) as placed:
+            np.testing.assert_array_equal(placed["labels"], labels)
+            self.assertEqual({key: placed[key].tolist() for key in ("origin", "voxel_size", "index_min")},
+                             {key: manifest["grid"][key] for key in ("origin", "voxel_size", "index_min")})
+        for name, want in (("vox", voxel_formats.write_vox(labels)), ("qstack", voxel_formats.write_qstack(labels)),
+                           ("bing", voxel_formats.write_bing(labels))):
+            with open(os.path.join(self.out, "labels." + name), "rb") as file:
+                self.assertEqual(file.read(), want, name)
+
+    def test_fragments_break_again_without_runs(self):
+        self.broken("--write", "labels,vdb", "--voxel-format", "npz")
+        again = os.path.join(self.tmp, "again")
+        done = self.run_sherd("fracture", os.path.join(self.out, "manifest.json"), "-o", again, "--only", "1", "--pieces", "2",
+                              "--write", "labels", "--voxel-format", "vox,npz")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        with np.load(os.path.join(again, "labels.npz")) as labels:
+            self.assertEqual(len(np.unique(labels["labels"])), PIECES + 2)
 
     def test_stl_has_the_same_triangles(self):
         manifest = self.broken("--write", "mesh", "--mesh-format", "ply,stl")

@@ -1,0 +1,18 @@
+// The writers of voxel files, one for each format.
+#pragma once
+
+#include <sherd/voxel_files.h>
+
+namespace sherd {
+
+void encodeRle(const RunLengthVoxels& voxels, const ByteSink& sink);
+void encodeNpyLabels(const RunLengthVoxels& voxels, const ByteSink& sink);
+void encodeNpzLabels(const PlacedVoxels& voxels, const ByteSink& sink);
+void encodeMagicaVoxel(const RunLengthVoxels& voxels, const ByteSink& sink);
+void encodeQuadStack(const RunLengthVoxels& voxels, const ByteSink& sink);
+void encodeBing(const RunLengthVoxels& voxels, const ByteSink& sink);
+
+/// Whether fragments have to share colours in a `.vox` file.
+[[nodiscard]] bool sharesColours(const RunLengthVoxels& voxels);
+
+}  // namespace sherd
