@@ -19,6 +19,10 @@ tools/build.sh asan sherd_fuzz
 OCL_ICD_VENDORS=pocl.icd build/asan/tests/fuzz/sherd_fuzz -max_total_time=600 -max_len=8192 -timeout=20 \
   -rss_limit_mb=4096 -detect_leaks=0 -verbosity=0 -print_final_stats=1
 
+echo "== points, as Debian's Point Cloud Library has them"
+DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends libpcl-dev > /dev/null
+tools/check_pcl.sh build/release/sherd
+
 echo "== the Debian package"
 (cd build/release && cpack -G DEB > /dev/null && dpkg-deb -I sherd_*.deb | grep -E 'Package|Version|Depends')
 

@@ -4,6 +4,7 @@
 #include <sherd/fracture.h>
 #include <sherd/grid_fwd.h>
 #include <sherd/leaf_blocks.h>
+#include <sherd/point_files.h>
 #include <sherd/points.h>
 #include <sherd/voxel_files.h>
 
@@ -97,18 +98,6 @@ void writeConstraints(const std::filesystem::path& file, std::span<const Fragmen
 void writeProxy(const std::filesystem::path& file, const Fragment& fragment,
                 const std::string& name, double gap);
 
-/// How surface points are written.
-enum class PointFormat {
-  ply,  ///< binary little-endian: float x, y, z, nx, ny, nz, int facing
-  xyz,  ///< text, a line "x y z nx ny nz" for each point
-  npz,  ///< NumPy: positions float32 [n, 3], normals float32 [n, 3], facing int32 [n]
-};
-
-/// Write surface points.  What is written has single precision, and reads back as it was.
-///   throws  Error(output)
-void writePoints(const std::filesystem::path& file, const SurfacePoints& points,
-                 PointFormat format);
-
 /// Write distance samples as NumPy's `.npz`: positions [n, 3] and sdf [n], of samples.type.
 ///   throws  Error(output)
 void writeDistances(const std::filesystem::path& file, const DistanceSamples& samples);
@@ -122,10 +111,12 @@ void writeCorrespondences(const std::filesystem::path& file, const Correspondenc
 /// hold it: the original surface's is that of the nearest part of it; what the fracture laid bare
 /// has kInsideColour and a material "inside".
 enum class MeshFileFormat {
-  ply,  ///< as writePly, and colours of vertices, texture coordinates and material of faces
-  obj,  ///< with normals and materials; the library of materials, one for all, lies beside it
-  glb,  ///< binary glTF 2.0 with its textures in it; a primitive for each material
-  stl,  ///< binary; the triangles alone
+  ply,      ///< as writePly, and colours of vertices, texture coordinates and material of faces
+  obj,      ///< with normals and materials; the library of materials, one for all, lies beside it
+  glb,      ///< binary glTF 2.0 with its textures in it; a primitive for each material
+  stl,      ///< binary; the triangles alone
+  stlText,  ///< the same as text, into files of the same name
+  binm,     ///< the paper's: positions and faces alone
 };
 
 /// Into which `.vdb` files fragments go.
@@ -171,7 +162,8 @@ struct WriteOptions {
 };
 
 /// See whether what is to be written can be had.  To be asked before long work.
-///   throws  Error(usage) correspondences of fragments that do not share their surfaces
+///   throws  Error(usage) correspondences of fragments that do not share their surfaces; STL both
+///           binary and as text
 void checkWriteOptions(const WriteOptions& write, const FractureOptions& options);
 
 /// See whether writeFracture may write into a folder: absent, empty or an earlier fracture's, and

@@ -30,7 +30,7 @@ struct SourceMesh {
   Appearance appearance{};              ///< of `mesh`; empty for a plain one
 };
 
-/// Read OBJ, PLY (ASCII, both binary orders), STL (both kinds), OFF, glTF or GLB, by the file's
+/// Read OBJ, PLY (ASCII, both orders), STL (both kinds), OFF, glTF, GLB or .binm, by the file's
 /// extension; `.gz` of any is unpacked.  Polygons are triangulated, exactly equal vertices merged.
 ///
 /// The look comes along: texture coordinates (the first set; that of the base colour in glTF),

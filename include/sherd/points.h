@@ -40,7 +40,7 @@ struct PointOptions {
   std::uint64_t seed = 0;            ///< the same gives the same points on any number of threads
 };
 
-/// Points on a surface.
+/// Points on a surface.  Of those that were read from a file, normals and facing may be empty.
 struct SurfacePoints {
   std::vector<glm::dvec3> positions;  ///< [n] world units
   std::vector<glm::dvec3> normals;    ///< [n] of the point's triangle, unit, outwards

@@ -17,6 +17,7 @@
 #include <sherd/mesh.h>
 #include <sherd/mesh_quality.h>
 #include <sherd/metric.h>
+#include <sherd/point_files.h>
 #include <sherd/points.h>
 #include <sherd/progress.h>
 #include <sherd/refracture.h>

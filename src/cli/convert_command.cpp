@@ -1,5 +1,8 @@
-// `sherd convert`: the same voxels in another format.
+// `sherd convert`: the same voxels, mesh or points in another format.
 #include <sherd/error.h>
+#include <sherd/io.h>
+#include <sherd/mesh.h>
+#include <sherd/point_files.h>
 #include <sherd/voxel_files.h>
 
 #include <memory>
@@ -8,7 +11,12 @@
 #include "cli/command.h"
 #include "cli/fracture_options.h"
 #include "cli/option_text.h"
+#include "io/file_kind.h"
 #include "io/json_of.h"
+#include "io/mesh_file.h"
+#include "io/read_facing.h"
+#include "lower_case.h"
+#include "option_names.h"
 
 namespace sherd::cli {
 namespace {
@@ -21,6 +29,7 @@ struct ConvertArguments {
   std::string pad;
   double voxelSize = 0.0;  ///< 0: not given
   glm::dvec3 origin{0.0};
+  bool ascii = false;  ///< .stl files as text
   bool json = false;
 };
 
@@ -44,14 +53,65 @@ Converted convertVoxels(const ConvertArguments& arguments, VoxelFormat format) {
           lossesOf(voxels, format)};
 }
 
-Converted convert(const ConvertArguments& arguments) {
-  const std::optional<VoxelFormat> format = voxelFormatOf(arguments.out);
-  if (!format) {
-    throw Error(ErrorCode::usage, arguments.out +
-                                      ": its extension names no format that is written; these "
-                                      "are .rle .npy .npz .vox .qstack .bing");
+Converted convertMesh(const ConvertArguments& arguments, MeshFileFormat format) {
+  const SourceMesh source = readMesh(arguments.in);
+  std::vector<std::uint16_t> facing;
+  if (lowerCase(fs::path(arguments.in).extension().string()) == ".ply") {
+    facing = readFacing(arguments.in, source.mesh);
   }
-  return convertVoxels(arguments, *format);
+  if (format == MeshFileFormat::stl && arguments.ascii) format = MeshFileFormat::stlText;
+  writeMeshFile(arguments.out, source, facing, format);
+  return {{{"kind", "mesh"},
+           {"vertices", source.mesh.vertices.size()},
+           {"triangles", source.mesh.triangles.size()}},
+          lossesOf(source, facing, format)};
+}
+
+Converted convertPoints(const ConvertArguments& arguments, PointFormat format) {
+  const SurfacePoints points = readPoints(arguments.in);
+  writePoints(arguments.out, points, format);
+  return {{{"kind", "points"}, {"points", points.positions.size()}}, lossesOf(points, format)};
+}
+
+// What IN holds cannot be what OUT is.
+[[noreturn]] void refuseFormat(const ConvertArguments& arguments, const std::string& what,
+                               const std::string& endings) {
+  throw Error(ErrorCode::usage, arguments.out + ": " + arguments.in + " holds " + what +
+                                    ", which are written as " + endings);
+}
+
+std::optional<MeshFileFormat> meshFormatOf(const fs::path& file) {
+  const std::string extension = lowerCase(file.extension().string());
+  for (std::size_t i = 0; i < std::size(names::kMeshFileFormat); ++i) {
+    if (static_cast<MeshFileFormat>(i) != MeshFileFormat::stlText &&
+        extension == std::string(".") + names::kMeshFileFormat[i]) {
+      return static_cast<MeshFileFormat>(i);
+    }
+  }
+  return {};
+}
+
+Converted convert(const ConvertArguments& arguments) {
+  switch (kindOf(arguments.in)) {
+    case FileKind::voxels: {
+      const auto format = voxelFormatOf(arguments.out);
+      if (format) return convertVoxels(arguments, *format);
+      refuseFormat(arguments, "voxels", ".rle .npy .npz .vox .qstack .bing");
+    }
+    case FileKind::mesh: {
+      const auto format = meshFormatOf(arguments.out);
+      if (format) return convertMesh(arguments, *format);
+      refuseFormat(arguments, "triangles", ".ply .obj .glb .stl .binm");
+    }
+    case FileKind::points: {
+      const auto format = pointFormatOf(arguments.out);
+      if (format) return convertPoints(arguments, *format);
+      refuseFormat(arguments, "points", ".ply .xyz .npz .binp");
+    }
+    case FileKind::other:
+      break;
+  }
+  throw Error(ErrorCode::input, arguments.in + ": is neither voxels nor a mesh nor points");
 }
 
 void runConvert(const ConvertArguments& arguments) {
@@ -75,10 +135,14 @@ void runConvert(const ConvertArguments& arguments) {
 }  // namespace
 
 void addConvertCommand(CLI::App& app, Action& run) {
-  CLI::App* command =
-      app.add_subcommand("convert", "Write voxels in another format, each by its extension");
+  CLI::App* command = app.add_subcommand(
+      "convert", "Write voxels, a mesh or points in another format, each by its extension");
   auto arguments = std::make_shared<ConvertArguments>();
-  command->add_option("IN", arguments->in, "Voxels: .rle .npy .npz .vox .qstack .bing")->required();
+  command
+      ->add_option(
+          "IN", arguments->in,
+          "Voxels (.rle .npy .npz .vox .qstack .bing), a mesh, or points (.ply .xyz .npz .binp)")
+      ->required();
   command->add_option("OUT", arguments->out, "The file to write; one that is there is replaced")
       ->required();
   const std::string group = "Voxels";
@@ -103,6 +167,7 @@ void addConvertCommand(CLI::App& app, Action& run) {
       ->needs(voxelSize)
       ->group(group);
   voxelSize->needs("--origin");
+  command->add_flag("--ascii", arguments->ascii, "Write .stl as text")->group("Meshes");
   command->add_flag("--json", arguments->json, "Print one JSON object");
   command->callback([arguments, &run] { run = [arguments] { runConvert(*arguments); }; });
 }

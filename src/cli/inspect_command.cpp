@@ -10,9 +10,12 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/command.h"
+#include "io/file_kind.h"
 #include "io/manifest.h"
+#include "io/npy_reader.h"
 #include "io/vdb.h"
 #include "lower_case.h"
+#include "mesh/file_bytes.h"
 #include "option_names.h"
 
 namespace sherd::cli {
@@ -87,6 +90,28 @@ Json inspectMesh(const fs::path& file) {
           {"box_max", jsonOf(box.max)}};
 }
 
+Json inspectPoints(const fs::path& file, PointFormat format) {
+  const SurfacePoints points = readPoints(file);
+  Json found = {{"kind", "points"},
+                {"format", names::of(names::kPointFormat, format)},
+                {"points", points.positions.size()},
+                {"normals", !points.normals.empty()},
+                {"facing", !points.facing.empty()}};
+  if (points.positions.empty()) return found;
+  const Box box = bounds({points.positions, {}});
+  found["box_min"] = jsonOf(box.min);
+  found["box_max"] = jsonOf(box.max);
+  return found;
+}
+
+// An .npz that is neither voxels nor points.
+Json inspectArrays(const fs::path& file) {
+  const std::string bytes = readFileBytes(file), name = file.string();
+  Json arrays = Json::object();
+  for (const ZipEntry& entry : zipEntries(bytes, name)) arrays[entry.name] = entry.size;
+  return {{"kind", "arrays"}, {"bytes_per_array", arrays}};
+}
+
 // A manifest is anybody's text: what it lacks or holds in another type is told, not crashed on.
 Json inspectManifest(const fs::path& file) {
   const nlohmann::json manifest = needManifest(file);
@@ -123,10 +148,19 @@ Json inspect(const fs::path& file) {
   }
   if (fs::is_directory(status)) return inspectManifest(file / "manifest.json");
   const std::string extension = lowerCase(file.extension().string());
-  if (const auto format = voxelFormatOf(file)) return inspectVoxels(file, *format);
   if (extension == ".vdb") return inspectVdb(file);
   if (extension == ".json") return inspectManifest(file);
-  return inspectMesh(file);
+  switch (kindOf(file)) {
+    case FileKind::voxels:
+      return inspectVoxels(file, *voxelFormatOf(file));
+    case FileKind::points:
+      return inspectPoints(file, *pointFormatOf(file));
+    case FileKind::mesh:
+      return inspectMesh(file);
+    case FileKind::other:
+      break;
+  }
+  return extension == ".npz" ? inspectArrays(file) : inspectMesh(file);
 }
 
 // ---- Plain text
@@ -191,7 +225,7 @@ void runInspect(const std::string& file, bool json) {
 
 void addInspectCommand(CLI::App& app, Action& run) {
   CLI::App* command = app.add_subcommand(
-      "inspect", "Tell what is in a mesh, a voxel file, .vdb, manifest or fracture's folder");
+      "inspect", "Tell what is in a mesh, voxels, points, .vdb, manifest or fracture's folder");
   auto file = std::make_shared<std::string>();
   auto json = std::make_shared<bool>(false);
   command->add_option("FILE", *file, "The file, or the folder of a fracture")->required();

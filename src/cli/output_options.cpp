@@ -128,8 +128,8 @@ void addPointOptions(CLI::App& command, WriteOptions& write) {
           [&write](const std::string& text) {
             parseFormats("--point-format", text, names::kPointFormat, write.pointFormats);
           },
-          "Files of points, one or more: binary, text, NumPy's")
-      ->type_name("ply,xyz,npz")
+          "Files of points, one or more: binary, text, NumPy's, the paper's compressed octree")
+      ->type_name("ply,xyz,npz,binp")
       ->default_str("ply")
       ->needs(points)
       ->group(group);
@@ -174,8 +174,10 @@ void addMeshFormatOption(CLI::App& command, WriteOptions& write) {
           [&write](const std::string& text) {
             parseFormats("--mesh-format", text, names::kMeshFileFormat, write.meshFormats);
           },
-          "Files of meshes, one or more: PLY, OBJ with materials, binary glTF, STL")
-      ->type_name("ply,obj,glb,stl")
+          "Files of meshes, one or more: PLY, OBJ with materials, binary glTF, STL, STL as text, "
+          "the "
+          "paper's")
+      ->type_name("ply,obj,glb,stl,stl-ascii,binm")
       ->default_str("ply");
 }
 

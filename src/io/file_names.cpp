@@ -23,7 +23,9 @@ bool isUtf8(const std::string& text) {
 std::vector<std::string> meshNames(const std::string& name, const WriteOptions& write) {
   std::vector<std::string> names;
   for (const MeshFileFormat format : write.meshFormats) {
-    names.push_back(name + "." + names::of(names::kMeshFileFormat, format));
+    names.push_back(
+        name + "." +
+        (format == MeshFileFormat::stlText ? "stl" : names::of(names::kMeshFileFormat, format)));
   }
   return names;
 }

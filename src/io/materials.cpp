@@ -28,7 +28,7 @@ std::string endingOf(const std::string& name, ImageType type) {
   if (type == ImageType::png) return ".png";
   if (type == ImageType::jpeg) return ".jpg";
   const std::string ending = std::filesystem::path(name).extension().string();
-  constexpr std::array<const char*, 5> kOurs{".ply", ".obj", ".mtl", ".glb", "."};
+  constexpr std::array<const char*, 7> kOurs{".ply", ".obj", ".mtl", ".glb", ".stl", ".binm", "."};
   const bool plain = ending.size() > 1 && ending.size() <= 5 &&
                      std::all_of(ending.begin() + 1, ending.end(), [](unsigned char c) {
                        return std::isdigit(c) || std::islower(c);

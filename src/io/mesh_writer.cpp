@@ -47,6 +47,12 @@ void MeshWriter::write(const TriangleMesh& mesh, const std::vector<std::uint16_t
       case MeshFileFormat::stl:
         writePieceStl(file, piece);
         break;
+      case MeshFileFormat::stlText:
+        writePieceStlText(file, piece);
+        break;
+      case MeshFileFormat::binm:
+        writePieceBinm(file, piece);
+        break;
     }
   }
 }

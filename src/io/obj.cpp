@@ -10,7 +10,8 @@ void writePieceObj(const std::filesystem::path& file, const PieceMesh& piece,
   const TriangleMesh& mesh = piece.mesh;
   const SplitCorners split = splitCorners(piece);
   const bool colours = !piece.look.colours.empty(), texcoords = !piece.look.texcoords.empty();
-  std::string text = "mtllib " + library + "\no " + piece.name + "\n";
+  std::string text = library.empty() ? "" : "mtllib " + library + "\n";
+  text += "o " + piece.name + "\n";
   text.reserve(mesh.vertices.size() * (colours ? 60 : 36) + split.normals.size() * 36 +
                split.corners.size() * (texcoords ? 24 : 0) + mesh.triangles.size() * 54);
 
@@ -45,7 +46,8 @@ void writePieceObj(const std::filesystem::path& file, const PieceMesh& piece,
     bool named = false;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
       if (piece.materialOf(t) != material) continue;
-      if (!named) text += "usemtl " + piece.materials.materials[material].name + "\n";
+      if (!named && !library.empty())
+        text += "usemtl " + piece.materials.materials[material].name + "\n";
       named = true;
       text += 'f';
       for (const std::uint32_t number : split.ofTriangle[t]) {

@@ -57,12 +57,18 @@ struct SplitCorners {
 void writePiecePly(const std::filesystem::path& file, const PieceMesh& piece);
 
 /// OBJ with normals, and texture coordinates and colours where there are some.
-///   library  the file of mtlText(piece.materials), beside it
+///   library  the file of mtlText(piece.materials), beside it; empty: no materials are named
 void writePieceObj(const std::filesystem::path& file, const PieceMesh& piece,
                    const std::string& library);
 
 /// Binary STL: the triangles alone, with their normals.
 void writePieceStl(const std::filesystem::path& file, const PieceMesh& piece);
+
+/// The same as text.
+void writePieceStlText(const std::filesystem::path& file, const PieceMesh& piece);
+
+/// The paper's `.binm`: positions and faces alone.
+void writePieceBinm(const std::filesystem::path& file, const PieceMesh& piece);
 
 /// A piece of a scene.
 struct SceneNode {

@@ -2,13 +2,14 @@
 #include <sherd/io.h>
 
 #include <array>
-#include <charconv>
 #include <string>
 
 #include "half_float.h"
 #include "io/atomic_file.h"
 #include "io/little_endian.h"
 #include "io/npz.h"
+#include "io/number_text.h"
+#include "io/octree_stream.h"
 
 namespace sherd {
 namespace {
@@ -19,15 +20,17 @@ void storeFloats(std::string& bytes, const glm::dvec3& v) {
 
 std::string plyBytes(const SurfacePoints& points) {
   const std::size_t n = points.positions.size();
+  const bool hasNormals = !points.normals.empty(), hasFacing = !points.facing.empty();
   std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(n) +
-                      "\nproperty float x\nproperty float y\nproperty float z\n"
-                      "property float nx\nproperty float ny\nproperty float nz\n"
-                      "property int facing\nend_header\n";
+                      "\nproperty float x\nproperty float y\nproperty float z\n";
+  if (hasNormals) bytes += "property float nx\nproperty float ny\nproperty float nz\n";
+  if (hasFacing) bytes += "property int facing\n";
+  bytes += "end_header\n";
   bytes.reserve(bytes.size() + 28 * n);
   for (std::size_t i = 0; i < n; ++i) {
     storeFloats(bytes, points.positions[i]);
-    storeFloats(bytes, points.normals[i]);
-    storeLittle(bytes, std::uint32_t{points.facing[i]});
+    if (hasNormals) storeFloats(bytes, points.normals[i]);
+    if (hasFacing) storeLittle(bytes, std::uint32_t{points.facing[i]});
   }
   return bytes;
 }
@@ -35,13 +38,12 @@ std::string plyBytes(const SurfacePoints& points) {
 // The shortest decimals that read back as the same float.
 std::string xyzText(const SurfacePoints& points) {
   std::string text;
-  std::array<char, 32> digits;
+  const int columns = points.normals.empty() ? 3 : 6;
   for (std::size_t i = 0; i < points.positions.size(); ++i) {
-    for (int k = 0; k < 6; ++k) {
+    for (int k = 0; k < columns; ++k) {
       const double value = k < 3 ? points.positions[i][k] : points.normals[i][k - 3];
-      const auto [end, error] =
-          std::to_chars(digits.data(), digits.data() + digits.size(), static_cast<float>(value));
-      text.append(digits.data(), end).push_back(k < 5 ? ' ' : '\n');
+      appendShortest(text, static_cast<float>(value));
+      text.push_back(k + 1 < columns ? ' ' : '\n');
     }
   }
   return text;
@@ -49,13 +51,17 @@ std::string xyzText(const SurfacePoints& points) {
 
 void writePointsNpz(const std::filesystem::path& file, const SurfacePoints& points) {
   const std::size_t n = points.positions.size();
-  std::array<NpyArray, 3> arrays{{{"positions", "<f4", {n, 3}, {}},
-                                  {"normals", "<f4", {n, 3}, {}},
-                                  {"facing", "<i4", {n}, {}}}};
-  for (std::size_t i = 0; i < n; ++i) {
-    storeFloats(arrays[0].bytes, points.positions[i]);
-    storeFloats(arrays[1].bytes, points.normals[i]);
-    storeLittle(arrays[2].bytes, std::uint32_t{points.facing[i]});
+  std::vector<NpyArray> arrays{{"positions", "<f4", {n, 3}, {}}};
+  for (const glm::dvec3& at : points.positions) storeFloats(arrays.back().bytes, at);
+  if (!points.normals.empty()) {
+    arrays.push_back({"normals", "<f4", {n, 3}, {}});
+    for (const glm::dvec3& normal : points.normals) storeFloats(arrays.back().bytes, normal);
+  }
+  if (!points.facing.empty()) {
+    arrays.push_back({"facing", "<i4", {n}, {}});
+    for (const std::uint16_t id : points.facing) {
+      storeLittle(arrays.back().bytes, std::uint32_t{id});
+    }
   }
   writeNpz(file, arrays);
 }
@@ -71,7 +77,26 @@ void writePoints(const std::filesystem::path& file, const SurfacePoints& points,
       return writeWhole(file, xyzText(points));
     case PointFormat::npz:
       return writePointsNpz(file, points);
+    case PointFormat::binp:
+      return writeWhole(file, octreeStream(points.positions).bytes);
   }
+}
+
+std::vector<std::string> lossesOf(const SurfacePoints& points, PointFormat format) {
+  std::vector<std::string> losses;
+  if (!points.facing.empty() && (format == PointFormat::xyz || format == PointFormat::binp)) {
+    losses.push_back("what points face is left out");
+  }
+  if (format != PointFormat::binp) return losses;
+  if (!points.normals.empty()) losses.push_back("normals are left out");
+  const OctreeStream stream = octreeStream(points.positions);
+  std::string voxel;
+  appendShortest(voxel, static_cast<float>(stream.voxelSize));
+  losses.push_back("positions are rounded to voxels of " + voxel + ", in the octree's order");
+  if (stream.merged > 0) {
+    losses.push_back(std::to_string(stream.merged) + " points in voxels of others are left out");
+  }
+  return losses;
 }
 
 void writeCorrespondences(const std::filesystem::path& file, const Correspondences& points) {

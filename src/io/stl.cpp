@@ -1,11 +1,13 @@
-// Meshes as binary STL.
+// Meshes as STL, binary and as text.
 //
 //     80 bytes of text | u32 triangles | normal, three corners, u16 0 for each
 #include <algorithm>
 #include <glm/geometric.hpp>
 
 #include "io/atomic_file.h"
+#include "io/file_names.h"
 #include "io/little_endian.h"
+#include "io/number_text.h"
 #include "io/piece_mesh.h"
 
 namespace sherd {
@@ -13,6 +15,13 @@ namespace {
 
 // Readers take a file that begins with "solid" for text.
 constexpr std::size_t kHeader = 80;
+
+glm::vec3 normalOf(const TriangleMesh& mesh, const glm::uvec3& t) {
+  const glm::dvec3& a = mesh.vertices[t.x];
+  const glm::dvec3 round = glm::cross(mesh.vertices[t.y] - a, mesh.vertices[t.z] - a);
+  const double length = glm::length(round);
+  return length > 0.0 ? glm::vec3(round / length) : glm::vec3(0.0f);
+}
 
 void store(std::string& bytes, const glm::vec3& v) {
   for (int axis = 0; axis < 3; ++axis) storeLittle(bytes, v[axis]);
@@ -28,14 +37,26 @@ void writePieceStl(const std::filesystem::path& file, const PieceMesh& piece) {
   bytes.reserve(kHeader + 4 + 50 * mesh.triangles.size());
   storeLittle(bytes, static_cast<std::uint32_t>(mesh.triangles.size()));
   for (const glm::uvec3& t : mesh.triangles) {
-    const glm::dvec3 &a = mesh.vertices[t.x], &b = mesh.vertices[t.y], &c = mesh.vertices[t.z];
-    const glm::dvec3 round = glm::cross(b - a, c - a);
-    const double length = glm::length(round);
-    store(bytes, length > 0.0 ? glm::vec3(round / length) : glm::vec3(0.0f));
-    for (const glm::dvec3& corner : {a, b, c}) store(bytes, glm::vec3(corner));
+    store(bytes, normalOf(mesh, t));
+    for (int k = 0; k < 3; ++k) store(bytes, glm::vec3(mesh.vertices[t[k]]));
     storeLittle(bytes, std::uint16_t{0});
   }
   writeWhole(file, bytes);
+}
+
+void writePieceStlText(const std::filesystem::path& file, const PieceMesh& piece) {
+  const std::string name = withoutBlanks(piece.name);
+  std::string text = "solid " + name + "\n";
+  for (const glm::uvec3& t : piece.mesh.triangles) {
+    appendVector(text += " facet normal", normalOf(piece.mesh, t));
+    text += "\n  outer loop\n";
+    for (int k = 0; k < 3; ++k) {
+      appendVector(text += "   vertex", piece.mesh.vertices[t[k]]);
+      text += "\n";
+    }
+    text += "  endloop\n endfacet\n";
+  }
+  writeWhole(file, text + "endsolid " + name + "\n");
 }
 
 }  // namespace sherd

@@ -365,6 +365,14 @@ std::string withoutAside(std::string message) {
 }  // namespace
 
 void checkWriteOptions(const WriteOptions& write, const FractureOptions& options) {
+  const auto wanted = [&](MeshFileFormat format) {
+    return std::find(write.meshFormats.begin(), write.meshFormats.end(), format) !=
+           write.meshFormats.end();
+  };
+  if (wanted(MeshFileFormat::stl) && wanted(MeshFileFormat::stlText)) {
+    throw Error(ErrorCode::usage,
+                "stl and stl-ascii would be files of the same name; ask for one of them");
+  }
   const SurfaceOptions& surface = options.surface;
   const Iterations& smoothed = surface.smooth.boundaryIterations;
   const bool isSmoothed =

@@ -37,6 +37,8 @@ const char* assimpName(MeshFormat format) {
       return "mesh.gltf";
     case MeshFormat::glb:
       return "mesh.glb";
+    case MeshFormat::binm:
+      break;  // not Assimp's
   }
   return "";
 }

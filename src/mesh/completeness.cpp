@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "mesh/obj_lines.h"
+#include "mesh/read_binm.h"
 #include "mesh/text_scan.h"
 
 namespace sherd {
@@ -84,6 +85,8 @@ FileCounts checkComplete(const MeshFile& file) {
       return checkStl(file);
     case MeshFormat::off:
       return checkOff(file);
+    case MeshFormat::binm:
+      return checkBinm(file);
     case MeshFormat::gltf:
     case MeshFormat::glb:
       return checkGltf(file);

@@ -12,7 +12,7 @@
 
 namespace sherd {
 
-enum class MeshFormat { obj, ply, stl, off, gltf, glb };
+enum class MeshFormat { obj, ply, stl, off, gltf, glb, binm };
 
 /// A mesh file in memory, unpacked.
 struct MeshFile {

@@ -19,6 +19,7 @@
 #include "mesh/completeness.h"
 #include "mesh/file_bytes.h"
 #include "mesh/merge.h"
+#include "mesh/read_binm.h"
 #include "mesh/read_obj.h"
 #include "mesh/read_ply.h"
 
@@ -31,13 +32,14 @@ constexpr std::size_t kLargestUnpacked = std::size_t{1}
                                          << 33;  // a small .gz may stand for any number of zeros
 
 std::optional<MeshFormat> formatFromExtension(const std::string& extension) {
-  constexpr std::array<std::pair<std::string_view, MeshFormat>, 6> kFormats{
+  constexpr std::array<std::pair<std::string_view, MeshFormat>, 7> kFormats{
       {{".obj", MeshFormat::obj},
        {".ply", MeshFormat::ply},
        {".stl", MeshFormat::stl},
        {".off", MeshFormat::off},
        {".gltf", MeshFormat::gltf},
-       {".glb", MeshFormat::glb}}};
+       {".glb", MeshFormat::glb},
+       {".binm", MeshFormat::binm}}};
   for (const auto& [name, format] : kFormats)
     if (lowerCase(extension) == name) return format;
   return std::nullopt;
@@ -146,9 +148,10 @@ SourceMesh readMesh(const fs::path& path) {
   out.stem = name.stem.string();
   const std::optional<MeshFormat> format = formatFromExtension(name.extension);
   if (!format) {
-    throw Error(ErrorCode::input,
-                out.name + ": the extension '" + name.extension +
-                    "' is not known; read are .obj .ply .stl .off .gltf .glb, and each with .gz");
+    throw Error(
+        ErrorCode::input,
+        out.name + ": the extension '" + name.extension +
+            "' is not known; read are .obj .ply .stl .off .gltf .glb .binm, and each with .gz");
   }
   out.sha256 = sha256(bytes);
   MeshFile file{path, out.name, *format, name.packed ? gunzip(bytes, out.name) : std::move(bytes)};
@@ -156,7 +159,9 @@ SourceMesh readMesh(const fs::path& path) {
 
   const FileCounts counts = checkComplete(file);
   if (counts.polygons == 0u) throw inputError(file, "holds no triangle");
-  RawMesh raw = counts.look ? readWithLook(file) : readWithAssimp(file);
+  RawMesh raw = file.format == MeshFormat::binm ? readBinm(file)
+                : counts.look                   ? readWithLook(file)
+                                                : readWithAssimp(file);
   if (counts.polygons && *counts.polygons != raw.polygons) {
     throw inputError(file, "holds " + std::to_string(*counts.polygons) + " faces, of which " +
                                std::to_string(raw.polygons) + " could be read");

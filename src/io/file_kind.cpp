@@ -1,0 +1,48 @@
+// What kind of thing a file holds.
+#include "io/file_kind.h"
+
+#include <sherd/mesh.h>
+#include <sherd/point_files.h>
+#include <sherd/voxel_files.h>
+
+#include <algorithm>
+
+#include "io/npy_reader.h"
+#include "lower_case.h"
+#include "mesh/file_bytes.h"
+#include "mesh/ply_body.h"
+
+namespace sherd {
+namespace {
+
+FileKind kindOfPly(const std::filesystem::path& file) {
+  const MeshFile mesh{file, file.string(), MeshFormat::ply, readFileBytes(file)};
+  const PlyHeader header = readPlyHeader(mesh);
+  const bool faces =
+      std::any_of(header.elements.begin(), header.elements.end(), [](const PlyElement& element) {
+        return element.count > 0 && (element.name == "face" || element.name == "tristrips");
+      });
+  return faces ? FileKind::mesh : FileKind::points;
+}
+
+// Samples of distances and correspondences have positions too, and are no points on a surface.
+FileKind kindOfNpz(const std::filesystem::path& file) {
+  const std::string bytes = readFileBytes(file);
+  const std::vector<ZipEntry> entries = zipEntries(bytes, file.string());
+  const auto has = [&](const char* array) { return entryOf(entries, array) != nullptr; };
+  if (has("labels")) return FileKind::voxels;
+  return has("positions") && !has("sdf") && !has("fragments") ? FileKind::points : FileKind::other;
+}
+
+}  // namespace
+
+FileKind kindOf(const std::filesystem::path& file) {
+  const std::string extension = lowerCase(file.extension().string());
+  if (extension == ".ply") return kindOfPly(file);
+  if (extension == ".npz") return kindOfNpz(file);
+  if (voxelFormatOf(file)) return FileKind::voxels;
+  if (pointFormatOf(file)) return FileKind::points;
+  return isMeshName(file) ? FileKind::mesh : FileKind::other;
+}
+
+}  // namespace sherd

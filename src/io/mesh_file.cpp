@@ -1,0 +1,117 @@
+// A mesh of its own as a file, with the look that it was read with.
+#include "io/mesh_file.h"
+
+#include <sherd/error.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "io/atomic_file.h"
+#include "io/file_names.h"
+#include "io/piece_mesh.h"
+#include "mesh/file_bytes.h"
+#include "mesh/text_scan.h"
+
+namespace sherd {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Files that a mesh refers to, taken away again unless kept.
+class FilesBeside {
+ public:
+  FilesBeside() = default;
+  ~FilesBeside() {
+    std::error_code ignored;
+    for (const fs::path& file : made_) fs::remove(file, ignored);
+  }
+  FilesBeside(const FilesBeside&) = delete;
+  FilesBeside& operator=(const FilesBeside&) = delete;
+
+  void write(const fs::path& file, const std::string& bytes) {
+    if (fs::exists(fs::symlink_status(file))) {
+      if (fs::is_regular_file(file) && readFileBytes(file) == bytes) return;
+      throw Error(ErrorCode::output, file.string() +
+                                         ": is in the way with other content; move it away or "
+                                         "name another folder");
+    }
+    writeWhole(file, bytes);
+    made_.push_back(file);
+  }
+  void keep() { made_.clear(); }
+
+ private:
+  std::vector<fs::path> made_;
+};
+
+bool hasMaterials(const SourceMesh& source) { return !source.appearance.surface.material.empty(); }
+
+}  // namespace
+
+void writeMeshFile(const fs::path& file, const SourceMesh& source,
+                   const std::vector<std::uint16_t>& facing, MeshFileFormat format) {
+  const SurfaceLook& look = source.appearance.surface;
+  if (format == MeshFileFormat::ply && facing.empty() && look.empty()) {
+    return writePly(file, source.mesh);
+  }
+  const MaterialTable table = materialTable(source.appearance);
+  const std::vector<std::uint16_t> none(source.mesh.triangles.size(), 0);
+  const std::string name = withoutBlanks(safeName(file.stem().string(), "mesh"));
+  const PieceMesh piece{name, source.mesh, facing.empty() ? none : facing, look, table};
+  FilesBeside beside;
+  if (format == MeshFileFormat::obj || format == MeshFileFormat::ply) {
+    for (const MaterialTable::Picture& picture : table.textures) {
+      beside.write(file.parent_path() / picture.file, picture.bytes);
+    }
+  }
+  switch (format) {
+    case MeshFileFormat::ply:
+      writePiecePly(file, piece);
+      break;
+    case MeshFileFormat::obj: {
+      const std::string library = hasMaterials(source) ? name + ".mtl" : "";
+      if (!library.empty()) beside.write(file.parent_path() / library, mtlText(table));
+      writePieceObj(file, piece, library);
+      break;
+    }
+    case MeshFileFormat::glb:
+      writePieceGlb(file, piece);
+      break;
+    case MeshFileFormat::stl:
+      writePieceStl(file, piece);
+      break;
+    case MeshFileFormat::stlText:
+      writePieceStlText(file, piece);
+      break;
+    case MeshFileFormat::binm:
+      writePieceBinm(file, piece);
+      break;
+  }
+  beside.keep();
+}
+
+std::vector<std::string> lossesOf(const SourceMesh& source,
+                                  const std::vector<std::uint16_t>& facing, MeshFileFormat format) {
+  std::vector<std::string> losses = source.appearance.warnings;
+  const Appearance& look = source.appearance;
+  if (source.degenerateTriangles > 0) {
+    losses.push_back(std::to_string(source.degenerateTriangles) +
+                     " triangles with two equal corners are left out");
+  }
+  const bool bare = format == MeshFileFormat::stl || format == MeshFileFormat::stlText ||
+                    format == MeshFileFormat::binm;
+  if (bare && !look.surface.empty()) {
+    losses.push_back("colours, texture coordinates and materials are left out");
+  }
+  if (!facing.empty() && (bare || format == MeshFileFormat::obj)) {
+    losses.push_back("what faces face is left out");
+  }
+  for (const Texture& texture : look.textures) {
+    if (format != MeshFileFormat::glb || imageType(texture.bytes) != ImageType::other) continue;
+    losses.push_back("its texture " + inQuotes(texture.name) +
+                     " is neither PNG nor JPEG and is left out");
+  }
+  return losses;
+}
+
+}  // namespace sherd
