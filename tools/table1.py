@@ -93,6 +93,8 @@ def main():
     parser.add_argument("--seed", type=int, default=0)
     arguments = parser.parse_args()
     vessels = sorted(p for p in arguments.folder.iterdir() if p.suffix in (".ply", ".obj", ".stl"))
+    if len(vessels) * arguments.per_vessel < len(REPEATS):
+        parser.error("fewer fractures than numbers of pieces; ask for more with --per-vessel")
     tables = {}
     for resolution in (64, 128):
         samples, turn = collections.defaultdict(list), 0

@@ -58,8 +58,10 @@ enum class Padding {
 };
 
 /// The box as a cube; its place is kept.
+///   name    for messages
 ///   throws  Error(input) the cube has more than 2^34 voxels
-[[nodiscard]] PlacedVoxels padded(const PlacedVoxels& voxels, Padding padding);
+[[nodiscard]] PlacedVoxels padded(const PlacedVoxels& voxels, Padding padding,
+                                  const std::string& name);
 
 /// The kinds of voxel files, named as their extensions are.  docs/formats.md has their bytes.
 enum class VoxelFormat {

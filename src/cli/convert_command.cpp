@@ -44,8 +44,8 @@ Converted convertVoxels(const ConvertArguments& arguments, VoxelFormat format) {
   if (arguments.voxelSize > 0.0) {
     voxels.place = VoxelPlace{{{arguments.origin}, arguments.voxelSize}, {0, 0, 0}};
   }
-  if (arguments.pad == "cube") voxels = padded(voxels, Padding::atEnd);
-  if (arguments.pad == "cube-centred") voxels = padded(voxels, Padding::centred);
+  if (arguments.pad == "cube") voxels = padded(voxels, Padding::atEnd, arguments.in);
+  if (arguments.pad == "cube-centred") voxels = padded(voxels, Padding::centred, arguments.in);
   writeVoxels(arguments.out, voxels, format);
   return {{{"kind", "voxels"},
            {"dims", jsonOf(voxels.voxels.dims)},

@@ -10,7 +10,6 @@
 // source  Kammerl et al., Real-time compression of point cloud streams, 2012; PCL 1.13
 #include "io/octree_stream.h"
 
-#include <sherd/error.h>
 #include <sherd/point_files.h>
 
 #include <algorithm>
@@ -165,14 +164,12 @@ class TreeReader {
 
 }  // namespace
 
-OctreeStream octreeStream(std::span<const glm::dvec3> points) {
-  if (points.empty()) throw Error(ErrorCode::input, "a .binp needs at least one point");
+OctreeStream octreeStream(std::span<const glm::dvec3> points, const std::string& name) {
+  if (points.empty()) inputError(name, "a .binp needs at least one point");
   glm::dvec3 low = points.front(), high = low;
   for (const glm::dvec3& p : points) {
     for (int axis = 0; axis < 3; ++axis) {
-      if (!(std::abs(p[axis]) < 1e300)) {
-        throw Error(ErrorCode::input, "a .binp needs finite points");
-      }
+      if (!(std::abs(p[axis]) < 1e300)) inputError(name, "a .binp needs finite points");
       low[axis] = std::min(low[axis], p[axis]);
       high[axis] = std::max(high[axis], p[axis]);
     }

@@ -19,7 +19,9 @@ struct OctreeStream {
 /// Points become the centres of their voxels, in the octree's order.  A voxel is 1e-4 wide, as in
 /// the paper's data set; ten times as much, again and again, until 2^21 reach round the points; or
 /// a tenth, down to 1e-6, while less than 2^10 do.
+///   name    for messages
 ///   throws  Error(input) no points, or not finite
-[[nodiscard]] OctreeStream octreeStream(std::span<const glm::dvec3> points);
+[[nodiscard]] OctreeStream octreeStream(std::span<const glm::dvec3> points,
+                                        const std::string& name);
 
 }  // namespace sherd

@@ -78,7 +78,7 @@ void writePoints(const std::filesystem::path& file, const SurfacePoints& points,
     case PointFormat::npz:
       return writePointsNpz(file, points);
     case PointFormat::binp:
-      return writeWhole(file, octreeStream(points.positions).bytes);
+      return writeWhole(file, octreeStream(points.positions, file.string()).bytes);
   }
 }
 
@@ -89,7 +89,7 @@ std::vector<std::string> lossesOf(const SurfacePoints& points, PointFormat forma
   }
   if (format != PointFormat::binp) return losses;
   if (!points.normals.empty()) losses.push_back("normals are left out");
-  const OctreeStream stream = octreeStream(points.positions);
+  const OctreeStream stream = octreeStream(points.positions, "points");
   std::string voxel;
   appendShortest(voxel, static_cast<float>(stream.voxelSize));
   losses.push_back("positions are rounded to voxels of " + voxel + ", in the octree's order");

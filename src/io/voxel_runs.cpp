@@ -59,13 +59,13 @@ VoxelLabels expand(const RunLengthVoxels& voxels) {
   return dense;
 }
 
-PlacedVoxels padded(const PlacedVoxels& from, Padding padding) {
+PlacedVoxels padded(const PlacedVoxels& from, Padding padding, const std::string& name) {
   const openvdb::Coord& dims = from.voxels.dims;
   const int side = std::max({dims.x(), dims.y(), dims.z()});
   const auto wide = static_cast<std::uint64_t>(side);
   if (wide * wide > kMostDenseVoxels / wide) {
-    throw Error(ErrorCode::input, "a cube of " + std::to_string(side) +
-                                      " voxels a side is more than is padded; 2580 fit");
+    inputError(name, "a cube of " + std::to_string(side) +
+                         " voxels a side is more than is padded; 2580 fit");
   }
   openvdb::Coord start(0, 0, 0);
   if (padding == Padding::centred) {

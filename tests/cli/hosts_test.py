@@ -164,6 +164,24 @@ class Hosts(CommandLine):
         with np.load(os.path.join(again, "labels.npz")) as labels:
             self.assertEqual(len(np.unique(labels["labels"])), PIECES + 2)
 
+    def test_the_papers_mesh_and_stl_as_text_have_the_same_triangles(self):
+        manifest = self.broken("--write", "mesh", "--mesh-format", "ply,stl-ascii,binm")
+        for fragment in manifest["fragments"]:
+            ply, stl, binm = (os.path.join(self.out, file) for file in fragment["files"]["mesh"])
+            vertices, triangles, _ = read_triangles(ply)
+            with open(stl) as file:
+                corners = [line.split()[1:] for line in file if line.startswith("   vertex")]
+            np.testing.assert_array_equal(np.array(corners, np.float32).reshape(-1, 3, 3), vertices[triangles].astype(np.float32))
+            data = np.fromfile(binm, "<u4")
+            rows = data[1:1 + 16 * data[0]].view("<f4").reshape(-1, 16)
+            np.testing.assert_array_equal(rows[:, :3], vertices.astype(np.float32))
+            self.assertEqual(data[1 + 16 * data[0]], len(triangles))
+            np.testing.assert_array_equal(data[2 + 16 * data[0]:].reshape(-1, 4)[:, :3], triangles)
+            told = json.loads(self.run_sherd("inspect", binm, "--json").stdout)
+            self.assertTrue(told["closed"])
+        both = self.run_sherd("fracture", AMPHORA, "-o", self.out, "--mesh-format", "stl,stl-ascii")
+        self.assertEqual((both.returncode, "same name" in both.stderr), (2, True))
+
     def test_stl_has_the_same_triangles(self):
         manifest = self.broken("--write", "mesh", "--mesh-format", "ply,stl")
         for fragment in manifest["fragments"]:

@@ -12,6 +12,7 @@ import zipfile
 import numpy as np
 
 from cli_test import CommandLine, tree
+from octree_stream import read_binp
 
 AMPHORA = os.path.join(os.environ["SHERD_DATA"], "amphora.ply")
 PIECES = 5
@@ -76,6 +77,17 @@ class Points(CommandLine):
             box = fragment["bbox"]
             self.assertTrue((positions >= np.float32(box["min"])).all())
             self.assertTrue((positions <= np.float32(box["max"])).all())
+
+    def test_octrees_hold_the_points_of_the_others(self):
+        self.broken("--points", "300", "--point-format", "npz,binp")
+        for path in self.at("points/amphora_001"), self.at("points/amphora_002"):
+            positions = np.load(path + ".npz")["positions"].astype(float)
+            with open(path + ".binp", "rb") as file:
+                header, points = read_binp(file.read())
+            cells = np.unique(np.floor((positions - header["low"]) / header["voxel"]), axis=0)
+            self.assertEqual(len(points), len(cells))
+            near = np.abs(points[:, None] - positions[None]).max(axis=2).min(axis=1)
+            self.assertLess(near.max(), 0.51 * header["voxel"] + 1e-6)
 
     def test_points_lie_on_the_mesh_and_face_what_it_faces(self):
         manifest = self.broken("--points", "300")

@@ -100,7 +100,7 @@ RunLengthVoxels randomVoxels(unsigned seed, openvdb::Coord dims, std::uint16_t l
 }
 
 RunLengthVoxels cube(const RunLengthVoxels& voxels) {
-  return padded({voxels}, Padding::centred).voxels;
+  return padded({voxels}, Padding::centred, "x").voxels;
 }
 
 std::uint64_t voxelsOf(const Runs& runs) {
@@ -203,8 +203,8 @@ TEST(MagicaVoxel, AnEmptyBoxIsNotWritten) {
 TEST(Padded, PlacesTheBoxInTheCubeAndInTheWorld) {
   const PlacedVoxels voxels{{{1, 4, 2}, {{7, 3}, {0, 2}, {8, 3}}},
                             VoxelPlace{{{{10.0, 20.0, 30.0}}, 0.5}, {1, 2, 3}}};
-  const PlacedVoxels end = padded(voxels, Padding::atEnd);
-  const PlacedVoxels middle = padded(voxels, Padding::centred);
+  const PlacedVoxels end = padded(voxels, Padding::atEnd, "x");
+  const PlacedVoxels middle = padded(voxels, Padding::centred, "x");
   for (const PlacedVoxels* cubic : {&end, &middle}) {
     const int x0 = cubic == &end ? 0 : 1, y0 = 0, z0 = cubic == &end ? 0 : 1;
     const VoxelLabels dense = expand(cubic->voxels), small = expand(voxels.voxels);
