@@ -274,7 +274,7 @@ TEST(VoxelFiles, DamagedFilesAreReadOrRefused) {
         ++refused;
       }
     }
-    EXPECT_GT(refused, 100u) << int(format);
+    EXPECT_GT(refused, 50u) << int(format);
   }
 }
 
