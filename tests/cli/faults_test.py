@@ -1,0 +1,145 @@
+#!/usr/bin/python3
+"""What the program does when a call fails that never fails: a full disk, a device that refuses.
+
+SHERD_BIN names the program, SHERD_FAULTS the module that lets the n-th call of a kind fail (tests/faults/faults.h).
+Every kind of call is counted first.  Of these calls, at most SHERD_FAULTS_EACH (8 by default; all: every one) are made to fail, one
+a run, spread evenly from the first to the last.
+
+Not covered: standard output, which cli_test.py fills.  Sherd never calls fsync.
+"""
+import concurrent.futures
+import errno
+import os
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+from cli_test import SHERD, sphere, tree, write_obj
+
+MODULE = os.environ["SHERD_FAULTS"]
+EACH = os.environ.get("SHERD_FAULTS_EACH", "8")
+FILES = ("write", "open", "close", "rename", "mkdir")
+OUT_OF_RESOURCES = -5  # as OpenCL numbers it
+EVERYTHING = ("--write", "labels,vdb,mesh,preview,seeds,rims,cost,fog,solid,scene,graph,proxy,npy", "--mesh-format",
+              "ply,obj,glb,stl", "--points", "20", "--point-format", "ply,xyz,npz", "--sdf-samples", "20",
+              "--correspondences", "5", "--vdb", "both", "--triangles", "100")
+
+
+def spread(count):
+    """Some of 1..count, the first and the last among them."""
+    most = count if EACH == "all" else min(count, int(EACH))
+    return sorted({1 + i * (count - 1) // max(1, most - 1) for i in range(most)})
+
+
+class Faults(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.tmp = tempfile.mkdtemp(prefix="sherd-faults-")
+        cls.addClassCleanup(shutil.rmtree, cls.tmp)
+        cls.ball = os.path.join(cls.tmp, "ball.obj")
+        write_obj(cls.ball, sphere(12, 24))
+        cls.before = os.path.join(cls.tmp, "before")  # a finished fracture of other pieces, and a stranger's file
+        cls.whole = os.path.join(cls.tmp, "whole")
+        for out, pieces in ((cls.before, 3), (cls.whole, 2)):
+            done = cls.sherd(cls, *cls.fracture(cls, out, pieces))
+            assert done.returncode == 0, done.stderr
+        with open(os.path.join(cls.before, "notes.txt"), "w") as notes:
+            notes.write("mine")
+
+    def fracture(self, out, pieces=2):
+        return ("fracture", self.ball, "-o", out, "--pieces", str(pieces), "--resolution", "24", *EVERYTHING)
+
+    def sherd(self, *arguments, **fault):
+        settings = {"SHERD_FAULT" + ("_" + name.upper() if name != "kind" else ""): str(value)
+                    for name, value in fault.items()}
+        if fault:
+            settings["LD_PRELOAD"] = MODULE
+        return subprocess.run([SHERD, *arguments], env={**os.environ, **settings}, stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE, text=True, timeout=120)
+
+    def calls(self, *arguments, **fault):
+        """How many calls of a kind a run makes."""
+        count = os.path.join(self.tmp, f"count-{os.getpid()}-{id(fault)}")
+        done = self.sherd(*arguments, **fault, at=0, count=count)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        with open(count) as file:
+            return int(file.read())
+
+    def each(self, make, statuses, says, **fault):
+        """Let one call after another fail in runs into folders of their own, two at a time.
+
+        make(folder) gives the arguments.  The folder is made ready by self.ready, and must be as that was afterwards.
+        """
+        def fresh(name):
+            folder = os.path.join(self.tmp, name)
+            self.ready(folder)
+            return folder
+
+        def fail(number):
+            folder = fresh(f"{fault['kind']}-{number}")
+            was = tree(folder)
+            result = self.sherd(*make(os.path.join(folder, "out")), **fault, below=folder, at=number)
+            now = tree(folder)
+            shutil.rmtree(folder)
+            return number, result, was, now
+
+        counted = fresh("counted")
+        total = self.calls(*make(os.path.join(counted, "out")), **fault, below=counted)
+        whole = tree(counted)
+        shutil.rmtree(counted)
+        self.assertGreater(total, 0)
+        with concurrent.futures.ThreadPoolExecutor(2) as pool:
+            for number, result, was, now in pool.map(fail, spread(total)):
+                with self.subTest(**fault, number=number, of=total):
+                    self.assertIn(result.returncode, statuses, result.stderr)
+                    if result.returncode == 0:
+                        done = {name: file for name, file in now.items() if ".sherd-partial" not in name}
+                        self.assertEqual(done, whole)
+                        continue
+                    self.assertRegex(result.stderr, r"\Asherd: [^\n]{8,}[^\n.]\n\Z")
+                    self.assertRegex(result.stderr, says)
+                    self.assertEqual(result.stdout, "")
+                    self.assertEqual(now, was)
+
+    def ready(self, folder):
+        os.mkdir(folder)
+
+    def ready_with_fracture(self, folder):
+        os.mkdir(folder)
+        shutil.copytree(self.before, os.path.join(folder, "out"))
+
+
+class Files(Faults):
+    def test_an_absent_folder_stays_absent(self):
+        for kind in FILES:
+            self.each(self.fracture, {5}, "no space left on device", kind=kind, error=errno.ENOSPC)
+
+    def test_an_earlier_fracture_stays(self):
+        self.ready = self.ready_with_fracture
+        for kind in FILES:
+            self.each(self.fracture, {5}, "input/output error", kind=kind, error=errno.EIO)
+
+    def test_short_and_interrupted_writes_go_on(self):
+        for number, fault in enumerate(({"kind": "short"}, {"kind": "write", "error": errno.EINTR, "at": 3})):
+            out = os.path.join(self.tmp, f"goes-on-{number}")
+            result = self.sherd(*self.fracture(out), below=out, **fault)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual(tree(out), tree(self.whole))
+
+    def test_pictures_and_tables(self):
+        for command in (lambda out: ("render", self.whole, "-o", out + ".png", "--size", "64x64"),
+                        lambda out: ("render", self.whole, "-o", out + ".exr", "--size", "64x64"),
+                        lambda out: ("evaluate", self.whole, "--samples", "50", "--csv", out + ".csv"),
+                        lambda out: ("evaluate", self.whole, "--samples", "50", "--plot", out + ".svg")):
+            for kind in ("write", "open", "close", "rename"):
+                self.each(command, {5}, "no space left on device", kind=kind, error=errno.ENOSPC)
+
+
+class Device(Faults):
+    def test_an_absent_folder_stays_absent(self):
+        self.each(self.fracture, {4}, f"with OpenCL error {OUT_OF_RESOURCES}", kind="device", error=OUT_OF_RESOURCES)
+
+
+if __name__ == "__main__":
+    unittest.main()
