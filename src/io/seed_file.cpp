@@ -1,13 +1,13 @@
 // Seeds as JSON.
-#include <sherd/error.h>
-#include <sherd/seeds.h>
+#include "io/seed_file.h"
 
-#include <algorithm>
+#include <sherd/error.h>
+
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "io/atomic_file.h"
-#include "mesh/file_bytes.h"
+#include "io/parsed_json.h"
 
 namespace sherd {
 namespace {
@@ -17,42 +17,8 @@ namespace fs = std::filesystem;
 
 constexpr const char* kSchema = "sherd-seeds/1";
 constexpr std::uintmax_t kLargestFile = std::uintmax_t{64} << 20;  // some 700,000 seeds
-constexpr int kDeepest = 16;
 
 [[noreturn]] void inputError(const std::string& what) { throw Error(ErrorCode::input, what); }
-
-// The parser would take any depth, but a value of each level costs far more than its byte.  (Its
-// own callback could count, but makes it look through a whole list at each of its entries.)
-int deepest(const std::string& bytes) {
-  int depth = 0, most = 0;
-  bool inString = false, escaped = false;
-  for (const char c : bytes) {
-    if (escaped) {
-      escaped = false;
-    } else if (inString) {
-      escaped = c == '\\';
-      inString = c != '"';
-    } else if (c == '"') {
-      inString = true;
-    } else if (c == '[' || c == '{') {
-      most = std::max(most, ++depth);
-    } else if (c == ']' || c == '}') {
-      --depth;
-    }
-  }
-  return most;
-}
-
-Json parsed(const std::string& bytes) {
-  if (deepest(bytes) > kDeepest) inputError("is nested too deeply for a seed file");
-  try {
-    return Json::parse(bytes);
-  } catch (const Json::parse_error& e) {
-    inputError("is not JSON from byte " + std::to_string(e.byte) + " on");
-  } catch (const Json::exception&) {
-    inputError("holds a number that no double can hold");
-  }
-}
 
 SeedPoint pointOf(const Json& entry, std::size_t number) {
   const auto refuse = [&](const std::string& what) {
@@ -83,7 +49,9 @@ SeedPoint pointOf(const Json& entry, std::size_t number) {
   return point;
 }
 
-std::vector<SeedPoint> pointsOf(const Json& json) {
+}  // namespace
+
+std::vector<SeedPoint> seedPoints(const Json& json) {
   if (!json.is_object()) inputError("is not a JSON object");
   const auto schema = json.find("schema");
   if (schema == json.end() || *schema != kSchema) {
@@ -96,19 +64,11 @@ std::vector<SeedPoint> pointsOf(const Json& json) {
   return points;
 }
 
-}  // namespace
-
 std::vector<Seed> readSeeds(const fs::path& file, const Solid& solid, const Parts& parts,
                             std::uint64_t seed) {
-  std::error_code none;
-  const std::uintmax_t size = fs::file_size(file, none);
-  if (!none && size > kLargestFile) {
-    inputError(file.string() + ": has " + std::to_string(size) + " bytes, at most " +
-               std::to_string(kLargestFile) + " are read");
-  }
-  const std::string bytes = readFileBytes(file);
+  const Json json = readJson(file, kLargestFile);
   try {
-    return seedsFromPoints(pointsOf(parsed(bytes)), solid, parts, seed);
+    return seedsFromPoints(seedPoints(json), solid, parts, seed);
   } catch (const Error& e) {
     throw Error(e.code(), file.string() + ": " + e.what());
   }

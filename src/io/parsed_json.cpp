@@ -1,0 +1,71 @@
+// JSON that anybody may have written.
+#include "io/parsed_json.h"
+
+#include <sherd/error.h>
+
+#include <algorithm>
+#include <string>
+
+#include "io/input_error.h"
+#include "mesh/file_bytes.h"
+
+namespace sherd {
+namespace {
+
+constexpr int kDeepest = 16;
+
+[[noreturn]] void inputError(const std::string& what) { throw Error(ErrorCode::input, what); }
+
+// The parser would take any depth, but a value of each level costs far more than its byte.  (Its
+// own callback could count, but makes it look through a whole list at each of its entries.)
+int deepest(std::string_view text) {
+  int depth = 0, most = 0;
+  bool inString = false, escaped = false;
+  for (const char c : text) {
+    if (escaped) {
+      escaped = false;
+    } else if (inString) {
+      escaped = c == '\\';
+      inString = c != '"';
+    } else if (c == '"') {
+      inString = true;
+    } else if (c == '[' || c == '{') {
+      most = std::max(most, ++depth);
+    } else if (c == ']' || c == '}') {
+      --depth;
+    }
+  }
+  return most;
+}
+
+}  // namespace
+
+nlohmann::json parsedJson(std::string_view text) {
+  if (deepest(text) > kDeepest) {
+    inputError("is nested too deeply: more than " + std::to_string(kDeepest) + " levels of JSON");
+  }
+  try {
+    return nlohmann::json::parse(text);
+  } catch (const nlohmann::json::parse_error& e) {
+    inputError("is not JSON from byte " + std::to_string(e.byte) + " on");
+  } catch (const nlohmann::json::exception&) {
+    inputError("holds a number that no double can hold");
+  }
+}
+
+nlohmann::json readJson(const std::filesystem::path& file, std::uintmax_t largestBytes) {
+  std::error_code none;
+  const std::uintmax_t size = std::filesystem::file_size(file, none);
+  if (!none && size > largestBytes) {
+    inputError(file, "has " + std::to_string(size) + " bytes, at most " +
+                         std::to_string(largestBytes) + " are read");
+  }
+  const std::string bytes = readFileBytes(file);
+  try {
+    return parsedJson(bytes);
+  } catch (const Error& e) {
+    inputError(file, e.what());
+  }
+}
+
+}  // namespace sherd

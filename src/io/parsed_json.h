@@ -1,0 +1,22 @@
+// JSON that anybody may have written.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+namespace sherd {
+
+/// Text as JSON.
+///   throws  Error(input) without a file's name: not JSON, nested deeper than 16 levels, a number
+///           that no double can hold
+[[nodiscard]] nlohmann::json parsedJson(std::string_view text);
+
+/// A file as JSON.
+///   throws  Error(input) with the file's name, as above; absent, unreadable, or larger than
+///           `largestBytes`
+[[nodiscard]] nlohmann::json readJson(const std::filesystem::path& file,
+                                      std::uintmax_t largestBytes);
+
+}  // namespace sherd
