@@ -1,5 +1,4 @@
 // `sherd inspect`: what is in a mesh, a voxel file, a level set or a fracture.
-#include <sherd/error.h>
 #include <sherd/io.h>
 #include <sherd/mesh.h>
 
@@ -11,8 +10,9 @@
 
 #include "cli/command.h"
 #include "io/file_kind.h"
-#include "io/manifest.h"
+#include "io/input_error.h"
 #include "io/npy_reader.h"
+#include "io/read_manifest.h"
 #include "io/vdb.h"
 #include "lower_case.h"
 #include "mesh/file_bytes.h"
@@ -112,41 +112,33 @@ Json inspectArrays(const fs::path& file) {
   return {{"kind", "arrays"}, {"bytes_per_array", arrays}};
 }
 
-// A manifest is anybody's text: what it lacks or holds in another type is told, not crashed on.
 Json inspectManifest(const fs::path& file) {
-  const nlohmann::json manifest = needManifest(file);
-  try {
-    const nlohmann::json& grid = manifest.at("grid");
-    Json fragments = Json::array();
-    for (const nlohmann::json& fragment : manifest.at("fragments")) {
-      fragments.push_back({{"id", fragment.at("id").get<int>()},
-                           {"voxels", fragment.at("voxels").get<std::uint64_t>()},
-                           {"share", fragment.at("share").get<double>()},
-                           {"volume", fragment.at("volume").get<double>()},
-                           {"area", fragment.at("area").get<double>()},
-                           {"fracture_area", fragment.at("fracture_area").get<double>()},
-                           {"contacts", fragment.at("contacts").size()}});
-    }
-    return {{"kind", "fracture"},
-            {"source", manifest.at("source").at("file").get<std::string>()},
-            {"seed", manifest.at("options").at("seed").get<std::uint64_t>()},
-            {"voxel_size", grid.at("voxel_size").get<double>()},
-            {"dims", grid.at("dims")},
-            {"solid_voxels", grid.at("solid_voxels").get<std::uint64_t>()},
-            {"parts", manifest.at("parts").get<std::uint64_t>()},
-            {"files", manifest.at("files").size()},
-            {"fragments", fragments}};
-  } catch (const nlohmann::json::exception& e) {
-    throw Error(ErrorCode::input, file.string() + ": is damaged: " + e.what());
+  const Manifest manifest = readManifest(file);
+  Json fragments = Json::array();
+  for (const ManifestFragment& fragment : manifest.fragments) {
+    fragments.push_back({{"id", fragment.id},
+                         {"voxels", fragment.voxels},
+                         {"share", fragment.share},
+                         {"volume", fragment.volume},
+                         {"area", fragment.area},
+                         {"fracture_area", fragment.fractureArea},
+                         {"contacts", fragment.contacts}});
   }
+  return {{"kind", "fracture"},
+          {"source", manifest.source},
+          {"seed", manifest.seed},
+          {"voxel_size", manifest.voxelSize},
+          {"dims", jsonOf(manifest.dims)},
+          {"solid_voxels", manifest.solidVoxels},
+          {"parts", manifest.parts},
+          {"files", manifest.files.size()},
+          {"fragments", fragments}};
 }
 
 Json inspect(const fs::path& file) {
-  const fs::file_status status = fs::status(file);
-  if (status.type() == fs::file_type::not_found) {
-    throw Error(ErrorCode::input, file.string() + ": no such file");
-  }
-  if (fs::is_directory(status)) return inspectManifest(file / "manifest.json");
+  const fs::file_type type = whatIsAt(file);
+  if (type == fs::file_type::not_found) inputError(file, "no such file");
+  if (type == fs::file_type::directory) return inspectManifest(file / kManifestName);
   const std::string extension = lowerCase(file.extension().string());
   if (extension == ".vdb") return inspectVdb(file);
   if (extension == ".json") return inspectManifest(file);

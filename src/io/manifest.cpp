@@ -1,28 +1,24 @@
 // manifest.json: what a fracture is, and which files hold it.
 #include "io/manifest.h"
 
-#include <sherd/error.h>
 #include <sherd/evaluate.h>
 #include <sherd/io.h>
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "io/input_error.h"
 #include "io/json_of.h"
 #include "io/mesh_report.h"
+#include "io/read_manifest.h"
 #include "option_names.h"
 
 namespace sherd {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr const char* kSchema = "sherd/1";
 
 Json sourceJson(const SourceMesh& source) {
   if (source.mesh.triangles.empty()) {  // a fracture that was broken again, by its manifest
@@ -289,7 +285,7 @@ std::vector<std::string> FractureFiles::all() const {
 std::string manifestText(const SourceMesh& source, const FractureOptions& options,
                          const FractureResult& result, const FractureFiles& files,
                          const WriteOptions& write) {
-  Json manifest = {{"schema", kSchema},
+  Json manifest = {{"schema", kManifestSchema},
                    {"source", sourceJson(source)},
                    {"options", optionsJson(options, result, write)}};
   if (result.parents.empty()) manifest["report"] = reportJson(source, result);
@@ -335,41 +331,6 @@ std::string manifestText(const SourceMesh& source, const FractureOptions& option
   manifest["files"] = files.all();
   // A source's name may hold bytes that are not UTF-8; JSON cannot.
   return manifest.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
-}
-
-std::optional<nlohmann::json> readManifest(const std::filesystem::path& file) {
-  if (!std::filesystem::is_regular_file(std::filesystem::symlink_status(file))) return {};
-  std::ifstream in(file, std::ios::binary);
-  nlohmann::json json = nlohmann::json::parse(in, nullptr, /*allow_exceptions=*/false);
-  if (!json.is_object() || !json.contains("schema") || json["schema"] != kSchema) return {};
-  return json;
-}
-
-nlohmann::json needManifest(const std::filesystem::path& file) {
-  if (!std::filesystem::exists(file)) {
-    inputError(file, "is not there; a finished fracture has it");
-  }
-  std::optional<nlohmann::json> manifest = readManifest(file);
-  if (!manifest) {
-    inputError(file, "is no manifest of a fracture; expected JSON with \"schema\": \"sherd/1\"");
-  }
-  return std::move(*manifest);
-}
-
-std::optional<std::vector<std::string>> listedFiles(const nlohmann::json& manifest) {
-  const auto found = manifest.find("files");
-  if (found == manifest.end() || !found->is_array()) return {};
-  std::vector<std::string> files;
-  for (const nlohmann::json& entry : *found) {
-    if (!entry.is_string()) return {};
-    const std::filesystem::path path = entry.get<std::string>();
-    const bool below = !path.empty() && path.is_relative() && path.has_filename() &&
-                       std::none_of(path.begin(), path.end(),
-                                    [](const auto& part) { return part == ".." || part == "."; });
-    if (!below) return {};
-    files.push_back(entry.get<std::string>());
-  }
-  return files;
 }
 
 }  // namespace sherd

@@ -5,8 +5,6 @@
 #include <sherd/io.h>
 
 #include <filesystem>
-#include <nlohmann/json_fwd.hpp>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -47,15 +45,5 @@ struct FractureFiles {
 [[nodiscard]] std::string manifestText(const SourceMesh& source, const FractureOptions& options,
                                        const FractureResult& result, const FractureFiles& files,
                                        const WriteOptions& write);
-
-/// A file as a manifest, if it is one: JSON with "schema": "sherd/1".
-[[nodiscard]] std::optional<nlohmann::json> readManifest(const std::filesystem::path& file);
-
-/// A file as a manifest, which it has to be.
-///   throws  Error(input) it is absent or something else
-[[nodiscard]] nlohmann::json needManifest(const std::filesystem::path& file);
-
-/// The files that a manifest lists, if each is a path below its folder: relative, without "..".
-[[nodiscard]] std::optional<std::vector<std::string>> listedFiles(const nlohmann::json& manifest);
 
 }  // namespace sherd

@@ -3,11 +3,10 @@
 #include <sherd/refracture.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "io/input_error.h"
-#include "io/manifest.h"
+#include "io/read_manifest.h"
 #include "io/sha256.h"
 #include "io/vdb.h"
 #include "mesh/file_bytes.h"
@@ -18,6 +17,8 @@ namespace sherd {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* kLabels = "labels.rle";
 
 // The labels of a voxel file, on the leaves of the solid.
 Labels labelsOn(const LeafBlocks& blocks, const VoxelLabels& voxels, const openvdb::Coord& first,
@@ -44,65 +45,49 @@ Labels labelsOn(const LeafBlocks& blocks, const VoxelLabels& voxels, const openv
 }
 
 // The first voxel file of the fracture with its own box and ids.
-std::optional<fs::path> labelFile(const fs::path& folder, const nlohmann::json& manifest) {
-  const auto files = listedFiles(manifest);
+std::optional<fs::path> labelFile(const fs::path& file, const Manifest& manifest) {
   for (const char* name : {"labels.rle", "labels.npy", "labels.npz", "labels.qstack"}) {
-    if (!files || std::find(files->begin(), files->end(), name) == files->end()) continue;
-    if (fs::exists(folder / name)) return folder / name;
+    if (std::find(manifest.files.begin(), manifest.files.end(), name) != manifest.files.end()) {
+      return listedFile(file, name);
+    }
   }
   return {};
 }
 
-FinishedFracture read(const fs::path& file, const nlohmann::json& manifest) {
+}  // namespace
+
+FinishedFracture readFracture(const fs::path& file) {
+  const Manifest manifest = readManifest(file);
   FinishedFracture finished;
-  const auto& grid = manifest.at("grid");
-  const auto& fragments = manifest.at("fragments");
-  const fs::path folder = file.parent_path();
-  finished.fragments = static_cast<int>(fragments.size());
-  finished.resolution = grid.at("resolution").get<int>();
-  finished.source.name = manifest.at("source").at("file").get<std::string>();
-  finished.source.stem = fs::path(finished.source.name).stem().string();
+  finished.fragments = static_cast<int>(manifest.fragments.size());
+  finished.resolution = manifest.resolution;
+  finished.source.name = manifest.source;
+  finished.source.stem = fs::path(manifest.source).stem().string();
   finished.source.sha256 = sha256(readFileBytes(file));
 
-  const std::optional<fs::path> labels = labelFile(folder, manifest);
+  const std::optional<fs::path> labels = labelFile(file, manifest);
   if (!labels) {
     inputError(file, "the fracture was written without labels.rle, .npy, .npz or .qstack");
   }
   FloatGridPtr whole;
-  for (const auto& fragment : fragments) {
-    if (!fragment.at("files").contains("vdb")) {
-      inputError(file, "the fracture was written without .vdb files");
-    }
-    FloatGridPtr level = readLevelSet(folder / fragment.at("files").at("vdb").get<std::string>());
+  for (const ManifestFragment& fragment : manifest.fragments) {
+    if (fragment.vdb.empty()) inputError(file, "the fracture was written without .vdb files");
+    FloatGridPtr level = readLevelSet(listedFile(file, fragment.vdb));
     if (whole) {
       unite(*whole, *level);
     } else {
       whole = std::move(level);
     }
   }
-  if (!whole) inputError(file, "the fracture has no fragment");
   Solid& solid = finished.solid;
   solid.frame = frameOf(*whole);
   solid.blocks = leafBlocks(*whole);
   solid.distance = std::move(whole);
   measureVoxels(solid);
 
-  const auto& min = grid.at("index_min");
-  const openvdb::Coord first(min.at(0).get<int>(), min.at(1).get<int>(), min.at(2).get<int>());
-  finished.labels = labelsOn(solid.blocks, expand(readVoxels(*labels).voxels), first,
+  finished.labels = labelsOn(solid.blocks, expand(readVoxels(*labels).voxels), manifest.indexMin,
                              finished.fragments, *labels);
   return finished;
-}
-
-}  // namespace
-
-FinishedFracture readFracture(const fs::path& manifest) {
-  try {
-    return read(manifest, needManifest(manifest));
-  } catch (const nlohmann::json::exception&) {
-    inputError(manifest,
-               "is damaged: a field that every fracture has is missing or of another kind");
-  }
 }
 
 }  // namespace sherd

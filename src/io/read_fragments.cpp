@@ -4,70 +4,40 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <cctype>
-#include <nlohmann/json.hpp>
-#include <optional>
 
 #include "io/input_error.h"
-#include "io/manifest.h"
 #include "io/natural_order.h"
 #include "io/read_facing.h"
+#include "io/read_manifest.h"
 
 namespace sherd {
 namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void refuse(const fs::path& manifest, const std::string& why) {
-  inputError(manifest, "is damaged: " + why);
-}
-
-// A path; of several formats' the one that says what its faces face; empty where there are none.
-std::string meshOf(const nlohmann::json& files) {
-  const nlohmann::json mesh = files.value("mesh", nlohmann::json(""));
-  if (!mesh.is_array()) return mesh.get<std::string>();
-  for (const nlohmann::json& path : mesh) {
-    if (path.get<std::string>().ends_with(".ply")) return path.get<std::string>();
+// Of several formats' the one that says what its faces face; empty where there are none.
+std::string meshOf(const std::vector<std::string>& meshes) {
+  for (const std::string& mesh : meshes) {
+    if (mesh.ends_with(".ply")) return mesh;
   }
-  return mesh.at(0).get<std::string>();
+  return meshes.empty() ? "" : meshes.front();
 }
 
-// A manifest is anybody's text: what it lacks is told, not crashed on.
-EvaluatedFragment fragmentOf(const nlohmann::json& fragment) {
-  EvaluatedFragment result;
-  result.name = meshOf(fragment.at("files"));
-  result.mesh.id = fragment.at("id").get<int>();
-  result.share = fragment.at("share").get<double>();
-  result.volume = fragment.at("volume").get<double>();
-  result.area = fragment.at("area").get<double>();
-  result.fractureArea = fragment.at("fracture_area").get<double>();
-  result.contacts = fragment.at("contacts").size();
-  return result;
-}
-
-FragmentSet listOf(const fs::path& file) {
-  const nlohmann::json manifest = needManifest(file);
-  const std::optional<std::vector<std::string>> listed = listedFiles(manifest);
-  if (!listed) refuse(file, "its list of files is absent or leaves the folder");
+FragmentSet listOf(const Manifest& manifest) {
   FragmentSet set;
   set.manifest = true;
-  try {
-    set.source = manifest.at("source").at("file").get<std::string>();
-    set.seed = manifest.at("options").at("seed").get<std::uint64_t>();
-    set.voxelSize = manifest.at("grid").at("voxel_size").get<double>();
-    for (const nlohmann::json& fragment : manifest.at("fragments")) {
-      set.fragments.push_back(fragmentOf(fragment));
-    }
-  } catch (const nlohmann::json::exception& e) {
-    refuse(file, e.what());
-  }
-  if (set.fragments.empty()) refuse(file, "it has no fragment");
-  for (const EvaluatedFragment& fragment : set.fragments) {
-    const bool known = std::find(listed->begin(), listed->end(), fragment.name) != listed->end();
-    if (!fragment.name.empty() && !known) {
-      refuse(file, "fragment " + std::to_string(fragment.mesh.id) +
-                       " has a mesh that is not in its files");
-    }
+  set.source = manifest.source;
+  set.seed = manifest.seed;
+  set.voxelSize = manifest.voxelSize;
+  for (const ManifestFragment& fragment : manifest.fragments) {
+    EvaluatedFragment& result = set.fragments.emplace_back();
+    result.name = meshOf(fragment.meshes);
+    result.mesh.id = fragment.id;
+    result.share = fragment.share;
+    result.volume = fragment.volume;
+    result.area = fragment.area;
+    result.fractureArea = fragment.fractureArea;
+    result.contacts = fragment.contacts;
   }
   return set;
 }
@@ -100,14 +70,21 @@ FragmentSet meshesIn(const fs::path& folder) {
 }  // namespace
 
 FragmentSet readFragments(const fs::path& folder) {
-  if (!fs::exists(folder)) inputError(folder, "no such folder; one of fragments is needed");
-  if (!fs::is_directory(folder)) inputError(folder, "is a file; a folder of fragments is needed");
-  const fs::path manifest = folder / "manifest.json";
-  FragmentSet set = fs::exists(manifest) ? listOf(manifest) : meshesIn(folder);
+  const fs::file_type type = whatIsAt(folder);
+  if (type == fs::file_type::not_found) {
+    inputError(folder, "no such folder; one of fragments is needed");
+  }
+  if (type != fs::file_type::directory) {
+    inputError(folder, "is a file; a folder of fragments is needed");
+  }
+  const fs::path manifest = folder / kManifestName;
+  FragmentSet set = whatIsAt(manifest) == fs::file_type::not_found ? meshesIn(folder)
+                                                                   : listOf(readManifest(manifest));
   tbb::parallel_for(std::size_t{0}, set.fragments.size(), [&](std::size_t i) {
     EvaluatedFragment& fragment = set.fragments[i];
     if (fragment.name.empty()) return;
-    const fs::path file = folder / fragment.name;
+    const fs::path file =
+        set.manifest ? listedFile(manifest, fragment.name) : folder / fragment.name;
     SourceMesh read = readMesh(file);
     fragment.droppedTriangles = read.degenerateTriangles;
     fragment.mesh.mesh = std::move(read.mesh);

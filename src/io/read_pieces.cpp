@@ -5,11 +5,10 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "io/input_error.h"
-#include "io/manifest.h"
 #include "io/read_facing.h"
+#include "io/read_manifest.h"
 #include "io/vdb.h"
 #include "lower_case.h"
 #include "surface/mesh.h"
@@ -38,25 +37,15 @@ std::vector<Fragment> fromLevelSets(const fs::path& file) {
 
 // Of a fracture without meshes.
 std::vector<Fragment> fromVolumes(const fs::path& folder) {
-  const fs::path file = folder / "manifest.json";
-  const nlohmann::json manifest = needManifest(file);
-  const auto listed = listedFiles(manifest);
-  const auto isListed = [&](const std::string& path) {
-    return listed && std::find(listed->begin(), listed->end(), path) != listed->end();
-  };
+  const fs::path file = folder / kManifestName;
+  const Manifest manifest = readManifest(file);
+  if (!manifest.allVdb.empty()) return fromLevelSets(listedFile(file, manifest.allVdb));
   std::vector<fs::path> volumes;
-  try {
-    const std::string all = manifest.value("vdb", std::string());
-    if (isListed(all)) return fromLevelSets(folder / all);
-    for (const nlohmann::json& fragment : manifest.at("fragments")) {
-      const std::string path = fragment.at("files").value("vdb", std::string());
-      if (!isListed(path)) {
-        inputError(file, "names neither meshes nor level sets of its fragments");
-      }
-      volumes.push_back(folder / path);
+  for (const ManifestFragment& fragment : manifest.fragments) {
+    if (fragment.vdb.empty()) {
+      inputError(file, "names neither meshes nor level sets of its fragments");
     }
-  } catch (const nlohmann::json::exception& e) {
-    inputError(file, std::string("is damaged: ") + e.what());
+    volumes.push_back(listedFile(file, fragment.vdb));
   }
   std::vector<Fragment> pieces(volumes.size());
   tbb::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t i) {
@@ -81,12 +70,13 @@ std::vector<Fragment> fromFolder(const fs::path& folder) {
 }  // namespace
 
 std::vector<Fragment> readPieces(const fs::path& path) {
-  if (!fs::exists(path)) inputError(path, "no such file or folder");
-  if (fs::is_directory(path)) return fromFolder(path);
+  const fs::file_type type = whatIsAt(path);
+  if (type == fs::file_type::not_found) inputError(path, "no such file or folder");
+  if (type == fs::file_type::directory) return fromFolder(path);
   const std::string extension = lowerCase(path.extension().string());
   if (extension == ".vdb") return fromLevelSets(path);
   if (extension == ".json") {
-    (void)needManifest(path);
+    (void)readManifest(path);
     const fs::path folder = path.parent_path();
     return fromFolder(folder.empty() ? "." : folder);
   }

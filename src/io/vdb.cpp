@@ -150,7 +150,8 @@ VdbGrid describe(const openvdb::GridBase& grid) {
 // Open a file and let `read` take what it wants from its stream.
 template <class Read>
 auto withStream(const std::filesystem::path& file, Read&& read) {
-  if (std::filesystem::is_directory(file)) inputError(file, "is a folder; a .vdb file is needed");
+  if (whatIsAt(file) == std::filesystem::file_type::directory)
+    inputError(file, "is a folder; a .vdb file is needed");
   std::ifstream in(file, std::ios::binary);
   if (!in) inputError(file, "cannot be opened: " + reasonOf(errno));
   in.exceptions(std::ios::badbit | std::ios::failbit);  // OpenVDB reads on past a file's end

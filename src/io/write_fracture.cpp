@@ -25,6 +25,7 @@
 #include "io/file_names.h"
 #include "io/manifest.h"
 #include "io/mesh_writer.h"
+#include "io/read_manifest.h"
 #include "io/write_points.h"
 
 namespace sherd {
@@ -32,8 +33,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kManifest = "manifest.json";
-constexpr const char* kPartial = ".sherd-partial";
 constexpr std::size_t kFragmentsBetweenSteps = 16;  // written in parallel, then progress is told
 
 [[noreturn]] void outputError(const fs::path& path, const std::string& what) {
@@ -60,11 +59,11 @@ void requireOwnSubfolder(const fs::path& folder, const std::string& file) {
 
 // The files of the fracture that is in the folder now; empty where there is none.
 std::vector<std::string> presentFiles(const fs::path& folder) {
-  const auto manifest = readManifest(folder / kManifest);
+  const auto manifest = manifestJson(folder / kManifestName);
   if (!manifest) return {};
   auto files = listedFiles(*manifest);
   if (!files) {
-    outputError(folder / kManifest,
+    outputError(folder / kManifestName,
                 "lists files that are not below its folder, so nothing is replaced; "
                 "name an absent or empty folder");
   }
@@ -72,8 +71,8 @@ std::vector<std::string> presentFiles(const fs::path& folder) {
 }
 
 void requireOurs(const fs::path& folder) {
-  if (present(folder / kPartial)) return;
-  const std::optional<nlohmann::json> manifest = readManifest(folder / kManifest);
+  if (present(folder / kPartialName)) return;
+  const std::optional<nlohmann::json> manifest = manifestJson(folder / kManifestName);
   if (manifest) {
     (void)presentFiles(folder);
     return;
@@ -142,7 +141,7 @@ class MadeFolders {
 // into DIR, is cleared away.
 class PartialFolder {
  public:
-  explicit PartialFolder(const fs::path& folder) : folder_(folder), path_(folder / kPartial) {
+  explicit PartialFolder(const fs::path& folder) : folder_(folder), path_(folder / kPartialName) {
     lock();
     try {
       clearUnfinished();
@@ -189,9 +188,9 @@ class PartialFolder {
   }
 
   void clearUnfinished() {
-    if (!present(folder_ / kManifest)) {
+    if (!present(folder_ / kManifestName)) {
       for (const fs::path& side : {fresh(), replaced()}) {
-        const auto manifest = readManifest(side / kManifest);
+        const auto manifest = manifestJson(side / kManifestName);
         const auto files = manifest ? listedFiles(*manifest) : std::nullopt;
         if (!files) continue;
         for (const std::string& file : *files) {
@@ -331,7 +330,7 @@ void writeFiles(const fs::path& folder, const FractureFiles& files, const Source
     writePng(folder / files.preview, renderFragments(std::span(result.fragments).first(fragments),
                                                      {.up = write.up}, progress));
   }
-  writeWhole(folder / kManifest, manifestText(source, options, result, files, write));
+  writeWhole(folder / kManifestName, manifestText(source, options, result, files, write));
 }
 
 // From here on nothing waits and nothing is asked: renames only.
@@ -341,7 +340,8 @@ void putInPlace(const fs::path& folder, PartialFolder& partial, const std::vecto
   MadeFolders subfolders;
   for (const std::string& file : fresh) subfolders.make((folder / file).parent_path());
   Moves moves(partial);
-  if (present(folder / kManifest)) moves.move(folder / kManifest, partial.replaced() / kManifest);
+  if (present(folder / kManifestName))
+    moves.move(folder / kManifestName, partial.replaced() / kManifestName);
   for (const std::string& file : old) {
     const fs::file_type type = fs::symlink_status(folder / file).type();
     if (type == fs::file_type::regular || type == fs::file_type::symlink) {
@@ -349,7 +349,7 @@ void putInPlace(const fs::path& folder, PartialFolder& partial, const std::vecto
     }
   }
   for (const std::string& file : fresh) moves.move(partial.fresh() / file, folder / file);
-  moves.move(partial.fresh() / kManifest, folder / kManifest);
+  moves.move(partial.fresh() / kManifestName, folder / kManifestName);
   moves.keep();
   subfolders.keep();
   removeEmptyFolders(folder, old);
@@ -357,7 +357,7 @@ void putInPlace(const fs::path& folder, PartialFolder& partial, const std::vecto
 
 // Files are written aside, but a message names them where they will be.
 std::string withoutAside(std::string message) {
-  const std::string aside = std::string(kPartial) + "/new/";
+  const std::string aside = std::string(kPartialName) + "/new/";
   const std::size_t at = message.find(aside);
   return at == std::string::npos ? message : message.erase(at, aside.size());
 }
@@ -435,7 +435,7 @@ fs::path writeFracture(const fs::path& folder, const SourceMesh& source,
     writeFiles(partial.fresh(), files, source, table, options, result, write, progress);
     putInPlace(folder, partial, old, fresh);
     made.keep();
-    return folder / kManifest;
+    return folder / kManifestName;
   } catch (const Error& e) {
     throw Error(e.code(), withoutAside(e.what()));
   } catch (const fs::filesystem_error& e) {

@@ -19,7 +19,7 @@
 #include <string>
 
 #include "io/atomic_file.h"
-#include "io/manifest.h"
+#include "io/read_manifest.h"
 #include "io/vdb.h"
 #include "temp_folder.h"
 
@@ -383,7 +383,7 @@ const std::set<std::string> kTwoPieces{
 TEST_F(WriteFracture, MakesTheFolderAndFillsItWithWhatTheManifestLists) {
   writeTiny(folder_ / "a" / "b", 2);
   EXPECT_EQ(below(folder_ / "a" / "b"), kTwoPieces);
-  const auto manifest = readManifest(folder_ / "a" / "b" / "manifest.json");
+  const auto manifest = manifestJson(folder_ / "a" / "b" / "manifest.json");
   ASSERT_TRUE(manifest);
   EXPECT_EQ(
       listedFiles(*manifest),
@@ -501,7 +501,7 @@ TEST_F(WriteFracture, TakesStemsThatNoFileSystemOrJsonTakes) {
        {std::string(""), std::string("a\xff\nb"), std::string(250, 'x')}) {
     f.source.stem = stem;
     (void)writeFracture(folder_ / "out", f.source, f.options, f.result, kNoPreview);
-    const auto files = listedFiles(*readManifest(folder_ / "out" / "manifest.json"));
+    const auto files = listedFiles(*manifestJson(folder_ / "out" / "manifest.json"));
     ASSERT_TRUE(files);
     for (const std::string& file : *files)
       EXPECT_TRUE(fs::is_regular_file(folder_ / "out" / file)) << file;
