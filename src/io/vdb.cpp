@@ -11,6 +11,7 @@
 #include <array>
 #include <cerrno>
 #include <fstream>
+#include <new>
 #include <sstream>
 
 #include "io/atomic_file.h"
@@ -33,8 +34,9 @@ class MemoryArchive : public openvdb::io::Archive {
  public:
   std::string bytes(const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) const {
     std::ostringstream out(std::ios::binary);
+    // Where memory ends, a stream notes it and goes on, but OpenVDB crashes on what it then tells.
+    out.exceptions(std::ios::badbit | std::ios::failbit);
     Archive::write(out, grids, /*seekable=*/true, metadata);
-    if (!out) throw std::bad_alloc();
     return std::move(out).str();
   }
 };
@@ -161,6 +163,8 @@ auto withStream(const std::filesystem::path& file, Read&& read) {
     return read(stream);
   } catch (const std::ios::failure&) {
     inputError(file, "ends too early; the file is cut or is no .vdb file");
+  } catch (const std::bad_alloc&) {
+    inputError(file, "asks for more memory than there is; is it damaged?");
   } catch (const std::exception& e) {  // whatever a damaged file makes OpenVDB throw
     inputError(file, std::string("is no .vdb file that OpenVDB can read: ") + e.what());
   }
