@@ -3,11 +3,15 @@
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfIO.h>
+#include <ImfInputFile.h>
 #include <ImfOutputFile.h>
 #include <half.h>
 #include <sherd/error.h>
 #include <sherd/render.h>
 
+#include <algorithm>
+#include <new>
+#include <stdexcept>
 #include <string>
 
 #include "io/atomic_file.h"
@@ -31,6 +35,25 @@ class Memory : public Imf::OStream {
   std::string bytes;
 
  private:
+  std::size_t at_ = 0;
+};
+
+// What was written, to be read.
+class MemoryToRead : public Imf::IStream {
+ public:
+  explicit MemoryToRead(const std::string& bytes) : Imf::IStream("picture"), bytes_(bytes) {}
+  bool read(char data[], int size) override {
+    const auto count = static_cast<std::size_t>(size);
+    if (count > bytes_.size() - at_) throw std::runtime_error("ends too early");
+    bytes_.copy(data, count, at_);
+    at_ += count;
+    return at_ < bytes_.size();
+  }
+  std::uint64_t tellg() override { return at_; }
+  void seekg(std::uint64_t to) override { at_ = std::min<std::size_t>(to, bytes_.size()); }
+
+ private:
+  const std::string& bytes_;
   std::size_t at_ = 0;
 };
 
@@ -69,9 +92,16 @@ void writeExr(const std::filesystem::path& file, const Layers& layers) {
   channels.add("facing", Imf::UINT, layers.facing.data(), sizeof(std::uint32_t));
   Memory memory;
   try {
-    Imf::OutputFile out(memory, channels.header);
-    out.setFrameBuffer(channels.buffer);
-    out.writePixels(layers.height);
+    {
+      Imf::OutputFile out(memory, channels.header);
+      out.setFrameBuffer(channels.buffer);
+      out.writePixels(layers.height);
+    }
+    // Lines for which zlib has no memory are left out, and OpenEXR does not say so.
+    MemoryToRead written(memory.bytes);
+    if (!Imf::InputFile(written).isComplete()) throw std::bad_alloc();
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception& e) {
     throw Error(ErrorCode::output, file.string() + ": OpenEXR cannot encode it: " + e.what());
   }
