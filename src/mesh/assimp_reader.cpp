@@ -7,10 +7,12 @@
 #include <assimp/IOSystem.hpp>
 #include <assimp/Importer.hpp>
 #include <cstring>
+#include <exception>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 #include <limits>
 #include <memory>
+#include <new>
 #include <optional>
 #include <string_view>
 
@@ -170,6 +172,16 @@ void appendMesh(const MeshFile& file, const aiMesh& mesh, const Affine& world,
   if (look != nullptr) appendLook(mesh, *look, out);
 }
 
+// Assimp takes it for a fault of the file.
+void rethrowIfNoMemory(const std::exception_ptr& caught) {
+  try {
+    if (caught) std::rethrow_exception(caught);
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (...) {
+  }
+}
+
 }  // namespace
 
 RawMesh readWithAssimp(const MeshFile& file) {
@@ -178,6 +190,7 @@ RawMesh readWithAssimp(const MeshFile& file) {
   // No post-processing: merging and triangulating are ours, and Assimp's are slow or leave holes.
   const aiScene* scene = importer.ReadFile(assimpName(file.format), 0);
   if (scene == nullptr || scene->mRootNode == nullptr) {
+    rethrowIfNoMemory(importer.GetException());
     const std::string reason(importer.GetErrorString(), 0, 160);  // it may quote half of the file
     throw inputError(file, "cannot be read (Assimp: " + plainText(reason) + ")");
   }

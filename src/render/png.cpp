@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <csetjmp>
+#include <cstdlib>
 #include <exception>
+#include <new>
 #include <string>
 
 #include "io/atomic_file.h"
@@ -21,17 +23,17 @@ constexpr int kCompressionLevel = 3;
 struct Target {
   std::string bytes;
   std::string problem;
+  bool noMemory = false;
 };
 
 void append(png_structp png, png_bytep data, std::size_t size) {
-  bool fits = true;
+  auto* const target = static_cast<Target*>(png_get_io_ptr(png));
   try {
-    static_cast<Target*>(png_get_io_ptr(png))
-        ->bytes.append(reinterpret_cast<const char*>(data), size);
-  } catch (const std::exception&) {
-    fits = false;
+    target->bytes.append(reinterpret_cast<const char*>(data), size);
+  } catch (const std::bad_alloc&) {
+    target->noMemory = true;
   }
-  if (!fits) png_error(png, "out of memory");
+  if (target->noMemory) png_error(png, "");
 }
 
 [[noreturn]] void fail(png_structp png, png_const_charp message) {
@@ -43,6 +45,14 @@ void append(png_structp png, png_bytep data, std::size_t size) {
 }
 
 void ignore(png_structp, png_const_charp) {}
+
+png_voidp allocate(png_structp png, png_alloc_size_t size) {
+  void* const memory = std::malloc(size);
+  if (memory == nullptr) static_cast<Target*>(png_get_mem_ptr(png))->noMemory = true;
+  return memory;
+}
+
+void release(png_structp, png_voidp memory) { std::free(memory); }
 
 /// False when libpng gave up.  No object with a destructor may live here: a longjmp passes it by.
 bool encode(const Image& image, png_structp png, png_infop info, Target* target) {
@@ -74,11 +84,13 @@ void writePng(const std::filesystem::path& file, const Image& image) {
     refuse("it holds " + std::to_string(image.rgb.size()) + " bytes for " +
            std::to_string(image.width) + "x" + std::to_string(image.height) + " pixels");
   Target target;
-  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &target, fail, ignore);
+  png_structp png = png_create_write_struct_2(PNG_LIBPNG_VER_STRING, &target, fail, ignore, &target,
+                                              allocate, release);
   png_infop info = png ? png_create_info_struct(png) : nullptr;
   const bool done = info && encode(image, png, info, &target);
   png_destroy_write_struct(png ? &png : nullptr, info ? &info : nullptr);
-  if (!done) refuse(target.problem.empty() ? "libpng has no memory" : target.problem);
+  if (target.noMemory) throw std::bad_alloc();
+  if (!done) refuse(target.problem);
   writeWhole(file, target.bytes);
 }
 
