@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# What takes too long, or too much, for every change: all real meshes, long fuzzing, the Debian package, and a fresh
-# Debian 12 in a chroot.  Needs root for the chroot.  About an hour on two cores.
+# What takes too long, or too much, for every change: all real meshes, every failing call, long fuzzing, the Debian package, and a fresh
+# Debian 12 in a chroot.  Needs root for the chroot.  About two hours on two cores.
 #
 # usage: test_long.sh [CHECKER.py]    (with SHERD_TEST_DATA: the independent checker of finished fractures)
 set -euo pipefail
@@ -14,10 +14,14 @@ if [ -n "${SHERD_TEST_DATA:-}" ] && [ -n "${1:-}" ]; then
   tools/verify_meshes.sh build/release/sherd "$SHERD_TEST_DATA" "$1"
 fi
 
-echo "== fuzzing the readers for ten minutes"
+echo "== every call that may fail, failing"
+tools/build.sh release sherd_cli sherd_faults
+SHERD_FAULTS_EACH=all SHERD_BIN=$PWD/build/release/sherd SHERD_FAULTS=$PWD/build/release/tests/faults/sherd_faults.so \
+  OCL_ICD_VENDORS=pocl.icd /usr/bin/python3 -B tests/cli/faults_test.py
+
+echo "== fuzzing the readers, each for five minutes"
 tools/build.sh asan sherd_fuzz
-OCL_ICD_VENDORS=pocl.icd build/asan/tests/fuzz/sherd_fuzz -max_total_time=600 -max_len=8192 -timeout=20 \
-  -rss_limit_mb=4096 -detect_leaks=0 -verbosity=0 -print_final_stats=1
+tests/fuzz/run.sh build/asan/tests/fuzz/sherd_fuzz 300
 
 echo "== points, as Debian's Point Cloud Library has them"
 DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends libpcl-dev > /dev/null

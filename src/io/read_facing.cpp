@@ -150,7 +150,10 @@ Face faceOf(Numbers& numbers, const Element& element) {
 }  // namespace
 
 std::vector<std::uint16_t> readFacing(const std::filesystem::path& file, const TriangleMesh& mesh) {
-  const std::string bytes = readFileBytes(file);
+  return facingFromBytes(readFileBytes(file), mesh);
+}
+
+std::vector<std::uint16_t> facingFromBytes(const std::string& bytes, const TriangleMesh& mesh) {
   std::size_t at = 0;
   const std::optional<std::vector<Element>> elements = readHeader(bytes, at);
   if (!elements) return {};

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace sherd {
@@ -15,5 +16,9 @@ namespace sherd {
 ///   return  [mesh.triangles], or empty: the file has none, or not for just these triangles
 [[nodiscard]] std::vector<std::uint16_t> readFacing(const std::filesystem::path& file,
                                                     const TriangleMesh& mesh);
+
+/// The same of a file's bytes.
+[[nodiscard]] std::vector<std::uint16_t> facingFromBytes(const std::string& bytes,
+                                                         const TriangleMesh& mesh);
 
 }  // namespace sherd

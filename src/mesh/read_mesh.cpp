@@ -1,6 +1,7 @@
 // Reads a mesh file: bytes, unpacking, the check that it is whole, the format's reader, merging.
+#include "mesh/read_mesh.h"
+
 #include <sherd/error.h>
-#include <sherd/mesh.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -140,8 +141,9 @@ bool isMeshName(const fs::path& file) {
   return formatFromExtension(splitName(file).extension).has_value();
 }
 
-SourceMesh readMesh(const fs::path& path) {
-  std::string bytes = readFileBytes(path);
+SourceMesh readMesh(const fs::path& path) { return meshFromBytes(path, readFileBytes(path)); }
+
+SourceMesh meshFromBytes(const fs::path& path, std::string bytes) {
   const FileName name = splitName(path);
   SourceMesh out;
   out.name = path.filename().string();

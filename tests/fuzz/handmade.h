@@ -1,0 +1,67 @@
+// Small files made by hand: what no writer of ours writes.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace sherd::fuzz::handmade {
+
+using Files = std::vector<std::string>;
+
+inline Files ply() {
+  return {
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+      "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+      "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+      "ply\nformat ascii 1.0\ncomment TextureFile a.png\ncomment material 0 m 0\n"
+      "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty float s\n"
+      "property float t\nelement face 1\nproperty list uchar int vertex_indices\n"
+      "property list uchar float texcoord\nproperty int material\nend_header\n"
+      "0 0 0 1 2 3 0 0\n1 0 0 4 5 6 0 1\n0 1 0 7 8 9 1 1\n3 0 1 2 6 0 0 1 0 1 1 0\n"};
+}
+
+inline Files stl() {
+  return {std::string(80, ' ') + std::string("\1\0\0\0", 4) + std::string(50, '\0'),
+          "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+          "endloop\nendfacet\nendsolid s\n"};
+}
+
+inline Files obj() {
+  return {"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf -1 -2 -3\n",
+          "mtllib a.mtl\nv 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0\nvt 0 1\nvt 1 1\nvt 1 0\n"
+          "usemtl m\nf 1/1 2/2/ 3/3\nusemtl n\nf -1/-1 -2/-2 -3//\n"};
+}
+
+inline Files off() { return {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"}; }
+
+inline Files gltf() {
+  return {R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":36}],)"
+          R"("meshes":[{"primitives":[{}]}]})",
+          R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
+          R"("buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,)"
+          R"(AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],"bufferViews":[{"buffer":0,)"
+          R"("byteLength":36}],"accessors":[{"bufferView":0,"componentType":5126,"count":3,)"
+          R"("type":"VEC3"},{"bufferView":0,"componentType":5126,"count":3,"type":"VEC2"},)"
+          R"({"bufferView":0,"componentType":5121,"count":3,"type":"VEC4","normalized":true}],)"
+          R"("images":[{"bufferView":0,"mimeType":"image/png"},{"uri":"x.png"}],)"
+          R"("textures":[{"source":0},{"source":1}],"materials":[{"name":"m",)"
+          R"("pbrMetallicRoughness":{"baseColorTexture":{"index":1,"texCoord":0},)"
+          R"("baseColorFactor":[1,0.5,0,1]}}],"meshes":[{"primitives":[{"attributes":)"
+          R"({"POSITION":0,"TEXCOORD_0":1,"COLOR_0":2},"material":0}]}]})"};
+}
+
+/// obj()'s first, packed.
+inline Files gz() {
+  return {
+      std::string("\x1f\x8b\x08\x00\x00\x00\x00\x00\x02\x03\x2b\x53\x30\x00\x41\xae\x32\x05"
+                  "\x43\x28\x6d\x00\x62\x71\xa5\x01\x49\x23\x05\x63\x20\xad\x6b\xa8\xa0\x6b"
+                  "\xa4\xa0\x6b\xcc\x05\x00\x74\x16\xf1\xd2\x2b\x00\x00\x00",
+                  50)};
+}
+
+inline Files mtl() {
+  return {"newmtl a\nKd 1 0.5 0\nmap_Kd -s 1 1 1 -clamp on a b.png\nnewmtl b\nKd 1\nmap_Kd\n"};
+}
+
+}  // namespace sherd::fuzz::handmade

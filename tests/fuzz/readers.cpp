@@ -1,0 +1,127 @@
+// Readers as fuzzing calls them.
+#include "fuzz/readers.h"
+
+#include <sherd/io.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "io/parsed_json.h"
+#include "io/read_facing.h"
+#include "io/read_manifest.h"
+#include "io/seed_file.h"
+#include "mesh/mtl.h"
+#include "mesh/read_mesh.h"
+
+namespace sherd::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+
+// For readers that want a file: one in memory, where the system has such.
+fs::path scratchFile(std::string_view bytes) {
+  const fs::path memory = "/dev/shm";
+  const fs::path folder = fs::is_directory(memory) ? memory : fs::temp_directory_path();
+  const fs::path file = folder / ("sherd-fuzz-" + std::to_string(getpid()));
+  std::ofstream(file, std::ios::binary)
+      .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  return file;
+}
+
+struct ScratchFile {
+  explicit ScratchFile(std::string_view bytes) : path(scratchFile(bytes)) {}
+  ~ScratchFile() { fs::remove(path); }
+  ScratchFile(const ScratchFile&) = delete;
+  ScratchFile& operator=(const ScratchFile&) = delete;
+
+  fs::path path;
+};
+
+// Whether an array has one entry for each triangle, or none.
+template <class Entries>
+bool fits(const Entries& entries, const SourceMesh& source) {
+  return entries.empty() || entries.size() == source.mesh.triangles.size();
+}
+
+void checkLook(const SourceMesh& source) {
+  const Appearance& look = source.appearance;
+  check(fits(look.surface.texcoords, source) && fits(look.surface.colours, source) &&
+        fits(look.surface.material, source));
+  for (const auto& corners : look.surface.texcoords) {
+    for (const glm::vec2& at : corners) check(std::isfinite(at.x) && std::isfinite(at.y));
+  }
+  for (const std::uint32_t material : look.surface.material) {
+    check(material < look.materials.size());
+  }
+  for (const Material& material : look.materials) {
+    check(material.texture < static_cast<int>(look.textures.size()));
+  }
+}
+
+void checkMesh(const TriangleMesh& mesh) {
+  check(!mesh.triangles.empty());
+  for (const glm::dvec3& v : mesh.vertices) {
+    check(std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z));
+  }
+  for (const glm::uvec3& t : mesh.triangles) {
+    check(std::max({t.x, t.y, t.z}) < mesh.vertices.size());
+  }
+}
+
+}  // namespace
+
+void check(bool holds) {
+  if (!holds) std::abort();
+}
+
+void readMeshNamed(const char* name, std::string_view bytes) {
+  // In no folder that is there: what the mesh names beside it is not found.
+  const SourceMesh source = meshFromBytes(fs::path("/absent") / name, std::string(bytes));
+  checkLook(source);
+  checkMesh(source.mesh);
+}
+
+void readFacingOf(std::string_view bytes) {
+  TriangleMesh mesh;
+  mesh.triangles.resize(12);
+  const std::size_t count = facingFromBytes(std::string(bytes), mesh).size();
+  check(count == 0 || count == mesh.triangles.size());
+}
+
+void readRleOf(std::string_view bytes) {
+  const ScratchFile file(bytes);
+  const RunLengthVoxels voxels = readRle(file.path);
+  std::uint64_t sum = 0;
+  for (const Run& run : voxels.runs) sum += run.length;
+  check(sum == static_cast<std::uint64_t>(voxels.dims.x()) *
+                   static_cast<std::uint64_t>(voxels.dims.y()) *
+                   static_cast<std::uint64_t>(voxels.dims.z()));
+}
+
+void readMtl(std::string_view bytes) {
+  std::map<std::string, MtlMaterial> materials;
+  addMtl(bytes, materials);
+}
+
+void readManifestOf(std::string_view bytes) {
+  const Manifest manifest = manifestOf(parsedJson(bytes));
+  check(!manifest.fragments.empty() && manifest.voxelSize > 0.0);
+  for (const std::string& file : manifest.files) {
+    check(file.front() != '/' && file.find("../") == std::string::npos);
+  }
+}
+
+void readSeedFile(std::string_view bytes) {
+  for (const SeedPoint& point : seedPoints(parsedJson(bytes))) {
+    check(point.fragment >= 1 && point.fragment <= kMaxFragments);
+  }
+}
+
+}  // namespace sherd::fuzz

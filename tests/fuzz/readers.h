@@ -1,0 +1,18 @@
+// Readers as fuzzing calls them, with what their headers promise of the result.
+#pragma once
+
+#include <string_view>
+
+namespace sherd::fuzz {
+
+/// Abort unless it holds.
+void check(bool holds);
+
+void readMeshNamed(const char* name, std::string_view bytes);
+void readFacingOf(std::string_view bytes);
+void readRleOf(std::string_view bytes);
+void readMtl(std::string_view bytes);
+void readManifestOf(std::string_view bytes);
+void readSeedFile(std::string_view bytes);
+
+}  // namespace sherd::fuzz

@@ -1,0 +1,43 @@
+// The readers that are fuzzed, a line each.
+#include "fuzz/targets.h"
+
+#include <sherd/error.h>
+
+#include "fuzz/handmade.h"
+#include "fuzz/readers.h"
+
+namespace sherd::fuzz {
+namespace {
+
+// Not here: .vdb files. OpenVDB fills a string as long as a file says, up to 4 GiB, before it finds
+// that the file ends.
+// clang-format off
+const std::vector<Target> kTargets{
+    {"ply", [](std::string_view bytes) { readMeshNamed("a.ply", bytes); }, ".ply", handmade::ply()},
+    {"stl", [](std::string_view bytes) { readMeshNamed("a.stl", bytes); }, ".stl", handmade::stl()},
+    {"obj", [](std::string_view bytes) { readMeshNamed("a.obj", bytes); }, ".obj", handmade::obj()},
+    {"off", [](std::string_view bytes) { readMeshNamed("a.off", bytes); }, "", handmade::off()},
+    {"gltf", [](std::string_view bytes) { readMeshNamed("a.gltf", bytes); }, "", handmade::gltf()},
+    {"glb", [](std::string_view bytes) { readMeshNamed("a.glb", bytes); }, ".glb", {}},
+    {"gz", [](std::string_view bytes) { readMeshNamed("a.obj.gz", bytes); }, "", handmade::gz()},
+    {"mtl", readMtl, ".mtl", handmade::mtl()},
+    {"facing", readFacingOf, ".ply", {}},
+    {"rle", readRleOf, ".rle", {}},
+    {"manifest", readManifestOf, "manifest.json", {}},
+    {"seeds", readSeedFile, "seeds.json", {}},
+};
+// clang-format on
+
+}  // namespace
+
+std::span<const Target> targets() { return kTargets; }
+
+void readOrRefuse(const Target& target, std::string_view bytes) {
+  try {
+    target.read(bytes);
+  } catch (const Error& e) {
+    check(e.code() == ErrorCode::input && e.what()[0] != '\0');
+  }
+}
+
+}  // namespace sherd::fuzz
