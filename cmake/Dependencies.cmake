@@ -1,6 +1,7 @@
 # Everything Sherd builds on: Debian 12 packages, nothing downloaded.
 include(cmake/SherdDependencies.cmake)
 find_package(CLI11 REQUIRED QUIET)
+find_package(assimp REQUIRED QUIET)  # of sherd-assimp alone
 find_package(nlohmann_json REQUIRED QUIET)
 if(SHERD_CGAL)
   set(CGAL_DO_NOT_WARN_ABOUT_CMAKE_BUILD_TYPE ON)

@@ -41,8 +41,6 @@ struct Appearance {
   SurfaceLook surface;
   std::vector<Material> materials;  ///< empty where the file names none
   std::vector<Texture> textures;
-  std::vector<std::string> warnings;  ///< a sentence for each file that the mesh names and that
-                                      ///< cannot be had
 };
 
 /// The colour of what a fracture lays bare, sRGB.

@@ -27,18 +27,26 @@ struct SourceMesh {
   std::string sha256;  ///< of the file's bytes, 64 hexadecimal digits
   std::size_t fileVertices = 0;         ///< vertices before merging
   std::size_t degenerateTriangles = 0;  ///< triangles with two equal corners, dropped
+  std::size_t droppedVertices = 0;      ///< vertices of faces that are not finite
+  std::size_t droppedTriangles = 0;     ///< triangles that use one of these, dropped
   Appearance appearance{};              ///< of `mesh`; empty for a plain one
+  std::vector<std::string> objects{};  ///< names (which may be empty or equal) of the file's parts:
+                                       ///< objects, groups, solids, nodes; none where it has one
+  std::vector<std::uint32_t> objectOfTriangle{};  ///< [m] below objects.size(), or empty
+  std::vector<std::string> warnings{};  ///< a sentence for whatever was left out or taken for
+                                        ///< granted, such as a texture that is not there
 };
 
-/// Read OBJ, PLY (ASCII, both orders), STL (both kinds), OFF, glTF, GLB or .binm, by the file's
-/// extension; `.gz` of any is unpacked.  Polygons are triangulated, exactly equal vertices merged.
+/// Read OBJ, PLY (ASCII, both binary orders), STL (both kinds), OFF, glTF, GLB or .binm, by the file's
+/// extension; `.gz` of any is unpacked.  Polygons are triangulated, exactly equal
+/// vertices merged.  Coordinates keep the precision that the file has.
 ///
 /// The look comes along: texture coordinates (the first set; that of the base colour in glTF),
 /// vertex and face colours (their alpha is left out), materials with names, base colours and
 /// base-colour textures.  Material libraries and textures are read from the mesh's folder and below
-/// it, and from nowhere else; what is not there is told in Appearance::warnings.
-///   throws  Error(input) absent, unreadable, cut, malformed, unknown format, no triangle, a
-///   non-finite vertex
+/// it, and from nowhere else; what is not there is told in `warnings`.
+///   throws  Error(input) absent, unreadable, cut, malformed, unknown format, no triangle, no
+///   finite vertex, more than 1e37 units long
 [[nodiscard]] SourceMesh readMesh(const std::filesystem::path& file);
 
 /// Whether readMesh knows the format, by the file's extension.

@@ -115,7 +115,7 @@ std::string number(double value, int digits) {
 
 void warn(const FractureArguments& arguments, const SourceMesh& source,
           const FractureResult& result) {
-  for (const std::string& warning : source.appearance.warnings) {
+  for (const std::string& warning : source.warnings) {
     printMessage("sherd: warning: " + warning);
   }
   const std::vector<MeshFileFormat>& formats = arguments.files.meshFormats;

@@ -38,19 +38,20 @@ std::optional<std::string> readBeside(const MeshFile& file, std::string_view nam
   }
 }
 
-int textureBeside(const MeshFile& file, std::string_view name, Appearance& look) {
-  const auto known = std::find_if(look.textures.begin(), look.textures.end(),
+int textureBeside(const MeshFile& file, std::string_view name, RawMesh& mesh) {
+  const auto known = std::find_if(mesh.look.textures.begin(), mesh.look.textures.end(),
                                   [&](const Texture& t) { return t.name == name; });
-  if (known != look.textures.end()) return static_cast<int>(known - look.textures.begin());
-  std::optional<std::string> bytes = readBeside(file, name, "texture", look.warnings);
+  if (known != mesh.look.textures.end())
+    return static_cast<int>(known - mesh.look.textures.begin());
+  std::optional<std::string> bytes = readBeside(file, name, "texture", mesh.warnings);
   if (bytes && bytes->empty()) {
-    look.warnings.push_back(file.name + ": its texture " + inQuotes(name) +
+    mesh.warnings.push_back(file.name + ": its texture " + inQuotes(name) +
                             " is empty, so it is left out");
     bytes.reset();
   }
   if (!bytes) return -1;
-  look.textures.push_back({std::string(name), std::move(*bytes)});
-  return static_cast<int>(look.textures.size()) - 1;
+  mesh.look.textures.push_back({std::string(name), std::move(*bytes)});
+  return static_cast<int>(mesh.look.textures.size()) - 1;
 }
 
 }  // namespace sherd

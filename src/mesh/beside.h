@@ -1,8 +1,6 @@
 // Files that a mesh file names: what lies beside it may be read, nothing else.
 #pragma once
 
-#include <sherd/appearance.h>
-
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -24,7 +22,7 @@ namespace sherd {
                                                     const std::string& kind,
                                                     std::vector<std::string>& warnings);
 
-/// The texture of that name, read once; -1 where it cannot be had.
-[[nodiscard]] int textureBeside(const MeshFile& file, std::string_view name, Appearance& look);
+/// The number of the texture of that name among the mesh's, read once; -1 where it cannot be had.
+[[nodiscard]] int textureBeside(const MeshFile& file, std::string_view name, RawMesh& mesh);
 
 }  // namespace sherd

@@ -3,7 +3,9 @@
 
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
+#include <utility>
 
 namespace sherd {
 namespace {
@@ -46,37 +48,94 @@ std::vector<std::uint32_t> firstEqual(const std::vector<glm::dvec3>& vertices) {
   return first;
 }
 
+bool isFinite(const glm::dvec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+// Drop the triangles that have a corner which is not finite: tell which are left.
+std::vector<std::uint32_t> finiteTriangles(const RawMesh& raw, SourceMesh& out) {
+  std::vector<std::uint32_t> kept;
+  kept.reserve(raw.triangles.size());
+  std::vector<bool> counted;
+  for (std::uint32_t i = 0; i < raw.triangles.size(); ++i) {
+    const glm::uvec3& t = raw.triangles[i];
+    bool finite = true;
+    for (int k = 0; k < 3; ++k) {
+      if (isFinite(raw.vertices[t[k]])) continue;
+      finite = false;
+      counted.resize(raw.vertices.size());
+      out.droppedVertices += !counted[t[k]];
+      counted[t[k]] = true;
+    }
+    if (finite) kept.push_back(i);
+  }
+  out.droppedTriangles = raw.triangles.size() - kept.size();
+  return kept;
+}
+
+// The values at these places, in an array that has one for each triangle or none.
 template <class Value>
-std::array<Value, 3> cornersOf(const glm::uvec3& t, const std::vector<Value>& ofVertex) {
-  return {ofVertex[t.x], ofVertex[t.y], ofVertex[t.z]};
+std::vector<Value> only(std::vector<Value>&& values, const std::vector<std::uint32_t>& kept) {
+  if (values.size() <= kept.size()) return std::move(values);
+  for (std::size_t i = 0; i < kept.size(); ++i) values[i] = values[kept[i]];
+  values.resize(kept.size());
+  return std::move(values);
+}
+
+// Only parts that have a triangle count, and one alone is the mesh.
+void tellObjects(RawMesh&& raw, SourceMesh& out) {
+  std::vector<std::uint32_t> number(raw.objects.size(), kNone);
+  for (const std::uint32_t object : raw.objectOfTriangle) number[object] = 0;
+  for (std::size_t i = 0; i < number.size(); ++i) {
+    if (number[i] == kNone) continue;
+    number[i] = static_cast<std::uint32_t>(out.objects.size());
+    out.objects.push_back(std::move(raw.objects[i]));
+  }
+  if (out.objects.size() < 2) {
+    out.objects.clear();
+    return;
+  }
+  out.objectOfTriangle = std::move(raw.objectOfTriangle);
+  for (std::uint32_t& object : out.objectOfTriangle) object = number[object];
 }
 
 }  // namespace
 
-Merged mergeVertices(const RawMesh& raw) {
+SourceMesh mergeVertices(RawMesh&& raw) {
+  SourceMesh out;
+  out.fileVertices = raw.vertices.size();
+  std::vector<std::uint32_t> kept = finiteTriangles(raw, out);
   const std::vector<std::uint32_t> first = firstEqual(raw.vertices);
-  Merged out;
-  out.mesh.triangles.reserve(raw.triangles.size());
+  const std::size_t finite = kept.size();
   std::vector<std::uint32_t> number(raw.vertices.size(), kNone);  // in the new mesh
-  for (std::size_t i = 0; i < raw.triangles.size(); ++i) {
-    const glm::uvec3& t = raw.triangles[i];
-    const glm::uvec3 merged(first[t.x], first[t.y], first[t.z]);
-    if (merged.x == merged.y || merged.y == merged.z || merged.z == merged.x) {
-      ++out.degenerateTriangles;
-      continue;
-    }
-    out.mesh.triangles.push_back(merged);
-    for (int k = 0; k < 3; ++k) number[merged[k]] = 0;
-    if (!raw.texcoords.empty()) out.look.texcoords.push_back(cornersOf(t, raw.texcoords));
-    if (!raw.colours.empty()) out.look.colours.push_back(cornersOf(t, raw.colours));
-    if (!raw.material.empty()) out.look.material.push_back(raw.material[i]);
-  }
+  std::erase_if(kept, [&](std::uint32_t i) {
+    glm::uvec3& t = raw.triangles[i];
+    t = {first[t.x], first[t.y], first[t.z]};
+    if (t.x == t.y || t.y == t.z || t.z == t.x) return true;
+    for (int k = 0; k < 3; ++k) number[t[k]] = 0;
+    return false;
+  });
+  out.degenerateTriangles = finite - kept.size();
+
+  std::uint32_t used = 0;
   for (std::size_t i = 0; i < number.size(); ++i) {
     if (number[i] == kNone) continue;
-    number[i] = static_cast<std::uint32_t>(out.mesh.vertices.size());
-    out.mesh.vertices.push_back(raw.vertices[i]);
+    raw.vertices[used] = raw.vertices[i];
+    number[i] = used++;
   }
+  raw.vertices.resize(used);
+  raw.vertices.shrink_to_fit();
+  out.mesh.vertices = std::move(raw.vertices);
+  out.mesh.triangles = only(std::move(raw.triangles), kept);
   for (glm::uvec3& t : out.mesh.triangles) t = {number[t.x], number[t.y], number[t.z]};
+
+  out.appearance = std::move(raw.look);
+  SurfaceLook& look = out.appearance.surface;
+  look = {only(std::move(look.texcoords), kept), only(std::move(look.colours), kept),
+          only(std::move(look.material), kept)};
+  raw.objectOfTriangle = only(std::move(raw.objectOfTriangle), kept);
+  tellObjects(std::move(raw), out);
+  out.warnings = std::move(raw.warnings);
   return out;
 }
 

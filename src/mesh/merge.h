@@ -7,15 +7,9 @@
 
 namespace sherd {
 
-struct Merged {
-  TriangleMesh mesh;
-  SurfaceLook look;                     ///< of `mesh`, corner by corner
-  std::size_t degenerateTriangles = 0;  ///< with two equal corners, dropped
-};
-
-/// Make exactly equal vertices one (0 and -0 are equal), drop triangles with two equal corners,
-/// then vertices that no triangle uses.  What is left keeps its order.  Linear in the number of
-/// vertices.
-[[nodiscard]] Merged mergeVertices(const RawMesh& raw);
+/// Drop triangles with a corner that is not finite, make exactly equal vertices one (0 and -0 are
+/// equal), drop triangles with two equal corners, then vertices that no triangle uses.  What is
+/// left keeps its order, and is told of all but the file.  Linear in the number of vertices.
+[[nodiscard]] SourceMesh mergeVertices(RawMesh&& raw);
 
 }  // namespace sherd

@@ -5,6 +5,7 @@
 #include <sherd/error.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <glm/vec3.hpp>
 #include <string>
@@ -23,16 +24,13 @@ struct MeshFile {
 };
 
 /// What a reader found: node transforms applied, polygons triangulated, nothing merged or dropped.
-/// A vertex that looks different on two sides of a seam is there twice.
 struct RawMesh {
-  std::vector<glm::dvec3> vertices;
-  std::vector<glm::uvec3> triangles;  ///< indices below vertices.size()
-  std::size_t polygons = 0;           ///< faces before triangulation
-
-  std::vector<glm::vec2> texcoords;     ///< [vertices], or empty; see SurfaceLook
-  std::vector<glm::u8vec3> colours;     ///< [vertices], or empty
-  std::vector<std::uint32_t> material;  ///< [triangles] below look.materials.size(), or empty
-  Appearance look;                      ///< but for its surface
+  std::vector<glm::dvec3> vertices;             ///< as the file has them, finite or not
+  std::vector<glm::uvec3> triangles;            ///< indices below vertices.size()
+  Appearance look;                              ///< its surface's arrays are [triangles] or empty
+  std::vector<std::string> objects;             ///< names of the file's parts
+  std::vector<std::uint32_t> objectOfTriangle;  ///< [triangles] below objects.size(), or empty
+  std::vector<std::string> warnings;            ///< see SourceMesh
 };
 
 /// An error about a file's content: "bowl.stl: what".

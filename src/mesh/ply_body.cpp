@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <utility>
 
 namespace sherd {
@@ -38,7 +37,8 @@ std::optional<PlyType> typeFromName(std::string_view name) {
 
 PlyHeader readPlyHeader(const MeshFile& file) {
   PlyHeader header;
-  LineReader lines(file.bytes);
+  const std::string_view text = withoutByteOrderMark(file.bytes);
+  LineReader lines(text);
   const auto fail = [&](const std::string& what) { return inputError(file, lines.number(), what); };
   if (!lines.next() || lines.line() != "ply") throw fail("found no 'ply' in the first line");
   bool hasFormat = false;
@@ -47,7 +47,7 @@ PlyHeader readPlyHeader(const MeshFile& file) {
     const std::string_view keyword = takeWord(rest);
     if (keyword == "end_header") {
       if (!hasFormat) throw fail("the header names no format");
-      header.bodyAt = lines.position();
+      header.bodyAt = file.bytes.size() - text.size() + lines.position();
       header.lineCount = lines.number();
       return header;
     }
@@ -66,8 +66,10 @@ PlyHeader readPlyHeader(const MeshFile& file) {
       const std::string name(takeWord(rest));
       const auto count = parseInteger<std::uint32_t>(takeWord(rest));
       if (!count) throw fail("element " + inQuotes(name) + " has no count");
+      for (const PlyElement& other : header.elements) {
+        if (other.name == name) throw fail("element " + inQuotes(name) + " is there twice");
+      }
       header.elements.push_back({name, *count, {}});
-      if (name == "vertex") header.vertices = *count;
     } else if (keyword == "property") {
       if (header.elements.empty()) throw fail("property before the first element");
       PlyProperty property;
@@ -92,19 +94,12 @@ PlyHeader readPlyHeader(const MeshFile& file) {
   throw inputError(file, "cut short: the header has no 'end_header'");
 }
 
-double PlyBody::number(const PlyType& type) {
-  if (encoding_ == PlyEncoding::ascii) {
-    const std::string_view word = takeWord(rest_);
-    if (word.empty()) throw lineTooShort();
-    const auto value = parseReal(word);
-    if (!value) throw notA("number", word);
-    return *value;
-  }
-  if (type.isInteger) return static_cast<double>(integer(type));
-  const PlyType bits{type.bytes, true, false};
-  const auto value = static_cast<std::uint64_t>(integer(bits));
-  if (type.bytes == 8) return std::bit_cast<double>(value);
-  return std::bit_cast<float>(static_cast<std::uint32_t>(value));
+double PlyBody::textNumber() {
+  const std::string_view word = takeWord(rest_);
+  if (word.empty()) throw lineTooShort();
+  const auto value = parseReal(word);
+  if (!value) throw notA("number", word);
+  return *value;
 }
 
 }  // namespace sherd

@@ -1,13 +1,16 @@
 // A PLY file's header, and the values of its body one after another.
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
+#include "io/little_endian.h"
 #include "mesh/mesh_reader.h"
 #include "mesh/text_scan.h"
 
@@ -37,16 +40,9 @@ struct PlyHeader {
   PlyEncoding encoding = PlyEncoding::ascii;
   std::vector<PlyElement> elements;
   std::vector<std::string> comments;  // as they stand behind the word
-  std::size_t vertices = 0;
-  std::size_t bodyAt = 0;  // first byte after the header
+  std::size_t bodyAt = 0;             // first byte after the header
   std::size_t lineCount = 0;
 };
-
-// Whether a property is the list of a face's corners.
-inline bool isFaceCorners(const PlyElement& element, const PlyProperty& property) {
-  return element.name == "face" && property.listCount &&
-         (property.name == "vertex_indices" || property.name == "vertex_index");
-}
 
 ///   throws  Error(input) no PLY, cut short, a type or format that is not known
 [[nodiscard]] PlyHeader readPlyHeader(const MeshFile& file);
@@ -99,20 +95,16 @@ class PlyBody {
       if (!value) throw notA("whole number", word);
       return *value;
     }
-    if (rest_.size() < type.bytes) throw cut();
-    std::uint64_t value = 0;
-    for (std::size_t i = 0; i < type.bytes; ++i) {
-      const std::size_t at = encoding_ == PlyEncoding::bigEndian ? i : type.bytes - 1 - i;
-      value = value << 8 | static_cast<unsigned char>(rest_[at]);
-    }
-    rest_.remove_prefix(type.bytes);
-    if (!type.isSigned) return static_cast<std::int64_t>(value);
-    const std::size_t unused = 64 - 8 * type.bytes;
-    return static_cast<std::int64_t>(value << unused) >> unused;  // carries the sign up
+    return binaryInteger(type);
   }
 
   // A number of any type; one that is too large for a double is infinite.
-  double number(const PlyType& type);
+  double number(const PlyType& type) {
+    if (encoding_ == PlyEncoding::ascii) return textNumber();
+    if (type.isInteger) return static_cast<double>(binaryInteger(type));
+    if (type.bytes == 8) return std::bit_cast<double>(take<std::uint64_t>());
+    return static_cast<double>(std::bit_cast<float>(take<std::uint32_t>()));
+  }
 
   // Nothing but blanks may follow the last element.
   void finish() {
@@ -127,6 +119,34 @@ class PlyBody {
   }
 
  private:
+  template <class Word>
+  Word take() {
+    if (rest_.size() < sizeof(Word)) throw cut();
+    Word value = 0;
+    if (encoding_ == PlyEncoding::littleEndian) {
+      value = loadLittle<Word>(rest_.data());
+    } else {
+      for (std::size_t i = 0; i < sizeof(Word); ++i)
+        value = static_cast<Word>(std::uint64_t{value} << 8 | static_cast<unsigned char>(rest_[i]));
+    }
+    rest_.remove_prefix(sizeof(Word));
+    return value;
+  }
+  std::int64_t binaryInteger(const PlyType& type) {
+    const auto as = [&]<class Signed>(Signed) -> std::int64_t {
+      const auto value = take<std::make_unsigned_t<Signed>>();
+      return type.isSigned ? std::int64_t{static_cast<Signed>(value)} : std::int64_t{value};
+    };
+    switch (type.bytes) {
+      case 1:
+        return as(std::int8_t{});
+      case 2:
+        return as(std::int16_t{});
+      default:
+        return as(std::int32_t{});
+    }
+  }
+  double textNumber();
   Error cut() const {
     return inputError(file_, "cut short: the header announces " + std::to_string(element_->count) +
                                  " of " + inQuotes(element_->name) + ", the file holds " +

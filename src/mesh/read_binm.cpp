@@ -61,33 +61,16 @@ std::uint32_t cornerAt(const Part& part, std::size_t face, std::size_t corner) {
 
 }  // namespace
 
-FileCounts checkBinm(const MeshFile& file) {
+RawMesh readBinm(const MeshFile& file) {
   const std::vector<Part> parts = partsOf(file);
   if (parts.empty()) {
     throw inputError(file, "is cut short, or no .binm: its counts do not make its " +
                                std::to_string(file.bytes.size()) + " bytes");
   }
-  std::size_t vertices = 0, faces = 0;
-  for (const Part& part : parts) {
-    const std::size_t ofPart = part.vertices.size() / kVertexBytes;
-    for (std::size_t i = 0; i < part.faces.size() / kFaceBytes; ++i) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        if (cornerAt(part, i, k) < ofPart) continue;
-        throw inputError(file, "face " + std::to_string(faces + i + 1) + " uses vertex " +
-                                   std::to_string(cornerAt(part, i, k)) + ", its part has " +
-                                   std::to_string(ofPart));
-      }
-    }
-    vertices += ofPart;
-    faces += part.faces.size() / kFaceBytes;
-  }
-  return {vertices, faces};
-}
-
-RawMesh readBinm(const MeshFile& file) {
   RawMesh raw;
-  for (const Part& part : partsOf(file)) {
+  for (const Part& part : parts) {
     const auto first = static_cast<std::uint32_t>(raw.vertices.size());
+    const std::size_t count = part.vertices.size() / kVertexBytes;
     for (std::size_t at = 0; at < part.vertices.size(); at += kVertexBytes) {
       glm::dvec3& v = raw.vertices.emplace_back();
       for (int axis = 0; axis < 3; ++axis) {
@@ -96,11 +79,16 @@ RawMesh readBinm(const MeshFile& file) {
       }
     }
     for (std::size_t i = 0; i < part.faces.size() / kFaceBytes; ++i) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        if (cornerAt(part, i, k) < count) continue;
+        throw inputError(file, "face " + std::to_string(raw.triangles.size() + 1) +
+                                   " uses vertex " + std::to_string(cornerAt(part, i, k)) +
+                                   ", its part has " + std::to_string(count));
+      }
       raw.triangles.emplace_back(first + cornerAt(part, i, 0), first + cornerAt(part, i, 1),
                                  first + cornerAt(part, i, 2));
     }
   }
-  raw.polygons = raw.triangles.size();
   return raw;
 }
 

@@ -1,14 +1,15 @@
-// Reads a mesh file: bytes, unpacking, the check that it is whole, the format's reader, merging.
+// Reads a mesh file: bytes, unpacking, the format's reader, merging.
 #include "mesh/read_mesh.h"
 
 #include <sherd/error.h>
+#include <tbb/parallel_invoke.h>
 #include <zlib.h>
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -16,13 +17,14 @@
 
 #include "io/sha256.h"
 #include "lower_case.h"
-#include "mesh/assimp_reader.h"
-#include "mesh/completeness.h"
 #include "mesh/file_bytes.h"
 #include "mesh/merge.h"
 #include "mesh/read_binm.h"
+#include "mesh/read_gltf.h"
 #include "mesh/read_obj.h"
+#include "mesh/read_off.h"
 #include "mesh/read_ply.h"
+#include "mesh/read_stl.h"
 
 namespace sherd {
 namespace {
@@ -95,25 +97,46 @@ FileName splitName(const fs::path& file) {
   return name;
 }
 
-void requireFinite(const MeshFile& file, const RawMesh& raw) {
-  for (std::size_t i = 0; i < raw.triangles.size(); ++i) {
-    for (int k = 0; k < 3; ++k) {
-      const glm::dvec3& v = raw.vertices[raw.triangles[i][k]];
-      if (std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z)) continue;
-      std::array<char, 100> place{};
-      std::snprintf(place.data(), place.size(), "(%g, %g, %g)", v.x, v.y, v.z);
-      throw inputError(file, "a corner of triangle " + std::to_string(i + 1) + " lies at " +
-                                 place.data() + ", finite coordinates are needed");
-    }
+RawMesh readRaw(const MeshFile& file) {
+  switch (file.format) {
+    case MeshFormat::obj:
+      return readObj(file);
+    case MeshFormat::ply:
+      return readPly(file);
+    case MeshFormat::stl:
+      return readStl(file);
+    case MeshFormat::off:
+      return readOff(file);
+    case MeshFormat::gltf:
+    case MeshFormat::glb:
+      return readGltf(file);
+    case MeshFormat::binm:
+      return readBinm(file);
   }
+  return {};
 }
 
-RawMesh readWithLook(const MeshFile& file) {
-  RawMesh raw = file.format == MeshFormat::ply ? readPlyWithLook(file) : readObjWithLook(file);
-  for (glm::vec2& at : raw.texcoords) {
-    if (!std::isfinite(at.x) || !std::isfinite(at.y)) at = glm::vec2(0.0f);
+// Far below what squares of lengths overflow at, in single precision too.
+constexpr double kLongestSide = 1e37;
+
+void checkMerged(const MeshFile& file, const SourceMesh& source) {
+  if (source.mesh.triangles.empty() && source.droppedTriangles > 0) {
+    const std::string which = source.droppedVertices == source.fileVertices ? "all " : "";
+    throw inputError(file, which + std::to_string(source.droppedVertices) +
+                               " vertices are not finite, and no triangle is without one; finite "
+                               "coordinates are needed");
   }
-  return raw;
+  if (source.mesh.triangles.empty())
+    throw inputError(file, "holds no triangle with three different corners");
+  const Box box = bounds(source.mesh);
+  for (int axis = 0; axis < 3; ++axis) {
+    const double side = box.max[axis] - box.min[axis];
+    if (side <= kLongestSide) continue;
+    std::array<char, 40> length{};
+    std::snprintf(length.data(), length.size(), "%.3g", side);
+    throw inputError(file, std::string("is ") + length.data() + " long along " + "xyz"[axis] +
+                               ", at most 1e37 can be worked with (scale it)");
+  }
 }
 
 }  // namespace
@@ -145,38 +168,34 @@ SourceMesh readMesh(const fs::path& path) { return meshFromBytes(path, readFileB
 
 SourceMesh meshFromBytes(const fs::path& path, std::string bytes) {
   const FileName name = splitName(path);
-  SourceMesh out;
-  out.name = path.filename().string();
-  out.stem = name.stem.string();
+  const std::string fileName = path.filename().string();
   const std::optional<MeshFormat> format = formatFromExtension(name.extension);
   if (!format) {
-    throw Error(
-        ErrorCode::input,
-        out.name + ": the extension '" + name.extension +
-            "' is not known; read are .obj .ply .stl .off .gltf .glb .binm, and each with .gz");
+    throw Error(ErrorCode::input,
+                fileName + ": the extension '" + name.extension +
+                    "' is not known; read are .obj .ply .stl .off .gltf .glb .binm, and each with .gz");
   }
-  out.sha256 = sha256(bytes);
-  MeshFile file{path, out.name, *format, name.packed ? gunzip(bytes, out.name) : std::move(bytes)};
+  std::string hash;
+  RawMesh raw;
+  const MeshFile file{path, fileName, *format,
+                      name.packed ? gunzip(bytes, fileName) : std::move(bytes)};
   if (file.bytes.empty()) throw inputError(file, "the file is empty");
+  tbb::parallel_invoke([&] { hash = sha256(name.packed ? bytes : file.bytes); },
+                       [&] { raw = readRaw(file); });
+  if (raw.triangles.empty()) throw inputError(file, "holds no triangle");
+  if (raw.vertices.size() > std::numeric_limits<std::uint32_t>::max())
+    throw inputError(file, "has more than 2^32 vertices, which is more than can be held");
 
-  const FileCounts counts = checkComplete(file);
-  if (counts.polygons == 0u) throw inputError(file, "holds no triangle");
-  RawMesh raw = file.format == MeshFormat::binm ? readBinm(file)
-                : counts.look                   ? readWithLook(file)
-                                                : readWithAssimp(file);
-  if (counts.polygons && *counts.polygons != raw.polygons) {
-    throw inputError(file, "holds " + std::to_string(*counts.polygons) + " faces, of which " +
-                               std::to_string(raw.polygons) + " could be read");
+  SourceMesh out = mergeVertices(std::move(raw));
+  checkMerged(file, out);
+  out.name = fileName;
+  out.stem = name.stem.string();
+  out.sha256 = std::move(hash);
+  if (out.droppedVertices > 0) {
+    out.warnings.push_back(out.name + ": " + std::to_string(out.droppedVertices) +
+                           " vertices are not finite; the " + std::to_string(out.droppedTriangles) +
+                           " triangles that use them are dropped");
   }
-  requireFinite(file, raw);
-  out.fileVertices = counts.vertices.value_or(raw.vertices.size());
-  Merged merged = mergeVertices(raw);
-  if (merged.mesh.triangles.empty())
-    throw inputError(file, "holds no triangle with three different corners");
-  out.mesh = std::move(merged.mesh);
-  out.degenerateTriangles = merged.degenerateTriangles;
-  out.appearance = std::move(raw.look);
-  out.appearance.surface = std::move(merged.look);
   return out;
 }
 

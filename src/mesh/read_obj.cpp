@@ -1,79 +1,107 @@
-// Reads an OBJ file with its look.
+// Reads OBJ files.
 #include "mesh/read_obj.h"
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <limits>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "mesh/beside.h"
 #include "mesh/colours.h"
 #include "mesh/mtl.h"
 #include "mesh/obj_lines.h"
-#include "mesh/triangulate.h"
+#include "mesh/polygon_mesh.h"
 
 namespace sherd {
 namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-// A vertex's place, divided by w where there is one, as Assimp has it: in single precision.
-struct Vertex {
-  glm::dvec3 position{0.0};
-  glm::vec3 colour{1.0f};
-  bool isColoured = false;
+// Numbers for names, in the order of their first use.
+class Names {
+ public:
+  std::uint32_t numberOf(std::string_view name) {
+    const auto known = numbers_.find(name);
+    if (known != numbers_.end()) return known->second;
+    const auto number = static_cast<std::uint32_t>(list_.size());
+    list_.emplace_back(name);
+    numbers_.emplace(name, number);
+    return number;
+  }
+  const std::vector<std::string>& list() const { return list_; }
+
+ private:
+  std::vector<std::string> list_;
+  std::map<std::string, std::uint32_t, std::less<>> numbers_;
 };
 
-Vertex vertexIn(std::string_view line) {
-  std::array<double, 6> values{};
-  std::size_t count = 0;
-  while (count < values.size()) {
-    const auto value = parseReal(takeWord(line));
-    if (!value) break;
-    values[count++] = *value;
-  }
-  Vertex vertex;
-  const double w = count == 4 && values[3] != 0.0 ? values[3] : 1.0;
-  for (int axis = 0; axis < 3; ++axis) {
-    vertex.position[axis] = static_cast<float>(values[static_cast<std::size_t>(axis)] / w);
-  }
-  vertex.isColoured = count == 6;
-  if (vertex.isColoured) vertex.colour = {values[3], values[4], values[5]};
-  return vertex;
-}
-
 struct Reader {
-  struct Face {
-    std::size_t first, count;  // of its corners
-    std::uint32_t material;
-  };
-
   const MeshFile& file;
-  RawMesh out{};
-  std::vector<Vertex> vertices{};
+  PolygonMesh mesh{};
+  std::vector<glm::vec3> colours{};  // [vertices] once one of them has one
   std::vector<glm::vec2> texcoords{};
-  std::vector<Face> faces{};
-  std::vector<std::pair<std::size_t, std::uint32_t>> corners{};  // vertex, texture coordinate
-  std::size_t largestTexcoord = 0;                               // that a face uses, from 1
+  std::vector<std::uint32_t> cornerTexcoords{};  // [corners], kNone: none
+  std::size_t largestVertex = 0, largestVertexLine = 0, largestTexcoord = 0;  // used, from 1
   std::vector<std::string> libraries{};
-  std::map<std::string, std::uint32_t, std::less<>> materialByName{};
-  std::uint32_t material = kNone;  // of the faces that come; kNone: none was named
-  std::uint32_t unnamed = kNone;   // that of faces before the first name
-  bool hasColours = false, hasTexcoords = false, hasMaterials = false;
-  std::vector<glm::vec3> colours{};  // [out.vertices]
+  Names materials{}, objects{}, groups{};
+  std::vector<std::uint32_t> groupOfFace{};                       // beside mesh.objectOfFace
+  std::uint32_t material = kNone, object = kNone, group = kNone;  // of the faces that come
+  bool hasTexcoords = false;
+
+  void addVertex(std::string_view rest, std::size_t line) {
+    std::array<double, 6> values{};
+    std::size_t count = 0;
+    rest = rest.substr(0, rest.find('#'));
+    while (count < values.size()) {
+      const auto value = parseReal(takeWord(rest));
+      if (!value) break;
+      values[count++] = *value;
+    }
+    if (count < 3) throw inputError(file, line, "vertex has less than 3 coordinates");
+    const double w = count == 4 && values[3] != 0.0 ? values[3] : 1.0;
+    mesh.vertices.emplace_back(values[0] / w, values[1] / w, values[2] / w);
+    if (count < 6 && colours.empty()) return;
+    colours.resize(mesh.vertices.size(), glm::vec3(1.0f));
+    if (count == 6) colours.back() = {values[3], values[4], values[5]};
+  }
 
   // A corner "v", "v/vt", "v//vn" or "v/vt/vn"; numbers below 0 count from the end.
   void addCorner(std::string_view word, std::size_t line) {
-    const std::size_t slash = word.find('/');
-    const auto v = parseInteger<std::int64_t>(word.substr(0, slash));  // checked before
-    const std::size_t at =
-        *v < 0 ? vertices.size() - static_cast<std::size_t>(-*v) : static_cast<std::size_t>(*v) - 1;
-    corners.emplace_back(at, kNone);
-    if (slash == std::string_view::npos) return;
-    std::string_view second = word.substr(slash + 1);
-    second = second.substr(0, second.find('/'));
-    if (second.empty()) return;
+    std::int64_t vertex = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), vertex);
+    const auto length = static_cast<std::size_t>(end - word.data());
+    if (error != std::errc() || vertex == 0 || word.back() == '/' ||
+        (length < word.size() && word[length] != '/')) {
+      throw inputError(file, line,
+                       "face has the corner " + inQuotes(word) + ", not a vertex number");
+    }
+    const auto count = static_cast<std::int64_t>(mesh.vertices.size());
+    if (vertex < -count) {
+      throw inputError(file, line,
+                       "face uses vertex " + std::to_string(vertex) + ", there are " +
+                           std::to_string(count) + " before it");
+    }
+    if (vertex > 0 && static_cast<std::size_t>(vertex) > largestVertex) {
+      largestVertex = static_cast<std::size_t>(vertex);
+      largestVertexLine = line;
+    }
+    mesh.corners.push_back(static_cast<std::uint32_t>(vertex < 0 ? count + vertex : vertex - 1));
+    addTexcoord(word, length, line);
+  }
+
+  void addTexcoord(std::string_view word, std::size_t slash, std::size_t line) {
+    std::string_view second;
+    if (slash < word.size()) {
+      second = word.substr(slash + 1);
+      second = second.substr(0, second.find('/'));
+    }
+    if (second.empty()) {
+      if (hasTexcoords) cornerTexcoords.push_back(kNone);
+      return;
+    }
     const auto vt = parseInteger<std::int64_t>(second);
     const auto count = static_cast<std::int64_t>(texcoords.size());
     if (!vt || *vt == 0 || *vt < -count || *vt > std::int64_t{kNone}) {
@@ -81,51 +109,63 @@ struct Reader {
           file, line,
           "face has the corner " + inQuotes(word) + ", whose texture coordinate does not exist");
     }
-    corners.back().second = static_cast<std::uint32_t>(*vt < 0 ? count + *vt : *vt - 1);
-    largestTexcoord = std::max(largestTexcoord, corners.back().second + std::size_t{1});
     hasTexcoords = true;
+    cornerTexcoords.resize(mesh.corners.size(), kNone);
+    cornerTexcoords.back() = static_cast<std::uint32_t>(*vt < 0 ? count + *vt : *vt - 1);
+    largestTexcoord = std::max(largestTexcoord, cornerTexcoords.back() + std::size_t{1});
   }
 
   // Faces are kept as they are: what they use may come behind them.
   void addFace(std::string_view rest, std::size_t line) {
-    const std::size_t first = corners.size();
-    for (std::string_view word = takeWord(rest); !word.empty() && word[0] != '#';
-         word = takeWord(rest)) {
+    const std::size_t first = mesh.corners.size();
+    rest = rest.substr(0, rest.find('#'));
+    for (std::string_view word = takeWord(rest); !word.empty(); word = takeWord(rest)) {
       addCorner(word, line);
     }
-    faces.push_back({first, corners.size() - first, material});
+    if (mesh.corners.size() < first + 3)
+      throw inputError(file, line, "face has less than 3 corners");
+    mesh.faceEnds.push_back(static_cast<std::uint32_t>(mesh.corners.size()));
+    note(material, mesh.faceMaterials);
+    note(object, mesh.objectOfFace);
+    note(group, groupOfFace);
   }
 
-  void useMaterial(std::string_view name) {
-    hasMaterials = true;
-    const auto known = materialByName.find(name);
-    if (known != materialByName.end()) {
-      material = known->second;
-      return;
-    }
-    material = static_cast<std::uint32_t>(out.look.materials.size());
-    out.look.materials.push_back({.name = std::string(name)});
-    materialByName.emplace(name, material);
+  // What the last face is of; an array begins with the first face that is of something.
+  void note(std::uint32_t of, std::vector<std::uint32_t>& ofFaces) const {
+    if (of == kNone && ofFaces.empty()) return;
+    ofFaces.resize(mesh.faceEnds.size(), kNone);
+    ofFaces.back() = of;
   }
 
   void readLines() {
-    ObjLines lines(file.bytes);
+    ObjLines lines(withoutByteOrderMark(file.bytes));
     while (lines.next()) {
       std::string_view rest = lines.line();
       const std::string_view keyword = takeWord(rest);
       if (keyword == "v") {
-        vertices.push_back(vertexIn(rest));
-        hasColours |= vertices.back().isColoured;
+        addVertex(rest, lines.number());
       } else if (keyword == "vt") {
         const auto u = parseReal(takeWord(rest)), v = parseReal(takeWord(rest));
         texcoords.emplace_back(u.value_or(0.0), v.value_or(0.0));
       } else if (keyword == "f") {
         addFace(rest, lines.number());
       } else if (keyword == "usemtl") {
-        useMaterial(trimmed(rest));
+        material = materials.numberOf(trimmed(rest));
       } else if (keyword == "mtllib") {
         libraries.emplace_back(trimmed(rest));
+      } else if (keyword == "o") {
+        object = objects.numberOf(trimmed(rest));
+      } else if (keyword == "g") {
+        group = groups.numberOf(trimmed(rest));
       }
+    }
+  }
+
+  void checkIndices() const {
+    if (largestVertex > mesh.vertices.size()) {
+      throw inputError(file, largestVertexLine,
+                       "face uses vertex " + std::to_string(largestVertex) + ", the file has " +
+                           std::to_string(mesh.vertices.size()));
     }
     if (largestTexcoord > texcoords.size()) {
       throw inputError(file, "face uses texture coordinate " + std::to_string(largestTexcoord) +
@@ -133,47 +173,15 @@ struct Reader {
     }
   }
 
-  // Without texture coordinates faces share their vertices; else each corner gets one of its own.
-  void makeTriangles() {
-    if (!hasTexcoords) {
-      for (const Vertex& vertex : vertices) addVertex(vertex);
+  // Faces before the first name are of one without a name.
+  static void nameAll(std::vector<std::uint32_t>& ofFaces, Names& names) {
+    for (std::uint32_t& of : ofFaces) {
+      if (of == kNone) of = names.numberOf("");
     }
-    std::vector<std::uint32_t> polygon;
-    for (const Face& face : faces) {
-      polygon.clear();
-      for (std::size_t i = face.first; i < face.first + face.count; ++i) {
-        if (!hasTexcoords) {
-          polygon.push_back(static_cast<std::uint32_t>(corners[i].first));
-          continue;
-        }
-        polygon.push_back(static_cast<std::uint32_t>(out.vertices.size()));
-        addVertex(vertices[corners[i].first]);
-        const std::uint32_t vt = corners[i].second;
-        out.texcoords.push_back(vt == kNone ? glm::vec2(0.0f) : texcoords[vt]);
-      }
-      triangulate(out.vertices, polygon, out.triangles);
-      ++out.polygons;
-      if (hasMaterials) out.material.resize(out.triangles.size(), materialOf(face));
-    }
-    out.colours = coloursFrom(colours);
-  }
-
-  void addVertex(const Vertex& vertex) {
-    out.vertices.push_back(vertex.position);
-    if (hasColours) colours.push_back(vertex.colour);
-  }
-
-  std::uint32_t materialOf(const Face& face) {
-    if (face.material != kNone) return face.material;
-    if (unnamed == kNone) {
-      unnamed = static_cast<std::uint32_t>(out.look.materials.size());
-      out.look.materials.emplace_back();
-    }
-    return unnamed;
   }
 
   // A library is a plain file name; one line may name several.
-  void readLibraries() {
+  void readLibraries(RawMesh& out) const {
     std::map<std::string, MtlMaterial> known;
     for (const std::string& line : libraries) {
       const auto path = pathBeside(file, line);
@@ -182,7 +190,7 @@ struct Reader {
       std::string_view rest = line;
       for (std::string_view name = isOne ? rest : takeWord(rest); !name.empty();
            name = isOne ? std::string_view() : takeWord(rest)) {
-        const auto text = readBeside(file, name, "material library", out.look.warnings);
+        const auto text = readBeside(file, name, "material library", out.warnings);
         if (text) addMtl(*text, known);
       }
     }
@@ -191,20 +199,38 @@ struct Reader {
       if (found == known.end()) continue;
       named.colour = found->second.colour;
       if (hasTexcoords && !found->second.texture.empty()) {
-        named.texture = textureBeside(file, found->second.texture, out.look);
+        named.texture = textureBeside(file, found->second.texture, out);
       }
     }
+  }
+
+  RawMesh read() {
+    readLines();
+    checkIndices();
+    mesh.vertexColours = coloursFrom(colours);
+    cornerTexcoords.resize(hasTexcoords ? mesh.corners.size() : 0, kNone);
+    for (const std::uint32_t vt : cornerTexcoords) {
+      mesh.cornerTexcoords.push_back(vt == kNone ? glm::vec2(0.0f) : texcoords[vt]);
+    }
+    RawMesh out;
+    nameAll(mesh.faceMaterials, materials);
+    if (!mesh.faceMaterials.empty()) {
+      for (const std::string& name : materials.list()) out.look.materials.push_back({.name = name});
+      readLibraries(out);
+    }
+    if (mesh.objectOfFace.empty()) {
+      mesh.objectOfFace = std::move(groupOfFace);
+      std::swap(objects, groups);
+    }
+    nameAll(mesh.objectOfFace, objects);
+    out.objects = objects.list();
+    triangulateInto(file, std::move(mesh), out);
+    return out;
   }
 };
 
 }  // namespace
 
-RawMesh readObjWithLook(const MeshFile& file) {
-  Reader reader{.file = file};
-  reader.readLines();
-  reader.makeTriangles();
-  if (reader.hasMaterials) reader.readLibraries();
-  return std::move(reader.out);
-}
+RawMesh readObj(const MeshFile& file) { return Reader{.file = file}.read(); }
 
 }  // namespace sherd

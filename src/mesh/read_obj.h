@@ -1,15 +1,14 @@
-// Reads an OBJ file with its look.
+// Reads OBJ files.
 #pragma once
 
 #include "mesh/mesh_reader.h"
 
 namespace sherd {
 
-/// Every face of the file, with texture coordinates, vertex colours and materials.  Plain files are
-/// Assimp's; it loses colours that not all vertices have, and reads hostile libraries beyond their
-/// end.
-///   file    passed checkComplete()
-///   throws  Error(input) a texture coordinate that does not exist
-[[nodiscard]] RawMesh readObjWithLook(const MeshFile& file);
+/// Every face of the file, with texture coordinates, vertex colours and materials.  What stands
+/// behind an `o` is an object, or, in a file without one, what stands behind a `g`; those of one
+/// name are one.
+///   throws  Error(input) malformed, a vertex or texture coordinate that does not exist
+[[nodiscard]] RawMesh readObj(const MeshFile& file);
 
 }  // namespace sherd

@@ -1,4 +1,4 @@
-// Reads a PLY file with its look.
+// Reads PLY files.
 #include "mesh/read_ply.h"
 
 #include <algorithm>
@@ -10,20 +10,38 @@
 
 #include "mesh/beside.h"
 #include "mesh/colours.h"
-#include "mesh/triangulate.h"
+#include "mesh/ply_body.h"
+#include "mesh/polygon_mesh.h"
 
 namespace sherd {
 namespace {
 
 // What the reader does with a property's value.
-enum class Role { none, x, y, z, red, green, blue, u, v, corners, texcoords, texture, material };
+enum class Role {
+  none,
+  x,
+  y,
+  z,
+  red,
+  green,
+  blue,
+  u,
+  v,
+  corners,
+  strip,
+  texcoords,
+  texture,
+  material
+};
 
 Role roleOf(const PlyElement& element, const PlyProperty& property) {
   const auto is = [&](auto... names) { return ((property.name == names) || ...); };
   const bool ofVertex = element.name == "vertex", ofFace = element.name == "face";
   if (property.listCount) {
-    if (isFaceCorners(element, property)) return Role::corners;
-    return ofFace && is("texcoord") ? Role::texcoords : Role::none;
+    if (ofFace && is("texcoord")) return Role::texcoords;
+    if (!is("vertex_indices", "vertex_index")) return Role::none;
+    if (element.name == "tristrips") return Role::strip;
+    return ofFace ? Role::corners : Role::none;
   }
   if (ofVertex && is("x")) return Role::x;
   if (ofVertex && is("y")) return Role::y;
@@ -38,14 +56,43 @@ Role roleOf(const PlyElement& element, const PlyProperty& property) {
   return Role::none;
 }
 
-bool has(const PlyHeader& header, const std::string& element, std::initializer_list<Role> roles) {
+// A property of an element, with what is done with it.
+struct Column {
+  const PlyProperty* property;
+  Role role;
+};
+
+std::vector<Column> columnsOf(const PlyElement& element) {
+  std::vector<Column> columns;
+  for (const PlyProperty& property : element.properties) {
+    columns.push_back({&property, roleOf(element, property)});
+  }
+  return columns;
+}
+
+bool has(const PlyElement* element, std::initializer_list<Role> roles) {
+  if (element == nullptr) return false;
+  const std::vector<Column> columns = columnsOf(*element);
   return std::all_of(roles.begin(), roles.end(), [&](Role role) {
-    return std::any_of(header.elements.begin(), header.elements.end(), [&](const PlyElement& e) {
-      return e.name == element &&
-             std::any_of(e.properties.begin(), e.properties.end(),
-                         [&](const PlyProperty& p) { return roleOf(e, p) == role; });
-    });
+    return std::any_of(columns.begin(), columns.end(),
+                       [&](const Column& column) { return column.role == role; });
   });
+}
+
+const PlyElement* find(const PlyHeader& header, const std::string& name) {
+  const auto found = std::find_if(header.elements.begin(), header.elements.end(),
+                                  [&](const PlyElement& e) { return e.name == name; });
+  return found == header.elements.end() ? nullptr : &*found;
+}
+
+// How many of an element a file of that size can hold.
+std::size_t mostOf(const PlyElement& element, const MeshFile& file, PlyEncoding encoding) {
+  std::size_t least = 0;
+  for (const PlyProperty& property : element.properties) {
+    const PlyType& first = property.listCount ? *property.listCount : property.value;
+    least += encoding == PlyEncoding::ascii ? 2 : first.bytes;
+  }
+  return std::min(element.count, file.bytes.size() / std::max<std::size_t>(least, 1));
 }
 
 // A colour's channel as a share of the most that its type can tell; floats as they are.
@@ -55,153 +102,170 @@ float channel(double value, const PlyType& type) {
   return static_cast<float>(value / (std::exp2(bits) - 1.0));
 }
 
+// The single values of one vertex or face.
 struct Values {
   glm::dvec3 position{0.0};
   glm::vec3 colour{1.0f};
   glm::vec2 texcoord{0.0f};
-  std::vector<std::int64_t> corners{};
-  std::vector<float> texcoords{};
-  std::int64_t texture = 0, material = 0;
+  std::uint32_t texture = 0, material = 0;
 };
 
-// The values of one vertex or face.
-void take(PlyBody& body, const PlyElement& element, Values& values) {
-  values.corners.clear();
-  values.texcoords.clear();
-  for (const PlyProperty& property : element.properties) {
-    const Role role = roleOf(element, property);
-    const auto number = [&] { return body.number(property.value); };
-    const auto real = [&] { return static_cast<float>(body.number(property.value)); };
-    if (property.listCount) {
-      const auto length = static_cast<std::size_t>(body.integer(*property.listCount));
-      for (std::size_t i = 0; i < length && role == Role::corners; ++i) {
-        values.corners.push_back(body.integer(property.value));
+struct Reader {
+  const MeshFile& file;
+  PlyHeader header = readPlyHeader(file);
+  const PlyElement* vertex = find(header, "vertex");
+  const PlyElement* face = find(header, "face");
+  const PlyElement* strips = find(header, "tristrips");
+  std::size_t vertexCount = vertex == nullptr ? 0 : vertex->count;
+  bool vertexColours = has(vertex, {Role::red, Role::green, Role::blue});
+  bool faceColours = !vertexColours && has(face, {Role::red, Role::green, Role::blue});
+  bool cornerTexcoords = has(face, {Role::texcoords});
+  bool vertexTexcoords = !cornerTexcoords && has(vertex, {Role::u, Role::v});
+  bool byMaterial = has(face, {Role::material});
+
+  RawMesh out{};
+  PolygonMesh mesh{};
+  std::vector<glm::vec3> colours{};        // of vertices or faces
+  std::vector<std::uint32_t> materials{};  // [faces] as the file has them
+  std::vector<float> texcoords{};          // of one face
+  std::vector<std::int64_t> strip{};
+
+  void checkHeader() const {
+    for (const PlyElement& element : header.elements) {
+      if (element.properties.empty() && element.count > 0)
+        throw inputError(file, "element " + inQuotes(element.name) + " has no properties");
+      for (const PlyProperty& property : element.properties) {
+        const Role role = roleOf(element, property);
+        if ((role == Role::corners || role == Role::strip) && !property.value.isInteger)
+          throw inputError(file, "its faces' corners are not of a whole-number type");
       }
-      for (std::size_t i = 0; i < length && role == Role::texcoords; ++i) {
-        values.texcoords.push_back(real());
-      }
-      if (role == Role::none) body.skip(property.value, length);
-      continue;
     }
-    switch (role) {
+    if (!has(vertex, {Role::x, Role::y, Role::z}))
+      throw inputError(file, "its vertices have no x, y and z");
+    const bool someFaces = (face != nullptr && face->count > 0) || strips != nullptr;
+    if (!someFaces && vertexCount > 0) {
+      throw inputError(
+          file, "holds " + std::to_string(vertexCount) + " points and no faces; a mesh is needed");
+    }
+    if (!has(face, {Role::corners}) && !has(strips, {Role::strip}))
+      throw inputError(file, "its faces have no list 'vertex_indices'");
+  }
+
+  void requireVertex(std::int64_t index, const PlyBody& body) const {
+    if (index >= 0 && static_cast<std::size_t>(index) < vertexCount) return;
+    throw body.bad("uses vertex " + std::to_string(index) + ", the file has " +
+                   std::to_string(vertexCount));
+  }
+
+  void takeList(PlyBody& body, const Column& column) {
+    const PlyType& type = column.property->value;
+    const std::int64_t length = body.integer(*column.property->listCount);
+    if (length < 0) throw body.bad("has a list of negative length");
+    if (column.role == Role::none) body.skip(type, static_cast<std::size_t>(length));
+    if (column.role == Role::strip) strip.clear();
+    if (column.role == Role::texcoords) texcoords.clear();
+    for (std::int64_t i = 0; i < length && column.role != Role::none; ++i) {
+      if (column.role == Role::texcoords) {
+        texcoords.push_back(static_cast<float>(body.number(type)));
+        continue;
+      }
+      const std::int64_t index = body.integer(type);
+      const bool endsStrip = column.role == Role::strip && index == -1;
+      if (!endsStrip) requireVertex(index, body);
+      if (column.role == Role::strip)
+        strip.push_back(index);
+      else
+        mesh.corners.push_back(static_cast<std::uint32_t>(index));
+    }
+  }
+
+  void takeNumber(PlyBody& body, const Column& column, Values& values) const {
+    const PlyType& type = column.property->value;
+    if (column.role == Role::none) return body.skip(type, 1);
+    const double value = body.number(type);
+    switch (column.role) {
       case Role::x:
       case Role::y:
-      case Role::z:  // in single precision, as Assimp reads them
-        values.position[static_cast<int>(role) - static_cast<int>(Role::x)] = real();
+      case Role::z:
+        values.position[static_cast<int>(column.role) - static_cast<int>(Role::x)] = value;
         break;
       case Role::red:
       case Role::green:
       case Role::blue:
-        values.colour[static_cast<int>(role) - static_cast<int>(Role::red)] =
-            channel(number(), property.value);
+        values.colour[static_cast<int>(column.role) - static_cast<int>(Role::red)] =
+            channel(value, type);
         break;
       case Role::u:
       case Role::v:
-        values.texcoord[role == Role::u ? 0 : 1] = real();
+        values.texcoord[column.role == Role::u ? 0 : 1] = static_cast<float>(value);
         break;
-      case Role::texture:
-      case Role::material: {
-        const double value = number();
+      default: {
         const bool good = value >= 0.0 && value <= std::numeric_limits<std::int32_t>::max();
-        (role == Role::texture ? values.texture : values.material) =
-            good ? static_cast<std::int64_t>(value) : 0;
-        break;
+        (column.role == Role::texture ? values.texture : values.material) =
+            good ? static_cast<std::uint32_t>(value) : 0;
       }
-      default:
-        body.skip(property.value, 1);
     }
   }
-}
 
-// Vertices as the file has them, and whether faces' corners need vertices of their own.
-struct Reader {
-  const MeshFile& file;
-  const PlyHeader& header;
-  bool vertexColours = has(header, "vertex", {Role::red, Role::green, Role::blue});
-  bool faceColours = !vertexColours && has(header, "face", {Role::red, Role::green, Role::blue});
-  bool faceTexcoords = has(header, "face", {Role::texcoords});
-  bool vertexTexcoords = !faceTexcoords && has(header, "vertex", {Role::u, Role::v});
-  bool byMaterial = has(header, "face", {Role::material});
-  bool split = faceColours || faceTexcoords;
+  void addVertex(const Values& values) {
+    mesh.vertices.push_back(values.position);
+    if (vertexColours) colours.push_back(values.colour);
+    if (vertexTexcoords) mesh.vertexTexcoords.push_back(values.texcoord);
+  }
 
-  struct Face {
-    std::size_t first, count;
-    glm::vec3 colour;
-    std::int64_t material;
-  };
-  RawMesh out{};
-  std::vector<glm::dvec3> positions{};
-  std::vector<glm::vec3> colours{};
-  std::vector<glm::vec2> texcoords{};
-  std::vector<Face> faces{};
-  std::vector<std::uint32_t> corners{};
-  std::vector<glm::vec2> cornerTexcoords{};
+  // Its corners are the last of the mesh; with one or two it is a point or a line.
+  void addFace(const Values& values) {
+    const std::size_t first = mesh.faceEnds.empty() ? 0 : mesh.faceEnds.back();
+    const std::size_t count = mesh.corners.size() - first;
+    if (count < 3) return mesh.corners.resize(first);
+    mesh.faceEnds.push_back(static_cast<std::uint32_t>(mesh.corners.size()));
+    if (faceColours) colours.push_back(values.colour);
+    materials.push_back(byMaterial ? values.material : values.texture);
+    for (std::size_t k = 0; k < count && cornerTexcoords; ++k) {
+      const bool told = 2 * k + 1 < texcoords.size();
+      mesh.cornerTexcoords.push_back(told ? glm::vec2(texcoords[2 * k], texcoords[2 * k + 1])
+                                          : glm::vec2(0.0f));
+    }
+  }
 
-  void addFace(const Values& values, const PlyBody& body) {
-    if (values.corners.size() < 3) return;
-    faces.push_back({corners.size(), values.corners.size(), values.colour,
-                     byMaterial ? values.material : values.texture});
-    for (std::size_t k = 0; k < values.corners.size(); ++k) {
-      const std::int64_t corner = values.corners[k];
-      if (corner < 0 || static_cast<std::size_t>(corner) >= header.vertices) {
-        throw body.bad("uses vertex " + std::to_string(corner));
+  // Strips end at -1; every second triangle of one is turned back.
+  void addStrips() {
+    texcoords.clear();
+    std::size_t begin = 0;
+    for (std::size_t i = 0; i < strip.size(); ++i) {
+      if (strip[i] == -1) begin = i + 1;
+      if (i < begin + 2) continue;
+      const bool turned = (i - begin) % 2 == 1;
+      for (const std::size_t k : {i - 2, i - (turned ? 0 : 1), i - (turned ? 1 : 0)}) {
+        mesh.corners.push_back(static_cast<std::uint32_t>(strip[k]));
       }
-      corners.push_back(static_cast<std::uint32_t>(corner));
-      if (!faceTexcoords) continue;
-      const bool told = 2 * k + 1 < values.texcoords.size();
-      cornerTexcoords.push_back(
-          told ? glm::vec2(values.texcoords[2 * k], values.texcoords[2 * k + 1]) : glm::vec2(0.0f));
+      addFace({});
     }
   }
 
   void readBody() {
     PlyBody body(file, header);
-    Values values;
     for (const PlyElement& element : header.elements) {
+      const std::vector<Column> columns = columnsOf(element);
+      const bool isVertex = &element == vertex, isFace = &element == face;
+      if (isVertex) mesh.vertices.reserve(mostOf(element, file, header.encoding));
+      if (isFace) mesh.corners.reserve(3 * mostOf(element, file, header.encoding));
+      Values values;
       for (std::size_t i = 0; i < element.count; ++i) {
         body.begin(element, i);
-        take(body, element, values);
-        if (element.name == "face") addFace(values, body);
-        if (element.name == "vertex") {
-          positions.push_back(values.position);
-          if (vertexColours) colours.push_back(values.colour);
-          if (vertexTexcoords) texcoords.push_back(values.texcoord);
+        for (const Column& column : columns) {
+          if (column.property->listCount)
+            takeList(body, column);
+          else
+            takeNumber(body, column, values);
         }
         body.end();
+        if (isVertex) addVertex(values);
+        if (isFace) addFace(values);
+        if (&element == strips) addStrips();
       }
     }
-  }
-
-  void makeTriangles() {
-    std::vector<glm::vec3> outColours;
-    const auto addVertex = [&](std::size_t at) {
-      out.vertices.push_back(positions[at]);
-      if (vertexColours) outColours.push_back(colours[at]);
-      if (vertexTexcoords) out.texcoords.push_back(texcoords[at]);
-    };
-    for (std::size_t i = 0; i < positions.size() && !split; ++i) addVertex(i);
-    std::vector<std::uint32_t> polygon;
-    for (const Face& face : faces) {
-      polygon.clear();
-      for (std::size_t i = face.first; i < face.first + face.count; ++i) {
-        if (!split) {
-          polygon.push_back(corners[i]);
-          continue;
-        }
-        polygon.push_back(static_cast<std::uint32_t>(out.vertices.size()));
-        addVertex(corners[i]);
-        if (faceColours) outColours.push_back(face.colour);
-        if (faceTexcoords) out.texcoords.push_back(cornerTexcoords[i]);
-      }
-      triangulate(out.vertices, polygon, out.triangles);
-      ++out.polygons;
-      if (!out.look.materials.empty()) {
-        const auto most = static_cast<std::int64_t>(out.look.materials.size()) - 1;
-        const auto material = static_cast<std::uint32_t>(std::min(face.material, most));
-        out.material.resize(out.triangles.size(), material);
-      }
-    }
-    out.colours = coloursFrom(outColours);
+    body.finish();
   }
 
   // Materials are what comments say: "material NUMBER NAME [TEXTURE]" as Sherd writes them, else
@@ -219,34 +283,34 @@ struct Reader {
       textureOf.push_back(parseInteger<std::size_t>(takeWord(rest)));
     }
     byMaterial = !out.look.materials.empty();
-    if (!faceTexcoords && !vertexTexcoords) return;
+    if (!cornerTexcoords && !vertexTexcoords) return;
     for (std::size_t i = 0; i < textures.size() && !byMaterial; ++i) {
       out.look.materials.push_back({.name = std::filesystem::path(textures[i]).stem().string()});
       textureOf.emplace_back(i);
     }
     for (std::size_t i = 0; i < textureOf.size(); ++i) {
       if (!textureOf[i] || *textureOf[i] >= textures.size()) continue;
-      out.look.materials[i].texture = textureBeside(file, textures[*textureOf[i]], out.look);
+      out.look.materials[i].texture = textureBeside(file, textures[*textureOf[i]], out);
     }
+  }
+
+  RawMesh read() {
+    checkHeader();
+    readComments();
+    readBody();
+    (vertexColours ? mesh.vertexColours : mesh.faceColours) = coloursFrom(colours);
+    if (!out.look.materials.empty()) {
+      const auto last = static_cast<std::uint32_t>(out.look.materials.size()) - 1;
+      for (std::uint32_t& material : materials) material = std::min(material, last);
+      mesh.faceMaterials = std::move(materials);
+    }
+    triangulateInto(file, std::move(mesh), out);
+    return std::move(out);
   }
 };
 
 }  // namespace
 
-bool hasLook(const PlyHeader& header) {
-  return has(header, "vertex", {Role::red, Role::green, Role::blue}) ||
-         has(header, "face", {Role::red, Role::green, Role::blue}) ||
-         has(header, "vertex", {Role::u, Role::v}) || has(header, "face", {Role::texcoords}) ||
-         has(header, "face", {Role::material});
-}
-
-RawMesh readPlyWithLook(const MeshFile& file) {
-  const PlyHeader header = readPlyHeader(file);
-  Reader reader{.file = file, .header = header};
-  reader.readComments();
-  reader.readBody();
-  reader.makeTriangles();
-  return std::move(reader.out);
-}
+RawMesh readPly(const MeshFile& file) { return Reader{.file = file}.read(); }
 
 }  // namespace sherd

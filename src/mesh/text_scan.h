@@ -14,6 +14,12 @@ namespace sherd {
 
 inline bool isBlank(char c) { return c == ' ' || ('\t' <= c && c <= '\r'); }
 
+/// A text without the byte order mark that some programs put before UTF-8.
+inline std::string_view withoutByteOrderMark(std::string_view text) {
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  return text;
+}
+
 /// Whether a text holds nothing but blanks.
 inline bool isBlank(std::string_view text) {
   return std::all_of(text.begin(), text.end(), [](char c) { return isBlank(c); });

@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <glm/vec2.hpp>
+#include <numeric>
 
 namespace sherd {
 namespace {
@@ -52,9 +53,10 @@ bool isConvex(std::span<const glm::dvec2> points) {
 }  // namespace
 
 void triangulate(std::span<const glm::dvec3> vertices, std::span<const std::uint32_t> polygon,
-                 std::vector<glm::uvec3>& triangles) {
+                 std::vector<glm::uvec3>& places) {
   assert(polygon.size() >= 3);
-  std::vector<std::uint32_t> corners(polygon.begin(), polygon.end());
+  std::vector<std::uint32_t> corners(polygon.size());
+  std::iota(corners.begin(), corners.end(), 0u);
   if (polygon.size() > 3 && polygon.size() <= kMostCornersForEars) {
     std::vector<glm::dvec2> points = flattened(vertices, polygon);
     const auto isEar = [&](std::size_t i) {
@@ -75,13 +77,13 @@ void triangulate(std::span<const glm::dvec3> vertices, std::span<const std::uint
       if (tested == n || tested >= testsLeft) break;  // it crosses itself: fan what is left
       testsLeft -= tested;
       ear = (ear + tested) % n;
-      triangles.emplace_back(corners[(ear + n - 1) % n], corners[ear], corners[(ear + 1) % n]);
+      places.emplace_back(corners[(ear + n - 1) % n], corners[ear], corners[(ear + 1) % n]);
       points.erase(points.begin() + static_cast<std::ptrdiff_t>(ear));
       corners.erase(corners.begin() + static_cast<std::ptrdiff_t>(ear));
     }
   }
   for (std::size_t i = 2; i < corners.size(); ++i)
-    triangles.emplace_back(corners[0], corners[i - 1], corners[i]);
+    places.emplace_back(corners[0], corners[i - 1], corners[i]);
 }
 
 }  // namespace sherd

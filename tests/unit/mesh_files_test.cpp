@@ -102,7 +102,7 @@ TEST_F(MeshFiles, EveryFormatIsTheSameClosedSurface) {
       EXPECT_EQ(nonManifoldEdges(back.mesh), 0u);
       EXPECT_EQ(back.mesh.vertices.size(), 8u);
       EXPECT_DOUBLE_EQ(volume(back.mesh), 8.0);
-      EXPECT_TRUE(back.appearance.warnings.empty());
+      EXPECT_TRUE(back.warnings.empty());
       const auto here = byPlaces(piece.mesh), there = byPlaces(back.mesh);
       ASSERT_EQ(here.size(), 12u);
       for (const auto& [places, t] : here) EXPECT_TRUE(there.contains(places));

@@ -78,7 +78,7 @@ TEST_F(ReadAppearance, PlainMeshesHaveNone) {
   const SourceMesh source = read("plain.obj", obj.str());
   EXPECT_TRUE(source.appearance.surface.empty());
   EXPECT_TRUE(source.appearance.materials.empty());
-  EXPECT_TRUE(source.appearance.warnings.empty());
+  EXPECT_TRUE(source.warnings.empty());
 }
 
 std::string plyOf(const std::string& format, const std::string& colourType, double most) {
@@ -165,8 +165,8 @@ TEST_F(ReadAppearance, PlyCornersKeepTheirSeams) {
   EXPECT_EQ(source.appearance.materials[1].texture, -1);
   ASSERT_EQ(source.appearance.textures.size(), 1u);
   EXPECT_EQ(source.appearance.textures[0].bytes, kPng);
-  ASSERT_EQ(source.appearance.warnings.size(), 1u);
-  EXPECT_NE(source.appearance.warnings[0].find("gone.png"), std::string::npos);
+  ASSERT_EQ(source.warnings.size(), 1u);
+  EXPECT_NE(source.warnings[0].find("gone.png"), std::string::npos);
 }
 
 TEST_F(ReadAppearance, PlyFacesHaveColours) {
@@ -218,7 +218,7 @@ TEST_F(ReadAppearance, ObjHasColoursTexturesAndMaterials) {
   expectColours(source);
   expectTexcoords(source);
   const Appearance& look = source.appearance;
-  EXPECT_TRUE(look.warnings.empty());
+  EXPECT_TRUE(source.warnings.empty());
   for (std::size_t t = 0; t < 12; ++t) EXPECT_EQ(look.surface.material[t], t / 6);
   ASSERT_EQ(look.materials.size(), 2u);
   EXPECT_EQ(look.materials[0].name, "a");
@@ -237,7 +237,7 @@ TEST_F(ReadAppearance, ObjWithoutItsLibraryKeepsNames) {
   EXPECT_TRUE(source.appearance.surface.colours.empty());
   ASSERT_EQ(source.appearance.materials.size(), 2u);
   EXPECT_EQ(source.appearance.materials[0].name, "a");
-  EXPECT_EQ(source.appearance.warnings,
+  EXPECT_EQ(source.warnings,
             (std::vector<std::string>{
                 "cube.obj: its material library 'gone.mtl' is not there, so it is left out"}));
 }
@@ -252,12 +252,12 @@ TEST_F(ReadAppearance, FilesOutsideTheFolderAreNotRead) {
     write("in/skin.mtl", "newmtl a\nmap_Kd " + name + "\n");
     const SourceMesh source = read("in/cube.obj", objOf("mtllib skin.mtl\n", false));
     EXPECT_TRUE(source.appearance.textures.empty()) << name;
-    ASSERT_EQ(source.appearance.warnings.size(), 1u) << name;
-    EXPECT_NE(source.appearance.warnings[0].find("does not lie in or below"), std::string::npos);
+    ASSERT_EQ(source.warnings.size(), 1u) << name;
+    EXPECT_NE(source.warnings[0].find("does not lie in or below"), std::string::npos);
   }
   const SourceMesh source = read("in/cube.obj", objOf("mtllib ../secret.mtl\n", false));
   EXPECT_EQ(source.appearance.materials[0].colour, glm::vec3(1.0f));
-  EXPECT_EQ(source.appearance.warnings.size(), 1u);
+  EXPECT_EQ(source.warnings.size(), 1u);
 }
 
 TEST_F(ReadAppearance, ObjWithSomeColouredVerticesIsReadWhole) {
@@ -394,7 +394,7 @@ TEST_F(ReadAppearance, GlbWithAPictureInIt) {
   expectGltfLook(source);
   ASSERT_EQ(source.appearance.materials[0].texture, 0);
   EXPECT_EQ(source.appearance.textures[0].bytes, kPng);
-  EXPECT_TRUE(source.appearance.warnings.empty());
+  EXPECT_TRUE(source.warnings.empty());
 }
 
 TEST_F(ReadAppearance, GltfWithAPictureBesideIt) {
@@ -409,7 +409,7 @@ TEST_F(ReadAppearance, GltfWithAPictureBesideIt) {
   source = read("cube.glb", glbOf(gltf));
   expectGltfLook(source);
   EXPECT_EQ(source.appearance.materials[0].texture, -1);
-  EXPECT_EQ(source.appearance.warnings.size(), 1u);
+  EXPECT_EQ(source.warnings.size(), 1u);
 }
 
 }  // namespace

@@ -1,0 +1,136 @@
+// One primitive of a glTF file's mesh.
+#include "mesh/gltf_primitive.h"
+
+#include <cmath>
+#include <string>
+
+#include "mesh/gltf_accessor.h"
+#include "mesh/gltf_draco.h"
+#include "mesh/gltf_look.h"
+
+namespace sherd {
+namespace {
+
+using Json = GltfDocument::Json;
+
+constexpr std::size_t kTriangles = 4, kStrip = 5, kFan = 6;
+
+// The arrays of a primitive, wherever they come from.
+class Attributes {
+ public:
+  Attributes(const GltfDocument& document, const Json& primitive)
+      : document_(document),
+        attributes_(GltfDocument::member(primitive, "attributes")),
+        draco_(decodeDraco(document, primitive)) {
+    if (!attributes_.is_object() || !attributes_.contains("POSITION"))
+      throw document_.bad("a mesh has no 'POSITION'");
+  }
+
+  std::optional<GltfArray> read(const std::string& name) const {
+    if (draco_) {
+      const auto found = draco_->attributes.find(name);
+      if (found != draco_->attributes.end()) return found->second;
+    }
+    if (!attributes_.contains(name)) return std::nullopt;
+    return readGltfArray(document_, document_.number(attributes_, name.c_str()));
+  }
+
+  const std::optional<GltfDraco>& draco() const { return draco_; }
+
+ private:
+  const GltfDocument& document_;
+  const Json& attributes_;
+  std::optional<GltfDraco> draco_;
+};
+
+// The vertices in the order that the primitive names them.
+std::vector<std::uint32_t> readIndices(const GltfDocument& document, const Json& primitive,
+                                       std::size_t vertices) {
+  std::vector<std::uint32_t> out;
+  if (!primitive.contains("indices")) {
+    for (std::size_t i = 0; i < vertices; ++i) out.push_back(static_cast<std::uint32_t>(i));
+    return out;
+  }
+  const std::size_t index = document.number(primitive, "indices");
+  const std::size_t type = document.number(document.at("accessors", index), "componentType");
+  const GltfArray array = readGltfArray(document, index);
+  if (array.components != 1 || (type != 5121 && type != 5123 && type != 5125))
+    throw document.bad("a mesh's 'indices' are not unsigned whole numbers");
+  out.reserve(array.count);
+  for (const double value : array.values) {
+    if (value >= static_cast<double>(vertices)) {
+      throw document.bad("face uses vertex " + std::to_string(static_cast<std::uint32_t>(value)) +
+                         ", its mesh has " + std::to_string(vertices));
+    }
+    out.push_back(static_cast<std::uint32_t>(value));
+  }
+  return out;
+}
+
+std::vector<glm::uvec3> trianglesOf(const std::vector<std::uint32_t>& at, std::size_t mode) {
+  std::vector<glm::uvec3> out;
+  const std::size_t step = mode == kTriangles ? 3 : 1;
+  for (std::size_t i = 0; i + 2 < at.size(); i += step) {
+    if (mode == kFan) {
+      out.emplace_back(at[i + 1], at[i + 2], at[0]);
+    } else {
+      const bool turned = mode == kStrip && i % 2 == 1;
+      out.emplace_back(at[i], at[i + (turned ? 2 : 1)], at[i + (turned ? 1 : 2)]);
+    }
+  }
+  return out;
+}
+
+void requireLength(const GltfDocument& document, const GltfArray& array, std::size_t length,
+                   std::size_t components, const std::string& name) {
+  if (array.count == length && array.components >= components) return;
+  throw document.bad("a mesh's '" + name + "' is not of " + std::to_string(components) +
+                     " numbers for each of its " + std::to_string(length) + " vertices");
+}
+
+}  // namespace
+
+std::optional<GltfPrimitive> readGltfPrimitive(const GltfDocument& document,
+                                               const Json& primitive) {
+  const std::size_t mode = document.number(primitive, "mode", kTriangles);
+  if (mode < kTriangles) return std::nullopt;
+  if (mode > kFan) throw document.bad("a mesh's 'mode' is " + std::to_string(mode));
+  const Attributes attributes(document, primitive);
+  GltfPrimitive out;
+
+  const GltfArray positions = attributes.read("POSITION").value();
+  if (positions.components != 3) throw document.bad("a mesh's 'POSITION' is not of three numbers");
+  out.positions.reserve(positions.count);
+  for (std::size_t i = 0; i < positions.count; ++i) {
+    out.positions.emplace_back(positions.at(i, 0), positions.at(i, 1), positions.at(i, 2));
+  }
+  out.triangles = attributes.draco()
+                      ? attributes.draco()->triangles
+                      : trianglesOf(readIndices(document, primitive, positions.count), mode);
+
+  const std::size_t materials = document.array("materials").size();
+  out.material = document.number(primitive, "material", materials);
+  if (out.material != materials) (void)document.at("materials", out.material);
+
+  std::string name = "TEXCOORD_" + std::to_string(texcoordSetOf(document, out.material));
+  std::optional<GltfArray> texcoords = attributes.read(name);
+  if (!texcoords) texcoords = attributes.read(name = "TEXCOORD_0");
+  if (texcoords) {
+    requireLength(document, *texcoords, positions.count, 2, name);
+    for (std::size_t i = 0; i < texcoords->count; ++i) {  // v runs downwards
+      const glm::vec2 at(texcoords->at(i, 0), 1.0f - static_cast<float>(texcoords->at(i, 1)));
+      const bool finite = std::isfinite(at.x) && std::isfinite(at.y);
+      out.texcoords.push_back(finite ? at : glm::vec2(0.0f));
+    }
+  }
+  if (const std::optional<GltfArray> colours = attributes.read("COLOR_0")) {
+    requireLength(document, *colours, positions.count, 3, "COLOR_0");
+    for (std::size_t i = 0; i < colours->count; ++i) {
+      out.colours.push_back(
+          srgbFromLinear(glm::vec3(colours->at(i, 0), colours->at(i, 1), colours->at(i, 2))));
+    }
+  }
+  return out;
+}
+
+}  // namespace sherd

@@ -1,0 +1,95 @@
+// Meshes as most files have them, made triangles.
+#include "mesh/polygon_mesh.h"
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <utility>
+
+#include "mesh/triangulate.h"
+
+namespace sherd {
+namespace {
+
+// Triangles of all faces, as numbers of corners, and the face that each is of.
+struct Triangles {
+  std::vector<glm::uvec3> corners;
+  std::vector<std::uint32_t> face;
+};
+
+Triangles triangulated(const PolygonMesh& mesh) {
+  Triangles out;
+  const std::size_t count = mesh.corners.size() - 2 * mesh.faceEnds.size();
+  out.corners.reserve(count);
+  out.face.reserve(count);
+  std::vector<glm::uvec3> places;
+  std::uint32_t begin = 0;
+  for (std::uint32_t face = 0; face < mesh.faceEnds.size(); ++face) {
+    const std::uint32_t end = mesh.faceEnds[face];
+    if (end - begin == 3) {
+      out.corners.emplace_back(begin, begin + 1, begin + 2);
+      out.face.push_back(face);
+    } else {
+      places.clear();
+      triangulate(mesh.vertices, std::span(mesh.corners).subspan(begin, end - begin), places);
+      for (const glm::uvec3& t : places) out.corners.push_back(t + begin);
+      out.face.insert(out.face.end(), places.size(), face);
+    }
+    begin = end;
+  }
+  return out;
+}
+
+template <class Value>
+std::vector<std::array<Value, 3>> atCorners(const std::vector<Value>& values,
+                                            const std::vector<glm::uvec3>& triangles) {
+  std::vector<std::array<Value, 3>> out;
+  if (values.empty()) return out;
+  out.reserve(triangles.size());
+  for (const glm::uvec3& t : triangles) out.push_back({values[t.x], values[t.y], values[t.z]});
+  return out;
+}
+
+template <class Value>
+std::vector<Value> ofFaces(const std::vector<Value>& values,
+                           const std::vector<std::uint32_t>& faces) {
+  std::vector<Value> out;
+  if (values.empty()) return out;
+  out.reserve(faces.size());
+  for (const std::uint32_t face : faces) out.push_back(values[face]);
+  return out;
+}
+
+}  // namespace
+
+void triangulateInto(const MeshFile& file, PolygonMesh&& mesh, RawMesh& out) {
+  constexpr std::size_t kMost = std::numeric_limits<std::uint32_t>::max();
+  if (mesh.vertices.size() > kMost || mesh.corners.size() > kMost) {
+    throw inputError(file,
+                     "has more than 2^32 vertices or corners of faces, which is more than "
+                     "can be held");
+  }
+  const Triangles triangles = triangulated(mesh);
+  out.triangles.reserve(triangles.corners.size());
+  for (const glm::uvec3& t : triangles.corners) {
+    out.triangles.emplace_back(mesh.corners[t.x], mesh.corners[t.y], mesh.corners[t.z]);
+  }
+  SurfaceLook& look = out.look.surface;
+  look.colours = atCorners(mesh.vertexColours, out.triangles);
+  for (const glm::u8vec3& colour : ofFaces(mesh.faceColours, triangles.face)) {
+    look.colours.push_back({colour, colour, colour});
+  }
+  look.texcoords = mesh.vertexTexcoords.empty() ? atCorners(mesh.cornerTexcoords, triangles.corners)
+                                                : atCorners(mesh.vertexTexcoords, out.triangles);
+  for (auto& corners : look.texcoords) {
+    for (glm::vec2& at : corners) {
+      if (!std::isfinite(at.x) || !std::isfinite(at.y)) at = glm::vec2(0.0f);
+    }
+  }
+  look.material = ofFaces(mesh.faceMaterials, triangles.face);
+  out.objectOfTriangle = ofFaces(mesh.objectOfFace, triangles.face);
+  out.vertices = std::move(mesh.vertices);
+}
+
+}  // namespace sherd
