@@ -37,16 +37,16 @@ struct SourceMesh {
                                         ///< granted, such as a texture that is not there
 };
 
-/// Read OBJ, PLY (ASCII, both binary orders), STL (both kinds), OFF, glTF, GLB or .binm, by the file's
-/// extension; `.gz` of any is unpacked.  Polygons are triangulated, exactly equal
-/// vertices merged.  Coordinates keep the precision that the file has.
+/// Read OBJ, PLY, STL, OFF, glTF, GLB, .binm, FBX, DAE or 3MF, by the file's extension; `.gz` of
+/// any is unpacked.  Polygons are triangulated, exactly equal vertices merged.  Coordinates keep
+/// the file's precision; the last three formats', which sherd-assimp reads, are a float's.
 ///
 /// The look comes along: texture coordinates (the first set; that of the base colour in glTF),
 /// vertex and face colours (their alpha is left out), materials with names, base colours and
 /// base-colour textures.  Material libraries and textures are read from the mesh's folder and below
 /// it, and from nowhere else; what is not there is told in `warnings`.
 ///   throws  Error(input) absent, unreadable, cut, malformed, unknown format, no triangle, no
-///   finite vertex, more than 1e37 units long
+///   finite vertex, more than 1e37 units long; Error(cancelled) a signal stopped sherd-assimp
 [[nodiscard]] SourceMesh readMesh(const std::filesystem::path& file);
 
 /// Whether readMesh knows the format, by the file's extension.

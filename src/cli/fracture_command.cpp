@@ -304,7 +304,8 @@ void addFractureCommand(CLI::App& app, Action& run) {
   command
       ->add_option(
           "MESH", arguments->mesh,
-          "The mesh: .obj .ply .stl .off .gltf .glb .binm, also .gz; with --only a manifest.json")
+          "The mesh: .obj .ply .stl .off .gltf .glb .binm .fbx .dae .3mf, also .gz; with --only a "
+          "manifest.json")
       ->required();
   command
       ->add_option(

@@ -13,7 +13,7 @@
 
 namespace sherd {
 
-enum class MeshFormat { obj, ply, stl, off, gltf, glb, binm };
+enum class MeshFormat { obj, ply, stl, off, gltf, glb, binm, fbx, dae, threeMf };
 
 /// A mesh file in memory, unpacked.
 struct MeshFile {

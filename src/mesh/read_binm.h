@@ -1,12 +1,11 @@
 // The paper's binary mesh, `.binm`.
 #pragma once
 
-#include "mesh/completeness.h"
 #include "mesh/mesh_reader.h"
 
 namespace sherd {
 
-/// The layouts of checkBinm's file as the authors wrote them in turn:
+/// Positions and faces of a file in one of the layouts that the authors wrote in turn:
 ///
 ///     u32 V | V x 64 bytes | u32 F | F x 16 bytes                     what is in the data set
 ///     u64 V | V x 64 bytes | u64 F | F x 16 bytes                     February 2024
@@ -15,10 +14,6 @@ namespace sherd {
 /// A vertex is f32 x, y, z, 0, normal, 0, texture coordinates, 0, 0, tangent, 0; a face u32 a, b,
 /// c, part.  The file's size tells them apart.
 ///   throws  Error(input) none of these, an index out of range
-[[nodiscard]] FileCounts checkBinm(const MeshFile& file);
-
-/// Positions and faces, nothing else.
-///   file  passed checkBinm()
 [[nodiscard]] RawMesh readBinm(const MeshFile& file);
 
 }  // namespace sherd

@@ -72,12 +72,26 @@ Affine localOf(const GltfDocument& document, const Json& node) {
                 s ? glm::dvec3((*s)[0], (*s)[1], (*s)[2]) : glm::dvec3(1.0));
 }
 
+const Json& instancing(const Json& node) {
+  const Json& extension =
+      GltfDocument::member(GltfDocument::member(node, "extensions"), "EXT_mesh_gpu_instancing");
+  return GltfDocument::member(extension, "attributes");
+}
+
+// How often a node shows its mesh.
+std::size_t instanceCount(const GltfDocument& document, const Json& node) {
+  for (const char* name : {"TRANSLATION", "ROTATION", "SCALE"}) {
+    if (!instancing(node).contains(name)) continue;
+    const std::size_t index = document.number(instancing(node), name);
+    return document.number(document.at("accessors", index), "count");
+  }
+  return 1;
+}
+
 // Where EXT_mesh_gpu_instancing puts a node's mesh, in the node's space; once in its origin where
 // the node has none.
 std::vector<Affine> instancesOf(const GltfDocument& document, const Json& node) {
-  const Json& extension =
-      GltfDocument::member(GltfDocument::member(node, "extensions"), "EXT_mesh_gpu_instancing");
-  const Json& attributes = GltfDocument::member(extension, "attributes");
+  const Json& attributes = instancing(node);
   std::optional<std::size_t> count;
   const auto read = [&](const char* name, std::size_t components) -> std::optional<GltfArray> {
     if (!attributes.contains(name)) return std::nullopt;
@@ -217,10 +231,6 @@ struct Reader {
 
   // Where a primitive lacks what others have, colours are white and texture coordinates 0.
   void append(const GltfPrimitive& primitive, const Affine& world) {
-    if (out.vertices.size() + primitive.positions.size() > kMostShown ||
-        3 * (out.triangles.size() + primitive.triangles.size()) > kMostShown)
-      throw document.bad("its nodes show more than " + std::to_string(kMostShown) +
-                         " vertices or corners of triangles, which is more than is read");
     const auto first = static_cast<std::uint32_t>(out.vertices.size());
     const bool moves = world.moves();
     for (const glm::dvec3& v : primitive.positions)
@@ -243,6 +253,21 @@ struct Reader {
   std::string nameOf(const Shown& node) const {
     const std::string name = document.at("nodes", node.node).value("name", std::string());
     return name.empty() ? document.at("meshes", node.mesh).value("name", name) : name;
+  }
+
+  // Before room is made for it.
+  void checkSize() const {
+    std::size_t vertices = 0, corners = 0;
+    for (const Shown& node : shown) {
+      const std::size_t count = instanceCount(document, document.at("nodes", node.node));
+      for (const GltfPrimitive& primitive : *meshes[node.mesh]) {
+        vertices += count * primitive.positions.size();
+        corners += count * 3 * primitive.triangles.size();
+        if (std::max(vertices, corners) <= kMostShown) continue;
+        throw document.bad("its nodes show more than " + std::to_string(kMostShown) +
+                           " vertices or corners of triangles, which is more than is read");
+      }
+    }
   }
 
   void place() {
@@ -279,6 +304,7 @@ struct Reader {
 
   RawMesh read() {
     decodeMeshes();
+    checkSize();
     place();
     warn();
     return std::move(out);

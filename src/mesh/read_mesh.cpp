@@ -19,6 +19,7 @@
 #include "lower_case.h"
 #include "mesh/file_bytes.h"
 #include "mesh/merge.h"
+#include "mesh/read_assimp.h"
 #include "mesh/read_binm.h"
 #include "mesh/read_gltf.h"
 #include "mesh/read_obj.h"
@@ -35,14 +36,17 @@ constexpr std::size_t kLargestUnpacked = std::size_t{1}
                                          << 33;  // a small .gz may stand for any number of zeros
 
 std::optional<MeshFormat> formatFromExtension(const std::string& extension) {
-  constexpr std::array<std::pair<std::string_view, MeshFormat>, 7> kFormats{
+  constexpr std::array<std::pair<std::string_view, MeshFormat>, 10> kFormats{
       {{".obj", MeshFormat::obj},
        {".ply", MeshFormat::ply},
        {".stl", MeshFormat::stl},
        {".off", MeshFormat::off},
        {".gltf", MeshFormat::gltf},
        {".glb", MeshFormat::glb},
-       {".binm", MeshFormat::binm}}};
+       {".binm", MeshFormat::binm},
+       {".fbx", MeshFormat::fbx},
+       {".dae", MeshFormat::dae},
+       {".3mf", MeshFormat::threeMf}}};
   for (const auto& [name, format] : kFormats)
     if (lowerCase(extension) == name) return format;
   return std::nullopt;
@@ -112,6 +116,10 @@ RawMesh readRaw(const MeshFile& file) {
       return readGltf(file);
     case MeshFormat::binm:
       return readBinm(file);
+    case MeshFormat::fbx:
+    case MeshFormat::dae:
+    case MeshFormat::threeMf:
+      return readByAssimp(file, assimpLimits(file.bytes.size()));
   }
   return {};
 }
@@ -171,9 +179,11 @@ SourceMesh meshFromBytes(const fs::path& path, std::string bytes) {
   const std::string fileName = path.filename().string();
   const std::optional<MeshFormat> format = formatFromExtension(name.extension);
   if (!format) {
-    throw Error(ErrorCode::input,
-                fileName + ": the extension '" + name.extension +
-                    "' is not known; read are .obj .ply .stl .off .gltf .glb .binm, and each with .gz");
+    throw Error(
+        ErrorCode::input,
+        fileName + ": the extension '" + name.extension +
+            "' is not known; read are .obj .ply .stl .off .gltf .glb .binm .fbx .dae .3mf, and "
+            "each with .gz");
   }
   std::string hash;
   RawMesh raw;

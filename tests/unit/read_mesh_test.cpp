@@ -365,7 +365,7 @@ TEST_F(ReadMesh, RefusesAnAbsentFileAFolderAndAnEmptyFile) {
 }
 
 TEST_F(ReadMesh, RefusesAnUnknownExtension) {
-  EXPECT_NE(refusal("spider.fbx", "x").find("'.fbx' is not known"), std::string::npos);
+  EXPECT_NE(refusal("spider.usd", "x").find("'.usd' is not known"), std::string::npos);
   EXPECT_NE(refusal("spider", "x").find("'' is not known"), std::string::npos);
   EXPECT_NE(refusal("spider.gz", "x").find("'' is not known"), std::string::npos);
 }

@@ -1,0 +1,175 @@
+// A mesh that a reader found, as bytes between two programs of one build.
+//
+//   "sherd mesh 1"  arrays and texts one after another  "end"
+//   an array: 8 bytes, its length; then its elements as they lie in memory
+#include "mesh/mesh_stream.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <type_traits>
+#include <utility>
+
+namespace sherd {
+namespace {
+
+constexpr std::string_view kBegin = "sherd mesh 1", kEnd = "end";
+
+template <class Element>
+void put(std::string& out, const std::vector<Element>& elements) {
+  static_assert(std::is_trivially_copyable_v<Element>);
+  const std::uint64_t count = elements.size();
+  out.append(reinterpret_cast<const char*>(&count), sizeof count);
+  out.append(reinterpret_cast<const char*>(elements.data()), count * sizeof(Element));
+}
+
+void put(std::string& out, std::string_view text) {
+  put(out, std::vector<char>(text.begin(), text.end()));
+}
+
+void put(std::string& out, const std::vector<std::string>& texts) {
+  put(out, std::vector<std::uint64_t>{texts.size()});
+  for (const std::string& text : texts) put(out, text);
+}
+
+// Takes from the front of a stream; one that has too little is bad from then on.
+class Source {
+ public:
+  explicit Source(std::string_view bytes) : bytes_(bytes) {}
+  bool good() const { return good_; }
+  bool isAt(std::string_view end) const { return good_ && bytes_ == end; }
+
+  std::uint64_t takeCount() {
+    std::uint64_t count = 0;
+    good_ = good_ && bytes_.size() >= sizeof count;
+    if (!good_) return 0;
+    std::memcpy(&count, bytes_.data(), sizeof count);
+    bytes_.remove_prefix(sizeof count);
+    return count;
+  }
+
+  template <class Element>
+  void take(std::vector<Element>& elements) {
+    const std::uint64_t count = takeCount();
+    good_ = good_ && count <= bytes_.size() / sizeof(Element);
+    if (!good_) return;
+    elements.resize(count);
+    if (count > 0) std::memcpy(elements.data(), bytes_.data(), count * sizeof(Element));
+    bytes_.remove_prefix(count * sizeof(Element));
+  }
+
+  void take(std::string& text) {
+    std::vector<char> characters;
+    take(characters);
+    text.assign(characters.begin(), characters.end());
+  }
+
+  // How many of something follow, of which each takes 8 bytes at least.
+  std::size_t takeNumber() {
+    std::vector<std::uint64_t> number;
+    take(number);
+    good_ = good_ && number.size() == 1 && number[0] <= bytes_.size() / 8;
+    return good_ ? number[0] : 0;
+  }
+
+  void take(std::vector<std::string>& texts) {
+    texts.resize(takeNumber());
+    for (std::string& text : texts) take(text);
+  }
+
+ private:
+  std::string_view bytes_;
+  bool good_ = true;
+};
+
+// Whether an array has none, or one below `bound` for each of `count`.
+bool areBelow(const std::vector<std::uint32_t>& numbers, std::size_t count, std::size_t bound) {
+  return (numbers.empty() || numbers.size() == count) &&
+         std::all_of(numbers.begin(), numbers.end(),
+                     [&](std::uint32_t number) { return number < bound; });
+}
+
+bool isSound(const RawMesh& mesh) {
+  const SurfaceLook& look = mesh.look.surface;
+  const std::size_t count = mesh.triangles.size();
+  const auto fits = [&](const auto& array) { return array.empty() || array.size() == count; };
+  return std::all_of(mesh.triangles.begin(), mesh.triangles.end(),
+                     [&](const glm::uvec3& t) {
+                       return std::max({t.x, t.y, t.z}) < mesh.vertices.size();
+                     }) &&
+         fits(look.texcoords) && fits(look.colours) &&
+         std::all_of(look.texcoords.begin(), look.texcoords.end(),
+                     [](const auto& corners) {
+                       return std::all_of(corners.begin(), corners.end(), [](const glm::vec2& at) {
+                         return std::isfinite(at.x) && std::isfinite(at.y);
+                       });
+                     }) &&
+         areBelow(look.material, count, mesh.look.materials.size()) &&
+         areBelow(mesh.objectOfTriangle, count, mesh.objects.size()) &&
+         std::all_of(mesh.look.materials.begin(), mesh.look.materials.end(),
+                     [&](const Material& material) {
+                       return material.texture >= -1 &&
+                              material.texture < static_cast<int>(mesh.look.textures.size());
+                     });
+}
+
+}  // namespace
+
+std::string streamOf(const RawMesh& mesh) {
+  std::string out(kBegin);
+  put(out, mesh.vertices);
+  put(out, mesh.triangles);
+  put(out, mesh.look.surface.texcoords);
+  put(out, mesh.look.surface.colours);
+  put(out, mesh.look.surface.material);
+  put(out, std::vector<std::uint64_t>{mesh.look.materials.size()});
+  for (const Material& material : mesh.look.materials) {
+    put(out, material.name);
+    put(out, std::vector<glm::vec3>{material.colour});
+    put(out, std::vector<int>{material.texture});
+  }
+  put(out, std::vector<std::uint64_t>{mesh.look.textures.size()});
+  for (const Texture& texture : mesh.look.textures) {
+    put(out, texture.name);
+    put(out, texture.bytes);
+  }
+  put(out, mesh.objects);
+  put(out, mesh.objectOfTriangle);
+  put(out, mesh.warnings);
+  return out.append(kEnd);
+}
+
+std::optional<RawMesh> meshFromStream(std::string_view stream) {
+  if (!stream.starts_with(kBegin)) return std::nullopt;
+  Source source(stream.substr(kBegin.size()));
+  RawMesh mesh;
+  source.take(mesh.vertices);
+  source.take(mesh.triangles);
+  source.take(mesh.look.surface.texcoords);
+  source.take(mesh.look.surface.colours);
+  source.take(mesh.look.surface.material);
+  mesh.look.materials.resize(source.takeNumber());
+  for (Material& material : mesh.look.materials) {
+    std::vector<glm::vec3> colour;
+    std::vector<int> texture;
+    source.take(material.name);
+    source.take(colour);
+    source.take(texture);
+    if (colour.size() != 1 || texture.size() != 1) return std::nullopt;
+    material.colour = colour[0];
+    material.texture = texture[0];
+  }
+  mesh.look.textures.resize(source.takeNumber());
+  for (Texture& texture : mesh.look.textures) {
+    source.take(texture.name);
+    source.take(texture.bytes);
+  }
+  source.take(mesh.objects);
+  source.take(mesh.objectOfTriangle);
+  source.take(mesh.warnings);
+  if (!source.isAt(kEnd) || !isSound(mesh)) return std::nullopt;
+  return mesh;
+}
+
+}  // namespace sherd

@@ -1,0 +1,28 @@
+// Reads FBX, DAE and 3MF files by Assimp, in a program of its own.
+#pragma once
+
+#include <cstdint>
+
+#include "mesh/mesh_reader.h"
+
+namespace sherd {
+
+/// What the program may use before it is stopped.
+struct AssimpLimits {
+  std::uint64_t memoryMiB = 0;  ///< of addresses, and of what it answers
+  unsigned cpuSeconds = 0;
+  unsigned wallSeconds = 0;
+};
+
+/// Plenty for any file of that size.
+[[nodiscard]] AssimpLimits assimpLimits(std::size_t bytes);
+
+/// Every triangle that the file's nodes show, in single precision, with its look, by `sherd-assimp`
+/// (src/assimp_program/).  Whatever a malformed file does to Assimp ends that program and not this
+/// one. The program is what the environment variable SHERD_ASSIMP names, else it is looked for
+/// beside the running program and where it is installed.
+///   throws  Error(input) what Assimp refuses or dies of, or what takes more than the limits;
+///   Error(cancelled) stopped by SIGINT, SIGTERM or SIGHUP
+[[nodiscard]] RawMesh readByAssimp(const MeshFile& file, const AssimpLimits& limits);
+
+}  // namespace sherd
