@@ -1,10 +1,12 @@
 // From what a reader found to a mesh.
 #include "mesh/merge.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <utility>
 
 namespace sherd {
@@ -37,13 +39,23 @@ std::vector<std::uint32_t> firstEqual(const std::vector<glm::dvec3>& vertices) {
   const std::size_t slots = std::bit_ceil(2 * vertices.size() + 1);
   std::vector<std::uint32_t> table(slots, kNone);  // open addressing: a vertex per slot
   std::vector<std::uint32_t> first(vertices.size());
-  for (std::uint32_t i = 0; i < vertices.size(); ++i) {
-    const Bits bits = bitsOf(vertices[i]);
-    std::size_t slot = hashOf(bits) & (slots - 1);
-    while (table[slot] != kNone && bitsOf(vertices[table[slot]]) != bits)
-      slot = (slot + 1) & (slots - 1);
-    if (table[slot] == kNone) table[slot] = i;
-    first[i] = table[slot];
+  // The table is larger than the caches: a block's slots are fetched at once.
+  constexpr std::size_t kBlock = 32;
+  std::array<std::size_t, kBlock> slotOf{};
+  for (std::size_t begin = 0; begin < vertices.size(); begin += kBlock) {
+    const std::size_t end = std::min(begin + kBlock, vertices.size());
+    for (std::size_t i = begin; i < end; ++i) {
+      slotOf[i - begin] = hashOf(bitsOf(vertices[i])) & (slots - 1);
+      __builtin_prefetch(&table[slotOf[i - begin]]);
+    }
+    for (std::size_t i = begin; i < end; ++i) {
+      const Bits bits = bitsOf(vertices[i]);
+      std::size_t slot = slotOf[i - begin];
+      while (table[slot] != kNone && bitsOf(vertices[table[slot]]) != bits)
+        slot = (slot + 1) & (slots - 1);
+      if (table[slot] == kNone) table[slot] = static_cast<std::uint32_t>(i);
+      first[i] = table[slot];
+    }
   }
   return first;
 }
@@ -54,8 +66,10 @@ bool isFinite(const glm::dvec3& v) {
 
 // Drop the triangles that have a corner which is not finite: tell which are left.
 std::vector<std::uint32_t> finiteTriangles(const RawMesh& raw, SourceMesh& out) {
-  std::vector<std::uint32_t> kept;
-  kept.reserve(raw.triangles.size());
+  std::vector<std::uint32_t> kept(raw.triangles.size());
+  std::iota(kept.begin(), kept.end(), 0u);
+  if (std::all_of(raw.vertices.begin(), raw.vertices.end(), isFinite)) return kept;
+  kept.clear();
   std::vector<bool> counted;
   for (std::uint32_t i = 0; i < raw.triangles.size(); ++i) {
     const glm::uvec3& t = raw.triangles[i];
