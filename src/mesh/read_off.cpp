@@ -31,6 +31,12 @@ struct Reader {
       throw inputError(file, "cut short: the file ends before " + what);
   }
 
+  void expectLine(const char* what, std::size_t index, std::size_t count) {
+    if (nextDataLine(lines, line)) return;
+    throw inputError(file, std::string("cut short: the file ends before ") + what + " " +
+                               std::to_string(index) + " of " + std::to_string(count));
+  }
+
   std::optional<double> nextReal() { return parseReal(takeWord(line)); }
 
   void readKeyword() {
@@ -111,11 +117,11 @@ struct Reader {
     // A line has six bytes at least.
     mesh.vertices.reserve(std::min<std::size_t>(*vertices, file.bytes.size() / 6));
     for (std::size_t i = 0; i < *vertices; ++i) {
-      expectLine("vertex " + std::to_string(i) + " of " + std::to_string(*vertices));
+      expectLine("vertex", i, *vertices);
       readVertex();
     }
     for (std::size_t i = 0; i < *faces; ++i) {
-      expectLine("face " + std::to_string(i) + " of " + std::to_string(*faces));
+      expectLine("face", i, *faces);
       readFace(*vertices);
     }
     if (nextDataLine(lines, line)) throw bad("found " + inQuotes(line) + " after the last face");
