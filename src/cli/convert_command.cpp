@@ -111,7 +111,9 @@ Converted convert(const ConvertArguments& arguments) {
     case FileKind::other:
       break;
   }
-  throw Error(ErrorCode::input, arguments.in + ": is neither voxels nor a mesh nor points");
+  throw Error(ErrorCode::input, arguments.in +
+                                    ": is neither voxels nor a mesh nor points; in an .npz "
+                                    "these are 'labels' and 'positions'");
 }
 
 void runConvert(const ConvertArguments& arguments) {
