@@ -13,8 +13,8 @@ namespace sherd {
 /// The files of a fracture, relative to its folder; empty where not written.
 struct FractureFiles {
   std::vector<std::string> labels;  ///< [formats] or empty
-  std::vector<std::string> vdb;  ///< [fragments that are not withheld] or empty
-  std::string allVdb;            ///< of all of these
+  std::vector<std::string> vdb;     ///< [fragments that are not withheld] or empty
+  std::string allVdb;               ///< of all of these
   std::string solidVdb;
   std::vector<std::vector<std::string>> mesh;  ///< [fragments that are not withheld][formats] or
                                                ///< empty
