@@ -4,7 +4,7 @@
 # usage: install_packages.sh build|test|ci|hosts|pictures
 #   build  what the library and the program are made from
 #   test   also what the tests use
-#   ci     also sanitizers, oclgrind and the formatter
+#   ci     also sanitizers, oclgrind, valgrind and the formatter
 #   hosts  programs that read what Sherd writes: Blender, OpenImageIO
 #   pictures  what the pictures of the documents are made with
 set -euo pipefail
@@ -15,7 +15,7 @@ build=(cmake ninja-build g++ libopenvdb-dev libtbb-dev libboost-iostreams-dev li
 test=(libgtest-dev libbenchmark-dev python3 python3-numpy python3-scipy python3-openvdb mesa-opencl-icd)
 hosts=(blender python3-openimageio)
 pictures=(python3-numpy python3-pil python3-matplotlib blender)
-ci=(clang clang-format libclang-rt-14-dev oclgrind ccache)
+ci=(clang clang-format libclang-rt-14-dev oclgrind valgrind ccache)
 
 case "${1:-}" in
   build) wanted=("${build[@]}") ;;

@@ -19,6 +19,14 @@ tools/build.sh release sherd_cli sherd_faults
 SHERD_FAULTS_EACH=all SHERD_BIN=$PWD/build/release/sherd SHERD_FAULTS=$PWD/build/release/tests/faults/sherd_faults.so \
   OCL_ICD_VENDORS=pocl.icd /usr/bin/python3 -B tests/cli/faults_test.py
 
+echo "== valgrind: a small fracture with every file but the picture"
+folder=$(mktemp -d)
+OCL_ICD_VENDORS=pocl.icd POCL_MAX_PTHREAD_COUNT=1 valgrind --quiet --error-exitcode=9 --leak-check=no \
+  --suppressions=tools/valgrind.supp build/release/sherd fracture data/amphora.ply -o "$folder/out" --pieces 2 --resolution 48 \
+  --threads 1 --mesh-format ply,obj,glb,stl --points 10 --sdf-samples 10 --correspondences 5 \
+  --write labels,vdb,mesh,seeds,rims,cost,fog,solid,scene,graph,proxy,npy
+rm -r "$folder"
+
 echo "== fuzzing the readers, each for five minutes"
 tools/build.sh asan sherd_fuzz
 tests/fuzz/run.sh build/asan/tests/fuzz/sherd_fuzz 300
