@@ -53,7 +53,8 @@ nlohmann::json parsedJson(std::string_view text) {
   }
 }
 
-nlohmann::json readJson(const std::filesystem::path& file, std::uintmax_t largestBytes) {
+nlohmann::json readJson(const std::filesystem::path& file, const char* kind,
+                        std::uintmax_t largestBytes) {
   std::error_code none;
   const std::uintmax_t size = std::filesystem::file_size(file, none);
   if (!none && size > largestBytes) {
@@ -64,7 +65,7 @@ nlohmann::json readJson(const std::filesystem::path& file, std::uintmax_t larges
   try {
     return parsedJson(bytes);
   } catch (const Error& e) {
-    inputError(file, e.what());
+    inputError(file, std::string(e.what()) + ", so it is no " + kind);
   }
 }
 

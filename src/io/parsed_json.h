@@ -13,10 +13,10 @@ namespace sherd {
 ///           that no double can hold
 [[nodiscard]] nlohmann::json parsedJson(std::string_view text);
 
-/// A file as JSON.
+/// A file as JSON, which a `kind` of file is: "seed file".
 ///   throws  Error(input) with the file's name, as above; absent, unreadable, or larger than
 ///           `largestBytes`
-[[nodiscard]] nlohmann::json readJson(const std::filesystem::path& file,
+[[nodiscard]] nlohmann::json readJson(const std::filesystem::path& file, const char* kind,
                                       std::uintmax_t largestBytes);
 
 }  // namespace sherd

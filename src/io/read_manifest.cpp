@@ -18,6 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
+constexpr const char* kKind = "manifest of a fracture";
 constexpr std::uintmax_t kLargestFile = std::uintmax_t{1} << 30;  // 65,534 fragments take a third
 constexpr double kAnyNumber = std::numeric_limits<double>::max();
 constexpr double kFarthestVoxel = 1 << 30;  // differences of two such still fit in an int
@@ -162,7 +163,7 @@ Manifest manifestOf(const Json& json) {
 }
 
 Manifest readManifest(const fs::path& file) {
-  const Json json = readJson(file, kLargestFile);
+  const Json json = readJson(file, kKind, kLargestFile);
   try {
     return manifestOf(json);
   } catch (const Error& e) {
@@ -197,7 +198,7 @@ std::optional<Json> manifestJson(const fs::path& file) {
   std::error_code none;
   if (!fs::is_regular_file(fs::symlink_status(file, none))) return {};
   try {
-    Json json = readJson(file, kLargestFile);
+    Json json = readJson(file, kKind, kLargestFile);
     if (!json.is_object() || json.value("schema", Json()) != kManifestSchema) return {};
     return json;
   } catch (const Error&) {

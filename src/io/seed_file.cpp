@@ -66,7 +66,7 @@ std::vector<SeedPoint> seedPoints(const Json& json) {
 
 std::vector<Seed> readSeeds(const fs::path& file, const Solid& solid, const Parts& parts,
                             std::uint64_t seed) {
-  const Json json = readJson(file, kLargestFile);
+  const Json json = readJson(file, "seed file", kLargestFile);
   try {
     return seedsFromPoints(seedPoints(json), solid, parts, seed);
   } catch (const Error& e) {
