@@ -92,7 +92,7 @@ void writeMeshFile(const fs::path& file, const SourceMesh& source,
 
 std::vector<std::string> lossesOf(const SourceMesh& source,
                                   const std::vector<std::uint16_t>& facing, MeshFileFormat format) {
-  std::vector<std::string> losses = source.appearance.warnings;
+  std::vector<std::string> losses = source.warnings;
   const Appearance& look = source.appearance;
   if (source.degenerateTriangles > 0) {
     losses.push_back(std::to_string(source.degenerateTriangles) +

@@ -53,6 +53,7 @@ nlohmann::ordered_json reportJson(const SourceMesh& source, const FractureResult
                                  {"misoriented_edges", defects.misorientedEdges},
                                  {"turned_triangles", defects.turnedTriangles},
                                  {"turned_parts", defects.turnedParts},
+                                 {"dropped_vertices", source.droppedVertices},
                                  {"degenerate_triangles", source.degenerateTriangles},
                                  {"zero_area_triangles", defects.zeroAreaTriangles},
                                  {"duplicate_triangles", defects.duplicateTriangles},
@@ -84,6 +85,7 @@ std::string reportText(const SourceMesh& source, const FractureResult& result) {
       {defects.nonManifoldEdges, "non-manifold edge"},
       {defects.misorientedEdges, "misoriented edge"},
       {defects.duplicateTriangles, "duplicate triangle"},
+      {source.droppedVertices, "infinite corner"},
       {source.degenerateTriangles + defects.zeroAreaTriangles, "degenerate triangle"}};
   bool clean = true;
   for (const auto& [count, what] : faults) {

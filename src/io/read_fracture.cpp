@@ -18,7 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-
 // The labels of a voxel file, on the leaves of the solid.
 Labels labelsOn(const LeafBlocks& blocks, const VoxelLabels& voxels, const openvdb::Coord& first,
                 int fragments, const fs::path& file) {

@@ -24,14 +24,14 @@ constexpr double kBeside = 1e-3;
 // to the smallest pieces.
 constexpr double kLargestPiece = 1.0;
 constexpr double kSmall = 0.5;
-constexpr double kSmallestPiece = 0.125;
+constexpr double kSmallestPiece = 0.25;
 
 enum class Verdict { no, yes, mixed };
 
 bool isExposed(const glm::dvec3& point, const glm::dvec3& normal,
                const GeneralisedWinding& winding) {
   const glm::dvec3 behind = point - kBeside * normal, before = point + kBeside * normal;
-  const double first = winding.at(behind);
+  const double first = winding.near(behind);
   return (first >= 0.5) != (winding.afterStep(behind, first, before) >= 0.5);
 }
 

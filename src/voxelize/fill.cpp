@@ -23,8 +23,8 @@ namespace sherd {
 namespace {
 
 // A mesh that encloses less than this is a surface without thickness.  Scans with a hole at their
-// foot have 0.85 and more, open vases 0.7, bowls 0.75.
-constexpr double kEncloses = 0.8;
+// foot have 0.87 and more, open vases 0.7, bowls 0.8.
+constexpr double kEncloses = 0.84;
 
 // A shell's thickness where none is told: whatever way it runs, steps from voxel to voxel stay in.
 constexpr double kShellVoxels = 2.5;

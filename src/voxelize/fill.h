@@ -33,7 +33,7 @@ struct Filling {
                                 const Progress* progress = nullptr);
 
 /// How well a mesh encloses what lies behind it: the mean over its area of the winding number just
-/// behind the surface.  1 for closed meshes, 0.75 for a bowl, 0.5 for a flat sheet.
+/// behind the surface.  1 for closed meshes, 0.8 for half a ball, 0.5 for a flat sheet.
 [[nodiscard]] double enclosure(const TriangleMesh& mesh);
 
 /// How thick the solid is behind the mesh's surface.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/common.hpp>
 
 namespace sherd {
 namespace {
@@ -13,13 +14,15 @@ namespace {
 constexpr std::uint8_t kUnseen = 255;
 constexpr std::uint8_t kDeepest = 254;
 
-// The mesh with its axes turned round, so that columns along z are the original's along `axis`, and
-// off the voxel centres by half a step of Winding's lattice: centres on a surface would go one way
-// in columns along x, and the other way along z.
+// The mesh with its axes turned round, so that columns along z are the original's along `axis`. Its
+// vertices are put on Winding's lattice, which snaps two axes only, or columns along x would see
+// another mesh than those along z; and steps of it off the voxel centres, which would go one way
+// in columns along x, and the other way along z, where they lie on a surface.  Not the same number
+// of steps each way: surfaces at 45 degrees would stay where they are.
 TriangleMesh columnsAlong(TriangleMesh mesh, int axis) {
-  const double nudge = std::ldexp(0.5, -Winding::latticeBits(bounds(mesh)));
+  const double step = std::ldexp(1.0, -Winding::latticeBits(bounds(mesh)));
   for (glm::dvec3& v : mesh.vertices) {
-    v += nudge;
+    v = (glm::round(v / step) + glm::dvec3(1.0, 2.0, 3.0)) * step;
     v = {v[(axis + 1) % 3], v[(axis + 2) % 3], v[axis]};
   }
   return mesh;

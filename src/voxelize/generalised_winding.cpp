@@ -46,7 +46,7 @@ GeneralisedWinding::GeneralisedWinding(const TriangleMesh& mesh)
 GeneralisedWinding::GeneralisedWinding(TriangleMesh caps, const TriangleMesh& mesh)
     : caps_(std::move(caps)), capTree_(withArea(caps_)), columns_(joined(mesh, caps_)) {
   if (isSimple()) return;
-  wholeTree_ = TriangleTree(joined(mesh, caps_));
+  tree_ = TriangleTree(mesh);
   markOdd();
 }
 
@@ -104,20 +104,14 @@ double GeneralisedWinding::at(int x, int y, int z) const {
   return columns_.at(x, y, z) - capTree_.winding(glm::dvec3(x, y, z) + kTie);
 }
 
-double GeneralisedWinding::at(const glm::dvec3& point) const {
+double GeneralisedWinding::near(const glm::dvec3& point) const {
   const glm::dvec3 voxel = glm::round(point);
-  const int whole =
-      columns_.at(static_cast<int>(voxel.x), static_cast<int>(voxel.y), static_cast<int>(voxel.z)) +
-      wholeTree_.entries(voxel, point);
-  return whole - capTree_.winding(point);
-}
-
-double GeneralisedWinding::afterStep(const glm::dvec3& from, double winding,
-                                     const glm::dvec3& to) const {
-  // Caps' solid angle jumps where they lie between the two: a cap and a triangle are no single
-  // step.
-  const int entries = wholeTree_.entries(from, to);
-  return std::abs(entries) == 1 ? winding + entries : at(to);
+  const openvdb::Coord at(static_cast<int>(voxel.x), static_cast<int>(voxel.y),
+                          static_cast<int>(voxel.z));
+  const auto known = known_.find(at);
+  const double centre = known != known_.end() ? known->second : this->at(at.x(), at.y(), at.z());
+  if (known == known_.end()) known_.emplace(at, centre);
+  return centre + tree_.entries(voxel, point);
 }
 
 std::uint8_t GeneralisedWinding::insideRow(int x, int y, int z0, std::uint8_t wanted) const {

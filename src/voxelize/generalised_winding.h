@@ -1,7 +1,9 @@
 // The generalised winding number of any mesh at voxel centres.
 #pragma once
 
+#include <sherd/grid_fwd.h>
 #include <sherd/mesh.h>
+#include <tbb/concurrent_unordered_map.h>
 
 #include <cstdint>
 #include <vector>
@@ -24,14 +26,16 @@ class GeneralisedWinding {
   [[nodiscard]] double at(int x, int y, int z) const;
   [[nodiscard]] bool isInside(int x, int y, int z) const { return at(x, y, z) >= 0.5; }
 
-  /// At any point, where the winding is not simple: by the surfaces between it and the nearest
-  /// voxel centre.
-  [[nodiscard]] double at(const glm::dvec3& point) const;
+  /// At any point, where the winding is not simple: the nearest voxel centre's, changed by each
+  /// triangle on the way.  Right but for what it changes otherwise over less than a voxel, which is
+  /// little away from holes' rims.
+  [[nodiscard]] double near(const glm::dvec3& point) const;
 
-  /// What at(to) is, from at(from) = `winding`, for points hardly apart; cheaper where one surface
-  /// lies between them.
+  /// What near(to) is, from near(from) = `winding`.
   [[nodiscard]] double afterStep(const glm::dvec3& from, double winding,
-                                 const glm::dvec3& to) const;
+                                 const glm::dvec3& to) const {
+    return winding + tree_.entries(from, to);
+  }
 
   /// Whether every surface in a box, and a voxel round it, parts the inside from the outside: the
   /// closed mesh winds once or not at all round the voxel centres there, and its caps hardly.
@@ -52,6 +56,10 @@ class GeneralisedWinding {
  private:
   GeneralisedWinding(TriangleMesh caps, const TriangleMesh& mesh);
 
+  struct HashOf {
+    std::size_t operator()(const openvdb::Coord& c) const { return c.hash<20>(); }
+  };
+
   static constexpr int kOddSide = 4;
   void markOdd();
   [[nodiscard]] openvdb::Coord oddDims() const;
@@ -59,7 +67,8 @@ class GeneralisedWinding {
   TriangleMesh caps_;
   TriangleTree capTree_;
   Winding columns_;
-  TriangleTree wholeTree_{{}};  // mesh and caps; empty where the winding is simple
+  TriangleTree tree_{{}};  // of the mesh; empty where the winding is simple
+  mutable tbb::concurrent_unordered_map<openvdb::Coord, double, HashOf> known_;  // for near()
   std::vector<bool> odd_;  // cubes of kOddSide voxels that hold a winding number below 0 or above 1
 };
 

@@ -35,7 +35,7 @@ class TriangleTree {
 
   /// The generalised winding number: the solid angle of all triangles as seen from the point, over
   /// 4 pi.  Triangles more than two and a half times their group's radius away count as one dipole,
-  /// which is right to some 0.01. source  Barill, Dickson, Schmidt, Levin, Jacobson: Fast Winding
+  /// which is right to some 0.02. source  Barill, Dickson, Schmidt, Levin, Jacobson: Fast Winding
   /// Numbers for Soups and Clouds,
   ///         2018
   [[nodiscard]] double winding(const glm::dvec3& point) const;

@@ -12,8 +12,8 @@
 namespace sherd {
 namespace {
 
-// Of the differences between two snapped places: their products stay below 2^60.
-constexpr int kBits = 29;
+// Of the differences between two snapped places: sums of two of their products stay below 2^62.
+constexpr int kBits = 30;
 
 struct Snapped {
   std::int64_t x, y;

@@ -14,7 +14,7 @@ namespace sherd {
 ///
 /// Every column of voxel centres along z is a ray; a triangle that it passes changes the winding
 /// number by one, up or down by the side it is met from.  Which triangles a ray passes is decided
-/// in integers, on vertices snapped to a lattice of 2^-21 voxel in a box of 256 voxels, twice as
+/// in integers, on vertices snapped to a lattice of 2^-22 voxel in a box of 250 voxels, twice as
 /// wide in one twice as large, with ties broken as if the ray were moved by
 /// an infinitely small step: of the triangles round an edge or a vertex each ray passes a
 /// consistent set, so a closed mesh gives closed columns, exactly.

@@ -93,7 +93,7 @@ TEST(TriangleTree, WindsAsTheSumOfAllSolidAnglesDoes) {
   std::mt19937 random(6);
   for (int i = 0; i < 300; ++i) {
     const glm::dvec3 p = randomPoint(random, 14.0);
-    EXPECT_NEAR(tree.winding(p), windingNumber(mesh, p), 0.01) << p.x << " " << p.y << " " << p.z;
+    EXPECT_NEAR(tree.winding(p), windingNumber(mesh, p), 0.03) << p.x << " " << p.y << " " << p.z;
   }
 }
 
@@ -223,7 +223,7 @@ TEST(Fill, APartThatIsInsideOutIsTurnedButACavityIsNot) {
   EXPECT_EQ(other.report.defects.turnedParts, 1u);
   const Solid hollow = voxelize(shapes::append(big, shapes::inverted(within)), {.resolution = 64});
   EXPECT_EQ(hollow.report.defects.turnedParts, 0u);
-  EXPECT_NEAR(volumeOf(hollow), shapes::hollowBallVolume(1.0, 0.4), 0.02);
+  EXPECT_NEAR(volumeOf(hollow), volume(big) - volume(within), 0.01);
 }
 
 TEST(Fill, DoubledTrianglesCountOnce) {
@@ -297,8 +297,8 @@ TEST(Fill, WhereAnOpenMeshHasASurfaceItIsAsExactAsAClosedOnes) {
 TEST(Fill, TheSolidMovesWithTheMesh) {
   const TriangleMesh open =
       without(shapes::ball(1.0, 4), [](const glm::dvec3& p) { return p.z > 0.9; });
-  const Solid here = voxelize(open, {.resolution = 48});
-  const Solid there = voxelize(shapes::transformed(open, 4.0, {0, 0, 0}), {.resolution = 48});
+  const Solid here = voxelize(open, {.resolution = 96});
+  const Solid there = voxelize(shapes::transformed(open, 4.0, {0, 0, 0}), {.resolution = 96});
   EXPECT_EQ(voxelsOf(here), voxelsOf(there));
   const double h = here.frame.voxelSize;
   for (const double angle : {0.3, 1.1}) {
@@ -348,6 +348,7 @@ TEST(Fill, ASheetThatEnclosesNothingBecomesAShell) {
 TEST(Fill, ABowlIsAShellAndABallWithASmallHoleIsNot) {
   const TriangleMesh ball = shapes::ball(1.0, 4);
   const TriangleMesh bowl = without(ball, [](const glm::dvec3& p) { return p.z > 0.0; });
+  EXPECT_NEAR(enclosure(bowl), 0.8, 0.02);
   EXPECT_EQ(voxelize(bowl, {.resolution = 64}).report.fill, Fill::shell);
   const TriangleMesh holed = without(ball, [](const glm::dvec3& p) { return p.z > 0.9; });
   EXPECT_EQ(voxelize(holed, {.resolution = 64}).report.fill, Fill::winding);
