@@ -37,12 +37,17 @@ std::vector<std::vector<std::string>> startingFiles() {
   options.resolution = 8;
   Device device;
   using F = MeshFileFormat;
+  using V = VoxelFormat;
+  using P = PointFormat;
   writeFracture(folder, cube, options, fracture(cube.mesh, options, device),
                 {.preview = false,
                  .seeds = true,
                  .solid = true,
                  .scene = true,
-                 .meshFormats = {F::ply, F::obj, F::glb, F::stl}});
+                 .voxelFormats = {V::rle, V::npy, V::npz, V::vox, V::qstack, V::bing},
+                 .meshFormats = {F::ply, F::obj, F::glb, F::stl, F::binm},
+                 .points = {.count = 20},
+                 .pointFormats = {P::ply, P::xyz, P::binp}});
   std::vector<std::vector<std::string>> files;
   for (const Target& target : targets()) {
     files.push_back(target.handmade);

@@ -2,13 +2,11 @@
 #include "fuzz/readers.h"
 
 #include <sherd/io.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -24,25 +22,6 @@ namespace sherd::fuzz {
 namespace {
 
 namespace fs = std::filesystem;
-
-// For readers that want a file: one in memory, where the system has such.
-fs::path scratchFile(std::string_view bytes) {
-  const fs::path memory = "/dev/shm";
-  const fs::path folder = fs::is_directory(memory) ? memory : fs::temp_directory_path();
-  const fs::path file = folder / ("sherd-fuzz-" + std::to_string(getpid()));
-  std::ofstream(file, std::ios::binary)
-      .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  return file;
-}
-
-struct ScratchFile {
-  explicit ScratchFile(std::string_view bytes) : path(scratchFile(bytes)) {}
-  ~ScratchFile() { fs::remove(path); }
-  ScratchFile(const ScratchFile&) = delete;
-  ScratchFile& operator=(const ScratchFile&) = delete;
-
-  fs::path path;
-};
 
 // Whether an array has one entry for each triangle, or none.
 template <class Entries>
@@ -95,14 +74,17 @@ void readFacingOf(std::string_view bytes) {
   check(count == 0 || count == mesh.triangles.size());
 }
 
-void readRleOf(std::string_view bytes) {
-  const ScratchFile file(bytes);
-  const RunLengthVoxels voxels = readRle(file.path);
+void checkVoxels(const RunLengthVoxels& voxels) {
   std::uint64_t sum = 0;
   for (const Run& run : voxels.runs) sum += run.length;
   check(sum == static_cast<std::uint64_t>(voxels.dims.x()) *
                    static_cast<std::uint64_t>(voxels.dims.y()) *
                    static_cast<std::uint64_t>(voxels.dims.z()));
+}
+
+void checkPoints(const SurfacePoints& points) {
+  check(points.normals.empty() || points.normals.size() == points.positions.size());
+  check(points.facing.empty() || points.facing.size() == points.positions.size());
 }
 
 void readMtl(std::string_view bytes) {

@@ -1,6 +1,9 @@
 // Readers as fuzzing calls them, with what their headers promise of the result.
 #pragma once
 
+#include <sherd/point_files.h>
+#include <sherd/voxel_files.h>
+
 #include <string_view>
 
 namespace sherd::fuzz {
@@ -10,7 +13,8 @@ void check(bool holds);
 
 void readMeshNamed(const char* name, std::string_view bytes);
 void readFacingOf(std::string_view bytes);
-void readRleOf(std::string_view bytes);
+void checkVoxels(const RunLengthVoxels& voxels);
+void checkPoints(const SurfacePoints& points);
 void readMtl(std::string_view bytes);
 void readManifestOf(std::string_view bytes);
 void readSeedFile(std::string_view bytes);

@@ -2,6 +2,8 @@
 #include "fuzz/targets.h"
 
 #include <sherd/error.h>
+#include <sherd/point_files.h>
+#include <sherd/voxel_files.h>
 
 #include "fuzz/handmade.h"
 #include "fuzz/readers.h"
@@ -22,7 +24,16 @@ const std::vector<Target> kTargets{
     {"gz", [](std::string_view bytes) { readMeshNamed("a.obj.gz", bytes); }, "", handmade::gz()},
     {"mtl", readMtl, ".mtl", handmade::mtl()},
     {"facing", readFacingOf, ".ply", {}},
-    {"rle", readRleOf, ".rle", {}},
+    {"binm", [](std::string_view bytes) { readMeshNamed("a.binm", bytes); }, ".binm", {}},
+    {"rle", [](std::string_view bytes) { checkVoxels(parseRle(bytes, "a.rle")); }, ".rle", {}},
+    {"npy", [](std::string_view bytes) { checkVoxels(parseNpyLabels(bytes, "a.npy")); }, ".npy", {}},
+    {"npz", [](std::string_view bytes) { checkVoxels(parseNpzLabels(bytes, "a.npz").voxels); }, "labels.npz", {}},
+    {"vox", [](std::string_view bytes) { checkVoxels(parseMagicaVoxel(bytes, "a.vox")); }, ".vox", {}},
+    {"qstack", [](std::string_view bytes) { checkVoxels(parseQuadStack(bytes, "a.qstack")); }, ".qstack", {}},
+    {"bing", [](std::string_view bytes) { checkVoxels(parseBing(bytes, "a.bing")); }, ".bing", {}},
+    {"points", [](std::string_view bytes) { checkPoints(parsePlyPoints(bytes, "a.ply")); }, "_001.ply", {}},
+    {"xyz", [](std::string_view bytes) { checkPoints(parseXyz(bytes, "a.xyz")); }, ".xyz", {}},
+    {"binp", [](std::string_view bytes) { checkPoints(parseBinp(bytes, "a.binp")); }, ".binp", {}},
     {"manifest", readManifestOf, "manifest.json", {}},
     {"seeds", readSeedFile, "seeds.json", {}},
 };
