@@ -24,7 +24,7 @@ folder=$(mktemp -d)
 OCL_ICD_VENDORS=pocl.icd POCL_MAX_PTHREAD_COUNT=1 valgrind --quiet --error-exitcode=9 --leak-check=no \
   --suppressions=tools/valgrind.supp build/release/sherd fracture data/amphora.ply -o "$folder/out" --pieces 2 --resolution 48 \
   --threads 1 --mesh-format ply,obj,glb,stl --points 10 --sdf-samples 10 --correspondences 5 \
-  --write labels,vdb,mesh,seeds,rims,cost,fog,solid,scene,graph,proxy,npy
+  --write labels,vdb,mesh,seeds,rims,cost,fog,solid,scene,graph,proxy --voxel-format rle,npy,npz,vox,qstack,bing
 rm -r "$folder"
 
 echo "== fuzzing the readers, each for five minutes"

@@ -303,7 +303,7 @@ class Look(CommandLine):
 
     def test_usage(self):
         for value in ("fbx", "ply,ply", "", "ply,"):
-            self.refused(2, self.fracture("--mesh-format", value), "--mesh-format", "ply, obj, glb and stl")
+            self.refused(2, self.fracture("--mesh-format", value), "--mesh-format", "ply, obj, glb, stl, stl-ascii and binm")
         self.nothing_written()
 
 

@@ -309,15 +309,27 @@ class WrongUse(CommandLine):
             "empty": (self.path("empty.obj", b""), "empty.obj"),
             "truncated STL": (self.path("cut.stl", stl[:len(stl) // 2]), "cut.stl"),
             "truncated by a byte": (self.path("byte.stl", stl[:-1]), "byte.stl"),
-            "not a number": (self.path("nan.stl", stl[:96] + struct.pack("<f", math.nan) + stl[100:]), "nan.stl"),
-            "infinite": (self.path("inf.stl", stl[:96] + struct.pack("<f", math.inf) + stl[100:]), "inf.stl"),
-            "text infinite": (self.path("inf.obj", obj.replace(b"v 0 0 1\n", b"v 0 0 inf\n", 1)), "inf.obj"),
+            "nowhere finite": (self.path("inf.stl", stl[:80] + struct.pack("<I12f", 1, *[math.inf] * 12) + b"\0\0"), "inf.stl"),
         }
         os.mkdir(self.path("folder.obj"))
         for name, (mesh, word) in cases.items():
             with self.subTest(name):
                 self.refused(3, self.fracture(mesh=mesh), word)
                 self.nothing_written()
+
+
+    def test_vertices_that_are_not_finite_are_dropped(self):
+        ball = sphere()
+        write_stl(self.path("ball.stl"), ball)
+        with open(self.path("ball.stl"), "rb") as file:
+            stl = file.read()
+        for name, value in (("nan", math.nan), ("inf", math.inf)):
+            with self.subTest(name):
+                mesh = self.path(name + ".stl", stl[:96] + struct.pack("<f", value) + stl[100:])
+                done = self.fracture("--json", mesh=mesh)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertIn("1 vertices are not finite", done.stderr)
+                self.assertEqual(json.loads(done.stdout)["report"]["boundary_edges"], 3)
 
 
 class Folder(CommandLine):

@@ -25,7 +25,7 @@ EACH = os.environ.get("SHERD_FAULTS_EACH", "8")
 FILES = ("write", "open", "close", "rename", "mkdir")
 NO_MEMORY = r"not enough memory; try|: no memory for \d+x\d+ pixels; try a|OpenEXR cannot encode it: "
 OUT_OF_RESOURCES = -5  # as OpenCL numbers it
-EVERYTHING = ("--write", "labels,vdb,mesh,preview,seeds,rims,cost,fog,solid,scene,graph,proxy,npy", "--mesh-format",
+EVERYTHING = ("--write", "labels,vdb,mesh,preview,seeds,rims,cost,fog,solid,scene,graph,proxy", "--voxel-format", "rle,npy,npz,vox,qstack,bing", "--mesh-format",
               "ply,obj,glb,stl", "--points", "20", "--point-format", "ply,xyz,npz", "--sdf-samples", "20",
               "--correspondences", "5", "--vdb", "both", "--triangles", "100")
 

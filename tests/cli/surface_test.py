@@ -19,7 +19,7 @@ BARE = {"of": "smooth", "interface": "shared", "adaptivity": 0.0, "triangles": [
 
 # Section 4.1 of the paper, at 128 voxels along the longest side: trunc(0.048 * 128) = 6.
 PAPER = {
-    "pieces": 5, "seed": 0, "resolution": 128,
+    "pieces": 5, "seed": 0, "resolution": 128, "fill": "auto",
     "seeds": {"sampler": "uniform", "on": "volume", "extra": 0, "extra_per_piece": 2, "merge_metric": "chebyshev",
               "random_impacts": 0, "impacts": []},
     "grow": {"growth": "flood", "neighborhood": 6, "roughness": 0.0, "hurst": 0.8, "isolated": "regrow"},
