@@ -12,9 +12,10 @@ data=$(dirname "$0")/../data
 
 all=("$data/amphora.ply" "$meshes"/{armadillo.obj,bunny.off,dragon.obj,lucy.ply,3DBenchy.ply,vase_goblet.stl,boot.obj}
   "$meshes"/{springer.obj,1002_tray_bottom.STL,ADIS16480.STL,mengerSponge3.glb,footbones.ply,99865_car.stl}
-  "$meshes/gearbox_assembly.ply.gz")
+  "$meshes"/{gearbox_assembly.ply.gz,bun_zipper.ply,trimesh_bunny.ply,lionstatue.obj,simple_vase_open.obj,teapot.stl})
 if [ -n "$quick" ]; then
-  all=("$data/amphora.ply" "$meshes"/{dragon.obj,vase_goblet.stl,ADIS16480.STL,footbones.ply})
+  all=("$data/amphora.ply" "$meshes"/{dragon.obj,vase_goblet.stl,ADIS16480.STL,footbones.ply}
+    "$meshes"/{bun_zipper.ply,simple_vase_open.obj,teapot.stl})
 fi
 
 passed=0 failed=0
