@@ -28,6 +28,10 @@ std::string takeRuns(std::string_view body, bool old, RunLengthVoxels& voxels) {
            " bytes follow the last whole run of " + std::to_string(bytes) + " bytes";
   }
   const std::uint64_t total = voxelsIn(voxels.dims);
+  // A run of 64 bits becomes several of 32: their number is bounded by the box, so the box has to
+  // be.
+  constexpr std::uint64_t kLargestOldBox = std::uint64_t{1} << 40;
+  if (old && total > kLargestOldBox) return "its box is larger than any that was written so";
   std::uint64_t sum = 0;
   for (std::size_t at = 0; at < body.size(); at += bytes) {
     const char* run = body.data() + at;

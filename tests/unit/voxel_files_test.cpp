@@ -383,5 +383,13 @@ TEST_F(VoxelFilesOnDisk, TheAuthorsVesselGoesThroughEveryFormat) {
   }
 }
 
+// Found by fuzzing: one run of 64 bits became two thousand million of 32.
+TEST(VoxelFiles, AnOldRunOfAHugeBoxTakesNoMemory) {
+  std::string bytes;
+  for (int axis = 0; axis < 3; ++axis) bytes += std::string("\0\0\x1f\0", 4);
+  bytes += std::string("\1\0\0\0\0\0\0\0", 8) + std::string("\0\0\0\0\0\0\0\x10", 8);
+  EXPECT_THROW((void)parseRle(bytes, "huge.rle"), Error);
+}
+
 }  // namespace
 }  // namespace sherd
