@@ -19,8 +19,8 @@
 #include <unordered_set>
 
 #include "embree_error.h"
+#include "mesh/nearest_on_triangle.h"
 #include "mesh/vertex_normals.h"
-#include "points/nearest_on_triangle.h"
 
 namespace sherd {
 namespace {

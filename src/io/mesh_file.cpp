@@ -8,6 +8,7 @@
 
 #include "io/atomic_file.h"
 #include "io/file_names.h"
+#include "io/mesh_writer.h"
 #include "io/piece_mesh.h"
 #include "mesh/file_bytes.h"
 #include "mesh/text_scan.h"
@@ -64,29 +65,10 @@ void writeMeshFile(const fs::path& file, const SourceMesh& source,
       beside.write(file.parent_path() / picture.file, picture.bytes);
     }
   }
-  switch (format) {
-    case MeshFileFormat::ply:
-      writePiecePly(file, piece);
-      break;
-    case MeshFileFormat::obj: {
-      const std::string library = hasMaterials(source) ? name + ".mtl" : "";
-      if (!library.empty()) beside.write(file.parent_path() / library, mtlText(table));
-      writePieceObj(file, piece, library);
-      break;
-    }
-    case MeshFileFormat::glb:
-      writePieceGlb(file, piece);
-      break;
-    case MeshFileFormat::stl:
-      writePieceStl(file, piece);
-      break;
-    case MeshFileFormat::stlText:
-      writePieceStlText(file, piece);
-      break;
-    case MeshFileFormat::binm:
-      writePieceBinm(file, piece);
-      break;
-  }
+  const bool hasLibrary = format == MeshFileFormat::obj && hasMaterials(source);
+  const std::string library = hasLibrary ? name + ".mtl" : "";
+  if (hasLibrary) beside.write(file.parent_path() / library, mtlText(table));
+  writePiece(file, format, piece, library);
   beside.keep();
 }
 

@@ -7,6 +7,24 @@
 
 namespace sherd {
 
+void writePiece(const std::filesystem::path& file, MeshFileFormat format, const PieceMesh& piece,
+                const std::string& library) {
+  switch (format) {
+    case MeshFileFormat::ply:
+      return writePiecePly(file, piece);
+    case MeshFileFormat::obj:
+      return writePieceObj(file, piece, library);
+    case MeshFileFormat::glb:
+      return writePieceGlb(file, piece);
+    case MeshFileFormat::stl:
+      return writePieceStl(file, piece);
+    case MeshFileFormat::stlText:
+      return writePieceStlText(file, piece);
+    case MeshFileFormat::binm:
+      return writePieceBinm(file, piece);
+  }
+}
+
 MeshWriter::MeshWriter(const std::filesystem::path& folder, const FractureFiles& files,
                        const SourceMesh& source, const MaterialTable& table,
                        const WriteOptions& write)
@@ -33,27 +51,7 @@ void MeshWriter::write(const TriangleMesh& mesh, const std::vector<std::uint16_t
   const std::string name = std::filesystem::path(paths.front()).stem().string();
   const PieceMesh piece{name, mesh, facing, look, table_};
   for (std::size_t i = 0; i < paths.size(); ++i) {
-    const std::filesystem::path file = folder_ / paths[i];
-    switch (options_.meshFormats[i]) {
-      case MeshFileFormat::ply:
-        writePiecePly(file, piece);
-        break;
-      case MeshFileFormat::obj:
-        writePieceObj(file, piece, library_);
-        break;
-      case MeshFileFormat::glb:
-        writePieceGlb(file, piece);
-        break;
-      case MeshFileFormat::stl:
-        writePieceStl(file, piece);
-        break;
-      case MeshFileFormat::stlText:
-        writePieceStlText(file, piece);
-        break;
-      case MeshFileFormat::binm:
-        writePieceBinm(file, piece);
-        break;
-    }
+    writePiece(folder_ / paths[i], options_.meshFormats[i], piece, library_);
   }
 }
 

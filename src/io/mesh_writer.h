@@ -3,13 +3,22 @@
 
 #include <sherd/io.h>
 
+#include <filesystem>
 #include <optional>
+#include <string>
 
 #include "appearance/transfer.h"
 #include "io/manifest.h"
 #include "io/materials.h"
+#include "io/piece_mesh.h"
 
 namespace sherd {
+
+/// Write a mesh in a format.
+///   library  of materials, for OBJ; see writePieceObj
+///   throws   Error(output)
+void writePiece(const std::filesystem::path& file, MeshFileFormat format, const PieceMesh& piece,
+                const std::string& library);
 
 /// Writes meshes into a folder; any thread may ask.  What it is made of is kept by reference.
 class MeshWriter {

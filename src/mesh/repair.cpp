@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "mesh/edges.h"
-#include "voxelize/triangle_tree.h"
+#include "mesh/triangle_tree.h"
 
 namespace sherd {
 namespace {

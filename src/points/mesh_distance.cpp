@@ -5,8 +5,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "mesh/nearest_on_triangle.h"
 #include "mesh/winding_number.h"
-#include "points/nearest_on_triangle.h"
 
 namespace sherd {
 namespace {

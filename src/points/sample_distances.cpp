@@ -9,7 +9,7 @@
 #include <string>
 
 #include "half_float.h"
-#include "points/surface_by_area.h"
+#include "mesh/surface_by_area.h"
 #include "random.h"
 #include "seed/irwin_hall.h"
 

@@ -9,8 +9,8 @@
 #include <string>
 #include <utility>
 
+#include "mesh/surface_by_area.h"
 #include "points/eliminate.h"
-#include "points/surface_by_area.h"
 #include "random.h"
 #include "seed/radical_inverse.h"
 

@@ -85,8 +85,8 @@ struct Search {
 
 }  // namespace
 
-std::vector<BandLeaf> bandOf(const TriangleTree& tree, const Box& box, double reach,
-                             const Progress* progress) {
+std::vector<BandLeaf> bandOf(const TriangleTree& tree, double reach, const Progress* progress) {
+  const Box box = tree.box();
   std::vector<Coord> cubes;
   Coord low, high;
   for (int axis = 0; axis < 3; ++axis) {

@@ -8,7 +8,7 @@
 #include <array>
 #include <vector>
 
-#include "voxelize/triangle_tree.h"
+#include "mesh/triangle_tree.h"
 
 namespace sherd {
 
@@ -23,12 +23,11 @@ struct BandLeaf {
 /// Cubes of voxels are halved from 64 down; one is left out when its middle is too far from the
 /// surface for any of its voxels to be near.  So the cost goes with the surface's area in voxels,
 /// and hardly with the number of triangles.
-///   tree     of the surface, in index space
-///   box      of the surface
+///   tree     of the surface, in index space, not empty
 ///   reach    voxels
 ///   return   in one order, whatever the number of threads
 ///   throws   Error(cancelled)
-[[nodiscard]] std::vector<BandLeaf> bandOf(const TriangleTree& tree, const Box& box, double reach,
+[[nodiscard]] std::vector<BandLeaf> bandOf(const TriangleTree& tree, double reach,
                                            const Progress* progress);
 
 }  // namespace sherd

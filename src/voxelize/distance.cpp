@@ -15,7 +15,6 @@
 #include <vector>
 
 #include "voxelize/band.h"
-#include "voxelize/triangle_tree.h"
 
 namespace sherd {
 namespace {
@@ -41,8 +40,7 @@ float background(const GridFrame& frame) {
 
 FloatGridPtr levelSetOf(const Filling& filling, const GridFrame& frame, const Progress* progress) {
   const double reach = kHalfWidthVoxels + filling.halfThickness;
-  const std::vector<BandLeaf> band =
-      bandOf(TriangleTree(filling.surface), bounds(filling.surface), reach, progress);
+  const std::vector<BandLeaf> band = bandOf(*filling.surface, reach, progress);
   step(progress, "voxelize", 0.8);
 
   const float outside = background(frame);

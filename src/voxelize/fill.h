@@ -7,15 +7,26 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
+
+#include "mesh/triangle_tree.h"
 
 namespace sherd {
 
+/// A mesh, and what several steps ask of it.
+struct SearchedMesh {
+  TriangleMesh mesh;
+  TriangleMesh caps;                         ///< loopCaps(mesh)
+  std::shared_ptr<const TriangleTree> tree;  ///< of `mesh`
+};
+[[nodiscard]] SearchedMesh searched(TriangleMesh mesh);
+
 /// A mesh that says what is inside.  All in index space.
 struct Filling {
-  Fill fill = Fill::winding;  ///< not automatic
-  std::string reason;         ///< why, as half a sentence
-  TriangleMesh surface;       ///< what the solid's distance is measured to
+  Fill fill = Fill::winding;                    ///< not automatic
+  std::string reason;                           ///< why, as half a sentence
+  std::shared_ptr<const TriangleTree> surface;  ///< what the solid's distance is measured to
 
   /// Bit z of the result: the centre (x, y, z0 + z) is inside; z in 0..7.  Only bits of `wanted`
   /// are told.  Empty for a shell.
@@ -26,18 +37,18 @@ struct Filling {
 
 /// The filling that `options` asks for.
 ///   throws    Error(cancelled)
-///   mesh      as repaired() gives it, in index space
+///   mesh      what repaired() gives, in index space
 ///   original  the same before repair, for a shell, which has doubled triangles too
-[[nodiscard]] Filling fillingOf(TriangleMesh mesh, const TriangleMesh& original,
+[[nodiscard]] Filling fillingOf(const SearchedMesh& mesh, const TriangleMesh& original,
                                 const SolidOptions& options, double voxelSize,
                                 const Progress* progress = nullptr);
 
 /// How well a mesh encloses what lies behind it: the mean over its area of the winding number just
 /// behind the surface.  1 for closed meshes, 0.8 for half a ball, 0.5 for a flat sheet.
-[[nodiscard]] double enclosure(const TriangleMesh& mesh);
+[[nodiscard]] double enclosure(const SearchedMesh& mesh);
 
 /// How thick the solid is behind the mesh's surface.
 ///   mesh  in index space, oriented outwards
-[[nodiscard]] WallThickness wallThickness(const TriangleMesh& mesh, double longestSideVoxels);
+[[nodiscard]] WallThickness wallThickness(const SearchedMesh& mesh, double longestSideVoxels);
 
 }  // namespace sherd

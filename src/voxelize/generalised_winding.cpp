@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "mesh/joined.h"
-#include "voxelize/caps.h"
 
 namespace sherd {
 
@@ -40,14 +39,13 @@ TriangleMesh withArea(TriangleMesh caps) {
 
 }  // namespace
 
-GeneralisedWinding::GeneralisedWinding(const TriangleMesh& mesh)
-    : GeneralisedWinding(onLattice(loopCaps(mesh), bounds(mesh)), mesh) {}
-
-GeneralisedWinding::GeneralisedWinding(TriangleMesh caps, const TriangleMesh& mesh)
-    : caps_(std::move(caps)), capTree_(withArea(caps_)), columns_(joined(mesh, caps_)) {
-  if (isSimple()) return;
-  tree_ = TriangleTree(mesh);
-  markOdd();
+GeneralisedWinding::GeneralisedWinding(const TriangleMesh& mesh, const TriangleMesh& caps,
+                                       std::shared_ptr<const TriangleTree> tree)
+    : caps_(onLattice(caps, bounds(mesh))),
+      capTree_(withArea(caps_)),
+      columns_(caps_.triangles.empty() ? Winding(mesh) : Winding(joined(mesh, caps_))),
+      tree_(std::move(tree)) {
+  if (!isSimple()) markOdd();
 }
 
 openvdb::Coord GeneralisedWinding::oddDims() const {
@@ -111,7 +109,7 @@ double GeneralisedWinding::near(const glm::dvec3& point) const {
   const auto known = known_.find(at);
   const double centre = known != known_.end() ? known->second : this->at(at.x(), at.y(), at.z());
   if (known == known_.end()) known_.emplace(at, centre);
-  return centre + tree_.entries(voxel, point);
+  return centre + tree_->entries(voxel, point);
 }
 
 std::uint8_t GeneralisedWinding::insideRow(int x, int y, int z0, std::uint8_t wanted) const {

@@ -6,9 +6,10 @@
 #include <tbb/concurrent_unordered_map.h>
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
-#include "voxelize/triangle_tree.h"
+#include "mesh/triangle_tree.h"
 #include "voxelize/winding.h"
 
 namespace sherd {
@@ -21,7 +22,10 @@ namespace sherd {
 class GeneralisedWinding {
  public:
   ///   mesh  in index space
-  explicit GeneralisedWinding(const TriangleMesh& mesh);
+  ///   caps  loopCaps(mesh)
+  ///   tree  of the mesh
+  GeneralisedWinding(const TriangleMesh& mesh, const TriangleMesh& caps,
+                     std::shared_ptr<const TriangleTree> tree);
 
   [[nodiscard]] double at(int x, int y, int z) const;
   [[nodiscard]] bool isInside(int x, int y, int z) const { return at(x, y, z) >= 0.5; }
@@ -34,7 +38,7 @@ class GeneralisedWinding {
   /// What near(to) is, from near(from) = `winding`.
   [[nodiscard]] double afterStep(const glm::dvec3& from, double winding,
                                  const glm::dvec3& to) const {
-    return winding + tree_.entries(from, to);
+    return winding + tree_->entries(from, to);
   }
 
   /// Whether every surface in a box, and a voxel round it, parts the inside from the outside: the
@@ -54,8 +58,6 @@ class GeneralisedWinding {
   }
 
  private:
-  GeneralisedWinding(TriangleMesh caps, const TriangleMesh& mesh);
-
   struct HashOf {
     std::size_t operator()(const openvdb::Coord& c) const { return c.hash<20>(); }
   };
@@ -67,7 +69,7 @@ class GeneralisedWinding {
   TriangleMesh caps_;
   TriangleTree capTree_;
   Winding columns_;
-  TriangleTree tree_{{}};  // of the mesh; empty where the winding is simple
+  std::shared_ptr<const TriangleTree> tree_;
   mutable tbb::concurrent_unordered_map<openvdb::Coord, double, HashOf> known_;  // for near()
   std::vector<bool> odd_;  // cubes of kOddSide voxels that hold a winding number below 0 or above 1
 };

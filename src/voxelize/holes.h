@@ -3,8 +3,8 @@
 
 #include <sherd/mesh.h>
 
+#include "mesh/triangle_tree.h"
 #include "voxelize/generalised_winding.h"
-#include "voxelize/triangle_tree.h"
 
 namespace sherd {
 

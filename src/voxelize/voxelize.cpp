@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "mesh/repair.h"
-#include "voxelize/caps.h"
 #include "voxelize/distance.h"
 #include "voxelize/fill.h"
 #include "voxelize/specks.h"
@@ -68,9 +67,10 @@ Solid voxelize(const TriangleMesh& source, const SolidOptions& options, const Pr
   SolidReport& report = solid.report;
   report.defects = whole.defects;
   step(progress, "voxelize", 0.1);
-  report.walls = wallThickness(whole.mesh, longestSide(mesh));
-  report.meshVolume = (volume(whole.mesh) + volume(loopCaps(whole.mesh))) * std::pow(voxelSize, 3);
-  const Filling filling = fillingOf(std::move(whole.mesh), mesh, options, voxelSize, progress);
+  const SearchedMesh clean = searched(std::move(whole.mesh));
+  report.walls = wallThickness(clean, longestSide(mesh));
+  report.meshVolume = (volume(clean.mesh) + volume(clean.caps)) * std::pow(voxelSize, 3);
+  const Filling filling = fillingOf(clean, mesh, options, voxelSize, progress);
   report.fill = filling.fill;
   report.fillReason = filling.reason;
   if (filling.fill == Fill::shell) {
@@ -79,7 +79,7 @@ Solid voxelize(const TriangleMesh& source, const SolidOptions& options, const Pr
   }
   step(progress, "voxelize", 0.3);
 
-  if (!filling.surface.triangles.empty()) {
+  if (!filling.surface->empty()) {
     solid.distance = levelSetOf(filling, solid.frame, progress);
     solid.blocks = leafBlocks(*solid.distance);
     measureVoxels(solid);

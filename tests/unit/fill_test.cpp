@@ -17,11 +17,11 @@
 #include <tuple>
 
 #include "mesh/repair.h"
+#include "mesh/triangle_tree.h"
 #include "mesh/winding_number.h"
 #include "shapes.h"
 #include "voxelize/band.h"
 #include "voxelize/caps.h"
-#include "voxelize/triangle_tree.h"
 
 namespace sherd {
 namespace {
@@ -112,7 +112,7 @@ TEST(TriangleTree, StepsGoInAsOftenAsTheWindingNumberRises) {
 TEST(Band, HoldsEveryVoxelNearTheSurfaceAndItsDistance) {
   const double radius = 9.3;
   const TriangleMesh mesh = shapes::ball(radius, 5);
-  const auto band = bandOf(TriangleTree(mesh), bounds(mesh), 3.0, nullptr);
+  const auto band = bandOf(TriangleTree(mesh), 3.0, nullptr);
   std::size_t near = 0, expected = 0;
   for (const BandLeaf& leaf : band) {
     for (std::uint32_t offset = 0; offset < 512; ++offset) {
@@ -143,9 +143,9 @@ double farthestDisagreement(const TriangleMesh& source, int resolution, std::siz
   TriangleMesh mesh = source;
   const glm::dvec3 corner = bounds(source).min + 0.5 * voxelSize;
   for (glm::dvec3& v : mesh.vertices) v = (v - corner) / voxelSize;
-  const Repaired whole = repaired(mesh);
+  const SearchedMesh whole = searched(repaired(mesh).mesh);
   const auto filled = [&](Fill fill) {
-    return fillingOf(whole.mesh, mesh, {.resolution = resolution, .fill = fill}, voxelSize);
+    return fillingOf(whole, mesh, {.resolution = resolution, .fill = fill}, voxelSize);
   };
   const Filling winding = filled(Fill::winding), parity = filled(Fill::parity),
                 flood = filled(Fill::flood);
@@ -333,7 +333,7 @@ TEST(Fill, ASheetThatEnclosesNothingBecomesAShell) {
   const double side = 2.0, thickness = 0.2;
   TriangleMesh sheet{{{0, 0, 0}, {side, 0, 0.3}, {side, side, 0.3}, {0, side, 0}},
                      {{0, 1, 2}, {0, 2, 3}}};
-  EXPECT_NEAR(enclosure(sheet), 0.5, 0.01);
+  EXPECT_NEAR(enclosure(searched(sheet)), 0.5, 0.01);
   const Solid solid = voxelize(sheet, {.voxelSize = 0.025, .shellThickness = thickness});
   EXPECT_EQ(solid.report.fill, Fill::shell);
   EXPECT_EQ(voxelize(sheet, {.resolution = 64}).report.fill, Fill::shell);
@@ -348,7 +348,7 @@ TEST(Fill, ASheetThatEnclosesNothingBecomesAShell) {
 TEST(Fill, ABowlIsAShellAndABallWithASmallHoleIsNot) {
   const TriangleMesh ball = shapes::ball(1.0, 4);
   const TriangleMesh bowl = without(ball, [](const glm::dvec3& p) { return p.z > 0.0; });
-  EXPECT_NEAR(enclosure(bowl), 0.8, 0.02);
+  EXPECT_NEAR(enclosure(searched(bowl)), 0.8, 0.02);
   EXPECT_EQ(voxelize(bowl, {.resolution = 64}).report.fill, Fill::shell);
   const TriangleMesh holed = without(ball, [](const glm::dvec3& p) { return p.z > 0.9; });
   EXPECT_EQ(voxelize(holed, {.resolution = 64}).report.fill, Fill::winding);

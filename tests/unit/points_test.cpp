@@ -17,7 +17,7 @@
 
 #include "../shapes.h"
 #include "half_float.h"
-#include "points/nearest_on_triangle.h"
+#include "mesh/nearest_on_triangle.h"
 
 namespace sherd {
 namespace {

@@ -23,6 +23,9 @@ class TriangleTree {
 
   [[nodiscard]] bool empty() const { return triangles_.empty(); }
 
+  /// A box of all triangles, a hair larger; not of an empty tree.
+  [[nodiscard]] Box box() const { return {glm::dvec3(bounds_[0].min), glm::dvec3(bounds_[0].max)}; }
+
   struct Nearest {
     double distance = std::numeric_limits<double>::infinity();
     std::uint32_t triangle = kNone;  ///< in the tree's own order: a guess for points nearby

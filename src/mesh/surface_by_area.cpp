@@ -1,5 +1,5 @@
 // A mesh as a surface to draw points on.
-#include "points/surface_by_area.h"
+#include "mesh/surface_by_area.h"
 
 #include <sherd/error.h>
 

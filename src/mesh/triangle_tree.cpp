@@ -1,5 +1,5 @@
 // A tree of triangles.
-#include "voxelize/triangle_tree.h"
+#include "mesh/triangle_tree.h"
 
 #include <tbb/parallel_invoke.h>
 
@@ -11,7 +11,8 @@
 #include <numeric>
 #include <utility>
 
-#include "points/nearest_on_triangle.h"
+#include "mesh/nearest_on_triangle.h"
+#include "mesh/solid_angles.h"
 
 namespace sherd {
 namespace {
@@ -68,38 +69,6 @@ double rayHit(const std::array<glm::dvec3, 3>& t, const glm::dvec3& origin,
   if (!(v >= 0.0 && u + v <= 1.0)) return kInfinity;
   return glm::dot(e2, q) / determinant;
 }
-
-// Adds up solid angles.  Half of a triangle's is the argument of a complex number; while these are
-// small, numbers are multiplied, and one arc tangent tells the angle of several.
-// source  Van Oosterom, Strackee: The Solid Angle of a Plane Triangle, 1983
-class SolidAngles {
- public:
-  void add(const std::array<glm::dvec3, 3>& t, const glm::dvec3& point) {
-    const glm::dvec3 a = t[0] - point, b = t[1] - point, c = t[2] - point;
-    const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
-    const double im = glm::dot(a, glm::cross(b, c));
-    const double re =
-        la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb;
-    if (!(re_ > 0.0 && re > 0.0)) flush();  // else their arguments add up to less than half a turn
-    const double product = re_ * re - im_ * im;
-    im_ = re_ * im + im_ * re;
-    re_ = product;
-    if (!(std::abs(re_) + std::abs(im_) < kLargest)) flush();
-  }
-  double sum() {
-    flush();
-    return sum_;
-  }
-
- private:
-  static constexpr double kLargest = 1e60;  // factors are far below: products stay finite
-  void flush() {
-    sum_ += 2.0 * std::atan2(im_, re_);
-    re_ = 1.0;
-    im_ = 0.0;
-  }
-  double re_ = 1.0, im_ = 0.0, sum_ = 0.0;
-};
 
 }  // namespace
 
