@@ -7,21 +7,16 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
-#include <cmath>
-#include <csignal>
-#include <cstdio>
 #include <limits>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
-#include <thread>
 
 #include "cli/command.h"
 #include "cli/fracture_options.h"
-#include "io/mesh_report.h"
-#include "mesh/text_scan.h"
+#include "cli/fracture_telling.h"
+#include "cli/interrupts.h"
+#include "cli/progress_line.h"
 
 namespace sherd::cli {
 namespace {
@@ -47,149 +42,6 @@ struct FractureArguments {
 double secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
-
-// ---- Ctrl-C: a flag that long work asks for.
-
-std::atomic<bool> interrupted{false};
-
-// Signals are blocked in every thread and waited for in one, instead of handled: while a kernel is
-// built, LLVM puts handlers of its own in place, which delete the compiler's files and turn a
-// ctrl-C into a failed build.  A signal that the caller ignores stays ignored.
-void watchForInterrupts() {
-  sigset_t watched;
-  ::sigemptyset(&watched);
-  for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
-    struct sigaction action {};
-    ::sigaction(number, nullptr, &action);
-    if (action.sa_handler != SIG_IGN) ::sigaddset(&watched, number);
-  }
-  ::pthread_sigmask(SIG_BLOCK, &watched, nullptr);
-  std::thread([watched] {
-    int number = 0;
-    while (::sigwait(&watched, &number) == 0) interrupted = true;
-  }).detach();
-}
-
-void stopIfInterrupted() {
-  if (interrupted) throw Error(ErrorCode::cancelled, "");
-}
-
-// ---- Progress: one line on a terminal, redrawn some ten times a second.
-
-class ProgressLine {
- public:
-  explicit ProgressLine(bool shown) : shown_(shown) {}
-  ~ProgressLine() { clear(); }
-  ProgressLine(const ProgressLine&) = delete;
-  ProgressLine& operator=(const ProgressLine&) = delete;
-
-  void show(std::string_view stage, double fraction) {
-    constexpr int kWidth = 40;
-    if (!shown_ || (drawn_ && secondsSince(last_) < 0.1)) return;
-    const int full = static_cast<int>(std::lround(std::clamp(fraction, 0.0, 1.0) * kWidth));
-    const std::string bar(static_cast<std::size_t>(full), '#');
-    std::fprintf(stderr, "\r%-10.*s [%-*s] %3d %%", static_cast<int>(stage.size()), stage.data(),
-                 kWidth, bar.c_str(), full * 100 / kWidth);
-    last_ = Clock::now();
-    drawn_ = true;
-  }
-
-  void clear() {
-    if (drawn_) std::fputs("\r\x1b[K", stderr);
-    drawn_ = false;
-  }
-
- private:
-  bool shown_;
-  bool drawn_ = false;
-  Clock::time_point last_;
-};
-
-// ---- What is told afterwards
-
-std::string number(double value, int digits) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*g", digits, value);
-  return text;
-}
-
-void warn(const FractureArguments& arguments, const SourceMesh& source,
-          const FractureResult& result) {
-  for (const std::string& warning : source.warnings) {
-    printMessage("sherd: warning: " + warning);
-  }
-  const std::vector<MeshFileFormat>& formats = arguments.files.meshFormats;
-  if (std::find(formats.begin(), formats.end(), MeshFileFormat::glb) != formats.end()) {
-    for (const Texture& texture : source.appearance.textures) {
-      if (imageType(texture.bytes) != ImageType::other) continue;
-      printMessage("sherd: warning: " + source.name + ": its texture " + inQuotes(texture.name) +
-                   " is neither PNG nor JPEG, so .glb files go without it");
-    }
-  }
-  const std::size_t fragments = result.fragments.size();
-  if (arguments.options.seedFile.empty() && arguments.only.empty() &&
-      static_cast<std::size_t>(arguments.options.pieces) < fragments) {
-    printMessage("sherd: warning: " + arguments.mesh + " has " + std::to_string(result.parts) +
-                 " separate parts, so it became " + std::to_string(fragments) + " fragments, not " +
-                 std::to_string(arguments.options.pieces));
-  }
-  if (arguments.only.empty()) {
-    for (const std::string& warning : reportWarnings(source, result)) {
-      printMessage("sherd: warning: " + warning);
-    }
-  }
-  if (result.solid.specks > 0) {
-    printMessage("sherd: warning: " + arguments.mesh + ": " + std::to_string(result.solid.specks) +
-                 (result.solid.specks == 1 ? " part" : " parts") + " under " +
-                 std::to_string(kSpeckVoxels) + " voxels dropped, " +
-                 std::to_string(result.solid.speckVoxels) + " voxels in all");
-  }
-}
-
-std::string asText(const FractureArguments& arguments, const SourceMesh& source,
-                   const FractureResult& result, const DeviceInfo& device, double seconds) {
-  const std::string withheld =
-      result.withheld > 0 ? ", " + std::to_string(result.withheld) + " of them withheld," : "";
-  return arguments.folder + ": " + std::to_string(result.fragments.size()) + " fragments of " +
-         source.name + withheld + " in " + number(seconds, 3) + " s (" +
-         std::to_string(result.solid.voxels) + " voxels of " +
-         number(result.solid.frame.voxelSize, 4) + ", seed " +
-         std::to_string(arguments.options.seed) + ", " + device.name + ")\n";
-}
-
-std::string asJson(const FractureArguments& arguments, const SourceMesh& source,
-                   const FractureResult& result, const DeviceInfo& device, const fs::path& manifest,
-                   const std::vector<StageTime>& times) {
-  double volumeOut = 0.0;
-  for (const Fragment& fragment : result.fragments) volumeOut += fragment.mass.volume;
-  nlohmann::ordered_json seconds;
-  for (const StageTime& time : times) seconds[time.stage] = time.seconds;
-  const nlohmann::ordered_json json = {
-      {"schema", "sherd-report/1"},
-      {"command", "fracture"},
-      {"source", source.name},
-      {"manifest", manifest.string()},
-      {"seed", arguments.options.seed},
-      {"device", {{"platform", device.platform}, {"name", device.name}}},
-      {"pieces_asked", arguments.options.pieces},
-      {"fragments", result.fragments.size()},
-      {"withheld", result.withheld},
-      {"parts", result.parts},
-      {"freed_voxels", result.labels.freed},
-      {"worn_voxels", result.worn.front()},
-      {"specks", result.solid.specks},
-      {"voxel_size", result.solid.frame.voxelSize},
-      {"voxels", result.solid.voxels},
-      {"vertices_in", source.mesh.vertices.size()},
-      {"triangles_in", source.mesh.triangles.size()},
-      {"volume_in", std::abs(volume(source.mesh))},
-      {"volume_out", volumeOut},
-      {"report", arguments.only.empty() ? reportJson(source, result) : nlohmann::ordered_json()},
-      {"seconds", seconds}};
-  return json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-}
-
-// ---- The command
 
 WriteOptions writeOptions(const FractureArguments& arguments) {
   const auto named = [&](const char* name) {
@@ -235,7 +87,7 @@ void breakMesh(FractureArguments& arguments) {
   ProgressLine line(::isatty(STDERR_FILENO) == 1 && !arguments.quiet);
   const Progress progress{
       .report = [&](std::string_view stage, double fraction) { line.show(stage, fraction); },
-      .cancelled = [] { return interrupted.load(); }};
+      .cancelled = isInterrupted};
 
   std::vector<StageTime> times;
   const auto timed = [&](const char* stage, auto&& work) {
@@ -272,13 +124,15 @@ void breakMesh(FractureArguments& arguments) {
   });
   times.push_back({"total", secondsSince(start)});
 
+  const FractureTelling told{arguments.mesh,    arguments.folder, source,
+                             arguments.options, arguments.files,  result,
+                             device.info(),     manifest,         times};
   line.clear();
-  warn(arguments, source, result);
+  for (const std::string& warning : warningsOf(told)) printMessage("sherd: warning: " + warning);
   if (arguments.json) {
-    printResult(asJson(arguments, source, result, device.info(), manifest, times));
+    printResult(jsonOf(told).dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   } else if (!arguments.quiet) {
-    if (!again) printResult(reportText(source, result));
-    printResult(asText(arguments, source, result, device.info(), times.back().seconds));
+    printResult(textOf(told));
   }
 }
 
