@@ -42,6 +42,11 @@ double difference(const FractureResult& result) {
   return mesh > 0.0 ? solidVolume(result) / mesh - 1.0 : 0.0;
 }
 
+std::string titleOf(const SourceMesh& source) {
+  return source.objects.size() == 1 ? source.name + ", '" + source.objects.front() + "'"
+                                    : source.name;
+}
+
 }  // namespace
 
 nlohmann::ordered_json reportJson(const SourceMesh& source, const FractureResult& result) {
@@ -65,6 +70,7 @@ nlohmann::ordered_json reportJson(const SourceMesh& source, const FractureResult
     json["mesh_volume"] = report.meshVolume;
   }
   json["solid_volume"] = solidVolume(result);
+  json["bridges"] = report.bridges;
   json["walls"] = {{"thin_share", report.walls.thinShare},
                    {"thinnest_voxels", std::isfinite(report.walls.thinnest)
                                            ? nlohmann::ordered_json(report.walls.thinnest)
@@ -78,7 +84,7 @@ nlohmann::ordered_json reportJson(const SourceMesh& source, const FractureResult
 std::string reportText(const SourceMesh& source, const FractureResult& result) {
   const SolidReport& report = result.solid.report;
   const MeshDefects& defects = report.defects;
-  std::string found = source.name + ": " + counted(source.mesh.triangles.size(), "triangle") +
+  std::string found = titleOf(source) + ": " + counted(source.mesh.triangles.size(), "triangle") +
                       " in " + counted(defects.parts, "part");
   const std::pair<std::size_t, const char*> faults[] = {
       {defects.boundaryEdges, "boundary edge"},
@@ -120,12 +126,12 @@ std::vector<std::string> reportWarnings(const SourceMesh& source, const Fracture
   std::vector<std::string> warnings;
   const SolidReport& report = result.solid.report;
   if (std::abs(difference(result)) > kVolumesAgree) {
-    warnings.push_back(source.name + ": the solid's volume is " + text(solidVolume(result)) +
+    warnings.push_back(titleOf(source) + ": the solid's volume is " + text(solidVolume(result)) +
                        ", the mesh's own " + text(report.meshVolume) +
                        "; overlapping parts count once, and walls thinner than a voxel are lost");
   }
   if (report.walls.resolution > 0 && report.fill != Fill::shell) {
-    warnings.push_back(source.name + ": walls are down to " + text(report.walls.thinnest) +
+    warnings.push_back(titleOf(source) + ": walls are down to " + text(report.walls.thinnest) +
                        " voxels thin, of which parts may be lost; a --resolution of " +
                        std::to_string(report.walls.resolution) + " would hold them");
   }

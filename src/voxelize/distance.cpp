@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "voxelize/band.h"
+#include "voxelize/specks.h"
 
 namespace sherd {
 namespace {
@@ -36,6 +37,18 @@ float background(const GridFrame& frame) {
   return std::nextafter(worldFromVoxels(kHalfWidthVoxels, frame), INFINITY);
 }
 
+// A grid without values, to be filled by leaves and tiles.
+FloatGrid::Ptr emptyLevelSet(const GridFrame& frame) {
+  FloatGrid::Ptr grid = FloatGrid::create(background(frame));
+  openvdb::math::Transform::Ptr transform =
+      openvdb::math::Transform::createLinearTransform(frame.voxelSize);
+  transform->postTranslate({frame.origin.v.x, frame.origin.v.y, frame.origin.v.z});
+  grid->setTransform(transform);
+  grid->setGridClass(openvdb::GRID_LEVEL_SET);
+  grid->setName("surface");
+  return grid;
+}
+
 }  // namespace
 
 FloatGridPtr levelSetOf(const Filling& filling, const GridFrame& frame, const Progress* progress) {
@@ -45,7 +58,7 @@ FloatGridPtr levelSetOf(const Filling& filling, const GridFrame& frame, const Pr
 
   const float outside = background(frame);
   const auto half = static_cast<float>(filling.halfThickness);
-  FloatGrid::Ptr grid = FloatGrid::create(outside);
+  FloatGrid::Ptr grid = emptyLevelSet(frame);
   std::vector<std::unique_ptr<Leaf>> leaves(band.size());
   tbb::parallel_for(std::size_t{0}, band.size(), [&](std::size_t i) {
     const Coord& origin = band[i].origin;
@@ -82,14 +95,18 @@ FloatGridPtr levelSetOf(const Filling& filling, const GridFrame& frame, const Pr
     if (!leaf->isEmpty()) grid->tree().addLeaf(leaf.release());
   }
   openvdb::tools::signedFloodFillWithValues(grid->tree(), outside, -outside);
-
-  openvdb::math::Transform::Ptr transform =
-      openvdb::math::Transform::createLinearTransform(frame.voxelSize);
-  transform->postTranslate({frame.origin.v.x, frame.origin.v.y, frame.origin.v.z});
-  grid->setTransform(transform);
-  grid->setGridClass(openvdb::GRID_LEVEL_SET);
-  grid->setName("surface");
   return grid;
+}
+
+void addVoxels(FloatGrid& grid, LeafBlocks& blocks, std::span<const std::size_t> places) {
+  const float depth = -worldFromVoxels(kLeastDepthVoxels, frameOf(grid));
+  FloatGrid::Accessor accessor = grid.getAccessor();
+  for (const std::size_t place : places) {
+    const std::uint64_t bit = std::uint64_t{1} << (place % 64);
+    accessor.setValueOn(blocks.voxelAt(place), depth);
+    blocks.inside[place / 64] |= bit;
+    blocks.outerBand[place / 64] &= ~bit;
+  }
 }
 
 void unite(FloatGrid& grid, FloatGrid& other) { openvdb::tools::csgUnion(grid, other); }
@@ -97,6 +114,64 @@ void unite(FloatGrid& grid, FloatGrid& other) { openvdb::tools::csgUnion(grid, o
 GridFrame frameOf(const FloatGrid& grid) {
   const openvdb::Vec3d origin = grid.transform().indexToWorld(openvdb::Vec3d(0.0));
   return {{{origin.x(), origin.y(), origin.z()}}, grid.voxelSize()[0]};
+}
+
+double smallestVoxel(const FloatGrid& grid) {
+  const openvdb::Vec3d size = grid.voxelSize();
+  return std::min({size.x(), size.y(), size.z()});
+}
+
+bool isSolidLevelSet(const FloatGrid& grid) {
+  constexpr double kSmallest = 1e-30;  // distances are single-precision numbers
+  if (grid.getGridClass() != openvdb::GRID_LEVEL_SET || !grid.transform().isLinear()) return false;
+  const openvdb::Mat4d m = grid.transform().baseMap()->getAffineMap()->getMat4();
+  const double size = m(0, 0);
+  if (!(size > kSmallest && size < 1.0 / kSmallest)) return false;
+  for (int row = 0; row < 3; ++row) {
+    if (!std::isfinite(m(3, row))) return false;
+    for (int column = 0; column < 3; ++column) {
+      const double wanted = row == column ? size : 0.0;
+      if (!(std::abs(m(row, column) - wanted) <= 1e-9 * size)) return false;
+    }
+  }
+  constexpr double kHalfFloats = 0.01;  // grids may be saved with 11 bits
+  return static_cast<double>(grid.background()) >= (kHalfWidthVoxels - kHalfFloats) * size;
+}
+
+Solid solidOf(const FloatGrid& levelSet) {
+  Solid solid;
+  solid.frame = frameOf(levelSet);
+  const float outside = background(solid.frame);
+  const float leastDepth = worldFromVoxels(kLeastDepthVoxels, solid.frame);
+  const FloatGrid::Ptr grid = emptyLevelSet(solid.frame);
+  for (auto leaf = levelSet.tree().cbeginLeaf(); leaf; ++leaf) {
+    auto own = std::make_unique<Leaf>(leaf->origin(), outside, false);
+    bool isEmpty = true;
+    for (openvdb::Index i = 0; i < Leaf::SIZE; ++i) {
+      const float value = leaf->getValue(i);
+      if (value <= -outside) {
+        own->setValueOff(i, -outside);
+      } else if (value < outside) {
+        own->setValueOn(i, value < 0.0f ? std::min(value, -leastDepth) : value);
+      } else {  // not a number, too
+        continue;
+      }
+      isEmpty = false;
+    }
+    if (!isEmpty) grid->tree().addLeaf(own.release());
+  }
+  auto tiles = levelSet.tree().cbeginValueAll();
+  tiles.setMaxDepth(FloatGrid::TreeType::ValueAllCIter::LEAF_DEPTH - 1);
+  for (; tiles; ++tiles) {
+    if (*tiles >= 0) continue;
+    openvdb::CoordBBox box;
+    tiles.getBoundingBox(box);
+    grid->tree().sparseFill(box, -outside, /*active=*/false);
+  }
+  solid.distance = grid;
+  solid.blocks = leafBlocks(*grid);
+  measureVoxels(solid);
+  return solid;
 }
 
 LeafBlocks leafBlocks(const FloatGrid& grid) {

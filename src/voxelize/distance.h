@@ -8,6 +8,7 @@
 #include <sherd/solid.h>
 
 #include <functional>
+#include <span>
 
 #include "voxelize/fill.h"
 
@@ -21,11 +22,26 @@ using FloatGridPtr = std::shared_ptr<openvdb::FloatGrid>;
 [[nodiscard]] FloatGridPtr levelSetOf(const Filling& filling, const GridFrame& frame,
                                       const Progress* progress);
 
+/// Make voxels of the outer band inside, as shallow as any may be.
+///   grid, blocks  of one solid; both are brought up to date
+void addVoxels(openvdb::FloatGrid& grid, LeafBlocks& blocks, std::span<const std::size_t> places);
+
 /// The union of two level sets of one frame; `other` is used up.
 void unite(openvdb::FloatGrid& grid, openvdb::FloatGrid& other);
 
 /// Where a grid's voxels lie.
 [[nodiscard]] GridFrame frameOf(const openvdb::FloatGrid& grid);
+
+/// The shortest side of a grid's voxels, world units.
+[[nodiscard]] double smallestVoxel(const openvdb::FloatGrid& grid);
+
+/// Whether a level set can be a solid's as it is: neither turned, sheared nor mirrored, one voxel
+/// size, values to three voxels from the surface.
+[[nodiscard]] bool isSolidLevelSet(const openvdb::FloatGrid& grid);
+
+/// The solid of such a level set, on its voxels; what is farther than three voxels from the surface
+/// is left out.
+[[nodiscard]] Solid solidOf(const openvdb::FloatGrid& levelSet);
 
 /// The inside and outer-band voxels of a level set, interior tiles included.
 [[nodiscard]] LeafBlocks leafBlocks(const openvdb::FloatGrid& grid);

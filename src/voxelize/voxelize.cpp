@@ -6,8 +6,10 @@
 #include <cmath>
 #include <sstream>
 #include <utility>
+#include <vector>
 
 #include "mesh/repair.h"
+#include "voxelize/bridges.h"
 #include "voxelize/distance.h"
 #include "voxelize/fill.h"
 #include "voxelize/specks.h"
@@ -80,8 +82,12 @@ Solid voxelize(const TriangleMesh& source, const SolidOptions& options, const Pr
   step(progress, "voxelize", 0.3);
 
   if (!filling.surface->empty()) {
-    solid.distance = levelSetOf(filling, solid.frame, progress);
-    solid.blocks = leafBlocks(*solid.distance);
+    const FloatGridPtr distance = levelSetOf(filling, solid.frame, progress);
+    solid.blocks = leafBlocks(*distance);
+    const std::vector<std::size_t> bridges = bridgesOf(solid.blocks, filling);
+    addVoxels(*distance, solid.blocks, bridges);
+    report.bridges = bridges.size();
+    solid.distance = distance;
     measureVoxels(solid);
   }
   if (solid.voxels == 0) {
