@@ -3,6 +3,7 @@
 #include <sherd/fracture.h>
 
 #include <cmath>
+#include <utility>
 
 #include "fracture_stages.h"
 #include "voxelize/specks.h"
@@ -20,21 +21,11 @@ std::size_t withheldOf(double missing, std::size_t fragments) {
   return static_cast<std::size_t>(wanted);
 }
 
-}  // namespace
-
-FractureResult fracture(const TriangleMesh& mesh, const FractureOptions& options, Device& device,
-                        const Progress* progress) {
+FractureResult breakSolid(Solid solid, const FractureOptions& options, StageClock clock,
+                          Device& device, const Progress* progress) {
   FractureResult result;
-  StageClock clock;
-
-  const SolidOptions solid{.resolution = options.resolution,
-                           .voxelSize = options.voxelSize,
-                           .fill = options.fill,
-                           .shellThickness = options.shellThickness};
-  result.solid = voxelize(mesh, solid, progress);
-  clock.done("voxelize");
-  Parts parts = findParts(result.solid.blocks, device);
-  result.solid = dropSpecks(std::move(result.solid), parts, device);
+  Parts parts = findParts(solid.blocks, device);
+  result.solid = dropSpecks(std::move(solid), parts, device);
   result.parts = parts.count();
   clock.done("parts");
   const LeafBlocks& blocks = result.solid.blocks;
@@ -67,6 +58,25 @@ FractureResult fracture(const TriangleMesh& mesh, const FractureOptions& options
   clock.done("extract");
   result.times = clock.times();
   return result;
+}
+
+}  // namespace
+
+FractureResult fracture(const TriangleMesh& mesh, const FractureOptions& options, Device& device,
+                        const Progress* progress) {
+  StageClock clock;
+  const SolidOptions solidOptions{.resolution = options.resolution,
+                                  .voxelSize = options.voxelSize,
+                                  .fill = options.fill,
+                                  .shellThickness = options.shellThickness};
+  Solid solid = voxelize(mesh, solidOptions, progress);
+  clock.done("voxelize");
+  return breakSolid(std::move(solid), options, clock, device, progress);
+}
+
+FractureResult fracture(Solid solid, const FractureOptions& options, Device& device,
+                        const Progress* progress) {
+  return breakSolid(std::move(solid), options, StageClock(), device, progress);
 }
 
 }  // namespace sherd

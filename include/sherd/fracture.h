@@ -73,4 +73,9 @@ struct FractureResult {
 [[nodiscard]] FractureResult fracture(const TriangleMesh& mesh, const FractureOptions& options,
                                       Device& device, const Progress* progress = nullptr);
 
+/// Break a solid that is there already: the same without voxelize.  Options that tell how to
+/// voxelize are not used.
+[[nodiscard]] FractureResult fracture(Solid solid, const FractureOptions& options, Device& device,
+                                      const Progress* progress = nullptr);
+
 }  // namespace sherd

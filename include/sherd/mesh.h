@@ -49,6 +49,11 @@ struct SourceMesh {
 ///   finite vertex, more than 1e37 units long; Error(cancelled) a signal stopped sherd-assimp
 [[nodiscard]] SourceMesh readMesh(const std::filesystem::path& file);
 
+/// The file's parts as meshes of their own, in its order, each with its name as `objects`; those
+/// without a triangle are left out.  What was counted of the whole file stays with the first.
+///   return  the mesh itself where it has no parts
+[[nodiscard]] std::vector<SourceMesh> splitObjects(const SourceMesh& source);
+
 /// Whether readMesh knows the format, by the file's extension.
 [[nodiscard]] bool isMeshName(const std::filesystem::path& file);
 

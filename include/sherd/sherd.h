@@ -14,6 +14,7 @@
 #include <sherd/io.h>
 #include <sherd/labels.h>
 #include <sherd/leaf_blocks.h>
+#include <sherd/memory.h>
 #include <sherd/mesh.h>
 #include <sherd/mesh_quality.h>
 #include <sherd/metric.h>
@@ -27,4 +28,5 @@
 #include <sherd/solid.h>
 #include <sherd/surface.h>
 #include <sherd/version.h>
+#include <sherd/volume.h>
 #include <sherd/voxel_files.h>

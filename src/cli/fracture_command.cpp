@@ -2,7 +2,9 @@
 #include <sherd/error.h>
 #include <sherd/fracture.h>
 #include <sherd/io.h>
+#include <sherd/memory.h>
 #include <sherd/refracture.h>
+#include <sherd/volume.h>
 #include <tbb/global_control.h>
 #include <unistd.h>
 
@@ -11,12 +13,16 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <set>
 
 #include "cli/command.h"
 #include "cli/fracture_options.h"
 #include "cli/fracture_telling.h"
 #include "cli/interrupts.h"
 #include "cli/progress_line.h"
+#include "io/file_names.h"
+#include "lower_case.h"
+#include "mesh/text_scan.h"
 
 namespace sherd::cli {
 namespace {
@@ -30,11 +36,14 @@ struct FractureArguments {
   std::vector<int>
       only;  ///< fragments of a finished fracture to break again; empty: MESH is a mesh
   FractureOptions options;
+  VolumeOptions volume;
+  bool splitObjects = false;
   std::vector<std::string> write{"labels", "vdb", "mesh", "preview"};
   WriteOptions files;  ///< all of it but what `write` and `up` name
   std::string up = "y";
   std::string device = "auto";
-  int threads = 0;  ///< 0: all cores
+  int threads = 0;              ///< 0: all cores
+  std::uint64_t maxMemory = 0;  ///< bytes; 0: what is free
   bool json = false;
   bool quiet = false;
 };
@@ -64,84 +73,173 @@ WriteOptions writeOptions(const FractureArguments& arguments) {
   return write;
 }
 
+// What is to be broken: one of these.
+struct Input {
+  std::vector<SourceMesh> meshes;  // the file's, or its objects'; of a solid its name and no mesh
+  std::optional<Solid> solid;
+  std::optional<FinishedFracture> finished;
+};
+
+Input readInput(FractureArguments& arguments) {
+  Input input;
+  if (!arguments.only.empty()) {
+    input.finished = readFracture(arguments.mesh);
+    input.meshes = {input.finished->source};
+    arguments.options.resolution = input.finished->resolution;
+    return input;
+  }
+  SourceMesh source;
+  if (isVolumeName(arguments.mesh)) {
+    Volume volume = readVolume(arguments.mesh, arguments.volume);
+    if (arguments.volume.ownVoxels) arguments.options.voxelSize = volume.voxelSize;
+    input.solid = std::move(volume.solid);
+    source = std::move(volume.source);
+  } else {
+    source = readMesh(arguments.mesh);
+  }
+  if (arguments.splitObjects) {
+    input.meshes = splitObjects(source);
+  } else {
+    input.meshes = {std::move(source)};
+  }
+  return input;
+}
+
 // What is wrong with a mesh is found by functions that do not know the file's name.
-FractureResult breakSource(const FractureArguments& arguments, const SourceMesh& source,
-                           Device& device, const Progress& progress) {
+FractureResult breakInput(const FractureArguments& arguments, const Input& input,
+                          const SourceMesh& source, const std::string& title, Device& device,
+                          const Progress& progress) {
   try {
-    return fracture(source.mesh, arguments.options, device, &progress);
+    const FractureOptions& options = arguments.options;
+    if (input.finished) {
+      return refracture(*input.finished, arguments.only, options, device, &progress);
+    }
+    if (input.solid) return fracture(*input.solid, options, device, &progress);
+    requireMemory(source.mesh, options,
+                  arguments.maxMemory > 0 ? arguments.maxMemory : freeMemory());
+    return fracture(source.mesh, options, device, &progress);
   } catch (const Error& e) {
     const std::string seedFile = arguments.options.seedFile.string();
     const bool aboutSeeds = !seedFile.empty() && std::string_view(e.what()).starts_with(seedFile);
-    if (e.code() != ErrorCode::input || aboutSeeds) throw;
-    throw Error(ErrorCode::input, arguments.mesh + ": " + e.what());
+    if (e.code() != ErrorCode::input || aboutSeeds || input.finished) throw;
+    throw Error(ErrorCode::input, title + ": " + e.what());
   }
 }
 
-void breakMesh(FractureArguments& arguments) {
-  const Clock::time_point start = Clock::now();
-  std::optional<tbb::global_control> threads;
-  if (arguments.threads > 0) {
-    threads.emplace(tbb::global_control::max_allowed_parallelism,
-                    static_cast<std::size_t>(arguments.threads));
+// A folder for each object, by its name; equal names, and those that differ by case only, get
+// numbers.
+std::vector<std::string> objectFolders(const std::string& folder,
+                                       const std::vector<SourceMesh>& objects) {
+  std::vector<std::string> folders;
+  std::set<std::string> taken;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const SourceMesh& object = objects[i];
+    const std::string unnamed = "object_" + std::to_string(i + 1);
+    const std::string name =
+        safeName(object.objects.empty() ? object.stem : object.objects.front(), unnamed);
+    std::string unique = name;
+    for (int n = 2; !taken.insert(lowerCase(unique)).second; ++n) {
+      unique = name + "_" + std::to_string(n);
+    }
+    folders.push_back((fs::path(folder) / unique).string());
   }
-  ProgressLine line(::isatty(STDERR_FILENO) == 1 && !arguments.quiet);
-  const Progress progress{
-      .report = [&](std::string_view stage, double fraction) { line.show(stage, fraction); },
-      .cancelled = isInterrupted};
+  return folders;
+}
 
-  std::vector<StageTime> times;
-  const auto timed = [&](const char* stage, auto&& work) {
+class FractureRun {
+  template <class Work>
+  auto timed(const char* stage, const Work& work) {
     stopIfInterrupted();
-    line.show(stage, 0.0);
+    line_.show(stage, 0.0);
     const Clock::time_point begin = Clock::now();
     auto result = work();
-    times.push_back({stage, secondsSince(begin)});
+    times_.push_back({stage, secondsSince(begin)});
     return result;
-  };
-
-  checkFractureFolder(arguments.folder);
-  const bool again = !arguments.only.empty();
-  const FinishedFracture finished = timed("read", [&] {
-    FinishedFracture read;
-    if (again) {
-      read = readFracture(arguments.mesh);
-    } else {
-      read.source = readMesh(arguments.mesh);
-    }
-    return read;
-  });
-  const SourceMesh& source = finished.source;
-  if (again) arguments.options.resolution = finished.resolution;
-  Device device = timed("device", [&] { return Device(arguments.device); });
-  stopIfInterrupted();
-  const FractureResult result =
-      again ? refracture(finished, arguments.only, arguments.options, device, &progress)
-            : breakSource(arguments, source, device, progress);
-  times.insert(times.end(), result.times.begin(), result.times.end());
-  const fs::path manifest = timed("write", [&] {
-    return writeFracture(arguments.folder, source, arguments.options, result,
-                         writeOptions(arguments), &progress);
-  });
-  times.push_back({"total", secondsSince(start)});
-
-  const FractureTelling told{arguments.mesh,    arguments.folder, source,
-                             arguments.options, arguments.files,  result,
-                             device.info(),     manifest,         times};
-  line.clear();
-  for (const std::string& warning : warningsOf(told)) printMessage("sherd: warning: " + warning);
-  if (arguments.json) {
-    printResult(jsonOf(told).dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
-  } else if (!arguments.quiet) {
-    printResult(textOf(told));
   }
-}
+
+ public:
+  explicit FractureRun(FractureArguments& arguments)
+      : arguments_(arguments), line_(::isatty(STDERR_FILENO) == 1 && !arguments.quiet) {}
+
+  void run() {
+    if (!arguments_.splitObjects) checkFractureFolder(arguments_.folder);
+    const Input input = timed("read", [&] { return readInput(arguments_); });
+    std::vector<std::string> folders{arguments_.folder};
+    if (arguments_.splitObjects) {
+      folders = objectFolders(arguments_.folder, input.meshes);
+      for (const std::string& folder : folders) checkFractureFolder(folder);
+    }
+    Device device = timed("device", [&] { return Device(arguments_.device); });
+    const std::vector<StageTime> before = times_;
+    std::optional<Error> refused;
+    for (std::size_t i = 0; i < input.meshes.size(); ++i) {
+      try {
+        breakOne(input, input.meshes[i], folders[i], device);
+      } catch (const Error& e) {  // the other objects are broken all the same
+        if (input.meshes.size() == 1 || e.code() != ErrorCode::input) throw;
+        line_.clear();
+        printMessage(std::string("sherd: ") + e.what());
+        if (!refused) refused = Error(e.code(), "not all objects could be broken");
+      }
+      times_ = before;
+      start_ = Clock::now();
+    }
+    line_.clear();
+    if (arguments_.json) {
+      const nlohmann::ordered_json& all = arguments_.splitObjects ? told_ : told_.front();
+      printResult(all.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+    }
+    if (refused) throw *refused;
+  }
+
+ private:
+  void breakOne(const Input& input, const SourceMesh& source, const std::string& folder,
+                Device& device) {
+    stopIfInterrupted();
+    const std::string title = source.objects.size() == 1
+                                  ? arguments_.mesh + ", " + inQuotes(source.objects.front())
+                                  : arguments_.mesh;
+    const FractureResult result = breakInput(arguments_, input, source, title, device, progress_);
+    times_.insert(times_.end(), result.times.begin(), result.times.end());
+    const WriteOptions write = writeOptions(arguments_);
+    const fs::path manifest = timed("write", [&] {
+      return writeFracture(folder, source, arguments_.options, result, write, &progress_);
+    });
+    times_.push_back({"total", secondsSince(start_)});
+    const FractureTelling told{title,         folder,   source, arguments_.options, write, result,
+                               device.info(), manifest, times_};
+    line_.clear();
+    for (const std::string& warning : warningsOf(told)) {
+      printMessage("sherd: warning: " + warning);
+    }
+    if (arguments_.json) {
+      told_.push_back(jsonOf(told));
+    } else if (!arguments_.quiet) {
+      printResult(textOf(told));
+    }
+  }
+
+  FractureArguments& arguments_;
+  Clock::time_point start_ = Clock::now();
+  ProgressLine line_;
+  Progress progress_{
+      .report = [this](std::string_view stage, double fraction) { line_.show(stage, fraction); },
+      .cancelled = isInterrupted};
+  std::vector<StageTime> times_;
+  nlohmann::ordered_json told_ = nlohmann::ordered_json::array();
+};
 
 void runFracture(FractureArguments& arguments) {
   watchForInterrupts();
   checkWriteOptions(writeOptions(arguments), arguments.options);
   arguments.options.grow.keepCost = writeOptions(arguments).cost;
+  std::optional<tbb::global_control> threads;
+  if (arguments.threads > 0) {
+    threads.emplace(tbb::global_control::max_allowed_parallelism,
+                    static_cast<std::size_t>(arguments.threads));
+  }
   try {
-    breakMesh(arguments);
+    FractureRun(arguments).run();
   } catch (const Error& e) {
     if (e.code() != ErrorCode::cancelled) throw;
     throw Error(ErrorCode::cancelled, "interrupted; " + arguments.folder + " is as it was before");
@@ -158,8 +256,8 @@ void addFractureCommand(CLI::App& app, Action& run) {
   command
       ->add_option(
           "MESH", arguments->mesh,
-          "The mesh: .obj .ply .stl .off .gltf .glb .binm .fbx .dae .3mf, also .gz; with --only a "
-          "manifest.json")
+          "The mesh: .obj .ply .stl .off .gltf .glb .binm .fbx .dae .3mf, also .gz; or a volume: "
+          ".vdb .rle .npy .npz .vox .qstack .bing; with --only a manifest.json")
       ->required();
   command
       ->add_option(
@@ -194,13 +292,18 @@ void addFractureCommand(CLI::App& app, Action& run) {
       ->excludes(resolution)
       ->excludes("--voxel-size");
   addFillOptions(*command, options);
+  addVolumeOptions(*command, arguments->volume);
+  command
+      ->add_flag("--split-objects", arguments->splitObjects,
+                 "Break each object of the file by itself, into a folder of its name below DIR")
+      ->excludes("--only");
   addSeedOptions(*command, options);
   addGrowthOptions(*command, options);
   addErosionOptions(*command, options);
   addSurfaceOptions(*command, options);
   addPointOptions(*command, arguments->files);
-  for (const char* ofMeshes :
-       {"--seeds", "--missing", "--erode-iterations", "--fill", "--shell-thickness"}) {
+  for (const char* ofMeshes : {"--seeds", "--missing", "--erode-iterations", "--fill",
+                               "--shell-thickness", "--grid", "--isovalue"}) {
     command->get_option("--only")->excludes(ofMeshes);
   }
   command->add_option("--write", arguments->write, "What to write, separated by commas")
@@ -224,9 +327,16 @@ void addFractureCommand(CLI::App& app, Action& run) {
           "--threads", arguments->threads,
           "Threads of the host's work; default all cores (PoCL's own: POCL_MAX_PTHREAD_COUNT)")
       ->transform(wholeNumber(1, 4096));
+  command
+      ->add_option("--max-memory", arguments->maxMemory,
+                   "Refuse what would take more memory, such as 8G; default what is free")
+      ->transform(CLI::AsSizeValue(/*kb_is_1000=*/false))
+      ->type_name("SIZE");
   command->add_flag("--json", arguments->json, "Print one JSON object: counts, volumes, seconds");
   command->add_flag("--quiet", arguments->quiet, "Print nothing but warnings and errors");
-  command->callback([arguments, &run] {
+  command->callback([arguments, command, &run] {
+    arguments->volume.ownVoxels =
+        command->count("--resolution") + command->count("--voxel-size") == 0;
     checkPointOptions(arguments->files);
     run = [arguments] { runFracture(*arguments); };
   });

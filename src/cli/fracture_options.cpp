@@ -115,6 +115,21 @@ void addFillOptions(CLI::App& command, FractureOptions& options) {
       ->group(group);
 }
 
+void addVolumeOptions(CLI::App& command, VolumeOptions& options) {
+  const std::string group = "Solid";
+  command
+      .add_option("--grid", options.grid,
+                  "The grid of a .vdb file; default: its level sets, united, or its only grid")
+      ->type_name("NAME")
+      ->group(group);
+  command
+      .add_option("--isovalue", options.isovalue,
+                  "A grid that is no level set is solid where its values are above")
+      ->check(numberBetween(-1e30, 1e30, "a number"))
+      ->capture_default_str()
+      ->group(group);
+}
+
 void addSeedOptions(CLI::App& command, FractureOptions& options) {
   const std::string group = "Seeds";
   SeedOptions& seeds = options.seeds;

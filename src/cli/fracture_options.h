@@ -3,6 +3,7 @@
 
 #include <sherd/fracture.h>
 #include <sherd/io.h>
+#include <sherd/volume.h>
 
 #include "cli/command.h"
 
@@ -12,6 +13,7 @@ namespace sherd::cli {
 [[nodiscard]] CLI::Validator aboveZero();
 
 void addFillOptions(CLI::App& command, FractureOptions& options);
+void addVolumeOptions(CLI::App& command, VolumeOptions& options);
 void addSeedOptions(CLI::App& command, FractureOptions& options);
 void addGrowthOptions(CLI::App& command, FractureOptions& options);
 void addErosionOptions(CLI::App& command, FractureOptions& options);

@@ -20,16 +20,17 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json sourceJson(const SourceMesh& source) {
-  if (source.mesh.triangles.empty()) {  // a fracture that was broken again, by its manifest
-    return {{"file", source.name}, {"fracture_sha256", source.sha256}};
-  }
-  return {{"file", source.name},
-          {"sha256", source.sha256},
-          {"file_vertices", source.fileVertices},
-          {"vertices", source.mesh.vertices.size()},
-          {"triangles", source.mesh.triangles.size()},
-          {"degenerate_triangles", source.degenerateTriangles}};
+Json sourceJson(const SourceMesh& source, bool again) {
+  if (again) return {{"file", source.name}, {"fracture_sha256", source.sha256}};
+  if (source.mesh.triangles.empty()) return {{"file", source.name}, {"sha256", source.sha256}};
+  Json json = {{"file", source.name},
+               {"sha256", source.sha256},
+               {"file_vertices", source.fileVertices},
+               {"vertices", source.mesh.vertices.size()},
+               {"triangles", source.mesh.triangles.size()},
+               {"degenerate_triangles", source.degenerateTriangles}};
+  if (source.objects.size() == 1) json["object"] = source.objects.front();
+  return json;
 }
 
 // 1 / sum of squared shares: n equal fragments count as n.
@@ -158,10 +159,11 @@ Json optionsJson(const FractureOptions& options, const FractureResult& result,
 
 // Voxels along the mesh's longest side; the small term keeps a side of exactly n voxels from
 // becoming n + 1.
-int resolutionUsed(const SourceMesh& source, const FractureOptions& options, double voxelSize) {
+int resolutionUsed(const SourceMesh& source, const FractureOptions& options, const Solid& solid) {
   if (options.voxelSize <= 0.0) return options.resolution;
+  if (source.mesh.triangles.empty()) return solid.box.longestSide();  // a volume's own voxels
   const Box box = bounds(source.mesh);
-  const glm::dvec3 side = (box.max - box.min) / voxelSize;
+  const glm::dvec3 side = (box.max - box.min) / solid.frame.voxelSize;
   return static_cast<int>(std::ceil(std::max({side.x, side.y, side.z}) - 1e-9));
 }
 
@@ -173,7 +175,7 @@ Json gridJson(const SourceMesh& source, const FractureOptions& options,
       result.fragments.begin(),
       result.fragments.end() - static_cast<std::ptrdiff_t>(result.withheld), std::uint64_t{0},
       std::plus<>(), [](const Fragment& f) { return f.voxels; });
-  return {{"resolution", resolutionUsed(source, options, solid.frame.voxelSize)},
+  return {{"resolution", resolutionUsed(source, options, solid)},
           {"voxel_size", solid.frame.voxelSize},
           {"dims", jsonOf(solid.box.dims())},
           {"index_min", jsonOf(first)},
@@ -286,9 +288,9 @@ std::string manifestText(const SourceMesh& source, const FractureOptions& option
                          const FractureResult& result, const FractureFiles& files,
                          const WriteOptions& write) {
   Json manifest = {{"schema", kManifestSchema},
-                   {"source", sourceJson(source)},
+                   {"source", sourceJson(source, !result.parents.empty())},
                    {"options", optionsJson(options, result, write)}};
-  if (result.parents.empty()) manifest["report"] = reportJson(source, result);
+  if (!source.mesh.triangles.empty()) manifest["report"] = reportJson(source, result);
   const bool asked = options.seedFile.empty() && result.parents.empty();
   if (asked && static_cast<std::size_t>(options.pieces) < result.fragments.size()) {
     manifest["pieces_asked"] = options.pieces;

@@ -29,7 +29,7 @@ Fragment pieceOf(int id, TriangleMesh mesh, std::vector<std::uint16_t> facing = 
 
 std::vector<Fragment> fromLevelSets(const fs::path& file) {
   std::vector<Fragment> pieces;
-  for (const NamedLevelSet& level : readLevelSets(file)) {
+  for (const NamedGrid& level : readLevelSets(file)) {
     pieces.push_back(pieceOf(static_cast<int>(pieces.size()) + 1, meshInWorld(*level.grid)));
   }
   return pieces;

@@ -257,18 +257,24 @@ VdbFile describeVdb(const std::filesystem::path& file) {
   });
 }
 
-std::vector<NamedLevelSet> readLevelSets(const std::filesystem::path& file) {
-  std::vector<NamedLevelSet> found = withStream(file, [](openvdb::io::Stream& stream) {
-    std::vector<NamedLevelSet> all;
+std::vector<NamedGrid> readFloatGrids(const std::filesystem::path& file) {
+  std::vector<NamedGrid> found = withStream(file, [](openvdb::io::Stream& stream) {
+    std::vector<NamedGrid> all;
     const openvdb::GridPtrVecPtr grids = stream.getGrids();
-    for (const openvdb::GridBase::Ptr& grid : *grids) {
-      const auto level = openvdb::gridPtrCast<openvdb::FloatGrid>(grid);
-      if (level && level->getGridClass() == openvdb::GRID_LEVEL_SET) {
-        all.push_back({level->getName(), level});
-      }
+    for (const openvdb::GridBase::Ptr& base : *grids) {
+      const auto grid = openvdb::gridPtrCast<openvdb::FloatGrid>(base);
+      if (!grid) continue;
+      all.push_back({grid->getName(), grid->getGridClass() == openvdb::GRID_LEVEL_SET, grid});
     }
     return all;
   });
+  if (found.empty()) inputError(file, "holds no grid of floats");
+  return found;
+}
+
+std::vector<NamedGrid> readLevelSets(const std::filesystem::path& file) {
+  std::vector<NamedGrid> found = readFloatGrids(file);
+  std::erase_if(found, [](const NamedGrid& grid) { return !grid.isLevelSet; });
   if (found.empty()) inputError(file, "holds no level set");
   return found;
 }

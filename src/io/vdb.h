@@ -36,15 +36,19 @@ struct VdbFile {
 ///   throws  Error(input) absent, cut, or not OpenVDB's
 [[nodiscard]] VdbFile describeVdb(const std::filesystem::path& file);
 
-/// A grid that is a level set, and its name.
-struct NamedLevelSet {
+struct NamedGrid {
   std::string name;
+  bool isLevelSet = false;
   std::shared_ptr<openvdb::FloatGrid> grid;
 };
 
-/// The float level sets of a `.vdb` file, in its order.
+/// The grids of floats of a `.vdb` file, in its order.
 ///   throws  Error(input) as describeVdb; there is none
-[[nodiscard]] std::vector<NamedLevelSet> readLevelSets(const std::filesystem::path& file);
+[[nodiscard]] std::vector<NamedGrid> readFloatGrids(const std::filesystem::path& file);
+
+/// Those of them that are level sets.
+///   throws  Error(input) as describeVdb; there is none
+[[nodiscard]] std::vector<NamedGrid> readLevelSets(const std::filesystem::path& file);
 
 /// The first float level set of a `.vdb` file.
 ///   throws  Error(input) as describeVdb; there is none

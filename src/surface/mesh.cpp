@@ -20,11 +20,10 @@ openvdb::FloatGrid::ConstPtr inIndexSpace(const openvdb::FloatGrid& grid) {
   return view;
 }
 
-}  // namespace
-
-LevelSetMesh meshLevelSet(const openvdb::FloatGrid& grid, const GridFrame& frame,
-                          const openvdb::FloatGrid* reference) {
-  openvdb::tools::VolumeToMesh mesher(/*isovalue=*/0.0,
+// In index space.
+LevelSetMesh meshAt(double isovalue, const openvdb::FloatGrid& grid,
+                    const openvdb::FloatGrid* reference) {
+  openvdb::tools::VolumeToMesh mesher(isovalue,
                                       /*adaptivity=*/0.0);  // fresh: a reused one remembers
   if (reference) mesher.setRefGrid(inIndexSpace(*reference));
   mesher(*inIndexSpace(grid));
@@ -59,17 +58,25 @@ LevelSetMesh meshLevelSet(const openvdb::FloatGrid& grid, const GridFrame& frame
       add(t[0], t[1], t[2], pool.triangleFlags(i));
     }
   }
-  for (glm::dvec3& v : vertices) v = frame.worldFromIndex({v}).v;
   return out;
 }
 
-TriangleMesh meshInWorld(const openvdb::FloatGrid& grid) {
-  TriangleMesh mesh = meshLevelSet(grid, {}, nullptr).mesh;
+}  // namespace
+
+LevelSetMesh meshLevelSet(const openvdb::FloatGrid& grid, const GridFrame& frame,
+                          const openvdb::FloatGrid* reference) {
+  LevelSetMesh out = meshAt(0.0, grid, reference);
+  for (glm::dvec3& v : out.mesh.vertices) v = frame.worldFromIndex({v}).v;
+  return out;
+}
+
+TriangleMesh meshInWorld(const openvdb::FloatGrid& grid, double isovalue) {
+  TriangleMesh mesh = meshAt(isovalue, grid, nullptr).mesh;
   for (glm::dvec3& v : mesh.vertices) {
     const openvdb::Vec3d at = grid.indexToWorld(openvdb::Vec3d(v.x, v.y, v.z));
     v = {at.x(), at.y(), at.z()};
   }
-  return volume(mesh) < 0.0 ? turnedOver(std::move(mesh)) : mesh;  // a mirroring transform
+  return volume(mesh) < 0.0 ? turnedOver(std::move(mesh)) : mesh;  // mirrored, or fog
 }
 
 }  // namespace sherd

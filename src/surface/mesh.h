@@ -22,7 +22,7 @@ struct LevelSetMesh {
 [[nodiscard]] LevelSetMesh meshLevelSet(const openvdb::FloatGrid& grid, const GridFrame& frame,
                                         const openvdb::FloatGrid* reference);
 
-/// The same of a grid with any transform, in world units.
-[[nodiscard]] TriangleMesh meshInWorld(const openvdb::FloatGrid& grid);
+/// The surface where a grid's values are `isovalue`, of a grid with any transform, in world units.
+[[nodiscard]] TriangleMesh meshInWorld(const openvdb::FloatGrid& grid, double isovalue = 0.0);
 
 }  // namespace sherd

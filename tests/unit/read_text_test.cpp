@@ -104,6 +104,30 @@ TEST_F(ReadText, ObjHasObjectsOrElseGroups) {
   EXPECT_TRUE(one.objectOfTriangle.empty());
 }
 
+TEST_F(ReadText, ObjectsSplitIntoMeshesOfTheirOwn) {
+  const std::string vertices = kTetrahedronObj.substr(0, kTetrahedronObj.find('f'));
+  const SourceMesh source =
+      read("a.obj", vertices + "vt 0 0\nvt 1 0\nvt 0 1\no lid\nf 1/1 3/2 2/3\nf 1/1 2/2 4/3\n" +
+                        "o body\nf 1/1 4/3 3/2\no lid\nf 2/3 3/1 4/2\n");
+  const std::vector<SourceMesh> parts = splitObjects(source);
+  ASSERT_EQ(parts.size(), 2u);
+  EXPECT_EQ(parts[0].objects, (std::vector<std::string>{"lid"}));
+  EXPECT_EQ(parts[1].objects, (std::vector<std::string>{"body"}));
+  EXPECT_EQ(parts[0].mesh.triangles.size(), 3u);
+  EXPECT_EQ(parts[0].mesh.vertices.size(), 4u);
+  ASSERT_EQ(parts[1].mesh.triangles.size(), 1u);
+  EXPECT_EQ(parts[1].mesh.vertices.size(), 3u);
+  // Corner by corner the part is what the whole has there, looks too.
+  for (int corner = 0; corner < 3; ++corner) {
+    const auto c = static_cast<std::size_t>(corner);
+    EXPECT_EQ(parts[1].mesh.vertices[parts[1].mesh.triangles[0][corner]],
+              source.mesh.vertices[source.mesh.triangles[2][corner]]);
+    EXPECT_EQ(parts[1].appearance.surface.texcoords[0][c],
+              source.appearance.surface.texcoords[2][c]);
+  }
+  EXPECT_EQ(splitObjects(read("b.obj", kTetrahedronObj)).size(), 1u);
+}
+
 // What is dropped takes its entries along.
 TEST_F(ReadText, ObjectsFollowTheTrianglesThatAreLeft) {
   const SourceMesh source =

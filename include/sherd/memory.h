@@ -1,0 +1,26 @@
+// How much memory a fracture takes, told before.
+#pragma once
+
+#include <sherd/fracture.h>
+#include <sherd/mesh.h>
+
+#include <cstdint>
+
+namespace sherd {
+
+/// Bytes that breaking a mesh takes at most, the mesh and the files' bytes included: by the mesh's
+/// area and volume in voxels, at rates measured on many fractures (docs/performance.md).  Within a
+/// factor of two above what was seen.
+[[nodiscard]] std::uint64_t estimatedMemory(const TriangleMesh& mesh,
+                                            const FractureOptions& options);
+
+/// Bytes that this process can still get: what the machine has free without swapping, and what
+/// limits on the process and its group leave.
+[[nodiscard]] std::uint64_t freeMemory();
+
+/// Refuse what would not fit.
+///   throws  Error(usage) the estimate is above `limit`, with the resolution that would fit; what
+///           voxelSizeFor throws
+void requireMemory(const TriangleMesh& mesh, const FractureOptions& options, std::uint64_t limit);
+
+}  // namespace sherd

@@ -1,0 +1,109 @@
+// Volumes out of files.
+#include <sherd/volume.h>
+#include <sherd/voxel_files.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "io/input_error.h"
+#include "io/sha256.h"
+#include "io/vdb.h"
+#include "lower_case.h"
+#include "mesh/file_bytes.h"
+#include "mesh/joined.h"
+#include "surface/mesh.h"
+#include "voxelize/distance.h"
+#include "voxelize/voxel_faces.h"
+
+namespace sherd {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool isVdb(const fs::path& file) { return lowerCase(file.extension().string()) == ".vdb"; }
+
+std::string namesOf(const std::vector<NamedGrid>& grids) {
+  std::string names;
+  for (const NamedGrid& grid : grids) names += (names.empty() ? "'" : ", '") + grid.name + "'";
+  return names;
+}
+
+// The grids that make up the volume: those of the name asked for, all level sets, or the only one.
+std::vector<NamedGrid> chosenGrids(const fs::path& file, const std::string& name) {
+  std::vector<NamedGrid> grids = readFloatGrids(file);
+  if (!name.empty()) {
+    const std::string all = namesOf(grids);
+    std::erase_if(grids, [&](const NamedGrid& grid) { return grid.name != name; });
+    if (grids.empty()) {
+      inputError(file, "has no grid of floats named '" + name + "', but " + all);
+    }
+    grids.resize(1);
+    return grids;
+  }
+  const bool hasLevelSet = std::any_of(grids.begin(), grids.end(),
+                                       [](const NamedGrid& grid) { return grid.isLevelSet; });
+  if (hasLevelSet) {
+    std::erase_if(grids, [](const NamedGrid& grid) { return !grid.isLevelSet; });
+  } else if (grids.size() > 1) {
+    inputError(file,
+               "holds several grids and no level set; name one with --grid: " + namesOf(grids));
+  }
+  return grids;
+}
+
+bool haveOneFrame(const std::vector<NamedGrid>& grids) {
+  const GridFrame first = frameOf(*grids.front().grid);
+  return std::all_of(grids.begin(), grids.end(), [&](const NamedGrid& grid) {
+    const GridFrame frame = frameOf(*grid.grid);
+    return frame.voxelSize == first.voxelSize && frame.origin.v == first.origin.v;
+  });
+}
+
+void readGrids(const fs::path& file, const VolumeOptions& options, Volume& volume) {
+  std::vector<NamedGrid> grids = chosenGrids(file, options.grid);
+  volume.voxelSize = smallestVoxel(*grids.front().grid);
+  const bool asTheyAre = options.ownVoxels && haveOneFrame(grids) &&
+                         std::all_of(grids.begin(), grids.end(), [](const NamedGrid& grid) {
+                           return isSolidLevelSet(*grid.grid);
+                         });
+  if (!asTheyAre) {
+    for (const NamedGrid& grid : grids) {
+      const double isovalue = grid.isLevelSet ? 0.0 : options.isovalue;
+      volume.source.mesh = joined(std::move(volume.source.mesh), meshInWorld(*grid.grid, isovalue));
+    }
+    return;
+  }
+  for (std::size_t i = 1; i < grids.size(); ++i) unite(*grids.front().grid, *grids[i].grid);
+  volume.solid = solidOf(*grids.front().grid);
+}
+
+void readLabels(const fs::path& file, Volume& volume) {
+  const PlacedVoxels voxels = readVoxels(file);
+  const GridFrame frame = voxels.place ? voxels.place->frame : GridFrame{};
+  volume.voxelSize = frame.voxelSize;
+  volume.source.mesh = voxelFaces(voxels.voxels, frame);
+}
+
+}  // namespace
+
+bool isVolumeName(const fs::path& file) { return isVdb(file) || voxelFormatOf(file).has_value(); }
+
+Volume readVolume(const fs::path& file, const VolumeOptions& options) {
+  Volume volume;
+  volume.source.name = file.filename().string();
+  volume.source.stem = file.stem().string();
+  if (isVdb(file)) {
+    readGrids(file, options, volume);
+  } else {
+    readLabels(file, volume);
+  }
+  volume.source.sha256 = sha256(readFileBytes(file));
+  volume.source.fileVertices = volume.source.mesh.vertices.size();
+  const bool isEmpty =
+      volume.solid ? volume.solid->voxels == 0 : volume.source.mesh.triangles.empty();
+  if (isEmpty) inputError(file, "nothing in it is solid");
+  return volume;
+}
+
+}  // namespace sherd

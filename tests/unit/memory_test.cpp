@@ -1,0 +1,58 @@
+// Memory told before it is taken.
+#include <gtest/gtest.h>
+#include <sherd/error.h>
+#include <sherd/memory.h>
+
+#include <cmath>
+#include <string>
+
+#include "shapes.h"
+
+namespace sherd {
+namespace {
+
+TEST(Memory, GoesByTheSurfaceInVoxelsAndTheVolume) {
+  const TriangleMesh ball = shapes::ball(1.0);
+  const auto at = [&](int resolution) {
+    return static_cast<double>(estimatedMemory(ball, {.resolution = resolution}));
+  };
+  EXPECT_GT(at(256), at(128));
+  const double growth = (at(2048) - at(8)) / (at(1024) - at(8));
+  EXPECT_GT(growth, 4.0);  // as the surface
+  EXPECT_LT(growth, 8.0);  // as the volume
+  EXPECT_GT(estimatedMemory(ball, {.pieces = 500}), estimatedMemory(ball, {.pieces = 2}));
+  // A part that is inside out takes no less.
+  const TriangleMesh two = shapes::append(ball, shapes::cube(1.0, {5.0, 0.0, 0.0}));
+  const TriangleMesh turned =
+      shapes::append(ball, shapes::inverted(shapes::cube(1.0, {5.0, 0.0, 0.0})));
+  EXPECT_EQ(estimatedMemory(two, {}), estimatedMemory(turned, {}));
+}
+
+TEST(Memory, ARefusalNamesTheResolutionThatFits) {
+  const TriangleMesh ball = shapes::ball(1.0);
+  const std::uint64_t limit = 1'000'000'000;
+  EXPECT_NO_THROW(requireMemory(ball, {.resolution = 128}, limit));
+  try {
+    requireMemory(ball, {.resolution = 4096}, limit);
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::usage);
+    const std::string sentence = e.what(), before = "a --resolution of ";
+    const std::size_t at = sentence.find(before);
+    ASSERT_NE(at, std::string::npos) << sentence;
+    const int fits = std::stoi(sentence.substr(at + before.size()));
+    EXPECT_LE(estimatedMemory(ball, {.resolution = fits}), limit);
+    EXPECT_GT(estimatedMemory(ball, {.resolution = fits + 1}), limit);
+  }
+  try {
+    requireMemory(ball, {}, 1000);
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("no resolution fits"), std::string::npos) << e.what();
+  }
+}
+
+TEST(Memory, SomeIsFree) { EXPECT_GT(freeMemory(), std::uint64_t{1} << 20); }
+
+}  // namespace
+}  // namespace sherd
