@@ -48,7 +48,7 @@ def row_of(sherd, mesh, checker, truth, out, up):
                          capture_output=True, text=True)
     name = mesh.name
     if run.returncode == 3:
-        return f"| {name} | refused: {told(run.stderr).removeprefix(name + ': ')} | | | | | | |", True
+        return f"| {name} | refused: {told(run.stderr).removeprefix(f'{mesh}: ').removeprefix(f'{name}: ')} | | | | | | |", True
     if run.returncode != 0:
         return f"| {name} | FAILED with status {run.returncode}: {told(run.stderr)} | | | | | | |", False
     result = json.loads(run.stdout)

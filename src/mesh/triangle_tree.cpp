@@ -32,27 +32,46 @@ constexpr std::size_t kDeepest = 64;
 float below(double v) { return std::nextafter(static_cast<float>(v), -INFINITY); }
 float above(double v) { return std::nextafter(static_cast<float>(v), INFINITY); }
 
-double squaredDistance(const glm::vec3& min, const glm::vec3& max, const glm::dvec3& p) {
-  double sum = 0.0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double outside = std::max(
-        {static_cast<double>(min[axis]) - p[axis], p[axis] - static_cast<double>(max[axis]), 0.0});
-    sum += outside * outside;
+// Bounds of distances, four numbers at a time.
+using Floats = float __attribute__((vector_size(16)));
+
+Floats load(const glm::vec4& v) { return Floats{v.x, v.y, v.z, v.w}; }
+Floats larger(Floats a, Floats b) { return a > b ? a : b; }
+
+constexpr float kRoundedDown = 1.0f - 1e-6f;  // more than what a few roundings change
+
+// A point, between two that floats can hold.
+class Near {
+ public:
+  explicit Near(const glm::dvec3& p)
+      : low_{below(p.x), below(p.y), below(p.z), 0.0f},
+        high_{above(p.x), above(p.y), above(p.z), 0.0f} {}
+
+  // No more than the squared distance to a box.
+  [[nodiscard]] float squaredTo(const glm::vec4& min, const glm::vec4& max) const {
+    const Floats outside = larger(larger(load(min) - high_, low_ - load(max)), Floats{});
+    const Floats squares = outside * outside;
+    return (squares[0] + squares[1] + squares[2]) * kRoundedDown;
   }
-  return sum;
-}
+
+ private:
+  Floats low_, high_;
+};
+
+// A ray is let into a box that it misses by this share of its length: no triangle may be lost.
+constexpr double kRounding = 1e-9;
 
 // Where a ray enters a box, or infinity.
-double entry(const glm::vec3& min, const glm::vec3& max, const glm::dvec3& origin,
-             const glm::dvec3& inverse) {
+double enters(const glm::vec4& min, const glm::vec4& max, const glm::dvec3& origin,
+              const glm::dvec3& inverse) {
   double from = 0.0, to = kInfinity;
   for (int axis = 0; axis < 3; ++axis) {
     const double a = (static_cast<double>(min[axis]) - origin[axis]) * inverse[axis];
     const double b = (static_cast<double>(max[axis]) - origin[axis]) * inverse[axis];
-    from = std::fmax(from, std::fmin(a, b));  // 0 * infinity bounds nothing
-    to = std::fmin(to, std::fmax(a, b));
+    from = std::max(from, std::min(a, b));  // 0 * infinity is no number and bounds nothing
+    to = std::min(to, std::max(a, b));
   }
-  return from <= to ? from : kInfinity;
+  return from <= to + kRounding ? from : kInfinity;
 }
 
 // source  Moeller, Trumbore: Fast, Minimum Storage Ray/Triangle Intersection, 1997
@@ -72,49 +91,61 @@ double rayHit(const std::array<glm::dvec3, 3>& t, const glm::dvec3& origin,
 
 }  // namespace
 
-TriangleTree::TriangleTree(const TriangleMesh& mesh) : vertices_(mesh.vertices) {
-  const std::size_t count = mesh.triangles.size();
+TriangleTree::TriangleTree(const TriangleMesh& mesh) : count_(mesh.triangles.size()) {
+  const std::size_t count = count_;
   if (count == 0) return;
   while ((count + (std::size_t{1} << levels_) - 1) >> levels_ > kLeafTriangles) ++levels_;
-  std::vector<glm::dvec3> middles;
-  middles.reserve(count);
-  for (const glm::uvec3& t : mesh.triangles) {
-    middles.push_back(vertices_[t.x] + vertices_[t.y] + vertices_[t.z]);
+  std::vector<Item> items(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const glm::uvec3& t = mesh.triangles[i];
+    items[i] = {glm::vec3(mesh.vertices[t.x] + mesh.vertices[t.y] + mesh.vertices[t.z]),
+                static_cast<std::uint32_t>(i)};
   }
-  std::vector<std::uint32_t> order(count);
-  std::iota(order.begin(), order.end(), 0u);
-  triangles_.resize(count);
-  sortInto(middles, order, root());
-  for (std::size_t i = 0; i < count; ++i) triangles_[i] = mesh.triangles[order[i]];
+  sortInto(items, root());
+  // Vertices in the order of the leaves, so that near ones lie near each other in memory.
+  std::vector<std::uint32_t> number(mesh.vertices.size(), kNone);
+  vertices_.reserve(mesh.vertices.size());
+  triangles_.reserve(count);
+  for (const Item& item : items) {
+    glm::uvec3 triangle = mesh.triangles[item.triangle];
+    for (int corner = 0; corner < 3; ++corner) {
+      std::uint32_t& vertex = number[triangle[corner]];
+      if (vertex == kNone) {
+        vertex = static_cast<std::uint32_t>(vertices_.size());
+        vertices_.push_back(mesh.vertices[triangle[corner]]);
+      }
+      triangle[corner] = vertex;
+    }
+    triangles_.push_back(triangle);
+  }
+  first_.assign((std::size_t{1} << levels_) + 1, static_cast<std::uint32_t>(count));
   bounds_.resize((std::size_t{2} << levels_) - 1);
   dipoles_.resize(bounds_.size());
   measure(root());
 }
 
 // Halve at the median of the box's longest axis, down to the leaves.
-void TriangleTree::sortInto(std::span<const glm::dvec3> middles, std::vector<std::uint32_t>& order,
-                            const Range& range) const {
+void TriangleTree::sortInto(std::span<Item> items, const Range& range) {
   if (range.isLeaf()) return;
-  const auto at = [&](std::size_t i) { return order.begin() + static_cast<std::ptrdiff_t>(i); };
-  glm::dvec3 min(kInfinity), max(-kInfinity);
+  glm::vec3 min(kInfinity), max(-kInfinity);
   for (std::size_t i = range.begin; i < range.end; ++i) {
-    min = glm::min(min, middles[order[i]]);
-    max = glm::max(max, middles[order[i]]);
+    min = glm::min(min, items[i].middle);
+    max = glm::max(max, items[i].middle);
   }
-  const glm::dvec3 size = max - min;
+  const glm::vec3 size = max - min;
   const int axis = size.x >= size.y ? (size.x >= size.z ? 0 : 2) : (size.y >= size.z ? 1 : 2);
   const Range first = range.child(0), second = range.child(1);
+  const auto at = [&](std::size_t i) { return items.begin() + static_cast<std::ptrdiff_t>(i); };
   std::nth_element(at(range.begin), at(second.begin), at(range.end),
-                   [&](std::uint32_t a, std::uint32_t b) {
-                     const double x = middles[a][axis], y = middles[b][axis];
-                     return x != y ? x < y : a < b;
+                   [axis](const Item& a, const Item& b) {
+                     const float x = a.middle[axis], y = b.middle[axis];
+                     return x != y ? x < y : a.triangle < b.triangle;
                    });
   if (range.end - range.begin < kForAThread) {
-    sortInto(middles, order, first);
-    sortInto(middles, order, second);
+    sortInto(items, first);
+    sortInto(items, second);
   } else {
-    tbb::parallel_invoke([&] { sortInto(middles, order, first); },
-                         [&] { sortInto(middles, order, second); });
+    tbb::parallel_invoke([&] { sortInto(items, first); }, [&] { sortInto(items, second); });
   }
 }
 
@@ -132,7 +163,9 @@ void TriangleTree::measure(const Range& range) {
       dipole.area += area;
       dipole.centre += area / 3.0 * (t[0] + t[1] + t[2]);
     }
-    box = {{below(min.x), below(min.y), below(min.z)}, {above(max.x), above(max.y), above(max.z)}};
+    box = {{below(min.x), below(min.y), below(min.z), 0.0f},
+           {above(max.x), above(max.y), above(max.z), 0.0f}};
+    first_[range.node - (first_.size() - 2)] = static_cast<std::uint32_t>(range.begin);
   } else {
     const Range first = range.child(0), second = range.child(1);
     if (range.end - range.begin < kForAThread) {
@@ -172,7 +205,7 @@ void TriangleTree::measure(const Range& range) {
 TriangleTree::Nearest TriangleTree::nearest(const glm::dvec3& point, double reach,
                                             std::uint32_t guess) const {
   Nearest found;
-  if (triangles_.empty()) return found;
+  if (empty()) return found;
   double squared = reach * reach;
   const auto look = [&](std::size_t triangle) {
     const std::array<glm::dvec3, 3> t = corners(triangle);
@@ -185,35 +218,40 @@ TriangleTree::Nearest TriangleTree::nearest(const glm::dvec3& point, double reac
   if (guess != kNone) look(guess);
 
   struct Waiting {
-    Range range;
-    double squared;
+    std::size_t node;
+    float squared;
   };
   std::array<Waiting, kDeepest> stack;
   std::size_t waiting = 0;
-  Range range = root();
-  double here = squaredDistance(bounds_[0].min, bounds_[0].max, point);
+  const Near near(point);
+  const auto squaredTo = [&](std::size_t node) {
+    return near.squaredTo(bounds_[node].min, bounds_[node].max);
+  };
+  const std::size_t leaves = first_.size() - 1;
+  std::size_t node = 0;
+  float here = squaredTo(0);
   while (true) {
-    if (here < squared) {
-      if (!range.isLeaf()) {
-        Range near = range.child(0), far = range.child(1);
-        double a = squaredDistance(bounds_[near.node].min, bounds_[near.node].max, point);
-        double b = squaredDistance(bounds_[far.node].min, bounds_[far.node].max, point);
-        if (b < a) std::swap(near, far), std::swap(a, b);
-        if (b < squared) stack[waiting++] = {far, b};
-        range = near;
+    if (static_cast<double>(here) < squared) {
+      if (node + 1 < leaves) {
+        std::size_t closer = 2 * node + 1, farther = closer + 1;
+        float a = squaredTo(closer), b = squaredTo(farther);
+        if (b < a) std::swap(closer, farther), std::swap(a, b);
+        if (static_cast<double>(b) < squared) stack[waiting++] = {farther, b};
+        node = closer;
         here = a;
         continue;
       }
-      for (std::size_t i = range.begin; i < range.end; ++i) look(i);
+      const std::size_t leaf = node + 1 - leaves;
+      for (std::size_t i = first_[leaf]; i < first_[leaf + 1]; ++i) look(i);
     }
     if (waiting == 0) return found;
-    range = stack[--waiting].range;
+    node = stack[--waiting].node;
     here = stack[waiting].squared;
   }
 }
 
 double TriangleTree::winding(const glm::dvec3& point) const {
-  if (triangles_.empty()) return 0.0;
+  if (empty()) return 0.0;
   double angle = 0.0;
   SolidAngles near;
   std::array<Range, kDeepest> stack;
@@ -236,57 +274,93 @@ double TriangleTree::winding(const glm::dvec3& point) const {
   return (angle + near.sum()) / (4.0 * std::numbers::pi);
 }
 
+// 1 where the step goes in through the triangle's front, -1 where it goes out, else 0.
+int TriangleTree::entry(const glm::dvec3& from, const glm::dvec3& to, std::size_t triangle) const {
+  const glm::uvec3& t = triangles_[triangle];
+  const glm::dvec3 &a = vertices_[t.x], normal = glm::cross(vertices_[t.y] - a, vertices_[t.z] - a);
+  const bool before = glm::dot(normal, from - a) > 0.0, after = glm::dot(normal, to - a) > 0.0;
+  if (before == after) return 0;
+  const glm::dvec3 along = to - from;
+  // On which side of an edge the step passes; neighbours see the edge from the same end.
+  const auto passes = [&](std::uint32_t p, std::uint32_t q) {
+    const bool swapped = q < p;
+    if (swapped) std::swap(p, q);
+    const bool left = glm::dot(along, glm::cross(vertices_[p] - from, vertices_[q] - from)) > 0.0;
+    return left != swapped;
+  };
+  const bool side = passes(t.x, t.y);
+  if (passes(t.y, t.z) != side || passes(t.z, t.x) != side) return 0;
+  return before ? 1 : -1;
+}
+
+int TriangleTree::entries(const glm::dvec3& from, const glm::dvec3& to,
+                          std::span<const std::uint32_t> triangles) const {
+  int entered = 0;
+  for (const std::uint32_t triangle : triangles) entered += entry(from, to, triangle);
+  return entered;
+}
+
 int TriangleTree::entries(const glm::dvec3& from, const glm::dvec3& to) const {
   int entered = 0;
-  if (triangles_.empty()) return entered;
-  const glm::dvec3 along = to - from, min = glm::min(from, to), max = glm::max(from, to);
-  const auto isBeside = [&](const Bounds& box) {
-    return box.min.x > max.x || box.min.y > max.y || box.min.z > max.z || box.max.x < min.x ||
-           box.max.y < min.y || box.max.z < min.z;
-  };
-  // On which side of an edge the step passes; neighbours see the edge from the same end.
-  const auto passes = [&](std::uint32_t a, std::uint32_t b) {
-    const bool swapped = b < a;
-    if (swapped) std::swap(a, b);
-    const bool left = glm::dot(along, glm::cross(vertices_[a] - from, vertices_[b] - from)) > 0.0;
-    return left != swapped;
+  if (empty()) return entered;
+  const glm::dvec3 inverse = 1.0 / (to - from);
+  std::array<Range, kDeepest> stack;
+  std::size_t waiting = 0;
+  stack[waiting++] = root();
+  while (waiting > 0) {
+    const Range range = stack[--waiting];
+    const Bounds& box = bounds_[range.node];
+    if (!(enters(box.min, box.max, from, inverse) <= 1.0 + kRounding)) continue;
+    if (!range.isLeaf()) {
+      stack[waiting++] = range.child(1);
+      stack[waiting++] = range.child(0);
+      continue;
+    }
+    for (std::size_t i = range.begin; i < range.end; ++i) entered += entry(from, to, i);
+  }
+  return entered;
+}
+
+std::vector<std::uint32_t> TriangleTree::meeting(const Box& box) const {
+  std::vector<std::uint32_t> found;
+  if (empty()) return found;
+  const auto meets = [&](const glm::dvec3& min, const glm::dvec3& max) {
+    return min.x <= box.max.x && min.y <= box.max.y && min.z <= box.max.z && max.x >= box.min.x &&
+           max.y >= box.min.y && max.z >= box.min.z;
   };
   std::array<Range, kDeepest> stack;
   std::size_t waiting = 0;
   stack[waiting++] = root();
   while (waiting > 0) {
     const Range range = stack[--waiting];
-    if (isBeside(bounds_[range.node])) continue;
+    const Bounds& bounds = bounds_[range.node];
+    if (!meets(glm::dvec3(bounds.min), glm::dvec3(bounds.max))) continue;
     if (!range.isLeaf()) {
       stack[waiting++] = range.child(1);
       stack[waiting++] = range.child(0);
       continue;
     }
     for (std::size_t i = range.begin; i < range.end; ++i) {
-      const glm::uvec3& t = triangles_[i];
-      const glm::dvec3 &a = vertices_[t.x],
-                       normal = glm::cross(vertices_[t.y] - a, vertices_[t.z] - a);
-      const bool before = glm::dot(normal, from - a) > 0.0, after = glm::dot(normal, to - a) > 0.0;
-      if (before == after) continue;
-      const bool side = passes(t.x, t.y);
-      if (passes(t.y, t.z) != side || passes(t.z, t.x) != side) continue;
-      entered += before ? 1 : -1;
+      const std::array<glm::dvec3, 3> t = corners(i);
+      if (meets(glm::min(t[0], glm::min(t[1], t[2])), glm::max(t[0], glm::max(t[1], t[2])))) {
+        found.push_back(static_cast<std::uint32_t>(i));
+      }
     }
   }
-  return entered;
+  return found;
 }
 
 double TriangleTree::firstHit(const glm::dvec3& origin, const glm::dvec3& direction,
                               double from) const {
   double first = kInfinity;
-  if (triangles_.empty()) return first;
+  if (empty()) return first;
   const glm::dvec3 inverse = 1.0 / direction;
   std::array<Range, kDeepest> stack;
   std::size_t waiting = 0;
   stack[waiting++] = root();
   while (waiting > 0) {
     const Range range = stack[--waiting];
-    if (!(entry(bounds_[range.node].min, bounds_[range.node].max, origin, inverse) < first)) {
+    if (!(enters(bounds_[range.node].min, bounds_[range.node].max, origin, inverse) < first)) {
       continue;
     }
     if (!range.isLeaf()) {

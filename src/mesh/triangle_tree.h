@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 #include <limits>
 #include <span>
 #include <vector>
@@ -21,7 +22,7 @@ class TriangleTree {
   ///   mesh  may have no triangle; copied
   explicit TriangleTree(const TriangleMesh& mesh);
 
-  [[nodiscard]] bool empty() const { return triangles_.empty(); }
+  [[nodiscard]] bool empty() const { return count_ == 0; }
 
   /// A box of all triangles, a hair larger; not of an empty tree.
   [[nodiscard]] Box box() const { return {glm::dvec3(bounds_[0].min), glm::dvec3(bounds_[0].max)}; }
@@ -48,6 +49,19 @@ class TriangleTree {
   /// set.
   [[nodiscard]] int entries(const glm::dvec3& from, const glm::dvec3& to) const;
 
+  /// The same of some triangles, in the tree's own order.
+  [[nodiscard]] int entries(const glm::dvec3& from, const glm::dvec3& to,
+                            std::span<const std::uint32_t> triangles) const;
+
+  /// The triangles whose boxes meet a box, in the tree's own order, ascending.
+  [[nodiscard]] std::vector<std::uint32_t> meeting(const Box& box) const;
+
+  /// A triangle's corners, by the tree's own order.
+  [[nodiscard]] std::array<glm::dvec3, 3> corners(std::size_t triangle) const {
+    const glm::uvec3& t = triangles_[triangle];
+    return {vertices_[t.x], vertices_[t.y], vertices_[t.z]};
+  }
+
   /// How far a ray goes to its first hit beyond `from`, in lengths of `direction`; infinite where
   /// it hits nothing.
   [[nodiscard]] double firstHit(const glm::dvec3& origin, const glm::dvec3& direction,
@@ -55,7 +69,7 @@ class TriangleTree {
 
  private:
   struct Bounds {
-    glm::vec3 min, max;  // a hair larger than what it holds
+    glm::vec4 min, max;  // a hair larger than what it holds; w is 0, for reading four at a time
   };
   struct Dipole {
     glm::dvec3 centre{0.0};  // of the triangles, weighted by area
@@ -75,18 +89,20 @@ class TriangleTree {
                         : Range{2 * node + 2, middle, end, levelsBelow - 1};
     }
   };
-  [[nodiscard]] Range root() const { return {0, 0, triangles_.size(), levels_}; }
+  [[nodiscard]] Range root() const { return {0, 0, count_, levels_}; }
 
-  void sortInto(std::span<const glm::dvec3> middles, std::vector<std::uint32_t>& order,
-                const Range& range) const;
+  struct Item {
+    glm::vec3 middle;  // thrice that of the triangle
+    std::uint32_t triangle;
+  };
+  static void sortInto(std::span<Item> items, const Range& range);
   void measure(const Range& range);
-  [[nodiscard]] std::array<glm::dvec3, 3> corners(std::size_t triangle) const {
-    const glm::uvec3& t = triangles_[triangle];
-    return {vertices_[t.x], vertices_[t.y], vertices_[t.z]};
-  }
+  [[nodiscard]] int entry(const glm::dvec3& from, const glm::dvec3& to, std::size_t triangle) const;
 
+  std::size_t count_ = 0;
   std::vector<glm::dvec3> vertices_;
   std::vector<glm::uvec3> triangles_;  // in the order of the leaves
+  std::vector<std::uint32_t> first_;   // [leaves + 1] a leaf's first triangle
   std::vector<Bounds> bounds_;         // [nodes]
   std::vector<Dipole> dipoles_;        // [nodes]
   int levels_ = 0;                     // below the root

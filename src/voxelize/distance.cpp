@@ -51,6 +51,48 @@ FloatGrid::Ptr emptyLevelSet(const GridFrame& frame) {
 
 }  // namespace
 
+namespace {
+
+// Which voxels of a leaf are inside, of those nearer to the surface than `reach`.  A side is asked
+// for few: no surface lies between a voxel and its neighbour when either is a voxel away from it,
+// so they have the same.
+std::array<bool, 512> sidesOf(const BandLeaf& leaf, double reach, const Filling& filling) {
+  std::array<bool, 512> inside{}, known{};
+  std::array<std::uint16_t, 512> front;
+  const auto isNear = [&](unsigned i) { return leaf.distance[i] < static_cast<float>(reach); };
+  for (unsigned start = 0; start < 512; ++start) {
+    if (known[start] || !isNear(start)) continue;
+    const Coord at = leaf.origin + coordFromOffset(start);
+    const unsigned z = start & 7;
+    const bool side =
+        (filling.insideRow(at.x(), at.y(), leaf.origin.z(), static_cast<std::uint8_t>(1u << z)) >>
+             z &
+         1) != 0;
+    std::size_t waiting = 0;
+    const auto meet = [&](unsigned i) {
+      known[i] = true;
+      inside[i] = side;
+      front[waiting++] = static_cast<std::uint16_t>(i);
+    };
+    meet(start);
+    while (waiting > 0) {
+      const unsigned i = front[--waiting];
+      const bool isFar = leaf.distance[i] >= 1.0f;
+      for (const unsigned shift : {0u, 3u, 6u}) {
+        const unsigned along = i >> shift & 7u;
+        const auto step = [&](unsigned next) {
+          if (!known[next] && isNear(next) && (isFar || leaf.distance[next] >= 1.0f)) meet(next);
+        };
+        if (along > 0) step(i - (1u << shift));
+        if (along < 7) step(i + (1u << shift));
+      }
+    }
+  }
+  return inside;
+}
+
+}  // namespace
+
 FloatGridPtr levelSetOf(const Filling& filling, const GridFrame& frame, const Progress* progress) {
   const double reach = kHalfWidthVoxels + filling.halfThickness;
   const std::vector<BandLeaf> band = bandOf(*filling.surface, reach, progress);
@@ -61,33 +103,20 @@ FloatGridPtr levelSetOf(const Filling& filling, const GridFrame& frame, const Pr
   FloatGrid::Ptr grid = emptyLevelSet(frame);
   std::vector<std::unique_ptr<Leaf>> leaves(band.size());
   tbb::parallel_for(std::size_t{0}, band.size(), [&](std::size_t i) {
-    const Coord& origin = band[i].origin;
-    leaves[i] = std::make_unique<Leaf>(origin, outside, false);
-    for (int row = 0; row < 64; ++row) {
-      const auto first = static_cast<openvdb::Index>(row * 8);
-      std::uint8_t near = 0;
-      for (unsigned z = 0; z < 8; ++z) {
-        if (band[i].distance[first + z] < static_cast<float>(reach)) {
-          near |= static_cast<std::uint8_t>(1u << z);
-        }
-      }
-      if (near == 0) continue;
-      const unsigned inside =
-          filling.insideRow
-              ? filling.insideRow(origin.x() + row / 8, origin.y() + row % 8, origin.z(), near)
-              : 0u;
-      for (unsigned z = 0; z < 8; ++z) {
-        if ((near >> z & 1) == 0) continue;
-        const float distance = band[i].distance[first + z];
-        float voxels = distance - half;
-        if (filling.insideRow) voxels = (inside >> z & 1) != 0 ? -distance : distance;
-        const bool isInside = filling.insideRow ? (inside >> z & 1) != 0 : voxels < 0.0f;
-        if (isInside) voxels = std::min(voxels, -kLeastDepthVoxels);
-        if (voxels <= -static_cast<float>(kHalfWidthVoxels)) {
-          leaves[i]->setValueOff(first + z, -outside);
-        } else if (voxels < static_cast<float>(kHalfWidthVoxels)) {
-          leaves[i]->setValueOn(first + z, worldFromVoxels(voxels, frame));
-        }
+    leaves[i] = std::make_unique<Leaf>(band[i].origin, outside, false);
+    std::array<bool, 512> inside{};
+    if (filling.insideRow) inside = sidesOf(band[i], reach, filling);
+    for (openvdb::Index k = 0; k < Leaf::SIZE; ++k) {
+      const float distance = band[i].distance[k];
+      if (!(distance < static_cast<float>(reach))) continue;
+      float voxels = distance - half;
+      if (filling.insideRow) voxels = inside[k] ? -distance : distance;
+      const bool isInside = filling.insideRow ? inside[k] : voxels < 0.0f;
+      if (isInside) voxels = std::min(voxels, -kLeastDepthVoxels);
+      if (voxels <= -static_cast<float>(kHalfWidthVoxels)) {
+        leaves[i]->setValueOff(k, -outside);
+      } else if (voxels < static_cast<float>(kHalfWidthVoxels)) {
+        leaves[i]->setValueOn(k, worldFromVoxels(voxels, frame));
       }
     }
   });

@@ -25,6 +25,11 @@ TriangleMesh onLattice(TriangleMesh caps, const Box& box) {
 }
 constexpr glm::dvec3 kTie(1e-10, 1e-11, 1e-9);
 
+openvdb::Coord nearestVoxel(const glm::dvec3& point) {
+  return {static_cast<int>(std::lround(point.x)), static_cast<int>(std::lround(point.y)),
+          static_cast<int>(std::lround(point.z))};
+}
+
 // Caps of cracks, whose two sides lie on each other, have no solid angle worth its cost; there are
 // thousands where edges meet others' middles.
 TriangleMesh withArea(TriangleMesh caps) {
@@ -68,8 +73,24 @@ void GeneralisedWinding::markOdd() {
   });
 }
 
-bool GeneralisedWinding::isPlain(const Box& box) const {
-  constexpr double kAround = 2.0, kLargest = 1.0, kHardly = 0.3;
+double GeneralisedWinding::capsAt(const openvdb::Coord& voxel) const {
+  if (capTree_.empty()) return 0.0;
+  const auto known = knownCaps_.find(voxel);
+  if (known != knownCaps_.end()) return known->second;
+  const double winding = capTree_.winding(glm::dvec3(voxel.x(), voxel.y(), voxel.z()) + kTie);
+  knownCaps_.emplace(voxel, winding);
+  return winding;
+}
+
+bool GeneralisedWinding::isFarFromHoles(std::span<const glm::dvec3> points) const {
+  constexpr double kHardly = 0.25;  // at the nearest voxel's centre
+  return std::all_of(points.begin(), points.end(), [&](const glm::dvec3& point) {
+    return std::abs(capsAt(nearestVoxel(point))) < kHardly;
+  });
+}
+
+bool GeneralisedWinding::isPlain(const Box& box, std::span<const glm::dvec3> looks) const {
+  constexpr double kAround = 2.0;
   const openvdb::Coord dims = oddDims(), min = columns_.box().min;
   openvdb::Coord low, high;
   for (int axis = 0; axis < 3; ++axis) {
@@ -92,24 +113,18 @@ bool GeneralisedWinding::isPlain(const Box& box) const {
       }
     }
   }
-  if (capTree_.empty()) return true;
-  const glm::dvec3 size = box.max - box.min;
-  return std::max({size.x, size.y, size.z}) <= kLargest &&
-         std::abs(capTree_.winding(0.5 * (box.min + box.max))) < kHardly;
+  return isFarFromHoles(looks);
 }
 
 double GeneralisedWinding::at(int x, int y, int z) const {
-  return columns_.at(x, y, z) - capTree_.winding(glm::dvec3(x, y, z) + kTie);
+  return columns_.at(x, y, z) - capsAt({x, y, z});
 }
 
-double GeneralisedWinding::near(const glm::dvec3& point) const {
-  const glm::dvec3 voxel = glm::round(point);
-  const openvdb::Coord at(static_cast<int>(voxel.x), static_cast<int>(voxel.y),
-                          static_cast<int>(voxel.z));
-  const auto known = known_.find(at);
-  const double centre = known != known_.end() ? known->second : this->at(at.x(), at.y(), at.z());
-  if (known == known_.end()) known_.emplace(at, centre);
-  return centre + tree_->entries(voxel, point);
+double GeneralisedWinding::near(const glm::dvec3& point,
+                                std::span<const std::uint32_t> around) const {
+  const openvdb::Coord voxel = nearestVoxel(point);
+  const glm::dvec3 centre(voxel.x(), voxel.y(), voxel.z());
+  return at(voxel.x(), voxel.y(), voxel.z()) + tree_->entries(centre, point, around);
 }
 
 std::uint8_t GeneralisedWinding::insideRow(int x, int y, int z0, std::uint8_t wanted) const {

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "mesh/triangle_tree.h"
@@ -33,17 +34,18 @@ class GeneralisedWinding {
   /// At any point, where the winding is not simple: the nearest voxel centre's, changed by each
   /// triangle on the way.  Right but for what it changes otherwise over less than a voxel, which is
   /// little away from holes' rims.
-  [[nodiscard]] double near(const glm::dvec3& point) const;
-
-  /// What near(to) is, from near(from) = `winding`.
-  [[nodiscard]] double afterStep(const glm::dvec3& from, double winding,
-                                 const glm::dvec3& to) const {
-    return winding + tree_->entries(from, to);
-  }
+  ///   around  all triangles within a voxel of the point, in tree()'s order, or more
+  [[nodiscard]] double near(const glm::dvec3& point, std::span<const std::uint32_t> around) const;
 
   /// Whether every surface in a box, and a voxel round it, parts the inside from the outside: the
   /// closed mesh winds once or not at all round the voxel centres there, and its caps hardly.
-  [[nodiscard]] bool isPlain(const Box& box) const;
+  ///   looks  points of the box where the caps are looked at
+  [[nodiscard]] bool isPlain(const Box& box, std::span<const glm::dvec3> looks) const;
+
+  /// Whether the caps hardly wind round any of some points, or the voxels' centres next to them.
+  [[nodiscard]] bool isFarFromHoles(std::span<const glm::dvec3> points) const;
+
+  [[nodiscard]] const TriangleTree& tree() const { return *tree_; }
 
   /// Bit z of the result: (x, y, z0 + z) is inside; z in 0..7.  Only bits of `wanted` are told.
   [[nodiscard]] std::uint8_t insideRow(int x, int y, int z0, std::uint8_t wanted) const;
@@ -64,13 +66,15 @@ class GeneralisedWinding {
 
   static constexpr int kOddSide = 4;
   void markOdd();
+  // How the caps wind round a voxel's centre.
+  [[nodiscard]] double capsAt(const openvdb::Coord& voxel) const;
   [[nodiscard]] openvdb::Coord oddDims() const;
 
   TriangleMesh caps_;
   TriangleTree capTree_;
   Winding columns_;
   std::shared_ptr<const TriangleTree> tree_;
-  mutable tbb::concurrent_unordered_map<openvdb::Coord, double, HashOf> known_;  // for near()
+  mutable tbb::concurrent_unordered_map<openvdb::Coord, double, HashOf> knownCaps_;
   std::vector<bool> odd_;  // cubes of kOddSide voxels that hold a winding number below 0 or above 1
 };
 

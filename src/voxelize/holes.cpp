@@ -92,8 +92,8 @@ class HoleNet {
 
  private:
   struct Voxel {
-    double winding = 0.0;
-    double distance = 0.0;  // to the mesh; 1 or more is infinite
+    double distance = 0.0;            // to the mesh; 1 or more is infinite
+    std::optional<double> winding{};  // once it was asked for
   };
   struct Cell {
     glm::dvec3 sum{0.0};
@@ -110,13 +110,14 @@ class HoleNet {
     visit(shifted(step.from, c, -1));
   }
 
-  const Voxel& voxel(const Coord& at) {
+  Voxel& voxel(const Coord& at) {
     const auto [found, isNew] = voxels_.try_emplace(keyOf(at));
-    if (isNew) {
-      found->second = {winding_.at(at.x(), at.y(), at.z()),
-                       tree_.nearest({at.x(), at.y(), at.z()}, 1.0).distance};
-    }
+    if (isNew) found->second.distance = tree_.nearest({at.x(), at.y(), at.z()}, 1.0).distance;
     return found->second;
+  }
+  double windingOf(Voxel& voxel, const Coord& at) const {
+    if (!voxel.winding) voxel.winding = winding_.at(at.x(), at.y(), at.z());
+    return *voxel.winding;
   }
 
   // Where the ends of a step have different sides and no triangle can lie between them.
@@ -125,10 +126,13 @@ class HoleNet {
              .second) {
       return;
     }
-    const Voxel from = voxel(step.from), to = voxel(shifted(step.from, step.axis, 1));
-    if ((from.winding >= 0.5) == (to.winding >= 0.5) || from.distance + to.distance <= 1.0) return;
+    const Coord next = shifted(step.from, step.axis, 1);
+    Voxel &from = voxel(step.from), &to = voxel(next);  // a map's elements stay where they are
+    if (from.distance + to.distance <= 1.0) return;
+    const double a = windingOf(from, step.from), b = windingOf(to, next);
+    if ((a >= 0.5) == (b >= 0.5)) return;
     glm::dvec3 crossing(step.from.x(), step.from.y(), step.from.z());
-    crossing[step.axis] += (0.5 - from.winding) / (to.winding - from.winding);
+    crossing[step.axis] += (0.5 - a) / (b - a);
     crossed_.push_back(step);
     forEachCell(step, [&](const Coord& at) {
       Cell& cell = cells_[keyOf(at)];

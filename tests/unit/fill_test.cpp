@@ -106,6 +106,11 @@ TEST(TriangleTree, StepsGoInAsOftenAsTheWindingNumberRises) {
     const glm::dvec3 from = glm::round(randomPoint(random, 8.0)), to = randomPoint(random, 8.0);
     EXPECT_EQ(tree.entries(from, to),
               std::lround(windingNumber(mesh, to)) - std::lround(windingNumber(mesh, from)));
+    glm::dvec3 beside = from;
+    beside[i % 3] = to[i % 3];  // along an axis, through what may be flat boxes
+    EXPECT_EQ(
+        tree.entries(from, beside),
+        tree.entries(from, beside, tree.meeting({glm::min(from, beside), glm::max(from, beside)})));
   }
 }
 
@@ -325,6 +330,44 @@ TEST(Fill, OverlapsUniteWithExactDistancesOutside) {
     const glm::dvec3 p = solid.frame.worldFromIndex({{v.x(), v.y(), v.z()}}).v;
     EXPECT_LT(std::min(glm::length(p - a) - R, glm::length(p - b) - r), 1e-9);
   });
+}
+
+TEST(Fill, LargeTrianglesThatCrossAreCutWhereTheyDo) {
+  // Three bars through each other, of twelve triangles each, turned.
+  const auto bar = [](const glm::dvec3& half) {
+    TriangleMesh mesh = shapes::cube(2.0);
+    for (glm::dvec3& v : mesh.vertices) v *= half;
+    return mesh;
+  };
+  const glm::dvec3 halves[] = {{20.3, 3.1, 3.3}, {3.2, 19.7, 2.9}, {2.8, 3.4, 21.1}};
+  TriangleMesh all = bar(halves[0]);
+  for (int k = 1; k < 3; ++k) all = shapes::append(all, bar(halves[k]));
+  const double angle = 0.4;
+  const SearchedMesh mesh = searched(turned(all, angle, {0.0, 0.0, 0.0}));
+  const Filling filling = fillingOf(mesh, mesh.mesh, {}, 1.0);
+  const double c = std::cos(angle), s = std::sin(angle);
+  const glm::dmat3 about(c, s, 0, -s, c, 0, 0, 0, 1), across(1, 0, 0, 0, c, s, 0, -s, c);
+  std::mt19937 random(9);
+  std::size_t near = 0, deep = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const glm::dvec3 p = randomPoint(random, 12.0);
+    double least = INFINITY, deepest = 0.0;
+    for (const glm::dvec3& half : halves) {
+      const glm::dvec3 beyond = glm::abs(p) - half;
+      least = std::min(least, glm::length(glm::max(beyond, 0.0)));
+      deepest = std::max(deepest, -std::max({beyond.x, beyond.y, beyond.z}));
+    }
+    const double found = filling.surface->nearest(across * (about * p), INFINITY).distance;
+    if (least > 0.0) {
+      EXPECT_NEAR(found, least, 1e-9);
+    } else {
+      EXPECT_GT(found, deepest - 0.3);  // what is left within the solid is a piece at its rim
+    }
+    near += least > 0.0 && least < 3.0;
+    deep += deepest > 2.0;
+  }
+  EXPECT_GT(near, 3000u);
+  EXPECT_GT(deep, 300u);
 }
 
 // ---- Shells
