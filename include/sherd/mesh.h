@@ -2,6 +2,7 @@
 #pragma once
 
 #include <sherd/appearance.h>
+#include <sherd/progress.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -45,9 +46,12 @@ struct SourceMesh {
 /// vertex and face colours (their alpha is left out), materials with names, base colours and
 /// base-colour textures.  Material libraries and textures are read from the mesh's folder and below
 /// it, and from nowhere else; what is not there is told in `warnings`.
-///   throws  Error(input) absent, unreadable, cut, malformed, unknown format, no triangle, no
-///   finite vertex, more than 1e37 units long; Error(cancelled) a signal stopped sherd-assimp
-[[nodiscard]] SourceMesh readMesh(const std::filesystem::path& file);
+///   progress  asked to stop while sherd-assimp reads
+///   throws    Error(input) absent, unreadable, cut, malformed, unknown format, no triangle, no
+///             finite vertex, more than 1e37 units long; Error(cancelled) as `progress` says, or a
+///             signal stopped sherd-assimp
+[[nodiscard]] SourceMesh readMesh(const std::filesystem::path& file,
+                                  const Progress* progress = nullptr);
 
 /// The file's parts as meshes of their own, in its order, each with its name as `objects`; those
 /// without a triangle are left out.  What was counted of the whole file stays with the first.

@@ -42,9 +42,7 @@ struct SolidReport {
   double meshVolume = 0.0;      ///< of the mesh by the divergence theorem, its parts turned
                                 ///< outwards and its holes closed; 0 for a shell
   WallThickness walls{};
-  std::size_t shellParts = 0;  ///< open parts of the mesh that enclose nothing and became shells,
-                               ///< though others did not
-  std::uint64_t bridges = 0;   ///< voxels added where a wall's own touch by edges or corners only
+  std::uint64_t bridges = 0;  ///< voxels added where a wall's own touch by edges or corners only
 };
 
 /// A solid, read-only once returned.

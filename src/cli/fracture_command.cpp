@@ -80,7 +80,7 @@ struct Input {
   std::optional<FinishedFracture> finished;
 };
 
-Input readInput(FractureArguments& arguments) {
+Input readInput(FractureArguments& arguments, const Progress& progress) {
   Input input;
   if (!arguments.only.empty()) {
     input.finished = readFracture(arguments.mesh);
@@ -95,7 +95,7 @@ Input readInput(FractureArguments& arguments) {
     input.solid = std::move(volume.solid);
     source = std::move(volume.source);
   } else {
-    source = readMesh(arguments.mesh);
+    source = readMesh(arguments.mesh, &progress);
   }
   if (arguments.splitObjects) {
     input.meshes = splitObjects(source);
@@ -163,7 +163,7 @@ class FractureRun {
 
   void run() {
     if (!arguments_.splitObjects) checkFractureFolder(arguments_.folder);
-    const Input input = timed("read", [&] { return readInput(arguments_); });
+    const Input input = timed("read", [&] { return readInput(arguments_, progress_); });
     std::vector<std::string> folders{arguments_.folder};
     if (arguments_.splitObjects) {
       folders = objectFolders(arguments_.folder, input.meshes);

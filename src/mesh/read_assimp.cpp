@@ -8,6 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
@@ -136,7 +137,10 @@ class Child {
 };
 
 // All that the program answers; nothing where it takes too long or answers too much.
-std::optional<std::string> answerOf(int pipe, const AssimpLimits& limits) {
+std::optional<std::string> answerOf(int pipe, const AssimpLimits& limits,
+                                    const Progress* progress) {
+  constexpr long long kBetweenLooks = 100;  // milliseconds
+
   using Clock = std::chrono::steady_clock;
   const Clock::time_point end = Clock::now() + std::chrono::seconds(limits.wallSeconds);
   std::string answer;
@@ -145,7 +149,11 @@ std::optional<std::string> answerOf(int pipe, const AssimpLimits& limits) {
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now());
     if (left.count() <= 0 || answer.size() >> 20 > limits.memoryMiB) return std::nullopt;
     pollfd ready{pipe, POLLIN, 0};
-    if (::poll(&ready, 1, static_cast<int>(left.count())) <= 0) continue;
+    if (progress && progress->cancelled && progress->cancelled()) {
+      throw Error(ErrorCode::cancelled, "stopped on request");
+    }
+    const auto wait = std::min<long long>(left.count(), kBetweenLooks);
+    if (::poll(&ready, 1, static_cast<int>(wait)) <= 0) continue;
     const ssize_t got = ::read(pipe, buffer.data(), buffer.size());
     if (got == 0) return answer;
     if (got > 0) answer.append(buffer.data(), static_cast<std::size_t>(got));
@@ -179,7 +187,7 @@ AssimpLimits assimpLimits(std::size_t bytes) {
   return {1024 + 64 * mebibytes, seconds, 2 * seconds};
 }
 
-RawMesh readByAssimp(const MeshFile& file, const AssimpLimits& limits) {
+RawMesh readByAssimp(const MeshFile& file, const AssimpLimits& limits, const Progress* progress) {
   const std::string program = findProgram(file);
   const FileDescriptor in(memoryFile(file.bytes));
   std::array<int, 2> ends{};
@@ -193,7 +201,7 @@ RawMesh readByAssimp(const MeshFile& file, const AssimpLimits& limits) {
               {format, std::to_string(limits.memoryMiB), std::to_string(limits.cpuSeconds)},
               in.number(), to.number());
   to.close();
-  const std::optional<std::string> answer = answerOf(from.number(), limits);
+  const std::optional<std::string> answer = answerOf(from.number(), limits, progress);
   const auto refuse = [&](const std::string& why) {
     return inputError(file, "cannot be read (Assimp " + why + ")");
   };

@@ -1,6 +1,8 @@
 // Reads FBX, DAE and 3MF files by Assimp, in a program of its own.
 #pragma once
 
+#include <sherd/progress.h>
+
 #include <cstdint>
 
 #include "mesh/mesh_reader.h"
@@ -22,7 +24,8 @@ struct AssimpLimits {
 /// one. The program is what the environment variable SHERD_ASSIMP names, else it is looked for
 /// beside the running program and where it is installed.
 ///   throws  Error(input) what Assimp refuses or dies of, or what takes more than the limits;
-///   Error(cancelled) stopped by SIGINT, SIGTERM or SIGHUP
-[[nodiscard]] RawMesh readByAssimp(const MeshFile& file, const AssimpLimits& limits);
+///   Error(cancelled) stopped by SIGINT, SIGTERM or SIGHUP, or as `progress` says
+[[nodiscard]] RawMesh readByAssimp(const MeshFile& file, const AssimpLimits& limits,
+                                   const Progress* progress = nullptr);
 
 }  // namespace sherd

@@ -2,13 +2,13 @@
 #include "mesh/read_mesh.h"
 
 #include <sherd/error.h>
-#include <tbb/parallel_invoke.h>
 #include <zlib.h>
 
 #include <algorithm>
 #include <array>
 #include <cstdio>
 #include <fstream>
+#include <future>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -101,7 +101,7 @@ FileName splitName(const fs::path& file) {
   return name;
 }
 
-RawMesh readRaw(const MeshFile& file) {
+RawMesh readRaw(const MeshFile& file, const Progress* progress) {
   switch (file.format) {
     case MeshFormat::obj:
       return readObj(file);
@@ -119,7 +119,7 @@ RawMesh readRaw(const MeshFile& file) {
     case MeshFormat::fbx:
     case MeshFormat::dae:
     case MeshFormat::threeMf:
-      return readByAssimp(file, assimpLimits(file.bytes.size()));
+      return readByAssimp(file, assimpLimits(file.bytes.size()), progress);
   }
   return {};
 }
@@ -172,9 +172,11 @@ bool isMeshName(const fs::path& file) {
   return formatFromExtension(splitName(file).extension).has_value();
 }
 
-SourceMesh readMesh(const fs::path& path) { return meshFromBytes(path, readFileBytes(path)); }
+SourceMesh readMesh(const fs::path& path, const Progress* progress) {
+  return meshFromBytes(path, readFileBytes(path), progress);
+}
 
-SourceMesh meshFromBytes(const fs::path& path, std::string bytes) {
+SourceMesh meshFromBytes(const fs::path& path, std::string bytes, const Progress* progress) {
   const FileName name = splitName(path);
   const std::string fileName = path.filename().string();
   const std::optional<MeshFormat> format = formatFromExtension(name.extension);
@@ -185,13 +187,12 @@ SourceMesh meshFromBytes(const fs::path& path, std::string bytes) {
             "' is not known; read are .obj .ply .stl .off .gltf .glb .binm .fbx .dae .3mf, and "
             "each with .gz");
   }
-  std::string hash;
-  RawMesh raw;
   const MeshFile file{path, fileName, *format,
                       name.packed ? gunzip(bytes, fileName) : std::move(bytes)};
   if (file.bytes.empty()) throw inputError(file, "the file is empty");
-  tbb::parallel_invoke([&] { hash = sha256(name.packed ? bytes : file.bytes); },
-                       [&] { raw = readRaw(file); });
+  std::future<std::string> hash =
+      std::async(std::launch::async, [&] { return sha256(name.packed ? bytes : file.bytes); });
+  RawMesh raw = readRaw(file, progress);  // in the caller's thread, which `progress` is for
   if (raw.triangles.empty()) throw inputError(file, "holds no triangle");
   if (raw.vertices.size() > std::numeric_limits<std::uint32_t>::max())
     throw inputError(file, "has more than 2^32 vertices, which is more than can be held");
@@ -200,7 +201,7 @@ SourceMesh meshFromBytes(const fs::path& path, std::string bytes) {
   checkMerged(file, out);
   out.name = fileName;
   out.stem = name.stem.string();
-  out.sha256 = std::move(hash);
+  out.sha256 = hash.get();
   if (out.droppedVertices > 0) {
     out.warnings.push_back(out.name + ": " + std::to_string(out.droppedVertices) +
                            " vertices are not finite; the " + std::to_string(out.droppedTriangles) +

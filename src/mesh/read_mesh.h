@@ -11,6 +11,7 @@ namespace sherd {
 /// What readMesh() does once it has a file's bytes.
 ///   path    its name tells the format; files that the mesh names are looked for beside it
 ///   throws  Error(input) as readMesh()
-[[nodiscard]] SourceMesh meshFromBytes(const std::filesystem::path& path, std::string bytes);
+[[nodiscard]] SourceMesh meshFromBytes(const std::filesystem::path& path, std::string bytes,
+                                       const Progress* progress = nullptr);
 
 }  // namespace sherd

@@ -56,6 +56,15 @@ class Interrupt(unittest.TestCase):
         self.assert_gone(reader)
         self.assertFalse(out.exists())
 
+    def test_a_signal_to_sherd_alone_ends_both(self):
+        sherd, reader = self.start("fracture", str(self.folder / "a.fbx"), "-o", str(self.folder / "out"))
+        begin = time.monotonic()
+        sherd.send_signal(signal.SIGTERM)
+        _, errors = sherd.communicate(timeout=60)
+        self.assertEqual(sherd.returncode, 130, errors)
+        self.assertLess(time.monotonic() - begin, 20)
+        self.assert_gone(reader)
+
     def test_inspect_ends_too(self):
         sherd, reader = self.start("inspect", str(self.folder / "a.fbx"))
         os.killpg(sherd.pid, signal.SIGINT)
