@@ -26,9 +26,6 @@ constexpr double kFarRadii = 2.5;
 // Halves of fewer triangles are not worth a thread.
 constexpr std::size_t kForAThread = 8192;
 
-// A walk keeps one node a level; 2^32 triangles make 30 levels.
-constexpr std::size_t kDeepest = 64;
-
 float below(double v) { return std::nextafter(static_cast<float>(v), -INFINITY); }
 float above(double v) { return std::nextafter(static_cast<float>(v), INFINITY); }
 
@@ -251,26 +248,18 @@ TriangleTree::Nearest TriangleTree::nearest(const glm::dvec3& point, double reac
 }
 
 double TriangleTree::winding(const glm::dvec3& point) const {
-  if (empty()) return 0.0;
   double angle = 0.0;
   SolidAngles near;
-  std::array<Range, kDeepest> stack;
-  std::size_t waiting = 0;
-  stack[waiting++] = root();
-  while (waiting > 0) {
-    const Range range = stack[--waiting];
-    const Dipole& dipole = dipoles_[range.node];
-    const glm::dvec3 apart = dipole.centre - point;
-    const double squared = glm::dot(apart, apart), far = kFarRadii * dipole.radius;
-    if (squared > far * far) {
-      angle += glm::dot(dipole.normal, apart) / (squared * std::sqrt(squared));
-    } else if (range.isLeaf()) {
-      for (std::size_t i = range.begin; i < range.end; ++i) near.add(corners(i), point);
-    } else {
-      stack[waiting++] = range.child(1);
-      stack[waiting++] = range.child(0);
-    }
-  }
+  walk(
+      [&](const Range& range) {
+        const Dipole& dipole = dipoles_[range.node];
+        const glm::dvec3 apart = dipole.centre - point;
+        const double squared = glm::dot(apart, apart), far = kFarRadii * dipole.radius;
+        if (!(squared > far * far)) return false;
+        angle += glm::dot(dipole.normal, apart) / (squared * std::sqrt(squared));
+        return true;
+      },
+      [&](std::size_t triangle) { near.add(corners(triangle), point); });
   return (angle + near.sum()) / (4.0 * std::numbers::pi);
 }
 
@@ -302,77 +291,50 @@ int TriangleTree::entries(const glm::dvec3& from, const glm::dvec3& to,
 
 int TriangleTree::entries(const glm::dvec3& from, const glm::dvec3& to) const {
   int entered = 0;
-  if (empty()) return entered;
   const glm::dvec3 inverse = 1.0 / (to - from);
-  std::array<Range, kDeepest> stack;
-  std::size_t waiting = 0;
-  stack[waiting++] = root();
-  while (waiting > 0) {
-    const Range range = stack[--waiting];
-    const Bounds& box = bounds_[range.node];
-    if (!(enters(box.min, box.max, from, inverse) <= 1.0 + kRounding)) continue;
-    if (!range.isLeaf()) {
-      stack[waiting++] = range.child(1);
-      stack[waiting++] = range.child(0);
-      continue;
-    }
-    for (std::size_t i = range.begin; i < range.end; ++i) entered += entry(from, to, i);
-  }
+  walk(
+      [&](const Range& range) {
+        const Bounds& box = bounds_[range.node];
+        return !(enters(box.min, box.max, from, inverse) <= 1.0 + kRounding);
+      },
+      [&](std::size_t triangle) { entered += entry(from, to, triangle); });
   return entered;
 }
 
 std::vector<std::uint32_t> TriangleTree::meeting(const Box& box) const {
   std::vector<std::uint32_t> found;
-  if (empty()) return found;
-  const auto meets = [&](const glm::dvec3& min, const glm::dvec3& max) {
-    return min.x <= box.max.x && min.y <= box.max.y && min.z <= box.max.z && max.x >= box.min.x &&
-           max.y >= box.min.y && max.z >= box.min.z;
+  const auto isBeside = [&](const glm::dvec3& min, const glm::dvec3& max) {
+    return min.x > box.max.x || min.y > box.max.y || min.z > box.max.z || max.x < box.min.x ||
+           max.y < box.min.y || max.z < box.min.z;
   };
-  std::array<Range, kDeepest> stack;
-  std::size_t waiting = 0;
-  stack[waiting++] = root();
-  while (waiting > 0) {
-    const Range range = stack[--waiting];
-    const Bounds& bounds = bounds_[range.node];
-    if (!meets(glm::dvec3(bounds.min), glm::dvec3(bounds.max))) continue;
-    if (!range.isLeaf()) {
-      stack[waiting++] = range.child(1);
-      stack[waiting++] = range.child(0);
-      continue;
-    }
-    for (std::size_t i = range.begin; i < range.end; ++i) {
-      const std::array<glm::dvec3, 3> t = corners(i);
-      if (meets(glm::min(t[0], glm::min(t[1], t[2])), glm::max(t[0], glm::max(t[1], t[2])))) {
-        found.push_back(static_cast<std::uint32_t>(i));
-      }
-    }
-  }
+  walk(
+      [&](const Range& range) {
+        const Bounds& bounds = bounds_[range.node];
+        return isBeside(glm::dvec3(bounds.min), glm::dvec3(bounds.max));
+      },
+      [&](std::size_t triangle) {
+        const std::array<glm::dvec3, 3> t = corners(triangle);
+        if (isBeside(glm::min(t[0], glm::min(t[1], t[2])), glm::max(t[0], glm::max(t[1], t[2])))) {
+          return;
+        }
+        found.push_back(static_cast<std::uint32_t>(triangle));
+      });
   return found;
 }
 
 double TriangleTree::firstHit(const glm::dvec3& origin, const glm::dvec3& direction,
                               double from) const {
   double first = kInfinity;
-  if (empty()) return first;
   const glm::dvec3 inverse = 1.0 / direction;
-  std::array<Range, kDeepest> stack;
-  std::size_t waiting = 0;
-  stack[waiting++] = root();
-  while (waiting > 0) {
-    const Range range = stack[--waiting];
-    if (!(enters(bounds_[range.node].min, bounds_[range.node].max, origin, inverse) < first)) {
-      continue;
-    }
-    if (!range.isLeaf()) {
-      stack[waiting++] = range.child(1);
-      stack[waiting++] = range.child(0);
-      continue;
-    }
-    for (std::size_t i = range.begin; i < range.end; ++i) {
-      const double distance = rayHit(corners(i), origin, direction);
-      if (distance > from && distance < first) first = distance;
-    }
-  }
+  walk(
+      [&](const Range& range) {
+        const Bounds& box = bounds_[range.node];
+        return !(enters(box.min, box.max, origin, inverse) < first);
+      },
+      [&](std::size_t triangle) {
+        const double distance = rayHit(corners(triangle), origin, direction);
+        if (distance > from && distance < first) first = distance;
+      });
   return first;
 }
 

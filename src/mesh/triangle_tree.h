@@ -68,6 +68,9 @@ class TriangleTree {
                                 double from) const;
 
  private:
+  // A walk keeps one node a level; 2^32 triangles make 30 levels.
+  static constexpr std::size_t kDeepest = 64;
+
   struct Bounds {
     glm::vec4 min, max;  // a hair larger than what it holds; w is 0, for reading four at a time
   };
@@ -95,6 +98,25 @@ class TriangleTree {
     glm::vec3 middle;  // thrice that of the triangle
     std::uint32_t triangle;
   };
+  // Visit the triangles of all leaves, but for those of nodes of which `skip` is true.
+  template <class Skip, class Visit>
+  void walk(const Skip& skip, const Visit& visit) const {
+    if (empty()) return;
+    std::array<Range, kDeepest> stack;
+    std::size_t waiting = 0;
+    stack[waiting++] = root();
+    while (waiting > 0) {
+      const Range range = stack[--waiting];
+      if (skip(range)) continue;
+      if (!range.isLeaf()) {
+        stack[waiting++] = range.child(1);
+        stack[waiting++] = range.child(0);
+        continue;
+      }
+      for (std::size_t i = range.begin; i < range.end; ++i) visit(i);
+    }
+  }
+
   static void sortInto(std::span<Item> items, const Range& range);
   void measure(const Range& range);
   [[nodiscard]] int entry(const glm::dvec3& from, const glm::dvec3& to, std::size_t triangle) const;
