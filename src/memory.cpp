@@ -47,14 +47,17 @@ Extent extentOf(const TriangleMesh& mesh) {
   return {area, std::min(volume, box.x * box.y * box.z)};
 }
 
+double bytesForVoxels(double surface, double inside) {
+  return kProgram + kPerSurfaceVoxel * surface + kPerInsideVoxel * inside;
+}
+
 double bytesFor(const Extent& extent, std::size_t triangles, int pieces, double voxelSize) {
   const double surface = extent.area / (voxelSize * voxelSize);
   const double inside = extent.volume / (voxelSize * voxelSize * voxelSize);
   // A cube cut into n cubes has 3 (n^(1/3) - 1) cuts across it; each is of two fragments.
   const double cuts =
       6.0 * (std::cbrt(static_cast<double>(pieces)) - 1.0) * std::cbrt(inside * inside);
-  return kProgram + kPerTriangle * static_cast<double>(triangles) +
-         kPerSurfaceVoxel * (surface + cuts) + kPerInsideVoxel * inside;
+  return kPerTriangle * static_cast<double>(triangles) + bytesForVoxels(surface + cuts, inside);
 }
 
 // The first number in a file of the kernel's; none where it says "max" or there is no such file.
@@ -94,6 +97,10 @@ std::uint64_t estimatedMemory(const TriangleMesh& mesh, const FractureOptions& o
   const SolidOptions solid{.resolution = options.resolution, .voxelSize = options.voxelSize};
   return static_cast<std::uint64_t>(
       bytesFor(extentOf(mesh), mesh.triangles.size(), options.pieces, voxelSizeFor(mesh, solid)));
+}
+
+std::uint64_t estimatedMemory(double surface, double inside) {
+  return static_cast<std::uint64_t>(bytesForVoxels(surface, inside));
 }
 
 std::uint64_t freeMemory() {

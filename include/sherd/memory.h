@@ -14,6 +14,10 @@ namespace sherd {
 [[nodiscard]] std::uint64_t estimatedMemory(const TriangleMesh& mesh,
                                             const FractureOptions& options);
 
+/// The same of a solid that is there already, or could be.
+///   surface, inside  voxels
+[[nodiscard]] std::uint64_t estimatedMemory(double surface, double inside);
+
 /// Bytes that this process can still get: what the machine has free without swapping, and what
 /// limits on the process and its group leave.
 [[nodiscard]] std::uint64_t freeMemory();

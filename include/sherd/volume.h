@@ -4,7 +4,9 @@
 #include <sherd/mesh.h>
 #include <sherd/solid.h>
 
+#include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -15,6 +17,8 @@ struct VolumeOptions {
                           ///< has none its only grid of floats
   double isovalue = 0.5;  ///< what is not a level set is solid where its values are above
   bool ownVoxels = true;  ///< take a level set's voxels as the solid's where that is possible
+  std::uint64_t maxMemory = std::numeric_limits<std::uint64_t>::max();  ///< bytes that breaking
+                                                                        ///< such a solid may take
 };
 
 /// A volume as a file has it.
@@ -35,7 +39,7 @@ struct Volume {
 /// by the faces between voxels with a label and those without, which gives the same voxels back at
 /// the same voxel size.
 ///   throws  Error(input) absent, damaged, of no grid or voxel that is solid, no such grid, several
-///           grids of which none is named
+///           grids of which none is named; Error(usage) a level set of too many voxels
 [[nodiscard]] Volume readVolume(const std::filesystem::path& file,
                                 const VolumeOptions& options = {});
 

@@ -42,8 +42,7 @@ struct FractureArguments {
   WriteOptions files;  ///< all of it but what `write` and `up` name
   std::string up = "y";
   std::string device = "auto";
-  int threads = 0;              ///< 0: all cores
-  std::uint64_t maxMemory = 0;  ///< bytes; 0: what is free
+  int threads = 0;  ///< 0: all cores
   bool json = false;
   bool quiet = false;
 };
@@ -115,8 +114,7 @@ FractureResult breakInput(const FractureArguments& arguments, const Input& input
       return refracture(*input.finished, arguments.only, options, device, &progress);
     }
     if (input.solid) return fracture(*input.solid, options, device, &progress);
-    requireMemory(source.mesh, options,
-                  arguments.maxMemory > 0 ? arguments.maxMemory : freeMemory());
+    requireMemory(source.mesh, options, arguments.volume.maxMemory);
     return fracture(source.mesh, options, device, &progress);
   } catch (const Error& e) {
     const std::string seedFile = arguments.options.seedFile.string();
@@ -328,13 +326,14 @@ void addFractureCommand(CLI::App& app, Action& run) {
           "Threads of the host's work; default all cores (PoCL's own: POCL_MAX_PTHREAD_COUNT)")
       ->transform(wholeNumber(1, 4096));
   command
-      ->add_option("--max-memory", arguments->maxMemory,
+      ->add_option("--max-memory", arguments->volume.maxMemory,
                    "Refuse what would take more memory, such as 8G; default what is free")
       ->transform(CLI::AsSizeValue(/*kb_is_1000=*/false))
       ->type_name("SIZE");
   command->add_flag("--json", arguments->json, "Print one JSON object: counts, volumes, seconds");
   command->add_flag("--quiet", arguments->quiet, "Print nothing but warnings and errors");
   command->callback([arguments, command, &run] {
+    if (command->count("--max-memory") == 0) arguments->volume.maxMemory = freeMemory();
     arguments->volume.ownVoxels =
         command->count("--resolution") + command->count("--voxel-size") == 0;
     checkPointOptions(arguments->files);

@@ -1,9 +1,12 @@
 // Volumes out of files.
+#include <sherd/error.h>
+#include <sherd/memory.h>
 #include <sherd/volume.h>
 #include <sherd/voxel_files.h>
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <utility>
 
 #include "io/input_error.h"
@@ -75,6 +78,18 @@ void readGrids(const fs::path& file, const VolumeOptions& options, Volume& volum
     return;
   }
   for (std::size_t i = 1; i < grids.size(); ++i) unite(*grids.front().grid, *grids[i].grid);
+  // A tile of a few bytes may stand for any number of voxels.
+  const double inside = insideVoxelsOf(*grids.front().grid);
+  const std::uint64_t bytes = estimatedMemory(6.0 * std::cbrt(inside * inside), inside);
+  if (bytes > options.maxMemory) {
+    std::ostringstream text;
+    text.precision(3);
+    text << file.string() << ": " << inside << " voxels lie inside, which take up to "
+         << static_cast<double>(bytes) / 1e9 << " GB of memory, and "
+         << static_cast<double>(options.maxMemory) / 1e9
+         << " GB may be used; a --resolution has it measured anew, or --max-memory sets the limit";
+    throw Error(ErrorCode::usage, text.str());
+  }
   volume.solid = solidOf(*grids.front().grid);
 }
 

@@ -53,9 +53,13 @@ FloatGrid::Ptr emptyLevelSet(const GridFrame& frame) {
 
 namespace {
 
+// A voxel's neighbours are on its side of any surface that is farther than this from it; not
+// where one may lie on the surface.
+constexpr float kBeyondNeighbours = 1.001f;  // voxels
+
 // Which voxels of a leaf are inside, of those nearer to the surface than `reach`.  A side is asked
-// for few: no surface lies between a voxel and its neighbour when either is a voxel away from it,
-// so they have the same.
+// for few: no surface lies between a voxel and its neighbour when either is far from it, so they
+// have the same.
 std::array<bool, 512> sidesOf(const BandLeaf& leaf, double reach, const Filling& filling) {
   std::array<bool, 512> inside{}, known{};
   std::array<std::uint16_t, 512> front;
@@ -77,11 +81,12 @@ std::array<bool, 512> sidesOf(const BandLeaf& leaf, double reach, const Filling&
     meet(start);
     while (waiting > 0) {
       const unsigned i = front[--waiting];
-      const bool isFar = leaf.distance[i] >= 1.0f;
+      const bool isFar = leaf.distance[i] > kBeyondNeighbours;
       for (const unsigned shift : {0u, 3u, 6u}) {
         const unsigned along = i >> shift & 7u;
         const auto step = [&](unsigned next) {
-          if (!known[next] && isNear(next) && (isFar || leaf.distance[next] >= 1.0f)) meet(next);
+          if (!known[next] && isNear(next) && (isFar || leaf.distance[next] > kBeyondNeighbours))
+            meet(next);
         };
         if (along > 0) step(i - (1u << shift));
         if (along < 7) step(i + (1u << shift));
@@ -165,6 +170,14 @@ bool isSolidLevelSet(const FloatGrid& grid) {
   }
   constexpr double kHalfFloats = 0.01;  // grids may be saved with 11 bits
   return static_cast<double>(grid.background()) >= (kHalfWidthVoxels - kHalfFloats) * size;
+}
+
+double insideVoxelsOf(const FloatGrid& levelSet) {
+  double inside = 0.0;
+  for (auto value = levelSet.tree().cbeginValueAll(); value; ++value) {
+    if (*value < 0) inside += static_cast<double>(value.getVoxelCount());
+  }
+  return inside;
 }
 
 Solid solidOf(const FloatGrid& levelSet) {

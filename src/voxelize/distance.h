@@ -39,6 +39,9 @@ void unite(openvdb::FloatGrid& grid, openvdb::FloatGrid& other);
 /// size, values to three voxels from the surface.
 [[nodiscard]] bool isSolidLevelSet(const openvdb::FloatGrid& grid);
 
+/// How many voxels lie inside a level set, those of tiles included.
+[[nodiscard]] double insideVoxelsOf(const openvdb::FloatGrid& levelSet);
+
 /// The solid of such a level set, on its voxels; what is farther than three voxels from the surface
 /// is left out.
 [[nodiscard]] Solid solidOf(const openvdb::FloatGrid& levelSet);

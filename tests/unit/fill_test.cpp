@@ -370,6 +370,17 @@ TEST(Fill, LargeTrianglesThatCrossAreCutWhereTheyDo) {
   EXPECT_GT(deep, 300u);
 }
 
+TEST(Fill, FacesThroughVoxelCentresLeaveWhatIsBetweenThem) {
+  // A cube two voxels wide: one centre within, those beside it on its faces.
+  const TriangleMesh mesh =
+      shapes::append(shapes::cube(16.0, {8.0, 8.0, 8.0}), shapes::cube(2.0, {20.5, 8.5, 8.5}));
+  const Solid solid = voxelize(mesh, {.voxelSize = 1.0});
+  const Voxels voxels = voxelsOf(solid);
+  EXPECT_TRUE(voxels.contains({20, 8, 8}));
+  EXPECT_FALSE(voxels.contains({22, 8, 8}));
+  EXPECT_GE(voxels.size(), 16u * 16 * 16 + 1);
+}
+
 // ---- Shells
 
 TEST(Fill, ASheetThatEnclosesNothingBecomesAShell) {

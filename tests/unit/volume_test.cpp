@@ -137,6 +137,22 @@ TEST_F(VolumeTest, WhatIsSolidNowhereIsRefused) {
   EXPECT_THROW((void)readVolume(folder_ / "empty.rle"), Error);
 }
 
+TEST_F(VolumeTest, ATileThatStandsForMoreVoxelsThanFitIsRefused) {
+  const auto grid = sphere(1.0, {0.0f, 0.0f, 0.0f}, 0.05);
+  const fs::path ball = write("ball.vdb", {grid});
+  EXPECT_TRUE(readVolume(ball, {.grid = "", .maxMemory = 1'000'000'000}).solid);
+  grid->tree().addTile(3, openvdb::Coord(1 << 14), -0.15f, false);  // 4096 voxels wide
+  const fs::path file = write("tile.vdb", {grid});
+  EXPECT_LT(fs::file_size(file), 1'000'000u);
+  try {
+    (void)readVolume(file, {.grid = "", .maxMemory = 1'000'000'000'000});
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::usage);
+    EXPECT_NE(std::string(e.what()).find("--max-memory"), std::string::npos) << e.what();
+  }
+}
+
 // ---- Voxel files
 
 RunLengthVoxels voxelsOf(const openvdb::Coord& dims,
