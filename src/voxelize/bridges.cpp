@@ -125,7 +125,7 @@ class Bridges {
       std::vector<Pair> pairs;
       add(rowsOf(blocks_, round_[leaf]), blocks_.origins[leaf], pairs);
       for (const Pair& pair : pairs) {
-        if (seeEachOther(pair)) addPath(pair, ofLeaf[leaf]);
+        if (!areJoined(pair) && seeEachOther(pair)) addPath(pair, ofLeaf[leaf]);
       }
     });
     for (const std::vector<Coord>& voxels : ofLeaf) {
@@ -138,6 +138,33 @@ class Bridges {
         added_.push_back(place);
       }
     }
+  }
+
+  bool isInside(const Coord& voxel) const {
+    const std::uint32_t leaf = findLeaf(blocks_, voxel);
+    return leaf != LeafBlocks::kNone &&
+           blocks_.isInside(leaf * std::size_t{512} + offsetFromCoord(voxel));
+  }
+
+  // Whether steps over faces lead from one to the other, no farther than a voxel round the pair: at
+  // a sharp edge of a solid they do, deeper down.
+  bool areJoined(const Pair& pair) const {
+    const Coord low = Coord::minComponent(pair.a, pair.b) - Coord(1, 1, 1);
+    const Coord high = Coord::maxComponent(pair.a, pair.b) + Coord(1, 1, 1);
+    std::vector<Coord> met{pair.a};
+    for (std::size_t i = 0; i < met.size(); ++i) {
+      for (int k = 0; k < 6; ++k) {
+        Coord next = met[i];
+        next[k / 2] += k % 2 == 0 ? -1 : 1;
+        if (next[k / 2] < low[k / 2] || next[k / 2] > high[k / 2] || !isInside(next) ||
+            std::find(met.begin(), met.end(), next) != met.end()) {
+          continue;
+        }
+        if (next == pair.b) return true;
+        met.push_back(next);
+      }
+    }
+    return false;
   }
 
   bool seeEachOther(const Pair& pair) const {

@@ -96,6 +96,10 @@ TEST(Bridges, BodiesThatNearlyTouchStayApart) {
 TEST(Bridges, ThickSolidsNeedNone) {
   EXPECT_EQ(voxelize(shapes::torus(10.0, 4.0), {.resolution = 64}).report.bridges, 0u);
   EXPECT_EQ(voxelize(shapes::hollowBall(10.0, 8.0), {.resolution = 64}).report.bridges, 0u);
+  TriangleMesh turned = shapes::cube(20.0);  // at its edges voxels touch by edges, too
+  const glm::dmat3 turn = glm::mat3_cast(glm::normalize(glm::dquat(0.9, 0.1, 0.3, 0.2)));
+  for (glm::dvec3& v : turned.vertices) v = turn * v;
+  EXPECT_EQ(voxelize(turned, {.resolution = 128}).report.bridges, 0u);
 }
 
 }  // namespace
