@@ -57,6 +57,7 @@ std::string safeName(std::string name, const std::string& otherwise) {
     const auto byte = static_cast<unsigned char>(c);
     if (byte < 0x20 || byte == 0x7f || byte == '/' || (byte >= 0x80 && !utf8)) c = '_';
   }
+  if (name.starts_with('.')) name.front() = '_';
   if (name.size() > kLongestName) {
     std::size_t end = kLongestName;
     while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xc0) == 0x80) --end;

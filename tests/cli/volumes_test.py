@@ -108,6 +108,18 @@ class VolumesTest(unittest.TestCase):
             self.assertAlmostEqual(sum(f["volume"] for f in manifest["fragments"]), volume, delta=0.02 * volume)
         self.assertEqual(self.manifest("out", "Small_Box")["source"]["object"], "Small/Box")
         self.assertEqual(self.manifest("out", "big")["grid"]["voxel_size"], 4 / 32)
+        # Nothing leaves the folder, whatever objects are called.
+        with open(self.path("names.obj"), "w") as file:
+            for i, name in enumerate(("..", ".", "../../up", ".sherd-partial", "a\tb")):
+                file.write(f"o {name}\n" + box((3 * i, 0, 0), (3 * i + 1, 1, 1)))
+        before = sorted(os.listdir(self.path()))
+        self.sherd("fracture", self.path("names.obj"), "-o", self.path("deep", "down"), "--split-objects", "--pieces", 2,
+                   "--resolution", 16, "--write", "labels")
+        self.assertEqual(sorted(os.listdir(self.path())), sorted(before + ["deep"]))
+        self.assertEqual(os.listdir(self.path("deep")), ["down"])
+        folders = os.listdir(self.path("deep", "down"))
+        self.assertEqual(len(folders), 5, folders)
+        self.assertFalse([f for f in folders if f.startswith(".")])
         # Without the flag they are one thing.
         self.sherd("fracture", self.path("scene.obj"), "-o", self.path("one"), "--pieces", 3, "--resolution", 32)
         self.assertEqual(len(self.manifest("one")["fragments"]), 3)
