@@ -75,7 +75,7 @@ WriteOptions writeOptions(const FractureArguments& arguments) {
 // What is to be broken: one of these.
 struct Input {
   std::vector<SourceMesh> meshes;  // the file's, or its objects'; of a solid its name and no mesh
-  std::optional<Solid> solid;
+  std::optional<Solid> solid;      // used up when it is broken
   std::optional<FinishedFracture> finished;
 };
 
@@ -105,7 +105,7 @@ Input readInput(FractureArguments& arguments, const Progress& progress) {
 }
 
 // What is wrong with a mesh is found by functions that do not know the file's name.
-FractureResult breakInput(const FractureArguments& arguments, const Input& input,
+FractureResult breakInput(const FractureArguments& arguments, Input& input,
                           const SourceMesh& source, const std::string& title, Device& device,
                           const Progress& progress) {
   try {
@@ -113,7 +113,7 @@ FractureResult breakInput(const FractureArguments& arguments, const Input& input
     if (input.finished) {
       return refracture(*input.finished, arguments.only, options, device, &progress);
     }
-    if (input.solid) return fracture(*input.solid, options, device, &progress);
+    if (input.solid) return fracture(std::move(*input.solid), options, device, &progress);
     requireMemory(source.mesh, options, arguments.volume.maxMemory);
     return fracture(source.mesh, options, device, &progress);
   } catch (const Error& e) {
@@ -161,7 +161,7 @@ class FractureRun {
 
   void run() {
     if (!arguments_.splitObjects) checkFractureFolder(arguments_.folder);
-    const Input input = timed("read", [&] { return readInput(arguments_, progress_); });
+    Input input = timed("read", [&] { return readInput(arguments_, progress_); });
     std::vector<std::string> folders{arguments_.folder};
     if (arguments_.splitObjects) {
       folders = objectFolders(arguments_.folder, input.meshes);
@@ -191,8 +191,7 @@ class FractureRun {
   }
 
  private:
-  void breakOne(const Input& input, const SourceMesh& source, const std::string& folder,
-                Device& device) {
+  void breakOne(Input& input, const SourceMesh& source, const std::string& folder, Device& device) {
     stopIfInterrupted();
     const std::string title = source.objects.size() == 1
                                   ? arguments_.mesh + ", " + inQuotes(source.objects.front())
@@ -240,7 +239,10 @@ void runFracture(FractureArguments& arguments) {
     FractureRun(arguments).run();
   } catch (const Error& e) {
     if (e.code() != ErrorCode::cancelled) throw;
-    throw Error(ErrorCode::cancelled, "interrupted; " + arguments.folder + " is as it was before");
+    throw Error(ErrorCode::cancelled,
+                arguments.splitObjects
+                    ? "interrupted; what was done of the objects is in " + arguments.folder
+                    : "interrupted; " + arguments.folder + " is as it was before");
   }
 }
 
