@@ -145,8 +145,12 @@ class Files(Faults):
 class Memory(Faults):
     def test_fracture(self):
         self.ready = self.ready_with_fracture
+
+        def without_fog(out):  # see above
+            return [argument.replace(",fog", "") for argument in self.fracture(out)]
+
         for smallest in (4096, 1 << 16):
-            self.each(self.fracture, {0, 1, 5}, NO_MEMORY, kind="memory", bytes=smallest)
+            self.each(without_fog, {0, 1, 5}, NO_MEMORY, kind="memory", bytes=smallest)
 
     def test_render_and_evaluate(self):
         for command in (lambda out: ("render", self.whole, "-o", out + ".png", "--size", "64x64"),
