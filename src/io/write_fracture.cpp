@@ -122,6 +122,7 @@ class MadeFolders {
     for (fs::path p = folder; !p.empty() && !fs::exists(p); p = p.parent_path()) {
       if (p.has_filename()) missing.push_back(p);
     }
+    made_.reserve(made_.size() + missing.size());
     for (auto p = missing.rbegin(); p != missing.rend(); ++p) {
       if (::mkdir(p->c_str(), 0777) == 0) {
         made_.push_back(*p);
@@ -224,10 +225,12 @@ class Moves {
   Moves& operator=(const Moves&) = delete;
 
   void move(const fs::path& from, const fs::path& to) {
+    done_.emplace_back(from, to);  // before, as there may be no memory for it afterwards
     if (::rename(from.c_str(), to.c_str()) != 0) {
-      outputError(to, "cannot be put in place: " + reasonOf(errno));
+      const int reason = errno;
+      done_.pop_back();
+      outputError(to, "cannot be put in place: " + reasonOf(reason));
     }
-    done_.emplace_back(from, to);
   }
   void keep() { done_.clear(); }
 
