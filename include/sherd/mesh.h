@@ -68,6 +68,9 @@ struct Box {
 };
 [[nodiscard]] Box bounds(const TriangleMesh& mesh);
 
+/// The length of a box's longest side.
+[[nodiscard]] double longestSide(const Box& box);
+
 /// Edges that are not used exactly once in each direction; 0 for a closed, consistently oriented
 /// mesh. An edge used twice in each direction (two sheets touching) counts as closed.
 [[nodiscard]] std::size_t openEdges(const TriangleMesh& mesh);

@@ -71,4 +71,7 @@ struct Solid {
 /// The voxel size that `options` asks for on this mesh.
 [[nodiscard]] double voxelSizeFor(const TriangleMesh& mesh, const SolidOptions& options);
 
+/// Voxels of a size along the mesh's longest side, a part of one counting as one.
+[[nodiscard]] int resolutionFor(const TriangleMesh& mesh, double voxelSize);
+
 }  // namespace sherd

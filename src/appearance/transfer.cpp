@@ -89,9 +89,8 @@ struct LookSource::Nearest {
 
 LookSource::LookSource(const TriangleMesh& mesh, const SurfaceLook& look) : look_(look) {
   const Box box = bounds(mesh);
-  const glm::dvec3 side = box.max - box.min;
-  middle_ = box.min + 0.5 * side;
-  scale_ = 0.5 * std::max({side.x, side.y, side.z});
+  middle_ = 0.5 * (box.min + box.max);
+  scale_ = 0.5 * longestSide(box);
   if (!(scale_ > 0.0)) scale_ = 1.0;
   mesh_.triangles = mesh.triangles;
   mesh_.vertices.reserve(mesh.vertices.size());

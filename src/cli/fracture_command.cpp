@@ -14,6 +14,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <type_traits>
 
 #include "cli/command.h"
 #include "cli/fracture_options.h"
@@ -21,8 +22,8 @@
 #include "cli/interrupts.h"
 #include "cli/progress_line.h"
 #include "io/file_names.h"
+#include "io/mesh_report.h"
 #include "lower_case.h"
-#include "mesh/text_scan.h"
 
 namespace sherd::cli {
 namespace {
@@ -145,16 +146,6 @@ std::vector<std::string> objectFolders(const std::string& folder,
 }
 
 class FractureRun {
-  template <class Work>
-  auto timed(const char* stage, const Work& work) {
-    stopIfInterrupted();
-    line_.show(stage, 0.0);
-    const Clock::time_point begin = Clock::now();
-    auto result = work();
-    times_.push_back({stage, secondsSince(begin)});
-    return result;
-  }
-
  public:
   explicit FractureRun(FractureArguments& arguments)
       : arguments_(arguments), line_(::isatty(STDERR_FILENO) == 1 && !arguments.quiet) {}
@@ -191,11 +182,19 @@ class FractureRun {
   }
 
  private:
+  template <class Work>
+  std::invoke_result_t<Work> timed(const char* stage, const Work& work) {
+    stopIfInterrupted();
+    line_.show(stage, 0.0);
+    const Clock::time_point begin = Clock::now();
+    auto result = work();
+    times_.push_back({stage, secondsSince(begin)});
+    return result;
+  }
+
   void breakOne(Input& input, const SourceMesh& source, const std::string& folder, Device& device) {
     stopIfInterrupted();
-    const std::string title = source.objects.size() == 1
-                                  ? arguments_.mesh + ", " + inQuotes(source.objects.front())
-                                  : arguments_.mesh;
+    const std::string title = titled(arguments_.mesh, source);
     const FractureResult result = breakInput(arguments_, input, source, title, device, progress_);
     times_.insert(times_.end(), result.times.begin(), result.times.end());
     const WriteOptions write = writeOptions(arguments_);

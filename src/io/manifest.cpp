@@ -157,14 +157,11 @@ Json optionsJson(const FractureOptions& options, const FractureResult& result,
   return json;
 }
 
-// Voxels along the mesh's longest side; the small term keeps a side of exactly n voxels from
-// becoming n + 1.
+// Voxels along the longest side.
 int resolutionUsed(const SourceMesh& source, const FractureOptions& options, const Solid& solid) {
   if (options.voxelSize <= 0.0) return options.resolution;
   if (source.mesh.triangles.empty()) return solid.box.longestSide();  // a volume's own voxels
-  const Box box = bounds(source.mesh);
-  const glm::dvec3 side = (box.max - box.min) / solid.frame.voxelSize;
-  return static_cast<int>(std::ceil(std::max({side.x, side.y, side.z}) - 1e-9));
+  return resolutionFor(source.mesh, solid.frame.voxelSize);
 }
 
 Json gridJson(const SourceMesh& source, const FractureOptions& options,

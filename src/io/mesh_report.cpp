@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "mesh/text_scan.h"
 #include "option_names.h"
 
 namespace sherd {
@@ -42,12 +43,13 @@ double difference(const FractureResult& result) {
   return mesh > 0.0 ? solidVolume(result) / mesh - 1.0 : 0.0;
 }
 
-std::string titleOf(const SourceMesh& source) {
-  return source.objects.size() == 1 ? source.name + ", '" + source.objects.front() + "'"
-                                    : source.name;
-}
+std::string titleOf(const SourceMesh& source) { return titled(source.name, source); }
 
 }  // namespace
+
+std::string titled(const std::string& file, const SourceMesh& source) {
+  return source.objects.size() == 1 ? file + ", " + inQuotes(source.objects.front()) : file;
+}
 
 nlohmann::ordered_json reportJson(const SourceMesh& source, const FractureResult& result) {
   const SolidReport& report = result.solid.report;

@@ -13,6 +13,9 @@ namespace sherd {
 /// A mesh whose volume and whose solid's differ by a larger share is worth a warning.
 inline constexpr double kVolumesAgree = 0.05;
 
+/// A file's name, and where one of its objects alone is meant, that object's.
+[[nodiscard]] std::string titled(const std::string& file, const SourceMesh& source);
+
 /// As manifests and `--json` have it.
 [[nodiscard]] nlohmann::ordered_json reportJson(const SourceMesh& source,
                                                 const FractureResult& result);

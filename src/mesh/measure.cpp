@@ -1,6 +1,7 @@
 // What can be measured on a mesh: its box, area, volume and mass properties.
 #include <sherd/mesh.h>
 
+#include <algorithm>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
@@ -24,6 +25,11 @@ Box bounds(const TriangleMesh& mesh) {
     box.max = glm::max(box.max, v);
   }
   return box;
+}
+
+double longestSide(const Box& box) {
+  const glm::dvec3 side = box.max - box.min;
+  return std::max({side.x, side.y, side.z});
 }
 
 double area(const TriangleMesh& mesh) {

@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "mesh/chosen.h"
 #include "mesh/triangulate.h"
 
 namespace sherd {
@@ -51,16 +52,6 @@ std::vector<std::array<Value, 3>> atCorners(const std::vector<Value>& values,
   return out;
 }
 
-template <class Value>
-std::vector<Value> ofFaces(const std::vector<Value>& values,
-                           const std::vector<std::uint32_t>& faces) {
-  std::vector<Value> out;
-  if (values.empty()) return out;
-  out.reserve(faces.size());
-  for (const std::uint32_t face : faces) out.push_back(values[face]);
-  return out;
-}
-
 }  // namespace
 
 void triangulateInto(const MeshFile& file, PolygonMesh&& mesh, RawMesh& out) {
@@ -77,7 +68,7 @@ void triangulateInto(const MeshFile& file, PolygonMesh&& mesh, RawMesh& out) {
   }
   SurfaceLook& look = out.look.surface;
   look.colours = atCorners(mesh.vertexColours, out.triangles);
-  for (const glm::u8vec3& colour : ofFaces(mesh.faceColours, triangles.face)) {
+  for (const glm::u8vec3& colour : chosen(mesh.faceColours, triangles.face)) {
     look.colours.push_back({colour, colour, colour});
   }
   look.texcoords = mesh.vertexTexcoords.empty() ? atCorners(mesh.cornerTexcoords, triangles.corners)
@@ -87,8 +78,8 @@ void triangulateInto(const MeshFile& file, PolygonMesh&& mesh, RawMesh& out) {
       if (!std::isfinite(at.x) || !std::isfinite(at.y)) at = glm::vec2(0.0f);
     }
   }
-  look.material = ofFaces(mesh.faceMaterials, triangles.face);
-  out.objectOfTriangle = ofFaces(mesh.objectOfFace, triangles.face);
+  look.material = chosen(mesh.faceMaterials, triangles.face);
+  out.objectOfTriangle = chosen(mesh.objectOfFace, triangles.face);
   out.vertices = std::move(mesh.vertices);
 }
 

@@ -1,34 +1,28 @@
 // A file's parts as meshes of their own.
 #include <sherd/mesh.h>
 
+#include <cstdint>
 #include <limits>
+
+#include "mesh/chosen.h"
 
 namespace sherd {
 namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-template <class Value>
-std::vector<Value> chosen(const std::vector<Value>& all, const std::vector<std::size_t>& which) {
-  std::vector<Value> some;
-  if (all.empty()) return some;
-  some.reserve(which.size());
-  for (const std::size_t i : which) some.push_back(all[i]);
-  return some;
-}
-
 }  // namespace
 
 std::vector<SourceMesh> splitObjects(const SourceMesh& source) {
   if (source.objects.empty() || source.objectOfTriangle.empty()) return {source};
-  std::vector<std::vector<std::size_t>> trianglesOf(source.objects.size());
-  for (std::size_t t = 0; t < source.objectOfTriangle.size(); ++t) {
+  std::vector<std::vector<std::uint32_t>> trianglesOf(source.objects.size());
+  for (std::uint32_t t = 0; t < source.objectOfTriangle.size(); ++t) {
     trianglesOf[source.objectOfTriangle[t]].push_back(t);
   }
   std::vector<SourceMesh> parts;
   std::vector<std::uint32_t> number(source.mesh.vertices.size(), kNone);  // of a vertex in the part
   for (std::size_t object = 0; object < trianglesOf.size(); ++object) {
-    const std::vector<std::size_t>& triangles = trianglesOf[object];
+    const std::vector<std::uint32_t>& triangles = trianglesOf[object];
     if (triangles.empty()) continue;
     SourceMesh part;
     part.name = source.name;

@@ -8,9 +8,9 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <numbers>
-#include <numeric>
 #include <utility>
 
+#include "mesh/boxes.h"
 #include "mesh/nearest_on_triangle.h"
 #include "mesh/solid_angles.h"
 
@@ -88,8 +88,8 @@ double rayHit(const std::array<glm::dvec3, 3>& t, const glm::dvec3& origin,
 
 }  // namespace
 
-TriangleTree::TriangleTree(const TriangleMesh& mesh) : count_(mesh.triangles.size()) {
-  const std::size_t count = count_;
+TriangleTree::TriangleTree(const TriangleMesh& mesh) {
+  const std::size_t count = mesh.triangles.size();
   if (count == 0) return;
   while ((count + (std::size_t{1} << levels_) - 1) >> levels_ > kLeafTriangles) ++levels_;
   std::vector<Item> items(count);
@@ -98,7 +98,7 @@ TriangleTree::TriangleTree(const TriangleMesh& mesh) : count_(mesh.triangles.siz
     items[i] = {glm::vec3(mesh.vertices[t.x] + mesh.vertices[t.y] + mesh.vertices[t.z]),
                 static_cast<std::uint32_t>(i)};
   }
-  sortInto(items, root());
+  sortInto(items, {0, 0, count, levels_});
   // Vertices in the order of the leaves, so that near ones lie near each other in memory.
   std::vector<std::uint32_t> number(mesh.vertices.size(), kNone);
   vertices_.reserve(mesh.vertices.size());
@@ -162,7 +162,7 @@ void TriangleTree::measure(const Range& range) {
     }
     box = {{below(min.x), below(min.y), below(min.z), 0.0f},
            {above(max.x), above(max.y), above(max.z), 0.0f}};
-    first_[range.node - (first_.size() - 2)] = static_cast<std::uint32_t>(range.begin);
+    first_[range.node - firstLeaf()] = static_cast<std::uint32_t>(range.begin);
   } else {
     const Range first = range.child(0), second = range.child(1);
     if (range.end - range.begin < kForAThread) {
@@ -224,12 +224,11 @@ TriangleTree::Nearest TriangleTree::nearest(const glm::dvec3& point, double reac
   const auto squaredTo = [&](std::size_t node) {
     return near.squaredTo(bounds_[node].min, bounds_[node].max);
   };
-  const std::size_t leaves = first_.size() - 1;
   std::size_t node = 0;
   float here = squaredTo(0);
   while (true) {
     if (static_cast<double>(here) < squared) {
-      if (node + 1 < leaves) {
+      if (node < firstLeaf()) {
         std::size_t closer = 2 * node + 1, farther = closer + 1;
         float a = squaredTo(closer), b = squaredTo(farther);
         if (b < a) std::swap(closer, farther), std::swap(a, b);
@@ -238,7 +237,7 @@ TriangleTree::Nearest TriangleTree::nearest(const glm::dvec3& point, double reac
         here = a;
         continue;
       }
-      const std::size_t leaf = node + 1 - leaves;
+      const std::size_t leaf = node - firstLeaf();
       for (std::size_t i = first_[leaf]; i < first_[leaf + 1]; ++i) look(i);
     }
     if (waiting == 0) return found;
@@ -303,20 +302,13 @@ int TriangleTree::entries(const glm::dvec3& from, const glm::dvec3& to) const {
 
 std::vector<std::uint32_t> TriangleTree::meeting(const Box& box) const {
   std::vector<std::uint32_t> found;
-  const auto isBeside = [&](const glm::dvec3& min, const glm::dvec3& max) {
-    return min.x > box.max.x || min.y > box.max.y || min.z > box.max.z || max.x < box.min.x ||
-           max.y < box.min.y || max.z < box.min.z;
-  };
   walk(
       [&](const Range& range) {
         const Bounds& bounds = bounds_[range.node];
-        return isBeside(glm::dvec3(bounds.min), glm::dvec3(bounds.max));
+        return !meet({glm::dvec3(bounds.min), glm::dvec3(bounds.max)}, box);
       },
       [&](std::size_t triangle) {
-        const std::array<glm::dvec3, 3> t = corners(triangle);
-        if (isBeside(glm::min(t[0], glm::min(t[1], t[2])), glm::max(t[0], glm::max(t[1], t[2])))) {
-          return;
-        }
+        if (!meet(boxOf(corners(triangle)), box)) return;
         found.push_back(static_cast<std::uint32_t>(triangle));
       });
   return found;

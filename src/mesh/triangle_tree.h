@@ -22,7 +22,7 @@ class TriangleTree {
   ///   mesh  may have no triangle; copied
   explicit TriangleTree(const TriangleMesh& mesh);
 
-  [[nodiscard]] bool empty() const { return count_ == 0; }
+  [[nodiscard]] bool empty() const { return triangles_.empty(); }
 
   /// A box of all triangles, a hair larger; not of an empty tree.
   [[nodiscard]] Box box() const { return {glm::dvec3(bounds_[0].min), glm::dvec3(bounds_[0].max)}; }
@@ -92,12 +92,14 @@ class TriangleTree {
                         : Range{2 * node + 2, middle, end, levelsBelow - 1};
     }
   };
-  [[nodiscard]] Range root() const { return {0, 0, count_, levels_}; }
+  [[nodiscard]] Range root() const { return {0, 0, triangles_.size(), levels_}; }
+  [[nodiscard]] std::size_t firstLeaf() const { return (std::size_t{1} << levels_) - 1; }
 
   struct Item {
     glm::vec3 middle;  // thrice that of the triangle
     std::uint32_t triangle;
   };
+
   // Visit the triangles of all leaves, but for those of nodes of which `skip` is true.
   template <class Skip, class Visit>
   void walk(const Skip& skip, const Visit& visit) const {
@@ -121,7 +123,6 @@ class TriangleTree {
   void measure(const Range& range);
   [[nodiscard]] int entry(const glm::dvec3& from, const glm::dvec3& to, std::size_t triangle) const;
 
-  std::size_t count_ = 0;
   std::vector<glm::dvec3> vertices_;
   std::vector<glm::uvec3> triangles_;  // in the order of the leaves
   std::vector<std::uint32_t> first_;   // [leaves + 1] a leaf's first triangle

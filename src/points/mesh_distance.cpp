@@ -16,8 +16,7 @@ namespace {
 constexpr double kMargin = 1e-6;
 
 double halfOf(const Box& box) {
-  const glm::dvec3 side = box.max - box.min;
-  const double half = 0.5 * std::max({side.x, side.y, side.z});
+  const double half = 0.5 * longestSide(box);
   return half > 0.0 ? half : 1.0;
 }
 

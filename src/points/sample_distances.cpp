@@ -37,8 +37,7 @@ void check(const DistanceOptions& options) {
 /// The mesh's box, widened on all sides.
 Box boxAround(const TriangleMesh& mesh, const DistanceOptions& options) {
   Box box = bounds(mesh);
-  const glm::dvec3 side = box.max - box.min;
-  const double wider = std::max(0.05 * std::max({side.x, side.y, side.z}), 3.0 * options.spread);
+  const double wider = std::max(0.05 * longestSide(box), 3.0 * options.spread);
   box.min -= wider;
   box.max += wider;
   return box;

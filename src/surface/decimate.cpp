@@ -128,8 +128,7 @@ class Decimator {
   void toUnitBox() {
     const Box box = bounds({at_, {}});
     middle_ = (box.min + box.max) / 2.0;
-    const glm::dvec3 side = box.max - box.min;
-    scale_ = std::max({side.x, side.y, side.z, std::numeric_limits<double>::min()});
+    scale_ = std::max(longestSide(box), std::numeric_limits<double>::min());
     for (glm::dvec3& v : at_) v = (v - middle_) / scale_;
   }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "cancel_flag.h"
+#include "mesh/boxes.h"
 
 namespace sherd {
 namespace {
@@ -28,11 +29,6 @@ constexpr double kSmall = 0.5;
 constexpr double kSmallestPiece = 0.25;
 
 enum class Verdict { no, yes, mixed };
-
-Box boxOf(const Corners& t, double margin) {
-  return {glm::min(t[0], glm::min(t[1], t[2])) - margin,
-          glm::max(t[0], glm::max(t[1], t[2])) + margin};
-}
 
 double longestEdge(const Corners& t) {
   return std::max(
@@ -98,8 +94,9 @@ class Look {
   Verdict keep(std::vector<Corners>& kept) const {
     if (area_ == 0.0) return Verdict::no;
     const std::array<glm::dvec3, 4> looks = looksOf(triangle_);
-    if (winding_.isPlain(boxOf(triangle_, 0.0), looks)) return Verdict::yes;
-    return keep(triangle_, winding_.tree().meeting(boxOf(triangle_, kAround)), kSmall, kept);
+    if (winding_.isPlain(boxOf(triangle_), looks)) return Verdict::yes;
+    return keep(triangle_, winding_.tree().meeting(widened(boxOf(triangle_), kAround)), kSmall,
+                kept);
   }
 
  private:
@@ -158,13 +155,9 @@ class Look {
   std::vector<std::uint32_t> aroundPiece(const Corners& piece,
                                          const std::vector<std::uint32_t>& around) const {
     std::vector<std::uint32_t> some;
-    const Box box = boxOf(piece, kAround);
+    const Box box = widened(boxOf(piece), kAround);
     for (const std::uint32_t other : around) {
-      const Box own = boxOf(winding_.tree().corners(other), 0.0);
-      if (own.min.x <= box.max.x && own.min.y <= box.max.y && own.min.z <= box.max.z &&
-          own.max.x >= box.min.x && own.max.y >= box.min.y && own.max.z >= box.min.z) {
-        some.push_back(other);
-      }
+      if (meet(boxOf(winding_.tree().corners(other)), box)) some.push_back(other);
     }
     return some;
   }

@@ -56,7 +56,7 @@ Filling shellOf(const TriangleMesh& mesh, const SolidOptions& options, double vo
   Filling out{.fill = Fill::shell,
               .reason = std::move(reason),
               .surface = std::make_shared<TriangleTree>(mesh),
-              .insideRow = {}};
+              .isInside = {}};
   const double thickness =
       options.shellThickness > 0.0 ? options.shellThickness / voxelSize : kShellVoxels;
   out.halfThickness = 0.5 * thickness;
@@ -68,9 +68,7 @@ Filling windingOf(const SearchedMesh& mesh, std::string reason, const Progress* 
   Filling out{.fill = Fill::winding,
               .reason = std::move(reason),
               .surface = mesh.tree,
-              .insideRow = [winding](int x, int y, int z0, std::uint8_t wanted) {
-                return winding->insideRow(x, y, z0, wanted);
-              }};
+              .isInside = [winding](const openvdb::Coord& c) { return winding->isInside(c); }};
   if (winding->isSimple()) return out;
   TriangleMesh surface = exposedSurface(mesh.mesh, *winding, progress);
   if (!mesh.caps.triangles.empty()) {
@@ -109,18 +107,14 @@ Filling fillingOf(const SearchedMesh& mesh, const TriangleMesh& original,
       return {.fill = Fill::parity,
               .reason = asked,
               .surface = std::make_shared<TriangleTree>(whole),
-              .insideRow = [columns](int x, int y, int z0, std::uint8_t) {
-                return columns->insideRow(x, y, z0);
-              }};
+              .isInside = [columns](const openvdb::Coord& c) { return columns->isInside(c); }};
     }
     case Fill::flood: {
       const auto flooded = std::make_shared<FloodedBox>(mesh.mesh);
       return {.fill = Fill::flood,
               .reason = asked,
               .surface = mesh.tree,
-              .insideRow = [flooded](int x, int y, int z0, std::uint8_t) {
-                return flooded->insideRow(x, y, z0);
-              }};
+              .isInside = [flooded](const openvdb::Coord& c) { return flooded->isInside(c); }};
     }
     case Fill::winding:
       return windingOf(mesh, asked, progress);

@@ -28,9 +28,7 @@ struct Filling {
   std::string reason;                           ///< why, as half a sentence
   std::shared_ptr<const TriangleTree> surface;  ///< what the solid's distance is measured to
 
-  /// Bit z of the result: the centre (x, y, z0 + z) is inside; z in 0..7.  Only bits of `wanted`
-  /// are told.  Empty for a shell.
-  std::function<std::uint8_t(int x, int y, int z0, std::uint8_t wanted)> insideRow;
+  std::function<bool(const openvdb::Coord&)> isInside;  ///< of a voxel's centre; empty for a shell
 
   double halfThickness = 0.0;  ///< voxels; of a shell: what is nearer to the surface is inside
 };

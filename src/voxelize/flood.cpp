@@ -44,13 +44,13 @@ FloodedBox::FloodedBox(const TriangleMesh& mesh) {
                                        Winding(columnsAlong(mesh, 1), Winding::Rule::parity),
                                        Winding(columnsAlong(mesh, 2), Winding::Rule::parity)};
   const auto state = [&](int axis, const openvdb::Coord& p) {
-    return columns[static_cast<std::size_t>(axis)].at(p[(axis + 1) % 3], p[(axis + 2) % 3],
-                                                      p[axis]);
+    return columns[static_cast<std::size_t>(axis)].at(
+        {p[(axis + 1) % 3], p[(axis + 2) % 3], p[axis]});
   };
 
   // Level by level: all that is reached without a crossing, then what is one crossing farther.
   std::vector<openvdb::Coord> level{box_.min}, beyond;
-  depth_[place(box_.min.x(), box_.min.y(), box_.min.z())] = 0;
+  depth_[place(box_.min)] = 0;
   for (std::uint8_t depth = 0; !level.empty() && depth <= kDeepest; ++depth) {
     beyond.clear();
     for (std::size_t i = 0; i < level.size(); ++i) {
@@ -60,7 +60,7 @@ FloodedBox::FloodedBox(const TriangleMesh& mesh) {
           openvdb::Coord to = from;
           to[axis] += step;
           if (to[axis] < box_.min[axis] || to[axis] > box_.max[axis]) continue;
-          std::uint8_t& seen = depth_[place(to.x(), to.y(), to.z())];
+          std::uint8_t& seen = depth_[place(to)];
           if (seen != kUnseen) continue;
           if (state(axis, from) == state(axis, to)) {
             seen = depth;
@@ -73,7 +73,7 @@ FloodedBox::FloodedBox(const TriangleMesh& mesh) {
     }
     level.clear();
     for (const openvdb::Coord& to : beyond) {
-      std::uint8_t& seen = depth_[place(to.x(), to.y(), to.z())];
+      std::uint8_t& seen = depth_[place(to)];
       if (seen != kUnseen) continue;
       seen = static_cast<std::uint8_t>(depth + 1);
       level.push_back(to);
@@ -81,13 +81,11 @@ FloodedBox::FloodedBox(const TriangleMesh& mesh) {
   }
 }
 
-std::uint8_t FloodedBox::insideRow(int x, int y, int z0) const {
-  if (x < box_.min.x() || x > box_.max.x() || y < box_.min.y() || y > box_.max.y()) return 0;
-  unsigned row = 0;
-  for (int z = std::max(z0, box_.min.z()); z <= std::min(z0 + 7, box_.max.z()); ++z) {
-    row |= (depth_[place(x, y, z)] & 1u) << (z - z0);
+bool FloodedBox::isInside(const openvdb::Coord& voxel) const {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (voxel[axis] < box_.min[axis] || voxel[axis] > box_.max[axis]) return false;
   }
-  return static_cast<std::uint8_t>(row);
+  return (depth_[place(voxel)] & 1) != 0;
 }
 
 }  // namespace sherd

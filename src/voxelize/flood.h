@@ -22,12 +22,11 @@ class FloodedBox {
   /// mesh: in index space.
   explicit FloodedBox(const TriangleMesh& mesh);
 
-  /// Bit z of the result: (x, y, z0 + z) is inside; z in 0..7.
-  [[nodiscard]] std::uint8_t insideRow(int x, int y, int z0) const;
+  [[nodiscard]] bool isInside(const openvdb::Coord& voxel) const;
 
  private:
-  [[nodiscard]] std::size_t place(int x, int y, int z) const {
-    const openvdb::Coord at = openvdb::Coord(x, y, z) - box_.min;
+  [[nodiscard]] std::size_t place(const openvdb::Coord& voxel) const {
+    const openvdb::Coord at = voxel - box_.min;
     const openvdb::Coord dims = box_.dims();
     return (static_cast<std::size_t>(at.x()) * static_cast<std::size_t>(dims.y()) +
             static_cast<std::size_t>(at.y())) *

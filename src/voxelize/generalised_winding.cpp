@@ -116,24 +116,15 @@ bool GeneralisedWinding::isPlain(const Box& box, std::span<const glm::dvec3> loo
   return isFarFromHoles(looks);
 }
 
-double GeneralisedWinding::at(int x, int y, int z) const {
-  return columns_.at(x, y, z) - capsAt({x, y, z});
+double GeneralisedWinding::at(const openvdb::Coord& voxel) const {
+  return columns_.at(voxel) - capsAt(voxel);
 }
 
 double GeneralisedWinding::near(const glm::dvec3& point,
                                 std::span<const std::uint32_t> around) const {
   const openvdb::Coord voxel = nearestVoxel(point);
   const glm::dvec3 centre(voxel.x(), voxel.y(), voxel.z());
-  return at(voxel.x(), voxel.y(), voxel.z()) + tree_->entries(centre, point, around);
-}
-
-std::uint8_t GeneralisedWinding::insideRow(int x, int y, int z0, std::uint8_t wanted) const {
-  if (capTree_.empty()) return columns_.insideRow(x, y, z0);
-  unsigned row = 0;
-  for (int z = 0; z < 8; ++z) {
-    if ((wanted >> z & 1) != 0 && isInside(x, y, z0 + z)) row |= 1u << z;
-  }
-  return static_cast<std::uint8_t>(row);
+  return at(voxel) + tree_->entries(centre, point, around);
 }
 
 }  // namespace sherd

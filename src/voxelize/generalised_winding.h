@@ -28,8 +28,8 @@ class GeneralisedWinding {
   GeneralisedWinding(const TriangleMesh& mesh, const TriangleMesh& caps,
                      std::shared_ptr<const TriangleTree> tree);
 
-  [[nodiscard]] double at(int x, int y, int z) const;
-  [[nodiscard]] bool isInside(int x, int y, int z) const { return at(x, y, z) >= 0.5; }
+  [[nodiscard]] double at(const openvdb::Coord& voxel) const;
+  [[nodiscard]] bool isInside(const openvdb::Coord& voxel) const { return at(voxel) >= 0.5; }
 
   /// At any point, where the winding is not simple: the nearest voxel centre's, changed by each
   /// triangle on the way.  Right but for what it changes otherwise over less than a voxel, which is
@@ -46,9 +46,6 @@ class GeneralisedWinding {
   [[nodiscard]] bool isFarFromHoles(std::span<const glm::dvec3> points) const;
 
   [[nodiscard]] const TriangleTree& tree() const { return *tree_; }
-
-  /// Bit z of the result: (x, y, z0 + z) is inside; z in 0..7.  Only bits of `wanted` are told.
-  [[nodiscard]] std::uint8_t insideRow(int x, int y, int z0, std::uint8_t wanted) const;
 
   /// Empty for a closed mesh.
   [[nodiscard]] const TriangleMesh& caps() const { return caps_; }

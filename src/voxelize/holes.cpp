@@ -116,7 +116,7 @@ class HoleNet {
     return found->second;
   }
   double windingOf(Voxel& voxel, const Coord& at) const {
-    if (!voxel.winding) voxel.winding = winding_.at(at.x(), at.y(), at.z());
+    if (!voxel.winding) voxel.winding = winding_.at(at);
     return *voxel.winding;
   }
 

@@ -19,12 +19,6 @@ namespace {
 
 constexpr int kLargestResolution = 4096;
 
-double longestSide(const TriangleMesh& mesh) {
-  const Box box = bounds(mesh);
-  const glm::dvec3 size = box.max - box.min;
-  return std::max({size.x, size.y, size.z});
-}
-
 TriangleMesh inIndexSpace(TriangleMesh mesh, const GridFrame& frame) {
   for (glm::dvec3& v : mesh.vertices) v = frame.indexFromWorld({v}).v;
   return mesh;
@@ -33,7 +27,7 @@ TriangleMesh inIndexSpace(TriangleMesh mesh, const GridFrame& frame) {
 }  // namespace
 
 double voxelSizeFor(const TriangleMesh& mesh, const SolidOptions& options) {
-  const double longest = longestSide(mesh);
+  const double longest = longestSide(bounds(mesh));
   if (!(longest > 0.0) || !std::isfinite(longest)) {
     throw Error(ErrorCode::input, "the mesh's box has no size that can be divided into voxels");
   }
@@ -54,6 +48,11 @@ double voxelSizeFor(const TriangleMesh& mesh, const SolidOptions& options) {
   return options.voxelSize;
 }
 
+int resolutionFor(const TriangleMesh& mesh, double voxelSize) {
+  constexpr double kRounding = 1e-9;  // a side of exactly n voxels shall not become n + 1
+  return static_cast<int>(std::ceil(longestSide(bounds(mesh)) / voxelSize - kRounding));
+}
+
 Solid voxelize(const TriangleMesh& source, const SolidOptions& options, const Progress* progress) {
   step(progress, "voxelize", 0.0);
   Solid solid;
@@ -70,7 +69,7 @@ Solid voxelize(const TriangleMesh& source, const SolidOptions& options, const Pr
   report.defects = whole.defects;
   step(progress, "voxelize", 0.1);
   const SearchedMesh clean = searched(std::move(whole.mesh));
-  report.walls = wallThickness(clean, longestSide(mesh));
+  report.walls = wallThickness(clean, longestSide(bounds(mesh)));
   report.meshVolume = (volume(clean.mesh) + volume(clean.caps)) * std::pow(voxelSize, 3);
   const Filling filling = fillingOf(clean, mesh, options, voxelSize, progress);
   report.fill = filling.fill;

@@ -141,27 +141,14 @@ int Winding::windingAbove(int x, int y) const {
   return !c || first_[*c] == first_[*c + 1] ? 0 : changes_[first_[*c + 1] - 1].winding;
 }
 
-int Winding::at(int x, int y, int z) const {
-  const std::optional<std::size_t> c = columnAt(x, y);
+int Winding::at(const openvdb::Coord& voxel) const {
+  const std::optional<std::size_t> c = columnAt(voxel.x(), voxel.y());
   if (!c) return 0;
   const auto begin = changes_.begin() + static_cast<std::ptrdiff_t>(first_[*c]);
   const auto end = changes_.begin() + static_cast<std::ptrdiff_t>(first_[*c + 1]);
   const auto above = std::upper_bound(
-      begin, end, z, [](int level, const Change& change) { return level < change.z; });
+      begin, end, voxel.z(), [](int level, const Change& change) { return level < change.z; });
   return above == begin ? 0 : std::prev(above)->winding;
-}
-
-std::uint8_t Winding::insideRow(int x, int y, int z0) const {
-  const std::optional<std::size_t> c = columnAt(x, y);
-  if (!c) return 0;
-  unsigned row = 0;
-  for (std::size_t i = first_[*c]; i + 1 < first_[*c + 1] && changes_[i].z < z0 + 8; ++i) {
-    if (changes_[i].winding <= 0) continue;
-    const int from = std::clamp(changes_[i].z - z0, 0, 8);
-    const int to = std::clamp(changes_[i + 1].z - z0, 0, 8);
-    row |= (1u << to) - (1u << from);
-  }
-  return static_cast<std::uint8_t>(row);
 }
 
 }  // namespace sherd

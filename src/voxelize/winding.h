@@ -29,14 +29,14 @@ class Winding {
   /// mesh: in index space, closed (for parity: but for what way its triangles are turned).
   explicit Winding(const TriangleMesh& mesh, Rule rule = Rule::signedTurns);
 
-  /// Bit z of the result: the winding number at (x, y, z0 + z) is 1 or more; z in 0..7.
-  std::uint8_t insideRow(int x, int y, int z0) const;
-
   /// The lattice that vertices are snapped to has steps of 2^-bits voxels.
   static int latticeBits(const Box& box);
 
   /// The winding number at a voxel centre.
-  int at(int x, int y, int z) const;
+  int at(const openvdb::Coord& voxel) const;
+
+  /// Whether it is 1 or more there.
+  bool isInside(const openvdb::Coord& voxel) const { return at(voxel) > 0; }
 
   /// The winding number above the whole mesh: 0 in every column when it is closed.
   int windingAbove(int x, int y) const;

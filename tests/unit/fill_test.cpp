@@ -160,13 +160,12 @@ double farthestDisagreement(const TriangleMesh& source, int resolution, std::siz
   const Box box = bounds(mesh);
   for (int x = -2; x <= static_cast<int>(box.max.x) + 2; ++x) {
     for (int y = -2; y <= static_cast<int>(box.max.y) + 2; ++y) {
-      for (int z = -8; z <= static_cast<int>(box.max.z) + 2; z += 8) {
-        const unsigned a = winding.insideRow(x, y, z, 255), b = parity.insideRow(x, y, z, 255),
-                       c = flood.insideRow(x, y, z, 255);
-        inside += static_cast<std::size_t>(std::popcount(a));
-        for (unsigned bits = (a ^ b) | (a ^ c); bits != 0; bits &= bits - 1) {
-          const glm::dvec3 centre(x, y, z + std::countr_zero(bits));
-          farthest = std::max(farthest, tree.nearest(centre, INFINITY).distance);
+      for (int z = -2; z <= static_cast<int>(box.max.z) + 2; ++z) {
+        const openvdb::Coord voxel(x, y, z);
+        const bool isInside = winding.isInside(voxel);
+        inside += isInside ? 1 : 0;
+        if (isInside != parity.isInside(voxel) || isInside != flood.isInside(voxel)) {
+          farthest = std::max(farthest, tree.nearest(glm::dvec3(x, y, z), INFINITY).distance);
         }
       }
     }
