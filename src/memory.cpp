@@ -8,10 +8,12 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace sherd {
@@ -61,33 +63,45 @@ double bytesFor(const Extent& extent, std::size_t triangles, int pieces, double 
 }
 
 // The first number in a file of the kernel's; none where it says "max" or there is no such file.
-double numberIn(const char* file) {
+double numberIn(const std::string& file) {
   std::ifstream in(file);
   double value = 0.0;
   return in >> value ? value : std::numeric_limits<double>::infinity();
 }
 
-// The number behind a name in a file of names and numbers; none as above.
-double numberBehind(const char* file, const std::string& wanted) {
+// The number behind a line's beginning; none as above.
+double numberBehind(const std::string& file, std::string_view beginning) {
   std::ifstream in(file);
   for (std::string line; std::getline(in, line);) {
-    if (line.starts_with(wanted + " ")) return std::strtod(line.c_str() + wanted.size(), nullptr);
+    if (line.starts_with(beginning)) return std::strtod(line.c_str() + beginning.size(), nullptr);
   }
   return std::numeric_limits<double>::infinity();
 }
 
-// What the group of this process may still use; files that are only cached give way.
-double freeOfGroup() {
-  const double limit = numberIn("/sys/fs/cgroup/memory.max");
-  if (!std::isfinite(limit)) return limit;
-  const double used = numberIn("/sys/fs/cgroup/memory.current");
-  const double cached = numberBehind("/sys/fs/cgroup/memory.stat", "inactive_file");
-  return std::isfinite(used - cached) ? std::max(limit - used + cached, 0.0) : limit;
+// What the groups of this process may still use, each within the next; files that are only cached
+// give way.
+double freeOfGroups() {
+  std::string group;
+  std::ifstream in("/proc/self/cgroup");
+  for (std::string line; std::getline(in, line);) {
+    if (line.starts_with("0::")) group = line.substr(3);
+  }
+  double free = std::numeric_limits<double>::infinity();
+  for (std::filesystem::path at = group; !at.empty(); at = at.parent_path()) {
+    const std::string folder = "/sys/fs/cgroup" + at.string();
+    const double used = numberIn(folder + "/memory.current"),
+                 limit = numberIn(folder + "/memory.max"),
+                 cached = numberBehind(folder + "/memory.stat", "inactive_file ");
+    const double left = limit - used + cached;
+    if (std::isfinite(left)) free = std::min(free, std::max(left, 0.0));
+    if (at == at.root_path()) break;
+  }
+  return free;
 }
 
-std::string gigabytes(double bytes) {
+std::string gigabytes(std::uint64_t bytes) {
   char text[40];
-  std::snprintf(text, sizeof text, "%.3g GB", bytes / 1e9);
+  std::snprintf(text, sizeof text, "%.3g GB", static_cast<double>(bytes) / 1e9);
   return text;
 }
 
@@ -104,43 +118,46 @@ std::uint64_t estimatedMemory(double surface, double inside) {
 }
 
 std::uint64_t freeMemory() {
-  double free = std::min(1024.0 * numberBehind("/proc/meminfo", "MemAvailable:"), freeOfGroup());
+  double free = std::min(1024.0 * numberBehind("/proc/meminfo", "MemAvailable:"), freeOfGroups());
   rlimit addresses{};
   if (::getrlimit(RLIMIT_AS, &addresses) == 0 && addresses.rlim_cur != RLIM_INFINITY) {
-    free = std::min(free, static_cast<double>(addresses.rlim_cur));
+    const double used = 1024.0 * numberBehind("/proc/self/status", "VmSize:");
+    free = std::min(free, std::max(static_cast<double>(addresses.rlim_cur) - used, 0.0));
   }
   return std::isfinite(free) ? static_cast<std::uint64_t>(free)
                              : std::numeric_limits<std::uint64_t>::max();
 }
 
+void requireMemory(const std::string& what, std::uint64_t bytes, std::uint64_t limit) {
+  if (bytes <= limit) return;
+  throw Error(ErrorCode::usage, what + " takes up to " + gigabytes(bytes) + " of memory, and " +
+                                    gigabytes(limit) +
+                                    " may be used (--max-memory sets the limit)");
+}
+
 void requireMemory(const TriangleMesh& mesh, const FractureOptions& options, std::uint64_t limit) {
   const SolidOptions asked{.resolution = options.resolution, .voxelSize = options.voxelSize};
-  const double voxelSize = voxelSizeFor(mesh, asked);
+  const double voxelSize = voxelSizeFor(mesh, asked), longest = longestSide(bounds(mesh));
   const Extent extent = extentOf(mesh);
   const auto bytes = [&](double size) {
-    return bytesFor(extent, mesh.triangles.size(), options.pieces, size);
+    return static_cast<std::uint64_t>(
+        bytesFor(extent, mesh.triangles.size(), options.pieces, size));
   };
-  const double wanted = bytes(voxelSize), most = static_cast<double>(limit);
-  if (wanted <= most) return;
-  const glm::dvec3 box = bounds(mesh).max - bounds(mesh).min;
-  const double longest = std::max({box.x, box.y, box.z});
-  const int resolution = static_cast<int>(std::ceil(longest / voxelSize - 1e-9));
+  if (bytes(voxelSize) <= limit) return;
+  const int resolution = resolutionFor(mesh, voxelSize);
   int fits = 0;  // the highest resolution that does
   for (int low = 8, high = resolution; low <= high;) {
     const int middle = low + (high - low) / 2;
-    if (bytes(longest / middle) <= most) {
+    if (bytes(longest / middle) <= limit) {
       fits = middle;
       low = middle + 1;
     } else {
       high = middle - 1;
     }
   }
-  throw Error(ErrorCode::usage,
-              "a resolution of " + std::to_string(resolution) + " takes up to " +
-                  gigabytes(wanted) + " of memory, and " + gigabytes(most) + " may be used; " +
-                  (fits > 0 ? "a --resolution of " + std::to_string(fits) + " fits"
-                            : std::string("no resolution fits")) +
-                  " (--max-memory sets the limit)");
+  const std::string advice = fits > 0 ? "a --resolution of " + std::to_string(fits) + " fits; "
+                                      : std::string("no resolution fits; ");
+  requireMemory(advice + "one of " + std::to_string(resolution), bytes(voxelSize), limit);
 }
 
 }  // namespace sherd

@@ -5,6 +5,7 @@
 #include <sherd/mesh.h>
 
 #include <cstdint>
+#include <string>
 
 namespace sherd {
 
@@ -19,10 +20,16 @@ namespace sherd {
 [[nodiscard]] std::uint64_t estimatedMemory(double surface, double inside);
 
 /// Bytes that this process can still get: what the machine has free without swapping, and what
-/// limits on the process and its group leave.
+/// limits on the process (RLIMIT_AS) and its groups (cgroup v2, as Slurm and containers set them)
+/// leave.
 [[nodiscard]] std::uint64_t freeMemory();
 
 /// Refuse what would not fit.
+///   what    the sentence begins with it: "WHAT takes up to 3 GB of memory, ..."
+///   throws  Error(usage) `bytes` are above `limit`
+void requireMemory(const std::string& what, std::uint64_t bytes, std::uint64_t limit);
+
+/// The same of breaking a mesh.
 ///   throws  Error(usage) the estimate is above `limit`, with the resolution that would fit; what
 ///           voxelSizeFor throws
 void requireMemory(const TriangleMesh& mesh, const FractureOptions& options, std::uint64_t limit);

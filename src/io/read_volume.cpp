@@ -6,7 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
+#include <limits>
+#include <optional>
 #include <utility>
 
 #include "io/input_error.h"
@@ -23,6 +24,9 @@ namespace sherd {
 namespace {
 
 namespace fs = std::filesystem;
+
+// Six vertices of 24 bytes and two edges' worth of look-up for each two triangles of 12.
+constexpr std::uint64_t kBytesPerTriangle = 200;
 
 bool isVdb(const fs::path& file) { return lowerCase(file.extension().string()) == ".vdb"; }
 
@@ -63,6 +67,10 @@ bool haveOneFrame(const std::vector<NamedGrid>& grids) {
   });
 }
 
+double isovalueOf(const NamedGrid& grid, const VolumeOptions& options) {
+  return grid.isLevelSet ? 0.0 : options.isovalue;
+}
+
 void readGrids(const fs::path& file, const VolumeOptions& options, Volume& volume) {
   std::vector<NamedGrid> grids = chosenGrids(file, options.grid);
   volume.voxelSize = smallestVoxel(*grids.front().grid);
@@ -70,34 +78,45 @@ void readGrids(const fs::path& file, const VolumeOptions& options, Volume& volum
                          std::all_of(grids.begin(), grids.end(), [](const NamedGrid& grid) {
                            return isSolidLevelSet(*grid.grid);
                          });
+  // A tile of a few bytes may stand for any number of voxels, and a face of it for any number of
+  // triangles.
+  VoxelCounts counts;
+  for (const NamedGrid& grid : grids) {
+    const VoxelCounts own = voxelsOf(*grid.grid, isovalueOf(grid, options), !grid.isLevelSet);
+    counts.inside += own.inside;
+    counts.surface += own.surface;
+  }
+  requireMemory(file.string() + " at its own voxels",
+                estimatedMemory(counts.surface, asTheyAre ? counts.inside : 0.0),
+                options.maxMemory);
   if (!asTheyAre) {
     for (const NamedGrid& grid : grids) {
-      const double isovalue = grid.isLevelSet ? 0.0 : options.isovalue;
-      volume.source.mesh = joined(std::move(volume.source.mesh), meshInWorld(*grid.grid, isovalue));
+      volume.source.mesh =
+          joined(std::move(volume.source.mesh), meshInWorld(*grid.grid, isovalueOf(grid, options)));
     }
     return;
   }
   for (std::size_t i = 1; i < grids.size(); ++i) unite(*grids.front().grid, *grids[i].grid);
-  // A tile of a few bytes may stand for any number of voxels.
-  const double inside = insideVoxelsOf(*grids.front().grid);
-  const std::uint64_t bytes = estimatedMemory(6.0 * std::cbrt(inside * inside), inside);
-  if (bytes > options.maxMemory) {
-    std::ostringstream text;
-    text.precision(3);
-    text << file.string() << ": " << inside << " voxels lie inside, which take up to "
-         << static_cast<double>(bytes) / 1e9 << " GB of memory, and "
-         << static_cast<double>(options.maxMemory) / 1e9
-         << " GB may be used; a --resolution has it measured anew, or --max-memory sets the limit";
-    throw Error(ErrorCode::usage, text.str());
-  }
   volume.solid = solidOf(*grids.front().grid);
 }
 
-void readLabels(const fs::path& file, Volume& volume) {
-  const PlacedVoxels voxels = readVoxels(file);
-  const GridFrame frame = voxels.place ? voxels.place->frame : GridFrame{};
+void readLabels(const fs::path& file, const VolumeOptions& options, Volume& volume) {
+  const PlacedVoxels read = readVoxels(file);
+  const openvdb::Coord& dims = read.voxels.dims;
+  // Planes of a byte for each voxel, and two of numbers for their corners.
+  requireMemory(
+      file.string() + ": a plane of its voxels",
+      9 * static_cast<std::uint64_t>(dims.y() + 1) * static_cast<std::uint64_t>(dims.z() + 1),
+      options.maxMemory);
+  const GridFrame frame = read.place ? read.place->frame : GridFrame{};
   volume.voxelSize = frame.voxelSize;
-  volume.source.mesh = voxelFaces(voxels.voxels, frame);
+  const std::size_t most = std::min<std::uint64_t>(options.maxMemory / kBytesPerTriangle,
+                                                   std::numeric_limits<std::uint32_t>::max() / 2);
+  std::optional<TriangleMesh> faces = voxelFaces(read.voxels, frame, most);
+  if (!faces) {
+    requireMemory(file.string() + ": the surface of its voxels", (most + 1) * kBytesPerTriangle, 0);
+  }
+  volume.source.mesh = std::move(*faces);
 }
 
 }  // namespace
@@ -111,7 +130,7 @@ Volume readVolume(const fs::path& file, const VolumeOptions& options) {
   if (isVdb(file)) {
     readGrids(file, options, volume);
   } else {
-    readLabels(file, volume);
+    readLabels(file, options, volume);
   }
   volume.source.sha256 = sha256(readFileBytes(file));
   volume.source.fileVertices = volume.source.mesh.vertices.size();

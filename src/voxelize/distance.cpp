@@ -37,6 +37,19 @@ float background(const GridFrame& frame) {
   return std::nextafter(worldFromVoxels(kHalfWidthVoxels, frame), INFINITY);
 }
 
+// Calls visit(box) for each tile of values that are below 0.
+template <class Visit>
+void forEachInsideTile(const FloatGrid& grid, const Visit& visit) {
+  auto tiles = grid.tree().cbeginValueAll();
+  tiles.setMaxDepth(FloatGrid::TreeType::ValueAllCIter::LEAF_DEPTH - 1);
+  for (; tiles; ++tiles) {
+    if (*tiles >= 0) continue;
+    openvdb::CoordBBox box;
+    tiles.getBoundingBox(box);
+    visit(box);
+  }
+}
+
 // A grid without values, to be filled by leaves and tiles.
 FloatGrid::Ptr emptyLevelSet(const GridFrame& frame) {
   FloatGrid::Ptr grid = FloatGrid::create(background(frame));
@@ -66,12 +79,7 @@ std::array<bool, 512> sidesOf(const BandLeaf& leaf, double reach, const Filling&
   const auto isNear = [&](unsigned i) { return leaf.distance[i] < static_cast<float>(reach); };
   for (unsigned start = 0; start < 512; ++start) {
     if (known[start] || !isNear(start)) continue;
-    const Coord at = leaf.origin + coordFromOffset(start);
-    const unsigned z = start & 7;
-    const bool side =
-        (filling.insideRow(at.x(), at.y(), leaf.origin.z(), static_cast<std::uint8_t>(1u << z)) >>
-             z &
-         1) != 0;
+    const bool side = filling.isInside(leaf.origin + coordFromOffset(start));
     std::size_t waiting = 0;
     const auto meet = [&](unsigned i) {
       known[i] = true;
@@ -110,13 +118,13 @@ FloatGridPtr levelSetOf(const Filling& filling, const GridFrame& frame, const Pr
   tbb::parallel_for(std::size_t{0}, band.size(), [&](std::size_t i) {
     leaves[i] = std::make_unique<Leaf>(band[i].origin, outside, false);
     std::array<bool, 512> inside{};
-    if (filling.insideRow) inside = sidesOf(band[i], reach, filling);
+    if (filling.isInside) inside = sidesOf(band[i], reach, filling);
     for (openvdb::Index k = 0; k < Leaf::SIZE; ++k) {
       const float distance = band[i].distance[k];
       if (!(distance < static_cast<float>(reach))) continue;
       float voxels = distance - half;
-      if (filling.insideRow) voxels = inside[k] ? -distance : distance;
-      const bool isInside = filling.insideRow ? inside[k] : voxels < 0.0f;
+      if (filling.isInside) voxels = inside[k] ? -distance : distance;
+      const bool isInside = filling.isInside ? inside[k] : voxels < 0.0f;
       if (isInside) voxels = std::min(voxels, -kLeastDepthVoxels);
       if (voxels <= -static_cast<float>(kHalfWidthVoxels)) {
         leaves[i]->setValueOff(k, -outside);
@@ -172,12 +180,24 @@ bool isSolidLevelSet(const FloatGrid& grid) {
   return static_cast<double>(grid.background()) >= (kHalfWidthVoxels - kHalfFloats) * size;
 }
 
-double insideVoxelsOf(const FloatGrid& levelSet) {
-  double inside = 0.0;
-  for (auto value = levelSet.tree().cbeginValueAll(); value; ++value) {
-    if (*value < 0) inside += static_cast<double>(value.getVoxelCount());
+VoxelCounts voxelsOf(const FloatGrid& grid, double isovalue, bool above) {
+  const auto isSolid = [&](double value) { return above ? value > isovalue : value < isovalue; };
+  VoxelCounts counts;
+  for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
+    unsigned inside = 0;
+    for (openvdb::Index i = 0; i < Leaf::SIZE; ++i) inside += isSolid(leaf->getValue(i)) ? 1u : 0u;
+    counts.inside += inside;
+    if (inside > 0 && inside < Leaf::SIZE) counts.surface += 64.0;  // one sheet through it
   }
-  return inside;
+  auto tiles = grid.tree().cbeginValueAll();
+  tiles.setMaxDepth(FloatGrid::TreeType::ValueAllCIter::LEAF_DEPTH - 1);
+  for (; tiles; ++tiles) {
+    if (!isSolid(*tiles)) continue;
+    const auto voxels = static_cast<double>(tiles.getVoxelCount());
+    counts.inside += voxels;
+    counts.surface += 6.0 * std::cbrt(voxels * voxels);  // a cube's
+  }
+  return counts;
 }
 
 Solid solidOf(const FloatGrid& levelSet) {
@@ -202,14 +222,9 @@ Solid solidOf(const FloatGrid& levelSet) {
     }
     if (!isEmpty) grid->tree().addLeaf(own.release());
   }
-  auto tiles = levelSet.tree().cbeginValueAll();
-  tiles.setMaxDepth(FloatGrid::TreeType::ValueAllCIter::LEAF_DEPTH - 1);
-  for (; tiles; ++tiles) {
-    if (*tiles >= 0) continue;
-    openvdb::CoordBBox box;
-    tiles.getBoundingBox(box);
+  forEachInsideTile(levelSet, [&](const openvdb::CoordBBox& box) {
     grid->tree().sparseFill(box, -outside, /*active=*/false);
-  }
+  });
   solid.distance = grid;
   solid.blocks = leafBlocks(*grid);
   measureVoxels(solid);
@@ -240,19 +255,15 @@ LeafBlocks leafBlocks(const FloatGrid& grid) {
   }
   Masks full;
   full.inside.fill(~std::uint64_t{0});
-  auto tiles = grid.tree().cbeginValueAll();
-  tiles.setMaxDepth(FloatGrid::TreeType::ValueAllCIter::LEAF_DEPTH - 1);
-  for (; tiles; ++tiles) {
-    if (*tiles >= 0) continue;
-    openvdb::CoordBBox box;
-    tiles.getBoundingBox(box);
+  forEachInsideTile(grid, [&](const openvdb::CoordBBox& box) {
     for (int x = box.min().x(); x <= box.max().x(); x += 8) {
       for (int y = box.min().y(); y <= box.max().y(); y += 8) {
-        for (int z = box.min().z(); z <= box.max().z(); z += 8)
+        for (int z = box.min().z(); z <= box.max().z(); z += 8) {
           found.emplace_back(Coord(x, y, z), full);
+        }
       }
     }
-  }
+  });
   std::sort(found.begin(), found.end(),
             [](const auto& a, const auto& b) { return a.first < b.first; });
 

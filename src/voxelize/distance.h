@@ -39,8 +39,13 @@ void unite(openvdb::FloatGrid& grid, openvdb::FloatGrid& other);
 /// size, values to three voxels from the surface.
 [[nodiscard]] bool isSolidLevelSet(const openvdb::FloatGrid& grid);
 
-/// How many voxels lie inside a level set, those of tiles included.
-[[nodiscard]] double insideVoxelsOf(const openvdb::FloatGrid& levelSet);
+/// How many voxels a grid's solid has, those of tiles included, and about its surface.
+struct VoxelCounts {
+  double inside = 0.0, surface = 0.0;
+};
+
+/// These, where the solid is where values are below the isovalue, or above it.
+[[nodiscard]] VoxelCounts voxelsOf(const openvdb::FloatGrid& grid, double isovalue, bool above);
 
 /// The solid of such a level set, on its voxels; what is farther than three voxels from the surface
 /// is left out.

@@ -68,6 +68,7 @@ class Faces {
     std::fill(high_.begin(), high_.end(), kNone);
   }
 
+  std::size_t count() const { return mesh_.triangles.size(); }
   TriangleMesh take() { return std::move(mesh_); }
 
  private:
@@ -109,7 +110,8 @@ class Faces {
 
 }  // namespace
 
-TriangleMesh voxelFaces(const RunLengthVoxels& voxels, const GridFrame& frame) {
+std::optional<TriangleMesh> voxelFaces(const RunLengthVoxels& voxels, const GridFrame& frame,
+                                       std::size_t most) {
   Planes planes(voxels);
   Faces faces(voxels.dims, frame);
   std::vector<std::uint8_t> below(static_cast<std::size_t>(voxels.dims.y()) *
@@ -118,6 +120,7 @@ TriangleMesh voxelFaces(const RunLengthVoxels& voxels, const GridFrame& frame) {
   for (int x = 0; x <= voxels.dims.x(); ++x) {
     std::vector<std::uint8_t> plane = x < voxels.dims.x() ? planes.next() : nothing;
     faces.add(x, below, plane);
+    if (faces.count() > most) return std::nullopt;
     below = std::move(plane);
   }
   return faces.take();

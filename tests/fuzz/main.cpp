@@ -5,7 +5,8 @@
 //   SHERD_FUZZ=corpus    write the files that they begin with below the folder SHERD_FUZZ_CORPUS
 //   SHERD_FUZZ=NAME      with libFuzzer: fuzz the reader of this name
 //
-// Without libFuzzer (GCC has none) all targets read these files, changed by a seeded generator.
+// Without libFuzzer (GCC has none) all targets read these files, and each changed by a seeded
+// generator.
 #include <cstdio>
 #include <cstdlib>
 #include <random>
@@ -88,6 +89,9 @@ int main() {
   std::minstd_rand random(17);
   constexpr std::size_t kRounds = 300;
   for (std::size_t i = 0; i < files.size(); ++i) {
+    for (const std::string& file : files[i]) {
+      sherd::fuzz::readOrRefuse(sherd::fuzz::targets()[i], file);
+    }
     for (std::size_t round = 0; round < kRounds; ++round) {
       const std::string& file = files[i][round % files[i].size()];
       sherd::fuzz::readOrRefuse(sherd::fuzz::targets()[i], changed(file, random));

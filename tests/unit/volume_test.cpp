@@ -137,6 +137,16 @@ TEST_F(VolumeTest, WhatIsSolidNowhereIsRefused) {
   EXPECT_THROW((void)readVolume(folder_ / "empty.rle"), Error);
 }
 
+void expectRefusalForMemory(const fs::path& file, const VolumeOptions& options) {
+  try {
+    (void)readVolume(file, options);
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::usage);
+    EXPECT_NE(std::string(e.what()).find("--max-memory"), std::string::npos) << e.what();
+  }
+}
+
 TEST_F(VolumeTest, ATileThatStandsForMoreVoxelsThanFitIsRefused) {
   const auto grid = sphere(1.0, {0.0f, 0.0f, 0.0f}, 0.05);
   const fs::path ball = write("ball.vdb", {grid});
@@ -144,13 +154,9 @@ TEST_F(VolumeTest, ATileThatStandsForMoreVoxelsThanFitIsRefused) {
   grid->tree().addTile(3, openvdb::Coord(1 << 14), -0.15f, false);  // 4096 voxels wide
   const fs::path file = write("tile.vdb", {grid});
   EXPECT_LT(fs::file_size(file), 1'000'000u);
-  try {
-    (void)readVolume(file, {.grid = "", .maxMemory = 1'000'000'000'000});
-    FAIL();
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ErrorCode::usage);
-    EXPECT_NE(std::string(e.what()).find("--max-memory"), std::string::npos) << e.what();
-  }
+  // Its voxels are too many, and so are its faces.
+  expectRefusalForMemory(file, {.grid = "", .maxMemory = 1'000'000'000'000});
+  expectRefusalForMemory(file, {.grid = "", .ownVoxels = false, .maxMemory = 10'000'000'000});
 }
 
 // ---- Voxel files
@@ -180,7 +186,9 @@ TEST(VoxelFaces, WindOnceRoundLabelledVoxelsAndNowhereElse) {
   const auto at = [&](int x, int y, int z) {
     return labels[static_cast<std::size_t>((x * 4 + y) * 6 + z)];
   };
-  const TriangleMesh mesh = voxelFaces(voxelsOf({5, 4, 6}, at), {{{10.0, 20.0, 30.0}}, 0.5});
+  const RunLengthVoxels voxels = voxelsOf({5, 4, 6}, at);
+  const GridFrame frame{{{10.0, 20.0, 30.0}}, 0.5};
+  const TriangleMesh mesh = voxelFaces(voxels, frame, 1000).value();
   std::size_t solid = 0;
   for (int x = 0; x < 5; ++x) {
     for (int y = 0; y < 4; ++y) {
@@ -192,7 +200,22 @@ TEST(VoxelFaces, WindOnceRoundLabelledVoxelsAndNowhereElse) {
     }
   }
   EXPECT_NEAR(volume(mesh), 0.125 * static_cast<double>(solid), 1e-9);
-  EXPECT_TRUE(voxelFaces({{2, 2, 2}, {{0, 8}}}, {}).triangles.empty());
+  EXPECT_TRUE(voxelFaces(voxels, frame, mesh.triangles.size()));
+  EXPECT_FALSE(voxelFaces(voxels, frame, mesh.triangles.size() - 1));
+  EXPECT_TRUE(voxelFaces({{2, 2, 2}, {{0, 8}}}, {}, 0).value().triangles.empty());
+}
+
+TEST_F(VolumeTest, RunsThatStandForMoreFacesThanFitAreRefused) {
+  // A solid box of 34 bytes: its planes are many, or its faces.
+  for (const openvdb::Coord& dims :
+       {openvdb::Coord(2, 30'000, 60'000), openvdb::Coord(20'000, 400, 400)}) {
+    const fs::path file = folder_ / "box.rle";
+    const std::uint32_t count = static_cast<std::uint32_t>(dims.x()) *
+                                static_cast<std::uint32_t>(dims.y()) *
+                                static_cast<std::uint32_t>(dims.z());
+    writeVoxels(file, {{dims, {{1, count}}}}, VoxelFormat::rle);
+    expectRefusalForMemory(file, {.grid = "", .maxMemory = 1'000'000'000});
+  }
 }
 
 // Which voxels have a label.
