@@ -4,6 +4,7 @@
 #include <sherd/fracture.h>
 #include <sherd/grid_fwd.h>
 #include <sherd/leaf_blocks.h>
+#include <sherd/output_file.h>
 #include <sherd/point_files.h>
 #include <sherd/points.h>
 #include <sherd/voxel_files.h>
@@ -48,64 +49,62 @@ struct VdbOptions {
 /// seed, source, tool_version, and parent_id where there are parents.  The file's unique id is made
 /// from its content, so equal fragments give equal bytes.
 ///   throws  Error(output)
-void writeVdb(const std::filesystem::path& file, const Fragment& fragment, const VdbNotes& notes,
+void writeVdb(const OutputFile& file, const Fragment& fragment, const VdbNotes& notes,
               const VdbOptions& options = {});
 
 /// Write fragments into one file: grids surface_1, surface_2, ... by id, with the metadata of
 /// writeVdb, density_1, ... where asked for, and Int32 grid "fragment_id": each voxel of the solid
 /// is active and has its fragment's id, or 0 where it is of none of these.
-void writeVdbOfAll(const std::filesystem::path& file, std::span<const Fragment> fragments,
-                   const Solid& solid, const Labels& labels, const VdbNotes& notes,
-                   const VdbOptions& options = {});
+void writeVdbOfAll(const OutputFile& file, std::span<const Fragment> fragments, const Solid& solid,
+                   const Labels& labels, const VdbNotes& notes, const VdbOptions& options = {});
 
 /// Write the unbroken solid's level set as grid "surface", with source, seed and tool_version.
-void writeVdbOfSolid(const std::filesystem::path& file, const Solid& solid, const VdbNotes& notes,
+void writeVdbOfSolid(const OutputFile& file, const Solid& solid, const VdbNotes& notes,
                      const VdbOptions& options = {});
 
 /// Write the arrival costs of a solid's inside voxels as Int32 grid "cost", compressed and named as
 /// writeVdb does it; the background is -1.
 ///   labels  with costs
-void writeCost(const std::filesystem::path& file, const Solid& solid, const Labels& labels);
+void writeCost(const OutputFile& file, const Solid& solid, const Labels& labels);
 
 /// Write a mesh as binary little-endian PLY: float x, y, z; faces of three.  Where `facing` is
 /// given, faces have `int facing`, and vertices have it behind their normals, float nx, ny, nz:
 /// normals are the mean of the faces round a vertex, weighted by their angles there; a vertex's
 /// facing is 0 where all of these are of the original surface, else the id that they face most, by
 /// the same angles, of those that are not 0.
-void writePly(const std::filesystem::path& file, const TriangleMesh& mesh,
+void writePly(const OutputFile& file, const TriangleMesh& mesh,
               const std::vector<std::uint16_t>& facing = {});
 
 /// Write the rims of all contacts (see rimCurves) as closed polylines in OBJ, an object
 /// rim_<id>_<id> for each two fragments that touch, the lower id first.
 ///   throws  Error(output)
-void writeRims(const std::filesystem::path& file, std::span<const Fragment> fragments);
+void writeRims(const OutputFile& file, std::span<const Fragment> fragments);
 
 /// Write what touches what, for simulations, as JSON by the schema of NVIDIA Blast: chunks, the
 /// whole first and the fragments below it, and bonds between fragments, each with area, normal
 /// and centroid.
 ///   throws  Error(output)
-void writeGraph(const std::filesystem::path& file, std::span<const Fragment> fragments,
-                const VdbNotes& notes);
+void writeGraph(const OutputFile& file, std::span<const Fragment> fragments, const VdbNotes& notes);
 
 /// The same as Houdini's constraint network, in its ASCII format `.geo`: a point at each fragment's
 /// centre of mass, with `name`, and an open polygon between two that touch, with constraint_name,
 /// constraint_type, restlength and strength, which is the contact's area.
-void writeConstraints(const std::filesystem::path& file, std::span<const Fragment> fragments);
+void writeConstraints(const OutputFile& file, std::span<const Fragment> fragments);
 
 /// Write the convex hull of a fragment's mesh as OBJ.
 ///   gap     what is left between the hulls of two neighbours that are convex; world units
 ///   throws  Error(output); Error(input) the mesh is flat
-void writeProxy(const std::filesystem::path& file, const Fragment& fragment,
-                const std::string& name, double gap);
+void writeProxy(const OutputFile& file, const Fragment& fragment, const std::string& name,
+                double gap);
 
 /// Write distance samples as NumPy's `.npz`: positions [n, 3] and sdf [n], of samples.type.
 ///   throws  Error(output)
-void writeDistances(const std::filesystem::path& file, const DistanceSamples& samples);
+void writeDistances(const OutputFile& file, const DistanceSamples& samples);
 
 /// Write correspondences as NumPy's `.npz`: fragments int32 [n, 2], positions float32 [n, 3],
 /// normals float32 [n, 3].
 ///   throws  Error(output)
-void writeCorrespondences(const std::filesystem::path& file, const Correspondences& points);
+void writeCorrespondences(const OutputFile& file, const Correspondences& points);
 
 /// How fragments' meshes are written.  Where the mesh that was broken has a look, the first three
 /// hold it: the original surface's is that of the nearest part of it; what the fracture laid bare

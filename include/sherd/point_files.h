@@ -1,6 +1,7 @@
 // Points on surfaces as files.
 #pragma once
 
+#include <sherd/output_file.h>
 #include <sherd/points.h>
 
 #include <filesystem>
@@ -23,8 +24,7 @@ enum class PointFormat {
 /// `.binp` has one point in each of its voxels, at its centre.  Normals and facing are left out
 /// where `points` has none.
 ///   throws  Error(output); Error(input) no points, or not finite ones, for `.binp`
-void writePoints(const std::filesystem::path& file, const SurfacePoints& points,
-                 PointFormat format);
+void writePoints(const OutputFile& file, const SurfacePoints& points, PointFormat format);
 
 /// The format of a file by its extension, whatever its case.  A `.ply` may be a mesh, an `.npz`
 /// something else.

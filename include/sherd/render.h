@@ -2,6 +2,7 @@
 #pragma once
 
 #include <sherd/fragments.h>
+#include <sherd/output_file.h>
 #include <sherd/progress.h>
 
 #include <cstdint>
@@ -62,7 +63,7 @@ struct Layers {
 /// Write layers as OpenEXR, ZIP-compressed scan lines: R, G, B, A of 16 bits; Z, N.X, N.Y, N.Z,
 /// P.X, P.Y, P.Z of 32 bits; id and facing as unsigned integers.
 ///   throws  Error(output)
-void writeExr(const std::filesystem::path& file, const Layers& layers);
+void writeExr(const OutputFile& file, const Layers& layers);
 
 /// The fragments of a fracture's folder, of its manifest, or of a folder of meshes as
 /// readFragments has it; else the one mesh of a file, or the level sets of a `.vdb` file.  A
@@ -73,6 +74,6 @@ void writeExr(const std::filesystem::path& file, const Layers& layers);
 
 /// Write an 8-bit RGB PNG.
 ///   throws  Error(output)
-void writePng(const std::filesystem::path& file, const Image& image);
+void writePng(const OutputFile& file, const Image& image);
 
 }  // namespace sherd

@@ -5,6 +5,7 @@
 #include <sherd/device.h>
 #include <sherd/leaf_blocks.h>
 #include <sherd/metric.h>
+#include <sherd/output_file.h>
 #include <sherd/solid.h>
 
 #include <cstddef>
@@ -147,6 +148,6 @@ struct SeedPoint {
 ///           schema, an entry that is not as above, and what seedsFromPoints refuses; Error(output)
 [[nodiscard]] std::vector<Seed> readSeeds(const std::filesystem::path& file, const Solid& solid,
                                           const Parts& parts, std::uint64_t seed = 0);
-void writeSeeds(const std::filesystem::path& file, std::span<const Seed> seeds, const Solid& solid);
+void writeSeeds(const OutputFile& file, std::span<const Seed> seeds, const Solid& solid);
 
 }  // namespace sherd

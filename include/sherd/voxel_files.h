@@ -3,6 +3,7 @@
 
 #include <sherd/coords.h>
 #include <sherd/grid_fwd.h>
+#include <sherd/output_file.h>
 
 #include <cstdint>
 #include <filesystem>
@@ -90,9 +91,6 @@ enum class VoxelFormat {
 [[nodiscard]] RunLengthVoxels parseQuadStack(std::string_view bytes, const std::string& name);
 [[nodiscard]] RunLengthVoxels parseBing(std::string_view bytes, const std::string& name);
 
-/// Takes bytes one piece after another.
-using ByteSink = std::function<void(std::string_view)>;
-
 /// The bytes of a voxel file.
 ///   throws  Error(output) what the format cannot hold: sides above 65535 or 2^25 columns in
 ///   `.qstack`, 2^29 voxels or more than 255 colours in `.vox`, nothing at all in it, 2^34 voxels
@@ -101,7 +99,7 @@ void encodeVoxels(const PlacedVoxels& voxels, VoxelFormat format, const ByteSink
 
 /// Write a voxel file, by the format and not by the name.
 ///   throws  Error(output)
-void writeVoxels(const std::filesystem::path& file, const PlacedVoxels& voxels, VoxelFormat format);
+void writeVoxels(const OutputFile& file, const PlacedVoxels& voxels, VoxelFormat format);
 
 /// What reading the file back would not give, a sentence for each thing: the place, labels that
 /// share a colour, an empty margin.
@@ -109,6 +107,6 @@ void writeVoxels(const std::filesystem::path& file, const PlacedVoxels& voxels, 
 
 /// Read and write `.rle`.
 [[nodiscard]] RunLengthVoxels readRle(const std::filesystem::path& file);
-void writeRle(const std::filesystem::path& file, const RunLengthVoxels& voxels);
+void writeRle(const OutputFile& file, const RunLengthVoxels& voxels);
 
 }  // namespace sherd

@@ -1,13 +1,12 @@
 // Meshes as the paper's `.binm`, positions and faces.
 //
 //     u32 V | f32 x, y, z, thirteen 0, of each vertex | u32 F | u32 a, b, c, 0, of each face
-#include "io/atomic_file.h"
 #include "io/little_endian.h"
 #include "io/piece_mesh.h"
 
 namespace sherd {
 
-void writePieceBinm(const std::filesystem::path& file, const PieceMesh& piece) {
+void writePieceBinm(const OutputFile& file, const PieceMesh& piece) {
   const TriangleMesh& mesh = piece.mesh;
   std::string bytes;
   bytes.reserve(8 + 64 * mesh.vertices.size() + 16 * mesh.triangles.size());
@@ -21,7 +20,7 @@ void writePieceBinm(const std::filesystem::path& file, const PieceMesh& piece) {
     for (int k = 0; k < 3; ++k) storeLittle(bytes, std::uint32_t{t[k]});
     storeLittle(bytes, std::uint32_t{0});
   }
-  writeWhole(file, bytes);
+  file.write(bytes);
 }
 
 }  // namespace sherd

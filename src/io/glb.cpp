@@ -12,7 +12,6 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "io/atomic_file.h"
 #include "io/little_endian.h"
 #include "io/piece_mesh.h"
 #include "mesh/principal_inertia.h"
@@ -257,7 +256,7 @@ void storeChunk(std::string& bytes, const char* type, const std::string& content
   bytes.append(type, 4).append(content);
 }
 
-void writeGlb(const std::filesystem::path& file, Shared& shared, bool hasPhysics) {
+void writeGlb(const OutputFile& file, Shared& shared, bool hasPhysics) {
   std::string text = documentOf(shared, hasPhysics).dump();
   text.resize((text.size() + 3) / 4 * 4, ' ');
   const std::size_t length = 12 + 8 + text.size() + 8 + shared.buffer.bytes.size();
@@ -270,19 +269,18 @@ void writeGlb(const std::filesystem::path& file, Shared& shared, bool hasPhysics
   storeLittle(bytes, static_cast<std::uint32_t>(length));
   storeChunk(bytes, "JSON", text);
   storeChunk(bytes, "BIN\0", shared.buffer.bytes);
-  writeWhole(file, bytes);
+  file.write(bytes);
 }
 
 }  // namespace
 
-void writePieceGlb(const std::filesystem::path& file, const PieceMesh& piece) {
+void writePieceGlb(const OutputFile& file, const PieceMesh& piece) {
   Shared shared(piece.materials);
   shared.nodes.push_back(Writer{.piece = piece, .shared = shared}.node());
   writeGlb(file, shared, false);
 }
 
-void writeSceneGlb(const std::filesystem::path& file, std::span<const SceneNode> nodes,
-                   double density) {
+void writeSceneGlb(const OutputFile& file, std::span<const SceneNode> nodes, double density) {
   if (nodes.empty()) return;
   Shared shared(nodes.front().piece.materials);
   for (const SceneNode& one : nodes) {

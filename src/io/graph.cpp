@@ -4,7 +4,6 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
-#include "io/atomic_file.h"
 #include "io/json_of.h"
 #include "io/number_text.h"
 
@@ -38,7 +37,7 @@ void forEachContact(std::span<const Fragment> fragments, const See& see) {
 
 }  // namespace
 
-void writeGraph(const std::filesystem::path& file, std::span<const Fragment> fragments,
+void writeGraph(const OutputFile& file, std::span<const Fragment> fragments,
                 const VdbNotes& notes) {
   double volume = 0.0;
   glm::dvec3 moment(0.0);
@@ -66,10 +65,10 @@ void writeGraph(const std::filesystem::path& file, std::span<const Fragment> fra
                       {"density", notes.density},
                       {"chunks", std::move(chunks)},
                       {"bonds", std::move(bonds)}};
-  writeWhole(file, graph.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+  file.write(graph.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
-void writeConstraints(const std::filesystem::path& file, std::span<const Fragment> fragments) {
+void writeConstraints(const OutputFile& file, std::span<const Fragment> fragments) {
   std::size_t bonds = 0;
   std::string lines;
   forEachContact(
@@ -106,7 +105,7 @@ void writeConstraints(const std::filesystem::path& file, std::span<const Fragmen
     appendShortest(text, bonds);
     text += " Poly\n" + lines;
   }
-  writeWhole(file, text + "beginExtra\nendExtra\n");
+  file.write(text + "beginExtra\nendExtra\n");
 }
 
 }  // namespace sherd

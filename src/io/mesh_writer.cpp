@@ -1,13 +1,12 @@
 // Writes the meshes of a fracture, with the look of the mesh that was broken.
 #include "io/mesh_writer.h"
 
-#include "io/atomic_file.h"
 #include "io/file_names.h"
 #include "io/piece_mesh.h"
 
 namespace sherd {
 
-void writePiece(const std::filesystem::path& file, MeshFileFormat format, const PieceMesh& piece,
+void writePiece(const OutputFile& file, MeshFileFormat format, const PieceMesh& piece,
                 const std::string& library) {
   switch (format) {
     case MeshFileFormat::ply:
@@ -25,20 +24,20 @@ void writePiece(const std::filesystem::path& file, MeshFileFormat format, const 
   }
 }
 
-MeshWriter::MeshWriter(const std::filesystem::path& folder, const FractureFiles& files,
-                       const SourceMesh& source, const MaterialTable& table,
+MeshWriter::MeshWriter(const OutputFolder& folder, const FractureFiles& files,
+                       const SourceMesh& source, const MaterialTable& table, const LookSource* look,
                        const WriteOptions& write)
     : folder_(folder),
       table_(table),
       options_(write),
+      look_(look),
       library_(std::filesystem::path(files.materials).filename().string()),
       stem_(safeName(source.stem, "piece")) {
   if (files.mesh.empty() && files.scene.empty()) return;
-  if (!files.materials.empty()) writeWhole(folder / files.materials, mtlText(table));
+  if (!files.materials.empty()) (folder / files.materials).write(mtlText(table));
   for (std::size_t i = 0; i < files.textures.size(); ++i) {
-    writeWhole(folder / files.textures[i], table.textures[i].bytes);
+    (folder / files.textures[i]).write(table.textures[i].bytes);
   }
-  if (!source.appearance.surface.empty()) look_.emplace(source.mesh, source.appearance.surface);
 }
 
 SurfaceLook MeshWriter::lookOf(const TriangleMesh& mesh,

@@ -3,8 +3,6 @@
 
 #include <sherd/io.h>
 
-#include <filesystem>
-#include <optional>
 #include <string>
 
 #include "appearance/transfer.h"
@@ -17,15 +15,16 @@ namespace sherd {
 /// Write a mesh in a format.
 ///   library  of materials, for OBJ; see writePieceObj
 ///   throws   Error(output)
-void writePiece(const std::filesystem::path& file, MeshFileFormat format, const PieceMesh& piece,
+void writePiece(const OutputFile& file, MeshFileFormat format, const PieceMesh& piece,
                 const std::string& library);
 
 /// Writes meshes into a folder; any thread may ask.  What it is made of is kept by reference.
 class MeshWriter {
  public:
   /// Writes what meshes refer to: the library of materials and the textures.
-  MeshWriter(const std::filesystem::path& folder, const FractureFiles& files,
-             const SourceMesh& source, const MaterialTable& table, const WriteOptions& write);
+  ///   look  of the source, or null where it has none
+  MeshWriter(const OutputFolder& folder, const FractureFiles& files, const SourceMesh& source,
+             const MaterialTable& table, const LookSource* look, const WriteOptions& write);
 
   /// What a mesh takes over of the source's look; empty where that has none.
   SurfaceLook lookOf(const TriangleMesh& mesh, const std::vector<std::uint16_t>& facing) const;
@@ -42,12 +41,12 @@ class MeshWriter {
                   const std::string& path) const;
 
  private:
-  const std::filesystem::path& folder_;
+  const OutputFolder& folder_;
   const MaterialTable& table_;
   const WriteOptions& options_;
-  std::string library_;             ///< its file name
-  std::string stem_;                ///< of nodes
-  std::optional<LookSource> look_;  ///< where the source has a look
+  const LookSource* look_;
+  std::string library_;  ///< its file name
+  std::string stem_;     ///< of nodes
 };
 
 }  // namespace sherd

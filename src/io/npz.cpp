@@ -14,7 +14,6 @@
 #include <memory>
 #include <new>
 
-#include "io/atomic_file.h"
 #include "io/little_endian.h"
 
 namespace sherd {
@@ -149,7 +148,8 @@ void NpzWriter::store(const NpyArray& array) {
   add({array.name + ".npy", kStored, addTo(addTo(0, header), array.bytes), size, size}, parts);
 }
 
-void NpzWriter::deflate(const NpyArray& array, const std::function<void(const Sink&)>& numbers) {
+void NpzWriter::deflate(const NpyArray& array,
+                        const std::function<void(const ByteSink&)>& numbers) {
   Entry entry{array.name + ".npy", kDeflated};
   Deflater deflater;
   const auto take = [&](std::string_view bytes) {
@@ -177,12 +177,12 @@ void NpzWriter::finish() {
   sink_(directory_ + end);
 }
 
-void writeNpz(const std::filesystem::path& file, std::span<const NpyArray> arrays) {
-  AtomicFile out(file);
-  NpzWriter writer([&](std::string_view bytes) { out.write(bytes); });
-  for (const NpyArray& array : arrays) writer.store(array);
-  writer.finish();
-  out.commit();
+void writeNpz(const OutputFile& file, std::span<const NpyArray> arrays) {
+  file.write([&](const ByteSink& sink) {
+    NpzWriter writer(sink);
+    for (const NpyArray& array : arrays) writer.store(array);
+    writer.finish();
+  });
 }
 
 }  // namespace sherd

@@ -1,10 +1,10 @@
 // Arrays for NumPy, written.
 #pragma once
 
+#include <sherd/output_file.h>
+
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
-#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -27,14 +27,12 @@ struct NpyArray {
 /// equal arrays give equal bytes.
 ///   arrays  under 4 GiB in all
 ///   throws  Error(output)
-void writeNpz(const std::filesystem::path& file, std::span<const NpyArray> arrays);
+void writeNpz(const OutputFile& file, std::span<const NpyArray> arrays);
 
 /// Writes a ZIP file of `.npy` files, one after another.
 class NpzWriter {
  public:
-  using Sink = std::function<void(std::string_view)>;
-
-  explicit NpzWriter(Sink sink) : sink_(std::move(sink)) {}
+  explicit NpzWriter(ByteSink sink) : sink_(std::move(sink)) {}
 
   void store(const NpyArray& array);
 
@@ -42,7 +40,7 @@ class NpzWriter {
   ///   array    without its bytes
   ///   numbers  hands them to a sink
   ///   throws   Error(output) it is above 4 GiB even when packed
-  void deflate(const NpyArray& array, const std::function<void(const Sink&)>& numbers);
+  void deflate(const NpyArray& array, const std::function<void(const ByteSink&)>& numbers);
 
   /// Write the directory, which ends the file.
   void finish();
@@ -51,7 +49,7 @@ class NpzWriter {
   struct Entry;
   void add(const Entry& entry, std::span<const std::string_view> parts);
 
-  Sink sink_;
+  ByteSink sink_;
   std::string directory_;
   std::uint64_t offset_ = 0;
   std::uint16_t count_ = 0;

@@ -1,12 +1,10 @@
 // Meshes as OBJ.
-#include "io/atomic_file.h"
 #include "io/number_text.h"
 #include "io/piece_mesh.h"
 
 namespace sherd {
 
-void writePieceObj(const std::filesystem::path& file, const PieceMesh& piece,
-                   const std::string& library) {
+void writePieceObj(const OutputFile& file, const PieceMesh& piece, const std::string& library) {
   const TriangleMesh& mesh = piece.mesh;
   const SplitCorners split = splitCorners(piece);
   const bool colours = !piece.look.colours.empty(), texcoords = !piece.look.texcoords.empty();
@@ -60,7 +58,7 @@ void writePieceObj(const std::filesystem::path& file, const PieceMesh& piece,
       text += '\n';
     }
   }
-  writeWhole(file, text);
+  file.write(text);
 }
 
 }  // namespace sherd

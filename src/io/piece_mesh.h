@@ -3,9 +3,9 @@
 
 #include <sherd/appearance.h>
 #include <sherd/mesh.h>
+#include <sherd/output_file.h>
 
 #include <array>
-#include <filesystem>
 #include <span>
 #include <string>
 #include <vector>
@@ -54,21 +54,20 @@ struct SplitCorners {
 
 /// Binary little-endian PLY; one vertex for each of the mesh's, so it stays closed.
 ///   throws  Error(output), as all of them
-void writePiecePly(const std::filesystem::path& file, const PieceMesh& piece);
+void writePiecePly(const OutputFile& file, const PieceMesh& piece);
 
 /// OBJ with normals, and texture coordinates and colours where there are some.
 ///   library  the file of mtlText(piece.materials), beside it; empty: no materials are named
-void writePieceObj(const std::filesystem::path& file, const PieceMesh& piece,
-                   const std::string& library);
+void writePieceObj(const OutputFile& file, const PieceMesh& piece, const std::string& library);
 
 /// Binary STL: the triangles alone, with their normals.
-void writePieceStl(const std::filesystem::path& file, const PieceMesh& piece);
+void writePieceStl(const OutputFile& file, const PieceMesh& piece);
 
 /// The same as text.
-void writePieceStlText(const std::filesystem::path& file, const PieceMesh& piece);
+void writePieceStlText(const OutputFile& file, const PieceMesh& piece);
 
 /// The paper's `.binm`: positions and faces alone.
-void writePieceBinm(const std::filesystem::path& file, const PieceMesh& piece);
+void writePieceBinm(const OutputFile& file, const PieceMesh& piece);
 
 /// A piece of a scene.
 struct SceneNode {
@@ -79,10 +78,9 @@ struct SceneNode {
 /// Binary glTF 2.0 of several pieces that have one table of materials: a node for each at its
 /// centre of mass, with mass and inertia as the extension KHR_physics_rigid_bodies has them.
 ///   density  mass of a unit of volume
-void writeSceneGlb(const std::filesystem::path& file, std::span<const SceneNode> nodes,
-                   double density);
+void writeSceneGlb(const OutputFile& file, std::span<const SceneNode> nodes, double density);
 
 /// Binary glTF 2.0 with its PNG and JPEG textures in it; one node, a primitive for each material.
-void writePieceGlb(const std::filesystem::path& file, const PieceMesh& piece);
+void writePieceGlb(const OutputFile& file, const PieceMesh& piece);
 
 }  // namespace sherd

@@ -4,7 +4,6 @@
 #include <cassert>
 #include <string>
 
-#include "io/atomic_file.h"
 #include "io/little_endian.h"
 #include "io/piece_mesh.h"
 #include "mesh/vertex_normals.h"
@@ -62,7 +61,7 @@ std::string commentsOf(const PieceMesh& piece) {
 
 }  // namespace
 
-void writePly(const std::filesystem::path& file, const TriangleMesh& mesh,
+void writePly(const OutputFile& file, const TriangleMesh& mesh,
               const std::vector<std::uint16_t>& facing) {
   assert(facing.empty() || facing.size() == mesh.triangles.size());
   if (!facing.empty()) {
@@ -73,10 +72,10 @@ void writePly(const std::filesystem::path& file, const TriangleMesh& mesh,
   bytes.reserve(bytes.size() + mesh.vertices.size() * 12 + mesh.triangles.size() * 13);
   for (const glm::dvec3& v : mesh.vertices) storeVector(bytes, v);
   for (const glm::uvec3& t : mesh.triangles) storeFace(bytes, t);
-  writeWhole(file, bytes);
+  file.write(bytes);
 }
 
-void writePiecePly(const std::filesystem::path& file, const PieceMesh& piece) {
+void writePiecePly(const OutputFile& file, const PieceMesh& piece) {
   const TriangleMesh& mesh = piece.mesh;
   const SurfaceLook& look = piece.look;
   const bool colours = !look.colours.empty(), texcoords = !look.texcoords.empty();
@@ -115,7 +114,7 @@ void writePiecePly(const std::filesystem::path& file, const PieceMesh& piece) {
     if (textures) storeLittle(bytes, static_cast<std::uint32_t>(texture < 0 ? 0 : texture));
     if (materials) storeLittle(bytes, look.material[t]);
   }
-  writeWhole(file, bytes);
+  file.write(bytes);
 }
 
 }  // namespace sherd

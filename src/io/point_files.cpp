@@ -5,7 +5,6 @@
 #include <string>
 
 #include "half_float.h"
-#include "io/atomic_file.h"
 #include "io/little_endian.h"
 #include "io/npz.h"
 #include "io/number_text.h"
@@ -49,7 +48,7 @@ std::string xyzText(const SurfacePoints& points) {
   return text;
 }
 
-void writePointsNpz(const std::filesystem::path& file, const SurfacePoints& points) {
+void writePointsNpz(const OutputFile& file, const SurfacePoints& points) {
   const std::size_t n = points.positions.size();
   std::vector<NpyArray> arrays{{"positions", "<f4", {n, 3}, {}}};
   for (const glm::dvec3& at : points.positions) storeFloats(arrays.back().bytes, at);
@@ -68,17 +67,16 @@ void writePointsNpz(const std::filesystem::path& file, const SurfacePoints& poin
 
 }  // namespace
 
-void writePoints(const std::filesystem::path& file, const SurfacePoints& points,
-                 PointFormat format) {
+void writePoints(const OutputFile& file, const SurfacePoints& points, PointFormat format) {
   switch (format) {
     case PointFormat::ply:
-      return writeWhole(file, plyBytes(points));
+      return file.write(plyBytes(points));
     case PointFormat::xyz:
-      return writeWhole(file, xyzText(points));
+      return file.write(xyzText(points));
     case PointFormat::npz:
       return writePointsNpz(file, points);
     case PointFormat::binp:
-      return writeWhole(file, octreeStream(points.positions, file.string()).bytes);
+      return file.write(octreeStream(points.positions, file.string()).bytes);
   }
 }
 
@@ -99,7 +97,7 @@ std::vector<std::string> lossesOf(const SurfacePoints& points, PointFormat forma
   return losses;
 }
 
-void writeCorrespondences(const std::filesystem::path& file, const Correspondences& points) {
+void writeCorrespondences(const OutputFile& file, const Correspondences& points) {
   const std::size_t n = points.positions.size();
   std::array<NpyArray, 3> arrays{{{"fragments", "<i4", {n, 2}, {}},
                                   {"positions", "<f4", {n, 3}, {}},
@@ -116,7 +114,7 @@ void writeCorrespondences(const std::filesystem::path& file, const Correspondenc
   writeNpz(file, arrays);
 }
 
-void writeDistances(const std::filesystem::path& file, const DistanceSamples& samples) {
+void writeDistances(const OutputFile& file, const DistanceSamples& samples) {
   const bool half = samples.type == SampleType::float16;
   const auto store = [&](std::string& bytes, double value) {
     if (half) {

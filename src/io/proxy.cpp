@@ -1,14 +1,13 @@
 // Simple bodies in place of fragments, for simulations.
 #include <sherd/io.h>
 
-#include "io/atomic_file.h"
 #include "io/number_text.h"
 #include "mesh/hull.h"
 
 namespace sherd {
 
-void writeProxy(const std::filesystem::path& file, const Fragment& fragment,
-                const std::string& name, double gap) {
+void writeProxy(const OutputFile& file, const Fragment& fragment, const std::string& name,
+                double gap) {
   const TriangleMesh hull = convexHullMesh(fragment.mesh.vertices, 0.5 * gap);
   std::string text = "o " + name + "\n";
   for (const glm::dvec3& v : hull.vertices) {
@@ -20,7 +19,7 @@ void writeProxy(const std::filesystem::path& file, const Fragment& fragment,
     for (int k = 0; k < 3; ++k) appendShortest(text += ' ', t[k] + 1);
     text += '\n';
   }
-  writeWhole(file, text);
+  file.write(text);
 }
 
 }  // namespace sherd

@@ -3,12 +3,11 @@
 
 #include <cstdio>
 
-#include "io/atomic_file.h"
 #include "io/number_text.h"
 
 namespace sherd {
 
-void writeRims(const std::filesystem::path& file, std::span<const Fragment> fragments) {
+void writeRims(const OutputFile& file, std::span<const Fragment> fragments) {
   std::string text;
   std::size_t vertices = 0;
   for (const Fragment& fragment : fragments) {
@@ -30,7 +29,7 @@ void writeRims(const std::filesystem::path& file, std::span<const Fragment> frag
       }
     }
   }
-  writeWhole(file, text);
+  file.write(text);
 }
 
 }  // namespace sherd

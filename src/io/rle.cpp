@@ -6,7 +6,6 @@
 // length.
 #include <sherd/voxel_files.h>
 
-#include "io/atomic_file.h"
 #include "io/input_error.h"
 #include "io/little_endian.h"
 #include "io/voxel_encoders.h"
@@ -92,7 +91,7 @@ RunLengthVoxels readRle(const std::filesystem::path& file) {
   return parseRle(readFileBytes(file), file.string());
 }
 
-void writeRle(const std::filesystem::path& file, const RunLengthVoxels& voxels) {
+void writeRle(const OutputFile& file, const RunLengthVoxels& voxels) {
   writeVoxels(file, {voxels}, VoxelFormat::rle);
 }
 

@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "io/atomic_file.h"
 #include "io/parsed_json.h"
 
 namespace sherd {
@@ -74,7 +73,7 @@ std::vector<Seed> readSeeds(const fs::path& file, const Solid& solid, const Part
   }
 }
 
-void writeSeeds(const fs::path& file, std::span<const Seed> seeds, const Solid& solid) {
+void writeSeeds(const OutputFile& file, std::span<const Seed> seeds, const Solid& solid) {
   std::string text = "{\n \"schema\": \"" + std::string(kSchema) + "\",\n \"seeds\": [";
   const char* separator = "\n";
   for (const Seed& seed : seeds) {
@@ -87,7 +86,7 @@ void writeSeeds(const fs::path& file, std::span<const Seed> seeds, const Solid& 
     separator = ",\n";
   }
   text += "\n ]\n}\n";
-  writeWhole(file, text);
+  file.write(text);
 }
 
 }  // namespace sherd

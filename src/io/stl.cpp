@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <glm/geometric.hpp>
 
-#include "io/atomic_file.h"
 #include "io/file_names.h"
 #include "io/little_endian.h"
 #include "io/number_text.h"
@@ -29,7 +28,7 @@ void store(std::string& bytes, const glm::vec3& v) {
 
 }  // namespace
 
-void writePieceStl(const std::filesystem::path& file, const PieceMesh& piece) {
+void writePieceStl(const OutputFile& file, const PieceMesh& piece) {
   const TriangleMesh& mesh = piece.mesh;
   std::string bytes(kHeader, '\0');
   const std::string name = "Sherd " + piece.name;
@@ -41,10 +40,10 @@ void writePieceStl(const std::filesystem::path& file, const PieceMesh& piece) {
     for (int k = 0; k < 3; ++k) store(bytes, glm::vec3(mesh.vertices[t[k]]));
     storeLittle(bytes, std::uint16_t{0});
   }
-  writeWhole(file, bytes);
+  file.write(bytes);
 }
 
-void writePieceStlText(const std::filesystem::path& file, const PieceMesh& piece) {
+void writePieceStlText(const OutputFile& file, const PieceMesh& piece) {
   const std::string name = withoutBlanks(piece.name);
   std::string text = "solid " + name + "\n";
   for (const glm::uvec3& t : piece.mesh.triangles) {
@@ -56,7 +55,7 @@ void writePieceStlText(const std::filesystem::path& file, const PieceMesh& piece
     }
     text += "  endloop\n endfacet\n";
   }
-  writeWhole(file, text + "endsolid " + name + "\n");
+  file.write(text + "endsolid " + name + "\n");
 }
 
 }  // namespace sherd

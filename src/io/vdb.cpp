@@ -172,7 +172,7 @@ auto withStream(const std::filesystem::path& file, Read&& read) {
 
 // Write the grids that `make` makes.
 template <class Make>
-void writeGrids(const std::filesystem::path& file, VdbCompression compression, Make&& make) {
+void writeGrids(const OutputFile& file, VdbCompression compression, Make&& make) {
   std::string bytes;
   try {
     openvdb::initialize();
@@ -189,7 +189,7 @@ void writeGrids(const std::filesystem::path& file, VdbCompression compression, M
     throw Error(ErrorCode::output, file.string() + ": OpenVDB cannot encode it: " + e.what());
   }
   setUuidFromContent(bytes);
-  writeWhole(file, bytes);
+  file.write(bytes);
 }
 
 // Values of all voxels of the solid.
@@ -208,16 +208,15 @@ openvdb::Int32Grid::Ptr voxelGrid(const Solid& solid, const char* name, std::int
 
 }  // namespace
 
-void writeVdb(const std::filesystem::path& file, const Fragment& fragment, const VdbNotes& notes,
+void writeVdb(const OutputFile& file, const Fragment& fragment, const VdbNotes& notes,
               const VdbOptions& options) {
   writeGrids(file, options.compression, [&](openvdb::GridCPtrVec& grids) {
     addGrids(grids, *fragment.surface, "", pieceMetadata(fragment, notes), options);
   });
 }
 
-void writeVdbOfAll(const std::filesystem::path& file, std::span<const Fragment> fragments,
-                   const Solid& solid, const Labels& labels, const VdbNotes& notes,
-                   const VdbOptions& options) {
+void writeVdbOfAll(const OutputFile& file, std::span<const Fragment> fragments, const Solid& solid,
+                   const Labels& labels, const VdbNotes& notes, const VdbOptions& options) {
   writeGrids(file, options.compression, [&](openvdb::GridCPtrVec& grids) {
     for (const Fragment& fragment : fragments) {
       addGrids(grids, *fragment.surface, "_" + std::to_string(fragment.id),
@@ -232,14 +231,14 @@ void writeVdbOfAll(const std::filesystem::path& file, std::span<const Fragment> 
   });
 }
 
-void writeVdbOfSolid(const std::filesystem::path& file, const Solid& solid, const VdbNotes& notes,
+void writeVdbOfSolid(const OutputFile& file, const Solid& solid, const VdbNotes& notes,
                      const VdbOptions& options) {
   writeGrids(file, options.compression, [&](openvdb::GridCPtrVec& grids) {
     addGrids(grids, *solid.distance, "", commonMetadata(notes), options);
   });
 }
 
-void writeCost(const std::filesystem::path& file, const Solid& solid, const Labels& labels) {
+void writeCost(const OutputFile& file, const Solid& solid, const Labels& labels) {
   writeGrids(file, VdbCompression::blosc, [&](openvdb::GridCPtrVec& grids) {
     grids.push_back(voxelGrid(solid, "cost", -1, [&](std::size_t place) {
       return static_cast<std::int32_t>(labels.cost[place]);

@@ -4,7 +4,6 @@
 #include <array>
 #include <utility>
 
-#include "io/atomic_file.h"
 #include "io/input_error.h"
 #include "io/voxel_encoders.h"
 #include "io/voxel_runs.h"
@@ -84,17 +83,14 @@ void encodeVoxels(const PlacedVoxels& voxels, VoxelFormat format, const ByteSink
   }
 }
 
-void writeVoxels(const std::filesystem::path& file, const PlacedVoxels& voxels,
-                 VoxelFormat format) {
-  AtomicFile out(file);
+void writeVoxels(const OutputFile& file, const PlacedVoxels& voxels, VoxelFormat format) {
   try {
-    encodeVoxels(voxels, format, [&](std::string_view bytes) { out.write(bytes); });
+    file.write([&](const ByteSink& sink) { encodeVoxels(voxels, format, sink); });
   } catch (const Error& e) {
     const std::string what = e.what();  // of the voxels, or of the disk, which names the file
     if (what.starts_with(file.string())) throw;
     throw Error(e.code(), file.string() + ": " + what);
   }
-  out.commit();
 }
 
 std::vector<std::string> lossesOf(const PlacedVoxels& voxels, VoxelFormat format) {

@@ -8,10 +8,8 @@
 #include <fcntl.h>
 #include <sherd/error.h>
 #include <sherd/io.h>
-#include <sherd/render.h>
 #include <sys/file.h>
 #include <sys/stat.h>
-#include <tbb/parallel_for.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -23,17 +21,14 @@
 
 #include "io/atomic_file.h"
 #include "io/file_names.h"
+#include "io/fracture_files.h"
 #include "io/manifest.h"
-#include "io/mesh_writer.h"
 #include "io/read_manifest.h"
-#include "io/write_points.h"
 
 namespace sherd {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::size_t kFragmentsBetweenSteps = 16;  // written in parallel, then progress is told
 
 [[noreturn]] void outputError(const fs::path& path, const std::string& what) {
   throw Error(ErrorCode::output, path.string() + ": " + what);
@@ -245,97 +240,6 @@ void makeParents(const fs::path& root, const std::vector<std::string>& files) {
   for (const std::string& file : files) fs::create_directories((root / file).parent_path());
 }
 
-// The labels over the solid's tight box, and where it lies.
-PlacedVoxels labelledBox(const FractureResult& result, int fragments) {
-  const openvdb::Coord& first = result.solid.box.min;
-  const GridFrame& frame = result.solid.frame;
-  const WorldPoint origin = frame.worldFromIndex({{first.x(), first.y(), first.z()}});
-  return {encodeRuns(result.solid, result.labels, fragments),
-          VoxelPlace{{origin, frame.voxelSize}, first}};
-}
-
-void writeFiles(const fs::path& folder, const FractureFiles& files, const SourceMesh& source,
-                const MaterialTable& table, const FractureOptions& options,
-                const FractureResult& result, const WriteOptions& write, const Progress* progress) {
-  const std::size_t fragments = result.kept();
-  std::vector<std::size_t> counts;
-  if (!files.points.empty()) counts = pointCounts(result, write);
-  step(progress, "write", 0.0);
-  if (!files.labels.empty()) {
-    const PlacedVoxels voxels = labelledBox(result, static_cast<int>(fragments));
-    for (std::size_t i = 0; i < files.labels.size(); ++i) {
-      writeVoxels(folder / files.labels[i], voxels, write.voxelFormats[i]);
-    }
-  }
-  if (!files.seeds.empty()) writeSeeds(folder / files.seeds, result.seeds, result.solid);
-  if (!files.rims.empty()) {
-    writeRims(folder / files.rims, std::span(result.fragments).first(fragments));
-  }
-  if (!files.cost.empty()) writeCost(folder / files.cost, result.solid, result.labels);
-  const VdbNotes notes{source.name, options.seed, write.density, result.parents};
-  const std::span<const Fragment> kept = std::span(result.fragments).first(fragments);
-  if (!files.allVdb.empty()) {
-    writeVdbOfAll(folder / files.allVdb, kept, result.solid, result.labels, notes,
-                  write.vdbOptions);
-  }
-  if (!files.solidVdb.empty()) {
-    writeVdbOfSolid(folder / files.solidVdb, result.solid, notes, write.vdbOptions);
-  }
-  if (!files.graph.empty()) {
-    writeGraph(folder / files.graph, kept, notes);
-    writeConstraints(folder / files.constraints, kept);
-  }
-  const MeshWriter meshes(folder, files, source, table, write);
-  if (!files.solidMesh.empty()) {
-    const TriangleMesh whole = solidMesh(result.solid, options.surface);
-    const std::vector<std::uint16_t> facing(whole.triangles.size(), 0);
-    meshes.write(whole, facing, meshes.lookOf(whole, facing), files.solidMesh);
-  }
-  std::vector<SurfaceLook> looks(files.scene.empty() ? 0 : fragments);
-  for (std::size_t begin = 0; begin < fragments; begin += kFragmentsBetweenSteps) {
-    step(progress, "write", static_cast<double>(begin) / static_cast<double>(fragments));
-    const std::size_t end = std::min(fragments, begin + kFragmentsBetweenSteps);
-    tbb::parallel_for(begin, end, [&](std::size_t i) {
-      const Fragment& fragment = result.fragments[i];
-      if (!files.vdb.empty()) writeVdb(folder / files.vdb[i], fragment, notes, write.vdbOptions);
-      if (!files.proxy.empty()) {
-        const fs::path file = folder / files.proxy[i];
-        writeProxy(file, fragment, file.stem().string(), write.proxyGap);
-      }
-      if (!files.mesh.empty() || !looks.empty()) {
-        SurfaceLook look = meshes.lookOf(fragment.mesh, fragment.facing);
-        if (!files.mesh.empty()) {
-          meshes.write(fragment.mesh, fragment.facing, look, files.mesh[i]);
-        }
-        if (!looks.empty()) looks[i] = std::move(look);
-      }
-      if (!files.points.empty()) {
-        writePointsOf(folder, files.points[i], fragment, counts[i], options.seed, write);
-      }
-      for (std::size_t k = 0; !files.coarse.empty() && k < files.coarse[i].size(); ++k) {
-        const CoarseMesh& coarse = fragment.coarse[k];
-        meshes.write(coarse.mesh, coarse.facing, meshes.lookOf(coarse.mesh, coarse.facing),
-                     files.coarse[i][k]);
-      }
-    });
-  }
-  if (!files.scene.empty()) meshes.writeScene(kept, looks, files.scene);
-  if (!files.solidSdf.empty()) {
-    writeAllDistances(folder, files, result, options.seed, write.distances, progress);
-  }
-  if (!files.correspondences.empty()) {
-    writeCorrespondences(folder / files.correspondences,
-                         sampleCorrespondences(std::span(result.fragments).first(fragments),
-                                               write.correspondences, options.seed));
-  }
-  step(progress, "write", 1.0);
-  if (!files.preview.empty()) {
-    writePng(folder / files.preview, renderFragments(std::span(result.fragments).first(fragments),
-                                                     {.up = write.up}, progress));
-  }
-  writeWhole(folder / kManifestName, manifestText(source, options, result, files, write));
-}
-
 // From here on nothing waits and nothing is asked: renames only.
 void putInPlace(const fs::path& folder, PartialFolder& partial, const std::vector<std::string>& old,
                 const std::vector<std::string>& fresh) {
@@ -367,29 +271,6 @@ std::string withoutAside(std::string message) {
 
 }  // namespace
 
-void checkWriteOptions(const WriteOptions& write, const FractureOptions& options) {
-  const auto wanted = [&](MeshFileFormat format) {
-    return std::find(write.meshFormats.begin(), write.meshFormats.end(), format) !=
-           write.meshFormats.end();
-  };
-  if (wanted(MeshFileFormat::stl) && wanted(MeshFileFormat::stlText)) {
-    throw Error(ErrorCode::usage,
-                "stl and stl-ascii would be files of the same name; ask for one of them");
-  }
-  const SurfaceOptions& surface = options.surface;
-  const Iterations& smoothed = surface.smooth.boundaryIterations;
-  const bool isSmoothed =
-      surface.smooth.boundaryWeight > 0.0 && (smoothed.count > 0 || smoothed.perVoxel > 0.0);
-  const bool isShared = surface.surface == Surface::labels
-                            ? !isSmoothed && surface.adaptivity == 0.0
-                            : surface.interface == Interface::shared;
-  if (write.correspondences > 0 && (!isShared || options.erode.iterations > 0)) {
-    throw Error(ErrorCode::usage,
-                "correspondences need surfaces that fragments share: not meshed independently, "
-                "not worn, and of labels neither smoothed at the cracks nor simplified");
-  }
-}
-
 void checkFractureFolder(const fs::path& folder) {
   try {
     if (folder.empty()) throw Error(ErrorCode::output, "the output folder has no name");
@@ -415,9 +296,9 @@ fs::path writeFracture(const fs::path& folder, const SourceMesh& source,
                        const WriteOptions& write, const Progress* progress) {
   checkWriteOptions(write, options);
   checkFractureFolder(folder);
-  const MaterialTable table = materialTable(source.appearance);
+  const FractureWriter writer(source, write);
   const FractureFiles files =
-      fileNames(source, result.kept(), options.surface.triangles, table, write);
+      fileNames(source, result.kept(), options.surface.triangles, writer.materials(), write);
   const std::vector<std::string> fresh = files.all();
   try {
     MadeFolders made;
@@ -435,7 +316,9 @@ fs::path writeFracture(const fs::path& folder, const SourceMesh& source,
       }
     }
     makeParents(partial.fresh(), fresh);
-    writeFiles(partial.fresh(), files, source, table, options, result, write, progress);
+    writer.write(partial.fresh(), files, options, result, progress);
+    writeWhole(partial.fresh() / kManifestName,
+               manifestText(source, options, result, files, write));
     putInPlace(folder, partial, old, fresh);
     made.keep();
     return folder / kManifestName;

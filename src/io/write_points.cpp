@@ -20,7 +20,7 @@ std::vector<std::size_t> pointCounts(const FractureResult& result, const WriteOp
   return shareOut(write.points.count, areas);
 }
 
-void writePointsOf(const std::filesystem::path& folder, const std::vector<std::string>& files,
+void writePointsOf(const OutputFolder& folder, const std::vector<std::string>& files,
                    const Fragment& fragment, std::size_t count, std::uint64_t seed,
                    const WriteOptions& write) {
   PointOptions options = write.points;
@@ -32,7 +32,7 @@ void writePointsOf(const std::filesystem::path& folder, const std::vector<std::s
   }
 }
 
-void writeAllDistances(const std::filesystem::path& folder, const FractureFiles& files,
+void writeAllDistances(const OutputFolder& folder, const FractureFiles& files,
                        const FractureResult& result, std::uint64_t seed, DistanceOptions options,
                        const Progress* progress) {
   if (!(options.spread > 0.0)) options.spread = result.solid.frame.voxelSize;

@@ -4,7 +4,6 @@
 
 #include <sherd/io.h>
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -19,13 +18,13 @@ namespace sherd {
 /// Draw points on a fragment and write them.
 ///   files  [write.pointFormats] relative to the folder
 ///   seed   of the fracture
-void writePointsOf(const std::filesystem::path& folder, const std::vector<std::string>& files,
+void writePointsOf(const OutputFolder& folder, const std::vector<std::string>& files,
                    const Fragment& fragment, std::size_t count, std::uint64_t seed,
                    const WriteOptions& write);
 
 /// Draw and write files.solidSdf and files.sdf.
 ///   seed  of the fracture
-void writeAllDistances(const std::filesystem::path& folder, const FractureFiles& files,
+void writeAllDistances(const OutputFolder& folder, const FractureFiles& files,
                        const FractureResult& result, std::uint64_t seed, DistanceOptions options,
                        const Progress* progress);
 

@@ -14,8 +14,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "io/atomic_file.h"
-
 namespace sherd {
 namespace {
 
@@ -72,7 +70,7 @@ struct Channels {
 
 }  // namespace
 
-void writeExr(const std::filesystem::path& file, const Layers& layers) {
+void writeExr(const OutputFile& file, const Layers& layers) {
   std::vector<half> rgba(layers.rgba.begin(), layers.rgba.end());
   Channels channels{
       Imf::Header(layers.width, layers.height), {}, static_cast<std::size_t>(layers.width)};
@@ -105,7 +103,7 @@ void writeExr(const std::filesystem::path& file, const Layers& layers) {
   } catch (const std::exception& e) {
     throw Error(ErrorCode::output, file.string() + ": OpenEXR cannot encode it: " + e.what());
   }
-  writeWhole(file, memory.bytes);
+  file.write(memory.bytes);
 }
 
 }  // namespace sherd

@@ -10,8 +10,6 @@
 #include <new>
 #include <string>
 
-#include "io/atomic_file.h"
-
 namespace sherd {
 namespace {
 
@@ -74,7 +72,7 @@ bool encode(const Image& image, png_structp png, png_infop info, Target* target)
 
 }  // namespace
 
-void writePng(const std::filesystem::path& file, const Image& image) {
+void writePng(const OutputFile& file, const Image& image) {
   const auto refuse = [&](const std::string& why) {
     throw Error(ErrorCode::output, file.string() + ": picture cannot be written: " + why);
   };
@@ -91,7 +89,7 @@ void writePng(const std::filesystem::path& file, const Image& image) {
   png_destroy_write_struct(png ? &png : nullptr, info ? &info : nullptr);
   if (target.noMemory) throw std::bad_alloc();
   if (!done) refuse(target.problem);
-  writeWhole(file, target.bytes);
+  file.write(target.bytes);
 }
 
 }  // namespace sherd
