@@ -1,8 +1,6 @@
 // The stages in order, timed.
-#include <sherd/error.h>
 #include <sherd/fracture.h>
 
-#include <cmath>
 #include <utility>
 
 #include "fracture_stages.h"
@@ -11,53 +9,12 @@
 namespace sherd {
 namespace {
 
-std::size_t withheldOf(double missing, std::size_t fragments) {
-  const double wanted =
-      missing < 1.0 ? std::floor(missing * static_cast<double>(fragments) + 0.5) : missing;
-  if (wanted < 0.0 || wanted > static_cast<double>(fragments) - 1.0) {
-    throw Error(ErrorCode::usage, "of " + std::to_string(fragments) + " fragments at most " +
-                                      std::to_string(fragments - 1) + " can be withheld");
-  }
-  return static_cast<std::size_t>(wanted);
-}
-
 FractureResult breakSolid(Solid solid, const FractureOptions& options, StageClock clock,
                           Device& device, const Progress* progress) {
-  FractureResult result;
-  Parts parts = findParts(solid.blocks, device);
-  result.solid = dropSpecks(std::move(solid), parts, device);
-  result.parts = parts.count();
+  const PreparedSolid ready = prepared(std::move(solid), device);
   clock.done("parts");
-  const LeafBlocks& blocks = result.solid.blocks;
-  result.seeds = options.seedFile.empty()
-                     ? placeSeeds(result.solid, parts, seedOptionsFor(options, parts, options.seed))
-                     : readSeeds(options.seedFile, result.solid, parts, options.seed);
-  const int fragments = fragmentsOf(result.seeds);
-  result.withheld = withheldOf(options.missing, static_cast<std::size_t>(fragments));
-  clock.done("seed");
-
-  SeededLabels grown =
-      growFor(options, blocks, parts, std::move(result.seeds), options.seed, device, progress);
-  result.seeds = std::move(grown.seeds);
-  clock.done("grow");
-
-  ErodeOptions erosion = options.erode;
-  erosion.seed = options.seed;
-  const bool wears = erosion.iterations > 0;
-  if (wears) {
-    Erosion worn = erode(blocks, grown.labels, fragments, erosion, device, progress);
-    result.labels = carriedOverBand(blocks, std::move(worn.labels), device);
-    result.worn = std::move(worn.worn);
-    clock.done("erode");
-  } else {
-    result.labels = std::move(grown.labels);
-    result.worn.assign(static_cast<std::size_t>(fragments) + 1, 0);
-  }
-  result.fragments = extractFragments(result.solid, result.labels, fragments,
-                                      wears ? &grown.labels : nullptr, options.surface, progress);
-  clock.done("extract");
-  result.times = clock.times();
-  return result;
+  GrownFracture grown = grow(ready, options, device, clock, progress);
+  return extracted(std::move(grown), options, progress);
 }
 
 }  // namespace
@@ -77,6 +34,17 @@ FractureResult fracture(const TriangleMesh& mesh, const FractureOptions& options
 FractureResult fracture(Solid solid, const FractureOptions& options, Device& device,
                         const Progress* progress) {
   return breakSolid(std::move(solid), options, StageClock(), device, progress);
+}
+
+PreparedSolid prepared(Solid solid, Device& device) {
+  Parts parts = findParts(solid.blocks, device);
+  Solid clean = dropSpecks(std::move(solid), parts, device);
+  return {std::move(clean), std::move(parts)};
+}
+
+FractureResult fracture(const PreparedSolid& ready, const FractureOptions& options, Device& device,
+                        const Progress* progress) {
+  return extracted(grow(ready, options, device, StageClock(), progress), options, progress);
 }
 
 }  // namespace sherd

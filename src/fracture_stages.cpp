@@ -1,11 +1,75 @@
-// The options of stages, as a fracture fills them in.
+// The stages of a fracture, with their options filled in.
 #include "fracture_stages.h"
 
+#include <sherd/error.h>
+
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include "random.h"
 
 namespace sherd {
+namespace {
+
+std::size_t withheldOf(double missing, std::size_t fragments) {
+  const double wanted =
+      missing < 1.0 ? std::floor(missing * static_cast<double>(fragments) + 0.5) : missing;
+  if (wanted < 0.0 || wanted > static_cast<double>(fragments) - 1.0) {
+    throw Error(ErrorCode::usage, "of " + std::to_string(fragments) + " fragments at most " +
+                                      std::to_string(fragments - 1) + " can be withheld");
+  }
+  return static_cast<std::size_t>(wanted);
+}
+
+// New ids by old: fragments of fewer than `least` voxels get the last ones, and all else stays in
+// order.  How many these are is the second.
+std::pair<std::vector<std::uint16_t>, std::size_t> smallOnesLast(
+    const std::vector<std::uint64_t>& voxels, double least) {
+  std::vector<std::uint16_t> ids(1, 0), small;
+  for (std::size_t id = 1; id < voxels.size(); ++id) {
+    const bool isSmall = static_cast<double>(voxels[id]) < least;
+    (isSmall ? small : ids).push_back(static_cast<std::uint16_t>(id));
+  }
+  ids.insert(ids.end(), small.begin(), small.end());
+  std::vector<std::uint16_t> fresh(voxels.size());
+  for (std::size_t i = 0; i < ids.size(); ++i) fresh[ids[i]] = static_cast<std::uint16_t>(i);
+  return {std::move(fresh), small.size()};
+}
+
+void renumber(Labels& labels, const std::vector<std::uint16_t>& fresh) {
+  for (std::uint16_t& label : labels.fragment) {
+    if (label != Labels::kWorn) label = fresh[label];
+  }
+  for (Seed& seed : labels.sites.seeds) seed.fragment = fresh[seed.fragment];
+}
+
+// Give the last ids to fragments below options.dropShare; how many there are.
+std::size_t dropSmall(GrownFracture& grown, double dropShare) {
+  if (!(dropShare >= 0.0 && dropShare <= 1.0)) {
+    throw Error(ErrorCode::usage, "the share below which fragments are dropped lies in 0..1");
+  }
+  FractureResult& result = grown.result;
+  const Solid& solid = result.solid;
+  const auto [fresh, small] =
+      smallOnesLast(countVoxels(solid.blocks, result.labels, grown.fragments),
+                    dropShare * static_cast<double>(solid.voxels));
+  if (small == 0) return 0;
+  if (small == static_cast<std::size_t>(grown.fragments)) {
+    throw Error(ErrorCode::usage, "each of the " + std::to_string(small) +
+                                      " fragments is too small to be kept; lower the share below "
+                                      "which they are dropped");
+  }
+  renumber(result.labels, fresh);
+  if (grown.unworn) renumber(*grown.unworn, fresh);
+  for (Seed& seed : result.seeds) seed.fragment = fresh[seed.fragment];
+  std::vector<std::uint64_t> worn(result.worn.size());
+  for (std::size_t id = 0; id < worn.size(); ++id) worn[fresh[id]] = result.worn[id];
+  result.worn = std::move(worn);
+  return small;
+}
+
+}  // namespace
 
 SeedOptions seedOptionsFor(const FractureOptions& options, const Parts& parts, std::uint64_t seed) {
   SeedOptions seeds = options.seeds;
@@ -23,6 +87,57 @@ SeededLabels growFor(const FractureOptions& options, const LeafBlocks& blocks, c
   grow.noiseSeeds = {randomBits(seed, Stage::noise, 0)};
   return growWithShares(blocks, parts, std::move(seeds), device, grow, options.shares, seed,
                         progress);
+}
+
+GrownFracture grow(const PreparedSolid& ready, const FractureOptions& options, Device& device,
+                   StageClock clock, const Progress* progress) {
+  GrownFracture grown;
+  FractureResult& result = grown.result;
+  result.solid = ready.solid;
+  result.parts = ready.parts.count();
+  const LeafBlocks& blocks = result.solid.blocks;
+  result.seeds = options.seedFile.empty()
+                     ? placeSeeds(result.solid, ready.parts,
+                                  seedOptionsFor(options, ready.parts, options.seed))
+                     : readSeeds(options.seedFile, result.solid, ready.parts, options.seed);
+  grown.fragments = fragmentsOf(result.seeds);
+  (void)withheldOf(options.missing, static_cast<std::size_t>(grown.fragments));  // before long work
+  clock.done("seed");
+
+  SeededLabels labels = growFor(options, blocks, ready.parts, std::move(result.seeds), options.seed,
+                                device, progress);
+  result.seeds = std::move(labels.seeds);
+  clock.done("grow");
+
+  if (options.erode.iterations > 0) {
+    ErodeOptions erosion = options.erode;
+    erosion.seed = options.seed;
+    Erosion worn = erode(blocks, labels.labels, grown.fragments, erosion, device, progress);
+    result.labels = carriedOverBand(blocks, std::move(worn.labels), device);
+    result.worn = std::move(worn.worn);
+    grown.unworn = std::move(labels.labels);
+    clock.done("erode");
+  } else {
+    result.labels = std::move(labels.labels);
+    result.worn.assign(static_cast<std::size_t>(grown.fragments) + 1, 0);
+  }
+  const std::size_t small = dropSmall(grown, options.dropShare);
+  result.withheld =
+      small + withheldOf(options.missing, static_cast<std::size_t>(grown.fragments) - small);
+  result.times = clock.times();
+  return grown;
+}
+
+FractureResult extracted(GrownFracture grown, const FractureOptions& options,
+                         const Progress* progress) {
+  StageClock clock;
+  FractureResult& result = grown.result;
+  result.fragments =
+      extractFragments(result.solid, result.labels, grown.fragments,
+                       grown.unworn ? &*grown.unworn : nullptr, options.surface, progress);
+  clock.done("extract");
+  result.times.push_back(clock.times().front());
+  return std::move(result);
 }
 
 }  // namespace sherd

@@ -1,9 +1,10 @@
-// What breaking a mesh and breaking fragments again have in common.
+// The stages of a fracture: on the device, and then on the host.
 #pragma once
 
 #include <sherd/fracture.h>
 
 #include <chrono>
+#include <optional>
 #include <vector>
 
 namespace sherd {
@@ -31,5 +32,21 @@ class StageClock {
 [[nodiscard]] SeededLabels growFor(const FractureOptions& options, const LeafBlocks& blocks,
                                    const Parts& parts, std::vector<Seed> seeds, std::uint64_t seed,
                                    Device& device, const Progress* progress);
+
+/// A fracture half way: everything that needs the device is done.
+struct GrownFracture {
+  FractureResult result;         ///< all but fragments
+  int fragments = 0;             ///< how many there are, withheld ones too
+  std::optional<Labels> unworn;  ///< the labels before erosion, where there was any
+};
+
+/// Seed, grow and wear.
+///   clock  of what was done before
+[[nodiscard]] GrownFracture grow(const PreparedSolid& prepared, const FractureOptions& options,
+                                 Device& device, StageClock clock, const Progress* progress);
+
+/// Cut the fragments out.  Any thread may ask.
+[[nodiscard]] FractureResult extracted(GrownFracture grown, const FractureOptions& options,
+                                       const Progress* progress);
 
 }  // namespace sherd

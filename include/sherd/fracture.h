@@ -31,8 +31,9 @@ struct FractureOptions {
   std::filesystem::path seedFile{};  ///< explicit seeds in place of placed ones; empty: none
   GrowOptions grow{};                ///< its noise seed is made from `seed`
   ShareOptions shares{};
-  ErodeOptions erode{};  ///< its `seed` is taken from above
-  double missing = 0.0;  ///< fragments withheld: a number from 1 up, or below 1 a share of all
+  ErodeOptions erode{};    ///< its `seed` is taken from above
+  double dropShare = 0.0;  ///< fragments of a lesser share of the solid's voxels are withheld, 0..1
+  double missing = 0.0;    ///< of the others: withheld too, a number from 1 up, or below 1 a share
   SurfaceOptions surface{};
 };
 
@@ -77,5 +78,18 @@ struct FractureResult {
 /// voxelize are not used.
 [[nodiscard]] FractureResult fracture(Solid solid, const FractureOptions& options, Device& device,
                                       const Progress* progress = nullptr);
+
+/// A solid that can be broken any number of times.
+struct PreparedSolid {
+  Solid solid;  ///< without specks
+  Parts parts;  ///< of the solid
+};
+
+///   throws  Error(input) the solid has nothing but specks
+[[nodiscard]] PreparedSolid prepared(Solid solid, Device& device);
+
+/// The same, of which only what is new for each fracture is done.
+[[nodiscard]] FractureResult fracture(const PreparedSolid& prepared, const FractureOptions& options,
+                                      Device& device, const Progress* progress = nullptr);
 
 }  // namespace sherd

@@ -301,8 +301,8 @@ void addFractureCommand(CLI::App& app, Action& run) {
   addErosionOptions(*command, options);
   addSurfaceOptions(*command, options);
   addPointOptions(*command, arguments->files);
-  for (const char* ofMeshes : {"--seeds", "--missing", "--erode-iterations", "--fill",
-                               "--shell-thickness", "--grid", "--isovalue"}) {
+  for (const char* ofMeshes : {"--seeds", "--missing", "--drop-share", "--erode-iterations",
+                               "--fill", "--shell-thickness", "--grid", "--isovalue"}) {
     command->get_option("--only")->excludes(ofMeshes);
   }
   command->add_option("--write", arguments->write, "What to write, separated by commas")

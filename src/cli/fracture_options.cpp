@@ -214,9 +214,16 @@ void addGrowthOptions(CLI::App& command, FractureOptions& options) {
       ->capture_default_str()
       ->group(group);
   command
+      .add_option("--drop-share", options.dropShare,
+                  "Withhold fragments that have a lesser share of the solid")
+      ->check(numberBetween(0.0, 1.0, "0..1"))
+      ->capture_default_str()
+      ->group(group);
+  command
       .add_option_function<std::string>(
           "--missing", [&options](const std::string& text) { parseMissing(text, options.missing); },
-          "Withhold fragments: a number, or below 1 a share of them; the manifest tells which")
+          "Withhold fragments, of those that are left: a number, or below 1 a share of them; the "
+          "manifest tells which")
       ->type_name("k|share")
       ->group(group);
 }

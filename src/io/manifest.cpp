@@ -147,6 +147,7 @@ Json optionsJson(const FractureOptions& options, const FractureResult& result,
   json["min_share"] = options.shares.minShare;
   json["balance"] = options.shares.balance;
   json["erode"] = erodeOptionsJson(options.erode);
+  if (options.dropShare > 0.0) json["drop_share"] = options.dropShare;
   json["missing"] = options.missing;
   if (write.points.count > 0) json["points"] = pointOptionsJson(write);
   if (write.distances.count > 0) json["sdf"] = distanceOptionsJson(write, result.solid);

@@ -172,6 +172,19 @@ class Growth(Options):
         self.assertGreaterEqual(min(f["share"] for f in large["fragments"]), 0.05)
         self.assertEqual((large["options"]["min_share"], fair["options"]["balance"]), (0.05, 10))
 
+    def test_small_fragments_are_dropped_and_told(self):
+        plain = self.broken("--erode-iterations", "1")
+        least = sorted(f["share"] for f in plain["fragments"])[5] + 1e-6
+        dropped = self.broken("--erode-iterations", "1", "--drop-share", str(least), "--missing", "2")
+        self.assertEqual(len(dropped["withheld"]), 8)
+        self.assertEqual([f["id"] for f in dropped["fragments"] + dropped["withheld"]], list(range(1, 13)))
+        small = [f for f in plain["fragments"] if f["share"] < least]
+        kept = [f for f in plain["fragments"] if f["share"] >= least]
+        for before, after in zip(kept + small, dropped["fragments"] + dropped["withheld"]):
+            for name in "voxels", "worn_voxels", "seeds":
+                self.assertEqual(before[name], after[name])
+        self.refused(2, self.fracture("--drop-share", "0.9"), "too small")
+
     def test_missing_fragments_are_told_and_not_written(self):
         for text in ("3", "0.25"):
             manifest = self.broken("--missing", text, "--write", "labels,mesh,vdb")
