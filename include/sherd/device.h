@@ -23,6 +23,13 @@ struct DeviceInfo {
 /// Every usable device; platforms without devices are passed over.  Empty when there is none.
 [[nodiscard]] std::vector<DeviceInfo> listDevices();
 
+/// What an open device holds of the device's memory.
+struct DeviceMemory {
+  std::size_t buffersCreated = 0;  ///< since it was opened; buffers are used again
+  std::size_t bytes = 0;           ///< in buffers now, also those kept for the next fracture
+  std::size_t peakBytes = 0;
+};
+
 /// An open device: context, queue, and programs built once.  Opened once, used by one thread at a
 /// time.
 class Device {
@@ -36,6 +43,12 @@ class Device {
   Device& operator=(Device&&) noexcept;
 
   const DeviceInfo& info() const;
+
+  /// Any thread may ask.
+  DeviceMemory memory() const;
+
+  /// Free the buffers that were kept for the next fracture.
+  void freeBuffers();
 
   struct Impl;
   Impl& impl() { return *impl_; }

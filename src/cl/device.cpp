@@ -126,4 +126,11 @@ Device& Device::operator=(Device&&) noexcept = default;
 
 const DeviceInfo& Device::info() const { return impl_->info; }
 
+DeviceMemory Device::memory() const {
+  const BufferPool& pool = impl_->pool;
+  return {pool.created(), pool.bytes(), pool.peakBytes()};
+}
+
+void Device::freeBuffers() { impl_->pool.clear(); }
+
 }  // namespace sherd

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "cl/buffer_pool.h"
 #include "cl/open_cl.h"
 
 namespace sherd {
@@ -18,6 +19,7 @@ struct Device::Impl {
   cl::Device device;
   cl::Context context;
   cl::CommandQueue queue;
+  BufferPool pool;
   std::map<std::string, cl::Program> programs;  ///< built once, by kernel file and options
 
   /// A kernel from kernels/<file>, built at first use.
@@ -53,8 +55,7 @@ auto withDevice(Device::Impl& device, const char* doing, Body&& body) {
 /// A device buffer of `count` T.
 ///   throws  Error(device) naming the size when it passes the device's largest allocation
 template <class T>
-cl::Buffer makeBuffer(Device::Impl& device, std::size_t count,
-                      cl_mem_flags flags = CL_MEM_READ_WRITE) {
+DeviceBuffer makeBuffer(Device::Impl& device, std::size_t count) {
   const std::size_t bytes = std::max<std::size_t>(count, 1) * sizeof(T);
   if (bytes > device.info.largestBufferBytes) {
     throw Error(ErrorCode::device, device.info.name + ": a buffer of " +
@@ -63,22 +64,21 @@ cl::Buffer makeBuffer(Device::Impl& device, std::size_t count,
                                        std::to_string(device.info.largestBufferBytes >> 20) +
                                        " MiB; try a lower --resolution");
   }
-  return {device.context, flags, bytes};
+  return device.pool.take(device.context, bytes, device.info.largestBufferBytes);
 }
 
 /// A device buffer that holds a copy of `data`.  (No CL_MEM_USE_HOST_PTR: oclgrind reports false
 /// errors for it.)
 template <class T>
-cl::Buffer uploadBuffer(Device::Impl& device, std::span<const T> data,
-                        cl_mem_flags flags = CL_MEM_READ_ONLY) {
-  cl::Buffer buffer = makeBuffer<T>(device, data.size(), flags);
+DeviceBuffer uploadBuffer(Device::Impl& device, std::span<const T> data) {
+  DeviceBuffer buffer = makeBuffer<T>(device, data.size());
   if (!data.empty())
     device.queue.enqueueWriteBuffer(buffer, CL_TRUE, 0, data.size_bytes(), data.data());
   return buffer;
 }
 
 template <class T>
-void readBuffer(Device::Impl& device, const cl::Buffer& buffer, std::span<T> out,
+void readBuffer(Device::Impl& device, const DeviceBuffer& buffer, std::span<T> out,
                 std::size_t first = 0) {
   if (!out.empty()) {
     device.queue.enqueueReadBuffer(buffer, CL_TRUE, first * sizeof(T), out.size_bytes(),

@@ -10,10 +10,10 @@ constexpr const char* kFile = "components.cl";
 
 }  // namespace
 
-NodeParts findNodeParts(GrowthState& state, const cl::Buffer* labels) {
+NodeParts findNodeParts(GrowthState& state, const DeviceBuffer* labels) {
   NodeParts found;
   const auto byLabel = static_cast<cl_uint>(labels != nullptr);
-  const cl::Buffer label = labels ? *labels : makeBuffer<cl_ushort>(state.device, 1);
+  const DeviceBuffer label = labels ? *labels : makeBuffer<cl_ushort>(state.device, 1);
   found.localNode = makeBuffer<cl_ushort>(state.device, state.voxels());
   found.nodeCount = makeBuffer<cl_uint>(state.device, state.items);
   state.run(kFile, "component_nodes", state.items, state.inside, state.leafCount, state.items,
@@ -27,9 +27,11 @@ NodeParts findNodeParts(GrowthState& state, const cl::Buffer* labels) {
     found.nodes += n;
   }
 
+  // Room for more nodes than most fractures have, so that the next one needs no other buffer.
+  const std::size_t room = std::max<std::size_t>(found.nodes, 8 * std::size_t{state.items});
   found.firstNode = uploadBuffer<cl_uint>(state.device, found.first);
-  found.root = makeBuffer<cl_uint>(state.device, found.nodes);
-  const cl::Buffer parent = makeBuffer<cl_uint>(state.device, found.nodes);
+  found.root = makeBuffer<cl_uint>(state.device, room);
+  const DeviceBuffer parent = makeBuffer<cl_uint>(state.device, room);
   state.run(kFile, "component_begin", found.nodes, found.nodes, parent);
   state.run(kFile, "component_join", state.items, state.inside, state.neighbour, state.leafCount,
             state.items, label, byLabel, found.localNode, found.firstNode, found.nodeCount, parent);
@@ -44,8 +46,8 @@ bool KeptParts::all() const {
 namespace {
 
 // The voxels of the parts marked in `keep` [nodes].
-KeptParts keptBy(GrowthState& state, const NodeParts& parts, const cl::Buffer& keep) {
-  const cl::Buffer freed = state.filled<cl_uint>(state.fractures, 0);
+KeptParts keptBy(GrowthState& state, const NodeParts& parts, const DeviceBuffer& keep) {
+  const DeviceBuffer freed = state.filled<cl_uint>(state.fractures, 0);
   KeptParts kept{makeBuffer<cl_ulong>(state.device, state.words()), {}};
   state.run(kFile, "component_kept", state.items, state.inside, state.leafCount, state.items,
             parts.localNode, parts.firstNode, parts.nodeCount, parts.root, keep, kept.mask, freed);
@@ -56,19 +58,19 @@ KeptParts keptBy(GrowthState& state, const NodeParts& parts, const cl::Buffer& k
 
 }  // namespace
 
-KeptParts keepSeededParts(GrowthState& state, const cl::Buffer& labels, const SeedTable& seeds) {
+KeptParts keepSeededParts(GrowthState& state, const DeviceBuffer& labels, const SeedTable& seeds) {
   const NodeParts parts = findNodeParts(state, &labels);
   const PrimarySeeds primaries = primariesOf(state, seeds);
-  const cl::Buffer keep = state.filled<cl_uint>(parts.nodes, 0);
+  const DeviceBuffer keep = state.filled<cl_uint>(parts.nodes, 0);
   state.run(kFile, "component_mark", primaries.count, parts.localNode, parts.firstNode, parts.root,
             primaries.item, primaries.offset, primaries.count, keep);
   return keptBy(state, parts, keep);
 }
 
-KeptParts keepLargestParts(GrowthState& state, const cl::Buffer& labels) {
+KeptParts keepLargestParts(GrowthState& state, const DeviceBuffer& labels) {
   const NodeParts parts = findNodeParts(state, &labels);
-  const cl::Buffer voxelBuffer = makeBuffer<cl_uint>(state.device, parts.nodes);
-  const cl::Buffer labelBuffer = makeBuffer<cl_ushort>(state.device, parts.nodes);
+  const DeviceBuffer voxelBuffer = makeBuffer<cl_uint>(state.device, parts.nodes);
+  const DeviceBuffer labelBuffer = makeBuffer<cl_ushort>(state.device, parts.nodes);
   state.run(kFile, "component_measure", state.items, state.inside, state.leafCount, state.items,
             labels, parts.localNode, parts.firstNode, parts.nodeCount, voxelBuffer, labelBuffer);
   std::vector<cl_uint> voxels(parts.nodes), root(parts.nodes);

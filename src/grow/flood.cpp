@@ -23,19 +23,19 @@ Flood::Flood(GrowthState& state, bool keepCost, int neighbours)
 
 void Flood::seed(const SeedTable& table) {
   const SeedGroups seeds = groupsOf(state_, table);
-  const cl::Buffer label = uploadBuffer<cl_ushort>(state_.device, table.label);
+  const DeviceBuffer label = uploadBuffer<cl_ushort>(state_.device, table.label);
   launch("flood_seed", seeds.count, seeds.item, seeds.first, seeds.offset, label, seeds.count);
   state_.device.queue.finish();  // the seeds' buffers end here
   seeded_ = true;
 }
 
-void Flood::load(const cl::Buffer& labels, const cl::Buffer& kept) {
+void Flood::load(const DeviceBuffer& labels, const DeviceBuffer& kept) {
   owner_ = labels;
   launch("flood_load", state_.items, kept);
   seeded_ = false;
 }
 
-void Flood::grow(const cl::Buffer& domain, std::uint32_t steps, std::uint32_t perReadback,
+void Flood::grow(const DeviceBuffer& domain, std::uint32_t steps, std::uint32_t perReadback,
                  const Progress* progress) {
   domain_ = domain;
   if (!seeded_) launch("flood_restart", state_.items, step_);
@@ -55,7 +55,7 @@ void Flood::grow(const cl::Buffer& domain, std::uint32_t steps, std::uint32_t pe
   }
 }
 
-cl::Buffer Flood::labels() {
+DeviceBuffer Flood::labels() {
   launch("flood_finish", state_.items);
   return owner_;
 }
@@ -63,7 +63,9 @@ cl::Buffer Flood::labels() {
 // Set the arguments FLOOD_STATE names, in its order; return the number of the next.
 cl_uint Flood::setState(cl::Kernel& kernel) {
   cl_uint i = 0;
-  const auto set = [&](const auto&... argument) { (kernel.setArg(i++, argument), ...); };
+  const auto set = [&](const auto&... argument) {
+    (kernel.setArg(i++, sherd::argument(argument)), ...);
+  };
   set(domain_, state_.neighbour, round_, neighbours_, state_.leafCount, owned_, tag_, owner_,
       frontMask_, frontStep_, frontTag_, queued_, list_, listCount_, state_.items, cost_,
       keepCost_);
@@ -74,7 +76,7 @@ template <class... Arguments>
 void Flood::launch(const char* name, std::size_t work, const Arguments&... arguments) {
   cl::Kernel kernel = state_.device.kernel("flood.cl", name);
   cl_uint i = setState(kernel);
-  (kernel.setArg(i++, arguments), ...);
+  (kernel.setArg(i++, argument(arguments)), ...);
   state_.launch(kernel, work);
 }
 

@@ -16,16 +16,16 @@ class Flood {
 
   /// Begin with labels that exist: `labels` [items*512] becomes this growth's own, and what is not
   /// in `kept` [items*8] is 0.
-  void load(const cl::Buffer& labels, const cl::Buffer& kept);
+  void load(const DeviceBuffer& labels, const DeviceBuffer& kept);
 
   /// Take up to `steps` layers into `domain` [leafCount*8], from all that is owned when this is not
   /// the first growth, looking every `perReadback` layers whether anything is left to do.
-  void grow(const cl::Buffer& domain, std::uint32_t steps, std::uint32_t perReadback,
+  void grow(const DeviceBuffer& domain, std::uint32_t steps, std::uint32_t perReadback,
             const Progress* progress);
 
   /// The labels [items*512], 0 where nothing reached.
-  cl::Buffer labels();
-  const cl::Buffer& cost() const { return cost_; }  ///< [items*512] when kept
+  DeviceBuffer labels();
+  const DeviceBuffer& cost() const { return cost_; }  ///< [items*512] when kept
 
  private:
   cl_uint setState(cl::Kernel& kernel);
@@ -36,7 +36,7 @@ class Flood {
   cl_uint keepCost_, neighbours_;
   cl_uint step_ = 0;
   bool seeded_ = false;  // the seeds are the front: no restart
-  cl::Buffer round_, domain_, owned_, tag_, owner_, frontMask_, frontStep_, frontTag_, queued_,
+  DeviceBuffer round_, domain_, owned_, tag_, owner_, frontMask_, frontStep_, frontTag_, queued_,
       list_, listCount_, cost_;
 };
 

@@ -35,7 +35,7 @@ struct Growing {
   const SeedTable& seeds;
   const GrowOptions& options;
   const Progress* progress;
-  cl::Buffer labels{}, cost{};
+  DeviceBuffer labels{}, cost{};
   std::vector<std::vector<std::uint64_t>> freed{};  // [fracture][time]
 
   std::uint32_t perReadback() const {
@@ -94,7 +94,7 @@ struct Growing {
   }
 };
 
-cl::Buffer band(GrowthState& state) {
+DeviceBuffer band(GrowthState& state) {
   return uploadBuffer<std::uint64_t>(state.device, state.blocks.outerBand);
 }
 
@@ -123,8 +123,8 @@ std::vector<Labels> read(const Growing& growing) {
 }
 
 // Every inside voxel, as a mask for each fracture.
-cl::Buffer allInside(GrowthState& state) {
-  cl::Buffer mask = makeBuffer<cl_ulong>(state.device, state.words());
+DeviceBuffer allInside(GrowthState& state) {
+  DeviceBuffer mask = makeBuffer<cl_ulong>(state.device, state.words());
   const std::size_t bytes = state.blocks.inside.size() * sizeof(cl_ulong);
   for (std::size_t f = 0; f < state.fractures; ++f) {
     state.device.queue.enqueueCopyBuffer(state.inside, mask, 0, f * bytes, bytes);
@@ -133,7 +133,7 @@ cl::Buffer allInside(GrowthState& state) {
 }
 
 // The parts that hold their fragments' first seeds; euclid regrows the rest by its chamfer once.
-cl::Buffer settled(Growing& growing) {
+DeviceBuffer settled(Growing& growing) {
   GrowthState& state = growing.state;
   KeptParts parts = growing.noted(keepSeededParts(state, growing.labels, growing.seeds));
   if (growing.options.growth != Growth::euclid || parts.all()) return parts.mask;
@@ -144,7 +144,7 @@ cl::Buffer settled(Growing& growing) {
 }
 
 // Give the rest of the inside to the neighbours of what is kept, then carry labels outwards.
-void regrow(Growing& growing, const cl::Buffer& kept, std::uint32_t outerSteps) {
+void regrow(Growing& growing, const DeviceBuffer& kept, std::uint32_t outerSteps) {
   GrowthState& state = growing.state;
   Flood flood(state, false);
   flood.load(growing.labels, kept);
@@ -175,7 +175,7 @@ void growAll(Growing& growing) {
   } else {
     growing.growFirst();
   }
-  cl::Buffer kept = settles ? settled(growing) : allInside(state);
+  DeviceBuffer kept = settles ? settled(growing) : allInside(state);
   if (rough) {
     // A fragment is in one part of the solid before it is displaced, and stays there; it may be
     // carried off its seed, so now its largest part counts.
@@ -217,8 +217,7 @@ Labels carriedOverBand(const LeafBlocks& blocks, Labels labels, Device& device, 
   return withDevice(device.impl(), "carrying labels outwards", [&] {
     GrowthState state(blocks, 1, device.impl());
     Flood flood(state, false);
-    flood.load(uploadBuffer<std::uint16_t>(state.device, labels.fragment, CL_MEM_READ_WRITE),
-               state.inside);
+    flood.load(uploadBuffer<std::uint16_t>(state.device, labels.fragment), state.inside);
     flood.grow(band(state), static_cast<std::uint32_t>(steps), 16, nullptr);
     readBuffer<std::uint16_t>(state.device, flood.labels(), labels.fragment);
     return std::move(labels);

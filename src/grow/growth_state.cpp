@@ -32,7 +32,7 @@ GrowthState::GrowthState(const LeafBlocks& b, std::size_t fractureCount, Device:
       neighbour(uploadBuffer<std::uint32_t>(d, b.neighbours)),
       group_(workGroupSize > 0 ? static_cast<std::size_t>(workGroupSize) : d.workGroupSize()) {}
 
-const cl::Buffer& GrowthState::origin() {
+const DeviceBuffer& GrowthState::origin() {
   if (!origin_) {
     std::vector<cl_int4> origins;
     origins.reserve(leafCount);
@@ -42,7 +42,7 @@ const cl::Buffer& GrowthState::origin() {
   return *origin_;
 }
 
-const cl::Buffer& GrowthState::round27() {
+const DeviceBuffer& GrowthState::round27() {
   if (!round27_) {
     round27_ = uploadBuffer<LeafRound>(device, leavesRound(blocks.origins));
   }

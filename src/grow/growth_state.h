@@ -23,19 +23,20 @@ class GrowthState {
   Device::Impl& device;
   const LeafBlocks& blocks;
   const cl_uint leafCount, fractures, items;
-  const cl::Buffer inside;     ///< [leafCount*8]
-  const cl::Buffer neighbour;  ///< [leafCount*6]
+  const DeviceBuffer inside;     ///< [leafCount*8]
+  const DeviceBuffer neighbour;  ///< [leafCount*6]
 
-  const cl::Buffer& origin();   ///< [leafCount] int4
-  const cl::Buffer& round27();  ///< [leafCount*27] the leaves round a leaf, x slowest
+  const DeviceBuffer& origin();   ///< [leafCount] int4
+  const DeviceBuffer& round27();  ///< [leafCount*27] the leaves round a leaf, x slowest
 
   std::size_t voxels() const { return std::size_t{items} * SHERD_LEAF_SIZE; }
   std::size_t words() const { return std::size_t{items} * SHERD_LEAF_WORDS; }
 
   template <class T>
-  cl::Buffer filled(std::size_t count, T value) {
-    cl::Buffer buffer = makeBuffer<T>(device, count);
-    device.queue.enqueueFillBuffer(buffer, value, 0, std::max<std::size_t>(count, 1) * sizeof(T));
+  DeviceBuffer filled(std::size_t count, T value) {
+    DeviceBuffer buffer = makeBuffer<T>(device, count);
+    device.queue.enqueueFillBuffer<T>(buffer, value, 0,
+                                      std::max<std::size_t>(count, 1) * sizeof(T));
     return buffer;
   }
 
@@ -44,14 +45,14 @@ class GrowthState {
   void run(const char* file, const char* name, std::size_t work, const Arguments&... arguments) {
     cl::Kernel kernel = device.kernel(file, name);
     cl_uint i = 0;
-    (kernel.setArg(i++, arguments), ...);
+    (kernel.setArg(i++, argument(arguments)), ...);
     launch(kernel, work);
   }
   void launch(cl::Kernel& kernel, std::size_t work) { device.launch(kernel, work, group_); }
 
  private:
   std::size_t group_;
-  std::optional<cl::Buffer> origin_, round27_;
+  std::optional<DeviceBuffer> origin_, round27_;
 };
 
 /// Seeds of all fractures, by item and offset, ascending; of two on one voxel the lower label.
@@ -63,15 +64,15 @@ struct SeedTable {
 
 /// Seeds on the device, grouped by item, for kernels that take an item a work-item.
 struct SeedGroups {
-  cl::Buffer item;    ///< [count] items with seeds, ascending
-  cl::Buffer first;   ///< [count+1] where an item's seeds begin
-  cl::Buffer offset;  ///< [seeds]
+  DeviceBuffer item;    ///< [count] items with seeds, ascending
+  DeviceBuffer first;   ///< [count+1] where an item's seeds begin
+  DeviceBuffer offset;  ///< [seeds]
   cl_uint count = 0;
 };
 
 /// The first seed of each fragment on the device.
 struct PrimarySeeds {
-  cl::Buffer item, offset, label;  ///< [count]
+  DeviceBuffer item, offset, label;  ///< [count]
   cl_uint count = 0;
 };
 

@@ -29,31 +29,33 @@ class Levels {
         taken_(makeBuffer<cl_uint>(state.device, state.items)) {
     std::array<cl_uint, kControlWords> control{};
     for (std::size_t i = 3; i < 6; ++i) control[i] = SHERD_NO_STEP;  // nothing waits
-    control_ = uploadBuffer<cl_uint>(state.device, control, CL_MEM_READ_WRITE);
+    control_ = uploadBuffer<cl_uint>(state.device, control);
   }
 
   void seed(const SeedTable& table, std::span<const cl_uint> source) {
     const SeedGroups seeds = groupsOf(state_, table);
-    const cl::Buffer sources = uploadBuffer<cl_uint>(state_.device, source);
+    const DeviceBuffer sources = uploadBuffer<cl_uint>(state_.device, source);
     launch("levels_seed", seeds.count, seeds.item, seeds.first, seeds.offset, sources, seeds.count);
     state_.device.queue.finish();  // the seeds' buffers end here
   }
 
-  void load(const cl::Buffer& labels, const cl::Buffer& kept) {
+  void load(const DeviceBuffer& labels, const DeviceBuffer& kept) {
     launch("levels_load", state_.items, kept, labels);
   }
 
   // `stride` and the chain's buffers: see the kernel.
   void grow(const Steps& steps, bool chain, cl_uint stride, const sherd_metric& metric,
-            const cl::Buffer& seeds, const Progress* progress) {
-    const cl::Buffer stepBuffer = uploadBuffer<cl_int4>(state_.device, steps.step);
-    const cl::Buffer within = uploadBuffer<cl_int>(state_.device, steps.within);
+            const DeviceBuffer& seeds, const Progress* progress) {
+    const DeviceBuffer stepBuffer = uploadBuffer<cl_int4>(state_.device, steps.step);
+    const DeviceBuffer within = uploadBuffer<cl_int>(state_.device, steps.within);
     launch("levels_begin", state_.items);
     cl::Kernel take = state_.device.kernel("levels.cl", "levels_take");
     cl::Kernel publish = state_.device.kernel("levels.cl", "levels_publish");
     const cl_uint roundOfTake = setState(take), roundOfPublish = setState(publish);
     cl_uint i = roundOfTake + 1;
-    const auto set = [&](const auto&... argument) { (take.setArg(i++, argument), ...); };
+    const auto set = [&](const auto&... argument) {
+      (take.setArg(i++, sherd::argument(argument)), ...);
+    };
     const auto count = static_cast<cl_uint>(steps.step.size());
     set(stepBuffer, within, count, static_cast<cl_uint>(chain), stride, metric, seeds,
         state_.origin());
@@ -72,7 +74,7 @@ class Levels {
     }
   }
 
-  Grown finish(const cl::Buffer& labelOfSource, bool chain) {
+  Grown finish(const DeviceBuffer& labelOfSource, bool chain) {
     Grown grown{makeBuffer<cl_ushort>(state_.device, state_.voxels()), cost_};
     launch("levels_finish", state_.items, labelOfSource, static_cast<cl_uint>(chain), grown.labels);
     return grown;
@@ -82,7 +84,9 @@ class Levels {
   // Set the arguments LEVELS_STATE names, in its order; return the number of the next.
   cl_uint setState(cl::Kernel& kernel) {
     cl_uint i = 0;
-    const auto set = [&](const auto&... argument) { (kernel.setArg(i++, argument), ...); };
+    const auto set = [&](const auto&... argument) {
+      (kernel.setArg(i++, sherd::argument(argument)), ...);
+    };
     set(state_.inside, state_.round27(), state_.leafCount, state_.items, owned_, offered_, source_,
         cost_, claim_, claimed_, wake_, dirty_, queued_, list_, taken_, control_);
     return i;
@@ -92,18 +96,18 @@ class Levels {
   void launch(const char* name, std::size_t work, const Arguments&... arguments) {
     cl::Kernel kernel = state_.device.kernel("levels.cl", name);
     cl_uint i = setState(kernel);
-    (kernel.setArg(i++, arguments), ...);
+    (kernel.setArg(i++, argument(arguments)), ...);
     state_.launch(kernel, work);
   }
 
   GrowthState& state_;
-  cl::Buffer owned_, offered_, source_, cost_, claim_, claimed_, wake_, dirty_, queued_, list_,
+  DeviceBuffer owned_, offered_, source_, cost_, claim_, claimed_, wake_, dirty_, queued_, list_,
       taken_, control_;
 };
 
 Grown runByWeight(GrowthState& state, Levels& levels, const Steps& steps,
                   const Progress* progress) {
-  const cl::Buffer none = makeBuffer<cl_int4>(state.device, 1);
+  const DeviceBuffer none = makeBuffer<cl_int4>(state.device, 1);
   levels.grow(steps, false, steps.leastWeight, sherd_metric{}, none, progress);
   return levels.finish(none, false);
 }
@@ -134,12 +138,12 @@ Grown growChain(GrowthState& state, const SeedTable& seeds, const sherd_metric& 
   }
   Levels levels(state);
   levels.seed(seeds, source);
-  const cl::Buffer voxels = uploadBuffer<cl_int4>(state.device, voxel);
+  const DeviceBuffer voxels = uploadBuffer<cl_int4>(state.device, voxel);
   levels.grow(layerSteps(6, {}), true, kRungsPerVoxel, metric, voxels, progress);
   return levels.finish(uploadBuffer<cl_ushort>(state.device, label), true);
 }
 
-Grown regrowByWeight(GrowthState& state, const cl::Buffer& labels, const cl::Buffer& kept,
+Grown regrowByWeight(GrowthState& state, const DeviceBuffer& labels, const DeviceBuffer& kept,
                      const Steps& steps, const Progress* progress) {
   Levels levels(state);
   levels.load(labels, kept);

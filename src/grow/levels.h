@@ -8,8 +8,8 @@ namespace sherd {
 
 /// Labels and their arrival costs, [items*512] each.
 struct Grown {
-  cl::Buffer labels;  ///< ushort, 0 where nothing reached
-  cl::Buffer cost;
+  DeviceBuffer labels;  ///< ushort, 0 where nothing reached
+  DeviceBuffer cost;
 };
 
 /// Grow from seeds; a step costs its weight.
@@ -21,8 +21,8 @@ struct Grown {
                               const sherd_metric& metric, const Progress* progress);
 
 /// Grow what is `kept` of `labels` over the rest of the inside.
-[[nodiscard]] Grown regrowByWeight(GrowthState& state, const cl::Buffer& labels,
-                                   const cl::Buffer& kept, const Steps& steps,
+[[nodiscard]] Grown regrowByWeight(GrowthState& state, const DeviceBuffer& labels,
+                                   const DeviceBuffer& kept, const Steps& steps,
                                    const Progress* progress);
 
 }  // namespace sherd

@@ -22,8 +22,8 @@ Grown growNearest(GrowthState& state, const SeedTable& seeds, const sherd_metric
     ++first[fractureOf(i) + 1];
   }
   std::partial_sum(first.begin(), first.end(), first.begin());
-  const cl::Buffer voxels = uploadBuffer<cl_int4>(state.device, voxel);
-  const cl::Buffer firsts = uploadBuffer<cl_uint>(state.device, first);
+  const DeviceBuffer voxels = uploadBuffer<cl_int4>(state.device, voxel);
+  const DeviceBuffer firsts = uploadBuffer<cl_uint>(state.device, first);
   Grown grown{makeBuffer<cl_ushort>(state.device, state.voxels()),
               makeBuffer<cl_uint>(state.device, keepCost ? state.voxels() : 1)};
   state.run("nearest.cl", "nearest", state.items, state.inside, state.origin(), state.leafCount,

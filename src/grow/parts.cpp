@@ -60,7 +60,7 @@ std::vector<std::uint64_t> largestParts(const LeafBlocks& blocks, const Labels& 
   Device::Impl& impl = device.impl();
   return withDevice(impl, "finding the largest parts", [&] {
     GrowthState state(blocks, 1, impl);
-    const cl::Buffer uploaded = uploadBuffer<std::uint16_t>(impl, labels.fragment);
+    const DeviceBuffer uploaded = uploadBuffer<std::uint16_t>(impl, labels.fragment);
     std::vector<std::uint64_t> mask(state.words());
     readBuffer<std::uint64_t>(impl, keepLargestParts(state, uploaded).mask, mask);
     return mask;

@@ -19,16 +19,16 @@ cl_uint leavesReached(std::span<const cl_int> amplitudes) {
 
 // What walks need to know of leaves.
 struct Leaves {
-  cl::Buffer same;  // [items] rings of leaves, its own the first, with one label at most
-  cl::Buffer full;  // [items] inside throughout?
+  DeviceBuffer same;  // [items] rings of leaves, its own the first, with one label at most
+  DeviceBuffer full;  // [items] inside throughout?
 };
 
-Leaves leavesOf(GrowthState& state, const cl::Buffer& labels, cl_uint reach) {
+Leaves leavesOf(GrowthState& state, const DeviceBuffer& labels, cl_uint reach) {
   constexpr cl_uint kMostRings = 16;  // beyond, leaves count as near a crack
   Leaves leaves{state.filled<cl_uint>(state.items, 0),
                 makeBuffer<cl_uint>(state.device, state.items)};
-  cl::Buffer single = makeBuffer<cl_uint>(state.device, state.items);
-  cl::Buffer wider = makeBuffer<cl_uint>(state.device, state.items);
+  DeviceBuffer single = makeBuffer<cl_uint>(state.device, state.items);
+  DeviceBuffer wider = makeBuffer<cl_uint>(state.device, state.items);
   state.run(kFile, "rough_leaves", state.items, state.inside, state.leafCount, state.items, labels,
             single, leaves.full);
   for (cl_uint ring = 0; ring <= std::min(reach, kMostRings); ++ring) {
@@ -41,12 +41,12 @@ Leaves leavesOf(GrowthState& state, const cl::Buffer& labels, cl_uint reach) {
 
 }  // namespace
 
-cl::Buffer roughened(GrowthState& state, const cl::Buffer& labels, const SeedTable& seeds,
-                     std::span<const std::uint64_t> noiseSeeds,
-                     std::span<const cl_int> amplitudes) {
-  const cl::Buffer noise = uploadBuffer<std::uint64_t>(state.device, noiseSeeds);
-  const cl::Buffer amplitude = uploadBuffer<cl_int>(state.device, amplitudes);
-  const cl::Buffer out = makeBuffer<cl_ushort>(state.device, state.voxels());
+DeviceBuffer roughened(GrowthState& state, const DeviceBuffer& labels, const SeedTable& seeds,
+                       std::span<const std::uint64_t> noiseSeeds,
+                       std::span<const cl_int> amplitudes) {
+  const DeviceBuffer noise = uploadBuffer<std::uint64_t>(state.device, noiseSeeds);
+  const DeviceBuffer amplitude = uploadBuffer<cl_int>(state.device, amplitudes);
+  const DeviceBuffer out = makeBuffer<cl_ushort>(state.device, state.voxels());
   const Leaves leaves = leavesOf(state, labels, leavesReached(amplitudes));
   state.run(kFile, "rough", state.items, state.inside, state.neighbour, state.round27(),
             state.origin(), state.leafCount, state.items, noise, amplitude,

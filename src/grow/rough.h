@@ -8,9 +8,9 @@ namespace sherd {
 /// Let every voxel take the label at the end of its displacement; primary seeds keep theirs.
 ///   noiseSeeds  [fractures]
 ///   amplitudes  see grow/relief.h
-[[nodiscard]] cl::Buffer roughened(GrowthState& state, const cl::Buffer& labels,
-                                   const SeedTable& seeds,
-                                   std::span<const std::uint64_t> noiseSeeds,
-                                   std::span<const cl_int> amplitudes);
+[[nodiscard]] DeviceBuffer roughened(GrowthState& state, const DeviceBuffer& labels,
+                                     const SeedTable& seeds,
+                                     std::span<const std::uint64_t> noiseSeeds,
+                                     std::span<const cl_int> amplitudes);
 
 }  // namespace sherd

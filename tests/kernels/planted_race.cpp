@@ -13,7 +13,7 @@ int main() {
   cl::Program program(impl.context,
                       "kernel void race(global uint* sum) { sum[0] += (uint)get_global_id(0); }");
   program.build(impl.device);
-  const cl::Buffer sum = sherd::makeBuffer<cl_uint>(impl, 1);
+  const DeviceBuffer sum = sherd::makeBuffer<cl_uint>(impl, 1);
   impl.queue.enqueueFillBuffer(sum, cl_uint{0}, 0, sizeof(cl_uint));
   cl::Kernel kernel(program, "race");
   kernel.setArg(0, sum);

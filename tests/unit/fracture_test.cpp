@@ -308,5 +308,27 @@ TEST_F(Fracture, RefusesWhatItCannotBreak) {
   EXPECT_THROW((void)fracture(shapes::cube(1.0), {.voxelSize = 1e-9}, device()), Error);
 }
 
+TEST(PreparedSolid, GivesTheSameFracturesAndNeedsNoNewBuffersAfterTheFirst) {
+  Device device, other;
+  const Solid solid = voxelize(shapes::torus(10.0, 4.0), {.resolution = 48});
+  const PreparedSolid ready = prepared(solid, device);
+  std::size_t buffers = 0;
+  for (int pieces = 2; pieces <= 10; ++pieces) {
+    FractureOptions options;
+    options.pieces = pieces;
+    options.seed = static_cast<std::uint64_t>(pieces);
+    options.extraSeedsPerPiece = 2;
+    const FractureResult again = fracture(ready, options, device);
+    if (buffers == 0) buffers = device.memory().buffersCreated;
+    EXPECT_EQ(device.memory().buffersCreated, buffers) << pieces << " pieces";
+    const FractureResult alone = fracture(solid, options, other);
+    EXPECT_EQ(again.labels.fragment, alone.labels.fragment);
+    EXPECT_EQ(again.fragments.back().mesh.vertices, alone.fragments.back().mesh.vertices);
+  }
+  EXPECT_GT(device.memory().bytes, 0u);
+  device.freeBuffers();
+  EXPECT_EQ(device.memory().bytes, 0u);
+}
+
 }  // namespace
 }  // namespace sherd
