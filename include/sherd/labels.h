@@ -66,6 +66,8 @@ struct GrowOptions {
                                ///< neighbours, so that every fragment is 6-connected
   std::vector<std::uint64_t> noiseSeeds{};  ///< [seed sets] of rough cracks; missing ones are 0
   bool keepCost = false;                    ///< also return the arrival cost
+  bool rehearse = false;     ///< also go ways where nothing is to be done: a later growth over the
+                             ///< same leaf blocks then needs no new buffers.  Labels are the same
   int outerSteps = 6;        ///< how many steps labels are carried over the outer band, 0..64
   int stepsPerReadback = 0;  ///< layers between two looks at the device's counter; 0: chosen
   int workGroupSize = 0;     ///< work-items per work-group; 0: chosen for the device

@@ -136,10 +136,12 @@ DeviceBuffer allInside(GrowthState& state) {
 DeviceBuffer settled(Growing& growing) {
   GrowthState& state = growing.state;
   KeptParts parts = growing.noted(keepSeededParts(state, growing.labels, growing.seeds));
-  if (growing.options.growth != Growth::euclid || parts.all()) return parts.mask;
-  growing.labels = regrowByWeight(state, growing.labels, parts.mask,
-                                  chamferSteps(growing.options.grain), growing.progress)
-                       .labels;
+  if (growing.options.growth != Growth::euclid) return parts.mask;
+  if (parts.all() && !growing.options.rehearse) return parts.mask;
+  Grown regrown = regrowByWeight(state, growing.labels, parts.mask,
+                                 chamferSteps(growing.options.grain), growing.progress);
+  if (parts.all()) return parts.mask;
+  growing.labels = regrown.labels;
   return growing.noted(keepSeededParts(state, growing.labels, growing.seeds)).mask;
 }
 
