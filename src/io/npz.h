@@ -4,11 +4,12 @@
 #include <sherd/output_file.h>
 
 #include <cstddef>
-#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "io/zip_writer.h"
 
 namespace sherd {
 
@@ -32,7 +33,7 @@ void writeNpz(const OutputFile& file, std::span<const NpyArray> arrays);
 /// Writes a ZIP file of `.npy` files, one after another.
 class NpzWriter {
  public:
-  explicit NpzWriter(ByteSink sink) : sink_(std::move(sink)) {}
+  explicit NpzWriter(ByteSink sink) : zip_(std::move(sink)) {}
 
   void store(const NpyArray& array);
 
@@ -40,19 +41,15 @@ class NpzWriter {
   ///   array    without its bytes
   ///   numbers  hands them to a sink
   ///   throws   Error(output) it is above 4 GiB even when packed
-  void deflate(const NpyArray& array, const std::function<void(const ByteSink&)>& numbers);
+  void deflate(const NpyArray& array, const Content& numbers);
 
   /// Write the directory, which ends the file.
-  void finish();
+  void finish() { zip_.finish(); }
 
  private:
-  struct Entry;
-  void add(const Entry& entry, std::span<const std::string_view> parts);
+  void add(const PackedFile& file);
 
-  ByteSink sink_;
-  std::string directory_;
-  std::uint64_t offset_ = 0;
-  std::uint16_t count_ = 0;
+  ZipWriter zip_;
 };
 
 }  // namespace sherd
