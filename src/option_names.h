@@ -24,6 +24,8 @@ inline constexpr const char* kMeshFileFormat[] = {"ply", "obj", "glb", "stl", "s
 inline constexpr const char* kVoxelFormat[] = {"rle", "npy", "npz", "vox", "qstack", "bing"};
 inline constexpr const char* kVdbFiles[] = {"files", "single", "both"};
 inline constexpr const char* kVdbCompression[] = {"blosc", "zip", "none"};
+inline constexpr const char* kDatasetLayout[] = {"sherd", "packed", "paper", "bb"};
+inline constexpr const char* kFileCompression[] = {"none", "zip", "zstd"};
 inline constexpr const char* kSampleType[] = {"float32", "float16"};
 
 /// The name of a value.

@@ -43,7 +43,12 @@ enum class Stage : std::uint64_t {
   spacePlace = 85,
   spaceSurface = 86,
   spaceOffset = 87,
-  pointContact = 88
+  pointContact = 88,
+  datasetObject = 96,    // makes a seed of its own for each object of a library, and the next
+  datasetFracture = 97,  // one for each of its fractures
+  datasetOption = 98,
+  datasetPose = 99,
+  datasetSplit = 100
 };
 
 /// 64 random bits of one item.

@@ -27,7 +27,8 @@ struct Fragment {
   int id = 0;  ///< 1..n
   std::uint64_t voxels = 0;
   VoxelBox voxelBox;          ///< of its inside voxels
-  ConstFloatGridPtr surface;  ///< level set, world units, transform and background as the solid's
+  ConstFloatGridPtr surface;  ///< level set, world units, transform and background as the solid's;
+                              ///< null where it was not asked for
   TriangleMesh mesh;          ///< closed, edge-manifold, oriented outwards, world units
   std::vector<std::uint16_t>
       facing;  ///< [triangles] 0 original surface, else the fragment on the other side

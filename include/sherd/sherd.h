@@ -4,6 +4,7 @@
 
 #include <sherd/appearance.h>
 #include <sherd/coords.h>
+#include <sherd/dataset.h>
 #include <sherd/device.h>
 #include <sherd/erode.h>
 #include <sherd/error.h>

@@ -53,6 +53,7 @@ struct SmoothOptions {
 };
 
 struct SurfaceOptions {
+  bool levelSets = true;  ///< also make Fragment::surface; without, it is null
   Surface surface = Surface::smooth;
   Interface interface = Interface::shared;
   double adaptivity = 0.0;  ///< 0..1, 0 none: fewer polygons where these change little, before all

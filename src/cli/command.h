@@ -14,6 +14,8 @@ using Action = std::function<void()>;
 
 /// Each adds a sub-command; parsing it sets `run`.
 void addFractureCommand(CLI::App& app, Action& run);
+CLI::App* addDatasetCommand(CLI::App& app, Action& run);
+void addMergeCommand(CLI::App& app, Action& run);
 void addInspectCommand(CLI::App& app, Action& run);
 void addConvertCommand(CLI::App& app, Action& run);
 void addEvaluateCommand(CLI::App& app, Action& run);

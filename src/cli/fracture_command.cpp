@@ -5,7 +5,6 @@
 #include <sherd/memory.h>
 #include <sherd/refracture.h>
 #include <sherd/volume.h>
-#include <tbb/global_control.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -20,6 +19,7 @@
 #include "cli/fracture_options.h"
 #include "cli/fracture_telling.h"
 #include "cli/interrupts.h"
+#include "cli/machine_options.h"
 #include "cli/progress_line.h"
 #include "io/file_names.h"
 #include "io/mesh_report.h"
@@ -39,38 +39,14 @@ struct FractureArguments {
   FractureOptions options;
   VolumeOptions volume;
   bool splitObjects = false;
-  std::vector<std::string> write{"labels", "vdb", "mesh", "preview"};
-  WriteOptions files;  ///< all of it but what `write` and `up` name
-  std::string up = "y";
-  std::string device = "auto";
-  int threads = 0;  ///< 0: all cores
+  WriteArguments write;
+  MachineOptions machine;
   bool json = false;
   bool quiet = false;
 };
 
 double secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-WriteOptions writeOptions(const FractureArguments& arguments) {
-  const auto named = [&](const char* name) {
-    return std::find(arguments.write.begin(), arguments.write.end(), name) != arguments.write.end();
-  };
-  WriteOptions write = arguments.files;
-  write.labels = named("labels");
-  write.vdb = named("vdb");
-  write.mesh = named("mesh");
-  write.preview = named("preview");
-  write.seeds = named("seeds");
-  write.rims = named("rims");
-  write.cost = named("cost");
-  write.solid = named("solid");
-  write.scene = named("scene");
-  write.graph = named("graph");
-  write.proxy = named("proxy");
-  write.vdbOptions.fog = named("fog");
-  write.up = arguments.up.front();
-  return write;
 }
 
 // What is to be broken: one of these.
@@ -158,7 +134,7 @@ class FractureRun {
       folders = objectFolders(arguments_.folder, input.meshes);
       for (const std::string& folder : folders) checkFractureFolder(folder);
     }
-    Device device = timed("device", [&] { return Device(arguments_.device); });
+    Device device = timed("device", [&] { return Device(arguments_.machine.device); });
     const std::vector<StageTime> before = times_;
     std::optional<Error> refused;
     for (std::size_t i = 0; i < input.meshes.size(); ++i) {
@@ -197,7 +173,7 @@ class FractureRun {
     const std::string title = titled(arguments_.mesh, source);
     const FractureResult result = breakInput(arguments_, input, source, title, device, progress_);
     times_.insert(times_.end(), result.times.begin(), result.times.end());
-    const WriteOptions write = writeOptions(arguments_);
+    const WriteOptions write = writeOptions(arguments_.write);
     const fs::path manifest = timed("write", [&] {
       return writeFracture(folder, source, arguments_.options, result, write, &progress_);
     });
@@ -227,13 +203,9 @@ class FractureRun {
 
 void runFracture(FractureArguments& arguments) {
   watchForInterrupts();
-  checkWriteOptions(writeOptions(arguments), arguments.options);
-  arguments.options.grow.keepCost = writeOptions(arguments).cost;
-  std::optional<tbb::global_control> threads;
-  if (arguments.threads > 0) {
-    threads.emplace(tbb::global_control::max_allowed_parallelism,
-                    static_cast<std::size_t>(arguments.threads));
-  }
+  checkWriteOptions(writeOptions(arguments.write), arguments.options);
+  arguments.options.grow.keepCost = writeOptions(arguments.write).cost;
+  const auto threads = limitedThreads(arguments.machine);
   try {
     FractureRun(arguments).run();
   } catch (const Error& e) {
@@ -300,44 +272,23 @@ void addFractureCommand(CLI::App& app, Action& run) {
   addGrowthOptions(*command, options);
   addErosionOptions(*command, options);
   addSurfaceOptions(*command, options);
-  addPointOptions(*command, arguments->files);
+  addPointOptions(*command, arguments->write.files);
   for (const char* ofMeshes : {"--seeds", "--missing", "--drop-share", "--erode-iterations",
                                "--fill", "--shell-thickness", "--grid", "--isovalue"}) {
     command->get_option("--only")->excludes(ofMeshes);
   }
-  command->add_option("--write", arguments->write, "What to write, separated by commas")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->check(CLI::IsMember({"labels", "vdb", "mesh", "preview", "seeds", "rims", "cost", "fog",
-                             "solid", "scene", "graph", "proxy"}))
-      ->default_str("labels,vdb,mesh,preview");
-  addVoxelFormatOption(*command, arguments->files);
-  addMeshFormatOption(*command, arguments->files);
-  addHostOptions(*command, arguments->files);
-  command->add_option("--up", arguments->up, "The mesh's axis that points up in the picture")
-      ->check(CLI::IsMember({"x", "y", "z"}))
-      ->default_str("y");
-  command
-      ->add_option("--device", arguments->device,
-                   "OpenCL device: auto, gpu, cpu or a part of its name (see sherd devices)")
-      ->capture_default_str();
-  command
-      ->add_option(
-          "--threads", arguments->threads,
-          "Threads of the host's work; default all cores (PoCL's own: POCL_MAX_PTHREAD_COUNT)")
-      ->transform(wholeNumber(1, 4096));
-  command
-      ->add_option("--max-memory", arguments->volume.maxMemory,
-                   "Refuse what would take more memory, such as 8G; default what is free")
-      ->transform(CLI::AsSizeValue(/*kb_is_1000=*/false))
-      ->type_name("SIZE");
+  addWriteOptions(*command, arguments->write);
+  addVoxelFormatOption(*command, arguments->write.files);
+  addMeshFormatOption(*command, arguments->write.files);
+  addHostOptions(*command, arguments->write.files, "--compress,--vdb-compress");
+  addMachineOptions(*command, arguments->machine);
   command->add_flag("--json", arguments->json, "Print one JSON object: counts, volumes, seconds");
   command->add_flag("--quiet", arguments->quiet, "Print nothing but warnings and errors");
   command->callback([arguments, command, &run] {
-    if (command->count("--max-memory") == 0) arguments->volume.maxMemory = freeMemory();
+    arguments->volume.maxMemory = arguments->machine.memory();
     arguments->volume.ownVoxels =
         command->count("--resolution") + command->count("--voxel-size") == 0;
-    checkPointOptions(arguments->files);
+    checkPointOptions(arguments->write.files);
     run = [arguments] { runFracture(*arguments); };
   });
 }

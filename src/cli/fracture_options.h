@@ -21,7 +21,21 @@ void addSurfaceOptions(CLI::App& command, FractureOptions& options);
 void addPointOptions(CLI::App& command, WriteOptions& write);
 void addVoxelFormatOption(CLI::App& command, WriteOptions& write);
 void addMeshFormatOption(CLI::App& command, WriteOptions& write);
-void addHostOptions(CLI::App& command, WriteOptions& write);
+
+///   compress  what the option that packs .vdb files is called
+void addHostOptions(CLI::App& command, WriteOptions& write, const std::string& compress);
+
+/// What is to be written, as it is told.
+struct WriteArguments {
+  std::vector<std::string> names{"labels", "vdb", "mesh", "preview"};
+  WriteOptions files{};  ///< all of it but what `names` and `up` tell
+  std::string up = "y";
+};
+
+/// --write and --up.
+void addWriteOptions(CLI::App& command, WriteArguments& arguments);
+
+[[nodiscard]] WriteOptions writeOptions(const WriteArguments& arguments);
 
 /// Refuses what cannot go together, before the work.
 ///   throws  CLI::ValidationError

@@ -4,14 +4,18 @@
 #include <sherd/version.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <new>
 #include <sstream>
+#include <string>
 #include <system_error>
+#include <vector>
 
 #include "cli/command.h"
+#include "cli/dataset_arguments.h"
 #include "io/atomic_file.h"
 
 namespace sherd::cli {
@@ -50,10 +54,12 @@ std::string oneLine(std::string text) {
 
 // Help and version are printed here; `run` stays empty then.
 void parse(int argc, char** argv, Action& run) {
-  CLI::App app("Breaks 3D models into fragments.");
+  CLI::App app("Breaks 3D models into fragments.", "sherd");
   app.set_version_flag("--version", "sherd " SHERD_VERSION, "Print the version");
   app.require_subcommand(1);
   addFractureCommand(app, run);
+  const CLI::App* const dataset = addDatasetCommand(app, run);
+  addMergeCommand(app, run);
   addInspectCommand(app, run);
   addConvertCommand(app, run);
   addEvaluateCommand(app, run);
@@ -63,7 +69,13 @@ void parse(int argc, char** argv, Action& run) {
       "Exit status: 0 done, 1 internal error, 2 usage, 3 input, 4 device, 5 output, 130 "
       "interrupted.");
   try {
-    app.parse(argc, argv);
+    std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
+    if (!arguments.empty() && arguments.front() == dataset->get_name()) {
+      arguments = expandedArguments({arguments.begin() + 1, arguments.end()}, *dataset);
+      arguments.insert(arguments.begin(), dataset->get_name());
+    }
+    std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them
+    app.parse(std::move(arguments));
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() != 0) {
       throw Error(ErrorCode::usage, oneLine(e.what()) + " (try sherd --help)");

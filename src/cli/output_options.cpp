@@ -181,7 +181,7 @@ void addMeshFormatOption(CLI::App& command, WriteOptions& write) {
       ->default_str("ply");
 }
 
-void addHostOptions(CLI::App& command, WriteOptions& write) {
+void addHostOptions(CLI::App& command, WriteOptions& write, const std::string& compress) {
   const std::string group = "Files for hosts";
   addChoice(command, "--vdb", write.vdbFiles, names::kVdbFiles,
             "A .vdb for each fragment, one fragments.vdb with all and their ids, or both")
@@ -190,7 +190,7 @@ void addHostOptions(CLI::App& command, WriteOptions& write) {
       .add_flag("--half", write.vdbOptions.half,
                 "Values of 16 bits in .vdb files: a third smaller, 0.001 voxel off")
       ->group(group);
-  addChoice(command, "--compress", write.vdbOptions.compression, names::kVdbCompression,
+  addChoice(command, compress, write.vdbOptions.compression, names::kVdbCompression,
             "How .vdb files are packed")
       ->group(group);
   command
@@ -205,6 +205,41 @@ void addHostOptions(CLI::App& command, WriteOptions& write) {
       ->check(numberBetween(0.0, 1e9, "0..1e9"))
       ->capture_default_str()
       ->group(group);
+}
+
+void addWriteOptions(CLI::App& command, WriteArguments& arguments) {
+  std::string usual;
+  for (const std::string& name : arguments.names) usual += (usual.empty() ? "" : ",") + name;
+  command.add_option("--write", arguments.names, "What to write, separated by commas")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember({"labels", "vdb", "mesh", "preview", "seeds", "rims", "cost", "fog",
+                             "solid", "scene", "graph", "proxy"}))
+      ->default_str(usual);
+  command.add_option("--up", arguments.up, "The mesh's axis that points up in the picture")
+      ->check(CLI::IsMember({"x", "y", "z"}))
+      ->default_str("y");
+}
+
+WriteOptions writeOptions(const WriteArguments& arguments) {
+  const auto named = [&](const char* name) {
+    return std::find(arguments.names.begin(), arguments.names.end(), name) != arguments.names.end();
+  };
+  WriteOptions write = arguments.files;
+  write.labels = named("labels");
+  write.vdb = named("vdb");
+  write.mesh = named("mesh");
+  write.preview = named("preview");
+  write.seeds = named("seeds");
+  write.rims = named("rims");
+  write.cost = named("cost");
+  write.solid = named("solid");
+  write.scene = named("scene");
+  write.graph = named("graph");
+  write.proxy = named("proxy");
+  write.vdbOptions.fog = named("fog");
+  write.up = arguments.up.front();
+  return write;
 }
 
 void checkPointOptions(const WriteOptions& write) {

@@ -134,7 +134,9 @@ std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
     const auto id = static_cast<std::uint16_t>(fragment.id);
     fragment.voxels = voxels[i + 1];
     fragment.voxelBox = voxelBox(solid, labels, id, leaves[i + 1]);
-    fragment.surface = fragmentLevelSet(solid, cut, id, leaves[i + 1]);
+    if (surface.levelSets || !(isShared || surface.surface == Surface::labels)) {
+      fragment.surface = fragmentLevelSet(solid, cut, id, leaves[i + 1]);
+    }
     if (surface.surface == Surface::labels) {
       VoxelMesh meshed =
           meshOfFaces(facesOf(solid, labels, before, id, leaves[i + 1]), solid.frame);

@@ -1,0 +1,134 @@
+// What a dataset run tells.
+#include "cli/dataset_telling.h"
+
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "cli/command.h"
+
+namespace sherd::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+void event(const Json& json) {
+  printResult(json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+std::string timeText(double seconds) {
+  const auto all = static_cast<long>(std::lround(seconds));
+  char text[32];
+  if (all >= 3600) {
+    std::snprintf(text, sizeof text, "%ld:%02ld:%02ld", all / 3600, all / 60 % 60, all % 60);
+  } else {
+    std::snprintf(text, sizeof text, "%ld:%02ld", all / 60, all % 60);
+  }
+  return text;
+}
+
+double leftOf(const DatasetProgress& told) {
+  if (told.fractures == 0) return 0.0;
+  const double rest = static_cast<double>(told.ofFractures) - static_cast<double>(told.fractures);
+  return std::max(0.0, rest) * told.seconds / static_cast<double>(told.fractures);
+}
+
+double rateOf(const DatasetProgress& told) {
+  return told.seconds > 0.0 ? static_cast<double>(told.fragments) / told.seconds : 0.0;
+}
+
+}  // namespace
+
+DatasetTelling::DatasetTelling(bool json, bool quiet)
+    : json_(json), terminal_(!json && !quiet && ::isatty(STDERR_FILENO) == 1), quiet_(quiet) {}
+
+DatasetWatch DatasetTelling::watch() {
+  DatasetWatch watch;
+  watch.progress = [this](const DatasetProgress& told) { progress(told); };
+  watch.failed = [this](const std::string& object, const std::string& reason) {
+    if (json_) return event({{"event", "failed"}, {"object", object}, {"reason", reason}});
+    say("sherd: " + object + " failed: " + reason);
+  };
+  watch.warning = [this](const std::string& sentence) {
+    if (json_) return event({{"event", "warning"}, {"warning", sentence}});
+    say("sherd: warning: " + sentence);
+  };
+  return watch;
+}
+
+void DatasetTelling::progress(const DatasetProgress& told) {
+  const bool isObject = told.objects != objects_;
+  objects_ = told.objects;
+  if (json_) {
+    event({{"event", isObject ? "object" : "fracture"},
+           {"object", told.object},
+           {"objects", told.objects},
+           {"of_objects", told.ofObjects},
+           {"fractures", told.fractures},
+           {"of_fractures", told.ofFractures},
+           {"fragments", told.fragments},
+           {"seconds", told.seconds},
+           {"seconds_left", leftOf(told)}});
+  } else if (terminal_) {
+    line(told);
+  } else if (isObject && !quiet_) {
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  ": %zu of %zu objects, %zu fractures, %.1f fragments/s, %s left", told.objects,
+                  told.ofObjects, told.fractures, rateOf(told), timeText(leftOf(told)).c_str());
+    printMessage(told.object + text);
+  }
+}
+
+void DatasetTelling::line(const DatasetProgress& told) {
+  const auto now = std::chrono::steady_clock::now();
+  if (drawn_ && now - last_ < std::chrono::milliseconds(100)) return;
+  const int percent =
+      told.ofFractures == 0 ? 100 : static_cast<int>(100 * told.fractures / told.ofFractures);
+  std::fprintf(
+      stderr,
+      "\r\x1b[K%3d %%  %zu of %zu objects, %zu of %zu fractures, %.1f fragments/s, %s left  %s",
+      percent, told.objects, told.ofObjects, told.fractures, told.ofFractures, rateOf(told),
+      timeText(leftOf(told)).c_str(), told.object.c_str());
+  std::fflush(stderr);
+  last_ = now;
+  drawn_ = true;
+}
+
+void DatasetTelling::say(const std::string& sentence) {
+  clear();
+  printMessage(sentence);
+}
+
+void DatasetTelling::clear() {
+  if (drawn_) std::fputs("\r\x1b[K", stderr);
+  drawn_ = false;
+}
+
+void DatasetTelling::done(const std::string& folder, const DatasetSummary& summary) {
+  clear();
+  if (json_) {
+    Json seconds = Json::object();
+    for (const StageTime& time : summary.times) seconds[time.stage] = time.seconds;
+    return event({{"event", "done"},
+                  {"folder", folder},
+                  {"complete", summary.complete},
+                  {"objects", summary.objects},
+                  {"failures", summary.failures},
+                  {"fractures", summary.fractures},
+                  {"fragments", summary.fragments},
+                  {"bytes", summary.bytes},
+                  {"seconds", seconds}});
+  }
+  if (quiet_) return;
+  char text[200];
+  std::snprintf(text, sizeof text,
+                ": %zu fractures of %zu objects, %zu fragments, %.3g GB; %zu objects failed\n",
+                summary.fractures, summary.objects, summary.fragments,
+                static_cast<double>(summary.bytes) * 1e-9, summary.failures);
+  printResult(folder + text);
+}
+
+}  // namespace sherd::cli

@@ -1,0 +1,33 @@
+// What a run may take of the machine.
+#include "cli/machine_options.h"
+
+#include <sherd/memory.h>
+
+namespace sherd::cli {
+
+std::uint64_t MachineOptions::memory() const { return maxMemory.value_or(freeMemory()); }
+
+void addMachineOptions(CLI::App& command, MachineOptions& options) {
+  command
+      .add_option("--device", options.device,
+                  "OpenCL device: auto, gpu, cpu or a part of its name (see sherd devices)")
+      ->capture_default_str();
+  command
+      .add_option(
+          "--threads", options.threads,
+          "Threads of the host's work; default all cores (PoCL's own: POCL_MAX_PTHREAD_COUNT)")
+      ->transform(wholeNumber(1, 4096));
+  command
+      .add_option("--max-memory", options.maxMemory,
+                  "Refuse what would take more memory, such as 8G; default what is free")
+      ->transform(CLI::AsSizeValue(/*kb_is_1000=*/false))
+      ->type_name("SIZE");
+}
+
+std::unique_ptr<tbb::global_control> limitedThreads(const MachineOptions& options) {
+  if (options.threads == 0) return nullptr;
+  return std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
+                                               static_cast<std::size_t>(options.threads));
+}
+
+}  // namespace sherd::cli

@@ -1,0 +1,30 @@
+// What a run may take of the machine.
+#pragma once
+
+#include <tbb/global_control.h>
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "cli/command.h"
+
+namespace sherd::cli {
+
+struct MachineOptions {
+  std::string device = "auto";
+  int threads = 0;                           ///< 0: all cores
+  std::optional<std::uint64_t> maxMemory{};  ///< bytes; none: what is free
+
+  /// Bytes that may be taken.
+  [[nodiscard]] std::uint64_t memory() const;
+};
+
+/// --device, --threads and --max-memory.
+void addMachineOptions(CLI::App& command, MachineOptions& options);
+
+/// Holds the host's work to options.threads as long as it lives; null where all cores may work.
+[[nodiscard]] std::unique_ptr<tbb::global_control> limitedThreads(const MachineOptions& options);
+
+}  // namespace sherd::cli

@@ -1,0 +1,84 @@
+// What the journal notes of a fracture.
+#include "dataset/fracture_line.h"
+
+#include <cmath>
+#include <glm/vec4.hpp>
+#include <numbers>
+
+#include "dataset/layout.h"
+#include "io/json_of.h"
+#include "random.h"
+
+namespace sherd {
+namespace {
+
+// A turn, every one as likely: w, x, y, z.
+// source  Shoemake, Uniform Random Rotations, Graphics Gems III, 1992
+std::array<double, 4> randomTurn(std::uint64_t seed, int id) {
+  const auto draw = [&](std::uint64_t k) {
+    return randomUnit(seed, Stage::datasetPose, static_cast<std::uint64_t>(id) * 4 + k);
+  };
+  const double u = draw(0), a = 2.0 * std::numbers::pi * draw(1),
+               b = 2.0 * std::numbers::pi * draw(2);
+  return {std::sqrt(u) * std::cos(b), std::sqrt(1.0 - u) * std::sin(a),
+          std::sqrt(1.0 - u) * std::cos(a), std::sqrt(u) * std::sin(b)};
+}
+
+// The pose: what is at p goes to turn (p - centroid).  The truth leads back: its turn, and then its
+// shift.
+Json poseJson(const Fragment& fragment, std::uint64_t seed) {
+  const auto [w, x, y, z] = randomTurn(seed, fragment.id);
+  return {{"turn", {w, x, y, z}},
+          {"centre", jsonOf(fragment.mass.centroid)},
+          {"truth_turn", {w, -x, -y, -z}},
+          {"truth_shift", jsonOf(fragment.mass.centroid)}};
+}
+
+}  // namespace
+
+FractureLine::FractureLine(const std::string& name, const PlannedFracture& planned,
+                           std::uint64_t seed, int attempt, const DrawnOptions& drawn)
+    : seed_(seed),
+      line_{{"fracture", name},
+            {"pieces", planned.pieces},
+            {"repeat", planned.repeat},
+            {"attempt", attempt},
+            {"seed", seed}} {
+  Json options = Json::object();
+  for (const auto& [option, value] : drawn) options[option] = value;
+  line_["options"] = std::move(options);
+}
+
+void FractureLine::addFragments(const FractureResult& result, const FractureFiles& names,
+                                const StagedFiles& files, bool poses) {
+  line_["labels"] = Json::array();
+  for (const std::string& label : names.labels) line_["labels"].push_back(files.stored(label));
+  line_["fragments"] = Json::array();
+  for (std::size_t i = 0; i < result.fragments.size(); ++i) {
+    const Fragment& fragment = result.fragments[i];
+    Json own = {
+        {"id", fragment.id},
+        {"voxels", fragment.voxels},
+        {"share", static_cast<double>(fragment.voxels) / static_cast<double>(result.solid.voxels)},
+        {"volume", fragment.mass.volume},
+        {"vertices", fragment.mesh.vertices.size()},
+        {"faces", fragment.mesh.triangles.size()},
+        {"contacts", Json::array()}};
+    for (const Contact& contact : fragment.contacts) {
+      own["contacts"].push_back({contact.fragment, contact.area});
+    }
+    if (poses) own["pose"] = poseJson(fragment, seed_);
+    if (i >= result.kept()) {
+      own["withheld"] = true;
+      own["files"] = Json::array();
+    } else {
+      own["files"] = Json::array();
+      for (const std::string& file : filesOfFragment(names, i)) {
+        own["files"].push_back(files.stored(file));
+      }
+    }
+    line_["fragments"].push_back(std::move(own));
+  }
+}
+
+}  // namespace sherd

@@ -1,0 +1,225 @@
+// The index of a dataset.
+#include "dataset/index.h"
+
+#include <sherd/error.h>
+
+#include <algorithm>
+#include <map>
+
+#include "dataset/fracture_line.h"
+#include "dataset/journal.h"
+#include "io/atomic_file.h"
+#include "io/input_error.h"
+#include "io/sha256.h"
+#include "mesh/file_bytes.h"
+#include "option_names.h"
+
+namespace sherd {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kPlanName = "dataset.json";
+constexpr const char* kSchema = "sherd-dataset/1";
+
+/// A file that is written line by line.
+class Lines {
+ public:
+  explicit Lines(const fs::path& file) : file_(file) {}
+  void add(const std::string& line) {
+    bytes_ += line;
+    bytes_ += '\n';
+    if (bytes_.size() < (std::size_t{1} << 20)) return;
+    file_.write(bytes_);
+    bytes_.clear();
+  }
+  void commit() {
+    file_.write(bytes_);
+    file_.commit();
+  }
+
+ private:
+  AtomicFile file_;
+  std::string bytes_;
+};
+
+std::string textOf(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+// A field of a CSV file (RFC 4180).
+std::string quoted(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"') out += '"';
+    out += c;
+  }
+  return out + '"';
+}
+
+std::string joinedBy(const Json& list, const char* separator) {
+  std::string all;
+  for (const Json& one : list) {
+    if (!all.empty()) all += separator;
+    all += one.is_string()  ? one.get<std::string>()
+           : one.is_array() ? joinedBy(one, ":")
+                            : textOf(one);
+  }
+  return all;
+}
+
+// The columns of index.csv, each a key of a row.
+constexpr std::array<const char*, 23> kColumns{
+    "object",  "fracture", "id",     "pieces", "repeat",   "attempt",    "seed",       "split",
+    "options", "voxels",   "share",  "volume", "vertices", "faces",      "contacts",   "withheld",
+    "labels",  "files",    "sha256", "turn",   "centre",   "truth_turn", "truth_shift"};
+
+std::string csvOf(const Json& row) {
+  std::string line;
+  for (const char* column : kColumns) {
+    if (column != kColumns.front()) line += ',';
+    const auto found = row.find(column);
+    if (found == row.end() || found->is_null()) continue;
+    if (std::string_view(column) == "options") {
+      if (!found->empty()) line += quoted(textOf(*found));
+    } else if (found->is_array()) {
+      line += quoted(joinedBy(*found, ";"));
+    } else {
+      line += found->is_string() ? quoted(found->get<std::string>()) : textOf(*found);
+    }
+  }
+  return line;
+}
+
+// The row of a fragment.
+Json rowOf(const std::string& key, const std::string& split, const Json& line,
+           const Json& fragment) {
+  std::map<std::string, std::string> sums;
+  for (const FileRecord& file : filesOf(line)) sums[file.name] = file.sha256;
+  Json row = {{"object", key},
+              {"fracture", line.at("fracture")},
+              {"id", fragment.at("id")},
+              {"pieces", line.at("pieces")},
+              {"repeat", line.at("repeat")},
+              {"attempt", line.at("attempt")},
+              {"seed", line.at("seed")},
+              {"split", split},
+              {"options", line.at("options")},
+              {"voxels", fragment.at("voxels")},
+              {"share", fragment.at("share")},
+              {"volume", fragment.at("volume")},
+              {"vertices", fragment.at("vertices")},
+              {"faces", fragment.at("faces")},
+              {"contacts", fragment.at("contacts")},
+              {"withheld", fragment.value("withheld", false)},
+              {"labels", line.at("labels")},
+              {"files", fragment.at("files")},
+              {"sha256", Json::array()}};
+  for (const Json& file : fragment.at("files")) row["sha256"].push_back(sums[file]);
+  if (fragment.contains("pose")) row.update(fragment.at("pose"));
+  return row;
+}
+
+std::string failureLine(const std::string& key, const std::string& reason) {
+  return textOf({{"object", key}, {"reason", reason}});
+}
+
+}  // namespace
+
+bool hasPlan(const fs::path& out) { return fs::exists(out / kPlanName); }
+
+void writePlan(const fs::path& out, const DatasetPlan& plan) {
+  Json objects = Json::array();
+  for (const LibraryObject& object : plan.objects) {
+    objects.push_back({{"key", object.key}, {"folder", object.folder}, {"bytes", object.bytes}});
+  }
+  const Json json = {
+      {"schema", kSchema},    {"layout", names::of(names::kDatasetLayout, plan.layout)},
+      {"seed", plan.seed},    {"split", plan.split},
+      {"options", plan.text}, {"objects", std::move(objects)}};
+  writeWhole(out / kPlanName, json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+DatasetPlan readPlan(const fs::path& out) {
+  const fs::path file = out / kPlanName;
+  if (!fs::exists(file)) inputError(out, "is no dataset: it has no dataset.json");
+  DatasetPlan plan;
+  try {
+    const Json json = Json::parse(readFileBytes(file));
+    if (json.at("schema") != kSchema) inputError(file, "is of another schema");
+    const std::string layout = json.at("layout");
+    const auto* const found =
+        std::find(std::begin(names::kDatasetLayout), std::end(names::kDatasetLayout), layout);
+    if (found == std::end(names::kDatasetLayout)) {
+      inputError(file, "names a layout that is not known");
+    }
+    plan.layout = static_cast<DatasetLayout>(found - std::begin(names::kDatasetLayout));
+    plan.seed = json.at("seed");
+    plan.split = json.at("split");
+    plan.text = json.at("options");
+    for (const Json& object : json.at("objects")) {
+      plan.objects.push_back({object.at("key"), object.at("folder"), {}, object.at("bytes")});
+    }
+  } catch (const Json::exception& e) {
+    inputError(file, std::string("is damaged: ") + e.what());
+  }
+  return plan;
+}
+
+std::string splitOf(const std::string& key, const std::array<int, 3>& shares) {
+  const int all = shares[0] + shares[1] + shares[2];
+  const std::string sum = sha256(key);
+  const auto place = static_cast<int>(std::stoul(sum.substr(0, 7), nullptr, 16) %
+                                      static_cast<unsigned long>(std::max(all, 1)));
+  if (place < shares[0]) return "train";
+  return place < shares[0] + shares[1] ? "val" : "test";
+}
+
+DatasetSummary writeIndex(const fs::path& out, const DatasetPlan& plan) {
+  DatasetSummary summary;
+  Lines csv(out / "index.csv"), jsonl(out / "index.jsonl"), failures(out / "failures.jsonl");
+  std::string head;
+  for (const char* column : kColumns) head += (head.empty() ? "" : ",") + std::string(column);
+  csv.add(head);
+  std::map<std::string, std::string> lists;  // of keys, by split
+  for (const LibraryObject& object : plan.objects) {
+    if (!fs::exists(journalOf(out, object))) {
+      summary.complete = false;
+      continue;
+    }
+    const JournalText journal = readJournal(journalOf(out, object));
+    if (journal.failed) {
+      failures.add(failureLine(object.key, *journal.failed));
+      ++summary.failures;
+      continue;
+    }
+    if (!journal.done) {
+      summary.complete = false;
+      continue;
+    }
+    ++summary.objects;
+    const std::string split = splitOf(object.key, plan.split);
+    lists[split] += object.key + "\n";
+    for (const Json& line : journal.fractures) {
+      const bool isWhole = line.at("fracture") == kWholeName;
+      summary.fractures += isWhole ? 0 : 1;
+      for (const FileRecord& file : filesOf(line)) summary.bytes += file.bytes;
+      for (const Json& fragment : line.at("fragments")) {
+        const Json row = rowOf(object.key, split, line, fragment);
+        csv.add(csvOf(row));
+        jsonl.add(textOf(row));
+        if (!isWhole && !fragment.value("withheld", false)) ++summary.fragments;
+      }
+    }
+  }
+  csv.commit();
+  jsonl.commit();
+  failures.commit();
+  for (const char* split : {"train", "val", "test"}) {
+    writeWhole(out / (std::string(split) + ".txt"), lists[split]);
+  }
+  return summary;
+}
+
+}  // namespace sherd

@@ -1,0 +1,40 @@
+// The index of a dataset: a row for each fragment, out of the journals.
+#pragma once
+
+#include <sherd/dataset.h>
+
+#include <filesystem>
+#include <string>
+
+#include "dataset/journal.h"
+
+namespace sherd {
+
+/// What the run keeps of itself below its folder, so that others can go on.
+struct DatasetPlan {
+  std::string text;                    ///< DatasetOptions::plan
+  std::vector<LibraryObject> objects;  ///< of all shards
+  DatasetLayout layout = DatasetLayout::sherd;
+  std::array<int, 3> split{};
+  std::uint64_t seed = 0;
+};
+
+///   throws  Error(output)
+void writePlan(const std::filesystem::path& out, const DatasetPlan& plan);
+
+///   throws  Error(input) it is no dataset
+[[nodiscard]] DatasetPlan readPlan(const std::filesystem::path& out);
+
+/// Whether a folder is a dataset.
+[[nodiscard]] bool hasPlan(const std::filesystem::path& out);
+
+/// Which part of the split an object is in: "train", "val" or "test".  By its key alone, so it
+/// stays there when others are added.
+[[nodiscard]] std::string splitOf(const std::string& key, const std::array<int, 3>& shares);
+
+/// Write index.csv, index.jsonl, failures.jsonl and the lists of the splits from the journals.
+/// Objects that are neither done nor failed are left out, and the summary is not complete.
+///   throws  Error(output)
+DatasetSummary writeIndex(const std::filesystem::path& out, const DatasetPlan& plan);
+
+}  // namespace sherd

@@ -1,0 +1,133 @@
+// What is done of an object, noted as it is done.
+#include "dataset/journal.h"
+
+#include <fcntl.h>
+#include <sherd/error.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <fstream>
+
+#include "io/atomic_file.h"
+
+namespace sherd {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void cannot(const fs::path& file, int number) {
+  throw Error(ErrorCode::output, file.string() + ": cannot be written: " + reasonOf(number));
+}
+
+}  // namespace
+
+fs::path journalOf(const fs::path& out, const LibraryObject& object) {
+  return out / "journal" / (object.folder + ".jsonl");
+}
+
+Json jsonOf(const std::vector<FileRecord>& files) {
+  Json list = Json::array();
+  for (const FileRecord& file : files) list.push_back({file.name, file.bytes, file.sha256});
+  return list;
+}
+
+std::vector<FileRecord> filesOf(const Json& line) {
+  std::vector<FileRecord> files;
+  for (const Json& file : line.value("files", Json::array())) {
+    files.push_back({file.at(0), file.at(1), file.at(2)});
+  }
+  return files;
+}
+
+JournalText readJournal(const fs::path& file) {
+  JournalText text;
+  std::ifstream in(file, std::ios::binary);
+  for (std::string line; std::getline(in, line);) {
+    if (in.eof()) break;  // without its end: cut off
+    Json json = Json::parse(line, nullptr, false);
+    if (json.is_discarded() || !json.is_object()) break;
+    text.bytes += line.size() + 1;
+    if (json.contains("object")) {
+      text.sha256 = json.value("sha256", "");
+    } else if (json.contains("fracture")) {
+      text.fractures.push_back(std::move(json));
+    } else if (json.contains("done")) {
+      text.done = true;
+    } else if (json.contains("failed")) {
+      text.failed = json.value("failed", "");
+    }
+  }
+  return text;
+}
+
+Journal::Journal(const fs::path& out, const LibraryObject& object)
+    : file_(journalOf(out, object)), key_(object.key) {
+  std::error_code failed;
+  fs::create_directories(file_.parent_path(), failed);
+  if (failed) cannot(file_.parent_path(), failed.value());
+  descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+  if (descriptor_ < 0) cannot(file_, errno);
+  try {
+    if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+      throw Error(ErrorCode::output, file_.string() +
+                                         ": another sherd works on this object; wait for it, or "
+                                         "give each a --shard of its own");
+    }
+    text_ = readJournal(file_);
+    if (::ftruncate(descriptor_, static_cast<off_t>(text_.bytes)) != 0) cannot(file_, errno);
+  } catch (...) {
+    ::close(descriptor_);
+    throw;
+  }
+}
+
+Journal::~Journal() { ::close(descriptor_); }
+
+void Journal::write(const Json& line) {
+  const std::string text = line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  std::string_view rest = text;
+  while (!rest.empty()) {
+    const ssize_t n = ::write(descriptor_, rest.data(), rest.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) cannot(file_, n < 0 ? errno : EIO);
+    rest.remove_prefix(static_cast<std::size_t>(n));
+  }
+}
+
+std::vector<FileRecord> Journal::files() const {
+  std::vector<FileRecord> all;
+  for (const Json& line : text_.fractures) {
+    const std::vector<FileRecord> files = filesOf(line);
+    all.insert(all.end(), files.begin(), files.end());
+  }
+  return all;
+}
+
+std::uint64_t Journal::archiveBytes() const {
+  return text_.fractures.empty() ? 0 : text_.fractures.back().value("archive", std::uint64_t{0});
+}
+
+void Journal::begin(const std::string& sha256) {
+  text_.sha256 = sha256;
+  write({{"object", key_}, {"sha256", sha256}});
+}
+
+void Journal::add(Json fracture) { write(fracture); }
+
+void Journal::finish(const std::vector<FileRecord>& files) {
+  write({{"done", true}, {"files", jsonOf(files)}});
+  text_.done = true;
+}
+
+void Journal::fail(const std::string& reason) {
+  write({{"failed", reason}});
+  text_.failed = reason;
+}
+
+void Journal::clear() {
+  if (::ftruncate(descriptor_, 0) != 0) cannot(file_, errno);
+  text_ = {};
+}
+
+}  // namespace sherd

@@ -1,0 +1,127 @@
+// The meshes of a library.
+#include <fnmatch.h>
+#include <sherd/dataset.h>
+#include <sherd/error.h>
+#include <sherd/volume.h>
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <numeric>
+
+#include "io/input_error.h"
+#include "lower_case.h"
+
+namespace sherd {
+namespace {
+
+namespace fs = std::filesystem;
+
+LibraryObject objectAt(const fs::path& file, std::string key) {
+  std::error_code ignored;
+  const std::uintmax_t bytes = fs::file_size(file, ignored);
+  return {std::move(key), {}, file, ignored ? 0 : bytes};
+}
+
+void addFolder(const fs::path& folder, std::vector<LibraryObject>& found) {
+  const auto hidden = [](const fs::path& path) {
+    return path.filename().string().starts_with('.');
+  };
+  for (fs::recursive_directory_iterator at(folder), end; at != end; ++at) {
+    if (hidden(at->path())) {
+      if (at->is_directory()) at.disable_recursion_pending();
+      continue;
+    }
+    if (!at->is_regular_file() || !(isMeshName(at->path()) || isVolumeName(at->path()))) continue;
+    found.push_back(objectAt(at->path(), at->path().lexically_relative(folder).generic_string()));
+  }
+}
+
+void addList(const fs::path& list, std::vector<LibraryObject>& found) {
+  std::ifstream in(list);
+  if (!in) inputError(list, "cannot be read");
+  std::size_t number = 0;
+  for (std::string line; std::getline(in, line);) {
+    ++number;
+    if (line.ends_with('\r')) line.pop_back();
+    if (line.empty() || line.starts_with('#')) continue;
+    const fs::path named = fs::path(line).lexically_normal();
+    const fs::path relative = named.relative_path();  // without the root of an absolute one
+    if (relative.empty() || *relative.begin() == "..") {
+      throw Error(ErrorCode::input, list.string() + ":" + std::to_string(number) +
+                                        ": leads out of the list's own folder; name it from the "
+                                        "root, or put the list above it");
+    }
+    found.push_back(objectAt(list.parent_path() / named, relative.generic_string()));
+  }
+}
+
+std::string withoutExtensions(const std::string& key) {
+  fs::path path(key);
+  if (lowerCase(path.extension().string()) == ".gz") path.replace_extension();
+  return path.replace_extension().generic_string();
+}
+
+void nameFolders(std::vector<LibraryObject>& objects) {
+  std::map<std::string, int> taken;
+  for (const LibraryObject& object : objects) ++taken[lowerCase(withoutExtensions(object.key))];
+  for (LibraryObject& object : objects) {
+    const std::string plain = withoutExtensions(object.key);
+    object.folder = taken[lowerCase(plain)] == 1 ? plain : object.key;
+  }
+}
+
+}  // namespace
+
+std::vector<LibraryObject> findObjects(const fs::path& library, const LibraryOptions& options) {
+  std::vector<LibraryObject> found;
+  try {
+    if (fs::is_directory(library)) {
+      addFolder(library, found);
+    } else if (fs::is_regular_file(library)) {
+      addList(library, found);
+    } else {
+      inputError(library, "is neither a folder of meshes nor a list of them");
+    }
+  } catch (const fs::filesystem_error& e) {
+    inputError(library, std::string("cannot be looked through: ") + e.code().message());
+  }
+  const auto byKey = [](const auto& a, const auto& b) { return a.key < b.key; };
+  std::sort(found.begin(), found.end(), byKey);
+  const auto sameKey = [](const auto& a, const auto& b) { return a.key == b.key; };
+  found.erase(std::unique(found.begin(), found.end(), sameKey), found.end());
+  nameFolders(found);  // by all that is there: a narrower choice must not name them anew
+  if (!options.match.empty()) {
+    std::erase_if(found, [&](const LibraryObject& object) {
+      return ::fnmatch(options.match.c_str(), object.key.c_str(), 0) != 0;
+    });
+  }
+  if (options.limit > 0 && found.size() > options.limit) found.resize(options.limit);
+  if (found.empty()) {
+    inputError(library, options.match.empty() ? "has no mesh in it"
+                                              : "has no mesh that matches " + options.match);
+  }
+  return found;
+}
+
+std::vector<LibraryObject> shardOf(const std::vector<LibraryObject>& objects, Shard shard) {
+  std::vector<std::size_t> order(objects.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return objects[a].bytes > objects[b].bytes;
+  });
+  std::vector<std::uintmax_t> load(static_cast<std::size_t>(shard.of), 0);
+  std::vector<std::size_t> chosen;
+  for (const std::size_t i : order) {
+    const auto least = std::min_element(load.begin(), load.end());
+    // Breaking takes its time, however small the file.
+    *least += objects[i].bytes + (std::uintmax_t{1} << 20);
+    if (least - load.begin() == shard.number - 1) chosen.push_back(i);
+  }
+  std::sort(chosen.begin(), chosen.end());
+  std::vector<LibraryObject> mine;
+  for (const std::size_t i : chosen) mine.push_back(objects[i]);
+  return mine;
+}
+
+}  // namespace sherd

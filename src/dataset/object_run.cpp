@@ -1,0 +1,307 @@
+// One object: read, made a solid once, broken as often as it is planned.
+//
+//     grow ──▶ cut out, mesh, sample, write ──▶ keep, note
+//     in order     several at a time            in order
+//
+// How many fractures are on their way at a time is bounded, and so is memory.
+#include "dataset/object_run.h"
+
+#include <sherd/error.h>
+#include <sherd/memory.h>
+#include <sherd/volume.h>
+#include <tbb/parallel_pipeline.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <type_traits>
+#include <utility>
+
+#include "dataset/distinct.h"
+#include "dataset/fracture_line.h"
+#include "dataset/layout.h"
+#include "dataset/store.h"
+#include "fracture_stages.h"
+#include "io/fracture_files.h"
+#include "io/mesh_report.h"
+
+namespace sherd {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double secondsSince(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+/// A fracture on its way.
+struct Work {
+  PlannedFracture planned;
+  std::size_t number = 0;
+  int attempt = 0;
+  FractureOptions options;
+  DrawnOptions drawn;
+  GrownFracture grown;
+  std::unique_ptr<StagedFiles> files;
+  Json line;
+  std::size_t fragments = 0;
+};
+
+struct Input {
+  SourceMesh source;
+  std::optional<Solid> solid;  // of a volume
+};
+
+class ObjectRun {
+ public:
+  ObjectRun(const LibraryObject& object, Journal& journal, const DatasetRun& run)
+      : object_(object), journal_(journal), run_(run), options_(run.options) {}
+
+  void go() {
+    try {
+      breakObject();
+    } catch (const Error& e) {
+      if (e.code() != ErrorCode::cancelled || run_.cancelled()) throw;
+      throw Error(ErrorCode::input, "took longer than the " +
+                                        std::to_string(std::lround(options_.objectTimeout)) +
+                                        " s that an object may take");
+    }
+  }
+
+ private:
+  void breakObject() {
+    Input input = timed("read", [&] { return read(); });
+    if (!journal_.text().sha256.empty() && journal_.text().sha256 != input.source.sha256)
+      journal_.clear();
+    store_.emplace(run_.out, objectFolder(options_.layout, object_), options_.layout,
+                   options_.compression, journal_.files(), journal_.archiveBytes());
+    if (journal_.text().sha256.empty()) journal_.begin(input.source.sha256);
+    breakAll(input);
+    journal_.finish(store_->finish());
+  }
+
+  template <class Do>
+  std::invoke_result_t<Do> timed(const char* stage, const Do& what) {
+    const Clock::time_point begin = Clock::now();
+    auto result = what();
+    run_.times.add(stage, secondsSince(begin));
+    return result;
+  }
+
+  Input read() {
+    if (!isVolumeName(object_.file)) return {readMesh(object_.file, &progress_), {}};
+    VolumeOptions options;
+    options.maxMemory = options_.maxMemory;
+    options.ownVoxels = false;  // objects of one library are broken at one resolution
+    return {std::move(readVolume(object_.file, options).source), {}};
+  }
+
+  void breakAll(const Input& input) {
+    const SourceMesh& source = input.source;
+    for (const std::string& warning : source.warnings) run_.warning(warning);
+    FractureOptions base = options_.fracture;
+    base.pieces = options_.schedule.most;
+    requireMemory(source.mesh, base, options_.maxMemory);
+    memory_ = estimatedMemory(source.mesh, base);
+    const PreparedSolid ready = timed("voxelize", [&] {
+      const SolidOptions solid{.resolution = base.resolution,
+                               .voxelSize = base.voxelSize,
+                               .fill = base.fill,
+                               .shellThickness = base.shellThickness};
+      return prepared(voxelize(source.mesh, solid, &progress_), run_.device);
+    });
+    const FractureWriter writer(source, options_.write);
+    source_ = &source;
+    ready_ = &ready;
+    writer_ = &writer;
+    for (const Json& line : journal_.text().fractures) done_.insert(line.at("fracture"));
+    if (!done_.contains(kWholeName)) breakNot();
+    breakPlanned();
+    run_.device.freeBuffers();
+  }
+
+  NamedObject named(const FractureOptions& options) const {
+    return {*source_, writer_->materials(), options, options_.write,
+            ready_->solid.box.longestSide()};
+  }
+
+  // The unbroken object, as a fracture of one fragment.
+  void breakNot() {
+    const Solid& solid = ready_->solid;
+    FractureOptions options = options_.fracture;
+    options.pieces = 1;
+    FractureResult whole;
+    whole.solid = solid;
+    whole.parts = ready_->parts.count();
+    whole.labels.fragment.assign(solid.blocks.count() * 512, 0);
+    const auto label = [&](const std::vector<std::uint64_t>& mask, std::uint16_t with) {
+      for (std::size_t place = 0; place < whole.labels.fragment.size(); ++place) {
+        if ((mask[place / 64] >> (place % 64)) & 1) whole.labels.fragment[place] = with;
+      }
+    };
+    label(solid.blocks.inside, 1);
+    label(solid.blocks.outerBand, 1);
+    whole.fragments =
+        extractFragments(solid, whole.labels, 1, nullptr, options.surface, &progress_);
+    whole.worn = {0, 0};
+    label(solid.blocks.inside, Labels::kWorn);  // solid, and of no fragment
+    const NamedFiles names = wholeNames(options_.layout, named(options));
+    const auto files = store_->stage(names.prefix);
+    if (options_.layout == DatasetLayout::bb) intoUnitBox(whole);
+    writer_->write(*files, names.files, options, whole, &progress_);
+    FractureLine line(kWholeName, {0, 0}, options.seed, 0, {});
+    line.addFragments(whole, names.files, *files, options_.poses);
+    keep(*files, line.json());
+  }
+
+  void breakPlanned() {
+    const std::vector<PlannedFracture> planned = fracturesOf(options_.schedule);
+    std::size_t next = 0;
+    const auto give = [&](tbb::flow_control& control) -> std::shared_ptr<Work> {
+      for (; next < planned.size(); ++next) {
+        const bool isDone = done_.contains(planned[next].name());
+        if (isDone && options_.distinct <= 0.0) continue;
+        auto work = grown(planned[next], next, isDone);
+        if (isDone) continue;
+        ++next;
+        return work;
+      }
+      control.stop();
+      return nullptr;
+    };
+    const auto finish = [&](std::shared_ptr<Work> work) {
+      finishFragments(*work);
+      return work;
+    };
+    const auto note = [&](const std::shared_ptr<Work>& work) {
+      keep(*work->files, std::move(work->line));
+      run_.fractured(work->fragments);
+    };
+    using Mode = tbb::filter_mode;
+    tbb::parallel_pipeline(
+        onTheirWay(),
+        tbb::make_filter<void, std::shared_ptr<Work>>(Mode::serial_in_order, give) &
+            tbb::make_filter<std::shared_ptr<Work>, std::shared_ptr<Work>>(Mode::parallel, finish) &
+            tbb::make_filter<std::shared_ptr<Work>, void>(Mode::serial_in_order, note));
+  }
+
+  // One more than there are threads keeps them busy while one is being noted.
+  std::size_t onTheirWay() const {
+    const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+    const std::size_t fit = memory_ > 0 ? options_.maxMemory / memory_ : threads;
+    return std::clamp<std::size_t>(fit, 1, threads + 1);
+  }
+
+  // Seeded and grown; again where it is too much like an earlier one.
+  std::shared_ptr<Work> grown(const PlannedFracture& planned, std::size_t number, bool isDone) {
+    const Clock::time_point begin = Clock::now();
+    int attempt = isDone ? attemptOf(planned) : 0;
+    for (;; ++attempt) {
+      auto work = std::make_shared<Work>();
+      work->planned = planned;
+      work->number = number;
+      work->attempt = attempt;
+      work->options = options_.fracture;
+      const std::uint64_t seed =
+          fractureSeed(options_.seed, journal_.text().sha256, planned, attempt);
+      if (options_.draw) work->drawn = options_.draw(seed, work->options);
+      work->options.pieces = planned.pieces;
+      work->options.seed = seed;
+      work->options.grow.rehearse = !std::exchange(rehearsed_, true);
+      work->options.surface.levelSets = options_.write.vdb || options_.write.vdbOptions.fog;
+      work->grown = grow(*ready_, work->options, run_.device, StageClock(), &progress_);
+      if (options_.distinct > 0.0) {
+        const bool isNew = distinct_.add(ready_->solid.blocks, work->grown.result.labels,
+                                         work->grown.fragments, options_.distinct, isDone);
+        if (!isNew && attempt + 1 < options_.tries) continue;
+        if (!isNew) {
+          throw Error(ErrorCode::input, "no fracture into " + std::to_string(planned.pieces) +
+                                            " pieces differs enough from the others in " +
+                                            std::to_string(options_.tries) +
+                                            " tries; lower --distinct");
+        }
+      }
+      run_.times.add("grow", secondsSince(begin));
+      return work;
+    }
+  }
+
+  int attemptOf(const PlannedFracture& planned) const {
+    for (const Json& line : journal_.text().fractures) {
+      if (line.at("fracture") == planned.name()) return line.value("attempt", 0);
+    }
+    return 0;
+  }
+
+  void finishFragments(Work& work) {
+    Clock::time_point begin = Clock::now();
+    FractureResult result = extracted(std::move(work.grown), work.options, &progress_);
+    run_.times.add("extract", secondsSince(begin));
+    begin = Clock::now();
+    const NamedFiles names = fractureNames(options_.layout, named(work.options), work.planned,
+                                           work.number, result.kept());
+    work.files = store_->stage(names.prefix);
+    FractureLine line(work.planned.name(), work.planned, work.options.seed, work.attempt,
+                      work.drawn);
+    line.addFragments(result, names.files, *work.files, options_.poses);
+    if (options_.layout == DatasetLayout::bb) intoUnitBox(result);
+    writer_->write(*work.files, names.files, work.options, result, &progress_);
+    if (!names.manifest.empty()) {
+      OutputFile(*work.files, names.manifest)
+          .write(manifestText(*source_, work.options, result, names.files, options_.write));
+    }
+    work.fragments = result.kept();
+    work.line = line.json();
+    const double storing = work.files->seconds();
+    run_.times.add("store", storing);
+    run_.times.add("write", secondsSince(begin) - storing);
+  }
+
+  void keep(StagedFiles& files, Json line) {
+    line["files"] = jsonOf(store_->keep(files));
+    line["archive"] = store_->archiveBytes();
+    journal_.add(std::move(line));
+  }
+
+  // Breaking Bad's objects: the longest side 1, its middle at 0.
+  void intoUnitBox(FractureResult& result) const {
+    const Box box = bounds(source_->mesh);
+    const glm::dvec3 middle = (box.min + box.max) / 2.0;
+    const double scale = 1.0 / longestSide(box);
+    const auto move = [&](TriangleMesh& mesh) {
+      for (glm::dvec3& v : mesh.vertices) v = (v - middle) * scale;
+    };
+    for (Fragment& fragment : result.fragments) {
+      move(fragment.mesh);
+      for (CoarseMesh& coarse : fragment.coarse) move(coarse.mesh);
+    }
+  }
+
+  const LibraryObject& object_;
+  Journal& journal_;
+  const DatasetRun& run_;
+  const DatasetOptions& options_;
+  Clock::time_point begin_ = Clock::now();
+  Progress progress_{.report = {}, .cancelled = [this] {
+                       return run_.cancelled() || secondsSince(begin_) > options_.objectTimeout;
+                     }};
+  std::optional<ObjectStore> store_;
+  const SourceMesh* source_ = nullptr;
+  const PreparedSolid* ready_ = nullptr;
+  const FractureWriter* writer_ = nullptr;
+  std::set<std::string> done_;
+  Distinct distinct_;
+  std::uint64_t memory_ = 0;
+  bool rehearsed_ = false;
+};
+
+}  // namespace
+
+void runObject(const LibraryObject& object, Journal& journal, const DatasetRun& run) {
+  ObjectRun(object, journal, run).go();
+}
+
+}  // namespace sherd

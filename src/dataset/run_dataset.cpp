@@ -1,0 +1,195 @@
+// A whole library.
+#include <sherd/dataset.h>
+#include <sherd/error.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <new>
+#include <set>
+
+#include "dataset/fracture_line.h"
+#include "dataset/index.h"
+#include "dataset/object_run.h"
+#include "io/atomic_file.h"
+
+namespace sherd {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+void check(const DatasetOptions& options) {
+  const auto need = [](bool good, const char* sentence) {
+    if (!good) throw Error(ErrorCode::usage, sentence);
+  };
+  const Schedule& schedule = options.schedule;
+  need(schedule.fewest >= 1 && schedule.fewest <= schedule.most && schedule.most <= kMaxFragments,
+       "pieces are a range from 1 up");
+  need(schedule.repeatsOfFewest >= 0 && schedule.repeatsOfMost >= 0, "repeats are from 0 up");
+  need(options.distinct >= 0.0 && options.distinct < 1.0, "the share of --distinct lies in 0..1");
+  need(options.shard.of >= 1 && options.shard.number >= 1 &&
+           options.shard.number <= options.shard.of,
+       "a shard is i/N with i in 1..N");
+  const auto& split = options.split;
+  need(std::all_of(split.begin(), split.end(), [](int share) { return share >= 0; }) &&
+           split[0] + split[1] + split[2] > 0,
+       "a split is three shares, such as 80/10/10");
+}
+
+// The folder, ready for this run.
+void prepareFolder(const fs::path& out, const DatasetPlan& plan, bool resume) {
+  std::error_code failed;
+  fs::create_directories(out, failed);
+  if (failed) {
+    throw Error(ErrorCode::output, out.string() + ": cannot be made: " + reasonOf(failed.value()));
+  }
+  if (hasPlan(out)) {
+    const DatasetPlan before = readPlan(out);
+    const auto same = [](const LibraryObject& a, const LibraryObject& b) {
+      return a.key == b.key && a.folder == b.folder;
+    };
+    if (before.text != plan.text || before.layout != plan.layout) {
+      throw Error(ErrorCode::usage, out.string() +
+                                        ": holds a dataset of other options, told in its "
+                                        "dataset.json; repeat them or name another folder");
+    }
+    if (!resume) {
+      throw Error(ErrorCode::usage,
+                  out.string() + ": holds such a dataset already; go on with --resume");
+    }
+    if (!std::equal(before.objects.begin(), before.objects.end(), plan.objects.begin(),
+                    plan.objects.end(), same)) {
+      writePlan(out, plan);  // objects have been added
+    }
+    return;
+  }
+  if (!fs::is_empty(out)) {
+    throw Error(ErrorCode::output,
+                out.string() + ": is not empty and no dataset; name an absent or empty folder");
+  }
+  writePlan(out, plan);
+}
+
+class LibraryRun {
+ public:
+  LibraryRun(const fs::path& out, const DatasetOptions& options, Device& device,
+             const DatasetWatch& watch)
+      : out_(out), options_(options), device_(device), watch_(watch) {}
+
+  void go(const std::vector<LibraryObject>& objects) {
+    const std::size_t each = fracturesOf(options_.schedule).size();
+    told_.ofObjects = objects.size();
+    told_.ofFractures = each * objects.size();
+    for (const LibraryObject& object : objects) {
+      told_.object = object.key;
+      Journal journal(out_, object);
+      if (journal.text().done || journal.text().failed) {
+        told_.ofFractures -= each;
+      } else {
+        const std::size_t already = journal.text().fractures.size();
+        told_.ofFractures -= std::min(each, already > 0 ? already - 1 : 0);
+        breakOne(object, journal, each);
+      }
+      ++told_.objects;
+      tell();
+    }
+  }
+
+  [[nodiscard]] std::vector<StageTime> times() const {
+    std::vector<StageTime> all;
+    for (const auto& [stage, seconds] : sums_.all()) all.push_back({stage, seconds});
+    return all;
+  }
+
+ private:
+  void breakOne(const LibraryObject& object, Journal& journal, std::size_t each) {
+    const DatasetRun run{out_,
+                         options_,
+                         device_,
+                         [this] { return watch_.cancelled && watch_.cancelled(); },
+                         [this](std::size_t fragments) {
+                           ++told_.fractures;
+                           told_.fragments += fragments;
+                           tell();
+                         },
+                         [this](const std::string& warning) {
+                           if (watch_.warning) watch_.warning(warning);
+                         },
+                         sums_};
+    try {
+      runObject(object, journal, run);
+    } catch (const Error& e) {
+      // What is wrong with one object, or with its options, is not the end.
+      if (e.code() != ErrorCode::input && e.code() != ErrorCode::usage) throw;
+      fail(object, journal, e.what(), each);
+    } catch (const std::bad_alloc&) {
+      fail(object, journal, "not enough memory; try a lower --resolution", each);
+    }
+  }
+
+  void fail(const LibraryObject& object, Journal& journal, const std::string& reason,
+            std::size_t each) {
+    ObjectStore(out_, objectFolder(options_.layout, object), options_.layout, options_.compression,
+                {}, 0)
+        .discard();
+    device_.freeBuffers();
+    journal.fail(reason);
+    told_.ofFractures -= std::min(each, told_.ofFractures);
+    if (watch_.failed) watch_.failed(object.key, reason);
+  }
+
+  void tell() {
+    told_.seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
+    if (watch_.progress) watch_.progress(told_);
+  }
+
+  const fs::path& out_;
+  const DatasetOptions& options_;
+  Device& device_;
+  const DatasetWatch& watch_;
+  Clock::time_point begin_ = Clock::now();
+  StageSums sums_;
+  DatasetProgress told_;
+};
+
+}  // namespace
+
+DatasetSummary runDataset(const fs::path& library, const fs::path& out,
+                          const DatasetOptions& options, Device& device,
+                          const DatasetWatch& watch) {
+  check(options);
+  checkWriteOptions(options.write, options.fracture);
+  const DatasetPlan plan{options.plan, findObjects(library, options.library), options.layout,
+                         options.split, options.seed};
+  prepareFolder(out, plan, options.resume);
+  LibraryRun run(out, options, device, watch);
+  run.go(shardOf(plan.objects, options.shard));
+  DatasetSummary summary;
+  if (options.shard.of == 1) summary = writeIndex(out, plan);
+  summary.times = run.times();
+  return summary;
+}
+
+DatasetSummary mergeDataset(const fs::path& out) {
+  const DatasetPlan plan = readPlan(out);
+  std::string missing;
+  std::size_t count = 0;
+  for (const LibraryObject& object : plan.objects) {
+    const fs::path file = journalOf(out, object);
+    if (fs::exists(file)) {
+      const JournalText journal = readJournal(file);
+      if (journal.done || journal.failed) continue;
+    }
+    if (count++ == 0) missing = object.key;
+  }
+  if (count > 0) {
+    throw Error(ErrorCode::input, out.string() + ": " + std::to_string(count) + " of " +
+                                      std::to_string(plan.objects.size()) +
+                                      " objects are not done, the first is " + missing +
+                                      "; run their shards again with --resume");
+  }
+  return writeIndex(out, plan);
+}
+
+}  // namespace sherd
