@@ -138,7 +138,8 @@ struct WriteOptions {
                         ///< meshes/<stem>.ply and so on where mesh is
   bool scene = false;   ///< scene.glb: a node for each fragment, its origin the centre of mass
   bool graph = false;   ///< graph.json and graph.geo
-  bool proxy = false;   ///< proxies/<stem>_001.obj, convex hulls
+  bool plainMeshes = false;  ///< vertices and triangles alone in `.ply` and `.obj`
+  bool proxy = false;        ///< proxies/<stem>_001.obj, convex hulls
 
   VdbFiles vdbFiles = VdbFiles::files;  ///< fragments/<stem>_001.vdb, fragments.vdb, or both
   VdbOptions vdbOptions{};

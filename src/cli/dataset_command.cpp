@@ -189,6 +189,12 @@ void runDatasetCommand(DatasetArguments& arguments) {
   watchForInterrupts();
   DatasetOptions& options = arguments.options;
   options.write = writeOptions(arguments.write);
+  // Loaders of Breaking Bad want nothing but vertices and faces, and take any file for a piece.
+  const bool isBb = options.layout == DatasetLayout::bb;
+  options.write.plainMeshes = isBb;
+  if (isBb && arguments.write.files.meshFormats.size() > 1) {
+    throw Error(ErrorCode::usage, "--layout bb takes one --mesh-format");
+  }
   options.fracture.grow.keepCost = options.write.cost;
   options.maxMemory = arguments.machine.memory();
   if (!arguments.drawn.empty()) {
@@ -204,6 +210,10 @@ void runDatasetCommand(DatasetArguments& arguments) {
   try {
     const DatasetSummary summary =
         runDataset(arguments.library, arguments.folder, options, device, watch);
+    if (summary.objects == 0 && summary.failures > 0) {
+      throw Error(ErrorCode::input,
+                  "no object could be broken; " + arguments.folder + "/failures.jsonl tells why");
+    }
     telling.done(arguments.folder, summary);
   } catch (const Error& e) {
     telling.stopped();
@@ -260,7 +270,10 @@ CLI::App* addDatasetCommand(CLI::App& app, Action& run) {
       "Options of the groups Seeds, Growth, Erosion and Surface may be ranges, as in\n"
       "--erode-probability 0..0.4, or choices, as in --sampler 'uniform|poisson': they are drawn\n"
       "for each fracture.");
-  command->callback([arguments, &run] {
+  command->callback([arguments, command, &run] {
+    if (arguments->options.layout == DatasetLayout::bb && command->count("--mesh-format") == 0) {
+      arguments->write.files.meshFormats = {MeshFileFormat::obj};
+    }
     checkPointOptions(arguments->write.files);
     checkDrawn(arguments->drawn, arguments->options.fracture);
     run = [arguments] { runDatasetCommand(*arguments); };

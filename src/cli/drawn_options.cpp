@@ -30,6 +30,7 @@ std::uint64_t itemOf(const std::string& name) {
 
 void parseInto(FractureOptions& options, const std::vector<std::string>& arguments) {
   CLI::App app;
+  app.add_option("--pieces");  // which --seeds excludes
   addSeedOptions(app, options);
   addGrowthOptions(app, options);
   addErosionOptions(app, options);

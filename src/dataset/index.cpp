@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <map>
 
+#include "dataset/bb_lists.h"
 #include "dataset/fracture_line.h"
 #include "dataset/journal.h"
 #include "io/atomic_file.h"
@@ -183,6 +184,7 @@ DatasetSummary writeIndex(const fs::path& out, const DatasetPlan& plan) {
   for (const char* column : kColumns) head += (head.empty() ? "" : ",") + std::string(column);
   csv.add(head);
   std::map<std::string, std::string> lists;  // of keys, by split
+  std::vector<BbObject> bb;
   for (const LibraryObject& object : plan.objects) {
     if (!fs::exists(journalOf(out, object))) {
       summary.complete = false;
@@ -201,9 +203,11 @@ DatasetSummary writeIndex(const fs::path& out, const DatasetPlan& plan) {
     ++summary.objects;
     const std::string split = splitOf(object.key, plan.split);
     lists[split] += object.key + "\n";
+    BbObject own{objectFolder(plan.layout, object), split, {}};
     for (const Json& line : journal.fractures) {
       const bool isWhole = line.at("fracture") == kWholeName;
       summary.fractures += isWhole ? 0 : 1;
+      const std::size_t before = summary.fragments;
       for (const FileRecord& file : filesOf(line)) summary.bytes += file.bytes;
       for (const Json& fragment : line.at("fragments")) {
         const Json row = rowOf(object.key, split, line, fragment);
@@ -211,7 +215,9 @@ DatasetSummary writeIndex(const fs::path& out, const DatasetPlan& plan) {
         jsonl.add(textOf(row));
         if (!isWhole && !fragment.value("withheld", false)) ++summary.fragments;
       }
+      if (!isWhole) own.parts.push_back(summary.fragments - before);
     }
+    bb.push_back(std::move(own));
   }
   csv.commit();
   jsonl.commit();
@@ -219,6 +225,7 @@ DatasetSummary writeIndex(const fs::path& out, const DatasetPlan& plan) {
   for (const char* split : {"train", "val", "test"}) {
     writeWhole(out / (std::string(split) + ".txt"), lists[split]);
   }
+  if (plan.layout == DatasetLayout::bb) writeBbLists(out, bb);
   return summary;
 }
 

@@ -26,7 +26,8 @@
 #include "dataset/store.h"
 #include "fracture_stages.h"
 #include "io/fracture_files.h"
-#include "io/mesh_report.h"
+#include "io/little_endian.h"
+#include "io/npz.h"
 
 namespace sherd {
 namespace {
@@ -249,6 +250,9 @@ class ObjectRun {
     line.addFragments(result, names.files, *work.files, options_.poses);
     if (options_.layout == DatasetLayout::bb) intoUnitBox(result);
     writer_->write(*work.files, names.files, work.options, result, &progress_);
+    if (options_.layout == DatasetLayout::bb && options_.write.mesh) {
+      writeFacing(result, "facing/fractured_" + std::to_string(work.number), *work.files);
+    }
     if (!names.manifest.empty()) {
       OutputFile(*work.files, names.manifest)
           .write(manifestText(*source_, work.options, result, names.files, options_.write));
@@ -258,6 +262,18 @@ class ObjectRun {
     const double storing = work.files->seconds();
     run_.times.add("store", storing);
     run_.times.add("write", secondsSince(begin) - storing);
+  }
+
+  // What each face of the pieces faces, where no loader takes it for a piece.
+  static void writeFacing(const FractureResult& result, const std::string& folder,
+                          StagedFiles& files) {
+    for (std::size_t i = 0; i < result.kept(); ++i) {
+      const std::vector<std::uint16_t>& facing = result.fragments[i].facing;
+      NpyArray array{"", "<u2", {facing.size()}, {}};
+      for (const std::uint16_t label : facing) storeLittle(array.bytes, label);
+      OutputFile(files, folder + "/piece_" + std::to_string(i) + ".npy")
+          .write(npyHeader(array) + array.bytes);
+    }
   }
 
   void keep(StagedFiles& files, Json line) {

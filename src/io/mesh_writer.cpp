@@ -50,7 +50,16 @@ void MeshWriter::write(const TriangleMesh& mesh, const std::vector<std::uint16_t
   const std::string name = std::filesystem::path(paths.front()).stem().string();
   const PieceMesh piece{name, mesh, facing, look, table_};
   for (std::size_t i = 0; i < paths.size(); ++i) {
-    writePiece(folder_ / paths[i], options_.meshFormats[i], piece, library_);
+    const MeshFileFormat format = options_.meshFormats[i];
+    if (options_.plainMeshes && format == MeshFileFormat::ply) {
+      writePly(folder_ / paths[i], mesh);
+      continue;
+    }
+    if (options_.plainMeshes && format == MeshFileFormat::obj) {
+      writePlainObj(folder_ / paths[i], mesh);
+      continue;
+    }
+    writePiece(folder_ / paths[i], format, piece, library_);
   }
 }
 

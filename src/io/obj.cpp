@@ -61,4 +61,19 @@ void writePieceObj(const OutputFile& file, const PieceMesh& piece, const std::st
   file.write(text);
 }
 
+void writePlainObj(const OutputFile& file, const TriangleMesh& mesh) {
+  std::string text;
+  text.reserve(mesh.vertices.size() * 36 + mesh.triangles.size() * 24);
+  for (const glm::dvec3& vertex : mesh.vertices) {
+    appendVector(text += 'v', vertex);
+    text += '\n';
+  }
+  for (const glm::uvec3& t : mesh.triangles) {
+    text += 'f';
+    for (int k = 0; k < 3; ++k) appendShortest(text += ' ', t[k] + 1);
+    text += '\n';
+  }
+  file.write(text);
+}
+
 }  // namespace sherd

@@ -60,6 +60,9 @@ void writePiecePly(const OutputFile& file, const PieceMesh& piece);
 ///   library  the file of mtlText(piece.materials), beside it; empty: no materials are named
 void writePieceObj(const OutputFile& file, const PieceMesh& piece, const std::string& library);
 
+/// OBJ of vertices and triangles alone.
+void writePlainObj(const OutputFile& file, const TriangleMesh& mesh);
+
 /// Binary STL: the triangles alone, with their normals.
 void writePieceStl(const OutputFile& file, const PieceMesh& piece);
 

@@ -1,0 +1,50 @@
+// The lists that loaders of Breaking Bad read.
+#include "dataset/bb_lists.h"
+
+#include <sherd/error.h>
+
+#include <array>
+#include <cstdio>
+#include <map>
+#include <set>
+
+#include "io/atomic_file.h"
+
+namespace sherd {
+
+namespace fs = std::filesystem;
+
+void writeBbLists(const fs::path& out, const std::vector<BbObject>& objects) {
+  std::set<std::string> subsets;
+  std::map<std::string, std::string> folders, fractures;  // by subset and split
+  for (const BbObject& object : objects) {
+    const std::string subset = object.folder.substr(0, object.folder.find('/'));
+    subsets.insert(subset);
+    folders[subset + "." + object.split] += object.folder + "\n";
+    std::string& list = fractures[subset + "_" + object.split];
+    for (std::size_t i = 0; i < object.parts.size(); ++i) {
+      std::array<char, 16> count{};
+      std::snprintf(count.data(), count.size(), "%03zu ", object.parts[i]);
+      list += count.data() + object.folder + "/fractured_" + std::to_string(i) + "\n";
+    }
+  }
+  std::error_code failed;
+  for (const char* folder : {"data_split", "data_list"}) {
+    fs::create_directories(out / folder, failed);
+    if (!failed) continue;
+    throw Error(ErrorCode::output,
+                (out / folder).string() + ": cannot be made: " + reasonOf(failed.value()));
+  }
+  // Also those with nothing in them: a loader opens the file it is told of.
+  for (const std::string& subset : subsets) {
+    for (const char* split : {"train", "val", "test"}) {
+      const std::string name = subset + "." + split;
+      writeWhole(out / (name + ".txt"), folders[name]);
+      writeWhole(out / "data_split" / (name + ".txt"), folders[name]);
+      const std::string list = subset + "_" + split;
+      writeWhole(out / "data_list" / (list + ".txt"), fractures[list]);
+    }
+  }
+}
+
+}  // namespace sherd

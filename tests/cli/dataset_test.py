@@ -1,0 +1,376 @@
+#!/usr/bin/python3
+"""Dataset runs end to end: what is written, by readers of this test's own, and what a run that was killed leaves.
+
+Environment: SHERD_BIN the program.  Needs Debian's python3-numpy.
+"""
+import csv
+import hashlib
+import io
+import json
+import os
+import random
+import shutil
+import signal
+import subprocess
+import time
+import unittest
+import zipfile
+
+import numpy as np
+
+from cli_test import SHERD, CommandLine, joined, sphere, tree, write_obj, write_stl
+
+# What a run leaves that tells of the run, and not of the dataset.
+OF_THE_RUN = ("journal/", "run.json", "report.html")
+SMALL = {"--resolution": "24", "--pieces": "2..4", "--repeats": "3..1", "--points": "32"}
+
+
+def dataset(folder):
+    return {name: sum for name, sum in tree(folder).items() if not name.startswith(OF_THE_RUN)}
+
+
+def small(arguments):
+    """Arguments for a small run, unless they say otherwise."""
+    return [a for pair in SMALL.items() if pair[0] not in arguments for a in pair] + list(arguments)
+
+
+def read_rle(data):
+    """The authors' own way: counts, then runs, into an array of x, y, z."""
+    nx, ny, nz = np.frombuffer(data, "<u4", 3)
+    runs = np.frombuffer(data, np.dtype([("label", "<u2"), ("length", "<u4")]), offset=12)
+    return np.repeat(runs["label"], runs["length"]).reshape(nx, ny, nz)
+
+
+class Dataset(CommandLine):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.library = os.path.join(cls.data, "library")
+        os.makedirs(os.path.join(cls.library, "vases", "small"))
+        write_obj(os.path.join(cls.library, "ball.obj"), sphere())
+        write_stl(os.path.join(cls.library, "vases", "egg.stl"), sphere(center=(5, 0, 0), radius=2))
+        write_obj(os.path.join(cls.library, "vases", "small", "two.obj"),
+                  joined(sphere(), sphere(center=(1.5, 0, 0), radius=0.8)))
+
+    def dataset(self, *arguments, out=None, library=None, **more):
+        return self.run_sherd("dataset", library or self.library, "-o", out or self.out, *small(arguments), **more)
+
+    def done(self, *arguments, **more):
+        run = self.dataset(*arguments, **more)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        return run
+
+    def rows(self, out=None):
+        with open(os.path.join(out or self.out, "index.jsonl")) as lines:
+            rows = [json.loads(line) for line in lines]
+        with open(os.path.join(out or self.out, "index.csv"), newline="") as file:
+            table = list(csv.DictReader(file))
+        self.assertEqual([(r["object"], r["fracture"], str(r["id"])) for r in rows],
+                         [(r["object"], r["fracture"], r["id"]) for r in table])
+        self.assertEqual([";".join(r["files"]) for r in rows], [r["files"] for r in table])
+        return rows
+
+    def file(self, name):
+        with open(os.path.join(self.out, name), "rb") as file:
+            return file.read()
+
+
+class Run(Dataset):
+    def test_every_object_is_broken_by_the_schedule(self):
+        self.done()
+        rows = self.rows()
+        names = [f"{n}f_{i}" for n, count in ((2, 3), (3, 2), (4, 1)) for i in range(count)]
+        for key in ("ball.obj", "vases/egg.stl", "vases/small/two.obj"):
+            own = [r for r in rows if r["object"] == key]
+            self.assertEqual(list(dict.fromkeys(r["fracture"] for r in own)), ["whole"] + names)
+            for name in names:
+                pieces = [r for r in own if r["fracture"] == name]
+                self.assertEqual([r["id"] for r in pieces], list(range(1, int(name[0]) + 1)))
+                self.assertAlmostEqual(sum(r["share"] for r in pieces), 1)
+                labels = read_rle(self.file(pieces[0]["labels"][0]))
+                counts = np.bincount(labels.ravel())
+                self.assertEqual(list(counts[2:]), [r["voxels"] for r in pieces])
+        self.assertEqual(len({r["seed"] for r in rows if r["fracture"] != "whole"}), 18)
+        for row in rows:
+            self.assertEqual([hashlib.sha256(self.file(f)).hexdigest() for f in row["files"]], row["sha256"])
+        listed = {f for r in rows for f in r["files"] + r["labels"]}
+        folders = {os.path.dirname(r["labels"][0]) + "/manifest.json" for r in rows if r["fracture"] != "whole"}
+        self.assertEqual(listed | folders, {n for n in dataset(self.out) if n.startswith("objects/") and n[-1] != "/"})
+
+    def test_the_papers_schedule(self):
+        run = self.dataset("--json", "--resolution", "8", "--pieces", "2..10", "--repeats", "25..15", "--points", "0",
+                           "--write", "labels", "--match", "ball*")
+        last = json.loads(run.stdout.splitlines()[-1])
+        self.assertEqual((last["fractures"], last["fragments"], last["objects"]), (177, 988, 1))
+        counts = {}
+        for row in self.rows():
+            counts.setdefault(row["pieces"], set()).add(row["fracture"])
+        self.assertEqual([len(counts[n]) for n in range(2, 11)], [25, 23, 22, 21, 20, 18, 17, 16, 15])
+
+    def test_a_fracture_can_be_made_again_alone(self):
+        self.done("--erode-iterations", "0..2", "--sampler", "uniform|poisson", "--extra-seeds", "2n", "--roughness", "0..1.5")
+        drawn = set()
+        for row in self.rows():
+            if row["id"] != 1 or row["fracture"] == "whole":
+                continue
+            drawn.add(json.dumps(row["options"]))
+            alone = os.path.join(self.tmp, "alone")
+            options = [f"--{name}={value}" for name, value in row["options"].items()]
+            run = self.run_sherd("fracture", os.path.join(self.library, row["object"]), "-o", alone, "--resolution", "24",
+                                 "--pieces", str(row["pieces"]), "--seed", str(row["seed"]), "--extra-seeds", "2n",
+                                 "--points", "32", "--write", "labels,mesh", *options)
+            self.assertEqual(run.returncode, 0, run.stderr)
+            self.assertEqual(tree(alone), tree(os.path.join(self.out, os.path.dirname(row["labels"][0]))))
+            shutil.rmtree(alone)
+        self.assertGreater(len(drawn), 6)
+
+    def test_distinct_fractures_and_dropped_fragments(self):
+        self.done("--distinct", "0.15", "--drop-share", "0.1", "--match", "ball*", "--pieces", "2", "--repeats", "12",
+                  "--write", "labels")
+        rows = [r for r in self.rows() if r["fracture"] != "whole"]
+        self.assertGreater(max(r["attempt"] for r in rows), 0)
+        self.assertTrue(all(r["withheld"] == (r["share"] < 0.1) for r in rows))
+        labels = [read_rle(self.file(r["labels"][0])).ravel() for r in rows if r["id"] == 1]
+        for i, a in enumerate(labels):
+            for b in labels[:i]:
+                inside = a > 0
+                same = max(np.mean(a[inside] == b[inside]), np.mean(a[inside] == 5 - b[inside]))
+                self.assertLessEqual(same, 0.85 + 1e-9)
+
+    def test_poses_lead_back(self):
+        self.done("--poses", "--match", "ball*")
+        for row in self.rows():
+            w, x, y, z = row["turn"]
+            self.assertAlmostEqual(w * w + x * x + y * y + z * z, 1)
+            self.assertEqual(row["truth_turn"], [w, -x, -y, -z])
+            self.assertEqual(row["truth_shift"], row["centre"])
+
+    def test_options_out_of_files(self):
+        self.done("--erode-iterations", "1", "--match", "ball*")
+        plain = dataset(self.out)
+        toml = self.path("options.toml", b'resolution = 24\npieces = "2..4"\nrepeats = "3..1"\npoints = 32\nerode-iterations = 1\n')
+        asked = json.dumps({"resolution": 24, "pieces": "2..4", "repeats": "9..9", "points": 32, "erode-iterations": 1})
+        for config, more in ((toml, ()), (self.path("options.json", asked.encode()), ("--repeats", "3..1"))):
+            out = self.path("configured")
+            run = self.run_sherd("dataset", self.library, "-o", out, "--match", "ball*", "--config", config, *more)
+            self.assertEqual(run.returncode, 0, run.stderr)
+            self.assertEqual(dataset(out), plain)
+            shutil.rmtree(out)
+
+    def test_a_list_of_meshes(self):
+        text = "# a comment\nlibrary/vases/egg.stl\n\nlibrary/ball.obj\n"
+        listed = os.path.join(self.data, "list.txt")
+        with open(listed, "w") as file:
+            file.write(text)
+        self.done(library=listed)
+        self.assertEqual(list(dict.fromkeys(r["object"] for r in self.rows())), ["library/ball.obj", "library/vases/egg.stl"])
+
+    def test_refusals(self):
+        self.refused(3, self.dataset(library=self.path("absent")), "absent")
+        self.refused(2, self.dataset("--pieces", "10..2"), "--pieces")
+        self.refused(2, self.dataset("--shard", "3/2"), "--shard")
+        self.refused(2, self.dataset("--erode-probability", "0..7"), "--erode-probability")
+        self.refused(2, self.dataset("--split", "0/0/0"), "--split")
+        self.done("--match", "ball*")
+        before = tree(self.out)
+        self.refused(2, self.dataset("--match", "ball*"), "--resume")
+        self.refused(2, self.dataset("--match", "ball*", "--resume", "--balance", "2"), "other options")
+        self.assertEqual(tree(self.out), before)
+        os.makedirs(self.path("full"))
+        self.path("full/file", b"")
+        self.refused(5, self.dataset(out=self.path("full")), "not empty")
+
+
+class Layouts(Dataset):
+    def test_packed(self):
+        self.done("--match", "ball*")
+        for compress in ("none", "zip"):
+            out = self.path(compress)
+            self.done("--match", "ball*", "--layout", "packed", "--compress", compress, out=out)
+            with zipfile.ZipFile(os.path.join(out, "objects", "ball.zip")) as archive:
+                self.assertIsNone(archive.testzip())
+                files = {n: hashlib.sha256(archive.read(n)).hexdigest() for n in archive.namelist()}
+                self.assertEqual({i.date_time for i in archive.infolist()}, {(1980, 1, 1, 0, 0, 0)})
+            loose = tree(os.path.join(self.out, "objects", "ball"))
+            self.assertEqual(files, {n: s for n, s in loose.items() if n[-1] != "/"})
+            for row in self.rows(out):
+                self.assertEqual([files[f] for f in row["files"]], row["sha256"])
+
+    def test_the_papers(self):
+        self.done("--layout", "paper", "--compress", "zip", "--mesh-format", "binm", "--point-format", "binp",
+                  "--match", "ball*")
+        names = {n for n in dataset(self.out) if n.startswith("ball/") and n[-1] != "/"}
+        wanted = {"ball/ball_grid_24r.rle", "ball/ball.binm", "ball/ball_32p.binp"}
+        for n, count in ((2, 3), (3, 2), (4, 1)):
+            for i in range(count):
+                base = f"ball/ball_{n}f_24r_{i}it"
+                wanted |= {base + ".rle"} | {f"{base}_{k}{end}" for k in range(n) for end in (".binm", "_32p.binp")}
+        self.assertEqual(names, {n + ".zip" for n in wanted})
+        for name in names:
+            with zipfile.ZipFile(os.path.join(self.out, name)) as archive:
+                self.assertEqual(archive.namelist(), [os.path.basename(name)[:-4]])
+        whole, broken = (read_rle(self.unzipped(n)) for n in ("ball/ball_grid_24r.rle", "ball/ball_3f_24r_1it.rle"))
+        self.assertEqual(whole.shape, (24, 24, 24))
+        self.assertEqual(set(np.unique(whole)), {0, 1})
+        self.assertEqual(set(np.unique(broken)), {0, 2, 3, 4})
+        self.assertTrue(np.array_equal(whole > 0, broken > 0))
+        mesh = self.unzipped("ball/ball_3f_24r_1it_2.binm")
+        vertices = int(np.frombuffer(mesh, "<u4", 1)[0])
+        faces = int(np.frombuffer(mesh, "<u4", 1, 4 + 64 * vertices)[0])
+        self.assertEqual(len(mesh), 8 + 64 * vertices + 16 * faces)
+
+    def unzipped(self, name):
+        with zipfile.ZipFile(os.path.join(self.out, name + ".zip")) as archive:
+            return archive.read(archive.namelist()[0])
+
+    def test_zstd(self):
+        self.done("--compress", "zstd", "--match", "ball*", "--write", "labels")
+        plain = self.path("plain")
+        self.done("--match", "ball*", "--write", "labels", out=plain)
+        for row in self.rows():
+            name = row["labels"][0]
+            self.assertTrue(name.endswith(".rle.zst"))
+            unpacked = subprocess.run(["zstd", "-dc", os.path.join(self.out, name)], stdout=subprocess.PIPE, check=True)
+            with open(os.path.join(plain, name[:-4]), "rb") as file:
+                self.assertEqual(unpacked.stdout, file.read())
+
+    def test_breaking_bad(self):
+        """By the rules that its loaders go by."""
+        self.done("--layout", "bb", "--split", "1/1/0")
+        lines = {}
+        for split in "train", "val", "test":
+            for subset in "library", "vases":
+                text = self.file(f"{subset}.{split}.txt").decode()
+                self.assertEqual(text, self.file(f"data_split/{subset}.{split}.txt").decode())
+                lines.setdefault(split, []).extend(text.splitlines())
+        self.assertEqual(sorted(lines["train"] + lines["val"]), ["library/ball", "vases/egg", "vases/small/two"])
+        self.assertEqual(lines["test"], [])
+        counted = {}
+        for subset in "library", "vases":
+            for split in "train", "val":
+                for line in self.file(f"data_list/{subset}_{split}.txt").decode().splitlines():
+                    counted[line[4:]] = int(line[:3])
+        for line in lines["train"] + lines["val"]:
+            self.assertGreaterEqual(len(line.split("/")), 2)
+            own = os.path.join(self.out, line)
+            fractures = [f for f in os.listdir(own) if "fractured" in f or "mode" in f]
+            self.assertEqual(sorted(fractures), [f"fractured_{i}" for i in range(6)])
+            whole = self.vertices(os.path.join(own, "complete.obj"))
+            self.assertAlmostEqual(np.ptp(whole, axis=0).max(), 1, delta=0.01)
+            self.assertLess(np.abs(whole.max(0) + whole.min(0)).max(), 0.02)
+            for fracture in fractures:
+                pieces = os.listdir(os.path.join(own, fracture))
+                self.assertEqual(len(pieces), counted[f"{line}/{fracture}"])
+                self.assertEqual(sorted(pieces), [f"piece_{i}.obj" for i in range(len(pieces))])
+                at = np.concatenate([self.vertices(os.path.join(own, fracture, p)) for p in pieces])
+                self.assertLess(np.abs(at.max(0) - whole.max(0)).max(), 0.01)
+                for piece in pieces:
+                    facing = np.load(os.path.join(own, "facing", fracture, piece[:-3] + "npy"))
+                    self.assertEqual(len(facing), self.faces(os.path.join(own, fracture, piece)))
+                    self.assertEqual(set(facing) - set(range(len(pieces) + 1)), set())
+
+    def lines(self, path):
+        with open(path) as file:
+            kinds = [line.split() for line in file]
+        self.assertEqual({k[0] for k in kinds}, {"v", "f"})  # one object, no groups, no materials
+        return kinds
+
+    def vertices(self, path):
+        return np.array([[float(x) for x in k[1:]] for k in self.lines(path) if k[0] == "v"])
+
+    def faces(self, path):
+        return sum(k[0] == "f" for k in self.lines(path))
+
+
+class Trust(Dataset):
+    def test_bad_meshes_are_not_the_end(self):
+        library = self.path("bad")
+        shutil.copytree(self.library, library)
+        self.path("bad/empty.obj", b"")
+        self.path("bad/text.stl", b"no mesh")
+        run = self.done("--write", "labels", library=library)
+        with open(os.path.join(self.out, "failures.jsonl")) as lines:
+            failed = {line["object"]: line["reason"] for line in map(json.loads, lines)}
+        self.assertEqual(set(failed), {"empty.obj", "text.stl"})
+        self.assertIn("empty.obj", run.stderr)
+        self.assertEqual(len({r["object"] for r in self.rows()}), 3)
+        self.assertFalse([n for n in tree(self.out) if "empty" in n and not n.startswith("journal/")])
+
+    def test_an_object_that_takes_too_long_is_given_up(self):
+        self.refused(3, self.dataset("--object-timeout", "1e-6"), "no object")
+        with open(os.path.join(self.out, "failures.jsonl")) as lines:
+            self.assertEqual(["longer than" in line for line in lines], [True] * 3)
+        self.assertEqual(self.rows(), [])
+
+    def resumed(self, *arguments, out, rounds, most):
+        """Killed again and again, at random moments."""
+        kills = 0
+        for _ in range(rounds):
+            process = subprocess.Popen([SHERD, "dataset", self.library, "-o", out, *small(arguments), "--resume"],
+                                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            time.sleep(random.uniform(0.0, most))
+            process.send_signal(signal.SIGKILL)
+            kills += process.wait() == -signal.SIGKILL
+        self.done(*arguments, "--resume", out=out)
+        return kills
+
+    def test_what_was_killed_goes_on(self):
+        for layout in (), ("--layout", "packed"), ("--layout", "paper", "--compress", "zip"), ("--layout", "bb"):
+            with self.subTest(layout=layout):
+                whole, killed = self.path("whole"), self.path("killed")
+                arguments = (*layout, "--distinct", "0.05", "--write", "labels,mesh,vdb")
+                begin = time.monotonic()
+                self.done(*arguments, out=whole)
+                seconds = time.monotonic() - begin
+                kills = self.resumed(*arguments, out=killed, rounds=5, most=seconds)
+                self.assertGreater(kills, 1)
+                self.assertEqual(dataset(killed), dataset(whole))
+                shutil.rmtree(whole)
+                shutil.rmtree(killed)
+
+    def test_a_full_disk_stops_cleanly_and_resumes(self):
+        disk = self.path("disk")
+        os.makedirs(disk)
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1m", "tmpfs", disk], stderr=subprocess.DEVNULL).returncode:
+            self.skipTest("this process may not mount")
+        try:
+            out = os.path.join(disk, "out")
+            run = self.dataset(out=out)
+            self.assertEqual(run.returncode, 5, run.stderr)
+            self.assertIn("no space left", run.stderr)
+            self.assertEqual(subprocess.run(["mount", "-o", "remount,size=100m", disk]).returncode, 0)
+            self.done("--resume", out=out)
+            self.done()
+            self.assertEqual(dataset(out), dataset(self.out))
+        finally:
+            subprocess.run(["umount", disk])
+
+    def test_shards_give_what_one_run_gives(self):
+        self.done()
+        for shards in 2, 7:
+            out = self.path(f"shards{shards}")
+            for i in range(1, shards + 1):
+                if i == shards == 2:
+                    self.refused(3, self.run_sherd("merge", out), "not done")
+                run = self.dataset("--shard", f"{i}/{shards}", *(["--resume"] if i > 1 else []), out=out)
+                self.assertEqual(run.returncode, 0, run.stderr)
+            merged = self.run_sherd("merge", out)
+            self.assertEqual(merged.returncode, 0, merged.stderr)
+            self.assertEqual(dataset(out), dataset(self.out))
+
+    def test_more_objects_leave_all_else_as_it_was(self):
+        library = self.path("grows")
+        shutil.copytree(self.library, library)
+        self.done(library=library)
+        before = dataset(self.out)
+        splits = {r["object"]: r["split"] for r in self.rows()}
+        write_obj(os.path.join(library, "more.obj"), sphere(radius=3))
+        self.done("--resume", library=library)
+        after = dataset(self.out)
+        self.assertEqual({n: s for n, s in before.items() if n.startswith("objects/")},
+                         {n: s for n, s in after.items() if n.startswith("objects/") and "/more" not in n})
+        self.assertEqual(splits, {r["object"]: r["split"] for r in self.rows() if r["object"] != "more.obj"})
+
+
+if __name__ == "__main__":
+    unittest.main()
