@@ -13,8 +13,9 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
-#include <cmath>
+#include <cstdio>
 #include <optional>
 #include <set>
 #include <type_traits>
@@ -66,8 +67,9 @@ class ObjectRun {
       breakObject();
     } catch (const Error& e) {
       if (e.code() != ErrorCode::cancelled || run_.cancelled()) throw;
-      throw Error(ErrorCode::input, "took longer than the " +
-                                        std::to_string(std::lround(options_.objectTimeout)) +
+      std::array<char, 32> seconds{};
+      std::snprintf(seconds.data(), seconds.size(), "%g", options_.objectTimeout);
+      throw Error(ErrorCode::input, std::string("took longer than the ") + seconds.data() +
                                         " s that an object may take");
     }
   }
