@@ -93,6 +93,7 @@ GrownFracture grow(const PreparedSolid& ready, const FractureOptions& options, D
                    StageClock clock, const Progress* progress) {
   GrownFracture grown;
   FractureResult& result = grown.result;
+  grown.surface = ready.surface;
   result.solid = ready.solid;
   result.parts = ready.parts.count();
   const LeafBlocks& blocks = result.solid.blocks;

@@ -38,6 +38,7 @@ struct GrownFracture {
   FractureResult result;         ///< all but fragments
   int fragments = 0;             ///< how many there are, withheld ones too
   std::optional<Labels> unworn;  ///< the labels before erosion, where there was any
+  std::shared_ptr<const UnbrokenSurface> surface{};
 };
 
 /// Seed, grow and wear.

@@ -81,8 +81,9 @@ struct FractureResult {
 
 /// A solid that can be broken any number of times.
 struct PreparedSolid {
-  Solid solid;  ///< without specks
-  Parts parts;  ///< of the solid
+  Solid solid;                                       ///< without specks
+  Parts parts;                                       ///< of the solid
+  std::shared_ptr<const UnbrokenSurface> surface{};  ///< of the solid, or null
 };
 
 ///   throws  Error(input) the solid has nothing but specks

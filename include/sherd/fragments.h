@@ -10,6 +10,7 @@
 #include <sherd/surface.h>
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace sherd {
@@ -40,6 +41,13 @@ struct Fragment {
       coarse{};  ///< `mesh` decimated, one for each of SurfaceOptions::triangles
 };
 
+/// The unbroken solid's surface, meshed once, of which fragments take over what does not change.
+struct UnbrokenSurface;
+
+/// Worth its time for a solid that is broken several times, with surfaces that are smooth and
+/// shared.
+[[nodiscard]] std::shared_ptr<const UnbrokenSurface> unbrokenSurface(const Solid& solid);
+
 /// Cut every fragment out of the solid.  A fragment's level set is max(solid, distance to the cut);
 /// the cut is the plane half way between two seeds where the labels are their Voronoi cells, and
 /// elsewhere where the labels' indicators, smoothed by two binomial passes, are equal; so it is
@@ -51,11 +59,13 @@ struct Fragment {
 ///   unworn  the labels before erosion, when there was any: what worn faces faced, and what
 ///           touched, is read from them
 ///   surface how the mesh is made; the level set is the same for all
+///   unbroken  of this solid, or null; the fragments are the same
 ///   return  [fragments] ascending by id
 [[nodiscard]] std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
                                                      int fragments, const Labels* unworn = nullptr,
                                                      const SurfaceOptions& surface = {},
-                                                     const Progress* progress = nullptr);
+                                                     const Progress* progress = nullptr,
+                                                     const UnbrokenSurface* unbroken = nullptr);
 
 /// The curves that bound the faces of a fragment towards another, where their contact ends.
 ///   return  closed curves of the mesh's vertices, the faces on their left seen from outside; none

@@ -109,13 +109,14 @@ class ObjectRun {
     base.pieces = options_.schedule.most;
     requireMemory(source.mesh, base, options_.maxMemory);
     memory_ = estimatedMemory(source.mesh, base);
-    const PreparedSolid ready = timed("voxelize", [&] {
+    PreparedSolid ready = timed("voxelize", [&] {
       const SolidOptions solid{.resolution = base.resolution,
                                .voxelSize = base.voxelSize,
                                .fill = base.fill,
                                .shellThickness = base.shellThickness};
       return prepared(voxelize(source.mesh, solid, &progress_), run_.device);
     });
+    if (meshesOnce(ready.solid)) ready.surface = unbrokenSurface(ready.solid);
     const FractureWriter writer(source, options_.write);
     source_ = &source;
     ready_ = &ready;
@@ -124,6 +125,14 @@ class ObjectRun {
     if (!done_.contains(kWholeName)) breakNot();
     breakPlanned();
     run_.device.freeBuffers();
+  }
+
+  // Whether the unbroken solid's surface is to be kept for all fractures: it takes memory.
+  bool meshesOnce(const Solid& solid) const {
+    constexpr std::size_t kMostLeaves = 50'000;
+    const SurfaceOptions& surface = options_.fracture.surface;
+    return surface.surface == Surface::smooth && surface.interface == Interface::shared &&
+           solid.blocks.count() <= kMostLeaves;
   }
 
   NamedObject named(const FractureOptions& options) const {

@@ -64,9 +64,10 @@ double fractureArea(const Fragment& fragment) {
 
 // The meshes of all fragments, with what two share the same to the bit.
 void meshTogether(std::span<Fragment> fragments, const Solid& solid, const Labels& labels,
-                  const Cut& cut, const Labels* unworn, const SurfaceOptions& surface) {
+                  const Cut& cut, const Labels* unworn, const SurfaceOptions& surface,
+                  const UnbrokenSurface* unbroken) {
   std::vector<LabelledMesh> meshes =
-      interfaceMeshes(solid, labels, cut, static_cast<int>(fragments.size()));
+      interfaceMeshes(solid, labels, cut, static_cast<int>(fragments.size()), unbroken);
   std::vector<std::vector<std::uint16_t>> facing(meshes.size());
   tbb::parallel_for(std::size_t{0}, meshes.size(), [&](std::size_t i) {
     facing[i] = meshes[i].other;
@@ -112,7 +113,7 @@ void shape(Fragment& fragment, const SurfaceOptions& surface, const Solid& solid
 
 std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels, int count,
                                        const Labels* unworn, const SurfaceOptions& surface,
-                                       const Progress* progress) {
+                                       const Progress* progress, const UnbrokenSurface* unbroken) {
   checkSurfaceOptions(surface);
   step(progress, "extract", 0.0);
   const std::vector<std::uint64_t> voxels = countVoxels(solid.blocks, labels, count);
@@ -127,7 +128,7 @@ std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
       surface.surface == Surface::smooth && surface.interface == Interface::shared;
   const Labels& before = unworn ? *unworn : labels;
   std::vector<Fragment> fragments(static_cast<std::size_t>(count));
-  if (isShared) meshTogether(fragments, solid, labels, cut, unworn, surface);
+  if (isShared) meshTogether(fragments, solid, labels, cut, unworn, surface, unbroken);
   const auto extract = [&](std::size_t i) {
     Fragment& fragment = fragments[i];
     fragment.id = static_cast<int>(i) + 1;

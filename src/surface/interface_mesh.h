@@ -11,6 +11,8 @@
 
 namespace sherd {
 
+struct UnbrokenSurface;
+
 /// Mesh all labels at once: a dual mesh over the cells between voxel centres, with a quad, split in
 /// two, for each pair of face neighbours of different labels.  So what two fragments share is one
 /// set of faces, seen from both sides, vertex for vertex and bit for bit; and a face's two labels
@@ -19,10 +21,12 @@ namespace sherd {
 /// A cell has a place per surface that passes, and a vertex per sheet (see cell.h): the mean of the
 /// crossings of its edges by the solid's surface or by the cut, as in surface nets; where surfaces
 /// of several pairs of labels meet it lies where their planes do, so that rims are sharp.
-///   return  [fragments] of labels 1..fragments
+///   unbroken  of this solid, or null: what does not change is taken over, and the meshes are equal
+///   return    [fragments] of labels 1..fragments
 ///   source  Gibson, Constrained Elastic Surface Nets, 1998; Ju et al., Dual Contouring of Hermite
 ///           Data, 2002; Wenger, Isosurfaces, 2013 (cells that share an ambiguous face)
 [[nodiscard]] std::vector<LabelledMesh> interfaceMeshes(const Solid& solid, const Labels& labels,
-                                                        const Cut& cut, int fragments);
+                                                        const Cut& cut, int fragments,
+                                                        const UnbrokenSurface* unbroken = nullptr);
 
 }  // namespace sherd

@@ -1,0 +1,255 @@
+// The cells of one leaf.
+#include "surface/leaf_cells.h"
+
+#include <openvdb/openvdb.h>
+
+#include <algorithm>
+
+#include "surface/cell_vertex.h"
+
+namespace sherd {
+namespace {
+
+// Faces are turned in six sweeps, by axis and parity, so that a cell has one face in each and its
+// state before a sweep does not depend on that sweep.
+constexpr unsigned kSweeps = 6;
+
+// The faces of a cell that are turned for a label before a sweep.
+unsigned turnedFaces(const Field& field, std::size_t leaf, const std::array<int, 3>& cell,
+                     const CellLabels& labels, std::uint16_t label, unsigned sweeps = kSweeps) {
+  unsigned turned = 0;
+  for (unsigned sweep = 0; sweep < sweeps; ++sweep) {
+    const unsigned axis = sweep / 2;
+    const bool high = (static_cast<unsigned>(cell[axis]) & 1) != sweep % 2;
+    const unsigned face = 2 * axis + high;
+    if (!((doubledFaces(labels, label, turned) >> face) & 1)) continue;
+    std::array<int, 3> beside = cell;
+    beside[axis] += high ? 1 : -1;
+    const CellLabels theirs = field.labelsOf(leaf, beside[0], beside[1], beside[2]);
+    const unsigned turnedTheirs = turnedFaces(field, leaf, beside, theirs, label, sweep);
+    if ((doubledFaces(theirs, label, turnedTheirs) >> (face ^ 1)) & 1) turned |= 1u << face;
+  }
+  return turned;
+}
+
+// The faces that are turned for the label of each corner.
+struct Turned {
+  std::array<std::uint8_t, 8> faces{};
+  bool mayTurn = false;  // it takes a look at the neighbours to tell
+};
+
+Turned turnedByCorner(const Field& field, std::size_t leaf, const std::array<int, 3>& cell,
+                      const CellLabels& labels) {
+  Turned turned;
+  for (std::size_t corner = 0; corner < 8; ++corner) {
+    const std::uint16_t label = labels[corner];
+    if (label == 0 || doubledFaces(labels, label, 0) == 0) continue;
+    turned.mayTurn = true;
+    turned.faces[corner] = static_cast<std::uint8_t>(turnedFaces(field, leaf, cell, labels, label));
+  }
+  return turned;
+}
+
+CellValues valuesOf(const Field& field, const openvdb::FloatGrid::ConstAccessor& distance,
+                    std::size_t leaf, int x, int y, int z, const CellLabels& labels) {
+  CellValues values;
+  values.labels = labels;
+  const std::uint16_t some = *std::max_element(labels.begin(), labels.end());
+  const bool isCut =  // between two fragments
+      std::any_of(labels.begin(), labels.end(), [&](auto l) { return l != 0 && l != some; });
+  const openvdb::Coord low = field.solid().blocks.origins[leaf] + openvdb::Coord(x, y, z);
+  for (int corner = 0; corner < 8; ++corner) {
+    const int i = corner >> 2, j = (corner >> 1) & 1, k = corner & 1;
+    const auto c = static_cast<std::size_t>(corner);
+    values.toSurface[c] = distance.getValue(low + openvdb::Coord(i, j, k));
+    if (!isCut) continue;
+    const std::size_t place = field.placeNear(leaf, x + i, y + j, z + k);
+    for (std::size_t n = 0; n < 8; ++n) {
+      if (labels[n] != 0) values.toCut[n][c] = field.toCut(place, labels[n]);
+    }
+  }
+  return values;
+}
+
+// The labels of a leaf's voxels and of the layers beyond its high faces: all corners of its cells.
+class CornerLabels {
+ public:
+  CornerLabels(const Field& field, std::size_t leaf) {
+    std::size_t at = 0;
+    for (int x = 0; x < kSide; ++x) {
+      for (int y = 0; y < kSide; ++y) {
+        for (int z = 0; z < kSide; ++z) labels_[at++] = field.label(field.placeNear(leaf, x, y, z));
+      }
+    }
+  }
+
+  bool isOne() const {
+    return std::all_of(labels_.begin(), labels_.end(), [&](auto l) { return l == labels_[0]; });
+  }
+
+  CellLabels of(const openvdb::Coord& cell) const {
+    const std::size_t low =
+        static_cast<std::size_t>((cell.x() * kSide + cell.y()) * kSide + cell.z());
+    CellLabels labels;
+    for (std::size_t corner = 0; corner < 8; ++corner) {
+      labels[corner] =
+          labels_[low + (corner >> 2) * kSide * kSide + ((corner >> 1) & 1) * kSide + (corner & 1)];
+    }
+    return labels;
+  }
+
+ private:
+  static constexpr int kSide = 9;
+  std::array<std::uint16_t, std::size_t{kSide} * kSide * kSide> labels_;
+};
+
+// Whose sheets the loops of a cell are.
+std::array<std::uint16_t, 24> labelsOfLoops(const CellSheets& sheets, const CellLabels& labels) {
+  std::array<std::uint16_t, 24> labelOf{};
+  for (std::size_t e = 0; e < 12; ++e) {
+    for (std::size_t side : {0, 1}) {
+      const std::uint8_t loop = sheets.loopOf[e][side];
+      if (loop != CellSheets::kNone) labelOf[loop] = labels[kCellEdges[e][side]];
+    }
+  }
+  return labelOf;
+}
+
+// Does a fragment have several sheets at one place of the cell?
+bool isCrowded(const CellSheets& sheets, const std::array<std::uint16_t, 24>& labelOf,
+               std::uint8_t position) {
+  for (std::uint8_t l = 0; l < sheets.loops; ++l) {
+    for (std::uint8_t k = 0; k < l; ++k) {
+      if (labelOf[l] == labelOf[k] && labelOf[l] != Labels::kWorn &&
+          sheets.positionOfLoop[l] == position && sheets.positionOfLoop[k] == position) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+// Is there no label but one, and 0?
+bool hasOneLabel(const CellLabels& labels) {
+  const std::uint16_t some = *std::max_element(labels.begin(), labels.end());
+  return std::all_of(labels.begin(), labels.end(), [&](auto l) { return l == 0 || l == some; });
+}
+
+// Add a cell as it is in the unbroken solid.
+void addUnbroken(const LeafCells& unbroken, std::size_t offset, LeafCells& to) {
+  Cell cell = unbroken.cells[unbroken.cellAt[offset]];
+  const std::size_t from = cell.firstLoop;
+  cell.firstLoop = static_cast<std::uint32_t>(to.vertices.size());
+  for (std::uint8_t l = 0; l < cell.sheets.loops; ++l) {
+    to.vertices.push_back(unbroken.vertices[from + l]);
+    to.places.push_back(to.placeCount + cell.sheets.positionOfLoop[l]);
+  }
+  to.placeCount += cell.sheets.positions;
+  to.cellAt[offset] = static_cast<std::uint16_t>(to.cells.size());
+  to.cells.push_back(cell);
+}
+
+}  // namespace
+
+LeafCells cellsOf(const Field& field, std::size_t leaf, const LeafCells* unbroken) {
+  LeafCells found;
+  found.cellAt.fill(LeafCells::kNoCell);
+  const CornerLabels corners(field, leaf);
+  if (corners.isOne()) return found;
+  const openvdb::FloatGrid::ConstAccessor distance = field.solid().distance->getConstAccessor();
+  const openvdb::Coord& origin = field.solid().blocks.origins[leaf];
+  for (std::uint32_t offset = 0; offset < 512; ++offset) {
+    const openvdb::Coord at = coordFromOffset(offset);
+    const CellLabels labels = corners.of(at);
+    if (std::all_of(labels.begin(), labels.end(), [&](auto l) { return l == labels[0]; })) continue;
+    if (unbroken != nullptr && unbroken->isPlain) {
+      if (hasOneLabel(labels)) {
+        addUnbroken(*unbroken, offset, found);
+        continue;
+      }
+    }
+    Cell cell;
+    cell.offset = static_cast<std::uint16_t>(offset);
+    const auto turned = turnedByCorner(field, leaf, {at.x(), at.y(), at.z()}, labels);
+    cell.sheets = sheetsOf(labels, turned.faces);
+    found.isPlain &= !turned.mayTurn;
+    cell.firstLoop = static_cast<std::uint32_t>(found.vertices.size());
+    const CellValues values = valuesOf(field, distance, leaf, at.x(), at.y(), at.z(), labels);
+    const glm::dvec3 low(origin.x() + at.x(), origin.y() + at.y(), origin.z() + at.z());
+    found.vertices.resize(found.vertices.size() + cell.sheets.loops);
+    found.places.resize(found.vertices.size());
+    const std::array<std::uint16_t, 24> labelOf = labelsOfLoops(cell.sheets, labels);
+    for (std::uint8_t p = 0; p < cell.sheets.positions; ++p) {
+      if (isCrowded(cell.sheets, labelOf, p)) {
+        found.crowded.push_back(found.placeCount + p);
+        found.isPlain = false;
+      }
+      const CellVertex vertex = cellVertex(values, cell.sheets, p, field.cut().stairs);
+      Junction junction{{}, low + vertex.wanted};
+      for (std::uint8_t l = 0; l < cell.sheets.loops; ++l) {
+        if (cell.sheets.positionOfLoop[l] != p) continue;
+        junction.vertices.push_back(cell.firstLoop + l);
+        found.vertices[cell.firstLoop + l] = low + vertex.at;
+        found.places[cell.firstLoop + l] = found.placeCount + p;
+      }
+      if (vertex.wanted != vertex.at) found.junctions.push_back(std::move(junction));
+    }
+    found.placeCount += cell.sheets.positions;
+    found.cellAt[offset] = static_cast<std::uint16_t>(found.cells.size());
+    found.cells.push_back(cell);
+  }
+  return found;
+}
+
+namespace {
+
+// Corners bits of the axes.
+constexpr std::array<unsigned, 3> kBit{4, 2, 1};
+
+std::size_t edgeAlong(unsigned axis, unsigned corner) {
+  for (std::size_t e = 4 * axis; e < 4 * axis + 4; ++e) {
+    if (kCellEdges[e][0] == corner) return e;
+  }
+  return 12;
+}
+
+}  // namespace
+
+std::vector<InterfaceQuad> quadsOf(const Field& field, const AllCells& all, std::size_t leaf) {
+  std::vector<InterfaceQuad> quads;
+  for (const Cell& cell : all.leaves[leaf]->cells) {
+    const openvdb::Coord at = coordFromOffset(cell.offset);
+    for (unsigned axis = 0; axis < 3; ++axis) {
+      if (cell.sheets.positionOf[edgeAlong(axis, 0)] == CellSheets::kNone) continue;
+      openvdb::Coord beyond = at;
+      ++beyond[static_cast<int>(axis)];
+      const std::array<std::uint16_t, 2> label{
+          field.label(field.placeNear(leaf, at.x(), at.y(), at.z())),
+          field.label(field.placeNear(leaf, beyond.x(), beyond.y(), beyond.z()))};
+      const unsigned b = (axis + 1) % 3, c = (axis + 2) % 3;
+      // Round the edge as seen from its far end, counterclockwise.
+      constexpr std::array<std::array<int, 2>, 4> kRing{{{1, 1}, {0, 1}, {0, 0}, {1, 0}}};
+      std::array<std::array<std::uint32_t, 4>, 2> vertex{};
+      for (std::size_t k = 0; k < 4; ++k) {
+        openvdb::Coord low = at;
+        low[static_cast<int>(b)] -= kRing[k][0];
+        low[static_cast<int>(c)] -= kRing[k][1];
+        const unsigned corner = (kRing[k][0] ? kBit[b] : 0) + (kRing[k][1] ? kBit[c] : 0);
+        const std::size_t place = field.placeNear(leaf, low.x(), low.y(), low.z());
+        const LeafCells& theirs = *all.leaves[place / 512];
+        const Cell& own = theirs.cells[theirs.cellAt[place % 512]];
+        for (std::size_t side = 0; side < 2; ++side) {
+          vertex[side][k] = all.firstVertex[place / 512] + own.firstLoop +
+                            own.sheets.loopOf[edgeAlong(axis, corner)][side];
+        }
+      }
+      std::reverse(vertex[1].begin() + 1, vertex[1].end());  // the same diagonals
+      for (std::size_t side = 0; side < 2; ++side) {
+        if (label[side] != 0) quads.push_back({label[side], label[1 - side], vertex[side]});
+      }
+    }
+  }
+  return quads;
+}
+
+}  // namespace sherd
