@@ -133,9 +133,9 @@ FractureResult extracted(GrownFracture grown, const FractureOptions& options,
                          const Progress* progress) {
   StageClock clock;
   FractureResult& result = grown.result;
-  result.fragments =
-      extractFragments(result.solid, result.labels, grown.fragments,
-                       grown.unworn ? &*grown.unworn : nullptr, options.surface, progress);
+  result.fragments = extractFragments(result.solid, result.labels, grown.fragments,
+                                      grown.unworn ? &*grown.unworn : nullptr, options.surface,
+                                      progress, grown.surface.get());
   clock.done("extract");
   result.times.push_back(clock.times().front());
   return std::move(result);

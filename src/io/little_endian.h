@@ -19,14 +19,25 @@ requires std::is_unsigned_v<T> T loadLittle(const char* bytes) {
   return value;
 }
 
+/// Put a number to `bytes`, which have room for it.
+template <class T>
+requires std::is_unsigned_v<T>
+void keepLittle(char* bytes, T value) {
+  for (std::size_t i = 0; i < sizeof(T); ++i) {
+    bytes[i] = static_cast<char>((std::uint64_t{value} >> (8 * i)) & 0xff);
+  }
+}
+
+inline void keepLittle(char* bytes, float value) {
+  keepLittle(bytes, std::bit_cast<std::uint32_t>(value));
+}
+
 /// Append a number to `bytes`.
 template <class T>
 requires std::is_unsigned_v<T>
 void storeLittle(std::string& bytes, T value) {
   char little[sizeof(T)];
-  for (std::size_t i = 0; i < sizeof(T); ++i) {
-    little[i] = static_cast<char>((std::uint64_t{value} >> (8 * i)) & 0xff);
-  }
+  keepLittle(little, value);
   bytes.append(little, sizeof(T));
 }
 

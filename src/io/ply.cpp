@@ -1,6 +1,7 @@
 // Meshes as binary little-endian PLY.
 #include <sherd/io.h>
 
+#include <array>
 #include <cassert>
 #include <string>
 
@@ -11,14 +12,30 @@
 namespace sherd {
 namespace {
 
-void storeVector(std::string& bytes, const glm::dvec3& v) {
-  for (int axis = 0; axis < 3; ++axis) storeLittle(bytes, static_cast<float>(v[axis]));
-}
+/// One vertex or face: put together, then appended at once.
+class Record {
+ public:
+  template <class T>
+  void put(T value) {
+    keepLittle(bytes_.data() + size_, value);
+    size_ += sizeof(T);
+  }
+  void put(const glm::dvec3& v) {
+    for (int axis = 0; axis < 3; ++axis) put(static_cast<float>(v[axis]));
+  }
+  void putFace(const glm::uvec3& triangle) {
+    put(std::uint8_t{3});
+    for (int corner = 0; corner < 3; ++corner) put(std::uint32_t{triangle[corner]});
+  }
+  void appendTo(std::string& bytes) {
+    bytes.append(bytes_.data(), size_);
+    size_ = 0;
+  }
 
-void storeFace(std::string& bytes, const glm::uvec3& triangle) {
-  storeLittle(bytes, std::uint8_t{3});
-  for (int corner = 0; corner < 3; ++corner) storeLittle(bytes, triangle[corner]);
-}
+ private:
+  std::array<char, 64> bytes_;
+  std::size_t size_ = 0;
+};
 
 std::string header(const TriangleMesh& mesh, const std::string& comments,
                    const std::string& ofVertices, const std::string& ofFaces) {
@@ -70,8 +87,15 @@ void writePly(const OutputFile& file, const TriangleMesh& mesh,
   }
   std::string bytes = header(mesh, "", "", "");
   bytes.reserve(bytes.size() + mesh.vertices.size() * 12 + mesh.triangles.size() * 13);
-  for (const glm::dvec3& v : mesh.vertices) storeVector(bytes, v);
-  for (const glm::uvec3& t : mesh.triangles) storeFace(bytes, t);
+  Record record;
+  for (const glm::dvec3& v : mesh.vertices) {
+    record.put(v);
+    record.appendTo(bytes);
+  }
+  for (const glm::uvec3& t : mesh.triangles) {
+    record.putFace(t);
+    record.appendTo(bytes);
+  }
   file.write(bytes);
 }
 
@@ -96,23 +120,26 @@ void writePiecePly(const OutputFile& file, const PieceMesh& piece) {
   const std::vector<std::uint16_t> facing = vertexFacing(mesh, piece.facing);
   const std::vector<glm::u8vec3> colour =
       colours ? vertexColours(piece) : std::vector<glm::u8vec3>();
+  Record record;
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    storeVector(bytes, mesh.vertices[i]);
-    storeVector(bytes, normals[i]);
-    storeLittle(bytes, std::uint32_t{facing[i]});
-    for (int k = 0; k < 3 && colours; ++k) storeLittle(bytes, colour[i][k]);
+    record.put(mesh.vertices[i]);
+    record.put(normals[i]);
+    record.put(std::uint32_t{facing[i]});
+    for (int k = 0; k < 3 && colours; ++k) record.put(std::uint8_t{colour[i][k]});
+    record.appendTo(bytes);
   }
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    storeFace(bytes, mesh.triangles[t]);
-    storeLittle(bytes, std::uint32_t{piece.facing[t]});
-    if (texcoords) storeLittle(bytes, std::uint8_t{6});
+    record.putFace(mesh.triangles[t]);
+    record.put(std::uint32_t{piece.facing[t]});
+    if (texcoords) record.put(std::uint8_t{6});
     for (std::size_t k = 0; k < 3 && texcoords; ++k) {
-      storeLittle(bytes, look.texcoords[t][k].x);
-      storeLittle(bytes, look.texcoords[t][k].y);
+      record.put(look.texcoords[t][k].x);
+      record.put(look.texcoords[t][k].y);
     }
     const int texture = materials ? piece.materials.materials[look.material[t]].texture : 0;
-    if (textures) storeLittle(bytes, static_cast<std::uint32_t>(texture < 0 ? 0 : texture));
-    if (materials) storeLittle(bytes, look.material[t]);
+    if (textures) record.put(static_cast<std::uint32_t>(texture < 0 ? 0 : texture));
+    if (materials) record.put(std::uint32_t{look.material[t]});
+    record.appendTo(bytes);
   }
   file.write(bytes);
 }

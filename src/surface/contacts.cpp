@@ -56,11 +56,13 @@ using Pair = std::pair<std::uint16_t, std::uint16_t>;  // lower, higher
 using Touchings = std::map<Pair, Touching>;
 
 // Pairs that share a voxel face, with the area of those faces.
-Touchings voxelTouchings(const Solid& solid, const Labels& labels) {
+Touchings voxelTouchings(const Solid& solid, const Labels& labels, const Cut& cut) {
   const LeafBlocks& blocks = solid.blocks;
   const double faceArea = solid.frame.voxelSize * solid.frame.voxelSize;
   Touchings found;
   for (std::size_t leaf = 0; leaf < blocks.count(); ++leaf) {
+    // Where nothing is worn there was no other before wear.
+    if (cut.only[leaf] != 0 && cut.only[leaf] != Labels::kWorn) continue;
     for (int axis = 0; axis < 3; ++axis) {
       const std::uint32_t next =
           blocks.neighbours[leaf * 6 + static_cast<std::size_t>(2 * axis + 1)];
@@ -117,8 +119,9 @@ std::vector<std::uint16_t> facingOf(const TriangleMesh& mesh, const std::vector<
   return facing;
 }
 
-void addContacts(std::span<Fragment> fragments, const Solid& solid, const Labels& labels) {
-  const Touchings touching = voxelTouchings(solid, labels);
+void addContacts(std::span<Fragment> fragments, const Solid& solid, const Labels& labels,
+                 const Cut& cut) {
+  const Touchings touching = voxelTouchings(solid, labels, cut);
   Touchings measured;
   for (const Fragment& fragment : fragments) {
     const auto own = static_cast<std::uint16_t>(fragment.id);

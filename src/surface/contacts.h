@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "surface/cut.h"
+
 namespace sherd {
 
 /// How far through worn voxels a face is asked what it faced, voxels.
@@ -23,6 +25,9 @@ inline constexpr int kDeepestWear = 64;
 
 /// Fill in the contacts of all fragments: which touch over a voxel face comes from the labels;
 /// area, normal and centroid from the faces of both meshes that face each other.
-void addContacts(std::span<Fragment> fragments, const Solid& solid, const Labels& labels);
+///   labels  before wear
+///   cut     of the labels as they are now
+void addContacts(std::span<Fragment> fragments, const Solid& solid, const Labels& labels,
+                 const Cut& cut);
 
 }  // namespace sherd

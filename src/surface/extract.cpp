@@ -55,11 +55,15 @@ VoxelBox voxelBox(const Solid& solid, const Labels& labels, std::uint16_t fragme
 }
 
 double fractureArea(const Fragment& fragment) {
-  TriangleMesh cut{fragment.mesh.vertices, {}};
+  double twice = 0.0;
   for (std::size_t t = 0; t < fragment.facing.size(); ++t) {
-    if (fragment.facing[t] != 0) cut.triangles.push_back(fragment.mesh.triangles[t]);
+    if (fragment.facing[t] == 0) continue;
+    const glm::uvec3& corner = fragment.mesh.triangles[t];
+    const glm::dvec3& a = fragment.mesh.vertices[corner.x];
+    twice += glm::length(
+        glm::cross(fragment.mesh.vertices[corner.y] - a, fragment.mesh.vertices[corner.z] - a));
   }
-  return area(cut);
+  return twice / 2.0;
 }
 
 // The meshes of all fragments, with what two share the same to the bit.
@@ -163,7 +167,7 @@ std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
          static_cast<double>(std::min(first + kRound, fragments.size())) /
              static_cast<double>(fragments.size()));
   }
-  addContacts(fragments, solid, before);
+  addContacts(fragments, solid, before, cut);
   return fragments;
 }
 

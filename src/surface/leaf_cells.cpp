@@ -78,7 +78,11 @@ class CornerLabels {
     std::size_t at = 0;
     for (int x = 0; x < kSide; ++x) {
       for (int y = 0; y < kSide; ++y) {
-        for (int z = 0; z < kSide; ++z) labels_[at++] = field.label(field.placeNear(leaf, x, y, z));
+        const std::size_t row = field.placeNear(leaf, x, y, 0);
+        for (std::size_t z = 0; z < 8; ++z) {
+          labels_[at++] = field.label(row == Field::kNowhere ? row : row + z);
+        }
+        labels_[at++] = field.label(field.placeNear(leaf, x, y, 8));
       }
     }
   }
