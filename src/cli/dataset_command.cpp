@@ -1,4 +1,5 @@
 // `sherd dataset` and `sherd merge`: break a whole library.
+#include <malloc.h>
 #include <sherd/dataset.h>
 #include <sherd/error.h>
 #include <unistd.h>
@@ -185,13 +186,21 @@ void addRunOptions(CLI::App& command, DatasetArguments& arguments) {
       ->group("");
 }
 
+// The arrays of one fracture are those of the next: to give their pages back each time, and to have
+// them cleared again, takes a tenth of the run.
+void keepFreedMemory() {
+  constexpr int kMost = 1 << 26;
+  ::mallopt(M_MMAP_THRESHOLD, kMost);
+  ::mallopt(M_TRIM_THRESHOLD, 4 * kMost);
+}
+
 void runDatasetCommand(DatasetArguments& arguments) {
   watchForInterrupts();
   DatasetOptions& options = arguments.options;
   options.write = writeOptions(arguments.write);
   // Loaders of Breaking Bad want nothing but vertices and faces, and take any file for a piece.
   const bool isBb = options.layout == DatasetLayout::bb;
-  options.write.plainMeshes = isBb;
+  options.write.plainMeshes |= isBb;
   if (isBb && arguments.write.files.meshFormats.size() > 1) {
     throw Error(ErrorCode::usage, "--layout bb takes one --mesh-format");
   }
@@ -203,6 +212,7 @@ void runDatasetCommand(DatasetArguments& arguments) {
     };
   }
   const auto threads = limitedThreads(arguments.machine);
+  keepFreedMemory();
   Device device(arguments.machine.device);
   DatasetTelling telling(arguments.json, arguments.quiet);
   DatasetWatch watch = telling.watch();

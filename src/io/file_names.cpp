@@ -37,6 +37,7 @@ void addLooks(FractureFiles& files, const std::string& stem, const MaterialTable
     return std::find(write.meshFormats.begin(), write.meshFormats.end(), format) !=
            write.meshFormats.end();
   };
+  if (write.plainMeshes) return;
   if (wanted(MeshFileFormat::obj)) files.materials = "meshes/" + withoutBlanks(stem) + ".mtl";
   if (!wanted(MeshFileFormat::obj) && !wanted(MeshFileFormat::ply)) return;
   for (const MaterialTable::Picture& picture : table.textures) {

@@ -81,13 +81,19 @@ CutHalo gather(const LeafRound& round, const LabelAt& labelAt) {
   std::size_t at = 0;
   for (int x = -kHalo; x < 8 + kHalo; ++x) {
     for (int y = -kHalo; y < 8 + kHalo; ++y) {
-      for (int z = -kHalo; z < 8 + kHalo; ++z) {
-        const std::uint32_t leaf =
-            round[static_cast<std::size_t>(((x >> 3) + 1) * 9 + ((y >> 3) + 1) * 3 + (z >> 3) + 1)];
-        halo[at++] = leaf == LeafBlocks::kNone
-                         ? std::uint16_t{0}
-                         : labelAt(std::size_t{leaf} * 512 + offsetFromCoord({x, y, z}));
-      }
+      // The row lies in three leaves: one look at each.
+      const auto column = static_cast<std::size_t>(((x >> 3) + 1) * 9 + ((y >> 3) + 1) * 3);
+      const std::uint32_t row = offsetFromCoord({x, y, 0});
+      const auto take = [&](std::uint32_t leaf, std::uint32_t z, std::uint32_t end) {
+        if (leaf == LeafBlocks::kNone) {
+          for (; z < end; ++z) halo[at++] = 0;
+        } else {
+          for (; z < end; ++z) halo[at++] = labelAt(std::size_t{leaf} * 512 + row + z);
+        }
+      };
+      take(round[column], 8 - kHalo, 8);
+      take(round[column + 1], 0, 8);
+      take(round[column + 2], 0, kHalo);
     }
   }
   return halo;

@@ -36,7 +36,7 @@ class Meshing {
         cut_(cut),
         unbroken_(unbroken),
         ownRounds_(unbroken ? std::vector<LeafRound>() : leavesRound(solid.blocks.origins)),
-        field_(solid, labels, cut, unbroken ? unbroken->rounds : ownRounds_),
+        field_(solid, labels, cut, unbroken ? std::span(unbroken->rounds) : std::span(ownRounds_)),
         count_(solid.blocks.count()),
         quads_(count_) {
     makeCells();
@@ -62,20 +62,24 @@ class Meshing {
   }
 
  private:
-  // The only label of a leaf as the unbroken solid has it; 0 where it is not so.
-  std::uint16_t oldLabel(std::size_t leaf) const {
-    const bool isOld = unbroken_ != nullptr && cut_.index[leaf] == Cut::kWhole &&
-                       cut_.only[leaf] != 0 && unbroken_->leaves[leaf].cells.isPlain;
-    return isOld ? cut_.only[leaf] : std::uint16_t{0};
+  // The only label of a leaf whose cells are as in the unbroken solid, 0 where it has none; else
+  // kNew.
+  std::uint32_t oldLabel(std::size_t leaf) const {
+    if (!unbroken_->leaves[leaf].cells.isPlain) return kNew;
+    if (cut_.index[leaf] == Cut::kWhole) return cut_.only[leaf];
+    const std::optional<std::uint16_t> only = onlyLabelOf(field_, leaf);
+    return only ? *only : kNew;
   }
+
+  bool isOld(std::size_t leaf) const { return unbroken_ != nullptr && old_[leaf] != kNew; }
 
   // Are the leaf's triangles as they were?  Those of a leaf beside a crack hold on to vertices that
   // may be new.
   bool hasOldTriangles(std::size_t leaf) const {
-    if (old_.empty() || old_[leaf] == 0 || !unbroken_->leaves[leaf].isWhole) return false;
+    if (!isOld(leaf) || !unbroken_->leaves[leaf].isWhole) return false;
     const LeafRound& round = unbroken_->rounds[leaf];
     for (const std::size_t k : kBelow) {
-      if (round[k] != LeafBlocks::kNone && old_[round[k]] == 0) return false;
+      if (round[k] != LeafBlocks::kNone && old_[round[k]] == kNew) return false;
     }
     return true;
   }
@@ -83,13 +87,13 @@ class Meshing {
   void makeCells() {
     if (unbroken_ != nullptr) {
       old_.resize(count_);
-      for (std::size_t leaf = 0; leaf < count_; ++leaf) old_[leaf] = oldLabel(leaf);
+      forEach(count_, [&](std::size_t leaf) { old_[leaf] = oldLabel(leaf); });
     }
     fresh_.resize(count_);
     cells_.leaves.resize(count_);
     forEach(count_, [&](std::size_t leaf) {
       const LeafCells* const before = unbroken_ ? &unbroken_->leaves[leaf].cells : nullptr;
-      if (!old_.empty() && old_[leaf] != 0) {
+      if (isOld(leaf)) {
         cells_.leaves[leaf] = before;
         return;
       }
@@ -124,9 +128,10 @@ class Meshing {
   void numberVertices(std::size_t fragments) {
     label_.assign(vertices_.at.size(), 0);
     for (std::size_t leaf = 0; leaf < count_; ++leaf) {
-      if (!old_.empty() && old_[leaf] != 0) {
+      if (isOld(leaf)) {
         const auto first = label_.begin() + cells_.firstVertex[leaf];
-        std::fill_n(first, cells_.leaves[leaf]->vertices.size(), old_[leaf]);
+        std::fill_n(first, cells_.leaves[leaf]->vertices.size(),
+                    static_cast<std::uint16_t>(old_[leaf]));
       }
       for (const InterfaceQuad& quad : quads_[leaf]) {
         for (const std::uint32_t v : quad.vertex) label_[v] = quad.label;
@@ -147,7 +152,8 @@ class Meshing {
     faces_.resize(fragments);
     for (std::uint32_t leaf = 0; leaf < count_; ++leaf) {
       if (hasOldTriangles(leaf)) {
-        if (hasMesh(old_[leaf])) faces_[old_[leaf] - 1u].push_back({nullptr, leaf});
+        const auto label = static_cast<std::uint16_t>(old_[leaf]);
+        if (hasMesh(label)) faces_[label - 1u].push_back({nullptr, leaf});
         continue;
       }
       for (const InterfaceQuad& quad : quads_[leaf]) {
@@ -215,6 +221,8 @@ class Meshing {
     std::uint32_t leaf = 0;
   };
 
+  static constexpr std::uint32_t kNew = 0xffffffffu;
+
   // The places in a LeafRound of slots 0..7.
   static constexpr std::array<std::size_t, 8> kBelow{13, 12, 10, 9, 4, 3, 1, 0};
 
@@ -224,7 +232,7 @@ class Meshing {
   const std::vector<LeafRound> ownRounds_;
   const Field field_;
   const std::size_t count_;
-  std::vector<std::uint16_t> old_;  // [leaf] oldLabel, or empty
+  std::vector<std::uint32_t> old_;  // [leaf] oldLabel; empty without an unbroken surface
   std::vector<std::optional<LeafCells>> fresh_;
   AllCells cells_;
   InterfaceVertices vertices_;

@@ -87,6 +87,16 @@ class CornerLabels {
     }
   }
 
+  std::optional<std::uint16_t> only() const {
+    std::uint16_t found = 0;
+    for (const std::uint16_t label : labels_) {
+      if (label == 0 || label == found) continue;
+      if (found != 0) return std::nullopt;
+      found = label;
+    }
+    return found;
+  }
+
   bool isOne() const {
     return std::all_of(labels_.begin(), labels_.end(), [&](auto l) { return l == labels_[0]; });
   }
@@ -154,6 +164,10 @@ void addUnbroken(const LeafCells& unbroken, std::size_t offset, LeafCells& to) {
 }
 
 }  // namespace
+
+std::optional<std::uint16_t> onlyLabelOf(const Field& field, std::size_t leaf) {
+  return CornerLabels(field, leaf).only();
+}
 
 LeafCells cellsOf(const Field& field, std::size_t leaf, const LeafCells* unbroken) {
   LeafCells found;

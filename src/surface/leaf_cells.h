@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -97,6 +98,10 @@ class Field {
 ///             are as they are there
 [[nodiscard]] LeafCells cellsOf(const Field& field, std::size_t leaf,
                                 const LeafCells* unbroken = nullptr);
+
+/// The only label but 0 at the corners of a leaf's cells; 0 where there is none, nothing where
+/// there are several.
+[[nodiscard]] std::optional<std::uint16_t> onlyLabelOf(const Field& field, std::size_t leaf);
 
 /// The cells of all leaves, and where their vertices begin in the whole mesh.
 struct AllCells {

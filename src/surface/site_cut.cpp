@@ -27,6 +27,30 @@ Nearest nearestOf(std::span<const glm::i64vec3> sites, const glm::i64vec3& at) {
   return nearest;
 }
 
+// The sites that can be the nearest of theirs somewhere in a leaf's halo.
+std::vector<glm::i64vec3> nearLeaf(std::span<const glm::i64vec3> sites,
+                                   const openvdb::Coord& origin, const Sites& all) {
+  std::vector<glm::i64vec3> near(sites.begin(), sites.end());
+  if (near.size() < 2) return near;
+  // No voxel of the halo is farther from its middle one than a corner is.
+  const glm::dvec3 middle(all.stretched(origin + openvdb::Coord(4)));
+  double reach = 0.0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto end = [&](int bit) { return (corner & bit) != 0 ? 7 + kCutHalo : -kCutHalo; };
+    const openvdb::Coord at = origin + openvdb::Coord(end(4), end(2), end(1));
+    reach = std::max(reach, glm::length(glm::dvec3(all.stretched(at)) - middle));
+  }
+  const auto distance = [&](const glm::i64vec3& site) {
+    return glm::length(glm::dvec3(site) - middle);
+  };
+  double least = std::numeric_limits<double>::infinity();
+  for (const glm::i64vec3& site : near) least = std::min(least, distance(site));
+  std::erase_if(near, [&](const glm::i64vec3& site) {
+    return distance(site) > (least + 2.0 * reach) * (1.0 + 1e-9);
+  });
+  return near;
+}
+
 // Rows of bits, each spread by the halo's width along all axes: the leaf's own part.
 std::array<std::uint8_t, 64> spread(const std::array<std::uint16_t, kCutSide * kCutSide>& rows) {
   std::array<std::uint8_t, 64> out{};
@@ -122,8 +146,10 @@ SiteCut siteCut(const CutHalo& halo, const openvdb::Coord& origin,
                 std::span<const std::uint16_t> fragments, const Sites& sites) {
   SiteCut cut;
   cut.distance.assign(fragments.size() * 512, 3.0f);
-  std::vector<std::span<const glm::i64vec3>> sitesOf;
-  for (const std::uint16_t fragment : fragments) sitesOf.push_back(sites.of(fragment));
+  std::vector<std::vector<glm::i64vec3>> sitesOf;
+  for (const std::uint16_t fragment : fragments) {
+    sitesOf.push_back(nearLeaf(sites.of(fragment), origin, sites));
+  }
   std::vector<Nearest> nearest(fragments.size());
   Slopes slopes(sites, fragments.size());
   std::array<std::uint16_t, kCutSide * kCutSide> wrong{};
