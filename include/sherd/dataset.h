@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <functional>
 #include <limits>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -133,7 +134,8 @@ struct DatasetSummary {
   std::size_t fractures = 0;
   std::size_t fragments = 0;
   std::uintmax_t bytes = 0;
-  bool complete = true;  ///< false: other shards are not done
+  std::map<std::string, std::uintmax_t> bytesByFormat;  ///< by extension: "rle", "ply.zip"
+  bool complete = true;                                 ///< false: other shards are not done
   std::vector<StageTime> times;
 };
 
@@ -147,6 +149,19 @@ struct DatasetSummary {
 DatasetSummary runDataset(const std::filesystem::path& library, const std::filesystem::path& out,
                           const DatasetOptions& options, Device& device,
                           const DatasetWatch& watch = {});
+
+/// What is wrong with a finished dataset.
+struct DatasetCheck {
+  std::size_t files = 0;  ///< that were read
+  std::uintmax_t bytes = 0;
+  std::vector<std::string> problems;  ///< a sentence each
+};
+
+/// Read everything again that the journals list: sizes and checksums, voxels of each fragment in
+/// `.rle` files, faces of each `.ply`, `.obj` and `.binm` mesh.
+///   throws  Error(input) it is no dataset; Error(cancelled)
+DatasetCheck verifyDataset(const std::filesystem::path& out,
+                           const std::function<bool()>& cancelled = {});
 
 /// Join what shards have written below one folder: index, failures and splits.
 ///   throws  Error(input) it is no dataset, or objects of it are neither done nor failed

@@ -29,6 +29,7 @@ struct DatasetArguments {
   WriteArguments write{.names = {"labels", "mesh"}};
   std::vector<DrawnOption> drawn;
   MachineOptions machine;
+  bool verify = false;
   bool json = false;
   bool quiet = false;
 };
@@ -163,6 +164,10 @@ void addRunOptions(CLI::App& command, DatasetArguments& arguments) {
       ->type_name("i/N")
       ->group(group);
   command
+      .add_flag("--verify", arguments.verify,
+                "Read everything again when it is done; with --resume also what was done before")
+      ->group(group);
+  command
       .add_option("--object-timeout", options.objectTimeout,
                   "Seconds after which an object is given up; default never")
       ->check(aboveZero())
@@ -225,6 +230,8 @@ void runDatasetCommand(DatasetArguments& arguments) {
                   "no object could be broken; " + arguments.folder + "/failures.jsonl tells why");
     }
     telling.done(arguments.folder, summary);
+    if (arguments.verify)
+      telling.verified(arguments.folder, verifyDataset(arguments.folder, isInterrupted));
   } catch (const Error& e) {
     telling.stopped();
     if (e.code() == ErrorCode::cancelled) {

@@ -1,6 +1,7 @@
 // What a dataset run tells.
 #include "cli/dataset_telling.h"
 
+#include <sherd/error.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -129,6 +130,24 @@ void DatasetTelling::done(const std::string& folder, const DatasetSummary& summa
                 summary.fractures, summary.objects, summary.fragments,
                 static_cast<double>(summary.bytes) * 1e-9, summary.failures);
   printResult(folder + text);
+}
+
+void DatasetTelling::verified(const std::string& folder, const DatasetCheck& check) {
+  for (const std::string& problem : check.problems) {
+    if (json_) {
+      event({{"event", "problem"}, {"problem", problem}});
+    } else {
+      say("sherd: " + problem);
+    }
+  }
+  if (!check.problems.empty()) {
+    throw Error(ErrorCode::input, folder + ": " + std::to_string(check.problems.size()) +
+                                      " files are not as they were written");
+  }
+  if (json_) {
+    return event({{"event", "verified"}, {"files", check.files}, {"bytes", check.bytes}});
+  }
+  if (!quiet_) printResult(folder + ": all " + std::to_string(check.files) + " files are whole\n");
 }
 
 }  // namespace sherd::cli

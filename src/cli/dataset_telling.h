@@ -21,6 +21,9 @@ class DatasetTelling {
 
   void done(const std::string& folder, const DatasetSummary& summary);
 
+  ///   throws  Error(input) there are problems
+  void verified(const std::string& folder, const DatasetCheck& check);
+
   /// The run ended otherwise.
   void stopped() { clear(); }
 

@@ -179,8 +179,9 @@ void addMeshFormatOption(CLI::App& command, WriteOptions& write) {
           "paper's")
       ->type_name("ply,obj,glb,stl,stl-ascii,binm")
       ->default_str("ply");
-  command.add_flag("--plain-meshes", write.plainMeshes,
-                   "Vertices and triangles alone in .ply and .obj: no normals, facing or materials");
+  command.add_flag(
+      "--plain-meshes", write.plainMeshes,
+      "Vertices and triangles alone in .ply and .obj: no normals, facing or materials");
 }
 
 void addHostOptions(CLI::App& command, WriteOptions& write, const std::string& compress) {

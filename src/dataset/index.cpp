@@ -122,6 +122,19 @@ Json rowOf(const std::string& key, const std::string& split, const Json& line,
   return row;
 }
 
+// "ply", "rle.zip"
+std::string formatOf(const std::string& name) {
+  fs::path path(name);
+  std::string packing = path.extension().string();
+  if (packing == ".zip" || packing == ".zst") {
+    path.replace_extension();
+  } else {
+    packing.clear();
+  }
+  const std::string format = path.extension().string() + packing;
+  return format.empty() ? format : format.substr(1);
+}
+
 std::string failureLine(const std::string& key, const std::string& reason) {
   return textOf({{"object", key}, {"reason", reason}});
 }
@@ -208,7 +221,10 @@ DatasetSummary writeIndex(const fs::path& out, const DatasetPlan& plan) {
       const bool isWhole = line.at("fracture") == kWholeName;
       summary.fractures += isWhole ? 0 : 1;
       const std::size_t before = summary.fragments;
-      for (const FileRecord& file : filesOf(line)) summary.bytes += file.bytes;
+      for (const FileRecord& file : filesOf(line)) {
+        summary.bytes += file.bytes;
+        summary.bytesByFormat[formatOf(file.name)] += file.bytes;
+      }
       for (const Json& fragment : line.at("fragments")) {
         const Json row = rowOf(object.key, split, line, fragment);
         csv.add(csvOf(row));

@@ -11,6 +11,8 @@
 #include "dataset/fracture_line.h"
 #include "dataset/index.h"
 #include "dataset/object_run.h"
+#include "dataset/resources.h"
+#include "dataset/run_record.h"
 #include "io/atomic_file.h"
 
 namespace sherd {
@@ -96,6 +98,8 @@ class LibraryRun {
     }
   }
 
+  [[nodiscard]] const DatasetProgress& told() const { return told_; }
+
   [[nodiscard]] std::vector<StageTime> times() const {
     std::vector<StageTime> all;
     for (const auto& [stage, seconds] : sums_.all()) all.push_back({stage, seconds});
@@ -163,10 +167,23 @@ DatasetSummary runDataset(const fs::path& library, const fs::path& out,
   const DatasetPlan plan{options.plan, findObjects(library, options.library), options.layout,
                          options.split, options.seed};
   prepareFolder(out, plan, options.resume);
+  ResourceSampler resources(device);
   LibraryRun run(out, options, device, watch);
-  run.go(shardOf(plan.objects, options.shard));
+  const auto record = [&](const DatasetSummary& summary) {
+    addRun(out, options, device.info(), run.told(), summary, run.times(), resources.finish());
+  };
   DatasetSummary summary;
-  if (options.shard.of == 1) summary = writeIndex(out, plan);
+  try {
+    run.go(shardOf(plan.objects, options.shard));
+    if (options.shard.of == 1) summary = writeIndex(out, plan);
+  } catch (const Error&) {
+    try {
+      record({});
+    } catch (const Error&) {  // the first one tells more
+    }
+    throw;
+  }
+  record(summary);
   summary.times = run.times();
   return summary;
 }

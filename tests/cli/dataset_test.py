@@ -22,7 +22,7 @@ import numpy as np
 from cli_test import SHERD, CommandLine, joined, sphere, tree, write_obj, write_stl
 
 # What a run leaves that tells of the run, and not of the dataset.
-OF_THE_RUN = ("journal/", "run.json", "report.html")
+OF_THE_RUN = ("journal/", "run", "report.html")
 SMALL = {"--resolution": "24", "--pieces": "2..4", "--repeats": "3..1", "--points": "32"}
 
 
@@ -347,6 +347,46 @@ class Trust(Dataset):
             self.assertEqual(dataset(out), dataset(self.out))
         finally:
             subprocess.run(["umount", disk])
+
+    def test_verifying_finds_what_was_changed(self):
+        for layout in (), ("--layout", "packed"), ("--layout", "paper", "--compress", "zip", "--mesh-format", "binm"), \
+                ("--layout", "bb", "--compress", "zstd"):
+            with self.subTest(layout=layout):
+                out = tempfile.mkdtemp(prefix="sherd-cli-")
+                self.addCleanup(shutil.rmtree, out)
+                arguments = (*layout, "--match", "ball*", "--verify")
+                told = self.done(*arguments, out=out).stdout
+                self.assertRegex(told, r"all \d+ files are whole\n\Z")
+                names = sorted(n for n, _ in tree(out).items() if "ball" in n and "journal" not in n and n[-1] != "/")
+                for name in names[0], names[-1]:
+                    path = os.path.join(out, name)
+                    with open(path, "r+b") as file:
+                        data = file.read()
+                        file.seek(len(data) // 2)
+                        file.write(bytes([data[len(data) // 2] ^ 1]))
+                    run = self.dataset(*arguments, "--resume", out=out)
+                    self.assertEqual(run.returncode, 3, name)
+                    self.assertIn("not as they were written", run.stderr)
+                    with open(path, "wb") as file:
+                        file.write(data)
+                os.remove(os.path.join(out, names[0]))
+                self.assertEqual(self.dataset(*arguments, "--resume", out=out).returncode, 3)
+
+    def test_a_run_tells_what_it_took(self):
+        self.done("--match", "ball*")
+        self.done("--resume")
+        with open(os.path.join(self.out, "run.json")) as file:
+            first, second = json.load(file)["runs"]
+        self.assertEqual((first["objects"], first["fractures"], second["fractures"]), (1, 6, 12))
+        for run in first, second:
+            self.assertEqual(set(run["stages"]), {"read", "voxelize", "grow", "extract", "write", "store"})
+            samples = run["samples"]
+            self.assertEqual({len(column) for column in samples.values()}, {len(samples["seconds"])})
+            self.assertGreater(min(samples["memory"]), 1 << 20)
+            self.assertGreaterEqual(run["peak_memory"], max(samples["memory"]))
+        size = sum(os.path.getsize(os.path.join(self.out, n)) for n in tree(self.out) if n.startswith("objects/") and n[-1] != "/")
+        self.assertEqual(sum(second["bytes"].values()), size)
+        self.assertEqual(set(second["bytes"]), {"rle", "ply", "json"})
 
     def test_shards_give_what_one_run_gives(self):
         self.done()

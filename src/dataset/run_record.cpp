@@ -1,0 +1,69 @@
+// run.json: what a run did, how long it took, and what it took of the machine.
+#include "dataset/run_record.h"
+
+#include <sherd/version.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "io/atomic_file.h"
+
+namespace sherd {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Runs before this one, of the same folder; none where the file is not ours.
+Json earlierRuns(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  const Json json = Json::parse(in, nullptr, false);
+  if (!json.is_object() || !json.contains("runs") || !json["runs"].is_array()) return Json::array();
+  return json["runs"];
+}
+
+Json columns(const std::vector<ResourceSample>& samples) {
+  Json seconds = Json::array(), cores = seconds, memory = seconds, device = seconds;
+  for (const ResourceSample& sample : samples) {
+    seconds.push_back(sample.seconds);
+    cores.push_back(sample.cores);
+    memory.push_back(sample.memory);
+    device.push_back(sample.deviceMemory);
+  }
+  return {{"seconds", std::move(seconds)},
+          {"cores", std::move(cores)},
+          {"memory", std::move(memory)},
+          {"device_memory", std::move(device)}};
+}
+
+}  // namespace
+
+void addRun(const std::filesystem::path& out, const DatasetOptions& options,
+            const DeviceInfo& device, const DatasetProgress& told, const DatasetSummary& summary,
+            const std::vector<StageTime>& stages, const std::vector<ResourceSample>& samples) {
+  const std::filesystem::path file =
+      out / (options.shard.of == 1 ? "run.json"
+                                   : "run_" + std::to_string(options.shard.number) + "_of_" +
+                                         std::to_string(options.shard.of) + ".json");
+  Json seconds = Json::object();
+  for (const StageTime& stage : stages) seconds[stage.stage] = stage.seconds;
+  Json bytes = Json::object();
+  for (const auto& [format, count] : summary.bytesByFormat) bytes[format] = count;
+  std::uint64_t peak = peakMemory();
+  for (const ResourceSample& sample : samples) peak = std::max(peak, sample.memory);
+  Json runs = earlierRuns(file);
+  runs.push_back({{"version", SHERD_VERSION},
+                  {"device", {{"platform", device.platform}, {"name", device.name}}},
+                  {"seconds", told.seconds},
+                  {"objects", told.objects},
+                  {"fractures", told.fractures},
+                  {"fragments", told.fragments},
+                  {"stages", std::move(seconds)},
+                  {"bytes", std::move(bytes)},
+                  {"peak_memory", peak},
+                  {"samples", columns(samples)}});
+  const Json json = {{"schema", "sherd-run/1"}, {"runs", std::move(runs)}};
+  writeWhole(file, json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+}  // namespace sherd

@@ -1,0 +1,21 @@
+// run.json: what a run did, how long it took, and what it took of the machine.
+#pragma once
+
+#include <sherd/dataset.h>
+
+#include <filesystem>
+#include <vector>
+
+#include "dataset/resources.h"
+
+namespace sherd {
+
+/// Add a run to run.json; of shard i/N to run_i_of_N.json.
+///   told     what it did by itself, beside what was there before
+///   summary  of all there is; empty where it ended too early
+///   throws   Error(output)
+void addRun(const std::filesystem::path& out, const DatasetOptions& options,
+            const DeviceInfo& device, const DatasetProgress& told, const DatasetSummary& summary,
+            const std::vector<StageTime>& stages, const std::vector<ResourceSample>& samples);
+
+}  // namespace sherd

@@ -1,0 +1,179 @@
+// A finished dataset, read again.
+#include <sherd/dataset.h>
+#include <sherd/error.h>
+#include <sherd/voxel_files.h>
+#include <tbb/parallel_for.h>
+#include <zstd.h>
+
+#include <map>
+#include <mutex>
+
+#include "dataset/fracture_line.h"
+#include "dataset/index.h"
+#include "dataset/journal.h"
+#include "io/sha256.h"
+#include "io/zip_reader.h"
+#include "mesh/file_bytes.h"
+#include "mesh/read_mesh.h"
+
+namespace sherd {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The files of an object by name, unpacked.
+class StoredFiles {
+ public:
+  StoredFiles(const fs::path& out, const std::string& archive) : out_(out) {
+    if (archive.empty()) return;
+    bytes_ = readFileBytes(out / archive);
+    for (ZipEntry& entry : zipEntries(bytes_, archive)) entries_.emplace(entry.name, entry);
+    isArchive_ = true;
+  }
+
+  /// As it lies there; of an archive, unpacked.
+  [[nodiscard]] std::string bytes(const std::string& name) const {
+    if (!isArchive_) return readFileBytes(out_ / name);
+    const auto found = entries_.find(name);
+    if (found == entries_.end()) {
+      throw Error(ErrorCode::input, name + ": is not in the archive");
+    }
+    return unpacked(found->second, name);
+  }
+
+  static std::string unpacked(const ZipEntry& entry, const std::string& name) {
+    std::string all;
+    unpack(entry, name, [&](std::string_view more) { all += more; });
+    return all;
+  }
+
+ private:
+  fs::path out_;
+  bool isArchive_ = false;
+  std::string bytes_;
+  std::map<std::string, ZipEntry> entries_;
+};
+
+// What .zip and .zst hold; anything else as it is.
+std::string contentOf(const std::string& name, std::string bytes) {
+  if (name.ends_with(".zip")) {
+    const std::vector<ZipEntry> entries = zipEntries(bytes, name);
+    if (entries.size() != 1) throw Error(ErrorCode::input, name + ": holds not one file");
+    return StoredFiles::unpacked(entries.front(), name);
+  }
+  if (name.ends_with(".zst")) {
+    const unsigned long long size = ZSTD_getFrameContentSize(bytes.data(), bytes.size());
+    if (size == ZSTD_CONTENTSIZE_ERROR || size == ZSTD_CONTENTSIZE_UNKNOWN) {
+      throw Error(ErrorCode::input, name + ": is no zstd file");
+    }
+    std::string out(size, '\0');
+    const std::size_t made = ZSTD_decompress(out.data(), out.size(), bytes.data(), bytes.size());
+    if (ZSTD_isError(made) != 0 || made != size) {
+      throw Error(ErrorCode::input, name + ": is damaged");
+    }
+    return out;
+  }
+  return bytes;
+}
+
+fs::path withoutPacking(const std::string& name) {
+  fs::path path(name);
+  if (path.extension() == ".zip" || path.extension() == ".zst") path.replace_extension();
+  return path;
+}
+
+[[noreturn]] void differs(const std::string& name, const std::string& what) {
+  throw Error(ErrorCode::input, name + ": " + what);
+}
+
+// Voxels by label are what the journal says.
+void checkLabels(const std::string& name, const std::string& bytes, const Json& line) {
+  if (withoutPacking(name).extension() != ".rle") return;
+  std::map<std::uint16_t, std::uint64_t> counts;
+  for (const Run& run : parseRle(bytes, name).runs) counts[run.label] += run.length;
+  const bool isWhole = line.at("fracture") == kWholeName;
+  for (const Json& fragment : line.at("fragments")) {
+    if (fragment.value("withheld", false)) continue;
+    const auto label = static_cast<std::uint16_t>(isWhole ? 1 : fragment.at("id").get<int>() + 1);
+    if (counts[label] == fragment.at("voxels").get<std::uint64_t>()) continue;
+    differs(name, "fragment " + fragment.at("id").dump() + " has " + std::to_string(counts[label]) +
+                      " voxels, not " + fragment.at("voxels").dump());
+  }
+}
+
+// The first mesh of a fragment has the vertices and faces that the journal says.
+void checkMesh(const std::string& name, std::string bytes, const Json& fragment) {
+  const fs::path path = withoutPacking(name);
+  const std::string extension = path.extension().string();
+  if (extension != ".ply" && extension != ".obj" && extension != ".binm") return;
+  const TriangleMesh mesh = meshFromBytes(path, std::move(bytes), nullptr).mesh;
+  if (mesh.triangles.size() == fragment.at("faces").get<std::size_t>()) return;
+  differs(name, "has " + std::to_string(mesh.triangles.size()) + " faces, not " +
+                    fragment.at("faces").dump());
+}
+
+void checkFracture(const StoredFiles& files, const Json& line) {
+  std::map<std::string, const Json*> meshOf;  // the first file of a fragment is its mesh
+  for (const Json& fragment : line.at("fragments")) {
+    if (!fragment.at("files").empty()) meshOf[fragment.at("files").front()] = &fragment;
+  }
+  for (const FileRecord& record : filesOf(line)) {
+    std::string bytes = files.bytes(record.name);
+    if (bytes.size() != record.bytes || sha256(bytes) != record.sha256) {
+      differs(record.name, "is not what was written");
+    }
+    const auto mesh = meshOf.find(record.name);
+    const bool isLabels = std::any_of(line.at("labels").begin(), line.at("labels").end(),
+                                      [&](const Json& name) { return name == record.name; });
+    if (isLabels)
+      checkLabels(record.name, contentOf(record.name, std::move(bytes)), line);
+    else if (mesh != meshOf.end()) {
+      checkMesh(record.name, contentOf(record.name, std::move(bytes)), *mesh->second);
+    }
+  }
+}
+
+}  // namespace
+
+DatasetCheck verifyDataset(const fs::path& out, const std::function<bool()>& cancelled) {
+  const DatasetPlan plan = readPlan(out);
+  DatasetCheck check;
+  std::mutex mutex;
+  const auto problem = [&](const std::string& sentence) {
+    const std::lock_guard lock(mutex);
+    check.problems.push_back(sentence);
+  };
+  for (const LibraryObject& object : plan.objects) {
+    const JournalText journal = readJournal(journalOf(out, object));
+    if (journal.failed) continue;
+    if (!journal.done) {
+      problem(object.key + ": is not done");
+      continue;
+    }
+    try {
+      const bool isPacked = plan.layout == DatasetLayout::packed;
+      const StoredFiles files(
+          out, isPacked ? objectFolder(plan.layout, object) + ".zip" : std::string());
+      tbb::parallel_for(std::size_t{0}, journal.fractures.size(), [&](std::size_t i) {
+        if (cancelled && cancelled()) throw Error(ErrorCode::cancelled, "stopped on request");
+        try {
+          checkFracture(files, journal.fractures[i]);
+        } catch (const Error& e) {
+          if (e.code() == ErrorCode::cancelled) throw;
+          problem(e.what());
+        }
+      });
+      for (const Json& line : journal.fractures) {
+        check.files += line.at("files").size();
+        for (const FileRecord& file : filesOf(line)) check.bytes += file.bytes;
+      }
+    } catch (const Error& e) {
+      if (e.code() == ErrorCode::cancelled) throw;
+      problem(e.what());
+    }
+  }
+  std::sort(check.problems.begin(), check.problems.end());
+  return check;
+}
+
+}  // namespace sherd
