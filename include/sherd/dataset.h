@@ -150,6 +150,23 @@ DatasetSummary runDataset(const std::filesystem::path& library, const std::files
                           const DatasetOptions& options, Device& device,
                           const DatasetWatch& watch = {});
 
+/// What a run would make.
+struct DatasetForecast {
+  std::size_t objects = 0;  ///< of the shard
+  std::size_t fractures = 0;
+  std::size_t fragments = 0;         ///< where every object is in one part, and nothing is withheld
+  double bytes = 0.0;                ///< about
+  double seconds = 0.0;              ///< about, on this machine
+  std::size_t sampled = 0;           ///< objects that it was told from
+  std::vector<std::string> refused;  ///< objects that were to be sampled and cannot be broken
+};
+
+/// Tell what runDataset would make from a small, a middling and a large object, of which each is
+/// broken a few times into the fewest and the most pieces, in a folder for temporary files.
+///   throws  as runDataset
+DatasetForecast forecastDataset(const std::filesystem::path& library, const DatasetOptions& options,
+                                Device& device, const std::function<bool()>& cancelled = {});
+
 /// What is wrong with a finished dataset.
 struct DatasetCheck {
   std::size_t files = 0;  ///< that were read

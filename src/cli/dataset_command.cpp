@@ -30,6 +30,7 @@ struct DatasetArguments {
   std::vector<DrawnOption> drawn;
   MachineOptions machine;
   bool verify = false;
+  bool dryRun = false;
   bool json = false;
   bool quiet = false;
 };
@@ -168,6 +169,10 @@ void addRunOptions(CLI::App& command, DatasetArguments& arguments) {
                 "Read everything again when it is done; with --resume also what was done before")
       ->group(group);
   command
+      .add_flag("--dry-run", arguments.dryRun,
+                "Only tell what would be made, and how long it would take, from a few objects")
+      ->group(group);
+  command
       .add_option("--object-timeout", options.objectTimeout,
                   "Seconds after which an object is given up; default never")
       ->check(aboveZero())
@@ -223,6 +228,9 @@ void runDatasetCommand(DatasetArguments& arguments) {
   DatasetWatch watch = telling.watch();
   watch.cancelled = isInterrupted;
   try {
+    if (arguments.dryRun) {
+      return telling.forecast(forecastDataset(arguments.library, options, device, isInterrupted));
+    }
     const DatasetSummary summary =
         runDataset(arguments.library, arguments.folder, options, device, watch);
     if (summary.objects == 0 && summary.failures > 0) {

@@ -150,4 +150,27 @@ void DatasetTelling::verified(const std::string& folder, const DatasetCheck& che
   if (!quiet_) printResult(folder + ": all " + std::to_string(check.files) + " files are whole\n");
 }
 
+void DatasetTelling::forecast(const DatasetForecast& forecast) {
+  for (const std::string& object : forecast.refused) {
+    if (!json_) say("sherd: warning: " + object + " cannot be broken");
+  }
+  if (json_) {
+    return event({{"event", "forecast"},
+                  {"objects", forecast.objects},
+                  {"fractures", forecast.fractures},
+                  {"fragments", forecast.fragments},
+                  {"bytes", forecast.bytes},
+                  {"seconds", forecast.seconds},
+                  {"sampled", forecast.sampled},
+                  {"refused", forecast.refused}});
+  }
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "%zu fractures of %zu objects, %zu fragments; about %.3g GB in %s, told from %zu "
+                "objects\n",
+                forecast.fractures, forecast.objects, forecast.fragments, forecast.bytes * 1e-9,
+                timeText(forecast.seconds).c_str(), forecast.sampled);
+  printResult(text);
+}
+
 }  // namespace sherd::cli

@@ -21,6 +21,8 @@ class DatasetTelling {
 
   void done(const std::string& folder, const DatasetSummary& summary);
 
+  void forecast(const DatasetForecast& forecast);
+
   ///   throws  Error(input) there are problems
   void verified(const std::string& folder, const DatasetCheck& check);
 

@@ -388,6 +388,15 @@ class Trust(Dataset):
         self.assertEqual(sum(second["bytes"].values()), size)
         self.assertEqual(set(second["bytes"]), {"rle", "ply", "json"})
 
+    def test_a_forecast_is_about_right(self):
+        told = json.loads(self.done("--dry-run", "--json").stdout)
+        self.assertFalse(os.path.exists(self.out))
+        last = json.loads(self.done("--json").stdout.splitlines()[-1])
+        self.assertEqual([told[k] for k in ("objects", "fractures", "fragments")],
+                         [last[k] for k in ("objects", "fractures", "fragments")])
+        self.assertAlmostEqual(told["bytes"] / last["bytes"], 1, delta=0.1)  # other fractures of these objects
+        self.assertGreater(told["seconds"], 0)
+
     def test_shards_give_what_one_run_gives(self):
         self.done()
         for shards in 2, 7:

@@ -13,10 +13,10 @@ int main() {
   cl::Program program(impl.context,
                       "kernel void race(global uint* sum) { sum[0] += (uint)get_global_id(0); }");
   program.build(impl.device);
-  const DeviceBuffer sum = sherd::makeBuffer<cl_uint>(impl, 1);
-  impl.queue.enqueueFillBuffer(sum, cl_uint{0}, 0, sizeof(cl_uint));
+  const sherd::DeviceBuffer sum = sherd::makeBuffer<cl_uint>(impl, 1);
+  impl.queue.enqueueFillBuffer<cl_uint>(sum, cl_uint{0}, 0, sizeof(cl_uint));
   cl::Kernel kernel(program, "race");
-  kernel.setArg(0, sum);
+  kernel.setArg(0, sherd::argument(sum));
   impl.queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(64), cl::NDRange(8));
   impl.queue.finish();
   std::cout << "ran on " << impl.info.name << '\n';

@@ -1,0 +1,155 @@
+// What a run would make, told from a few objects.
+#include <sherd/dataset.h>
+#include <sherd/error.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <optional>
+
+#include "dataset/fracture_line.h"
+#include "dataset/object_run.h"
+
+namespace sherd {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kSampled = 3;  // objects: small, middling and large
+constexpr int kFracturesOfEach = 3;
+
+/// A folder that goes when this does.
+class ShortLived {
+ public:
+  ShortLived() : path_((fs::temp_directory_path() / "sherd-forecast-XXXXXX").string()) {
+    if (::mkdtemp(path_.data()) == nullptr) {
+      throw Error(ErrorCode::output, path_ + ": cannot be made");
+    }
+  }
+  ~ShortLived() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  ShortLived(const ShortLived&) = delete;
+  ShortLived& operator=(const ShortLived&) = delete;
+  fs::path path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+struct Cost {
+  double seconds = 0.0, bytes = 0.0;
+};
+
+/// What an object costs by itself, and what a fracture into the fewest and the most pieces.
+struct ObjectCost {
+  Cost once, fewest, most;
+};
+
+// One run of an object into `pieces`, so many times.
+Cost costOf(const LibraryObject& object, DatasetOptions options, int pieces, int repeats,
+            Device& device, const std::function<bool()>& cancelled) {
+  options.schedule = {pieces, pieces, repeats, repeats, options.schedule.maxFragments};
+  const ShortLived folder;
+  const fs::path out = folder.path();
+  StageSums times;
+  const DatasetRun run{out,
+                       options,
+                       device,
+                       [&] { return cancelled && cancelled(); },
+                       [](std::size_t) {},
+                       [](const std::string&) {},
+                       times};
+  const Clock::time_point begin = Clock::now();
+  Cost cost;
+  {
+    Journal journal(out, object);
+    runObject(object, journal, run);
+  }
+  cost.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+  for (const Json& line : readJournal(journalOf(out, object)).fractures) {
+    for (const FileRecord& file : filesOf(line)) cost.bytes += static_cast<double>(file.bytes);
+  }
+  return cost;
+}
+
+Cost perFracture(const Cost& all, const Cost& once) {
+  return {std::max(all.seconds - once.seconds, 0.0) / kFracturesOfEach,
+          (all.bytes - once.bytes) / kFracturesOfEach};
+}
+
+// Nothing for an object that cannot be broken.
+std::optional<ObjectCost> measured(const LibraryObject& object, const DatasetOptions& options,
+                                   Device& device, const std::function<bool()>& cancelled) {
+  try {
+    const auto run = [&](int pieces, int repeats) {
+      return costOf(object, options, pieces, repeats, device, cancelled);
+    };
+    const Schedule& schedule = options.schedule;
+    (void)run(schedule.fewest, 1);  // kernels are built, files are in memory
+    ObjectCost cost;
+    cost.once = run(schedule.fewest, 0);
+    cost.fewest = perFracture(run(schedule.fewest, kFracturesOfEach), cost.once);
+    cost.most = perFracture(run(schedule.most, kFracturesOfEach), cost.once);
+    return cost;
+  } catch (const Error& e) {
+    if (e.code() != ErrorCode::input && e.code() != ErrorCode::usage) throw;
+    return std::nullopt;
+  }
+}
+
+// Small, middling and large ones.
+std::vector<LibraryObject> sampleOf(std::vector<LibraryObject> objects) {
+  std::stable_sort(objects.begin(), objects.end(),
+                   [](const auto& a, const auto& b) { return a.bytes < b.bytes; });
+  if (objects.size() <= kSampled) return objects;
+  std::vector<LibraryObject> sample;
+  for (std::size_t i = 0; i < kSampled; ++i) {
+    sample.push_back(objects[(2 * i + 1) * objects.size() / (2 * kSampled)]);
+  }
+  return sample;
+}
+
+}  // namespace
+
+DatasetForecast forecastDataset(const fs::path& library, const DatasetOptions& options,
+                                Device& device, const std::function<bool()>& cancelled) {
+  const std::vector<LibraryObject> objects =
+      shardOf(findObjects(library, options.library), options.shard);
+  const std::vector<PlannedFracture> planned = fracturesOf(options.schedule);
+  DatasetForecast forecast;
+  forecast.objects = objects.size();
+  forecast.fractures = planned.size() * objects.size();
+  for (const PlannedFracture& fracture : planned) {
+    forecast.fragments += static_cast<std::size_t>(fracture.pieces) * objects.size();
+  }
+  Cost all;  // of one object
+  for (const LibraryObject& object : sampleOf(objects)) {
+    const std::optional<ObjectCost> cost = measured(object, options, device, cancelled);
+    if (!cost) {
+      forecast.refused.push_back(object.key);
+      continue;
+    }
+    ++forecast.sampled;
+    all.seconds += cost->once.seconds;
+    all.bytes += cost->once.bytes;
+    const double span = std::max(options.schedule.most - options.schedule.fewest, 1);
+    for (const PlannedFracture& fracture : planned) {
+      const double at = (fracture.pieces - options.schedule.fewest) / span;
+      all.seconds += cost->fewest.seconds + at * (cost->most.seconds - cost->fewest.seconds);
+      all.bytes += cost->fewest.bytes + at * (cost->most.bytes - cost->fewest.bytes);
+    }
+  }
+  if (forecast.sampled > 0) {
+    const double share =
+        static_cast<double>(objects.size()) / static_cast<double>(forecast.sampled);
+    forecast.seconds = all.seconds * share;
+    forecast.bytes = all.bytes * share;
+  }
+  return forecast;
+}
+
+}  // namespace sherd
