@@ -39,6 +39,14 @@ void check(const DatasetOptions& options) {
        "a split is three shares, such as 80/10/10");
 }
 
+// Whether there is anything but files that are being written.
+bool holdsOthers(const fs::path& folder) {
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (!entry.path().filename().string().starts_with(".sherd-")) return true;
+  }
+  return false;
+}
+
 // The folder, ready for this run.
 void prepareFolder(const fs::path& out, const DatasetPlan& plan, bool resume) {
   std::error_code failed;
@@ -66,7 +74,9 @@ void prepareFolder(const fs::path& out, const DatasetPlan& plan, bool resume) {
     }
     return;
   }
-  if (!fs::is_empty(out)) {
+  const bool isOthers = holdsOthers(out);
+  // Another shard may have written its plan, which is the same, in the meantime.
+  if (isOthers && !hasPlan(out)) {
     throw Error(ErrorCode::output,
                 out.string() + ": is not empty and no dataset; name an absent or empty folder");
   }

@@ -410,6 +410,18 @@ class Trust(Dataset):
             self.assertEqual(merged.returncode, 0, merged.stderr)
             self.assertEqual(dataset(out), dataset(self.out))
 
+    def test_shards_may_begin_together(self):
+        arguments = small(("--write", "labels", "--resume"))
+        for _ in range(5):
+            out = tempfile.mkdtemp(prefix="sherd-cli-")
+            self.addCleanup(shutil.rmtree, out)
+            shards = [subprocess.Popen([SHERD, "dataset", self.library, "-o", os.path.join(out, "all"), *arguments, "--shard", f"{i}/3"],
+                                       stderr=subprocess.PIPE, text=True) for i in (1, 2, 3)]
+            for shard in shards:
+                _, told = shard.communicate()
+                self.assertEqual(shard.returncode, 0, told)
+            self.assertEqual(self.run_sherd("merge", os.path.join(out, "all")).returncode, 0)
+
     def test_more_objects_leave_all_else_as_it_was(self):
         library = self.path("grows")
         shutil.copytree(self.library, library)
