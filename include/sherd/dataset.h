@@ -128,14 +128,15 @@ struct DatasetWatch {
   std::function<bool()> cancelled{};  ///< asked from any thread
 };
 
+/// What there is at the end; of a shard that is not merged yet, what this run has done.
 struct DatasetSummary {
-  std::size_t objects = 0;  ///< done, in all shards that were merged
+  std::size_t objects = 0;
   std::size_t failures = 0;
   std::size_t fractures = 0;
   std::size_t fragments = 0;
   std::uintmax_t bytes = 0;
   std::map<std::string, std::uintmax_t> bytesByFormat;  ///< by extension: "rle", "ply.zip"
-  bool complete = true;                                 ///< false: other shards are not done
+  bool complete = true;  ///< false: one of several shards, of which there is no index yet
   std::vector<StageTime> times;
 };
 

@@ -125,6 +125,12 @@ void DatasetTelling::done(const std::string& folder, const DatasetSummary& summa
   }
   if (quiet_) return;
   char text[200];
+  if (!summary.complete) {
+    std::snprintf(text, sizeof text,
+                  ": %zu fractures, %zu fragments by this shard; sherd merge joins all shards\n",
+                  summary.fractures, summary.fragments);
+    return printResult(folder + text);
+  }
   std::snprintf(text, sizeof text,
                 ": %zu fractures of %zu objects, %zu fragments, %.3g GB; %zu objects failed\n",
                 summary.fractures, summary.objects, summary.fragments,

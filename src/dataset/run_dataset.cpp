@@ -185,7 +185,15 @@ DatasetSummary runDataset(const fs::path& library, const fs::path& out,
   DatasetSummary summary;
   try {
     run.go(shardOf(plan.objects, options.shard));
-    if (options.shard.of == 1) summary = writeIndex(out, plan);
+    if (options.shard.of == 1) {
+      summary = writeIndex(out, plan);
+    } else {
+      const DatasetProgress& told = run.told();
+      summary.objects = told.objects;
+      summary.fractures = told.fractures;
+      summary.fragments = told.fragments;
+      summary.complete = false;
+    }
   } catch (const Error&) {
     try {
       record({});
