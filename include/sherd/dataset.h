@@ -20,8 +20,8 @@ namespace sherd {
 /// A mesh of a library.
 struct LibraryObject {
   std::string key;             ///< its path relative to the library, parts separated by '/'
-  std::string folder;          ///< the same as the name of a folder: without extensions where no
-                               ///< other mesh of the library would get the same name
+  std::string folder;          ///< the same as the name of a folder, of which none lies within
+                               ///< another: without extensions where that gives no other's
   std::filesystem::path file;  ///< where it is
   std::uintmax_t bytes = 0;
 };

@@ -63,8 +63,15 @@ std::string withoutExtensions(const std::string& key) {
 }
 
 void nameFolders(std::vector<LibraryObject>& objects) {
+  // A folder belongs to one object wholly: it is neither another's nor holds another's.
   std::map<std::string, int> taken;
-  for (const LibraryObject& object : objects) ++taken[lowerCase(withoutExtensions(object.key))];
+  for (const LibraryObject& object : objects) {
+    ++taken[lowerCase(withoutExtensions(object.key))];
+    for (fs::path above = fs::path(object.key).parent_path(); !above.empty();
+         above = above.parent_path()) {
+      ++taken[lowerCase(above.generic_string())];
+    }
+  }
   for (LibraryObject& object : objects) {
     const std::string plain = withoutExtensions(object.key);
     object.folder = taken[lowerCase(plain)] == 1 ? plain : object.key;

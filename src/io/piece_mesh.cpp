@@ -33,6 +33,9 @@ class Chains {
   std::vector<std::uint32_t> first_, next_;
 };
 
+// Sums of angles that differ by less are equal: each is told to 4e-8.
+constexpr double kSameAngle = 1e-6;
+
 }  // namespace
 
 std::vector<std::uint16_t> vertexFacing(const TriangleMesh& mesh,
@@ -75,7 +78,7 @@ std::vector<std::uint16_t> vertexFacing(const TriangleMesh& mesh,
          ++i) {
       sum += shares[i].angle;
     }
-    if (sum > most) {
+    if (sum > most + kSameAngle) {
       most = sum;
       out[share.vertex] = share.facing;
     }

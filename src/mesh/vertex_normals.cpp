@@ -1,7 +1,6 @@
 // Normals of a mesh's vertices.
 #include "mesh/vertex_normals.h"
 
-#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
@@ -46,9 +45,9 @@ Corners cornersOf(const TriangleMesh& mesh, const glm::uvec3& triangle) {
   const glm::dvec3 across = glm::cross(ab, -ca);
   const double length = glm::length(across);
   if (!(length > 0.0)) return {};
-  const double first = angleOf(length, glm::dot(ab, -ca));
-  const double second = angleOf(length, glm::dot(bc, -ab));
-  return {across / length, {first, second, std::max(std::numbers::pi - first - second, 0.0)}};
+  return {across / length,
+          {angleOf(length, glm::dot(ab, -ca)), angleOf(length, glm::dot(bc, -ab)),
+           angleOf(length, glm::dot(ca, -bc))}};
 }
 
 std::vector<glm::dvec3> vertexNormals(const TriangleMesh& mesh) {

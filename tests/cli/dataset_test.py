@@ -422,6 +422,19 @@ class Trust(Dataset):
                 self.assertEqual(shard.returncode, 0, told)
             self.assertEqual(self.run_sherd("merge", os.path.join(out, "all")).returncode, 0)
 
+    def test_objects_do_not_share_folders(self):
+        library = self.path("nested")
+        os.makedirs(os.path.join(library, "ball"))
+        for name in "ball.obj", "ball/2f_0.obj", "twin.obj":
+            write_obj(os.path.join(library, name), sphere())
+        write_stl(os.path.join(library, "twin.stl"), sphere(radius=2))
+        self.done("--write", "labels", library=library)
+        before = dataset(self.out)
+        os.remove(os.path.join(self.out, "journal", "ball.obj.jsonl"))  # and all of it is made again
+        self.done("--write", "labels", "--resume", library=library)
+        self.assertEqual(dataset(self.out), before)
+        self.assertEqual(sorted(os.listdir(os.path.join(self.out, "objects"))), ["ball", "ball.obj", "twin.obj", "twin.stl"])
+
     def test_more_objects_leave_all_else_as_it_was(self):
         library = self.path("grows")
         shutil.copytree(self.library, library)
