@@ -49,6 +49,7 @@ std::size_t dropSmall(GrownFracture& grown, double dropShare) {
   if (!(dropShare >= 0.0 && dropShare <= 1.0)) {
     throw Error(ErrorCode::usage, "the share below which fragments are dropped lies in 0..1");
   }
+  if (dropShare == 0.0) return 0;
   FractureResult& result = grown.result;
   const Solid& solid = result.solid;
   const auto [fresh, small] =

@@ -10,6 +10,7 @@
 #include <sherd/surface.h>
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -67,11 +68,11 @@ struct UnbrokenSurface;
                                                      const Progress* progress = nullptr,
                                                      const UnbrokenSurface* unbroken = nullptr);
 
-/// The curves that bound the faces of a fragment towards another, where their contact ends.
-///   return  closed curves of the mesh's vertices, the faces on their left seen from outside; none
-///           where no face faces it.  A curve may pass a vertex twice
-[[nodiscard]] std::vector<std::vector<std::uint32_t>> rimCurves(const Fragment& fragment,
-                                                                int other);
+/// The curves that bound the faces of a fragment towards others, where their contacts end.
+///   return  for each id that faces face: closed curves of the mesh's vertices, the faces on their
+///           left seen from outside.  A curve may pass a vertex twice
+[[nodiscard]] std::map<int, std::vector<std::vector<std::uint32_t>>> rimCurves(
+    const Fragment& fragment);
 
 /// The unbroken solid's mesh, made as the fragments' are.
 [[nodiscard]] TriangleMesh solidMesh(const Solid& solid, const SurfaceOptions& options = {});

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
@@ -182,25 +183,30 @@ Json gridJson(const SourceMesh& source, const FractureOptions& options,
           {"worn_voxels", solid.voxels - labelled}};
 }
 
-double rimLength(const Fragment& fragment, int other) {
-  double length = 0.0;
-  for (const std::vector<std::uint32_t>& curve : rimCurves(fragment, other)) {
-    for (std::size_t i = 0; i < curve.size(); ++i) {
-      length += glm::length(fragment.mesh.vertices[curve[(i + 1) % curve.size()]] -
-                            fragment.mesh.vertices[curve[i]]);
+// [id]
+std::map<int, double> rimLengths(const Fragment& fragment) {
+  std::map<int, double> lengths;
+  for (const auto& [other, curves] : rimCurves(fragment)) {
+    double& length = lengths[other];
+    for (const std::vector<std::uint32_t>& curve : curves) {
+      for (std::size_t i = 0; i < curve.size(); ++i) {
+        length += glm::length(fragment.mesh.vertices[curve[(i + 1) % curve.size()]] -
+                              fragment.mesh.vertices[curve[i]]);
+      }
     }
   }
-  return length;
+  return lengths;
 }
 
 Json contactsJson(const Fragment& fragment) {
   Json contacts = Json::array();
+  std::map<int, double> rims = rimLengths(fragment);
   for (const Contact& contact : fragment.contacts) {
     contacts.push_back({{"id", contact.fragment},
                         {"area", plain(contact.area)},
                         {"normal", jsonOf(contact.normal)},
                         {"centroid", jsonOf(contact.centroid.v)},
-                        {"rim_length", rimLength(fragment, contact.fragment)}});
+                        {"rim_length", rims[contact.fragment]}});
   }
   return contacts;
 }

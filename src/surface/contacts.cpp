@@ -3,11 +3,14 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <map>
+#include <utility>
 
 #include "surface/label_reader.h"
+#include "surface/leaf_labels.h"
 
 namespace sherd {
 namespace {
@@ -56,32 +59,36 @@ using Pair = std::pair<std::uint16_t, std::uint16_t>;  // lower, higher
 using Touchings = std::map<Pair, Touching>;
 
 // Pairs that share a voxel face, with the area of those faces.
-Touchings voxelTouchings(const Solid& solid, const Labels& labels, const Cut& cut) {
+Touchings voxelTouchings(const Solid& solid, const Labels& labels, const Cut& cut,
+                         std::span<const LeafRound> rounds) {
   const LeafBlocks& blocks = solid.blocks;
   const double faceArea = solid.frame.voxelSize * solid.frame.voxelSize;
   Touchings found;
   for (std::size_t leaf = 0; leaf < blocks.count(); ++leaf) {
     // Where nothing is worn there was no other before wear.
     if (cut.only[leaf] != 0 && cut.only[leaf] != Labels::kWorn) continue;
+    const LabelCube<9> cube = labelsRound<0, 1>(blocks, labels, rounds[leaf], Voxels::inside);
     for (int axis = 0; axis < 3; ++axis) {
-      const std::uint32_t next =
-          blocks.neighbours[leaf * 6 + static_cast<std::size_t>(2 * axis + 1)];
-      const int shift = 6 - 3 * axis;
-      for (std::uint32_t v = 0; v < 512; ++v) {
-        const bool last = ((v >> shift) & 7) == 7;
-        if (last && next == LeafBlocks::kNone) continue;
-        const std::size_t other =
-            last ? std::size_t{next} * 512 + (v & ~(7u << shift)) : leaf * 512 + v + (1u << shift);
-        const std::uint16_t a = labels.fragment[leaf * 512 + v], b = labels.fragment[other];
-        if (a == b || a == 0 || b == 0) continue;
-        if (!blocks.isInside(leaf * 512 + v) || !blocks.isInside(other)) continue;
-        glm::dvec3 normal(0.0);
-        normal[axis] = a < b ? 1.0 : -1.0;
-        const openvdb::Coord voxel = blocks.voxelAt(leaf * 512 + v);
-        glm::dvec3 at(voxel.x(), voxel.y(), voxel.z());
-        at[axis] += 0.5;
-        found[{std::min(a, b), std::max(a, b)}].add(faceArea, normal,
-                                                    solid.frame.worldFromIndex({at}).v);
+      const std::size_t stride =
+          std::array<std::size_t, 3>{81, 9, 1}[static_cast<std::size_t>(axis)];
+      for (std::size_t row = 0; row < 64; ++row) {
+        const std::uint16_t* const own = &cube[row / 8 * 81 + row % 8 * 9];
+        unsigned touching = 0;
+        for (std::size_t z = 0; z < 8; ++z) {
+          const std::uint16_t a = own[z], b = own[z + stride];
+          touching |= static_cast<unsigned>((a != b) & (a != 0) & (b != 0)) << z;
+        }
+        for (; touching != 0; touching &= touching - 1) {
+          const auto z = static_cast<std::size_t>(std::countr_zero(touching));
+          const std::uint16_t a = own[z], b = own[z + stride];
+          glm::dvec3 normal(0.0);
+          normal[axis] = a < b ? 1.0 : -1.0;
+          const openvdb::Coord voxel = blocks.voxelAt(leaf * 512 + row * 8 + z);
+          glm::dvec3 at(voxel.x(), voxel.y(), voxel.z());
+          at[axis] += 0.5;
+          found[{std::min(a, b), std::max(a, b)}].add(faceArea, normal,
+                                                      solid.frame.worldFromIndex({at}).v);
+        }
       }
     }
   }
@@ -120,14 +127,18 @@ std::vector<std::uint16_t> facingOf(const TriangleMesh& mesh, const std::vector<
 }
 
 void addContacts(std::span<Fragment> fragments, const Solid& solid, const Labels& labels,
-                 const Cut& cut) {
-  const Touchings touching = voxelTouchings(solid, labels, cut);
+                 const Cut& cut, std::span<const LeafRound> rounds) {
+  const Touchings touching = voxelTouchings(solid, labels, cut, rounds);
   Touchings measured;
   for (const Fragment& fragment : fragments) {
     const auto own = static_cast<std::uint16_t>(fragment.id);
+    std::uint16_t other = 0;
+    Touching* towards = nullptr;  // of `own` and `other`
     for (std::size_t t = 0; t < fragment.facing.size(); ++t) {
-      const std::uint16_t other = fragment.facing[t];
-      if (other == 0) continue;
+      if (fragment.facing[t] == 0) continue;
+      if (fragment.facing[t] != std::exchange(other, fragment.facing[t])) {
+        towards = &measured[{std::min(own, other), std::max(own, other)}];
+      }
       const glm::uvec3& corner = fragment.mesh.triangles[t];
       const glm::dvec3 a = fragment.mesh.vertices[corner.x], b = fragment.mesh.vertices[corner.y],
                        c = fragment.mesh.vertices[corner.z];
@@ -135,8 +146,7 @@ void addContacts(std::span<Fragment> fragments, const Solid& solid, const Labels
       const double doubledArea = glm::length(doubled);
       if (doubledArea == 0.0) continue;
       // Half of each side: the two sides' faces are one surface seen twice.
-      measured[{std::min(own, other), std::max(own, other)}].add(
-          doubledArea / 4, doubled / doubledArea, (a + b + c) / 3.0);
+      towards->add(doubledArea / 4, doubled / doubledArea, (a + b + c) / 3.0);
     }
   }
   for (const auto& [pair, byVoxels] : touching) {

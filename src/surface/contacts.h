@@ -27,7 +27,8 @@ inline constexpr int kDeepestWear = 64;
 /// area, normal and centroid from the faces of both meshes that face each other.
 ///   labels  before wear
 ///   cut     of the labels as they are now
+///   rounds  of the solid's leaves
 void addContacts(std::span<Fragment> fragments, const Solid& solid, const Labels& labels,
-                 const Cut& cut);
+                 const Cut& cut, std::span<const LeafRound> rounds);
 
 }  // namespace sherd

@@ -6,18 +6,19 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
-#include <optional>
 #include <span>
 #include <utility>
 
+#include "surface/leaf_labels.h"
 #include "surface/site_cut.h"
 
 namespace sherd {
 namespace {
 
-constexpr int kHalo = kCutHalo;  // two binomial passes reach two voxels
-constexpr int kSide = kCutSide;
+constexpr std::size_t kHalo = kCutHalo;  // two binomial passes reach two voxels
+constexpr std::size_t kSide = kCutSide;
 constexpr std::uint32_t kMixed = 0x10000;  // labels stay below, Labels::kWorn too
 
 using LeafWeights = std::array<std::uint16_t, 512>;
@@ -58,56 +59,29 @@ std::vector<std::uint32_t> leafLabels(const LeafBlocks& blocks, const Labels& la
   std::vector<std::uint32_t> only(blocks.count());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, only.size(), 64), [&](const auto& range) {
     for (std::size_t leaf = range.begin(); leaf < range.end(); ++leaf) {
-      std::uint32_t found = 0;
-      for (std::size_t v = 0; v < 512; ++v) {
-        const std::uint16_t label = labels.fragment[leaf * 512 + v];
-        if (label == 0 || label == found) continue;
-        if (found != 0) {
-          found = kMixed;
-          break;
-        }
-        found = label;
-      }
-      only[leaf] = found;
+      const LabelRange found = rangeOf(std::span(&labels.fragment[leaf * 512], 512));
+      only[leaf] = found.isSeveral() ? kMixed : found.high;
     }
   });
   return only;
 }
 
-// `labelAt` tells a label by its place.
-template <class LabelAt>
-CutHalo gather(const LeafRound& round, const LabelAt& labelAt) {
-  CutHalo halo;
-  std::size_t at = 0;
-  for (int x = -kHalo; x < 8 + kHalo; ++x) {
-    for (int y = -kHalo; y < 8 + kHalo; ++y) {
-      // The row lies in three leaves: one look at each.
-      const auto column = static_cast<std::size_t>(((x >> 3) + 1) * 9 + ((y >> 3) + 1) * 3);
-      const std::uint32_t row = offsetFromCoord({x, y, 0});
-      const auto take = [&](std::uint32_t leaf, std::uint32_t z, std::uint32_t end) {
-        if (leaf == LeafBlocks::kNone) {
-          for (; z < end; ++z) halo[at++] = 0;
-        } else {
-          for (; z < end; ++z) halo[at++] = labelAt(std::size_t{leaf} * 512 + row + z);
-        }
-      };
-      take(round[column], 8 - kHalo, 8);
-      take(round[column + 1], 0, 8);
-      take(round[column + 2], 0, kHalo);
-    }
-  }
-  return halo;
-}
-
 // The labels of a halo but 0, ascending.
 std::vector<std::uint16_t> fragmentsIn(const CutHalo& halo) {
+  // By far the most halos have one or none, and this is told without branches.
+  const LabelRange range = rangeOf(halo);
+  if (range.isOne()) return {range.high};
   std::vector<std::uint16_t> fragments;
   std::uint16_t last = 0;
-  for (const std::uint16_t label : halo) {
-    if (label == last || label == 0) continue;
-    last = label;
-    const auto at = std::lower_bound(fragments.begin(), fragments.end(), label);
-    if (at == fragments.end() || *at != label) fragments.insert(at, label);
+  for (std::size_t row = 0; row < halo.size(); row += kSide) {
+    if (std::all_of(&halo[row], &halo[row] + kSide, [&](auto l) { return l == last; })) continue;
+    for (std::size_t i = row; i < row + kSide; ++i) {
+      const std::uint16_t label = halo[i];
+      if (label == last || label == 0) continue;
+      last = label;
+      const auto at = std::lower_bound(fragments.begin(), fragments.end(), label);
+      if (at == fragments.end() || *at != label) fragments.insert(at, label);
+    }
   }
   return fragments;
 }
@@ -134,6 +108,40 @@ LeafWeights smoothed(const CutHalo& halo, std::uint16_t label) {
   return weights;
 }
 
+// The voxels of a leaf that are corners of a cell with several labels (but 0).
+VoxelBits cutCorners(const CutHalo& within) {
+  const PassedCells<kSide> passed = passedCells<kSide>(within);
+  // A leaf's voxel is a corner of the cells from one below it to its own.
+  constexpr std::size_t kCells = 9, kFirst = kHalo - 1;
+  VoxelBits corners{};
+  for (std::size_t x = 0; x < kCells; ++x) {
+    for (std::size_t y = 0; y < kCells; ++y) {
+      const unsigned cells = (passed.cut[(kFirst + x) * kSide + kFirst + y] >> kFirst) & 0x1ffu;
+      if (cells == 0) continue;
+      const auto bits = static_cast<std::uint8_t>(cells | cells >> 1);
+      for (std::size_t i = x == 0 ? 0 : x - 1; i <= std::min(x, std::size_t{7}); ++i) {
+        for (std::size_t j = y == 0 ? 0 : y - 1; j <= std::min(y, std::size_t{7}); ++j) {
+          corners[i * 8 + j] |= bits;
+        }
+      }
+    }
+  }
+  return corners;
+}
+
+template <class Visit>
+void forEachBit(const VoxelBits& voxels, const Visit& visit) {
+  for (std::size_t row = 0; row < voxels.size(); ++row) {
+    for (unsigned bits = voxels[row]; bits != 0; bits &= bits - 1) {
+      visit(row * 8 + static_cast<std::size_t>(std::countr_zero(bits)));
+    }
+  }
+}
+
+bool isAny(const VoxelBits& voxels) {
+  return std::any_of(voxels.begin(), voxels.end(), [](std::uint8_t row) { return row != 0; });
+}
+
 // How far a fragment of so many voxels keeps to its voxels' faces: two binomial passes would leave
 // little of one that is a few voxels wide.
 float stairs(std::uint64_t voxels) {
@@ -141,13 +149,13 @@ float stairs(std::uint64_t voxels) {
   return std::clamp((kNone - static_cast<float>(voxels)) / (kNone - kAll), 0.0f, 1.0f);
 }
 
-// Distances to where the smoothed indicators are equal: [fragments*512].
-std::vector<float> smoothCut(const CutHalo& halo, std::span<const std::uint16_t> fragments) {
+// Distances to where the smoothed indicators are equal, of the wanted voxels.
+void smoothCut(const CutHalo& halo, std::span<const std::uint16_t> fragments,
+               const VoxelBits& wanted, std::vector<float>& distance) {
   static const Profile profile;
   std::vector<LeafWeights> weights;
   for (const std::uint16_t fragment : fragments) weights.push_back(smoothed(halo, fragment));
-  std::vector<float> distance(fragments.size() * 512);
-  for (std::size_t v = 0; v < 512; ++v) {
+  forEachBit(wanted, [&](std::size_t v) {
     int first = 0, second = 0, sum = 0;  // the two largest weights
     std::size_t largest = 0;             // whose the first is
     for (std::size_t i = 0; i < weights.size(); ++i) {
@@ -165,8 +173,7 @@ std::vector<float> smoothCut(const CutHalo& halo, std::span<const std::uint16_t>
       distance[i * 512 + v] =
           profile.distance((i == largest && own > 0 ? second : first) - own, sum);
     }
-  }
-  return distance;
+  });
 }
 
 // The number of the least distance, and of the next.
@@ -183,46 +190,64 @@ std::array<std::size_t, 2> leastTwo(const std::vector<float>& distance, std::siz
   return least;
 }
 
-CutLeaf cutLeaf(const CutHalo& halo, const SiteCut* sites, std::vector<std::uint16_t> fragments,
-                const std::uint64_t* inside, const std::uint16_t* owner,
-                std::span<const float> stairsOf) {
+// What the cut of a leaf is found from.
+struct CutSource {
+  const LeafBlocks& blocks;
+  const Labels& labels;
+  const Sites& sites;
+  CutExtent extent;
+  std::span<const float> stairs;  // by label
+};
+
+CutLeaf cutLeaf(const CutSource& from, std::size_t leaf, const LeafRound& round,
+                const CutHalo& halo, std::vector<std::uint16_t> fragments) {
   CutLeaf cut;
-  if (sites == nullptr || !sites->holdsEverywhere()) {
-    cut.distance = smoothCut(halo, fragments);
+  cut.fragments = std::move(fragments);
+  const std::size_t count = cut.fragments.size();
+  const bool isEverywhere = from.extent == CutExtent::everywhere;
+  CutHalo within;
+  if (!isEverywhere || !from.sites.empty())
+    within = labelsRound<kHalo, kHalo>(from.blocks, from.labels, round, Voxels::inside);
+  VoxelBits wanted;
+  wanted.fill(0xff);
+  if (!isEverywhere) wanted = cutCorners(within);
+  if (!isAny(wanted)) return cut;
+
+  VoxelBits rest = wanted;
+  if (from.sites.empty()) {
+    cut.distance.resize(count * 512);
   } else {
-    cut.distance = sites->distance;
+    SiteCut planes = siteCut(within, from.blocks.origins[leaf], cut.fragments, from.sites, wanted);
+    cut.distance = std::move(planes.distance);
+    for (std::size_t row = 0; row < rest.size(); ++row) rest[row] ^= planes.holds[row];
   }
-  for (std::size_t v = 0; v < 512; ++v) {
-    if (sites != nullptr && sites->holdsAt(v)) {
-      for (std::size_t i = 0; i < fragments.size(); ++i) {
-        cut.distance[i * 512 + v] = sites->distance[i * 512 + v];
-      }
-    }
-    const bool isInside = (inside[v >> 6] >> (v & 63)) & 1;
+  if (isAny(rest)) smoothCut(halo, cut.fragments, rest, cut.distance);
+  const std::uint16_t* const owner = &from.labels.fragment[leaf * 512];
+  forEachBit(wanted, [&](std::size_t v) {
+    const bool isInside = from.blocks.isInside(leaf * 512 + v);
     const auto [largest, next] = leastTwo(cut.distance, v);
-    for (std::size_t i = 0; i < fragments.size(); ++i) {
+    for (std::size_t i = 0; i < count; ++i) {
       float& d = cut.distance[i * 512 + v];
       const std::size_t rival = i == largest ? next : largest;
-      const float keep = std::max(stairsOf[fragments[i]], stairsOf[fragments[rival]]);
+      const float keep = std::max(from.stairs[cut.fragments[i]], from.stairs[cut.fragments[rival]]);
       if (keep > 0.0f && owner[v] != 0) {
-        d = (1.0f - keep) * d + keep * (owner[v] == fragments[i] ? -0.5f : 0.5f);
+        d = (1.0f - keep) * d + keep * (owner[v] == cut.fragments[i] ? -0.5f : 0.5f);
       }
       if (isInside) {
-        d = owner[v] == fragments[i] ? std::min(d, -Cut::kLeastDepth)
-                                     : std::max(d, Cut::kLeastDepth);
+        d = owner[v] == cut.fragments[i] ? std::min(d, -Cut::kLeastDepth)
+                                         : std::max(d, Cut::kLeastDepth);
       }
     }
-  }
-  cut.fragments = std::move(fragments);
+  });
   return cut;
 }
 
 }  // namespace
 
-Cut findCut(const LeafBlocks& blocks, const Labels& labels) {
+Cut findCut(const LeafBlocks& blocks, const Labels& labels, std::span<const LeafRound> rounds,
+            CutExtent extent) {
   const std::vector<std::uint64_t> voxels = countVoxels(blocks, labels, Labels::kWorn - 1);
   const std::vector<std::uint32_t> leafLabel = leafLabels(blocks, labels);
-  const std::vector<LeafRound> rounds = leavesRound(blocks.origins);
   const Sites sites(labels.sites);
   std::vector<CutLeaf> perLeaf(blocks.count());
   Cut cut;
@@ -241,20 +266,13 @@ Cut findCut(const LeafBlocks& blocks, const Labels& labels) {
         cut.only[leaf] = static_cast<std::uint16_t>(only);
         continue;
       }
-      const CutHalo halo = gather(round, [&](std::size_t place) { return labels.fragment[place]; });
+      const CutHalo halo = labelsRound<kHalo, kHalo>(blocks, labels, round, Voxels::all);
       std::vector<std::uint16_t> fragments = fragmentsIn(halo);
       if (fragments.size() == 1) {
         cut.only[leaf] = fragments.front();
       } else if (fragments.size() > 1) {
-        std::optional<SiteCut> planes;
-        if (!sites.empty()) {
-          const CutHalo within = gather(round, [&](std::size_t place) {
-            return blocks.isInside(place) ? labels.fragment[place] : std::uint16_t{0};
-          });
-          planes = siteCut(within, blocks.origins[leaf], fragments, sites);
-        }
-        perLeaf[leaf] = cutLeaf(halo, planes ? &*planes : nullptr, std::move(fragments),
-                                &blocks.inside[leaf * 8], &labels.fragment[leaf * 512], cut.stairs);
+        perLeaf[leaf] = cutLeaf({blocks, labels, sites, extent, cut.stairs}, leaf, round, halo,
+                                std::move(fragments));
       }
     }
   });

@@ -5,6 +5,7 @@
 #include <sherd/leaf_blocks.h>
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace sherd {
@@ -12,7 +13,8 @@ namespace sherd {
 /// Signed distances to the cut in one leaf, for every fragment that reaches into it or nearly so.
 struct CutLeaf {
   std::vector<std::uint16_t> fragments;  ///< [n] ascending
-  std::vector<float> distance;  ///< [n*512] voxels, inside the fragment negative, within -3..3
+  std::vector<float> distance;  ///< [n*512] voxels, inside the fragment negative, within -3..3;
+                                ///< empty where none was wanted
 };
 
 /// The cut over all leaves.  What is worn off counts as one more fragment, Labels::kWorn, so that
@@ -38,6 +40,15 @@ struct Cut {
   std::vector<float> stairs;  ///< [65536] by label: how far it keeps to its voxels' faces, 0..1
 };
 
-[[nodiscard]] Cut findCut(const LeafBlocks& blocks, const Labels& labels);
+/// Where distances to the cut are found.
+enum class CutExtent {
+  everywhere,
+  cells,  ///< at the corners of cells with several labels: all that interface_mesh.h needs
+};
+
+///   rounds  of the blocks
+[[nodiscard]] Cut findCut(const LeafBlocks& blocks, const Labels& labels,
+                          std::span<const LeafRound> rounds,
+                          CutExtent extent = CutExtent::everywhere);
 
 }  // namespace sherd

@@ -16,6 +16,7 @@
 #include "surface/level_set.h"
 #include "surface/mesh.h"
 #include "surface/smooth.h"
+#include "surface/unbroken.h"
 
 namespace sherd {
 namespace {
@@ -54,24 +55,27 @@ VoxelBox voxelBox(const Solid& solid, const Labels& labels, std::uint16_t fragme
   return box;
 }
 
-double fractureArea(const Fragment& fragment) {
-  double twice = 0.0;
+// The areas of the whole surface and of what faces others.
+void measureAreas(Fragment& fragment) {
+  double twice = 0.0, twiceFractured = 0.0;
   for (std::size_t t = 0; t < fragment.facing.size(); ++t) {
-    if (fragment.facing[t] == 0) continue;
     const glm::uvec3& corner = fragment.mesh.triangles[t];
     const glm::dvec3& a = fragment.mesh.vertices[corner.x];
-    twice += glm::length(
+    const double own = glm::length(
         glm::cross(fragment.mesh.vertices[corner.y] - a, fragment.mesh.vertices[corner.z] - a));
+    twice += own;
+    if (fragment.facing[t] != 0) twiceFractured += own;
   }
-  return twice / 2.0;
+  fragment.area = twice / 2.0;
+  fragment.fractureArea = twiceFractured / 2.0;
 }
 
 // The meshes of all fragments, with what two share the same to the bit.
 void meshTogether(std::span<Fragment> fragments, const Solid& solid, const Labels& labels,
-                  const Cut& cut, const Labels* unworn, const SurfaceOptions& surface,
-                  const UnbrokenSurface* unbroken) {
+                  const Cut& cut, std::span<const LeafRound> rounds, const Labels* unworn,
+                  const SurfaceOptions& surface, const UnbrokenSurface* unbroken) {
   std::vector<LabelledMesh> meshes =
-      interfaceMeshes(solid, labels, cut, static_cast<int>(fragments.size()), unbroken);
+      interfaceMeshes(solid, labels, cut, rounds, static_cast<int>(fragments.size()), unbroken);
   std::vector<std::vector<std::uint16_t>> facing(meshes.size());
   tbb::parallel_for(std::size_t{0}, meshes.size(), [&](std::size_t i) {
     facing[i] = meshes[i].other;
@@ -125,21 +129,26 @@ std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
     throw Error(ErrorCode::internal,
                 std::to_string(voxels[0]) + " voxels of the solid have no fragment");
   }
-  const Cut cut = findCut(solid.blocks, labels);
-  const std::vector<std::vector<std::uint32_t>> leaves = leavesOf(cut, count);
-
   const bool isShared =
       surface.surface == Surface::smooth && surface.interface == Interface::shared;
+  const bool hasLevelSets = surface.levelSets || !(isShared || surface.surface == Surface::labels);
+  const std::vector<LeafRound> ownRounds =
+      unbroken ? std::vector<LeafRound>() : leavesRound(solid.blocks.origins);
+  const std::span<const LeafRound> rounds = unbroken ? unbroken->rounds : ownRounds;
+  const Cut cut = findCut(solid.blocks, labels, rounds,
+                          hasLevelSets ? CutExtent::everywhere : CutExtent::cells);
+  const std::vector<std::vector<std::uint32_t>> leaves = leavesOf(cut, count);
+
   const Labels& before = unworn ? *unworn : labels;
   std::vector<Fragment> fragments(static_cast<std::size_t>(count));
-  if (isShared) meshTogether(fragments, solid, labels, cut, unworn, surface, unbroken);
+  if (isShared) meshTogether(fragments, solid, labels, cut, rounds, unworn, surface, unbroken);
   const auto extract = [&](std::size_t i) {
     Fragment& fragment = fragments[i];
     fragment.id = static_cast<int>(i) + 1;
     const auto id = static_cast<std::uint16_t>(fragment.id);
     fragment.voxels = voxels[i + 1];
     fragment.voxelBox = voxelBox(solid, labels, id, leaves[i + 1]);
-    if (surface.levelSets || !(isShared || surface.surface == Surface::labels)) {
+    if (hasLevelSets) {
       fragment.surface = fragmentLevelSet(solid, cut, id, leaves[i + 1]);
     }
     if (surface.surface == Surface::labels) {
@@ -156,8 +165,7 @@ std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
     }
     if (!isShared) shape(fragment, surface, solid);
     fragment.mass = massProperties(fragment.mesh);
-    fragment.area = area(fragment.mesh);
-    fragment.fractureArea = fractureArea(fragment);
+    measureAreas(fragment);
   };
   // In rounds, so that the caller's thread can report and be stopped between them.
   constexpr std::size_t kRound = 8;
@@ -167,7 +175,7 @@ std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
          static_cast<double>(std::min(first + kRound, fragments.size())) /
              static_cast<double>(fragments.size()));
   }
-  addContacts(fragments, solid, before, cut);
+  addContacts(fragments, solid, before, cut, rounds);
   return fragments;
 }
 
@@ -179,7 +187,8 @@ TriangleMesh solidMesh(const Solid& solid, const SurfaceOptions& options) {
     uncut.only.assign(solid.blocks.count(), 1);
     uncut.index.assign(solid.blocks.count(), Cut::kWhole);
     uncut.stairs.resize(2);
-    return std::move(interfaceMeshes(solid, one, uncut, 1).front().mesh);
+    const std::vector<LeafRound> rounds = leavesRound(solid.blocks.origins);
+    return std::move(interfaceMeshes(solid, one, uncut, rounds, 1).front().mesh);
   }
   return meshLevelSet(*solid.distance, solid.frame, nullptr).mesh;
 }

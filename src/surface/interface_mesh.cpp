@@ -31,12 +31,13 @@ bool hasMesh(std::uint16_t label) { return label != 0 && label != Labels::kWorn;
 /// The mesh of all labels, leaf by leaf.
 class Meshing {
  public:
-  Meshing(const Solid& solid, const Labels& labels, const Cut& cut, const UnbrokenSurface* unbroken)
+  Meshing(const Solid& solid, const Labels& labels, const Cut& cut,
+          std::span<const LeafRound> rounds, const UnbrokenSurface* unbroken)
       : solid_(solid),
         cut_(cut),
         unbroken_(unbroken),
-        ownRounds_(unbroken ? std::vector<LeafRound>() : leavesRound(solid.blocks.origins)),
-        field_(solid, labels, cut, unbroken ? std::span(unbroken->rounds) : std::span(ownRounds_)),
+        rounds_(rounds),
+        field_(solid, labels, cut, rounds),
         count_(solid.blocks.count()),
         quads_(count_) {
     makeCells();
@@ -77,7 +78,7 @@ class Meshing {
   // may be new.
   bool hasOldTriangles(std::size_t leaf) const {
     if (!isOld(leaf) || !unbroken_->leaves[leaf].isWhole) return false;
-    const LeafRound& round = unbroken_->rounds[leaf];
+    const LeafRound& round = rounds_[leaf];
     for (const std::size_t k : kBelow) {
       if (round[k] != LeafBlocks::kNone && old_[round[k]] == kNew) return false;
     }
@@ -141,9 +142,12 @@ class Meshing {
       for (const std::uint32_t v : gap.vertex) label_[v] = gap.label;
     }
     number_.resize(label_.size());
-    vertexCount_.assign(fragments + 1, 0);
-    for (std::size_t v = 0; v < label_.size(); ++v) {
-      if (hasMesh(label_[v])) number_[v] = vertexCount_[label_[v]]++;
+    verticesOf_.resize(fragments + 1);
+    for (std::uint32_t v = 0; v < label_.size(); ++v) {
+      if (!hasMesh(label_[v])) continue;
+      std::vector<std::uint32_t>& own = verticesOf_[label_[v]];
+      number_[v] = static_cast<std::uint32_t>(own.size());
+      own.push_back(v);
     }
   }
 
@@ -167,12 +171,11 @@ class Meshing {
   LabelledMesh meshOf(std::size_t i) const {
     const std::size_t label = i + 1;
     LabelledMesh out;
-    out.mesh.vertices.resize(vertexCount_[label]);
-    out.place.resize(vertexCount_[label]);
-    for (std::size_t v = 0; v < label_.size(); ++v) {
-      if (label_[v] != label) continue;
-      out.mesh.vertices[number_[v]] = vertices_.at[v];
-      out.place[number_[v]] = vertices_.place[v];
+    out.mesh.vertices.reserve(verticesOf_[label].size());
+    out.place.reserve(verticesOf_[label].size());
+    for (const std::uint32_t v : verticesOf_[label]) {
+      out.mesh.vertices.push_back(vertices_.at[v]);
+      out.place.push_back(vertices_.place[v]);
     }
     std::size_t triangles = gapsOf_[i].size();
     for (const Faces& faces : faces_[i]) {
@@ -199,7 +202,7 @@ class Meshing {
     // The vertices of an old leaf are numbered one after another.
     std::array<std::uint32_t, 8> first{};
     for (std::size_t slot = 0; slot < 8; ++slot) {
-      const std::uint32_t other = unbroken_->rounds[leaf][kBelow[slot]];
+      const std::uint32_t other = rounds_[leaf][kBelow[slot]];
       if (other == LeafBlocks::kNone || cells_.leaves[other]->vertices.empty()) continue;
       first[slot] = number_[cells_.firstVertex[other]];
     }
@@ -229,7 +232,7 @@ class Meshing {
   const Solid& solid_;
   const Cut& cut_;
   const UnbrokenSurface* unbroken_;
-  const std::vector<LeafRound> ownRounds_;
+  const std::span<const LeafRound> rounds_;
   const Field field_;
   const std::size_t count_;
   std::vector<std::uint32_t> old_;  // [leaf] oldLabel; empty without an unbroken surface
@@ -240,9 +243,9 @@ class Meshing {
   std::vector<Junction> junctions_;
   std::vector<std::vector<InterfaceQuad>> quads_;
   std::vector<InterfaceTriangle> gaps_;
-  std::vector<std::uint16_t> label_;   // [vertices]
-  std::vector<std::uint32_t> number_;  // [vertices] in its label's mesh
-  std::vector<std::uint32_t> vertexCount_;
+  std::vector<std::uint16_t> label_;                    // [vertices]
+  std::vector<std::uint32_t> number_;                   // [vertices] in its label's mesh
+  std::vector<std::vector<std::uint32_t>> verticesOf_;  // [labels + 1] ascending
   std::vector<std::vector<Faces>> faces_;
   std::vector<std::vector<const InterfaceTriangle*>> gapsOf_;
 };
@@ -250,8 +253,9 @@ class Meshing {
 }  // namespace
 
 std::vector<LabelledMesh> interfaceMeshes(const Solid& solid, const Labels& labels, const Cut& cut,
-                                          int fragments, const UnbrokenSurface* unbroken) {
-  return Meshing(solid, labels, cut, unbroken).meshes(fragments);
+                                          std::span<const LeafRound> rounds, int fragments,
+                                          const UnbrokenSurface* unbroken) {
+  return Meshing(solid, labels, cut, rounds, unbroken).meshes(fragments);
 }
 
 }  // namespace sherd

@@ -4,6 +4,7 @@
 #include <sherd/labels.h>
 #include <sherd/solid.h>
 
+#include <span>
 #include <vector>
 
 #include "surface/complex.h"
@@ -21,12 +22,15 @@ struct UnbrokenSurface;
 /// A cell has a place per surface that passes, and a vertex per sheet (see cell.h): the mean of the
 /// crossings of its edges by the solid's surface or by the cut, as in surface nets; where surfaces
 /// of several pairs of labels meet it lies where their planes do, so that rims are sharp.
+///   rounds    of the solid's leaves
 ///   unbroken  of this solid, or null: what does not change is taken over, and the meshes are equal
 ///   return    [fragments] of labels 1..fragments
 ///   source  Gibson, Constrained Elastic Surface Nets, 1998; Ju et al., Dual Contouring of Hermite
 ///           Data, 2002; Wenger, Isosurfaces, 2013 (cells that share an ambiguous face)
 [[nodiscard]] std::vector<LabelledMesh> interfaceMeshes(const Solid& solid, const Labels& labels,
-                                                        const Cut& cut, int fragments,
+                                                        const Cut& cut,
+                                                        std::span<const LeafRound> rounds,
+                                                        int fragments,
                                                         const UnbrokenSurface* unbroken = nullptr);
 
 }  // namespace sherd

@@ -4,6 +4,7 @@
 #include <openvdb/openvdb.h>
 
 #include <algorithm>
+#include <bit>
 
 #include "surface/cell_vertex.h"
 
@@ -65,57 +66,24 @@ CellValues valuesOf(const Field& field, const openvdb::FloatGrid::ConstAccessor&
     if (!isCut) continue;
     const std::size_t place = field.placeNear(leaf, x + i, y + j, z + k);
     for (std::size_t n = 0; n < 8; ++n) {
-      if (labels[n] != 0) values.toCut[n][c] = field.toCut(place, labels[n]);
+      if (labels[n] == 0) continue;
+      const auto first = static_cast<std::size_t>(
+          std::find(labels.begin(), labels.begin() + static_cast<std::ptrdiff_t>(n), labels[n]) -
+          labels.begin());
+      values.toCut[n][c] = first < n ? values.toCut[first][c] : field.toCut(place, labels[n]);
     }
   }
   return values;
 }
 
-// The labels of a leaf's voxels and of the layers beyond its high faces: all corners of its cells.
-class CornerLabels {
- public:
-  CornerLabels(const Field& field, std::size_t leaf) {
-    std::size_t at = 0;
-    for (int x = 0; x < kSide; ++x) {
-      for (int y = 0; y < kSide; ++y) {
-        const std::size_t row = field.placeNear(leaf, x, y, 0);
-        for (std::size_t z = 0; z < 8; ++z) {
-          labels_[at++] = field.label(row == Field::kNowhere ? row : row + z);
-        }
-        labels_[at++] = field.label(field.placeNear(leaf, x, y, 8));
-      }
-    }
+CellLabels labelsAt(const LabelCube<9>& corners, const openvdb::Coord& cell) {
+  CellLabels labels;
+  const auto low = static_cast<std::size_t>((cell.x() * 9 + cell.y()) * 9 + cell.z());
+  for (std::size_t corner = 0; corner < 8; ++corner) {
+    labels[corner] = corners[low + (corner >> 2) * 81 + ((corner >> 1) & 1) * 9 + (corner & 1)];
   }
-
-  std::optional<std::uint16_t> only() const {
-    std::uint16_t found = 0;
-    for (const std::uint16_t label : labels_) {
-      if (label == 0 || label == found) continue;
-      if (found != 0) return std::nullopt;
-      found = label;
-    }
-    return found;
-  }
-
-  bool isOne() const {
-    return std::all_of(labels_.begin(), labels_.end(), [&](auto l) { return l == labels_[0]; });
-  }
-
-  CellLabels of(const openvdb::Coord& cell) const {
-    const std::size_t low =
-        static_cast<std::size_t>((cell.x() * kSide + cell.y()) * kSide + cell.z());
-    CellLabels labels;
-    for (std::size_t corner = 0; corner < 8; ++corner) {
-      labels[corner] =
-          labels_[low + (corner >> 2) * kSide * kSide + ((corner >> 1) & 1) * kSide + (corner & 1)];
-    }
-    return labels;
-  }
-
- private:
-  static constexpr int kSide = 9;
-  std::array<std::uint16_t, std::size_t{kSide} * kSide * kSide> labels_;
-};
+  return labels;
+}
 
 // Whose sheets the loops of a cell are.
 std::array<std::uint16_t, 24> labelsOfLoops(const CellSheets& sheets, const CellLabels& labels) {
@@ -143,12 +111,6 @@ bool isCrowded(const CellSheets& sheets, const std::array<std::uint16_t, 24>& la
   return false;
 }
 
-// Is there no label but one, and 0?
-bool hasOneLabel(const CellLabels& labels) {
-  const std::uint16_t some = *std::max_element(labels.begin(), labels.end());
-  return std::all_of(labels.begin(), labels.end(), [&](auto l) { return l == 0 || l == some; });
-}
-
 // Add a cell as it is in the unbroken solid.
 void addUnbroken(const LeafCells& unbroken, std::size_t offset, LeafCells& to) {
   Cell cell = unbroken.cells[unbroken.cellAt[offset]];
@@ -166,26 +128,37 @@ void addUnbroken(const LeafCells& unbroken, std::size_t offset, LeafCells& to) {
 }  // namespace
 
 std::optional<std::uint16_t> onlyLabelOf(const Field& field, std::size_t leaf) {
-  return CornerLabels(field, leaf).only();
+  std::uint16_t found = 0;
+  for (const std::uint16_t label : field.cornersOf(leaf)) {
+    if (label == 0 || label == found) continue;
+    if (found != 0) return std::nullopt;
+    found = label;
+  }
+  return found;
 }
 
 LeafCells cellsOf(const Field& field, std::size_t leaf, const LeafCells* unbroken) {
   LeafCells found;
   found.cellAt.fill(LeafCells::kNoCell);
-  const CornerLabels corners(field, leaf);
-  if (corners.isOne()) return found;
+  const LabelCube<9> corners = field.cornersOf(leaf);
+  const PassedCells<9> passed = passedCells<9>(corners);
+  std::size_t count = 0;
+  for (const std::uint16_t row : passed.crossed)
+    count += static_cast<std::size_t>(std::popcount(row));
+  found.cells.reserve(count);
+  found.vertices.reserve(count);
+  found.places.reserve(count);
   const openvdb::FloatGrid::ConstAccessor distance = field.solid().distance->getConstAccessor();
   const openvdb::Coord& origin = field.solid().blocks.origins[leaf];
   for (std::uint32_t offset = 0; offset < 512; ++offset) {
     const openvdb::Coord at = coordFromOffset(offset);
-    const CellLabels labels = corners.of(at);
-    if (std::all_of(labels.begin(), labels.end(), [&](auto l) { return l == labels[0]; })) continue;
-    if (unbroken != nullptr && unbroken->isPlain) {
-      if (hasOneLabel(labels)) {
-        addUnbroken(*unbroken, offset, found);
-        continue;
-      }
+    const auto row = static_cast<std::size_t>(at.x() * 9 + at.y());
+    if (((passed.crossed[row] >> at.z()) & 1) == 0) continue;
+    if (unbroken != nullptr && unbroken->isPlain && ((passed.cut[row] >> at.z()) & 1) == 0) {
+      addUnbroken(*unbroken, offset, found);
+      continue;
     }
+    const CellLabels labels = labelsAt(corners, at);
     Cell cell;
     cell.offset = static_cast<std::uint16_t>(offset);
     const auto turned = turnedByCorner(field, leaf, {at.x(), at.y(), at.z()}, labels);
@@ -203,14 +176,14 @@ LeafCells cellsOf(const Field& field, std::size_t leaf, const LeafCells* unbroke
         found.isPlain = false;
       }
       const CellVertex vertex = cellVertex(values, cell.sheets, p, field.cut().stairs);
-      Junction junction{{}, low + vertex.wanted};
+      const bool isJunction = vertex.wanted != vertex.at;
+      if (isJunction) found.junctions.push_back({{}, low + vertex.wanted});
       for (std::uint8_t l = 0; l < cell.sheets.loops; ++l) {
         if (cell.sheets.positionOfLoop[l] != p) continue;
-        junction.vertices.push_back(cell.firstLoop + l);
+        if (isJunction) found.junctions.back().vertices.push_back(cell.firstLoop + l);
         found.vertices[cell.firstLoop + l] = low + vertex.at;
         found.places[cell.firstLoop + l] = found.placeCount + p;
       }
-      if (vertex.wanted != vertex.at) found.junctions.push_back(std::move(junction));
     }
     found.placeCount += cell.sheets.positions;
     found.cellAt[offset] = static_cast<std::uint16_t>(found.cells.size());
@@ -224,46 +197,50 @@ namespace {
 // Corners bits of the axes.
 constexpr std::array<unsigned, 3> kBit{4, 2, 1};
 
-std::size_t edgeAlong(unsigned axis, unsigned corner) {
-  for (std::size_t e = 4 * axis; e < 4 * axis + 4; ++e) {
-    if (kCellEdges[e][0] == corner) return e;
+// [axis][corner] the edge that leads from a corner along an axis
+constexpr std::array<std::array<std::uint8_t, 8>, 3> kEdgeAlong = [] {
+  std::array<std::array<std::uint8_t, 8>, 3> edges{};
+  for (std::size_t e = 0; e < 12; ++e) {
+    edges[e / 4][kCellEdges[e][0]] = static_cast<std::uint8_t>(e);
   }
-  return 12;
-}
+  return edges;
+}();
 
 }  // namespace
 
 std::vector<InterfaceQuad> quadsOf(const Field& field, const AllCells& all, std::size_t leaf) {
   std::vector<InterfaceQuad> quads;
-  for (const Cell& cell : all.leaves[leaf]->cells) {
+  const LeafCells& mine = *all.leaves[leaf];
+  quads.reserve(2 * mine.cells.size());
+  const LabelCube<9> corners = field.cornersOf(leaf);
+  for (const Cell& cell : mine.cells) {
     const openvdb::Coord at = coordFromOffset(cell.offset);
+    const CellLabels labels = labelsAt(corners, at);
     for (unsigned axis = 0; axis < 3; ++axis) {
-      if (cell.sheets.positionOf[edgeAlong(axis, 0)] == CellSheets::kNone) continue;
-      openvdb::Coord beyond = at;
-      ++beyond[static_cast<int>(axis)];
-      const std::array<std::uint16_t, 2> label{
-          field.label(field.placeNear(leaf, at.x(), at.y(), at.z())),
-          field.label(field.placeNear(leaf, beyond.x(), beyond.y(), beyond.z()))};
+      if (cell.sheets.positionOf[kEdgeAlong[axis][0]] == CellSheets::kNone) continue;
+      const std::array<std::uint16_t, 2> label{labels[0], labels[kBit[axis]]};
       const unsigned b = (axis + 1) % 3, c = (axis + 2) % 3;
-      // Round the edge as seen from its far end, counterclockwise.
+      // Round the edge as seen from its far end, counterclockwise; the other way round from the
+      // near one, from the same corner on: the same diagonals.
       constexpr std::array<std::array<int, 2>, 4> kRing{{{1, 1}, {0, 1}, {0, 0}, {1, 0}}};
-      std::array<std::array<std::uint32_t, 4>, 2> vertex{};
+      std::array<InterfaceQuad, 2> quad{{{label[0], label[1], {}}, {label[1], label[0], {}}}};
       for (std::size_t k = 0; k < 4; ++k) {
         openvdb::Coord low = at;
         low[static_cast<int>(b)] -= kRing[k][0];
         low[static_cast<int>(c)] -= kRing[k][1];
         const unsigned corner = (kRing[k][0] ? kBit[b] : 0) + (kRing[k][1] ? kBit[c] : 0);
-        const std::size_t place = field.placeNear(leaf, low.x(), low.y(), low.z());
+        const bool isMine = (low.x() | low.y() | low.z()) >= 0;
+        const std::size_t place = isMine ? leaf * 512 + offsetFromCoord(low)
+                                         : field.placeNear(leaf, low.x(), low.y(), low.z());
         const LeafCells& theirs = *all.leaves[place / 512];
         const Cell& own = theirs.cells[theirs.cellAt[place % 512]];
-        for (std::size_t side = 0; side < 2; ++side) {
-          vertex[side][k] = all.firstVertex[place / 512] + own.firstLoop +
-                            own.sheets.loopOf[edgeAlong(axis, corner)][side];
-        }
+        const std::uint32_t first = all.firstVertex[place / 512] + own.firstLoop;
+        const auto& loops = own.sheets.loopOf[kEdgeAlong[axis][corner]];
+        quad[0].vertex[k] = first + loops[0];
+        quad[1].vertex[(4 - k) % 4] = first + loops[1];
       }
-      std::reverse(vertex[1].begin() + 1, vertex[1].end());  // the same diagonals
-      for (std::size_t side = 0; side < 2; ++side) {
-        if (label[side] != 0) quads.push_back({label[side], label[1 - side], vertex[side]});
+      for (const InterfaceQuad& side : quad) {
+        if (side.label != 0) quads.push_back(side);
       }
     }
   }

@@ -12,6 +12,7 @@
 
 #include "surface/cell.h"
 #include "surface/cut.h"
+#include "surface/leaf_labels.h"
 #include "surface/rims.h"
 
 namespace sherd {
@@ -58,6 +59,11 @@ class Field {
   std::uint16_t label(std::size_t place) const {
     return place != kNowhere && solid_.blocks.isInside(place) ? labels_.fragment[place]
                                                               : std::uint16_t{0};
+  }
+
+  /// The labels at all corners of a leaf's cells.
+  LabelCube<9> cornersOf(std::size_t leaf) const {
+    return labelsRound<0, 1>(solid_.blocks, labels_, rounds_[leaf], Voxels::inside);
   }
 
   CellLabels labelsOf(std::size_t leaf, int x, int y, int z) const {

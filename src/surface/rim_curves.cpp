@@ -4,37 +4,51 @@
 #include <algorithm>
 #include <cstdint>
 #include <map>
+#include <tuple>
 #include <utility>
 
 namespace sherd {
+namespace {
 
-std::vector<std::vector<std::uint32_t>> rimCurves(const Fragment& fragment, int other) {
-  // A border vertex has faces of the region and others.
-  std::vector<std::uint8_t> kinds(fragment.mesh.vertices.size(), 0);
+// An edge of a face, which faces a fragment.
+struct Edge {
+  std::uint16_t facing;
+  std::uint32_t from, to;
+
+  auto key() const { return std::tuple(facing, from, to); }
+  bool operator<(const Edge& other) const { return key() < other.key(); }
+};
+
+// All edges of faces towards fragments whose ends have faces towards something else too: those
+// between two regions are among them.
+std::vector<Edge> edgesAtBorders(const Fragment& fragment) {
+  constexpr std::uint32_t kNone = 0xffffffffu, kSeveral = 0xfffffffeu;
+  std::vector<std::uint32_t> faces(fragment.mesh.vertices.size(), kNone);  // what the vertex's face
   for (std::size_t t = 0; t < fragment.facing.size(); ++t) {
-    const std::uint8_t kind = fragment.facing[t] == other ? 1 : 2;
-    for (int k = 0; k < 3; ++k) kinds[fragment.mesh.triangles[t][k]] |= kind;
+    for (int k = 0; k < 3; ++k) {
+      std::uint32_t& known = faces[fragment.mesh.triangles[t][k]];
+      if (known != fragment.facing[t]) known = known == kNone ? fragment.facing[t] : kSeveral;
+    }
   }
-  // Edges of the region that no other face of it has in the opposite direction.
-  using Edge = std::pair<std::uint32_t, std::uint32_t>;
   std::vector<Edge> edges;
   for (std::size_t t = 0; t < fragment.facing.size(); ++t) {
-    if (fragment.facing[t] != other) continue;
+    if (fragment.facing[t] == 0) continue;
     const glm::uvec3& corner = fragment.mesh.triangles[t];
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t from = corner[k], to = corner[(k + 1) % 3];
-      if (kinds[from] == 3 && kinds[to] == 3) edges.emplace_back(from, to);
+      if (faces[from] == kSeveral && faces[to] == kSeveral) {
+        edges.push_back({fragment.facing[t], from, to});
+      }
     }
   }
-  std::sort(edges.begin(), edges.end());
-  std::multimap<std::uint32_t, std::uint32_t> onwards;
-  for (const Edge& edge : edges) {
-    if (!std::binary_search(edges.begin(), edges.end(), Edge{edge.second, edge.first})) {
-      onwards.insert(edge);
-    }
-  }
-  // As many lead to a vertex as lead from it, so that a walk ends where it began.
-  std::vector<std::vector<std::uint32_t>> curves;
+  return edges;
+}
+
+using Curves = std::vector<std::vector<std::uint32_t>>;
+
+// As many edges lead to a vertex as lead from it, so that a walk ends where it began.
+Curves walked(std::multimap<std::uint32_t, std::uint32_t> onwards) {
+  Curves curves;
   while (!onwards.empty()) {
     std::vector<std::uint32_t>& curve = curves.emplace_back();
     for (auto at = onwards.begin(); at != onwards.end(); at = onwards.find(curve.back())) {
@@ -44,6 +58,23 @@ std::vector<std::vector<std::uint32_t>> rimCurves(const Fragment& fragment, int 
     }
     curve.pop_back();  // the first again
   }
+  return curves;
+}
+
+}  // namespace
+
+std::map<int, Curves> rimCurves(const Fragment& fragment) {
+  std::vector<Edge> edges = edgesAtBorders(fragment);
+  std::sort(edges.begin(), edges.end());
+  // A region's rim has no face of the region in the opposite direction.
+  std::map<int, std::multimap<std::uint32_t, std::uint32_t>> onwards;
+  for (const Edge& edge : edges) {
+    if (!std::binary_search(edges.begin(), edges.end(), Edge{edge.facing, edge.to, edge.from})) {
+      onwards[edge.facing].emplace(edge.from, edge.to);
+    }
+  }
+  std::map<int, Curves> curves;
+  for (auto& [facing, ofRegion] : onwards) curves[facing] = walked(std::move(ofRegion));
   return curves;
 }
 

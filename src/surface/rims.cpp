@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <glm/geometric.hpp>
 #include <limits>
-#include <unordered_map>
 
 namespace sherd {
 namespace {
@@ -20,27 +19,28 @@ class Surroundings {
   Surroundings(std::span<const std::vector<InterfaceQuad>> quads,
                std::span<const Junction> junctions, std::span<const glm::dvec3> vertices)
       : quads_(junctions.size()) {
-    std::unordered_map<std::uint32_t, std::uint32_t> junctionOf;
+    constexpr std::uint32_t kNone = 0xffffffffu;
+    std::vector<std::uint32_t> junctionOf(vertices.size(), kNone);
     for (std::uint32_t j = 0; j < junctions.size(); ++j) {
       for (const std::uint32_t v : junctions[j].vertices) junctionOf[v] = j;
     }
-    std::vector<bool> moves(vertices.size());
-    for (const auto& [v, j] : junctionOf) moves[v] = true;
     for (const std::vector<InterfaceQuad>& ofLeaf : quads) {
       for (const InterfaceQuad& quad : ofLeaf) {
-        const Around around{&quad, normalOf(quad, vertices)};
         for (const std::uint32_t v : quad.vertex) {
-          if (moves[v]) quads_[junctionOf.at(v)].push_back(around);
+          if (junctionOf[v] == kNone) continue;
+          quads_[junctionOf[v]].push_back({&quad, normalOf(quad, vertices)});
         }
       }
     }
   }
 
   // How bad the worst triangle at a junction is: a cosine, less where it is small; enough is
-  // kLeastCosine.
-  double worst(std::size_t junction, std::span<const glm::dvec3> vertices) const {
+  // kLeastCosine.  Where one is below `enough` already, that one.
+  double worst(std::size_t junction, std::span<const glm::dvec3> vertices,
+               double enough = -2.0) const {
     double least = kLeastCosine;
     for (const Around& around : quads_[junction]) {
+      if (least < enough) return least;
       for (const auto& t : trianglesOf(*around.quad, vertices)) {
         const glm::dvec3 n =
             0.5 * glm::cross(vertices[t[1]] - vertices[t[0]], vertices[t[2]] - vertices[t[0]]);
@@ -90,11 +90,12 @@ void straightenRims(std::span<const std::vector<InterfaceQuad>> quads,
         for (const std::uint32_t v : junctions[j].vertices) vertices[v] = at;
       };
       const glm::dvec3 from = vertices[junctions[j].vertices[0]];
+      if (from + (junctions[j].wanted - from) == from) continue;  // it is there
       const double before = surroundings.worst(j, vertices);
       bool moved = false;
       for (std::size_t k = 0; k < kSteps.size() && !moved; ++k) {
         place(from + kSteps[k] * (junctions[j].wanted - from));
-        moved = surroundings.worst(j, vertices) >= before;
+        moved = surroundings.worst(j, vertices, before) >= before;
       }
       if (!moved) place(from);
     }

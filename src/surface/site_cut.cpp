@@ -2,6 +2,7 @@
 #include "surface/site_cut.h"
 
 #include <algorithm>
+#include <bit>
 #include <glm/geometric.hpp>
 #include <limits>
 
@@ -11,21 +12,6 @@ namespace sherd {
 namespace {
 
 constexpr std::int64_t kFar = std::numeric_limits<std::int64_t>::max();
-
-struct Nearest {
-  std::int64_t squared = kFar;
-  glm::i64vec3 site{0};
-};
-
-Nearest nearestOf(std::span<const glm::i64vec3> sites, const glm::i64vec3& at) {
-  Nearest nearest;
-  for (const glm::i64vec3& site : sites) {
-    const glm::i64vec3 d = at - site;
-    const std::int64_t squared = d.x * d.x + d.y * d.y + d.z * d.z;
-    if (squared < nearest.squared) nearest = {squared, site};
-  }
-  return nearest;
-}
 
 // The sites that can be the nearest of theirs somewhere in a leaf's halo.
 std::vector<glm::i64vec3> nearLeaf(std::span<const glm::i64vec3> sites,
@@ -51,19 +37,42 @@ std::vector<glm::i64vec3> nearLeaf(std::span<const glm::i64vec3> sites,
   return near;
 }
 
-// Rows of bits, each spread by the halo's width along all axes: the leaf's own part.
-std::array<std::uint8_t, 64> spread(const std::array<std::uint16_t, kCutSide * kCutSide>& rows) {
-  std::array<std::uint8_t, 64> out{};
-  for (int x = 0; x < 8; ++x) {
-    for (int y = 0; y < 8; ++y) {
-      unsigned bits = 0;
-      for (int i = x; i <= x + 2 * kCutHalo; ++i) {
-        for (int j = y; j <= y + 2 * kCutHalo; ++j) {
-          bits |= rows[static_cast<std::size_t>(i * kCutSide + j)];
-        }
+// Bits of a halo's voxels by row, [x*12+y] bit z.
+using HaloBits = std::array<std::uint16_t, kCutSide * kCutSide>;
+
+// The halo's voxels that lie up to its width away from some of the leaf's.
+HaloBits round(const VoxelBits& voxels) {
+  std::array<std::uint16_t, std::size_t{8} * kCutSide> alongY{};
+  for (std::size_t x = 0; x < 8; ++x) {
+    for (std::size_t y = 0; y < 8; ++y) {
+      unsigned bits = voxels[x * 8 + y];
+      if (bits == 0) continue;
+      for (int k = 0; k < 2 * kCutHalo; ++k) bits |= bits << 1;
+      for (std::size_t j = y; j <= y + 2 * kCutHalo; ++j) {
+        alongY[x * kCutSide + j] |= static_cast<std::uint16_t>(bits);
       }
-      for (int k = 1; k <= 2 * kCutHalo; k *= 2) bits |= bits >> k | bits >> 1;
-      out[static_cast<std::size_t>(x * 8 + y)] = static_cast<std::uint8_t>(bits);
+    }
+  }
+  HaloBits out{};
+  for (std::size_t x = 0; x < 8; ++x) {
+    for (std::size_t i = x; i <= x + 2 * kCutHalo; ++i) {
+      for (std::size_t y = 0; y < kCutSide; ++y) out[i * kCutSide + y] |= alongY[x * kCutSide + y];
+    }
+  }
+  return out;
+}
+
+// The leaf's voxels that lie up to a halo's width away from some of the halo's.
+VoxelBits reached(const HaloBits& rows) {
+  VoxelBits out{};
+  for (std::size_t x = 0; x < 8; ++x) {
+    for (std::size_t y = 0; y < 8; ++y) {
+      unsigned bits = 0;
+      for (std::size_t i = x; i <= x + 2 * kCutHalo; ++i) {
+        for (std::size_t j = y; j <= y + 2 * kCutHalo; ++j) bits |= rows[i * kCutSide + j];
+      }
+      for (int k = 0; k < 2 * kCutHalo; ++k) bits |= bits >> 1;
+      out[x * 8 + y] = static_cast<std::uint8_t>(bits);
     }
   }
   return out;
@@ -110,90 +119,151 @@ double Sites::slope(const glm::i64vec3& a, const glm::i64vec3& b) const {
   return 2.0 * glm::length(gradient);
 }
 
-bool SiteCut::holdsEverywhere() const {
-  return std::all_of(holds.begin(), holds.end(), [](std::uint8_t row) { return row == 0xff; });
-}
-
 namespace {
 
-// Slopes between pairs of fragments; neighbouring voxels mostly have the same nearest sites.
-class Slopes {
- public:
-  Slopes(const Sites& sites, std::size_t fragments)
-      : sites_(sites), count_(fragments), known_(fragments * fragments) {}
+// The nearest of a fragment's sites to each voxel of a row of the halo.
+struct NearestInRow {
+  std::array<std::int64_t, kCutSide> squared;
+  std::array<std::size_t, kCutSide> site;  // by number
+};
 
-  double between(std::size_t a, std::size_t b, const Nearest& from, const Nearest& to) {
-    Known& known = known_[a * count_ + b];
-    if (known.a != from.site || known.b != to.site || known.slope == 0.0) {
-      known = {from.site, to.site, sites_.slope(from.site, to.site)};
+//   low   the row's first voxel, stretched
+//   step  from a voxel to the next, stretched
+NearestInRow nearestInRow(std::span<const glm::i64vec3> sites, const glm::i64vec3& low,
+                          const glm::i64vec3& step) {
+  const auto dot = [](const glm::i64vec3& a, const glm::i64vec3& b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+  };
+  NearestInRow nearest;
+  nearest.squared.fill(kFar);
+  nearest.site.fill(0);
+  const std::int64_t square = dot(step, step);
+  for (std::size_t i = 0; i < sites.size(); ++i) {
+    const glm::i64vec3 d = low - sites[i];
+    std::int64_t squared = dot(d, d), growth = 2 * dot(d, step) + square;
+    for (std::size_t z = 0; z < kCutSide; ++z) {
+      if (squared < nearest.squared[z]) {
+        nearest.squared[z] = squared;
+        nearest.site[z] = i;
+      }
+      squared += growth;
+      growth += 2 * square;
+    }
+  }
+  return nearest;
+}
+
+// The cut of one leaf, row by row.
+class SitesOfLeaf {
+ public:
+  SitesOfLeaf(const openvdb::Coord& origin, std::span<const std::uint16_t> fragments,
+              const Sites& sites)
+      : all_(sites),
+        fragments_(fragments),
+        low_(sites.stretched(origin - openvdb::Coord(kCutHalo))),
+        steps_{sites.stretched({1, 0, 0}), sites.stretched({0, 1, 0}), sites.stretched({0, 0, 1})},
+        nearest_(fragments.size()),
+        slopes_(fragments.size() * fragments.size()) {
+    for (const std::uint16_t fragment : fragments) {
+      sites_.push_back(nearLeaf(sites.of(fragment), origin, sites));
+    }
+  }
+
+  void goToRow(std::size_t x, std::size_t y) {
+    const glm::i64vec3 low =
+        low_ + static_cast<std::int64_t>(x) * steps_[0] + static_cast<std::int64_t>(y) * steps_[1];
+    least_.fill(kFar);
+    for (std::size_t k = 0; k < sites_.size(); ++k) {
+      nearest_[k] = nearestInRow(sites_[k], low, steps_[2]);
+      for (std::size_t z = 0; z < kCutSide; ++z) {
+        least_[z] = std::min(least_[z], nearest_[k].squared[z]);
+      }
+    }
+  }
+
+  // Does a voxel belong to a site that none is nearer than?
+  bool agrees(std::uint16_t label, std::size_t z) const {
+    const auto k = static_cast<std::size_t>(std::find(fragments_.begin(), fragments_.end(), label) -
+                                            fragments_.begin());
+    return k < fragments_.size() && least_[z] != kFar && nearest_[k].squared[z] == least_[z];
+  }
+
+  bool hasSites(std::size_t k) const { return !sites_[k].empty(); }
+
+  float toCut(std::size_t k, std::size_t z) {
+    // The plane towards the next nearest site need not be the nearest plane: sites may lie close
+    // together.
+    double d = -3.0;
+    for (std::size_t other = 0; other < fragments_.size(); ++other) {
+      if (other == k || !hasSites(other)) continue;
+      const double slope = slopeBetween(k, other, z);
+      const auto difference =
+          static_cast<double>(nearest_[k].squared[z] - nearest_[other].squared[z]);
+      d = std::max(d, slope > 0.0 ? difference / slope : 0.0);
+    }
+    return static_cast<float>(std::min(d, 3.0));
+  }
+
+ private:
+  // Neighbouring voxels mostly have the same nearest sites.
+  double slopeBetween(std::size_t a, std::size_t b, std::size_t z) {
+    Slope& known = slopes_[a * fragments_.size() + b];
+    const std::size_t from = nearest_[a].site[z], to = nearest_[b].site[z];
+    if (known.from != from || known.to != to) {
+      known = {from, to, all_.slope(sites_[a][from], sites_[b][to])};
     }
     return known.slope;
   }
 
- private:
-  struct Known {
-    glm::i64vec3 a{0}, b{0};
+  struct Slope {
+    std::size_t from = ~std::size_t{0}, to = 0;
     double slope = 0.0;
   };
-  const Sites& sites_;
-  std::size_t count_;
-  std::vector<Known> known_;
+
+  const Sites& all_;
+  std::span<const std::uint16_t> fragments_;
+  glm::i64vec3 low_;
+  std::array<glm::i64vec3, 3> steps_;
+  std::vector<std::vector<glm::i64vec3>> sites_;  // [fragments]
+  std::vector<NearestInRow> nearest_;             // [fragments]
+  std::array<std::int64_t, kCutSide> least_{};
+  std::vector<Slope> slopes_;  // [fragments*fragments]
 };
 
 }  // namespace
 
 SiteCut siteCut(const CutHalo& halo, const openvdb::Coord& origin,
-                std::span<const std::uint16_t> fragments, const Sites& sites) {
+                std::span<const std::uint16_t> fragments, const Sites& sites,
+                const VoxelBits& wanted) {
   SiteCut cut;
   cut.distance.assign(fragments.size() * 512, 3.0f);
-  std::vector<std::vector<glm::i64vec3>> sitesOf;
-  for (const std::uint16_t fragment : fragments) {
-    sitesOf.push_back(nearLeaf(sites.of(fragment), origin, sites));
-  }
-  std::vector<Nearest> nearest(fragments.size());
-  Slopes slopes(sites, fragments.size());
-  std::array<std::uint16_t, kCutSide * kCutSide> wrong{};
-  std::size_t i = 0;
-  for (int x = -kCutHalo; x < 8 + kCutHalo; ++x) {
-    for (int y = -kCutHalo; y < 8 + kCutHalo; ++y) {
-      for (int z = -kCutHalo; z < 8 + kCutHalo; ++z, ++i) {
-        const bool own = ((x | y | z) & ~7) == 0;
-        const std::uint16_t label = halo[i];
-        if (!own && label == 0) continue;
-        const glm::i64vec3 at = sites.stretched(origin + openvdb::Coord(x, y, z));
-        std::int64_t least = kFar;
-        for (std::size_t k = 0; k < sitesOf.size(); ++k) {
-          nearest[k] = nearestOf(sitesOf[k], at);
-          least = std::min(least, nearest[k].squared);
-        }
-        if (label != 0) {
-          const auto k = static_cast<std::size_t>(
-              std::find(fragments.begin(), fragments.end(), label) - fragments.begin());
-          if (k == fragments.size() || nearest[k].squared == kFar || nearest[k].squared != least) {
-            wrong[i / kCutSide] |= static_cast<std::uint16_t>(1u << (i % kCutSide));
-          }
-        }
-        if (!own) continue;
-        for (std::size_t k = 0; k < fragments.size(); ++k) {
-          if (nearest[k].squared == kFar) continue;
-          // The plane towards the next nearest site need not be the nearest plane: sites may lie
-          // close together.
-          double d = -3.0;
-          for (std::size_t other = 0; other < fragments.size(); ++other) {
-            const Nearest& rival = nearest[other];
-            if (other == k || rival.squared == kFar) continue;
-            const double slope = slopes.between(k, other, nearest[k], rival);
-            const double difference = static_cast<double>(nearest[k].squared - rival.squared);
-            d = std::max(d, slope > 0.0 ? difference / slope : 0.0);
-          }
-          cut.distance[k * 512 + offsetFromCoord({x, y, z})] = static_cast<float>(std::min(d, 3.0));
-        }
+  SitesOfLeaf ofLeaf(origin, fragments, sites);
+  const HaloBits looked = round(wanted);
+  HaloBits wrong{};
+  for (std::size_t row = 0; row < looked.size(); ++row) {
+    if (looked[row] == 0) continue;
+    const std::size_t x = row / kCutSide, y = row % kCutSide;
+    ofLeaf.goToRow(x, y);
+    for (unsigned bits = looked[row]; bits != 0; bits &= bits - 1) {
+      const auto z = static_cast<std::size_t>(std::countr_zero(bits));
+      const std::uint16_t label = halo[row * kCutSide + z];
+      if (label != 0 && !ofLeaf.agrees(label, z)) {
+        wrong[row] |= static_cast<std::uint16_t>(1u << z);
+      }
+    }
+    const std::size_t ownX = x - kCutHalo, ownY = y - kCutHalo;  // beyond 7 if not the leaf's own
+    if (ownX > 7 || ownY > 7) continue;
+    for (unsigned bits = wanted[ownX * 8 + ownY]; bits != 0; bits &= bits - 1) {
+      const auto z = static_cast<std::size_t>(std::countr_zero(bits));
+      for (std::size_t k = 0; k < fragments.size(); ++k) {
+        if (!ofLeaf.hasSites(k)) continue;
+        cut.distance[k * 512 + ownX * 64 + ownY * 8 + z] = ofLeaf.toCut(k, z + kCutHalo);
       }
     }
   }
-  const std::array<std::uint8_t, 64> fails = spread(wrong);
+  const VoxelBits fails = reached(wrong);
   for (std::size_t row = 0; row < 64; ++row) {
-    cut.holds[row] = static_cast<std::uint8_t>(~fails[row]);
+    cut.holds[row] = static_cast<std::uint8_t>(wanted[row] & ~fails[row]);
   }
   return cut;
 }

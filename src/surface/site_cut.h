@@ -9,13 +9,15 @@
 #include <span>
 #include <vector>
 
+#include "surface/leaf_labels.h"
+
 namespace sherd {
 
 constexpr int kCutHalo = 2;  ///< voxels round a leaf that its cut depends on
 constexpr int kCutSide = 8 + 2 * kCutHalo;
 
 /// Labels of a leaf and of what lies round it, z fastest.
-using CutHalo = std::array<std::uint16_t, kCutSide * kCutSide * kCutSide>;
+using CutHalo = LabelCube<kCutSide>;
 
 /// Seeds by fragment, to measure distances from.
 class Sites {
@@ -24,7 +26,7 @@ class Sites {
 
   bool empty() const { return first_.empty(); }
 
-  /// A voxel or seed under the grain, in units of its metric.
+  /// A voxel or seed (or a step between two) under the grain, in units of its metric.
   glm::i64vec3 stretched(const openvdb::Coord& voxel) const;
 
   /// The sites of a fragment, stretched; none where it has none.
@@ -40,14 +42,15 @@ class Sites {
   std::vector<glm::i64vec3> sites_;
 };
 
+/// A bit for each voxel of a leaf: [x*8+y] bit z.
+using VoxelBits = std::array<std::uint8_t, 64>;
+
 /// A leaf's cut where its labels are those of the nearest sites.
 struct SiteCut {
-  std::array<std::uint8_t, 64> holds{};  ///< [x*8+y] bit z: all inside voxels up to two away belong
-                                         ///< to their nearest site
-  std::vector<float> distance;           ///< [fragments*512] voxels to the plane, within -3..3
-
-  bool holdsAt(std::size_t v) const { return (holds[v >> 3] >> (v & 7)) & 1; }
-  bool holdsEverywhere() const;
+  VoxelBits holds{};  ///< of the wanted voxels: all inside voxels up to two away belong to
+                      ///< their nearest site
+  std::vector<float> distance;  ///< [fragments*512] voxels to the plane, within -3..3; 3 where none
+                                ///< is wanted
 };
 
 /// Distances to the planes that bound each fragment's cell: to the nearest of them inside it, and
@@ -55,7 +58,9 @@ struct SiteCut {
 ///   halo       labels of inside voxels, else 0
 ///   origin     the leaf's lowest voxel
 ///   fragments  [n] whose cut is asked for
+///   wanted     where it is asked for
 [[nodiscard]] SiteCut siteCut(const CutHalo& halo, const openvdb::Coord& origin,
-                              std::span<const std::uint16_t> fragments, const Sites& sites);
+                              std::span<const std::uint16_t> fragments, const Sites& sites,
+                              const VoxelBits& wanted);
 
 }  // namespace sherd

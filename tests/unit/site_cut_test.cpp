@@ -45,8 +45,10 @@ TEST(SiteCut, GoesByTheNearestPlaneAndNotByTheNearestSite) {
       }
     }
   }
-  const SiteCut cut = siteCut(halo, {0, 0, 0}, fragments, Sites(voronoi));
-  EXPECT_TRUE(cut.holdsEverywhere());
+  VoxelBits all;
+  all.fill(0xff);
+  const SiteCut cut = siteCut(halo, {0, 0, 0}, fragments, Sites(voronoi), all);
+  EXPECT_EQ(cut.holds, all);
   std::size_t notByTheNextSite = 0;
   for (int x = 0; x < 8; ++x) {
     for (int y = 0; y < 8; ++y) {
