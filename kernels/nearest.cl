@@ -73,12 +73,19 @@ kernel void nearest(
     for (uint s = first; s < last; ++s) {
       const int4 at = seed[s];
       if (leaf_bound(&metric, doubledCentre, at, -1) > bound) continue;
-      for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
-        const long d = sherd_distance(&metric, low.x + (v >> 6) - at.x, low.y + ((v >> 3) & 7) - at.y,
-                                      low.z + (v & 7) - at.z);
-        if (d < best[v]) {  // strict: ties stay with the lower label
-          best[v] = d;
-          label[v] = (ushort)at.w;
+      for (int row = 0; row < 64; ++row) {
+        if (!((mask[row >> 3] >> (8 * (row & 7))) & 0xff)) continue;
+        const int x = low.x + (row >> 3) - at.x, y = low.y + (row & 7) - at.y, z = low.z - at.z;
+        const long a = sherd_row(&metric, 0, x, y, z), b = sherd_row(&metric, 1, x, y, z),
+                   c = sherd_row(&metric, 2, x, y, z);
+        for (int k = 0; k < 8; ++k) {  // a column of the matrix from one voxel to the next
+          const long d = sherd_norm(metric.kind, (long)abs(a + k * metric.row[2]), (long)abs(b + k * metric.row[5]),
+                                    (long)abs(c + k * metric.row[8]));
+          const int v = 8 * row + k;
+          if (d < best[v]) {  // strict: ties stay with the lower label
+            best[v] = d;
+            label[v] = (ushort)at.w;
+          }
         }
       }
     }
