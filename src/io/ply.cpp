@@ -1,7 +1,6 @@
 // Meshes as binary little-endian PLY.
 #include <sherd/io.h>
 
-#include <array>
 #include <cassert>
 #include <string>
 
@@ -12,13 +11,23 @@
 namespace sherd {
 namespace {
 
-/// One vertex or face: put together, then appended at once.
-class Record {
+/// Records of one kind, one after the other at the end of a file's bytes.
+class Records {
  public:
+  ///   most  bytes that all will take at most
+  Records(std::string& bytes, std::size_t most) : bytes_(bytes) {
+    const std::size_t size = bytes.size();
+    bytes.resize(size + most);
+    at_ = bytes.data() + size;
+  }
+  ~Records() { bytes_.resize(static_cast<std::size_t>(at_ - bytes_.data())); }
+  Records(const Records&) = delete;
+  Records& operator=(const Records&) = delete;
+
   template <class T>
   void put(T value) {
-    keepLittle(bytes_.data() + size_, value);
-    size_ += sizeof(T);
+    keepLittle(at_, value);
+    at_ += sizeof(T);
   }
   void put(const glm::dvec3& v) {
     for (int axis = 0; axis < 3; ++axis) put(static_cast<float>(v[axis]));
@@ -27,14 +36,10 @@ class Record {
     put(std::uint8_t{3});
     for (int corner = 0; corner < 3; ++corner) put(std::uint32_t{triangle[corner]});
   }
-  void appendTo(std::string& bytes) {
-    bytes.append(bytes_.data(), size_);
-    size_ = 0;
-  }
 
  private:
-  std::array<char, 64> bytes_;
-  std::size_t size_ = 0;
+  std::string& bytes_;
+  char* at_;
 };
 
 std::string header(const TriangleMesh& mesh, const std::string& comments,
@@ -86,15 +91,10 @@ void writePly(const OutputFile& file, const TriangleMesh& mesh,
     return;
   }
   std::string bytes = header(mesh, "", "", "");
-  bytes.reserve(bytes.size() + mesh.vertices.size() * 12 + mesh.triangles.size() * 13);
-  Record record;
-  for (const glm::dvec3& v : mesh.vertices) {
-    record.put(v);
-    record.appendTo(bytes);
-  }
-  for (const glm::uvec3& t : mesh.triangles) {
-    record.putFace(t);
-    record.appendTo(bytes);
+  {
+    Records records(bytes, mesh.vertices.size() * 12 + mesh.triangles.size() * 13);
+    for (const glm::dvec3& v : mesh.vertices) records.put(v);
+    for (const glm::uvec3& t : mesh.triangles) records.putFace(t);
   }
   file.write(bytes);
 }
@@ -113,33 +113,32 @@ void writePiecePly(const OutputFile& file, const PieceMesh& piece) {
   if (textures) ofFaces += "property int texnumber\n";
   if (materials) ofFaces += "property int material\n";
   std::string bytes = header(mesh, commentsOf(piece), ofVertices, ofFaces);
-  bytes.reserve(bytes.size() + mesh.vertices.size() * 31 +
-                mesh.triangles.size() * (texcoords ? 50 : 21));
 
   const std::vector<glm::dvec3> normals = vertexNormals(mesh);
   const std::vector<std::uint16_t> facing = vertexFacing(mesh, piece.facing);
   const std::vector<glm::u8vec3> colour =
       colours ? vertexColours(piece) : std::vector<glm::u8vec3>();
-  Record record;
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    record.put(mesh.vertices[i]);
-    record.put(normals[i]);
-    record.put(std::uint32_t{facing[i]});
-    for (int k = 0; k < 3 && colours; ++k) record.put(std::uint8_t{colour[i][k]});
-    record.appendTo(bytes);
-  }
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    record.putFace(mesh.triangles[t]);
-    record.put(std::uint32_t{piece.facing[t]});
-    if (texcoords) record.put(std::uint8_t{6});
-    for (std::size_t k = 0; k < 3 && texcoords; ++k) {
-      record.put(look.texcoords[t][k].x);
-      record.put(look.texcoords[t][k].y);
+  {
+    Records records(bytes,
+                    mesh.vertices.size() * 31 + mesh.triangles.size() * (texcoords ? 50 : 21));
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+      records.put(mesh.vertices[i]);
+      records.put(normals[i]);
+      records.put(std::uint32_t{facing[i]});
+      for (int k = 0; k < 3 && colours; ++k) records.put(std::uint8_t{colour[i][k]});
     }
-    const int texture = materials ? piece.materials.materials[look.material[t]].texture : 0;
-    if (textures) record.put(static_cast<std::uint32_t>(texture < 0 ? 0 : texture));
-    if (materials) record.put(std::uint32_t{look.material[t]});
-    record.appendTo(bytes);
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      records.putFace(mesh.triangles[t]);
+      records.put(std::uint32_t{piece.facing[t]});
+      if (texcoords) records.put(std::uint8_t{6});
+      for (std::size_t k = 0; k < 3 && texcoords; ++k) {
+        records.put(look.texcoords[t][k].x);
+        records.put(look.texcoords[t][k].y);
+      }
+      const int texture = materials ? piece.materials.materials[look.material[t]].texture : 0;
+      if (textures) records.put(static_cast<std::uint32_t>(texture < 0 ? 0 : texture));
+      if (materials) records.put(std::uint32_t{look.material[t]});
+    }
   }
   file.write(bytes);
 }
