@@ -270,9 +270,7 @@ class ObjectRun {
     }
     work.fragments = result.kept();
     work.line = line.json();
-    const double storing = work.files->seconds();
-    run_.times.add("store", storing);
-    run_.times.add("write", secondsSince(begin) - storing);
+    run_.times.add("write", secondsSince(begin) - work.files->packing());
   }
 
   // What each face of the pieces faces, where no loader takes it for a piece.
@@ -289,6 +287,7 @@ class ObjectRun {
 
   void keep(StagedFiles& files, Json line) {
     line["files"] = jsonOf(store_->keep(files));
+    run_.times.add("store", files.packing() + files.writing());
     line["archive"] = store_->archiveBytes();
     journal_.add(std::move(line));
   }

@@ -69,8 +69,29 @@ std::string objectFolder(DatasetLayout layout, const LibraryObject& object) {
 
 // ---- Files on their way
 
-StagedFiles::StagedFiles(fs::path root, std::string prefix, FileCompression compression)
-    : root_(std::move(root)), prefix_(std::move(prefix)), compression_(compression) {}
+StagedFiles::StagedFiles(fs::path root, std::string prefix, FileCompression compression,
+                         FileQueue* queue)
+    : root_(std::move(root)),
+      prefix_(std::move(prefix)),
+      compression_(compression),
+      queue_(queue) {}
+
+StagedFiles::~StagedFiles() { waitForAll(); }
+
+void StagedFiles::waitForAll() {
+  std::unique_lock lock(mutex_);
+  written_.wait(lock, [this] { return onTheirWay_ == 0; });
+}
+
+double StagedFiles::packing() const {
+  const std::lock_guard lock(mutex_);
+  return packing_;
+}
+
+double StagedFiles::writing() const {
+  const std::lock_guard lock(mutex_);
+  return writing_;
+}
 
 std::string StagedFiles::stored(const std::string& name) const {
   const bool isArchived = root_.empty();
@@ -80,16 +101,14 @@ std::string StagedFiles::stored(const std::string& name) const {
   return prefix_ + name + packing;
 }
 
-FileRecord StagedFiles::toDisk(const std::string& name, const Content& content) const {
+FileRecord StagedFiles::toDisk(const std::string& name, const Content& content) {
   FileRecord record{stored(name), 0, {}};
-  const fs::path path = root_ / record.name;
-  makeFolder(path.parent_path());
   Sha256 sum;
-  AtomicFile file(path);
+  FileBytes file;
   const auto write = [&](std::string_view bytes) {
     record.bytes += bytes.size();
     sum.add(bytes);
-    file.write(bytes);
+    file.append(bytes);
   };
   switch (compression_) {
     case FileCompression::none:
@@ -105,8 +124,26 @@ FileRecord StagedFiles::toDisk(const std::string& name, const Content& content) 
       write(zstdBytes(allOf(content)));
       break;
   }
-  file.commit();
   record.sha256 = sum.text();
+  const fs::path path = root_ / record.name;
+  makeFolder(path.parent_path());
+  const auto done = [this](std::exception_ptr problem, double seconds) {
+    const std::lock_guard lock(mutex_);
+    if (problem && !problem_) problem_ = std::move(problem);
+    writing_ += seconds;
+    --onTheirWay_;
+    written_.notify_all();  // under the lock: this may end as soon as it is let go
+  };
+  {
+    const std::lock_guard lock(mutex_);
+    ++onTheirWay_;
+  }
+  try {
+    queue_->add(path, std::move(file), done);
+  } catch (...) {
+    done(nullptr, 0.0);
+    throw;
+  }
   return record;
 }
 
@@ -132,7 +169,7 @@ void StagedFiles::take(const std::string& name, const Content& content) {
   FileRecord record = root_.empty() ? toArchive(name, content) : toDisk(name, content);
   const std::lock_guard lock(mutex_);
   records_.push_back(std::move(record));
-  seconds_ += std::chrono::duration<double>(Clock::now() - begin).count();
+  packing_ += std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
 // ---- The archive
@@ -258,6 +295,7 @@ ObjectStore::ObjectStore(fs::path root, std::string folder, DatasetLayout layout
     archive_ = std::make_unique<Archive>(place(), archive);
     return;
   }
+  queue_ = std::make_unique<FileQueue>();
   std::set<fs::path> names;
   for (const FileRecord& record : kept) names.insert(root_ / record.name);
   try {
@@ -270,11 +308,13 @@ ObjectStore::ObjectStore(fs::path root, std::string folder, DatasetLayout layout
 ObjectStore::~ObjectStore() = default;
 
 std::unique_ptr<StagedFiles> ObjectStore::stage(const std::string& prefix) const {
-  if (archive_) return std::make_unique<StagedFiles>(fs::path(), prefix, compression_);
-  return std::make_unique<StagedFiles>(root_, folder_ + "/" + prefix, compression_);
+  if (archive_) return std::make_unique<StagedFiles>(fs::path(), prefix, compression_, nullptr);
+  return std::make_unique<StagedFiles>(root_, folder_ + "/" + prefix, compression_, queue_.get());
 }
 
 std::vector<FileRecord> ObjectStore::keep(StagedFiles& files) {
+  files.waitForAll();
+  if (files.problem_) std::rethrow_exception(files.problem_);
   const auto byName = [](const auto& a, const auto& b) { return a.name < b.name; };
   std::sort(files.packed_.begin(), files.packed_.end(), byName);
   for (PackedFile& file : files.packed_) {

@@ -3,7 +3,9 @@
 
 #include <sherd/dataset.h>
 
+#include <condition_variable>
 #include <cstdint>
+#include <exception>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -11,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "dataset/file_queue.h"
 #include "io/zip_writer.h"
 
 namespace sherd {
@@ -27,28 +30,40 @@ class StagedFiles : public FileSink {
  public:
   ///   root     the dataset's folder; empty: into an archive
   ///   prefix   before every name
-  StagedFiles(std::filesystem::path root, std::string prefix, FileCompression compression);
+  ///   queue    writes them, unless they go into an archive
+  StagedFiles(std::filesystem::path root, std::string prefix, FileCompression compression,
+              FileQueue* queue);
+  ~StagedFiles() override;
 
   void take(const std::string& name, const Content& content) override;
 
   /// What a file is called once it is packed.
   [[nodiscard]] std::string stored(const std::string& name) const;
 
-  /// Seconds that were spent on packing and writing.
-  [[nodiscard]] double seconds() const { return seconds_; }
+  /// Seconds that whoever handed them over spent on packing them.
+  [[nodiscard]] double packing() const;
+
+  /// Seconds that were spent on writing them, all told once they are kept.
+  [[nodiscard]] double writing() const;
 
  private:
   friend class ObjectStore;
-  FileRecord toDisk(const std::string& name, const Content& content) const;
+  FileRecord toDisk(const std::string& name, const Content& content);
   FileRecord toArchive(const std::string& name, const Content& content);
 
   std::filesystem::path root_;
   std::string prefix_;
   FileCompression compression_;
-  std::mutex mutex_;
+  void waitForAll();
+
+  FileQueue* queue_;
+  mutable std::mutex mutex_;
+  std::condition_variable written_;
+  std::size_t onTheirWay_ = 0;
+  std::exception_ptr problem_;  // the first
   std::vector<FileRecord> records_;
   std::vector<PackedFile> packed_;
-  double seconds_ = 0.0;
+  double packing_ = 0.0, writing_ = 0.0;
 };
 
 /// Keeps the files of an object.  What is not kept, and is below the object's folder, is from a run
@@ -69,8 +84,9 @@ class ObjectStore {
   /// Files to be taken, under names below the object's folder.
   [[nodiscard]] std::unique_ptr<StagedFiles> stage(const std::string& prefix) const;
 
-  /// Keep them, in the order in which this is called.
+  /// Keep them once they are written, in the order in which this is called.
   ///   return  [files] ascending by name
+  ///   throws  Error(output)
   std::vector<FileRecord> keep(StagedFiles& files);
 
   /// Bytes of the archive so far; 0 where there is none.
@@ -91,6 +107,7 @@ class ObjectStore {
   std::string folder_;
   FileCompression compression_;
   std::unique_ptr<Archive> archive_;
+  std::unique_ptr<FileQueue> queue_;
 };
 
 /// What an object's folder is called below the dataset's.

@@ -9,6 +9,7 @@
 #include <atomic>
 #include <cctype>
 #include <cerrno>
+#include <cstdint>
 #include <system_error>
 #include <utility>
 
@@ -28,6 +29,16 @@ fs::path temporaryBeside(const fs::path& file) {
                                std::to_string(counter.fetch_add(1)) + ".tmp");
 }
 
+constexpr std::size_t kLeastDirect = 16 * kDirectBlock;  // fewer bytes are not worth it
+
+// Let writes go past the cache, or no longer.
+void setDirect(int descriptor, bool direct) {
+  const int flags = ::fcntl(descriptor, F_GETFL);
+  if (flags < 0) return;
+  // Not all file systems can; then it stays as it is.
+  (void)::fcntl(descriptor, F_SETFL, direct ? flags | O_DIRECT : flags & ~O_DIRECT);
+}
+
 std::string amount(std::uintmax_t bytes) {
   if (bytes >= 1'000'000) return std::to_string(bytes / 1'000'000) + " MB";
   if (bytes >= 1'000) return std::to_string(bytes / 1'000) + " kB";
@@ -44,7 +55,8 @@ std::string reasonOf(int number) {
   return reason;
 }
 
-AtomicFile::AtomicFile(fs::path file) : file_(std::move(file)), temporary_(temporaryBeside(file_)) {
+AtomicFile::AtomicFile(fs::path file, Caching caching)
+    : file_(std::move(file)), temporary_(temporaryBeside(file_)), caching_(caching) {
   struct stat target {};
   if (::lstat(file_.c_str(), &target) == 0) {
     if (S_ISDIR(target.st_mode)) outputError(file_, "is a folder; a file name is needed");
@@ -64,9 +76,26 @@ AtomicFile::~AtomicFile() {
 }
 
 void AtomicFile::write(std::string_view bytes) {
+  const bool isAligned = reinterpret_cast<std::uintptr_t>(bytes.data()) % kDirectBlock == 0 &&
+                         written_ % kDirectBlock == 0;
+  if (caching_ == Caching::none && isAligned && bytes.size() >= kLeastDirect) {
+    const std::size_t whole = bytes.size() / kDirectBlock * kDirectBlock;
+    setDirect(descriptor_, direct_ = true);
+    put(bytes.substr(0, whole));
+    setDirect(descriptor_, direct_ = false);
+    bytes.remove_prefix(whole);
+  }
+  put(bytes);
+}
+
+void AtomicFile::put(std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t n = ::write(descriptor_, bytes.data(), bytes.size());
     if (n < 0 && errno == EINTR) continue;
+    if (n < 0 && errno == EINVAL && std::exchange(direct_, false)) {  // blocks of another size
+      setDirect(descriptor_, false);
+      continue;
+    }
     if (n <= 0) fail(n < 0 ? errno : EIO);
     written_ += static_cast<std::uintmax_t>(n);
     bytes.remove_prefix(static_cast<std::size_t>(n));

@@ -7,13 +7,22 @@
 
 namespace sherd {
 
+/// Whether what is written stays in the system's cache.
+enum class Caching {
+  kept,
+  none  ///< as far as the file system can, and memory is aligned to kDirectBlock: for more than
+        ///< fits, as finding room in the cache costs more than all else that writing takes
+};
+
+constexpr std::size_t kDirectBlock = 4096;
+
 /// A file written beside its final name, under a hidden one, and renamed by commit().  Until then
 /// the target is untouched; without commit() nothing is left.  The target must be absent or a
 /// regular file: renaming onto a device or a symbolic link would replace it.
 class AtomicFile {
  public:
   /// throws  Error(output) the target is something else, or its folder cannot be written
-  explicit AtomicFile(std::filesystem::path file);
+  explicit AtomicFile(std::filesystem::path file, Caching caching = Caching::kept);
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
@@ -28,11 +37,14 @@ class AtomicFile {
 
  private:
   [[noreturn]] void fail(int number) const;
+  void put(std::string_view bytes);
 
   std::filesystem::path file_;
   std::filesystem::path temporary_;
   int descriptor_ = -1;
   std::uintmax_t written_ = 0;
+  Caching caching_;
+  bool direct_ = false;
 };
 
 /// Write `bytes` as the whole of a file.
