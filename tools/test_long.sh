@@ -38,6 +38,10 @@ tools/check_pcl.sh build/release/sherd
 echo "== a dataset run on Slurm"
 tests/long/slurm.sh build/release/sherd
 
+echo "== a dataset's report in a browser"
+DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends chromium > /dev/null
+tests/long/report.py build/release/sherd
+
 echo "== the Debian package"
 (cd build/release && cpack -G DEB > /dev/null && dpkg-deb -I sherd_*.deb | grep -E 'Package|Version|Depends')
 

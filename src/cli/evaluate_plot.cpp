@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "cli/evaluate_report.h"
-#include "cli/svg.h"
+#include "io/svg.h"
 
 namespace sherd::cli {
 namespace {

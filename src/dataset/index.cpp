@@ -122,7 +122,12 @@ Json rowOf(const std::string& key, const std::string& split, const Json& line,
   return row;
 }
 
-// "ply", "rle.zip"
+std::string failureLine(const std::string& key, const std::string& reason) {
+  return textOf({{"object", key}, {"reason", reason}});
+}
+
+}  // namespace
+
 std::string formatOf(const std::string& name) {
   fs::path path(name);
   std::string packing = path.extension().string();
@@ -134,12 +139,6 @@ std::string formatOf(const std::string& name) {
   const std::string format = path.extension().string() + packing;
   return format.empty() ? format : format.substr(1);
 }
-
-std::string failureLine(const std::string& key, const std::string& reason) {
-  return textOf({{"object", key}, {"reason", reason}});
-}
-
-}  // namespace
 
 bool hasPlan(const fs::path& out) { return fs::exists(out / kPlanName); }
 

@@ -32,6 +32,9 @@ void writePlan(const std::filesystem::path& out, const DatasetPlan& plan);
 /// stays there when others are added.
 [[nodiscard]] std::string splitOf(const std::string& key, const std::array<int, 3>& shares);
 
+/// The format of a file by its name: "ply", "rle.zip".
+[[nodiscard]] std::string formatOf(const std::string& name);
+
 /// Write index.csv, index.jsonl, failures.jsonl and the lists of the splits from the journals.
 /// Objects that are neither done nor failed are left out, and the summary is not complete.
 ///   throws  Error(output)

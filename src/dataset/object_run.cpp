@@ -24,6 +24,7 @@
 #include "dataset/distinct.h"
 #include "dataset/fracture_line.h"
 #include "dataset/layout.h"
+#include "dataset/pictures.h"
 #include "dataset/store.h"
 #include "fracture_stages.h"
 #include "io/fracture_files.h"
@@ -159,6 +160,7 @@ class ObjectRun {
     whole.fragments =
         extractFragments(solid, whole.labels, 1, nullptr, options.surface, &progress_);
     whole.worn = {0, 0};
+    picture(kWholeName, whole);
     label(solid.blocks.inside, Labels::kWorn);  // solid, and of no fragment
     const NamedFiles names = wholeNames(options_.layout, named(options));
     const auto files = store_->stage(names.prefix);
@@ -252,6 +254,7 @@ class ObjectRun {
     Clock::time_point begin = Clock::now();
     FractureResult result = extracted(std::move(work.grown), work.options, &progress_);
     run_.times.add("extract", secondsSince(begin));
+    picture(work.planned.name(), result);
     begin = Clock::now();
     const NamedFiles names = fractureNames(options_.layout, named(work.options), work.planned,
                                            work.number, result.kept());
@@ -271,6 +274,14 @@ class ObjectRun {
     work.fragments = result.kept();
     work.line = line.json();
     run_.times.add("write", secondsSince(begin) - work.files->packing());
+  }
+
+  void picture(const std::string& name, const FractureResult& result) const {
+    if (!run_.pictured.contains(name)) return;
+    const Clock::time_point begin = Clock::now();
+    takePicture(pictureOf(run_.out, object_, name),
+                std::span(result.fragments).first(result.kept()), options_.write.up);
+    run_.times.add("picture", secondsSince(begin));
   }
 
   // What each face of the pieces faces, where no loader takes it for a piece.

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <map>
 #include <mutex>
+#include <set>
 #include <string>
 
 #include "dataset/journal.h"
@@ -38,6 +39,7 @@ struct DatasetRun {
   std::function<void(std::size_t fragments)> fractured;  ///< after each fracture, in order
   std::function<void(const std::string&)> warning;
   StageSums& times;
+  std::set<std::string> pictured{};  ///< fractures whose pictures are taken, by name
 };
 
 /// Break an object, and note what is done.  What the journal has already is left alone.

@@ -11,6 +11,8 @@
 #include "dataset/fracture_line.h"
 #include "dataset/index.h"
 #include "dataset/object_run.h"
+#include "dataset/pictures.h"
+#include "dataset/report.h"
 #include "dataset/resources.h"
 #include "dataset/run_record.h"
 #include "io/atomic_file.h"
@@ -85,9 +87,9 @@ void prepareFolder(const fs::path& out, const DatasetPlan& plan, bool resume) {
 
 class LibraryRun {
  public:
-  LibraryRun(const fs::path& out, const DatasetOptions& options, Device& device,
-             const DatasetWatch& watch)
-      : out_(out), options_(options), device_(device), watch_(watch) {}
+  LibraryRun(const fs::path& out, const DatasetPlan& plan, const DatasetOptions& options,
+             Device& device, const DatasetWatch& watch)
+      : out_(out), plan_(plan), options_(options), device_(device), watch_(watch) {}
 
   void go(const std::vector<LibraryObject>& objects) {
     const std::size_t each = fracturesOf(options_.schedule).size();
@@ -118,6 +120,11 @@ class LibraryRun {
 
  private:
   void breakOne(const LibraryObject& object, Journal& journal, std::size_t each) {
+    const auto found = std::find_if(plan_.objects.begin(), plan_.objects.end(),
+                                    [&](const auto& other) { return other.key == object.key; });
+    const std::set<std::string> pictured =
+        picturedOf(options_.schedule, static_cast<std::size_t>(found - plan_.objects.begin()),
+                   plan_.objects.size());
     const DatasetRun run{out_,
                          options_,
                          device_,
@@ -130,7 +137,8 @@ class LibraryRun {
                          [this](const std::string& warning) {
                            if (watch_.warning) watch_.warning(warning);
                          },
-                         sums_};
+                         sums_,
+                         pictured};
     try {
       runObject(object, journal, run);
     } catch (const Error& e) {
@@ -159,6 +167,7 @@ class LibraryRun {
   }
 
   const fs::path& out_;
+  const DatasetPlan& plan_;
   const DatasetOptions& options_;
   Device& device_;
   const DatasetWatch& watch_;
@@ -178,7 +187,7 @@ DatasetSummary runDataset(const fs::path& library, const fs::path& out,
                          options.split, options.seed};
   prepareFolder(out, plan, options.resume);
   ResourceSampler resources(device);
-  LibraryRun run(out, options, device, watch);
+  LibraryRun run(out, plan, options, device, watch);
   const auto record = [&](const DatasetSummary& summary) {
     addRun(out, options, device.info(), run.told(), summary, run.times(), resources.finish());
   };
@@ -202,6 +211,7 @@ DatasetSummary runDataset(const fs::path& library, const fs::path& out,
     throw;
   }
   record(summary);
+  if (options.shard.of == 1) writeReport(out, plan);
   summary.times = run.times();
   return summary;
 }
@@ -224,7 +234,9 @@ DatasetSummary mergeDataset(const fs::path& out) {
                                       " objects are not done, the first is " + missing +
                                       "; run their shards again with --resume");
   }
-  return writeIndex(out, plan);
+  const DatasetSummary summary = writeIndex(out, plan);
+  writeReport(out, plan);
+  return summary;
 }
 
 }  // namespace sherd

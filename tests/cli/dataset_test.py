@@ -3,19 +3,24 @@
 
 Environment: SHERD_BIN the program.  Needs Debian's python3-numpy.
 """
+import base64
 import csv
 import hashlib
+import html.parser
 import io
 import json
 import os
 import random
+import re
 import shutil
 import signal
 import subprocess
 import tempfile
 import time
 import unittest
+import xml.etree.ElementTree
 import zipfile
+import zlib
 
 import numpy as np
 
@@ -40,6 +45,49 @@ def read_rle(data):
     nx, ny, nz = np.frombuffer(data, "<u4", 3)
     runs = np.frombuffer(data, np.dtype([("label", "<u2"), ("length", "<u4")]), offset=12)
     return np.repeat(runs["label"], runs["length"]).reshape(nx, ny, nz)
+
+
+def png_chunks(png):
+    at = 8
+    while at < len(png):
+        size = int.from_bytes(png[at:at + 4], "big")
+        yield png[at + 4:at + 8], png[at + 8:at + 8 + size]
+        at += 12 + size
+
+
+class Page(html.parser.HTMLParser):
+    """Tables, pictures and links of a page; which elements are still open."""
+    EMPTY = {"meta", "img"}
+
+    def __init__(self):
+        super().__init__()
+        self.open, self.tables, self.pictures, self.links = [], [], [], []
+
+    def handle_starttag(self, tag, attributes):
+        attributes = dict(attributes)
+        if tag not in self.EMPTY:
+            self.open.append(tag)
+        if tag == "table":
+            self.tables.append([])
+        elif tag == "tr":
+            self.tables[-1].append([])
+        elif tag in ("td", "th"):
+            self.tables[-1][-1].append("")
+        elif tag == "img":
+            kind, data = attributes.pop("src").split(",", 1)
+            assert kind == "data:image/png;base64", kind
+            self.pictures.append((attributes["alt"], base64.b64decode(data, validate=True)))
+        self.links += [v for k, v in attributes.items() if k in ("src", "href", "srcset", "data")]
+
+    def handle_startendtag(self, tag, attributes):
+        self.links += [v for k, v in attributes if k in ("src", "href", "xlink:href")]
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag, tag
+
+    def handle_data(self, data):
+        if self.open and self.open[-1] in ("td", "th"):
+            self.tables[-1][-1][-1] += data
 
 
 class Dataset(CommandLine):
@@ -379,7 +427,7 @@ class Trust(Dataset):
             first, second = json.load(file)["runs"]
         self.assertEqual((first["objects"], first["fractures"], second["fractures"]), (1, 6, 12))
         for run in first, second:
-            self.assertEqual(set(run["stages"]), {"read", "voxelize", "grow", "extract", "write", "store"})
+            self.assertEqual(set(run["stages"]), {"read", "voxelize", "grow", "extract", "picture", "write", "store"})
             samples = run["samples"]
             self.assertEqual({len(column) for column in samples.values()}, {len(samples["seconds"])})
             self.assertGreater(min(samples["memory"]), 1 << 20)
@@ -387,6 +435,60 @@ class Trust(Dataset):
         size = sum(os.path.getsize(os.path.join(self.out, n)) for n in tree(self.out) if n.startswith("objects/") and n[-1] != "/")
         self.assertEqual(sum(second["bytes"].values()), size)
         self.assertEqual(set(second["bytes"]), {"rle", "ply", "json"})
+
+    def report(self, out=None):
+        """The page's tables by id or number, its SVGs and pictures; all that it needs lies in it."""
+        with open(os.path.join(out or self.out, "report.html"), encoding="utf-8") as file:
+            text = file.read()
+        page = Page()
+        page.feed(text)
+        page.close()
+        self.assertEqual(page.open, [])
+        self.assertFalse(page.links, "the page is to need nothing else")
+        self.assertNotIn("<script", text)
+        for svg in re.findall(r"<svg.*?</svg>", text, re.S):
+            xml.etree.ElementTree.fromstring(svg)
+        return page
+
+    def test_the_report_tells_what_the_index_has(self):
+        library = self.path("some")
+        shutil.copytree(self.library, library)
+        self.path("some/<b>&.obj", b"")
+        self.done("--plain-meshes", library=library)
+        page = self.report()
+        rows = [r for r in self.rows() if r["fracture"] != "whole"]
+        size = lambda names: sum(os.path.getsize(os.path.join(self.out, n)) for n in names)
+        told = {row[0]: row[1] for row in page.tables[0]}
+        fractures = {(r["object"], r["fracture"]) for r in rows}
+        self.assertEqual(told["Fragments"], str(len(rows)))
+        self.assertEqual(told["Fractures"], str(len(fractures)))
+        self.assertEqual(told["Models"], "3")
+        for kind, column, counts in (("Average faces", "faces", rows), ("Average vertices", "vertices", rows)):
+            self.assertEqual(told[kind], f"{np.mean([int(r[column]) for r in counts]):.0f}")
+        all_files = {name for r in self.rows() for name in r["files"]}
+        points = {name for name in all_files if "points" in name}
+        self.assertTrue(told["Triangle mesh files"].startswith(f"{len(all_files - points)} ("))
+        self.assertTrue(told["Point cloud files"].startswith(f"{len(points)} ("))
+        labels = {name for r in self.rows() for name in r["labels"]}
+        self.assertTrue(told["Voxel files"].startswith(f"{len(labels)} ("))
+
+        by_pieces = {row[0]: row[1:] for row in page.tables[1][1:]}
+        self.assertEqual(set(by_pieces), {"2", "3", "4"})
+        for pieces, (made, fragments, _, below) in by_pieces.items():
+            shares = [float(r["share"]) for r in rows if str(r["pieces"]) == pieces]
+            self.assertEqual((int(made), int(fragments)),
+                             (len({f for f in fractures if f[1].startswith(pieces + "f")}), len(shares)))
+            self.assertAlmostEqual(float(below.split()[0]), 100 * np.mean(np.array(shares) < 0.1), delta=0.01)
+        formats = {row[0]: (int(row[1]), int(row[2])) for row in page.tables[2][1:]}
+        ply = [n for n in tree(self.out) if n.endswith(".ply")]
+        self.assertEqual(formats["ply"], (len(ply), size(ply)))
+        self.assertEqual([row[0] for row in page.tables[3][1:]], ["<b>&.obj"])
+
+        self.assertEqual(len(page.pictures), 3 * (1 + 3))  # each object, and one fracture of 2, 3 and 4 pieces
+        for caption, png in page.pictures:
+            self.assertEqual(png[:8], b"\x89PNG\r\n\x1a\n", caption)
+            pixels = zlib.decompress(b"".join(data for kind, data in png_chunks(png) if kind == b"IDAT"))
+            self.assertGreater(len(set(pixels)), 100, caption)  # something is to be seen
 
     def test_a_forecast_is_about_right(self):
         told = json.loads(self.done("--dry-run", "--json").stdout)
@@ -409,6 +511,7 @@ class Trust(Dataset):
             merged = self.run_sherd("merge", out)
             self.assertEqual(merged.returncode, 0, merged.stderr)
             self.assertEqual(dataset(out), dataset(self.out))
+            self.assertEqual(self.report(out).pictures, self.report().pictures)
 
     def test_shards_may_begin_together(self):
         arguments = small(("--write", "labels", "--resume"))

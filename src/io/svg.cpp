@@ -1,9 +1,9 @@
 // A drawing as SVG text.
-#include "cli/svg.h"
+#include "io/svg.h"
 
 #include <cstdio>
 
-namespace sherd::cli {
+namespace sherd {
 namespace {
 
 /// A hundredth of a pixel is enough.
@@ -17,8 +17,9 @@ std::string attribute(const char* name, const std::string& value) {
   return std::string(" ") + name + "=\"" + value + "\"";
 }
 
-/// Names of files may hold anything; control characters are not XML.
-std::string escaped(const std::string& words) {
+}  // namespace
+
+std::string escapedXml(const std::string& words) {
   std::string text;
   for (const char c : words) {
     switch (c) {
@@ -31,14 +32,15 @@ std::string escaped(const std::string& words) {
       case '>':
         text += "&gt;";
         break;
+      case '"':
+        text += "&quot;";
+        break;
       default:
         text += static_cast<unsigned char>(c) < 0x20 ? '?' : c;
     }
   }
   return text;
 }
-
-}  // namespace
 
 Svg::Svg(double width, double height) {
   body_ = "<svg xmlns=\"http://www.w3.org/2000/svg\"" + attribute("width", number(width)) +
@@ -72,7 +74,7 @@ void Svg::text(double x, double y, const std::string& words, double size, const 
            (anchor == Anchor::start
                 ? ""
                 : attribute("text-anchor", anchor == Anchor::middle ? "middle" : "end")) +
-           (bold ? attribute("font-weight", "bold") : "") + ">" + escaped(words) + "</text>\n";
+           (bold ? attribute("font-weight", "bold") : "") + ">" + escapedXml(words) + "</text>\n";
 }
 
-}  // namespace sherd::cli
+}  // namespace sherd

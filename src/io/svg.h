@@ -3,7 +3,10 @@
 
 #include <string>
 
-namespace sherd::cli {
+namespace sherd {
+
+/// Words as text of XML or HTML.  Names of files may hold anything; control characters are not XML.
+[[nodiscard]] std::string escapedXml(const std::string& words);
 
 /// Shapes one over another, lengths in pixels, y downwards.
 class Svg {
@@ -26,4 +29,4 @@ class Svg {
   std::string body_;
 };
 
-}  // namespace sherd::cli
+}  // namespace sherd

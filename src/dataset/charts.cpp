@@ -1,0 +1,135 @@
+// Histograms, bars and lines.
+#include "dataset/charts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "io/svg.h"
+
+namespace sherd {
+namespace {
+
+// Of Okabe and Ito, which the colour-blind tell apart.
+constexpr const char* kBlue = "#0072b2";
+constexpr const char* kOrange = "#d55e00";
+constexpr const char* kInk = "#222222";
+constexpr const char* kGrey = "#777777";
+constexpr const char* kRule = "#dddddd";
+
+constexpr double kWidth = 380.0, kLeft = 64.0, kRight = 366.0, kTop = 44.0;
+constexpr std::size_t kBins = 48;
+
+// 1, 2 or 5 times a power of ten: about four of them in `range`.
+double step(double range) {
+  const double power = std::pow(10.0, std::floor(std::log10(range / 4.0)));
+  const double lead = range / 4.0 / power;
+  return power * (lead < 1.5 ? 1.0 : lead < 3.5 ? 2.0 : lead < 7.5 ? 5.0 : 10.0);
+}
+
+double across(double value, double high) { return kLeft + (kRight - kLeft) * value / high; }
+
+void drawTitle(Svg& svg, const std::string& title) {
+  svg.text(kLeft, 16, title, 13, kInk, Svg::Anchor::start, true);
+}
+
+// Values along the lower edge.
+void drawScale(Svg& svg, double high, double bottom,
+               const std::function<std::string(double)>& label) {
+  const double each = step(high);
+  for (double value = 0.0; value <= high * (1.0 + 1e-9); value += each) {
+    svg.line(across(value, high), kTop - 8, across(value, high), bottom, kRule);
+    svg.text(across(value, high), bottom + 14, label(value), 10, kGrey, Svg::Anchor::middle);
+  }
+}
+
+}  // namespace
+
+std::string histograms(const std::vector<HistogramRow>& rows, const HistogramOptions& options) {
+  constexpr double kRow = 30.0;
+  const double bottom = kTop + kRow * static_cast<double>(rows.size());
+  Svg svg(kWidth, bottom + 24);
+  drawTitle(svg, options.title);
+  drawScale(svg, options.high, bottom, options.label);
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    std::vector<std::size_t> bins(kBins);
+    for (const float value : rows[r].values) {
+      const double at = static_cast<double>(value) / options.high * kBins;
+      ++bins[std::min(static_cast<std::size_t>(std::max(at, 0.0)), kBins - 1)];
+    }
+    const std::size_t most = std::max<std::size_t>(*std::max_element(bins.begin(), bins.end()), 1);
+    const double base = kTop + kRow * static_cast<double>(r + 1);
+    const double width = (kRight - kLeft) / kBins;
+    for (std::size_t i = 0; i < kBins; ++i) {
+      if (bins[i] == 0) continue;
+      const double height = (kRow - 6.0) * static_cast<double>(bins[i]) / static_cast<double>(most);
+      svg.rect(kLeft + width * static_cast<double>(i), base - height, width, height, kBlue);
+    }
+    svg.line(kLeft, base, kRight, base, kGrey);
+    svg.text(kLeft - 6, base - 4, rows[r].name, 10, kInk, Svg::Anchor::end);
+  }
+  double from = 0.0;  // where the last one's words end
+  for (const double value : options.lines) {
+    if (value >= options.high) continue;
+    const double x = across(value, options.high);
+    svg.line(x, kTop - 8, x, bottom, kOrange, /*dashed=*/true);
+    const double words = std::max(x - 10.0, from);
+    svg.text(words, kTop - 12, options.label(value), 9, kOrange);
+    from = words + 40.0;
+  }
+  return svg.done();
+}
+
+std::string bars(const std::vector<std::pair<std::string, double>>& values,
+                 const std::string& title, const std::function<std::string(double)>& label) {
+  constexpr double kRow = 20.0;
+  std::vector<std::pair<std::string, double>> sorted = values;
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const auto& a, const auto& b) { return a.second > b.second; });
+  const double most = sorted.empty() ? 1.0 : std::max(sorted.front().second, 1e-12);
+  Svg svg(kWidth, kTop + kRow * static_cast<double>(sorted.size()) + 8);
+  drawTitle(svg, title);
+  for (std::size_t i = 0; i < sorted.size(); ++i) {
+    const double top = kTop + kRow * static_cast<double>(i);
+    const double width = 0.7 * (kRight - kLeft) * sorted[i].second / most;
+    svg.text(kLeft - 6, top + 11, sorted[i].first, 10, kInk, Svg::Anchor::end);
+    svg.rect(kLeft, top, width, kRow - 6, kBlue);
+    svg.text(kLeft + width + 6, top + 11, label(sorted[i].second), 10, kGrey);
+  }
+  return svg.done();
+}
+
+std::string timeLine(const std::vector<double>& seconds, const std::vector<double>& values,
+                     const std::string& title, const std::function<std::string(double)>& label) {
+  constexpr double kBottom = kTop + 120.0;
+  Svg svg(kWidth, kBottom + 24);
+  drawTitle(svg, title);
+  const std::size_t count = std::min(seconds.size(), values.size());
+  if (count == 0) return svg.done();
+  const double end = std::max(seconds[count - 1], 1e-9);
+  const double high = std::max(*std::max_element(values.begin(), values.end()) * 1.05, 1e-9);
+  const auto up = [&](double value) { return kBottom - (kBottom - kTop) * value / high; };
+  drawScale(svg, end, kBottom, [](double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%g s", value);
+    return std::string(text);
+  });
+  for (double value = 0.0; value <= high; value += step(high)) {
+    svg.line(kLeft, up(value), kRight, up(value), kRule);
+    svg.text(kLeft - 6, up(value) + 4, label(value), 10, kGrey, Svg::Anchor::end);
+  }
+  // No more points than can be told apart: of each stretch the highest.
+  const std::size_t each = std::max<std::size_t>(count / 300, 1);
+  double fromX = kLeft, fromY = up(values[0]);
+  for (std::size_t i = 0; i < count; i += each) {
+    const auto first = values.begin() + static_cast<std::ptrdiff_t>(i);
+    const auto last = values.begin() + static_cast<std::ptrdiff_t>(std::min(i + each, count));
+    const double x = across(seconds[i], end), y = up(*std::max_element(first, last));
+    svg.line(fromX, fromY, x, y, kBlue);
+    fromX = x;
+    fromY = y;
+  }
+  return svg.done();
+}
+
+}  // namespace sherd

@@ -1,0 +1,253 @@
+// The report's page.
+#include "dataset/report.h"
+
+#include <sherd/version.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "dataset/charts.h"
+#include "dataset/figures.h"
+#include "dataset/pictures.h"
+#include "io/atomic_file.h"
+#include "io/base64.h"
+#include "io/svg.h"
+#include "mesh/file_bytes.h"
+
+namespace sherd {
+namespace {
+
+namespace fs = std::filesystem;
+
+template <class... Values>
+std::string format(const char* pattern, Values... values) {
+  char text[256];
+  std::snprintf(text, sizeof text, pattern, values...);
+  return text;
+}
+
+std::string bytesText(double bytes) {
+  constexpr const char* kUnits[] = {"B", "kB", "MB", "GB", "TB"};
+  std::size_t unit = 0;
+  while (bytes >= 1000.0 && unit < 4) {
+    bytes /= 1000.0;
+    ++unit;
+  }
+  return format(unit == 0 ? "%.0f %s" : "%.3g %s", bytes, kUnits[unit]);
+}
+
+std::string secondsText(double seconds) {
+  if (seconds < 120.0) return format("%.3g s", seconds);
+  if (seconds < 7200.0) return format("%.3g min", seconds / 60.0);
+  return format("%.3g h", seconds / 3600.0);
+}
+
+// 1500 as 1.5k.
+std::string countText(double count) {
+  return count >= 1e6   ? format("%gM", count / 1e6)
+         : count >= 1e3 ? format("%gk", count / 1e3)
+                        : format("%g", count);
+}
+
+std::string percentText(double share) { return format("%g %%", std::round(share * 1e4) / 1e2); }
+
+std::string row(const std::vector<std::string>& cells, const char* tag = "td") {
+  std::string text = "<tr>";
+  for (const std::string& cell : cells) {
+    text += std::string("<") + tag + ">" + escapedXml(cell) + "</" + tag + ">";
+  }
+  return text + "</tr>\n";
+}
+
+std::string section(const std::string& title, const std::string& body) {
+  return "<h2>" + title + "</h2>\n" + body + "\n";
+}
+
+double mean(const DatasetFigures& figures, std::vector<float> PieceFigures::*values) {
+  double sum = 0.0;
+  for (const auto& [pieces, own] : figures.byPieces) {
+    for (const float value : own.*values) sum += static_cast<double>(value);
+  }
+  return sum / static_cast<double>(std::max<std::size_t>(figures.fragments, 1));
+}
+
+// The rows of the paper's Table 3.
+std::string table3(const DatasetFigures& figures) {
+  const auto files = [](const FileFigures& kind) {
+    return format("%zu (%s)", kind.files, bytesText(static_cast<double>(kind.bytes)).c_str());
+  };
+  const double seconds = figures.seconds();
+  std::string text = "<table id=\"table3\">\n";
+  text += row({"Voxel files", files(figures.voxels)});
+  text += row({"Triangle mesh files", files(figures.meshes)});
+  text += row({"Point cloud files", files(figures.points)});
+  text += row({"Models", std::to_string(figures.objects)});
+  text += row({"Fractures", std::to_string(figures.fractures)});
+  text += row({"Fragments", std::to_string(figures.fragments)});
+  text += row({"Response time", secondsText(seconds)});
+  text += row({"Fragments / s",
+               format("%.2f", static_cast<double>(figures.fragments) / std::max(seconds, 1e-9))});
+  text += row({"Average vertices", format("%.0f", mean(figures, &PieceFigures::vertices))});
+  text += row({"Average faces", format("%.0f", mean(figures, &PieceFigures::faces))});
+  return text + "</table>";
+}
+
+// A row for each number of pieces; for ranges of them where there are many.
+std::vector<HistogramRow> rowsOf(const DatasetFigures& figures,
+                                 std::vector<float> PieceFigures::*values) {
+  constexpr std::size_t kMostRows = 12;
+  const std::size_t each = (figures.byPieces.size() + kMostRows - 1) / kMostRows;
+  std::vector<HistogramRow> rows;
+  std::size_t i = 0;
+  int first = 0;
+  for (const auto& [pieces, own] : figures.byPieces) {
+    if (i++ % each == 0) {
+      rows.emplace_back();
+      first = pieces;
+    }
+    HistogramRow& current = rows.back();
+    current.name = first == pieces ? std::to_string(pieces)
+                                   : std::to_string(first) + ".." + std::to_string(pieces);
+    current.values.insert(current.values.end(), (own.*values).begin(), (own.*values).end());
+  }
+  return rows;
+}
+
+std::string histogramOf(const DatasetFigures& figures, std::vector<float> PieceFigures::*values,
+                        HistogramOptions options) {
+  options.high = 0.0;
+  for (const auto& [pieces, own] : figures.byPieces) {
+    for (const float value : own.*values) {
+      options.high = std::max(options.high, static_cast<double>(value));
+    }
+  }
+  options.high = std::max(options.high * 1.0001, 1e-6);
+  return histograms(rowsOf(figures, values), options);
+}
+
+std::string histogramsText(const DatasetFigures& figures) {
+  std::string text = "<p>Rows: how many pieces a fracture has.</p>\n<div class=\"charts\">";
+  text += histogramOf(figures, &PieceFigures::faces,
+                      {.title = "Faces of fragments", .label = countText});
+  text += histogramOf(figures, &PieceFigures::vertices,
+                      {.title = "Vertices of fragments", .label = countText});
+  text += histogramOf(
+      figures, &PieceFigures::share,
+      {.title = "Share of the object's volume", .lines = {0.025, 0.1}, .label = percentText});
+  text += "</div>\n<table>\n" +
+          row({"Pieces", "Fractures", "Fragments", "below 2.5 %", "below 10 %"}, "th");
+  for (const auto& [pieces, own] : figures.byPieces) {
+    const auto below = [&share = own.share](float least) {
+      const auto count =
+          std::count_if(share.begin(), share.end(), [&](float s) { return s < least; });
+      return percentText(static_cast<double>(count) /
+                         static_cast<double>(std::max<std::size_t>(share.size(), 1)));
+    };
+    text += row({std::to_string(pieces), std::to_string(own.fractures),
+                 std::to_string(own.share.size()), below(0.025f), below(0.1f)});
+  }
+  return text + "</table>";
+}
+
+std::string runsText(const DatasetFigures& figures) {
+  constexpr std::size_t kMostRuns = 8;  // more would be shards of a cluster, all much the same
+  std::string text;
+  for (std::size_t i = 0; i < std::min(figures.runs.size(), kMostRuns); ++i) {
+    const RunFigures& run = figures.runs[i];
+    text += "<h3>" + escapedXml(run.name + ", " + secondsText(run.seconds) + ", " + run.device) +
+            "</h3>\n<div class=\"charts\">";
+    text += bars({run.stages.begin(), run.stages.end()}, "Stages, over all threads", secondsText);
+    text += timeLine(run.at, run.cores, "Busy cores", countText);
+    text += timeLine(run.at, run.memory, "Memory", bytesText);
+    text += timeLine(run.at, run.deviceMemory, "Memory of the device", bytesText);
+    text += "</div>\n";
+  }
+  if (figures.runs.size() > kMostRuns) {
+    text += "<p>And " + std::to_string(figures.runs.size() - kMostRuns) + " more.</p>\n";
+  }
+  return text;
+}
+
+std::string storageText(const DatasetFigures& figures) {
+  std::vector<std::pair<std::string, double>> bytes;
+  for (const auto& [name, files] : figures.byFormat) {
+    bytes.emplace_back(name, static_cast<double>(files.bytes));
+  }
+  std::string text = "<div class=\"charts\">" + bars(bytes, "Bytes", bytesText) + "</div>\n";
+  text += "<table>\n" + row({"Format", "Files", "Bytes"}, "th");
+  for (const auto& [name, files] : figures.byFormat) {
+    text += row({name, std::to_string(files.files), std::to_string(files.bytes)});
+  }
+  return text + "</table>";
+}
+
+std::string failuresText(const DatasetFigures& figures) {
+  constexpr std::size_t kMost = 500;
+  if (figures.failures.empty()) return "<p>None.</p>";
+  std::string text = "<table id=\"failures\">\n" + row({"Object", "Reason"}, "th");
+  for (std::size_t i = 0; i < std::min(figures.failures.size(), kMost); ++i) {
+    text += row({figures.failures[i].first, figures.failures[i].second});
+  }
+  text += "</table>";
+  if (figures.failures.size() > kMost) {
+    text += "<p>And " + std::to_string(figures.failures.size() - kMost) +
+            " more, see failures.jsonl.</p>";
+  }
+  return text;
+}
+
+std::string pictureText(const fs::path& file, const std::string& caption) {
+  return format("<figure><img width=\"%d\" height=\"%d\" alt=\"", kPictureSide, kPictureSide) +
+         escapedXml(caption) + "\" src=\"data:image/png;base64," + base64(readFileBytes(file)) +
+         "\"><figcaption>" + escapedXml(caption) + "</figcaption></figure>\n";
+}
+
+// What pictures there are of the objects that `pictures.h` chooses.
+std::string contactSheet(const fs::path& out, const DatasetPlan& plan) {
+  std::string text = "<div class=\"sheet\">\n";
+  for (std::size_t i = 0; i < plan.objects.size(); ++i) {
+    const LibraryObject& object = plan.objects[i];
+    if (!isPictured(i, plan.objects.size())) continue;
+    for (const Json& line : readJournal(journalOf(out, object)).fractures) {
+      const std::string name = line.at("fracture");
+      const fs::path picture = pictureOf(out, object, name);
+      if (fs::exists(picture)) text += pictureText(picture, object.key + ", " + name);
+    }
+  }
+  return text + "</div>";
+}
+
+constexpr const char* kStyle =
+    "body{font:15px/1.5 'DejaVu Sans',Helvetica,Arial,sans-serif;color:#222;max-width:1240px;"
+    "margin:2em auto;padding:0 1em}"
+    "h1{font-size:1.5em}h2{font-size:1.2em;border-bottom:1px solid #ddd;margin-top:2em}"
+    "h3{font-size:1em}"
+    "table{border-collapse:collapse}td,th{padding:.15em 1em .15em 0;text-align:left;"
+    "vertical-align:top}th{color:#777;font-weight:normal}"
+    ".charts,.sheet{display:flex;flex-wrap:wrap;gap:12px}"
+    "figure{margin:0;width:200px}figcaption{font-size:11px;color:#777;overflow-wrap:anywhere}";
+
+}  // namespace
+
+void writeReport(const fs::path& out, const DatasetPlan& plan) {
+  const DatasetFigures figures = figuresOf(out, plan);
+  const std::string name = fs::absolute(out).lexically_normal().filename().string();
+  const std::string title = name.empty() ? "Dataset" : name;
+  std::string page =
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>" +
+      escapedXml(title) + "</title>\n<style>" + kStyle + "</style>\n</head>\n<body>\n";
+  page += "<h1>" + escapedXml(title) + "</h1>\n";
+  page += format("<p>%zu fragments of %zu fractures of %zu objects; %zu failed. sherd %s.</p>\n",
+                 figures.fragments, figures.fractures, figures.objects, figures.failures.size(),
+                 SHERD_VERSION);
+  page += section("Objects and fractures", contactSheet(out, plan));
+  page += section("Details", table3(figures));
+  page += section("Fragments", histogramsText(figures));
+  page += section("Time and resources", runsText(figures));
+  page += section("Storage", storageText(figures));
+  page += section("Failures", failuresText(figures));
+  writeWhole(out / "report.html", page + "</body>\n</html>\n");
+}
+
+}  // namespace sherd
