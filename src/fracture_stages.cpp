@@ -90,44 +90,88 @@ SeededLabels growFor(const FractureOptions& options, const LeafBlocks& blocks, c
                         progress);
 }
 
-GrownFracture grow(const PreparedSolid& ready, const FractureOptions& options, Device& device,
-                   StageClock clock, const Progress* progress) {
+namespace {
+
+GrownFracture seeded(const PreparedSolid& ready, const FractureOptions& options) {
   GrownFracture grown;
   FractureResult& result = grown.result;
   grown.surface = ready.surface;
   result.solid = ready.solid;
   result.parts = ready.parts.count();
-  const LeafBlocks& blocks = result.solid.blocks;
   result.seeds = options.seedFile.empty()
                      ? placeSeeds(result.solid, ready.parts,
                                   seedOptionsFor(options, ready.parts, options.seed))
                      : readSeeds(options.seedFile, result.solid, ready.parts, options.seed);
   grown.fragments = fragmentsOf(result.seeds);
   (void)withheldOf(options.missing, static_cast<std::size_t>(grown.fragments));  // before long work
-  clock.done("seed");
+  return grown;
+}
 
-  SeededLabels labels = growFor(options, blocks, ready.parts, std::move(result.seeds), options.seed,
-                                device, progress);
-  result.seeds = std::move(labels.seeds);
-  clock.done("grow");
-
+// Wear what has grown, and number what is withheld last.
+void finish(GrownFracture& grown, Labels labels, const FractureOptions& options, Device& device,
+            StageClock& clock, const Progress* progress) {
+  FractureResult& result = grown.result;
+  const LeafBlocks& blocks = result.solid.blocks;
   if (options.erode.iterations > 0) {
     ErodeOptions erosion = options.erode;
     erosion.seed = options.seed;
-    Erosion worn = erode(blocks, labels.labels, grown.fragments, erosion, device, progress);
+    Erosion worn = erode(blocks, labels, grown.fragments, erosion, device, progress);
     result.labels = carriedOverBand(blocks, std::move(worn.labels), device);
     result.worn = std::move(worn.worn);
-    grown.unworn = std::move(labels.labels);
+    grown.unworn = std::move(labels);
     clock.done("erode");
   } else {
-    result.labels = std::move(labels.labels);
+    result.labels = std::move(labels);
     result.worn.assign(static_cast<std::size_t>(grown.fragments) + 1, 0);
   }
   const std::size_t small = dropSmall(grown, options.dropShare);
   result.withheld =
       small + withheldOf(options.missing, static_cast<std::size_t>(grown.fragments) - small);
   result.times = clock.times();
+}
+
+}  // namespace
+
+GrownFracture grow(const PreparedSolid& ready, const FractureOptions& options, Device& device,
+                   StageClock clock, const Progress* progress) {
+  GrownFracture grown = seeded(ready, options);
+  clock.done("seed");
+  SeededLabels labels = growFor(options, ready.solid.blocks, ready.parts,
+                                std::move(grown.result.seeds), options.seed, device, progress);
+  grown.result.seeds = std::move(labels.seeds);
+  clock.done("grow");
+  finish(grown, std::move(labels.labels), options, device, clock, progress);
   return grown;
+}
+
+std::vector<GrownFracture> growTogether(const PreparedSolid& ready,
+                                        std::span<const FractureOptions> options, Device& device,
+                                        const Progress* progress) {
+  std::vector<GrownFracture> all;
+  const ShareOptions& shares = options.front().shares;
+  if (options.size() == 1 || shares.minShare > 0.0 || shares.balance > 0) {
+    for (const FractureOptions& own : options) {
+      all.push_back(grow(ready, own, device, StageClock(), progress));
+    }
+    return all;
+  }
+  StageClock clock;
+  GrowOptions together = options.front().grow;
+  together.noiseSeeds.clear();
+  std::vector<std::vector<Seed>> seeds;
+  for (const FractureOptions& own : options) {
+    all.push_back(seeded(ready, own));
+    seeds.push_back(all.back().result.seeds);
+    together.noiseSeeds.push_back(randomBits(own.seed, Stage::noise, 0));
+  }
+  clock.done("seed");
+  std::vector<Labels> labels = grow(ready.solid.blocks, seeds, device, together, progress);
+  clock.done("grow");
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    StageClock own = clock;
+    finish(all[i], std::move(labels[i]), options[i], device, own, progress);
+  }
+  return all;
 }
 
 FractureResult extracted(GrownFracture grown, const FractureOptions& options,

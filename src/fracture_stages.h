@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace sherd {
@@ -45,6 +46,13 @@ struct GrownFracture {
 ///   clock  of what was done before
 [[nodiscard]] GrownFracture grow(const PreparedSolid& prepared, const FractureOptions& options,
                                  Device& device, StageClock clock, const Progress* progress);
+
+/// The same for several fractures at once, of which each comes out as it would alone.  Options of
+/// growth are the first one's for all of them.
+///   throws  as grow, and none is given
+[[nodiscard]] std::vector<GrownFracture> growTogether(const PreparedSolid& prepared,
+                                                      std::span<const FractureOptions> options,
+                                                      Device& device, const Progress* progress);
 
 /// Cut the fragments out.  Any thread may ask.
 [[nodiscard]] FractureResult extracted(GrownFracture grown, const FractureOptions& options,

@@ -1,7 +1,8 @@
 // One object: read, made a solid once, broken as often as it is planned.
 //
-//     grow ──▶ cut out, mesh, sample, write ──▶ keep, note
-//     in order     several at a time            in order
+//     grow ─────────────▶ cut out, mesh, sample, write ──▶ keep, note
+//     in order, some        several at a time              in order
+//     together
 //
 // How many fractures are on their way at a time is bounded, and so is memory.
 #include "dataset/object_run.h"
@@ -16,17 +17,16 @@
 #include <array>
 #include <chrono>
 #include <cstdio>
+#include <map>
 #include <optional>
-#include <set>
 #include <type_traits>
 #include <utility>
 
-#include "dataset/distinct.h"
 #include "dataset/fracture_line.h"
+#include "dataset/growth_ahead.h"
 #include "dataset/layout.h"
 #include "dataset/pictures.h"
 #include "dataset/store.h"
-#include "fracture_stages.h"
 #include "io/fracture_files.h"
 #include "io/little_endian.h"
 #include "io/npz.h"
@@ -42,20 +42,10 @@ double secondsSince(Clock::time_point begin) {
 
 /// A fracture on its way.
 struct Work {
-  PlannedFracture planned;
-  std::size_t number = 0;
-  int attempt = 0;
-  FractureOptions options;
-  DrawnOptions drawn;
-  GrownFracture grown;
+  std::unique_ptr<PlannedGrowth> growth;
   std::unique_ptr<StagedFiles> files;
   Json line;
   std::size_t fragments = 0;
-};
-
-struct Input {
-  SourceMesh source;
-  std::optional<Solid> solid;  // of a volume
 };
 
 class ObjectRun {
@@ -77,13 +67,13 @@ class ObjectRun {
 
  private:
   void breakObject() {
-    Input input = timed("read", [&] { return read(); });
-    if (!journal_.text().sha256.empty() && journal_.text().sha256 != input.source.sha256)
+    const SourceMesh source = timed("read", [&] { return read(); });
+    if (!journal_.text().sha256.empty() && journal_.text().sha256 != source.sha256)
       journal_.clear();
     store_.emplace(run_.out, objectFolder(options_.layout, object_), options_.layout,
                    options_.compression, journal_.files(), journal_.archiveBytes());
-    if (journal_.text().sha256.empty()) journal_.begin(input.source.sha256);
-    breakAll(input);
+    if (journal_.text().sha256.empty()) journal_.begin(source.sha256);
+    breakAll(source);
     journal_.finish(store_->finish());
   }
 
@@ -95,16 +85,15 @@ class ObjectRun {
     return result;
   }
 
-  Input read() {
-    if (!isVolumeName(object_.file)) return {readMesh(object_.file, &progress_), {}};
+  SourceMesh read() {
+    if (!isVolumeName(object_.file)) return readMesh(object_.file, &progress_);
     VolumeOptions options;
     options.maxMemory = options_.maxMemory;
     options.ownVoxels = false;  // objects of one library are broken at one resolution
-    return {std::move(readVolume(object_.file, options).source), {}};
+    return std::move(readVolume(object_.file, options).source);
   }
 
-  void breakAll(const Input& input) {
-    const SourceMesh& source = input.source;
+  void breakAll(const SourceMesh& source) {
     for (const std::string& warning : source.warnings) run_.warning(warning);
     FractureOptions base = options_.fracture;
     base.pieces = options_.schedule.most;
@@ -122,7 +111,9 @@ class ObjectRun {
     source_ = &source;
     ready_ = &ready;
     writer_ = &writer;
-    for (const Json& line : journal_.text().fractures) done_.insert(line.at("fracture"));
+    for (const Json& line : journal_.text().fractures) {
+      done_[line.at("fracture")] = line.value("attempt", 0);
+    }
     if (!done_.contains(kWholeName)) breakNot();
     breakPlanned();
     run_.device.freeBuffers();
@@ -172,17 +163,11 @@ class ObjectRun {
   }
 
   void breakPlanned() {
-    const std::vector<PlannedFracture> planned = fracturesOf(options_.schedule);
-    std::size_t next = 0;
+    GrowthAhead growths(*ready_, journal_.text().sha256, done_, run_, progress_);
     const auto give = [&](tbb::flow_control& control) -> std::shared_ptr<Work> {
-      for (; next < planned.size(); ++next) {
-        const bool isDone = done_.contains(planned[next].name());
-        if (isDone && options_.distinct <= 0.0) continue;
-        auto work = grown(planned[next], next, isDone);
-        if (isDone) continue;
-        ++next;
-        return work;
-      }
+      auto work = std::make_shared<Work>();
+      work->growth = growths.next();
+      if (work->growth) return work;
       control.stop();
       return nullptr;
     };
@@ -209,67 +194,28 @@ class ObjectRun {
     return std::clamp<std::size_t>(fit, 1, threads + 1);
   }
 
-  // Seeded and grown; again where it is too much like an earlier one.
-  std::shared_ptr<Work> grown(const PlannedFracture& planned, std::size_t number, bool isDone) {
-    const Clock::time_point begin = Clock::now();
-    int attempt = isDone ? attemptOf(planned) : 0;
-    for (;; ++attempt) {
-      auto work = std::make_shared<Work>();
-      work->planned = planned;
-      work->number = number;
-      work->attempt = attempt;
-      work->options = options_.fracture;
-      const std::uint64_t seed =
-          fractureSeed(options_.seed, journal_.text().sha256, planned, attempt);
-      if (options_.draw) work->drawn = options_.draw(seed, work->options);
-      work->options.pieces = planned.pieces;
-      work->options.seed = seed;
-      work->options.grow.rehearse = !std::exchange(rehearsed_, true);
-      work->options.surface.levelSets = options_.write.vdb || options_.write.vdbOptions.fog;
-      work->grown = grow(*ready_, work->options, run_.device, StageClock(), &progress_);
-      if (options_.distinct > 0.0) {
-        const bool isNew = distinct_.add(ready_->solid.blocks, work->grown.result.labels,
-                                         work->grown.fragments, options_.distinct, isDone);
-        if (!isNew && attempt + 1 < options_.tries) continue;
-        if (!isNew) {
-          throw Error(ErrorCode::input, "no fracture into " + std::to_string(planned.pieces) +
-                                            " pieces differs enough from the others in " +
-                                            std::to_string(options_.tries) +
-                                            " tries; lower --distinct");
-        }
-      }
-      run_.times.add("grow", secondsSince(begin));
-      return work;
-    }
-  }
-
-  int attemptOf(const PlannedFracture& planned) const {
-    for (const Json& line : journal_.text().fractures) {
-      if (line.at("fracture") == planned.name()) return line.value("attempt", 0);
-    }
-    return 0;
-  }
-
   void finishFragments(Work& work) {
     Clock::time_point begin = Clock::now();
-    FractureResult result = extracted(std::move(work.grown), work.options, &progress_);
+    const std::unique_ptr<PlannedGrowth> growth = std::move(work.growth);
+    const FractureOptions& options = growth->options;
+    const PlannedFracture& planned = growth->planned;
+    FractureResult result = extracted(std::move(growth->grown), options, &progress_);
     run_.times.add("extract", secondsSince(begin));
-    picture(work.planned.name(), result);
+    picture(planned.name(), result);
     begin = Clock::now();
-    const NamedFiles names = fractureNames(options_.layout, named(work.options), work.planned,
-                                           work.number, result.kept());
+    const NamedFiles names =
+        fractureNames(options_.layout, named(options), planned, growth->number, result.kept());
     work.files = store_->stage(names.prefix);
-    FractureLine line(work.planned.name(), work.planned, work.options.seed, work.attempt,
-                      work.drawn);
+    FractureLine line(planned.name(), planned, options.seed, growth->attempt, growth->drawn);
     line.addFragments(result, names.files, *work.files, options_.poses);
     if (options_.layout == DatasetLayout::bb) intoUnitBox(result);
-    writer_->write(*work.files, names.files, work.options, result, &progress_);
+    writer_->write(*work.files, names.files, options, result, &progress_);
     if (options_.layout == DatasetLayout::bb && options_.write.mesh) {
-      writeFacing(result, "facing/fractured_" + std::to_string(work.number), *work.files);
+      writeFacing(result, "facing/fractured_" + std::to_string(growth->number), *work.files);
     }
     if (!names.manifest.empty()) {
       OutputFile(*work.files, names.manifest)
-          .write(manifestText(*source_, work.options, result, names.files, options_.write));
+          .write(manifestText(*source_, options, result, names.files, options_.write));
     }
     work.fragments = result.kept();
     work.line = line.json();
@@ -329,10 +275,8 @@ class ObjectRun {
   const SourceMesh* source_ = nullptr;
   const PreparedSolid* ready_ = nullptr;
   const FractureWriter* writer_ = nullptr;
-  std::set<std::string> done_;
-  Distinct distinct_;
+  std::map<std::string, int> done_;  // tries of what is there, by name
   std::uint64_t memory_ = 0;
-  bool rehearsed_ = false;
 };
 
 }  // namespace

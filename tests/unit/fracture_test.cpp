@@ -9,6 +9,7 @@
 #include <map>
 #include <set>
 
+#include "fracture_stages.h"
 #include "kernels/device_fixture.h"
 #include "kernels/voxel_shapes.h"
 #include "shapes.h"
@@ -334,6 +335,59 @@ TEST(PreparedSolid, GivesTheSameFracturesAndNeedsNoNewBuffersAfterTheFirst) {
   EXPECT_GT(device.memory().bytes, 0u);
   device.freeBuffers();
   EXPECT_EQ(device.memory().bytes, 0u);
+}
+
+TEST(FractureWithoutLevelSets, HasTheSameMeshes) {
+  Device device;
+  const Solid solid = voxelize(shapes::torus(10.0, 4.0), {.resolution = 64});
+  for (const int iterations : {0, 3}) {
+    FractureOptions options;
+    options.pieces = 9;
+    options.extraSeedsPerPiece = 2;
+    options.erode.iterations = iterations;
+    const FractureResult with = fracture(solid, options, device);
+    options.surface.levelSets = false;
+    const FractureResult without = fracture(solid, options, device);
+    ASSERT_EQ(with.fragments.size(), without.fragments.size());
+    for (std::size_t i = 0; i < with.fragments.size(); ++i) {
+      EXPECT_NE(with.fragments[i].surface, nullptr);
+      EXPECT_EQ(without.fragments[i].surface, nullptr);
+      EXPECT_EQ(with.fragments[i].mesh.vertices, without.fragments[i].mesh.vertices);
+      EXPECT_EQ(with.fragments[i].mesh.triangles, without.fragments[i].mesh.triangles);
+      EXPECT_EQ(with.fragments[i].facing, without.fragments[i].facing);
+    }
+  }
+}
+
+TEST(PreparedSolid, GrowsSeveralTogetherAsEachAlone) {
+  Device device, other;
+  const PreparedSolid ready =
+      prepared(voxelize(shapes::torus(10.0, 4.0), {.resolution = 48}), device);
+  for (const bool worn : {false, true}) {
+    std::vector<FractureOptions> options(3);
+    for (std::size_t i = 0; i < options.size(); ++i) {
+      options[i].pieces = 3 + 2 * static_cast<int>(i);
+      options[i].seed = 7 * i;
+      options[i].extraSeedsPerPiece = 2;
+      options[i].grow.roughness = 1.0;
+      options[i].grow.rehearse = true;
+      options[i].dropShare = 0.02;
+      options[i].erode.iterations = worn ? 2 : 0;
+    }
+    const std::vector<GrownFracture> together = growTogether(ready, options, device, nullptr);
+    const std::size_t buffers = device.memory().buffersCreated;
+    EXPECT_EQ(growTogether(ready, options, device, nullptr).size(), options.size());
+    EXPECT_EQ(growTogether(ready, std::span(options).first(2), device, nullptr).size(), 2u);
+    EXPECT_EQ(device.memory().buffersCreated, buffers);
+    ASSERT_EQ(together.size(), options.size());
+    for (std::size_t i = 0; i < options.size(); ++i) {
+      const GrownFracture alone = grow(ready, options[i], other, StageClock(), nullptr);
+      EXPECT_EQ(together[i].result.labels.fragment, alone.result.labels.fragment) << i;
+      EXPECT_EQ(together[i].result.worn, alone.result.worn) << i;
+      EXPECT_EQ(together[i].fragments, alone.fragments) << i;
+      EXPECT_EQ(together[i].result.withheld, alone.result.withheld) << i;
+    }
+  }
 }
 
 }  // namespace

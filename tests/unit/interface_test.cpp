@@ -71,7 +71,8 @@ Labelled labelled(int side, int fragments, const LabelOf& labelOf) {
 }
 
 std::vector<LabelledMesh> meshesOf(const Labelled& made, int fragments) {
-  return interfaceMeshes(made.solid, made.labels, made.cut, fragments);
+  return interfaceMeshes(made.solid, made.labels, made.cut, leavesRound(made.solid.blocks.origins),
+                         fragments);
 }
 
 struct Vertices {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <glm/geometric.hpp>
 #include <vector>
 
@@ -69,6 +70,34 @@ TEST(SiteCut, GoesByTheNearestPlaneAndNotByTheNearestSite) {
     }
   }
   EXPECT_GT(notByTheNextSite, 50u);
+}
+
+TEST(SiteCut, HoldsWhereNoVoxelUpToTwoAwayIsAnothers) {
+  Seed a, b;
+  a.voxel = openvdb::Coord(-20, 3, 4);
+  a.fragment = 1;
+  b.voxel = openvdb::Coord(60, 3, 4);
+  b.fragment = 2;
+  VoronoiSites voronoi;
+  voronoi.seeds = {a, b};
+  const Sites sites(voronoi);
+  const std::vector<std::uint16_t> fragments{1, 2};
+  VoxelBits all;
+  all.fill(0xff);
+  for (const openvdb::Coord& other : {openvdb::Coord(4, 4, 4), openvdb::Coord(0, 7, 1),
+                                      openvdb::Coord(-2, 9, 3), openvdb::Coord(9, -1, -2)}) {
+    CutHalo halo;
+    halo.fill(1);  // the whole halo is nearest to the first
+    const openvdb::Coord from = other + openvdb::Coord(kCutHalo);
+    halo[static_cast<std::size_t>((from.x() * kCutSide + from.y()) * kCutSide + from.z())] = 2;
+    const SiteCut cut = siteCut(halo, {0, 0, 0}, fragments, sites, all);
+    for (std::uint32_t v = 0; v < 512; ++v) {
+      const openvdb::Coord d = coordFromOffset(v) - other;
+      const int away = std::max({std::abs(d.x()), std::abs(d.y()), std::abs(d.z())});
+      const bool holds = (cut.holds[v >> 3] >> (v & 7)) & 1;
+      EXPECT_EQ(holds, away > 2) << other << ' ' << coordFromOffset(v);
+    }
+  }
 }
 
 }  // namespace

@@ -1,0 +1,98 @@
+// Growing ahead.
+#include "dataset/growth_ahead.h"
+
+#include <sherd/error.h>
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+namespace sherd {
+
+GrowthAhead::GrowthAhead(const PreparedSolid& ready, std::string sha256,
+                         std::map<std::string, int> done, const DatasetRun& run,
+                         const Progress& progress)
+    : ready_(ready),
+      run_(run),
+      options_(run.options),
+      sha256_(std::move(sha256)),
+      done_(std::move(done)),
+      progress_(progress),
+      planned_(fracturesOf(run.options.schedule)) {}
+
+std::unique_ptr<PlannedGrowth> GrowthAhead::next() {
+  if (ahead_.empty()) {
+    const auto begin = std::chrono::steady_clock::now();
+    options_.distinct > 0.0 ? growApart() : growSome();
+    run_.times.add("grow",
+                   std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+  }
+  if (ahead_.empty()) return nullptr;
+  auto first = std::move(ahead_.front());
+  ahead_.pop_front();
+  return first;
+}
+
+// How many grow at a time: they share the launches of kernels, and what the device is given.  On a
+// CPU little is gained by it, and a part that has to be grown again keeps the others waiting.
+std::size_t GrowthAhead::together() const {
+  if (options_.draw) return 1;  // each may grow in its own way
+  const std::size_t most = run_.device.info().gpu ? 16 : 2;
+  const std::size_t mostLeaves = std::size_t{1} << (run_.device.info().gpu ? 17 : 14);
+  const std::size_t leaves = std::max<std::size_t>(ready_.solid.blocks.count(), 1);
+  return std::clamp<std::size_t>(mostLeaves / leaves, 1, most);
+}
+
+// Those that follow.
+void GrowthAhead::growSome() {
+  std::vector<FractureOptions> options;
+  for (; next_ < planned_.size() && ahead_.size() < together(); ++next_) {
+    if (done_.contains(planned_[next_].name())) continue;
+    ahead_.push_back(planOf(next_, 0));
+    options.push_back(ahead_.back()->options);
+  }
+  if (ahead_.empty()) return;
+  std::vector<GrownFracture> grown = growTogether(ready_, options, run_.device, &progress_);
+  for (std::size_t i = 0; i < grown.size(); ++i) ahead_[i]->grown = std::move(grown[i]);
+}
+
+// One that differs from all before.
+void GrowthAhead::growApart() {
+  for (; next_ < planned_.size() && ahead_.empty(); ++next_) {
+    const auto done = done_.find(planned_[next_].name());
+    const bool isDone = done != done_.end();
+    for (int attempt = isDone ? done->second : 0;; ++attempt) {
+      auto plan = planOf(next_, attempt);
+      plan->grown = grow(ready_, plan->options, run_.device, StageClock(), &progress_);
+      const bool isNew = distinct_.add(ready_.solid.blocks, plan->grown.result.labels,
+                                       plan->grown.fragments, options_.distinct, isDone);
+      if (isNew) {
+        if (!isDone) ahead_.push_back(std::move(plan));
+        break;
+      }
+      if (attempt + 1 >= options_.tries) {
+        throw Error(ErrorCode::input, "no fracture into " + std::to_string(plan->planned.pieces) +
+                                          " pieces differs enough from the others in " +
+                                          std::to_string(options_.tries) +
+                                          " tries; lower --distinct");
+      }
+    }
+  }
+}
+
+std::unique_ptr<PlannedGrowth> GrowthAhead::planOf(std::size_t number, int attempt) {
+  auto plan = std::make_unique<PlannedGrowth>();
+  plan->planned = planned_[number];
+  plan->number = number;
+  plan->attempt = attempt;
+  plan->options = options_.fracture;
+  const std::uint64_t seed = fractureSeed(options_.seed, sha256_, plan->planned, attempt);
+  if (options_.draw) plan->drawn = options_.draw(seed, plan->options);
+  plan->options.pieces = plan->planned.pieces;
+  plan->options.seed = seed;
+  plan->options.grow.rehearse = !std::exchange(rehearsed_, true);
+  plan->options.surface.levelSets = options_.write.vdb || options_.write.vdbOptions.fog;
+  return plan;
+}
+
+}  // namespace sherd
