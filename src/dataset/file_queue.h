@@ -31,7 +31,7 @@ class FileBytes {
 /// Files on their way to the disk, at most so many bytes of them.
 class FileQueue {
  public:
-  explicit FileQueue(std::size_t mostBytes = std::size_t{128} << 20, int threads = 2);
+  explicit FileQueue(std::size_t mostBytes = std::size_t{384} << 20, int threads = 2);
   /// Waits until all are written.
   ~FileQueue();
   FileQueue(const FileQueue&) = delete;

@@ -58,19 +58,34 @@ namespace {
 // Three numbers and a 0, in one register where the processor has such.
 using Lanes = double __attribute__((vector_size(32)));
 
-Lanes lanes(const glm::dvec3& v) { return Lanes{v.x, v.y, v.z, 0.0}; }
+// Always inlined: with other instructions a function would be handed such values in another way.
+#define SHERD_INLINE [[gnu::always_inline]] inline
 
-Lanes yzx(const Lanes& v) { return __builtin_shufflevector(v, v, 1, 2, 0, 3); }
+SHERD_INLINE Lanes lanes(const glm::dvec3& v) { return Lanes{v.x, v.y, v.z, 0.0}; }
 
-Lanes zxy(const Lanes& v) { return __builtin_shufflevector(v, v, 2, 0, 1, 3); }
+SHERD_INLINE Lanes yzx(const Lanes& v) { return __builtin_shufflevector(v, v, 1, 2, 0, 3); }
 
-Lanes cross(const Lanes& a, const Lanes& b) { return yzx(a) * zxy(b) - yzx(b) * zxy(a); }
+SHERD_INLINE Lanes zxy(const Lanes& v) { return __builtin_shufflevector(v, v, 2, 0, 1, 3); }
+
+SHERD_INLINE Lanes cross(const Lanes& a, const Lanes& b) {
+  return yzx(a) * zxy(b) - yzx(b) * zxy(a);
+}
+
+#undef SHERD_INLINE
+
+// The same operations in the same order whatever the processor has: the same bits.  Clang refuses
+// such values between functions for different processors even where they are inlined.
+#if defined(__x86_64__) && !defined(__clang__)
+#define SHERD_WIDE __attribute__((target_clones("avx2", "default")))
+#else
+#define SHERD_WIDE
+#endif
 
 glm::dvec3 vector(const Lanes& v) { return {v[0], v[1], v[2]}; }
 
 }  // namespace
 
-__attribute__((target_clones("avx2", "default"))) MassProperties massProperties(const TriangleMesh& mesh) {
+SHERD_WIDE MassProperties massProperties(const TriangleMesh& mesh) {
   // Eberly's integrals over the solid of 1, (x, y, z), (x^2, y^2, z^2) and (xy, yz, zx), each
   // turned into a sum over the triangles by the divergence theorem; a component-wise form of the
   // paper's Subexpressions().
