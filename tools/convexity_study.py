@@ -158,7 +158,7 @@ def plot(options, values):
         errors = [standard_error(cell[k].ravel()) for cell in values]
         at = np.array(options.pieces) + 0.06 * (k - (count - 1) / 2)  # side by side, so that bars stay apart
         label = "no extra seeds" if name == "0" else f"{name.replace('1n', 'n')} extra seeds"
-        axes.errorbar(at, means, yerr=errors, label=label, color=colour, marker=marker, markersize=4.5, linewidth=1.3,
+        axes.errorbar(at, means, yerr=np.nan_to_num(errors), label=label, color=colour, marker=marker, markersize=4.5, linewidth=1.3,
                       capsize=2.5)
     axes.set_xticks(list(options.pieces))
     axes.set_xlabel("pieces n")
