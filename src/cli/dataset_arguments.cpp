@@ -93,7 +93,8 @@ std::vector<std::string> expandedArguments(const std::vector<std::string>& argum
       expanded.push_back(value.empty() ? name : name + "=" + value);
     }
   }
-  expanded.push_back("--plan=" + planOf(options));
+  const std::string plan = planOf(options);
+  if (!plan.empty()) expanded.push_back("--plan=" + plan);
   return expanded;
 }
 

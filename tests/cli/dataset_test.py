@@ -228,6 +228,8 @@ class Run(Dataset):
         os.makedirs(self.path("full"))
         self.path("full/file", b"")
         self.refused(5, self.dataset(out=self.path("full")), "not empty")
+        # With no option at all.
+        self.refused(5, self.run_sherd("dataset", self.library, "-o", self.path("full/file")), "not a directory")
 
 
 class Layouts(Dataset):
