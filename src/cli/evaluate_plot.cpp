@@ -1,35 +1,24 @@
 // An evaluation as a picture: shares, convexity and angles.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <functional>
 #include <numeric>
 
+#include "chart/axis.h"
+#include "chart/svg.h"
 #include "cli/evaluate_report.h"
-#include "io/svg.h"
+#include "formatted.h"
 
 namespace sherd::cli {
 namespace {
 
-// Colours of Okabe and Ito, which the colour-blind tell apart.
-constexpr const char* kBlue = "#0072b2";
-constexpr const char* kOrange = "#d55e00";
-constexpr const char* kGreen = "#009e73";
-constexpr const char* kInk = "#222222";
-constexpr const char* kGrey = "#777777";
-constexpr const char* kRule = "#dddddd";
+using chart::kBlue, chart::kGreen, chart::kGrey, chart::kInk, chart::kOrange, chart::kRule;
+using chart::niceStep, chart::Svg;
 
 constexpr double kWidth = 960, kHeight = 360;
 constexpr double kTop = 104, kBottom = 300;  // of every panel
 constexpr std::size_t kMostLabels = 30;      // more fragments than these have no number each
-
-template <class... Values>
-std::string format(const char* pattern, Values... values) {
-  char text[256];
-  std::snprintf(text, sizeof text, pattern, values...);
-  return text;
-}
 
 /// A panel, and the numbers along its upright axis.
 struct Panel {
@@ -41,13 +30,6 @@ struct Panel {
     return kBottom - share * (kBottom - kTop);
   }
 };
-
-/// 1, 2 or 5 times a power of ten: four to eight of them in `range`.
-double niceStep(double range) {
-  const double rough = range / 5.0, power = std::pow(10.0, std::floor(std::log10(rough)));
-  const double lead = rough / power;
-  return power * (lead < 1.5 ? 1.0 : lead < 3.5 ? 2.0 : lead < 7.5 ? 5.0 : 10.0);
-}
 
 void drawFrame(Svg& svg, const Panel& panel, const std::string& title, const std::string& below,
                const std::function<std::string(double)>& label) {
@@ -83,7 +65,7 @@ void drawNumbers(Svg& svg, const Panel& panel, const Evaluation& figures,
   }
 }
 
-std::string percent(double share) { return format("%g %%", std::round(1e4 * share) / 100); }
+std::string percent(double share) { return formatted("%g %%", std::round(1e4 * share) / 100); }
 
 void drawShares(Svg& svg, const Evaluation& figures, const std::vector<std::size_t>& order) {
   const Panel panel{60, 320, 0.0, std::max(1.05 * figures.largestShare, 1e-6)};
@@ -103,7 +85,7 @@ void drawConvexity(Svg& svg, const Evaluation& figures, const std::vector<std::s
   }
   const Panel panel{390, 650, std::floor(least * 10.0 - 0.5) / 10.0, 1.0};
   drawFrame(svg, panel, "Convexity", "fragments, in the same order",
-            [](double value) { return format("%.2g", std::round(value * 1e6) / 1e6); });
+            [](double value) { return formatted("%.2g", std::round(value * 1e6) / 1e6); });
   if (!figures.convexity) {
     svg.text((panel.left + panel.right) / 2, (kTop + kBottom) / 2, "no closed mesh", 12, kGrey,
              Svg::Anchor::middle);
@@ -151,16 +133,16 @@ std::string headline(const EvaluateReport& report) {
 
 std::string subtitle(const EvaluateReport& report) {
   const Evaluation& figures = report.figures;
-  std::string text = format("%zu fragments, as even as %.2f equal ones", figures.fragments.size(),
-                            figures.effectiveFragments);
-  if (figures.convexity) text += format(", convexity %.3f", *figures.convexity);
-  if (figures.quality.triangles > 0) text += format(", %zu sound meshes", figures.sound);
+  std::string text = formatted("%zu fragments, as even as %.2f equal ones",
+                               figures.fragments.size(), figures.effectiveFragments);
+  if (figures.convexity) text += formatted(", convexity %.3f", *figures.convexity);
+  if (figures.quality.triangles > 0) text += formatted(", %zu sound meshes", figures.sound);
   const std::optional<DistanceSummary>& error = figures.fit.surfaceError;
   if (error && report.set.voxelSize > 0.0) {
-    text += format(", surface error %.3f voxels", error->mean / report.set.voxelSize);
+    text += formatted(", surface error %.3f voxels", error->mean / report.set.voxelSize);
   } else if (error) {
-    text += format(", surface error %.2g %% of the diagonal",
-                   100.0 * ratio(error->mean, figures.fit.diagonal));
+    text += formatted(", surface error %.2g %% of the diagonal",
+                      100.0 * ratio(error->mean, figures.fit.diagonal));
   }
   return text;
 }

@@ -1,18 +1,11 @@
 // An evaluation as text for people.
 #include <algorithm>
-#include <cstdio>
 
 #include "cli/evaluate_report.h"
+#include "formatted.h"
 
 namespace sherd::cli {
 namespace {
-
-template <class... Values>
-std::string format(const char* pattern, Values... values) {
-  char text[512];
-  std::snprintf(text, sizeof text, pattern, values...);
-  return text;
-}
 
 std::string title(const EvaluateReport& report) {
   const std::size_t count = report.figures.fragments.size();
@@ -23,15 +16,15 @@ std::string title(const EvaluateReport& report) {
 }
 
 std::string fragmentLine(const FragmentFigures& f) {
-  std::string line = format("%5d %6.2f %% %13.6g %12.2f %% %9zu", f.id, 100.0 * f.share, f.volume,
-                            100.0 * ratio(f.fractureArea, f.area), f.contacts);
+  std::string line = formatted("%5d %6.2f %% %13.6g %12.2f %% %9zu", f.id, 100.0 * f.share,
+                               f.volume, 100.0 * ratio(f.fractureArea, f.area), f.contacts);
   if (f.quality) {
-    line += format(" %10zu %7zu %6.1f", f.quality->triangles, faults(*f.quality),
-                   f.quality->smallestAngle);
+    line += formatted(" %10zu %7zu %6.1f", f.quality->triangles, faults(*f.quality),
+                      f.quality->smallestAngle);
   } else {
     line += "          -       -      -";
   }
-  return line + (f.convexity ? format(" %10.4f\n", f.convexity->value) : "          -\n");
+  return line + (f.convexity ? formatted(" %10.4f\n", f.convexity->value) : "          -\n");
 }
 
 std::string convexityLine(const Evaluation& figures) {
@@ -42,17 +35,17 @@ std::string convexityLine(const Evaluation& figures) {
                  "them)\n";
   }
   if (!figures.convexityStandardError) {
-    return format("convexity              %.4f\n", *figures.convexity);
+    return formatted("convexity              %.4f\n", *figures.convexity);
   }
-  return format("convexity              %.4f +- %.4f (mean and its standard error)\n",
-                *figures.convexity, *figures.convexityStandardError);
+  return formatted("convexity              %.4f +- %.4f (mean and its standard error)\n",
+                   *figures.convexity, *figures.convexityStandardError);
 }
 
 std::string qualityLines(const Evaluation& figures) {
   const MeshQuality& q = figures.quality;
   const auto meshes = std::count_if(figures.fragments.begin(), figures.fragments.end(),
                                     [](const FragmentFigures& f) { return f.quality.has_value(); });
-  std::string text = format("sound meshes           %zu of %td", figures.sound, meshes);
+  std::string text = formatted("sound meshes           %zu of %td", figures.sound, meshes);
   const std::pair<std::size_t, const char*> kinds[] = {
       {q.boundaryEdges, "boundary edges"},
       {q.nonManifoldEdges, "non-manifold edges"},
@@ -61,9 +54,9 @@ std::string qualityLines(const Evaluation& figures) {
       {q.degenerateTriangles, "triangles without area"},
       {q.duplicateTriangles, "duplicate triangles"}};
   for (const auto& [count, name] : kinds) {
-    if (count > 0) text += format("; %zu %s", count, name);
+    if (count > 0) text += formatted("; %zu %s", count, name);
   }
-  return text + format(
+  return text + formatted(
                     "\nsmallest angles        mean %.1f, least %.2g degrees; %.2f %% of %zu "
                     "triangles under 10\n",
                     q.meanSmallestAngle, q.smallestAngle, 100.0 * q.sliverShare, q.triangles);
@@ -75,8 +68,8 @@ std::string distanceLine(const char* name, const std::optional<DistanceSummary>&
   if (!d) return {};
   const double voxel = report.set.voxelSize, diagonal = report.figures.fit.diagonal;
   const double unit = voxel > 0.0 ? voxel : diagonal / 100.0;
-  return format("%-22s mean %.4f, 99 %% within %.4f, at most %.4f %s\n", name, d->mean / unit,
-                d->p99 / unit, d->max / unit, voxel > 0.0 ? "voxels" : "% of the diagonal");
+  return formatted("%-22s mean %.4f, 99 %% within %.4f, at most %.4f %s\n", name, d->mean / unit,
+                   d->p99 / unit, d->max / unit, voxel > 0.0 ? "voxels" : "% of the diagonal");
 }
 
 std::string fitLines(const EvaluateReport& report) {
@@ -86,15 +79,15 @@ std::string fitLines(const EvaluateReport& report) {
                      distanceLine("missing surface", fit.missing, report) +
                      distanceLine("gap", fit.gap, report);
   if (fit.overlapShare) {
-    text += format("overlap                %.4f %% of the volume, %.4g deep\n",
-                   100.0 * *fit.overlapShare, fit.overlapDepth);
+    text += formatted("overlap                %.4f %% of the volume, %.4g deep\n",
+                      100.0 * *fit.overlapShare, fit.overlapDepth);
   }
   if (fit.voidShare) {
-    text +=
-        format("void                   %.4f %% of the unbroken volume\n", 100.0 * *fit.voidShare);
+    text += formatted("void                   %.4f %% of the unbroken volume\n",
+                      100.0 * *fit.voidShare);
   }
   if (const std::optional<double> error = volumeError(figures)) {
-    text += format("volume error           %+.4f %%\n", 100.0 * *error);
+    text += formatted("volume error           %+.4f %%\n", 100.0 * *error);
   }
   return text;
 }
@@ -110,11 +103,12 @@ std::string cgalLine(const EvaluateReport& report) {
     sum += v.convexity->value;
     ++count;
   }
-  std::string text = format(
+  std::string text = formatted(
       "CGAL                   %zu of %zu bound a volume, %zu intersect "
       "themselves",
       bounding, report.cgal.size(), crossing);
-  if (count > 0) text += format("; convexity %.4f of %zu", sum / static_cast<double>(count), count);
+  if (count > 0)
+    text += formatted("; convexity %.4f of %zu", sum / static_cast<double>(count), count);
   return text + "\n";
 }
 
@@ -127,14 +121,14 @@ std::string reportTable(const EvaluateReport& report) {
       "   id    share        volume  fracture area  contacts  triangles  faults  angle  "
       "convexity\n";
   for (const FragmentFigures& f : figures.fragments) text += fragmentLine(f);
-  text += format("\neffective fragments    %.2f of %zu\n", figures.effectiveFragments,
-                 figures.fragments.size());
-  text += format("shares                 %.2f %% to %.2f %%\n", 100.0 * figures.smallestShare,
-                 100.0 * figures.largestShare);
-  text += format("volume                 %.6g\n", figures.volume);
-  text += format("fracture area          %.2f %% of all surface\n",
-                 100.0 * ratio(figures.fractureArea, figures.area));
-  text += format("contacts per fragment  %.2f\n", contactsPerFragment(figures));
+  text += formatted("\neffective fragments    %.2f of %zu\n", figures.effectiveFragments,
+                    figures.fragments.size());
+  text += formatted("shares                 %.2f %% to %.2f %%\n", 100.0 * figures.smallestShare,
+                    100.0 * figures.largestShare);
+  text += formatted("volume                 %.6g\n", figures.volume);
+  text += formatted("fracture area          %.2f %% of all surface\n",
+                    100.0 * ratio(figures.fractureArea, figures.area));
+  text += formatted("contacts per fragment  %.2f\n", contactsPerFragment(figures));
   text += convexityLine(figures);
   if (figures.quality.triangles > 0) text += qualityLines(figures) + fitLines(report);
   text += cgalLine(report);

@@ -1,4 +1,4 @@
-// The figures of a dataset: what its journals and records of runs tell together.
+// The figures of a dataset: what its journals tell together.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "dataset/index.h"
+#include "dataset/journal.h"
 
 namespace sherd {
 
@@ -27,27 +27,22 @@ struct FileFigures {
   }
 };
 
-/// One run, as run_record.h has it.
-struct RunFigures {
-  std::string name;  ///< "run", "shard 2 of 4"
-  double seconds = 0.0;
-  std::string device;
-  std::map<std::string, double> stages;                 ///< seconds
-  std::vector<double> at, cores, memory, deviceMemory;  ///< by sample; bytes
+/// A picture for the report.
+struct Pictured {
+  std::string caption;
+  std::filesystem::path file;
 };
 
 struct DatasetFigures {
   std::map<int, PieceFigures> byPieces;
-  FileFigures voxels, meshes, points;  ///< the files of Table 3
-  std::map<std::string, FileFigures> byFormat;
+  FileFigures voxels, meshes, points;           ///< the files of Table 3
+  std::map<std::string, FileFigures> byFormat;  ///< "ply", "rle.zip"
   std::size_t objects = 0, fractures = 0, fragments = 0;
   std::vector<std::pair<std::string, std::string>> failures;  ///< object, reason
-  std::vector<RunFigures> runs;
+  std::vector<Pictured> pictures;
 
-  [[nodiscard]] double seconds() const;  ///< of all runs
+  /// Add a fracture, or the unbroken object, by its line in the journal.
+  void add(const Json& line);
 };
-
-///   throws  Error(input) a journal is damaged
-[[nodiscard]] DatasetFigures figuresOf(const std::filesystem::path& out, const DatasetPlan& plan);
 
 }  // namespace sherd

@@ -9,6 +9,7 @@
 #include "dataset/bb_lists.h"
 #include "dataset/fracture_line.h"
 #include "dataset/journal.h"
+#include "dataset/pictures.h"
 #include "io/atomic_file.h"
 #include "io/input_error.h"
 #include "io/sha256.h"
@@ -128,18 +129,6 @@ std::string failureLine(const std::string& key, const std::string& reason) {
 
 }  // namespace
 
-std::string formatOf(const std::string& name) {
-  fs::path path(name);
-  std::string packing = path.extension().string();
-  if (packing == ".zip" || packing == ".zst") {
-    path.replace_extension();
-  } else {
-    packing.clear();
-  }
-  const std::string format = path.extension().string() + packing;
-  return format.empty() ? format : format.substr(1);
-}
-
 bool hasPlan(const fs::path& out) { return fs::exists(out / kPlanName); }
 
 void writePlan(const fs::path& out, const DatasetPlan& plan) {
@@ -189,48 +178,63 @@ std::string splitOf(const std::string& key, const std::array<int, 3>& shares) {
   return place < shares[0] + shares[1] ? "val" : "test";
 }
 
-DatasetSummary writeIndex(const fs::path& out, const DatasetPlan& plan) {
+namespace {
+
+DatasetSummary summaryOf(const DatasetFigures& figures, bool complete) {
   DatasetSummary summary;
+  summary.objects = figures.objects;
+  summary.failures = figures.failures.size();
+  summary.fractures = figures.fractures;
+  summary.fragments = figures.fragments;
+  for (const auto& [format, files] : figures.byFormat) {
+    summary.bytes += files.bytes;
+    summary.bytesByFormat[format] = files.bytes;
+  }
+  summary.complete = complete;
+  return summary;
+}
+
+}  // namespace
+
+DatasetIndex writeIndex(const fs::path& out, const DatasetPlan& plan) {
+  DatasetFigures figures;
+  bool complete = true;
   Lines csv(out / "index.csv"), jsonl(out / "index.jsonl"), failures(out / "failures.jsonl");
   std::string head;
   for (const char* column : kColumns) head += (head.empty() ? "" : ",") + std::string(column);
   csv.add(head);
   std::map<std::string, std::string> lists;  // of keys, by split
   std::vector<BbObject> bb;
-  for (const LibraryObject& object : plan.objects) {
-    if (!fs::exists(journalOf(out, object))) {
-      summary.complete = false;
-      continue;
-    }
+  for (std::size_t i = 0; i < plan.objects.size(); ++i) {
+    const LibraryObject& object = plan.objects[i];
     const JournalText journal = readJournal(journalOf(out, object));
     if (journal.failed) {
       failures.add(failureLine(object.key, *journal.failed));
-      ++summary.failures;
+      figures.failures.emplace_back(object.key, *journal.failed);
       continue;
     }
     if (!journal.done) {
-      summary.complete = false;
+      complete = false;
       continue;
     }
-    ++summary.objects;
+    ++figures.objects;
     const std::string split = splitOf(object.key, plan.split);
     lists[split] += object.key + "\n";
     BbObject own{objectFolder(plan.layout, object), split, {}};
     for (const Json& line : journal.fractures) {
-      const bool isWhole = line.at("fracture") == kWholeName;
-      summary.fractures += isWhole ? 0 : 1;
-      const std::size_t before = summary.fragments;
-      for (const FileRecord& file : filesOf(line)) {
-        summary.bytes += file.bytes;
-        summary.bytesByFormat[formatOf(file.name)] += file.bytes;
-      }
+      const std::size_t before = figures.fragments;
+      figures.add(line);
+      const std::string name = line.at("fracture");
+      if (name != kWholeName) own.parts.push_back(figures.fragments - before);
       for (const Json& fragment : line.at("fragments")) {
         const Json row = rowOf(object.key, split, line, fragment);
         csv.add(csvOf(row));
         jsonl.add(textOf(row));
-        if (!isWhole && !fragment.value("withheld", false)) ++summary.fragments;
       }
-      if (!isWhole) own.parts.push_back(summary.fragments - before);
+      const fs::path picture = pictureOf(out, object, name);
+      if (isPictured(i, plan.objects.size()) && fs::exists(picture)) {
+        figures.pictures.push_back({object.key + ", " + name, picture});
+      }
     }
     bb.push_back(std::move(own));
   }
@@ -241,7 +245,7 @@ DatasetSummary writeIndex(const fs::path& out, const DatasetPlan& plan) {
     writeWhole(out / (std::string(split) + ".txt"), lists[split]);
   }
   if (plan.layout == DatasetLayout::bb) writeBbLists(out, bb);
-  return summary;
+  return {summaryOf(figures, complete), std::move(figures)};
 }
 
 }  // namespace sherd

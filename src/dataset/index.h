@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <string>
 
+#include "dataset/figures.h"
 #include "dataset/journal.h"
 
 namespace sherd {
@@ -32,12 +33,15 @@ void writePlan(const std::filesystem::path& out, const DatasetPlan& plan);
 /// stays there when others are added.
 [[nodiscard]] std::string splitOf(const std::string& key, const std::array<int, 3>& shares);
 
-/// The format of a file by its name: "ply", "rle.zip".
-[[nodiscard]] std::string formatOf(const std::string& name);
+/// What is known once all journals have been read.
+struct DatasetIndex {
+  DatasetSummary summary;
+  DatasetFigures figures;
+};
 
 /// Write index.csv, index.jsonl, failures.jsonl and the lists of the splits from the journals.
 /// Objects that are neither done nor failed are left out, and the summary is not complete.
 ///   throws  Error(output)
-DatasetSummary writeIndex(const std::filesystem::path& out, const DatasetPlan& plan);
+DatasetIndex writeIndex(const std::filesystem::path& out, const DatasetPlan& plan);
 
 }  // namespace sherd

@@ -5,14 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
-#include "dataset/charts.h"
-#include "dataset/figures.h"
+#include "chart/charts.h"
+#include "chart/svg.h"
 #include "dataset/pictures.h"
+#include "dataset/run_record.h"
+#include "formatted.h"
 #include "io/atomic_file.h"
 #include "io/base64.h"
-#include "io/svg.h"
 #include "mesh/file_bytes.h"
 
 namespace sherd {
@@ -20,12 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-template <class... Values>
-std::string format(const char* pattern, Values... values) {
-  char text[256];
-  std::snprintf(text, sizeof text, pattern, values...);
-  return text;
-}
+using chart::escapedXml, chart::HistogramOptions, chart::HistogramRow;
 
 std::string bytesText(double bytes) {
   constexpr const char* kUnits[] = {"B", "kB", "MB", "GB", "TB"};
@@ -34,23 +29,23 @@ std::string bytesText(double bytes) {
     bytes /= 1000.0;
     ++unit;
   }
-  return format(unit == 0 ? "%.0f %s" : "%.3g %s", bytes, kUnits[unit]);
+  return formatted(unit == 0 ? "%.0f %s" : "%.3g %s", bytes, kUnits[unit]);
 }
 
 std::string secondsText(double seconds) {
-  if (seconds < 120.0) return format("%.3g s", seconds);
-  if (seconds < 7200.0) return format("%.3g min", seconds / 60.0);
-  return format("%.3g h", seconds / 3600.0);
+  if (seconds < 120.0) return formatted("%.3g s", seconds);
+  if (seconds < 7200.0) return formatted("%.3g min", seconds / 60.0);
+  return formatted("%.3g h", seconds / 3600.0);
 }
 
 // 1500 as 1.5k.
 std::string countText(double count) {
-  return count >= 1e6   ? format("%gM", count / 1e6)
-         : count >= 1e3 ? format("%gk", count / 1e3)
-                        : format("%g", count);
+  return count >= 1e6   ? formatted("%gM", count / 1e6)
+         : count >= 1e3 ? formatted("%gk", count / 1e3)
+                        : formatted("%g", count);
 }
 
-std::string percentText(double share) { return format("%g %%", std::round(share * 1e4) / 1e2); }
+std::string percentText(double share) { return formatted("%g %%", std::round(share * 1e4) / 1e2); }
 
 std::string row(const std::vector<std::string>& cells, const char* tag = "td") {
   std::string text = "<tr>";
@@ -73,11 +68,12 @@ double mean(const DatasetFigures& figures, std::vector<float> PieceFigures::*val
 }
 
 // The rows of the paper's Table 3.
-std::string table3(const DatasetFigures& figures) {
+std::string table3(const DatasetFigures& figures, const std::vector<RunFigures>& runs) {
   const auto files = [](const FileFigures& kind) {
-    return format("%zu (%s)", kind.files, bytesText(static_cast<double>(kind.bytes)).c_str());
+    return formatted("%zu (%s)", kind.files, bytesText(static_cast<double>(kind.bytes)).c_str());
   };
-  const double seconds = figures.seconds();
+  double seconds = 0.0;
+  for (const RunFigures& run : runs) seconds += run.seconds;
   std::string text = "<table id=\"table3\">\n";
   text += row({"Voxel files", files(figures.voxels)});
   text += row({"Triangle mesh files", files(figures.meshes)});
@@ -86,10 +82,10 @@ std::string table3(const DatasetFigures& figures) {
   text += row({"Fractures", std::to_string(figures.fractures)});
   text += row({"Fragments", std::to_string(figures.fragments)});
   text += row({"Response time", secondsText(seconds)});
-  text += row({"Fragments / s",
-               format("%.2f", static_cast<double>(figures.fragments) / std::max(seconds, 1e-9))});
-  text += row({"Average vertices", format("%.0f", mean(figures, &PieceFigures::vertices))});
-  text += row({"Average faces", format("%.0f", mean(figures, &PieceFigures::faces))});
+  text += row({"Fragments / s", formatted("%.2f", static_cast<double>(figures.fragments) /
+                                                      std::max(seconds, 1e-9))});
+  text += row({"Average vertices", formatted("%.0f", mean(figures, &PieceFigures::vertices))});
+  text += row({"Average faces", formatted("%.0f", mean(figures, &PieceFigures::faces))});
   return text + "</table>";
 }
 
@@ -123,7 +119,7 @@ std::string histogramOf(const DatasetFigures& figures, std::vector<float> PieceF
     }
   }
   options.high = std::max(options.high * 1.0001, 1e-6);
-  return histograms(rowsOf(figures, values), options);
+  return chart::histograms(rowsOf(figures, values), options);
 }
 
 std::string histogramsText(const DatasetFigures& figures) {
@@ -150,21 +146,22 @@ std::string histogramsText(const DatasetFigures& figures) {
   return text + "</table>";
 }
 
-std::string runsText(const DatasetFigures& figures) {
+std::string runsText(const std::vector<RunFigures>& runs) {
   constexpr std::size_t kMostRuns = 8;  // more would be shards of a cluster, all much the same
   std::string text;
-  for (std::size_t i = 0; i < std::min(figures.runs.size(), kMostRuns); ++i) {
-    const RunFigures& run = figures.runs[i];
+  for (std::size_t i = 0; i < std::min(runs.size(), kMostRuns); ++i) {
+    const RunFigures& run = runs[i];
     text += "<h3>" + escapedXml(run.name + ", " + secondsText(run.seconds) + ", " + run.device) +
             "</h3>\n<div class=\"charts\">";
-    text += bars({run.stages.begin(), run.stages.end()}, "Stages, over all threads", secondsText);
-    text += timeLine(run.at, run.cores, "Busy cores", countText);
-    text += timeLine(run.at, run.memory, "Memory", bytesText);
-    text += timeLine(run.at, run.deviceMemory, "Memory of the device", bytesText);
+    text += chart::bars({run.stages.begin(), run.stages.end()}, "Stages, over all threads",
+                        secondsText);
+    text += chart::timeLine(run.at, run.cores, "Busy cores", countText);
+    text += chart::timeLine(run.at, run.memory, "Memory", bytesText);
+    text += chart::timeLine(run.at, run.deviceMemory, "Memory of the device", bytesText);
     text += "</div>\n";
   }
-  if (figures.runs.size() > kMostRuns) {
-    text += "<p>And " + std::to_string(figures.runs.size() - kMostRuns) + " more.</p>\n";
+  if (runs.size() > kMostRuns) {
+    text += "<p>And " + std::to_string(runs.size() - kMostRuns) + " more.</p>\n";
   }
   return text;
 }
@@ -174,7 +171,7 @@ std::string storageText(const DatasetFigures& figures) {
   for (const auto& [name, files] : figures.byFormat) {
     bytes.emplace_back(name, static_cast<double>(files.bytes));
   }
-  std::string text = "<div class=\"charts\">" + bars(bytes, "Bytes", bytesText) + "</div>\n";
+  std::string text = "<div class=\"charts\">" + chart::bars(bytes, "Bytes", bytesText) + "</div>\n";
   text += "<table>\n" + row({"Format", "Files", "Bytes"}, "th");
   for (const auto& [name, files] : figures.byFormat) {
     text += row({name, std::to_string(files.files), std::to_string(files.bytes)});
@@ -198,22 +195,15 @@ std::string failuresText(const DatasetFigures& figures) {
 }
 
 std::string pictureText(const fs::path& file, const std::string& caption) {
-  return format("<figure><img width=\"%d\" height=\"%d\" alt=\"", kPictureSide, kPictureSide) +
+  return formatted("<figure><img width=\"%d\" height=\"%d\" alt=\"", kPictureSide, kPictureSide) +
          escapedXml(caption) + "\" src=\"data:image/png;base64," + base64(readFileBytes(file)) +
          "\"><figcaption>" + escapedXml(caption) + "</figcaption></figure>\n";
 }
 
-// What pictures there are of the objects that `pictures.h` chooses.
-std::string contactSheet(const fs::path& out, const DatasetPlan& plan) {
+std::string contactSheet(const DatasetFigures& figures) {
   std::string text = "<div class=\"sheet\">\n";
-  for (std::size_t i = 0; i < plan.objects.size(); ++i) {
-    const LibraryObject& object = plan.objects[i];
-    if (!isPictured(i, plan.objects.size())) continue;
-    for (const Json& line : readJournal(journalOf(out, object)).fractures) {
-      const std::string name = line.at("fracture");
-      const fs::path picture = pictureOf(out, object, name);
-      if (fs::exists(picture)) text += pictureText(picture, object.key + ", " + name);
-    }
+  for (const Pictured& picture : figures.pictures) {
+    text += pictureText(picture.file, picture.caption);
   }
   return text + "</div>";
 }
@@ -230,21 +220,21 @@ constexpr const char* kStyle =
 
 }  // namespace
 
-void writeReport(const fs::path& out, const DatasetPlan& plan) {
-  const DatasetFigures figures = figuresOf(out, plan);
+void writeReport(const fs::path& out, const DatasetFigures& figures) {
+  const std::vector<RunFigures> runs = readRuns(out);
   const std::string name = fs::absolute(out).lexically_normal().filename().string();
   const std::string title = name.empty() ? "Dataset" : name;
   std::string page =
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>" +
       escapedXml(title) + "</title>\n<style>" + kStyle + "</style>\n</head>\n<body>\n";
   page += "<h1>" + escapedXml(title) + "</h1>\n";
-  page += format("<p>%zu fragments of %zu fractures of %zu objects; %zu failed. sherd %s.</p>\n",
-                 figures.fragments, figures.fractures, figures.objects, figures.failures.size(),
-                 SHERD_VERSION);
-  page += section("Objects and fractures", contactSheet(out, plan));
-  page += section("Details", table3(figures));
+  page += formatted("<p>%zu fragments of %zu fractures of %zu objects; %zu failed. sherd %s.</p>\n",
+                    figures.fragments, figures.fractures, figures.objects, figures.failures.size(),
+                    SHERD_VERSION);
+  page += section("Objects and fractures", contactSheet(figures));
+  page += section("Details", table3(figures, runs));
   page += section("Fragments", histogramsText(figures));
-  page += section("Time and resources", runsText(figures));
+  page += section("Time and resources", runsText(runs));
   page += section("Storage", storageText(figures));
   page += section("Failures", failuresText(figures));
   writeWhole(out / "report.html", page + "</body>\n</html>\n");

@@ -120,8 +120,9 @@ class LibraryRun {
 
  private:
   void breakOne(const LibraryObject& object, Journal& journal, std::size_t each) {
-    const auto found = std::find_if(plan_.objects.begin(), plan_.objects.end(),
-                                    [&](const auto& other) { return other.key == object.key; });
+    const auto found = std::lower_bound(
+        plan_.objects.begin(), plan_.objects.end(), object,
+        [](const LibraryObject& a, const LibraryObject& b) { return a.key < b.key; });
     const std::set<std::string> pictured =
         picturedOf(options_.schedule, static_cast<std::size_t>(found - plan_.objects.begin()),
                    plan_.objects.size());
@@ -191,11 +192,12 @@ DatasetSummary runDataset(const fs::path& library, const fs::path& out,
   const auto record = [&](const DatasetSummary& summary) {
     addRun(out, options, device.info(), run.told(), summary, run.times(), resources.finish());
   };
-  DatasetSummary summary;
+  DatasetIndex index;
+  DatasetSummary& summary = index.summary;
   try {
     run.go(shardOf(plan.objects, options.shard));
     if (options.shard.of == 1) {
-      summary = writeIndex(out, plan);
+      index = writeIndex(out, plan);
     } else {
       const DatasetProgress& told = run.told();
       summary.objects = told.objects;
@@ -211,7 +213,7 @@ DatasetSummary runDataset(const fs::path& library, const fs::path& out,
     throw;
   }
   record(summary);
-  if (options.shard.of == 1) writeReport(out, plan);
+  if (options.shard.of == 1) writeReport(out, index.figures);
   summary.times = run.times();
   return summary;
 }
@@ -234,9 +236,9 @@ DatasetSummary mergeDataset(const fs::path& out) {
                                       " objects are not done, the first is " + missing +
                                       "; run their shards again with --resume");
   }
-  const DatasetSummary summary = writeIndex(out, plan);
-  writeReport(out, plan);
-  return summary;
+  const DatasetIndex index = writeIndex(out, plan);
+  writeReport(out, index.figures);
+  return index.summary;
 }
 
 }  // namespace sherd

@@ -14,12 +14,26 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Runs before this one, of the same folder; none where the file is not ours.
-Json earlierRuns(const std::filesystem::path& file) {
+// The runs of a record; none where the file is not ours.
+Json runsIn(const std::filesystem::path& file) {
   std::ifstream in(file);
   const Json json = Json::parse(in, nullptr, false);
   if (!json.is_object() || !json.contains("runs") || !json["runs"].is_array()) return Json::array();
   return json["runs"];
+}
+
+RunFigures runOf(const Json& json, const std::string& name) {
+  RunFigures run;
+  run.name = name;
+  run.seconds = json.at("seconds");
+  run.device = json.at("device").at("name");
+  for (const auto& [stage, seconds] : json.at("stages").items()) run.stages[stage] = seconds;
+  const Json& samples = json.at("samples");
+  run.at = samples.at("seconds").get<std::vector<double>>();
+  run.cores = samples.at("cores").get<std::vector<double>>();
+  run.memory = samples.at("memory").get<std::vector<double>>();
+  run.deviceMemory = samples.at("device_memory").get<std::vector<double>>();
+  return run;
 }
 
 Json columns(const std::vector<ResourceSample>& samples) {
@@ -51,7 +65,7 @@ void addRun(const std::filesystem::path& out, const DatasetOptions& options,
   for (const auto& [format, count] : summary.bytesByFormat) bytes[format] = count;
   std::uint64_t peak = peakMemory();
   for (const ResourceSample& sample : samples) peak = std::max(peak, sample.memory);
-  Json runs = earlierRuns(file);
+  Json runs = runsIn(file);
   runs.push_back({{"version", SHERD_VERSION},
                   {"device", {{"platform", device.platform}, {"name", device.name}}},
                   {"seconds", told.seconds},
@@ -64,6 +78,28 @@ void addRun(const std::filesystem::path& out, const DatasetOptions& options,
                   {"samples", columns(samples)}});
   const Json json = {{"schema", "sherd-run/1"}, {"runs", std::move(runs)}};
   writeWhole(file, json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+std::vector<RunFigures> readRuns(const std::filesystem::path& out) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(out)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with("run") && entry.path().extension() == ".json") files.push_back(entry);
+  }
+  std::sort(files.begin(), files.end());
+  std::vector<RunFigures> runs;
+  for (const std::filesystem::path& file : files) {
+    std::string name = file.stem().string();
+    std::replace(name.begin(), name.end(), '_', ' ');
+    for (const Json& run : runsIn(file)) {
+      try {
+        runs.push_back(runOf(run, name));
+      } catch (const Json::exception&) {
+        continue;
+      }
+    }
+  }
+  return runs;
 }
 
 }  // namespace sherd

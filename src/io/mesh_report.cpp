@@ -2,26 +2,18 @@
 #include "io/mesh_report.h"
 
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
+#include "formatted.h"
 #include "mesh/text_scan.h"
 #include "option_names.h"
 
 namespace sherd {
 namespace {
 
-std::string text(double value) {
-  char out[64];
-  std::snprintf(out, sizeof out, "%.4g", value);
-  return out;
-}
+std::string text(double value) { return formatted("%.4g", value); }
 
-std::string percent(double share) {
-  char out[64];
-  std::snprintf(out, sizeof out, "%.2g %%", 100.0 * share);
-  return out;
-}
+std::string percent(double share) { return formatted("%.2g %%", 100.0 * share); }
 
 std::string counted(std::size_t count, const std::string& what) {
   return std::to_string(count) + " " + what + (count == 1 ? "" : "s");

@@ -1,31 +1,17 @@
 // Histograms, bars and lines.
-#include "dataset/charts.h"
+#include "chart/charts.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
 
-#include "io/svg.h"
+#include "chart/axis.h"
+#include "chart/svg.h"
+#include "formatted.h"
 
-namespace sherd {
+namespace sherd::chart {
 namespace {
-
-// Of Okabe and Ito, which the colour-blind tell apart.
-constexpr const char* kBlue = "#0072b2";
-constexpr const char* kOrange = "#d55e00";
-constexpr const char* kInk = "#222222";
-constexpr const char* kGrey = "#777777";
-constexpr const char* kRule = "#dddddd";
 
 constexpr double kWidth = 380.0, kLeft = 64.0, kRight = 366.0, kTop = 44.0;
 constexpr std::size_t kBins = 48;
-
-// 1, 2 or 5 times a power of ten: about four of them in `range`.
-double step(double range) {
-  const double power = std::pow(10.0, std::floor(std::log10(range / 4.0)));
-  const double lead = range / 4.0 / power;
-  return power * (lead < 1.5 ? 1.0 : lead < 3.5 ? 2.0 : lead < 7.5 ? 5.0 : 10.0);
-}
 
 double across(double value, double high) { return kLeft + (kRight - kLeft) * value / high; }
 
@@ -36,7 +22,7 @@ void drawTitle(Svg& svg, const std::string& title) {
 // Values along the lower edge.
 void drawScale(Svg& svg, double high, double bottom,
                const std::function<std::string(double)>& label) {
-  const double each = step(high);
+  const double each = niceStep(high);
   for (double value = 0.0; value <= high * (1.0 + 1e-9); value += each) {
     svg.line(across(value, high), kTop - 8, across(value, high), bottom, kRule);
     svg.text(across(value, high), bottom + 14, label(value), 10, kGrey, Svg::Anchor::middle);
@@ -109,12 +95,8 @@ std::string timeLine(const std::vector<double>& seconds, const std::vector<doubl
   const double end = std::max(seconds[count - 1], 1e-9);
   const double high = std::max(*std::max_element(values.begin(), values.end()) * 1.05, 1e-9);
   const auto up = [&](double value) { return kBottom - (kBottom - kTop) * value / high; };
-  drawScale(svg, end, kBottom, [](double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%g s", value);
-    return std::string(text);
-  });
-  for (double value = 0.0; value <= high; value += step(high)) {
+  drawScale(svg, end, kBottom, [](double value) { return formatted("%g s", value); });
+  for (double value = 0.0; value <= high; value += niceStep(high)) {
     svg.line(kLeft, up(value), kRight, up(value), kRule);
     svg.text(kLeft - 6, up(value) + 4, label(value), 10, kGrey, Svg::Anchor::end);
   }
@@ -132,4 +114,4 @@ std::string timeLine(const std::vector<double>& seconds, const std::vector<doubl
   return svg.done();
 }
 
-}  // namespace sherd
+}  // namespace sherd::chart

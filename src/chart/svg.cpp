@@ -1,17 +1,13 @@
 // A drawing as SVG text.
-#include "io/svg.h"
+#include "chart/svg.h"
 
-#include <cstdio>
+#include "formatted.h"
 
-namespace sherd {
+namespace sherd::chart {
 namespace {
 
-/// A hundredth of a pixel is enough.
-std::string number(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.2f", value);
-  return text;
-}
+// A hundredth of a pixel is enough.
+std::string number(double value) { return formatted("%.2f", value); }
 
 std::string attribute(const char* name, const std::string& value) {
   return std::string(" ") + name + "=\"" + value + "\"";
@@ -77,4 +73,4 @@ void Svg::text(double x, double y, const std::string& words, double size, const 
            (bold ? attribute("font-weight", "bold") : "") + ">" + escapedXml(words) + "</text>\n";
 }
 
-}  // namespace sherd
+}  // namespace sherd::chart

@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace sherd {
+namespace sherd::chart {
 
 /// Words as text of XML or HTML.  Names of files may hold anything; control characters are not XML.
 [[nodiscard]] std::string escapedXml(const std::string& words);
@@ -29,4 +29,4 @@ class Svg {
   std::string body_;
 };
 
-}  // namespace sherd
+}  // namespace sherd::chart

@@ -1,4 +1,4 @@
-// Charts of a dataset's report, as SVG.
+// Charts as SVG.
 #pragma once
 
 #include <functional>
@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace sherd {
+namespace sherd::chart {
 
 /// One row of a chart: values that are counted into bins.
 struct HistogramRow {
@@ -35,4 +35,4 @@ struct HistogramOptions {
                                    const std::vector<double>& values, const std::string& title,
                                    const std::function<std::string(double)>& label);
 
-}  // namespace sherd
+}  // namespace sherd::chart
