@@ -1,30 +1,10 @@
 // Writing files in the background.
 #include "dataset/file_queue.h"
 
-#include <algorithm>
 #include <chrono>
-#include <cstring>
-#include <new>
 #include <utility>
 
-#include "io/atomic_file.h"
-
 namespace sherd {
-
-void FileBytes::append(std::string_view more) {
-  if (size_ + more.size() > room_) {
-    constexpr std::size_t kLeast = std::size_t{1} << 16;
-    const std::size_t needed = std::max({size_ + more.size(), 2 * room_, kLeast});
-    const std::size_t room = (needed + kDirectBlock - 1) / kDirectBlock * kDirectBlock;
-    decltype(bytes_) larger(static_cast<char*>(std::aligned_alloc(kDirectBlock, room)), &std::free);
-    if (!larger) throw std::bad_alloc();
-    if (size_ > 0) std::memcpy(larger.get(), bytes_.get(), size_);
-    bytes_ = std::move(larger);
-    room_ = room;
-  }
-  std::memcpy(bytes_.get() + size_, more.data(), more.size());
-  size_ += more.size();
-}
 
 FileQueue::FileQueue(std::size_t mostBytes, int threads) : mostBytes_(mostBytes) {
   for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { work(); });
@@ -40,7 +20,7 @@ FileQueue::~FileQueue() {
 }
 
 void FileQueue::add(std::filesystem::path file, FileBytes bytes, Done done) {
-  const std::size_t size = bytes.view().size();
+  const std::size_t size = bytes.size();
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return bytes_ == 0 || bytes_ + size <= mostBytes_; });
   entries_.push_back({std::move(file), std::move(bytes), std::move(done)});
@@ -61,12 +41,12 @@ void FileQueue::work() {
     std::exception_ptr problem;
     try {
       AtomicFile file(entry.file, Caching::none);
-      file.write(entry.bytes.view());
+      file.write({entry.bytes.data(), entry.bytes.size()});
       file.commit();
     } catch (...) {
       problem = std::current_exception();
     }
-    const std::size_t size = entry.bytes.view().size();
+    const std::size_t size = entry.bytes.size();
     entry.bytes = {};
     entry.done(problem,
                std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());

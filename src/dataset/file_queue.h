@@ -1,37 +1,28 @@
 // Writes files from threads of its own, so that those that compute need not wait for the disk.
 #pragma once
 
+#include <boost/align/aligned_allocator.hpp>
 #include <condition_variable>
 #include <cstddef>
-#include <cstdlib>
 #include <deque>
 #include <exception>
 #include <filesystem>
 #include <functional>
-#include <memory>
 #include <mutex>
-#include <string_view>
 #include <thread>
 #include <vector>
+
+#include "io/atomic_file.h"
 
 namespace sherd {
 
 /// The bytes of a file, in memory aligned so that they can be written past the system's cache.
-class FileBytes {
- public:
-  ///   throws  std::bad_alloc
-  void append(std::string_view more);
-  [[nodiscard]] std::string_view view() const { return {bytes_.get(), size_}; }
-
- private:
-  std::unique_ptr<char, decltype(&std::free)> bytes_{nullptr, &std::free};
-  std::size_t size_ = 0, room_ = 0;
-};
+using FileBytes = std::vector<char, boost::alignment::aligned_allocator<char, kDirectBlock>>;
 
 /// Files on their way to the disk, at most so many bytes of them.
 class FileQueue {
  public:
-  explicit FileQueue(std::size_t mostBytes = std::size_t{384} << 20, int threads = 2);
+  explicit FileQueue(std::size_t mostBytes, int threads = 2);
   /// Waits until all are written.
   ~FileQueue();
   FileQueue(const FileQueue&) = delete;

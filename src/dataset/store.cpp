@@ -108,7 +108,7 @@ FileRecord StagedFiles::toDisk(const std::string& name, const Content& content) 
   const auto write = [&](std::string_view bytes) {
     record.bytes += bytes.size();
     sum.add(bytes);
-    file.append(bytes);
+    file.insert(file.end(), bytes.begin(), bytes.end());
   };
   switch (compression_) {
     case FileCompression::none:
@@ -289,13 +289,13 @@ void removeAllBut(const fs::path& folder, const std::set<fs::path>& kept) {
 
 ObjectStore::ObjectStore(fs::path root, std::string folder, DatasetLayout layout,
                          FileCompression compression, const std::vector<FileRecord>& kept,
-                         std::uint64_t archive)
+                         std::uint64_t archive, std::size_t mostQueued)
     : root_(std::move(root)), folder_(std::move(folder)), compression_(compression) {
   if (layout == DatasetLayout::packed) {
     archive_ = std::make_unique<Archive>(place(), archive);
     return;
   }
-  queue_ = std::make_unique<FileQueue>();
+  queue_ = std::make_unique<FileQueue>(mostQueued);
   std::set<fs::path> names;
   for (const FileRecord& record : kept) names.insert(root_ / record.name);
   try {

@@ -74,9 +74,10 @@ class ObjectStore {
   ///   folder  the object's, below it
   ///   kept    what an earlier run has kept
   ///   archive  bytes of the archive that are kept
+  ///   mostQueued  bytes of loose files that may wait for the disk
   ObjectStore(std::filesystem::path root, std::string folder, DatasetLayout layout,
               FileCompression compression, const std::vector<FileRecord>& kept,
-              std::uint64_t archive);
+              std::uint64_t archive, std::size_t mostQueued = 0);
   ~ObjectStore();
   ObjectStore(const ObjectStore&) = delete;
   ObjectStore& operator=(const ObjectStore&) = delete;

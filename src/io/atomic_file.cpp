@@ -80,19 +80,19 @@ void AtomicFile::write(std::string_view bytes) {
                          written_ % kDirectBlock == 0;
   if (caching_ == Caching::none && isAligned && bytes.size() >= kLeastDirect) {
     const std::size_t whole = bytes.size() / kDirectBlock * kDirectBlock;
-    setDirect(descriptor_, direct_ = true);
-    put(bytes.substr(0, whole));
-    setDirect(descriptor_, direct_ = false);
+    setDirect(descriptor_, true);
+    put(bytes.substr(0, whole), true);
+    setDirect(descriptor_, false);
     bytes.remove_prefix(whole);
   }
-  put(bytes);
+  put(bytes, false);
 }
 
-void AtomicFile::put(std::string_view bytes) {
+void AtomicFile::put(std::string_view bytes, bool direct) {
   while (!bytes.empty()) {
     const ssize_t n = ::write(descriptor_, bytes.data(), bytes.size());
     if (n < 0 && errno == EINTR) continue;
-    if (n < 0 && errno == EINVAL && std::exchange(direct_, false)) {  // blocks of another size
+    if (n < 0 && errno == EINVAL && std::exchange(direct, false)) {  // blocks of another size
       setDirect(descriptor_, false);
       continue;
     }

@@ -37,14 +37,13 @@ class AtomicFile {
 
  private:
   [[noreturn]] void fail(int number) const;
-  void put(std::string_view bytes);
+  void put(std::string_view bytes, bool direct);
 
   std::filesystem::path file_;
   std::filesystem::path temporary_;
   int descriptor_ = -1;
   std::uintmax_t written_ = 0;
   Caching caching_;
-  bool direct_ = false;
 };
 
 /// Write `bytes` as the whole of a file.
