@@ -109,7 +109,7 @@ GrownFracture seeded(const PreparedSolid& ready, const FractureOptions& options)
 
 // Wear what has grown, and number what is withheld last.
 void finish(GrownFracture& grown, Labels labels, const FractureOptions& options, Device& device,
-            StageClock& clock, const Progress* progress) {
+            StageClock clock, const Progress* progress) {
   FractureResult& result = grown.result;
   const LeafBlocks& blocks = result.solid.blocks;
   if (options.erode.iterations > 0) {
@@ -132,46 +132,42 @@ void finish(GrownFracture& grown, Labels labels, const FractureOptions& options,
 
 }  // namespace
 
-GrownFracture grow(const PreparedSolid& ready, const FractureOptions& options, Device& device,
-                   StageClock clock, const Progress* progress) {
-  GrownFracture grown = seeded(ready, options);
-  clock.done("seed");
-  SeededLabels labels = growFor(options, ready.solid.blocks, ready.parts,
-                                std::move(grown.result.seeds), options.seed, device, progress);
-  grown.result.seeds = std::move(labels.seeds);
-  clock.done("grow");
-  finish(grown, std::move(labels.labels), options, device, clock, progress);
-  return grown;
-}
-
 std::vector<GrownFracture> growTogether(const PreparedSolid& ready,
                                         std::span<const FractureOptions> options, Device& device,
-                                        const Progress* progress) {
+                                        StageClock clock, const Progress* progress) {
   std::vector<GrownFracture> all;
-  const ShareOptions& shares = options.front().shares;
-  if (options.size() == 1 || shares.minShare > 0.0 || shares.balance > 0) {
-    for (const FractureOptions& own : options) {
-      all.push_back(grow(ready, own, device, StageClock(), progress));
-    }
-    return all;
-  }
-  StageClock clock;
+  std::vector<std::vector<Seed>> seeds;
   GrowOptions together = options.front().grow;
   together.noiseSeeds.clear();
-  std::vector<std::vector<Seed>> seeds;
   for (const FractureOptions& own : options) {
     all.push_back(seeded(ready, own));
     seeds.push_back(all.back().result.seeds);
     together.noiseSeeds.push_back(randomBits(own.seed, Stage::noise, 0));
   }
   clock.done("seed");
-  std::vector<Labels> labels = grow(ready.solid.blocks, seeds, device, together, progress);
+  const LeafBlocks& blocks = ready.solid.blocks;
+  std::vector<Labels> labels;
+  if (options.front().shares.isAny()) {  // how often each has to grow depends on what comes out
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      SeededLabels own = growFor(options[i], blocks, ready.parts, std::move(seeds[i]),
+                                 options[i].seed, device, progress);
+      all[i].result.seeds = std::move(own.seeds);
+      labels.push_back(std::move(own.labels));
+    }
+  } else {
+    labels = grow(blocks, seeds, device, together, progress);
+  }
   clock.done("grow");
   for (std::size_t i = 0; i < all.size(); ++i) {
-    StageClock own = clock;
-    finish(all[i], std::move(labels[i]), options[i], device, own, progress);
+    finish(all[i], std::move(labels[i]), options[i], device, clock, progress);
   }
   return all;
+}
+
+GrownFracture grow(const PreparedSolid& ready, const FractureOptions& options, Device& device,
+                   StageClock clock, const Progress* progress) {
+  return std::move(
+      growTogether(ready, std::span(&options, 1), device, std::move(clock), progress).front());
 }
 
 FractureResult extracted(GrownFracture grown, const FractureOptions& options,

@@ -42,17 +42,17 @@ struct GrownFracture {
   std::shared_ptr<const UnbrokenSurface> surface{};
 };
 
-/// Seed, grow and wear.
-///   clock  of what was done before
-[[nodiscard]] GrownFracture grow(const PreparedSolid& prepared, const FractureOptions& options,
-                                 Device& device, StageClock clock, const Progress* progress);
-
-/// The same for several fractures at once, of which each comes out as it would alone.  Options of
-/// growth are the first one's for all of them.
-///   throws  as grow, and none is given
+/// Seed several fractures, grow them together, and wear each; all come out as they would alone.
+///   options  growth and shares are the first one's for all of them
+///   clock    of what was done before
 [[nodiscard]] std::vector<GrownFracture> growTogether(const PreparedSolid& prepared,
                                                       std::span<const FractureOptions> options,
-                                                      Device& device, const Progress* progress);
+                                                      Device& device, StageClock clock,
+                                                      const Progress* progress);
+
+/// The same for one.
+[[nodiscard]] GrownFracture grow(const PreparedSolid& prepared, const FractureOptions& options,
+                                 Device& device, StageClock clock, const Progress* progress);
 
 /// Cut the fragments out.  Any thread may ask.
 [[nodiscard]] FractureResult extracted(GrownFracture grown, const FractureOptions& options,

@@ -159,6 +159,8 @@ struct WriteOptions {
   std::size_t correspondences = 0;  ///< correspondences.npz: points for each contact, where above 0
 
   char up = 'y';  ///< the mesh's axis that points up in the picture: 'x', 'y' or 'z'
+
+  bool needsLevelSets() const { return vdb || vdbOptions.fog; }  ///< Fragment::surface
 };
 
 /// See whether what is to be written can be had.  To be asked before long work.

@@ -13,6 +13,8 @@ struct ShareOptions {
   double minShare = 0.0;  ///< least share of the solid's voxels that a fragment may have, 0..1
   int balance = 0;  ///< Lloyd steps before that: seeds move to their fragment's centre, 0..100
   int tries = 64;   ///< growths that may be spent on minShare
+
+  bool isAny() const { return minShare != 0.0 || balance != 0; }  ///< is anything asked for?
 };
 
 /// Seeds and what grew from them.

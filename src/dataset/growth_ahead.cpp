@@ -52,7 +52,8 @@ void GrowthAhead::growSome() {
     options.push_back(ahead_.back()->options);
   }
   if (ahead_.empty()) return;
-  std::vector<GrownFracture> grown = growTogether(ready_, options, run_.device, &progress_);
+  std::vector<GrownFracture> grown =
+      growTogether(ready_, options, run_.device, StageClock(), &progress_);
   for (std::size_t i = 0; i < grown.size(); ++i) ahead_[i]->grown = std::move(grown[i]);
 }
 
@@ -91,7 +92,7 @@ std::unique_ptr<PlannedGrowth> GrowthAhead::planOf(std::size_t number, int attem
   plan->options.pieces = plan->planned.pieces;
   plan->options.seed = seed;
   plan->options.grow.rehearse = !std::exchange(rehearsed_, true);
-  plan->options.surface.levelSets = options_.write.vdb || options_.write.vdbOptions.fog;
+  plan->options.surface.levelSets = options_.write.needsLevelSets();
   return plan;
 }
 

@@ -71,7 +71,7 @@ class ObjectRun {
     if (!journal_.text().sha256.empty() && journal_.text().sha256 != source.sha256)
       journal_.clear();
     store_.emplace(run_.out, objectFolder(options_.layout, object_), options_.layout,
-                   options_.compression, journal_.files(), journal_.archiveBytes());
+                   options_.compression, journal_.files(), journal_.archiveBytes(), mostQueued());
     if (journal_.text().sha256.empty()) journal_.begin(source.sha256);
     breakAll(source);
     journal_.finish(store_->finish());
@@ -137,6 +137,7 @@ class ObjectRun {
     const Solid& solid = ready_->solid;
     FractureOptions options = options_.fracture;
     options.pieces = 1;
+    options.surface.levelSets = options_.write.needsLevelSets();
     FractureResult whole;
     whole.solid = solid;
     whole.parts = ready_->parts.count();
@@ -148,8 +149,8 @@ class ObjectRun {
     };
     label(solid.blocks.inside, 1);
     label(solid.blocks.outerBand, 1);
-    whole.fragments =
-        extractFragments(solid, whole.labels, 1, nullptr, options.surface, &progress_);
+    whole.fragments = extractFragments(solid, whole.labels, 1, nullptr, options.surface, &progress_,
+                                       ready_->surface.get());
     whole.worn = {0, 0};
     picture(kWholeName, whole);
     label(solid.blocks.inside, Labels::kWorn);  // solid, and of no fragment
@@ -185,6 +186,12 @@ class ObjectRun {
         tbb::make_filter<void, std::shared_ptr<Work>>(Mode::serial_in_order, give) &
             tbb::make_filter<std::shared_ptr<Work>, std::shared_ptr<Work>>(Mode::parallel, finish) &
             tbb::make_filter<std::shared_ptr<Work>, void>(Mode::serial_in_order, note));
+  }
+
+  // Spans a stop of the disk of a second or three; little beside what fractures take.
+  std::size_t mostQueued() const {
+    constexpr std::uint64_t kMost = std::uint64_t{384} << 20;
+    return static_cast<std::size_t>(std::min(kMost, options_.maxMemory / 8));
   }
 
   // One more than there are threads keeps them busy while one is being noted.

@@ -374,10 +374,12 @@ TEST(PreparedSolid, GrowsSeveralTogetherAsEachAlone) {
       options[i].dropShare = 0.02;
       options[i].erode.iterations = worn ? 2 : 0;
     }
-    const std::vector<GrownFracture> together = growTogether(ready, options, device, nullptr);
+    const std::vector<GrownFracture> together =
+        growTogether(ready, options, device, StageClock(), nullptr);
     const std::size_t buffers = device.memory().buffersCreated;
-    EXPECT_EQ(growTogether(ready, options, device, nullptr).size(), options.size());
-    EXPECT_EQ(growTogether(ready, std::span(options).first(2), device, nullptr).size(), 2u);
+    EXPECT_EQ(growTogether(ready, options, device, StageClock(), nullptr).size(), options.size());
+    EXPECT_EQ(
+        growTogether(ready, std::span(options).first(2), device, StageClock(), nullptr).size(), 2u);
     EXPECT_EQ(device.memory().buffersCreated, buffers);
     ASSERT_EQ(together.size(), options.size());
     for (std::size_t i = 0; i < options.size(); ++i) {
