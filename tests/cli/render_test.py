@@ -9,7 +9,6 @@ import math
 import os
 import struct
 import unittest
-import zlib
 
 import numpy as np
 
@@ -20,25 +19,11 @@ except ImportError:
 
 from cli_test import CommandLine, tree
 from exr_file import read_exr
+from png_file import read_png
 
 AMPHORA = os.path.join(os.environ["SHERD_DATA"], "amphora.ply")
 BOX = b"".join(b"v %d %d %d\n" % (4 * (i >> 2 & 1) - 1, 2 * (i >> 1 & 1) + 5, 6 * (i & 1) + 2) for i in range(8)) + (
     b"f 1 2 4 3\nf 5 7 8 6\nf 1 5 6 2\nf 3 4 8 7\nf 1 3 7 5\nf 2 6 8 4\n")  # x -1..3, y 5..7, z 2..8
-
-
-def pixels_of(path):
-    """[height, width, 3] of a PNG of ours: 8 bits, RGB, each row filtered by Sub."""
-    with open(path, "rb") as file:
-        data = file.read()
-    width, height = struct.unpack_from(">2I", data, 16)
-    packed, at = b"", 8
-    while at < len(data):
-        size, kind = struct.unpack_from(">I4s", data, at)
-        packed += data[at + 8:at + 8 + size] if kind == b"IDAT" else b""
-        at += 12 + size
-    rows = np.frombuffer(zlib.decompress(packed), np.uint8).reshape(height, 1 + 3 * width)
-    assert (rows[:, 0] == 1).all()
-    return np.cumsum(rows[:, 1:].reshape(height, width, 3), axis=1, dtype=np.uint8).astype(int)
 
 
 class Render(CommandLine):
@@ -131,10 +116,10 @@ class Render(CommandLine):
         self.drawn(self.out, "-o", picture)
         self.assertEqual(self.size_of(picture), (1280, 720))
         # Files hold single precision, so a pixel at an edge may differ; another picture would all over.
-        again, preview = pixels_of(picture), pixels_of(os.path.join(self.out, "preview.png"))
+        again, preview = read_png(picture), read_png(os.path.join(self.out, "preview.png"))
         self.assertLess((np.abs(again - preview).max(-1) > 8).mean(), 0.001)
         self.drawn(self.out, "-o", picture, "--view", "front")
-        self.assertGreater((np.abs(pixels_of(picture) - preview).max(-1) > 8).mean(), 0.02)
+        self.assertGreater((np.abs(read_png(picture) - preview).max(-1) > 8).mean(), 0.02)
 
     def test_turntable_numbers_its_pictures(self):
         box = self.path("box.obj", BOX)
