@@ -7,7 +7,6 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <map>
-#include <utility>
 
 #include "surface/label_reader.h"
 #include "surface/leaf_labels.h"
@@ -136,7 +135,8 @@ void addContacts(std::span<Fragment> fragments, const Solid& solid, const Labels
     Touching* towards = nullptr;  // of `own` and `other`
     for (std::size_t t = 0; t < fragment.facing.size(); ++t) {
       if (fragment.facing[t] == 0) continue;
-      if (fragment.facing[t] != std::exchange(other, fragment.facing[t])) {
+      if (fragment.facing[t] != other) {
+        other = fragment.facing[t];
         towards = &measured[{std::min(own, other), std::max(own, other)}];
       }
       const glm::uvec3& corner = fragment.mesh.triangles[t];

@@ -40,42 +40,35 @@ std::vector<glm::i64vec3> nearLeaf(std::span<const glm::i64vec3> sites,
 // Bits of a halo's voxels by row, [x*12+y] bit z.
 using HaloBits = std::array<std::uint16_t, kCutSide * kCutSide>;
 
-// The halo's voxels that lie up to its width away from some of the leaf's.
-HaloBits round(const VoxelBits& voxels) {
-  std::array<std::uint16_t, std::size_t{8} * kCutSide> alongY{};
-  for (std::size_t x = 0; x < 8; ++x) {
-    for (std::size_t y = 0; y < 8; ++y) {
-      unsigned bits = voxels[x * 8 + y];
+// What lies up to a halo's width away from some of the voxels, along all axes.
+HaloBits round(const HaloBits& voxels) {
+  constexpr int kLast = kCutSide - 1;
+  HaloBits rows{}, out{};
+  for (int x = 0; x < kCutSide; ++x) {
+    for (int y = 0; y < kCutSide; ++y) {
+      unsigned bits = voxels[static_cast<std::size_t>(x * kCutSide + y)];
       if (bits == 0) continue;
-      for (int k = 0; k < 2 * kCutHalo; ++k) bits |= bits << 1;
-      for (std::size_t j = y; j <= y + 2 * kCutHalo; ++j) {
-        alongY[x * kCutSide + j] |= static_cast<std::uint16_t>(bits);
+      for (int k = 0; k < kCutHalo; ++k) bits |= bits << 1 | bits >> 1;
+      for (int j = std::max(y - kCutHalo, 0); j <= std::min(y + kCutHalo, kLast); ++j) {
+        rows[static_cast<std::size_t>(x * kCutSide + j)] |=
+            static_cast<std::uint16_t>(bits & 0xfff);
       }
     }
   }
-  HaloBits out{};
-  for (std::size_t x = 0; x < 8; ++x) {
-    for (std::size_t i = x; i <= x + 2 * kCutHalo; ++i) {
-      for (std::size_t y = 0; y < kCutSide; ++y) out[i * kCutSide + y] |= alongY[x * kCutSide + y];
+  for (int x = 0; x < kCutSide; ++x) {
+    for (int i = std::max(x - kCutHalo, 0); i <= std::min(x + kCutHalo, kLast); ++i) {
+      for (int y = 0; y < kCutSide; ++y) {
+        out[static_cast<std::size_t>(i * kCutSide + y)] |=
+            rows[static_cast<std::size_t>(x * kCutSide + y)];
+      }
     }
   }
   return out;
 }
 
-// The leaf's voxels that lie up to a halo's width away from some of the halo's.
-VoxelBits reached(const HaloBits& rows) {
-  VoxelBits out{};
-  for (std::size_t x = 0; x < 8; ++x) {
-    for (std::size_t y = 0; y < 8; ++y) {
-      unsigned bits = 0;
-      for (std::size_t i = x; i <= x + 2 * kCutHalo; ++i) {
-        for (std::size_t j = y; j <= y + 2 * kCutHalo; ++j) bits |= rows[i * kCutSide + j];
-      }
-      for (int k = 0; k < 2 * kCutHalo; ++k) bits |= bits >> 1;
-      out[x * 8 + y] = static_cast<std::uint8_t>(bits);
-    }
-  }
-  return out;
+// Where a leaf's row of voxels is in its halo.
+std::size_t haloRow(std::size_t row) {
+  return (row / 8 + kCutHalo) * kCutSide + row % 8 + kCutHalo;
 }
 
 }  // namespace
@@ -238,12 +231,14 @@ SiteCut siteCut(const CutHalo& halo, const openvdb::Coord& origin,
   SiteCut cut;
   cut.distance.assign(fragments.size() * 512, 3.0f);
   SitesOfLeaf ofLeaf(origin, fragments, sites);
-  const HaloBits looked = round(wanted);
-  HaloBits wrong{};
+  HaloBits own{}, wrong{};
+  for (std::size_t row = 0; row < 64; ++row) {
+    own[haloRow(row)] = static_cast<std::uint16_t>(wanted[row] << kCutHalo);
+  }
+  const HaloBits looked = round(own);
   for (std::size_t row = 0; row < looked.size(); ++row) {
     if (looked[row] == 0) continue;
-    const std::size_t x = row / kCutSide, y = row % kCutSide;
-    ofLeaf.goToRow(x, y);
+    ofLeaf.goToRow(row / kCutSide, row % kCutSide);
     for (unsigned bits = looked[row]; bits != 0; bits &= bits - 1) {
       const auto z = static_cast<std::size_t>(std::countr_zero(bits));
       const std::uint16_t label = halo[row * kCutSide + z];
@@ -251,19 +246,18 @@ SiteCut siteCut(const CutHalo& halo, const openvdb::Coord& origin,
         wrong[row] |= static_cast<std::uint16_t>(1u << z);
       }
     }
-    const std::size_t ownX = x - kCutHalo, ownY = y - kCutHalo;  // beyond 7 if not the leaf's own
-    if (ownX > 7 || ownY > 7) continue;
-    for (unsigned bits = wanted[ownX * 8 + ownY]; bits != 0; bits &= bits - 1) {
+    for (unsigned bits = own[row]; bits != 0; bits &= bits - 1) {
       const auto z = static_cast<std::size_t>(std::countr_zero(bits));
+      const std::size_t v =
+          (row / kCutSide - kCutHalo) * 64 + (row % kCutSide - kCutHalo) * 8 + z - kCutHalo;
       for (std::size_t k = 0; k < fragments.size(); ++k) {
-        if (!ofLeaf.hasSites(k)) continue;
-        cut.distance[k * 512 + ownX * 64 + ownY * 8 + z] = ofLeaf.toCut(k, z + kCutHalo);
+        if (ofLeaf.hasSites(k)) cut.distance[k * 512 + v] = ofLeaf.toCut(k, z);
       }
     }
   }
-  const VoxelBits fails = reached(wrong);
+  const HaloBits fails = round(wrong);
   for (std::size_t row = 0; row < 64; ++row) {
-    cut.holds[row] = static_cast<std::uint8_t>(wanted[row] & ~fails[row]);
+    cut.holds[row] = static_cast<std::uint8_t>(wanted[row] & ~(fails[haloRow(row)] >> kCutHalo));
   }
   return cut;
 }
