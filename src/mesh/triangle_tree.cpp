@@ -199,15 +199,19 @@ void TriangleTree::measure(const Range& range) {
   }
 }
 
+double TriangleTree::squaredTo(const glm::dvec3& point, std::size_t triangle) const {
+  const std::array<glm::dvec3, 3> t = corners(triangle);
+  const glm::dvec3 apart = point - nearestOnTriangle(point, t[0], t[1], t[2]);
+  return glm::dot(apart, apart);
+}
+
 TriangleTree::Nearest TriangleTree::nearest(const glm::dvec3& point, double reach,
                                             std::uint32_t guess) const {
   Nearest found;
   if (empty()) return found;
   double squared = reach * reach;
   const auto look = [&](std::size_t triangle) {
-    const std::array<glm::dvec3, 3> t = corners(triangle);
-    const glm::dvec3 apart = point - nearestOnTriangle(point, t[0], t[1], t[2]);
-    const double d = glm::dot(apart, apart);
+    const double d = squaredTo(point, triangle);
     if (!(d < squared)) return;
     squared = d;
     found = {std::sqrt(d), static_cast<std::uint32_t>(triangle)};

@@ -37,6 +37,9 @@ class TriangleTree {
   [[nodiscard]] Nearest nearest(const glm::dvec3& point, double reach,
                                 std::uint32_t guess = kNone) const;
 
+  /// The square of the distance to a triangle, by the tree's own order.
+  [[nodiscard]] double squaredTo(const glm::dvec3& point, std::size_t triangle) const;
+
   /// The generalised winding number: the solid angle of all triangles as seen from the point, over
   /// 4 pi.  Triangles more than two and a half times their group's radius away count as one dipole,
   /// which is right to some 0.02. source  Barill, Dickson, Schmidt, Levin, Jacobson: Fast Winding

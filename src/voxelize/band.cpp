@@ -9,6 +9,8 @@
 #include <numbers>
 
 #include "cancel_flag.h"
+#include "mesh/boxes.h"
+#include "voxelize/discs.h"
 
 namespace sherd {
 namespace {
@@ -18,22 +20,45 @@ using openvdb::Coord;
 constexpr int kLeafSide = 8;
 constexpr int kTaskSide = 64;
 
-// Cubes are halved while one query of the middle saves more than it costs; pairs of voxels are
-// asked one by one.
-constexpr int kSmallestCube = 2;
+// Of more triangles near one leaf the tree finds the nearest sooner than a list does.
+constexpr std::size_t kMostInList = 8192;
 
-struct Search {
-  const TriangleTree& tree;
-  double reach;
-  std::vector<BandLeaf>& leaves;
+class Search {
+ public:
+  Search(const TriangleTree& tree, double reach, std::vector<BandLeaf>& leaves)
+      : tree_(tree), reach_(reach), leaves_(leaves) {}
 
-  // The nearest triangle to a cube's middle, if the surface is near any of its voxels.
-  [[nodiscard]] TriangleTree::Nearest middleOf(const Coord& origin, int side,
-                                               std::uint32_t guess) const {
-    const double half = 0.5 * (side - 1);
-    const glm::dvec3 middle(origin.x() + half, origin.y() + half, origin.z() + half);
-    return tree.nearest(middle, reach + half * std::numbers::sqrt3, guess);
+  // Append a cube's leaves.
+  void descend(const Coord& origin, int side, std::uint32_t guess) {
+    const Cube cube(origin, side);
+    const Nearest near = tree_.nearest(cube.middle, reach_ + cube.radius, guess);
+    if (near.triangle == TriangleTree::kNone) return;
+    if (side > kLeafSide) {
+      forEachEighth(origin, side, [&](const Coord& c) { descend(c, side / 2, near.triangle); });
+      return;
+    }
+    leaf_.origin = origin;
+    leaf_.distance.fill(std::numeric_limits<float>::infinity());
+    any_ = false;
+    const glm::dvec3 corner(origin.x(), origin.y(), origin.z());
+    const std::vector<std::uint32_t> triangles =
+        tree_.meeting(widened({corner, corner + (kLeafSide - 1.0)}, reach_));
+    byList_ = triangles.size() <= kMostInList;
+    if (byList_) lists_[0].assign(tree_, corner, triangles);
+    forEachEighth(origin, side, [&](const Coord& c) { fill(c, side / 2, near.triangle, 0); });
+    if (any_) leaves_.push_back(leaf_);
   }
+
+ private:
+  using Nearest = TriangleTree::Nearest;
+
+  struct Cube {
+    Cube(const Coord& origin, int side)
+        : middle(glm::dvec3(origin.x(), origin.y(), origin.z()) + 0.5 * (side - 1)),
+          radius(0.5 * (side - 1) * std::numbers::sqrt3) {}
+    glm::dvec3 middle;
+    double radius;  // of its voxels' centres
+  };
 
   template <class Visit>
   static void forEachEighth(const Coord& origin, int side, Visit&& visit) {
@@ -42,45 +67,43 @@ struct Search {
     }
   }
 
-  void descend(const Coord& origin, int side, std::uint32_t guess) const {
-    const TriangleTree::Nearest near = middleOf(origin, side, guess);
-    if (near.triangle == TriangleTree::kNone) return;
-    if (side > kLeafSide) {
-      forEachEighth(origin, side, [&](const Coord& c) { descend(c, side / 2, near.triangle); });
-      return;
-    }
-    BandLeaf leaf;
-    leaf.origin = origin;
-    leaf.distance.fill(std::numeric_limits<float>::infinity());
-    bool any = false;
-    forEachEighth(origin, side,
-                  [&](const Coord& c) { fill(leaf, c, side / 2, near.triangle, any); });
-    if (any) leaves.push_back(leaf);
+  [[nodiscard]] Nearest nearest(const glm::dvec3& point, double reach, std::uint32_t guess,
+                                std::size_t list) {
+    return byList_ ? lists_[list].nearest(point, reach, guess) : tree_.nearest(point, reach, guess);
   }
 
-  void fill(BandLeaf& leaf, const Coord& origin, int side, std::uint32_t guess, bool& any) const {
-    const TriangleTree::Nearest near = middleOf(origin, side, guess);
-    if (near.triangle == TriangleTree::kNone) return;
-    if (side > kSmallestCube) {
-      forEachEighth(origin, side,
-                    [&](const Coord& c) { fill(leaf, c, side / 2, near.triangle, any); });
+  // Fill in a part of the leaf, near which are the triangles of a list.
+  void fill(const Coord& origin, int side, std::uint32_t guess, std::size_t list) {
+    if (side == 1) {
+      fill(origin, guess, list);
       return;
     }
-    for (int x = 0; x < side; ++x) {
-      for (int y = 0; y < side; ++y) {
-        for (int z = 0; z < side; ++z) {
-          const Coord voxel = origin + Coord(x, y, z);
-          const TriangleTree::Nearest found =
-              tree.nearest({voxel.x(), voxel.y(), voxel.z()}, reach, near.triangle);
-          if (found.triangle == TriangleTree::kNone) continue;
-          const Coord in = voxel - leaf.origin;
-          leaf.distance[static_cast<std::size_t>(in.x() << 6 | in.y() << 3 | in.z())] =
-              static_cast<float>(found.distance);
-          any = true;
-        }
-      }
+    const Cube cube(origin, side);
+    const Nearest near = nearest(cube.middle, reach_ + cube.radius, guess, list);
+    if (near.triangle == TriangleTree::kNone) return;
+    if (byList_) {  // what is nearest to any of the voxels
+      const double farthest = std::min(near.distance + cube.radius, reach_);
+      lists_[list + 1].assign(lists_[list], farthest + cube.radius);
     }
+    forEachEighth(origin, side,
+                  [&](const Coord& c) { fill(c, side / 2, near.triangle, list + 1); });
   }
+
+  void fill(const Coord& voxel, std::uint32_t guess, std::size_t list) {
+    const Nearest found = nearest({voxel.x(), voxel.y(), voxel.z()}, reach_, guess, list);
+    if (found.triangle == TriangleTree::kNone) return;
+    const Coord in = voxel - leaf_.origin;
+    leaf_.distance[static_cast<std::size_t>(in.x() << 6 | in.y() << 3 | in.z())] =
+        static_cast<float>(found.distance);
+    any_ = true;
+  }
+
+  const TriangleTree& tree_;
+  double reach_;
+  std::vector<BandLeaf>& leaves_;
+  BandLeaf leaf_;  // being filled
+  bool any_ = false, byList_ = false;
+  std::array<Discs, 3> lists_;  // near the leaf, a cube of four voxels a side, one of two
 };
 
 }  // namespace
@@ -104,7 +127,7 @@ std::vector<BandLeaf> bandOf(const TriangleTree& tree, double reach, const Progr
   CancelFlag stop(progress);
   tbb::parallel_for(std::size_t{0}, cubes.size(), [&](std::size_t i) {
     if (stop.isSet()) return;
-    Search{tree, reach, found[i]}.descend(cubes[i], kTaskSide, TriangleTree::kNone);
+    Search(tree, reach, found[i]).descend(cubes[i], kTaskSide, TriangleTree::kNone);
   });
   stop.throwIfSet();
   std::vector<BandLeaf> leaves;

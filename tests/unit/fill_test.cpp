@@ -139,6 +139,43 @@ TEST(Band, HoldsEveryVoxelNearTheSurfaceAndItsDistance) {
   EXPECT_GE(near, expected);
 }
 
+TEST(Band, HasTheDistanceOfTheNearestTriangleToTheBit) {
+  std::mt19937 random(11);
+  TriangleMesh needles, flat;  // long, thin and large ones; some without area
+  for (std::uint32_t i = 0; i < 60; ++i) {
+    const glm::dvec3 from = randomPoint(random, 20.0);
+    const glm::dvec3 along = randomPoint(random, i % 3 == 0 ? 40.0 : 2.0);
+    const glm::dvec3 beside = i % 5 == 0 ? 0.5 * along : randomPoint(random, 0.1);
+    for (const glm::dvec3& v : {from, from + along, from + beside}) needles.vertices.push_back(v);
+    needles.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
+  }
+  flat = shapes::cube(20.0);
+  for (glm::dvec3& v : flat.vertices) v.z = std::round(0.1 * v.z);  // two walls through voxels
+  // The last has more triangles in a leaf than are put into a list.
+  for (const TriangleMesh& mesh :
+       {needles, flat, shapes::torus(9.0, 3.0, 30, 12), shapes::ball(4.0, 6)}) {
+    const TriangleTree tree(mesh);
+    std::size_t near = 0, expected = 0;
+    for (const BandLeaf& leaf : bandOf(tree, 3.0, nullptr)) {
+      for (std::uint32_t offset = 0; offset < 512; ++offset) {
+        const openvdb::Coord v = leaf.origin + coordFromOffset(offset);
+        const double found = tree.nearest({v.x(), v.y(), v.z()}, 3.0).distance;
+        EXPECT_EQ(leaf.distance[offset], static_cast<float>(found));
+        near += std::isfinite(found) ? 1u : 0u;
+      }
+    }
+    for (int x = -64; x < 64; ++x) {
+      for (int y = -64; y < 64; ++y) {
+        for (int z = -64; z < 64; ++z) {
+          expected += std::isfinite(tree.nearest({x, y, z}, 3.0).distance) ? 1u : 0u;
+        }
+      }
+    }
+    EXPECT_EQ(near, expected);
+    EXPECT_GT(near, 0u);
+  }
+}
+
 // ---- Rules of filling
 
 // Where the centres of a box of voxels do not lie on the same side by all three rules, how far they

@@ -1,0 +1,111 @@
+// Triangles near some voxels.
+#include "voxelize/discs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <utility>
+
+namespace sherd {
+namespace {
+
+// Single precision moves what it is given by less than this share of its distance from the origin
+// and of its size; points are within kPoints of the origin.
+constexpr double kRounding = 1e-6;
+constexpr double kPoints = 32.0;
+
+// More than what a few roundings change.
+constexpr float kUp = 1.0f + 2e-6f, kDown = 1.0f - 2e-6f;
+
+}  // namespace
+
+void Discs::assign(const TriangleTree& tree, const glm::dvec3& origin,
+                   std::span<const std::uint32_t> triangles) {
+  tree_ = &tree;
+  origin_ = origin;
+  triangles_.assign(triangles.begin(), triangles.end());
+  for (std::vector<float>& column : columns_) column.resize(triangles.size());
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const std::array<glm::dvec3, 3> t = tree.corners(triangles[i]);
+    const glm::dvec3 centre = (t[0] + t[1] + t[2]) / 3.0;
+    const glm::dvec3 across = glm::cross(t[1] - t[0], t[2] - t[0]);
+    const double twice = glm::length(across);
+    const glm::dvec3 normal = twice > 0.0 ? across / twice : glm::dvec3(0.0);
+    double squared = 0.0;
+    for (const glm::dvec3& v : t) squared = std::max(squared, glm::dot(v - centre, v - centre));
+    const double radius = std::sqrt(squared);
+    const glm::dvec3 from = centre - origin;
+    const double slack = kRounding * (glm::length(from) + radius + kPoints);
+    const std::array<double, kColumns> values{from.x,   from.y,   from.z,         normal.x,
+                                              normal.y, normal.z, radius + slack, slack};
+    for (std::size_t k = 0; k < values.size(); ++k) columns_[k][i] = static_cast<float>(values[k]);
+  }
+}
+
+void Discs::assign(Discs& others, double reach) {
+  tree_ = others.tree_;
+  origin_ = others.origin_;
+  const std::span<const std::uint32_t> chosen =
+      others.below(static_cast<float>(reach * reach) * kUp);
+  const auto take = [&](auto& to, const auto& from) {
+    to.resize(chosen.size());
+    for (std::size_t k = 0; k < chosen.size(); ++k) to[k] = from[chosen[k]];
+  };
+  take(triangles_, others.triangles_);
+  for (std::size_t k = 0; k < columns_.size(); ++k) take(columns_[k], others.columns_[k]);
+}
+
+// How far above or below its plane a point is from a disc, and how far beside it.
+void Discs::measure(const glm::dvec3& point) {
+  const glm::vec3 p(point - origin_);
+  const std::size_t count = triangles_.size();
+  squared_.resize(count);
+  const float *x = columns_[kX].data(), *y = columns_[kY].data(), *z = columns_[kZ].data();
+  const float *normalX = columns_[kNormalX].data(), *normalY = columns_[kNormalY].data(),
+              *normalZ = columns_[kNormalZ].data();
+  const float *radius = columns_[kRadius].data(), *slack = columns_[kSlack].data();
+  float* out = squared_.data();
+  for (std::size_t i = 0; i < count; ++i) {
+    const float qx = p.x - x[i], qy = p.y - y[i], qz = p.z - z[i];
+    const float height = std::abs(qx * normalX[i] + qy * normalY[i] + qz * normalZ[i]);
+    const float most = height + slack[i], least = height - slack[i];
+    const float rest = (qx * qx + qy * qy + qz * qz) * kDown - most * most;
+    const float beside = std::sqrt(rest > 0.0f ? rest : 0.0f) - radius[i];
+    const float above = least > 0.0f ? least : 0.0f, outside = beside > 0.0f ? beside : 0.0f;
+    out[i] = (above * above + outside * outside) * kDown;
+  }
+}
+
+// The places of triangles that may be nearer to the last point than the root of `limit`.
+std::span<std::uint32_t> Discs::below(float limit) {
+  chosen_.resize(triangles_.size());
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < triangles_.size(); ++i) {
+    chosen_[count] = static_cast<std::uint32_t>(i);
+    count += squared_[i] < limit ? 1 : 0;
+  }
+  return std::span(chosen_).first(count);
+}
+
+TriangleTree::Nearest Discs::nearest(const glm::dvec3& point, double reach, std::uint32_t guess) {
+  TriangleTree::Nearest found;
+  double squared = reach * reach;
+  const auto look = [&](std::uint32_t triangle) {
+    const double own = tree_->squaredTo(point, triangle);
+    if (!(own < squared)) return;
+    squared = own;
+    found = {std::sqrt(own), triangle};
+  };
+  if (guess != TriangleTree::kNone) look(guess);
+  measure(point);
+  const std::span<std::uint32_t> near = below(static_cast<float>(squared) * kUp);
+  if (near.empty()) return found;
+  const auto closer = [&](std::uint32_t a, std::uint32_t b) { return squared_[a] < squared_[b]; };
+  std::swap(near[0], *std::min_element(near.begin(), near.end(), closer));  // soon others are out
+  for (const std::uint32_t i : near) {
+    if (squared_[i] < static_cast<float>(squared) * kUp) look(triangles_[i]);
+  }
+  return found;
+}
+
+}  // namespace sherd
