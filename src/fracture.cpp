@@ -11,9 +11,11 @@ namespace {
 
 FractureResult breakSolid(Solid solid, const FractureOptions& options, StageClock clock,
                           Device& device, const Progress* progress) {
-  const PreparedSolid ready = prepared(std::move(solid), device);
+  PreparedSolid ready = prepared(std::move(solid), device);
   clock.done("parts");
   GrownFracture grown = grow(ready, options, device, clock, progress);
+  ready = {};  // memory for meshes
+  device.freeBuffers();
   return extracted(std::move(grown), options, progress);
 }
 

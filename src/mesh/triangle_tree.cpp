@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "mesh/boxes.h"
-#include "mesh/nearest_on_triangle.h"
 #include "mesh/solid_angles.h"
 
 namespace sherd {
@@ -197,12 +196,6 @@ void TriangleTree::measure(const Range& range) {
     }
     dipole.radius = std::min(dipole.radius, within);
   }
-}
-
-double TriangleTree::squaredTo(const glm::dvec3& point, std::size_t triangle) const {
-  const std::array<glm::dvec3, 3> t = corners(triangle);
-  const glm::dvec3 apart = point - nearestOnTriangle(point, t[0], t[1], t[2]);
-  return glm::dot(apart, apart);
 }
 
 TriangleTree::Nearest TriangleTree::nearest(const glm::dvec3& point, double reach,

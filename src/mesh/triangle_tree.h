@@ -11,6 +11,8 @@
 #include <span>
 #include <vector>
 
+#include "mesh/nearest_on_triangle.h"
+
 namespace sherd {
 
 /// Triangles in a balanced binary tree of boxes.  Any thread may ask.  A nearest distance does not
@@ -38,7 +40,11 @@ class TriangleTree {
                                 std::uint32_t guess = kNone) const;
 
   /// The square of the distance to a triangle, by the tree's own order.
-  [[nodiscard]] double squaredTo(const glm::dvec3& point, std::size_t triangle) const;
+  [[nodiscard]] double squaredTo(const glm::dvec3& point, std::size_t triangle) const {
+    const std::array<glm::dvec3, 3> t = corners(triangle);
+    const glm::dvec3 apart = point - nearestOnTriangle(point, t[0], t[1], t[2]);
+    return glm::dot(apart, apart);
+  }
 
   /// The generalised winding number: the solid angle of all triangles as seen from the point, over
   /// 4 pi.  Triangles more than two and a half times their group's radius away count as one dipole,

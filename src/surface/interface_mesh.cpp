@@ -45,6 +45,7 @@ class Meshing {
     forEach(count_, [&](std::size_t leaf) {
       if (!hasOldTriangles(leaf)) quads_[leaf] = quadsOf(field_, cells_, leaf);
     });
+    fresh_ = {};  // what is left of them is quads and vertices
     straightenRims(quads_, junctions_, vertices_.at);
     gaps_ = partTouchingSheets(crowded_, quads_, vertices_);
     forEach(vertices_.at.size(), [&](std::size_t v) {
@@ -151,17 +152,19 @@ class Meshing {
     }
   }
 
-  // [fragments] the faces of each label, in the order of leaves.
+  // [fragments] the leaves in which each label has faces, ascending.
   void sortFaces(std::size_t fragments) {
-    faces_.resize(fragments);
+    leavesOf_.resize(fragments);
+    const auto add = [&](std::uint16_t label, std::uint32_t leaf) {
+      if (!hasMesh(label)) return;
+      std::vector<std::uint32_t>& own = leavesOf_[label - 1u];
+      if (own.empty() || own.back() != leaf) own.push_back(leaf);
+    };
     for (std::uint32_t leaf = 0; leaf < count_; ++leaf) {
       if (hasOldTriangles(leaf)) {
-        const auto label = static_cast<std::uint16_t>(old_[leaf]);
-        if (hasMesh(label)) faces_[label - 1u].push_back({nullptr, leaf});
-        continue;
-      }
-      for (const InterfaceQuad& quad : quads_[leaf]) {
-        if (hasMesh(quad.label)) faces_[quad.label - 1u].push_back({&quad, leaf});
+        add(static_cast<std::uint16_t>(old_[leaf]), leaf);
+      } else {
+        for (const InterfaceQuad& quad : quads_[leaf]) add(quad.label, leaf);
       }
     }
     gapsOf_.resize(fragments);
@@ -177,9 +180,15 @@ class Meshing {
       out.mesh.vertices.push_back(vertices_.at[v]);
       out.place.push_back(vertices_.place[v]);
     }
+    const auto forEachQuad = [&](std::uint32_t leaf, const auto& visit) {
+      for (const InterfaceQuad& quad : quads_[leaf]) {
+        if (quad.label == label) visit(quad);
+      }
+    };
     std::size_t triangles = gapsOf_[i].size();
-    for (const Faces& faces : faces_[i]) {
-      triangles += faces.quad ? 2 : unbroken_->leaves[faces.leaf].triangles.size();
+    for (const std::uint32_t leaf : leavesOf_[i]) {
+      if (hasOldTriangles(leaf)) triangles += unbroken_->leaves[leaf].triangles.size();
+      forEachQuad(leaf, [&](const InterfaceQuad&) { triangles += 2; });
     }
     out.mesh.triangles.reserve(triangles);
     out.other.reserve(triangles);
@@ -187,12 +196,11 @@ class Meshing {
       out.mesh.triangles.emplace_back(number_[t[0]], number_[t[1]], number_[t[2]]);
       out.other.push_back(other);
     };
-    for (const Faces& faces : faces_[i]) {
-      if (faces.quad == nullptr) {
-        addOld(faces.leaf, out);
-        continue;
-      }
-      for (const auto& t : trianglesOf(*faces.quad, vertices_.at)) add(t, faces.quad->other);
+    for (const std::uint32_t leaf : leavesOf_[i]) {
+      if (hasOldTriangles(leaf)) addOld(leaf, out);
+      forEachQuad(leaf, [&](const InterfaceQuad& quad) {
+        for (const auto& t : trianglesOf(quad, vertices_.at)) add(t, quad.other);
+      });
     }
     for (const InterfaceTriangle* gap : gapsOf_[i]) add(gap->vertex, gap->other);
     return out;
@@ -218,12 +226,6 @@ class Meshing {
     out.other.insert(out.other.end(), triangles.size(), 0);
   }
 
-  // A quad, or all triangles of a leaf that are as they were.
-  struct Faces {
-    const InterfaceQuad* quad = nullptr;
-    std::uint32_t leaf = 0;
-  };
-
   static constexpr std::uint32_t kNew = 0xffffffffu;
 
   // The places in a LeafRound of slots 0..7.
@@ -246,7 +248,7 @@ class Meshing {
   std::vector<std::uint16_t> label_;                    // [vertices]
   std::vector<std::uint32_t> number_;                   // [vertices] in its label's mesh
   std::vector<std::vector<std::uint32_t>> verticesOf_;  // [labels + 1] ascending
-  std::vector<std::vector<Faces>> faces_;
+  std::vector<std::vector<std::uint32_t>> leavesOf_;    // [labels]
   std::vector<std::vector<const InterfaceTriangle*>> gapsOf_;
 };
 

@@ -113,7 +113,7 @@ bool isCrowded(const CellSheets& sheets, const std::array<std::uint16_t, 24>& la
 
 // Add a cell as it is in the unbroken solid.
 void addUnbroken(const LeafCells& unbroken, std::size_t offset, LeafCells& to) {
-  Cell cell = unbroken.cells[unbroken.cellAt[offset]];
+  Cell cell = unbroken.at(offset);
   const std::size_t from = cell.firstLoop;
   cell.firstLoop = static_cast<std::uint32_t>(to.vertices.size());
   for (std::uint8_t l = 0; l < cell.sheets.loops; ++l) {
@@ -121,8 +121,7 @@ void addUnbroken(const LeafCells& unbroken, std::size_t offset, LeafCells& to) {
     to.places.push_back(to.placeCount + cell.sheets.positionOfLoop[l]);
   }
   to.placeCount += cell.sheets.positions;
-  to.cellAt[offset] = static_cast<std::uint16_t>(to.cells.size());
-  to.cells.push_back(cell);
+  to.add(cell);
 }
 
 }  // namespace
@@ -139,7 +138,6 @@ std::optional<std::uint16_t> onlyLabelOf(const Field& field, std::size_t leaf) {
 
 LeafCells cellsOf(const Field& field, std::size_t leaf, const LeafCells* unbroken) {
   LeafCells found;
-  found.cellAt.fill(LeafCells::kNoCell);
   const LabelCube<9> corners = field.cornersOf(leaf);
   const PassedCells<9> passed = passedCells<9>(corners);
   std::size_t count = 0;
@@ -186,8 +184,7 @@ LeafCells cellsOf(const Field& field, std::size_t leaf, const LeafCells* unbroke
       }
     }
     found.placeCount += cell.sheets.positions;
-    found.cellAt[offset] = static_cast<std::uint16_t>(found.cells.size());
-    found.cells.push_back(cell);
+    found.add(cell);
   }
   return found;
 }
@@ -233,7 +230,7 @@ std::vector<InterfaceQuad> quadsOf(const Field& field, const AllCells& all, std:
         const std::size_t place = isMine ? leaf * 512 + offsetFromCoord(low)
                                          : field.placeNear(leaf, low.x(), low.y(), low.z());
         const LeafCells& theirs = *all.leaves[place / 512];
-        const Cell& own = theirs.cells[theirs.cellAt[place % 512]];
+        const Cell& own = theirs.at(place % 512);
         const std::uint32_t first = all.firstVertex[place / 512] + own.firstLoop;
         const auto& loops = own.sheets.loopOf[kEdgeAlong[axis][corner]];
         quad[0].vertex[k] = first + loops[0];
@@ -244,6 +241,7 @@ std::vector<InterfaceQuad> quadsOf(const Field& field, const AllCells& all, std:
       }
     }
   }
+  quads.shrink_to_fit();
   return quads;
 }
 

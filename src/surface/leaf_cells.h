@@ -5,6 +5,7 @@
 #include <sherd/solid.h>
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -26,17 +27,31 @@ struct Cell {
 
 /// The cells of a leaf, and their vertices.
 struct LeafCells {
-  static constexpr std::uint16_t kNoCell = 0xffff;
-
-  std::vector<Cell> cells;
-  std::array<std::uint16_t, 512> cellAt{};  ///< by offset; kNoCell where no surface passes
-  std::vector<glm::dvec3> vertices;         ///< [loops] index space
-  std::vector<std::uint32_t> places;        ///< [loops] equal where they share a position
+  std::vector<Cell> cells;                   ///< by offset, ascending
+  std::array<std::uint64_t, 8> passed{};     ///< [offset / 64] bit offset % 64: is there a cell?
+  std::array<std::uint16_t, 8> firstCell{};  ///< of each of these words
+  std::vector<glm::dvec3> vertices;          ///< [loops] index space
+  std::vector<std::uint32_t> places;         ///< [loops] equal where they share a position
   std::uint32_t placeCount = 0;
   std::vector<std::uint32_t> crowded;  ///< places where a fragment has several vertices
   std::vector<Junction> junctions;     ///< vertices within the leaf
   bool isPlain = true;  ///< no place is crowded, and no label lies on two opposite corners of a
                         ///< face only: then no cell depends on its neighbours
+
+  /// The cell of an offset that a surface passes through.
+  const Cell& at(std::size_t offset) const {
+    const std::uint64_t before = (std::uint64_t{1} << (offset % 64)) - 1;
+    const auto rank = static_cast<std::size_t>(std::popcount(passed[offset / 64] & before));
+    return cells[firstCell[offset / 64] + rank];
+  }
+
+  /// Add one, of a higher offset than all others.
+  void add(const Cell& cell) {
+    const std::size_t word = cell.offset / 64u;
+    if (passed[word] == 0) firstCell[word] = static_cast<std::uint16_t>(cells.size());
+    passed[word] |= std::uint64_t{1} << (cell.offset % 64u);
+    cells.push_back(cell);
+  }
 };
 
 /// Labels and distances by voxel, over leaf blocks.
