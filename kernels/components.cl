@@ -3,9 +3,17 @@
 // lowest node of each part, so that the result does not depend on the schedule.
 // Source: Jaiganesh and Burtscher, ECL-CC, HPDC 2018.
 //
+// Most leaves are one node: what node a voxel is of is written for the others only.
+//
 // Several fractures of the same leaves go together: item = fracture * leafCount + leaf.
 // One work-item takes items i, i + all, ...; any work-group size.
 // Reference: tests/kernels/components_test.cpp, bit for bit.
+
+// The node of an inside voxel of an item.
+inline uint node_of(const global uint* firstNode, const global uint* nodeCount, const global ushort* localNode,
+                    const size_t item, const int v) {
+  return firstNode[item] + (nodeCount[item] > 1 ? localNode[item * SHERD_LEAF_SIZE + v] : 0u);
+}
 
 // Number the nodes of each item 0.. by their first voxel.
 kernel void component_nodes(
@@ -14,7 +22,7 @@ kernel void component_nodes(
     const uint items,
     const global ushort* restrict label,  // [items*512]  read when byLabel
     const uint byLabel,
-    global ushort* restrict localNode,    // [items*512]  out: node of an inside voxel, else 0
+    global ushort* restrict localNode,    // [items*512]  out: node of an inside voxel, else 0; of items with several
     global uint* restrict nodeCount)      // [items]      out
 {
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
@@ -26,7 +34,6 @@ kernel void component_nodes(
       left[x] = inside[leaf * SHERD_LEAF_WORDS + x];
       any |= left[x];
     }
-    for (int i = 0; i < SHERD_LEAF_SIZE; ++i) localNode[item * SHERD_LEAF_SIZE + i] = 0;
     uint node = 0;
     ulong same[SHERD_LEAF_WORDS];  // voxels with the label that `same` was made for
     for (int x = 0; x < SHERD_LEAF_WORDS; ++x) same[x] = ~0ul;
@@ -54,6 +61,9 @@ kernel void component_nodes(
         }
       }
       any = 0;
+      if (node == 1) {
+        for (int i = 0; i < SHERD_LEAF_SIZE; ++i) localNode[item * SHERD_LEAF_SIZE + i] = 0;
+      }
       for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
         if (node > 0) {
           for (ulong bits = part[x]; bits; bits &= bits - 1) {
@@ -126,12 +136,11 @@ kernel void component_join(
           told = onePair;
           const int bit = lowest_bit(touching);
           const int otherBit = k == 3 ? bit - 56 : (k == 5 ? bit - 7 : bit);
-          const size_t at = item * SHERD_LEAF_SIZE + (x << 6) + bit;
-          const size_t otherAt = other * SHERD_LEAF_SIZE + (otherX << 6) + otherBit;
-          const uint a = firstNode[item] + localNode[at];
-          const uint b = firstNode[other] + localNode[otherAt];
+          const int v = (x << 6) + bit, otherV = (otherX << 6) + otherBit;
+          const uint a = node_of(firstNode, nodeCount, localNode, item, v);
+          const uint b = node_of(firstNode, nodeCount, localNode, other, otherV);
           if (a == lastA && b == lastB) continue;
-          if (byLabel && label[at] != label[otherAt]) continue;
+          if (byLabel && label[item * SHERD_LEAF_SIZE + v] != label[other * SHERD_LEAF_SIZE + otherV]) continue;
           join(parent, a, b);
           lastA = a;
           lastB = b;
@@ -166,10 +175,10 @@ kernel void component_measure(
     for (uint n = 0; n < nodeCount[item]; ++n) nodeVoxels[firstNode[item] + n] = 0;
     for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
       for (ulong bits = inside[leaf * SHERD_LEAF_WORDS + x]; bits; bits &= bits - 1) {
-        const size_t at = item * SHERD_LEAF_SIZE + (x << 6) + lowest_bit(bits);
-        const uint node = firstNode[item] + localNode[at];
+        const int v = (x << 6) + lowest_bit(bits);
+        const uint node = node_of(firstNode, nodeCount, localNode, item, v);
         ++nodeVoxels[node];
-        nodeLabel[node] = label[at];
+        nodeLabel[node] = label[item * SHERD_LEAF_SIZE + v];
       }
     }
   }
@@ -179,6 +188,7 @@ kernel void component_measure(
 kernel void component_mark(
     const global ushort* restrict localNode,  // [items*512]
     const global uint* restrict firstNode,    // [items]
+    const global uint* restrict nodeCount,    // [items]
     const global uint* restrict root,         // [nodes]
     const global uint* restrict voxelItem,    // [voxels]
     const global ushort* restrict voxelOffset,  // [voxels]
@@ -187,7 +197,7 @@ kernel void component_mark(
 {
   for (size_t i = get_global_id(0); i < voxels; i += get_global_size(0)) {
     const uint item = voxelItem[i];
-    const uint node = firstNode[item] + localNode[(size_t)item * SHERD_LEAF_SIZE + voxelOffset[i]];
+    const uint node = node_of(firstNode, nodeCount, localNode, item, voxelOffset[i]);
     atomic_xchg(&keep[root[node]], 1u);
   }
 }
@@ -216,7 +226,7 @@ kernel void component_kept(
       if (some && some < nodeCount[item]) {
         for (ulong bits = all; bits; bits &= bits - 1) {
           const int bit = lowest_bit(bits);
-          const uint node = firstNode[item] + localNode[item * SHERD_LEAF_SIZE + (x << 6) + bit];
+          const uint node = node_of(firstNode, nodeCount, localNode, item, (x << 6) + bit);
           if (!keep[root[node]]) mask &= ~(1ul << bit);
         }
       }
@@ -224,5 +234,19 @@ kernel void component_kept(
       lost += (uint)popcount(all & ~mask);
     }
     if (lost) atomic_add(&freed[item / leafCount], lost);
+  }
+}
+
+// The local nodes of some items, one after another.
+kernel void component_gather(
+    const global ushort* restrict localNode,  // [items*512]
+    const global uint* restrict item,         // [wanted]
+    const uint wanted,
+    global ushort* restrict gathered)         // [wanted*512]  out
+{
+  for (size_t i = get_global_id(0); i < wanted; i += get_global_size(0)) {
+    for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
+      gathered[i * SHERD_LEAF_SIZE + v] = localNode[(size_t)item[i] * SHERD_LEAF_SIZE + v];
+    }
   }
 }

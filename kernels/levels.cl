@@ -49,15 +49,20 @@ inline void enqueue(volatile global uint* queued, global uint* list, volatile gl
   list[(size_t)(round & 1) * items + at] = item;
 }
 
+// Has an item voxels that are not owned?
+inline int is_open(const global ulong* inside, const global ulong* owned, const uint leaf, const size_t item) {
+  ulong open = 0;
+  for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
+    open |= inside[(size_t)leaf * SHERD_LEAF_WORDS + x] & ~owned[item * SHERD_LEAF_WORDS + x];
+  }
+  return open != 0;
+}
+
 // Begin from what is owned: queue every item that has something left to reach for round 1.
 kernel void levels_begin(LEVELS_STATE)
 {
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
-    ulong open = 0;
-    for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
-      open |= inside[(item % leafCount) * SHERD_LEAF_WORDS + x] & ~owned[item * SHERD_LEAF_WORDS + x];
-    }
-    if (!open) continue;
+    if (!is_open(inside, owned, (uint)(item % leafCount), item)) continue;
     atomic_xchg(&dirty[item], 1u);
     enqueue(queued, list, control, items, (uint)item, 1);
   }
@@ -69,20 +74,52 @@ inline void own(global ulong* owned, global ulong* claim, const size_t word, con
   claim[word] = owned[word];
 }
 
-// Own what is kept of labels that exist, at cost 0.
-kernel void levels_load(
-    LEVELS_STATE,
-    const global ulong* restrict kept,      // [items*8]
-    const global ushort* restrict label)    // [items*512]
+// Own what is kept of labels that exist.
+kernel void levels_keep(LEVELS_STATE, const global ulong* restrict kept)  // [items*8]
 {
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
     for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
-      const ulong mask = kept[item * SHERD_LEAF_WORDS + x];
-      own(owned, claim, item * SHERD_LEAF_WORDS + x, mask);
-      for (ulong bits = mask; bits; bits &= bits - 1) {
+      const size_t word = item * SHERD_LEAF_WORDS + x;
+      own(owned, claim, word, kept[word]);
+    }
+  }
+}
+
+// What is owned offers from cost 0 on.  Only what lies by something open is ever asked, so that memory of all else is
+// not touched.
+kernel void levels_load(LEVELS_STATE, const global ushort* restrict label)  // [items*512]
+{
+  for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
+    const uint leaf = (uint)(item % leafCount);
+    int near = 0;
+    for (int k = 0; k < 27 && !near; ++k) {
+      const uint other = round27[(size_t)leaf * 27 + k];
+      near = other != SHERD_NO_LEAF && is_open(inside, owned, other, item - leaf + other);
+    }
+    if (!near) continue;
+    for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
+      for (ulong bits = owned[item * SHERD_LEAF_WORDS + x]; bits; bits &= bits - 1) {
         const size_t v = item * SHERD_LEAF_SIZE + (x << 6) + lowest_bit(bits);
         source[v] = label[v];
         cost[v] = 0;
+      }
+    }
+  }
+}
+
+// Write what was reached into the labels that were loaded, and 0 where nothing was.
+kernel void levels_save(
+    LEVELS_STATE,
+    const global ulong* restrict kept,  // [items*8]
+    global ushort* restrict label)      // [items*512]  in, out
+{
+  for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
+    for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
+      const size_t word = item * SHERD_LEAF_WORDS + x;
+      for (ulong bits = inside[(item % leafCount) * SHERD_LEAF_WORDS + x] & ~kept[word]; bits; bits &= bits - 1) {
+        const int bit = lowest_bit(bits);
+        const size_t v = item * SHERD_LEAF_SIZE + (x << 6) + bit;
+        label[v] = (owned[word] >> bit) & 1 ? (ushort)source[v] : (ushort)0;
       }
     }
   }

@@ -23,15 +23,23 @@ inline constexpr int kMaxFragments = 65534;
 
 /// The 6-connected parts of the inside, numbered 0..count()-1 by their first voxel in leaf order.
 struct Parts {
+  static constexpr std::uint32_t kOneNode = 0xffffffffu;
+
   std::vector<std::uint32_t> firstNode;   ///< [leaf] number of the leaf's first node
-  std::vector<std::uint16_t> localNode;   ///< [leaf*512] node of an inside voxel within its leaf
+  std::vector<std::uint32_t> firstLocal;  ///< [leaf] where it begins in localNode; kOneNode where
+                                          ///< it has but one node, as most have
+  std::vector<std::uint16_t> localNode;   ///< [..*512] node of an inside voxel within its leaf
   std::vector<std::uint32_t> partOfNode;  ///< [nodes]
   std::vector<std::uint64_t> voxels;      ///< [count()] inside voxels of each part
 
   std::size_t count() const { return voxels.size(); }
   /// The part of the inside voxel at a place in the leaf blocks.
   std::uint32_t at(std::size_t place) const {
-    return partOfNode[firstNode[place / 512] + localNode[place]];
+    const std::size_t leaf = place / 512;
+    const std::uint32_t first = firstLocal[leaf];
+    const std::uint32_t local =
+        first == kOneNode ? 0u : localNode[std::size_t{first} * 512 + place % 512];
+    return partOfNode[firstNode[leaf] + local];
   }
 };
 

@@ -5,6 +5,7 @@
 #include <sherd/error.h>
 
 #include <map>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -75,6 +76,20 @@ DeviceBuffer uploadBuffer(Device::Impl& device, std::span<const T> data) {
   if (!data.empty())
     device.queue.enqueueWriteBuffer(buffer, CL_TRUE, 0, data.size_bytes(), data.data());
   return buffer;
+}
+
+/// A vector of what a buffer holds from `first` on.  A CPU maps the buffer itself, so that this is
+/// one copy, into memory that was not filled with zeros before.
+template <class T>
+std::vector<T> downloaded(Device::Impl& device, const DeviceBuffer& buffer, std::size_t count,
+                          std::size_t first = 0) {
+  if (count == 0) return {};
+  void* const mapped = device.queue.enqueueMapBuffer(buffer, CL_TRUE, CL_MAP_READ,
+                                                     first * sizeof(T), count * sizeof(T));
+  const auto unmap = [&](void* from) { device.queue.enqueueUnmapMemObject(buffer, from); };
+  const std::unique_ptr<void, decltype(unmap)> held(mapped, unmap);
+  const T* const from = static_cast<const T*>(mapped);
+  return {from, from + count};
 }
 
 template <class T>

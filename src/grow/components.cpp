@@ -19,8 +19,7 @@ NodeParts findNodeParts(GrowthState& state, const DeviceBuffer* labels) {
   state.run(kFile, "component_nodes", state.items, state.inside, state.leafCount, state.items,
             label, byLabel, found.localNode, found.nodeCount);
 
-  found.nodesOfItem.resize(state.items);
-  readBuffer<cl_uint>(state.device, found.nodeCount, found.nodesOfItem);
+  found.nodesOfItem = downloaded<cl_uint>(state.device, found.nodeCount, state.items);
   found.first.reserve(state.items);
   for (const cl_uint n : found.nodesOfItem) {
     found.first.push_back(found.nodes);
@@ -62,8 +61,8 @@ KeptParts keepSeededParts(GrowthState& state, const DeviceBuffer& labels, const 
   const NodeParts parts = findNodeParts(state, &labels);
   const PrimarySeeds primaries = primariesOf(state, seeds);
   const DeviceBuffer keep = state.filled<cl_uint>(parts.nodes, 0);
-  state.run(kFile, "component_mark", primaries.count, parts.localNode, parts.firstNode, parts.root,
-            primaries.item, primaries.offset, primaries.count, keep);
+  state.run(kFile, "component_mark", primaries.count, parts.localNode, parts.firstNode,
+            parts.nodeCount, parts.root, primaries.item, primaries.offset, primaries.count, keep);
   return keptBy(state, parts, keep);
 }
 
@@ -73,11 +72,9 @@ KeptParts keepLargestParts(GrowthState& state, const DeviceBuffer& labels) {
   const DeviceBuffer labelBuffer = makeBuffer<cl_ushort>(state.device, parts.nodes);
   state.run(kFile, "component_measure", state.items, state.inside, state.leafCount, state.items,
             labels, parts.localNode, parts.firstNode, parts.nodeCount, voxelBuffer, labelBuffer);
-  std::vector<cl_uint> voxels(parts.nodes), root(parts.nodes);
-  std::vector<cl_ushort> label(parts.nodes);
-  readBuffer<cl_uint>(state.device, voxelBuffer, voxels);
-  readBuffer<cl_uint>(state.device, parts.root, root);
-  readBuffer<cl_ushort>(state.device, labelBuffer, label);
+  std::vector<cl_uint> voxels = downloaded<cl_uint>(state.device, voxelBuffer, parts.nodes);
+  const auto root = downloaded<cl_uint>(state.device, parts.root, parts.nodes);
+  const auto label = downloaded<cl_ushort>(state.device, labelBuffer, parts.nodes);
 
   // Nodes ascend, and so do roots: the first of equal parts stays the largest.
   for (cl_uint n = 0; n < parts.nodes; ++n) {

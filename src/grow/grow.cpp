@@ -110,11 +110,10 @@ std::vector<Labels> read(const Growing& growing) {
   std::vector<Labels> all(growing.state.fractures);
   const std::size_t voxels = std::size_t{growing.state.leafCount} * SHERD_LEAF_SIZE;
   for (std::size_t f = 0; f < all.size(); ++f) {
-    all[f].fragment.resize(voxels);
-    readBuffer<std::uint16_t>(growing.state.device, growing.labels, all[f].fragment, f * voxels);
+    Device::Impl& device = growing.state.device;
+    all[f].fragment = downloaded<std::uint16_t>(device, growing.labels, voxels, f * voxels);
     if (growing.options.keepCost) {
-      all[f].cost.resize(voxels);
-      readBuffer<std::uint32_t>(growing.state.device, growing.cost, all[f].cost, f * voxels);
+      all[f].cost = downloaded<std::uint32_t>(device, growing.cost, voxels, f * voxels);
       clearOutside(growing.state.blocks, all[f].cost);
     }
     if (!growing.freed.empty()) all[f].freed = growing.freed[f];
@@ -138,10 +137,9 @@ DeviceBuffer settled(Growing& growing) {
   KeptParts parts = growing.noted(keepSeededParts(state, growing.labels, growing.seeds));
   if (growing.options.growth != Growth::euclid) return parts.mask;
   if (parts.all() && !growing.options.rehearse) return parts.mask;
-  Grown regrown = regrowByWeight(state, growing.labels, parts.mask,
-                                 chamferSteps(growing.options.grain), growing.progress);
+  regrowByWeight(state, growing.labels, parts.mask, chamferSteps(growing.options.grain),
+                 growing.progress);
   if (parts.all()) return parts.mask;
-  growing.labels = regrown.labels;
   return growing.noted(keepSeededParts(state, growing.labels, growing.seeds)).mask;
 }
 

@@ -19,7 +19,7 @@ class Levels {
         owned_(state.filled<cl_ulong>(state.words(), 0)),
         offered_(state.filled<cl_ulong>(state.words(), 0)),
         source_(makeBuffer<cl_uint>(state.device, state.voxels())),
-        cost_(state.filled<cl_uint>(state.voxels(), 0)),
+        cost_(makeBuffer<cl_uint>(state.device, state.voxels())),
         claim_(state.filled<cl_ulong>(2 * state.words(), 0)),
         claimed_(state.filled<cl_uint>(2 * std::size_t{state.items}, 0)),
         wake_(state.filled<cl_uint>(state.items, SHERD_NO_STEP)),
@@ -33,6 +33,7 @@ class Levels {
   }
 
   void seed(const SeedTable& table, std::span<const cl_uint> source) {
+    state_.device.queue.enqueueFillBuffer<cl_uint>(cost_, 0, 0, state_.voxels() * sizeof(cl_uint));
     const SeedGroups seeds = groupsOf(state_, table);
     const DeviceBuffer sources = uploadBuffer<cl_uint>(state_.device, source);
     launch("levels_seed", seeds.count, seeds.item, seeds.first, seeds.offset, sources, seeds.count);
@@ -40,7 +41,13 @@ class Levels {
   }
 
   void load(const DeviceBuffer& labels, const DeviceBuffer& kept) {
-    launch("levels_load", state_.items, kept, labels);
+    launch("levels_keep", state_.items, kept);
+    launch("levels_load", state_.items, labels);
+  }
+
+  // Into the labels that were loaded.
+  void save(const DeviceBuffer& labels, const DeviceBuffer& kept) {
+    launch("levels_save", state_.items, kept, labels);
   }
 
   // `stride` and the chain's buffers: see the kernel.
@@ -105,11 +112,9 @@ class Levels {
       taken_, control_;
 };
 
-Grown runByWeight(GrowthState& state, Levels& levels, const Steps& steps,
-                  const Progress* progress) {
+void runByWeight(GrowthState& state, Levels& levels, const Steps& steps, const Progress* progress) {
   const DeviceBuffer none = makeBuffer<cl_int4>(state.device, 1);
   levels.grow(steps, false, steps.leastWeight, sherd_metric{}, none, progress);
-  return levels.finish(none, false);
 }
 
 }  // namespace
@@ -118,7 +123,8 @@ Grown growByWeight(GrowthState& state, const SeedTable& seeds, const Steps& step
                    const Progress* progress) {
   Levels levels(state);
   levels.seed(seeds, std::vector<cl_uint>(seeds.label.begin(), seeds.label.end()));
-  return runByWeight(state, levels, steps, progress);
+  runByWeight(state, levels, steps, progress);
+  return levels.finish(makeBuffer<cl_ushort>(state.device, 1), false);
 }
 
 Grown growChain(GrowthState& state, const SeedTable& seeds, const sherd_metric& metric,
@@ -143,11 +149,12 @@ Grown growChain(GrowthState& state, const SeedTable& seeds, const sherd_metric& 
   return levels.finish(uploadBuffer<cl_ushort>(state.device, label), true);
 }
 
-Grown regrowByWeight(GrowthState& state, const DeviceBuffer& labels, const DeviceBuffer& kept,
-                     const Steps& steps, const Progress* progress) {
+void regrowByWeight(GrowthState& state, const DeviceBuffer& labels, const DeviceBuffer& kept,
+                    const Steps& steps, const Progress* progress) {
   Levels levels(state);
   levels.load(labels, kept);
-  return runByWeight(state, levels, steps, progress);
+  runByWeight(state, levels, steps, progress);
+  levels.save(labels, kept);
 }
 
 }  // namespace sherd

@@ -20,9 +20,8 @@ struct Grown {
 [[nodiscard]] Grown growChain(GrowthState& state, const SeedTable& seeds,
                               const sherd_metric& metric, const Progress* progress);
 
-/// Grow what is `kept` of `labels` over the rest of the inside.
-[[nodiscard]] Grown regrowByWeight(GrowthState& state, const DeviceBuffer& labels,
-                                   const DeviceBuffer& kept, const Steps& steps,
-                                   const Progress* progress);
+/// Grow what is `kept` of `labels` over the rest of the inside, in place.
+void regrowByWeight(GrowthState& state, const DeviceBuffer& labels, const DeviceBuffer& kept,
+                    const Steps& steps, const Progress* progress);
 
 }  // namespace sherd

@@ -37,6 +37,22 @@ void numberParts(const LeafBlocks& blocks, std::span<const cl_uint> nodeCount,
   }
 }
 
+void readLocalNodes(GrowthState& state, const NodeParts& found, Parts& parts) {
+  std::vector<cl_uint> several;
+  parts.firstLocal.assign(state.items, Parts::kOneNode);
+  for (cl_uint leaf = 0; leaf < state.items; ++leaf) {
+    if (found.nodesOfItem[leaf] < 2) continue;
+    parts.firstLocal[leaf] = static_cast<std::uint32_t>(several.size());
+    several.push_back(leaf);
+  }
+  const std::size_t voxels = several.size() * SHERD_LEAF_SIZE;
+  const DeviceBuffer gathered = makeBuffer<cl_ushort>(state.device, voxels);
+  state.run("components.cl", "component_gather", several.size(), found.localNode,
+            uploadBuffer<cl_uint>(state.device, several), static_cast<cl_uint>(several.size()),
+            gathered);
+  parts.localNode = downloaded<std::uint16_t>(state.device, gathered, voxels);
+}
+
 }  // namespace
 
 Parts findParts(const LeafBlocks& blocks, Device& device) {
@@ -45,10 +61,8 @@ Parts findParts(const LeafBlocks& blocks, Device& device) {
     GrowthState state(blocks, 1, impl);
     NodeParts found = findNodeParts(state);
     Parts parts;
-    parts.localNode.resize(state.voxels());
-    readBuffer<std::uint16_t>(impl, found.localNode, parts.localNode);
-    std::vector<cl_uint> root(found.nodes);
-    readBuffer<cl_uint>(impl, found.root, root);
+    readLocalNodes(state, found, parts);
+    const std::vector<cl_uint> root = downloaded<cl_uint>(impl, found.root, found.nodes);
     parts.firstNode = std::move(found.first);
     numberParts(blocks, found.nodesOfItem, root, parts);
     return parts;
@@ -61,9 +75,7 @@ std::vector<std::uint64_t> largestParts(const LeafBlocks& blocks, const Labels& 
   return withDevice(impl, "finding the largest parts", [&] {
     GrowthState state(blocks, 1, impl);
     const DeviceBuffer uploaded = uploadBuffer<std::uint16_t>(impl, labels.fragment);
-    std::vector<std::uint64_t> mask(state.words());
-    readBuffer<std::uint64_t>(impl, keepLargestParts(state, uploaded).mask, mask);
-    return mask;
+    return downloaded<std::uint64_t>(impl, keepLargestParts(state, uploaded).mask, state.words());
   });
 }
 

@@ -71,6 +71,14 @@ cl_int clEnqueueWriteBuffer(cl_command_queue queue, cl_mem buffer, cl_bool block
   return real(queue, buffer, blocking, offset, size, from, count, waits, event);
 }
 
+void* clEnqueueMapBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking,
+                         cl_map_flags flags, size_t offset, size_t size, cl_uint count,
+                         const cl_event* waits, cl_event* event, cl_int* error) {
+  __typeof__(&clEnqueueMapBuffer) real = faultReal("clEnqueueMapBuffer");
+  if (faultNow("device")) return failed(error), NULL;
+  return real(queue, buffer, blocking, flags, offset, size, count, waits, event, error);
+}
+
 cl_int clEnqueueFillBuffer(cl_command_queue queue, cl_mem buffer, const void* pattern,
                            size_t length, size_t offset, size_t size, cl_uint count,
                            const cl_event* waits, cl_event* event) {
