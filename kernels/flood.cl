@@ -49,63 +49,73 @@ inline ulong bordering(const int beside, const ulong first, const ulong last, co
   return bits;
 }
 
-inline void enqueue(global uint* queued, global uint* list, global uint* listCount, const uint items,
-                    const uint item, const uint step) {
-  if (atomic_xchg(&queued[item], step) == step) return;
-  const uint at = atomic_inc(&listCount[step % 3]);
-  list[(size_t)(step & 1) * items + at] = item;
+// What a work-item queues for the next step is held back, and put on the list some at a time: an atomic exchange waits
+// for all that was written before it.
+#define FLOOD_HELD 64
+struct held_items {
+  uint item[FLOOD_HELD];  // some of them twice
+  uint count;
+};
+
+inline void let_go(struct held_items* held, global uint* queued, global uint* list, global uint* listCount,
+                   const uint items, const uint step) {
+  uint count = 0;
+  for (uint i = 0; i < held->count; ++i) {
+    if (atomic_xchg(&queued[held->item[i]], step) != step) held->item[count++] = held->item[i];
+  }
+  held->count = 0;
+  if (!count) return;
+  const uint at = atomic_add(&listCount[step % 3], count);
+  for (uint i = 0; i < count; ++i) list[(size_t)(step & 1) * items + at + i] = held->item[i];
 }
 
-// Make `front` what `item` reached in `step`, and queue who can go on from it.
-inline void publish(const ulong* front, const int selfLeft, const uint item, const uint leaf, const uint step,
-                    const uint newTag, const global ulong* domain, const global uint* neighbour,
+inline void enqueue(global uint* queued, struct held_items* held, global uint* list, global uint* listCount,
+                    const uint items, const uint item, const uint step) {
+  held->item[held->count++] = item;
+  if (held->count == FLOOD_HELD) let_go(held, queued, list, listCount, items, step);
+}
+
+// Make `front` what `item` reached in `step`, and queue who can go on from it.  `arrived` is what it was reached by over
+// faces: who was there before needs not be told.
+inline void publish(const ulong* front, const ulong8* arrived, const int selfLeft, const uint item, const uint leaf,
+                    const uint step, const uint newTag, const global ulong* domain, const global uint* neighbour,
                     const global uint* round27, const uint neighbours, global ulong* frontMask,
-                    global uint* frontStep, global uint* frontTag, global uint* queued, global uint* list,
-                    global uint* listCount, const uint items) {
+                    global uint* frontStep, global uint* frontTag, global uint* queued, struct held_items* held,
+                    global uint* list, global uint* listCount, const uint items) {
   const size_t copy = (size_t)(step & 1) * items + item;
-  ulong any = 0;
-  for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
-    frontMask[copy * SHERD_LEAF_WORDS + x] = front[x];
-    any |= front[x];
-  }
+  const ulong8 slabs = vload8(0, front);
+  vstore8(slabs, copy, frontMask);
+  const ulong any = any_of(slabs);
   frontStep[copy] = step;
   frontTag[copy] = newTag;
-  if (selfLeft) enqueue(queued, list, listCount, items, item, step + 1);
+  if (selfLeft) enqueue(queued, held, list, listCount, items, item, step + 1);
   if (neighbours == 26) {
     for (int n = 0; n < 26; ++n) {
       const uint other = round27[(size_t)leaf * 27 + kBeside[n]];
       if (other != SHERD_NO_LEAF && bordering(kBeside[n], front[0], front[7], any)) {
-        enqueue(queued, list, listCount, items, item - leaf + other, step + 1);
+        enqueue(queued, held, list, listCount, items, item - leaf + other, step + 1);
       }
     }
     return;
   }
-  const ulong touches[SHERD_LEAF_FACES] = {front[0],       front[7],       any & SHERD_Y0,
-                                           any & SHERD_Y7, any & SHERD_Z0, any & SHERD_Z7};
+#pragma unroll
   for (int k = 0; k < SHERD_LEAF_FACES; ++k) {
-    if (!touches[k]) continue;
+    const ulong8 beyond = slabs_through_face(k ^ 1, slabs & ~arrived[k]);  // (their face that we reach is k ^ 1)
+    if (!any_of(beyond)) continue;
     const uint other = neighbour[(size_t)leaf * SHERD_LEAF_FACES + k];
-    if (other == SHERD_NO_LEAF) continue;
-    // Does a front bit have a domain voxel behind the face?  (The face of theirs that we reach is k ^ 1's.)
-    ulong open = 0;
-    if (k < 2) {
-      open = front[k == 0 ? 0 : 7] & domain[(size_t)other * SHERD_LEAF_WORDS + (k == 0 ? 7 : 0)];
-    } else {
-      for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
-        open |= through_face(k ^ 1, front[x]) & domain[(size_t)other * SHERD_LEAF_WORDS + x];
-      }
-    }
-    if (open) enqueue(queued, list, listCount, items, item - leaf + other, step + 1);
+    if (other == SHERD_NO_LEAF || !any_of(beyond & vload8(other, domain))) continue;
+    enqueue(queued, held, list, listCount, items, item - leaf + other, step + 1);
   }
 }
 
+constant ushort8 kRowBits = (ushort8)(1, 2, 4, 8, 16, 32, 64, 128);
+
 // Write a one-label leaf out, one row of eight voxels at a time.
 inline void write_rows(const ulong* mask, const ushort label, global ushort* out) {
-  const ushort8 bit = (ushort8)(1, 2, 4, 8, 16, 32, 64, 128);
   for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
     for (int y = 0; y < 8; ++y) {
       const ushort row = (ushort)((mask[x] >> (8 * y)) & 0xff);
-      const ushort8 set = convert_ushort8((bit & row) != (ushort8)(0)) & label;
+      const ushort8 set = convert_ushort8((kRowBits & row) != (ushort8)(0)) & label;
       vstore8(set, (x << 3) + y, out);
     }
   }
@@ -120,6 +130,8 @@ kernel void flood_seed(
     const global ushort* restrict seedLabel,   // [seeds]
     const uint seedItems)
 {
+  struct held_items held;
+  held.count = 0;
   for (size_t i = get_global_id(0); i < seedItems; i += get_global_size(0)) {
     const uint item = seedItem[i];
     const uint leaf = item % leafCount;
@@ -140,9 +152,12 @@ kernel void flood_seed(
         if (!((front[v >> 6] >> (v & 63)) & 1)) owner[(size_t)item * SHERD_LEAF_SIZE + v] = 0;
       }
     }
-    publish(front, 1, item, leaf, 0, only, domain, neighbour, round27, neighbours, frontMask, frontStep, frontTag,
-            queued, list, listCount, items);
+    ulong8 arrived[SHERD_LEAF_FACES];
+    for (int k = 0; k < SHERD_LEAF_FACES; ++k) arrived[k] = 0;
+    publish(front, arrived, 1, item, leaf, 0, only, domain, neighbour, round27, neighbours, frontMask, frontStep, frontTag,
+            queued, &held, list, listCount, items);
   }
+  let_go(&held, queued, list, listCount, items, 1);
 }
 
 // Take labels that `owner` holds already instead of seeds: those of kept voxels stay, the rest reads 0.
@@ -172,6 +187,8 @@ kernel void flood_load(
 // Begin a second growth from everything owned so far into another domain: all of it is the front of `step`.
 kernel void flood_restart(FLOOD_STATE, const uint step)
 {
+  struct held_items held;
+  held.count = 0;
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
     const size_t copy = (size_t)(step & 1) * items + item;
     ulong open = 0;
@@ -181,41 +198,30 @@ kernel void flood_restart(FLOOD_STATE, const uint step)
     }
     frontStep[copy] = step;
     frontTag[copy] = tag[item];
-    if (open) enqueue(queued, list, listCount, items, (uint)item, step + 1);
+    if (open) enqueue(queued, &held, list, listCount, items, (uint)item, step + 1);
   }
+  let_go(&held, queued, list, listCount, items, step + 1);
 }
 
 // What a leaf's open voxels receive from fronts over faces, and from which items.
-inline void arrive6(const global uint* beside, const uint base, const global ulong* frontMask,
-                    const global uint* frontStep, const uint live, const ulong* open, ulong* reached, uint* source) {
-  ulong self[SHERD_LEAF_WORDS];
-  for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
-    self[x] = source[13] != SHERD_NO_LEAF ? frontMask[(size_t)source[13] * SHERD_LEAF_WORDS + x] : 0;
+inline ulong8 arrive6(const global uint* beside, const uint base, const global ulong* frontMask,
+                      const global uint* frontStep, const uint live, const ulong8 open, uint* source,
+                      ulong8* arrived) {
+  ulong8 reached = 0;
+  if (source[13] != SHERD_NO_LEAF) {
+    const ulong8 self = vload8(source[13], frontMask);
+    reached = slabs_neighbours(self) & open;
   }
-  for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
-    ulong r = slab_neighbours(self[x]);
-    if (x > 0) r |= self[x - 1];
-    if (x < SHERD_LEAF_WORDS - 1) r |= self[x + 1];
-    reached[x] = r & open[x];
-  }
+#pragma unroll
   for (int k = 0; k < SHERD_LEAF_FACES; ++k) {
     const uint other = beside[k];
     if (other == SHERD_NO_LEAF || frontStep[base + other] != live) continue;
-    const global ulong* restrict theirs = frontMask + (size_t)(base + other) * SHERD_LEAF_WORDS;
-    ulong arrives = 0;
-    if (k < 2) {
-      const int x = k == 0 ? 0 : 7;
-      arrives = theirs[7 - x] & open[x];
-      reached[x] |= arrives;
-    } else {
-      for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
-        const ulong r = through_face(k, theirs[x]) & open[x];
-        reached[x] |= r;
-        arrives |= r;
-      }
-    }
-    if (arrives) source[kBeside[k]] = base + other;
+    const ulong8 theirs = vload8(base + other, frontMask);
+    arrived[k] = slabs_through_face(k, theirs) & open;
+    reached |= arrived[k];
+    if (any_of(arrived[k])) source[kBeside[k]] = base + other;
   }
+  return reached;
 }
 
 // The same over faces, edges and corners.
@@ -275,13 +281,14 @@ inline void take_labels(const uint* source, const global ulong* frontMask, const
   for (int row = 0; row < 64; ++row) {
     uint set = (uint)(reached[row >> 3] >> (8 * (row & 7))) & 0xff;
     if (!set) continue;
-    ushort8 least = (ushort8)(FLOOD_NO_LABEL);
-    for (int k = 0; k < 9; ++k) {  // the rows beside, itself at 4
-      if (neighbours == 6 && !(k & 1) && k != 4) continue;
-      const ushort* beside = near + (((row >> 3) + k / 3) * 10 + (row & 7) + k % 3) * 10;
-      least = min(least, vload8(0, beside + 1));
-      if (neighbours == 6 && k != 4) continue;
-      least = min(least, min(vload8(0, beside), vload8(0, beside + 2)));
+    const ushort* const here = near + (((row >> 3) + 1) * 10 + (row & 7) + 1) * 10 + 1;
+    ushort8 least = min(vload8(0, here - 1), vload8(0, here + 1));
+    least = min(least, min(vload8(0, here - 10), vload8(0, here + 10)));
+    least = min(least, min(vload8(0, here - 100), vload8(0, here + 100)));
+    for (int k = 0; neighbours == 26 && k < 9; ++k) {  // the rows beside, itself at 4
+      const ushort* const beside = here + (k / 3 - 1) * 100 + (k % 3 - 1) * 10;
+      if (k != 4) least = min(least, vload8(0, beside));
+      least = min(least, min(vload8(0, beside - 1), vload8(0, beside + 1)));
     }
     ushort labels[8];
     vstore8(least, 0, labels);
@@ -298,30 +305,35 @@ kernel void flood_step(FLOOD_STATE, const uint step)
   if (get_global_id(0) == 0) listCount[(step + 2) % 3] = 0;  // the round after next counts from 0
   const uint entries = listCount[step % 3];
   const size_t before = (size_t)((step + 1) & 1) * items;    // the copy of step - 1
+  struct held_items held;
+  held.count = 0;
   for (size_t i = get_global_id(0); i < entries; i += get_global_size(0)) {
     const uint item = list[(size_t)(step & 1) * items + i];
     const uint leaf = item % leafCount;
     const uint base = item - leaf;
 
-    ulong open[SHERD_LEAF_WORDS];  // reachable and not yet owned
-    ulong isOpen = 0;
-    for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
-      open[x] = domain[(size_t)leaf * SHERD_LEAF_WORDS + x] & ~owned[(size_t)item * SHERD_LEAF_WORDS + x];
-      isOpen |= open[x];
-    }
-    if (!isOpen) continue;
+    const ulong8 owned8 = vload8(item, owned);
+    const ulong8 open8 = vload8(leaf, domain) & ~owned8;  // reachable and not yet owned
+    if (!any_of(open8)) continue;
 
     ulong reached[SHERD_LEAF_WORDS];
+    ulong8 reached8, arrived[SHERD_LEAF_FACES];
+    for (int k = 0; k < SHERD_LEAF_FACES; ++k) arrived[k] = 0;
     uint source[27];  // items whose live front may border on this leaf, as kBeside numbers them
     for (int k = 0; k < 27; ++k) source[k] = SHERD_NO_LEAF;
     if (frontStep[before + item] == step - 1) source[13] = item;
     if (neighbours == 26) {
+      ulong open[SHERD_LEAF_WORDS];
+      vstore8(open8, 0, open);
       arrive26(round27 + (size_t)leaf * 27, base, frontMask + before * SHERD_LEAF_WORDS, frontStep + before, step - 1,
                open, reached, source);
+      reached8 = vload8(0, reached);
     } else {
-      arrive6(neighbour + (size_t)leaf * SHERD_LEAF_FACES, base, frontMask + before * SHERD_LEAF_WORDS,
-              frontStep + before, step - 1, open, reached, source);
+      reached8 = arrive6(neighbour + (size_t)leaf * SHERD_LEAF_FACES, base, frontMask + before * SHERD_LEAF_WORDS,
+                         frontStep + before, step - 1, open8, source, arrived);
+      vstore8(reached8, 0, reached);
     }
+    if (!any_of(reached8)) continue;
     uint label = tag[item];  // 0: none yet
     int oneLabel = label != SHERD_TAG_MIXED;
     for (uint n = 0; n < neighbours; ++n) {
@@ -331,16 +343,12 @@ kernel void flood_step(FLOOD_STATE, const uint step)
       if (label == 0) label = theirTag;
       oneLabel &= theirTag == label && theirTag != SHERD_TAG_MIXED;
     }
-    ulong isReached = 0;
-    for (int x = 0; x < SHERD_LEAF_WORDS; ++x) isReached |= reached[x];
-    if (!isReached) continue;
-
     global ushort* restrict owners = owner + (size_t)item * SHERD_LEAF_SIZE;
     if (!oneLabel) {
       const uint selfTag = tag[item];
       if (selfTag != SHERD_TAG_MIXED) {
         ulong old[SHERD_LEAF_WORDS];
-        for (int x = 0; x < SHERD_LEAF_WORDS; ++x) old[x] = owned[(size_t)item * SHERD_LEAF_WORDS + x];
+        vstore8(owned8, 0, old);
         write_rows(old, (ushort)selfTag, owners);
       }
       take_labels(source, frontMask + before * SHERD_LEAF_WORDS, frontTag + before, owner, neighbours, reached, owners);
@@ -353,15 +361,12 @@ kernel void flood_step(FLOOD_STATE, const uint step)
         }
       }
     }
-    ulong left = 0;
-    for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
-      owned[(size_t)item * SHERD_LEAF_WORDS + x] |= reached[x];
-      left |= open[x] & ~reached[x];
-    }
+    vstore8(owned8 | reached8, item, owned);
     tag[item] = label;
-    publish(reached, left != 0, item, leaf, step, label, domain, neighbour, round27, neighbours, frontMask, frontStep,
-            frontTag, queued, list, listCount, items);
+    publish(reached, arrived, any_of(open8 & ~reached8) != 0, item, leaf, step, label, domain, neighbour, round27, neighbours,
+            frontMask, frontStep, frontTag, queued, &held, list, listCount, items);
   }
+  let_go(&held, queued, list, listCount, items, step + 1);
 }
 
 // Write out every leaf that is not mixed.

@@ -43,6 +43,29 @@ inline ulong through_face(const int k, const ulong w) {
   }
 }
 
+// The same of all slabs of a leaf at once.
+inline ulong any_of(const ulong8 w) {
+  const ulong4 a = w.lo | w.hi;
+  const ulong2 b = a.lo | a.hi;
+  return b.x | b.y;
+}
+
+inline ulong8 slabs_neighbours(const ulong8 w) {
+  const ulong8 inSlab = w << 8 | w >> 8 | (w & ~SHERD_Z7) << 1 | (w & ~SHERD_Z0) >> 1;
+  return inSlab | (ulong8)(0, w.s0123, w.s456) | (ulong8)(w.s1234, w.s567, 0);
+}
+
+inline ulong8 slabs_through_face(const int k, const ulong8 w) {
+  switch (k) {
+    case 0: return (ulong8)(w.s7, 0, 0, 0, 0, 0, 0, 0);
+    case 1: return (ulong8)(0, 0, 0, 0, 0, 0, 0, w.s0);
+    case 2: return w >> 56;
+    case 3: return w << 56;
+    case 4: return (w >> 7) & SHERD_Z0;
+    default: return (w & SHERD_Z0) << 7;
+  }
+}
+
 // The number of the lowest set bit.
 inline int lowest_bit(const ulong bits) { return 63 - (int)clz(bits & (~bits + 1)); }
 
