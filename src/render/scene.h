@@ -17,7 +17,7 @@ namespace sherd {
 /// of 1.
 struct Piece {
   std::vector<glm::vec3> vertices;                ///< [n + 1]: Embree reads 4 bytes past the last
-  std::vector<glm::uvec3> triangles;              ///< [m]
+  std::span<const glm::uvec3> triangles;          ///< [m] the fragment's
   std::vector<std::array<glm::vec3, 3>> normals;  ///< [m] unit normals at the corners
   std::vector<std::uint8_t> inner;                ///< [m] 1 for a fracture face
 };
@@ -40,6 +40,7 @@ struct Scene {
 [[nodiscard]] glm::vec3 worldDirection(const glm::vec3& direction, char up);
 
 /// Explode, centre and scale the fragments, give them smooth normals, and build the tree of boxes.
+///   fragments  have to outlive the scene
 ///   throws  Error(output) when Embree fails
 [[nodiscard]] Scene makeScene(std::span<const Fragment> fragments, const RenderOptions& options);
 
