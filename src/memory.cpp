@@ -20,10 +20,10 @@ namespace sherd {
 namespace {
 
 // Rates: docs/performance.md, "Memory".
-constexpr double kProgram = 190e6;          // the OpenCL device and its compiler
-constexpr double kPerTriangle = 200.0;      // of the input: vertices, the tree, columns
-constexpr double kPerSurfaceVoxel = 850.0;  // level sets, cells and meshes of fragments
-constexpr double kPerInsideVoxel = 20.0;    // leaves, labels and growth
+constexpr double kProgram = 200e6;          // the OpenCL device and its compiler
+constexpr double kPerTriangle = 180.0;      // of the input: vertices, the tree, columns
+constexpr double kPerSurfaceVoxel = 600.0;  // level sets, cells and meshes of fragments
+constexpr double kPerInsideVoxel = 8.0;     // leaves, labels and growth
 
 struct Extent {
   double area = 0.0, volume = 0.0;  // world units
