@@ -35,6 +35,9 @@ echo "== points, as Debian's Point Cloud Library has them"
 DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends libpcl-dev > /dev/null
 tools/check_pcl.sh build/release/sherd
 
+echo "== a thousand million voxels"
+tests/long/large.py build/release/sherd
+
 echo "== a dataset run on Slurm"
 tests/long/slurm.sh build/release/sherd
 
