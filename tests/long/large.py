@@ -4,7 +4,7 @@
 usage: large.py SHERD [RESOLUTION]    (default: 1300, which takes two minutes, 8 GB of memory and 2 GB of disk)
 
 The voxels of `labels.rle` and the volumes of the meshes are added up here, and compared with the ball's; `sherd evaluate`
-looks at the meshes' edges.  Needs Debian's python3-numpy.
+looks at the meshes' edges.  Needs what tests/cli/cli_test.py needs.
 """
 import json
 import os
@@ -15,29 +15,14 @@ import tempfile
 
 import numpy as np
 
+if len(sys.argv) not in (2, 3):
+    sys.exit(__doc__)
+os.environ["SHERD_BIN"] = sys.argv[1]
+sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "cli"))
+from cli_test import sphere, write_obj
+from ply_file import columns, read_ply
+
 STEPS = 400  # of latitude: the polyhedron has 0.999974 of the ball's volume
-
-
-def write_ball(path):
-    """Return its volume."""
-    polar = np.linspace(0, np.pi, STEPS + 1)[1:-1, None]
-    round_ = np.linspace(0, 2 * np.pi, 2 * STEPS, endpoint=False)[None]
-    ring = np.stack([np.sin(polar) * np.cos(round_), np.sin(polar) * np.sin(round_),
-                     np.cos(polar) + 0 * round_], -1).reshape(-1, 3)
-    points = np.concatenate([[[0, 0, 1]], ring, [[0, 0, -1]]]).astype("<f4")
-    at = 1 + np.arange(len(ring)).reshape(-1, 2 * STEPS)
-    beside = np.roll(at, -1, 1)
-    a, b, c, d = (x.ravel() for x in (at[:-1], beside[:-1], at[1:], beside[1:]))
-    top, bottom = 0 * at[0], 0 * at[0] + len(points) - 1
-    faces = np.concatenate([np.stack(t, 1) for t in ((top, at[0], beside[0]), (a, c, d), (a, d, b),
-                                                     (bottom, beside[-1], at[-1]))])
-    records = np.zeros(len(faces), [("count", "u1"), ("corners", "<i4", 3)])
-    records["count"], records["corners"] = 3, faces
-    header = ("ply\nformat binary_little_endian 1.0\n"
-              f"element vertex {len(points)}\nproperty float x\nproperty float y\nproperty float z\n"
-              f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n")
-    path.write_bytes(header.encode() + points.tobytes() + records.tobytes())
-    return volume(points.astype(float), faces)
 
 
 def volume(points, faces):
@@ -46,34 +31,16 @@ def volume(points, faces):
 
 
 def mesh_volume(ply):
-    """Of vertices of three doubles or floats, then what else there is, and faces of three corners: by the header."""
-    kinds = {"float": "<f4", "double": "<f8", "uchar": "u1", "ushort": "<u2", "int": "<i4", "uint": "<u4"}
-    data = ply.read_bytes()
-    end = data.index(b"end_header\n") + len(b"end_header\n")
-    elements = []
-    for line in data[:end].decode().splitlines():
-        words = line.split()
-        if words[0] == "element":
-            elements.append((words[1], int(words[2]), []))
-        elif words[0] == "property":
-            fields = elements[-1][2]
-            if words[1] == "list":
-                fields += [("count", kinds[words[2]]), ("corners", kinds[words[3]], 3)]
-            else:
-                fields.append((words[2], kinds[words[1]]))
-    arrays = {}
-    for name, count, fields in elements:
-        arrays[name] = np.frombuffer(data, np.dtype(fields), count, end)
-        end += arrays[name].nbytes
-    assert (arrays["face"]["count"] == 3).all()
-    points = np.stack([arrays["vertex"][axis].astype(float) for axis in "xyz"], 1)
-    return volume(points, arrays["face"]["corners"])
+    _, vertices, faces = read_ply(ply)
+    return volume(columns(vertices, *"xyz"), faces["vertex_indices"])
 
 
 def main(sherd, resolution="1300"):
     with tempfile.TemporaryDirectory() as scratch:
-        ball, out = pathlib.Path(scratch) / "ball.ply", pathlib.Path(scratch) / "out"
-        whole = write_ball(ball)
+        ball, out = pathlib.Path(scratch) / "ball.obj", pathlib.Path(scratch) / "out"
+        mesh = sphere(STEPS, 2 * STEPS)
+        write_obj(ball, mesh)
+        whole = volume(*map(np.array, mesh))
         process = subprocess.Popen([sherd, "fracture", ball, "-o", out, "--resolution", resolution, "--pieces", "10",
                                     "--write", "labels,mesh", "--quiet"])
         _, status, usage = os.wait4(process.pid, 0)
@@ -106,6 +73,4 @@ def main(sherd, resolution="1300"):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) not in (2, 3):
-        sys.exit(__doc__)
     main(*sys.argv[1:])
