@@ -26,6 +26,8 @@ import time
 
 import numpy as np
 
+from mesh_file import read_ply
+
 STAGES = ("voxelize", "grow", "extract", "write")
 
 
@@ -53,18 +55,11 @@ def broken(sherd, mesh, resolution, out):
     return json.loads(report), usage.ru_maxrss * 1024
 
 
-def elements(ply):
-    """Vertices and faces, by the header."""
-    with open(ply, "rb") as file:
-        header = file.read(4096).decode("latin-1").split()
-    counts = dict(zip((header[i + 1] for i, word in enumerate(header) if word == "element"),
-                      (int(header[i + 2]) for i, word in enumerate(header) if word == "element")))
-    return counts["vertex"], counts["face"]
-
-
 def least_bytes(report, folder):
-    meshes = [elements(ply) for ply in (folder / "meshes").iterdir()]
-    vertices, faces = (sum(counts) for counts in zip(*meshes))
+    vertices = faces = 0
+    for ply in (folder / "meshes").iterdir():
+        mesh = read_ply(ply)
+        vertices, faces = vertices + len(mesh["vertex"]), faces + len(mesh["face"])
     band = 3 * faces
     files = sum(f.stat().st_size for f in folder.rglob("*") if f.is_file())
     return faces, {"voxelize": 4 * band, "grow": report["voxels"] * (2 + 1 / 8),
