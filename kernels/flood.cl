@@ -6,15 +6,25 @@
 // masks.  Several fractures of the same leaves grow together: item = fracture * leafCount + leaf.
 //
 // Rounds never read what the same round writes.  Only an item's own work-item writes its state; what neighbours may
-// read is its front (mask, step, tag), which has two copies: step s reads copy (s-1)&1 and writes copy s&1.  A copy
-// whose step is not s-1 is old and counts as empty, so nothing needs to be cleared.
+// read is its front: what it reached in a step, as its six faces show it.  A front has two copies: step s reads copy
+// (s-1)&1 and writes copy s&1.  A copy whose step is not s-1 is old and counts as empty, so nothing needs to be cleared.
+// Of an item itself all that is owned counts: what was reached before the last step has nothing free beside it.
 //
-// Most leaves only ever see one label.  Such a leaf keeps it as its tag and writes no voxel until flood_finish; a
-// second label makes it SHERD_TAG_MIXED and writes it out.  A front carries the tag it was published with, so a
-// neighbour that turns mixed in this round still reads as it was.
+// Most leaves only ever see one label, and most of the others two.  Such a leaf keeps them as its tag, the lower in the
+// lower half, with a mask of what has the second, and writes no voxel until flood_finish; a third label makes it
+// SHERD_TAG_MIXED and writes it out.  A front carries the tag it was published with, so a neighbour that turns mixed in
+// this round still reads as it was.  Over 26 neighbours a leaf of two labels is mixed.
 //
-// One work-item takes list entries i, i + items, ...; any work-group size.
+// One work-item takes list entries that follow each other: they were listed together, and mostly lie together.
 // Reference: tests/kernels/flood_test.cpp, bit for bit.
+
+// What an item reached in a step.  64 bytes, so that looking at a neighbour takes one cache line.
+struct front {
+  ulong face[SHERD_LEAF_FACES];  // see face_of
+  uint step;
+  uint tag;                      // the item's, as it then was
+  ulong unused;
+};
 
 // The state of a growth; one argument list for all kernels of this file.
 #define FLOOD_STATE                                                                              \
@@ -23,12 +33,13 @@
   const global uint *restrict round27,       /* [leafCount*27] where all 26 neighbours count */ \
   const uint neighbours,                     /* 6 or 26 */                                      \
   const uint leafCount,                                                                         \
+  global ulong *restrict beyond,             /* [leafCount*6]  the domain behind each face */   \
   global ulong *restrict owned,              /* [items*8]      voxels that have a label */      \
-  global uint *restrict tag,                 /* [items]        0, the only label, or mixed */   \
+  global uint *restrict tag,                 /* [items]        0, its labels, or mixed */       \
+  global ulong *restrict second,             /* [items*3*8]    where there are two labels: */   \
+                                             /* voxels of the second, both fronts' faces of it */\
   global ushort *restrict owner,             /* [items*512]    valid where the tag is mixed */  \
-  global ulong *restrict frontMask,          /* [2*items*8]    voxels reached in a step */      \
-  global uint *restrict frontStep,           /* [2*items]      the step */                      \
-  global uint *restrict frontTag,            /* [2*items]      tag when published */            \
+  global struct front *restrict fronts,      /* [items*2]      by step parity */                \
   global uint *restrict queued,              /* [items]        last step queued for */          \
   global uint *restrict list,                /* [2*items]      items to visit, by step parity */\
   global uint *restrict listCount,           /* [3]            entries, by step modulo 3 */     \
@@ -36,87 +47,158 @@
   global uint *restrict cost,                /* [items*512]    steps, when keepCost */          \
   const uint keepCost
 
+// A tag with one label more, or 0.
+inline uint with_label(const uint tag, const uint label) {
+  const uint low = tag & 0xffff, high = tag >> 16;
+  if (label == 0 || label == low || label == high || tag == SHERD_TAG_MIXED) return tag;
+  if (high != 0) return SHERD_TAG_MIXED;
+  return low == 0 ? label : min(low, label) | max(low, label) << 16;
+}
+
+inline int is_pair(const uint tag) { return tag >> 16 != 0 && tag != SHERD_TAG_MIXED; }
+
+// Where `second` has an item's voxels of the second label, and its front's faces of them.
+inline size_t second_voxels(const uint item) { return 3 * (size_t)item; }
+inline size_t second_faces(const uint item, const uint step) {
+  return (3 * (size_t)item + 1 + (step & 1)) * SHERD_LEAF_WORDS;
+}
+
+// Where `owner` has the label of the lowest bit of a word of an item's face k.
+inline size_t label_at(const uint item, const int k, const ulong bits) {
+  return (size_t)item * SHERD_LEAF_SIZE + offset_at_face(k, lowest_bit(bits));
+}
+
 // The leaves beside one as round27 has them, x slowest, 13 itself: those over faces first, -x +x -y +y -z +z.
 constant uchar kBeside[26] = {4, 22, 10, 16, 12, 14, 0,  1,  2,  3,  5,  6,  7,
                               8, 9,  11, 15, 17, 18, 19, 20, 21, 23, 24, 25, 26};
 
-// The bits of a leaf's mask that border on the leaf at `beside`, of all slabs together.
-inline ulong bordering(const int beside, const ulong first, const ulong last, const ulong any) {
+// Of a front's voxels those that border on the leaf at `beside`, as one of its faces shows them.
+inline ulong bordering(const int beside, const global ulong* face) {
   const int i = beside / 9, j = beside / 3 % 3, k = beside % 3;
-  ulong bits = i == 0 ? first : i == 2 ? last : any;
-  if (j != 1) bits &= j == 0 ? SHERD_Y0 : SHERD_Y7;
-  if (k != 1) bits &= k == 0 ? SHERD_Z0 : SHERD_Z7;
+  ulong bits = i != 1 ? face[i >> 1] : j != 1 ? face[2 + (j >> 1)] : face[4 + (k >> 1)];
+  if (i != 1 && j != 1) bits &= j == 0 ? SHERD_Y0 : SHERD_Y7;
+  if ((i != 1 || j != 1) && k != 1) bits &= k == 0 ? SHERD_Z0 : SHERD_Z7;
   return bits;
 }
+
+// Ask for a cache line before it is needed, where kernels are compiled straight for a CPU: PoCL's prefetch() is empty.
+#if defined(__x86_64__) || defined(__aarch64__)
+#define FLOOD_FETCH(address) __builtin_prefetch(address)
+#define FLOOD_FETCH_TO_WRITE(address) __builtin_prefetch(address, 1)
+#else
+#define FLOOD_FETCH(address)
+#define FLOOD_FETCH_TO_WRITE(address)
+#endif
+#define FLOOD_NEAR_AHEAD 3  // entries of the list ahead: what their neighbours reached
+#define FLOOD_FAR_AHEAD 6   // and what they have themselves
 
 // What a work-item queues for the next step is held back, and put on the list some at a time: an atomic exchange waits
 // for all that was written before it.
 #define FLOOD_HELD 64
-struct held_items {
-  uint item[FLOOD_HELD];  // some of them twice
+struct next_items {
+  global uint* queued;
+  global uint* list;
+  global uint* listCount;
+  uint step;
+  uint held[FLOOD_HELD];  // some of them twice
   uint count;
 };
 
-inline void let_go(struct held_items* held, global uint* queued, global uint* list, global uint* listCount,
-                   const uint items, const uint step) {
+inline struct next_items next_of(global uint* queued, global uint* list, global uint* listCount, const uint items,
+                                 const uint step) {
+  struct next_items next;
+  next.queued = queued;
+  next.list = list + (size_t)(step & 1) * items;
+  next.listCount = listCount + step % 3;
+  next.step = step;
+  next.count = 0;
+  return next;
+}
+
+inline void let_go(struct next_items* next) {
   uint count = 0;
-  for (uint i = 0; i < held->count; ++i) {
-    if (atomic_xchg(&queued[held->item[i]], step) != step) held->item[count++] = held->item[i];
+  for (uint i = 0; i < next->count; ++i) {
+    const uint item = next->held[i];
+    if (atomic_xchg(&next->queued[item], next->step) != next->step) next->held[count++] = item;
   }
-  held->count = 0;
+  next->count = 0;
   if (!count) return;
-  const uint at = atomic_add(&listCount[step % 3], count);
-  for (uint i = 0; i < count; ++i) list[(size_t)(step & 1) * items + at + i] = held->item[i];
+  const uint at = atomic_add(next->listCount, count);
+  for (uint i = 0; i < count; ++i) next->list[at + i] = next->held[i];
 }
 
-inline void enqueue(global uint* queued, struct held_items* held, global uint* list, global uint* listCount,
-                    const uint items, const uint item, const uint step) {
-  held->item[held->count++] = item;
-  if (held->count == FLOOD_HELD) let_go(held, queued, list, listCount, items, step);
+inline void enqueue_if(const int wanted, struct next_items* next, const uint item) {
+  FLOOD_FETCH_TO_WRITE(next->queued + item);
+  next->held[next->count] = item;
+  next->count += wanted != 0;
 }
 
-// Make `front` what `item` reached in `step`, and queue who can go on from it.  `arrived` is what it was reached by over
-// faces: who was there before needs not be told.
-inline void publish(const ulong* front, const ulong8* arrived, const int selfLeft, const uint item, const uint leaf,
-                    const uint step, const uint newTag, const global ulong* domain, const global uint* neighbour,
-                    const global uint* round27, const uint neighbours, global ulong* frontMask,
-                    global uint* frontStep, global uint* frontTag, global uint* queued, struct held_items* held,
-                    global uint* list, global uint* listCount, const uint items) {
-  const size_t copy = (size_t)(step & 1) * items + item;
-  const ulong8 slabs = vload8(0, front);
-  vstore8(slabs, copy, frontMask);
-  const ulong any = any_of(slabs);
-  frontStep[copy] = step;
-  frontTag[copy] = newTag;
-  if (selfLeft) enqueue(queued, held, list, listCount, items, item, step + 1);
+// The front of `item` in `step`, of which `ofSecond` has the second label.
+inline void write_front(const ulong8 reached, const ulong8 ofSecond, const uint item, const uint step, const uint tag,
+                        global struct front* fronts, global ulong* second) {
+  global struct front* const front = fronts + 2 * (size_t)item + (step & 1);
+  front->step = step;
+  front->tag = tag;
+#pragma unroll
+  for (int k = 0; k < SHERD_LEAF_FACES; ++k) front->face[k] = face_of(k, reached);
+  if (!is_pair(tag)) return;
+#pragma unroll
+  for (int k = 0; k < SHERD_LEAF_FACES; ++k) second[second_faces(item, step) + k] = face_of(k, ofSecond);
+}
+
+// Make `reached` the front of `item` in `step`, and queue who can go on from it.  `arrived` is what it was reached by
+// over faces: who was there before needs not be told.
+inline void publish(const ulong8 reached, const ulong8 ofSecond, const ulong* arrived, const int selfLeft,
+                    const uint item, const uint leaf, const uint step, const uint newTag, const global ulong* beyond,
+                    const global uint* neighbour, const global uint* round27, const uint neighbours,
+                    global struct front* fronts, global ulong* second, struct next_items* next) {
+  write_front(reached, ofSecond, item, step, newTag, fronts, second);
+  const global struct front* const front = fronts + 2 * (size_t)item + (step & 1);
+  if (next->count > FLOOD_HELD - 27) let_go(next);
+  enqueue_if(selfLeft, next, item);
   if (neighbours == 26) {
     for (int n = 0; n < 26; ++n) {
       const uint other = round27[(size_t)leaf * 27 + kBeside[n]];
-      if (other != SHERD_NO_LEAF && bordering(kBeside[n], front[0], front[7], any)) {
-        enqueue(queued, held, list, listCount, items, item - leaf + other, step + 1);
-      }
+      enqueue_if(other != SHERD_NO_LEAF && bordering(kBeside[n], front->face), next, item - leaf + other);
     }
     return;
   }
 #pragma unroll
   for (int k = 0; k < SHERD_LEAF_FACES; ++k) {
-    const ulong8 beyond = slabs_through_face(k ^ 1, slabs & ~arrived[k]);  // (their face that we reach is k ^ 1)
-    if (!any_of(beyond)) continue;
-    const uint other = neighbour[(size_t)leaf * SHERD_LEAF_FACES + k];
-    if (other == SHERD_NO_LEAF || !any_of(beyond & vload8(other, domain))) continue;
-    enqueue(queued, held, list, listCount, items, item - leaf + other, step + 1);
+    const size_t at = (size_t)leaf * SHERD_LEAF_FACES + k;
+    enqueue_if((front->face[k] & ~arrived[k] & beyond[at]) != 0, next, item - leaf + neighbour[at]);
   }
 }
 
 constant ushort8 kRowBits = (ushort8)(1, 2, 4, 8, 16, 32, 64, 128);
 
-// Write a one-label leaf out, one row of eight voxels at a time.
-inline void write_rows(const ulong* mask, const ushort label, global ushort* out) {
+// Write out a leaf that is not mixed, one row of eight voxels at a time.
+inline void write_rows(const ulong8 mask, const ulong8 ofSecond, const uint tag, global ushort* out) {
+  const ushort low = (ushort)(tag & 0xffff), other = low ^ (ushort)(tag >> 16);
+  ulong words[SHERD_LEAF_WORDS], seconds[SHERD_LEAF_WORDS];
+  vstore8(mask, 0, words);
+  vstore8(ofSecond, 0, seconds);
   for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
     for (int y = 0; y < 8; ++y) {
-      const ushort row = (ushort)((mask[x] >> (8 * y)) & 0xff);
-      const ushort8 set = convert_ushort8((kRowBits & row) != (ushort8)(0)) & label;
-      vstore8(set, (x << 3) + y, out);
+      const ushort row = (ushort)(words[x] >> (8 * y) & 0xff), secondRow = (ushort)(seconds[x] >> (8 * y) & 0xff);
+      const ushort8 set = convert_ushort8((kRowBits & row) != (ushort8)(0)) & low;
+      vstore8(set ^ (convert_ushort8((kRowBits & secondRow) != (ushort8)(0)) & other), (x << 3) + y, out);
+    }
+  }
+}
+
+inline ulong8 second_of(const uint tag, const uint item, const global ulong* second) {
+  return is_pair(tag) ? vload8(second_voxels(item), second) : (ulong8)(0);
+}
+
+// What lies in a domain behind each face of a leaf: before the first step into it.
+kernel void flood_enter(FLOOD_STATE)
+{
+  for (size_t leaf = get_global_id(0); leaf < leafCount; leaf += get_global_size(0)) {
+#pragma unroll
+    for (int k = 0; k < SHERD_LEAF_FACES; ++k) {
+      const uint other = neighbour[leaf * SHERD_LEAF_FACES + k];
+      beyond[leaf * SHERD_LEAF_FACES + k] = other == SHERD_NO_LEAF ? 0 : face_of(k ^ 1, vload8(other, domain));
     }
   }
 }
@@ -130,8 +212,7 @@ kernel void flood_seed(
     const global ushort* restrict seedLabel,   // [seeds]
     const uint seedItems)
 {
-  struct held_items held;
-  held.count = 0;
+  struct next_items next = next_of(queued, list, listCount, items, 1);
   for (size_t i = get_global_id(0); i < seedItems; i += get_global_size(0)) {
     const uint item = seedItem[i];
     const uint leaf = item % leafCount;
@@ -152,12 +233,11 @@ kernel void flood_seed(
         if (!((front[v >> 6] >> (v & 63)) & 1)) owner[(size_t)item * SHERD_LEAF_SIZE + v] = 0;
       }
     }
-    ulong8 arrived[SHERD_LEAF_FACES];
-    for (int k = 0; k < SHERD_LEAF_FACES; ++k) arrived[k] = 0;
-    publish(front, arrived, 1, item, leaf, 0, only, domain, neighbour, round27, neighbours, frontMask, frontStep, frontTag,
-            queued, &held, list, listCount, items);
+    const ulong arrived[SHERD_LEAF_FACES] = {0, 0, 0, 0, 0, 0};
+    publish(vload8(0, front), 0, arrived, 1, item, leaf, 0, only, beyond, neighbour, round27, neighbours, fronts,
+            second, &next);
   }
-  let_go(&held, queued, list, listCount, items, 1);
+  let_go(&next);
 }
 
 // Take labels that `owner` holds already instead of seeds: those of kept voxels stay, the rest reads 0.
@@ -166,116 +246,201 @@ kernel void flood_load(
     const global ulong* restrict kept)       // [items*8]    voxels whose label stays
 {
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
-    uint only = 0;
+    uint all = 0;
+    ulong seconds[SHERD_LEAF_WORDS];  // what does not have the label met first
+    uint met = 0;
     for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
       const ulong mask = kept[item * SHERD_LEAF_WORDS + x];
       ulong labelled = 0;
+      seconds[x] = 0;
       for (int i = 0; i < 64; ++i) {
         const size_t v = item * SHERD_LEAF_SIZE + (x << 6) + i;
         const uint label = (mask >> i) & 1 ? owner[v] : 0u;
         owner[v] = (ushort)label;
         if (!label) continue;
         labelled |= 1ul << i;
-        if (label != only) only = only ? SHERD_TAG_MIXED : label;
+        if (label == met) continue;
+        if (!met) {
+          met = label;
+        } else {
+          seconds[x] |= 1ul << i;
+        }
+        all = with_label(all, label);
       }
       owned[item * SHERD_LEAF_WORDS + x] = labelled;
     }
-    tag[item] = only;
+    if (is_pair(all)) {
+      const ulong8 notMet = vload8(0, seconds);
+      const ulong8 ofSecond = met == (all & 0xffff) ? notMet : vload8(item, owned) & ~notMet;
+      vstore8(ofSecond, second_voxels((uint)item), second);
+    }
+    tag[item] = all;
   }
 }
 
 // Begin a second growth from everything owned so far into another domain: all of it is the front of `step`.
 kernel void flood_restart(FLOOD_STATE, const uint step)
 {
-  struct held_items held;
-  held.count = 0;
+  struct next_items next = next_of(queued, list, listCount, items, step + 1);
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
-    const size_t copy = (size_t)(step & 1) * items + item;
-    ulong open = 0;
-    for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
-      frontMask[copy * SHERD_LEAF_WORDS + x] = owned[item * SHERD_LEAF_WORDS + x];
-      open |= domain[(item % leafCount) * SHERD_LEAF_WORDS + x] & ~owned[item * SHERD_LEAF_WORDS + x];
-    }
-    frontStep[copy] = step;
-    frontTag[copy] = tag[item];
-    if (open) enqueue(queued, &held, list, listCount, items, (uint)item, step + 1);
+    const ulong8 mine = vload8(item, owned);
+    write_front(mine, second_of(tag[item], (uint)item, second), (uint)item, step, tag[item], fronts, second);
+    if (next.count == FLOOD_HELD - 1) let_go(&next);
+    enqueue_if(any_of(vload8(item % leafCount, domain) & ~mine) != 0, &next, (uint)item);
   }
-  let_go(&held, queued, list, listCount, items, step + 1);
+  let_go(&next);
 }
 
-// What a leaf's open voxels receive from fronts over faces, and from which items.
-inline ulong8 arrive6(const global uint* beside, const uint base, const global ulong* frontMask,
-                      const global uint* frontStep, const uint live, const ulong8 open, uint* source,
-                      ulong8* arrived) {
-  ulong8 reached = 0;
-  if (source[13] != SHERD_NO_LEAF) {
-    const ulong8 self = vload8(source[13], frontMask);
-    reached = slabs_neighbours(self) & open;
-  }
+// What an item's open voxels receive over faces, and from which items.  `before` are the copies of `step`, the one
+// before.  All six are looked at alike: to branch on what is not in the cache costs more.
+inline ulong8 arrive6(const global uint* beside, const uint item, const uint leaf, const global struct front* before,
+                      const uint step, const ulong8 mine, const ulong8 open, uint* source, ulong* arrived) {
+  uint from[SHERD_LEAF_FACES];
+  ulong live[SHERD_LEAF_FACES];
 #pragma unroll
   for (int k = 0; k < SHERD_LEAF_FACES; ++k) {
-    const uint other = beside[k];
-    if (other == SHERD_NO_LEAF || frontStep[base + other] != live) continue;
-    const ulong8 theirs = vload8(base + other, frontMask);
-    arrived[k] = slabs_through_face(k, theirs) & open;
-    reached |= arrived[k];
-    if (any_of(arrived[k])) source[kBeside[k]] = base + other;
+    from[k] = beside[k] == SHERD_NO_LEAF ? item : item - leaf + beside[k];
+    const global struct front* const theirs = before + 2 * (size_t)from[k];
+    live[k] = (beside[k] != SHERD_NO_LEAF) & (theirs->step == step) ? theirs->face[k ^ 1] : 0;
+  }
+  ulong8 reached = slabs_neighbours(mine) & open;
+#pragma unroll
+  for (int k = 0; k < SHERD_LEAF_FACES; ++k) {
+    arrived[k] = live[k] & face_of(k, open);
+    reached |= at_face(k, arrived[k]);
+    source[kBeside[k]] = arrived[k] ? from[k] : SHERD_NO_LEAF;
   }
   return reached;
 }
 
+// Slab x of the leaf `at` of the 27: of the middle one all that is owned, of others the front that borders on it.
+inline ulong slab_beside(const int at, const uint source, const int x, const global struct front* before,
+                         const ulong* mine) {
+  if (source == SHERD_NO_LEAF) return 0;
+  if (at == 13) return mine[x];
+  const ulong bits = bordering(26 - at, before[2 * (size_t)source].face);
+  const int i = at / 9, j = at / 3 % 3, k = at % 3;
+  if (i != 1) return x == (i == 0 ? 7 : 0) ? bits : 0;
+  if (j != 1) return (bits >> 8 * x & 0xff) << (j == 0 ? 56 : 0);
+  return (bits >> x & SHERD_Z0) << (k == 0 ? 7 : 0);
+}
+
 // The same over faces, edges and corners.
-inline void arrive26(const global uint* beside, const uint base, const global ulong* frontMask,
-                     const global uint* frontStep, const uint live, const ulong* open, ulong* reached, uint* source) {
+inline ulong8 arrive26(const global uint* beside, const uint base, const global struct front* before, const uint live,
+                       const ulong* mine, const ulong8 open, uint* source) {
   for (int k = 0; k < 27; ++k) {
-    const uint other = beside[k];
-    if (k == 13 || other == SHERD_NO_LEAF || frontStep[base + other] != live) continue;
-    const global ulong* restrict theirs = frontMask + (size_t)(base + other) * SHERD_LEAF_WORDS;
-    ulong any = 0;
-    for (int x = 0; x < SHERD_LEAF_WORDS; ++x) any |= theirs[x];
-    if (bordering(26 - k, theirs[0], theirs[7], any)) source[k] = base + other;
+    if (k == 13 || beside[k] == SHERD_NO_LEAF) continue;
+    const size_t from = base + beside[k];
+    if (before[2 * from].step != live) continue;
+    if (bordering(26 - k, before[2 * from].face)) source[k] = (uint)from;
   }
+  ulong reached[SHERD_LEAF_WORDS];
   for (int x = 0; x < SHERD_LEAF_WORDS; ++x) reached[x] = 0;
   for (int x = -1; x <= SHERD_LEAF_WORDS; ++x) {  // a slab of this leaf or of the leaves beside, spread along z, then y
     ulong row[3];
     for (int j = 0; j < 3; ++j) {
       ulong word[3];
       for (int k = 0; k < 3; ++k) {
-        const uint from = source[((x >> 3) + 1) * 9 + j * 3 + k];
-        word[k] = from == SHERD_NO_LEAF ? 0 : frontMask[(size_t)from * SHERD_LEAF_WORDS + (x & 7)];
+        const int at = ((x >> 3) + 1) * 9 + j * 3 + k;
+        word[k] = slab_beside(at, source[at], x & 7, before, mine);
       }
       row[j] = word[1] | moved_z_up(word[1]) | moved_z_down(word[1]) | through_face(4, word[0]) |
                through_face(5, word[2]);
     }
     const ulong slab = row[1] | moved_y_up(row[1]) | moved_y_down(row[1]) | through_face(2, row[0]) |
                        through_face(3, row[2]);
-    for (int to = max(x - 1, 0); to <= min(x + 1, 7); ++to) reached[to] |= slab & open[to];
+    for (int to = max(x - 1, 0); to <= min(x + 1, 7); ++to) reached[to] |= slab;
   }
+  return vload8(0, reached) & open;
 }
 
-// Give the reached voxels the lowest label of the front voxels beside them.  Voxels that are not in a front are not
-// read, and only reached ones written: another work-item may be at its own part of a row.
+// An item's tag with what arrives over faces.  Of two labels, `ofSecond` is which of `reached` have the second.
+inline uint tag_arriving(const uint ownTag, const ulong8 mine, const ulong8 ownSecond, const ulong8 reached,
+                         const ulong* arrived, const uint* source, const global struct front* before,
+                         const global ulong* second, const global ushort* owner, const uint step,
+                         ulong8* ofSecond) {
+  uint newTag = ownTag, tag[SHERD_LEAF_FACES];
+  ulong withHigh[SHERD_LEAF_FACES];  // of what arrives, what has the higher label of where it comes from
+  for (int k = 0; k < SHERD_LEAF_FACES; ++k) {
+    if (!arrived[k]) continue;
+    const uint from = source[kBeside[k]];
+    tag[k] = before[2 * (size_t)from].tag;
+    withHigh[k] = 0;
+    if (tag[k] == SHERD_TAG_MIXED) {
+      for (ulong bits = arrived[k]; bits; bits &= bits - 1) {
+        newTag = with_label(newTag, owner[label_at(from, k ^ 1, bits)]);
+      }
+      continue;
+    }
+    if (is_pair(tag[k])) withHigh[k] = arrived[k] & second[second_faces(from, step) + (k ^ 1)];
+    if (arrived[k] & ~withHigh[k]) newTag = with_label(newTag, tag[k] & 0xffff);
+    if (withHigh[k]) newTag = with_label(newTag, tag[k] >> 16);
+  }
+  if (!is_pair(newTag)) return newTag;
+  const uint low = newTag & 0xffff;
+  ulong8 byLow = slabs_neighbours((ownTag & 0xffff) == low ? mine & ~ownSecond : (ulong8)(0));
+#pragma unroll
+  for (int k = 0; k < SHERD_LEAF_FACES; ++k) {
+    if (!arrived[k]) continue;
+    ulong ofLow = 0;
+    if (tag[k] == SHERD_TAG_MIXED) {
+      for (ulong bits = arrived[k]; bits; bits &= bits - 1) {
+        if (owner[label_at(source[kBeside[k]], k ^ 1, bits)] == low) ofLow |= bits & (~bits + 1);
+      }
+    } else {
+      if ((tag[k] & 0xffff) == low) ofLow = arrived[k] & ~withHigh[k];
+      if (tag[k] >> 16 == low) ofLow = withHigh[k];
+    }
+    byLow |= at_face(k, ofLow);
+  }
+  *ofSecond = reached & ~byLow;
+  return newTag;
+}
+
+// The same over 26 neighbours, where two labels make it mixed.
+inline uint tag_round(const uint ownTag, const uint* source, const global struct front* before) {
+  uint newTag = ownTag;
+  for (int k = 0; k < 27; ++k) {
+    if (k == 13 || source[k] == SHERD_NO_LEAF) continue;
+    const uint theirs = before[2 * (size_t)source[k]].tag;
+    newTag = theirs == SHERD_TAG_MIXED ? theirs : with_label(newTag, theirs);
+  }
+  return is_pair(newTag) ? SHERD_TAG_MIXED : newTag;
+}
+
+// Give the reached voxels the lowest label of the voxels beside them that `source` has.  Others are not read, and only
+// reached ones written: another work-item may be at its own part of a row.
 #define FLOOD_NO_LABEL 0xffff
 
-inline void take_labels(const uint* source, const global ulong* frontMask, const global uint* frontTag,
-                        const global ushort* owner, const uint neighbours, const ulong* reached,
-                        global ushort* owners) {
-  ushort near[10 * 10 * 10];  // labels of the front voxels at x, y, z of -1..8
+inline void take_labels(const uint* source, const global struct front* before, const global ulong* second,
+                        const uint step, const ulong8 mine, const global ushort* owner, const uint neighbours,
+                        const ulong8 reached8, global ushort* owners) {
+  ushort near[10 * 10 * 10];  // labels of the voxels at x, y, z of -1..8
   for (int i = 0; i < 10 * 10 * 10 / 8; ++i) vstore8((ushort8)(FLOOD_NO_LABEL), i, near);
-  for (int k = 0; k < 27; ++k) {
-    if (source[k] == SHERD_NO_LEAF) continue;
-    const int i = 8 * (k / 9) - 8, j = 8 * (k / 3 % 3) - 8, l = 8 * (k % 3) - 8;  // where the leaf begins
-    const uint tag = frontTag[source[k]];
-    for (int x = max(i, -1); x <= min(i + 7, 8); ++x) {
-      ulong word = frontMask[(size_t)source[k] * SHERD_LEAF_WORDS + (x & 7)];
-      if (j != 0) word &= j < 0 ? SHERD_Y7 : SHERD_Y0;
-      if (l != 0) word &= l < 0 ? SHERD_Z7 : SHERD_Z0;
-      for (; word; word &= word - 1) {
-        const int bit = lowest_bit(word);
-        const ushort label =
-            tag == SHERD_TAG_MIXED ? owner[(size_t)source[k] * SHERD_LEAF_SIZE + ((x & 7) << 6) + bit] : (ushort)tag;
-        near[((x + 1) * 10 + j + (bit >> 3) + 1) * 10 + l + (bit & 7) + 1] = label;
-      }
+  ulong words[SHERD_LEAF_WORDS], reached[SHERD_LEAF_WORDS];
+  vstore8(mine & (neighbours == 26 ? slabs_round(reached8) : slabs_neighbours(reached8)), 0, words);
+  vstore8(reached8, 0, reached);
+  for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
+    for (ulong word = words[x]; word; word &= word - 1) {
+      const int bit = lowest_bit(word);
+      near[((x + 1) * 10 + (bit >> 3) + 1) * 10 + (bit & 7) + 1] = owners[(x << 6) + bit];
+    }
+  }
+  for (uint n = 0; n < neighbours; ++n) {
+    const int at = kBeside[n], i = at / 9, j = at / 3 % 3, k = at % 3;
+    if (source[at] == SHERD_NO_LEAF) continue;
+    const global struct front* const theirs = before + 2 * (size_t)source[at];
+    const global ushort* const labels = owner + (size_t)source[at] * SHERD_LEAF_SIZE;
+    const ulong ofSecond =
+        is_pair(theirs->tag) ? bordering(26 - at, second + second_faces(source[at], step)) : 0;
+    for (ulong word = bordering(26 - at, theirs->face); word; word &= word - 1) {
+      const int bit = lowest_bit(word), high = bit >> 3, low = bit & 7;
+      const int x = i != 1 ? 7 * (i == 0) : j != 1 ? high : low;
+      const int y = j != 1 ? 7 * (j == 0) : high, z = k != 1 ? 7 * (k == 0) : low;
+      const uint label = theirs->tag == SHERD_TAG_MIXED ? labels[(x << 6) + (y << 3) + z]
+                         : ofSecond >> bit & 1         ? theirs->tag >> 16
+                                                       : theirs->tag & 0xffff;
+      near[((x + 8 * i - 7) * 10 + y + 8 * j - 7) * 10 + z + 8 * k - 7] = (ushort)label;
     }
   }
   for (int row = 0; row < 64; ++row) {
@@ -304,69 +469,75 @@ kernel void flood_step(FLOOD_STATE, const uint step)
 {
   if (get_global_id(0) == 0) listCount[(step + 2) % 3] = 0;  // the round after next counts from 0
   const uint entries = listCount[step % 3];
-  const size_t before = (size_t)((step + 1) & 1) * items;    // the copy of step - 1
-  struct held_items held;
-  held.count = 0;
-  for (size_t i = get_global_id(0); i < entries; i += get_global_size(0)) {
+  const global struct front* const before = fronts + ((step + 1) & 1);
+  struct next_items next = next_of(queued, list, listCount, items, step + 1);
+  const size_t share = (entries + get_global_size(0) - 1) / get_global_size(0);
+  const size_t end = min((size_t)entries, share * (get_global_id(0) + 1));
+  for (size_t i = share * get_global_id(0); i < end; ++i) {
     const uint item = list[(size_t)(step & 1) * items + i];
     const uint leaf = item % leafCount;
-    const uint base = item - leaf;
 
-    const ulong8 owned8 = vload8(item, owned);
-    const ulong8 open8 = vload8(leaf, domain) & ~owned8;  // reachable and not yet owned
-    if (!any_of(open8)) continue;
+    if (i + FLOOD_FAR_AHEAD < entries) {
+      const uint far = list[(size_t)(step & 1) * items + i + FLOOD_FAR_AHEAD], farLeaf = far % leafCount;
+      FLOOD_FETCH(owned + (size_t)far * SHERD_LEAF_WORDS);
+      FLOOD_FETCH(domain + (size_t)farLeaf * SHERD_LEAF_WORDS);
+      FLOOD_FETCH(neighbour + (size_t)farLeaf * SHERD_LEAF_FACES);
+      FLOOD_FETCH(beyond + (size_t)farLeaf * SHERD_LEAF_FACES);
+      FLOOD_FETCH(tag + far);
+      FLOOD_FETCH_TO_WRITE(fronts + 2 * (size_t)far + (step & 1));
+      const uint near = list[(size_t)(step & 1) * items + i + FLOOD_NEAR_AHEAD], nearLeaf = near % leafCount;
+      for (int k = 0; k < SHERD_LEAF_FACES; ++k) {
+        const uint other = neighbour[(size_t)nearLeaf * SHERD_LEAF_FACES + k];
+        FLOOD_FETCH(before + 2 * (size_t)(other == SHERD_NO_LEAF ? near : near - nearLeaf + other));
+      }
+    }
+    const ulong8 mine = vload8(item, owned);
+    const ulong8 open = vload8(leaf, domain) & ~mine;  // reachable and not yet owned
+    if (!any_of(open)) continue;
 
-    ulong reached[SHERD_LEAF_WORDS];
-    ulong8 reached8, arrived[SHERD_LEAF_FACES];
-    for (int k = 0; k < SHERD_LEAF_FACES; ++k) arrived[k] = 0;
+    ulong8 reached;
+    ulong arrived[SHERD_LEAF_FACES];
     uint source[27];  // items whose live front may border on this leaf, as kBeside numbers them
     for (int k = 0; k < 27; ++k) source[k] = SHERD_NO_LEAF;
-    if (frontStep[before + item] == step - 1) source[13] = item;
+    source[13] = item;
     if (neighbours == 26) {
-      ulong open[SHERD_LEAF_WORDS];
-      vstore8(open8, 0, open);
-      arrive26(round27 + (size_t)leaf * 27, base, frontMask + before * SHERD_LEAF_WORDS, frontStep + before, step - 1,
-               open, reached, source);
-      reached8 = vload8(0, reached);
+      ulong words[SHERD_LEAF_WORDS];
+      vstore8(mine, 0, words);
+      reached = arrive26(round27 + (size_t)leaf * 27, item - leaf, before, step - 1, words, open, source);
     } else {
-      reached8 = arrive6(neighbour + (size_t)leaf * SHERD_LEAF_FACES, base, frontMask + before * SHERD_LEAF_WORDS,
-                         frontStep + before, step - 1, open8, source, arrived);
-      vstore8(reached8, 0, reached);
+      reached = arrive6(neighbour + (size_t)leaf * SHERD_LEAF_FACES, item, leaf, before, step - 1, mine, open, source,
+                        arrived);
     }
-    if (!any_of(reached8)) continue;
-    uint label = tag[item];  // 0: none yet
-    int oneLabel = label != SHERD_TAG_MIXED;
-    for (uint n = 0; n < neighbours; ++n) {
-      const uint from = source[kBeside[n]];
-      if (from == SHERD_NO_LEAF) continue;
-      const uint theirTag = frontTag[before + from];
-      if (label == 0) label = theirTag;
-      oneLabel &= theirTag == label && theirTag != SHERD_TAG_MIXED;
-    }
-    global ushort* restrict owners = owner + (size_t)item * SHERD_LEAF_SIZE;
-    if (!oneLabel) {
-      const uint selfTag = tag[item];
-      if (selfTag != SHERD_TAG_MIXED) {
-        ulong old[SHERD_LEAF_WORDS];
-        vstore8(owned8, 0, old);
-        write_rows(old, (ushort)selfTag, owners);
-      }
-      take_labels(source, frontMask + before * SHERD_LEAF_WORDS, frontTag + before, owner, neighbours, reached, owners);
-      label = SHERD_TAG_MIXED;
+    if (!any_of(reached)) continue;
+    const uint ownTag = tag[item];
+    const ulong8 ownSecond = second_of(ownTag, item, second);
+    ulong8 ofSecond = 0;
+    const uint newTag = neighbours == 26 ? tag_round(ownTag, source, before)
+                                         : tag_arriving(ownTag, mine, ownSecond, reached, arrived, source, before,
+                                                        second, owner, step - 1, &ofSecond);
+    if (newTag == SHERD_TAG_MIXED) {
+      global ushort* restrict owners = owner + (size_t)item * SHERD_LEAF_SIZE;
+      if (ownTag != SHERD_TAG_MIXED) write_rows(mine, ownSecond, ownTag, owners);
+      take_labels(source, before, second, step - 1, mine, owner, neighbours, reached, owners);
+    } else if (is_pair(newTag)) {
+      const int sameLow = (ownTag & 0xffff) == (newTag & 0xffff);
+      vstore8((sameLow ? ownSecond : mine) | ofSecond, second_voxels(item), second);
     }
     if (keepCost) {
+      ulong words[SHERD_LEAF_WORDS];
+      vstore8(reached, 0, words);
       for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
-        for (ulong bits = reached[x]; bits; bits &= bits - 1) {
+        for (ulong bits = words[x]; bits; bits &= bits - 1) {
           cost[(size_t)item * SHERD_LEAF_SIZE + (x << 6) + lowest_bit(bits)] = step;
         }
       }
     }
-    vstore8(owned8 | reached8, item, owned);
-    tag[item] = label;
-    publish(reached, arrived, any_of(open8 & ~reached8) != 0, item, leaf, step, label, domain, neighbour, round27, neighbours,
-            frontMask, frontStep, frontTag, queued, &held, list, listCount, items);
+    vstore8(mine | reached, item, owned);
+    if (newTag != ownTag) tag[item] = newTag;
+    publish(reached, ofSecond, arrived, any_of(open & ~reached) != 0, item, leaf, step, newTag, beyond, neighbour,
+            round27, neighbours, fronts, second, &next);
   }
-  let_go(&held, queued, list, listCount, items, step + 1);
+  let_go(&next);
 }
 
 // Write out every leaf that is not mixed.
@@ -374,8 +545,7 @@ kernel void flood_finish(FLOOD_STATE)
 {
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
     if (tag[item] == SHERD_TAG_MIXED) continue;
-    ulong mask[SHERD_LEAF_WORDS];
-    for (int x = 0; x < SHERD_LEAF_WORDS; ++x) mask[x] = owned[item * SHERD_LEAF_WORDS + x];
-    write_rows(mask, (ushort)tag[item], owner + item * SHERD_LEAF_SIZE);
+    write_rows(vload8(item, owned), second_of(tag[item], (uint)item, second), tag[item],
+               owner + item * SHERD_LEAF_SIZE);
   }
 }

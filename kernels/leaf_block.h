@@ -11,8 +11,9 @@
 #define SHERD_LEAF_FACES 6
 #define SHERD_NO_LEAF 0xffffffffu
 
-#define SHERD_TAG_MIXED 0x10000u  // a leaf whose voxels have more than one owner
-#define SHERD_NO_STEP 0xffffffffu  // a front that was never published
+#define SHERD_TAG_MIXED 0xffffffffu  // see flood.cl
+#define SHERD_FRONT_WORDS 8          // 64-bit words of a front
+#define SHERD_NO_STEP 0xffffffffu     // a front that was never published
 
 #ifdef __OPENCL_VERSION__
 
@@ -55,14 +56,48 @@ inline ulong8 slabs_neighbours(const ulong8 w) {
   return inSlab | (ulong8)(0, w.s0123, w.s456) | (ulong8)(w.s1234, w.s567, 0);
 }
 
-inline ulong8 slabs_through_face(const int k, const ulong8 w) {
+// The same, and over edges and corners.
+inline ulong8 slabs_round(const ulong8 w) {
+  const ulong8 z = w | (w & ~SHERD_Z7) << 1 | (w & ~SHERD_Z0) >> 1;
+  const ulong8 yz = z | z << 8 | z >> 8;
+  return yz | (ulong8)(0, yz.s0123, yz.s456) | (ulong8)(yz.s1234, yz.s567, 0);
+}
+
+// The voxels at face k in one word: of an x face the slab, of a y face bit (x << 3) | z, of a z face bit (y << 3) | x.
+// So a voxel and the one it touches beyond the face have the same bit.
+#define SHERD_SLABS (ulong8)(0, 1, 2, 3, 4, 5, 6, 7)
+
+inline ulong face_of(const int k, const ulong8 w) {
   switch (k) {
-    case 0: return (ulong8)(w.s7, 0, 0, 0, 0, 0, 0, 0);
-    case 1: return (ulong8)(0, 0, 0, 0, 0, 0, 0, w.s0);
-    case 2: return w >> 56;
-    case 3: return w << 56;
-    case 4: return (w >> 7) & SHERD_Z0;
-    default: return (w & SHERD_Z0) << 7;
+    case 0: return w.s0;
+    case 1: return w.s7;
+    case 2: return any_of((w & 0xff) << 8 * SHERD_SLABS);
+    case 3: return any_of((w >> 56) << 8 * SHERD_SLABS);
+    case 4: return any_of((w & SHERD_Z0) << SHERD_SLABS);
+    default: return any_of((w >> 7 & SHERD_Z0) << SHERD_SLABS);
+  }
+}
+
+// The voxels of which face_of makes this word.
+inline ulong8 at_face(const int k, const ulong face) {
+  const ulong8 w = face;
+  switch (k) {
+    case 0: return (ulong8)(face, 0, 0, 0, 0, 0, 0, 0);
+    case 1: return (ulong8)(0, 0, 0, 0, 0, 0, 0, face);
+    case 2: return w >> 8 * SHERD_SLABS & 0xff;
+    case 3: return (w >> 8 * SHERD_SLABS) << 56;
+    case 4: return w >> SHERD_SLABS & SHERD_Z0;
+    default: return (w >> SHERD_SLABS & SHERD_Z0) << 7;
+  }
+}
+
+// The voxel whose bit this is in a word of face k.
+inline int offset_at_face(const int k, const int bit) {
+  const int high = bit >> 3, low = bit & 7;
+  switch (k >> 1) {
+    case 0: return (k & 1 ? 7 << 6 : 0) | bit;
+    case 1: return high << 6 | (k & 1 ? 7 << 3 : 0) | low;
+    default: return low << 6 | high << 3 | (k & 1 ? 7 : 0);
   }
 }
 

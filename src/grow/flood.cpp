@@ -9,12 +9,13 @@ Flood::Flood(GrowthState& state, bool keepCost, int neighbours)
       neighbours_(static_cast<cl_uint>(neighbours)),
       round_(neighbours == 26 ? state.round27() : makeBuffer<cl_uint>(state.device, 1)),
       domain_(state.inside),
+      beyond_(makeBuffer<cl_ulong>(state.device, std::size_t{state.leafCount} * SHERD_LEAF_FACES)),
       owned_(state.filled<cl_ulong>(state.words(), 0)),
       tag_(state.filled<cl_uint>(state.items, 0)),
+      second_(makeBuffer<cl_ulong>(state.device, 3 * state.words())),
       owner_(makeBuffer<cl_ushort>(state.device, state.voxels())),
-      frontMask_(makeBuffer<cl_ulong>(state.device, 2 * state.words())),
-      frontStep_(state.filled<cl_uint>(2 * std::size_t{state.items}, SHERD_NO_STEP)),
-      frontTag_(makeBuffer<cl_uint>(state.device, 2 * std::size_t{state.items})),
+      fronts_(state.filled<cl_ulong>(2 * std::size_t{state.items} * SHERD_FRONT_WORDS,
+                                     ~cl_ulong{0})),  // of SHERD_NO_STEP
       queued_(state.filled<cl_uint>(state.items, SHERD_NO_STEP)),
       list_(makeBuffer<cl_uint>(state.device, 2 * std::size_t{state.items})),
       listCount_(state.filled<cl_uint>(3, 0)),
@@ -22,6 +23,7 @@ Flood::Flood(GrowthState& state, bool keepCost, int neighbours)
                      : makeBuffer<cl_uint>(state.device, 1)) {}
 
 void Flood::seed(const SeedTable& table) {
+  launch("flood_enter", state_.leafCount);
   const SeedGroups seeds = groupsOf(state_, table);
   const DeviceBuffer label = uploadBuffer<cl_ushort>(state_.device, table.label);
   launch("flood_seed", seeds.count, seeds.item, seeds.first, seeds.offset, label, seeds.count);
@@ -38,7 +40,10 @@ void Flood::load(const DeviceBuffer& labels, const DeviceBuffer& kept) {
 void Flood::grow(const DeviceBuffer& domain, std::uint32_t steps, std::uint32_t perReadback,
                  const Progress* progress) {
   domain_ = domain;
-  if (!seeded_) launch("flood_restart", state_.items, step_);
+  if (!seeded_) {
+    launch("flood_enter", state_.leafCount);
+    launch("flood_restart", state_.items, step_);
+  }
   seeded_ = false;
   cl::Kernel kernel = state_.device.kernel("flood.cl", "flood_step");
   const cl_uint stepArgument = setState(kernel);
@@ -66,9 +71,8 @@ cl_uint Flood::setState(cl::Kernel& kernel) {
   const auto set = [&](const auto&... argument) {
     (kernel.setArg(i++, sherd::argument(argument)), ...);
   };
-  set(domain_, state_.neighbour, round_, neighbours_, state_.leafCount, owned_, tag_, owner_,
-      frontMask_, frontStep_, frontTag_, queued_, list_, listCount_, state_.items, cost_,
-      keepCost_);
+  set(domain_, state_.neighbour, round_, neighbours_, state_.leafCount, beyond_, owned_, tag_,
+      second_, owner_, fronts_, queued_, list_, listCount_, state_.items, cost_, keepCost_);
   return i;
 }
 

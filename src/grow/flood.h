@@ -36,8 +36,8 @@ class Flood {
   cl_uint keepCost_, neighbours_;
   cl_uint step_ = 0;
   bool seeded_ = false;  // the seeds are the front: no restart
-  DeviceBuffer round_, domain_, owned_, tag_, owner_, frontMask_, frontStep_, frontTag_, queued_,
-      list_, listCount_, cost_;
+  DeviceBuffer round_, domain_, beyond_, owned_, tag_, second_, owner_, fronts_, queued_, list_,
+      listCount_, cost_;
 };
 
 }  // namespace sherd

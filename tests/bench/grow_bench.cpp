@@ -137,51 +137,91 @@ void growTwoStacks(benchmark::State& state) {
   report(state, solid);
 }
 
-// How often kernels/flood.cl looks at a leaf: it is queued for the step after one in which it was
-// reached and something is left, and after one that reached a voxel beside it and not from there.
-std::size_t leafVisits(const sherd::LeafBlocks& blocks, const std::vector<std::uint32_t>& cost) {
-  std::size_t visits = 0;
+// What kernels/flood.cl does in a leaf, step by step.
+struct LeafSteps {
+  std::set<std::uint32_t> reached;               // in which something is reached
+  std::array<std::set<std::uint32_t>, 6> faces;  // and at a face
+  std::set<std::uint32_t> visited;
+  bool severalLabels = false;
+};
+
+// A leaf is queued for the step after one in which it was reached and something is left, and after
+// one that reached a voxel beside it and not from there.
+std::vector<LeafSteps> leafSteps(const sherd::LeafBlocks& blocks, const sherd::Labels& grown) {
+  std::vector<LeafSteps> leaves(blocks.count());
   for (std::uint32_t leaf = 0; leaf < blocks.count(); ++leaf) {
-    std::set<std::uint32_t> steps;
-    std::uint32_t last = 0;
+    LeafSteps& steps = leaves[leaf];
+    std::uint16_t label = 0;
     for (std::size_t v = 0; v < 512; ++v) {
       const std::size_t place = std::size_t{leaf} * 512 + v;
       if (!blocks.isInside(place)) continue;
-      steps.insert(cost[place]);
-      last = std::max(last, cost[place]);
+      const std::uint32_t step = grown.cost[place];
+      steps.reached.insert(step);
+      steps.severalLabels |= label != 0 && label != grown.fragment[place];
+      label = grown.fragment[place];
       for (std::uint32_t face = 0; face < 6; ++face) {
         const std::uint32_t shift = 6 - 3 * (face / 2), along = v >> shift & 7u;
         if (along != (face % 2 == 0 ? 0u : 7u)) continue;
+        steps.faces[face].insert(step);
         const std::uint32_t other = blocks.neighbours[std::size_t{leaf} * 6 + face];
         if (other == sherd::LeafBlocks::kNone) continue;
         const std::size_t beside = std::size_t{other} * 512 + (v ^ (7u << shift));
-        if (!blocks.isInside(beside) || cost[beside] == cost[place] + 1) continue;
-        steps.insert(cost[beside] + 1 + (1u << 31));
+        if (!blocks.isInside(beside) || grown.cost[beside] == step + 1) continue;
+        steps.visited.insert(grown.cost[beside] + 1);
       }
     }
-    std::set<std::uint32_t> queued;
-    for (const std::uint32_t step : steps) {
-      if (step >> 31) {
-        queued.insert(step ^ (1u << 31));
-      } else if (step < last) {
-        queued.insert(step + 1);
-      }
+    const std::uint32_t last = *steps.reached.rbegin();
+    for (const std::uint32_t step : steps.reached) {
+      if (step < last) steps.visited.insert(step + 1);
     }
-    visits += queued.size();
   }
-  return visits;
+  return leaves;
 }
 
+// Bytes that a visit in this step reads and writes.
+std::size_t visitBytes(const sherd::LeafBlocks& blocks, const std::vector<LeafSteps>& leaves,
+                       std::uint32_t leaf, std::uint32_t step) {
+  const LeafSteps& own = leaves[leaf];
+  std::size_t bytes = 4 + 64 + 64 + 4 + 6 * 4;  // list, owned, domain, tag, neighbours
+  for (std::uint32_t face = 0; face < 6; ++face) {
+    const std::uint32_t other = blocks.neighbours[std::size_t{leaf} * 6 + face];
+    if (other == sherd::LeafBlocks::kNone) continue;
+    const bool isLive = leaves[other].reached.count(step - 1) != 0;
+    bytes += 4 + (isLive ? 8 + 4 : 0);  // their step, face and tag
+    if (isLive && leaves[other].severalLabels) bytes += 8;
+  }
+  if (own.reached.count(step) == 0) return bytes;
+  bytes += 64 + 6 * 8 + 2 * 4;                   // owned, the front
+  if (own.severalLabels) bytes += 64 + 64 + 48;  // the second label's voxels and faces
+  for (const std::set<std::uint32_t>& face : own.faces) {
+    if (face.count(step) != 0) bytes += 8 + 2 * 4;  // what is behind, queueing it
+  }
+  return bytes + 3 * 4;  // queueing itself
+}
+
+// Leaf visits, and bytes moved with the labels' way out beside the least there is to move: masks
+// and labels once, and labels copied out.
 void countVisits(benchmark::State& state) {
   const Ball& solid = ball(static_cast<int>(state.range(0)));
   const std::vector<std::vector<sherd::Seed>> sets{solid.seeds};
   const std::vector<sherd::Labels> grown =
       sherd::grow(solid.blocks, sets, device(),
                   {.growth = sherd::Growth::flood, .keepCost = true, .outerSteps = 0});
-  std::size_t visits = 0;
-  for (auto _ : state) visits = leafVisits(solid.blocks, grown.front().cost);
+  const std::size_t labels = std::size_t{3} * 1024 * solid.blocks.count();
+  std::size_t visits = 0, bytes = 0;
+  for (auto _ : state) {
+    const std::vector<LeafSteps> leaves = leafSteps(solid.blocks, grown.front());
+    for (std::uint32_t leaf = 0; leaf < solid.blocks.count(); ++leaf) {
+      visits += leaves[leaf].visited.size();
+      for (const std::uint32_t step : leaves[leaf].visited) {
+        bytes += visitBytes(solid.blocks, leaves, leaf, step);
+      }
+    }
+  }
   state.counters["leaves"] = static_cast<double>(solid.blocks.count());
   state.counters["visits"] = static_cast<double>(visits);
+  state.counters["bytes"] = static_cast<double>(bytes + labels);
+  state.counters["least"] = static_cast<double>(labels + 64 * solid.blocks.count());
 }
 
 // What the machine copies at best: all its threads, arrays that fit no cache.  Bytes are read and
