@@ -291,24 +291,21 @@ kernel void flood_restart(FLOOD_STATE, const uint step)
   let_go(&next);
 }
 
-// What an item's open voxels receive over faces, and from which items.  `before` are the copies of `step`, the one
-// before.  All six are looked at alike: to branch on what is not in the cache costs more.
+// What an item's open voxels receive over faces, and from which items.  `before` are the copies of `step`, the one before.
 inline ulong8 arrive6(const global uint* beside, const uint item, const uint leaf, const global struct front* before,
                       const uint step, const ulong8 mine, const ulong8 open, uint* source, ulong* arrived) {
-  uint from[SHERD_LEAF_FACES];
-  ulong live[SHERD_LEAF_FACES];
-#pragma unroll
-  for (int k = 0; k < SHERD_LEAF_FACES; ++k) {
-    from[k] = beside[k] == SHERD_NO_LEAF ? item : item - leaf + beside[k];
-    const global struct front* const theirs = before + 2 * (size_t)from[k];
-    live[k] = (beside[k] != SHERD_NO_LEAF) & (theirs->step == step) ? theirs->face[k ^ 1] : 0;
-  }
   ulong8 reached = slabs_neighbours(mine) & open;
 #pragma unroll
   for (int k = 0; k < SHERD_LEAF_FACES; ++k) {
-    arrived[k] = live[k] & face_of(k, open);
+    arrived[k] = 0;
+    if (beside[k] == SHERD_NO_LEAF) continue;
+    const uint from = item - leaf + beside[k];
+    const global struct front* const theirs = before + 2 * (size_t)from;
+    if (theirs->step != step) continue;
+    arrived[k] = theirs->face[k ^ 1] & face_of(k, open);
+    if (!arrived[k]) continue;
     reached |= at_face(k, arrived[k]);
-    source[kBeside[k]] = arrived[k] ? from[k] : SHERD_NO_LEAF;
+    source[kBeside[k]] = from;
   }
   return reached;
 }

@@ -4,8 +4,8 @@
 #include <sherd/device.h>
 #include <sherd/error.h>
 
-#include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,11 +21,11 @@ struct Device::Impl {
   cl::Context context;
   cl::CommandQueue queue;
   BufferPool pool;
-  std::map<std::string, cl::Program> programs;  ///< built once, by kernel file and options
+  std::optional<cl::Program> program;  ///< of all kernels, built at first use
 
-  /// A kernel from kernels/<file>, built at first use.
+  /// A kernel of kernels/*.cl.
   ///   throws  Error(device) with the build log's first lines
-  cl::Kernel kernel(const std::string& file, const char* name, const std::string& options = {});
+  cl::Kernel kernel(const char* name);
 
   /// Launch a kernel over `work` things, each work-item taking every so-many-th; `group` work-items
   /// per work-group.

@@ -6,12 +6,7 @@
 
 namespace sherd::kernels {
 
-struct Source {
-  std::string_view file;  ///< name without folder
-  std::string_view text;  ///< behind a #line directive
-};
-
-/// Every embedded file, headers first.
-std::span<const Source> sources();
+/// The text of every embedded file behind a #line directive, headers first.
+std::span<const std::string_view> sources();
 
 }  // namespace sherd::kernels

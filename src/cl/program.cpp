@@ -1,33 +1,35 @@
-// Building the embedded kernels.  A program is built once for a device; PoCL and GPU drivers keep
-// the result on disk.
+// Building the embedded kernels: all in one program, once for a device.  PoCL and GPU drivers keep
+// the result on disk; to find it there PoCL runs its preprocessor over its own headers for each
+// program.
 #include <algorithm>
+#include <string>
 
 #include "cl/device_impl.h"
 #include "cl/kernel_sources.h"
 
 namespace sherd {
+namespace {
 
-cl::Kernel Device::Impl::kernel(const std::string& file, const char* name,
-                                const std::string& options) {
+cl::Program built(const Device::Impl& impl) {
+  std::string text;
+  for (const std::string_view source : kernels::sources()) text += source;
+  cl::Program program(impl.context, text);
+  try {
+    program.build(impl.device, "-cl-std=CL1.2");
+  } catch (const cl::Error&) {
+    const std::string log = program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(impl.device);
+    throw Error(ErrorCode::device,
+                impl.info.name + ": the kernels do not build: " + log.substr(0, 500));
+  }
+  return program;
+}
+
+}  // namespace
+
+cl::Kernel Device::Impl::kernel(const char* name) {
   return withDevice(*this, name, [&] {
-    const std::string key = file + ' ' + options;
-    auto program = programs.find(key);
-    if (program == programs.end()) {
-      std::string text;
-      for (const kernels::Source& source : kernels::sources()) {
-        if (source.file.ends_with(".h") || source.file == file) text += source.text;
-      }
-      cl::Program built(context, text);
-      try {
-        built.build(device, ("-cl-std=CL1.2 " + options).c_str());
-      } catch (const cl::Error&) {
-        std::string log = built.getBuildInfo<CL_PROGRAM_BUILD_LOG>(device);
-        throw Error(ErrorCode::device,
-                    info.name + ": " + file + " does not build: " + log.substr(0, 500));
-      }
-      program = programs.emplace(key, std::move(built)).first;
-    }
-    return cl::Kernel(program->second, name);
+    if (!program) program = built(*this);
+    return cl::Kernel(*program, name);
   });
 }
 

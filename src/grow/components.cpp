@@ -4,11 +4,6 @@
 #include <algorithm>
 
 namespace sherd {
-namespace {
-
-constexpr const char* kFile = "components.cl";
-
-}  // namespace
 
 NodeParts findNodeParts(GrowthState& state, const DeviceBuffer* labels) {
   NodeParts found;
@@ -16,8 +11,8 @@ NodeParts findNodeParts(GrowthState& state, const DeviceBuffer* labels) {
   const DeviceBuffer label = labels ? *labels : makeBuffer<cl_ushort>(state.device, 1);
   found.localNode = makeBuffer<cl_ushort>(state.device, state.voxels());
   found.nodeCount = makeBuffer<cl_uint>(state.device, state.items);
-  state.run(kFile, "component_nodes", state.items, state.inside, state.leafCount, state.items,
-            label, byLabel, found.localNode, found.nodeCount);
+  state.run("component_nodes", state.items, state.inside, state.leafCount, state.items, label,
+            byLabel, found.localNode, found.nodeCount);
 
   found.nodesOfItem = downloaded<cl_uint>(state.device, found.nodeCount, state.items);
   found.first.reserve(state.items);
@@ -31,10 +26,10 @@ NodeParts findNodeParts(GrowthState& state, const DeviceBuffer* labels) {
   found.firstNode = uploadBuffer<cl_uint>(state.device, found.first);
   found.root = makeBuffer<cl_uint>(state.device, room);
   const DeviceBuffer parent = makeBuffer<cl_uint>(state.device, room);
-  state.run(kFile, "component_begin", found.nodes, found.nodes, parent);
-  state.run(kFile, "component_join", state.items, state.inside, state.neighbour, state.leafCount,
+  state.run("component_begin", found.nodes, found.nodes, parent);
+  state.run("component_join", state.items, state.inside, state.neighbour, state.leafCount,
             state.items, label, byLabel, found.localNode, found.firstNode, found.nodeCount, parent);
-  state.run(kFile, "component_flatten", found.nodes, found.nodes, parent, found.root);
+  state.run("component_flatten", found.nodes, found.nodes, parent, found.root);
   return found;
 }
 
@@ -48,7 +43,7 @@ namespace {
 KeptParts keptBy(GrowthState& state, const NodeParts& parts, const DeviceBuffer& keep) {
   const DeviceBuffer freed = state.filled<cl_uint>(state.fractures, 0);
   KeptParts kept{makeBuffer<cl_ulong>(state.device, state.words()), {}};
-  state.run(kFile, "component_kept", state.items, state.inside, state.leafCount, state.items,
+  state.run("component_kept", state.items, state.inside, state.leafCount, state.items,
             parts.localNode, parts.firstNode, parts.nodeCount, parts.root, keep, kept.mask, freed);
   kept.freed.resize(state.fractures);
   readBuffer<cl_uint>(state.device, freed, kept.freed);
@@ -61,8 +56,8 @@ KeptParts keepSeededParts(GrowthState& state, const DeviceBuffer& labels, const 
   const NodeParts parts = findNodeParts(state, &labels);
   const PrimarySeeds primaries = primariesOf(state, seeds);
   const DeviceBuffer keep = state.filled<cl_uint>(parts.nodes, 0);
-  state.run(kFile, "component_mark", primaries.count, parts.localNode, parts.firstNode,
-            parts.nodeCount, parts.root, primaries.item, primaries.offset, primaries.count, keep);
+  state.run("component_mark", primaries.count, parts.localNode, parts.firstNode, parts.nodeCount,
+            parts.root, primaries.item, primaries.offset, primaries.count, keep);
   return keptBy(state, parts, keep);
 }
 
@@ -70,8 +65,8 @@ KeptParts keepLargestParts(GrowthState& state, const DeviceBuffer& labels) {
   const NodeParts parts = findNodeParts(state, &labels);
   const DeviceBuffer voxelBuffer = makeBuffer<cl_uint>(state.device, parts.nodes);
   const DeviceBuffer labelBuffer = makeBuffer<cl_ushort>(state.device, parts.nodes);
-  state.run(kFile, "component_measure", state.items, state.inside, state.leafCount, state.items,
-            labels, parts.localNode, parts.firstNode, parts.nodeCount, voxelBuffer, labelBuffer);
+  state.run("component_measure", state.items, state.inside, state.leafCount, state.items, labels,
+            parts.localNode, parts.firstNode, parts.nodeCount, voxelBuffer, labelBuffer);
   std::vector<cl_uint> voxels = downloaded<cl_uint>(state.device, voxelBuffer, parts.nodes);
   const auto root = downloaded<cl_uint>(state.device, parts.root, parts.nodes);
   const auto label = downloaded<cl_ushort>(state.device, labelBuffer, parts.nodes);

@@ -45,7 +45,7 @@ void Flood::grow(const DeviceBuffer& domain, std::uint32_t steps, std::uint32_t 
     launch("flood_restart", state_.items, step_);
   }
   seeded_ = false;
-  cl::Kernel kernel = state_.device.kernel("flood.cl", "flood_step");
+  cl::Kernel kernel = state_.device.kernel("flood_step");
   const cl_uint stepArgument = setState(kernel);
   for (std::uint32_t done = 0; done < steps;) {
     for (std::uint32_t k = 0; k < perReadback && done < steps; ++k, ++done) {
@@ -78,7 +78,7 @@ cl_uint Flood::setState(cl::Kernel& kernel) {
 
 template <class... Arguments>
 void Flood::launch(const char* name, std::size_t work, const Arguments&... arguments) {
-  cl::Kernel kernel = state_.device.kernel("flood.cl", name);
+  cl::Kernel kernel = state_.device.kernel(name);
   cl_uint i = setState(kernel);
   (kernel.setArg(i++, argument(arguments)), ...);
   state_.launch(kernel, work);

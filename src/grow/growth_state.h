@@ -40,10 +40,10 @@ class GrowthState {
     return buffer;
   }
 
-  /// Launch kernels/<file>'s kernel `name` over `work` things.
+  /// Launch the kernel `name` over `work` things.
   template <class... Arguments>
-  void run(const char* file, const char* name, std::size_t work, const Arguments&... arguments) {
-    cl::Kernel kernel = device.kernel(file, name);
+  void run(const char* name, std::size_t work, const Arguments&... arguments) {
+    cl::Kernel kernel = device.kernel(name);
     cl_uint i = 0;
     (kernel.setArg(i++, argument(arguments)), ...);
     launch(kernel, work);

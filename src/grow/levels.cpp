@@ -56,8 +56,8 @@ class Levels {
     const DeviceBuffer stepBuffer = uploadBuffer<cl_int4>(state_.device, steps.step);
     const DeviceBuffer within = uploadBuffer<cl_int>(state_.device, steps.within);
     launch("levels_begin", state_.items);
-    cl::Kernel take = state_.device.kernel("levels.cl", "levels_take");
-    cl::Kernel publish = state_.device.kernel("levels.cl", "levels_publish");
+    cl::Kernel take = state_.device.kernel("levels_take");
+    cl::Kernel publish = state_.device.kernel("levels_publish");
     const cl_uint roundOfTake = setState(take), roundOfPublish = setState(publish);
     cl_uint i = roundOfTake + 1;
     const auto set = [&](const auto&... argument) {
@@ -101,7 +101,7 @@ class Levels {
 
   template <class... Arguments>
   void launch(const char* name, std::size_t work, const Arguments&... arguments) {
-    cl::Kernel kernel = state_.device.kernel("levels.cl", name);
+    cl::Kernel kernel = state_.device.kernel(name);
     cl_uint i = setState(kernel);
     (kernel.setArg(i++, argument(arguments)), ...);
     state_.launch(kernel, work);

@@ -26,9 +26,8 @@ Grown growNearest(GrowthState& state, const SeedTable& seeds, const sherd_metric
   const DeviceBuffer firsts = uploadBuffer<cl_uint>(state.device, first);
   Grown grown{makeBuffer<cl_ushort>(state.device, state.voxels()),
               makeBuffer<cl_uint>(state.device, keepCost ? state.voxels() : 1)};
-  state.run("nearest.cl", "nearest", state.items, state.inside, state.origin(), state.leafCount,
-            state.items, voxels, firsts, metric, grown.labels, grown.cost,
-            static_cast<cl_uint>(keepCost));
+  state.run("nearest", state.items, state.inside, state.origin(), state.leafCount, state.items,
+            voxels, firsts, metric, grown.labels, grown.cost, static_cast<cl_uint>(keepCost));
   state.device.queue.finish();  // the seeds' buffers end here
   return grown;
 }

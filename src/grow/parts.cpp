@@ -47,7 +47,7 @@ void readLocalNodes(GrowthState& state, const NodeParts& found, Parts& parts) {
   }
   const std::size_t voxels = several.size() * SHERD_LEAF_SIZE;
   const DeviceBuffer gathered = makeBuffer<cl_ushort>(state.device, voxels);
-  state.run("components.cl", "component_gather", several.size(), found.localNode,
+  state.run("component_gather", several.size(), found.localNode,
             uploadBuffer<cl_uint>(state.device, several), static_cast<cl_uint>(several.size()),
             gathered);
   parts.localNode = downloaded<std::uint16_t>(state.device, gathered, voxels);

@@ -8,8 +8,6 @@
 namespace sherd {
 namespace {
 
-constexpr const char* kFile = "rough.cl";
-
 // How many leaves away a walk can end.
 cl_uint leavesReached(std::span<const cl_int> amplitudes) {
   std::int64_t most = 128;  // 1/256 voxels, rounded to the nearest voxel
@@ -29,11 +27,11 @@ Leaves leavesOf(GrowthState& state, const DeviceBuffer& labels, cl_uint reach) {
                 makeBuffer<cl_uint>(state.device, state.items)};
   DeviceBuffer single = makeBuffer<cl_uint>(state.device, state.items);
   DeviceBuffer wider = makeBuffer<cl_uint>(state.device, state.items);
-  state.run(kFile, "rough_leaves", state.items, state.inside, state.leafCount, state.items, labels,
-            single, leaves.full);
+  state.run("rough_leaves", state.items, state.inside, state.leafCount, state.items, labels, single,
+            leaves.full);
   for (cl_uint ring = 0; ring <= std::min(reach, kMostRings); ++ring) {
-    state.run(kFile, "rough_rings", state.items, state.round27(), state.leafCount, state.items,
-              ring, single, wider, leaves.same);
+    state.run("rough_rings", state.items, state.round27(), state.leafCount, state.items, ring,
+              single, wider, leaves.same);
     std::swap(single, wider);
   }
   return leaves;
@@ -48,12 +46,12 @@ DeviceBuffer roughened(GrowthState& state, const DeviceBuffer& labels, const See
   const DeviceBuffer amplitude = uploadBuffer<cl_int>(state.device, amplitudes);
   const DeviceBuffer out = makeBuffer<cl_ushort>(state.device, state.voxels());
   const Leaves leaves = leavesOf(state, labels, leavesReached(amplitudes));
-  state.run(kFile, "rough", state.items, state.inside, state.neighbour, state.round27(),
-            state.origin(), state.leafCount, state.items, noise, amplitude,
-            static_cast<cl_int>(amplitudes.size()), leaves.same, leaves.full, labels, out);
+  state.run("rough", state.items, state.inside, state.neighbour, state.round27(), state.origin(),
+            state.leafCount, state.items, noise, amplitude, static_cast<cl_int>(amplitudes.size()),
+            leaves.same, leaves.full, labels, out);
 
   const PrimarySeeds primaries = primariesOf(state, seeds);
-  state.run(kFile, "rough_pin", primaries.count, primaries.item, primaries.offset, primaries.label,
+  state.run("rough_pin", primaries.count, primaries.item, primaries.offset, primaries.label,
             primaries.count, out);
   state.device.queue.finish();  // the buffers made here end here
   return out;
