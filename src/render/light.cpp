@@ -169,7 +169,7 @@ GroundLight::GroundLight(const Scene& scene, const Light& light) : share_(kSize 
   // Once gathers the pattern; twice also takes away what the eye finds of it in far, soft shadows.
   free = tent(tent(free, kSize), kSize);
   const glm::vec3 key = light.key * light.keyDirection.y;
-  for (int z = 0; z < kSize; ++z)
+  tbb::parallel_for(0, kSize, [&](int z) {
     for (int x = 0; x < kSize; ++x) {
       const std::size_t at = static_cast<std::size_t>(z * kSize + x);
       const int edge = std::min(std::min(x, kSize - 1 - x), std::min(z, kSize - 1 - z));
@@ -177,6 +177,7 @@ GroundLight::GroundLight(const Scene& scene, const Light& light) : share_(kSize 
       const glm::vec3 share = (key * free[at].x + light.sky * free[at].y) / (key + light.sky);
       share_[at] = glm::mix(glm::vec3(1.0f), share, fade);
     }
+  });
 }
 
 glm::vec3 GroundLight::at(float x, float z) const {

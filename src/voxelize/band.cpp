@@ -18,7 +18,10 @@ namespace {
 using openvdb::Coord;
 
 constexpr int kLeafSide = 8;
-constexpr int kTaskSide = 64;
+
+// A thread takes cubes, large ones where there are enough of them: most are far from the surface.
+constexpr int kLargestTask = 64, kSmallestTask = 16;
+constexpr std::size_t kEnoughTasks = 256;
 
 // Of more triangles near one leaf the tree finds the nearest sooner than a list does.
 constexpr std::size_t kMostInList = 8192;
@@ -106,28 +109,30 @@ class Search {
   std::array<Discs, 3> lists_;  // near the leaf, a cube of four voxels a side, one of two
 };
 
+// The cubes of a lattice that meet a box, by where they begin.
+std::vector<Coord> cubesOf(const Box& box, int side) {
+  const auto first = [side](double v) { return static_cast<int>(std::floor(v / side)) * side; };
+  std::vector<Coord> cubes;
+  for (int x = first(box.min.x); x <= box.max.x; x += side) {
+    for (int y = first(box.min.y); y <= box.max.y; y += side) {
+      for (int z = first(box.min.z); z <= box.max.z; z += side) cubes.emplace_back(x, y, z);
+    }
+  }
+  return cubes;
+}
+
 }  // namespace
 
 std::vector<BandLeaf> bandOf(const TriangleTree& tree, double reach, const Progress* progress) {
-  const Box box = tree.box();
-  std::vector<Coord> cubes;
-  Coord low, high;
-  for (int axis = 0; axis < 3; ++axis) {
-    low[axis] = static_cast<int>(std::floor((box.min[axis] - reach) / kTaskSide));
-    high[axis] = static_cast<int>(std::floor((box.max[axis] + reach) / kTaskSide));
-  }
-  for (int x = low.x(); x <= high.x(); ++x) {
-    for (int y = low.y(); y <= high.y(); ++y) {
-      for (int z = low.z(); z <= high.z(); ++z) {
-        cubes.emplace_back(x * kTaskSide, y * kTaskSide, z * kTaskSide);
-      }
-    }
-  }
+  const Box box = widened(tree.box(), reach);
+  int side = kLargestTask;
+  std::vector<Coord> cubes = cubesOf(box, side);
+  while (cubes.size() < kEnoughTasks && side > kSmallestTask) cubes = cubesOf(box, side /= 2);
   std::vector<std::vector<BandLeaf>> found(cubes.size());
   CancelFlag stop(progress);
   tbb::parallel_for(std::size_t{0}, cubes.size(), [&](std::size_t i) {
     if (stop.isSet()) return;
-    Search(tree, reach, found[i]).descend(cubes[i], kTaskSide, TriangleTree::kNone);
+    Search(tree, reach, found[i]).descend(cubes[i], side, TriangleTree::kNone);
   });
   stop.throwIfSet();
   std::vector<BandLeaf> leaves;

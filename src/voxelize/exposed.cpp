@@ -95,16 +95,24 @@ class Look {
     if (area_ == 0.0) return Verdict::no;
     const std::array<glm::dvec3, 4> looks = looksOf(triangle_);
     if (winding_.isPlain(boxOf(triangle_), looks)) return Verdict::yes;
-    return keep(triangle_, winding_.tree().meeting(widened(boxOf(triangle_), kAround)), kSmall,
-                kept);
+    // For one look the tree tells what lies on the way sooner than a list of all that is around.
+    const Verdict verdict = look(triangle_, near(kTouching), kSmall);
+    if (verdict != Verdict::mixed) return verdict;
+    return keep(triangle_, near(kAround), kSmall, kept);
   }
 
  private:
-  static constexpr double kAround = 1.0;  // voxels; the nearest centre is nearer
+  static constexpr double kAround = 1.0;     // voxels; the nearest centre is nearer
+  static constexpr double kTouching = 0.01;  // what crosses a triangle is nearer
+
+  // Triangles that are no farther away along each axis.
+  std::vector<std::uint32_t> near(double distance) const {
+    return winding_.tree().meeting(widened(boxOf(triangle_), distance));
+  }
 
   Verdict keep(const Corners& t, const std::vector<std::uint32_t>& around, double smallest,
                std::vector<Corners>& kept) const {
-    const Verdict verdict = look(t, around, smallest);
+    const Verdict verdict = look(t, around, smallest, around);
     if (verdict != Verdict::mixed) return verdict;
     // Halve the longest edge: a needle becomes short pieces, not thinner needles.
     std::size_t from = 0;
@@ -121,23 +129,26 @@ class Look {
     return Verdict::mixed;
   }
 
-  Verdict look(const Corners& t, const std::vector<std::uint32_t>& around, double smallest) const {
+  // `crossing` are those that may part the triangle; sides are told by those around, or by all.
+  template <class... Around>
+  Verdict look(const Corners& t, const std::vector<std::uint32_t>& crossing, double smallest,
+               const Around&... around) const {
     const double size = longestEdge(t);
     const std::array<glm::dvec3, 4> looks = looksOf(t);
-    if (size > smallest && isMixed(t, around, looks)) {
+    if (size > smallest && isMixed(t, crossing, looks)) {
       if (size > kLargestPiece) return Verdict::mixed;
-      const bool first = isExposed(looks[0], around);
+      const bool first = isExposed(looks[0], around...);
       for (std::size_t k = 1; k < 4; ++k) {
-        if (isExposed(looks[k], around) != first) return Verdict::mixed;
+        if (isExposed(looks[k], around...) != first) return Verdict::mixed;
       }
     }
-    return isExposed(looks[0], around) ? Verdict::yes : Verdict::no;
+    return isExposed(looks[0], around...) ? Verdict::yes : Verdict::no;
   }
 
   // Whether one look may not be enough.
-  bool isMixed(const Corners& t, const std::vector<std::uint32_t>& around,
+  bool isMixed(const Corners& t, const std::vector<std::uint32_t>& crossing,
                const std::array<glm::dvec3, 4>& looks) const {
-    return std::any_of(around.begin(), around.end(),
+    return std::any_of(crossing.begin(), crossing.end(),
                        [&](std::uint32_t other) {
                          const Corners corners = winding_.tree().corners(other);
                          return corners != triangle_ && crosses(corners, t, normal_);
@@ -145,10 +156,11 @@ class Look {
            !winding_.isFarFromHoles(looks);
   }
 
-  bool isExposed(const glm::dvec3& point, const std::vector<std::uint32_t>& around) const {
+  template <class... Around>
+  bool isExposed(const glm::dvec3& point, const Around&... around) const {
     const glm::dvec3 behind = point - kBeside * normal_, before = point + kBeside * normal_;
-    const double first = winding_.near(behind, around);
-    const double second = first + winding_.tree().entries(behind, before, around);
+    const double first = winding_.near(behind, around...);
+    const double second = first + winding_.tree().entries(behind, before, around...);
     return (first >= 0.5) != (second >= 0.5);
   }
 

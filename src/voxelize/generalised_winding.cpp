@@ -30,6 +30,8 @@ openvdb::Coord nearestVoxel(const glm::dvec3& point) {
           static_cast<int>(std::lround(point.z))};
 }
 
+glm::dvec3 centreOf(const openvdb::Coord& voxel) { return {voxel.x(), voxel.y(), voxel.z()}; }
+
 // Caps of cracks, whose two sides lie on each other, have no solid angle worth its cost; there are
 // thousands where edges meet others' middles.
 TriangleMesh withArea(TriangleMesh caps) {
@@ -77,7 +79,7 @@ double GeneralisedWinding::capsAt(const openvdb::Coord& voxel) const {
   if (capTree_.empty()) return 0.0;
   const auto known = knownCaps_.find(voxel);
   if (known != knownCaps_.end()) return known->second;
-  const double winding = capTree_.winding(glm::dvec3(voxel.x(), voxel.y(), voxel.z()) + kTie);
+  const double winding = capTree_.winding(centreOf(voxel) + kTie);
   knownCaps_.emplace(voxel, winding);
   return winding;
 }
@@ -120,11 +122,15 @@ double GeneralisedWinding::at(const openvdb::Coord& voxel) const {
   return columns_.at(voxel) - capsAt(voxel);
 }
 
+double GeneralisedWinding::near(const glm::dvec3& point) const {
+  const openvdb::Coord voxel = nearestVoxel(point);
+  return at(voxel) + tree_->entries(centreOf(voxel), point);
+}
+
 double GeneralisedWinding::near(const glm::dvec3& point,
                                 std::span<const std::uint32_t> around) const {
   const openvdb::Coord voxel = nearestVoxel(point);
-  const glm::dvec3 centre(voxel.x(), voxel.y(), voxel.z());
-  return at(voxel) + tree_->entries(centre, point, around);
+  return at(voxel) + tree_->entries(centreOf(voxel), point, around);
 }
 
 }  // namespace sherd

@@ -34,6 +34,9 @@ class GeneralisedWinding {
   /// At any point, where the winding is not simple: the nearest voxel centre's, changed by each
   /// triangle on the way.  Right but for what it changes otherwise over less than a voxel, which is
   /// little away from holes' rims.
+  [[nodiscard]] double near(const glm::dvec3& point) const;
+
+  /// The same, looking at some triangles only.
   ///   around  all triangles within a voxel of the point, in tree()'s order, or more
   [[nodiscard]] double near(const glm::dvec3& point, std::span<const std::uint32_t> around) const;
 
