@@ -203,8 +203,10 @@ class FractureRun {
 
 void runFracture(FractureArguments& arguments) {
   watchForInterrupts();
-  checkWriteOptions(writeOptions(arguments.write), arguments.options);
-  arguments.options.grow.keepCost = writeOptions(arguments.write).cost;
+  const WriteOptions write = writeOptions(arguments.write);
+  checkWriteOptions(write, arguments.options);
+  arguments.options.grow.keepCost = write.cost;
+  arguments.options.surface.levelSets = write.needsLevelSets();
   const auto threads = limitedThreads(arguments.machine);
   try {
     FractureRun(arguments).run();
