@@ -193,11 +193,17 @@ bool givesVoronoiCells(const GrowOptions& options) {
           (options.growth == Growth::nearest && options.metric == Metric::euclidean));
 }
 
-}  // namespace
+// How many grow together: no buffer may pass the device's largest allocation, and those of the
+// cost hold four bytes a voxel.
+std::size_t fracturesAtOnce(const LeafBlocks& blocks, Device& device) {
+  const std::size_t largest = sizeof(cl_uint) * SHERD_LEAF_SIZE * blocks.count();
+  const std::size_t allowed = device.info().largestBufferBytes;
+  return std::max<std::size_t>(allowed / std::max<std::size_t>(largest, 1), 1);
+}
 
-std::vector<Labels> grow(const LeafBlocks& blocks, std::span<const std::vector<Seed>> seedSets,
-                         Device& device, const GrowOptions& options, const Progress* progress) {
-  check(options);
+std::vector<Labels> growBatch(const LeafBlocks& blocks, std::span<const std::vector<Seed>> seedSets,
+                              Device& device, const GrowOptions& options,
+                              const Progress* progress) {
   const SeedTable table = tableOf(blocks, seedSets);
   return withDevice(device.impl(), "growing fragments", [&] {
     GrowthState state(blocks, seedSets.size(), device.impl(), options.workGroupSize);
@@ -211,6 +217,27 @@ std::vector<Labels> grow(const LeafBlocks& blocks, std::span<const std::vector<S
     }
     return all;
   });
+}
+
+}  // namespace
+
+std::vector<Labels> grow(const LeafBlocks& blocks, std::span<const std::vector<Seed>> seedSets,
+                         Device& device, const GrowOptions& options, const Progress* progress) {
+  check(options);
+  const std::size_t most = fracturesAtOnce(blocks, device);
+  std::vector<Labels> all;
+  for (std::size_t first = 0; first < seedSets.size(); first += most) {
+    const std::size_t count = std::min(most, seedSets.size() - first);
+    GrowOptions own = options;
+    own.noiseSeeds.resize(seedSets.size());
+    own.noiseSeeds.erase(own.noiseSeeds.begin(),
+                         own.noiseSeeds.begin() + static_cast<std::ptrdiff_t>(first));
+    for (Labels& labels :
+         growBatch(blocks, seedSets.subspan(first, count), device, own, progress)) {
+      all.push_back(std::move(labels));
+    }
+  }
+  return all;
 }
 
 Labels carriedOverBand(const LeafBlocks& blocks, Labels labels, Device& device, int steps) {

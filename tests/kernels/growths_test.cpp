@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <random>
 
+#include "cl/device_impl.h"
 #include "device_fixture.h"
 #include "grow_reference.h"
 
@@ -232,6 +233,30 @@ TEST_F(Growths, BatchesAndWorkGroupsGiveTheSameLabels) {
       EXPECT_EQ(own.fragment, together[i].fragment);
       EXPECT_EQ(own.cost, together[i].cost);
     }
+  }
+}
+
+// A device whose largest allocation holds two of three fractures, and then less than one.
+TEST_F(Growths, WhatNoBufferHoldsTogetherGrowsInTurn) {
+  const VoxelSolid solid = voxel_shapes::ball(5);
+  const LeafBlocks blocks = voxel_shapes::blocksOf(solid);
+  const std::vector<std::vector<Seed>> sets{
+      randomSeeds(solid, 3, 0, 1), randomSeeds(solid, 5, 0, 2), randomSeeds(solid, 2, 0, 3)};
+  const std::size_t perFracture = blocks.count() * 512 * sizeof(std::uint32_t);
+  Device small(device().info().name);
+  for (const Growth growth : {Growth::flood, Growth::euclid}) {
+    const GrowOptions options{
+        .growth = growth, .roughness = 1.0, .noiseSeeds = {11, 22, 33}, .keepCost = true};
+    const std::vector<Labels> together = grow(blocks, sets, device(), options);
+    small.impl().info.largestBufferBytes = 2 * perFracture + 1;
+    const std::vector<Labels> inTurn = grow(blocks, sets, small, options);
+    ASSERT_EQ(inTurn.size(), sets.size());
+    for (std::size_t i = 0; i < sets.size(); ++i) {
+      EXPECT_EQ(inTurn[i].fragment, together[i].fragment);
+      EXPECT_EQ(inTurn[i].cost, together[i].cost);
+    }
+    small.impl().info.largestBufferBytes = perFracture / 2;
+    EXPECT_THROW((void)grow(blocks, sets, small, options), Error);
   }
 }
 
