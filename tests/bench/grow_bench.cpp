@@ -304,5 +304,3 @@ BENCHMARK(countVisits)->Name("visits")->Arg(128)->Arg(256)->Arg(512)->Iterations
 BENCHMARK(copyMemory)->Name("copy")->Unit(benchmark::kMillisecond)->UseRealTime();
 
 }  // namespace
-
-BENCHMARK_MAIN();
