@@ -240,34 +240,53 @@ kernel void flood_seed(
   let_go(&next);
 }
 
+// What any of a row's numbers has, and the first that is not 0.
+inline ushort bits_of(const ushort8 row) {
+  const ushort4 a = row.lo | row.hi;
+  const ushort2 b = a.lo | a.hi;
+  return b.x | b.y;
+}
+
+inline ushort first_of(const ushort8 row) {
+  ushort all[8];
+  vstore8(row, 0, all);
+  for (int i = 0; i < 8; ++i) {
+    if (all[i]) return all[i];
+  }
+  return 0;
+}
+
 // Take labels that `owner` holds already instead of seeds: those of kept voxels stay, the rest reads 0.
 kernel void flood_load(
     FLOOD_STATE,
     const global ulong* restrict kept)       // [items*8]    voxels whose label stays
 {
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
-    uint all = 0;
-    ulong seconds[SHERD_LEAF_WORDS];  // what does not have the label met first
-    uint met = 0;
-    for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
-      const ulong mask = kept[item * SHERD_LEAF_WORDS + x];
-      ulong labelled = 0;
-      seconds[x] = 0;
-      for (int i = 0; i < 64; ++i) {
-        const size_t v = item * SHERD_LEAF_SIZE + (x << 6) + i;
-        const uint label = (mask >> i) & 1 ? owner[v] : 0u;
-        owner[v] = (ushort)label;
-        if (!label) continue;
-        labelled |= 1ul << i;
-        if (label == met) continue;
-        if (!met) {
-          met = label;
-        } else {
-          seconds[x] |= 1ul << i;
+    ulong labelled[SHERD_LEAF_WORDS], seconds[SHERD_LEAF_WORDS];  // what does not have the label met first
+    ushort met = 0;
+    ushort8 others = 0;
+    for (int row = 0; row < 64; ++row) {
+      global ushort* const labels = owner + item * SHERD_LEAF_SIZE + 8 * row;
+      const ushort bits = (ushort)(kept[item * SHERD_LEAF_WORDS + (row >> 3)] >> (8 * (row & 7)) & 0xff);
+      const ushort8 label = vload8(0, labels) & convert_ushort8((kRowBits & bits) != (ushort8)(0));
+      vstore8(label, 0, labels);
+      const ushort8 has = convert_ushort8(label != (ushort8)(0));
+      if (!met) met = first_of(label);
+      others |= (label ^ met) & has;
+      if ((row & 7) == 0) labelled[row >> 3] = 0;
+      labelled[row >> 3] |= (ulong)bits_of(has & kRowBits) << (8 * (row & 7));
+    }
+    vstore8(vload8(0, labelled), item, owned);
+    uint all = met;
+    if (bits_of(others)) {
+      for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
+        seconds[x] = 0;
+        for (ulong bits = labelled[x]; bits; bits &= bits - 1) {
+          const ushort label = owner[item * SHERD_LEAF_SIZE + (x << 6) + lowest_bit(bits)];
+          if (label != met) seconds[x] |= bits & (~bits + 1);
+          all = with_label(all, label);
         }
-        all = with_label(all, label);
       }
-      owned[item * SHERD_LEAF_WORDS + x] = labelled;
     }
     if (is_pair(all)) {
       const ulong8 notMet = vload8(0, seconds);
@@ -310,36 +329,35 @@ inline ulong8 arrive6(const global uint* beside, const uint item, const uint lea
   return reached;
 }
 
-// Slab x of the leaf `at` of the 27: of the middle one all that is owned, of others the front that borders on it.
-inline ulong slab_beside(const int at, const uint source, const int x, const global struct front* before,
-                         const ulong* mine) {
-  if (source == SHERD_NO_LEAF) return 0;
-  if (at == 13) return mine[x];
-  const ulong bits = bordering(26 - at, before[2 * (size_t)source].face);
-  const int i = at / 9, j = at / 3 % 3, k = at % 3;
-  if (i != 1) return x == (i == 0 ? 7 : 0) ? bits : 0;
-  if (j != 1) return (bits >> 8 * x & 0xff) << (j == 0 ? 56 : 0);
-  return (bits >> x & SHERD_Z0) << (k == 0 ? 7 : 0);
-}
-
 // The same over faces, edges and corners.
 inline ulong8 arrive26(const global uint* beside, const uint base, const global struct front* before, const uint live,
                        const ulong* mine, const ulong8 open, uint* source) {
+  ulong border[27];  // what of each front borders on the leaf
   for (int k = 0; k < 27; ++k) {
+    border[k] = 0;
     if (k == 13 || beside[k] == SHERD_NO_LEAF) continue;
     const size_t from = base + beside[k];
     if (before[2 * from].step != live) continue;
-    if (bordering(26 - k, before[2 * from].face)) source[k] = (uint)from;
+    border[k] = bordering(26 - k, before[2 * from].face);
+    if (border[k]) source[k] = (uint)from;
   }
   ulong reached[SHERD_LEAF_WORDS];
   for (int x = 0; x < SHERD_LEAF_WORDS; ++x) reached[x] = 0;
   for (int x = -1; x <= SHERD_LEAF_WORDS; ++x) {  // a slab of this leaf or of the leaves beside, spread along z, then y
+    const int isMiddle = (x & ~7) == 0;
+    const ulong* const layer = border + ((x >> 3) + 1) * 9;
     ulong row[3];
+#pragma unroll
     for (int j = 0; j < 3; ++j) {
       ulong word[3];
+#pragma unroll
       for (int k = 0; k < 3; ++k) {
-        const int at = ((x >> 3) + 1) * 9 + j * 3 + k;
-        word[k] = slab_beside(at, source[at], x & 7, before, mine);
+        const ulong bits = layer[j * 3 + k];
+        word[k] = bits;
+        if (!isMiddle) continue;
+        if (j != 1) word[k] = (bits >> 8 * x & 0xff) << (j == 0 ? 56 : 0);
+        if (j == 1 && k != 1) word[k] = (bits >> x & SHERD_Z0) << (k == 0 ? 7 : 0);
+        if (j == 1 && k == 1) word[k] = mine[x];
       }
       row[j] = word[1] | moved_z_up(word[1]) | moved_z_down(word[1]) | through_face(4, word[0]) |
                through_face(5, word[2]);
