@@ -30,8 +30,8 @@ struct DeviceMemory {
   std::size_t peakBytes = 0;
 };
 
-/// An open device: context, queue, and programs built once.  Opened once, used by one thread at a
-/// time.
+/// An open device: context, queue, and the kernels, built once.  Opened once, used by one thread at
+/// a time.
 class Device {
  public:
   /// Open a device.
