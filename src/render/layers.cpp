@@ -28,20 +28,20 @@ struct Centres {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     rtcIntersect1(scene.embree.get(), &context, &ray);
-    if (ray.hit.instID[0] == RTC_INVALID_GEOMETRY_ID) return;
+    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return;
     see(static_cast<std::size_t>(y) * static_cast<std::size_t>(layers.width) +
             static_cast<std::size_t>(x),
         ray.hit, d);
   }
 
   void see(std::size_t at, const RTCHit& hit, const glm::vec3& ray) const {
-    const Fragment& fragment = fragments[hit.instID[0]];
-    const Piece& piece = scene.pieces[hit.instID[0]];
+    const Fragment& fragment = fragments[hit.geomID];
+    const Piece& piece = scene.pieces[hit.geomID];
     const float u = hit.u, v = hit.v, w = 1.0f - u - v;
     const glm::uvec3& t = piece.triangles[hit.primID];
     const std::vector<glm::dvec3>& vertices = fragment.mesh.vertices;
     layers.position[at] = glm::vec3(double{w} * vertices[t.x] + double{u} * vertices[t.y] +
-                                    double{v} * vertices[t.z] + scene.shifts[hit.instID[0]]);
+                                    double{v} * vertices[t.z] + scene.shifts[hit.geomID]);
     const glm::vec3 inScene =
         w * piece.vertices[t.x] + u * piece.vertices[t.y] + v * piece.vertices[t.z];
     layers.depth[at] =

@@ -89,53 +89,28 @@ void setNormals(const Fragment& fragment, Piece& piece) {
 
 void check(RTCDevice device) { checkEmbree(device, ErrorCode::output, "picture"); }
 
-// One thread builds a tree: with more, the order within a leaf depends on their number, and with it
-// which of two triangles a ray through their common edge hits.  (Embree's own threads=1 would
-// throttle the whole process.)
-void commitAlone(RTCScene scene) {
-  tbb::task_arena alone(1);
-  alone.execute([&] { rtcCommitScene(scene); });
-}
-
-void attach(RTCScene scene, RTCGeometry geometry, std::size_t id) {
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometryByID(scene, geometry, static_cast<unsigned>(id));
-  rtcReleaseGeometry(geometry);
-}
-
-EmbreeScene treeOf(const Piece& piece, RTCDevice device) {
-  EmbreeScene tree(rtcNewScene(device), &rtcReleaseScene);
-  // Compact: two thirds of the memory, and sooner built.
-  rtcSetSceneFlags(tree.get(),
-                   static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_COMPACT));
-  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                             piece.vertices.data(), 0, sizeof(glm::vec3),
-                             piece.vertices.size() - 1);
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                             piece.triangles.data(), 0, sizeof(glm::uvec3), piece.triangles.size());
-  attach(tree.get(), geometry, 0);
-  commitAlone(tree.get());
-  return tree;
-}
-
 void build(Scene& scene) {
   scene.device.reset(rtcNewDevice(nullptr));
   if (!scene.device) check(nullptr);
-  RTCDevice device = scene.device.get();
-  std::vector<EmbreeScene> trees;
-  for (std::size_t i = 0; i < scene.pieces.size(); ++i) trees.emplace_back(nullptr, nullptr);
-  tbb::parallel_for(std::size_t{0}, trees.size(),
-                    [&](std::size_t i) { trees[i] = treeOf(scene.pieces[i], device); });
-  scene.embree.reset(rtcNewScene(device));
-  rtcSetSceneFlags(scene.embree.get(), RTC_SCENE_FLAG_ROBUST);
-  for (std::size_t i = 0; i < trees.size(); ++i) {
-    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
-    rtcSetGeometryInstancedScene(geometry, trees[i].get());  // which it holds from here on
-    attach(scene.embree.get(), geometry, i);
+  scene.embree.reset(rtcNewScene(scene.device.get()));
+  // Compact: two thirds of the memory, and sooner built.
+  rtcSetSceneFlags(scene.embree.get(),
+                   static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_COMPACT));
+  for (std::size_t i = 0; i < scene.pieces.size(); ++i) {
+    const Piece& piece = scene.pieces[i];
+    RTCGeometry geometry = rtcNewGeometry(scene.device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                               piece.vertices.data(), 0, sizeof(glm::vec3),
+                               piece.vertices.size() - 1);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                               piece.triangles.data(), 0, sizeof(glm::uvec3),
+                               piece.triangles.size());
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(scene.embree.get(), geometry, static_cast<unsigned>(i));
+    rtcReleaseGeometry(geometry);
   }
-  commitAlone(scene.embree.get());
-  check(device);
+  rtcCommitScene(scene.embree.get());
+  check(scene.device.get());
 }
 
 }  // namespace
@@ -183,7 +158,11 @@ Scene makeScene(std::span<const Fragment> fragments, const RenderOptions& option
     for (std::size_t t = 0; t < std::min(fragments[i].facing.size(), piece.inner.size()); ++t)
       piece.inner[t] = fragments[i].facing[t] != 0;
   });
-  tbb::parallel_invoke([&] { build(scene); },
+  // One thread builds: with more, the order within a leaf depends on their number, and with it
+  // which of two triangles a ray through their common edge hits.  (Embree's own threads=1 would
+  // throttle the whole process.)  The others make the normals meanwhile.
+  tbb::task_arena alone(1);
+  tbb::parallel_invoke([&] { alone.execute([&] { build(scene); }); },
                        [&] {
                          tbb::parallel_for(std::size_t{0}, fragments.size(), [&](std::size_t i) {
                            setNormals(fragments[i], scene.pieces[i]);

@@ -22,18 +22,17 @@ struct Piece {
   std::vector<std::uint8_t> inner;                ///< [m] 1 for a fracture face
 };
 
-using EmbreeScene = std::unique_ptr<std::remove_pointer_t<RTCScene>, decltype(&rtcReleaseScene)>;
-
 struct Scene {
   std::vector<glm::dvec3> shifts;     ///< [pieces] by how much each was moved; world
   double size = 1.0;                  ///< world units in a unit of the scene
-  std::vector<Piece> pieces;          ///< Embree's instance id is the index
+  std::vector<Piece> pieces;          ///< Embree's geometry id is the index
   std::vector<glm::vec3> boxCorners;  ///< [8] of the whole
   float groundY = 0.0f;               ///< the lowest vertex lies here
 
   std::unique_ptr<std::remove_pointer_t<RTCDevice>, decltype(&rtcReleaseDevice)> device{
       nullptr, &rtcReleaseDevice};
-  EmbreeScene embree{nullptr, &rtcReleaseScene};  ///< an instance of each piece's own scene
+  std::unique_ptr<std::remove_pointer_t<RTCScene>, decltype(&rtcReleaseScene)> embree{
+      nullptr, &rtcReleaseScene};
 };
 
 /// A direction of the scene, y up, in the mesh's own axes.

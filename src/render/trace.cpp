@@ -59,9 +59,9 @@ void Block::seePixels(int x, int y) {
   rtcIntersect8(valid.data(), tracer.scene.embree.get(), &context, &hits);
 
   for (int i = 0; i < 8; ++i) {
-    const unsigned seen = hits.hit.instID[0][i];
-    if (!valid[static_cast<std::size_t>(i)] || seen == RTC_INVALID_GEOMETRY_ID) continue;
-    const Piece& piece = tracer.scene.pieces[seen];
+    if (!valid[static_cast<std::size_t>(i)] || hits.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID)
+      continue;
+    const Piece& piece = tracer.scene.pieces[hits.hit.geomID[i]];
     const unsigned triangle = hits.hit.primID[i];
     const float u = hits.hit.u[i], v = hits.hit.v[i], w = 1.0f - u - v;
     glm::vec3 face =
@@ -70,7 +70,7 @@ void Block::seePixels(int x, int y) {
     if (glm::dot(face, ray) > 0.0f) face = -face;
 
     const std::size_t at = inBand(i % 4, x + i / 4, y);
-    band.surface[at] = 1 + 2 * seen + piece.inner[triangle];
+    band.surface[at] = 1 + 2 * hits.hit.geomID[i] + piece.inner[triangle];
     Sample& sample = band.samples[at];
     // From the triangle's corners: more exact than along the ray.
     const glm::uvec3& t = piece.triangles[triangle];
