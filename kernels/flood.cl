@@ -134,16 +134,19 @@ kernel void flood_load(
     ulong labelled[SHERD_LEAF_WORDS], seconds[SHERD_LEAF_WORDS];  // what does not have the label met first
     ushort met = 0;
     ushort8 others = 0;
-    for (int row = 0; row < 64; ++row) {
-      global ushort* const labels = owner + item * SHERD_LEAF_SIZE + 8 * row;
-      const ushort bits = (ushort)(kept[item * SHERD_LEAF_WORDS + (row >> 3)] >> (8 * (row & 7)) & 0xff);
-      const ushort8 label = vload8(0, labels) & convert_ushort8((kRowBits & bits) != (ushort8)(0));
-      vstore8(label, 0, labels);
-      const ushort8 has = convert_ushort8(label != (ushort8)(0));
-      if (!met) met = first_of(label);
-      others |= (label ^ met) & has;
-      if ((row & 7) == 0) labelled[row >> 3] = 0;
-      labelled[row >> 3] |= (ulong)bits_of(has & kRowBits) << (8 * (row & 7));
+    for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
+      const ulong keep = kept[item * SHERD_LEAF_WORDS + x];
+      labelled[x] = 0;
+      for (int y = 0; y < 8; ++y) {
+        const size_t row = item * 64 + (x << 3) + y;
+        const ushort bits = (ushort)(keep >> (8 * y) & 0xff);
+        const ushort8 label = vload8(row, owner) & convert_ushort8((kRowBits & bits) != (ushort8)(0));
+        vstore8(label, row, owner);
+        const ushort8 has = convert_ushort8(label != (ushort8)(0));
+        if (!met) met = first_of(label);
+        others |= (label ^ met) & has;
+        labelled[x] |= (ulong)bits_of(has & kRowBits) << (8 * y);
+      }
     }
     vstore8(vload8(0, labelled), item, owned);
     uint all = met;
@@ -354,22 +357,23 @@ kernel void flood_step(FLOOD_STATE, const uint step)
   if (get_global_id(0) == 0) listCount[(step + 2) % 3] = 0;  // the round after next counts from 0
   const uint entries = listCount[step % 3];
   const global struct front* const before = fronts + ((step + 1) & 1);
+  const global uint* const visits = list + (size_t)(step & 1) * items;
   struct next_items next = next_of(queued, list, listCount, items, step + 1);
   const size_t share = (entries + get_global_size(0) - 1) / get_global_size(0);
   const size_t end = min((size_t)entries, share * (get_global_id(0) + 1));
   for (size_t i = share * get_global_id(0); i < end; ++i) {
-    const uint item = list[(size_t)(step & 1) * items + i];
+    const uint item = visits[i];
     const uint leaf = item % leafCount;
 
     if (i + FLOOD_FAR_AHEAD < entries) {
-      const uint far = list[(size_t)(step & 1) * items + i + FLOOD_FAR_AHEAD], farLeaf = far % leafCount;
+      const uint far = visits[i + FLOOD_FAR_AHEAD], farLeaf = far % leafCount;
       FLOOD_FETCH(owned + (size_t)far * SHERD_LEAF_WORDS);
       FLOOD_FETCH(domain + (size_t)farLeaf * SHERD_LEAF_WORDS);
       FLOOD_FETCH(neighbour + (size_t)farLeaf * SHERD_LEAF_FACES);
       FLOOD_FETCH(beyond + (size_t)farLeaf * SHERD_LEAF_FACES);
       FLOOD_FETCH(tag + far);
       FLOOD_FETCH_TO_WRITE(fronts + 2 * (size_t)far + (step & 1));
-      const uint near = list[(size_t)(step & 1) * items + i + FLOOD_NEAR_AHEAD], nearLeaf = near % leafCount;
+      const uint near = visits[i + FLOOD_NEAR_AHEAD], nearLeaf = near % leafCount;
       for (int k = 0; k < SHERD_LEAF_FACES; ++k) {
         const uint other = neighbour[(size_t)nearLeaf * SHERD_LEAF_FACES + k];
         FLOOD_FETCH(before + 2 * (size_t)(other == SHERD_NO_LEAF ? near : near - nearLeaf + other));
