@@ -195,7 +195,7 @@ bool givesVoronoiCells(const GrowOptions& options) {
 
 // How many grow together: no buffer may pass the device's largest allocation, and those of the
 // cost hold four bytes a voxel.
-std::size_t fracturesAtOnce(const LeafBlocks& blocks, Device& device) {
+std::size_t fracturesAtOnce(const LeafBlocks& blocks, const Device& device) {
   const std::size_t largest = sizeof(cl_uint) * SHERD_LEAF_SIZE * blocks.count();
   const std::size_t allowed = device.info().largestBufferBytes;
   return std::max<std::size_t>(allowed / std::max<std::size_t>(largest, 1), 1);
