@@ -96,7 +96,10 @@ class Look {
     const std::array<glm::dvec3, 4> looks = looksOf(triangle_);
     if (winding_.isPlain(boxOf(triangle_), looks)) return Verdict::yes;
     // For one look the tree tells what lies on the way sooner than a list of all that is around.
-    const Verdict verdict = look(triangle_, near(kTouching), kSmall);
+    // Small ones have one, whatever crosses them.
+    const bool isSmall = longestEdge(triangle_) <= kSmall;
+    const Verdict verdict =
+        look(triangle_, isSmall ? std::vector<std::uint32_t>() : near(kTouching), kSmall);
     if (verdict != Verdict::mixed) return verdict;
     return keep(triangle_, near(kAround), kSmall, kept);
   }
