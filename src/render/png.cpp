@@ -2,6 +2,7 @@
 #include <png.h>
 #include <sherd/error.h>
 #include <sherd/render.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <csetjmp>
@@ -12,10 +13,6 @@
 
 namespace sherd {
 namespace {
-
-/// zlib's third level with one fixed filter: a tenth larger than libpng's default, several times
-/// faster.
-constexpr int kCompressionLevel = 3;
 
 /// What the C callbacks see.  They may not throw, so they note what happened and jump.
 struct Target {
@@ -60,7 +57,9 @@ bool encode(const Image& image, png_structp png, png_infop info, Target* target)
                static_cast<png_uint_32>(image.height), 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
-  png_set_compression_level(png, kCompressionLevel);
+  // Runs of equal differences are most of what can be saved: half the time of zlib's third level,
+  // and files between a tenth smaller and a tenth larger.
+  png_set_compression_strategy(png, Z_RLE);
   png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
   png_write_info(png, info);
   const std::size_t row = 3 * static_cast<std::size_t>(image.width);
