@@ -148,7 +148,7 @@ Coverage::Coverage(const Scene& scene, const Camera& camera)
 void Tracer::trace(int x0, int y0, Band& band) const {
   const int x1 = std::min(x0 + kTile, width);
   for (std::size_t row = 0; row < kSamplesPerPixel * kTile; ++row) {
-    const auto first = band.surface.begin() + static_cast<std::ptrdiff_t>(row) * width;
+    std::uint32_t* const first = &band.surface[row * static_cast<std::size_t>(width)];
     std::fill(first + x0, first + x1, Band::kNothing);
   }
   for (int y = y0; y < y0 + kTile; y += Coverage::kHeight)

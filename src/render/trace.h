@@ -1,7 +1,9 @@
 // What each sample of the picture sees, and which light reaches it.
 #pragma once
 
+#include <cstdint>
 #include <glm/vec3.hpp>
+#include <memory>
 #include <vector>
 
 #include "render/camera.h"
@@ -15,22 +17,27 @@ inline constexpr int kTile = 32;
 
 /// What a sample sees when it sees a fragment.
 struct Sample {
-  glm::vec3 position{0.0f};  ///< scene space
-  glm::vec3 normal{0.0f};    ///< smooth, towards the camera
-  float key = 0.0f;          ///< 1 where its one ray to the key light is free
-  float sky = 0.0f;          ///< 1 where its one ray to the sky is free
+  glm::vec3 position;  ///< scene space
+  glm::vec3 normal;    ///< smooth, towards the camera
+  float key;           ///< 1 where its one ray to the key light is free
+  float sky;           ///< 1 where its one ray to the sky is free
 };
 
 /// kTile rows of the picture.
 struct Band {
   static constexpr std::uint32_t kNothing = 0;
 
-  std::vector<std::uint32_t> surface;  ///< [4 * kTile * width] kNothing, or 1 + 2 * piece + inner
-  std::vector<Sample> samples;         ///< [4 * kTile * width] set where surface is
+  /// [4 * kTile * width] kNothing, or 1 + 2 * piece + inner
+  std::unique_ptr<std::uint32_t[]> surface;
+  /// [4 * kTile * width] set where surface is.  Not filled with zeros before: the threads that
+  /// trace touch their tiles first, and many tiles nobody touches.
+  std::unique_ptr<Sample[]> samples;
 
-  explicit Band(int width)
-      : surface(static_cast<std::size_t>(kSamplesPerPixel * kTile * width)),
-        samples(surface.size()) {}
+  explicit Band(int width) {
+    const auto size = static_cast<std::size_t>(kSamplesPerPixel * kTile * width);
+    surface = std::make_unique_for_overwrite<std::uint32_t[]>(size);
+    samples = std::make_unique_for_overwrite<Sample[]>(size);
+  }
 };
 
 /// Which blocks of 16x8 pixels, the footprint of a packet, may show a fragment: those that a
