@@ -30,13 +30,15 @@ struct DeviceMemory {
   std::size_t peakBytes = 0;
 };
 
-/// An open device: context, queue, and the kernels, built once.  Opened once, used by one thread at
-/// a time.
+/// An open device: context, queue, and the kernels, built once, in a thread of their own from when
+/// it is opened on; what first needs one waits for them, and throws Error(device) when they do not
+/// build.  Opened once, used by one thread at a time.
 class Device {
  public:
   /// Open a device.
   ///   choice  "auto" (a GPU, else a CPU), "gpu", "cpu", or a part of a platform's or device's
-  ///   name, any case throws  Error(device) nothing matches, or the device cannot be opened
+  ///           name, any case
+  ///   throws  Error(device) nothing matches, or the device cannot be opened
   explicit Device(std::string_view choice = "auto");
   ~Device();
   Device(Device&&) noexcept;

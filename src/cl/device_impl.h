@@ -4,8 +4,8 @@
 #include <sherd/device.h>
 #include <sherd/error.h>
 
+#include <future>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,9 +21,12 @@ struct Device::Impl {
   cl::Context context;
   cl::CommandQueue queue;
   BufferPool pool;
-  std::optional<cl::Program> program;  ///< of all kernels, built at first use
+  std::shared_future<cl::Program> program;  ///< of all kernels
 
-  /// A kernel of kernels/*.cl.
+  /// Begin to build all kernels, in a thread of their own: a mesh can be voxelized meanwhile.
+  void buildKernels();
+
+  /// A kernel of kernels/*.cl, as soon as all are built.
   ///   throws  Error(device) with the build log's first lines
   cl::Kernel kernel(const char* name);
 

@@ -10,27 +10,27 @@
 namespace sherd {
 namespace {
 
-cl::Program built(const Device::Impl& impl) {
+cl::Program built(const cl::Context& context, const cl::Device& device, const std::string& name) {
   std::string text;
   for (const std::string_view source : kernels::sources()) text += source;
-  cl::Program program(impl.context, text);
+  cl::Program program(context, text);
   try {
-    program.build(impl.device, "-cl-std=CL1.2");
+    program.build(device, "-cl-std=CL1.2");
   } catch (const cl::Error&) {
-    const std::string log = program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(impl.device);
-    throw Error(ErrorCode::device,
-                impl.info.name + ": the kernels do not build: " + log.substr(0, 500));
+    const std::string log = program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(device);
+    throw Error(ErrorCode::device, name + ": the kernels do not build: " + log.substr(0, 500));
   }
   return program;
 }
 
 }  // namespace
 
+void Device::Impl::buildKernels() {
+  program = std::async(std::launch::async, built, context, device, info.name);
+}
+
 cl::Kernel Device::Impl::kernel(const char* name) {
-  return withDevice(*this, name, [&] {
-    if (!program) program = built(*this);
-    return cl::Kernel(*program, name);
-  });
+  return withDevice(*this, name, [&] { return cl::Kernel(program.get(), name); });
 }
 
 void Device::Impl::launch(cl::Kernel& kernel, std::size_t work, std::size_t group) {
