@@ -1,5 +1,4 @@
 // `sherd dataset` and `sherd merge`: break a whole library.
-#include <malloc.h>
 #include <sherd/dataset.h>
 #include <sherd/error.h>
 #include <unistd.h>
@@ -194,14 +193,6 @@ void addRunOptions(CLI::App& command, DatasetArguments& arguments) {
           })
       ->allow_extra_args(false)
       ->group("");
-}
-
-// The arrays of one fracture are those of the next: to give their pages back each time, and to have
-// them cleared again, takes a tenth of the run.
-void keepFreedMemory() {
-  constexpr int kMost = 1 << 26;
-  ::mallopt(M_MMAP_THRESHOLD, kMost);
-  ::mallopt(M_TRIM_THRESHOLD, 4 * kMost);
 }
 
 void runDatasetCommand(DatasetArguments& arguments) {

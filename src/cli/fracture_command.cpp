@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <future>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -128,13 +129,17 @@ class FractureRun {
 
   void run() {
     if (!arguments_.splitObjects) checkFractureFolder(arguments_.folder);
+    // Drivers load a compiler, which takes as long as reading a mesh of a hundred thousand
+    // triangles.
+    std::future<Device> opening =
+        std::async(std::launch::async, [this] { return Device(arguments_.machine.device); });
     Input input = timed("read", [&] { return readInput(arguments_, progress_); });
     std::vector<std::string> folders{arguments_.folder};
     if (arguments_.splitObjects) {
       folders = objectFolders(arguments_.folder, input.meshes);
       for (const std::string& folder : folders) checkFractureFolder(folder);
     }
-    Device device = timed("device", [&] { return Device(arguments_.machine.device); });
+    Device device = timed("device", [&] { return opening.get(); });
     const std::vector<StageTime> before = times_;
     std::optional<Error> refused;
     for (std::size_t i = 0; i < input.meshes.size(); ++i) {
@@ -208,6 +213,7 @@ void runFracture(FractureArguments& arguments) {
   arguments.options.grow.keepCost = write.cost;
   arguments.options.surface.levelSets = write.needsLevelSets();
   const auto threads = limitedThreads(arguments.machine);
+  keepFreedMemory();
   try {
     FractureRun(arguments).run();
   } catch (const Error& e) {

@@ -1,6 +1,7 @@
 // What a run may take of the machine.
 #include "cli/machine_options.h"
 
+#include <malloc.h>
 #include <sherd/memory.h>
 
 namespace sherd::cli {
@@ -28,6 +29,12 @@ std::unique_ptr<tbb::global_control> limitedThreads(const MachineOptions& option
   if (options.threads == 0) return nullptr;
   return std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
                                                static_cast<std::size_t>(options.threads));
+}
+
+void keepFreedMemory() {
+  constexpr int kMost = 1 << 26;
+  ::mallopt(M_MMAP_THRESHOLD, kMost);
+  ::mallopt(M_TRIM_THRESHOLD, 4 * kMost);
 }
 
 }  // namespace sherd::cli
