@@ -76,8 +76,8 @@ struct GrowOptions {
 /// Grow fragments from all seeds at once over the inside.  A voxel belongs to the fragment that
 /// reaches it at the lowest (cost, id): one answer, whatever the device, work-group size or batch.
 ///   seedSets  one fracture each, grown together over the same leaf blocks, as many at a time as
-///             the device's largest allocation has room for; every seed on an inside voxel; a
-///             fragment's first seed is the one that its part must hold
+///             the device's memory and largest allocation have room for; every seed on an inside
+///             voxel; a fragment's first seed is the one that its part must hold
 ///   return    one Labels per seed set; inside voxels of parts without a seed stay 0
 ///   throws    Error(device), Error(cancelled), Error(usage) a seed outside the solid, an option
 ///             out of range

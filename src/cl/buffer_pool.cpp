@@ -6,7 +6,8 @@
 
 namespace sherd {
 
-DeviceBuffer BufferPool::take(const cl::Context& context, std::size_t bytes, std::size_t largest) {
+DeviceBuffer BufferPool::take(const cl::Context& context, std::size_t bytes,
+                              const BufferLimits& limits) {
   constexpr std::size_t kLeast = std::size_t{1} << 16;
   cl::Buffer buffer;
   std::size_t size = 0;
@@ -16,7 +17,10 @@ DeviceBuffer BufferPool::take(const cl::Context& context, std::size_t bytes, std
     buffer = std::move(found->second);
     shelf_->free.erase(found);
   } else {
-    size = std::max(std::min(std::bit_ceil(std::max(bytes, kLeast)), largest), bytes);
+    size = std::max(std::min(std::bit_ceil(std::max(bytes, kLeast)), limits.largest), bytes);
+    constexpr std::size_t kPlenty = 4;  // what is in use cannot be made smaller later
+    if (shelf_->bytes + size > limits.together / kPlenty) size = bytes;
+    if (shelf_->bytes + size > limits.together) clear();
     buffer = cl::Buffer(context, CL_MEM_READ_WRITE, size);
     ++shelf_->created;
     shelf_->bytes += size;

@@ -30,13 +30,22 @@ const T& argument(const T& value) {
   return value;
 }
 
+/// What a device's buffers may have.
+struct BufferLimits {
+  std::size_t largest = 0;   ///< bytes of one
+  std::size_t together = 0;  ///< bytes of all
+};
+
 /// Keeps what is given back, so that fractures of one solid create buffers for the first of them
 /// only.  For one thread at a time, but the counts may be read from any.
 class BufferPool {
  public:
   /// A buffer of so many bytes or more, of what was given back the smallest.  New ones are of a
   /// power of two, 64 KiB at least: what a fracture needs differs little from what the last did.
-  DeviceBuffer take(const cl::Context& context, std::size_t bytes, std::size_t largest);
+  /// With more than a quarter of the limit in use they are as large as they must be, and where all
+  /// would pass it, what was given back is freed first.  What does not fit even so is left for the
+  /// driver to refuse.
+  DeviceBuffer take(const cl::Context& context, std::size_t bytes, const BufferLimits& limits);
 
   /// Free what was given back.
   void clear();

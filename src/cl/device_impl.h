@@ -66,9 +66,10 @@ DeviceBuffer makeBuffer(Device::Impl& device, std::size_t count) {
                                        std::to_string(bytes >> 20) +
                                        " MiB is needed, the device allows " +
                                        std::to_string(device.info.largestBufferBytes >> 20) +
-                                       " MiB; try a lower --resolution");
+                                       " MiB; try a lower --resolution or another --device");
   }
-  return device.pool.take(device.context, bytes, device.info.largestBufferBytes);
+  return device.pool.take(device.context, bytes,
+                          {device.info.largestBufferBytes, device.info.memoryBytes});
 }
 
 /// A device buffer that holds a copy of `data`.  (No CL_MEM_USE_HOST_PTR: oclgrind reports false

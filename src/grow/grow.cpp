@@ -193,12 +193,15 @@ bool givesVoronoiCells(const GrowOptions& options) {
           (options.growth == Growth::nearest && options.metric == Metric::euclidean));
 }
 
-// How many grow together: no buffer may pass the device's largest allocation, and those of the
-// cost hold four bytes a voxel.
+// How many grow together: no buffer may pass the device's largest allocation, where those of the
+// cost hold four bytes a voxel, nor all buffers its memory.
 std::size_t fracturesAtOnce(const LeafBlocks& blocks, const Device& device) {
-  const std::size_t largest = sizeof(cl_uint) * SHERD_LEAF_SIZE * blocks.count();
-  const std::size_t allowed = device.info().largestBufferBytes;
-  return std::max<std::size_t>(allowed / std::max<std::size_t>(largest, 1), 1);
+  constexpr std::size_t kLargestPerLeaf = sizeof(cl_uint) * SHERD_LEAF_SIZE;
+  constexpr std::size_t kAllPerLeaf = 8 << 10;  // chain's, the most: docs/kernels.md, "Memory"
+  const DeviceInfo& info = device.info();
+  const std::size_t leaves =
+      std::min(info.largestBufferBytes / kLargestPerLeaf, info.memoryBytes / kAllPerLeaf);
+  return std::max<std::size_t>(leaves / std::max<std::size_t>(blocks.count(), 1), 1);
 }
 
 std::vector<Labels> growBatch(const LeafBlocks& blocks, std::span<const std::vector<Seed>> seedSets,

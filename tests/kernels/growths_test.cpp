@@ -255,8 +255,32 @@ TEST_F(Growths, WhatNoBufferHoldsTogetherGrowsInTurn) {
       EXPECT_EQ(inTurn[i].fragment, together[i].fragment);
       EXPECT_EQ(inTurn[i].cost, together[i].cost);
     }
+    Device little(device().info().name);  // memory in place of the largest allocation
+    little.impl().info.memoryBytes = 2 * 4 * perFracture + 1;
+    EXPECT_EQ(grow(blocks, sets, little, options).back().fragment, together.back().fragment);
+    EXPECT_LE(little.memory().peakBytes, little.info().memoryBytes);
     small.impl().info.largestBufferBytes = perFracture / 2;
     EXPECT_THROW((void)grow(blocks, sets, small, options), Error);
+  }
+}
+
+// A device that has no room for buffers kept for later, nor for larger ones than needed.
+TEST_F(Growths, WithLittleMemoryBuffersAreFreedInTime) {
+  const VoxelSolid solid = voxel_shapes::ball(voxel_shapes::small() ? 5 : 20);
+  const std::vector<Seed> seeds = randomSeeds(solid, 5, 0, 1);
+  for (const Growth growth : {Growth::flood, Growth::nearest, Growth::chain, Growth::euclid}) {
+    const GrowOptions options{
+        .growth = growth, .roughness = 1.0, .noiseSeeds = {11}, .keepCost = true};
+    Device large(device().info().name), least(device().info().name), enough(device().info().name);
+    const Labels expected = growOne(solid, seeds, large, options).front();
+    least.impl().info.memoryBytes = 0;
+    (void)growOne(solid, seeds, least, options);
+    ASSERT_LT(least.memory().peakBytes, large.memory().peakBytes);
+    enough.impl().info.memoryBytes = least.memory().peakBytes * 5 / 4;
+    const Labels grown = growOne(solid, seeds, enough, options).front();
+    EXPECT_LE(enough.memory().peakBytes, enough.info().memoryBytes);
+    EXPECT_EQ(grown.fragment, expected.fragment);
+    EXPECT_EQ(grown.cost, expected.cost);
   }
 }
 
