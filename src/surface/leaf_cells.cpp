@@ -114,13 +114,16 @@ bool isCrowded(const CellSheets& sheets, const std::array<std::uint16_t, 24>& la
 // Add a cell as it is in the unbroken solid.
 void addUnbroken(const LeafCells& unbroken, std::size_t offset, LeafCells& to) {
   Cell cell = unbroken.at(offset);
-  const std::size_t from = cell.firstLoop;
+  const auto loops = [&](const auto& all) {
+    return std::span(all).subspan(cell.firstLoop, cell.loops);
+  };
+  const auto vertices = loops(unbroken.vertices);
+  const auto places = loops(unbroken.places);
+  const std::uint32_t first = *std::min_element(places.begin(), places.end());
   cell.firstLoop = static_cast<std::uint32_t>(to.vertices.size());
-  for (std::uint8_t l = 0; l < cell.sheets.loops; ++l) {
-    to.vertices.push_back(unbroken.vertices[from + l]);
-    to.places.push_back(to.placeCount + cell.sheets.positionOfLoop[l]);
-  }
-  to.placeCount += cell.sheets.positions;
+  to.vertices.insert(to.vertices.end(), vertices.begin(), vertices.end());
+  for (const std::uint32_t place : places) to.places.push_back(to.placeCount + place - first);
+  to.placeCount += cell.positions;
   to.add(cell);
 }
 
@@ -157,33 +160,32 @@ LeafCells cellsOf(const Field& field, std::size_t leaf, const LeafCells* unbroke
       continue;
     }
     const CellLabels labels = labelsAt(corners, at);
-    Cell cell;
-    cell.offset = static_cast<std::uint16_t>(offset);
     const auto turned = turnedByCorner(field, leaf, {at.x(), at.y(), at.z()}, labels);
-    cell.sheets = sheetsOf(labels, turned.faces);
+    const CellSheets sheets = sheetsOf(labels, turned.faces);
     found.isPlain &= !turned.mayTurn;
-    cell.firstLoop = static_cast<std::uint32_t>(found.vertices.size());
+    const Cell cell{static_cast<std::uint16_t>(offset), sheets.loops, sheets.positions,
+                    static_cast<std::uint32_t>(found.vertices.size()), sheets.loopOf};
     const CellValues values = valuesOf(field, distance, leaf, at.x(), at.y(), at.z(), labels);
     const glm::dvec3 low(origin.x() + at.x(), origin.y() + at.y(), origin.z() + at.z());
-    found.vertices.resize(found.vertices.size() + cell.sheets.loops);
+    found.vertices.resize(found.vertices.size() + sheets.loops);
     found.places.resize(found.vertices.size());
-    const std::array<std::uint16_t, 24> labelOf = labelsOfLoops(cell.sheets, labels);
-    for (std::uint8_t p = 0; p < cell.sheets.positions; ++p) {
-      if (isCrowded(cell.sheets, labelOf, p)) {
+    const std::array<std::uint16_t, 24> labelOf = labelsOfLoops(sheets, labels);
+    for (std::uint8_t p = 0; p < sheets.positions; ++p) {
+      if (isCrowded(sheets, labelOf, p)) {
         found.crowded.push_back(found.placeCount + p);
         found.isPlain = false;
       }
-      const CellVertex vertex = cellVertex(values, cell.sheets, p, field.cut().stairs);
+      const CellVertex vertex = cellVertex(values, sheets, p, field.cut().stairs);
       const bool isJunction = vertex.wanted != vertex.at;
       if (isJunction) found.junctions.push_back({{}, low + vertex.wanted});
-      for (std::uint8_t l = 0; l < cell.sheets.loops; ++l) {
-        if (cell.sheets.positionOfLoop[l] != p) continue;
+      for (std::uint8_t l = 0; l < sheets.loops; ++l) {
+        if (sheets.positionOfLoop[l] != p) continue;
         if (isJunction) found.junctions.back().vertices.push_back(cell.firstLoop + l);
         found.vertices[cell.firstLoop + l] = low + vertex.at;
         found.places[cell.firstLoop + l] = found.placeCount + p;
       }
     }
-    found.placeCount += cell.sheets.positions;
+    found.placeCount += sheets.positions;
     found.add(cell);
   }
   return found;
@@ -214,7 +216,7 @@ std::vector<InterfaceQuad> quadsOf(const Field& field, const AllCells& all, std:
     const openvdb::Coord at = coordFromOffset(cell.offset);
     const CellLabels labels = labelsAt(corners, at);
     for (unsigned axis = 0; axis < 3; ++axis) {
-      if (cell.sheets.positionOf[kEdgeAlong[axis][0]] == CellSheets::kNone) continue;
+      if (!cell.isCrossed(kEdgeAlong[axis][0])) continue;
       const std::array<std::uint16_t, 2> label{labels[0], labels[kBit[axis]]};
       const unsigned b = (axis + 1) % 3, c = (axis + 2) % 3;
       // Round the edge as seen from its far end, counterclockwise; the other way round from the
@@ -232,7 +234,7 @@ std::vector<InterfaceQuad> quadsOf(const Field& field, const AllCells& all, std:
         const LeafCells& theirs = *all.leaves[place / 512];
         const Cell& own = theirs.at(place % 512);
         const std::uint32_t first = all.firstVertex[place / 512] + own.firstLoop;
-        const auto& loops = own.sheets.loopOf[kEdgeAlong[axis][corner]];
+        const auto& loops = own.loopOf[kEdgeAlong[axis][corner]];
         quad[0].vertex[k] = first + loops[0];
         quad[1].vertex[(4 - k) % 4] = first + loops[1];
       }

@@ -18,11 +18,17 @@
 
 namespace sherd {
 
-/// A cell that a surface passes through, by its lowest corner.
+/// A cell that a surface passes through, by its lowest corner; what its sheets are, as far as quads
+/// need it.  There are as many of them as vertices.
 struct Cell {
   std::uint16_t offset = 0;
-  CellSheets sheets;
-  std::uint32_t firstLoop = 0;  ///< within the leaf
+  std::uint8_t loops = 0, positions = 0;  ///< CellSheets::loops, positions
+  std::uint32_t firstLoop = 0;            ///< within the leaf
+  decltype(CellSheets::loopOf) loopOf{};  ///< CellSheets::loopOf
+
+  [[nodiscard]] bool isCrossed(std::size_t edge) const {
+    return loopOf[edge][0] != CellSheets::kNone || loopOf[edge][1] != CellSheets::kNone;
+  }
 };
 
 /// The cells of a leaf, and their vertices.
