@@ -46,8 +46,7 @@ struct Centres {
         w * piece.vertices[t.x] + u * piece.vertices[t.y] + v * piece.vertices[t.z];
     layers.depth[at] =
         static_cast<float>(scene.size * double{glm::dot(camera.eye - inScene, camera.back)});
-    const auto& n = piece.normals[hit.primID];
-    glm::vec3 normal = glm::normalize(w * n[0] + u * n[1] + v * n[2]);
+    glm::vec3 normal = piece.normalAt(hit.primID, u, v);
     if (glm::dot(normal, ray) > 0.0f) normal = -normal;
     layers.normal[at] = worldDirection(normal, up);
     layers.fragment[at] = static_cast<std::uint32_t>(fragment.id);

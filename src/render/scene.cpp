@@ -72,17 +72,25 @@ void setNormals(const Fragment& fragment, Piece& piece) {
   const auto facing = [&](std::size_t i) {
     return fragment.facing.empty() ? 0 : fragment.facing[i];
   };
-  for (std::size_t i = 0; i < count; ++i) {
-    for (int k = 0; k < 3; ++k) {
-      const std::uint32_t v = mesh.triangles[i][k];
+  piece.normals.reserve(mesh.vertices.size());
+  piece.normalOf.resize(count);
+  for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
+    const std::span round =
+        std::span(fan.triangle).subspan(fan.first[v], fan.first[v + 1] - fan.first[v]);
+    const auto first = static_cast<std::ptrdiff_t>(piece.normals.size());
+    for (const std::uint32_t i : round) {
       glm::vec3 sum(0.0f);
-      for (std::uint32_t j = fan.first[v]; j < fan.first[v + 1]; ++j) {
-        const std::uint32_t other = fan.triangle[j];
+      for (const std::uint32_t other : round) {
         if (facing(other) == facing(i) && glm::dot(normal[other], normal[i]) > kCreaseCosine)
           sum += areaNormal[other];
       }
       const float length = glm::length(sum);
-      piece.normals[i][static_cast<std::size_t>(k)] = length > 0.0f ? sum / length : normal[i];
+      const glm::vec3 smooth = length > 0.0f ? sum / length : normal[i];
+      auto at = std::find(piece.normals.begin() + first, piece.normals.end(), smooth);
+      if (at == piece.normals.end()) at = piece.normals.insert(at, smooth);
+      const auto number = static_cast<std::uint32_t>(at - piece.normals.begin());
+      for (int k = 0; k < 3; ++k)
+        if (mesh.triangles[i][k] == v) piece.normalOf[i][k] = number;
     }
   }
 }
@@ -153,7 +161,6 @@ Scene makeScene(std::span<const Fragment> fragments, const RenderOptions& option
       piece.vertices.emplace_back((yUp(v + shift[i], options.up) - centre) / size);
     piece.vertices.emplace_back(0.0f);
     piece.triangles = mesh.triangles;
-    piece.normals.resize(mesh.triangles.size());
     piece.inner.resize(mesh.triangles.size(), 0);
     for (std::size_t t = 0; t < std::min(fragments[i].facing.size(), piece.inner.size()); ++t)
       piece.inner[t] = fragments[i].facing[t] != 0;

@@ -4,7 +4,8 @@
 #include <embree3/rtcore.h>
 #include <sherd/render.h>
 
-#include <array>
+#include <cstdint>
+#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <memory>
 #include <span>
@@ -16,10 +17,17 @@ namespace sherd {
 /// One fragment in scene space: y up, centred on the exploded whole, whose box has a half diagonal
 /// of 1.
 struct Piece {
-  std::vector<glm::vec3> vertices;                ///< [n + 1]: Embree reads 4 bytes past the last
-  std::span<const glm::uvec3> triangles;          ///< [m] the fragment's
-  std::vector<std::array<glm::vec3, 3>> normals;  ///< [m] unit normals at the corners
-  std::vector<std::uint8_t> inner;                ///< [m] 1 for a fracture face
+  std::vector<glm::vec3> vertices;        ///< [n + 1]: Embree reads 4 bytes past the last
+  std::span<const glm::uvec3> triangles;  ///< [m] the fragment's
+  std::vector<glm::vec3> normals;         ///< unit normals; a vertex has one for each smooth side
+  std::vector<glm::uvec3> normalOf;       ///< [m] which of them the corners have
+  std::vector<std::uint8_t> inner;        ///< [m] 1 for a fracture face
+
+  /// The smooth normal at a hit's barycentric coordinates.
+  [[nodiscard]] glm::vec3 normalAt(unsigned triangle, float u, float v) const {
+    const glm::uvec3& n = normalOf[triangle];
+    return glm::normalize((1.0f - u - v) * normals[n.x] + u * normals[n.y] + v * normals[n.z]);
+  }
 };
 
 struct Scene {

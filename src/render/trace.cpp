@@ -75,8 +75,7 @@ void Block::seePixels(int x, int y) {
     // From the triangle's corners: more exact than along the ray.
     const glm::uvec3& t = piece.triangles[triangle];
     sample.position = w * piece.vertices[t.x] + u * piece.vertices[t.y] + v * piece.vertices[t.z];
-    const auto& n = piece.normals[triangle];
-    sample.normal = glm::normalize(w * n[0] + u * n[1] + v * n[2]);
+    sample.normal = piece.normalAt(triangle, u, v);
     if (glm::dot(face, sample.normal) < 0.0f) sample.normal = -sample.normal;
     faces[inBlock(i % 4, x + i / 4, y)] = face;
   }
