@@ -21,9 +21,10 @@ namespace {
 
 // Rates: docs/performance.md, "Memory".
 constexpr double kProgram = 200e6;          // the OpenCL device and its compiler
-constexpr double kPerTriangle = 180.0;      // of the input: vertices, the tree, columns
-constexpr double kPerSurfaceVoxel = 600.0;  // level sets, cells and meshes of fragments
+constexpr double kPerTriangle = 240.0;      // of the input: vertices, the tree, columns
+constexpr double kPerSurfaceVoxel = 500.0;  // level sets, cells and meshes of fragments
 constexpr double kPerInsideVoxel = 8.0;     // leaves, labels and growth
+constexpr double kSimplified = 1.6;         // by how much meshes with fewer triangles take more
 
 struct Extent {
   double area = 0.0, volume = 0.0;  // world units
@@ -53,13 +54,16 @@ double bytesForVoxels(double surface, double inside) {
   return kProgram + kPerSurfaceVoxel * surface + kPerInsideVoxel * inside;
 }
 
-double bytesFor(const Extent& extent, std::size_t triangles, int pieces, double voxelSize) {
+double bytesFor(const Extent& extent, std::size_t triangles, const FractureOptions& options,
+                double voxelSize) {
   const double surface = extent.area / (voxelSize * voxelSize);
   const double inside = extent.volume / (voxelSize * voxelSize * voxelSize);
   // A cube cut into n cubes has 3 (n^(1/3) - 1) cuts across it; each is of two fragments.
   const double cuts =
-      6.0 * (std::cbrt(static_cast<double>(pieces)) - 1.0) * std::cbrt(inside * inside);
-  return kPerTriangle * static_cast<double>(triangles) + bytesForVoxels(surface + cuts, inside);
+      6.0 * (std::cbrt(static_cast<double>(options.pieces)) - 1.0) * std::cbrt(inside * inside);
+  const bool simplifies = options.surface.adaptivity > 0.0 || !options.surface.triangles.empty();
+  return kPerTriangle * static_cast<double>(triangles) +
+         bytesForVoxels((simplifies ? kSimplified : 1.0) * (surface + cuts), inside);
 }
 
 // The first number in a file of the kernel's; none where it says "max" or there is no such file.
@@ -110,7 +114,7 @@ std::string gigabytes(std::uint64_t bytes) {
 std::uint64_t estimatedMemory(const TriangleMesh& mesh, const FractureOptions& options) {
   const SolidOptions solid{.resolution = options.resolution, .voxelSize = options.voxelSize};
   return static_cast<std::uint64_t>(
-      bytesFor(extentOf(mesh), mesh.triangles.size(), options.pieces, voxelSizeFor(mesh, solid)));
+      bytesFor(extentOf(mesh), mesh.triangles.size(), options, voxelSizeFor(mesh, solid)));
 }
 
 std::uint64_t estimatedMemory(double surface, double inside) {
@@ -140,8 +144,7 @@ void requireMemory(const TriangleMesh& mesh, const FractureOptions& options, std
   const double voxelSize = voxelSizeFor(mesh, asked), longest = longestSide(bounds(mesh));
   const Extent extent = extentOf(mesh);
   const auto bytes = [&](double size) {
-    return static_cast<std::uint64_t>(
-        bytesFor(extent, mesh.triangles.size(), options.pieces, size));
+    return static_cast<std::uint64_t>(bytesFor(extent, mesh.triangles.size(), options, size));
   };
   if (bytes(voxelSize) <= limit) return;
   const int resolution = resolutionFor(mesh, voxelSize);

@@ -24,7 +24,7 @@ struct UnbrokenLeaf {
                          ///< of these have one label
 };
 
-/// Made once for a solid that is broken many times.  Some 0.5 kB a leaf and 300 bytes for each cell
+/// Made once for a solid that is broken many times.  Some 0.5 kB a leaf and 260 bytes for each cell
 /// that the surface passes.
 struct UnbrokenSurface {
   std::vector<LeafRound> rounds;  ///< of the solid's leaves

@@ -21,6 +21,9 @@ TEST(Memory, GoesByTheSurfaceInVoxelsAndTheVolume) {
   EXPECT_GT(growth, 4.0);  // as the surface
   EXPECT_LT(growth, 8.0);  // as the volume
   EXPECT_GT(estimatedMemory(ball, {.pieces = 500}), estimatedMemory(ball, {.pieces = 2}));
+  FractureOptions fewer;  // their mesh is simplified
+  fewer.surface.triangles = {1000};
+  EXPECT_GT(estimatedMemory(ball, fewer), estimatedMemory(ball, {}));
   // A part that is inside out takes no less.
   const TriangleMesh two = shapes::append(ball, shapes::cube(1.0, {5.0, 0.0, 0.0}));
   const TriangleMesh turned =
