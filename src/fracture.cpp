@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "cl/device_impl.h"
 #include "fracture_stages.h"
 #include "voxelize/specks.h"
 
@@ -28,6 +29,7 @@ FractureResult fracture(const TriangleMesh& mesh, const FractureOptions& options
                                   .voxelSize = options.voxelSize,
                                   .fill = options.fill,
                                   .shellThickness = options.shellThickness};
+  device.impl().buildKernels();
   Solid solid = voxelize(mesh, solidOptions, progress);
   clock.done("voxelize");
   return breakSolid(std::move(solid), options, clock, device, progress);

@@ -30,9 +30,8 @@ struct DeviceMemory {
   std::size_t peakBytes = 0;
 };
 
-/// An open device: context, queue, and the kernels, built once, in a thread of their own from when
-/// it is opened on; what first needs one waits for them, and throws Error(device) when they do not
-/// build.  Opened once, used by one thread at a time.
+/// An open device: context, queue, and the kernels, built once, when they are first needed or a
+/// mesh is voxelized for them.  Opened once, used by one thread at a time.
 class Device {
  public:
   /// Open a device.

@@ -117,7 +117,6 @@ Device::Device(std::string_view choice) : impl_(std::make_unique<Impl>()) {
   withDevice(*impl_, "opening the device", [&] {
     impl_->context = cl::Context(impl_->device);
     impl_->queue = cl::CommandQueue(impl_->context, impl_->device);
-    impl_->buildKernels();
   });
 }
 

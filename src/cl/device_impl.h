@@ -23,7 +23,8 @@ struct Device::Impl {
   BufferPool pool;
   std::shared_future<cl::Program> program;  ///< of all kernels
 
-  /// Begin to build all kernels, in a thread of their own: a mesh can be voxelized meanwhile.
+  /// Begin to build all kernels, in a thread of their own, unless that was done: a mesh can be
+  /// voxelized meanwhile.
   void buildKernels();
 
   /// A kernel of kernels/*.cl, as soon as all are built.

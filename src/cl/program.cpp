@@ -26,10 +26,11 @@ cl::Program built(const cl::Context& context, const cl::Device& device, const st
 }  // namespace
 
 void Device::Impl::buildKernels() {
-  program = std::async(std::launch::async, built, context, device, info.name);
+  if (!program.valid()) program = std::async(std::launch::async, built, context, device, info.name);
 }
 
 cl::Kernel Device::Impl::kernel(const char* name) {
+  buildKernels();
   return withDevice(*this, name, [&] { return cl::Kernel(program.get(), name); });
 }
 
