@@ -42,7 +42,7 @@ class BufferPool {
  public:
   /// A buffer of so many bytes or more, of what was given back the smallest.  New ones are of a
   /// power of two, 64 KiB at least: what a fracture needs differs little from what the last did.
-  /// With more than a quarter of the limit in use they are as large as they must be, and where all
+  /// With more than a quarter of the limit held they are as large as they must be, and where all
   /// would pass it, what was given back is freed first.  What does not fit even so is left for the
   /// driver to refuse.
   DeviceBuffer take(const cl::Context& context, std::size_t bytes, const BufferLimits& limits);
