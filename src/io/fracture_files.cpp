@@ -3,11 +3,11 @@
 
 #include <sherd/error.h>
 #include <sherd/render.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <filesystem>
 
+#include "each_to_its_end.h"
 #include "io/mesh_writer.h"
 #include "io/write_points.h"
 
@@ -77,7 +77,7 @@ void FractureWriter::write(const OutputFolder& folder, const FractureFiles& file
   for (std::size_t begin = 0; begin < fragments; begin += kFragmentsBetweenSteps) {
     step(progress, "write", static_cast<double>(begin) / static_cast<double>(fragments));
     const std::size_t end = std::min(fragments, begin + kFragmentsBetweenSteps);
-    tbb::parallel_for(begin, end, [&](std::size_t i) {
+    eachToItsEnd(begin, end, [&](std::size_t i) {
       const Fragment& fragment = result.fragments[i];
       if (!files.vdb.empty()) writeVdb(folder / files.vdb[i], fragment, notes, write.vdbOptions);
       if (!files.proxy.empty()) {

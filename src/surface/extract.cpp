@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <string>
 
+#include "each_to_its_end.h"
 #include "surface/contacts.h"
 #include "surface/cut.h"
 #include "surface/decimate.h"
@@ -170,7 +171,7 @@ std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
   // In rounds, so that the caller's thread can report and be stopped between them.
   constexpr std::size_t kRound = 8;
   for (std::size_t first = 0; first < fragments.size(); first += kRound) {
-    tbb::parallel_for(first, std::min(first + kRound, fragments.size()), extract);
+    eachToItsEnd(first, std::min(first + kRound, fragments.size()), extract);
     step(progress, "extract",
          static_cast<double>(std::min(first + kRound, fragments.size())) /
              static_cast<double>(fragments.size()));
