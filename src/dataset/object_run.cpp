@@ -12,6 +12,7 @@
 #include <sherd/volume.h>
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 
 #include <algorithm>
 #include <array>
@@ -172,8 +173,11 @@ class ObjectRun {
       control.stop();
       return nullptr;
     };
+    // In a group of its own: when one fails, the others' loops must not be cut off, as OpenVDB
+    // reads on over what they left (see each_to_its_end.h).
     const auto finish = [&](std::shared_ptr<Work> work) {
-      finishFragments(*work);
+      tbb::task_group_context own(tbb::task_group_context::isolated);
+      tbb::task_group(own).run_and_wait([&] { finishFragments(*work); });
       return work;
     };
     const auto note = [&](const std::shared_ptr<Work>& work) {
