@@ -12,7 +12,6 @@
 #include <sherd/volume.h>
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
-#include <tbb/task_group.h>
 
 #include <algorithm>
 #include <array>
@@ -31,6 +30,7 @@
 #include "io/fracture_files.h"
 #include "io/little_endian.h"
 #include "io/npz.h"
+#include "uncancelled.h"
 
 namespace sherd {
 namespace {
@@ -173,11 +173,8 @@ class ObjectRun {
       control.stop();
       return nullptr;
     };
-    // In a group of its own: when one fails, the others' loops must not be cut off, as OpenVDB
-    // reads on over what they left (see each_to_its_end.h).
     const auto finish = [&](std::shared_ptr<Work> work) {
-      tbb::task_group_context own(tbb::task_group_context::isolated);
-      tbb::task_group(own).run_and_wait([&] { finishFragments(*work); });
+      uncancelled([&] { finishFragments(*work); });
       return work;
     };
     const auto note = [&](const std::shared_ptr<Work>& work) {

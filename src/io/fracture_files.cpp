@@ -3,13 +3,14 @@
 
 #include <sherd/error.h>
 #include <sherd/render.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <filesystem>
 
-#include "each_to_its_end.h"
 #include "io/mesh_writer.h"
 #include "io/write_points.h"
+#include "uncancelled.h"
 
 namespace sherd {
 namespace {
@@ -74,32 +75,33 @@ void FractureWriter::write(const OutputFolder& folder, const FractureFiles& file
     meshes.write(whole, facing, meshes.lookOf(whole, facing), files.solidMesh);
   }
   std::vector<SurfaceLook> looks(files.scene.empty() ? 0 : fragments);
+  const auto writeFragment = [&](std::size_t i) {
+    const Fragment& fragment = result.fragments[i];
+    if (!files.vdb.empty()) writeVdb(folder / files.vdb[i], fragment, notes, write.vdbOptions);
+    if (!files.proxy.empty()) {
+      const std::string name = std::filesystem::path(files.proxy[i]).stem().string();
+      writeProxy(folder / files.proxy[i], fragment, name, write.proxyGap);
+    }
+    if (!files.mesh.empty() || !looks.empty()) {
+      SurfaceLook look = meshes.lookOf(fragment.mesh, fragment.facing);
+      if (!files.mesh.empty()) {
+        meshes.write(fragment.mesh, fragment.facing, look, files.mesh[i]);
+      }
+      if (!looks.empty()) looks[i] = std::move(look);
+    }
+    if (!files.points.empty()) {
+      writePointsOf(folder, files.points[i], fragment, counts[i], options.seed, write);
+    }
+    for (std::size_t k = 0; !files.coarse.empty() && k < files.coarse[i].size(); ++k) {
+      const CoarseMesh& coarse = fragment.coarse[k];
+      meshes.write(coarse.mesh, coarse.facing, meshes.lookOf(coarse.mesh, coarse.facing),
+                   files.coarse[i][k]);
+    }
+  };
   for (std::size_t begin = 0; begin < fragments; begin += kFragmentsBetweenSteps) {
     step(progress, "write", static_cast<double>(begin) / static_cast<double>(fragments));
     const std::size_t end = std::min(fragments, begin + kFragmentsBetweenSteps);
-    eachToItsEnd(begin, end, [&](std::size_t i) {
-      const Fragment& fragment = result.fragments[i];
-      if (!files.vdb.empty()) writeVdb(folder / files.vdb[i], fragment, notes, write.vdbOptions);
-      if (!files.proxy.empty()) {
-        const std::string name = std::filesystem::path(files.proxy[i]).stem().string();
-        writeProxy(folder / files.proxy[i], fragment, name, write.proxyGap);
-      }
-      if (!files.mesh.empty() || !looks.empty()) {
-        SurfaceLook look = meshes.lookOf(fragment.mesh, fragment.facing);
-        if (!files.mesh.empty()) {
-          meshes.write(fragment.mesh, fragment.facing, look, files.mesh[i]);
-        }
-        if (!looks.empty()) looks[i] = std::move(look);
-      }
-      if (!files.points.empty()) {
-        writePointsOf(folder, files.points[i], fragment, counts[i], options.seed, write);
-      }
-      for (std::size_t k = 0; !files.coarse.empty() && k < files.coarse[i].size(); ++k) {
-        const CoarseMesh& coarse = fragment.coarse[k];
-        meshes.write(coarse.mesh, coarse.facing, meshes.lookOf(coarse.mesh, coarse.facing),
-                     files.coarse[i][k]);
-      }
-    });
+    tbb::parallel_for(begin, end, [&](std::size_t i) { uncancelled([&] { writeFragment(i); }); });
   }
   if (!files.scene.empty()) meshes.writeScene(kept, looks, files.scene);
   if (!files.solidSdf.empty()) {

@@ -12,6 +12,7 @@
 #include "io/vdb.h"
 #include "lower_case.h"
 #include "surface/mesh.h"
+#include "uncancelled.h"
 
 namespace sherd {
 namespace {
@@ -49,7 +50,9 @@ std::vector<Fragment> fromVolumes(const fs::path& folder) {
   }
   std::vector<Fragment> pieces(volumes.size());
   tbb::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t i) {
-    pieces[i] = pieceOf(static_cast<int>(i) + 1, meshInWorld(*readLevelSet(volumes[i])));
+    uncancelled([&] {
+      pieces[i] = pieceOf(static_cast<int>(i) + 1, meshInWorld(*readLevelSet(volumes[i])));
+    });
   });
   return pieces;
 }

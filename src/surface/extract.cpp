@@ -8,7 +8,6 @@
 #include <glm/geometric.hpp>
 #include <string>
 
-#include "each_to_its_end.h"
 #include "surface/contacts.h"
 #include "surface/cut.h"
 #include "surface/decimate.h"
@@ -18,6 +17,7 @@
 #include "surface/mesh.h"
 #include "surface/smooth.h"
 #include "surface/unbroken.h"
+#include "uncancelled.h"
 
 namespace sherd {
 namespace {
@@ -171,7 +171,8 @@ std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
   // In rounds, so that the caller's thread can report and be stopped between them.
   constexpr std::size_t kRound = 8;
   for (std::size_t first = 0; first < fragments.size(); first += kRound) {
-    eachToItsEnd(first, std::min(first + kRound, fragments.size()), extract);
+    tbb::parallel_for(first, std::min(first + kRound, fragments.size()),
+                      [&](std::size_t i) { uncancelled([&] { extract(i); }); });
     step(progress, "extract",
          static_cast<double>(std::min(first + kRound, fragments.size())) /
              static_cast<double>(fragments.size()));
