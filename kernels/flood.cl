@@ -437,3 +437,22 @@ kernel void flood_finish(FLOOD_STATE)
                owner + item * SHERD_LEAF_SIZE);
   }
 }
+
+// The labels of items first .. first+count-1 written out elsewhere, mixed ones too: what never was mixed needs no place
+// in `owner`.
+kernel void flood_show(
+    FLOOD_STATE,
+    const uint first,
+    const uint count,
+    global ushort* restrict labels)          // [count*512]
+{
+  for (size_t i = get_global_id(0); i < count; i += get_global_size(0)) {
+    const uint item = first + (uint)i;
+    global ushort* const out = labels + i * SHERD_LEAF_SIZE;
+    if (tag[item] == SHERD_TAG_MIXED) {
+      for (int row = 0; row < 64; ++row) vstore8(vload8((size_t)item * 64 + row, owner), row, out);
+    } else {
+      write_rows(vload8(item, owned), second_of(tag[item], item, second), tag[item], out);
+    }
+  }
+}

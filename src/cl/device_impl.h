@@ -83,18 +83,26 @@ DeviceBuffer uploadBuffer(Device::Impl& device, std::span<const T> data) {
   return buffer;
 }
 
-/// A vector of what a buffer holds from `first` on.  A CPU maps the buffer itself, so that this is
-/// one copy, into memory that was not filled with zeros before.
+/// Put what a buffer holds from `first` on behind what `all` has.  A CPU maps the buffer itself, so
+/// that this is one copy, into memory that was not filled with zeros before.
 template <class T>
-std::vector<T> downloaded(Device::Impl& device, const DeviceBuffer& buffer, std::size_t count,
-                          std::size_t first = 0) {
-  if (count == 0) return {};
+void append(std::vector<T>& all, Device::Impl& device, const DeviceBuffer& buffer,
+            std::size_t count, std::size_t first = 0) {
+  if (count == 0) return;
   void* const mapped = device.queue.enqueueMapBuffer(buffer, CL_TRUE, CL_MAP_READ,
                                                      first * sizeof(T), count * sizeof(T));
   const auto unmap = [&](void* from) { device.queue.enqueueUnmapMemObject(buffer, from); };
   const std::unique_ptr<void, decltype(unmap)> held(mapped, unmap);
   const T* const from = static_cast<const T*>(mapped);
-  return {from, from + count};
+  all.insert(all.end(), from, from + count);
+}
+
+template <class T>
+std::vector<T> downloaded(Device::Impl& device, const DeviceBuffer& buffer, std::size_t count,
+                          std::size_t first = 0) {
+  std::vector<T> all;
+  append(all, device, buffer, count, first);
+  return all;
 }
 
 template <class T>

@@ -65,6 +65,20 @@ DeviceBuffer Flood::labels() {
   return owner_;
 }
 
+std::vector<std::uint16_t> Flood::read(cl_uint first, cl_uint count) {
+  constexpr cl_uint kTogether = 4096;  // 4 MiB, which a cache holds until they are read
+  const DeviceBuffer some = makeBuffer<cl_ushort>(
+      state_.device, std::size_t{std::min(kTogether, count)} * SHERD_LEAF_SIZE);
+  std::vector<std::uint16_t> all;
+  all.reserve(std::size_t{count} * SHERD_LEAF_SIZE);
+  for (cl_uint done = 0; done < count; done += kTogether) {
+    const cl_uint now = std::min(kTogether, count - done);
+    launch("flood_show", now, first + done, now, some);
+    append(all, state_.device, some, std::size_t{now} * SHERD_LEAF_SIZE);
+  }
+  return all;
+}
+
 // Set the arguments FLOOD_STATE names, in its order; return the number of the next.
 cl_uint Flood::setState(cl::Kernel& kernel) {
   cl_uint i = 0;

@@ -25,6 +25,9 @@ class Flood {
 
   /// The labels [items*512], 0 where nothing reached.
   DeviceBuffer labels();
+  /// The same of `count` items from `first` on, on the host: a leaf that saw no third label takes
+  /// up no memory of the device's for them.
+  [[nodiscard]] std::vector<std::uint16_t> read(cl_uint first, cl_uint count);
   const DeviceBuffer& cost() const { return cost_; }  ///< [items*512] when kept
 
  private:

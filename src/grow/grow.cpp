@@ -106,14 +106,15 @@ void clearOutside(const LeafBlocks& blocks, std::vector<std::uint32_t>& cost) {
   }
 }
 
-std::vector<Labels> read(const Growing& growing) {
+std::vector<Labels> read(const Growing& growing, Flood& last) {
   std::vector<Labels> all(growing.state.fractures);
-  const std::size_t voxels = std::size_t{growing.state.leafCount} * SHERD_LEAF_SIZE;
-  for (std::size_t f = 0; f < all.size(); ++f) {
-    Device::Impl& device = growing.state.device;
-    all[f].fragment = downloaded<std::uint16_t>(device, growing.labels, voxels, f * voxels);
+  const cl_uint leaves = growing.state.leafCount;
+  const std::size_t voxels = std::size_t{leaves} * SHERD_LEAF_SIZE;
+  for (cl_uint f = 0; f < all.size(); ++f) {
+    all[f].fragment = last.read(f * leaves, leaves);
     if (growing.options.keepCost) {
-      all[f].cost = downloaded<std::uint32_t>(device, growing.cost, voxels, f * voxels);
+      all[f].cost =
+          downloaded<std::uint32_t>(growing.state.device, growing.cost, voxels, f * voxels);
       clearOutside(growing.state.blocks, all[f].cost);
     }
     if (!growing.freed.empty()) all[f].freed = growing.freed[f];
@@ -144,7 +145,7 @@ DeviceBuffer settled(Growing& growing) {
 }
 
 // Give the rest of the inside to the neighbours of what is kept, then carry labels outwards.
-void regrow(Growing& growing, const DeviceBuffer& kept, std::uint32_t outerSteps) {
+Flood regrown(Growing& growing, const DeviceBuffer& kept, std::uint32_t outerSteps) {
   GrowthState& state = growing.state;
   Flood flood(state, false);
   flood.load(growing.labels, kept);
@@ -154,10 +155,11 @@ void regrow(Growing& growing, const DeviceBuffer& kept, std::uint32_t outerSteps
   if (outerSteps > 0) {
     flood.grow(band(state), outerSteps, growing.perReadback(), growing.progress);
   }
-  growing.labels = flood.labels();
+  return flood;
 }
 
-void growAll(Growing& growing) {
+// The growth that all ways end with has the labels.
+Flood growAll(Growing& growing) {
   GrowthState& state = growing.state;
   const GrowOptions& options = growing.options;
   const auto outer = static_cast<std::uint32_t>(options.outerSteps);
@@ -170,8 +172,9 @@ void growAll(Growing& growing) {
     flood.grow(state.inside, SHERD_NO_STEP, growing.perReadback(), growing.progress);
     const bool last = !settles && !rough && options.neighborhood == 6;  // the band is over faces
     if (last && outer > 0) flood.grow(band(state), outer, growing.perReadback(), growing.progress);
-    growing.take({flood.labels(), flood.cost()});
-    if (last) return;
+    growing.cost = flood.cost();
+    if (last) return flood;
+    growing.labels = flood.labels();
   } else {
     growing.growFirst();
   }
@@ -179,12 +182,12 @@ void growAll(Growing& growing) {
   if (rough) {
     // A fragment is in one part of the solid before it is displaced, and stays there; it may be
     // carried off its seed, so now its largest part counts.
-    if (settles) regrow(growing, kept, 0);
+    if (settles) growing.labels = regrown(growing, kept, 0).labels();
     growing.roughen();
     kept = options.regrowIsolated ? growing.noted(keepLargestParts(state, growing.labels)).mask
                                   : allInside(state);
   }
-  regrow(growing, kept, outer);
+  return regrown(growing, kept, outer);
 }
 
 bool givesVoronoiCells(const GrowOptions& options) {
@@ -211,8 +214,8 @@ std::vector<Labels> growBatch(const LeafBlocks& blocks, std::span<const std::vec
   return withDevice(device.impl(), "growing fragments", [&] {
     GrowthState state(blocks, seedSets.size(), device.impl(), options.workGroupSize);
     Growing growing{state, table, options, progress};
-    growAll(growing);
-    std::vector<Labels> all = read(growing);
+    Flood last = growAll(growing);
+    std::vector<Labels> all = read(growing, last);
     if (givesVoronoiCells(options)) {
       for (std::size_t f = 0; f < all.size(); ++f) {
         all[f].sites = {{seedSets[f].begin(), seedSets[f].end()}, options.grain};
@@ -249,7 +252,7 @@ Labels carriedOverBand(const LeafBlocks& blocks, Labels labels, Device& device, 
     Flood flood(state, false);
     flood.load(uploadBuffer<std::uint16_t>(state.device, labels.fragment), state.inside);
     flood.grow(band(state), static_cast<std::uint32_t>(steps), 16, nullptr);
-    readBuffer<std::uint16_t>(state.device, flood.labels(), labels.fragment);
+    labels.fragment = flood.read(0, state.leafCount);
     return std::move(labels);
   });
 }
