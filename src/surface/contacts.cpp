@@ -42,20 +42,7 @@ std::uint16_t mostAround(const glm::dvec3& p, std::uint16_t own, LabelReader& la
   return best;
 }
 
-// What is known of one pair's shared surface.
-struct Touching {
-  double area = 0.0;
-  glm::dvec3 normal{0.0};    // area-weighted, from the lower id to the higher
-  glm::dvec3 centroid{0.0};  // area-weighted
-
-  void add(double faceArea, const glm::dvec3& faceNormal, const glm::dvec3& at) {
-    area += faceArea;
-    normal += faceArea * faceNormal;
-    centroid += faceArea * at;
-  }
-};
-using Pair = std::pair<std::uint16_t, std::uint16_t>;  // lower, higher
-using Touchings = std::map<Pair, Touching>;
+using Touchings = std::map<ContactMeasure::Pair, ContactMeasure::Touching>;
 
 // Pairs that share a voxel face, with the area of those faces.
 Touchings voxelTouchings(const Solid& solid, const Labels& labels, const Cut& cut,
@@ -125,50 +112,52 @@ std::vector<std::uint16_t> facingOf(const TriangleMesh& mesh, const std::vector<
   return facing;
 }
 
-void addContacts(std::span<Fragment> fragments, const Solid& solid, const Labels& labels,
-                 const Cut& cut, std::span<const LeafRound> rounds) {
-  const Touchings touching = voxelTouchings(solid, labels, cut, rounds);
-  Touchings measured;
-  for (const Fragment& fragment : fragments) {
-    const auto own = static_cast<std::uint16_t>(fragment.id);
-    std::uint16_t other = 0;
-    Touching* towards = nullptr;  // of `own` and `other`
-    for (std::size_t t = 0; t < fragment.facing.size(); ++t) {
-      if (fragment.facing[t] == 0) continue;
-      if (fragment.facing[t] != other) {
-        other = fragment.facing[t];
-        towards = &measured[{std::min(own, other), std::max(own, other)}];
-      }
-      const glm::uvec3& corner = fragment.mesh.triangles[t];
-      const glm::dvec3 a = fragment.mesh.vertices[corner.x], b = fragment.mesh.vertices[corner.y],
-                       c = fragment.mesh.vertices[corner.z];
-      const glm::dvec3 doubled = glm::cross(b - a, c - a) * (own < other ? 1.0 : -1.0);
-      const double doubledArea = glm::length(doubled);
-      if (doubledArea == 0.0) continue;
-      // Half of each side: the two sides' faces are one surface seen twice.
-      towards->add(doubledArea / 4, doubled / doubledArea, (a + b + c) / 3.0);
+void ContactMeasure::add(const Fragment& fragment) {
+  const auto own = static_cast<std::uint16_t>(fragment.id);
+  std::uint16_t other = 0;
+  Touching* towards = nullptr;  // of `own` and `other`
+  for (std::size_t t = 0; t < fragment.facing.size(); ++t) {
+    if (fragment.facing[t] == 0) continue;
+    if (fragment.facing[t] != other) {
+      other = fragment.facing[t];
+      towards = &measured_[{std::min(own, other), std::max(own, other)}];
     }
+    const glm::uvec3& corner = fragment.mesh.triangles[t];
+    const glm::dvec3 a = fragment.mesh.vertices[corner.x], b = fragment.mesh.vertices[corner.y],
+                     c = fragment.mesh.vertices[corner.z];
+    const glm::dvec3 doubled = glm::cross(b - a, c - a) * (own < other ? 1.0 : -1.0);
+    const double doubledArea = glm::length(doubled);
+    if (doubledArea == 0.0) continue;
+    // Half of each side: the two sides' faces are one surface seen twice.
+    towards->add(doubledArea / 4, doubled / doubledArea, (a + b + c) / 3.0);
   }
-  for (const auto& [pair, byVoxels] : touching) {
-    const auto found = measured.find(pair);
+}
+
+std::vector<std::vector<Contact>> ContactMeasure::contacts(
+    std::size_t fragments, const Solid& solid, const Labels& labels, const Cut& cut,
+    std::span<const LeafRound> rounds) const {
+  std::vector<std::vector<Contact>> all(fragments);
+  for (const auto& [pair, byVoxels] : voxelTouchings(solid, labels, cut, rounds)) {
+    const auto found = measured_.find(pair);
     // A contact of a few voxels may have no face of its own in the meshes: then its voxel faces are
     // all there is.
-    const Touching& interface = found != measured.end() ? found->second : byVoxels;
+    const Touching& interface = found != measured_.end() ? found->second : byVoxels;
     const double length = glm::length(interface.normal);
     Contact contact;
     contact.area = interface.area;
     contact.normal = length > 0 ? interface.normal / length : glm::dvec3(0.0);
     contact.centroid.v = interface.centroid / interface.area;
     contact.fragment = pair.second;
-    fragments[pair.first - 1u].contacts.push_back(contact);
+    all[pair.first - 1u].push_back(contact);
     contact.fragment = pair.first;
     contact.normal = -contact.normal;
-    fragments[pair.second - 1u].contacts.push_back(contact);
+    all[pair.second - 1u].push_back(contact);
   }
-  for (Fragment& fragment : fragments) {
-    std::sort(fragment.contacts.begin(), fragment.contacts.end(),
+  for (std::vector<Contact>& own : all) {
+    std::sort(own.begin(), own.end(),
               [](const Contact& a, const Contact& b) { return a.fragment < b.fragment; });
   }
+  return all;
 }
 
 }  // namespace sherd

@@ -28,13 +28,14 @@ void forEach(std::size_t count, const Work& work) {
 
 bool hasMesh(std::uint16_t label) { return label != 0 && label != Labels::kWorn; }
 
+}  // namespace
+
 /// The mesh of all labels, leaf by leaf.
-class Meshing {
+class InterfaceMeshes::Meshing {
  public:
   Meshing(const Solid& solid, const Labels& labels, const Cut& cut,
-          std::span<const LeafRound> rounds, const UnbrokenSurface* unbroken)
-      : solid_(solid),
-        cut_(cut),
+          std::span<const LeafRound> rounds, std::size_t fragments, const UnbrokenSurface* unbroken)
+      : cut_(cut),
         unbroken_(unbroken),
         rounds_(rounds),
         field_(solid, labels, cut, rounds),
@@ -51,16 +52,43 @@ class Meshing {
     forEach(vertices_.at.size(), [&](std::size_t v) {
       vertices_.at[v] = solid.frame.worldFromIndex({vertices_.at[v]}).v;
     });
+    numberVertices(fragments);
+    sortFaces(fragments);
   }
 
-  // [fragments] the meshes of labels 1..fragments
-  std::vector<LabelledMesh> meshes(int fragments) {
-    const auto size = static_cast<std::size_t>(fragments);
-    numberVertices(size);
-    sortFaces(size);
-    std::vector<LabelledMesh> made(size);
-    forEach(size, [&](std::size_t i) { made[i] = meshOf(i); });
-    return made;
+  LabelledMesh meshOf(std::size_t i) const {
+    const std::size_t label = i + 1;
+    LabelledMesh out;
+    out.mesh.vertices.reserve(verticesOf_[label].size());
+    out.place.reserve(verticesOf_[label].size());
+    for (const std::uint32_t v : verticesOf_[label]) {
+      out.mesh.vertices.push_back(vertices_.at[v]);
+      out.place.push_back(vertices_.place[v]);
+    }
+    const auto forEachQuad = [&](std::uint32_t leaf, const auto& visit) {
+      for (const InterfaceQuad& quad : quads_[leaf]) {
+        if (quad.label == label) visit(quad);
+      }
+    };
+    std::size_t triangles = gapsOf_[i].size();
+    for (const std::uint32_t leaf : leavesOf_[i]) {
+      if (hasOldTriangles(leaf)) triangles += unbroken_->leaves[leaf].triangles.size();
+      forEachQuad(leaf, [&](const InterfaceQuad&) { triangles += 2; });
+    }
+    out.mesh.triangles.reserve(triangles);
+    out.other.reserve(triangles);
+    const auto add = [&](const std::array<std::uint32_t, 3>& t, std::uint16_t other) {
+      out.mesh.triangles.emplace_back(number_[t[0]], number_[t[1]], number_[t[2]]);
+      out.other.push_back(other);
+    };
+    for (const std::uint32_t leaf : leavesOf_[i]) {
+      if (hasOldTriangles(leaf)) addOld(leaf, out);
+      forEachQuad(leaf, [&](const InterfaceQuad& quad) {
+        for (const auto& t : trianglesOf(quad, vertices_.at)) add(t, quad.other);
+      });
+    }
+    for (const InterfaceTriangle* gap : gapsOf_[i]) add(gap->vertex, gap->other);
+    return out;
   }
 
  private:
@@ -171,41 +199,6 @@ class Meshing {
     for (const InterfaceTriangle& gap : gaps_) gapsOf_[gap.label - 1u].push_back(&gap);
   }
 
-  LabelledMesh meshOf(std::size_t i) const {
-    const std::size_t label = i + 1;
-    LabelledMesh out;
-    out.mesh.vertices.reserve(verticesOf_[label].size());
-    out.place.reserve(verticesOf_[label].size());
-    for (const std::uint32_t v : verticesOf_[label]) {
-      out.mesh.vertices.push_back(vertices_.at[v]);
-      out.place.push_back(vertices_.place[v]);
-    }
-    const auto forEachQuad = [&](std::uint32_t leaf, const auto& visit) {
-      for (const InterfaceQuad& quad : quads_[leaf]) {
-        if (quad.label == label) visit(quad);
-      }
-    };
-    std::size_t triangles = gapsOf_[i].size();
-    for (const std::uint32_t leaf : leavesOf_[i]) {
-      if (hasOldTriangles(leaf)) triangles += unbroken_->leaves[leaf].triangles.size();
-      forEachQuad(leaf, [&](const InterfaceQuad&) { triangles += 2; });
-    }
-    out.mesh.triangles.reserve(triangles);
-    out.other.reserve(triangles);
-    const auto add = [&](const std::array<std::uint32_t, 3>& t, std::uint16_t other) {
-      out.mesh.triangles.emplace_back(number_[t[0]], number_[t[1]], number_[t[2]]);
-      out.other.push_back(other);
-    };
-    for (const std::uint32_t leaf : leavesOf_[i]) {
-      if (hasOldTriangles(leaf)) addOld(leaf, out);
-      forEachQuad(leaf, [&](const InterfaceQuad& quad) {
-        for (const auto& t : trianglesOf(quad, vertices_.at)) add(t, quad.other);
-      });
-    }
-    for (const InterfaceTriangle* gap : gapsOf_[i]) add(gap->vertex, gap->other);
-    return out;
-  }
-
   void addOld(std::uint32_t leaf, LabelledMesh& out) const {
     // The vertices of an old leaf are numbered one after another.
     std::array<std::uint32_t, 8> first{};
@@ -231,7 +224,6 @@ class Meshing {
   // The places in a LeafRound of slots 0..7.
   static constexpr std::array<std::size_t, 8> kBelow{13, 12, 10, 9, 4, 3, 1, 0};
 
-  const Solid& solid_;
   const Cut& cut_;
   const UnbrokenSurface* unbroken_;
   const std::span<const LeafRound> rounds_;
@@ -252,12 +244,16 @@ class Meshing {
   std::vector<std::vector<const InterfaceTriangle*>> gapsOf_;
 };
 
-}  // namespace
+InterfaceMeshes::InterfaceMeshes(const Solid& solid, const Labels& labels, const Cut& cut,
+                                 std::span<const LeafRound> rounds, int fragments,
+                                 const UnbrokenSurface* unbroken)
+    : meshing_(std::make_unique<Meshing>(solid, labels, cut, rounds,
+                                         static_cast<std::size_t>(fragments), unbroken)) {}
 
-std::vector<LabelledMesh> interfaceMeshes(const Solid& solid, const Labels& labels, const Cut& cut,
-                                          std::span<const LeafRound> rounds, int fragments,
-                                          const UnbrokenSurface* unbroken) {
-  return Meshing(solid, labels, cut, rounds, unbroken).meshes(fragments);
+InterfaceMeshes::~InterfaceMeshes() = default;
+
+LabelledMesh InterfaceMeshes::meshOf(int label) const {
+  return meshing_->meshOf(static_cast<std::size_t>(label) - 1);
 }
 
 }  // namespace sherd

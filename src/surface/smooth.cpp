@@ -112,14 +112,14 @@ bool areGood(const Iterations& iterations) {
          iterations.perVoxel <= 1.0;
 }
 
+bool isShare(double weight) { return weight >= 0.0 && weight <= 1.0; }
+
+}  // namespace
+
 bool movesAnything(const SmoothOptions& options, int longestSide) {
   return options.iterations.over(longestSide) > 0 ||
          options.boundaryIterations.over(longestSide) > 0;
 }
-
-bool isShare(double weight) { return weight >= 0.0 && weight <= 1.0; }
-
-}  // namespace
 
 void checkSurfaceOptions(const SurfaceOptions& options) {
   const SmoothOptions& smooth = options.smooth;

@@ -10,6 +10,9 @@
 
 namespace sherd {
 
+/// Is there any smoothing to be done?
+[[nodiscard]] bool movesAnything(const SmoothOptions& options, int longestSide);
+
 /// Smooth meshes as `smoothed` does each, but vertices at one place go to the mean of where each
 /// would: what meshes share stays shared.  Closed surfaces of fewer than 100 triangles, round pores
 /// and crumbs of a voxel or three, stay as they are: they would shrink to a point.

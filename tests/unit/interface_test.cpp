@@ -71,8 +71,11 @@ Labelled labelled(int side, int fragments, const LabelOf& labelOf) {
 }
 
 std::vector<LabelledMesh> meshesOf(const Labelled& made, int fragments) {
-  return interfaceMeshes(made.solid, made.labels, made.cut, leavesRound(made.solid.blocks.origins),
-                         fragments);
+  const std::vector<LeafRound> rounds = leavesRound(made.solid.blocks.origins);
+  const InterfaceMeshes all(made.solid, made.labels, made.cut, rounds, fragments);
+  std::vector<LabelledMesh> meshes;
+  for (int label = 1; label <= fragments; ++label) meshes.push_back(all.meshOf(label));
+  return meshes;
 }
 
 struct Vertices {
