@@ -20,8 +20,8 @@ namespace sherd {
 namespace {
 
 template <class Work>
-void forEach(std::size_t count, const Work& work) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count), [&](const auto& range) {
+void forEach(std::size_t begin, std::size_t end, const Work& work) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(begin, end), [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) work(i);
   });
 }
@@ -41,15 +41,14 @@ class InterfaceMeshes::Meshing {
         field_(solid, labels, cut, rounds),
         count_(solid.blocks.count()),
         quads_(count_) {
-    makeCells();
-    takeTogether();
-    forEach(count_, [&](std::size_t leaf) {
-      if (!hasOldTriangles(leaf)) quads_[leaf] = quadsOf(field_, cells_, leaf);
-    });
-    fresh_ = {};  // what is left of them is quads and vertices
+    if (unbroken_ != nullptr) {
+      old_.resize(count_);
+      forEach(0, count_, [&](std::size_t leaf) { old_[leaf] = oldLabel(leaf); });
+    }
+    meshLeaves(solid.blocks.origins);
     straightenRims(quads_, junctions_, vertices_.at);
     gaps_ = partTouchingSheets(crowded_, quads_, vertices_);
-    forEach(vertices_.at.size(), [&](std::size_t v) {
+    forEach(0, vertices_.at.size(), [&](std::size_t v) {
       vertices_.at[v] = solid.frame.worldFromIndex({vertices_.at[v]}).v;
     });
     numberVertices(fragments);
@@ -114,40 +113,57 @@ class InterfaceMeshes::Meshing {
     return true;
   }
 
-  void makeCells() {
-    if (unbroken_ != nullptr) {
-      old_.resize(count_);
-      forEach(count_, [&](std::size_t leaf) { old_[leaf] = oldLabel(leaf); });
-    }
+  // Cells, vertices and quads, some slabs of leaves at a time: a leaf's quads look at cells of its
+  // own and of leaves below it, so cells go when the next slab has its quads.  All of them would
+  // take more memory than all that is made of them.
+  void meshLeaves(std::span<const openvdb::Coord> origins) {
+    constexpr std::size_t kTogether = 16384;  // leaves, to keep all threads busy
     fresh_.resize(count_);
     cells_.leaves.resize(count_);
-    forEach(count_, [&](std::size_t leaf) {
-      const LeafCells* const before = unbroken_ ? &unbroken_->leaves[leaf].cells : nullptr;
-      if (isOld(leaf)) {
-        cells_.leaves[leaf] = before;
-        return;
+    const auto nextSlab = [&](std::size_t leaf) {
+      const int x = origins[leaf].x();
+      while (leaf < count_ && origins[leaf].x() == x) ++leaf;
+      return leaf;
+    };
+    std::size_t kept = 0;
+    for (std::size_t first = 0, end = 0; first < count_; first = end) {
+      std::size_t last = first;  // slab
+      while (end < count_ && end - first < kTogether) {
+        last = end;
+        end = nextSlab(end);
       }
-      fresh_[leaf].emplace(cellsOf(field_, leaf, before));
-      cells_.leaves[leaf] = &*fresh_[leaf];
-    });
+      forEach(first, end, [&](std::size_t leaf) { makeCells(leaf); });
+      takeTogether(first, end);
+      forEach(first, end, [&](std::size_t leaf) {
+        if (!hasOldTriangles(leaf)) quads_[leaf] = quadsOf(field_, cells_, leaf);
+      });
+      forEach(kept, last, [&](std::size_t leaf) { fresh_[leaf].reset(); });
+      kept = last;
+    }
+    fresh_ = std::vector<std::unique_ptr<LeafCells>>();
   }
 
-  void takeTogether() {
-    std::size_t vertices = 0;
-    for (const LeafCells* leaf : cells_.leaves) {
-      cells_.firstVertex.push_back(static_cast<std::uint32_t>(vertices));
-      vertices += leaf->vertices.size();
+  void makeCells(std::size_t leaf) {
+    const LeafCells* const before = unbroken_ ? &unbroken_->leaves[leaf].cells : nullptr;
+    if (isOld(leaf)) {
+      cells_.leaves[leaf] = before;
+      return;
     }
-    vertices_.at.reserve(vertices);
-    vertices_.place.reserve(vertices);
-    for (std::size_t leaf = 0; leaf < count_; ++leaf) {
+    fresh_[leaf] = std::make_unique<LeafCells>(cellsOf(field_, leaf, before));
+    cells_.leaves[leaf] = fresh_[leaf].get();
+  }
+
+  void takeTogether(std::size_t first, std::size_t end) {
+    for (std::size_t leaf = first; leaf < end; ++leaf) {
       const LeafCells& own = *cells_.leaves[leaf];
+      const auto firstVertex = static_cast<std::uint32_t>(vertices_.at.size());
+      cells_.firstVertex.push_back(firstVertex);
       for (const std::uint32_t p : own.places) vertices_.place.push_back(vertices_.places + p);
       for (const std::uint32_t p : own.crowded) crowded_.push_back(vertices_.places + p);
       vertices_.places += own.placeCount;
       vertices_.at.insert(vertices_.at.end(), own.vertices.begin(), own.vertices.end());
       for (Junction junction : own.junctions) {
-        for (std::uint32_t& v : junction.vertices) v += cells_.firstVertex[leaf];
+        for (std::uint32_t& v : junction.vertices) v += firstVertex;
         junctions_.push_back(std::move(junction));
       }
     }
@@ -170,8 +186,13 @@ class InterfaceMeshes::Meshing {
     for (const InterfaceTriangle& gap : gaps_) {
       for (const std::uint32_t v : gap.vertex) label_[v] = gap.label;
     }
+    std::vector<std::size_t> counts(std::size_t{Labels::kWorn} + 1, 0);
+    for (const std::uint16_t label : label_) ++counts[label];
     number_.resize(label_.size());
     verticesOf_.resize(fragments + 1);
+    for (std::size_t label = 1; label <= fragments; ++label) {
+      verticesOf_[label].reserve(counts[label]);
+    }
     for (std::uint32_t v = 0; v < label_.size(); ++v) {
       if (!hasMesh(label_[v])) continue;
       std::vector<std::uint32_t>& own = verticesOf_[label_[v]];
@@ -230,7 +251,7 @@ class InterfaceMeshes::Meshing {
   const Field field_;
   const std::size_t count_;
   std::vector<std::uint32_t> old_;  // [leaf] oldLabel; empty without an unbroken surface
-  std::vector<std::optional<LeafCells>> fresh_;
+  std::vector<std::unique_ptr<LeafCells>> fresh_;  // [leaf] null where old, or gone
   AllCells cells_;
   InterfaceVertices vertices_;
   std::vector<std::uint32_t> crowded_;
