@@ -1,8 +1,10 @@
 // Meshes as binary little-endian PLY.
 #include <sherd/io.h>
 
+#include <algorithm>
 #include <cassert>
 #include <string>
+#include <string_view>
 
 #include "io/little_endian.h"
 #include "io/piece_mesh.h"
@@ -11,23 +13,32 @@
 namespace sherd {
 namespace {
 
-/// Records of one kind, one after the other at the end of a file's bytes.
+/// A file's header and its records, handed over some at a time: all of them would take as much
+/// memory as the mesh.
 class Records {
  public:
-  ///   most  bytes that all will take at most
-  Records(std::string& bytes, std::size_t most) : bytes_(bytes) {
-    const std::size_t size = bytes.size();
-    bytes.resize(size + most);
-    at_ = bytes.data() + size;
+  /// What a record takes at most, bytes.
+  static constexpr std::size_t kLargest = 64;
+
+  ///   records  how many will come
+  Records(const ByteSink& sink, std::string_view header, std::size_t records)
+      : sink_(sink), bytes_(std::min(records, kBlock / kLargest) * kLargest, '\0') {
+    sink_(header);
   }
-  ~Records() { bytes_.resize(static_cast<std::size_t>(at_ - bytes_.data())); }
-  Records(const Records&) = delete;
-  Records& operator=(const Records&) = delete;
+
+  /// To be told before each record.
+  void begin() {
+    if (bytes_.size() - end_ < kLargest) finish();
+  }
+  void finish() {
+    if (end_ > 0) sink_(std::string_view(bytes_).substr(0, end_));
+    end_ = 0;
+  }
 
   template <class T>
   void put(T value) {
-    keepLittle(at_, value);
-    at_ += sizeof(T);
+    keepLittle(bytes_.data() + end_, value);
+    end_ += sizeof(T);
   }
   void put(const glm::dvec3& v) {
     for (int axis = 0; axis < 3; ++axis) put(static_cast<float>(v[axis]));
@@ -38,8 +49,11 @@ class Records {
   }
 
  private:
-  std::string& bytes_;
-  char* at_;
+  static constexpr std::size_t kBlock = std::size_t{4} << 20;
+
+  const ByteSink& sink_;
+  std::string bytes_;
+  std::size_t end_ = 0;  // of what is there
 };
 
 std::string header(const TriangleMesh& mesh, const std::string& comments,
@@ -90,13 +104,18 @@ void writePly(const OutputFile& file, const TriangleMesh& mesh,
     writePiecePly(file, {"", mesh, facing, {}, {}});
     return;
   }
-  std::string bytes = header(mesh, "", "", "");
-  {
-    Records records(bytes, mesh.vertices.size() * 12 + mesh.triangles.size() * 13);
-    for (const glm::dvec3& v : mesh.vertices) records.put(v);
-    for (const glm::uvec3& t : mesh.triangles) records.putFace(t);
-  }
-  file.write(bytes);
+  file.write([&](const ByteSink& sink) {
+    Records records(sink, header(mesh, "", "", ""), mesh.vertices.size() + mesh.triangles.size());
+    for (const glm::dvec3& v : mesh.vertices) {
+      records.begin();
+      records.put(v);
+    }
+    for (const glm::uvec3& t : mesh.triangles) {
+      records.begin();
+      records.putFace(t);
+    }
+    records.finish();
+  });
 }
 
 void writePiecePly(const OutputFile& file, const PieceMesh& piece) {
@@ -112,22 +131,23 @@ void writePiecePly(const OutputFile& file, const PieceMesh& piece) {
   if (texcoords) ofFaces += "property list uchar float texcoord\n";
   if (textures) ofFaces += "property int texnumber\n";
   if (materials) ofFaces += "property int material\n";
-  std::string bytes = header(mesh, commentsOf(piece), ofVertices, ofFaces);
 
   const std::vector<glm::dvec3> normals = vertexNormals(mesh);
   const std::vector<std::uint16_t> facing = vertexFacing(mesh, piece.facing);
   const std::vector<glm::u8vec3> colour =
       colours ? vertexColours(piece) : std::vector<glm::u8vec3>();
-  {
-    Records records(bytes,
-                    mesh.vertices.size() * 31 + mesh.triangles.size() * (texcoords ? 50 : 21));
+  file.write([&](const ByteSink& sink) {
+    Records records(sink, header(mesh, commentsOf(piece), ofVertices, ofFaces),
+                    mesh.vertices.size() + mesh.triangles.size());
     for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+      records.begin();
       records.put(mesh.vertices[i]);
       records.put(normals[i]);
       records.put(std::uint32_t{facing[i]});
       for (int k = 0; k < 3 && colours; ++k) records.put(std::uint8_t{colour[i][k]});
     }
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      records.begin();
       records.putFace(mesh.triangles[t]);
       records.put(std::uint32_t{piece.facing[t]});
       if (texcoords) records.put(std::uint8_t{6});
@@ -139,8 +159,8 @@ void writePiecePly(const OutputFile& file, const PieceMesh& piece) {
       if (textures) records.put(static_cast<std::uint32_t>(texture < 0 ? 0 : texture));
       if (materials) records.put(std::uint32_t{look.material[t]});
     }
-  }
-  file.write(bytes);
+    records.finish();
+  });
 }
 
 }  // namespace sherd
