@@ -10,20 +10,20 @@
 namespace sherd {
 namespace {
 
-FractureResult breakSolid(Solid solid, const FractureOptions& options, StageClock clock,
-                          Device& device, const Progress* progress) {
+GrownFracture grownOf(Solid solid, const FractureOptions& options, StageClock clock, Device& device,
+                      const Progress* progress) {
   PreparedSolid ready = prepared(std::move(solid), device);
   clock.done("parts");
   GrownFracture grown = grow(ready, options, device, clock, progress);
   ready = {};  // memory for meshes
   device.freeBuffers();
-  return extracted(std::move(grown), options, progress);
+  return grown;
 }
 
 }  // namespace
 
-FractureResult fracture(const TriangleMesh& mesh, const FractureOptions& options, Device& device,
-                        const Progress* progress) {
+GrownFracture grown(const TriangleMesh& mesh, const FractureOptions& options, Device& device,
+                    const Progress* progress) {
   StageClock clock;
   const SolidOptions solidOptions{.resolution = options.resolution,
                                   .voxelSize = options.voxelSize,
@@ -32,12 +32,22 @@ FractureResult fracture(const TriangleMesh& mesh, const FractureOptions& options
   device.impl().buildKernels();
   Solid solid = voxelize(mesh, solidOptions, progress);
   clock.done("voxelize");
-  return breakSolid(std::move(solid), options, clock, device, progress);
+  return grownOf(std::move(solid), options, clock, device, progress);
+}
+
+GrownFracture grown(Solid solid, const FractureOptions& options, Device& device,
+                    const Progress* progress) {
+  return grownOf(std::move(solid), options, StageClock(), device, progress);
+}
+
+FractureResult fracture(const TriangleMesh& mesh, const FractureOptions& options, Device& device,
+                        const Progress* progress) {
+  return extracted(grown(mesh, options, device, progress), options, progress);
 }
 
 FractureResult fracture(Solid solid, const FractureOptions& options, Device& device,
                         const Progress* progress) {
-  return breakSolid(std::move(solid), options, StageClock(), device, progress);
+  return extracted(grown(std::move(solid), options, device, progress), options, progress);
 }
 
 PreparedSolid prepared(Solid solid, Device& device) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <sherd/fracture.h>
+#include <sherd/refracture.h>
 
 #include <chrono>
 #include <optional>
@@ -10,13 +11,19 @@
 
 namespace sherd {
 
-/// The seconds of one stage after another.
+/// The seconds of one stage after another; to a stage that comes again they are added.
 class StageClock {
  public:
   void done(const char* stage) {
     const auto now = std::chrono::steady_clock::now();
-    times_.push_back({stage, std::chrono::duration<double>(now - last_).count()});
+    const double seconds = std::chrono::duration<double>(now - last_).count();
     last_ = now;
+    for (StageTime& time : times_) {
+      if (time.stage != stage) continue;
+      time.seconds += seconds;
+      return;
+    }
+    times_.push_back({stage, seconds});
   }
   const std::vector<StageTime>& times() const { return times_; }
 
@@ -53,6 +60,15 @@ struct GrownFracture {
 /// The same for one.
 [[nodiscard]] GrownFracture grow(const PreparedSolid& prepared, const FractureOptions& options,
                                  Device& device, StageClock clock, const Progress* progress);
+
+/// `fracture`, and `refracture`, but for the fragments.
+[[nodiscard]] GrownFracture grown(const TriangleMesh& mesh, const FractureOptions& options,
+                                  Device& device, const Progress* progress);
+[[nodiscard]] GrownFracture grown(Solid solid, const FractureOptions& options, Device& device,
+                                  const Progress* progress);
+[[nodiscard]] GrownFracture regrown(const FinishedFracture& finished, std::span<const int> only,
+                                    const FractureOptions& options, Device& device,
+                                    const Progress* progress);
 
 /// Cut the fragments out.  Any thread may ask.
 [[nodiscard]] FractureResult extracted(GrownFracture grown, const FractureOptions& options,

@@ -35,9 +35,8 @@ SeededLabels breakPortion(const Solid& part, int id, const FractureOptions& opti
 
 }  // namespace
 
-FractureResult refracture(const FinishedFracture& finished, std::span<const int> only,
-                          const FractureOptions& options, Device& device,
-                          const Progress* progress) {
+GrownFracture regrown(const FinishedFracture& finished, std::span<const int> only,
+                      const FractureOptions& options, Device& device, const Progress* progress) {
   const std::set<int> broken(only.begin(), only.end());
   for (const int id : broken) {
     if (id < 1 || id > finished.fragments) {
@@ -47,7 +46,8 @@ FractureResult refracture(const FinishedFracture& finished, std::span<const int>
     }
   }
   StageClock clock;
-  FractureResult result;
+  GrownFracture all;
+  FractureResult& result = all.result;
   result.solid = finished.solid;
   result.parts = findParts(finished.solid.blocks, device).count();
   result.labels.fragment.assign(finished.labels.fragment.size(), 0);
@@ -82,12 +82,15 @@ FractureResult refracture(const FinishedFracture& finished, std::span<const int>
   result.labels = carriedOverBand(finished.solid.blocks, std::move(result.labels), device);
   result.worn.assign(result.parents.size() + 1, 0);
   clock.done("grow");
-  result.fragments =
-      extractFragments(result.solid, result.labels, static_cast<int>(result.parents.size()),
-                       nullptr, options.surface, progress);
-  clock.done("extract");
   result.times = clock.times();
-  return result;
+  all.fragments = static_cast<int>(result.parents.size());
+  return all;
+}
+
+FractureResult refracture(const FinishedFracture& finished, std::span<const int> only,
+                          const FractureOptions& options, Device& device,
+                          const Progress* progress) {
+  return extracted(regrown(finished, only, options, device, progress), options, progress);
 }
 
 }  // namespace sherd

@@ -9,17 +9,31 @@
 
 namespace sherd {
 
-/// A fixture with a folder of its own, which goes with the test.
-class TempFolder : public testing::Test {
- protected:
-  TempFolder() {
+/// A folder of its own, which goes with it.
+class OwnFolder {
+ public:
+  OwnFolder() {
     std::string name = (std::filesystem::temp_directory_path() / "sherd-test-XXXXXX").string();
     if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
-    folder_ = name;
+    path_ = name;
   }
-  ~TempFolder() override { std::filesystem::remove_all(folder_); }
+  ~OwnFolder() { std::filesystem::remove_all(path_); }
+  OwnFolder(const OwnFolder&) = delete;
+  OwnFolder& operator=(const OwnFolder&) = delete;
 
-  std::filesystem::path folder_;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// A fixture with a folder of its own.
+class TempFolder : public testing::Test {
+ private:
+  OwnFolder own_;
+
+ protected:
+  const std::filesystem::path folder_ = own_.path();
 };
 
 }  // namespace sherd

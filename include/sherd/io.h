@@ -185,4 +185,22 @@ std::filesystem::path writeFracture(const std::filesystem::path& folder, const S
                                     const WriteOptions& write = {},
                                     const Progress* progress = nullptr);
 
+/// A fracture that is in a folder.
+struct WrittenFracture {
+  FractureResult result;  ///< its fragments as fractureInto says
+  std::filesystem::path manifest;
+};
+
+/// Break a mesh into a folder: `fracture` and then `writeFracture`, and the same files, but
+/// fragments are written some at a time while they are made.  What no file needs later goes then:
+/// level sets, but for fragments.vdb, and meshes, but for the picture, the scene, rims, distances,
+/// correspondences and points shared out.  Without these, large solids take a quarter less memory
+/// (docs/performance.md).
+///   return  all but the level sets of fragments, and their meshes and facing where these went
+///   throws  what fracture and writeFracture throw
+[[nodiscard]] WrittenFracture fractureInto(const std::filesystem::path& folder,
+                                           const SourceMesh& source, const FractureOptions& options,
+                                           Device& device, const WriteOptions& write = {},
+                                           const Progress* progress = nullptr);
+
 }  // namespace sherd

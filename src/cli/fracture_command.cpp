@@ -24,6 +24,7 @@
 #include "cli/progress_line.h"
 #include "io/file_names.h"
 #include "io/mesh_report.h"
+#include "io/write_grown.h"
 #include "lower_case.h"
 
 namespace sherd::cli {
@@ -83,17 +84,16 @@ Input readInput(FractureArguments& arguments, const Progress& progress) {
 }
 
 // What is wrong with a mesh is found by functions that do not know the file's name.
-FractureResult breakInput(const FractureArguments& arguments, Input& input,
-                          const SourceMesh& source, const std::string& title, Device& device,
-                          const Progress& progress) {
+GrownFracture breakInput(const FractureArguments& arguments, Input& input, const SourceMesh& source,
+                         const std::string& title, Device& device, const Progress& progress) {
   try {
     const FractureOptions& options = arguments.options;
     if (input.finished) {
-      return refracture(*input.finished, arguments.only, options, device, &progress);
+      return regrown(*input.finished, arguments.only, options, device, &progress);
     }
-    if (input.solid) return fracture(std::move(*input.solid), options, device, &progress);
+    if (input.solid) return grown(std::move(*input.solid), options, device, &progress);
     requireMemory(source.mesh, options, arguments.volume.maxMemory);
-    return fracture(source.mesh, options, device, &progress);
+    return grown(source.mesh, options, device, &progress);
   } catch (const Error& e) {
     const std::string seedFile = arguments.options.seedFile.string();
     const bool aboutSeeds = !seedFile.empty() && std::string_view(e.what()).starts_with(seedFile);
@@ -176,12 +176,11 @@ class FractureRun {
   void breakOne(Input& input, const SourceMesh& source, const std::string& folder, Device& device) {
     stopIfInterrupted();
     const std::string title = titled(arguments_.mesh, source);
-    const FractureResult result = breakInput(arguments_, input, source, title, device, progress_);
-    times_.insert(times_.end(), result.times.begin(), result.times.end());
+    GrownFracture grown = breakInput(arguments_, input, source, title, device, progress_);
     const WriteOptions write = writeOptions(arguments_.write);
-    const fs::path manifest = timed("write", [&] {
-      return writeFracture(folder, source, arguments_.options, result, write, &progress_);
-    });
+    const auto [result, manifest] =
+        writeGrown(folder, source, arguments_.options, std::move(grown), write, &progress_);
+    times_.insert(times_.end(), result.times.begin(), result.times.end());
     times_.push_back({"total", secondsSince(start_)});
     const FractureTelling told{title,         folder,   source, arguments_.options, write, result,
                                device.info(), manifest, times_};

@@ -223,7 +223,8 @@ class ObjectRun {
     }
     if (!names.manifest.empty()) {
       OutputFile(*work.files, names.manifest)
-          .write(manifestText(*source_, options, result, names.files, options_.write));
+          .write(manifestText(*source_, options, result, meshFacts(result.fragments), names.files,
+                              options_.write));
     }
     work.fragments = result.kept();
     work.line = line.json();

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "io/mesh_writer.h"
 #include "io/write_points.h"
 #include "uncancelled.h"
 
@@ -39,83 +38,125 @@ FractureWriter::FractureWriter(const SourceMesh& source, const WriteOptions& wri
 void FractureWriter::write(const OutputFolder& folder, const FractureFiles& files,
                            const FractureOptions& options, const FractureResult& result,
                            const Progress* progress) const {
-  const WriteOptions& write = options_;
-  const std::size_t fragments = result.kept();
-  std::vector<std::size_t> counts;
-  if (!files.points.empty()) counts = pointCounts(result, write);
+  FractureWriting writing(*this, folder, files, options, result);
   step(progress, "write", 0.0);
-  if (!files.labels.empty()) {
-    const PlacedVoxels voxels = labelledBox(result, static_cast<int>(fragments));
-    for (std::size_t i = 0; i < files.labels.size(); ++i) {
-      writeVoxels(folder / files.labels[i], voxels, write.voxelFormats[i]);
+  writing.begin();
+  for (std::size_t first = 0; first < result.kept(); first += kFragmentsBetweenSteps) {
+    step(progress, "write", static_cast<double>(first) / static_cast<double>(result.kept()));
+    writing.write(first, std::min(result.kept(), first + kFragmentsBetweenSteps));
+  }
+  writing.finish(progress);
+}
+
+FractureWriting::FractureWriting(const FractureWriter& writer, const OutputFolder& folder,
+                                 const FractureFiles& files, const FractureOptions& options,
+                                 const FractureResult& result)
+    : writer_(writer),
+      folder_(folder),
+      files_(files),
+      options_(options),
+      result_(result),
+      meshes_(folder_, files, writer.source(), writer.materials(), writer.look(), writer.options()),
+      looks_(files.scene.empty() ? 0 : result.kept()) {}
+
+std::span<const Fragment> FractureWriting::kept() const {
+  return std::span(result_.fragments).first(result_.kept());
+}
+
+VdbNotes FractureWriting::notes() const {
+  return {writer_.source().name, options_.seed, writer_.options().density, result_.parents};
+}
+
+void FractureWriting::begin() const {
+  const WriteOptions& write = writer_.options();
+  if (!files_.labels.empty()) {
+    const PlacedVoxels voxels = labelledBox(result_, static_cast<int>(result_.kept()));
+    for (std::size_t i = 0; i < files_.labels.size(); ++i) {
+      writeVoxels(folder_ / files_.labels[i], voxels, write.voxelFormats[i]);
     }
   }
-  if (!files.seeds.empty()) writeSeeds(folder / files.seeds, result.seeds, result.solid);
-  if (!files.rims.empty()) {
-    writeRims(folder / files.rims, std::span(result.fragments).first(fragments));
+  if (!files_.seeds.empty()) writeSeeds(folder_ / files_.seeds, result_.seeds, result_.solid);
+  if (!files_.cost.empty()) writeCost(folder_ / files_.cost, result_.solid, result_.labels);
+  if (!files_.solidVdb.empty()) {
+    writeVdbOfSolid(folder_ / files_.solidVdb, result_.solid, notes(), write.vdbOptions);
   }
-  if (!files.cost.empty()) writeCost(folder / files.cost, result.solid, result.labels);
-  const VdbNotes notes{source_.name, options.seed, write.density, result.parents};
-  const std::span<const Fragment> kept = std::span(result.fragments).first(fragments);
-  if (!files.allVdb.empty()) {
-    writeVdbOfAll(folder / files.allVdb, kept, result.solid, result.labels, notes,
+  if (!files_.solidMesh.empty()) {
+    const TriangleMesh whole = solidMesh(result_.solid, options_.surface);
+    const std::vector<std::uint16_t> facing(whole.triangles.size(), 0);
+    meshes_.write(whole, facing, meshes_.lookOf(whole, facing), files_.solidMesh);
+  }
+}
+
+void FractureWriting::writeLevelSet(std::size_t i) const {
+  if (files_.vdb.empty()) return;
+  writeVdb(folder_ / files_.vdb[i], result_.fragments[i], notes(), writer_.options().vdbOptions);
+}
+
+void FractureWriting::writeMeshes(std::size_t i) {
+  const WriteOptions& write = writer_.options();
+  const Fragment& fragment = result_.fragments[i];
+  if (!files_.proxy.empty()) {
+    const std::string name = std::filesystem::path(files_.proxy[i]).stem().string();
+    writeProxy(folder_ / files_.proxy[i], fragment, name, write.proxyGap);
+  }
+  if (!files_.mesh.empty() || !looks_.empty()) {
+    SurfaceLook look = meshes_.lookOf(fragment.mesh, fragment.facing);
+    if (!files_.mesh.empty()) {
+      meshes_.write(fragment.mesh, fragment.facing, look, files_.mesh[i]);
+    }
+    if (!looks_.empty()) looks_[i] = std::move(look);
+  }
+  if (!files_.points.empty() && !write.sharePoints) {
+    writePointsOf(folder_, files_.points[i], fragment, write.points.count, options_.seed, write);
+  }
+  for (std::size_t k = 0; !files_.coarse.empty() && k < files_.coarse[i].size(); ++k) {
+    const CoarseMesh& coarse = fragment.coarse[k];
+    meshes_.write(coarse.mesh, coarse.facing, meshes_.lookOf(coarse.mesh, coarse.facing),
+                  files_.coarse[i][k]);
+  }
+}
+
+void FractureWriting::write(std::size_t first, std::size_t end) {
+  // Both of one fragment at a time, as there may be as few fragments as threads.
+  tbb::parallel_for(2 * first, 2 * std::min(end, result_.kept()), [&](std::size_t task) {
+    uncancelled([&] { task % 2 == 0 ? writeLevelSet(task / 2) : writeMeshes(task / 2); });
+  });
+}
+
+bool FractureWriting::needsMeshes() const {
+  const bool sharesPoints = !files_.points.empty() && writer_.options().sharePoints;
+  return sharesPoints || !files_.rims.empty() || !files_.scene.empty() ||
+         !files_.solidSdf.empty() || !files_.correspondences.empty() || !files_.preview.empty();
+}
+
+void FractureWriting::finish(const Progress* progress) const {
+  const WriteOptions& write = writer_.options();
+  if (!files_.rims.empty()) writeRims(folder_ / files_.rims, kept());
+  if (!files_.allVdb.empty()) {
+    writeVdbOfAll(folder_ / files_.allVdb, kept(), result_.solid, result_.labels, notes(),
                   write.vdbOptions);
   }
-  if (!files.solidVdb.empty()) {
-    writeVdbOfSolid(folder / files.solidVdb, result.solid, notes, write.vdbOptions);
+  if (!files_.graph.empty()) {
+    writeGraph(folder_ / files_.graph, kept(), notes());
+    writeConstraints(folder_ / files_.constraints, kept());
   }
-  if (!files.graph.empty()) {
-    writeGraph(folder / files.graph, kept, notes);
-    writeConstraints(folder / files.constraints, kept);
+  if (!files_.points.empty() && write.sharePoints) {
+    const std::vector<std::size_t> counts = sharedCounts(kept(), write.points.count);
+    tbb::parallel_for(std::size_t{0}, counts.size(), [&](std::size_t i) {
+      writePointsOf(folder_, files_.points[i], kept()[i], counts[i], options_.seed, write);
+    });
   }
-  const MeshWriter meshes(folder, files, source_, table_, look_ ? &*look_ : nullptr, write);
-  if (!files.solidMesh.empty()) {
-    const TriangleMesh whole = solidMesh(result.solid, options.surface);
-    const std::vector<std::uint16_t> facing(whole.triangles.size(), 0);
-    meshes.write(whole, facing, meshes.lookOf(whole, facing), files.solidMesh);
+  if (!files_.scene.empty()) meshes_.writeScene(kept(), looks_, files_.scene);
+  if (!files_.solidSdf.empty()) {
+    writeAllDistances(folder_, files_, result_, options_.seed, write.distances, progress);
   }
-  std::vector<SurfaceLook> looks(files.scene.empty() ? 0 : fragments);
-  const auto writeFragment = [&](std::size_t i) {
-    const Fragment& fragment = result.fragments[i];
-    if (!files.vdb.empty()) writeVdb(folder / files.vdb[i], fragment, notes, write.vdbOptions);
-    if (!files.proxy.empty()) {
-      const std::string name = std::filesystem::path(files.proxy[i]).stem().string();
-      writeProxy(folder / files.proxy[i], fragment, name, write.proxyGap);
-    }
-    if (!files.mesh.empty() || !looks.empty()) {
-      SurfaceLook look = meshes.lookOf(fragment.mesh, fragment.facing);
-      if (!files.mesh.empty()) {
-        meshes.write(fragment.mesh, fragment.facing, look, files.mesh[i]);
-      }
-      if (!looks.empty()) looks[i] = std::move(look);
-    }
-    if (!files.points.empty()) {
-      writePointsOf(folder, files.points[i], fragment, counts[i], options.seed, write);
-    }
-    for (std::size_t k = 0; !files.coarse.empty() && k < files.coarse[i].size(); ++k) {
-      const CoarseMesh& coarse = fragment.coarse[k];
-      meshes.write(coarse.mesh, coarse.facing, meshes.lookOf(coarse.mesh, coarse.facing),
-                   files.coarse[i][k]);
-    }
-  };
-  for (std::size_t begin = 0; begin < fragments; begin += kFragmentsBetweenSteps) {
-    step(progress, "write", static_cast<double>(begin) / static_cast<double>(fragments));
-    const std::size_t end = std::min(fragments, begin + kFragmentsBetweenSteps);
-    tbb::parallel_for(begin, end, [&](std::size_t i) { uncancelled([&] { writeFragment(i); }); });
-  }
-  if (!files.scene.empty()) meshes.writeScene(kept, looks, files.scene);
-  if (!files.solidSdf.empty()) {
-    writeAllDistances(folder, files, result, options.seed, write.distances, progress);
-  }
-  if (!files.correspondences.empty()) {
-    writeCorrespondences(folder / files.correspondences,
-                         sampleCorrespondences(std::span(result.fragments).first(fragments),
-                                               write.correspondences, options.seed));
+  if (!files_.correspondences.empty()) {
+    writeCorrespondences(folder_ / files_.correspondences,
+                         sampleCorrespondences(kept(), write.correspondences, options_.seed));
   }
   step(progress, "write", 1.0);
-  if (!files.preview.empty()) {
-    writePng(folder / files.preview, renderFragments(std::span(result.fragments).first(fragments),
-                                                     {.up = write.up}, progress));
+  if (!files_.preview.empty()) {
+    writePng(folder_ / files_.preview, renderFragments(kept(), {.up = write.up}, progress));
   }
 }
 

@@ -4,10 +4,12 @@
 #include <sherd/io.h>
 
 #include <optional>
+#include <vector>
 
 #include "appearance/transfer.h"
 #include "io/manifest.h"
 #include "io/materials.h"
+#include "io/mesh_writer.h"
 
 namespace sherd {
 
@@ -17,7 +19,11 @@ class FractureWriter {
  public:
   FractureWriter(const SourceMesh& source, const WriteOptions& write);
 
+  [[nodiscard]] const SourceMesh& source() const { return source_; }
+  [[nodiscard]] const WriteOptions& options() const { return options_; }
   [[nodiscard]] const MaterialTable& materials() const { return table_; }
+  /// What meshes take their look from, or null where there is none or no meshes are written.
+  [[nodiscard]] const LookSource* look() const { return look_ ? &*look_ : nullptr; }
 
   /// Write all files that are named, but no manifest.
   ///   throws  what writeFracture throws
@@ -28,7 +34,44 @@ class FractureWriter {
   const SourceMesh& source_;
   const WriteOptions& options_;
   MaterialTable table_;
-  std::optional<LookSource> look_;  ///< where the mesh has a look and meshes are written
+  std::optional<LookSource> look_;
+};
+
+/// Writes one fracture while its fragments are made: begin, write, finish.  All it is made of is
+/// kept by reference.
+class FractureWriting {
+ public:
+  ///   result  all but its fragments' contents, of which there are the right number
+  FractureWriting(const FractureWriter& writer, const OutputFolder& folder,
+                  const FractureFiles& files, const FractureOptions& options,
+                  const FractureResult& result);
+
+  /// What needs no fragment.
+  void begin() const;
+
+  /// The files of fragments first..end-1 of the result, which need no others, nor contacts.
+  void write(std::size_t first, std::size_t end);
+
+  /// What needs all fragments, with what needsMeshes and needsLevelSets say.
+  void finish(const Progress* progress) const;
+
+  /// Does `finish` need the fragments' meshes, their level sets?
+  [[nodiscard]] bool needsMeshes() const;
+  [[nodiscard]] bool needsLevelSets() const { return !files_.allVdb.empty(); }
+
+ private:
+  std::span<const Fragment> kept() const;
+  VdbNotes notes() const;
+  void writeLevelSet(std::size_t i) const;
+  void writeMeshes(std::size_t i);
+
+  const FractureWriter& writer_;
+  const OutputFolder folder_;
+  const FractureFiles& files_;
+  const FractureOptions& options_;
+  const FractureResult& result_;
+  const MeshWriter meshes_;
+  std::vector<SurfaceLook> looks_;  ///< [fragments that are not withheld] for the scene, or empty
 };
 
 }  // namespace sherd

@@ -3,6 +3,7 @@
 
 #include <sherd/evaluate.h>
 #include <sherd/io.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -198,9 +199,8 @@ std::map<int, double> rimLengths(const Fragment& fragment) {
   return lengths;
 }
 
-Json contactsJson(const Fragment& fragment) {
+Json contactsJson(const Fragment& fragment, std::map<int, double> rims) {
   Json contacts = Json::array();
-  std::map<int, double> rims = rimLengths(fragment);
   for (const Contact& contact : fragment.contacts) {
     contacts.push_back({{"id", contact.fragment},
                         {"area", plain(contact.area)},
@@ -222,15 +222,15 @@ std::vector<Json> seedPositions(const FractureResult& result) {
   return positions;
 }
 
-Json fragmentJson(const Fragment& fragment, const FractureResult& result, Json seeds, Json files) {
-  const Box box = bounds(fragment.mesh);
+Json fragmentJson(const Fragment& fragment, const MeshFacts& facts, const FractureResult& result,
+                  Json seeds, Json files) {
   const glm::dmat3& m = fragment.mass.inertia;
   return {
       {"id", fragment.id},
       {"voxels", fragment.voxels},
       {"volume", plain(fragment.mass.volume)},
       {"share", static_cast<double>(fragment.voxels) / static_cast<double>(result.solid.voxels)},
-      {"bbox", {{"min", jsonOf(box.min)}, {"max", jsonOf(box.max)}}},
+      {"bbox", {{"min", jsonOf(facts.box.min)}, {"max", jsonOf(facts.box.max)}}},
       {"centroid", jsonOf(fragment.mass.centroid)},
       {"inertia",
        {plain(m[0][0]), plain(m[1][1]), plain(m[2][2]), plain(m[1][0]), plain(m[2][0]),
@@ -241,7 +241,7 @@ Json fragmentJson(const Fragment& fragment, const FractureResult& result, Json s
       {"worn_voxels", result.worn[static_cast<std::size_t>(fragment.id)]},
       {"seeds", std::move(seeds)},
       {"files", std::move(files)},
-      {"contacts", contactsJson(fragment)}};
+      {"contacts", contactsJson(fragment, facts.rimLengths)}};
 }
 
 // A path, or a list of paths where there are several.
@@ -288,9 +288,17 @@ std::vector<std::string> FractureFiles::all() const {
   return list;
 }
 
+std::vector<MeshFacts> meshFacts(std::span<const Fragment> fragments) {
+  std::vector<MeshFacts> facts(fragments.size());
+  tbb::parallel_for(std::size_t{0}, facts.size(), [&](std::size_t i) {
+    facts[i] = {bounds(fragments[i].mesh), rimLengths(fragments[i])};
+  });
+  return facts;
+}
+
 std::string manifestText(const SourceMesh& source, const FractureOptions& options,
-                         const FractureResult& result, const FractureFiles& files,
-                         const WriteOptions& write) {
+                         const FractureResult& result, std::span<const MeshFacts> facts,
+                         const FractureFiles& files, const WriteOptions& write) {
   Json manifest = {{"schema", kManifestSchema},
                    {"source", sourceJson(source, !result.parents.empty())},
                    {"options", optionsJson(options, result, write)}};
@@ -310,7 +318,7 @@ std::string manifestText(const SourceMesh& source, const FractureOptions& option
     Json own = Json::object();
     if (i >= result.kept()) {
       manifest["withheld"].push_back(
-          fragmentJson(result.fragments[i], result, std::move(seeds[i]), std::move(own)));
+          fragmentJson(result.fragments[i], facts[i], result, std::move(seeds[i]), std::move(own)));
       continue;
     }
     if (!files.vdb.empty()) own["vdb"] = files.vdb[i];
@@ -318,7 +326,8 @@ std::string manifestText(const SourceMesh& source, const FractureOptions& option
     if (!files.points.empty()) own["points"] = pathsJson(files.points[i]);
     if (!files.sdf.empty()) own["sdf"] = files.sdf[i];
     if (!files.proxy.empty()) own["proxy"] = files.proxy[i];
-    Json fragment = fragmentJson(result.fragments[i], result, std::move(seeds[i]), std::move(own));
+    Json fragment =
+        fragmentJson(result.fragments[i], facts[i], result, std::move(seeds[i]), std::move(own));
     if (!files.coarse.empty()) {
       fragment["decimated"] = decimatedJson(result.fragments[i], files.coarse[i]);
     }

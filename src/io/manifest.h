@@ -5,6 +5,8 @@
 #include <sherd/io.h>
 
 #include <filesystem>
+#include <map>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -40,10 +42,21 @@ struct FractureFiles {
   std::vector<std::string> all() const;
 };
 
+/// What a manifest tells of a fragment's mesh.
+struct MeshFacts {
+  Box box;
+  std::map<int, double> rimLengths;  ///< by the fragment that is faced, world units
+};
+
+/// [fragments]
+[[nodiscard]] std::vector<MeshFacts> meshFacts(std::span<const Fragment> fragments);
+
 /// The manifest as text.  It holds no times and no machine names, and its numbers read back as they
-/// were: equal fractures give equal bytes.
+/// were: equal fractures give equal bytes.  The fragments' meshes and level sets are not used.
+///   facts  [fragments] meshFacts of all
 [[nodiscard]] std::string manifestText(const SourceMesh& source, const FractureOptions& options,
-                                       const FractureResult& result, const FractureFiles& files,
+                                       const FractureResult& result,
+                                       std::span<const MeshFacts> facts, const FractureFiles& files,
                                        const WriteOptions& write);
 
 }  // namespace sherd

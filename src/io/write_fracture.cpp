@@ -1,5 +1,5 @@
 // A whole fracture to a folder.
-#include <sherd/io.h>
+#include <utility>
 
 #include "io/atomic_file.h"
 #include "io/file_names.h"
@@ -7,20 +7,101 @@
 #include "io/fracture_folder.h"
 #include "io/manifest.h"
 #include "io/read_manifest.h"
+#include "io/write_grown.h"
+#include "surface/extraction.h"
 
 namespace sherd {
+namespace {
 
-std::filesystem::path writeFracture(const std::filesystem::path& folder, const SourceMesh& source,
-                                    const FractureOptions& options, const FractureResult& result,
-                                    const WriteOptions& write, const Progress* progress) {
+namespace fs = std::filesystem;
+
+// Make fragments and write them by turns, and let go of what will not be needed.
+//   result  takes the fragments, of which it has the right number
+std::vector<MeshFacts> makeAndWrite(const GrownFracture& grown, const SurfaceOptions& surface,
+                                    FractureResult& result, FractureWriting& writing,
+                                    StageClock& clock, const Progress* progress) {
+  Extraction extraction(result.solid, result.labels, grown.fragments,
+                        grown.unworn ? &*grown.unworn : nullptr, surface, progress,
+                        grown.surface.get());
+  clock.done("extract");
+  writing.begin();
+  clock.done("write");
+  std::vector<MeshFacts> facts;
+  for (std::vector<Fragment> some = extraction.next(); !some.empty(); some = extraction.next()) {
+    clock.done("extract");
+    const std::size_t first = facts.size();
+    for (MeshFacts& own : meshFacts(some)) facts.push_back(std::move(own));
+    const auto to = result.fragments.begin() + static_cast<std::ptrdiff_t>(first);
+    std::move(some.begin(), some.end(), to);
+    writing.write(first, facts.size());
+    for (std::size_t i = first; i < facts.size(); ++i) {
+      Fragment& fragment = result.fragments[i];
+      if (!writing.needsLevelSets()) fragment.surface = nullptr;
+      if (writing.needsMeshes()) continue;
+      fragment.mesh = {};
+      fragment.facing = {};
+    }
+    step(progress, "write",
+         static_cast<double>(facts.size()) / static_cast<double>(result.fragments.size()));
+    clock.done("write");
+  }
+  std::vector<std::vector<Contact>> contacts = extraction.contacts();
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    result.fragments[i].contacts = std::move(contacts[i]);
+  }
+  clock.done("extract");
+  return facts;
+}
+
+}  // namespace
+
+fs::path writeFracture(const fs::path& folder, const SourceMesh& source,
+                       const FractureOptions& options, const FractureResult& result,
+                       const WriteOptions& write, const Progress* progress) {
   checkWriteOptions(write, options);
   const FractureWriter writer(source, write);
   const FractureFiles files =
       fileNames(source, result.kept(), options.surface.triangles, writer.materials(), write);
-  return replaceFracture(folder, files.all(), [&](const std::filesystem::path& aside) {
+  return replaceFracture(folder, files.all(), [&](const fs::path& aside) {
     writer.write(aside, files, options, result, progress);
-    writeWhole(aside / kManifestName, manifestText(source, options, result, files, write));
+    writeWhole(aside / kManifestName,
+               manifestText(source, options, result, meshFacts(result.fragments), files, write));
   });
+}
+
+WrittenFracture writeGrown(const fs::path& folder, const SourceMesh& source,
+                           const FractureOptions& options, GrownFracture grown,
+                           const WriteOptions& write, const Progress* progress) {
+  checkWriteOptions(write, options);
+  const FractureWriter writer(source, write);
+  WrittenFracture written{std::move(grown.result), {}};
+  FractureResult& result = written.result;
+  result.fragments.resize(static_cast<std::size_t>(grown.fragments));
+  const FractureFiles files =
+      fileNames(source, result.kept(), options.surface.triangles, writer.materials(), write);
+  StageClock clock;
+  written.manifest = replaceFracture(folder, files.all(), [&](const fs::path& aside) {
+    FractureWriting writing(writer, aside, files, options, result);
+    const std::vector<MeshFacts> facts =
+        makeAndWrite(grown, options.surface, result, writing, clock, progress);
+    writing.finish(progress);
+    writeWhole(aside / kManifestName, manifestText(source, options, result, facts, files, write));
+  });
+  clock.done("write");
+  result.times.insert(result.times.end(), clock.times().begin(), clock.times().end());
+  return written;
+}
+
+WrittenFracture fractureInto(const fs::path& folder, const SourceMesh& source,
+                             const FractureOptions& options, Device& device,
+                             const WriteOptions& write, const Progress* progress) {
+  checkWriteOptions(write, options);
+  checkFractureFolder(folder);
+  FractureOptions own = options;
+  own.grow.keepCost = write.cost;
+  own.surface.levelSets = write.needsLevelSets();
+  return writeGrown(folder, source, own, grown(source.mesh, own, device, progress), write,
+                    progress);
 }
 
 }  // namespace sherd

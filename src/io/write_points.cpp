@@ -13,11 +13,10 @@ std::uint64_t pieceSeed(std::uint64_t seed, int id) {
 
 }  // namespace
 
-std::vector<std::size_t> pointCounts(const FractureResult& result, const WriteOptions& write) {
-  if (!write.sharePoints) return std::vector<std::size_t>(result.kept(), write.points.count);
+std::vector<std::size_t> sharedCounts(std::span<const Fragment> fragments, std::size_t count) {
   std::vector<double> areas;
-  for (std::size_t i = 0; i < result.kept(); ++i) areas.push_back(result.fragments[i].area);
-  return shareOut(write.points.count, areas);
+  for (const Fragment& fragment : fragments) areas.push_back(fragment.area);
+  return shareOut(count, areas);
 }
 
 void writePointsOf(const OutputFolder& folder, const std::vector<std::string>& files,

@@ -4,6 +4,7 @@
 
 #include <sherd/io.h>
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -11,9 +12,9 @@
 
 namespace sherd {
 
-/// [fragments that are not withheld] how many points each gets.
-[[nodiscard]] std::vector<std::size_t> pointCounts(const FractureResult& result,
-                                                   const WriteOptions& write);
+/// [fragments] how many of `count` points each gets, by its area.
+[[nodiscard]] std::vector<std::size_t> sharedCounts(std::span<const Fragment> fragments,
+                                                    std::size_t count);
 
 /// Draw points on a fragment and write them.
 ///   files  [write.pointFormats] relative to the folder

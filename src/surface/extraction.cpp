@@ -210,7 +210,7 @@ std::size_t Extraction::endOfRound() const {
   constexpr std::size_t kLeaves = 4096;
   const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
   std::size_t end = next_, leaves = 0;
-  while (end < count_ && (end - next_ < 2 * threads || leaves < kLeaves)) {
+  while (end < count_ && (end - next_ < threads || leaves < kLeaves)) {
     leaves += leaves_[++end].size();
   }
   return end;

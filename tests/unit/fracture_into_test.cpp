@@ -1,0 +1,116 @@
+// Fractures that are written while they are made.
+#include <gtest/gtest.h>
+#include <sherd/fracture.h>
+#include <sherd/io.h>
+
+#include <fstream>
+#include <map>
+#include <string>
+
+#include "kernels/device_fixture.h"
+#include "shapes.h"
+#include "temp_folder.h"
+
+namespace sherd {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::map<std::string, std::string> filesBelow(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file()) continue;
+    std::ifstream in(entry.path(), std::ios::binary);
+    files[entry.path().lexically_relative(folder).string()] = {std::istreambuf_iterator<char>(in),
+                                                               {}};
+  }
+  return files;
+}
+
+class FractureInto : public DeviceTest {
+ protected:
+  // Write a fracture both ways, which must be the same, and return it as it was made while writing.
+  FractureResult bothWays(const FractureOptions& options, const WriteOptions& write) {
+    const FractureResult whole = fracture(source_.mesh, options, device());
+    (void)writeFracture(folder_.path() / "whole", source_, options, whole, write);
+    const WrittenFracture written =
+        fractureInto(folder_.path() / "into", source_, options, device(), write);
+    EXPECT_EQ(written.manifest, folder_.path() / "into" / "manifest.json");
+    const auto expected = filesBelow(folder_.path() / "whole"),
+               files = filesBelow(folder_.path() / "into");
+    EXPECT_EQ(files.size(), expected.size());
+    for (const auto& [name, bytes] : expected) {
+      EXPECT_TRUE(files.contains(name) && files.at(name) == bytes) << name;
+    }
+    return written.result;
+  }
+
+  OwnFolder folder_;
+  SourceMesh source_{.mesh = shapes::torus(1.0, 0.4),
+                     .name = "ring.obj",
+                     .stem = "ring",
+                     .sha256 = std::string(64, 'a')};
+  FractureOptions options_{.pieces = 7, .resolution = 48};
+};
+
+TEST_F(FractureInto, LetsGoOfMeshesAndLevelSetsThatNoFileNeeds) {
+  options_.missing = 2;
+  const FractureResult result = bothWays(options_, {.preview = false, .graph = true});
+  EXPECT_EQ(result.kept(), 5u);
+  for (const Fragment& fragment : result.fragments) {
+    EXPECT_EQ(fragment.surface, nullptr);
+    EXPECT_TRUE(fragment.mesh.triangles.empty());
+    EXPECT_GT(fragment.mass.volume, 0.0);
+    EXPECT_FALSE(fragment.contacts.empty());
+  }
+}
+
+TEST_F(FractureInto, KeepsWhatFilesOfAllFragmentsNeed) {
+  WriteOptions write{.preview = true, .seeds = true, .rims = true, .solid = true, .scene = true};
+  write.vdbFiles = VdbFiles::both;
+  write.points.count = 1000;
+  write.sharePoints = true;
+  write.correspondences = 100;
+  write.proxy = true;
+  const FractureResult result = bothWays(options_, write);
+  for (const Fragment& fragment : result.fragments) {
+    EXPECT_NE(fragment.surface, nullptr);
+    EXPECT_FALSE(fragment.mesh.triangles.empty());
+  }
+}
+
+TEST_F(FractureInto, MakesTheSameOfEveryKindOfSurface) {
+  const WriteOptions write{.preview = false};
+  FractureOptions worn = options_;
+  worn.erode.iterations = 2;
+  (void)bothWays(worn, write);
+  FractureOptions shaped = options_;
+  shaped.surface.smooth.iterations = {3, 0.0};
+  shaped.surface.adaptivity = 0.1;
+  shaped.surface.triangles = {200};
+  (void)bothWays(shaped, write);
+  FractureOptions alone = options_;
+  alone.surface.interface = Interface::independent;
+  (void)bothWays(alone, write);
+  FractureOptions labels = options_;
+  labels.surface.surface = Surface::labels;
+  (void)bothWays(labels, write);
+}
+
+// Its 27^3 leaves are too many for one round, and to be meshed at once.
+TEST_F(FractureInto, MakesTheSameInSeveralRounds) {
+  source_.mesh = shapes::cube(1.0);
+  options_.resolution = 210;
+  options_.pieces = 12;
+  const FractureResult result = bothWays(options_, {.preview = false, .rims = true});
+  double volume = 0.0;
+  for (const Fragment& fragment : result.fragments) {
+    EXPECT_EQ(openEdges(fragment.mesh), 0u);
+    EXPECT_EQ(nonManifoldEdges(fragment.mesh), 0u);
+    volume += fragment.mass.volume;
+  }
+  EXPECT_NEAR(volume, 1.0, 1e-3);
+}
+
+}  // namespace
+}  // namespace sherd
