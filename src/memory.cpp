@@ -22,8 +22,12 @@ namespace {
 // Rates: docs/performance.md, "Memory".
 constexpr double kProgram = 200e6;          // the OpenCL device and its compiler
 constexpr double kPerTriangle = 240.0;      // of the input: vertices, the tree, columns
-constexpr double kPerSurfaceVoxel = 500.0;  // level sets, cells and meshes of fragments
+constexpr double kPerSurfaceVoxel = 500.0;  // faces, meshes and the picture of fragments
+constexpr double kOfSomeMeshes = 0.6;       // of this, where only some meshes are held
 constexpr double kPerInsideVoxel = 8.0;     // leaves, labels and growth
+constexpr double kOfChain = 8.5;            // more for each: offers that wait
+constexpr double kOfErosion = 9.0;          // masks of fragments, labels before it
+constexpr double kOfCost = 11.0;            // four bytes on the device, here and in the file
 constexpr double kSimplified = 1.6;         // by how much meshes with fewer triangles take more
 
 struct Extent {
@@ -50,20 +54,36 @@ Extent extentOf(const TriangleMesh& mesh) {
   return {area, std::min(volume, box.x * box.y * box.z)};
 }
 
-double bytesForVoxels(double surface, double inside) {
-  return kProgram + kPerSurfaceVoxel * surface + kPerInsideVoxel * inside;
+double bytesForVoxels(double surface, double inside, double perInside = kPerInsideVoxel) {
+  return kProgram + kPerSurfaceVoxel * surface + perInside * inside;
+}
+
+// What voxels inside take, with what is done to them.
+double perInsideVoxel(const FractureOptions& options) {
+  return kPerInsideVoxel + (options.grow.growth == Growth::chain ? kOfChain : 0.0) +
+         (options.erode.iterations > 0 ? kOfErosion : 0.0) +
+         (options.grow.keepCost ? kOfCost : 0.0);
+}
+
+// What meshes take, with what is done to them.
+double meshFactor(const SurfaceOptions& surface, MeshesHeld held) {
+  const SmoothOptions& smooth = surface.smooth;
+  const auto isAny = [](const Iterations& i) { return i.count > 0 || i.perVoxel > 0.0; };
+  if (surface.adaptivity > 0.0 || !surface.triangles.empty()) return kSimplified;
+  if (isAny(smooth.iterations) || isAny(smooth.boundaryIterations)) return 1.0;
+  return held == MeshesHeld::some ? kOfSomeMeshes : 1.0;
 }
 
 double bytesFor(const Extent& extent, std::size_t triangles, const FractureOptions& options,
-                double voxelSize) {
+                MeshesHeld held, double voxelSize) {
   const double surface = extent.area / (voxelSize * voxelSize);
   const double inside = extent.volume / (voxelSize * voxelSize * voxelSize);
   // A cube cut into n cubes has 3 (n^(1/3) - 1) cuts across it; each is of two fragments.
   const double cuts =
       6.0 * (std::cbrt(static_cast<double>(options.pieces)) - 1.0) * std::cbrt(inside * inside);
-  const bool simplifies = options.surface.adaptivity > 0.0 || !options.surface.triangles.empty();
   return kPerTriangle * static_cast<double>(triangles) +
-         bytesForVoxels((simplifies ? kSimplified : 1.0) * (surface + cuts), inside);
+         bytesForVoxels(meshFactor(options.surface, held) * (surface + cuts), inside,
+                        perInsideVoxel(options));
 }
 
 // The first number in a file of the kernel's; none where it says "max" or there is no such file.
@@ -111,10 +131,11 @@ std::string gigabytes(std::uint64_t bytes) {
 
 }  // namespace
 
-std::uint64_t estimatedMemory(const TriangleMesh& mesh, const FractureOptions& options) {
+std::uint64_t estimatedMemory(const TriangleMesh& mesh, const FractureOptions& options,
+                              MeshesHeld held) {
   const SolidOptions solid{.resolution = options.resolution, .voxelSize = options.voxelSize};
   return static_cast<std::uint64_t>(
-      bytesFor(extentOf(mesh), mesh.triangles.size(), options, voxelSizeFor(mesh, solid)));
+      bytesFor(extentOf(mesh), mesh.triangles.size(), options, held, voxelSizeFor(mesh, solid)));
 }
 
 std::uint64_t estimatedMemory(double surface, double inside) {
@@ -139,13 +160,15 @@ void requireMemory(const std::string& what, std::uint64_t bytes, std::uint64_t l
                                     " may be used (--max-memory sets the limit)");
 }
 
-void requireMemory(const TriangleMesh& mesh, const FractureOptions& options, std::uint64_t limit) {
+void requireMemory(const TriangleMesh& mesh, const FractureOptions& options, std::uint64_t limit,
+                   MeshesHeld held) {
   const SolidOptions asked{.resolution = options.resolution, .voxelSize = options.voxelSize};
   const double voxelSize = voxelSizeFor(mesh, asked), longest = longestSide(bounds(mesh));
   const Extent extent = extentOf(mesh);
-  const auto bytes = [&](double size) {
-    return static_cast<std::uint64_t>(bytesFor(extent, mesh.triangles.size(), options, size));
+  const auto bytesOf = [&](double size, MeshesHeld of) {
+    return static_cast<std::uint64_t>(bytesFor(extent, mesh.triangles.size(), options, of, size));
   };
+  const auto bytes = [&](double size) { return bytesOf(size, held); };
   if (bytes(voxelSize) <= limit) return;
   const int resolution = resolutionFor(mesh, voxelSize);
   int fits = 0;  // the highest resolution that does
@@ -158,9 +181,12 @@ void requireMemory(const TriangleMesh& mesh, const FractureOptions& options, std
       high = middle - 1;
     }
   }
-  const std::string advice = fits > 0 ? "a --resolution of " + std::to_string(fits) + " fits; "
-                                      : std::string("no resolution fits; ");
-  requireMemory(advice + "one of " + std::to_string(resolution), bytes(voxelSize), limit);
+  std::string advice = fits > 0 ? "a --resolution of " + std::to_string(fits) + " fits"
+                                : std::string("no resolution fits");
+  if (bytesOf(voxelSize, MeshesHeld::some) <= limit) {
+    advice += ", and this one without the picture and other files of all pieces together (--write)";
+  }
+  requireMemory(advice + "; one of " + std::to_string(resolution), bytes(voxelSize), limit);
 }
 
 }  // namespace sherd

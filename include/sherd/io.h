@@ -161,6 +161,13 @@ struct WriteOptions {
   char up = 'y';  ///< the mesh's axis that points up in the picture: 'x', 'y' or 'z'
 
   bool needsLevelSets() const { return vdb || vdbOptions.fog; }  ///< Fragment::surface
+
+  /// Is there a file of all fragments that is made of their meshes, of their level sets?
+  bool needsAllMeshes() const {
+    return preview || rims || scene || distances.count > 0 || correspondences > 0 ||
+           (points.count > 0 && sharePoints);
+  }
+  bool needsAllLevelSets() const { return vdb && vdbFiles != VdbFiles::files; }
 };
 
 /// See whether what is to be written can be had.  To be asked before long work.
@@ -192,11 +199,10 @@ struct WrittenFracture {
 };
 
 /// Break a mesh into a folder: `fracture` and then `writeFracture`, and the same files, but
-/// fragments are written some at a time while they are made.  What no file needs later goes then:
-/// level sets, but for fragments.vdb, and meshes, but for the picture, the scene, rims, distances,
-/// correspondences and points shared out.  Without these, large solids take a quarter less memory
-/// (docs/performance.md).
-///   return  all but the level sets of fragments, and their meshes and facing where these went
+/// fragments are written some at a time while they are made.  Their level sets go then, and their
+/// meshes, but for WriteOptions::needsAllLevelSets and needsAllMeshes.  Without either, large
+/// solids take a quarter to a third less memory (docs/performance.md).
+///   return  all but what went: Fragment::surface; mesh and facing
 ///   throws  what fracture and writeFracture throw
 [[nodiscard]] WrittenFracture fractureInto(const std::filesystem::path& folder,
                                            const SourceMesh& source, const FractureOptions& options,

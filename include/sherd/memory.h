@@ -9,11 +9,18 @@
 
 namespace sherd {
 
+/// How many fragments have their meshes in memory at once.
+enum class MeshesHeld {
+  all,
+  some,  ///< as fractureInto does where WriteOptions::needsAllMeshes is false
+};
+
 /// Bytes that breaking a mesh takes at most, the mesh and the files' bytes included: by the mesh's
 /// area and volume in voxels, at rates measured on many fractures (docs/performance.md).  Within a
 /// factor of two above what was seen.
 [[nodiscard]] std::uint64_t estimatedMemory(const TriangleMesh& mesh,
-                                            const FractureOptions& options);
+                                            const FractureOptions& options,
+                                            MeshesHeld held = MeshesHeld::all);
 
 /// The same of a solid that is there already, or could be.
 ///   surface, inside  voxels
@@ -30,8 +37,9 @@ namespace sherd {
 void requireMemory(const std::string& what, std::uint64_t bytes, std::uint64_t limit);
 
 /// The same of breaking a mesh.
-///   throws  Error(usage) the estimate is above `limit`, with the resolution that would fit; what
-///           voxelSizeFor throws
-void requireMemory(const TriangleMesh& mesh, const FractureOptions& options, std::uint64_t limit);
+///   throws  Error(usage) the estimate is above `limit`, with the resolution that would fit, and
+///           whether what is asked would if only some meshes were held; what voxelSizeFor throws
+void requireMemory(const TriangleMesh& mesh, const FractureOptions& options, std::uint64_t limit,
+                   MeshesHeld held = MeshesHeld::all);
 
 }  // namespace sherd

@@ -92,7 +92,9 @@ GrownFracture breakInput(const FractureArguments& arguments, Input& input, const
       return regrown(*input.finished, arguments.only, options, device, &progress);
     }
     if (input.solid) return grown(std::move(*input.solid), options, device, &progress);
-    requireMemory(source.mesh, options, arguments.volume.maxMemory);
+    const bool isAll = writeOptions(arguments.write).needsAllMeshes();
+    requireMemory(source.mesh, options, arguments.volume.maxMemory,
+                  isAll ? MeshesHeld::all : MeshesHeld::some);
     return grown(source.mesh, options, device, &progress);
   } catch (const Error& e) {
     const std::string seedFile = arguments.options.seedFile.string();

@@ -123,12 +123,6 @@ void FractureWriting::write(std::size_t first, std::size_t end) {
   });
 }
 
-bool FractureWriting::needsMeshes() const {
-  const bool sharesPoints = !files_.points.empty() && writer_.options().sharePoints;
-  return sharesPoints || !files_.rims.empty() || !files_.scene.empty() ||
-         !files_.solidSdf.empty() || !files_.correspondences.empty() || !files_.preview.empty();
-}
-
 void FractureWriting::finish(const Progress* progress) const {
   const WriteOptions& write = writer_.options();
   if (!files_.rims.empty()) writeRims(folder_ / files_.rims, kept());

@@ -52,12 +52,8 @@ class FractureWriting {
   /// The files of fragments first..end-1 of the result, which need no others, nor contacts.
   void write(std::size_t first, std::size_t end);
 
-  /// What needs all fragments, with what needsMeshes and needsLevelSets say.
+  /// What needs all fragments, with what WriteOptions::needsAllMeshes and needsAllLevelSets say.
   void finish(const Progress* progress) const;
-
-  /// Does `finish` need the fragments' meshes, their level sets?
-  [[nodiscard]] bool needsMeshes() const;
-  [[nodiscard]] bool needsLevelSets() const { return !files_.allVdb.empty(); }
 
  private:
   std::span<const Fragment> kept() const;

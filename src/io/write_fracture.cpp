@@ -18,8 +18,9 @@ namespace fs = std::filesystem;
 // Make fragments and write them by turns, and let go of what will not be needed.
 //   result  takes the fragments, of which it has the right number
 std::vector<MeshFacts> makeAndWrite(const GrownFracture& grown, const SurfaceOptions& surface,
-                                    FractureResult& result, FractureWriting& writing,
-                                    StageClock& clock, const Progress* progress) {
+                                    const WriteOptions& write, FractureResult& result,
+                                    FractureWriting& writing, StageClock& clock,
+                                    const Progress* progress) {
   Extraction extraction(result.solid, result.labels, grown.fragments,
                         grown.unworn ? &*grown.unworn : nullptr, surface, progress,
                         grown.surface.get());
@@ -36,8 +37,8 @@ std::vector<MeshFacts> makeAndWrite(const GrownFracture& grown, const SurfaceOpt
     writing.write(first, facts.size());
     for (std::size_t i = first; i < facts.size(); ++i) {
       Fragment& fragment = result.fragments[i];
-      if (!writing.needsLevelSets()) fragment.surface = nullptr;
-      if (writing.needsMeshes()) continue;
+      if (!write.needsAllLevelSets()) fragment.surface = nullptr;
+      if (write.needsAllMeshes()) continue;
       fragment.mesh = {};
       fragment.facing = {};
     }
@@ -83,7 +84,7 @@ WrittenFracture writeGrown(const fs::path& folder, const SourceMesh& source,
   written.manifest = replaceFracture(folder, files.all(), [&](const fs::path& aside) {
     FractureWriting writing(writer, aside, files, options, result);
     const std::vector<MeshFacts> facts =
-        makeAndWrite(grown, options.surface, result, writing, clock, progress);
+        makeAndWrite(grown, options.surface, write, result, writing, clock, progress);
     writing.finish(progress);
     writeWhole(aside / kManifestName, manifestText(source, options, result, facts, files, write));
   });

@@ -24,6 +24,15 @@ TEST(Memory, GoesByTheSurfaceInVoxelsAndTheVolume) {
   FractureOptions fewer;  // their mesh is simplified
   fewer.surface.triangles = {1000};
   EXPECT_GT(estimatedMemory(ball, fewer), estimatedMemory(ball, {}));
+  EXPECT_LT(estimatedMemory(ball, {}, MeshesHeld::some), estimatedMemory(ball, {}));
+  EXPECT_EQ(estimatedMemory(ball, fewer, MeshesHeld::some), estimatedMemory(ball, fewer));
+  FractureOptions chain, worn, cost;  // numbers for each voxel
+  chain.grow.growth = Growth::chain;
+  worn.erode.iterations = 1;
+  cost.grow.keepCost = true;
+  for (const FractureOptions& more : {chain, worn, cost}) {
+    EXPECT_GT(estimatedMemory(ball, more), estimatedMemory(ball, {}));
+  }
   // A part that is inside out takes no less.
   const TriangleMesh two = shapes::append(ball, shapes::cube(1.0, {5.0, 0.0, 0.0}));
   const TriangleMesh turned =
@@ -46,6 +55,18 @@ TEST(Memory, ARefusalNamesTheResolutionThatFits) {
     const int fits = std::stoi(sentence.substr(at + before.size()));
     EXPECT_LE(estimatedMemory(ball, {.resolution = fits}), limit);
     EXPECT_GT(estimatedMemory(ball, {.resolution = fits + 1}), limit);
+  }
+  const std::uint64_t all = estimatedMemory(ball, {.resolution = 1024}),
+                      some = estimatedMemory(ball, {.resolution = 1024}, MeshesHeld::some);
+  EXPECT_NO_THROW(requireMemory(ball, {.resolution = 1024}, some, MeshesHeld::some));
+  for (const std::uint64_t tight : {(all + some) / 2, some - 1}) {
+    try {
+      requireMemory(ball, {.resolution = 1024}, tight);
+      FAIL();
+    } catch (const Error& e) {
+      const bool tells = std::string(e.what()).find("without the picture") != std::string::npos;
+      EXPECT_EQ(tells, tight >= some) << e.what();
+    }
   }
   try {
     requireMemory(ball, {}, 1000);
