@@ -170,6 +170,10 @@ struct WriteOptions {
   bool needsAllLevelSets() const { return vdb && vdbFiles != VdbFiles::files; }
 };
 
+/// The options, with what the files need of a fracture made too, and not what they do not: costs
+/// and level sets.
+[[nodiscard]] FractureOptions optionsFor(FractureOptions options, const WriteOptions& write);
+
 /// See whether what is to be written can be had.  To be asked before long work.
 ///   throws  Error(usage) correspondences of fragments that do not share their surfaces; STL both
 ///           binary and as text

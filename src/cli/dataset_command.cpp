@@ -205,7 +205,6 @@ void runDatasetCommand(DatasetArguments& arguments) {
   if (isBb && arguments.write.files.meshFormats.size() > 1) {
     throw Error(ErrorCode::usage, "--layout bb takes one --mesh-format");
   }
-  options.fracture.grow.keepCost = options.write.cost;
   options.maxMemory = arguments.machine.memory();
   if (!arguments.drawn.empty()) {
     options.draw = [drawn = arguments.drawn](std::uint64_t seed, FractureOptions& fracture) {

@@ -211,8 +211,7 @@ void runFracture(FractureArguments& arguments) {
   watchForInterrupts();
   const WriteOptions write = writeOptions(arguments.write);
   checkWriteOptions(write, arguments.options);
-  arguments.options.grow.keepCost = write.cost;
-  arguments.options.surface.levelSets = write.needsLevelSets();
+  arguments.options = optionsFor(arguments.options, write);
   const auto threads = limitedThreads(arguments.machine);
   keepFreedMemory();
   try {

@@ -86,13 +86,12 @@ std::unique_ptr<PlannedGrowth> GrowthAhead::planOf(std::size_t number, int attem
   plan->planned = planned_[number];
   plan->number = number;
   plan->attempt = attempt;
-  plan->options = options_.fracture;
+  plan->options = optionsFor(options_.fracture, options_.write);
   const std::uint64_t seed = fractureSeed(options_.seed, sha256_, plan->planned, attempt);
   if (options_.draw) plan->drawn = options_.draw(seed, plan->options);
   plan->options.pieces = plan->planned.pieces;
   plan->options.seed = seed;
   plan->options.grow.rehearse = !std::exchange(rehearsed_, true);
-  plan->options.surface.levelSets = options_.write.needsLevelSets();
   return plan;
 }
 

@@ -96,7 +96,7 @@ class ObjectRun {
 
   void breakAll(const SourceMesh& source) {
     for (const std::string& warning : source.warnings) run_.warning(warning);
-    FractureOptions base = options_.fracture;
+    FractureOptions base = optionsFor(options_.fracture, options_.write);
     base.pieces = options_.schedule.most;
     requireMemory(source.mesh, base, options_.maxMemory);
     memory_ = estimatedMemory(source.mesh, base);
@@ -136,9 +136,8 @@ class ObjectRun {
   // The unbroken object, as a fracture of one fragment.
   void breakNot() {
     const Solid& solid = ready_->solid;
-    FractureOptions options = options_.fracture;
+    FractureOptions options = optionsFor(options_.fracture, options_.write);
     options.pieces = 1;
-    options.surface.levelSets = options_.write.needsLevelSets();
     FractureResult whole;
     whole.solid = solid;
     whole.parts = ready_->parts.count();

@@ -154,6 +154,12 @@ void FractureWriting::finish(const Progress* progress) const {
   }
 }
 
+FractureOptions optionsFor(FractureOptions options, const WriteOptions& write) {
+  options.grow.keepCost = write.cost;
+  options.surface.levelSets = write.needsLevelSets();
+  return options;
+}
+
 void checkWriteOptions(const WriteOptions& write, const FractureOptions& options) {
   const auto wanted = [&](MeshFileFormat format) {
     return std::find(write.meshFormats.begin(), write.meshFormats.end(), format) !=

@@ -45,6 +45,8 @@ class FractureWriting {
   FractureWriting(const FractureWriter& writer, const OutputFolder& folder,
                   const FractureFiles& files, const FractureOptions& options,
                   const FractureResult& result);
+  FractureWriting(const FractureWriting&) = delete;
+  FractureWriting& operator=(const FractureWriting&) = delete;
 
   /// What needs no fragment.
   void begin() const;

@@ -98,9 +98,7 @@ WrittenFracture fractureInto(const fs::path& folder, const SourceMesh& source,
                              const WriteOptions& write, const Progress* progress) {
   checkWriteOptions(write, options);
   checkFractureFolder(folder);
-  FractureOptions own = options;
-  own.grow.keepCost = write.cost;
-  own.surface.levelSets = write.needsLevelSets();
+  const FractureOptions own = optionsFor(options, write);
   return writeGrown(folder, source, own, grown(source.mesh, own, device, progress), write,
                     progress);
 }

@@ -21,6 +21,8 @@ class Extraction {
   Extraction(const Solid& solid, const Labels& labels, int fragments, const Labels* unworn,
              const SurfaceOptions& surface, const Progress* progress,
              const UnbrokenSurface* unbroken);
+  Extraction(const Extraction&) = delete;
+  Extraction& operator=(const Extraction&) = delete;
 
   /// The next fragments, ascending by id, without contacts; none: that was all.  As many as keep
   /// all threads busy.
