@@ -16,6 +16,8 @@
 #include <string_view>
 #include <vector>
 
+#include "render/pictured.h"
+
 namespace sherd {
 namespace {
 
@@ -31,7 +33,7 @@ constexpr double kOfCost = 11.0;            // four bytes on the device, here an
 constexpr double kSimplified = 1.6;         // by how much meshes with fewer triangles take more
 
 struct Extent {
-  double area = 0.0, volume = 0.0;  // world units
+  double area = 0.0, volume = 0.0, longest = 0.0;  // world units
 };
 
 // Parts that are turned the other way do not cancel.
@@ -51,7 +53,7 @@ Extent extentOf(const TriangleMesh& mesh) {
   double volume = 0.0;
   for (const double v : volumes) volume += std::abs(v);
   const glm::dvec3 box = bounds(mesh).max - origin;
-  return {area, std::min(volume, box.x * box.y * box.z)};
+  return {area, std::min(volume, box.x * box.y * box.z), std::max({box.x, box.y, box.z})};
 }
 
 double bytesForVoxels(double surface, double inside, double perInside = kPerInsideVoxel) {
@@ -66,12 +68,16 @@ double perInsideVoxel(const FractureOptions& options) {
 }
 
 // What meshes take, with what is done to them.
-double meshFactor(const SurfaceOptions& surface, MeshesHeld held) {
+//   resolution  voxels along the longest side
+double meshFactor(const SurfaceOptions& surface, MeshesHeld held, double resolution) {
   const SmoothOptions& smooth = surface.smooth;
   const auto isAny = [](const Iterations& i) { return i.count > 0 || i.perVoxel > 0.0; };
   if (surface.adaptivity > 0.0 || !surface.triangles.empty()) return kSimplified;
   if (isAny(smooth.iterations) || isAny(smooth.boundaryIterations)) return 1.0;
-  return held == MeshesHeld::some ? kOfSomeMeshes : 1.0;
+  if (held == MeshesHeld::some) return kOfSomeMeshes;
+  if (held == MeshesHeld::all || resolution < kPicturedCubes) return 1.0;
+  const double cube = resolution / kPicturedCubes;
+  return kOfSomeMeshes + (1.0 - kOfSomeMeshes) / (cube * cube);
 }
 
 double bytesFor(const Extent& extent, std::size_t triangles, const FractureOptions& options,
@@ -82,8 +88,9 @@ double bytesFor(const Extent& extent, std::size_t triangles, const FractureOptio
   const double cuts =
       6.0 * (std::cbrt(static_cast<double>(options.pieces)) - 1.0) * std::cbrt(inside * inside);
   return kPerTriangle * static_cast<double>(triangles) +
-         bytesForVoxels(meshFactor(options.surface, held) * (surface + cuts), inside,
-                        perInsideVoxel(options));
+         bytesForVoxels(
+             meshFactor(options.surface, held, extent.longest / voxelSize) * (surface + cuts),
+             inside, perInsideVoxel(options));
 }
 
 // The first number in a file of the kernel's; none where it says "max" or there is no such file.
@@ -184,7 +191,7 @@ void requireMemory(const TriangleMesh& mesh, const FractureOptions& options, std
   std::string advice = fits > 0 ? "a --resolution of " + std::to_string(fits) + " fits"
                                 : std::string("no resolution fits");
   if (bytesOf(voxelSize, MeshesHeld::some) <= limit) {
-    advice += ", and this one without the picture and other files of all pieces together (--write)";
+    advice += ", and this one without the picture and other files of all pieces (--write)";
   }
   requireMemory(advice + "; one of " + std::to_string(resolution), bytes(voxelSize), limit);
 }

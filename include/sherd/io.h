@@ -130,7 +130,7 @@ struct WriteOptions {
   bool labels = true;   ///< labels.rle, or as voxelFormats says
   bool vdb = true;      ///< as vdbFiles says
   bool mesh = true;     ///< meshes/<stem>_001.ply, and textures where the input has some
-  bool preview = true;  ///< preview.png
+  bool preview = true;  ///< preview.png; of large solids as coarse as its pixels
   bool seeds = false;   ///< seeds.json
   bool rims = false;    ///< rims.obj
   bool cost = false;    ///< cost.vdb, when the labels hold costs
@@ -164,7 +164,7 @@ struct WriteOptions {
 
   /// Is there a file of all fragments that is made of their meshes, of their level sets?
   bool needsAllMeshes() const {
-    return preview || rims || scene || distances.count > 0 || correspondences > 0 ||
+    return rims || scene || distances.count > 0 || correspondences > 0 ||
            (points.count > 0 && sharePoints);
   }
   bool needsAllLevelSets() const { return vdb && vdbFiles != VdbFiles::files; }

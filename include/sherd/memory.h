@@ -12,7 +12,8 @@ namespace sherd {
 /// How many fragments have their meshes in memory at once.
 enum class MeshesHeld {
   all,
-  some,  ///< as fractureInto does where WriteOptions::needsAllMeshes is false
+  some,      ///< as fractureInto does where WriteOptions::needsAllMeshes is false
+  pictured,  ///< the same, and what WriteOptions::preview is made of
 };
 
 /// Bytes that breaking a mesh takes at most, the mesh and the files' bytes included: by the mesh's

@@ -83,6 +83,11 @@ Input readInput(FractureArguments& arguments, const Progress& progress) {
   return input;
 }
 
+MeshesHeld meshesHeld(const WriteOptions& write) {
+  if (write.needsAllMeshes()) return MeshesHeld::all;
+  return write.preview ? MeshesHeld::pictured : MeshesHeld::some;
+}
+
 // What is wrong with a mesh is found by functions that do not know the file's name.
 GrownFracture breakInput(const FractureArguments& arguments, Input& input, const SourceMesh& source,
                          const std::string& title, Device& device, const Progress& progress) {
@@ -92,9 +97,8 @@ GrownFracture breakInput(const FractureArguments& arguments, Input& input, const
       return regrown(*input.finished, arguments.only, options, device, &progress);
     }
     if (input.solid) return grown(std::move(*input.solid), options, device, &progress);
-    const bool isAll = writeOptions(arguments.write).needsAllMeshes();
     requireMemory(source.mesh, options, arguments.volume.maxMemory,
-                  isAll ? MeshesHeld::all : MeshesHeld::some);
+                  meshesHeld(writeOptions(arguments.write)));
     return grown(source.mesh, options, device, &progress);
   } catch (const Error& e) {
     const std::string seedFile = arguments.options.seedFile.string();

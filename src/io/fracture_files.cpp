@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "io/write_points.h"
+#include "render/pictured.h"
 #include "uncancelled.h"
 
 namespace sherd {
@@ -57,7 +58,8 @@ FractureWriting::FractureWriting(const FractureWriter& writer, const OutputFolde
       options_(options),
       result_(result),
       meshes_(folder_, files, writer.source(), writer.materials(), writer.look(), writer.options()),
-      looks_(files.scene.empty() ? 0 : result.kept()) {}
+      looks_(files.scene.empty() ? 0 : result.kept()),
+      pictured_(files.preview.empty() ? 0 : result.kept()) {}
 
 std::span<const Fragment> FractureWriting::kept() const {
   return std::span(result_.fragments).first(result_.kept());
@@ -114,6 +116,7 @@ void FractureWriting::writeMeshes(std::size_t i) {
     meshes_.write(coarse.mesh, coarse.facing, meshes_.lookOf(coarse.mesh, coarse.facing),
                   files_.coarse[i][k]);
   }
+  if (!pictured_.empty()) pictured_[i] = pictured(fragment, result_.solid);
 }
 
 void FractureWriting::write(std::size_t first, std::size_t end) {
@@ -150,7 +153,7 @@ void FractureWriting::finish(const Progress* progress) const {
   }
   step(progress, "write", 1.0);
   if (!files_.preview.empty()) {
-    writePng(folder_ / files_.preview, renderFragments(kept(), {.up = write.up}, progress));
+    writePng(folder_ / files_.preview, renderFragments(pictured_, {.up = write.up}, progress));
   }
 }
 

@@ -69,7 +69,9 @@ class FractureWriting {
   const FractureOptions& options_;
   const FractureResult& result_;
   const MeshWriter meshes_;
-  std::vector<SurfaceLook> looks_;  ///< [fragments that are not withheld] for the scene, or empty
+  // [fragments that are not withheld], or empty
+  std::vector<SurfaceLook> looks_;  ///< for the scene
+  std::vector<Fragment> pictured_;  ///< for the picture
 };
 
 }  // namespace sherd

@@ -65,6 +65,14 @@ TEST_F(FractureInto, LetsGoOfMeshesAndLevelSetsThatNoFileNeeds) {
   }
 }
 
+TEST_F(FractureInto, DrawsWhatItLetsGoOf) {
+  const FractureResult result = bothWays(options_, {.vdb = false});
+  EXPECT_TRUE(fs::exists(folder_.path() / "into" / "preview.png"));
+  for (const Fragment& fragment : result.fragments) {
+    EXPECT_TRUE(fragment.mesh.triangles.empty());
+  }
+}
+
 TEST_F(FractureInto, KeepsWhatFilesOfAllFragmentsNeed) {
   WriteOptions write{.preview = true, .seeds = true, .rims = true, .solid = true, .scene = true};
   write.vdbFiles = VdbFiles::both;

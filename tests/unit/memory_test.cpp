@@ -26,6 +26,11 @@ TEST(Memory, GoesByTheSurfaceInVoxelsAndTheVolume) {
   EXPECT_GT(estimatedMemory(ball, fewer), estimatedMemory(ball, {}));
   EXPECT_LT(estimatedMemory(ball, {}, MeshesHeld::some), estimatedMemory(ball, {}));
   EXPECT_EQ(estimatedMemory(ball, fewer, MeshesHeld::some), estimatedMemory(ball, fewer));
+  EXPECT_EQ(estimatedMemory(ball, {}, MeshesHeld::pictured), estimatedMemory(ball, {}));
+  const FractureOptions large{.resolution = 2048};
+  const std::uint64_t picturedLarge = estimatedMemory(ball, large, MeshesHeld::pictured);
+  EXPECT_LT(picturedLarge, estimatedMemory(ball, large));
+  EXPECT_GT(picturedLarge, estimatedMemory(ball, large, MeshesHeld::some));
   FractureOptions chain, worn, cost;  // numbers for each voxel
   chain.grow.growth = Growth::chain;
   worn.erode.iterations = 1;

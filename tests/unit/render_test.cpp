@@ -18,6 +18,7 @@
 #include <string>
 
 #include "render/palette.h"
+#include "render/pictured.h"
 #include "shapes.h"
 #include "temp_folder.h"
 
@@ -265,6 +266,49 @@ TEST(Render, SurvivesFragmentsWithoutExtent) {
   EXPECT_EQ(renderFragments(std::vector{fragmentOf(1, point)}, options).rgb.size(), 64u * 64u * 3u);
   EXPECT_EQ(renderFragments(std::vector{fragmentOf(1, {})}, options).rgb,
             renderFragments({}, options).rgb);
+}
+
+// A solid of so many voxels along x, of a mesh that is `length` long.
+Solid solidOf(int voxels, double length) {
+  Solid solid;
+  solid.box = {{0, 0, 0}, {voxels - 1, 0, 0}};
+  solid.frame.voxelSize = length / voxels;
+  return solid;
+}
+
+TEST(Pictured, IsAsItIsWhereVoxelsAreAsLargeAsPixels) {
+  const Fragment ball = fragmentOf(3, shapes::ball(1.0, 5), 7);
+  const Fragment same = pictured(ball, solidOf(900, 2.0));
+  EXPECT_EQ(same.id, 3);
+  EXPECT_EQ(same.mesh.vertices, ball.mesh.vertices);
+  EXPECT_EQ(same.mesh.triangles, ball.mesh.triangles);
+  EXPECT_EQ(same.facing, ball.facing);
+}
+
+TEST(Pictured, OfAFinerSolidIsCoarserAndLooksTheSame) {
+  // Edges of 0.009, cubes of 0.03.
+  const Fragment ball = fragmentOf(1, shapes::ball(1.0, 7), 2);
+  const double length = 768.0 / 32.0;
+  const Fragment coarse = pictured(ball, solidOf(2048, length));
+  const double cube = length / kPicturedCubes;
+  EXPECT_LT(coarse.mesh.triangles.size(), ball.mesh.triangles.size() / 3);
+  EXPECT_EQ(coarse.facing, std::vector<std::uint16_t>(coarse.mesh.triangles.size(), 2));
+  EXPECT_EQ(coarse.mass.centroid, ball.mass.centroid);
+  std::set<std::array<long, 3>> cubes;
+  const glm::dvec3 low = bounds(ball.mesh).min;
+  for (const glm::dvec3& v : coarse.mesh.vertices) {
+    EXPECT_NEAR(glm::length(v), 1.0, cube * cube);  // the mean of points of a cap so large
+    const glm::dvec3 at = (v - low) / cube;
+    EXPECT_TRUE(
+        cubes.insert({static_cast<long>(at.x), static_cast<long>(at.y), static_cast<long>(at.z)})
+            .second);
+  }
+  EXPECT_NEAR(volume(coarse.mesh), shapes::ballVolume(1.0), 0.01 * shapes::ballVolume(1.0));
+  const Image fine = renderFragments(std::vector{ball}), few = renderFragments(std::vector{coarse});
+  double difference = 0.0;
+  for (std::size_t i = 0; i < fine.rgb.size(); ++i)
+    difference += std::abs(fine.rgb[i] - few.rgb[i]);
+  EXPECT_LT(difference / static_cast<double>(fine.rgb.size()), 0.5);
 }
 
 TEST(Render, RefusesOptionsOutOfRange) {
