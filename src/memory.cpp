@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "render/pictured.h"
+#include "surface/smooth.h"
 
 namespace sherd {
 namespace {
@@ -70,10 +71,8 @@ double perInsideVoxel(const FractureOptions& options) {
 // What meshes take, with what is done to them.
 //   resolution  voxels along the longest side
 double meshFactor(const SurfaceOptions& surface, MeshesHeld held, double resolution) {
-  const SmoothOptions& smooth = surface.smooth;
-  const auto isAny = [](const Iterations& i) { return i.count > 0 || i.perVoxel > 0.0; };
   if (surface.adaptivity > 0.0 || !surface.triangles.empty()) return kSimplified;
-  if (isAny(smooth.iterations) || isAny(smooth.boundaryIterations)) return 1.0;
+  if (movesAnything(surface.smooth, static_cast<int>(resolution))) return 1.0;
   if (held == MeshesHeld::some) return kOfSomeMeshes;
   if (held == MeshesHeld::all || resolution < kPicturedCubes) return 1.0;
   const double cube = resolution / kPicturedCubes;

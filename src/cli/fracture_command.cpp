@@ -24,7 +24,7 @@
 #include "cli/progress_line.h"
 #include "io/file_names.h"
 #include "io/mesh_report.h"
-#include "io/write_grown.h"
+#include "io/write_fracture.h"
 #include "lower_case.h"
 
 namespace sherd::cli {
@@ -89,16 +89,16 @@ MeshesHeld meshesHeld(const WriteOptions& write) {
 }
 
 // What is wrong with a mesh is found by functions that do not know the file's name.
-GrownFracture breakInput(const FractureArguments& arguments, Input& input, const SourceMesh& source,
-                         const std::string& title, Device& device, const Progress& progress) {
+GrownFracture breakInput(const FractureArguments& arguments, const WriteOptions& write,
+                         Input& input, const SourceMesh& source, const std::string& title,
+                         Device& device, const Progress& progress) {
   try {
     const FractureOptions& options = arguments.options;
     if (input.finished) {
       return regrown(*input.finished, arguments.only, options, device, &progress);
     }
     if (input.solid) return grown(std::move(*input.solid), options, device, &progress);
-    requireMemory(source.mesh, options, arguments.volume.maxMemory,
-                  meshesHeld(writeOptions(arguments.write)));
+    requireMemory(source.mesh, options, arguments.volume.maxMemory, meshesHeld(write));
     return grown(source.mesh, options, device, &progress);
   } catch (const Error& e) {
     const std::string seedFile = arguments.options.seedFile.string();
@@ -182,8 +182,8 @@ class FractureRun {
   void breakOne(Input& input, const SourceMesh& source, const std::string& folder, Device& device) {
     stopIfInterrupted();
     const std::string title = titled(arguments_.mesh, source);
-    GrownFracture grown = breakInput(arguments_, input, source, title, device, progress_);
     const WriteOptions write = writeOptions(arguments_.write);
+    GrownFracture grown = breakInput(arguments_, write, input, source, title, device, progress_);
     const auto [result, manifest] =
         writeGrown(folder, source, arguments_.options, std::move(grown), write, &progress_);
     times_.insert(times_.end(), result.times.begin(), result.times.end());

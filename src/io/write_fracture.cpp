@@ -1,4 +1,6 @@
 // A whole fracture to a folder.
+#include "io/write_fracture.h"
+
 #include <utility>
 
 #include "io/atomic_file.h"
@@ -7,8 +9,7 @@
 #include "io/fracture_folder.h"
 #include "io/manifest.h"
 #include "io/read_manifest.h"
-#include "io/write_grown.h"
-#include "surface/extraction.h"
+#include "surface/extract.h"
 
 namespace sherd {
 namespace {

@@ -1,14 +1,235 @@
-// All fragments of a labelled solid, and the unbroken solid as they are.
-#include <sherd/fragments.h>
+// Cutting fragments out, a round of them at a time.
+#include "surface/extract.h"
 
+#include <sherd/error.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <bit>
+#include <glm/geometric.hpp>
+#include <string>
 #include <utility>
 
-#include "surface/cut.h"
-#include "surface/extraction.h"
-#include "surface/interface_mesh.h"
+#include "surface/decimate.h"
+#include "surface/label_mesh.h"
+#include "surface/level_set.h"
 #include "surface/mesh.h"
+#include "surface/smooth.h"
+#include "surface/unbroken.h"
+#include "uncancelled.h"
 
 namespace sherd {
+namespace {
+
+// The leaves that concern each fragment: [fragments + 1], ascending.
+std::vector<std::vector<std::uint32_t>> leavesOf(const Cut& cut, std::size_t fragments) {
+  std::vector<std::vector<std::uint32_t>> leaves(fragments + 1);
+  for (std::uint32_t leaf = 0; leaf < cut.only.size(); ++leaf) {
+    const auto add = [&](std::uint16_t fragment) {
+      if (fragment != Labels::kWorn) leaves[fragment].push_back(leaf);
+    };
+    if (cut.index[leaf] == Cut::kWhole) {
+      add(cut.only[leaf]);
+    } else {
+      for (const std::uint16_t fragment : cut.leaves[cut.index[leaf]].fragments) add(fragment);
+    }
+  }
+  return leaves;
+}
+
+VoxelBox voxelBox(const Solid& solid, const Labels& labels, std::uint16_t fragment,
+                  std::span<const std::uint32_t> leaves) {
+  VoxelBox box{openvdb::Coord::max(), openvdb::Coord::min()};
+  for (const std::uint32_t leaf : leaves) {
+    for (std::size_t x = 0; x < 8; ++x) {
+      for (std::uint64_t bits = solid.blocks.inside[leaf * 8 + x]; bits; bits &= bits - 1) {
+        const auto v =
+            static_cast<std::uint32_t>(x * 64) + static_cast<std::uint32_t>(std::countr_zero(bits));
+        if (labels.fragment[std::size_t{leaf} * 512 + v] != fragment) continue;
+        const openvdb::Coord voxel = solid.blocks.origins[leaf] + coordFromOffset(v);
+        box.min.minComponent(voxel);
+        box.max.maxComponent(voxel);
+      }
+    }
+  }
+  return box;
+}
+
+// The areas of the whole surface and of what faces others.
+void measureAreas(Fragment& fragment) {
+  double twice = 0.0, twiceFractured = 0.0;
+  for (std::size_t t = 0; t < fragment.facing.size(); ++t) {
+    const glm::uvec3& corner = fragment.mesh.triangles[t];
+    const glm::dvec3& a = fragment.mesh.vertices[corner.x];
+    const double own = glm::length(
+        glm::cross(fragment.mesh.vertices[corner.y] - a, fragment.mesh.vertices[corner.z] - a));
+    twice += own;
+    if (fragment.facing[t] != 0) twiceFractured += own;
+  }
+  fragment.area = twice / 2.0;
+  fragment.fractureArea = twiceFractured / 2.0;
+}
+
+// The voxels of each fragment.
+std::vector<std::uint64_t> counted(const Solid& solid, const Labels& labels, int fragments) {
+  std::vector<std::uint64_t> voxels = countVoxels(solid.blocks, labels, fragments);
+  if (voxels[0] == 0) return voxels;
+  throw Error(ErrorCode::internal,
+              std::to_string(voxels[0]) + " voxels of the solid have no fragment");
+}
+
+const SurfaceOptions& checked(const SurfaceOptions& surface, const Progress* progress) {
+  checkSurfaceOptions(surface);
+  step(progress, "extract", 0.0);
+  return surface;
+}
+
+}  // namespace
+
+Extraction::Extraction(const Solid& solid, const Labels& labels, int fragments,
+                       const Labels* unworn, const SurfaceOptions& surface,
+                       const Progress* progress, const UnbrokenSurface* unbroken)
+    : solid_(solid),
+      labels_(labels),
+      unworn_(unworn),
+      surface_(checked(surface, progress)),
+      progress_(progress),
+      count_(static_cast<std::size_t>(fragments)),
+      voxels_(counted(solid, labels, fragments)),
+      ownRounds_(unbroken ? std::vector<LeafRound>() : leavesRound(solid.blocks.origins)),
+      rounds_(unbroken ? unbroken->rounds : ownRounds_),
+      cut_(findCut(solid.blocks, labels, rounds_,
+                   hasLevelSets() ? CutExtent::everywhere : CutExtent::cells)),
+      leaves_(leavesOf(cut_, count_)) {
+  if (!isShared()) return;
+  shared_.emplace(solid, labels, cut_, rounds_, fragments, unbroken);
+  const bool shapes = surface_.adaptivity > 0.0 || !surface_.triangles.empty() ||
+                      movesAnything(surface_.smooth, solid.box.longestSide());
+  if (!shapes) return;
+  shaped_ = shapedTogether();
+  shared_.reset();
+}
+
+bool Extraction::isShared() const {
+  return surface_.surface == Surface::smooth && surface_.interface == Interface::shared;
+}
+
+// Meshes that are not shared are made of them.
+bool Extraction::hasLevelSets() const {
+  return surface_.levelSets || !(isShared() || surface_.surface == Surface::labels);
+}
+
+std::vector<std::uint16_t> Extraction::facingOfShared(const LabelledMesh& mesh,
+                                                      std::uint16_t id) const {
+  if (!unworn_) return mesh.other;
+  std::vector<bool> original;
+  for (const std::uint16_t other : mesh.other) original.push_back(other == 0);
+  return facingOf(mesh.mesh, original, id, solid_, *unworn_, true);
+}
+
+Extraction::Shaped Extraction::shapedTogether() const {
+  Shaped all{
+      std::vector<LabelledMesh>(count_), std::vector<std::vector<std::uint16_t>>(count_), {}};
+  tbb::parallel_for(std::size_t{0}, count_, [&](std::size_t i) {
+    all.meshes[i] = shared_->meshOf(static_cast<int>(i) + 1);
+    all.facing[i] = facingOfShared(all.meshes[i], static_cast<std::uint16_t>(i + 1));
+  });
+  if (surface_.adaptivity > 0.0) {
+    std::vector<LabelledFaces> fewer =
+        simplified(complexOf(all.meshes, all.facing), surface_.adaptivity * solid_.frame.voxelSize);
+    for (std::size_t i = 0; i < count_; ++i) {
+      all.meshes[i] = std::move(fewer[i].mesh);
+      all.facing[i] = std::move(fewer[i].facing);
+    }
+  }
+  smoothTogether(all.meshes, all.facing, surface_.smooth, solid_.box.longestSide());
+  if (!surface_.triangles.empty()) {
+    all.coarse = decimated(complexOf(all.meshes, all.facing), surface_.triangles);
+  }
+  return all;
+}
+
+void Extraction::meshShared(Fragment& fragment) {
+  const std::size_t i = static_cast<std::size_t>(fragment.id) - 1;
+  if (shared_) {
+    LabelledMesh mesh = shared_->meshOf(fragment.id);
+    fragment.facing = facingOfShared(mesh, static_cast<std::uint16_t>(fragment.id));
+    fragment.mesh = std::move(mesh.mesh);
+    return;
+  }
+  fragment.mesh = std::move(shaped_.meshes[i].mesh);
+  fragment.facing = std::move(shaped_.facing[i]);
+  if (!shaped_.coarse.empty()) fragment.coarse = std::move(shaped_.coarse[i]);
+}
+
+void Extraction::meshAlone(Fragment& fragment) const {
+  const auto id = static_cast<std::uint16_t>(fragment.id);
+  const std::vector<std::uint32_t>& leaves = leaves_[id];
+  const Labels& before = unworn_ ? *unworn_ : labels_;
+  if (surface_.surface == Surface::labels) {
+    VoxelMesh meshed = meshOfFaces(facesOf(solid_, labels_, before, id, leaves), solid_.frame);
+    fragment.mesh = std::move(meshed.mesh);
+    fragment.facing = std::move(meshed.facing);
+  } else {
+    LevelSetMesh meshed =
+        meshLevelSet(*fragment.surface, solid_.frame, solidOver(solid_, leaves).get());
+    fragment.mesh = std::move(meshed.mesh);
+    fragment.facing =
+        facingOf(fragment.mesh, meshed.original, id, solid_, before, unworn_ != nullptr);
+  }
+  if (surface_.adaptivity > 0.0) {
+    LabelledFaces fewer = std::move(simplified(complexOf(fragment.mesh, fragment.facing),
+                                               surface_.adaptivity * solid_.frame.voxelSize)
+                                        .front());
+    fragment.mesh = std::move(fewer.mesh.mesh);
+    fragment.facing = std::move(fewer.facing);
+  }
+  fragment.mesh = smoothed(std::move(fragment.mesh), fragment.facing, surface_.smooth,
+                           solid_.box.longestSide());
+  fragment.coarse = decimated(fragment.mesh, fragment.facing, surface_.triangles);
+}
+
+Fragment Extraction::made(std::size_t i) {
+  Fragment fragment;
+  fragment.id = static_cast<int>(i) + 1;
+  const auto id = static_cast<std::uint16_t>(fragment.id);
+  fragment.voxels = voxels_[i + 1];
+  fragment.voxelBox = voxelBox(solid_, labels_, id, leaves_[id]);
+  if (isShared()) meshShared(fragment);
+  if (hasLevelSets()) fragment.surface = fragmentLevelSet(solid_, cut_, id, leaves_[id]);
+  if (!isShared()) meshAlone(fragment);
+  fragment.mass = massProperties(fragment.mesh);
+  measureAreas(fragment);
+  return fragment;
+}
+
+// Of large ones as many as there are threads, for memory's sake; of small ones more, so that rounds
+// are not all beginnings and ends.
+std::size_t Extraction::endOfRound() const {
+  constexpr std::size_t kLeaves = 4096;
+  const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+  std::size_t end = next_, leaves = 0;
+  while (end < count_ && (end - next_ < threads || leaves < kLeaves)) {
+    leaves += leaves_[++end].size();
+  }
+  return end;
+}
+
+std::vector<Fragment> Extraction::next() {
+  const std::size_t begin = next_;
+  next_ = endOfRound();
+  std::vector<Fragment> fragments(next_ - begin);
+  tbb::parallel_for(begin, next_,
+                    [&](std::size_t i) { uncancelled([&] { fragments[i - begin] = made(i); }); });
+  for (const Fragment& fragment : fragments) measure_.add(fragment);
+  step(progress_, "extract", static_cast<double>(next_) / static_cast<double>(count_));
+  return fragments;
+}
+
+std::vector<std::vector<Contact>> Extraction::contacts() const {
+  return measure_.contacts(count_, solid_, unworn_ ? *unworn_ : labels_, cut_, rounds_);
+}
 
 std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels, int count,
                                        const Labels* unworn, const SurfaceOptions& surface,
