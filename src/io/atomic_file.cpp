@@ -66,6 +66,8 @@ AtomicFile::AtomicFile(fs::path file, Caching caching)
   } else if (errno != ENOENT) {
     outputError(file_, "cannot be written: " + reasonOf(errno));
   }
+  const Uncut whole;
+  unfinished_ = Unfinished(temporary_, Unfinished::Kind::file);  // before, as memory may be out
   descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (descriptor_ < 0) outputError(file_, "cannot be written: " + reasonOf(errno));
 }
@@ -104,8 +106,10 @@ void AtomicFile::put(std::string_view bytes, bool direct) {
 
 void AtomicFile::commit() {
   if (::close(std::exchange(descriptor_, -1)) != 0) fail(errno);  // NFS tells of a full disk here
+  const Uncut whole;
   if (::rename(temporary_.c_str(), file_.c_str()) != 0) fail(errno);
   temporary_.clear();
+  unfinished_.end();
 }
 
 void AtomicFile::fail(int number) const {

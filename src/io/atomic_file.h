@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "io/unfinished.h"
+
 namespace sherd {
 
 /// Whether what is written stays in the system's cache.
@@ -41,6 +43,7 @@ class AtomicFile {
 
   std::filesystem::path file_;
   std::filesystem::path temporary_;
+  Unfinished unfinished_;
   int descriptor_ = -1;
   std::uintmax_t written_ = 0;
   Caching caching_;

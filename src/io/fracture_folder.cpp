@@ -23,6 +23,7 @@
 
 #include "io/atomic_file.h"
 #include "io/read_manifest.h"
+#include "io/unfinished.h"
 
 namespace sherd {
 namespace {
@@ -82,6 +83,7 @@ void requireOurs(const fs::path& folder) {
 
 // Only making something tells whether something can be made.
 void requireWritable(const fs::path& folder) {
+  const Uncut whole;
   std::string probe = (folder / ".sherd-probe-XXXXXX").string();
   if (::mkdtemp(probe.data()) == nullptr) {
     outputError(folder, "cannot be written: " + reasonOf(errno));
@@ -106,7 +108,7 @@ class MadeFolders {
  public:
   MadeFolders() = default;
   ~MadeFolders() {
-    for (auto p = made_.rbegin(); p != made_.rend(); ++p) ::rmdir(p->c_str());
+    for (auto p = made_.rbegin(); p != made_.rend(); ++p) ::rmdir(p->path.c_str());
   }
   MadeFolders(const MadeFolders&) = delete;
   MadeFolders& operator=(const MadeFolders&) = delete;
@@ -118,8 +120,10 @@ class MadeFolders {
     }
     made_.reserve(made_.size() + missing.size());
     for (auto p = missing.rbegin(); p != missing.rend(); ++p) {
+      const Uncut whole;
+      Made one{*p, {*p, Unfinished::Kind::madeFolder}};  // before, as memory may be out
       if (::mkdir(p->c_str(), 0777) == 0) {
-        made_.push_back(*p);
+        made_.push_back(std::move(one));
       } else if (errno != EEXIST) {
         outputError(*p, "cannot be made: " + reasonOf(errno));
       }
@@ -128,7 +132,11 @@ class MadeFolders {
   void keep() { made_.clear(); }
 
  private:
-  std::vector<fs::path> made_;
+  struct Made {
+    fs::path path;
+    Unfinished unfinished;
+  };
+  std::vector<Made> made_;
 };
 
 // DIR/.sherd-partial, held by one process at a time.  The kernel lets go of the lock when a process
@@ -137,10 +145,13 @@ class MadeFolders {
 class PartialFolder {
  public:
   explicit PartialFolder(const fs::path& folder) : folder_(folder), path_(folder / kPartialName) {
+    const Uncut whole;  // what an interrupted run left must not go before it is looked at
     lock();
     try {
       clearUnfinished();
+      unfinished_ = Unfinished(path_, Unfinished::Kind::folder);
     } catch (...) {
+      ::rmdir(path_.c_str());  // fails where something is in it
       ::close(descriptor_);
       throw;
     }
@@ -150,6 +161,7 @@ class PartialFolder {
       std::error_code ignored;
       fs::remove_all(path_, ignored);
     }
+    unfinished_.end();
     ::close(descriptor_);
   }
   PartialFolder(const PartialFolder&) = delete;
@@ -157,7 +169,10 @@ class PartialFolder {
 
   fs::path fresh() const { return path_ / "new"; }
   fs::path replaced() const { return path_ / "old"; }
-  void keep() { keep_ = true; }
+  void keep() {
+    keep_ = true;
+    unfinished_.end();
+  }
 
  private:
   void lock() {
@@ -201,6 +216,7 @@ class PartialFolder {
 
   fs::path folder_;
   fs::path path_;
+  Unfinished unfinished_;
   int descriptor_ = -1;
   bool keep_ = false;
 };
@@ -235,13 +251,18 @@ class Moves {
 };
 
 void makeParents(const fs::path& root, const std::vector<std::string>& files) {
-  fs::create_directories(root);
-  for (const std::string& file : files) fs::create_directories((root / file).parent_path());
+  const auto make = [](const fs::path& folder) {
+    const Uncut whole;
+    fs::create_directories(folder);
+  };
+  make(root);
+  for (const std::string& file : files) make((root / file).parent_path());
 }
 
-// From here on nothing waits and nothing is asked: renames only.
+// From here on nothing waits and nothing is asked: renames only, which are not cut.
 void putInPlace(const fs::path& folder, PartialFolder& partial, const std::vector<std::string>& old,
                 const std::vector<std::string>& fresh) {
+  const Uncut whole;
   makeParents(partial.replaced(), old);
   MadeFolders subfolders;
   for (const std::string& file : fresh) subfolders.make((folder / file).parent_path());
