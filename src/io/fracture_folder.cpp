@@ -22,6 +22,7 @@
 #include <utility>
 
 #include "io/atomic_file.h"
+#include "io/below_folder.h"
 #include "io/read_manifest.h"
 #include "io/unfinished.h"
 
@@ -38,18 +39,6 @@ namespace fs = std::filesystem;
 
 bool present(const fs::path& path) {
   return fs::symlink_status(path).type() != fs::file_type::not_found;
-}
-
-// Files below the folder only: a symbolic link in place of a sub-folder could lead anywhere.
-void requireOwnSubfolder(const fs::path& folder, const std::string& file) {
-  fs::path at = folder;
-  for (const fs::path& part : fs::path(file).parent_path()) {
-    at /= part;
-    const fs::file_status status = fs::symlink_status(at);
-    if (present(at) && !fs::is_directory(status)) {
-      outputError(at, "is not a folder; move it away or name another output folder");
-    }
-  }
 }
 
 // The files of the fracture that is in the folder now; empty where there is none.

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <unordered_set>
 
+#include "io/below_folder.h"
 #include "io/input_error.h"
 #include "io/parsed_json.h"
 
@@ -22,7 +23,6 @@ constexpr const char* kKind = "manifest of a fracture";
 constexpr std::uintmax_t kLargestFile = std::uintmax_t{1} << 30;  // 65,534 fragments take a third
 constexpr double kAnyNumber = std::numeric_limits<double>::max();
 constexpr double kFarthestVoxel = 1 << 30;  // differences of two such still fit in an int
-constexpr std::size_t kLongestPart = 255, kLongestPath = 4000;  // as file systems have them
 
 [[noreturn]] void damaged(const std::string& what) {
   throw Error(ErrorCode::input, "is damaged: " + what);
@@ -79,14 +79,9 @@ openvdb::Coord coordinates(const Json& object, const char* key, double low,
 
 // ---- Files
 
-bool isBelowFolder(const std::string& name) {
-  const fs::path path = name;
-  if (name.find('\0') != std::string::npos || name.size() > kLongestPath) return false;
-  if (path.empty() || path.is_absolute() || !path.has_filename()) return false;
-  if (name == kManifestName || *path.begin() == kPartialName) return false;
-  return std::none_of(path.begin(), path.end(), [](const fs::path& part) {
-    return part == ".." || part == "." || part.native().size() > kLongestPart;
-  });
+// A file that a fracture may have: not the manifest, nor in the folder of an unfinished one.
+bool isFractureFile(const std::string& name) {
+  return isBelowFolder(name) && name != kManifestName && *fs::path(name).begin() != kPartialName;
 }
 
 using Names = std::unordered_set<std::string>;
@@ -188,7 +183,7 @@ std::optional<std::vector<std::string>> listedFiles(const Json& manifest) {
   if (found == manifest.end() || !found->is_array()) return {};
   std::vector<std::string> files;
   for (const Json& entry : *found) {
-    if (!entry.is_string() || !isBelowFolder(entry.get_ref<const std::string&>())) return {};
+    if (!entry.is_string() || !isFractureFile(entry.get_ref<const std::string&>())) return {};
     files.push_back(entry.get<std::string>());
   }
   return files;
