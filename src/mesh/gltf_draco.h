@@ -14,7 +14,8 @@ namespace sherd {
 
 struct GltfDraco {
   std::map<std::string, GltfArray> attributes;  ///< by their names in glTF
-  std::vector<glm::uvec3> triangles;            ///< below the length of each attribute
+  std::vector<glm::uvec3> triangles;            ///< below the length of each of these; what else
+                                                ///< the primitive has may be of another
 };
 
 /// What a primitive's extension KHR_draco_mesh_compression stands for.

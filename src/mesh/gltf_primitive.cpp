@@ -1,6 +1,7 @@
 // One primitive of a glTF file's mesh.
 #include "mesh/gltf_primitive.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -43,6 +44,11 @@ class Attributes {
   std::optional<GltfDraco> draco_;
 };
 
+Error usesVertex(const GltfDocument& document, std::uint32_t vertex, std::size_t vertices) {
+  return document.bad("face uses vertex " + std::to_string(vertex) + ", its mesh has " +
+                      std::to_string(vertices));
+}
+
 // The vertices in the order that the primitive names them.
 std::vector<std::uint32_t> readIndices(const GltfDocument& document, const Json& primitive,
                                        std::size_t vertices) {
@@ -58,10 +64,8 @@ std::vector<std::uint32_t> readIndices(const GltfDocument& document, const Json&
     throw document.bad("a mesh's 'indices' are not unsigned whole numbers");
   out.reserve(array.count);
   for (const double value : array.values) {
-    if (value >= static_cast<double>(vertices)) {
-      throw document.bad("face uses vertex " + std::to_string(static_cast<std::uint32_t>(value)) +
-                         ", its mesh has " + std::to_string(vertices));
-    }
+    if (value >= static_cast<double>(vertices))
+      throw usesVertex(document, static_cast<std::uint32_t>(value), vertices);
     out.push_back(static_cast<std::uint32_t>(value));
   }
   return out;
@@ -79,6 +83,16 @@ std::vector<glm::uvec3> trianglesOf(const std::vector<std::uint32_t>& at, std::s
     }
   }
   return out;
+}
+
+// What Draco packed, whose positions may lie outside of it, and be of any number.
+std::vector<glm::uvec3> unpackedTriangles(const GltfDocument& document, const GltfDraco& draco,
+                                          std::size_t vertices) {
+  for (const glm::uvec3& t : draco.triangles) {
+    const std::uint32_t largest = std::max({t.x, t.y, t.z});
+    if (largest >= vertices) throw usesVertex(document, largest, vertices);
+  }
+  return draco.triangles;
 }
 
 void requireLength(const GltfDocument& document, const GltfArray& array, std::size_t length,
@@ -105,7 +119,7 @@ std::optional<GltfPrimitive> readGltfPrimitive(const GltfDocument& document,
     out.positions.emplace_back(positions.at(i, 0), positions.at(i, 1), positions.at(i, 2));
   }
   out.triangles = attributes.draco()
-                      ? attributes.draco()->triangles
+                      ? unpackedTriangles(document, *attributes.draco(), positions.count)
                       : trianglesOf(readIndices(document, primitive, positions.count), mode);
 
   const std::size_t materials = document.array("materials").size();

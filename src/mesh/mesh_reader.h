@@ -24,6 +24,7 @@ struct MeshFile {
 };
 
 /// What a reader found: node transforms applied, polygons triangulated, nothing merged or dropped.
+/// readMesh() checks what is promised here (contradictionIn) before it is used.
 struct RawMesh {
   std::vector<glm::dvec3> vertices;             ///< as the file has them, finite or not
   std::vector<glm::uvec3> triangles;            ///< indices below vertices.size()

@@ -4,12 +4,12 @@
 //   an array: 8 bytes, its length; then its elements as they lie in memory
 #include "mesh/mesh_stream.h"
 
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <type_traits>
 #include <utility>
+
+#include "mesh/contradictions.h"
 
 namespace sherd {
 namespace {
@@ -83,37 +83,6 @@ class Source {
   bool good_ = true;
 };
 
-// Whether an array has none, or one below `bound` for each of `count`.
-bool areBelow(const std::vector<std::uint32_t>& numbers, std::size_t count, std::size_t bound) {
-  return (numbers.empty() || numbers.size() == count) &&
-         std::all_of(numbers.begin(), numbers.end(),
-                     [&](std::uint32_t number) { return number < bound; });
-}
-
-bool isSound(const RawMesh& mesh) {
-  const SurfaceLook& look = mesh.look.surface;
-  const std::size_t count = mesh.triangles.size();
-  const auto fits = [&](const auto& array) { return array.empty() || array.size() == count; };
-  return std::all_of(mesh.triangles.begin(), mesh.triangles.end(),
-                     [&](const glm::uvec3& t) {
-                       return std::max({t.x, t.y, t.z}) < mesh.vertices.size();
-                     }) &&
-         fits(look.texcoords) && fits(look.colours) &&
-         std::all_of(look.texcoords.begin(), look.texcoords.end(),
-                     [](const auto& corners) {
-                       return std::all_of(corners.begin(), corners.end(), [](const glm::vec2& at) {
-                         return std::isfinite(at.x) && std::isfinite(at.y);
-                       });
-                     }) &&
-         areBelow(look.material, count, mesh.look.materials.size()) &&
-         areBelow(mesh.objectOfTriangle, count, mesh.objects.size()) &&
-         std::all_of(mesh.look.materials.begin(), mesh.look.materials.end(),
-                     [&](const Material& material) {
-                       return material.texture >= -1 &&
-                              material.texture < static_cast<int>(mesh.look.textures.size());
-                     });
-}
-
 }  // namespace
 
 std::string streamOf(const RawMesh& mesh) {
@@ -168,7 +137,7 @@ std::optional<RawMesh> meshFromStream(std::string_view stream) {
   source.take(mesh.objects);
   source.take(mesh.objectOfTriangle);
   source.take(mesh.warnings);
-  if (!source.isAt(kEnd) || !isSound(mesh)) return std::nullopt;
+  if (!source.isAt(kEnd) || contradictionIn(mesh)) return std::nullopt;
   return mesh;
 }
 

@@ -17,6 +17,7 @@
 
 #include "io/sha256.h"
 #include "lower_case.h"
+#include "mesh/contradictions.h"
 #include "mesh/file_bytes.h"
 #include "mesh/merge.h"
 #include "mesh/read_assimp.h"
@@ -196,6 +197,9 @@ SourceMesh meshFromBytes(const fs::path& path, std::string bytes, const Progress
   if (raw.triangles.empty()) throw inputError(file, "holds no triangle");
   if (raw.vertices.size() > std::numeric_limits<std::uint32_t>::max())
     throw inputError(file, "has more than 2^32 vertices, which is more than can be held");
+  // Readers check what they read; what one of them missed must not be used as an index.
+  if (const auto contradiction = contradictionIn(raw))
+    throw inputError(file, "contradicts itself: " + *contradiction);
 
   SourceMesh out = mergeVertices(std::move(raw));
   checkMerged(file, out);

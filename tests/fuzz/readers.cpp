@@ -1,6 +1,7 @@
 // Readers as fuzzing calls them.
 #include "fuzz/readers.h"
 
+#include <sherd/error.h>
 #include <sherd/io.h>
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "fuzz/draco_files.h"
 #include "io/parsed_json.h"
 #include "io/read_facing.h"
 #include "io/read_manifest.h"
@@ -65,6 +67,17 @@ void readMeshNamed(const char* name, std::string_view bytes) {
   const SourceMesh source = meshFromBytes(fs::path("/absent") / name, std::string(bytes));
   checkLook(source);
   checkMesh(source.mesh);
+}
+
+// Each form is read or refused on its own.
+void readDraco(std::string_view bytes) {
+  for (const DracoPositions positions : {DracoPositions::packed, DracoPositions::plain}) {
+    try {
+      readMeshNamed("a.glb", wrappedDraco(bytes, positions));
+    } catch (const Error& e) {
+      check(e.code() == ErrorCode::input);
+    }
+  }
 }
 
 void readFacingOf(std::string_view bytes) {

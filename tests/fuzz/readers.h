@@ -12,6 +12,7 @@ namespace sherd::fuzz {
 void check(bool holds);
 
 void readMeshNamed(const char* name, std::string_view bytes);
+void readDraco(std::string_view bytes);
 void readFacingOf(std::string_view bytes);
 void checkVoxels(const RunLengthVoxels& voxels);
 void checkPoints(const SurfacePoints& points);

@@ -5,6 +5,7 @@
 #include <sherd/point_files.h>
 #include <sherd/voxel_files.h>
 
+#include "fuzz/draco_files.h"
 #include "fuzz/handmade.h"
 #include "fuzz/readers.h"
 
@@ -20,7 +21,8 @@ const std::vector<Target> kTargets{
     {"obj", [](std::string_view bytes) { readMeshNamed("a.obj", bytes); }, ".obj", handmade::obj()},
     {"off", [](std::string_view bytes) { readMeshNamed("a.off", bytes); }, "", handmade::off()},
     {"gltf", [](std::string_view bytes) { readMeshNamed("a.gltf", bytes); }, "", handmade::gltf()},
-    {"glb", [](std::string_view bytes) { readMeshNamed("a.glb", bytes); }, ".glb", {}},
+    {"glb", [](std::string_view bytes) { readMeshNamed("a.glb", bytes); }, ".glb", dracoGlbs()},
+    {"draco", readDraco, "", dracoStreams()},
     {"gz", [](std::string_view bytes) { readMeshNamed("a.obj.gz", bytes); }, "", handmade::gz()},
     {"mtl", readMtl, ".mtl", handmade::mtl()},
     {"facing", readFacingOf, ".ply", {}},

@@ -1,6 +1,5 @@
 // Reads what glTF 2.0 and its extensions allow, from files that the test writes itself: each must
 // give the tetrahedron where mathematics puts it.
-#include <draco/compression/expert_encode.h>
 #include <gtest/gtest.h>
 #include <sherd/mesh.h>
 
@@ -14,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "draco_stream.h"
 #include "mesh_folder.h"
 #include "shapes.h"
 
@@ -294,36 +294,11 @@ TEST_F(ReadGltf, BuffersMayLieInTheTextOrBesideIt) {
 
 // ---- Draco
 
-// The cube packed, with colours; its positions are integers, so that 11 bits keep them.
+// The mesh packed, with colours.
 Glb packed(const TriangleMesh& mesh, int method) {
-  draco::Mesh source;
-  source.set_num_points(static_cast<std::uint32_t>(mesh.vertices.size()));
-  draco::GeometryAttribute position, colour;
-  position.Init(draco::GeometryAttribute::POSITION, nullptr, 3, draco::DT_FLOAT32, false, 12, 0);
-  colour.Init(draco::GeometryAttribute::COLOR, nullptr, 4, draco::DT_UINT8, false, 4, 0);
-  const auto count = static_cast<std::uint32_t>(mesh.vertices.size());
-  const int positions = source.AddAttribute(position, true, count);
-  const int colours = source.AddAttribute(colour, true, count);
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const glm::vec3 at(mesh.vertices[i]);
-    const glm::u8vec4 byte(i % 2 * 255, 255, 0, 255);
-    source.attribute(positions)->SetAttributeValue(draco::AttributeValueIndex(i), &at);
-    source.attribute(colours)->SetAttributeValue(draco::AttributeValueIndex(i), &byte);
-  }
-  source.SetNumFaces(mesh.triangles.size());
-  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-    const glm::uvec3& t = mesh.triangles[i];
-    source.SetFace(draco::FaceIndex(i),
-                   {draco::PointIndex(t.x), draco::PointIndex(t.y), draco::PointIndex(t.z)});
-  }
-  draco::ExpertEncoder encoder(source);
-  encoder.SetEncodingMethod(method);
-  encoder.SetAttributeQuantization(positions, 11);
-  draco::EncoderBuffer out;
-  EXPECT_TRUE(encoder.EncodeToBuffer(&out).ok());
-
+  const std::size_t count = mesh.vertices.size();
   Glb glb;
-  glb.buffer.assign(out.data(), out.size());
+  glb.buffer = dracoStream(mesh, method);
   glb.json["accessors"] = {
       {{"componentType", kFloat}, {"count", count}, {"type", "VEC3"}},
       {{"componentType", kUnsignedByte}, {"count", count}, {"type", "VEC4"}, {"normalized", true}},
@@ -332,9 +307,7 @@ Glb packed(const TriangleMesh& mesh, int method) {
   primitive = {{"attributes", {{"POSITION", 0}, {"COLOR_0", 1}}}, {"indices", 2}};
   primitive["extensions"]["KHR_draco_mesh_compression"] = {
       {"bufferView", glb.view(0)},
-      {"attributes",
-       {{"POSITION", source.attribute(positions)->unique_id()},
-        {"COLOR_0", source.attribute(colours)->unique_id()}}}};
+      {"attributes", {{"POSITION", kDracoPositions}, {"COLOR_0", kDracoColors}}}};
   glb.json["extensionsRequired"] = {"KHR_draco_mesh_compression"};
   return glb;
 }
@@ -374,6 +347,18 @@ TEST_F(ReadGltf, RefusesDracoThatIsCutOrAnnouncesFarMoreThanItHolds) {
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ErrorCode::input) << e.what();
     }
+  }
+}
+
+TEST_F(ReadGltf, RefusesDracoWhosePositionsAreElsewhereAndTooFew) {
+  // Triangles of eight points, and positions of a plain accessor without data.
+  for (const int method : {draco::MESH_SEQUENTIAL_ENCODING, draco::MESH_EDGEBREAKER_ENCODING}) {
+    Glb glb = packed(shapes::cube(2.0), method);
+    Json& primitive = glb.json["meshes"][0]["primitives"][0];
+    primitive["attributes"].erase("COLOR_0");
+    primitive["extensions"]["KHR_draco_mesh_compression"]["attributes"] = Json::object();
+    glb.json["accessors"][0]["count"] = 3;
+    EXPECT_NE(refusal("a.glb", glb.bytes()).find(", its mesh has 3"), std::string::npos);
   }
 }
 

@@ -17,10 +17,12 @@
 #include <functional>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <utility>
 
+#include "mesh/contradictions.h"
 #include "mesh_folder.h"
 #include "shapes.h"
 
@@ -447,6 +449,42 @@ TEST_F(ReadMesh, RefusesIndicesOutOfRange) {
   t.triangles[2].y = 4;
   EXPECT_EQ(refusal("h.glb", glb(gltfJson(t, kOneNode, ""), gltfBuffer(t))),
             "h.glb: face uses vertex 4, its mesh has 4");
+}
+
+// Whatever a reader misses must not be used as an index.
+TEST(RawMesh, IsCheckedBeforeItIsUsed) {
+  RawMesh good;
+  good.vertices = tetrahedron().vertices;
+  good.triangles = tetrahedron().triangles;
+  good.look.materials.resize(2);
+  good.look.textures.resize(1);
+  good.look.materials[1].texture = 0;
+  good.look.surface.material = {0, 1, 1, 0};
+  good.look.surface.texcoords.resize(4);
+  good.look.surface.colours.resize(4);
+  good.objects = {"a"};
+  good.objectOfTriangle = {0, 0, 0, 0};
+  EXPECT_EQ(contradictionIn(good), std::nullopt);
+  const auto found = [&](const std::function<void(RawMesh&)>& change) {
+    RawMesh bad = good;
+    change(bad);
+    return contradictionIn(bad).value_or("nothing");
+  };
+  EXPECT_EQ(found([](RawMesh& m) { m.triangles[2].z = 4; }),
+            "triangle 3 uses vertex 4, there are 4");
+  EXPECT_EQ(found([](RawMesh& m) { m.vertices.clear(); }), "triangle 1 uses vertex 2, there are 0");
+  EXPECT_EQ(found([](RawMesh& m) { m.look.surface.texcoords.pop_back(); }),
+            "it has 3 texture coordinates for 4 triangles");
+  EXPECT_EQ(found([](RawMesh& m) { m.look.surface.colours.resize(5); }),
+            "it has 5 colors for 4 triangles");
+  EXPECT_EQ(found([](RawMesh& m) { m.look.surface.material[3] = 2; }),
+            "triangle 4 has material 2, there are 2");
+  EXPECT_EQ(found([](RawMesh& m) { m.objectOfTriangle[0] = 1; }),
+            "triangle 1 has object 1, there are 1");
+  EXPECT_EQ(found([](RawMesh& m) { m.look.materials[0].texture = 1; }),
+            "a material of it has texture 1, there are 1");
+  EXPECT_EQ(found([](RawMesh& m) { m.look.surface.texcoords[1][2].x = std::nanf(""); }),
+            "a texture coordinate of it is not finite");
 }
 
 TEST_F(ReadMesh, RefusesCountsThatTheFileDoesNotHold) {
