@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "io/atomic_file.h"
+#include "io/input_error.h"
 
 namespace sherd {
 namespace {
@@ -37,6 +38,15 @@ bool isBelowFolder(const std::string& name) {
   return std::none_of(path.begin(), path.end(), [](const fs::path& part) {
     return part == ".." || part == "." || part.native().size() > kLongestPart;
   });
+}
+
+bool staysWithin(const fs::path& folder, const fs::path& name) {
+  const fs::path named = folder.empty() ? fs::path(".") : folder;
+  std::error_code error;
+  const fs::path root = fs::canonical(named, error);
+  const fs::path real = error ? root : fs::weakly_canonical(named / name, error);
+  if (error) inputError(named / name, "cannot be read: " + error.message());
+  return std::mismatch(root.begin(), root.end(), real.begin(), real.end()).first == root.end();
 }
 
 void requireOwnSubfolder(const fs::path& folder, const std::string& file) {

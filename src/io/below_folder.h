@@ -10,6 +10,13 @@ namespace sherd {
 /// no part longer than 255 bytes, and not a folder's name with a slash behind it.
 [[nodiscard]] bool isBelowFolder(const std::string& name);
 
+/// Whether a path below a folder leads to something in the folder once every symbolic link on the
+/// way is followed: the rule for what is read.  A path to nothing does where its folder does.
+///   name    relative, without ".."
+///   throws  Error(input) a link on the way leads to itself, or cannot be read
+[[nodiscard]] bool staysWithin(const std::filesystem::path& folder,
+                               const std::filesystem::path& name);
+
 /// Make sure that every folder between `folder` and a file below it is one, or absent: a symbolic
 /// link in its place could lead anywhere.
 ///   throws  Error(output)

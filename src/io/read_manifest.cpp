@@ -168,11 +168,7 @@ Manifest readManifest(const fs::path& file) {
 
 fs::path listedFile(const fs::path& manifest, const std::string& name) {
   const fs::path folder = manifest.has_parent_path() ? manifest.parent_path() : ".";
-  std::error_code error;
-  const fs::path root = fs::canonical(folder, error);
-  const fs::path real = error ? root : fs::weakly_canonical(folder / name, error);
-  if (error) inputError(folder / name, "cannot be read: " + error.message());
-  if (std::mismatch(root.begin(), root.end(), real.begin(), real.end()).first != root.end()) {
+  if (!staysWithin(folder, name)) {
     inputError(manifest, "lists '" + name + "', which leaves the folder by a symbolic link");
   }
   return folder / name;

@@ -3,35 +3,44 @@
 
 #include <algorithm>
 
+#include "io/below_folder.h"
 #include "mesh/file_bytes.h"
 #include "mesh/text_scan.h"
 
 namespace sherd {
 
-std::optional<std::filesystem::path> pathBeside(const MeshFile& file, std::string_view name) {
+NamedFile fileBeside(const MeshFile& file, std::string_view name) {
+  constexpr const char* kOutside = "does not lie in or below the file's folder";
   std::string text(name);
-  if (text.find('\0') != std::string::npos) return std::nullopt;
+  if (text.find('\0') != std::string::npos) return {{}, kOutside};
   std::replace(text.begin(), text.end(), '\\', '/');
   const std::filesystem::path relative = std::filesystem::path(text).lexically_normal();
-  if (relative.empty() || relative.is_absolute() || *relative.begin() == "..") return std::nullopt;
-  return file.path.parent_path() / relative;
+  if (relative.empty() || relative.is_absolute() || *relative.begin() == "..")
+    return {{}, kOutside};
+  const std::filesystem::path folder = file.path.parent_path();
+  try {
+    if (!staysWithin(folder, relative)) return {{}, "leaves the file's folder by a symbolic link"};
+  } catch (const Error&) {
+    return {{}, "cannot be read"};
+  }
+  return {folder / relative, ""};
 }
 
 std::optional<std::string> readBeside(const MeshFile& file, std::string_view name,
                                       const std::string& kind, std::vector<std::string>& warnings) {
   const std::string what = file.name + ": its " + kind + " " + inQuotes(name) + " ";
-  const auto path = pathBeside(file, name);
-  if (!path) {
-    warnings.push_back(what + "does not lie in or below the file's folder, so it is left out");
+  const NamedFile named = fileBeside(file, name);
+  if (!named.refusal.empty()) {
+    warnings.push_back(what + named.refusal + ", so it is left out");
     return std::nullopt;
   }
   std::error_code error;
-  if (!std::filesystem::is_regular_file(*path, error)) {
+  if (!std::filesystem::is_regular_file(named.path, error)) {
     warnings.push_back(what + "is not there, so it is left out");
     return std::nullopt;
   }
   try {
-    return readFileBytes(*path);
+    return readFileBytes(named.path);
   } catch (const Error&) {
     warnings.push_back(what + "cannot be read, so it is left out");
     return std::nullopt;

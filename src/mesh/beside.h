@@ -10,10 +10,16 @@
 
 namespace sherd {
 
-/// The path of a file that a mesh file names, if it is relative and does not lead out of the mesh's
-/// folder.  A backslash parts folders, too.
-[[nodiscard]] std::optional<std::filesystem::path> pathBeside(const MeshFile& file,
-                                                              std::string_view name);
+/// A file that a mesh file names.
+struct NamedFile {
+  std::filesystem::path path;
+  std::string refusal;  ///< why it must not be opened, as what follows its name in a sentence;
+                        ///< empty: it may be, if it is there
+};
+
+/// It may be opened if its name is relative and leads to something in the mesh's folder or below
+/// it, symbolic links followed: the rule that manifests have.  A backslash parts folders, too.
+[[nodiscard]] NamedFile fileBeside(const MeshFile& file, std::string_view name);
 
 /// The bytes of a file that a mesh names.  Where it cannot be had, `warnings` gains a sentence that
 /// tells why and what is lost.

@@ -161,13 +161,12 @@ std::string_view GltfDocument::loadBuffer(const std::string& uri) {
   if (uri.starts_with("data:")) {
     return loaded_.try_emplace(uri, dataUriBytes(uri)).first->second;
   }
-  const auto path = pathBeside(*file_, percentDecoded(uri));
-  if (!path)
-    throw bad("its buffer " + inQuotes(uri) + " does not lie in or below the file's folder");
-  const auto known = loaded_.find(path->string());
+  const NamedFile named = fileBeside(*file_, percentDecoded(uri));
+  if (!named.refusal.empty()) throw bad("its buffer " + inQuotes(uri) + " " + named.refusal);
+  const auto known = loaded_.find(named.path.string());
   if (known != loaded_.end()) return known->second;
   try {
-    return loaded_.emplace(path->string(), readFileBytes(*path)).first->second;
+    return loaded_.emplace(named.path.string(), readFileBytes(named.path)).first->second;
   } catch (const Error& e) {
     throw bad("its buffer cannot be read: " + std::string(e.what()));
   }

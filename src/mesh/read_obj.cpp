@@ -184,9 +184,10 @@ struct Reader {
   void readLibraries(RawMesh& out) const {
     std::map<std::string, MtlMaterial> known;
     for (const std::string& line : libraries) {
-      const auto path = pathBeside(file, line);
+      const NamedFile whole = fileBeside(file, line);
       std::error_code error;
-      const bool isOne = path && std::filesystem::is_regular_file(*path, error);
+      const bool isOne =
+          whole.refusal.empty() && std::filesystem::is_regular_file(whole.path, error);
       std::string_view rest = line;
       for (std::string_view name = isOne ? rest : takeWord(rest); !name.empty();
            name = isOne ? std::string_view() : takeWord(rest)) {

@@ -260,6 +260,41 @@ TEST_F(ReadAppearance, FilesOutsideTheFolderAreNotRead) {
   EXPECT_EQ(source.warnings.size(), 1u);
 }
 
+TEST_F(ReadAppearance, LinksAreFollowedWithinTheFolderOnly) {
+  namespace fs = std::filesystem;
+  write("secret.png", kPng);
+  write("secret.mtl", "newmtl a\nKd 0 0 0\n");
+  write("in/deep/own.png", kPng);
+  write("in/own.mtl", "newmtl a\nKd 0 0 0\n");
+  fs::create_symlink("../secret.png", folder_ / "in/out.png");
+  fs::create_symlink(folder_ / "secret.png", folder_ / "in/absolute.png");
+  fs::create_directory_symlink("..", folder_ / "in/up");
+  fs::create_symlink("loop.png", folder_ / "in/loop.png");
+  fs::create_symlink("../secret.mtl", folder_ / "in/out.mtl");
+  fs::create_symlink("deep/own.png", folder_ / "in/inside.png");
+  fs::create_symlink("own.mtl", folder_ / "in/inside.mtl");
+  fs::create_directory_symlink("in", folder_ / "alias");
+  for (const std::string name : {"out.png", "absolute.png", "up/secret.png", "loop.png"}) {
+    write("in/skin.mtl", "newmtl a\nmap_Kd " + name + "\n");
+    const SourceMesh source = read("in/cube.obj", objOf("mtllib skin.mtl\n", false));
+    EXPECT_TRUE(source.appearance.textures.empty()) << name;
+    ASSERT_EQ(source.warnings.size(), 1u) << name;
+    EXPECT_NE(source.warnings[0].find(name == "loop.png" ? "cannot be read" : "symbolic link"),
+              std::string::npos)
+        << source.warnings[0];
+  }
+  const SourceMesh outside = read("in/cube.obj", objOf("mtllib out.mtl\n", false));
+  EXPECT_EQ(outside.appearance.materials[0].colour, glm::vec3(1.0f));
+  EXPECT_EQ(outside.warnings.size(), 1u);
+  const SourceMesh inside = read("in/cube.obj", objOf("mtllib inside.mtl\n", false));
+  EXPECT_EQ(inside.appearance.materials[0].colour, glm::vec3(0.0f));
+  EXPECT_TRUE(inside.warnings.empty());
+  write("in/skin.mtl", "newmtl a\nmap_Kd inside.png\n");
+  for (const char* name : {"in/cube.obj", "alias/cube.obj"}) {
+    EXPECT_EQ(read(name, objOf("mtllib skin.mtl\n", false)).appearance.textures.size(), 1u) << name;
+  }
+}
+
 TEST_F(ReadAppearance, ObjWithSomeColouredVerticesIsReadWhole) {
   const SourceMesh source = read("some.obj", "v 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0 0 1 0 1\nf 1 2 3\n");
   ASSERT_EQ(source.appearance.surface.colours.size(), 1u);

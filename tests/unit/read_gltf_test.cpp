@@ -290,6 +290,18 @@ TEST_F(ReadGltf, BuffersMayLieInTheTextOrBesideIt) {
               std::string::npos)
         << uri;
   }
+  namespace fs = std::filesystem;
+  write("outside.bin", glb.buffer);
+  fs::create_symlink("../outside.bin", folder_ / "in/out.bin");
+  fs::create_directory_symlink("..", folder_ / "in/up");
+  for (const char* uri : {"out.bin", "up/outside.bin", "up/in/../outside.bin"}) {
+    glb.json["buffers"][0]["uri"] = uri;
+    EXPECT_NE(refusal("in/c.gltf", glb.json.dump()).find("symbolic link"), std::string::npos)
+        << uri;
+  }
+  fs::create_symlink("b.bin", folder_ / "in/link.bin");
+  glb.json["buffers"][0]["uri"] = "link.bin";
+  expectSameSurface(read("in/d.gltf", glb.json.dump()).mesh, tetrahedron());
 }
 
 // ---- Draco
