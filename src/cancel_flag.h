@@ -8,6 +8,14 @@
 
 namespace sherd {
 
+/// Throw Error(cancelled) if the caller wants to stop: in loops within a stage, every few
+/// milliseconds.  For the thread that `progress` is for.
+inline void throwIfCancelled(const Progress* progress) {
+  if (progress != nullptr && progress->cancelled && progress->cancelled()) {
+    throw Error(ErrorCode::cancelled, "stopped on request");
+  }
+}
+
 /// Whether the caller wants to stop, asked from any thread.  Tasks return early once it is set, and
 /// the thread that started them throws.
 class CancelFlag {

@@ -39,8 +39,10 @@ struct Volume {
 /// by the faces between voxels with a label and those without, which gives the same voxels back at
 /// the same voxel size.
 ///   throws  Error(input) absent, damaged, of no grid or voxel that is solid, no such grid, several
-///           grids of which none is named; Error(usage) more voxels or faces than `maxMemory` holds
+///           grids of which none is named; Error(usage) more voxels or faces than `maxMemory`
+///           holds; Error(cancelled)
 [[nodiscard]] Volume readVolume(const std::filesystem::path& file,
-                                const VolumeOptions& options = {});
+                                const VolumeOptions& options = {},
+                                const Progress* progress = nullptr);
 
 }  // namespace sherd

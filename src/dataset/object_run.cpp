@@ -91,7 +91,7 @@ class ObjectRun {
     VolumeOptions options;
     options.maxMemory = options_.maxMemory;
     options.ownVoxels = false;  // objects of one library are broken at one resolution
-    return std::move(readVolume(object_.file, options).source);
+    return std::move(readVolume(object_.file, options, &progress_).source);
   }
 
   void breakAll(const SourceMesh& source) {

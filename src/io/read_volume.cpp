@@ -10,6 +10,7 @@
 #include <optional>
 #include <utility>
 
+#include "cancel_flag.h"
 #include "io/input_error.h"
 #include "io/sha256.h"
 #include "io/vdb.h"
@@ -71,7 +72,8 @@ double isovalueOf(const NamedGrid& grid, const VolumeOptions& options) {
   return grid.isLevelSet ? 0.0 : options.isovalue;
 }
 
-void readGrids(const fs::path& file, const VolumeOptions& options, Volume& volume) {
+void readGrids(const fs::path& file, const VolumeOptions& options, Volume& volume,
+               const Progress* progress) {
   std::vector<NamedGrid> grids = chosenGrids(file, options.grid);
   volume.voxelSize = smallestVoxel(*grids.front().grid);
   const bool asTheyAre = options.ownVoxels && haveOneFrame(grids) &&
@@ -91,6 +93,7 @@ void readGrids(const fs::path& file, const VolumeOptions& options, Volume& volum
                 options.maxMemory);
   if (!asTheyAre) {
     for (const NamedGrid& grid : grids) {
+      throwIfCancelled(progress);
       volume.source.mesh =
           joined(std::move(volume.source.mesh), meshInWorld(*grid.grid, isovalueOf(grid, options)));
     }
@@ -100,7 +103,8 @@ void readGrids(const fs::path& file, const VolumeOptions& options, Volume& volum
   volume.solid = solidOf(*grids.front().grid);
 }
 
-void readLabels(const fs::path& file, const VolumeOptions& options, Volume& volume) {
+void readLabels(const fs::path& file, const VolumeOptions& options, Volume& volume,
+                const Progress* progress) {
   const PlacedVoxels read = readVoxels(file);
   const openvdb::Coord& dims = read.voxels.dims;
   // Planes of a byte for each voxel, and two of numbers for their corners.
@@ -112,7 +116,7 @@ void readLabels(const fs::path& file, const VolumeOptions& options, Volume& volu
   volume.voxelSize = frame.voxelSize;
   const std::size_t most = std::min<std::uint64_t>(options.maxMemory / kBytesPerTriangle,
                                                    std::numeric_limits<std::uint32_t>::max() / 2);
-  std::optional<TriangleMesh> faces = voxelFaces(read.voxels, frame, most);
+  std::optional<TriangleMesh> faces = voxelFaces(read.voxels, frame, most, progress);
   if (!faces) {
     requireMemory(file.string() + ": the surface of its voxels", (most + 1) * kBytesPerTriangle, 0);
   }
@@ -123,14 +127,14 @@ void readLabels(const fs::path& file, const VolumeOptions& options, Volume& volu
 
 bool isVolumeName(const fs::path& file) { return isVdb(file) || voxelFormatOf(file).has_value(); }
 
-Volume readVolume(const fs::path& file, const VolumeOptions& options) {
+Volume readVolume(const fs::path& file, const VolumeOptions& options, const Progress* progress) {
   Volume volume;
   volume.source.name = file.filename().string();
   volume.source.stem = file.stem().string();
   if (isVdb(file)) {
-    readGrids(file, options, volume);
+    readGrids(file, options, volume, progress);
   } else {
-    readLabels(file, options, volume);
+    readLabels(file, options, volume, progress);
   }
   volume.source.sha256 = sha256(readFileBytes(file));
   volume.source.fileVertices = volume.source.mesh.vertices.size();

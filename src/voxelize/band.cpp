@@ -28,11 +28,12 @@ constexpr std::size_t kMostInList = 8192;
 
 class Search {
  public:
-  Search(const TriangleTree& tree, double reach, std::vector<BandLeaf>& leaves)
-      : tree_(tree), reach_(reach), leaves_(leaves) {}
+  Search(const TriangleTree& tree, double reach, std::vector<BandLeaf>& leaves, CancelFlag& stop)
+      : tree_(tree), reach_(reach), leaves_(leaves), stop_(stop) {}
 
   // Append a cube's leaves.
   void descend(const Coord& origin, int side, std::uint32_t guess) {
+    if (stop_.isSet()) return;
     const Cube cube(origin, side);
     const Nearest near = tree_.nearest(cube.middle, reach_ + cube.radius, guess);
     if (near.triangle == TriangleTree::kNone) return;
@@ -104,6 +105,7 @@ class Search {
   const TriangleTree& tree_;
   double reach_;
   std::vector<BandLeaf>& leaves_;
+  CancelFlag& stop_;
   BandLeaf leaf_;  // being filled
   bool any_ = false, byList_ = false;
   std::array<Discs, 3> lists_;  // near the leaf, a cube of four voxels a side, one of two
@@ -131,8 +133,7 @@ std::vector<BandLeaf> bandOf(const TriangleTree& tree, double reach, const Progr
   std::vector<std::vector<BandLeaf>> found(cubes.size());
   CancelFlag stop(progress);
   tbb::parallel_for(std::size_t{0}, cubes.size(), [&](std::size_t i) {
-    if (stop.isSet()) return;
-    Search(tree, reach, found[i]).descend(cubes[i], side, TriangleTree::kNone);
+    Search(tree, reach, found[i], stop).descend(cubes[i], side, TriangleTree::kNone);
   });
   stop.throwIfSet();
   std::vector<BandLeaf> leaves;

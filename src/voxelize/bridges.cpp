@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <utility>
 
+#include "cancel_flag.h"
+
 namespace sherd {
 namespace {
 
@@ -107,8 +109,8 @@ glm::dvec3 pointOf(const Coord& c) { return {c.x(), c.y(), c.z()}; }
 
 class Bridges {
  public:
-  Bridges(const LeafBlocks& blocks, const Filling& filling)
-      : blocks_(blocks), filling_(filling), round_(leavesRound(blocks.origins)) {}
+  Bridges(const LeafBlocks& blocks, const Filling& filling, const Progress* progress)
+      : blocks_(blocks), filling_(filling), stop_(progress), round_(leavesRound(blocks.origins)) {}
 
   std::vector<std::size_t> find() {
     join(addSquares);
@@ -122,12 +124,14 @@ class Bridges {
   void join(const Add& add) {
     std::vector<std::vector<Coord>> ofLeaf(blocks_.count());
     tbb::parallel_for(std::size_t{0}, blocks_.count(), [&](std::size_t leaf) {
+      if (stop_.isSet()) return;
       std::vector<Pair> pairs;
       add(rowsOf(blocks_, round_[leaf]), blocks_.origins[leaf], pairs);
       for (const Pair& pair : pairs) {
         if (!areJoined(pair) && seeEachOther(pair)) addPath(pair, ofLeaf[leaf]);
       }
     });
+    stop_.throwIfSet();
     for (const std::vector<Coord>& voxels : ofLeaf) {
       for (const Coord& voxel : voxels) {
         const std::uint32_t leaf = findLeaf(blocks_, voxel);
@@ -203,14 +207,16 @@ class Bridges {
 
   LeafBlocks blocks_;
   const Filling& filling_;
+  CancelFlag stop_;
   std::vector<LeafRound> round_;
   std::vector<std::size_t> added_;
 };
 
 }  // namespace
 
-std::vector<std::size_t> bridgesOf(const LeafBlocks& blocks, const Filling& filling) {
-  return Bridges(blocks, filling).find();
+std::vector<std::size_t> bridgesOf(const LeafBlocks& blocks, const Filling& filling,
+                                   const Progress* progress) {
+  return Bridges(blocks, filling, progress).find();
 }
 
 }  // namespace sherd

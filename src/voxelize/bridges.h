@@ -17,6 +17,8 @@ namespace sherd {
 /// then hold together whatever way they run.
 ///   blocks  of the solid without bridges
 ///   return  places of voxels that are outside, ascending
-[[nodiscard]] std::vector<std::size_t> bridgesOf(const LeafBlocks& blocks, const Filling& filling);
+///   throws  Error(cancelled)
+[[nodiscard]] std::vector<std::size_t> bridgesOf(const LeafBlocks& blocks, const Filling& filling,
+                                                 const Progress* progress = nullptr);
 
 }  // namespace sherd

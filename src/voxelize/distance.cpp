@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "cancel_flag.h"
 #include "voxelize/band.h"
 #include "voxelize/specks.h"
 
@@ -115,7 +116,9 @@ FloatGridPtr levelSetOf(const Filling& filling, const GridFrame& frame, const Pr
   const auto half = static_cast<float>(filling.halfThickness);
   FloatGrid::Ptr grid = emptyLevelSet(frame);
   std::vector<std::unique_ptr<Leaf>> leaves(band.size());
+  CancelFlag stop(progress);
   tbb::parallel_for(std::size_t{0}, band.size(), [&](std::size_t i) {
+    if (stop.isSet()) return;
     leaves[i] = std::make_unique<Leaf>(band[i].origin, outside, false);
     std::array<bool, 512> inside{};
     if (filling.isInside) inside = sidesOf(band[i], reach, filling);
@@ -133,6 +136,7 @@ FloatGridPtr levelSetOf(const Filling& filling, const GridFrame& frame, const Pr
       }
     }
   });
+  stop.throwIfSet();
   for (std::unique_ptr<Leaf>& leaf : leaves) {
     if (!leaf->isEmpty()) grid->tree().addLeaf(leaf.release());
   }

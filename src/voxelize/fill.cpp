@@ -64,7 +64,8 @@ Filling shellOf(const TriangleMesh& mesh, const SolidOptions& options, double vo
 }
 
 Filling windingOf(const SearchedMesh& mesh, std::string reason, const Progress* progress) {
-  const auto winding = std::make_shared<GeneralisedWinding>(mesh.mesh, mesh.caps, mesh.tree);
+  const auto winding =
+      std::make_shared<GeneralisedWinding>(mesh.mesh, mesh.caps, mesh.tree, progress);
   Filling out{.fill = Fill::winding,
               .reason = std::move(reason),
               .surface = mesh.tree,
@@ -72,7 +73,7 @@ Filling windingOf(const SearchedMesh& mesh, std::string reason, const Progress* 
   if (winding->isSimple()) return out;
   TriangleMesh surface = exposedSurface(mesh.mesh, *winding, progress);
   if (!mesh.caps.triangles.empty()) {
-    surface = joined(std::move(surface), holeSurface(*winding, *mesh.tree));
+    surface = joined(std::move(surface), holeSurface(*winding, *mesh.tree, progress));
   }
   out.surface = std::make_shared<TriangleTree>(surface);
   return out;
@@ -103,14 +104,14 @@ Filling fillingOf(const SearchedMesh& mesh, const TriangleMesh& original,
       return shellOf(original, options, voxelSize, asked);
     case Fill::parity: {
       const TriangleMesh whole = joined(mesh.mesh, coneCaps(mesh.mesh));
-      const auto columns = std::make_shared<Winding>(whole, Winding::Rule::parity);
+      const auto columns = std::make_shared<Winding>(whole, Winding::Rule::parity, progress);
       return {.fill = Fill::parity,
               .reason = asked,
               .surface = std::make_shared<TriangleTree>(whole),
               .isInside = [columns](const openvdb::Coord& c) { return columns->isInside(c); }};
     }
     case Fill::flood: {
-      const auto flooded = std::make_shared<FloodedBox>(mesh.mesh);
+      const auto flooded = std::make_shared<FloodedBox>(mesh.mesh, progress);
       return {.fill = Fill::flood,
               .reason = asked,
               .surface = mesh.tree,

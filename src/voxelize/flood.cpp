@@ -30,7 +30,7 @@ TriangleMesh columnsAlong(TriangleMesh mesh, int axis) {
 
 }  // namespace
 
-FloodedBox::FloodedBox(const TriangleMesh& mesh) {
+FloodedBox::FloodedBox(const TriangleMesh& mesh, const Progress* progress) {
   const Box box = bounds(mesh);
   for (int axis = 0; axis < 3; ++axis) {
     box_.min[axis] = static_cast<int>(std::floor(box.min[axis])) - 1;
@@ -40,9 +40,10 @@ FloodedBox::FloodedBox(const TriangleMesh& mesh) {
   depth_.assign(static_cast<std::size_t>(dims.x()) * static_cast<std::size_t>(dims.y()) *
                     static_cast<std::size_t>(dims.z()),
                 kUnseen);
-  const std::array<Winding, 3> columns{Winding(columnsAlong(mesh, 0), Winding::Rule::parity),
-                                       Winding(columnsAlong(mesh, 1), Winding::Rule::parity),
-                                       Winding(columnsAlong(mesh, 2), Winding::Rule::parity)};
+  const std::array<Winding, 3> columns{
+      Winding(columnsAlong(mesh, 0), Winding::Rule::parity, progress),
+      Winding(columnsAlong(mesh, 1), Winding::Rule::parity, progress),
+      Winding(columnsAlong(mesh, 2), Winding::Rule::parity, progress)};
   const auto state = [&](int axis, const openvdb::Coord& p) {
     return columns[static_cast<std::size_t>(axis)].at(
         {p[(axis + 1) % 3], p[(axis + 2) % 3], p[axis]});

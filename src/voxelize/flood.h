@@ -20,7 +20,8 @@ namespace sherd {
 class FloodedBox {
  public:
   /// mesh: in index space.
-  explicit FloodedBox(const TriangleMesh& mesh);
+  ///   throws  Error(cancelled)
+  explicit FloodedBox(const TriangleMesh& mesh, const Progress* progress = nullptr);
 
   [[nodiscard]] bool isInside(const openvdb::Coord& voxel) const;
 

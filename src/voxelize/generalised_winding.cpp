@@ -47,10 +47,13 @@ TriangleMesh withArea(TriangleMesh caps) {
 }  // namespace
 
 GeneralisedWinding::GeneralisedWinding(const TriangleMesh& mesh, const TriangleMesh& caps,
-                                       std::shared_ptr<const TriangleTree> tree)
+                                       std::shared_ptr<const TriangleTree> tree,
+                                       const Progress* progress)
     : caps_(onLattice(caps, bounds(mesh))),
       capTree_(withArea(caps_)),
-      columns_(caps_.triangles.empty() ? Winding(mesh) : Winding(joined(mesh, caps_))),
+      columns_(caps_.triangles.empty()
+                   ? Winding(mesh, Winding::Rule::signedTurns, progress)
+                   : Winding(joined(mesh, caps_), Winding::Rule::signedTurns, progress)),
       tree_(std::move(tree)) {
   if (!isSimple()) markOdd();
 }

@@ -25,8 +25,9 @@ class GeneralisedWinding {
   ///   mesh  in index space
   ///   caps  loopCaps(mesh)
   ///   tree  of the mesh
+  ///   throws  Error(cancelled)
   GeneralisedWinding(const TriangleMesh& mesh, const TriangleMesh& caps,
-                     std::shared_ptr<const TriangleTree> tree);
+                     std::shared_ptr<const TriangleTree> tree, const Progress* progress = nullptr);
 
   [[nodiscard]] double at(const openvdb::Coord& voxel) const;
   [[nodiscard]] bool isInside(const openvdb::Coord& voxel) const { return at(voxel) >= 0.5; }

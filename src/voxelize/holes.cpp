@@ -12,6 +12,8 @@
 #include <unordered_map>
 #include <vector>
 
+#include "cancel_flag.h"
+
 namespace sherd {
 namespace {
 
@@ -54,8 +56,10 @@ class HoleNet {
     }
   }
 
-  void follow() {
+  void follow(const Progress* progress) {
+    constexpr std::size_t kBetweenLooks = 256;
     for (std::size_t i = 0; i < crossed_.size(); ++i) {
+      if (i % kBetweenLooks == 0) throwIfCancelled(progress);
       const Step step = crossed_[i];
       forEachCell(step, [&](const Coord& cell) {
         for (int axis = 0; axis < 3; ++axis) {
@@ -151,10 +155,12 @@ class HoleNet {
 
 }  // namespace
 
-TriangleMesh holeSurface(const GeneralisedWinding& winding, const TriangleTree& tree) {
+TriangleMesh holeSurface(const GeneralisedWinding& winding, const TriangleTree& tree,
+                         const Progress* progress) {
   HoleNet net(winding, tree);
   const TriangleMesh& caps = winding.caps();
   for (const glm::uvec3& t : caps.triangles) {
+    throwIfCancelled(progress);
     for (int k = 0; k < 2; ++k) {
       if (t[k + 1] != t[k] + 1) continue;  // within the cap
       const glm::dvec3 a = caps.vertices[t[k]], b = caps.vertices[t[k + 1]];
@@ -162,7 +168,7 @@ TriangleMesh holeSurface(const GeneralisedWinding& winding, const TriangleTree& 
       for (int i = 0; i <= steps; ++i) net.startAt(a + static_cast<double>(i) / steps * (b - a));
     }
   }
-  net.follow();
+  net.follow(progress);
   return net.mesh();
 }
 

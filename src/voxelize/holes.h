@@ -14,7 +14,9 @@ namespace sherd {
 ///   winding  of the mesh
 ///   tree     of the mesh, in index space
 ///   return   in index space; to within a voxel of the mesh's own triangles
+///   throws   Error(cancelled)
 /// source  Gibson, Constrained Elastic Surface Nets, 1998
-[[nodiscard]] TriangleMesh holeSurface(const GeneralisedWinding& winding, const TriangleTree& tree);
+[[nodiscard]] TriangleMesh holeSurface(const GeneralisedWinding& winding, const TriangleTree& tree,
+                                       const Progress* progress = nullptr);
 
 }  // namespace sherd

@@ -7,6 +7,8 @@
 #include <limits>
 #include <utility>
 
+#include "cancel_flag.h"
+
 namespace sherd {
 namespace {
 
@@ -111,13 +113,14 @@ class Faces {
 }  // namespace
 
 std::optional<TriangleMesh> voxelFaces(const RunLengthVoxels& voxels, const GridFrame& frame,
-                                       std::size_t most) {
+                                       std::size_t most, const Progress* progress) {
   Planes planes(voxels);
   Faces faces(voxels.dims, frame);
   std::vector<std::uint8_t> below(static_cast<std::size_t>(voxels.dims.y()) *
                                   static_cast<std::size_t>(voxels.dims.z()));
   const std::vector<std::uint8_t> nothing = below;
   for (int x = 0; x <= voxels.dims.x(); ++x) {
+    throwIfCancelled(progress);
     std::vector<std::uint8_t> plane = x < voxels.dims.x() ? planes.next() : nothing;
     faces.add(x, below, plane);
     if (faces.count() > most) return std::nullopt;

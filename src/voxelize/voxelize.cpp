@@ -83,7 +83,7 @@ Solid voxelize(const TriangleMesh& source, const SolidOptions& options, const Pr
   if (!filling.surface->empty()) {
     const FloatGridPtr distance = levelSetOf(filling, solid.frame, progress);
     solid.blocks = leafBlocks(*distance);
-    const std::vector<std::size_t> bridges = bridgesOf(solid.blocks, filling);
+    const std::vector<std::size_t> bridges = bridgesOf(solid.blocks, filling, progress);
     addVoxels(*distance, solid.blocks, bridges);
     report.bridges = bridges.size();
     solid.distance = distance;

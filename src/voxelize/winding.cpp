@@ -9,11 +9,15 @@
 #include <cmath>
 #include <iterator>
 
+#include "cancel_flag.h"
+
 namespace sherd {
 namespace {
 
 // Of the differences between two snapped places: sums of two of their products stay below 2^62.
 constexpr int kBits = 30;
+
+constexpr std::size_t kBetweenLooks = 1024;  // triangles
 
 struct Snapped {
   std::int64_t x, y;
@@ -74,7 +78,7 @@ int Winding::latticeBits(const Box& box) {
   return std::clamp(kBits - static_cast<int>(std::ceil(std::log2(longest))), 0, 24);
 }
 
-Winding::Winding(const TriangleMesh& mesh, Rule rule) {
+Winding::Winding(const TriangleMesh& mesh, Rule rule, const Progress* progress) {
   const Box box = bounds(mesh);
   for (int axis = 0; axis < 3; ++axis) {
     box_.min[axis] = static_cast<int>(std::floor(box.min[axis])) - 1;
@@ -91,7 +95,9 @@ Winding::Winding(const TriangleMesh& mesh, Rule rule) {
            static_cast<std::size_t>(y - box_.min.y());
   };
   const auto eachHit = [&](auto&& hit) {
-    for (const glm::uvec3& t : mesh.triangles) {
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+      if (i % kBetweenLooks == 0) throwIfCancelled(progress);
+      const glm::uvec3& t = mesh.triangles[i];
       scan({points[t.x], points[t.y], points[t.z]}, bits, hit);
     }
   };

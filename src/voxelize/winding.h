@@ -27,7 +27,9 @@ class Winding {
   };
 
   /// mesh: in index space, closed (for parity: but for what way its triangles are turned).
-  explicit Winding(const TriangleMesh& mesh, Rule rule = Rule::signedTurns);
+  ///   throws  Error(cancelled)
+  explicit Winding(const TriangleMesh& mesh, Rule rule = Rule::signedTurns,
+                   const Progress* progress = nullptr);
 
   /// The lattice that vertices are snapped to has steps of 2^-bits voxels.
   static int latticeBits(const Box& box);
