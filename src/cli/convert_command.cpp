@@ -10,8 +10,10 @@
 
 #include "cli/command.h"
 #include "cli/fracture_options.h"
+#include "cli/interrupts.h"
 #include "cli/option_text.h"
 #include "io/file_kind.h"
+#include "io/held_files.h"
 #include "io/json_of.h"
 #include "io/mesh_file.h"
 #include "io/read_facing.h"
@@ -39,37 +41,37 @@ struct Converted {
   std::vector<std::string> losses;
 };
 
-Converted convertVoxels(const ConvertArguments& arguments, VoxelFormat format) {
+Converted convertVoxels(const ConvertArguments& arguments, HeldFiles& files, VoxelFormat format) {
   PlacedVoxels voxels = readVoxels(arguments.in);
   if (arguments.voxelSize > 0.0) {
     voxels.place = VoxelPlace{{{arguments.origin}, arguments.voxelSize}, {0, 0, 0}};
   }
   if (arguments.pad == "cube") voxels = padded(voxels, Padding::atEnd, arguments.in);
   if (arguments.pad == "cube-centred") voxels = padded(voxels, Padding::centred, arguments.in);
-  writeVoxels(arguments.out, voxels, format);
+  writeVoxels({files, arguments.out}, voxels, format);
   return {{{"kind", "voxels"},
            {"dims", jsonOf(voxels.voxels.dims)},
            {"runs", voxels.voxels.runs.size()}},
           lossesOf(voxels, format)};
 }
 
-Converted convertMesh(const ConvertArguments& arguments, MeshFileFormat format) {
+Converted convertMesh(const ConvertArguments& arguments, HeldFiles& files, MeshFileFormat format) {
   const SourceMesh source = readMesh(arguments.in);
   std::vector<std::uint16_t> facing;
   if (lowerCase(fs::path(arguments.in).extension().string()) == ".ply") {
     facing = readFacing(arguments.in, source.mesh);
   }
   if (format == MeshFileFormat::stl && arguments.ascii) format = MeshFileFormat::stlText;
-  writeMeshFile(arguments.out, source, facing, format);
+  writeMeshFile(files, arguments.out, source, facing, format);
   return {{{"kind", "mesh"},
            {"vertices", source.mesh.vertices.size()},
            {"triangles", source.mesh.triangles.size()}},
           lossesOf(source, facing, format)};
 }
 
-Converted convertPoints(const ConvertArguments& arguments, PointFormat format) {
+Converted convertPoints(const ConvertArguments& arguments, HeldFiles& files, PointFormat format) {
   const SurfacePoints points = readPoints(arguments.in);
-  writePoints(arguments.out, points, format);
+  writePoints({files, arguments.out}, points, format);
   return {{{"kind", "points"}, {"points", points.positions.size()}}, lossesOf(points, format)};
 }
 
@@ -91,21 +93,21 @@ std::optional<MeshFileFormat> meshFormatOf(const fs::path& file) {
   return {};
 }
 
-Converted convert(const ConvertArguments& arguments) {
+Converted convert(const ConvertArguments& arguments, HeldFiles& files) {
   switch (kindOf(arguments.in)) {
     case FileKind::voxels: {
       const auto format = voxelFormatOf(arguments.out);
-      if (format) return convertVoxels(arguments, *format);
+      if (format) return convertVoxels(arguments, files, *format);
       refuseFormat(arguments, "voxels", ".rle .npy .npz .vox .qstack .bing");
     }
     case FileKind::mesh: {
       const auto format = meshFormatOf(arguments.out);
-      if (format) return convertMesh(arguments, *format);
+      if (format) return convertMesh(arguments, files, *format);
       refuseFormat(arguments, "triangles", ".ply .obj .glb .stl .binm");
     }
     case FileKind::points: {
       const auto format = pointFormatOf(arguments.out);
-      if (format) return convertPoints(arguments, *format);
+      if (format) return convertPoints(arguments, files, *format);
       refuseFormat(arguments, "points", ".ply .xyz .npz .binp");
     }
     case FileKind::other:
@@ -117,7 +119,9 @@ Converted convert(const ConvertArguments& arguments) {
 }
 
 void runConvert(const ConvertArguments& arguments) {
-  const Converted done = convert(arguments);
+  setInterruptedState(arguments.out + " is as it was before");
+  HeldFiles files;
+  const Converted done = convert(arguments, files);
   for (const std::string& loss : done.losses) {
     printMessage("sherd: warning: " + arguments.out + ": " + loss);
   }
@@ -127,11 +131,14 @@ void runConvert(const ConvertArguments& arguments) {
                {"file", arguments.out}};
   told.update(done.told);
   told["losses"] = done.losses;
-  if (arguments.json) {
-    return printResult(told.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
-  }
-  printResult(arguments.out + ": " + told["kind"].get<std::string>() + " of " + arguments.in +
+  stopIfInterrupted();
+  // Where nobody takes the result, nothing is replaced.
+  printResult((arguments.json ? told.dump(1, ' ', false, Json::error_handler_t::replace)
+                              : arguments.out + ": " + told["kind"].get<std::string>() + " of " +
+                                    arguments.in) +
               "\n");
+  beginLastSteps();
+  files.putInPlace();
 }
 
 }  // namespace

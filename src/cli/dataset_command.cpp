@@ -196,7 +196,7 @@ void addRunOptions(CLI::App& command, DatasetArguments& arguments) {
 }
 
 void runDatasetCommand(DatasetArguments& arguments) {
-  watchForInterrupts();
+  if (!arguments.dryRun) setInterruptedState("go on with the same command and --resume");
   DatasetOptions& options = arguments.options;
   options.write = writeOptions(arguments.write);
   // Loaders of Breaking Bad want nothing but vertices and faces, and take any file for a piece.
@@ -230,11 +230,8 @@ void runDatasetCommand(DatasetArguments& arguments) {
     telling.done(arguments.folder, summary);
     if (arguments.verify)
       telling.verified(arguments.folder, verifyDataset(arguments.folder, isInterrupted));
-  } catch (const Error& e) {
+  } catch (const Error&) {
     telling.stopped();
-    if (e.code() == ErrorCode::cancelled) {
-      throw Error(ErrorCode::cancelled, "interrupted; go on with the same command and --resume");
-    }
     throw;
   }
 }

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/command.h"
+#include "cli/progress_line.h"
 
 namespace sherd::cli {
 namespace {
@@ -85,7 +86,7 @@ void DatasetTelling::progress(const DatasetProgress& told) {
 
 void DatasetTelling::line(const DatasetProgress& told) {
   const auto now = std::chrono::steady_clock::now();
-  if (drawn_ && now - last_ < std::chrono::milliseconds(100)) return;
+  if (lineIsDrawn && now - last_ < std::chrono::milliseconds(100)) return;
   const int percent =
       told.ofFractures == 0 ? 100 : static_cast<int>(100 * told.fractures / told.ofFractures);
   std::fprintf(
@@ -95,7 +96,7 @@ void DatasetTelling::line(const DatasetProgress& told) {
       timeText(leftOf(told)).c_str(), told.object.c_str());
   std::fflush(stderr);
   last_ = now;
-  drawn_ = true;
+  lineIsDrawn = true;
 }
 
 void DatasetTelling::say(const std::string& sentence) {
@@ -104,8 +105,7 @@ void DatasetTelling::say(const std::string& sentence) {
 }
 
 void DatasetTelling::clear() {
-  if (drawn_) std::fputs("\r\x1b[K", stderr);
-  drawn_ = false;
+  if (lineIsDrawn.exchange(false)) std::fputs(kClearLine, stderr);
 }
 
 void DatasetTelling::done(const std::string& folder, const DatasetSummary& summary) {

@@ -36,7 +36,6 @@ class DatasetTelling {
   void clear();
 
   bool json_, terminal_, quiet_;
-  bool drawn_ = false;
   std::size_t objects_ = 0;  // that were told to be done
   std::chrono::steady_clock::time_point last_;
 };

@@ -13,7 +13,8 @@
 #include "cgal/cgal_checks.h"
 #include "cli/command.h"
 #include "cli/evaluate_report.h"
-#include "io/atomic_file.h"
+#include "cli/interrupts.h"
+#include "io/held_files.h"
 
 namespace sherd::cli {
 namespace {
@@ -66,9 +67,14 @@ void runEvaluate(EvaluateArguments& arguments) {
   }
   arguments.options.tolerance = arguments.tolerancePercent / 100.0;
   const EvaluateReport report = reportOf(arguments);
-  if (!arguments.csv.empty()) writeWhole(arguments.csv, reportCsv(report));
-  if (!arguments.plot.empty()) writeWhole(arguments.plot, reportPlot(report));
+  HeldFiles files;
+  if (!arguments.csv.empty()) OutputFile(files, arguments.csv).write(reportCsv(report));
+  if (!arguments.plot.empty()) OutputFile(files, arguments.plot).write(reportPlot(report));
+  stopIfInterrupted();
+  // Where nobody takes the result, nothing is replaced.
   printResult(arguments.json ? reportJson(report) : reportTable(report));
+  beginLastSteps();
+  files.putInPlace();
 }
 
 }  // namespace

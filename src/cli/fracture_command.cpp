@@ -5,6 +5,7 @@
 #include <sherd/memory.h>
 #include <sherd/refracture.h>
 #include <sherd/volume.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -24,6 +25,7 @@
 #include "cli/progress_line.h"
 #include "io/file_names.h"
 #include "io/mesh_report.h"
+#include "io/read_manifest.h"
 #include "io/write_fracture.h"
 #include "lower_case.h"
 
@@ -68,7 +70,7 @@ Input readInput(FractureArguments& arguments, const Progress& progress) {
   }
   SourceMesh source;
   if (isVolumeName(arguments.mesh)) {
-    Volume volume = readVolume(arguments.mesh, arguments.volume);
+    Volume volume = readVolume(arguments.mesh, arguments.volume, &progress);
     if (arguments.volume.ownVoxels) arguments.options.voxelSize = volume.voxelSize;
     input.solid = std::move(volume.solid);
     source = std::move(volume.source);
@@ -128,10 +130,24 @@ std::vector<std::string> objectFolders(const std::string& folder,
   return folders;
 }
 
+// Each folder is locked by an open file until all of them are put in place.
+void allowOpenFiles() {
+  rlimit files{};
+  if (::getrlimit(RLIMIT_NOFILE, &files) != 0) return;
+  files.rlim_cur = files.rlim_max;
+  (void)::setrlimit(RLIMIT_NOFILE, &files);
+}
+
 class FractureRun {
  public:
   explicit FractureRun(FractureArguments& arguments)
       : arguments_(arguments), line_(::isatty(STDERR_FILENO) == 1 && !arguments.quiet) {}
+  ~FractureRun() {
+    while (!replacements_.empty())
+      replacements_.pop_back();  // later ones lie in folders of earlier
+  }
+  FractureRun(const FractureRun&) = delete;
+  FractureRun& operator=(const FractureRun&) = delete;
 
   void run() {
     if (!arguments_.splitObjects) checkFractureFolder(arguments_.folder);
@@ -144,6 +160,7 @@ class FractureRun {
     if (arguments_.splitObjects) {
       folders = objectFolders(arguments_.folder, input.meshes);
       for (const std::string& folder : folders) checkFractureFolder(folder);
+      allowOpenFiles();
     }
     Device device = timed("device", [&] { return opening.get(); });
     const std::vector<StageTime> before = times_;
@@ -161,10 +178,10 @@ class FractureRun {
       start_ = Clock::now();
     }
     line_.clear();
-    if (arguments_.json) {
-      const nlohmann::ordered_json& all = arguments_.splitObjects ? told_ : told_.front();
-      printResult(all.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
-    }
+    stopIfInterrupted();
+    printTold();  // where nobody takes it, nothing is replaced
+    beginLastSteps();
+    for (FractureReplacement& replacement : replacements_) replacement.putInPlace();
     if (refused) throw *refused;
   }
 
@@ -184,20 +201,32 @@ class FractureRun {
     const std::string title = titled(arguments_.mesh, source);
     const WriteOptions write = writeOptions(arguments_.write);
     GrownFracture grown = breakInput(arguments_, write, input, source, title, device, progress_);
-    const auto [result, manifest] =
-        writeGrown(folder, source, arguments_.options, std::move(grown), write, &progress_);
+    AsideFracture aside =
+        writeAside(folder, source, arguments_.options, std::move(grown), write, &progress_);
+    replacements_.push_back(std::move(aside.replacement));
+    const FractureResult& result = aside.result;
     times_.insert(times_.end(), result.times.begin(), result.times.end());
     times_.push_back({"total", secondsSince(start_)});
-    const FractureTelling told{title,         folder,   source, arguments_.options, write, result,
-                               device.info(), manifest, times_};
+    const FractureTelling told{title, folder, source,        arguments_.options,
+                               write, result, device.info(), fs::path(folder) / kManifestName,
+                               times_};
     line_.clear();
     for (const std::string& warning : warningsOf(told)) {
       printMessage("sherd: warning: " + warning);
     }
     if (arguments_.json) {
       told_.push_back(jsonOf(told));
-    } else if (!arguments_.quiet) {
-      printResult(textOf(told));
+    } else {
+      toldText_ += textOf(told);
+    }
+  }
+
+  void printTold() const {
+    if (arguments_.json) {
+      const nlohmann::ordered_json& all = arguments_.splitObjects ? told_ : told_.front();
+      printResult(all.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+    } else if (!arguments_.quiet && !toldText_.empty()) {
+      printResult(toldText_);
     }
   }
 
@@ -209,24 +238,18 @@ class FractureRun {
       .cancelled = isInterrupted};
   std::vector<StageTime> times_;
   nlohmann::ordered_json told_ = nlohmann::ordered_json::array();
+  std::string toldText_;
+  std::vector<FractureReplacement> replacements_;  // all or none are put in place
 };
 
 void runFracture(FractureArguments& arguments) {
-  watchForInterrupts();
+  setInterruptedState(arguments.folder + " is as it was before");
   const WriteOptions write = writeOptions(arguments.write);
   checkWriteOptions(write, arguments.options);
   arguments.options = optionsFor(arguments.options, write);
   const auto threads = limitedThreads(arguments.machine);
   keepFreedMemory();
-  try {
-    FractureRun(arguments).run();
-  } catch (const Error& e) {
-    if (e.code() != ErrorCode::cancelled) throw;
-    throw Error(ErrorCode::cancelled,
-                arguments.splitObjects
-                    ? "interrupted; what was done of the objects is in " + arguments.folder
-                    : "interrupted; " + arguments.folder + " is as it was before");
-  }
+  FractureRun(arguments).run();
 }
 
 }  // namespace

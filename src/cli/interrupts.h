@@ -1,16 +1,40 @@
-// Ctrl-C: a flag that long work asks for.
+// Ctrl-C: asks long work to stop, and ends the process where that is not heeded.
 #pragma once
+
+#include <sherd/progress.h>
+
+#include <string>
 
 namespace sherd::cli {
 
-/// From now on SIGINT, SIGTERM and SIGHUP, unless the caller ignores them, only set a flag.  To be
-/// called before any thread is started.
+/// From now on SIGINT, SIGTERM and SIGHUP, unless the caller ignores them, are asked for by
+/// isInterrupted().  Where the process still lives 0.7 s later, as in a foreign library or while
+/// memory is freed, it is ended: temporaries are taken away, and interruptSentence() is printed.
+/// To be called before any thread is started.
 void watchForInterrupts();
 
-/// Whether one of them came.
+/// Whether one of them came, and the last steps have not begun.
 [[nodiscard]] bool isInterrupted();
 
 /// throws Error(cancelled) where one came
 void stopIfInterrupted();
+
+/// For work that is asked to stop and does not show how far it is.
+[[nodiscard]] const Progress& untilInterrupted();
+
+/// What an interrupted command leaves behind, as "DIR is as it was before".
+void setInterruptedState(std::string state);
+
+/// "interrupted; " and that.
+[[nodiscard]] std::string interruptSentence();
+
+/// All is written aside and the result is printed; what remains is to put it in place.  From here
+/// on the process goes on to its end, whatever comes: a status of 130 means that nothing was
+/// replaced.  stopIfInterrupted() comes before printing, and nothing asks after it.
+void beginLastSteps();
+
+/// The caller is about to end the process with this status, after a message.  Where an interrupt
+/// ends it already, this does not return.
+void endWith(int status);
 
 }  // namespace sherd::cli

@@ -16,13 +16,15 @@
 
 #include "cli/command.h"
 #include "cli/dataset_arguments.h"
+#include "cli/interrupts.h"
 #include "io/atomic_file.h"
 
 namespace sherd::cli {
 
 void printResult(const std::string& text) {
-  std::fwrite(text.data(), 1, text.size(), stdout);
-  if (std::fflush(stdout) != 0) {
+  // What is longer than the buffer is written, and fails, before it is flushed.
+  const bool isTaken = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
+  if (!isTaken || std::fflush(stdout) != 0) {
     throw Error(ErrorCode::output, "standard output: " + reasonOf(errno));
   }
 }
@@ -87,16 +89,19 @@ void parse(int argc, char** argv, Action& run) {
 }
 
 int report(ErrorCode code, const std::string& sentence) {
-  printMessage("sherd: " + sentence);
+  endWith(static_cast<int>(code));
+  printMessage("sherd: " + (code == ErrorCode::cancelled ? interruptSentence() : sentence));
   return static_cast<int>(code);
 }
 
 int runProgram(int argc, char** argv) {
   try {
     prepareProcess();
+    watchForInterrupts();
     Action run;
     parse(argc, argv, run);
     if (run) run();
+    endWith(0);
     return 0;
   } catch (const Error& e) {
     return report(e.code(), e.what());

@@ -1,10 +1,16 @@
 // Progress on a terminal: one line, redrawn some ten times a second.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <string_view>
 
 namespace sherd::cli {
+
+/// Whether the terminal's last line is to be cleared before anything else is printed, and what
+/// clears it; any thread may ask.
+extern std::atomic<bool> lineIsDrawn;
+constexpr const char* kClearLine = "\r\x1b[K";
 
 class ProgressLine {
  public:
@@ -20,7 +26,6 @@ class ProgressLine {
 
  private:
   bool shown_;
-  bool drawn_ = false;
   std::chrono::steady_clock::time_point last_;
 };
 

@@ -9,8 +9,10 @@
 #include <optional>
 
 #include "cli/command.h"
+#include "cli/interrupts.h"
 #include "cli/option_text.h"
 #include "io/file_names.h"
+#include "io/held_files.h"
 #include "lower_case.h"
 
 namespace sherd::cli {
@@ -80,6 +82,7 @@ void runRender(RenderArguments& arguments) {
                     static_cast<std::size_t>(arguments.threads));
   }
   const fs::path output = arguments.output;
+  setInterruptedState(arguments.output + " is as it was before");
   const std::string extension = lowerCase(output.extension().string());
   if (extension != ".png" && extension != ".exr") {
     throw Error(ErrorCode::usage,
@@ -88,17 +91,21 @@ void runRender(RenderArguments& arguments) {
   RenderOptions options = arguments.options;
   options.up = arguments.up.front();
   const std::vector<Fragment> pieces = readPieces(arguments.path);
+  HeldFiles files;
   const auto count = static_cast<std::size_t>(std::max(1, arguments.turntable));
   for (std::size_t i = 0; i < count; ++i) {
     options.azimuth =
         arguments.options.azimuth + 360.0 * static_cast<double>(i) / static_cast<double>(count);
     const fs::path file = arguments.turntable > 0 ? numbered(output, i + 1, count) : output;
     if (extension == ".png") {
-      writePng(file, renderFragments(pieces, options));
+      writePng({files, file}, renderFragments(pieces, options, &untilInterrupted()));
     } else {
-      writeExr(file, renderLayers(pieces, options));
+      writeExr({files, file}, renderLayers(pieces, options, &untilInterrupted()));
     }
   }
+  stopIfInterrupted();
+  beginLastSteps();
+  files.putInPlace();
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "dataset/fracture_line.h"
 #include "dataset/object_run.h"
+#include "io/unfinished.h"
 
 namespace sherd {
 namespace {
@@ -24,9 +25,11 @@ constexpr int kFracturesOfEach = 3;
 class ShortLived {
  public:
   ShortLived() : path_((fs::temp_directory_path() / "sherd-forecast-XXXXXX").string()) {
+    const Uncut whole;
     if (::mkdtemp(path_.data()) == nullptr) {
       throw Error(ErrorCode::output, path_ + ": cannot be made");
     }
+    unfinished_ = Unfinished(path_, Unfinished::Kind::folder);
   }
   ~ShortLived() {
     std::error_code ignored;
@@ -38,6 +41,7 @@ class ShortLived {
 
  private:
   std::string path_;
+  Unfinished unfinished_;
 };
 
 struct Cost {

@@ -104,8 +104,13 @@ void AtomicFile::put(std::string_view bytes, bool direct) {
   }
 }
 
-void AtomicFile::commit() {
+void AtomicFile::close() {
+  if (descriptor_ < 0) return;
   if (::close(std::exchange(descriptor_, -1)) != 0) fail(errno);  // NFS tells of a full disk here
+}
+
+void AtomicFile::commit() {
+  close();
   const Uncut whole;
   if (::rename(temporary_.c_str(), file_.c_str()) != 0) fail(errno);
   temporary_.clear();

@@ -33,6 +33,10 @@ class AtomicFile {
   ///   throws  Error(output) the disk is full or the like, with the bytes that went well
   void write(std::string_view bytes);
 
+  /// Nothing follows.
+  ///   throws  Error(output)
+  void close();
+
   /// Close, and give the file its name.
   ///   throws  Error(output)
   void commit();

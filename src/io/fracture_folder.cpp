@@ -300,34 +300,68 @@ void checkFractureFolder(const fs::path& folder) {
   }
 }
 
-fs::path replaceFracture(const fs::path& folder, const std::vector<std::string>& fresh,
-                         const std::function<void(const fs::path&)>& write) {
-  checkFractureFolder(folder);
+struct FractureReplacement::Parts {
+  fs::path folder;
+  std::vector<std::string> fresh;
+  MadeFolders made;
+  std::optional<PartialFolder> partial;
+  std::vector<std::string> old;
+};
+
+namespace {
+
+template <class Work>
+auto withFolderErrors(const fs::path& folder, const Work& work) {
   try {
-    MadeFolders made;
-    made.make(folder);
-    PartialFolder partial(folder);
-    const std::vector<std::string> old = presentFiles(folder);
-    const std::set<std::string> ours(old.begin(), old.end());
-    for (const std::string& file : old) requireOwnSubfolder(folder, file);
-    for (const std::string& file : fresh) {
-      requireOwnSubfolder(folder, file);
-      if (present(folder / file) && !ours.contains(file)) {
-        outputError(folder / file,
-                    "is in the way and not an earlier fracture's; move it away or "
-                    "name another output folder");
-      }
-    }
-    makeParents(partial.fresh(), fresh);
-    write(partial.fresh());
-    putInPlace(folder, partial, old, fresh);
-    made.keep();
-    return folder / kManifestName;
+    return work();
   } catch (const Error& e) {
     throw Error(e.code(), withoutAside(e.what()));
   } catch (const fs::filesystem_error& e) {
     outputError(folder, "cannot be written: " + reasonOf(e.code().value()));
   }
+}
+
+}  // namespace
+
+FractureReplacement::FractureReplacement(fs::path folder, std::vector<std::string> fresh)
+    : parts_(std::make_unique<Parts>()) {
+  parts_->folder = std::move(folder);
+  parts_->fresh = std::move(fresh);
+  checkFractureFolder(parts_->folder);
+  withFolderErrors(parts_->folder, [this] {
+    const fs::path& at = parts_->folder;
+    parts_->made.make(at);
+    parts_->partial.emplace(at);
+    parts_->old = presentFiles(at);
+    const std::set<std::string> ours(parts_->old.begin(), parts_->old.end());
+    for (const std::string& file : parts_->old) requireOwnSubfolder(at, file);
+    for (const std::string& file : parts_->fresh) {
+      requireOwnSubfolder(at, file);
+      if (present(at / file) && !ours.contains(file)) {
+        outputError(at / file,
+                    "is in the way and not an earlier fracture's; move it away or "
+                    "name another output folder");
+      }
+    }
+    makeParents(parts_->partial->fresh(), parts_->fresh);
+  });
+}
+
+FractureReplacement::~FractureReplacement() = default;
+FractureReplacement::FractureReplacement(FractureReplacement&& other) noexcept = default;
+FractureReplacement& FractureReplacement::operator=(FractureReplacement&& other) noexcept = default;
+
+void FractureReplacement::write(const std::function<void(const fs::path&)>& write) {
+  withFolderErrors(parts_->folder, [&] { write(parts_->partial->fresh()); });
+}
+
+fs::path FractureReplacement::putInPlace() {
+  return withFolderErrors(parts_->folder, [this] {
+    sherd::putInPlace(parts_->folder, *parts_->partial, parts_->old, parts_->fresh);
+    parts_->made.keep();
+    parts_->partial.reset();
+    return parts_->folder / kManifestName;
+  });
 }
 
 }  // namespace sherd

@@ -3,19 +3,35 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 namespace sherd {
 
-/// Put a fracture into a folder in place of the one that is there, as writeFracture promises.
-///   fresh   its files but for the manifest, relative to the folder
-///   write   writes them and the manifest below the folder that it is given, whose sub-folders are
-///           there
-///   return  the manifest's path
-///   throws  Error(output); what `write` throws
-std::filesystem::path replaceFracture(
-    const std::filesystem::path& folder, const std::vector<std::string>& fresh,
-    const std::function<void(const std::filesystem::path&)>& write);
+/// A fracture on its way into a folder, in place of the one that is there, as writeFracture
+/// promises.  What is not put in place goes with this, and the folder is as it was.
+class FractureReplacement {
+ public:
+  ///   fresh   its files but for the manifest, relative to the folder
+  ///   throws  Error(output)
+  FractureReplacement(std::filesystem::path folder, std::vector<std::string> fresh);
+  ~FractureReplacement();
+  FractureReplacement(FractureReplacement&& other) noexcept;
+  FractureReplacement& operator=(FractureReplacement&& other) noexcept;
+
+  /// Write the files and the manifest aside: `write` is given a folder whose sub-folders are there.
+  ///   throws  Error(output); what `write` throws
+  void write(const std::function<void(const std::filesystem::path&)>& write);
+
+  /// Nothing but renames.
+  ///   return  the manifest's path
+  ///   throws  Error(output), and all is as it was
+  std::filesystem::path putInPlace();
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
 
 }  // namespace sherd

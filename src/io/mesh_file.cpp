@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "io/atomic_file.h"
 #include "io/file_names.h"
 #include "io/mesh_writer.h"
 #include "io/piece_mesh.h"
@@ -18,58 +17,40 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Files that a mesh refers to, taken away again unless kept.
-class FilesBeside {
- public:
-  FilesBeside() = default;
-  ~FilesBeside() {
-    std::error_code ignored;
-    for (const fs::path& file : made_) fs::remove(file, ignored);
+// A file that a mesh refers to.
+void writeBeside(FileSink& files, const fs::path& file, const std::string& bytes) {
+  if (fs::exists(fs::symlink_status(file))) {
+    if (fs::is_regular_file(file) && readFileBytes(file) == bytes) return;
+    throw Error(ErrorCode::output, file.string() +
+                                       ": is in the way with other content; move it away or "
+                                       "name another folder");
   }
-  FilesBeside(const FilesBeside&) = delete;
-  FilesBeside& operator=(const FilesBeside&) = delete;
-
-  void write(const fs::path& file, const std::string& bytes) {
-    if (fs::exists(fs::symlink_status(file))) {
-      if (fs::is_regular_file(file) && readFileBytes(file) == bytes) return;
-      throw Error(ErrorCode::output, file.string() +
-                                         ": is in the way with other content; move it away or "
-                                         "name another folder");
-    }
-    writeWhole(file, bytes);
-    made_.push_back(file);
-  }
-  void keep() { made_.clear(); }
-
- private:
-  std::vector<fs::path> made_;
-};
+  OutputFile(files, file).write(bytes);
+}
 
 bool hasMaterials(const SourceMesh& source) { return !source.appearance.surface.material.empty(); }
 
 }  // namespace
 
-void writeMeshFile(const fs::path& file, const SourceMesh& source,
+void writeMeshFile(FileSink& files, const fs::path& file, const SourceMesh& source,
                    const std::vector<std::uint16_t>& facing, MeshFileFormat format) {
   const SurfaceLook& look = source.appearance.surface;
   if (format == MeshFileFormat::ply && facing.empty() && look.empty()) {
-    return writePly(file, source.mesh);
+    return writePly({files, file}, source.mesh);
   }
   const MaterialTable table = materialTable(source.appearance);
   const std::vector<std::uint16_t> none(source.mesh.triangles.size(), 0);
   const std::string name = withoutBlanks(safeName(file.stem().string(), "mesh"));
   const PieceMesh piece{name, source.mesh, facing.empty() ? none : facing, look, table};
-  FilesBeside beside;
   if (format == MeshFileFormat::obj || format == MeshFileFormat::ply) {
     for (const MaterialTable::Picture& picture : table.textures) {
-      beside.write(file.parent_path() / picture.file, picture.bytes);
+      writeBeside(files, file.parent_path() / picture.file, picture.bytes);
     }
   }
   const bool hasLibrary = format == MeshFileFormat::obj && hasMaterials(source);
   const std::string library = hasLibrary ? name + ".mtl" : "";
-  if (hasLibrary) beside.write(file.parent_path() / library, mtlText(table));
-  writePiece(file, format, piece, library);
-  beside.keep();
+  if (hasLibrary) writeBeside(files, file.parent_path() / library, mtlText(table));
+  writePiece({files, file}, format, piece, library);
 }
 
 std::vector<std::string> lossesOf(const SourceMesh& source,

@@ -64,25 +64,27 @@ fs::path writeFracture(const fs::path& folder, const SourceMesh& source,
   const FractureWriter writer(source, write);
   const FractureFiles files =
       fileNames(source, result.kept(), options.surface.triangles, writer.materials(), write);
-  return replaceFracture(folder, files.all(), [&](const fs::path& aside) {
+  FractureReplacement replacement(folder, files.all());
+  replacement.write([&](const fs::path& aside) {
     writer.write(aside, files, options, result, progress);
     writeWhole(aside / kManifestName,
                manifestText(source, options, result, meshFacts(result.fragments), files, write));
   });
+  return replacement.putInPlace();
 }
 
-WrittenFracture writeGrown(const fs::path& folder, const SourceMesh& source,
-                           const FractureOptions& options, GrownFracture grown,
-                           const WriteOptions& write, const Progress* progress) {
+AsideFracture writeAside(const fs::path& folder, const SourceMesh& source,
+                         const FractureOptions& options, GrownFracture grown,
+                         const WriteOptions& write, const Progress* progress) {
   checkWriteOptions(write, options);
   const FractureWriter writer(source, write);
-  WrittenFracture written{std::move(grown.result), {}};
-  FractureResult& result = written.result;
+  FractureResult result = std::move(grown.result);
   result.fragments.resize(static_cast<std::size_t>(grown.fragments));
   const FractureFiles files =
       fileNames(source, result.kept(), options.surface.triangles, writer.materials(), write);
   StageClock clock;
-  written.manifest = replaceFracture(folder, files.all(), [&](const fs::path& aside) {
+  FractureReplacement replacement(folder, files.all());
+  replacement.write([&](const fs::path& aside) {
     FractureWriting writing(writer, aside, files, options, result);
     const std::vector<MeshFacts> facts =
         makeAndWrite(grown, options.surface, write, result, writing, clock, progress);
@@ -91,7 +93,7 @@ WrittenFracture writeGrown(const fs::path& folder, const SourceMesh& source,
   });
   clock.done("write");
   result.times.insert(result.times.end(), clock.times().begin(), clock.times().end());
-  return written;
+  return {std::move(result), std::move(replacement)};
 }
 
 WrittenFracture fractureInto(const fs::path& folder, const SourceMesh& source,
@@ -100,8 +102,10 @@ WrittenFracture fractureInto(const fs::path& folder, const SourceMesh& source,
   checkWriteOptions(write, options);
   checkFractureFolder(folder);
   const FractureOptions own = optionsFor(options, write);
-  return writeGrown(folder, source, own, grown(source.mesh, own, device, progress), write,
-                    progress);
+  AsideFracture aside =
+      writeAside(folder, source, own, grown(source.mesh, own, device, progress), write, progress);
+  fs::path manifest = aside.replacement.putInPlace();
+  return {std::move(aside.result), std::move(manifest)};
 }
 
 }  // namespace sherd

@@ -4,14 +4,21 @@
 #include <sherd/io.h>
 
 #include "fracture_stages.h"
+#include "io/fracture_folder.h"
 
 namespace sherd {
 
-/// `extracted` and `writeFracture`, as fractureInto has it.
+/// A fracture whose files are written, and not yet in place.
+struct AsideFracture {
+  FractureResult result;  ///< as fractureInto has it
+  FractureReplacement replacement;
+};
+
+/// `extracted` and `writeFracture`, as fractureInto has it, but for the renames.
 ///   throws  what they throw
-[[nodiscard]] WrittenFracture writeGrown(const std::filesystem::path& folder,
-                                         const SourceMesh& source, const FractureOptions& options,
-                                         GrownFracture grown, const WriteOptions& write,
-                                         const Progress* progress);
+[[nodiscard]] AsideFracture writeAside(const std::filesystem::path& folder,
+                                       const SourceMesh& source, const FractureOptions& options,
+                                       GrownFracture grown, const WriteOptions& write,
+                                       const Progress* progress);
 
 }  // namespace sherd

@@ -20,6 +20,7 @@
 #include <string>
 #include <utility>
 
+#include "io/unfinished.h"
 #include "mesh/beside.h"
 #include "mesh/mesh_stream.h"
 #include "mesh/text_scan.h"
@@ -110,10 +111,12 @@ class Child {
     ::posix_spawnattr_setsigmask(&attributes, &none);
     ::posix_spawnattr_setsigdefault(&attributes, &usual);
     ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+    const Uncut whole;
     errno = ::posix_spawn(&id_, program.c_str(), &files, &attributes, argv.data(), environ);
     ::posix_spawnattr_destroy(&attributes);
     ::posix_spawn_file_actions_destroy(&files);
     if (errno != 0) throw cannotStart(program);
+    running_ = Unfinished(id_);
   }
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
@@ -125,6 +128,7 @@ class Child {
 
   // How it ended, as waitpid() tells; nothing where the caller's program lets nobody wait.
   int wait() {
+    running_.end();
     int status = 0;
     while (::waitpid(id_, &status, 0) < 0 && errno == EINTR) {
     }
@@ -134,6 +138,7 @@ class Child {
 
  private:
   pid_t id_ = -1;
+  Unfinished running_;
 };
 
 // All that the program answers; nothing where it takes too long or answers too much.

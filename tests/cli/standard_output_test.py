@@ -1,0 +1,92 @@
+#!/usr/bin/python3
+"""A standard output that takes nothing: status 5 and a sentence, and what a command would have replaced is as it was.
+
+SHERD_BIN names the program.
+"""
+import json
+import os
+import subprocess
+import unittest
+
+from cli_test import CommandLine, sphere, tree
+
+COMMANDS = ("fracture", "dataset", "merge", "inspect", "convert", "evaluate", "render", "devices")
+
+
+class StandardOutput(CommandLine):
+    def both_refuse(self, *arguments):
+        """Full and closed."""
+        with open("/dev/full", "w") as full:
+            runs = [self.run_sherd(*arguments, stdout=full),
+                    self.run_sherd(*arguments, stdout=None, preexec_fn=lambda: os.close(1))]
+        for run in runs:
+            self.assertEqual(run.returncode, 5, run.stderr)
+            self.assertRegex(run.stderr, r"(?m)^sherd: standard output: (no space left on device|bad file descriptor)$")
+
+    def test_help_and_version(self):
+        for arguments in ["--help"], ["--version"], *([command, "--help"] for command in COMMANDS):
+            with self.subTest(arguments=arguments):
+                self.both_refuse(*arguments)
+
+    def test_a_fracture_is_not_replaced(self):
+        self.assertEqual(self.fracture("--quiet").returncode, 0)
+        before = tree(self.tmp)
+        for more in [], ["--json"]:
+            with self.subTest(more=more):
+                self.both_refuse("fracture", self.ball, "-o", self.out, "--pieces", "5", "--resolution", "32", *more)
+                self.assertEqual(tree(self.tmp), before)
+
+    def two_objects(self):
+        path = self.path("two.obj")
+        with open(path, "w") as out:
+            first = 1
+            for i in range(2):
+                v, f = sphere(center=(3 * i, 0, 0))
+                out.write(f"o part{i}\n")
+                out.writelines("v %g %g %g\n" % p for p in v)
+                out.writelines("f %d %d %d\n" % tuple(k + first for k in t) for t in f)
+                first += len(v)
+        return path
+
+    def test_objects_are_replaced_all_or_none(self):
+        arguments = ["fracture", self.two_objects(), "-o", self.out, "--split-objects", "--resolution", "32", "--pieces"]
+        before = tree(self.tmp)
+        for more in [], ["--json"]:
+            self.both_refuse(*arguments, "2", *more)
+            self.assertEqual(tree(self.tmp), before)  # no folder at all
+        told = self.run_sherd(*arguments, "2", "--json")
+        self.assertEqual(told.returncode, 0, told.stderr)
+        self.assertEqual([one["fragments"] for one in json.loads(told.stdout)], [2, 2])
+        before = tree(self.tmp)
+        self.assertIn("out/part1/manifest.json", before)
+        for more in [], ["--json"]:
+            self.both_refuse(*arguments, "3", *more)
+            self.assertEqual(tree(self.tmp), before)
+
+    def test_files_are_not_replaced(self):
+        pieces = self.path("pieces")
+        self.assertEqual(self.fracture("--voxel-format", "npy", out=pieces).returncode, 0)
+        labels = next(n for n in tree(pieces) if n.endswith(".npy"))
+        table, plot, mesh, voxels = (self.path(name, b"what was there") for name in ("a.csv", "a.svg", "a.ply", "a.rle"))
+        before = tree(self.tmp)
+        for arguments in (["evaluate", pieces, "--samples", "100", "--csv", table, "--plot", plot], ["convert", self.ball, mesh],
+                          ["convert", self.ball, mesh, "--json"], ["convert", os.path.join(pieces, labels), voxels]):
+            with self.subTest(arguments=arguments):
+                self.both_refuse(*arguments)
+                self.assertEqual(tree(self.tmp), before)
+
+    def test_a_dataset_goes_on(self):
+        """A dataset keeps what is done; only the last line is lost."""
+        library = self.path("library")
+        os.mkdir(library)
+        os.symlink(self.ball, os.path.join(library, "ball.obj"))
+        arguments = ["dataset", library, "-o", self.out, "--resolution", "24", "--pieces", "2..3", "--repeats", "1..1"]
+        with open("/dev/full", "w") as full:
+            self.assertEqual(self.run_sherd(*arguments, stdout=full).returncode, 5)
+        self.assertFalse([n for n in tree(self.out) if ".sherd-" in n])
+        run = self.run_sherd(*arguments, "--resume", "--verify")
+        self.assertEqual(run.returncode, 0, run.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
