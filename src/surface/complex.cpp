@@ -31,13 +31,17 @@ LabelledFaces meshOf(std::span<const glm::dvec3> vertices, std::span<const Compl
     return static_cast<std::uint32_t>(out.mesh.place.size() - 1);
   };
   // In the order of the complex, so that a mesh which nothing happened to stays as it was.
-  std::vector<std::uint32_t> number(vertices.size(), kNone);
+  std::vector<std::uint32_t> used;
+  used.reserve(3 * own.size());
   for (const std::uint32_t f : own) {
-    for (int k = 0; k < 3; ++k) number[faces[f].corner[k]] = 0;
+    for (int k = 0; k < 3; ++k) used.push_back(faces[f].corner[k]);
   }
-  for (std::uint32_t v = 0; v < number.size(); ++v) {
-    if (number[v] != kNone) number[v] = add(v);
-  }
+  std::sort(used.begin(), used.end());
+  used.erase(std::unique(used.begin(), used.end()), used.end());
+  for (const std::uint32_t v : used) (void)add(v);
+  const auto numberOf = [&](std::uint32_t v) {
+    return static_cast<std::uint32_t>(std::lower_bound(used.begin(), used.end(), v) - used.begin());
+  };
   std::map<std::pair<std::uint32_t, std::uint8_t>, std::uint32_t> further;  // of sheets above 0
   for (const std::uint32_t f : own) {
     const ComplexFace& face = faces[f];
@@ -48,7 +52,7 @@ LabelledFaces meshOf(std::span<const glm::dvec3> vertices, std::span<const Compl
       const std::uint8_t sheet =
           (isFront ? face.frontSheet : face.backSheet)[static_cast<std::size_t>(k)];
       if (sheet == 0) {
-        corner[k] = number[v];
+        corner[k] = numberOf(v);
       } else {
         const auto [found, isNew] = further.try_emplace({v, sheet}, kNone);
         if (isNew) found->second = add(v);

@@ -52,6 +52,10 @@ class InterfaceMeshes::Meshing {
       vertices_.at[v] = solid.frame.worldFromIndex({vertices_.at[v]}).v;
     });
     numberVertices(fragments);
+    // Each label's in the order that they had.
+    forEach(0, count_, [&](std::size_t leaf) {
+      std::stable_sort(quads_[leaf].begin(), quads_[leaf].end(), hasLowerLabel);
+    });
     sortFaces(fragments);
   }
 
@@ -65,9 +69,10 @@ class InterfaceMeshes::Meshing {
       out.place.push_back(vertices_.place[v]);
     }
     const auto forEachQuad = [&](std::uint32_t leaf, const auto& visit) {
-      for (const InterfaceQuad& quad : quads_[leaf]) {
-        if (quad.label == label) visit(quad);
-      }
+      const auto own = std::equal_range(quads_[leaf].begin(), quads_[leaf].end(),
+                                        InterfaceQuad{.label = static_cast<std::uint16_t>(label)},
+                                        hasLowerLabel);
+      for (auto quad = own.first; quad != own.second; ++quad) visit(*quad);
     };
     std::size_t triangles = gapsOf_[i].size();
     for (const std::uint32_t leaf : leavesOf_[i]) {
@@ -186,8 +191,10 @@ class InterfaceMeshes::Meshing {
     for (const InterfaceTriangle& gap : gaps_) {
       for (const std::uint32_t v : gap.vertex) label_[v] = gap.label;
     }
-    std::vector<std::size_t> counts(std::size_t{Labels::kWorn} + 1, 0);
-    for (const std::uint16_t label : label_) ++counts[label];
+    std::vector<std::size_t> counts(fragments + 1, 0);
+    for (const std::uint16_t label : label_) {
+      if (hasMesh(label)) ++counts[label];
+    }
     number_.resize(label_.size());
     verticesOf_.resize(fragments + 1);
     for (std::size_t label = 1; label <= fragments; ++label) {
@@ -240,6 +247,10 @@ class InterfaceMeshes::Meshing {
     out.other.insert(out.other.end(), triangles.size(), 0);
   }
 
+  static bool hasLowerLabel(const InterfaceQuad& a, const InterfaceQuad& b) {
+    return a.label < b.label;
+  }
+
   static constexpr std::uint32_t kNew = 0xffffffffu;
 
   // The places in a LeafRound of slots 0..7.
@@ -256,7 +267,7 @@ class InterfaceMeshes::Meshing {
   InterfaceVertices vertices_;
   std::vector<std::uint32_t> crowded_;
   std::vector<Junction> junctions_;
-  std::vector<std::vector<InterfaceQuad>> quads_;
+  std::vector<std::vector<InterfaceQuad>> quads_;  // [leaf] by label in the end
   std::vector<InterfaceTriangle> gaps_;
   std::vector<std::uint16_t> label_;                    // [vertices]
   std::vector<std::uint32_t> number_;                   // [vertices] in its label's mesh

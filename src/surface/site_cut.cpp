@@ -14,9 +14,9 @@ namespace {
 constexpr std::int64_t kFar = std::numeric_limits<std::int64_t>::max();
 
 // The sites that can be the nearest of theirs somewhere in a leaf's halo.
-std::vector<glm::i64vec3> nearLeaf(std::span<const glm::i64vec3> sites,
-                                   const openvdb::Coord& origin, const Sites& all) {
-  std::vector<glm::i64vec3> near(sites.begin(), sites.end());
+std::vector<Sites::Site> nearLeaf(std::span<const Sites::Site> sites, const openvdb::Coord& origin,
+                                  const Sites& all) {
+  std::vector<Sites::Site> near(sites.begin(), sites.end());
   if (near.size() < 2) return near;
   // No voxel of the halo is farther from its middle one than a corner is.
   const glm::dvec3 middle(all.stretched(origin + openvdb::Coord(4)));
@@ -26,12 +26,12 @@ std::vector<glm::i64vec3> nearLeaf(std::span<const glm::i64vec3> sites,
     const openvdb::Coord at = origin + openvdb::Coord(end(4), end(2), end(1));
     reach = std::max(reach, glm::length(glm::dvec3(all.stretched(at)) - middle));
   }
-  const auto distance = [&](const glm::i64vec3& site) {
-    return glm::length(glm::dvec3(site) - middle);
+  const auto distance = [&](const Sites::Site& site) {
+    return glm::length(glm::dvec3(site.stretched) - middle);
   };
   double least = std::numeric_limits<double>::infinity();
-  for (const glm::i64vec3& site : near) least = std::min(least, distance(site));
-  std::erase_if(near, [&](const glm::i64vec3& site) {
+  for (const Sites::Site& site : near) least = std::min(least, distance(site));
+  std::erase_if(near, [&](const Sites::Site& site) {
     return distance(site) > (least + 2.0 * reach) * (1.0 + 1e-9);
   });
   return near;
@@ -83,7 +83,8 @@ Sites::Sites(const VoronoiSites& sites) {
   first_.assign(std::size_t{seeds.back().fragment} + 2, 0);
   for (const Seed& seed : seeds) {
     ++first_[seed.fragment + 1u];
-    sites_.push_back(stretched(seed.voxel));
+    const openvdb::Coord& at = seed.voxel;
+    sites_.push_back({stretched(at), glm::dvec3(at.x(), at.y(), at.z())});
   }
   for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
 }
@@ -95,7 +96,7 @@ glm::i64vec3 Sites::stretched(const openvdb::Coord& voxel) const {
   return {row(0), row(1), row(2)};
 }
 
-std::span<const glm::i64vec3> Sites::of(std::uint16_t fragment) const {
+std::span<const Sites::Site> Sites::of(std::uint16_t fragment) const {
   if (fragment + std::size_t{1} >= first_.size()) return {};
   return std::span(sites_).subspan(first_[fragment], first_[fragment + 1u] - first_[fragment]);
 }
@@ -122,7 +123,7 @@ struct NearestInRow {
 
 //   low   the row's first voxel, stretched
 //   step  from a voxel to the next, stretched
-NearestInRow nearestInRow(std::span<const glm::i64vec3> sites, const glm::i64vec3& low,
+NearestInRow nearestInRow(std::span<const Sites::Site> sites, const glm::i64vec3& low,
                           const glm::i64vec3& step) {
   const auto dot = [](const glm::i64vec3& a, const glm::i64vec3& b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
@@ -132,7 +133,7 @@ NearestInRow nearestInRow(std::span<const glm::i64vec3> sites, const glm::i64vec
   nearest.site.fill(0);
   const std::int64_t square = dot(step, step);
   for (std::size_t i = 0; i < sites.size(); ++i) {
-    const glm::i64vec3 d = low - sites[i];
+    const glm::i64vec3 d = low - sites[i].stretched;
     std::int64_t squared = dot(d, d), growth = 2 * dot(d, step) + square;
     for (std::size_t z = 0; z < kCutSide; ++z) {
       if (squared < nearest.squared[z]) {
@@ -146,6 +147,14 @@ NearestInRow nearestInRow(std::span<const glm::i64vec3> sites, const glm::i64vec
   return nearest;
 }
 
+std::int64_t squared(const glm::i64vec3& v) { return v.x * v.x + v.y * v.y + v.z * v.z; }
+
+// Rivals that are sorted at first; more are seldom needed.
+constexpr std::size_t kRivals = 32;
+
+// Far more than a plane's distance rounds by, far less than any that decides.
+constexpr double kRounding = 1e-6;  // voxels
+
 // The cut of one leaf, row by row.
 class SitesOfLeaf {
  public:
@@ -153,18 +162,23 @@ class SitesOfLeaf {
               const Sites& sites)
       : all_(sites),
         fragments_(fragments),
+        origin_(origin),
         low_(sites.stretched(origin - openvdb::Coord(kCutHalo))),
         steps_{sites.stretched({1, 0, 0}), sites.stretched({0, 1, 0}), sites.stretched({0, 0, 1})},
-        nearest_(fragments.size()),
-        slopes_(fragments.size() * fragments.size()) {
+        nearest_(fragments.size()) {
     for (const std::uint16_t fragment : fragments) {
       sites_.push_back(nearLeaf(sites.of(fragment), origin, sites));
+    }
+    rivals_.resize(sites_.size());
+    for (std::size_t k = 0; k < sites_.size(); ++k) {
+      if (hasSites(k)) findRivals(k, kRivals);
     }
   }
 
   void goToRow(std::size_t x, std::size_t y) {
     const glm::i64vec3 low =
         low_ + static_cast<std::int64_t>(x) * steps_[0] + static_cast<std::int64_t>(y) * steps_[1];
+    row_ = {x, y};
     least_.fill(kFar);
     for (std::size_t k = 0; k < sites_.size(); ++k) {
       nearest_[k] = nearestInRow(sites_[k], low, steps_[2]);
@@ -176,58 +190,105 @@ class SitesOfLeaf {
 
   // Does a voxel belong to a site that none is nearer than?
   bool agrees(std::uint16_t label, std::size_t z) const {
-    const auto k = static_cast<std::size_t>(std::find(fragments_.begin(), fragments_.end(), label) -
-                                            fragments_.begin());
-    return k < fragments_.size() && least_[z] != kFar && nearest_[k].squared[z] == least_[z];
+    const auto at = std::lower_bound(fragments_.begin(), fragments_.end(), label);
+    if (at == fragments_.end() || *at != label) return false;
+    const auto k = static_cast<std::size_t>(at - fragments_.begin());
+    return least_[z] != kFar && nearest_[k].squared[z] == least_[z];
   }
 
   bool hasSites(std::size_t k) const { return !sites_[k].empty(); }
 
+  // The plane towards the next nearest site need not be the nearest plane: sites may lie close
+  // together.  But no voxel is farther beyond a plane than it is from the site, less what the plane
+  // is from the site; so those far from it cannot decide.
   float toCut(std::size_t k, std::size_t z) {
-    // The plane towards the next nearest site need not be the nearest plane: sites may lie close
-    // together.
+    const glm::dvec3 voxel(origin_.x() + static_cast<int>(row_[0]) - kCutHalo,
+                           origin_.y() + static_cast<int>(row_[1]) - kCutHalo,
+                           origin_.z() + static_cast<int>(z) - kCutHalo);
+    const double away = glm::length(voxel - sites_[k][nearest_[k].site[z]].voxel);
     double d = -3.0;
-    for (std::size_t other = 0; other < fragments_.size(); ++other) {
-      if (other == k || !hasSites(other)) continue;
-      const double slope = slopeBetween(k, other, z);
+    for (std::size_t i = 0;; ++i) {
+      if (i == rivals_[k].size() && i == kRivals) findRivals(k, sites_.size());
+      if (i == rivals_[k].size()) break;
+      Rival& rival = rivals_[k][i];
+      if (d >= 3.0 || away - rival.plane < d - kRounding) break;
+      const double slope = slopeBetween(k, rival, z);
       const auto difference =
-          static_cast<double>(nearest_[k].squared[z] - nearest_[other].squared[z]);
+          static_cast<double>(nearest_[k].squared[z] - nearest_[rival.other].squared[z]);
       d = std::max(d, slope > 0.0 ? difference / slope : 0.0);
+      ++planes_;
     }
     return static_cast<float>(std::min(d, 3.0));
   }
 
- private:
-  // Neighbouring voxels mostly have the same nearest sites.
-  double slopeBetween(std::size_t a, std::size_t b, std::size_t z) {
-    Slope& known = slopes_[a * fragments_.size() + b];
-    const std::size_t from = nearest_[a].site[z], to = nearest_[b].site[z];
-    if (known.from != from || known.to != to) {
-      known = {from, to, all_.slope(sites_[a][from], sites_[b][to])};
-    }
-    return known.slope;
-  }
+  std::uint64_t planes() const { return planes_; }
 
-  struct Slope {
-    std::size_t from = ~std::size_t{0}, to = 0;
+ private:
+  // Another fragment, and the slope between two sites: neighbouring voxels mostly have the same
+  // nearest ones.
+  struct Rival {
+    std::uint32_t other = 0;
+    std::uint32_t from = ~std::uint32_t{0}, to = 0;
+    double plane = 0.0;  // how near a plane between sites of the two comes to this one's, voxels
     double slope = 0.0;
   };
 
+  double slopeBetween(std::size_t k, Rival& rival, std::size_t z) const {
+    const auto from = static_cast<std::uint32_t>(nearest_[k].site[z]),
+               to = static_cast<std::uint32_t>(nearest_[rival.other].site[z]);
+    if (rival.from != from || rival.to != to) {
+      rival.from = from;
+      rival.to = to;
+      rival.slope = all_.slope(sites_[k][from].stretched, sites_[rival.other][to].stretched);
+    }
+    return rival.slope;
+  }
+
+  double leastPlane(std::size_t a, std::size_t b) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Sites::Site& one : sites_[a]) {
+      for (const Sites::Site& other : sites_[b]) {
+        const double slope = all_.slope(one.stretched, other.stretched);
+        const auto apart = static_cast<double>(squared(one.stretched - other.stretched));
+        least = std::min(least, slope > 0.0 ? apart / slope : 0.0);
+      }
+    }
+    return least;
+  }
+
+  // The nearest rivals of a fragment with sites, as many as `most`.
+  void findRivals(std::size_t k, std::size_t most) {
+    std::vector<Rival>& rivals = rivals_[k];
+    rivals.clear();
+    for (std::uint32_t other = 0; other < sites_.size(); ++other) {
+      if (other == k || !hasSites(other)) continue;
+      rivals.push_back({.other = other, .plane = leastPlane(k, other)});
+    }
+    const auto end = rivals.begin() + static_cast<std::ptrdiff_t>(std::min(most, rivals.size()));
+    std::partial_sort(rivals.begin(), end, rivals.end(),
+                      [](const Rival& a, const Rival& b) { return a.plane < b.plane; });
+    rivals.resize(static_cast<std::size_t>(end - rivals.begin()));
+    rivals.shrink_to_fit();
+  }
+
   const Sites& all_;
   std::span<const std::uint16_t> fragments_;
+  openvdb::Coord origin_;
   glm::i64vec3 low_;
   std::array<glm::i64vec3, 3> steps_;
-  std::vector<std::vector<glm::i64vec3>> sites_;  // [fragments]
-  std::vector<NearestInRow> nearest_;             // [fragments]
+  std::array<std::size_t, 2> row_{};
+  std::vector<std::vector<Sites::Site>> sites_;  // [fragments]
+  std::vector<NearestInRow> nearest_;            // [fragments]
   std::array<std::int64_t, kCutSide> least_{};
-  std::vector<Slope> slopes_;  // [fragments*fragments]
+  std::vector<std::vector<Rival>> rivals_;  // [fragments] by plane, the nearest first
+  std::uint64_t planes_ = 0;
 };
 
 }  // namespace
 
 SiteCut siteCut(const CutHalo& halo, const openvdb::Coord& origin,
                 std::span<const std::uint16_t> fragments, const Sites& sites,
-                const VoxelBits& wanted) {
+                const VoxelBits& wanted, SiteCutWork* work) {
   SiteCut cut;
   cut.distance.assign(fragments.size() * 512, 3.0f);
   SitesOfLeaf ofLeaf(origin, fragments, sites);
@@ -254,6 +315,12 @@ SiteCut siteCut(const CutHalo& halo, const openvdb::Coord& origin,
         if (ofLeaf.hasSites(k)) cut.distance[k * 512 + v] = ofLeaf.toCut(k, z);
       }
     }
+  }
+  if (work != nullptr) {
+    for (const std::uint8_t bits : wanted) {
+      work->distances += fragments.size() * static_cast<std::size_t>(std::popcount(bits));
+    }
+    work->planes += ofLeaf.planes();
   }
   const HaloBits fails = round(wrong);
   for (std::size_t row = 0; row < 64; ++row) {

@@ -29,8 +29,14 @@ class Sites {
   /// A voxel or seed (or a step between two) under the grain, in units of its metric.
   glm::i64vec3 stretched(const openvdb::Coord& voxel) const;
 
-  /// The sites of a fragment, stretched; none where it has none.
-  std::span<const glm::i64vec3> of(std::uint16_t fragment) const;
+  /// A seed, as a voxel and stretched.
+  struct Site {
+    glm::i64vec3 stretched{0};
+    glm::dvec3 voxel{0.0};
+  };
+
+  /// The sites of a fragment; none where it has none.
+  std::span<const Site> of(std::uint16_t fragment) const;
 
   /// How fast, per voxel, the difference of the squared distances to two stretched sites grows
   /// towards one of them.
@@ -39,7 +45,7 @@ class Sites {
  private:
   std::array<std::int64_t, 9> rows_{};
   std::vector<std::uint32_t> first_;  // [ids+2] into sites_, or empty
-  std::vector<glm::i64vec3> sites_;
+  std::vector<Site> sites_;
 };
 
 /// A bit for each voxel of a leaf: [x*8+y] bit z.
@@ -53,14 +59,22 @@ struct SiteCut {
                                 ///< is wanted
 };
 
+/// What was computed for a cut, to show that cost is linear.
+struct SiteCutWork {
+  std::uint64_t distances = 0;  ///< asked for: voxels times fragments
+  std::uint64_t planes = 0;     ///< that were evaluated for them
+};
+
 /// Distances to the planes that bound each fragment's cell: to the nearest of them inside it, and
-/// outside to the one that is passed by most.
+/// outside to the one that is passed by most.  Only the planes near a site decide (see
+/// SitesOfLeaf::toCut), so a leaf of many small cells costs in proportion to their number.
 ///   halo       labels of inside voxels, else 0
 ///   origin     the leaf's lowest voxel
 ///   fragments  [n] whose cut is asked for
 ///   wanted     where it is asked for
+///   work       counts are added to it, where it is given
 [[nodiscard]] SiteCut siteCut(const CutHalo& halo, const openvdb::Coord& origin,
                               std::span<const std::uint16_t> fragments, const Sites& sites,
-                              const VoxelBits& wanted);
+                              const VoxelBits& wanted, SiteCutWork* work = nullptr);
 
 }  // namespace sherd

@@ -72,6 +72,53 @@ TEST(SiteCut, GoesByTheNearestPlaneAndNotByTheNearestSite) {
   EXPECT_GT(notByTheNextSite, 50u);
 }
 
+// Sites on a lattice, each moved by less than a voxel, numbered from 1; and their fragments.
+VoronoiSites lattice(int spacing, int halo, std::vector<std::uint16_t>& fragments) {
+  VoronoiSites voronoi;
+  for (int x = -halo; x < 8 + halo; x += spacing) {
+    for (int y = -halo; y < 8 + halo; y += spacing) {
+      for (int z = -halo; z < 8 + halo; z += spacing) {
+        fragments.push_back(static_cast<std::uint16_t>(fragments.size() + 1));
+        Seed seed;
+        const int shift = spacing > 1 ? (7 * x + 3 * y + 5 * z) & 1 : 0;
+        seed.voxel = openvdb::Coord(x + shift, y, z);
+        seed.fragment = fragments.back();
+        voronoi.seeds.push_back(seed);
+      }
+    }
+  }
+  return voronoi;
+}
+
+// Each distance is the greatest over the planes towards all other sites, but few are evaluated:
+// however many small fragments a leaf has, a distance costs the same.
+TEST(SiteCut, ADistanceOfManySmallCellsTakesFewPlanes) {
+  VoxelBits all;
+  all.fill(0xff);
+  for (const int spacing : {4, 3, 2, 1}) {
+    std::vector<std::uint16_t> fragments;
+    const VoronoiSites voronoi = lattice(spacing, kCutHalo, fragments);
+    SiteCutWork work;
+    // Labels don't matter here.
+    const SiteCut cut = siteCut(CutHalo{}, {0, 0, 0}, fragments, Sites(voronoi), all, &work);
+    EXPECT_EQ(work.distances, 512 * fragments.size());
+    EXPECT_LT(work.planes, 16 * work.distances) << fragments.size() << " fragments";
+    for (std::size_t k = 0; k < fragments.size(); k += 1 + fragments.size() / 40) {
+      for (std::size_t v = 0; v < 512; v += 13) {
+        const auto at = [](const openvdb::Coord& c) { return glm::dvec3(c.x(), c.y(), c.z()); };
+        const glm::dvec3 p = at(coordFromOffset(static_cast<std::uint32_t>(v)));
+        double most = -3.0;
+        for (std::size_t other = 0; other < fragments.size(); ++other) {
+          if (other == k) continue;
+          most =
+              std::max(most, beyond(p, at(voronoi.seeds[k].voxel), at(voronoi.seeds[other].voxel)));
+        }
+        ASSERT_NEAR(cut.distance[k * 512 + v], std::min(most, 3.0), 1e-6) << k << ' ' << v;
+      }
+    }
+  }
+}
+
 TEST(SiteCut, HoldsWhereNoVoxelUpToTwoAwayIsAnothers) {
   Seed a, b;
   a.voxel = openvdb::Coord(-20, 3, 4);
