@@ -3,7 +3,7 @@
 #
 # usage: verify_options.sh SHERD MESH_FOLDER CHECKER.py [quick|surfaces]
 #   quick: three meshes only
-#   surfaces: every mesh in 10 pieces, or one for each of its parts, with its meshes as they come, worn, rough, smoothed and
+#   surfaces: every mesh in 10 pieces, or one for each of its parts, with its meshes as they come, meshed independently, worn, rough, smoothed and
 #   decimated to 2000 triangles.  CGAL is asked too (sherd evaluate --cgal): all closed, manifold, valid and outwards
 #
 # At 128 voxels, for N in 2, 5, 10, 50, 200 with parts <= N <= voxels / 100: exactly N fragments, every voxel of the solid
@@ -24,7 +24,8 @@ all=("$meshes"/*.{obj,ply,stl,off,gltf,glb}{,.gz})
 [ "$mode" != quick ] || all=("$meshes"/{vase_goblet.stl,footbones.ply,99865_car.stl})
 sets=("--extra-seeds 2n" "--impacts 2" "--roughness 2" "--grain 1,2,0.5,3" "--growth flood" "--growth flood --neighborhood 26"
   "--growth nearest" "--growth chain")
-surfaces=("" "--erode-iterations 2 --erode-probability 0.5" "--roughness 2"
+surfaces=("" "--interface independent" "--interface independent --growth chain --erode-iterations 2 --erode-on fracture --erode-probability 0.5"
+  "--interface independent --roughness 2 --erode-iterations 2 --erode-on all --erode-probability 0.5" "--erode-iterations 2 --erode-probability 0.5" "--roughness 2"
   "--smooth-iterations 0.048k --smooth-boundary-iterations 0.048k" "--triangles 2000")
 
 field() { "$python" -c 'import json, sys; print(json.load(open(sys.argv[1]))[sys.argv[2]])' "$out/report.json" "$1"; }

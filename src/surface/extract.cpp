@@ -14,7 +14,7 @@
 #include "surface/decimate.h"
 #include "surface/label_mesh.h"
 #include "surface/level_set.h"
-#include "surface/mesh.h"
+#include "surface/lone_mesh.h"
 #include "surface/smooth.h"
 #include "surface/unbroken.h"
 #include "uncancelled.h"
@@ -71,6 +71,13 @@ void measureAreas(Fragment& fragment) {
   fragment.fractureArea = twiceFractured / 2.0;
 }
 
+// [triangles] whether it lies on the solid's surface.
+std::vector<bool> onSolid(const LabelledMesh& mesh) {
+  std::vector<bool> original;
+  for (const std::uint16_t other : mesh.other) original.push_back(other == 0);
+  return original;
+}
+
 // The voxels of each fragment.
 std::vector<std::uint64_t> counted(const Solid& solid, const Labels& labels, int fragments) {
   std::vector<std::uint64_t> voxels = countVoxels(solid.blocks, labels, fragments);
@@ -100,7 +107,7 @@ Extraction::Extraction(const Solid& solid, const Labels& labels, int fragments,
       ownRounds_(unbroken ? std::vector<LeafRound>() : leavesRound(solid.blocks.origins)),
       rounds_(unbroken ? unbroken->rounds : ownRounds_),
       cut_(findCut(solid.blocks, labels, rounds_,
-                   hasLevelSets() ? CutExtent::everywhere : CutExtent::cells)),
+                   surface_.levelSets ? CutExtent::everywhere : CutExtent::cells)),
       leaves_(leavesOf(cut_, count_)) {
   if (!isShared()) return;
   shared_.emplace(solid, labels, cut_, rounds_, fragments, unbroken);
@@ -115,17 +122,10 @@ bool Extraction::isShared() const {
   return surface_.surface == Surface::smooth && surface_.interface == Interface::shared;
 }
 
-// Meshes that are not shared are made of them.
-bool Extraction::hasLevelSets() const {
-  return surface_.levelSets || !(isShared() || surface_.surface == Surface::labels);
-}
-
 std::vector<std::uint16_t> Extraction::facingOfShared(const LabelledMesh& mesh,
                                                       std::uint16_t id) const {
   if (!unworn_) return mesh.other;
-  std::vector<bool> original;
-  for (const std::uint16_t other : mesh.other) original.push_back(other == 0);
-  return facingOf(mesh.mesh, original, id, solid_, *unworn_, true);
+  return facingOf(mesh.mesh, onSolid(mesh), id, solid_, *unworn_, true);
 }
 
 Extraction::Shaped Extraction::shapedTogether() const {
@@ -172,11 +172,10 @@ void Extraction::meshAlone(Fragment& fragment) const {
     fragment.mesh = std::move(meshed.mesh);
     fragment.facing = std::move(meshed.facing);
   } else {
-    LevelSetMesh meshed =
-        meshLevelSet(*fragment.surface, solid_.frame, solidOver(solid_, leaves).get());
-    fragment.mesh = std::move(meshed.mesh);
+    LabelledMesh meshed = meshOfOne(solid_, labels_, cut_, id, leaves);
     fragment.facing =
-        facingOf(fragment.mesh, meshed.original, id, solid_, before, unworn_ != nullptr);
+        facingOf(meshed.mesh, onSolid(meshed), id, solid_, before, unworn_ != nullptr);
+    fragment.mesh = std::move(meshed.mesh);
   }
   if (surface_.adaptivity > 0.0) {
     LabelledFaces fewer = std::move(simplified(complexOf(fragment.mesh, fragment.facing),
@@ -196,9 +195,8 @@ Fragment Extraction::made(std::size_t i) {
   const auto id = static_cast<std::uint16_t>(fragment.id);
   fragment.voxels = voxels_[i + 1];
   fragment.voxelBox = voxelBox(solid_, labels_, id, leaves_[id]);
-  if (isShared()) meshShared(fragment);
-  if (hasLevelSets()) fragment.surface = fragmentLevelSet(solid_, cut_, id, leaves_[id]);
-  if (!isShared()) meshAlone(fragment);
+  if (surface_.levelSets) fragment.surface = fragmentLevelSet(solid_, cut_, id, leaves_[id]);
+  isShared() ? meshShared(fragment) : meshAlone(fragment);
   fragment.mass = massProperties(fragment.mesh);
   measureAreas(fragment);
   return fragment;
@@ -244,18 +242,15 @@ std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
   return all;
 }
 
-TriangleMesh solidMesh(const Solid& solid, const SurfaceOptions& options) {
-  if (options.interface == Interface::shared) {
-    Labels one;
-    one.fragment.assign(solid.blocks.count() * 512, 1);
-    Cut uncut;
-    uncut.only.assign(solid.blocks.count(), 1);
-    uncut.index.assign(solid.blocks.count(), Cut::kWhole);
-    uncut.stairs.resize(2);
-    const std::vector<LeafRound> rounds = leavesRound(solid.blocks.origins);
-    return std::move(InterfaceMeshes(solid, one, uncut, rounds, 1).meshOf(1).mesh);
-  }
-  return meshLevelSet(*solid.distance, solid.frame, nullptr).mesh;
+TriangleMesh solidMesh(const Solid& solid, const SurfaceOptions&) {
+  Labels one;
+  one.fragment.assign(solid.blocks.count() * 512, 1);
+  Cut uncut;
+  uncut.only.assign(solid.blocks.count(), 1);
+  uncut.index.assign(solid.blocks.count(), Cut::kWhole);
+  uncut.stairs.resize(2);
+  const std::vector<LeafRound> rounds = leavesRound(solid.blocks.origins);
+  return std::move(InterfaceMeshes(solid, one, uncut, rounds, 1).meshOf(1).mesh);
 }
 
 }  // namespace sherd

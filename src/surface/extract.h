@@ -40,7 +40,6 @@ class Extraction {
   };
 
   bool isShared() const;
-  bool hasLevelSets() const;
   std::vector<std::uint16_t> facingOfShared(const LabelledMesh& mesh, std::uint16_t id) const;
   Shaped shapedTogether() const;
   std::size_t endOfRound() const;

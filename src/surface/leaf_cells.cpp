@@ -223,6 +223,7 @@ std::vector<InterfaceQuad> quadsOf(const Field& field, const AllCells& all, std:
       // near one, from the same corner on: the same diagonals.
       constexpr std::array<std::array<int, 2>, 4> kRing{{{1, 1}, {0, 1}, {0, 0}, {1, 0}}};
       std::array<InterfaceQuad, 2> quad{{{label[0], label[1], {}}, {label[1], label[0], {}}}};
+      bool isComplete = true;
       for (std::size_t k = 0; k < 4; ++k) {
         openvdb::Coord low = at;
         low[static_cast<int>(b)] -= kRing[k][0];
@@ -231,6 +232,8 @@ std::vector<InterfaceQuad> quadsOf(const Field& field, const AllCells& all, std:
         const bool isMine = (low.x() | low.y() | low.z()) >= 0;
         const std::size_t place = isMine ? leaf * 512 + offsetFromCoord(low)
                                          : field.placeNear(leaf, low.x(), low.y(), low.z());
+        isComplete = place != Field::kNowhere;
+        if (!isComplete) break;
         const LeafCells& theirs = *all.leaves[place / 512];
         const Cell& own = theirs.at(place % 512);
         const std::uint32_t first = all.firstVertex[place / 512] + own.firstLoop;
@@ -239,7 +242,7 @@ std::vector<InterfaceQuad> quadsOf(const Field& field, const AllCells& all, std:
         quad[1].vertex[(4 - k) % 4] = first + loops[1];
       }
       for (const InterfaceQuad& side : quad) {
-        if (side.label != 0) quads.push_back(side);
+        if (side.label != 0 && isComplete) quads.push_back(side);
       }
     }
   }

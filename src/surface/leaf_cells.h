@@ -136,7 +136,9 @@ struct AllCells {
   std::vector<std::uint32_t> firstVertex;
 };
 
-/// The quads about the edges that begin at the lowest corner of the leaf's cells.
+/// The quads about the edges that begin at the lowest corner of the leaf's cells, but those about
+/// which leaves are missing: that happens only where a part of a solid is meshed, off what it is
+/// meshed for.
 [[nodiscard]] std::vector<InterfaceQuad> quadsOf(const Field& field, const AllCells& all,
                                                  std::size_t leaf);
 

@@ -71,15 +71,6 @@ ConstFloatGridPtr fragmentLevelSet(const Solid& solid, const Cut& cut, std::uint
   return grid;
 }
 
-ConstFloatGridPtr solidOver(const Solid& solid, std::span<const std::uint32_t> leaves) {
-  FloatGrid::Ptr grid = emptyLike(*solid.distance);
-  for (const std::uint32_t at : leaves) {
-    const openvdb::Coord& origin = solid.blocks.origins[at];
-    addWhole(*grid, solid.distance->tree().probeConstLeaf(origin), origin);
-  }
-  return grid;
-}
-
 std::shared_ptr<FloatGrid> fogVolume(const FloatGrid& levelSet) {
   FloatGrid::Ptr fog = levelSet.deepCopy();
   openvdb::tools::sdfToFogVolume(*fog);

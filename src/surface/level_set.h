@@ -18,11 +18,6 @@ namespace sherd {
                                                  std::uint16_t fragment,
                                                  std::span<const std::uint32_t> leaves);
 
-/// The solid's own values over those leaves: what the mesher compares with to tell the original
-/// surface.
-[[nodiscard]] ConstFloatGridPtr solidOver(const Solid& solid,
-                                          std::span<const std::uint32_t> leaves);
-
 /// The level set as a fog volume: 0 outside, 1 inside, rising over the three voxels below the
 /// surface, or as deep as a thin body is.
 [[nodiscard]] std::shared_ptr<openvdb::FloatGrid> fogVolume(const openvdb::FloatGrid& levelSet);

@@ -21,15 +21,13 @@ openvdb::FloatGrid::ConstPtr inIndexSpace(const openvdb::FloatGrid& grid) {
 }
 
 // In index space.
-LevelSetMesh meshAt(double isovalue, const openvdb::FloatGrid& grid,
-                    const openvdb::FloatGrid* reference) {
+TriangleMesh meshAt(double isovalue, const openvdb::FloatGrid& grid) {
   openvdb::tools::VolumeToMesh mesher(isovalue,
                                       /*adaptivity=*/0.0);  // fresh: a reused one remembers
-  if (reference) mesher.setRefGrid(inIndexSpace(*reference));
   mesher(*inIndexSpace(grid));
 
-  LevelSetMesh out;
-  std::vector<glm::dvec3>& vertices = out.mesh.vertices;
+  TriangleMesh out;
+  std::vector<glm::dvec3>& vertices = out.vertices;
   vertices.reserve(mesher.pointListSize());
   for (std::size_t i = 0; i < mesher.pointListSize(); ++i) {
     const openvdb::Vec3s& p = mesher.pointList()[i];
@@ -38,24 +36,23 @@ LevelSetMesh meshAt(double isovalue, const openvdb::FloatGrid& grid,
   // OpenVDB winds a level set's faces clockwise seen from outside.
   for (std::size_t n = 0; n < mesher.polygonPoolListSize(); ++n) {
     const openvdb::tools::PolygonPool& pool = mesher.polygonPoolList()[n];
-    const auto add = [&](unsigned a, unsigned b, unsigned c, char flags) {
-      out.mesh.triangles.push_back({c, b, a});
-      if (reference) out.original.push_back((flags & openvdb::tools::POLYFLAG_EXTERIOR) != 0);
+    const auto add = [&](unsigned a, unsigned b, unsigned c) {
+      out.triangles.push_back({c, b, a});
     };
     for (std::size_t i = 0; i < pool.numQuads(); ++i) {
       const openvdb::Vec4I& q = pool.quad(i);
       if (squaredDistance(vertices[q[0]], vertices[q[2]]) <=
           squaredDistance(vertices[q[1]], vertices[q[3]])) {
-        add(q[0], q[1], q[2], pool.quadFlags(i));
-        add(q[0], q[2], q[3], pool.quadFlags(i));
+        add(q[0], q[1], q[2]);
+        add(q[0], q[2], q[3]);
       } else {
-        add(q[1], q[2], q[3], pool.quadFlags(i));
-        add(q[1], q[3], q[0], pool.quadFlags(i));
+        add(q[1], q[2], q[3]);
+        add(q[1], q[3], q[0]);
       }
     }
     for (std::size_t i = 0; i < pool.numTriangles(); ++i) {
       const openvdb::Vec3I& t = pool.triangle(i);
-      add(t[0], t[1], t[2], pool.triangleFlags(i));
+      add(t[0], t[1], t[2]);
     }
   }
   return out;
@@ -63,15 +60,8 @@ LevelSetMesh meshAt(double isovalue, const openvdb::FloatGrid& grid,
 
 }  // namespace
 
-LevelSetMesh meshLevelSet(const openvdb::FloatGrid& grid, const GridFrame& frame,
-                          const openvdb::FloatGrid* reference) {
-  LevelSetMesh out = meshAt(0.0, grid, reference);
-  for (glm::dvec3& v : out.mesh.vertices) v = frame.worldFromIndex({v}).v;
-  return out;
-}
-
 TriangleMesh meshInWorld(const openvdb::FloatGrid& grid, double isovalue) {
-  TriangleMesh mesh = meshAt(isovalue, grid, nullptr).mesh;
+  TriangleMesh mesh = meshAt(isovalue, grid);
   for (glm::dvec3& v : mesh.vertices) {
     const openvdb::Vec3d at = grid.indexToWorld(openvdb::Vec3d(v.x, v.y, v.z));
     v = {at.x(), at.y(), at.z()};

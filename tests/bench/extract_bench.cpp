@@ -40,8 +40,7 @@ void bareMeshes(benchmark::State& state) {
   const sherd::FractureResult& result = broken();
   for (auto _ : state) {
     tbb::parallel_for(std::size_t{0}, result.fragments.size(), [&](std::size_t i) {
-      benchmark::DoNotOptimize(
-          sherd::meshLevelSet(*result.fragments[i].surface, result.solid.frame, nullptr));
+      benchmark::DoNotOptimize(sherd::meshInWorld(*result.fragments[i].surface));
     });
   }
 }

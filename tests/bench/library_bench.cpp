@@ -63,8 +63,7 @@ void bareMeshes(benchmark::State& state) {
   for (auto _ : state) {
     for (const sherd::FractureResult& result : results) {
       for (const sherd::Fragment& fragment : result.fragments) {
-        benchmark::DoNotOptimize(
-            sherd::meshLevelSet(*fragment.surface, result.solid.frame, nullptr));
+        benchmark::DoNotOptimize(sherd::meshInWorld(*fragment.surface));
       }
     }
   }

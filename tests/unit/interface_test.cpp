@@ -138,6 +138,31 @@ TEST(Interface, RandomLabelsGiveManifoldMeshes) {
   EXPECT_LT(1000 * vertices.coincident, vertices.all);
 }
 
+// Meshed one by one, fragments of noise, worn too, are as sound as meshed together.
+TEST(Interface, FragmentsMeshedAloneAreManifoldWhateverTheLabels) {
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    const int fragments = 1 + static_cast<int>(seed % 5);
+    const std::uint64_t outside = seed / 5 % 4, worn = seed / 20 % 2;
+    const Labelled made = labelled(12, fragments, [&](const Coord& v) {
+      const auto item = static_cast<std::uint64_t>((v.x() * 64 + v.y()) * 64 + v.z());
+      if (mixed(item * 977 + seed) % 4 < outside) return std::uint16_t{0};
+      return static_cast<std::uint16_t>(1 + mixed(item * 7919 + seed * 31 + 5) %
+                                                static_cast<std::uint64_t>(fragments));
+    });
+    Labels labels = made.labels;
+    made.solid.blocks.forEachInside([&](std::size_t place) {
+      if (worn > 0 && mixed(place * 271 + seed) % 8 == 0) labels.fragment[place] = Labels::kWorn;
+    });
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    for (const Fragment& fragment :
+         extractFragments(made.solid, labels, fragments, worn > 0 ? &made.labels : nullptr,
+                          {.levelSets = false, .interface = Interface::independent})) {
+      expectClosedManifold(fragment.mesh);
+      EXPECT_GT(volume(fragment.mesh), 0.0);
+    }
+  }
+}
+
 TEST(Interface, PartsSheetsThatTouch) {
   // Label 1 in two voxels that touch in a corner, an edge, and round a corner: every reader that
   // joins equal positions shall still find a manifold.
