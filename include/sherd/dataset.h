@@ -21,7 +21,8 @@ namespace sherd {
 struct LibraryObject {
   std::string key;             ///< its path relative to the library, parts separated by '/'
   std::string folder;          ///< the same as the name of a folder, of which none lies within
-                               ///< another: without extensions where that gives no other's
+                               ///< another: without extensions where that gives no other's.  A
+                               ///< dataset changes it where it keeps the name for itself
   std::filesystem::path file;  ///< where it is
   std::uintmax_t bytes = 0;
 };
@@ -34,9 +35,12 @@ struct LibraryOptions {
 /// The meshes and volumes of a library, ascending by key.
 ///   library  a folder, looked through with all folders below it, hidden ones aside; or a list: a
 ///            text file with a path a line, relative to its own folder; '#' begins a comment
+///   skipped  takes a sentence for each folder that cannot be looked through, link that leads
+///            nowhere or to a folder, and anything else named like a mesh that is no file
 ///   throws   Error(input) it is absent or has none
 [[nodiscard]] std::vector<LibraryObject> findObjects(const std::filesystem::path& library,
-                                                     const LibraryOptions& options = {});
+                                                     const LibraryOptions& options = {},
+                                                     std::vector<std::string>* skipped = nullptr);
 
 /// A part of the work that is done by one of several machines, from 1.
 struct Shard {
@@ -132,6 +136,7 @@ struct DatasetWatch {
 struct DatasetSummary {
   std::size_t objects = 0;
   std::size_t failures = 0;
+  std::size_t skipped = 0;  ///< folders and files of the library that could not be looked at
   std::size_t fractures = 0;
   std::size_t fragments = 0;
   std::uintmax_t bytes = 0;
@@ -144,7 +149,8 @@ struct DatasetSummary {
 /// are grown on the device in order, and the rest is done for several at a time.  What is done is
 /// noted fracture by fracture, so a run that ends in whatever way is taken up again by the same
 /// call with `resume`, and leaves the same files.
-///   out      absent, empty or of the same plan and `resume`
+///   out      absent, empty or of the same plan and `resume`; neither in the library nor round it.
+///            Nothing outside it is touched: a symbolic link in it is refused
 ///   throws   Error(usage) another plan, out of range; Error(input) no library; Error(output) the
 ///            disk is full, out is something else; Error(cancelled); Error(device)
 DatasetSummary runDataset(const std::filesystem::path& library, const std::filesystem::path& out,
@@ -160,6 +166,7 @@ struct DatasetForecast {
   double seconds = 0.0;              ///< about, on this machine
   std::size_t sampled = 0;           ///< objects that it was told from
   std::vector<std::string> refused;  ///< objects that were to be sampled and cannot be broken
+  std::vector<std::string> skipped;  ///< as findObjects has them
 };
 
 /// Tell what runDataset would make from a small, a middling and a large object, of which each is

@@ -118,6 +118,7 @@ void DatasetTelling::done(const std::string& folder, const DatasetSummary& summa
                   {"complete", summary.complete},
                   {"objects", summary.objects},
                   {"failures", summary.failures},
+                  {"skipped", summary.skipped},
                   {"fractures", summary.fractures},
                   {"fragments", summary.fragments},
                   {"bytes", summary.bytes},
@@ -132,10 +133,12 @@ void DatasetTelling::done(const std::string& folder, const DatasetSummary& summa
     return printResult(folder + text);
   }
   std::snprintf(text, sizeof text,
-                ": %zu fractures of %zu objects, %zu fragments, %.3g GB; %zu objects failed\n",
+                ": %zu fractures of %zu objects, %zu fragments, %.3g GB; %zu objects failed",
                 summary.fractures, summary.objects, summary.fragments,
                 static_cast<double>(summary.bytes) * 1e-9, summary.failures);
-  printResult(folder + text);
+  const std::string skipped =
+      summary.skipped == 0 ? "" : ", " + std::to_string(summary.skipped) + " paths skipped";
+  printResult(folder + text + skipped + "\n");
 }
 
 void DatasetTelling::verified(const std::string& folder, const DatasetCheck& check) {
@@ -157,6 +160,9 @@ void DatasetTelling::verified(const std::string& folder, const DatasetCheck& che
 }
 
 void DatasetTelling::forecast(const DatasetForecast& forecast) {
+  for (const std::string& skipped : forecast.skipped) {
+    if (!json_) say("sherd: warning: " + skipped);
+  }
   for (const std::string& object : forecast.refused) {
     if (!json_) say("sherd: warning: " + object + " cannot be broken");
   }
@@ -168,7 +174,8 @@ void DatasetTelling::forecast(const DatasetForecast& forecast) {
                   {"bytes", forecast.bytes},
                   {"seconds", forecast.seconds},
                   {"sampled", forecast.sampled},
-                  {"refused", forecast.refused}});
+                  {"refused", forecast.refused},
+                  {"skipped", forecast.skipped}});
   }
   char text[200];
   std::snprintf(text, sizeof text,

@@ -8,7 +8,9 @@
 #include <map>
 #include <set>
 
+#include "dataset/object_folder.h"
 #include "io/atomic_file.h"
+#include "io/below_folder.h"
 
 namespace sherd {
 
@@ -29,7 +31,8 @@ void writeBbLists(const fs::path& out, const std::vector<BbObject>& objects) {
     }
   }
   std::error_code failed;
-  for (const char* folder : {"data_split", "data_list"}) {
+  for (const std::string folder : {kBbSplitFolder, kBbListFolder}) {
+    requireOwnSubfolder(out, folder + "/file");
     fs::create_directories(out / folder, failed);
     if (!failed) continue;
     throw Error(ErrorCode::output,
@@ -40,9 +43,9 @@ void writeBbLists(const fs::path& out, const std::vector<BbObject>& objects) {
     for (const char* split : {"train", "val", "test"}) {
       const std::string name = subset + "." + split;
       writeWhole(out / (name + ".txt"), folders[name]);
-      writeWhole(out / "data_split" / (name + ".txt"), folders[name]);
+      writeWhole(out / kBbSplitFolder / (name + ".txt"), folders[name]);
       const std::string list = subset + "_" + split;
-      writeWhole(out / "data_list" / (list + ".txt"), fractures[list]);
+      writeWhole(out / kBbListFolder / (list + ".txt"), fractures[list]);
     }
   }
 }

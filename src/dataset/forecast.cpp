@@ -74,7 +74,7 @@ Cost costOf(const LibraryObject& object, DatasetOptions options, int pieces, int
     runObject(object, journal, run);
   }
   cost.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
-  for (const Json& line : readJournal(journalOf(out, object)).fractures) {
+  for (const Json& line : readJournal(out, object).fractures) {
     for (const FileRecord& file : filesOf(line)) cost.bytes += static_cast<double>(file.bytes);
   }
   return cost;
@@ -121,10 +121,10 @@ std::vector<LibraryObject> sampleOf(std::vector<LibraryObject> objects) {
 
 DatasetForecast forecastDataset(const fs::path& library, const DatasetOptions& options,
                                 Device& device, const std::function<bool()>& cancelled) {
-  const std::vector<LibraryObject> objects =
-      shardOf(findObjects(library, options.library), options.shard);
-  const std::vector<PlannedFracture> planned = fracturesOf(options.schedule);
   DatasetForecast forecast;
+  const std::vector<LibraryObject> objects =
+      shardOf(findObjects(library, options.library, &forecast.skipped), options.shard);
+  const std::vector<PlannedFracture> planned = fracturesOf(options.schedule);
   forecast.objects = objects.size();
   forecast.fractures = planned.size() * objects.size();
   for (const PlannedFracture& fracture : planned) {

@@ -5,15 +5,18 @@
 
 #include <algorithm>
 #include <map>
+#include <span>
 
 #include "dataset/bb_lists.h"
 #include "dataset/fracture_line.h"
 #include "dataset/journal.h"
+#include "dataset/object_folder.h"
 #include "dataset/pictures.h"
 #include "io/atomic_file.h"
+#include "io/below_folder.h"
 #include "io/input_error.h"
+#include "io/parsed_json.h"
 #include "io/sha256.h"
-#include "mesh/file_bytes.h"
 #include "option_names.h"
 
 namespace sherd {
@@ -21,7 +24,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kPlanName = "dataset.json";
+constexpr const char* kKind = "dataset.json of a dataset";
+constexpr std::uintmax_t kLargestPlan = std::uintmax_t{1} << 30;
 constexpr const char* kSchema = "sherd-dataset/1";
 
 /// A file that is written line by line.
@@ -71,16 +75,22 @@ std::string joinedBy(const Json& list, const char* separator) {
   return all;
 }
 
-// The columns of index.csv, each a key of a row.
-constexpr std::array<const char*, 23> kColumns{
-    "object",  "fracture", "id",     "pieces", "repeat",   "attempt",    "seed",       "split",
-    "options", "voxels",   "share",  "volume", "vertices", "faces",      "contacts",   "withheld",
-    "labels",  "files",    "sha256", "turn",   "centre",   "truth_turn", "truth_shift"};
+// The columns of index.csv, each a key of a row.  The last is there only if an object has it.
+constexpr std::array<const char*, 24> kColumns{
+    "object",  "fracture", "id",     "pieces", "repeat",   "attempt",    "seed",        "split",
+    "options", "voxels",   "share",  "volume", "vertices", "faces",      "contacts",    "withheld",
+    "labels",  "files",    "sha256", "turn",   "centre",   "truth_turn", "truth_shift", "folder"};
 
-std::string csvOf(const Json& row) {
+std::string csvHead(std::span<const char* const> columns) {
+  std::string head;
+  for (const char* column : columns) head += (head.empty() ? "" : ",") + std::string(column);
+  return head;
+}
+
+std::string csvOf(const Json& row, std::span<const char* const> columns) {
   std::string line;
-  for (const char* column : kColumns) {
-    if (column != kColumns.front()) line += ',';
+  for (const char* column : columns) {
+    if (column != columns.front()) line += ',';
     const auto found = row.find(column);
     if (found == row.end() || found->is_null()) continue;
     if (std::string_view(column) == "options") {
@@ -95,11 +105,11 @@ std::string csvOf(const Json& row) {
 }
 
 // The row of a fragment.
-Json rowOf(const std::string& key, const std::string& split, const Json& line,
-           const Json& fragment) {
+Json rowOf(const DatasetPlan& plan, const LibraryObject& object, const std::string& split,
+           const Json& line, const Json& fragment) {
   std::map<std::string, std::string> sums;
   for (const FileRecord& file : filesOf(line)) sums[file.name] = file.sha256;
-  Json row = {{"object", key},
+  Json row = {{"object", object.key},
               {"fracture", line.at("fracture")},
               {"id", fragment.at("id")},
               {"pieces", line.at("pieces")},
@@ -120,6 +130,7 @@ Json rowOf(const std::string& key, const std::string& split, const Json& line,
               {"sha256", Json::array()}};
   for (const Json& file : fragment.at("files")) row["sha256"].push_back(sums[file]);
   if (fragment.contains("pose")) row.update(fragment.at("pose"));
+  if (isRenamed(object)) row["folder"] = objectFolder(plan.layout, object);
   return row;
 }
 
@@ -145,10 +156,10 @@ void writePlan(const fs::path& out, const DatasetPlan& plan) {
 
 DatasetPlan readPlan(const fs::path& out) {
   const fs::path file = out / kPlanName;
-  if (!fs::exists(file)) inputError(out, "is no dataset: it has no dataset.json");
+  if (!isOwnFile(out, kPlanName)) inputError(out, "is no dataset: it has no file dataset.json");
+  const nlohmann::json json = readJson(file, kKind, kLargestPlan);
   DatasetPlan plan;
   try {
-    const Json json = Json::parse(readFileBytes(file));
     if (json.at("schema") != kSchema) inputError(file, "is of another schema");
     const std::string layout = json.at("layout");
     const auto* const found =
@@ -160,10 +171,17 @@ DatasetPlan readPlan(const fs::path& out) {
     plan.seed = json.at("seed");
     plan.split = json.at("split");
     plan.text = json.at("options");
-    for (const Json& object : json.at("objects")) {
+    for (const nlohmann::json& object : json.at("objects")) {
       plan.objects.push_back({object.at("key"), object.at("folder"), {}, object.at("bytes")});
+      const std::string& folder = plan.objects.back().folder;
+      if (!isBelowFolder(folder)) {
+        inputError(file, "puts an object into '" + folder + "', which leaves the dataset's folder");
+      }
     }
-  } catch (const Json::exception& e) {
+    for (const int share : plan.split) {
+      if (share < 0 || share > 1'000'000) inputError(file, "has a split that is out of range");
+    }
+  } catch (const nlohmann::json::exception& e) {
     inputError(file, std::string("is damaged: ") + e.what());
   }
   return plan;
@@ -199,15 +217,15 @@ DatasetSummary summaryOf(const DatasetFigures& figures, bool complete) {
 DatasetIndex writeIndex(const fs::path& out, const DatasetPlan& plan) {
   DatasetFigures figures;
   bool complete = true;
-  Lines csv(out / "index.csv"), jsonl(out / "index.jsonl"), failures(out / "failures.jsonl");
-  std::string head;
-  for (const char* column : kColumns) head += (head.empty() ? "" : ",") + std::string(column);
-  csv.add(head);
+  Lines csv(out / kIndexCsv), jsonl(out / kIndexJsonl), failures(out / kFailuresName);
+  const bool hasRenamed = std::any_of(plan.objects.begin(), plan.objects.end(), isRenamed);
+  const std::span columns = std::span(kColumns).first(kColumns.size() - (hasRenamed ? 0 : 1));
+  csv.add(csvHead(columns));
   std::map<std::string, std::string> lists;  // of keys, by split
   std::vector<BbObject> bb;
   for (std::size_t i = 0; i < plan.objects.size(); ++i) {
     const LibraryObject& object = plan.objects[i];
-    const JournalText journal = readJournal(journalOf(out, object));
+    const JournalText journal = readJournal(out, object);
     if (journal.failed) {
       failures.add(failureLine(object.key, *journal.failed));
       figures.failures.emplace_back(object.key, *journal.failed);
@@ -227,13 +245,13 @@ DatasetIndex writeIndex(const fs::path& out, const DatasetPlan& plan) {
       const std::string name = line.at("fracture");
       if (name != kWholeName) own.parts.push_back(figures.fragments - before);
       for (const Json& fragment : line.at("fragments")) {
-        const Json row = rowOf(object.key, split, line, fragment);
-        csv.add(csvOf(row));
+        const Json row = rowOf(plan, object, split, line, fragment);
+        csv.add(csvOf(row, columns));
         jsonl.add(textOf(row));
       }
-      const fs::path picture = pictureOf(out, object, name);
-      if (isPictured(i, plan.objects.size()) && fs::exists(picture)) {
-        figures.pictures.push_back({object.key + ", " + name, picture});
+      const std::string picture = pictureName(object, name);
+      if (isPictured(i, plan.objects.size()) && isOwnFile(out, picture)) {
+        figures.pictures.push_back({object.key + ", " + name, out / picture});
       }
     }
     bb.push_back(std::move(own));

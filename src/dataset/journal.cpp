@@ -7,9 +7,12 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <fstream>
 
+#include "dataset/object_folder.h"
 #include "io/atomic_file.h"
+#include "io/below_folder.h"
+#include "io/input_error.h"
+#include "mesh/file_bytes.h"
 
 namespace sherd {
 namespace {
@@ -22,8 +25,8 @@ namespace fs = std::filesystem;
 
 }  // namespace
 
-fs::path journalOf(const fs::path& out, const LibraryObject& object) {
-  return out / "journal" / (object.folder + ".jsonl");
+std::string journalName(const LibraryObject& object) {
+  return std::string(kJournalFolder) + "/" + object.folder + ".jsonl";
 }
 
 Json jsonOf(const std::vector<FileRecord>& files) {
@@ -40,33 +43,20 @@ std::vector<FileRecord> filesOf(const Json& line) {
   return files;
 }
 
-JournalText readJournal(const fs::path& file) {
-  JournalText text;
-  std::ifstream in(file, std::ios::binary);
-  for (std::string line; std::getline(in, line);) {
-    if (in.eof()) break;  // without its end: cut off
-    Json json = Json::parse(line, nullptr, false);
-    if (json.is_discarded() || !json.is_object()) break;
-    text.bytes += line.size() + 1;
-    if (json.contains("object")) {
-      text.sha256 = json.value("sha256", "");
-    } else if (json.contains("fracture")) {
-      text.fractures.push_back(std::move(json));
-    } else if (json.contains("done")) {
-      text.done = true;
-    } else if (json.contains("failed")) {
-      text.failed = json.value("failed", "");
-    }
-  }
-  return text;
+JournalText readJournal(const fs::path& out, const LibraryObject& object) {
+  const std::string name = journalName(object);
+  if (!fs::exists(fs::symlink_status(out / name))) return {};
+  if (!isOwnFile(out, name)) inputError(out / name, "is reached by a symbolic link, or no file");
+  return parsedJournal(readFileBytes(out / name), (out / name).string());
 }
 
 Journal::Journal(const fs::path& out, const LibraryObject& object)
-    : file_(journalOf(out, object)), key_(object.key) {
+    : file_(out / journalName(object)), key_(object.key) {
+  requireOwnFile(out, journalName(object));
   std::error_code failed;
   fs::create_directories(file_.parent_path(), failed);
   if (failed) cannot(file_.parent_path(), failed.value());
-  descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+  descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_NOFOLLOW | O_CLOEXEC, 0666);
   if (descriptor_ < 0) cannot(file_, errno);
   try {
     if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
@@ -74,7 +64,7 @@ Journal::Journal(const fs::path& out, const LibraryObject& object)
                                          ": another sherd works on this object; wait for it, or "
                                          "give each a --shard of its own");
     }
-    text_ = readJournal(file_);
+    text_ = readJournal(out, object);
     if (::ftruncate(descriptor_, static_cast<off_t>(text_.bytes)) != 0) cannot(file_, errno);
   } catch (...) {
     ::close(descriptor_);

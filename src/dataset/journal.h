@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "dataset/store.h"
@@ -26,8 +27,16 @@ struct JournalText {
   std::uint64_t bytes = 0;  ///< of whole lines
 };
 
-/// A journal that nobody writes to; empty where there is none.
-[[nodiscard]] JournalText readJournal(const std::filesystem::path& file);
+/// What the bytes of a journal tell, each field of it checked: what comes of it has all that the
+/// index, figures and verification read, in the right kind and range.
+///   name    of the file, for messages
+///   throws  Error(input) "name:line: what": a line that is no JSON, out of place, or damaged
+[[nodiscard]] JournalText parsedJournal(std::string_view bytes, const std::string& name);
+
+/// The journal of an object that nobody writes to; empty where there is none.
+///   throws  Error(input) as above; a symbolic link on the way to it
+[[nodiscard]] JournalText readJournal(const std::filesystem::path& out,
+                                      const LibraryObject& object);
 
 /// Lines of JSON, one for each thing done:
 ///
@@ -39,7 +48,8 @@ struct JournalText {
 class Journal {
  public:
   /// Open, and read what is there.
-  ///   throws  Error(output) it cannot be written, or another process holds it
+  ///   throws  Error(output) it cannot be written, another process holds it, a symbolic link on the
+  ///           way to it; Error(input) it is damaged
   Journal(const std::filesystem::path& out, const LibraryObject& object);
   ~Journal();
   Journal(const Journal&) = delete;
@@ -70,9 +80,8 @@ class Journal {
   JournalText text_;
 };
 
-/// Where the journal of an object is.
-[[nodiscard]] std::filesystem::path journalOf(const std::filesystem::path& out,
-                                              const LibraryObject& object);
+/// Where the journal of an object is, below the dataset's folder.
+[[nodiscard]] std::string journalName(const LibraryObject& object);
 
 [[nodiscard]] Json jsonOf(const std::vector<FileRecord>& files);
 [[nodiscard]] std::vector<FileRecord> filesOf(const Json& line);

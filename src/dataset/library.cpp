@@ -8,7 +8,9 @@
 #include <fstream>
 #include <map>
 #include <numeric>
+#include <utility>
 
+#include "io/atomic_file.h"
 #include "io/input_error.h"
 #include "lower_case.h"
 
@@ -23,18 +25,59 @@ LibraryObject objectAt(const fs::path& file, std::string key) {
   return {std::move(key), {}, file, ignored ? 0 : bytes};
 }
 
-void addFolder(const fs::path& folder, std::vector<LibraryObject>& found) {
-  const auto hidden = [](const fs::path& path) {
-    return path.filename().string().starts_with('.');
-  };
-  for (fs::recursive_directory_iterator at(folder), end; at != end; ++at) {
-    if (hidden(at->path())) {
-      if (at->is_directory()) at.disable_recursion_pending();
-      continue;
-    }
-    if (!at->is_regular_file() || !(isMeshName(at->path()) || isVolumeName(at->path()))) continue;
-    found.push_back(objectAt(at->path(), at->path().lexically_relative(folder).generic_string()));
+/// What is found below a folder, and a sentence for each thing that could not be looked at.
+struct Found {
+  std::vector<LibraryObject>& objects;
+  std::vector<std::string> skipped{};
+
+  void skip(const fs::path& path, const std::string& why) {
+    skipped.push_back(path.string() + ": " + why + ", and is skipped");
   }
+};
+
+void addEntry(const fs::directory_entry& entry, const fs::path& library, Found& found,
+              std::vector<fs::path>& folders) {
+  const fs::path& path = entry.path();
+  if (path.filename().string().starts_with('.')) return;  // hidden
+  std::error_code failed;
+  const fs::file_type type = entry.symlink_status(failed).type();
+  if (type == fs::file_type::directory) return folders.push_back(path);
+  const bool isLink = type == fs::file_type::symlink;
+  const fs::file_type target = isLink ? entry.status(failed).type() : type;
+  if (isLink && target == fs::file_type::directory) {
+    return found.skip(path, "is a link to a folder, which is not followed");
+  }
+  if (!isMeshName(path) && !isVolumeName(path)) return;
+  if (target == fs::file_type::regular) {
+    found.objects.push_back(objectAt(path, path.lexically_relative(library).generic_string()));
+  } else if (target == fs::file_type::not_found) {
+    found.skip(path, "is a link that leads nowhere");
+  } else if (target == fs::file_type::none) {
+    found.skip(path, "cannot be looked at: " + reasonOf(failed.value()));
+  } else {
+    found.skip(path, "is not a regular file");
+  }
+}
+
+// Everything below a folder.  One bad folder of thousands is not the end; only the library's own
+// is.
+std::vector<std::string> addFolder(const fs::path& library, std::vector<LibraryObject>& objects) {
+  Found found{objects};
+  for (std::vector<fs::path> folders{library}; !folders.empty();) {
+    const fs::path folder = folders.back();
+    folders.pop_back();
+    std::error_code failed;
+    for (fs::directory_iterator at(folder, failed), end; !failed && at != end;
+         at.increment(failed)) {
+      addEntry(*at, library, found, folders);
+    }
+    if (!failed) continue;
+    const std::string why = "cannot be looked through: " + reasonOf(failed.value());
+    if (folder == library) inputError(library, why);
+    found.skip(folder, why);
+  }
+  std::sort(found.skipped.begin(), found.skipped.end());
+  return std::move(found.skipped);
 }
 
 void addList(const fs::path& list, std::vector<LibraryObject>& found) {
@@ -67,6 +110,7 @@ void nameFolders(std::vector<LibraryObject>& objects) {
   std::map<std::string, int> taken;
   for (const LibraryObject& object : objects) {
     ++taken[lowerCase(withoutExtensions(object.key))];
+    ++taken[lowerCase(object.key)];  // which a.obj is called beside a.stl, and so might a.obj.obj
     for (fs::path above = fs::path(object.key).parent_path(); !above.empty();
          above = above.parent_path()) {
       ++taken[lowerCase(above.generic_string())];
@@ -80,11 +124,13 @@ void nameFolders(std::vector<LibraryObject>& objects) {
 
 }  // namespace
 
-std::vector<LibraryObject> findObjects(const fs::path& library, const LibraryOptions& options) {
+std::vector<LibraryObject> findObjects(const fs::path& library, const LibraryOptions& options,
+                                       std::vector<std::string>* skipped) {
   std::vector<LibraryObject> found;
   try {
     if (fs::is_directory(library)) {
-      addFolder(library, found);
+      std::vector<std::string> sentences = addFolder(library, found);
+      if (skipped) *skipped = std::move(sentences);
     } else if (fs::is_regular_file(library)) {
       addList(library, found);
     } else {

@@ -25,6 +25,7 @@
 #include "dataset/fracture_line.h"
 #include "dataset/growth_ahead.h"
 #include "dataset/layout.h"
+#include "dataset/object_folder.h"
 #include "dataset/pictures.h"
 #include "dataset/store.h"
 #include "io/fracture_files.h"
@@ -233,7 +234,7 @@ class ObjectRun {
   void picture(const std::string& name, const FractureResult& result) const {
     if (!run_.pictured.contains(name)) return;
     const Clock::time_point begin = Clock::now();
-    takePicture(pictureOf(run_.out, object_, name),
+    takePicture(run_.out / pictureName(object_, name),
                 std::span(result.fragments).first(result.kept()), options_.write.up);
     run_.times.add("picture", secondsSince(begin));
   }

@@ -42,9 +42,10 @@ std::set<std::string> picturedOf(const Schedule& schedule, std::size_t object,
   return names;
 }
 
-std::filesystem::path pictureOf(const std::filesystem::path& out, const LibraryObject& object,
-                                const std::string& fracture) {
-  return journalOf(out, object).replace_extension("." + fracture + ".png");
+std::string pictureName(const LibraryObject& object, const std::string& fracture) {
+  return std::filesystem::path(journalName(object))
+      .replace_extension("." + fracture + ".png")
+      .generic_string();
 }
 
 void takePicture(const std::filesystem::path& file, std::span<const Fragment> fragments, char up) {

@@ -24,10 +24,9 @@ constexpr int kPictureSide = 200;          ///< pixels
 /// Whether an object is pictured at all.
 [[nodiscard]] bool isPictured(std::size_t object, std::size_t objects);
 
-/// Where the picture of a fracture lies: beside the object's journal, as it is none of the dataset.
-[[nodiscard]] std::filesystem::path pictureOf(const std::filesystem::path& out,
-                                              const LibraryObject& object,
-                                              const std::string& fracture);
+/// Where the picture of a fracture lies below the dataset's folder: beside the object's journal, as
+/// it is none of the dataset.
+[[nodiscard]] std::string pictureName(const LibraryObject& object, const std::string& fracture);
 
 /// Take a picture of fragments, exploded.
 ///   throws  Error(output)

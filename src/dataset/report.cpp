@@ -8,6 +8,7 @@
 
 #include "chart/charts.h"
 #include "chart/svg.h"
+#include "dataset/object_folder.h"
 #include "dataset/pictures.h"
 #include "dataset/run_record.h"
 #include "formatted.h"
@@ -237,7 +238,7 @@ void writeReport(const fs::path& out, const DatasetFigures& figures) {
   page += section("Time and resources", runsText(runs));
   page += section("Storage", storageText(figures));
   page += section("Failures", failuresText(figures));
-  writeWhole(out / "report.html", page + "</body>\n</html>\n");
+  writeWhole(out / kReportName, page + "</body>\n</html>\n");
 }
 
 }  // namespace sherd

@@ -10,12 +10,14 @@
 
 #include "dataset/fracture_line.h"
 #include "dataset/index.h"
+#include "dataset/object_folder.h"
 #include "dataset/object_run.h"
 #include "dataset/pictures.h"
 #include "dataset/report.h"
 #include "dataset/resources.h"
 #include "dataset/run_record.h"
 #include "io/atomic_file.h"
+#include "io/below_folder.h"
 
 namespace sherd {
 namespace {
@@ -47,6 +49,50 @@ bool holdsOthers(const fs::path& folder) {
     if (!entry.path().filename().string().starts_with(".sherd-")) return true;
   }
   return false;
+}
+
+// A path with all links resolved, as far as it is there.
+fs::path resolved(const fs::path& path) {
+  const fs::path whole = fs::absolute(path.has_filename() ? path : path.parent_path());
+  std::error_code failed;
+  const fs::path real = fs::weakly_canonical(whole, failed);
+  return failed ? whole.lexically_normal() : real;
+}
+
+bool isWithin(const fs::path& path, const fs::path& folder) {
+  return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first ==
+         folder.end();
+}
+
+// What is written must not be taken for an object by the next run, and no object overwritten.
+void requireApart(const fs::path& library, const std::vector<LibraryObject>& objects,
+                  const fs::path& out) {
+  const fs::path folder = resolved(out);
+  const auto refuse = [&](const std::string& sentence) {
+    throw Error(ErrorCode::usage,
+                out.string() + ": " + sentence + "; name an output folder that lies apart");
+  };
+  if (fs::is_directory(library)) {
+    const fs::path source = resolved(library);
+    if (isWithin(folder, source)) refuse("lies in the library " + library.string());
+    if (isWithin(source, folder)) refuse("holds the library " + library.string());
+  }
+  for (const LibraryObject& object : objects) {
+    if (isWithin(resolved(object.file), folder)) refuse("holds " + object.key + " of the library");
+  }
+}
+
+// Before the first object is broken, and not when its turn comes.
+void requireOwnPlaces(const fs::path& out, const DatasetPlan& plan) {
+  for (const LibraryObject& object : plan.objects) {
+    requireOwnFile(out, journalName(object));
+    const std::string folder = objectFolder(plan.layout, object);
+    if (plan.layout == DatasetLayout::packed) {
+      requireOwnFile(out, folder + ".zip");
+    } else {
+      requireOwnSubfolder(out, folder + "/file");
+    }
+  }
 }
 
 // The folder, ready for this run.
@@ -184,9 +230,19 @@ DatasetSummary runDataset(const fs::path& library, const fs::path& out,
                           const DatasetWatch& watch) {
   check(options);
   checkWriteOptions(options.write, options.fracture);
-  const DatasetPlan plan{options.plan, findObjects(library, options.library), options.layout,
-                         options.split, options.seed};
+  std::vector<std::string> warnings;
+  DatasetPlan plan{options.plan, findObjects(library, options.library, &warnings), options.layout,
+                   options.split, options.seed};
+  const std::size_t skipped = warnings.size();
+  requireApart(library, plan.objects, out);
+  for (std::string& renamed : renameReserved(plan.layout, plan.objects)) {
+    warnings.push_back(std::move(renamed));
+  }
   prepareFolder(out, plan, options.resume);
+  requireOwnPlaces(out, plan);
+  for (const std::string& warning : warnings) {
+    if (watch.warning) watch.warning(warning);
+  }
   ResourceSampler resources(device);
   LibraryRun run(out, plan, options, device, watch);
   const auto record = [&](const DatasetSummary& summary) {
@@ -215,6 +271,7 @@ DatasetSummary runDataset(const fs::path& library, const fs::path& out,
   record(summary);
   if (options.shard.of == 1) writeReport(out, index.figures);
   summary.times = run.times();
+  summary.skipped = skipped;
   return summary;
 }
 
@@ -223,11 +280,8 @@ DatasetSummary mergeDataset(const fs::path& out) {
   std::string missing;
   std::size_t count = 0;
   for (const LibraryObject& object : plan.objects) {
-    const fs::path file = journalOf(out, object);
-    if (fs::exists(file)) {
-      const JournalText journal = readJournal(file);
-      if (journal.done || journal.failed) continue;
-    }
+    const JournalText journal = readJournal(out, object);
+    if (journal.done || journal.failed) continue;
     if (count++ == 0) missing = object.key;
   }
   if (count > 0) {

@@ -8,15 +8,17 @@
 #include <nlohmann/json.hpp>
 
 #include "io/atomic_file.h"
+#include "io/below_folder.h"
 
 namespace sherd {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-// The runs of a record; none where the file is not ours.
-Json runsIn(const std::filesystem::path& file) {
-  std::ifstream in(file);
+// The runs of a record below the dataset's folder; none where the file is not ours.
+Json runsIn(const std::filesystem::path& out, const std::string& name) {
+  if (!isOwnFile(out, name)) return Json::array();
+  std::ifstream in(out / name);
   const Json json = Json::parse(in, nullptr, false);
   if (!json.is_object() || !json.contains("runs") || !json["runs"].is_array()) return Json::array();
   return json["runs"];
@@ -55,17 +57,17 @@ Json columns(const std::vector<ResourceSample>& samples) {
 void addRun(const std::filesystem::path& out, const DatasetOptions& options,
             const DeviceInfo& device, const DatasetProgress& told, const DatasetSummary& summary,
             const std::vector<StageTime>& stages, const std::vector<ResourceSample>& samples) {
-  const std::filesystem::path file =
-      out / (options.shard.of == 1 ? "run.json"
-                                   : "run_" + std::to_string(options.shard.number) + "_of_" +
-                                         std::to_string(options.shard.of) + ".json");
+  const std::string name = options.shard.of == 1
+                               ? "run.json"
+                               : "run_" + std::to_string(options.shard.number) + "_of_" +
+                                     std::to_string(options.shard.of) + ".json";
   Json seconds = Json::object();
   for (const StageTime& stage : stages) seconds[stage.stage] = stage.seconds;
   Json bytes = Json::object();
   for (const auto& [format, count] : summary.bytesByFormat) bytes[format] = count;
   std::uint64_t peak = peakMemory();
   for (const ResourceSample& sample : samples) peak = std::max(peak, sample.memory);
-  Json runs = runsIn(file);
+  Json runs = runsIn(out, name);
   runs.push_back({{"version", SHERD_VERSION},
                   {"device", {{"platform", device.platform}, {"name", device.name}}},
                   {"seconds", told.seconds},
@@ -77,7 +79,7 @@ void addRun(const std::filesystem::path& out, const DatasetOptions& options,
                   {"peak_memory", peak},
                   {"samples", columns(samples)}});
   const Json json = {{"schema", "sherd-run/1"}, {"runs", std::move(runs)}};
-  writeWhole(file, json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+  writeWhole(out / name, json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 std::vector<RunFigures> readRuns(const std::filesystem::path& out) {
@@ -91,7 +93,7 @@ std::vector<RunFigures> readRuns(const std::filesystem::path& out) {
   for (const std::filesystem::path& file : files) {
     std::string name = file.stem().string();
     std::replace(name.begin(), name.end(), '_', ' ');
-    for (const Json& run : runsIn(file)) {
+    for (const Json& run : runsIn(out, file.filename().string())) {
       try {
         runs.push_back(runOf(run, name));
       } catch (const Json::exception&) {

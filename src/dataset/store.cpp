@@ -12,6 +12,7 @@
 #include <set>
 
 #include "io/atomic_file.h"
+#include "io/below_folder.h"
 #include "io/little_endian.h"
 #include "io/sha256.h"
 
@@ -51,21 +52,6 @@ void makeFolder(const fs::path& folder) {
 }
 
 }  // namespace
-
-std::string objectFolder(DatasetLayout layout, const LibraryObject& object) {
-  switch (layout) {
-    case DatasetLayout::sherd:
-    case DatasetLayout::packed:
-      return "objects/" + object.folder;
-    case DatasetLayout::paper:
-      return object.folder;
-    case DatasetLayout::bb:
-      // Loaders take the second part of a path for the category.
-      return object.folder.find('/') == std::string::npos ? "library/" + object.folder
-                                                          : object.folder;
-  }
-  return object.folder;
-}
 
 // ---- Files on their way
 
@@ -181,7 +167,7 @@ class ObjectStore::Archive {
     makeFolder(file_.parent_path());
     // It may have been finished, and the journal not.
     if (kept > 0 && !fs::exists(file_)) ::rename(final_.c_str(), file_.c_str());
-    descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
     if (descriptor_ < 0) cannot(file_, "written", errno);
     noteKept(kept);
     if (::ftruncate(descriptor_, static_cast<off_t>(kept)) != 0 ||
@@ -238,6 +224,7 @@ class ObjectStore::Archive {
         file.size = loadLittle<std::uint64_t>(rest.data() + name + 4);
         packedBytes = loadLittle<std::uint64_t>(rest.data() + name + 12);
       }
+      if (packedBytes > kept - zip_.offset()) damaged();  // nor may the sum of both overflow
       zip_.note(file, packedBytes);
     }
     if (zip_.offset() != kept) damaged();
@@ -270,7 +257,8 @@ class ObjectStore::Archive {
 
 namespace {
 
-void removeAllBut(const fs::path& folder, const std::set<fs::path>& kept) {
+// Links below the folder are removed themselves; the folder is none, see requireOwnSubfolder.
+void removeAllBut(const fs::path& folder, const std::set<fs::path>& kept) try {
   if (!fs::exists(folder)) return;
   std::vector<fs::path> folders;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
@@ -283,6 +271,8 @@ void removeAllBut(const fs::path& folder, const std::set<fs::path>& kept) {
   folders.push_back(folder);
   std::sort(folders.begin(), folders.end(), std::greater<>());   // deeper ones first
   for (const fs::path& empty : folders) ::rmdir(empty.c_str());  // fails where it is not
+} catch (const fs::filesystem_error& e) {
+  cannot(e.path1(), "removed", e.code().value());
 }
 
 }  // namespace
@@ -292,17 +282,16 @@ ObjectStore::ObjectStore(fs::path root, std::string folder, DatasetLayout layout
                          std::uint64_t archive, std::size_t mostQueued)
     : root_(std::move(root)), folder_(std::move(folder)), compression_(compression) {
   if (layout == DatasetLayout::packed) {
+    requireOwnFile(root_, folder_ + kArchive);
+    requireOwnFile(root_, folder_ + kUnfinished);
     archive_ = std::make_unique<Archive>(place(), archive);
     return;
   }
+  requireOwnSubfolder(root_, folder_ + "/file");
   queue_ = std::make_unique<FileQueue>(mostQueued);
   std::set<fs::path> names;
   for (const FileRecord& record : kept) names.insert(root_ / record.name);
-  try {
-    removeAllBut(place(), names);
-  } catch (const fs::filesystem_error& e) {
-    cannot(e.path1(), "removed", e.code().value());
-  }
+  removeAllBut(place(), names);
 }
 
 ObjectStore::~ObjectStore() = default;

@@ -75,6 +75,7 @@ class ObjectStore {
   ///   kept    what an earlier run has kept
   ///   archive  bytes of the archive that are kept
   ///   mostQueued  bytes of loose files that may wait for the disk
+  ///   throws  Error(output) a symbolic link on the way to the folder or the archive, all else
   ObjectStore(std::filesystem::path root, std::string folder, DatasetLayout layout,
               FileCompression compression, const std::vector<FileRecord>& kept,
               std::uint64_t archive, std::size_t mostQueued = 0);
@@ -110,8 +111,5 @@ class ObjectStore {
   std::unique_ptr<Archive> archive_;
   std::unique_ptr<FileQueue> queue_;
 };
-
-/// What an object's folder is called below the dataset's.
-[[nodiscard]] std::string objectFolder(DatasetLayout layout, const LibraryObject& object);
 
 }  // namespace sherd

@@ -11,6 +11,9 @@
 #include "dataset/fracture_line.h"
 #include "dataset/index.h"
 #include "dataset/journal.h"
+#include "dataset/object_folder.h"
+#include "io/below_folder.h"
+#include "io/input_error.h"
 #include "io/sha256.h"
 #include "io/zip_reader.h"
 #include "mesh/file_bytes.h"
@@ -26,14 +29,14 @@ class StoredFiles {
  public:
   StoredFiles(const fs::path& out, const std::string& archive) : out_(out) {
     if (archive.empty()) return;
-    bytes_ = readFileBytes(out / archive);
+    bytes_ = read(archive);
     for (ZipEntry& entry : zipEntries(bytes_, archive)) entries_.emplace(entry.name, entry);
     isArchive_ = true;
   }
 
   /// As it lies there; of an archive, unpacked.
   [[nodiscard]] std::string bytes(const std::string& name) const {
-    if (!isArchive_) return readFileBytes(out_ / name);
+    if (!isArchive_) return read(name);
     const auto found = entries_.find(name);
     if (found == entries_.end()) {
       throw Error(ErrorCode::input, name + ": is not in the archive");
@@ -48,6 +51,12 @@ class StoredFiles {
   }
 
  private:
+  [[nodiscard]] std::string read(const std::string& name) const {
+    if (!isOwnFile(out_, name))
+      inputError(out_ / name, "is absent, or a symbolic link leads there");
+    return readFileBytes(out_ / name);
+  }
+
   fs::path out_;
   bool isArchive_ = false;
   std::string bytes_;
@@ -144,13 +153,13 @@ DatasetCheck verifyDataset(const fs::path& out, const std::function<bool()>& can
     check.problems.push_back(sentence);
   };
   for (const LibraryObject& object : plan.objects) {
-    const JournalText journal = readJournal(journalOf(out, object));
-    if (journal.failed) continue;
-    if (!journal.done) {
-      problem(object.key + ": is not done");
-      continue;
-    }
     try {
+      const JournalText journal = readJournal(out, object);
+      if (journal.failed) continue;
+      if (!journal.done) {
+        problem(object.key + ": is not done");
+        continue;
+      }
       const bool isPacked = plan.layout == DatasetLayout::packed;
       const StoredFiles files(
           out, isPacked ? objectFolder(plan.layout, object) + ".zip" : std::string());

@@ -38,19 +38,26 @@ int deepest(std::string_view text) {
   return most;
 }
 
-}  // namespace
-
-nlohmann::json parsedJson(std::string_view text) {
+template <class Json>
+Json parsed(std::string_view text) {
   if (deepest(text) > kDeepest) {
     inputError("is nested too deeply: more than " + std::to_string(kDeepest) + " levels of JSON");
   }
   try {
-    return nlohmann::json::parse(text);
-  } catch (const nlohmann::json::parse_error& e) {
+    return Json::parse(text);
+  } catch (const typename Json::parse_error& e) {
     inputError("is not JSON from byte " + std::to_string(e.byte) + " on");
-  } catch (const nlohmann::json::exception&) {
+  } catch (const typename Json::exception&) {
     inputError("holds a number that no double can hold");
   }
+}
+
+}  // namespace
+
+nlohmann::json parsedJson(std::string_view text) { return parsed<nlohmann::json>(text); }
+
+nlohmann::ordered_json parsedOrderedJson(std::string_view text) {
+  return parsed<nlohmann::ordered_json>(text);
 }
 
 nlohmann::json readJson(const std::filesystem::path& file, const char* kind,

@@ -13,6 +13,9 @@ namespace sherd {
 ///           that no double can hold
 [[nodiscard]] nlohmann::json parsedJson(std::string_view text);
 
+/// The same, with the keys of objects in their order.
+[[nodiscard]] nlohmann::ordered_json parsedOrderedJson(std::string_view text);
+
 /// A file as JSON, which a `kind` of file is: "seed file".
 ///   throws  Error(input) with the file's name, as above; absent, unreadable, or larger than
 ///           `largestBytes`
