@@ -12,7 +12,10 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "dataset/figures.h"
+#include "dataset/journal.h"
 #include "fuzz/draco_files.h"
+#include "io/below_folder.h"
 #include "io/parsed_json.h"
 #include "io/read_facing.h"
 #include "io/read_manifest.h"
@@ -110,6 +113,17 @@ void readManifestOf(std::string_view bytes) {
   check(!manifest.fragments.empty() && manifest.voxelSize > 0.0);
   for (const std::string& file : manifest.files) {
     check(file.front() != '/' && file.find("../") == std::string::npos);
+  }
+}
+
+// And what the index and the report make of it.
+void readJournalOf(std::string_view bytes) {
+  const JournalText journal = parsedJournal(bytes, "a.jsonl");
+  check(journal.bytes <= bytes.size());
+  DatasetFigures figures;
+  for (const Json& line : journal.fractures) {
+    figures.add(line);
+    for (const FileRecord& file : filesOf(line)) check(isBelowFolder(file.name));
   }
 }
 

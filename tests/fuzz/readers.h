@@ -19,5 +19,6 @@ void checkPoints(const SurfacePoints& points);
 void readMtl(std::string_view bytes);
 void readManifestOf(std::string_view bytes);
 void readSeedFile(std::string_view bytes);
+void readJournalOf(std::string_view bytes);
 
 }  // namespace sherd::fuzz

@@ -38,6 +38,7 @@ const std::vector<Target> kTargets{
     {"binp", [](std::string_view bytes) { checkPoints(parseBinp(bytes, "a.binp")); }, ".binp", {}},
     {"manifest", readManifestOf, "manifest.json", {}},
     {"seeds", readSeedFile, "seeds.json", {}},
+    {"journal", readJournalOf, "", handmade::journal()},
 };
 // clang-format on
 
