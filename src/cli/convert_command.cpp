@@ -12,6 +12,7 @@
 #include "cli/fracture_options.h"
 #include "cli/interrupts.h"
 #include "cli/option_text.h"
+#include "cli/output_path.h"
 #include "io/file_kind.h"
 #include "io/held_files.h"
 #include "io/json_of.h"
@@ -119,6 +120,7 @@ Converted convert(const ConvertArguments& arguments, HeldFiles& files) {
 }
 
 void runConvert(const ConvertArguments& arguments) {
+  requireNoInput("OUT", arguments.out);
   setInterruptedState(arguments.out + " is as it was before");
   HeldFiles files;
   const Converted done = convert(arguments, files);

@@ -9,11 +9,14 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "cgal/cgal_checks.h"
 #include "cli/command.h"
 #include "cli/evaluate_report.h"
 #include "cli/interrupts.h"
+#include "cli/output_path.h"
 #include "io/held_files.h"
 
 namespace sherd::cli {
@@ -46,6 +49,14 @@ EvaluateReport reportOf(const EvaluateArguments& arguments) {
   EvaluateReport report;
   report.folder = arguments.folder;
   report.set = readFragments(arguments.folder);
+  std::vector<fs::path> inputs{arguments.whole};
+  for (const EvaluatedFragment& fragment : report.set.fragments) {
+    if (!fragment.name.empty()) inputs.push_back(fs::path(arguments.folder) / fragment.name);
+  }
+  for (const auto& [option, file] :
+       {std::pair("--csv", arguments.csv), {"--plot", arguments.plot}}) {
+    if (!file.empty()) requireNoInput(option, file, inputs);
+  }
   std::optional<SourceMesh> whole;
   if (!arguments.whole.empty()) {
     whole = readMesh(arguments.whole);

@@ -11,6 +11,7 @@
 #include "cli/command.h"
 #include "cli/interrupts.h"
 #include "cli/option_text.h"
+#include "cli/output_path.h"
 #include "io/file_names.h"
 #include "io/held_files.h"
 #include "lower_case.h"
@@ -90,17 +91,20 @@ void runRender(RenderArguments& arguments) {
   }
   RenderOptions options = arguments.options;
   options.up = arguments.up.front();
+  const auto count = static_cast<std::size_t>(std::max(1, arguments.turntable));
+  const auto file = [&](std::size_t i) {
+    return arguments.turntable > 0 ? numbered(output, i + 1, count) : output;
+  };
+  for (std::size_t i = 0; i < count; ++i) requireNoInput("--output", file(i));
   const std::vector<Fragment> pieces = readPieces(arguments.path);
   HeldFiles files;
-  const auto count = static_cast<std::size_t>(std::max(1, arguments.turntable));
   for (std::size_t i = 0; i < count; ++i) {
     options.azimuth =
         arguments.options.azimuth + 360.0 * static_cast<double>(i) / static_cast<double>(count);
-    const fs::path file = arguments.turntable > 0 ? numbered(output, i + 1, count) : output;
     if (extension == ".png") {
-      writePng({files, file}, renderFragments(pieces, options, &untilInterrupted()));
+      writePng({files, file(i)}, renderFragments(pieces, options, &untilInterrupted()));
     } else {
-      writeExr({files, file}, renderLayers(pieces, options, &untilInterrupted()));
+      writeExr({files, file(i)}, renderLayers(pieces, options, &untilInterrupted()));
     }
   }
   stopIfInterrupted();

@@ -1,0 +1,55 @@
+// Files that a command writes where others may be.
+#include "cli/output_path.h"
+
+#include <sherd/error.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <vector>
+
+#include "io/read_manifest.h"
+
+namespace sherd::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void refuse(const std::string& option, const fs::path& output,
+                         const std::string& why) {
+  throw Error(ErrorCode::usage,
+              option + ": " + output.string() + " " + why + "; name another file");
+}
+
+bool isListed(const fs::path& manifest, const std::string& name) {
+  const auto json = manifestJson(manifest);
+  if (!json) return false;
+  if (name == kManifestName) return true;
+  const std::optional<std::vector<std::string>> files = listedFiles(*json);
+  return files && std::find(files->begin(), files->end(), name) != files->end();
+}
+
+}  // namespace
+
+void requireNoInput(const std::string& option, const fs::path& output,
+                    std::span<const fs::path> inputs) {
+  std::error_code failed;
+  if (!fs::exists(fs::symlink_status(output, failed))) return;  // nothing is replaced
+  for (const fs::path& input : inputs) {
+    if (fs::equivalent(input, output, failed)) refuse(option, output, "is read by this command");
+  }
+  // The folders with their links resolved; a link in place of the file itself is refused when it is
+  // written.
+  const fs::path whole = fs::absolute(output);
+  const fs::path file = fs::weakly_canonical(whole.parent_path(), failed) / whole.filename();
+  if (failed) return;
+  for (fs::path folder = file.parent_path();; folder = folder.parent_path()) {
+    const fs::path manifest = folder / kManifestName;
+    if (isListed(manifest, file.lexically_relative(folder).generic_string())) {
+      refuse(option, output, "is a file of the fracture that " + manifest.string() + " lists");
+    }
+    if (folder == folder.parent_path()) return;
+  }
+}
+
+}  // namespace sherd::cli
