@@ -1,75 +1,225 @@
 // Options out of a file.
 #include "cli/config_file.h"
 
-#include <CLI/CLI.hpp>
+#include <algorithm>
 #include <nlohmann/json.hpp>
-#include <sstream>
+#include <set>
+#include <string_view>
+#include <utility>
 
+#include "cli/option_text.h"
 #include "io/input_error.h"
+#include "io/parsed_json.h"
 #include "lower_case.h"
 #include "mesh/file_bytes.h"
 
 namespace sherd::cli {
 namespace {
 
-using Options = std::vector<std::pair<std::string, std::string>>;
+namespace fs = std::filesystem;
+using Options = std::vector<ConfiguredOption>;
+using Json = nlohmann::ordered_json;
 
-std::string joined(const std::vector<std::string>& parts) {
-  std::string all;
-  for (const std::string& part : parts) all += (all.empty() ? "" : ",") + part;
-  return all;
-}
+/// What TOML may have of an option.
+class Toml {
+ public:
+  Toml(fs::path file, std::string text) : file_(std::move(file)), text_(std::move(text)) {}
 
-void add(Options& options, const std::string& name, const std::vector<std::string>& values) {
-  const std::string option = "--" + name;
-  if (name == "impact") {
-    for (const std::string& value : values) options.emplace_back(option, value);
-  } else if (values.size() == 1 && values[0] == "true") {
-    options.emplace_back(option, "");
-  } else if (values.size() != 1 || values[0] != "false") {
-    options.emplace_back(option, joined(values));
-  }
-}
-
-Options inToml(const std::filesystem::path& file) {
-  Options options;
-  std::istringstream text(readFileBytes(file));
-  try {
-    for (const CLI::ConfigItem& item : CLI::ConfigTOML().from_config(text)) {
-      if (item.name == "++" || item.name == "--") continue;  // the begin and end of a section
-      add(options, item.name, item.inputs);
+  Options options() {
+    Options options;
+    while (skipLines()) {
+      if (peek() == '[') {
+        while (!isAtLineEnd() && peek() != ']') ++at_;
+        while (peek() == ']') ++at_;
+      } else {
+        options.push_back(option());
+      }
+      skipBlanks();
+      if (!isAtLineEnd() && peek() != '#') refuse("has more than one value in a line");
     }
-  } catch (const CLI::Error& e) {
-    inputError(file, std::string("is no TOML of options: ") + e.what());
+    return options;
   }
+
+ private:
+  [[noreturn]] void refuse(const std::string& what) const {
+    throw Error(ErrorCode::input, where() + ": " + what);
+  }
+  [[nodiscard]] std::string where() const { return file_.string() + ":" + std::to_string(line_); }
+
+  [[nodiscard]] char peek() const { return at_ < text_.size() ? text_[at_] : '\0'; }
+  [[nodiscard]] bool isAtLineEnd() const {
+    return at_ >= text_.size() || text_[at_] == '\n' || text_.substr(at_, 2) == "\r\n";
+  }
+
+  void skipBlanks() {
+    while (peek() == ' ' || peek() == '\t') ++at_;
+  }
+
+  // To what is not blank, a line's end or a comment; false at the end.
+  bool skipLines() {
+    for (;; ++at_) {
+      skipBlanks();
+      if (peek() == '#') at_ = std::min(text_.find('\n', at_), text_.size());
+      if (at_ >= text_.size()) return false;
+      if (!isAtLineEnd()) return true;
+      if (peek() == '\r') ++at_;
+      ++line_;
+    }
+  }
+
+  std::string bare() {
+    const std::size_t begin = at_;
+    while (!isAtLineEnd() && std::string_view(" \t,]#=").find(peek()) == std::string_view::npos) {
+      ++at_;
+    }
+    return text_.substr(begin, at_ - begin);
+  }
+
+  // "text" or 'text'
+  std::string quoted() {
+    const char quote = text_[at_++];
+    if (text_.substr(at_, 2) == std::string(2, quote)) refuse("has text over several lines");
+    std::string value;
+    while (!isAtLineEnd() && peek() != quote) {
+      if (quote == '"' && peek() == '\\') {
+        ++at_;
+        constexpr std::string_view kEscapes = "\"\\tn", kMeant = "\"\\\t\n";
+        const std::size_t which = isAtLineEnd() ? std::string_view::npos : kEscapes.find(peek());
+        if (which == std::string_view::npos) {
+          refuse("has a '\\' that is none of \\\" \\\\ \\t \\n; write text in single quotes");
+        }
+        value += kMeant[which];
+        ++at_;
+      } else {
+        value += text_[at_++];
+      }
+    }
+    if (isAtLineEnd()) refuse(std::string("has text without its closing ") + quote);
+    ++at_;
+    return value;
+  }
+
+  bool isQuote() const { return peek() == '"' || peek() == '\''; }
+
+  // A text or a number.
+  std::string value(const std::string& name) {
+    const std::string text = isQuote() ? quoted() : bare();
+    if (text.empty()) refuse(name + " has no value");
+    if (text_[at_ - 1] == '"' || text_[at_ - 1] == '\'') return text;
+    std::string digits = text;
+    std::erase(digits, '_');
+    if (digits.starts_with('+')) digits.erase(0, 1);
+    if (!numberIn(digits)) {
+      refuse(name + " is " + text + ", which is neither a number nor true or false; text needs " +
+             "quotes");
+    }
+    return digits;
+  }
+
+  ConfiguredOption option() {
+    ConfiguredOption option;
+    option.name = isQuote() ? quoted() : bare();
+    option.where = where() + ": " + option.name;
+    skipBlanks();
+    if (peek() != '=' || option.name.empty()) refuse("is not NAME = VALUE");
+    ++at_;
+    skipBlanks();
+    if (peek() == '[') {
+      option.values = list(option.name);
+      return option;
+    }
+    const std::size_t begin = at_;
+    const std::string word = isQuote() ? "" : bare();
+    if (word == "true" || word == "false") {
+      option.flag = word == "true";
+    } else {
+      at_ = begin;
+      option.values = {value(option.name)};
+    }
+    return option;
+  }
+
+  std::vector<std::string> list(const std::string& name) {
+    std::vector<std::string> values;
+    ++at_;
+    for (;;) {
+      if (!skipLines()) refuse(name + " has a list without its closing ]");
+      if (peek() == ']') break;
+      values.push_back(value(name));
+      if (!skipLines()) refuse(name + " has a list without its closing ]");
+      if (peek() == ',') {
+        ++at_;
+      } else if (peek() != ']') {
+        refuse(name + " has a list whose values are not separated by commas");
+      }
+    }
+    ++at_;
+    if (values.empty()) refuse(name + " has an empty list");
+    return values;
+  }
+
+  fs::path file_;
+  std::string text_;
+  std::size_t at_ = 0;
+  int line_ = 1;
+};
+
+ConfiguredOption optionOf(const fs::path& file, const std::string& name, const Json& value) {
+  ConfiguredOption option{name, file.string() + ": " + name, {}, {}};
+  if (value.is_boolean()) {
+    option.flag = value.get<bool>();
+    return option;
+  }
+  for (const Json& one : value.is_array() ? value : Json::array({value})) {
+    if (!one.is_string() && !one.is_number()) {
+      inputError(file, "has no value for " + name + ": text, a number, true, false or a list");
+    }
+    option.values.push_back(one.is_string() ? one.get<std::string>() : one.dump());
+  }
+  const bool isEmpty = std::any_of(option.values.begin(), option.values.end(),
+                                   [](const std::string& text) { return text.empty(); });
+  if (isEmpty || option.values.empty()) inputError(file, "has an empty value for " + name);
+  return option;
+}
+
+Options inJson(const fs::path& file) {
+  const std::string bytes = readFileBytes(file);
+  Options options;
+  try {
+    const Json json = parsedOrderedJson(bytes);
+    if (!json.is_object()) inputError(file, "is no JSON object of options");
+    for (const auto& [name, value] : json.items()) options.push_back(optionOf(file, name, value));
+  } catch (const Error& e) {
+    if (std::string_view(e.what()).starts_with(file.string())) throw;
+    inputError(file, std::string(e.what()) + ", so it is no JSON object of options");
+  }
+  // The parser keeps one of several.
+  std::set<std::string> names;
+  [[maybe_unused]] const Json again =
+      Json::parse(bytes, [&](int depth, Json::parse_event_t event, Json& parsed) {
+        if (event == Json::parse_event_t::key && depth == 1 &&
+            !names.insert(parsed.get<std::string>()).second) {
+          inputError(file, "has " + parsed.get<std::string>() + " twice");
+        }
+        return true;
+      });
   return options;
 }
 
-std::string textOf(const nlohmann::json& value) {
-  return value.is_string() ? value.get<std::string>() : value.dump();
-}
-
-Options inJson(const std::filesystem::path& file) {
-  const auto json = nlohmann::ordered_json::parse(readFileBytes(file), nullptr, false);
-  if (!json.is_object()) inputError(file, "is no JSON object of options");
-  Options options;
-  for (const auto& [name, value] : json.items()) {
-    std::vector<std::string> values;
-    if (value.is_array()) {
-      for (const auto& one : value) values.push_back(textOf(one));
-    } else if (value.is_object() || value.is_null()) {
-      inputError(file, "has no value for " + name + ": text, a number, true, false or a list");
-    } else {
-      values.push_back(textOf(value));
+Options inToml(const fs::path& file) {
+  Options options = Toml(file, readFileBytes(file)).options();
+  for (std::size_t i = 0; i < options.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      if (options[k].name != options[i].name) continue;
+      throw Error(ErrorCode::input, options[i].where + " is there already: " + options[k].where);
     }
-    add(options, name, values);
   }
   return options;
 }
 
 }  // namespace
 
-Options optionsIn(const std::filesystem::path& file) {
+Options optionsIn(const fs::path& file) {
   return lowerCase(file.extension().string()) == ".json" ? inJson(file) : inToml(file);
 }
 

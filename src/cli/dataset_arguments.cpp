@@ -1,18 +1,30 @@
 // The arguments of `sherd dataset`, before they are parsed.
 #include "cli/dataset_arguments.h"
 
+#include <sherd/error.h>
+
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <set>
 #include <utility>
 
 #include "cli/config_file.h"
 #include "cli/drawn_options.h"
+#include "cli/nearest_name.h"
 
 namespace sherd::cli {
 namespace {
 
-using Options = std::vector<std::pair<std::string, std::string>>;  // the second empty for flags
+/// An option of the command line, or of a file.
+struct Given {
+  std::string name;  // "--pieces"
+  std::optional<std::string> value{};
+};
+using Options = std::vector<Given>;
+
+// What a file may not set: it would be read while it is read, end the run at once, or is ours.
+constexpr std::array<const char*, 4> kNotOfFiles{"--config", "--help", "--plan", "--drawn"};
 
 // Options that change nothing of what is written.
 constexpr std::array<const char*, 14> kOfTheRun{
@@ -40,31 +52,77 @@ Options optionsOf(const std::vector<std::string>& arguments, const CLI::App& com
   Options options;
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const std::string& argument = arguments[i];
+    if (argument.starts_with("-o") && argument.size() > 2) {
+      options.push_back({"--output", argument.substr(2)});
+      continue;
+    }
+    if (argument == "-o" && i + 1 < arguments.size()) {
+      options.push_back({"--output", arguments[++i]});
+      continue;
+    }
     if (!argument.starts_with("--") || argument == "--") {
       rest.push_back(argument);
-      if (argument == "-o" && i + 1 < arguments.size()) rest.push_back(arguments[++i]);
       continue;
     }
     const std::size_t equals = argument.find('=');
     if (equals != std::string::npos) {
-      options.emplace_back(argument.substr(0, equals), argument.substr(equals + 1));
+      options.push_back({argument.substr(0, equals), argument.substr(equals + 1)});
     } else if (isFlag(command, argument) || i + 1 == arguments.size()) {
-      options.emplace_back(argument, "");
+      options.push_back({argument});
     } else {
-      options.emplace_back(argument, arguments[++i]);
+      options.push_back({argument, arguments[++i]});
     }
   }
   return options;
 }
 
+// The names of all options that a file may set.
+std::vector<std::string> namesIn(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options()) {
+    for (const std::string& name : option->get_lnames()) {
+      const auto* const found = std::find(kNotOfFiles.begin(), kNotOfFiles.end(), "--" + name);
+      if (found == kNotOfFiles.end()) names.push_back(name);
+    }
+  }
+  return names;
+}
+
+// An option of a file as the command line would have it.
+Options given(const ConfiguredOption& configured, const CLI::App& command) {
+  const auto refuse = [&](const std::string& what) {
+    throw Error(ErrorCode::input, configured.where + " " + what);
+  };
+  const std::vector<std::string> names = namesIn(command);
+  if (std::find(names.begin(), names.end(), configured.name) == names.end()) {
+    const std::vector<std::string> nearest = nearestNames(configured.name, names);
+    refuse("is no option that a file may set" + (nearest.empty()
+                                                     ? "; sherd dataset --help lists them"
+                                                     : ", the nearest is " + quotedList(nearest)));
+  }
+  const std::string name = "--" + configured.name;
+  if (isFlag(command, name) != configured.flag.has_value()) {
+    refuse(configured.flag ? "takes a value, not true or false" : "is true or false, and no value");
+  }
+  if (configured.flag) return *configured.flag ? Options{{name}} : Options{};
+  Options options;
+  if (configured.name == "impact") {
+    for (const std::string& value : configured.values) options.push_back({name, value});
+    return options;
+  }
+  std::string all;
+  for (const std::string& value : configured.values) all += (all.empty() ? "" : ",") + value;
+  return {{name, all}};
+}
+
 std::string planOf(Options options) {
   std::stable_sort(options.begin(), options.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
+                   [](const Given& a, const Given& b) { return a.name < b.name; });
   std::string text;
   for (const auto& [name, value] : options) {
     if (std::find(kOfTheRun.begin(), kOfTheRun.end(), name) != kOfTheRun.end()) continue;
     text += text.empty() ? "" : " ";
-    text += value.empty() ? name : name + "=" + value;
+    text += value.value_or("").empty() ? name : name + "=" + *value;
   }
   return text;
 }
@@ -75,22 +133,28 @@ std::vector<std::string> expandedArguments(const std::vector<std::string>& argum
                                            const CLI::App& command) {
   std::vector<std::string> expanded;
   Options options = optionsOf(arguments, command, expanded);
-  std::set<std::string> given;
-  for (const auto& [name, value] : options) given.insert(name);
-  Options configured;
-  for (const auto& [name, value] : options) {
-    if (name != "--config") continue;
-    for (const auto& [option, text] : optionsIn(value)) {
-      if (!given.contains(option)) configured.emplace_back(option, text);
+  std::set<std::string> named;
+  for (const Given& option : options) named.insert(option.name);
+  Options ofFiles;
+  for (const Given& option : options) {
+    if (option.name != "--config" || !option.value) continue;
+    for (const ConfiguredOption& configured : optionsIn(*option.value)) {
+      for (Given& own : given(configured, command)) {
+        if (!named.contains(own.name)) ofFiles.push_back(std::move(own));
+      }
     }
   }
-  options.insert(options.begin(), configured.begin(), configured.end());
-  std::erase_if(options, [](const auto& option) { return option.first == "--config"; });
+  options.insert(options.begin(), ofFiles.begin(), ofFiles.end());
+  std::erase_if(options, [](const Given& option) { return option.name == "--config"; });
   for (const auto& [name, value] : options) {
-    if (isOfFractures(command, name) && drawnOption(name, value)) {
-      expanded.push_back("--drawn=" + name + "=" + value);
+    if (!value) {
+      expanded.push_back(name);
+    } else if (isOfFractures(command, name) && drawnOption(name, *value)) {
+      expanded.push_back("--drawn=" + name + "=" + *value);
+    } else if (value->empty()) {  // the parser would take "--name=" for one without a value
+      expanded.insert(expanded.end(), {name, ""});
     } else {
-      expanded.push_back(value.empty() ? name : name + "=" + value);
+      expanded.push_back(name + "=" + *value);
     }
   }
   const std::string plan = planOf(options);

@@ -15,6 +15,7 @@
 #include "cli/fracture_options.h"
 #include "cli/interrupts.h"
 #include "cli/machine_options.h"
+#include "cli/option_rules.h"
 #include "cli/option_text.h"
 #include "option_names.h"
 
@@ -27,6 +28,7 @@ struct DatasetArguments {
   DatasetOptions options;
   WriteArguments write{.names = {"labels", "mesh"}};
   std::vector<DrawnOption> drawn;
+  std::vector<std::string> idle;  ///< sentences on options that do nothing
   MachineOptions machine;
   bool verify = false;
   bool dryRun = false;
@@ -217,6 +219,7 @@ void runDatasetCommand(DatasetArguments& arguments) {
   DatasetTelling telling(arguments.json, arguments.quiet);
   DatasetWatch watch = telling.watch();
   watch.cancelled = isInterrupted;
+  for (const std::string& sentence : arguments.idle) watch.warning(sentence);
   try {
     if (arguments.dryRun) {
       return telling.forecast(forecastDataset(arguments.library, options, device, isInterrupted));
@@ -286,8 +289,14 @@ CLI::App* addDatasetCommand(CLI::App& app, Action& run) {
     if (arguments->options.layout == DatasetLayout::bb && command->count("--mesh-format") == 0) {
       arguments->write.files.meshFormats = {MeshFileFormat::obj};
     }
-    checkPointOptions(arguments->write.files);
     checkDrawn(arguments->drawn, arguments->options.fracture);
+    arguments->idle = idleOptions({*command,
+                                   arguments->options.fracture,
+                                   arguments->write,
+                                   {},
+                                   arguments->dryRun,
+                                   &arguments->options,
+                                   &arguments->drawn});
     run = [arguments] { runDatasetCommand(*arguments); };
   });
   return command;

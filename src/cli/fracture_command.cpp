@@ -22,6 +22,7 @@
 #include "cli/fracture_telling.h"
 #include "cli/interrupts.h"
 #include "cli/machine_options.h"
+#include "cli/option_rules.h"
 #include "cli/progress_line.h"
 #include "io/file_names.h"
 #include "io/mesh_report.h"
@@ -43,6 +44,7 @@ struct FractureArguments {
   FractureOptions options;
   VolumeOptions volume;
   bool splitObjects = false;
+  bool asksForFill = false;  ///< or for a shell's thickness
   WriteArguments write;
   MachineOptions machine;
   bool json = false;
@@ -73,6 +75,11 @@ Input readInput(FractureArguments& arguments, const Progress& progress) {
     Volume volume = readVolume(arguments.mesh, arguments.volume, &progress);
     if (arguments.volume.ownVoxels) arguments.options.voxelSize = volume.voxelSize;
     input.solid = std::move(volume.solid);
+    if (input.solid && arguments.asksForFill) {
+      printMessage(
+          "sherd: warning: --fill and --shell-thickness do nothing with a level set's own voxels; "
+          "--resolution or --voxel-size makes others");
+    }
     source = std::move(volume.source);
   } else {
     source = readMesh(arguments.mesh, &progress);
@@ -323,8 +330,13 @@ void addFractureCommand(CLI::App& app, Action& run) {
     arguments->volume.maxMemory = arguments->machine.memory();
     arguments->volume.ownVoxels =
         command->count("--resolution") + command->count("--voxel-size") == 0;
-    checkPointOptions(arguments->write.files);
-    run = [arguments] { runFracture(*arguments); };
+    arguments->asksForFill = command->count("--fill") + command->count("--shell-thickness") > 0;
+    const std::vector<std::string> idle =
+        idleOptions({*command, arguments->options, arguments->write, arguments->mesh});
+    run = [arguments, idle] {
+      for (const std::string& sentence : idle) printMessage("sherd: warning: " + sentence);
+      runFracture(*arguments);
+    };
   });
 }
 

@@ -37,10 +37,6 @@ void addWriteOptions(CLI::App& command, WriteArguments& arguments);
 
 [[nodiscard]] WriteOptions writeOptions(const WriteArguments& arguments);
 
-/// Refuses what cannot go together, before the work.
-///   throws  CLI::ValidationError
-void checkPointOptions(const WriteOptions& write);
-
 /// --preset.  To be added before all others that set `options`: CLI11 sets values in the order in
 /// which options were added, wherever they stand on the command line, so the others win.
 void addPreset(CLI::App& command, FractureOptions& options);

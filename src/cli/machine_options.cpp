@@ -4,6 +4,8 @@
 #include <malloc.h>
 #include <sherd/memory.h>
 
+#include "cli/option_text.h"
+
 namespace sherd::cli {
 
 std::uint64_t MachineOptions::memory() const { return maxMemory.value_or(freeMemory()); }
@@ -20,8 +22,9 @@ void addMachineOptions(CLI::App& command, MachineOptions& options) {
       ->transform(wholeNumber(1, 4096));
   command
       .add_option("--max-memory", options.maxMemory,
-                  "Refuse what would take more memory, such as 8G; default what is free")
-      ->transform(CLI::AsSizeValue(/*kb_is_1000=*/false))
+                  "Refuse what would take more memory, such as 8G or 1.5G (1024 each); default "
+                  "what is free")
+      ->transform(size())
       ->type_name("SIZE");
 }
 

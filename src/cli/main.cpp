@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "cli/command.h"
+#include "cli/command_line.h"
 #include "cli/dataset_arguments.h"
 #include "cli/interrupts.h"
 #include "io/atomic_file.h"
@@ -72,6 +73,7 @@ void parse(int argc, char** argv, Action& run) {
       "interrupted.");
   try {
     std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
+    checkArguments(app, arguments);
     if (!arguments.empty() && arguments.front() == dataset->get_name()) {
       arguments = expandedArguments({arguments.begin() + 1, arguments.end()}, *dataset);
       arguments.insert(arguments.begin(), dataset->get_name());

@@ -1,9 +1,12 @@
 // What options are made of, as text.
 #include "cli/option_text.h"
 
+#include <charconv>
 #include <cmath>
+#include <limits>
 
 #include "cli/fracture_options.h"
+#include "lower_case.h"
 
 namespace sherd::cli {
 
@@ -35,6 +38,50 @@ std::optional<std::vector<double>> numbersIn(std::span<const std::string> parts)
     numbers.push_back(*value);
   }
   return numbers;
+}
+
+std::optional<std::uint64_t> bytesIn(const std::string& text) {
+  constexpr std::string_view kDigits = "0123456789", kUnits = "kmgtp";
+  const std::size_t digits = std::min(text.find_first_not_of("0123456789."), text.size());
+  const std::string number = text.substr(0, digits);
+  std::string unit =
+      lowerCase(text.substr(std::min(text.find_first_not_of(' ', digits), text.size())));
+  int shift = 0;
+  if (!unit.empty() && kUnits.find(unit.front()) != std::string_view::npos) {
+    shift = 10 * (1 + static_cast<int>(kUnits.find(unit.front())));
+    unit.erase(0, 1);
+    if (unit == "ib") unit = "b";
+  }
+  if (!unit.empty() && unit != "b") return {};
+  // Exactly, as doubles would round: the whole part, and what is behind the point.
+  const std::size_t point = std::min(number.find('.'), number.size());
+  const std::string whole = number.substr(0, point);
+  const std::string part = number.substr(std::min(point + 1, number.size()));
+  if (whole.empty() || (point < number.size() && part.empty()) ||
+      part.find_first_not_of(kDigits) != std::string::npos) {
+    return {};
+  }
+  std::uint64_t count = 0, bytes = 0;
+  const auto [stop, error] = std::from_chars(whole.data(), whole.data() + whole.size(), count);
+  if (error != std::errc() || count > std::numeric_limits<std::uint64_t>::max() >> shift) return {};
+  bytes = count << shift;
+  const double rest = part.empty() ? 0.0 : numberIn("0." + part).value_or(0.0);
+  bytes += static_cast<std::uint64_t>(rest * std::ldexp(1.0, shift));  // below 2^shift
+  if (bytes == 0) return {};
+  return bytes;
+}
+
+CLI::Validator size() {
+  return CLI::Validator(
+      [](std::string& text) -> std::string {
+        const std::optional<std::uint64_t> bytes = bytesIn(text);
+        if (!bytes) {
+          return "'" + text + "' is not a size above 0 and below 2^64 bytes, such as 8G or 1.5 GiB";
+        }
+        text = std::to_string(*bytes);
+        return {};
+      },
+      "");
 }
 
 CLI::Validator oneOf(std::vector<int> numbers) {

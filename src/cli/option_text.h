@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -23,6 +24,14 @@ namespace sherd::cli {
 
 /// Accepts numbers from `low` to `high`.
 [[nodiscard]] CLI::Validator numberBetween(double low, double high, const std::string& range);
+
+/// The bytes that a size is: a whole or decimal number above 0, and behind it, after blanks or
+/// none, K, M, G, T or P of 1024 each, also as KB or KiB, in any case; or B.  Nothing for any other
+/// text, and for 2^64 bytes or more.
+[[nodiscard]] std::optional<std::uint64_t> bytesIn(const std::string& text);
+
+/// Accepts sizes, and makes bytes of them.
+[[nodiscard]] CLI::Validator size();
 
 /// Accepts some whole numbers only.
 [[nodiscard]] CLI::Validator oneOf(std::vector<int> numbers);

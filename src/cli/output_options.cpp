@@ -245,12 +245,4 @@ WriteOptions writeOptions(const WriteArguments& arguments) {
   return write;
 }
 
-void checkPointOptions(const WriteOptions& write) {
-  if (write.points.sampler == PointSampler::poisson &&
-      write.points.rule == PointRule::perTriangle) {
-    throw CLI::ValidationError("--point-rule",
-                               "'per-triangle' does not go with --point-sampler poisson");
-  }
-}
-
 }  // namespace sherd::cli

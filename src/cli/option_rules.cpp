@@ -1,0 +1,238 @@
+// Which options need others, and which exclude others: one row for each condition.
+#include "cli/option_rules.h"
+
+#include <sherd/error.h>
+#include <sherd/volume.h>
+
+#include <algorithm>
+
+#include "lower_case.h"
+
+namespace sherd::cli {
+namespace {
+
+using Names = std::vector<const char*>;
+
+enum class Verdict {
+  idle,      ///< the option does nothing, which is harmless: a warning
+  conflict,  ///< two wishes of which one cannot be met: refused
+};
+
+/// Options, and what is wrong with each of them if it is given and a condition holds.
+struct Rule {
+  Names options;
+  Verdict verdict;
+  bool (*holds)(const ParsedOptions& parsed);
+  const char* sentence;  ///< after the option's name
+  Names by{};            ///< what the condition depends on: nothing is known where one is drawn
+};
+
+bool writes(const ParsedOptions& parsed, std::initializer_list<const char*> names) {
+  const std::vector<std::string>& written = parsed.write.names;
+  return std::any_of(names.begin(), names.end(), [&](const char* name) {
+    return std::find(written.begin(), written.end(), name) != written.end();
+  });
+}
+
+bool isVdb(const ParsedOptions& parsed) {
+  return lowerCase(std::filesystem::path(parsed.mesh).extension().string()) == ".vdb";
+}
+
+bool hasFormat(const ParsedOptions& parsed, MeshFileFormat format) {
+  const std::vector<MeshFileFormat>& formats = parsed.write.files.meshFormats;
+  return std::find(formats.begin(), formats.end(), format) != formats.end();
+}
+
+bool none(const Iterations& iterations) {
+  return iterations.count == 0 && iterations.perVoxel == 0.0;
+}
+
+bool hasLayout(const ParsedOptions& parsed, DatasetLayout layout) {
+  return parsed.dataset != nullptr && parsed.dataset->layout == layout;
+}
+
+using P = const ParsedOptions&;
+
+const std::vector<Rule>& rules() {
+  static const std::vector<Rule> kRules{
+      // ---- The solid
+      {{"--shell-thickness"},
+       Verdict::conflict,
+       [](P p) {
+         const Fill fill = p.fracture.fill;
+         return fill != Fill::automatic && fill != Fill::shell;
+       },
+       "makes a shell, which --fill winding, parity and flood are not; leave one of them out"},
+      {{"--grid", "--isovalue"},
+       Verdict::conflict,
+       [](P p) { return !isVdb(p); },
+       "is about the grids of a .vdb file, and MESH is none"},
+      {{"--split-objects"},
+       Verdict::conflict,
+       [](P p) { return isVolumeName(p.mesh); },
+       "breaks the objects of a mesh, and MESH is a volume, which has none"},
+      // ---- Seeds
+      {{"--sampler", "--seeds-on", "--extra-seeds", "--merge-metric", "--impact", "--impacts"},
+       Verdict::conflict,
+       [](P p) { return !p.fracture.seedFile.empty(); },
+       "is about seeds that are drawn, and --seeds takes those of a file; leave one of them out"},
+      {{"--merge-metric"},
+       Verdict::idle,
+       [](P p) {
+         const SeedOptions& seeds = p.fracture.seeds;
+         return seeds.extraSeeds == 0 && p.fracture.extraSeedsPerPiece == 0 &&
+                std::none_of(seeds.impacts.begin(), seeds.impacts.end(),
+                             [](const Impact& impact) { return impact.merge; });
+       },
+       "does nothing without --extra-seeds, or an --impact that merges",
+       {"--extra-seeds", "--impact"}},
+      // ---- Growth
+      {{"--neighborhood"},
+       Verdict::idle,
+       [](P p) { return p.fracture.grow.growth != Growth::flood; },
+       "does nothing without --growth flood",
+       {"--growth"}},
+      {{"--metric"},
+       Verdict::idle,
+       [](P p) {
+         const Growth growth = p.fracture.grow.growth;
+         return growth != Growth::nearest && growth != Growth::chain;
+       },
+       "does nothing without --growth nearest or chain",
+       {"--growth"}},
+      // ---- Erosion
+      {{"--erode-shape", "--erode-size", "--erode-planes", "--erode-threshold",
+        "--erode-probability", "--erode-on", "--erode-crumbs"},
+       Verdict::idle,
+       [](P p) { return p.fracture.erode.iterations == 0; },
+       "does nothing without --erode-iterations",
+       {"--erode-iterations"}},
+      // ---- Surface
+      {{"--interface"},
+       Verdict::idle,
+       [](P p) { return p.fracture.surface.surface == Surface::labels; },
+       "does nothing with --surface labels, whose fragments are meshed one by one",
+       {"--surface"}},
+      {{"--smooth-weight"},
+       Verdict::idle,
+       [](P p) { return none(p.fracture.surface.smooth.iterations); },
+       "does nothing without --smooth-iterations",
+       {"--smooth-iterations"}},
+      {{"--smooth-boundary-weight"},
+       Verdict::idle,
+       [](P p) { return none(p.fracture.surface.smooth.boundaryIterations); },
+       "does nothing without --smooth-boundary-iterations",
+       {"--smooth-boundary-iterations"}},
+      // ---- Files
+      {{"--triangles", "--mesh-format", "--plain-meshes"},
+       Verdict::idle,
+       [](P p) { return !writes(p, {"mesh"}); },
+       "does nothing without mesh in --write"},
+      {{"--plain-meshes"},
+       Verdict::idle,
+       [](P p) {
+         return writes(p, {"mesh"}) && !hasFormat(p, MeshFileFormat::ply) &&
+                !hasFormat(p, MeshFileFormat::obj);
+       },
+       "does nothing without ply or obj in --mesh-format"},
+      {{"--voxel-format"},
+       Verdict::idle,
+       [](P p) { return !writes(p, {"labels"}); },
+       "does nothing without labels in --write"},
+      {{"--vdb", "--half", "--vdb-compress"},
+       Verdict::idle,
+       [](P p) { return !writes(p, {"vdb"}); },
+       "does nothing without vdb in --write"},
+      {{"--density"},
+       Verdict::idle,
+       [](P p) {
+         return !writes(p, {"vdb", "scene", "graph"});
+       },
+       "does nothing without vdb, scene or graph in --write"},
+      {{"--proxy-gap"},
+       Verdict::idle,
+       [](P p) { return !writes(p, {"proxy"}); },
+       "does nothing without proxy in --write"},
+      {{"--up"},
+       Verdict::idle,
+       [](P p) { return p.dataset == nullptr && !writes(p, {"preview"}); },
+       "does nothing without preview in --write"},
+      {{"--write"},
+       Verdict::idle,
+       [](P p) { return writes(p, {"fog"}) && !writes(p, {"vdb"}); },
+       "fog does nothing without vdb: fog goes into the .vdb files"},
+      {{"--write"},
+       Verdict::idle,
+       [](P p) {
+         return writes(p, {"solid"}) && !writes(p, {"vdb", "mesh"});
+       },
+       "solid does nothing without vdb or mesh: the intact whole is written as they are"},
+      {{"--write"},
+       Verdict::idle,
+       [](P p) {
+         return writes(p, {"solid"}) &&
+                (hasLayout(p, DatasetLayout::paper) || hasLayout(p, DatasetLayout::bb));
+       },
+       "solid does nothing with --layout paper and bb, which have the intact object once"},
+      // ---- Points
+      {{"--share-points", "--point-sampler", "--point-rule", "--point-format"},
+       Verdict::idle,
+       [](P p) { return p.write.files.points.count == 0; },
+       "does nothing without --points"},
+      {{"--point-rule"},
+       Verdict::conflict,
+       [](P p) {
+         return p.write.files.points.sampler == PointSampler::poisson &&
+                p.write.files.points.rule == PointRule::perTriangle;
+       },
+       "per-triangle does not go with --point-sampler poisson"},
+      {{"--sdf-type"},
+       Verdict::idle,
+       [](P p) { return p.write.files.distances.count == 0; },
+       "does nothing without --sdf-samples"},
+      // ---- Datasets
+      {{"--compress"},
+       Verdict::idle,
+       [](P p) {
+         return hasLayout(p, DatasetLayout::packed) &&
+                p.dataset->compression == FileCompression::zstd;
+       },
+       "zstd is zip with --layout packed: archives are deflated"},
+      {{"--verify", "--resume"},
+       Verdict::idle,
+       [](P p) { return p.dryRun; },
+       "does nothing with --dry-run, which leaves no dataset"},
+  };
+  return kRules;
+}
+
+bool isDrawn(const ParsedOptions& parsed, const std::string& name) {
+  return parsed.drawn != nullptr &&
+         std::any_of(parsed.drawn->begin(), parsed.drawn->end(),
+                     [&](const DrawnOption& drawn) { return drawn.name == name; });
+}
+
+bool isGiven(const ParsedOptions& parsed, const std::string& name) {
+  const CLI::Option* const option = parsed.command.get_option_no_throw(name);
+  return option != nullptr && (option->count() > 0 || isDrawn(parsed, name));
+}
+
+}  // namespace
+
+std::vector<std::string> idleOptions(const ParsedOptions& parsed) {
+  std::vector<std::string> sentences;
+  for (const Rule& rule : rules()) {
+    const bool isKnown = std::none_of(rule.by.begin(), rule.by.end(),
+                                      [&](const char* name) { return isDrawn(parsed, name); });
+    if (!isKnown) continue;
+    for (const char* option : rule.options) {
+      if (!isGiven(parsed, option) || !rule.holds(parsed)) continue;
+      const std::string sentence = std::string(option) + " " + rule.sentence;
+      if (rule.verdict == Verdict::conflict) throw Error(ErrorCode::usage, sentence);
+      sentences.push_back(sentence);
+    }
+  }
+  return sentences;
+}
+
+}  // namespace sherd::cli
