@@ -16,6 +16,7 @@ inline constexpr const char* kErodeOn[] = {"fracture", "all"};
 inline constexpr const char* kCrumbs[] = {"wear", "keep"};
 inline constexpr const char* kInterface[] = {"shared", "independent"};
 inline constexpr const char* kSurface[] = {"smooth", "labels"};
+inline constexpr const char* kSmoothing[] = {"taubin", "laplacian"};
 inline constexpr const char* kIsolated[] = {"keep", "regrow"};  // by GrowOptions::regrowIsolated
 inline constexpr const char* kPointSampler[] = {"uniform", "halton", "poisson"};
 inline constexpr const char* kPointRule[] = {"area", "per-triangle"};

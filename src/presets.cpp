@@ -26,7 +26,8 @@ FractureOptions paperOptions() {
                      .smooth = {.iterations = kIterations,
                                 .weight = 0.9,
                                 .boundaryIterations = kIterations,
-                                .boundaryWeight = 0.2}};
+                                .boundaryWeight = 0.2,
+                                .method = Smoothing::laplacian}};
   return options;
 }
 

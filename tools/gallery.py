@@ -251,7 +251,7 @@ CHAPTERS = [
                   ("labels", "--surface labels", "the voxels' own faces"),
                   ("paper", "--preset paper", "the paper's options: labels, smoothed")]),
         Group("figure8", "Figure 8: --smooth-boundary-weight", "Stairs smoothed away from the cracks alone, and at the cracks "
-              "too.", "amphora.ply", STAIRS + " --smooth-iterations 0.048k --smooth-boundary-iterations 0.048k", [
+              "too.", "amphora.ply", STAIRS + " --smoothing laplacian --smooth-weight 0.9 --smooth-iterations 0.048k --smooth-boundary-iterations 0.048k", [
                   ("0", "--smooth-boundary-weight 0", "cracks keep every voxel"),
                   ("02", "--smooth-boundary-weight 0.2", "the paper's"),
                   ("09", "--smooth-boundary-weight 0.9", "as strong as elsewhere: rims draw back")], 3),

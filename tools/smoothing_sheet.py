@@ -27,7 +27,7 @@ def main():
             for x, (name, value, share, weight) in enumerate(row):
                 pieces, picture = pathlib.Path(folder, f"{y}{x}"), f"{folder}/picture.png"
                 subprocess.run([sherd, "fracture", mesh, "-o", pieces, "--pieces", "4", "--resolution", "64", "--surface", "labels",
-                                "--smooth-iterations", f"{share}k", "--smooth-weight", str(weight),
+                                "--smoothing", "laplacian", "--smooth-iterations", f"{share}k", "--smooth-weight", str(weight),
                                 "--smooth-boundary-iterations", f"{share}k", "--smooth-boundary-weight", str(weight / 4),
                                 "--write", "mesh", "--quiet"], check=True)
                 subprocess.run([sherd, "render", pieces, "-o", picture, "--size", f"{SIDE}x{SIDE}"], check=True)

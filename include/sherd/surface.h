@@ -28,7 +28,7 @@ enum class Surface {
 enum class Interface {
   shared,  ///< one mesh of all fragments at once: what two share is the same vertices and faces,
            ///< bit for bit, seen from both sides; smoothed and decimated they share them still
-  independent  ///< each fragment's level set meshed by itself, as OpenVDB would
+  independent  ///< each fragment's level set meshed by itself, all else being one to it
 };
 
 /// A number of iterations: `count`, and `perVoxel` times the solid's longest side in voxels,
@@ -42,14 +42,29 @@ struct Iterations {
   }
 };
 
-/// Laplacian smoothing.  Boundary vertices are those of a face towards another fragment, the rim of
-/// the cut included; all others are `other`.  The paper's weights are the defaults, its iterations
-/// are 0.048 a voxel for both (its program has 0.015 for the boundary).
+/// How meshes are smoothed, each vertex going towards the mean of its neighbors.
+enum class Smoothing {
+  taubin,  ///< there by `weight` lambda, then away by mu < 0, 1 / lambda + 1 / mu = kPassBand:
+           ///< waves that are long beside the edges stay, so volume and thin parts are kept
+  laplacian  ///< there and not back: the paper's, shrinks
+};
+
+/// Of Smoothing::taubin: eigenvalues of the mesh's Laplacian (0..2) up to which waves stay.
+///   source  Taubin, A signal processing approach to fair surface design, 1995
+inline constexpr double kPassBand = 0.1;
+
+/// Of Smoothing::taubin: no more, or the shortest waves grow.
+inline constexpr double kMostTaubinWeight = 2.0 / 3.0;
+
+/// Smoothing.  Boundary vertices are those of a face towards another fragment, the rim of the cut
+/// included; all others are `other`.  The paper's are Smoothing::laplacian, weights of 0.9 and 0.2
+/// and 0.048 iterations a voxel for both (its program has 0.015 for the boundary).
 struct SmoothOptions {
   Iterations iterations{};
-  double weight = 0.9;  ///< 0 stays, 1 goes to the neighbours' mean
+  double weight = 0.5;  ///< 0 stays, 1 goes to the neighbors' mean
   Iterations boundaryIterations{};
-  double boundaryWeight = 0.2;  ///< with 0 no boundary vertex moves, and fragments fit as before
+  double boundaryWeight = 0.5;  ///< with 0 no boundary vertex moves, and fragments fit as before
+  Smoothing method = Smoothing::taubin;
 };
 
 struct SurfaceOptions {
@@ -68,7 +83,8 @@ struct SurfaceOptions {
 void checkSurfaceOptions(const SurfaceOptions& options);
 
 /// A mesh smoothed: v <- v + weight (m - v), m the mean of its neighbours, for all vertices at once
-/// and again, first the other vertices, then the boundary ones.
+/// and again, first the other vertices, then the boundary ones.  An iteration of Smoothing::taubin
+/// is two such steps, the second with mu for the weight.
 ///
 /// m is taken over the corners of faces, as in the paper's program: a neighbour counts once for
 /// each face that both are in, twice on a closed mesh, which is the plain mean.  The program leaves

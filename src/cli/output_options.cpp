@@ -80,11 +80,14 @@ void addSurfaceOptions(CLI::App& command, FractureOptions& options) {
       ->check(numberBetween(0.0, 1.0, "0..1"))
       ->capture_default_str()
       ->group(group);
-  addIterations("--smooth-iterations", smooth.iterations,
-                "Laplacian smoothing of all but cracks; 0.048k is 0.048 times the voxels of the "
-                "longest side");
+  addChoice(command, "--smoothing", smooth.method, names::kSmoothing,
+            "How meshes are smoothed: Taubin's way keeps the volume, the paper's shrinks")
+      ->group(group);
+  addIterations(
+      "--smooth-iterations", smooth.iterations,
+      "Smoothing of all but cracks; 0.048k is 0.048 times the voxels of the longest side");
   addWeight("--smooth-weight", smooth.weight,
-            "How far a vertex goes to its neighbours' mean each time");
+            "How far a vertex goes to its neighbors' mean each time; taubin: at most 2/3");
   addIterations("--smooth-boundary-iterations", smooth.boundaryIterations,
                 "The same for vertices of cracks, their rims included");
   addWeight("--smooth-boundary-weight", smooth.boundaryWeight,

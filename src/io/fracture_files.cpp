@@ -83,7 +83,7 @@ void FractureWriting::begin() const {
     writeVdbOfSolid(folder_ / files_.solidVdb, result_.solid, notes(), write.vdbOptions);
   }
   if (!files_.solidMesh.empty()) {
-    const TriangleMesh whole = solidMesh(result_.solid, options_.surface);
+    const TriangleMesh whole = solidMesh(result_.solid);
     const std::vector<std::uint16_t> facing(whole.triangles.size(), 0);
     meshes_.write(whole, facing, meshes_.lookOf(whole, facing), files_.solidMesh);
   }
@@ -164,6 +164,7 @@ FractureOptions optionsFor(FractureOptions options, const WriteOptions& write) {
 }
 
 void checkWriteOptions(const WriteOptions& write, const FractureOptions& options) {
+  checkSurfaceOptions(options.surface);
   const auto wanted = [&](MeshFileFormat format) {
     return std::find(write.meshFormats.begin(), write.meshFormats.end(), format) !=
            write.meshFormats.end();

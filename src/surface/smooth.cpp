@@ -1,4 +1,4 @@
-// Laplacian smoothing in two passes.
+// Smoothing in two passes.
 #include "surface/smooth.h"
 
 #include <sherd/error.h>
@@ -43,29 +43,47 @@ void bringTogether(Smoothed& mesh, const std::vector<bool>& moves) {
   }
 }
 
-// One pass: vertices with moves[v] go towards the mean over faces, all at once.
-void smooth(Smoothed& mesh, const std::vector<bool>& moves, double weight, int iterations) {
-  std::vector<glm::dvec3>& vertices = mesh.vertices;
-  const std::vector<glm::uvec3>& faces = mesh.faces;
-  if (weight == 0.0 || iterations == 0) return;
-  std::vector<int> neighbours(vertices.size(), 0);
-  for (const glm::uvec3& face : faces) {
-    for (int k = 0; k < 3; ++k) neighbours[face[k]] += 2;
+// Moves some vertices of a mesh towards the mean over their faces, or away from it.
+class Smoother {
+ public:
+  Smoother(Smoothed& mesh, const std::vector<bool>& moves)
+      : mesh_(mesh), moves_(moves), neighbors_(mesh.vertices.size(), 0) {
+    for (const glm::uvec3& face : mesh.faces) {
+      for (int k = 0; k < 3; ++k) neighbors_[face[k]] += 2;
+    }
   }
-  std::vector<glm::dvec3> sum(vertices.size());
-  for (int i = 0; i < iterations; ++i) {
-    sum.assign(vertices.size(), glm::dvec3(0.0));
-    for (const glm::uvec3& face : faces) {
+
+  // All at once, by `weight` of the way.
+  void step(double weight) {
+    std::vector<glm::dvec3>& vertices = mesh_.vertices;
+    sum_.assign(vertices.size(), glm::dvec3(0.0));
+    for (const glm::uvec3& face : mesh_.faces) {
       const glm::dvec3 a = vertices[face.x], b = vertices[face.y], c = vertices[face.z];
-      sum[face.x] += b + c;
-      sum[face.y] += c + a;
-      sum[face.z] += a + b;
+      sum_[face.x] += b + c;
+      sum_[face.y] += c + a;
+      sum_[face.z] += a + b;
     }
     for (std::size_t v = 0; v < vertices.size(); ++v) {
-      if (!moves[v] || neighbours[v] == 0) continue;
-      vertices[v] += weight * (sum[v] / static_cast<double>(neighbours[v]) - vertices[v]);
+      if (!moves_[v] || neighbors_[v] == 0) continue;
+      vertices[v] += weight * (sum_[v] / static_cast<double>(neighbors_[v]) - vertices[v]);
     }
-    bringTogether(mesh, moves);
+    bringTogether(mesh_, moves_);
+  }
+
+ private:
+  Smoothed& mesh_;
+  const std::vector<bool>& moves_;
+  std::vector<int> neighbors_;  // [vertices] once for each face
+  std::vector<glm::dvec3> sum_;
+};
+
+void smooth(Smoothed& mesh, const std::vector<bool>& moves, Smoothing method, double weight,
+            int iterations) {
+  if (weight == 0.0 || iterations == 0) return;
+  Smoother smoother(mesh, moves);
+  for (int i = 0; i < iterations; ++i) {
+    smoother.step(weight);
+    if (method == Smoothing::taubin) smoother.step(1.0 / (kPassBand - 1.0 / weight));
   }
 }
 
@@ -75,8 +93,9 @@ void smooth(Smoothed& mesh, const SmoothOptions& options, int longestSide) {
   for (std::size_t v = 0; v < mesh.stays.size(); ++v) {
     if (mesh.stays[v]) boundary[v] = other[v] = false;
   }
-  smooth(mesh, other, options.weight, options.iterations.over(longestSide));
-  smooth(mesh, boundary, options.boundaryWeight, options.boundaryIterations.over(longestSide));
+  smooth(mesh, other, options.method, options.weight, options.iterations.over(longestSide));
+  smooth(mesh, boundary, options.method, options.boundaryWeight,
+         options.boundaryIterations.over(longestSide));
 }
 
 // [places] Does a small surface pass there?
@@ -127,6 +146,12 @@ void checkSurfaceOptions(const SurfaceOptions& options) {
       !isShare(smooth.weight) || !isShare(smooth.boundaryWeight)) {
     throw Error(ErrorCode::usage,
                 "smoothing takes weights of 0..1, and 0..1000 iterations or 0..1 a voxel");
+  }
+  if (smooth.method == Smoothing::taubin &&
+      std::max(smooth.weight, smooth.boundaryWeight) > kMostTaubinWeight) {
+    throw Error(ErrorCode::usage,
+                "Taubin's smoothing takes weights of 0..2/3, or short waves grow; more needs "
+                "--smoothing laplacian");
   }
   if (!(options.adaptivity >= 0.0 && options.adaptivity <= 1.0)) {
     throw Error(ErrorCode::usage, "the adaptivity lies in 0..1");

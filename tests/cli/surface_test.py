@@ -5,6 +5,7 @@ Environment: SHERD_BIN the program, SHERD_DATA the folder with amphora.ply.  Nee
 """
 import json
 import os
+import shutil
 import unittest
 
 import numpy as np
@@ -15,7 +16,7 @@ from ply_file import read_triangles
 AMPHORA = os.path.join(os.environ["SHERD_DATA"], "amphora.ply")
 
 BARE = {"of": "smooth", "interface": "shared", "adaptivity": 0.0, "triangles": [],
-        "smooth": {"iterations": 0, "weight": 0.9, "boundary_iterations": 0, "boundary_weight": 0.2}}
+        "smooth": {"method": "taubin", "iterations": 0, "weight": 0.5, "boundary_iterations": 0, "boundary_weight": 0.5}}
 
 # Section 4.1 of the paper, at 128 voxels along the longest side: trunc(0.048 * 128) = 6.
 PAPER = {
@@ -25,7 +26,8 @@ PAPER = {
     "grow": {"growth": "flood", "neighborhood": 6, "roughness": 0.0, "hurst": 0.8, "isolated": "regrow"},
     "min_share": 0.0, "balance": 0, "erode": {"iterations": 0}, "missing": 0.0,
     "surface": {"of": "labels", "interface": "shared", "adaptivity": 0.0, "triangles": [],
-                "smooth": {"iterations": 6, "weight": 0.9, "boundary_iterations": 6, "boundary_weight": 0.2}},
+                "smooth": {"method": "laplacian", "iterations": 6, "weight": 0.9, "boundary_iterations": 6,
+                           "boundary_weight": 0.2}},
 }
 
 
@@ -93,10 +95,29 @@ class Labels(SurfaceCase):
             self.assertGreater((moved & ~boundary).sum(), 0.5 * (~boundary).sum())
 
     def test_smoothing_is_told_as_done(self):
-        smooth = self.broken("--smooth-iterations", "0.1k", "--smooth-weight", "0.5", "--smooth-boundary-iterations",
-                             "2", "--smooth-boundary-weight", "1")["options"]["surface"]
-        self.assertEqual(smooth, {**BARE, "smooth": {"iterations": 3, "weight": 0.5, "boundary_iterations": 2,
-                                                     "boundary_weight": 1.0}})  # 0.1 of 32 voxels
+        smooth = self.broken("--smoothing", "laplacian", "--smooth-iterations", "0.1k", "--smooth-weight", "0.5",
+                             "--smooth-boundary-iterations", "2", "--smooth-boundary-weight", "1")["options"]["surface"]
+        self.assertEqual(smooth, {**BARE, "smooth": {"method": "laplacian", "iterations": 3, "weight": 0.5,
+                                                     "boundary_iterations": 2, "boundary_weight": 1.0}})  # 0.1 of 32 voxels
+
+    def test_taubins_smoothing_keeps_the_volume(self):
+        """Of a ball; the plain Laplacian takes a part of it with as many steps."""
+        whole = self.broken(pieces=1)["fragments"][0]["volume"]
+        kept = {}
+        for method, steps in (("taubin", "10"), ("laplacian", "20")):
+            manifest = self.broken("--smoothing", method, "--smooth-iterations", steps, pieces=1)
+            self.assertEqual(manifest["options"]["surface"]["smooth"]["method"], method)
+            kept[method] = manifest["fragments"][0]["volume"] / whole
+        # No wave grows by more than lambda mu k^2 / 4 each time: 0.066 %, of a volume three times that.
+        self.assertLess(abs(kept["taubin"] - 1), 1.00066**30 - 1)
+        self.assertLess(kept["laplacian"], kept["taubin"] - 0.02)
+
+    def test_weights_that_let_short_waves_grow_are_refused(self):
+        for option in ("--smooth-weight", "--smooth-boundary-weight"):
+            self.refused(2, self.fracture(option, "0.7"))
+            self.nothing_written()
+            self.done("--write", "labels", "--smoothing", "laplacian", option, "0.7")
+            shutil.rmtree(self.out)
 
     def test_worn_fragments(self):
         manifest = self.broken("--surface", "labels", "--erode-iterations", "2")
@@ -158,8 +179,9 @@ class Preset(SurfaceCase):
         self.assertEqual(before["seeds"], {**PAPER["seeds"], "extra": 3, "extra_per_piece": 0})
         self.assertEqual(before["grow"]["growth"], "euclid")
         self.assertEqual(before["surface"]["of"], "labels")
-        self.assertEqual(before["surface"]["smooth"], {"iterations": 2, "weight": 0.9, "boundary_iterations": 2,
-                                                       "boundary_weight": 0.0})  # trunc(0.048 * 48)
+        self.assertEqual(before["surface"]["smooth"],
+                         {"method": "laplacian", "iterations": 2, "weight": 0.9, "boundary_iterations": 2,
+                          "boundary_weight": 0.0})  # trunc(0.048 * 48)
 
     def test_a_voxel_size_beats_the_presets_resolution(self):
         options = self.preset("--voxel-size", "0.05", "--preset", "paper")
@@ -169,6 +191,7 @@ class Preset(SurfaceCase):
 class WrongValues(SurfaceCase):
     def test_one_sentence_and_status_2(self):
         wrong = {"--surface": ("", "Labels", "cubes"), "--preset": ("", "Paper", "release"),
+                 "--smoothing": ("", "Taubin", "cotangent"),
                  "--smooth-iterations": ("", "-1", "1001", "1.5", "k", "1.5k", "-0.1k", "nan", "0.1n"),
                  "--smooth-boundary-iterations": ("", "-1", "nank", "2 k"),
                  "--smooth-weight": ("", "-0.1", "1.1", "nan"), "--smooth-boundary-weight": ("x", "2"),

@@ -1,9 +1,11 @@
-// Laplacian smoothing.
+// Smoothing.
 #include <gtest/gtest.h>
 #include <sherd/error.h>
+#include <sherd/fragments.h>
 #include <sherd/surface.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <set>
@@ -61,9 +63,12 @@ TEST(Smooth, OneStepGoesByTheWeightToTheNeighboursMean) {
   const TriangleMesh t = tetrahedron();
   for (const double weight : {0.25, 1.0}) {
     const TriangleMesh one =
-        smoothed(t, allFacing(t, 0), {.iterations = {1}, .weight = weight}, kSide);
-    const TriangleMesh boundary =
-        smoothed(t, allFacing(t, 7), {.boundaryIterations = {1}, .boundaryWeight = weight}, kSide);
+        smoothed(t, allFacing(t, 0),
+                 {.iterations = {1}, .weight = weight, .method = Smoothing::laplacian}, kSide);
+    const TriangleMesh boundary = smoothed(
+        t, allFacing(t, 7),
+        {.boundaryIterations = {1}, .boundaryWeight = weight, .method = Smoothing::laplacian},
+        kSide);
     for (std::size_t v = 0; v < 4; ++v) {
       glm::dvec3 mean(0.0);  // of the other three, as they were before
       for (std::size_t n = 0; n < 4; ++n) {
@@ -80,7 +85,8 @@ TEST(Smooth, TheInsideOfAFlatGridStays) {
   const int n = 12, iterations = 3;
   const TriangleMesh grid = flatGrid(n);
   const TriangleMesh smooth =
-      smoothed(grid, allFacing(grid, 0), {.iterations = {iterations}}, kSide);
+      smoothed(grid, allFacing(grid, 0),
+               {.iterations = {iterations}, .method = Smoothing::laplacian}, kSide);
   int stayed = 0;
   for (std::size_t v = 0; v < grid.vertices.size(); ++v) {
     const glm::dvec3& p = grid.vertices[v];
@@ -116,10 +122,15 @@ TEST(Smooth, BoundaryVerticesAndOthersMoveOnTheirOwn) {
     facing[t] = ball.vertices[c.x].z > 0.2 ? 3 : 0;
     for (int k = 0; k < 3 && facing[t]; ++k) boundary.insert(c[k]);
   }
-  const TriangleMesh others = smoothed(
-      ball, facing, {.iterations = {4}, .boundaryIterations = {4}, .boundaryWeight = 0.0}, kSide);
+  const TriangleMesh others = smoothed(ball, facing,
+                                       {.iterations = {4},
+                                        .boundaryIterations = {4},
+                                        .boundaryWeight = 0.0,
+                                        .method = Smoothing::laplacian},
+                                       kSide);
   const TriangleMesh boundaries =
-      smoothed(ball, facing, {.weight = 0.0, .boundaryIterations = {4}}, kSide);
+      smoothed(ball, facing,
+               {.weight = 0.0, .boundaryIterations = {4}, .method = Smoothing::laplacian}, kSide);
   for (unsigned v = 0; v < ball.vertices.size(); ++v) {
     EXPECT_EQ(others.vertices[v] != ball.vertices[v], boundary.count(v) == 0) << v;
     EXPECT_EQ(boundaries.vertices[v] != ball.vertices[v], boundary.count(v) == 1) << v;
@@ -127,6 +138,134 @@ TEST(Smooth, BoundaryVerticesAndOthersMoveOnTheirOwn) {
   // A ball shrinks: a vertex goes to the mean of points inside.
   for (unsigned v = 0; v < ball.vertices.size(); ++v) {
     EXPECT_LE(glm::length(others.vertices[v]), glm::length(ball.vertices[v]));
+  }
+}
+
+// A torus as far as neighbors go: n x m vertices, each with six.  A coordinate that is a wave of p
+// periods along n and q along m goes, with each step of weight w, to 1 - w k times itself.
+struct Waves {
+  int n, m;
+  TriangleMesh mesh{};
+
+  Waves(int columns, int rows) : n(columns), m(rows) {
+    const auto at = [&](int x, int y) { return static_cast<unsigned>(x % n * m + y % m); };
+    for (int x = 0; x < n; ++x) {
+      for (int y = 0; y < m; ++y) {
+        mesh.vertices.emplace_back(wave(1, 0, x, y), wave(2, 3, x, y), wave(n / 2, m / 2, x, y));
+        mesh.triangles.push_back({at(x, y), at(x + 1, y), at(x + 1, y + 1)});
+        mesh.triangles.push_back({at(x, y), at(x + 1, y + 1), at(x, y + 1)});
+      }
+    }
+  }
+
+  double phase(int p, int of) const { return 2.0 * M_PI * p / of; }
+  double wave(int p, int q, int x, int y) const {
+    return std::cos(phase(p, n) * x + phase(q, m) * y);
+  }
+  double eigenvalue(int p, int q) const {
+    const double a = phase(p, n), b = phase(q, m);
+    return 1.0 - (std::cos(a) + std::cos(b) + std::cos(a + b)) / 3.0;
+  }
+};
+
+TEST(Smooth, WavesGoByTheTransferFunction) {
+  const Waves waves(8, 24);
+  const double lambda = 0.5, mu = 1.0 / (kPassBand - 1.0 / lambda);
+  const int iterations = 10;
+  const auto smooth = [&](Smoothing method, int count) {
+    return smoothed(waves.mesh, allFacing(waves.mesh, 0),
+                    {.iterations = {count}, .weight = lambda, .method = method}, kSide);
+  };
+  const TriangleMesh taubin = smooth(Smoothing::taubin, iterations);
+  const TriangleMesh laplacian = smooth(Smoothing::laplacian, 2 * iterations);
+  const std::array<double, 3> k{waves.eigenvalue(1, 0), waves.eigenvalue(2, 3),
+                                waves.eigenvalue(4, 12)};
+  for (std::size_t v = 0; v < waves.mesh.vertices.size(); ++v) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const double before = waves.mesh.vertices[v][axis], own = k[static_cast<std::size_t>(axis)];
+      // Sums of twelve terms, 20 times: rounding grows by no more than a bit each time.
+      EXPECT_NEAR(taubin.vertices[v][axis],
+                  before * std::pow((1.0 - lambda * own) * (1.0 - mu * own), iterations), 1e-13);
+      EXPECT_NEAR(laplacian.vertices[v][axis],
+                  before * std::pow(1.0 - lambda * own, 2 * iterations), 1e-13);
+    }
+  }
+  // A rod eight vertices round: of its width 95 % stay, of that of the other 13 %.
+  EXPECT_GT(taubin.vertices[0].x, 0.95);
+  EXPECT_LT(laplacian.vertices[0].x, 0.13);
+}
+
+TEST(Smooth, NoWaveGrowsByMuchWithAnyWeightThatIsAllowed) {
+  for (const double lambda : {0.1, 0.5, kMostTaubinWeight}) {
+    const double mu = 1.0 / (kPassBand - 1.0 / lambda);
+    // The peak lies in the middle of the pass band.
+    const double most = 1.0 - lambda * mu * kPassBand * kPassBand / 4.0;
+    for (int i = 0; i <= 1000; ++i) {
+      const double k = 2.0 * i / 1000;
+      EXPECT_LE(std::abs((1.0 - lambda * k) * (1.0 - mu * k)), most + 1e-15) << lambda << ' ' << k;
+    }
+  }
+}
+
+// By how much a volume grows at most where no wave grows by more than the transfer function's peak.
+double mostGrowth(int iterations) {
+  const double lambda = SmoothOptions().weight, mu = 1.0 / (kPassBand - 1.0 / lambda);
+  return std::pow(1.0 - lambda * mu * kPassBand * kPassBand / 4.0, 3 * iterations) - 1.0;
+}
+
+TEST(Smooth, TaubinsKeepsTheVolumeOfABall) {
+  const TriangleMesh ball = shapes::ball(1.0, 4);
+  double shortest = 1.0;
+  for (const glm::uvec3& t : ball.triangles) {
+    for (int k = 0; k < 3; ++k) {
+      shortest =
+          std::min(shortest, glm::length(ball.vertices[t[k]] - ball.vertices[t[(k + 1) % 3]]));
+    }
+  }
+  const int iterations = 10;
+  const double lambda = SmoothOptions().weight;
+  const auto volumeBy = [&](Smoothing method, int count) {
+    return volume(smoothed(ball, allFacing(ball, 0),
+                           {.iterations = {count}, .weight = lambda, .method = method}, kSide));
+  };
+  const double most = mostGrowth(iterations);
+  EXPECT_NEAR(volumeBy(Smoothing::taubin, iterations) / volume(ball), 1.0, most);
+  // The mean of points a chord c away lies c^2 / 2 below the vertex.
+  const double kept = std::pow(1.0 - lambda * shortest * shortest / 2.0, 3 * 2 * iterations);
+  EXPECT_LT(volumeBy(Smoothing::laplacian, 2 * iterations) / volume(ball), kept);
+  EXPECT_LT(kept, 1.0 - 2.0 * most);
+}
+
+// A plate of voxels, two thick, and a cup with a wall of two and a half.
+TEST(Smooth, TaubinsKeepsThinWalls) {
+  std::vector<TriangleMesh> thin;
+  thin.push_back(solidMesh(voxelize(shapes::cup(1.0, 0.1, 1.5, 0.1, 64), {.resolution = 50})));
+  std::vector<VoxelFace> faces;
+  const int n = 40, height = 2;
+  const auto isIn = [&](const Coord& c) {
+    return c.x() >= 0 && c.y() >= 0 && c.z() >= 0 && c.x() < n && c.y() < n && c.z() < height;
+  };
+  const Coord steps[6] = {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}};
+  for (int x = 0; x < n; ++x) {
+    for (int y = 0; y < n; ++y) {
+      for (int z = 0; z < height; ++z) {
+        for (int d = 0; d < 6; ++d) {
+          if (!isIn(Coord(x, y, z) + steps[d])) faces.push_back({{x, y, z}, d, 0});
+        }
+      }
+    }
+  }
+  thin.push_back(meshOfFaces(faces, {}).mesh);
+  const int iterations = 10;
+  for (const TriangleMesh& mesh : thin) {
+    const double before = volume(mesh);
+    const auto kept = [&](Smoothing method, int count) {
+      return volume(smoothed(mesh, allFacing(mesh, 0), {.iterations = {count}, .method = method},
+                             kSide)) /
+             before;
+    };
+    EXPECT_NEAR(kept(Smoothing::taubin, iterations), 1.0, mostGrowth(iterations));
+    EXPECT_LT(kept(Smoothing::laplacian, 2 * iterations), 1.0 - 2.0 * mostGrowth(iterations));
   }
 }
 
@@ -163,7 +302,9 @@ TEST(Smooth, TwoSidesOfAnInterfaceMoveAlikeAwayFromTheRim) {
   for (const bool upper : {false, true}) {
     const VoxelMesh half = halfMesh(upper, n);
     const TriangleMesh smooth = smoothed(
-        half.mesh, half.facing, {.iterations = {6}, .boundaryIterations = {iterations}}, kSide);
+        half.mesh, half.facing,
+        {.iterations = {6}, .boundaryIterations = {iterations}, .method = Smoothing::laplacian},
+        kSide);
     std::set<unsigned> ofCut;
     for (std::size_t t = 0; t < half.facing.size(); ++t) {
       for (int k = 0; k < 3 && half.facing[t]; ++k) ofCut.insert(half.mesh.triangles[t][k]);
@@ -188,8 +329,13 @@ TEST(Smooth, TwoSidesOfAnInterfaceMoveAlikeAwayFromTheRim) {
 
 TEST(Smooth, OptionsOutOfRangeAreRefused) {
   EXPECT_NO_THROW(checkSurfaceOptions({}));
+  EXPECT_NO_THROW(checkSurfaceOptions({.smooth = {.weight = kMostTaubinWeight}}));
+  EXPECT_NO_THROW(checkSurfaceOptions({.smooth = {.weight = 1.0, .method = Smoothing::laplacian}}));
   for (const SurfaceOptions& bad :
-       {SurfaceOptions{.smooth = {.weight = 1.1}}, SurfaceOptions{.smooth = {.weight = -0.1}},
+       {SurfaceOptions{.smooth = {.weight = 1.1, .method = Smoothing::laplacian}},
+        SurfaceOptions{.smooth = {.weight = 0.7}},
+        SurfaceOptions{.smooth = {.boundaryWeight = 0.9}},
+        SurfaceOptions{.smooth = {.weight = -0.1}},
         SurfaceOptions{.smooth = {.boundaryWeight = NAN}},
         SurfaceOptions{.smooth = {.iterations = {-1}}},
         SurfaceOptions{.smooth = {.boundaryIterations = {.perVoxel = 1.5}}},
