@@ -4,6 +4,7 @@
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <limits.h>
+#include <signal.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,7 +26,9 @@ bool faultKind(const char* kind) {
 }
 
 bool faultNow(const char* kind) {
-  return faultKind(kind) && atomic_fetch_add(&calls, 1) + 1 == faultSetting("SHERD_FAULT_AT", 0);
+  if (!faultKind(kind) || atomic_fetch_add(&calls, 1) + 1 != faultSetting("SHERD_FAULT_AT", 0)) return false;
+  if (getenv("SHERD_FAULT_KILL")) kill(getpid(), SIGKILL);
+  return true;
 }
 
 bool faultPath(const char* path) {
@@ -35,15 +38,22 @@ bool faultPath(const char* path) {
          (path[length] == '/' || path[length] == '\0');
 }
 
-bool faultDescriptor(int descriptor) {
+static bool isBelow(int descriptor) {
   char link[64], path[PATH_MAX];
-  const int mode = fcntl(descriptor, F_GETFL);
-  if (mode < 0 || (mode & O_ACCMODE) == O_RDONLY) return false;
   snprintf(link, sizeof link, "/proc/self/fd/%d", descriptor);
   const ssize_t length = readlink(link, path, sizeof path - 1);
   if (length < 0) return false;
   path[length] = '\0';
   return faultPath(path);
+}
+
+bool faultPathAt(int folder, const char* path) {
+  return folder == AT_FDCWD || *path == '/' ? faultPath(path) : isBelow(folder);
+}
+
+bool faultDescriptor(int descriptor) {
+  const int mode = fcntl(descriptor, F_GETFL);
+  return mode >= 0 && (mode & O_ACCMODE) != O_RDONLY && isBelow(descriptor);
 }
 
 void* faultReal(const char* name) { return dlsym(RTLD_NEXT, name); }

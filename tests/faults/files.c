@@ -48,19 +48,50 @@ int close(int file) {
   return fails ? fail() : result;
 }
 
+// Whether a call that changes a folder is to fail.
+static bool changeFails(const char* kind) { return faultKind("change") ? faultNow("change") : faultNow(kind); }
+
 int rename(const char* from, const char* to) {
   int (*real)(const char*, const char*) = faultReal("rename");
-  return faultPath(to) && faultNow("rename") ? fail() : real(from, to);
+  return faultPath(to) && changeFails("rename") ? fail() : real(from, to);
+}
+
+int renameat2(int fromFolder, const char* from, int toFolder, const char* to, unsigned flags) {
+  int (*real)(int, const char*, int, const char*, unsigned) = faultReal("renameat2");
+  return faultPathAt(toFolder, to) && changeFails("rename") ? fail() : real(fromFolder, from, toFolder, to, flags);
 }
 
 int mkdir(const char* path, mode_t mode) {
   int (*real)(const char*, mode_t) = faultReal("mkdir");
-  return faultPath(path) && faultNow("mkdir") ? fail() : real(path, mode);
+  return faultPath(path) && changeFails("mkdir") ? fail() : real(path, mode);
 }
 
 char* mkdtemp(char* path) {
   char* (*real)(char*) = faultReal("mkdtemp");
-  if (!faultPath(path) || !faultNow("mkdir")) return real(path);
+  if (!faultPath(path) || !changeFails("mkdir")) return real(path);
   fail();
   return NULL;
+}
+
+int rmdir(const char* path) {
+  int (*real)(const char*) = faultReal("rmdir");
+  return faultPath(path) && changeFails("rmdir") ? fail() : real(path);
+}
+
+int unlink(const char* path) {
+  int (*real)(const char*) = faultReal("unlink");
+  return faultPath(path) && changeFails("unlink") ? fail() : real(path);
+}
+
+int unlinkat(int folder, const char* path, int flags) {  // what std::filesystem::remove_all calls
+  int (*real)(int, const char*, int) = faultReal("unlinkat");
+  const char* const kind = flags & AT_REMOVEDIR ? "rmdir" : "unlink";
+  return faultPathAt(folder, path) && changeFails(kind) ? fail() : real(folder, path, flags);
+}
+
+int remove(const char* path) {  // what std::filesystem::remove calls
+  int (*real)(const char*) = faultReal("remove");
+  struct stat found;
+  const bool isFolder = lstat(path, &found) == 0 && S_ISDIR(found.st_mode);
+  return faultPath(path) && changeFails(isFolder ? "rmdir" : "unlink") ? fail() : real(path);
 }
