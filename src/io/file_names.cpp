@@ -73,6 +73,13 @@ std::string pieceName(const std::string& stem, std::size_t id, std::size_t fragm
   return stem + "_" + std::string(digits - number.size(), '0') + number;
 }
 
+bool isSubfolder(const std::string& name) {
+  for (const char* own : {"fragments", "meshes", "points", "proxies", "sdf"}) {
+    if (name == own) return true;
+  }
+  return false;
+}
+
 FractureFiles fileNames(const SourceMesh& source, std::size_t fragments,
                         const std::vector<std::size_t>& triangles, const MaterialTable& table,
                         const WriteOptions& write) {

@@ -22,7 +22,10 @@ namespace sherd {
 /// highest of `fragments` ids has.
 [[nodiscard]] std::string pieceName(const std::string& stem, std::size_t id, std::size_t fragments);
 
-/// The files that are to be written.
+/// Whether a fracture's folder may have a sub-folder of this name with files of its own.
+[[nodiscard]] bool isSubfolder(const std::string& name);
+
+/// The files that are to be written, in sub-folders of one level.
 ///   fragments  those that are not withheld
 ///   triangles  SurfaceOptions::triangles
 [[nodiscard]] FractureFiles fileNames(const SourceMesh& source, std::size_t fragments,

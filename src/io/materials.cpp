@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <filesystem>
 #include <set>
+#include <string_view>
 
 #include "io/file_names.h"
 #include "io/number_text.h"
@@ -23,18 +23,22 @@ std::string uniqueName(const std::string& name, const std::string& ending,
   return unique;
 }
 
-// By what is in it; else as it was, if that is none of a file of ours.
+// Endings of images.  No others are written, so that no other file passes for a texture.
+constexpr std::array<std::string_view, 29> kImageEndings{
+    ".png",  ".jpg",  ".jpeg", ".image", ".tga", ".bmp", ".dds",  ".tif", ".tiff", ".gif",
+    ".webp", ".avif", ".heic", ".jp2",   ".jxl", ".ktx", ".ktx2", ".psd", ".hdr",  ".exr",
+    ".pcx",  ".ppm",  ".pgm",  ".pnm",   ".sgi", ".rgb", ".pic",  ".svg", ".xpm"};
+
+bool isImageEnding(std::string_view ending) {
+  return std::find(kImageEndings.begin(), kImageEndings.end(), ending) != kImageEndings.end();
+}
+
+// By what is in it; else as it was, if images are called so.
 std::string endingOf(const std::string& name, ImageType type) {
   if (type == ImageType::png) return ".png";
   if (type == ImageType::jpeg) return ".jpg";
   const std::string ending = std::filesystem::path(name).extension().string();
-  constexpr std::array<const char*, 7> kOurs{".ply", ".obj", ".mtl", ".glb", ".stl", ".binm", "."};
-  const bool plain = ending.size() > 1 && ending.size() <= 5 &&
-                     std::all_of(ending.begin() + 1, ending.end(), [](unsigned char c) {
-                       return std::isdigit(c) || std::islower(c);
-                     });
-  const bool ours = std::find(kOurs.begin(), kOurs.end(), ending) != kOurs.end();
-  return plain && !ours ? ending : ".image";
+  return isImageEnding(ending) ? ending : ".image";
 }
 
 }  // namespace
@@ -60,6 +64,11 @@ MaterialTable materialTable(const Appearance& appearance) {
     table.textures.push_back({uniqueName(stem, endingOf(path, type), files), texture.bytes, type});
   }
   return table;
+}
+
+bool isTextureName(const std::string& file) {
+  return file.find('/') == std::string::npos && !file.starts_with('.') &&
+         isImageEnding(std::filesystem::path(file).extension().string());
 }
 
 std::string mtlText(const MaterialTable& table) {

@@ -31,6 +31,9 @@ struct MaterialTable {
 
 [[nodiscard]] MaterialTable materialTable(const Appearance& appearance);
 
+/// Whether a file of this name, without a folder, may be one of MaterialTable::textures.
+[[nodiscard]] bool isTextureName(const std::string& file);
+
 /// The library of the table's materials for OBJ files.
 [[nodiscard]] std::string mtlText(const MaterialTable& table);
 
