@@ -22,6 +22,10 @@ SHERD_FAULTS_EACH=all SHERD_BIN=$PWD/build/release/sherd SHERD_FAULTS=$PWD/build
 echo "== 200 signals at random moments"
 SHERD_SIGNALS=200 SHERD_BIN=$PWD/build/release/sherd OCL_ICD_VENDORS=pocl.icd /usr/bin/python3 -B tests/cli/signals_test.py
 
+echo "== a kill at every call that changes a fracture's folder"
+SHERD_KILLS=all SHERD_BIN=$PWD/build/release/sherd SHERD_FAULTS=$PWD/build/release/tests/faults/sherd_faults.so \
+  OCL_ICD_VENDORS=pocl.icd /usr/bin/python3 -B tests/cli/kills_test.py
+
 echo "== valgrind: a small fracture with every file but the picture"
 folder=$(mktemp -d)
 OCL_ICD_VENDORS=pocl.icd POCL_MAX_PTHREAD_COUNT=1 valgrind --quiet --error-exitcode=9 --leak-check=no \

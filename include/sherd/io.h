@@ -180,26 +180,34 @@ struct WriteOptions {
 void checkWriteOptions(const WriteOptions& write, const FractureOptions& options);
 
 /// See whether writeFracture may write into a folder: absent, empty or an earlier fracture's, and
-/// writable.  To be asked before long work; nothing is left behind.
+/// writable.  To be called before long work; nothing is left behind.  Where a killed run left a
+/// fracture half replaced, the earlier one is put back.
 ///   throws  Error(output) it holds something else, or cannot be written
 void checkFractureFolder(const std::filesystem::path& folder);
 
+/// A fracture's folder, written.
+struct WrittenFolder {
+  std::filesystem::path manifest;
+  std::vector<std::string> warnings;  ///< a sentence on files that the earlier manifest lists and
+                                      ///< that stay, as no fracture's file is named so
+};
+
 /// Write a fracture into a folder that checkFractureFolder accepts.  What the earlier manifest
-/// lists is replaced, all else stays.  Everything is written beside and renamed, `manifest.json`
-/// last: without it the folder is unfinished. On failure the folder is as it was before.
-///   return  the manifest's path
+/// lists is replaced, where it is named as this function names files; all else stays.  Everything
+/// is written beside and renamed, `manifest.json` last: without it the folder is unfinished.  On
+/// failure the folder is as it was before; so it is after a kill, once checkFractureFolder or
+/// whatever reads a fracture has opened it.
 ///   throws  Error(usage) correspondences of fragments that do not share their surfaces; what
 ///   samplePoints and sampleDistances throw; Error(output) the folder holds something else, cannot
 ///   be written, or the disk is full
-std::filesystem::path writeFracture(const std::filesystem::path& folder, const SourceMesh& source,
-                                    const FractureOptions& options, const FractureResult& result,
-                                    const WriteOptions& write = {},
-                                    const Progress* progress = nullptr);
+WrittenFolder writeFracture(const std::filesystem::path& folder, const SourceMesh& source,
+                            const FractureOptions& options, const FractureResult& result,
+                            const WriteOptions& write = {}, const Progress* progress = nullptr);
 
 /// A fracture that is in a folder.
 struct WrittenFracture {
   FractureResult result;  ///< its fragments as fractureInto says
-  std::filesystem::path manifest;
+  WrittenFolder folder;
 };
 
 /// Break a mesh into a folder: `fracture` and then `writeFracture`, and the same files, but

@@ -214,8 +214,15 @@ class FractureRun {
     const FractureResult& result = aside.result;
     times_.insert(times_.end(), result.times.begin(), result.times.end());
     times_.push_back({"total", secondsSince(start_)});
-    const FractureTelling told{title, folder, source,        arguments_.options,
-                               write, result, device.info(), fs::path(folder) / kManifestName,
+    const FractureTelling told{title,
+                               folder,
+                               source,
+                               arguments_.options,
+                               write,
+                               result,
+                               device.info(),
+                               fs::path(folder) / kManifestName,
+                               replacements_.back().warnings(),
                                times_};
     line_.clear();
     for (const std::string& warning : warningsOf(told)) {

@@ -51,6 +51,7 @@ std::vector<std::string> warningsOf(const FractureTelling& told) {
                        std::to_string(kSpeckVoxels) + " voxels dropped, " +
                        std::to_string(result.solid.speckVoxels) + " voxels in all");
   }
+  warnings.insert(warnings.end(), told.ofFolder.begin(), told.ofFolder.end());
   return warnings;
 }
 
@@ -93,6 +94,7 @@ nlohmann::ordered_json jsonOf(const FractureTelling& told) {
           {"volume_in", std::abs(volume(source.mesh))},
           {"volume_out", volumeOut},
           {"report", isMesh(told) ? reportJson(source, result) : nlohmann::ordered_json()},
+          {"warnings", warningsOf(told)},
           {"seconds", seconds}};
 }
 

@@ -21,7 +21,8 @@ struct FractureTelling {
   const FractureResult& result;
   const DeviceInfo& device;
   std::filesystem::path manifest;
-  std::vector<StageTime> times;  ///< of all, "total" last
+  const std::vector<std::string>& ofFolder;  ///< warnings about the folder
+  std::vector<StageTime> times;              ///< of all, "total" last
 };
 
 /// What the caller should know, a sentence each.

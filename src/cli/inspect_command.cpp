@@ -12,6 +12,7 @@
 #include "io/file_kind.h"
 #include "io/input_error.h"
 #include "io/npy_reader.h"
+#include "io/partial_folder.h"
 #include "io/read_manifest.h"
 #include "io/vdb.h"
 #include "lower_case.h"
@@ -136,6 +137,7 @@ Json inspectManifest(const fs::path& file) {
 }
 
 Json inspect(const fs::path& file) {
+  requireSettled(file);
   const fs::file_type type = whatIsAt(file);
   if (type == fs::file_type::not_found) inputError(file, "no such file");
   if (type == fs::file_type::directory) return inspectManifest(file / kManifestName);

@@ -1,30 +1,23 @@
-// A fracture's folder: written aside, then moved into place.
-//
-//     DIR/.sherd-partial/new/...     everything new, its manifest.json written last
-//     DIR/.sherd-partial/old/...     everything old, its manifest.json moved away first
-//
-// A run that was killed leaves .sherd-partial behind.  It marks the folder as ours, and its
-// manifests say which of the folder's files are.
+// A fracture's folder: written aside, then moved into place (partial_folder.h).
 #include "io/fracture_folder.h"
 
-#include <fcntl.h>
 #include <sherd/error.h>
-#include <sherd/io.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
-#include <cstdio>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
 
 #include "io/atomic_file.h"
 #include "io/below_folder.h"
+#include "io/own_files.h"
+#include "io/partial_folder.h"
 #include "io/read_manifest.h"
 #include "io/unfinished.h"
+#include "mesh/text_scan.h"
 
 namespace sherd {
 namespace {
@@ -37,35 +30,21 @@ namespace fs = std::filesystem;
 
 // ---- What is in the folder already
 
-bool present(const fs::path& path) {
-  return fs::symlink_status(path).type() != fs::file_type::not_found;
-}
-
-// The files of the fracture that is in the folder now; empty where there is none.
-std::vector<std::string> presentFiles(const fs::path& folder) {
-  const auto manifest = manifestJson(folder / kManifestName);
-  if (!manifest) return {};
-  auto files = listedFiles(*manifest);
-  if (!files) {
+// The files of the fracture that is in the folder; none where the folder is empty.
+OwnFiles filesOfOurs(const fs::path& folder) {
+  if (const std::optional<nlohmann::json> manifest = manifestJson(folder / kManifestName)) {
+    std::optional<OwnFiles> files = ownFiles(*manifest);
+    if (files) return std::move(*files);
     outputError(folder / kManifestName,
                 "lists files that are not below its folder, so nothing is replaced; "
                 "name an absent or empty folder");
-  }
-  return *files;
-}
-
-void requireOurs(const fs::path& folder) {
-  if (present(folder / kPartialName)) return;
-  const std::optional<nlohmann::json> manifest = manifestJson(folder / kManifestName);
-  if (manifest) {
-    (void)presentFiles(folder);
-    return;
   }
   std::set<std::string> names;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     names.insert(entry.path().filename().string());
   }
-  if (names.empty()) return;
+  names.erase(kPartialName);
+  if (names.empty()) return {};
   outputError(folder, "holds '" + *names.begin() +
                           "' and no manifest of a fracture; name an absent or empty folder");
 }
@@ -78,16 +57,6 @@ void requireWritable(const fs::path& folder) {
     outputError(folder, "cannot be written: " + reasonOf(errno));
   }
   ::rmdir(probe.c_str());
-}
-
-void removeEmptyFolders(const fs::path& folder, const std::vector<std::string>& files) {
-  std::set<fs::path, std::greater<>> parents;  // deeper ones first
-  for (const std::string& file : files) {
-    for (fs::path p = fs::path(file).parent_path(); !p.empty(); p = p.parent_path())
-      parents.insert(p);
-  }
-  for (const fs::path& parent : parents)
-    ::rmdir((folder / parent).c_str());  // fails where not empty
 }
 
 // ---- Writing aside
@@ -128,117 +97,6 @@ class MadeFolders {
   std::vector<Made> made_;
 };
 
-// DIR/.sherd-partial, held by one process at a time.  The kernel lets go of the lock when a process
-// dies, so a folder that can be locked is nobody's: what an interrupted run left in it, or moved
-// into DIR, is cleared away.
-class PartialFolder {
- public:
-  explicit PartialFolder(const fs::path& folder) : folder_(folder), path_(folder / kPartialName) {
-    const Uncut whole;  // what an interrupted run left must not go before it is looked at
-    lock();
-    try {
-      clearUnfinished();
-      unfinished_ = Unfinished(path_, Unfinished::Kind::folder);
-    } catch (...) {
-      ::rmdir(path_.c_str());  // fails where something is in it
-      ::close(descriptor_);
-      throw;
-    }
-  }
-  ~PartialFolder() {
-    if (!keep_) {
-      std::error_code ignored;
-      fs::remove_all(path_, ignored);
-    }
-    unfinished_.end();
-    ::close(descriptor_);
-  }
-  PartialFolder(const PartialFolder&) = delete;
-  PartialFolder& operator=(const PartialFolder&) = delete;
-
-  fs::path fresh() const { return path_ / "new"; }
-  fs::path replaced() const { return path_ / "old"; }
-  void keep() {
-    keep_ = true;
-    unfinished_.end();
-  }
-
- private:
-  void lock() {
-    for (;;) {
-      if (::mkdir(path_.c_str(), 0777) != 0 && errno != EEXIST) {
-        outputError(folder_, "cannot be written: " + reasonOf(errno));
-      }
-      descriptor_ = ::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-      if (descriptor_ < 0 && errno == ENOENT) continue;  // its last holder has just finished
-      if (descriptor_ < 0) outputError(path_, "cannot be opened: " + reasonOf(errno));
-      if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-        ::close(descriptor_);
-        outputError(folder_, "another sherd is writing there; wait for it or name another folder");
-      }
-      struct stat held {
-      }, named{};
-      if (::fstat(descriptor_, &held) == 0 && ::stat(path_.c_str(), &named) == 0 &&
-          held.st_ino == named.st_ino) {
-        return;
-      }
-      ::close(descriptor_);
-    }
-  }
-
-  void clearUnfinished() {
-    if (!present(folder_ / kManifestName)) {
-      for (const fs::path& side : {fresh(), replaced()}) {
-        const auto manifest = manifestJson(side / kManifestName);
-        const auto files = manifest ? listedFiles(*manifest) : std::nullopt;
-        if (!files) continue;
-        for (const std::string& file : *files) {
-          requireOwnSubfolder(folder_, file);
-          ::unlink((folder_ / file).c_str());
-        }
-        removeEmptyFolders(folder_, *files);
-      }
-    }
-    fs::remove_all(fresh());
-    fs::remove_all(replaced());
-  }
-
-  fs::path folder_;
-  fs::path path_;
-  Unfinished unfinished_;
-  int descriptor_ = -1;
-  bool keep_ = false;
-};
-
-// Renames that are undone unless kept.
-class Moves {
- public:
-  ~Moves() {
-    for (auto m = done_.rbegin(); m != done_.rend(); ++m) {
-      if (::rename(m->second.c_str(), m->first.c_str()) != 0) failed_ = true;
-    }
-    if (failed_) partial_.keep();  // the next run clears up by its manifests
-  }
-  explicit Moves(PartialFolder& partial) : partial_(partial) {}
-  Moves(const Moves&) = delete;
-  Moves& operator=(const Moves&) = delete;
-
-  void move(const fs::path& from, const fs::path& to) {
-    done_.emplace_back(from, to);  // before, as there may be no memory for it afterwards
-    if (::rename(from.c_str(), to.c_str()) != 0) {
-      const int reason = errno;
-      done_.pop_back();
-      outputError(to, "cannot be put in place: " + reasonOf(reason));
-    }
-  }
-  void keep() { done_.clear(); }
-
- private:
-  PartialFolder& partial_;
-  std::vector<std::pair<fs::path, fs::path>> done_;
-  bool failed_ = false;
-};
-
 void makeParents(const fs::path& root, const std::vector<std::string>& files) {
   const auto make = [](const fs::path& folder) {
     const Uncut whole;
@@ -248,27 +106,22 @@ void makeParents(const fs::path& root, const std::vector<std::string>& files) {
   for (const std::string& file : files) make((root / file).parent_path());
 }
 
-// From here on nothing waits and nothing is asked: renames only, which are not cut.
-void putInPlace(const fs::path& folder, PartialFolder& partial, const std::vector<std::string>& old,
-                const std::vector<std::string>& fresh) {
-  const Uncut whole;
-  makeParents(partial.replaced(), old);
-  MadeFolders subfolders;
-  for (const std::string& file : fresh) subfolders.make((folder / file).parent_path());
-  Moves moves(partial);
-  if (present(folder / kManifestName))
-    moves.move(folder / kManifestName, partial.replaced() / kManifestName);
-  for (const std::string& file : old) {
-    const fs::file_type type = fs::symlink_status(folder / file).type();
-    if (type == fs::file_type::regular || type == fs::file_type::symlink) {
-      moves.move(folder / file, partial.replaced() / file);
-    }
+// What an earlier manifest lists, and no fracture's file is called.
+std::vector<std::string> warningsOf(const fs::path& folder,
+                                    const std::vector<std::string>& others) {
+  constexpr std::size_t kMostNamed = 8;
+  std::string named;
+  std::size_t count = 0;
+  for (const std::string& file : others) {
+    std::error_code none;
+    if (!fs::exists(fs::symlink_status(folder / file, none))) continue;
+    if (++count <= kMostNamed) named += (named.empty() ? "" : ", ") + inQuotes(file);
   }
-  for (const std::string& file : fresh) moves.move(partial.fresh() / file, folder / file);
-  moves.move(partial.fresh() / kManifestName, folder / kManifestName);
-  moves.keep();
-  subfolders.keep();
-  removeEmptyFolders(folder, old);
+  if (count == 0) return {};
+  if (count > kMostNamed) named += " and " + std::to_string(count - kMostNamed) + " more";
+  return {folder.string() + ": the earlier manifest lists " + named + ", which " +
+          (count == 1 ? "is not named as a fracture's file and stays"
+                      : "are not named as a fracture's files and stay")};
 }
 
 // Files are written aside, but a message names them where they will be.
@@ -284,8 +137,9 @@ void checkFractureFolder(const fs::path& folder) {
   try {
     if (folder.empty()) throw Error(ErrorCode::output, "the output folder has no name");
     if (fs::is_directory(folder)) {
-      requireOurs(folder);
-      requireWritable(folder);
+      if (present(folder / kPartialName)) const PartialFolder undone(folder);
+      (void)filesOfOurs(folder);
+      const PartialFolder probe(folder);  // only making something tells whether it can be written
       return;
     }
     if (present(folder)) outputError(folder, "is not a folder; name an absent or empty folder");
@@ -306,6 +160,7 @@ struct FractureReplacement::Parts {
   MadeFolders made;
   std::optional<PartialFolder> partial;
   std::vector<std::string> old;
+  std::vector<std::string> warnings;
 };
 
 namespace {
@@ -332,7 +187,9 @@ FractureReplacement::FractureReplacement(fs::path folder, std::vector<std::strin
     const fs::path& at = parts_->folder;
     parts_->made.make(at);
     parts_->partial.emplace(at);
-    parts_->old = presentFiles(at);
+    OwnFiles listed = filesOfOurs(at);
+    parts_->old = std::move(listed.own);
+    parts_->warnings = warningsOf(at, listed.others);
     const std::set<std::string> ours(parts_->old.begin(), parts_->old.end());
     for (const std::string& file : parts_->old) requireOwnSubfolder(at, file);
     for (const std::string& file : parts_->fresh) {
@@ -355,9 +212,11 @@ void FractureReplacement::write(const std::function<void(const fs::path&)>& writ
   withFolderErrors(parts_->folder, [&] { write(parts_->partial->fresh()); });
 }
 
+const std::vector<std::string>& FractureReplacement::warnings() const { return parts_->warnings; }
+
 fs::path FractureReplacement::putInPlace() {
   return withFolderErrors(parts_->folder, [this] {
-    sherd::putInPlace(parts_->folder, *parts_->partial, parts_->old, parts_->fresh);
+    parts_->partial->putInPlace(parts_->old, parts_->fresh);
     parts_->made.keep();
     parts_->partial.reset();
     return parts_->folder / kManifestName;

@@ -24,9 +24,13 @@ class FractureReplacement {
   ///   throws  Error(output); what `write` throws
   void write(const std::function<void(const std::filesystem::path&)>& write);
 
+  /// A sentence on files that the earlier manifest lists and that stay: no fracture's file is named
+  /// so.
+  [[nodiscard]] const std::vector<std::string>& warnings() const;
+
   /// Nothing but renames.
   ///   return  the manifest's path
-  ///   throws  Error(output), and all is as it was
+  ///   throws  Error(output), and all is as it was, or will be when the folder is opened again
   std::filesystem::path putInPlace();
 
  private:

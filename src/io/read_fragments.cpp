@@ -7,6 +7,7 @@
 
 #include "io/input_error.h"
 #include "io/natural_order.h"
+#include "io/partial_folder.h"
 #include "io/read_facing.h"
 #include "io/read_manifest.h"
 
@@ -77,6 +78,7 @@ FragmentSet readFragments(const fs::path& folder) {
   if (type != fs::file_type::directory) {
     inputError(folder, "is a file; a folder of fragments is needed");
   }
+  requireSettled(folder);
   const fs::path manifest = folder / kManifestName;
   FragmentSet set = whatIsAt(manifest) == fs::file_type::not_found ? meshesIn(folder)
                                                                    : listOf(readManifest(manifest));

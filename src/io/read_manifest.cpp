@@ -12,6 +12,7 @@
 #include "io/below_folder.h"
 #include "io/input_error.h"
 #include "io/parsed_json.h"
+#include "io/partial_folder.h"
 
 namespace sherd {
 namespace {
@@ -158,6 +159,7 @@ Manifest manifestOf(const Json& json) {
 }
 
 Manifest readManifest(const fs::path& file) {
+  requireSettled(file);
   const Json json = readJson(file, kKind, kLargestFile);
   try {
     return manifestOf(json);

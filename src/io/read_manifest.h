@@ -49,8 +49,10 @@ struct Manifest {
 ///           another kind or out of range, ids that are not 1, 2, 3, ..., a file outside the folder
 [[nodiscard]] Manifest manifestOf(const nlohmann::json& json);
 
-/// A file as a manifest, which it has to be.
-///   throws  Error(input) it is absent, larger than 1 GiB, no JSON, or as above
+/// A file as a manifest, which it has to be.  Where a killed run left the fracture half replaced,
+/// the earlier one is put back first.
+///   throws  Error(input) it is absent, larger than 1 GiB, no JSON, or as above; what
+///           requireSettled throws
 [[nodiscard]] Manifest readManifest(const std::filesystem::path& file);
 
 /// Where a file of a manifest is.

@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "io/input_error.h"
+#include "io/partial_folder.h"
 #include "io/read_facing.h"
 #include "io/read_manifest.h"
 #include "io/vdb.h"
@@ -73,6 +74,7 @@ std::vector<Fragment> fromFolder(const fs::path& folder) {
 }  // namespace
 
 std::vector<Fragment> readPieces(const fs::path& path) {
+  requireSettled(path);
   const fs::file_type type = whatIsAt(path);
   if (type == fs::file_type::not_found) inputError(path, "no such file or folder");
   if (type == fs::file_type::directory) return fromFolder(path);

@@ -57,9 +57,9 @@ std::vector<MeshFacts> makeAndWrite(const GrownFracture& grown, const SurfaceOpt
 
 }  // namespace
 
-fs::path writeFracture(const fs::path& folder, const SourceMesh& source,
-                       const FractureOptions& options, const FractureResult& result,
-                       const WriteOptions& write, const Progress* progress) {
+WrittenFolder writeFracture(const fs::path& folder, const SourceMesh& source,
+                            const FractureOptions& options, const FractureResult& result,
+                            const WriteOptions& write, const Progress* progress) {
   checkWriteOptions(write, options);
   const FractureWriter writer(source, write);
   const FractureFiles files =
@@ -70,7 +70,8 @@ fs::path writeFracture(const fs::path& folder, const SourceMesh& source,
     writeWhole(aside / kManifestName,
                manifestText(source, options, result, meshFacts(result.fragments), files, write));
   });
-  return replacement.putInPlace();
+  fs::path manifest = replacement.putInPlace();
+  return {std::move(manifest), replacement.warnings()};
 }
 
 AsideFracture writeAside(const fs::path& folder, const SourceMesh& source,
@@ -105,7 +106,7 @@ WrittenFracture fractureInto(const fs::path& folder, const SourceMesh& source,
   AsideFracture aside =
       writeAside(folder, source, own, grown(source.mesh, own, device, progress), write, progress);
   fs::path manifest = aside.replacement.putInPlace();
-  return {std::move(aside.result), std::move(manifest)};
+  return {std::move(aside.result), {std::move(manifest), aside.replacement.warnings()}};
 }
 
 }  // namespace sherd

@@ -350,6 +350,26 @@ class Folder(CommandLine):
         self.assertEqual(names, {"manifest.json", "labels.rle", "fragments/", "fragments/ball_001.vdb",
                                  "fragments/ball_002.vdb", "notes.txt"})
 
+    def test_a_manifest_cannot_make_it_remove_files_of_others(self):
+        self.done()
+        manifest = os.path.join(self.out, "manifest.json")
+        with open(manifest) as file:
+            listed = json.load(file)
+        mine = ("notes.txt", "meshes/mine.ply", "meshes/notes.txt", "photos/me.png")
+        listed["files"] += mine
+        os.mkdir(os.path.join(self.out, "photos"))
+        for name in (*mine, "manifest.json"):
+            with open(os.path.join(self.out, name), "w") as file:
+                file.write(json.dumps(listed) if name == "manifest.json" else "mine")
+        result = self.done("--json", pieces=2)
+        self.assertEqual(set(mine) - set(tree(self.out)), set())
+        self.assertNotIn("meshes/ball_003.ply", tree(self.out))
+        self.assertRegex(result.stderr, r"\Asherd: warning: [^\n]*'notes.txt', 'meshes/mine.ply', 'meshes/notes.txt', "
+                                        r"'photos/me.png'[^\n]* stay\n\Z")
+        self.assertEqual([f"sherd: warning: {warning}\n" for warning in json.loads(result.stdout)["warnings"]],
+                         [result.stderr])
+        self.assertEqual(self.done(pieces=2).stderr, "")  # it is not listed any more
+
     def test_foreign_is_refused_before_the_work(self):
         os.mkdir(self.out)
         with open(os.path.join(self.out, "notes.txt"), "w") as file:

@@ -13,5 +13,5 @@ int main(int argc, char** argv) {
     std::cout << fragment.id << ' ' << fragment.mass.volume << ' ' << fragment.contacts.size()
               << '\n';
   }
-  std::cout << sherd::writeFracture(argv[2], source, options, result).string() << '\n';
+  std::cout << sherd::writeFracture(argv[2], source, options, result).manifest.string() << '\n';
 }

@@ -471,8 +471,9 @@ TEST_F(WriteFracture, ClearsUpAfterARunThatWasKilledHalfWayIntoPlace) {
   fs::create_directories(partial / "new");
   fs::rename(folder_ / "out" / "manifest.json", partial / "old" / "manifest.json");
   writeText(partial / "new" / "manifest.json",
-            R"({"schema": "sherd/1", "files": ["new.rle", "meshes/n.ply"]})");
-  writeText(folder_ / "out" / "new.rle", "x");
+            R"({"schema": "sherd/1", "files": ["labels.npy", "preview.png"]})");
+  writeText(partial / "new" / "preview.png", "x");
+  writeText(folder_ / "out" / "labels.npy", "x");
   writeText(folder_ / "out" / "notes.txt", "mine");
   writeTiny(folder_ / "out", 2);
   std::set<std::string> want = kTwoPieces;
