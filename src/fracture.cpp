@@ -25,12 +25,8 @@ GrownFracture grownOf(Solid solid, const FractureOptions& options, StageClock cl
 GrownFracture grown(const TriangleMesh& mesh, const FractureOptions& options, Device& device,
                     const Progress* progress) {
   StageClock clock;
-  const SolidOptions solidOptions{.resolution = options.resolution,
-                                  .voxelSize = options.voxelSize,
-                                  .fill = options.fill,
-                                  .shellThickness = options.shellThickness};
   device.impl().buildKernels();
-  Solid solid = voxelize(mesh, solidOptions, progress);
+  Solid solid = voxelize(mesh, solidOptionsOf(options), progress);
   clock.done("voxelize");
   return grownOf(std::move(solid), options, clock, device, progress);
 }

@@ -32,6 +32,14 @@ class StageClock {
   std::vector<StageTime> times_;
 };
 
+/// The part of the options that is about the solid.
+[[nodiscard]] inline SolidOptions solidOptionsOf(const FractureOptions& options) {
+  return {.resolution = options.resolution,
+          .voxelSize = options.voxelSize,
+          .fill = options.fill,
+          .shellThickness = options.shellThickness};
+}
+
 /// options.seeds for a solid of these parts, with every choice from `seed`.
 [[nodiscard]] SeedOptions seedOptionsFor(const FractureOptions& options, const Parts& parts,
                                          std::uint64_t seed);

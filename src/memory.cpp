@@ -12,12 +12,15 @@
 #include <fstream>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "fracture_stages.h"
 #include "render/pictured.h"
 #include "surface/smooth.h"
+#include "voxelize/fill.h"
 
 namespace sherd {
 namespace {
@@ -35,6 +38,9 @@ constexpr double kSimplified = 1.6;         // by how much meshes with fewer tri
 
 struct Extent {
   double area = 0.0, volume = 0.0, longest = 0.0;  // world units
+  double parts = 0.0;
+  bool isOpen = false;
+  glm::dvec3 box{0.0};
 };
 
 // Parts that are turned the other way do not cancel.
@@ -50,11 +56,49 @@ Extent extentOf(const TriangleMesh& mesh) {
     area += 0.5 * glm::length(glm::cross(b - a, c - a));
     volumes[parts.ofTriangle[t]] += glm::dot(a, glm::cross(b, c)) / 6.0;
   }
-  if (openEdges(mesh) > 0) area *= 2.0;  // it may become a shell, which has two sides
   double volume = 0.0;
   for (const double v : volumes) volume += std::abs(v);
   const glm::dvec3 box = bounds(mesh).max - origin;
-  return {area, std::min(volume, box.x * box.y * box.z), std::max({box.x, box.y, box.z})};
+  return {.area = area,
+          .volume = std::min(volume, box.x * box.y * box.z),
+          .longest = std::max({box.x, box.y, box.z}),
+          .parts = static_cast<double>(parts.count),
+          .isOpen = openEdges(mesh) > 0,
+          .box = box};
+}
+
+// Of a solid, in world units.
+struct Amount {
+  double area = 0.0, volume = 0.0;
+};
+
+// Of a shell, by Steiner's formula for what lies within `r` of a body: of the mesh's box, which
+// holds all of it, and of the mesh, whose two sides bend opposite ways.  Sheets that lie close to
+// each other unite as sheets that lie anywhere in the box would.
+Amount shellOf(const Extent& mesh, double thickness) {
+  constexpr double kPi = std::numbers::pi;
+  const double r = 0.5 * thickness, sides = mesh.box.x + mesh.box.y + mesh.box.z;
+  const double faces =
+      2.0 * (mesh.box.x * mesh.box.y + mesh.box.y * mesh.box.z + mesh.box.z * mesh.box.x);
+  const double ball = 4.0 / 3.0 * kPi * r * r * r, sphere = 4.0 * kPi * r * r;
+  const Amount box{faces + 2.0 * kPi * r * sides + sphere,
+                   mesh.box.x * mesh.box.y * mesh.box.z + faces * r + kPi * r * r * sides + ball};
+  Amount sheet{2.0 * mesh.area + 2.0 * sphere * mesh.parts,
+               mesh.area * thickness + 2.0 * ball * mesh.parts};
+  if (mesh.isOpen) {  // all round its rim, which is no longer than the box's edges, or short
+    sheet.area += 2.0 * kPi * r * sides;
+    sheet.volume += kPi * r * r * sides;
+  }
+  const double apart = std::exp(-sheet.volume / box.volume);
+  return {std::min(sheet.area, sheet.area * apart + box.area), std::min(sheet.volume, box.volume)};
+}
+
+// What a mesh becomes; one that is open may become a shell, which has two sides.
+Amount solidOf(const Extent& mesh, const SolidOptions& options, double voxelSize) {
+  const bool isShell = options.fill == Fill::shell ||
+                       (options.fill == Fill::automatic && options.shellThickness > 0.0);
+  if (isShell) return shellOf(mesh, shellVoxels(options, voxelSize) * voxelSize);
+  return {(mesh.isOpen ? 2.0 : 1.0) * mesh.area, mesh.volume};
 }
 
 double bytesForVoxels(double surface, double inside, double perInside = kPerInsideVoxel) {
@@ -81,8 +125,9 @@ double meshFactor(const SurfaceOptions& surface, MeshesHeld held, double resolut
 
 double bytesFor(const Extent& extent, std::size_t triangles, const FractureOptions& options,
                 MeshesHeld held, double voxelSize) {
-  const double surface = extent.area / (voxelSize * voxelSize);
-  const double inside = extent.volume / (voxelSize * voxelSize * voxelSize);
+  const Amount solid = solidOf(extent, solidOptionsOf(options), voxelSize);
+  const double surface = solid.area / (voxelSize * voxelSize);
+  const double inside = solid.volume / (voxelSize * voxelSize * voxelSize);
   // A cube cut into n cubes has 3 (n^(1/3) - 1) cuts across it; each is of two fragments.
   const double cuts =
       6.0 * (std::cbrt(static_cast<double>(options.pieces)) - 1.0) * std::cbrt(inside * inside);
@@ -139,9 +184,9 @@ std::string gigabytes(std::uint64_t bytes) {
 
 std::uint64_t estimatedMemory(const TriangleMesh& mesh, const FractureOptions& options,
                               MeshesHeld held) {
-  const SolidOptions solid{.resolution = options.resolution, .voxelSize = options.voxelSize};
+  const double voxelSize = voxelSizeFor(mesh, solidOptionsOf(options));
   return static_cast<std::uint64_t>(
-      bytesFor(extentOf(mesh), mesh.triangles.size(), options, held, voxelSizeFor(mesh, solid)));
+      bytesFor(extentOf(mesh), mesh.triangles.size(), options, held, voxelSize));
 }
 
 std::uint64_t estimatedMemory(double surface, double inside) {
@@ -168,14 +213,21 @@ void requireMemory(const std::string& what, std::uint64_t bytes, std::uint64_t l
 
 void requireMemory(const TriangleMesh& mesh, const FractureOptions& options, std::uint64_t limit,
                    MeshesHeld held) {
-  const SolidOptions asked{.resolution = options.resolution, .voxelSize = options.voxelSize};
-  const double voxelSize = voxelSizeFor(mesh, asked), longest = longestSide(bounds(mesh));
+  SolidOptions asked = solidOptionsOf(options);
+  const bool isAutomatic = asked.voxelSize == 0.0 && asked.resolution == kAutoResolution;
+  if (isAutomatic) asked.resolution = kMostAutoResolution;
+  double voxelSize = voxelSizeFor(mesh, asked);
+  const double longest = longestSide(bounds(mesh));
   const Extent extent = extentOf(mesh);
   const auto bytesOf = [&](double size, MeshesHeld of) {
     return static_cast<std::uint64_t>(bytesFor(extent, mesh.triangles.size(), options, of, size));
   };
   const auto bytes = [&](double size) { return bytesOf(size, held); };
   if (bytes(voxelSize) <= limit) return;
+  if (isAutomatic) {  // which takes as long as reading a mesh, so only where it may matter
+    voxelSize = longest / automaticResolution(mesh, asked);
+    if (bytes(voxelSize) <= limit) return;
+  }
   const int resolution = resolutionFor(mesh, voxelSize);
   int fits = 0;  // the highest resolution that does
   for (int low = 8, high = resolution; low <= high;) {
@@ -192,7 +244,9 @@ void requireMemory(const TriangleMesh& mesh, const FractureOptions& options, std
   if (bytesOf(voxelSize, MeshesHeld::some) <= limit) {
     advice += ", and this one without the picture and other files of all pieces (--write)";
   }
-  requireMemory(advice + "; one of " + std::to_string(resolution), bytes(voxelSize), limit);
+  requireMemory(advice + "; one of " + std::to_string(resolution) +
+                    (isAutomatic ? ", which the mesh's walls need," : ""),
+                bytes(voxelSize), limit);
 }
 
 }  // namespace sherd

@@ -106,7 +106,7 @@ CHAPTERS = [
               "voxels; at a low resolution its steps show, most of all on a thin wall.", "amphora.ply",
               "--seeds six.json", [
                   ("48", "--resolution 48", "the wall is one voxel thick: lumps"),
-                  ("128", "--resolution 128", "the default"),
+                  ("128", "--resolution 128", "what is chosen by default"),
                   ("320", "--resolution 320", "fine"),
                   ("size", "--voxel-size 0.004", "4 mm, as the amphora is in metres")]),
         Group("up", "--up", "The axis that points up in `preview.png`; the fragments stay the same.", "plate.obj",

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Break every mesh of a folder in 8 pieces and tell in a table what was found and done: docs/robustness.md.
+"""Break every mesh of a folder in 8 pieces at 128 voxels and tell in a table what was found and done: docs/robustness.md.
 
 usage: robustness.py SHERD FOLDER CHECKER.py OUT.md [--pictures FOLDER]
   FOLDER   meshes, with their true figures in stats.csv, if there is one: file, svol, ...
@@ -39,12 +39,12 @@ def holds(sherd, mesh, checker, out):
         return run.returncode == 0
     bare, pieces = out.parent / "bare.stl", out.parent / "bare"
     subprocess.run([sherd, "convert", mesh, bare], capture_output=True, check=True)
-    subprocess.run([sherd, "fracture", bare, "-o", pieces, "--pieces", "8", "--quiet"], capture_output=True, check=True)
+    subprocess.run([sherd, "fracture", bare, "-o", pieces, "--pieces", "8", "--resolution", "128", "--quiet"], capture_output=True, check=True)
     return subprocess.run(["/usr/bin/python3", checker, pieces], capture_output=True).returncode == 0
 
 
 def row_of(sherd, mesh, checker, truth, out, up):
-    run = subprocess.run([sherd, "fracture", mesh, "-o", out, "--pieces", "8", "--up", up, "--json"],
+    run = subprocess.run([sherd, "fracture", mesh, "-o", out, "--pieces", "8", "--resolution", "128", "--up", up, "--json"],
                          capture_output=True, text=True)
     name = mesh.name
     if run.returncode == 3:

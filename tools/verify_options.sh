@@ -111,7 +111,7 @@ for mesh in "${all[@]}"; do
     sed -E '/^(vt|usemtl|mtllib)/d; /^f /s#/[-0-9]*(/[-0-9]*)?##g' "$mesh" > "$plain"
     mesh=$plain
   fi
-  if ! "$sherd" fracture "$mesh" -o "$out/pieces" --pieces 1 --write labels --json > "$out/report.json" 2> "$out/log"; then
+  if ! "$sherd" fracture "$mesh" -o "$out/pieces" --pieces 1 --resolution 128 --write labels --json > "$out/report.json" 2> "$out/log"; then
     open=$((open + 1))
     ! isWatertight "$mesh" || fault "$mesh" "watertight, but refused: $(tail -n 1 "$out/log")" "fracture $mesh --pieces 1"
     continue

@@ -21,10 +21,10 @@ namespace sherd {
 struct FractureOptions {
   int pieces = 8;  ///< fragments wanted, 1..kMaxFragments
   std::uint64_t seed = 0;
-  int resolution = 128;         ///< voxels along the longest side; used when voxelSize is 0
-  double voxelSize = 0.0;       ///< world units per voxel; 0: from resolution
-  Fill fill = Fill::automatic;  ///< how the mesh tells its inside
-  double shellThickness = 0.0;  ///< see SolidOptions
+  int resolution = kAutoResolution;  ///< see SolidOptions; used when voxelSize is 0
+  double voxelSize = 0.0;            ///< world units per voxel; 0: from resolution
+  Fill fill = Fill::automatic;       ///< how the mesh tells its inside
+  double shellThickness = 0.0;       ///< see SolidOptions
 
   SeedOptions seeds{};               ///< its `pieces` and `seed` are taken from above
   int extraSeedsPerPiece = 0;        ///< extra seeds beside seeds.extraSeeds, for each fragment

@@ -39,7 +39,8 @@ void requireMemory(const std::string& what, std::uint64_t bytes, std::uint64_t l
 
 /// The same of breaking a mesh.
 ///   throws  Error(usage) the estimate is above `limit`, with the resolution that would fit, and
-///           whether what is asked would if only some meshes were held; what voxelSizeFor throws
+///           whether what is asked would if only some meshes were held; what voxelSizeFor throws.
+///           An automatic resolution is found only where the highest one would not fit
 void requireMemory(const TriangleMesh& mesh, const FractureOptions& options, std::uint64_t limit,
                    MeshesHeld held = MeshesHeld::all);
 

@@ -33,12 +33,15 @@ struct MeshDefects {
   [[nodiscard]] bool closed() const { return boundaryEdges == 0; }
 };
 
-/// How thick the solid is, by rays from points on the mesh straight inwards.
+/// How thick the solid is, by rays from points on the mesh straight inwards.  Towards a sharp edge
+/// a wall counts as thick as it is a little further in.
 struct WallThickness {
   double thinShare = 0.0;  ///< 0..1 of the area behind which the wall is thinner than a voxel
   double thinnest = 0.0;   ///< voxels; all but a hundredth of the area has thicker walls
-  int resolution = 0;  ///< voxels along the longest side that hold a wall of `thinnest`; 0 where
-                       ///< this grid does
+  int forWalls = 0;        ///< voxels along the longest side that hold a wall of `thinnest`
+  int forVolume = 0;   ///< at which edges and curves cost a fiftieth of the volume, as they cost
+                       ///< thin branches: their meshes are no finer than the voxels
+  int resolution = 0;  ///< the larger of both; 0 where this grid has it
 };
 
 }  // namespace sherd

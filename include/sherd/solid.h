@@ -24,13 +24,29 @@ inline constexpr std::uint64_t kSpeckVoxels = 27;
 /// Walls of this many voxels and more stay in one piece.
 inline constexpr double kHeldWallVoxels = 1.25;
 
+/// Walls of this many voxels and more keep their volume within some two hundredths.
+inline constexpr double kWholeWallVoxels = 1.5;
+
+/// In place of a resolution: the one that automaticResolution gives.
+inline constexpr int kAutoResolution = 0;
+
+/// The least and the highest resolution that is chosen automatically.
+inline constexpr int kLeastAutoResolution = 128, kMostAutoResolution = 512;
+
 struct SolidOptions {
-  int resolution =
-      128;  ///< voxels along the mesh's longest side, 8..4096; used when voxelSize is 0
-  double voxelSize = 0.0;  ///< world units per voxel; 0: from resolution
+  int resolution = kAutoResolution;  ///< voxels along the mesh's longest side, 8..4096, or
+                                     ///< kAutoResolution; used when voxelSize is 0
+  double voxelSize = 0.0;            ///< world units per voxel; 0: from resolution
   Fill fill = Fill::automatic;
-  double shellThickness = 0.0;  ///< world units, of a shell; 0: two and a half voxels.  With
-                                ///< Fill::automatic, above 0 asks for a shell
+  double shellThickness = 0.0;  ///< world units, of a shell, at most the mesh's longest side; 0:
+                                ///< two and a half voxels.  With Fill::automatic, above 0 asks for
+                                ///< a shell
+};
+
+/// Which resolution was used, and why.
+struct ResolutionChoice {
+  int resolution = 0;      ///< voxels along the mesh's longest side; 0 for a volume's own voxels
+  bool automatic = false;  ///< chosen for the mesh, not given
 };
 
 /// What was found on the way from a mesh to its solid.
@@ -42,6 +58,7 @@ struct SolidReport {
   double meshVolume = 0.0;      ///< of the mesh by the divergence theorem, its parts turned
                                 ///< outwards and its holes closed; 0 for a shell
   WallThickness walls{};
+  ResolutionChoice resolution{};
   std::uint64_t bridges = 0;  ///< voxels added where a wall's own touch by edges or corners only
 };
 
@@ -68,7 +85,20 @@ struct Solid {
 [[nodiscard]] Solid voxelize(const TriangleMesh& mesh, const SolidOptions& options = {},
                              const Progress* progress = nullptr);
 
+/// The resolution that holds a mesh: the least multiple of eight, kLeastAutoResolution to
+/// kMostAutoResolution, at which all but a hundredth of the surface has walls of
+/// kWholeWallVoxels and more behind it, and at which edges and curves that are coarser than the
+/// mesh cost at most a fiftieth of the volume (WallThickness).  Shells are as thick as they are
+/// made: kLeastAutoResolution.
+///
+/// It depends on the mesh and the fill alone, not on memory, threads or device, and is the same for
+/// a mesh that is moved or scaled.  resolution and voxelSize of `options` are not used.
+///   throws  as voxelize
+[[nodiscard]] int automaticResolution(const TriangleMesh& mesh, const SolidOptions& options = {});
+
 /// The voxel size that `options` asks for on this mesh.
+///   throws  Error(input) box empty or not finite; Error(usage) resolution, voxel size or thickness
+///           out of range
 [[nodiscard]] double voxelSizeFor(const TriangleMesh& mesh, const SolidOptions& options);
 
 /// Voxels of a size along the mesh's longest side, a part of one counting as one.

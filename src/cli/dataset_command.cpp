@@ -258,10 +258,7 @@ CLI::App* addDatasetCommand(CLI::App& app, Action& run) {
   addPreset(*command, fracture);
   addScheduleOptions(*command, arguments->options);
   addRunOptions(*command, *arguments);
-  CLI::Option* resolution =
-      command->add_option("--resolution", fracture.resolution, "Voxels along the longest side")
-          ->transform(wholeNumber(8, 4096))
-          ->capture_default_str();
+  CLI::Option* resolution = addResolution(*command, fracture);
   command
       ->add_option("--voxel-size", fracture.voxelSize,
                    "Voxel size in the meshes' own unit, in place of --resolution")

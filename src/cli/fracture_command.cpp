@@ -292,10 +292,7 @@ void addFractureCommand(CLI::App& app, Action& run) {
   command->add_option("--seed", options.seed, "Seed of every random choice")
       ->transform(wholeNumber<std::uint64_t>(0, std::numeric_limits<std::uint64_t>::max()))
       ->capture_default_str();
-  CLI::Option* resolution =
-      command->add_option("--resolution", options.resolution, "Voxels along the longest side")
-          ->transform(wholeNumber(8, 4096))
-          ->capture_default_str();
+  CLI::Option* resolution = addResolution(*command, options);
   command
       ->add_option("--voxel-size", options.voxelSize,
                    "Voxel size in the mesh's own unit, in place of --resolution")
@@ -335,8 +332,10 @@ void addFractureCommand(CLI::App& app, Action& run) {
   command->add_flag("--quiet", arguments->quiet, "Print nothing but warnings and errors");
   command->callback([arguments, command, &run] {
     arguments->volume.maxMemory = arguments->machine.memory();
-    arguments->volume.ownVoxels =
-        command->count("--resolution") + command->count("--voxel-size") == 0;
+    const bool isGiven =
+        command->count("--voxel-size") > 0 ||
+        (command->count("--resolution") > 0 && arguments->options.resolution != kAutoResolution);
+    arguments->volume.ownVoxels = !isGiven;
     arguments->asksForFill = command->count("--fill") + command->count("--shell-thickness") > 0;
     const std::vector<std::string> idle =
         idleOptions({*command, arguments->options, arguments->write, arguments->mesh});

@@ -101,6 +101,22 @@ void parseMissing(const std::string& text, double& missing) {
 
 }  // namespace
 
+CLI::Option* addResolution(CLI::App& command, FractureOptions& options) {
+  CLI::Validator number = wholeNumber(8, 4096);
+  const CLI::Validator automatic(
+      [number](std::string& text) {
+        if (text != "auto") return number(text);
+        text = std::to_string(kAutoResolution);
+        return std::string();
+      },
+      "auto|8..4096");
+  return command
+      .add_option("--resolution", options.resolution,
+                  "Voxels along the longest side; auto: as many as the mesh's walls need, 128..512")
+      ->transform(automatic)
+      ->default_str("auto");
+}
+
 void addFillOptions(CLI::App& command, FractureOptions& options) {
   const std::string group = "Solid";
   addChoice(command, "--fill", options.fill, names::kFill,
@@ -108,9 +124,10 @@ void addFillOptions(CLI::App& command, FractureOptions& options) {
             "nothing")
       ->group(group);
   command
-      .add_option("--shell-thickness", options.shellThickness,
-                  "Make a shell of this thickness about the surface, in the mesh's own unit; "
-                  "default of --fill shell: two and a half voxels")
+      .add_option(
+          "--shell-thickness", options.shellThickness,
+          "Make a shell of this thickness about the surface, in the mesh's own unit, at most "
+          "its longest side; default of --fill shell: two and a half voxels")
       ->check(aboveZero())
       ->group(group);
 }

@@ -12,6 +12,9 @@ namespace sherd::cli {
 /// Accepts finite numbers above 0.
 [[nodiscard]] CLI::Validator aboveZero();
 
+/// --resolution; returned for options that exclude it.
+CLI::Option* addResolution(CLI::App& command, FractureOptions& options);
+
 void addFillOptions(CLI::App& command, FractureOptions& options);
 void addVolumeOptions(CLI::App& command, VolumeOptions& options);
 void addSeedOptions(CLI::App& command, FractureOptions& options);

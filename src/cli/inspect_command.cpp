@@ -128,6 +128,8 @@ Json inspectManifest(const fs::path& file) {
   return {{"kind", "fracture"},
           {"source", manifest.source},
           {"seed", manifest.seed},
+          {"resolution", manifest.resolution},
+          {"resolution_is", manifest.automatic ? kAutomatic : "given"},
           {"voxel_size", manifest.voxelSize},
           {"dims", jsonOf(manifest.dims)},
           {"solid_voxels", manifest.solidVoxels},

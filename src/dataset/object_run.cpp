@@ -28,6 +28,7 @@
 #include "dataset/object_folder.h"
 #include "dataset/pictures.h"
 #include "dataset/store.h"
+#include "fracture_stages.h"
 #include "io/fracture_files.h"
 #include "io/little_endian.h"
 #include "io/npz.h"
@@ -99,15 +100,15 @@ class ObjectRun {
     for (const std::string& warning : source.warnings) run_.warning(warning);
     FractureOptions base = optionsFor(options_.fracture, options_.write);
     base.pieces = options_.schedule.most;
+    if (base.resolution == kAutoResolution && isVolumeName(object_.file)) {
+      base.resolution = kLeastAutoResolution;  // what voxels hold has no thinner walls
+    }
     requireMemory(source.mesh, base, options_.maxMemory);
-    memory_ = estimatedMemory(source.mesh, base);
     PreparedSolid ready = timed("voxelize", [&] {
-      const SolidOptions solid{.resolution = base.resolution,
-                               .voxelSize = base.voxelSize,
-                               .fill = base.fill,
-                               .shellThickness = base.shellThickness};
-      return prepared(voxelize(source.mesh, solid, &progress_), run_.device);
+      return prepared(voxelize(source.mesh, solidOptionsOf(base), &progress_), run_.device);
     });
+    base.voxelSize = ready.solid.frame.voxelSize;
+    memory_ = estimatedMemory(source.mesh, base);
     if (meshesOnce(ready.solid)) ready.surface = unbrokenSurface(ready.solid);
     const FractureWriter writer(source, options_.write);
     source_ = &source;

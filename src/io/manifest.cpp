@@ -138,6 +138,8 @@ Json optionsJson(const FractureOptions& options, const FractureResult& result,
   Json json = {{"pieces", result.fragments.size()}, {"seed", options.seed}};
   if (options.voxelSize > 0.0) {
     json["voxel_size"] = options.voxelSize;
+  } else if (options.resolution == kAutoResolution) {
+    json["resolution"] = kAutomatic;
   } else {
     json["resolution"] = options.resolution;
   }
@@ -163,7 +165,7 @@ Json optionsJson(const FractureOptions& options, const FractureResult& result,
 
 // Voxels along the longest side.
 int resolutionUsed(const SourceMesh& source, const FractureOptions& options, const Solid& solid) {
-  if (options.voxelSize <= 0.0) return options.resolution;
+  if (options.voxelSize <= 0.0 && options.resolution != kAutoResolution) return options.resolution;
   if (source.mesh.triangles.empty()) return solid.box.longestSide();  // a volume's own voxels
   return resolutionFor(source.mesh, solid.frame.voxelSize);
 }

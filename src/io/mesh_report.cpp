@@ -35,6 +35,27 @@ double difference(const FractureResult& result) {
   return mesh > 0.0 ? solidVolume(result) / mesh - 1.0 : 0.0;
 }
 
+bool isShort(const SolidReport& report) {
+  return report.fill != Fill::shell && report.resolution.automatic &&
+         report.walls.resolution > kMostAutoResolution;
+}
+
+// The resolution that was chosen, and why.
+std::string choiceText(const SolidReport& report) {
+  const int used = report.resolution.resolution;
+  const double coarser = kLeastAutoResolution / static_cast<double>(used);
+  const std::string at = " at " + std::to_string(kLeastAutoResolution);
+  std::string choice = "resolution " + std::to_string(used) + ", chosen automatically: ";
+  if (report.fill == Fill::shell) return choice + "as for every shell";
+  if (used == kLeastAutoResolution) return choice + "it holds the mesh's walls";
+  if (report.walls.forWalls >= report.walls.forVolume) {
+    choice += "walls would be down to " + text(report.walls.thinnest * coarser) + " voxels" + at;
+  } else {
+    choice += "branches and edges would lose more than 2 % of the volume" + at;
+  }
+  return isShort(report) ? choice + "; no higher one is chosen" : choice;
+}
+
 std::string titleOf(const SourceMesh& source) { return titled(source.name, source); }
 
 }  // namespace
@@ -65,6 +86,10 @@ nlohmann::ordered_json reportJson(const SourceMesh& source, const FractureResult
   }
   json["solid_volume"] = solidVolume(result);
   json["bridges"] = report.bridges;
+  json["resolution"] = {{"used", report.resolution.resolution},
+                        {"automatic", report.resolution.automatic},
+                        {"for_walls", report.walls.forWalls},
+                        {"for_volume", report.walls.forVolume}};
   json["walls"] = {{"thin_share", report.walls.thinShare},
                    {"thinnest_voxels", std::isfinite(report.walls.thinnest)
                                            ? nlohmann::ordered_json(report.walls.thinnest)
@@ -113,7 +138,8 @@ std::string reportText(const SourceMesh& source, const FractureResult& result) {
     volumes += "; walls thinner than a voxel behind " + percent(report.walls.thinShare) +
                " of the surface";
   }
-  return found + "\n" + done + "\n" + volumes + "\n";
+  const std::string choice = report.resolution.automatic ? choiceText(report) + "\n" : "";
+  return found + "\n" + done + "\n" + choice + volumes + "\n";
 }
 
 std::vector<std::string> reportWarnings(const SourceMesh& source, const FractureResult& result) {
@@ -124,7 +150,14 @@ std::vector<std::string> reportWarnings(const SourceMesh& source, const Fracture
                        ", the mesh's own " + text(report.meshVolume) +
                        "; overlapping parts count once, and walls thinner than a voxel are lost");
   }
-  if (report.walls.resolution > 0 && report.fill != Fill::shell) {
+  if (isShort(report)) {
+    warnings.push_back(titleOf(source) + ": the mesh needs a --resolution of " +
+                       std::to_string(report.walls.resolution) + ", and no higher one than " +
+                       std::to_string(kMostAutoResolution) +
+                       " is chosen automatically; walls are " + text(report.walls.thinnest) +
+                       " voxels thin, and parts may be lost");
+  } else if (report.walls.thinnest < 1.0 && report.walls.resolution > 0 &&
+             report.fill != Fill::shell) {
     warnings.push_back(titleOf(source) + ": walls are down to " + text(report.walls.thinnest) +
                        " voxels thin, of which parts may be lost; a --resolution of " +
                        std::to_string(report.walls.resolution) + " would hold them");

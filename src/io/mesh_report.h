@@ -20,7 +20,7 @@ inline constexpr double kVolumesAgree = 0.05;
 [[nodiscard]] nlohmann::ordered_json reportJson(const SourceMesh& source,
                                                 const FractureResult& result);
 
-/// The same as three lines for people.
+/// The same as lines for people.
 [[nodiscard]] std::string reportText(const SourceMesh& source, const FractureResult& result);
 
 /// What of it a user has to know: a sentence each.

@@ -136,6 +136,8 @@ Manifest manifestOf(const Json& json) {
   manifest.seed = count(field(json, "options", "it"), "seed", "its options");
   manifest.resolution =
       wholeIn(field(grid, "resolution", "its grid"), 1, kFarthestVoxel, "its resolution");
+  const Json& options = field(json, "options", "it");
+  manifest.automatic = options.value("resolution", Json()) == kAutomatic;
   manifest.voxelSize =
       number(grid, "voxel_size", std::numeric_limits<double>::min(), kAnyNumber, "its grid");
   manifest.dims = coordinates(grid, "dims", 1, "its grid");

@@ -14,6 +14,7 @@ namespace sherd {
 
 inline constexpr const char* kManifestName = "manifest.json";
 inline constexpr const char* kManifestSchema = "sherd/1";
+inline constexpr const char* kAutomatic = "auto";  ///< options.resolution where it was chosen
 inline constexpr const char* kPartialName = ".sherd-partial";  ///< the folder of an unfinished one
 
 /// A fragment as a manifest has it.
@@ -34,6 +35,7 @@ struct Manifest {
   std::string source;  ///< the mesh's file name
   std::uint64_t seed = 0;
   int resolution = 0;      ///< above 0
+  bool automatic = false;  ///< the resolution was chosen for the mesh
   double voxelSize = 0.0;  ///< above 0
   openvdb::Coord dims;     ///< each above 0
   openvdb::Coord indexMin;

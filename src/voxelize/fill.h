@@ -33,20 +33,29 @@ struct Filling {
   double halfThickness = 0.0;  ///< voxels; of a shell: what is nearer to the surface is inside
 };
 
-/// The filling that `options` asks for.
+/// How a mesh is to be filled.
+struct FillChoice {
+  Fill fill = Fill::winding;  ///< not automatic
+  std::string reason;         ///< why, as half a sentence
+};
+
+/// The fill that `options` asks for, or the one that suits the mesh.
+///   mesh  in any space
+[[nodiscard]] FillChoice chosenFill(const SearchedMesh& mesh, const SolidOptions& options);
+
+/// How thick a shell is, in voxels.
+[[nodiscard]] double shellVoxels(const SolidOptions& options, double voxelSize);
+
+/// The filling of a choice.
 ///   throws    Error(cancelled)
 ///   mesh      what repaired() gives, in index space
 ///   original  the same before repair, for a shell, which has doubled triangles too
-[[nodiscard]] Filling fillingOf(const SearchedMesh& mesh, const TriangleMesh& original,
-                                const SolidOptions& options, double voxelSize,
-                                const Progress* progress = nullptr);
+[[nodiscard]] Filling fillingOf(const FillChoice& choice, const SearchedMesh& mesh,
+                                const TriangleMesh& original, const SolidOptions& options,
+                                double voxelSize, const Progress* progress = nullptr);
 
 /// How well a mesh encloses what lies behind it: the mean over its area of the winding number just
 /// behind the surface.  1 for closed meshes, 0.8 for half a ball, 0.5 for a flat sheet.
 [[nodiscard]] double enclosure(const SearchedMesh& mesh);
-
-/// How thick the solid is behind the mesh's surface.
-///   mesh  in index space, oriented outwards
-[[nodiscard]] WallThickness wallThickness(const SearchedMesh& mesh, double longestSideVoxels);
 
 }  // namespace sherd

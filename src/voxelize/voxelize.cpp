@@ -13,24 +13,77 @@
 #include "voxelize/distance.h"
 #include "voxelize/fill.h"
 #include "voxelize/specks.h"
+#include "voxelize/walls.h"
 
 namespace sherd {
 namespace {
 
 constexpr int kLargestResolution = 4096;
 
+// A mesh and the grid that it is looked at in.
+struct MeshInGrid {
+  GridFrame frame;
+  TriangleMesh mesh;  // in index space, as it came
+  SearchedMesh clean;
+  SolidReport report;  // of what was found
+};
+
 TriangleMesh inIndexSpace(TriangleMesh mesh, const GridFrame& frame) {
   for (glm::dvec3& v : mesh.vertices) v = frame.indexFromWorld({v}).v;
   return mesh;
 }
 
-}  // namespace
+MeshInGrid inGrid(const TriangleMesh& source, double voxelSize) {
+  MeshInGrid out;
+  out.frame.voxelSize = voxelSize;
+  out.frame.origin.v = bounds(source).min + 0.5 * voxelSize;
+  out.mesh = inIndexSpace(source, out.frame);
+  Repaired whole = repaired(out.mesh);
+  out.report.defects = whole.defects;
+  out.clean = searched(std::move(whole.mesh));
+  const double volumeVoxels = volume(out.clean.mesh) + volume(out.clean.caps);
+  out.report.meshVolume = volumeVoxels * std::pow(voxelSize, 3);
+  out.report.walls = wallThickness(out.clean, longestSide(bounds(out.mesh)), volumeVoxels);
+  return out;
+}
 
-double voxelSizeFor(const TriangleMesh& mesh, const SolidOptions& options) {
+// The longest side of a mesh that can be divided into voxels.
+double checkedLongestSide(const TriangleMesh& mesh) {
   const double longest = longestSide(bounds(mesh));
   if (!(longest > 0.0) || !std::isfinite(longest)) {
     throw Error(ErrorCode::input, "the mesh's box has no size that can be divided into voxels");
   }
+  return longest;
+}
+
+void checkShellThickness(double longest, double thickness) {
+  if (thickness >= 0.0 && thickness <= longest) return;
+  std::ostringstream text;
+  text << "a shell " << thickness << " thick was asked for; the mesh is " << longest
+       << " long, so it has to be above 0 and at most " << longest;
+  throw Error(ErrorCode::usage, text.str());
+}
+
+bool isAutomatic(const SolidOptions& options) {
+  return options.voxelSize == 0.0 && options.resolution == kAutoResolution;
+}
+
+}  // namespace
+
+int automaticResolution(const TriangleMesh& mesh, const SolidOptions& options) {
+  const double longest = checkedLongestSide(mesh);
+  checkShellThickness(longest, options.shellThickness);
+  if (options.fill == Fill::shell) return kLeastAutoResolution;
+  const MeshInGrid coarse = inGrid(mesh, longest / kLeastAutoResolution);
+  return chosenFill(coarse.clean, options).fill == Fill::shell
+             ? kLeastAutoResolution
+             : automaticResolutionOf(coarse.report.walls);
+}
+
+double voxelSizeFor(const TriangleMesh& mesh, const SolidOptions& options) {
+  const double longest = checkedLongestSide(mesh);
+  checkShellThickness(longest, options.shellThickness);
+  if (isAutomatic(options)) return longest / automaticResolution(mesh, options);
   if (options.voxelSize == 0.0) {
     if (options.resolution < 8 || options.resolution > kLargestResolution) {
       throw Error(ErrorCode::usage, "a resolution of " + std::to_string(options.resolution) +
@@ -55,23 +108,25 @@ int resolutionFor(const TriangleMesh& mesh, double voxelSize) {
 
 Solid voxelize(const TriangleMesh& source, const SolidOptions& options, const Progress* progress) {
   step(progress, "voxelize", 0.0);
-  Solid solid;
-  solid.frame.voxelSize = voxelSizeFor(source, options);
-  solid.frame.origin.v = bounds(source).min + 0.5 * solid.frame.voxelSize;
-  const double voxelSize = solid.frame.voxelSize;
-  if (!(options.shellThickness >= 0.0) || !std::isfinite(options.shellThickness)) {
-    throw Error(ErrorCode::usage, "a shell's thickness has to be above 0");
-  }
-
-  const TriangleMesh mesh = inIndexSpace(source, solid.frame);
-  Repaired whole = repaired(mesh);
-  SolidReport& report = solid.report;
-  report.defects = whole.defects;
+  SolidOptions first = options;
+  if (isAutomatic(options)) first.resolution = kLeastAutoResolution;
+  MeshInGrid in = inGrid(source, voxelSizeFor(source, first));
   step(progress, "voxelize", 0.1);
-  const SearchedMesh clean = searched(std::move(whole.mesh));
-  report.walls = wallThickness(clean, longestSide(bounds(mesh)));
-  report.meshVolume = (volume(clean.mesh) + volume(clean.caps)) * std::pow(voxelSize, 3);
-  const Filling filling = fillingOf(clean, mesh, options, voxelSize, progress);
+  const FillChoice fill = chosenFill(in.clean, options);
+  if (isAutomatic(options) && fill.fill != Fill::shell) {
+    const int resolution = automaticResolutionOf(in.report.walls);
+    if (resolution != first.resolution) {
+      in = inGrid(source, checkedLongestSide(source) / resolution);
+      step(progress, "voxelize", 0.2);
+    }
+  }
+  Solid solid;
+  solid.frame = in.frame;
+  solid.report = in.report;
+  SolidReport& report = solid.report;
+  const double voxelSize = solid.frame.voxelSize;
+  report.resolution = {resolutionFor(source, voxelSize), isAutomatic(options)};
+  const Filling filling = fillingOf(fill, in.clean, in.mesh, options, voxelSize, progress);
   report.fill = filling.fill;
   report.fillReason = filling.reason;
   if (filling.fill == Fill::shell) {

@@ -140,7 +140,7 @@ class Help(CommandLine):
     def test_help_of_fracture_shows_defaults_and_ranges(self):
         result = self.run_sherd("fracture", "--help")
         self.assertEqual((result.returncode, result.stderr), (0, ""))
-        for word in ("--pieces", "=8", "1..65534", "--seed", "=0", "--resolution", "=128", "8..4096", "--voxel-size",
+        for word in ("--pieces", "=8", "1..65534", "--seed", "=0", "--resolution", "=auto", "auto|8..4096", "--voxel-size",
                      "mesh's own unit", "--write", "labels,vdb,mesh,preview", "--device", "=auto", "--json", "--quiet"):
             self.assertIn(word, result.stdout)
 
@@ -249,6 +249,75 @@ class Fracture(CommandLine):
         with open(os.path.join(self.out, "manifest.json")) as file:
             manifest = json.load(file)
         self.assertEqual((manifest["pieces_asked"], manifest["parts"], manifest["specks"]["parts"]), (1, 2, 1))
+
+
+class Resolution(CommandLine):
+    """A pane of 64 x 64 x 0.7: its wall has a voxel and a half at 1.5 * 64 / 0.7 = 137.1, and the next multiple of 8 is 144."""
+
+    def setUp(self):
+        super().setUp()
+        vertices = [(x, y, z) for x in (0, 64) for y in (0, 64) for z in (0, 0.7)]
+        faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+        self.pane = self.path("pane.obj", "".join(
+            ["v %g %g %g\n" % v for v in vertices] + ["f %d %d %d %d\n" % tuple(i + 1 for i in f) for f in faces]).encode())
+
+    def manifest_of(self, folder):
+        with open(os.path.join(folder, "manifest.json")) as file:
+            return json.load(file)
+
+    def broken(self, name, *arguments, mesh=None):
+        out = self.path(name)
+        done = self.run_sherd("fracture", mesh or self.pane, "-o", out, "--pieces", "2", "--write", "labels", *arguments)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return out, done.stdout
+
+    def test_is_chosen_for_the_mesh(self):
+        out, said = self.broken("chosen")
+        self.assertIn("resolution 144, chosen automatically: walls would be down to 1.4 voxels at 128\n", said)
+        manifest = self.manifest_of(out)
+        self.assertEqual((manifest["options"]["resolution"], manifest["grid"]["resolution"]), ("auto", 144))
+        self.assertEqual(manifest["report"]["resolution"]["automatic"], True)
+        self.assertIsNone(manifest["report"]["walls"]["resolution_to_hold"])
+        asked, _ = self.broken("asked", "--resolution", "auto")
+        self.assertEqual(tree(asked), tree(out))
+        given, said = self.broken("given", "--resolution", "144")
+        self.assertNotIn("automatically", said)
+        self.assertEqual(tree(given)["labels.rle"], tree(out)["labels.rle"])
+        self.assertEqual(self.manifest_of(given)["options"]["resolution"], 144)
+        for folder, how in ((out, "auto"), (given, "given")):
+            seen = json.loads(self.run_sherd("inspect", folder, "--json").stdout)
+            self.assertEqual((seen["resolution"], seen["resolution_is"]), (144, how))
+
+    def test_stays_where_it_was(self):
+        for name, arguments, mesh in (("ball", (), self.ball), ("paper", ("--preset", "paper"), self.pane),
+                                      ("shell", ("--fill", "shell"), self.pane)):
+            out, said = self.broken(name, *arguments, mesh=mesh)
+            self.assertEqual(self.manifest_of(out)["grid"]["resolution"], 128, name)
+            self.assertEqual("automatically" in said, name != "paper")
+
+    def test_is_chosen_for_each_object_of_a_dataset(self):
+        library = self.path("library")
+        os.mkdir(library)
+        shutil.copy(self.pane, library)
+        shutil.copy(self.ball, library)
+        done = self.run_sherd("dataset", library, "-o", self.out, "--pieces", "2", "--repeats", "1", "--write", "labels")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        found = {}
+        for at, _, files in os.walk(self.out):
+            if "manifest.json" in files:
+                manifest = self.manifest_of(at)
+                self.assertEqual(manifest["options"]["resolution"], "auto")
+                found[manifest["source"]["file"]] = manifest["grid"]["resolution"]
+        self.assertEqual(found, {"pane.obj": 144, "ball.obj": 128})
+
+    def test_short_memory_names_the_one_to_ask_for(self):
+        self.refused(2, self.run_sherd("fracture", self.pane, "-o", self.out, "--max-memory", "210M"),
+                     "--resolution of", "one of 144, which the mesh's walls need,")
+        self.nothing_written()
+
+    def test_a_shell_is_no_thicker_than_the_mesh_is_long(self):
+        for thickness in ("64.1", "1e9"):
+            self.refused(2, self.run_sherd("fracture", self.pane, "-o", self.out, "--shell-thickness", thickness), "at most 64")
 
 
 class WrongUse(CommandLine):

@@ -14,6 +14,7 @@
 #include <numbers>
 #include <random>
 #include <set>
+#include <string>
 #include <tuple>
 
 #include "mesh/repair.h"
@@ -187,7 +188,8 @@ double farthestDisagreement(const TriangleMesh& source, int resolution, std::siz
   for (glm::dvec3& v : mesh.vertices) v = (v - corner) / voxelSize;
   const SearchedMesh whole = searched(repaired(mesh).mesh);
   const auto filled = [&](Fill fill) {
-    return fillingOf(whole, mesh, {.resolution = resolution, .fill = fill}, voxelSize);
+    const SolidOptions options{.resolution = resolution, .fill = fill};
+    return fillingOf(chosenFill(whole, options), whole, mesh, options, voxelSize);
   };
   const Filling winding = filled(Fill::winding), parity = filled(Fill::parity),
                 flood = filled(Fill::flood);
@@ -380,7 +382,7 @@ TEST(Fill, LargeTrianglesThatCrossAreCutWhereTheyDo) {
   for (int k = 1; k < 3; ++k) all = shapes::append(all, bar(halves[k]));
   const double angle = 0.4;
   const SearchedMesh mesh = searched(turned(all, angle, {0.0, 0.0, 0.0}));
-  const Filling filling = fillingOf(mesh, mesh.mesh, {}, 1.0);
+  const Filling filling = fillingOf(chosenFill(mesh, {}), mesh, mesh.mesh, {}, 1.0);
   const double c = std::cos(angle), s = std::sin(angle);
   const glm::dmat3 about(c, s, 0, -s, c, 0, 0, 0, 1), across(1, 0, 0, 0, c, s, 0, -s, c);
   std::mt19937 random(9);
@@ -447,14 +449,31 @@ TEST(Fill, ABowlIsAShellAndABallWithASmallHoleIsNot) {
 
 // ---- The report
 
-TEST(Fill, WallsThinnerThanAVoxelAreTold) {
+TEST(Fill, WallsThinnerThanAVoxelAreReported) {
   const Solid solid = voxelize(shapes::cup(1.0, 0.02, 1.6, 0.2), {.resolution = 64});
   const WallThickness& walls = solid.report.walls;
   EXPECT_NEAR(walls.thinnest, 0.02 / solid.frame.voxelSize, 0.05);
   EXPECT_GT(walls.thinShare, 0.5);
-  // The cup is 2 wide: its wall of 0.02 has a voxel and a quarter at 125.
-  EXPECT_NEAR(walls.resolution, 125, 5);
+  // The cup is 2 wide: its wall of 0.02 has a voxel and a half at 150.
+  EXPECT_NEAR(walls.resolution, 150, 5);
   EXPECT_EQ(voxelize(shapes::ball(1.0), {.resolution = 32}).report.walls.resolution, 0);
+}
+
+TEST(Fill, AShellIsNoThickerThanTheMeshIsLong) {
+  const TriangleMesh cube = shapes::cube(2.0);
+  EXPECT_NO_THROW((void)voxelSizeFor(cube, {.resolution = 8, .shellThickness = 2.0}));
+  for (const double thickness : {2.001, 1e9, double(INFINITY), double(NAN), -1.0}) {
+    for (const Fill fill : {Fill::automatic, Fill::shell}) {
+      const SolidOptions options{.resolution = 8, .fill = fill, .shellThickness = thickness};
+      try {
+        (void)voxelize(cube, options);
+        FAIL() << thickness;
+      } catch (const Error& e) {
+        EXPECT_EQ(e.code(), ErrorCode::usage);
+        EXPECT_NE(std::string(e.what()).find("at most 2"), std::string::npos) << e.what();
+      }
+    }
+  }
 }
 
 TEST(Caps, CloseWhatIsOpenAndNothingElse) {

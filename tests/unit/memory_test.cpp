@@ -3,6 +3,7 @@
 #include <sherd/error.h>
 #include <sherd/memory.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -43,6 +44,33 @@ TEST(Memory, GoesByTheSurfaceInVoxelsAndTheVolume) {
   const TriangleMesh turned =
       shapes::append(ball, shapes::inverted(shapes::cube(1.0, {5.0, 0.0, 0.0})));
   EXPECT_EQ(estimatedMemory(two, {}), estimatedMemory(turned, {}));
+}
+
+// What a ball's shell is made of is known: between two balls, the inner of which may be gone.
+TEST(Memory, AShellTakesMoreTheThickerItIs) {
+  const double radius = 1.0;
+  const TriangleMesh ball = shapes::ball(radius);
+  std::uint64_t before = 0;
+  for (const double thickness : {0.05, 0.2, 0.5, 1.0, 2.0}) {
+    for (const Fill fill : {Fill::shell, Fill::automatic}) {
+      const FractureOptions options{
+          .pieces = 1, .resolution = 256, .fill = fill, .shellThickness = thickness};
+      const double outer = radius + thickness / 2, inner = std::max(radius - thickness / 2, 0.0);
+      const double voxels = 128.0 / radius;  // along a unit
+      const auto held = static_cast<double>(estimatedMemory(ball, options));
+      const auto least = static_cast<double>(estimatedMemory(
+          shapes::hollowBallArea(outer, inner) * voxels * voxels,
+          (shapes::ballVolume(outer) - shapes::ballVolume(inner)) * voxels * voxels * voxels));
+      EXPECT_GE(held, 0.95 * least) << thickness;  // the mesh is a little smaller than the ball
+      EXPECT_LE(held, 1.6 * least) << thickness;
+    }
+    const std::uint64_t now =
+        estimatedMemory(ball, {.resolution = 256, .shellThickness = thickness});
+    EXPECT_GT(now, before);
+    before = now;
+  }
+  EXPECT_THROW(requireMemory(ball, {.resolution = 256, .shellThickness = 2.0}, 600'000'000), Error);
+  EXPECT_THROW(requireMemory(ball, {.shellThickness = 1e9}, ~std::uint64_t{0}), Error);
 }
 
 TEST(Memory, ARefusalNamesTheResolutionThatFits) {

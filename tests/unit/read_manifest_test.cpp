@@ -55,6 +55,7 @@ TEST(ReadManifest, GivesWhatIsThere) {
   EXPECT_EQ(manifest.source, "vase.obj");
   EXPECT_EQ(manifest.seed, 18446744073709551615u);
   EXPECT_EQ(manifest.resolution, 24);
+  EXPECT_FALSE(manifest.automatic);
   EXPECT_EQ(manifest.voxelSize, 0.5);
   EXPECT_EQ(manifest.dims, openvdb::Coord(24, 20, 3));
   EXPECT_EQ(manifest.indexMin, openvdb::Coord(-2, 0, 1));

@@ -1,0 +1,225 @@
+// How thick the walls of a mesh are, and what resolution they need.
+//
+// Of each sampled point the wall is what a ray straight inwards passes before it leaves the solid:
+//
+//        point  normal
+//     ─────┬───────▲─────         The ray goes on through surfaces that lie within the solid, as
+//          │ wall                 parts that overlap have them.  Points that lie within the solid
+//     ─────┴─────────────         themselves are left out.
+//
+// By this a wedge would be as thin as one likes, though it loses next to nothing.  So a thin wall
+// counts as thick as it is within four times its thickness beside: wedges of 14 degrees and more
+// have no thin walls, plates and branches do.
+#include "voxelize/walls.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+#include "mesh/surface_by_area.h"
+
+namespace sherd {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr std::size_t kSamples = 2000;
+constexpr double kThinnestShare = 0.01;
+constexpr std::size_t kEveryForVolume = 4;  // samples that are looked at from all sides
+
+// Beside this many voxels of the coarsest grid that is chosen, edges and curves cost nothing.
+constexpr double kThickVoxels = 12.0;
+
+// A mesh of voxels cuts edges and curves off: a share of kCut * (1/ab + 1/bc + 1/ca) of a box of a,
+// b and c voxels, measured on round and square bars of 2 to 6 voxels.
+constexpr double kCut = 1.26;
+constexpr double kCutShare = 0.02;
+
+// Walls that are wider than this many times their thickness are plates, bent or not, which have
+// next to no edges; bars that are longer have none at their ends.
+constexpr double kPlate = 3.0, kBar = 2.0;
+
+constexpr double kBeside = 1e-3;   // voxels
+constexpr int kMostSurfaces = 32;  // that a ray passes within the solid
+constexpr double kBesideWalls = 4.0;
+constexpr double kThicker = 1.02;
+constexpr int kMostSteps = 6;
+constexpr std::size_t kDirections = 8;
+
+class Walls {
+ public:
+  Walls(const TriangleTree& tree, double gridVoxels)
+      : tree_(tree), thin_(kWholeWallVoxels * gridVoxels), thick_(kThickVoxels * gridVoxels) {}
+
+  struct Wall {
+    double thickness = kInfinity;
+    double cut = 0.0;  // of edges and curves: voxels for each of the area
+  };
+
+  // Nothing for a point that does not bound the solid.
+  [[nodiscard]] std::optional<Wall> behind(const SurfaceSample& at, bool allSides) const {
+    Wall wall{tree_.firstHit(at.point, -at.normal, kBeside), 0.0};
+    const bool isThin = wall.thickness < thin_;
+    if (!isThin && !(allSides && wall.thickness < thick_)) return wall;
+    if (!isInside(at.point - kBeside * at.normal) || isInside(at.point + kBeside * at.normal)) {
+      return std::nullopt;
+    }
+    wall.thickness = exit(at.point, -at.normal, wall.thickness);
+    if (!(wall.thickness < (allSides ? thick_ : thin_))) return wall;
+    const glm::dvec3 middle = at.point - 0.5 * wall.thickness * at.normal;
+    const Directions beside = directionsAcross(at.normal);
+    std::array<double, kDirections> reach{};
+    for (std::size_t k = 0; k < kDirections; ++k) {
+      reach[k] = tree_.firstHit(middle, beside[k], kBeside);
+    }
+    // Surfaces within the solid make plates into bars, and not the other way round.
+    if (allSides && cutOf(wall.thickness, reach) > 0.0) {
+      for (std::size_t k = 0; k < kDirections; ++k) reach[k] = exit(middle, beside[k], reach[k]);
+      wall.cut = cutOf(wall.thickness, reach);
+    }
+    if (wall.thickness < thin_) {
+      wall.thickness = thickestBeside(middle, at.normal, wall.thickness, beside, reach);
+    }
+    return wall;
+  }
+
+ private:
+  using Directions = std::array<glm::dvec3, kDirections>;
+
+  [[nodiscard]] bool isInside(const glm::dvec3& point) const { return tree_.winding(point) >= 0.5; }
+
+  // Where a ray leaves the solid, of which it first meets the surface after `hit`.
+  [[nodiscard]] double exit(const glm::dvec3& from, const glm::dvec3& along, double hit) const {
+    for (int passed = 0; passed < kMostSurfaces && hit < thick_; ++passed) {
+      if (!isInside(from + (hit + kBeside) * along)) break;
+      hit = tree_.firstHit(from, along, hit + kBeside);
+    }
+    return hit;
+  }
+
+  // Unit vectors across `normal`, each opposite to the one half the number on.
+  [[nodiscard]] static Directions directionsAcross(const glm::dvec3& normal) {
+    const glm::dvec3 size = glm::abs(normal);
+    const glm::dvec3 axis = size.x <= size.y && size.x <= size.z ? glm::dvec3(1, 0, 0)
+                            : size.y <= size.z                   ? glm::dvec3(0, 1, 0)
+                                                                 : glm::dvec3(0, 0, 1);
+    const glm::dvec3 u = glm::normalize(glm::cross(normal, axis)), v = glm::cross(normal, u);
+    Directions out;
+    for (std::size_t k = 0; k < kDirections; ++k) {
+      const double angle = 2.0 * std::numbers::pi * static_cast<double>(k) / kDirections;
+      out[k] = std::cos(angle) * u + std::sin(angle) * v;
+    }
+    return out;
+  }
+
+  // What a box of these sides loses, as the solid is wide here: narrowest, and across that.
+  [[nodiscard]] static double cutOf(double thickness,
+                                    const std::array<double, kDirections>& reach) {
+    constexpr std::size_t kHalf = kDirections / 2;
+    const auto width = [&](std::size_t k) { return reach[k % kHalf] + reach[k % kHalf + kHalf]; };
+    std::size_t narrowest = 0;
+    for (std::size_t k = 1; k < kHalf; ++k) {
+      if (width(k) < width(narrowest)) narrowest = k;
+    }
+    const double across = width(narrowest), along = width(narrowest + kHalf / 2);
+    if (across > kPlate * thickness) return 0.0;
+    const double a = 1.0 / thickness, b = 1.0 / across,
+                 c = along > kBar * thickness ? 0.0 : 1.0 / along;
+    return 0.5 * kCut * (a * b + b * c + c * a) / (a + b + c);
+  }
+
+  // The wall beside, and beside that, as long as it gets thicker.
+  [[nodiscard]] double thickestBeside(const glm::dvec3& middle, const glm::dvec3& normal,
+                                      double thickness, const Directions& beside,
+                                      const std::array<double, kDirections>& reach) const {
+    double thickest = thickness;
+    for (int step = 0; step < kMostSteps && thickest < thin_; ++step) {
+      const double away = kBesideWalls * thickest;
+      double found = thickest;
+      for (std::size_t k = 0; k < kDirections; ++k) {
+        if (!(reach[k] > away)) continue;
+        const glm::dvec3 there = middle + away * beside[k];
+        found = std::max(found,
+                         tree_.firstHit(there, normal, 0.0) + tree_.firstHit(there, -normal, 0.0));
+      }
+      if (!(found > kThicker * thickest)) break;
+      thickest = found;
+    }
+    return thickest;
+  }
+
+  const TriangleTree& tree_;
+  double thin_, thick_;
+};
+
+int resolutionOf(double voxels) {
+  constexpr double kMost = 1e9, kRounding = 1e-6;
+  return static_cast<int>(std::ceil(std::clamp(voxels, 0.0, kMost) * (1.0 - kRounding)));
+}
+
+}  // namespace
+
+std::vector<SurfaceSample> surfaceSamples(const TriangleMesh& mesh, std::size_t count,
+                                          bool spread) {
+  // Two irrational numbers that fill a square evenly.
+  // source  Roberts, The Unreasonable Effectiveness of Quasirandom Sequences, 2018
+  constexpr double kU = 0.7548776662466927, kV = 0.5698402909980532;
+  std::vector<SurfaceSample> out;
+  if (!(area(mesh) > 0.0)) return out;
+  const SurfaceByArea surface(mesh);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto n = static_cast<double>(i);
+    const std::size_t t = surface.triangleAt((n + 0.5) / static_cast<double>(count));
+    const double u = spread ? std::fmod(0.5 + n * kU, 1.0) : 4.0 / 9.0;
+    const double v = spread ? std::fmod(0.5 + n * kV, 1.0) : 0.5;
+    out.push_back({surface.pointIn(t, u, v), surface.normalOf(t)});
+  }
+  return out;
+}
+
+WallThickness wallThickness(const SearchedMesh& mesh, double longestSideVoxels, double meshVolume) {
+  const std::vector<SurfaceSample> samples = surfaceSamples(mesh.mesh, kSamples, true);
+  const Walls walls(*mesh.tree, longestSideVoxels / kLeastAutoResolution);
+  std::vector<std::optional<Walls::Wall>> found(samples.size());
+  tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t i) {
+    found[i] = walls.behind(samples[i], i % kEveryForVolume == 0);
+  });
+  WallThickness out;
+  std::vector<double> thickness;
+  double cut = 0.0;
+  for (const std::optional<Walls::Wall>& wall : found) {
+    if (!wall) continue;
+    thickness.push_back(wall->thickness);
+    cut += wall->cut;
+  }
+  if (thickness.empty()) return out;
+  std::sort(thickness.begin(), thickness.end());
+  const auto thin = std::lower_bound(thickness.begin(), thickness.end(), 1.0) - thickness.begin();
+  out.thinShare = static_cast<double>(thin) / static_cast<double>(thickness.size());
+  out.thinnest =
+      thickness[static_cast<std::size_t>(kThinnestShare * static_cast<double>(thickness.size()))];
+  if (std::isfinite(out.thinnest) && out.thinnest > 0.0) {
+    out.forWalls = resolutionOf(kWholeWallVoxels * longestSideVoxels / out.thinnest);
+  }
+  if (meshVolume > 0.0) {
+    const double looked = static_cast<double>(samples.size()) / kEveryForVolume;
+    const double share = cut / looked * area(mesh.mesh) / meshVolume;
+    out.forVolume = resolutionOf(longestSideVoxels * std::sqrt(share / kCutShare));
+  }
+  const int needed = std::max(out.forWalls, out.forVolume);
+  if (needed > longestSideVoxels) out.resolution = needed;
+  return out;
+}
+
+int automaticResolutionOf(const WallThickness& walls) {
+  constexpr int kStep = 8;
+  const int needed = std::min(std::max(walls.forWalls, walls.forVolume), kMostAutoResolution);
+  return std::max((needed + kStep - 1) / kStep * kStep, kLeastAutoResolution);
+}
+
+}  // namespace sherd
