@@ -74,8 +74,9 @@ struct FragmentSet {
 /// Read the fragments of a folder: those that its manifest.json lists, else every file in it that
 /// readMesh can read by its name, numbered from 1 in natural order: piece_2 before piece_10.
 ///   throws  Error(input) it is no folder, or holds neither; the manifest is damaged; a mesh cannot
-///           be read
-[[nodiscard]] FragmentSet readFragments(const std::filesystem::path& folder);
+///           be read, or takes more memory than `options` allow beside those read before it
+[[nodiscard]] FragmentSet readFragments(const std::filesystem::path& folder,
+                                        const ReadOptions& options = {});
 
 struct EvaluateOptions {
   std::size_t samples = 5000;  ///< of convexity and of fit

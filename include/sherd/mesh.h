@@ -3,6 +3,7 @@
 
 #include <sherd/appearance.h>
 #include <sherd/progress.h>
+#include <sherd/read_options.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -45,12 +46,13 @@ struct SourceMesh {
 /// The look comes along: texture coordinates (the first set; that of the base colour in glTF),
 /// vertex and face colours (their alpha is left out), materials with names, base colours and
 /// base-colour textures.  Material libraries and textures are read from the mesh's folder and below
-/// it, and from nowhere else; what is not there is told in `warnings`.
-///   progress  asked to stop while sherd-assimp reads
+/// it, symbolic links followed, and from nowhere else; what is not there is told in `warnings`.
+///   progress  asked to stop every now and then
 ///   throws    Error(input) absent, unreadable, cut, malformed, unknown format, no triangle, no
-///             finite vertex, more than 1e37 units long; Error(cancelled) as `progress` says, or a
-///             signal stopped sherd-assimp
+///             finite vertex, more than 1e37 units long, more memory than `options` allow;
+///             Error(cancelled) as `progress` says, or a signal stopped sherd-assimp
 [[nodiscard]] SourceMesh readMesh(const std::filesystem::path& file,
+                                  const ReadOptions& options = {},
                                   const Progress* progress = nullptr);
 
 /// The file's parts as meshes of their own, in its order, each with its name as `objects`; those

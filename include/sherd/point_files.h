@@ -3,6 +3,7 @@
 
 #include <sherd/output_file.h>
 #include <sherd/points.h>
+#include <sherd/read_options.h>
 
 #include <filesystem>
 #include <optional>
@@ -32,15 +33,21 @@ void writePoints(const OutputFile& file, const SurfacePoints& points, PointForma
 
 /// Read points, by the file's extension.
 ///   return  finite positions; normals and facing are empty where the file has none
-///   throws  Error(input) absent, unreadable, another kind of file, cut, or contradicting itself
-[[nodiscard]] SurfacePoints readPoints(const std::filesystem::path& file);
+///   throws  Error(input) absent, unreadable, another kind of file, cut, contradicting itself, or
+///           of more memory than `options` allow
+[[nodiscard]] SurfacePoints readPoints(const std::filesystem::path& file,
+                                       const ReadOptions& options = {});
 
 // The readers: whole files in memory.  `name` is for messages.
-//   throws  Error(input)
-[[nodiscard]] SurfacePoints parsePlyPoints(std::string_view bytes, const std::string& name);
-[[nodiscard]] SurfacePoints parseXyz(std::string_view bytes, const std::string& name);
-[[nodiscard]] SurfacePoints parseNpzPoints(std::string_view bytes, const std::string& name);
-[[nodiscard]] SurfacePoints parseBinp(std::string_view bytes, const std::string& name);
+//   throws  Error(input), also for more memory than `options` allow beside `bytes`
+[[nodiscard]] SurfacePoints parsePlyPoints(std::string_view bytes, const std::string& name,
+                                           const ReadOptions& options = {});
+[[nodiscard]] SurfacePoints parseXyz(std::string_view bytes, const std::string& name,
+                                     const ReadOptions& options = {});
+[[nodiscard]] SurfacePoints parseNpzPoints(std::string_view bytes, const std::string& name,
+                                           const ReadOptions& options = {});
+[[nodiscard]] SurfacePoints parseBinp(std::string_view bytes, const std::string& name,
+                                      const ReadOptions& options = {});
 
 /// What reading the file back would not give, a sentence for each thing.
 [[nodiscard]] std::vector<std::string> lossesOf(const SurfacePoints& points, PointFormat format);

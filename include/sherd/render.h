@@ -4,6 +4,7 @@
 #include <sherd/fragments.h>
 #include <sherd/output_file.h>
 #include <sherd/progress.h>
+#include <sherd/read_options.h>
 
 #include <cstdint>
 #include <filesystem>
@@ -69,8 +70,10 @@ void writeExr(const OutputFile& file, const Layers& layers);
 /// readFragments has it; else the one mesh of a file, or the level sets of a `.vdb` file.  A
 /// fracture's fragments without meshes are meshed from their level sets.
 ///   return  id, mesh, facing where it is known, and mass of each
-///   throws  Error(input) nothing there can be drawn, or it is damaged
-[[nodiscard]] std::vector<Fragment> readPieces(const std::filesystem::path& path);
+///   throws  Error(input) nothing there can be drawn, it is damaged, or its meshes take more memory
+///           than `options` allow
+[[nodiscard]] std::vector<Fragment> readPieces(const std::filesystem::path& path,
+                                               const ReadOptions& options = {});
 
 /// Write an 8-bit RGB PNG.
 ///   throws  Error(output)

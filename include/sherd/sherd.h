@@ -22,6 +22,7 @@
 #include <sherd/point_files.h>
 #include <sherd/points.h>
 #include <sherd/progress.h>
+#include <sherd/read_options.h>
 #include <sherd/refracture.h>
 #include <sherd/render.h>
 #include <sherd/seeds.h>

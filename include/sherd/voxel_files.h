@@ -4,6 +4,7 @@
 #include <sherd/coords.h>
 #include <sherd/grid_fwd.h>
 #include <sherd/output_file.h>
+#include <sherd/read_options.h>
 
 #include <cstdint>
 #include <filesystem>
@@ -78,18 +79,27 @@ enum class VoxelFormat {
 [[nodiscard]] std::optional<VoxelFormat> voxelFormatOf(const std::filesystem::path& file);
 
 /// Read a voxel file, by its extension.
-///   throws  Error(input) absent, unreadable, another kind of file, cut, or contradicting itself
-[[nodiscard]] PlacedVoxels readVoxels(const std::filesystem::path& file);
+///   throws  Error(input) absent, unreadable, another kind of file, cut, contradicting itself, or
+///           of more memory than `options` allow
+[[nodiscard]] PlacedVoxels readVoxels(const std::filesystem::path& file,
+                                      const ReadOptions& options = {});
 
-// The readers: whole files in memory.  `name` is for messages.  Memory goes by the file's size, not
-// by what its header says; but an `.npy` in Fortran's order takes 128 MiB more.
-//   throws  Error(input)
-[[nodiscard]] RunLengthVoxels parseRle(std::string_view bytes, const std::string& name);
-[[nodiscard]] RunLengthVoxels parseNpyLabels(std::string_view bytes, const std::string& name);
-[[nodiscard]] PlacedVoxels parseNpzLabels(std::string_view bytes, const std::string& name);
-[[nodiscard]] RunLengthVoxels parseMagicaVoxel(std::string_view bytes, const std::string& name);
-[[nodiscard]] RunLengthVoxels parseQuadStack(std::string_view bytes, const std::string& name);
-[[nodiscard]] RunLengthVoxels parseBing(std::string_view bytes, const std::string& name);
+// The readers: whole files in memory.  `name` is for messages.  A box takes nothing, runs do: a
+// packed file of a megabyte may hold a thousand million.  An `.npy` in Fortran's order takes 128
+// MiB more.
+//   throws  Error(input), also for more memory than `options` allow beside `bytes`
+[[nodiscard]] RunLengthVoxels parseRle(std::string_view bytes, const std::string& name,
+                                       const ReadOptions& options = {});
+[[nodiscard]] RunLengthVoxels parseNpyLabels(std::string_view bytes, const std::string& name,
+                                             const ReadOptions& options = {});
+[[nodiscard]] PlacedVoxels parseNpzLabels(std::string_view bytes, const std::string& name,
+                                          const ReadOptions& options = {});
+[[nodiscard]] RunLengthVoxels parseMagicaVoxel(std::string_view bytes, const std::string& name,
+                                               const ReadOptions& options = {});
+[[nodiscard]] RunLengthVoxels parseQuadStack(std::string_view bytes, const std::string& name,
+                                             const ReadOptions& options = {});
+[[nodiscard]] RunLengthVoxels parseBing(std::string_view bytes, const std::string& name,
+                                        const ReadOptions& options = {});
 
 /// The bytes of a voxel file.
 ///   throws  Error(output) what the format cannot hold: sides above 65535 or 2^25 columns in

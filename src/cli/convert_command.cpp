@@ -1,6 +1,7 @@
 // `sherd convert`: the same voxels, mesh or points in another format.
 #include <sherd/error.h>
 #include <sherd/io.h>
+#include <sherd/memory.h>
 #include <sherd/mesh.h>
 #include <sherd/point_files.h>
 #include <sherd/voxel_files.h>
@@ -43,7 +44,7 @@ struct Converted {
 };
 
 Converted convertVoxels(const ConvertArguments& arguments, HeldFiles& files, VoxelFormat format) {
-  PlacedVoxels voxels = readVoxels(arguments.in);
+  PlacedVoxels voxels = readVoxels(arguments.in, {.maxMemory = freeMemory()});
   if (arguments.voxelSize > 0.0) {
     voxels.place = VoxelPlace{{{arguments.origin}, arguments.voxelSize}, {0, 0, 0}};
   }
@@ -57,7 +58,7 @@ Converted convertVoxels(const ConvertArguments& arguments, HeldFiles& files, Vox
 }
 
 Converted convertMesh(const ConvertArguments& arguments, HeldFiles& files, MeshFileFormat format) {
-  const SourceMesh source = readMesh(arguments.in);
+  const SourceMesh source = readMesh(arguments.in, {.maxMemory = freeMemory()});
   std::vector<std::uint16_t> facing;
   if (lowerCase(fs::path(arguments.in).extension().string()) == ".ply") {
     facing = readFacing(arguments.in, source.mesh);
@@ -71,7 +72,7 @@ Converted convertMesh(const ConvertArguments& arguments, HeldFiles& files, MeshF
 }
 
 Converted convertPoints(const ConvertArguments& arguments, HeldFiles& files, PointFormat format) {
-  const SurfacePoints points = readPoints(arguments.in);
+  const SurfacePoints points = readPoints(arguments.in, {.maxMemory = freeMemory()});
   writePoints({files, arguments.out}, points, format);
   return {{{"kind", "points"}, {"points", points.positions.size()}}, lossesOf(points, format)};
 }
@@ -95,7 +96,7 @@ std::optional<MeshFileFormat> meshFormatOf(const fs::path& file) {
 }
 
 Converted convert(const ConvertArguments& arguments, HeldFiles& files) {
-  switch (kindOf(arguments.in)) {
+  switch (kindOf(arguments.in, {.maxMemory = freeMemory()})) {
     case FileKind::voxels: {
       const auto format = voxelFormatOf(arguments.out);
       if (format) return convertVoxels(arguments, files, *format);

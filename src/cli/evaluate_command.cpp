@@ -1,6 +1,7 @@
 // `sherd evaluate`: figures that tell how good a finished fracture is.
 #include <sherd/error.h>
 #include <sherd/evaluate.h>
+#include <sherd/memory.h>
 #include <sherd/mesh.h>
 #include <sherd/points.h>
 #include <tbb/global_control.h>
@@ -48,7 +49,7 @@ std::vector<CgalVerdict> verdicts(const FragmentSet& set, const EvaluateOptions&
 EvaluateReport reportOf(const EvaluateArguments& arguments) {
   EvaluateReport report;
   report.folder = arguments.folder;
-  report.set = readFragments(arguments.folder);
+  report.set = readFragments(arguments.folder, {.maxMemory = freeMemory()});
   std::vector<fs::path> inputs{arguments.whole};
   for (const EvaluatedFragment& fragment : report.set.fragments) {
     if (!fragment.name.empty()) inputs.push_back(fs::path(arguments.folder) / fragment.name);
@@ -59,7 +60,7 @@ EvaluateReport reportOf(const EvaluateArguments& arguments) {
   }
   std::optional<SourceMesh> whole;
   if (!arguments.whole.empty()) {
-    whole = readMesh(arguments.whole);
+    whole = readMesh(arguments.whole, {.maxMemory = freeMemory()});
     report.whole = whole->name;
   }
   report.figures = evaluate(report.set, whole ? &whole->mesh : nullptr, arguments.options);

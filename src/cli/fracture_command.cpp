@@ -82,7 +82,7 @@ Input readInput(FractureArguments& arguments, const Progress& progress) {
     }
     source = std::move(volume.source);
   } else {
-    source = readMesh(arguments.mesh, &progress);
+    source = readMesh(arguments.mesh, {.maxMemory = arguments.volume.maxMemory}, &progress);
   }
   if (arguments.splitObjects) {
     input.meshes = splitObjects(source);

@@ -1,5 +1,6 @@
 // `sherd inspect`: what is in a mesh, a voxel file, a level set or a fracture.
 #include <sherd/io.h>
+#include <sherd/memory.h>
 #include <sherd/mesh.h>
 
 #include <algorithm>
@@ -38,7 +39,7 @@ Json jsonOf(const VdbMetadata& metadata) {
 }
 
 Json inspectVoxels(const fs::path& file, VoxelFormat format) {
-  const PlacedVoxels read = readVoxels(file);
+  const PlacedVoxels read = readVoxels(file, {.maxMemory = freeMemory()});
   std::map<std::uint16_t, std::uint64_t> counts;
   for (const Run& run : read.voxels.runs) counts[run.label] += run.length;
   Json labels = Json::object();
@@ -74,7 +75,7 @@ Json inspectVdb(const fs::path& file) {
 }
 
 Json inspectMesh(const fs::path& file) {
-  const SourceMesh source = readMesh(file);
+  const SourceMesh source = readMesh(file, {.maxMemory = freeMemory()});
   const std::size_t open = openEdges(source.mesh);
   const Box box = bounds(source.mesh);
   return {{"kind", "mesh"},
@@ -92,7 +93,7 @@ Json inspectMesh(const fs::path& file) {
 }
 
 Json inspectPoints(const fs::path& file, PointFormat format) {
-  const SurfacePoints points = readPoints(file);
+  const SurfacePoints points = readPoints(file, {.maxMemory = freeMemory()});
   Json found = {{"kind", "points"},
                 {"format", names::of(names::kPointFormat, format)},
                 {"points", points.positions.size()},
@@ -146,7 +147,7 @@ Json inspect(const fs::path& file) {
   const std::string extension = lowerCase(file.extension().string());
   if (extension == ".vdb") return inspectVdb(file);
   if (extension == ".json") return inspectManifest(file);
-  switch (kindOf(file)) {
+  switch (kindOf(file, {.maxMemory = freeMemory()})) {
     case FileKind::voxels:
       return inspectVoxels(file, *voxelFormatOf(file));
     case FileKind::points:

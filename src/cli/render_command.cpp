@@ -1,5 +1,6 @@
 // `sherd render`: pictures of fragments.
 #include <sherd/error.h>
+#include <sherd/memory.h>
 #include <sherd/render.h>
 #include <tbb/global_control.h>
 
@@ -96,7 +97,7 @@ void runRender(RenderArguments& arguments) {
     return arguments.turntable > 0 ? numbered(output, i + 1, count) : output;
   };
   for (std::size_t i = 0; i < count; ++i) requireNoInput("--output", file(i));
-  const std::vector<Fragment> pieces = readPieces(arguments.path);
+  const std::vector<Fragment> pieces = readPieces(arguments.path, {.maxMemory = freeMemory()});
   HeldFiles files;
   for (std::size_t i = 0; i < count; ++i) {
     options.azimuth =

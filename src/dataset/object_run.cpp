@@ -89,7 +89,8 @@ class ObjectRun {
   }
 
   SourceMesh read() {
-    if (!isVolumeName(object_.file)) return readMesh(object_.file, &progress_);
+    if (!isVolumeName(object_.file))
+      return readMesh(object_.file, {.maxMemory = options_.maxMemory}, &progress_);
     VolumeOptions options;
     options.maxMemory = options_.maxMemory;
     options.ownVoxels = false;  // objects of one library are broken at one resolution

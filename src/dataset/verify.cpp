@@ -115,7 +115,7 @@ void checkMesh(const std::string& name, std::string bytes, const Json& fragment)
   const fs::path path = withoutPacking(name);
   const std::string extension = path.extension().string();
   if (extension != ".ply" && extension != ".obj" && extension != ".binm") return;
-  const TriangleMesh mesh = meshFromBytes(path, std::move(bytes), nullptr).mesh;
+  const TriangleMesh mesh = meshFromBytes(path, std::move(bytes)).mesh;
   if (mesh.triangles.size() == fragment.at("faces").get<std::size_t>()) return;
   differs(name, "has " + std::to_string(mesh.triangles.size()) + " faces, not " +
                     fragment.at("faces").dump());

@@ -15,7 +15,10 @@ constexpr std::size_t kHeaderBytes = 12;
 
 }  // namespace
 
-RunLengthVoxels parseBing(std::string_view bytes, const std::string& name) {
+RunLengthVoxels parseBing(std::string_view bytes, const std::string& name,
+                          const ReadOptions& options) {
+  MemoryBudget memory(name, options.maxMemory);
+  GrowingMemory growing(&memory);
   if (bytes.size() < kHeaderBytes) {
     inputError(name,
                "ends after " + std::to_string(bytes.size()) + " bytes; a .bing header has 12");
@@ -31,7 +34,9 @@ RunLengthVoxels parseBing(std::string_view bytes, const std::string& name) {
                          " voxels of 2 bytes, " + std::to_string(body.size()) +
                          " bytes follow the header");
   }
+  constexpr std::size_t kBytesAtATime = std::size_t{1} << 16;
   for (std::size_t at = 0; at < body.size(); at += 2) {
+    if (at % kBytesAtATime == 0) growing.hold((voxels.runs.size() + kBytesAtATime) * sizeof(Run));
     appendRun(voxels.runs, loadLittle<std::uint16_t>(body.data() + at), 1);
   }
   return voxels;

@@ -15,8 +15,8 @@
 namespace sherd {
 namespace {
 
-FileKind kindOfPly(const std::filesystem::path& file) {
-  const MeshFile mesh{file, file.string(), MeshFormat::ply, readFileBytes(file)};
+FileKind kindOfPly(const std::filesystem::path& file, MemoryBudget& memory) {
+  const MeshFile mesh{file, file.string(), MeshFormat::ply, readFileBytes(file, &memory)};
   const PlyHeader header = readPlyHeader(mesh);
   const bool faces =
       std::any_of(header.elements.begin(), header.elements.end(), [](const PlyElement& element) {
@@ -26,8 +26,8 @@ FileKind kindOfPly(const std::filesystem::path& file) {
 }
 
 // Samples of distances and correspondences have positions too, and are no points on a surface.
-FileKind kindOfNpz(const std::filesystem::path& file) {
-  const std::string bytes = readFileBytes(file);
+FileKind kindOfNpz(const std::filesystem::path& file, MemoryBudget& memory) {
+  const std::string bytes = readFileBytes(file, &memory);
   const std::vector<ZipEntry> entries = zipEntries(bytes, file.string());
   const auto has = [&](const char* array) { return entryOf(entries, array) != nullptr; };
   if (has("labels")) return FileKind::voxels;
@@ -36,10 +36,11 @@ FileKind kindOfNpz(const std::filesystem::path& file) {
 
 }  // namespace
 
-FileKind kindOf(const std::filesystem::path& file) {
+FileKind kindOf(const std::filesystem::path& file, const ReadOptions& options) {
+  MemoryBudget memory(file.string(), options.maxMemory);
   const std::string extension = lowerCase(file.extension().string());
-  if (extension == ".ply") return kindOfPly(file);
-  if (extension == ".npz") return kindOfNpz(file);
+  if (extension == ".ply") return kindOfPly(file, memory);
+  if (extension == ".npz") return kindOfNpz(file, memory);
   if (voxelFormatOf(file)) return FileKind::voxels;
   if (pointFormatOf(file)) return FileKind::points;
   return isMeshName(file) ? FileKind::mesh : FileKind::other;

@@ -307,7 +307,9 @@ struct Keyed {
 
 }  // namespace
 
-RunLengthVoxels parseMagicaVoxel(std::string_view bytes, const std::string& name) {
+RunLengthVoxels parseMagicaVoxel(std::string_view bytes, const std::string& name,
+                                 const ReadOptions& options) {
+  MemoryBudget memory(name, options.maxMemory);
   const Scene scene = readScene(bytes, name);
   const std::vector<Placed> placed = Placer(scene, name).placed();
   checkAmount(placed, bytes.size(), name);
@@ -329,6 +331,7 @@ RunLengthVoxels parseMagicaVoxel(std::string_view bytes, const std::string& name
   RunLengthVoxels voxels{boxOf(sides, name), {}};
 
   const std::uint16_t shift = isPapers(scene) ? 1 : 0;
+  memory.charge(count, sizeof(Keyed));
   std::vector<Keyed> keyed;
   keyed.reserve(count);
   forEachVoxel(placed, [&](const Voxel& voxel) {
@@ -343,7 +346,11 @@ RunLengthVoxels parseMagicaVoxel(std::string_view bytes, const std::string& name
     return a.key != b.key ? a.key < b.key : a.order < b.order;
   });
   std::uint64_t done = 0;
+  GrowingMemory growing(&memory);
+  constexpr std::size_t kVoxelsAtATime = std::size_t{1} << 12;
   for (std::size_t i = 0; i < keyed.size(); ++i) {
+    if (i % kVoxelsAtATime == 0)
+      growing.hold((voxels.runs.size() + 2 * kVoxelsAtATime) * sizeof(Run));
     if (i + 1 < keyed.size() && keyed[i + 1].key == keyed[i].key) continue;  // a later one is there
     appendRun(voxels.runs, 0, keyed[i].key - done);
     appendRun(voxels.runs, keyed[i].label, 1);

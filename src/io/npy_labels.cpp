@@ -18,17 +18,23 @@ namespace {
 class LabelArrayReader {
  public:
   ///   size  of the whole file
-  LabelArrayReader(std::uint64_t size, std::string name) : size_(size), name_(std::move(name)) {}
+  LabelArrayReader(std::uint64_t size, std::string name, MemoryBudget& memory)
+      : size_(size), name_(std::move(name)), memory_(memory), growing_(&memory) {}
 
   void take(std::string_view bytes) {
-    if (!header_) {
-      head_.append(bytes);
+    constexpr std::size_t kAtATime = 4096;  // a header is short, and the rest is not copied
+    while (!header_) {
+      const std::size_t before = head_.size(), taken = std::min(bytes.size(), kAtATime);
+      head_.append(bytes.substr(0, taken));
       header_ = npyHeaderOf(head_, size_, name_);
-      if (!header_) return;
-      checkHeader();
-      const std::string body = head_.substr(header_->bodyAt);
-      head_.clear();
-      return takeNumbers(body);
+      if (header_) {
+        checkHeader();
+        head_.clear();
+        bytes.remove_prefix(header_->bodyAt - before);
+      } else {
+        bytes.remove_prefix(taken);
+        if (bytes.empty()) return;
+      }
     }
     takeNumbers(bytes);
   }
@@ -36,7 +42,7 @@ class LabelArrayReader {
   RunLengthVoxels finish() {
     if (!header_) inputError(name_, "is cut: its .npy header has no end");
     if (!header_->fortranOrder) return std::move(voxels_);
-    return withAxesReversed(voxels_, name_);
+    return withAxesReversed(voxels_, name_, memory_);
   }
 
  private:
@@ -60,7 +66,15 @@ class LabelArrayReader {
       takeNumber(head_.data());
       head_.clear();
     }
-    for (; bytes.size() >= n; bytes.remove_prefix(n)) takeNumber(bytes.data());
+    // Equal labels are one run, others a run each, and zeros and ones by turns pack well.
+    constexpr std::size_t kNumbersAtATime = std::size_t{1} << 16;
+    while (bytes.size() >= n) {
+      growing_.hold((voxels_.runs.size() + kNumbersAtATime) * sizeof(Run));
+      for (std::size_t i = 0; i < kNumbersAtATime && bytes.size() >= n; ++i) {
+        takeNumber(bytes.data());
+        bytes.remove_prefix(n);
+      }
+    }
     head_.append(bytes);
   }
 
@@ -79,6 +93,8 @@ class LabelArrayReader {
 
   std::uint64_t size_;
   std::string name_;
+  MemoryBudget& memory_;
+  GrowingMemory growing_;  // runs
   std::optional<NpyHeader> header_;
   std::string head_;  // of the file until there is a header, then of a number
   RunLengthVoxels voxels_;
@@ -95,10 +111,11 @@ NpyArray labelArray(const RunLengthVoxels& voxels) {
   return {"labels", "<u2", {side(0), side(1), side(2)}, {}};
 }
 
-std::optional<VoxelPlace> placeOf(const std::vector<ZipEntry>& entries, const std::string& name) {
-  const auto origin = numbersOf(entries, "origin", 3, name);
-  const auto voxelSize = numbersOf(entries, "voxel_size", 1, name);
-  const auto indexMin = numbersOf(entries, "index_min", 3, name);
+std::optional<VoxelPlace> placeOf(const std::vector<ZipEntry>& entries, const std::string& name,
+                                  MemoryBudget& memory) {
+  const auto origin = numbersOf(entries, "origin", 3, name, memory);
+  const auto voxelSize = numbersOf(entries, "voxel_size", 1, name, memory);
+  const auto indexMin = numbersOf(entries, "index_min", 3, name, memory);
   if (!origin && !voxelSize) return {};
   const bool good = origin && voxelSize && origin->values.size() == 3 &&
                     voxelSize->values.size() == 1 && voxelSize->values[0] > 0.0 &&
@@ -123,18 +140,22 @@ std::optional<VoxelPlace> placeOf(const std::vector<ZipEntry>& entries, const st
 
 }  // namespace
 
-RunLengthVoxels parseNpyLabels(std::string_view bytes, const std::string& name) {
-  LabelArrayReader reader(bytes.size(), name);
+RunLengthVoxels parseNpyLabels(std::string_view bytes, const std::string& name,
+                               const ReadOptions& options) {
+  MemoryBudget memory(name, options.maxMemory);
+  LabelArrayReader reader(bytes.size(), name, memory);
   reader.take(bytes);
   return reader.finish();
 }
 
-PlacedVoxels parseNpzLabels(std::string_view bytes, const std::string& name) {
+PlacedVoxels parseNpzLabels(std::string_view bytes, const std::string& name,
+                            const ReadOptions& options) {
+  MemoryBudget memory(name, options.maxMemory);
   const std::vector<ZipEntry> entries = zipEntries(bytes, name);
   const ZipEntry* labels = entryOf(entries, "labels");
   if (labels == nullptr) inputError(name, "has no array 'labels'");
-  PlacedVoxels voxels{{}, placeOf(entries, name)};
-  LabelArrayReader reader(labels->size, name + ", array 'labels'");
+  PlacedVoxels voxels{{}, placeOf(entries, name, memory)};
+  LabelArrayReader reader(labels->size, name + ", array 'labels'", memory);
   unpack(*labels, name, [&](std::string_view part) { reader.take(part); });
   voxels.voxels = reader.finish();
   return voxels;

@@ -146,14 +146,17 @@ const ZipEntry* entryOf(const std::vector<ZipEntry>& entries, const std::string&
 }
 
 std::optional<NpyNumbers> numbersOf(const std::vector<ZipEntry>& entries, const std::string& array,
-                                    std::uint64_t most, const std::string& name) {
+                                    std::uint64_t most, const std::string& name,
+                                    MemoryBudget& memory) {
   const ZipEntry* entry = entryOf(entries, array);
   if (entry == nullptr) return {};
   const std::string place = name + ", array '" + array + "'";
   if (entry->size > kLongestHeader + 8 * most) {
     inputError(place, "has more than the " + std::to_string(most) + " numbers that are read");
   }
+  memory.charge(entry->size);
   std::string bytes;
+  bytes.reserve(entry->size);
   unpack(*entry, place, [&](std::string_view part) { bytes.append(part); });
   const std::optional<NpyHeader> header = npyHeaderOf(bytes, bytes.size(), place);
   if (!header || (header->fortranOrder && header->shape.size() > 1)) {
@@ -162,11 +165,13 @@ std::optional<NpyNumbers> numbersOf(const std::vector<ZipEntry>& entries, const 
   if (header->count() > most) {
     inputError(place, "has more than the " + std::to_string(most) + " numbers that are read");
   }
+  memory.charge(header->count(), sizeof(double));
   NpyNumbers numbers{header->shape, {}};
   numbers.values.reserve(header->count());
   for (std::size_t at = header->bodyAt; at < bytes.size(); at += header->itemBytes) {
     numbers.values.push_back(numberAt(bytes.data() + at, *header));
   }
+  memory.release(entry->size);
   return numbers;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "io/zip_reader.h"
+#include "memory_budget.h"
 
 namespace sherd {
 
@@ -40,10 +41,11 @@ struct NpyNumbers {
 };
 
 /// The array of that name in an `.npz` file, or nothing.
-///   throws  Error(input) damaged, or of more than `most` numbers
+///   memory  charged with them
+///   throws  Error(input) damaged, of more than `most` numbers, or than `memory` holds
 [[nodiscard]] std::optional<NpyNumbers> numbersOf(const std::vector<ZipEntry>& entries,
                                                   const std::string& array, std::uint64_t most,
-                                                  const std::string& name);
+                                                  const std::string& name, MemoryBudget& memory);
 
 /// The entry of an array, or nothing.
 [[nodiscard]] const ZipEntry* entryOf(const std::vector<ZipEntry>& entries,

@@ -20,6 +20,7 @@
 #include "io/input_error.h"
 #include "io/little_endian.h"
 #include "io/range_coder.h"
+#include "memory_budget.h"
 
 namespace sherd {
 namespace {
@@ -126,8 +127,8 @@ class TreeReader {
  public:
   ///   most  points: one may take next to no space
   TreeReader(RangeDecoder& decoder, const Header& header, std::uint64_t most,
-             const std::string& name)
-      : decoder_(decoder), header_(header), most_(most), name_(name) {}
+             const std::string& name, MemoryBudget& memory)
+      : decoder_(decoder), header_(header), most_(most), name_(name), growing_(&memory) {}
 
   // The node at `depth` whose voxels' numbers begin with `key`.
   void read(const std::array<std::uint32_t, 3>& key, int depth, std::vector<glm::dvec3>& points) {
@@ -135,6 +136,9 @@ class TreeReader {
       if (points.size() == std::min(header_.points, most_)) {
         inputError(name_, "holds more points than it says, or than a file of its size can");
       }
+      constexpr std::size_t kPointsAtATime = 4096;
+      if (points.size() % kPointsAtATime == 0)
+        growing_.hold((points.size() + kPointsAtATime) * sizeof(glm::dvec3));
       glm::dvec3& point = points.emplace_back();
       for (int axis = 0; axis < 3; ++axis) {
         const auto i = static_cast<std::size_t>(axis);
@@ -159,6 +163,7 @@ class TreeReader {
   const Header& header_;
   std::uint64_t most_;
   const std::string& name_;
+  GrowingMemory growing_;
   std::uint64_t taken_ = 0;
 };
 
@@ -212,7 +217,9 @@ OctreeStream octreeStream(std::span<const glm::dvec3> points, const std::string&
   return stream;
 }
 
-SurfacePoints parseBinp(std::string_view bytes, const std::string& name) {
+SurfacePoints parseBinp(std::string_view bytes, const std::string& name,
+                        const ReadOptions& options) {
+  MemoryBudget memory(name, options.maxMemory);
   const Header header = readHeader(bytes, name);
   Frequencies frequencies{};
   for (std::size_t s = 0; s < frequencies.size(); ++s) {
@@ -224,7 +231,7 @@ SurfacePoints parseBinp(std::string_view bytes, const std::string& name) {
     inputError(name, "is damaged: its table of frequencies is none");
   }
   RangeDecoder decoder(bytes.substr(kHeaderBytes + kTreeHeaderBytes), frequencies);
-  TreeReader tree(decoder, header, 64 * bytes.size(), name);
+  TreeReader tree(decoder, header, 64 * bytes.size(), name, memory);
   SurfacePoints points;
   tree.read({0, 0, 0}, 0, points.positions);
   if (points.positions.size() != header.points || tree.taken() != header.treeBytes ||

@@ -16,10 +16,13 @@ constexpr int kDeepest = 16;
 
 [[noreturn]] void inputError(const std::string& what) { throw Error(ErrorCode::input, what); }
 
+}  // namespace
+
 // The parser would take any depth, but a value of each level costs far more than its byte.  (Its
 // own callback could count, but makes it look through a whole list at each of its entries.)
-int deepest(std::string_view text) {
-  int depth = 0, most = 0;
+JsonExtent extentOf(std::string_view text) {
+  JsonExtent extent{0, 1};
+  int depth = 0;
   bool inString = false, escaped = false;
   for (const char c : text) {
     if (escaped) {
@@ -30,17 +33,22 @@ int deepest(std::string_view text) {
     } else if (c == '"') {
       inString = true;
     } else if (c == '[' || c == '{') {
-      most = std::max(most, ++depth);
+      extent.depth = std::max(extent.depth, ++depth);
+      ++extent.values;
     } else if (c == ']' || c == '}') {
       --depth;
+    } else if (c == ',') {
+      ++extent.values;
     }
   }
-  return most;
+  return extent;
 }
+
+namespace {
 
 template <class Json>
 Json parsed(std::string_view text) {
-  if (deepest(text) > kDeepest) {
+  if (extentOf(text).depth > kDeepest) {
     inputError("is nested too deeply: more than " + std::to_string(kDeepest) + " levels of JSON");
   }
   try {

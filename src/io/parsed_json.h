@@ -1,12 +1,20 @@
 // JSON that anybody may have written.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
 namespace sherd {
+
+/// How much a text is as JSON.
+struct JsonExtent {
+  int depth = 0;           ///< levels of lists and objects
+  std::size_t values = 0;  ///< at most
+};
+[[nodiscard]] JsonExtent extentOf(std::string_view text);
 
 /// Text as JSON.
 ///   throws  Error(input) without a file's name: not JSON, nested deeper than 16 levels, a number

@@ -185,7 +185,7 @@ class Reader {
 };
 
 void readNode(Reader& in, const openvdb::Coord& dims, std::vector<End>& ends,
-              const std::string& name) {
+              GrowingMemory& growing, const std::string& name) {
   in.need(kNodeBytes);
   const auto intervals = in.take<std::uint64_t>();
   std::array<std::uint32_t, 4> sides{};
@@ -197,6 +197,7 @@ void readNode(Reader& in, const openvdb::Coord& dims, std::vector<End>& ends,
   const std::uint64_t columns = std::uint64_t{maxX - minX} * (maxY - minY);
   for (std::uint64_t i = 0; i < intervals; ++i) {
     in.need(kIntervalBytes + 2 * columns);
+    growing.hold((ends.size() + columns) * sizeof(End));
     const auto width = in.take<std::uint8_t>(), height = in.take<std::uint8_t>();
     if (width != ((maxX - minX) & 0xff) || height != ((maxY - minY) & 0xff)) {
       inputError(name, "has an interval of other sides than its node");
@@ -213,7 +214,9 @@ void readNode(Reader& in, const openvdb::Coord& dims, std::vector<End>& ends,
 
 }  // namespace
 
-RunLengthVoxels parseQuadStack(std::string_view bytes, const std::string& name) {
+RunLengthVoxels parseQuadStack(std::string_view bytes, const std::string& name,
+                               const ReadOptions& options) {
+  MemoryBudget memory(name, options.maxMemory);
   if (bytes.size() < kHeaderBytes) inputError(name, "is cut: a .qstack header has 22 bytes");
   Reader in(bytes, name);
   if (in.take<std::uint64_t>() != 2) {
@@ -224,7 +227,8 @@ RunLengthVoxels parseQuadStack(std::string_view bytes, const std::string& name) 
   RunLengthVoxels voxels{boxOf(sides, name), {}};
   const auto nodes = in.take<std::uint64_t>();
   std::vector<End> ends;
-  for (std::uint64_t i = 0; i < nodes; ++i) readNode(in, voxels.dims, ends, name);
+  GrowingMemory growing(&memory);
+  for (std::uint64_t i = 0; i < nodes; ++i) readNode(in, voxels.dims, ends, growing, name);
   if (!in.done()) inputError(name, "holds more than its nodes");
   std::sort(ends.begin(), ends.end(), [](const End& a, const End& b) {
     return a.column != b.column ? a.column < b.column : a.z < b.z;
@@ -232,7 +236,11 @@ RunLengthVoxels parseQuadStack(std::string_view bytes, const std::string& name) 
 
   std::uint64_t column = 0;
   std::uint16_t z = 0;
+  GrowingMemory growingRuns(&memory);
+  constexpr std::size_t kEndsAtATime = std::size_t{1} << 12;
   for (const End& end : ends) {
+    if (static_cast<std::size_t>(&end - ends.data()) % kEndsAtATime == 0)
+      growingRuns.hold((voxels.runs.size() + kEndsAtATime) * sizeof(Run));
     if (end.column != column || end.z <= z || end.z > sides[2]) {
       inputError(name, "does not fill its box: column " + std::to_string(column) +
                            " has a gap or an overlap at z " + std::to_string(z));

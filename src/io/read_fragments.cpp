@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 
 #include "io/input_error.h"
 #include "io/natural_order.h"
@@ -43,6 +44,10 @@ FragmentSet listOf(const Manifest& manifest) {
   return set;
 }
 
+std::uint64_t bytesOf(const TriangleMesh& mesh) {
+  return mesh.vertices.size() * sizeof(glm::dvec3) + mesh.triangles.size() * sizeof(glm::uvec3);
+}
+
 FragmentSet meshesIn(const fs::path& folder) {
   std::vector<std::string> names;
   bool folders = false;
@@ -70,7 +75,7 @@ FragmentSet meshesIn(const fs::path& folder) {
 
 }  // namespace
 
-FragmentSet readFragments(const fs::path& folder) {
+FragmentSet readFragments(const fs::path& folder, const ReadOptions& options) {
   const fs::file_type type = whatIsAt(folder);
   if (type == fs::file_type::not_found) {
     inputError(folder, "no such folder; one of fragments is needed");
@@ -82,12 +87,14 @@ FragmentSet readFragments(const fs::path& folder) {
   const fs::path manifest = folder / kManifestName;
   FragmentSet set = whatIsAt(manifest) == fs::file_type::not_found ? meshesIn(folder)
                                                                    : listOf(readManifest(manifest));
+  std::atomic<std::uint64_t> left = options.maxMemory;
   tbb::parallel_for(std::size_t{0}, set.fragments.size(), [&](std::size_t i) {
     EvaluatedFragment& fragment = set.fragments[i];
     if (fragment.name.empty()) return;
     const fs::path file =
         set.manifest ? listedFile(manifest, fragment.name) : folder / fragment.name;
-    SourceMesh read = readMesh(file);
+    SourceMesh read = readMesh(file, {.maxMemory = left});
+    left -= std::min<std::uint64_t>(left, bytesOf(read.mesh));
     fragment.droppedTriangles = read.degenerateTriangles;
     fragment.mesh.mesh = std::move(read.mesh);
     if (set.manifest) fragment.mesh.facing = readFacing(file, fragment.mesh.mesh);

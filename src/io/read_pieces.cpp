@@ -58,8 +58,8 @@ std::vector<Fragment> fromVolumes(const fs::path& folder) {
   return pieces;
 }
 
-std::vector<Fragment> fromFolder(const fs::path& folder) {
-  FragmentSet set = readFragments(folder);
+std::vector<Fragment> fromFolder(const fs::path& folder, const ReadOptions& options) {
+  FragmentSet set = readFragments(folder, options);
   const bool hasMeshes = std::none_of(set.fragments.begin(), set.fragments.end(),
                                       [](const EvaluatedFragment& f) { return f.name.empty(); });
   if (!hasMeshes) return fromVolumes(folder);
@@ -73,19 +73,19 @@ std::vector<Fragment> fromFolder(const fs::path& folder) {
 
 }  // namespace
 
-std::vector<Fragment> readPieces(const fs::path& path) {
+std::vector<Fragment> readPieces(const fs::path& path, const ReadOptions& options) {
   requireSettled(path);
   const fs::file_type type = whatIsAt(path);
   if (type == fs::file_type::not_found) inputError(path, "no such file or folder");
-  if (type == fs::file_type::directory) return fromFolder(path);
+  if (type == fs::file_type::directory) return fromFolder(path, options);
   const std::string extension = lowerCase(path.extension().string());
   if (extension == ".vdb") return fromLevelSets(path);
   if (extension == ".json") {
     (void)readManifest(path);
     const fs::path folder = path.parent_path();
-    return fromFolder(folder.empty() ? "." : folder);
+    return fromFolder(folder.empty() ? "." : folder, options);
   }
-  SourceMesh read = readMesh(path);
+  SourceMesh read = readMesh(path, options);
   std::vector<std::uint16_t> facing;
   if (extension == ".ply") facing = readFacing(path, read.mesh);
   std::vector<Fragment> pieces;

@@ -16,6 +16,15 @@
 namespace sherd {
 namespace {
 
+constexpr std::size_t kPointsAtATime = 4096;
+
+// Charge what points hold, and will before this is called again.
+void hold(GrowingMemory& memory, const SurfacePoints& points) {
+  memory.hold((points.positions.size() + kPointsAtATime) * sizeof(glm::dvec3) +
+              points.normals.size() * sizeof(glm::dvec3) +
+              points.facing.size() * sizeof(std::uint16_t));
+}
+
 void requireFinite(const SurfacePoints& points, const std::string& name) {
   for (std::size_t i = 0; i < points.positions.size(); ++i) {
     const glm::dvec3& p = points.positions[i];
@@ -61,6 +70,7 @@ std::vector<glm::dvec3> vectorsOf(const NpyNumbers& numbers, const std::string& 
     inputError(name, "has an array of vectors that is not [n, 3]");
   }
   std::vector<glm::dvec3> vectors;
+  vectors.reserve(numbers.values.size() / 3);
   for (std::size_t i = 0; i < numbers.values.size(); i += 3) {
     vectors.emplace_back(numbers.values[i], numbers.values[i + 1], numbers.values[i + 2]);
   }
@@ -77,10 +87,14 @@ std::optional<PointFormat> pointFormatOf(const std::filesystem::path& file) {
   return {};
 }
 
-SurfacePoints parsePlyPoints(std::string_view bytes, const std::string& name) {
+SurfacePoints parsePlyPoints(std::string_view bytes, const std::string& name,
+                             const ReadOptions& options) {
+  MemoryBudget memory(name, options.maxMemory);
+  memory.charge(bytes.size());
   const MeshFile file{name, name, MeshFormat::ply, std::string(bytes)};
   const PlyHeader header = readPlyHeader(file);
   SurfacePoints points;
+  GrowingMemory growing(&memory);
   PlyBody body(file, header);
   bool found = false;
   for (const PlyElement& element : header.elements) {
@@ -92,6 +106,7 @@ SurfacePoints parsePlyPoints(std::string_view bytes, const std::string& name) {
     if (isVertex && !layout.positions) inputError(name, "its vertices have no x, y and z");
     found |= isVertex;
     for (std::size_t i = 0; i < element.count; ++i) {
+      if (i % kPointsAtATime == 0) hold(growing, points);
       body.begin(element, i);
       std::array<double, kColumns.size() + 1> numbers{};
       for (std::size_t p = 0; p < element.properties.size(); ++p) {
@@ -117,12 +132,16 @@ SurfacePoints parsePlyPoints(std::string_view bytes, const std::string& name) {
   return points;
 }
 
-SurfacePoints parseXyz(std::string_view bytes, const std::string& name) {
+SurfacePoints parseXyz(std::string_view bytes, const std::string& name,
+                       const ReadOptions& options) {
+  MemoryBudget memory(name, options.maxMemory);
   SurfacePoints points;
+  GrowingMemory growing(&memory);
   LineReader lines(bytes);
   std::string_view line;
   std::size_t columns = 0;
   while (nextDataLine(lines, line)) {
+    if (points.positions.size() % kPointsAtATime == 0) hold(growing, points);
     const std::size_t words = countWords(line);
     if (columns == 0) columns = words;
     std::array<double, 6> numbers{};
@@ -144,16 +163,22 @@ SurfacePoints parseXyz(std::string_view bytes, const std::string& name) {
   return points;
 }
 
-SurfacePoints parseNpzPoints(std::string_view bytes, const std::string& name) {
+SurfacePoints parseNpzPoints(std::string_view bytes, const std::string& name,
+                             const ReadOptions& options) {
+  MemoryBudget memory(name, options.maxMemory);
   const std::vector<ZipEntry> entries = zipEntries(bytes, name);
-  const auto positions = numbersOf(entries, "positions", 3 * kMaxPoints, name);
-  const auto normals = numbersOf(entries, "normals", 3 * kMaxPoints, name);
-  const auto facing = numbersOf(entries, "facing", kMaxPoints, name);
+  const auto positions = numbersOf(entries, "positions", 3 * kMaxPoints, name, memory);
+  const auto normals = numbersOf(entries, "normals", 3 * kMaxPoints, name, memory);
+  const auto facing = numbersOf(entries, "facing", kMaxPoints, name, memory);
   if (!positions) inputError(name, "has no array 'positions'");
+  const std::size_t vectors = positions->values.size() + (normals ? normals->values.size() : 0);
+  memory.charge(vectors, sizeof(double));
+  if (facing) memory.charge(facing->values.size(), sizeof(std::uint16_t));
   SurfacePoints points;
   points.positions = vectorsOf(*positions, name);
   if (normals) points.normals = vectorsOf(*normals, name);
   if (facing) {
+    points.facing.reserve(facing->values.size());
     for (const double id : facing->values) points.facing.push_back(facingOf(id, name));
   }
   const std::size_t n = points.positions.size();
@@ -164,19 +189,22 @@ SurfacePoints parseNpzPoints(std::string_view bytes, const std::string& name) {
   return points;
 }
 
-SurfacePoints readPoints(const std::filesystem::path& file) {
+SurfacePoints readPoints(const std::filesystem::path& file, const ReadOptions& options) {
   const std::optional<PointFormat> format = pointFormatOf(file);
   if (!format) inputError(file, "is no file of points; read are .ply .xyz .npz .binp");
-  const std::string bytes = readFileBytes(file), name = file.string();
+  const std::string name = file.string();
+  MemoryBudget memory(name, options.maxMemory);
+  const std::string bytes = readFileBytes(file, &memory);
+  const ReadOptions rest{.maxMemory = memory.left()};
   switch (*format) {
     case PointFormat::ply:
-      return parsePlyPoints(bytes, name);
+      return parsePlyPoints(bytes, name, rest);
     case PointFormat::xyz:
-      return parseXyz(bytes, name);
+      return parseXyz(bytes, name, rest);
     case PointFormat::npz:
-      return parseNpzPoints(bytes, name);
+      return parseNpzPoints(bytes, name, rest);
     case PointFormat::binp:
-      return parseBinp(bytes, name);
+      return parseBinp(bytes, name, rest);
   }
   return {};
 }

@@ -105,7 +105,7 @@ void readGrids(const fs::path& file, const VolumeOptions& options, Volume& volum
 
 void readLabels(const fs::path& file, const VolumeOptions& options, Volume& volume,
                 const Progress* progress) {
-  const PlacedVoxels read = readVoxels(file);
+  const PlacedVoxels read = readVoxels(file, {.maxMemory = options.maxMemory});
   const openvdb::Coord& dims = read.voxels.dims;
   // Planes of a byte for each voxel, and two of numbers for their corners.
   requireMemory(

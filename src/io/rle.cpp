@@ -10,6 +10,7 @@
 #include "io/little_endian.h"
 #include "io/voxel_encoders.h"
 #include "io/voxel_runs.h"
+#include "memory_budget.h"
 #include "mesh/file_bytes.h"
 
 namespace sherd {
@@ -20,7 +21,8 @@ constexpr std::size_t kRunBytes = 6;
 constexpr std::size_t kOldRunBytes = 16;
 
 // What is wrong with the runs, or nothing: they fill the box then.
-std::string takeRuns(std::string_view body, bool old, RunLengthVoxels& voxels) {
+std::string takeRuns(std::string_view body, bool old, RunLengthVoxels& voxels,
+                     MemoryBudget& memory) {
   const std::size_t bytes = old ? kOldRunBytes : kRunBytes;
   if (body.size() % bytes != 0) {
     return "is cut: " + std::to_string(body.size() % bytes) +
@@ -32,6 +34,8 @@ std::string takeRuns(std::string_view body, bool old, RunLengthVoxels& voxels) {
   constexpr std::uint64_t kLargestOldBox = std::uint64_t{1} << 40;
   if (old && total > kLargestOldBox) return "its box is larger than any that was written so";
   std::uint64_t sum = 0;
+  memory.charge(body.size() / bytes, sizeof(Run));
+  voxels.runs.reserve(body.size() / bytes);
   for (std::size_t at = 0; at < body.size(); at += bytes) {
     const char* run = body.data() + at;
     const auto label = loadLittle<std::uint16_t>(run);
@@ -52,7 +56,9 @@ std::string takeRuns(std::string_view body, bool old, RunLengthVoxels& voxels) {
 
 }  // namespace
 
-RunLengthVoxels parseRle(std::string_view bytes, const std::string& name) {
+RunLengthVoxels parseRle(std::string_view bytes, const std::string& name,
+                         const ReadOptions& options) {
+  MemoryBudget memory(name, options.maxMemory);
   if (bytes.size() < kHeaderBytes) {
     inputError(name,
                "ends after " + std::to_string(bytes.size()) + " bytes; an .rle header has 12");
@@ -63,11 +69,11 @@ RunLengthVoxels parseRle(std::string_view bytes, const std::string& name) {
   const openvdb::Coord dims = boxOf({side(0), side(1), side(2)}, name);
   const std::string_view body = bytes.substr(kHeaderBytes);
   RunLengthVoxels voxels{dims, {}};
-  const std::string wrong = takeRuns(body, false, voxels);
+  const std::string wrong = takeRuns(body, false, voxels, memory);
   if (wrong.empty()) return voxels;
   // Old runs that add up to the box to the last voxel are no accident.
   RunLengthVoxels old{dims, {}};
-  if (takeRuns(body, true, old).empty()) return old;
+  if (takeRuns(body, true, old, memory).empty()) return old;
   inputError(name, wrong);
 }
 

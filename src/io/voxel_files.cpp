@@ -37,25 +37,28 @@ std::optional<VoxelFormat> voxelFormatOf(const std::filesystem::path& file) {
   return {};
 }
 
-PlacedVoxels readVoxels(const std::filesystem::path& file) {
+PlacedVoxels readVoxels(const std::filesystem::path& file, const ReadOptions& options) {
   const std::optional<VoxelFormat> format = voxelFormatOf(file);
   if (!format) {
     inputError(file, "is no voxel file; read are .rle .npy .npz .vox .qstack .bing");
   }
-  const std::string bytes = readFileBytes(file), name = file.string();
+  const std::string name = file.string();
+  MemoryBudget memory(name, options.maxMemory);
+  const std::string bytes = readFileBytes(file, &memory);
+  const ReadOptions rest{.maxMemory = memory.left()};
   switch (*format) {
     case VoxelFormat::rle:
-      return {parseRle(bytes, name)};
+      return {parseRle(bytes, name, rest)};
     case VoxelFormat::npy:
-      return {parseNpyLabels(bytes, name)};
+      return {parseNpyLabels(bytes, name, rest)};
     case VoxelFormat::npz:
-      return parseNpzLabels(bytes, name);
+      return parseNpzLabels(bytes, name, rest);
     case VoxelFormat::vox:
-      return {parseMagicaVoxel(bytes, name)};
+      return {parseMagicaVoxel(bytes, name, rest)};
     case VoxelFormat::qstack:
-      return {parseQuadStack(bytes, name)};
+      return {parseQuadStack(bytes, name, rest)};
     case VoxelFormat::bing:
-      return {parseBing(bytes, name)};
+      return {parseBing(bytes, name, rest)};
   }
   return {};
 }

@@ -109,7 +109,8 @@ Columns::Columns(const RunLengthVoxels& voxels) : ny_(static_cast<std::size_t>(v
   first_.push_back(intervals_.size());
 }
 
-RunLengthVoxels withAxesReversed(const RunLengthVoxels& voxels, const std::string& name) {
+RunLengthVoxels withAxesReversed(const RunLengthVoxels& voxels, const std::string& name,
+                                 MemoryBudget& memory) {
   const std::uint64_t total = voxelsIn(voxels.dims);
   if (total > kMostDenseVoxels) inputError(name, "has more voxels than can be turned: 2^34");
   // As many voxels of the new order at a time as fit; the runs are walked for each lot.
@@ -117,6 +118,8 @@ RunLengthVoxels withAxesReversed(const RunLengthVoxels& voxels, const std::strin
   const openvdb::Coord& dims = voxels.dims;
   const std::uint64_t slice = total / static_cast<std::uint64_t>(dims.z());
   RunLengthVoxels turned{{dims.z(), dims.y(), dims.x()}, {}};
+  memory.charge(std::min(kVoxelsAtATime, total), sizeof(std::uint16_t));
+  GrowingMemory growing(&memory);
   std::vector<std::uint16_t> dense;
   for (std::uint64_t begin = 0; begin < total; begin += kVoxelsAtATime) {
     const std::uint64_t end = std::min(begin + kVoxelsAtATime, total);
@@ -135,7 +138,12 @@ RunLengthVoxels withAxesReversed(const RunLengthVoxels& voxels, const std::strin
         dense[i * slice + at - begin] = label;
       }
     });
-    for (const std::uint16_t label : dense) appendRun(turned.runs, label, 1);
+    for (std::size_t at = 0; at < dense.size(); ++at) {
+      constexpr std::size_t kLabelsAtATime = std::size_t{1} << 16;
+      if (at % kLabelsAtATime == 0)
+        growing.hold((turned.runs.size() + kLabelsAtATime) * sizeof(Run));
+      appendRun(turned.runs, dense[at], 1);
+    }
   }
   return turned;
 }

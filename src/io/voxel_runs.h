@@ -7,6 +7,8 @@
 #include <array>
 #include <cstddef>
 
+#include "memory_budget.h"
+
 namespace sherd {
 
 /// The most voxels of a box that is written or turned voxel by voxel.
@@ -78,9 +80,9 @@ class Columns {
 };
 
 /// The box with its axes in the opposite order: voxel (i, j, k) is voxel (k, j, i) of `voxels`.
-///   throws  Error(input) more than kMostDenseVoxels
+///   throws  Error(input) more than kMostDenseVoxels, or than `memory` holds
 [[nodiscard]] RunLengthVoxels withAxesReversed(const RunLengthVoxels& voxels,
-                                               const std::string& name);
+                                               const std::string& name, MemoryBudget& memory);
 
 /// Every label, 2 bytes each, little-endian.
 void encodeDense(const RunLengthVoxels& voxels, const ByteSink& sink);

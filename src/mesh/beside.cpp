@@ -39,8 +39,13 @@ std::optional<std::string> readBeside(const MeshFile& file, std::string_view nam
     warnings.push_back(what + "is not there, so it is left out");
     return std::nullopt;
   }
+  const std::uintmax_t size = std::filesystem::file_size(named.path, error);
+  if (!error && file.memory != nullptr && size > file.memory->left()) {
+    warnings.push_back(what + "takes more memory than may be used, so it is left out");
+    return std::nullopt;
+  }
   try {
-    return readFileBytes(named.path);
+    return readFileBytes(named.path, file.memory);
   } catch (const Error&) {
     warnings.push_back(what + "cannot be read, so it is left out");
     return std::nullopt;
@@ -48,6 +53,7 @@ std::optional<std::string> readBeside(const MeshFile& file, std::string_view nam
 }
 
 int textureBeside(const MeshFile& file, std::string_view name, RawMesh& mesh) {
+  checkpoint(file);
   const auto known = std::find_if(mesh.look.textures.begin(), mesh.look.textures.end(),
                                   [&](const Texture& t) { return t.name == name; });
   if (known != mesh.look.textures.end())

@@ -4,10 +4,14 @@
 #include <filesystem>
 #include <string>
 
+#include "memory_budget.h"
+
 namespace sherd {
 
 /// Read a whole file into memory.
-///   throws  Error(input) absent, a directory, not a regular file, unreadable
-[[nodiscard]] std::string readFileBytes(const std::filesystem::path& file);
+///   memory  charged with its size; none: no limit
+///   throws  Error(input) absent, a directory, not a regular file, unreadable, larger than `memory`
+[[nodiscard]] std::string readFileBytes(const std::filesystem::path& file,
+                                        MemoryBudget* memory = nullptr);
 
 }  // namespace sherd

@@ -98,6 +98,7 @@ GltfArray readGltfArray(const GltfDocument& document, std::size_t index) {
     throw document.bad("accessor " + std::to_string(index) + " announces " +
                        std::to_string(out.count) + " elements without data");
   }
+  charge(document.file(), out.count, out.components * sizeof(double));
   out.values.resize(out.count * out.components);
   if (hasData && out.count > 0) {
     const std::size_t view = document.number(accessor, "bufferView");

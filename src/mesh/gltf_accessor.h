@@ -22,7 +22,8 @@ struct GltfArray {
 
 /// What accessor number `index` holds, sparse or not; whole numbers that are normalised become
 /// 0..1 or -1..1.
-///   throws  Error(input) no such accessor, sparse parts that contradict themselves
+///   throws  Error(input) no such accessor, sparse parts that contradict themselves, more memory
+///           than may be used, which is charged
 [[nodiscard]] GltfArray readGltfArray(const GltfDocument& document, std::size_t index);
 
 /// Whole number that is normalised: its share of the most that its type can tell.

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "io/little_endian.h"
+#include "io/parsed_json.h"
 #include "mesh/beside.h"
 #include "mesh/file_bytes.h"
 #include "mesh/text_scan.h"
@@ -18,18 +19,19 @@ namespace {
 using Json = GltfDocument::Json;
 
 constexpr int kDeepestJson = 64;
+constexpr std::uint64_t kBytesPerValue = 128;  // of JSON: itself, its key, what finding it takes
 
 std::uint32_t wordAt(std::string_view bytes, std::size_t at) {
   return loadLittle<std::uint32_t>(bytes.data() + at);
 }
 
 Json parseJson(const MeshFile& file, std::string_view text) {
-  const auto limitDepth = [&](int depth, Json::parse_event_t, Json&) {
-    if (depth > kDeepestJson) throw inputError(file, "its JSON is nested too deeply");
-    return true;
-  };
+  const JsonExtent extent = extentOf(text);
+  if (extent.depth > kDeepestJson) throw inputError(file, "its JSON is nested too deeply");
+  charge(file, extent.values, kBytesPerValue);
+  charge(file, text.size());  // its texts
   try {
-    return Json::parse(text.begin(), text.end(), limitDepth);
+    return Json::parse(text.begin(), text.end());
   } catch (const Json::parse_error& e) {
     throw inputError(file, "cut short or malformed: its JSON stops making sense at byte " +
                                std::to_string(e.byte) + " of " + std::to_string(text.size()));
@@ -159,14 +161,18 @@ void GltfDocument::loadBuffers() {
 // A file is read once, however many buffers name it.
 std::string_view GltfDocument::loadBuffer(const std::string& uri) {
   if (uri.starts_with("data:")) {
-    return loaded_.try_emplace(uri, dataUriBytes(uri)).first->second;
+    const auto known = loaded_.find(uri);
+    if (known != loaded_.end()) return known->second;
+    charge(*file_, uri.size(), 2);  // as a key, and what it stands for
+    return loaded_.emplace(uri, dataUriBytes(uri)).first->second;
   }
   const NamedFile named = fileBeside(*file_, percentDecoded(uri));
   if (!named.refusal.empty()) throw bad("its buffer " + inQuotes(uri) + " " + named.refusal);
   const auto known = loaded_.find(named.path.string());
   if (known != loaded_.end()) return known->second;
   try {
-    return loaded_.emplace(named.path.string(), readFileBytes(named.path)).first->second;
+    return loaded_.emplace(named.path.string(), readFileBytes(named.path, file_->memory))
+        .first->second;
   } catch (const Error& e) {
     throw bad("its buffer cannot be read: " + std::string(e.what()));
   }

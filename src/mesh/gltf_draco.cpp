@@ -1,7 +1,8 @@
 // Meshes that a glTF file holds packed by Draco.  Only this file includes Draco.
 #include "mesh/gltf_draco.h"
 
-#include <draco/compression/decode.h>
+#include <draco/compression/mesh/mesh_edgebreaker_decoder.h>
+#include <draco/compression/mesh/mesh_sequential_decoder.h>
 
 #include <memory>
 #include <new>
@@ -19,6 +20,10 @@ using Json = GltfDocument::Json;
 // A triangle of a very regular mesh takes a few hundredths of a byte.
 constexpr std::uint64_t kMostPerByte = 256;
 
+// What Draco takes for a face, a point, and a number of a point's attributes, with what is made of
+// it here: measured, and rounded up.
+constexpr std::uint64_t kBytesPerFace = 200, kBytesPerPoint = 100, kBytesPerNumber = 32;
+
 // A number in groups of seven bits, the lowest first.
 std::optional<std::uint64_t> takeVarint(std::string_view& bytes) {
   std::uint64_t value = 0;
@@ -31,31 +36,71 @@ std::optional<std::uint64_t> takeVarint(std::string_view& bytes) {
   return std::nullopt;
 }
 
-// Whether a stream is a mesh of the one version that glTF has, and its counts fit its size.
+// What a stream's header says.
+struct Announced {
+  bool edgebreaker = false;
+  std::uint64_t faces = 0, points = 0;
+};
+
+// The header of a mesh of the one version that glTF has, if its counts fit its size.
 //
 // source  Draco 3D Data Compression, bitstream 2.2, "Header" and "Connectivity"
-bool isSane(std::string_view stream) {
+std::optional<Announced> headerOf(std::string_view stream) {
   constexpr std::size_t kHeader = 11;
   constexpr char kMesh = 1, kSequential = 0, kEdgebreaker = 1;
   const std::uint64_t most = kMostPerByte * stream.size();
-  if (stream.size() < kHeader || !stream.starts_with("DRACO\2\2")) return false;
+  if (stream.size() < kHeader || !stream.starts_with("DRACO\2\2")) return std::nullopt;
   const char type = stream[7], method = stream[8];
   const bool hasMetadata = (static_cast<unsigned char>(stream[10]) & 0x80u) != 0;
   if (type != kMesh || hasMetadata || (method != kSequential && method != kEdgebreaker))
-    return false;
-  stream.remove_prefix(kHeader + (method == kEdgebreaker ? 1 : 0));  // the kind of traversal
+    return std::nullopt;
+  const bool edgebreaker = method == kEdgebreaker;
+  stream.remove_prefix(kHeader + (edgebreaker ? 1 : 0));  // the kind of traversal
   const auto first = takeVarint(stream), second = takeVarint(stream);
-  return first && second && *first <= most && *second <= most;
+  if (!first || !second || *first > most || *second > most) return std::nullopt;
+  if (edgebreaker) return Announced{true, *second, *first};
+  return Announced{false, *first, *second};
 }
 
-std::unique_ptr<draco::Mesh> decode(std::string_view stream) {
-  if (!isSane(stream)) return nullptr;
+// Draco's decoder, stopped before it makes room for what the stream says of its attributes, if that
+// is more than may be used.
+template <class Decoder>
+class Charged final : public Decoder {
+ public:
+  explicit Charged(const MeshFile& file) : file_(file) {}
+
+ private:
+  bool DecodeAllAttributes() override {
+    const draco::PointCloud& points = *this->point_cloud();
+    for (int i = 0; i < points.num_attributes(); ++i) {
+      const auto numbers = static_cast<std::uint64_t>(points.attribute(i)->num_components());
+      charge(file_, points.num_points(), numbers * kBytesPerNumber);
+    }
+    checkpoint(file_);
+    return Decoder::DecodeAllAttributes();
+  }
+
+  const MeshFile& file_;
+};
+
+template <class Decoder>
+std::unique_ptr<draco::Mesh> decodeBy(std::string_view stream, const MeshFile& file) {
   draco::DecoderBuffer buffer;
   buffer.Init(stream.data(), stream.size());
-  draco::Decoder decoder;
+  const draco::DecoderOptions options;
+  auto mesh = std::make_unique<draco::Mesh>();
+  if (!Charged<Decoder>(file).Decode(options, &buffer, mesh.get()).ok()) return nullptr;
+  return mesh;
+}
+
+std::unique_ptr<draco::Mesh> decode(std::string_view stream, const MeshFile& file) {
+  const std::optional<Announced> header = headerOf(stream);
+  if (!header) return nullptr;
+  charge(file, header->faces, kBytesPerFace);
+  charge(file, header->points, kBytesPerPoint);
   try {
-    auto mesh = decoder.DecodeMeshFromBuffer(&buffer);
-    return mesh.ok() ? std::move(mesh).value() : nullptr;
+    return header->edgebreaker ? decodeBy<draco::MeshEdgebreakerDecoder>(stream, file)
+                               : decodeBy<draco::MeshSequentialDecoder>(stream, file);
   } catch (const std::bad_alloc&) {
     return nullptr;
   } catch (const std::length_error&) {
@@ -66,6 +111,10 @@ std::unique_ptr<draco::Mesh> decode(std::string_view stream) {
 // A point's values of an attribute; those of the accessor's normalised whole numbers as it says.
 GltfArray valuesOf(const GltfDocument& document, const draco::Mesh& mesh,
                    const draco::PointAttribute& attribute, const Json& accessor) {
+  constexpr int kMostComponents = 16;
+  if (attribute.num_components() > kMostComponents)
+    throw document.bad("an attribute of a mesh packed by Draco has " +
+                       std::to_string(attribute.num_components()) + " numbers for each point");
   GltfArray out{mesh.num_points(), static_cast<std::size_t>(attribute.num_components()), {}};
   const bool normalise = accessor.value("normalized", Json()) == true && !attribute.normalized();
   const std::size_t type = document.number(accessor, "componentType");
@@ -95,7 +144,7 @@ std::optional<GltfDraco> decodeDraco(const GltfDocument& document, const Json& p
   if (accessorOf("POSITION").contains("bufferView")) return std::nullopt;
 
   const std::string_view stream = document.bufferView(document.number(extension, "bufferView"));
-  const std::unique_ptr<draco::Mesh> mesh = decode(stream);
+  const std::unique_ptr<draco::Mesh> mesh = decode(stream, document.file());
   if (mesh == nullptr)
     throw document.bad("a mesh packed by Draco (" + std::to_string(stream.size()) +
                        " bytes) cannot be unpacked");

@@ -2,7 +2,9 @@
 #include "mesh/gltf_look.h"
 
 #include <algorithm>
+#include <map>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "mesh/beside.h"
@@ -23,28 +25,55 @@ bool isInFile(const Json& image) {
   return uri == image.end() || uri->get_ref<const std::string&>().starts_with("data:");
 }
 
-// The number of a picture in the file among `mesh`'s, read once.
-int textureInFile(const GltfDocument& document, std::size_t index, RawMesh& mesh) {
-  const Json& images = document.array("images");
-  const auto before = std::count_if(images.begin(), images.begin() + static_cast<int>(index),
-                                    [](const Json& image) { return isInFile(image); });
-  const std::string name = "texture_" + std::to_string(before);
-  std::vector<Texture>& textures = mesh.look.textures;
-  const auto known = std::find_if(textures.begin(), textures.end(),
-                                  [&](const Texture& t) { return t.name == name; });
-  if (known != textures.end()) return static_cast<int>(known - textures.begin());
-  const Json& image = images[index];
-  const auto uri = image.find("uri");
-  std::string bytes =
-      uri != image.end()
-          ? dataUriBytes(uri->get_ref<const std::string&>())
-          : std::string(document.bufferView(document.number(image, "bufferView", 0xffffffff)));
-  if (bytes.empty()) return -1;
-  textures.push_back({name, std::move(bytes)});
-  return static_cast<int>(textures.size()) - 1;
-}
+// The pictures in a file, and which of `mesh`'s textures they are.
+class ImagesInFile {
+ public:
+  explicit ImagesInFile(const GltfDocument& document) : document_(document) {}
 
-int textureOf(const GltfDocument& document, const Json& material, RawMesh& mesh) {
+  // The number of a picture in the file among `mesh`'s, read once.
+  int textureOf(std::size_t index, RawMesh& mesh) {
+    const auto known = textures_.find(index);
+    if (known != textures_.end()) return known->second;
+    return textures_[index] = read(index, mesh);
+  }
+
+ private:
+  int read(std::size_t index, RawMesh& mesh) {
+    const Json& image = document_.array("images")[index];
+    const std::string name = "texture_" + std::to_string(before(index));
+    const auto uri = image.find("uri");
+    std::string bytes;
+    if (uri != image.end()) {
+      const auto& text = uri->get_ref<const std::string&>();
+      charge(document_.file(), text.size());
+      bytes = dataUriBytes(text);
+    } else {
+      const std::string_view view =
+          document_.bufferView(document_.number(image, "bufferView", 0xffffffff));
+      charge(document_.file(), view.size());
+      bytes = view;
+    }
+    if (bytes.empty()) return -1;
+    mesh.look.textures.push_back({name, std::move(bytes)});
+    return static_cast<int>(mesh.look.textures.size()) - 1;
+  }
+
+  // How many pictures before that one are in the file.
+  std::size_t before(std::size_t index) {
+    const Json& images = document_.array("images");
+    while (before_.size() <= index) {
+      before_.push_back(before_.back() + (isInFile(images[before_.size() - 1]) ? 1 : 0));
+    }
+    return before_[index];
+  }
+
+  const GltfDocument& document_;
+  std::map<std::size_t, int> textures_;  // by picture
+  std::vector<std::size_t> before_{0};
+};
+
+int textureOf(const GltfDocument& document, const Json& material, ImagesInFile& images,
+              RawMesh& mesh) {
   const Json& use = baseColourTexture(material);
   if (!use.contains("index")) return -1;
   const Json& texture = document.at("textures", document.number(use, "index"));
@@ -55,7 +84,7 @@ int textureOf(const GltfDocument& document, const Json& material, RawMesh& mesh)
   }
   const std::size_t source = document.number(texture, "source");
   const Json& image = document.at("images", source);
-  if (isInFile(image)) return textureInFile(document, source, mesh);
+  if (isInFile(image)) return images.textureOf(source, mesh);
   return textureBeside(document.file(),
                        percentDecoded(image.at("uri").get_ref<const std::string&>()), mesh);
 }
@@ -81,6 +110,7 @@ std::vector<std::uint32_t> addMaterials(const GltfDocument& document, const std:
                                         bool textured, RawMesh& out) {
   std::vector<std::uint32_t> numbers(used.size(), 0);
   std::vector<Material>& materials = out.look.materials;
+  ImagesInFile images(document);
   bool told = false;
   for (std::size_t i = 0; i < used.size(); ++i) {
     if (!used[i]) continue;
@@ -89,7 +119,7 @@ std::vector<std::uint32_t> addMaterials(const GltfDocument& document, const std:
       const Json& source = document.at("materials", i);
       material.name = source.value("name", std::string());
       material.colour = baseColour(source);
-      if (textured) material.texture = textureOf(document, source, out);
+      if (textured) material.texture = textureOf(document, source, images, out);
     }
     told |= !material.name.empty() || material.texture >= 0 || material.colour != glm::vec3(1.0f);
     numbers[i] = static_cast<std::uint32_t>(materials.size());

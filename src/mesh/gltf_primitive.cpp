@@ -54,6 +54,8 @@ std::vector<std::uint32_t> readIndices(const GltfDocument& document, const Json&
                                        std::size_t vertices) {
   std::vector<std::uint32_t> out;
   if (!primitive.contains("indices")) {
+    charge(document.file(), vertices, sizeof(std::uint32_t));
+    out.reserve(vertices);
     for (std::size_t i = 0; i < vertices; ++i) out.push_back(static_cast<std::uint32_t>(i));
     return out;
   }
@@ -62,6 +64,7 @@ std::vector<std::uint32_t> readIndices(const GltfDocument& document, const Json&
   const GltfArray array = readGltfArray(document, index);
   if (array.components != 1 || (type != 5121 && type != 5123 && type != 5125))
     throw document.bad("a mesh's 'indices' are not unsigned whole numbers");
+  charge(document.file(), array.count, sizeof(std::uint32_t));
   out.reserve(array.count);
   for (const double value : array.values) {
     if (value >= static_cast<double>(vertices))
@@ -71,9 +74,13 @@ std::vector<std::uint32_t> readIndices(const GltfDocument& document, const Json&
   return out;
 }
 
-std::vector<glm::uvec3> trianglesOf(const std::vector<std::uint32_t>& at, std::size_t mode) {
+std::vector<glm::uvec3> trianglesOf(const GltfDocument& document,
+                                    const std::vector<std::uint32_t>& at, std::size_t mode) {
   std::vector<glm::uvec3> out;
   const std::size_t step = mode == kTriangles ? 3 : 1;
+  const std::size_t count = at.size() < 3 ? 0 : (at.size() - 3) / step + 1;
+  charge(document.file(), count, sizeof(glm::uvec3));
+  out.reserve(count);
   for (std::size_t i = 0; i + 2 < at.size(); i += step) {
     if (mode == kFan) {
       out.emplace_back(at[i + 1], at[i + 2], at[0]);
@@ -104,6 +111,11 @@ void requireLength(const GltfDocument& document, const GltfArray& array, std::si
 
 }  // namespace
 
+std::uint64_t GltfPrimitive::bytes() const {
+  return positions.size() * sizeof(glm::dvec3) + triangles.size() * sizeof(glm::uvec3) +
+         texcoords.size() * sizeof(glm::vec2) + colours.size() * sizeof(glm::u8vec3);
+}
+
 std::optional<GltfPrimitive> readGltfPrimitive(const GltfDocument& document,
                                                const Json& primitive) {
   const std::size_t mode = document.number(primitive, "mode", kTriangles);
@@ -114,13 +126,15 @@ std::optional<GltfPrimitive> readGltfPrimitive(const GltfDocument& document,
 
   const GltfArray positions = attributes.read("POSITION").value();
   if (positions.components != 3) throw document.bad("a mesh's 'POSITION' is not of three numbers");
+  charge(document.file(), positions.count, sizeof(glm::dvec3));
   out.positions.reserve(positions.count);
   for (std::size_t i = 0; i < positions.count; ++i) {
     out.positions.emplace_back(positions.at(i, 0), positions.at(i, 1), positions.at(i, 2));
   }
-  out.triangles = attributes.draco()
-                      ? unpackedTriangles(document, *attributes.draco(), positions.count)
-                      : trianglesOf(readIndices(document, primitive, positions.count), mode);
+  out.triangles =
+      attributes.draco()
+          ? unpackedTriangles(document, *attributes.draco(), positions.count)
+          : trianglesOf(document, readIndices(document, primitive, positions.count), mode);
 
   const std::size_t materials = document.array("materials").size();
   out.material = document.number(primitive, "material", materials);
@@ -131,6 +145,8 @@ std::optional<GltfPrimitive> readGltfPrimitive(const GltfDocument& document,
   if (!texcoords) texcoords = attributes.read(name = "TEXCOORD_0");
   if (texcoords) {
     requireLength(document, *texcoords, positions.count, 2, name);
+    charge(document.file(), texcoords->count, sizeof(glm::vec2));
+    out.texcoords.reserve(texcoords->count);
     for (std::size_t i = 0; i < texcoords->count; ++i) {  // v runs downwards
       const glm::vec2 at(texcoords->at(i, 0), 1.0f - static_cast<float>(texcoords->at(i, 1)));
       const bool finite = std::isfinite(at.x) && std::isfinite(at.y);
@@ -139,6 +155,8 @@ std::optional<GltfPrimitive> readGltfPrimitive(const GltfDocument& document,
   }
   if (const std::optional<GltfArray> colours = attributes.read("COLOR_0")) {
     requireLength(document, *colours, positions.count, 3, "COLOR_0");
+    charge(document.file(), colours->count, sizeof(glm::u8vec3));
+    out.colours.reserve(colours->count);
     for (std::size_t i = 0; i < colours->count; ++i) {
       out.colours.push_back(
           srgbFromLinear(glm::vec3(colours->at(i, 0), colours->at(i, 1), colours->at(i, 2))));

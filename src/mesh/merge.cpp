@@ -34,9 +34,11 @@ std::uint64_t hashOf(const Bits& bits) {
   return h;
 }
 
+std::size_t slotsFor(std::size_t vertices) { return std::bit_ceil(2 * vertices + 1); }
+
 // For each vertex the first one at the same place.
 std::vector<std::uint32_t> firstEqual(const std::vector<glm::dvec3>& vertices) {
-  const std::size_t slots = std::bit_ceil(2 * vertices.size() + 1);
+  const std::size_t slots = slotsFor(vertices.size());
   std::vector<std::uint32_t> table(slots, kNone);  // open addressing: a vertex per slot
   std::vector<std::uint32_t> first(vertices.size());
   // The table is larger than the caches: a block's slots are fetched at once.
@@ -114,6 +116,13 @@ void tellObjects(RawMesh&& raw, SourceMesh& out) {
 }
 
 }  // namespace
+
+std::uint64_t mergingMemory(const RawMesh& raw) {
+  // The table and, for each vertex, its first equal and its new number; the triangles that stay.
+  const std::uint64_t numbers =
+      slotsFor(raw.vertices.size()) + 2 * raw.vertices.size() + raw.triangles.size();
+  return sizeof(std::uint32_t) * numbers;
+}
 
 SourceMesh mergeVertices(RawMesh&& raw) {
   SourceMesh out;

@@ -3,6 +3,8 @@
 
 #include <sherd/mesh.h>
 
+#include <cstdint>
+
 #include "mesh/mesh_reader.h"
 
 namespace sherd {
@@ -11,5 +13,8 @@ namespace sherd {
 /// equal), drop triangles with two equal corners, then vertices that no triangle uses.  What is
 /// left keeps its order, and is told of all but the file.  Linear in the number of vertices.
 [[nodiscard]] SourceMesh mergeVertices(RawMesh&& raw);
+
+/// Bytes that merging takes beside the mesh itself.
+[[nodiscard]] std::uint64_t mergingMemory(const RawMesh& raw);
 
 }  // namespace sherd

@@ -3,6 +3,7 @@
 
 #include <sherd/appearance.h>
 #include <sherd/error.h>
+#include <sherd/progress.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -10,6 +11,9 @@
 #include <glm/vec3.hpp>
 #include <string>
 #include <vector>
+
+#include "cancel_flag.h"
+#include "memory_budget.h"
 
 namespace sherd {
 
@@ -21,7 +25,19 @@ struct MeshFile {
   std::string name;  ///< file name without folder, for messages
   MeshFormat format;
   std::string bytes;
+  MemoryBudget* memory = nullptr;      ///< what reading it may take; none: no limit
+  const Progress* progress = nullptr;  ///< may be none
 };
+
+/// Charge what is about to be allocated.
+///   throws  Error(input) it is more than may be used
+inline void charge(const MeshFile& file, std::uint64_t count, std::uint64_t bytesEach = 1) {
+  if (file.memory != nullptr) file.memory->charge(count, bytesEach);
+}
+
+/// Called now and then by long work.
+///   throws  Error(cancelled) the caller wants to stop
+inline void checkpoint(const MeshFile& file) { throwIfCancelled(file.progress); }
 
 /// What a reader found: node transforms applied, polygons triangulated, nothing merged or dropped.
 /// readMesh() checks what is promised here (contradictionIn) before it is used.

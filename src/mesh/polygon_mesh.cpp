@@ -52,7 +52,18 @@ std::vector<std::array<Value, 3>> atCorners(const std::vector<Value>& values,
   return out;
 }
 
+template <class Value>
+std::uint64_t bytesOf(const std::vector<Value>& values) {
+  return values.size() * sizeof(Value);
+}
+
 }  // namespace
+
+std::uint64_t PolygonMesh::bytes() const {
+  return bytesOf(vertices) + bytesOf(corners) + bytesOf(faceEnds) + bytesOf(vertexColours) +
+         bytesOf(faceColours) + bytesOf(vertexTexcoords) + bytesOf(cornerTexcoords) +
+         bytesOf(faceMaterials) + bytesOf(objectOfFace);
+}
 
 void triangulateInto(const MeshFile& file, PolygonMesh&& mesh, RawMesh& out) {
   constexpr std::size_t kMost = std::numeric_limits<std::uint32_t>::max();
@@ -61,6 +72,16 @@ void triangulateInto(const MeshFile& file, PolygonMesh&& mesh, RawMesh& out) {
                      "has more than 2^32 vertices or corners of faces, which is more than "
                      "can be held");
   }
+  // For each triangle its corners twice, its face, and what it has of the look.
+  const std::uint64_t count = mesh.corners.size() - 2 * mesh.faceEnds.size();
+  const bool colors = !mesh.vertexColours.empty() || !mesh.faceColours.empty();
+  const bool texcoords = !mesh.vertexTexcoords.empty() || !mesh.cornerTexcoords.empty();
+  charge(file, count,
+         2 * sizeof(glm::uvec3) + sizeof(std::uint32_t) + (colors ? 3 * sizeof(glm::u8vec3) : 0) +
+             (texcoords ? 3 * sizeof(glm::vec2) : 0) +
+             (mesh.faceMaterials.empty() ? 0 : sizeof(std::uint32_t)) +
+             (mesh.objectOfFace.empty() ? 0 : sizeof(std::uint32_t)));
+  checkpoint(file);
   const Triangles triangles = triangulated(mesh);
   out.triangles.reserve(triangles.corners.size());
   for (const glm::uvec3& t : triangles.corners) {

@@ -25,11 +25,14 @@ struct PolygonMesh {
   std::vector<glm::vec2> cornerTexcoords;    ///< [corners], where vertices have none
   std::vector<std::uint32_t> faceMaterials;  ///< [faces]
   std::vector<std::uint32_t> objectOfFace;   ///< [faces]
+
+  /// Bytes of all of these.
+  [[nodiscard]] std::uint64_t bytes() const;
 };
 
 /// Add the faces as triangles, with their looks, to `out`, which has no triangle yet.
-///   file    for the message
-///   throws  Error(input) more vertices or corners than 32 bits can count
+///   file    for the message, and charged with the triangles
+///   throws  Error(input) more vertices or corners than 32 bits can count, or than memory holds
 void triangulateInto(const MeshFile& file, PolygonMesh&& mesh, RawMesh& out);
 
 }  // namespace sherd

@@ -142,25 +142,24 @@ class Child {
 };
 
 // All that the program answers; nothing where it takes too long or answers too much.
-std::optional<std::string> answerOf(int pipe, const AssimpLimits& limits,
-                                    const Progress* progress) {
+std::optional<std::string> answerOf(int pipe, const AssimpLimits& limits, const MeshFile& file) {
   constexpr long long kBetweenLooks = 100;  // milliseconds
 
   using Clock = std::chrono::steady_clock;
   const Clock::time_point end = Clock::now() + std::chrono::seconds(limits.wallSeconds);
   std::string answer;
+  GrowingMemory memory(file.memory);
   std::vector<char> buffer(std::size_t{1} << 20);
   for (;;) {
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now());
     if (left.count() <= 0 || answer.size() >> 20 > limits.memoryMiB) return std::nullopt;
     pollfd ready{pipe, POLLIN, 0};
-    if (progress && progress->cancelled && progress->cancelled()) {
-      throw Error(ErrorCode::cancelled, "stopped on request");
-    }
+    checkpoint(file);
     const auto wait = std::min<long long>(left.count(), kBetweenLooks);
     if (::poll(&ready, 1, static_cast<int>(wait)) <= 0) continue;
     const ssize_t got = ::read(pipe, buffer.data(), buffer.size());
     if (got == 0) return answer;
+    memory.hold(answer.size() + buffer.size());
     if (got > 0) answer.append(buffer.data(), static_cast<std::size_t>(got));
     if (got < 0 && errno != EINTR) throw cannotStart("its answer");
   }
@@ -186,13 +185,13 @@ void readTextures(const MeshFile& file, RawMesh& mesh) {
 
 }  // namespace
 
-AssimpLimits assimpLimits(std::size_t bytes) {
+AssimpLimits assimpLimits(std::size_t bytes, std::uint64_t memory) {
   const std::uint64_t mebibytes = bytes >> 20;
   const auto seconds = static_cast<unsigned>(30 + 2 * mebibytes);
-  return {1024 + 64 * mebibytes, seconds, 2 * seconds};
+  return {std::min(1024 + 64 * mebibytes, memory >> 20), seconds, 2 * seconds};
 }
 
-RawMesh readByAssimp(const MeshFile& file, const AssimpLimits& limits, const Progress* progress) {
+RawMesh readByAssimp(const MeshFile& file, const AssimpLimits& limits) {
   const std::string program = findProgram(file);
   const FileDescriptor in(memoryFile(file.bytes));
   std::array<int, 2> ends{};
@@ -206,7 +205,7 @@ RawMesh readByAssimp(const MeshFile& file, const AssimpLimits& limits, const Pro
               {format, std::to_string(limits.memoryMiB), std::to_string(limits.cpuSeconds)},
               in.number(), to.number());
   to.close();
-  const std::optional<std::string> answer = answerOf(from.number(), limits, progress);
+  const std::optional<std::string> answer = answerOf(from.number(), limits, file);
   const auto refuse = [&](const std::string& why) {
     return inputError(file, "cannot be read (Assimp " + why + ")");
   };
@@ -224,6 +223,7 @@ RawMesh readByAssimp(const MeshFile& file, const AssimpLimits& limits, const Pro
   }
   if (WIFEXITED(status) && WEXITSTATUS(status) != 0)
     throw refuse("says: " + plainText(answer->substr(0, 160)));
+  charge(file, answer->size());
   std::optional<RawMesh> mesh = meshFromStream(*answer);
   if (!mesh) throw refuse("gave an answer that makes no sense");
   for (std::string& warning : mesh->warnings) warning = file.name + ": " + warning;

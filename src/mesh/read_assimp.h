@@ -1,9 +1,8 @@
 // Reads FBX, DAE and 3MF files by Assimp, in a program of its own.
 #pragma once
 
-#include <sherd/progress.h>
-
 #include <cstdint>
+#include <limits>
 
 #include "mesh/mesh_reader.h"
 
@@ -17,15 +16,16 @@ struct AssimpLimits {
 };
 
 /// Plenty for any file of that size.
-[[nodiscard]] AssimpLimits assimpLimits(std::size_t bytes);
+///   memory  bytes that may be used, which is never passed
+[[nodiscard]] AssimpLimits assimpLimits(
+    std::size_t bytes, std::uint64_t memory = std::numeric_limits<std::uint64_t>::max());
 
 /// Every triangle that the file's nodes show, in single precision, with its look, by `sherd-assimp`
 /// (src/assimp_program/).  Whatever a malformed file does to Assimp ends that program and not this
 /// one. The program is what the environment variable SHERD_ASSIMP names, else it is looked for
 /// beside the running program and where it is installed.
 ///   throws  Error(input) what Assimp refuses or dies of, or what takes more than the limits;
-///   Error(cancelled) stopped by SIGINT, SIGTERM or SIGHUP, or as `progress` says
-[[nodiscard]] RawMesh readByAssimp(const MeshFile& file, const AssimpLimits& limits,
-                                   const Progress* progress = nullptr);
+///   Error(cancelled) stopped by SIGINT, SIGTERM or SIGHUP, or as the file's progress says
+[[nodiscard]] RawMesh readByAssimp(const MeshFile& file, const AssimpLimits& limits);
 
 }  // namespace sherd

@@ -68,9 +68,14 @@ RawMesh readBinm(const MeshFile& file) {
                                std::to_string(file.bytes.size()) + " bytes");
   }
   RawMesh raw;
+  GrowingMemory memory(file.memory);
   for (const Part& part : parts) {
     const auto first = static_cast<std::uint32_t>(raw.vertices.size());
     const std::size_t count = part.vertices.size() / kVertexBytes;
+    const std::size_t faces = part.faces.size() / kFaceBytes;
+    checkpoint(file);
+    memory.hold((raw.vertices.size() + count) * sizeof(glm::dvec3) +
+                (raw.triangles.size() + faces) * sizeof(glm::uvec3));
     for (std::size_t at = 0; at < part.vertices.size(); at += kVertexBytes) {
       glm::dvec3& v = raw.vertices.emplace_back();
       for (int axis = 0; axis < 3; ++axis) {
@@ -78,7 +83,7 @@ RawMesh readBinm(const MeshFile& file) {
             part.vertices.data() + at + 4 * static_cast<std::size_t>(axis)));
       }
     }
-    for (std::size_t i = 0; i < part.faces.size() / kFaceBytes; ++i) {
+    for (std::size_t i = 0; i < faces; ++i) {
       for (std::size_t k = 0; k < 3; ++k) {
         if (cornerAt(part, i, k) < count) continue;
         throw inputError(file, "face " + std::to_string(raw.triangles.size() + 1) +

@@ -103,6 +103,7 @@ std::vector<Affine> instancesOf(const GltfDocument& document, const Json& node) 
   };
   const auto t = read("TRANSLATION", 3), r = read("ROTATION", 4), s = read("SCALE", 3);
   if (!count) return {Affine{}};
+  charge(document.file(), *count, sizeof(Affine));
   std::vector<Affine> out;
   out.reserve(*count);
   for (std::size_t i = 0; i < *count; ++i) {
@@ -204,9 +205,15 @@ struct Reader {
   std::vector<Shown> shown = shownNodes(document);
   std::vector<std::optional<std::vector<GltfPrimitive>>> meshes{document.array("meshes").size()};
   std::size_t pointsAndLines = 0;
-  bool hasTexcoords = false, hasColours = false;
+  bool hasTexcoords = false, hasColours = false, morphed = false;
   std::vector<std::uint32_t> materials{};  // what the file's are in `out`; empty: none is told
   RawMesh out{};
+
+  // What is made on the way is charged while it is there.
+  std::optional<GltfPrimitive> decoded(const Json& source) const {
+    const TransientMemory transient(document.file().memory);
+    return readGltfPrimitive(document, source);
+  }
 
   void decodeMeshes() {
     std::vector<bool> used(document.array("materials").size() + 1, false);
@@ -215,14 +222,18 @@ struct Reader {
       if (meshes[node.mesh]) continue;
       std::vector<GltfPrimitive>& primitives = meshes[node.mesh].emplace();
       for (const Json& source : GltfDocument::member(mesh, "primitives")) {
-        std::optional<GltfPrimitive> primitive = readGltfPrimitive(document, source);
+        checkpoint(document.file());
+        morphed = morphed || source.contains("targets");
+        std::optional<GltfPrimitive> primitive = decoded(source);
         if (!primitive) {
           ++pointsAndLines;
           continue;
         }
+        charge(document.file(), primitive->bytes());
         hasTexcoords |= !primitive->texcoords.empty();
         hasColours |= !primitive->colours.empty();
         used[primitive->material] = true;
+        if (primitive->positions.empty()) continue;  // which instances would only count
         primitives.push_back(std::move(*primitive));
       }
     }
@@ -255,26 +266,56 @@ struct Reader {
     return name.empty() ? document.at("meshes", node.mesh).value("name", name) : name;
   }
 
-  // Before room is made for it.
-  void checkSize() const {
-    std::size_t vertices = 0, corners = 0;
-    for (const Shown& node : shown) {
-      const std::size_t count = instanceCount(document, document.at("nodes", node.node));
-      for (const GltfPrimitive& primitive : *meshes[node.mesh]) {
-        vertices += count * primitive.positions.size();
-        corners += count * 3 * primitive.triangles.size();
-        if (std::max(vertices, corners) <= kMostShown) continue;
-        throw document.bad("its nodes show more than " + std::to_string(kMostShown) +
-                           " vertices or corners of triangles, which is more than is read");
+  // Room for all that is shown, once it is known that there is enough: nodes and instances multiply
+  // what a file holds.
+  void makeRoom() {
+    struct Size {
+      std::size_t vertices = 0, triangles = 0;
+    };
+    std::vector<Size> own(meshes.size());
+    for (std::size_t i = 0; i < meshes.size(); ++i) {
+      if (!meshes[i]) continue;
+      for (const GltfPrimitive& primitive : *meshes[i]) {
+        own[i].vertices += primitive.positions.size();
+        own[i].triangles += primitive.triangles.size();
       }
     }
+    std::size_t vertices = 0, triangles = 0;
+    for (const Shown& node : shown) {
+      const std::size_t count = instanceCount(document, document.at("nodes", node.node));
+      vertices += count * own[node.mesh].vertices;
+      triangles += count * own[node.mesh].triangles;
+      if (std::max(vertices, 3 * triangles) <= kMostShown) continue;
+      throw document.bad("its nodes show more than " + std::to_string(kMostShown) +
+                         " vertices or corners of triangles, which is more than is read");
+    }
+    const MeshFile& file = document.file();
+    SurfaceLook& look = out.look.surface;
+    const auto reserve = [&]<class Value>(std::vector<Value>& values, std::size_t count) {
+      charge(file, count, sizeof(Value));
+      values.reserve(count);
+    };
+    reserve(out.vertices, vertices);
+    reserve(out.triangles, triangles);
+    reserve(out.objectOfTriangle, triangles);
+    if (hasTexcoords) reserve(look.texcoords, triangles);
+    if (hasColours) reserve(look.colours, triangles);
+    if (!materials.empty()) reserve(look.material, triangles);
   }
 
   void place() {
+    constexpr std::size_t kInstancesAtATime = 1024;
+    std::size_t done = 0;
     for (const Shown& node : shown) {
-      for (const Affine& instance : instancesOf(document, document.at("nodes", node.node))) {
-        for (const GltfPrimitive& primitive : *meshes[node.mesh])
-          append(primitive, node.world * instance);
+      const TransientMemory transient(document.file().memory);
+      checkpoint(document.file());
+      const std::vector<GltfPrimitive>& primitives = *meshes[node.mesh];
+      if (!primitives.empty()) {
+        for (const Affine& instance : instancesOf(document, document.at("nodes", node.node))) {
+          if (++done % kInstancesAtATime == 0) checkpoint(document.file());
+          for (const GltfPrimitive& primitive : primitives)
+            append(primitive, node.world * instance);
+        }
       }
       out.objectOfTriangle.resize(out.triangles.size(),
                                   static_cast<std::uint32_t>(out.objects.size()));
@@ -293,18 +334,13 @@ struct Reader {
     const bool skinned = std::any_of(shown.begin(), shown.end(), [&](const Shown& node) {
       return document.at("nodes", node.node).contains("skin");
     });
-    const bool morphed = std::any_of(shown.begin(), shown.end(), [&](const Shown& node) {
-      const Json& primitives = GltfDocument::member(document.at("meshes", node.mesh), "primitives");
-      return std::any_of(primitives.begin(), primitives.end(),
-                         [](const Json& primitive) { return primitive.contains("targets"); });
-    });
     if (skinned) tell("its skins are left out: the mesh is read as it is without its skeleton");
     if (morphed) tell("its morph targets are left out: the mesh is read as it is without them");
   }
 
   RawMesh read() {
     decodeMeshes();
-    checkSize();
+    makeRoom();
     place();
     warn();
     return std::move(out);

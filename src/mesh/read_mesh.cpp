@@ -15,6 +15,7 @@
 #include <string_view>
 #include <utility>
 
+#include "io/little_endian.h"
 #include "io/sha256.h"
 #include "lower_case.h"
 #include "mesh/contradictions.h"
@@ -27,6 +28,7 @@
 #include "mesh/read_off.h"
 #include "mesh/read_ply.h"
 #include "mesh/read_stl.h"
+#include "mesh/text_scan.h"
 
 namespace sherd {
 namespace {
@@ -53,8 +55,42 @@ std::optional<MeshFormat> formatFromExtension(const std::string& extension) {
   return std::nullopt;
 }
 
-// Unpack a gzip file, which may be several streams one after another.
-std::string gunzip(const std::string& packed, const std::string& name) {
+// Whether a file of the format may begin so; only those are looked at that begin in one way.
+bool mayBegin(MeshFormat format, std::string_view bytes) {
+  switch (format) {
+    case MeshFormat::ply:
+      return withoutByteOrderMark(bytes).starts_with("ply");
+    case MeshFormat::glb:
+      return bytes.starts_with("glTF");
+    case MeshFormat::gltf:
+      return trimmed(withoutByteOrderMark(bytes)).starts_with('{');
+    default:
+      return true;
+  }
+}
+
+// What the last four bytes of a gzip file say, if that can be.
+std::size_t lastLength(std::string_view packed) {
+  constexpr std::size_t kMostInflated = 1032;  // bytes that deflation makes of one, at most
+  if (packed.size() < sizeof(std::uint32_t)) return 0;
+  const std::size_t length = loadLittle<std::uint32_t>(packed.data() + packed.size() - 4);
+  return length / kMostInflated <= packed.size() ? length : 0;
+}
+
+// Room for more text, charged before it is made; what is full gets twice its room.
+void makeRoom(std::string& text, std::size_t more, MemoryBudget& memory) {
+  const std::size_t before = text.capacity(), needed = text.size() + more;
+  if (needed <= before) return;
+  const std::size_t room = std::max(needed, 2 * before);
+  memory.charge(room);
+  text.reserve(room);
+  memory.release(before);
+}
+
+// Unpack a gzip file, which may be several streams one after another, piece by piece.  Of one that
+// cannot be of its format only the beginning is unpacked, which its reader refuses.
+std::string gunzip(const std::string& packed, const std::string& name, MeshFormat format,
+                   MemoryBudget& memory) {
   const auto fail = [&](const std::string& what) {
     return Error(ErrorCode::input, name + ": " + what);
   };
@@ -78,7 +114,15 @@ std::string gunzip(const std::string& packed, const std::string& name) {
     stream.avail_out = static_cast<uInt>(buffer.size());
     status = inflate(&stream, Z_NO_FLUSH);
     taken += give - stream.avail_in;
-    out.append(buffer.data(), buffer.size() - stream.avail_out);
+    const std::size_t got = buffer.size() - stream.avail_out;
+    makeRoom(out, got, memory);
+    out.append(buffer.data(), got);
+    if (out.size() == got && got > 0) {  // the first piece
+      if (!mayBegin(format, out)) return out;
+      // The file's end tells how long its last stream is, in 32 bits: for most, the room that is
+      // needed.
+      makeRoom(out, lastLength(packed) - std::min(lastLength(packed), got), memory);
+    }
     if (out.size() > kLargestUnpacked)
       throw fail("unpacks to more than 8 GiB, which is more than is read");
     if (status == Z_BUF_ERROR) throw fail("cut short: its gzip stream has no end");
@@ -102,7 +146,7 @@ FileName splitName(const fs::path& file) {
   return name;
 }
 
-RawMesh readRaw(const MeshFile& file, const Progress* progress) {
+RawMesh readRaw(const MeshFile& file) {
   switch (file.format) {
     case MeshFormat::obj:
       return readObj(file);
@@ -120,7 +164,7 @@ RawMesh readRaw(const MeshFile& file, const Progress* progress) {
     case MeshFormat::fbx:
     case MeshFormat::dae:
     case MeshFormat::threeMf:
-      return readByAssimp(file, assimpLimits(file.bytes.size()), progress);
+      return readByAssimp(file, assimpLimits(file.bytes.size(), file.memory->left()));
   }
   return {};
 }
@@ -148,36 +192,9 @@ void checkMerged(const MeshFile& file, const SourceMesh& source) {
   }
 }
 
-}  // namespace
-
-std::string readFileBytes(const fs::path& file) {
-  const auto fail = [&](const std::string& what) {
-    return Error(ErrorCode::input, file.string() + ": " + what);
-  };
-  std::error_code error;
-  const fs::file_status status = fs::status(file, error);
-  if (status.type() == fs::file_type::not_found) throw fail("there is no such file");
-  if (error) throw fail("cannot be read: " + error.message());
-  if (fs::is_directory(status)) throw fail("is a directory, a file is needed");
-  if (!fs::is_regular_file(status)) throw fail("is not a regular file");
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw fail("cannot be opened for reading");
-  std::string bytes(static_cast<std::size_t>(fs::file_size(file)), '\0');
-  in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (static_cast<std::size_t>(in.gcount()) != bytes.size())
-    throw fail("cannot be read to its end");
-  return bytes;
-}
-
-bool isMeshName(const fs::path& file) {
-  return formatFromExtension(splitName(file).extension).has_value();
-}
-
-SourceMesh readMesh(const fs::path& path, const Progress* progress) {
-  return meshFromBytes(path, readFileBytes(path), progress);
-}
-
-SourceMesh meshFromBytes(const fs::path& path, std::string bytes, const Progress* progress) {
+//   memory  charged with `bytes`
+SourceMesh meshOf(const fs::path& path, std::string bytes, MemoryBudget& memory,
+                  const Progress* progress) {
   const FileName name = splitName(path);
   const std::string fileName = path.filename().string();
   const std::optional<MeshFormat> format = formatFromExtension(name.extension);
@@ -188,12 +205,14 @@ SourceMesh meshFromBytes(const fs::path& path, std::string bytes, const Progress
             "' is not known; read are .obj .ply .stl .off .gltf .glb .binm .fbx .dae .3mf, and "
             "each with .gz");
   }
-  const MeshFile file{path, fileName, *format,
-                      name.packed ? gunzip(bytes, fileName) : std::move(bytes)};
+  const MeshFile file{
+      path,    fileName,
+      *format, name.packed ? gunzip(bytes, fileName, *format, memory) : std::move(bytes),
+      &memory, progress};
   if (file.bytes.empty()) throw inputError(file, "the file is empty");
   std::future<std::string> hash =
       std::async(std::launch::async, [&] { return sha256(name.packed ? bytes : file.bytes); });
-  RawMesh raw = readRaw(file, progress);  // in the caller's thread, which `progress` is for
+  RawMesh raw = readRaw(file);  // in the caller's thread, which `progress` is for
   if (raw.triangles.empty()) throw inputError(file, "holds no triangle");
   if (raw.vertices.size() > std::numeric_limits<std::uint32_t>::max())
     throw inputError(file, "has more than 2^32 vertices, which is more than can be held");
@@ -201,6 +220,8 @@ SourceMesh meshFromBytes(const fs::path& path, std::string bytes, const Progress
   if (const auto contradiction = contradictionIn(raw))
     throw inputError(file, "contradicts itself: " + *contradiction);
 
+  memory.charge(mergingMemory(raw));
+  checkpoint(file);
   SourceMesh out = mergeVertices(std::move(raw));
   checkMerged(file, out);
   out.name = fileName;
@@ -212,6 +233,46 @@ SourceMesh meshFromBytes(const fs::path& path, std::string bytes, const Progress
                            " triangles that use them are dropped");
   }
   return out;
+}
+
+}  // namespace
+
+std::string readFileBytes(const fs::path& file, MemoryBudget* memory) {
+  const auto fail = [&](const std::string& what) {
+    return Error(ErrorCode::input, file.string() + ": " + what);
+  };
+  std::error_code error;
+  const fs::file_status status = fs::status(file, error);
+  if (status.type() == fs::file_type::not_found) throw fail("there is no such file");
+  if (error) throw fail("cannot be read: " + error.message());
+  if (fs::is_directory(status)) throw fail("is a directory, a file is needed");
+  if (!fs::is_regular_file(status)) throw fail("is not a regular file");
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw fail("cannot be opened for reading");
+  const std::uintmax_t size = fs::file_size(file);
+  if (memory != nullptr) memory->charge(size);
+  std::string bytes(static_cast<std::size_t>(size), '\0');
+  in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (static_cast<std::size_t>(in.gcount()) != bytes.size())
+    throw fail("cannot be read to its end");
+  return bytes;
+}
+
+bool isMeshName(const fs::path& file) {
+  return formatFromExtension(splitName(file).extension).has_value();
+}
+
+SourceMesh readMesh(const fs::path& path, const ReadOptions& options, const Progress* progress) {
+  MemoryBudget memory(path.filename().string(), options.maxMemory);
+  std::string bytes = readFileBytes(path, &memory);
+  return meshOf(path, std::move(bytes), memory, progress);
+}
+
+SourceMesh meshFromBytes(const fs::path& path, std::string bytes, const ReadOptions& options,
+                         const Progress* progress) {
+  MemoryBudget memory(path.filename().string(), options.maxMemory);
+  memory.charge(bytes.size());
+  return meshOf(path, std::move(bytes), memory, progress);
 }
 
 }  // namespace sherd

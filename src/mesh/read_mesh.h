@@ -12,6 +12,7 @@ namespace sherd {
 ///   path    its name tells the format; files that the mesh names are looked for beside it
 ///   throws  Error(input) as readMesh()
 [[nodiscard]] SourceMesh meshFromBytes(const std::filesystem::path& path, std::string bytes,
+                                       const ReadOptions& options = {},
                                        const Progress* progress = nullptr);
 
 }  // namespace sherd

@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "mesh/beside.h"
@@ -137,9 +138,26 @@ struct Reader {
     ofFaces.back() = of;
   }
 
+  // What is held now, names with what finding them takes.
+  [[nodiscard]] std::uint64_t bytesHeld() const {
+    constexpr std::uint64_t kName = 160;
+    return mesh.bytes() + colours.size() * sizeof(glm::vec3) +
+           texcoords.size() * sizeof(glm::vec2) +
+           (cornerTexcoords.size() + groupOfFace.size()) * sizeof(std::uint32_t) +
+           kName * (materials.list().size() + objects.list().size() + groups.list().size() +
+                    libraries.size());
+  }
+
   void readLines() {
+    constexpr std::size_t kLinesAtATime = 4096;
+    GrowingMemory memory(file.memory);
+    std::size_t count = 0;
     ObjLines lines(withoutByteOrderMark(file.bytes));
     while (lines.next()) {
+      if (++count % kLinesAtATime == 0) {
+        checkpoint(file);
+        memory.hold(bytesHeld());
+      }
       std::string_view rest = lines.line();
       const std::string_view keyword = takeWord(rest);
       if (keyword == "v") {
@@ -182,7 +200,11 @@ struct Reader {
 
   // A library is a plain file name; one line may name several.
   void readLibraries(RawMesh& out) const {
+    constexpr std::uint64_t kMostPerByte =
+        16;  // "newmtl a" is a map's entry of a name and a texture
     std::map<std::string, MtlMaterial> known;
+    std::set<std::string, std::less<>> read;
+    GrowingMemory memory(file.memory);
     for (const std::string& line : libraries) {
       const NamedFile whole = fileBeside(file, line);
       std::error_code error;
@@ -191,8 +213,11 @@ struct Reader {
       std::string_view rest = line;
       for (std::string_view name = isOne ? rest : takeWord(rest); !name.empty();
            name = isOne ? std::string_view() : takeWord(rest)) {
+        if (!read.emplace(name).second) continue;  // of two that are alike the first counts
         const auto text = readBeside(file, name, "material library", out.warnings);
-        if (text) addMtl(*text, known);
+        if (!text) continue;
+        memory.hold(text->size() * kMostPerByte);  // before it is known how many it names
+        addMtl(*text, known);
       }
     }
     for (Material& named : out.look.materials) {
@@ -210,6 +235,8 @@ struct Reader {
     checkIndices();
     mesh.vertexColours = coloursFrom(colours);
     cornerTexcoords.resize(hasTexcoords ? mesh.corners.size() : 0, kNone);
+    charge(file, cornerTexcoords.size(), sizeof(glm::vec2));
+    mesh.cornerTexcoords.reserve(cornerTexcoords.size());
     for (const std::uint32_t vt : cornerTexcoords) {
       mesh.cornerTexcoords.push_back(vt == kNone ? glm::vec2(0.0f) : texcoords[vt]);
     }

@@ -115,12 +115,24 @@ struct Reader {
     const auto faces = parseInteger<std::uint32_t>(takeWord(line));
     if (!vertices || !faces) throw bad("found no number of vertices and faces after the header");
     // A line has six bytes at least.
-    mesh.vertices.reserve(std::min<std::size_t>(*vertices, file.bytes.size() / 6));
+    const std::size_t room = std::min<std::size_t>(*vertices, file.bytes.size() / 6);
+    charge(file, room, sizeof(glm::dvec3));
+    mesh.vertices.reserve(room);
+    GrowingMemory memory(file.memory);
+    const auto grow = [&] {
+      constexpr std::size_t kLinesAtATime = 4096;
+      if (lines.number() % kLinesAtATime != 0) return;
+      checkpoint(file);
+      memory.hold(mesh.bytes() - mesh.vertices.size() * sizeof(glm::dvec3) +
+                  (vertexColours.size() + faceColours.size()) * sizeof(glm::vec3));
+    };
     for (std::size_t i = 0; i < *vertices; ++i) {
+      grow();
       expectLine("vertex", i, *vertices);
       readVertex();
     }
     for (std::size_t i = 0; i < *faces; ++i) {
+      grow();
       expectLine("face", i, *faces);
       readFace(*vertices);
     }

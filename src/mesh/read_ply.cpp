@@ -110,6 +110,8 @@ struct Values {
   std::uint32_t texture = 0, material = 0;
 };
 
+constexpr std::int64_t kItemsAtATime = 4096;
+
 struct Reader {
   const MeshFile& file;
   PlyHeader header = readPlyHeader(file);
@@ -129,6 +131,8 @@ struct Reader {
   std::vector<std::uint32_t> materials{};  // [faces] as the file has them
   std::vector<float> texcoords{};          // of one face
   std::vector<std::int64_t> strip{};
+  std::size_t cornerRoom = 0;  // made for mesh.corners in one go
+  GrowingMemory memory{file.memory};
 
   void checkHeader() const {
     for (const PlyElement& element : header.elements) {
@@ -162,6 +166,7 @@ struct Reader {
     const std::int64_t length = body.integer(*column.property->listCount);
     if (length < 0) throw body.bad("has a list of negative length");
     if (column.role == Role::none) body.skip(type, static_cast<std::size_t>(length));
+    if (length > kItemsAtATime) holdList(static_cast<std::size_t>(length));
     if (column.role == Role::strip) strip.clear();
     if (column.role == Role::texcoords) texcoords.clear();
     for (std::int64_t i = 0; i < length && column.role != Role::none; ++i) {
@@ -243,15 +248,46 @@ struct Reader {
     }
   }
 
+  // What is held now without the room that was made in one go.
+  [[nodiscard]] std::uint64_t bytesBeyondRoom() const {
+    const std::uint64_t roomy = mesh.vertices.size() * sizeof(glm::dvec3) +
+                                std::min(mesh.corners.size(), cornerRoom) * sizeof(std::uint32_t);
+    return mesh.bytes() - roomy + colours.size() * sizeof(glm::vec3) +
+           materials.size() * sizeof(std::uint32_t) + texcoords.size() * sizeof(float) +
+           strip.size() * sizeof(std::int64_t);
+  }
+
+  // One list may be as long as the file.  At most a corner of it is one of a strip, and a
+  // triangle's three corners, its end and its material.
+  void holdList(std::size_t length) {
+    constexpr std::uint64_t kMostPerCorner = sizeof(std::int64_t) + 5 * sizeof(std::uint32_t);
+    checkpoint(file);
+    memory.hold(bytesBeyondRoom() + std::min(length, file.bytes.size()) * kMostPerCorner);
+  }
+
   void readBody() {
     PlyBody body(file, header);
     for (const PlyElement& element : header.elements) {
       const std::vector<Column> columns = columnsOf(element);
       const bool isVertex = &element == vertex, isFace = &element == face;
-      if (isVertex) mesh.vertices.reserve(mostOf(element, file, header.encoding));
-      if (isFace) mesh.corners.reserve(3 * mostOf(element, file, header.encoding));
+      // In one go and not by doubling, which takes more: what comes beyond it is charged as it
+      // grows.
+      const std::size_t most = mostOf(element, file, header.encoding);
+      if (isVertex) {
+        charge(file, most, sizeof(glm::dvec3));
+        mesh.vertices.reserve(most);
+      }
+      if (isFace) {
+        charge(file, most, 3 * sizeof(std::uint32_t));
+        cornerRoom = 3 * most;
+        mesh.corners.reserve(cornerRoom);
+      }
       Values values;
       for (std::size_t i = 0; i < element.count; ++i) {
+        if (i % kItemsAtATime == 0) {
+          checkpoint(file);
+          memory.hold(bytesBeyondRoom());
+        }
         body.begin(element, i);
         for (const Column& column : columns) {
           if (column.property->listCount)

@@ -30,6 +30,8 @@ void addTriangle(RawMesh& out) {
 }
 
 RawMesh readBinary(const MeshFile& file, std::size_t count) {
+  charge(file, count, 3 * sizeof(glm::dvec3) + sizeof(glm::uvec3));
+  checkpoint(file);
   RawMesh out;
   out.vertices.reserve(3 * count);
   out.triangles.reserve(count);
@@ -55,10 +57,18 @@ RawMesh readText(const MeshFile& file) {
   constexpr std::array<std::string_view, 7> kFacet{
       {"facet", "outer", "vertex", "vertex", "vertex", "endloop", "endfacet"}};
   RawMesh out;
+  constexpr std::size_t kLinesAtATime = 4096;
+  GrowingMemory memory(file.memory);
   std::size_t at = 0;
   bool inSolid = false;
   LineReader lines(withoutByteOrderMark(file.bytes));
   while (lines.next()) {
+    if (lines.number() % kLinesAtATime == 0) {
+      checkpoint(file);
+      memory.hold(out.vertices.size() * sizeof(glm::dvec3) +
+                  out.triangles.size() * (sizeof(glm::uvec3) + sizeof(std::uint32_t)) +
+                  out.objects.size() * sizeof(std::string));
+    }
     std::string_view rest = lines.line();
     const std::string word = lowerCase(std::string(takeWord(rest)));
     if (word.empty()) continue;

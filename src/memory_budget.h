@@ -1,0 +1,89 @@
+// How much memory reading a file may still take.
+#pragma once
+
+#include <sherd/error.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <limits>
+#include <string>
+#include <utility>
+
+namespace sherd {
+
+/// Bytes that reading one file takes, charged before they are allocated, so that a small file
+/// cannot take much.  Used by one thread.
+class MemoryBudget {
+ public:
+  ///   file   its name, for the message
+  ///   limit  bytes
+  MemoryBudget(std::string file, std::uint64_t limit) : file_(std::move(file)), limit_(limit) {}
+
+  ///   throws  Error(input) all that is charged would be above the limit
+  void charge(std::uint64_t count, std::uint64_t bytesEach = 1) {
+    constexpr std::uint64_t kMost = std::numeric_limits<std::uint64_t>::max();
+    const bool fits = bytesEach == 0 || count <= (kMost - taken_) / bytesEach;
+    const std::uint64_t sum = fits ? taken_ + count * bytesEach : kMost;
+    if (sum > limit_) {
+      throw Error(ErrorCode::input, file_ + ": reading it takes " + gigabytes(sum) +
+                                        " of memory or more, and " + gigabytes(limit_) +
+                                        " may be used");
+    }
+    taken_ = sum;
+  }
+  void release(std::uint64_t bytes) { taken_ -= std::min(bytes, taken_); }
+
+  [[nodiscard]] std::uint64_t taken() const { return taken_; }
+  [[nodiscard]] std::uint64_t left() const { return limit_ - taken_; }
+
+ private:
+  static std::string gigabytes(std::uint64_t bytes) {
+    char text[40];
+    std::snprintf(text, sizeof text, "%.3g GB", static_cast<double>(bytes) / 1e9);
+    return text;
+  }
+
+  std::string file_;
+  std::uint64_t limit_, taken_ = 0;
+};
+
+/// Releases, at its end, what was charged since its beginning.
+class TransientMemory {
+ public:
+  ///   memory  none: nothing is charged
+  explicit TransientMemory(MemoryBudget* memory)
+      : memory_(memory), before_(memory != nullptr ? memory->taken() : 0) {}
+  TransientMemory(const TransientMemory&) = delete;
+  TransientMemory& operator=(const TransientMemory&) = delete;
+  ~TransientMemory() {
+    if (memory_ != nullptr) memory_->release(memory_->taken() - before_);
+  }
+
+ private:
+  MemoryBudget* memory_;
+  std::uint64_t before_;
+};
+
+/// The charge of arrays that grow element by element.
+class GrowingMemory {
+ public:
+  ///   memory  none: nothing is charged
+  explicit GrowingMemory(MemoryBudget* memory) : memory_(memory) {}
+
+  /// Charge that they hold so much, or will before the next call.
+  ///   throws  Error(input)
+  void hold(std::uint64_t bytes) {
+    // One that is full is copied to twice its room.
+    constexpr std::uint64_t kRoom = 3;
+    if (memory_ == nullptr || kRoom * bytes <= charged_) return;
+    memory_->charge(kRoom * bytes - charged_);
+    charged_ = kRoom * bytes;
+  }
+
+ private:
+  MemoryBudget* memory_;
+  std::uint64_t charged_ = 0;
+};
+
+}  // namespace sherd

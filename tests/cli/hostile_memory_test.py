@@ -1,0 +1,98 @@
+#!/usr/bin/python3
+"""Small files that stand for much memory, read by a program that may take little: each is refused with a sentence.
+
+SHERD_BIN names the program.  Needs python3-numpy.
+"""
+import gzip
+import io
+import json
+import os
+import resource
+import struct
+import subprocess
+import tempfile
+import unittest
+import zipfile
+
+import numpy as np
+
+SHERD = os.environ["SHERD_BIN"]
+ADDRESSES = 1_500_000_000  # of which the program itself takes some hundred million
+TRIANGLE = struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0)
+PRIMITIVE = {"attributes": {"POSITION": 0}}
+
+
+def glb(document, buffer):
+    document = {"asset": {"version": "2.0"}, "buffers": [{"byteLength": len(buffer)}], **document}
+    text = json.dumps(document, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % 4)
+    buffer += b"\0" * (-len(buffer) % 4)
+    return (b"glTF" + struct.pack("<II", 2, 28 + len(text) + len(buffer)) + struct.pack("<I", len(text)) + b"JSON" + text
+            + struct.pack("<I", len(buffer)) + b"BIN\0" + buffer)
+
+
+def primitives():
+    """6,000 primitives of one accessor without data."""
+    return glb({"nodes": [{"mesh": 0}], "accessors": [{"componentType": 5126, "count": 400_000, "type": "VEC3"}],
+                "meshes": [{"primitives": [PRIMITIVE] * 6000}]}, b"\0" * 500_000)
+
+
+def instances():
+    """40 times 500,000 instances of a triangle."""
+    shown = {"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 1}}}}
+    return glb({"nodes": [shown] * 40, "meshes": [{"primitives": [PRIMITIVE]}],
+                "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 1_500_000}],
+                "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
+                              {"bufferView": 1, "componentType": 5121, "count": 500_000, "type": "VEC3"}]},
+               TRIANGLE + b"\1" * 1_500_000)
+
+
+def zeros():
+    """Two gigabytes of zeros, packed."""
+    return gzip.compress(bytes(1 << 24)) * 128
+
+
+def npz(name, kind, shape, block, blocks):
+    out, head = io.BytesIO(), io.BytesIO()
+    np.lib.format.write_array_header_1_0(head, {"descr": kind, "fortran_order": False, "shape": shape})
+    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
+        with archive.open(name + ".npy", "w") as file:
+            file.write(head.getvalue())
+            for _ in range(blocks):
+                file.write(block)
+    return out.getvalue()
+
+
+class HostileMemoryTest(unittest.TestCase):
+    def refused(self, name, content):
+        self.assertLess(len(content), 8_000_000)
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, name)
+            with open(path, "wb") as file:
+                file.write(content)
+            run = subprocess.run([SHERD, "inspect", path], capture_output=True, text=True,
+                                 preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (ADDRESSES, ADDRESSES)))
+        self.assertEqual(run.returncode, 3, run.stderr)
+        self.assertEqual(run.stderr.count("\n"), 1, run.stderr)
+        return run.stderr
+
+    def refused_for_memory(self, name, content):
+        self.assertRegex(self.refused(name, content), r"reading it takes [\d.]+ GB of memory or more, and [\d.]+ GB may be used")
+
+    def test_primitives_and_instances(self):
+        self.refused_for_memory("a.glb", primitives())
+        self.refused_for_memory("b.glb", instances())
+
+    def test_packed_zeros(self):
+        self.refused_for_memory("a.obj.gz", zeros())
+        self.refused_for_memory("b.stl.gz", zeros())
+        self.assertIn("found no 'ply'", self.refused("c.ply.gz", zeros()))
+
+    def test_packed_arrays(self):
+        turns = np.resize(np.array([1, 2], np.uint8), 1 << 20).tobytes()
+        self.refused_for_memory("a.npz", npz("labels", "|u1", (512, 1024, 1024), turns, 512))
+        self.refused_for_memory("b.npz", npz("positions", "<f8", (1 << 26, 3), bytes(1 << 20), 1536))
+
+
+if __name__ == "__main__":
+    unittest.main()
