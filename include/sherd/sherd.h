@@ -13,6 +13,7 @@
 #include <sherd/fracture.h>
 #include <sherd/fragments.h>
 #include <sherd/io.h>
+#include <sherd/kernel_cache.h>
 #include <sherd/labels.h>
 #include <sherd/leaf_blocks.h>
 #include <sherd/memory.h>

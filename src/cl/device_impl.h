@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "cl/buffer_pool.h"
+#include "cl/error_name.h"
 #include "cl/open_cl.h"
 
 namespace sherd {
@@ -52,7 +53,7 @@ auto withDevice(Device::Impl& device, const char* doing, Body&& body) {
     return body();
   } catch (const cl::Error& e) {
     throw Error(ErrorCode::device, device.info.name + ": " + doing + " failed in " + e.what() +
-                                       " with OpenCL error " + std::to_string(e.err()) +
+                                       " with OpenCL error " + errorName(e.err()) +
                                        "; try another --device");
   }
 }

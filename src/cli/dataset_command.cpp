@@ -1,6 +1,7 @@
 // `sherd dataset` and `sherd merge`: break a whole library.
 #include <sherd/dataset.h>
 #include <sherd/error.h>
+#include <sherd/kernel_cache.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -12,6 +13,7 @@
 #include "cli/command.h"
 #include "cli/dataset_telling.h"
 #include "cli/drawn_options.h"
+#include "cli/foreign_exit.h"
 #include "cli/fracture_options.h"
 #include "cli/interrupts.h"
 #include "cli/machine_options.h"
@@ -199,6 +201,7 @@ void addRunOptions(CLI::App& command, DatasetArguments& arguments) {
 
 void runDatasetCommand(DatasetArguments& arguments) {
   if (!arguments.dryRun) setInterruptedState("go on with the same command and --resume");
+  provideKernelCache();
   DatasetOptions& options = arguments.options;
   options.write = writeOptions(arguments.write);
   // Loaders of Breaking Bad want nothing but vertices and faces, and take any file for a piece.
@@ -216,6 +219,7 @@ void runDatasetCommand(DatasetArguments& arguments) {
   const auto threads = limitedThreads(arguments.machine);
   keepFreedMemory();
   Device device(arguments.machine.device);
+  const ForeignExit explained;
   DatasetTelling telling(arguments.json, arguments.quiet);
   DatasetWatch watch = telling.watch();
   watch.cancelled = isInterrupted;

@@ -1,9 +1,11 @@
 // `sherd devices`: the OpenCL devices of this machine.
 #include <sherd/device.h>
+#include <sherd/kernel_cache.h>
 
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "cl/device_search.h"
 #include "cli/command.h"
 
 namespace sherd::cli {
@@ -26,7 +28,10 @@ std::string asJson(const std::vector<DeviceInfo>& devices) {
 }
 
 std::string asText(const std::vector<DeviceInfo>& devices) {
-  if (devices.empty()) return "no OpenCL device here (try: apt install pocl-opencl-icd)\n";
+  if (devices.empty()) {
+    return "no OpenCL device can be used: " + whyNoDevice(findPlatforms()) +
+           " (sherd doctor reports more)\n";
+  }
   std::string text;
   for (const DeviceInfo& device : devices) {
     text += std::string(device.chosen ? "* " : "  ") + (device.gpu ? "gpu  " : "cpu  ") +
@@ -46,6 +51,7 @@ void addDevicesCommand(CLI::App& app, Action& run) {
   command->add_flag("--json", *json, "Print one JSON object");
   command->callback([json, &run] {
     run = [json] {
+      provideKernelCache();
       const std::vector<DeviceInfo> devices = listDevices();
       printResult(*json ? asJson(devices) : asText(devices));
     };

@@ -2,6 +2,7 @@
 #include <sherd/error.h>
 #include <sherd/fracture.h>
 #include <sherd/io.h>
+#include <sherd/kernel_cache.h>
 #include <sherd/memory.h>
 #include <sherd/refracture.h>
 #include <sherd/volume.h>
@@ -18,6 +19,7 @@
 #include <type_traits>
 
 #include "cli/command.h"
+#include "cli/foreign_exit.h"
 #include "cli/fracture_options.h"
 #include "cli/fracture_telling.h"
 #include "cli/interrupts.h"
@@ -170,6 +172,7 @@ class FractureRun {
       allowOpenFiles();
     }
     Device device = timed("device", [&] { return opening.get(); });
+    const ForeignExit explained;
     const std::vector<StageTime> before = times_;
     std::optional<Error> refused;
     for (std::size_t i = 0; i < input.meshes.size(); ++i) {
@@ -258,6 +261,7 @@ class FractureRun {
 
 void runFracture(FractureArguments& arguments) {
   setInterruptedState(arguments.folder + " is as it was before");
+  provideKernelCache();
   const WriteOptions write = writeOptions(arguments.write);
   checkWriteOptions(write, arguments.options);
   arguments.options = optionsFor(arguments.options, write);

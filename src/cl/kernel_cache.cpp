@@ -1,0 +1,192 @@
+// Where PoCL, the OpenCL driver of CPUs, keeps the kernels that it compiles.
+#include "cl/kernel_cache.h"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "io/atomic_file.h"
+#include "io/unfinished.h"
+
+namespace sherd {
+namespace {
+
+namespace fs = std::filesystem;
+
+// PoCL 3.1 writes its preprocessor's output in each run (1 MB), and once each kernel for each size
+// of work-groups, as bitcode and as a library (a megabyte in all).  It ends the process where it
+// cannot, so that there must be room before.
+constexpr std::size_t kLargestFile = std::size_t{2} << 20;
+constexpr std::size_t kRoom = std::size_t{8} << 20;
+constexpr std::size_t kLongestName = 700;  // PoCL has 1024 bytes for the names of files below it
+
+std::string variable(const char* name) {
+  const char* const value = std::getenv(name);
+  return value != nullptr ? value : "";
+}
+
+// Create a folder and those above it for this user alone, as PoCL does.
+//   return  what failed first; 0 where the folder exists now
+int createFolders(const fs::path& folder) {
+  int failed = 0;
+  fs::path at;
+  for (const fs::path& part : folder) {
+    at /= part;
+    if (::mkdir(at.c_str(), 0700) != 0 && errno != EEXIST && failed == 0) failed = errno;
+  }
+  std::error_code error;
+  if (fs::is_directory(folder, error)) return 0;
+  return failed != 0 ? failed : ENOTDIR;
+}
+
+// Why PoCL cannot create files in a folder, or load libraries from it; empty where it can.
+std::string faultOf(const fs::path& folder) {
+  std::string name = (folder / "sherd-XXXXXX").string();
+  if (name.size() > kLongestName) return "its name is too long";
+  const int file = ::mkostemp(name.data(), O_CLOEXEC);
+  if (file < 0) return reasonOf(errno);
+  ::unlink(name.c_str());
+  const auto close = [file](const void*) { ::close(file); };
+  const std::unique_ptr<const std::string, decltype(close)> closed(&name, close);
+
+  rlimit size{};
+  if (::getrlimit(RLIMIT_FSIZE, &size) == 0 && size.rlim_cur < kLargestFile) {
+    return "a file may have " + std::to_string(size.rlim_cur >> 10) + " KiB (ulimit -f), " +
+           std::to_string(kLargestFile >> 10) + " are needed";
+  }
+  struct statvfs system {};
+  if (::fstatvfs(file, &system) == 0 && system.f_bavail * system.f_frsize < kRoom) {
+    return std::to_string(system.f_bavail * system.f_frsize >> 10) + " KiB are free, " +
+           std::to_string(kRoom >> 10) + " are needed";
+  }
+  // A quota shows only in use.  Not every file system can set room aside.
+  if (::fallocate(file, 0, 0, kLargestFile) != 0 &&
+      (errno == ENOSPC || errno == EDQUOT || errno == EFBIG || errno == EIO))
+    return reasonOf(errno);
+  if (::ftruncate(file, 1) != 0) return reasonOf(errno);
+  void* const mapped = ::mmap(nullptr, 1, PROT_READ | PROT_EXEC, MAP_PRIVATE, file, 0);
+  if (mapped == MAP_FAILED) return "libraries cannot be loaded from it (noexec)";
+  ::munmap(mapped, 1);
+  return {};
+}
+
+// A folder that PoCL may use, and the variable that names it.
+struct Candidate {
+  fs::path folder;
+  const char* source;
+};
+
+// What the user's variables name; PoCL takes the first.
+std::vector<Candidate> usersFolders() {
+  if (const std::string cache = variable("POCL_CACHE_DIR"); !cache.empty())
+    return {{cache, "POCL_CACHE_DIR"}};
+  std::vector<Candidate> folders;
+  if (const std::string cache = variable("XDG_CACHE_HOME"); !cache.empty())
+    folders.push_back({fs::path(cache) / "pocl" / "kcache", "XDG_CACHE_HOME"});
+  if (const std::string home = variable("HOME"); !home.empty())
+    folders.push_back({fs::path(home) / ".cache" / "pocl" / "kcache", "HOME"});
+  return folders;
+}
+
+KernelCache usersCache(const Candidate& candidate) {
+  const int failed = createFolders(candidate.folder);
+  return {candidate.folder, candidate.source,
+          failed != 0 ? reasonOf(failed) : faultOf(candidate.folder)};
+}
+
+// Removed at the program's end, but not by a child that was forked off.
+class TemporaryFolder {
+ public:
+  explicit TemporaryFolder(const fs::path& folder)
+      : folder_(folder), owner_(::getpid()), unfinished_(folder, Unfinished::Kind::folder) {}
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    if (::getpid() == owner_) fs::remove_all(folder_, ignored);
+  }
+
+ private:
+  fs::path folder_;
+  pid_t owner_;
+  Unfinished unfinished_;
+};
+
+// Why libraries in a folder may be another user's; empty where they are not.
+std::string distrust(const fs::path& folder) {
+  struct stat found {};
+  if (::lstat(folder.c_str(), &found) != 0) return reasonOf(errno);
+  if (!S_ISDIR(found.st_mode)) return "it is not a folder";
+  if (found.st_uid != ::geteuid()) return "it belongs to another user";
+  if ((found.st_mode & 077) != 0) return "other users may write or read it";
+  return {};
+}
+
+std::vector<Candidate> temporaryFolders() {
+  std::vector<Candidate> folders{{"/tmp", "temporary folder"},
+                                 {"/var/tmp", "temporary folder"},
+                                 {"/dev/shm", "temporary folder"}};
+  if (const std::string named = variable("TMPDIR"); !named.empty())
+    folders.insert(folders.begin(), {named, "TMPDIR"});
+  return folders;
+}
+
+// A folder of this user's below one for temporary files, the same in each run.  Where somebody else
+// has taken its name, one of a random name that goes with this process.
+KernelCache privateCache(const Candidate& parent) {
+  const fs::path folder = parent.folder / ("sherd-cache-" + std::to_string(::geteuid()));
+  if (::mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST)
+    return {folder, parent.source, reasonOf(errno)};
+  if (distrust(folder).empty()) {
+    const std::string fault = faultOf(folder);
+    if (!fault.empty()) ::rmdir(folder.c_str());  // where nothing is in it
+    return {folder, parent.source, fault};
+  }
+  std::string random = folder.string() + "-XXXXXX";
+  const Uncut whole;
+  if (::mkdtemp(random.data()) == nullptr) return {folder, parent.source, distrust(folder)};
+  static std::vector<std::unique_ptr<TemporaryFolder>> removed;
+  removed.push_back(std::make_unique<TemporaryFolder>(random));
+  return {random, parent.source, faultOf(random)};
+}
+
+}  // namespace
+
+KernelCache poclCache() {
+  const std::vector<Candidate> folders = usersFolders();
+  return usersCache(folders.empty() ? Candidate{"/tmp/pocl/kcache", "no HOME"} : folders.front());
+}
+
+std::string cacheSentence(const KernelCache& cache) {
+  return "PoCL cannot keep compiled kernels in " + cache.folder.string() + " (" + cache.source +
+         "): " + cache.fault + "; set POCL_CACHE_DIR to a folder that can be written";
+}
+
+std::vector<KernelCache> provideKernelCache() {
+  // PoCL takes an empty one for a folder, and aborts.
+  if (variable("POCL_CACHE_DIR").empty()) ::unsetenv("POCL_CACHE_DIR");
+  std::vector<KernelCache> tried;
+  const auto found = [&] { return !tried.empty() && tried.back().fault.empty(); };
+  for (const Candidate& candidate : usersFolders()) {
+    if (!found()) tried.push_back(usersCache(candidate));
+  }
+  const bool isNamed = !variable("POCL_CACHE_DIR").empty();
+  if (isNamed || (found() && tried.size() == 1)) return tried;  // as PoCL has it anyway
+  for (const Candidate& candidate : temporaryFolders()) {
+    if (!found()) tried.push_back(privateCache(candidate));
+  }
+  if (found()) ::setenv("POCL_CACHE_DIR", tried.back().folder.c_str(), 1);
+  return tried;
+}
+
+}  // namespace sherd

@@ -1,0 +1,39 @@
+// Drivers that end the program.
+#include "cli/foreign_exit.h"
+
+#include <sherd/error.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cstdlib>
+
+#include "cli/command.h"
+#include "cli/interrupts.h"
+#include "io/unfinished.h"
+
+namespace sherd::cli {
+namespace {
+
+std::atomic<bool> isForeign{false};
+
+void explain(int, void*) {
+  if (!isForeign) return;
+  endWith(static_cast<int>(ErrorCode::device));
+  endAllWork();
+  removeUnfinished();
+  printMessage(
+      "sherd: the OpenCL driver ended the program; what it printed says why, and sherd doctor "
+      "whether its folder for kernels is well");
+  ::_exit(static_cast<int>(ErrorCode::device));
+}
+
+}  // namespace
+
+ForeignExit::ForeignExit() {
+  static const int registered = ::on_exit(explain, nullptr);
+  isForeign = registered == 0;
+}
+
+ForeignExit::~ForeignExit() { isForeign = false; }
+
+}  // namespace sherd::cli
