@@ -2,31 +2,78 @@
 // the result on disk; to find it there PoCL runs its preprocessor over its own headers for each
 // program.
 #include <algorithm>
+#include <sstream>
 #include <string>
 
 #include "cl/device_impl.h"
+#include "cl/error_name.h"
+#include "cl/kernel_cache.h"
 #include "cl/kernel_sources.h"
+#include "lower_case.h"
 
 namespace sherd {
 namespace {
 
-cl::Program built(const cl::Context& context, const cl::Device& device, const std::string& name) {
+// The first lines of a compiler's log that have a word, on one line.
+std::string firstLines(const std::string& log, const char* word) {
+  constexpr int kMost = 3;
+  constexpr std::size_t kLongest = 500;
+  std::istringstream lines(log);
+  std::string text;
+  int count = 0;
+  for (std::string line; count < kMost && std::getline(lines, line);) {
+    std::erase_if(line, [](unsigned char c) { return std::iscntrl(c) != 0; });
+    if (line.empty() || lowerCase(line).find(word) == std::string::npos) continue;
+    text += (text.empty() ? "" : "; ") + line;
+    ++count;
+  }
+  text = text.substr(0, kLongest);
+  while (!text.empty() && (text.back() == '.' || text.back() == ' ')) text.pop_back();
+  return text;
+}
+
+std::string buildLog(const cl::Program& program, const cl::Device& device) {
+  try {
+    return program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(device);
+  } catch (const cl::Error&) {  // the driver keeps none
+    return {};
+  }
+}
+
+// Errors of the compiler name our file and line; what else fails is on the driver's side.
+Error cannotBuild(const DeviceInfo& device, const std::string& log, int number) {
+  const std::string errors = firstLines(log, "error"), lines = firstLines(log, "");
+  std::string sentence =
+      device.name + ": the kernels do not build, the driver's compiler failed with OpenCL error " +
+      errorName(number);
+  if (!errors.empty()) return Error(ErrorCode::device, sentence + " and reports: " + errors);
+  sentence +=
+      (lines.empty() ? " and gave no reason" : " and reports: " + lines) + "; try another --device";
+  if (device.platform == kPocl)
+    sentence += ", or an empty folder as POCL_CACHE_DIR in place of " + poclCache().folder.string();
+  return Error(ErrorCode::device, sentence);
+}
+
+cl::Program built(const cl::Context& context, const cl::Device& device, const DeviceInfo& info) {
   std::string text;
   for (const std::string_view source : kernels::sources()) text += source;
-  cl::Program program(context, text);
   try {
-    program.build(device, "-cl-std=CL1.2");
-  } catch (const cl::Error&) {
-    const std::string log = program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(device);
-    throw Error(ErrorCode::device, name + ": the kernels do not build: " + log.substr(0, 500));
+    cl::Program program(context, text);
+    // Not by the bindings: they query the log at once, and throw the error of that query.  -w: PoCL
+    // prints how many warnings there are.
+    const cl_device_id id = device();
+    const cl_int failed = ::clBuildProgram(program(), 1, &id, "-cl-std=CL1.2 -w", nullptr, nullptr);
+    if (failed != CL_SUCCESS) throw cannotBuild(info, buildLog(program, device), failed);
+    return program;
+  } catch (const cl::Error& e) {
+    throw cannotBuild(info, {}, e.err());
   }
-  return program;
 }
 
 }  // namespace
 
 void Device::Impl::buildKernels() {
-  if (!program.valid()) program = std::async(std::launch::async, built, context, device, info.name);
+  if (!program.valid()) program = std::async(std::launch::async, built, context, device, info);
 }
 
 cl::Kernel Device::Impl::kernel(const char* name) {

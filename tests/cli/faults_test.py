@@ -17,6 +17,7 @@ import shutil
 import subprocess
 import tempfile
 import unittest
+import unittest.mock
 
 from cli_test import SHERD, sphere, tree, write_obj
 
@@ -24,7 +25,8 @@ MODULE = os.environ["SHERD_FAULTS"]
 EACH = os.environ.get("SHERD_FAULTS_EACH", "8")
 FILES = ("write", "open", "close", "rename", "mkdir")
 NO_MEMORY = r"not enough memory; try|: no memory for \d+x\d+ pixels; try a|OpenEXR cannot encode it: "
-OUT_OF_RESOURCES = -5  # as OpenCL numbers it
+OUT_OF_RESOURCES = -5  # as OpenCL numbers them
+BUILD_PROGRAM_FAILURE = -11
 EVERYTHING = ("--write", "labels,vdb,mesh,preview,seeds,rims,cost,fog,solid,scene,graph,proxy", "--voxel-format", "rle,npy,npz,vox,qstack,bing", "--mesh-format",
               "ply,obj,glb,stl", "--points", "20", "--point-format", "ply,xyz,npz", "--sdf-samples", "20",
               "--correspondences", "5", "--vdb", "both", "--triangles", "100")
@@ -163,6 +165,28 @@ class Device(Faults):
     def test_an_absent_folder_stays_absent(self):
         # Where a program was refused, what is asked of it next fails with a number of its own.
         self.each(self.fracture, {4}, r"with OpenCL error -\d+", kind="device", error=OUT_OF_RESOURCES)
+
+    def test_kernels_that_do_not_build_are_explained(self):
+        out = os.path.join(self.tmp, "unbuilt")
+        for fault, says in (({"kind": "source"}, r"do not build.*error: .*broken\.cl:7:\d+: .*missing"),
+                            ({"kind": "device", "error": BUILD_PROGRAM_FAILURE, "at": 3},
+                             r"do not build.* -11 \(CL_BUILD_PROGRAM_FAILURE\) and gave no reason; try ")):
+            result = self.sherd(*self.fracture(out), **{"at": 1, **fault})
+            self.assertEqual(result.returncode, 4, result.stderr)
+            # Clang counts its errors before
+            self.assertRegex(result.stderr, r"\A(1 error generated\.\n)?sherd: [^\n]{8,}[^\n.]\n\Z")
+            self.assertRegex(result.stderr, says)
+            self.assertFalse(os.path.lexists(out))
+
+    def test_a_disk_that_fills_up_while_kernels_are_compiled(self):
+        cache, out = (os.path.join(self.tmp, name) for name in ("cache", "unwritten"))
+        with unittest.mock.patch.dict(os.environ, POCL_CACHE_DIR=cache):
+            # the first file is the source, which PoCL writes; the next are LLVM's, which ends the process
+            for at in (2, 3):
+                result = self.sherd(*self.fracture(out), kind="write", at=at, error=errno.ENOSPC, below=cache)
+                self.assertEqual((result.returncode, result.stdout), (4, ""), result.stderr)
+                self.assertRegex(result.stderr, r"(?s)No space left on device.*\nsherd: the OpenCL driver ended the program[^\n]+\n\Z")
+                self.assertFalse(os.path.lexists(out))
 
 
 if __name__ == "__main__":

@@ -33,6 +33,15 @@ cl_mem clCreateBuffer(cl_context context, cl_mem_flags flags, size_t size, void*
   return real(context, flags, size, host, error);
 }
 
+// Source that does not compile: its log names the file and line.
+cl_program clCreateProgramWithSource(cl_context context, cl_uint count, const char** strings,
+                                     const size_t* lengths, cl_int* error) {
+  __typeof__(&clCreateProgramWithSource) real = faultReal("clCreateProgramWithSource");
+  if (!faultNow("source")) return real(context, count, strings, lengths, error);
+  const char* broken = "#line 7 \"broken.cl\"\nkernel void broken() { missing(); }\n";
+  return real(context, 1, &broken, NULL, error);
+}
+
 cl_int clBuildProgram(cl_program program, cl_uint count, const cl_device_id* devices,
                       const char* options, void(CL_CALLBACK* notify)(cl_program, void*),
                       void* data) {
