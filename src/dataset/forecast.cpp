@@ -24,7 +24,13 @@ constexpr int kFracturesOfEach = 3;
 /// A folder that goes when this does.
 class ShortLived {
  public:
-  ShortLived() : path_((fs::temp_directory_path() / "sherd-forecast-XXXXXX").string()) {
+  ShortLived() {
+    std::error_code absent;
+    path_ = (fs::temp_directory_path(absent) / "sherd-forecast-XXXXXX").string();
+    if (absent) {
+      throw Error(ErrorCode::output,
+                  "no folder for temporary files; set TMPDIR to one that can be written");
+    }
     const Uncut whole;
     if (::mkdtemp(path_.data()) == nullptr) {
       throw Error(ErrorCode::output, path_ + ": cannot be made");

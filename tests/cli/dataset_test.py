@@ -489,6 +489,9 @@ class Trust(Dataset):
             else:  # the same thing in several colours
                 self.assertGreater((np.abs(pixels - whole).max(-1) > 30)[solid].mean(), 0.05, caption)
 
+    def test_a_forecast_without_a_folder_for_temporary_files(self):
+        self.refused(5, self.dataset("--dry-run", env={**os.environ, "TMPDIR": self.path("absent")}), "TMPDIR")
+
     def test_a_forecast_is_about_right(self):
         told = json.loads(self.done("--dry-run", "--json").stdout)
         self.assertFalse(os.path.exists(self.out))
