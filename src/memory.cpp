@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "fracture_stages.h"
+#include "memory_bounds.h"
 #include "render/pictured.h"
 #include "surface/smooth.h"
 #include "voxelize/fill.h"
@@ -193,13 +194,20 @@ std::uint64_t estimatedMemory(double surface, double inside) {
   return static_cast<std::uint64_t>(bytesForVoxels(surface, inside));
 }
 
-std::uint64_t freeMemory() {
-  double free = std::min(1024.0 * numberBehind("/proc/meminfo", "MemAvailable:"), freeOfGroups());
+MemoryBounds memoryBounds() {
+  MemoryBounds bounds{1024.0 * numberBehind("/proc/meminfo", "MemAvailable:"), freeOfGroups(),
+                      std::numeric_limits<double>::infinity()};
   rlimit addresses{};
   if (::getrlimit(RLIMIT_AS, &addresses) == 0 && addresses.rlim_cur != RLIM_INFINITY) {
     const double used = 1024.0 * numberBehind("/proc/self/status", "VmSize:");
-    free = std::min(free, std::max(static_cast<double>(addresses.rlim_cur) - used, 0.0));
+    bounds.addresses = std::max(static_cast<double>(addresses.rlim_cur) - used, 0.0);
   }
+  return bounds;
+}
+
+std::uint64_t freeMemory() {
+  const MemoryBounds bounds = memoryBounds();
+  const double free = std::min({bounds.machine, bounds.groups, bounds.addresses});
   return std::isfinite(free) ? static_cast<std::uint64_t>(free)
                              : std::numeric_limits<std::uint64_t>::max();
 }

@@ -21,6 +21,7 @@ void addConvertCommand(CLI::App& app, Action& run);
 void addEvaluateCommand(CLI::App& app, Action& run);
 void addRenderCommand(CLI::App& app, Action& run);
 void addDevicesCommand(CLI::App& app, Action& run);
+void addDoctorCommand(CLI::App& app, Action& run);
 
 /// Write results to standard output.
 ///   throws  Error(output) it is closed or full

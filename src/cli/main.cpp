@@ -68,6 +68,7 @@ void parse(int argc, char** argv, Action& run) {
   addEvaluateCommand(app, run);
   addRenderCommand(app, run);
   addDevicesCommand(app, run);
+  addDoctorCommand(app, run);
   app.footer(
       "Exit status: 0 done, 1 internal error, 2 usage, 3 input, 4 device, 5 output, 130 "
       "interrupted.");

@@ -56,22 +56,11 @@ Error cannotStart(const std::string& what) {
 }
 
 std::string findProgram(const MeshFile& file) {
-  std::vector<fs::path> places;
-  std::error_code error;
-  if (const char* named = std::getenv("SHERD_ASSIMP"); named != nullptr) {
-    places.emplace_back(named);
-  } else {
-    const fs::path here = fs::read_symlink("/proc/self/exe", error).parent_path();
-    places = {here / kProgram, here / SHERD_LIBEXEC_FROM_BIN / kProgram,
-              fs::path(SHERD_LIBEXEC) / kProgram};
-  }
-  for (const fs::path& place : places) {
-    if (::access(place.c_str(), X_OK) == 0 && fs::is_regular_file(place, error))
-      return place.string();
-  }
-  throw inputError(file, "the program " + std::string(kProgram) +
-                             ", which reads this format, is not at " + places.back().string() +
-                             " (install it, or name it by SHERD_ASSIMP)");
+  const AssimpProgram program = findAssimp();
+  if (program.found) return program.found->string();
+  throw inputError(
+      file, "the program " + std::string(kProgram) + ", which reads this format, is not at " +
+                program.tried.back().string() + " (install it, or name it by SHERD_ASSIMP)");
 }
 
 // The file's bytes as a file in memory, to be read from its beginning.
@@ -184,6 +173,24 @@ void readTextures(const MeshFile& file, RawMesh& mesh) {
 }
 
 }  // namespace
+
+AssimpProgram findAssimp() {
+  AssimpProgram program;
+  std::error_code error;
+  if (const char* named = std::getenv("SHERD_ASSIMP"); named != nullptr) {
+    program.tried.emplace_back(named);
+  } else {
+    const fs::path here = fs::read_symlink("/proc/self/exe", error).parent_path();
+    program.tried = {here / kProgram, here / SHERD_LIBEXEC_FROM_BIN / kProgram,
+                     fs::path(SHERD_LIBEXEC) / kProgram};
+  }
+  for (const fs::path& path : program.tried) {
+    if (::access(path.c_str(), X_OK) != 0 || !fs::is_regular_file(path, error)) continue;
+    program.found = path;
+    break;
+  }
+  return program;
+}
 
 AssimpLimits assimpLimits(std::size_t bytes, std::uint64_t memory) {
   const std::uint64_t mebibytes = bytes >> 20;

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <limits>
+#include <optional>
+#include <vector>
 
 #include "mesh/mesh_reader.h"
 
@@ -20,10 +23,16 @@ struct AssimpLimits {
 [[nodiscard]] AssimpLimits assimpLimits(
     std::size_t bytes, std::uint64_t memory = std::numeric_limits<std::uint64_t>::max());
 
-/// Every triangle that the file's nodes show, in single precision, with its look, by `sherd-assimp`
-/// (src/assimp_program/).  Whatever a malformed file does to Assimp ends that program and not this
-/// one. The program is what the environment variable SHERD_ASSIMP names, else it is looked for
-/// beside the running program and where it is installed.
+/// Where `sherd-assimp` (src/assimp_program/) is: what the environment variable SHERD_ASSIMP names,
+/// else beside the running program or where it is installed.
+struct AssimpProgram {
+  std::optional<std::filesystem::path> found;
+  std::vector<std::filesystem::path> tried;
+};
+[[nodiscard]] AssimpProgram findAssimp();
+
+/// Every triangle that the file's nodes show, in single precision, with its look, by
+/// `sherd-assimp`.  Whatever a malformed file does to Assimp ends that program and not this one.
 ///   throws  Error(input) what Assimp refuses or dies of, or what takes more than the limits;
 ///   Error(cancelled) stopped by SIGINT, SIGTERM or SIGHUP, or as the file's progress says
 [[nodiscard]] RawMesh readByAssimp(const MeshFile& file, const AssimpLimits& limits);
