@@ -134,14 +134,11 @@ void runConvert(const ConvertArguments& arguments) {
                {"file", arguments.out}};
   told.update(done.told);
   told["losses"] = done.losses;
-  stopIfInterrupted();
-  // Where nobody takes the result, nothing is replaced.
-  printResult((arguments.json ? told.dump(1, ' ', false, Json::error_handler_t::replace)
-                              : arguments.out + ": " + told["kind"].get<std::string>() + " of " +
-                                    arguments.in) +
-              "\n");
-  beginLastSteps();
-  files.putInPlace();
+  const std::string result =
+      arguments.json
+          ? told.dump(1, ' ', false, Json::error_handler_t::replace)
+          : arguments.out + ": " + told["kind"].get<std::string>() + " of " + arguments.in;
+  finish(files, [&] { printResult(result + "\n"); });
 }
 
 }  // namespace

@@ -82,11 +82,7 @@ void runEvaluate(EvaluateArguments& arguments) {
   HeldFiles files;
   if (!arguments.csv.empty()) OutputFile(files, arguments.csv).write(reportCsv(report));
   if (!arguments.plot.empty()) OutputFile(files, arguments.plot).write(reportPlot(report));
-  stopIfInterrupted();
-  // Where nobody takes the result, nothing is replaced.
-  printResult(arguments.json ? reportJson(report) : reportTable(report));
-  beginLastSteps();
-  files.putInPlace();
+  finish(files, [&] { printResult(arguments.json ? reportJson(report) : reportTable(report)); });
 }
 
 }  // namespace

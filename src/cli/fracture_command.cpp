@@ -147,16 +147,34 @@ void allowOpenFiles() {
   (void)::setrlimit(RLIMIT_NOFILE, &files);
 }
 
+// The folders of all objects.
+class Replacements {
+ public:
+  Replacements() = default;
+  ~Replacements() { drop(); }
+  Replacements(const Replacements&) = delete;
+  Replacements& operator=(const Replacements&) = delete;
+
+  void add(FractureReplacement one) { all_.push_back(std::move(one)); }
+  [[nodiscard]] const FractureReplacement& back() const { return all_.back(); }
+  void putInPlace() {
+    for (FractureReplacement& one : all_) one.putInPlace();
+  }
+  void keep() {
+    for (FractureReplacement& one : all_) one.keep();
+  }
+  void drop() {
+    while (!all_.empty()) all_.pop_back();  // later ones lie in folders that earlier ones made
+  }
+
+ private:
+  std::vector<FractureReplacement> all_;
+};
+
 class FractureRun {
  public:
   explicit FractureRun(FractureArguments& arguments)
       : arguments_(arguments), line_(::isatty(STDERR_FILENO) == 1 && !arguments.quiet) {}
-  ~FractureRun() {
-    while (!replacements_.empty())
-      replacements_.pop_back();  // later ones lie in folders of earlier
-  }
-  FractureRun(const FractureRun&) = delete;
-  FractureRun& operator=(const FractureRun&) = delete;
 
   void run() {
     if (!arguments_.splitObjects) checkFractureFolder(arguments_.folder);
@@ -188,10 +206,7 @@ class FractureRun {
       start_ = Clock::now();
     }
     line_.clear();
-    stopIfInterrupted();
-    printTold();  // where nobody takes it, nothing is replaced
-    beginLastSteps();
-    for (FractureReplacement& replacement : replacements_) replacement.putInPlace();
+    finish(replacements_, [this] { printTold(); });
     if (refused) throw *refused;
   }
 
@@ -213,7 +228,7 @@ class FractureRun {
     GrownFracture grown = breakInput(arguments_, write, input, source, title, device, progress_);
     AsideFracture aside =
         writeAside(folder, source, arguments_.options, std::move(grown), write, &progress_);
-    replacements_.push_back(std::move(aside.replacement));
+    replacements_.add(std::move(aside.replacement));
     const FractureResult& result = aside.result;
     times_.insert(times_.end(), result.times.begin(), result.times.end());
     times_.push_back({"total", secondsSince(start_)});
@@ -256,7 +271,7 @@ class FractureRun {
   std::vector<StageTime> times_;
   nlohmann::ordered_json told_ = nlohmann::ordered_json::array();
   std::string toldText_;
-  std::vector<FractureReplacement> replacements_;  // all or none are put in place
+  Replacements replacements_;
 };
 
 void runFracture(FractureArguments& arguments) {

@@ -108,7 +108,7 @@ std::string interruptSentence() {
   return state.empty() ? "interrupted" : "interrupted; " + state;
 }
 
-void beginLastSteps() {
+void goOnToTheEnd() {
   static const auto* const uncut = new Uncut;  // to the end of the process
   (void)uncut;
   last = true;

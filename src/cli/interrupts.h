@@ -3,7 +3,10 @@
 
 #include <sherd/progress.h>
 
+#include <functional>
 #include <string>
+
+#include "io/unfinished.h"
 
 namespace sherd::cli {
 
@@ -28,10 +31,28 @@ void setInterruptedState(std::string state);
 /// "interrupted; " and that.
 [[nodiscard]] std::string interruptSentence();
 
-/// All is written aside and the result is printed; what remains is to put it in place.  From here
-/// on the process goes on to its end, whatever comes: a status of 130 means that nothing was
-/// replaced.  stopIfInterrupted() comes before printing, and nothing asks after it.
-void beginLastSteps();
+/// What was written aside is in place and the result is printed.  From here on the process goes on
+/// to its end, whatever comes.
+void goOnToTheEnd();
+
+/// Put what was written aside in place, print the result, and keep it: all of it or nothing, so
+/// that statuses 130 and 5 mean that nothing was replaced.
+///   aside   has putInPlace(), keep(), and drop(), which undoes
+///   print   throws where nobody takes the result, or an interrupt comes while it waits for that
+template <class Aside>
+void finish(Aside& aside, const std::function<void()>& print) {
+  stopIfInterrupted();
+  const Uncut whole;
+  try {
+    aside.putInPlace();
+    print();
+  } catch (...) {
+    aside.drop();
+    throw;
+  }
+  goOnToTheEnd();
+  aside.keep();
+}
 
 /// The caller is about to end the process with this status, after a message.  Where an interrupt
 /// ends it already, this does not return.

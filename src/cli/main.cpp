@@ -1,5 +1,6 @@
 // The program `sherd`: one parse, one call, one catch.
 #include <fcntl.h>
+#include <poll.h>
 #include <sherd/error.h>
 #include <sherd/version.h>
 #include <unistd.h>
@@ -11,6 +12,7 @@
 #include <new>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <vector>
 
@@ -23,10 +25,18 @@
 namespace sherd::cli {
 
 void printResult(const std::string& text) {
-  // What is longer than the buffer is written, and fails, before it is flushed.
-  const bool isTaken = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
-  if (!isTaken || std::fflush(stdout) != 0) {
-    throw Error(ErrorCode::output, "standard output: " + reasonOf(errno));
+  constexpr std::size_t kAtOnce = 4096;  // what a pipe takes that says that it takes something
+  constexpr int kMilliseconds = 100;
+  std::string_view rest = text;
+  while (!rest.empty()) {
+    stopIfInterrupted();
+    pollfd to{STDOUT_FILENO, POLLOUT, 0};
+    if (::poll(&to, 1, kMilliseconds) == 0) continue;
+    const ssize_t n = ::write(STDOUT_FILENO, rest.data(), std::min(rest.size(), kAtOnce));
+    if (n < 0 && errno != EINTR && errno != EAGAIN) {
+      throw Error(ErrorCode::output, "standard output: " + reasonOf(errno));
+    }
+    rest.remove_prefix(static_cast<std::size_t>(std::max<ssize_t>(n, 0)));
   }
 }
 

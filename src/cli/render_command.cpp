@@ -108,9 +108,7 @@ void runRender(RenderArguments& arguments) {
       writeExr({files, file(i)}, renderLayers(pieces, options, &untilInterrupted()));
     }
   }
-  stopIfInterrupted();
-  beginLastSteps();
-  files.putInPlace();
+  finish(files, [] {});
 }
 
 }  // namespace

@@ -75,6 +75,12 @@ AtomicFile::AtomicFile(fs::path file, Caching caching)
 AtomicFile::~AtomicFile() {
   if (descriptor_ >= 0) ::close(descriptor_);
   if (!temporary_.empty()) ::unlink(temporary_.c_str());
+  if (!canUndo_) return;
+  if (before_.empty()) {
+    ::unlink(file_.c_str());
+  } else {
+    ::rename(before_.c_str(), file_.c_str());
+  }
 }
 
 void AtomicFile::write(std::string_view bytes) {
@@ -114,6 +120,29 @@ void AtomicFile::commit() {
   const Uncut whole;
   if (::rename(temporary_.c_str(), file_.c_str()) != 0) fail(errno);
   temporary_.clear();
+  unfinished_.end();
+}
+
+void AtomicFile::putInPlace() {
+  fs::path before = temporaryBeside(file_);
+  Unfinished unfinished(before, Unfinished::Kind::file);
+  close();
+  const Uncut whole;
+  const int reason = ::link(file_.c_str(), before.c_str()) == 0 ? 0 : errno;
+  if (::rename(temporary_.c_str(), file_.c_str()) != 0) {
+    const int number = errno;
+    ::unlink(before.c_str());
+    fail(number);
+  }
+  temporary_.clear();
+  canUndo_ = reason == 0 || reason == ENOENT;
+  if (reason == 0) before_ = std::move(before);
+  unfinished_ = std::move(unfinished);
+}
+
+void AtomicFile::keep() {
+  canUndo_ = false;
+  if (!before_.empty()) ::unlink(before_.c_str());
   unfinished_.end();
 }
 

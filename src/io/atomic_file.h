@@ -41,12 +41,20 @@ class AtomicFile {
   ///   throws  Error(output)
   void commit();
 
+  /// The same, undone unless kept: what was there before lies beside until then.  Where the file
+  /// system has no hard links, it cannot be undone.  To be within an Uncut until it is kept.
+  ///   throws  Error(output), and all is as it was
+  void putInPlace();
+  void keep();
+
  private:
   [[noreturn]] void fail(int number) const;
   void put(std::string_view bytes, bool direct);
 
   std::filesystem::path file_;
   std::filesystem::path temporary_;
+  std::filesystem::path before_;  // what was there, once it is in place
+  bool canUndo_ = false;
   Unfinished unfinished_;
   int descriptor_ = -1;
   std::uintmax_t written_ = 0;

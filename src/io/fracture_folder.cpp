@@ -161,6 +161,7 @@ struct FractureReplacement::Parts {
   std::optional<PartialFolder> partial;
   std::vector<std::string> old;
   std::vector<std::string> warnings;
+  bool isInPlace = false;  // and not kept
 };
 
 namespace {
@@ -204,7 +205,9 @@ FractureReplacement::FractureReplacement(fs::path folder, std::vector<std::strin
   });
 }
 
-FractureReplacement::~FractureReplacement() = default;
+FractureReplacement::~FractureReplacement() {
+  if (parts_ && parts_->isInPlace) parts_->partial->takeBack(parts_->old, parts_->fresh);
+}
 FractureReplacement::FractureReplacement(FractureReplacement&& other) noexcept = default;
 FractureReplacement& FractureReplacement::operator=(FractureReplacement&& other) noexcept = default;
 
@@ -214,9 +217,15 @@ void FractureReplacement::write(const std::function<void(const fs::path&)>& writ
 
 const std::vector<std::string>& FractureReplacement::warnings() const { return parts_->warnings; }
 
-fs::path FractureReplacement::putInPlace() {
+void FractureReplacement::putInPlace() {
+  withFolderErrors(parts_->folder,
+                   [this] { parts_->partial->putInPlace(parts_->old, parts_->fresh); });
+  parts_->isInPlace = true;
+}
+
+fs::path FractureReplacement::keep() {
   return withFolderErrors(parts_->folder, [this] {
-    parts_->partial->putInPlace(parts_->old, parts_->fresh);
+    parts_->isInPlace = false;
     parts_->made.keep();
     parts_->partial.reset();
     return parts_->folder / kManifestName;

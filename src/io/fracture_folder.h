@@ -10,7 +10,7 @@
 namespace sherd {
 
 /// A fracture on its way into a folder, in place of the one that is there, as writeFracture
-/// promises.  What is not put in place goes with this, and the folder is as it was.
+/// promises.  What is not kept goes with this, and the folder is as it was.
 class FractureReplacement {
  public:
   ///   fresh   its files but for the manifest, relative to the folder
@@ -28,10 +28,12 @@ class FractureReplacement {
   /// so.
   [[nodiscard]] const std::vector<std::string>& warnings() const;
 
-  /// Nothing but renames.
-  ///   return  the manifest's path
+  /// Nothing but renames, which are undone unless kept.  To be within an Uncut until then.
   ///   throws  Error(output), and all is as it was, or will be when the folder is opened again
-  std::filesystem::path putInPlace();
+  void putInPlace();
+
+  ///   return  the manifest's path
+  std::filesystem::path keep();
 
  private:
   struct Parts;

@@ -14,8 +14,11 @@ void HeldFiles::take(const std::string& name, const Content& content) {
 }
 
 void HeldFiles::putInPlace() {
-  const Uncut whole;
-  for (const std::unique_ptr<AtomicFile>& file : files_) file->commit();
+  for (const std::unique_ptr<AtomicFile>& file : files_) file->putInPlace();
+}
+
+void HeldFiles::keep() {
+  for (const std::unique_ptr<AtomicFile>& file : files_) file->keep();
   files_.clear();
 }
 

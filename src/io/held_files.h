@@ -12,15 +12,17 @@
 
 namespace sherd {
 
-/// Files of any folders, each written beside its name, which is a path.  What is not put in place
-/// goes with this.
+/// Files of any folders, each written beside its name, which is a path.  What is not kept goes with
+/// this, and all is as it was.
 class HeldFiles : public FileSink {
  public:
   void take(const std::string& name, const Content& content) override;
 
-  /// Nothing but renames.
+  /// Nothing but renames, which are undone unless kept.  To be within an Uncut until then.
   ///   throws  Error(output)
   void putInPlace();
+  void keep();
+  void drop() { files_.clear(); }
 
  private:
   std::mutex mutex_;

@@ -275,6 +275,17 @@ void PartialFolder::putInPlace(const Files& old, const Files& fresh) {
   removeEmpty(emptied);  // the new fracture is there: nothing may fail any more
 }
 
+void PartialFolder::takeBack(const Files& old, const Files& fresh) noexcept {
+  const Uncut whole;
+  try {
+    move(folder_ / kManifestName, path_ / kNew / kManifestName);  // from here on it is unfinished
+    moveBack(folder_, path_, old, fresh);
+  } catch (const std::exception&) {
+    keep_ = true;
+    unfinished_.end();
+  }
+}
+
 // ---- Before a fracture is read
 
 namespace {

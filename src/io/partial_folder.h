@@ -62,6 +62,10 @@ class PartialFolder {
   ///   throws  Error(output); DIR is as it was then, or will be when the next process has opened it
   void putInPlace(const std::vector<std::string>& old, const std::vector<std::string>& fresh);
 
+  /// Undo that, with the same files: now, or when the next process has opened the folder.
+  void takeBack(const std::vector<std::string>& old,
+                const std::vector<std::string>& fresh) noexcept;
+
  private:
   std::filesystem::path folder_;
   std::filesystem::path path_;

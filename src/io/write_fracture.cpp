@@ -9,6 +9,7 @@
 #include "io/fracture_folder.h"
 #include "io/manifest.h"
 #include "io/read_manifest.h"
+#include "io/unfinished.h"
 #include "surface/extract.h"
 
 namespace sherd {
@@ -70,7 +71,9 @@ WrittenFolder writeFracture(const fs::path& folder, const SourceMesh& source,
     writeWhole(aside / kManifestName,
                manifestText(source, options, result, meshFacts(result.fragments), files, write));
   });
-  fs::path manifest = replacement.putInPlace();
+  const Uncut whole;
+  replacement.putInPlace();
+  fs::path manifest = replacement.keep();
   return {std::move(manifest), replacement.warnings()};
 }
 
@@ -105,7 +108,9 @@ WrittenFracture fractureInto(const fs::path& folder, const SourceMesh& source,
   const FractureOptions own = optionsFor(options, write);
   AsideFracture aside =
       writeAside(folder, source, own, grown(source.mesh, own, device, progress), write, progress);
-  fs::path manifest = aside.replacement.putInPlace();
+  const Uncut whole;
+  aside.replacement.putInPlace();
+  fs::path manifest = aside.replacement.keep();
   return {std::move(aside.result), {std::move(manifest), aside.replacement.warnings()}};
 }
 

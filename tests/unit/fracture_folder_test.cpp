@@ -13,6 +13,7 @@
 #include "../temp_folder.h"
 #include "io/partial_folder.h"
 #include "io/read_manifest.h"
+#include "io/unfinished.h"
 
 namespace sherd {
 namespace {
@@ -59,7 +60,9 @@ class FractureFolder : public TempFolder {
       for (const std::string& file : files) writeText(aside / file, text);
       writeText(aside / kManifestName, manifestOfMeshes(files));
     });
-    return {replacement.putInPlace(), replacement.warnings()};
+    const Uncut whole;
+    replacement.putInPlace();
+    return {replacement.keep(), replacement.warnings()};
   }
 
   // As a run left them that was killed when the old one was aside and half of the new one moved.
@@ -115,6 +118,25 @@ TEST_F(FractureFolder, KeepsFilesThatTheManifestListsAndNoFractureIsNamedSo) {
             out_.string() +
                 ": the earlier manifest lists 'notes.txt', 'meshes/mine.ply', "
                 "'src/main.cpp', which are not named as a fracture's files and stay");
+}
+
+TEST_F(FractureFolder, IsAsItWasWhereWhatIsInPlaceIsNotKept) {
+  const auto passing = [&](const Files& files) {
+    const Uncut whole;
+    FractureReplacement replacement(out_, files);
+    replacement.write([&](const fs::path& aside) {
+      for (const std::string& file : files) writeText(aside / file, "new");
+      writeText(aside / kManifestName, manifestOfMeshes(files));
+    });
+    replacement.putInPlace();
+    EXPECT_EQ(contents(out_).at(files.front()), "new");
+  };
+  passing({"meshes/a_001.ply", "labels.rle"});
+  EXPECT_FALSE(fs::exists(out_));
+  write("old", {"meshes/a_001.ply", "vdb/a_001.vdb"});
+  const auto before = contents(out_);
+  passing({"labels.rle", "meshes/a_001.ply", "seeds.json"});
+  EXPECT_EQ(contents(out_), before);
 }
 
 TEST_F(FractureFolder, IsNotReplacedWhereSuchAFileIsInTheWay) {
