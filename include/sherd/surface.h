@@ -44,8 +44,8 @@ struct Iterations {
 
 /// How meshes are smoothed, each vertex going towards the mean of its neighbors.
 enum class Smoothing {
-  taubin,  ///< there by `weight` lambda, then away by mu < 0, 1 / lambda + 1 / mu = kPassBand:
-           ///< waves that are long beside the edges stay, so volume and thin parts are kept
+  taubin,    ///< there by `weight` lambda, then away by mu < 0, 1 / lambda + 1 / mu = kPassBand:
+             ///< waves that are long beside the edges stay, so volume and thin parts are kept
   laplacian  ///< there and not back: the paper's, shrinks
 };
 

@@ -113,6 +113,14 @@ const std::vector<Rule>& rules() {
        [](P p) { return p.fracture.surface.surface == Surface::labels; },
        "does nothing with --surface labels, whose fragments are meshed one by one",
        {"--surface"}},
+      {{"--smoothing"},
+       Verdict::idle,
+       [](P p) {
+         const SmoothOptions& smooth = p.fracture.surface.smooth;
+         return none(smooth.iterations) && none(smooth.boundaryIterations);
+       },
+       "does nothing without --smooth-iterations or --smooth-boundary-iterations",
+       {"--smooth-iterations", "--smooth-boundary-iterations"}},
       {{"--smooth-weight"},
        Verdict::idle,
        [](P p) { return none(p.fracture.surface.smooth.iterations); },

@@ -21,7 +21,7 @@ using Json = GltfDocument::Json;
 constexpr std::uint64_t kMostPerByte = 256;
 
 // What Draco takes for a face, a point, and a number of a point's attributes, with what is made of
-// it here: measured, and rounded up.
+// it here: estimates, meant to be above it.
 constexpr std::uint64_t kBytesPerFace = 200, kBytesPerPoint = 100, kBytesPerNumber = 32;
 
 // A number in groups of seven bits, the lowest first.

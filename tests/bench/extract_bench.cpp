@@ -23,8 +23,8 @@ namespace fs = std::filesystem;
 const sherd::FractureResult& broken() {
   static const sherd::FractureResult result = [] {
     sherd::Device device("auto");
-    return sherd::fracture(sherd::shapes::ball(1.0, 5), {.pieces = 10, .seed = 3, .resolution = 128},
-                           device);
+    return sherd::fracture(sherd::shapes::ball(1.0, 5),
+                           {.pieces = 10, .seed = 3, .resolution = 128}, device);
   }();
   return result;
 }

@@ -29,7 +29,7 @@ class Sizes(CommandLine):
     def test_good(self):
         for size in ("8G", "1.5G", "0.5 GiB", "700000000", "700000 kB", "1t", "16383P", "18446744073709551615", "900MB", "1000000KIB"):
             self.done("--max-memory", size, "--write", "labels")
-        self.refused(2, self.fracture("--max-memory", "1.5K"), "memory")  # a good size, and too little
+        self.refused(2, self.fracture("--max-memory", "1.5M"), "memory")  # a good size, and too little
 
     def test_bad(self):
         for size in ("-1", "0", "0G", "0.0", "nan", "inf", "1e23", "1e3", "", "G", ".5G", "1.G", "1.5.5G", "1,5G", "8 G B", "8X", "8GG", "8 Gi",

@@ -30,10 +30,11 @@ OF_THE_RUN = ("out/journal/", "out/run.json", "out/report.html")  # of a dataset
 
 
 def blocks(process, number):
-    """Whether main() has begun to wait for the signal, which before would simply kill."""
+    """Whether main() has begun to wait for the signal, which before would simply kill.  All signals are blocked for a moment while any
+    thread is made."""
     with open(f"/proc/{process}/status") as status:
-        blocked = next((line for line in status if line.startswith("SigBlk")), "SigBlk: 0").split()[1]
-    return int(blocked, 16) >> (number - 1) & 1
+        blocked = int(next((line for line in status if line.startswith("SigBlk")), "SigBlk: 0").split()[1], 16)
+    return blocked >> (number - 1) & 1 and not blocked >> (signal.SIGUSR1 - 1) & 1
 
 
 def used(process):

@@ -1,9 +1,12 @@
 // Calls that fail on purpose: what the files here have in common.
 //
-// Preloaded into a program, the module lets one call of a kind fail, or kills the program there.  Environment:
+// Preloaded into a program, the module lets one call of a kind fail, or kills the program there.
+// Environment:
 //
-//   SHERD_FAULT         the kind: write, short, open, close, rename, mkdir, rmdir, unlink, memory, device, source
-//                       (kernels that do not compile), or change, which is any of rename, mkdir, rmdir and unlink
+//   SHERD_FAULT         the kind: write, short, open, close, rename, mkdir, rmdir, unlink, memory,
+//   device, source
+//                       (kernels that do not compile), or change, which is any of rename, mkdir,
+//                       rmdir and unlink
 //   SHERD_FAULT_AT      which call of that kind fails, from 1; 0: none, they are counted only; of
 //                       "short" all, each writing half of what it could
 //   SHERD_FAULT_ERROR   what it fails with, an errno or an OpenCL error

@@ -35,7 +35,7 @@ class FractureInto : public DeviceTest {
     (void)writeFracture(folder_.path() / "whole", source_, options, whole, write);
     const WrittenFracture written =
         fractureInto(folder_.path() / "into", source_, options, device(), write);
-    EXPECT_EQ(written.manifest, folder_.path() / "into" / "manifest.json");
+    EXPECT_EQ(written.folder.manifest, folder_.path() / "into" / "manifest.json");
     const auto expected = filesBelow(folder_.path() / "whole"),
                files = filesBelow(folder_.path() / "into");
     EXPECT_EQ(files.size(), expected.size());
