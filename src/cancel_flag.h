@@ -9,7 +9,7 @@
 namespace sherd {
 
 /// Throw Error(cancelled) if the caller wants to stop: in loops within a stage, every few
-/// milliseconds.  For the thread that `progress` is for.
+/// milliseconds.
 inline void throwIfCancelled(const Progress* progress) {
   if (progress != nullptr && progress->cancelled && progress->cancelled()) {
     throw Error(ErrorCode::cancelled, "stopped on request");

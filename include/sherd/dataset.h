@@ -190,6 +190,7 @@ DatasetCheck verifyDataset(const std::filesystem::path& out,
 
 /// Join what shards have written below one folder: index, failures and splits.
 ///   throws  Error(input) it is no dataset, or objects of it are neither done nor failed
-DatasetSummary mergeDataset(const std::filesystem::path& out);
+DatasetSummary mergeDataset(const std::filesystem::path& out,
+                            const std::function<bool()>& cancelled = {});
 
 }  // namespace sherd

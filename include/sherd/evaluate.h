@@ -37,11 +37,12 @@ struct Convexity {
 ///   samples  points to draw, >= 1
 ///   seed     of the points; the same gives the same value on any number of threads
 ///   cost     samples * (facets of the hull + log triangles)
-///   throws   Error(usage) no samples; Error(input) no area, flat, or no point inside
+///   throws   Error(usage) no samples; Error(input) no area, flat, or no point inside;
+///            Error(cancelled)
 ///   source   Lopez et al., Generating implicit object fragment datasets for machine learning,
 ///            Computers & Graphics 2024, Figure 14, as its code computes it
 [[nodiscard]] Convexity convexity(const TriangleMesh& mesh, std::size_t samples = 5000,
-                                  std::uint64_t seed = 0);
+                                  std::uint64_t seed = 0, const Progress* progress = nullptr);
 
 /// How many pieces of equal size would be as evenly broken: (sum of shares)^2 / sum of share^2.
 /// n for n equal shares, near 1 when one piece holds nearly all; 0 when no share is above 0.
@@ -74,9 +75,11 @@ struct FragmentSet {
 /// Read the fragments of a folder: those that its manifest.json lists, else every file in it that
 /// readMesh can read by its name, numbered from 1 in natural order: piece_2 before piece_10.
 ///   throws  Error(input) it is no folder, or holds neither; the manifest is damaged; a mesh cannot
-///           be read, or takes more memory than `options` allow beside those read before it
+///           be read, or takes more memory than `options` allow beside those read before it;
+///           Error(cancelled)
 [[nodiscard]] FragmentSet readFragments(const std::filesystem::path& folder,
-                                        const ReadOptions& options = {});
+                                        const ReadOptions& options = {},
+                                        const Progress* progress = nullptr);
 
 struct EvaluateOptions {
   std::size_t samples = 5000;  ///< of convexity and of fit
@@ -123,8 +126,10 @@ struct Evaluation {
 /// measured is absent.  A closed mesh that is oriented inwards is turned over, after its quality is
 /// told.
 ///   whole   the unbroken mesh, in the place of the fragments, or null
-///   throws  Error(usage) an option out of range; Error(input) the unbroken mesh has no area
+///   throws  Error(usage) an option out of range; Error(input) the unbroken mesh has no area;
+///           Error(cancelled)
 [[nodiscard]] Evaluation evaluate(const FragmentSet& set, const TriangleMesh* whole,
-                                  const EvaluateOptions& options = {});
+                                  const EvaluateOptions& options = {},
+                                  const Progress* progress = nullptr);
 
 }  // namespace sherd

@@ -79,8 +79,9 @@ struct Fit {
 ///   fragments  any number; closed or not
 ///   whole      the unbroken mesh, in the same place, or null
 ///   cost       fragments * samples * (log triangles) * fragments that are near
-///   throws     Error(usage) an option out of range; Error(input) a mesh has no area
+///   throws     Error(usage) an option out of range; Error(input) a mesh has no area;
+///              Error(cancelled)
 [[nodiscard]] Fit fit(std::span<const FragmentMesh> fragments, const TriangleMesh* whole,
-                      const FitOptions& options = {});
+                      const FitOptions& options = {}, const Progress* progress = nullptr);
 
 }  // namespace sherd

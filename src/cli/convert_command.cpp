@@ -58,7 +58,8 @@ Converted convertVoxels(const ConvertArguments& arguments, HeldFiles& files, Vox
 }
 
 Converted convertMesh(const ConvertArguments& arguments, HeldFiles& files, MeshFileFormat format) {
-  const SourceMesh source = readMesh(arguments.in, {.maxMemory = freeMemory()});
+  const SourceMesh source =
+      readMesh(arguments.in, {.maxMemory = freeMemory()}, &untilInterrupted());
   std::vector<std::uint16_t> facing;
   if (lowerCase(fs::path(arguments.in).extension().string()) == ".ply") {
     facing = readFacing(arguments.in, source.mesh);

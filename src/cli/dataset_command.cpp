@@ -311,7 +311,9 @@ void addMergeCommand(CLI::App& app, Action& run) {
   command->add_option("DIR", *folder, "The dataset's folder")->required();
   command->add_flag("--json", *json, "Print JSON");
   command->callback([folder, json, &run] {
-    run = [folder, json] { DatasetTelling(*json, false).done(*folder, mergeDataset(*folder)); };
+    run = [folder, json] {
+      DatasetTelling(*json, false).done(*folder, mergeDataset(*folder, isInterrupted));
+    };
   });
 }
 

@@ -40,6 +40,7 @@ struct EvaluateArguments {
 std::vector<CgalVerdict> verdicts(const FragmentSet& set, const EvaluateOptions& options) {
   std::vector<CgalVerdict> result(set.fragments.size());
   tbb::parallel_for(std::size_t{0}, result.size(), [&](std::size_t i) {
+    stopIfInterrupted();
     const TriangleMesh& mesh = set.fragments[i].mesh.mesh;
     if (!mesh.triangles.empty()) result[i] = askCgal(mesh, options.samples, options.seed);
   });
@@ -49,7 +50,7 @@ std::vector<CgalVerdict> verdicts(const FragmentSet& set, const EvaluateOptions&
 EvaluateReport reportOf(const EvaluateArguments& arguments) {
   EvaluateReport report;
   report.folder = arguments.folder;
-  report.set = readFragments(arguments.folder, {.maxMemory = freeMemory()});
+  report.set = readFragments(arguments.folder, {.maxMemory = freeMemory()}, &untilInterrupted());
   std::vector<fs::path> inputs{arguments.whole};
   for (const EvaluatedFragment& fragment : report.set.fragments) {
     if (!fragment.name.empty()) inputs.push_back(fs::path(arguments.folder) / fragment.name);
@@ -60,10 +61,11 @@ EvaluateReport reportOf(const EvaluateArguments& arguments) {
   }
   std::optional<SourceMesh> whole;
   if (!arguments.whole.empty()) {
-    whole = readMesh(arguments.whole, {.maxMemory = freeMemory()});
+    whole = readMesh(arguments.whole, {.maxMemory = freeMemory()}, &untilInterrupted());
     report.whole = whole->name;
   }
-  report.figures = evaluate(report.set, whole ? &whole->mesh : nullptr, arguments.options);
+  report.figures =
+      evaluate(report.set, whole ? &whole->mesh : nullptr, arguments.options, &untilInterrupted());
   if (arguments.cgal) report.cgal = verdicts(report.set, arguments.options);
   return report;
 }

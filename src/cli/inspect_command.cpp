@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/command.h"
+#include "cli/interrupts.h"
 #include "io/file_kind.h"
 #include "io/input_error.h"
 #include "io/npy_reader.h"
@@ -75,7 +76,7 @@ Json inspectVdb(const fs::path& file) {
 }
 
 Json inspectMesh(const fs::path& file) {
-  const SourceMesh source = readMesh(file, {.maxMemory = freeMemory()});
+  const SourceMesh source = readMesh(file, {.maxMemory = freeMemory()}, &untilInterrupted());
   const std::size_t open = openEdges(source.mesh);
   const Box box = bounds(source.mesh);
   return {{"kind", "mesh"},

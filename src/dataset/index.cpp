@@ -214,7 +214,8 @@ DatasetSummary summaryOf(const DatasetFigures& figures, bool complete) {
 
 }  // namespace
 
-DatasetIndex writeIndex(const fs::path& out, const DatasetPlan& plan) {
+DatasetIndex writeIndex(const fs::path& out, const DatasetPlan& plan,
+                        const std::function<bool()>& cancelled) {
   DatasetFigures figures;
   bool complete = true;
   Lines csv(out / kIndexCsv), jsonl(out / kIndexJsonl), failures(out / kFailuresName);
@@ -224,6 +225,7 @@ DatasetIndex writeIndex(const fs::path& out, const DatasetPlan& plan) {
   std::map<std::string, std::string> lists;  // of keys, by split
   std::vector<BbObject> bb;
   for (std::size_t i = 0; i < plan.objects.size(); ++i) {
+    if (cancelled && cancelled()) throw Error(ErrorCode::cancelled, "stopped on request");
     const LibraryObject& object = plan.objects[i];
     const JournalText journal = readJournal(out, object);
     if (journal.failed) {
@@ -256,6 +258,7 @@ DatasetIndex writeIndex(const fs::path& out, const DatasetPlan& plan) {
     }
     bb.push_back(std::move(own));
   }
+  const Uncut whole;  // files that tell of one another
   csv.commit();
   jsonl.commit();
   failures.commit();

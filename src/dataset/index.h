@@ -42,6 +42,7 @@ struct DatasetIndex {
 /// Write index.csv, index.jsonl, failures.jsonl and the lists of the splits from the journals.
 /// Objects that are neither done nor failed are left out, and the summary is not complete.
 ///   throws  Error(output)
-DatasetIndex writeIndex(const std::filesystem::path& out, const DatasetPlan& plan);
+DatasetIndex writeIndex(const std::filesystem::path& out, const DatasetPlan& plan,
+                        const std::function<bool()>& cancelled = {});
 
 }  // namespace sherd

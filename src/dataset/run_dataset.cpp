@@ -253,7 +253,7 @@ DatasetSummary runDataset(const fs::path& library, const fs::path& out,
   try {
     run.go(shardOf(plan.objects, options.shard));
     if (options.shard.of == 1) {
-      index = writeIndex(out, plan);
+      index = writeIndex(out, plan, watch.cancelled);
     } else {
       const DatasetProgress& told = run.told();
       summary.objects = told.objects;
@@ -275,7 +275,7 @@ DatasetSummary runDataset(const fs::path& library, const fs::path& out,
   return summary;
 }
 
-DatasetSummary mergeDataset(const fs::path& out) {
+DatasetSummary mergeDataset(const fs::path& out, const std::function<bool()>& cancelled) {
   const DatasetPlan plan = readPlan(out);
   std::string missing;
   std::size_t count = 0;
@@ -290,7 +290,7 @@ DatasetSummary mergeDataset(const fs::path& out) {
                                       " objects are not done, the first is " + missing +
                                       "; run their shards again with --resume");
   }
-  const DatasetIndex index = writeIndex(out, plan);
+  const DatasetIndex index = writeIndex(out, plan, cancelled);
   writeReport(out, index.figures);
   return index.summary;
 }

@@ -10,6 +10,7 @@
 #include <limits>
 #include <string>
 
+#include "cancel_flag.h"
 #include "evaluate/convexity_rays.h"
 #include "evaluate/inside.h"
 #include "mesh/hull.h"
@@ -19,7 +20,8 @@
 namespace sherd {
 namespace {
 
-constexpr double kPush = 1e-4;  // of the diagonal of all points' box
+constexpr double kPush = 1e-4;             // of the diagonal of all points' box
+constexpr std::size_t kBetweenLooks = 64;  // points: whether to stop
 
 struct SurfacePoint {
   glm::dvec3 position{0.0};
@@ -127,13 +129,16 @@ ConvexityRays convexityRays(const TriangleMesh& mesh, std::size_t samples, std::
   return result;
 }
 
-Convexity convexity(const TriangleMesh& mesh, std::size_t samples, std::uint64_t seed) {
+Convexity convexity(const TriangleMesh& mesh, std::size_t samples, std::uint64_t seed,
+                    const Progress* progress) {
+  throwIfCancelled(progress);
   const ConvexityRays asked = convexityRays(mesh, samples, seed);
   const std::vector<ConvexityRays::Ray>& rays = asked.rays;
   const std::vector<HalfSpace> hull = convexHull(asked.body.vertices);
   const InsideTest inside(asked.body);
   std::vector<double> distances(rays.size(), -1.0);  // below 0: dropped
   tbb::parallel_for(std::size_t{0}, rays.size(), [&](std::size_t i) {
+    if (i % kBetweenLooks == 0) throwIfCancelled(progress);
     if (!inside.contains(rays[i].origin)) return;
     distances[i] = exitDistance(hull, rays[i].origin, rays[i].direction);
   });

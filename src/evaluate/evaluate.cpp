@@ -26,13 +26,13 @@ bool isSound(const MeshQuality& q) {
 }
 
 void measureConvexity(FragmentFigures& figures, const TriangleMesh& body,
-                      const EvaluateOptions& options) {
+                      const EvaluateOptions& options, const Progress* progress) {
   if (!figures.quality->closed) {
     figures.noConvexity = "the mesh is open; a closed one is needed";
     return;
   }
   try {
-    figures.convexity = convexity(body, options.samples, options.seed);
+    figures.convexity = convexity(body, options.samples, options.seed, progress);
   } catch (const Error& e) {
     if (e.code() != ErrorCode::input) throw;
     figures.noConvexity = e.what();
@@ -41,7 +41,8 @@ void measureConvexity(FragmentFigures& figures, const TriangleMesh& body,
 
 /// What one fragment's own mesh tells; and the body that the fit is measured on.
 FragmentFigures measure(const EvaluatedFragment& fragment, bool manifest,
-                        const EvaluateOptions& options, FragmentMesh& body) {
+                        const EvaluateOptions& options, const Progress* progress,
+                        FragmentMesh& body) {
   FragmentFigures figures;
   figures.id = fragment.mesh.id;
   figures.name = fragment.name;
@@ -61,7 +62,7 @@ FragmentFigures measure(const EvaluatedFragment& fragment, bool manifest,
     figures.volume = std::abs(quality.volume);
     figures.area = area(body.mesh);
   }
-  measureConvexity(figures, body.mesh, options);
+  measureConvexity(figures, body.mesh, options, progress);
   return figures;
 }
 
@@ -105,7 +106,7 @@ void addQuality(MeshQuality& sum, const MeshQuality& q) {
 
 /// The fit of the meshes there are, put with their fragments.
 void addFit(Evaluation& evaluation, std::span<const FragmentMesh> bodies, const TriangleMesh* whole,
-            const EvaluateOptions& options, bool manifest) {
+            const EvaluateOptions& options, bool manifest, const Progress* progress) {
   std::vector<FragmentMesh> present;
   std::vector<std::size_t> places;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -113,11 +114,12 @@ void addFit(Evaluation& evaluation, std::span<const FragmentMesh> bodies, const 
     present.push_back(bodies[i]);
     places.push_back(i);
   }
+  const FitOptions fitOptions{options.samples, options.seed, options.tolerance};
   if (whole && openEdges(*whole) == 0 && volume(*whole) < 0.0) {
     const TriangleMesh outwards = turnedOver(*whole);
-    evaluation.fit = fit(present, &outwards, {options.samples, options.seed, options.tolerance});
+    evaluation.fit = fit(present, &outwards, fitOptions, progress);
   } else {
-    evaluation.fit = fit(present, whole, {options.samples, options.seed, options.tolerance});
+    evaluation.fit = fit(present, whole, fitOptions, progress);
   }
   for (std::size_t k = 0; k < places.size(); ++k) {
     FragmentFigures& figures = evaluation.fragments[places[k]];
@@ -189,14 +191,14 @@ void addNotes(Evaluation& evaluation, const FragmentSet& set, const TriangleMesh
 }  // namespace
 
 Evaluation evaluate(const FragmentSet& set, const TriangleMesh* whole,
-                    const EvaluateOptions& options) {
+                    const EvaluateOptions& options, const Progress* progress) {
   Evaluation evaluation;
   evaluation.fragments.resize(set.fragments.size());
   std::vector<FragmentMesh> bodies(set.fragments.size());
   tbb::parallel_for(std::size_t{0}, bodies.size(), [&](std::size_t i) {
-    evaluation.fragments[i] = measure(set.fragments[i], set.manifest, options, bodies[i]);
+    evaluation.fragments[i] = measure(set.fragments[i], set.manifest, options, progress, bodies[i]);
   });
-  addFit(evaluation, bodies, whole, options, set.manifest);
+  addFit(evaluation, bodies, whole, options, set.manifest, progress);
   sumUp(evaluation, set.manifest);
   addNotes(evaluation, set, whole);
   return evaluation;

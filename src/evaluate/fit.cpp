@@ -10,6 +10,7 @@
 #include <set>
 #include <string>
 
+#include "cancel_flag.h"
 #include "evaluate/assembly.h"
 #include "evaluate/summary.h"
 #include "random.h"
@@ -19,6 +20,7 @@ namespace {
 
 constexpr double kRounding = 2e-6;          // of the diagonal: how near a surface a point is on it
 constexpr std::size_t kTriesPerPoint = 32;  // a shell fills little of its box
+constexpr std::size_t kBetweenLooks = 64;   // points: whether to stop
 
 /// What a point of a fragment's surface is part of.
 enum class Part { original, fracture, neither };
@@ -37,6 +39,7 @@ struct Question {
   double tolerance;   ///< world units
   double rounding;    ///< world units
   std::set<int> ids;  ///< of the fragments that are there
+  const Progress* progress;
 };
 
 /// Whether the way to the nearest other fragment goes out of the surface, not along it: to it, the
@@ -137,11 +140,13 @@ struct Tally {
 
 /// Draw points of a box until `count` of them are inside, or too many are not.
 template <class Inside, class Marked>
-Tally tally(const Box& box, std::size_t count, std::uint64_t seed, Inside inside, Marked marked) {
+Tally tally(const Box& box, std::size_t count, std::uint64_t seed, const Progress* progress,
+            Inside inside, Marked marked) {
   Tally result;
   std::vector<char> found(count);  // a round: 0 outside, 1 inside, 2 marked, too
   for (std::size_t round = 0; round < kTriesPerPoint && result.inside < count; ++round) {
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+      if (i % kBetweenLooks == 0) throwIfCancelled(progress);
       const glm::dvec3 point = pointIn(box, seed, round * count + i);
       found[i] = !inside(point) ? 0 : marked(point) ? 2 : 1;
     });
@@ -159,13 +164,15 @@ Told tellFragment(const Question& q, std::size_t i) {
   const SurfacePoints points =
       samplePoints(fragment.mesh, fragment.facing, {.count = q.options.samples, .seed = seed});
   std::vector<Sample> samples(q.options.samples);
-  tbb::parallel_for(std::size_t{0}, samples.size(),
-                    [&](std::size_t k) { samples[k] = lookAt(q, i, points, k); });
+  tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t k) {
+    if (k % kBetweenLooks == 0) throwIfCancelled(q.progress);
+    samples[k] = lookAt(q, i, points, k);
+  });
   Told told = tell(q, samples);
   if (q.assembly.closed(i)) {
     told.fit.overlapShare =
         tally(
-            bounds(fragment.mesh), q.options.samples, seed,
+            bounds(fragment.mesh), q.options.samples, seed, q.progress,
             [&](const glm::dvec3& p) { return q.assembly.mesh(i).likelyContains(p); },
             [&](const glm::dvec3& p) { return q.assembly.anyHolds(p, i, q.rounding); })
             .share();
@@ -178,6 +185,7 @@ void addWhole(Fit& result, const Question& q, const TriangleMesh& whole) {
   const SurfacePoints points = samplePoints(whole, {}, {.count = q.options.samples, .seed = seed});
   std::vector<double> distances(q.options.samples);
   tbb::parallel_for(std::size_t{0}, distances.size(), [&](std::size_t k) {
+    if (k % kBetweenLooks == 0) throwIfCancelled(q.progress);
     distances[k] = q.assembly.placeOf(points.positions[k], Assembly::kNone, q.rounding).distance;
   });
   result.missing = summaryOf(weighted(distances, 1.0));
@@ -188,7 +196,7 @@ void addWhole(Fit& result, const Question& q, const TriangleMesh& whole) {
   }
   result.voidShare =
       tally(
-          q.whole->box(), q.options.samples, seed,
+          q.whole->box(), q.options.samples, seed, q.progress,
           [&](const glm::dvec3& p) { return q.whole->likelyContains(p); },
           [&](const glm::dvec3& p) { return !q.assembly.anyHolds(p, Assembly::kNone, 0.0); })
           .share();
@@ -241,7 +249,7 @@ std::set<int> idsOf(std::span<const FragmentMesh> fragments) {
 }  // namespace
 
 Fit fit(std::span<const FragmentMesh> fragments, const TriangleMesh* whole,
-        const FitOptions& options) {
+        const FitOptions& options, const Progress* progress) {
   check(fragments, options);
   Fit result;
   if (fragments.empty()) return result;
@@ -255,7 +263,8 @@ Fit fit(std::span<const FragmentMesh> fragments, const TriangleMesh* whole,
                           options,
                           options.tolerance * result.diagonal,
                           kRounding * result.diagonal,
-                          idsOf(fragments)};
+                          idsOf(fragments),
+                          progress};
 
   std::vector<Told> told(fragments.size());
   tbb::parallel_for(std::size_t{0}, fragments.size(),

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "cancel_flag.h"
 #include "io/write_points.h"
 #include "render/pictured.h"
 #include "uncancelled.h"
@@ -41,7 +42,7 @@ void FractureWriter::write(const OutputFolder& folder, const FractureFiles& file
                            const Progress* progress) const {
   FractureWriting writing(*this, folder, files, options, result);
   step(progress, "write", 0.0);
-  writing.begin();
+  writing.begin(progress);
   for (std::size_t first = 0; first < result.kept(); first += kFragmentsBetweenSteps) {
     step(progress, "write", static_cast<double>(first) / static_cast<double>(result.kept()));
     writing.write(first, std::min(result.kept(), first + kFragmentsBetweenSteps));
@@ -69,19 +70,22 @@ VdbNotes FractureWriting::notes() const {
   return {writer_.source().name, options_.seed, writer_.options().density, result_.parents};
 }
 
-void FractureWriting::begin() const {
+void FractureWriting::begin(const Progress* progress) const {
   const WriteOptions& write = writer_.options();
   if (!files_.labels.empty()) {
     const PlacedVoxels voxels = labelledBox(result_, static_cast<int>(result_.kept()));
     for (std::size_t i = 0; i < files_.labels.size(); ++i) {
+      throwIfCancelled(progress);
       writeVoxels(folder_ / files_.labels[i], voxels, write.voxelFormats[i]);
     }
   }
   if (!files_.seeds.empty()) writeSeeds(folder_ / files_.seeds, result_.seeds, result_.solid);
   if (!files_.cost.empty()) writeCost(folder_ / files_.cost, result_.solid, result_.labels);
+  throwIfCancelled(progress);
   if (!files_.solidVdb.empty()) {
     writeVdbOfSolid(folder_ / files_.solidVdb, result_.solid, notes(), write.vdbOptions);
   }
+  throwIfCancelled(progress);
   if (!files_.solidMesh.empty()) {
     const TriangleMesh whole = solidMesh(result_.solid);
     const std::vector<std::uint16_t> facing(whole.triangles.size(), 0);
@@ -133,6 +137,7 @@ void FractureWriting::finish(const Progress* progress) const {
     writeVdbOfAll(folder_ / files_.allVdb, kept(), result_.solid, result_.labels, notes(),
                   write.vdbOptions);
   }
+  throwIfCancelled(progress);
   if (!files_.graph.empty()) {
     writeGraph(folder_ / files_.graph, kept(), notes());
     writeConstraints(folder_ / files_.constraints, kept());
@@ -140,13 +145,16 @@ void FractureWriting::finish(const Progress* progress) const {
   if (!files_.points.empty() && write.sharePoints) {
     const std::vector<std::size_t> counts = sharedCounts(kept(), write.points.count);
     tbb::parallel_for(std::size_t{0}, counts.size(), [&](std::size_t i) {
+      throwIfCancelled(progress);
       writePointsOf(folder_, files_.points[i], kept()[i], counts[i], options_.seed, write);
     });
   }
+  throwIfCancelled(progress);
   if (!files_.scene.empty()) meshes_.writeScene(kept(), looks_, files_.scene);
   if (!files_.solidSdf.empty()) {
     writeAllDistances(folder_, files_, result_, options_.seed, write.distances, progress);
   }
+  throwIfCancelled(progress);
   if (!files_.correspondences.empty()) {
     writeCorrespondences(folder_ / files_.correspondences,
                          sampleCorrespondences(kept(), write.correspondences, options_.seed));

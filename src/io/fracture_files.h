@@ -49,7 +49,7 @@ class FractureWriting {
   FractureWriting& operator=(const FractureWriting&) = delete;
 
   /// What needs no fragment.
-  void begin() const;
+  void begin(const Progress* progress) const;
 
   /// The files of fragments first..end-1 of the result, which need no others, nor contacts.
   void write(std::size_t first, std::size_t end);

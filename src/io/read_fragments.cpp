@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 
+#include "cancel_flag.h"
 #include "io/input_error.h"
 #include "io/natural_order.h"
 #include "io/partial_folder.h"
@@ -75,7 +76,8 @@ FragmentSet meshesIn(const fs::path& folder) {
 
 }  // namespace
 
-FragmentSet readFragments(const fs::path& folder, const ReadOptions& options) {
+FragmentSet readFragments(const fs::path& folder, const ReadOptions& options,
+                          const Progress* progress) {
   const fs::file_type type = whatIsAt(folder);
   if (type == fs::file_type::not_found) {
     inputError(folder, "no such folder; one of fragments is needed");
@@ -91,6 +93,7 @@ FragmentSet readFragments(const fs::path& folder, const ReadOptions& options) {
   tbb::parallel_for(std::size_t{0}, set.fragments.size(), [&](std::size_t i) {
     EvaluatedFragment& fragment = set.fragments[i];
     if (fragment.name.empty()) return;
+    throwIfCancelled(progress);
     const fs::path file =
         set.manifest ? listedFile(manifest, fragment.name) : folder / fragment.name;
     SourceMesh read = readMesh(file, {.maxMemory = left});

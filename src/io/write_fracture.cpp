@@ -27,7 +27,7 @@ std::vector<MeshFacts> makeAndWrite(const GrownFracture& grown, const SurfaceOpt
                         grown.unworn ? &*grown.unworn : nullptr, surface, progress,
                         grown.surface.get());
   clock.done("extract");
-  writing.begin();
+  writing.begin(progress);
   clock.done("write");
   std::vector<MeshFacts> facts;
   for (std::vector<Fragment> some = extraction.next(); !some.empty(); some = extraction.next()) {

@@ -11,6 +11,7 @@
 #include <span>
 #include <utility>
 
+#include "cancel_flag.h"
 #include "surface/leaf_labels.h"
 #include "surface/site_cut.h"
 
@@ -245,7 +246,7 @@ CutLeaf cutLeaf(const CutSource& from, std::size_t leaf, const LeafRound& round,
 }  // namespace
 
 Cut findCut(const LeafBlocks& blocks, const Labels& labels, std::span<const LeafRound> rounds,
-            CutExtent extent) {
+            CutExtent extent, const Progress* progress) {
   const std::vector<std::uint64_t> voxels = countVoxels(blocks, labels, Labels::kWorn - 1);
   const std::vector<std::uint32_t> leafLabel = leafLabels(blocks, labels);
   const Sites sites(labels.sites);
@@ -254,7 +255,9 @@ Cut findCut(const LeafBlocks& blocks, const Labels& labels, std::span<const Leaf
   cut.stairs.resize(std::size_t{Labels::kWorn} + 1);
   for (std::size_t id = 1; id < voxels.size(); ++id) cut.stairs[id] = stairs(voxels[id]);
   cut.only.resize(blocks.count());
+  CancelFlag stop(progress);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks.count(), 16), [&](const auto& range) {
+    if (stop.isSet()) return;
     for (std::size_t leaf = range.begin(); leaf < range.end(); ++leaf) {
       const LeafRound& round = rounds[leaf];
       std::uint32_t only = 0;
@@ -276,6 +279,7 @@ Cut findCut(const LeafBlocks& blocks, const Labels& labels, std::span<const Leaf
       }
     }
   });
+  stop.throwIfSet();
   cut.index.assign(blocks.count(), Cut::kWhole);
   for (std::size_t leaf = 0; leaf < blocks.count(); ++leaf) {
     if (perLeaf[leaf].fragments.empty()) continue;

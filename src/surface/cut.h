@@ -47,8 +47,10 @@ enum class CutExtent {
 };
 
 ///   rounds  of the blocks
+///   throws  Error(cancelled)
 [[nodiscard]] Cut findCut(const LeafBlocks& blocks, const Labels& labels,
                           std::span<const LeafRound> rounds,
-                          CutExtent extent = CutExtent::everywhere);
+                          CutExtent extent = CutExtent::everywhere,
+                          const Progress* progress = nullptr);
 
 }  // namespace sherd

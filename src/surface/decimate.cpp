@@ -18,6 +18,7 @@
 #include <queue>
 #include <tuple>
 
+#include "cancel_flag.h"
 #include "surface/edge_collapse.h"
 #include "surface/quadric.h"
 
@@ -68,7 +69,9 @@ class Decimator {
 
   /// Collapse edges of labels with more triangles than that, as long as no vertex moves by more
   /// than `error` off the planes it came from, in the root of the mean square.
-  void collapseTo(std::size_t triangles, double error) {
+  void collapseTo(std::size_t triangles, double error, const Progress* progress) {
+    constexpr std::size_t kBetweenLooks = 4096;
+    std::size_t looks = 0;
     const double most = error / scale_;
     above_ = 0;
     for (std::uint16_t label = 1; label <= mesh_.labels(); ++label) {
@@ -79,6 +82,7 @@ class Decimator {
       goesOn = false;
       std::vector<Candidate> refused;
       while (above_ > 0 && !queue_.empty()) {
+        if (looks++ % kBetweenLooks == 0) throwIfCancelled(progress);
         const Candidate next = queue_.top();
         queue_.pop();
         if (isStale(next)) continue;
@@ -254,7 +258,8 @@ class Decimator {
 }  // namespace
 
 std::vector<std::vector<CoarseMesh>> decimated(const Complex& complex,
-                                               std::span<const std::size_t> triangles) {
+                                               std::span<const std::size_t> triangles,
+                                               const Progress* progress) {
   std::vector<std::vector<CoarseMesh>> out(complex.labels,
                                            std::vector<CoarseMesh>(triangles.size()));
   if (triangles.empty()) return out;  // the decimator's own set-up costs more than the mesh did
@@ -264,7 +269,7 @@ std::vector<std::vector<CoarseMesh>> decimated(const Complex& complex,
                    [&](std::size_t a, std::size_t b) { return triangles[a] > triangles[b]; });
   Decimator decimator(complex);
   for (const std::size_t i : order) {
-    decimator.collapseTo(triangles[i], std::numeric_limits<double>::infinity());
+    decimator.collapseTo(triangles[i], std::numeric_limits<double>::infinity(), progress);
     std::vector<LabelledFaces> result = decimator.result();
     for (std::size_t label = 0; label < result.size(); ++label) {
       out[label][i] = {std::move(result[label].mesh.mesh), std::move(result[label].facing),
@@ -279,9 +284,10 @@ std::vector<CoarseMesh> decimated(const TriangleMesh& mesh, std::span<const std:
   return std::move(decimated(complexOf(mesh, facing), triangles).front());
 }
 
-std::vector<LabelledFaces> simplified(const Complex& complex, double error) {
+std::vector<LabelledFaces> simplified(const Complex& complex, double error,
+                                      const Progress* progress) {
   Decimator decimator(complex);
-  decimator.collapseTo(0, error);
+  decimator.collapseTo(0, error, progress);
   return decimator.result();
 }
 

@@ -11,6 +11,7 @@
 #include <string>
 #include <utility>
 
+#include "cancel_flag.h"
 #include "surface/decimate.h"
 #include "surface/label_mesh.h"
 #include "surface/level_set.h"
@@ -107,10 +108,10 @@ Extraction::Extraction(const Solid& solid, const Labels& labels, int fragments,
       ownRounds_(unbroken ? std::vector<LeafRound>() : leavesRound(solid.blocks.origins)),
       rounds_(unbroken ? unbroken->rounds : ownRounds_),
       cut_(findCut(solid.blocks, labels, rounds_,
-                   surface_.levelSets ? CutExtent::everywhere : CutExtent::cells)),
+                   surface_.levelSets ? CutExtent::everywhere : CutExtent::cells, progress)),
       leaves_(leavesOf(cut_, count_)) {
   if (!isShared()) return;
-  shared_.emplace(solid, labels, cut_, rounds_, fragments, unbroken);
+  shared_.emplace(solid, labels, cut_, rounds_, fragments, unbroken, progress);
   const bool shapes = surface_.adaptivity > 0.0 || !surface_.triangles.empty() ||
                       movesAnything(surface_.smooth, solid.box.longestSide());
   if (!shapes) return;
@@ -131,21 +132,26 @@ std::vector<std::uint16_t> Extraction::facingOfShared(const LabelledMesh& mesh,
 Extraction::Shaped Extraction::shapedTogether() const {
   Shaped all{
       std::vector<LabelledMesh>(count_), std::vector<std::vector<std::uint16_t>>(count_), {}};
+  CancelFlag stop(progress_);
   tbb::parallel_for(std::size_t{0}, count_, [&](std::size_t i) {
+    if (stop.isSet()) return;
     all.meshes[i] = shared_->meshOf(static_cast<int>(i) + 1);
     all.facing[i] = facingOfShared(all.meshes[i], static_cast<std::uint16_t>(i + 1));
   });
+  stop.throwIfSet();
   if (surface_.adaptivity > 0.0) {
-    std::vector<LabelledFaces> fewer =
-        simplified(complexOf(all.meshes, all.facing), surface_.adaptivity * solid_.frame.voxelSize);
+    std::vector<LabelledFaces> fewer = simplified(
+        complexOf(all.meshes, all.facing), surface_.adaptivity * solid_.frame.voxelSize, progress_);
     for (std::size_t i = 0; i < count_; ++i) {
       all.meshes[i] = std::move(fewer[i].mesh);
       all.facing[i] = std::move(fewer[i].facing);
     }
   }
+  throwIfCancelled(progress_);
   smoothTogether(all.meshes, all.facing, surface_.smooth, solid_.box.longestSide());
+  throwIfCancelled(progress_);
   if (!surface_.triangles.empty()) {
-    all.coarse = decimated(complexOf(all.meshes, all.facing), surface_.triangles);
+    all.coarse = decimated(complexOf(all.meshes, all.facing), surface_.triangles, progress_);
   }
   return all;
 }
@@ -178,15 +184,17 @@ void Extraction::meshAlone(Fragment& fragment) const {
     fragment.mesh = std::move(meshed.mesh);
   }
   if (surface_.adaptivity > 0.0) {
-    LabelledFaces fewer = std::move(simplified(complexOf(fragment.mesh, fragment.facing),
-                                               surface_.adaptivity * solid_.frame.voxelSize)
-                                        .front());
+    LabelledFaces fewer =
+        std::move(simplified(complexOf(fragment.mesh, fragment.facing),
+                             surface_.adaptivity * solid_.frame.voxelSize, progress_)
+                      .front());
     fragment.mesh = std::move(fewer.mesh.mesh);
     fragment.facing = std::move(fewer.facing);
   }
   fragment.mesh = smoothed(std::move(fragment.mesh), fragment.facing, surface_.smooth,
                            solid_.box.longestSide());
-  fragment.coarse = decimated(fragment.mesh, fragment.facing, surface_.triangles);
+  fragment.coarse = std::move(
+      decimated(complexOf(fragment.mesh, fragment.facing), surface_.triangles, progress_).front());
 }
 
 Fragment Extraction::made(std::size_t i) {
@@ -218,8 +226,11 @@ std::vector<Fragment> Extraction::next() {
   const std::size_t begin = next_;
   next_ = endOfRound();
   std::vector<Fragment> fragments(next_ - begin);
-  tbb::parallel_for(begin, next_,
-                    [&](std::size_t i) { uncancelled([&] { fragments[i - begin] = made(i); }); });
+  CancelFlag stop(progress_);
+  tbb::parallel_for(begin, next_, [&](std::size_t i) {
+    if (!stop.isSet()) uncancelled([&] { fragments[i - begin] = made(i); });
+  });
+  stop.throwIfSet();
   for (const Fragment& fragment : fragments) measure_.add(fragment);
   step(progress_, "extract", static_cast<double>(next_) / static_cast<double>(count_));
   return fragments;

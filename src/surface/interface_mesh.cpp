@@ -11,6 +11,7 @@
 #include <array>
 #include <optional>
 
+#include "cancel_flag.h"
 #include "surface/leaf_cells.h"
 #include "surface/rims.h"
 #include "surface/touching.h"
@@ -34,7 +35,8 @@ bool hasMesh(std::uint16_t label) { return label != 0 && label != Labels::kWorn;
 class InterfaceMeshes::Meshing {
  public:
   Meshing(const Solid& solid, const Labels& labels, const Cut& cut,
-          std::span<const LeafRound> rounds, std::size_t fragments, const UnbrokenSurface* unbroken)
+          std::span<const LeafRound> rounds, std::size_t fragments, const UnbrokenSurface* unbroken,
+          const Progress* progress)
       : cut_(cut),
         unbroken_(unbroken),
         rounds_(rounds),
@@ -45,12 +47,14 @@ class InterfaceMeshes::Meshing {
       old_.resize(count_);
       forEach(0, count_, [&](std::size_t leaf) { old_[leaf] = oldLabel(leaf); });
     }
-    meshLeaves(solid.blocks.origins);
+    meshLeaves(solid.blocks.origins, progress);
     straightenRims(quads_, junctions_, vertices_.at);
+    throwIfCancelled(progress);
     gaps_ = partTouchingSheets(crowded_, quads_, vertices_);
     forEach(0, vertices_.at.size(), [&](std::size_t v) {
       vertices_.at[v] = solid.frame.worldFromIndex({vertices_.at[v]}).v;
     });
+    throwIfCancelled(progress);
     numberVertices(fragments);
     // Each label's in the order that they had.
     forEach(0, count_, [&](std::size_t leaf) {
@@ -121,7 +125,7 @@ class InterfaceMeshes::Meshing {
   // Cells, vertices and quads, some slabs of leaves at a time: a leaf's quads look at cells of its
   // own and of leaves below it, so cells go when the next slab has its quads.  All of them would
   // take more memory than all that is made of them.
-  void meshLeaves(std::span<const openvdb::Coord> origins) {
+  void meshLeaves(std::span<const openvdb::Coord> origins, const Progress* progress) {
     constexpr std::size_t kTogether = 16384;  // leaves, to keep all threads busy
     fresh_.resize(count_);
     cells_.leaves.resize(count_);
@@ -137,8 +141,10 @@ class InterfaceMeshes::Meshing {
         last = end;
         end = nextSlab(end);
       }
+      throwIfCancelled(progress);
       forEach(first, end, [&](std::size_t leaf) { makeCells(leaf); });
       takeTogether(first, end);
+      throwIfCancelled(progress);
       forEach(first, end, [&](std::size_t leaf) {
         if (!hasOldTriangles(leaf)) quads_[leaf] = quadsOf(field_, cells_, leaf);
       });
@@ -278,9 +284,9 @@ class InterfaceMeshes::Meshing {
 
 InterfaceMeshes::InterfaceMeshes(const Solid& solid, const Labels& labels, const Cut& cut,
                                  std::span<const LeafRound> rounds, int fragments,
-                                 const UnbrokenSurface* unbroken)
-    : meshing_(std::make_unique<Meshing>(solid, labels, cut, rounds,
-                                         static_cast<std::size_t>(fragments), unbroken)) {}
+                                 const UnbrokenSurface* unbroken, const Progress* progress)
+    : meshing_(std::make_unique<Meshing>(
+          solid, labels, cut, rounds, static_cast<std::size_t>(fragments), unbroken, progress)) {}
 
 InterfaceMeshes::~InterfaceMeshes() = default;
 

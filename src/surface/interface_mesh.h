@@ -32,7 +32,7 @@ class InterfaceMeshes {
   ///             equal
   InterfaceMeshes(const Solid& solid, const Labels& labels, const Cut& cut,
                   std::span<const LeafRound> rounds, int fragments,
-                  const UnbrokenSurface* unbroken = nullptr);
+                  const UnbrokenSurface* unbroken = nullptr, const Progress* progress = nullptr);
   ~InterfaceMeshes();
   InterfaceMeshes(const InterfaceMeshes&) = delete;
   InterfaceMeshes& operator=(const InterfaceMeshes&) = delete;

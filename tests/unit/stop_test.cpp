@@ -1,0 +1,207 @@
+// Long work asks whether to stop, and what it was writing can be taken away by somebody else.
+#include <gtest/gtest.h>
+#include <sherd/error.h>
+#include <sherd/evaluate.h>
+#include <sherd/fit.h>
+#include <sherd/solid.h>
+#include <sherd/volume.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "io/atomic_file.h"
+#include "io/held_files.h"
+#include "io/unfinished.h"
+#include "shapes.h"
+#include "surface/complex.h"
+#include "surface/cut.h"
+#include "surface/decimate.h"
+#include "surface/interface_mesh.h"
+#include "temp_folder.h"
+#include "voxelize/band.h"
+#include "voxelize/bridges.h"
+#include "voxelize/flood.h"
+#include "voxelize/voxel_faces.h"
+#include "voxelize/winding.h"
+
+namespace sherd {
+namespace {
+
+namespace fs = std::filesystem;
+
+// How often `work` asks when nobody wants it to stop; and it has to stop wherever it is told to.
+std::size_t asksOf(const std::function<void(const Progress*)>& work) {
+  std::atomic<std::size_t> asked{0};
+  const Progress never{.report = {}, .cancelled = [&] {
+                         ++asked;
+                         return false;
+                       }};
+  work(&never);
+  const std::size_t all = asked;
+  for (const std::size_t at : {std::size_t{1}, all / 2 + 1}) {
+    asked = 0;
+    const Progress then{.report = {}, .cancelled = [&] { return ++asked >= at; }};
+    try {
+      work(&then);
+      ADD_FAILURE() << "not stopped at question " << at << " of " << all;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::cancelled);
+    }
+  }
+  return all;
+}
+
+TriangleMesh grown(double factor, TriangleMesh mesh) {
+  for (glm::dvec3& v : mesh.vertices) v *= factor;
+  return mesh;
+}
+
+TEST(Stop, VoxelizingAsksOftenEnough) {
+  const TriangleMesh ball = grown(20.3, shapes::ball(1.0, 6));  // 81,920 triangles
+  EXPECT_GE(asksOf([&](const Progress* p) { Winding(ball, Winding::Rule::signedTurns, p); }),
+            2 * ball.triangles.size() / 1024);
+  EXPECT_GE(asksOf([&](const Progress* p) { FloodedBox(ball, p); }),
+            6 * ball.triangles.size() / 1024);
+  const TriangleTree tree(ball);
+  const std::size_t leaves = bandOf(tree, 3.0, nullptr).size();
+  EXPECT_GE(asksOf([&](const Progress* p) { (void)bandOf(tree, 3.0, p); }), leaves);
+
+  const SearchedMesh mesh = searched(ball);
+  const Filling filling = fillingOf(mesh, ball, {}, 1.0);
+  const Solid solid = voxelize(ball, {.voxelSize = 1.0});
+  EXPECT_GE(asksOf([&](const Progress* p) { (void)bridgesOf(solid.blocks, filling, p); }),
+            2 * solid.blocks.count());
+  EXPECT_GE(asksOf([&](const Progress* p) { (void)voxelize(ball, {.voxelSize = 1.0}, p); }),
+            3 * leaves);
+}
+
+TEST(Stop, TheFacesOfVoxelsAreAskedPlaneByPlane) {
+  const RunLengthVoxels voxels{{60, 3, 3}, {{1, 60 * 9}}};
+  EXPECT_GE(asksOf([&](const Progress* p) { (void)voxelFaces(voxels, {}, 10'000, p); }), 60u);
+}
+
+TEST(Stop, CuttingAsksOftenEnough) {
+  const Solid solid = voxelize(shapes::ball(1.0), {.resolution = 40});
+  Labels labels;
+  labels.fragment.assign(solid.blocks.count() * 512, 0);
+  for (std::size_t place = 0; place < labels.fragment.size(); ++place) {
+    const bool isAny = solid.blocks.isInside(place) ||
+                       (solid.blocks.outerBand[place / 64] >> (place % 64) & 1) != 0;
+    if (isAny) labels.fragment[place] = solid.blocks.voxelAt(place).x() % 16 < 8 ? 1 : 2;
+  }
+  const std::vector<LeafRound> rounds = leavesRound(solid.blocks.origins);
+  EXPECT_GE(asksOf([&](const Progress* p) {
+              (void)findCut(solid.blocks, labels, rounds, CutExtent::everywhere, p);
+            }),
+            solid.blocks.count() / 16);
+  const Cut cut = findCut(solid.blocks, labels, rounds);
+  EXPECT_GE(asksOf([&](const Progress* p) {
+              InterfaceMeshes(solid, labels, cut, rounds, 2, nullptr, p);
+            }),
+            4u);
+  const TriangleMesh ball = shapes::ball(1.0, 5);
+  const std::vector<std::uint16_t> facing(ball.triangles.size(), 0);
+  const Complex complex = complexOf(ball, facing);
+  const std::vector<std::size_t> triangles{100};
+  EXPECT_GE(asksOf([&](const Progress* p) { (void)decimated(complex, triangles, p); }), 2u);
+  EXPECT_GE(asksOf([&](const Progress* p) { (void)simplified(complex, 0.1, p); }), 2u);
+}
+
+TEST(Stop, MeasuringAsksOftenEnough) {
+  const TriangleMesh ball = shapes::ball(1.0);
+  constexpr std::size_t kSamples = 6400;
+  EXPECT_GE(asksOf([&](const Progress* p) { (void)convexity(ball, kSamples, 0, p); }), 100u);
+  const std::vector<FragmentMesh> one{{1, ball, {}}};
+  EXPECT_GE(asksOf([&](const Progress* p) { (void)fit(one, nullptr, {.samples = kSamples}, p); }),
+            200u);
+  FragmentSet set;
+  set.fragments.resize(2);
+  for (EvaluatedFragment& fragment : set.fragments) fragment.mesh = one.front();
+  EXPECT_GE(
+      asksOf([&](const Progress* p) { (void)evaluate(set, nullptr, {.samples = kSamples}, p); }),
+      600u);
+}
+
+class UnfinishedTest : public TempFolder {
+ protected:
+  std::size_t left() const {
+    return static_cast<std::size_t>(
+        std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
+  }
+};
+
+TEST_F(UnfinishedTest, HeldFilesArePutInPlaceTogetherOrNotAtAll) {
+  std::ofstream(folder_ / "a") << "old";
+  {
+    HeldFiles files;
+    OutputFile(files, folder_ / "a").write(std::string_view("new"));
+    OutputFile(files, folder_ / "b").write(std::string_view("new"));
+    EXPECT_FALSE(fs::exists(folder_ / "b"));
+    EXPECT_EQ(fs::file_size(folder_ / "a"), 3u);
+  }
+  EXPECT_EQ(left(), 1u);
+  HeldFiles files;
+  const auto fails = [](const ByteSink& sink) {
+    sink("half");
+    throw Error(ErrorCode::input, "no more");
+  };
+  EXPECT_THROW(OutputFile(files, folder_ / "c").write(fails), Error);
+  OutputFile(files, folder_ / "b").write(std::string_view("new"));
+  files.putInPlace();
+  files.keep();
+  EXPECT_EQ(left(), 2u);  // not the half one
+  {
+    HeldFiles undone;
+    OutputFile(undone, folder_ / "a").write(std::string_view("newer"));
+    OutputFile(undone, folder_ / "d").write(std::string_view("new"));
+    undone.putInPlace();
+    EXPECT_EQ(fs::file_size(folder_ / "a"), 5u);
+    EXPECT_TRUE(fs::exists(folder_ / "d"));
+  }
+  EXPECT_EQ(fs::file_size(folder_ / "a"), 3u);
+  EXPECT_EQ(left(), 2u);
+}
+
+// What the thread that waits for signals does when work does not heed them.
+TEST_F(UnfinishedTest, NothingIsLeftOfWorkThatIsCut) {
+  const auto cut = [&] {
+    for (int i = 0; i < 3; ++i) {
+      std::thread([&, i] {
+        for (int k = 0;; ++k) {
+          AtomicFile file(folder_ / ("f" + std::to_string(i) + "_" + std::to_string(k)));
+          file.write("x");
+          if (k % 3 == 0) file.commit();
+        }
+      }).detach();
+    }
+    std::thread([&] {
+      const fs::path tree = folder_ / "tree";
+      fs::create_directories(tree);
+      const Unfinished unfinished(tree, Unfinished::Kind::folder);
+      for (int k = 0; k < 1000; ++k) {
+        std::ofstream(tree / std::to_string(k % 100)) << k;
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      }
+    }).detach();
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    endAllWork();
+    removeUnfinished();
+    bool isClean = !fs::exists(folder_ / "tree");
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) {
+      isClean &= !entry.path().filename().string().starts_with(".sherd-");
+    }
+    fs::remove_all(folder_);  // as no destructor does
+    std::_Exit(isClean ? 7 : 8);
+  };
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(cut(), testing::ExitedWithCode(7), "");
+}
+
+}  // namespace
+}  // namespace sherd
