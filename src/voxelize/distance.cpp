@@ -235,12 +235,59 @@ Solid solidOf(const FloatGrid& levelSet) {
   return solid;
 }
 
+namespace {
+
+struct Masks {
+  std::array<std::uint64_t, 8> inside{}, outerBand{};
+
+  // Whether a voxel inside lies beside the leaf that is one leaf away by these signs.
+  [[nodiscard]] bool touches(const Coord& direction) const {
+    constexpr std::uint64_t kLowZ = 0x0101010101010101;
+    std::uint64_t side = ~std::uint64_t{0};
+    if (direction.y() != 0) side &= std::uint64_t{0xff} << (direction.y() > 0 ? 56 : 0);
+    if (direction.z() != 0) side &= kLowZ << (direction.z() > 0 ? 7 : 0);
+    const std::size_t first = direction.x() > 0 ? 7 : 0, last = direction.x() < 0 ? 0 : 7;
+    for (std::size_t x = first; x <= last; ++x) {
+      if ((inside[x] & side) != 0) return true;
+    }
+    return false;
+  }
+};
+
+using FoundLeaves = std::vector<std::pair<Coord, Masks>>;
+
+// Where distances jump from inside to outside there is no band, as in grids of other programs and
+// where a hole is far from any triangle.  A surface runs there all the same, through leaves that
+// have no voxels of their own.
+void addEmptyLeaves(FoundLeaves& found) {
+  std::vector<Coord> origins;
+  origins.reserve(found.size());
+  for (const auto& [origin, masks] : found) origins.push_back(origin);
+  const std::vector<LeafRound> rounds = leavesRound(origins);
+  std::vector<Coord> missing;
+  for (std::size_t leaf = 0; leaf < rounds.size(); ++leaf) {
+    for (int k = 0; k < 27; ++k) {
+      if (rounds[leaf][static_cast<std::size_t>(k)] != LeafBlocks::kNone) continue;
+      const Coord direction(k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1);
+      if (found[leaf].second.touches(direction)) {
+        missing.push_back(origins[leaf] +
+                          Coord(8 * direction.x(), 8 * direction.y(), 8 * direction.z()));
+      }
+    }
+  }
+  if (missing.empty()) return;
+  std::sort(missing.begin(), missing.end());
+  missing.erase(std::unique(missing.begin(), missing.end()), missing.end());
+  for (const Coord& origin : missing) found.emplace_back(origin, Masks{});
+  std::sort(found.begin(), found.end(),
+            [](const auto& a, const auto& b) { return a.first < b.first; });
+}
+
+}  // namespace
+
 LeafBlocks leafBlocks(const FloatGrid& grid) {
-  struct Masks {
-    std::array<std::uint64_t, 8> inside{}, outerBand{};
-  };
   // Leaves of the grid, and leaves cut from its interior tiles (inactive, negative).
-  std::vector<std::pair<Coord, Masks>> found;
+  FoundLeaves found;
   for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
     Masks masks;
     bool any = false;
@@ -270,6 +317,7 @@ LeafBlocks leafBlocks(const FloatGrid& grid) {
   });
   std::sort(found.begin(), found.end(),
             [](const auto& a, const auto& b) { return a.first < b.first; });
+  addEmptyLeaves(found);
 
   LeafBlocks blocks;
   for (const auto& [origin, masks] : found) {

@@ -2,6 +2,7 @@
 #include "voxelize/fill.h"
 
 #include <gtest/gtest.h>
+#include <openvdb/openvdb.h>
 #include <sherd/error.h>
 #include <sherd/solid.h>
 
@@ -23,6 +24,7 @@
 #include "shapes.h"
 #include "voxelize/band.h"
 #include "voxelize/caps.h"
+#include "voxelize/distance.h"
 
 namespace sherd {
 namespace {
@@ -417,6 +419,16 @@ TEST(Fill, FacesThroughVoxelCentresLeaveWhatIsBetweenThem) {
   EXPECT_TRUE(voxels.contains({20, 8, 8}));
   EXPECT_FALSE(voxels.contains({22, 8, 8}));
   EXPECT_GE(voxels.size(), 16u * 16 * 16 + 1);
+}
+
+// As grids of other programs have it, and where a hole is far from any triangle.  Surfaces were
+// looked for in leaves that were not there.
+TEST(Fill, InsideVoxelsHaveLeavesAllRoundThem) {
+  const auto grid = openvdb::FloatGrid::create(3.0f);
+  grid->tree().sparseFill(openvdb::CoordBBox({0, 0, 0}, {7, 7, 7}), -3.0f, /*active=*/false);
+  const LeafBlocks blocks = leafBlocks(*grid);
+  EXPECT_EQ(blocks.insideVoxels(), 512u);
+  EXPECT_EQ(blocks.count(), 27u);
 }
 
 // ---- Shells
