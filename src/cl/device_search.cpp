@@ -51,7 +51,6 @@ DeviceFound described(const cl::Device& device, const std::string& platform) {
   return found;
 }
 
-// The bindings throw where a platform has no device.
 PlatformFound examined(const cl::Platform& platform) {
   PlatformFound found;
   try {
@@ -63,10 +62,9 @@ PlatformFound examined(const cl::Platform& platform) {
       found.devices.push_back(described(device, found.name));
     }
   } catch (const cl::Error& e) {
-    found.fault = e.err() == CL_DEVICE_NOT_FOUND
-                      ? "it has no device"
-                      : std::string(e.what()) + " fails with OpenCL error " + errorName(e.err());
+    found.fault = std::string(e.what()) + " fails with OpenCL error " + errorName(e.err());
   }
+  if (found.devices.empty() && found.fault.empty()) found.fault = "it has no device";
   if (found.devices.empty() && found.name == kPocl) {  // which does not say what it lacks
     const KernelCache cache = poclCache();
     if (!cache.fault.empty()) found.fault = cacheSentence(cache);

@@ -130,6 +130,11 @@ class Doctor(unittest.TestCase):
         self.assertEqual(report["kernel_cache"]["folder"], None)
         self.wrong(report, "/proc/cache", "POCL_CACHE_DIR")
 
+    @unittest.skipUnless(os.path.exists("/etc/OpenCL/vendors/rusticl.icd"), "needs mesa-opencl-icd")
+    def test_a_platform_without_devices(self):
+        report, _ = self.report(4, OCL_ICD_VENDORS="rusticl.icd")  # without RUSTICL_ENABLE it has none
+        self.assertEqual([(platform["devices"], platform["fault"]) for platform in report["platforms"]], [([], "it has no device")])
+
     def test_nobody_without_a_home(self):
         program = self.path("bin")
         os.mkdir(program)
