@@ -114,7 +114,7 @@ class Labels(SurfaceCase):
 
     def test_weights_that_let_short_waves_grow_are_refused(self):
         for option in ("--smooth-weight", "--smooth-boundary-weight"):
-            self.refused(2, self.fracture(option, "0.7"))
+            self.refused(2, self.fracture(option, "0.7", option.replace("weight", "iterations"), "2"))
             self.nothing_written()
             self.done("--write", "labels", "--smoothing", "laplacian", option, "0.7")
             shutil.rmtree(self.out)

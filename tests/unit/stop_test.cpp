@@ -73,7 +73,7 @@ TEST(Stop, VoxelizingAsksOftenEnough) {
   EXPECT_GE(asksOf([&](const Progress* p) { (void)bandOf(tree, 3.0, p); }), leaves);
 
   const SearchedMesh mesh = searched(ball);
-  const Filling filling = fillingOf(mesh, ball, {}, 1.0);
+  const Filling filling = fillingOf(chosenFill(mesh, {}), mesh, ball, {}, 1.0);
   const Solid solid = voxelize(ball, {.voxelSize = 1.0});
   EXPECT_GE(asksOf([&](const Progress* p) { (void)bridgesOf(solid.blocks, filling, p); }),
             2 * solid.blocks.count());
