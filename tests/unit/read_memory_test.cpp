@@ -329,7 +329,9 @@ TEST(VoxelMemory, RunsAreCharged) {
       {VoxelFormat::vox, [](auto bytes, auto o) { return parseMagicaVoxel(bytes, "x", o); }},
       {VoxelFormat::qstack, [](auto bytes, auto o) { return parseQuadStack(bytes, "x", o); }},
       {VoxelFormat::bing, [](auto bytes, auto o) { return parseBing(bytes, "x", o); }}};
-  for (const auto& [format, parse] : formats) {
+  for (const auto& one : formats) {
+    const auto format = one.first;
+    const Parse& parse = one.second;
     SCOPED_TRACE(static_cast<int>(format));
     const std::string bytes = bytesOf(voxels, format);
     EXPECT_EQ(parse(bytes, {.maxMemory = 80 * kMega}).runs.size(), voxels.runs.size());
@@ -354,7 +356,9 @@ TEST(PointMemory, PointsAreCharged) {
       {PointFormat::xyz, [](auto bytes, auto o) { return parseXyz(bytes, "x", o); }},
       {PointFormat::npz, [](auto bytes, auto o) { return parseNpzPoints(bytes, "x", o); }},
       {PointFormat::binp, [](auto bytes, auto o) { return parseBinp(bytes, "x", o); }}};
-  for (const auto& [format, parse] : formats) {
+  for (const auto& one : formats) {
+    const auto format = one.first;
+    const Parse& parse = one.second;
     SCOPED_TRACE(static_cast<int>(format));
     OneFile file;
     writePoints(OutputFile(file, "x"), points, format);
