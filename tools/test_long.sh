@@ -12,6 +12,8 @@ tools/build.sh release -- -DSHERD_TESTS=ON
 if [ -n "${SHERD_TEST_DATA:-}" ] && [ -n "${1:-}" ]; then
   echo "== all real meshes, at 128 voxels in 8 pieces and at 200 in 40"
   tools/verify_meshes.sh build/release/sherd "$SHERD_TEST_DATA" "$1"
+  echo "== 300 fractures by random options"
+  tools/verify_options.sh build/release/sherd "$SHERD_TEST_DATA" "$1" random
 fi
 
 echo "== every call that may fail, failing"

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Break every closed mesh of a folder by many options, and let an independent checker judge each result.
 #
-# usage: verify_options.sh SHERD MESH_FOLDER CHECKER.py [quick|surfaces]
+# usage: verify_options.sh SHERD MESH_FOLDER CHECKER.py [quick|surfaces|random [OPTION...]]
 #   quick: three meshes only
+#   random: 300 runs of meshes, pieces, resolutions and options that a seed draws, open and thin meshes too (random_options.py, with its options)
 #   surfaces: every mesh in 10 pieces, or one for each of its parts, with its meshes as they come, meshed independently, worn, rough, smoothed and
 #   decimated to 2000 triangles.  CGAL is asked too (sherd evaluate --cgal): all closed, manifold, valid and outwards
 #
@@ -16,6 +17,7 @@ set -euo pipefail
 sherd=$1 meshes=$2 checker=$3 mode=${4:-}
 export OCL_ICD_VENDORS=pocl.icd
 python=/usr/bin/python3  # Debian's: numpy, scipy and pyopenvdb are there
+[ "$mode" != random ] || exec "$python" -B "$(dirname "$0")/random_options.py" "$sherd" "$meshes" "$checker" "${@:5}"
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 shopt -s nullglob nocaseglob
