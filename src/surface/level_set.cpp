@@ -23,11 +23,12 @@ FloatGrid::Ptr emptyLike(const FloatGrid& solid) {
   return grid;
 }
 
-// A leaf of the solid as it is; where the solid has none there, an interior tile.
-void addWhole(FloatGrid& grid, const Leaf* leaf, const openvdb::Coord& origin) {
-  if (leaf) {
+// A leaf of the solid as it is; where the solid has none there, a tile of what it has, if that is
+// inside.
+void addWhole(FloatGrid& grid, const FloatGrid& solid, const openvdb::Coord& origin) {
+  if (const Leaf* leaf = solid.tree().probeConstLeaf(origin)) {
     grid.tree().addLeaf(new Leaf(*leaf));
-  } else {
+  } else if (solid.tree().getValue(origin) < 0.0f) {
     grid.tree().addTile(1, origin, -grid.background(), false);
   }
 }
@@ -41,18 +42,19 @@ ConstFloatGridPtr fragmentLevelSet(const Solid& solid, const Cut& cut, std::uint
   const auto voxelSize = static_cast<float>(solid.frame.voxelSize);
   for (const std::uint32_t at : leaves) {
     const openvdb::Coord& origin = solid.blocks.origins[at];
-    const Leaf* whole = solid.distance->tree().probeConstLeaf(origin);
     if (cut.index[at] == Cut::kWhole) {
-      addWhole(*grid, whole, origin);
+      addWhole(*grid, *solid.distance, origin);
       continue;
     }
+    const Leaf* whole = solid.distance->tree().probeConstLeaf(origin);
+    const float tile = std::copysign(band, solid.distance->tree().getValue(origin));
     const CutLeaf& cutLeaf = cut.leaves[cut.index[at]];
     const auto i = static_cast<std::size_t>(
         std::lower_bound(cutLeaf.fragments.begin(), cutLeaf.fragments.end(), fragment) -
         cutLeaf.fragments.begin());
     auto leaf = std::make_unique<Leaf>(origin, band, false);
     for (openvdb::Index v = 0; v < 512; ++v) {
-      const float solidValue = whole ? whole->getValue(v) : -band;
+      const float solidValue = whole ? whole->getValue(v) : tile;
       // A distance of the whole band is no distance: three times the voxel size may lie a hair
       // inside the background.
       const float voxels = cutLeaf.distance[i * 512 + v];
