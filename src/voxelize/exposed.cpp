@@ -94,7 +94,7 @@ class Look {
   Verdict keep(std::vector<Corners>& kept) const {
     if (area_ == 0.0) return Verdict::no;
     const std::array<glm::dvec3, 4> looks = looksOf(triangle_);
-    if (winding_.isPlain(boxOf(triangle_), looks)) return Verdict::yes;
+    if (winding_.isPlain(boxOf(triangle_), looks, longestEdge(triangle_))) return Verdict::yes;
     // For one look the tree tells what lies on the way sooner than a list of all that is around.
     // Small ones have one, whatever crosses them.
     const bool isSmall = longestEdge(triangle_) <= kSmall;
@@ -156,16 +156,25 @@ class Look {
                          const Corners corners = winding_.tree().corners(other);
                          return corners != triangle_ && crosses(corners, t, normal_);
                        }) ||
-           !winding_.isFarFromHoles(looks);
+           !winding_.isFarFromHoles(looks, longestEdge(t));
   }
 
   template <class... Around>
   bool isExposed(const glm::dvec3& point, const Around&... around) const {
     const glm::dvec3 behind = point - kBeside * normal_, before = point + kBeside * normal_;
     const double first = winding_.near(behind, around...);
-    const double second = first + winding_.tree().entries(behind, before, around...);
-    return (first >= 0.5) != (second >= 0.5);
+    const int entries = winding_.tree().entries(behind, before, around...);
+    if (part(first, first + entries)) return true;
+    if (winding_.isSteady(point, first) && winding_.isSteady(point, first + entries)) return false;
+    // Between the voxels on both sides the winding number passes a half, be it by itself.  The
+    // surface that closes a hole does not come so near to triangles, so these stand for it.
+    constexpr double kAside = 0.5;
+    const double back = winding_.near(behind, point - kAside * normal_);
+    const double front = winding_.near(behind, point + kAside * normal_) + entries;
+    return part(back, front) || part(back, back + entries) || part(front - entries, front);
   }
+
+  static bool part(double a, double b) { return (a >= 0.5) != (b >= 0.5); }
 
   std::vector<std::uint32_t> aroundPiece(const Corners& piece,
                                          const std::vector<std::uint32_t>& around) const {

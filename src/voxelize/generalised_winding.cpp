@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <utility>
 
+#include "mesh/edges.h"
 #include "mesh/joined.h"
 
 namespace sherd {
@@ -44,6 +45,16 @@ TriangleMesh withArea(TriangleMesh caps) {
   return caps;
 }
 
+// The edges that one triangle has, each as a triangle without area.
+TriangleMesh rimsOf(const TriangleMesh& caps) {
+  TriangleMesh rims{caps.vertices, {}};
+  forEachEdge(caps, [&](const EdgeUse& edge) {
+    if (edge.forward + edge.backward == 1)
+      rims.triangles.emplace_back(edge.low, edge.high, edge.high);
+  });
+  return rims;
+}
+
 }  // namespace
 
 GeneralisedWinding::GeneralisedWinding(const TriangleMesh& mesh, const TriangleMesh& caps,
@@ -51,11 +62,20 @@ GeneralisedWinding::GeneralisedWinding(const TriangleMesh& mesh, const TriangleM
                                        const Progress* progress)
     : caps_(onLattice(caps, bounds(mesh))),
       capTree_(withArea(caps_)),
+      rimTree_(rimsOf(withArea(caps_))),
       columns_(caps_.triangles.empty()
                    ? Winding(mesh, Winding::Rule::signedTurns, progress)
                    : Winding(joined(mesh, caps_), Winding::Rule::signedTurns, progress)),
       tree_(std::move(tree)) {
   if (!isSimple()) markOdd();
+}
+
+bool GeneralisedWinding::isSteady(const glm::dvec3& point, double winding) const {
+  constexpr double kChange = 0.3;  // over a voxel, farther than kRim from all rims
+  constexpr double kRim = 1.2;     // voxels
+  if (rimTree_.empty()) return true;
+  return std::abs(winding - 0.5) > kChange &&
+         !std::isfinite(rimTree_.nearest(point, kRim).distance);
 }
 
 openvdb::Coord GeneralisedWinding::oddDims() const {
@@ -87,14 +107,23 @@ double GeneralisedWinding::capsAt(const openvdb::Coord& voxel) const {
   return winding;
 }
 
-bool GeneralisedWinding::isFarFromHoles(std::span<const glm::dvec3> points) const {
+bool GeneralisedWinding::isFarFromHoles(std::span<const glm::dvec3> looks, double size) const {
   constexpr double kHardly = 0.25;  // at the nearest voxel's centre
-  return std::all_of(points.begin(), points.end(), [&](const glm::dvec3& point) {
-    return std::abs(capsAt(nearestVoxel(point))) < kHardly;
+  // At a distance r from a straight rim a winding number changes by 1 / (2 pi r) a voxel, and no
+  // point of a triangle is farther than a third of its longest edge from the nearest of the looks.
+  // So it takes a rim within 0.2 of the edge to get from kHardly to a half; rims have corners.
+  constexpr double kNearRim = 0.5;
+  constexpr double kFromMiddle = 2.0 / 3.0;  // to the farthest corner, of the longest edge
+  if (rimTree_.empty()) return true;
+  const double reach = (kFromMiddle + kNearRim) * size;
+  if (std::isfinite(rimTree_.nearest(looks.front(), reach).distance)) return false;
+  return std::all_of(looks.begin(), looks.end(), [&](const glm::dvec3& look) {
+    return std::abs(capsAt(nearestVoxel(look))) < kHardly;
   });
 }
 
-bool GeneralisedWinding::isPlain(const Box& box, std::span<const glm::dvec3> looks) const {
+bool GeneralisedWinding::isPlain(const Box& box, std::span<const glm::dvec3> looks,
+                                 double size) const {
   constexpr double kAround = 2.0;
   const openvdb::Coord dims = oddDims(), min = columns_.box().min;
   openvdb::Coord low, high;
@@ -118,15 +147,17 @@ bool GeneralisedWinding::isPlain(const Box& box, std::span<const glm::dvec3> loo
       }
     }
   }
-  return isFarFromHoles(looks);
+  return isFarFromHoles(looks, size);
 }
 
 double GeneralisedWinding::at(const openvdb::Coord& voxel) const {
   return columns_.at(voxel) - capsAt(voxel);
 }
 
-double GeneralisedWinding::near(const glm::dvec3& point) const {
-  const openvdb::Coord voxel = nearestVoxel(point);
+double GeneralisedWinding::near(const glm::dvec3& point) const { return near(point, point); }
+
+double GeneralisedWinding::near(const glm::dvec3& point, const glm::dvec3& from) const {
+  const openvdb::Coord voxel = nearestVoxel(from);
   return at(voxel) + tree_->entries(centreOf(voxel), point);
 }
 

@@ -41,13 +41,23 @@ class GeneralisedWinding {
   ///   around  all triangles within a voxel of the point, in tree()'s order, or more
   [[nodiscard]] double near(const glm::dvec3& point, std::span<const std::uint32_t> around) const;
 
+  /// The same, from the voxel centre that is nearest to another point.
+  [[nodiscard]] double near(const glm::dvec3& point, const glm::dvec3& from) const;
+
+  /// Whether a winding number near a point, such as near() has it, stays on its side of a half over
+  /// a voxel unless triangles change it.
+  [[nodiscard]] bool isSteady(const glm::dvec3& point, double winding) const;
+
   /// Whether every surface in a box, and a voxel round it, parts the inside from the outside: the
   /// closed mesh winds once or not at all round the voxel centres there, and its caps hardly.
-  ///   looks  points of the box where the caps are looked at
-  [[nodiscard]] bool isPlain(const Box& box, std::span<const glm::dvec3> looks) const;
+  ///   box, looks, size  of a triangle, as isFarFromHoles has them
+  [[nodiscard]] bool isPlain(const Box& box, std::span<const glm::dvec3> looks, double size) const;
 
-  /// Whether the caps hardly wind round any of some points, or the voxels' centres next to them.
-  [[nodiscard]] bool isFarFromHoles(std::span<const glm::dvec3> points) const;
+  /// Whether the caps hardly wind round any point of a triangle: not round some of its points, or
+  /// the voxels' centres next to them, and no hole's rim is so near that they may between these.
+  ///   looks  the triangle's middle, and others all over it
+  ///   size   its longest edge, voxels
+  [[nodiscard]] bool isFarFromHoles(std::span<const glm::dvec3> looks, double size) const;
 
   [[nodiscard]] const TriangleTree& tree() const { return *tree_; }
 
@@ -73,6 +83,7 @@ class GeneralisedWinding {
 
   TriangleMesh caps_;
   TriangleTree capTree_;
+  TriangleTree rimTree_;  // of the caps' edges that are the mesh's too
   Winding columns_;
   std::shared_ptr<const TriangleTree> tree_;
   mutable tbb::concurrent_unordered_map<openvdb::Coord, double, HashOf> knownCaps_;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <openvdb/openvdb.h>
 #include <sherd/error.h>
+#include <sherd/fragments.h>
 #include <sherd/solid.h>
 
 #include <cmath>
@@ -17,6 +18,8 @@
 #include <set>
 #include <string>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 #include "mesh/repair.h"
 #include "mesh/triangle_tree.h"
@@ -429,6 +432,111 @@ TEST(Fill, InsideVoxelsHaveLeavesAllRoundThem) {
   const LeafBlocks blocks = leafBlocks(*grid);
   EXPECT_EQ(blocks.insideVoxels(), 512u);
   EXPECT_EQ(blocks.count(), 27u);
+}
+
+TEST(Fill, LeavesRoundTheInsideAreNotPartOfAFragment) {
+  const auto grid = openvdb::FloatGrid::create(3.0f);
+  grid->setGridClass(openvdb::GRID_LEVEL_SET);
+  grid->tree().sparseFill(openvdb::CoordBBox({0, 0, 0}, {15, 15, 15}), -3.0f, /*active=*/false);
+  const Solid solid = solidOf(*grid);
+  Labels labels;
+  labels.fragment.assign(solid.blocks.count() * std::size_t{512}, 0);
+  solid.blocks.forEachInside([&](std::size_t place) {
+    labels.fragment[place] = solid.blocks.voxelAt(place).x() < 6 ? 1 : 2;
+  });
+  const std::vector<Fragment> made = extractFragments(solid, labels, 2);
+  ASSERT_EQ(made.size(), 2u);
+  openvdb::Index64 inside = 0;
+  for (const Fragment& fragment : made) {
+    ASSERT_NE(fragment.surface, nullptr);
+    for (auto value = fragment.surface->cbeginValueAll(); value; ++value) {
+      if (*value < 0.0f) inside += value.getVoxelCount();
+    }
+  }
+  EXPECT_EQ(inside, 16u * 16 * 16);
+}
+
+// A box whose sides x = 0 and x = 10 have square openings, `gap` wider all round than 0..8 is.
+TriangleMesh boxWithTwoOpenings(double gap) {
+  TriangleMesh mesh;
+  for (const double x : {0.0, 10.0}) {
+    for (const auto& [low, high] : {std::pair{-6.0, 14.0}, std::pair{-gap, 8.0 + gap}}) {
+      mesh.vertices.insert(mesh.vertices.end(),
+                           {{x, low, low}, {x, high, low}, {x, high, high}, {x, low, high}});
+    }
+  }
+  const auto addQuad = [&](unsigned i, unsigned j, unsigned k, unsigned l) {
+    mesh.triangles.emplace_back(i, j, k);
+    mesh.triangles.emplace_back(i, k, l);
+  };
+  for (unsigned k = 0; k < 4; ++k) {
+    const unsigned next = (k + 1) % 4;
+    addQuad(k, 4 + k, 4 + next, next);
+    addQuad(8 + k, 8 + next, 12 + next, 12 + k);
+    addQuad(k, next, 8 + next, 8 + k);
+  }
+  return mesh;
+}
+
+// Steps from a voxel to the next whose ends lie on different sides, and those of them that the
+// surface does not pass.
+std::pair<int, int> stepsThrough(const TriangleMesh& whole) {
+  const SearchedMesh mesh = searched(repaired(whole).mesh);
+  const Filling filling =
+      fillingOf({Fill::winding, ""}, mesh, mesh.mesh, {.fill = Fill::winding}, 1.0);
+  const Box box = bounds(mesh.mesh);
+  int steps = 0, leaks = 0;
+  for (int x = static_cast<int>(box.min.x) - 2; x <= box.max.x + 1; ++x) {
+    for (int y = static_cast<int>(box.min.y) - 2; y <= box.max.y + 1; ++y) {
+      for (int z = static_cast<int>(box.min.z) - 2; z <= box.max.z + 1; ++z) {
+        const openvdb::Coord from(x, y, z);
+        for (int axis = 0; axis < 3; ++axis) {
+          openvdb::Coord to = from;
+          ++to[axis];
+          if (filling.isInside(from) == filling.isInside(to)) continue;
+          const glm::dvec3 middle =
+              0.5 * (glm::dvec3(x, y, z) + glm::dvec3(to.x(), to.y(), to.z()));
+          ++steps;
+          leaks += filling.surface->nearest(middle, 1.0).triangle == TriangleTree::kNone;
+        }
+      }
+    }
+  }
+  return {steps, leaks};
+}
+
+// A missing piece of the surface let the inside flow out, up to the next 128 voxels' end.
+TEST(Fill, ABeamThroughOpeningsThatFitItTightlyHasItsSurface) {
+  std::mt19937 random(5);
+  const auto between = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  for (int k = 0; k < 60; ++k) {
+    const double from = between(-120.0, -20.0), to = between(11.0, 40.0),
+                 gap = std::pow(10.0, between(-2.3, -0.3));
+    TriangleMesh beam = shapes::cube(8.0, {4.0, 4.0, 4.0});
+    for (glm::dvec3& v : beam.vertices) v.x = v.x > 0.0 ? to : from;
+    const glm::dvec3 shift(between(0, 1), between(0, 1), between(0, 1));
+    const auto [steps, leaks] = stepsThrough(
+        shapes::transformed(shapes::append(boxWithTwoOpenings(gap), beam), 1.0, shift));
+    EXPECT_GT(steps, 2000);
+    EXPECT_EQ(leaks, 0) << k << " " << from << " " << to << " " << gap;
+  }
+}
+
+TEST(Fill, ChangesOfSideInRealMeshesHaveASurface) {
+  const char* folder = std::getenv("SHERD_TEST_DATA");
+  if (folder == nullptr) GTEST_SKIP() << "SHERD_TEST_DATA names no folder of meshes";
+  const std::tuple<const char*, double> files[] = {
+      {"Lantern.gltf", 200.0}, {"spider.obj", 90.0}, {"openscad-nonmanifold-crash.obj", 224.0}};
+  for (const auto& [name, side] : files) {
+    const TriangleMesh mesh = readMesh(std::filesystem::path(folder) / name).mesh;
+    const double scale = side / longestSide(bounds(mesh));
+    const glm::dvec3 corner = scale * bounds(mesh).min;
+    const auto [steps, leaks] = stepsThrough(shapes::transformed(mesh, scale, -corner - 0.5));
+    EXPECT_GT(steps, 5000) << name;
+    EXPECT_EQ(leaks, 0) << name;
+  }
 }
 
 // ---- Shells
