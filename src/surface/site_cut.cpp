@@ -170,6 +170,7 @@ class SitesOfLeaf {
       sites_.push_back(nearLeaf(sites.of(fragment), origin, sites));
     }
     rivals_.resize(sites_.size());
+    for (std::size_t k = 0; k < sites_.size(); ++k) withSites_ += hasSites(k) ? 1u : 0u;
     for (std::size_t k = 0; k < sites_.size(); ++k) {
       if (hasSites(k)) findRivals(k, kRivals);
     }
@@ -208,8 +209,8 @@ class SitesOfLeaf {
     const double away = glm::length(voxel - sites_[k][nearest_[k].site[z]].voxel);
     double d = -3.0;
     for (std::size_t i = 0;; ++i) {
-      if (i == rivals_[k].size() && i == kRivals) findRivals(k, sites_.size());
-      if (i == rivals_[k].size()) break;
+      if (i + 1 == withSites_) break;
+      if (i == rivals_[k].size()) findRivals(k, withSites_);
       Rival& rival = rivals_[k][i];
       if (d >= 3.0 || away - rival.plane < d - kRounding) break;
       const double slope = slopeBetween(k, rival, z);
@@ -256,7 +257,7 @@ class SitesOfLeaf {
     return least;
   }
 
-  // The nearest rivals of a fragment with sites, as many as `most`.
+  // The nearest rivals of a fragment with sites, as many as `most`, always in the same order.
   void findRivals(std::size_t k, std::size_t most) {
     std::vector<Rival>& rivals = rivals_[k];
     rivals.clear();
@@ -265,8 +266,9 @@ class SitesOfLeaf {
       rivals.push_back({.other = other, .plane = leastPlane(k, other)});
     }
     const auto end = rivals.begin() + static_cast<std::ptrdiff_t>(std::min(most, rivals.size()));
-    std::partial_sort(rivals.begin(), end, rivals.end(),
-                      [](const Rival& a, const Rival& b) { return a.plane < b.plane; });
+    std::partial_sort(rivals.begin(), end, rivals.end(), [](const Rival& a, const Rival& b) {
+      return a.plane != b.plane ? a.plane < b.plane : a.other < b.other;
+    });
     rivals.resize(static_cast<std::size_t>(end - rivals.begin()));
     rivals.shrink_to_fit();
   }
@@ -278,6 +280,7 @@ class SitesOfLeaf {
   std::array<glm::i64vec3, 3> steps_;
   std::array<std::size_t, 2> row_{};
   std::vector<std::vector<Sites::Site>> sites_;  // [fragments]
+  std::size_t withSites_ = 0;                    // fragments that have some
   std::vector<NearestInRow> nearest_;            // [fragments]
   std::array<std::int64_t, kCutSide> least_{};
   std::vector<std::vector<Rival>> rivals_;  // [fragments] by plane, the nearest first

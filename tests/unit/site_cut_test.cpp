@@ -8,6 +8,8 @@
 #include <glm/geometric.hpp>
 #include <vector>
 
+#include "random.h"
+
 namespace sherd {
 namespace {
 
@@ -114,6 +116,41 @@ TEST(SiteCut, ADistanceOfManySmallCellsTakesFewPlanes) {
               std::max(most, beyond(p, at(voronoi.seeds[k].voxel), at(voronoi.seeds[other].voxel)));
         }
         ASSERT_NEAR(cut.distance[k * 512 + v], std::min(most, 3.0), 1e-6) << k << ' ' << v;
+      }
+    }
+  }
+}
+
+// Many planes of sites on a grid are equally near, and of those none may be passed over.
+TEST(SiteCut, ADistanceIsTheGreatestOfAllPlanesWhereManyAreEquallyNear) {
+  VoxelBits all;
+  all.fill(0xff);
+  for (std::uint64_t draw = 0; draw < 6; ++draw) {
+    const std::size_t count = 33 + 40 * draw;
+    VoronoiSites voronoi;
+    std::vector<std::uint16_t> fragments;
+    for (std::uint64_t i = 0; i < count; ++i) {
+      const auto along = [&](std::uint64_t axis) {
+        return static_cast<int>(mixed((draw * 1000 + i) * 3 + axis) % 12) - kCutHalo;
+      };
+      fragments.push_back(static_cast<std::uint16_t>(i + 1));
+      Seed seed;
+      seed.voxel = openvdb::Coord(along(0), along(1), along(2));
+      seed.fragment = fragments.back();
+      voronoi.seeds.push_back(seed);
+    }
+    const SiteCut cut = siteCut(CutHalo{}, {0, 0, 0}, fragments, Sites(voronoi), all);
+    const auto at = [](const openvdb::Coord& c) { return glm::dvec3(c.x(), c.y(), c.z()); };
+    for (std::size_t k = 0; k < count; ++k) {
+      for (std::uint32_t v = 0; v < 512; ++v) {
+        double most = -3.0;
+        for (std::size_t other = 0; other < count; ++other) {
+          const glm::dvec3 own = at(voronoi.seeds[k].voxel),
+                           theirs = at(voronoi.seeds[other].voxel);
+          if (other == k) continue;
+          most = std::max(most, own == theirs ? 0.0 : beyond(at(coordFromOffset(v)), own, theirs));
+        }
+        ASSERT_NEAR(cut.distance[k * 512 + v], std::min(most, 3.0), 1e-6) << draw << ' ' << k;
       }
     }
   }
