@@ -31,6 +31,7 @@ LabelledMesh meshOfOne(const Solid& solid, const Labels& labels, const Cut& cut,
   Labels two;
   Cut own;
   own.stairs.resize(std::size_t{Labels::kWorn} + 1);
+  own.stairs[1] = cut.stairs[fragment];
   for (const std::uint32_t leaf : leaves) {
     const auto from = static_cast<std::ptrdiff_t>(leaf);
     const auto inside = solid.blocks.inside.begin() + from * 8;

@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "kernels/device_fixture.h"
 #include "mesh_checks.h"
@@ -191,6 +192,20 @@ TEST(Interface, AVoxelAloneKeepsMostOfItsVolume) {
   EXPECT_NEAR(volume(meshesOf(made, 2)[0].mesh), std::pow(14.0 / 15.0, 3), 1e-6);
   made.cut.stairs[1] = 0.0f;
   EXPECT_NEAR(volume(meshesOf(made, 2)[0].mesh), std::pow(1.0 / 3.0, 3), 1e-6);
+}
+
+TEST(Interface, AVoxelMeshedAloneKeepsAsMuch) {
+  const Labelled made = labelled(9, 2, [](const Coord& v) {
+    return v == Coord(4, 4, 4) ? std::uint16_t{1} : std::uint16_t{2};
+  });
+  std::vector<double> volumes;
+  for (const Interface interface : {Interface::shared, Interface::independent}) {
+    const std::vector<Fragment> fragments = extractFragments(
+        made.solid, made.labels, 2, nullptr, {.levelSets = false, .interface = interface});
+    volumes.push_back(volume(fragments[0].mesh));
+  }
+  EXPECT_GT(volumes[0], 0.7);
+  EXPECT_NEAR(volumes[1], volumes[0], 1e-6);
 }
 
 using Face = std::array<std::array<double, 3>, 3>;
