@@ -72,7 +72,7 @@ class Walls {
     wall.thickness = exit(at.point, -at.normal, wall.thickness);
     if (!(wall.thickness < (allSides ? thick_ : thin_))) return wall;
     const glm::dvec3 middle = at.point - 0.5 * wall.thickness * at.normal;
-    const Directions beside = directionsAcross(at.normal);
+    const Directions beside = directionsIn(at);
     std::array<double, kDirections> reach{};
     for (std::size_t k = 0; k < kDirections; ++k) {
       reach[k] = tree_.firstHit(middle, beside[k], kBeside);
@@ -102,13 +102,9 @@ class Walls {
     return hit;
   }
 
-  // Unit vectors across `normal`, each opposite to the one half the number on.
-  [[nodiscard]] static Directions directionsAcross(const glm::dvec3& normal) {
-    const glm::dvec3 size = glm::abs(normal);
-    const glm::dvec3 axis = size.x <= size.y && size.x <= size.z ? glm::dvec3(1, 0, 0)
-                            : size.y <= size.z                   ? glm::dvec3(0, 1, 0)
-                                                                 : glm::dvec3(0, 0, 1);
-    const glm::dvec3 u = glm::normalize(glm::cross(normal, axis)), v = glm::cross(normal, u);
+  // Unit vectors in the surface, each opposite to the one half the number on.
+  [[nodiscard]] static Directions directionsIn(const SurfaceSample& at) {
+    const glm::dvec3 u = at.along, v = glm::cross(at.normal, u);
     Directions out;
     for (std::size_t k = 0; k < kDirections; ++k) {
       const double angle = 2.0 * std::numbers::pi * static_cast<double>(k) / kDirections;
@@ -177,7 +173,9 @@ std::vector<SurfaceSample> surfaceSamples(const TriangleMesh& mesh, std::size_t 
     const std::size_t t = surface.triangleAt((n + 0.5) / static_cast<double>(count));
     const double u = spread ? std::fmod(0.5 + n * kU, 1.0) : 4.0 / 9.0;
     const double v = spread ? std::fmod(0.5 + n * kV, 1.0) : 0.5;
-    out.push_back({surface.pointIn(t, u, v), surface.normalOf(t)});
+    const glm::uvec3& corners = mesh.triangles[t];
+    const glm::dvec3 edge = mesh.vertices[corners.y] - mesh.vertices[corners.x];
+    out.push_back({surface.pointIn(t, u, v), surface.normalOf(t), glm::normalize(edge)});
   }
   return out;
 }

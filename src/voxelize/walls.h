@@ -15,6 +15,8 @@ namespace sherd {
 /// A point of a surface.
 struct SurfaceSample {
   glm::dvec3 point, normal;
+  glm::dvec3
+      along;  ///< unit vector in the surface that turns with the mesh: its triangle's first edge
 };
 
 /// Points of triangles, evenly by area; none where there is no area.
@@ -22,7 +24,8 @@ struct SurfaceSample {
 [[nodiscard]] std::vector<SurfaceSample> surfaceSamples(const TriangleMesh& mesh, std::size_t count,
                                                         bool spread);
 
-/// How thick the solid is behind the mesh's surface.
+/// How thick the solid is behind the mesh's surface.  Sheets thinner than a thousandth of a voxel
+/// have no volume to lose and are not looked at.
 ///   mesh                in index space, oriented outwards
 ///   longestSideVoxels   of the mesh's box
 ///   meshVolume          voxels

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <vector>
 
 #include "shapes.h"
 
@@ -107,6 +108,35 @@ TEST(Resolution, IsTheSameWhereAMeshIsMovedAndScaled) {
     for (const double scale : {0.25, 1.0, 1024.0}) {
       EXPECT_EQ(automaticResolution(shapes::transformed(mesh, scale, {-64.0, 32.0, 8.0})),
                 resolution);
+    }
+  }
+}
+
+// A square bar with sides of normals (1, 1, 1) and (0, 1, -1).
+TriangleMesh obliqueBar(double thickness) {
+  const glm::dvec3 across = glm::normalize(glm::dvec3(1, 1, 1)),
+                   beside = glm::normalize(glm::dvec3(0, 1, -1));
+  TriangleMesh bar = shapes::cube(1.0);
+  for (glm::dvec3& v : bar.vertices) {
+    v = thickness * (v.x * across + v.y * beside) + v.z * glm::cross(across, beside);
+  }
+  return bar;
+}
+
+TEST(Resolution, IsTheSameWhereAMeshIsTurned) {
+  std::vector<TriangleMesh> meshes{shapes::cup(1.0, 0.0125, 1.5, 0.25), lattice(2, 8.0, 0.25)};
+  for (int k = 0; k < 60; ++k) meshes.push_back(obliqueBar(0.012 + 0.0002 * k));
+  for (const TriangleMesh& mesh : meshes) {
+    const int resolution = automaticResolution(mesh);
+    EXPECT_GT(resolution, kLeastAutoResolution);
+    for (int axis = 0; axis < 3; ++axis) {
+      TriangleMesh turned = mesh;
+      for (glm::dvec3& v : turned.vertices) {
+        const glm::dvec3 before = v;
+        v[(axis + 1) % 3] = -before[(axis + 2) % 3];
+        v[(axis + 2) % 3] = before[(axis + 1) % 3];
+      }
+      EXPECT_EQ(automaticResolution(turned), resolution) << axis;
     }
   }
 }
