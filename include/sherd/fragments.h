@@ -74,7 +74,7 @@ struct UnbrokenSurface;
 [[nodiscard]] std::map<int, std::vector<std::vector<std::uint32_t>>> rimCurves(
     const Fragment& fragment);
 
-/// The unbroken solid's mesh, made as the fragments' are.
-[[nodiscard]] TriangleMesh solidMesh(const Solid& solid, const SurfaceOptions& options = {});
+/// The unbroken solid's smooth surface: that of its one fragment where it is not broken.
+[[nodiscard]] TriangleMesh solidMesh(const Solid& solid);
 
 }  // namespace sherd

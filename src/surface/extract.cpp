@@ -253,7 +253,7 @@ std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
   return all;
 }
 
-TriangleMesh solidMesh(const Solid& solid, const SurfaceOptions&) {
+TriangleMesh solidMesh(const Solid& solid) {
   Labels one;
   one.fragment.assign(solid.blocks.count() * 512, 1);
   Cut uncut;

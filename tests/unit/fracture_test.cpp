@@ -100,7 +100,7 @@ TEST_P(Promises, HoldOnAnalyticShapes) {
   // on average much less, so a cavity or an overlap counted twice stands far outside.
   const double skin = area(shape.mesh);
   EXPECT_NEAR(static_cast<double>(solid.voxels) * h * h * h, shape.volume, 0.1 * h * skin);
-  const TriangleMesh whole = solidMesh(solid, surface);
+  const TriangleMesh whole = solidMesh(solid);
   EXPECT_NEAR(volume(whole), shape.volume, 0.005 * shape.volume);
 
   // 1. Each inside voxel has one label, and the counts agree.
@@ -212,7 +212,7 @@ TEST_F(Fracture, OnePieceReturnsTheSolid) {
         shapes::torus(1.0, 0.4), {.pieces = 1, .resolution = 64, .surface = surface}, device());
     ASSERT_EQ(result.fragments.size(), 1u);
     const Fragment& piece = result.fragments[0];
-    const TriangleMesh whole = solidMesh(result.solid, surface);
+    const TriangleMesh whole = solidMesh(result.solid);
     EXPECT_EQ(piece.mesh.triangles.size(), whole.triangles.size());
     EXPECT_NEAR(volume(piece.mesh), volume(whole), 1e-12);
     EXPECT_TRUE(piece.contacts.empty());
