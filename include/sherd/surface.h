@@ -71,12 +71,12 @@ struct SurfaceOptions {
   bool levelSets = true;  ///< also make Fragment::surface; without, it is null
   Surface surface = Surface::smooth;
   Interface interface = Interface::shared;
-  double adaptivity = 0.0;  ///< 0..1, 0 none: fewer polygons where these change little, before all
-                            ///< else. How far a vertex may be, in voxels, from the planes of the
-                            ///< faces it stands for (root of the mean square)
   SmoothOptions smooth{};   ///< of either surface; nothing is smoothed unless iterations are given
-  std::vector<std::size_t> triangles{};  ///< also decimate every mesh to at most so many: each from
-                                         ///< 4 up, none twice
+  double adaptivity = 0.0;  ///< 0..1, 0 none: then fewer polygons where these change little.  How
+                            ///< far a vertex may be, in voxels, from the planes of the faces it
+                            ///< stands for (root of the mean square)
+  std::vector<std::size_t> triangles{};  ///< then also decimate every mesh to at most so many: each
+                                         ///< from 4 up, none twice
 };
 
 ///   throws  Error(usage) an option out of range

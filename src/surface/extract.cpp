@@ -139,6 +139,8 @@ Extraction::Shaped Extraction::shapedTogether() const {
     all.facing[i] = facingOfShared(all.meshes[i], static_cast<std::uint16_t>(i + 1));
   });
   stop.throwIfSet();
+  smoothTogether(all.meshes, all.facing, surface_.smooth, solid_.box.longestSide());
+  throwIfCancelled(progress_);
   if (surface_.adaptivity > 0.0) {
     std::vector<LabelledFaces> fewer = simplified(
         complexOf(all.meshes, all.facing), surface_.adaptivity * solid_.frame.voxelSize, progress_);
@@ -147,9 +149,6 @@ Extraction::Shaped Extraction::shapedTogether() const {
       all.facing[i] = std::move(fewer[i].facing);
     }
   }
-  throwIfCancelled(progress_);
-  smoothTogether(all.meshes, all.facing, surface_.smooth, solid_.box.longestSide());
-  throwIfCancelled(progress_);
   if (!surface_.triangles.empty()) {
     all.coarse = decimated(complexOf(all.meshes, all.facing), surface_.triangles, progress_);
   }
@@ -183,6 +182,8 @@ void Extraction::meshAlone(Fragment& fragment) const {
         facingOf(meshed.mesh, onSolid(meshed), id, solid_, before, unworn_ != nullptr);
     fragment.mesh = std::move(meshed.mesh);
   }
+  fragment.mesh = smoothed(std::move(fragment.mesh), fragment.facing, surface_.smooth,
+                           solid_.box.longestSide());
   if (surface_.adaptivity > 0.0) {
     LabelledFaces fewer =
         std::move(simplified(complexOf(fragment.mesh, fragment.facing),
@@ -191,8 +192,6 @@ void Extraction::meshAlone(Fragment& fragment) const {
     fragment.mesh = std::move(fewer.mesh.mesh);
     fragment.facing = std::move(fewer.facing);
   }
-  fragment.mesh = smoothed(std::move(fragment.mesh), fragment.facing, surface_.smooth,
-                           solid_.box.longestSide());
   fragment.coarse = std::move(
       decimated(complexOf(fragment.mesh, fragment.facing), surface_.triangles, progress_).front());
 }

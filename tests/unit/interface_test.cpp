@@ -319,6 +319,22 @@ TEST_F(InterfaceOfFracture, SimplifiedKeepsThePlaceOfTheSurface) {
   }
 }
 
+// Smoothing takes all edges for alike, so polygons become few after it.
+TEST_F(InterfaceOfFracture, SmoothingKeepsTheVolumeOfWhatIsSimplifiedToo) {
+  for (const Interface interface : {Interface::shared, Interface::independent}) {
+    FractureOptions options{.pieces = 4, .seed = 2, .resolution = 96};
+    options.surface.interface = interface;
+    options.surface.adaptivity = 0.5;
+    const FractureResult simplified = fracture(shapes::torus(1.0, 0.15), options, device());
+    options.surface.smooth.iterations = {20};
+    const FractureResult smoothed = fracture(shapes::torus(1.0, 0.15), options, device());
+    for (std::size_t i = 0; i < simplified.fragments.size(); ++i) {
+      const double before = simplified.fragments[i].mass.volume;
+      EXPECT_NEAR(smoothed.fragments[i].mass.volume, before, 0.05 * before);
+    }
+  }
+}
+
 // The smaller of two closed surfaces.
 TriangleMesh smallerPart(const TriangleMesh& mesh) {
   const Components parts = components(mesh);
