@@ -7,7 +7,9 @@ Run I draws a mesh, a number of pieces, a resolution and options from its own se
 command.  What must hold: Sherd breaks the mesh or refuses it with a sentence (statuses 2 and 3), the checker finds no
 fault, and `sherd evaluate` finds every mesh closed, manifold and outward, decimated ones too.  A fault is printed as one line with its
 command, and so is a refusal.  Faults of solids thinner than a voxel at a resolution that was asked for are counted apart: the
-surface cannot hold them.  Left out of the draw is --isolated keep, which leaves fragments in several components as asked.
+surface cannot hold them; so are fragments of which wear left no voxel half a voxel deep, whose meshes are less than their voxels.  Left out of the draw is --isolated keep, which leaves fragments in several components as asked; with
+--erode-crumbs keep they may be in several.
+Meshes of fewer polygons (--adaptivity) may lie as much farther off as they were asked to.
 Meshes that options move away from the level set (voxels' faces, smoothed, simplified, decimated) are not held to lie on it, nor to
 have what they face within the checker's 3/4 voxel.
 """
@@ -16,15 +18,19 @@ import glob
 import json
 import os
 import random
+import re
 import shutil
 import subprocess
 import sys
 import tempfile
 
+import pyopenvdb
+
 PYTHON = "/usr/bin/python3"  # Debian's: numpy, scipy and pyopenvdb are there
 KINDS = (".obj", ".ply", ".stl", ".off", ".gltf", ".glb", ".fbx", ".gz")
 THIN_SHARE = 0.01  # the report's own "thinnest" leaves out a hundredth of the area
 MOVING = ("--surface", "--adaptivity", "--smooth-iterations")  # --surface is drawn with "labels" only
+OF_COMPONENTS = ("6-connected part", "separate bodies")
 OF_LEVEL_SET = ("are not on its level set", "do not face what they say")
 
 
@@ -125,33 +131,69 @@ def use_decimated(folder):
         shutil.copyfile(os.path.join(folder, fragment["decimated"][0]["file"]), os.path.join(folder, fragment["files"]["mesh"]))
 
 
-def without_moved(faults):
-    return [fault for fault in faults if not fault.endswith(OF_LEVEL_SET)]
+def of_volume(folder, fault):
+    """The fragment that a fault of its volume is of, and by how much that differs; None of another fault."""
+    found = re.fullmatch(r"fragment (\d+): mesh volume ([^,]*), (.*) by voxels", fault)
+    if found is None:
+        return None
+    fragments = json.load(open(os.path.join(folder, "manifest.json")))["fragments"]
+    return next(f for f in fragments if f["id"] == int(found[1])), abs(float(found[2]) - float(found[3]))
+
+
+def is_shallow(folder, fault):
+    """Whether no voxel of the fragment lies half a voxel below the surface of its level set."""
+    found = of_volume(folder, fault)
+    if found is None:
+        return False
+    grid = pyopenvdb.read(os.path.join(folder, found[0]["files"]["vdb"]), "surface")
+    return min(value.value for value in grid.citerOnValues()) > -0.5 * grid.transform.voxelSize()[0]
+
+
+def is_simplified(folder, fault, adaptivity, voxel_size):
+    """Whether the volume differs by no more than a surface does that lies so much farther off than the checker's half a voxel."""
+    found = of_volume(folder, fault)
+    return found is not None and found[1] < (0.5 + adaptivity) * voxel_size * found[0]["area"]
+
+
+def option(words, name, default=None):
+    return words[words.index(name) + 1] if name in words else default
+
+
+def judged_by_options(sherd, checker, words, folder, voxel_size, decimated=False):
+    """Faults of a folder's meshes, without what the options ask for."""
+    faults = judged(sherd, checker, folder, os.path.join(folder, "..", "log"))
+    if decimated or any(name in words for name in MOVING):
+        faults = [fault for fault in faults if not fault.endswith(OF_LEVEL_SET)]
+    if option(words, "--erode-crumbs") == "keep":
+        faults = [fault for fault in faults if not any(text in fault for text in OF_COMPONENTS)]
+    adaptivity = float(option(words, "--adaptivity", 0))
+    return [fault for fault in faults if adaptivity == 0 or not is_simplified(folder, fault, adaptivity, voxel_size)]
 
 
 def faults_of(sherd, checker, words, folder):
-    """Faults of one run, the sentence that refused it or None, and whether the solid is thinner than a voxel."""
+    """Faults of one run, the sentence that refused it or None, and "thin" or "shallow" where what they are of is thinner than a voxel."""
     log = os.path.join(folder, "log")
     pieces = os.path.join(folder, "pieces")
     shutil.rmtree(pieces, ignore_errors=True)
     status, text = run([sherd] + words + ["-o", pieces, "--json"], log)
     if status in (2, 3):
-        return [], last_line(log), False
+        return [], last_line(log), None
     if status != 0:
-        return [f"status {status}: {last_line(log)}"], None, False
+        return [f"status {status}: {last_line(log)}"], None, None
     report = json.loads(text)
     walls = report["report"]["walls"] if report["report"] else None
-    thin = walls is not None and walls["thin_share"] > THIN_SHARE
-    faults = judged(sherd, checker, pieces, log)
-    if any(option in words for option in MOVING):
-        faults = without_moved(faults)
-    asked = int(words[words.index("--pieces") + 1])
+    faults = judged_by_options(sherd, checker, words, pieces, report["voxel_size"])
+    asked = int(option(words, "--pieces"))
     if report["fragments"] != max(asked, report["parts"]):
         faults.append(f"{report['fragments']} fragments, {asked} asked of {report['parts']} components")
-    if not faults and "--triangles" in words:
+    decimated = not faults and "--triangles" in words
+    if decimated:
         use_decimated(pieces)
-        faults = ["decimated: " + fault for fault in without_moved(judged(sherd, checker, pieces, log))]
-    return faults, None, thin
+        faults = judged_by_options(sherd, checker, words, pieces, report["voxel_size"], decimated)
+    what = "thin" if walls is not None and walls["thin_share"] > THIN_SHARE else None
+    if faults and all(is_shallow(pieces, fault) for fault in faults):
+        what = "shallow"
+    return ["decimated: " * decimated + fault for fault in faults], None, what
 
 
 def main():
@@ -170,18 +212,18 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         for index in runs:
             words, resolution = command_of(index, args.seed, meshes)
-            faults, refusal, is_thin = faults_of(args.sherd, args.checker, words, folder)
+            faults, refusal, what = faults_of(args.sherd, args.checker, words, folder)
             if refusal is not None:
                 refused += 1
                 print(f"refused {index}: {refusal} | {' '.join(words)}", flush=True)
             if not faults:
                 continue
-            allowed = is_thin and resolution is not None
+            allowed = what == "shallow" or what == "thin" and resolution is not None
             thin += allowed
             failed += not allowed
-            print(f"{'thin' if allowed else 'FAULT'} {index}: {'; '.join(faults[:3])}"
+            print(f"{what if allowed else 'FAULT'} {index}: {'; '.join(faults[:3])}"
                   f"{f'; and {len(faults) - 3} more' if len(faults) > 3 else ''} | {' '.join(words)}", flush=True)
-    print(f"{len(runs)} runs, {refused} refused, {thin} with faults of solids thinner than a voxel; {failed} faults")
+    print(f"{len(runs)} runs, {refused} refused, {thin} with faults of what is thinner than a voxel; {failed} faults")
     sys.exit(failed > 0)
 
 
