@@ -11,7 +11,7 @@
 namespace sherd {
 
 /// A mesh whose volume and whose solid's differ by a larger share is worth a warning.
-inline constexpr double kVolumesAgree = 0.05;
+inline constexpr double kVolumesAgree = 0.03;
 
 /// A file's name, and where one of its objects alone is meant, that object's.
 [[nodiscard]] std::string titled(const std::string& file, const SourceMesh& source);
