@@ -49,6 +49,13 @@ std::uint64_t bytesOf(const TriangleMesh& mesh) {
   return mesh.vertices.size() * sizeof(glm::dvec3) + mesh.triangles.size() * sizeof(glm::uvec3);
 }
 
+// Not below 0, which would be without limit.
+void takeFrom(std::atomic<std::uint64_t>& left, std::uint64_t bytes) {
+  std::uint64_t before = left;
+  while (!left.compare_exchange_weak(before, before - std::min(before, bytes))) {
+  }
+}
+
 FragmentSet meshesIn(const fs::path& folder) {
   std::vector<std::string> names;
   bool folders = false;
@@ -97,7 +104,7 @@ FragmentSet readFragments(const fs::path& folder, const ReadOptions& options,
     const fs::path file =
         set.manifest ? listedFile(manifest, fragment.name) : folder / fragment.name;
     SourceMesh read = readMesh(file, {.maxMemory = left});
-    left -= std::min<std::uint64_t>(left, bytesOf(read.mesh));
+    takeFrom(left, bytesOf(read.mesh));
     fragment.droppedTriangles = read.degenerateTriangles;
     fragment.mesh.mesh = std::move(read.mesh);
     if (set.manifest) fragment.mesh.facing = readFacing(file, fragment.mesh.mesh);
