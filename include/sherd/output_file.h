@@ -21,7 +21,7 @@ class FileSink {
   virtual ~FileSink() = default;
 
   /// Take a file whole, or not at all where `content` throws.
-  ///   name  relative, parts separated by '/'
+  ///   name  parts separated by '/', relative unless the sink says otherwise
   ///   throws  Error(output)
   virtual void take(const std::string& name, const Content& content) = 0;
 };

@@ -79,6 +79,9 @@ void runEvaluate(EvaluateArguments& arguments) {
     threads.emplace(tbb::global_control::max_allowed_parallelism,
                     static_cast<std::size_t>(arguments.threads));
   }
+  if (!arguments.csv.empty() && !arguments.plot.empty()) {
+    requireDifferent("--plot", arguments.plot, "--csv", arguments.csv);
+  }
   arguments.options.tolerance = arguments.tolerancePercent / 100.0;
   const EvaluateReport report = reportOf(arguments);
   HeldFiles files;

@@ -151,7 +151,9 @@ void allowOpenFiles() {
 class Replacements {
  public:
   Replacements() = default;
-  ~Replacements() { drop(); }
+  ~Replacements() {
+    while (!all_.empty()) all_.pop_back();  // later ones lie in folders that earlier ones made
+  }
   Replacements(const Replacements&) = delete;
   Replacements& operator=(const Replacements&) = delete;
 
@@ -163,8 +165,13 @@ class Replacements {
   void keep() {
     for (FractureReplacement& one : all_) one.keep();
   }
-  void drop() {
-    while (!all_.empty()) all_.pop_back();  // later ones lie in folders that earlier ones made
+  std::string drop() {
+    std::string left;
+    for (; !all_.empty(); all_.pop_back()) {
+      const std::string one = all_.back().takeBack();
+      if (!one.empty()) left += (left.empty() ? "" : "; ") + one;
+    }
+    return left;
   }
 
  private:

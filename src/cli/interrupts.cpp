@@ -8,6 +8,7 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <exception>
 #include <mutex>
 #include <system_error>
 #include <thread>
@@ -49,13 +50,21 @@ void printAtOnce(const std::string& text) {
 
 // The end of a process that does not heed the flag.
 [[noreturn]] void endAtOnce() {
-  endAllWork();  // waits for renames, and for ever once the last steps have begun
-  if (!claimEnd(static_cast<int>(ErrorCode::cancelled))) {
+  if (last) std::this_thread::sleep_for(kMessage);  // it is nearly done
+  endAllWork();                                     // waits for renames
+  const bool isDone = last;
+  if (!claimEnd(isDone ? 0 : static_cast<int>(ErrorCode::cancelled))) {
     std::this_thread::sleep_for(kMessage);
     ::_exit(status);
   }
-  removeUnfinished();
-  printAtOnce((lineIsDrawn ? kClearLine : "") + ("sherd: " + interruptSentence() + "\n"));
+  try {
+    removeUnfinished();
+    if (!isDone) {
+      printAtOnce((lineIsDrawn ? kClearLine : "") + ("sherd: " + interruptSentence() + "\n"));
+    }
+  } catch (const std::exception&) {
+    // No memory for the message: the status says it.
+  }
   ::_exit(status);
 }
 
@@ -108,10 +117,18 @@ std::string interruptSentence() {
   return state.empty() ? "interrupted" : "interrupted; " + state;
 }
 
-void goOnToTheEnd() {
-  static const auto* const uncut = new Uncut;  // to the end of the process
-  (void)uncut;
-  last = true;
+void goOnToTheEnd() { last = true; }
+
+void throwAgain(const std::string& notUndone) {
+  if (notUndone.empty()) throw;
+  setInterruptedState(notUndone);
+  try {
+    throw;
+  } catch (const Error& e) {
+    throw Error(e.code(), std::string(e.what()) + "; " + notUndone);
+  } catch (const std::exception& e) {
+    throw Error(ErrorCode::internal, std::string(e.what()) + "; " + notUndone);
+  }
 }
 
 void endWith(int with) {

@@ -31,26 +31,31 @@ void setInterruptedState(std::string state);
 /// "interrupted; " and that.
 [[nodiscard]] std::string interruptSentence();
 
-/// What was written aside is in place and the result is printed.  From here on the process goes on
-/// to its end, whatever comes.
+/// What was written aside is in place and the result is printed: from here on an interrupt does not
+/// stop the work.  Where the process still lives a while after one, it is ended with status 0.
 void goOnToTheEnd();
 
+/// Throw again what is being handled, and add to its message what could not be undone.
+///   notUndone  in the middle of a sentence; empty: nothing is added
+[[noreturn]] void throwAgain(const std::string& notUndone);
+
 /// Put what was written aside in place, print the result, and keep it: all of it or nothing, so
-/// that statuses 130 and 5 mean that nothing was replaced.
-///   aside   has putInPlace(), keep(), and drop(), which undoes
+/// that statuses 130 and 5 mean that nothing was replaced, or that the message says what was.
+///   aside   has putInPlace(), keep(), and drop(), which undoes and returns what it cannot undo
 ///   print   throws where nobody takes the result, or an interrupt comes while it waits for that
 template <class Aside>
 void finish(Aside& aside, const std::function<void()>& print) {
   stopIfInterrupted();
-  const Uncut whole;
-  try {
-    aside.putInPlace();
-    print();
-  } catch (...) {
-    aside.drop();
-    throw;
+  {
+    const Uncut whole;
+    try {
+      aside.putInPlace();
+      print();
+    } catch (...) {
+      throwAgain(aside.drop());
+    }
+    goOnToTheEnd();
   }
-  goOnToTheEnd();
   aside.keep();
 }
 

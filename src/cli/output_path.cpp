@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "io/partial_folder.h"
 #include "io/read_manifest.h"
 
 namespace sherd::cli {
@@ -33,6 +34,8 @@ bool isListed(const fs::path& manifest, const std::string& name) {
 
 void requireNoInput(const std::string& option, const fs::path& output,
                     std::span<const fs::path> inputs) {
+  // Else what is there, and what the manifest lists, may be hidden by a run that was killed.
+  requireSettled(output.has_parent_path() ? output.parent_path() : ".");
   std::error_code failed;
   if (!fs::exists(fs::symlink_status(output, failed))) return;  // nothing is replaced
   for (const fs::path& input : inputs) {
@@ -50,6 +53,17 @@ void requireNoInput(const std::string& option, const fs::path& output,
     }
     if (folder == folder.parent_path()) return;
   }
+}
+
+void requireDifferent(const std::string& option, const fs::path& output, const std::string& other,
+                      const fs::path& otherOutput) {
+  std::error_code none;
+  const auto real = [&none](const fs::path& file) {
+    const fs::path whole = fs::absolute(file);
+    return fs::weakly_canonical(whole.parent_path(), none) / whole.filename();
+  };
+  if (real(output) == real(otherOutput))
+    refuse(option, output, "is named by " + other + " as well");
 }
 
 }  // namespace sherd::cli

@@ -6,10 +6,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cctype>
 #include <cerrno>
 #include <cstdint>
+#include <cstdio>
 #include <system_error>
 #include <utility>
 
@@ -22,11 +24,19 @@ namespace fs = std::filesystem;
   throw Error(ErrorCode::output, file.string() + ": " + what);
 }
 
-// Not made from the target's name, which may already be as long as a name may be.
+constexpr std::string_view kTemporaryBegin = ".sherd-", kTemporaryEnd = ".tmp";
+
+// Not made from the target's name, which may already be as long as a name may be.  One of this name
+// may be there: in a container every run has the same process number.
 fs::path temporaryBeside(const fs::path& file) {
   static std::atomic<unsigned> counter{0};
-  return file.parent_path() / (".sherd-" + std::to_string(::getpid()) + "-" +
-                               std::to_string(counter.fetch_add(1)) + ".tmp");
+  return file.parent_path() / (std::string(kTemporaryBegin) + std::to_string(::getpid()) + "-" +
+                               std::to_string(counter.fetch_add(1)) + std::string(kTemporaryEnd));
+}
+
+// Whether a file system cannot do what it was asked for, on any files.
+bool isUnsupported(int number) {
+  return number == EINVAL || number == ENOSYS || number == EOPNOTSUPP;
 }
 
 constexpr std::size_t kLeastDirect = 16 * kDirectBlock;  // fewer bytes are not worth it
@@ -55,8 +65,7 @@ std::string reasonOf(int number) {
   return reason;
 }
 
-AtomicFile::AtomicFile(fs::path file, Caching caching)
-    : file_(std::move(file)), temporary_(temporaryBeside(file_)), caching_(caching) {
+AtomicFile::AtomicFile(fs::path file, Caching caching) : file_(std::move(file)), caching_(caching) {
   struct stat target {};
   if (::lstat(file_.c_str(), &target) == 0) {
     if (S_ISDIR(target.st_mode)) outputError(file_, "is a folder; a file name is needed");
@@ -67,20 +76,18 @@ AtomicFile::AtomicFile(fs::path file, Caching caching)
     outputError(file_, "cannot be written: " + reasonOf(errno));
   }
   const Uncut whole;
-  unfinished_ = Unfinished(temporary_, Unfinished::Kind::file);  // before, as memory may be out
-  descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  do {
+    temporary_ = temporaryBeside(file_);
+    unfinished_ = Unfinished(temporary_, Unfinished::Kind::file);  // before, as memory may be out
+    descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  } while (descriptor_ < 0 && errno == EEXIST);
   if (descriptor_ < 0) outputError(file_, "cannot be written: " + reasonOf(errno));
 }
 
 AtomicFile::~AtomicFile() {
   if (descriptor_ >= 0) ::close(descriptor_);
   if (!temporary_.empty()) ::unlink(temporary_.c_str());
-  if (!canUndo_) return;
-  if (before_.empty()) {
-    ::unlink(file_.c_str());
-  } else {
-    ::rename(before_.c_str(), file_.c_str());
-  }
+  (void)undo();
 }
 
 void AtomicFile::write(std::string_view bytes) {
@@ -124,30 +131,88 @@ void AtomicFile::commit() {
 }
 
 void AtomicFile::putInPlace() {
-  fs::path before = temporaryBeside(file_);
-  Unfinished unfinished(before, Unfinished::Kind::file);
   close();
   const Uncut whole;
-  const int reason = ::link(file_.c_str(), before.c_str()) == 0 ? 0 : errno;
-  if (::rename(temporary_.c_str(), file_.c_str()) != 0) {
-    const int number = errno;
-    ::unlink(before.c_str());
-    fail(number);
+  if (::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, file_.c_str(), RENAME_EXCHANGE) == 0) {
+    before_ = std::exchange(temporary_, {});
+  } else if (isUnsupported(errno)) {
+    replaceByTwoRenames();
+  } else if (errno != ENOENT || ::rename(temporary_.c_str(), file_.c_str()) != 0) {
+    fail(errno);
+  } else {  // nothing was there
+    temporary_.clear();
+    unfinished_.end();
   }
-  temporary_.clear();
-  canUndo_ = reason == 0 || reason == ENOENT;
-  if (reason == 0) before_ = std::move(before);
-  unfinished_ = std::move(unfinished);
+  isInPlace_ = true;
+}
+
+// Where names cannot be swapped.  What was there keeps a second name meanwhile, so that there is
+// no moment without it; or another one, where the file system has no hard links.
+void AtomicFile::replaceByTwoRenames() {
+  std::error_code none;
+  if (!fs::exists(fs::symlink_status(file_, none))) {
+    if (::rename(temporary_.c_str(), file_.c_str()) != 0) fail(errno);
+    temporary_.clear();
+    return unfinished_.end();
+  }
+  fs::path before = temporaryBeside(file_);
+  while (fs::exists(fs::symlink_status(before, none))) before = temporaryBeside(file_);
+  Unfinished unfinished(before, Unfinished::Kind::file);
+  const bool isLinked = ::link(file_.c_str(), before.c_str()) == 0;
+  if (!isLinked && ::rename(file_.c_str(), before.c_str()) != 0) fail(errno);
+  if (::rename(temporary_.c_str(), file_.c_str()) == 0) {
+    before_ = std::move(before);
+    temporary_.clear();
+    unfinished_ = std::move(unfinished);
+    return;
+  }
+  const int number = errno;
+  if (isLinked) {
+    ::unlink(before.c_str());
+  } else if (::rename(before.c_str(), file_.c_str()) != 0) {
+    unfinished.end();
+    outputError(file_, reasonOf(number) + "; what was there before is " + before.string());
+  }
+  fail(number);
+}
+
+bool AtomicFile::undo() noexcept {
+  if (!std::exchange(isInPlace_, false)) return true;
+  const Uncut whole;
+  if ((before_.empty() ? ::unlink(file_.c_str()) : ::rename(before_.c_str(), file_.c_str())) == 0) {
+    before_.clear();
+    return true;
+  }
+  unfinished_.end();  // which is all there is of what was there
+  return false;
+}
+
+std::string AtomicFile::takeBack() {
+  if (undo()) return {};
+  return file_.string() + " is replaced, " +
+         (before_.empty() ? "though nothing was there before"
+                          : "and what was there before is " + before_.string());
 }
 
 void AtomicFile::keep() {
-  canUndo_ = false;
+  isInPlace_ = false;
   if (!before_.empty()) ::unlink(before_.c_str());
   unfinished_.end();
 }
 
 void AtomicFile::fail(int number) const {
   outputError(file_, reasonOf(number) + " after " + amount(written_));
+}
+
+bool isTemporaryName(std::string_view name) {
+  if (!name.starts_with(kTemporaryBegin) || !name.ends_with(kTemporaryEnd)) return false;
+  name.remove_prefix(kTemporaryBegin.size());
+  name.remove_suffix(std::min(name.size(), kTemporaryEnd.size()));
+  const auto isNumber = [](std::string_view text) {
+    return !text.empty() && text.find_first_not_of("0123456789") == text.npos;
+  };
+  const std::size_t hyphen = std::min(name.find('-'), name.size() - 1);
+  return isNumber(name.substr(0, hyphen)) && isNumber(name.substr(hyphen + 1));
 }
 
 void writeWhole(const fs::path& file, std::string_view bytes) {

@@ -41,20 +41,26 @@ class AtomicFile {
   ///   throws  Error(output)
   void commit();
 
-  /// The same, undone unless kept: what was there before lies beside until then.  Where the file
-  /// system has no hard links, it cannot be undone.  To be within an Uncut until it is kept.
+  /// The same, undone unless kept: what was there before lies beside until then, under a hidden
+  /// name.  To be within an Uncut until it is kept.
   ///   throws  Error(output), and all is as it was
   void putInPlace();
   void keep();
 
+  /// Undo that.
+  ///   return  what there is where it cannot be undone, in the middle of a sentence; else nothing
+  [[nodiscard]] std::string takeBack();
+
  private:
   [[noreturn]] void fail(int number) const;
   void put(std::string_view bytes, bool direct);
+  void replaceByTwoRenames();
+  bool undo() noexcept;
 
   std::filesystem::path file_;
   std::filesystem::path temporary_;
   std::filesystem::path before_;  // what was there, once it is in place
-  bool canUndo_ = false;
+  bool isInPlace_ = false;        // and not kept
   Unfinished unfinished_;
   int descriptor_ = -1;
   std::uintmax_t written_ = 0;
@@ -63,6 +69,9 @@ class AtomicFile {
 
 /// Write `bytes` as the whole of a file.
 void writeWhole(const std::filesystem::path& file, std::string_view bytes);
+
+/// Whether a file of this name is one that is being written, or that a killed run left.
+[[nodiscard]] bool isTemporaryName(std::string_view name);
 
 /// What an errno value means, in the middle of a sentence: "no space left on device".
 [[nodiscard]] std::string reasonOf(int number);

@@ -206,10 +206,23 @@ FractureReplacement::FractureReplacement(fs::path folder, std::vector<std::strin
 }
 
 FractureReplacement::~FractureReplacement() {
-  if (parts_ && parts_->isInPlace) parts_->partial->takeBack(parts_->old, parts_->fresh);
+  try {
+    (void)takeBack();
+  } catch (const std::exception&) {
+    // No memory for the sentence that nobody takes.
+  }
 }
 FractureReplacement::FractureReplacement(FractureReplacement&& other) noexcept = default;
-FractureReplacement& FractureReplacement::operator=(FractureReplacement&& other) noexcept = default;
+
+std::string FractureReplacement::takeBack() {
+  if (!parts_ || !std::exchange(parts_->isInPlace, false)) return {};
+  try {
+    parts_->partial->takeBack(parts_->fresh);
+    return {};
+  } catch (const Error& e) {
+    return parts_->folder.string() + " is not as it was before: " + e.what();
+  }
+}
 
 void FractureReplacement::write(const std::function<void(const fs::path&)>& write) {
   withFolderErrors(parts_->folder, [&] { write(parts_->partial->fresh()); });
@@ -227,6 +240,7 @@ fs::path FractureReplacement::keep() {
   return withFolderErrors(parts_->folder, [this] {
     parts_->isInPlace = false;
     parts_->made.keep();
+    parts_->partial->keep();
     parts_->partial.reset();
     return parts_->folder / kManifestName;
   });

@@ -18,7 +18,6 @@ class FractureReplacement {
   FractureReplacement(std::filesystem::path folder, std::vector<std::string> fresh);
   ~FractureReplacement();
   FractureReplacement(FractureReplacement&& other) noexcept;
-  FractureReplacement& operator=(FractureReplacement&& other) noexcept;
 
   /// Write the files and the manifest aside: `write` is given a folder whose sub-folders are there.
   ///   throws  Error(output); what `write` throws
@@ -31,6 +30,10 @@ class FractureReplacement {
   /// Nothing but renames, which are undone unless kept.  To be within an Uncut until then.
   ///   throws  Error(output), and all is as it was, or will be when the folder is opened again
   void putInPlace();
+
+  /// Undo that.
+  ///   return  a sentence on what cannot be undone; else nothing
+  [[nodiscard]] std::string takeBack();
 
   ///   return  the manifest's path
   std::filesystem::path keep();

@@ -17,6 +17,20 @@ void HeldFiles::putInPlace() {
   for (const std::unique_ptr<AtomicFile>& file : files_) file->putInPlace();
 }
 
+// The last one first: of two that have one name, it has aside what the other put there.
+std::string HeldFiles::drop() {
+  std::string left;
+  for (; !files_.empty(); files_.pop_back()) {
+    const std::string one = files_.back()->takeBack();
+    if (!one.empty()) left += (left.empty() ? "" : "; ") + one;
+  }
+  return left;
+}
+
+HeldFiles::~HeldFiles() {
+  while (!files_.empty()) files_.pop_back();
+}
+
 void HeldFiles::keep() {
   for (const std::unique_ptr<AtomicFile>& file : files_) file->keep();
   files_.clear();

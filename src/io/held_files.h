@@ -16,13 +16,21 @@ namespace sherd {
 /// this, and all is as it was.
 class HeldFiles : public FileSink {
  public:
+  HeldFiles() = default;
+  ~HeldFiles() override;
+  HeldFiles(const HeldFiles&) = delete;
+  HeldFiles& operator=(const HeldFiles&) = delete;
+
   void take(const std::string& name, const Content& content) override;
 
   /// Nothing but renames, which are undone unless kept.  To be within an Uncut until then.
   ///   throws  Error(output)
   void putInPlace();
   void keep();
-  void drop() { files_.clear(); }
+
+  /// Undo that, and forget the files.
+  ///   return  what cannot be undone, in the middle of a sentence; else nothing
+  std::string drop();
 
  private:
   std::mutex mutex_;

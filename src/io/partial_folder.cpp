@@ -8,10 +8,12 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
+#include <thread>
 #include <utility>
 
 #include "io/atomic_file.h"
@@ -31,6 +33,9 @@ using Files = std::vector<std::string>;
 constexpr const char* kNew = "new";
 constexpr const char* kOld = "old";
 constexpr const char* kMade = "made";
+
+constexpr const char* kPutsBack =
+    "; the next run, or sherd inspect, puts back what was there before";
 
 [[noreturn]] void outputError(const fs::path& path, const std::string& what) {
   throw Error(ErrorCode::output, path.string() + ": " + what);
@@ -114,19 +119,32 @@ Side sideOf(const fs::path& partial, const char* name) {
   return {true, std::move(files->own)};
 }
 
+// All files below a folder but the manifest at its top, relative to it.  No link is followed.
+std::vector<fs::path> filesBelow(const fs::path& root) {
+  std::vector<fs::path> files;
+  if (!isFolder(root)) return files;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root)) {
+    if (isFolder(entry.path())) continue;
+    fs::path file = entry.path().lexically_relative(root);
+    if (file != kManifestName) files.push_back(std::move(file));
+  }
+  return files;
+}
+
 // Undo the moves of putInPlace, whichever were done, as well as those of an earlier undoing.  While
 // files are on the move a name may stand for either fracture's: of the new one it is where it lacks
-// in new/, as all were there to begin with.
-void moveBack(const fs::path& folder, const fs::path& partial, const Files& old,
-              const Files& fresh) {
+// in new/, as all were there to begin with.  What is in old/ goes back whatever its name is: only a
+// run puts files there, and version 0.1 moved all that its manifest listed.
+void moveBack(const fs::path& folder, const fs::path& partial, const Files& fresh) {
+  const Uncut whole;
   const fs::path newSide = partial / kNew, oldSide = partial / kOld;
   for (const std::string& file : fresh) {
     if (present(newSide / file) || typeOf(folder / file) != fs::file_type::regular) continue;
     move(folder / file, newSide / file);
   }
-  for (const std::string& file : old) {
-    if (!present(oldSide / file)) continue;
-    makeFolder((folder / file).parent_path());
+  for (const fs::path& file : filesBelow(oldSide)) {
+    requireOwnSubfolder(folder, file.string());
+    fs::create_directories((folder / file).parent_path());
     move(oldSide / file, folder / file);
   }
   removeMade(folder, partial);
@@ -152,12 +170,12 @@ void clear(const fs::path& partial) {
 void undo(const fs::path& folder, const fs::path& partial) {
   const bool isWhole = present(folder / kManifestName);
   if (!isWhole) {
-    const Side fresh = sideOf(partial, kNew), old = sideOf(partial, kOld);
-    for (const fs::path& root : {folder, partial / kNew, partial / kOld}) {
+    const Side fresh = sideOf(partial, kNew);
+    (void)sideOf(partial, kOld);  // is a fracture's, too
+    for (const fs::path& root : {folder, partial / kNew}) {
       for (const std::string& file : fresh.files) requireOwnSubfolder(root, file);
-      for (const std::string& file : old.files) requireOwnSubfolder(root, file);
     }
-    moveBack(folder, partial, old.files, fresh.files);
+    moveBack(folder, partial, fresh.files);
   } else if (isFolder(partial / kOld)) {  // killed after the last move: its folders may be left
     const std::optional<nlohmann::json> json = manifestJson(partial / kOld / kManifestName);
     const std::optional<OwnFiles> files = json ? ownFiles(*json) : std::nullopt;
@@ -212,10 +230,19 @@ FolderLock::~FolderLock() {
   if (descriptor_ >= 0) ::close(descriptor_);
 }
 
+void FolderLock::share() {
+  while (descriptor_ >= 0 && ::flock(descriptor_, LOCK_SH) != 0 && errno == EINTR) {
+  }
+}
+
 PartialFolder::PartialFolder(const fs::path& folder)
     : folder_(folder), path_(folder / kPartialName) {
-  const Uncut whole;  // what a killed run left must not go before it is looked at
-  lock_ = madeAndLocked(folder_, path_);
+  {
+    const Uncut whole;
+    lock_ = madeAndLocked(folder_, path_);
+    // What a killed run left must not go before it is looked at.
+    unfinished_ = Unfinished(path_, Unfinished::Kind::madeFolder);
+  }
   try {
     undo(folder_, path_);
     unfinished_ = Unfinished(path_, Unfinished::Kind::folder);
@@ -226,7 +253,7 @@ PartialFolder::PartialFolder(const fs::path& folder)
 }
 
 PartialFolder::~PartialFolder() {
-  if (keep_) return;
+  if (leave_) return;
   try {
     clear(path_);
   } catch (const std::exception&) {
@@ -262,33 +289,59 @@ void PartialFolder::putInPlace(const Files& old, const Files& fresh) {
     move(newSide / kManifestName, folder_ / kManifestName);
   } catch (const std::exception& failed) {
     try {
-      moveBack(folder_, path_, old, fresh);
+      moveBack(folder_, path_, fresh);
     } catch (const std::exception&) {
-      keep_ = true;
-      unfinished_.end();
-      throw Error(ErrorCode::output, std::string(failed.what()) +
-                                         "; the next run, or sherd inspect, puts back what was "
-                                         "there before");
+      leave();
+      throw Error(ErrorCode::output, std::string(failed.what()) + kPutsBack);
     }
     throw;
   }
   removeEmpty(emptied);  // the new fracture is there: nothing may fail any more
 }
 
-void PartialFolder::takeBack(const Files& old, const Files& fresh) noexcept {
+void PartialFolder::takeBack(const Files& fresh) {
   const Uncut whole;
   try {
-    move(folder_ / kManifestName, path_ / kNew / kManifestName);  // from here on it is unfinished
-    moveBack(folder_, path_, old, fresh);
-  } catch (const std::exception&) {
-    keep_ = true;
-    unfinished_.end();
+    move(folder_ / kManifestName, path_ / kNew / kManifestName);
+  } catch (const Error& failed) {
+    leave();
+    throw Error(failed.code(), std::string(failed.what()) + "; it holds the new fracture");
+  }
+  try {  // from here on the new one is unfinished
+    moveBack(folder_, path_, fresh);
+  } catch (const std::exception& failed) {
+    leave();
+    throw Error(ErrorCode::output, std::string(failed.what()) + kPutsBack);
   }
 }
+
+void PartialFolder::leave() noexcept {
+  leave_ = true;
+  unfinished_.end();
+}
+
+void PartialFolder::keep() { unfinished_.end(); }
 
 // ---- Before a fracture is read
 
 namespace {
+
+constexpr std::chrono::milliseconds kPatience(1000), kBetweenTries(20);
+
+// The same, once another reader that has it for a moment is done.
+std::optional<FolderLock> patientlyLocked(const fs::path& partial) {
+  const auto begin = std::chrono::steady_clock::now();
+  for (;;) {
+    std::optional<FolderLock> lock = locked(partial);
+    const bool isHeld = !lock && errno == EWOULDBLOCK;
+    if (!isHeld) return lock;
+    if (std::chrono::steady_clock::now() - begin > kPatience) {
+      errno = EWOULDBLOCK;
+      return {};
+    }
+    std::this_thread::sleep_for(kBetweenTries);
+  }
+}
 
 // Under the lock.
 void settle(const fs::path& folder, const fs::path& partial) {
@@ -304,8 +357,7 @@ void settle(const fs::path& folder, const fs::path& partial) {
 void requireSettledFolder(const fs::path& folder) {
   const fs::path partial = folder / kPartialName;
   if (present(folder / kManifestName) || !isFolder(partial)) return;
-  const Uncut whole;
-  const std::optional<FolderLock> lock = locked(partial);
+  const std::optional<FolderLock> lock = patientlyLocked(partial);
   if (!lock) {
     if (errno == ENOENT) return;  // its holder has just been done
     if (errno == EWOULDBLOCK) inputError(folder, "another sherd is writing there; wait for it");

@@ -25,7 +25,7 @@ namespace sherd {
 /// Whether anything has this name, be it a link that leads nowhere.
 [[nodiscard]] bool present(const std::filesystem::path& path);
 
-/// A folder that one process at a time holds.
+/// A folder that one process at a time holds, or several share.
 class FolderLock {
  public:
   FolderLock() = default;
@@ -36,6 +36,9 @@ class FolderLock {
     std::swap(descriptor_, other.descriptor_);
     return *this;
   }
+
+  /// Let others hold it as well that share it, and wait for those that do not.
+  void share();
 
  private:
   int descriptor_ = -1;
@@ -62,16 +65,22 @@ class PartialFolder {
   ///   throws  Error(output); DIR is as it was then, or will be when the next process has opened it
   void putInPlace(const std::vector<std::string>& old, const std::vector<std::string>& fresh);
 
-  /// Undo that, with the same files: now, or when the next process has opened the folder.
-  void takeBack(const std::vector<std::string>& old,
-                const std::vector<std::string>& fresh) noexcept;
+  /// Undo that, with the same files.
+  ///   throws  Error(output) where it cannot be undone, with what DIR holds then
+  void takeBack(const std::vector<std::string>& fresh);
+
+  /// It is not to be undone, and what is left is to remove .sherd-partial.  The next process that
+  /// opens the folder does so where this one is ended before.
+  void keep();
 
  private:
+  void leave() noexcept;
+
   std::filesystem::path folder_;
   std::filesystem::path path_;
   FolderLock lock_;
   Unfinished unfinished_;
-  bool keep_ = false;
+  bool leave_ = false;  // to the next process
 };
 
 /// Before a fracture is read: see that no killed run left it half replaced, and undo that where one

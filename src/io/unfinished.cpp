@@ -6,12 +6,12 @@
 #include <chrono>
 #include <condition_variable>
 #include <csignal>
+#include <exception>
 #include <map>
 #include <mutex>
 #include <system_error>
 #include <thread>
 #include <utility>
-#include <vector>
 
 namespace sherd {
 namespace {
@@ -113,12 +113,15 @@ void endAllWork() {
 }
 
 void removeUnfinished() {
-  std::vector<Entry> entries;
-  {
-    const std::lock_guard lock(registry().mutex);
-    for (const auto& [number, entry] : registry().entries) entries.push_back(entry);
+  Registry& all = registry();
+  const std::lock_guard lock(all.mutex);  // to the end of the process, so nothing needs a copy
+  for (auto entry = all.entries.rbegin(); entry != all.entries.rend(); ++entry) {
+    try {
+      remove(entry->second);
+    } catch (const std::exception&) {
+      // No memory for it; there may be for the next.
+    }
   }
-  for (auto entry = entries.rbegin(); entry != entries.rend(); ++entry) remove(*entry);
 }
 
 }  // namespace sherd

@@ -13,7 +13,9 @@ which cli_test.py fills.  Sherd never calls fsync.
 import concurrent.futures
 import errno
 import os
+import re
 import shutil
+import signal
 import subprocess
 import tempfile
 import unittest
@@ -56,12 +58,12 @@ class Faults(unittest.TestCase):
     def fracture(self, out, pieces=2):
         return ("fracture", self.ball, "-o", out, "--pieces", str(pieces), "--resolution", "24", *EVERYTHING)
 
-    def sherd(self, *arguments, **fault):
+    def sherd(self, *arguments, stdout=subprocess.PIPE, **fault):
         settings = {"SHERD_FAULT" + ("_" + name.upper() if name != "kind" else ""): str(value)
                     for name, value in fault.items()}
         if fault:
             settings["LD_PRELOAD"] = MODULE
-        return subprocess.run([SHERD, *arguments], env={**os.environ, **settings}, stdout=subprocess.PIPE,
+        return subprocess.run([SHERD, *arguments], env={**os.environ, **settings}, stdout=stdout,
                               stderr=subprocess.PIPE, text=True, timeout=120)
 
     def calls(self, *arguments, **fault):
@@ -142,6 +144,84 @@ class Files(Faults):
                         lambda out: ("evaluate", self.whole, "--samples", "50", "--plot", out + ".svg")):
             for kind in ("write", "open", "close", "rename"):
                 self.each(command, {5}, "no space left on device", kind=kind, error=errno.ENOSPC)
+
+
+class Replacing(Faults):
+    """What a standard output that takes nothing leaves, where undoing is not as easy as elsewhere."""
+
+    def refused(self, folder, arguments, **fault):
+        with open("/dev/full", "w") as full:
+            done = self.sherd(*arguments, stdout=full, **fault, below=folder)
+        self.assertEqual(done.returncode, 5, done.stderr)
+        self.assertRegex(done.stderr, r"\Asherd: standard output: no space left on device(; [^\n]*[^\n.])?\n\Z")
+        return done.stderr
+
+    def file(self):
+        folder = tempfile.mkdtemp(dir=self.tmp)
+        path = os.path.join(folder, "old.stl")
+        with open(path, "w") as out:
+            out.write("what was there")
+        return folder, path, ("convert", self.ball, path)
+
+    def test_a_file_system_without_swaps_and_links(self):
+        folder, path, convert = self.file()
+        was = tree(folder)
+        self.refused(folder, convert, kind="plain", at=0)
+        self.assertEqual(tree(folder), was)
+        self.assertEqual(self.sherd(*convert, kind="plain", at=0, below=folder).returncode, 0)
+        now = tree(folder)
+        self.assertEqual(list(now), ["old.stl"])
+        self.assertNotEqual(now, was)
+        # Swaps alone: what is there keeps a second name.
+        with open(path, "w") as out:
+            out.write("what was there")
+        self.refused(folder, convert, kind="rename", at=1, error=errno.EINVAL)
+        self.assertEqual(tree(folder), was)
+
+    def test_a_file_that_cannot_be_put_back_is_named(self):
+        folder, path, convert = self.file()
+        was = tree(folder)["old.stl"]
+        said = self.refused(folder, convert, kind="rename", at=2, error=errno.EIO)
+        aside = re.search(r"; (\S+) is replaced, and what was there before is (\S+)\n", said)
+        self.assertEqual(aside.group(1), path)
+        self.assertEqual(tree(folder)[os.path.relpath(aside.group(2), folder)], was)
+
+    def test_a_folder_that_cannot_be_put_back_is_named(self):
+        def copied():
+            folder = tempfile.mkdtemp(dir=self.tmp)
+            shutil.copytree(self.before, os.path.join(folder, "out"))
+            return folder, self.fracture(os.path.join(folder, "out"))
+
+        def visible(found):
+            return {name: file for name, file in found.items() if ".sherd-partial" not in name}
+
+        folder, arguments = copied()
+        was = tree(folder)
+        renames = self.calls(*arguments, kind="rename", below=folder)
+        new = tree(folder)
+        for after, sentence in ((1, "it holds the new fracture"), (2, "the next run, or sherd inspect, puts back what was there before")):
+            folder, arguments = copied()
+            said = self.refused(folder, arguments, kind="rename", at=renames + after, error=errno.EIO)
+            self.assertIn("out is not as it was before: ", said)
+            self.assertIn(sentence, said)
+            self.assertEqual(self.sherd("inspect", os.path.join(folder, "out")).returncode, 0)
+            self.assertEqual(visible(tree(folder)), new if after == 1 else was)
+
+    def test_a_signal_ends_what_waits_after_the_result(self):
+        """The last step, which removes what was there before, never ends: the result is whole, and printed."""
+        folder, path, convert = self.file()
+        env = {**os.environ, "LD_PRELOAD": MODULE, "SHERD_FAULT": "unlink", "SHERD_FAULT_AT": "1", "SHERD_FAULT_WAIT": "1",
+               "SHERD_FAULT_BELOW": folder}
+        process = subprocess.Popen([SHERD, *convert], env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.assertIn("old.stl", process.stdout.readline())
+        process.send_signal(signal.SIGINT)
+        try:
+            _, said = process.communicate(timeout=30)
+        finally:
+            process.kill()
+        self.assertEqual((process.returncode, said), (0, ""))
+        with open(path, "rb") as file:
+            self.assertNotEqual(file.read(14), b"what was there")
 
 
 class Memory(Faults):

@@ -8,12 +8,14 @@ With SHERD_KILLS=all it is killed before every call that changes the folder, of 
 recovers the folder is killed before each such call, too.
 """
 import concurrent.futures
+import fcntl
 import json
 import os
 import shutil
 import signal
 import subprocess
 import tempfile
+import threading
 import unittest
 
 from cli_test import SHERD, sphere, tree, write_obj
@@ -222,6 +224,47 @@ class Kills(unittest.TestCase):
             self.add_others(folder)
             self.assertEqual(shown(folder), self.was)
 
+    def test_whatever_writes_beside_a_fracture_finds_it_whole(self):
+        """Its files may be hidden by the kill, and are not replaced all the same."""
+        half = self.half_replaced("beside")
+        mesh = next(name for name in self.was if name.startswith("meshes/") and name.endswith("_001.ply"))
+        result = self.sherd(["convert", self.ball, os.path.join(half, mesh)])
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertIn("is a file of the fracture", result.stderr)
+        self.assertEqual(shown(half), self.was)
+
+    def test_two_may_read_at_once(self):
+        half = self.half_replaced("two")
+        partial = os.open(os.path.join(half, ".sherd-partial"), os.O_RDONLY)
+        fcntl.flock(partial, fcntl.LOCK_EX)  # the other reader
+        threading.Timer(0.4, os.close, [partial]).start()
+        result = self.sherd(["inspect", half])
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(shown(half), self.was)
+
+    def test_a_file_is_replaced_or_not(self):
+        folder = os.path.join(self.tmp, "file")
+        path = os.path.join(folder, "old.stl")
+        convert = ["convert", self.ball, path]
+
+        def ready():
+            shutil.rmtree(folder, ignore_errors=True)
+            os.mkdir(folder)
+            with open(path, "w") as out:
+                out.write("what was there")
+            return tree(folder)["old.stl"]
+
+        was = ready()
+        total = self.calls(convert, folder, "change")
+        new = tree(folder)["old.stl"]
+        self.assertEqual(list(tree(folder)), ["old.stl"])
+        found = []
+        for number in range(1, total + 1):
+            ready()
+            self.kill(convert, folder, "change", number)
+            found.append(tree(folder)["old.stl"])
+        self.assertEqual(found, [was] + [new] * (total - 1))
+
     def test_what_cannot_be_undone_is_reported_and_kept(self):
         half = self.half_replaced("locked")
         before = tree(half)
@@ -244,9 +287,8 @@ class Kills(unittest.TestCase):
             return ["dataset", library, "-o", out, "--pieces", "2", "--repeats", "2", "--resolution", "16", "--layout", layout,
                     *more]
 
-        def made(folder):  # what a run records of itself differs from run to run; a temporary file may be left beside it
-            others = ("run", "report", "journal", ".sherd-")
-            return {name: file for name, file in tree(folder).items() if not name.startswith(others)}
+        def made(folder):  # what a run records of itself differs from run to run
+            return {name: file for name, file in tree(folder).items() if not name.startswith(("run", "report", "journal/"))}
 
         for layout in ("sherd", "packed"):
             whole = os.path.join(self.tmp, layout)

@@ -75,6 +75,14 @@ class StandardOutput(CommandLine):
                 self.both_refuse(*arguments)
                 self.assertEqual(tree(self.tmp), before)
 
+    def test_one_file_is_not_written_twice(self):
+        pieces, both = self.path("pieces"), self.path("both", b"what was there")
+        self.assertEqual(self.fracture(out=pieces).returncode, 0)
+        before = tree(self.tmp)
+        for plot in both, os.path.join(self.tmp, "pieces", "..", "both"):
+            self.refused(2, self.run_sherd("evaluate", pieces, "--samples", "100", "--csv", both, "--plot", plot), "--csv as well")
+        self.assertEqual(tree(self.tmp), before)
+
     def test_a_dataset_goes_on(self):
         """A dataset keeps what is done; only the last line is lost."""
         library = self.path("library")

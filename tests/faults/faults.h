@@ -3,14 +3,15 @@
 // Preloaded into a program, the module lets one call of a kind fail, or kills the program there.
 // Environment:
 //
-//   SHERD_FAULT         the kind: write, short, open, close, rename, mkdir, rmdir, unlink, memory,
-//   device, source
-//                       (kernels that do not compile), or change, which is any of rename, mkdir,
-//                       rmdir and unlink
+//   SHERD_FAULT         the kind: write, short, open, close, rename, link, mkdir, rmdir, unlink,
+//                       memory, device, source (kernels that do not compile), plain (links and
+//                       swaps of names), or change, which is any of rename, link, mkdir, rmdir and
+//                       unlink
 //   SHERD_FAULT_AT      which call of that kind fails, from 1; 0: none, they are counted only; of
-//                       "short" all, each writing half of what it could
+//                       "short" all, each writing half of what it could, and all of "plain"
 //   SHERD_FAULT_ERROR   what it fails with, an errno or an OpenCL error
 //   SHERD_FAULT_KILL    set: the call is not made, the process is killed instead as by kill -9
+//   SHERD_FAULT_WAIT    set: the call never returns
 //   SHERD_FAULT_BELOW   files: only those below this folder
 //   SHERD_FAULT_BYTES   memory: only allocations of this size and more
 //   SHERD_FAULT_COUNT   a file that gets the number of calls of that kind, at the program's end

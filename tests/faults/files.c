@@ -56,8 +56,24 @@ int rename(const char* from, const char* to) {
   return faultPath(to) && changeFails("rename") ? fail() : real(from, to);
 }
 
+// File systems that can neither swap names nor link files.
+static bool isPlain(const char* path) { return faultKind("plain") && faultPath(path); }
+
+int link(const char* from, const char* to) {
+  int (*real)(const char*, const char*) = faultReal("link");
+  if (isPlain(to)) {
+    errno = EPERM;
+    return -1;
+  }
+  return faultPath(to) && changeFails("link") ? fail() : real(from, to);
+}
+
 int renameat2(int fromFolder, const char* from, int toFolder, const char* to, unsigned flags) {
   int (*real)(int, const char*, int, const char*, unsigned) = faultReal("renameat2");
+  if ((flags & RENAME_EXCHANGE) != 0 && isPlain(to)) {
+    errno = EINVAL;
+    return -1;
+  }
   return faultPathAt(toFolder, to) && changeFails("rename") ? fail() : real(fromFolder, from, toFolder, to, flags);
 }
 

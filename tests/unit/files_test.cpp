@@ -19,6 +19,7 @@
 #include <string>
 
 #include "io/atomic_file.h"
+#include "io/held_files.h"
 #include "io/read_manifest.h"
 #include "io/vdb.h"
 #include "temp_folder.h"
@@ -144,6 +145,69 @@ TEST_F(AtomicFileTest, TellsWhereAFullDiskStoppedItAndLeavesNothing) {
   }
   EXPECT_EQ(sentence, (folder_ / "a").string() + ": file too large after 3 MB");
   EXPECT_TRUE(below(folder_).empty());
+}
+
+// What a killed run of the same process number left, as every run in a container has number 1.
+TEST_F(AtomicFileTest, TakesAnotherNameWhereATemporaryFileIsLeft) {
+  std::string name;
+  {
+    const AtomicFile file(folder_ / "a");
+    name = *below(folder_).begin();
+  }
+  ASSERT_TRUE(isTemporaryName(name)) << name;
+  const std::size_t number = name.find_first_of("0123456789", name.rfind('-'));
+  const int next = std::stoi(name.substr(number)) + 1;
+  std::set<std::string> left{"a"};
+  for (int i = next; i < next + 3; ++i) {
+    left.insert(name.substr(0, number) + std::to_string(i) + ".tmp");
+  }
+  for (const std::string& file : left) writeText(folder_ / file, "left");
+  writeWhole(folder_ / "a", "new");
+  EXPECT_EQ(bytesOf(folder_ / "a"), "new");
+  EXPECT_EQ(below(folder_), left);
+}
+
+TEST_F(AtomicFileTest, NamesItsTemporaryFilesLikeNoOther) {
+  EXPECT_TRUE(isTemporaryName(".sherd-4411-65.tmp"));
+  for (const char* other : {"", ".sherd-", ".sherd-.tmp", ".sherd-1.tmp", ".sherd--1.tmp",
+                            ".sherd-1-.tmp", ".sherd-1-2-3.tmp", ".sherd-a-1.tmp", ".sherd-1-2",
+                            ".sherd.tmp", ".sherd-probe-123456", "sherd-1-2.tmp"}) {
+    EXPECT_FALSE(isTemporaryName(other)) << other;
+  }
+}
+
+TEST_F(AtomicFileTest, PutsBackWhatItReplacedUnlessItIsKept) {
+  writeText(folder_ / "a", "old");
+  const auto inPlace = [this](const char* file, bool keeps) {
+    const Uncut whole;
+    AtomicFile out(folder_ / file);
+    out.write("new");
+    out.putInPlace();
+    EXPECT_EQ(bytesOf(folder_ / file), "new");
+    if (keeps) out.keep();
+  };
+  inPlace("a", false);
+  inPlace("b", false);
+  EXPECT_EQ(bytesOf(folder_ / "a"), "old");
+  EXPECT_EQ(below(folder_), std::set<std::string>{"a"});
+  inPlace("a", true);
+  inPlace("b", true);
+  EXPECT_EQ(bytesOf(folder_ / "a") + bytesOf(folder_ / "b"), "newnew");
+  EXPECT_EQ(below(folder_), (std::set<std::string>{"a", "b"}));
+}
+
+TEST_F(AtomicFileTest, OfTwoOfOneNameLeaveTheOriginal) {
+  writeText(folder_ / "a", "old");
+  HeldFiles files;
+  for (const char* text : {"one", "two"}) {
+    files.take((folder_ / "a").string(), [&](const ByteSink& sink) { sink(text); });
+  }
+  const Uncut whole;
+  files.putInPlace();
+  EXPECT_EQ(bytesOf(folder_ / "a"), "two");
+  EXPECT_EQ(files.drop(), "");
+  EXPECT_EQ(bytesOf(folder_ / "a"), "old");
+  EXPECT_EQ(below(folder_), std::set<std::string>{"a"});
 }
 
 // ---- PLY, read back by the format's own rules

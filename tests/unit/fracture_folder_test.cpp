@@ -120,6 +120,30 @@ TEST_F(FractureFolder, KeepsFilesThatTheManifestListsAndNoFractureIsNamedSo) {
                 "'src/main.cpp', which are not named as a fracture's files and stay");
 }
 
+// Version 0.1 moved all that the manifest lists.
+TEST_F(FractureFolder, GetsBackFilesOfAnyName) {
+  halfReplaced();
+  writeText(partial_ / "old" / "notes.txt", "mine");
+  writeText(partial_ / "old" / "src" / "more" / "main.cpp", "mine");
+  EXPECT_EQ(refusal(), "");
+  whole_.insert(
+      {{"notes.txt", "mine"}, {"src", ""}, {"src/more", ""}, {"src/more/main.cpp", "mine"}});
+  EXPECT_EQ(contents(out_), whole_);
+}
+
+TEST_F(FractureFolder, KeepsAsideWhatIsInTheWayOfAnother) {
+  halfReplaced();
+  writeText(partial_ / "old" / "notes.txt", "mine");
+  writeText(out_ / "notes.txt", "another");
+  EXPECT_NE(refusal().find("notes.txt"), std::string::npos);
+  EXPECT_EQ(contents(partial_).at("old/notes.txt"), "mine");
+  EXPECT_EQ(contents(out_).at("notes.txt"), "another");
+  fs::remove(out_ / "notes.txt");
+  EXPECT_EQ(refusal(), "");
+  whole_["notes.txt"] = "mine";
+  EXPECT_EQ(contents(out_), whole_);
+}
+
 TEST_F(FractureFolder, IsAsItWasWhereWhatIsInPlaceIsNotKept) {
   const auto passing = [&](const Files& files) {
     const Uncut whole;
