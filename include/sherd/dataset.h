@@ -167,12 +167,15 @@ struct DatasetForecast {
   std::size_t sampled = 0;           ///< objects that it was told from
   std::vector<std::string> refused;  ///< objects that were to be sampled and cannot be broken
   std::vector<std::string> skipped;  ///< as findObjects has them
+  std::vector<std::string> renamed;  ///< a sentence for each folder that gets another name
 };
 
 /// Tell what runDataset would make from a small, a middling and a large object, of which each is
 /// broken a few times into the fewest and the most pieces, in a folder for temporary files.
+///   out     where it would go; nothing is written there
 ///   throws  as runDataset
-DatasetForecast forecastDataset(const std::filesystem::path& library, const DatasetOptions& options,
+DatasetForecast forecastDataset(const std::filesystem::path& library,
+                                const std::filesystem::path& out, const DatasetOptions& options,
                                 Device& device, const std::function<bool()>& cancelled = {});
 
 /// What is wrong with a finished dataset.

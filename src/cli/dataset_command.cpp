@@ -226,7 +226,8 @@ void runDatasetCommand(DatasetArguments& arguments) {
   for (const std::string& sentence : arguments.idle) watch.warning(sentence);
   try {
     if (arguments.dryRun) {
-      return telling.forecast(forecastDataset(arguments.library, options, device, isInterrupted));
+      return telling.forecast(
+          forecastDataset(arguments.library, arguments.folder, options, device, isInterrupted));
     }
     const DatasetSummary summary =
         runDataset(arguments.library, arguments.folder, options, device, watch);

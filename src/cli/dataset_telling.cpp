@@ -160,8 +160,10 @@ void DatasetTelling::verified(const std::string& folder, const DatasetCheck& che
 }
 
 void DatasetTelling::forecast(const DatasetForecast& forecast) {
-  for (const std::string& skipped : forecast.skipped) {
-    if (!json_) say("sherd: warning: " + skipped);
+  for (const std::vector<std::string>& sentences : {forecast.skipped, forecast.renamed}) {
+    for (const std::string& sentence : sentences) {
+      if (!json_) say("sherd: warning: " + sentence);
+    }
   }
   for (const std::string& object : forecast.refused) {
     if (!json_) say("sherd: warning: " + object + " cannot be broken");
@@ -175,7 +177,8 @@ void DatasetTelling::forecast(const DatasetForecast& forecast) {
                   {"seconds", forecast.seconds},
                   {"sampled", forecast.sampled},
                   {"refused", forecast.refused},
-                  {"skipped", forecast.skipped}});
+                  {"skipped", forecast.skipped},
+                  {"renamed", forecast.renamed}});
   }
   char text[200];
   std::snprintf(text, sizeof text,

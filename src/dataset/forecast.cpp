@@ -9,7 +9,9 @@
 #include <optional>
 
 #include "dataset/fracture_line.h"
+#include "dataset/object_folder.h"
 #include "dataset/object_run.h"
+#include "dataset/output_root.h"
 #include "io/unfinished.h"
 
 namespace sherd {
@@ -125,11 +127,14 @@ std::vector<LibraryObject> sampleOf(std::vector<LibraryObject> objects) {
 
 }  // namespace
 
-DatasetForecast forecastDataset(const fs::path& library, const DatasetOptions& options,
-                                Device& device, const std::function<bool()>& cancelled) {
+DatasetForecast forecastDataset(const fs::path& library, const fs::path& out,
+                                const DatasetOptions& options, Device& device,
+                                const std::function<bool()>& cancelled) {
   DatasetForecast forecast;
-  const std::vector<LibraryObject> objects =
-      shardOf(findObjects(library, options.library, &forecast.skipped), options.shard);
+  std::vector<LibraryObject> found = findObjects(library, options.library, &forecast.skipped);
+  requireApart(library, found, out);
+  forecast.renamed = renameReserved(options.layout, found);
+  const std::vector<LibraryObject> objects = shardOf(found, options.shard);
   const std::vector<PlannedFracture> planned = fracturesOf(options.schedule);
   forecast.objects = objects.size();
   forecast.fractures = planned.size() * objects.size();

@@ -53,9 +53,12 @@ JournalText readJournal(const fs::path& out, const LibraryObject& object) {
 Journal::Journal(const fs::path& out, const LibraryObject& object)
     : file_(out / journalName(object)), key_(object.key) {
   requireOwnFile(out, journalName(object));
-  std::error_code failed;
-  fs::create_directories(file_.parent_path(), failed);
-  if (failed) cannot(file_.parent_path(), failed.value());
+  {
+    const Uncut whole;  // a forecast's folder may just be removed
+    std::error_code failed;
+    fs::create_directories(file_.parent_path(), failed);
+    if (failed) cannot(file_.parent_path(), failed.value());
+  }
   descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_NOFOLLOW | O_CLOEXEC, 0666);
   if (descriptor_ < 0) cannot(file_, errno);
   try {

@@ -12,12 +12,12 @@
 #include "dataset/index.h"
 #include "dataset/object_folder.h"
 #include "dataset/object_run.h"
+#include "dataset/output_root.h"
 #include "dataset/pictures.h"
 #include "dataset/report.h"
 #include "dataset/resources.h"
 #include "dataset/run_record.h"
 #include "io/atomic_file.h"
-#include "io/below_folder.h"
 
 namespace sherd {
 namespace {
@@ -51,57 +51,15 @@ bool holdsOthers(const fs::path& folder) {
   return false;
 }
 
-// A path with all links resolved, as far as it is there.
-fs::path resolved(const fs::path& path) {
-  const fs::path whole = fs::absolute(path.has_filename() ? path : path.parent_path());
+void makeFolder(const fs::path& out) {
   std::error_code failed;
-  const fs::path real = fs::weakly_canonical(whole, failed);
-  return failed ? whole.lexically_normal() : real;
-}
-
-bool isWithin(const fs::path& path, const fs::path& folder) {
-  return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first ==
-         folder.end();
-}
-
-// What is written must not be taken for an object by the next run, and no object overwritten.
-void requireApart(const fs::path& library, const std::vector<LibraryObject>& objects,
-                  const fs::path& out) {
-  const fs::path folder = resolved(out);
-  const auto refuse = [&](const std::string& sentence) {
-    throw Error(ErrorCode::usage,
-                out.string() + ": " + sentence + "; name an output folder that lies apart");
-  };
-  if (fs::is_directory(library)) {
-    const fs::path source = resolved(library);
-    if (isWithin(folder, source)) refuse("lies in the library " + library.string());
-    if (isWithin(source, folder)) refuse("holds the library " + library.string());
-  }
-  for (const LibraryObject& object : objects) {
-    if (isWithin(resolved(object.file), folder)) refuse("holds " + object.key + " of the library");
-  }
-}
-
-// Before the first object is broken, and not when its turn comes.
-void requireOwnPlaces(const fs::path& out, const DatasetPlan& plan) {
-  for (const LibraryObject& object : plan.objects) {
-    requireOwnFile(out, journalName(object));
-    const std::string folder = objectFolder(plan.layout, object);
-    if (plan.layout == DatasetLayout::packed) {
-      requireOwnFile(out, folder + ".zip");
-    } else {
-      requireOwnSubfolder(out, folder + "/file");
-    }
-  }
+  fs::create_directories(out, failed);
+  if (!failed) return;
+  throw Error(ErrorCode::output, out.string() + ": cannot be made: " + reasonOf(failed.value()));
 }
 
 // The folder, ready for this run.
 void prepareFolder(const fs::path& out, const DatasetPlan& plan, bool resume) {
-  std::error_code failed;
-  fs::create_directories(out, failed);
-  if (failed) {
-    throw Error(ErrorCode::output, out.string() + ": cannot be made: " + reasonOf(failed.value()));
-  }
   if (hasPlan(out)) {
     const DatasetPlan before = readPlan(out);
     const auto same = [](const LibraryObject& a, const LibraryObject& b) {
@@ -238,8 +196,11 @@ DatasetSummary runDataset(const fs::path& library, const fs::path& out,
   for (std::string& renamed : renameReserved(plan.layout, plan.objects)) {
     warnings.push_back(std::move(renamed));
   }
-  prepareFolder(out, plan, options.resume);
   requireOwnPlaces(out, plan);
+  makeFolder(out);
+  OutputLock lock(out);
+  prepareFolder(out, plan, options.resume);
+  lock.share();
   for (const std::string& warning : warnings) {
     if (watch.warning) watch.warning(warning);
   }
@@ -277,6 +238,8 @@ DatasetSummary runDataset(const fs::path& library, const fs::path& out,
 
 DatasetSummary mergeDataset(const fs::path& out, const std::function<bool()>& cancelled) {
   const DatasetPlan plan = readPlan(out);
+  OutputLock lock(out);
+  lock.share();
   std::string missing;
   std::size_t count = 0;
   for (const LibraryObject& object : plan.objects) {

@@ -46,6 +46,7 @@ std::string allOf(const Content& content) {
 }
 
 void makeFolder(const fs::path& folder) {
+  const Uncut whole;  // a forecast's folder may just be removed
   std::error_code failed;
   fs::create_directories(folder, failed);
   if (failed) cannot(folder, "made", failed.value());

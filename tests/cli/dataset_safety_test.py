@@ -40,15 +40,22 @@ class Names(Safety):
             with self.subTest(layout=layout):
                 self.fresh()
                 arguments = ("--layout", layout, *QUICK, "--verify")
+                forecast = self.done(*arguments[:-1], "--dry-run", library=library)
                 first = self.done(*arguments, library=library)
+                warnings = [[line for line in run.stderr.splitlines() if "for itself" in line] for run in (forecast, first)]
+                self.assertEqual(*warnings)
                 before = dataset(self.out)
                 rows = self.rows()
                 self.assertEqual({r["object"] for r in rows}, set(names))
                 self.assertEqual({r["folder"] for r in rows if r["object"] == "ball.jsonl/a.obj"},
                                  {"ball.jsonl_/a" if layout in ("paper", "bb") else "objects/ball.jsonl_/a"})
-                places = {os.path.dirname(os.path.dirname(r["files"][0])) if layout == "sherd" else r["files"][0] for r in rows}
-                if layout != "packed":
-                    self.assertEqual(len({p.lower() for p in places}), len(places))
+                owners = {}  # of each folder of an object
+                for r in rows if layout != "packed" else []:
+                    for name in r["files"]:
+                        below = 3 if layout == "sherd" else 2 if layout == "bb" and r["fracture"] != "whole" else 1
+                        owners.setdefault(name.lower().rsplit("/", below)[0], set()).add(r["object"])
+                self.assertEqual({folder: own for folder, own in owners.items() if len(own) != 1}, {})
+                self.assertEqual(len(owners), 0 if layout == "packed" else len(names))
                 moved = {r["object"]: r["folder"] for r in rows if "folder" in r}
                 self.assertEqual("journal.obj" in moved, layout == "paper")
                 for name in moved:  # each is told, alone or with others
@@ -89,6 +96,9 @@ class Names(Safety):
         os.rename(os.path.join(library, "a.obj"), os.path.join(self.path("full"), "a.obj"))
         listed = self.path("list.txt", b"full/a.obj\n")
         self.refused(2, self.dataset(*QUICK, library=listed, out=self.path("full")), "a.obj")
+        os.rename(os.path.join(self.path("full"), "a.obj"), os.path.join(library, "a.obj"))
+        self.refused(2, self.dataset(*QUICK, "--dry-run", library=library, out=inside), "lies in the library")
+        os.rename(os.path.join(library, "a.obj"), os.path.join(self.path("full"), "a.obj"))
         # Beside each other, one's name the beginning of the other's, they are apart.
         self.done(*QUICK, library=self.path("full"), out=self.path("full2"))
 
@@ -133,6 +143,14 @@ class Links(Safety):
                     self.assertIn(run.returncode, (3, 5) if name != "dataset.json" else (2, 3, 5), run.stderr)
                     self.assertIn(os.path.basename(name), run.stderr)
                     self.assertTrue(os.path.islink(place))
+
+    def test_a_run_that_is_refused_for_a_link_writes_nothing(self):
+        os.mkdir(self.out)
+        os.symlink(self.elsewhere(), os.path.join(self.out, ".sherd-1-1.tmp"))  # anything else is refused before
+        os.symlink(self.elsewhere(), os.path.join(self.out, "objects"))
+        before = tree(self.out)
+        self.refused(5, self.dataset(*QUICK), "objects")
+        self.assertEqual(tree(self.out), before)
 
     def test_links_below_an_object_are_removed_and_not_followed(self):
         self.done(*QUICK)

@@ -5,6 +5,7 @@ Environment: SHERD_BIN the program.  Needs Debian's python3-numpy.
 """
 import base64
 import csv
+import fcntl
 import hashlib
 import html.parser
 import io
@@ -372,6 +373,41 @@ class Trust(Dataset):
                 kills = self.resumed(*arguments, out=killed, rounds=6, most=seconds / 2)
                 self.assertGreater(kills, 0)
                 self.assertEqual(dataset(killed), dataset(whole))
+
+    def test_temporary_files_of_killed_runs_go(self):
+        self.done("--write", "labels", "--layout", "bb")
+        before = dataset(self.out)
+        left = [".sherd-1-0.tmp", ".sherd-4411-65.tmp", "journal/vases/.sherd-1-3.tmp", "data_split/.sherd-2-2.tmp"]
+        others = [".sherd-mine.tmp", "journal/.sherd-1-2-3.tmp"]
+
+        def now():
+            """All but what tells of the run."""
+            found = tree(self.out)
+            return [name for name in left if name in found], [name for name in others if name in found]
+
+        for name in left + others:
+            with open(os.path.join(self.out, name), "w") as file:
+                file.write("half")
+        elsewhere = self.path("elsewhere", b"mine")
+        link = os.path.join(self.out, ".sherd-1-9.tmp")
+        os.symlink(elsewhere, link)
+        folder = os.open(self.out, os.O_RDONLY)
+        fcntl.flock(folder, fcntl.LOCK_SH)  # another run, to which they may belong
+        self.done("--write", "labels", "--layout", "bb", "--resume")
+        self.assertEqual(now(), (left, others))
+        os.close(folder)
+        self.done("--write", "labels", "--layout", "bb", "--resume")
+        self.assertEqual(now(), ([], others))
+        self.assertTrue(os.path.islink(link))
+        os.remove(link)
+        os.remove(os.path.join(self.out, ".sherd-mine.tmp"))
+        self.assertEqual(dataset(self.out), before)
+        # A folder that is no dataset is left alone.
+        os.mkdir(self.path("strange"))
+        strange = self.path("strange/.sherd-1-1.tmp", b"half")
+        self.path("strange/mine", b"mine")
+        self.refused(5, self.dataset(out=os.path.dirname(strange)), "no dataset")
+        self.assertTrue(os.path.exists(strange))
 
     def test_a_full_disk_stops_cleanly_and_resumes(self):
         disk = self.path("disk")
