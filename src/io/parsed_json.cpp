@@ -2,17 +2,20 @@
 #include "io/parsed_json.h"
 
 #include <sherd/error.h>
+#include <sherd/memory.h>
 
 #include <algorithm>
 #include <string>
 
 #include "io/input_error.h"
+#include "memory_budget.h"
 #include "mesh/file_bytes.h"
 
 namespace sherd {
 namespace {
 
 constexpr int kDeepest = 16;
+constexpr std::uint64_t kBytesPerValue = 128;  // itself, its key, what finding it takes
 
 [[noreturn]] void inputError(const std::string& what) { throw Error(ErrorCode::input, what); }
 
@@ -76,7 +79,10 @@ nlohmann::json readJson(const std::filesystem::path& file, const char* kind,
     inputError(file, "has " + std::to_string(size) + " bytes, at most " +
                          std::to_string(largestBytes) + " are read");
   }
+  MemoryBudget memory(file.string(), freeMemory());
+  if (!none) memory.charge(size, 2);  // as text, and what of it is text again
   const std::string bytes = readFileBytes(file);
+  memory.charge(extentOf(bytes).values, kBytesPerValue);
   try {
     return parsedJson(bytes);
   } catch (const Error& e) {

@@ -25,8 +25,8 @@ struct JsonExtent {
 [[nodiscard]] nlohmann::ordered_json parsedOrderedJson(std::string_view text);
 
 /// A file as JSON, which a `kind` of file is: "seed file".
-///   throws  Error(input) with the file's name, as above; absent, unreadable, or larger than
-///           `largestBytes`
+///   throws  Error(input) with the file's name, as above; absent, unreadable, larger than
+///           `largestBytes`, or it would take more memory than is free
 [[nodiscard]] nlohmann::json readJson(const std::filesystem::path& file, const char* kind,
                                       std::uintmax_t largestBytes);
 

@@ -65,6 +65,19 @@ def npz(name, kind, shape, block, blocks):
 
 
 class HostileMemoryTest(unittest.TestCase):
+    def test_a_manifest_of_empty_lists(self):
+        """30 MB are parsed to 1 GB."""
+        addresses = 1_500_000_000  # all that may be mapped, the program's libraries too
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "manifest.json")
+            for count, says in (10, "has no schema|is no manifest|schema"), (10_000_000, r"manifest\.json: reading it takes .*may be used"):
+                with open(path, "w") as file:
+                    file.write('{"files": [' + ",".join(["[]"] * count) + "]}")
+                run = subprocess.run([SHERD, "inspect", path], capture_output=True, text=True,
+                                     preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (addresses, addresses)))
+                self.assertEqual(run.returncode, 3, run.stderr)
+                self.assertRegex(run.stderr, says)
+
     def refused(self, name, content):
         self.assertLess(len(content), 8_000_000)
         with tempfile.TemporaryDirectory() as folder:
