@@ -26,6 +26,7 @@ struct Volume {
   SourceMesh source;           ///< its name and checksum; its surface, unless `solid` is there
   double voxelSize = 0.0;      ///< its own, world units; 1 where the file tells none
   std::optional<Solid> solid;  ///< on the file's own voxels
+  bool isLevelSet = false;     ///< it is all level sets, so that no isovalue was used
 };
 
 /// Whether readVolume knows the format: `.vdb` or a voxel file, by the extension.

@@ -78,6 +78,22 @@ Converted convertPoints(const ConvertArguments& arguments, HeldFiles& files, Poi
   return {{{"kind", "points"}, {"points", points.positions.size()}}, lossesOf(points, format)};
 }
 
+// Sentences on options that do nothing.
+std::vector<std::string> idleOptions(const ConvertArguments& arguments, const std::string& kind) {
+  std::vector<std::string> sentences;
+  if (kind != "voxels") {
+    const std::string with = kind == "mesh" ? " with a mesh" : " with " + kind;
+    if (!arguments.pad.empty()) sentences.push_back("--pad does nothing" + with);
+    if (arguments.voxelSize > 0.0) {
+      sentences.push_back("--voxel-size and --origin do nothing" + with);
+    }
+  }
+  if (arguments.ascii && lowerCase(fs::path(arguments.out).extension().string()) != ".stl") {
+    sentences.emplace_back("--ascii does nothing without a file that ends in .stl");
+  }
+  return sentences;
+}
+
 // What IN holds cannot be what OUT is.
 [[noreturn]] void refuseFormat(const ConvertArguments& arguments, const std::string& what,
                                const std::string& endings) {
@@ -128,6 +144,9 @@ void runConvert(const ConvertArguments& arguments) {
   const Converted done = convert(arguments, files);
   for (const std::string& loss : done.losses) {
     printMessage("sherd: warning: " + arguments.out + ": " + loss);
+  }
+  for (const std::string& sentence : idleOptions(arguments, done.told.at("kind"))) {
+    printMessage("sherd: warning: " + sentence);
   }
   Json told = {{"schema", "sherd-report/1"},
                {"command", "convert"},

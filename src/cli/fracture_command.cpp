@@ -46,7 +46,8 @@ struct FractureArguments {
   FractureOptions options;
   VolumeOptions volume;
   bool splitObjects = false;
-  bool asksForFill = false;  ///< or for a shell's thickness
+  bool asksForFill = false;      ///< or for a shell's thickness
+  bool asksForIsovalue = false;  ///< --isovalue was given
   WriteArguments write;
   MachineOptions machine;
   bool json = false;
@@ -81,6 +82,10 @@ Input readInput(FractureArguments& arguments, const Progress& progress) {
       printMessage(
           "sherd: warning: --fill and --shell-thickness do nothing with a level set's own voxels; "
           "--resolution or --voxel-size makes others");
+    }
+    if (volume.isLevelSet && arguments.asksForIsovalue) {
+      printMessage(
+          "sherd: warning: --isovalue does nothing with a level set, whose surface is at 0");
     }
     source = std::move(volume.source);
   } else {
@@ -363,6 +368,7 @@ void addFractureCommand(CLI::App& app, Action& run) {
         (command->count("--resolution") > 0 && arguments->options.resolution != kAutoResolution);
     arguments->volume.ownVoxels = !isGiven;
     arguments->asksForFill = command->count("--fill") + command->count("--shell-thickness") > 0;
+    arguments->asksForIsovalue = command->count("--isovalue") > 0;
     const std::vector<std::string> idle =
         idleOptions({*command, arguments->options, arguments->write, arguments->mesh});
     run = [arguments, idle] {

@@ -76,6 +76,8 @@ void readGrids(const fs::path& file, const VolumeOptions& options, Volume& volum
                const Progress* progress) {
   std::vector<NamedGrid> grids = chosenGrids(file, options.grid);
   volume.voxelSize = smallestVoxel(*grids.front().grid);
+  volume.isLevelSet = std::all_of(grids.begin(), grids.end(),
+                                  [](const NamedGrid& grid) { return grid.isLevelSet; });
   const bool asTheyAre = options.ownVoxels && haveOneFrame(grids) &&
                          std::all_of(grids.begin(), grids.end(), [](const NamedGrid& grid) {
                            return isSolidLevelSet(*grid.grid);

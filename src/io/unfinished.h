@@ -8,9 +8,9 @@
 namespace sherd {
 
 /// Steps that are done whole or not at all, even where the process is ended: making a temporary and
-/// registering it, or renames.  They are short, ask nobody and wait for nobody.  From endAllWork()
-/// on, whoever begins such steps waits for the end of the process.  One within another is the
-/// outer one.
+/// registering it, or renames.  They are short and wait for nobody, or ask meanwhile whether to
+/// stop, as what prints a result does.  From endAllWork() on, whoever begins such steps waits for
+/// the end of the process.  One within another is the outer one.
 class Uncut {
  public:
   Uncut();

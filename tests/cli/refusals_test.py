@@ -5,7 +5,10 @@ Environment: SHERD_BIN the program.
 """
 import json
 import os
+import re
 import unittest
+
+import numpy as np
 
 from cli_test import CommandLine, sphere, tree, write_obj
 from dataset_test import Dataset
@@ -117,6 +120,24 @@ class Together(CommandLine):
         result = self.run_sherd("fracture", volume, "-o", self.path("more"), "--pieces", "2", "--fill", "parity", "--grid", "surface")
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIn("warning: --fill", result.stderr)
+        for options, count in ((), 0), (("--isovalue", "0.2"), 1):
+            result = self.run_sherd("fracture", volume, "-o", self.path("more"), "--pieces", "2", *options)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual(result.stderr.count("warning: --isovalue does nothing"), count, result.stderr)
+
+    def test_convert_warns_of_what_does_nothing(self):
+        voxels, points = self.path("a.npz"), self.path("a.xyz", b"0 0 0 0 0 1\n")
+        np.savez(voxels, labels=np.ones((2, 3, 4), np.uint16))
+        place = ("--voxel-size", "0.5", "--origin", "1,2,3")
+        for source, end, options, idle in (
+                (self.ball, "ply", ("--pad", "cube"), ["--pad"]), (self.ball, "stl", place, ["--voxel-size"]),
+                (self.ball, "obj", ("--ascii",), ["--ascii"]), (self.ball, "stl", ("--ascii",), []),
+                (points, "npz", ("--pad", "cube", *place, "--ascii"), ["--pad", "--voxel-size", "--ascii"]),
+                (voxels, "npz", ("--pad", "cube", *place), []), (voxels, "rle", ("--ascii",), ["--ascii"])):
+            with self.subTest(source=source, end=end, options=options):
+                done = self.run_sherd("convert", source, self.path("out." + end), *options)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertEqual(re.findall(r"(?m)^sherd: warning: (--\S+).* (?:does|do) nothing", done.stderr), idle)
 
     def test_what_does_nothing_is_warned_of_by_name(self):
         for options in self.IDLE:
