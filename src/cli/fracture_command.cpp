@@ -218,7 +218,8 @@ class FractureRun {
       start_ = Clock::now();
     }
     line_.clear();
-    finish(replacements_, [this] { printTold(); });
+    finish(
+        replacements_, [this] { printTold(); }, refused ? static_cast<int>(refused->code()) : 0);
     if (refused) throw *refused;
   }
 

@@ -25,7 +25,8 @@ constexpr std::chrono::milliseconds kMessage(1000);  // for the last message of 
 
 std::atomic<bool> interrupted{false};
 std::atomic<bool> last{false};
-std::atomic<int> status{-1};  // of whoever ends the process; -1: nobody yet
+std::atomic<int> lastStatus{0};  // once that is set
+std::atomic<int> status{-1};     // of whoever ends the process; -1: nobody yet
 
 std::mutex stateMutex;
 std::string state;  // by stateMutex
@@ -53,7 +54,7 @@ void printAtOnce(const std::string& text) {
   if (last) std::this_thread::sleep_for(kMessage);  // it is nearly done
   endAllWork();                                     // waits for renames
   const bool isDone = last;
-  if (!claimEnd(isDone ? 0 : static_cast<int>(ErrorCode::cancelled))) {
+  if (!claimEnd(isDone ? lastStatus.load() : static_cast<int>(ErrorCode::cancelled))) {
     std::this_thread::sleep_for(kMessage);
     ::_exit(status);
   }
@@ -117,7 +118,10 @@ std::string interruptSentence() {
   return state.empty() ? "interrupted" : "interrupted; " + state;
 }
 
-void goOnToTheEnd() { last = true; }
+void goOnToTheEnd(int with) {
+  lastStatus = with;
+  last = true;
+}
 
 void throwAgain(const std::string& notUndone) {
   if (notUndone.empty()) throw;

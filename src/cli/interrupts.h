@@ -32,8 +32,8 @@ void setInterruptedState(std::string state);
 [[nodiscard]] std::string interruptSentence();
 
 /// What was written aside is in place and the result is printed: from here on an interrupt does not
-/// stop the work.  Where the process still lives a while after one, it is ended with status 0.
-void goOnToTheEnd();
+/// stop the work.  Where the process still lives a while after one, it is ended with this status.
+void goOnToTheEnd(int status);
 
 /// Throw again what is being handled, and add to its message what could not be undone.
 ///   notUndone  in the middle of a sentence; empty: nothing is added
@@ -43,8 +43,9 @@ void goOnToTheEnd();
 /// that statuses 130 and 5 mean that nothing was replaced, or that the message says what was.
 ///   aside   has putInPlace(), keep(), and drop(), which undoes and returns what it cannot undo
 ///   print   throws where nobody takes the result, or an interrupt comes while it waits for that
+///   status  that the command has then
 template <class Aside>
-void finish(Aside& aside, const std::function<void()>& print) {
+void finish(Aside& aside, const std::function<void()>& print, int status = 0) {
   stopIfInterrupted();
   {
     const Uncut whole;
@@ -54,7 +55,7 @@ void finish(Aside& aside, const std::function<void()>& print) {
     } catch (...) {
       throwAgain(aside.drop());
     }
-    goOnToTheEnd();
+    goOnToTheEnd(status);
   }
   aside.keep();
 }
