@@ -9,7 +9,7 @@ fault, and `sherd evaluate` finds every mesh closed, manifold and outward, decim
 command, and so is a refusal.  Faults of solids thinner than a voxel at a resolution that was asked for are counted apart: the
 surface cannot hold them; so are fragments of which wear left no voxel half a voxel deep, whose meshes are less than their voxels.  Left out of the draw is --isolated keep, which leaves fragments in several components as asked; with
 --erode-crumbs keep they may be in several.
-Meshes of fewer polygons (--adaptivity) may lie as much farther off as they were asked to.
+Meshes of fewer polygons (--adaptivity) may lie as much farther off as they were asked to, decimated ones half a voxel.
 Meshes that options move away from the level set (voxels' faces, smoothed, simplified, decimated) are not held to lie on it, nor to
 have what they face within the checker's 3/4 voxel.
 """
@@ -149,10 +149,10 @@ def is_shallow(folder, fault):
     return min(value.value for value in grid.citerOnValues()) > -0.5 * grid.transform.voxelSize()[0]
 
 
-def is_simplified(folder, fault, adaptivity, voxel_size):
+def is_simplified(folder, fault, off, voxel_size):
     """Whether the volume differs by no more than a surface does that lies so much farther off than the checker's half a voxel."""
     found = of_volume(folder, fault)
-    return found is not None and found[1] < (0.5 + adaptivity) * voxel_size * found[0]["area"]
+    return found is not None and found[1] < (0.5 + off) * voxel_size * found[0]["area"]
 
 
 def option(words, name, default=None):
@@ -166,8 +166,8 @@ def judged_by_options(sherd, checker, words, folder, voxel_size, decimated=False
         faults = [fault for fault in faults if not fault.endswith(OF_LEVEL_SET)]
     if option(words, "--erode-crumbs") == "keep":
         faults = [fault for fault in faults if not any(text in fault for text in OF_COMPONENTS)]
-    adaptivity = float(option(words, "--adaptivity", 0))
-    return [fault for fault in faults if adaptivity == 0 or not is_simplified(folder, fault, adaptivity, voxel_size)]
+    off = float(option(words, "--adaptivity", 0)) + 0.5 * decimated
+    return [fault for fault in faults if off == 0 or not is_simplified(folder, fault, off, voxel_size)]
 
 
 def faults_of(sherd, checker, words, folder):
