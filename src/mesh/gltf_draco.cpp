@@ -20,9 +20,9 @@ using Json = GltfDocument::Json;
 // A triangle of a very regular mesh takes a few hundredths of a byte.
 constexpr std::uint64_t kMostPerByte = 256;
 
-// What Draco takes for a face, a point, and a number of a point's attributes, with what is made of
-// it here: estimates, meant to be above it.
-constexpr std::uint64_t kBytesPerFace = 200, kBytesPerPoint = 100, kBytesPerNumber = 32;
+// What Draco takes for a face, with what is made of it here, for a point, and for a number of a
+// point's attributes: estimates, meant to be above it.
+constexpr std::uint64_t kBytesPerFace = 200, kBytesPerPoint = 100, kBytesPerNumber = 24;
 
 // A number in groups of seven bits, the lowest first.
 std::optional<std::uint64_t> takeVarint(std::string_view& bytes) {
@@ -55,7 +55,11 @@ std::optional<Announced> headerOf(std::string_view stream) {
   if (type != kMesh || hasMetadata || (method != kSequential && method != kEdgebreaker))
     return std::nullopt;
   const bool edgebreaker = method == kEdgebreaker;
-  stream.remove_prefix(kHeader + (edgebreaker ? 1 : 0));  // the kind of traversal
+  stream.remove_prefix(kHeader);
+  if (edgebreaker) {
+    if (stream.empty()) return std::nullopt;
+    stream.remove_prefix(1);  // the kind of traversal
+  }
   const auto first = takeVarint(stream), second = takeVarint(stream);
   if (!first || !second || *first > most || *second > most) return std::nullopt;
   if (edgebreaker) return Announced{true, *second, *first};
@@ -118,6 +122,7 @@ GltfArray valuesOf(const GltfDocument& document, const draco::Mesh& mesh,
   GltfArray out{mesh.num_points(), static_cast<std::size_t>(attribute.num_components()), {}};
   const bool normalise = accessor.value("normalized", Json()) == true && !attribute.normalized();
   const std::size_t type = document.number(accessor, "componentType");
+  charge(document.file(), out.count, out.components * sizeof(double));
   out.values.resize(out.count * out.components);
   for (std::size_t i = 0; i < out.count; ++i) {
     const auto at = attribute.mapped_index(draco::PointIndex(static_cast<std::uint32_t>(i)));
@@ -133,7 +138,8 @@ GltfArray valuesOf(const GltfDocument& document, const draco::Mesh& mesh,
 
 }  // namespace
 
-std::optional<GltfDraco> decodeDraco(const GltfDocument& document, const Json& primitive) {
+std::optional<GltfDraco> decodeDraco(const GltfDocument& document, const Json& primitive,
+                                     const std::set<std::string>& names) {
   const Json& extension = GltfDocument::member(GltfDocument::member(primitive, "extensions"),
                                                "KHR_draco_mesh_compression");
   if (!extension.contains("bufferView")) return std::nullopt;
@@ -149,8 +155,12 @@ std::optional<GltfDraco> decodeDraco(const GltfDocument& document, const Json& p
     throw document.bad("a mesh packed by Draco (" + std::to_string(stream.size()) +
                        " bytes) cannot be unpacked");
   GltfDraco out;
-  for (const auto& [name, id] : GltfDocument::member(extension, "attributes").items()) {
-    const draco::PointAttribute* attribute = mesh->GetAttributeByUniqueId(id.get<std::uint32_t>());
+  const Json& ids = GltfDocument::member(extension, "attributes");
+  for (const std::string& name : names) {
+    const auto id = ids.find(name);
+    if (id == ids.end()) continue;
+    checkpoint(document.file());
+    const draco::PointAttribute* attribute = mesh->GetAttributeByUniqueId(id->get<std::uint32_t>());
     if (attribute == nullptr)
       throw document.bad("a mesh packed by Draco has no attribute for " + inQuotes(name));
     out.attributes.emplace(name, valuesOf(document, *mesh, *attribute, accessorOf(name)));

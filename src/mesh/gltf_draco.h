@@ -5,6 +5,7 @@
 #include <glm/vec3.hpp>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -19,9 +20,12 @@ struct GltfDraco {
 };
 
 /// What a primitive's extension KHR_draco_mesh_compression stands for.
+///   names    attributes that are unpacked if it has them; others may be of any size
 ///   returns  none where it has none, or where its positions are there unpacked as well
-///   throws  Error(input) data that Draco does not decode, or counts far beyond them
+///   throws  Error(input) data that Draco does not decode, counts far beyond them, or more than
+///   memory holds
 [[nodiscard]] std::optional<GltfDraco> decodeDraco(const GltfDocument& document,
-                                                   const GltfDocument::Json& primitive);
+                                                   const GltfDocument::Json& primitive,
+                                                   const std::set<std::string>& names);
 
 }  // namespace sherd

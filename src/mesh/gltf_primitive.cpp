@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <string>
+#include <utility>
 
 #include "mesh/gltf_accessor.h"
 #include "mesh/gltf_draco.h"
@@ -19,18 +21,21 @@ constexpr std::size_t kTriangles = 4, kStrip = 5, kFan = 6;
 // The arrays of a primitive, wherever they come from.
 class Attributes {
  public:
-  Attributes(const GltfDocument& document, const Json& primitive)
+  //   names  all that are taken
+  Attributes(const GltfDocument& document, const Json& primitive,
+             const std::set<std::string>& names)
       : document_(document),
         attributes_(GltfDocument::member(primitive, "attributes")),
-        draco_(decodeDraco(document, primitive)) {
+        draco_(decodeDraco(document, primitive, names)) {
     if (!attributes_.is_object() || !attributes_.contains("POSITION"))
       throw document_.bad("a mesh has no 'POSITION'");
   }
 
-  std::optional<GltfArray> read(const std::string& name) const {
+  // Once for each name: what Draco packed is moved, so that it is held once.
+  std::optional<GltfArray> take(const std::string& name) {
     if (draco_) {
       const auto found = draco_->attributes.find(name);
-      if (found != draco_->attributes.end()) return found->second;
+      if (found != draco_->attributes.end()) return std::move(found->second);
     }
     if (!attributes_.contains(name)) return std::nullopt;
     return readGltfArray(document_, document_.number(attributes_, name.c_str()));
@@ -121,10 +126,14 @@ std::optional<GltfPrimitive> readGltfPrimitive(const GltfDocument& document,
   const std::size_t mode = document.number(primitive, "mode", kTriangles);
   if (mode < kTriangles) return std::nullopt;
   if (mode > kFan) throw document.bad("a mesh's 'mode' is " + std::to_string(mode));
-  const Attributes attributes(document, primitive);
   GltfPrimitive out;
+  const std::size_t materials = document.array("materials").size();
+  out.material = document.number(primitive, "material", materials);
+  if (out.material != materials) (void)document.at("materials", out.material);
+  std::string name = "TEXCOORD_" + std::to_string(texcoordSetOf(document, out.material));
+  Attributes attributes(document, primitive, {"POSITION", "COLOR_0", "TEXCOORD_0", name});
 
-  const GltfArray positions = attributes.read("POSITION").value();
+  const GltfArray positions = attributes.take("POSITION").value();
   if (positions.components != 3) throw document.bad("a mesh's 'POSITION' is not of three numbers");
   charge(document.file(), positions.count, sizeof(glm::dvec3));
   out.positions.reserve(positions.count);
@@ -136,13 +145,8 @@ std::optional<GltfPrimitive> readGltfPrimitive(const GltfDocument& document,
           ? unpackedTriangles(document, *attributes.draco(), positions.count)
           : trianglesOf(document, readIndices(document, primitive, positions.count), mode);
 
-  const std::size_t materials = document.array("materials").size();
-  out.material = document.number(primitive, "material", materials);
-  if (out.material != materials) (void)document.at("materials", out.material);
-
-  std::string name = "TEXCOORD_" + std::to_string(texcoordSetOf(document, out.material));
-  std::optional<GltfArray> texcoords = attributes.read(name);
-  if (!texcoords) texcoords = attributes.read(name = "TEXCOORD_0");
+  std::optional<GltfArray> texcoords = attributes.take(name);
+  if (!texcoords) texcoords = attributes.take(name = "TEXCOORD_0");
   if (texcoords) {
     requireLength(document, *texcoords, positions.count, 2, name);
     charge(document.file(), texcoords->count, sizeof(glm::vec2));
@@ -153,7 +157,7 @@ std::optional<GltfPrimitive> readGltfPrimitive(const GltfDocument& document,
       out.texcoords.push_back(finite ? at : glm::vec2(0.0f));
     }
   }
-  if (const std::optional<GltfArray> colours = attributes.read("COLOR_0")) {
+  if (const std::optional<GltfArray> colours = attributes.take("COLOR_0")) {
     requireLength(document, *colours, positions.count, 3, "COLOR_0");
     charge(document.file(), colours->count, sizeof(glm::u8vec3));
     out.colours.reserve(colours->count);

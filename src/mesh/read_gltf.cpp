@@ -290,6 +290,11 @@ struct Reader {
                          " vertices or corners of triangles, which is more than is read");
     }
     const MeshFile& file = document.file();
+    for (const Shown& node : shown) {  // each has a name, its own or its mesh's
+      checkpoint(file);
+      charge(file, nameOf(node).size() + sizeof(std::string));
+    }
+    out.objects.reserve(shown.size());
     SurfaceLook& look = out.look.surface;
     const auto reserve = [&]<class Value>(std::vector<Value>& values, std::size_t count) {
       charge(file, count, sizeof(Value));

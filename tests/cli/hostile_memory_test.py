@@ -48,6 +48,13 @@ def instances():
                TRIANGLE + b"\1" * 1_500_000)
 
 
+def names():
+    """50,000 nodes that take their names from one mesh."""
+    return glb({"nodes": [{"mesh": 0}] * 50_000, "meshes": [{"name": "n" * 500_000, "primitives": [PRIMITIVE]}],
+                "bufferViews": [{"buffer": 0, "byteLength": 36}],
+                "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}]}, TRIANGLE)
+
+
 def zeros():
     """Two gigabytes of zeros, packed."""
     return gzip.compress(bytes(1 << 24)) * 128
@@ -97,6 +104,9 @@ class HostileMemoryTest(unittest.TestCase):
     def test_primitives_and_instances(self):
         self.refused_for_memory("a.glb", primitives())
         self.refused_for_memory("b.glb", instances())
+
+    def test_names(self):
+        self.refused_for_memory("a.glb", names())
 
     def test_packed_zeros(self):
         self.refused_for_memory("a.obj.gz", zeros())

@@ -338,6 +338,18 @@ TEST_F(ReadGltf, UnpacksDraco) {
   }
 }
 
+// Others may be of any number, and each would take as much as the positions.
+TEST_F(ReadGltf, UnpacksOfDracoOnlyWhatItUses) {
+  Glb glb = packed(shapes::cube(2.0), draco::MESH_SEQUENTIAL_ENCODING);
+  Json& extension =
+      glb.json["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"];
+  extension["attributes"]["_OTHER"] = 77;  // which the stream does not have
+  EXPECT_EQ(read("a.glb", glb.bytes()).appearance.surface.colours.size(), 12u);
+  extension["attributes"]["TEXCOORD_0"] = 77;
+  EXPECT_NE(refusal("b.glb", glb.bytes()).find("has no attribute for 'TEXCOORD_0'"),
+            std::string::npos);
+}
+
 TEST_F(ReadGltf, RefusesDracoThatIsCutOrAnnouncesFarMoreThanItHolds) {
   const Glb whole = packed(shapes::cube(2.0), draco::MESH_SEQUENTIAL_ENCODING);
   const std::size_t length = whole.json["bufferViews"][0]["byteLength"];

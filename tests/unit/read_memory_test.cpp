@@ -204,6 +204,15 @@ TEST_F(ReadMemory, InstancesAreCountedBeforeThereIsRoomForThem) {
   EXPECT_EQ(sentence([&] { (void)read("b.glb", file); }), "nothing");
 }
 
+TEST_F(ReadMemory, NamesThatNodesTakeFromTheirMeshAreCharged) {
+  Json json = oneTriangle();
+  json["meshes"][0]["name"] = std::string(100'000, 'n');
+  for (int i = 0; i < 1000; ++i) json["nodes"].push_back({{"mesh", 0}});
+  const std::string file = glbOf(json, triangleBytes());
+  EXPECT_EQ(sentence([&] { (void)read("a.glb", file); }), "nothing");
+  expectTooMuch("b.glb", file, 50 * kMega);
+}
+
 TEST_F(ReadMemory, InstancesStopOnRequest) {
   const auto file = write("a.glb", instances(300'000));
   int asked = 0;
@@ -248,14 +257,30 @@ TEST_F(ReadMemory, LongJsonIsChargedAndReadOnce) {
 
 // ---- Draco
 
-std::string packedByDraco(const std::string& stream) {
+//   length  of the stream, the rest of which lies behind it
+std::string packedByDraco(const std::string& stream, std::size_t length) {
   Json json = oneTriangle();
-  json["bufferViews"] = {{{"buffer", 0}, {"byteLength", stream.size()}}};
+  json["bufferViews"] = {{{"buffer", 0}, {"byteLength", length}}};
   json["accessors"] = {{{"componentType", 5126}, {"count", 3}, {"type", "VEC3"}}};
   json["nodes"] = {{{"mesh", 0}}};
   json["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"] = {
       {"bufferView", 0}, {"attributes", {{"POSITION", kDracoPositions}}}};
   return glbOf(json, stream);
+}
+std::string packedByDraco(const std::string& stream) {
+  return packedByDraco(stream, stream.size());
+}
+
+// The counts that lie behind these streams would be charged.
+TEST_F(ReadMemory, DracosHeaderIsNotReadBeyondItsStream) {
+  for (const int method : {draco::MESH_SEQUENTIAL_ENCODING, draco::MESH_EDGEBREAKER_ENCODING}) {
+    const std::string stream = dracoStream(shapes::torus(2.0, 1.0, 40, 30), method);
+    for (std::size_t length = 0; length <= 12; ++length) {
+      const auto file = write("a.glb", packedByDraco(stream, length));
+      const std::string said = sentence([&] { (void)readMesh(file, {.maxMemory = kMega / 4}); });
+      EXPECT_NE(said.find("cannot be unpacked"), std::string::npos) << length << ": " << said;
+    }
+  }
 }
 
 TEST_F(ReadMemory, DracoIsRefusedByWhatItAnnounces) {
