@@ -8,6 +8,12 @@
 namespace sherd {
 namespace {
 
+// Elements, and properties, of a header; more than this is taken for hostile.
+constexpr std::size_t kMostNamed = 1000;
+// A comment may name a material or a texture, and be named in a warning.
+constexpr std::uint64_t kBytesPerComment = 512;
+constexpr std::size_t kLinesAtATime = 4096;
+
 std::optional<PlyType> typeFromName(std::string_view name) {
   constexpr std::array<std::pair<std::string_view, PlyType>, 16> kTypes{{
       {"char", {1, true, true}},
@@ -42,7 +48,9 @@ PlyHeader readPlyHeader(const MeshFile& file) {
   const auto fail = [&](const std::string& what) { return inputError(file, lines.number(), what); };
   if (!lines.next() || lines.line() != "ply") throw fail("found no 'ply' in the first line");
   bool hasFormat = false;
+  std::size_t properties = 0;
   while (lines.next()) {
+    if (lines.number() % kLinesAtATime == 0) checkpoint(file);
     std::string_view rest = lines.line();
     const std::string_view keyword = takeWord(rest);
     if (keyword == "end_header") {
@@ -69,9 +77,13 @@ PlyHeader readPlyHeader(const MeshFile& file) {
       for (const PlyElement& other : header.elements) {
         if (other.name == name) throw fail("element " + inQuotes(name) + " is there twice");
       }
+      if (header.elements.size() == kMostNamed)
+        throw fail("the header names more than " + std::to_string(kMostNamed) + " elements");
       header.elements.push_back({name, *count, {}});
     } else if (keyword == "property") {
       if (header.elements.empty()) throw fail("property before the first element");
+      if (++properties > kMostNamed)
+        throw fail("the header names more than " + std::to_string(kMostNamed) + " properties");
       PlyProperty property;
       std::string_view type = takeWord(rest);
       if (type == "list") {
@@ -86,6 +98,7 @@ PlyHeader readPlyHeader(const MeshFile& file) {
       property.name = takeWord(rest);
       header.elements.back().properties.push_back(property);
     } else if (keyword == "comment") {
+      charge(file, 3 * rest.size() + kBytesPerComment);
       header.comments.emplace_back(rest);
     } else if (!keyword.empty() && keyword != "obj_info") {
       throw fail("found " + inQuotes(keyword) + " in the header");

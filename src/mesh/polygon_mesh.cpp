@@ -1,6 +1,7 @@
 // Meshes as most files have them, made triangles.
 #include "mesh/polygon_mesh.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -19,15 +20,37 @@ struct Triangles {
   std::vector<std::uint32_t> face;
 };
 
-Triangles triangulated(const PolygonMesh& mesh) {
+// Triangulation looks whether to stop each time that it has seen so many corners.
+constexpr std::uint32_t kCornersAtATime = 4096;
+
+// The corners of the face that has most.
+std::size_t longestFace(const PolygonMesh& mesh) {
+  std::uint32_t longest = 0, begin = 0;
+  for (const std::uint32_t end : mesh.faceEnds) {
+    longest = std::max(longest, end - begin);
+    begin = end;
+  }
+  return longest;
+}
+
+Triangles triangulated(const MeshFile& file, const PolygonMesh& mesh) {
+  // Of one face: its corners, and the triangles that they make.
+  const std::size_t longest = longestFace(mesh);
+  const TransientMemory transient(file.memory);
+  charge(file, longest, sizeof(std::uint32_t) + sizeof(glm::uvec3));
   Triangles out;
   const std::size_t count = mesh.corners.size() - 2 * mesh.faceEnds.size();
   out.corners.reserve(count);
   out.face.reserve(count);
   std::vector<glm::uvec3> places;
-  std::uint32_t begin = 0;
+  places.reserve(longest);
+  std::uint32_t begin = 0, seen = 0;
   for (std::uint32_t face = 0; face < mesh.faceEnds.size(); ++face) {
     const std::uint32_t end = mesh.faceEnds[face];
+    if (end - seen >= kCornersAtATime) {
+      checkpoint(file);
+      seen = end;
+    }
     if (end - begin == 3) {
       out.corners.emplace_back(begin, begin + 1, begin + 2);
       out.face.push_back(face);
@@ -81,8 +104,7 @@ void triangulateInto(const MeshFile& file, PolygonMesh&& mesh, RawMesh& out) {
              (texcoords ? 3 * sizeof(glm::vec2) : 0) +
              (mesh.faceMaterials.empty() ? 0 : sizeof(std::uint32_t)) +
              (mesh.objectOfFace.empty() ? 0 : sizeof(std::uint32_t)));
-  checkpoint(file);
-  const Triangles triangles = triangulated(mesh);
+  const Triangles triangles = triangulated(file, mesh);
   out.triangles.reserve(triangles.corners.size());
   for (const glm::uvec3& t : triangles.corners) {
     out.triangles.emplace_back(mesh.corners[t.x], mesh.corners[t.y], mesh.corners[t.z]);

@@ -21,6 +21,9 @@ namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
+// Lines, and corners of a line, between two looks at what is held and whether to stop.
+constexpr std::size_t kAtATime = 4096;
+
 // Numbers for names, in the order of their first use.
 class Names {
  public:
@@ -51,6 +54,7 @@ struct Reader {
   std::vector<std::uint32_t> groupOfFace{};                       // beside mesh.objectOfFace
   std::uint32_t material = kNone, object = kNone, group = kNone;  // of the faces that come
   bool hasTexcoords = false;
+  GrowingMemory memory{file.memory};
 
   void addVertex(std::string_view rest, std::size_t line) {
     std::array<double, 6> values{};
@@ -91,6 +95,7 @@ struct Reader {
     }
     mesh.corners.push_back(static_cast<std::uint32_t>(vertex < 0 ? count + vertex : vertex - 1));
     addTexcoord(word, length, line);
+    if (mesh.corners.size() % kAtATime == 0) hold();
   }
 
   void addTexcoord(std::string_view word, std::size_t slash, std::size_t line) {
@@ -148,16 +153,16 @@ struct Reader {
                     libraries.size());
   }
 
+  void hold() {
+    checkpoint(file);
+    memory.hold(bytesHeld());
+  }
+
   void readLines() {
-    constexpr std::size_t kLinesAtATime = 4096;
-    GrowingMemory memory(file.memory);
     std::size_t count = 0;
     ObjLines lines(withoutByteOrderMark(file.bytes));
     while (lines.next()) {
-      if (++count % kLinesAtATime == 0) {
-        checkpoint(file);
-        memory.hold(bytesHeld());
-      }
+      if (++count % kAtATime == 0) hold();
       std::string_view rest = lines.line();
       const std::string_view keyword = takeWord(rest);
       if (keyword == "v") {
@@ -200,12 +205,12 @@ struct Reader {
 
   // A library is a plain file name; one line may name several.
   void readLibraries(RawMesh& out) const {
-    constexpr std::uint64_t kMostPerByte =
-        16;  // "newmtl a" is a map's entry of a name and a texture
+    // A line "newmtl a" makes an entry of the map.
+    constexpr std::uint64_t kMostPerByte = 16;
     std::map<std::string, MtlMaterial> known;
     std::set<std::string, std::less<>> read;
-    GrowingMemory memory(file.memory);
     for (const std::string& line : libraries) {
+      checkpoint(file);
       const NamedFile whole = fileBeside(file, line);
       std::error_code error;
       const bool isOne =
@@ -216,7 +221,7 @@ struct Reader {
         if (!read.emplace(name).second) continue;  // of two that are alike the first counts
         const auto text = readBeside(file, name, "material library", out.warnings);
         if (!text) continue;
-        memory.hold(text->size() * kMostPerByte);  // before it is known how many it names
+        charge(file, text->size(), kMostPerByte);  // before it is known how many it names
         addMtl(*text, known);
       }
     }

@@ -15,6 +15,9 @@
 namespace sherd {
 namespace {
 
+// Vertices, faces, and corners of a face, between two looks at what is held and whether to stop.
+constexpr std::size_t kAtATime = 4096;
+
 struct Reader {
   const MeshFile& file;
   LineReader lines{withoutByteOrderMark(file.bytes)};
@@ -23,6 +26,7 @@ struct Reader {
   PolygonMesh mesh{};
   std::vector<glm::vec3> vertexColours{}, faceColours{};
   bool anyFaceColour = false;
+  GrowingMemory memory{file.memory};
 
   Error bad(const std::string& what) const { return inputError(file, lines.number(), what); }
 
@@ -87,6 +91,12 @@ struct Reader {
     }
   }
 
+  void hold() {
+    checkpoint(file);
+    memory.hold(mesh.bytes() - mesh.vertices.size() * sizeof(glm::dvec3) +
+                (vertexColours.size() + faceColours.size()) * sizeof(glm::vec3));
+  }
+
   // Faces of one or two corners are points and lines.
   void readFace(std::uint32_t vertices) {
     const auto corners = parseInteger<std::uint32_t>(takeWord(line));
@@ -99,6 +109,7 @@ struct Reader {
                   std::to_string(vertices));
       }
       if (*corners >= 3) mesh.corners.push_back(*index);
+      if (*corners >= 3 && mesh.corners.size() % kAtATime == 0) hold();
     }
     if (*corners < 3) return;
     mesh.faceEnds.push_back(static_cast<std::uint32_t>(mesh.corners.size()));
@@ -118,21 +129,13 @@ struct Reader {
     const std::size_t room = std::min<std::size_t>(*vertices, file.bytes.size() / 6);
     charge(file, room, sizeof(glm::dvec3));
     mesh.vertices.reserve(room);
-    GrowingMemory memory(file.memory);
-    const auto grow = [&] {
-      constexpr std::size_t kLinesAtATime = 4096;
-      if (lines.number() % kLinesAtATime != 0) return;
-      checkpoint(file);
-      memory.hold(mesh.bytes() - mesh.vertices.size() * sizeof(glm::dvec3) +
-                  (vertexColours.size() + faceColours.size()) * sizeof(glm::vec3));
-    };
     for (std::size_t i = 0; i < *vertices; ++i) {
-      grow();
+      if (i % kAtATime == 0) hold();
       expectLine("vertex", i, *vertices);
       readVertex();
     }
     for (std::size_t i = 0; i < *faces; ++i) {
-      grow();
+      if (i % kAtATime == 0) hold();
       expectLine("face", i, *faces);
       readFace(*vertices);
     }

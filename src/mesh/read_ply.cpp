@@ -170,6 +170,7 @@ struct Reader {
     if (column.role == Role::strip) strip.clear();
     if (column.role == Role::texcoords) texcoords.clear();
     for (std::int64_t i = 0; i < length && column.role != Role::none; ++i) {
+      if ((i + 1) % kItemsAtATime == 0) checkpoint(file);
       if (column.role == Role::texcoords) {
         texcoords.push_back(static_cast<float>(body.number(type)));
         continue;

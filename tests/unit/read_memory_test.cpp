@@ -15,6 +15,7 @@
 
 #include "draco_stream.h"
 #include "memory_budget.h"
+#include "mesh/polygon_mesh.h"
 #include "mesh_folder.h"
 #include "shapes.h"
 
@@ -253,6 +254,101 @@ TEST_F(ReadMemory, LongJsonIsChargedAndReadOnce) {
   const std::string file = glbOf(json, triangleBytes());
   EXPECT_EQ(read("a.glb", file).mesh.triangles.size(), 1u);
   expectTooMuch("b.glb", file, 20 * kMega);
+}
+
+// ---- Text
+
+// A face of a triangle's corners, again and again, and then something that is none.
+struct LongFace {
+  std::string name, text;
+};
+std::vector<LongFace> longFaces(std::size_t corners) {
+  std::string counted, from0, from1;
+  for (std::size_t i = 0; i < corners; ++i) {
+    from0 += " " + std::to_string(i % 3);
+    from1 += " " + std::to_string(i % 3 + 1);
+  }
+  const std::string count = std::to_string(corners), vertices = "0 0 0\n1 0 0\n0 1 0\n";
+  return {{"a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf" + from1 + " x\n"},
+          {"a.off", "OFF\n3 1 0\n" + vertices + std::to_string(corners + 1) + from0 + " x\n"},
+          {"a.ply",
+           "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty "
+           "float z\nelement face 1\nproperty list uint int vertex_indices\nend_header\n" +
+               vertices + std::to_string(corners + 1) + from0 + " x\n"}};
+}
+
+TEST_F(ReadMemory, OneLongFaceIsChargedAndAskedAsItGrows) {
+  constexpr std::size_t kCorners = 500'000;
+  for (const LongFace& face : longFaces(kCorners)) {
+    SCOPED_TRACE(face.name);
+    const auto file = write(face.name, face.text);
+    int asked = 0;
+    Progress progress;
+    progress.cancelled = [&] {
+      ++asked;
+      return false;
+    };
+    EXPECT_NE(sentence([&] { (void)readMesh(file, {}, &progress); }).find("'x'"),
+              std::string::npos);
+    EXPECT_GE(asked, static_cast<int>(kCorners / 4096));
+    expectTooMuch(face.name, face.text, 5 * kMega);
+  }
+}
+
+TEST(PolygonMemory, TheLongestFaceIsChargedWhileItIsMadeTriangles) {
+  constexpr std::uint32_t kCorners = 100'000;
+  PolygonMesh mesh;
+  mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  for (std::uint32_t i = 0; i < kCorners; ++i) mesh.corners.push_back(i % 3);
+  mesh.faceEnds = {kCorners};
+  const auto chargedWithin = [&](std::uint64_t limit) {
+    MemoryBudget memory("a", limit);
+    const MeshFile file{"a", "a", MeshFormat::obj, "", &memory};
+    RawMesh out;
+    triangulateInto(file, PolygonMesh(mesh), out);
+    return memory.taken();
+  };
+  const std::uint64_t kept = chargedWithin(100 * kMega);
+  EXPECT_EQ(chargedWithin(kept + 16 * kCorners), kept);
+  EXPECT_THROW((void)chargedWithin(kept + 16 * kCorners - 1), Error);
+}
+
+TEST_F(ReadMemory, AllMaterialLibrariesAreCharged) {
+  std::string library, obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n";
+  for (int i = 0; i < 10'000; ++i) library += "newmtl a" + std::to_string(i) + "\n";
+  for (int i = 0; i < 10; ++i) {
+    const std::string name = std::to_string(i) + ".mtl";
+    write(name, library);
+    obj += "mtllib " + name + "\n";
+  }
+  EXPECT_EQ(read("a.obj", obj).mesh.triangles.size(), 1u);
+  expectTooMuch("b.obj", obj, 12 * kMega);
+}
+
+TEST_F(ReadMemory, PlyHeadersAreBoundedAndTheirCommentsCharged) {
+  const auto ply = [](const std::string& more) {
+    return "ply\nformat ascii 1.0\n" + more +
+           "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+           "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+           "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  };
+  const auto elements = [](int count) {
+    std::string out;
+    for (int i = 0; i < count; ++i) out += "element e" + std::to_string(i) + " 0\n";
+    return out;
+  };
+  EXPECT_EQ(read("a.ply", ply(elements(998))).mesh.triangles.size(), 1u);
+  EXPECT_EQ(refusal("a.ply", ply(elements(999))),
+            "a.ply:1006: the header names more than 1000 elements");
+  std::string properties = "element e 0\n";
+  for (int i = 0; i < 996; ++i) properties += "property int p" + std::to_string(i) + "\n";
+  EXPECT_EQ(read("b.ply", ply(properties)).mesh.triangles.size(), 1u);
+  EXPECT_EQ(refusal("b.ply", ply(properties + "property int p\n")),
+            "b.ply:1006: the header names more than 1000 properties");
+  std::string comments;
+  for (int i = 0; i < 50'000; ++i) comments += "comment\n";
+  EXPECT_EQ(read("c.ply", ply(comments)).mesh.triangles.size(), 1u);
+  expectTooMuch("c.ply", ply(comments), 20 * kMega);
 }
 
 // ---- Draco
