@@ -15,6 +15,7 @@ namespace sherd {
 namespace {
 
 constexpr std::string_view kBegin = "sherd mesh 1", kEnd = "end";
+constexpr std::size_t kCount = sizeof(std::uint64_t);  // bytes of an array's length
 
 template <class Element>
 void put(std::string& out, const std::vector<Element>& elements) {
@@ -36,7 +37,7 @@ void put(std::string& out, const std::vector<std::string>& texts) {
 // Takes from the front of a stream; one that has too little is bad from then on.
 class Source {
  public:
-  explicit Source(std::string_view bytes) : bytes_(bytes) {}
+  Source(std::string_view bytes, MemoryBudget* memory) : bytes_(bytes), memory_(memory) {}
   bool good() const { return good_; }
   bool isAt(std::string_view end) const { return good_ && bytes_ == end; }
 
@@ -65,21 +66,26 @@ class Source {
     text.assign(characters.begin(), characters.end());
   }
 
-  // How many of something follow, of which each takes 8 bytes at least.
-  std::size_t takeNumber() {
+  // Makes room for how many of something follow.
+  //   leastBytes  of one in the stream; it may take more in memory
+  template <class Element>
+  void makeRoom(std::vector<Element>& elements, std::size_t leastBytes) {
     std::vector<std::uint64_t> number;
     take(number);
-    good_ = good_ && number.size() == 1 && number[0] <= bytes_.size() / 8;
-    return good_ ? number[0] : 0;
+    good_ = good_ && number.size() == 1 && number[0] <= bytes_.size() / leastBytes;
+    if (!good_) return;
+    if (memory_ != nullptr) memory_->charge(number[0], sizeof(Element));
+    elements.resize(number[0]);
   }
 
   void take(std::vector<std::string>& texts) {
-    texts.resize(takeNumber());
+    makeRoom(texts, kCount);
     for (std::string& text : texts) take(text);
   }
 
  private:
   std::string_view bytes_;
+  MemoryBudget* memory_;
   bool good_ = true;
 };
 
@@ -109,16 +115,16 @@ std::string streamOf(const RawMesh& mesh) {
   return out.append(kEnd);
 }
 
-std::optional<RawMesh> meshFromStream(std::string_view stream) {
+std::optional<RawMesh> meshFromStream(std::string_view stream, MemoryBudget* memory) {
   if (!stream.starts_with(kBegin)) return std::nullopt;
-  Source source(stream.substr(kBegin.size()));
+  Source source(stream.substr(kBegin.size()), memory);
   RawMesh mesh;
   source.take(mesh.vertices);
   source.take(mesh.triangles);
   source.take(mesh.look.surface.texcoords);
   source.take(mesh.look.surface.colours);
   source.take(mesh.look.surface.material);
-  mesh.look.materials.resize(source.takeNumber());
+  source.makeRoom(mesh.look.materials, 3 * kCount + sizeof(glm::vec3) + sizeof(int));
   for (Material& material : mesh.look.materials) {
     std::vector<glm::vec3> colour;
     std::vector<int> texture;
@@ -129,7 +135,7 @@ std::optional<RawMesh> meshFromStream(std::string_view stream) {
     material.colour = colour[0];
     material.texture = texture[0];
   }
-  mesh.look.textures.resize(source.takeNumber());
+  source.makeRoom(mesh.look.textures, 2 * kCount);
   for (Texture& texture : mesh.look.textures) {
     source.take(texture.name);
     source.take(texture.bytes);

@@ -63,16 +63,15 @@ std::string findProgram(const MeshFile& file) {
                 program.tried.back().string() + " (install it, or name it by SHERD_ASSIMP)");
 }
 
-// The file's bytes as a file in memory, to be read from its beginning.
-int memoryFile(const std::string& bytes) {
-  const int number = ::memfd_create("mesh", MFD_CLOEXEC);
-  for (std::size_t done = 0; number >= 0 && done < bytes.size();) {
-    const ssize_t written = ::write(number, bytes.data() + done, bytes.size() - done);
+// Fills a new file, to be read from its beginning.
+void fill(const FileDescriptor& file, const std::string& bytes) {
+  if (file.number() < 0) throw cannotStart("its input");
+  for (std::size_t done = 0; done < bytes.size();) {
+    const ssize_t written = ::write(file.number(), bytes.data() + done, bytes.size() - done);
     if (written < 0 && errno != EINTR) throw cannotStart("its input");
     done += static_cast<std::size_t>(std::max<ssize_t>(written, 0));
   }
-  if (number < 0 || ::lseek(number, 0, SEEK_SET) != 0) throw cannotStart("its input");
-  return number;
+  if (::lseek(file.number(), 0, SEEK_SET) != 0) throw cannotStart("its input");
 }
 
 // The running program; it does not outlive this.
@@ -200,7 +199,9 @@ AssimpLimits assimpLimits(std::size_t bytes, std::uint64_t memory) {
 
 RawMesh readByAssimp(const MeshFile& file, const AssimpLimits& limits) {
   const std::string program = findProgram(file);
-  const FileDescriptor in(memoryFile(file.bytes));
+  charge(file, file.bytes.size());  // the program's copy
+  const FileDescriptor in(::memfd_create("mesh", MFD_CLOEXEC));
+  fill(in, file.bytes);
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw cannotStart("a pipe");
   const FileDescriptor from(ends[0]);
@@ -231,7 +232,7 @@ RawMesh readByAssimp(const MeshFile& file, const AssimpLimits& limits) {
   if (WIFEXITED(status) && WEXITSTATUS(status) != 0)
     throw refuse("says: " + plainText(answer->substr(0, 160)));
   charge(file, answer->size());
-  std::optional<RawMesh> mesh = meshFromStream(*answer);
+  std::optional<RawMesh> mesh = meshFromStream(*answer, file.memory);
   if (!mesh) throw refuse("gave an answer that makes no sense");
   for (std::string& warning : mesh->warnings) warning = file.name + ": " + warning;
   readTextures(file, *mesh);

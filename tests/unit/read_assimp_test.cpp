@@ -3,13 +3,16 @@
 
 #include <gtest/gtest.h>
 #include <sherd/mesh.h>
+#include <sys/resource.h>
 #include <zlib.h>
 
 #include <chrono>
+#include <csignal>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <glm/geometric.hpp>
+#include <iterator>
 #include <random>
 #include <sstream>
 #include <string>
@@ -19,6 +22,8 @@
 
 namespace sherd {
 namespace {
+
+constexpr std::uint64_t kMegabyte = 1'000'000;
 
 class ReadAssimp : public MeshFolder {
  protected:
@@ -207,6 +212,41 @@ TEST_F(ReadAssimp, ASignalToTheProgramCancels) {
   }
 }
 
+TEST_F(ReadAssimp, TheProgramsCopyOfTheFileIsCharged) {
+  const auto file = write("a.fbx", std::string(4'000'000, 'x'));
+  try {
+    (void)readMesh(file, {.maxMemory = 6'000'000});
+    ADD_FAILURE() << "it was read";
+  } catch (const Error& e) {
+    EXPECT_EQ(std::string(e.what()).find("a.fbx: reading it takes 0.008 GB"), 0u) << e.what();
+  }
+}
+
+// No file may be longer than 64 KiB.
+TEST_F(ReadAssimp, AFailedCopyOfTheFileLeavesNoDescriptorOpen) {
+  const auto open = [] {
+    return std::distance(std::filesystem::directory_iterator("/proc/self/fd"),
+                         std::filesystem::directory_iterator());
+  };
+  const auto file = write("a.fbx", std::string(1'000'000, 'x'));
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const rlimit small{1 << 16, before.rlim_max};
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  const auto descriptors = open();
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+  std::string said;
+  try {
+    (void)readMesh(file);
+  } catch (const Error& e) {
+    said = e.what();
+  }
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(said, "sherd-assimp cannot be started: its input: File too large");
+  EXPECT_EQ(open(), descriptors);
+}
+
 RawMesh decorated() {
   RawMesh mesh;
   mesh.vertices = {{0, 0.1, -1e300}, {1, 2, 3}, {4, 5, 6}};
@@ -239,6 +279,16 @@ TEST(MeshStream, GivesBackWhatWasPutIn) {
   EXPECT_EQ(back->objects, mesh.objects);
   EXPECT_EQ(back->objectOfTriangle, mesh.objectOfTriangle);
   EXPECT_EQ(back->warnings, mesh.warnings);
+}
+
+TEST(MeshStream, WhatTakesMoreThanItsBytesIsCharged) {
+  RawMesh mesh = decorated();
+  mesh.look.textures.resize(10'000);
+  const std::string stream = streamOf(mesh);
+  MemoryBudget enough("a", kMegabyte), little("a", kMegabyte / 4);
+  EXPECT_TRUE(meshFromStream(stream, &enough));
+  EXPECT_GE(enough.taken(), 10'000 * sizeof(Texture));
+  EXPECT_THROW((void)meshFromStream(stream, &little), Error);
 }
 
 TEST(MeshStream, RefusesWhatIsCutOrPointsNowhere) {
