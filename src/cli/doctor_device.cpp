@@ -13,7 +13,9 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <cstdio>
 #include <cstring>
+#include <exception>
 #include <sstream>
 #include <thread>
 
@@ -198,9 +200,16 @@ DeviceExamination::DeviceExamination(const std::string& device)
   ::alarm(kMostSeconds);
   ::dup2(printed_, STDOUT_FILENO);
   ::dup2(printed_, STDERR_FILENO);
-  put(answer_, {{"drivers", driverFacts()}});
-  put(answer_, {{"platforms", platformFacts()}});
-  put(answer_, {{"self_test", selfTest(device)}});
+  try {  // nothing of the program around this is the child's
+    put(answer_, {{"drivers", driverFacts()}});
+    put(answer_, {{"platforms", platformFacts()}});
+    put(answer_, {{"self_test", selfTest(device)}});
+  } catch (const std::exception& e) {
+    std::fputs(e.what(), stderr);
+    ::_exit(1);
+  } catch (...) {
+    ::_exit(1);
+  }
   ::_exit(0);  // drivers may crash when they are taken down
 }
 

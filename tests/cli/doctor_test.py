@@ -174,6 +174,20 @@ class Doctor(unittest.TestCase):
                                 SHERD_FAULT_BELOW=self.path("cache"), POCL_CACHE_DIR=self.path("cache"))
         self.wrong(report, "No space left on device")
 
+    @unittest.skipUnless(MODULE, "SHERD_FAULTS names the module that lets calls fail")
+    def test_no_memory_to_look(self):
+        # a hundred drivers whose long paths are copied; the program itself copies less
+        vendors = os.path.join(self.tmp, *["v" * 200] * 15)
+        os.makedirs(vendors)
+        for number in range(100):
+            pathlib.Path(vendors, f"{number}.icd").touch()
+        result = self.run_doctor("--json", LD_PRELOAD=MODULE, SHERD_FAULT="memory", SHERD_FAULT_AT="150",
+                                 SHERD_FAULT_BYTES="3000", OCL_ICD_VENDORS=vendors)
+        self.assertEqual(result.returncode, 4, result.stderr)
+        report = json.loads(result.stdout)
+        self.wrong(report, "ended with status 1 after it printed: std::bad_alloc;")
+        self.assertEqual(report["drivers"], [])
+
     def test_standard_output_full(self):
         with open("/dev/full", "w") as full:
             result = self.run_doctor(stdout=full)
