@@ -6,12 +6,13 @@
 
 namespace sherd {
 
-/// Given to functions that may take long.  Both members may be empty.  They are called from the
-/// thread that called the function, at least once per stage and usually several times a second.
+/// Given to functions that may take long.  Both members may be empty.  They are called at least
+/// once per stage and usually several times a second.
 struct Progress {
-  std::function<void(std::string_view stage, double fraction)>
-      report;                       ///< fraction of the stage, 0..1
-  std::function<bool()> cancelled;  ///< true: stop soon by throwing Error(cancelled)
+  /// From the thread that called the function.  fraction of the stage, 0..1
+  std::function<void(std::string_view stage, double fraction)> report;
+  /// From any thread, several at once.  true: stop soon by throwing Error(cancelled)
+  std::function<bool()> cancelled;
 };
 
 /// Report and, if the caller wants to stop, throw Error(cancelled).  Nothing happens when

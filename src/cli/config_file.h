@@ -21,8 +21,7 @@ struct ConfiguredOption {
 /// list of texts and numbers.  Of TOML only that is read: no dates, tables in a line, text over
 /// several lines, or dotted keys; headings of tables are passed over.
 ///   throws  Error(input) with the line, of JSON with the name: it cannot be read, is nothing of
-///   the
-///           kind, has no value for a name or a name twice
+///           the kind, has no value for a name or a name twice
 [[nodiscard]] std::vector<ConfiguredOption> optionsIn(const std::filesystem::path& file);
 
 }  // namespace sherd::cli
