@@ -2,6 +2,7 @@
 #pragma once
 
 #include <sherd/mesh.h>
+#include <sherd/progress.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -102,9 +103,11 @@ void checkSurfaceOptions(const SurfaceOptions& options);
 ///   facing       [triangles] 0 original surface, else the fragment on the other side
 ///   longestSide  voxels, for the number of iterations
 ///   cost         triangles * iterations
+///   throws       Error(cancelled)
 ///   source       Generating implicit object fragment datasets for machine learning, 3.3 and 4.1
 [[nodiscard]] TriangleMesh smoothed(TriangleMesh mesh, std::span<const std::uint16_t> facing,
-                                    const SmoothOptions& options, int longestSide);
+                                    const SmoothOptions& options, int longestSide,
+                                    const Progress* progress = nullptr);
 
 /// A mesh of fewer triangles, and what each faces.
 struct CoarseMesh {

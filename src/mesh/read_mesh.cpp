@@ -90,7 +90,7 @@ void makeRoom(std::string& text, std::size_t more, MemoryBudget& memory) {
 // Unpack a gzip file, which may be several streams one after another, piece by piece.  Of one that
 // cannot be of its format only the beginning is unpacked, which its reader refuses.
 std::string gunzip(const std::string& packed, const std::string& name, MeshFormat format,
-                   MemoryBudget& memory) {
+                   MemoryBudget& memory, const Progress* progress) {
   const auto fail = [&](const std::string& what) {
     return Error(ErrorCode::input, name + ": " + what);
   };
@@ -105,6 +105,7 @@ std::string gunzip(const std::string& packed, const std::string& name, MeshForma
   std::size_t taken = 0;
   int status = Z_OK;
   while (status != Z_STREAM_END || taken < packed.size()) {
+    throwIfCancelled(progress);
     if (status == Z_STREAM_END && inflateReset(&stream) != Z_OK)
       throw fail("its gzip stream is damaged");
     const std::size_t give = std::min(packed.size() - taken, buffer.size());
@@ -207,7 +208,7 @@ SourceMesh meshOf(const fs::path& path, std::string bytes, MemoryBudget& memory,
   }
   const MeshFile file{
       path,    fileName,
-      *format, name.packed ? gunzip(bytes, fileName, *format, memory) : std::move(bytes),
+      *format, name.packed ? gunzip(bytes, fileName, *format, memory, progress) : std::move(bytes),
       &memory, progress};
   if (file.bytes.empty()) throw inputError(file, "the file is empty");
   std::future<std::string> hash =

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "cancel_flag.h"
 #include "mesh/edges.h"
 #include "mesh/triangle_tree.h"
 
@@ -118,9 +119,10 @@ std::vector<Joint> joints(const TriangleMesh& mesh) {
 // Each group that hangs together by joints goes the way that most of its area went.  Returns how
 // many were turned.
 std::size_t turnAlike(TriangleMesh& mesh, const Components& parts,
-                      const std::vector<bool>& unbalanced) {
+                      const std::vector<bool>& unbalanced, const Progress* progress) {
   const std::size_t count = mesh.triangles.size();
   const std::vector<Joint> all = joints(mesh);
+  throwIfCancelled(progress);
   std::vector<std::size_t> first(count + 1, 0);
   for (const Joint& joint : all) ++first[joint.a + 1], ++first[joint.b + 1];
   std::partial_sum(first.begin(), first.end(), first.begin());
@@ -187,16 +189,9 @@ std::vector<double> volumesOf(const TriangleMesh& mesh, const Components& parts)
 }
 
 // Turn parts that are inside out, and do not lie in another.  Returns how many.
-std::size_t turnParts(TriangleMesh& mesh, const Components& parts) {
+std::size_t turnParts(TriangleMesh& mesh, const Components& parts, const Progress* progress) {
   std::vector<double> volumes = volumesOf(mesh, parts);
   std::size_t turned = 0;
-  const auto turnPart = [&](std::uint32_t part) {
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-      if (parts.ofTriangle[i] == part) turn(mesh.triangles[i]);
-    }
-    volumes[part] = -volumes[part];
-    ++turned;
-  };
   if (std::accumulate(volumes.begin(), volumes.end(), 0.0) < 0.0) {
     for (glm::uvec3& t : mesh.triangles) turn(t);
     for (double& v : volumes) v = -v;
@@ -214,26 +209,35 @@ std::size_t turnParts(TriangleMesh& mesh, const Components& parts) {
       outward.triangles.push_back(mesh.triangles[i]);
     }
   }
+  throwIfCancelled(progress);
   const TriangleTree tree(outward);
+  std::vector<bool> turns(parts.count, false);
   for (std::uint32_t part = 0; part < parts.count; ++part) {
     if (corners[part].empty()) continue;
+    throwIfCancelled(progress);
     constexpr std::size_t kLooks = 9;
     std::size_t within = 0;
     for (std::size_t k = 0; k < kLooks; ++k) {
       const std::size_t at = k * corners[part].size() / kLooks;
       within += tree.winding(mesh.vertices[corners[part][at]]) > 0.5 ? 1u : 0u;
     }
-    if (2 * within < kLooks) turnPart(part);
+    if (2 * within >= kLooks) continue;
+    turns[part] = true;
+    ++turned;
+  }
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    if (turns[parts.ofTriangle[i]]) turn(mesh.triangles[i]);
   }
   return turned;
 }
 
 }  // namespace
 
-Repaired repaired(const TriangleMesh& mesh) {
+Repaired repaired(const TriangleMesh& mesh, const Progress* progress) {
   Repaired out{mesh, {}};
   MeshDefects& defects = out.defects;
   const auto countEdges = [&] {
+    throwIfCancelled(progress);
     std::size_t unbalanced = 0;
     defects.boundaryEdges = defects.nonManifoldEdges = defects.misorientedEdges = 0;
     forEachEdge(out.mesh, [&](const EdgeUse& edge) {
@@ -253,6 +257,7 @@ Repaired repaired(const TriangleMesh& mesh) {
   }
   const MeshDefects asRead = defects;
   if (defects.duplicateTriangles > 0) unbalanced = countEdges();
+  throwIfCancelled(progress);
   const Components parts = components(out.mesh);
   if (unbalanced > 0) {
     std::vector<bool> unbalancedPart(parts.count, false);
@@ -264,13 +269,13 @@ Repaired repaired(const TriangleMesh& mesh) {
     forEachEdge(out.mesh, [&](const EdgeUse& edge) {
       if (edge.forward != edge.backward) unbalancedPart[partOf[edge.low]] = true;
     });
-    defects.turnedTriangles = turnAlike(out.mesh, parts, unbalancedPart);
+    defects.turnedTriangles = turnAlike(out.mesh, parts, unbalancedPart, progress);
   }
   defects.boundaryEdges = asRead.boundaryEdges;  // of the mesh as it came
   defects.nonManifoldEdges = asRead.nonManifoldEdges;
   defects.misorientedEdges = asRead.misorientedEdges;
   defects.parts = parts.count;
-  defects.turnedParts = turnParts(out.mesh, parts);
+  defects.turnedParts = turnParts(out.mesh, parts, progress);
   return out;
 }
 

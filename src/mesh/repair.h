@@ -3,6 +3,7 @@
 
 #include <sherd/mesh.h>
 #include <sherd/mesh_report.h>
+#include <sherd/progress.h>
 
 namespace sherd {
 
@@ -19,6 +20,7 @@ struct Repaired {
 /// balance, its triangles are turned to agree across edges of two triangles, each group the way
 /// most of its area was.  A part is inside out when it winds backwards round most points just
 /// behind its surface; it is turned unless it lies within another, where it bounds a cavity.
-[[nodiscard]] Repaired repaired(const TriangleMesh& mesh);
+///   throws  Error(cancelled)
+[[nodiscard]] Repaired repaired(const TriangleMesh& mesh, const Progress* progress = nullptr);
 
 }  // namespace sherd

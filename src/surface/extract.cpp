@@ -139,7 +139,7 @@ Extraction::Shaped Extraction::shapedTogether() const {
     all.facing[i] = facingOfShared(all.meshes[i], static_cast<std::uint16_t>(i + 1));
   });
   stop.throwIfSet();
-  smoothTogether(all.meshes, all.facing, surface_.smooth, solid_.box.longestSide());
+  smoothTogether(all.meshes, all.facing, surface_.smooth, solid_.box.longestSide(), progress_);
   throwIfCancelled(progress_);
   if (surface_.adaptivity > 0.0) {
     std::vector<LabelledFaces> fewer = simplified(
@@ -183,7 +183,7 @@ void Extraction::meshAlone(Fragment& fragment) const {
     fragment.mesh = std::move(meshed.mesh);
   }
   fragment.mesh = smoothed(std::move(fragment.mesh), fragment.facing, surface_.smooth,
-                           solid_.box.longestSide());
+                           solid_.box.longestSide(), progress_);
   if (surface_.adaptivity > 0.0) {
     LabelledFaces fewer =
         std::move(simplified(complexOf(fragment.mesh, fragment.facing),

@@ -10,6 +10,8 @@
 #include <set>
 #include <string>
 
+#include "cancel_flag.h"
+
 namespace sherd {
 namespace {
 
@@ -78,24 +80,27 @@ class Smoother {
 };
 
 void smooth(Smoothed& mesh, const std::vector<bool>& moves, Smoothing method, double weight,
-            int iterations) {
+            int iterations, const Progress* progress) {
   if (weight == 0.0 || iterations == 0) return;
   Smoother smoother(mesh, moves);
   for (int i = 0; i < iterations; ++i) {
+    throwIfCancelled(progress);
     smoother.step(weight);
     if (method == Smoothing::taubin) smoother.step(1.0 / (kPassBand - 1.0 / weight));
   }
 }
 
-void smooth(Smoothed& mesh, const SmoothOptions& options, int longestSide) {
+void smooth(Smoothed& mesh, const SmoothOptions& options, int longestSide,
+            const Progress* progress) {
   std::vector<bool> boundary = mesh.boundary, other = mesh.boundary;
   other.flip();
   for (std::size_t v = 0; v < mesh.stays.size(); ++v) {
     if (mesh.stays[v]) boundary[v] = other[v] = false;
   }
-  smooth(mesh, other, options.method, options.weight, options.iterations.over(longestSide));
+  smooth(mesh, other, options.method, options.weight, options.iterations.over(longestSide),
+         progress);
   smooth(mesh, boundary, options.method, options.boundaryWeight,
-         options.boundaryIterations.over(longestSide));
+         options.boundaryIterations.over(longestSide), progress);
 }
 
 // [places] Does a small surface pass there?
@@ -166,18 +171,18 @@ void checkSurfaceOptions(const SurfaceOptions& options) {
 }
 
 TriangleMesh smoothed(TriangleMesh mesh, std::span<const std::uint16_t> facing,
-                      const SmoothOptions& options, int longestSide) {
+                      const SmoothOptions& options, int longestSide, const Progress* progress) {
   if (!movesAnything(options, longestSide)) return mesh;
   Smoothed all;
   add(all, mesh, facing);
-  smooth(all, options, longestSide);
+  smooth(all, options, longestSide, progress);
   mesh.vertices = std::move(all.vertices);
   return mesh;
 }
 
 void smoothTogether(std::span<LabelledMesh> meshes,
                     std::span<const std::vector<std::uint16_t>> facing,
-                    const SmoothOptions& options, int longestSide) {
+                    const SmoothOptions& options, int longestSide, const Progress* progress) {
   if (!movesAnything(options, longestSide)) return;
   Smoothed all;
   for (std::size_t i = 0; i < meshes.size(); ++i) {
@@ -186,7 +191,7 @@ void smoothTogether(std::span<LabelledMesh> meshes,
   }
   const std::vector<bool> isSmall = smallSurfaces(meshes, all.places);
   for (const std::uint32_t place : all.places) all.stays.push_back(isSmall[place]);
-  smooth(all, options, longestSide);
+  smooth(all, options, longestSide, progress);
   auto from = all.vertices.begin();
   for (LabelledMesh& mesh : meshes) {
     const auto to = from + static_cast<std::ptrdiff_t>(mesh.mesh.vertices.size());

@@ -17,8 +17,10 @@ namespace sherd {
 /// would: what meshes share stays shared.  Closed surfaces of fewer than 100 triangles, round pores
 /// and crumbs of a voxel or three, stay as they are: they would shrink to a point.
 ///   facing  [meshes][triangles]
+///   throws  Error(cancelled)
 void smoothTogether(std::span<LabelledMesh> meshes,
                     std::span<const std::vector<std::uint16_t>> facing,
-                    const SmoothOptions& options, int longestSide);
+                    const SmoothOptions& options, int longestSide,
+                    const Progress* progress = nullptr);
 
 }  // namespace sherd

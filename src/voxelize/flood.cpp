@@ -8,11 +8,14 @@
 #include <cmath>
 #include <glm/common.hpp>
 
+#include "cancel_flag.h"
+
 namespace sherd {
 namespace {
 
 constexpr std::uint8_t kUnseen = 255;
 constexpr std::uint8_t kDeepest = 254;
+constexpr std::size_t kVoxelsAtATime = 65536;  // between two looks whether to stop
 
 // The mesh with its axes turned round, so that columns along z are the original's along `axis`. Its
 // vertices are put on Winding's lattice, which snaps two axes only, or columns along x would see
@@ -50,11 +53,13 @@ FloodedBox::FloodedBox(const TriangleMesh& mesh, const Progress* progress) {
   };
 
   // Level by level: all that is reached without a crossing, then what is one crossing farther.
+  std::size_t reached = 0;
   std::vector<openvdb::Coord> level{box_.min}, beyond;
   depth_[place(box_.min)] = 0;
   for (std::uint8_t depth = 0; !level.empty() && depth <= kDeepest; ++depth) {
     beyond.clear();
     for (std::size_t i = 0; i < level.size(); ++i) {
+      if (++reached % kVoxelsAtATime == 0) throwIfCancelled(progress);
       const openvdb::Coord from = level[i];
       for (int axis = 0; axis < 3; ++axis) {
         for (const int step : {-1, 1}) {

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <utility>
 
+#include "cancel_flag.h"
 #include "mesh/edges.h"
 #include "mesh/joined.h"
 
@@ -67,7 +68,7 @@ GeneralisedWinding::GeneralisedWinding(const TriangleMesh& mesh, const TriangleM
                    ? Winding(mesh, Winding::Rule::signedTurns, progress)
                    : Winding(joined(mesh, caps_), Winding::Rule::signedTurns, progress)),
       tree_(std::move(tree)) {
-  if (!isSimple()) markOdd();
+  if (!isSimple()) markOdd(progress);
 }
 
 bool GeneralisedWinding::isSteady(const glm::dvec3& point, double winding) const {
@@ -83,11 +84,14 @@ openvdb::Coord GeneralisedWinding::oddDims() const {
   return {dims.x() / kOddSide + 1, dims.y() / kOddSide + 1, dims.z() / kOddSide + 1};
 }
 
-void GeneralisedWinding::markOdd() {
+void GeneralisedWinding::markOdd(const Progress* progress) {
+  constexpr std::size_t kRunsAtATime = 1024;
+  std::size_t runs = 0;
   const openvdb::Coord dims = oddDims(), min = columns_.box().min;
   const auto size = [](int v) { return static_cast<std::size_t>(v); };
   odd_.assign(size(dims.x()) * size(dims.y()) * size(dims.z()), false);
   columns_.forEachRun([&](int x, int y, int z, int end, int winding) {
+    if (++runs % kRunsAtATime == 0) throwIfCancelled(progress);
     if (winding == 1) return;
     const std::size_t column =
         (size((x - min.x()) / kOddSide) * size(dims.y()) + size((y - min.y()) / kOddSide)) *

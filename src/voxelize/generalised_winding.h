@@ -76,7 +76,7 @@ class GeneralisedWinding {
   };
 
   static constexpr int kOddSide = 4;
-  void markOdd();
+  void markOdd(const Progress* progress);
   // How the caps wind round a voxel's centre.
   [[nodiscard]] double capsAt(const openvdb::Coord& voxel) const;
   [[nodiscard]] openvdb::Coord oddDims() const;

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "cancel_flag.h"
 #include "mesh/repair.h"
 #include "voxelize/bridges.h"
 #include "voxelize/distance.h"
@@ -33,14 +34,17 @@ TriangleMesh inIndexSpace(TriangleMesh mesh, const GridFrame& frame) {
   return mesh;
 }
 
-MeshInGrid inGrid(const TriangleMesh& source, double voxelSize) {
+MeshInGrid inGrid(const TriangleMesh& source, double voxelSize,
+                  const Progress* progress = nullptr) {
   MeshInGrid out;
   out.frame.voxelSize = voxelSize;
   out.frame.origin.v = bounds(source).min + 0.5 * voxelSize;
   out.mesh = inIndexSpace(source, out.frame);
-  Repaired whole = repaired(out.mesh);
+  Repaired whole = repaired(out.mesh, progress);
   out.report.defects = whole.defects;
+  throwIfCancelled(progress);
   out.clean = searched(std::move(whole.mesh));
+  throwIfCancelled(progress);
   const double volumeVoxels = volume(out.clean.mesh) + volume(out.clean.caps);
   out.report.meshVolume = volumeVoxels * std::pow(voxelSize, 3);
   out.report.walls = wallThickness(out.clean, longestSide(bounds(out.mesh)), volumeVoxels);
@@ -110,13 +114,13 @@ Solid voxelize(const TriangleMesh& source, const SolidOptions& options, const Pr
   step(progress, "voxelize", 0.0);
   SolidOptions first = options;
   if (isAutomatic(options)) first.resolution = kLeastAutoResolution;
-  MeshInGrid in = inGrid(source, voxelSizeFor(source, first));
+  MeshInGrid in = inGrid(source, voxelSizeFor(source, first), progress);
   step(progress, "voxelize", 0.1);
   const FillChoice fill = chosenFill(in.clean, options);
   if (isAutomatic(options) && fill.fill != Fill::shell) {
     const int resolution = automaticResolutionOf(in.report.walls);
     if (resolution != first.resolution) {
-      in = inGrid(source, checkedLongestSide(source) / resolution);
+      in = inGrid(source, checkedLongestSide(source) / resolution, progress);
       step(progress, "voxelize", 0.2);
     }
   }

@@ -4,29 +4,36 @@
 #include <sherd/evaluate.h>
 #include <sherd/fit.h>
 #include <sherd/solid.h>
+#include <sherd/surface.h>
 #include <sherd/volume.h>
+#include <zlib.h>
 
 #include <atomic>
 #include <chrono>
 #include <cstdlib>
 #include <fstream>
 #include <functional>
+#include <memory>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "io/atomic_file.h"
 #include "io/held_files.h"
 #include "io/unfinished.h"
+#include "mesh/repair.h"
 #include "shapes.h"
 #include "surface/complex.h"
 #include "surface/cut.h"
 #include "surface/decimate.h"
+#include "surface/extract.h"
 #include "surface/interface_mesh.h"
 #include "temp_folder.h"
 #include "voxelize/band.h"
 #include "voxelize/bridges.h"
 #include "voxelize/flood.h"
+#include "voxelize/generalised_winding.h"
 #include "voxelize/voxel_faces.h"
 #include "voxelize/winding.h"
 
@@ -57,6 +64,8 @@ std::size_t asksOf(const std::function<void(const Progress*)>& work) {
   return all;
 }
 
+class StopFile : public TempFolder {};
+
 TriangleMesh grown(double factor, TriangleMesh mesh) {
   for (glm::dvec3& v : mesh.vertices) v *= factor;
   return mesh;
@@ -66,8 +75,6 @@ TEST(Stop, VoxelizingAsksOftenEnough) {
   const TriangleMesh ball = grown(20.3, shapes::ball(1.0, 6));  // 81,920 triangles
   EXPECT_GE(asksOf([&](const Progress* p) { Winding(ball, Winding::Rule::signedTurns, p); }),
             2 * ball.triangles.size() / 1024);
-  EXPECT_GE(asksOf([&](const Progress* p) { FloodedBox(ball, p); }),
-            6 * ball.triangles.size() / 1024);
   const TriangleTree tree(ball);
   const std::size_t leaves = bandOf(tree, 3.0, nullptr).size();
   EXPECT_GE(asksOf([&](const Progress* p) { (void)bandOf(tree, 3.0, p); }), leaves);
@@ -79,6 +86,59 @@ TEST(Stop, VoxelizingAsksOftenEnough) {
             2 * solid.blocks.count());
   EXPECT_GE(asksOf([&](const Progress* p) { (void)voxelize(ball, {.voxelSize = 1.0}, p); }),
             3 * leaves);
+}
+
+TEST(Stop, FillingAsksBesidesItsColumns) {
+  const TriangleMesh cube = grown(160.0, shapes::cube(1.0));  // of few triangles
+  const std::size_t columns = asksOf([&](const Progress* p) { Winding(cube, {}, p); });
+  EXPECT_GE(asksOf([&](const Progress* p) { FloodedBox(cube, p); }),
+            3 * columns + 160 * 160 * 160 / 65536);
+  const TriangleMesh doubled = shapes::append(cube, cube);
+  EXPECT_GE(asksOf([&](const Progress* p) {
+              GeneralisedWinding(doubled, {}, std::make_shared<TriangleTree>(doubled), p);
+            }),
+            columns + 160 * 160 / 1024);
+}
+
+TEST(Stop, RepairAsksForEachPart) {
+  TriangleMesh mesh = shapes::ball(10.0);
+  constexpr int kParts = 50;
+  for (int i = 0; i < kParts; ++i) {
+    TriangleMesh small = shapes::transformed(shapes::cube(1.0), 1.0, {20.0 + 2.0 * i, 0.0, 0.0});
+    for (glm::uvec3& t : small.triangles) std::swap(t.x, t.y);
+    mesh = shapes::append(mesh, small);
+  }
+  EXPECT_EQ(repaired(mesh).defects.turnedParts, std::size_t{kParts});
+  EXPECT_GE(asksOf([&](const Progress* p) { (void)repaired(mesh, p); }), std::size_t{kParts});
+}
+
+TEST(Stop, SmoothingAsksForEachIteration) {
+  const TriangleMesh ball = shapes::ball(1.0);
+  const std::vector<std::uint16_t> facing(ball.triangles.size(), 0);
+  const SmoothOptions options{.iterations = {100}};
+  EXPECT_GE(asksOf([&](const Progress* p) { (void)smoothed(ball, facing, options, 1, p); }), 100u);
+
+  const Solid solid = voxelize(ball, {.resolution = 16});
+  Labels labels;
+  labels.fragment.assign(solid.blocks.count() * 512, 1);
+  for (const Interface kind : {Interface::shared, Interface::independent}) {
+    const SurfaceOptions surface{.interface = kind, .smooth = options};
+    EXPECT_GE(asksOf([&](const Progress* p) {
+                (void)extractFragments(solid, labels, 1, nullptr, surface, p);
+              }),
+              100u);
+  }
+}
+
+TEST_F(StopFile, UnpackingAsksForEachPiece) {
+  const fs::path path = folder_ / "a.obj.gz";
+  constexpr std::size_t kBytes = std::size_t{1} << 24;
+  gzFile file = gzopen(path.c_str(), "wb1");
+  const std::string blanks(kBytes, ' '),
+      triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n#" + blanks;
+  gzwrite(file, triangle.data(), static_cast<unsigned>(triangle.size()));
+  gzclose(file);
+  EXPECT_GE(asksOf([&](const Progress* p) { (void)readMesh(path, {}, p); }), kBytes >> 18);
 }
 
 TEST(Stop, TheFacesOfVoxelsAreAskedPlaneByPlane) {
