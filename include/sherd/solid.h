@@ -40,7 +40,7 @@ struct SolidOptions {
   Fill fill = Fill::automatic;
   double shellThickness = 0.0;  ///< world units, of a shell, at most the mesh's longest side; 0:
                                 ///< two and a half voxels.  With Fill::automatic, above 0 asks for
-                                ///< a shell
+                                ///< a shell; other fills do not use it
 };
 
 /// Which resolution was used, and why.

@@ -62,9 +62,11 @@ inline constexpr double kMostTaubinWeight = 2.0 / 3.0;
 /// and 0.048 iterations a voxel for both (its program has 0.015 for the boundary).
 struct SmoothOptions {
   Iterations iterations{};
-  double weight = 0.5;  ///< 0 stays, 1 goes to the neighbors' mean
+  double weight = 0.5;  ///< 0..1: 0 stays, 1 goes to the neighbors' mean.  Where there are
+                        ///< iterations, 0..kMostTaubinWeight of Smoothing::taubin
   Iterations boundaryIterations{};
-  double boundaryWeight = 0.5;  ///< with 0 no boundary vertex moves, and fragments fit as before
+  double boundaryWeight = 0.5;  ///< as `weight`, by boundaryIterations; with 0 no boundary vertex
+                                ///< moves, and fragments fit as before
   Smoothing method = Smoothing::taubin;
 };
 

@@ -138,6 +138,10 @@ bool areGood(const Iterations& iterations) {
 
 bool isShare(double weight) { return weight >= 0.0 && weight <= 1.0; }
 
+bool isAny(const Iterations& iterations) {
+  return iterations.count > 0 || iterations.perVoxel > 0.0;
+}
+
 }  // namespace
 
 bool movesAnything(const SmoothOptions& options, int longestSide) {
@@ -152,8 +156,9 @@ void checkSurfaceOptions(const SurfaceOptions& options) {
     throw Error(ErrorCode::usage,
                 "smoothing takes weights of 0..1, and 0..1000 iterations or 0..1 a voxel");
   }
-  if (smooth.method == Smoothing::taubin &&
-      std::max(smooth.weight, smooth.boundaryWeight) > kMostTaubinWeight) {
+  const double largest = std::max(isAny(smooth.iterations) ? smooth.weight : 0.0,
+                                  isAny(smooth.boundaryIterations) ? smooth.boundaryWeight : 0.0);
+  if (smooth.method == Smoothing::taubin && largest > kMostTaubinWeight) {
     throw Error(ErrorCode::usage,
                 "Taubin's smoothing takes weights of 0..2/3, or short waves grow; more needs "
                 "--smoothing laplacian");

@@ -60,11 +60,16 @@ double checkedLongestSide(const TriangleMesh& mesh) {
   return longest;
 }
 
-void checkShellThickness(double longest, double thickness) {
+// Of what cannot be a shell, the thickness is not used.
+void checkShellThickness(double longest, const SolidOptions& options) {
+  const double thickness = options.shellThickness;
+  if (options.fill != Fill::automatic && options.fill != Fill::shell) return;
   if (thickness >= 0.0 && thickness <= longest) return;
   std::ostringstream text;
-  text << "a shell " << thickness << " thick was asked for; the mesh is " << longest
-       << " long, so it has to be above 0 and at most " << longest;
+  text << "a shell " << thickness
+       << " thick was asked for; it has to be 0, which stands for two and a half voxels, or above, "
+          "and at most "
+       << longest << ", the mesh's longest side";
   throw Error(ErrorCode::usage, text.str());
 }
 
@@ -76,7 +81,7 @@ bool isAutomatic(const SolidOptions& options) {
 
 int automaticResolution(const TriangleMesh& mesh, const SolidOptions& options) {
   const double longest = checkedLongestSide(mesh);
-  checkShellThickness(longest, options.shellThickness);
+  checkShellThickness(longest, options);
   if (options.fill == Fill::shell) return kLeastAutoResolution;
   const MeshInGrid coarse = inGrid(mesh, longest / kLeastAutoResolution);
   return chosenFill(coarse.clean, options).fill == Fill::shell
@@ -86,7 +91,7 @@ int automaticResolution(const TriangleMesh& mesh, const SolidOptions& options) {
 
 double voxelSizeFor(const TriangleMesh& mesh, const SolidOptions& options) {
   const double longest = checkedLongestSide(mesh);
-  checkShellThickness(longest, options.shellThickness);
+  checkShellThickness(longest, options);
   if (isAutomatic(options)) return longest / automaticResolution(mesh, options);
   if (options.voxelSize == 0.0) {
     if (options.resolution < 8 || options.resolution > kLargestResolution) {

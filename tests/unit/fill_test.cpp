@@ -582,6 +582,9 @@ TEST(Fill, WallsThinnerThanAVoxelAreReported) {
 TEST(Fill, AShellIsNoThickerThanTheMeshIsLong) {
   const TriangleMesh cube = shapes::cube(2.0);
   EXPECT_NO_THROW((void)voxelSizeFor(cube, {.resolution = 8, .shellThickness = 2.0}));
+  for (const Fill fill : {Fill::winding, Fill::parity, Fill::flood}) {  // none is made
+    EXPECT_EQ(voxelSizeFor(cube, {.resolution = 8, .fill = fill, .shellThickness = 3.0}), 0.25);
+  }
   for (const double thickness : {2.001, 1e9, double(INFINITY), double(NAN), -1.0}) {
     for (const Fill fill : {Fill::automatic, Fill::shell}) {
       const SolidOptions options{.resolution = 8, .fill = fill, .shellThickness = thickness};

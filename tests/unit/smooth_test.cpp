@@ -329,12 +329,17 @@ TEST(Smooth, TwoSidesOfAnInterfaceMoveAlikeAwayFromTheRim) {
 
 TEST(Smooth, OptionsOutOfRangeAreRefused) {
   EXPECT_NO_THROW(checkSurfaceOptions({}));
-  EXPECT_NO_THROW(checkSurfaceOptions({.smooth = {.weight = kMostTaubinWeight}}));
+  EXPECT_NO_THROW(
+      checkSurfaceOptions({.smooth = {.iterations = {1}, .weight = kMostTaubinWeight}}));
   EXPECT_NO_THROW(checkSurfaceOptions({.smooth = {.weight = 1.0, .method = Smoothing::laplacian}}));
+  // A weight without iterations moves nothing.
+  EXPECT_NO_THROW(checkSurfaceOptions({.smooth = {.weight = 0.9, .boundaryWeight = 0.9}}));
+  EXPECT_NO_THROW(checkSurfaceOptions({.smooth = {.iterations = {1}, .boundaryWeight = 0.9}}));
   for (const SurfaceOptions& bad :
        {SurfaceOptions{.smooth = {.weight = 1.1, .method = Smoothing::laplacian}},
-        SurfaceOptions{.smooth = {.weight = 0.7}},
-        SurfaceOptions{.smooth = {.boundaryWeight = 0.9}},
+        SurfaceOptions{.smooth = {.iterations = {1}, .weight = 0.7}},
+        SurfaceOptions{.smooth = {.iterations = {.perVoxel = 0.1}, .weight = 0.7}},
+        SurfaceOptions{.smooth = {.boundaryIterations = {1}, .boundaryWeight = 0.9}},
         SurfaceOptions{.smooth = {.weight = -0.1}},
         SurfaceOptions{.smooth = {.boundaryWeight = NAN}},
         SurfaceOptions{.smooth = {.iterations = {-1}}},
