@@ -5,8 +5,8 @@
 //     rim  - rim       along a rim edge only, to where the quadric is least
 //     rim  - fixed     along a rim edge only, to the fixed vertex
 //
-// and none that changes the topology or turns a face over.  Meshes that share faces are decimated
-// as one, so what they share they share afterwards.
+// and none that changes the topology, turns a face over or takes most of a body.  Meshes that share
+// faces are decimated as one, so what they share they share afterwards.
 #include "surface/decimate.h"
 
 #include <algorithm>
@@ -39,6 +39,9 @@ constexpr double kLeastCosine = 0.2;
 // precision, which has to tell its corners from a line.
 constexpr double kLeastHeight = 4e-6;
 
+// The least share of its volume that a label keeps.  A tetrahedron in a ball has 0.12 of it.
+constexpr double kLeastVolume = 0.1;
+
 struct Candidate {
   double cost;
   double error;    // mean squared distance to the planes, in the unit box
@@ -59,7 +62,14 @@ class Decimator {
         quadrics_(at_.size()),
         version_(at_.size(), 0) {
     toUnitBox();
-    for (const ComplexFace& face : mesh_.faces()) addQuadrics(face.corner);
+    volume_.assign(std::size_t{mesh_.labels()} + 1, 0.0);
+    for (const ComplexFace& face : mesh_.faces()) {
+      addQuadrics(face.corner);
+      const glm::uvec3& t = face.corner;
+      addVolume(face, sixfold(at_[t.x], at_[t.y], at_[t.z]), volume_);
+    }
+    least_ = volume_;
+    for (double& least : least_) least *= kLeastVolume;
     for (Index v = 0; v < at_.size(); ++v) {
       for (const Index n : mesh_.neighbours(v)) {
         if (v < n) offer(v, n);
@@ -93,7 +103,7 @@ class Decimator {
         }
         const std::optional<glm::dvec3> place = placeOf(next.from, next.to);
         if (place && mesh_.keepsTopology(next.from, next.to) &&
-            turnsNoFace(next.from, next.to, *place)) {
+            turnsNoFace(next.from, next.to, *place) && keepsBodies(next.from, next.to, *place)) {
           for (const std::uint16_t label : labels) above_ -= mesh_.trianglesLeft(label) > triangles;
           collapse(next.from, next.to, *place);
           for (const std::uint16_t label : labels) above_ += mesh_.trianglesLeft(label) > triangles;
@@ -216,6 +226,44 @@ class Decimator {
     return true;
   }
 
+  // Six times the volume between a face and the origin.
+  static double sixfold(const glm::dvec3& p, const glm::dvec3& q, const glm::dvec3& r) {
+    return glm::dot(p, glm::cross(q, r));
+  }
+
+  void addVolume(const ComplexFace& face, double volume, std::vector<double>& ofLabel) const {
+    if (face.front <= mesh_.labels()) ofLabel[face.front] += volume;
+    if (face.back <= mesh_.labels()) ofLabel[face.back] -= volume;
+  }
+
+  // Whether no label is left with next to nothing, and if so its volume afterwards in `volume_`.
+  bool keepsBodies(Index a, Index b, const glm::dvec3& place) {
+    std::vector<std::uint16_t> labels;
+    const auto addAll = [&](double sign) {
+      for (const Index v : {a, b}) {
+        for (const Index f : mesh_.facesAround(v)) {
+          const bool collapses = mesh_.has(f, a) && mesh_.has(f, b);
+          if (collapses && v == b) continue;  // met already
+          const ComplexFace& face = mesh_.faces()[f];
+          const glm::uvec3& t = face.corner;
+          const auto corner = [&](int k) { return t[k] == v ? place : at_[t[k]]; };
+          double change = -sixfold(at_[t.x], at_[t.y], at_[t.z]);
+          if (!collapses) change += sixfold(corner(0), corner(1), corner(2));
+          addVolume(face, sign * change, volume_);
+          labels.push_back(face.front);
+          labels.push_back(face.back);
+        }
+      }
+    };
+    const auto isTooSmall = [&](std::uint16_t label) {
+      return label != 0 && label <= mesh_.labels() && volume_[label] < least_[label];
+    };
+    addAll(1.0);
+    if (std::none_of(labels.begin(), labels.end(), isTooSmall)) return true;
+    addAll(-1.0);
+    return false;
+  }
+
   void collapse(Index a, Index b, const glm::dvec3& place) {
     mesh_.collapse(a, b);
     if (place == at_[b]) {
@@ -250,6 +298,7 @@ class Decimator {
   std::vector<glm::dvec3> at_;     // in the unit box
   glm::dvec3 middle_{0.0};
   double scale_ = 1.0;
+  std::vector<double> volume_, least_;  // [labels + 1] sixfold, in the unit box
   std::vector<Quadric> quadrics_;
   std::vector<std::uint32_t> version_;  // [vertices] counts moves: a candidate of another is stale
   std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> queue_;

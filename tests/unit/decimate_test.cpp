@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "mesh_checks.h"
+#include "random.h"
 #include "shapes.h"
 #include "surface/label_mesh.h"
 
@@ -91,6 +92,18 @@ TEST(Decimate, ABallStaysNearTheBall) {
   const CoarseMesh alone = decimatedTo(ball, plain(ball), 200);
   EXPECT_EQ(alone.mesh.vertices, coarse[0].mesh.vertices);
   EXPECT_EQ(alone.mesh.triangles, coarse[0].mesh.triangles);
+}
+
+TEST(Decimate, TurnsNoBodyInsideOut) {
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    TriangleMesh sliver = shapes::ball(1.0, 1);
+    for (std::size_t i = 0; i < sliver.vertices.size(); ++i) {
+      sliver.vertices[i] *= 0.2 + 0.8 * static_cast<double>(mixed(seed * 1000 + i) % 1000) / 1000.0;
+      sliver.vertices[i].z *= 0.03;
+    }
+    const TriangleMesh fewest = decimatedTo(sliver, plain(sliver), 4).mesh;
+    EXPECT_GT(volume(fewest), 0.05 * volume(sliver)) << seed;
+  }
 }
 
 TEST(Decimate, RegionsStayWhatTheyAre) {
