@@ -7,7 +7,7 @@ Run I draws a mesh, a number of pieces, a resolution and options from its own se
 command.  What must hold: Sherd breaks the mesh or refuses it with a sentence (statuses 2 and 3), the checker finds no
 fault, and `sherd evaluate` finds every mesh closed, manifold and outward, decimated ones too.  A fault is printed as one line with its
 command, and so is a refusal.  Faults of solids thinner than a voxel at a resolution that was asked for are counted apart: the
-surface cannot hold them; so are fragments of which wear left no voxel half a voxel deep, whose meshes are less than their voxels.  Left out of the draw is --isolated keep, which leaves fragments in several components as asked; with
+surface cannot hold them; so are fragments of which wear left nearly no voxel half a voxel deep, whose meshes are less than their voxels.  Left out of the draw is --isolated keep, which leaves fragments in several components as asked; with
 --erode-crumbs keep they may be in several.
 Meshes of fewer polygons (--adaptivity) may lie as much farther off as they were asked to, decimated ones half a voxel.
 Meshes that options move away from the level set (voxels' faces, smoothed, simplified, decimated) are not held to lie on it, nor to
@@ -30,6 +30,7 @@ PYTHON = "/usr/bin/python3"  # Debian's: numpy, scipy and pyopenvdb are there
 KINDS = (".obj", ".ply", ".stl", ".off", ".gltf", ".glb", ".fbx", ".gz")
 THIN_SHARE = 0.01  # the report's own "thinnest" leaves out a hundredth of the area
 MOVING = ("--surface", "--adaptivity", "--smooth-iterations")  # --surface is drawn with "labels" only
+SHALLOW_SHARE = 0.9  # of a fragment's voxels
 OF_COMPONENTS = ("6-connected part", "separate bodies")
 OF_LEVEL_SET = ("are not on its level set", "do not face what they say")
 
@@ -141,12 +142,15 @@ def of_volume(folder, fault):
 
 
 def is_shallow(folder, fault):
-    """Whether no voxel of the fragment lies half a voxel below the surface of its level set."""
+    """Whether nearly no voxel of the fragment lies half a voxel below the surface of its level set."""
     found = of_volume(folder, fault)
     if found is None:
         return False
-    grid = pyopenvdb.read(os.path.join(folder, found[0]["files"]["vdb"]), "surface")
-    return min(value.value for value in grid.citerOnValues()) > -0.5 * grid.transform.voxelSize()[0]
+    fragment = found[0]
+    grid = pyopenvdb.read(os.path.join(folder, fragment["files"]["vdb"]), "surface")
+    half = 0.5 * grid.transform.voxelSize()[0]
+    shallow = sum(1 for value in grid.citerOnValues() if -half < value.value < 0.0)
+    return shallow >= SHALLOW_SHARE * fragment["voxels"]
 
 
 def is_simplified(folder, fault, off, voxel_size):
