@@ -16,13 +16,15 @@ inline constexpr std::uint32_t kDracoPositions = 0, kDracoColors = 1;
 
 /// A mesh with a color for each vertex: (255, 255, 0) and (0, 255, 0) by turns.
 ///   method  draco::MESH_SEQUENTIAL_ENCODING or MESH_EDGEBREAKER_ENCODING
-inline std::string dracoStream(const TriangleMesh& mesh, int method) {
+///   bytes   what the colors' bytes are said to be
+inline std::string dracoStream(const TriangleMesh& mesh, int method,
+                               draco::DataType bytes = draco::DT_UINT8) {
   draco::Mesh source;
   const auto count = static_cast<std::uint32_t>(mesh.vertices.size());
   source.set_num_points(count);
   draco::GeometryAttribute position, color;
   position.Init(draco::GeometryAttribute::POSITION, nullptr, 3, draco::DT_FLOAT32, false, 12, 0);
-  color.Init(draco::GeometryAttribute::COLOR, nullptr, 4, draco::DT_UINT8, false, 4, 0);
+  color.Init(draco::GeometryAttribute::COLOR, nullptr, 4, bytes, false, 4, 0);
   const int positions = source.AddAttribute(position, true, count);
   const int colors = source.AddAttribute(color, true, count);
   for (std::uint32_t i = 0; i < count; ++i) {

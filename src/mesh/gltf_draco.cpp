@@ -119,6 +119,9 @@ GltfArray valuesOf(const GltfDocument& document, const draco::Mesh& mesh,
   if (attribute.num_components() > kMostComponents)
     throw document.bad("an attribute of a mesh packed by Draco has " +
                        std::to_string(attribute.num_components()) + " numbers for each point");
+  // glTF has no such type, and Draco takes any byte for a bool.
+  if (attribute.data_type() == draco::DT_BOOL)
+    throw document.bad("an attribute of a mesh packed by Draco holds truth values, not numbers");
   GltfArray out{mesh.num_points(), static_cast<std::size_t>(attribute.num_components()), {}};
   const bool normalise = accessor.value("normalized", Json()) == true && !attribute.normalized();
   const std::size_t type = document.number(accessor, "componentType");

@@ -307,10 +307,10 @@ TEST_F(ReadGltf, BuffersMayLieInTheTextOrBesideIt) {
 // ---- Draco
 
 // The mesh packed, with colours.
-Glb packed(const TriangleMesh& mesh, int method) {
+Glb packed(const TriangleMesh& mesh, int method, draco::DataType bytes = draco::DT_UINT8) {
   const std::size_t count = mesh.vertices.size();
   Glb glb;
-  glb.buffer = dracoStream(mesh, method);
+  glb.buffer = dracoStream(mesh, method, bytes);
   glb.json["accessors"] = {
       {{"componentType", kFloat}, {"count", count}, {"type", "VEC3"}},
       {{"componentType", kUnsignedByte}, {"count", count}, {"type", "VEC4"}, {"normalized", true}},
@@ -348,6 +348,14 @@ TEST_F(ReadGltf, UnpacksOfDracoOnlyWhatItUses) {
   extension["attributes"]["TEXCOORD_0"] = 77;
   EXPECT_NE(refusal("b.glb", glb.bytes()).find("has no attribute for 'TEXCOORD_0'"),
             std::string::npos);
+}
+
+TEST_F(ReadGltf, RefusesDracosTruthValues) {
+  for (const int method : {draco::MESH_SEQUENTIAL_ENCODING, draco::MESH_EDGEBREAKER_ENCODING}) {
+    Glb glb = packed(shapes::cube(2.0), method, draco::DT_BOOL);
+    EXPECT_NE(refusal("a.glb", glb.bytes()).find("holds truth values, not numbers"),
+              std::string::npos);
+  }
 }
 
 TEST_F(ReadGltf, RefusesDracoThatIsCutOrAnnouncesFarMoreThanItHolds) {
