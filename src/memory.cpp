@@ -36,6 +36,8 @@ constexpr double kOfChain = 8.5;            // more for each: offers that wait
 constexpr double kOfErosion = 9.0;          // masks of fragments, labels before it
 constexpr double kOfCost = 11.0;            // four bytes on the device, here and in the file
 constexpr double kSimplified = 1.6;         // by how much meshes with fewer triangles take more
+constexpr double kPerPiece = 25e3;  // however small: its distances to the cut in every leaf that it
+                                    // reaches, what the manifest says of it
 
 struct Extent {
   double area = 0.0, volume = 0.0, longest = 0.0;  // world units
@@ -133,6 +135,7 @@ double bytesFor(const Extent& extent, std::size_t triangles, const FractureOptio
   const double cuts =
       6.0 * (std::cbrt(static_cast<double>(options.pieces)) - 1.0) * std::cbrt(inside * inside);
   return kPerTriangle * static_cast<double>(triangles) +
+         kPerPiece * static_cast<double>(options.pieces) +
          bytesForVoxels(
              meshFactor(options.surface, held, extent.longest / voxelSize) * (surface + cuts),
              inside, perInsideVoxel(options));

@@ -213,10 +213,12 @@ Fragment Extraction::made(std::size_t i) {
 // are not all beginnings and ends.
 std::size_t Extraction::endOfRound() const {
   constexpr std::size_t kLeaves = 4096;
+  // What a level set has above its leaves, as many of these: two nodes of children and tiles.
+  constexpr std::size_t kOfTree = 128;
   const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
   std::size_t end = next_, leaves = 0;
   while (end < count_ && (end - next_ < threads || leaves < kLeaves)) {
-    leaves += leaves_[++end].size();
+    leaves += leaves_[++end].size() + (surface_.levelSets ? kOfTree : 0);
   }
   return end;
 }

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Small files that stand for much memory: each is refused with a sentence, before it is taken.
+"""Small files that stand for much memory: each is refused with a sentence, before it is taken.  And many small pieces.
 
 SHERD_BIN names the program.  Needs python3-numpy.
 """
@@ -7,6 +7,7 @@ import gzip
 import io
 import json
 import os
+import re
 import resource
 import struct
 import subprocess
@@ -69,6 +70,31 @@ def npz(name, kind, shape, block, blocks):
             for _ in range(blocks):
                 file.write(block)
     return out.getvalue()
+
+
+def block(folder):
+    corners = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+    quads = (0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)
+    with open(os.path.join(folder, "block.obj"), "w") as out:
+        out.writelines("v %d %d %d\n" % corner for corner in corners)
+        out.writelines("f %d %d %d %d\n" % tuple(i + 1 for i in quad) for quad in quads)
+    return out.name
+
+
+class SmallPiecesTest(unittest.TestCase):
+    def test_take_no_more_than_is_estimated(self):
+        """A level set has 0.3 MB however small it is, and hundreds of them were made at once."""
+        with tempfile.TemporaryDirectory() as folder:
+            words = [SHERD, "fracture", block(folder), "-o", os.path.join(folder, "out"), "--pieces", "1200", "--resolution", "32",
+                     "--write", "labels,vdb,mesh", "--quiet", "--max-memory"]
+            refused = subprocess.run([*words, "60M"], capture_output=True, text=True)
+            self.assertEqual(refused.returncode, 2, refused.stderr)
+            estimate = float(re.search(r"takes up to ([\d.]+) GB", refused.stderr)[1]) * 1e9
+            run = subprocess.Popen([*words, "4G"])
+            _, status, used = os.wait4(run.pid, 0)
+            run.returncode = os.waitstatus_to_exitcode(status)
+            self.assertEqual(run.returncode, 0)
+            self.assertLess(used.ru_maxrss * 1024, estimate)
 
 
 class HostileMemoryTest(unittest.TestCase):
