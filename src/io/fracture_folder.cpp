@@ -7,8 +7,10 @@
 
 #include <cerrno>
 #include <cstdlib>
+#include <new>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <system_error>
 #include <utility>
 
 #include "io/atomic_file.h"
@@ -26,6 +28,13 @@ namespace fs = std::filesystem;
 
 [[noreturn]] void outputError(const fs::path& path, const std::string& what) {
   throw Error(ErrorCode::output, path.string() + ": " + what);
+}
+
+// Where it is memory that lacks, the folder is not at fault.
+[[noreturn]] void outputError(const fs::path& path, const std::string& what,
+                              const fs::filesystem_error& e) {
+  if (e.code() == std::errc::not_enough_memory) throw std::bad_alloc();
+  outputError(path, what + ": " + reasonOf(e.code().value()));
 }
 
 // ---- What is in the folder already
@@ -150,7 +159,7 @@ void checkFractureFolder(const fs::path& folder) {
     }
     requireWritable(parent);
   } catch (const fs::filesystem_error& e) {
-    outputError(folder, "cannot be used: " + reasonOf(e.code().value()));
+    outputError(folder, "cannot be used", e);
   }
 }
 
@@ -173,7 +182,7 @@ auto withFolderErrors(const fs::path& folder, const Work& work) {
   } catch (const Error& e) {
     throw Error(e.code(), withoutAside(e.what()));
   } catch (const fs::filesystem_error& e) {
-    outputError(folder, "cannot be written: " + reasonOf(e.code().value()));
+    outputError(folder, "cannot be written", e);
   }
 }
 
