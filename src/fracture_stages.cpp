@@ -116,7 +116,8 @@ void finish(GrownFracture& grown, Labels labels, const FractureOptions& options,
     ErodeOptions erosion = options.erode;
     erosion.seed = options.seed;
     Erosion worn = erode(blocks, labels, grown.fragments, erosion, device, progress);
-    result.labels = carriedOverBand(blocks, std::move(worn.labels), device);
+    result.labels =
+        carriedOverBand(blocks, std::move(worn.labels), device, options.grow.outerSteps);
     result.worn = std::move(worn.worn);
     grown.unworn = std::move(labels);
     clock.done("erode");

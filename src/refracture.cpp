@@ -79,7 +79,8 @@ GrownFracture regrown(const FinishedFracture& finished, std::span<const int> onl
       result.seeds.push_back(seed);
     }
   }
-  result.labels = carriedOverBand(finished.solid.blocks, std::move(result.labels), device);
+  result.labels = carriedOverBand(finished.solid.blocks, std::move(result.labels), device,
+                                  options.grow.outerSteps);
   result.worn.assign(result.parents.size() + 1, 0);
   clock.done("grow");
   result.times = clock.times();

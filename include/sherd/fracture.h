@@ -67,8 +67,10 @@ struct FractureResult {
   std::size_t kept() const { return fragments.size() - withheld; }
 };
 
-/// Break a mesh: voxelize, placeSeeds, grow, erode, extractFragments, in this order and nothing
-/// else.  Ids are a random permutation, so withholding the last ones withholds random ones.
+/// Break a mesh: voxelize, findParts, placeSeeds or readSeeds, growWithShares, erode and
+/// extractFragments, in this order.  Between them parts under kSpeckVoxels voxels are dropped, and
+/// fragments that are withheld get the last ids; ids are a random permutation, so withholding by
+/// number withholds random ones.
 ///   throws  what they throw; Error(usage) nothing would be left, or seeds of a file and pieces
 ///           disagree
 [[nodiscard]] FractureResult fracture(const TriangleMesh& mesh, const FractureOptions& options,

@@ -3,6 +3,7 @@
 #include <sherd/labels.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "grow/components.h"
 #include "grow/flood.h"
@@ -20,6 +21,8 @@ void check(const GrowOptions& options) {
   need(options.neighborhood == 6 || options.neighborhood == 26, "a neighborhood is 6 or 26");
   need(options.roughness >= 0.0 && options.roughness <= 100.0, "the roughness lies in 0..100");
   need(options.hurst >= 0.1 && options.hurst <= 1.0, "the Hurst exponent lies in 0.1..1");
+  need(options.roughnessWindow >= 0.0 && std::isfinite(options.roughnessWindow),
+       "the window of the roughness is 0 or more voxels");
   need(options.outerSteps >= 0 && options.outerSteps <= 64, "the outer steps lie in 0..64");
 }
 

@@ -26,8 +26,7 @@ std::vector<std::uint16_t> permutedIds(std::size_t n, std::uint64_t seed) {
 }
 
 std::size_t countPieces(const Parts& parts, const SeedOptions& options) {
-  const std::size_t count =
-      std::max(static_cast<std::size_t>(std::max(options.pieces, 1)), parts.count());
+  const std::size_t count = std::max(static_cast<std::size_t>(options.pieces), parts.count());
   if (count > kMaxFragments) {
     throw Error(ErrorCode::usage, "the solid would give " + std::to_string(count) +
                                       " fragments, at most " + std::to_string(kMaxFragments) +
@@ -87,6 +86,7 @@ int fragmentsOf(std::span<const Seed> seeds) {
 }
 
 std::vector<Seed> placeSeeds(const Solid& solid, const Parts& parts, const SeedOptions& options) {
+  if (options.pieces < 1) throw Error(ErrorCode::usage, "the number of pieces must be 1 or more");
   if (options.extraSeeds < 0 || options.randomImpacts < 0) {
     throw Error(ErrorCode::usage, "the number of extra seeds and of impacts must be 0 or more");
   }

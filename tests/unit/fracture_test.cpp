@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -165,7 +166,7 @@ TEST_P(Promises, HoldOnAnalyticShapes) {
   for (const Fragment& fragment : result.fragments)
     accessors.push_back(fragment.surface->getConstAccessor());
   std::size_t notInOwn = 0, inOther = 0;
-  for (std::size_t v = 0; v < result.labels.fragment.size(); v += 7) {
+  for (std::size_t v = 0; v < result.labels.fragment.size(); ++v) {
     if (!((solid.blocks.inside[v >> 6] >> (v & 63)) & 1)) continue;
     const Coord at =
         solid.blocks.origins[v / 512] + coordFromOffset(static_cast<std::uint32_t>(v % 512));
@@ -213,8 +214,8 @@ TEST_F(Fracture, OnePieceReturnsTheSolid) {
     ASSERT_EQ(result.fragments.size(), 1u);
     const Fragment& piece = result.fragments[0];
     const TriangleMesh whole = solidMesh(result.solid);
-    EXPECT_EQ(piece.mesh.triangles.size(), whole.triangles.size());
-    EXPECT_NEAR(volume(piece.mesh), volume(whole), 1e-12);
+    EXPECT_TRUE(piece.mesh.triangles == whole.triangles);
+    EXPECT_TRUE(piece.mesh.vertices == whole.vertices);
     EXPECT_TRUE(piece.contacts.empty());
     EXPECT_EQ(piece.fractureArea, 0.0);
     const auto values = piece.surface->getConstAccessor();
@@ -264,6 +265,7 @@ TEST_F(Fracture, MovingAndScalingTheInputMovesAndScalesTheOutput) {
     const TriangleMesh& a = one.fragments[i].mesh;
     const TriangleMesh& b = moved.fragments[i].mesh;
     ASSERT_EQ(a.vertices.size(), b.vertices.size());
+    EXPECT_TRUE(a.triangles == b.triangles);
     ASSERT_EQ(one.fragments[i].facing, moved.fragments[i].facing);
     double worst = 0.0;
     for (std::size_t v = 0; v < a.vertices.size(); ++v) {
@@ -307,6 +309,10 @@ TEST_F(Fracture, RefusesWhatItCannotBreak) {
   EXPECT_THROW((void)fracture(shapes::cube(1.0), {.pieces = 1000, .resolution = 8}, device()),
                Error);
   EXPECT_THROW((void)fracture(shapes::cube(1.0), {.voxelSize = 1e-9}, device()), Error);
+  for (const int pieces : {0, -1, std::numeric_limits<int>::min()}) {
+    EXPECT_THROW((void)fracture(shapes::cube(1.0), {.pieces = pieces, .resolution = 8}, device()),
+                 Error);
+  }
 }
 
 TEST(PreparedSolid, GivesTheSameFracturesAndNeedsNoNewBuffersAfterTheFirst) {
