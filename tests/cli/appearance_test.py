@@ -11,6 +11,7 @@ import zlib
 
 import numpy as np
 
+import skipping
 from cli_test import CommandLine, tree
 from ply_file import columns, read_ply
 
@@ -308,4 +309,4 @@ class Look(CommandLine):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    skipping.main()

@@ -13,6 +13,7 @@ import unittest
 
 import numpy as np
 
+import skipping
 from blender_test import Blender
 from appearance_test import png
 from cli_test import SHERD, sphere, write_obj
@@ -126,4 +127,4 @@ tell(things=[{**measures(o), "location": o.location[:], "materials": [m.name for
 
 
 if __name__ == "__main__":
-    unittest.main()
+    skipping.main()

@@ -17,6 +17,7 @@ import unittest
 
 import numpy as np
 
+import skipping
 from appearance_test import png
 from cli_test import SHERD, sphere, write_obj
 from ply_file import read_triangles
@@ -85,7 +86,7 @@ cube = bpy.data.objects["Cube"]
 '''
 
 
-@unittest.skipUnless(BLENDER, "no Blender here (BLENDER_BIN)")
+@skipping.skip_unless(BLENDER, "BLENDER", "no Blender here (BLENDER_BIN)")
 class Blender(unittest.TestCase):
     def setUp(self):
         self.tmp = pathlib.Path(tempfile.mkdtemp(prefix="sherd-blender-"))
@@ -596,4 +597,4 @@ tell(things=things)
 
 
 if __name__ == "__main__":
-    unittest.main()
+    skipping.main()

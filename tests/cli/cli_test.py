@@ -21,6 +21,8 @@ import unittest
 
 import numpy as np
 
+import skipping
+
 SHERD = os.environ["SHERD_BIN"]
 SCHEMA = "sherd-report/1"
 
@@ -479,7 +481,7 @@ class FullDisk(CommandLine):
         os.mkdir(self.out)
         mount = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", self.out], capture_output=True)
         if mount.returncode != 0:
-            self.skipTest("no tmpfs can be mounted here; test_file_size_limit alone stands for a full disk")
+            skipping.skip(self, "MOUNT", "no tmpfs can be mounted here; test_file_size_limit alone stands for a full disk")
         self.addCleanup(subprocess.run, ["umount", self.out], check=True)
         self.refused(5, self.fracture(), self.out, "no space left")
         self.assertEqual(tree(self.out), {})
@@ -627,4 +629,4 @@ class Devices(CommandLine):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    skipping.main()

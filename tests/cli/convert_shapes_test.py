@@ -9,6 +9,7 @@ import unittest
 
 import numpy as np
 
+import skipping
 from convert_test import SAMPLES, ConvertTest
 from octree_stream import read_binp
 from ply_file import columns, read_ply
@@ -226,7 +227,7 @@ class Points(ConvertTest):
         self.refused("convert", self.path("sdf.npz"), self.path("a.ply"))
 
 
-@unittest.skipUnless(os.path.isdir(SAMPLES), "no samples of the authors'")
+@skipping.skip_unless(os.path.isdir(SAMPLES), "SAMPLES", "no samples of the authors'")
 class Samples(ConvertTest):
     def test_the_authors_stream_is_the_authors_cloud(self):
         stream, cloud = (os.path.join(SAMPLES, "AL_12B_1024p." + ending) for ending in ("binp", "ply"))
@@ -249,4 +250,4 @@ class Samples(ConvertTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    skipping.main()

@@ -13,6 +13,7 @@ import unittest
 
 import numpy as np
 
+import skipping
 import voxel_formats as vf
 
 SHERD = os.environ["SHERD_BIN"]
@@ -334,7 +335,7 @@ class Output(ConvertTest):
         self.assertFalse(os.path.exists(self.path("b.bing")))
 
 
-@unittest.skipUnless(os.path.isdir(SAMPLES), "no samples of the authors'")
+@skipping.skip_unless(os.path.isdir(SAMPLES), "SAMPLES", "no samples of the authors'")
 class Samples(ConvertTest):
     def test_padding_is_as_the_authors_readers(self):
         self.sherd("convert", os.path.join(SAMPLES, "AL_12B_grid_128r.rle"), self.path("a.npy"), "--pad", "cube")
@@ -354,4 +355,4 @@ class Samples(ConvertTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    skipping.main()

@@ -9,6 +9,7 @@ import shutil
 import tempfile
 import unittest
 
+import skipping
 from cli_test import sphere, tree, write_obj
 from dataset_test import Dataset, dataset
 
@@ -285,4 +286,4 @@ class Library(Safety):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    skipping.main()

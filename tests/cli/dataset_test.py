@@ -24,6 +24,7 @@ import zipfile
 
 import numpy as np
 
+import skipping
 from cli_test import SHERD, CommandLine, joined, sphere, tree, write_obj, write_stl
 from png_file import pixels_of
 
@@ -413,7 +414,7 @@ class Trust(Dataset):
         disk = self.path("disk")
         os.makedirs(disk)
         if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1m", "tmpfs", disk], stderr=subprocess.DEVNULL).returncode:
-            self.skipTest("this process may not mount")
+            skipping.skip(self, "MOUNT", "this process may not mount")
         try:
             out = os.path.join(disk, "out")
             run = self.dataset(out=out)
@@ -591,4 +592,4 @@ class Trust(Dataset):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    skipping.main()

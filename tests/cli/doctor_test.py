@@ -12,6 +12,7 @@ import subprocess
 import tempfile
 import unittest
 
+import skipping
 from cli_test import SCHEMA, SHERD
 from kernel_cache_test import AS_NOBODY, DRIVER, USER
 
@@ -130,7 +131,7 @@ class Doctor(unittest.TestCase):
         self.assertEqual(report["kernel_cache"]["folder"], None)
         self.wrong(report, "/proc/cache", "POCL_CACHE_DIR")
 
-    @unittest.skipUnless(os.path.exists("/etc/OpenCL/vendors/rusticl.icd"), "needs mesa-opencl-icd")
+    @skipping.skip_unless(os.path.exists("/etc/OpenCL/vendors/rusticl.icd"), "RUSTICL", "needs mesa-opencl-icd")
     def test_a_platform_without_devices(self):
         report, _ = self.report(4, OCL_ICD_VENDORS="rusticl.icd")  # without RUSTICL_ENABLE it has none
         self.assertEqual([(platform["devices"], platform["fault"]) for platform in report["platforms"]], [([], "it has no device")])
@@ -167,14 +168,14 @@ class Doctor(unittest.TestCase):
         self.assertIs(report["temporary_folder"]["writable"], False)
         self.wrong(report, "/proc/absent", "TMPDIR")
 
-    @unittest.skipUnless(MODULE, "SHERD_FAULTS names the module that lets calls fail")
+    @skipping.skip_unless(MODULE, "FAULTS", "SHERD_FAULTS names the module that lets calls fail")
     def test_a_driver_that_ends_the_process(self):
         # as PoCL's compiler does where it cannot write; the first file is PoCL's own
         report, _ = self.report(4, LD_PRELOAD=MODULE, SHERD_FAULT="write", SHERD_FAULT_AT="2", SHERD_FAULT_ERROR="28",
                                 SHERD_FAULT_BELOW=self.path("cache"), POCL_CACHE_DIR=self.path("cache"))
         self.wrong(report, "No space left on device")
 
-    @unittest.skipUnless(MODULE, "SHERD_FAULTS names the module that lets calls fail")
+    @skipping.skip_unless(MODULE, "FAULTS", "SHERD_FAULTS names the module that lets calls fail")
     def test_no_memory_to_look(self):
         # a hundred drivers whose long paths are copied; the program itself copies less
         vendors = os.path.join(self.tmp, *["v" * 200] * 15)
@@ -209,4 +210,4 @@ class Doctor(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    skipping.main()

@@ -16,6 +16,7 @@ import unittest
 import numpy as np
 from scipy.spatial import ConvexHull
 
+import skipping
 from evaluating import SHERD, Evaluating
 from ply_file import read_triangles
 
@@ -250,4 +251,4 @@ class Evaluate(Evaluating, unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    skipping.main()

@@ -21,6 +21,7 @@ import tempfile
 import unittest
 import unittest.mock
 
+import skipping
 from cli_test import SHERD, sphere, tree, write_obj
 
 MODULE = os.environ["SHERD_FAULTS"]
@@ -63,8 +64,9 @@ class Faults(unittest.TestCase):
                     for name, value in fault.items()}
         if fault:
             settings["LD_PRELOAD"] = MODULE
-        return subprocess.run([SHERD, *arguments], env={**os.environ, **settings}, stdout=stdout,
-                              stderr=subprocess.PIPE, text=True, timeout=120)
+        run = subprocess.run([SHERD, *arguments], env={**os.environ, **settings}, stdout=stdout,
+                             stderr=subprocess.PIPE, text=True, timeout=120)
+        return run
 
     def calls(self, *arguments, **fault):
         """How many calls of a kind a run makes."""
@@ -270,4 +272,4 @@ class Device(Faults):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    skipping.main()

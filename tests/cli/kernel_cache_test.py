@@ -13,6 +13,7 @@ import subprocess
 import tempfile
 import unittest
 
+import skipping
 from cli_test import SHERD, sphere, tree, write_obj
 
 NOBODY = 65534
@@ -73,7 +74,7 @@ class KernelCache(unittest.TestCase):
         folder = self.folder(name)
         mount = subprocess.run(["mount", "-t", "tmpfs", "-o", options + ",mode=1777", "tmpfs", folder], capture_output=True)
         if mount.returncode != 0:
-            self.skipTest("no tmpfs can be mounted here")
+            skipping.skip(self, "MOUNT", "no tmpfs can be mounted here")
         self.addCleanup(subprocess.run, ["umount", folder], check=True)
         return folder
 
@@ -167,7 +168,7 @@ class Strangers(KernelCache):
         self.is_avoided()
         self.assertEqual(os.listdir(self.private), [])
 
-    @unittest.skipUnless(IS_ROOT, "only root has folders of other users")
+    @skipping.skip_unless(IS_ROOT, "ROOT", "only root has folders of other users")
     def test_a_folder_of_another_user(self):
         os.mkdir(self.private, 0o700)
         os.chown(self.private, NOBODY - 1, NOBODY - 1)
@@ -198,7 +199,7 @@ class Disks(KernelCache):
             resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 20, 1 << 20))
         self.refused(self.run_sherd(HOME=self.folder("home"), preexec_fn=limit), "home", "ulimit -f")
 
-    @unittest.skipUnless(IS_ROOT, "only root can mount")
+    @skipping.skip_unless(IS_ROOT, "MOUNT", "only root can mount")
     def test_nothing_can_be_written(self):
         script = self.path("script")
         with open(script, "w") as file:  # the test's own folder stays in sight, elsewhere
@@ -208,9 +209,9 @@ class Disks(KernelCache):
         result = self.run_sherd("/mnt/sherd", "fracture", "/mnt/ball.obj", "-o", "/mnt/" + os.path.basename(self.folder("out")),
                                 before=["unshare", "-m", "sh", script], HOME="/nonexistent", TMPDIR=None)
         if result.returncode == 99:
-            self.skipTest("no tmpfs can be mounted here")
+            skipping.skip(self, "MOUNT", "no tmpfs can be mounted here")
         self.refused(result, "/nonexistent", "HOME", "permission denied", "POCL_CACHE_DIR")
 
 
 if __name__ == "__main__":
-    unittest.main()
+    skipping.main()

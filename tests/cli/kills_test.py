@@ -18,6 +18,7 @@ import tempfile
 import threading
 import unittest
 
+import skipping
 from cli_test import SHERD, sphere, tree, write_obj
 
 MODULE = os.environ["SHERD_FAULTS"]
@@ -303,4 +304,4 @@ class Kills(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    skipping.main()

@@ -8,6 +8,7 @@ import os
 import shutil
 import unittest
 
+import skipping
 from cli_test import CommandLine
 
 LONG = "x" * 300
@@ -115,4 +116,4 @@ class Manifests(CommandLine):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    skipping.main()

@@ -10,6 +10,7 @@ import unittest
 
 import numpy as np
 
+import skipping
 from cli_test import CommandLine, joined, sphere, tree, write_obj
 
 AMPHORA = os.path.join(os.environ["SHERD_DATA"], "amphora.ply")
@@ -338,4 +339,4 @@ class SameBytes(Options):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    skipping.main()

@@ -10,6 +10,7 @@ import unittest
 
 import numpy as np
 
+import skipping
 from cli_test import CommandLine, sphere, tree, write_obj
 from dataset_test import Dataset
 
@@ -217,4 +218,4 @@ class OfDatasets(Dataset):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    skipping.main()

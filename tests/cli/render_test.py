@@ -17,6 +17,7 @@ try:
 except ImportError:
     OpenImageIO = None
 
+import skipping
 from cli_test import CommandLine, tree
 from exr_file import read_exr
 from png_file import read_png
@@ -71,7 +72,7 @@ class Render(CommandLine):
         self.assertTrue((layers["A"][seen] > 0).all() and (layers["A"] <= 1).all())
         self.assertTrue((layers["R"][layers["A"] == 0] == 0).all())
 
-    @unittest.skipUnless(OpenImageIO, "python3-openimageio is not installed")
+    @skipping.skip_unless(OpenImageIO, "OPENIMAGEIO", "python3-openimageio is not installed")
     def test_another_reader_finds_the_same_layers(self):
         layers = self.layers(self.path("box.obj", BOX), "--size", "80x60")
         image = OpenImageIO.ImageBuf(self.path("layers.exr"))
@@ -170,4 +171,4 @@ class Render(CommandLine):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    skipping.main()

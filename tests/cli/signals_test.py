@@ -19,6 +19,7 @@ import unittest
 
 import numpy as np
 
+import skipping
 from cli_test import SHERD, CommandLine, joined, sphere, tree, write_obj
 
 SIGNALS = int(os.environ.get("SHERD_SIGNALS", "40"))
@@ -235,4 +236,4 @@ class Signals(CommandLine):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    skipping.main()

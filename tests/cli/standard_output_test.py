@@ -8,6 +8,7 @@ import os
 import subprocess
 import unittest
 
+import skipping
 from cli_test import CommandLine, sphere, tree
 
 COMMANDS = ("fracture", "dataset", "merge", "inspect", "convert", "evaluate", "render", "devices")
@@ -97,4 +98,4 @@ class StandardOutput(CommandLine):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    skipping.main()
