@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,8 @@ struct SourceMesh {
   std::vector<std::string> objects{};  ///< names (which may be empty or equal) of the file's parts:
                                        ///< objects, groups, solids, nodes; none where it has one
   std::vector<std::uint32_t> objectOfTriangle{};  ///< [m] below objects.size(), or empty
+  std::vector<std::string> grids{};     ///< of a `.vdb` file: the grids that it was read from
+  std::optional<double> isovalue{};     ///< where their surface was taken to be; none of level sets
   std::vector<std::string> warnings{};  ///< a sentence for whatever was left out or taken for
                                         ///< granted, such as a texture that is not there
 };

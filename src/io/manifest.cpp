@@ -24,13 +24,14 @@ using Json = nlohmann::ordered_json;
 
 Json sourceJson(const SourceMesh& source, bool again) {
   if (again) return {{"file", source.name}, {"fracture_sha256", source.sha256}};
-  if (source.mesh.triangles.empty()) return {{"file", source.name}, {"sha256", source.sha256}};
-  Json json = {{"file", source.name},
-               {"sha256", source.sha256},
-               {"file_vertices", source.fileVertices},
-               {"vertices", source.mesh.vertices.size()},
-               {"triangles", source.mesh.triangles.size()},
-               {"degenerate_triangles", source.degenerateTriangles}};
+  Json json = {{"file", source.name}, {"sha256", source.sha256}};
+  if (!source.grids.empty()) json["grids"] = source.grids;
+  if (source.isovalue) json["isovalue"] = *source.isovalue;
+  if (source.mesh.triangles.empty()) return json;
+  json["file_vertices"] = source.fileVertices;
+  json["vertices"] = source.mesh.vertices.size();
+  json["triangles"] = source.mesh.triangles.size();
+  json["degenerate_triangles"] = source.degenerateTriangles;
   if (source.objects.size() == 1) json["object"] = source.objects.front();
   return json;
 }
@@ -84,6 +85,8 @@ Json growOptionsJson(const GrowOptions& grow) {
   }
   json["roughness"] = grow.roughness;
   json["hurst"] = grow.hurst;
+  json["roughness_window"] = grow.roughnessWindow;
+  json["outer_steps"] = grow.outerSteps;
   json["isolated"] = names::of(names::kIsolated, grow.regrowIsolated);
   return json;
 }
@@ -133,6 +136,13 @@ Json surfaceOptionsJson(const SurfaceOptions& surface, int longestSide) {
           {"triangles", surface.triangles}};
 }
 
+Json vdbOptionsJson(const WriteOptions& write) {
+  return {{"files", names::of(names::kVdbFiles, write.vdbFiles)},
+          {"fog", write.vdbOptions.fog},
+          {"half", write.vdbOptions.half},
+          {"compression", names::of(names::kVdbCompression, write.vdbOptions.compression)}};
+}
+
 Json optionsJson(const FractureOptions& options, const FractureResult& result,
                  const WriteOptions& write) {
   Json json = {{"pieces", result.fragments.size()}, {"seed", options.seed}};
@@ -151,6 +161,7 @@ Json optionsJson(const FractureOptions& options, const FractureResult& result,
   json["grow"] = growOptionsJson(options.grow);
   json["min_share"] = options.shares.minShare;
   json["balance"] = options.shares.balance;
+  json["share_tries"] = options.shares.tries;
   json["erode"] = erodeOptionsJson(options.erode);
   if (options.dropShare > 0.0) json["drop_share"] = options.dropShare;
   json["missing"] = options.missing;
@@ -159,6 +170,9 @@ Json optionsJson(const FractureOptions& options, const FractureResult& result,
   if (write.correspondences > 0) json["correspondences"] = write.correspondences;
   if (write.density != 1.0) json["density"] = write.density;
   if (write.proxy) json["proxy_gap"] = write.proxyGap;
+  if (write.needsLevelSets()) json["vdb"] = vdbOptionsJson(write);
+  if (write.mesh) json["plain_meshes"] = write.plainMeshes;
+  if (write.preview) json["up"] = std::string(1, write.up);
   json["surface"] = surfaceOptionsJson(options.surface, result.solid.box.longestSide());
   return json;
 }

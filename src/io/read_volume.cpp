@@ -78,6 +78,8 @@ void readGrids(const fs::path& file, const VolumeOptions& options, Volume& volum
   volume.voxelSize = smallestVoxel(*grids.front().grid);
   volume.isLevelSet = std::all_of(grids.begin(), grids.end(),
                                   [](const NamedGrid& grid) { return grid.isLevelSet; });
+  for (const NamedGrid& grid : grids) volume.source.grids.push_back(grid.name);
+  if (!volume.isLevelSet) volume.source.isovalue = options.isovalue;
   const bool asTheyAre = options.ownVoxels && haveOneFrame(grids) &&
                          std::all_of(grids.begin(), grids.end(), [](const NamedGrid& grid) {
                            return isSolidLevelSet(*grid.grid);

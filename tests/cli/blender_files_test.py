@@ -17,6 +17,7 @@ import skipping
 from blender_test import Blender
 from appearance_test import png
 from cli_test import SHERD, sphere, write_obj
+from manifests import check_below
 
 PACKED = {"blosc": ["--vdb", "both", "--write", "vdb,fog,solid"], "zip": ["--compress", "zip", "--write", "vdb"],
           "none": ["--compress", "none", "--write", "vdb"], "half": ["--half", "--write", "vdb"]}
@@ -58,6 +59,7 @@ class HostFiles(Blender):
     def fracture(self, folder, mesh, *options):
         subprocess.run([SHERD, "fracture", mesh, "-o", folder, "--pieces", str(PIECES), "--resolution", "48", "--quiet", *options],
                        check=True, timeout=120)
+        check_below(folder)
         return json.loads((folder / "manifest.json").read_text())
 
     def test_every_packing_opens_in_place_and_closed(self):

@@ -20,6 +20,7 @@ import numpy as np
 import skipping
 from appearance_test import png
 from cli_test import SHERD, sphere, write_obj
+from manifests import check_below
 from ply_file import read_triangles
 
 BLENDER = shutil.which(os.environ.get("BLENDER_BIN", "blender"))
@@ -466,6 +467,7 @@ class Import(Blender):
         cls.dir = cls.made / "pieces"
         subprocess.run([SHERD, "fracture", cls.made / "ball.obj", "-o", cls.dir, "--pieces", "3", "--resolution", "48",
                         "--write", "vdb,mesh", "--mesh-format", "ply,glb,obj", "--quiet"], check=True, timeout=120)
+        check_below(cls.dir)
         cls.manifest = json.loads((cls.dir / "manifest.json").read_text())
         cls.voxel = cls.manifest["grid"]["voxel_size"]
 

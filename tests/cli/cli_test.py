@@ -21,6 +21,7 @@ import unittest
 
 import numpy as np
 
+import manifests
 import skipping
 
 SHERD = os.environ["SHERD_BIN"]
@@ -104,7 +105,9 @@ class CommandLine(unittest.TestCase):
 
     def run_sherd(self, *arguments, **more):
         more = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, "timeout": 120, **more}
-        return subprocess.run([SHERD, *arguments], **more)
+        result = subprocess.run([SHERD, *arguments], **more)
+        manifests.check_run(arguments, result.returncode, more.get("cwd"))
+        return result
 
     def fracture(self, *arguments, mesh=None, out=None, pieces=3, **more):
         return self.run_sherd("fracture", mesh or self.ball, "-o", out or self.out, "--pieces", str(pieces),

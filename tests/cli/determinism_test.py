@@ -10,6 +10,7 @@ import tempfile
 import unittest
 
 import skipping
+from manifests import check_below
 
 SHERD = os.environ["SHERD_BIN"]
 AMPHORA = pathlib.Path(os.environ["SHERD_DATA"]) / "amphora.ply"
@@ -18,6 +19,7 @@ AMPHORA = pathlib.Path(os.environ["SHERD_DATA"]) / "amphora.ply"
 def run(out, *args, seed="11", **env):
     subprocess.run([SHERD, "fracture", AMPHORA, "-o", out, "--pieces", "9", "--seed", seed, "--resolution", "96", *args],
                    check=True, env={**os.environ, **env}, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    check_below(out)
 
 
 def tree(folder):

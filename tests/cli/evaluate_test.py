@@ -18,6 +18,7 @@ from scipy.spatial import ConvexHull
 
 import skipping
 from evaluating import SHERD, Evaluating
+from manifests import check_below
 from ply_file import read_triangles
 
 AMPHORA = pathlib.Path(os.environ["SHERD_DATA"]) / "amphora.ply"
@@ -94,6 +95,7 @@ class Evaluate(Evaluating, unittest.TestCase):
     def fracture(cls, mesh, out, pieces=5, write="mesh"):
         subprocess.run([SHERD, "fracture", mesh, "-o", out, "--pieces", str(pieces), "--seed", "3", "--resolution", "64",
                         "--write", write, "--quiet"], check=True)
+        check_below(out)
 
     def copy(self):
         folder = pathlib.Path(tempfile.mkdtemp(dir=self.tmp)) / "copy"

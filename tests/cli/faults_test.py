@@ -23,6 +23,7 @@ import unittest.mock
 
 import skipping
 from cli_test import SHERD, sphere, tree, write_obj
+from manifests import check_run
 
 MODULE = os.environ["SHERD_FAULTS"]
 EACH = os.environ.get("SHERD_FAULTS_EACH", "8")
@@ -66,6 +67,7 @@ class Faults(unittest.TestCase):
             settings["LD_PRELOAD"] = MODULE
         run = subprocess.run([SHERD, *arguments], env={**os.environ, **settings}, stdout=stdout,
                              stderr=subprocess.PIPE, text=True, timeout=120)
+        check_run(arguments, run.returncode)
         return run
 
     def calls(self, *arguments, **fault):

@@ -21,6 +21,7 @@ import pyopenvdb as vdb
 
 import skipping
 from cli_test import SHERD, sphere, write_obj
+from manifests import check_below
 
 PIECES, RESOLUTION = 5, 48
 # Types of metadata that Houdini turns into attributes; it discards all others.
@@ -48,6 +49,7 @@ class Houdini(unittest.TestCase):
         cls.dir = folder / "pieces"
         subprocess.run([SHERD, "fracture", folder / "ball.obj", "-o", cls.dir, "--pieces", str(PIECES), "--seed", "4",
                         "--resolution", str(RESOLUTION), "--quiet"], check=True, timeout=120)
+        check_below(cls.dir)
         cls.manifest = json.loads((cls.dir / "manifest.json").read_text())
         cls.voxel = cls.manifest["grid"]["voxel_size"]
         cls.paths = [cls.dir / f["files"]["vdb"] for f in cls.manifest["fragments"]]

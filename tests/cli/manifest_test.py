@@ -8,6 +8,7 @@ import os
 import shutil
 import unittest
 
+import manifests
 import skipping
 from cli_test import CommandLine
 
@@ -48,6 +49,30 @@ class Manifests(CommandLine):
             with self.subTest(command=name):
                 result = self.run_sherd(*arguments)
                 self.assertEqual(result.returncode, 0, result.stderr)
+
+    def test_the_schema_refuses_what_is_changed(self):
+        """Each key less, and a foreign one more, wherever there is an object."""
+        def objects(value, at=()):
+            if isinstance(value, dict):
+                yield at
+            for key, below in value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ():
+                yield from objects(below, (*at, key))
+
+        def at(value, keys):
+            for key in keys:
+                value = value[key]
+            return value
+
+        self.assertEqual(manifests.faults_of(self.manifest), [])
+        optional = {"report", "resolution", "fill", "vdb", "mesh", "plain_meshes", "up", "file_vertices", "vertices", "triangles",
+                    "degenerate_triangles"}
+        for keys in objects(self.manifest):
+            more = self.changed(lambda manifest: at(manifest, keys).update(foreign=1))
+            self.assertNotEqual(manifests.faults_of(more), [], keys)
+            for key in at(self.manifest, keys):
+                less = self.changed(lambda manifest: at(manifest, keys).pop(key))
+                if key not in optional:
+                    self.assertNotEqual(manifests.faults_of(less), [], (*keys, key))
 
     def test_texts_that_are_no_manifests(self):
         deep = '{"schema": "sherd/1", "a": ' + "[" * 100000 + "]" * 100000 + "}"

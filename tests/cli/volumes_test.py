@@ -13,6 +13,7 @@ import numpy as np
 import pyopenvdb as vdb
 
 import skipping
+from manifests import check_run
 import voxel_formats as vf
 
 SHERD = os.environ["SHERD_BIN"]
@@ -38,6 +39,7 @@ class VolumesTest(unittest.TestCase):
     def sherd(self, *arguments, code=0):
         run = subprocess.run([SHERD, *map(str, arguments)], capture_output=True, text=True)
         self.assertEqual(run.returncode, code, run.stderr)
+        check_run(arguments, run.returncode)
         return run
 
     def manifest(self, *names):

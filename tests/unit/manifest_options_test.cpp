@@ -1,0 +1,196 @@
+// Every option that shapes a fracture or its files is in its manifest.
+//
+// The options are taken apart by structured bindings: a field that is added to one of the structs
+// does not compile here until it has a line of its own.
+#include <gtest/gtest.h>
+#include <sherd/fracture.h>
+#include <sherd/io.h>
+
+#include <string>
+#include <utility>
+
+#include "io/manifest.h"
+#include "kernels/device_fixture.h"
+#include "shapes.h"
+
+namespace sherd {
+namespace {
+
+class ManifestOptions : public DeviceTest {
+ protected:
+  void SetUp() override {
+    DeviceTest::SetUp();
+    if (IsSkipped()) return;
+    result_ = fracture(source_.mesh, options_, device());
+    facts_ = meshFacts(result_.fragments);
+  }
+
+  // The manifest of one fracture with these options: its text follows from them, whether or not the
+  // fracture was made by them.
+  std::string text() const { return manifestText(source_, options_, result_, facts_, {}, write_); }
+
+  template <class Value>
+  void expectRecorded(const char* name, Value& field, Value other) {
+    const std::string before = text();
+    const Value kept = std::exchange(field, other);
+    EXPECT_NE(text(), before) << name;
+    field = kept;
+    EXPECT_EQ(text(), before) << name;
+  }
+
+  template <class Value>
+  void expectNotRecorded(const char* name, Value& field, Value other) {
+    const std::string before = text();
+    const Value kept = std::exchange(field, other);
+    EXPECT_EQ(text(), before) << name;
+    field = kept;
+  }
+
+  SourceMesh source_{
+      .mesh = shapes::ball(1.0, 3), .name = "ball.obj", .stem = "ball", .sha256 = "0"};
+  FractureOptions options_{.pieces = 3, .resolution = 24};
+  FractureResult result_;
+  std::vector<MeshFacts> facts_;
+  WriteOptions write_;
+};
+
+TEST_F(ManifestOptions, OfAFractureAreRecorded) {
+  auto& [pieces, seed, resolution, voxelSize, fill, shellThickness, seeds, extraSeedsPerPiece,
+         seedFile, grow, shares, erode, dropShare, missing, surface] = options_;
+  expectRecorded("pieces", pieces, 2);  // of a solid that gave three
+  expectRecorded("seed", seed, std::uint64_t{7});
+  expectRecorded("resolution", resolution, 25);
+  expectRecorded("resolution", resolution, kAutoResolution);
+  expectRecorded("voxelSize", voxelSize, 0.1);
+  expectRecorded("fill", fill, Fill::parity);
+  expectRecorded("shellThickness", shellThickness, 0.2);
+  expectRecorded("extraSeedsPerPiece", extraSeedsPerPiece, 2);
+  expectRecorded("seedFile", seedFile, std::filesystem::path("seeds.json"));
+  expectRecorded("dropShare", dropShare, 0.01);
+  expectRecorded("missing", missing, 0.5);
+
+  auto& [seedPieces, seedSeed, sampler, on, extraSeeds, mergeMetric, impacts, randomImpacts] =
+      seeds;
+  expectNotRecorded("seeds.pieces", seedPieces, 9);  // this and the next are taken from above
+  expectNotRecorded("seeds.seed", seedSeed, std::uint64_t{9});
+  expectRecorded("sampler", sampler, Sampler::halton);
+  expectRecorded("on", on, SeedsOn::surface);
+  expectRecorded("extraSeeds", extraSeeds, 3);
+  expectRecorded("mergeMetric", mergeMetric, Metric::manhattan);
+  expectRecorded("randomImpacts", randomImpacts, 2);
+  expectRecorded("impacts", impacts, {Impact{}});
+  impacts.push_back({.place = WorldPoint{{1, 0, 0}}});
+  auto& [place, count, spread, bias, merge] = impacts.front();
+  expectRecorded("place", place, {WorldPoint{{0, 1, 0}}});
+  expectRecorded("place", place, {Ray{{{2, 0, 0}}, {-1, 0, 0}}});
+  expectRecorded("count", count, 4);
+  expectRecorded("spread", spread, 0.1);
+  expectRecorded("bias", bias, 9);
+  expectRecorded("merge", merge, true);
+
+  auto& [minShare, balance, tries] = shares;
+  expectRecorded("minShare", minShare, 0.01);
+  expectRecorded("balance", balance, 2);
+  expectRecorded("tries", tries, 32);
+
+  auto& [shape, size, planes, iterations, threshold, probability, erodeOn, crumbs, erodeSeed] =
+      erode;
+  expectRecorded("iterations", iterations, 1);
+  iterations = 2;  // without any the others do nothing
+  expectRecorded("shape", shape, ErodeShape::cross);
+  expectRecorded("size", size, 5);
+  expectRecorded("planes", planes, true);
+  expectRecorded("threshold", threshold, 0.5);
+  expectRecorded("probability", probability, 0.5);
+  expectRecorded("on", erodeOn, ErodeOn::all);
+  expectRecorded("crumbs", crumbs, Crumbs::kept);
+  expectNotRecorded("erode.seed", erodeSeed, std::uint64_t{9});  // taken from above
+}
+
+TEST_F(ManifestOptions, OfGrowthAreRecorded) {
+  auto& [growth, neighborhood, metric, grain, roughness, hurst, roughnessWindow, regrowIsolated,
+         noiseSeeds, keepCost, rehearse, outerSteps, stepsPerReadback, workGroupSize] =
+      options_.grow;
+  expectRecorded("growth", growth, Growth::nearest);
+  expectRecorded("roughness", roughness, 2.0);
+  expectRecorded("hurst", hurst, 0.5);
+  expectRecorded("roughnessWindow", roughnessWindow, 9.0);
+  expectRecorded("regrowIsolated", regrowIsolated, false);
+  expectRecorded("outerSteps", outerSteps, 5);
+  growth = Growth::flood;
+  expectRecorded("neighborhood", neighborhood, 26);
+  growth = Growth::chain;
+  expectRecorded("metric", metric, Metric::manhattan);
+  auto& [direction, strength] = grain;
+  expectRecorded("strength", strength, 1.0);
+  strength = 1.0;  // without it there is no direction
+  expectRecorded("direction", direction, {1.0, 0.0, 0.0});
+  // Made from the fracture's seed, beside the labels, or how fast they come.
+  expectNotRecorded("noiseSeeds", noiseSeeds, {7});
+  expectNotRecorded("keepCost", keepCost, true);
+  expectNotRecorded("rehearse", rehearse, true);
+  expectNotRecorded("stepsPerReadback", stepsPerReadback, 1);
+  expectNotRecorded("workGroupSize", workGroupSize, 1);
+}
+
+TEST_F(ManifestOptions, OfSurfacesAreRecorded) {
+  auto& [levelSets, surface, interface, smooth, adaptivity, triangles] = options_.surface;
+  expectNotRecorded("levelSets", levelSets, false);  // its files say so
+  expectRecorded("surface", surface, Surface::labels);
+  expectRecorded("interface", interface, Interface::independent);
+  expectRecorded("adaptivity", adaptivity, 0.5);
+  expectRecorded("triangles", triangles, {100});
+  auto& [iterations, weight, boundaryIterations, boundaryWeight, method] = smooth;
+  expectRecorded("iterations", iterations, {3});
+  expectRecorded("iterations", iterations, {.perVoxel = 0.5});
+  expectRecorded("boundaryIterations", boundaryIterations, {3});
+  expectRecorded("weight", weight, 0.25);
+  expectRecorded("boundaryWeight", boundaryWeight, 0.25);
+  expectRecorded("method", method, Smoothing::laplacian);
+}
+
+TEST_F(ManifestOptions, OfFilesAreRecorded) {
+  auto& [labels, vdb, mesh, preview, seeds, rims, cost, solid, scene, graph, plainMeshes, proxy,
+         vdbFiles, vdbOptions, density, proxyGap, voxelFormats, meshFormats, points, sharePoints,
+         pointFormats, distances, correspondences, up] = write_;
+  // Which files there are is in the list of files, their formats in their names.
+  for (bool* file : {&labels, &seeds, &rims, &cost, &solid, &scene, &graph}) {
+    expectNotRecorded("a file", *file, !*file);
+  }
+  expectNotRecorded("voxelFormats", voxelFormats, {VoxelFormat::npz});
+  expectNotRecorded("meshFormats", meshFormats, {MeshFileFormat::obj});
+
+  vdb = mesh = preview = true;
+  expectRecorded("plainMeshes", plainMeshes, true);
+  expectRecorded("vdbFiles", vdbFiles, VdbFiles::single);
+  expectRecorded("density", density, 2.0);
+  expectRecorded("correspondences", correspondences, std::size_t{5});
+  expectRecorded("up", up, 'z');
+  expectRecorded("proxy", proxy, true);
+  proxy = true;
+  expectRecorded("proxyGap", proxyGap, 0.1);
+
+  auto& [fog, half, compression] = vdbOptions;
+  expectRecorded("fog", fog, true);
+  expectRecorded("half", half, true);
+  expectRecorded("compression", compression, VdbCompression::zip);
+
+  points.count = 10;
+  auto& [count, sampler, rule, pointSeed] = points;
+  expectRecorded("points.count", count, std::size_t{11});
+  expectRecorded("points.sampler", sampler, PointSampler::halton);
+  expectRecorded("points.rule", rule, PointRule::perTriangle);
+  expectNotRecorded("points.seed", pointSeed, std::uint64_t{9});  // made from the fracture's
+  expectRecorded("sharePoints", sharePoints, true);
+  expectRecorded("pointFormats", pointFormats, {PointFormat::npz});
+
+  distances.count = 10;
+  auto& [samples, type, spread, sampleSeed] = distances;
+  expectRecorded("distances.count", samples, std::size_t{11});
+  expectRecorded("distances.type", type, SampleType::float16);
+  expectRecorded("distances.spread", spread, 0.5);
+  expectNotRecorded("distances.seed", sampleSeed, std::uint64_t{9});  // made from the fracture's
+}
+
+}  // namespace
+}  // namespace sherd
