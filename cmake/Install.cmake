@@ -10,6 +10,16 @@ install(FILES ${PROJECT_BINARY_DIR}/include/sherd/version.h DESTINATION ${CMAKE_
 install(FILES docs/manifest.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/sherd)
 install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
+# Debian's copyright file: the sources' license, and that of the program as it is linked.
+set(copyright ${PROJECT_BINARY_DIR}/copyright)
+file(READ cmake/copyright.in copyright_text)
+if(SHERD_GPL)
+  file(READ cmake/copyright-gpl.in gpl_text)
+  string(APPEND copyright_text "\n${gpl_text}")
+endif()
+file(CONFIGURE OUTPUT ${copyright} CONTENT "${copyright_text}" @ONLY)
+install(FILES ${copyright} DESTINATION ${CMAKE_INSTALL_DOCDIR})
+
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/sherd)
 install(EXPORT sherdTargets NAMESPACE sherd:: DESTINATION ${package})
 configure_package_config_file(cmake/sherdConfig.cmake.in ${PROJECT_BINARY_DIR}/sherdConfig.cmake

@@ -8,7 +8,7 @@ installation but for the number of seeds, and by `sherd fracture` into as many p
 `sherd evaluate --mesh` on the mesh that Blender had, scaled to a longest side of 2.  RESULTS.csv gets two rows per
 fracture; what it already holds is not run again.  Prints a table in Markdown.
 
-Needs Debian's blender (3.4.1), which brings the add-on.  Without CGAL, Sherd leaves self-intersections out.
+Needs Debian's blender (3.4.1), which brings the add-on.  A build without SHERD_GPL=ON leaves self-intersections out.
 """
 import argparse
 import csv
@@ -50,7 +50,7 @@ def evaluate(options, folder, whole):
     try:
         told = json.loads(run([*command, "--cgal"]))
     except RuntimeError as error:
-        if "no CGAL" not in str(error):
+        if "SHERD_GPL" not in str(error):
             raise
         told = json.loads(run(command))
     verdicts = [f["cgal"] for f in told["fragments"] if "cgal" in f]

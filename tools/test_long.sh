@@ -54,8 +54,15 @@ echo "== a dataset's report in a browser"
 DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends chromium > /dev/null
 tests/long/report.py build/release/sherd
 
-echo "== the Debian package"
-(cd build/release && cpack -G DEB > /dev/null && dpkg-deb -I sherd_*.deb | grep -E 'Package|Version|Depends')
+echo "== the Debian package, of either license"
+for gpl in ON OFF; do
+  tools/build.sh release -- -DSHERD_GPL=$gpl
+  (cd build/release && cpack -G DEB > /dev/null && dpkg-deb -I sherd_*.deb | grep -E 'Package|Version|Depends')
+  license=Apache-2.0
+  [ $gpl = OFF ] || license=GPL-3.0-or-later
+  copyright=$(dpkg-deb --fsys-tarfile build/release/sherd_*.deb | tar -xO ./usr/share/doc/sherd/copyright)
+  grep -qx "License: $license" <<< "$copyright" && echo "its copyright file has $license"
+done
 
 echo "== a fresh Debian 12"
 tools/fresh_machine.sh

@@ -5,7 +5,7 @@
 #   quick: three meshes only
 #   random: 300 runs of meshes, pieces, resolutions and options that a seed draws, open and thin meshes too (random_options.py, with its options)
 #   surfaces: every mesh in 10 pieces, or one for each of its parts, with its meshes as they come, meshed independently, worn, rough, smoothed and
-#   decimated to 2000 triangles.  CGAL is asked too (sherd evaluate --cgal): all closed, manifold, valid and outwards
+#   decimated to 2000 triangles: all closed, manifold and outwards.  A build with SHERD_GPL=ON asks CGAL too (sherd evaluate --cgal)
 #
 # At 128 voxels, for N in 2, 5, 10, 50, 200 with parts <= N <= voxels / 100: exactly N fragments, every voxel of the solid
 # in one of them, each 6-connected, and no fault found by the checker.  Plain options for every N; the other sets of options
@@ -29,6 +29,10 @@ sets=("--extra-seeds 2n" "--impacts 2" "--roughness 2" "--grain 1,2,0.5,3" "--gr
 surfaces=("" "--interface independent" "--interface independent --growth chain --erode-iterations 2 --erode-on fracture --erode-probability 0.5"
   "--interface independent --roughness 2 --erode-iterations 2 --erode-on all --erode-probability 0.5" "--erode-iterations 2 --erode-probability 0.5" "--roughness 2"
   "--smooth-iterations 0.048k --smooth-boundary-iterations 0.048k" "--triangles 2000")
+
+cgal=()
+"$sherd" --version | grep -q GPL && cgal=(--cgal)
+[ "$mode" != surfaces ] || [ ${#cgal[@]} -gt 0 ] || echo "CGAL is not asked: this program was built without SHERD_GPL=ON"
 
 field() { "$python" -c 'import json, sys; print(json.load(open(sys.argv[1]))[sys.argv[2]])' "$out/report.json" "$1"; }
 isThin() { "$python" -c 'import json, sys; r = json.load(open(sys.argv[1])); sys.exit(
@@ -73,7 +77,7 @@ judge() {  # pieces checker's option...
   "$python" "$checker" "$out/pieces" "$@" --json > "$out/checked.json" 2> "$out/log" || true
   echo '{"fragments": []}' > "$out/evaluated.json"
   [ "$mode" != surfaces ] ||
-    "$sherd" evaluate "$out/pieces" --cgal --samples 1 --json > "$out/evaluated.json" 2> "$out/log" || true
+    "$sherd" evaluate "$out/pieces" ${cgal[@]+"${cgal[@]}"} --samples 1 --json > "$out/evaluated.json" 2> "$out/log" || true
   "$python" - "$out" "$pieces" > "$out/faults" 2>&1 << 'END' || true
 import json, os, sys
 out, pieces = sys.argv[1], int(sys.argv[2])
@@ -88,10 +92,10 @@ if figures["fragments"] != pieces:
 if figures["voxels"] + report["worn_voxels"] != report["voxels"]:
     faults.append(f"{figures['voxels']} voxels in fragments, the solid has {report['voxels']}")
 for fragment in json.load(open(os.path.join(out, "evaluated.json")))["fragments"]:
-    quality, cgal = fragment["quality"], fragment["cgal"]
+    quality, cgal = fragment["quality"], fragment.get("cgal")
     if not (quality["closed"] and quality["manifold"] and quality["outward"] and quality["degenerate_triangles"] == 0):
         faults.append(f"fragment {fragment['id']}: mesh is not sound")
-    if not (cgal["polygon_mesh"] and cgal["valid"] and cgal["closed"]):
+    if cgal and not (cgal["polygon_mesh"] and cgal["valid"] and cgal["closed"]):
         faults.append(f"fragment {fragment['id']}: not a closed, valid mesh to CGAL")
 print("; ".join(faults[:3]) + (f"; and {len(faults) - 3} more" if len(faults) > 3 else ""), end="")
 END

@@ -97,7 +97,7 @@ CgalVerdict ask(const TriangleMesh& mesh, std::size_t samples, std::uint64_t see
 
 }  // namespace
 
-bool hasCgal() { return true; }
+bool hasCgalChecks() { return true; }
 
 CgalVerdict askCgal(const TriangleMesh& mesh, std::size_t samples, std::uint64_t seed) {
   try {

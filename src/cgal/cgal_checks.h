@@ -25,12 +25,18 @@ struct CgalVerdict {
                                        ///< that is closed and does not intersect itself
 };
 
-/// Whether this build has CGAL (SHERD_CGAL=ON).
-[[nodiscard]] bool hasCgal();
+/// Whether this build links CGAL's packages under the GPL (SHERD_GPL=ON).
+[[nodiscard]] bool hasCgalChecks();
+
+/// The license that the program of this build is distributed under: "GPL-3.0-or-later" where it
+/// links these packages, else "Apache-2.0".
+[[nodiscard]] inline const char* programLicense() {
+  return hasCgalChecks() ? "GPL-3.0-or-later" : "Apache-2.0";
+}
 
 /// Ask CGAL.
 ///   mesh    oriented outwards, if closed
-///   throws  Error(internal) this build has no CGAL
+///   throws  Error(internal) this build has no checks by CGAL
 [[nodiscard]] CgalVerdict askCgal(const TriangleMesh& mesh, std::size_t samples,
                                   std::uint64_t seed);
 

@@ -65,7 +65,8 @@ Json versionFacts() {
 #endif
   Json versions = {{"sherd", SHERD_VERSION}};
   for (const auto& [name, version] : libraryVersions()) versions[name] = version;
-  versions["cgal"] = hasCgal() ? "in this build" : "not in this build";
+  versions["license"] = programLicense();
+  versions["cgal_checks"] = hasCgalChecks() ? "in this build" : "not in this build";
   versions["compiler"] = compiler;
   versions["glibc"] = ::gnu_get_libc_version();
   versions["system"] = systemName();

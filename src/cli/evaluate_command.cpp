@@ -71,8 +71,10 @@ EvaluateReport reportOf(const EvaluateArguments& arguments) {
 }
 
 void runEvaluate(EvaluateArguments& arguments) {
-  if (arguments.cgal && !hasCgal()) {
-    throw Error(ErrorCode::usage, "--cgal: this build has no CGAL (build with SHERD_CGAL=ON)");
+  if (arguments.cgal && !hasCgalChecks()) {
+    throw Error(ErrorCode::usage,
+                "--cgal: CGAL's mesh checks are under the GPL and not in this build; configure it "
+                "with -DSHERD_GPL=ON to have them");
   }
   std::optional<tbb::global_control> threads;
   if (arguments.threads > 0) {
@@ -123,7 +125,7 @@ void addEvaluateCommand(CLI::App& app, Action& run) {
                       "Also write a picture of shares, convexity and angles to this .svg");
   command->add_flag("--cgal", arguments->cgal,
                     "Also ask CGAL whether each mesh is closed, bounds a volume or intersects "
-                    "itself, and for its convexity");
+                    "itself, and for its convexity; needs a build with SHERD_GPL=ON");
   command->add_option("--threads", arguments->threads, "Threads; default all cores")
       ->transform(wholeNumber(1, 4096));
   command->add_flag("--json", arguments->json, "Print one JSON object");

@@ -16,6 +16,7 @@
 #include <system_error>
 #include <vector>
 
+#include "cgal/cgal_checks.h"
 #include "cli/command.h"
 #include "cli/command_line.h"
 #include "cli/dataset_arguments.h"
@@ -68,7 +69,8 @@ std::string oneLine(std::string text) {
 // Help and version are printed here; `run` stays empty then.
 void parse(int argc, char** argv, Action& run) {
   CLI::App app("Breaks 3D models into fragments.", "sherd");
-  app.set_version_flag("--version", "sherd " SHERD_VERSION, "Print the version");
+  const std::string version = std::string("sherd " SHERD_VERSION " (") + programLicense() + ")";
+  app.set_version_flag("--version", version, "Print the version, and the program's license");
   app.require_subcommand(1);
   addFractureCommand(app, run);
   const CLI::App* const dataset = addDatasetCommand(app, run);

@@ -133,7 +133,7 @@ class CommandLine(unittest.TestCase):
 class Help(CommandLine):
     def test_version(self):
         result = self.run_sherd("--version")
-        self.assertRegex(result.stdout, r"\Asherd \d+\.\d+\.\d+\n\Z")
+        self.assertRegex(result.stdout, r"\Asherd \d+\.\d+\.\d+ \((Apache-2\.0|GPL-3\.0-or-later)\)\n\Z")
         self.assertEqual((result.returncode, result.stderr), (0, ""))
 
     def test_help_names_the_commands_and_statuses(self):

@@ -19,6 +19,19 @@ foreach(file manifest.json labels.rle preview.png fragments/amphora_005.vdb mesh
   endif()
 endforeach()
 run(${WORK}/prefix/bin/sherd inspect ${WORK}/pieces)
+# The copyright file has the license that the program prints.
+execute_process(COMMAND ${WORK}/prefix/bin/sherd --version OUTPUT_VARIABLE version)
+string(REGEX MATCH "\\((.*)\\)" ignored "${version}")
+set(license ${CMAKE_MATCH_1})
+file(READ ${WORK}/prefix/share/doc/sherd/copyright copyright)
+string(FIND "${copyright}" "License: ${license}\n" found)
+string(FIND "${copyright}" "GPL" gpl)
+if(found EQUAL -1 OR (license STREQUAL "Apache-2.0" AND NOT gpl EQUAL -1))
+  message(FATAL_ERROR "sherd prints the license '${license}', share/doc/sherd/copyright has:\n${copyright}")
+endif()
+if(NOT EXISTS ${WORK}/prefix/share/sherd/manifest.schema.json)
+  message(FATAL_ERROR "the manifest's schema is not installed")
+endif()
 # The installed program finds the installed sherd-assimp.
 file(WRITE ${WORK}/triangle.dae [[<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
 <library_geometries><geometry id="g"><mesh><source id="p"><float_array id="a" count="9">0 0 0 1 0 0 0 1 0</float_array>
