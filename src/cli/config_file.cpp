@@ -2,6 +2,7 @@
 #include "cli/config_file.h"
 
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string_view>
@@ -182,8 +183,7 @@ ConfiguredOption optionOf(const fs::path& file, const std::string& name, const J
   return option;
 }
 
-Options inJson(const fs::path& file) {
-  const std::string bytes = readFileBytes(file);
+Options inJson(const fs::path& file, const std::string& bytes) {
   Options options;
   try {
     const Json json = parsedOrderedJson(bytes);
@@ -206,21 +206,24 @@ Options inJson(const fs::path& file) {
   return options;
 }
 
-Options inToml(const fs::path& file) {
-  Options options = Toml(file, readFileBytes(file)).options();
-  for (std::size_t i = 0; i < options.size(); ++i) {
-    for (std::size_t k = 0; k < i; ++k) {
-      if (options[k].name != options[i].name) continue;
-      throw Error(ErrorCode::input, options[i].where + " is there already: " + options[k].where);
-    }
+Options inToml(const fs::path& file, std::string bytes) {
+  Options options = Toml(file, std::move(bytes)).options();
+  std::map<std::string_view, const ConfiguredOption*> first;
+  for (const ConfiguredOption& option : options) {
+    const auto [before, isFirst] = first.emplace(option.name, &option);
+    if (isFirst) continue;
+    throw Error(ErrorCode::input, option.where + " is there already: " + before->second->where);
   }
   return options;
 }
 
 }  // namespace
 
-Options optionsIn(const fs::path& file) {
-  return lowerCase(file.extension().string()) == ".json" ? inJson(file) : inToml(file);
+Options optionsIn(const fs::path& file) { return parsedOptions(readFileBytes(file), file); }
+
+Options parsedOptions(std::string bytes, const fs::path& file) {
+  const bool isJson = lowerCase(file.extension().string()) == ".json";
+  return isJson ? inJson(file, bytes) : inToml(file, std::move(bytes));
 }
 
 }  // namespace sherd::cli

@@ -24,4 +24,8 @@ struct ConfiguredOption {
 ///           the kind, has no value for a name or a name twice
 [[nodiscard]] std::vector<ConfiguredOption> optionsIn(const std::filesystem::path& file);
 
+/// The same of a file's bytes; `file` says by its extension what they are, and names them.
+[[nodiscard]] std::vector<ConfiguredOption> parsedOptions(std::string bytes,
+                                                          const std::filesystem::path& file);
+
 }  // namespace sherd::cli

@@ -14,19 +14,12 @@
 #include "dataset/pictures.h"
 #include "io/atomic_file.h"
 #include "io/below_folder.h"
-#include "io/input_error.h"
-#include "io/parsed_json.h"
 #include "io/sha256.h"
-#include "option_names.h"
 
 namespace sherd {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr const char* kKind = "dataset.json of a dataset";
-constexpr std::uintmax_t kLargestPlan = std::uintmax_t{1} << 30;
-constexpr const char* kSchema = "sherd-dataset/1";
 
 /// A file that is written line by line.
 class Lines {
@@ -139,53 +132,6 @@ std::string failureLine(const std::string& key, const std::string& reason) {
 }
 
 }  // namespace
-
-bool hasPlan(const fs::path& out) { return fs::exists(out / kPlanName); }
-
-void writePlan(const fs::path& out, const DatasetPlan& plan) {
-  Json objects = Json::array();
-  for (const LibraryObject& object : plan.objects) {
-    objects.push_back({{"key", object.key}, {"folder", object.folder}, {"bytes", object.bytes}});
-  }
-  const Json json = {
-      {"schema", kSchema},    {"layout", names::of(names::kDatasetLayout, plan.layout)},
-      {"seed", plan.seed},    {"split", plan.split},
-      {"options", plan.text}, {"objects", std::move(objects)}};
-  writeWhole(out / kPlanName, json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
-}
-
-DatasetPlan readPlan(const fs::path& out) {
-  const fs::path file = out / kPlanName;
-  if (!isOwnFile(out, kPlanName)) inputError(out, "is no dataset: it has no file dataset.json");
-  const nlohmann::json json = readJson(file, kKind, kLargestPlan);
-  DatasetPlan plan;
-  try {
-    if (json.at("schema") != kSchema) inputError(file, "is of another schema");
-    const std::string layout = json.at("layout");
-    const auto* const found =
-        std::find(std::begin(names::kDatasetLayout), std::end(names::kDatasetLayout), layout);
-    if (found == std::end(names::kDatasetLayout)) {
-      inputError(file, "names a layout that is not known");
-    }
-    plan.layout = static_cast<DatasetLayout>(found - std::begin(names::kDatasetLayout));
-    plan.seed = json.at("seed");
-    plan.split = json.at("split");
-    plan.text = json.at("options");
-    for (const nlohmann::json& object : json.at("objects")) {
-      plan.objects.push_back({object.at("key"), object.at("folder"), {}, object.at("bytes")});
-      const std::string& folder = plan.objects.back().folder;
-      if (!isBelowFolder(folder)) {
-        inputError(file, "puts an object into '" + folder + "', which leaves the dataset's folder");
-      }
-    }
-    for (const int share : plan.split) {
-      if (share < 0 || share > 1'000'000) inputError(file, "has a split that is out of range");
-    }
-  } catch (const nlohmann::json::exception& e) {
-    inputError(file, std::string("is damaged: ") + e.what());
-  }
-  return plan;
-}
 
 std::string splitOf(const std::string& key, const std::array<int, 3>& shares) {
   const int all = shares[0] + shares[1] + shares[2];

@@ -8,26 +8,9 @@
 
 #include "dataset/figures.h"
 #include "dataset/journal.h"
+#include "dataset/plan.h"
 
 namespace sherd {
-
-/// What the run keeps of itself below its folder, so that others can go on.
-struct DatasetPlan {
-  std::string text;                    ///< DatasetOptions::plan
-  std::vector<LibraryObject> objects;  ///< of all shards
-  DatasetLayout layout = DatasetLayout::sherd;
-  std::array<int, 3> split{};
-  std::uint64_t seed = 0;
-};
-
-///   throws  Error(output)
-void writePlan(const std::filesystem::path& out, const DatasetPlan& plan);
-
-///   throws  Error(input) it is no dataset
-[[nodiscard]] DatasetPlan readPlan(const std::filesystem::path& out);
-
-/// Whether a folder is a dataset.
-[[nodiscard]] bool hasPlan(const std::filesystem::path& out);
 
 /// Which part of the split an object is in: "train", "val" or "test".  By its key alone, so it
 /// stays there when others are added.

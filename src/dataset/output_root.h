@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "dataset/index.h"
+#include "dataset/plan.h"
 #include "io/partial_folder.h"
 
 namespace sherd {

@@ -3,52 +3,18 @@
 #include <sherd/seeds.h>
 
 #include <algorithm>
-#include <limits>
 #include <set>
 
 #include "dataset/fracture_line.h"
 #include "dataset/journal.h"
+#include "dataset/json_fields.h"
 #include "io/below_folder.h"
 #include "io/parsed_json.h"
 
 namespace sherd {
 namespace {
 
-constexpr std::uint64_t kAnyCount = std::numeric_limits<std::uint64_t>::max();
 constexpr int kMostRepeats = 1 << 30;
-
-[[noreturn]] void damaged(const std::string& what) { throw Error(ErrorCode::input, what); }
-
-// A field of the kind that `is` knows: &Json::is_string and the like.
-const Json& field(const Json& object, const char* key, bool (Json::*is)() const noexcept,
-                  const char* kind) {
-  const auto found = object.find(key);
-  if (found == object.end()) damaged(std::string("has no \"") + key + "\"");
-  if (!((*found).*is)()) damaged(std::string("\"") + key + "\" is not " + kind);
-  return *found;
-}
-
-std::string text(const Json& object, const char* key) {
-  return field(object, key, &Json::is_string, "text").get<std::string>();
-}
-
-const Json& list(const Json& object, const char* key) {
-  return field(object, key, &Json::is_array, "a list");
-}
-
-void requireNumber(const Json& object, const char* key) {
-  (void)field(object, key, &Json::is_number, "a number");
-}
-
-std::uint64_t count(const Json& object, const char* key, std::uint64_t low = 0,
-                    std::uint64_t high = kAnyCount) {
-  const auto value =
-      field(object, key, &Json::is_number_unsigned, "a whole number").get<std::uint64_t>();
-  if (value < low || value > high) {
-    damaged(std::string("\"") + key + "\" is out of range: " + std::to_string(value));
-  }
-  return value;
-}
 
 void requireSum(const std::string& sum) {
   const bool good = sum.size() == 64 && sum.find_first_not_of("0123456789abcdef") == sum.npos;

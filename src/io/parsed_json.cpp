@@ -63,6 +63,25 @@ Json parsed(std::string_view text) {
   }
 }
 
+template <class Json>
+Json readParsed(const std::filesystem::path& file, const char* kind, std::uintmax_t largestBytes) {
+  std::error_code none;
+  const std::uintmax_t size = std::filesystem::file_size(file, none);
+  if (!none && size > largestBytes) {
+    sherd::inputError(file, "has " + std::to_string(size) + " bytes, at most " +
+                                std::to_string(largestBytes) + " are read");
+  }
+  MemoryBudget memory(file.string(), freeMemory());
+  if (!none) memory.charge(size, 2);  // as text, and what of it is text again
+  const std::string bytes = readFileBytes(file);
+  memory.charge(extentOf(bytes).values, kBytesPerValue);
+  try {
+    return parsed<Json>(bytes);
+  } catch (const Error& e) {
+    sherd::inputError(file, std::string(e.what()) + ", so it is no " + kind);
+  }
+}
+
 }  // namespace
 
 nlohmann::json parsedJson(std::string_view text) { return parsed<nlohmann::json>(text); }
@@ -73,21 +92,12 @@ nlohmann::ordered_json parsedOrderedJson(std::string_view text) {
 
 nlohmann::json readJson(const std::filesystem::path& file, const char* kind,
                         std::uintmax_t largestBytes) {
-  std::error_code none;
-  const std::uintmax_t size = std::filesystem::file_size(file, none);
-  if (!none && size > largestBytes) {
-    inputError(file, "has " + std::to_string(size) + " bytes, at most " +
-                         std::to_string(largestBytes) + " are read");
-  }
-  MemoryBudget memory(file.string(), freeMemory());
-  if (!none) memory.charge(size, 2);  // as text, and what of it is text again
-  const std::string bytes = readFileBytes(file);
-  memory.charge(extentOf(bytes).values, kBytesPerValue);
-  try {
-    return parsedJson(bytes);
-  } catch (const Error& e) {
-    inputError(file, std::string(e.what()) + ", so it is no " + kind);
-  }
+  return readParsed<nlohmann::json>(file, kind, largestBytes);
+}
+
+nlohmann::ordered_json readOrderedJson(const std::filesystem::path& file, const char* kind,
+                                       std::uintmax_t largestBytes) {
+  return readParsed<nlohmann::ordered_json>(file, kind, largestBytes);
 }
 
 }  // namespace sherd

@@ -30,4 +30,8 @@ struct JsonExtent {
 [[nodiscard]] nlohmann::json readJson(const std::filesystem::path& file, const char* kind,
                                       std::uintmax_t largestBytes);
 
+/// The same, with the keys of objects in their order.
+[[nodiscard]] nlohmann::ordered_json readOrderedJson(const std::filesystem::path& file,
+                                                     const char* kind, std::uintmax_t largestBytes);
+
 }  // namespace sherd

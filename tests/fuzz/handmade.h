@@ -61,6 +61,21 @@ inline Files gz() {
 }
 
 /// Of an object that was broken once, with a fragment that is withheld.
+inline Files dataset() {
+  return {R"({"schema":"sherd-dataset/1","layout":"sherd","seed":7,"split":[80,10,10],)"
+          R"("options":"pieces 2..3","objects":[{"key":"a/b.obj","folder":"a/b","bytes":12}]})"};
+}
+
+inline Files toml() {
+  return {
+      "# fractures\n[schedule]\npieces = \"2..10\"\r\nseed = 1_000\nposes = true\n",
+      "impact = [\"1,0,0\", 'ray:1,0,0,1,0,0', # two\n]\nsplit = \"80/10\\t/10\"\n\"x\" = -1.5e3"};
+}
+
+inline Files json() {
+  return {R"({"pieces": "2..10", "seed": 7, "poses": true, "impact": ["1,0,0", 2, -1.5e3]})"};
+}
+
 inline Files journal() {
   const std::string sum = '"' + std::string(64, 'a') + '"';
   return {std::string() + R"({"object":"ball.obj","sha256":)" + sum +

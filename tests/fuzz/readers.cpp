@@ -10,10 +10,13 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 
+#include "cli/config_file.h"
 #include "dataset/figures.h"
 #include "dataset/journal.h"
+#include "dataset/plan.h"
 #include "fuzz/draco_files.h"
 #include "io/below_folder.h"
 #include "io/parsed_json.h"
@@ -124,6 +127,21 @@ void readJournalOf(std::string_view bytes) {
   for (const Json& line : journal.fractures) {
     figures.add(line);
     for (const FileRecord& file : filesOf(line)) check(isBelowFolder(file.name));
+  }
+}
+
+void readPlanOf(std::string_view bytes) {
+  const DatasetPlan plan = parsedPlan(bytes);
+  for (const int share : plan.split) check(share >= 0);
+  for (const LibraryObject& object : plan.objects) check(isBelowFolder(object.folder));
+}
+
+void readConfig(const char* name, std::string_view bytes) {
+  std::set<std::string> names;
+  for (const cli::ConfiguredOption& option : cli::parsedOptions(std::string(bytes), name)) {
+    check(names.insert(option.name).second);
+    check(option.flag.has_value() == option.values.empty());
+    for (const std::string& value : option.values) check(!value.empty());
   }
 }
 

@@ -20,5 +20,7 @@ void readMtl(std::string_view bytes);
 void readManifestOf(std::string_view bytes);
 void readSeedFile(std::string_view bytes);
 void readJournalOf(std::string_view bytes);
+void readPlanOf(std::string_view bytes);
+void readConfig(const char* name, std::string_view bytes);
 
 }  // namespace sherd::fuzz

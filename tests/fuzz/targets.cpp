@@ -39,6 +39,9 @@ const std::vector<Target> kTargets{
     {"manifest", readManifestOf, "manifest.json", {}},
     {"seeds", readSeedFile, "seeds.json", {}},
     {"journal", readJournalOf, "", handmade::journal()},
+    {"dataset", readPlanOf, "", handmade::dataset()},
+    {"toml", [](std::string_view bytes) { readConfig("a.toml", bytes); }, "", handmade::toml()},
+    {"json", [](std::string_view bytes) { readConfig("a.json", bytes); }, "", handmade::json()},
 };
 // clang-format on
 

@@ -1,0 +1,96 @@
+// dataset.json, written and read.
+#include "dataset/plan.h"
+
+#include <sherd/error.h>
+
+#include <algorithm>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "dataset/json_fields.h"
+#include "dataset/object_folder.h"
+#include "io/atomic_file.h"
+#include "io/below_folder.h"
+#include "io/input_error.h"
+#include "io/parsed_json.h"
+#include "option_names.h"
+
+namespace sherd {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kKind = "dataset.json of a dataset";
+constexpr std::uintmax_t kLargestPlan = std::uintmax_t{1} << 30;
+constexpr const char* kSchema = "sherd-dataset/1";
+constexpr std::uint64_t kLargestShare = 1'000'000;
+
+DatasetLayout layoutOf(const std::string& name) {
+  const auto* const found =
+      std::find(std::begin(names::kDatasetLayout), std::end(names::kDatasetLayout), name);
+  if (found == std::end(names::kDatasetLayout)) damaged("has a layout that is not known");
+  return static_cast<DatasetLayout>(found - std::begin(names::kDatasetLayout));
+}
+
+std::array<int, 3> splitOf(const Json& shares) {
+  std::array<int, 3> split{};
+  if (shares.size() != split.size()) damaged("\"split\" is not three shares");
+  std::transform(shares.begin(), shares.end(), split.begin(), [](const Json& share) {
+    if (!share.is_number_unsigned() || share > kLargestShare) {
+      damaged("\"split\" is out of range: " + share.dump());
+    }
+    return share.get<int>();
+  });
+  return split;
+}
+
+LibraryObject objectOf(const Json& json) {
+  if (!json.is_object()) damaged("an object of the library is not an object");
+  LibraryObject object{text(json, "key"), text(json, "folder"), {}, count(json, "bytes")};
+  if (!isBelowFolder(object.folder)) {
+    damaged("puts an object into '" + object.folder + "', which leaves the dataset's folder");
+  }
+  return object;
+}
+
+DatasetPlan planOf(const Json& json) {
+  if (!json.is_object() || text(json, "schema") != kSchema) damaged("is of another schema");
+  DatasetPlan plan{.text = text(json, "options"),
+                   .objects = {},
+                   .layout = layoutOf(text(json, "layout")),
+                   .split = splitOf(list(json, "split")),
+                   .seed = count(json, "seed")};
+  for (const Json& object : list(json, "objects")) plan.objects.push_back(objectOf(object));
+  return plan;
+}
+
+}  // namespace
+
+bool hasPlan(const fs::path& out) { return fs::exists(out / kPlanName); }
+
+void writePlan(const fs::path& out, const DatasetPlan& plan) {
+  Json objects = Json::array();
+  for (const LibraryObject& object : plan.objects) {
+    objects.push_back({{"key", object.key}, {"folder", object.folder}, {"bytes", object.bytes}});
+  }
+  const Json json = {
+      {"schema", kSchema},    {"layout", names::of(names::kDatasetLayout, plan.layout)},
+      {"seed", plan.seed},    {"split", plan.split},
+      {"options", plan.text}, {"objects", std::move(objects)}};
+  writeWhole(out / kPlanName, json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+DatasetPlan parsedPlan(std::string_view text) { return planOf(parsedOrderedJson(text)); }
+
+DatasetPlan readPlan(const fs::path& out) {
+  const fs::path file = out / kPlanName;
+  if (!isOwnFile(out, kPlanName)) inputError(out, "is no dataset: it has no file dataset.json");
+  const Json json = readOrderedJson(file, kKind, kLargestPlan);
+  try {
+    return planOf(json);
+  } catch (const Error& e) {
+    inputError(file, std::string("is damaged: ") + e.what());
+  }
+}
+
+}  // namespace sherd
