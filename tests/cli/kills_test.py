@@ -20,6 +20,7 @@ import unittest
 
 import skipping
 from cli_test import SHERD, sphere, tree, write_obj
+from manifests import check_run
 
 MODULE = os.environ["SHERD_FAULTS"]
 ALL = os.environ.get("SHERD_KILLS", "") == "all"
@@ -86,8 +87,10 @@ class Kills(unittest.TestCase):
                     for name, value in fault.items()}
         if fault:
             settings["LD_PRELOAD"] = MODULE
-        return subprocess.run([SHERD, *arguments], env={**os.environ, **settings}, stdout=subprocess.PIPE,
-                              stderr=subprocess.PIPE, text=True, timeout=300)
+        run = subprocess.run([SHERD, *arguments], env={**os.environ, **settings}, stdout=subprocess.PIPE,
+                             stderr=subprocess.PIPE, text=True, timeout=300)
+        check_run(arguments, run.returncode)
+        return run
 
     def calls(self, arguments, below, kind):
         count = os.path.join(self.tmp, f"count-{kind}")
@@ -171,9 +174,29 @@ class Kills(unittest.TestCase):
     def test_an_earlier_fracture_or_the_new_one_is_whole(self):
         states = [self.was, self.whole]
         self.each(self.earlier, states, "rename", 1000)
+        self.assertEqual(set(self.each(self.earlier, states, "write", 12)), {0})  # nothing has been moved then
         found = self.each(self.earlier, states, "change", 12)
         self.assertEqual(found, sorted(found))  # one call decides
         self.assertEqual((found[0], found[-1]), (0, 1))
+
+    def test_a_signal_while_files_are_written_and_moved(self):
+        """SIGINT before one call after another: all is as it was, with status 130, or all is new, with status 0."""
+        statuses = {}
+        for kind in "write", "change":
+            counted = self.copied(self.earlier, f"signal-{kind}")
+            total = self.calls(self.fracture(counted, self.fresh), counted, kind)
+            shutil.rmtree(counted)
+            for number in spread(total, 12):
+                with self.subTest(kind=kind, number=number, of=total):
+                    folder = self.copied(self.earlier, f"signal-{kind}-{number}")
+                    done = self.sherd(self.fracture(folder, self.fresh), kind=kind, at=number, signal=int(signal.SIGINT), below=folder)
+                    self.assertIn(done.returncode, (0, 130), done.stderr)
+                    self.assertEqual(tree(folder), self.was if done.returncode else self.whole)
+                    statuses.setdefault(kind, []).append(done.returncode)
+                    shutil.rmtree(folder)
+        # A signal is heard while files are written, and the last moves are not undone for one.
+        self.assertEqual(set(statuses["write"][:3]), {130})
+        print(f"signals: {[(kind, seen.count(130), len(seen)) for kind, seen in statuses.items()]} ended with 130")
 
     def test_a_first_fracture_is_whole_or_absent(self):
         found = self.each(None, [{}, tree(self.first)], "change", 6)

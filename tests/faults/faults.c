@@ -28,6 +28,11 @@ bool faultKind(const char* kind) {
 bool faultNow(const char* kind) {
   if (!faultKind(kind) || atomic_fetch_add(&calls, 1) + 1 != faultSetting("SHERD_FAULT_AT", 0)) return false;
   if (getenv("SHERD_FAULT_KILL")) kill(getpid(), SIGKILL);
+  const long number = faultSetting("SHERD_FAULT_SIGNAL", 0);
+  if (number > 0) {
+    kill(getpid(), (int)number);
+    return false;
+  }
   while (getenv("SHERD_FAULT_WAIT")) pause();
   return true;
 }

@@ -11,6 +11,7 @@
 //                       "short" all, each writing half of what it could, and all of "plain"
 //   SHERD_FAULT_ERROR   what it fails with, an errno or an OpenCL error
 //   SHERD_FAULT_KILL    set: the call is not made, the process is killed instead as by kill -9
+//   SHERD_FAULT_SIGNAL  set: the call is made, and before it the process sends itself this signal
 //   SHERD_FAULT_WAIT    set: the call never returns
 //   SHERD_FAULT_BELOW   files: only those below this folder
 //   SHERD_FAULT_BYTES   memory: only allocations of this size and more
