@@ -314,7 +314,7 @@ class WrongValues(Options):
 
 class SameBytes(Options):
     def test_whatever_runs_them(self):
-        """A few sets of options that use everything, on a real vessel, with one and with two threads of PoCL."""
+        """A few sets of options that use everything, on a real vessel, with 1, 2 and 5 threads of PoCL and of the host."""
         sets = (("--sampler", "poisson", "--extra-seeds", "3n", "--impacts", "2", "--roughness", "1",
                  "--grain", "1,2,0.5,3", "--erode-iterations", "2", "--erode-probability", "0.5", "--missing", "2"),
                 ("--growth", "chain", "--sampler", "halton", "--seeds-on", "surface", "--balance", "2",
@@ -325,10 +325,10 @@ class SameBytes(Options):
                  "--isolated", "keep"))
         for options in sets:
             trees = []
-            for i, threads in enumerate(("1", "2", "2")):
+            for i, threads in enumerate(("1", "2", "5")):
                 out = self.path(f"out{i}")
                 result = self.run_sherd("fracture", AMPHORA, "-o", out, "--resolution", "64", "--pieces", "20",
-                                        "--write", "labels,vdb,mesh,seeds,cost", *options,
+                                        "--write", "labels,vdb,mesh,seeds,cost", "--threads", threads, *options,
                                         env={**os.environ, "POCL_MAX_PTHREAD_COUNT": threads})
                 self.assertEqual(result.returncode, 0, result.stderr)
                 trees.append(tree(out))

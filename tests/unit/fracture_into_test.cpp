@@ -3,9 +3,13 @@
 #include <sherd/fracture.h>
 #include <sherd/io.h>
 
+#include <atomic>
 #include <fstream>
 #include <map>
+#include <set>
 #include <string>
+#include <string_view>
+#include <thread>
 
 #include "kernels/device_fixture.h"
 #include "shapes.h"
@@ -62,6 +66,29 @@ TEST_F(FractureInto, LetsGoOfMeshesAndLevelSetsThatNoFileNeeds) {
     EXPECT_TRUE(fragment.mesh.triangles.empty());
     EXPECT_GT(fragment.mass.volume, 0.0);
     EXPECT_FALSE(fragment.contacts.empty());
+  }
+}
+
+// Progress::report is called by the thread that called the function, whatever else runs;
+// Progress::cancelled by any.
+TEST_F(FractureInto, ReportsFromTheCallersThread) {
+  const std::thread::id caller = std::this_thread::get_id();
+  std::atomic<int> elsewhere{0};
+  std::set<std::string> stages;
+  const Progress progress{.report =
+                              [&](std::string_view stage, double fraction) {
+                                if (std::this_thread::get_id() != caller) ++elsewhere;
+                                EXPECT_TRUE(fraction >= 0.0 && fraction <= 1.0) << stage;
+                                stages.insert(std::string(stage));
+                              },
+                          .cancelled = [] { return false; }};
+  options_.erode.iterations = 1;
+  WriteOptions write{.solid = true, .scene = true, .proxy = true};
+  write.points.count = write.distances.count = 20;
+  (void)fractureInto(folder_.path() / "into", source_, options_, device(), write, &progress);
+  EXPECT_EQ(elsewhere, 0);
+  for (const char* stage : {"voxelize", "erode", "extract", "distances", "write", "render"}) {
+    EXPECT_TRUE(stages.contains(stage)) << stage;
   }
 }
 
