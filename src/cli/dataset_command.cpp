@@ -166,6 +166,7 @@ void addRunOptions(CLI::App& command, DatasetArguments& arguments) {
           "--shard", [&options](const std::string& text) { options.shard = parseShard(text); },
           "Only this machine's part of the work; join the parts with sherd merge")
       ->type_name("i/N")
+      ->default_str("1/1")
       ->group(group);
   command
       .add_flag("--verify", arguments.verify,

@@ -158,6 +158,7 @@ void addSeedOptions(CLI::App& command, FractureOptions& options) {
           "--extra-seeds", [&options](const std::string& text) { parseExtraSeeds(text, options); },
           "Further seeds, given to the nearest fragment: less convex pieces; 2n is two a fragment")
       ->type_name("K|Kn")
+      ->default_str("0")
       ->group(group);
   addChoice(command, "--merge-metric", seeds.mergeMetric, names::kMetric,
             "What nearest means for extra seeds")
@@ -212,6 +213,7 @@ void addGrowthOptions(CLI::App& command, FractureOptions& options) {
           "Rough cracks: rms height r in voxels over a tenth of the solid, Hurst exponent H "
           "(default 0.8)")
       ->type_name("r[,H]")
+      ->default_str("0")
       ->group(group);
   addChoice(command, "--isolated", grow.regrowIsolated, names::kIsolated,
             "What is cut off from its fragment's first seed: regrow gives it to neighbours, keep "
@@ -242,6 +244,7 @@ void addGrowthOptions(CLI::App& command, FractureOptions& options) {
           "Withhold fragments, of those that are left: a number, or below 1 a share of them; the "
           "manifest tells which")
       ->type_name("k|share")
+      ->default_str("0")
       ->group(group);
 }
 

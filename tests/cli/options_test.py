@@ -1,17 +1,20 @@
 #!/usr/bin/python3
 """Every group of `sherd fracture`'s options: what it does, what the manifest says of it, and what is refused.
 
-Environment: SHERD_BIN the program, SHERD_DATA the folder with amphora.ply.  Needs Debian's python3-numpy.
+Environment: SHERD_BIN the program, SHERD_DATA the folder with amphora.ply.  Needs Debian's python3-numpy and python3-openvdb.
 """
 import json
 import math
 import os
+import shutil
 import unittest
 
 import numpy as np
+import pyopenvdb as vdb
 
 import skipping
 from cli_test import CommandLine, joined, sphere, tree, write_obj
+from documents_test import helped
 
 AMPHORA = os.path.join(os.environ["SHERD_DATA"], "amphora.ply")
 
@@ -310,6 +313,96 @@ class WrongValues(Options):
 
     def test_seeds_of_a_file_and_pieces_exclude_each_other(self):
         self.refused(2, self.fracture("--seeds", "x.json"), "--pieces", "--seeds")
+
+
+# Of each option of `sherd fracture`: arguments beside which it matters, and two values that make two fractures.
+MATTERS = {
+    "--preset": ((), None, "paper"), "--pieces": ((), "3", "4"), "--seed": ((), "0", "1"), "--resolution": ((), "24", "25"),
+    "--voxel-size": ((), "0.1", "0.11"), "--only": ((), "1", "2"), "--split-objects": ((), None, ()),
+    "--write": ((), "labels", "labels,seeds"), "--voxel-format": ((), "rle", "npz"), "--mesh-format": (("--write", "mesh"), "ply", "obj"),
+    "--plain-meshes": (("--write", "mesh"), None, ()), "--up": (("--write", "preview"), "y", "z"),
+    "--fill": ((), "winding", "parity"), "--shell-thickness": (("--fill", "shell"), "0.3", "0.4"),
+    "--grid": ((), "surface_1", "surface_2"), "--isovalue": ((), "0.4", "0.6"),
+    "--sampler": ((), "uniform", "halton"), "--seeds-on": ((), "volume", "surface"), "--extra-seeds": ((), "0", "1n"),
+    "--merge-metric": (("--extra-seeds", "5"), "euclidean", "manhattan"), "--impact": ((), "1,0,0,1", "0,1,0,1"), "--impacts": ((), "0", "1"),
+    "--seeds": ((), None, "seeds.json"), "--growth": ((), "euclid", "flood"), "--neighborhood": (("--growth", "flood"), "6", "26"),
+    "--metric": (("--growth", "nearest"), "euclidean", "manhattan"), "--grain": ((), "0,0,1,2", "0,0,1,3"), "--roughness": ((), "1", "2,0.5"),
+    "--isolated": ((), "regrow", "keep"), "--min-share": ((), "0", "0.01"), "--balance": ((), "0", "1"), "--drop-share": ((), "0", "0.01"),
+    "--missing": ((), "0", "1"), "--erode-iterations": ((), "0", "1"),
+    "--surface": ((), "smooth", "labels"), "--interface": ((), "shared", "independent"), "--adaptivity": ((), "0", "0.5"),
+    "--smoothing": (("--smooth-iterations", "2"), "taubin", "laplacian"), "--smooth-iterations": ((), "1", "2"),
+    "--smooth-weight": (("--smooth-iterations", "2"), "0.3", "0.4"), "--smooth-boundary-iterations": ((), "1", "2"),
+    "--smooth-boundary-weight": (("--smooth-boundary-iterations", "2"), "0.3", "0.4"), "--triangles": (("--write", "mesh"), "200", "300"),
+    "--points": ((), "5", "6"), "--share-points": (("--points", "9"), None, ()), "--point-sampler": (("--points", "5"), "uniform", "halton"),
+    "--point-rule": (("--points", "5"), "area", "per-triangle"), "--point-format": (("--points", "5"), "ply", "xyz"),
+    "--correspondences": ((), "5", "6"), "--sdf-samples": ((), "5", "6"), "--sdf-type": (("--sdf-samples", "5"), "float32", "float16"),
+    "--vdb": (("--write", "vdb"), "files", "single"), "--half": (("--write", "vdb"), None, ()), "--compress": (("--write", "vdb"), "blosc", "zip"),
+    "--vdb-compress": (("--write", "vdb"), "blosc", "none"), "--density": (("--write", "graph"), "1", "2"),
+    "--proxy-gap": (("--write", "proxy"), "0", "0.1"),
+    **{f"--erode-{name}": (("--erode-iterations", "1"), one, other) for name, one, other in (
+        ("shape", "cross", "square"), ("size", "3", "5"), ("planes", None, ()), ("threshold", "1", "0.9"), ("probability", "1", "0.9"),
+        ("on", "fracture", "all"), ("crumbs", "wear", "keep"))},
+}
+
+# Where the fracture goes, how it is made, and what is printed: nothing that is written follows from these.
+DOES_NOT_MATTER = {"--output": None, "--device": "cpu", "--threads": "1", "--max-memory": "9G", "--json": (), "--quiet": ()}
+
+
+class EveryOption(CommandLine):
+    """Whatever shapes a fracture is in its manifest.  An option that is added to the program has to be added above."""
+
+    def files(self, name, *arguments, mesh=None):
+        """What `sherd fracture` writes with these arguments."""
+        out = self.path(name)
+        sizes = () if {"--resolution", "--voxel-size", "--only"} & set(arguments) else ("--resolution", "24")
+        pieces = () if {"--pieces", "--seeds"} & set(arguments) else ("--pieces", "3")
+        write = () if "--write" in arguments else ("--write", "labels")
+        result = self.run_sherd("fracture", mesh or self.ball, "-o", out, *sizes, *pieces, *write, *arguments)
+        self.assertEqual(result.returncode, 0, (arguments, result.stderr))
+        self.addCleanup(shutil.rmtree, out)
+        return tree(out)
+
+    def inputs(self):
+        """Arguments and the file to break, of options that need another than the ball."""
+        two = self.path("two.obj")
+        with open(two, "w") as out:
+            for i, name in enumerate("ab"):
+                vertices, triangles = sphere(12, 24, center=(3.0 * i, 0, 0))
+                out.write(f"o {name}\n" + "".join(f"v {x:.9g} {y:.9g} {z:.9g}\n" for x, y, z in vertices))
+                out.writelines("f " + " ".join(str(v + 1 + i * len(vertices)) for v in t) + "\n" for t in triangles)
+        self.done("--write", "labels,vdb,seeds,fog", out=self.path("first"))
+        self.done("--vdb", "single", "--write", "vdb", out=self.path("single"))
+        grid = [g for g in vdb.readAll(self.path("first/fragments/ball_001.vdb"))[0] if g.name == "density"]
+        vdb.write(self.path("fog.vdb"), grid)
+        shutil.copy(self.path("first/seeds.json"), self.path("seeds.json"))
+        return {"--only": self.path("first/manifest.json"), "--split-objects": two, "--grid": self.path("single/fragments.vdb"),
+                "--isovalue": self.path("fog.vdb")}
+
+    @staticmethod
+    def manifests_of(files):
+        return {name: checksum for name, checksum in files.items() if name.endswith("manifest.json")}
+
+    def test_what_matters_is_in_the_manifest(self):
+        names = set(helped("fracture"))
+        self.assertEqual(names, set(MATTERS) | set(DOES_NOT_MATTER))
+        inputs = self.inputs()
+        for name, (beside, one, other) in MATTERS.items():
+            def with_value(value):
+                value = self.path(value) if name == "--seeds" and value else value
+                return () if value is None else (name,) if value == () else (name, value)
+            with self.subTest(option=name):
+                first = self.files("one" + name, *beside, *with_value(one), mesh=inputs.get(name))
+                second = self.files("other" + name, *beside, *with_value(other), mesh=inputs.get(name))
+                self.assertNotEqual(first, second)
+                self.assertNotEqual(self.manifests_of(first), self.manifests_of(second))
+
+    def test_what_does_not_matter_changes_nothing(self):
+        plain = self.files("plain", "--write", "labels,vdb,mesh,preview")
+        for name, value in DOES_NOT_MATTER.items():
+            if value is not None:
+                with self.subTest(option=name):
+                    arguments = (name,) if value == () else (name, value)
+                    self.assertEqual(self.files("with" + name, "--write", "labels,vdb,mesh,preview", *arguments), plain)
 
 
 class SameBytes(Options):

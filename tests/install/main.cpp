@@ -9,9 +9,7 @@ int main(int argc, char** argv) {
   const sherd::FractureOptions options{.pieces = 5, .seed = 7, .resolution = 64};
   sherd::Device device;
   const sherd::FractureResult result = sherd::fracture(source.mesh, options, device);
-  for (const sherd::Fragment& fragment : result.fragments) {
-    std::cout << fragment.id << ' ' << fragment.mass.volume << ' ' << fragment.contacts.size()
-              << '\n';
-  }
-  std::cout << sherd::writeFracture(argv[2], source, options, result).manifest.string() << '\n';
+  for (const sherd::Fragment& piece : result.fragments)
+    std::cout << piece.id << ' ' << piece.mass.volume << '\n';
+  sherd::writeFracture(argv[2], source, options, result);
 }
