@@ -13,6 +13,7 @@ import pyopenvdb as vdb
 
 import skipping
 from cli_test import CommandLine
+from ply_file import read_triangles
 
 AMPHORA = os.path.join(os.environ["SHERD_DATA"], "amphora.ply")
 
@@ -67,6 +68,31 @@ def disagreements(folder):
     return found
 
 
+def facing_disagreements(folder):
+    """What is wrong with the manifest's contacts and areas by the faces of the .ply files, a sentence each."""
+    folder = pathlib.Path(folder)
+    fragments = json.loads((folder / "manifest.json").read_text())["fragments"]
+    areas, found = {}, []
+    for fragment in fragments:
+        vertices, triangles, facing = read_triangles(folder / fragment["files"]["mesh"])
+        a, b, c = (vertices[triangles[:, k]] for k in range(3))
+        area = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+        areas[fragment["id"]] = {int(other): area[facing == other].sum() for other in np.unique(facing)}
+        for key, total in (("area", area.sum()), ("original_area", area[facing == 0].sum()), ("fracture_area", area[facing != 0].sum())):
+            if abs(total - fragment[key]) > 1e-5 * area.sum():
+                found.append(f"fragment {fragment['id']}: {key} is {fragment[key]}, its faces have {total}")
+    for fragment in fragments:
+        own = fragment["id"]
+        contacts = {contact["id"]: contact for contact in fragment["contacts"]}
+        for other in set(areas[own]) - {0} - set(contacts):
+            found.append(f"fragment {own} has faces towards {other} and no contact")
+        for other in set(areas[own]) & set(contacts):
+            mean = (areas[own][other] + areas[other].get(own, 0.0)) / 2
+            if abs(mean - contacts[other]["area"]) > 1e-4 * mean:
+                found.append(f"the contact of {own} and {other} has an area of {contacts[other]['area']}, their faces have {mean}")
+    return found
+
+
 class Agreement(CommandLine):
     SETS = ((), ("--roughness", "2"), ("--growth", "chain", "--sampler", "poisson"), ("--growth", "flood", "--neighborhood", "26"),
             ("--erode-iterations", "2", "--erode-probability", "0.5"), ("--erode-iterations", "1", "--erode-on", "all", "--missing", "2"),
@@ -79,6 +105,14 @@ class Agreement(CommandLine):
                 result = self.run_sherd("fracture", AMPHORA, "-o", out, "--pieces", "9", "--resolution", "96", "--write", "labels,vdb", *options)
                 self.assertEqual(result.returncode, 0, result.stderr)
                 self.assertEqual(disagreements(out), [])
+
+    def test_contacts_and_areas_are_those_of_the_faces(self):
+        for i, options in enumerate(((), ("--roughness", "1"), ("--interface", "independent"), ("--surface", "labels"))):
+            with self.subTest(options):
+                out = self.path(f"out{i}")
+                result = self.run_sherd("fracture", AMPHORA, "-o", out, "--pieces", "9", "--resolution", "96", "--write", "mesh", *options)
+                self.assertEqual(result.returncode, 0, result.stderr)
+                self.assertEqual(facing_disagreements(out), [])
 
     def test_a_swap_of_half_the_voxels_of_two_labels_is_found(self):
         self.done("--write", "labels,vdb")

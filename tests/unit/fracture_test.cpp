@@ -141,11 +141,14 @@ TEST_P(Promises, HoldOnAnalyticShapes) {
                 0.5 * h * fragment.area);
     volumes += volume(fragment.mesh);
 
-    // Facing names neighbours, and contacts know their other side.
+    // Facing names neighbours, each of them is a contact, and contacts know their other side.
     ASSERT_EQ(fragment.facing.size(), fragment.mesh.triangles.size());
-    for (const std::uint16_t other : fragment.facing) {
+    for (const int other : std::set<int>(fragment.facing.begin(), fragment.facing.end())) {
       ASSERT_LE(other, kPieces);
       ASSERT_NE(other, fragment.id);
+      EXPECT_TRUE(other == 0 || std::any_of(fragment.contacts.begin(), fragment.contacts.end(),
+                                            [&](const Contact& c) { return c.fragment == other; }))
+          << "no contact with " << other;
     }
     for (const Contact& contact : fragment.contacts) {
       const Fragment& other = result.fragments[static_cast<std::size_t>(contact.fragment) - 1];

@@ -144,6 +144,25 @@ TEST_F(Seeds, AreSettledByTheSeed) {
   }
 }
 
+// The first seeds are those of the parts, in order: what permutes the ids has to be another one for
+// each seed, or a part had the same id in every fracture.
+TEST_F(Seeds, IdsOfPartsDifferFromSeedToSeed) {
+  std::set<std::vector<int>> orders;
+  const ShapeSolid boxes = make(voxel_shapes::solidWhere("boxes apart", 96, [](const Coord& v) {
+    return v.x() >= 0 && v.x() < 96 && v.x() % 8 < 4 && v.y() >= 0 && v.y() < 4 && v.z() >= 0 &&
+           v.z() < 4;
+  }));
+  ASSERT_EQ(boxes.parts.count(), 12u);
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    std::vector<int> idOfBox(12);
+    for (const Seed& s : placeSeeds(boxes.solid, boxes.parts, {.pieces = 12, .seed = seed})) {
+      idOfBox[static_cast<std::size_t>(s.voxel.x() / 8)] = s.fragment;
+    }
+    orders.insert(idOfBox);
+  }
+  EXPECT_EQ(orders.size(), 20u);  // of 12! there are, two are equal once in two million tests
+}
+
 // With ids in order of place, the rank correlation of id and coordinate would be near 1.  Without
 // any, Spearman's rho has mean 0 and variance 1 / (n - 1), and is close to normal: four standard
 // deviations are passed once in 16,000 times, in one of these 12 tests once in 1,300.
