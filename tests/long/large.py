@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 """A ball in a box of more than 2^31 voxels, a thousand million of them inside: its pieces add up to it.
 
-usage: large.py SHERD [RESOLUTION]    (default: 1300, which takes two minutes, 8 GB of memory and 2 GB of disk)
+usage: large.py SHERD [RESOLUTION]    (default: 1300, which takes two minutes, 8 GB of memory and 2 GB of disk; where the device has no buffer
+of 2.3 GB for that, as many voxels as it has one for, which is printed)
 
 The voxels of `labels.rle` and the volumes of the meshes are added up here, and compared with the ball's; `sherd evaluate`
 looks at the meshes' edges.  Needs what tests/cli/cli_test.py needs.
@@ -22,6 +23,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "cli"))
 from cli_test import sphere, write_obj
 from ply_file import columns, read_ply
 
+FULL, FULL_BUFFER = 1300, 2278 << 20  # bytes of the largest buffer that this resolution needs
 STEPS = 400  # of latitude: the polyhedron has 0.999974 of the ball's volume
 
 
@@ -35,7 +37,19 @@ def mesh_volume(ply):
     return volume(columns(vertices, *"xyz"), faces["vertex_indices"])
 
 
-def main(sherd, resolution="1300"):
+def resolution_for(sherd):
+    """1300, or what the device's largest buffer holds."""
+    devices = json.loads(subprocess.run([sherd, "devices", "--json"], stdout=subprocess.PIPE, check=True).stdout)["devices"]
+    largest = next(device["largest_buffer_bytes"] for device in devices if device["chosen"])
+    if largest >= FULL_BUFFER:
+        return FULL
+    fitting = int(FULL * (largest / FULL_BUFFER) ** (1 / 3)) // 10 * 10
+    print(f"the device allows buffers of {largest >> 20} MiB, {FULL_BUFFER >> 20} are needed for {FULL} voxels: {fitting} here")
+    return fitting
+
+
+def main(sherd, resolution=None):
+    resolution = resolution or str(resolution_for(sherd))
     with tempfile.TemporaryDirectory() as scratch:
         ball, out = pathlib.Path(scratch) / "ball.obj", pathlib.Path(scratch) / "out"
         mesh = sphere(STEPS, 2 * STEPS)
