@@ -56,6 +56,20 @@ class Meshes(ConvertTest):
         self.assertNotIn(b"mtllib", self.got("back.obj"))
         self.assertEqual([name for name in os.listdir(self._folder.name) if name.endswith("mtl")], ["back.mtl"])  # the .glb's
 
+    def test_stl_has_the_normals_of_its_corners(self):
+        record = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+        binary, _ = self.converted("box.obj", "a.stl")
+        self.sherd("convert", self.path("box.obj"), self.path("text.stl"), "--ascii")
+        text = np.array([[float(x) for x in line.split()[-3:]] for line in self.got("text.stl").decode().splitlines()
+                         if line.split()[0] in ("facet", "vertex")]).reshape(-1, 4, 3)
+        rows = np.frombuffer(binary, record, offset=84)
+        for normals, corners in ((rows["normal"], rows["corners"].astype(float)), (text[:, 0], text[:, 1:])):
+            self.assertEqual(len(normals), 12)
+            cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+            np.testing.assert_allclose(normals, cross / np.linalg.norm(cross, axis=1, keepdims=True), atol=1e-6)
+            outwards = corners.mean(axis=1) - (0.5, 1, 1.75)
+            self.assertTrue((np.einsum("ij,ij->i", normals, outwards) > 0).all())
+
     def test_binm_is_written_as_described(self):
         data, _ = self.converted("box.obj", "a.binm")
         self.put("want.binm", binm([(CORNERS, FACES)]))
