@@ -18,6 +18,7 @@ import shutil
 import signal
 import subprocess
 import tempfile
+import time
 import unittest
 import unittest.mock
 
@@ -214,10 +215,13 @@ class Replacing(Faults):
     def test_a_signal_ends_what_waits_after_the_result(self):
         """The last step, which removes what was there before, never ends: the result is whole, and printed."""
         folder, path, convert = self.file()
-        env = {**os.environ, "LD_PRELOAD": MODULE, "SHERD_FAULT": "unlink", "SHERD_FAULT_AT": "1", "SHERD_FAULT_WAIT": "1",
+        waits = os.path.join(self.tmp, "waits")
+        env = {**os.environ, "LD_PRELOAD": MODULE, "SHERD_FAULT": "unlink", "SHERD_FAULT_AT": "1", "SHERD_FAULT_WAIT": waits,
                "SHERD_FAULT_BELOW": folder}
         process = subprocess.Popen([SHERD, *convert], env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.assertIn("old.stl", process.stdout.readline())
+        while not os.path.exists(waits) and process.poll() is None:  # or it would be what ends the process that waits
+            time.sleep(0.01)
         process.send_signal(signal.SIGINT)
         try:
             _, said = process.communicate(timeout=30)

@@ -12,7 +12,7 @@
 //   SHERD_FAULT_ERROR   what it fails with, an errno or an OpenCL error
 //   SHERD_FAULT_KILL    set: the call is not made, the process is killed instead as by kill -9
 //   SHERD_FAULT_SIGNAL  set: the call is made, and before it the process sends itself this signal
-//   SHERD_FAULT_WAIT    set: the call never returns
+//   SHERD_FAULT_WAIT    a file: the call makes it, and never returns
 //   SHERD_FAULT_BELOW   files: only those below this folder
 //   SHERD_FAULT_BYTES   memory: only allocations of this size and more
 //   SHERD_FAULT_COUNT   a file that gets the number of calls of that kind, at the program's end
