@@ -220,7 +220,8 @@ class Replacing(Faults):
                "SHERD_FAULT_BELOW": folder}
         process = subprocess.Popen([SHERD, *convert], env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.assertIn("old.stl", process.stdout.readline())
-        while not os.path.exists(waits) and process.poll() is None:  # or it would be what ends the process that waits
+        until = time.monotonic() + 60
+        while not os.path.exists(waits) and time.monotonic() < until:  # or it would be what ends the process that waits
             time.sleep(0.01)
         process.send_signal(signal.SIGINT)
         try:

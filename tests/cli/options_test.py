@@ -139,7 +139,8 @@ class Growth(Options):
                                    ("nearest", ("--metric", "manhattan"), {"metric": "manhattan"}),
                                    ("chain", ("--metric", "chebyshev"), {"metric": "chebyshev"}), ("euclid", (), {})):
             options = self.broken("--growth", growth, *more)["options"]["grow"]
-            self.assertEqual(options, {"growth": growth, "roughness": 0, "hurst": 0.8, "isolated": "regrow", **told})
+            self.assertEqual(options, {"growth": growth, "roughness": 0, "hurst": 0.8, "roughness_window": 0, "outer_steps": 6,
+                                       "isolated": "regrow", **told})
             seen.add(tree(self.out)["labels.rle"])
         self.assertEqual(len(seen), 4)  # in a ball a flood over faces is the nearest seed by manhattan's metric
 
