@@ -78,6 +78,8 @@ Device::Device(std::string_view choice) : impl_(std::make_unique<Impl>()) {
   if (impl_->info.platform == kPocl) {  // whose compiler ends the process where it cannot write
     const KernelCache cache = poclCache();
     if (!cache.fault.empty()) throw Error(ErrorCode::device, cacheSentence(cache));
+    if (const std::string fault = linkerFault(); !fault.empty())
+      throw Error(ErrorCode::device, fault);
   }
   withDevice(*impl_, "opening the device", [&] {
     impl_->context = cl::Context(impl_->device);

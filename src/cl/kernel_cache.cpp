@@ -1,4 +1,4 @@
-// Where PoCL, the OpenCL driver of CPUs, keeps the kernels that it compiles.
+// Where PoCL, the OpenCL driver of CPUs, keeps the kernels that it compiles, and what links them.
 #include "cl/kernel_cache.h"
 
 #include <fcntl.h>
@@ -12,6 +12,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -160,7 +161,31 @@ KernelCache privateCache(const Candidate& parent) {
   return {random, parent.source, faultOf(random)};
 }
 
+// Whether a folder of a list as PATH has it holds the linker.
+bool hasLinker(const std::string& folders) {
+  std::istringstream list(folders);
+  for (std::string folder; std::getline(list, folder, ':');) {
+    if (!folder.empty() && ::access((fs::path(folder) / "ld").c_str(), X_OK) == 0) return true;
+  }
+  return false;
+}
+
+constexpr const char* kSystemFolders = "/usr/bin:/bin";
+
+// Extend PATH by the system's folders where it names no linker: services and `env -i` have none.
+void provideLinker() {
+  const std::string path = variable("PATH");
+  if (hasLinker(path) || !hasLinker(kSystemFolders)) return;
+  ::setenv("PATH", (path.empty() ? kSystemFolders : path + ":" + kSystemFolders).c_str(), 1);
+}
+
 }  // namespace
+
+std::string linkerFault() {
+  if (hasLinker(variable("PATH"))) return {};
+  return "PoCL links kernels with ld, which no folder of PATH has; install binutils, or name its "
+         "folder in PATH";
+}
 
 KernelCache poclCache() {
   const std::vector<Candidate> folders = usersFolders();
@@ -173,6 +198,7 @@ std::string cacheSentence(const KernelCache& cache) {
 }
 
 std::vector<KernelCache> provideKernelCache() {
+  provideLinker();
   // PoCL takes an empty one for a folder, and aborts.
   if (variable("POCL_CACHE_DIR").empty()) ::unsetenv("POCL_CACHE_DIR");
   std::vector<KernelCache> tried;

@@ -16,4 +16,8 @@ inline constexpr const char* kPocl = "Portable Computing Language";
 /// sentence.
 [[nodiscard]] std::string cacheSentence(const KernelCache& cache);
 
+/// A sentence about what PoCL lacks to link kernels, without which it ends the process; empty where
+/// it lacks nothing.
+[[nodiscard]] std::string linkerFault();
+
 }  // namespace sherd

@@ -18,7 +18,7 @@ from cli_test import SHERD, sphere, tree, write_obj
 
 NOBODY = 65534
 IS_ROOT = os.geteuid() == 0
-AS_NOBODY = ["setpriv", "--reuid", str(NOBODY), "--regid", str(NOBODY), "--clear-groups"] if IS_ROOT else []
+AS_NOBODY = [shutil.which("setpriv") or "setpriv", "--reuid", str(NOBODY), "--regid", str(NOBODY), "--clear-groups"] if IS_ROOT else []
 USER = NOBODY if IS_ROOT else os.geteuid()
 DRIVER = os.environ.get("OCL_ICD_VENDORS", "pocl.icd")
 
@@ -144,6 +144,26 @@ class Homeless(KernelCache):
             self.assertEqual((run.returncode, said), (0, ""))
         for out in outs:
             self.assertEqual(tree(self.path(out)), tree(self.path(outs[0])))
+
+
+class Linkers(KernelCache):
+    """PoCL links kernels with ld, which it looks for in PATH."""
+
+    def test_a_path_without_it_is_extended(self):
+        for name, path in (("none", None), ("empty", ""), ("without", "/nonexistent:/etc")):
+            with self.subTest(path=path):
+                self.works(PATH=path, HOME=self.folder(name))
+
+    @skipping.skip_unless(IS_ROOT, "MOUNT", "only root can mount")
+    def test_a_machine_without_it(self):
+        script = self.path("script")
+        with open(script, "w") as file:  # an empty file that is not executable stands in for the real one
+            file.write(f"touch {self.path('none')} && mount --bind {self.path('none')} $(readlink -f /usr/bin/ld) || exit 99\n"
+                       'exec "$@"\n')
+        result = self.run_sherd(*self.arguments(), before=["unshare", "-m", "sh", script], HOME=self.folder("home"))
+        if result.returncode == 99:
+            skipping.skip(self, "MOUNT", "nothing can be mounted here")
+        self.refused(result, "PoCL", "ld", "binutils")
 
 
 class Strangers(KernelCache):
