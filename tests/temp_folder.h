@@ -1,6 +1,7 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -8,6 +9,22 @@
 #include <string>
 
 namespace sherd {
+
+/// Copy every manifest below a folder into $SHERD_TEST_MANIFESTS, if set, where
+/// tests/cli/unit_manifests_test.py checks them.
+inline void keepManifests(const std::filesystem::path& folder) {
+  const char* const kept = std::getenv("SHERD_TEST_MANIFESTS");
+  if (kept == nullptr) return;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    if (entry.path().filename() != "manifest.json") continue;
+    std::string name = std::string(kept) + "/XXXXXX.json";
+    const int file = mkstemps(name.data(), 5);
+    if (file < 0) throw std::runtime_error("a manifest cannot be kept");
+    close(file);
+    std::filesystem::copy_file(entry.path(), name,
+                               std::filesystem::copy_options::overwrite_existing);
+  }
+}
 
 /// A folder of its own, which goes with it.
 class OwnFolder {
@@ -17,7 +34,10 @@ class OwnFolder {
     if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
     path_ = name;
   }
-  ~OwnFolder() { std::filesystem::remove_all(path_); }
+  ~OwnFolder() {
+    keepManifests(path_);
+    std::filesystem::remove_all(path_);
+  }
   OwnFolder(const OwnFolder&) = delete;
   OwnFolder& operator=(const OwnFolder&) = delete;
 
