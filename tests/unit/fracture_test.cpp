@@ -1,213 +1,21 @@
-// The promises of a fracture, on shapes whose volume and surface are known.
+// A fracture from mesh to fragments, on shapes whose volume and surface are known (its promises are
+// tested in promises_test.cpp).
 #include <gtest/gtest.h>
 #include <openvdb/openvdb.h>
 #include <sherd/error.h>
 #include <sherd/fracture.h>
 
 #include <cmath>
-#include <functional>
 #include <limits>
-#include <map>
-#include <set>
 
 #include "fracture_stages.h"
 #include "kernels/device_fixture.h"
-#include "kernels/voxel_shapes.h"
 #include "shapes.h"
 
 namespace sherd {
 namespace {
 
-using openvdb::Coord;
-
-struct Case {
-  const char* name;
-  TriangleMesh mesh;
-  double volume;  // of the ideal shape
-  std::function<double(const glm::dvec3&)>
-      distance;  // to the ideal surface; empty where it has edges
-  double longest;
-};
-
-double boxDistance(const glm::dvec3& p, double half) {
-  const glm::dvec3 d = glm::abs(p) - half;
-  return std::abs(std::max({d.x, d.y, d.z}));
-}
-
-// Two balls of radius r, centres 2a apart: the lens that both hold counts once.
-double overlappingBallsVolume(double r, double a) {
-  const double h = r - a;
-  return 2 * shapes::ballVolume(r) - 2 * std::acos(-1.0) * h * h * (3 * r - h) / 3;
-}
-
-std::vector<Case> cases() {
-  const auto sphere = [](double r, double x = 0.0) {
-    return [=](const glm::dvec3& p) { return std::abs(glm::length(p - glm::dvec3(x, 0, 0)) - r); };
-  };
-  return {
-      {"ball", shapes::ball(1.0, 6), shapes::ballVolume(1.0), sphere(1.0), 2.0},
-      {"cube", shapes::cube(2.0), 8.0, [](const glm::dvec3& p) { return boxDistance(p, 1.0); },
-       2.0},
-      {"torus", shapes::torus(1.0, 0.4, 256, 128), shapes::torusVolume(1.0, 0.4),
-       [](const glm::dvec3& p) {
-         return std::abs(std::hypot(std::hypot(p.x, p.y) - 1.0, p.z) - 0.4);
-       },
-       2.8},
-      {"cup",
-       shapes::cup(1.0, 0.15, 1.6, 0.2, 256),
-       shapes::cupVolume(1.0, 0.15, 1.6, 0.2),
-       {},
-       2.0},
-      {"hollow ball", shapes::hollowBall(1.0, 0.6, 6), shapes::hollowBallVolume(1.0, 0.6),
-       [=](const glm::dvec3& p) { return std::min(sphere(1.0)(p), sphere(0.6)(p)); }, 2.0},
-      {"two overlapping balls",
-       shapes::append(shapes::ball(1.0, 6, {-0.6, 0, 0}), shapes::ball(1.0, 6, {0.6, 0, 0})),
-       overlappingBallsVolume(1.0, 0.6),
-       [=](const glm::dvec3& p) { return std::min(sphere(1.0, -0.6)(p), sphere(1.0, 0.6)(p)); },
-       3.2},
-  };
-}
-
-// Bodies of a mesh: components of positive volume (a cavity's is negative).
-int bodies(const TriangleMesh& mesh) {
-  const Components parts = components(mesh);
-  std::vector<double> volumes(parts.count);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    volumes[parts.ofTriangle[t]] += volume({mesh.vertices, {mesh.triangles[t]}});
-  }
-  return static_cast<int>(
-      std::count_if(volumes.begin(), volumes.end(), [](double v) { return v > 0; }));
-}
-
 using Fracture = DeviceTest;
-
-class Promises : public DeviceTest,
-                 public testing::WithParamInterface<std::pair<std::size_t, Interface>> {};
-
-TEST_P(Promises, HoldOnAnalyticShapes) {
-  const Case shape = cases()[GetParam().first];
-  const SurfaceOptions surface{.interface = GetParam().second};
-  SCOPED_TRACE(shape.name);
-  constexpr int kPieces = 10, kResolution = 128;
-  const double h = shape.longest / kResolution;
-  const FractureResult result = fracture(
-      shape.mesh, {.pieces = kPieces, .seed = 3, .resolution = kResolution, .surface = surface},
-      device());
-  const Solid& solid = result.solid;
-  ASSERT_EQ(result.fragments.size(), std::size_t{kPieces});
-  EXPECT_NEAR(solid.frame.voxelSize, h, 1e-9 * h);
-
-  // The solid is the shape: half a voxel over its surface is the most that centres can be wrong by;
-  // on average much less, so a cavity or an overlap counted twice stands far outside.
-  const double skin = area(shape.mesh);
-  EXPECT_NEAR(static_cast<double>(solid.voxels) * h * h * h, shape.volume, 0.1 * h * skin);
-  const TriangleMesh whole = solidMesh(solid);
-  EXPECT_NEAR(volume(whole), shape.volume, 0.005 * shape.volume);
-
-  // 1. Each inside voxel has one label, and the counts agree.
-  const std::vector<std::uint64_t> counts = countVoxels(solid.blocks, result.labels, kPieces);
-  EXPECT_EQ(counts[0], 0u);
-  std::uint64_t sum = 0;
-  double volumes = 0.0;
-  for (const Fragment& fragment : result.fragments) {
-    SCOPED_TRACE("fragment " + std::to_string(fragment.id));
-    EXPECT_EQ(fragment.voxels, counts[static_cast<std::size_t>(fragment.id)]);
-    sum += fragment.voxels;
-
-    // 2. Connected, closed, edge-manifold, outwards, one body.
-    voxel_shapes::VoxelSolid piece;
-    for (std::size_t v = 0; v < result.labels.fragment.size(); ++v) {
-      const bool isInside = (solid.blocks.inside[v >> 6] >> (v & 63)) & 1;
-      if (isInside && result.labels.fragment[v] == fragment.id) {
-        piece.inside.insert(solid.blocks.origins[v / 512] +
-                            coordFromOffset(static_cast<std::uint32_t>(v % 512)));
-      }
-    }
-    std::set<Coord> left = piece.inside;
-    std::vector<Coord> stack{*left.begin()};
-    left.erase(left.begin());
-    while (!stack.empty()) {
-      const Coord v = stack.back();
-      stack.pop_back();
-      for (const Coord& n : voxel_shapes::neighbours(v)) {
-        if (left.erase(n)) stack.push_back(n);
-      }
-    }
-    EXPECT_TRUE(left.empty()) << left.size() << " voxels are cut off";
-    EXPECT_EQ(nonManifoldEdges(fragment.mesh), 0u);
-    EXPECT_EQ(bodies(fragment.mesh), 1);
-    EXPECT_GT(volume(fragment.mesh), 0.0);
-    EXPECT_NEAR(volume(fragment.mesh), static_cast<double>(fragment.voxels) * h * h * h,
-                0.5 * h * fragment.area);
-    volumes += volume(fragment.mesh);
-
-    // Facing names neighbours, each of them is a contact, and contacts know their other side.
-    ASSERT_EQ(fragment.facing.size(), fragment.mesh.triangles.size());
-    for (const int other : std::set<int>(fragment.facing.begin(), fragment.facing.end())) {
-      ASSERT_LE(other, kPieces);
-      ASSERT_NE(other, fragment.id);
-      EXPECT_TRUE(other == 0 || std::any_of(fragment.contacts.begin(), fragment.contacts.end(),
-                                            [&](const Contact& c) { return c.fragment == other; }))
-          << "no contact with " << other;
-    }
-    for (const Contact& contact : fragment.contacts) {
-      const Fragment& other = result.fragments[static_cast<std::size_t>(contact.fragment) - 1];
-      const auto back = std::find_if(other.contacts.begin(), other.contacts.end(),
-                                     [&](const Contact& c) { return c.fragment == fragment.id; });
-      ASSERT_NE(back, other.contacts.end());
-      EXPECT_EQ(back->area, contact.area);
-      EXPECT_EQ(back->normal, -contact.normal);
-    }
-  }
-  EXPECT_EQ(sum, solid.voxels);
-
-  // 3. Volumes add up.
-  EXPECT_NEAR(volumes, volume(whole), 0.0025 * volume(whole));
-
-  // No voxel centre in two level sets, each in its owner's.
-  std::vector<openvdb::FloatGrid::ConstAccessor> accessors;
-  for (const Fragment& fragment : result.fragments)
-    accessors.push_back(fragment.surface->getConstAccessor());
-  std::size_t notInOwn = 0, inOther = 0;
-  for (std::size_t v = 0; v < result.labels.fragment.size(); ++v) {
-    if (!((solid.blocks.inside[v >> 6] >> (v & 63)) & 1)) continue;
-    const Coord at =
-        solid.blocks.origins[v / 512] + coordFromOffset(static_cast<std::uint32_t>(v % 512));
-    for (std::size_t i = 0; i < accessors.size(); ++i) {
-      const bool isIn = accessors[i].getValue(at) < 0;
-      const bool owns = result.labels.fragment[v] == i + 1;
-      notInOwn += owns && !isIn;
-      inOther += !owns && isIn;
-    }
-  }
-  EXPECT_EQ(notInOwn, 0u);
-  EXPECT_EQ(inOther, 0u);
-
-  // 4. The original surface stays where it was.
-  if (!shape.distance) return;
-  double error = 0.0;
-  std::size_t vertices = 0;
-  for (const Fragment& fragment : result.fragments) {
-    std::set<unsigned> original;
-    for (std::size_t t = 0; t < fragment.facing.size(); ++t) {
-      if (fragment.facing[t] == 0) {
-        for (int k = 0; k < 3; ++k) original.insert(fragment.mesh.triangles[t][k]);
-      }
-    }
-    for (const unsigned v : original) error += shape.distance(fragment.mesh.vertices[v]) / h;
-    vertices += original.size();
-  }
-  EXPECT_LT(error / static_cast<double>(vertices), 0.02)
-      << "mean error of " << vertices << " vertices, voxels";
-}
-
-std::vector<std::pair<std::size_t, Interface>> everyShape() {
-  std::vector<std::pair<std::size_t, Interface>> all{{0, Interface::independent},
-                                                     {3, Interface::independent}};
-  for (std::size_t i = 0; i < cases().size(); ++i) all.push_back({i, Interface::shared});
-  return all;
-}
-INSTANTIATE_TEST_SUITE_P(Shapes, Promises, testing::ValuesIn(everyShape()));
 
 TEST_F(Fracture, OnePieceReturnsTheSolid) {
   for (const Interface interface : {Interface::shared, Interface::independent}) {
