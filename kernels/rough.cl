@@ -10,7 +10,7 @@
 // One work-item takes items i, i + all, ... (item = fracture * leafCount + leaf); any work-group size.
 // Reference: tests/kernels/rough_test.cpp, bit for bit.
 
-// SplitMix64's finalizer, as in src/random.h.
+// SplitMix64's finalizer, as in src/base/random.h.
 inline ulong rough_mixed(ulong x) {
   x ^= x >> 30;
   x *= 0xbf58476d1ce4e5b9ul;

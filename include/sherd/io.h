@@ -2,78 +2,19 @@
 #pragma once
 
 #include <sherd/fracture.h>
-#include <sherd/grid_fwd.h>
-#include <sherd/leaf_blocks.h>
+#include <sherd/mesh_files.h>
 #include <sherd/output_file.h>
 #include <sherd/point_files.h>
 #include <sherd/points.h>
+#include <sherd/vdb_files.h>
 #include <sherd/voxel_files.h>
 
-#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
 #include <vector>
 
 namespace sherd {
-
-/// The runs of a labelled solid over its tight box.  What is worn off, and ids above `fragments`
-/// (withheld ones), are solid without a fragment.
-[[nodiscard]] RunLengthVoxels encodeRuns(const Solid& solid, const Labels& labels,
-                                         int fragments = kMaxFragments);
-
-/// What the grids of a `.vdb` file tell beside their values.
-struct VdbNotes {
-  std::string source;  ///< the input's file name
-  std::uint64_t seed = 0;
-  double density = 1.0;        ///< mass of a unit of volume
-  std::vector<int> parents{};  ///< [fragments] as FractureResult::parents, or empty
-};
-
-/// How the values of `.vdb` files are packed; nothing is lost by any.
-enum class VdbCompression {
-  blosc,  ///< smallest and fast; a few home-made readers lack it
-  zip,    ///< a tenth larger, slow to write
-  none,   ///< inactive values are left out all the same
-};
-
-struct VdbOptions {
-  bool fog = false;   ///< also a grid "density", class fog volume: 0 outside, 1 inside, rising over
-                      ///< the three voxels below the surface, or as deep as a thin fragment is
-  bool half = false;  ///< values of 16 bits, read back as 32: some 0.0008 voxel off, a third less
-  VdbCompression compression = VdbCompression::blosc;
-};
-
-/// Write a fragment's level set as grid "surface", class level set, with its metadata: piece,
-/// fragment_id, pivot, volume, density, mass, inertia, inertia_orient, area_inside, area_outside,
-/// seed, source, tool_version, and parent_id where there are parents.  The file's unique id is made
-/// from its content, so equal fragments give equal bytes.
-///   throws  Error(output)
-void writeVdb(const OutputFile& file, const Fragment& fragment, const VdbNotes& notes,
-              const VdbOptions& options = {});
-
-/// Write fragments into one file: grids surface_1, surface_2, ... by id, with the metadata of
-/// writeVdb, density_1, ... where asked for, and Int32 grid "fragment_id": each voxel of the solid
-/// is active and has its fragment's id, or 0 where it is of none of these.
-void writeVdbOfAll(const OutputFile& file, std::span<const Fragment> fragments, const Solid& solid,
-                   const Labels& labels, const VdbNotes& notes, const VdbOptions& options = {});
-
-/// Write the unbroken solid's level set as grid "surface", with source, seed and tool_version.
-void writeVdbOfSolid(const OutputFile& file, const Solid& solid, const VdbNotes& notes,
-                     const VdbOptions& options = {});
-
-/// Write the arrival costs of a solid's inside voxels as Int32 grid "cost", compressed and named as
-/// writeVdb does it; the background is -1.
-///   labels  with costs
-void writeCost(const OutputFile& file, const Solid& solid, const Labels& labels);
-
-/// Write a mesh as binary little-endian PLY: float x, y, z; faces of three.  Where `facing` is
-/// given, faces have `int facing`, and vertices have it behind their normals, float nx, ny, nz:
-/// normals are the mean of the faces round a vertex, weighted by their angles there; a vertex's
-/// facing is 0 where all of these are of the original surface, else the id that they face most, by
-/// the same angles, of those that are not 0.
-void writePly(const OutputFile& file, const TriangleMesh& mesh,
-              const std::vector<std::uint16_t>& facing = {});
 
 /// Write the rims of all contacts (see rimCurves) as closed polylines in OBJ, an object
 /// rim_<id>_<id> for each two fragments that touch, the lower id first.
@@ -96,27 +37,6 @@ void writeConstraints(const OutputFile& file, std::span<const Fragment> fragment
 ///   throws  Error(output); Error(input) the mesh is flat
 void writeProxy(const OutputFile& file, const Fragment& fragment, const std::string& name,
                 double gap);
-
-/// Write distance samples as NumPy's `.npz`: positions [n, 3] and sdf [n], of samples.type.
-///   throws  Error(output)
-void writeDistances(const OutputFile& file, const DistanceSamples& samples);
-
-/// Write correspondences as NumPy's `.npz`: fragments int32 [n, 2], positions float32 [n, 3],
-/// normals float32 [n, 3].
-///   throws  Error(output)
-void writeCorrespondences(const OutputFile& file, const Correspondences& points);
-
-/// How fragments' meshes are written.  Where the mesh that was broken has a look, the first three
-/// hold it: the original surface's is that of the nearest part of it; what the fracture laid bare
-/// has kInsideColour and a material "inside".
-enum class MeshFileFormat {
-  ply,      ///< as writePly, and colours of vertices, texture coordinates and material of faces
-  obj,      ///< with normals and materials; the library of materials, one for all, lies beside it
-  glb,      ///< binary glTF 2.0 with its textures in it; a primitive for each material
-  stl,      ///< binary; the triangles alone
-  stlText,  ///< the same as text, into files of the same name
-  binm,     ///< the paper's: positions and faces alone
-};
 
 /// Into which `.vdb` files fragments go.
 enum class VdbFiles {

@@ -84,6 +84,20 @@ struct Box {
 /// closed mesh.
 [[nodiscard]] std::size_t nonManifoldEdges(const TriangleMesh& mesh);
 
+/// What is wrong with a mesh.
+struct MeshDefects {
+  std::size_t parts = 0;               ///< connected over shared vertices
+  std::size_t boundaryEdges = 0;       ///< of one triangle
+  std::size_t nonManifoldEdges = 0;    ///< of more than two triangles
+  std::size_t misorientedEdges = 0;    ///< of two triangles that are turned against each other
+  std::size_t turnedTriangles = 0;     ///< turned over to agree with their neighbours
+  std::size_t turnedParts = 0;         ///< parts that were inside out, turned over
+  std::size_t duplicateTriangles = 0;  ///< dropped
+  std::size_t zeroAreaTriangles = 0;   ///< corners on a line, kept
+
+  [[nodiscard]] bool closed() const { return boundaryEdges == 0; }
+};
+
 /// Connected components over shared vertices: a number 0..count-1 per triangle, in order of first
 /// triangle.
 struct Components {

@@ -49,6 +49,15 @@ void writePoints(const OutputFile& file, const SurfacePoints& points, PointForma
 [[nodiscard]] SurfacePoints parseBinp(std::string_view bytes, const std::string& name,
                                       const ReadOptions& options = {});
 
+/// Write distance samples as NumPy's `.npz`: positions [n, 3] and sdf [n], of samples.type.
+///   throws  Error(output)
+void writeDistances(const OutputFile& file, const DistanceSamples& samples);
+
+/// Write correspondences as NumPy's `.npz`: fragments int32 [n, 2], positions float32 [n, 3],
+/// normals float32 [n, 3].
+///   throws  Error(output)
+void writeCorrespondences(const OutputFile& file, const Correspondences& points);
+
 /// What reading the file back would not give, a sentence for each thing.
 [[nodiscard]] std::vector<std::string> lossesOf(const SurfacePoints& points, PointFormat format);
 

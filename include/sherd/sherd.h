@@ -17,7 +17,9 @@
 #include <sherd/labels.h>
 #include <sherd/leaf_blocks.h>
 #include <sherd/memory.h>
+#include <sherd/memory_estimate.h>
 #include <sherd/mesh.h>
+#include <sherd/mesh_files.h>
 #include <sherd/mesh_quality.h>
 #include <sherd/metric.h>
 #include <sherd/point_files.h>
@@ -30,6 +32,7 @@
 #include <sherd/shares.h>
 #include <sherd/solid.h>
 #include <sherd/surface.h>
+#include <sherd/vdb_files.h>
 #include <sherd/version.h>
 #include <sherd/volume.h>
 #include <sherd/voxel_files.h>

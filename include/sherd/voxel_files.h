@@ -3,8 +3,10 @@
 
 #include <sherd/coords.h>
 #include <sherd/grid_fwd.h>
+#include <sherd/labels.h>
 #include <sherd/output_file.h>
 #include <sherd/read_options.h>
+#include <sherd/solid.h>
 
 #include <cstdint>
 #include <filesystem>
@@ -118,5 +120,10 @@ void writeVoxels(const OutputFile& file, const PlacedVoxels& voxels, VoxelFormat
 /// Read and write `.rle`.
 [[nodiscard]] RunLengthVoxels readRle(const std::filesystem::path& file);
 void writeRle(const OutputFile& file, const RunLengthVoxels& voxels);
+
+/// The runs of a labelled solid over its tight box.  What is worn off, and ids above `fragments`
+/// (withheld ones), are solid without a fragment.
+[[nodiscard]] RunLengthVoxels encodeRuns(const Solid& solid, const Labels& labels,
+                                         int fragments = kMaxFragments);
 
 }  // namespace sherd

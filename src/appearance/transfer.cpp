@@ -18,7 +18,7 @@
 #include <tuple>
 #include <unordered_set>
 
-#include "embree_error.h"
+#include "mesh/embree_error.h"
 #include "mesh/nearest_on_triangle.h"
 #include "mesh/vertex_normals.h"
 

@@ -1,5 +1,5 @@
 // sherd-assimp: reads a mesh on standard input by Assimp and writes it to standard output as
-// src/mesh/mesh_stream.h has it, for readByAssimp().  What it dies of, Sherd survives.
+// src/formats/mesh/mesh_stream.h has it, for readByAssimp().  What it dies of, Sherd survives.
 //
 // usage: sherd-assimp fbx|dae|3mf MEMORY_MIB CPU_SECONDS
 #include <sys/prctl.h>
@@ -14,7 +14,7 @@
 #include <string>
 
 #include "assimp_program/scene.h"
-#include "mesh/mesh_stream.h"
+#include "formats/mesh/mesh_stream.h"
 
 namespace {
 

@@ -18,8 +18,8 @@
 #include <utility>
 #include <vector>
 
+#include "formats/mesh/polygon_mesh.h"
 #include "mesh/colours.h"
-#include "mesh/polygon_mesh.h"
 
 namespace sherd {
 namespace {

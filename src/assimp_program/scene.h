@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "mesh/mesh_reader.h"
+#include "formats/mesh/mesh_reader.h"
 
 namespace sherd {
 

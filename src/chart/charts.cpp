@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
+#include "base/formatted.h"
 #include "chart/axis.h"
 #include "chart/svg.h"
-#include "formatted.h"
 
 namespace sherd::chart {
 namespace {

@@ -1,7 +1,7 @@
 // A drawing as SVG text.
 #include "chart/svg.h"
 
-#include "formatted.h"
+#include "base/formatted.h"
 
 namespace sherd::chart {
 namespace {

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <optional>
 
+#include "base/lower_case.h"
 #include "cl/device_impl.h"
 #include "cl/device_search.h"
 #include "cl/kernel_cache.h"
-#include "lower_case.h"
 
 namespace sherd {
 namespace {

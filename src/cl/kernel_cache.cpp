@@ -16,8 +16,8 @@
 #include <string>
 #include <vector>
 
-#include "io/atomic_file.h"
-#include "io/unfinished.h"
+#include "base/atomic_file.h"
+#include "base/unfinished.h"
 
 namespace sherd {
 namespace {

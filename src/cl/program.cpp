@@ -5,11 +5,11 @@
 #include <sstream>
 #include <string>
 
+#include "base/lower_case.h"
 #include "cl/device_impl.h"
 #include "cl/error_name.h"
 #include "cl/kernel_cache.h"
 #include "cl/kernel_sources.h"
-#include "lower_case.h"
 
 namespace sherd {
 namespace {

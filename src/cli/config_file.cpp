@@ -8,11 +8,11 @@
 #include <string_view>
 #include <utility>
 
+#include "base/file_bytes.h"
+#include "base/input_error.h"
+#include "base/lower_case.h"
+#include "base/parsed_json.h"
 #include "cli/option_text.h"
-#include "io/input_error.h"
-#include "io/parsed_json.h"
-#include "lower_case.h"
-#include "mesh/file_bytes.h"
 
 namespace sherd::cli {
 namespace {

@@ -9,18 +9,18 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "base/held_files.h"
+#include "base/json_of.h"
+#include "base/lower_case.h"
+#include "base/option_names.h"
 #include "cli/command.h"
 #include "cli/fracture_options.h"
 #include "cli/interrupts.h"
 #include "cli/option_text.h"
 #include "cli/output_path.h"
-#include "io/file_kind.h"
-#include "io/held_files.h"
-#include "io/json_of.h"
-#include "io/mesh_file.h"
-#include "io/read_facing.h"
-#include "lower_case.h"
-#include "option_names.h"
+#include "folder/file_kind.h"
+#include "formats/mesh/mesh_file.h"
+#include "formats/mesh/read_facing.h"
 
 namespace sherd::cli {
 namespace {

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "base/option_names.h"
 #include "cli/command.h"
 #include "cli/dataset_telling.h"
 #include "cli/drawn_options.h"
@@ -19,7 +20,6 @@
 #include "cli/machine_options.h"
 #include "cli/option_rules.h"
 #include "cli/option_text.h"
-#include "option_names.h"
 
 namespace sherd::cli {
 namespace {

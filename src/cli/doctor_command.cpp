@@ -5,9 +5,9 @@
 #include <memory>
 #include <string_view>
 
+#include "base/formatted.h"
 #include "cli/command.h"
 #include "cli/doctor.h"
-#include "formatted.h"
 
 namespace sherd::cli {
 namespace {

@@ -19,11 +19,11 @@
 #include <sstream>
 #include <thread>
 
+#include "base/atomic_file.h"
 #include "cl/device_search.h"
 #include "cli/doctor.h"
 #include "cli/foreign_exit.h"
 #include "cli/interrupts.h"
-#include "io/atomic_file.h"
 
 namespace sherd::cli {
 namespace {

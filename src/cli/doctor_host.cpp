@@ -16,12 +16,12 @@
 #include <string_view>
 #include <thread>
 
+#include "base/library_versions.h"
+#include "base/memory_bounds.h"
 #include "cgal/cgal_checks.h"
 #include "cli/doctor.h"
 #include "cli/interrupts.h"
-#include "library_versions.h"
-#include "memory_bounds.h"
-#include "mesh/read_assimp.h"
+#include "formats/mesh/read_assimp.h"
 
 extern char** environ;
 

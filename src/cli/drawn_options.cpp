@@ -5,10 +5,10 @@
 #include <cmath>
 #include <utility>
 
+#include "base/number_text.h"
+#include "base/random.h"
 #include "cli/fracture_options.h"
 #include "cli/option_text.h"
-#include "io/number_text.h"
-#include "random.h"
 
 namespace sherd::cli {
 namespace {

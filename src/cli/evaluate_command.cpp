@@ -13,12 +13,12 @@
 #include <utility>
 #include <vector>
 
+#include "base/held_files.h"
 #include "cgal/cgal_checks.h"
 #include "cli/command.h"
 #include "cli/evaluate_report.h"
 #include "cli/interrupts.h"
 #include "cli/output_path.h"
-#include "io/held_files.h"
 
 namespace sherd::cli {
 namespace {

@@ -5,10 +5,10 @@
 #include <functional>
 #include <numeric>
 
+#include "base/formatted.h"
 #include "chart/axis.h"
 #include "chart/svg.h"
 #include "cli/evaluate_report.h"
-#include "formatted.h"
 
 namespace sherd::cli {
 namespace {

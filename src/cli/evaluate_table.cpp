@@ -1,8 +1,8 @@
 // An evaluation as text for people.
 #include <algorithm>
 
+#include "base/formatted.h"
 #include "cli/evaluate_report.h"
-#include "formatted.h"
 
 namespace sherd::cli {
 namespace {

@@ -7,9 +7,9 @@
 #include <atomic>
 #include <cstdlib>
 
+#include "base/unfinished.h"
 #include "cli/command.h"
 #include "cli/interrupts.h"
-#include "io/unfinished.h"
 
 namespace sherd::cli {
 namespace {

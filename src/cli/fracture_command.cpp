@@ -3,7 +3,7 @@
 #include <sherd/fracture.h>
 #include <sherd/io.h>
 #include <sherd/kernel_cache.h>
-#include <sherd/memory.h>
+#include <sherd/memory_estimate.h>
 #include <sherd/refracture.h>
 #include <sherd/volume.h>
 #include <sys/resource.h>
@@ -18,6 +18,7 @@
 #include <set>
 #include <type_traits>
 
+#include "base/lower_case.h"
 #include "cli/command.h"
 #include "cli/foreign_exit.h"
 #include "cli/fracture_options.h"
@@ -26,11 +27,10 @@
 #include "cli/machine_options.h"
 #include "cli/option_rules.h"
 #include "cli/progress_line.h"
-#include "io/file_names.h"
-#include "io/mesh_report.h"
-#include "io/read_manifest.h"
-#include "io/write_fracture.h"
-#include "lower_case.h"
+#include "folder/file_names.h"
+#include "folder/mesh_report.h"
+#include "folder/read_manifest.h"
+#include "folder/write_fracture.h"
 
 namespace sherd::cli {
 namespace {

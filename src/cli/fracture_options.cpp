@@ -6,8 +6,8 @@
 #include <optional>
 #include <span>
 
+#include "base/option_names.h"
 #include "cli/option_text.h"
-#include "option_names.h"
 
 namespace sherd::cli {
 namespace {

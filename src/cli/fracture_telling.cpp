@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "io/mesh_report.h"
-#include "mesh/text_scan.h"
+#include "base/text_scan.h"
+#include "folder/mesh_report.h"
 
 namespace sherd::cli {
 namespace {

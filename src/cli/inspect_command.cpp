@@ -9,17 +9,17 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "base/file_bytes.h"
+#include "base/input_error.h"
+#include "base/lower_case.h"
+#include "base/option_names.h"
 #include "cli/command.h"
 #include "cli/interrupts.h"
-#include "io/file_kind.h"
-#include "io/input_error.h"
-#include "io/npy_reader.h"
-#include "io/partial_folder.h"
-#include "io/read_manifest.h"
-#include "io/vdb.h"
-#include "lower_case.h"
-#include "mesh/file_bytes.h"
-#include "option_names.h"
+#include "folder/file_kind.h"
+#include "folder/partial_folder.h"
+#include "folder/read_manifest.h"
+#include "formats/arrays/npy_reader.h"
+#include "formats/voxels/vdb.h"
 
 namespace sherd::cli {
 namespace {

@@ -14,8 +14,8 @@
 #include <thread>
 #include <utility>
 
+#include "base/unfinished.h"
 #include "cli/progress_line.h"
-#include "io/unfinished.h"
 
 namespace sherd::cli {
 namespace {

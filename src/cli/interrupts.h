@@ -6,7 +6,7 @@
 #include <functional>
 #include <string>
 
-#include "io/unfinished.h"
+#include "base/unfinished.h"
 
 namespace sherd::cli {
 

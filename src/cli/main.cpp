@@ -16,12 +16,12 @@
 #include <system_error>
 #include <vector>
 
+#include "base/atomic_file.h"
 #include "cgal/cgal_checks.h"
 #include "cli/command.h"
 #include "cli/command_line.h"
 #include "cli/dataset_arguments.h"
 #include "cli/interrupts.h"
-#include "io/atomic_file.h"
 
 namespace sherd::cli {
 

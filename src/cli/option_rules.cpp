@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "lower_case.h"
+#include "base/lower_case.h"
 
 namespace sherd::cli {
 namespace {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "base/lower_case.h"
 #include "cli/fracture_options.h"
-#include "lower_case.h"
 
 namespace sherd::cli {
 

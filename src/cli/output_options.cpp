@@ -4,9 +4,9 @@
 #include <iterator>
 #include <optional>
 
+#include "base/option_names.h"
 #include "cli/fracture_options.h"
 #include "cli/option_text.h"
-#include "option_names.h"
 
 namespace sherd::cli {
 namespace {

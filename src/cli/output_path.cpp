@@ -8,8 +8,8 @@
 #include <optional>
 #include <vector>
 
-#include "io/partial_folder.h"
-#include "io/read_manifest.h"
+#include "folder/partial_folder.h"
+#include "folder/read_manifest.h"
 
 namespace sherd::cli {
 namespace {

@@ -9,13 +9,13 @@
 #include <memory>
 #include <optional>
 
+#include "base/held_files.h"
+#include "base/lower_case.h"
 #include "cli/command.h"
 #include "cli/interrupts.h"
 #include "cli/option_text.h"
 #include "cli/output_path.h"
-#include "io/file_names.h"
-#include "io/held_files.h"
-#include "lower_case.h"
+#include "folder/file_names.h"
 
 namespace sherd::cli {
 namespace {

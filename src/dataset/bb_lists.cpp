@@ -8,9 +8,9 @@
 #include <map>
 #include <set>
 
+#include "base/atomic_file.h"
+#include "base/below_folder.h"
 #include "dataset/object_folder.h"
-#include "io/atomic_file.h"
-#include "io/below_folder.h"
 
 namespace sherd {
 

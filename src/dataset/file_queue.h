@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-#include "io/atomic_file.h"
+#include "base/atomic_file.h"
 
 namespace sherd {
 

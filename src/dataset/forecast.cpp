@@ -8,11 +8,11 @@
 #include <cstdlib>
 #include <optional>
 
+#include "base/unfinished.h"
 #include "dataset/fracture_line.h"
 #include "dataset/object_folder.h"
 #include "dataset/object_run.h"
 #include "dataset/output_root.h"
-#include "io/unfinished.h"
 
 namespace sherd {
 namespace {

@@ -5,9 +5,9 @@
 #include <glm/vec4.hpp>
 #include <numbers>
 
+#include "base/json_of.h"
+#include "base/random.h"
 #include "dataset/layout.h"
-#include "io/json_of.h"
-#include "random.h"
 
 namespace sherd {
 namespace {

@@ -4,7 +4,7 @@
 #include <sherd/dataset.h>
 
 #include "dataset/journal.h"
-#include "io/manifest.h"
+#include "folder/manifest.h"
 
 namespace sherd {
 

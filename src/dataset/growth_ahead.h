@@ -9,7 +9,7 @@
 
 #include "dataset/distinct.h"
 #include "dataset/object_run.h"
-#include "fracture_stages.h"
+#include "pipeline/fracture_stages.h"
 
 namespace sherd {
 

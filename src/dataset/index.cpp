@@ -7,14 +7,14 @@
 #include <map>
 #include <span>
 
+#include "base/atomic_file.h"
+#include "base/below_folder.h"
+#include "base/sha256.h"
 #include "dataset/bb_lists.h"
 #include "dataset/fracture_line.h"
 #include "dataset/journal.h"
 #include "dataset/object_folder.h"
 #include "dataset/pictures.h"
-#include "io/atomic_file.h"
-#include "io/below_folder.h"
-#include "io/sha256.h"
 
 namespace sherd {
 namespace {

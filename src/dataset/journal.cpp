@@ -8,11 +8,11 @@
 
 #include <cerrno>
 
+#include "base/atomic_file.h"
+#include "base/below_folder.h"
+#include "base/file_bytes.h"
+#include "base/input_error.h"
 #include "dataset/object_folder.h"
-#include "io/atomic_file.h"
-#include "io/below_folder.h"
-#include "io/input_error.h"
-#include "mesh/file_bytes.h"
 
 namespace sherd {
 namespace {

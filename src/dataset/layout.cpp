@@ -1,9 +1,9 @@
 // How the files of a dataset are named.
 #include "dataset/layout.h"
 
-#include "io/file_names.h"
-#include "io/read_manifest.h"
-#include "option_names.h"
+#include "base/option_names.h"
+#include "folder/file_names.h"
+#include "folder/read_manifest.h"
 
 namespace sherd {
 namespace {

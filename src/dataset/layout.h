@@ -5,8 +5,8 @@
 
 #include <string>
 
-#include "io/manifest.h"
-#include "io/materials.h"
+#include "folder/manifest.h"
+#include "formats/mesh/materials.h"
 
 namespace sherd {
 

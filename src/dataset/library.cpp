@@ -10,9 +10,9 @@
 #include <numeric>
 #include <utility>
 
-#include "io/atomic_file.h"
-#include "io/input_error.h"
-#include "lower_case.h"
+#include "base/atomic_file.h"
+#include "base/input_error.h"
+#include "base/lower_case.h"
 
 namespace sherd {
 namespace {

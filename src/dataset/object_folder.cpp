@@ -8,7 +8,7 @@
 #include <map>
 #include <utility>
 
-#include "lower_case.h"
+#include "base/lower_case.h"
 
 namespace sherd {
 namespace {

@@ -8,7 +8,7 @@
 #include "dataset/object_run.h"
 
 #include <sherd/error.h>
-#include <sherd/memory.h>
+#include <sherd/memory_estimate.h>
 #include <sherd/volume.h>
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
@@ -22,17 +22,17 @@
 #include <type_traits>
 #include <utility>
 
+#include "base/little_endian.h"
+#include "base/uncancelled.h"
 #include "dataset/fracture_line.h"
 #include "dataset/growth_ahead.h"
 #include "dataset/layout.h"
 #include "dataset/object_folder.h"
 #include "dataset/pictures.h"
 #include "dataset/store.h"
-#include "fracture_stages.h"
-#include "io/fracture_files.h"
-#include "io/little_endian.h"
-#include "io/npz.h"
-#include "uncancelled.h"
+#include "folder/fracture_files.h"
+#include "formats/arrays/npz.h"
+#include "pipeline/fracture_stages.h"
 
 namespace sherd {
 namespace {

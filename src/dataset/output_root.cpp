@@ -9,10 +9,10 @@
 #include <algorithm>
 #include <cerrno>
 
+#include "base/atomic_file.h"
+#include "base/below_folder.h"
 #include "dataset/journal.h"
 #include "dataset/object_folder.h"
-#include "io/atomic_file.h"
-#include "io/below_folder.h"
 
 namespace sherd {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "dataset/plan.h"
-#include "io/partial_folder.h"
+#include "folder/partial_folder.h"
 
 namespace sherd {
 

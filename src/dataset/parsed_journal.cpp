@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <set>
 
+#include "base/below_folder.h"
+#include "base/parsed_json.h"
 #include "dataset/fracture_line.h"
 #include "dataset/journal.h"
 #include "dataset/json_fields.h"
-#include "io/below_folder.h"
-#include "io/parsed_json.h"
 
 namespace sherd {
 namespace {

@@ -7,13 +7,13 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "base/atomic_file.h"
+#include "base/below_folder.h"
+#include "base/input_error.h"
+#include "base/option_names.h"
+#include "base/parsed_json.h"
 #include "dataset/json_fields.h"
 #include "dataset/object_folder.h"
-#include "io/atomic_file.h"
-#include "io/below_folder.h"
-#include "io/input_error.h"
-#include "io/parsed_json.h"
-#include "option_names.h"
 
 namespace sherd {
 namespace {

@@ -6,15 +6,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/atomic_file.h"
+#include "base/base64.h"
+#include "base/file_bytes.h"
+#include "base/formatted.h"
 #include "chart/charts.h"
 #include "chart/svg.h"
 #include "dataset/object_folder.h"
 #include "dataset/pictures.h"
 #include "dataset/run_record.h"
-#include "formatted.h"
-#include "io/atomic_file.h"
-#include "io/base64.h"
-#include "mesh/file_bytes.h"
 
 namespace sherd {
 namespace {

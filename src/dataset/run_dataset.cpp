@@ -8,6 +8,7 @@
 #include <new>
 #include <set>
 
+#include "base/atomic_file.h"
 #include "dataset/fracture_line.h"
 #include "dataset/index.h"
 #include "dataset/object_folder.h"
@@ -17,7 +18,6 @@
 #include "dataset/report.h"
 #include "dataset/resources.h"
 #include "dataset/run_record.h"
-#include "io/atomic_file.h"
 
 namespace sherd {
 namespace {

@@ -7,8 +7,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "io/atomic_file.h"
-#include "io/below_folder.h"
+#include "base/atomic_file.h"
+#include "base/below_folder.h"
 
 namespace sherd {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <charconv>
 
-#include "random.h"
+#include "base/random.h"
 
 namespace sherd {
 

@@ -11,10 +11,10 @@
 #include <chrono>
 #include <set>
 
-#include "io/atomic_file.h"
-#include "io/below_folder.h"
-#include "io/little_endian.h"
-#include "io/sha256.h"
+#include "base/atomic_file.h"
+#include "base/below_folder.h"
+#include "base/little_endian.h"
+#include "base/sha256.h"
 
 namespace sherd {
 namespace {

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "dataset/file_queue.h"
-#include "io/zip_writer.h"
+#include "formats/arrays/zip_writer.h"
 
 namespace sherd {
 

@@ -8,16 +8,16 @@
 #include <map>
 #include <mutex>
 
+#include "base/below_folder.h"
+#include "base/file_bytes.h"
+#include "base/input_error.h"
+#include "base/sha256.h"
 #include "dataset/fracture_line.h"
 #include "dataset/index.h"
 #include "dataset/journal.h"
 #include "dataset/object_folder.h"
-#include "io/below_folder.h"
-#include "io/input_error.h"
-#include "io/sha256.h"
-#include "io/zip_reader.h"
-#include "mesh/file_bytes.h"
-#include "mesh/read_mesh.h"
+#include "formats/arrays/zip_reader.h"
+#include "formats/mesh/read_mesh.h"
 
 namespace sherd {
 namespace {

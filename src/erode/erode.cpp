@@ -10,11 +10,11 @@
 #include <cmath>
 #include <string>
 
+#include "base/random.h"
 #include "erode/masks.h"
 #include "erode/shape.h"
 #include "erode/shell.h"
 #include "grow/parts.h"
-#include "random.h"
 
 namespace sherd {
 namespace {

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "points/mesh_distance.h"
+#include "mesh/mesh_distance.h"
 
 namespace sherd {
 

@@ -10,12 +10,12 @@
 #include <limits>
 #include <string>
 
-#include "cancel_flag.h"
+#include "base/cancel_flag.h"
+#include "base/random.h"
 #include "evaluate/convexity_rays.h"
-#include "evaluate/inside.h"
 #include "mesh/hull.h"
+#include "mesh/inside.h"
 #include "mesh/vertex_normals.h"
-#include "random.h"
 
 namespace sherd {
 namespace {

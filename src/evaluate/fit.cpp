@@ -10,10 +10,10 @@
 #include <set>
 #include <string>
 
-#include "cancel_flag.h"
+#include "base/cancel_flag.h"
+#include "base/random.h"
 #include "evaluate/assembly.h"
 #include "evaluate/summary.h"
-#include "random.h"
 
 namespace sherd {
 namespace {

@@ -8,7 +8,7 @@
 #include <set>
 #include <string>
 
-#include "random.h"
+#include "base/random.h"
 
 namespace sherd {
 namespace {

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "cancel_flag.h"
+#include "base/cancel_flag.h"
 #include "mesh/edges.h"
 #include "mesh/triangle_tree.h"
 

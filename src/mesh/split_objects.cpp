@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "mesh/chosen.h"
+#include "base/chosen.h"
 
 namespace sherd {
 namespace {

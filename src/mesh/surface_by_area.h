@@ -1,7 +1,7 @@
 // A mesh as a surface to draw points on.
 #pragma once
 
-#include <sherd/points.h>
+#include <sherd/mesh.h>
 
 #include <vector>
 

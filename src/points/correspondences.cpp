@@ -1,7 +1,7 @@
 // Points on what two fragments share.
 #include <sherd/points.h>
 
-#include "random.h"
+#include "base/random.h"
 
 namespace sherd {
 

@@ -8,9 +8,9 @@
 #include <glm/geometric.hpp>
 #include <string>
 
-#include "half_float.h"
+#include "base/half_float.h"
+#include "base/random.h"
 #include "mesh/surface_by_area.h"
-#include "random.h"
 #include "seed/irwin_hall.h"
 
 namespace sherd {

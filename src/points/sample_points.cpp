@@ -9,9 +9,9 @@
 #include <string>
 #include <utility>
 
+#include "base/random.h"
 #include "mesh/surface_by_area.h"
 #include "points/eliminate.h"
-#include "random.h"
 #include "seed/radical_inverse.h"
 
 namespace sherd {

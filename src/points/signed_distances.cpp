@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "points/mesh_distance.h"
+#include "mesh/mesh_distance.h"
 
 namespace sherd {
 

@@ -1,6 +1,8 @@
 // Vertices clustered by cubes.
 #include "render/pictured.h"
 
+#include <sherd/memory_estimate.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -26,7 +28,7 @@ Fragment pictured(const Fragment& fragment, const Solid& solid) {
   Fragment out;
   out.id = fragment.id;
   out.mass = fragment.mass;
-  const double voxels = solid.box.longestSide() / kPicturedCubes;  // of a cube's side
+  const double voxels = solid.box.longestSide() / kPreviewCubes;  // of a cube's side
   if (voxels < kLeastVoxels) {
     out.mesh = mesh;
     out.facing = fragment.facing;

@@ -5,11 +5,8 @@
 
 namespace sherd {
 
-/// Cubes along a solid's longest side that a preview shows at most.
-inline constexpr double kPicturedCubes = 768.0;
-
 /// Of a fragment what renderFragments looks at: id, mass, mesh and facing.  Of solids of more than
-/// some 960 voxels the mesh is coarser: its vertices in one of kPicturedCubes cubes along the
+/// some 960 voxels the mesh is coarser: its vertices in one of kPreviewCubes cubes along the
 /// longest side become one, at their mean, and faces go that have no area then.  A preview shows
 /// nothing finer, and a tree over all faces of a large solid takes more time and memory than making
 /// them.

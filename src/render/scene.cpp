@@ -12,7 +12,7 @@
 #include <limits>
 #include <string>
 
-#include "embree_error.h"
+#include "mesh/embree_error.h"
 
 namespace sherd {
 namespace {

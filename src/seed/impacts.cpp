@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "random.h"
+#include "base/random.h"
 #include "seed/irwin_hall.h"
 #include "seed/ray.h"
 

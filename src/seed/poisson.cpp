@@ -5,7 +5,7 @@
 #include <bit>
 #include <cmath>
 
-#include "random.h"
+#include "base/random.h"
 
 namespace sherd {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "random.h"
+#include "base/random.h"
 #include "seed/irwin_hall.h"
 #include "seed/poisson.h"
 #include "seed/radical_inverse.h"

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <string>
 
-#include "random.h"
+#include "base/random.h"
 #include "seed/impacts.h"
 #include "seed/nearest_seed.h"
 #include "seed/samplers.h"

@@ -11,7 +11,7 @@
 #include <span>
 #include <utility>
 
-#include "cancel_flag.h"
+#include "base/cancel_flag.h"
 #include "surface/leaf_labels.h"
 #include "surface/site_cut.h"
 

@@ -18,7 +18,7 @@
 #include <queue>
 #include <tuple>
 
-#include "cancel_flag.h"
+#include "base/cancel_flag.h"
 #include "surface/edge_collapse.h"
 #include "surface/quadric.h"
 

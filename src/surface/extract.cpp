@@ -11,14 +11,14 @@
 #include <string>
 #include <utility>
 
-#include "cancel_flag.h"
+#include "base/cancel_flag.h"
+#include "base/uncancelled.h"
 #include "surface/decimate.h"
 #include "surface/label_mesh.h"
 #include "surface/level_set.h"
 #include "surface/lone_mesh.h"
 #include "surface/smooth.h"
 #include "surface/unbroken.h"
-#include "uncancelled.h"
 
 namespace sherd {
 namespace {

@@ -11,7 +11,7 @@
 #include <array>
 #include <optional>
 
-#include "cancel_flag.h"
+#include "base/cancel_flag.h"
 #include "surface/leaf_cells.h"
 #include "surface/rims.h"
 #include "surface/touching.h"

@@ -10,7 +10,7 @@
 #include <set>
 #include <string>
 
-#include "cancel_flag.h"
+#include "base/cancel_flag.h"
 
 namespace sherd {
 namespace {

@@ -8,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-#include "cancel_flag.h"
+#include "base/cancel_flag.h"
 #include "mesh/boxes.h"
 #include "voxelize/discs.h"
 

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "cancel_flag.h"
+#include "base/cancel_flag.h"
 
 namespace sherd {
 namespace {

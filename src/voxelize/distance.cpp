@@ -14,9 +14,8 @@
 #include <utility>
 #include <vector>
 
-#include "cancel_flag.h"
+#include "base/cancel_flag.h"
 #include "voxelize/band.h"
-#include "voxelize/specks.h"
 
 namespace sherd {
 namespace {
@@ -339,6 +338,11 @@ ConstFloatGridPtr withoutVoxels(const FloatGrid& grid, const LeafBlocks& blocks,
     accessor.setValueOnly(voxel, -accessor.getValue(voxel));
   });
   return copy;
+}
+
+void measureVoxels(Solid& solid) {
+  solid.voxels = solid.blocks.insideVoxels();
+  solid.box = insideBox(solid.blocks);
 }
 
 }  // namespace sherd

@@ -54,6 +54,9 @@ struct VoxelCounts {
 /// The inside and outer-band voxels of a level set, interior tiles included.
 [[nodiscard]] LeafBlocks leafBlocks(const openvdb::FloatGrid& grid);
 
+/// Set a solid's `voxels` and `box` from its blocks.
+void measureVoxels(Solid& solid);
+
 /// A copy of a level set in which the inside voxels that `isSpeck(place)` names are outside.
 [[nodiscard]] ConstFloatGridPtr withoutVoxels(const openvdb::FloatGrid& grid,
                                               const LeafBlocks& blocks,

@@ -11,7 +11,7 @@
 #include <glm/geometric.hpp>
 #include <vector>
 
-#include "cancel_flag.h"
+#include "base/cancel_flag.h"
 #include "mesh/boxes.h"
 
 namespace sherd {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <sherd/mesh.h>
-#include <sherd/mesh_report.h>
 #include <sherd/solid.h>
 
 #include <cstdint>

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 
-#include "cancel_flag.h"
+#include "base/cancel_flag.h"
 
 namespace sherd {
 namespace {

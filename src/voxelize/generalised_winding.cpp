@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 #include <utility>
 
-#include "cancel_flag.h"
+#include "base/cancel_flag.h"
 #include "mesh/edges.h"
 #include "mesh/joined.h"
 

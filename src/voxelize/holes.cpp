@@ -12,7 +12,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "cancel_flag.h"
+#include "base/cancel_flag.h"
 
 namespace sherd {
 namespace {

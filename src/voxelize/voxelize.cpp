@@ -8,12 +8,11 @@
 #include <utility>
 #include <vector>
 
-#include "cancel_flag.h"
+#include "base/cancel_flag.h"
 #include "mesh/repair.h"
 #include "voxelize/bridges.h"
 #include "voxelize/distance.h"
 #include "voxelize/fill.h"
-#include "voxelize/specks.h"
 #include "voxelize/walls.h"
 
 namespace sherd {

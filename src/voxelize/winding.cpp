@@ -9,7 +9,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "cancel_flag.h"
+#include "base/cancel_flag.h"
 
 namespace sherd {
 namespace {

@@ -10,7 +10,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "fracture_stages.h"
+#include "pipeline/fracture_stages.h"
 #include "shapes.h"
 #include "surface/mesh.h"
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 
+#include "base/little_endian.h"
 #include "draco_stream.h"
-#include "io/little_endian.h"
 #include "shapes.h"
 
 namespace sherd::fuzz {

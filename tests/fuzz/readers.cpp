@@ -13,18 +13,18 @@
 #include <set>
 #include <string>
 
+#include "base/below_folder.h"
+#include "base/parsed_json.h"
 #include "cli/config_file.h"
 #include "dataset/figures.h"
 #include "dataset/journal.h"
 #include "dataset/plan.h"
+#include "folder/read_manifest.h"
+#include "folder/seed_file.h"
+#include "formats/mesh/mtl.h"
+#include "formats/mesh/read_facing.h"
+#include "formats/mesh/read_mesh.h"
 #include "fuzz/draco_files.h"
-#include "io/below_folder.h"
-#include "io/parsed_json.h"
-#include "io/read_facing.h"
-#include "io/read_manifest.h"
-#include "io/seed_file.h"
-#include "mesh/mtl.h"
-#include "mesh/read_mesh.h"
 
 namespace sherd::fuzz {
 namespace {

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "base/random.h"
 #include "device_fixture.h"
 #include "grow/relief.h"
 #include "grow_reference.h"
-#include "random.h"
 
 namespace sherd {
 namespace {

@@ -14,10 +14,10 @@
 #include <thread>
 #include <vector>
 
+#include "base/atomic_file.h"
+#include "base/held_files.h"
+#include "base/unfinished.h"
 #include "dataset/file_queue.h"
-#include "io/atomic_file.h"
-#include "io/held_files.h"
-#include "io/unfinished.h"
 #include "temp_folder.h"
 
 namespace sherd {

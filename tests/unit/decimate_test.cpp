@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/random.h"
 #include "mesh_checks.h"
-#include "random.h"
 #include "shapes.h"
 #include "surface/label_mesh.h"
 

@@ -18,10 +18,10 @@
 #include <sstream>
 #include <string>
 
-#include "io/atomic_file.h"
-#include "io/held_files.h"
-#include "io/read_manifest.h"
-#include "io/vdb.h"
+#include "base/atomic_file.h"
+#include "base/held_files.h"
+#include "folder/read_manifest.h"
+#include "formats/voxels/vdb.h"
 #include "temp_folder.h"
 
 namespace sherd {

@@ -1,5 +1,5 @@
 // What becomes of a folder's files when a fracture goes into it, and after a kill.
-#include "io/fracture_folder.h"
+#include "folder/fracture_folder.h"
 
 #include <gtest/gtest.h>
 #include <sherd/error.h>
@@ -11,9 +11,9 @@
 #include <nlohmann/json.hpp>
 
 #include "../temp_folder.h"
-#include "io/partial_folder.h"
-#include "io/read_manifest.h"
-#include "io/unfinished.h"
+#include "base/unfinished.h"
+#include "folder/partial_folder.h"
+#include "folder/read_manifest.h"
 
 namespace sherd {
 namespace {

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <limits>
 
-#include "fracture_stages.h"
 #include "kernels/device_fixture.h"
+#include "pipeline/fracture_stages.h"
 #include "shapes.h"
 
 namespace sherd {

@@ -9,8 +9,8 @@
 
 #include "../shapes.h"
 #include "../temp_folder.h"
-#include "io/natural_order.h"
-#include "io/read_facing.h"
+#include "base/natural_order.h"
+#include "formats/mesh/read_facing.h"
 
 namespace sherd {
 namespace {

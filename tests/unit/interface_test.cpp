@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
+#include "base/random.h"
 #include "kernels/device_fixture.h"
 #include "mesh_checks.h"
-#include "random.h"
 #include "rims.h"
 #include "shapes.h"
 #include "surface/cell.h"

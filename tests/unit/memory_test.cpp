@@ -1,7 +1,7 @@
 // Memory told before it is taken.
 #include <gtest/gtest.h>
 #include <sherd/error.h>
-#include <sherd/memory.h>
+#include <sherd/memory_estimate.h>
 
 #include <algorithm>
 #include <cmath>

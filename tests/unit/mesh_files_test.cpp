@@ -15,8 +15,8 @@
 #include <set>
 #include <sstream>
 
-#include "io/materials.h"
-#include "io/piece_mesh.h"
+#include "formats/mesh/materials.h"
+#include "formats/mesh/piece_mesh.h"
 #include "mesh/vertex_normals.h"
 #include "shapes.h"
 #include "temp_folder.h"

@@ -16,8 +16,8 @@
 #include <numeric>
 #include <span>
 
+#include "base/random.h"
 #include "kernels/device_fixture.h"
-#include "random.h"
 #include "rims.h"
 #include "shapes.h"
 

@@ -1,5 +1,5 @@
 // Which of the files that a manifest lists are a fracture's by their names.
-#include "io/own_files.h"
+#include "folder/own_files.h"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "io/file_names.h"
-#include "io/read_manifest.h"
-#include "option_names.h"
+#include "base/option_names.h"
+#include "folder/file_names.h"
+#include "folder/read_manifest.h"
 
 namespace sherd {
 namespace {

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "../shapes.h"
-#include "half_float.h"
+#include "base/half_float.h"
 #include "mesh/nearest_on_triangle.h"
 
 namespace sherd {

@@ -12,9 +12,9 @@
 #include <set>
 #include <string>
 
-#include "fracture_stages.h"
 #include "kernels/device_fixture.h"
 #include "kernels/voxel_shapes.h"
+#include "pipeline/fracture_stages.h"
 #include "shapes.h"
 
 namespace sherd {

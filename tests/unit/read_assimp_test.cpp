@@ -1,5 +1,5 @@
 // What sherd-assimp reads, and what becomes of a program in its place that dies, hangs or lies.
-#include "mesh/read_assimp.h"
+#include "formats/mesh/read_assimp.h"
 
 #include <gtest/gtest.h>
 #include <sherd/mesh.h>
@@ -17,7 +17,7 @@
 #include <sstream>
 #include <string>
 
-#include "mesh/mesh_stream.h"
+#include "formats/mesh/mesh_stream.h"
 #include "mesh_folder.h"
 
 namespace sherd {

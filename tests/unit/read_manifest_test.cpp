@@ -1,6 +1,6 @@
 // Manifests that nobody of ours wrote: what is wrong with them is told, and no file outside their
 // folder is named.
-#include "io/read_manifest.h"
+#include "folder/read_manifest.h"
 
 #include <gtest/gtest.h>
 #include <sherd/error.h>

@@ -13,9 +13,9 @@
 #include <string>
 #include <vector>
 
+#include "base/memory_budget.h"
 #include "draco_stream.h"
-#include "memory_budget.h"
-#include "mesh/polygon_mesh.h"
+#include "formats/mesh/polygon_mesh.h"
 #include "mesh_folder.h"
 #include "shapes.h"
 

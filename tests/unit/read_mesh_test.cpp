@@ -22,7 +22,7 @@
 #include <string>
 #include <utility>
 
-#include "mesh/contradictions.h"
+#include "formats/mesh/contradictions.h"
 #include "mesh_folder.h"
 #include "shapes.h"
 

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <png.h>
 #include <sherd/error.h>
+#include <sherd/memory_estimate.h>
 #include <sherd/render.h>
 #include <sys/resource.h>
 #include <tbb/global_control.h>
@@ -290,7 +291,7 @@ TEST(Pictured, OfAFinerSolidIsCoarserAndLooksTheSame) {
   const Fragment ball = fragmentOf(1, shapes::ball(1.0, 7), 2);
   const double length = 768.0 / 32.0;
   const Fragment coarse = pictured(ball, solidOf(2048, length));
-  const double cube = length / kPicturedCubes;
+  const double cube = length / kPreviewCubes;
   EXPECT_LT(coarse.mesh.triangles.size(), ball.mesh.triangles.size() / 3);
   EXPECT_EQ(coarse.facing, std::vector<std::uint16_t>(coarse.mesh.triangles.size(), 2));
   EXPECT_EQ(coarse.mass.centroid, ball.mass.centroid);

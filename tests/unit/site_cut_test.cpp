@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 #include <vector>
 
-#include "random.h"
+#include "base/random.h"
 
 namespace sherd {
 namespace {

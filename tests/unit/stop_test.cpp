@@ -19,9 +19,10 @@
 #include <utility>
 #include <vector>
 
-#include "io/atomic_file.h"
-#include "io/held_files.h"
-#include "io/unfinished.h"
+#include "base/atomic_file.h"
+#include "base/held_files.h"
+#include "base/unfinished.h"
+#include "formats/voxels/voxel_faces.h"
 #include "mesh/repair.h"
 #include "shapes.h"
 #include "surface/complex.h"
@@ -34,7 +35,6 @@
 #include "voxelize/bridges.h"
 #include "voxelize/flood.h"
 #include "voxelize/generalised_winding.h"
-#include "voxelize/voxel_faces.h"
 #include "voxelize/winding.h"
 
 namespace sherd {

@@ -1,5 +1,5 @@
 // Work that an error elsewhere does not cut off.
-#include "uncancelled.h"
+#include "base/uncancelled.h"
 
 #include <gtest/gtest.h>
 #include <tbb/parallel_for.h>

@@ -13,10 +13,10 @@
 #include <functional>
 #include <random>
 
+#include "formats/voxels/voxel_faces.h"
 #include "mesh/winding_number.h"
 #include "shapes.h"
 #include "temp_folder.h"
-#include "voxelize/voxel_faces.h"
 
 namespace sherd {
 namespace {

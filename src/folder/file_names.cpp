@@ -1,0 +1,99 @@
+// How the files of a fracture are named.
+#include "folder/file_names.h"
+
+#include <algorithm>
+
+#include "base/option_names.h"
+
+namespace sherd {
+namespace {
+
+std::vector<std::string> meshNames(const std::string& name, const WriteOptions& write) {
+  std::vector<std::string> names;
+  for (const MeshFileFormat format : write.meshFormats) {
+    names.push_back(
+        name + "." +
+        (format == MeshFileFormat::stlText ? "stl" : names::of(names::kMeshFileFormat, format)));
+  }
+  return names;
+}
+
+// What .obj and .ply files refer to; a .glb has its textures in it.
+void addLooks(FractureFiles& files, const std::string& stem, const MaterialTable& table,
+              const WriteOptions& write) {
+  const auto wanted = [&](MeshFileFormat format) {
+    return std::find(write.meshFormats.begin(), write.meshFormats.end(), format) !=
+           write.meshFormats.end();
+  };
+  if (write.plainMeshes) return;
+  if (wanted(MeshFileFormat::obj)) files.materials = "meshes/" + withoutBlanks(stem) + ".mtl";
+  if (!wanted(MeshFileFormat::obj) && !wanted(MeshFileFormat::ply)) return;
+  for (const MaterialTable::Picture& picture : table.textures) {
+    files.textures.push_back("meshes/" + picture.file);
+  }
+}
+
+}  // namespace
+
+std::string pieceName(const std::string& stem, std::size_t id, std::size_t fragments) {
+  const std::size_t digits = std::max<std::size_t>(3, std::to_string(fragments).size());
+  const std::string number = std::to_string(id);
+  return stem + "_" + std::string(digits - number.size(), '0') + number;
+}
+
+bool isSubfolder(const std::string& name) {
+  for (const char* own : {"fragments", "meshes", "points", "proxies", "sdf"}) {
+    if (name == own) return true;
+  }
+  return false;
+}
+
+FractureFiles fileNames(const SourceMesh& source, std::size_t fragments,
+                        const std::vector<std::size_t>& triangles, const MaterialTable& table,
+                        const WriteOptions& write) {
+  const std::string stem = safeName(source.stem, "piece");
+  FractureFiles files;
+  for (std::size_t id = 1; id <= fragments; ++id) {
+    const std::string name = pieceName(stem, id, fragments);
+    if (write.vdb && write.vdbFiles != VdbFiles::single) {
+      files.vdb.push_back("fragments/" + name + ".vdb");
+    }
+    if (write.proxy) files.proxy.push_back("proxies/" + name + ".obj");
+    if (write.mesh) files.mesh.push_back(meshNames("meshes/" + name, write));
+    if (write.points.count > 0) {
+      files.points.emplace_back();
+      for (const PointFormat format : write.pointFormats) {
+        files.points.back().push_back("points/" + name + "." +
+                                      names::of(names::kPointFormat, format));
+      }
+    }
+    if (write.distances.count > 0) files.sdf.push_back("sdf/" + name + ".npz");
+    if (!write.mesh || triangles.empty()) continue;
+    std::vector<std::vector<std::string>>& coarse = files.coarse.emplace_back();
+    for (const std::size_t t : triangles) {
+      coarse.push_back(meshNames("meshes/" + name + "_t" + std::to_string(t), write));
+    }
+  }
+  if (write.vdb && write.vdbFiles != VdbFiles::files) files.allVdb = "fragments.vdb";
+  if (write.solid && write.vdb) files.solidVdb = "fragments/" + stem + ".vdb";
+  if (write.solid && write.mesh) files.solidMesh = meshNames("meshes/" + stem, write);
+  if (write.scene) files.scene = "scene.glb";
+  if (write.graph) {
+    files.graph = "graph.json";
+    files.constraints = "graph.geo";
+  }
+  if (write.mesh) addLooks(files, stem, table, write);
+  if (write.distances.count > 0) files.solidSdf = "sdf/" + stem + ".npz";
+  if (write.correspondences > 0) files.correspondences = "correspondences.npz";
+  for (const VoxelFormat format : write.voxelFormats) {
+    if (!write.labels) break;
+    files.labels.push_back(std::string("labels.") + names::of(names::kVoxelFormat, format));
+  }
+  if (write.preview) files.preview = "preview.png";
+  if (write.seeds) files.seeds = "seeds.json";
+  if (write.rims) files.rims = "rims.obj";
+  if (write.cost) files.cost = "cost.vdb";
+  return files;
+}
+
+}  // namespace sherd

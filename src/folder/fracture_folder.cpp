@@ -1,0 +1,258 @@
+// A fracture's folder: written aside, then moved into place (partial_folder.h).
+#include "folder/fracture_folder.h"
+
+#include <sherd/error.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <new>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <system_error>
+#include <utility>
+
+#include "base/atomic_file.h"
+#include "base/below_folder.h"
+#include "base/text_scan.h"
+#include "base/unfinished.h"
+#include "folder/own_files.h"
+#include "folder/partial_folder.h"
+#include "folder/read_manifest.h"
+
+namespace sherd {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void outputError(const fs::path& path, const std::string& what) {
+  throw Error(ErrorCode::output, path.string() + ": " + what);
+}
+
+// Where it is memory that lacks, the folder is not at fault.
+[[noreturn]] void outputError(const fs::path& path, const std::string& what,
+                              const fs::filesystem_error& e) {
+  if (e.code() == std::errc::not_enough_memory) throw std::bad_alloc();
+  outputError(path, what + ": " + reasonOf(e.code().value()));
+}
+
+// ---- What is in the folder already
+
+// The files of the fracture that is in the folder; none where the folder is empty.
+OwnFiles filesOfOurs(const fs::path& folder) {
+  if (const std::optional<nlohmann::json> manifest = manifestJson(folder / kManifestName)) {
+    std::optional<OwnFiles> files = ownFiles(*manifest);
+    if (files) return std::move(*files);
+    outputError(folder / kManifestName,
+                "lists files that are not below its folder, so nothing is replaced; "
+                "name an absent or empty folder");
+  }
+  std::set<std::string> names;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    names.insert(entry.path().filename().string());
+  }
+  names.erase(kPartialName);
+  if (names.empty()) return {};
+  outputError(folder, "holds '" + *names.begin() +
+                          "' and no manifest of a fracture; name an absent or empty folder");
+}
+
+// Only making something tells whether something can be made.
+void requireWritable(const fs::path& folder) {
+  const Uncut whole;
+  std::string probe = (folder / ".sherd-probe-XXXXXX").string();
+  if (::mkdtemp(probe.data()) == nullptr) {
+    outputError(folder, "cannot be written: " + reasonOf(errno));
+  }
+  ::rmdir(probe.c_str());
+}
+
+// ---- Writing aside
+
+// Folders made where they were missing, taken away again unless kept.
+class MadeFolders {
+ public:
+  MadeFolders() = default;
+  ~MadeFolders() {
+    for (auto p = made_.rbegin(); p != made_.rend(); ++p) ::rmdir(p->path.c_str());
+  }
+  MadeFolders(const MadeFolders&) = delete;
+  MadeFolders& operator=(const MadeFolders&) = delete;
+
+  void make(const fs::path& folder) {
+    std::vector<fs::path> missing;
+    for (fs::path p = folder; !p.empty() && !fs::exists(p); p = p.parent_path()) {
+      if (p.has_filename()) missing.push_back(p);
+    }
+    made_.reserve(made_.size() + missing.size());
+    for (auto p = missing.rbegin(); p != missing.rend(); ++p) {
+      const Uncut whole;
+      Made one{*p, {*p, Unfinished::Kind::madeFolder}};  // before, as memory may be out
+      if (::mkdir(p->c_str(), 0777) == 0) {
+        made_.push_back(std::move(one));
+      } else if (errno != EEXIST) {
+        outputError(*p, "cannot be made: " + reasonOf(errno));
+      }
+    }
+  }
+  void keep() { made_.clear(); }
+
+ private:
+  struct Made {
+    fs::path path;
+    Unfinished unfinished;
+  };
+  std::vector<Made> made_;
+};
+
+void makeParents(const fs::path& root, const std::vector<std::string>& files) {
+  const auto make = [](const fs::path& folder) {
+    const Uncut whole;
+    fs::create_directories(folder);
+  };
+  make(root);
+  for (const std::string& file : files) make((root / file).parent_path());
+}
+
+// What an earlier manifest lists, and no fracture's file is called.
+std::vector<std::string> warningsOf(const fs::path& folder,
+                                    const std::vector<std::string>& others) {
+  constexpr std::size_t kMostNamed = 8;
+  std::string named;
+  std::size_t count = 0;
+  for (const std::string& file : others) {
+    std::error_code none;
+    if (!fs::exists(fs::symlink_status(folder / file, none))) continue;
+    if (++count <= kMostNamed) named += (named.empty() ? "" : ", ") + inQuotes(file);
+  }
+  if (count == 0) return {};
+  if (count > kMostNamed) named += " and " + std::to_string(count - kMostNamed) + " more";
+  return {folder.string() + ": the earlier manifest lists " + named + ", which " +
+          (count == 1 ? "is not named as a fracture's file and stays"
+                      : "are not named as a fracture's files and stay")};
+}
+
+// Files are written aside, but a message names them where they will be.
+std::string withoutAside(std::string message) {
+  const std::string aside = std::string(kPartialName) + "/new/";
+  const std::size_t at = message.find(aside);
+  return at == std::string::npos ? message : message.erase(at, aside.size());
+}
+
+}  // namespace
+
+void checkFractureFolder(const fs::path& folder) {
+  try {
+    if (folder.empty()) throw Error(ErrorCode::output, "the output folder has no name");
+    if (fs::is_directory(folder)) {
+      if (present(folder / kPartialName)) const PartialFolder undone(folder);
+      (void)filesOfOurs(folder);
+      const PartialFolder probe(folder);  // only making something tells whether it can be written
+      return;
+    }
+    if (present(folder)) outputError(folder, "is not a folder; name an absent or empty folder");
+    fs::path parent = fs::absolute(folder).parent_path();
+    while (!present(parent)) parent = parent.parent_path();
+    if (!fs::is_directory(parent)) {
+      outputError(folder, "cannot be made, because " + parent.string() + " is not a folder");
+    }
+    requireWritable(parent);
+  } catch (const fs::filesystem_error& e) {
+    outputError(folder, "cannot be used", e);
+  }
+}
+
+struct FractureReplacement::Parts {
+  fs::path folder;
+  std::vector<std::string> fresh;
+  MadeFolders made;
+  std::optional<PartialFolder> partial;
+  std::vector<std::string> old;
+  std::vector<std::string> warnings;
+  bool isInPlace = false;  // and not kept
+};
+
+namespace {
+
+template <class Work>
+auto withFolderErrors(const fs::path& folder, const Work& work) {
+  try {
+    return work();
+  } catch (const Error& e) {
+    throw Error(e.code(), withoutAside(e.what()));
+  } catch (const fs::filesystem_error& e) {
+    outputError(folder, "cannot be written", e);
+  }
+}
+
+}  // namespace
+
+FractureReplacement::FractureReplacement(fs::path folder, std::vector<std::string> fresh)
+    : parts_(std::make_unique<Parts>()) {
+  parts_->folder = std::move(folder);
+  parts_->fresh = std::move(fresh);
+  checkFractureFolder(parts_->folder);
+  withFolderErrors(parts_->folder, [this] {
+    const fs::path& at = parts_->folder;
+    parts_->made.make(at);
+    parts_->partial.emplace(at);
+    OwnFiles listed = filesOfOurs(at);
+    parts_->old = std::move(listed.own);
+    parts_->warnings = warningsOf(at, listed.others);
+    const std::set<std::string> ours(parts_->old.begin(), parts_->old.end());
+    for (const std::string& file : parts_->old) requireOwnSubfolder(at, file);
+    for (const std::string& file : parts_->fresh) {
+      requireOwnSubfolder(at, file);
+      if (present(at / file) && !ours.contains(file)) {
+        outputError(at / file,
+                    "is in the way and not an earlier fracture's; move it away or "
+                    "name another output folder");
+      }
+    }
+    makeParents(parts_->partial->fresh(), parts_->fresh);
+  });
+}
+
+FractureReplacement::~FractureReplacement() {
+  try {
+    (void)takeBack();
+  } catch (const std::exception&) {
+    // No memory for the sentence that nobody takes.
+  }
+}
+FractureReplacement::FractureReplacement(FractureReplacement&& other) noexcept = default;
+
+std::string FractureReplacement::takeBack() {
+  if (!parts_ || !std::exchange(parts_->isInPlace, false)) return {};
+  try {
+    parts_->partial->takeBack(parts_->fresh);
+    return {};
+  } catch (const Error& e) {
+    return parts_->folder.string() + " is not as it was before: " + e.what();
+  }
+}
+
+void FractureReplacement::write(const std::function<void(const fs::path&)>& write) {
+  withFolderErrors(parts_->folder, [&] { write(parts_->partial->fresh()); });
+}
+
+const std::vector<std::string>& FractureReplacement::warnings() const { return parts_->warnings; }
+
+void FractureReplacement::putInPlace() {
+  withFolderErrors(parts_->folder,
+                   [this] { parts_->partial->putInPlace(parts_->old, parts_->fresh); });
+  parts_->isInPlace = true;
+}
+
+fs::path FractureReplacement::keep() {
+  return withFolderErrors(parts_->folder, [this] {
+    parts_->isInPlace = false;
+    parts_->made.keep();
+    parts_->partial->keep();
+    parts_->partial.reset();
+    return parts_->folder / kManifestName;
+  });
+}
+
+}  // namespace sherd

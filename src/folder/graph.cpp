@@ -1,0 +1,111 @@
+// What touches what, for simulations.
+#include <sherd/io.h>
+
+#include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
+
+#include "base/json_of.h"
+#include "base/number_text.h"
+
+namespace sherd {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::uint32_t kNoParent = 0xffffffffu;  // as Blast has it
+
+Json chunkJson(const glm::dvec3& centroid, double volume, std::uint32_t parent, bool isSupport,
+               int userData) {
+  return {{"centroid", jsonOf(centroid)},
+          {"volume", volume},
+          {"parentChunkIndex", parent},
+          {"flags", isSupport ? 1 : 0},
+          {"userData", userData}};
+}
+
+// Calls see(one, other, contact as `one` has it) for each two fragments that touch and are there.
+template <class See>
+void forEachContact(std::span<const Fragment> fragments, const See& see) {
+  for (const Fragment& fragment : fragments) {
+    for (const Contact& contact : fragment.contacts) {
+      const auto other = static_cast<std::size_t>(contact.fragment - 1);
+      if (contact.fragment <= fragment.id || other >= fragments.size()) continue;
+      see(fragment, fragments[other], contact);
+    }
+  }
+}
+
+}  // namespace
+
+void writeGraph(const OutputFile& file, std::span<const Fragment> fragments,
+                const VdbNotes& notes) {
+  double volume = 0.0;
+  glm::dvec3 moment(0.0);
+  for (const Fragment& fragment : fragments) {
+    volume += fragment.mass.volume;
+    moment += fragment.mass.volume * fragment.mass.centroid;
+  }
+  Json chunks = Json::array({chunkJson(moment / volume, volume, kNoParent, false, 0)});
+  for (const Fragment& fragment : fragments) {
+    Json chunk = chunkJson(fragment.mass.centroid, fragment.mass.volume, 0, true, fragment.id);
+    chunk["mass"] = notes.density * fragment.mass.volume;
+    chunks.push_back(std::move(chunk));
+  }
+  Json bonds = Json::array();
+  forEachContact(fragments,
+                 [&](const Fragment& one, const Fragment& other, const Contact& contact) {
+                   bonds.push_back({{"chunkIndices", {one.id, other.id}},
+                                    {"normal", jsonOf(contact.normal)},
+                                    {"area", contact.area},
+                                    {"centroid", jsonOf(contact.centroid.v)},
+                                    {"userData", 0}});
+                 });
+  const Json graph = {{"schema", "sherd-graph/1"},
+                      {"source", notes.source},
+                      {"density", notes.density},
+                      {"chunks", std::move(chunks)},
+                      {"bonds", std::move(bonds)}};
+  file.write(graph.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+void writeConstraints(const OutputFile& file, std::span<const Fragment> fragments) {
+  std::size_t bonds = 0;
+  std::string lines;
+  forEachContact(
+      fragments, [&](const Fragment& one, const Fragment& other, const Contact& contact) {
+        appendShortest(lines += " 2 : ", one.id - 1);
+        appendShortest(lines += ' ', other.id - 1);
+        appendShortest(lines += " [0 0 ", glm::length(one.mass.centroid - other.mass.centroid));
+        appendShortest(lines += ' ', contact.area);
+        lines += "]\n";
+        ++bonds;
+      });
+  std::string text = "PGEOMETRY V5\nNPoints ";
+  appendShortest(text, fragments.size());
+  appendShortest(text += " NPrims ", bonds);
+  text += "\nNPointGroups 0 NPrimGroups 0\nNPointAttrib 1 NVertexAttrib 0 NPrimAttrib ";
+  text += bonds > 0 ? "4" : "0";
+  text += " NAttrib 0\nPointAttrib\nname 1 index ";
+  appendShortest(text, fragments.size());
+  for (const Fragment& fragment : fragments) appendShortest(text += " piece", fragment.id);
+  text += '\n';
+  for (std::size_t i = 0; i < fragments.size(); ++i) {
+    const glm::dvec3& at = fragments[i].mass.centroid;
+    for (int axis = 0; axis < 3; ++axis) {
+      appendShortest(text, at[axis] + 0.0);
+      text += ' ';
+    }
+    appendShortest(text += "1 (", i);
+    text += ")\n";
+  }
+  if (bonds > 0) {
+    text +=
+        "PrimitiveAttrib\nconstraint_name 1 index 1 glue\nconstraint_type 1 index 1 all\n"
+        "restlength 1 float 0\nstrength 1 float 0\nRun ";
+    appendShortest(text, bonds);
+    text += " Poly\n" + lines;
+  }
+  file.write(text + "beginExtra\nendExtra\n");
+}
+
+}  // namespace sherd

@@ -1,0 +1,168 @@
+// What was found wrong with a mesh and done about it, told.
+#include "folder/mesh_report.h"
+
+#include <cmath>
+#include <utility>
+
+#include "base/formatted.h"
+#include "base/option_names.h"
+#include "base/text_scan.h"
+
+namespace sherd {
+namespace {
+
+std::string text(double value) { return formatted("%.4g", value); }
+
+std::string percent(double share) { return formatted("%.2g %%", 100.0 * share); }
+
+std::string counted(std::size_t count, const std::string& what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
+// Of the fragments' meshes; of voxels where some were worn off.
+double solidVolume(const FractureResult& result) {
+  if (!result.worn.empty() && result.worn.front() > 0) {
+    return static_cast<double>(result.solid.voxels) * std::pow(result.solid.frame.voxelSize, 3);
+  }
+  double sum = 0.0;
+  for (const Fragment& fragment : result.fragments) sum += fragment.mass.volume;
+  return sum;
+}
+
+// By how much the solid's volume differs from the mesh's, as a share of it.
+double difference(const FractureResult& result) {
+  const double mesh = result.solid.report.meshVolume;
+  return mesh > 0.0 ? solidVolume(result) / mesh - 1.0 : 0.0;
+}
+
+bool isShort(const SolidReport& report) {
+  return report.fill != Fill::shell && report.resolution.automatic &&
+         report.walls.resolution > kMostAutoResolution;
+}
+
+// The resolution that was chosen, and why.
+std::string choiceText(const SolidReport& report) {
+  const int used = report.resolution.resolution;
+  const double coarser = kLeastAutoResolution / static_cast<double>(used);
+  const std::string at = " at " + std::to_string(kLeastAutoResolution);
+  std::string choice = "resolution " + std::to_string(used) + ", chosen automatically: ";
+  if (report.fill == Fill::shell) return choice + "as for every shell";
+  if (used == kLeastAutoResolution) return choice + "it holds the mesh's walls";
+  if (report.walls.forWalls >= report.walls.forVolume) {
+    choice += "walls would be down to " + text(report.walls.thinnest * coarser) + " voxels" + at;
+  } else {
+    choice += "branches and edges would lose more than 2 % of the volume" + at;
+  }
+  return isShort(report) ? choice + "; no higher one is chosen" : choice;
+}
+
+std::string titleOf(const SourceMesh& source) { return titled(source.name, source); }
+
+}  // namespace
+
+std::string titled(const std::string& file, const SourceMesh& source) {
+  return source.objects.size() == 1 ? file + ", " + inQuotes(source.objects.front()) : file;
+}
+
+nlohmann::ordered_json reportJson(const SourceMesh& source, const FractureResult& result) {
+  const SolidReport& report = result.solid.report;
+  const MeshDefects& defects = report.defects;
+  nlohmann::ordered_json json = {{"parts", defects.parts},
+                                 {"boundary_edges", defects.boundaryEdges},
+                                 {"non_manifold_edges", defects.nonManifoldEdges},
+                                 {"misoriented_edges", defects.misorientedEdges},
+                                 {"turned_triangles", defects.turnedTriangles},
+                                 {"turned_parts", defects.turnedParts},
+                                 {"dropped_vertices", source.droppedVertices},
+                                 {"degenerate_triangles", source.degenerateTriangles},
+                                 {"zero_area_triangles", defects.zeroAreaTriangles},
+                                 {"duplicate_triangles", defects.duplicateTriangles},
+                                 {"fill", names::of(names::kFill, report.fill)},
+                                 {"fill_reason", report.fillReason}};
+  if (report.fill == Fill::shell) {
+    json["shell_thickness"] = report.shellThickness;
+  } else {
+    json["mesh_volume"] = report.meshVolume;
+  }
+  json["solid_volume"] = solidVolume(result);
+  json["bridges"] = report.bridges;
+  json["resolution"] = {{"used", report.resolution.resolution},
+                        {"automatic", report.resolution.automatic},
+                        {"for_walls", report.walls.forWalls},
+                        {"for_volume", report.walls.forVolume}};
+  json["walls"] = {{"thin_share", report.walls.thinShare},
+                   {"thinnest_voxels", std::isfinite(report.walls.thinnest)
+                                           ? nlohmann::ordered_json(report.walls.thinnest)
+                                           : nlohmann::ordered_json()},
+                   {"resolution_to_hold", report.walls.resolution > 0
+                                              ? nlohmann::ordered_json(report.walls.resolution)
+                                              : nlohmann::ordered_json()}};
+  return json;
+}
+
+std::string reportText(const SourceMesh& source, const FractureResult& result) {
+  const SolidReport& report = result.solid.report;
+  const MeshDefects& defects = report.defects;
+  std::string found = titleOf(source) + ": " + counted(source.mesh.triangles.size(), "triangle") +
+                      " in " + counted(defects.parts, "part");
+  const std::pair<std::size_t, const char*> faults[] = {
+      {defects.boundaryEdges, "boundary edge"},
+      {defects.nonManifoldEdges, "non-manifold edge"},
+      {defects.misorientedEdges, "misoriented edge"},
+      {defects.duplicateTriangles, "duplicate triangle"},
+      {source.droppedVertices, "infinite corner"},
+      {source.degenerateTriangles + defects.zeroAreaTriangles, "degenerate triangle"}};
+  bool clean = true;
+  for (const auto& [count, what] : faults) {
+    if (count > 0) found += ", " + counted(count, what);
+    clean &= count == 0;
+  }
+  if (clean) found += ", closed and clean";
+
+  std::string done =
+      std::string("filled by ") + names::of(names::kFill, report.fill) + ": " + report.fillReason;
+  if (report.fill == Fill::shell) done += "; a shell " + text(report.shellThickness) + " thick";
+  if (defects.turnedTriangles > 0) {
+    done += "; " + counted(defects.turnedTriangles, "triangle") + " turned over";
+  }
+  if (defects.turnedParts > 0) {
+    done += "; " + counted(defects.turnedParts, "part") + " turned inside out";
+  }
+
+  std::string volumes = "volume " + text(solidVolume(result));
+  if (report.meshVolume > 0.0) {
+    volumes += ", the mesh's own " + text(report.meshVolume) + " (" +
+               (difference(result) < 0.0 ? "-" : "+") + percent(std::abs(difference(result))) + ")";
+  }
+  if (report.walls.thinShare > 0.0) {
+    volumes += "; walls thinner than a voxel behind " + percent(report.walls.thinShare) +
+               " of the surface";
+  }
+  const std::string choice = report.resolution.automatic ? choiceText(report) + "\n" : "";
+  return found + "\n" + done + "\n" + choice + volumes + "\n";
+}
+
+std::vector<std::string> reportWarnings(const SourceMesh& source, const FractureResult& result) {
+  std::vector<std::string> warnings;
+  const SolidReport& report = result.solid.report;
+  if (std::abs(difference(result)) > kVolumesAgree) {
+    warnings.push_back(titleOf(source) + ": the solid's volume is " + text(solidVolume(result)) +
+                       ", the mesh's own " + text(report.meshVolume) +
+                       "; overlapping parts count once, and walls thinner than a voxel are lost");
+  }
+  if (isShort(report)) {
+    warnings.push_back(titleOf(source) + ": the mesh needs a --resolution of " +
+                       std::to_string(report.walls.resolution) + ", and no higher one than " +
+                       std::to_string(kMostAutoResolution) +
+                       " is chosen automatically; walls are " + text(report.walls.thinnest) +
+                       " voxels thin, and parts may be lost");
+  } else if (report.walls.thinnest < 1.0 && report.walls.resolution > 0 &&
+             report.fill != Fill::shell) {
+    warnings.push_back(titleOf(source) + ": walls are down to " + text(report.walls.thinnest) +
+                       " voxels thin, of which parts may be lost; a --resolution of " +
+                       std::to_string(report.walls.resolution) + " would hold them");
+  }
+  return warnings;
+}
+
+}  // namespace sherd

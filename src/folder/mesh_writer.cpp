@@ -1,0 +1,62 @@
+// Writes the meshes of a fracture, with the look of the mesh that was broken.
+#include "folder/mesh_writer.h"
+
+#include "folder/file_names.h"
+#include "formats/mesh/piece_mesh.h"
+
+namespace sherd {
+
+MeshWriter::MeshWriter(const OutputFolder& folder, const FractureFiles& files,
+                       const SourceMesh& source, const MaterialTable& table, const LookSource* look,
+                       const WriteOptions& write)
+    : folder_(folder),
+      table_(table),
+      options_(write),
+      look_(look),
+      library_(std::filesystem::path(files.materials).filename().string()),
+      stem_(safeName(source.stem, "piece")) {
+  if (files.mesh.empty() && files.scene.empty()) return;
+  if (!files.materials.empty()) (folder / files.materials).write(mtlText(table));
+  for (std::size_t i = 0; i < files.textures.size(); ++i) {
+    (folder / files.textures[i]).write(table.textures[i].bytes);
+  }
+}
+
+SurfaceLook MeshWriter::lookOf(const TriangleMesh& mesh,
+                               const std::vector<std::uint16_t>& facing) const {
+  return look_ ? look_->on(mesh, facing, table_.inside()) : SurfaceLook();
+}
+
+void MeshWriter::write(const TriangleMesh& mesh, const std::vector<std::uint16_t>& facing,
+                       const SurfaceLook& look, const std::vector<std::string>& paths) const {
+  const std::string name = std::filesystem::path(paths.front()).stem().string();
+  const PieceMesh piece{name, mesh, facing, look, table_};
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    const MeshFileFormat format = options_.meshFormats[i];
+    if (options_.plainMeshes && format == MeshFileFormat::ply) {
+      writePly(folder_ / paths[i], mesh);
+      continue;
+    }
+    if (options_.plainMeshes && format == MeshFileFormat::obj) {
+      writePlainObj(folder_ / paths[i], mesh);
+      continue;
+    }
+    writePiece(folder_ / paths[i], format, piece, library_);
+  }
+}
+
+void MeshWriter::writeScene(std::span<const Fragment> fragments, std::span<const SurfaceLook> looks,
+                            const std::string& path) const {
+  std::vector<std::string> names;
+  for (const Fragment& fragment : fragments) {
+    names.push_back(pieceName(stem_, fragment.id, fragments.size()));
+  }
+  std::vector<SceneNode> nodes;
+  for (std::size_t i = 0; i < fragments.size(); ++i) {
+    const Fragment& fragment = fragments[i];
+    nodes.push_back({{names[i], fragment.mesh, fragment.facing, looks[i], table_}, fragment.mass});
+  }
+  writeSceneGlb(folder_ / path, nodes, options_.density);
+}
+
+}  // namespace sherd

@@ -1,0 +1,91 @@
+// A fracture's folder read back.
+#include <sherd/io.h>
+#include <sherd/refracture.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "base/file_bytes.h"
+#include "base/input_error.h"
+#include "base/sha256.h"
+#include "folder/read_manifest.h"
+#include "formats/voxels/vdb.h"
+#include "grow/specks.h"
+#include "voxelize/distance.h"
+
+namespace sherd {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The labels of a voxel file, on the leaves of the solid.
+Labels labelsOn(const LeafBlocks& blocks, const VoxelLabels& voxels, const openvdb::Coord& first,
+                int fragments, const fs::path& file) {
+  Labels labels;
+  labels.fragment.assign(blocks.count() * 512, 0);
+  blocks.forEachInside([&](std::size_t place) {
+    const openvdb::Coord at = blocks.voxelAt(place) - first;
+    std::uint16_t label = 0;
+    if (at.x() >= 0 && at.y() >= 0 && at.z() >= 0 && at.x() < voxels.dims.x() &&
+        at.y() < voxels.dims.y() && at.z() < voxels.dims.z()) {
+      const auto side = [&](int axis) { return static_cast<std::size_t>(voxels.dims[axis]); };
+      label = voxels.labels[(static_cast<std::size_t>(at.x()) * side(1) +
+                             static_cast<std::size_t>(at.y())) *
+                                side(2) +
+                            static_cast<std::size_t>(at.z())];
+    }
+    if (label < 2 || label > fragments + 1) {
+      inputError(file, "does not belong to the fragments' .vdb files beside it");
+    }
+    labels.fragment[place] = static_cast<std::uint16_t>(label - 1);
+  });
+  return labels;
+}
+
+// The first voxel file of the fracture with its own box and ids.
+std::optional<fs::path> labelFile(const fs::path& file, const Manifest& manifest) {
+  for (const char* name : {"labels.rle", "labels.npy", "labels.npz", "labels.qstack"}) {
+    if (std::find(manifest.files.begin(), manifest.files.end(), name) != manifest.files.end()) {
+      return listedFile(file, name);
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+FinishedFracture readFracture(const fs::path& file) {
+  const Manifest manifest = readManifest(file);
+  FinishedFracture finished;
+  finished.fragments = static_cast<int>(manifest.fragments.size());
+  finished.resolution = manifest.resolution;
+  finished.source.name = manifest.source;
+  finished.source.stem = fs::path(manifest.source).stem().string();
+  finished.source.sha256 = sha256(readFileBytes(file));
+
+  const std::optional<fs::path> labels = labelFile(file, manifest);
+  if (!labels) {
+    inputError(file, "the fracture was written without labels.rle, .npy, .npz or .qstack");
+  }
+  FloatGridPtr whole;
+  for (const ManifestFragment& fragment : manifest.fragments) {
+    if (fragment.vdb.empty()) inputError(file, "the fracture was written without .vdb files");
+    FloatGridPtr level = readLevelSet(listedFile(file, fragment.vdb));
+    if (whole) {
+      unite(*whole, *level);
+    } else {
+      whole = std::move(level);
+    }
+  }
+  Solid& solid = finished.solid;
+  solid.frame = frameOf(*whole);
+  solid.blocks = leafBlocks(*whole);
+  solid.distance = std::move(whole);
+  measureVoxels(solid);
+
+  finished.labels = labelsOn(solid.blocks, expand(readVoxels(*labels).voxels), manifest.indexMin,
+                             finished.fragments, *labels);
+  return finished;
+}
+
+}  // namespace sherd

@@ -1,0 +1,204 @@
+// manifest.json read back.
+#include "folder/read_manifest.h"
+
+#include <sherd/error.h>
+#include <sherd/seeds.h>
+
+#include <algorithm>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <unordered_set>
+
+#include "base/below_folder.h"
+#include "base/input_error.h"
+#include "base/parsed_json.h"
+#include "folder/partial_folder.h"
+
+namespace sherd {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+constexpr const char* kKind = "manifest of a fracture";
+constexpr std::uintmax_t kLargestFile = std::uintmax_t{1} << 30;  // 65,534 fragments take a third
+constexpr double kAnyNumber = std::numeric_limits<double>::max();
+constexpr double kFarthestVoxel = 1 << 30;  // differences of two such still fit in an int
+
+[[noreturn]] void damaged(const std::string& what) {
+  throw Error(ErrorCode::input, "is damaged: " + what);
+}
+
+// ---- Fields: `where` is the object they are in, for messages
+
+const Json& field(const Json& object, const char* key, const std::string& where) {
+  if (!object.is_object()) damaged(where + " is not an object");
+  const auto found = object.find(key);
+  if (found == object.end()) damaged(where + " has no \"" + key + "\"");
+  return *found;
+}
+
+double numberIn(const Json& value, double low, double high, const std::string& what) {
+  if (!value.is_number()) damaged(what + " is not a number");
+  const double number = value.get<double>();
+  if (!(number >= low && number <= high)) damaged(what + " is out of range: " + value.dump());
+  return number;
+}
+
+double number(const Json& object, const char* key, double low, double high,
+              const std::string& where) {
+  return numberIn(field(object, key, where), low, high, where + "'s \"" + key + "\"");
+}
+
+int wholeIn(const Json& value, double low, double high, const std::string& what) {
+  if (!value.is_number_integer()) damaged(what + " is not a whole number");
+  return static_cast<int>(numberIn(value, low, high, what));
+}
+
+std::uint64_t count(const Json& object, const char* key, const std::string& where) {
+  const Json& value = field(object, key, where);
+  if (!value.is_number_unsigned()) damaged(where + "'s \"" + key + "\" is not a whole number");
+  return value.get<std::uint64_t>();
+}
+
+std::string text(const Json& value, const std::string& what) {
+  if (!value.is_string()) damaged(what + " is not text");
+  return value.get<std::string>();
+}
+
+openvdb::Coord coordinates(const Json& object, const char* key, double low,
+                           const std::string& where) {
+  const Json& list = field(object, key, where);
+  const std::string what = where + "'s \"" + key + "\"";
+  if (!list.is_array() || list.size() != 3) damaged(what + " is not a list of three numbers");
+  openvdb::Coord coordinates;
+  for (int axis = 0; axis < 3; ++axis) {
+    coordinates[axis] = wholeIn(list[static_cast<std::size_t>(axis)], low, kFarthestVoxel, what);
+  }
+  return coordinates;
+}
+
+// ---- Files
+
+// A file that a fracture may have: not the manifest, nor in the folder of an unfinished one.
+bool isFractureFile(const std::string& name) {
+  return isBelowFolder(name) && name != kManifestName && *fs::path(name).begin() != kPartialName;
+}
+
+using Names = std::unordered_set<std::string>;
+
+std::string listed(const Json& value, const Names& files, const std::string& what) {
+  const std::string name = text(value, what);
+  if (!files.contains(name)) damaged(what + " is not in its list of files");
+  return name;
+}
+
+ManifestFragment fragmentOf(const Json& json, int id, const Names& files) {
+  const std::string where = "fragment " + std::to_string(id);
+  ManifestFragment fragment;
+  if (wholeIn(field(json, "id", where), 1, kMaxFragments, where + "'s \"id\"") != id) {
+    damaged(where + " has id " + field(json, "id", where).dump() + ", ids go up from 1 by 1");
+  }
+  fragment.id = id;
+  fragment.voxels = count(json, "voxels", where);
+  fragment.share = number(json, "share", 0.0, 1.0, where);
+  fragment.volume = number(json, "volume", -kAnyNumber, kAnyNumber, where);
+  fragment.area = number(json, "area", 0.0, kAnyNumber, where);
+  fragment.fractureArea = number(json, "fracture_area", 0.0, kAnyNumber, where);
+  const Json& contacts = field(json, "contacts", where);
+  if (!contacts.is_array()) damaged(where + "'s \"contacts\" is not a list");
+  fragment.contacts = contacts.size();
+  const Json& own = field(json, "files", where);
+  if (!own.is_object()) damaged(where + "'s \"files\" is not an object");
+  if (const auto mesh = own.find("mesh"); mesh != own.end()) {
+    const Json paths = mesh->is_array() ? *mesh : Json::array({*mesh});
+    for (const Json& path : paths) {
+      fragment.meshes.push_back(listed(path, files, where + "'s mesh"));
+    }
+  }
+  if (const auto vdb = own.find("vdb"); vdb != own.end()) {
+    fragment.vdb = listed(*vdb, files, where + "'s level set");
+  }
+  return fragment;
+}
+
+}  // namespace
+
+Manifest manifestOf(const Json& json) {
+  if (!json.is_object() || json.value("schema", Json()) != kManifestSchema) {
+    throw Error(ErrorCode::input, std::string("is no manifest of a fracture; expected JSON with "
+                                              "\"schema\": \"") +
+                                      kManifestSchema + "\"");
+  }
+  Manifest manifest;
+  const Json& grid = field(json, "grid", "it");
+  manifest.source = text(field(field(json, "source", "it"), "file", "its source"), "its source");
+  manifest.seed = count(field(json, "options", "it"), "seed", "its options");
+  manifest.resolution =
+      wholeIn(field(grid, "resolution", "its grid"), 1, kFarthestVoxel, "its resolution");
+  const Json& options = field(json, "options", "it");
+  manifest.automatic = options.value("resolution", Json()) == kAutomatic;
+  manifest.voxelSize =
+      number(grid, "voxel_size", std::numeric_limits<double>::min(), kAnyNumber, "its grid");
+  manifest.dims = coordinates(grid, "dims", 1, "its grid");
+  manifest.indexMin = coordinates(grid, "index_min", -kFarthestVoxel, "its grid");
+  manifest.solidVoxels = count(grid, "solid_voxels", "its grid");
+  manifest.parts = count(json, "parts", "it");
+  std::optional<std::vector<std::string>> files = listedFiles(json);
+  if (!files) damaged("its list of files is absent or leaves the folder");
+  manifest.files = std::move(*files);
+  const Names names(manifest.files.begin(), manifest.files.end());
+  if (json.contains("vdb")) manifest.allVdb = listed(json["vdb"], names, "its \"vdb\"");
+  const Json& fragments = field(json, "fragments", "it");
+  if (!fragments.is_array() || fragments.empty() || fragments.size() > kMaxFragments) {
+    damaged("its \"fragments\" is not a list of 1 to " + std::to_string(kMaxFragments));
+  }
+  for (const Json& fragment : fragments) {
+    const int id = static_cast<int>(manifest.fragments.size()) + 1;
+    manifest.fragments.push_back(fragmentOf(fragment, id, names));
+  }
+  return manifest;
+}
+
+Manifest readManifest(const fs::path& file) {
+  requireSettled(file);
+  const Json json = readJson(file, kKind, kLargestFile);
+  try {
+    return manifestOf(json);
+  } catch (const Error& e) {
+    inputError(file, e.what());
+  }
+}
+
+fs::path listedFile(const fs::path& manifest, const std::string& name) {
+  const fs::path folder = manifest.has_parent_path() ? manifest.parent_path() : ".";
+  if (!staysWithin(folder, name)) {
+    inputError(manifest, "lists '" + name + "', which leaves the folder by a symbolic link");
+  }
+  return folder / name;
+}
+
+std::optional<std::vector<std::string>> listedFiles(const Json& manifest) {
+  const auto found = manifest.find("files");
+  if (found == manifest.end() || !found->is_array()) return {};
+  std::vector<std::string> files;
+  for (const Json& entry : *found) {
+    if (!entry.is_string() || !isFractureFile(entry.get_ref<const std::string&>())) return {};
+    files.push_back(entry.get<std::string>());
+  }
+  return files;
+}
+
+std::optional<Json> manifestJson(const fs::path& file) {
+  std::error_code none;
+  if (!fs::is_regular_file(fs::symlink_status(file, none))) return {};
+  try {
+    Json json = readJson(file, kKind, kLargestFile);
+    if (!json.is_object() || json.value("schema", Json()) != kManifestSchema) return {};
+    return json;
+  } catch (const Error&) {
+    return {};
+  }
+}
+
+}  // namespace sherd

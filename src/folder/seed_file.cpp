@@ -1,0 +1,92 @@
+// Seeds as JSON.
+#include "folder/seed_file.h"
+
+#include <sherd/error.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "base/parsed_json.h"
+
+namespace sherd {
+namespace {
+
+using Json = nlohmann::json;  // an ordered one looks for each key from the start
+namespace fs = std::filesystem;
+
+constexpr const char* kSchema = "sherd-seeds/1";
+constexpr std::uintmax_t kLargestFile = std::uintmax_t{64} << 20;  // some 700,000 seeds
+
+[[noreturn]] void inputError(const std::string& what) { throw Error(ErrorCode::input, what); }
+
+SeedPoint pointOf(const Json& entry, std::size_t number) {
+  const auto refuse = [&](const std::string& what) {
+    inputError("seed " + std::to_string(number + 1) + " " + what);
+  };
+  if (!entry.is_object()) refuse("is not an object");
+  const auto fragment = entry.find("fragment");
+  if (fragment == entry.end() || !fragment->is_number_integer()) {
+    refuse("has no whole number \"fragment\"");
+  }
+  const auto position = entry.find("position");
+  if (position == entry.end() || !position->is_array() || position->size() != 3) {
+    refuse("has no \"position\" of three numbers");
+  }
+  SeedPoint point;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Json& value = (*position)[static_cast<std::size_t>(axis)];
+    if (!value.is_number()) refuse("has no \"position\" of three numbers");
+    point.position.v[axis] = value.get<double>();
+  }
+  const bool inRange =
+      fragment->is_number_unsigned() && *fragment >= 1 && *fragment <= kMaxFragments;
+  if (!inRange) {
+    refuse("belongs to fragment " + fragment->dump() + ", ids go from 1 to " +
+           std::to_string(kMaxFragments));
+  }
+  point.fragment = fragment->get<int>();
+  return point;
+}
+
+}  // namespace
+
+std::vector<SeedPoint> seedPoints(const Json& json) {
+  if (!json.is_object()) inputError("is not a JSON object");
+  const auto schema = json.find("schema");
+  if (schema == json.end() || *schema != kSchema) {
+    inputError(std::string("is no seed file: its \"schema\" is not \"") + kSchema + "\"");
+  }
+  const auto seeds = json.find("seeds");
+  if (seeds == json.end() || !seeds->is_array()) inputError("has no list \"seeds\"");
+  std::vector<SeedPoint> points;
+  for (const Json& entry : *seeds) points.push_back(pointOf(entry, points.size()));
+  return points;
+}
+
+std::vector<Seed> readSeeds(const fs::path& file, const Solid& solid, const Parts& parts,
+                            std::uint64_t seed) {
+  const Json json = readJson(file, "seed file", kLargestFile);
+  try {
+    return seedsFromPoints(seedPoints(json), solid, parts, seed);
+  } catch (const Error& e) {
+    throw Error(e.code(), file.string() + ": " + e.what());
+  }
+}
+
+void writeSeeds(const OutputFile& file, std::span<const Seed> seeds, const Solid& solid) {
+  std::string text = "{\n \"schema\": \"" + std::string(kSchema) + "\",\n \"seeds\": [";
+  const char* separator = "\n";
+  for (const Seed& seed : seeds) {
+    const glm::dvec3 centre =
+        solid.frame.worldFromIndex({{seed.voxel.x(), seed.voxel.y(), seed.voxel.z()}}).v;
+    // Adding zero turns -0 into 0 and leaves every other number as it is.
+    const Json entry = {{"fragment", seed.fragment},
+                        {"position", {centre.x + 0.0, centre.y + 0.0, centre.z + 0.0}}};
+    text += separator + ("  " + entry.dump());
+    separator = ",\n";
+  }
+  text += "\n ]\n}\n";
+  file.write(text);
+}
+
+}  // namespace sherd

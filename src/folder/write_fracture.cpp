@@ -1,0 +1,117 @@
+// A whole fracture to a folder.
+#include "folder/write_fracture.h"
+
+#include <utility>
+
+#include "base/atomic_file.h"
+#include "base/unfinished.h"
+#include "folder/file_names.h"
+#include "folder/fracture_files.h"
+#include "folder/fracture_folder.h"
+#include "folder/manifest.h"
+#include "folder/read_manifest.h"
+#include "surface/extract.h"
+
+namespace sherd {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Make fragments and write them by turns, and let go of what will not be needed.
+//   result  takes the fragments, of which it has the right number
+std::vector<MeshFacts> makeAndWrite(const GrownFracture& grown, const SurfaceOptions& surface,
+                                    const WriteOptions& write, FractureResult& result,
+                                    FractureWriting& writing, StageClock& clock,
+                                    const Progress* progress) {
+  Extraction extraction(result.solid, result.labels, grown.fragments,
+                        grown.unworn ? &*grown.unworn : nullptr, surface, progress,
+                        grown.surface.get());
+  clock.done("extract");
+  writing.begin(progress);
+  clock.done("write");
+  std::vector<MeshFacts> facts;
+  for (std::vector<Fragment> some = extraction.next(); !some.empty(); some = extraction.next()) {
+    clock.done("extract");
+    const std::size_t first = facts.size();
+    for (MeshFacts& own : meshFacts(some)) facts.push_back(std::move(own));
+    const auto to = result.fragments.begin() + static_cast<std::ptrdiff_t>(first);
+    std::move(some.begin(), some.end(), to);
+    writing.write(first, facts.size());
+    for (std::size_t i = first; i < facts.size(); ++i) {
+      Fragment& fragment = result.fragments[i];
+      if (!write.needsAllLevelSets()) fragment.surface = nullptr;
+      if (write.needsAllMeshes()) continue;
+      fragment.mesh = {};
+      fragment.facing = {};
+    }
+    step(progress, "write",
+         static_cast<double>(facts.size()) / static_cast<double>(result.fragments.size()));
+    clock.done("write");
+  }
+  std::vector<std::vector<Contact>> contacts = extraction.contacts();
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    result.fragments[i].contacts = std::move(contacts[i]);
+  }
+  clock.done("extract");
+  return facts;
+}
+
+}  // namespace
+
+WrittenFolder writeFracture(const fs::path& folder, const SourceMesh& source,
+                            const FractureOptions& options, const FractureResult& result,
+                            const WriteOptions& write, const Progress* progress) {
+  checkWriteOptions(write, options);
+  const FractureWriter writer(source, write);
+  const FractureFiles files =
+      fileNames(source, result.kept(), options.surface.triangles, writer.materials(), write);
+  FractureReplacement replacement(folder, files.all());
+  replacement.write([&](const fs::path& aside) {
+    writer.write(aside, files, options, result, progress);
+    writeWhole(aside / kManifestName,
+               manifestText(source, options, result, meshFacts(result.fragments), files, write));
+  });
+  const Uncut whole;
+  replacement.putInPlace();
+  fs::path manifest = replacement.keep();
+  return {std::move(manifest), replacement.warnings()};
+}
+
+AsideFracture writeAside(const fs::path& folder, const SourceMesh& source,
+                         const FractureOptions& options, GrownFracture grown,
+                         const WriteOptions& write, const Progress* progress) {
+  checkWriteOptions(write, options);
+  const FractureWriter writer(source, write);
+  FractureResult result = std::move(grown.result);
+  result.fragments.resize(static_cast<std::size_t>(grown.fragments));
+  const FractureFiles files =
+      fileNames(source, result.kept(), options.surface.triangles, writer.materials(), write);
+  StageClock clock;
+  FractureReplacement replacement(folder, files.all());
+  replacement.write([&](const fs::path& aside) {
+    FractureWriting writing(writer, aside, files, options, result);
+    const std::vector<MeshFacts> facts =
+        makeAndWrite(grown, options.surface, write, result, writing, clock, progress);
+    writing.finish(progress);
+    writeWhole(aside / kManifestName, manifestText(source, options, result, facts, files, write));
+  });
+  clock.done("write");
+  result.times.insert(result.times.end(), clock.times().begin(), clock.times().end());
+  return {std::move(result), std::move(replacement)};
+}
+
+WrittenFracture fractureInto(const fs::path& folder, const SourceMesh& source,
+                             const FractureOptions& options, Device& device,
+                             const WriteOptions& write, const Progress* progress) {
+  checkWriteOptions(write, options);
+  checkFractureFolder(folder);
+  const FractureOptions own = optionsFor(options, write);
+  AsideFracture aside =
+      writeAside(folder, source, own, grown(source.mesh, own, device, progress), write, progress);
+  const Uncut whole;
+  aside.replacement.putInPlace();
+  fs::path manifest = aside.replacement.keep();
+  return {std::move(aside.result), {std::move(manifest), aside.replacement.warnings()}};
+}
+
+}  // namespace sherd

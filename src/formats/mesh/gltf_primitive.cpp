@@ -1,0 +1,172 @@
+// One primitive of a glTF file's mesh.
+#include "formats/mesh/gltf_primitive.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "formats/mesh/gltf_accessor.h"
+#include "formats/mesh/gltf_draco.h"
+#include "formats/mesh/gltf_look.h"
+
+namespace sherd {
+namespace {
+
+using Json = GltfDocument::Json;
+
+constexpr std::size_t kTriangles = 4, kStrip = 5, kFan = 6;
+
+// The arrays of a primitive, wherever they come from.
+class Attributes {
+ public:
+  //   names  all that are taken
+  Attributes(const GltfDocument& document, const Json& primitive,
+             const std::set<std::string>& names)
+      : document_(document),
+        attributes_(GltfDocument::member(primitive, "attributes")),
+        draco_(decodeDraco(document, primitive, names)) {
+    if (!attributes_.is_object() || !attributes_.contains("POSITION"))
+      throw document_.bad("a mesh has no 'POSITION'");
+  }
+
+  // Once for each name: what Draco packed is moved, so that it is held once.
+  std::optional<GltfArray> take(const std::string& name) {
+    if (draco_) {
+      const auto found = draco_->attributes.find(name);
+      if (found != draco_->attributes.end()) return std::move(found->second);
+    }
+    if (!attributes_.contains(name)) return std::nullopt;
+    return readGltfArray(document_, document_.number(attributes_, name.c_str()));
+  }
+
+  const std::optional<GltfDraco>& draco() const { return draco_; }
+
+ private:
+  const GltfDocument& document_;
+  const Json& attributes_;
+  std::optional<GltfDraco> draco_;
+};
+
+Error usesVertex(const GltfDocument& document, std::uint32_t vertex, std::size_t vertices) {
+  return document.bad("face uses vertex " + std::to_string(vertex) + ", its mesh has " +
+                      std::to_string(vertices));
+}
+
+// The vertices in the order that the primitive names them.
+std::vector<std::uint32_t> readIndices(const GltfDocument& document, const Json& primitive,
+                                       std::size_t vertices) {
+  std::vector<std::uint32_t> out;
+  if (!primitive.contains("indices")) {
+    charge(document.file(), vertices, sizeof(std::uint32_t));
+    out.reserve(vertices);
+    for (std::size_t i = 0; i < vertices; ++i) out.push_back(static_cast<std::uint32_t>(i));
+    return out;
+  }
+  const std::size_t index = document.number(primitive, "indices");
+  const std::size_t type = document.number(document.at("accessors", index), "componentType");
+  const GltfArray array = readGltfArray(document, index);
+  if (array.components != 1 || (type != 5121 && type != 5123 && type != 5125))
+    throw document.bad("a mesh's 'indices' are not unsigned whole numbers");
+  charge(document.file(), array.count, sizeof(std::uint32_t));
+  out.reserve(array.count);
+  for (const double value : array.values) {
+    if (value >= static_cast<double>(vertices))
+      throw usesVertex(document, static_cast<std::uint32_t>(value), vertices);
+    out.push_back(static_cast<std::uint32_t>(value));
+  }
+  return out;
+}
+
+std::vector<glm::uvec3> trianglesOf(const GltfDocument& document,
+                                    const std::vector<std::uint32_t>& at, std::size_t mode) {
+  std::vector<glm::uvec3> out;
+  const std::size_t step = mode == kTriangles ? 3 : 1;
+  const std::size_t count = at.size() < 3 ? 0 : (at.size() - 3) / step + 1;
+  charge(document.file(), count, sizeof(glm::uvec3));
+  out.reserve(count);
+  for (std::size_t i = 0; i + 2 < at.size(); i += step) {
+    if (mode == kFan) {
+      out.emplace_back(at[i + 1], at[i + 2], at[0]);
+    } else {
+      const bool turned = mode == kStrip && i % 2 == 1;
+      out.emplace_back(at[i], at[i + (turned ? 2 : 1)], at[i + (turned ? 1 : 2)]);
+    }
+  }
+  return out;
+}
+
+// What Draco packed, whose positions may lie outside of it, and be of any number.
+std::vector<glm::uvec3> unpackedTriangles(const GltfDocument& document, const GltfDraco& draco,
+                                          std::size_t vertices) {
+  for (const glm::uvec3& t : draco.triangles) {
+    const std::uint32_t largest = std::max({t.x, t.y, t.z});
+    if (largest >= vertices) throw usesVertex(document, largest, vertices);
+  }
+  return draco.triangles;
+}
+
+void requireLength(const GltfDocument& document, const GltfArray& array, std::size_t length,
+                   std::size_t components, const std::string& name) {
+  if (array.count == length && array.components >= components) return;
+  throw document.bad("a mesh's '" + name + "' is not of " + std::to_string(components) +
+                     " numbers for each of its " + std::to_string(length) + " vertices");
+}
+
+}  // namespace
+
+std::uint64_t GltfPrimitive::bytes() const {
+  return positions.size() * sizeof(glm::dvec3) + triangles.size() * sizeof(glm::uvec3) +
+         texcoords.size() * sizeof(glm::vec2) + colours.size() * sizeof(glm::u8vec3);
+}
+
+std::optional<GltfPrimitive> readGltfPrimitive(const GltfDocument& document,
+                                               const Json& primitive) {
+  const std::size_t mode = document.number(primitive, "mode", kTriangles);
+  if (mode < kTriangles) return std::nullopt;
+  if (mode > kFan) throw document.bad("a mesh's 'mode' is " + std::to_string(mode));
+  GltfPrimitive out;
+  const std::size_t materials = document.array("materials").size();
+  out.material = document.number(primitive, "material", materials);
+  if (out.material != materials) (void)document.at("materials", out.material);
+  std::string name = "TEXCOORD_" + std::to_string(texcoordSetOf(document, out.material));
+  Attributes attributes(document, primitive, {"POSITION", "COLOR_0", "TEXCOORD_0", name});
+
+  const GltfArray positions = attributes.take("POSITION").value();
+  if (positions.components != 3) throw document.bad("a mesh's 'POSITION' is not of three numbers");
+  charge(document.file(), positions.count, sizeof(glm::dvec3));
+  out.positions.reserve(positions.count);
+  for (std::size_t i = 0; i < positions.count; ++i) {
+    out.positions.emplace_back(positions.at(i, 0), positions.at(i, 1), positions.at(i, 2));
+  }
+  out.triangles =
+      attributes.draco()
+          ? unpackedTriangles(document, *attributes.draco(), positions.count)
+          : trianglesOf(document, readIndices(document, primitive, positions.count), mode);
+
+  std::optional<GltfArray> texcoords = attributes.take(name);
+  if (!texcoords) texcoords = attributes.take(name = "TEXCOORD_0");
+  if (texcoords) {
+    requireLength(document, *texcoords, positions.count, 2, name);
+    charge(document.file(), texcoords->count, sizeof(glm::vec2));
+    out.texcoords.reserve(texcoords->count);
+    for (std::size_t i = 0; i < texcoords->count; ++i) {  // v runs downwards
+      const glm::vec2 at(texcoords->at(i, 0), 1.0f - static_cast<float>(texcoords->at(i, 1)));
+      const bool finite = std::isfinite(at.x) && std::isfinite(at.y);
+      out.texcoords.push_back(finite ? at : glm::vec2(0.0f));
+    }
+  }
+  if (const std::optional<GltfArray> colours = attributes.take("COLOR_0")) {
+    requireLength(document, *colours, positions.count, 3, "COLOR_0");
+    charge(document.file(), colours->count, sizeof(glm::u8vec3));
+    out.colours.reserve(colours->count);
+    for (std::size_t i = 0; i < colours->count; ++i) {
+      out.colours.push_back(
+          srgbFromLinear(glm::vec3(colours->at(i, 0), colours->at(i, 1), colours->at(i, 2))));
+    }
+  }
+  return out;
+}
+
+}  // namespace sherd

@@ -1,0 +1,34 @@
+// One primitive of a glTF file's mesh.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <glm/gtc/type_precision.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <vector>
+
+#include "formats/mesh/gltf_document.h"
+
+namespace sherd {
+
+struct GltfPrimitive {
+  std::vector<glm::dvec3> positions;
+  std::vector<glm::uvec3> triangles;  ///< below positions.size()
+  std::vector<glm::vec2> texcoords;   ///< [positions] v upwards, or empty
+  std::vector<glm::u8vec3> colours;   ///< [positions] sRGB, or empty
+  std::size_t material = 0;           ///< an index into the file's, or their number for none
+
+  /// Bytes of all of these.
+  [[nodiscard]] std::uint64_t bytes() const;
+};
+
+/// The triangles of a primitive: a list, strip or fan, with or without indices, packed or not.
+///   returns  none where it is of points or lines
+///   throws  Error(input) no positions, an index out of range, arrays of unequal length, more
+///           memory than may be used, which is charged with what is made on the way, too
+[[nodiscard]] std::optional<GltfPrimitive> readGltfPrimitive(const GltfDocument& document,
+                                                             const GltfDocument::Json& primitive);
+
+}  // namespace sherd

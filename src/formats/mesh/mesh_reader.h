@@ -1,0 +1,63 @@
+// The seam between files and meshes: what a reader is given, and what it gives.
+#pragma once
+
+#include <sherd/appearance.h>
+#include <sherd/error.h>
+#include <sherd/progress.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <glm/vec3.hpp>
+#include <string>
+#include <vector>
+
+#include "base/cancel_flag.h"
+#include "base/memory_budget.h"
+
+namespace sherd {
+
+enum class MeshFormat { obj, ply, stl, off, gltf, glb, binm, fbx, dae, threeMf };
+
+/// A mesh file in memory, unpacked.
+struct MeshFile {
+  std::filesystem::path path;
+  std::string name;  ///< file name without folder, for messages
+  MeshFormat format;
+  std::string bytes;
+  MemoryBudget* memory = nullptr;      ///< what reading it may take; none: no limit
+  const Progress* progress = nullptr;  ///< may be none
+};
+
+/// Charge what is about to be allocated.
+///   throws  Error(input) it is more than may be used
+inline void charge(const MeshFile& file, std::uint64_t count, std::uint64_t bytesEach = 1) {
+  if (file.memory != nullptr) file.memory->charge(count, bytesEach);
+}
+
+/// Called now and then by long work.
+///   throws  Error(cancelled) the caller wants to stop
+inline void checkpoint(const MeshFile& file) { throwIfCancelled(file.progress); }
+
+/// What a reader found: node transforms applied, polygons triangulated, nothing merged or dropped.
+/// readMesh() checks what is promised here (contradictionIn) before it is used.
+struct RawMesh {
+  std::vector<glm::dvec3> vertices;             ///< as the file has them, finite or not
+  std::vector<glm::uvec3> triangles;            ///< indices below vertices.size()
+  Appearance look;                              ///< its surface's arrays are [triangles] or empty
+  std::vector<std::string> objects;             ///< names of the file's parts
+  std::vector<std::uint32_t> objectOfTriangle;  ///< [triangles] below objects.size(), or empty
+  std::vector<std::string> warnings;            ///< see SourceMesh
+};
+
+/// An error about a file's content: "bowl.stl: what".
+inline Error inputError(const MeshFile& file, const std::string& what) {
+  return Error(ErrorCode::input, file.name + ": " + what);
+}
+
+/// An error about a line of a text file: "bowl.obj:412: what".
+inline Error inputError(const MeshFile& file, std::size_t line, const std::string& what) {
+  return Error(ErrorCode::input, file.name + ":" + std::to_string(line) + ": " + what);
+}
+
+}  // namespace sherd

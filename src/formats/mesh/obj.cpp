@@ -1,0 +1,79 @@
+// Meshes as OBJ.
+#include "base/number_text.h"
+#include "formats/mesh/piece_mesh.h"
+
+namespace sherd {
+
+void writePieceObj(const OutputFile& file, const PieceMesh& piece, const std::string& library) {
+  const TriangleMesh& mesh = piece.mesh;
+  const SplitCorners split = splitCorners(piece);
+  const bool colours = !piece.look.colours.empty(), texcoords = !piece.look.texcoords.empty();
+  std::string text = library.empty() ? "" : "mtllib " + library + "\n";
+  text += "o " + piece.name + "\n";
+  text.reserve(mesh.vertices.size() * (colours ? 60 : 36) + split.normals.size() * 36 +
+               split.corners.size() * (texcoords ? 24 : 0) + mesh.triangles.size() * 54);
+
+  // The format has a colour for a vertex only: the original surface's before the inside's.
+  std::vector<glm::u8vec3> colour(colours ? mesh.vertices.size() : 0, kInsideColour);
+  for (std::size_t i = split.corners.size(); i-- > 0 && colours;) {
+    const SplitCorners::Corner& corner = split.corners[i];
+    if (corner.facing == 0) colour[corner.vertex] = corner.colour;
+  }
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    appendVector(text += 'v', mesh.vertices[i]);
+    for (int k = 0; k < 3 && colours; ++k) {
+      appendFloat(text += ' ', static_cast<float>(colour[i][k]) / 255.0f);
+    }
+    text += '\n';
+  }
+  for (const glm::dvec3& normal : split.normals) {
+    appendVector(text += "vn", normal);
+    text += '\n';
+  }
+  std::vector<std::size_t> texcoordOf(split.corners.size(), 0);  // from 1; 0: none
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < split.corners.size() && texcoords; ++i) {
+    if (split.corners[i].facing != 0) continue;
+    texcoordOf[i] = ++count;
+    appendFloat(text += "vt ", split.corners[i].texcoord.x);
+    appendFloat(text += ' ', split.corners[i].texcoord.y);
+    text += '\n';
+  }
+
+  for (std::uint32_t material = 0; material < piece.materials.materials.size(); ++material) {
+    bool named = false;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      if (piece.materialOf(t) != material) continue;
+      if (!named && !library.empty())
+        text += "usemtl " + piece.materials.materials[material].name + "\n";
+      named = true;
+      text += 'f';
+      for (const std::uint32_t number : split.ofTriangle[t]) {
+        const SplitCorners::Corner& corner = split.corners[number];
+        appendShortest(text += ' ', corner.vertex + 1);
+        text += '/';
+        if (texcoordOf[number] > 0) appendShortest(text, texcoordOf[number]);
+        appendShortest(text += '/', corner.normal + 1);
+      }
+      text += '\n';
+    }
+  }
+  file.write(text);
+}
+
+void writePlainObj(const OutputFile& file, const TriangleMesh& mesh) {
+  std::string text;
+  text.reserve(mesh.vertices.size() * 36 + mesh.triangles.size() * 24);
+  for (const glm::dvec3& vertex : mesh.vertices) {
+    appendVector(text += 'v', vertex);
+    text += '\n';
+  }
+  for (const glm::uvec3& t : mesh.triangles) {
+    text += 'f';
+    for (int k = 0; k < 3; ++k) appendShortest(text += ' ', t[k] + 1);
+    text += '\n';
+  }
+  file.write(text);
+}
+
+}  // namespace sherd

@@ -1,0 +1,166 @@
+// Meshes as binary little-endian PLY.
+#include <sherd/mesh_files.h>
+
+#include <algorithm>
+#include <cassert>
+#include <string>
+#include <string_view>
+
+#include "base/little_endian.h"
+#include "formats/mesh/piece_mesh.h"
+#include "mesh/vertex_normals.h"
+
+namespace sherd {
+namespace {
+
+/// A file's header and its records, handed over some at a time: all of them would take as much
+/// memory as the mesh.
+class Records {
+ public:
+  /// What a record takes at most, bytes.
+  static constexpr std::size_t kLargest = 64;
+
+  ///   records  how many will come
+  Records(const ByteSink& sink, std::string_view header, std::size_t records)
+      : sink_(sink), bytes_(std::min(records, kBlock / kLargest) * kLargest, '\0') {
+    sink_(header);
+  }
+
+  /// To be told before each record.
+  void begin() {
+    if (bytes_.size() - end_ < kLargest) finish();
+  }
+  void finish() {
+    if (end_ > 0) sink_(std::string_view(bytes_).substr(0, end_));
+    end_ = 0;
+  }
+
+  template <class T>
+  void put(T value) {
+    keepLittle(bytes_.data() + end_, value);
+    end_ += sizeof(T);
+  }
+  void put(const glm::dvec3& v) {
+    for (int axis = 0; axis < 3; ++axis) put(static_cast<float>(v[axis]));
+  }
+  void putFace(const glm::uvec3& triangle) {
+    put(std::uint8_t{3});
+    for (int corner = 0; corner < 3; ++corner) put(std::uint32_t{triangle[corner]});
+  }
+
+ private:
+  static constexpr std::size_t kBlock = std::size_t{4} << 20;
+
+  const ByteSink& sink_;
+  std::string bytes_;
+  std::size_t end_ = 0;  // of what is there
+};
+
+std::string header(const TriangleMesh& mesh, const std::string& comments,
+                   const std::string& ofVertices, const std::string& ofFaces) {
+  std::string text = "ply\nformat binary_little_endian 1.0\n";
+  text.append(comments).append("element vertex ").append(std::to_string(mesh.vertices.size()));
+  text.append("\nproperty float x\nproperty float y\nproperty float z\n").append(ofVertices);
+  text.append("element face ").append(std::to_string(mesh.triangles.size()));
+  text.append("\nproperty list uchar int vertex_indices\n").append(ofFaces);
+  return text.append("end_header\n");
+}
+
+// A vertex's colour is that of the first face round it that is of the original surface; the
+// inside's where there is none.
+std::vector<glm::u8vec3> vertexColours(const PieceMesh& piece) {
+  std::vector<glm::u8vec3> colours(piece.mesh.vertices.size(), kInsideColour);
+  for (std::size_t t = piece.facing.size(); t-- > 0;) {
+    if (piece.facing[t] != 0) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      colours[piece.mesh.triangles[t][static_cast<int>(k)]] = piece.look.colours[t][k];
+    }
+  }
+  return colours;
+}
+
+std::string commentsOf(const PieceMesh& piece) {
+  std::string text;
+  const SurfaceLook& look = piece.look;
+  for (std::size_t i = 0; i < piece.materials.materials.size() && !look.material.empty(); ++i) {
+    const MaterialTable::Entry& material = piece.materials.materials[i];
+    text.append("comment material ").append(std::to_string(i)).append(" ").append(material.name);
+    if (material.texture >= 0) text.append(" ").append(std::to_string(material.texture));
+    text.append("\n");
+  }
+  for (const MaterialTable::Picture& picture : piece.materials.textures) {
+    if (look.texcoords.empty()) break;
+    text.append("comment TextureFile ").append(picture.file).append("\n");
+  }
+  return text;
+}
+
+}  // namespace
+
+void writePly(const OutputFile& file, const TriangleMesh& mesh,
+              const std::vector<std::uint16_t>& facing) {
+  assert(facing.empty() || facing.size() == mesh.triangles.size());
+  if (!facing.empty()) {
+    writePiecePly(file, {"", mesh, facing, {}, {}});
+    return;
+  }
+  file.write([&](const ByteSink& sink) {
+    Records records(sink, header(mesh, "", "", ""), mesh.vertices.size() + mesh.triangles.size());
+    for (const glm::dvec3& v : mesh.vertices) {
+      records.begin();
+      records.put(v);
+    }
+    for (const glm::uvec3& t : mesh.triangles) {
+      records.begin();
+      records.putFace(t);
+    }
+    records.finish();
+  });
+}
+
+void writePiecePly(const OutputFile& file, const PieceMesh& piece) {
+  const TriangleMesh& mesh = piece.mesh;
+  const SurfaceLook& look = piece.look;
+  const bool colours = !look.colours.empty(), texcoords = !look.texcoords.empty();
+  const bool materials = !look.material.empty();
+  const bool textures = texcoords && piece.materials.textures.size() > 1;
+  std::string ofVertices =
+      "property float nx\nproperty float ny\nproperty float nz\nproperty int facing\n";
+  if (colours) ofVertices += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  std::string ofFaces = "property int facing\n";
+  if (texcoords) ofFaces += "property list uchar float texcoord\n";
+  if (textures) ofFaces += "property int texnumber\n";
+  if (materials) ofFaces += "property int material\n";
+
+  const std::vector<glm::dvec3> normals = vertexNormals(mesh);
+  const std::vector<std::uint16_t> facing = vertexFacing(mesh, piece.facing);
+  const std::vector<glm::u8vec3> colour =
+      colours ? vertexColours(piece) : std::vector<glm::u8vec3>();
+  file.write([&](const ByteSink& sink) {
+    Records records(sink, header(mesh, commentsOf(piece), ofVertices, ofFaces),
+                    mesh.vertices.size() + mesh.triangles.size());
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+      records.begin();
+      records.put(mesh.vertices[i]);
+      records.put(normals[i]);
+      records.put(std::uint32_t{facing[i]});
+      for (int k = 0; k < 3 && colours; ++k) records.put(std::uint8_t{colour[i][k]});
+    }
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      records.begin();
+      records.putFace(mesh.triangles[t]);
+      records.put(std::uint32_t{piece.facing[t]});
+      if (texcoords) records.put(std::uint8_t{6});
+      for (std::size_t k = 0; k < 3 && texcoords; ++k) {
+        records.put(look.texcoords[t][k].x);
+        records.put(look.texcoords[t][k].y);
+      }
+      const int texture = materials ? piece.materials.materials[look.material[t]].texture : 0;
+      if (textures) records.put(static_cast<std::uint32_t>(texture < 0 ? 0 : texture));
+      if (materials) records.put(std::uint32_t{look.material[t]});
+    }
+    records.finish();
+  });
+}
+
+}  // namespace sherd

@@ -1,0 +1,129 @@
+// Meshes as most files have them, made triangles.
+#include "formats/mesh/polygon_mesh.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <utility>
+
+#include "base/chosen.h"
+#include "formats/mesh/triangulate.h"
+
+namespace sherd {
+namespace {
+
+// Triangles of all faces, as numbers of corners, and the face that each is of.
+struct Triangles {
+  std::vector<glm::uvec3> corners;
+  std::vector<std::uint32_t> face;
+};
+
+// Triangulation looks whether to stop each time that it has seen so many corners.
+constexpr std::uint32_t kCornersAtATime = 4096;
+
+// The corners of the face that has most.
+std::size_t longestFace(const PolygonMesh& mesh) {
+  std::uint32_t longest = 0, begin = 0;
+  for (const std::uint32_t end : mesh.faceEnds) {
+    longest = std::max(longest, end - begin);
+    begin = end;
+  }
+  return longest;
+}
+
+Triangles triangulated(const MeshFile& file, const PolygonMesh& mesh) {
+  // Of one face: its corners, and the triangles that they make.
+  const std::size_t longest = longestFace(mesh);
+  const TransientMemory transient(file.memory);
+  charge(file, longest, sizeof(std::uint32_t) + sizeof(glm::uvec3));
+  Triangles out;
+  const std::size_t count = mesh.corners.size() - 2 * mesh.faceEnds.size();
+  out.corners.reserve(count);
+  out.face.reserve(count);
+  std::vector<glm::uvec3> places;
+  places.reserve(longest);
+  std::uint32_t begin = 0, seen = 0;
+  for (std::uint32_t face = 0; face < mesh.faceEnds.size(); ++face) {
+    const std::uint32_t end = mesh.faceEnds[face];
+    if (end - seen >= kCornersAtATime) {
+      checkpoint(file);
+      seen = end;
+    }
+    if (end - begin == 3) {
+      out.corners.emplace_back(begin, begin + 1, begin + 2);
+      out.face.push_back(face);
+    } else {
+      places.clear();
+      triangulate(mesh.vertices, std::span(mesh.corners).subspan(begin, end - begin), places);
+      for (const glm::uvec3& t : places) out.corners.push_back(t + begin);
+      out.face.insert(out.face.end(), places.size(), face);
+    }
+    begin = end;
+  }
+  return out;
+}
+
+template <class Value>
+std::vector<std::array<Value, 3>> atCorners(const std::vector<Value>& values,
+                                            const std::vector<glm::uvec3>& triangles) {
+  std::vector<std::array<Value, 3>> out;
+  if (values.empty()) return out;
+  out.reserve(triangles.size());
+  for (const glm::uvec3& t : triangles) out.push_back({values[t.x], values[t.y], values[t.z]});
+  return out;
+}
+
+template <class Value>
+std::uint64_t bytesOf(const std::vector<Value>& values) {
+  return values.size() * sizeof(Value);
+}
+
+}  // namespace
+
+std::uint64_t PolygonMesh::bytes() const {
+  return bytesOf(vertices) + bytesOf(corners) + bytesOf(faceEnds) + bytesOf(vertexColours) +
+         bytesOf(faceColours) + bytesOf(vertexTexcoords) + bytesOf(cornerTexcoords) +
+         bytesOf(faceMaterials) + bytesOf(objectOfFace);
+}
+
+void triangulateInto(const MeshFile& file, PolygonMesh&& mesh, RawMesh& out) {
+  constexpr std::size_t kMost = std::numeric_limits<std::uint32_t>::max();
+  if (mesh.vertices.size() > kMost || mesh.corners.size() > kMost) {
+    throw inputError(file,
+                     "has more than 2^32 vertices or corners of faces, which is more than "
+                     "can be held");
+  }
+  // For each triangle its corners twice, its face, and what it has of the look.
+  const std::uint64_t count = mesh.corners.size() - 2 * mesh.faceEnds.size();
+  const bool colors = !mesh.vertexColours.empty() || !mesh.faceColours.empty();
+  const bool texcoords = !mesh.vertexTexcoords.empty() || !mesh.cornerTexcoords.empty();
+  charge(file, count,
+         2 * sizeof(glm::uvec3) + sizeof(std::uint32_t) + (colors ? 3 * sizeof(glm::u8vec3) : 0) +
+             (texcoords ? 3 * sizeof(glm::vec2) : 0) +
+             (mesh.faceMaterials.empty() ? 0 : sizeof(std::uint32_t)) +
+             (mesh.objectOfFace.empty() ? 0 : sizeof(std::uint32_t)));
+  const Triangles triangles = triangulated(file, mesh);
+  out.triangles.reserve(triangles.corners.size());
+  for (const glm::uvec3& t : triangles.corners) {
+    out.triangles.emplace_back(mesh.corners[t.x], mesh.corners[t.y], mesh.corners[t.z]);
+  }
+  SurfaceLook& look = out.look.surface;
+  look.colours = atCorners(mesh.vertexColours, out.triangles);
+  for (const glm::u8vec3& colour : chosen(mesh.faceColours, triangles.face)) {
+    look.colours.push_back({colour, colour, colour});
+  }
+  look.texcoords = mesh.vertexTexcoords.empty() ? atCorners(mesh.cornerTexcoords, triangles.corners)
+                                                : atCorners(mesh.vertexTexcoords, out.triangles);
+  for (auto& corners : look.texcoords) {
+    for (glm::vec2& at : corners) {
+      if (!std::isfinite(at.x) || !std::isfinite(at.y)) at = glm::vec2(0.0f);
+    }
+  }
+  look.material = chosen(mesh.faceMaterials, triangles.face);
+  out.objectOfTriangle = chosen(mesh.objectOfFace, triangles.face);
+  out.vertices = std::move(mesh.vertices);
+}
+
+}  // namespace sherd

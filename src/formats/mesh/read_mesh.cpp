@@ -1,0 +1,279 @@
+// Reads a mesh file: bytes, unpacking, the format's reader, merging.
+#include "formats/mesh/read_mesh.h"
+
+#include <sherd/error.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <fstream>
+#include <future>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "base/file_bytes.h"
+#include "base/little_endian.h"
+#include "base/lower_case.h"
+#include "base/sha256.h"
+#include "base/text_scan.h"
+#include "formats/mesh/contradictions.h"
+#include "formats/mesh/merge.h"
+#include "formats/mesh/read_assimp.h"
+#include "formats/mesh/read_binm.h"
+#include "formats/mesh/read_gltf.h"
+#include "formats/mesh/read_obj.h"
+#include "formats/mesh/read_off.h"
+#include "formats/mesh/read_ply.h"
+#include "formats/mesh/read_stl.h"
+
+namespace sherd {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kLargestUnpacked = std::size_t{1}
+                                         << 33;  // a small .gz may stand for any number of zeros
+
+std::optional<MeshFormat> formatFromExtension(const std::string& extension) {
+  constexpr std::array<std::pair<std::string_view, MeshFormat>, 10> kFormats{
+      {{".obj", MeshFormat::obj},
+       {".ply", MeshFormat::ply},
+       {".stl", MeshFormat::stl},
+       {".off", MeshFormat::off},
+       {".gltf", MeshFormat::gltf},
+       {".glb", MeshFormat::glb},
+       {".binm", MeshFormat::binm},
+       {".fbx", MeshFormat::fbx},
+       {".dae", MeshFormat::dae},
+       {".3mf", MeshFormat::threeMf}}};
+  for (const auto& [name, format] : kFormats)
+    if (lowerCase(extension) == name) return format;
+  return std::nullopt;
+}
+
+// Whether a file of the format may begin so; only those are looked at that begin in one way.
+bool mayBegin(MeshFormat format, std::string_view bytes) {
+  switch (format) {
+    case MeshFormat::ply:
+      return withoutByteOrderMark(bytes).starts_with("ply");
+    case MeshFormat::glb:
+      return bytes.starts_with("glTF");
+    case MeshFormat::gltf:
+      return trimmed(withoutByteOrderMark(bytes)).starts_with('{');
+    default:
+      return true;
+  }
+}
+
+// What the last four bytes of a gzip file say, if that can be.
+std::size_t lastLength(std::string_view packed) {
+  constexpr std::size_t kMostInflated = 1032;  // bytes that deflation makes of one, at most
+  if (packed.size() < sizeof(std::uint32_t)) return 0;
+  const std::size_t length = loadLittle<std::uint32_t>(packed.data() + packed.size() - 4);
+  return length / kMostInflated <= packed.size() ? length : 0;
+}
+
+// Room for more text, charged before it is made; what is full gets twice its room.
+void makeRoom(std::string& text, std::size_t more, MemoryBudget& memory) {
+  const std::size_t before = text.capacity(), needed = text.size() + more;
+  if (needed <= before) return;
+  const std::size_t room = std::max(needed, 2 * before);
+  memory.charge(room);
+  text.reserve(room);
+  memory.release(before);
+}
+
+// Unpack a gzip file, which may be several streams one after another, piece by piece.  Of one that
+// cannot be of its format only the beginning is unpacked, which its reader refuses.
+std::string gunzip(const std::string& packed, const std::string& name, MeshFormat format,
+                   MemoryBudget& memory, const Progress* progress) {
+  const auto fail = [&](const std::string& what) {
+    return Error(ErrorCode::input, name + ": " + what);
+  };
+  z_stream stream{};
+  constexpr int kGzipOnly = 16 + MAX_WBITS;
+  if (inflateInit2(&stream, kGzipOnly) != Z_OK)
+    throw Error(ErrorCode::internal, "zlib does not start");
+  const std::unique_ptr<z_stream, int (*)(z_stream*)> guard(&stream, inflateEnd);
+
+  std::string out;
+  std::vector<char> buffer(std::size_t{1} << 18);
+  std::size_t taken = 0;
+  int status = Z_OK;
+  while (status != Z_STREAM_END || taken < packed.size()) {
+    throwIfCancelled(progress);
+    if (status == Z_STREAM_END && inflateReset(&stream) != Z_OK)
+      throw fail("its gzip stream is damaged");
+    const std::size_t give = std::min(packed.size() - taken, buffer.size());
+    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(packed.data() + taken));
+    stream.avail_in = static_cast<uInt>(give);
+    stream.next_out = reinterpret_cast<Bytef*>(buffer.data());
+    stream.avail_out = static_cast<uInt>(buffer.size());
+    status = inflate(&stream, Z_NO_FLUSH);
+    taken += give - stream.avail_in;
+    const std::size_t got = buffer.size() - stream.avail_out;
+    makeRoom(out, got, memory);
+    out.append(buffer.data(), got);
+    if (out.size() == got && got > 0) {  // the first piece
+      if (!mayBegin(format, out)) return out;
+      // The file's end tells how long its last stream is, in 32 bits: for most, the room that is
+      // needed.
+      makeRoom(out, lastLength(packed) - std::min(lastLength(packed), got), memory);
+    }
+    if (out.size() > kLargestUnpacked)
+      throw fail("unpacks to more than 8 GiB, which is more than is read");
+    if (status == Z_BUF_ERROR) throw fail("cut short: its gzip stream has no end");
+    if (status != Z_OK && status != Z_STREAM_END) throw fail("its gzip stream is damaged");
+  }
+  return out;
+}
+
+// A file named bowl.STL.gz is a packed .stl whose stem is bowl.
+struct FileName {
+  fs::path stem;
+  std::string extension;
+  bool packed = false;
+};
+
+FileName splitName(const fs::path& file) {
+  FileName name{file.filename(), "", lowerCase(file.extension().string()) == ".gz"};
+  if (name.packed) name.stem = name.stem.stem();
+  name.extension = name.stem.extension().string();
+  name.stem = name.stem.stem();
+  return name;
+}
+
+RawMesh readRaw(const MeshFile& file) {
+  switch (file.format) {
+    case MeshFormat::obj:
+      return readObj(file);
+    case MeshFormat::ply:
+      return readPly(file);
+    case MeshFormat::stl:
+      return readStl(file);
+    case MeshFormat::off:
+      return readOff(file);
+    case MeshFormat::gltf:
+    case MeshFormat::glb:
+      return readGltf(file);
+    case MeshFormat::binm:
+      return readBinm(file);
+    case MeshFormat::fbx:
+    case MeshFormat::dae:
+    case MeshFormat::threeMf:
+      return readByAssimp(file, assimpLimits(file.bytes.size(), file.memory->left()));
+  }
+  return {};
+}
+
+// Far below what squares of lengths overflow at, in single precision too.
+constexpr double kLongestSide = 1e37;
+
+void checkMerged(const MeshFile& file, const SourceMesh& source) {
+  if (source.mesh.triangles.empty() && source.droppedTriangles > 0) {
+    const std::string which = source.droppedVertices == source.fileVertices ? "all " : "";
+    throw inputError(file, which + std::to_string(source.droppedVertices) +
+                               " vertices are not finite, and no triangle is without one; finite "
+                               "coordinates are needed");
+  }
+  if (source.mesh.triangles.empty())
+    throw inputError(file, "holds no triangle with three different corners");
+  const Box box = bounds(source.mesh);
+  for (int axis = 0; axis < 3; ++axis) {
+    const double side = box.max[axis] - box.min[axis];
+    if (side <= kLongestSide) continue;
+    std::array<char, 40> length{};
+    std::snprintf(length.data(), length.size(), "%.3g", side);
+    throw inputError(file, std::string("is ") + length.data() + " long along " + "xyz"[axis] +
+                               ", at most 1e37 can be worked with (scale it)");
+  }
+}
+
+//   memory  charged with `bytes`
+SourceMesh meshOf(const fs::path& path, std::string bytes, MemoryBudget& memory,
+                  const Progress* progress) {
+  const FileName name = splitName(path);
+  const std::string fileName = path.filename().string();
+  const std::optional<MeshFormat> format = formatFromExtension(name.extension);
+  if (!format) {
+    throw Error(
+        ErrorCode::input,
+        fileName + ": the extension '" + name.extension +
+            "' is not known; read are .obj .ply .stl .off .gltf .glb .binm .fbx .dae .3mf, and "
+            "each with .gz");
+  }
+  const MeshFile file{
+      path,    fileName,
+      *format, name.packed ? gunzip(bytes, fileName, *format, memory, progress) : std::move(bytes),
+      &memory, progress};
+  if (file.bytes.empty()) throw inputError(file, "the file is empty");
+  std::future<std::string> hash =
+      std::async(std::launch::async, [&] { return sha256(name.packed ? bytes : file.bytes); });
+  RawMesh raw = readRaw(file);  // in the caller's thread, which `progress` is for
+  if (raw.triangles.empty()) throw inputError(file, "holds no triangle");
+  if (raw.vertices.size() > std::numeric_limits<std::uint32_t>::max())
+    throw inputError(file, "has more than 2^32 vertices, which is more than can be held");
+  // Readers check what they read; what one of them missed must not be used as an index.
+  if (const auto contradiction = contradictionIn(raw))
+    throw inputError(file, "contradicts itself: " + *contradiction);
+
+  memory.charge(mergingMemory(raw));
+  checkpoint(file);
+  SourceMesh out = mergeVertices(std::move(raw));
+  checkMerged(file, out);
+  out.name = fileName;
+  out.stem = name.stem.string();
+  out.sha256 = hash.get();
+  if (out.droppedVertices > 0) {
+    out.warnings.push_back(out.name + ": " + std::to_string(out.droppedVertices) +
+                           " vertices are not finite; the " + std::to_string(out.droppedTriangles) +
+                           " triangles that use them are dropped");
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string readFileBytes(const fs::path& file, MemoryBudget* memory) {
+  const auto fail = [&](const std::string& what) {
+    return Error(ErrorCode::input, file.string() + ": " + what);
+  };
+  std::error_code error;
+  const fs::file_status status = fs::status(file, error);
+  if (status.type() == fs::file_type::not_found) throw fail("there is no such file");
+  if (error) throw fail("cannot be read: " + error.message());
+  if (fs::is_directory(status)) throw fail("is a directory, a file is needed");
+  if (!fs::is_regular_file(status)) throw fail("is not a regular file");
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw fail("cannot be opened for reading");
+  const std::uintmax_t size = fs::file_size(file);
+  if (memory != nullptr) memory->charge(size);
+  std::string bytes(static_cast<std::size_t>(size), '\0');
+  in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (static_cast<std::size_t>(in.gcount()) != bytes.size())
+    throw fail("cannot be read to its end");
+  return bytes;
+}
+
+bool isMeshName(const fs::path& file) {
+  return formatFromExtension(splitName(file).extension).has_value();
+}
+
+SourceMesh readMesh(const fs::path& path, const ReadOptions& options, const Progress* progress) {
+  MemoryBudget memory(path.filename().string(), options.maxMemory);
+  std::string bytes = readFileBytes(path, &memory);
+  return meshOf(path, std::move(bytes), memory, progress);
+}
+
+SourceMesh meshFromBytes(const fs::path& path, std::string bytes, const ReadOptions& options,
+                         const Progress* progress) {
+  MemoryBudget memory(path.filename().string(), options.maxMemory);
+  memory.charge(bytes.size());
+  return meshOf(path, std::move(bytes), memory, progress);
+}
+
+}  // namespace sherd

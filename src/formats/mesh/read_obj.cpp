@@ -1,0 +1,269 @@
+// Reads OBJ files.
+#include "formats/mesh/read_obj.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "formats/mesh/beside.h"
+#include "formats/mesh/mtl.h"
+#include "formats/mesh/obj_lines.h"
+#include "formats/mesh/polygon_mesh.h"
+#include "mesh/colours.h"
+
+namespace sherd {
+namespace {
+
+constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
+// Lines, and corners of a line, between two looks at what is held and whether to stop.
+constexpr std::size_t kAtATime = 4096;
+
+// Numbers for names, in the order of their first use.
+class Names {
+ public:
+  std::uint32_t numberOf(std::string_view name) {
+    const auto known = numbers_.find(name);
+    if (known != numbers_.end()) return known->second;
+    const auto number = static_cast<std::uint32_t>(list_.size());
+    list_.emplace_back(name);
+    numbers_.emplace(name, number);
+    return number;
+  }
+  const std::vector<std::string>& list() const { return list_; }
+
+ private:
+  std::vector<std::string> list_;
+  std::map<std::string, std::uint32_t, std::less<>> numbers_;
+};
+
+struct Reader {
+  const MeshFile& file;
+  PolygonMesh mesh{};
+  std::vector<glm::vec3> colours{};  // [vertices] once one of them has one
+  std::vector<glm::vec2> texcoords{};
+  std::vector<std::uint32_t> cornerTexcoords{};  // [corners], kNone: none
+  std::size_t largestVertex = 0, largestVertexLine = 0, largestTexcoord = 0;  // used, from 1
+  std::vector<std::string> libraries{};
+  Names materials{}, objects{}, groups{};
+  std::vector<std::uint32_t> groupOfFace{};                       // beside mesh.objectOfFace
+  std::uint32_t material = kNone, object = kNone, group = kNone;  // of the faces that come
+  bool hasTexcoords = false;
+  GrowingMemory memory{file.memory};
+
+  void addVertex(std::string_view rest, std::size_t line) {
+    std::array<double, 6> values{};
+    std::size_t count = 0;
+    rest = rest.substr(0, rest.find('#'));
+    while (count < values.size()) {
+      const auto value = parseReal(takeWord(rest));
+      if (!value) break;
+      values[count++] = *value;
+    }
+    if (count < 3) throw inputError(file, line, "vertex has less than 3 coordinates");
+    const double w = count == 4 && values[3] != 0.0 ? values[3] : 1.0;
+    mesh.vertices.emplace_back(values[0] / w, values[1] / w, values[2] / w);
+    if (count < 6 && colours.empty()) return;
+    colours.resize(mesh.vertices.size(), glm::vec3(1.0f));
+    if (count == 6) colours.back() = {values[3], values[4], values[5]};
+  }
+
+  // A corner "v", "v/vt", "v//vn" or "v/vt/vn"; numbers below 0 count from the end.
+  void addCorner(std::string_view word, std::size_t line) {
+    std::int64_t vertex = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), vertex);
+    const auto length = static_cast<std::size_t>(end - word.data());
+    if (error != std::errc() || vertex == 0 || word.back() == '/' ||
+        (length < word.size() && word[length] != '/')) {
+      throw inputError(file, line,
+                       "face has the corner " + inQuotes(word) + ", not a vertex number");
+    }
+    const auto count = static_cast<std::int64_t>(mesh.vertices.size());
+    if (vertex < -count) {
+      throw inputError(file, line,
+                       "face uses vertex " + std::to_string(vertex) + ", there are " +
+                           std::to_string(count) + " before it");
+    }
+    if (vertex > 0 && static_cast<std::size_t>(vertex) > largestVertex) {
+      largestVertex = static_cast<std::size_t>(vertex);
+      largestVertexLine = line;
+    }
+    mesh.corners.push_back(static_cast<std::uint32_t>(vertex < 0 ? count + vertex : vertex - 1));
+    addTexcoord(word, length, line);
+    if (mesh.corners.size() % kAtATime == 0) hold();
+  }
+
+  void addTexcoord(std::string_view word, std::size_t slash, std::size_t line) {
+    std::string_view second;
+    if (slash < word.size()) {
+      second = word.substr(slash + 1);
+      second = second.substr(0, second.find('/'));
+    }
+    if (second.empty()) {
+      if (hasTexcoords) cornerTexcoords.push_back(kNone);
+      return;
+    }
+    const auto vt = parseInteger<std::int64_t>(second);
+    const auto count = static_cast<std::int64_t>(texcoords.size());
+    if (!vt || *vt == 0 || *vt < -count || *vt > std::int64_t{kNone}) {
+      throw inputError(
+          file, line,
+          "face has the corner " + inQuotes(word) + ", whose texture coordinate does not exist");
+    }
+    hasTexcoords = true;
+    cornerTexcoords.resize(mesh.corners.size(), kNone);
+    cornerTexcoords.back() = static_cast<std::uint32_t>(*vt < 0 ? count + *vt : *vt - 1);
+    largestTexcoord = std::max(largestTexcoord, cornerTexcoords.back() + std::size_t{1});
+  }
+
+  // Faces are kept as they are: what they use may come behind them.
+  void addFace(std::string_view rest, std::size_t line) {
+    const std::size_t first = mesh.corners.size();
+    rest = rest.substr(0, rest.find('#'));
+    for (std::string_view word = takeWord(rest); !word.empty(); word = takeWord(rest)) {
+      addCorner(word, line);
+    }
+    if (mesh.corners.size() < first + 3)
+      throw inputError(file, line, "face has less than 3 corners");
+    mesh.faceEnds.push_back(static_cast<std::uint32_t>(mesh.corners.size()));
+    note(material, mesh.faceMaterials);
+    note(object, mesh.objectOfFace);
+    note(group, groupOfFace);
+  }
+
+  // What the last face is of; an array begins with the first face that is of something.
+  void note(std::uint32_t of, std::vector<std::uint32_t>& ofFaces) const {
+    if (of == kNone && ofFaces.empty()) return;
+    ofFaces.resize(mesh.faceEnds.size(), kNone);
+    ofFaces.back() = of;
+  }
+
+  // What is held now, names with what finding them takes.
+  [[nodiscard]] std::uint64_t bytesHeld() const {
+    constexpr std::uint64_t kName = 160;
+    return mesh.bytes() + colours.size() * sizeof(glm::vec3) +
+           texcoords.size() * sizeof(glm::vec2) +
+           (cornerTexcoords.size() + groupOfFace.size()) * sizeof(std::uint32_t) +
+           kName * (materials.list().size() + objects.list().size() + groups.list().size() +
+                    libraries.size());
+  }
+
+  void hold() {
+    checkpoint(file);
+    memory.hold(bytesHeld());
+  }
+
+  void readLines() {
+    std::size_t count = 0;
+    ObjLines lines(withoutByteOrderMark(file.bytes));
+    while (lines.next()) {
+      if (++count % kAtATime == 0) hold();
+      std::string_view rest = lines.line();
+      const std::string_view keyword = takeWord(rest);
+      if (keyword == "v") {
+        addVertex(rest, lines.number());
+      } else if (keyword == "vt") {
+        const auto u = parseReal(takeWord(rest)), v = parseReal(takeWord(rest));
+        texcoords.emplace_back(u.value_or(0.0), v.value_or(0.0));
+      } else if (keyword == "f") {
+        addFace(rest, lines.number());
+      } else if (keyword == "usemtl") {
+        material = materials.numberOf(trimmed(rest));
+      } else if (keyword == "mtllib") {
+        libraries.emplace_back(trimmed(rest));
+      } else if (keyword == "o") {
+        object = objects.numberOf(trimmed(rest));
+      } else if (keyword == "g") {
+        group = groups.numberOf(trimmed(rest));
+      }
+    }
+  }
+
+  void checkIndices() const {
+    if (largestVertex > mesh.vertices.size()) {
+      throw inputError(file, largestVertexLine,
+                       "face uses vertex " + std::to_string(largestVertex) + ", the file has " +
+                           std::to_string(mesh.vertices.size()));
+    }
+    if (largestTexcoord > texcoords.size()) {
+      throw inputError(file, "face uses texture coordinate " + std::to_string(largestTexcoord) +
+                                 ", the file has " + std::to_string(texcoords.size()));
+    }
+  }
+
+  // Faces before the first name are of one without a name.
+  static void nameAll(std::vector<std::uint32_t>& ofFaces, Names& names) {
+    for (std::uint32_t& of : ofFaces) {
+      if (of == kNone) of = names.numberOf("");
+    }
+  }
+
+  // A library is a plain file name; one line may name several.
+  void readLibraries(RawMesh& out) const {
+    // A line "newmtl a" makes an entry of the map.
+    constexpr std::uint64_t kMostPerByte = 16;
+    std::map<std::string, MtlMaterial> known;
+    std::set<std::string, std::less<>> read;
+    for (const std::string& line : libraries) {
+      checkpoint(file);
+      const NamedFile whole = fileBeside(file, line);
+      std::error_code error;
+      const bool isOne =
+          whole.refusal.empty() && std::filesystem::is_regular_file(whole.path, error);
+      std::string_view rest = line;
+      for (std::string_view name = isOne ? rest : takeWord(rest); !name.empty();
+           name = isOne ? std::string_view() : takeWord(rest)) {
+        if (!read.emplace(name).second) continue;  // of two that are alike the first counts
+        const auto text = readBeside(file, name, "material library", out.warnings);
+        if (!text) continue;
+        charge(file, text->size(), kMostPerByte);  // before it is known how many it names
+        addMtl(*text, known);
+      }
+    }
+    for (Material& named : out.look.materials) {
+      const auto found = known.find(named.name);
+      if (found == known.end()) continue;
+      named.colour = found->second.colour;
+      if (hasTexcoords && !found->second.texture.empty()) {
+        named.texture = textureBeside(file, found->second.texture, out);
+      }
+    }
+  }
+
+  RawMesh read() {
+    readLines();
+    checkIndices();
+    mesh.vertexColours = coloursFrom(colours);
+    cornerTexcoords.resize(hasTexcoords ? mesh.corners.size() : 0, kNone);
+    charge(file, cornerTexcoords.size(), sizeof(glm::vec2));
+    mesh.cornerTexcoords.reserve(cornerTexcoords.size());
+    for (const std::uint32_t vt : cornerTexcoords) {
+      mesh.cornerTexcoords.push_back(vt == kNone ? glm::vec2(0.0f) : texcoords[vt]);
+    }
+    RawMesh out;
+    nameAll(mesh.faceMaterials, materials);
+    if (!mesh.faceMaterials.empty()) {
+      for (const std::string& name : materials.list()) out.look.materials.push_back({.name = name});
+      readLibraries(out);
+    }
+    if (mesh.objectOfFace.empty()) {
+      mesh.objectOfFace = std::move(groupOfFace);
+      std::swap(objects, groups);
+    }
+    nameAll(mesh.objectOfFace, objects);
+    out.objects = objects.list();
+    triangulateInto(file, std::move(mesh), out);
+    return out;
+  }
+};
+
+}  // namespace
+
+RawMesh readObj(const MeshFile& file) { return Reader{.file = file}.read(); }
+
+}  // namespace sherd

@@ -1,0 +1,158 @@
+// Reads OFF files.
+//
+// source  Geomview Manual, "OFF Files": [ST][C][N]OFF, then counts, vertices and faces
+#include "formats/mesh/read_off.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+#include "base/text_scan.h"
+#include "formats/mesh/polygon_mesh.h"
+#include "mesh/colours.h"
+
+namespace sherd {
+namespace {
+
+// Vertices, faces, and corners of a face, between two looks at what is held and whether to stop.
+constexpr std::size_t kAtATime = 4096;
+
+struct Reader {
+  const MeshFile& file;
+  LineReader lines{withoutByteOrderMark(file.bytes)};
+  std::string_view line{};                                            // what is left of the line
+  bool hasTexcoords = false, hasColours = false, hasNormals = false;  // of vertices
+  PolygonMesh mesh{};
+  std::vector<glm::vec3> vertexColours{}, faceColours{};
+  bool anyFaceColour = false;
+  GrowingMemory memory{file.memory};
+
+  Error bad(const std::string& what) const { return inputError(file, lines.number(), what); }
+
+  void expectLine(const std::string& what) {
+    if (!nextDataLine(lines, line))
+      throw inputError(file, "cut short: the file ends before " + what);
+  }
+
+  void expectLine(const char* what, std::size_t index, std::size_t count) {
+    if (nextDataLine(lines, line)) return;
+    throw inputError(file, std::string("cut short: the file ends before ") + what + " " +
+                               std::to_string(index) + " of " + std::to_string(count));
+  }
+
+  std::optional<double> nextReal() { return parseReal(takeWord(line)); }
+
+  void readKeyword() {
+    expectLine("its header");
+    const std::string_view keyword = takeWord(line);
+    std::string_view kind = keyword;
+    const auto take = [&kind](std::string_view prefix) {
+      const bool has = kind.starts_with(prefix);
+      if (has) kind.remove_prefix(prefix.size());
+      return has;
+    };
+    hasTexcoords = take("ST");
+    hasColours = take("C");
+    hasNormals = take("N");
+    if (kind != "OFF") throw bad("found " + inQuotes(keyword) + " where 'OFF' is expected");
+    std::string_view next = line;
+    if (takeWord(next) == "BINARY")
+      throw inputError(file, "is a binary OFF, which is not read; save it as a text");
+  }
+
+  // A colour of three or four numbers; its alpha is left out.
+  std::optional<glm::vec3> colour(std::size_t numbers) {
+    if (numbers != 3 && numbers != 4) return std::nullopt;
+    glm::vec3 out(1.0f);
+    for (int i = 0; i < 3; ++i) out[i] = static_cast<float>(nextReal().value_or(1.0));
+    if (numbers == 4) takeWord(line);
+    return out;
+  }
+
+  void readVertex() {
+    glm::dvec3 v;
+    for (int i = 0; i < 3; ++i) {
+      const auto value = nextReal();
+      if (!value) throw bad("vertex has less than 3 coordinates");
+      v[i] = *value;
+    }
+    mesh.vertices.push_back(v);
+    if (hasNormals && !takeNumbers(line, 3)) throw bad("vertex has no normal");
+    if (hasColours) {
+      const std::size_t others = hasTexcoords ? 2 : 0, numbers = countWords(line);
+      vertexColours.push_back(
+          colour(numbers - std::min(numbers, others)).value_or(glm::vec3(1.0f)));
+    }
+    if (hasTexcoords) {
+      const auto s = nextReal(), t = nextReal();
+      if (!s || !t) throw bad("vertex has no texture coordinates");
+      mesh.vertexTexcoords.emplace_back(*s, *t);
+    }
+  }
+
+  void hold() {
+    checkpoint(file);
+    memory.hold(mesh.bytes() - mesh.vertices.size() * sizeof(glm::dvec3) +
+                (vertexColours.size() + faceColours.size()) * sizeof(glm::vec3));
+  }
+
+  // Faces of one or two corners are points and lines.
+  void readFace(std::uint32_t vertices) {
+    const auto corners = parseInteger<std::uint32_t>(takeWord(line));
+    if (!corners) throw bad("face has no number of corners");
+    for (std::size_t k = 0; k < *corners; ++k) {
+      const std::string_view word = takeWord(line);
+      const auto index = parseInteger<std::uint32_t>(word);
+      if (!index || *index >= vertices) {
+        throw bad("face uses vertex " + inQuotes(word) + ", the file has " +
+                  std::to_string(vertices));
+      }
+      if (*corners >= 3) mesh.corners.push_back(*index);
+      if (*corners >= 3 && mesh.corners.size() % kAtATime == 0) hold();
+    }
+    if (*corners < 3) return;
+    mesh.faceEnds.push_back(static_cast<std::uint32_t>(mesh.corners.size()));
+    if (hasColours) return;
+    const auto found = isBlank(line) ? std::nullopt : colour(countWords(line));
+    anyFaceColour |= found.has_value();
+    faceColours.push_back(found.value_or(glm::vec3(1.0f)));
+  }
+
+  void read() {
+    readKeyword();
+    if (isBlank(line)) expectLine("its counts");
+    const auto vertices = parseInteger<std::uint32_t>(takeWord(line));
+    const auto faces = parseInteger<std::uint32_t>(takeWord(line));
+    if (!vertices || !faces) throw bad("found no number of vertices and faces after the header");
+    // A line has six bytes at least.
+    const std::size_t room = std::min<std::size_t>(*vertices, file.bytes.size() / 6);
+    charge(file, room, sizeof(glm::dvec3));
+    mesh.vertices.reserve(room);
+    for (std::size_t i = 0; i < *vertices; ++i) {
+      if (i % kAtATime == 0) hold();
+      expectLine("vertex", i, *vertices);
+      readVertex();
+    }
+    for (std::size_t i = 0; i < *faces; ++i) {
+      if (i % kAtATime == 0) hold();
+      expectLine("face", i, *faces);
+      readFace(*vertices);
+    }
+    if (nextDataLine(lines, line)) throw bad("found " + inQuotes(line) + " after the last face");
+    mesh.vertexColours = coloursFrom(vertexColours);
+    if (anyFaceColour) mesh.faceColours = coloursFrom(faceColours);
+  }
+};
+
+}  // namespace
+
+RawMesh readOff(const MeshFile& file) {
+  Reader reader{.file = file};
+  reader.read();
+  RawMesh out;
+  triangulateInto(file, std::move(reader.mesh), out);
+  return out;
+}
+
+}  // namespace sherd

@@ -1,0 +1,130 @@
+// Reads STL files.
+#include "formats/mesh/read_stl.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+
+#include "base/little_endian.h"
+#include "base/lower_case.h"
+#include "base/text_scan.h"
+
+namespace sherd {
+namespace {
+
+constexpr std::size_t kHeader = 84;  // 80 bytes of anything, then the count
+constexpr std::size_t kRecord = 50;  // a normal, three corners, two bytes of anything
+
+// Text, unlike a binary file whose header happens to begin with "solid".
+bool isText(std::string_view bytes) {
+  const std::string_view start = bytes.substr(0, 500);
+  std::string_view rest = trimmed(start);
+  return lowerCase(std::string(rest.substr(0, 5))) == "solid" &&
+         start.find('\0') == std::string_view::npos;
+}
+
+void addTriangle(RawMesh& out) {
+  const auto first = static_cast<std::uint32_t>(out.vertices.size() - 3);
+  out.triangles.emplace_back(first, first + 1, first + 2);
+}
+
+RawMesh readBinary(const MeshFile& file, std::size_t count) {
+  charge(file, count, 3 * sizeof(glm::dvec3) + sizeof(glm::uvec3));
+  checkpoint(file);
+  RawMesh out;
+  out.vertices.reserve(3 * count);
+  out.triangles.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const char* at = file.bytes.data() + kHeader + kRecord * i + 12;
+    const auto next = [&at] {
+      const auto value = std::bit_cast<float>(loadLittle<std::uint32_t>(at));
+      at += 4;
+      return static_cast<double>(value);
+    };
+    for (int corner = 0; corner < 3; ++corner) {
+      const double x = next(), y = next(), z = next();
+      out.vertices.emplace_back(x, y, z);
+    }
+    addTriangle(out);
+  }
+  return out;
+}
+
+RawMesh readText(const MeshFile& file) {
+  // One facet's lines in their order: the words that each begins with.  Its normal is not looked
+  // at, which some programs write as no number.
+  constexpr std::array<std::string_view, 7> kFacet{
+      {"facet", "outer", "vertex", "vertex", "vertex", "endloop", "endfacet"}};
+  RawMesh out;
+  constexpr std::size_t kLinesAtATime = 4096;
+  GrowingMemory memory(file.memory);
+  std::size_t at = 0;
+  bool inSolid = false;
+  LineReader lines(withoutByteOrderMark(file.bytes));
+  while (lines.next()) {
+    if (lines.number() % kLinesAtATime == 0) {
+      checkpoint(file);
+      memory.hold(out.vertices.size() * sizeof(glm::dvec3) +
+                  out.triangles.size() * (sizeof(glm::uvec3) + sizeof(std::uint32_t)) +
+                  out.objects.size() * sizeof(std::string));
+    }
+    std::string_view rest = lines.line();
+    const std::string word = lowerCase(std::string(takeWord(rest)));
+    if (word.empty()) continue;
+    if (at == 0 && word == (inSolid ? "endsolid" : "solid")) {
+      inSolid = !inSolid;
+      if (inSolid) out.objects.emplace_back(trimmed(rest));
+      continue;
+    }
+    const std::string_view expected = inSolid ? kFacet[at] : "solid";
+    bool fits = word == expected;
+    if (fits && word == "vertex") {
+      glm::dvec3 v;
+      for (int i = 0; i < 3 && fits; ++i) {
+        const auto value = parseReal(takeWord(rest));
+        fits = value.has_value();
+        v[i] = value.value_or(0.0);
+      }
+      fits = fits && isBlank(rest);
+      out.vertices.push_back(v);
+    }
+    if (!fits) {
+      throw inputError(file, lines.number(),
+                       "found " + inQuotes(lines.line()) + " where a line with '" +
+                           std::string(expected) + "' is expected");
+    }
+    at = (at + 1) % kFacet.size();
+    if (at != 0) continue;
+    addTriangle(out);
+    out.objectOfTriangle.push_back(static_cast<std::uint32_t>(out.objects.size()) - 1);
+  }
+  if (inSolid) throw inputError(file, "cut short: the last solid has no 'endsolid'");
+  return out;
+}
+
+}  // namespace
+
+RawMesh readStl(const MeshFile& file) {
+  const std::size_t size = file.bytes.size();
+  const std::size_t held = size < kHeader ? 0 : (size - kHeader) / kRecord;
+  const auto announced = size < kHeader ? 0u : loadLittle<std::uint32_t>(&file.bytes[80]);
+  const bool isWhole = size >= kHeader && (size - kHeader) % kRecord == 0;
+  if (isWhole && held == announced) return readBinary(file, held);
+  if (isText(withoutByteOrderMark(file.bytes))) return readText(file);
+  if (size < kHeader)
+    throw inputError(file, "cut short: neither text nor a whole header of a binary STL");
+  const std::string counts =
+      "the header announces " + std::to_string(announced) + " triangles, the file ";
+  if (isWhole && held > 0 && (announced == 0 || announced == 0xffffffffu)) {
+    RawMesh out = readBinary(file, held);
+    out.warnings.push_back(file.name + ": " + counts + "holds " + std::to_string(held) +
+                           ", which are read");
+    return out;
+  }
+  if (held < announced)
+    throw inputError(file, "cut short: " + counts + "holds " + std::to_string(held));
+  throw inputError(file, counts + "has room for " + std::to_string(held));
+}
+
+}  // namespace sherd

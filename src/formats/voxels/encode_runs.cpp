@@ -1,0 +1,81 @@
+// From labels of leaf blocks to runs over a box.
+#include <sherd/voxel_files.h>
+
+#include <cassert>
+
+#include "formats/voxels/voxel_runs.h"
+
+namespace sherd {
+namespace {
+
+// The leaves over each 8x8 column of x and y.  Origins ascend by x, y, z, so a column is one range
+// of them.
+class LeafColumns {
+ public:
+  LeafColumns(const LeafBlocks& blocks, const VoxelBox& box)
+      : x0_(box.min.x() >> 3),
+        y0_(box.min.y() >> 3),
+        nx_((box.max.x() >> 3) - x0_ + 1),
+        ny_((box.max.y() >> 3) - y0_ + 1),
+        columns_(static_cast<std::size_t>(nx_) * static_cast<std::size_t>(ny_)) {
+    for (std::size_t leaf = 0; leaf < blocks.count(); ++leaf) {
+      const int x = (blocks.origins[leaf].x() >> 3) - x0_;
+      const int y = (blocks.origins[leaf].y() >> 3) - y0_;
+      if (x < 0 || x >= nx_ || y < 0 || y >= ny_) continue;  // outer band beyond the box
+      Range& column = columns_[index(x, y)];
+      if (column.end == 0) column.begin = leaf;
+      column.end = leaf + 1;
+    }
+  }
+
+  struct Range {
+    std::size_t begin = 0;
+    std::size_t end = 0;
+  };
+  Range at(int x, int y) const { return columns_[index((x >> 3) - x0_, (y >> 3) - y0_)]; }
+
+ private:
+  std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(x) * static_cast<std::size_t>(ny_) +
+           static_cast<std::size_t>(y);
+  }
+
+  int x0_, y0_, nx_, ny_;
+  std::vector<Range> columns_;
+};
+
+}  // namespace
+
+RunLengthVoxels encodeRuns(const Solid& solid, const Labels& labels, int fragments) {
+  const VoxelBox& box = solid.box;
+  assert(!box.empty());
+  const LeafColumns columns(solid.blocks, box);
+  const auto voxelLabel = [&](std::uint16_t label) {
+    return static_cast<std::uint16_t>(label <= fragments ? label + 1 : 1);
+  };
+  RunLengthVoxels voxels{box.dims(), {}};
+  for (int x = box.min.x(); x <= box.max.x(); ++x) {
+    for (int y = box.min.y(); y <= box.max.y(); ++y) {
+      int z = box.min.z();  // rows up to here are in the runs
+      const auto [begin, end] = columns.at(x, y);
+      for (std::size_t leaf = begin; leaf < end; ++leaf) {
+        const auto rowBit = static_cast<unsigned>(y & 7) << 3;
+        const std::uint64_t slab = solid.blocks.inside[leaf * 8 + static_cast<unsigned>(x & 7)];
+        const auto row = static_cast<unsigned>((slab >> rowBit) & 0xff);
+        if (row == 0) continue;
+        const std::size_t first = leaf * 512 + (static_cast<unsigned>(x & 7) << 6) + rowBit;
+        for (unsigned bit = 0; bit < 8; ++bit) {
+          if ((row >> bit & 1) == 0) continue;
+          const int inside = solid.blocks.origins[leaf].z() + static_cast<int>(bit);
+          appendRun(voxels.runs, 0, static_cast<std::uint64_t>(inside - z));
+          appendRun(voxels.runs, voxelLabel(labels.fragment[first + bit]), 1);
+          z = inside + 1;
+        }
+      }
+      appendRun(voxels.runs, 0, static_cast<std::uint64_t>(box.max.z() + 1 - z));
+    }
+  }
+  return voxels;
+}
+
+}  // namespace sherd

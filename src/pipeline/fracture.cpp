@@ -1,0 +1,60 @@
+// The stages in order, timed.
+#include <sherd/fracture.h>
+
+#include <utility>
+
+#include "cl/device_impl.h"
+#include "grow/specks.h"
+#include "pipeline/fracture_stages.h"
+
+namespace sherd {
+namespace {
+
+GrownFracture grownOf(Solid solid, const FractureOptions& options, StageClock clock, Device& device,
+                      const Progress* progress) {
+  PreparedSolid ready = prepared(std::move(solid), device);
+  clock.done("parts");
+  GrownFracture grown = grow(ready, options, device, clock, progress);
+  ready = {};  // memory for meshes
+  device.freeBuffers();
+  return grown;
+}
+
+}  // namespace
+
+GrownFracture grown(const TriangleMesh& mesh, const FractureOptions& options, Device& device,
+                    const Progress* progress) {
+  StageClock clock;
+  device.impl().buildKernels();
+  Solid solid = voxelize(mesh, solidOptionsOf(options), progress);
+  clock.done("voxelize");
+  return grownOf(std::move(solid), options, clock, device, progress);
+}
+
+GrownFracture grown(Solid solid, const FractureOptions& options, Device& device,
+                    const Progress* progress) {
+  return grownOf(std::move(solid), options, StageClock(), device, progress);
+}
+
+FractureResult fracture(const TriangleMesh& mesh, const FractureOptions& options, Device& device,
+                        const Progress* progress) {
+  return extracted(grown(mesh, options, device, progress), options, progress);
+}
+
+FractureResult fracture(Solid solid, const FractureOptions& options, Device& device,
+                        const Progress* progress) {
+  return extracted(grown(std::move(solid), options, device, progress), options, progress);
+}
+
+PreparedSolid prepared(Solid solid, Device& device) {
+  Parts parts = findParts(solid.blocks, device);
+  Solid clean = dropSpecks(std::move(solid), parts, device);
+  return {std::move(clean), std::move(parts)};
+}
+
+FractureResult fracture(const PreparedSolid& ready, const FractureOptions& options, Device& device,
+                        const Progress* progress) {
+  return extracted(grow(ready, options, device, StageClock(), progress), options, progress);
+}
+
+}  // namespace sherd

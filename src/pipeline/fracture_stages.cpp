@@ -1,0 +1,186 @@
+// The stages of a fracture, with their options filled in.
+#include "pipeline/fracture_stages.h"
+
+#include <sherd/error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/random.h"
+
+namespace sherd {
+namespace {
+
+std::size_t withheldOf(double missing, std::size_t fragments) {
+  const double wanted =
+      missing < 1.0 ? std::floor(missing * static_cast<double>(fragments) + 0.5) : missing;
+  if (wanted < 0.0 || wanted > static_cast<double>(fragments) - 1.0) {
+    throw Error(ErrorCode::usage, "of " + std::to_string(fragments) + " fragments at most " +
+                                      std::to_string(fragments - 1) + " can be withheld");
+  }
+  return static_cast<std::size_t>(wanted);
+}
+
+// New ids by old: fragments of fewer than `least` voxels get the last ones, and all else stays in
+// order.  How many these are is the second.
+std::pair<std::vector<std::uint16_t>, std::size_t> smallOnesLast(
+    const std::vector<std::uint64_t>& voxels, double least) {
+  std::vector<std::uint16_t> ids(1, 0), small;
+  for (std::size_t id = 1; id < voxels.size(); ++id) {
+    const bool isSmall = static_cast<double>(voxels[id]) < least;
+    (isSmall ? small : ids).push_back(static_cast<std::uint16_t>(id));
+  }
+  ids.insert(ids.end(), small.begin(), small.end());
+  std::vector<std::uint16_t> fresh(voxels.size());
+  for (std::size_t i = 0; i < ids.size(); ++i) fresh[ids[i]] = static_cast<std::uint16_t>(i);
+  return {std::move(fresh), small.size()};
+}
+
+void renumber(Labels& labels, const std::vector<std::uint16_t>& fresh) {
+  for (std::uint16_t& label : labels.fragment) {
+    if (label != Labels::kWorn) label = fresh[label];
+  }
+  for (Seed& seed : labels.sites.seeds) seed.fragment = fresh[seed.fragment];
+}
+
+// Give the last ids to fragments below options.dropShare; how many there are.
+std::size_t dropSmall(GrownFracture& grown, double dropShare) {
+  if (!(dropShare >= 0.0 && dropShare <= 1.0)) {
+    throw Error(ErrorCode::usage, "the share below which fragments are dropped lies in 0..1");
+  }
+  if (dropShare == 0.0) return 0;
+  FractureResult& result = grown.result;
+  const Solid& solid = result.solid;
+  const auto [fresh, small] =
+      smallOnesLast(countVoxels(solid.blocks, result.labels, grown.fragments),
+                    dropShare * static_cast<double>(solid.voxels));
+  if (small == 0) return 0;
+  if (small == static_cast<std::size_t>(grown.fragments)) {
+    throw Error(ErrorCode::usage, "each of the " + std::to_string(small) +
+                                      " fragments is too small to be kept; lower the share below "
+                                      "which they are dropped");
+  }
+  renumber(result.labels, fresh);
+  if (grown.unworn) renumber(*grown.unworn, fresh);
+  for (Seed& seed : result.seeds) seed.fragment = fresh[seed.fragment];
+  std::vector<std::uint64_t> worn(result.worn.size());
+  for (std::size_t id = 0; id < worn.size(); ++id) worn[fresh[id]] = result.worn[id];
+  result.worn = std::move(worn);
+  return small;
+}
+
+}  // namespace
+
+SeedOptions seedOptionsFor(const FractureOptions& options, const Parts& parts, std::uint64_t seed) {
+  SeedOptions seeds = options.seeds;
+  seeds.pieces = options.pieces;
+  seeds.seed = seed;
+  const int fragments = std::max(options.pieces, static_cast<int>(parts.count()));
+  seeds.extraSeeds += options.extraSeedsPerPiece * fragments;
+  return seeds;
+}
+
+SeededLabels growFor(const FractureOptions& options, const LeafBlocks& blocks, const Parts& parts,
+                     std::vector<Seed> seeds, std::uint64_t seed, Device& device,
+                     const Progress* progress) {
+  GrowOptions grow = options.grow;
+  grow.noiseSeeds = {randomBits(seed, Stage::noise, 0)};
+  return growWithShares(blocks, parts, std::move(seeds), device, grow, options.shares, seed,
+                        progress);
+}
+
+namespace {
+
+GrownFracture seeded(const PreparedSolid& ready, const FractureOptions& options) {
+  GrownFracture grown;
+  FractureResult& result = grown.result;
+  grown.surface = ready.surface;
+  result.solid = ready.solid;
+  result.parts = ready.parts.count();
+  result.seeds = options.seedFile.empty()
+                     ? placeSeeds(result.solid, ready.parts,
+                                  seedOptionsFor(options, ready.parts, options.seed))
+                     : readSeeds(options.seedFile, result.solid, ready.parts, options.seed);
+  grown.fragments = fragmentsOf(result.seeds);
+  (void)withheldOf(options.missing, static_cast<std::size_t>(grown.fragments));  // before long work
+  return grown;
+}
+
+// Wear what has grown, and number what is withheld last.
+void finish(GrownFracture& grown, Labels labels, const FractureOptions& options, Device& device,
+            StageClock clock, const Progress* progress) {
+  FractureResult& result = grown.result;
+  const LeafBlocks& blocks = result.solid.blocks;
+  if (options.erode.iterations > 0) {
+    ErodeOptions erosion = options.erode;
+    erosion.seed = options.seed;
+    Erosion worn = erode(blocks, labels, grown.fragments, erosion, device, progress);
+    result.labels =
+        carriedOverBand(blocks, std::move(worn.labels), device, options.grow.outerSteps);
+    result.worn = std::move(worn.worn);
+    grown.unworn = std::move(labels);
+    clock.done("erode");
+  } else {
+    result.labels = std::move(labels);
+    result.worn.assign(static_cast<std::size_t>(grown.fragments) + 1, 0);
+  }
+  const std::size_t small = dropSmall(grown, options.dropShare);
+  result.withheld =
+      small + withheldOf(options.missing, static_cast<std::size_t>(grown.fragments) - small);
+  result.times = clock.times();
+}
+
+}  // namespace
+
+std::vector<GrownFracture> growTogether(const PreparedSolid& ready,
+                                        std::span<const FractureOptions> options, Device& device,
+                                        StageClock clock, const Progress* progress) {
+  std::vector<GrownFracture> all;
+  std::vector<std::vector<Seed>> seeds;
+  GrowOptions together = options.front().grow;
+  together.noiseSeeds.clear();
+  for (const FractureOptions& own : options) {
+    all.push_back(seeded(ready, own));
+    seeds.push_back(all.back().result.seeds);
+    together.noiseSeeds.push_back(randomBits(own.seed, Stage::noise, 0));
+  }
+  clock.done("seed");
+  const LeafBlocks& blocks = ready.solid.blocks;
+  std::vector<Labels> labels;
+  if (options.front().shares.isAny()) {  // how often each has to grow depends on what comes out
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      SeededLabels own = growFor(options[i], blocks, ready.parts, std::move(seeds[i]),
+                                 options[i].seed, device, progress);
+      all[i].result.seeds = std::move(own.seeds);
+      labels.push_back(std::move(own.labels));
+    }
+  } else {
+    labels = grow(blocks, seeds, device, together, progress);
+  }
+  clock.done("grow");
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    finish(all[i], std::move(labels[i]), options[i], device, clock, progress);
+  }
+  return all;
+}
+
+GrownFracture grow(const PreparedSolid& ready, const FractureOptions& options, Device& device,
+                   StageClock clock, const Progress* progress) {
+  return std::move(
+      growTogether(ready, std::span(&options, 1), device, std::move(clock), progress).front());
+}
+
+FractureResult extracted(GrownFracture grown, const FractureOptions& options,
+                         const Progress* progress) {
+  StageClock clock;
+  FractureResult& result = grown.result;
+  result.fragments = extractFragments(result.solid, result.labels, grown.fragments,
+                                      grown.unworn ? &*grown.unworn : nullptr, options.surface,
+                                      progress, grown.surface.get());
+  clock.done("extract");
+  result.times.push_back(clock.times().front());
+  return std::move(result);
+}
+
+}  // namespace sherd

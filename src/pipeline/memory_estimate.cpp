@@ -1,0 +1,185 @@
+// How much memory a fracture takes, estimated before.
+#include <sherd/memory_estimate.h>
+#include <sherd/solid.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "pipeline/fracture_stages.h"
+#include "surface/smooth.h"
+#include "voxelize/fill.h"
+
+namespace sherd {
+namespace {
+
+// Rates: docs/performance.md, "Memory".
+constexpr double kProgram = 200e6;          // the OpenCL device and its compiler
+constexpr double kPerTriangle = 240.0;      // of the input: vertices, the tree, columns
+constexpr double kPerSurfaceVoxel = 500.0;  // faces, meshes and the picture of fragments
+constexpr double kOfSomeMeshes = 0.6;       // of this, where only some meshes are held
+constexpr double kPerInsideVoxel = 8.0;     // leaves, labels and growth
+constexpr double kOfChain = 8.5;            // more for each: offers that wait
+constexpr double kOfErosion = 9.0;          // masks of fragments, labels before it
+constexpr double kOfCost = 11.0;            // four bytes on the device, here and in the file
+constexpr double kSimplified = 1.6;         // by how much meshes with fewer triangles take more
+constexpr double kPerPiece = 25e3;  // however small: its distances to the cut in every leaf that it
+                                    // reaches, what the manifest says of it
+
+struct Extent {
+  double area = 0.0, volume = 0.0, longest = 0.0;  // world units
+  double parts = 0.0;
+  bool isOpen = false;
+  glm::dvec3 box{0.0};
+};
+
+// Parts that are turned the other way do not cancel.
+Extent extentOf(const TriangleMesh& mesh) {
+  const Components parts = components(mesh);
+  std::vector<double> volumes(parts.count, 0.0);
+  const glm::dvec3 origin = bounds(mesh).min;
+  double area = 0.0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const glm::uvec3& corners = mesh.triangles[t];
+    const glm::dvec3 a = mesh.vertices[corners.x] - origin, b = mesh.vertices[corners.y] - origin,
+                     c = mesh.vertices[corners.z] - origin;
+    area += 0.5 * glm::length(glm::cross(b - a, c - a));
+    volumes[parts.ofTriangle[t]] += glm::dot(a, glm::cross(b, c)) / 6.0;
+  }
+  double volume = 0.0;
+  for (const double v : volumes) volume += std::abs(v);
+  const glm::dvec3 box = bounds(mesh).max - origin;
+  return {.area = area,
+          .volume = std::min(volume, box.x * box.y * box.z),
+          .longest = std::max({box.x, box.y, box.z}),
+          .parts = static_cast<double>(parts.count),
+          .isOpen = openEdges(mesh) > 0,
+          .box = box};
+}
+
+// Of a solid, in world units.
+struct Amount {
+  double area = 0.0, volume = 0.0;
+};
+
+// Of a shell, by Steiner's formula for what lies within `r` of a body: of the mesh's box, which
+// holds all of it, and of the mesh, whose two sides bend opposite ways.  Sheets that lie close to
+// each other unite as sheets that lie anywhere in the box would.
+Amount shellOf(const Extent& mesh, double thickness) {
+  constexpr double kPi = std::numbers::pi;
+  const double r = 0.5 * thickness, sides = mesh.box.x + mesh.box.y + mesh.box.z;
+  const double faces =
+      2.0 * (mesh.box.x * mesh.box.y + mesh.box.y * mesh.box.z + mesh.box.z * mesh.box.x);
+  const double ball = 4.0 / 3.0 * kPi * r * r * r, sphere = 4.0 * kPi * r * r;
+  const Amount box{faces + 2.0 * kPi * r * sides + sphere,
+                   mesh.box.x * mesh.box.y * mesh.box.z + faces * r + kPi * r * r * sides + ball};
+  Amount sheet{2.0 * mesh.area + 2.0 * sphere * mesh.parts,
+               mesh.area * thickness + 2.0 * ball * mesh.parts};
+  if (mesh.isOpen) {  // all round its rim, which is no longer than the box's edges, or short
+    sheet.area += 2.0 * kPi * r * sides;
+    sheet.volume += kPi * r * r * sides;
+  }
+  const double apart = std::exp(-sheet.volume / box.volume);
+  return {std::min(sheet.area, sheet.area * apart + box.area), std::min(sheet.volume, box.volume)};
+}
+
+// What a mesh becomes; one that is open may become a shell, which has two sides.
+Amount solidOf(const Extent& mesh, const SolidOptions& options, double voxelSize) {
+  const bool isShell = options.fill == Fill::shell ||
+                       (options.fill == Fill::automatic && options.shellThickness > 0.0);
+  if (isShell) return shellOf(mesh, shellVoxels(options, voxelSize) * voxelSize);
+  return {(mesh.isOpen ? 2.0 : 1.0) * mesh.area, mesh.volume};
+}
+
+double bytesForVoxels(double surface, double inside, double perInside = kPerInsideVoxel) {
+  return kProgram + kPerSurfaceVoxel * surface + perInside * inside;
+}
+
+// What voxels inside take, with what is done to them.
+double perInsideVoxel(const FractureOptions& options) {
+  return kPerInsideVoxel + (options.grow.growth == Growth::chain ? kOfChain : 0.0) +
+         (options.erode.iterations > 0 ? kOfErosion : 0.0) +
+         (options.grow.keepCost ? kOfCost : 0.0);
+}
+
+// What meshes take, with what is done to them.
+//   resolution  voxels along the longest side
+double meshFactor(const SurfaceOptions& surface, MeshesHeld held, double resolution) {
+  if (surface.adaptivity > 0.0 || !surface.triangles.empty()) return kSimplified;
+  if (movesAnything(surface.smooth, static_cast<int>(resolution))) return 1.0;
+  if (held == MeshesHeld::some) return kOfSomeMeshes;
+  if (held == MeshesHeld::all || resolution < kPreviewCubes) return 1.0;
+  const double cube = resolution / kPreviewCubes;
+  return kOfSomeMeshes + (1.0 - kOfSomeMeshes) / (cube * cube);
+}
+
+double bytesFor(const Extent& extent, std::size_t triangles, const FractureOptions& options,
+                MeshesHeld held, double voxelSize) {
+  const Amount solid = solidOf(extent, solidOptionsOf(options), voxelSize);
+  const double surface = solid.area / (voxelSize * voxelSize);
+  const double inside = solid.volume / (voxelSize * voxelSize * voxelSize);
+  // A cube cut into n cubes has 3 (n^(1/3) - 1) cuts across it; each is of two fragments.
+  const double cuts =
+      6.0 * (std::cbrt(static_cast<double>(options.pieces)) - 1.0) * std::cbrt(inside * inside);
+  return kPerTriangle * static_cast<double>(triangles) +
+         kPerPiece * static_cast<double>(options.pieces) +
+         bytesForVoxels(
+             meshFactor(options.surface, held, extent.longest / voxelSize) * (surface + cuts),
+             inside, perInsideVoxel(options));
+}
+
+}  // namespace
+
+std::uint64_t estimatedMemory(const TriangleMesh& mesh, const FractureOptions& options,
+                              MeshesHeld held) {
+  const double voxelSize = voxelSizeFor(mesh, solidOptionsOf(options));
+  return static_cast<std::uint64_t>(
+      bytesFor(extentOf(mesh), mesh.triangles.size(), options, held, voxelSize));
+}
+
+std::uint64_t estimatedMemory(double surface, double inside) {
+  return static_cast<std::uint64_t>(bytesForVoxels(surface, inside));
+}
+
+void requireMemory(const TriangleMesh& mesh, const FractureOptions& options, std::uint64_t limit,
+                   MeshesHeld held) {
+  SolidOptions asked = solidOptionsOf(options);
+  const bool isAutomatic = asked.voxelSize == 0.0 && asked.resolution == kAutoResolution;
+  if (isAutomatic) asked.resolution = kMostAutoResolution;
+  double voxelSize = voxelSizeFor(mesh, asked);
+  const double longest = longestSide(bounds(mesh));
+  const Extent extent = extentOf(mesh);
+  const auto bytesOf = [&](double size, MeshesHeld of) {
+    return static_cast<std::uint64_t>(bytesFor(extent, mesh.triangles.size(), options, of, size));
+  };
+  const auto bytes = [&](double size) { return bytesOf(size, held); };
+  if (bytes(voxelSize) <= limit) return;
+  if (isAutomatic) {  // which takes as long as reading a mesh, so only where it may matter
+    voxelSize = longest / automaticResolution(mesh, asked);
+    if (bytes(voxelSize) <= limit) return;
+  }
+  const int resolution = resolutionFor(mesh, voxelSize);
+  int fits = 0;  // the highest resolution that does
+  for (int low = 8, high = resolution; low <= high;) {
+    const int middle = low + (high - low) / 2;
+    if (bytes(longest / middle) <= limit) {
+      fits = middle;
+      low = middle + 1;
+    } else {
+      high = middle - 1;
+    }
+  }
+  std::string advice = fits > 0 ? "a --resolution of " + std::to_string(fits) + " fits"
+                                : std::string("no resolution fits");
+  if (bytesOf(voxelSize, MeshesHeld::some) <= limit) {
+    advice += ", and this one without the picture and other files of all pieces (--write)";
+  }
+  requireMemory(advice + "; one of " + std::to_string(resolution) +
+                    (isAutomatic ? ", which the mesh's walls need," : ""),
+                bytes(voxelSize), limit);
+}
+
+}  // namespace sherd

@@ -1,0 +1,137 @@
+#!/usr/bin/python3
+"""Checks which folder of src/ includes which: a folder may include those above it in ROOMS, and itself.
+
+usage: check_layers.py [--svg FILE]
+
+Prints the graph: for each folder those it includes, with the number of #include lines.  A public header counts as the folder
+that implements it.  Ends with status 1 where an edge points up, a folder or a header is not listed, or the drawing in
+docs/images/rooms.svg is not that of this graph; --svg writes it.
+"""
+import argparse
+import collections
+import pathlib
+import re
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+DRAWING = ROOT / "docs" / "images" / "rooms.svg"
+
+ROOMS = ["base", "cl", "mesh", "voxelize", "seed", "grow", "erode", "surface", "points", "appearance", "pipeline", "evaluate",
+         "render", "chart", "formats/arrays", "formats/mesh", "formats/voxels", "formats/points", "folder", "dataset", "cgal",
+         "assimp_program", "cli"]
+
+HEADERS = {  # include/sherd/
+    "base": "coords error grid_fwd leaf_blocks memory metric output_file progress read_options version",
+    "cl": "device kernel_cache",
+    "mesh": "appearance mesh",
+    "voxelize": "solid",
+    "seed": "seeds",
+    "grow": "labels shares",
+    "erode": "erode",
+    "surface": "fragments surface",
+    "points": "points",
+    "pipeline": "fracture memory_estimate refracture",
+    "evaluate": "evaluate fit mesh_quality",
+    "render": "render",
+    "formats/mesh": "mesh_files",
+    "formats/voxels": "vdb_files volume voxel_files",
+    "formats/points": "point_files",
+    "folder": "io",
+    "dataset": "dataset",
+    "cli": "sherd",  # includes all the others
+}
+ROOM_OF_HEADER = {f"sherd/{name}.h": room for room, names in HEADERS.items() for name in names.split()}
+
+
+def room_of(path):
+    """The room of a file, relative to the repository; None if it has none."""
+    if path.parts[0] == "include":
+        return ROOM_OF_HEADER.get("/".join(path.parts[1:]))
+    room = "/".join(path.parts[1:-1])
+    return room if room in ROOMS else None
+
+
+def included_room(include):
+    if include.startswith("sherd/"):
+        return ROOM_OF_HEADER.get(include, "?")
+    if not (ROOT / "src" / include).is_file():
+        return None  # another library's, a kernel's
+    return room_of(pathlib.Path("src") / include)
+
+
+def read_graph():
+    """Returns ({(room, included room): lines}, faults)."""
+    edges, faults = collections.Counter(), []
+    files = [f for top in ("src", "include") for f in sorted((ROOT / top).rglob("*")) if f.suffix in (".h", ".cpp")]
+    for file in files:
+        path = file.relative_to(ROOT)
+        room = room_of(path)
+        if room is None:
+            faults.append(f"{path} lies in no room of ROOMS or HEADERS")
+            continue
+        for include in re.findall(r'^#include ["<]([^">]+)[">]', file.read_text(), re.MULTILINE):
+            other = included_room(include)
+            if other == "?":
+                faults.append(f"{path}: {include} is in none of HEADERS")
+            elif other is not None and other != room:
+                edges[room, other] += 1
+                if ROOMS.index(other) > ROOMS.index(room):
+                    faults.append(f"{path} includes {include}: {other} is above {room}")
+    return edges, faults
+
+
+def without_shortcuts(edges):
+    """The edges that no longer path stands for."""
+    below = collections.defaultdict(set)
+    for room, other in sorted(edges, key=lambda e: ROOMS.index(e[0])):
+        below[room] |= {other} | below[other]
+    return [(room, other) for room, other in edges
+            if not any(other in below[middle] for start, middle in edges if start == room and middle != other)]
+
+
+def drawing_of(edges):
+    """The graph as SVG: each folder over all it includes; edges that others imply are left out."""
+    edges = {e: n for e, n in edges.items() if "assimp_program" not in e}
+    rooms = [r for r in ROOMS if any(r in e for e in edges)]
+    floor = {}
+    for room in rooms:
+        floor[room] = max([floor[b] + 1 for a, b in edges if a == room and b in floor], default=0)
+    floors = [[r for r in rooms if floor[r] == level] for level in range(max(floor.values()) + 1)]
+    width, height, box = 1000, 78, 128
+    at = {}
+    for level, row in enumerate(reversed(floors)):
+        for i, room in enumerate(row):
+            aside = 70 * (1, -1, 0)[level % 3]  # so that few lines run behind boxes
+            at[room] = (round(width * (i + 1) / (len(row) + 1)) + aside, 34 + level * height)
+    lines = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {len(floors) * height}" font-family="sans-serif" '
+             'font-size="14">', f'<rect width="{width}" height="{len(floors) * height}" fill="#fcfcfa"/>']
+    for room, other in sorted(without_shortcuts(edges), key=lambda e: (ROOMS.index(e[0]), ROOMS.index(e[1]))):
+        (x, y), (u, v) = at[room], at[other]
+        lines.append(f'<path d="M{x} {y + 15}C{x} {y + 50} {u} {v - 50} {u} {v - 15}" fill="none" stroke="#8a8f98"/>')
+    for room in rooms:
+        x, y = at[room]
+        lines.append(f'<rect x="{x - box // 2}" y="{y - 15}" width="{box}" height="30" rx="5" fill="#e3ecf5" stroke="#4a6a8a"/>')
+        lines.append(f'<text x="{x}" y="{y + 5}" text-anchor="middle">{room}</text>')
+    return "\n".join(lines + ["</svg>", ""])
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--svg", metavar="FILE", type=pathlib.Path, help="write the drawing")
+    arguments = parser.parse_args()
+    edges, faults = read_graph()
+    for room in ROOMS:
+        below = [f"{other} {edges[room, other]}" for other in ROOMS if edges[room, other]]
+        print(f"{room}: {', '.join(below) or 'nothing'}")
+    drawing = drawing_of(edges)
+    if arguments.svg:
+        arguments.svg.write_text(drawing)
+    if not DRAWING.is_file() or DRAWING.read_text() != drawing:
+        faults.append(f"{DRAWING.relative_to(ROOT)} is not the drawing of this graph (--svg writes it)")
+    for fault in faults:
+        print(fault, file=sys.stderr)
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
