@@ -1,63 +1,63 @@
-// components: the 6-connected parts of a mask, or of equal labels in it.  A leaf's voxels fall into nodes (connected
-// inside the leaf), and nodes that touch across leaf faces are joined in a lock-free union-find whose roots are the
-// lowest node of each part, so that the result does not depend on the schedule.
+// components: 6-connected components of a mask, or of equal labels in it.  The voxels of a leaf form nodes, connected
+// inside the leaf.  A lock-free union-find joins nodes that touch across leaf faces; its roots are the lowest node of
+// each component, so the result does not depend on the schedule.
 // Source: Jaiganesh and Burtscher, ECL-CC, HPDC 2018.
 //
-// Most leaves are one node: what node a voxel is of is written for the others only.
+// Most leaves are one node; a voxel's node is written only for leaves with several.
 //
-// Several fractures of the same leaves go together: item = fracture * leafCount + leaf.
+// A launch covers several fractures of the same leaves: item = fracture * leafCount + leaf.
 // One work-item takes items i, i + all, ...; any work-group size.
 // Reference: tests/kernels/components_test.cpp, bit for bit.
 
-// The node of an inside voxel of an item.
+// Returns the node of an inside voxel of an item.
 inline uint node_of(const global uint* firstNode, const global uint* nodeCount, const global ushort* localNode,
                     const size_t item, const int v) {
   return firstNode[item] + (nodeCount[item] > 1 ? localNode[item * SHERD_LEAF_SIZE + v] : 0u);
 }
 
-// Number the nodes of each item 0.. by their first voxel.
+// Numbers the nodes of each item 0.. by their first voxel.
 kernel void component_nodes(
     const global ulong* restrict inside,  // [leafCount*8]
     const uint leafCount,
     const uint items,
     const global ushort* restrict label,  // [items*512]  read when byLabel
     const uint byLabel,
-    global ushort* restrict localNode,    // [items*512]  out: node of an inside voxel, else 0; of items with several
+    global ushort* restrict localNode,    // [items*512]  out, items with several nodes: node of an inside voxel, else 0
     global uint* restrict nodeCount)      // [items]      out
 {
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
     const size_t leaf = item % leafCount;
     const global ushort* restrict labels = label + (byLabel ? item * SHERD_LEAF_SIZE : 0);
-    ulong left[SHERD_LEAF_WORDS];
+    ulong remaining[SHERD_LEAF_WORDS];
     ulong any = 0;
     for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
-      left[x] = inside[leaf * SHERD_LEAF_WORDS + x];
-      any |= left[x];
+      remaining[x] = inside[leaf * SHERD_LEAF_WORDS + x];
+      any |= remaining[x];
     }
     uint node = 0;
-    ulong same[SHERD_LEAF_WORDS];  // voxels with the label that `same` was made for
+    ulong same[SHERD_LEAF_WORDS];  // voxels whose label is `sameLabel`
     for (int x = 0; x < SHERD_LEAF_WORDS; ++x) same[x] = ~0ul;
     uint sameLabel = SHERD_TAG_MIXED;
     while (any) {
-      ulong part[SHERD_LEAF_WORDS];
-      int found = -1;  // the first voxel left
+      ulong component[SHERD_LEAF_WORDS];
+      int first = -1;  // first voxel without a node
       for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
-        part[x] = found >= 0 ? 0 : left[x] & (~left[x] + 1);
-        if (part[x]) found = (x << 6) + lowest_bit(part[x]);
+        component[x] = first >= 0 ? 0 : remaining[x] & (~remaining[x] + 1);
+        if (component[x]) first = (x << 6) + lowest_bit(component[x]);
       }
-      if (byLabel && labels[found] != sameLabel) {
-        sameLabel = labels[found];
+      if (byLabel && labels[first] != sameLabel) {
+        sameLabel = labels[first];
         equal_mask(labels, (ushort)sameLabel, same);
       }
       for (int changed = 1; changed;) {
         changed = 0;
         for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
-          ulong reach = part[x] | slab_neighbours(part[x]);
-          if (x > 0) reach |= part[x - 1];
-          if (x < SHERD_LEAF_WORDS - 1) reach |= part[x + 1];
-          reach &= left[x] & same[x];
-          changed |= reach != part[x];
-          part[x] = reach;
+          ulong reach = component[x] | slab_neighbors(component[x]);
+          if (x > 0) reach |= component[x - 1];
+          if (x < SHERD_LEAF_WORDS - 1) reach |= component[x + 1];
+          reach &= remaining[x] & same[x];
+          changed |= reach != component[x];
+          component[x] = reach;
         }
       }
       any = 0;
@@ -66,12 +66,12 @@ kernel void component_nodes(
       }
       for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
         if (node > 0) {
-          for (ulong bits = part[x]; bits; bits &= bits - 1) {
+          for (ulong bits = component[x]; bits; bits &= bits - 1) {
             localNode[item * SHERD_LEAF_SIZE + (x << 6) + lowest_bit(bits)] = (ushort)node;
           }
         }
-        left[x] &= ~part[x];
-        any |= left[x];
+        remaining[x] &= ~component[x];
+        any |= remaining[x];
       }
       ++node;
     }
@@ -79,7 +79,7 @@ kernel void component_nodes(
   }
 }
 
-// The root of a node.  Ancestors only ever get lower, so halving the path on the way is safe.
+// Returns the root of a node.  Ancestors only get lower, so path halving during the walk is safe.
 inline uint root_of(volatile global uint* parent, uint node) {
   uint up = atomic_add(&parent[node], 0u);
   while (up != node) {
@@ -106,10 +106,10 @@ kernel void component_begin(const uint nodes, global uint* restrict parent)  // 
   for (size_t i = get_global_id(0); i < nodes; i += get_global_size(0)) parent[i] = (uint)i;
 }
 
-// Join the nodes that touch across the +x, +y and +z faces of each item.
+// Joins the nodes that touch across the +x, +y and +z faces of each item.
 kernel void component_join(
     const global ulong* restrict inside,      // [leafCount*8]
-    const global uint* restrict neighbour,    // [leafCount*6]
+    const global uint* restrict neighbor,     // [leafCount*6]
     const uint leafCount,
     const uint items,
     const global ushort* restrict label,      // [items*512]  read when byLabel
@@ -122,19 +122,19 @@ kernel void component_join(
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
     const size_t leaf = item % leafCount;
     for (int k = 1; k < SHERD_LEAF_FACES; k += 2) {
-      const uint otherLeaf = neighbour[leaf * SHERD_LEAF_FACES + k];
+      const uint otherLeaf = neighbor[leaf * SHERD_LEAF_FACES + k];
       if (otherLeaf == SHERD_NO_LEAF) continue;
       const size_t other = item - leaf + otherLeaf;
       uint lastA = SHERD_NO_LEAF, lastB = SHERD_NO_LEAF;
-      const bool onePair = nodeCount[item] == 1 && nodeCount[other] == 1;  // the first two voxels tell
-      bool told = false;
-      for (int x = (k == 1 ? SHERD_LEAF_WORDS - 1 : 0); x < SHERD_LEAF_WORDS && !told; ++x) {
+      const bool onePair = nodeCount[item] == 1 && nodeCount[other] == 1;  // one contact is enough
+      bool done = false;
+      for (int x = (k == 1 ? SHERD_LEAF_WORDS - 1 : 0); x < SHERD_LEAF_WORDS && !done; ++x) {
         const int otherX = k == 1 ? 0 : x;
-        ulong touching = inside[leaf * SHERD_LEAF_WORDS + x] &
+        ulong contacts = inside[leaf * SHERD_LEAF_WORDS + x] &
                          through_face(k, inside[(size_t)otherLeaf * SHERD_LEAF_WORDS + otherX]);
-        for (; touching && !told; touching &= touching - 1) {
-          told = onePair;
-          const int bit = lowest_bit(touching);
+        for (; contacts && !done; contacts &= contacts - 1) {
+          done = onePair;
+          const int bit = lowest_bit(contacts);
           const int otherBit = k == 3 ? bit - 56 : (k == 5 ? bit - 7 : bit);
           const int v = (x << 6) + bit, otherV = (otherX << 6) + otherBit;
           const uint a = node_of(firstNode, nodeCount, localNode, item, v);
@@ -153,12 +153,12 @@ kernel void component_join(
 kernel void component_flatten(
     const uint nodes,
     volatile global uint* parent,  // [nodes]
-    global uint* restrict root)    // [nodes]  out: lowest node of the part
+    global uint* restrict root)    // [nodes]  out: lowest node of the component
 {
   for (size_t i = get_global_id(0); i < nodes; i += get_global_size(0)) root[i] = root_of(parent, (uint)i);
 }
 
-// How many voxels a node has, and their label.
+// Counts the voxels of each node and writes their label.
 kernel void component_measure(
     const global ulong* restrict inside,      // [leafCount*8]
     const uint leafCount,
@@ -184,16 +184,16 @@ kernel void component_measure(
   }
 }
 
-// Mark the parts that hold one of the given voxels.
+// Marks the components that contain one of the given voxels.
 kernel void component_mark(
     const global ushort* restrict localNode,  // [items*512]
     const global uint* restrict firstNode,    // [items]
     const global uint* restrict nodeCount,    // [items]
     const global uint* restrict root,         // [nodes]
     const global uint* restrict voxelItem,    // [voxels]
-    const global ushort* restrict voxelOffset,  // [voxels]
+    const global ushort* restrict voxelOffset,  // [voxels]  offset in the leaf
     const uint voxels,
-    volatile global uint* keep)               // [nodes]  in: 0; out: 1 at the roots of marked parts
+    volatile global uint* keep)               // [nodes]  in: 0; out: 1 at the roots of marked components
 {
   for (size_t i = get_global_id(0); i < voxels; i += get_global_size(0)) {
     const uint item = voxelItem[i];
@@ -202,7 +202,7 @@ kernel void component_mark(
   }
 }
 
-// The voxels of marked parts, and how many are in none.
+// Writes the voxels of marked components as masks, and counts the voxels in no marked component.
 kernel void component_kept(
     const global ulong* restrict inside,      // [leafCount*8]
     const uint leafCount,
@@ -213,17 +213,17 @@ kernel void component_kept(
     const global uint* restrict root,         // [nodes]
     const global uint* restrict keep,         // [nodes]
     global ulong* restrict kept,              // [items*8]  out
-    volatile global uint* freed)              // [fractures]  in: 0; out
+    volatile global uint* disconnected)       // [fractures]  in: 0; out: voxels in no marked component
 {
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
     const size_t leaf = item % leafCount;
-    uint lost = 0;
-    uint some = 0;  // nodes of this item that are kept
-    for (uint n = 0; n < nodeCount[item]; ++n) some += keep[root[firstNode[item] + n]] != 0;
+    uint removed = 0;
+    uint keptNodes = 0;
+    for (uint n = 0; n < nodeCount[item]; ++n) keptNodes += keep[root[firstNode[item] + n]] != 0;
     for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
       const ulong all = inside[leaf * SHERD_LEAF_WORDS + x];
-      ulong mask = some ? all : 0;
-      if (some && some < nodeCount[item]) {
+      ulong mask = keptNodes ? all : 0;
+      if (keptNodes && keptNodes < nodeCount[item]) {
         for (ulong bits = all; bits; bits &= bits - 1) {
           const int bit = lowest_bit(bits);
           const uint node = node_of(firstNode, nodeCount, localNode, item, (x << 6) + bit);
@@ -231,20 +231,20 @@ kernel void component_kept(
         }
       }
       kept[item * SHERD_LEAF_WORDS + x] = mask;
-      lost += (uint)popcount(all & ~mask);
+      removed += (uint)popcount(all & ~mask);
     }
-    if (lost) atomic_add(&freed[item / leafCount], lost);
+    if (removed) atomic_add(&disconnected[item / leafCount], removed);
   }
 }
 
-// The local nodes of some items, one after another.
+// Copies the local nodes of the listed items into consecutive blocks.
 kernel void component_gather(
     const global ushort* restrict localNode,  // [items*512]
-    const global uint* restrict item,         // [wanted]
-    const uint wanted,
-    global ushort* restrict gathered)         // [wanted*512]  out
+    const global uint* restrict item,         // [count]
+    const uint count,
+    global ushort* restrict gathered)         // [count*512]  out
 {
-  for (size_t i = get_global_id(0); i < wanted; i += get_global_size(0)) {
+  for (size_t i = get_global_id(0); i < count; i += get_global_size(0)) {
     for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
       gathered[i * SHERD_LEAF_SIZE + v] = localNode[(size_t)item[i] * SHERD_LEAF_SIZE + v];
     }

@@ -1,47 +1,47 @@
-// flood: grow labels over a domain of voxels, all seeds at once, one layer of neighbours per step: the 6 over faces, or
-// all 26.
+// flood: grow labels from all seeds at once over a domain of voxels, one layer of neighbors per step: the 6 over faces,
+// or all 26.
 //
-// A voxel belongs to the label that reaches it in the fewest steps, ties to the lower id: one answer, whatever the
-// order of work.  A step takes a list of leaves where something can change, and whole slabs of 64 voxels at a time by
-// masks.  Several fractures of the same leaves grow together: item = fracture * leafCount + leaf.
+// A voxel belongs to the label that reaches it in the fewest steps, ties to the lower id, so the result does not depend
+// on the schedule.  A step visits a list of leaves where a voxel can change, and handles slabs of 64 voxels as masks.
+// Several fractures of the same leaves grow together: item = fracture * leafCount + leaf.
 //
-// Rounds never read what the same round writes.  Only an item's own work-item writes its state; what neighbours may
-// read is its front: what it reached in a step, as its six faces show it.  A front has two copies: step s reads copy
-// (s-1)&1 and writes copy s&1.  A copy whose step is not s-1 is old and counts as empty, so nothing needs to be cleared.
-// Of an item itself all that is owned counts: what was reached before the last step has nothing free beside it.
+// A step never reads what the same step writes.  Only an item's own work-item writes its state.  Neighbors read its
+// front only: the voxels it reached in one step, as words of its six faces.  A front has two copies: step s reads copy
+// (s-1)&1 and writes copy s&1.  A copy whose step is not s-1 is stale and counts as empty, so nothing is cleared.
+// Within an item every owned voxel counts: voxels reached before step s-1 have no free neighbor left.
 //
-// Most leaves only ever see one label, and most of the others two.  Such a leaf keeps them as its tag, the lower in the
-// lower half, with a mask of what has the second, and writes no voxel until flood_finish; a third label makes it
-// SHERD_TAG_MIXED and writes it out.  A front carries the tag it was published with, so a neighbour that turns mixed in
-// this round still reads as it was.  Over 26 neighbours a leaf of two labels is mixed.
+// Most leaves receive one label only, and most of the others two.  Such a leaf stores them as its tag (the lower label
+// in the lower half) and a mask of the voxels with the second label, and writes no voxel until flood_finish.  A third
+// label sets the tag to SHERD_TAG_MIXED and writes the voxels.  A front stores the tag of its step, so neighbors of a
+// leaf that becomes mixed in this step still read the earlier state.  Over 26 neighbors a leaf of two labels is mixed.
 //
-// One work-item takes list entries that follow each other: they were listed together, and mostly lie together.
+// A work-item takes consecutive list entries: they were listed together and are mostly close in memory.
 // Reference: tests/kernels/flood_test.cpp, bit for bit.
 
 // The state of a growth; one argument list for all kernels of this file.
-#define FLOOD_STATE                                                                              \
-  const global ulong *restrict domain,       /* [leafCount*8]  voxels that may be reached */    \
-  const global uint *restrict neighbour,     /* [leafCount*6] */                                \
-  const global uint *restrict round27,       /* [leafCount*27] where all 26 neighbours count */ \
-  const uint neighbours,                     /* 6 or 26 */                                      \
-  const uint leafCount,                                                                         \
-  global ulong *restrict beyond,             /* [leafCount*6]  the domain behind each face */   \
-  global ulong *restrict owned,              /* [items*8]      voxels that have a label */      \
-  global uint *restrict tag,                 /* [items]        0, its labels, or mixed */       \
-  global ulong *restrict second,             /* [items*3*8]    where there are two labels: */   \
-                                             /* voxels of the second, both fronts' faces of it */\
-  global ushort *restrict owner,             /* [items*512]    valid where the tag is mixed */  \
-  global struct front *restrict fronts,      /* [items*2]      by step parity */                \
-  global uint *restrict queued,              /* [items]        last step queued for */          \
-  global uint *restrict list,                /* [2*items]      items to visit, by step parity */\
-  global uint *restrict listCount,           /* [3]            entries, by step modulo 3 */     \
-  const uint items,                                                                             \
-  global uint *restrict cost,                /* [items*512]    steps, when keepCost */          \
+#define FLOOD_STATE                                                                                           \
+  const global ulong *restrict domain,     /* [leafCount*8]  voxels that may be reached */                    \
+  const global uint *restrict neighbor,    /* [leafCount*6] */                                                \
+  const global uint *restrict neighbors27, /* [leafCount*27] read for 26 neighbors */                         \
+  const uint neighbors,                    /* 6 or 26 */                                                      \
+  const uint leafCount,                                                                                       \
+  global ulong *restrict beyond,           /* [leafCount*6]  the domain behind each face */                   \
+  global ulong *restrict owned,            /* [items*8]      voxels that have a label */                      \
+  global uint *restrict tag,               /* [items]        0, one or two labels, or mixed */                \
+  global ulong *restrict second,           /* [items*3*8]    tag of two labels: the voxels of the second, */  \
+                                           /* and its words of both copies of the front */                    \
+  global ushort *restrict owner,           /* [items*512]    valid where the tag is mixed */                  \
+  global struct front *restrict fronts,    /* [items*2]      by step parity */                                \
+  global uint *restrict queued,            /* [items]        last step queued for */                          \
+  global uint *restrict list,              /* [2*items]      items to visit, by step parity */                \
+  global uint *restrict listCount,         /* [3]            entries, by step modulo 3 */                     \
+  const uint items,                                                                                           \
+  global uint *restrict cost,              /* [items*512]    steps, when keepCost */                          \
   const uint keepCost
 
 constant ushort8 kRowBits = (ushort8)(1, 2, 4, 8, 16, 32, 64, 128);
 
-// Write out a leaf that is not mixed, one row of eight voxels at a time.
+// Writes the labels of a leaf that is not mixed, one row of eight voxels at a time.
 inline void write_rows(const ulong8 mask, const ulong8 ofSecond, const uint tag, global ushort* out) {
   const ushort low = (ushort)(tag & 0xffff), other = low ^ (ushort)(tag >> 16);
   ulong words[SHERD_LEAF_WORDS], seconds[SHERD_LEAF_WORDS];
@@ -56,27 +56,28 @@ inline void write_rows(const ulong8 mask, const ulong8 ofSecond, const uint tag,
   }
 }
 
+// Returns the voxels that have the second label of a tag of two.
 inline ulong8 second_of(const uint tag, const uint item, const global ulong* second) {
   return is_pair(tag) ? vload8(second_voxels(item), second) : (ulong8)(0);
 }
 
-// What lies in a domain behind each face of a leaf: before the first step into it.
+// Writes the domain behind each face of a leaf.  Runs before the first step into a new domain.
 kernel void flood_enter(FLOOD_STATE)
 {
   for (size_t leaf = get_global_id(0); leaf < leafCount; leaf += get_global_size(0)) {
 #pragma unroll
     for (int k = 0; k < SHERD_LEAF_FACES; ++k) {
-      const uint other = neighbour[leaf * SHERD_LEAF_FACES + k];
+      const uint other = neighbor[leaf * SHERD_LEAF_FACES + k];
       beyond[leaf * SHERD_LEAF_FACES + k] = other == SHERD_NO_LEAF ? 0 : face_of(k ^ 1, vload8(other, domain));
     }
   }
 }
 
-// Step 0: put the seeds down.  One work-item per item that holds seeds.
+// Step 0: owns the seeds.  One work-item per item with seeds.
 kernel void flood_seed(
     FLOOD_STATE,
-    const global uint* restrict seedItem,    // [seedItems]    ascending, distinct
-    const global uint* restrict firstSeed,   // [seedItems+1]  its seeds are firstSeed[i] .. firstSeed[i+1]-1
+    const global uint* restrict seedItem,      // [seedItems]    ascending, distinct
+    const global uint* restrict firstSeed,     // [seedItems+1]  item i has seeds firstSeed[i] .. firstSeed[i+1]-1
     const global ushort* restrict seedOffset,  // [seeds]        offset in the leaf, distinct in an item
     const global ushort* restrict seedLabel,   // [seeds]
     const uint seedItems)
@@ -87,35 +88,36 @@ kernel void flood_seed(
     const uint leaf = item % leafCount;
     ulong front[SHERD_LEAF_WORDS];
     for (int x = 0; x < SHERD_LEAF_WORDS; ++x) front[x] = 0;
-    uint only = seedLabel[firstSeed[i]];
+    uint itemTag = seedLabel[firstSeed[i]];
     for (uint s = firstSeed[i]; s < firstSeed[i + 1]; ++s) {
       const uint offset = seedOffset[s];
       front[offset >> 6] |= 1ul << (offset & 63);
       owner[(size_t)item * SHERD_LEAF_SIZE + offset] = seedLabel[s];
       if (keepCost) cost[(size_t)item * SHERD_LEAF_SIZE + offset] = 0;
-      if (seedLabel[s] != only) only = SHERD_TAG_MIXED;
+      if (seedLabel[s] != itemTag) itemTag = SHERD_TAG_MIXED;
     }
     for (int x = 0; x < SHERD_LEAF_WORDS; ++x) owned[(size_t)item * SHERD_LEAF_WORDS + x] = front[x];
-    tag[item] = only;
-    if (only == SHERD_TAG_MIXED) {  // unowned voxels of a mixed leaf read 0
+    tag[item] = itemTag;
+    if (itemTag == SHERD_TAG_MIXED) {  // unowned voxels of a mixed leaf have label 0
       for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
         if (!((front[v >> 6] >> (v & 63)) & 1)) owner[(size_t)item * SHERD_LEAF_SIZE + v] = 0;
       }
     }
     const ulong arrived[SHERD_LEAF_FACES] = {0, 0, 0, 0, 0, 0};
-    publish(vload8(0, front), 0, arrived, 1, item, leaf, 0, only, beyond, neighbour, round27, neighbours, fronts,
+    publish(vload8(0, front), 0, arrived, 1, item, leaf, 0, itemTag, beyond, neighbor, neighbors27, neighbors, fronts,
             second, &next);
   }
-  let_go(&next);
+  flush_frontier(&next);
 }
 
-// What any of a row's numbers has, and the first that is not 0.
+// Returns the union of the bits of a row.
 inline ushort bits_of(const ushort8 row) {
   const ushort4 a = row.lo | row.hi;
   const ushort2 b = a.lo | a.hi;
   return b.x | b.y;
 }
 
+// Returns the first label of a row that is not 0, or 0.
 inline ushort first_of(const ushort8 row) {
   ushort all[8];
   vstore8(row, 0, all);
@@ -125,67 +127,69 @@ inline ushort first_of(const ushort8 row) {
   return 0;
 }
 
-// Take labels that `owner` holds already instead of seeds: those of kept voxels stay, the rest reads 0.
+// Starts from the labels in `owner` instead of seeds: kept voxels keep their label, the others become 0.
 kernel void flood_load(
     FLOOD_STATE,
     const global ulong* restrict kept)       // [items*8]    voxels whose label stays
 {
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
-    ulong labelled[SHERD_LEAF_WORDS], seconds[SHERD_LEAF_WORDS];  // what does not have the label met first
-    ushort met = 0;
+    ulong labeled[SHERD_LEAF_WORDS];
+    ulong seconds[SHERD_LEAF_WORDS];  // voxels with a label other than `firstLabel`
+    ushort firstLabel = 0;
     ushort8 others = 0;
     for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
       const ulong keep = kept[item * SHERD_LEAF_WORDS + x];
-      labelled[x] = 0;
+      labeled[x] = 0;
       for (int y = 0; y < 8; ++y) {
         const size_t row = item * 64 + (x << 3) + y;
         const ushort bits = (ushort)(keep >> (8 * y) & 0xff);
         const ushort8 label = vload8(row, owner) & convert_ushort8((kRowBits & bits) != (ushort8)(0));
         vstore8(label, row, owner);
         const ushort8 has = convert_ushort8(label != (ushort8)(0));
-        if (!met) met = first_of(label);
-        others |= (label ^ met) & has;
-        labelled[x] |= (ulong)bits_of(has & kRowBits) << (8 * y);
+        if (!firstLabel) firstLabel = first_of(label);
+        others |= (label ^ firstLabel) & has;
+        labeled[x] |= (ulong)bits_of(has & kRowBits) << (8 * y);
       }
     }
-    vstore8(vload8(0, labelled), item, owned);
-    uint all = met;
+    vstore8(vload8(0, labeled), item, owned);
+    uint itemTag = firstLabel;
     if (bits_of(others)) {
       for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
         seconds[x] = 0;
-        for (ulong bits = labelled[x]; bits; bits &= bits - 1) {
+        for (ulong bits = labeled[x]; bits; bits &= bits - 1) {
           const ushort label = owner[item * SHERD_LEAF_SIZE + (x << 6) + lowest_bit(bits)];
-          if (label != met) seconds[x] |= bits & (~bits + 1);
-          all = with_label(all, label);
+          if (label != firstLabel) seconds[x] |= bits & (~bits + 1);
+          itemTag = with_label(itemTag, label);
         }
       }
     }
-    if (is_pair(all)) {
-      const ulong8 notMet = vload8(0, seconds);
-      const ulong8 ofSecond = met == (all & 0xffff) ? notMet : vload8(item, owned) & ~notMet;
+    if (is_pair(itemTag)) {
+      const ulong8 notFirst = vload8(0, seconds);
+      const ulong8 ofSecond = firstLabel == (itemTag & 0xffff) ? notFirst : vload8(item, owned) & ~notFirst;
       vstore8(ofSecond, second_voxels((uint)item), second);
     }
-    tag[item] = all;
+    tag[item] = itemTag;
   }
 }
 
-// Begin a second growth from everything owned so far into another domain: all of it is the front of `step`.
+// Starts a second growth into another domain: every owned voxel is in the front of `step`.
 kernel void flood_restart(FLOOD_STATE, const uint step)
 {
   struct next_items next = next_of(queued, list, listCount, items, step + 1);
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
     const ulong8 mine = vload8(item, owned);
     write_front(mine, second_of(tag[item], (uint)item, second), (uint)item, step, tag[item], fronts, second);
-    if (next.count == FLOOD_HELD - 1) let_go(&next);
+    if (next.count == FLOOD_HELD - 1) flush_frontier(&next);
     enqueue_if(any_of(vload8(item % leafCount, domain) & ~mine) != 0, &next, (uint)item);
   }
-  let_go(&next);
+  flush_frontier(&next);
 }
 
-// What an item's open voxels receive over faces, and from which items.  `before` are the copies of `step`, the one before.
+// Returns the open voxels that are reached over faces, with the source items and, per face, the voxels that arrive.
+// `before` are the front copies of `step`, the previous step.
 inline ulong8 arrive6(const global uint* beside, const uint item, const uint leaf, const global struct front* before,
                       const uint step, const ulong8 mine, const ulong8 open, uint* source, ulong* arrived) {
-  ulong8 reached = slabs_neighbours(mine) & open;
+  ulong8 reached = slabs_neighbors(mine) & open;
 #pragma unroll
   for (int k = 0; k < SHERD_LEAF_FACES; ++k) {
     arrived[k] = 0;
@@ -201,10 +205,10 @@ inline ulong8 arrive6(const global uint* beside, const uint item, const uint lea
   return reached;
 }
 
-// The same over faces, edges and corners.
+// The same over the 26 neighbors; `live` is the previous step.
 inline ulong8 arrive26(const global uint* beside, const uint base, const global struct front* before, const uint live,
                        const ulong* mine, const ulong8 open, uint* source) {
-  ulong border[27];  // what of each front borders on the leaf
+  ulong border[27];  // voxels of each front that are adjacent to the leaf
   for (int k = 0; k < 27; ++k) {
     border[k] = 0;
     if (k == 13 || beside[k] == SHERD_NO_LEAF) continue;
@@ -215,7 +219,7 @@ inline ulong8 arrive26(const global uint* beside, const uint base, const global 
   }
   ulong reached[SHERD_LEAF_WORDS];
   for (int x = 0; x < SHERD_LEAF_WORDS; ++x) reached[x] = 0;
-  for (int x = -1; x <= SHERD_LEAF_WORDS; ++x) {  // a slab of this leaf or of the leaves beside, spread along z, then y
+  for (int x = -1; x <= SHERD_LEAF_WORDS; ++x) {  // a slab of this leaf or of its neighbors, dilated along z, then y
     const int isMiddle = (x & ~7) == 0;
     const ulong* const layer = border + ((x >> 3) + 1) * 9;
     ulong row[3];
@@ -241,13 +245,14 @@ inline ulong8 arrive26(const global uint* beside, const uint base, const global 
   return vload8(0, reached) & open;
 }
 
-// An item's tag with what arrives over faces.  Of two labels, `ofSecond` is which of `reached` have the second.
+// Returns an item's tag after what arrives over faces.  For a tag of two labels, `ofSecond` receives the reached voxels
+// that take the second.
 inline uint tag_arriving(const uint ownTag, const ulong8 mine, const ulong8 ownSecond, const ulong8 reached,
                          const ulong* arrived, const uint* source, const global struct front* before,
                          const global ulong* second, const global ushort* owner, const uint step,
                          ulong8* ofSecond) {
   uint newTag = ownTag, tag[SHERD_LEAF_FACES];
-  ulong withHigh[SHERD_LEAF_FACES];  // of what arrives, what has the higher label of where it comes from
+  ulong withHigh[SHERD_LEAF_FACES];  // arriving voxels that have the second label of their source
   for (int k = 0; k < SHERD_LEAF_FACES; ++k) {
     if (!arrived[k]) continue;
     const uint from = source[kBeside[k]];
@@ -265,7 +270,7 @@ inline uint tag_arriving(const uint ownTag, const ulong8 mine, const ulong8 ownS
   }
   if (!is_pair(newTag)) return newTag;
   const uint low = newTag & 0xffff;
-  ulong8 byLow = slabs_neighbours((ownTag & 0xffff) == low ? mine & ~ownSecond : (ulong8)(0));
+  ulong8 byLow = slabs_neighbors((ownTag & 0xffff) == low ? mine & ~ownSecond : (ulong8)(0));
 #pragma unroll
   for (int k = 0; k < SHERD_LEAF_FACES; ++k) {
     if (!arrived[k]) continue;
@@ -284,7 +289,7 @@ inline uint tag_arriving(const uint ownTag, const ulong8 mine, const ulong8 ownS
   return newTag;
 }
 
-// The same over 26 neighbours, where two labels make it mixed.
+// The same over 26 neighbors, where two labels make a leaf mixed.
 inline uint tag_round(const uint ownTag, const uint* source, const global struct front* before) {
   uint newTag = ownTag;
   for (int k = 0; k < 27; ++k) {
@@ -295,17 +300,17 @@ inline uint tag_round(const uint ownTag, const uint* source, const global struct
   return is_pair(newTag) ? SHERD_TAG_MIXED : newTag;
 }
 
-// Give the reached voxels the lowest label of the voxels beside them that `source` has.  Others are not read, and only
-// reached ones written: another work-item may be at its own part of a row.
+// Gives each reached voxel the lowest label among its neighbors in `mine` and in the fronts of `source`.  Reads no
+// other label and writes reached voxels only: other work-items may access the rest of a row.
 #define FLOOD_NO_LABEL 0xffff
 
 inline void take_labels(const uint* source, const global struct front* before, const global ulong* second,
-                        const uint step, const ulong8 mine, const global ushort* owner, const uint neighbours,
+                        const uint step, const ulong8 mine, const global ushort* owner, const uint neighbors,
                         const ulong8 reached8, global ushort* owners) {
   ushort near[10 * 10 * 10];  // labels of the voxels at x, y, z of -1..8
   for (int i = 0; i < 10 * 10 * 10 / 8; ++i) vstore8((ushort8)(FLOOD_NO_LABEL), i, near);
   ulong words[SHERD_LEAF_WORDS], reached[SHERD_LEAF_WORDS];
-  vstore8(mine & (neighbours == 26 ? slabs_round(reached8) : slabs_neighbours(reached8)), 0, words);
+  vstore8(mine & (neighbors == 26 ? slabs_round(reached8) : slabs_neighbors(reached8)), 0, words);
   vstore8(reached8, 0, reached);
   for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
     for (ulong word = words[x]; word; word &= word - 1) {
@@ -313,7 +318,7 @@ inline void take_labels(const uint* source, const global struct front* before, c
       near[((x + 1) * 10 + (bit >> 3) + 1) * 10 + (bit & 7) + 1] = owners[(x << 6) + bit];
     }
   }
-  for (uint n = 0; n < neighbours; ++n) {
+  for (uint n = 0; n < neighbors; ++n) {
     const int at = kBeside[n], i = at / 9, j = at / 3 % 3, k = at % 3;
     if (source[at] == SHERD_NO_LEAF) continue;
     const global struct front* const theirs = before + 2 * (size_t)source[at];
@@ -337,7 +342,7 @@ inline void take_labels(const uint* source, const global struct front* before, c
     ushort8 least = min(vload8(0, here - 1), vload8(0, here + 1));
     least = min(least, min(vload8(0, here - 10), vload8(0, here + 10)));
     least = min(least, min(vload8(0, here - 100), vload8(0, here + 100)));
-    for (int k = 0; neighbours == 26 && k < 9; ++k) {  // the rows beside, itself at 4
+    for (int k = 0; neighbors == 26 && k < 9; ++k) {  // the 3x3 rows around, 4 is the row itself
       const ushort* const beside = here + (k / 3 - 1) * 100 + (k % 3 - 1) * 10;
       if (k != 4) least = min(least, vload8(0, beside));
       least = min(least, min(vload8(0, beside - 1), vload8(0, beside + 1)));
@@ -351,10 +356,10 @@ inline void take_labels(const uint* source, const global struct front* before, c
   }
 }
 
-// One layer.
+// Grows one layer.
 kernel void flood_step(FLOOD_STATE, const uint step)
 {
-  if (get_global_id(0) == 0) listCount[(step + 2) % 3] = 0;  // the round after next counts from 0
+  if (get_global_id(0) == 0) listCount[(step + 2) % 3] = 0;  // the list of step + 2 starts empty
   const uint entries = listCount[step % 3];
   const global struct front* const before = fronts + ((step + 1) & 1);
   const global uint* const visits = list + (size_t)(step & 1) * items;
@@ -369,13 +374,13 @@ kernel void flood_step(FLOOD_STATE, const uint step)
       const uint far = visits[i + FLOOD_FAR_AHEAD], farLeaf = far % leafCount;
       FLOOD_FETCH(owned + (size_t)far * SHERD_LEAF_WORDS);
       FLOOD_FETCH(domain + (size_t)farLeaf * SHERD_LEAF_WORDS);
-      FLOOD_FETCH(neighbour + (size_t)farLeaf * SHERD_LEAF_FACES);
+      FLOOD_FETCH(neighbor + (size_t)farLeaf * SHERD_LEAF_FACES);
       FLOOD_FETCH(beyond + (size_t)farLeaf * SHERD_LEAF_FACES);
       FLOOD_FETCH(tag + far);
       FLOOD_FETCH_TO_WRITE(fronts + 2 * (size_t)far + (step & 1));
       const uint near = visits[i + FLOOD_NEAR_AHEAD], nearLeaf = near % leafCount;
       for (int k = 0; k < SHERD_LEAF_FACES; ++k) {
-        const uint other = neighbour[(size_t)nearLeaf * SHERD_LEAF_FACES + k];
+        const uint other = neighbor[(size_t)nearLeaf * SHERD_LEAF_FACES + k];
         FLOOD_FETCH(before + 2 * (size_t)(other == SHERD_NO_LEAF ? near : near - nearLeaf + other));
       }
     }
@@ -385,28 +390,28 @@ kernel void flood_step(FLOOD_STATE, const uint step)
 
     ulong8 reached;
     ulong arrived[SHERD_LEAF_FACES];
-    uint source[27];  // items whose live front may border on this leaf, as kBeside numbers them
+    uint source[27];  // [neighbors27 index] items with a front of the previous step beside this leaf
     for (int k = 0; k < 27; ++k) source[k] = SHERD_NO_LEAF;
     source[13] = item;
-    if (neighbours == 26) {
+    if (neighbors == 26) {
       ulong words[SHERD_LEAF_WORDS];
       vstore8(mine, 0, words);
-      reached = arrive26(round27 + (size_t)leaf * 27, item - leaf, before, step - 1, words, open, source);
+      reached = arrive26(neighbors27 + (size_t)leaf * 27, item - leaf, before, step - 1, words, open, source);
     } else {
-      reached = arrive6(neighbour + (size_t)leaf * SHERD_LEAF_FACES, item, leaf, before, step - 1, mine, open, source,
+      reached = arrive6(neighbor + (size_t)leaf * SHERD_LEAF_FACES, item, leaf, before, step - 1, mine, open, source,
                         arrived);
     }
     if (!any_of(reached)) continue;
     const uint ownTag = tag[item];
     const ulong8 ownSecond = second_of(ownTag, item, second);
     ulong8 ofSecond = 0;
-    const uint newTag = neighbours == 26 ? tag_round(ownTag, source, before)
+    const uint newTag = neighbors == 26 ? tag_round(ownTag, source, before)
                                          : tag_arriving(ownTag, mine, ownSecond, reached, arrived, source, before,
                                                         second, owner, step - 1, &ofSecond);
     if (newTag == SHERD_TAG_MIXED) {
       global ushort* restrict owners = owner + (size_t)item * SHERD_LEAF_SIZE;
       if (ownTag != SHERD_TAG_MIXED) write_rows(mine, ownSecond, ownTag, owners);
-      take_labels(source, before, second, step - 1, mine, owner, neighbours, reached, owners);
+      take_labels(source, before, second, step - 1, mine, owner, neighbors, reached, owners);
     } else if (is_pair(newTag)) {
       const int sameLow = (ownTag & 0xffff) == (newTag & 0xffff);
       vstore8((sameLow ? ownSecond : mine) | ofSecond, second_voxels(item), second);
@@ -422,13 +427,13 @@ kernel void flood_step(FLOOD_STATE, const uint step)
     }
     vstore8(mine | reached, item, owned);
     if (newTag != ownTag) tag[item] = newTag;
-    publish(reached, ofSecond, arrived, any_of(open & ~reached) != 0, item, leaf, step, newTag, beyond, neighbour,
-            round27, neighbours, fronts, second, &next);
+    publish(reached, ofSecond, arrived, any_of(open & ~reached) != 0, item, leaf, step, newTag, beyond, neighbor,
+            neighbors27, neighbors, fronts, second, &next);
   }
-  let_go(&next);
+  flush_frontier(&next);
 }
 
-// Write out every leaf that is not mixed.
+// Writes the labels of every leaf that is not mixed.
 kernel void flood_finish(FLOOD_STATE)
 {
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
@@ -438,13 +443,13 @@ kernel void flood_finish(FLOOD_STATE)
   }
 }
 
-// The labels of items first .. first+count-1 written out elsewhere, mixed ones too: what never was mixed needs no place
-// in `owner`.
+// Copies the labels of items first .. first+count-1 to `labels`.  Leaves that are not mixed never touch their memory in
+// `owner`.
 kernel void flood_show(
     FLOOD_STATE,
     const uint first,
     const uint count,
-    global ushort* restrict labels)          // [count*512]
+    global ushort* restrict labels)          // [count*512]  out
 {
   for (size_t i = get_global_id(0); i < count; i += get_global_size(0)) {
     const uint item = first + (uint)i;

@@ -1,8 +1,8 @@
 // The layout of leaf blocks, read by C++ and by OpenCL C, and the mask arithmetic on one leaf.
 //
-// A leaf is 8x8x8 voxels; a voxel's offset is (x << 6) | (y << 3) | z, z fastest, as in OpenVDB.  A mask is eight
-// 64-bit words, word x the slab of that x, bit (y << 3) | z.  Neighbour k of leaf l is neighbour[l*6 + k], k in the
-// order -x +x -y +y -z +z, SHERD_NO_LEAF where there is none.
+// A leaf is 8x8x8 voxels; a voxel's offset is (x << 6) | (y << 3) | z, z fastest, as in OpenVDB.  A mask has eight
+// 64-bit words: word x is the slab at x, with bit (y << 3) | z for a voxel.  Neighbor k of leaf l is neighbor[l*6 + k]
+// in the order -x +x -y +y -z +z, or SHERD_NO_LEAF.
 #ifndef SHERD_LEAF_BLOCK_H
 #define SHERD_LEAF_BLOCK_H
 
@@ -22,18 +22,18 @@
 #define SHERD_Z0 0x0101010101010101ul  // bits with z == 0
 #define SHERD_Z7 0x8080808080808080ul  // bits with z == 7
 
-// Bits of a slab moved by one voxel; what leaves the leaf is lost.
+// Shift the bits of a slab by one voxel; bits that leave the leaf are dropped.
 inline ulong moved_y_up(ulong w) { return w << 8; }
 inline ulong moved_y_down(ulong w) { return w >> 8; }
 inline ulong moved_z_up(ulong w) { return (w & ~SHERD_Z7) << 1; }
 inline ulong moved_z_down(ulong w) { return (w & ~SHERD_Z0) >> 1; }
 
-// The in-slab neighbours of a slab's bits.
-inline ulong slab_neighbours(ulong w) {
+// Returns the four in-slab neighbors of a slab's bits.
+inline ulong slab_neighbors(ulong w) {
   return moved_y_up(w) | moved_y_down(w) | moved_z_up(w) | moved_z_down(w);
 }
 
-// What slab x of a leaf receives through face k from the neighbour's slab x (k >= 2), or from its touching slab.
+// Returns what slab x of a leaf receives through face k from the neighbor's slab x (k >= 2), or from its adjacent slab.
 inline ulong through_face(const int k, const ulong w) {
   switch (k) {
     case 2: return w >> 56;                 // -y: its y == 7 is beside our y == 0
@@ -44,27 +44,28 @@ inline ulong through_face(const int k, const ulong w) {
   }
 }
 
-// The same of all slabs of a leaf at once.
+// Returns the union of the eight words.
 inline ulong any_of(const ulong8 w) {
   const ulong4 a = w.lo | w.hi;
   const ulong2 b = a.lo | a.hi;
   return b.x | b.y;
 }
 
-inline ulong8 slabs_neighbours(const ulong8 w) {
+// Returns the 6-neighbors of a leaf's bits within the leaf.
+inline ulong8 slabs_neighbors(const ulong8 w) {
   const ulong8 inSlab = w << 8 | w >> 8 | (w & ~SHERD_Z7) << 1 | (w & ~SHERD_Z0) >> 1;
   return inSlab | (ulong8)(0, w.s0123, w.s456) | (ulong8)(w.s1234, w.s567, 0);
 }
 
-// The same, and over edges and corners.
+// Returns the bits and their 26-neighbors within the leaf.
 inline ulong8 slabs_round(const ulong8 w) {
   const ulong8 z = w | (w & ~SHERD_Z7) << 1 | (w & ~SHERD_Z0) >> 1;
   const ulong8 yz = z | z << 8 | z >> 8;
   return yz | (ulong8)(0, yz.s0123, yz.s456) | (ulong8)(yz.s1234, yz.s567, 0);
 }
 
-// The voxels at face k in one word: of an x face the slab, of a y face bit (x << 3) | z, of a z face bit (y << 3) | x.
-// So a voxel and the one it touches beyond the face have the same bit.
+// Returns the voxels at face k in one word: the slab for an x face, bit (x << 3) | z for a y face, (y << 3) | x for a z
+// face.  So a voxel and its neighbor across the face have the same bit.
 #define SHERD_SLABS (ulong8)(0, 1, 2, 3, 4, 5, 6, 7)
 
 inline ulong face_of(const int k, const ulong8 w) {
@@ -78,7 +79,7 @@ inline ulong face_of(const int k, const ulong8 w) {
   }
 }
 
-// The voxels of which face_of makes this word.
+// Inverse of face_of: the voxels at face k of a word.
 inline ulong8 at_face(const int k, const ulong face) {
   const ulong8 w = face;
   switch (k) {
@@ -91,7 +92,7 @@ inline ulong8 at_face(const int k, const ulong face) {
   }
 }
 
-// The voxel whose bit this is in a word of face k.
+// Returns the offset of the voxel at a bit of a word of face k.
 inline int offset_at_face(const int k, const int bit) {
   const int high = bit >> 3, low = bit & 7;
   switch (k >> 1) {
@@ -101,10 +102,10 @@ inline int offset_at_face(const int k, const int bit) {
   }
 }
 
-// The number of the lowest set bit.
+// Returns the index of the lowest set bit.
 inline int lowest_bit(const ulong bits) { return 63 - (int)clz(bits & (~bits + 1)); }
 
-// The voxels of a leaf that have this label.
+// Writes the mask of the voxels of a leaf that have this label.
 inline void equal_mask(const global ushort* labels, const ushort label, ulong* mask) {
   for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
     ulong word = 0;

@@ -1,55 +1,55 @@
 // levels: grow labels over the inside in the order of their arrival cost, with any step weights.
 //
-// A voxel belongs to the (cost, source) pair that is lowest among what its owned neighbours offer when its turn comes:
-// one answer, whatever the order of work.  An offer over step k is
+// A voxel belongs to the lowest (cost, source) pair among the offers of its owned neighbors at the time it is taken, so
+// the result does not depend on the schedule.  An offer over step k is
 //   additive   cost[from] + weight[k]
 //   chain      max(cost[from], distance from the source's seed to the voxel): the Discrete Voronoi Chain with its
-//              distance check (Velic, May, Moresi 2009), as the largest distance met on the way
-// Voxels are taken in rounds, each up to a threshold.  An additive round may reach `stride` further than the last, the
-// least weight: nothing taken in it can offer that little.  A chain's threshold rises on a ladder of distances, `stride`
-// rungs a voxel, and stays until a round takes nothing.  When a round takes nothing the threshold goes on to the least
-// offer that waits.
+//              distance check (Velic, May, Moresi 2009), as the largest distance on the path
+// Voxels are taken in passes, each up to a threshold, by buckets as in delta-stepping (Meyer and Sanders 2003).  An
+// additive threshold rises by `stride`, the least weight, per pass: no voxel taken in a pass can offer that little.  A
+// chain's threshold rises by buckets of distance, `stride` buckets per voxel, and stays until a pass takes nothing.
+// When a pass takes nothing the threshold rises to the least waiting offer.
 //
-// The best offer to each voxel is kept while it waits, so a round looks only at what the last one took: its offers are
-// found a row of eight voxels at a time.
+// The best offer to each voxel is stored while it waits, so a pass reads only what the last one took; it computes those
+// offers one row of eight voxels at a time.
 //
-// A round has two launches, so that none reads what the same launch writes: levels_take reads what neighbours took in the
-// round before and writes what it takes; levels_publish makes that owned and queues who can go on.
+// A pass has two launches, so that none reads what it writes: levels_take reads what neighbors took in the previous
+// pass and writes what it takes; levels_publish makes those voxels owned and queues the items they can offer to.
 // item = fracture * leafCount + leaf; one work-item takes list entries i, i + all, ...; any work-group size.
-// Reference: tests/kernels/levels_test.cpp, bit for bit.
+// Reference: tests/kernels/growths_test.cpp, bit for bit.
 
-// Words of `control`: written in round r at r modulo 3 (or 2), read in r + 1, cleared in between.
-#define CONTROL_LIST 0       // [3] entries of the list of a round
-#define CONTROL_WAITING 3    // [3] the least offer that waits
-#define CONTROL_TAKEN 6      // [3] items that took something: entries of `taken`
+// Words of `control`: written in pass p at p modulo 3 (or 2), read in p + 1, cleared in between.
+#define CONTROL_LIST 0       // [3] entries of the list of a pass
+#define CONTROL_WAITING 3    // [3] least waiting offer
+#define CONTROL_TAKEN 6      // [3] entries of `taken`
 #define CONTROL_THRESHOLD 9  // [2]
 
 #define LEVELS_STATE                                                                                  \
   const global ulong *restrict inside,      /* [leafCount*8]  voxels that may be reached */           \
-  const global uint *restrict round27,      /* [leafCount*27] leaves round a leaf, x slowest */       \
+  const global uint *restrict neighbors27,  /* [leafCount*27] 26-neighborhood of a leaf, x slowest */ \
   const uint leafCount,                                                                               \
   const uint items,                                                                                   \
   global ulong *restrict owned,             /* [items*8] */                                           \
   global ulong *restrict offered,           /* [items*8]      not owned, but offered */               \
   global uint *restrict source,             /* [items*512]    label, or for a chain the seed */       \
-  global uint *restrict cost,               /* [items*512]    of what is owned or offered */          \
-  global ulong *restrict claim,             /* [2*items*8]    taken, by round parity */               \
-  global uint *restrict claimed,            /* [2*items]      the round `claim` is of */              \
-  global uint *restrict wake,               /* [items]        the least offer that waits here */      \
-  volatile global uint *dirty,              /* [items]        1: a neighbour took something */        \
-  volatile global uint *queued,             /* [items]        last round queued for */                \
-  global uint *restrict list,               /* [2*items]      items to visit, by round parity */      \
-  global uint *restrict taken,              /* [items]        items that took something */            \
+  global uint *restrict cost,               /* [items*512]    of owned or offered voxels */           \
+  global ulong *restrict claim,             /* [2*items*8]    taken voxels, by pass parity */         \
+  global uint *restrict claimed,            /* [2*items]      the pass that wrote `claim` */          \
+  global uint *restrict wake,               /* [items]        least waiting offer of the item */      \
+  volatile global uint *dirty,              /* [items]        1: a neighbor took a voxel */           \
+  volatile global uint *queued,             /* [items]        last pass queued for */                 \
+  global uint *restrict list,               /* [2*items]      items to visit, by pass parity */       \
+  global uint *restrict taken,              /* [items]        items that took a voxel */              \
   volatile global uint *control             /* [11] */
 
 inline void enqueue(volatile global uint* queued, global uint* list, volatile global uint* control, const uint items,
-                    const uint item, const uint round) {
-  if (atomic_xchg(&queued[item], round) == round) return;
-  const uint at = atomic_inc(&control[CONTROL_LIST + round % 3]);
-  list[(size_t)(round & 1) * items + at] = item;
+                    const uint item, const uint pass) {
+  if (atomic_xchg(&queued[item], pass) == pass) return;
+  const uint at = atomic_inc(&control[CONTROL_LIST + pass % 3]);
+  list[(size_t)(pass & 1) * items + at] = item;
 }
 
-// Has an item voxels that are not owned?
+// Returns whether an item has inside voxels that are not owned.
 inline int is_open(const global ulong* inside, const global ulong* owned, const uint leaf, const size_t item) {
   ulong open = 0;
   for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
@@ -58,7 +58,7 @@ inline int is_open(const global ulong* inside, const global ulong* owned, const 
   return open != 0;
 }
 
-// Begin from what is owned: queue every item that has something left to reach for round 1.
+// Starts from the owned voxels: queues every item with open voxels for pass 1.
 kernel void levels_begin(LEVELS_STATE)
 {
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
@@ -68,13 +68,13 @@ kernel void levels_begin(LEVELS_STATE)
   }
 }
 
-// What round 0 took is what the beginning owns.
+// Owns voxels at the start; they are the claim of pass 0.
 inline void own(global ulong* owned, global ulong* claim, const size_t word, const ulong mask) {
   owned[word] |= mask;
   claim[word] = owned[word];
 }
 
-// Own what is kept of labels that exist.
+// Owns the kept voxels of existing labels.
 kernel void levels_keep(LEVELS_STATE, const global ulong* restrict kept)  // [items*8]
 {
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
@@ -85,15 +85,15 @@ kernel void levels_keep(LEVELS_STATE, const global ulong* restrict kept)  // [it
   }
 }
 
-// What is owned offers from cost 0 on.  Only what lies by something open is ever asked, so that memory of all else is
-// not touched.
+// Gives owned voxels cost 0 and their label as source.  Writes only items beside open voxels: no other item makes an
+// offer, and its memory is not touched.
 kernel void levels_load(LEVELS_STATE, const global ushort* restrict label)  // [items*512]
 {
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
     const uint leaf = (uint)(item % leafCount);
     int near = 0;
     for (int k = 0; k < 27 && !near; ++k) {
-      const uint other = round27[(size_t)leaf * 27 + k];
+      const uint other = neighbors27[(size_t)leaf * 27 + k];
       near = other != SHERD_NO_LEAF && is_open(inside, owned, other, item - leaf + other);
     }
     if (!near) continue;
@@ -107,7 +107,7 @@ kernel void levels_load(LEVELS_STATE, const global ushort* restrict label)  // [
   }
 }
 
-// Write what was reached into the labels that were loaded, and 0 where nothing was.
+// Writes the reached voxels into the loaded labels, and 0 for voxels that were not reached.
 kernel void levels_save(
     LEVELS_STATE,
     const global ulong* restrict kept,  // [items*8]
@@ -125,7 +125,7 @@ kernel void levels_save(
   }
 }
 
-// Own the seeds, at cost 0.  One work-item per item that holds seeds.
+// Owns the seeds at cost 0.  One work-item per item with seeds.
 kernel void levels_seed(
     LEVELS_STATE,
     const global uint* restrict seedItem,      // [seedItems]    distinct
@@ -145,7 +145,7 @@ kernel void levels_seed(
   }
 }
 
-// A leaf and what lies up to two voxels round it, a bit per voxel: rows along z, 12 by 12 of them.
+// A leaf with a halo of two voxels, one bit per voxel: 12 x 12 rows along z.
 #define HALO 2
 #define HALO_SIDE 12
 
@@ -153,7 +153,7 @@ inline void clear_halo(ushort* halo) {
   for (int i = 0; i < HALO_SIDE * HALO_SIDE; ++i) halo[i] = 0;
 }
 
-// Add what neighbour k's mask has within the halo.
+// Adds the voxels of neighbor k's mask that lie in the halo.
 inline void add_to_halo(const global ulong* mask, const int k, ushort* halo) {
   const int dx = k / 9 - 1, dy = k / 3 % 3 - 1, dz = k % 3 - 1;
   for (int x = dx < 0 ? 8 - HALO : 0; x < (dx > 0 ? HALO : 8); ++x) {
@@ -167,12 +167,12 @@ inline void add_to_halo(const global ulong* mask, const int k, ushort* halo) {
   }
 }
 
-// The eight bits of the row at x, y that lie z beyond the leaf's own.
+// Returns the eight bits of the row at x, y, shifted by z.
 inline uint halo_row(const ushort* halo, const int x, const int y, const int z) {
   return (uint)halo[(x + HALO) * HALO_SIDE + y + HALO] >> (z + HALO) & 0xff;
 }
 
-// The rows of slab x, a bit each, that have something of the halo at most two rows away.
+// Returns the rows of slab x, one bit each, with a voxel of the halo at most two rows away.
 inline uint rows_near(const ushort* halo, const int x) {
   uint rows = 0;
   for (int y = 0; y < HALO_SIDE; ++y) {
@@ -183,14 +183,14 @@ inline uint rows_near(const ushort* halo, const int x) {
   return (rows >> 4) & 0xff;
 }
 
-// Do steps lead out of a leaf to neighbour k?  Six lead over faces only.
+// Returns whether steps lead out of a leaf to neighbor k; 6 steps lead over faces only.
 inline int leads_to(const int k, const uint steps) {
   return steps > 6 || (k % 3 != 1) + (k / 3 % 3 != 1) + (k / 9 != 1) <= 1;
 }
 
-// The least rung of the chain's ladder that is not below a distance.
-inline uint rung_above(const uint distance, const int kind, const uint stride) {
-  if (kind != SHERD_EUCLIDEAN) return distance;  // whole voxels are the ladder
+// Returns the least bucket bound of a chain that is not below a distance.
+inline uint bucket_above(const uint distance, const int kind, const uint stride) {
+  if (kind != SHERD_EUCLIDEAN) return distance;  // the bounds are whole voxels
   // The least n with (n / stride)^2 >= distance, found bit by bit.
   ulong n = 0;
   for (int bit = 20; bit >= 0; --bit) {
@@ -203,9 +203,9 @@ inline uint rung_above(const uint distance, const int kind, const uint stride) {
 
 kernel void levels_take(
     LEVELS_STATE,
-    const uint round,                        // 1, 2, ...
-    const global int4* restrict step,        // [steps]     x, y, z to the voxel that is reached, w the weight
-    const global int* restrict within,       // [steps*2]   voxels between, as offsets from the one left; 0: none
+    const uint pass,                         // 1, 2, ...
+    const global int4* restrict step,        // [steps]     x, y, z of the step, w its weight
+    const global int* restrict within,       // [steps*2]   offsets from the start of the voxels between, packed
     const uint steps,
     const uint chain,                        // 1: the chain's rule
     const uint stride,
@@ -213,30 +213,30 @@ kernel void levels_take(
     const global int4* restrict seed,        // [seeds]     voxel
     const global int4* restrict origin)      // [leafCount]
 {
-  const uint now = round % 3, last = (round + 2) % 3;
-  const uint before = control[CONTROL_THRESHOLD + ((round + 1) & 1)];
+  const uint now = pass % 3, last = (pass + 2) % 3;
+  const uint before = control[CONTROL_THRESHOLD + ((pass + 1) & 1)];
   uint threshold;
   if (control[CONTROL_TAKEN + last]) {
     threshold = chain ? before : before + stride;
   } else {
     const uint least = control[CONTROL_WAITING + last];
-    threshold = chain ? rung_above(least, metric.kind, stride) : least + stride - 1;
-    if (least == 0xffffffffu) threshold = before;  // nothing waits: the first round
+    threshold = chain ? bucket_above(least, metric.kind, stride) : least + stride - 1;
+    if (least == 0xffffffffu) threshold = before;  // no offer waits: the first pass
   }
   if (get_global_id(0) == 0) {
-    control[CONTROL_THRESHOLD + (round & 1)] = threshold;
-    control[CONTROL_LIST + (round + 2) % 3] = 0;
-    control[CONTROL_WAITING + (round + 1) % 3] = 0xffffffffu;
-    control[CONTROL_TAKEN + (round + 1) % 3] = 0;
+    control[CONTROL_THRESHOLD + (pass & 1)] = threshold;
+    control[CONTROL_LIST + (pass + 2) % 3] = 0;
+    control[CONTROL_WAITING + (pass + 1) % 3] = 0xffffffffu;
+    control[CONTROL_TAKEN + (pass + 1) % 3] = 0;
   }
   const uint entries = control[CONTROL_LIST + now];
   for (size_t i = get_global_id(0); i < entries; i += get_global_size(0)) {
-    const uint item = list[(size_t)(round & 1) * items + i];
+    const uint item = list[(size_t)(pass & 1) * items + i];
     const uint leaf = item % leafCount;
     const uint base = item - leaf;
     if (!atomic_xchg(&dirty[item], 0u) && wake[item] > threshold) {
       atomic_min(&control[CONTROL_WAITING + now], wake[item]);
-      enqueue(queued, list, control, items, item, round + 1);
+      enqueue(queued, list, control, items, item, pass + 1);
       continue;
     }
     const global ulong* solid = inside + (size_t)leaf * SHERD_LEAF_WORDS;
@@ -244,16 +244,16 @@ kernel void levels_take(
     global ulong* waiting = offered + (size_t)item * SHERD_LEAF_WORDS;
     uint least = wake[item];
 
-    // Offers of what the last round took.
+    // Compute the offers of the voxels that the last pass took.
     uint around[27];
     ushort fresh[HALO_SIDE * HALO_SIDE], inSolid[HALO_SIDE * HALO_SIDE];
-    const size_t lastItems = (size_t)((round + 1) & 1) * items;
+    const size_t lastItems = (size_t)((pass + 1) & 1) * items;
     int anyFresh = 0;
     for (int k = 0; k < 27; ++k) {
-      around[k] = round27[(size_t)leaf * 27 + k];
+      around[k] = neighbors27[(size_t)leaf * 27 + k];
       if (around[k] == SHERD_NO_LEAF || !leads_to(k, steps)) continue;
       const size_t other = lastItems + base + around[k];
-      if (claimed[other] != round - 1) continue;
+      if (claimed[other] != pass - 1) continue;
       if (!anyFresh) clear_halo(fresh);
       anyFresh = 1;
       add_to_halo(claim + other * SHERD_LEAF_WORDS, k, fresh);
@@ -275,7 +275,7 @@ kernel void levels_take(
           const int4 s = step[k];
           uint reached = open & halo_row(fresh, x - s.x, y - s.y, -s.z);
           if (!reached) continue;
-          if (k >= 26) {  // a long step: the voxels it passes over belong to the solid
+          if (k >= 26) {  // a long step: the voxels it crosses must be inside
             for (int j = 0; j < 2; ++j) {
               const int packed = within[2 * k + j];
               const int px = ((packed >> 8) & 15) - 4, py = ((packed >> 4) & 15) - 4, pz = (packed & 15) - 4;
@@ -310,7 +310,7 @@ kernel void levels_take(
       waiting[x] = offeredSlab;
     }
 
-    // Take what is within the threshold; `least` becomes the least that still waits.
+    // Take the offers within the threshold; `least` becomes the least of the remaining ones.
     ulong took = 0;
     if (least <= threshold) {
       least = 0xffffffffu;
@@ -325,7 +325,7 @@ kernel void levels_take(
             least = min(least, offer);
           }
         }
-        claim[((size_t)(round & 1) * items + item) * SHERD_LEAF_WORDS + x] = taking;
+        claim[((size_t)(pass & 1) * items + item) * SHERD_LEAF_WORDS + x] = taking;
         waiting[x] &= ~taking;
         took |= taking;
       }
@@ -333,25 +333,25 @@ kernel void levels_take(
     wake[item] = least;
     if (least != 0xffffffffu) {
       atomic_min(&control[CONTROL_WAITING + now], least);
-      enqueue(queued, list, control, items, item, round + 1);
+      enqueue(queued, list, control, items, item, pass + 1);
     }
     if (took) {
-      claimed[(size_t)(round & 1) * items + item] = round;
+      claimed[(size_t)(pass & 1) * items + item] = pass;
       taken[atomic_inc(&control[CONTROL_TAKEN + now])] = item;
     }
   }
 }
 
-// Own what was taken, and queue every item that may be offered something by it.
-kernel void levels_publish(LEVELS_STATE, const uint round, const uint steps)
+// Owns the taken voxels and queues every item that they can offer to.
+kernel void levels_publish(LEVELS_STATE, const uint pass, const uint steps)
 {
-  const uint entries = control[CONTROL_TAKEN + round % 3];
+  const uint entries = control[CONTROL_TAKEN + pass % 3];
   for (size_t i = get_global_id(0); i < entries; i += get_global_size(0)) {
     const uint item = taken[i];
     const uint leaf = item % leafCount;
     ulong any = 0, lowX = 0, highX = 0;
     for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
-      const ulong taking = claim[((size_t)(round & 1) * items + item) * SHERD_LEAF_WORDS + x];
+      const ulong taking = claim[((size_t)(pass & 1) * items + item) * SHERD_LEAF_WORDS + x];
       owned[(size_t)item * SHERD_LEAF_WORDS + x] |= taking;
       any |= taking;
       if (x < HALO) lowX |= taking;
@@ -363,7 +363,7 @@ kernel void levels_publish(LEVELS_STATE, const uint round, const uint steps)
       ulong near = dx < 0 ? lowX : (dx > 0 ? highX : any);
       if (dy) near &= dy < 0 ? 0x000000000000fffful : 0xffff000000000000ul;
       if (dz) near &= dz < 0 ? 0x0303030303030303ul : 0xc0c0c0c0c0c0c0c0ul;
-      const uint other = round27[(size_t)leaf * 27 + k];
+      const uint other = neighbors27[(size_t)leaf * 27 + k];
       if (!near || other == SHERD_NO_LEAF) continue;
       ulong reachable = 0;
       for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
@@ -371,12 +371,12 @@ kernel void levels_publish(LEVELS_STATE, const uint round, const uint steps)
       }
       if (!reachable) continue;
       atomic_xchg(&dirty[item - leaf + other], 1u);
-      enqueue(queued, list, control, items, item - leaf + other, round + 1);
+      enqueue(queued, list, control, items, item - leaf + other, pass + 1);
     }
   }
 }
 
-// The label of every voxel that is owned, and 0 elsewhere.
+// Writes the label of every owned voxel, and 0 elsewhere.
 kernel void levels_finish(
     LEVELS_STATE,
     const global ushort* restrict labelOfSource,  // [seeds]  read when a chain

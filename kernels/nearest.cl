@@ -1,14 +1,14 @@
-// nearest: give every inside voxel the label of its nearest seed, whatever lies between them; ties go to the lower
-// label.  A leaf first bounds the distance that any of its voxels can have to its nearest seed, then looks only at
-// seeds that can come below the bound.
+// nearest: give every inside voxel the label of its nearest seed, across gaps too; ties go to the lower label.  A leaf
+// first computes an upper bound of the distance of its voxels to their nearest seed, then tests only seeds whose lower
+// bound does not exceed it.
 //
 // One work-item takes items i, i + all, ... (item = fracture * leafCount + leaf); any work-group size.
-// Reference: tests/kernels/nearest_test.cpp, bit for bit.
+// Reference: tests/kernels/growths_test.cpp, bit for bit.
 
-// The least (side -1) or greatest (side 1) distance that a voxel of the leaf centred at c can have to a seed.
-// Differences are doubled, so that the centre of a leaf is an integer; no voxel is further than 7 from it (doubled).
-inline long leaf_bound(const struct sherd_metric* metric, const int4 doubledCentre, const int4 seed, const int side) {
-  const long x = doubledCentre.x - 2 * seed.x, y = doubledCentre.y - 2 * seed.y, z = doubledCentre.z - 2 * seed.z;
+// Returns a lower (side -1) or upper (side 1) bound of the distance from any voxel of a leaf to a seed.  Differences
+// are doubled so that the center of a leaf is an integer; per axis no voxel is further than 7 from it (doubled).
+inline long leaf_bound(const struct sherd_metric* metric, const int4 doubledCenter, const int4 seed, const int side) {
+  const long x = doubledCenter.x - 2 * seed.x, y = doubledCenter.y - 2 * seed.y, z = doubledCenter.z - 2 * seed.z;
   long a[3];
   for (int i = 0; i < 3; ++i) {
     const long q = sherd_row(metric, i, x, y, z);
@@ -24,7 +24,7 @@ kernel void nearest(
     const global int4* restrict origin,       // [leafCount]    lowest voxel, w unused
     const uint leafCount,
     const uint items,
-    const global int4* restrict seed,         // [seeds]        voxel, w the label; a fracture's ascend by label
+    const global int4* restrict seed,         // [seeds]        voxel, w the label; ascending by label in a fracture
     const global uint* restrict firstSeed,    // [fractures+1]
     const struct sherd_metric metric,
     global ushort* restrict owner,            // [items*512]    out: 1.. inside, 0 outside
@@ -34,7 +34,7 @@ kernel void nearest(
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
     const uint leaf = (uint)(item % leafCount);
     const int4 low = origin[leaf];
-    const int4 doubledCentre = 2 * low + 7;
+    const int4 doubledCenter = 2 * low + 7;
     const uint first = firstSeed[item / leafCount], last = firstSeed[item / leafCount + 1];
     ulong mask[SHERD_LEAF_WORDS];
     ulong any = 0;
@@ -48,12 +48,12 @@ kernel void nearest(
       continue;
     }
     long bound = LONG_MAX;
-    for (uint s = first; s < last; ++s) bound = min(bound, leaf_bound(&metric, doubledCentre, seed[s], 1));
+    for (uint s = first; s < last; ++s) bound = min(bound, leaf_bound(&metric, doubledCenter, seed[s], 1));
 
-    // Inside a cell only its own seed is near enough.
+    // Inside a Voronoi cell only its own seed passes the bound.
     uint candidates = 0, only = 0;
     for (uint s = first; s < last && candidates < 2; ++s) {
-      if (leaf_bound(&metric, doubledCentre, seed[s], -1) > bound) continue;
+      if (leaf_bound(&metric, doubledCenter, seed[s], -1) > bound) continue;
       ++candidates;
       only = s;
     }
@@ -72,13 +72,13 @@ kernel void nearest(
     }
     for (uint s = first; s < last; ++s) {
       const int4 at = seed[s];
-      if (leaf_bound(&metric, doubledCentre, at, -1) > bound) continue;
+      if (leaf_bound(&metric, doubledCenter, at, -1) > bound) continue;
       for (int row = 0; row < 64; ++row) {
         if (!((mask[row >> 3] >> (8 * (row & 7))) & 0xff)) continue;
         const int x = low.x + (row >> 3) - at.x, y = low.y + (row & 7) - at.y, z = low.z - at.z;
         const long a = sherd_row(&metric, 0, x, y, z), b = sherd_row(&metric, 1, x, y, z),
                    c = sherd_row(&metric, 2, x, y, z);
-        for (int k = 0; k < 8; ++k) {  // a column of the matrix from one voxel to the next
+        for (int k = 0; k < 8; ++k) {  // the next voxel adds a column of the matrix
           const long d = sherd_norm(metric.kind, (long)abs(a + k * metric.row[2]), (long)abs(b + k * metric.row[5]),
                                     (long)abs(c + k * metric.row[8]));
           const int v = 8 * row + k;

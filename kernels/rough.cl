@@ -1,11 +1,11 @@
-// rough: let cracks wander.  Every inside voxel takes the label found at the end of a walk of displacement D through
-// the solid, so that the two sides of a crack still fit exactly.
+// rough: roughen cracks.  Every inside voxel takes the label at the end of a walk of displacement D through the solid,
+// so the two sides of a crack still fit exactly.
 //
-// D is a sum of octaves of value noise on lattices of 2, 4, 8, ... voxels, whose amplitudes grow as spacing^H: on a
-// crack that was smooth it is a self-affine relief of Hurst exponent H.  The walk takes one face step at a time and
-// leaves out those that would leave the solid, so that it slides along walls.  Everything is integers.  Leaves that are
-// too far from every crack for a walk to reach another label keep theirs.
-// Source of the relief: Bouchaud, Scaling properties of cracks, J. Phys. Condens. Matter 9, 1997.
+// D is a sum of octaves of value noise on lattices of 2, 4, 8, ... voxels with amplitudes proportional to spacing^H: a
+// smooth crack becomes a self-affine surface of Hurst exponent H.  The walk takes one face step at a time and skips
+// steps that leave the solid, so it slides along walls.  All arithmetic is on integers.  Leaves too far from every
+// crack for a walk to reach another label keep their labels.
+// Source: Bouchaud, Scaling properties of cracks, J. Phys. Condens. Matter 9, 1997.
 //
 // One work-item takes items i, i + all, ... (item = fracture * leafCount + leaf); any work-group size.
 // Reference: tests/kernels/rough_test.cpp, bit for bit.
@@ -19,11 +19,11 @@ inline ulong rough_mixed(ulong x) {
   return x ^ (x >> 31);
 }
 
-// A lattice point's values along x, y and z: three times 16 bits.
+// Returns the values of a lattice point along x, y and z, 16 bits each.
 inline ulong lattice_bits(const ulong seed, const int octave, const int i, const int j, const int k) {
-  const ulong place = (ulong)(uint)(i & 0xffff) | (ulong)(uint)(j & 0xffff) << 16 | (ulong)(uint)(k & 0xffff) << 32 |
-                      (ulong)(uint)octave << 48;
-  return rough_mixed(seed ^ rough_mixed(place + 0x9e3779b97f4a7c15ul));
+  const ulong key = (ulong)(uint)(i & 0xffff) | (ulong)(uint)(j & 0xffff) << 16 | (ulong)(uint)(k & 0xffff) << 32 |
+                    (ulong)(uint)octave << 48;
+  return rough_mixed(seed ^ rough_mixed(key + 0x9e3779b97f4a7c15ul));
 }
 
 inline int lattice_value(const ulong bits, const int axis, const int amplitude) {
@@ -31,8 +31,8 @@ inline int lattice_value(const ulong bits, const int axis, const int amplitude) 
   return (int)(((long)value * amplitude) >> 15);
 }
 
-// Where a leaf lies in an octave's lattice.  Lattices wider than a leaf are shifted by a random number of leaves:
-// unshifted ones would all have points at the origin, and be flat there together.
+// Returns the lowest voxel of a leaf in an octave's lattice.  Lattices wider than a leaf are shifted by a random number
+// of leaves: unshifted ones would all have a lattice point, and so zero slope, at the origin.
 inline int4 shifted_low(const ulong seed, const int octave, const int4 low) {
   if (octave < 3) return low;
   const ulong bits = rough_mixed(seed + ((ulong)(uint)octave << 48));
@@ -41,19 +41,19 @@ inline int4 shifted_low(const ulong seed, const int octave, const int4 low) {
                       (int)((bits >> 32) & 0xffff) & (leaves - 1), 0) * 8;
 }
 
-// t^3 (6 t^2 - 15 t + 10) for t = at / 2^log2Spacing, out of 32768.
-inline int smooth_weight(const int at, const int log2Spacing) {
-  const long t = (long)at << (15 - log2Spacing);
+// Returns t^3 (6 t^2 - 15 t + 10) for t = offset / 2^log2Spacing, in units of 1/32768.
+inline int smooth_weight(const int offset, const int log2Spacing) {
+  const long t = (long)offset << (15 - log2Spacing);
   const long t2 = (t * t) >> 15;
   const long t3 = (t2 * t) >> 15;
   return (int)((t3 * (6 * t2 - 15 * t + 10 * 32768)) >> 15);
 }
 
-// a + (b - a) * weight / 32768, rounded down; weights here come times 65536, which is what mul_hi takes away again.
+// Returns a + (b - a) * w / 32768, rounded down, for weight = w * 65536: mul_hi divides the product by 2^32.
 inline int blend(const int a, const int b, const int weight) { return a + mul_hi((b - a) << 1, weight); }
 inline int8 blend8(const int8 a, const int8 b, const int8 weight) { return a + mul_hi((b - a) << 1, weight); }
 
-// The blend along z of a row of 8 voxels.
+// Blends the lattice values `line` along z for a row of 8 voxels.
 inline int8 blend_row(const int* line, const int log2Spacing, const int8 weight) {
   if (log2Spacing >= 3) return blend8((int8)(line[0]), (int8)(line[1]), weight);
   if (log2Spacing == 2) {
@@ -64,8 +64,8 @@ inline int8 blend_row(const int* line, const int log2Spacing, const int8 weight)
   return blend8((int8)(a, b, c, d), (int8)(b, c, d, e), weight);
 }
 
-// Add an octave to a leaf's displacements, [axis*64 + x*8 + y] rows along z in 1/256 voxel.  A leaf meets at most 5
-// lattice points an axis.
+// Adds an octave to a leaf's displacements, [axis*64 + x*8 + y] rows along z in 1/256 voxel.  A leaf spans at most 5
+// lattice points per axis.
 inline void add_octave(const ulong seed, const int octave, const int amplitude, const int4 leafLow,
                        int8* displacement) {
   const int log2Spacing = octave + 1, spacing = 1 << log2Spacing;
@@ -109,7 +109,7 @@ inline void add_octave(const ulong seed, const int octave, const int amplitude, 
   }
 }
 
-// The one label of voxels or leaves; 0 where they have none, ROUGH_SEVERAL where they differ.
+// The common label of voxels or leaves: 0 where they have none, ROUGH_SEVERAL where they differ.
 #define ROUGH_SEVERAL 0xffffu
 
 inline uint label_of_both(const uint a, const uint b) { return a == b || b == 0 ? a : a == 0 ? b : ROUGH_SEVERAL; }
@@ -119,8 +119,8 @@ kernel void rough_leaves(
     const uint leafCount,
     const uint items,
     const global ushort* restrict before,  // [items*512]  labels
-    global uint* restrict single,          // [items]      out: the leaf's one label
-    global uint* restrict full)            // [items]      out: 1 where it is inside throughout
+    global uint* restrict single,          // [items]      out: the leaf's common label
+    global uint* restrict full)            // [items]      out: 1 where all voxels are inside
 {
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
     uint found = 0;
@@ -137,22 +137,22 @@ kernel void rough_leaves(
   }
 }
 
-// Make the one label of the leaves within `ring` of each that of those within ring + 1, and note how far there is one.
+// Extends the common label of the leaves within `ring` leaves of each to ring + 1, and records how far there is one.
 kernel void rough_rings(
-    const global uint* restrict round27,  // [leafCount*27]
+    const global uint* restrict neighbors27,  // [leafCount*27]
     const uint leafCount,
     const uint items,
     const uint ring,
-    const global uint* restrict single,   // [items]
-    global uint* restrict wider,          // [items]  out
-    global uint* restrict same)           // [items]  in, out: rings, its own leaf the first, with one label at most
+    const global uint* restrict single,       // [items]
+    global uint* restrict wider,              // [items]  out
+    global uint* restrict uniformRings)       // [items]  in, out: rings with at most one label, the leaf itself first
 {
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
     const size_t leaf = item % leafCount;
     uint found = single[item];
-    if (found != ROUGH_SEVERAL) same[item] = ring + 1;
+    if (found != ROUGH_SEVERAL) uniformRings[item] = ring + 1;
     for (int k = 0; k < 27; ++k) {
-      const uint other = round27[leaf * 27 + k];
+      const uint other = neighbors27[leaf * 27 + k];
       if (other != SHERD_NO_LEAF) found = label_of_both(found, single[item - leaf + other]);
     }
     wider[item] = found;
@@ -168,16 +168,17 @@ inline int most_of(const int8 v) {
   return max(max(a.x, a.y), max(a.z, a.w));
 }
 
-// How many leaves away a walk of a leaf may end, displacements being in least..most (1/256 voxel).
+// Returns how many leaves away a walk can end for displacements in least..most (1/256 voxel).
 inline int leaves_away(const int least, const int most) { return (max(-(least >> 8), most >> 8) + 7) / 8; }
 
-// The same from an octave's values at the corners of the leaf: between them it is monotone along each axis.
+// Returns an upper bound of the same from the octaves' values at the corners of the leaf; between the corners an octave
+// is monotone along each axis.
 inline int leaves_away_at_most(const ulong seed, const global int* restrict amplitude, const int octaves,
                                const int4 leafLow) {
-  int least[3] = {128, 128, 128}, most[3] = {128, 128, 128};  // rounded to the nearest voxel
+  int least[3] = {128, 128, 128}, most[3] = {128, 128, 128};  // 128 rounds to the nearest voxel
   for (int octave = 0; octave < octaves; ++octave) {
     const int log2Spacing = octave + 1, spacing = 1 << log2Spacing;
-    if (log2Spacing < 3) {  // the leaf holds more than a cell
+    if (log2Spacing < 3) {  // the leaf spans several lattice cells
       for (int axis = 0; axis < 3; ++axis) {
         least[axis] -= amplitude[octave];
         most[axis] += amplitude[octave];
@@ -190,11 +191,11 @@ inline int leaves_away_at_most(const ulong seed, const global int* restrict ampl
       bits[corner] = lattice_bits(seed, octave, (low.x >> log2Spacing) + (corner >> 2),
                                   (low.y >> log2Spacing) + ((corner >> 1) & 1), (low.z >> log2Spacing) + (corner & 1));
     }
-    int first[3], last[3];  // weights of the leaf's ends along x, y, z
-    const int at[3] = {low.x & (spacing - 1), low.y & (spacing - 1), low.z & (spacing - 1)};
+    int first[3], last[3];  // weights at the ends of the leaf along x, y, z
+    const int offset[3] = {low.x & (spacing - 1), low.y & (spacing - 1), low.z & (spacing - 1)};
     for (int axis = 0; axis < 3; ++axis) {
-      first[axis] = smooth_weight(at[axis], log2Spacing) << 16;
-      last[axis] = smooth_weight(at[axis] + 7, log2Spacing) << 16;
+      first[axis] = smooth_weight(offset[axis], log2Spacing) << 16;
+      last[axis] = smooth_weight(offset[axis] + 7, log2Spacing) << 16;
     }
     const int8 weightX = (int8)((int4)(first[0]), (int4)(last[0]));
     const int8 weightY = (int8)((int2)(first[1]), (int2)(last[1]), (int2)(first[1]), (int2)(last[1]));
@@ -214,8 +215,8 @@ inline int leaves_away_at_most(const ulong seed, const global int* restrict ampl
   return max(max(leaves_away(least[0], most[0]), leaves_away(least[1], most[1])), leaves_away(least[2], most[2]));
 }
 
-// Where a walk by `way` from a voxel ends.
-inline size_t walk_end(const global ulong* restrict inside, const global uint* restrict neighbour, const uint leaf,
+// Returns the voxel, leaf*512 + offset, where a walk of displacement `way` ends.  `from` is an offset in `leaf`.
+inline size_t walk_end(const global ulong* restrict inside, const global uint* restrict neighbor, const uint leaf,
                        const int from, const int* way) {
   int steps[3], passed[3] = {0, 0, 0}, most = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -225,7 +226,7 @@ inline size_t walk_end(const global ulong* restrict inside, const global uint* r
   uint atLeaf = leaf;
   int at = from;
   for (int i = 0; i < most; ++i) {
-    for (int axis = 0; axis < 3; ++axis) {  // an axis's steps lie evenly among `most`
+    for (int axis = 0; axis < 3; ++axis) {  // the steps of an axis are spaced evenly among `most`
       passed[axis] += steps[axis];
       if (passed[axis] < most) continue;
       passed[axis] -= most;
@@ -233,7 +234,7 @@ inline size_t walk_end(const global ulong* restrict inside, const global uint* r
       const int shift = 6 - 3 * axis;
       const int next = ((at >> shift) & 7) + 2 * up - 1;
       uint nextLeaf = atLeaf;
-      if (next & ~7) nextLeaf = neighbour[(size_t)atLeaf * SHERD_LEAF_FACES + 2 * axis + up];
+      if (next & ~7) nextLeaf = neighbor[(size_t)atLeaf * SHERD_LEAF_FACES + 2 * axis + up];
       if (nextLeaf == SHERD_NO_LEAF) continue;
       const int nextAt = (at & ~(7 << shift)) | ((next & 7) << shift);
       if (!((inside[(size_t)nextLeaf * SHERD_LEAF_WORDS + (nextAt >> 6)] >> (nextAt & 63)) & 1)) continue;
@@ -244,9 +245,9 @@ inline size_t walk_end(const global ulong* restrict inside, const global uint* r
   return (size_t)atLeaf * SHERD_LEAF_SIZE + at;
 }
 
-// The leaf i, j, k leaves away, where all leaves of the box between are inside throughout; else SHERD_NO_LEAF.
-inline uint leaf_straight_away(const global uint* restrict round27, const global uint* restrict full, const uint leaf,
-                               const int i, const int j, const int k) {
+// Returns the leaf i, j, k leaves away if all voxels of all leaves in the box between are inside, else SHERD_NO_LEAF.
+inline uint leaf_straight_away(const global uint* restrict neighbors27, const global uint* restrict full,
+                               const uint leaf, const int i, const int j, const int k) {
   const int stepI = i < 0 ? 4 : 22, stepJ = j < 0 ? 10 : 16, stepK = k < 0 ? 12 : 14;
   uint alongX = leaf, alongY = leaf, alongZ = leaf;
   for (int a = 0; a <= (int)abs(i); ++a) {
@@ -255,13 +256,13 @@ inline uint leaf_straight_away(const global uint* restrict round27, const global
       alongZ = alongY;
       for (int c = 0; c <= (int)abs(k); ++c) {
         if (!full[alongZ]) return SHERD_NO_LEAF;
-        if (c < (int)abs(k)) alongZ = round27[(size_t)alongZ * 27 + stepK];
+        if (c < (int)abs(k)) alongZ = neighbors27[(size_t)alongZ * 27 + stepK];
         if (alongZ == SHERD_NO_LEAF) return SHERD_NO_LEAF;
       }
-      if (b < (int)abs(j)) alongY = round27[(size_t)alongY * 27 + stepJ];
+      if (b < (int)abs(j)) alongY = neighbors27[(size_t)alongY * 27 + stepJ];
       if (alongY == SHERD_NO_LEAF) return SHERD_NO_LEAF;
     }
-    if (a < (int)abs(i)) alongX = round27[(size_t)alongX * 27 + stepI];
+    if (a < (int)abs(i)) alongX = neighbors27[(size_t)alongX * 27 + stepI];
     if (alongX == SHERD_NO_LEAF) return SHERD_NO_LEAF;
   }
   return alongZ;
@@ -269,16 +270,16 @@ inline uint leaf_straight_away(const global uint* restrict round27, const global
 
 kernel void rough(
     const global ulong* restrict inside,      // [leafCount*8]
-    const global uint* restrict neighbour,    // [leafCount*6]
-    const global uint* restrict round27,      // [leafCount*27]
+    const global uint* restrict neighbor,     // [leafCount*6]
+    const global uint* restrict neighbors27,  // [leafCount*27]
     const global int4* restrict origin,       // [leafCount]   lowest voxel, w unused
     const uint leafCount,
     const uint items,
     const global ulong* restrict noiseSeed,   // [fractures]
-    const global int* restrict amplitude,     // [octaves]     1/256 voxels at the lattice's extremes
+    const global int* restrict amplitude,     // [octaves]     1/256 voxel, the largest lattice value
     const int octaves,
-    const global uint* restrict same,         // [items]       as rough_rings leaves it
-    const global uint* restrict full,         // [items]       as rough_leaves leaves it
+    const global uint* restrict uniformRings,  // [items]      from rough_rings
+    const global uint* restrict full,         // [items]       from rough_leaves
     const global ushort* restrict before,     // [items*512]   labels
     global ushort* restrict after)            // [items*512]   out
 {
@@ -286,7 +287,7 @@ kernel void rough(
     const uint leaf = (uint)(item % leafCount);
     const size_t base = (item - leaf) * SHERD_LEAF_SIZE;
     const ulong seed = noiseSeed[item / leafCount];
-    if ((int)same[item] > leaves_away_at_most(seed, amplitude, octaves, origin[leaf])) {  // to no other label
+    if ((int)uniformRings[item] > leaves_away_at_most(seed, amplitude, octaves, origin[leaf])) {  // only one label
       for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
         const bool isInside = (inside[(size_t)leaf * SHERD_LEAF_WORDS + (v >> 6)] >> (v & 63)) & 1;
         after[item * SHERD_LEAF_SIZE + v] = isInside ? before[item * SHERD_LEAF_SIZE + v] : 0;
@@ -298,8 +299,8 @@ kernel void rough(
     for (int octave = 0; octave < octaves; ++octave) {
       add_octave(seed, octave, amplitude[octave], origin[leaf], displacement);
     }
-    int4 last = (int4)(0);  // leaves away, of the voxel before: its neighbours mostly go to the same
-    uint end = leaf_straight_away(round27, full + (item - leaf), leaf, 0, 0, 0);
+    int4 last = (int4)(0);  // leaves away of the previous voxel: neighbors mostly end in the same leaf
+    uint end = leaf_straight_away(neighbors27, full + (item - leaf), leaf, 0, 0, 0);
     for (int row = 0; row < 64; ++row) {
       int ways[3][8];
       for (int axis = 0; axis < 3; ++axis) vstore8(displacement[axis * 64 + row] >> 8, 0, ways[axis]);
@@ -309,14 +310,14 @@ kernel void rough(
         const int x = (v >> 6) + way[0], y = ((v >> 3) & 7) + way[1], to = (v & 7) + way[2];
         const int4 away = (int4)(x >> 3, y >> 3, to >> 3, 0);
         if (any(away != last)) {
-          end = leaf_straight_away(round27, full + (item - leaf), leaf, away.x, away.y, away.z);
+          end = leaf_straight_away(neighbors27, full + (item - leaf), leaf, away.x, away.y, away.z);
           last = away;
         }
         ushort label = 0;
-        if (end != SHERD_NO_LEAF) {  // nothing is in the way
+        if (end != SHERD_NO_LEAF) {  // only inside voxels between
           label = before[base + (size_t)end * SHERD_LEAF_SIZE + (((x & 7) << 6) | ((y & 7) << 3) | (to & 7))];
         } else if ((inside[(size_t)leaf * SHERD_LEAF_WORDS + (v >> 6)] >> (v & 63)) & 1) {
-          label = before[base + walk_end(inside, neighbour, leaf, v, way)];
+          label = before[base + walk_end(inside, neighbor, leaf, v, way)];
         }
         after[item * SHERD_LEAF_SIZE + v] = label;
       }
@@ -324,7 +325,7 @@ kernel void rough(
   }
 }
 
-// Seeds keep their voxel, so that no fragment is lost.
+// Restores the labels of the seeds, so that no fragment disappears.
 kernel void rough_pin(
     const global uint* restrict seedItem,      // [seeds]
     const global ushort* restrict seedOffset,  // [seeds]

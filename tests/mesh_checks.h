@@ -55,28 +55,28 @@ inline void expectClosedManifold(const TriangleMesh& mesh) {
 
 /// Area by facing.
 inline std::map<std::uint16_t, double> areas(const TriangleMesh& mesh,
-                                             const std::vector<std::uint16_t>& facing) {
+                                             const std::vector<std::uint16_t>& neighbor) {
   std::map<std::uint16_t, double> sums;
-  for (std::size_t t = 0; t < facing.size(); ++t) {
-    sums[facing[t]] += area({mesh.vertices, {mesh.triangles[t]}});
+  for (std::size_t t = 0; t < neighbor.size(); ++t) {
+    sums[neighbor[t]] += area({mesh.vertices, {mesh.triangles[t]}});
   }
   return sums;
 }
 
 /// Connected components of each facing's faces over edges.
 inline std::map<std::uint16_t, std::size_t> regions(const TriangleMesh& mesh,
-                                                    const std::vector<std::uint16_t>& facing) {
+                                                    const std::vector<std::uint16_t>& neighbor) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> owner;  // directed edge: triangle
-  for (std::size_t t = 0; t < facing.size(); ++t) {
+  for (std::size_t t = 0; t < neighbor.size(); ++t) {
     for (int k = 0; k < 3; ++k) {
       owner[{mesh.triangles[t][k], mesh.triangles[t][(k + 1) % 3]}] = t;
     }
   }
   std::map<std::uint16_t, std::size_t> count;
-  std::vector<bool> seen(facing.size(), false);
-  for (std::size_t first = 0; first < facing.size(); ++first) {
+  std::vector<bool> seen(neighbor.size(), false);
+  for (std::size_t first = 0; first < neighbor.size(); ++first) {
     if (seen[first]) continue;
-    ++count[facing[first]];
+    ++count[neighbor[first]];
     std::vector<std::size_t> stack{first};
     seen[first] = true;
     while (!stack.empty()) {
@@ -85,7 +85,7 @@ inline std::map<std::uint16_t, std::size_t> regions(const TriangleMesh& mesh,
       for (int k = 0; k < 3; ++k) {
         const auto across = owner.find({t[(k + 1) % 3], t[k]});
         if (across == owner.end() || seen[across->second]) continue;
-        if (facing[across->second] != facing[first]) continue;
+        if (neighbor[across->second] != neighbor[first]) continue;
         seen[across->second] = true;
         stack.push_back(across->second);
       }

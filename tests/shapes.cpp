@@ -100,7 +100,7 @@ double torusArea(double R, double r) { return 4.0 * kPi * kPi * R * r; }
 TriangleMesh cup(double outerRadius, double wall, double height, double floor, int segments) {
   assert(wall < outerRadius && floor < height && segments >= 3);
   const double innerRadius = outerRadius - wall;
-  // The section from the bottom's centre outwards, up, over the lip and down to the floor's centre:
+  // The section from the bottom's center outwards, up, over the lip and down to the floor's center:
   // four rings between two points on the axis.
   const std::array<glm::dvec2, 4> rings{
       {{outerRadius, 0.0}, {outerRadius, height}, {innerRadius, height}, {innerRadius, floor}}};

@@ -3,7 +3,7 @@
 #
 # usage: bench.sh [BENCHMARK_ARGUMENT...]    (such as --benchmark_filter=grow/.*/256)
 #
-# SHERD_BENCH_MESH names the mesh that is broken at 64 to 1024 voxels; without it it is the bundled amphora.
+# SHERD_BENCH_MESH names the mesh to break at 64 to 1024 voxels; by default the bundled amphora.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 tools/install_packages.sh test

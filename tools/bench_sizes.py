@@ -1,14 +1,14 @@
 #!/usr/bin/python3
-"""Break one mesh at larger and larger sizes, and print what each stage takes, as a table in Markdown.
+"""Break one mesh at increasing resolutions, and print the time of each stage as a table in Markdown.
 
 usage: bench_sizes.py SHERD MESH [RESOLUTION...]    (default: 64 128 256 512 1024)
 
-Ten pieces with `.vdb`, `.rle` and `.ply`, each size once after one that warms PoCL's kernel cache.  Beside a stage's
-seconds stands the share of the machine's copy bandwidth at which the least it could move would go by, were it read and
-written once: bytes that are copied by all cores between arrays that fit no cache, measured in the same run.
+Ten pieces with `.vdb`, `.rle` and `.ply`, each size once, after a warm-up of PoCL's kernel cache.  Beside the
+seconds of a stage is its least memory traffic (data read and written once) per second, as a share of the machine's copy
+bandwidth: bytes that all cores copy between arrays larger than the caches, measured in the same run.
 
-    voxelize   distances of the band, 4 bytes: some three voxels for each face of the pieces' meshes
-    grow       a bit for each voxel inside and 2 bytes for its label
+    voxelize   distances of the band, 4 bytes: some three voxels per face of the meshes
+    grow       a bit per inside voxel and 2 bytes for its label
     extract    distances and labels of the band, and the meshes: 24 bytes a vertex, 14 a triangle
     write      the files' bytes, read and written
 
@@ -32,7 +32,7 @@ STAGES = ("voxelize", "grow", "extract", "write")
 
 
 def copy_bandwidth():
-    """Bytes read and written a second, the best of five."""
+    """Bytes read and written per second, the best of five."""
     cores = len(os.sched_getaffinity(0))
     arrays = [(np.ones(1 << 25), np.zeros(1 << 25)) for _ in range(cores)]
     best = 0.0
@@ -67,9 +67,9 @@ def least_bytes(report, folder):
 
 
 def main(sherd, mesh, *resolutions):
-    with concurrent.futures.ProcessPoolExecutor(1) as another:  # a child's peak begins with its parent's memory
+    with concurrent.futures.ProcessPoolExecutor(1) as another:  # a child's peak memory includes its parent's
         bandwidth = another.submit(copy_bandwidth).result()
-    print(f"`{pathlib.Path(mesh).name}`, copying goes at {bandwidth / 1e9:.1f} GB/s.\n")
+    print(f"`{pathlib.Path(mesh).name}`, copy bandwidth {bandwidth / 1e9:.1f} GB/s.\n")
     print("| resolution | voxels inside | faces | " + " | ".join(STAGES) + " | total | ns a voxel | peak memory |")
     print("|" + "---|" * (len(STAGES) + 6))
     with tempfile.TemporaryDirectory() as scratch:

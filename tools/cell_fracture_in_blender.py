@@ -1,10 +1,10 @@
-"""Break a mesh by Blender's add-on Cell Fracture, as it is after installation; run by cell_fracture_study.py.
+"""Break a mesh by Blender's add-on Cell Fracture with default options; run by cell_fracture_study.py.
 
 usage: blender --background --factory-startup --python-exit-code 1 --python cell_fracture_in_blender.py
          -- MESH FOLDER PIECES SEED
 
-Writes FOLDER/whole.obj and FOLDER/pieces/piece_0.obj, piece_1.obj, ...  The mesh is scaled to a longest side of 2, as
-Blender's own cube has it: the add-on's margin, noise and tolerances are lengths.
+Writes FOLDER/whole.obj and FOLDER/pieces/piece_0.obj, piece_1.obj, ...  The mesh is scaled to a longest side of 2, like
+Blender's default cube, because the add-on's margin, noise and tolerances are lengths.
 """
 import pathlib
 import random
@@ -16,7 +16,7 @@ import mathutils
 
 
 def read(path):
-    """Vertices and polygons, equal vertices made one."""
+    """Vertices and polygons, equal vertices merged."""
     if path.suffix.lower() == ".off":
         words = iter(path.read_text().split()[1:])
         counts = [int(next(words)) for _ in range(3)]
@@ -32,9 +32,9 @@ def read(path):
             corners += [tuple(v.co) for v in part.data.vertices]
             polygons += [[first + i for i in p.vertices] for p in part.data.polygons]
             bpy.data.objects.remove(part)
-    places = {}
-    number = [places.setdefault(corner, len(places)) for corner in corners]
-    return list(places), [[number[i] for i in polygon] for polygon in polygons]
+    index_of = {}
+    number = [index_of.setdefault(corner, len(index_of)) for corner in corners]
+    return list(index_of), [[number[i] for i in polygon] for polygon in polygons]
 
 
 def scaled(vertices):
@@ -68,7 +68,7 @@ def main():
     write(folder / "whole.obj", whole)
 
     addon_utils.enable("object_fracture_cell")
-    random.seed(int(seed))  # the add-on shuffles the vertices it takes seeds from
+    random.seed(int(seed))  # the add-on shuffles the vertices that it selects seeds from
     mathutils.noise.seed_set(int(seed))
     bpy.ops.object.add_fracture_cell_objects(source_limit=int(pieces))
     bpy.context.view_layer.update()

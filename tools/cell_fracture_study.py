@@ -3,12 +3,12 @@
 
 usage: cell_fracture_study.py SHERD RESULTS.csv MESH... [options]
 
-Breaks every mesh (closed; .obj, .ply, .stl or .off) by Cell Fracture, with all its options as they are after
-installation but for the number of seeds, and by `sherd fracture` into as many pieces as came out.  Both are measured by
-`sherd evaluate --mesh` on the mesh that Blender had, scaled to a longest side of 2.  RESULTS.csv gets two rows per
-fracture; what it already holds is not run again.  Prints a table in Markdown.
+Breaks every mesh (closed; .obj, .ply, .stl or .off) by Cell Fracture, with its default options except
+the number of seeds, and by `sherd fracture` into the resulting number of pieces.  `sherd evaluate --mesh` measures both
+against the mesh in Blender, scaled to a longest side of 2.  RESULTS.csv gets two rows per
+fracture; existing rows are not run again.  Prints a table in Markdown.
 
-Needs Debian's blender (3.4.1), which brings the add-on.  A build without SHERD_GPL=ON leaves self-intersections out.
+Needs Debian's blender (3.4.1), which includes the add-on.  A build without SHERD_GPL=ON leaves self-intersections out.
 """
 import argparse
 import csv
@@ -20,7 +20,7 @@ import sys
 import tempfile
 
 KEY = ["mesh", "seeds", "random_seed", "program"]
-FIGURES = ["fragments", "effective", "convexity", "convex_of", "sound", "open", "non_manifold", "bound_volume",
+METRICS = ["fragments", "effective", "convexity", "convex_of", "sound", "open", "non_manifold", "bound_volume",
            "crossing", "crossing_pairs", "mean_angle", "under_10_degrees", "surface_error", "gap", "overlap",
            "volume_error"]
 CELL, SHERD = "Cell Fracture", "Sherd"
@@ -48,24 +48,24 @@ def run(command, **more):
 def evaluate(options, folder, whole):
     command = [options.sherd, "evaluate", folder, "--mesh", whole, "--json"]
     try:
-        told = json.loads(run([*command, "--cgal"]))
+        report = json.loads(run([*command, "--cgal"]))
     except RuntimeError as error:
         if "SHERD_GPL" not in str(error):
             raise
-        told = json.loads(run(command))
-    verdicts = [f["cgal"] for f in told["fragments"] if "cgal" in f]
-    quality, error, gap = told["quality"], told["surface_error"], told["gap"]
-    return {"fragments": told["pieces"], "effective": told["effective_pieces"], "convexity": told["convexity"],
-            "convex_of": sum(f["convexity"] is not None for f in told["fragments"]), "sound": told["sound"],
-            "open": told["open"],
-            "non_manifold": sum(not f["quality"]["manifold"] and f["quality"]["closed"] for f in told["fragments"]),
+        report = json.loads(run(command))
+    verdicts = [f["cgal"] for f in report["fragments"] if "cgal" in f]
+    quality, error, gap = report["quality"], report["surface_error"], report["gap"]
+    return {"fragments": report["pieces"], "effective": report["effective_pieces"], "convexity": report["convexity"],
+            "convex_of": sum(f["convexity"] is not None for f in report["fragments"]), "sound": report["sound"],
+            "open": report["open"],
+            "non_manifold": sum(not f["quality"]["manifold"] and f["quality"]["closed"] for f in report["fragments"]),
             "bound_volume": sum(v["bounds_volume"] for v in verdicts) if verdicts else "",
             "crossing": sum(bool(v["self_intersections"]) for v in verdicts) if verdicts else "",
             "crossing_pairs": sum(v["self_intersections"] or 0 for v in verdicts) if verdicts else "",
             "mean_angle": quality["mean_smallest_angle"], "under_10_degrees": quality["under_10_degrees"],
             "surface_error": error["of_diagonal"]["mean"] if error else "",
-            "gap": gap["of_diagonal"]["mean"] if gap else "", "overlap": told["overlap"]["share"],
-            "volume_error": told["whole"]["volume_error"]}
+            "gap": gap["of_diagonal"]["mean"] if gap else "", "overlap": report["overlap"]["share"],
+            "volume_error": report["whole"]["volume_error"]}
 
 
 def break_both(options, mesh, seeds, seed):
@@ -91,7 +91,7 @@ def observe_all(options):
             rows = list(csv.DictReader(text))
     known = {tuple(row[k] for k in KEY) for row in rows}
     with options.results.open("a", newline="") as text:
-        writer = csv.DictWriter(text, KEY + FIGURES)
+        writer = csv.DictWriter(text, KEY + METRICS)
         if not rows:
             writer.writeheader()
         for mesh in options.meshes:
@@ -107,23 +107,23 @@ def observe_all(options):
     return rows
 
 
-def mean(rows, figure):
-    values = [float(row[figure]) for row in rows if row[figure] != ""]
+def mean(rows, metric):
+    values = [float(row[metric]) for row in rows if row[metric] != ""]
     return statistics.fmean(values) if values else None
 
 
-def total(rows, figure):
-    return sum(int(row[figure] or 0) for row in rows)
+def total(rows, metric):
+    return sum(int(row[metric] or 0) for row in rows)
 
 
-def told(value, pattern):
+def formatted(value, pattern):
     return "-" if value is None else pattern % value
 
 
 def line(name, seeds, cells, ours):
-    text = f"| {name} | {seeds} | {told(mean(cells, 'fragments'), '%.1f')} "
+    text = f"| {name} | {seeds} | {formatted(mean(cells, 'fragments'), '%.1f')} "
     for rows in (cells, ours):
-        text += f"| {told(mean(rows, 'convexity'), '%.4f')} "
+        text += f"| {formatted(mean(rows, 'convexity'), '%.4f')} "
     text += f"| {total(cells, 'fragments') - total(cells, 'convex_of')} "
     for rows in (cells, ours):
         text += f"| {total(rows, 'sound')}/{total(rows, 'fragments')} "
@@ -151,11 +151,11 @@ def table(options, rows):
                ("gap, of the diagonal", "gap", 100, "%.4f %%"), ("overlap", "overlap", 100, "%.4f %%"),
                ("volume error, where none is open", "volume_error", 100, "%+.3f %%")]
     both = [[r for r in rows if r["program"] == p] for p in (CELL, SHERD)]
-    for title, figure in counts:
-        print(f"| {title} | " + " | ".join(str(total(part, figure)) for part in both) + " |")
-    for title, figure, scale, pattern in lengths:
-        values = [mean(part, figure) for part in both]
-        print(f"| {title} | " + " | ".join(told(v if v is None else scale * v, pattern) for v in values) + " |")
+    for title, metric in counts:
+        print(f"| {title} | " + " | ".join(str(total(part, metric)) for part in both) + " |")
+    for title, metric, scale, pattern in lengths:
+        values = [mean(part, metric) for part in both]
+        print(f"| {title} | " + " | ".join(formatted(v if v is None else scale * v, pattern) for v in values) + " |")
 
 
 def main():

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Run the kernel tests under oclgrind: data races and bad addresses.  First a planted race, which it must find.
+# Run the kernel tests under oclgrind: data races and bad addresses.  A planted race must be found first.
 #
-# Not --uninitialized: oclgrind 21.10 does not see what clEnqueueFillBuffer and vectorised stores have written, and
-# reports every read of it.
+# Not --uninitialized: oclgrind 21.10 does not track writes of clEnqueueFillBuffer and vectorized stores, and
+# reports every read of them.
 #
 # usage: check_kernels.sh BUILD_FOLDER    (built with tests)
 set -euo pipefail

@@ -4,8 +4,8 @@
 usage: check_layers.py [--svg FILE]
 
 Prints the graph: for each folder those it includes, with the number of #include lines.  A public header counts as the folder
-that implements it.  Ends with status 1 where an edge points up, a folder or a header is not listed, or the drawing in
-docs/images/rooms.svg is not that of this graph; --svg writes it.
+that implements it.  Ends with status 1 where an edge points up, a folder or a header is not listed, or the diagram in
+docs/images/rooms.svg does not match this graph; --svg writes it.
 """
 import argparse
 import collections
@@ -67,7 +67,7 @@ def read_graph():
         path = file.relative_to(ROOT)
         room = room_of(path)
         if room is None:
-            faults.append(f"{path} lies in no room of ROOMS or HEADERS")
+            faults.append(f"{path} is in no folder of ROOMS or HEADERS")
             continue
         for include in re.findall(r'^#include ["<]([^">]+)[">]', file.read_text(), re.MULTILINE):
             other = included_room(include)
@@ -81,7 +81,7 @@ def read_graph():
 
 
 def without_shortcuts(edges):
-    """The edges that no longer path stands for."""
+    """Returns the edges that no longer path implies."""
     below = collections.defaultdict(set)
     for room, other in sorted(edges, key=lambda e: ROOMS.index(e[0])):
         below[room] |= {other} | below[other]
@@ -90,7 +90,7 @@ def without_shortcuts(edges):
 
 
 def drawing_of(edges):
-    """The graph as SVG: each folder over all it includes; edges that others imply are left out."""
+    """The graph as SVG: each folder above all that it includes; implied edges are left out."""
     edges = {e: n for e, n in edges.items() if "assimp_program" not in e}
     rooms = [r for r in ROOMS if any(r in e for e in edges)]
     floor = {}
@@ -127,7 +127,7 @@ def main():
     if arguments.svg:
         arguments.svg.write_text(drawing)
     if not DRAWING.is_file() or DRAWING.read_text() != drawing:
-        faults.append(f"{DRAWING.relative_to(ROOT)} is not the drawing of this graph (--svg writes it)")
+        faults.append(f"{DRAWING.relative_to(ROOT)} is not the diagram of this graph (--svg writes it)")
     for fault in faults:
         print(fault, file=sys.stderr)
     return 1 if faults else 0

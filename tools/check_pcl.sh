@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Whether the Point Cloud Library reads the .binp files that Sherd writes, and Sherd those that it writes: the same points.
+# Check that the Point Cloud Library reads the .binp files of Sherd, and Sherd those of PCL, with the same points.
 #
-# usage: check_pcl.sh SHERD    (needs Debian's libpcl-dev; PCL_FLAGS are more flags of the compiler)
+# usage: check_pcl.sh SHERD    (needs Debian's libpcl-dev; PCL_FLAGS: additional compiler flags)
 set -euo pipefail
 sherd=$(realpath "$1")
 cd "$(dirname "$0")/.."
@@ -33,5 +33,5 @@ np.savetxt(sys.argv[2], np.random.default_rng(1).random((3000, 3)) * [1, 0.6, 0.
   "$out/pcl_points" decode "$out/pcl.binp" > "$out/theirs.xyz"
   "$sherd" convert "$out/pcl.binp" "$out/ours.xyz" > /dev/null
   same "$out/ours.xyz" "$out/theirs.xyz"
-  echo "scale $scale: $(wc -l < "$out/ours.xyz") points, the same by both"
+  echo "scale $scale: $(wc -l < "$out/ours.xyz") points, equal in both"
 done

@@ -1,23 +1,23 @@
 #!/usr/bin/python3
-"""Sherd beside Blender's add-on Cell Fracture: seconds, pieces, volume kept and closed pieces, as a Markdown table.
+"""Compare Sherd with Blender's add-on Cell Fracture: seconds, pieces, volume kept and closed pieces, as a Markdown table.
 
 usage: comparison.py SHERD MESH... [options]
 
-Every mesh (closed; .obj, .ply, .stl or .off) is broken by both programs, one after the other, and asked for the same
-numbers of pieces.  Both start from the same file: the mesh that Blender has, scaled to a longest side of 2.  Cell
-Fracture has its options as they are after installation but for the number of seeds; Sherd has its defaults.  Both are
+Every mesh (closed; .obj, .ply, .stl or .off) is broken by both programs, one after the other, into the same
+numbers of pieces.  Both start from the same file: the mesh in Blender, scaled to a longest side of 2.  Cell
+Fracture has its default options except the number of seeds; Sherd has its defaults.  Both are
 measured by `sherd evaluate --mesh`.
 
-Seconds are wall-clock time.  "fracture" is the break itself: for Cell Fracture from the add-on's call to its objects
-(sorting seeds, cells, booleans, splitting islands), without starting Blender and reading the mesh; for Sherd from the
+Seconds are wall-clock time.  "fracture" is the fracture alone: for Cell Fracture from the add-on's call to its objects
+(sorting seeds, cells, booleans, splitting islands), without the start of Blender and reading the mesh; for Sherd from the
 mesh in memory to the fragments' meshes in memory (voxels, seeds, growth, surfaces), without reading and writing.
-"whole run" is the whole of either program, with starting, reading and writing what is measured here.
+"whole run" is the whole program, including start, reading and writing.
 
-The volume kept is that of the closed pieces, as a share of the input's: an open piece has none.  "closed" and "sound"
+The volume kept is that of the closed pieces, relative to the input's: an open piece has none.  "closed" and "sound"
 are counts out of all pieces of all repeats; sound is closed, manifold, oriented outwards and without triangles that are
-degenerate or there twice.
+degenerate or duplicate.
 
-Needs Debian's blender (3.4.1), which brings the add-on.
+Needs Debian's blender (3.4.1), which includes the add-on.
 """
 import argparse
 import json
@@ -53,31 +53,31 @@ def timed_run(command, timeout):
 
 
 def measured(options, folder, whole):
-    """What came out.  A piece without a triangle, as Cell Fracture leaves one at times, is got, and is not closed."""
+    """Metrics of a folder.  A piece without triangles, which Cell Fracture sometimes makes, counts as got and not closed."""
     empty = [path for path in folder.glob("*.obj") if "\nf " not in path.read_text()]
     for path in empty:
         path.unlink()
-    told = json.loads(timed_run([options.sherd, "evaluate", folder, "--mesh", whole, "--samples", 100, "--json"],
+    report = json.loads(timed_run([options.sherd, "evaluate", folder, "--mesh", whole, "--samples", 100, "--json"],
                                 options.timeout)[0])
-    closed = [f for f in told["fragments"] if f["quality"]["closed"]]
-    return {"got": told["pieces"] + len(empty), "kept": sum(f["volume"] for f in closed) / told["whole"]["volume"],
-            "closed": len(closed), "sound": told["sound"]}
+    closed = [f for f in report["fragments"] if f["quality"]["closed"]]
+    return {"got": report["pieces"] + len(empty), "kept": sum(f["volume"] for f in closed) / report["whole"]["volume"],
+            "closed": len(closed), "sound": report["sound"]}
 
 
 def cell_fracture(options, mesh, folder, pieces, seed):
-    """By this very file inside Blender (below), which has cell_fracture_in_blender.py do the work."""
-    said, whole_run = timed_run([options.blender, "--background", "--factory-startup", "--python-exit-code", 1,
+    """Runs this file inside Blender (below), which runs cell_fracture_in_blender.py."""
+    output, whole_run = timed_run([options.blender, "--background", "--factory-startup", "--python-exit-code", 1,
                                  "--python", __file__, "--", mesh, folder, pieces, seed], options.timeout)
-    seconds = next(float(line.split()[1]) for line in said.splitlines() if line.startswith("cell_fracture_seconds "))
+    seconds = next(float(line.split()[1]) for line in output.splitlines() if line.startswith("cell_fracture_seconds "))
     return {"fracture": seconds, "run": whole_run,
             **measured(options, folder / "pieces", folder / "whole.obj")}
 
 
 def sherd(options, whole, folder, pieces, seed):
-    said, whole_run = timed_run([options.sherd, "fracture", whole, "-o", folder, "--pieces", pieces, "--seed", seed,
+    output, whole_run = timed_run([options.sherd, "fracture", whole, "-o", folder, "--pieces", pieces, "--seed", seed,
                                  "--resolution", options.resolution, "--write", "mesh", "--json"], options.timeout)
-    stages = json.loads(said)["seconds"]
-    seconds = sum(stages[stage] for stage in ("voxelize", "parts", "seed", "grow", "extract"))
+    stages = json.loads(output)["seconds"]
+    seconds = sum(stages[stage] for stage in ("voxelize", "components", "seed", "grow", "extract"))
     return {"fracture": seconds, "run": whole_run, **measured(options, folder, whole)}
 
 
@@ -107,7 +107,7 @@ def main():
                     try:
                         cells.append(cell_fracture(options, mesh, folder / "cells", pieces, seed))
                     except subprocess.TimeoutExpired:
-                        print(f"{mesh.name}, {pieces}: Cell Fracture ran into the time limit", file=sys.stderr)
+                        print(f"{mesh.name}, {pieces}: Cell Fracture exceeded the time limit", file=sys.stderr)
                     if (folder / "cells" / "whole.obj").exists():
                         ours.append(sherd(options, folder / "cells" / "whole.obj", folder / "sherd", pieces, seed))
             for program, results in (("Cell Fracture", cells), ("Sherd", ours)):
@@ -115,7 +115,7 @@ def main():
 
 
 def inside_blender():
-    """Clock the add-on's work while cell_fracture_in_blender.py breaks the mesh."""
+    """Measure the add-on's time while cell_fracture_in_blender.py breaks the mesh."""
     import runpy
 
     import addon_utils
@@ -129,7 +129,7 @@ def inside_blender():
         work(*arguments, **more)
         print("cell_fracture_seconds", time.perf_counter() - started, flush=True)
 
-    object_fracture_cell.main = clocked  # what the add-on's operator calls
+    object_fracture_cell.main = clocked  # called by the add-on's operator
     runpy.run_path(str(pathlib.Path(__file__).with_name("cell_fracture_in_blender.py")), run_name="__main__")
 
 

@@ -5,12 +5,12 @@ usage: convexity_study.py SHERD RESULTS.csv VESSEL... [options]
 
 Breaks every vessel (a closed mesh) into each number of pieces, with each number of extra seeds and each random seed, by
 `sherd fracture`, and takes the mean convexity of the pieces from `sherd evaluate`.  RESULTS.csv gets a row per fracture;
-what it already holds is not run again, so a study that was stopped goes on where it was.  Prints a table in Markdown and
+existing rows are not run again, so a stopped study continues.  Prints a table in Markdown and
 draws the plot.
 
 A fracture counts as one observation: its pieces are not independent.  A mean's standard error is over the fractures.
-A difference is taken between fractures of the same vessel, pieces and seed, and averaged per vessel; its standard error
-is over the vessels, so it holds for other vessels like these.
+A difference is between fractures of the same vessel, pieces and seed, and averaged per vessel; its standard error
+is over the vessels, so it generalizes to similar vessels.
 
 Needs Debian's python3-numpy, and python3-matplotlib for the plot.
 """
@@ -62,8 +62,8 @@ def observe(options, vessel, case):
         limits = ["--threads", str(threads)] if threads else []
         run([options.sherd, "fracture", vessel, "-o", folder, "--pieces", case["pieces"], "--seed", case["seed"],
              "--resolution", case["resolution"], "--write", "mesh", "--quiet", *extra, *limits], threads)
-        told = json.loads(run([options.sherd, "evaluate", folder, "--samples", case["samples"], "--json"], threads))
-    return {**case, "fragments": str(told["pieces"]), "convexity": repr(told["convexity"])}
+        report = json.loads(run([options.sherd, "evaluate", folder, "--samples", case["samples"], "--json"], threads))
+    return {**case, "fragments": str(report["pieces"]), "convexity": repr(report["convexity"])}
 
 
 def cases(options):
@@ -83,7 +83,7 @@ def read_results(file):
 
 
 def observe_all(options):
-    """The rows of all cases, in their order; new ones are added to the file as they come."""
+    """The rows of all cases, in their order; new ones are appended to the file when they finish."""
     wanted = list(cases(options))
     known = read_results(options.results)
     missing = [(vessel, case) for vessel, case in wanted if tuple(case.values()) not in known]
@@ -152,13 +152,13 @@ def plot(options, values):
     from matplotlib import pyplot
     figure, axes = pyplot.subplots(figsize=(6.4, 4.0), dpi=150)
     count = len(options.extra_seeds)
-    for k, (name, colour, marker) in enumerate(zip(options.extra_seeds, ["#1b6ca8", "#d98324", "#7a3b69", "#4f7942"] * 9,
+    for k, (name, color, marker) in enumerate(zip(options.extra_seeds, ["#1b6ca8", "#d98324", "#7a3b69", "#4f7942"] * 9,
                                                    "osD^" * 9)):
         means = [cell[k].mean() for cell in values]
         errors = [standard_error(cell[k].ravel()) for cell in values]
         at = np.array(options.pieces) + 0.06 * (k - (count - 1) / 2)  # side by side, so that bars stay apart
         label = "no extra seeds" if name == "0" else f"{name.replace('1n', 'n')} extra seeds"
-        axes.errorbar(at, means, yerr=np.nan_to_num(errors), label=label, color=colour, marker=marker, markersize=4.5, linewidth=1.3,
+        axes.errorbar(at, means, yerr=np.nan_to_num(errors), label=label, color=color, marker=marker, markersize=4.5, linewidth=1.3,
                       capsize=2.5)
     axes.set_xticks(list(options.pieces))
     axes.set_xlabel("pieces n")

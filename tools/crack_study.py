@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Study the crack between two pieces of a block: how flat a smooth one is, how rough a rough one.
+"""Study the crack between two pieces of a block: flatness of smooth cracks, roughness of rough ones.
 
 usage: crack_study.py SHERD OUTFOLDER [options]
 
@@ -7,11 +7,11 @@ Breaks a block of sides 1, 1, 0.5 by two given seeds, whose bisector is a plane 
 
 - Rough (`--growth euclid --roughness r,H`, labels): the height over the plane, column by column; the height-height
   correlation C(d) = <(h(x+d) - h(x))^2>^(1/2) along both axes of the plane, whose slope in log-log axes is the Hurst
-  exponent; and the rms height in windows of a tenth of the block, which is what r asks for.
-- Smooth: how far the faces between voxels of the two pieces, and the vertices of the pieces' meshes on the crack, lie
-  off the plane, for an axis-aligned plane and three tilted ones.
+  exponent; and the rms height in windows of a tenth of the block, which r defines.
+- Smooth: distances of the voxel faces between the two pieces, and of the mesh vertices on the crack, to the
+  plane, for an axis-aligned plane and three tilted ones.
 
-OUTFOLDER keeps the heights, one .npy per fracture, and the smooth cracks' figures; what it holds is not run again.  Prints
+OUTFOLDER keeps the heights, one .npy per fracture, and the metrics of smooth cracks; existing ones are not run again.  Prints
 tables in Markdown and draws the plot.  All lengths are in voxels.
 
 Needs Debian's python3-numpy, and python3-matplotlib for the plot.
@@ -29,13 +29,13 @@ import numpy as np
 from mesh_file import read_mesh
 
 # Half the way from seed 1 to seed 2, in voxels at 512: across the middle of the block, and whole, so that the seeds are
-# centres of voxels and the plane is known exactly.
+# centers of voxels and the plane is known exactly.
 ALIGNED = (0, 0, 64)
 TILTED = ((12, 7, 60), (25, 0, 60), (-10, 17, 61))
 ROUGH = [  # way to seed 2, roughness, Hurst exponent, share of the random seeds
     (ALIGNED, 3, 0.8, 1.0), (ALIGNED, 6, 0.8, 0.6), (ALIGNED, 6, 0.5, 0.4), (ALIGNED, 1, 0.8, 0.4),
     (TILTED[0], 6, 0.8, 0.4)]
-STRAIGHT = 0.03  # a range of C(d) is straight where the line misses no point by more than this share
+STRAIGHT = 0.03  # a range of C(d) is straight if the fitted line is within this share of all points
 
 
 def arguments():
@@ -56,10 +56,10 @@ def write_block(file):
 
 
 def seed_voxels(way, resolution):
-    """The two seeds, index space: `way` off the middle, to both sides."""
+    """The two seeds, index space: `way` from the center, to both sides."""
     half = np.round(np.array(way) * resolution / 512).astype(int)
     middle = np.array([resolution, resolution, resolution // 2]) // 2
-    between = (0, 0, 1) if way == ALIGNED else (0, 0, 0)  # between two layers of voxels, so that none is as near to both
+    between = (0, 0, 1) if way == ALIGNED else (0, 0, 0)  # between two layers of voxels, so that no voxel is equidistant
     return middle - half, middle + half - between
 
 
@@ -94,7 +94,7 @@ def plane(way, resolution):
 def heights(labels, way):
     """Heights of the crack over the plane [x, y], and the share of columns that meet the crack more than once.
 
-    A column's crack is taken to lie above as many voxels as belong to piece 1, which it does where it is met once.
+    The crack of a column lies above its voxels of piece 1, which is exact if the column meets it once.
     """
     below = labels == 1
     changes = (below[:, :, 1:] != below[:, :, :-1]).sum(axis=2)
@@ -116,8 +116,8 @@ def rough_case(options, way, roughness, hurst, seed):
         np.savez_compressed(kept.with_suffix(".part.npz"), height=height.astype(np.float32), overhanging=overhanging)
         os.replace(kept.with_suffix(".part.npz"), kept)
         print(f"{name}: done", file=sys.stderr)
-    with np.load(kept) as told:
-        return told["height"].astype(float), float(told["overhanging"])
+    with np.load(kept) as stored:
+        return stored["height"].astype(float), float(stored["overhanging"])
 
 
 def correlation(height, distances):
@@ -139,7 +139,7 @@ def slope(distances, c):
 
 
 def straight_range(distances, c):
-    """First and last index of the widest range in which log C is a line but for STRAIGHT."""
+    """First and last index of the widest range in which log C is a line within STRAIGHT."""
     best = (0, 1)
     for i in range(len(c)):
         for j in range(i + 2, len(c)):
@@ -190,7 +190,7 @@ def rms_and_most(values):
 
 
 def smooth_case(options, way):
-    """Rms and largest distance off the plane: of voxel faces, of mesh vertices, of these without the crack's rim."""
+    """Rms and maximum distance to the plane: of voxel faces, of mesh vertices, of these without the contact boundary."""
     kept = options.folder / ("smooth_%d_%d_%d_at%d.json" % (*way, options.resolution))
     if not kept.exists():
         point, normal = plane(way, options.resolution)
@@ -205,13 +205,13 @@ def smooth_case(options, way):
                 faces.append((at - point) @ normal)
             vertices, inner = [], []
             for file in sorted((pieces / "meshes").glob("*.ply")):
-                v, corner, facing = read_mesh(file)
+                v, corner, neighbor = read_mesh(file)
                 off = (v.astype(float) * options.resolution - 0.5 - point) @ normal
-                crack = np.unique(corner[facing != 0])
+                crack = np.unique(corner[neighbor != 0])
                 vertices.append(off[crack])
-                inner.append(off[np.setdiff1d(crack, corner[facing == 0])])
-        told = [rms_and_most(np.concatenate(part)) for part in (faces, vertices, inner)]
-        kept.write_text(json.dumps(told))
+                inner.append(off[np.setdiff1d(crack, corner[neighbor == 0])])
+        metrics = [rms_and_most(np.concatenate(part)) for part in (faces, vertices, inner)]
+        kept.write_text(json.dumps(metrics))
         print(f"{kept.name}: done", file=sys.stderr)
     return json.loads(kept.read_text())
 
@@ -235,11 +235,11 @@ def plot(options, curves):
     matplotlib.use("Agg")
     from matplotlib import pyplot
     figure, axes = pyplot.subplots(figsize=(6.4, 4.4), dpi=150)
-    colours = ["#1b6ca8", "#d98324", "#7a3b69", "#4f7942", "#b03a3a", "#5d6d7e"]
-    for (name, along, c, (first, last), fit), colour, marker in zip(curves, colours * 9, "osD^vP" * 9):
-        axes.loglog(along, c, marker, markersize=3.2, color=colour, label=f"{name}: slope {fit:.2f}")
+    colors = ["#1b6ca8", "#d98324", "#7a3b69", "#4f7942", "#b03a3a", "#5d6d7e"]
+    for (name, along, c, (first, last), fit), color, marker in zip(curves, colors * 9, "osD^vP" * 9):
+        axes.loglog(along, c, marker, markersize=3.2, color=color, label=f"{name}: slope {fit:.2f}")
         line = np.polyval(slope(along[first:last + 1], c[first:last + 1]), np.log(along[first:last + 1]))
-        axes.loglog(along[first:last + 1], np.exp(line), color=colour, linewidth=1.1)
+        axes.loglog(along[first:last + 1], np.exp(line), color=color, linewidth=1.1)
     axes.axhline(np.sqrt(1 / 6), color="black", linewidth=0.6, linestyle=":")
     axes.annotate("whole voxels alone", (along[-1], np.sqrt(1 / 6)), ha="right", va="bottom", fontsize=7)
     axes.set_xlabel("distance d along the crack, voxels")
@@ -259,7 +259,7 @@ def main():
                  "overhanging"], rows), end="\n\n")
     if options.plot:
         plot(options, curves)
-    print(table(["normal", "tilt", "voxel faces: rms (most)", "mesh vertices", "these without the rim"],
+    print(table(["normal", "tilt", "voxel faces: rms (most)", "mesh vertices", "these without the contact boundary"],
                 smooth_cracks(options)))
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# From a fresh checkout to broken pieces: install what is missing, build, break the bundled amphora.
+# From a fresh checkout to fragments: install missing packages, build, break the bundled amphora.
 #
 # usage: demo.sh [OUTPUT_FOLDER]    (default: demo-pieces)
 set -euo pipefail
@@ -11,4 +11,4 @@ tools/build.sh release sherd_cli -- -DSHERD_TESTS=OFF -DSHERD_BENCH=OFF
 build/release/sherd fracture data/amphora.ply -o "$out" --pieces 8 --seed 1
 echo "Eight pieces:  $out/fragments/*.vdb and $out/meshes/*.ply"
 echo "Their voxels:  $out/labels.rle"
-echo "The picture:   $out/preview.png"
+echo "The preview:   $out/preview.png"

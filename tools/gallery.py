@@ -1,11 +1,11 @@
 #!/usr/bin/python3
-"""Make the picture gallery: docs/gallery.md and its pictures, each with the command that makes it.
+"""Make the gallery: docs/gallery.md and its images, each with its command.
 
 usage: gallery.py SHERD FOLDER            writes FOLDER/gallery.md and FOLDER/images/gallery/*
-       gallery.py --inputs FOLDER         writes only the meshes and seeds that the commands name
+       gallery.py --inputs FOLDER         writes only the meshes and seeds that the commands use
 
-With FOLDER docs it makes the gallery of this repository anew, in some ten minutes on two cores.  Besides data/amphora.ply it needs no
-file: block, plate and ball are made here.  Figures are those of "Generating implicit object fragment datasets for machine
+With FOLDER docs it makes the gallery of this repository, in some ten minutes on two cores.  Its only input is
+data/amphora.ply; it generates block, plate and ball.  Figure numbers are those of "Generating implicit object fragment datasets for machine
 learning".
 
 Needs Debian's python3-numpy, python3-pil and python3-matplotlib, blender for Figure 15, and a C++ compiler with libopenvdb-dev: cost.vdb is an
@@ -27,7 +27,7 @@ from PIL import Image, ImageDraw
 from mesh_file import read_mesh, read_ply
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-SIDE = 288  # pixels, the longest side of a picture
+SIDE = 288  # pixels, the longest side of an image
 
 
 # ---- inputs ----------------------------------------------------------------------------------------------------------
@@ -80,204 +80,203 @@ def write_inputs(folder):
     shutil.copy(ROOT / "data/amphora.ply", folder / "amphora.ply")
 
 
-# ---- what the gallery shows ------------------------------------------------------------------------------------------
+# ---- groups of the gallery ------------------------------------------------------------------------------------------
 
 class Group:
     """Fractures of one mesh that differ in one option."""
 
     def __init__(self, key, title, text, mesh, base, items, columns=4):
         self.key, self.title, self.text, self.mesh, self.base = key, title, text, mesh, base
-        self.items, self.columns = items, columns  # items: (name, options, what to see)
+        self.items, self.columns = items, columns  # items: (name, options, caption)
 
 
-EYE = "ray:0.6,0.6,0.84,-0.539,-0.342,-0.77"  # from the eye of preview.png towards the belly of the amphora
-STAIRS = "--pieces 6 --seed 3 --resolution 96 --surface labels"
-WEAR = "--pieces 6 --seed 3 --resolution 96 --erode-iterations"
+EYE = "ray:0.6,0.6,0.84,-0.539,-0.342,-0.77"  # from the camera of preview.png towards the belly of the amphora
+VOXEL_FACES = "--pieces 6 --seed 3 --resolution 96 --surface labels"
+ERODE = "--pieces 6 --seed 3 --resolution 96 --erode-iterations"
 
 CHAPTERS = [
     ("Pieces and voxels", [
-        Group("pieces", "--pieces", "How many.", "amphora.ply", "--seed 3", [
+        Group("pieces", "--pieces", "Number of fragments.", "amphora.ply", "--seed 3", [
             ("3", "--pieces 3", "three"), ("8", "--pieces 8", "the default"), ("25", "--pieces 25", "25"),
             ("100", "--pieces 100", "100")]),
         Group("seed", "--seed", "Another seed, another fracture; the same seed, the same bytes.", "amphora.ply",
               "--pieces 8", [("1", "--seed 1", ""), ("2", "--seed 2", ""), ("4", "--seed 4", "")], 3),
         Group("resolution", "--resolution and --voxel-size",
-              "Voxels along the longest side, or a voxel's size in the mesh's own unit. A crack is a surface between "
-              "voxels; at a low resolution its steps show, most of all on a thin wall.", "amphora.ply",
+              "Voxels along the longest side, or the voxel size in the mesh's unit. A crack is a surface between voxels; at a low "
+              "resolution its steps are visible, especially on a thin wall.", "amphora.ply",
               "--seeds six.json", [
-                  ("48", "--resolution 48", "the wall is one voxel thick: lumps"),
-                  ("128", "--resolution 128", "what is chosen by default"),
+                  ("48", "--resolution 48", "the wall is one voxel thick"),
+                  ("128", "--resolution 128", "the automatic choice"),
                   ("320", "--resolution 320", "fine"),
-                  ("size", "--voxel-size 0.004", "4 mm, as the amphora is in metres")]),
+                  ("size", "--voxel-size 0.004", "4 mm: the amphora is in meters")]),
         Group("up", "--up", "The axis that points up in `preview.png`; the fragments stay the same.", "plate.obj",
-              "--pieces 6 --seed 3", [("y", "--up y", "the default"), ("z", "--up z", "lying down")], 2),
+              "--pieces 6 --seed 3", [("y", "--up y", "the default"), ("z", "--up z", "rotated")], 2),
     ]),
     ("Growth", [
-        Group("growth", "--growth", "How fragments spread from the same six seeds.", "plate.obj", "--pieces 6 --seed 3", [
-            ("flood", "--growth flood", "layer by layer over faces: cracks go along axes and diagonals, as the steps "
-             "of Figure 3 do"),
+        Group("growth", "--growth", "Growth from the same six seeds.", "plate.obj", "--pieces 6 --seed 3", [
+            ("flood", "--growth flood", "layer by layer over voxel faces: cracks follow axes and diagonals, like the steps of "
+             "Figure 3"),
             ("nearest", "--growth nearest", "the nearest seed: a Voronoi diagram"),
             ("chain", "--growth chain", "the Discrete Voronoi Chain: in a convex solid the same cracks"),
-            ("euclid", "--growth euclid", "the default: nearest, and what is cut off is grown again")]),
+            ("euclid", "--growth euclid", "the default: nearest seed, disconnected voxels regrown")]),
         Group("growth-amphora", "--growth on a solid with gaps",
-              "A flood has to walk round the neck and along the handle; the nearest seed sees across the gap.",
+              "A flood follows the neck and the handle; the distance to the nearest seed crosses gaps.",
               "amphora.ply", "--pieces 6 --seed 3", [
-                  ("flood", "--growth flood", "cracks where the ways meet, curled and stepped"),
+                  ("flood", "--growth flood", "cracks where fronts meet, curved and stepped"),
                   ("euclid", "--growth euclid", "cracks in planes through the whole vessel")], 2),
-        Group("neighborhood", "--neighborhood", "Where a flood steps to.", "plate.obj",
+        Group("neighborhood", "--neighborhood", "Neighbors of a voxel in a flood.", "plate.obj",
               "--pieces 6 --seed 3 --growth flood", [
                   ("6", "--neighborhood 6", "6 faces (von Neumann): fronts are octahedra"),
                   ("26", "--neighborhood 26", "faces, edges and corners (Moore): fronts are cubes")], 2),
-        Group("metric", "--metric", "What near means to `nearest` and `chain`.", "plate.obj",
+        Group("metric", "--metric", "The distance of `nearest` and `chain`.", "plate.obj",
               "--pieces 6 --seed 3 --growth nearest", [
                   ("euclidean", "--metric euclidean", "straight cracks in any direction"),
-                  ("chebyshev", "--metric chebyshev", "as a flood over 26 neighbours"),
-                  ("manhattan", "--metric manhattan", "as a flood over 6")], 3),
+                  ("chebyshev", "--metric chebyshev", "like a flood over 26 neighbors"),
+                  ("manhattan", "--metric manhattan", "like a flood over 6")], 3),
         Group("roughness", "--roughness", "Cracks with the relief of broken stone: the rms height in voxels, measured over "
               "a tenth of the solid.", "block.obj", "--pieces 5 --seed 4", [
-                  ("0", "--roughness 0", "smooth"), ("1", "--roughness 1", "grain"),
+                  ("0", "--roughness 0", "smooth"), ("1", "--roughness 1", "fine"),
                   ("3", "--roughness 3", "rugged, the first overhangs"),
                   ("6", "--roughness 6", "so steep that cracks overhang and open pits in the outer faces")]),
-        Group("hurst", "--roughness r,H", "The Hurst exponent: how much of the height is in the small waves. Look at the "
-              "rims.", "plate.obj", "--pieces 6 --seed 3", [
-                  ("05", "--roughness 3,0.5", "H 0.5: crumbly"), ("08", "--roughness 3,0.8", "H 0.8: the default"),
-                  ("10", "--roughness 3,1", "H 1: rolling")], 3),
-        Group("grain", "--grain", "Lengths along a direction count less (wood) or more (slate).", "block.obj",
+        Group("hurst", "--roughness r,H", "The Hurst exponent: the share of short waves in the height, visible at contact "
+              "boundaries.", "plate.obj", "--pieces 6 --seed 3", [
+                  ("05", "--roughness 3,0.5", "H 0.5: rough in detail"), ("08", "--roughness 3,0.8", "H 0.8: the default"),
+                  ("10", "--roughness 3,1", "H 1: smooth in detail")], 3),
+        Group("grain", "--grain", "Anisotropy: lengths along a direction are scaled down (wood) or up (slate).", "block.obj",
               "--pieces 9 --seed 2", [
                   ("none", "", "no grain"), ("wood", "--grain 0,1,0,6", "splinters along y"),
-                  ("slant", "--grain 1,2,0,6 --roughness 1", "splinters on a slant, rough"),
+                  ("slant", "--grain 1,2,0,6 --roughness 1", "oblique splinters, rough"),
                   ("slate", "--grain 0,1,0,-0.75", "plates across y")]),
-        Group("isolated", "--isolated", "Further seeds may cut a part of a fragment off from its first seed.", "plate.obj",
+        Group("isolated", "--isolated", "Extra seeds can disconnect a part of a fragment from its first seed.", "plate.obj",
               "--pieces 5 --seed 8 --extra-seeds 6n --resolution 64", [
-                  ("regrow", "--isolated regrow", "the default: violet and green have grown into it; every fragment is one piece"),
+                  ("regrow", "--isolated regrow", "the default: violet and green grew into it; every fragment is connected"),
                   ("keep", "--isolated keep", "the orange island at the right stays")], 2),
-        Group("min-share", "--min-share", "Seeds of small fragments are drawn again. Ten fragments have a tenth of the "
-              "solid on average.", "plate.obj", "--pieces 10 --seed 1", [
+        Group("min-share", "--min-share",
+              "Seeds of small fragments are drawn again. Here the mean share is a tenth of the solid.", "plate.obj", "--pieces 10 --seed 1", [
                   ("0", "--min-share 0", "any size"), ("05", "--min-share 0.05", "no less than 5 %"),
                   ("08", "--min-share 0.08", "no less than 8 %")], 3),
-        Group("balance", "--balance", "Seeds move to the centres of their fragments (Lloyd's steps).", "plate.obj",
+        Group("balance", "--balance", "Seeds move to the centers of their fragments (Lloyd iterations).", "plate.obj",
               "--pieces 10 --seed 1", [
                   ("0", "--balance 0", "none"), ("1", "--balance 1", "one step"), ("5", "--balance 5", "five"),
-                  ("40", "--balance 40", "forty: about equal sizes")]),
-        Group("missing", "--missing", "Fragments that were not found. The manifest tells which; the others keep their "
-              "places.", "amphora.ply", "--pieces 12 --seed 3", [
+                  ("40", "--balance 40", "forty: nearly equal sizes")]),
+        Group("missing", "--missing",
+              "Withheld fragments. The manifest lists them; the others keep their positions.", "amphora.ply", "--pieces 12 --seed 3", [
                   ("0", "--missing 0", "all twelve"), ("3", "--missing 3", "three withheld"),
                   ("half", "--missing 0.5", "half of them withheld")], 3),
     ]),
     ("Seeds", [
-        Group("sampler", "--sampler", "How seeds are drawn. The histograms are further down, at Figure 5.", "plate.obj",
+        Group("sampler", "--sampler", "Distribution of seeds. Figure 5 below has the histograms.", "plate.obj",
               "--pieces 16 --seed 5", [
                   ("uniform", "--sampler uniform", "anywhere: large and small"),
                   ("halton", "--sampler halton", "a low-discrepancy sequence: more even"),
-                  ("gaussian", "--sampler gaussian", "small in the middle, large at the rim"),
-                  ("poisson", "--sampler poisson", "well apart: no two seeds are close")]),
-        Group("seeds-on", "--seeds-on", "Where seeds may lie.", "ball.obj", "--pieces 10 --seed 2", [
-            ("volume", "--seeds-on volume", "seeds lie inside too, pieces are wedges and lumps"),
-            ("surface", "--seeds-on surface", "every piece has its part of the surface")], 2),
-        Group("extra", "--extra-seeds", "Further seeds, given to the nearest fragment: less convex pieces.", "plate.obj",
+                  ("gaussian", "--sampler gaussian", "small in the center, large at the edge"),
+                  ("poisson", "--sampler poisson", "with a minimum distance between seeds")]),
+        Group("seeds-on", "--seeds-on", "Voxels that seeds are drawn from.", "ball.obj", "--pieces 10 --seed 2", [
+            ("volume", "--seeds-on volume", "seeds lie inside too"),
+            ("surface", "--seeds-on surface", "every fragment has original surface")], 2),
+        Group("extra", "--extra-seeds", "Extra seeds, given to the nearest fragment: less convex fragments.", "plate.obj",
               "--pieces 6 --seed 3", [
-                  ("0", "--extra-seeds 0", "none"), ("1n", "--extra-seeds 1n", "one for each fragment"),
+                  ("0", "--extra-seeds 0", "none"), ("1n", "--extra-seeds 1n", "one per fragment"),
                   ("2n", "--extra-seeds 2n", "two"), ("6n", "--extra-seeds 6n", "six")]),
-        Group("merge-metric", "--merge-metric", "What nearest means when further seeds are given to fragments: by "
-              "another metric some of them go to another fragment.", "plate.obj", "--pieces 6 --seed 3 --extra-seeds 2n", [
-                  ("chebyshev", "--merge-metric chebyshev", "the default: the seed right of the middle goes to yellow"),
+        Group("merge-metric", "--merge-metric",
+              "The distance for extra seeds: with another metric some of them go to another fragment.", "plate.obj", "--pieces 6 --seed 3 --extra-seeds 2n", [
+                  ("chebyshev", "--merge-metric chebyshev", "the default: the seed right of the center goes to yellow"),
                   ("euclidean", "--merge-metric euclidean", "it goes to violet"),
                   ("manhattan", "--merge-metric manhattan", "it goes to red")], 3),
-        Group("seed-file", "--seeds", "Seeds of one's own, from a file as `--write seeds` makes it.", "plate.obj", "", [
+        Group("seed-file", "--seeds", "Seeds from a file, in the format of `--write seeds`.", "plate.obj", "", [
             ("bricks", "--seeds bricks.json", "a wall"),
             ("flood", "--seeds bricks.json --growth flood", "a wall, flooded"),
-            ("rough", "--seeds bricks.json --roughness 1", "an old wall")], 3),
+            ("rough", "--seeds bricks.json --roughness 1", "a rough wall")], 3),
     ]),
     ("Impacts", [
-        Group("impact", "--impact", "A blow at a point: here 20 of 24 seeds scatter about the middle of the front. The last "
-              "number is their spread, in world units or as the paper's bias n.", "plate.obj", "--pieces 24 --seed 1", [
-                  ("none", "", "no blow"),
-                  ("003", "--impact 0.5,0.5,0.15,20,0.03", "a spread of 3 % of the side: a bullet"),
+        Group("impact", "--impact", "An impact at a point: here 20 of 24 seeds are scattered around the center of the front. "
+              "The last number is their standard deviation, in world units or as the paper's bias n.", "plate.obj", "--pieces 24 --seed 1", [
+                  ("none", "", "no impact"),
+                  ("003", "--impact 0.5,0.5,0.15,20,0.03", "standard deviation of 3 % of the side"),
                   ("010", "--impact 0.5,0.5,0.15,20,0.1", "10 %"),
-                  ("025", "--impact 0.5,0.5,0.15,20,0.25", "25 %: squashed"),
+                  ("025", "--impact 0.5,0.5,0.15,20,0.25", "25 %"),
                   ("n2", "--impact 0.5,0.5,0.15,20,n=2", "n = 2: a standard deviation of side / &radic;24"),
                   ("n5", "--impact 0.5,0.5,0.15,20,n=5", "n = 5, the default"),
                   ("n15", "--impact 0.5,0.5,0.15,20,n=15", "n = 15"),
                   ("n100", "--impact 0.5,0.5,0.15,20,n=100", "n = 100")]),
-        Group("impacts", "Several blows", "Each `--impact` is one more; `--impacts` places them at random.", "plate.obj",
+        Group("impacts", "Several impacts", "Each `--impact` adds one; `--impacts` places them at random.", "plate.obj",
               "--seed 1", [
                   ("two", "--pieces 24 --impact 0.2,0.8,0.15,10,0.05 --impact 0.8,0.3,0.15,10,0.05",
                    "top left and bottom right"),
                   ("random", "--pieces 24 --impacts 3", "three at random"),
-                  ("alone", "--pieces 8", "eight pieces, no blow"),
+                  ("alone", "--pieces 8", "eight pieces, no impact"),
                   ("merge", "--pieces 8 --impact 0.5,0.5,0.15,16,0.1,merge",
-                   "`merge`: still eight; the blow's seeds only bend the cracks near it")]),
+                   "`merge`: still eight; the impact's seeds only bend nearby cracks")]),
     ]),
-    ("Figure 6: a blow by a ray", [
+    ("Figure 6: an impact by a ray", [
         Group("figure6", "--impact ray:",
-              "The paper selects an impact on the screen. A ray from the viewer's eye, origin and direction, hits the "
-              "first voxel that it meets; `ray:` below is the middle of the picture.", "amphora.ply", "--seed 1", [
-                  ("before", "--pieces 4", "four fragments, no blow"),
-                  ("ray", "--pieces 18 --impact " + EYE + ",14,0.03", "eighteen, 14 of them from a blow that spreads 3 cm"),
+              "The paper selects an impact on the screen. A ray from the camera, origin and direction, "
+              "hits the first solid voxel; `ray:` below is the center of the image.", "amphora.ply", "--seed 1", [
+                  ("before", "--pieces 4", "four fragments, no impact"),
+                  ("ray", "--pieces 18 --impact " + EYE + ",14,0.03", "eighteen, 14 of them from an impact with sigma 3 cm"),
                   ("wide", "--pieces 18 --impact " + EYE + ",14,0.08", "8 cm"),
                   ("rough", "--pieces 18 --roughness 1 --resolution 192 --impact " + EYE + ",14,0.03",
                    "rough, and finer")]),
     ]),
     ("Erosion", [
-        Group("erode-iterations", "--erode-iterations", "How often cracks are worn. The original surface stays.", "plate.obj",
+        Group("erode-iterations", "--erode-iterations", "Iterations of erosion of cracks. The original surface stays.", "plate.obj",
               "--pieces 6 --seed 3 --resolution 96", [
                   ("0", "--erode-iterations 0", "not at all"), ("1", "--erode-iterations 1", "once"),
                   ("3", "--erode-iterations 3", "three times"), ("6", "--erode-iterations 6", "six times")]),
-        Group("erode-threshold", "--erode-threshold", "The share of the shape that must be filled. Where it is 1, a layer "
-              "goes each time; lower, only rims and corners go.", "plate.obj", WEAR + " 6 --erode-size 5", [
+        Group("erode-threshold", "--erode-threshold", "The least filled share of the shape. At 1 each iteration removes a layer; below, only "
+              "edges and corners.", "plate.obj", ERODE + " 6 --erode-size 5", [
                   ("10", "--erode-threshold 1", "all of the crack recedes"),
-                  ("08", "--erode-threshold 0.8", "less of it"), ("07", "--erode-threshold 0.7", "rims go round"),
-                  ("05", "--erode-threshold 0.5", "next to nothing goes")]),
-        Group("erode-probability", "--erode-probability", "A voxel is tested by chance: pitted cracks.", "plate.obj",
-              WEAR + " 4", [
-                  ("10", "--erode-probability 1", "always"), ("05", "--erode-probability 0.5", "half of the time"),
-                  ("02", "--erode-probability 0.2", "seldom"), ("005", "--erode-probability 0.05", "hardly")]),
-        Group("erode-on", "--erode-on", "What wears.", "amphora.ply",
+                  ("08", "--erode-threshold 0.8", "less"), ("07", "--erode-threshold 0.7", "edges become round"),
+                  ("05", "--erode-threshold 0.5", "almost no change")]),
+        Group("erode-probability", "--erode-probability", "Voxels are tested at random: pitted cracks.", "plate.obj",
+              ERODE + " 4", [
+                  ("10", "--erode-probability 1", "always"), ("05", "--erode-probability 0.5", "half of the voxels"),
+                  ("02", "--erode-probability 0.2", "20 %"), ("005", "--erode-probability 0.05", "5 %")]),
+        Group("erode-on", "--erode-on", "The surface to erode.", "amphora.ply",
               "--pieces 8 --seed 3 --resolution 192 --erode-iterations 2 --erode-probability 0.3", [
                   ("fracture", "--erode-on fracture", "the default: the cracks"),
                   ("all", "--erode-on all", "the whole surface"),
-                  ("gentle", "--erode-on all --erode-threshold 0.7", "the whole surface, gently")], 3),
-        Group("erode-crumbs", "--erode-crumbs", "What becomes of bits that come loose.", "plate.obj",
-              WEAR + " 12 --erode-probability 0.5", [
-                  ("wear", "--erode-crumbs wear", "the default: they go, every fragment is one piece"),
-                  ("keep", "--erode-crumbs keep", "they stay, as voxels of their fragment")], 2),
+                  ("gentle", "--erode-on all --erode-threshold 0.7", "the whole surface, less")], 3),
+        Group("erode-islands", "--erode-islands", "Islands that erosion splits off.", "plate.obj",
+              ERODE + " 12 --erode-probability 0.5", [
+                  ("erode", "--erode-islands erode", "the default: removed, every fragment is connected"),
+                  ("keep", "--erode-islands keep", "kept, as voxels of their fragment")], 2),
     ]),
     ("Surfaces", [
-        Group("surface", "--surface and --interface", "How meshes are made of the same voxels.", "amphora.ply",
+        Group("surface", "--surface and --interface", "Meshes of the same voxels.", "amphora.ply",
               "--pieces 6 --seed 3 --resolution 64", [
                   ("smooth", "--surface smooth", "the default: the original surface and smooth cracks, one mesh of all "
                    "fragments"),
-                  ("independent", "--interface independent", "each fragment meshed by itself"),
-                  ("labels", "--surface labels", "the voxels' own faces"),
+                  ("independent", "--interface independent", "each fragment meshed separately"),
+                  ("labels", "--surface labels", "voxel faces"),
                   ("paper", "--preset paper", "the paper's options: labels, smoothed")]),
-        Group("figure8", "Figure 8: --smooth-boundary-weight", "Stairs smoothed away from the cracks alone, and at the cracks "
-              "too.", "amphora.ply", STAIRS + " --smoothing laplacian --smooth-weight 0.9 --smooth-iterations 0.048k --smooth-boundary-iterations 0.048k", [
-                  ("0", "--smooth-boundary-weight 0", "cracks keep every voxel"),
+        Group("figure8", "Figure 8: --smooth-boundary-weight", "Voxel faces, smoothed without cracks, and with cracks.", "amphora.ply", VOXEL_FACES + " --smoothing laplacian --smooth-weight 0.9 --smooth-iterations 0.048k --smooth-boundary-iterations 0.048k", [
+                  ("0", "--smooth-boundary-weight 0", "cracks keep voxel faces"),
                   ("02", "--smooth-boundary-weight 0.2", "the paper's"),
-                  ("09", "--smooth-boundary-weight 0.9", "as strong as elsewhere: rims draw back")], 3),
+                  ("09", "--smooth-boundary-weight 0.9", "as strong as elsewhere: contact boundaries recede")], 3),
     ]),
 ]
 
 HISTOGRAMS = [  # mesh plate.obj
-    ("figure5-sampler", "One picture and the shares of 20 fractures, seeds 1 to 20, ten pieces each.",
+    ("figure5-sampler", "One image, and the shares of 20 fractures, seeds 1 to 20, ten pieces each.",
      "--pieces 10 --resolution 96", [
          ("uniform", "--sampler uniform"), ("halton", "--sampler halton"), ("gaussian", "--sampler gaussian"),
          ("poisson", "--sampler poisson")]),
-    ("figure5-spread", "Two blows with 8 of 20 seeds each, more and more concentrated: many small pieces and a few large "
-     "ones.", "--pieces 20 --resolution 96", [
+    ("figure5-spread", "Two impacts with 8 of 20 seeds each, increasingly concentrated: many small fragments and "
+     "a few large ones.", "--pieces 20 --resolution 96", [
          (f"n{n}", f"--impact 0.25,0.7,0.15,8,n={n} --impact 0.75,0.3,0.15,8,n={n}") for n in (2, 10, 50, 250)]),
-    ("figure5-extra", "Further seeds bend the cracks and leave the spread of shares about as it was.", "--pieces 10 --resolution 96", [
+    ("figure5-extra", "Extra seeds bend the cracks and hardly change the distribution of shares.", "--pieces 10 --resolution 96", [
         (k, f"--extra-seeds {k}") for k in ("0", "1n", "2n", "6n")]),
 ]
 SEEDS = range(1, 21)
-PICTURED_SEED = 5
+SHOWN_SEED = 5
 
 SHAPES = ["cross", "square", "ellipse"]
 SIZES = [3, 5, 7]
 FIGURE7 = "--pieces 1 --resolution 48 --erode-on all --erode-iterations 6 --erode-threshold 0.57"
 
 
-# ---- running and drawing ---------------------------------------------------------------------------------------------
+# ---- running and rendering ---------------------------------------------------------------------------------------------
 
 def command(mesh, options):
     mesh = "data/amphora.ply" if mesh == "amphora.ply" else mesh
@@ -289,7 +288,7 @@ class Runner:
         self.sherd, self.work, self.count = pathlib.Path(sherd).resolve(), work, 0
 
     def fracture(self, mesh, options, write):
-        """Break a mesh; the folder, which the next call replaces."""
+        """Break a mesh; returns the folder, which the next call replaces."""
         self.count += 1
         line = [str(self.sherd), "fracture", mesh, "-o", "pieces", *shlex.split(options), "--write", write, "--quiet"]
         done = subprocess.run(line, cwd=self.work, stderr=subprocess.PIPE, text=True)
@@ -300,15 +299,15 @@ class Runner:
         return self.work / "pieces"
 
     def rendered(self, folder, words):
-        subprocess.run([str(self.sherd), "render", *words.split(), "-o", "picture.png"], cwd=folder, check=True)
-        return Image.open(folder / "picture.png").convert("RGB")
+        subprocess.run([str(self.sherd), "render", *words.split(), "-o", "image.png"], cwd=folder, check=True)
+        return Image.open(folder / "image.png").convert("RGB")
 
     def preview(self, mesh, options):
         return Image.open(self.fracture(mesh, options, "preview") / "preview.png").convert("RGB")
 
 
-def coloured_box(image):
-    """Where the pieces are: ground and shadow are grey."""
+def colored_box(image):
+    """Bounding box of the fragments: ground and shadow are gray."""
     pixels = np.asarray(image).astype(int)
     mask = pixels.max(axis=2) - pixels.min(axis=2) > 24
     rows, columns = np.flatnonzero(mask.sum(axis=1) > 1), np.flatnonzero(mask.sum(axis=0) > 1)
@@ -316,8 +315,8 @@ def coloured_box(image):
 
 
 def cropped(images, side=SIDE):
-    """The pictures, all with the same frame round all their pieces."""
-    boxes = np.array([coloured_box(image) for image in images])
+    """The images, with one crop that contains all fragments of each."""
+    boxes = np.array([colored_box(image) for image in images])
     low, high = boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)
     margin = int(0.04 * max(high - low)) + 6
     low, high = np.maximum(low - margin, 0), np.minimum(high + margin, images[0].size)
@@ -337,17 +336,17 @@ class Page:
 
     def photo(self, name, image):
         image.save(self.images / f"{name}.jpg", quality=80, optimize=True)
-        return self.picture(f"{name}.jpg", image.width)
+        return self.image_tag(f"{name}.jpg", image.width)
 
     def drawing(self, name, image):
         image.convert("RGB").quantize(64, dither=Image.Dither.NONE).save(self.images / f"{name}.png", optimize=True)
-        return self.picture(f"{name}.png", image.width)
+        return self.image_tag(f"{name}.png", image.width)
 
-    def picture(self, file, width):
+    def image_tag(self, file, width):
         return f'<img src="images/gallery/{file}" width="{width}" alt="{file.rsplit(".", 1)[0]}">'
 
     def table(self, cells, columns):
-        """Cells [(picture, words below it)], in rows of so many."""
+        """Cells [(image, caption)], in rows of `columns`."""
         for start in range(0, len(cells), columns):
             row = cells[start:start + columns]
             self.lines += ["| " + " | ".join(cell[0] for cell in row) + " |", "|" + "---|" * len(row)]
@@ -372,8 +371,8 @@ def show_group(page, runner, group):
     page.commands([command(group.mesh, o) for o in options])
 
 
-def cubes(cells, colours, width, height, scale, centre):
-    """Unit cubes [n, 3] with colours [n, 3], from the right and above, y up."""
+def cubes(cells, colors, width, height, scale, center):
+    """Unit cubes [n, 3] with colors [n, 3], from the right and above, y up."""
     image = Image.new("RGB", (2 * width, 2 * height), "white")
     draw = ImageDraw.Draw(image)
     a, e = math.radians(32), math.radians(26)  # azimuth and elevation of the eye
@@ -388,8 +387,8 @@ def cubes(cells, colours, width, height, scale, centre):
         for normal, corners, light in faces:
             if tuple(cells[i] + normal) in filled:
                 continue
-            p = (cells[i] + np.array(corners) - centre) * 2 * scale
-            fill = tuple(int(c * light) for c in colours[i])
+            p = (cells[i] + np.array(corners) - center) * 2 * scale
+            fill = tuple(int(c * light) for c in colors[i])
             draw.polygon([(width + q @ right, height - q @ up) for q in p], fill=fill,
                          outline=tuple(int(0.8 * c) for c in fill))
     return image.resize((width, height), Image.LANCZOS)
@@ -426,15 +425,15 @@ PALETTE = np.array([(222, 122, 138), (108, 168, 224), (96, 190, 160), (226, 184,
 
 
 def show_figure3(page, runner):
-    page.text("## Figure 3: ten steps", "", "The voxels that a flood of four seeds has reached after ten steps, from the grid "
-              "of `--write cost`: a voxel's value is the step it was reached in, told by rings. Cut "
-              "open at the seeds. Below, the fragments when all is flooded.")
+    page.text("## Figure 3: ten steps", "", "The voxels that a flood of four seeds has reached after ten steps, from the grid of "
+              "`--write cost`: a voxel's value is its arrival cost, shown as rings. Cut open at the "
+              "seeds. Below, the fragments after the whole flood.")
     source, program = runner.work / "read_cost.cpp", runner.work / "read_cost"
     source.write_text(COST_READER)
     subprocess.run(["g++", "-std=c++17", "-O1", source, "-o", program, "-lopenvdb", "-ltbb"], check=True)
     cells, previews, lines = [], [], []
-    for neighbours in (26, 6):
-        options = f"--seeds four.json --resolution 48 --growth flood --neighborhood {neighbours}"
+    for neighbors in (26, 6):
+        options = f"--seeds four.json --resolution 48 --growth flood --neighborhood {neighbors}"
         folder = runner.fracture("block.obj", options, "labels,cost,preview")
         labels = read_labels(folder / "labels.rle")
         rows = np.frombuffer(subprocess.run([program, folder / "cost.vdb"], check=True, stdout=subprocess.PIPE).stdout,
@@ -444,8 +443,8 @@ def show_figure3(page, runner):
         owner = labels[tuple((reached[:, :3] - low).T)].astype(int) - 2
         shade = np.where(reached[:, 3] % 2 == 0, 1.0, 0.8)[:, None]
         image = cubes(reached[:, :3], PALETTE[owner % 4] * shade, SIDE, SIDE, 5.2, low + [24, 24, 20])
-        words = {26: "26 neighbours (Moore): cubes", 6: "6 neighbours (von Neumann): octahedra"}[neighbours]
-        cells.append((page.drawing(f"figure3-{neighbours}", image), words))
+        words = {26: "26 neighbors (Moore): cubes", 6: "6 neighbors (von Neumann): octahedra"}[neighbors]
+        cells.append((page.drawing(f"figure3-{neighbors}", image), words))
         previews.append(Image.open(folder / "preview.png").convert("RGB"))
         lines.append(command("block.obj", options + " --write labels,cost,preview"))
     page.table(cells, 2)
@@ -475,7 +474,7 @@ def histogram(shares, most, title):
 
 
 def show_figure5(page, runner):
-    page.text("## Figure 5: volumes by sampler, spread and further seeds", "", "The red line is the mean share.")
+    page.text("## Figure 5: volumes by sampler, sigma and extra seeds", "", "The red line is the mean share.")
     for key, text, base, items in HISTOGRAMS:
         page.text(text)
         options = [f"{base} {own}" for _, own in items]
@@ -485,7 +484,7 @@ def show_figure5(page, runner):
                          for s in SEEDS]
             shares.append(np.array([f["share"] for m in manifests for f in m["fragments"]]))
         most = math.ceil(20 * max(np.quantile(s, 0.995) for s in shares)) * 5
-        images = cropped([runner.preview("plate.obj", f"{o} --seed {PICTURED_SEED}") for o in options], 240)
+        images = cropped([runner.preview("plate.obj", f"{o} --seed {SHOWN_SEED}") for o in options], 240)
         cells = []
         for (name, own), image, share in zip(items, images, shares):
             title = f"{len(share)} fragments, standard deviation {100 * share.std():.1f} %"
@@ -493,7 +492,7 @@ def show_figure5(page, runner):
             label = own if own.count("--") == 1 else "n = " + name[1:]
             cells.append((page.photo(f"{key}-{name}", image) + "<br>" + plot, f"`{label}`"))
         page.table(cells, 2)
-        page.commands([command("plate.obj", f"{o} --seed {PICTURED_SEED}") for o in options])
+        page.commands([command("plate.obj", f"{o} --seed {SHOWN_SEED}") for o in options])
 
 
 def shape_cells(shape, size, planes):
@@ -506,21 +505,22 @@ def shape_cells(shape, size, planes):
 
 
 def show_figure7(page, runner):
-    page.text("## Figure 7: erosion shapes", "", "The cells of each `--erode-shape` at size 5, and what they do to a block at "
-              "sizes 3, 5 and 7: six iterations, and a voxel stays where 57 % of its shape is filled. A flat face fills "
-              "more than that, an edge or corner less, so edges go round. With `--erode-planes`, as in the paper, the "
-              "three sections are tested one by one, and one too little filled is enough. A cross in 3-D is well filled "
-              "on an edge: it takes corners only. Cross and ellipse of size 3 are the same cells, and do nothing here. "
-              "What is left of the flat faces stands half a voxel above what was worn beside it: wear goes in whole "
-              "voxels.")
+    page.text("## Figure 7: erosion shapes", "",
+              "The cells of each `--erode-shape` at size 5, and their effect on a block at sizes 3, 5 and 7: six iterations, and a voxel stays if 57 "
+              "% of its shape is filled. A flat face fills more than that, an edge or corner less, so "
+              "edges become round. With `--erode-planes`, as in the paper, the three sections are "
+              "tested separately, and one below the threshold suffices. A cross in 3-D is well filled "
+              "on an edge: it erodes corners only. Cross and ellipse of size 3 have the same cells, and "
+              "no effect here. The rest of a flat face is half a voxel above the eroded region beside "
+              "it, because erosion removes whole voxels.")
     for planes in (False, True):
         for shape in SHAPES:
             flags = f"--erode-shape {shape}" + (" --erode-planes" if planes else "")
             key = f"figure7-{shape}" + ("-planes" if planes else "")
             cells = shape_cells(shape, 5, planes)
             count = f"3 times {(cells[:, 0] == 0).sum()} cells" if planes else f"{len(cells)} cells"
-            colours = np.where((cells == 0).all(axis=1)[:, None], (200, 110, 110), (130, 160, 205))
-            row = [(page.drawing(key, cubes(cells, colours, 150, 150, 19, np.full(3, 0.5))), count)]
+            colors = np.where((cells == 0).all(axis=1)[:, None], (200, 110, 110), (130, 160, 205))
+            row = [(page.drawing(key, cubes(cells, colors, 150, 150, 19, np.full(3, 0.5))), count)]
             options = [f"{FIGURE7} {flags} --erode-size {size}" for size in SIZES]
             for size, image in zip(SIZES, cropped([runner.preview("block.obj", o) for o in options], 220)):
                 row.append((page.photo(f"{key}-{size}", image), f"`--erode-size {size}`"))
@@ -538,18 +538,18 @@ def view():
 
 
 def framed(points, size):
-    """Where points seen from the eye lie in a picture of this size, twice as large; and how near they are."""
+    """Projects points to an image of twice this size; returns pixel positions and depth."""
     seen = points @ view().T
     low, high = seen[:, :2].min(axis=0), seen[:, :2].max(axis=0)
     scale = 1.88 * size / max(high - low)
-    place = (seen[:, :2] - (low + high) / 2) * scale
-    return np.column_stack([size + place[:, 0], size - place[:, 1]]), seen[:, 2]
+    position = (seen[:, :2] - (low + high) / 2) * scale
+    return np.column_stack([size + position[:, 0], size - position[:, 1]]), seen[:, 2]
 
 
 def wires(path, size):
     """A mesh with its edges; faces towards other fragments are lighter."""
-    points, triangles, facing = read_mesh(path)
-    place, depth = framed(points, size)
+    points, triangles, neighbor = read_mesh(path)
+    position, depth = framed(points, size)
     corners = points[triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.linalg.norm(normals, axis=1)[:, None] + 1e-30
@@ -559,22 +559,22 @@ def wires(path, size):
     for t in np.argsort(depth[triangles].mean(axis=1), kind="stable"):
         if normals[t] @ view()[2] <= 0:
             continue
-        colour = np.array((226, 184, 92) if facing[t] == 0 else (244, 232, 205)) * light[t]
-        draw.polygon([tuple(q) for q in place[triangles[t]]], fill=tuple(int(c) for c in colour), outline=(90, 80, 60))
+        color = np.array((226, 184, 92) if neighbor[t] == 0 else (244, 232, 205)) * light[t]
+        draw.polygon([tuple(q) for q in position[triangles[t]]], fill=tuple(int(c) for c in color), outline=(90, 80, 60))
     return image.resize((size, size), Image.LANCZOS)
 
 
 def dots(path, size):
-    """Points on a fragment, those that are seen; on cracks they are red."""
+    """Visible points on a fragment; on cracks they are red."""
     vertex = read_ply(path)["vertex"]
     points = np.column_stack([vertex[axis] for axis in "xyz"]).astype(float)
     normals = np.column_stack([vertex["n" + axis] for axis in "xyz"])
-    place, _ = framed(points, size)
+    position, _ = framed(points, size)
     image = Image.new("RGB", (2 * size, 2 * size), "white")
     draw = ImageDraw.Draw(image)
-    for (x, y), facing, towards in zip(place, vertex["facing"], normals @ view()[2]):
+    for (x, y), neighbor, towards in zip(position, vertex["neighbor"], normals @ view()[2]):
         if towards > 0:
-            draw.ellipse([x - 3, y - 3, x + 3, y + 3], fill=(60, 80, 120) if facing == 0 else (190, 80, 70))
+            draw.ellipse([x - 3, y - 3, x + 3, y + 3], fill=(60, 80, 120) if neighbor == 0 else (190, 80, 70))
     return image.resize((size, size), Image.LANCZOS)
 
 
@@ -596,17 +596,17 @@ HUES = np.array([(222, 122, 138), (108, 168, 224), (96, 190, 160), (226, 184, 92
 
 
 def apart(pieces, eye, size):
-    """Pieces [(vertices, triangles)] pulled apart, as seen from an eye; y up."""
+    """Pieces [(vertices, triangles)] moved apart, seen from `eye`; y up."""
     right = np.cross([0.0, 1.0, 0.001], eye)
     right /= np.linalg.norm(right)
     axes = np.array([right, np.cross(eye, right), eye])
     middle = np.mean([vertices.mean(axis=0) for vertices, _ in pieces], axis=0)
-    corners, colours = [], []
+    corners, colors = [], []
     for i, (vertices, triangles) in enumerate(pieces):
         moved = vertices + 0.35 * (vertices.mean(axis=0) - middle)
         corners.append((moved @ axes.T)[triangles])
-        colours.append(np.tile(HUES[i % len(HUES)], (len(triangles), 1)))
-    corners, colours = np.concatenate(corners), np.concatenate(colours)
+        colors.append(np.tile(HUES[i % len(HUES)], (len(triangles), 1)))
+    corners, colors = np.concatenate(corners), np.concatenate(colors)
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.linalg.norm(normals, axis=1)[:, None] + 1e-30
     light = 0.45 + 0.55 * np.clip(normals @ np.array([0.3, 0.5, 0.81]), 0, 1)
@@ -618,13 +618,13 @@ def apart(pieces, eye, size):
     for t in np.argsort(corners[:, :, 2].mean(axis=1), kind="stable"):
         if normals[t, 2] <= 0:
             continue
-        place = (flat[t] - (low + high) / 2) * scale
-        draw.polygon([(size + x, size - y) for x, y in place], fill=tuple(int(c) for c in colours[t] * light[t]))
+        position = (flat[t] - (low + high) / 2) * scale
+        draw.polygon([(size + x, size - y) for x, y in position], fill=tuple(int(c) for c in colors[t] * light[t]))
     return image.resize((size, size), Image.LANCZOS)
 
 
 def show_figure15(page, runner):
-    # The amphora's handles are bodies of their own; the add-on's booleans need them to be one with the rest.
+    # The amphora's handles are separate components; the add-on's booleans need a single one.
     whole = runner.fracture("amphora.ply", "--pieces 1", "mesh") / "meshes/amphora_001.ply"
     shutil.copy(whole, runner.work / "whole.ply")
     script = ROOT / "tools/cell_fracture_in_blender.py"
@@ -635,8 +635,9 @@ def show_figure15(page, runner):
     folder = runner.fracture("amphora.ply", options, "mesh") / "meshes"
     ours = [read_obj(path) for path in sorted(folder.glob("*.obj"))]
     page.text("### Figure 15: beside Cell Fracture", "", f"The amphora in {len(ours)} pieces, seen from the front, the back and "
-              "above: by Blender's add-on Cell Fracture, with 8 seeds ([convexity.md](convexity.md) has figures), and by Sherd. The add-on was given the unbroken solid's mesh: the "
-              "amphora's handles overlap its wall, and its booleans leave such cells whole.")
+              "above: by Blender's add-on Cell Fracture, with 8 seeds ([convexity.md](convexity.md) has "
+              "metrics), and by Sherd. The add-on's input is the mesh of the intact solid: the "
+              "amphora's handles overlap its wall, and the add-on's booleans leave such cells uncut.")
     cells = []
     for key, words, pieces in (("cells", "Cell Fracture", theirs), ("sherd", "Sherd", ours)):
         for view_key, eye in (("front", [0, 0, 1]), ("back", [0, 0, -1]), ("top", [0, 1, 0])):
@@ -647,8 +648,9 @@ def show_figure15(page, runner):
 
 
 def show_figure9(page, runner):
-    page.text("### Figure 9: `--triangles` and `--adaptivity`", "", "A fragment of the amphora as it is meshed, decimated, and with "
-              "fewer polygons where these change little. Faces of cracks are lighter; neighbours keep the same ones.")
+    page.text("### Figure 9: `--triangles` and `--adaptivity`", "",
+              "A fragment of the amphora as extracted, decimated, and simplified in flat regions. Faces "
+              "of cracks are lighter; neighbors share them.")
     base, cells, lines = "--pieces 8 --seed 1 --resolution 96", [], []
     for key, own, file in (("all", "", ""), ("2000", "--triangles 2000", "_t2000"), ("300", "--triangles 300", "_t300"),
                            ("adaptive", "--adaptivity 0.1", "")):
@@ -664,8 +666,8 @@ def show_figure9(page, runner):
 def show_figure11(page, runner):
     page.text("### Figure 11: `--point-sampler`", "", "1000 points on a fragment; those on cracks are red.")
     base, cells, lines = "--pieces 8 --seed 1 --points 1000", [], []
-    for sampler, words in (("uniform", "each by itself: clusters and holes"), ("halton", "evenly, by Halton's sequence"),
-                           ("poisson", "well apart")):
+    for sampler, words in (("uniform", "independent: clusters and holes"), ("halton", "low-discrepancy, by Halton's sequence"),
+                           ("poisson", "with a minimum distance")):
         options = f"{base} --point-sampler {sampler}"
         path = runner.fracture("amphora.ply", options, "seeds") / "points" / "amphora_005.ply"
         cells.append((page.drawing(f"figure11-{sampler}", dots(path, SIDE)), f"`--point-sampler {sampler}`<br>{words}"))
@@ -675,16 +677,16 @@ def show_figure11(page, runner):
 
 
 def show_render(page, runner):
-    page.text("## Pictures of a fracture", "", "`sherd render` draws a finished fracture, its level sets or hulls, or any mesh.")
+    page.text("## Images of a fracture", "", "`sherd render` renders a finished fracture, its level sets or hulls, or any mesh.")
     options = "--pieces 8 --seed 1 --write mesh,proxy"
     folder = runner.fracture("amphora.ply", options, "mesh,proxy")
     page.commands([command("amphora.ply", options)])
     for title, items in (
             ("`--view`", [("front", "pieces --view front"), ("top", "pieces --view top"), ("behind", "pieces --view 215,-10")]),
             ("`--explode`", [("together", "pieces --explode 0"), ("apart", "pieces --explode 1")]),
-            ("Other things to draw", [("piece", "pieces/meshes/amphora_002.ply"), ("hulls", "pieces/proxies")])):
+            ("Other inputs", [("piece", "pieces/meshes/amphora_002.ply"), ("hulls", "pieces/proxies")])):
         page.text(f"### {title}")
-        lines = [f"sherd render {words} -o picture.png" for _, words in items]
+        lines = [f"sherd render {words} -o image.png" for _, words in items]
         images = cropped([runner.rendered(folder.parent, words) for _, words in items], 230)
         cells = [(page.photo(f"render-{name}", image), f"`{words.split(' ', 1)[-1]}`")
                  for (name, words), image in zip(items, images)]
@@ -694,26 +696,26 @@ def show_render(page, runner):
 
 INTRODUCTION = """# Gallery
 
-Pictures of what each option does, each with its command. `tools/pictures.sh` makes this page and its
-pictures anew; they are `preview.png`, cropped alike in a row and made small. `tools/gallery.py --inputs .` writes the other
+Images of what each option does, each with its command. `tools/pictures.sh` makes this page and its
+images: `preview.png`, with the same crop in a row, scaled down. `tools/gallery.py --inputs .` writes the other
 inputs: `block.obj` (side 1), `plate.obj` (1 by 1 by 0.15, the front at z = 0.15), `ball.obj` (radius 1), and seeds.
 
-Options without a picture: `--device` and `--threads` change nothing but the time, `--write`, `--json`, `--quiet` and the files for
-hosts (`--vdb` and after it) say what comes out, and those of distances (`--sdf-samples` and its) draw on pieces that stay as they are. [cli.md](cli.md) has the meaning and range of every option."""
+Options without an image: `--device` and `--threads` change only the time, `--write`, `--json`, `--quiet` and the files for
+hosts (`--vdb` and following) select the output, and those of distances (`--sdf-samples` and its type) do not change fragments. [cli.md](cli.md) has the meaning and range of every option."""
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("sherd", nargs="?", help="the program")
-    parser.add_argument("folder", type=pathlib.Path, help="docs, or a folder that becomes like it")
-    parser.add_argument("--inputs", action="store_true", help="write the meshes and seeds to FOLDER, nothing else")
+    parser.add_argument("folder", type=pathlib.Path, help="docs, or another output folder")
+    parser.add_argument("--inputs", action="store_true", help="only write the meshes and seeds to FOLDER")
     options = parser.parse_args()
     options.folder.mkdir(parents=True, exist_ok=True)
     if options.inputs:
         write_inputs(options.folder)
         return
     if not options.sherd:
-        parser.error("the program is needed, as in gallery.py build/release/sherd docs")
+        parser.error("the program is missing, as in gallery.py build/release/sherd docs")
     with tempfile.TemporaryDirectory(prefix="sherd-gallery-") as work:
         runner, page = Runner(options.sherd, pathlib.Path(work)), Page(options.folder)
         write_inputs(runner.work)
@@ -730,7 +732,7 @@ def main():
                 if shutil.which("blender"):
                     show_figure15(page, runner)
                 else:
-                    print("Figure 15 is left out: it needs Debian's blender", file=sys.stderr)
+                    print("Figure 15 is skipped: it needs Debian's blender", file=sys.stderr)
             if title == "Growth":
                 show_figure3(page, runner)
             if title == "Seeds":
@@ -738,11 +740,11 @@ def main():
                 show_figure5(page, runner)
         print("figure7", flush=True)
         show_figure7(page, runner)
-        print("pictures", flush=True)
+        print("images", flush=True)
         show_render(page, runner)
         page.finish()
         size = sum(f.stat().st_size for f in page.images.iterdir())
-        print(f"{runner.count} fractures, {len(list(page.images.iterdir()))} pictures, {size} bytes")
+        print(f"{runner.count} fractures, {len(list(page.images.iterdir()))} images, {size} bytes")
 
 
 if __name__ == "__main__":

@@ -1,18 +1,18 @@
 #!/usr/bin/python3
-"""Study how the growths differ: from Voronoi cells, in flatness of cracks, in connectedness, in time.
+"""Compare the growths: difference from Voronoi cells, flatness of cracks, connectivity, time.
 
 usage: growth_study.py SHERD RESULTS.csv MESH... [options]
 
-Breaks a ball, made here, and every MESH by each growth from the same seeds.  Of each fracture it takes
+Breaks a ball, made here, and every MESH by each growth from the same seeds.  For each fracture it measures
 
 - the share of voxels whose fragment is not that of `--growth nearest --isolated keep`, the Voronoi cells;
 - the rms distance of cracks from planes: for each two fragments that share 50 voxel faces or more, a plane is fitted to
-  these faces' centres, and all faces count alike.  The faces of a plane through voxels do not lie on it: some 0.25;
-- fragments of more than one 6-connected part, and of these the parts too many;
-- voxels that were cut off from their fragment's seed when first looked for;
+  these faces' centers, with equal weights.  Voxel faces of an exact plane have some 0.25;
+- fragments of more than one connected component, and their surplus components;
+- voxels disconnected from their fragment's seed in the first pass;
 - seconds of growth.
 
-RESULTS.csv gets a row per fracture; what it already holds is not run again.  Prints a table in Markdown per mesh.
+RESULTS.csv gets a row per fracture; existing rows are not run again.  Prints a table in Markdown per mesh.
 
 Needs Debian's python3-numpy and python3-scipy.
 """
@@ -30,7 +30,7 @@ import numpy as np
 import scipy.ndimage
 
 GROWTHS = {
-    "nearest keep": ["--growth", "nearest", "--isolated", "keep"],  # first: the others are compared with it
+    "nearest keep": ["--growth", "nearest", "--isolated", "keep"],  # first: the reference for the others
     "nearest": ["--growth", "nearest"],
     "euclid": ["--growth", "euclid"],
     "chain": ["--growth", "chain"],
@@ -102,17 +102,17 @@ def fracture(options, mesh, seed, growth):
 
 def flatness(labels):
     """Sum of squared distances of crack faces from their planes, and the number of these faces."""
-    pairs, places = [], []
+    pairs, positions = [], []
     for axis in range(3):
         a, b = np.delete(labels, -1, axis), np.delete(labels, 0, axis)
         at = np.argwhere((a != b) & (a > 0) & (b > 0))
         low, high = a[tuple(at.T)], b[tuple(at.T)]
         pairs.append(np.minimum(low, high) * 65536 + np.maximum(low, high))
-        places.append(at + 0.5 * (np.arange(3) == axis))
-    pairs, places = np.concatenate(pairs), np.concatenate(places)
+        positions.append(at + 0.5 * (np.arange(3) == axis))
+    pairs, positions = np.concatenate(pairs), np.concatenate(positions)
     square, faces = 0.0, 0
     for pair in np.unique(pairs):
-        crack = places[pairs == pair]
+        crack = positions[pairs == pair]
         if len(crack) >= FEWEST_FACES:
             square += np.linalg.svd(crack - crack.mean(axis=0), compute_uv=False)[-1]**2
             faces += len(crack)
@@ -120,7 +120,7 @@ def flatness(labels):
 
 
 def parts(labels):
-    """Fragments of several 6-connected parts, and the parts too many."""
+    """Number of fragments of several connected components, and of surplus components."""
     several = [scipy.ndimage.label(labels[box] == k + 1)[1]
                for k, box in enumerate(scipy.ndimage.find_objects(labels)) if box is not None]
     return sum(n > 1 for n in several), sum(n - 1 for n in several)
@@ -134,7 +134,7 @@ def observe(options, mesh, seed):
         voronoi = labels if voronoi is None else voronoi
         square, faces = flatness(labels)
         split, loose = parts(labels)
-        freed = report.get("freed_voxels") or [0]
+        freed = report.get("disconnected_voxels") or [0]
         values = [mesh.name, options.resolution, options.pieces, seed, growth, report["fragments"], report["voxels"],
                   int((labels != voronoi).sum()), round(square, 3), faces, split, loose, freed[0], report["seconds"]["grow"]]
         yield dict(zip(COLUMNS, map(str, values)))
@@ -164,8 +164,8 @@ def observe_all(options, meshes):
 
 
 def table(rows, mesh):
-    lines = ["| growth | not as Voronoi: mean (worst) | off planes, rms | freed at first: mean (worst) | fragments in parts "
-             "| parts too many | seconds, least (median) |", "|---" * 7 + "|"]
+    lines = ["| growth | not as Voronoi: mean (worst) | off planes, rms | disconnected at first: mean (worst) | fragments of several components "
+             "| surplus components | seconds, least (median) |", "|---" * 7 + "|"]
     for growth in GROWTHS:
         of = {c: np.array([float(row[c]) for row in rows if row["growth"] == growth and row["mesh"] == mesh])
               for c in COLUMNS[5:]}

@@ -2,11 +2,11 @@
 # Install the Debian packages that are missing.
 #
 # usage: install_packages.sh build|test|ci|hosts|pictures
-#   build  what the library and the program are made from
-#   test   also what the tests use
+#   build  dependencies of the library and the program
+#   test   also dependencies of the tests
 #   ci     also sanitizers, oclgrind, valgrind and the formatter
-#   hosts  programs that read what Sherd writes: Blender, OpenImageIO
-#   pictures  what the pictures of the documents are made with
+#   hosts  programs that read Sherd's files: Blender, OpenImageIO
+#   pictures  dependencies of the images of the documents
 set -euo pipefail
 
 build=(cmake ninja-build g++ libopenvdb-dev libtbb-dev libboost-iostreams-dev libimath-dev libopenexr-dev libglm-dev

@@ -1,11 +1,11 @@
 #!/usr/bin/python3
-"""Make the sample amphora: a turned vessel with wall, foot and lip, and two handles.
+"""Make the sample amphora: a surface of revolution with wall, foot and lip, and two handles.
 
-The body is one profile turned about the y axis: along the underside of the foot, up the outside,
-over the lip, and down the inside to the floor.  Each handle is a closed tube of its own whose ends
-lie within the wall, so the file holds three closed parts that overlap; a solid unites them.
+The body is one profile rotated about the y axis: along the underside of the foot, up the outside,
+over the lip, and down the inside to the floor.  Each handle is a separate closed tube whose ends
+lie within the wall, so the file has three closed components that overlap; a solid unites them.
 
-Metres, y up, the foot stands on y = 0.  Needs numpy.  Equal arguments give equal bytes.
+Meters, y up, the foot stands on y = 0.  Needs numpy.  Equal arguments give equal bytes.
 """
 import argparse
 import math
@@ -13,13 +13,13 @@ import pathlib
 
 import numpy as np
 
-WALL = 0.0105  # thickness of the turned wall
+WALL = 0.0105  # thickness of the wall
 SEGMENTS = 144  # around the axis, at detail 1
 HANDLE_SEGMENTS = 32  # around a handle's section, at detail 1
 HANDLE_HALF_WIDTH = 0.0125  # along the vessel's wall
 HANDLE_HALF_DEPTH = 0.0085  # away from it
 
-# Control points (radius, height).  A point named twice is a corner.
+# Control points (radius, height).  A repeated point is a corner.
 UNDERSIDE = [(0.0, 0.013), (0.018, 0.0125), (0.033, 0.009), (0.040, 0.0012), (0.0425, 0.0)]
 FOOT = [(0.0425, 0.0), (0.0500, 0.0), (0.0545, 0.0024), (0.0560, 0.0075), (0.0545, 0.0126),
         (0.0490, 0.0158), (0.0425, 0.0195), (0.0398, 0.0260), (0.0412, 0.0330)]
@@ -36,7 +36,7 @@ HANDLE = [(0.1078, 0.3102), (0.1210, 0.3290), (0.1300, 0.3560), (0.1270, 0.3860)
 
 
 def spline(points, per_span=64):
-    """A natural cubic spline through points [n, 2], parametrised by the square root of the chord."""
+    """A natural cubic spline through points [n, 2], parametrized by the square root of the chord."""
     p = np.asarray(points, float)
     h = np.sqrt(np.hypot(*np.diff(p, axis=0).T))
     n = len(p)
@@ -61,16 +61,16 @@ def spline(points, per_span=64):
 
 
 def resample(curve, count, curvature_length):
-    """`count` points along a fine polyline, closer together where it bends.
+    """`count` points along a fine polyline, denser where it bends.
 
-    curvature_length  turning by one radian weighs as much as this length
+    curvature_length  weight of one radian of rotation, as a length
     """
     step = np.diff(curve, axis=0)
     length = np.hypot(*step.T)
     angle = np.unwrap(np.arctan2(step[:, 1], step[:, 0]))
-    turn = np.concatenate([[0.0], np.abs(np.diff(angle))])
-    turn = np.convolve(turn, np.ones(15) / 15.0, mode="same")  # density changes gradually
-    position = np.concatenate([[0.0], np.cumsum(length + curvature_length * turn)])
+    rotation = np.concatenate([[0.0], np.abs(np.diff(angle))])
+    rotation = np.convolve(rotation, np.ones(15) / 15.0, mode="same")  # density changes gradually
+    position = np.concatenate([[0.0], np.cumsum(length + curvature_length * rotation)])
     where = np.linspace(0.0, position[-1], count)
     return np.stack([np.interp(where, position, curve[:, k]) for k in (0, 1)], axis=1)
 
@@ -83,7 +83,7 @@ def inside_of(curve):
 
 
 def profile(detail):
-    """The turned profile [n, 2] from axis to axis, solid on its left."""
+    """The profile [n, 2] from axis to axis, solid on its left."""
     underside, foot, lip = spline(UNDERSIDE), spline(FOOT), spline(LIP)
     body = spline(BODY)
     wall = inside_of(body)[::-1]
@@ -94,11 +94,11 @@ def profile(detail):
               (inner, 66, 0.08)]
     parts = [resample(curve, max(4, round(count * detail)), weight) for curve, count, weight in pieces]
     curve = np.concatenate([parts[0]] + [part[1:] for part in parts[1:]])
-    return np.maximum(curve, 0.0)  # the foot's spline swings a fifth of a millimetre below the ground
+    return np.maximum(curve, 0.0)  # the foot's spline swings a fifth of a millimeter below the ground
 
 
-def turned(curve, segments):
-    """Turn a profile whose ends lie on the axis: vertices [n, 3], triangles [m, 3]."""
+def revolved(curve, segments):
+    """Rotate a profile whose ends lie on the axis: vertices [n, 3], triangles [m, 3]."""
     rings = curve[1:-1]
     angles = [2.0 * math.pi * k / segments for k in range(segments)]
     cosine, sine = np.array([math.cos(a) for a in angles]), np.array([math.sin(a) for a in angles])
@@ -142,15 +142,15 @@ def handle(detail):
 
 def amphora(detail):
     """Vertices [n, 3] and triangles [m, 3] of body, right handle, left handle, in this order."""
-    body = turned(profile(detail), max(12, round(SEGMENTS * detail)))
+    body = revolved(profile(detail), max(12, round(SEGMENTS * detail)))
     right = handle(detail)
-    left = (right[0] * [-1.0, 1.0, -1.0], right[1])  # half a turn about the y axis
+    left = (right[0] * [-1.0, 1.0, -1.0], right[1])  # rotated by 180 degrees about the y axis
     vertices, triangles, offset = [], [], 0
     for part_vertices, part_triangles in (body, right, left):
         vertices.append(part_vertices)
         triangles.append(part_triangles + offset)
         offset += len(part_vertices)
-    # A nanometre's rounding takes away the last bits in which machines differ, and negative zeros.
+    # Rounding to a nanometer removes last bits that differ between machines, and negative zeros.
     return np.round(np.concatenate(vertices), 9) + 0.0, np.concatenate(triangles)
 
 

@@ -6,7 +6,7 @@ LENGTHS = {"vertex_indices": 3, "texcoord": 6}
 
 
 def read_ply(path):
-    """The elements of a binary PLY file, as arrays with a field for each property."""
+    """The elements of a binary PLY file, as arrays with a field per property."""
     raw = path.read_bytes()
     body = raw.index(b"end_header\n") + len(b"end_header\n")
     elements = []
@@ -28,7 +28,7 @@ def read_ply(path):
 
 
 def read_mesh(path):
-    """Vertices [n, 3], triangles [m, 3] and facing [m] of a fragment's mesh."""
+    """Vertices [n, 3], triangles [m, 3] and neighbors [m] of a fragment's mesh."""
     ply = read_ply(path)
     vertices = np.column_stack([ply["vertex"][axis] for axis in "xyz"]).astype(float)
-    return vertices, ply["face"]["vertex_indices"], ply["face"]["facing"]
+    return vertices, ply["face"]["vertex_indices"], ply["face"]["neighbor"]

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Make the paper's figures and tables again, as docs/paper.md maps them.
+# Reproduce the paper's figures and tables, as mapped by docs/paper.md.
 #
-#   docs/gallery.md      Figures 3 to 9, 11 and 15, with the pictures of docs/images
+#   docs/gallery.md      Figures 3 to 9, 11 and 15, with the images of docs/images
 #   OUT/figure10.png     smoothing
 #   OUT/dataset          a run over LIBRARY; its report.html has Table 3 and Figures 12, 13, 16 and 17
 #   OUT/table1.txt       storage by format
@@ -10,7 +10,7 @@
 # usage: paper_figures.sh OUT [LIBRARY [REPEATS]]   (LIBRARY: a folder of closed meshes, by default the bundled amphora; REPEATS as in
 #                                                    --repeats, by default the paper's 25..15)
 #
-# Figure 1 is a drawing; Figure 2 is in docs/robustness.md, by tools/robustness.py; Table 2 takes a trained network.
+# Figure 1 is an illustration; Figure 2 is in docs/robustness.md, by tools/robustness.py; Table 2 needs a trained network.
 set -euo pipefail
 [ $# -ge 1 ] && [ $# -le 3 ] || { sed -n '/^# usage/,/^#  /s/^# //p' "$0" >&2; exit 2; }
 mkdir -p "$1"

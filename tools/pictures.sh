@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Make every picture of README.md and docs/gallery.md anew, and the gallery's page with them.  Some ten minutes on two cores.
+# Make all images of README.md and docs/gallery.md, and the page of the gallery.  Some ten minutes on two cores.
 #
 # usage: pictures.sh
 set -euo pipefail

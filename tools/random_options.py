@@ -4,14 +4,14 @@
 usage: random_options.py SHERD MESH_FOLDER CHECKER.py [--runs 300] [--seed 0] [--only I]
 
 Run I draws a mesh, a number of pieces, a resolution and options from its own seed, so --only I repeats one run; it prints its
-command.  What must hold: Sherd breaks the mesh or refuses it with a sentence (statuses 2 and 3), the checker finds no
+command.  Conditions: Sherd breaks the mesh or refuses it with an error (statuses 2 and 3), the checker finds no
 fault, and `sherd evaluate` finds every mesh closed, manifold and outward, decimated ones too.  A fault is printed as one line with its
-command, and so is a refusal.  Faults of solids thinner than a voxel at a resolution that was asked for are counted apart: the
-surface cannot hold them; so are fragments of which wear left nearly no voxel half a voxel deep, whose meshes are less than their voxels.  Left out of the draw is --isolated keep, which leaves fragments in several components as asked; with
---erode-crumbs keep they may be in several.
-Meshes of fewer polygons (--adaptivity) may lie as much farther off as they were asked to, decimated ones half a voxel.
-Meshes that options move away from the level set (voxels' faces, smoothed, simplified, decimated) are not held to lie on it, nor to
-have what they face within the checker's 3/4 voxel.
+command, and so is a refusal.  Faults of solids thinner than a voxel at an explicit resolution are counted separately, because the
+surface cannot represent them; so are fragments that erosion left with nearly no voxel half a voxel deep, whose meshes are smaller than their
+voxels.  --isolated keep is not drawn, because its fragments may have several components; with --erode-islands keep they may too.
+The surface error of simplified meshes (--adaptivity) may exceed the limit by that value, of decimated ones by half a voxel.
+Meshes that options move away from the level set (voxel faces, smoothed, simplified, decimated) need not lie on it, nor have
+their neighbor within the checker's 3/4 voxel.
 """
 import argparse
 import glob
@@ -28,7 +28,7 @@ import pyopenvdb
 
 PYTHON = "/usr/bin/python3"  # Debian's: numpy, scipy and pyopenvdb are there
 KINDS = (".obj", ".ply", ".stl", ".off", ".gltf", ".glb", ".fbx", ".gz")
-THIN_SHARE = 0.01  # the report's own "thinnest" leaves out a hundredth of the area
+THIN_SHARE = 0.01  # the report's "thinnest" ignores 1 % of the area
 MOVING = ("--surface", "--adaptivity", "--smooth-iterations")  # --surface is drawn with "labels" only
 SHALLOW_SHARE = 0.9  # of a fragment's voxels
 OF_COMPONENTS = ("6-connected part", "separate bodies")
@@ -40,7 +40,7 @@ def number(draw, low, high):
 
 
 def drawn(draw):
-    """Options of one run, each group now and then."""
+    """Options of one run, each group with a probability."""
     options = []
 
     def perhaps(chance, *words):
@@ -74,7 +74,7 @@ def drawn(draw):
         one_of(0.5, "--erode-shape", "cross", "square", "ellipse")
         one_of(0.3, "--erode-size", "3", "5")
         one_of(0.5, "--erode-on", "fracture", "all")
-        one_of(0.3, "--erode-crumbs", "wear", "keep")
+        one_of(0.3, "--erode-islands", "erode", "keep")
         perhaps(0.3, "--erode-probability", number(draw, 0.3, 1))
         perhaps(0.2, "--erode-threshold", number(draw, 0.6, 1))
         perhaps(0.2, "--erode-planes")
@@ -127,13 +127,13 @@ def judged(sherd, checker, folder, log):
 
 
 def use_decimated(folder):
-    """Put decimated meshes where those were that they were made from."""
+    """Replace the meshes by the decimated ones."""
     for fragment in json.load(open(os.path.join(folder, "manifest.json")))["fragments"]:
         shutil.copyfile(os.path.join(folder, fragment["decimated"][0]["file"]), os.path.join(folder, fragment["files"]["mesh"]))
 
 
 def of_volume(folder, fault):
-    """The fragment that a fault of its volume is of, and by how much that differs; None of another fault."""
+    """Returns the fragment of a volume fault and the difference; None for another fault."""
     found = re.fullmatch(r"fragment (\d+): mesh volume ([^,]*), (.*) by voxels", fault)
     if found is None:
         return None
@@ -154,7 +154,7 @@ def is_shallow(folder, fault):
 
 
 def is_simplified(folder, fault, off, voxel_size):
-    """Whether the volume differs by no more than a surface does that lies so much farther off than the checker's half a voxel."""
+    """Whether the volume error is within that of a surface error of the checker's half a voxel plus `off`."""
     found = of_volume(folder, fault)
     return found is not None and found[1] < (0.5 + off) * voxel_size * found[0]["area"]
 
@@ -164,18 +164,18 @@ def option(words, name, default=None):
 
 
 def judged_by_options(sherd, checker, words, folder, voxel_size, decimated=False):
-    """Faults of a folder's meshes, without what the options ask for."""
+    """Faults of a folder's meshes, without those that the options imply."""
     faults = judged(sherd, checker, folder, os.path.join(folder, "..", "log"))
     if decimated or any(name in words for name in MOVING):
         faults = [fault for fault in faults if not fault.endswith(OF_LEVEL_SET)]
-    if option(words, "--erode-crumbs") == "keep":
+    if option(words, "--erode-islands") == "keep":
         faults = [fault for fault in faults if not any(text in fault for text in OF_COMPONENTS)]
     off = float(option(words, "--adaptivity", 0)) + 0.5 * decimated
     return [fault for fault in faults if off == 0 or not is_simplified(folder, fault, off, voxel_size)]
 
 
 def faults_of(sherd, checker, words, folder):
-    """Faults of one run, the sentence that refused it or None, and "thin" or "shallow" where what they are of is thinner than a voxel."""
+    """Faults of one run, the refusal message or None, and "thin" or "shallow" if the faults are of features thinner than a voxel."""
     log = os.path.join(folder, "log")
     pieces = os.path.join(folder, "pieces")
     shutil.rmtree(pieces, ignore_errors=True)
@@ -188,8 +188,8 @@ def faults_of(sherd, checker, words, folder):
     walls = report["report"]["walls"] if report["report"] else None
     faults = judged_by_options(sherd, checker, words, pieces, report["voxel_size"])
     asked = int(option(words, "--pieces"))
-    if report["fragments"] != max(asked, report["parts"]):
-        faults.append(f"{report['fragments']} fragments, {asked} asked of {report['parts']} components")
+    if report["fragments"] != max(asked, report["components"]):
+        faults.append(f"{report['fragments']} fragments, expected {asked} of {report['components']} components")
     decimated = not faults and "--triangles" in words
     if decimated:
         use_decimated(pieces)
@@ -227,7 +227,7 @@ def main():
             failed += not allowed
             print(f"{what if allowed else 'FAULT'} {index}: {'; '.join(faults[:3])}"
                   f"{f'; and {len(faults) - 3} more' if len(faults) > 3 else ''} | {' '.join(words)}", flush=True)
-    print(f"{len(runs)} runs, {refused} refused, {thin} with faults of what is thinner than a voxel; {failed} faults")
+    print(f"{len(runs)} runs, {refused} refused, {thin} with faults of features thinner than a voxel; {failed} faults")
     sys.exit(failed > 0)
 
 

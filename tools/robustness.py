@@ -1,11 +1,11 @@
 #!/usr/bin/python3
-"""Break every mesh of a folder in 8 pieces at 128 voxels and tell in a table what was found and done: docs/robustness.md.
+"""Break every mesh of a folder into 8 pieces at 128 voxels and write a table of defects and results: docs/robustness.md.
 
 usage: robustness.py SHERD FOLDER CHECKER.py OUT.md [--pictures FOLDER]
-  FOLDER   meshes, with their true figures in stats.csv, if there is one: file, svol, ...
-  CHECKER  an independent checker of finished fractures: exit status 0 where all holds
-  --pictures  writes a .jpg of those meshes that the page shows, beside the table's file by its name
-Needs numpy and, for pictures, PIL.
+  FOLDER   meshes, with reference values in stats.csv, if it exists: file, svol, ...
+  CHECKER  an independent checker of finished fractures: exit status 0 if all checks hold
+  --pictures  folder for a .jpg of each mesh that the page shows
+Needs numpy and, for images, PIL.
 """
 import argparse
 import csv
@@ -28,12 +28,12 @@ def truths(folder):
         return {row["file"]: row for row in csv.DictReader(file)}
 
 
-def told(sentence):
+def first_line(sentence):
     return sentence.strip().split("\n")[0].removeprefix("sherd: ")
 
 
 def holds(sherd, mesh, checker, out):
-    """Whether the checker finds all to hold.  It cannot read texture coordinates: a mesh that has some is checked bare."""
+    """Whether all checks hold.  The checker cannot read texture coordinates: such a mesh is checked without them."""
     run = subprocess.run(["/usr/bin/python3", checker, out], capture_output=True, text=True)
     if "faces that are not triangles" not in run.stderr:
         return run.returncode == 0
@@ -48,15 +48,15 @@ def row_of(sherd, mesh, checker, truth, out, up):
                          capture_output=True, text=True)
     name = mesh.name
     if run.returncode == 3:
-        return f"| {name} | refused: {told(run.stderr).removeprefix(f'{mesh}: ').removeprefix(f'{name}: ')} | | | | | | |", True
+        return f"| {name} | refused: {first_line(run.stderr).removeprefix(f'{mesh}: ').removeprefix(f'{name}: ')} | | | | | | |", True
     if run.returncode != 0:
-        return f"| {name} | FAILED with status {run.returncode}: {told(run.stderr)} | | | | | | |", False
+        return f"| {name} | FAILED with status {run.returncode}: {first_line(run.stderr)} | | | | | | |", False
     result = json.loads(run.stdout)
     report = result["report"]
     good = holds(sherd, mesh, checker, out)
     found = [f"{report[key]} {word}" for key, word in NAMES.items() if report.get(key)]
-    if report["turned_parts"]:
-        found.append(f"{report['turned_parts']} of {report['parts']} parts inside out")
+    if report["flipped_components"]:
+        found.append(f"{report['flipped_components']} of {report['components']} components inside out")
     volume, known = report["solid_volume"], ""
     closed = truth and truth["watertight"] == "True" and truth["svol"]
     if closed and int(truth["si_disjoint"] or 0) == 0:
@@ -68,7 +68,7 @@ def row_of(sherd, mesh, checker, truth, out, up):
     return "| " + " | ".join(cells) + " |", good
 
 
-def picture(out, target):
+def save_image(out, target):
     from PIL import Image
     image = Image.open(out / "preview.png").convert("RGB")
     image.thumbnail((640, 640))
@@ -95,7 +95,7 @@ def main():
             good &= fine
             print(row, flush=True)
             if arguments.pictures and mesh.name in SHOWN and (out / "preview.png").exists():
-                picture(out, arguments.pictures / f"{mesh.stem}.jpg")
+                save_image(out, arguments.pictures / f"{mesh.stem}.jpg")
     head = ["| mesh | found | filled by | volume | off the truth | thin walls | fragments | time |", "|---" * 8 + "|"]
     arguments.table.write_text("\n".join(head + rows) + "\n")
     return 0 if good else 1

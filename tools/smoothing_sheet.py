@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Make the paper's Figure 10: a fracture's stairs smoothed more and more, by iterations and by weight.
+"""Make the paper's Figure 10: a fracture of voxel faces with increasing smoothing, by iterations and by weight.
 
 usage: smoothing_sheet.py SHERD MESH OUT.png
 
@@ -25,13 +25,13 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         for y, row in enumerate(ROWS):
             for x, (name, value, share, weight) in enumerate(row):
-                pieces, picture = pathlib.Path(folder, f"{y}{x}"), f"{folder}/picture.png"
+                pieces, image = pathlib.Path(folder, f"{y}{x}"), f"{folder}/image.png"
                 subprocess.run([sherd, "fracture", mesh, "-o", pieces, "--pieces", "4", "--resolution", "64", "--surface", "labels",
                                 "--smoothing", "laplacian", "--smooth-iterations", f"{share}k", "--smooth-weight", str(weight),
                                 "--smooth-boundary-iterations", f"{share}k", "--smooth-boundary-weight", str(weight / 4),
                                 "--write", "mesh", "--quiet"], check=True)
-                subprocess.run([sherd, "render", pieces, "-o", picture, "--size", f"{SIDE}x{SIDE}"], check=True)
-                sheet.paste(Image.open(picture), (x * SIDE, y * (SIDE + 20)))
+                subprocess.run([sherd, "render", pieces, "-o", image, "--size", f"{SIDE}x{SIDE}"], check=True)
+                sheet.paste(Image.open(image), (x * SIDE, y * (SIDE + 20)))
                 draw.text((x * SIDE + 6, y * (SIDE + 20) + SIDE + 3), f"{name} {value}", "black")
     sheet.save(out)
 

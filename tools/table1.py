@@ -1,15 +1,15 @@
 #!/usr/bin/python3
-"""Measures the paper's Table 1 again: how much disk fragments take in every format, plain and zipped.
+"""Reproduces the paper's Table 1: storage of fragments in every format, plain and zipped.
 
 usage: table1.py SHERD VESSEL_FOLDER [--per-vessel N] [--seed S]
 
 VESSEL_FOLDER holds meshes of vessels; the table in docs/formats.md is of 20, made by make_vessels.py --scale 0.2.  The paper
-broke 200 into 2 to 10 pieces, 15 times for 2 pieces and 5 times for 10, evenly fewer between, at 64 and at 128 voxels: 87 grids of
-fragments and one of the whole for each vessel.  Here each vessel is broken N times at each resolution, with another number of
-pieces each time; what files of that number of pieces take on average counts as often as the paper broke into it, for 200 vessels.
+broke 200 into 2 to 10 pieces, 15 times for 2 pieces and 5 times for 10, interpolated between, at 64 and at 128 voxels: 87 grids of
+fragments and one of the intact object per vessel.  Here each vessel is broken N times at each resolution, with another number of
+pieces each time; the mean size for a number of pieces is weighted by the paper's repeats, for 200 vessels.
 
-Meshes are the paper's (--preset paper), decimated to 5000 triangles: its files tell that theirs were of some 4600.  It drew 4096 points on
-each.  Files are zipped one by one, as hard as zlib can.  GB are 2^30 bytes, as the paper's are.
+Meshes are the paper's (--preset paper), decimated to 5000 triangles: the sizes of its files imply some 4600.  It sampled 4096 points on
+each.  Files are zipped separately at zlib's highest level.  GB are 2^30 bytes, as in the paper.
 """
 import argparse
 import collections
@@ -34,7 +34,7 @@ REPEATS = {n: int(15 + (5 - 15) * (n - 2) / 8) for n in range(2, 11)}
 
 
 def zipped(data):
-    """Bytes of a ZIP file's entry for it: deflated, two headers and the end, names of 30 bytes."""
+    """Bytes of its entry in a ZIP file: deflated, two headers and the end, names of 30 bytes."""
     packer = zlib.compressobj(9, zlib.DEFLATED, -15)
     return len(packer.compress(data)) + len(packer.flush()) + 30 + 46 + 22 + 2 * 30
 
@@ -71,7 +71,7 @@ def fractured(sherd, mesh, pieces, resolution, seed):
 
 
 def gigabytes(samples):
-    """[kind] GB, plain and zipped, of all that the paper made."""
+    """[kind] GB, plain and zipped, of the whole data set of the paper."""
     totals = collections.defaultdict(lambda: [0.0, 0.0])
     for pieces, repeats in REPEATS.items():
         of_pieces = samples[pieces]
@@ -79,7 +79,7 @@ def gigabytes(samples):
             for kind, both in sizes.items():
                 for i, size in enumerate(both):
                     totals[kind][i] += size / len(of_pieces) * repeats * VESSELS / 2 ** 30
-    for kind, both in totals.items():  # the whole vessel: a grid of its own
+    for kind, both in totals.items():  # the intact vessel: a separate grid
         for i in range(2):
             both[i] *= 88 / 87 if kind.startswith("labels") else 449 / 448
     return totals
@@ -94,15 +94,15 @@ def main():
     arguments = parser.parse_args()
     vessels = sorted(p for p in arguments.folder.iterdir() if p.suffix in (".ply", ".obj", ".stl"))
     if len(vessels) * arguments.per_vessel < len(REPEATS):
-        parser.error("fewer fractures than numbers of pieces; ask for more with --per-vessel")
+        parser.error("fewer fractures than numbers of pieces; raise --per-vessel")
     tables = {}
     for resolution in (64, 128):
-        samples, turn = collections.defaultdict(list), 0
+        samples, case = collections.defaultdict(list), 0
         for vessel in vessels:
             for _ in range(arguments.per_vessel):
-                pieces = 2 + turn % 9
-                samples[pieces].append(fractured(arguments.sherd, vessel, pieces, resolution, arguments.seed + turn))
-                turn += 1
+                pieces = 2 + case % 9
+                samples[pieces].append(fractured(arguments.sherd, vessel, pieces, resolution, arguments.seed + case))
+                case += 1
         tables[resolution] = gigabytes(samples)
     print("| | 64 | 128 | paper, 64 | paper, 128 |\n|---|---|---|---|---|")
     for kind, name in ROWS.items():

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Install what is missing, build, and run every test.
+# Install missing packages, build, and run every test.
 #
 # usage: test.sh [CTEST_ARGUMENT...]    (such as -R Flood, or -L cli)
 set -euo pipefail

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# What takes too long, or too much, for every change: all real meshes, every failing call, long fuzzing, the Debian package, and a fresh
+# Tests that take too long or too many resources for every change: all real meshes, every failing call, long fuzzing, the Debian package, and a fresh
 # Debian 12 in a chroot.  Needs root for the chroot.  About two hours on two cores.
 #
 # usage: test_long.sh [CHECKER.py]    (with SHERD_TEST_DATA: the independent checker of finished fractures)
@@ -16,7 +16,7 @@ if [ -n "${SHERD_TEST_DATA:-}" ] && [ -n "${1:-}" ]; then
   tools/verify_options.sh build/release/sherd "$SHERD_TEST_DATA" "$1" random
 fi
 
-echo "== every call that may fail, failing"
+echo "== every call that may fail"
 tools/build.sh release sherd_cli sherd_faults
 SHERD_FAULTS_EACH=all SHERD_BIN=$PWD/build/release/sherd SHERD_FAULTS=$PWD/build/release/tests/faults/sherd_faults.so \
   OCL_ICD_VENDORS=pocl.icd /usr/bin/python3 -B tests/cli/faults_test.py
@@ -28,19 +28,19 @@ echo "== a kill at every call that changes a fracture's folder"
 SHERD_KILLS=all SHERD_BIN=$PWD/build/release/sherd SHERD_FAULTS=$PWD/build/release/tests/faults/sherd_faults.so \
   OCL_ICD_VENDORS=pocl.icd /usr/bin/python3 -B tests/cli/kills_test.py
 
-echo "== valgrind: a small fracture with every file but the picture"
+echo "== valgrind: a small fracture with every file but the preview"
 folder=$(mktemp -d)
 OCL_ICD_VENDORS=pocl.icd POCL_MAX_PTHREAD_COUNT=1 valgrind --quiet --error-exitcode=9 --leak-check=no \
   --suppressions=tools/valgrind.supp build/release/sherd fracture data/amphora.ply -o "$folder/out" --pieces 2 --resolution 48 \
   --threads 1 --mesh-format ply,obj,glb,stl --points 10 --sdf-samples 10 --correspondences 5 \
-  --write labels,vdb,mesh,seeds,rims,cost,fog,solid,scene,graph,proxy --voxel-format rle,npy,npz,vox,qstack,bing
+  --write labels,vdb,mesh,seeds,boundaries,cost,fog,solid,scene,graph,proxy --voxel-format rle,npy,npz,vox,qstack,bing
 rm -r "$folder"
 
 echo "== fuzzing the readers, each for five minutes"
 tools/build.sh asan sherd_fuzz
 tests/fuzz/run.sh build/asan/tests/fuzz/sherd_fuzz 300
 
-echo "== points, as Debian's Point Cloud Library has them"
+echo "== points against Debian's Point Cloud Library"
 DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends libpcl-dev > /dev/null
 tools/check_pcl.sh build/release/sherd
 
@@ -54,7 +54,7 @@ echo "== a dataset's report in a browser"
 DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends chromium > /dev/null
 tests/long/report.py build/release/sherd
 
-echo "== the Debian package, of either license"
+echo "== the Debian package, with both licenses"
 for gpl in ON OFF; do
   tools/build.sh release -- -DSHERD_GPL=$gpl
   (cd build/release && cpack -G DEB > /dev/null && dpkg-deb -I sherd_*.deb | grep -E 'Package|Version|Depends')

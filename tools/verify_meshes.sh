@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Break real meshes and let an independent checker judge the results.  A mesh that is refused is a failure like any other: the rest are broken
-# all the same, and the status is 1 at the end.
+# Break real meshes and let an independent checker judge the results.  A refused mesh counts as a failure: the rest are broken
+# too, and the status is 1 at the end.
 #
 # usage: verify_meshes.sh SHERD MESH_FOLDER CHECKER.py [quick]
 #   quick: some meshes only, at 128 voxels
@@ -31,7 +31,7 @@ verify() {  # mesh resolution pieces
   else
     failed=$((failed + 1))
     echo "FAILED $(basename "$1") at $2 in $3 pieces"
-    head -qn 20 "$out/log" "$out/report" 2>/dev/null || true  # of a refused mesh there is no report
+    head -qn 20 "$out/log" "$out/report" 2>/dev/null || true  # a refused mesh has no report
   fi
 }
 for mesh in "${all[@]}"; do

@@ -3,16 +3,16 @@
 #
 # usage: verify_options.sh SHERD MESH_FOLDER CHECKER.py [quick|surfaces|random [OPTION...]]
 #   quick: three meshes only
-#   random: 300 runs of meshes, pieces, resolutions and options that a seed draws, open and thin meshes too (random_options.py, with its options)
-#   surfaces: every mesh in 10 pieces, or one for each of its parts, with its meshes as they come, meshed independently, worn, rough, smoothed and
-#   decimated to 2000 triangles: all closed, manifold and outwards.  A build with SHERD_GPL=ON asks CGAL too (sherd evaluate --cgal)
+#   random: 300 runs of meshes, pieces, resolutions and options drawn from a seed, open and thin meshes too (random_options.py, with its options)
+#   surfaces: every mesh in 10 pieces, or one per connected component, with default meshes, meshed independently, eroded, rough, smoothed and
+#   decimated to 2000 triangles: all closed, manifold and outwards.  A build with SHERD_GPL=ON checks with CGAL too (sherd evaluate --cgal)
 #
-# At 128 voxels, for N in 2, 5, 10, 50, 200 with parts <= N <= voxels / 100: exactly N fragments, every voxel of the solid
-# in one of them, each 6-connected, and no fault found by the checker.  Plain options for every N; the other sets of options
-# for one N each, another for every mesh.  A mesh is left out when Sherd finds it open and MESH_FOLDER/stats.csv, where it
-# is there, does not call it watertight; and when it is thinner than its voxels, so that the unbroken solid's mesh has less
-# than four fifths of its voxels' volume: the checker compares the two.  How far the surface lies from the mesh is seen once
-# for each mesh, since these options do not move it.  A line for each run with faults, with the command that repeats it.
+# At 128 voxels, for N in 2, 5, 10, 50, 200 with components <= N <= voxels / 100: exactly N fragments, every voxel of the solid
+# in one of them, each 6-connected, and no fault found by the checker.  Default options for every N; the other sets of options
+# for one N each, another for every mesh.  A mesh is left out if Sherd refuses it and MESH_FOLDER/stats.csv, if it
+# exists, does not list it as watertight; and if it is thinner than its voxels, so that the intact solid's mesh has less
+# than four fifths of its voxels' volume: the checker compares the two.  The surface error is checked once
+# per mesh, because these options do not move the surface.  Prints a line per run with faults, with its command.
 set -euo pipefail
 sherd=$1 meshes=$2 checker=$3 mode=${4:-}
 export OCL_ICD_VENDORS=pocl.icd
@@ -32,12 +32,12 @@ surfaces=("" "--interface independent" "--interface independent --growth chain -
 
 cgal=()
 "$sherd" --version | grep -q GPL && cgal=(--cgal)
-[ "$mode" != surfaces ] || [ ${#cgal[@]} -gt 0 ] || echo "CGAL is not asked: this program was built without SHERD_GPL=ON"
+[ "$mode" != surfaces ] || [ ${#cgal[@]} -gt 0 ] || echo "CGAL checks are skipped: this program was built without SHERD_GPL=ON"
 
 field() { "$python" -c 'import json, sys; print(json.load(open(sys.argv[1]))[sys.argv[2]])' "$out/report.json" "$1"; }
 isThin() { "$python" -c 'import json, sys; r = json.load(open(sys.argv[1])); sys.exit(
   r["volume_out"] > 0.8 * r["voxels"] * r["voxel_size"] ** 3)' "$out/report.json"; }
-isWatertight() {  # by the folder's own table
+isWatertight() {  # by the folder's table
   [ -f "$meshes/stats.csv" ] && "$python" - "$meshes/stats.csv" "$(basename "$1")" << 'END'
 import csv, sys
 sys.exit(not any(r["file"] == sys.argv[2] and r["watertight"] == "True" for r in csv.DictReader(open(sys.argv[1]))))
@@ -70,7 +70,7 @@ verify() {  # mesh pieces option...
   judge "$pieces"
   [ ! -s "$out/faults" ] || fault "$mesh" "decimated: $(tr '\n' ' ' < "$out/faults")" "$command"
 }
-# What is wrong with $out/pieces, as one line in $out/faults.
+# Writes the faults of $out/pieces as one line to $out/faults.
 judge() {  # pieces checker's option...
   local pieces=$1
   shift
@@ -88,19 +88,19 @@ if not text:
 checked, report = json.loads(text), json.load(open(os.path.join(out, "report.json")))
 faults, figures = checked["faults"], checked["figures"]
 if figures["fragments"] != pieces:
-    faults.append(f"{figures['fragments']} fragments, {pieces} asked")
-if figures["voxels"] + report["worn_voxels"] != report["voxels"]:
+    faults.append(f"{figures['fragments']} fragments, expected {pieces}")
+if figures["voxels"] + report["eroded_voxels"] != report["voxels"]:
     faults.append(f"{figures['voxels']} voxels in fragments, the solid has {report['voxels']}")
 for fragment in json.load(open(os.path.join(out, "evaluated.json")))["fragments"]:
     quality, cgal = fragment["quality"], fragment.get("cgal")
     if not (quality["closed"] and quality["manifold"] and quality["outward"] and quality["degenerate_triangles"] == 0):
         faults.append(f"fragment {fragment['id']}: mesh is not sound")
     if cgal and not (cgal["polygon_mesh"] and cgal["valid"] and cgal["closed"]):
-        faults.append(f"fragment {fragment['id']}: not a closed, valid mesh to CGAL")
+        faults.append(f"fragment {fragment['id']}: not a closed, valid mesh according to CGAL")
 print("; ".join(faults[:3]) + (f"; and {len(faults) - 3} more" if len(faults) > 3 else ""), end="")
 END
 }
-useDecimated() {  # in place of the meshes they were made from
+useDecimated() {  # replaces the meshes by the decimated ones
   "$python" - "$out/pieces" << 'END'
 import json, os, shutil, sys
 folder = sys.argv[1]
@@ -126,20 +126,20 @@ for mesh in "${all[@]}"; do
     thin=$((thin + 1))
     continue
   fi
-  compared= parts=$(field parts) most=$(($(field voxels) / 100))
+  compared= components=$(field components) most=$(($(field voxels) / 100))
   if [ "$mode" = surfaces ]; then
     for options in "${surfaces[@]}"; do
       # shellcheck disable=SC2086
-      verify "$mesh" $((parts > 10 ? parts : 10)) $options
+      verify "$mesh" $((components > 10 ? components : 10)) $options
     done
     swept=$((swept + 1))
     continue
   fi
-  fitting=() struck=()  # N, and N with room for two impacts
+  fitting=() struck=()  # N, and N that allows two impacts
   for pieces in 2 5 10 50 200; do
-    [ "$pieces" -ge "$parts" ] && [ "$pieces" -le "$most" ] || continue
+    [ "$pieces" -ge "$components" ] && [ "$pieces" -le "$most" ] || continue
     fitting+=("$pieces")
-    [ "$pieces" -lt $((parts + 2)) ] || struck+=("$pieces")
+    [ "$pieces" -lt $((components + 2)) ] || struck+=("$pieces")
     verify "$mesh" "$pieces"
   done
   [ "${#fitting[@]}" -gt 0 ] || continue

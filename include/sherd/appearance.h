@@ -1,4 +1,4 @@
-// How a mesh looks: texture coordinates, colours and materials of its triangles.
+// Surface attributes of a mesh: texture coordinates, colors and materials.
 #pragma once
 
 #include <array>
@@ -12,46 +12,46 @@
 
 namespace sherd {
 
-/// What the triangles of a mesh look like, corner by corner; each array may be empty.
-struct SurfaceLook {
+/// Face-varying attributes of a mesh of m triangles; each array may be empty.
+struct SurfaceAttributes {
   std::vector<std::array<glm::vec2, 3>> texcoords;  ///< [m] u to the right, v upwards: (0, 0) is
-                                                    ///< the picture's lower left corner, as in OBJ
-  std::vector<std::array<glm::u8vec3, 3>> colours;  ///< [m] sRGB, as pictures have them
-  std::vector<std::uint32_t> material;              ///< [m] an index into Appearance::materials
+                                                    ///< the image's lower left corner, as in OBJ
+  std::vector<std::array<glm::u8vec3, 3>> colors;   ///< [m] sRGB
+  std::vector<std::uint32_t> material;              ///< [m] index into Appearance::materials
 
   [[nodiscard]] bool empty() const {
-    return texcoords.empty() && colours.empty() && material.empty();
+    return texcoords.empty() && colors.empty() && material.empty();
   }
 };
 
-/// A picture that a material is made of.
+/// An image used by materials.
 struct Texture {
-  std::string name;   ///< as the mesh's file names it, or made up where it has none
-  std::string bytes;  ///< the picture's file as it was read, not empty
+  std::string name;   ///< from the mesh's file; generated where the file has none
+  std::string bytes;  ///< the undecoded image file, not empty
 };
 
 struct Material {
-  std::string name;        ///< may be empty, and need not be unique
-  glm::vec3 colour{1.0f};  ///< 0..1, linear; the texture is multiplied by it
-  int texture = -1;        ///< an index into Appearance::textures; -1: none
+  std::string name;       ///< may be empty, may repeat
+  glm::vec3 color{1.0f};  ///< 0..1, linear; the texture is multiplied by it
+  int texture = -1;       ///< index into Appearance::textures; -1: none
 };
 
-/// The look of a mesh that was read.  Nothing in it shapes a fracture.
+/// The appearance of a mesh that was read.  It has no influence on the fracture.
 struct Appearance {
-  SurfaceLook surface;
-  std::vector<Material> materials;  ///< empty where the file names none
+  SurfaceAttributes surface;
+  std::vector<Material> materials;  ///< empty where the file has none
   std::vector<Texture> textures;
 };
 
-/// The colour of what a fracture lays bare, sRGB.
-inline constexpr glm::u8vec3 kInsideColour{224, 214, 196};
+/// The color of fracture surfaces, sRGB.
+inline constexpr glm::u8vec3 kInsideColor{224, 214, 196};
 
-/// What kind of picture a file's bytes are, by their beginning.
+/// Detects the image format from a file's first bytes.
 enum class ImageType { png, jpeg, other };
 [[nodiscard]] ImageType imageType(std::string_view bytes);
 
-/// sRGB's transfer function and its inverse, by channel; 0..1 are linear light.
-[[nodiscard]] glm::vec3 linearFromSrgb(glm::u8vec3 colour);
-[[nodiscard]] glm::u8vec3 srgbFromLinear(glm::vec3 colour);  ///< what is outside 0..1 is clamped
+/// The sRGB transfer function and its inverse, per channel; linear values are 0..1.
+[[nodiscard]] glm::vec3 linearFromSrgb(glm::u8vec3 color);
+[[nodiscard]] glm::u8vec3 srgbFromLinear(glm::vec3 color);  ///< clamps to 0..1
 
 }  // namespace sherd

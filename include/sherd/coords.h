@@ -1,4 +1,4 @@
-// Points that know their space, and the frame that joins index space to the mesh's own space.
+// Points typed by their space, and the transform between index space and world space.
 #pragma once
 
 #include <sherd/grid_fwd.h>
@@ -8,25 +8,25 @@
 
 namespace sherd {
 
-/// A position that knows its space: mixing spaces does not compile.
+/// A position in one space: mixing spaces does not compile.
 template <class Space>
 struct Point {
   glm::dvec3 v{0.0};
 };
 using WorldPoint = Point<struct WorldSpace>;  ///< the mesh's own length unit
-using IndexPoint = Point<struct IndexSpace>;  ///< voxels; voxel centres at integers
+using IndexPoint = Point<struct IndexSpace>;  ///< voxels; voxel centers at integers
 
-/// Where the voxels lie: voxel (i,j,k) has its centre at origin + voxelSize * (i,j,k).
-/// The grid is laid from the mesh's box, so `origin` is the box's lower corner plus half a voxel.
+/// The grid transform: the center of voxel (i,j,k) is origin + voxelSize * (i,j,k).
+/// voxelize() puts `origin` at the lower corner of the mesh's box plus half a voxel.
 struct GridFrame {
-  WorldPoint origin;       ///< world position of voxel (0,0,0)'s centre
+  WorldPoint origin;       ///< world position of voxel (0,0,0)'s center
   double voxelSize = 1.0;  ///< world units per voxel, > 0
 
   IndexPoint indexFromWorld(WorldPoint p) const { return {(p.v - origin.v) / voxelSize}; }
   WorldPoint worldFromIndex(IndexPoint p) const { return {origin.v + voxelSize * p.v}; }
 };
 
-/// Voxels min..max, both included.
+/// Voxels min..max, inclusive.
 struct VoxelBox {
   openvdb::Coord min{0, 0, 0};
   openvdb::Coord max{-1, -1, -1};

@@ -1,4 +1,4 @@
-// Dataset runs: a whole library of meshes, each broken many times.
+// Dataset runs: a library of meshes, each broken many times.
 #pragma once
 
 #include <sherd/fracture.h>
@@ -19,37 +19,38 @@ namespace sherd {
 
 /// A mesh of a library.
 struct LibraryObject {
-  std::string key;             ///< its path relative to the library, parts separated by '/'
-  std::string folder;          ///< the same as the name of a folder, of which none lies within
-                               ///< another: without extensions where that gives no other's.  A
-                               ///< dataset changes it where it keeps the name for itself
-  std::filesystem::path file;  ///< where it is
+  std::string key;             ///< path relative to the library, components separated by '/'
+  std::string folder;          ///< output folder, none nested in another: the key, without
+                               ///< extensions where that stays unique.  runDataset renames it
+                               ///< where the layout reserves the name
+  std::filesystem::path file;  ///< path of the file
   std::uintmax_t bytes = 0;
 };
 
 struct LibraryOptions {
-  std::string match;      ///< shell pattern that keys have to match, '*' also '/'; empty: all
-  std::size_t limit = 0;  ///< the first so many of them; 0: all
+  std::string match;      ///< shell pattern that keys must match, '*' also matches '/'; empty: all
+  std::size_t limit = 0;  ///< keeps only the first `limit` matches; 0: all
 };
 
-/// The meshes and volumes of a library, ascending by key.
-///   library  a folder, looked through with all folders below it, hidden ones aside; or a list: a
-///            text file with a path a line, relative to its own folder; '#' begins a comment
-///   skipped  takes a sentence for each folder that cannot be looked through, link that leads
-///            nowhere or to a folder, and anything else named like a mesh that is no file
-///   throws   Error(input) it is absent or has none
+/// Returns the meshes and volumes of a library, ascending by key.
+///   library  a folder, searched recursively without hidden folders; or a list: a text file with
+///            one path per line, relative to the list's folder; '#' starts a comment
+///   skipped  receives one sentence for each folder that cannot be read, each link that is broken
+///            or leads to a folder, and each entry with a mesh's name that is not a file
+///   throws   Error(input) the library does not exist or has no meshes
 [[nodiscard]] std::vector<LibraryObject> findObjects(const std::filesystem::path& library,
                                                      const LibraryOptions& options = {},
                                                      std::vector<std::string>* skipped = nullptr);
 
-/// A part of the work that is done by one of several machines, from 1.
+/// The share of a run that one of several machines does.
 struct Shard {
-  int number = 1;
-  int of = 1;
+  int number = 1;  ///< 1..of
+  int of = 1;      ///< number of shards
 };
 
-/// The objects of a shard.  The largest files are dealt out first, each to the shard that has the
-/// fewest bytes by then, so shards take about as long; every object is in one.
+/// Returns the objects of a shard.  Files are assigned from the largest down, each to the shard
+/// with the fewest bytes so far, so shards take similar time.  Every object is in exactly one
+/// shard.
 [[nodiscard]] std::vector<LibraryObject> shardOf(const std::vector<LibraryObject>& objects,
                                                  Shard shard);
 
@@ -61,50 +62,52 @@ struct PlannedFracture {
   std::string name() const { return std::to_string(pieces) + "f_" + std::to_string(repeat); }
 };
 
-/// How often objects are broken into how many pieces.
+/// How many fractures each object gets, by number of pieces.
 struct Schedule {
-  int fewest = 2, most = 10;        ///< pieces, every number from one to the other
-  int repeatsOfFewest = 25;         ///< fractures into `fewest` pieces; in between the number is
-  int repeatsOfMost = 15;           ///< interpolated, and truncated as the paper's program does
-  std::size_t maxFragments = 1000;  ///< of an object, after which there are no more fractures
+  int fewest = 2, most = 10;        ///< pieces: every number in this range is used
+  int repeatsOfFewest = 25;         ///< fractures into `fewest` pieces
+  int repeatsOfMost = 15;           ///< fractures into `most` pieces; between, the number is
+                                    ///< interpolated and truncated, as in the paper's program
+  std::size_t maxFragments = 1000;  ///< per object: fractures beyond this sum are left out
 };
 
+/// Returns the fractures of one object, in the order in which they are made.
 [[nodiscard]] std::vector<PlannedFracture> fracturesOf(const Schedule& schedule);
 
-/// The seed of a fracture: of the run's seed, the object's content and the fracture, and of nothing
-/// else.  `sherd fracture` with it, and with the same options, gives the same fragments.
+/// Returns the seed of a fracture.  It depends only on the arguments: `sherd fracture` with this
+/// seed and the same options gives the same fragments.
 ///   sha256   of the object's file, hexadecimal
-///   attempt  from 0; the next where a fracture was too much like an earlier one
+///   attempt  from 0; increased when a fracture was too similar to an earlier one
 [[nodiscard]] std::uint64_t fractureSeed(std::uint64_t runSeed, const std::string& sha256,
                                          const PlannedFracture& fracture, int attempt = 0);
 
-/// Where files lie, see docs/formats.md.
+/// The folder structure of a dataset, see docs/formats.md.
 enum class DatasetLayout {
-  sherd,   ///< a folder for each object, and in it one for each fracture
-  packed,  ///< a ZIP file for each object, and in it the same
-  paper,   ///< the paper's names, in a folder for each object
-  bb,      ///< Breaking Bad's tree: pieces in a unit box
+  sherd,   ///< a folder for each object, with a folder for each fracture
+  packed,  ///< a ZIP file for each object, with the same content
+  paper,   ///< the paper's file names, in a folder for each object
+  bb,      ///< the tree of the Breaking Bad dataset: fragments scaled to a unit box
 };
 
-/// How each file is packed.
+/// How each file is compressed.
 enum class FileCompression { none, zip, zstd };
 
-/// Options that were drawn for one fracture, by name.
+/// Names and values of the options that were drawn at random for one fracture.
 using DrawnOptions = std::vector<std::pair<std::string, std::string>>;
 
 struct DatasetOptions {
   Schedule schedule{};
   std::uint64_t seed = 0;
-  FractureOptions fracture{};  ///< of every fracture; its `pieces` and `seed` are not used
+  FractureOptions fracture{};  ///< for every fracture; `pieces` and `seed` are ignored
   WriteOptions write{};
-  std::function<DrawnOptions(std::uint64_t seed, FractureOptions& options)>
-      draw{};             ///< changes the options of one fracture; empty: none
-  std::string plan{};     ///< text that tells these options: only a run of the same is resumed
-  double distinct = 0.0;  ///< share of voxels by which fractures of an object differ, 0..1; at
-                          ///< most 131,072 voxels, evenly spread, are looked at
-  int tries = 20;         ///< of each fracture, for `distinct`
-  bool poses = false;     ///< a random pose for each fragment, into the index
-  std::array<int, 3> split{80, 10, 10};  ///< shares of objects for training, validation and test
+  /// Changes the options of one fracture; empty: no changes.
+  std::function<DrawnOptions(std::uint64_t seed, FractureOptions& options)> draw{};
+  std::string plan{};     ///< these options as text: only a run with the same plan is resumed
+  double distinct = 0.0;  ///< least share of voxels in which two fractures of an object differ,
+                          ///< 0..1, measured on at most 131,072 evenly spaced voxels
+  int tries = 20;         ///< attempts per fracture to reach `distinct`
+  bool poses = false;     ///< adds a random pose of each fragment to the index
+  std::array<int, 3> split{80, 10, 10};  ///< ratio of training, validation and test objects
   DatasetLayout layout = DatasetLayout::sherd;
   FileCompression compression = FileCompression::none;
   LibraryOptions library{};
@@ -114,85 +117,85 @@ struct DatasetOptions {
   std::uint64_t maxMemory = std::numeric_limits<std::uint64_t>::max();
 };
 
-/// What a run tells while it goes.
+/// The progress of a run.
 struct DatasetProgress {
-  std::string object;       ///< being broken
-  std::size_t objects = 0;  ///< done, failed ones too
-  std::size_t ofObjects = 0;
-  std::size_t fractures = 0;    ///< done, in this process
-  std::size_t ofFractures = 0;  ///< of the objects that have not failed
+  std::string object;           ///< the object being broken
+  std::size_t objects = 0;      ///< finished, failed ones included
+  std::size_t ofObjects = 0;    ///< total
+  std::size_t fractures = 0;    ///< finished by this process
+  std::size_t ofFractures = 0;  ///< total over the objects that have not failed
   std::size_t fragments = 0;
   double seconds = 0.0;
 };
 
-struct DatasetWatch {
+struct DatasetCallbacks {
   std::function<void(const DatasetProgress&)> progress{};  ///< after each fracture, in order
   std::function<void(const std::string& object, const std::string& reason)> failed{};
   std::function<void(const std::string& sentence)> warning{};
-  std::function<bool()> cancelled{};  ///< asked from any thread
+  std::function<bool()> cancelled{};  ///< called from any thread; true stops the run
 };
 
-/// What there is at the end; of a shard that is not merged yet, what this run has done.
+/// The contents of a finished dataset; for a shard that is not merged yet, those of this run.
 struct DatasetSummary {
   std::size_t objects = 0;
   std::size_t failures = 0;
-  std::size_t skipped = 0;  ///< folders and files of the library that could not be looked at
+  std::size_t skipped = 0;  ///< entries of the library that findObjects skipped
   std::size_t fractures = 0;
   std::size_t fragments = 0;
   std::uintmax_t bytes = 0;
   std::map<std::string, std::uintmax_t> bytesByFormat;  ///< by extension: "rle", "ply.zip"
-  bool complete = true;  ///< false: one of several shards, of which there is no index yet
+  bool complete = true;  ///< false: one of several shards, not merged into an index yet
   std::vector<StageTime> times;
 };
 
-/// Break a library.  Objects are read one after another; of each, the solid is made once, fractures
-/// are grown on the device in order, and the rest is done for several at a time.  What is done is
-/// noted fracture by fracture, so a run that ends in whatever way is taken up again by the same
-/// call with `resume`, and leaves the same files.
-///   out      absent, empty or of the same plan and `resume`; neither in the library nor round it.
-///            Nothing outside it is touched: a symbolic link in it is refused
-///   throws   Error(usage) another plan, out of range; Error(input) no library; Error(output) the
-///            disk is full, out is something else; Error(cancelled); Error(device)
+/// Breaks a library.  Objects are read in order and voxelized once; fractures are grown on the
+/// device in order, and the other stages run for several fractures in parallel.  Each finished
+/// fracture is recorded, so the same call with `resume` continues a run that ended for any reason
+/// and produces the same files.
+///   out      absent, empty, or with `resume` a run of the same plan; neither inside the library
+///            nor a parent of it.  Nothing outside it is changed: symbolic links in it are refused
+///   throws   Error(usage) another plan, an option out of range; Error(input) no library;
+///            Error(output) disk full, `out` holds something else; Error(cancelled); Error(device)
 DatasetSummary runDataset(const std::filesystem::path& library, const std::filesystem::path& out,
                           const DatasetOptions& options, Device& device,
-                          const DatasetWatch& watch = {});
+                          const DatasetCallbacks& callbacks = {});
 
-/// What a run would make.
+/// An estimate of a run's output, time and size.
 struct DatasetForecast {
   std::size_t objects = 0;  ///< of the shard
   std::size_t fractures = 0;
-  std::size_t fragments = 0;         ///< where every object is in one part, and nothing is withheld
-  double bytes = 0.0;                ///< about
-  double seconds = 0.0;              ///< about, on this machine
-  std::size_t sampled = 0;           ///< objects that it was told from
-  std::vector<std::string> refused;  ///< objects that were to be sampled and cannot be broken
-  std::vector<std::string> skipped;  ///< as findObjects has them
+  std::size_t fragments = 0;         ///< if every object is connected and no fragment is withheld
+  double bytes = 0.0;                ///< approximate
+  double seconds = 0.0;              ///< approximate, on this machine
+  std::size_t sampled = 0;           ///< objects that were broken for the estimate
+  std::vector<std::string> refused;  ///< sampled objects that could not be broken
+  std::vector<std::string> skipped;  ///< as reported by findObjects
   std::vector<std::string> renamed;  ///< a sentence for each folder that gets another name
 };
 
-/// Tell what runDataset would make from a small, a middling and a large object, of which each is
-/// broken a few times into the fewest and the most pieces, in a folder for temporary files.
-///   out     where it would go; nothing is written there
+/// Estimates the result of runDataset from a small, a medium and a large object: each is broken a
+/// few times into the fewest and the most pieces, in a temporary folder.
+///   out     the output folder of the run; nothing is written to it
 ///   throws  as runDataset
 DatasetForecast forecastDataset(const std::filesystem::path& library,
                                 const std::filesystem::path& out, const DatasetOptions& options,
                                 Device& device, const std::function<bool()>& cancelled = {});
 
-/// What is wrong with a finished dataset.
+/// The result of verifyDataset.
 struct DatasetCheck {
-  std::size_t files = 0;  ///< that were read
+  std::size_t files = 0;  ///< files read
   std::uintmax_t bytes = 0;
-  std::vector<std::string> problems;  ///< a sentence each
+  std::vector<std::string> problems;  ///< one sentence each
 };
 
-/// Read everything again that the journals list: sizes and checksums, voxels of each fragment in
-/// `.rle` files, faces of each `.ply`, `.obj` and `.binm` mesh.
-///   throws  Error(input) it is no dataset; Error(cancelled)
+/// Verifies every file that the journals list: size and checksum, voxels per fragment in `.rle`
+/// files, face counts of `.ply`, `.obj` and `.binm` meshes.
+///   throws  Error(input) `out` is not a dataset; Error(cancelled)
 DatasetCheck verifyDataset(const std::filesystem::path& out,
                            const std::function<bool()>& cancelled = {});
 
-/// Join what shards have written below one folder: index, failures and splits.
-///   throws  Error(input) it is no dataset, or objects of it are neither done nor failed
+/// Merges the shards below one folder: writes index, failures and splits.
+///   throws  Error(input) `out` is not a dataset, or has objects that are neither done nor failed
 DatasetSummary mergeDataset(const std::filesystem::path& out,
                             const std::function<bool()>& cancelled = {});
 

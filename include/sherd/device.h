@@ -1,4 +1,4 @@
-// OpenCL devices: which there are, and the one that works.
+// OpenCL devices: listing and opening them.
 #pragma once
 
 #include <memory>
@@ -17,26 +17,26 @@ struct DeviceInfo {
   unsigned computeUnits = 0;
   std::size_t memoryBytes = 0;
   std::size_t largestBufferBytes = 0;
-  bool chosen = false;  ///< what --device auto picks
+  bool chosen = false;  ///< selected by Device("auto")
 };
 
-/// Every usable device; platforms without devices are passed over.  Empty when there is none.
+/// Returns every usable device; empty if there is none.  Platforms without devices are skipped.
 [[nodiscard]] std::vector<DeviceInfo> listDevices();
 
-/// What an open device holds of the device's memory.
+/// Device memory that an open device has allocated.
 struct DeviceMemory {
-  std::size_t buffersCreated = 0;  ///< since it was opened; buffers are used again
-  std::size_t bytes = 0;           ///< in buffers now, also those kept for the next fracture
+  std::size_t buffersCreated = 0;  ///< since it was opened; a reused buffer counts once
+  std::size_t bytes = 0;           ///< in buffers now, those kept for reuse included
   std::size_t peakBytes = 0;
 };
 
-/// An open device: context, queue, and the kernels, built once, when they are first needed or a
-/// mesh is voxelized for them.  Opened once, used by one thread at a time.
+/// An open device: context, queue and kernels.  Kernels are built once, on first use or while a
+/// mesh is voxelized.  Use a device from one thread at a time.
 class Device {
  public:
-  /// Open a device.
+  /// Opens a device.
   ///   choice  "auto" (a GPU, else a CPU), "gpu", "cpu", or a part of a platform's or device's
-  ///           name, any case
+  ///           name, ignoring case
   ///   throws  Error(device) nothing matches, or the device cannot be opened
   explicit Device(std::string_view choice = "auto");
   ~Device();
@@ -45,10 +45,10 @@ class Device {
 
   const DeviceInfo& info() const;
 
-  /// Any thread may ask.
+  /// Callable from any thread.
   DeviceMemory memory() const;
 
-  /// Free the buffers that were kept for the next fracture.
+  /// Frees the buffers that are kept for reuse.
   void freeBuffers();
 
   struct Impl;

@@ -1,4 +1,4 @@
-// Erosion: wearing fragments down, as abrasion and lost shards do.
+// Erosion of fragments: simulates abrasion and lost shards.
 #pragma once
 
 #include <sherd/labels.h>
@@ -10,7 +10,7 @@
 
 namespace sherd {
 
-/// The cells round a voxel that are counted, for a size of 2r + 1:
+/// The structuring element: the cells around a voxel that are counted, for a size of 2r + 1:
 ///
 ///     cross      the three axes, r to either side   |x|, |y|, |z| <= r, at least two of them 0
 ///     square     the whole cube                     |x|, |y|, |z| <= r
@@ -19,57 +19,58 @@ namespace sherd {
 /// Cross and ellipse of size 3 are the same 7 cells.
 enum class ErodeShape { cross, square, ellipse };
 
-/// Which part of a fragment's shell can wear.
+/// Which voxels of a fragment's shell can erode.
 enum class ErodeOn {
-  fracture,  ///< voxels that touch another fragment or a worn voxel: the cracks
-  all        ///< every voxel of the shell, the original surface too
+  fracture,  ///< those that touch another fragment or an eroded voxel
+  all        ///< all, the original surface included
 };
 
-/// What becomes of the smaller parts of a fragment that falls apart.
-enum class Crumbs {
-  worn,  ///< they wear away; every fragment is one 6-connected part again
-  kept   ///< they stay voxels of their fragment
+/// What happens to the smaller components of a fragment that erosion disconnects.
+enum class Islands {
+  eroded,  ///< they are eroded too, so that every fragment is 6-connected
+  kept     ///< they stay in their fragment
 };
 
 struct ErodeOptions {
   ErodeShape shape = ErodeShape::ellipse;
   int size = 3;          ///< voxels across the shape, odd, 3..13
-  bool planes = false;   ///< 2-D: the shape's section by each of the three axis planes; a voxel is
-                         ///< worn where one of the three is filled too little
-  int iterations = 0;    ///< how often the shell is tested, 0..1000; 0 wears nothing at all
-  double threshold = 1;  ///< share of the shape's cells that must be filled, above 0, at most 1, to
-                         ///< the nearest millionth; lower is gentler
-  double probability = 1;  ///< that a voxel is tested in an iteration, above 0, at most 1
+  bool planes = false;   ///< 2-D: uses the shape's section in each of the three axis planes; a
+                         ///< voxel erodes if any section is filled below the threshold
+  int iterations = 0;    ///< 0..1000; 0: no erosion
+  double threshold = 1;  ///< least share of the shape's cells that must be filled, above 0, at most
+                         ///< 1, rounded to a millionth; lower erodes less
+  double probability = 1;  ///< of testing a voxel in an iteration, above 0, at most 1
   ErodeOn on = ErodeOn::fracture;
-  Crumbs crumbs = Crumbs::worn;
+  Islands islands = Islands::eroded;
   std::uint64_t seed = 0;  ///< used only when probability < 1
 };
 
 struct Erosion {
-  Labels labels;                    ///< worn voxels are Labels::kWorn, all else as it was
-  std::vector<std::uint64_t> worn;  ///< [fragments+1] voxels each lost, crumbs too; [0] the sum
+  Labels labels;                      ///< eroded voxels are Labels::kEroded, others unchanged
+  std::vector<std::uint64_t> eroded;  ///< [fragments+1] voxels lost, islands included; [0] the sum
 };
 
-/// Wear fragments down.  In each iteration the voxels of a fragment's shell are tested, each with
-/// `probability`, a new draw every time; a voxel is worn when fewer than threshold * cells of its
-/// shape are filled.  Filled is counted as it was when the iteration began, so no order matters.
+/// Erodes fragments.  Each iteration tests the voxels of a fragment's shell, each with
+/// `probability` (drawn anew); a voxel erodes if fewer than threshold * cells of its shape are
+/// filled.  Cells are counted in the state before the iteration, so the order does not matter.
 ///
-/// The shell is the fragment less its erosion by 26 neighbours.  A cell is filled when it is the
-/// fragment's own.  Under ErodeOn::fracture only those shell voxels are tested that have an inside
-/// voxel not of their fragment among their 26 neighbours (another fragment's, worn, or without
-/// label), and a cell outside the solid counts as filled, so that the original surface stays where
-/// it was away from the cracks.
+/// The shell is the fragment minus its erosion by 26 neighbors.  A cell is filled if it belongs to
+/// the same fragment.  With ErodeOn::fracture only shell voxels are tested that have an inside
+/// voxel of another fragment, an eroded voxel or an unlabeled one among their 26 neighbors, and
+/// cells outside the solid count as filled, so the original surface does not move away from the
+/// cracks.
 ///
-/// A fragment is never worn away: an iteration that would take its last voxel does not happen to
-/// it.  Crumbs are dealt with once, after the last iteration: of a fragment's 6-connected parts the
-/// one with the most voxels stays, of equal ones that with the first voxel in leaf order.
+/// A fragment never disappears: an iteration that would erode its last voxel is skipped for it.
+/// Islands are handled once, after the last iteration: the 6-connected component with the most
+/// voxels stays; of equal ones, the one with the first voxel in leaf order.
 ///
-///   labels     inside voxels 0..fragments or Labels::kWorn; labels of the outer band are neither
-///              read nor changed, so carry them anew where that matters
+///   labels     inside voxels 0..fragments or Labels::kEroded; labels of the exterior band are
+///              neither read nor changed: call extendLabels afterwards where they matter
 ///   fragments  1..kMaxFragments
-///   cost       leaves * iterations, and shell voxels * size^2 * iterations on the host; crumbs are
+///   cost       leaves * iterations, and shell voxels * size^2 * iterations on the host; islands
+///   are
 ///              found on the device
-///   throws     Error(usage) options out of range, labels that are not those of `blocks`;
+///   throws     Error(usage) options out of range, labels that do not match `blocks`;
 ///              Error(device); Error(cancelled)
 ///   source     Generating implicit object fragment datasets for machine learning, 3.2.3
 [[nodiscard]] Erosion erode(const LeafBlocks& blocks, const Labels& labels, int fragments,

@@ -1,4 +1,4 @@
-// The one exception type of Sherd.
+// The exception type of Sherd.
 #pragma once
 
 #include <stdexcept>
@@ -6,18 +6,18 @@
 
 namespace sherd {
 
-/// What went wrong; the value is the exit status of the program.
+/// The kind of an error; the value is the program's exit status.
 enum class ErrorCode {
-  internal = 1,     ///< a mistake of ours
-  usage = 2,        ///< an option or argument that cannot be
-  input = 3,        ///< a file that cannot be read or broken
-  device = 4,       ///< no OpenCL device, or it failed
-  output = 5,       ///< something could not be written
-  cancelled = 130,  ///< the caller asked to stop
+  internal = 1,     ///< a bug in Sherd
+  usage = 2,        ///< an invalid option or argument
+  input = 3,        ///< a file that cannot be read, or an object that cannot be broken
+  device = 4,       ///< no OpenCL device, or a device failure
+  output = 5,       ///< a file that cannot be written
+  cancelled = 130,  ///< stopped by the caller
 };
 
-/// Thrown by every function of the library.  what() is one sentence to the user: what, where,
-/// found, expected, what to try; no final full stop.
+/// Every error that the library throws.  what() is one sentence for the user without a final full
+/// stop: what, where, found, expected, what to try.
 class Error : public std::runtime_error {
  public:
   Error(ErrorCode code, const std::string& sentence) : std::runtime_error(sentence), code_(code) {}

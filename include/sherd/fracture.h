@@ -1,4 +1,4 @@
-// The whole way from a mesh to fragments.
+// The complete pipeline, from a mesh to fragments.
 #pragma once
 
 #include <sherd/erode.h>
@@ -23,30 +23,29 @@ struct FractureOptions {
   std::uint64_t seed = 0;
   int resolution = kAutoResolution;  ///< see SolidOptions; used when voxelSize is 0
   double voxelSize = 0.0;            ///< world units per voxel; 0: from resolution
-  Fill fill = Fill::automatic;       ///< how the mesh tells its inside
+  Fill fill = Fill::automatic;       ///< how the inside of the mesh is found
   double shellThickness = 0.0;       ///< see SolidOptions
 
-  SeedOptions seeds{};               ///< its `pieces` and `seed` are taken from above
-  int extraSeedsPerPiece = 0;        ///< extra seeds beside seeds.extraSeeds, for each fragment
-  std::filesystem::path seedFile{};  ///< explicit seeds in place of placed ones; empty: none
-  GrowOptions grow{};                ///< its noise seed is made from `seed`
+  SeedOptions seeds{};               ///< `pieces` and `seed` in it are replaced by those above
+  int extraSeedsPerPiece = 0;        ///< extra seeds per fragment, added to seeds.extraSeeds
+  std::filesystem::path seedFile{};  ///< explicit seeds instead of sampled ones; empty: none
+  GrowOptions grow{};                ///< the noise seed in it is derived from `seed`
   ShareOptions shares{};
-  ErodeOptions erode{};    ///< its `seed` is taken from above
-  double dropShare = 0.0;  ///< fragments of a lesser share of the solid's voxels are withheld, 0..1
-  double missing = 0.0;    ///< of the others: withheld too, a number from 1 up, or below 1 a share
+  ErodeOptions erode{};    ///< `seed` in it is replaced by the one above
+  double dropShare = 0.0;  ///< withholds fragments below this share of the solid's voxels, 0..1
+  double missing = 0.0;    ///< withholds further fragments: a number if >= 1, a share if below 1
   SurfaceOptions surface{};
 };
 
-/// Options as section 4.1 of the paper has them: 128 voxels, seeds drawn evenly, two extra seeds a
-/// fragment merged by Chebyshev's metric, a flood over 6 neighbours, no erosion, meshes of the bare
-/// labels, smoothed 0.048 times the longest side's voxels, by 0.2 at cracks and by 0.9 elsewhere.
-/// Where the published program differs (0.015 in place of 0.048 at cracks, Euclid's metric), the
-/// paper is followed.  The number of pieces is left at the default: the paper has every one from 2
-/// to 10.
+/// Returns the options of the paper's section 4.1: 128 voxels, uniform seeds, two extra seeds per
+/// fragment merged by the Chebyshev metric, a flood over 6 neighbors, no erosion, meshes of the
+/// labels, smoothed for 0.048 iterations per voxel of the longest side, with weights of 0.2 at
+/// cracks and 0.9 elsewhere.  Where the published program differs (0.015 iterations at cracks, the
+/// Euclidean metric), the paper is followed.  `pieces` keeps its default: the paper uses 2 to 10.
 ///   source  Generating implicit object fragment datasets for machine learning
 [[nodiscard]] FractureOptions paperOptions();
 
-/// Seconds that one stage took.
+/// The wall-clock time of one stage.
 struct StageTime {
   std::string stage;
   double seconds = 0.0;
@@ -54,44 +53,44 @@ struct StageTime {
 
 struct FractureResult {
   Solid solid;
-  std::size_t parts = 0;  ///< 6-connected parts of the solid
+  std::size_t components = 0;  ///< 6-connected components of the solid
   std::vector<Seed> seeds;
-  Labels labels;                    ///< as they are after erosion
-  std::vector<std::uint64_t> worn;  ///< [fragments+1] worn voxels of each, [0] of all
-  std::vector<Fragment> fragments;  ///< [max(pieces, parts)] ascending by id
-  std::size_t withheld = 0;         ///< how many of the last fragments are withheld
-  std::vector<int> parents;         ///< [fragments] of refracture: the old fragment each comes
-                                    ///< from; empty where a mesh was broken
+  Labels labels;                      ///< after erosion
+  std::vector<std::uint64_t> eroded;  ///< [fragments+1] eroded voxels of each, [0] the sum
+  std::vector<Fragment> fragments;    ///< [max(pieces, components)] ascending by id
+  std::size_t withheld = 0;           ///< the last `withheld` fragments are withheld
+  std::vector<int> parents;           ///< [fragments] of refracture: id of the old fragment that
+                                      ///< each comes from; else empty
   std::vector<StageTime> times;
 
   std::size_t kept() const { return fragments.size() - withheld; }
 };
 
-/// Break a mesh: voxelize, findParts, placeSeeds or readSeeds, growWithShares, erode and
-/// extractFragments, in this order.  Between them parts under kSpeckVoxels voxels are dropped, and
-/// fragments that are withheld get the last ids; ids are a random permutation, so withholding by
-/// number withholds random ones.
-///   throws  what they throw; Error(usage) nothing would be left, or seeds of a file and pieces
-///           disagree
+/// Breaks a mesh: voxelize, findComponents, placeSeeds or readSeeds, growWithShares, erode and
+/// extractFragments, in this order.  Components under kSmallComponentVoxels voxels are dropped
+/// before seeding.  Withheld fragments get the last ids; ids are a random permutation, so
+/// `missing` withholds random fragments.
+///   throws  what these functions throw; Error(usage) no fragment would be left, or a seed file
+///           contradicts `pieces`
 [[nodiscard]] FractureResult fracture(const TriangleMesh& mesh, const FractureOptions& options,
                                       Device& device, const Progress* progress = nullptr);
 
-/// Break a solid that is there already: the same without voxelize.  Options that tell how to
-/// voxelize are not used.
+/// Breaks an existing solid: the same without voxelize, whose options are ignored.
 [[nodiscard]] FractureResult fracture(Solid solid, const FractureOptions& options, Device& device,
                                       const Progress* progress = nullptr);
 
-/// A solid that can be broken any number of times.
+/// A solid with what is computed once for any number of fractures.
 struct PreparedSolid {
-  Solid solid;                                       ///< without specks
-  Parts parts;                                       ///< of the solid
-  std::shared_ptr<const UnbrokenSurface> surface{};  ///< of the solid, or null
+  Solid solid;                                     ///< without small components
+  VoxelComponents components;                      ///< of the solid
+  std::shared_ptr<const IntactSurface> surface{};  ///< of the solid, or null
 };
 
-///   throws  Error(input) the solid has nothing but specks
+/// Drops small components and finds the others; leaves `surface` null.
+///   throws  Error(input) the solid has only components under kSmallComponentVoxels voxels
 [[nodiscard]] PreparedSolid prepared(Solid solid, Device& device);
 
-/// The same, of which only what is new for each fracture is done.
+/// Breaks a prepared solid.
 [[nodiscard]] FractureResult fracture(const PreparedSolid& prepared, const FractureOptions& options,
                                       Device& device, const Progress* progress = nullptr);
 

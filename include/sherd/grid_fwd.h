@@ -1,5 +1,5 @@
-// OpenVDB's names that the headers speak of: openvdb::Coord, and openvdb::FloatGrid by name only,
-// because a file that includes OpenVDB whole takes seconds longer to compile.  Include
+// OpenVDB types used by the headers: openvdb::Coord, and a forward declaration of
+// openvdb::FloatGrid, because including all of OpenVDB adds seconds to a compilation.  Include
 // <openvdb/openvdb.h> where a grid's values are needed.
 #pragma once
 

@@ -1,4 +1,4 @@
-// Files: what a fracture writes, and how it is read back.
+// Writing a fracture's files.
 #pragma once
 
 #include <sherd/fracture.h>
@@ -16,125 +16,126 @@
 
 namespace sherd {
 
-/// Write the rims of all contacts (see rimCurves) as closed polylines in OBJ, an object
-/// rim_<id>_<id> for each two fragments that touch, the lower id first.
+/// Writes the boundaries of all contacts (see boundaryLoops) as closed polylines in OBJ: an object
+/// boundary_<id>_<id> for each pair of touching fragments, the lower id first.
 ///   throws  Error(output)
-void writeRims(const OutputFile& file, std::span<const Fragment> fragments);
+void writeBoundaries(const OutputFile& file, std::span<const Fragment> fragments);
 
-/// Write what touches what, for simulations, as JSON by the schema of NVIDIA Blast: chunks, the
-/// whole first and the fragments below it, and bonds between fragments, each with area, normal
+/// Writes the contact graph for simulations as JSON in the schema of NVIDIA Blast: chunks (the
+/// whole first, the fragments as its children) and bonds between fragments, each with area, normal
 /// and centroid.
 ///   throws  Error(output)
-void writeGraph(const OutputFile& file, std::span<const Fragment> fragments, const VdbNotes& notes);
+void writeGraph(const OutputFile& file, std::span<const Fragment> fragments,
+                const GridMetadata& metadata);
 
-/// The same as Houdini's constraint network, in its ASCII format `.geo`: a point at each fragment's
-/// centre of mass, with `name`, and an open polygon between two that touch, with constraint_name,
-/// constraint_type, restlength and strength, which is the contact's area.
+/// Writes the contact graph as a Houdini constraint network in the ASCII format `.geo`: a point at
+/// each fragment's center of mass, with `name`, and an open polygon for each contact, with
+/// constraint_name, constraint_type, restlength and strength (the contact's area).
+///   throws  Error(output)
 void writeConstraints(const OutputFile& file, std::span<const Fragment> fragments);
 
-/// Write the convex hull of a fragment's mesh as OBJ.
-///   gap     what is left between the hulls of two neighbours that are convex; world units
+/// Writes the convex hull of a fragment's mesh as OBJ.
+///   gap     distance between the hulls of two convex neighbors, world units
 ///   throws  Error(output); Error(input) the mesh is flat
 void writeProxy(const OutputFile& file, const Fragment& fragment, const std::string& name,
                 double gap);
 
-/// Into which `.vdb` files fragments go.
+/// The `.vdb` files that hold the fragments.
 enum class VdbFiles {
-  files,   ///< one each
+  files,   ///< one per fragment
   single,  ///< fragments.vdb
   both,
 };
 
-/// Which files a fracture writes beside `manifest.json`.
+/// The files that a fracture writes in addition to `manifest.json`.
 struct WriteOptions {
-  bool labels = true;   ///< labels.rle, or as voxelFormats says
-  bool vdb = true;      ///< as vdbFiles says
-  bool mesh = true;     ///< meshes/<stem>_001.ply, and textures where the input has some
-  bool preview = true;  ///< preview.png; of large solids as coarse as its pixels
-  bool seeds = false;   ///< seeds.json
-  bool rims = false;    ///< rims.obj
-  bool cost = false;    ///< cost.vdb, when the labels hold costs
-  bool solid = false;   ///< the unbroken solid too: fragments/<stem>.vdb where vdb is written, and
-                        ///< meshes/<stem>.ply and so on where mesh is
-  bool scene = false;   ///< scene.glb: a node for each fragment, its origin the centre of mass
-  bool graph = false;   ///< graph.json and graph.geo
-  bool plainMeshes = false;  ///< vertices and triangles alone in `.ply` and `.obj`
+  bool labels = true;        ///< labels.rle, or other formats by voxelFormats
+  bool vdb = true;           ///< level sets, by vdbFiles
+  bool mesh = true;          ///< meshes/<stem>_001.ply, and the input's textures
+  bool preview = true;       ///< preview.png; of large solids from meshes no finer than its pixels
+  bool seeds = false;        ///< seeds.json
+  bool boundaries = false;   ///< boundaries.obj
+  bool cost = false;         ///< cost.vdb, if the labels have costs
+  bool solid = false;        ///< also the intact solid: fragments/<stem>.vdb with `vdb`, and
+                             ///< meshes/<stem>.ply etc. with `mesh`
+  bool scene = false;        ///< scene.glb: a node for each fragment, its origin the center of mass
+  bool graph = false;        ///< graph.json and graph.geo
+  bool plainMeshes = false;  ///< only vertices and triangles in `.ply` and `.obj`
   bool proxy = false;        ///< proxies/<stem>_001.obj, convex hulls
 
   VdbFiles vdbFiles = VdbFiles::files;  ///< fragments/<stem>_001.vdb, fragments.vdb, or both
   VdbOptions vdbOptions{};
-  double density = 1.0;   ///< mass of a unit of volume, above 0
-  double proxyGap = 0.0;  ///< as writeProxy's; at least 0
+  double density = 1.0;   ///< mass per unit of volume, above 0
+  double proxyGap = 0.0;  ///< `gap` of writeProxy, at least 0
 
-  std::vector<VoxelFormat> voxelFormats{VoxelFormat::rle};       ///< not empty, each once
-  std::vector<MeshFileFormat> meshFormats{MeshFileFormat::ply};  ///< not empty, each once
+  std::vector<VoxelFormat> voxelFormats{VoxelFormat::rle};       ///< not empty, no duplicates
+  std::vector<MeshFileFormat> meshFormats{MeshFileFormat::ply};  ///< not empty, no duplicates
 
-  PointOptions points{};     ///< points/<stem>_001.ply where count is above 0; its `seed` is made
-                             ///< from the fracture's, for each fragment
-  bool sharePoints = false;  ///< points.count is of all fragments, shared out by their area
+  PointOptions points{};     ///< points/<stem>_001.ply if count > 0; `seed` is derived from the
+                             ///< fracture's, per fragment
+  bool sharePoints = false;  ///< points.count is the total, distributed by the fragments' areas
   std::vector<PointFormat> pointFormats{PointFormat::ply};
-  DistanceOptions distances{};  ///< sdf/<stem>_001.npz, and sdf/<stem>.npz of the unbroken solid,
-                                ///< where count is above 0; `spread` is the voxel size where it is
-                                ///< 0, its `seed` is made as that of points
-  std::size_t correspondences = 0;  ///< correspondences.npz: points for each contact, where above 0
+  DistanceOptions distances{};  ///< sdf/<stem>_001.npz, and sdf/<stem>.npz of the intact solid, if
+                                ///< count > 0; a `sigma` of 0 is the voxel size; `seed` is derived
+                                ///< as for points
+  std::size_t correspondences = 0;  ///< correspondences.npz: points per contact; 0: no file
 
-  char up = 'y';  ///< the mesh's axis that points up in the picture: 'x', 'y' or 'z'
+  char up = 'y';  ///< the mesh's axis that points up in the preview: 'x', 'y' or 'z'
 
   bool needsLevelSets() const { return vdb || vdbOptions.fog; }  ///< Fragment::surface
 
-  /// Is there a file of all fragments that is made of their meshes, of their level sets?
+  /// Whether a file is written that needs the meshes, or the level sets, of all fragments at once.
   bool needsAllMeshes() const {
-    return rims || scene || distances.count > 0 || correspondences > 0 ||
+    return boundaries || scene || distances.count > 0 || correspondences > 0 ||
            (points.count > 0 && sharePoints);
   }
   bool needsAllLevelSets() const { return vdb && vdbFiles != VdbFiles::files; }
 };
 
-/// The options, with what the files need of a fracture made too, and not what they do not: costs
-/// and level sets.
+/// Returns the options, with arrival costs and level sets enabled exactly if the files need them.
 [[nodiscard]] FractureOptions optionsFor(FractureOptions options, const WriteOptions& write);
 
-/// See whether what is to be written can be had.  To be asked before long work.
+/// Checks the options.  Call this before long work.
 ///   throws  Error(usage) correspondences of fragments that do not share their surfaces; STL both
 ///           binary and as text
 void checkWriteOptions(const WriteOptions& write, const FractureOptions& options);
 
-/// See whether writeFracture may write into a folder: absent, empty or an earlier fracture's, and
-/// writable.  To be called before long work; nothing is left behind.  Where a killed run left a
-/// fracture half replaced, the earlier one is put back.
-///   throws  Error(output) it holds something else, or cannot be written
+/// Checks that writeFracture can write into a folder: it must be writable, and absent, empty or an
+/// earlier fracture's.  Call this before long work.  The only change it makes: a fracture that a
+/// killed run left half replaced is restored to the earlier one.
+///   throws  Error(output) the folder holds something else, or cannot be written
 void checkFractureFolder(const std::filesystem::path& folder);
 
-/// A fracture's folder, written.
+/// The result of writeFracture.
 struct WrittenFolder {
   std::filesystem::path manifest;
-  std::vector<std::string> warnings;  ///< a sentence on files that the earlier manifest lists and
-                                      ///< that stay, as no fracture's file is named so
+  std::vector<std::string> warnings;  ///< a sentence about files that the earlier manifest lists
+                                      ///< but that are kept, as no fracture's file has such a name
 };
 
-/// Write a fracture into a folder that checkFractureFolder accepts.  What the earlier manifest
-/// lists is replaced, where it is named as this function names files; all else stays.  Everything
-/// is written beside and renamed, `manifest.json` last: without it the folder is unfinished.  On
-/// failure the folder is as it was before; so it is after a kill, once checkFractureFolder or
-/// whatever reads a fracture has opened it.
+/// Writes a fracture into a folder that checkFractureFolder accepts.  Files that the earlier
+/// manifest lists are replaced if they have names that this function uses; all others stay.  Files
+/// are written to a hidden folder and renamed, `manifest.json` last: without it the folder is
+/// unfinished.  On failure the folder is as before; after a kill it is restored when
+/// checkFractureFolder or a reader of fractures opens it.
 ///   throws  Error(usage) correspondences of fragments that do not share their surfaces; what
-///   samplePoints and sampleDistances throw; Error(output) the folder holds something else, cannot
-///   be written, or the disk is full
+///           samplePoints and sampleDistances throw; Error(output) the folder holds something else,
+///           cannot be written, or the disk is full
 WrittenFolder writeFracture(const std::filesystem::path& folder, const SourceMesh& source,
                             const FractureOptions& options, const FractureResult& result,
                             const WriteOptions& write = {}, const Progress* progress = nullptr);
 
-/// A fracture that is in a folder.
+/// The result of fractureInto.
 struct WrittenFracture {
-  FractureResult result;  ///< its fragments as fractureInto says
+  FractureResult result;  ///< fragments without the members that fractureInto frees
   WrittenFolder folder;
 };
 
-/// Break a mesh into a folder: `fracture` and then `writeFracture`, and the same files, but
-/// fragments are written some at a time while they are made.  Their level sets go then, and their
-/// meshes, but for WriteOptions::needsAllLevelSets and needsAllMeshes.  Without either, large
-/// solids take a quarter to a third less memory (docs/performance.md).
-///   return  all but what went: Fragment::surface; mesh and facing
+/// Breaks a mesh into a folder.  The files are those of `fracture` followed by `writeFracture`, but
+/// fragments are written in batches while they are made, and their level sets and meshes are freed
+/// then unless WriteOptions::needsAllLevelSets or needsAllMeshes keeps them.  Where both are freed,
+/// large solids take a quarter to a third less memory (docs/performance.md).
+///   return  the result without what was freed: Fragment::surface; mesh and neighbor
 ///   throws  what fracture and writeFracture throw
 [[nodiscard]] WrittenFracture fractureInto(const std::filesystem::path& folder,
                                            const SourceMesh& source, const FractureOptions& options,

@@ -1,4 +1,4 @@
-// The solid as flat arrays of 8x8x8 leaves: what kernels walk.
+// The solid as flat arrays of 8x8x8 leaves, the layout that kernels read.
 #pragma once
 
 #include <sherd/coords.h>
@@ -18,13 +18,13 @@ inline openvdb::Coord coordFromOffset(std::uint32_t offset) {
           static_cast<int>(offset & 7)};
 }
 
-/// Offset 0..511 of a voxel in its leaf, from its place in the grid.
+/// Offset 0..511 of a voxel in its leaf, from its index-space position.
 inline std::uint32_t offsetFromCoord(const openvdb::Coord& voxel) {
   return static_cast<std::uint32_t>(((voxel.x() & 7) << 6) | ((voxel.y() & 7) << 3) |
                                     (voxel.z() & 7));
 }
 
-/// The leaves that hold inside voxels or outer-band voxels, as flat arrays.
+/// The leaves that hold inside voxels or exterior-band voxels, as flat arrays.
 ///
 /// A voxel's offset in its leaf is OpenVDB's: (x << 6) | (y << 3) | z, z fastest.  A leaf's mask is
 /// eight 64-bit words, word x holding the slab of that x, bit (y << 3) | z:
@@ -32,16 +32,16 @@ inline std::uint32_t offsetFromCoord(const openvdb::Coord& voxel) {
 ///     mask[leaf*8 + x]   bit 63 ............ 8  7 ............ 0
 ///                        y=7 z=7..0   ...       y=0 z=7..z=0
 ///
-/// A voxel of the blocks is named by its place, leaf * 512 + offset, which ascends in leaf order.
+/// A voxel index is leaf * 512 + offset, ascending in leaf order.
 ///
-/// The device reads the same arrays: layout in kernels/leaf_block.h.
+/// The device reads the same arrays; kernels/leaf_block.h has the layout.
 struct LeafBlocks {
-  static constexpr std::uint32_t kNone = 0xffffffffu;  ///< neighbour table: no leaf there
+  static constexpr std::uint32_t kNone = 0xffffffffu;  ///< in `neighbors`: no leaf
 
-  std::vector<openvdb::Coord> origins;    ///< [n] lowest voxel of each leaf, ascending by x, y, z
-  std::vector<std::uint64_t> inside;      ///< [n*8] voxels with distance < 0
-  std::vector<std::uint64_t> outerBand;   ///< [n*8] active voxels with distance >= 0
-  std::vector<std::uint32_t> neighbours;  ///< [n*6] leaf at -x +x -y +y -z +z, or kNone
+  std::vector<openvdb::Coord> origins;      ///< [n] lowest voxel of each leaf, ascending by x, y, z
+  std::vector<std::uint64_t> inside;        ///< [n*8] voxels with distance < 0
+  std::vector<std::uint64_t> exteriorBand;  ///< [n*8] active voxels with distance >= 0
+  std::vector<std::uint32_t> neighbors;     ///< [n*6] leaf at -x +x -y +y -z +z, or kNone
 
   std::size_t count() const { return origins.size(); }
 
@@ -51,13 +51,14 @@ struct LeafBlocks {
     return n;
   }
 
-  bool isInside(std::size_t place) const { return (inside[place / 64] >> (place % 64)) & 1; }
+  bool isInside(std::size_t voxel) const { return (inside[voxel / 64] >> (voxel % 64)) & 1; }
 
-  openvdb::Coord voxelAt(std::size_t place) const {
-    return origins[place / 512] + coordFromOffset(static_cast<std::uint32_t>(place % 512));
+  /// Position of a voxel in the grid, from its index.
+  openvdb::Coord voxelAt(std::size_t voxel) const {
+    return origins[voxel / 512] + coordFromOffset(static_cast<std::uint32_t>(voxel % 512));
   }
 
-  /// Call visit(place) for each inside voxel, in ascending order.
+  /// Calls visit(voxel) with the index of each inside voxel, ascending.
   template <class Visit>
   void forEachInside(const Visit& visit) const {
     for (std::size_t word = 0; word < inside.size(); ++word) {
@@ -68,19 +69,19 @@ struct LeafBlocks {
   }
 };
 
-/// Index of the leaf that holds `voxel`, or LeafBlocks::kNone.
+/// Returns the index of the leaf that holds `voxel`, or LeafBlocks::kNone.
 [[nodiscard]] std::uint32_t findLeaf(const LeafBlocks& blocks, const openvdb::Coord& voxel);
 
-/// The tight box of the inside voxels; empty() where there are none.
+/// Returns the tight box of the inside voxels; empty() if there are none.
 [[nodiscard]] VoxelBox insideBox(const LeafBlocks& blocks);
 
-/// The neighbour table of leaves sorted as LeafBlocks wants them.
-[[nodiscard]] std::vector<std::uint32_t> leafNeighbours(std::span<const openvdb::Coord> origins);
+/// Returns LeafBlocks::neighbors for leaves in the order of LeafBlocks::origins.
+[[nodiscard]] std::vector<std::uint32_t> leafNeighborTable(std::span<const openvdb::Coord> origins);
 
-/// The 27 leaves round a leaf by x, y, z, itself at 13; LeafBlocks::kNone where there is none.
-using LeafRound = std::array<std::uint32_t, 27>;
+/// A leaf and its 26 neighbors, x slowest, the leaf itself at 13; LeafBlocks::kNone: no leaf.
+using LeafNeighbors = std::array<std::uint32_t, 27>;
 
-/// The leaves round each of leaves sorted as LeafBlocks wants them.
-[[nodiscard]] std::vector<LeafRound> leavesRound(std::span<const openvdb::Coord> origins);
+/// Returns the neighborhoods of leaves in the order of LeafBlocks::origins.
+[[nodiscard]] std::vector<LeafNeighbors> leafNeighbors(std::span<const openvdb::Coord> origins);
 
 }  // namespace sherd

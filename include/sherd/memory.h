@@ -1,4 +1,4 @@
-// How much memory there is, and refusing what would not fit.
+// Free memory, and refusing work that would not fit.
 #pragma once
 
 #include <cstdint>
@@ -6,14 +6,13 @@
 
 namespace sherd {
 
-/// Bytes that this process can still get: what the machine has free without swapping, and what
-/// limits on the process (RLIMIT_AS) and its groups (cgroup v2, as Slurm and containers set them)
-/// leave.
+/// Returns the bytes that this process can still allocate: the least of what is free without
+/// swapping, what RLIMIT_AS leaves, and what cgroup v2 limits (set by Slurm and containers) leave.
 [[nodiscard]] std::uint64_t freeMemory();
 
-/// Refuse what would not fit.
-///   what    the sentence begins with it: "WHAT takes up to 3 GB of memory, ..."
-///   throws  Error(usage) `bytes` are above `limit`
+/// Refuses work that would not fit.
+///   what    the start of the message: "WHAT takes up to 3 GB of memory, ..."
+///   throws  Error(usage) `bytes` is above `limit`
 void requireMemory(const std::string& what, std::uint64_t bytes, std::uint64_t limit);
 
 }  // namespace sherd

@@ -1,4 +1,4 @@
-// How much memory a fracture takes, estimated before.
+// Estimates of the memory that a fracture takes.
 #pragma once
 
 #include <sherd/fracture.h>
@@ -9,32 +9,33 @@
 
 namespace sherd {
 
-/// How many fragments have their meshes in memory at once.
+/// Which fragments' meshes are in memory at once.
 enum class MeshesHeld {
   all,
-  some,      ///< as fractureInto does where WriteOptions::needsAllMeshes is false
-  pictured,  ///< the same, and what WriteOptions::preview is made of
+  some,     ///< a batch, as in fractureInto if WriteOptions::needsAllMeshes is false
+  preview,  ///< a batch, and the coarse meshes of WriteOptions::preview
 };
 
-/// Voxels along a solid's longest side that a preview shows at most: those of finer solids are
-/// joined into so many cubes.
+/// The most voxels along a solid's longest side that a preview shows; finer solids are coarsened to
+/// this many.
 inline constexpr double kPreviewCubes = 768.0;
 
-/// Bytes that breaking a mesh takes at most, the mesh and the files' bytes included: by the mesh's
-/// area and volume in voxels, at rates measured on many fractures (docs/performance.md).  Within a
-/// factor of two above what was seen.
+/// Estimates the bytes that breaking a mesh takes at most, the mesh and the files' bytes included,
+/// from the mesh's area and volume in voxels at rates measured on many fractures
+/// (docs/performance.md).  The estimate is above the measured peak, by at most a factor of two.
 [[nodiscard]] std::uint64_t estimatedMemory(const TriangleMesh& mesh,
                                             const FractureOptions& options,
                                             MeshesHeld held = MeshesHeld::all);
 
-/// The same of a solid that is there already, or could be.
-///   surface, inside  voxels
+/// The same for a solid.
+///   surface, inside  numbers of voxels
 [[nodiscard]] std::uint64_t estimatedMemory(double surface, double inside);
 
-/// Refuse to break a mesh that would not fit.
-///   throws  Error(usage) the estimate is above `limit`, with the resolution that would fit, and
-///           whether what is asked would if only some meshes were held; what voxelSizeFor throws.
-///           An automatic resolution is found only where the highest one would not fit
+/// Refuses to break a mesh that would not fit.  An automatic resolution is computed only if the
+/// highest one would not fit.
+///   throws  Error(usage) the estimate is above `limit`; the message names a resolution that fits,
+///           and whether the requested one would fit with MeshesHeld::some; what voxelSizeFor
+///           throws
 void requireMemory(const TriangleMesh& mesh, const FractureOptions& options, std::uint64_t limit,
                    MeshesHeld held = MeshesHeld::all);
 

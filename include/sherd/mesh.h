@@ -1,4 +1,4 @@
-// Triangle meshes: what a reader gives, and what can be measured on them.
+// Triangle meshes: reading and measuring them.
 #pragma once
 
 #include <sherd/appearance.h>
@@ -22,48 +22,49 @@ struct TriangleMesh {
   std::vector<glm::uvec3> triangles;  ///< [m] indices below n
 };
 
-/// A mesh as read from a file, and what was done to it on the way.
+/// A mesh as read from a file, with statistics of the reader.
 struct SourceMesh {
   TriangleMesh mesh;   ///< equal vertices merged, unused ones dropped, node transforms applied
   std::string name;    ///< file name without folder
-  std::string stem;    ///< file name without folder and extensions: names the pieces
+  std::string stem;    ///< file name without folder and extensions, used to name output files
   std::string sha256;  ///< of the file's bytes, 64 hexadecimal digits
   std::size_t fileVertices = 0;         ///< vertices before merging
   std::size_t degenerateTriangles = 0;  ///< triangles with two equal corners, dropped
-  std::size_t droppedVertices = 0;      ///< vertices of faces that are not finite
-  std::size_t droppedTriangles = 0;     ///< triangles that use one of these, dropped
-  Appearance appearance{};              ///< of `mesh`; empty for a plain one
-  std::vector<std::string> objects{};  ///< names (which may be empty or equal) of the file's parts:
-                                       ///< objects, groups, solids, nodes; none where it has one
+  std::size_t droppedVertices = 0;      ///< vertices of faces with a coordinate that is not finite
+  std::size_t droppedTriangles = 0;     ///< triangles that use such a vertex, dropped
+  Appearance appearance{};              ///< of `mesh`; may be empty
+  std::vector<std::string> objects{};   ///< names, possibly empty or equal, of the file's objects,
+                                        ///< groups, solids or nodes; none if it has only one
   std::vector<std::uint32_t> objectOfTriangle{};  ///< [m] below objects.size(), or empty
-  std::vector<std::string> grids{};     ///< of a `.vdb` file: the grids that it was read from
-  std::optional<double> isovalue{};     ///< where their surface was taken to be; none of level sets
-  std::vector<std::string> warnings{};  ///< a sentence for whatever was left out or taken for
-                                        ///< granted, such as a texture that is not there
+  std::vector<std::string> grids{};               ///< the grids used of a `.vdb` file
+  std::optional<double> isovalue{};     ///< used to extract their surface; none for level sets
+  std::vector<std::string> warnings{};  ///< one sentence for each thing that was left out or
+                                        ///< assumed, such as a missing texture
 };
 
-/// Read OBJ, PLY, STL, OFF, glTF, GLB, .binm, FBX, DAE or 3MF, by the file's extension; `.gz` of
-/// any is unpacked.  Polygons are triangulated, exactly equal vertices merged.  Coordinates keep
-/// the file's precision; the last three formats', which sherd-assimp reads, are a float's.
+/// Reads OBJ, PLY, STL, OFF, glTF, GLB, .binm, FBX, DAE or 3MF, by the file's extension, also
+/// compressed as `.gz`.  Polygons are triangulated, exactly equal vertices merged.  Coordinates
+/// keep the file's precision, except single precision in the last three formats, which sherd-assimp
+/// reads.
 ///
-/// The look comes along: texture coordinates (the first set; that of the base colour in glTF),
-/// vertex and face colours (their alpha is left out), materials with names, base colours and
-/// base-colour textures.  Material libraries and textures are read from the mesh's folder and below
-/// it, symbolic links followed, and from nowhere else; what is not there is told in `warnings`.
-///   progress  asked to stop every now and then
-///   throws    Error(input) absent, unreadable, cut, malformed, unknown format, no triangle, no
-///             finite vertex, more than 1e37 units long, more memory than `options` allow;
-///             Error(cancelled) as `progress` says, or a signal stopped sherd-assimp
+/// Surface attributes are read too: texture coordinates (the first set; that of the base color in
+/// glTF), vertex and face colors (without alpha), materials with names, base colors and base-color
+/// textures.  Material libraries and textures are read only from the mesh's folder and below it,
+/// after resolving symbolic links; `warnings` lists missing ones.
+///   progress  only `cancelled` is called
+///   throws    Error(input) absent, unreadable, truncated, malformed, unknown format, no triangle,
+///             no finite vertex, more than 1e37 units long, more memory than `options` allow;
+///             Error(cancelled) by `progress`, or a signal stopped sherd-assimp
 [[nodiscard]] SourceMesh readMesh(const std::filesystem::path& file,
                                   const ReadOptions& options = {},
                                   const Progress* progress = nullptr);
 
-/// The file's parts as meshes of their own, in its order, each with its name as `objects`; those
-/// without a triangle are left out.  What was counted of the whole file stays with the first.
-///   return  the mesh itself where it has no parts
+/// Splits a mesh into its file's objects, in the file's order, each with its name in `objects`;
+/// objects without triangles are left out.  Counts of the whole file stay with the first.
+///   return  only `source` if it has no objects
 [[nodiscard]] std::vector<SourceMesh> splitObjects(const SourceMesh& source);
 
-/// Whether readMesh knows the format, by the file's extension.
+/// Whether readMesh supports the file's extension.
 [[nodiscard]] bool isMeshName(const std::filesystem::path& file);
 
 /// Axis-aligned box of all vertices.
@@ -73,38 +74,37 @@ struct Box {
 };
 [[nodiscard]] Box bounds(const TriangleMesh& mesh);
 
-/// The length of a box's longest side.
+/// Length of a box's longest side.
 [[nodiscard]] double longestSide(const Box& box);
 
-/// Edges that are not used exactly once in each direction; 0 for a closed, consistently oriented
-/// mesh. An edge used twice in each direction (two sheets touching) counts as closed.
+/// Counts edges that are not used equally often in both directions; 0 for a closed, consistently
+/// oriented mesh.  An edge used twice in each direction (two touching sheets) counts as closed.
 [[nodiscard]] std::size_t openEdges(const TriangleMesh& mesh);
 
-/// Edges that are not used by exactly two triangles, once in each direction; 0 for an edge-manifold
-/// closed mesh.
+/// Counts edges that are not used by exactly two triangles, once in each direction; 0 for a closed
+/// edge-manifold mesh.
 [[nodiscard]] std::size_t nonManifoldEdges(const TriangleMesh& mesh);
 
-/// What is wrong with a mesh.
+/// Defects of a mesh, and how many of them voxelize repaired.
 struct MeshDefects {
-  std::size_t parts = 0;               ///< connected over shared vertices
+  std::size_t components = 0;          ///< connected by shared vertices
   std::size_t boundaryEdges = 0;       ///< of one triangle
   std::size_t nonManifoldEdges = 0;    ///< of more than two triangles
-  std::size_t misorientedEdges = 0;    ///< of two triangles that are turned against each other
-  std::size_t turnedTriangles = 0;     ///< turned over to agree with their neighbours
-  std::size_t turnedParts = 0;         ///< parts that were inside out, turned over
+  std::size_t misorientedEdges = 0;    ///< of two triangles with opposite orientation
+  std::size_t flippedTriangles = 0;    ///< flipped to agree with their neighbors
+  std::size_t flippedComponents = 0;   ///< inside-out components that were flipped
   std::size_t duplicateTriangles = 0;  ///< dropped
-  std::size_t zeroAreaTriangles = 0;   ///< corners on a line, kept
+  std::size_t zeroAreaTriangles = 0;   ///< collinear corners, kept
 
   [[nodiscard]] bool closed() const { return boundaryEdges == 0; }
 };
 
-/// Connected components over shared vertices: a number 0..count-1 per triangle, in order of first
-/// triangle.
-struct Components {
-  std::vector<std::uint32_t> ofTriangle;  ///< [m]
+/// Components connected by shared vertices, numbered in the order of their first triangle.
+struct MeshComponents {
+  std::vector<std::uint32_t> ofTriangle;  ///< [m] 0..count-1
   std::uint32_t count = 0;
 };
-[[nodiscard]] Components components(const TriangleMesh& mesh);
+[[nodiscard]] MeshComponents meshComponents(const TriangleMesh& mesh);
 
 /// Total area of the triangles, world units squared.
 [[nodiscard]] double area(const TriangleMesh& mesh);
@@ -113,7 +113,7 @@ struct Components {
 [[nodiscard]] double volume(const TriangleMesh& mesh);
 
 /// Volume integrals of a closed mesh at unit density.
-/// source  D. Eberly, Polyhedral Mass Properties, 2002
+///   source  D. Eberly, Polyhedral Mass Properties, 2002
 struct MassProperties {
   double volume = 0.0;
   glm::dvec3 centroid{0.0};

@@ -1,4 +1,4 @@
-// Fragments' meshes as files.
+// Mesh files of fragments.
 #pragma once
 
 #include <sherd/mesh.h>
@@ -9,24 +9,25 @@
 
 namespace sherd {
 
-/// How fragments' meshes are written.  Where the mesh that was broken has a look, the first three
-/// hold it: the original surface's is that of the nearest part of it; what the fracture laid bare
-/// has kInsideColour and a material "inside".
+/// Formats of fragments' meshes.  If the input has surface attributes, the first three hold them:
+/// on the original surface those of the closest point of the input; fracture surfaces have
+/// kInsideColor and the material "inside".
 enum class MeshFileFormat {
-  ply,      ///< as writePly, and colours of vertices, texture coordinates and material of faces
-  obj,      ///< with normals and materials; the library of materials, one for all, lies beside it
-  glb,      ///< binary glTF 2.0 with its textures in it; a primitive for each material
-  stl,      ///< binary; the triangles alone
-  stlText,  ///< the same as text, into files of the same name
-  binm,     ///< the paper's: positions and faces alone
+  ply,      ///< as writePly, with vertex colors, and texture coordinates and material of faces
+  obj,      ///< with normals and materials; one material library for all, in the same folder
+  glb,      ///< binary glTF 2.0 with embedded textures, a primitive for each material
+  stl,      ///< binary; triangles only
+  stlText,  ///< the same as text, with the same file names
+  binm,     ///< the paper's: positions and faces only
 };
 
-/// Write a mesh as binary little-endian PLY: float x, y, z; faces of three.  Where `facing` is
-/// given, faces have `int facing`, and vertices have it behind their normals, float nx, ny, nz:
-/// normals are the mean of the faces round a vertex, weighted by their angles there; a vertex's
-/// facing is 0 where all of these are of the original surface, else the id that they face most, by
-/// the same angles, of those that are not 0.
+/// Writes a mesh as binary little-endian PLY: vertices float x, y, z; triangles.  Where `neighbor`
+/// is given, faces have `int neighbor`, and vertices have float nx, ny, nz and `int neighbor`:
+/// normals are angle-weighted means over the faces at the vertex; a vertex's neighbor is 0 if these
+/// faces are all on the original surface, else the id above 0 with the largest sum of angles.
+///   neighbor  [triangles] as Fragment::neighbor, or empty
+///   throws    Error(output)
 void writePly(const OutputFile& file, const TriangleMesh& mesh,
-              const std::vector<std::uint16_t>& facing = {});
+              const std::vector<std::uint16_t>& neighbor = {});
 
 }  // namespace sherd

@@ -14,8 +14,8 @@ enum class Metric {
   manhattan,  ///< |dx| + |dy| + |dz|
 };
 
-/// A whole number that orders pairs of voxels as their distance does: the distance itself, in
-/// voxels, or its square where the metric is Euclidean.
+/// Returns an integer that orders voxel offsets by distance: the distance in voxels, squared for
+/// the Euclidean metric.
 constexpr std::int64_t metricOrder(Metric metric, std::int64_t dx, std::int64_t dy,
                                    std::int64_t dz) {
   dx = dx < 0 ? -dx : dx;

@@ -1,4 +1,4 @@
-// Where a file goes: to a path, or to whoever takes its bytes.
+// Destinations of files: paths or sinks.
 #pragma once
 
 #include <filesystem>
@@ -9,24 +9,24 @@
 
 namespace sherd {
 
-/// Takes bytes, piece by piece.
+/// Receives the bytes of a file in chunks.
 using ByteSink = std::function<void(std::string_view)>;
 
-/// Hands bytes over to a sink.
+/// Writes the bytes of a file to a sink.
 using Content = std::function<void(const ByteSink&)>;
 
-/// Takes files by name, from any thread.
+/// Receives files by name, from any thread.
 class FileSink {
  public:
   virtual ~FileSink() = default;
 
-  /// Take a file whole, or not at all where `content` throws.
-  ///   name  parts separated by '/', relative unless the sink says otherwise
+  /// Stores a file completely, or not at all if `content` throws.
+  ///   name    components separated by '/', relative unless the sink documents otherwise
   ///   throws  Error(output)
   virtual void take(const std::string& name, const Content& content) = 0;
 };
 
-/// One file: a path, which appears whole or not at all, or a name in a sink.
+/// One file: a path, written atomically, or a name in a sink.
 class OutputFile {
  public:
   OutputFile(std::filesystem::path path) : name_(std::move(path)) {}
@@ -34,11 +34,11 @@ class OutputFile {
   OutputFile(const std::string& path) : name_(path) {}
   OutputFile(FileSink& sink, std::filesystem::path name) : sink_(&sink), name_(std::move(name)) {}
 
-  /// As messages name it.
+  /// The name used in messages.
   std::string string() const { return name_.string(); }
 
-  /// Write it.
-  ///   throws  Error(output) with its name in front
+  /// Writes the file.
+  ///   throws  Error(output), the message starts with the name
   void write(std::string_view bytes) const;
   void write(const Content& content) const;
 
@@ -47,7 +47,7 @@ class OutputFile {
   std::filesystem::path name_;
 };
 
-/// Where files go together: a folder, or a sink.
+/// A destination for several files: a folder, or a sink.
 class OutputFolder {
  public:
   OutputFolder(std::filesystem::path folder) : folder_(std::move(folder)) {}

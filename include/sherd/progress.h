@@ -1,4 +1,4 @@
-// How long work tells how far it is, and is asked to stop.
+// Progress reports and cancellation of long work.
 #pragma once
 
 #include <functional>
@@ -6,17 +6,17 @@
 
 namespace sherd {
 
-/// Given to functions that may take long.  Both members may be empty.  They are called at least
-/// once per stage and usually several times a second.
+/// Callbacks for functions that may take long.  Both may be empty.  They are called at least once
+/// per stage and usually several times a second.
 struct Progress {
-  /// From the thread that called the function.  fraction of the stage, 0..1
+  /// Called from the thread that called the function.  `fraction` of the stage is 0..1.
   std::function<void(std::string_view stage, double fraction)> report;
-  /// From any thread, several at once.  true: stop soon by throwing Error(cancelled)
+  /// Called from any thread, concurrently.  true: the function soon throws Error(cancelled).
   std::function<bool()> cancelled;
 };
 
-/// Report and, if the caller wants to stop, throw Error(cancelled).  Nothing happens when
+/// Calls `report`, or throws Error(cancelled) if `cancelled` returns true.  Does nothing if
 /// `progress` is null.
-void step(const Progress* progress, std::string_view stage, double fraction);
+void reportProgress(const Progress* progress, std::string_view stage, double fraction);
 
 }  // namespace sherd

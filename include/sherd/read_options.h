@@ -1,4 +1,4 @@
-// What reading a file may take.
+// Options of file readers.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,7 @@ namespace sherd {
 
 struct ReadOptions {
   std::uint64_t maxMemory =
-      std::numeric_limits<std::uint64_t>::max();  ///< bytes: a file that would
-                                                  ///< take more is refused
+      std::numeric_limits<std::uint64_t>::max();  ///< bytes; files that need more are refused
 };
 
 }  // namespace sherd

@@ -1,4 +1,4 @@
-// Pictures of fragments, ray-traced.
+// Ray-traced images of fragments.
 #pragma once
 
 #include <sherd/fragments.h>
@@ -13,7 +13,7 @@
 
 namespace sherd {
 
-/// An 8-bit sRGB picture, rows from the top.
+/// An 8-bit sRGB image, rows from top to bottom.
 struct Image {
   int width = 0;
   int height = 0;
@@ -23,59 +23,61 @@ struct Image {
 struct RenderOptions {
   int width = 1280;       ///< pixels, 16..16384
   int height = 720;       ///< pixels, 16..16384
-  double explode = 0.25;  ///< how far pieces move from the whole's centre, as a share of their own
-                          ///< distance to it, 0..100
-  double azimuth = 35.0;  ///< degrees about the up axis
+  double explode = 0.25;  ///< displacement of fragments from the whole's center, relative to their
+                          ///< distance from it, 0..100
+  double azimuth = 35.0;  ///< degrees around the up axis
   double elevation = 20.0;  ///< degrees above the horizon, -90..90
   char up = 'y';            ///< the mesh's axis that points up: 'x', 'y' or 'z'
 };
 
-/// An exploded view of the fragments on a plain ground, each in its colour, inner faces told from
-/// outer ones. Equal input gives equal bytes, whatever the number of threads.  Without fragments,
-/// the bare backdrop.
-///   throws  Error(usage) an option out of range; Error(output) no memory for the picture;
-///   Error(cancelled)
+/// Renders an exploded view of the fragments on a plain ground, each in its own color, fracture
+/// surfaces shaded differently from the original surface.  The image does not depend on the number
+/// of threads.  Without fragments it shows only the backdrop.
+///   throws  Error(usage) an option out of range; Error(output) no memory for the image;
+///           Error(cancelled)
 [[nodiscard]] Image renderFragments(std::span<const Fragment> fragments,
                                     const RenderOptions& options = {},
                                     const Progress* progress = nullptr);
 
-/// What a picture is made of, for compositing.  Rows from the top; where no fragment is seen, 0 in
-/// every layer but depth.
-struct Layers {
+/// Arbitrary output variables (AOVs) for compositing, rows from top to bottom.  All but depth are 0
+/// where no fragment is visible.
+struct Aovs {
   int width = 0;
   int height = 0;
-  std::vector<float> rgba;  ///< [height * width * 4] linear light of the fragments, not toned
-                            ///< down, times alpha; alpha is the share of the pixel they cover
-  // At pixels' centres:
+  /// [height * width * 4] linear radiance of the fragments without tone mapping, premultiplied;
+  /// alpha is the covered share of the pixel
+  std::vector<float> rgba;
+  // At pixel centers:
   std::vector<float> depth;             ///< [height * width] along the view, world units; infinite
-                                        ///< where nothing is seen
+                                        ///< where no fragment is visible
   std::vector<glm::vec3> normal;        ///< unit, world axes, towards the camera
   std::vector<glm::vec3> position;      ///< world, of the exploded fragment
   std::vector<std::uint32_t> fragment;  ///< id
-  std::vector<std::uint32_t> facing;    ///< 0 original surface, else the fragment that was beyond
+  std::vector<std::uint32_t> neighbor;  ///< id on the other side, 0: original surface
 };
 
-/// The layers of renderFragments' picture, without its ground and backdrop.
+/// Renders the AOVs of renderFragments' image, without ground and backdrop.
 ///   throws  as renderFragments
-[[nodiscard]] Layers renderLayers(std::span<const Fragment> fragments,
-                                  const RenderOptions& options = {},
-                                  const Progress* progress = nullptr);
+[[nodiscard]] Aovs renderAovs(std::span<const Fragment> fragments,
+                              const RenderOptions& options = {},
+                              const Progress* progress = nullptr);
 
-/// Write layers as OpenEXR, ZIP-compressed scan lines: R, G, B, A of 16 bits; Z, N.X, N.Y, N.Z,
-/// P.X, P.Y, P.Z of 32 bits; id and facing as unsigned integers.
+/// Writes AOVs as OpenEXR, ZIP-compressed scan lines: R, G, B, A of 16 bits; Z, N.X, N.Y, N.Z,
+/// P.X, P.Y, P.Z of 32 bits; id and neighbor as unsigned integers.
 ///   throws  Error(output)
-void writeExr(const OutputFile& file, const Layers& layers);
+void writeExr(const OutputFile& file, const Aovs& aovs);
 
-/// The fragments of a fracture's folder, of its manifest, or of a folder of meshes as
-/// readFragments has it; else the one mesh of a file, or the level sets of a `.vdb` file.  A
-/// fracture's fragments without meshes are meshed from their level sets.
-///   return  id, mesh, facing where it is known, and mass of each
-///   throws  Error(input) nothing there can be drawn, it is damaged, or its meshes take more memory
+/// Reads fragments from a fracture's folder or manifest, or from a folder of meshes as
+/// readFragments does; else the mesh of a file, or the level sets of a `.vdb` file.  Fragments of a
+/// fracture without mesh files are meshed from their level sets.
+///   return  id, mesh, mass, and neighbor where it is known
+///   throws  Error(input) nothing can be rendered, a file is damaged, or the meshes take more
+///   memory
 ///           than `options` allow
 [[nodiscard]] std::vector<Fragment> readPieces(const std::filesystem::path& path,
                                                const ReadOptions& options = {});
 
-/// Write an 8-bit RGB PNG.
+/// Writes an 8-bit RGB PNG.
 ///   throws  Error(output)
 void writePng(const OutputFile& file, const Image& image);
 

@@ -1,4 +1,4 @@
-// The parts of a solid, and the seeds that fragments grow from.
+// The connected components of a solid, and the seeds from which fragments grow.
 #pragma once
 
 #include <sherd/coords.h>
@@ -21,141 +21,146 @@ namespace sherd {
 /// The largest fragment id: `labels.rle` stores id + 1 in 16 bits.
 inline constexpr int kMaxFragments = 65534;
 
-/// The 6-connected parts of the inside, numbered 0..count()-1 by their first voxel in leaf order.
-struct Parts {
+/// The 6-connected components of the inside, numbered 0..count()-1 by their first voxel in leaf
+/// order.
+struct VoxelComponents {
   static constexpr std::uint32_t kOneNode = 0xffffffffu;
 
+  // A node is a 6-connected component within one leaf.
   std::vector<std::uint32_t> firstNode;   ///< [leaf] number of the leaf's first node
-  std::vector<std::uint32_t> firstLocal;  ///< [leaf] where it begins in localNode; kOneNode where
-                                          ///< it has but one node, as most have
+  std::vector<std::uint32_t> firstLocal;  ///< [leaf] the leaf's block in localNode; kOneNode for a
+                                          ///< leaf with one node, as most are
   std::vector<std::uint16_t> localNode;   ///< [..*512] node of an inside voxel within its leaf
-  std::vector<std::uint32_t> partOfNode;  ///< [nodes]
-  std::vector<std::uint64_t> voxels;      ///< [count()] inside voxels of each part
+  std::vector<std::uint32_t> componentOfNode;  ///< [nodes]
+  std::vector<std::uint64_t> voxels;           ///< [count()] inside voxels of each component
 
   std::size_t count() const { return voxels.size(); }
-  /// The part of the inside voxel at a place in the leaf blocks.
-  std::uint32_t at(std::size_t place) const {
-    const std::size_t leaf = place / 512;
+  /// Returns the component of an inside voxel.
+  ///   voxel  index leaf * 512 + offset, see LeafBlocks
+  std::uint32_t at(std::size_t voxel) const {
+    const std::size_t leaf = voxel / 512;
     const std::uint32_t first = firstLocal[leaf];
     const std::uint32_t local =
-        first == kOneNode ? 0u : localNode[std::size_t{first} * 512 + place % 512];
-    return partOfNode[firstNode[leaf] + local];
+        first == kOneNode ? 0u : localNode[std::size_t{first} * 512 + voxel % 512];
+    return componentOfNode[firstNode[leaf] + local];
   }
 };
 
-/// Find the 6-connected parts on the device: a flood inside each leaf, then a union of the nodes
-/// that touch across leaf faces.  The result does not depend on the schedule.
+/// Finds the 6-connected components on the device: a flood inside each leaf, then a union of the
+/// nodes that touch across leaf faces.  The result does not depend on the schedule.
 ///   throws  Error(device)
 ///   source  Jaiganesh and Burtscher, ECL-CC, HPDC 2018 (the lock-free union)
-[[nodiscard]] Parts findParts(const LeafBlocks& blocks, Device& device);
+[[nodiscard]] VoxelComponents findComponents(const LeafBlocks& blocks, Device& device);
 
-/// One voxel that a fragment grows from.
+/// A voxel from which a fragment grows.
 struct Seed {
   openvdb::Coord voxel;
   std::uint16_t fragment = 0;  ///< 1..kMaxFragments
   bool operator==(const Seed&) const = default;
 };
 
-/// Fragments that grow from these seeds: the highest id.
+/// Returns the number of fragments that grow from these seeds, the highest id.
 [[nodiscard]] int fragmentsOf(std::span<const Seed> seeds);
 
-/// How seeds are drawn.
+/// How seeds are sampled.
 enum class Sampler {
-  uniform,   ///< each voxel as likely
-  halton,    ///< Halton's points over the solid's box, digits scrambled by the seed
-  gaussian,  ///< normal about the box's centre, standard deviation a quarter of the box per axis
-  poisson,   ///< well apart: darts, and a distance to keep that shrinks until all seeds fit
+  uniform,   ///< every voxel with equal probability
+  halton,    ///< Halton sequence over the solid's box, digits scrambled by the seed
+  gaussian,  ///< normal about the box's center, standard deviation a quarter of the box per axis
+  poisson,   ///< dart throwing with a minimum distance that shrinks until all seeds fit
 };
 
-/// Which voxels seeds may lie on.
+/// Which voxels can be seeds.
 enum class SeedsOn {
   volume,   ///< all inside voxels
-  surface,  ///< inside voxels with a face neighbour that is not inside
+  surface,  ///< inside voxels with a face neighbor that is not inside
 };
 
-/// A half line in world space, from a viewer's eye say.
+/// A ray in world space.
 struct Ray {
   WorldPoint origin{};
   glm::dvec3 direction{0.0, 0.0, -1.0};  ///< any length but 0
 };
 
-/// A blow: seeds that scatter about a voxel of the surface, in the part that holds it.
+/// An impact: seeds scattered about a surface voxel, in the component of that voxel.
 struct Impact {
-  struct Anywhere {};  ///< a random voxel of the surface
+  struct Anywhere {};  ///< a random surface voxel
 
-  /// A point is moved to the nearest voxel of the surface (ties: lowest x, then y, then z); a ray
-  /// hits the first inside voxel that it meets.
-  std::variant<Anywhere, WorldPoint, Ray> place{};
-  /// Seeds; 0: of the pieces beyond one per part, half are shared among all impacts, at least 1
+  /// The surface voxel: random, the nearest to a point (ties: lowest x, then y, then z), or the
+  /// first inside voxel on a ray.
+  std::variant<Anywhere, WorldPoint, Ray> target{};
+  /// Seeds.  0: all such impacts share half of the pieces beyond one per component, at least 1
   /// each.
   int count = 0;
-  double spread = 0.0;  ///< standard deviation per axis, world units; 0: from bias
+  double sigma = 0.0;  ///< standard deviation per axis, world units; 0: from bias
   /// The paper's n, 1..kMaxBias: sum of n uniforms over the box's side / n, so the standard
   /// deviation per axis is side / sqrt(12 n).
   int bias = 5;
-  /// false: each seed is a new fragment, counted in pieces.  true: each shapes the nearest fragment
-  /// there is, as an extra seed does.
+  /// false: each seed is a new fragment, counted in pieces.  true: each seed is added to the
+  /// nearest fragment, as extra seeds are.
   bool merge = false;
 };
 inline constexpr int kMaxBias = 1000;
 
 struct SeedOptions {
-  int pieces = 8;          ///< fragments wanted, 1..kMaxFragments
-  std::uint64_t seed = 0;  ///< every random choice is a hash of this, a stage and an item
+  int pieces = 8;          ///< number of fragments, 1..kMaxFragments
+  std::uint64_t seed = 0;  ///< every random number is a hash of this, a stage and an item
   Sampler sampler = Sampler::uniform;
   SeedsOn on = SeedsOn::volume;
-  int extraSeeds = 0;                      ///< further seeds, each given to the nearest fragment
-  Metric mergeMetric = Metric::chebyshev;  ///< what nearest means for extra and merged seeds
+  int extraSeeds = 0;                      ///< further seeds, each added to the nearest fragment
+  Metric mergeMetric = Metric::chebyshev;  ///< distance of extra and merged seeds to fragments
   std::vector<Impact> impacts{};
-  int randomImpacts = 0;  ///< this many more, each an Impact{}
+  int randomImpacts = 0;  ///< additional impacts, each an Impact{}
 };
 
-/// Place the seeds of N = max(pieces, parts) fragments on distinct voxels: one in each part, those
-/// of the impacts, the rest by the sampler.  Ids are a random permutation of 1..N, so they tell
-/// nothing of the place.  Then the seeds that shape these fragments: merged impacts', and extra
-/// ones by the sampler; each has the id of the nearest of the N that lies in its own part, by
-/// mergeMetric, ties to the lower id.
+/// Places the seeds of N = max(pieces, components) fragments on distinct voxels: one in each
+/// component, those of the impacts, the rest by the sampler.  Ids are a random permutation of 1..N,
+/// independent of position.  Then it places the seeds added to these fragments, those of merged
+/// impacts and extra ones by the sampler.  Each gets the id of the nearest of the N seeds in its
+/// component, by mergeMetric, ties to the lower id.
 ///
-/// An impact scatters its seeds by a normal distribution (a sum of uniforms), cut to its part and
-/// to voxels that are free; where most of the neighbourhood is taken it is widened.  A sampler that
-/// cannot hit a free voxel any more (Halton's points and normal ones are tried a bounded number of
-/// times) leaves the rest to the uniform one.
+/// An impact scatters its seeds by a normal distribution (a sum of uniforms), truncated to free
+/// voxels of its component; the distribution is widened where most of these are taken.  Halton and
+/// gaussian sampling are limited to a number of attempts per seed, after which the rest is uniform.
 ///   return  [N, ascending by fragment id][merged][extra]
 ///   throws  Error(usage) more seeds than voxels, more fragments than kMaxFragments, impacts that
-///           do not fit in pieces or in their part, a ray that misses, a value out of range
-///   cost    N log N and a pass over the masks; poisson some 5,000 darts, and 10 to 40 more a seed
+///           do not fit in pieces or in their component, a ray that misses, a value out of range
+///   cost    N log N and a pass over the masks; poisson about 5,000 darts, and 10 to 40 per seed
 ///   source  López et al., Generating implicit object fragment datasets for machine learning, 2024,
 ///           sections 3.2, 3.2.1, 3.2.2
-[[nodiscard]] std::vector<Seed> placeSeeds(const Solid& solid, const Parts& parts,
+[[nodiscard]] std::vector<Seed> placeSeeds(const Solid& solid, const VoxelComponents& components,
                                            const SeedOptions& options);
 
-/// A seed as a user gives it.
+/// A seed given by the user.
 struct SeedPoint {
   WorldPoint position{};
   int fragment = 0;  ///< 1..kMaxFragments
 };
 
-/// Seeds at given points.  Each moves to the nearest inside voxel that is free, at most 2 voxels
-/// from it (ties: lowest x, then y, then z), in the order given.  A part without a seed gets one,
-/// where placeSeeds would put it, with a new id.
-///   points  ids 1..n without gaps; seeds of one id in one part
-///   seed    places the seeds of parts that have none
+/// Converts points to seeds.  In the order given, each moves to the nearest free inside voxel
+/// within 2 voxels (ties: lowest x, then y, then z).  A component without a seed gets one with a
+/// new id, at the position that placeSeeds uses.
+///   points  ids 1..n without gaps; all seeds of one id in one component
+///   seed    random seed for the components without a seed
 ///   return  [fragments, ascending by id: the first seed of each][the others, in the order given]
-///   throws  Error(input) naming the entry, 1 the first: too far from the solid, an id out of range
-///           or missing, one id in two parts; Error(usage) more fragments than kMaxFragments
+///   throws  Error(input) naming the entry, counted from 1: too far from the solid, an id out of
+///           range or missing, one id in two components; Error(usage) more fragments than
+///           kMaxFragments
 [[nodiscard]] std::vector<Seed> seedsFromPoints(std::span<const SeedPoint> points,
-                                                const Solid& solid, const Parts& parts,
+                                                const Solid& solid,
+                                                const VoxelComponents& components,
                                                 std::uint64_t seed = 0);
 
-/// Read and write seeds as JSON: positions are voxel centres in world units, and what was written
-/// is read back exactly.  Other members of the objects are ignored.
+/// Reads and writes seeds as JSON.  Positions are voxel centers in world units and round-trip
+/// exactly. Unknown members of objects are ignored.
 ///
 ///     {"schema": "sherd-seeds/1", "seeds": [{"fragment": 1, "position": [x, y, z]}, ...]}
 ///
 ///   throws  Error(input) with the file's name: absent, larger than 64 MiB, not JSON, another
-///           schema, an entry that is not as above, and what seedsFromPoints refuses; Error(output)
+///           schema, an invalid entry, and what seedsFromPoints refuses; Error(output)
 [[nodiscard]] std::vector<Seed> readSeeds(const std::filesystem::path& file, const Solid& solid,
-                                          const Parts& parts, std::uint64_t seed = 0);
+                                          const VoxelComponents& components,
+                                          std::uint64_t seed = 0);
 void writeSeeds(const OutputFile& file, std::span<const Seed> seeds, const Solid& solid);
 
 }  // namespace sherd

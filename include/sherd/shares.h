@@ -1,4 +1,4 @@
-// How large fragments become: no small ones, and all about equal.
+// Control of fragment sizes: a least share, and balancing.
 #pragma once
 
 #include <sherd/labels.h>
@@ -10,27 +10,28 @@
 namespace sherd {
 
 struct ShareOptions {
-  double minShare = 0.0;  ///< least share of the solid's voxels that a fragment may have, 0..1
-  int balance = 0;  ///< Lloyd steps before that: seeds move to their fragment's centre, 0..100
-  int tries = 64;   ///< growths that may be spent on minShare
+  double minShare = 0.0;  ///< least share of the solid's voxels in a fragment, 0..1
+  int balance = 0;  ///< Lloyd iterations before that: seeds move to their fragment's center, 0..100
+  int tries = 64;   ///< most growths to reach minShare
 
-  bool isAny() const { return minShare != 0.0 || balance != 0; }  ///< is anything asked for?
+  bool isAny() const { return minShare != 0.0 || balance != 0; }  ///< whether an option is set
 };
 
-/// Seeds and what grew from them.
+/// Seeds and the labels grown from them.
 struct SeededLabels {
   std::vector<Seed> seeds;
   Labels labels;
 };
 
-/// Grow, and grow again until fragments are as large as asked.  A fragment below minShare loses its
-/// seeds, so that its neighbours take its place, and its id gets a new seed in the fragment that is
-/// the largest by then; from the eighth growth on every seed also takes a Lloyd step.
-///   seeds   as placeSeeds returns them
-///   throws  Error(usage) minShare cannot be had: more than 1 / fragments, a part of the solid
+/// Grows fragments, repeatedly until no fragment is below minShare.  A fragment below it loses its
+/// seeds, so that its neighbors fill its volume, and its id gets a new seed in the largest
+/// fragment; from the eighth growth on every seed also takes a Lloyd step.
+///   seeds   as returned by placeSeeds
+///   throws  Error(usage) minShare cannot be reached: above 1 / fragments, a component of the solid
 ///           below it, or not within `tries`; what grow throws
-///   source  Lloyd, Least squares quantization in PCM, 1982 (the steps on centres)
-[[nodiscard]] SeededLabels growWithShares(const LeafBlocks& blocks, const Parts& parts,
+///   source  Lloyd, Least squares quantization in PCM, 1982 (the steps on centers)
+[[nodiscard]] SeededLabels growWithShares(const LeafBlocks& blocks,
+                                          const VoxelComponents& components,
                                           std::vector<Seed> seeds, Device& device,
                                           const GrowOptions& grow, const ShareOptions& shares,
                                           std::uint64_t seed, const Progress* progress = nullptr);

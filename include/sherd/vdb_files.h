@@ -1,4 +1,4 @@
-// Fragments, solids and costs as OpenVDB's `.vdb` files.
+// OpenVDB `.vdb` files of fragments, solids and costs.
 #pragma once
 
 #include <sherd/fragments.h>
@@ -13,49 +13,53 @@
 
 namespace sherd {
 
-/// What the grids of a `.vdb` file tell beside their values.
-struct VdbNotes {
+/// Metadata of the grids in a `.vdb` file.
+struct GridMetadata {
   std::string source;  ///< the input's file name
   std::uint64_t seed = 0;
-  double density = 1.0;        ///< mass of a unit of volume
+  double density = 1.0;        ///< mass per unit of volume
   std::vector<int> parents{};  ///< [fragments] as FractureResult::parents, or empty
 };
 
-/// How the values of `.vdb` files are packed; nothing is lost by any.
+/// Lossless compression of `.vdb` files.
 enum class VdbCompression {
-  blosc,  ///< smallest and fast; a few home-made readers lack it
+  blosc,  ///< smallest and fast; some third-party readers do not support it
   zip,    ///< a tenth larger, slow to write
-  none,   ///< inactive values are left out all the same
+  none,   ///< inactive values are still left out
 };
 
 struct VdbOptions {
-  bool fog = false;   ///< also a grid "density", class fog volume: 0 outside, 1 inside, rising over
-                      ///< the three voxels below the surface, or as deep as a thin fragment is
-  bool half = false;  ///< values of 16 bits, read back as 32: some 0.0008 voxel off, a third less
+  bool fog = false;   ///< also a grid "density", class fog volume: 0 outside, 1 inside, a ramp over
+                      ///< three voxels below the surface, or over the depth of a thinner fragment
+  bool half = false;  ///< 16-bit values, read as 32-bit: error about 0.0008 voxel, a third smaller
   VdbCompression compression = VdbCompression::blosc;
 };
 
-/// Write a fragment's level set as grid "surface", class level set, with its metadata: piece,
+/// Writes a fragment's level set as grid "surface", class level set, with metadata: piece,
 /// fragment_id, pivot, volume, density, mass, inertia, inertia_orient, area_inside, area_outside,
-/// seed, source, tool_version, and parent_id where there are parents.  The file's unique id is made
-/// from its content, so equal fragments give equal bytes.
+/// seed, source, tool_version, and parent_id where there are parents.  The file's unique id is a
+/// hash of its content, so equal fragments give equal bytes.
 ///   throws  Error(output)
-void writeVdb(const OutputFile& file, const Fragment& fragment, const VdbNotes& notes,
+void writeVdb(const OutputFile& file, const Fragment& fragment, const GridMetadata& metadata,
               const VdbOptions& options = {});
 
-/// Write fragments into one file: grids surface_1, surface_2, ... by id, with the metadata of
-/// writeVdb, density_1, ... where asked for, and Int32 grid "fragment_id": each voxel of the solid
-/// is active and has its fragment's id, or 0 where it is of none of these.
+/// Writes fragments into one file: grids surface_1, surface_2, ... by id, with the metadata of
+/// writeVdb; density_1, ... with VdbOptions::fog; and an Int32 grid "fragment_id", in which every
+/// voxel of the solid is active with its fragment's id, or 0 if it is in none of `fragments`.
+///   throws  Error(output)
 void writeVdbOfAll(const OutputFile& file, std::span<const Fragment> fragments, const Solid& solid,
-                   const Labels& labels, const VdbNotes& notes, const VdbOptions& options = {});
+                   const Labels& labels, const GridMetadata& metadata,
+                   const VdbOptions& options = {});
 
-/// Write the unbroken solid's level set as grid "surface", with source, seed and tool_version.
-void writeVdbOfSolid(const OutputFile& file, const Solid& solid, const VdbNotes& notes,
+/// Writes the intact solid's level set as grid "surface", with source, seed and tool_version.
+///   throws  Error(output)
+void writeVdbOfSolid(const OutputFile& file, const Solid& solid, const GridMetadata& metadata,
                      const VdbOptions& options = {});
 
-/// Write the arrival costs of a solid's inside voxels as Int32 grid "cost", compressed and named as
-/// writeVdb does it; the background is -1.
+/// Writes the arrival costs of a solid's inside voxels as Int32 grid "cost", compressed as in
+/// writeVdb; the background is -1.
 ///   labels  with costs
+///   throws  Error(output)
 void writeCost(const OutputFile& file, const Solid& solid, const Labels& labels);
 
 }  // namespace sherd

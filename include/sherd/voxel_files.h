@@ -1,4 +1,4 @@
-// Voxel labels, and the files that hold them: run-length, dense, quad-stack and MagicaVoxel.
+// Voxel labels and their file formats: run-length, dense, quad-stack and MagicaVoxel.
 #pragma once
 
 #include <sherd/coords.h>
@@ -25,71 +25,72 @@ struct VoxelLabels {
   std::vector<std::uint16_t> labels;  ///< [dims.x * dims.y * dims.z], index (x * ny + y) * nz + z
 };
 
-/// One run of equal labels.
+/// A run of equal labels.
 struct Run {
   std::uint16_t label = 0;
   std::uint32_t length = 0;
   bool operator==(const Run&) const = default;
 };
 
-/// A box of labels as runs: adjacent runs differ, but where a run would pass 2^32 - 1 voxels and
-/// goes on in the next; lengths add up to the box.
+/// A box of run-length encoded labels.  Adjacent runs differ, except that runs above 2^32 - 1
+/// voxels are split; lengths add up to the box.
 struct RunLengthVoxels {
   openvdb::Coord dims{0, 0, 0};
-  std::vector<Run> runs;  ///< x slowest, z fastest; runs go on across rows and planes
+  std::vector<Run> runs;  ///< x slowest, z fastest; runs continue across rows and planes
 };
 
-/// Every voxel of `voxels`.
-///   throws  Error(input) when the box holds more than 2^31 voxels
+/// Decodes the runs.
+///   throws  Error(input) the box has more than 2^31 voxels
 [[nodiscard]] VoxelLabels expand(const RunLengthVoxels& voxels);
 
-/// Where a box of voxels lies.
-struct VoxelPlace {
-  GridFrame frame;                   ///< of the box: frame.origin is the centre of its first voxel
+/// The position of a box of voxels.
+struct VoxelTransform {
+  GridFrame frame;                   ///< of the box: frame.origin is the center of its first voxel
   openvdb::Coord indexMin{0, 0, 0};  ///< the first voxel's index in the fracture's `.vdb` files
 };
 
-/// What a voxel file holds.
+/// The content of a voxel file.
 struct PlacedVoxels {
   RunLengthVoxels voxels;
-  std::optional<VoxelPlace> place{};  ///< only `.npz` files tell it
+  std::optional<VoxelTransform> transform{};  ///< only of `.npz` files
 };
 
-/// How a box is made a cube of its longest side; new voxels are 0.
+/// How a box is padded to a cube of its longest side; new voxels are 0.
 enum class Padding {
-  atEnd,    ///< behind the last voxels, as the readers of the paper's data set do
-  centred,  ///< on both sides, the odd voxel behind: as `.bing` files are
+  atEnd,     ///< after the last voxels, as readers of the paper's data set do
+  centered,  ///< on both sides, an odd voxel at the end, as in `.bing` files
 };
 
-/// The box as a cube; its place is kept.
-///   name    for messages
+/// Pads a box to a cube; the voxels keep their world positions.
+///   name    used in messages
 ///   throws  Error(input) the cube has more than 2^34 voxels
 [[nodiscard]] PlacedVoxels padded(const PlacedVoxels& voxels, Padding padding,
                                   const std::string& name);
 
-/// The kinds of voxel files, named as their extensions are.  docs/formats.md has their bytes.
+/// Voxel file formats, named like their extensions; docs/formats.md specifies them.
 enum class VoxelFormat {
   rle,     ///< the paper's run-length file
   npy,     ///< NumPy's dense uint16 [nx, ny, nz]
-  npz,     ///< the same deflated, with origin, voxel_size and index_min
-  vox,     ///< MagicaVoxel, a colour for each fragment
+  npz,     ///< the same compressed, with origin, voxel_size and index_min
+  vox,     ///< MagicaVoxel, a color for each fragment
   qstack,  ///< the paper's quad-stack
   bing,    ///< the paper's raw cube
 };
 
-/// The format of a file by its extension, whatever its case.  An `.npz` may hold something else.
+/// Returns the format of a file by its extension, ignoring case.  An `.npz` may hold something
+/// else.
 [[nodiscard]] std::optional<VoxelFormat> voxelFormatOf(const std::filesystem::path& file);
 
-/// Read a voxel file, by its extension.
-///   throws  Error(input) absent, unreadable, another kind of file, cut, contradicting itself, or
-///           of more memory than `options` allow
+/// Reads a voxel file, by its extension.
+///   throws  Error(input) absent, unreadable, another kind of file, truncated, inconsistent, or
+///           more memory than `options` allow
 [[nodiscard]] PlacedVoxels readVoxels(const std::filesystem::path& file,
                                       const ReadOptions& options = {});
 
-// The readers: whole files in memory.  `name` is for messages.  A box takes nothing, runs do: a
-// packed file of a megabyte may hold a thousand million.  An `.npy` in Fortran's order takes 128
-// MiB more.
-//   throws  Error(input), also for more memory than `options` allow beside `bytes`
+// Parsers of whole files in memory.  Memory grows with the number of runs, not with the box; a
+// compressed file of a megabyte may hold 10^9 runs.  An `.npy` in Fortran order takes 128 MiB more.
+//   name    used in messages
+//   throws  Error(input), also for more memory than `options` allow, `bytes` not counted
 [[nodiscard]] RunLengthVoxels parseRle(std::string_view bytes, const std::string& name,
                                        const ReadOptions& options = {});
 [[nodiscard]] RunLengthVoxels parseNpyLabels(std::string_view bytes, const std::string& name,
@@ -103,26 +104,26 @@ enum class VoxelFormat {
 [[nodiscard]] RunLengthVoxels parseBing(std::string_view bytes, const std::string& name,
                                         const ReadOptions& options = {});
 
-/// The bytes of a voxel file.
-///   throws  Error(output) what the format cannot hold: sides above 65535 or 2^25 columns in
-///   `.qstack`, 2^29 voxels or more than 255 colours in `.vox`, nothing at all in it, 2^34 voxels
-///   in dense formats
+/// Encodes a voxel file.
+///   throws  Error(output) the format cannot hold the voxels: `.qstack` with a side above 65535 or
+///           2^25 columns, `.vox` with 2^29 voxels, more than 255 colors or no voxels, dense
+///           formats with 2^34 voxels
 void encodeVoxels(const PlacedVoxels& voxels, VoxelFormat format, const ByteSink& sink);
 
-/// Write a voxel file, by the format and not by the name.
+/// Writes a voxel file in a format, whatever the file's name.
 ///   throws  Error(output)
 void writeVoxels(const OutputFile& file, const PlacedVoxels& voxels, VoxelFormat format);
 
-/// What reading the file back would not give, a sentence for each thing: the place, labels that
-/// share a colour, an empty margin.
+/// Returns one sentence for each kind of data that the format cannot hold: the transform, labels
+/// that share a color, an empty margin.
 [[nodiscard]] std::vector<std::string> lossesOf(const PlacedVoxels& voxels, VoxelFormat format);
 
-/// Read and write `.rle`.
+/// Reads and writes `.rle`.
 [[nodiscard]] RunLengthVoxels readRle(const std::filesystem::path& file);
 void writeRle(const OutputFile& file, const RunLengthVoxels& voxels);
 
-/// The runs of a labelled solid over its tight box.  What is worn off, and ids above `fragments`
-/// (withheld ones), are solid without a fragment.
+/// Encodes the labels of a solid over its tight box.  Eroded voxels and ids above `fragments`
+/// (withheld ones) are encoded as solid without a fragment.
 [[nodiscard]] RunLengthVoxels encodeRuns(const Solid& solid, const Labels& labels,
                                          int fragments = kMaxFragments);
 

@@ -1,4 +1,4 @@
-// Charts: the regions of a mesh whose look has no seam.
+// Charts: the regions of a mesh whose surface attributes have no seam.
 #include "appearance/charts.h"
 
 #include <tbb/parallel_sort.h>
@@ -19,24 +19,28 @@ struct Edge {
   auto key() const { return std::tie(low, high, triangle, corner); }
 };
 
-// Whether two corners of triangles look alike.
-bool alike(const SurfaceLook& look, std::uint32_t a, std::size_t cornerA, std::uint32_t b,
-           std::size_t cornerB) {
-  return (look.texcoords.empty() || look.texcoords[a][cornerA] == look.texcoords[b][cornerB]) &&
-         (look.colours.empty() || look.colours[a][cornerA] == look.colours[b][cornerB]);
+// Whether two corners of triangles have the same attributes.
+bool haveSameAttributes(const SurfaceAttributes& attributes, std::uint32_t a, std::size_t cornerA,
+                        std::uint32_t b, std::size_t cornerB) {
+  return (attributes.texcoords.empty() ||
+          attributes.texcoords[a][cornerA] == attributes.texcoords[b][cornerB]) &&
+         (attributes.colors.empty() ||
+          attributes.colors[a][cornerA] == attributes.colors[b][cornerB]);
 }
 
-bool belongTogether(const SurfaceLook& look, const Edge& a, const Edge& b) {
+bool areConnected(const SurfaceAttributes& attributes, const Edge& a, const Edge& b) {
   if (a.ascending == b.ascending) return false;
-  if (!look.material.empty() && look.material[a.triangle] != look.material[b.triangle]) {
+  if (!attributes.material.empty() &&
+      attributes.material[a.triangle] != attributes.material[b.triangle]) {
     return false;
   }
   const std::size_t a0 = a.corner, a1 = (a0 + 1) % 3, b0 = b.corner, b1 = (b0 + 1) % 3;
-  return alike(look, a.triangle, a0, b.triangle, b1) && alike(look, a.triangle, a1, b.triangle, b0);
+  return haveSameAttributes(attributes, a.triangle, a0, b.triangle, b1) &&
+         haveSameAttributes(attributes, a.triangle, a1, b.triangle, b0);
 }
 
-// Calls with each two triangles' edges that are the same; of an edge of many triangles with
-// neighbours in their order only, which keeps it cheap.
+// Calls `call` for pairs of triangle edges with the same ends.  Each is paired with the next three
+// in sorted order only, which bounds the cost of an edge of many triangles.
 template <class Call>
 void forEachPair(const std::vector<Edge>& edges, Call&& call) {
   for (std::size_t i = 0; i < edges.size(); ++i) {
@@ -54,7 +58,7 @@ std::uint32_t rootOf(std::vector<std::uint32_t>& parent, std::uint32_t i) {
 
 }  // namespace
 
-Charts charts(const TriangleMesh& mesh, const SurfaceLook& look) {
+Charts charts(const TriangleMesh& mesh, const SurfaceAttributes& attributes) {
   std::vector<Edge> edges;
   edges.reserve(3 * mesh.triangles.size());
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -67,29 +71,30 @@ Charts charts(const TriangleMesh& mesh, const SurfaceLook& look) {
                      [](const Edge& a, const Edge& b) { return a.key() < b.key(); });
 
   Charts out;
-  out.of.resize(mesh.triangles.size());
-  std::iota(out.of.begin(), out.of.end(), 0u);
-  out.beyond.assign(mesh.triangles.size(), {kNoTriangle, kNoTriangle, kNoTriangle});
+  out.ids.resize(mesh.triangles.size());
+  std::iota(out.ids.begin(), out.ids.end(), 0u);
+  out.neighbors.assign(mesh.triangles.size(), {kNoTriangle, kNoTriangle, kNoTriangle});
   forEachPair(edges, [&](const Edge& a, const Edge& b) {
-    std::uint32_t& beyondA = out.beyond[a.triangle][a.corner];
-    std::uint32_t& beyondB = out.beyond[b.triangle][b.corner];
-    if (beyondA != kNoTriangle || beyondB != kNoTriangle || !belongTogether(look, a, b)) return;
-    beyondA = b.triangle;
-    beyondB = a.triangle;
-    const std::uint32_t rootA = rootOf(out.of, a.triangle), rootB = rootOf(out.of, b.triangle);
-    out.of[std::max(rootA, rootB)] = std::min(rootA, rootB);
+    std::uint32_t& neighborA = out.neighbors[a.triangle][a.corner];
+    std::uint32_t& neighborB = out.neighbors[b.triangle][b.corner];
+    if (neighborA != kNoTriangle || neighborB != kNoTriangle || !areConnected(attributes, a, b))
+      return;
+    neighborA = b.triangle;
+    neighborB = a.triangle;
+    const std::uint32_t rootA = rootOf(out.ids, a.triangle), rootB = rootOf(out.ids, b.triangle);
+    out.ids[std::max(rootA, rootB)] = std::min(rootA, rootB);
   });
-  for (std::uint32_t t = 0; t < out.of.size(); ++t) out.of[t] = rootOf(out.of, t);
+  for (std::uint32_t t = 0; t < out.ids.size(); ++t) out.ids[t] = rootOf(out.ids, t);
   forEachPair(edges, [&](const Edge& a, const Edge& b) {
-    if (out.of[a.triangle] != out.of[b.triangle] ||
-        out.beyond[a.triangle][a.corner] == b.triangle) {
+    if (out.ids[a.triangle] != out.ids[b.triangle] ||
+        out.neighbors[a.triangle][a.corner] == b.triangle) {
       return;
     }
-    out.ownSeam.push_back(a.triangle);
-    out.ownSeam.push_back(b.triangle);
+    out.selfSeam.push_back(a.triangle);
+    out.selfSeam.push_back(b.triangle);
   });
-  std::sort(out.ownSeam.begin(), out.ownSeam.end());
-  out.ownSeam.erase(std::unique(out.ownSeam.begin(), out.ownSeam.end()), out.ownSeam.end());
+  std::sort(out.selfSeam.begin(), out.selfSeam.end());
+  out.selfSeam.erase(std::unique(out.selfSeam.begin(), out.selfSeam.end()), out.selfSeam.end());
   return out;
 }
 

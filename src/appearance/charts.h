@@ -1,4 +1,4 @@
-// Charts: the regions of a mesh whose look has no seam.
+// Charts: the regions of a mesh whose surface attributes have no seam.
 #pragma once
 
 #include <sherd/appearance.h>
@@ -10,19 +10,21 @@
 
 namespace sherd {
 
-/// Two triangles hang together where they share an edge, run along it in opposite directions, have
-/// one material, and agree at both its ends on texture coordinates and colours.  A chart is all
-/// that hangs together.  It may meet itself at a seam: the texture of a tube is one chart.
+/// Two triangles are connected if they share an edge in opposite directions, have the same
+/// material, and have the same texture coordinates and colors at both ends of the edge.  A chart is
+/// a connected component of triangles.  It may meet itself at a seam: the texture of a tube is one
+/// chart.
 struct Charts {
-  std::vector<std::uint32_t> of;  ///< [triangles] the lowest triangle of its chart
-  std::vector<std::array<std::uint32_t, 3>> beyond;  ///< [triangles] what hangs together with it at
-                                                     ///< the edge from each corner to the next, or
-                                                     ///< kNoTriangle
-  std::vector<std::uint32_t> ownSeam;  ///< triangles at whose edges a chart meets itself, ascending
+  std::vector<std::uint32_t> ids;  ///< [triangles] the chart, as its lowest triangle
+  /// [triangles] the triangle connected over the edge from each corner to the next, or kNoTriangle
+  std::vector<std::array<std::uint32_t, 3>> neighbors;
+  std::vector<std::uint32_t> selfSeam;  ///< triangles where a chart meets itself, ascending
 };
 inline constexpr std::uint32_t kNoTriangle = 0xffffffffu;
 
-///   cost    triangles * log(triangles)
-[[nodiscard]] Charts charts(const TriangleMesh& mesh, const SurfaceLook& look);
+/// Finds the charts of a mesh.
+///   attributes  of its triangles; each array may be empty
+///   cost        triangles * log(triangles)
+[[nodiscard]] Charts charts(const TriangleMesh& mesh, const SurfaceAttributes& attributes);
 
 }  // namespace sherd

@@ -1,5 +1,5 @@
 // sherd-assimp: reads a mesh on standard input by Assimp and writes it to standard output as
-// src/formats/mesh/mesh_stream.h has it, for readByAssimp().  What it dies of, Sherd survives.
+// src/formats/mesh/mesh_stream.h has it, for readByAssimp().  A crash here does not end Sherd.
 //
 // usage: sherd-assimp fbx|dae|3mf MEMORY_MIB CPU_SECONDS
 #include <sys/prctl.h>
@@ -42,17 +42,17 @@ int refuse(const std::string& why) {
 
 int main(int argc, char** argv) {
   if (argc != 4) return refuse("usage: sherd-assimp fbx|dae|3mf MEMORY_MIB CPU_SECONDS");
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // whoever waits for this is gone
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // end with the parent process
   limit(RLIMIT_CORE, 0);
   limit(RLIMIT_AS, std::strtoull(argv[2], nullptr, 10) << 20);
   const rlim_t seconds = std::strtoull(argv[3], nullptr, 10);
-  const rlimit cpu{seconds, seconds + 1};  // SIGXCPU first, which tells what happened
+  const rlimit cpu{seconds, seconds + 1};  // SIGXCPU first: it names the cause
   ::setrlimit(RLIMIT_CPU, &cpu);
   try {
     const std::string stream = sherd::streamOf(sherd::readScene(readAll(0), argv[1]));
     return std::fwrite(stream.data(), 1, stream.size(), stdout) == stream.size() ? 0 : 1;
   } catch (const std::bad_alloc&) {
-    return refuse("it needs more memory than it is given");
+    return refuse("it needs more memory than its limit");
   } catch (const std::exception& e) {
     return refuse(e.what());
   }

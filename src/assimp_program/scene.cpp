@@ -19,14 +19,14 @@
 #include <vector>
 
 #include "formats/mesh/polygon_mesh.h"
-#include "mesh/colours.h"
+#include "mesh/colors.h"
 
 namespace sherd {
 namespace {
 
 Error refused(const std::string& why) { return Error(ErrorCode::input, why); }
 
-// Shows Assimp the file in memory and nothing of the disk.
+// Gives Assimp the file in memory and no access to the disk.
 class OneFile : public Assimp::IOSystem {
  public:
   OneFile(const std::string& bytes, std::string name) : bytes_(bytes), name_(std::move(name)) {}
@@ -56,7 +56,7 @@ Affine compose(const Affine& outer, const aiMatrix4x4& m) {
   return {outer.linear * linear, outer.linear * glm::dvec3(m.a4, m.b4, m.c4) + outer.offset};
 }
 
-// Where a material's colour comes from: new formats have a base colour, old ones a diffuse one.
+// The texture of a material: its base color in new formats, its diffuse color in old ones.
 struct TextureUse {
   std::string path;  // empty: none
   unsigned set = 0;  // of texture coordinates
@@ -74,12 +74,12 @@ TextureUse textureOf(const aiMaterial& material) {
   return {};
 }
 
-glm::vec3 colourOf(const aiMaterial& material) {
-  aiColor4D colour(1.0f, 1.0f, 1.0f, 1.0f);
-  if (material.Get(AI_MATKEY_BASE_COLOR, colour) != aiReturn_SUCCESS &&
-      material.Get(AI_MATKEY_COLOR_DIFFUSE, colour) != aiReturn_SUCCESS)
+glm::vec3 colorOf(const aiMaterial& material) {
+  aiColor4D color(1.0f, 1.0f, 1.0f, 1.0f);
+  if (material.Get(AI_MATKEY_BASE_COLOR, color) != aiReturn_SUCCESS &&
+      material.Get(AI_MATKEY_COLOR_DIFFUSE, color) != aiReturn_SUCCESS)
     return glm::vec3(1.0f);
-  glm::vec3 out(colour.r, colour.g, colour.b);
+  glm::vec3 out(color.r, color.g, color.b);
   for (int i = 0; i < 3; ++i)
     out[i] = std::isfinite(out[i]) ? std::clamp(out[i], 0.0f, 1.0f) : 1.0f;
   return out;
@@ -112,29 +112,30 @@ struct Reader {
   const aiScene& scene;
   PolygonMesh mesh{};
   RawMesh out{};
-  bool hasTexcoords = false, hasColours = false, skinned = false, morphed = false;
-  std::vector<glm::vec3> colours{};  // [mesh.vertices]
+  bool hasTexcoords = false, hasColors = false, skinned = false, morphed = false;
+  std::vector<glm::vec3> colors{};  // [mesh.vertices]
 
   void addMaterials() {
-    bool told = false;
+    bool hasContent = false;
     for (unsigned i = 0; i < scene.mNumMaterials; ++i) {
       const aiMaterial& source = *scene.mMaterials[i];
       Material material;
       aiString name;
       if (source.Get(AI_MATKEY_NAME, name) == aiReturn_SUCCESS) material.name = name.C_Str();
-      // What Assimp calls the material that a file does not name.
+      // Assimp's name for a material that has none in the file.
       if (material.name == AI_DEFAULT_MATERIAL_NAME) material.name.clear();
-      material.colour = colourOf(source);
+      material.color = colorOf(source);
       const TextureUse use = textureOf(source);
       if (hasTexcoords && !use.path.empty())
-        material.texture = addTexture(scene, use.path, out.look.textures);
-      told |= !material.name.empty() || material.texture >= 0 || material.colour != glm::vec3(1.0f);
-      out.look.materials.push_back(std::move(material));
+        material.texture = addTexture(scene, use.path, out.appearance.textures);
+      hasContent |=
+          !material.name.empty() || material.texture >= 0 || material.color != glm::vec3(1.0f);
+      out.appearance.materials.push_back(std::move(material));
     }
-    if (!told) out.look.materials.clear();
+    if (!hasContent) out.appearance.materials.clear();
   }
 
-  // Where a mesh lacks what others have, colours are white and texture coordinates 0.
+  // Colors default to white and texture coordinates to 0 if only other meshes have them.
   void addVertices(const aiMesh& source, const Affine& world) {
     const bool known = source.mMaterialIndex < scene.mNumMaterials;
     unsigned set = known ? textureOf(*scene.mMaterials[source.mMaterialIndex]).set : 0;
@@ -147,10 +148,10 @@ struct Reader {
         mesh.vertexTexcoords.push_back(at == nullptr ? glm::vec2(0.0f)
                                                      : glm::vec2(at[i].x, at[i].y));
       }
-      if (hasColours) {
-        const aiColor4D* colour = source.mColors[0];
-        colours.push_back(colour == nullptr ? glm::vec3(1.0f)
-                                            : glm::vec3(colour[i].r, colour[i].g, colour[i].b));
+      if (hasColors) {
+        const aiColor4D* color = source.mColors[0];
+        colors.push_back(color == nullptr ? glm::vec3(1.0f)
+                                          : glm::vec3(color[i].r, color[i].g, color[i].b));
       }
     }
   }
@@ -174,8 +175,8 @@ struct Reader {
     }
     mesh.objectOfFace.resize(mesh.faceEnds.size(),
                              static_cast<std::uint32_t>(out.objects.size()) - 1);
-    if (!out.look.materials.empty()) {
-      const auto last = static_cast<std::uint32_t>(out.look.materials.size()) - 1;
+    if (!out.appearance.materials.empty()) {
+      const auto last = static_cast<std::uint32_t>(out.appearance.materials.size()) - 1;
       mesh.faceMaterials.resize(mesh.faceEnds.size(), std::min(source.mMaterialIndex, last));
     }
     skinned |= source.HasBones();
@@ -203,11 +204,11 @@ struct Reader {
   RawMesh read() {
     for (unsigned i = 0; i < scene.mNumMeshes; ++i) {
       hasTexcoords |= scene.mMeshes[i]->GetNumUVChannels() > 0;
-      hasColours |= scene.mMeshes[i]->HasVertexColors(0);
+      hasColors |= scene.mMeshes[i]->HasVertexColors(0);
     }
     addMaterials();
     addNodes();
-    mesh.vertexColours = coloursFrom(colours);
+    mesh.vertexColors = colorsFrom(colors);
     triangulateInto({}, std::move(mesh), out);
     if (skinned)
       out.warnings.emplace_back(
@@ -227,7 +228,7 @@ RawMesh readScene(const std::string& bytes, const std::string& extension) {
   importer.SetIOHandler(new OneFile(bytes, name));  // the importer deletes it
   // The file's axes stay as they are, as with all other formats.
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
-  // No post-processing: merging and triangulating are ours, and Assimp's are slow or leave holes.
+  // No post-processing: Sherd merges and triangulates; Assimp's own steps are slow or leave holes.
   const aiScene* scene = importer.ReadFile(name, 0);
   if (scene == nullptr || scene->mRootNode == nullptr) throw refused(importer.GetErrorString());
   return Reader{.scene = *scene}.read();

@@ -7,10 +7,11 @@
 
 namespace sherd {
 
-/// Every triangle of every node, with its look.  A texture without bytes is a file that the mesh
-/// names; an absolute path, which is of the machine that wrote it, is told without its folders.
-///   extension  "fbx", by which Assimp chooses its reader
-///   throws     Error(input) what Assimp refuses, without the file's name
+/// Returns every triangle of every node, with its attributes. A texture without bytes is a file
+/// that the mesh names; an absolute path, which belongs to the machine that wrote it, is reduced to
+/// its file name.
+///   extension  "fbx", "dae" or "3mf": selects Assimp's reader
+///   throws     Error(input) a file that Assimp refuses; the message does not name the file
 [[nodiscard]] RawMesh readScene(const std::string& bytes, const std::string& extension);
 
 }  // namespace sherd

@@ -26,26 +26,26 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kTemporaryBegin = ".sherd-", kTemporaryEnd = ".tmp";
 
-// Not made from the target's name, which may already be as long as a name may be.  One of this name
-// may be there: in a container every run has the same process number.
+// Independent of the target's name, which may already have the maximal length.  The file may exist:
+// in a container every run has the same process id.
 fs::path temporaryBeside(const fs::path& file) {
   static std::atomic<unsigned> counter{0};
   return file.parent_path() / (std::string(kTemporaryBegin) + std::to_string(::getpid()) + "-" +
                                std::to_string(counter.fetch_add(1)) + std::string(kTemporaryEnd));
 }
 
-// Whether a file system cannot do what it was asked for, on any files.
+// Whether an errno value means that the file system does not support an operation.
 bool isUnsupported(int number) {
   return number == EINVAL || number == ENOSYS || number == EOPNOTSUPP;
 }
 
 constexpr std::size_t kLeastDirect = 16 * kDirectBlock;  // fewer bytes are not worth it
 
-// Let writes go past the cache, or no longer.
+// Enables or disables writes past the cache.
 void setDirect(int descriptor, bool direct) {
   const int flags = ::fcntl(descriptor, F_GETFL);
   if (flags < 0) return;
-  // Not all file systems can; then it stays as it is.
+  // Ignored on file systems without support.
   (void)::fcntl(descriptor, F_SETFL, direct ? flags | O_DIRECT : flags & ~O_DIRECT);
 }
 
@@ -78,7 +78,8 @@ AtomicFile::AtomicFile(fs::path file, Caching caching) : file_(std::move(file)),
   const Uncut whole;
   do {
     temporary_ = temporaryBeside(file_);
-    unfinished_ = Unfinished(temporary_, Unfinished::Kind::file);  // before, as memory may be out
+    unfinished_ =
+        Unfinished(temporary_, Unfinished::Kind::file);  // first, as it may throw bad_alloc
     descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   } while (descriptor_ < 0 && errno == EEXIST);
   if (descriptor_ < 0) outputError(file_, "cannot be written: " + reasonOf(errno));
@@ -107,7 +108,8 @@ void AtomicFile::put(std::string_view bytes, bool direct) {
   while (!bytes.empty()) {
     const ssize_t n = ::write(descriptor_, bytes.data(), bytes.size());
     if (n < 0 && errno == EINTR) continue;
-    if (n < 0 && errno == EINVAL && std::exchange(direct, false)) {  // blocks of another size
+    if (n < 0 && errno == EINVAL &&
+        std::exchange(direct, false)) {  // the file system needs larger blocks
       setDirect(descriptor_, false);
       continue;
     }
@@ -119,7 +121,7 @@ void AtomicFile::put(std::string_view bytes, bool direct) {
 
 void AtomicFile::close() {
   if (descriptor_ < 0) return;
-  if (::close(std::exchange(descriptor_, -1)) != 0) fail(errno);  // NFS tells of a full disk here
+  if (::close(std::exchange(descriptor_, -1)) != 0) fail(errno);  // NFS reports a full disk here
 }
 
 void AtomicFile::commit() {
@@ -139,15 +141,15 @@ void AtomicFile::putInPlace() {
     replaceByTwoRenames();
   } else if (errno != ENOENT || ::rename(temporary_.c_str(), file_.c_str()) != 0) {
     fail(errno);
-  } else {  // nothing was there
+  } else {  // there was no file to replace
     temporary_.clear();
     unfinished_.end();
   }
   isInPlace_ = true;
 }
 
-// Where names cannot be swapped.  What was there keeps a second name meanwhile, so that there is
-// no moment without it; or another one, where the file system has no hard links.
+// For file systems that cannot swap names.  The replaced file gets a second name by a hard link, so
+// that the name always exists; without hard links it is renamed.
 void AtomicFile::replaceByTwoRenames() {
   std::error_code none;
   if (!fs::exists(fs::symlink_status(file_, none))) {
@@ -183,7 +185,7 @@ bool AtomicFile::undo() noexcept {
     before_.clear();
     return true;
   }
-  unfinished_.end();  // which is all there is of what was there
+  unfinished_.end();  // keeps the only copy of the replaced file
   return false;
 }
 

@@ -1,4 +1,4 @@
-// Files that appear whole or not at all.
+// Atomically written files.
 #pragma once
 
 #include <filesystem>
@@ -9,46 +9,46 @@
 
 namespace sherd {
 
-/// Whether what is written stays in the system's cache.
+/// Whether written data stays in the system's cache.
 enum class Caching {
   kept,
-  none  ///< as far as the file system can, and memory is aligned to kDirectBlock: for more than
-        ///< fits, as finding room in the cache costs more than all else that writing takes
+  none  ///< direct I/O where the file system supports it and memory is aligned to kDirectBlock; for
+        ///< data larger than the cache, where evicting pages costs more than writing
 };
 
 constexpr std::size_t kDirectBlock = 4096;
 
-/// A file written beside its final name, under a hidden one, and renamed by commit().  Until then
-/// the target is untouched; without commit() nothing is left.  The target must be absent or a
-/// regular file: renaming onto a device or a symbolic link would replace it.
+/// A file written under a hidden temporary name in the target's folder and renamed by commit().
+/// Until then the target does not change; without commit() the temporary is removed.  The target
+/// must be absent or a regular file: renaming onto a device or a symbolic link would replace it.
 class AtomicFile {
  public:
-  /// throws  Error(output) the target is something else, or its folder cannot be written
+  ///   throws  Error(output) the target is something else, or its folder cannot be written
   explicit AtomicFile(std::filesystem::path file, Caching caching = Caching::kept);
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
 
-  /// Append; hand over large pieces, there is no buffer.
-  ///   throws  Error(output) the disk is full or the like, with the bytes that went well
+  /// Appends without a buffer: pass large chunks.
+  ///   throws  Error(output) write error such as a full disk, with the number of bytes written
   void write(std::string_view bytes);
 
-  /// Nothing follows.
+  /// Ends writing.
   ///   throws  Error(output)
   void close();
 
-  /// Close, and give the file its name.
+  /// Closes the file and renames it to the target.
   ///   throws  Error(output)
   void commit();
 
-  /// The same, undone unless kept: what was there before lies beside until then, under a hidden
-  /// name.  To be within an Uncut until it is kept.
-  ///   throws  Error(output), and all is as it was
+  /// The same, but the destructor undoes it unless keep() is called: until then the replaced file
+  /// stays in the folder under a hidden name.  Call both within one Uncut.
+  ///   throws  Error(output), the target is unchanged
   void putInPlace();
   void keep();
 
-  /// Undo that.
-  ///   return  what there is where it cannot be undone, in the middle of a sentence; else nothing
+  /// Undoes putInPlace().
+  ///   return  if that fails, the resulting state as a clause of a sentence; else empty
   [[nodiscard]] std::string takeBack();
 
  private:
@@ -59,21 +59,21 @@ class AtomicFile {
 
   std::filesystem::path file_;
   std::filesystem::path temporary_;
-  std::filesystem::path before_;  // what was there, once it is in place
-  bool isInPlace_ = false;        // and not kept
+  std::filesystem::path before_;  // the replaced file, after putInPlace()
+  bool isInPlace_ = false;        // after putInPlace(), before keep()
   Unfinished unfinished_;
   int descriptor_ = -1;
   std::uintmax_t written_ = 0;
   Caching caching_;
 };
 
-/// Write `bytes` as the whole of a file.
+/// Writes a file with the content `bytes`.
 void writeWhole(const std::filesystem::path& file, std::string_view bytes);
 
-/// Whether a file of this name is one that is being written, or that a killed run left.
+/// Whether a name is that of an AtomicFile's temporary, in use or left by a killed run.
 [[nodiscard]] bool isTemporaryName(std::string_view name);
 
-/// What an errno value means, in the middle of a sentence: "no space left on device".
+/// Returns the description of an errno value in lower case: "no space left on device".
 [[nodiscard]] std::string reasonOf(int number);
 
 }  // namespace sherd

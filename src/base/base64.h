@@ -1,4 +1,4 @@
-// Bytes as text.
+// Base64 encoding.
 #pragma once
 
 #include <string>
@@ -6,7 +6,7 @@
 
 namespace sherd {
 
-/// In base64 (RFC 4648), padded, on one line.
+/// Encodes bytes in base64 (RFC 4648), padded, without line breaks.
 [[nodiscard]] std::string base64(std::string_view bytes);
 
 }  // namespace sherd

@@ -1,4 +1,4 @@
-// Files below a folder.
+// Checks of paths below a folder.
 #include "base/below_folder.h"
 
 #include <sherd/error.h>
@@ -13,20 +13,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kLongestPart = 255, kLongestPath = 4000;  // as file systems have them
+constexpr std::size_t kLongestPart = 255, kLongestPath = 4000;  // bytes, limits of file systems
 
 [[noreturn]] void inTheWay(const fs::path& path, const char* wanted) {
   throw Error(ErrorCode::output, path.string() + ": is not a " + wanted +
                                      "; move it away or name another output folder");
 }
 
-// What is at a path itself, links not followed.
+// Returns the type of a path's entry without following links.
 fs::file_type typeOf(const fs::path& path) {
   std::error_code failed;
   const fs::file_type type = fs::symlink_status(path, failed).type();
   if (type != fs::file_type::none) return type;
   throw Error(ErrorCode::output,
-              path.string() + ": cannot be looked at: " + reasonOf(failed.value()));
+              path.string() + ": cannot be accessed: " + reasonOf(failed.value()));
 }
 
 }  // namespace

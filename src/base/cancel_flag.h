@@ -1,4 +1,4 @@
-// Stopping work on many threads when the caller asks for it.
+// Cancellation of work on several threads.
 #pragma once
 
 #include <sherd/error.h>
@@ -8,7 +8,7 @@
 
 namespace sherd {
 
-/// Throw Error(cancelled) if the caller wants to stop: in loops within a stage, every few
+/// Throws Error(cancelled) if `cancelled` returns true.  Loops within a stage call this every few
 /// milliseconds.
 inline void throwIfCancelled(const Progress* progress) {
   if (progress != nullptr && progress->cancelled && progress->cancelled()) {
@@ -16,8 +16,8 @@ inline void throwIfCancelled(const Progress* progress) {
   }
 }
 
-/// Whether the caller wants to stop, asked from any thread.  Tasks return early once it is set, and
-/// the thread that started them throws.
+/// Polls for cancellation from any thread.  Tasks return early once it is set, and the thread that
+/// started them throws.
 class CancelFlag {
  public:
   explicit CancelFlag(const Progress* progress) : progress_(progress) {}

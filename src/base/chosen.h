@@ -1,4 +1,4 @@
-// Some of what there is.
+// Selection of array elements.
 #pragma once
 
 #include <cstdint>
@@ -6,8 +6,7 @@
 
 namespace sherd {
 
-/// all[which[0]], all[which[1]], ...; nothing where `all` is empty, as what a mesh has no look of
-/// is.
+/// Returns all[which[0]], all[which[1]], ...; empty if `all` is, as absent surface attributes are.
 template <class Value>
 std::vector<Value> chosen(const std::vector<Value>& all, const std::vector<std::uint32_t>& which) {
   std::vector<Value> some;

@@ -1,4 +1,4 @@
-// A file's bytes.
+// Reading whole files.
 #pragma once
 
 #include <filesystem>
@@ -8,8 +8,8 @@
 
 namespace sherd {
 
-/// Read a whole file into memory.
-///   memory  charged with its size; none: no limit
+/// Reads a whole file into memory.
+///   memory  charged with its size; null: no limit
 ///   throws  Error(input) absent, a directory, not a regular file, unreadable, larger than `memory`
 [[nodiscard]] std::string readFileBytes(const std::filesystem::path& file,
                                         MemoryBudget* memory = nullptr);

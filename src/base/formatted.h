@@ -1,4 +1,4 @@
-// Text by a pattern.
+// Formatted text.
 #pragma once
 
 #include <cstdio>
@@ -6,7 +6,7 @@
 
 namespace sherd {
 
-/// As printf has it, up to 511 characters.
+/// Formats as printf does, truncated to 511 characters.
 template <class... Values>
 std::string formatted(const char* pattern, Values... values) {
   char text[512];

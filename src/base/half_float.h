@@ -1,4 +1,4 @@
-// Numbers of 16 bits (IEEE 754 binary16).
+// 16-bit floating-point numbers (IEEE 754 binary16).
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@ namespace sherd {
 
 inline constexpr double kLargestHalf = 65504.0;
 
-/// The nearest number of 16 bits, of two equally near ones the even one.
+/// Returns the nearest 16-bit number, ties to even.
 ///   value  at most kLargestHalf in magnitude
 inline double roundedToHalf(double value) {
   // Numbers of 11 significant bits; below 2^-14 they are 2^-24 apart.
@@ -18,8 +18,8 @@ inline double roundedToHalf(double value) {
   return std::ldexp(std::nearbyint(std::ldexp(value, 10 - exponent)), exponent - 10);
 }
 
-/// The bits of a number of 16 bits.
-///   value  as roundedToHalf returns it
+/// Returns the bits of a 16-bit number.
+///   value  as returned by roundedToHalf
 inline std::uint16_t halfBits(double value) {
   const std::uint16_t sign = std::signbit(value) ? 0x8000u : 0u;
   const double size = std::abs(value);
@@ -32,7 +32,7 @@ inline std::uint16_t halfBits(double value) {
                                     digits);
 }
 
-/// The number that 16 bits are.
+/// Returns the value of a 16-bit number.
 inline double halfValue(std::uint16_t bits) {
   const int exponent = bits >> 10 & 31, digits = bits & 1023;
   double size = exponent == 0 ? std::ldexp(digits, -24) : std::ldexp(1024 + digits, exponent - 25);

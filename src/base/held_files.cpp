@@ -17,7 +17,7 @@ void HeldFiles::putInPlace() {
   for (const std::unique_ptr<AtomicFile>& file : files_) file->putInPlace();
 }
 
-// The last one first: of two that have one name, it has aside what the other put there.
+// In reverse order: of two files with one name, the later one replaced the earlier one.
 std::string HeldFiles::drop() {
   std::string left;
   for (; !files_.empty(); files_.pop_back()) {

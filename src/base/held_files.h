@@ -1,4 +1,4 @@
-// Files that are put in place together.
+// Files that are renamed to their targets together.
 #pragma once
 
 #include <sherd/output_file.h>
@@ -12,8 +12,8 @@
 
 namespace sherd {
 
-/// Files of any folders, each written beside its name, which is a path.  What is not kept goes with
-/// this, and all is as it was.
+/// Files in any folders, written as AtomicFiles; names are paths.  The destructor undoes everything
+/// that is not kept.
 class HeldFiles : public FileSink {
  public:
   HeldFiles() = default;
@@ -23,13 +23,13 @@ class HeldFiles : public FileSink {
 
   void take(const std::string& name, const Content& content) override;
 
-  /// Nothing but renames, which are undone unless kept.  To be within an Uncut until then.
+  /// Only renames, which are undone unless keep() is called.  Call both within one Uncut.
   ///   throws  Error(output)
   void putInPlace();
   void keep();
 
-  /// Undo that, and forget the files.
-  ///   return  what cannot be undone, in the middle of a sentence; else nothing
+  /// Undoes putInPlace() and drops the files.
+  ///   return  if that fails, the resulting state as a clause of a sentence; else empty
   std::string drop();
 
  private:

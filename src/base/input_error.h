@@ -1,4 +1,4 @@
-// What is wrong with a file that is read.
+// Errors of files that are read.
 #pragma once
 
 #include <sherd/error.h>
@@ -9,14 +9,14 @@
 
 namespace sherd {
 
-/// throws  Error(input) "FILE: what"
+///   throws  Error(input) "FILE: what"
 [[noreturn]] inline void inputError(const std::filesystem::path& file, const std::string& what) {
   throw Error(ErrorCode::input, file.string() + ": " + what);
 }
 
-/// What is at a path, file_type::not_found where nothing is.
-///   throws  Error(input) nobody can tell: the name is too long, a link leads to itself, a folder
-///           may not be entered
+/// Returns the type of a path's entry, file_type::not_found if there is none.
+///   throws  Error(input) the type cannot be determined: the name is too long, a link is a loop, no
+///           permission for a folder
 [[nodiscard]] inline std::filesystem::file_type whatIsAt(const std::filesystem::path& path) {
   std::error_code error;
   const std::filesystem::file_type type = std::filesystem::status(path, error).type();

@@ -1,4 +1,4 @@
-// Numbers as JSON has them.
+// Conversion of numbers and vectors to JSON.
 #pragma once
 
 #include <sherd/grid_fwd.h>
@@ -8,7 +8,7 @@
 
 namespace sherd {
 
-/// Adding zero turns -0 into 0 and leaves every other number as it is.
+/// Replaces -0 by 0.
 [[nodiscard]] inline double plain(double value) { return value + 0.0; }
 
 [[nodiscard]] inline nlohmann::ordered_json jsonOf(const glm::dvec3& v) {

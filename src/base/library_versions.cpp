@@ -1,4 +1,4 @@
-// What this build is made of.
+// Versions of the linked libraries.
 #include "base/library_versions.h"
 
 #include <draco/core/draco_version.h>

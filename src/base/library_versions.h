@@ -1,4 +1,4 @@
-// What this build is made of.
+// Versions of the linked libraries.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace sherd {
 
-/// Names and versions of the libraries that are linked: those at run time where a library reports
-/// its own, else those of the build.
+/// Returns names and versions of the linked libraries: at run time where the library reports it,
+/// else of the build.
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> libraryVersions();
 
 }  // namespace sherd

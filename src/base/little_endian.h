@@ -1,4 +1,4 @@
-// Numbers as little-endian bytes, whatever the machine.
+// Little-endian numbers, independent of the machine's byte order.
 #pragma once
 
 #include <bit>
@@ -9,7 +9,7 @@
 
 namespace sherd {
 
-/// The number at `bytes`.
+/// Reads the number at `bytes`.
 template <class T>
 requires std::is_unsigned_v<T> T loadLittle(const char* bytes) {
   T value = 0;
@@ -19,7 +19,7 @@ requires std::is_unsigned_v<T> T loadLittle(const char* bytes) {
   return value;
 }
 
-/// Put a number to `bytes`, which have room for it.
+/// Writes a number to `bytes`, which has room for it.
 template <class T>
 requires std::is_unsigned_v<T>
 void keepLittle(char* bytes, T value) {
@@ -32,7 +32,7 @@ inline void keepLittle(char* bytes, float value) {
   keepLittle(bytes, std::bit_cast<std::uint32_t>(value));
 }
 
-/// Append a number to `bytes`.
+/// Appends a number to `bytes`.
 template <class T>
 requires std::is_unsigned_v<T>
 void storeLittle(std::string& bytes, T value) {

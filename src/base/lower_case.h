@@ -1,4 +1,4 @@
-// Text without capitals.
+// Conversion to lower case.
 #pragma once
 
 #include <algorithm>
@@ -6,7 +6,7 @@
 
 namespace sherd {
 
-/// ASCII's capitals as small letters, whatever the locale; all other bytes as they are.
+/// Converts ASCII letters to lower case, independent of the locale; other bytes are unchanged.
 [[nodiscard]] inline std::string lowerCase(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(), [](char c) {
     return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;

@@ -1,4 +1,4 @@
-// How much memory there is, and refusing what would not fit.
+// Free memory, and refusing work that would not fit.
 #include <sherd/error.h>
 #include <sherd/memory.h>
 #include <sys/resource.h>
@@ -18,14 +18,14 @@
 namespace sherd {
 namespace {
 
-// The first number in a file of the kernel's; none where it says "max" or there is no such file.
+// Returns the first number in a file of the kernel; infinity for "max" and for absent files.
 double numberIn(const std::string& file) {
   std::ifstream in(file);
   double value = 0.0;
   return in >> value ? value : std::numeric_limits<double>::infinity();
 }
 
-// The number behind a line's beginning; none as above.
+// Returns the number after a line's prefix; infinity if there is none.
 double numberBehind(const std::string& file, std::string_view beginning) {
   std::ifstream in(file);
   for (std::string line; std::getline(in, line);) {
@@ -34,8 +34,7 @@ double numberBehind(const std::string& file, std::string_view beginning) {
   return std::numeric_limits<double>::infinity();
 }
 
-// What the groups of this process may still use, each within the next; files that are only cached
-// give way.
+// Returns what the nested cgroups of this process may still use; cached file pages count as free.
 double freeOfGroups() {
   std::string group;
   std::ifstream in("/proc/self/cgroup");

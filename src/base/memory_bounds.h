@@ -1,16 +1,16 @@
-// What bounds the memory of this process.
+// The bounds of this process's memory.
 #pragma once
 
 namespace sherd {
 
-/// Bytes that are left, infinity where there is no bound.
+/// Bytes left by each bound; infinity without a bound.
 struct MemoryBounds {
   double machine = 0.0;    ///< free without swapping
   double groups = 0.0;     ///< by cgroup v2, as Slurm and containers set them
   double addresses = 0.0;  ///< by RLIMIT_AS (ulimit -v)
 };
 
-/// What freeMemory() is the least of.
+/// Returns the bounds of which freeMemory() is the minimum.
 [[nodiscard]] MemoryBounds memoryBounds();
 
 }  // namespace sherd

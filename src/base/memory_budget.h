@@ -1,4 +1,4 @@
-// How much memory reading a file may still take.
+// The memory budget for reading a file.
 #pragma once
 
 #include <sherd/error.h>
@@ -12,15 +12,15 @@
 
 namespace sherd {
 
-/// Bytes that reading one file takes, charged before they are allocated, so that a small file
-/// cannot take much.  Used by one thread.
+/// Counts the bytes for reading one file before they are allocated, so that a small malicious file
+/// cannot exhaust the memory.  For one thread.
 class MemoryBudget {
  public:
-  ///   file   its name, for the message
+  ///   file   name for the message
   ///   limit  bytes
   MemoryBudget(std::string file, std::uint64_t limit) : file_(std::move(file)), limit_(limit) {}
 
-  ///   throws  Error(input) all that is charged would be above the limit
+  ///   throws  Error(input) the sum would be above the limit
   void charge(std::uint64_t count, std::uint64_t bytesEach = 1) {
     constexpr std::uint64_t kMost = std::numeric_limits<std::uint64_t>::max();
     const bool fits = bytesEach == 0 || count <= (kMost - taken_) / bytesEach;
@@ -48,10 +48,10 @@ class MemoryBudget {
   std::uint64_t limit_, taken_ = 0;
 };
 
-/// Releases, at its end, what was charged since its beginning.
+/// The destructor releases what was charged since the constructor.
 class TransientMemory {
  public:
-  ///   memory  none: nothing is charged
+  ///   memory  may be null
   explicit TransientMemory(MemoryBudget* memory)
       : memory_(memory), before_(memory != nullptr ? memory->taken() : 0) {}
   TransientMemory(const TransientMemory&) = delete;
@@ -65,16 +65,16 @@ class TransientMemory {
   std::uint64_t before_;
 };
 
-/// The charge of arrays that grow element by element.
+/// The charge for arrays that grow element by element.
 class GrowingMemory {
  public:
-  ///   memory  none: nothing is charged
+  ///   memory  may be null
   explicit GrowingMemory(MemoryBudget* memory) : memory_(memory) {}
 
-  /// Charge that they hold so much, or will before the next call.
+  /// Charges arrays of a total size of `bytes`, now or before the next call.
   ///   throws  Error(input)
   void hold(std::uint64_t bytes) {
-    // One that is full is copied to twice its room.
+    // A full array is copied to one of twice the capacity: both exist for a moment.
     constexpr std::uint64_t kRoom = 3;
     if (memory_ == nullptr || kRoom * bytes <= charged_) return;
     memory_->charge(kRoom * bytes - charged_);

@@ -1,4 +1,4 @@
-// Names in the order that people put them in.
+// Natural order of names.
 #include "base/natural_order.h"
 
 #include <algorithm>
@@ -8,7 +8,7 @@ namespace {
 
 bool isDigit(char c) { return c >= '0' && c <= '9'; }
 
-/// Takes the number at the front off, without leading zeros.
+// Removes the number at the front and returns it without leading zeros.
 std::string_view takeNumber(std::string_view& text) {
   const auto end = std::find_if_not(text.begin(), text.end(), isDigit);
   std::string_view number = text.substr(0, static_cast<std::size_t>(end - text.begin()));

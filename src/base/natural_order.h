@@ -1,11 +1,11 @@
-// Names in the order that people put them in.
+// Natural order of names.
 #pragma once
 
 #include <string_view>
 
 namespace sherd {
 
-/// Whether a comes before b, runs of digits compared as numbers: piece_2 before piece_10.
+/// Whether a is before b, with runs of digits compared as numbers: piece_2 before piece_10.
 [[nodiscard]] bool naturallyBefore(std::string_view a, std::string_view b);
 
 }  // namespace sherd

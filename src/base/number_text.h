@@ -1,4 +1,4 @@
-// Numbers as text that does not depend on the locale.
+// Numbers as text, independent of the locale.
 #pragma once
 
 #include <charconv>
@@ -7,7 +7,7 @@
 
 namespace sherd {
 
-/// Append a number in the fewest digits that read back as the same one.
+/// Appends a number with the fewest digits that read back exactly.
 template <class Number>
 void appendShortest(std::string& text, Number value) {
   char digits[32];
@@ -16,7 +16,7 @@ void appendShortest(std::string& text, Number value) {
 
 inline void appendFloat(std::string& text, float value) { appendShortest(text, value + 0.0f); }
 
-/// Append " x y z" in single precision.
+/// Appends " x y z" in single precision.
 inline void appendVector(std::string& text, const glm::dvec3& v) {
   for (int axis = 0; axis < 3; ++axis) appendFloat(text += ' ', static_cast<float>(v[axis]));
 }

@@ -1,5 +1,4 @@
-// The names of options' values, in the order of their enums: what the command line takes and
-// manifests tell.
+// The names of options' values in the order of their enums, for the command line and manifests.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +12,7 @@ inline constexpr const char* kSampler[] = {"uniform", "halton", "gaussian", "poi
 inline constexpr const char* kSeedsOn[] = {"volume", "surface"};
 inline constexpr const char* kErodeShape[] = {"cross", "square", "ellipse"};
 inline constexpr const char* kErodeOn[] = {"fracture", "all"};
-inline constexpr const char* kCrumbs[] = {"wear", "keep"};
+inline constexpr const char* kIslands[] = {"erode", "keep"};
 inline constexpr const char* kInterface[] = {"shared", "independent"};
 inline constexpr const char* kSurface[] = {"smooth", "labels"};
 inline constexpr const char* kSmoothing[] = {"taubin", "laplacian"};
@@ -29,7 +28,7 @@ inline constexpr const char* kDatasetLayout[] = {"sherd", "packed", "paper", "bb
 inline constexpr const char* kFileCompression[] = {"none", "zip", "zstd"};
 inline constexpr const char* kSampleType[] = {"float32", "float16"};
 
-/// The name of a value.
+/// Returns the name of a value.
 template <class Value, std::size_t n>
 const char* of(const char* const (&names)[n], Value value) {
   return names[static_cast<std::size_t>(value)];

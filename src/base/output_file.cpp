@@ -1,4 +1,4 @@
-// Files to a path or to a sink.
+// Writing files to a path or to a sink.
 #include <sherd/output_file.h>
 
 #include "base/atomic_file.h"

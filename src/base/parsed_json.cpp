@@ -1,4 +1,4 @@
-// JSON that anybody may have written.
+// Parsing of untrusted JSON.
 #include "base/parsed_json.h"
 
 #include <sherd/error.h>
@@ -15,14 +15,14 @@ namespace sherd {
 namespace {
 
 constexpr int kDeepest = 16;
-constexpr std::uint64_t kBytesPerValue = 128;  // itself, its key, what finding it takes
+constexpr std::uint64_t kBytesPerValue = 128;  // the value, its key, and its node in the map
 
 [[noreturn]] void inputError(const std::string& what) { throw Error(ErrorCode::input, what); }
 
 }  // namespace
 
-// The parser would take any depth, but a value of each level costs far more than its byte.  (Its
-// own callback could count, but makes it look through a whole list at each of its entries.)
+// The parser accepts any depth, but a value per level costs far more memory than its byte.  (The
+// parser's callback could count, but makes parsing a list quadratic.)
 JsonExtent extentOf(std::string_view text) {
   JsonExtent extent{0, 1};
   int depth = 0;
@@ -72,7 +72,7 @@ Json readParsed(const std::filesystem::path& file, const char* kind, std::uintma
                                 std::to_string(largestBytes) + " are read");
   }
   MemoryBudget memory(file.string(), freeMemory());
-  if (!none) memory.charge(size, 2);  // as text, and what of it is text again
+  if (!none) memory.charge(size, 2);  // the text, and strings copied from it
   const std::string bytes = readFileBytes(file);
   memory.charge(extentOf(bytes).values, kBytesPerValue);
   try {

@@ -1,10 +1,10 @@
-// Progress: report, and stop when asked.
+// Progress reports and cancellation.
 #include <sherd/error.h>
 #include <sherd/progress.h>
 
 namespace sherd {
 
-void step(const Progress* progress, std::string_view stage, double fraction) {
+void reportProgress(const Progress* progress, std::string_view stage, double fraction) {
   if (!progress) return;
   if (progress->cancelled && progress->cancelled())
     throw Error(ErrorCode::cancelled, "stopped on request");

@@ -1,4 +1,4 @@
-// Names of files that come from elsewhere.
+// Safe file names from untrusted text.
 #include "base/safe_name.h"
 
 #include <algorithm>

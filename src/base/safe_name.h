@@ -1,16 +1,15 @@
-// Names of files that come from elsewhere.
+// Safe file names from untrusted text.
 #pragma once
 
 #include <string>
 
 namespace sherd {
 
-/// A text from a file as the name of a file or a thing, which JSON can hold: nothing but UTF-8, no
-/// control characters, no slash, no dot to begin with, at most 200 bytes; `otherwise` where nothing
-/// is left.
+/// Converts untrusted text to a name for files and JSON: valid UTF-8, no control characters, no
+/// slash, no leading dot, at most 200 bytes; `otherwise` if the result would be empty.
 [[nodiscard]] std::string safeName(std::string name, const std::string& otherwise);
 
-/// A name with '_' for each blank, for formats in which a blank ends it.
+/// Replaces each space by '_', for formats in which a space ends a name.
 [[nodiscard]] std::string withoutBlanks(std::string name);
 
 }  // namespace sherd

@@ -14,7 +14,7 @@ namespace sherd {
 namespace {
 
 void require(int done) {
-  if (done != 1) throw Error(ErrorCode::internal, "OpenSSL gives no SHA-256");
+  if (done != 1) throw Error(ErrorCode::internal, "OpenSSL cannot compute SHA-256");
 }
 
 }  // namespace

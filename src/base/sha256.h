@@ -1,4 +1,4 @@
-// SHA-256 as text.
+// SHA-256 checksums.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +10,7 @@ struct evp_md_ctx_st;
 
 namespace sherd {
 
-/// A checksum of bytes that come piece by piece.
+/// Computes the checksum of bytes that are added in chunks.
 class Sha256 {
  public:
   Sha256();
@@ -20,17 +20,17 @@ class Sha256 {
 
   void add(std::string_view bytes);
 
-  /// 64 hexadecimal digits; nothing may be added after.
+  /// Returns 64 hexadecimal digits.  Call it once, after the last add().
   [[nodiscard]] std::string text();
 
  private:
   evp_md_ctx_st* context_;
 };
 
-/// 64 hexadecimal digits.
+/// Returns 64 hexadecimal digits.
 [[nodiscard]] std::string sha256(std::string_view bytes);
 
-/// Of a file, of which little is in memory at a time.
+/// The same for a file, read in blocks of 1 MiB.
 ///   throws  Error(input) it cannot be read
 [[nodiscard]] std::string sha256OfFile(const std::filesystem::path& file);
 

@@ -1,4 +1,4 @@
-// Lines, words and whole numbers of a text in memory.
+// Lines, words and numbers of a text in memory.
 #pragma once
 
 #include <algorithm>
@@ -14,18 +14,18 @@ namespace sherd {
 
 inline bool isBlank(char c) { return c == ' ' || ('\t' <= c && c <= '\r'); }
 
-/// A text without the byte order mark that some programs put before UTF-8.
+/// Removes the byte order mark that some programs write before UTF-8.
 inline std::string_view withoutByteOrderMark(std::string_view text) {
   if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
   return text;
 }
 
-/// Whether a text holds nothing but blanks.
+/// Whether a text has only blanks.
 inline bool isBlank(std::string_view text) {
   return std::all_of(text.begin(), text.end(), [](char c) { return isBlank(c); });
 }
 
-/// A text from a file, fit for a message: what is not printable ASCII becomes '?'.
+/// Replaces all but printable ASCII by '?', for text from files in messages.
 inline std::string plainText(std::string_view text) {
   std::string out(text);
   for (char& c : out)
@@ -33,12 +33,12 @@ inline std::string plainText(std::string_view text) {
   return out;
 }
 
-/// The beginning of a text from a file, in quotes.
+/// Returns the first 40 characters in quotes, for text from files in messages.
 inline std::string inQuotes(std::string_view text) {
   return std::string(1, '\'').append(plainText(text.substr(0, 40))).append(1, '\'');
 }
 
-/// Cuts the first word off a line; empty at its end.
+/// Removes the first word of a line and returns it; empty at the line's end.
 inline std::string_view takeWord(std::string_view& line) {
   std::size_t begin = 0;
   while (begin < line.size() && isBlank(line[begin])) ++begin;
@@ -49,21 +49,21 @@ inline std::string_view takeWord(std::string_view& line) {
   return word;
 }
 
-/// A text without the blanks round it.
+/// Removes leading and trailing blanks.
 inline std::string_view trimmed(std::string_view text) {
   while (!text.empty() && isBlank(text.front())) text.remove_prefix(1);
   while (!text.empty() && isBlank(text.back())) text.remove_suffix(1);
   return text;
 }
 
-/// How many words a line has.
+/// Returns the number of words in a line.
 inline std::size_t countWords(std::string_view line) {
   std::size_t count = 0;
   while (!takeWord(line).empty()) ++count;
   return count;
 }
 
-/// The whole number that a word is, if it is one.
+/// Parses a word as an integer.
 template <class Integer>
 std::optional<Integer> parseInteger(std::string_view word) {
   Integer value{};
@@ -72,7 +72,7 @@ std::optional<Integer> parseInteger(std::string_view word) {
   return value;
 }
 
-/// The number that a word is, if it is one; one that is too large for a double is infinite.
+/// Parses a word as a number; infinity if it is too large for a double.
 inline std::optional<double> parseReal(std::string_view word) {
   if (word.starts_with('+')) word.remove_prefix(1);
   double value = 0.0;
@@ -83,22 +83,22 @@ inline std::optional<double> parseReal(std::string_view word) {
   return value;
 }
 
-/// Whether a word is a number; "nan", "inf" and numbers too large or small for a double are.
+/// Whether a word is a number, including "nan", "inf" and numbers beyond the range of double.
 inline bool isNumber(std::string_view word) { return parseReal(word).has_value(); }
 
-/// Whether a line begins with that many numbers; they are cut off it.
+/// Removes `count` words from a line; returns whether all are numbers.
 inline bool takeNumbers(std::string_view& line, int count) {
   for (int i = 0; i < count; ++i)
     if (!isNumber(takeWord(line))) return false;
   return true;
 }
 
-/// Walks over the lines of a text; '\n', "\r\n" and '\r' end one.
+/// Iterates over the lines of a text, which end with '\n', "\r\n" or '\r'.
 class LineReader {
  public:
   explicit LineReader(std::string_view text) : text_(text) {}
 
-  /// Go to the next line; false after the last.
+  /// Moves to the next line; returns false after the last.
   bool next() {
     if (position_ >= text_.size()) return false;
     std::size_t end = position_;
@@ -111,14 +111,14 @@ class LineReader {
 
   std::string_view line() const { return line_; }
   std::size_t number() const { return number_; }      ///< of the line, from 1
-  std::size_t position() const { return position_; }  ///< byte after the line and its end
+  std::size_t position() const { return position_; }  ///< byte offset after the line's end
 
  private:
   std::string_view text_, line_;
   std::size_t position_ = 0, number_ = 0;
 };
 
-/// Go to the next line that holds something before a '#'; false after the last.
+/// Moves to the next line that is not blank before a '#'; returns false after the last.
 inline bool nextDataLine(LineReader& lines, std::string_view& line) {
   while (lines.next()) {
     line = lines.line().substr(0, lines.line().find('#'));

@@ -1,15 +1,15 @@
-// Work that an error elsewhere does not cut off.
+// Work that an error in another task does not cancel.
 #pragma once
 
 #include <tbb/task_group.h>
 
 namespace sherd {
 
-/// Do `work` to its end, or to its own error, whatever happens to the loop it is a part of.
+/// Runs `work` in an isolated context, so that it ends only by itself or by its own error.
 ///
-/// TBB's loops stop at the first error, and with them every loop that runs within them: OpenVDB's
-/// return with half their work done, and what comes after them reads what was never written.  So
-/// where a parallel loop can fail in one place and is within OpenVDB in another, its body is this.
+/// TBB cancels a loop at the first error, and with it all nested loops: those of OpenVDB then
+/// return with partial results, and the code after them reads uninitialized values.  So the body of
+/// a parallel loop that can throw in one task while another is inside OpenVDB runs through this.
 template <class Work>
 void uncancelled(const Work& work) {
   tbb::task_group_context own(tbb::task_group_context::isolated);

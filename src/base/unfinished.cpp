@@ -1,4 +1,4 @@
-// What is on the disk only while it is worked on.
+// The registry of temporary files and processes.
 #include "base/unfinished.h"
 
 #include <unistd.h>
@@ -28,10 +28,10 @@ struct Entry {
 struct Registry {
   std::mutex mutex;
   std::condition_variable changed;
-  int uncut = 0;  // threads in the middle of such steps
+  int uncut = 0;  // threads within an Uncut
   bool ended = false;
   unsigned long last = 0;
-  std::map<unsigned long, Entry> entries;  // by number, in the order they were made
+  std::map<unsigned long, Entry> entries;  // by number, in the order of creation
 };
 
 Registry& registry() {
@@ -39,7 +39,7 @@ Registry& registry() {
   return *all;
 }
 
-thread_local int depth = 0;  // of Uncuts within one another
+thread_local int depth = 0;  // of nested Uncuts
 
 unsigned long add(Entry entry) {
   Registry& all = registry();
@@ -49,7 +49,7 @@ unsigned long add(Entry entry) {
 }
 
 void remove(const Entry& entry) {
-  constexpr int kTries = 300;  // a thread may make a file while the folder is emptied
+  constexpr int kTries = 300;  // a thread may create a file while the folder is emptied
   constexpr std::chrono::milliseconds kBetween(10);
   std::error_code ignored;
   if (entry.process > 0) {
@@ -114,12 +114,12 @@ void endAllWork() {
 
 void removeUnfinished() {
   Registry& all = registry();
-  const std::lock_guard lock(all.mutex);  // to the end of the process, so nothing needs a copy
+  const std::lock_guard lock(all.mutex);  // held until the process ends, so no copy is needed
   for (auto entry = all.entries.rbegin(); entry != all.entries.rend(); ++entry) {
     try {
       remove(entry->second);
     } catch (const std::exception&) {
-      // No memory for it; there may be for the next.
+      // Out of memory for this entry; the next may succeed.
     }
   }
 }

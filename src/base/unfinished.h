@@ -1,4 +1,4 @@
-// What is on the disk only while it is worked on, for whoever ends the process in the middle.
+// A registry of temporary files and processes, which are removed when a signal ends the process.
 #pragma once
 
 #include <sys/types.h>
@@ -7,10 +7,10 @@
 
 namespace sherd {
 
-/// Steps that are done whole or not at all, even where the process is ended: making a temporary and
-/// registering it, or renames.  They are short and wait for nobody, or ask meanwhile whether to
-/// stop, as what prints a result does.  From endAllWork() on, whoever begins such steps waits for
-/// the end of the process.  One within another is the outer one.
+/// A scope that runs completely or not at all, even if a signal ends the process: for creating a
+/// temporary and registering it, or for renames.  Code in it is short and does not block, or polls
+/// for cancellation, as printing a result does.  After endAllWork() the constructor blocks until
+/// the process ends.  Nested scopes have no effect.
 class Uncut {
  public:
   Uncut();
@@ -19,38 +19,38 @@ class Uncut {
   Uncut& operator=(const Uncut&) = delete;
 };
 
-/// A temporary, registered while this lives.  It is taken away by whoever made it, as ever; this is
-/// for the case that the process ends without that.  Make both, the temporary and this, within one
-/// Uncut.
+/// Registers a temporary for removeUnfinished() while this object lives.  The creator of the
+/// temporary still removes it on the usual ways out.  Create the temporary and this object within
+/// one Uncut.
 class Unfinished {
  public:
   enum class Kind {
     file,
-    folder,      ///< with all that is in it
-    madeFolder,  ///< where nothing is in it
+    folder,      ///< with its content
+    madeFolder,  ///< removed only if it is empty
   };
 
   Unfinished() = default;
   Unfinished(std::filesystem::path path, Kind kind);
-  /// A process, which is killed.  To be ended before it is waited for.
+  /// A process, which is killed.  Call end() before waiting for it.
   explicit Unfinished(pid_t process);
   ~Unfinished() { end(); }
   Unfinished(Unfinished&& other) noexcept;
   Unfinished& operator=(Unfinished&& other) noexcept;
 
-  /// It is gone, or is to stay.
+  /// Unregisters the temporary.
   void end();
 
  private:
   unsigned long number_ = 0;  // 0: none
 };
 
-/// Wait for steps that are under way, and let no others begin, nor temporaries be made.  Other
-/// threads may go on otherwise; the caller ends the process soon.
+/// Waits until no thread is within an Uncut, and lets none enter one, so no new temporaries are
+/// created.  Other work of threads continues; the caller soon ends the process.
 void endAllWork();
 
-/// Take away all that is registered, later ones first, though threads may still write into it.
-/// After endAllWork().
+/// Removes all that is registered, in reverse order, although threads may still write to it.  Call
+/// this after endAllWork().
 void removeUnfinished();
 
 }  // namespace sherd

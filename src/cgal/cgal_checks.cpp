@@ -1,4 +1,4 @@
-// Asks CGAL about a mesh.
+// Checks a mesh with CGAL.
 #include "cgal/cgal_checks.h"
 
 #include <CGAL/AABB_face_graph_triangle_primitive.h>
@@ -46,7 +46,7 @@ Soup soupOf(const TriangleMesh& mesh) {
   return soup;
 }
 
-/// How far a ray from inside goes to the hull, in lengths of its direction.
+/// Returns the distance along a ray from inside to the hull, in lengths of its direction.
 double exitFrom(const Tree& hull, const Point& origin, const Kernel::Vector_3& direction) {
   const auto hit = hull.first_intersection(Kernel::Ray_3(origin, direction));
   if (!hit) return 0.0;  // rounding put the point outside
@@ -58,15 +58,15 @@ double exitFrom(const Tree& hull, const Point& origin, const Kernel::Vector_3& d
 
 std::optional<Convexity> convexityOf(const TriangleMesh& mesh, std::size_t samples,
                                      std::uint64_t seed) {
-  const ConvexityRays asked = convexityRays(mesh, samples, seed);
-  const Soup soup = soupOf(asked.body);
+  const ConvexityRays sampled = convexityRays(mesh, samples, seed);
+  const Soup soup = soupOf(sampled.mesh);
   Mesh body, hull;
   pmp::polygon_soup_to_polygon_mesh(soup.points, soup.triangles, body);
   CGAL::convex_hull_3(soup.points.begin(), soup.points.end(), hull);
   const CGAL::Side_of_triangle_mesh<Mesh, Kernel> side(body);
   const Tree tree(faces(hull).first, faces(hull).second, hull);
   std::vector<double> distances;
-  for (const ConvexityRays::Ray& ray : asked.rays) {
+  for (const ConvexityRays::Ray& ray : sampled.rays) {
     const Point origin = pointOf(ray.origin);
     if (side(origin) != CGAL::ON_BOUNDED_SIDE) continue;
     distances.push_back(
@@ -76,7 +76,7 @@ std::optional<Convexity> convexityOf(const TriangleMesh& mesh, std::size_t sampl
   return convexityFrom(distances);
 }
 
-CgalVerdict ask(const TriangleMesh& mesh, std::size_t samples, std::uint64_t seed) {
+CgalVerdict check(const TriangleMesh& mesh, std::size_t samples, std::uint64_t seed) {
   CgalVerdict verdict;
   const Soup soup = soupOf(mesh);
   verdict.polygonMesh = pmp::is_polygon_soup_a_polygon_mesh(soup.triangles);
@@ -89,7 +89,7 @@ CgalVerdict ask(const TriangleMesh& mesh, std::size_t samples, std::uint64_t see
   pmp::self_intersections(surface, std::back_inserter(crossing));
   verdict.selfIntersections = crossing.size();
   if (!verdict.closed) return verdict;
-  // It asks for a mesh that does not intersect itself, and says so only by a wrong answer.
+  // does_bound_a_volume requires a mesh without self-intersections, but does not check it.
   verdict.boundsVolume = crossing.empty() && pmp::does_bound_a_volume(surface);
   verdict.convexity = convexityOf(mesh, samples, seed);
   return verdict;
@@ -99,9 +99,9 @@ CgalVerdict ask(const TriangleMesh& mesh, std::size_t samples, std::uint64_t see
 
 bool hasCgalChecks() { return true; }
 
-CgalVerdict askCgal(const TriangleMesh& mesh, std::size_t samples, std::uint64_t seed) {
+CgalVerdict checkWithCgal(const TriangleMesh& mesh, std::size_t samples, std::uint64_t seed) {
   try {
-    return ask(mesh, samples, seed);
+    return check(mesh, samples, seed);
   } catch (const CGAL::Failure_exception& e) {
     throw Error(ErrorCode::internal, std::string("CGAL failed: ") + e.what());
   }

@@ -1,4 +1,4 @@
-// What CGAL, a library that is not ours, says of a mesh.  See docs/decisions/0005-licences.md.
+// Independent mesh checks by CGAL.  See docs/decisions/0005-licenses.md.
 #pragma once
 
 #include <sherd/evaluate.h>
@@ -10,34 +10,34 @@
 
 namespace sherd {
 
-/// CGAL's verdict.  What needs more than the mesh has is absent.
+/// Results of CGAL's checks.  Checks whose precondition fails are absent or false.
 struct CgalVerdict {
   bool polygonMesh = false;  ///< is_polygon_soup_a_polygon_mesh: every edge and vertex manifold,
                              ///< faces that share an edge oriented alike
-  bool valid = false;        ///< is_valid_polygon_mesh; false where it is no polygon mesh
-  bool closed = false;       ///< is_closed; false where it is no polygon mesh
+  bool valid = false;        ///< is_valid_polygon_mesh; false without polygonMesh
+  bool closed = false;       ///< is_closed; false without polygonMesh
   std::optional<std::size_t>
-      selfIntersections;  ///< pairs of triangles that cross, of a polygon mesh
+      selfIntersections;  ///< pairs of triangles that cross; absent without polygonMesh
   bool boundsVolume =
-      false;  ///< does_bound_a_volume; false where it is not closed, or intersects itself
-  std::optional<Convexity> convexity;  ///< that of convexity(), from the same points, by CGAL's
-                                       ///< hull, its AABB tree and its test for inside; of a mesh
-                                       ///< that is closed and does not intersect itself
+      false;  ///< does_bound_a_volume; false where the mesh is open or intersects itself
+  std::optional<Convexity> convexity;  ///< as convexity(), from the same points, by CGAL's hull,
+                                       ///< AABB tree and inside test; absent for an open mesh
 };
 
-/// Whether this build links CGAL's packages under the GPL (SHERD_GPL=ON).
+/// Returns whether this build links CGAL's GPL packages (SHERD_GPL=ON).
 [[nodiscard]] bool hasCgalChecks();
 
-/// The license that the program of this build is distributed under: "GPL-3.0-or-later" where it
-/// links these packages, else "Apache-2.0".
+/// Returns the license of this build's program: "GPL-3.0-or-later" where it links these packages,
+/// else "Apache-2.0".
 [[nodiscard]] inline const char* programLicense() {
   return hasCgalChecks() ? "GPL-3.0-or-later" : "Apache-2.0";
 }
 
-/// Ask CGAL.
-///   mesh    oriented outwards, if closed
-///   throws  Error(internal) this build has no checks by CGAL
-[[nodiscard]] CgalVerdict askCgal(const TriangleMesh& mesh, std::size_t samples,
-                                  std::uint64_t seed);
+/// Checks a mesh with CGAL.
+///   mesh     oriented outwards, if closed
+///   samples  points for the convexity, >= 1; `seed` is theirs
+///   throws   Error(internal) this build has no CGAL checks, or CGAL failed
+[[nodiscard]] CgalVerdict checkWithCgal(const TriangleMesh& mesh, std::size_t samples,
+                                        std::uint64_t seed);
 
 }  // namespace sherd

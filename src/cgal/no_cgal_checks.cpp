@@ -1,4 +1,4 @@
-// In place of the checks by CGAL, in a build that links nothing under the GPL.
+// Replaces the CGAL checks in a build without GPL packages.
 #include <sherd/error.h>
 
 #include "cgal/cgal_checks.h"
@@ -7,8 +7,8 @@ namespace sherd {
 
 bool hasCgalChecks() { return false; }
 
-CgalVerdict askCgal(const TriangleMesh&, std::size_t, std::uint64_t) {
-  throw Error(ErrorCode::internal, "this build has no checks by CGAL");
+CgalVerdict checkWithCgal(const TriangleMesh&, std::size_t, std::uint64_t) {
+  throw Error(ErrorCode::internal, "this build has no CGAL checks");
 }
 
 }  // namespace sherd

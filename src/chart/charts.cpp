@@ -1,4 +1,4 @@
-// Histograms, bars and lines.
+// Histograms, bar charts and time lines.
 #include "chart/charts.h"
 
 #include <algorithm>
@@ -13,19 +13,19 @@ namespace {
 constexpr double kWidth = 380.0, kLeft = 64.0, kRight = 366.0, kTop = 44.0;
 constexpr std::size_t kBins = 48;
 
-double across(double value, double high) { return kLeft + (kRight - kLeft) * value / high; }
+double xOf(double value, double high) { return kLeft + (kRight - kLeft) * value / high; }
 
 void drawTitle(Svg& svg, const std::string& title) {
   svg.text(kLeft, 16, title, 13, kInk, Svg::Anchor::start, true);
 }
 
-// Values along the lower edge.
+// Vertical grid lines, with values along the lower edge.
 void drawScale(Svg& svg, double high, double bottom,
                const std::function<std::string(double)>& label) {
   const double each = niceStep(high);
   for (double value = 0.0; value <= high * (1.0 + 1e-9); value += each) {
-    svg.line(across(value, high), kTop - 8, across(value, high), bottom, kRule);
-    svg.text(across(value, high), bottom + 14, label(value), 10, kGrey, Svg::Anchor::middle);
+    svg.line(xOf(value, high), kTop - 8, xOf(value, high), bottom, kRule);
+    svg.text(xOf(value, high), bottom + 14, label(value), 10, kGray, Svg::Anchor::middle);
   }
 }
 
@@ -43,21 +43,23 @@ std::string histograms(const std::vector<HistogramRow>& rows, const HistogramOpt
       const double at = static_cast<double>(value) / options.high * kBins;
       ++bins[std::min(static_cast<std::size_t>(std::max(at, 0.0)), kBins - 1)];
     }
-    const std::size_t most = std::max<std::size_t>(*std::max_element(bins.begin(), bins.end()), 1);
+    const std::size_t maxCount =
+        std::max<std::size_t>(*std::max_element(bins.begin(), bins.end()), 1);
     const double base = kTop + kRow * static_cast<double>(r + 1);
     const double width = (kRight - kLeft) / kBins;
     for (std::size_t i = 0; i < kBins; ++i) {
       if (bins[i] == 0) continue;
-      const double height = (kRow - 6.0) * static_cast<double>(bins[i]) / static_cast<double>(most);
+      const double height =
+          (kRow - 6.0) * static_cast<double>(bins[i]) / static_cast<double>(maxCount);
       svg.rect(kLeft + width * static_cast<double>(i), base - height, width, height, kBlue);
     }
-    svg.line(kLeft, base, kRight, base, kGrey);
+    svg.line(kLeft, base, kRight, base, kGray);
     svg.text(kLeft - 6, base - 4, rows[r].name, 10, kInk, Svg::Anchor::end);
   }
-  double from = 0.0;  // where the last one's words end
+  double from = 0.0;  // right end of the previous label
   for (const double value : options.lines) {
     if (value >= options.high) continue;
-    const double x = across(value, options.high);
+    const double x = xOf(value, options.high);
     svg.line(x, kTop - 8, x, bottom, kOrange, /*dashed=*/true);
     const double words = std::max(x - 10.0, from);
     svg.text(words, kTop - 12, options.label(value), 9, kOrange);
@@ -72,15 +74,15 @@ std::string bars(const std::vector<std::pair<std::string, double>>& values,
   std::vector<std::pair<std::string, double>> sorted = values;
   std::stable_sort(sorted.begin(), sorted.end(),
                    [](const auto& a, const auto& b) { return a.second > b.second; });
-  const double most = sorted.empty() ? 1.0 : std::max(sorted.front().second, 1e-12);
+  const double maxValue = sorted.empty() ? 1.0 : std::max(sorted.front().second, 1e-12);
   Svg svg(kWidth, kTop + kRow * static_cast<double>(sorted.size()) + 8);
   drawTitle(svg, title);
   for (std::size_t i = 0; i < sorted.size(); ++i) {
     const double top = kTop + kRow * static_cast<double>(i);
-    const double width = 0.7 * (kRight - kLeft) * sorted[i].second / most;
+    const double width = 0.7 * (kRight - kLeft) * sorted[i].second / maxValue;
     svg.text(kLeft - 6, top + 11, sorted[i].first, 10, kInk, Svg::Anchor::end);
     svg.rect(kLeft, top, width, kRow - 6, kBlue);
-    svg.text(kLeft + width + 6, top + 11, label(sorted[i].second), 10, kGrey);
+    svg.text(kLeft + width + 6, top + 11, label(sorted[i].second), 10, kGray);
   }
   return svg.done();
 }
@@ -94,19 +96,19 @@ std::string timeLine(const std::vector<double>& seconds, const std::vector<doubl
   if (count == 0) return svg.done();
   const double end = std::max(seconds[count - 1], 1e-9);
   const double high = std::max(*std::max_element(values.begin(), values.end()) * 1.05, 1e-9);
-  const auto up = [&](double value) { return kBottom - (kBottom - kTop) * value / high; };
+  const auto yOf = [&](double value) { return kBottom - (kBottom - kTop) * value / high; };
   drawScale(svg, end, kBottom, [](double value) { return formatted("%g s", value); });
   for (double value = 0.0; value <= high; value += niceStep(high)) {
-    svg.line(kLeft, up(value), kRight, up(value), kRule);
-    svg.text(kLeft - 6, up(value) + 4, label(value), 10, kGrey, Svg::Anchor::end);
+    svg.line(kLeft, yOf(value), kRight, yOf(value), kRule);
+    svg.text(kLeft - 6, yOf(value) + 4, label(value), 10, kGray, Svg::Anchor::end);
   }
-  // No more points than can be told apart: of each stretch the highest.
+  // About 300 segments at most, each the maximum of a run of samples.
   const std::size_t each = std::max<std::size_t>(count / 300, 1);
-  double fromX = kLeft, fromY = up(values[0]);
+  double fromX = kLeft, fromY = yOf(values[0]);
   for (std::size_t i = 0; i < count; i += each) {
     const auto first = values.begin() + static_cast<std::ptrdiff_t>(i);
     const auto last = values.begin() + static_cast<std::ptrdiff_t>(std::min(i + each, count));
-    const double x = across(seconds[i], end), y = up(*std::max_element(first, last));
+    const double x = xOf(seconds[i], end), y = yOf(*std::max_element(first, last));
     svg.line(fromX, fromY, x, y, kBlue);
     fromX = x;
     fromY = y;

@@ -8,7 +8,7 @@
 
 namespace sherd::chart {
 
-/// One row of a chart: values that are counted into bins.
+/// One row of a histogram chart.
 struct HistogramRow {
   std::string name;
   std::vector<float> values;
@@ -16,21 +16,23 @@ struct HistogramRow {
 
 struct HistogramOptions {
   std::string title;
-  double high = 1.0;            ///< the bins go from 0 to here, and values beyond into the last
-  std::vector<double> lines{};  ///< values that are marked
-  std::function<std::string(double)> label;  ///< of a value
+  double high = 1.0;            ///< bins span 0..high; the last one also counts larger values
+  std::vector<double> lines{};  ///< values to mark by vertical lines
+  std::function<std::string(double)> label;  ///< formats a value
 };
 
-/// Rows of bins one below the other, each as high as its fullest bin.
+/// Draws one histogram per row, each scaled to its fullest bin.
 [[nodiscard]] std::string histograms(const std::vector<HistogramRow>& rows,
                                      const HistogramOptions& options);
 
-/// Bars from the largest down, with what they stand for.
+/// Draws labeled horizontal bars, largest first.
 [[nodiscard]] std::string bars(const std::vector<std::pair<std::string, double>>& values,
                                const std::string& title,
                                const std::function<std::string(double)>& label);
 
-/// A line over time.
+/// Draws values over time.
+///   seconds  [n] ascending
+///   values   [n]
 [[nodiscard]] std::string timeLine(const std::vector<double>& seconds,
                                    const std::vector<double>& values, const std::string& title,
                                    const std::function<std::string(double)>& label);

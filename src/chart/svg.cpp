@@ -1,4 +1,4 @@
-// A drawing as SVG text.
+// Writes SVG.
 #include "chart/svg.h"
 
 #include "base/formatted.h"
@@ -6,7 +6,7 @@
 namespace sherd::chart {
 namespace {
 
-// A hundredth of a pixel is enough.
+// Hundredths of a pixel.
 std::string number(double value) { return formatted("%.2f", value); }
 
 std::string attribute(const char* name, const std::string& value) {

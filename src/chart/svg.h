@@ -1,14 +1,14 @@
-// A drawing as SVG text.
+// Writes SVG.
 #pragma once
 
 #include <string>
 
 namespace sherd::chart {
 
-/// Words as text of XML or HTML.  Names of files may hold anything; control characters are not XML.
+/// Escapes text for XML and HTML.  Replaces control characters, which XML forbids, by '?'.
 [[nodiscard]] std::string escapedXml(const std::string& words);
 
-/// Shapes one over another, lengths in pixels, y downwards.
+/// An SVG image.  Later shapes cover earlier ones; lengths in pixels, y downwards.
 class Svg {
  public:
   enum class Anchor { start, middle, end };
@@ -19,7 +19,7 @@ class Svg {
   void line(double x1, double y1, double x2, double y2, const std::string& stroke,
             bool dashed = false);
   void circle(double x, double y, double radius, const std::string& fill);
-  /// y is the base line's.
+  /// Adds text; y is the baseline.
   void text(double x, double y, const std::string& words, double size, const std::string& fill,
             Anchor anchor = Anchor::start, bool bold = false);
 

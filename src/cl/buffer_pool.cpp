@@ -1,4 +1,4 @@
-// Device memory that is used again.
+// A pool of device buffers.
 #include "cl/buffer_pool.h"
 
 #include <algorithm>
@@ -8,34 +8,34 @@ namespace sherd {
 
 DeviceBuffer BufferPool::take(const cl::Context& context, std::size_t bytes,
                               const BufferLimits& limits) {
-  constexpr std::size_t kLeast = std::size_t{1} << 16;
+  constexpr std::size_t kMinBytes = std::size_t{1} << 16;
   cl::Buffer buffer;
   std::size_t size = 0;
-  const auto found = shelf_->free.lower_bound(bytes);
-  if (found != shelf_->free.end()) {
+  const auto found = storage_->free.lower_bound(bytes);
+  if (found != storage_->free.end()) {
     size = found->first;
     buffer = std::move(found->second);
-    shelf_->free.erase(found);
+    storage_->free.erase(found);
   } else {
-    size = std::max(std::min(std::bit_ceil(std::max(bytes, kLeast)), limits.largest), bytes);
-    constexpr std::size_t kPlenty = 4;  // what is in use cannot be made smaller later
-    if (shelf_->bytes + size > limits.together / kPlenty) size = bytes;
-    if (shelf_->bytes + size > limits.together) clear();
+    size = std::max(std::min(std::bit_ceil(std::max(bytes, kMinBytes)), limits.largest), bytes);
+    constexpr std::size_t kRoundingShare = 4;  // buffers in use cannot shrink later
+    if (storage_->bytes + size > limits.together / kRoundingShare) size = bytes;
+    if (storage_->bytes + size > limits.together) clear();
     buffer = cl::Buffer(context, CL_MEM_READ_WRITE, size);
-    ++shelf_->created;
-    shelf_->bytes += size;
-    shelf_->peakBytes = std::max(shelf_->peakBytes.load(), shelf_->bytes.load());
+    ++storage_->created;
+    storage_->bytes += size;
+    storage_->peakBytes = std::max(storage_->peakBytes.load(), storage_->bytes.load());
   }
-  const auto giveBack = [size, shelf = std::weak_ptr(shelf_)](const cl::Buffer* held) {
-    if (const auto to = shelf.lock()) to->free.emplace(size, *held);
+  const auto release = [size, storage = std::weak_ptr(storage_)](const cl::Buffer* held) {
+    if (const auto pool = storage.lock()) pool->free.emplace(size, *held);
     delete held;
   };
-  return DeviceBuffer(std::shared_ptr<const cl::Buffer>(new cl::Buffer(buffer), giveBack));
+  return DeviceBuffer(std::shared_ptr<const cl::Buffer>(new cl::Buffer(buffer), release));
 }
 
 void BufferPool::clear() {
-  for (const auto& [size, buffer] : shelf_->free) shelf_->bytes -= size;
-  shelf_->free.clear();
+  for (const auto& [size, buffer] : storage_->free) storage_->bytes -= size;
+  storage_->free.clear();
 }
 
 }  // namespace sherd

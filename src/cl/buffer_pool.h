@@ -1,4 +1,4 @@
-// Device memory that is used again.
+// A pool of device buffers.
 #pragma once
 
 #include <atomic>
@@ -10,8 +10,8 @@
 
 namespace sherd {
 
-/// Device memory out of a pool, to which it goes back.  Commands of one queue run in order, so it
-/// may go back while the device still works on it.
+/// A device buffer from a pool, returned to it on destruction.  Commands of one queue run in order,
+/// so it may be returned while the device still uses it.
 class DeviceBuffer {
  public:
   DeviceBuffer() = default;
@@ -23,43 +23,42 @@ class DeviceBuffer {
   std::shared_ptr<const cl::Buffer> held_;
 };
 
-/// What kernels are given: of a DeviceBuffer the buffer, all else as it is.
+/// Converts a DeviceBuffer to a kernel argument; other values stay as they are.
 inline const cl::Buffer& argument(const DeviceBuffer& buffer) { return buffer; }
 template <class T>
 const T& argument(const T& value) {
   return value;
 }
 
-/// What a device's buffers may have.
+/// Limits on the buffers of a device.
 struct BufferLimits {
-  std::size_t largest = 0;   ///< bytes of one
-  std::size_t together = 0;  ///< bytes of all
+  std::size_t largest = 0;   ///< bytes of one buffer
+  std::size_t together = 0;  ///< bytes of all buffers
 };
 
-/// Keeps what is given back, so that fractures of one solid create buffers for the first of them
-/// only.  For one thread at a time, but the counts may be read from any.
+/// Keeps returned buffers for reuse, so that only the first fracture of a solid creates buffers.
+/// For one thread at a time; the counts may be read from any thread.
 class BufferPool {
  public:
-  /// A buffer of so many bytes or more, of what was given back the smallest.  New ones are of a
-  /// power of two, 64 KiB at least: what a fracture needs differs little from what the last did.
-  /// With more than a quarter of the limit held they are as large as they must be, and where all
-  /// would pass it, what was given back is freed first.  What does not fit even so is left for the
-  /// driver to refuse.
+  /// Return the smallest free buffer of at least `bytes`, or a new one.  The size of a new buffer
+  /// is rounded up to a power of two, at least 64 KiB, as fractures differ little in their needs;
+  /// above a quarter of limits.together it is exact.  Where all buffers would exceed that limit,
+  /// the free ones are released first; beyond that the driver refuses the allocation.
   DeviceBuffer take(const cl::Context& context, std::size_t bytes, const BufferLimits& limits);
 
-  /// Free what was given back.
+  /// Release the free buffers.
   void clear();
 
-  [[nodiscard]] std::size_t created() const { return shelf_->created; }
-  [[nodiscard]] std::size_t bytes() const { return shelf_->bytes; }
-  [[nodiscard]] std::size_t peakBytes() const { return shelf_->peakBytes; }
+  [[nodiscard]] std::size_t created() const { return storage_->created; }
+  [[nodiscard]] std::size_t bytes() const { return storage_->bytes; }
+  [[nodiscard]] std::size_t peakBytes() const { return storage_->peakBytes; }
 
  private:
-  struct Shelf {
+  struct Storage {
     std::multimap<std::size_t, cl::Buffer> free;  ///< by size
     std::atomic<std::size_t> created{0}, bytes{0}, peakBytes{0};
   };
-  std::shared_ptr<Shelf> shelf_ = std::make_shared<Shelf>();
+  std::shared_ptr<Storage> storage_ = std::make_shared<Storage>();
 };
 
 }  // namespace sherd

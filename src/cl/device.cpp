@@ -65,7 +65,7 @@ Device::Device(std::string_view choice) : impl_(std::make_unique<Impl>()) {
   const std::vector<DeviceFound> all = usableDevices(platforms);
   const std::optional<std::size_t> found = choose(all, lowerCase(std::string(choice)));
   if (!found && all.empty())
-    throw Error(ErrorCode::device, "no OpenCL device can be used: " + whyNoDevice(platforms));
+    throw Error(ErrorCode::device, "no OpenCL device can be used: " + noDeviceReason(platforms));
   if (!found) {
     std::string here;
     for (const DeviceFound& c : all)
@@ -75,9 +75,9 @@ Device::Device(std::string_view choice) : impl_(std::make_unique<Impl>()) {
   }
   impl_->info = all[*found].info;
   impl_->device = cl::Device(all[*found].id, /*retainObject=*/true);
-  if (impl_->info.platform == kPocl) {  // whose compiler ends the process where it cannot write
+  if (impl_->info.platform == kPocl) {  // its compiler ends the process if it cannot write
     const KernelCache cache = poclCache();
-    if (!cache.fault.empty()) throw Error(ErrorCode::device, cacheSentence(cache));
+    if (!cache.fault.empty()) throw Error(ErrorCode::device, cacheFaultMessage(cache));
     if (const std::string fault = linkerFault(); !fault.empty())
       throw Error(ErrorCode::device, fault);
   }

@@ -1,4 +1,4 @@
-// The open device, as the stages that launch kernels see it.
+// The open device: program, buffers and launches, for the stages that launch kernels.
 #pragma once
 
 #include <sherd/device.h>
@@ -22,31 +22,28 @@ struct Device::Impl {
   cl::Context context;
   cl::CommandQueue queue;
   BufferPool pool;
-  std::shared_future<cl::Program> program;  ///< of all kernels
+  std::shared_future<cl::Program> program;  ///< contains all kernels
 
-  /// Begin to build all kernels, in a thread of their own, unless that was done: a mesh can be
-  /// voxelized meanwhile.
+  /// Start building all kernels in a separate thread, once: a mesh can be voxelized meanwhile.
   void buildKernels();
 
-  /// A kernel of kernels/*.cl, as soon as all are built.
+  /// Return a kernel of kernels/*.cl; waits for the build.
   ///   throws  Error(device) with the build log's first lines
   cl::Kernel kernel(const char* name);
 
-  /// Launch a kernel over `work` things, each work-item taking every so-many-th; `group` work-items
-  /// per work-group.
+  /// Launch a grid-stride kernel over `work` elements with `group` work-items per work-group.
   void launch(cl::Kernel& kernel, std::size_t work, std::size_t group);
 
-  /// Work-items per work-group that suit plain grid-stride kernels here.
+  /// Work-items per work-group for grid-stride kernels on this device.
   std::size_t workGroupSize() const { return info.gpu ? 64 : 16; }
 
-  /// Work-items that keep the device busy when each takes many leaves.
+  /// Work-items that saturate the device when each takes many leaves.
   std::size_t workItems() const {
     return info.computeUnits * (info.gpu ? 1024u : 8u * static_cast<unsigned>(workGroupSize()));
   }
 };
 
-/// Run `body`, turning what the OpenCL bindings throw into Error(device) that says what was being
-/// done.
+/// Run `body`; errors of the OpenCL bindings become Error(device), with `doing` in the message.
 template <class Body>
 auto withDevice(Device::Impl& device, const char* doing, Body&& body) {
   try {
@@ -59,7 +56,7 @@ auto withDevice(Device::Impl& device, const char* doing, Body&& body) {
 }
 
 /// A device buffer of `count` T.
-///   throws  Error(device) naming the size when it passes the device's largest allocation
+///   throws  Error(device) with the size when it exceeds the device's largest allocation
 template <class T>
 DeviceBuffer makeBuffer(Device::Impl& device, std::size_t count) {
   const std::size_t bytes = std::max<std::size_t>(count, 1) * sizeof(T);
@@ -74,8 +71,8 @@ DeviceBuffer makeBuffer(Device::Impl& device, std::size_t count) {
                           {device.info.largestBufferBytes, device.info.memoryBytes});
 }
 
-/// A device buffer that holds a copy of `data`.  (No CL_MEM_USE_HOST_PTR: oclgrind reports false
-/// errors for it.)
+/// A device buffer with a copy of `data`.  (No CL_MEM_USE_HOST_PTR: oclgrind reports false errors
+/// for it.)
 template <class T>
 DeviceBuffer uploadBuffer(Device::Impl& device, std::span<const T> data) {
   DeviceBuffer buffer = makeBuffer<T>(device, data.size());
@@ -84,8 +81,8 @@ DeviceBuffer uploadBuffer(Device::Impl& device, std::span<const T> data) {
   return buffer;
 }
 
-/// Put what a buffer holds from `first` on behind what `all` has.  A CPU maps the buffer itself, so
-/// that this is one copy, into memory that was not filled with zeros before.
+/// Append `count` elements of a buffer, from `first` on, to `all`.  On a CPU the mapping is the
+/// buffer itself, so this is one copy, into memory that is not zeroed first.
 template <class T>
 void append(std::vector<T>& all, Device::Impl& device, const DeviceBuffer& buffer,
             std::size_t count, std::size_t first = 0) {

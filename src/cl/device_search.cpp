@@ -1,4 +1,4 @@
-// What OpenCL finds on this machine.  What differs from one driver to another is here.
+// Discovery of OpenCL platforms, devices and drivers.  All driver differences are handled here.
 #include "cl/device_search.h"
 
 #include <dlfcn.h>
@@ -25,8 +25,8 @@ std::string trimmed(std::string s) {
   return s;
 }
 
-// Why kernels cannot run on a device; empty where they can.  They need OpenCL C 1.2: 32-bit atomics
-// on global memory are core there.
+// Returns why kernels cannot run on a device; empty if they can.  They need OpenCL C 1.2, which
+// has 32-bit atomics on global memory.
 std::string faultOf(const cl::Device& device) {
   if (!device.getInfo<CL_DEVICE_AVAILABLE>()) return "it is not available";
   if (!device.getInfo<CL_DEVICE_COMPILER_AVAILABLE>()) return "it has no compiler";
@@ -65,14 +65,14 @@ PlatformFound examined(const cl::Platform& platform) {
     found.fault = std::string(e.what()) + " fails with OpenCL error " + errorName(e.err());
   }
   if (found.devices.empty() && found.fault.empty()) found.fault = "it has no device";
-  if (found.devices.empty() && found.name == kPocl) {  // which does not say what it lacks
+  if (found.devices.empty() && found.name == kPocl) {  // reports no reason itself
     const KernelCache cache = poclCache();
-    if (!cache.fault.empty()) found.fault = cacheSentence(cache);
+    if (!cache.fault.empty()) found.fault = cacheFaultMessage(cache);
   }
   return found;
 }
 
-// The library that a driver's file names, loaded as the loader does it.
+// Loads the library that a driver's file names, as OpenCL's loader does.
 DriverFile loaded(fs::path file, std::string library) {
   DriverFile driver{std::move(file), std::move(library), {}};
   if (driver.library.empty()) {
@@ -134,7 +134,7 @@ std::vector<PlatformFound> findPlatforms() {
   return found;
 }
 
-std::string whyNoDevice(const std::vector<PlatformFound>& platforms) {
+std::string noDeviceReason(const std::vector<PlatformFound>& platforms) {
   std::string why;
   const auto add = [&](const std::string& more) { why += (why.empty() ? "" : "; ") + more; };
   for (const PlatformFound& platform : platforms) {

@@ -1,4 +1,4 @@
-// What OpenCL finds on this machine, with what cannot be used and why.
+// OpenCL platforms, devices and drivers of this machine, with the reasons why some cannot be used.
 #pragma once
 
 #include <sherd/device.h>
@@ -11,18 +11,18 @@ struct _cl_device_id;
 
 namespace sherd {
 
-/// A driver as OpenCL's loader finds it: a file of one line that names a library.
+/// A driver file of OpenCL's loader: one line that names a library.
 struct DriverFile {
   std::filesystem::path file;  ///< empty where the environment names the library itself
   std::string library;
-  std::string fault;  ///< why it cannot be loaded; empty: it can
+  std::string fault;  ///< why it cannot be loaded; empty if it can
 };
 
 struct DeviceFound {
   _cl_device_id* id = nullptr;
   DeviceInfo info;
   std::string driver;  ///< the driver's version
-  std::string fault;   ///< why kernels cannot run there; empty: they can
+  std::string fault;   ///< why kernels cannot run on it; empty if they can
 };
 
 struct PlatformFound {
@@ -32,18 +32,18 @@ struct PlatformFound {
   std::vector<DeviceFound> devices;
 };
 
-/// Where the loader looks for drivers: /etc/OpenCL/vendors, or what OCL_ICD_VENDORS or
-/// OPENCL_VENDOR_PATH name.
+/// The folder or file that lists drivers: OCL_ICD_VENDORS or OPENCL_VENDOR_PATH if set, else
+/// /etc/OpenCL/vendors.
 [[nodiscard]] std::filesystem::path driverFolder();
 
-/// The drivers there, by name.
+/// The drivers of driverFolder(), sorted by name.
 [[nodiscard]] std::vector<DriverFile> findDrivers();
 
 /// Every platform with its devices.
 [[nodiscard]] std::vector<PlatformFound> findPlatforms();
 
-/// Half a sentence on why nothing that was found can be used, and what to do; for a machine where
-/// no device of any platform can.
-[[nodiscard]] std::string whyNoDevice(const std::vector<PlatformFound>& platforms);
+/// The reasons why no device can be used, and what to do, as the second half of a sentence.
+///   platforms  without a usable device
+[[nodiscard]] std::string noDeviceReason(const std::vector<PlatformFound>& platforms);
 
 }  // namespace sherd

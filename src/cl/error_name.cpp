@@ -1,4 +1,4 @@
-// What OpenCL calls its errors.
+// Names of OpenCL errors.
 #include "cl/error_name.h"
 
 #include <array>
@@ -7,7 +7,7 @@
 namespace sherd {
 namespace {
 
-// By their numbers, from 0 down and from -30 down.
+// Indexed by -number, and by -30 - number.
 constexpr std::array<const char*, 20> kFailures{"CL_SUCCESS",
                                                 "CL_DEVICE_NOT_FOUND",
                                                 "CL_DEVICE_NOT_AVAILABLE",
@@ -75,7 +75,7 @@ const char* nameOf(int number) {
   if (number > 0) return nullptr;
   const auto index = static_cast<std::size_t>(-number);
   if (index < kFailures.size()) return kFailures[index];
-  const std::size_t invalid = index - kFirstInvalid;  // wraps round below the first
+  const std::size_t invalid = index - kFirstInvalid;  // wraps around below the first
   return invalid < kInvalid.size() ? kInvalid[invalid] : nullptr;
 }
 

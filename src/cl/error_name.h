@@ -1,12 +1,12 @@
-// What OpenCL calls its errors.
+// Names of OpenCL errors.
 #pragma once
 
 #include <string>
 
 namespace sherd {
 
-/// "-11 (CL_BUILD_PROGRAM_FAILURE)"; the number alone where it has no name in OpenCL 1.2 or in the
-/// extension for drivers.
+/// Returns number and name, "-11 (CL_BUILD_PROGRAM_FAILURE)"; the number alone for errors outside
+/// OpenCL 1.2 and its ICD extension.
 [[nodiscard]] std::string errorName(int number);
 
 }  // namespace sherd

@@ -1,4 +1,4 @@
-// Where PoCL, the OpenCL driver of CPUs, keeps the kernels that it compiles, and what links them.
+// The folder where PoCL, the OpenCL driver for CPUs, stores compiled kernels, and its linker.
 #include "cl/kernel_cache.h"
 
 #include <fcntl.h>
@@ -24,20 +24,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// PoCL 3.1 writes its preprocessor's output in each run (1 MB), and once each kernel for each size
-// of work-groups, as bitcode and as a library (a megabyte in all).  It ends the process where it
-// cannot, so that there must be room before.
+// PoCL 3.1 writes its preprocessor's output in each run (1 MB), and each kernel once per work-group
+// size, as bitcode and as a library (1 MB in all).  It ends the process if a write fails, so the
+// space is checked before.
 constexpr std::size_t kLargestFile = std::size_t{2} << 20;
-constexpr std::size_t kRoom = std::size_t{8} << 20;
-constexpr std::size_t kLongestName = 700;  // PoCL has 1024 bytes for the names of files below it
+constexpr std::size_t kFreeBytes = std::size_t{8} << 20;
+constexpr std::size_t kLongestName = 700;  // PoCL reserves 1024 bytes for paths below it
 
 std::string variable(const char* name) {
   const char* const value = std::getenv(name);
   return value != nullptr ? value : "";
 }
 
-// Create a folder and those above it for this user alone, as PoCL does.
-//   return  what failed first; 0 where the folder exists now
+// Creates a folder and its parents with mode 0700, as PoCL does.
+//   return  the first errno; 0 if the folder exists now
 int createFolders(const fs::path& folder) {
   int failed = 0;
   fs::path at;
@@ -50,7 +50,7 @@ int createFolders(const fs::path& folder) {
   return failed != 0 ? failed : ENOTDIR;
 }
 
-// Why PoCL cannot create files in a folder, or load libraries from it; empty where it can.
+// Returns why PoCL cannot create files in a folder, or load libraries from it; empty if it can.
 std::string faultOf(const fs::path& folder) {
   std::string name = (folder / "sherd-XXXXXX").string();
   if (name.size() > kLongestName) return "its name is too long";
@@ -66,11 +66,11 @@ std::string faultOf(const fs::path& folder) {
            std::to_string(kLargestFile >> 10) + " are needed";
   }
   struct statvfs system {};
-  if (::fstatvfs(file, &system) == 0 && system.f_bavail * system.f_frsize < kRoom) {
+  if (::fstatvfs(file, &system) == 0 && system.f_bavail * system.f_frsize < kFreeBytes) {
     return std::to_string(system.f_bavail * system.f_frsize >> 10) + " KiB are free, " +
-           std::to_string(kRoom >> 10) + " are needed";
+           std::to_string(kFreeBytes >> 10) + " are needed";
   }
-  // A quota shows only in use.  Not every file system can set room aside.
+  // A quota takes effect on allocation only.  Not every file system supports fallocate.
   if (::fallocate(file, 0, 0, kLargestFile) != 0 &&
       (errno == ENOSPC || errno == EDQUOT || errno == EFBIG || errno == EIO))
     return reasonOf(errno);
@@ -81,13 +81,13 @@ std::string faultOf(const fs::path& folder) {
   return {};
 }
 
-// A folder that PoCL may use, and the variable that names it.
+// A folder that PoCL may use, and the variable it comes from.
 struct Candidate {
   fs::path folder;
   const char* source;
 };
 
-// What the user's variables name; PoCL takes the first.
+// Returns the folders from the user's variables; PoCL takes the first.
 std::vector<Candidate> usersFolders() {
   if (const std::string cache = variable("POCL_CACHE_DIR"); !cache.empty())
     return {{cache, "POCL_CACHE_DIR"}};
@@ -105,7 +105,7 @@ KernelCache usersCache(const Candidate& candidate) {
           failed != 0 ? reasonOf(failed) : faultOf(candidate.folder)};
 }
 
-// Removed at the program's end, but not by a child that was forked off.
+// A folder that is removed at the end of the program, but not by a forked child.
 class TemporaryFolder {
  public:
   explicit TemporaryFolder(const fs::path& folder)
@@ -123,8 +123,8 @@ class TemporaryFolder {
   Unfinished unfinished_;
 };
 
-// Why libraries in a folder may be another user's; empty where they are not.
-std::string distrust(const fs::path& folder) {
+// Returns why another user may control a folder; empty if none does.
+std::string ownershipFault(const fs::path& folder) {
   struct stat found {};
   if (::lstat(folder.c_str(), &found) != 0) return reasonOf(errno);
   if (!S_ISDIR(found.st_mode)) return "it is not a folder";
@@ -142,26 +142,26 @@ std::vector<Candidate> temporaryFolders() {
   return folders;
 }
 
-// A folder of this user's below one for temporary files, the same in each run.  Where somebody else
-// has taken its name, one of a random name that goes with this process.
+// Returns this user's folder below one for temporary files, the same in each run.  If another user
+// owns that name, uses a folder with a random name, removed at the end of this process.
 KernelCache privateCache(const Candidate& parent) {
   const fs::path folder = parent.folder / ("sherd-cache-" + std::to_string(::geteuid()));
   if (::mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST)
     return {folder, parent.source, reasonOf(errno)};
-  if (distrust(folder).empty()) {
+  if (ownershipFault(folder).empty()) {
     const std::string fault = faultOf(folder);
-    if (!fault.empty()) ::rmdir(folder.c_str());  // where nothing is in it
+    if (!fault.empty()) ::rmdir(folder.c_str());  // if it is empty
     return {folder, parent.source, fault};
   }
   std::string random = folder.string() + "-XXXXXX";
   const Uncut whole;
-  if (::mkdtemp(random.data()) == nullptr) return {folder, parent.source, distrust(folder)};
+  if (::mkdtemp(random.data()) == nullptr) return {folder, parent.source, ownershipFault(folder)};
   static std::vector<std::unique_ptr<TemporaryFolder>> removed;
   removed.push_back(std::make_unique<TemporaryFolder>(random));
   return {random, parent.source, faultOf(random)};
 }
 
-// Whether a folder of a list as PATH has it holds the linker.
+// Returns whether a folder of a colon-separated list contains ld.
 bool hasLinker(const std::string& folders) {
   std::istringstream list(folders);
   for (std::string folder; std::getline(list, folder, ':');) {
@@ -172,7 +172,7 @@ bool hasLinker(const std::string& folders) {
 
 constexpr const char* kSystemFolders = "/usr/bin:/bin";
 
-// Extend PATH by the system's folders where it names no linker: services and `env -i` have none.
+// Appends the system's folders to PATH if it has no linker, as in services and under `env -i`.
 void provideLinker() {
   const std::string path = variable("PATH");
   if (hasLinker(path) || !hasLinker(kSystemFolders)) return;
@@ -192,14 +192,14 @@ KernelCache poclCache() {
   return usersCache(folders.empty() ? Candidate{"/tmp/pocl/kcache", "no HOME"} : folders.front());
 }
 
-std::string cacheSentence(const KernelCache& cache) {
+std::string cacheFaultMessage(const KernelCache& cache) {
   return "PoCL cannot keep compiled kernels in " + cache.folder.string() + " (" + cache.source +
          "): " + cache.fault + "; set POCL_CACHE_DIR to a folder that can be written";
 }
 
 std::vector<KernelCache> provideKernelCache() {
   provideLinker();
-  // PoCL takes an empty one for a folder, and aborts.
+  // PoCL takes an empty value as a folder, and aborts.
   if (variable("POCL_CACHE_DIR").empty()) ::unsetenv("POCL_CACHE_DIR");
   std::vector<KernelCache> tried;
   const auto found = [&] { return !tried.empty() && tried.back().fault.empty(); };
@@ -207,7 +207,7 @@ std::vector<KernelCache> provideKernelCache() {
     if (!found()) tried.push_back(usersCache(candidate));
   }
   const bool isNamed = !variable("POCL_CACHE_DIR").empty();
-  if (isNamed || (found() && tried.size() == 1)) return tried;  // as PoCL has it anyway
+  if (isNamed || (found() && tried.size() == 1)) return tried;  // PoCL's own choice
   for (const Candidate& candidate : temporaryFolders()) {
     if (!found()) tried.push_back(privateCache(candidate));
   }

@@ -1,4 +1,4 @@
-// Where PoCL, the OpenCL driver of CPUs, keeps the kernels that it compiles.
+// The folder where PoCL, the OpenCL driver for CPUs, stores compiled kernels.
 #pragma once
 
 #include <sherd/kernel_cache.h>
@@ -8,16 +8,15 @@ namespace sherd {
 /// CL_PLATFORM_NAME of PoCL.
 inline constexpr const char* kPocl = "Portable Computing Language";
 
-/// The folder that PoCL uses in this environment, created if it is absent; `fault` says why it
-/// cannot be used.
+/// The folder that PoCL uses in this environment, created if absent; `fault` is the reason why it
+/// cannot be used, or empty.
 [[nodiscard]] KernelCache poclCache();
 
 /// "PoCL cannot keep compiled kernels in FOLDER (VARIABLE): FAULT; set ...", for the middle of a
 /// sentence.
-[[nodiscard]] std::string cacheSentence(const KernelCache& cache);
+[[nodiscard]] std::string cacheFaultMessage(const KernelCache& cache);
 
-/// A sentence about what PoCL lacks to link kernels, without which it ends the process; empty where
-/// it lacks nothing.
+/// A sentence on why PoCL cannot link kernels, in which case it ends the process; empty if it can.
 [[nodiscard]] std::string linkerFault();
 
 }  // namespace sherd

@@ -1,6 +1,5 @@
-// Building the embedded kernels: all in one program, once for a device.  PoCL and GPU drivers keep
-// the result on disk; to find it there PoCL runs its preprocessor over its own headers for each
-// program.
+// Builds the embedded kernels as one program, once per device.  PoCL and GPU drivers cache the
+// result on disk; to look it up PoCL preprocesses its own headers for each program.
 #include <algorithm>
 #include <sstream>
 #include <string>
@@ -14,20 +13,20 @@
 namespace sherd {
 namespace {
 
-// The first lines of a compiler's log that have a word, on one line.
+// Joins the first lines of a compiler's log that contain a word.
 std::string firstLines(const std::string& log, const char* word) {
-  constexpr int kMost = 3;
-  constexpr std::size_t kLongest = 500;
+  constexpr int kMaxLines = 3;
+  constexpr std::size_t kMaxLength = 500;
   std::istringstream lines(log);
   std::string text;
   int count = 0;
-  for (std::string line; count < kMost && std::getline(lines, line);) {
+  for (std::string line; count < kMaxLines && std::getline(lines, line);) {
     std::erase_if(line, [](unsigned char c) { return std::iscntrl(c) != 0; });
     if (line.empty() || lowerCase(line).find(word) == std::string::npos) continue;
     text += (text.empty() ? "" : "; ") + line;
     ++count;
   }
-  text = text.substr(0, kLongest);
+  text = text.substr(0, kMaxLength);
   while (!text.empty() && (text.back() == '.' || text.back() == ' ')) text.pop_back();
   return text;
 }
@@ -40,8 +39,9 @@ std::string buildLog(const cl::Program& program, const cl::Device& device) {
   }
 }
 
-// Errors of the compiler name our file and line; what else fails is on the driver's side.
-Error cannotBuild(const DeviceInfo& device, const std::string& log, int number) {
+// Returns the error for a failed build.  Compiler errors name our file and line; other failures are
+// the driver's.
+Error buildError(const DeviceInfo& device, const std::string& log, int number) {
   const std::string errors = firstLines(log, "error"), lines = firstLines(log, "");
   std::string sentence =
       device.name + ": the kernels do not build, the driver's compiler failed with OpenCL error " +
@@ -59,14 +59,14 @@ cl::Program built(const cl::Context& context, const cl::Device& device, const De
   for (const std::string_view source : kernels::sources()) text += source;
   try {
     cl::Program program(context, text);
-    // Not by the bindings: they query the log at once, and throw the error of that query.  -w: PoCL
-    // prints how many warnings there are.
+    // The bindings' build() queries the log at once and throws the error of that query.  -w: PoCL
+    // prints the number of warnings.
     const cl_device_id id = device();
     const cl_int failed = ::clBuildProgram(program(), 1, &id, "-cl-std=CL1.2 -w", nullptr, nullptr);
-    if (failed != CL_SUCCESS) throw cannotBuild(info, buildLog(program, device), failed);
+    if (failed != CL_SUCCESS) throw buildError(info, buildLog(program, device), failed);
     return program;
   } catch (const cl::Error& e) {
-    throw cannotBuild(info, {}, e.err());
+    throw buildError(info, {}, e.err());
   }
 }
 

@@ -1,4 +1,4 @@
-// What the sub-commands share: how they are registered, and how they print.
+// Registration of sub-commands, output, and number validation.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -9,10 +9,10 @@
 
 namespace sherd::cli {
 
-/// What is to be run once the command line is parsed.
+/// Runs after the command line is parsed.
 using Action = std::function<void()>;
 
-/// Each adds a sub-command; parsing it sets `run`.
+/// Each function adds a sub-command; parsing it sets `run`.
 void addFractureCommand(CLI::App& app, Action& run);
 CLI::App* addDatasetCommand(CLI::App& app, Action& run);
 void addMergeCommand(CLI::App& app, Action& run);
@@ -23,15 +23,15 @@ void addRenderCommand(CLI::App& app, Action& run);
 void addDevicesCommand(CLI::App& app, Action& run);
 void addDoctorCommand(CLI::App& app, Action& run);
 
-/// Write results to standard output.
-///   throws  Error(output) it is closed or full
+/// Writes results to standard output.
+///   throws  Error(output) it is closed or full; Error(cancelled)
 void printResult(const std::string& text);
 
-/// Write one line to standard error; nothing can be done when that fails.
+/// Writes one line to standard error; failures are ignored.
 void printMessage(const std::string& line);
 
-/// Accepts whole decimal numbers from `low` to `high`.  CLI11's own conversion takes "-1" for
-/// 2^64-1, "010" for eight and numbers too large for the largest.
+/// Accepts whole decimal numbers from `low` to `high`.  CLI11's own conversion reads "-1" as 2^64-1
+/// and "010" as eight, and saturates numbers out of range.
 template <class T>
 CLI::Validator wholeNumber(T low, T high) {
   const std::string range = std::to_string(low) + ".." + std::to_string(high);

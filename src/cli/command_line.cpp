@@ -1,4 +1,4 @@
-// The command line before it is parsed.
+// Checks of the command line before it is parsed.
 #include "cli/command_line.h"
 
 #include <sherd/error.h>
@@ -23,8 +23,8 @@ void checkArguments(const CLI::App& app, const std::vector<std::string>& argumen
   }
   if (std::find(names.begin(), names.end(), arguments.front()) != names.end()) return;
   const std::vector<std::string> nearest = nearestNames(arguments.front(), names);
-  throw Error(ErrorCode::usage, "'" + arguments.front() + "' is no command" +
-                                    (nearest.empty() ? ", those are " + quotedList(names)
+  throw Error(ErrorCode::usage, "'" + arguments.front() + "' is not a command" +
+                                    (nearest.empty() ? ", the commands are " + quotedList(names)
                                                      : ", the nearest is " + quotedList(nearest)) +
                                     " (try sherd --help)");
 }

@@ -1,4 +1,4 @@
-// The command line before it is parsed.
+// Checks of the command line before it is parsed.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace sherd::cli {
 
-/// Refuse what CLI11 has no sentence for: a command that there is not, of which it does not give
-/// the name, and "--option=" without a value, for which it takes the next argument.
+/// Refuses an unknown command, which CLI11 reports without its name, and "--option=" without a
+/// value, for which CLI11 consumes the next argument.
 ///   throws  Error(usage)
 void checkArguments(const CLI::App& app, const std::vector<std::string>& arguments);
 

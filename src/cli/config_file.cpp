@@ -1,4 +1,4 @@
-// Options out of a file.
+// Reads options from a TOML or JSON file.
 #include "cli/config_file.h"
 
 #include <algorithm>
@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 using Options = std::vector<ConfiguredOption>;
 using Json = nlohmann::ordered_json;
 
-/// What TOML may have of an option.
+/// Parser of the TOML subset that optionsIn() documents.
 class Toml {
  public:
   Toml(fs::path file, std::string text) : file_(std::move(file)), text_(std::move(text)) {}
@@ -56,7 +56,7 @@ class Toml {
     while (peek() == ' ' || peek() == '\t') ++at_;
   }
 
-  // To what is not blank, a line's end or a comment; false at the end.
+  // Skips blanks, line ends and comments; returns false at the end of the text.
   bool skipLines() {
     for (;; ++at_) {
       skipBlanks();
@@ -84,12 +84,12 @@ class Toml {
     while (!isAtLineEnd() && peek() != quote) {
       if (quote == '"' && peek() == '\\') {
         ++at_;
-        constexpr std::string_view kEscapes = "\"\\tn", kMeant = "\"\\\t\n";
+        constexpr std::string_view kEscapes = "\"\\tn", kCharacters = "\"\\\t\n";
         const std::size_t which = isAtLineEnd() ? std::string_view::npos : kEscapes.find(peek());
         if (which == std::string_view::npos) {
-          refuse("has a '\\' that is none of \\\" \\\\ \\t \\n; write text in single quotes");
+          refuse("has a '\\' that is not one of \\\" \\\\ \\t \\n; write text in single quotes");
         }
-        value += kMeant[which];
+        value += kCharacters[which];
         ++at_;
       } else {
         value += text_[at_++];
@@ -183,17 +183,17 @@ ConfiguredOption optionOf(const fs::path& file, const std::string& name, const J
   return option;
 }
 
-Options inJson(const fs::path& file, const std::string& bytes) {
+Options jsonOptions(const fs::path& file, const std::string& bytes) {
   Options options;
   try {
     const Json json = parsedOrderedJson(bytes);
-    if (!json.is_object()) inputError(file, "is no JSON object of options");
+    if (!json.is_object()) inputError(file, "is not a JSON object of options");
     for (const auto& [name, value] : json.items()) options.push_back(optionOf(file, name, value));
   } catch (const Error& e) {
     if (std::string_view(e.what()).starts_with(file.string())) throw;
-    inputError(file, std::string(e.what()) + ", so it is no JSON object of options");
+    inputError(file, std::string(e.what()) + "; expected a JSON object of options");
   }
-  // The parser keeps one of several.
+  // The parser silently keeps one of several equal names.
   std::set<std::string> names;
   [[maybe_unused]] const Json again =
       Json::parse(bytes, [&](int depth, Json::parse_event_t event, Json& parsed) {
@@ -206,13 +206,14 @@ Options inJson(const fs::path& file, const std::string& bytes) {
   return options;
 }
 
-Options inToml(const fs::path& file, std::string bytes) {
+Options tomlOptions(const fs::path& file, std::string bytes) {
   Options options = Toml(file, std::move(bytes)).options();
   std::map<std::string_view, const ConfiguredOption*> first;
   for (const ConfiguredOption& option : options) {
     const auto [before, isFirst] = first.emplace(option.name, &option);
     if (isFirst) continue;
-    throw Error(ErrorCode::input, option.where + " is there already: " + before->second->where);
+    throw Error(ErrorCode::input,
+                option.where + " is set twice; first at " + before->second->where);
   }
   return options;
 }
@@ -223,7 +224,7 @@ Options optionsIn(const fs::path& file) { return parsedOptions(readFileBytes(fil
 
 Options parsedOptions(std::string bytes, const fs::path& file) {
   const bool isJson = lowerCase(file.extension().string()) == ".json";
-  return isJson ? inJson(file, bytes) : inToml(file, std::move(bytes));
+  return isJson ? jsonOptions(file, bytes) : tomlOptions(file, std::move(bytes));
 }
 
 }  // namespace sherd::cli

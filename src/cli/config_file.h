@@ -1,4 +1,4 @@
-// Options out of a file.
+// Reads options from a TOML or JSON file.
 #pragma once
 
 #include <filesystem>
@@ -8,23 +8,23 @@
 
 namespace sherd::cli {
 
-/// An option as a file has it.
+/// One option of a file.
 struct ConfiguredOption {
   std::string name;                 ///< without dashes
   std::string where;                ///< "options.toml:3: pieces", for messages
-  std::optional<bool> flag;         ///< true or false, and then there are no values
-  std::vector<std::string> values;  ///< one, or those of a list; none is empty
+  std::optional<bool> flag;         ///< set for true and false; then `values` is empty
+  std::vector<std::string> values;  ///< one value, or those of a list; none is an empty text
 };
 
-/// The options in a TOML file (`pieces = "2..10"`), or a JSON one by its extension: an object with
-/// a value for each option's name, without dashes.  A value is text, a number, true, false, or a
-/// list of texts and numbers.  Of TOML only that is read: no dates, tables in a line, text over
-/// several lines, or dotted keys; headings of tables are passed over.
-///   throws  Error(input) with the line, of JSON with the name: it cannot be read, is nothing of
-///           the kind, has no value for a name or a name twice
+/// Reads the options of a TOML file (`pieces = "2..10"`) or, with the extension .json, of a JSON
+/// object.  Names have no dashes.  A value is text, a number, true, false, or a list of texts and
+/// numbers.  TOML's dates, inline tables, multi-line texts and dotted keys are refused, and table
+/// headings are ignored.
+///   throws  Error(input) with the line of TOML or the name in JSON: the file cannot be read or is
+///           malformed, a name has no value or occurs twice
 [[nodiscard]] std::vector<ConfiguredOption> optionsIn(const std::filesystem::path& file);
 
-/// The same of a file's bytes; `file` says by its extension what they are, and names them.
+/// Parses a file's bytes; `file` gives the format by its extension, and the name in messages.
 [[nodiscard]] std::vector<ConfiguredOption> parsedOptions(std::string bytes,
                                                           const std::filesystem::path& file);
 

@@ -1,4 +1,4 @@
-// `sherd convert`: the same voxels, mesh or points in another format.
+// `sherd convert`: writes voxels, a mesh or points in another format.
 #include <sherd/error.h>
 #include <sherd/io.h>
 #include <sherd/memory.h>
@@ -20,7 +20,7 @@
 #include "cli/output_path.h"
 #include "folder/file_kind.h"
 #include "formats/mesh/mesh_file.h"
-#include "formats/mesh/read_facing.h"
+#include "formats/mesh/read_neighbors.h"
 
 namespace sherd::cli {
 namespace {
@@ -37,19 +37,19 @@ struct ConvertArguments {
   bool json = false;
 };
 
-/// What was done, as JSON tells it, and what got lost.
+/// Fields of the JSON report, and a sentence for each thing that the format cannot hold.
 struct Converted {
-  Json told;
+  Json fields;
   std::vector<std::string> losses;
 };
 
 Converted convertVoxels(const ConvertArguments& arguments, HeldFiles& files, VoxelFormat format) {
   PlacedVoxels voxels = readVoxels(arguments.in, {.maxMemory = freeMemory()});
   if (arguments.voxelSize > 0.0) {
-    voxels.place = VoxelPlace{{{arguments.origin}, arguments.voxelSize}, {0, 0, 0}};
+    voxels.transform = VoxelTransform{{{arguments.origin}, arguments.voxelSize}, {0, 0, 0}};
   }
   if (arguments.pad == "cube") voxels = padded(voxels, Padding::atEnd, arguments.in);
-  if (arguments.pad == "cube-centred") voxels = padded(voxels, Padding::centred, arguments.in);
+  if (arguments.pad == "cube-centered") voxels = padded(voxels, Padding::centered, arguments.in);
   writeVoxels({files, arguments.out}, voxels, format);
   return {{{"kind", "voxels"},
            {"dims", jsonOf(voxels.voxels.dims)},
@@ -60,16 +60,16 @@ Converted convertVoxels(const ConvertArguments& arguments, HeldFiles& files, Vox
 Converted convertMesh(const ConvertArguments& arguments, HeldFiles& files, MeshFileFormat format) {
   const SourceMesh source =
       readMesh(arguments.in, {.maxMemory = freeMemory()}, &untilInterrupted());
-  std::vector<std::uint16_t> facing;
+  std::vector<std::uint16_t> neighbor;
   if (lowerCase(fs::path(arguments.in).extension().string()) == ".ply") {
-    facing = readFacing(arguments.in, source.mesh);
+    neighbor = readNeighbors(arguments.in, source.mesh);
   }
   if (format == MeshFileFormat::stl && arguments.ascii) format = MeshFileFormat::stlText;
-  writeMeshFile(files, arguments.out, source, facing, format);
+  writeMeshFile(files, arguments.out, source, neighbor, format);
   return {{{"kind", "mesh"},
            {"vertices", source.mesh.vertices.size()},
            {"triangles", source.mesh.triangles.size()}},
-          lossesOf(source, facing, format)};
+          lossesOf(source, neighbor, format)};
 }
 
 Converted convertPoints(const ConvertArguments& arguments, HeldFiles& files, PointFormat format) {
@@ -78,7 +78,7 @@ Converted convertPoints(const ConvertArguments& arguments, HeldFiles& files, Poi
   return {{{"kind", "points"}, {"points", points.positions.size()}}, lossesOf(points, format)};
 }
 
-// Sentences on options that do nothing.
+// Returns a sentence for each option that does nothing.
 std::vector<std::string> idleOptions(const ConvertArguments& arguments, const std::string& kind) {
   std::vector<std::string> sentences;
   if (kind != "voxels") {
@@ -94,7 +94,7 @@ std::vector<std::string> idleOptions(const ConvertArguments& arguments, const st
   return sentences;
 }
 
-// What IN holds cannot be what OUT is.
+// Refuses an OUT whose format cannot hold what IN holds.
 [[noreturn]] void refuseFormat(const ConvertArguments& arguments, const std::string& what,
                                const std::string& endings) {
   throw Error(ErrorCode::usage, arguments.out + ": " + arguments.in + " holds " + what +
@@ -133,8 +133,8 @@ Converted convert(const ConvertArguments& arguments, HeldFiles& files) {
       break;
   }
   throw Error(ErrorCode::input, arguments.in +
-                                    ": is neither voxels nor a mesh nor points; in an .npz "
-                                    "these are 'labels' and 'positions'");
+                                    ": holds neither voxels, a mesh nor points; an .npz needs "
+                                    "'labels' or 'positions'");
 }
 
 void runConvert(const ConvertArguments& arguments) {
@@ -145,19 +145,19 @@ void runConvert(const ConvertArguments& arguments) {
   for (const std::string& loss : done.losses) {
     printMessage("sherd: warning: " + arguments.out + ": " + loss);
   }
-  for (const std::string& sentence : idleOptions(arguments, done.told.at("kind"))) {
+  for (const std::string& sentence : idleOptions(arguments, done.fields.at("kind"))) {
     printMessage("sherd: warning: " + sentence);
   }
-  Json told = {{"schema", "sherd-report/1"},
-               {"command", "convert"},
-               {"source", arguments.in},
-               {"file", arguments.out}};
-  told.update(done.told);
-  told["losses"] = done.losses;
+  Json report = {{"schema", "sherd-report/1"},
+                 {"command", "convert"},
+                 {"source", arguments.in},
+                 {"file", arguments.out}};
+  report.update(done.fields);
+  report["losses"] = done.losses;
   const std::string result =
       arguments.json
-          ? told.dump(1, ' ', false, Json::error_handler_t::replace)
-          : arguments.out + ": " + told["kind"].get<std::string>() + " of " + arguments.in;
+          ? report.dump(1, ' ', false, Json::error_handler_t::replace)
+          : arguments.out + ": " + report["kind"].get<std::string>() + " of " + arguments.in;
   finish(files, [&] { printResult(result + "\n"); });
 }
 
@@ -172,15 +172,17 @@ void addConvertCommand(CLI::App& app, Action& run) {
           "IN", arguments->in,
           "Voxels (.rle .npy .npz .vox .qstack .bing), a mesh, or points (.ply .xyz .npz .binp)")
       ->required();
-  command->add_option("OUT", arguments->out, "The file to write; one that is there is replaced")
+  command->add_option("OUT", arguments->out, "The file to write; an existing one is replaced")
       ->required();
   const std::string group = "Voxels";
-  command->add_option("--pad", arguments->pad, "Make the box a cube: zeros at its end, or round it")
-      ->check(CLI::IsMember({"cube", "cube-centred"}))
+  command
+      ->add_option("--pad", arguments->pad,
+                   "Pad the box to a cube: zeros at its end, or on all sides")
+      ->check(CLI::IsMember({"cube", "cube-centered"}))
       ->group(group);
   CLI::Option* voxelSize = command
                                ->add_option("--voxel-size", arguments->voxelSize,
-                                            "Voxel size to tell in an .npz, in the mesh's unit")
+                                            "Voxel size to record in an .npz, in the mesh's unit")
                                ->check(aboveZero())
                                ->group(group);
   command
@@ -191,7 +193,7 @@ void addConvertCommand(CLI::App& app, Action& run) {
             if (!numbers || numbers->size() != 3) refuse("--origin", text, "three numbers X,Y,Z");
             arguments->origin = {(*numbers)[0], (*numbers)[1], (*numbers)[2]};
           },
-          "Centre of the first voxel to tell in an .npz, in the mesh's unit")
+          "Center of the first voxel to record in an .npz, in the mesh's unit")
       ->type_name("X,Y,Z")
       ->needs(voxelSize)
       ->group(group);

@@ -1,4 +1,4 @@
-// The arguments of `sherd dataset`, before they are parsed.
+// Expands the arguments of `sherd dataset` before they are parsed.
 #include "cli/dataset_arguments.h"
 
 #include <sherd/error.h>
@@ -11,6 +11,7 @@
 
 #include "cli/config_file.h"
 #include "cli/drawn_options.h"
+#include "cli/former_names.h"
 #include "cli/nearest_name.h"
 
 namespace sherd::cli {
@@ -23,30 +24,30 @@ struct Given {
 };
 using Options = std::vector<Given>;
 
-// What a file may not set: it would be read while it is read, end the run at once, or is ours.
-constexpr std::array<const char*, 4> kNotOfFiles{"--config", "--help", "--plan", "--drawn"};
+// Options that a file may not set: --config would recurse, --help ends the run, two are internal.
+constexpr std::array<const char*, 4> kNotInFiles{"--config", "--help", "--plan", "--drawn"};
 
-// Options that change nothing of what is written.
-constexpr std::array<const char*, 14> kOfTheRun{
+// Options that do not change the files written.
+constexpr std::array<const char*, 14> kRunOptions{
     "--output", "--device",  "--threads", "--max-memory",    "--json",
     "--quiet",  "--resume",  "--shard",   "--match",         "--limit",
     "--verify", "--dry-run", "--config",  "--object-timeout"};
 
-// Groups of options that a fracture has of its own.
-constexpr std::array<const char*, 4> kOfFractures{"Seeds", "Growth", "Erosion", "Surface"};
+// Groups of options that may be drawn for each fracture.
+constexpr std::array<const char*, 4> kDrawnGroups{"Seeds", "Growth", "Erosion", "Surface"};
 
 bool isFlag(const CLI::App& command, const std::string& name) {
   const CLI::Option* const option = command.get_option_no_throw(name);
   return option != nullptr && option->get_items_expected_max() == 0;
 }
 
-bool isOfFractures(const CLI::App& command, const std::string& name) {
+bool mayBeDrawn(const CLI::App& command, const std::string& name) {
   const CLI::Option* const option = command.get_option_no_throw(name);
-  return option != nullptr && std::find(kOfFractures.begin(), kOfFractures.end(),
-                                        option->get_group()) != kOfFractures.end();
+  return option != nullptr && std::find(kDrawnGroups.begin(), kDrawnGroups.end(),
+                                        option->get_group()) != kDrawnGroups.end();
 }
 
-// Options by name and value; all else goes to `rest`.
+// Returns options by name and value; other arguments go to `rest`.
 Options optionsOf(const std::vector<std::string>& arguments, const CLI::App& command,
                   std::vector<std::string>& rest) {
   Options options;
@@ -76,19 +77,19 @@ Options optionsOf(const std::vector<std::string>& arguments, const CLI::App& com
   return options;
 }
 
-// The names of all options that a file may set.
+// Returns the names of all options that a file may set.
 std::vector<std::string> namesIn(const CLI::App& command) {
   std::vector<std::string> names;
   for (const CLI::Option* option : command.get_options()) {
     for (const std::string& name : option->get_lnames()) {
-      const auto* const found = std::find(kNotOfFiles.begin(), kNotOfFiles.end(), "--" + name);
-      if (found == kNotOfFiles.end()) names.push_back(name);
+      const auto* const found = std::find(kNotInFiles.begin(), kNotInFiles.end(), "--" + name);
+      if (found == kNotInFiles.end()) names.push_back(name);
     }
   }
   return names;
 }
 
-// An option of a file as the command line would have it.
+// Converts an option of a file to command-line options.
 Options given(const ConfiguredOption& configured, const CLI::App& command) {
   const auto refuse = [&](const std::string& what) {
     throw Error(ErrorCode::input, configured.where + " " + what);
@@ -96,13 +97,13 @@ Options given(const ConfiguredOption& configured, const CLI::App& command) {
   const std::vector<std::string> names = namesIn(command);
   if (std::find(names.begin(), names.end(), configured.name) == names.end()) {
     const std::vector<std::string> nearest = nearestNames(configured.name, names);
-    refuse("is no option that a file may set" + (nearest.empty()
-                                                     ? "; sherd dataset --help lists them"
-                                                     : ", the nearest is " + quotedList(nearest)));
+    refuse("is not an option that a file may set" +
+           (nearest.empty() ? "; sherd dataset --help lists them"
+                            : ", the nearest is " + quotedList(nearest)));
   }
   const std::string name = "--" + configured.name;
   if (isFlag(command, name) != configured.flag.has_value()) {
-    refuse(configured.flag ? "takes a value, not true or false" : "is true or false, and no value");
+    refuse(configured.flag ? "takes a value, not true or false" : "is true or false, not a value");
   }
   if (configured.flag) return *configured.flag ? Options{{name}} : Options{};
   Options options;
@@ -120,7 +121,7 @@ std::string planOf(Options options) {
                    [](const Given& a, const Given& b) { return a.name < b.name; });
   std::string text;
   for (const auto& [name, value] : options) {
-    if (std::find(kOfTheRun.begin(), kOfTheRun.end(), name) != kOfTheRun.end()) continue;
+    if (std::find(kRunOptions.begin(), kRunOptions.end(), name) != kRunOptions.end()) continue;
     text += text.empty() ? "" : " ";
     text += value.value_or("").empty() ? name : name + "=" + *value;
   }
@@ -139,7 +140,7 @@ std::vector<std::string> expandedArguments(const std::vector<std::string>& argum
   for (const Given& option : options) {
     if (option.name != "--config" || !option.value) continue;
     for (const ConfiguredOption& configured : optionsIn(*option.value)) {
-      for (Given& own : given(configured, command)) {
+      for (Given& own : given(withCurrentNames(configured), command)) {
         if (!named.contains(own.name)) ofFiles.push_back(std::move(own));
       }
     }
@@ -149,9 +150,9 @@ std::vector<std::string> expandedArguments(const std::vector<std::string>& argum
   for (const auto& [name, value] : options) {
     if (!value) {
       expanded.push_back(name);
-    } else if (isOfFractures(command, name) && drawnOption(name, *value)) {
+    } else if (mayBeDrawn(command, name) && drawnOption(name, *value)) {
       expanded.push_back("--drawn=" + name + "=" + *value);
-    } else if (value->empty()) {  // the parser would take "--name=" for one without a value
+    } else if (value->empty()) {  // the parser reads "--name=" as an option without a value
       expanded.insert(expanded.end(), {name, ""});
     } else {
       expanded.push_back(name + "=" + *value);

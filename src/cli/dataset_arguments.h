@@ -1,4 +1,4 @@
-// The arguments of `sherd dataset`, before they are parsed.
+// Expands the arguments of `sherd dataset` before they are parsed.
 #pragma once
 
 #include <string>
@@ -8,11 +8,11 @@
 
 namespace sherd::cli {
 
-/// Expand what the parser does not know: --config FILE, of which what the command line has too is
-/// left out; options that are drawn for each fracture (see drawn_options.h), which become
-/// --drawn NAME=VALUE; and add --plan TEXT, which tells all options that shape the dataset.
+/// Replaces --config FILE by the file's options, except those that the command line sets too;
+/// replaces options that are drawn for each fracture (see drawn_options.h) by --drawn=NAME=VALUE;
+/// adds --plan=TEXT, which lists all options that shape the dataset.
 ///   arguments  after the sub-command's name
-///   throws     Error(input) the file
+///   throws     Error(input) a file cannot be read, or has an option that it may not set
 [[nodiscard]] std::vector<std::string> expandedArguments(const std::vector<std::string>& arguments,
                                                          const CLI::App& command);
 

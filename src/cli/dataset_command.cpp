@@ -1,4 +1,4 @@
-// `sherd dataset` and `sherd merge`: break a whole library.
+// `sherd dataset` and `sherd merge`: break every mesh of a library.
 #include <sherd/dataset.h>
 #include <sherd/error.h>
 #include <sherd/kernel_cache.h>
@@ -12,7 +12,7 @@
 
 #include "base/option_names.h"
 #include "cli/command.h"
-#include "cli/dataset_telling.h"
+#include "cli/dataset_printer.h"
 #include "cli/drawn_options.h"
 #include "cli/foreign_exit.h"
 #include "cli/fracture_options.h"
@@ -99,7 +99,7 @@ void addScheduleOptions(CLI::App& command, DatasetOptions& options) {
                 parseRange("--pieces", text, 1, kMaxFragments);
             if (schedule.fewest > schedule.most) refuse("--pieces", text, "a range that ascends");
           },
-          "Fragments wanted: every number of a range")
+          "Number of fragments: every number of a range")
       ->type_name("A..B")
       ->default_str("2..10")
       ->group(group);
@@ -110,11 +110,13 @@ void addScheduleOptions(CLI::App& command, DatasetOptions& options) {
             std::tie(schedule.repeatsOfFewest, schedule.repeatsOfMost) =
                 parseRange("--repeats", text, 0, 65535);
           },
-          "Fractures into the fewest pieces and into the most; in between in proportion")
+          "Fractures with the fewest pieces and with the most; in proportion between")
       ->type_name("A..B")
       ->default_str("25..15")
       ->group(group);
-  command.add_option("--max-fragments", schedule.maxFragments, "No more fragments of one object")
+  command
+      .add_option("--max-fragments", schedule.maxFragments,
+                  "Maximum number of fragments of one object")
       ->transform(wholeNumber<std::size_t>(1, std::numeric_limits<std::size_t>::max()))
       ->capture_default_str()
       ->group(group);
@@ -126,8 +128,8 @@ void addScheduleOptions(CLI::App& command, DatasetOptions& options) {
       ->group(group);
   command
       .add_option("--distinct", options.distinct,
-                  "Share of voxels in which fractures of one object differ at least; others are "
-                  "drawn again")
+                  "Least share of voxels in which fractures of one object differ; others are drawn "
+                  "again")
       ->check(numberBetween(0.0, 0.99, "0..0.99"))
       ->capture_default_str()
       ->group(group);
@@ -154,34 +156,35 @@ void addRunOptions(CLI::App& command, DatasetArguments& arguments) {
       ->transform(wholeNumber<std::size_t>(1, std::numeric_limits<std::size_t>::max()))
       ->group(group);
   addChoice(command, "--layout", options.layout, names::kDatasetLayout,
-            "Names and folders: a folder for each fracture, a ZIP file for each object, the "
-            "paper's, Breaking Bad's")
+            "Files: a folder for each fracture, a ZIP file for each object, the paper's layout, "
+            "Breaking Bad's")
       ->group(group);
   addChoice(command, "--compress", options.compression, names::kFileCompression,
             "How each file is packed; with --layout packed within the archive")
       ->group(group);
-  command.add_flag("--resume", options.resume, "Go on with what is there")->group(group);
+  command.add_flag("--resume", options.resume, "Continue an interrupted dataset")->group(group);
   command
       .add_option_function<std::string>(
           "--shard", [&options](const std::string& text) { options.shard = parseShard(text); },
-          "Only this machine's part of the work; join the parts with sherd merge")
+          "This machine's share of the work; sherd merge joins all shares")
       ->type_name("i/N")
       ->default_str("1/1")
       ->group(group);
   command
       .add_flag("--verify", arguments.verify,
-                "Read everything again when it is done; with --resume also what was done before")
+                "Read all files again at the end, with --resume also those of earlier runs")
       ->group(group);
   command
-      .add_flag("--dry-run", arguments.dryRun,
-                "Only tell what would be made, and how long it would take, from a few objects")
+      .add_flag("--dry-run", arguments.dryRun, "Only estimate files and time, from a few objects")
       ->group(group);
   command
       .add_option("--object-timeout", options.objectTimeout,
-                  "Seconds after which an object is given up; default never")
+                  "Seconds after which an object counts as failed; default never")
       ->check(aboveZero())
       ->group(group);
-  command.add_option("--config", "Options of a TOML or JSON file; those given here win")
+  command
+      .add_option("--config",
+                  "Read options from a TOML or JSON file; the command line overrides them")
       ->type_name("FILE")
       ->group(group);
   command.add_option("--plan", options.plan)->group("");
@@ -205,7 +208,7 @@ void runDatasetCommand(DatasetArguments& arguments) {
   provideKernelCache();
   DatasetOptions& options = arguments.options;
   options.write = writeOptions(arguments.write);
-  // Loaders of Breaking Bad want nothing but vertices and faces, and take any file for a piece.
+  // Loaders of Breaking Bad read only vertices and faces, and every file as a piece.
   const bool isBb = options.layout == DatasetLayout::bb;
   options.write.plainMeshes |= isBb;
   if (isBb && arguments.write.files.meshFormats.size() > 1) {
@@ -220,27 +223,27 @@ void runDatasetCommand(DatasetArguments& arguments) {
   const auto threads = limitedThreads(arguments.machine);
   keepFreedMemory();
   Device device(arguments.machine.device);
-  const ForeignExit explained;
-  DatasetTelling telling(arguments.json, arguments.quiet);
-  DatasetWatch watch = telling.watch();
-  watch.cancelled = isInterrupted;
-  for (const std::string& sentence : arguments.idle) watch.warning(sentence);
+  const ForeignExit guard;
+  DatasetPrinter printer(arguments.json, arguments.quiet);
+  DatasetCallbacks callbacks = printer.callbacks();
+  callbacks.cancelled = isInterrupted;
+  for (const std::string& sentence : arguments.idle) callbacks.warning(sentence);
   try {
     if (arguments.dryRun) {
-      return telling.forecast(
+      return printer.printForecast(
           forecastDataset(arguments.library, arguments.folder, options, device, isInterrupted));
     }
     const DatasetSummary summary =
-        runDataset(arguments.library, arguments.folder, options, device, watch);
+        runDataset(arguments.library, arguments.folder, options, device, callbacks);
     if (summary.objects == 0 && summary.failures > 0) {
-      throw Error(ErrorCode::input,
-                  "no object could be broken; " + arguments.folder + "/failures.jsonl tells why");
+      throw Error(ErrorCode::input, "no object could be broken; " + arguments.folder +
+                                        "/failures.jsonl has the reasons");
     }
-    telling.done(arguments.folder, summary);
+    printer.printSummary(arguments.folder, summary);
     if (arguments.verify)
-      telling.verified(arguments.folder, verifyDataset(arguments.folder, isInterrupted));
+      printer.printVerified(arguments.folder, verifyDataset(arguments.folder, isInterrupted));
   } catch (const Error&) {
-    telling.stopped();
+    printer.stopped();
     throw;
   }
 }
@@ -285,9 +288,9 @@ CLI::App* addDatasetCommand(CLI::App& app, Action& run) {
   command->add_flag("--json", arguments->json, "Print JSON, an event a line");
   command->add_flag("--quiet", arguments->quiet, "Print nothing but warnings and errors");
   command->footer(
-      "Options of the groups Seeds, Growth, Erosion and Surface may be ranges, as in\n"
-      "--erode-probability 0..0.4, or choices, as in --sampler 'uniform|poisson': they are drawn\n"
-      "for each fracture.");
+      "In the groups Seeds, Growth, Erosion and Surface a value may be a range, as in\n"
+      "--erode-probability 0..0.4, or a choice, as in --sampler 'uniform|poisson'; it is drawn at\n"
+      "random for each fracture.");
   command->callback([arguments, command, &run] {
     if (arguments->options.layout == DatasetLayout::bb && command->count("--mesh-format") == 0) {
       arguments->write.files.meshFormats = {MeshFileFormat::obj};
@@ -306,15 +309,14 @@ CLI::App* addDatasetCommand(CLI::App& app, Action& run) {
 }
 
 void addMergeCommand(CLI::App& app, Action& run) {
-  CLI::App* command =
-      app.add_subcommand("merge", "Join the parts of a dataset that shards have made");
+  CLI::App* command = app.add_subcommand("merge", "Join the shards of a dataset");
   auto folder = std::make_shared<std::string>();
   auto json = std::make_shared<bool>(false);
   command->add_option("DIR", *folder, "The dataset's folder")->required();
   command->add_flag("--json", *json, "Print JSON");
   command->callback([folder, json, &run] {
     run = [folder, json] {
-      DatasetTelling(*json, false).done(*folder, mergeDataset(*folder, isInterrupted));
+      DatasetPrinter(*json, false).printSummary(*folder, mergeDataset(*folder, isInterrupted));
     };
   });
 }

@@ -1,4 +1,4 @@
-// `sherd devices`: the OpenCL devices of this machine.
+// `sherd devices`: lists the OpenCL devices of this machine.
 #include <sherd/device.h>
 #include <sherd/kernel_cache.h>
 
@@ -29,7 +29,7 @@ std::string asJson(const std::vector<DeviceInfo>& devices) {
 
 std::string asText(const std::vector<DeviceInfo>& devices) {
   if (devices.empty()) {
-    return "no OpenCL device can be used: " + whyNoDevice(findPlatforms()) +
+    return "no OpenCL device can be used: " + noDeviceReason(findPlatforms()) +
            " (sherd doctor reports more)\n";
   }
   std::string text;

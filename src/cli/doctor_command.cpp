@@ -1,4 +1,4 @@
-// `sherd doctor`: what a bug report begins with.
+// `sherd doctor`: prints what a bug report begins with.
 #include <sherd/error.h>
 
 #include <cstdio>
@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// ---- Plain text: sections of lines, what has no line of its own left out.
+// ---- Plain text: sections of lines
 
 std::string pad(const std::string& text, std::size_t width) {
   return text + std::string(text.size() < width ? width - text.size() : 1, ' ');
@@ -32,8 +32,8 @@ std::string plain(const std::string& key, const Json& value) {
   return text.empty() ? "none" : text;
 }
 
-// "left_by_ulimit_bytes" is printed "left by ulimit".
-std::string spoken(std::string key) {
+// Returns "left by ulimit" for "left_by_ulimit_bytes".
+std::string label(std::string key) {
   for (const std::string_view unit : {"_bytes", "_seconds"}) {
     if (key.ends_with(unit)) key = key.substr(0, key.size() - unit.size());
   }
@@ -43,7 +43,7 @@ std::string spoken(std::string key) {
   return key;
 }
 
-// A text, or "none".
+// Returns a text, or "none".
 std::string textOf(const Json& value) { return plain({}, value); }
 
 std::string platformText(const Json& platform) {
@@ -81,10 +81,10 @@ std::string sectionText(const std::string& name, const Json& section, const Json
   }
   if (name == "drivers_print" && section.is_string())
     return "what drivers print\n  " + textOf(section) + "\n";
-  if (!section.is_object()) return {};  // of the drivers, and printed with them
+  if (!section.is_object()) return {};  // printed with the drivers
   for (const auto& [key, value] : section.items())
-    text += "  " + pad(name == "environment" ? key : spoken(key), 22) + plain(key, value) + "\n";
-  return spoken(name) + "\n" + text;
+    text += "  " + pad(name == "environment" ? key : label(key), 22) + plain(key, value) + "\n";
+  return label(name) + "\n" + text;
 }
 
 void runDoctor(const std::string& device, bool json) {

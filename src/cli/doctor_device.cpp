@@ -1,4 +1,4 @@
-// `sherd doctor`: drivers, devices, and whether kernels run.
+// `sherd doctor`: drivers, devices, and a test of the kernels.
 #include <fcntl.h>
 #include <sherd/device.h>
 #include <sherd/error.h>
@@ -31,11 +31,11 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
-constexpr unsigned kMostSeconds = 300;  // the kernels build in 3 to 10
+constexpr unsigned kMostSeconds = 300;  // the kernels build in 3 to 10 s
 
 Json textOrNull(const std::string& text) { return text.empty() ? Json() : Json(text); }
 
-// ---- In the process of its own
+// ---- In the separate process
 
 Json driverFacts() {
   Json drivers = Json::array();
@@ -91,19 +91,19 @@ TriangleMesh cube() {
            {3, 7, 5}}};
 }
 
-// Whether each voxel has the label of its nearest seed, ties to the lower id: what both growths
-// below give in a box.
+// Returns whether each voxel has the label of its nearest seed, ties to the lower id.  Both growths
+// below give that in a box.
 bool isNearest(const LeafBlocks& blocks, const Labels& labels, const std::vector<Seed>& seeds,
                Metric metric) {
   bool right = true;
-  blocks.forEachInside([&](std::size_t place) {
+  blocks.forEachInside([&](std::size_t voxel) {
     const auto order = [&](const Seed& seed) {
-      return std::pair(metricOrder(metric, seed.voxel, blocks.voxelAt(place)), seed.fragment);
+      return std::pair(metricOrder(metric, seed.voxel, blocks.voxelAt(voxel)), seed.fragment);
     };
     const auto nearest =
         std::min_element(seeds.begin(), seeds.end(),
                          [&](const Seed& a, const Seed& b) { return order(a) < order(b); });
-    right = right && labels.fragment[place] == nearest->fragment;
+    right = right && labels.fragment[voxel] == nearest->fragment;
   });
   return right;
 }
@@ -117,7 +117,7 @@ bool growsRight(const Solid& solid, Device& device) {
                 {.growth = growth, .regrowIsolated = false, .outerSteps = 0})
         .front();
   };
-  return findParts(solid.blocks, device).count() == 1 &&
+  return findComponents(solid.blocks, device).count() == 1 &&
          isNearest(solid.blocks, grown(Growth::flood), seeds, Metric::manhattan) &&
          isNearest(solid.blocks, grown(Growth::nearest), seeds, Metric::euclidean);
 }
@@ -167,7 +167,7 @@ std::string wholeOf(int file) {
   return text;
 }
 
-// What drivers print, on one line.
+// Returns the output of drivers on one line, at most its last 300 characters.
 std::string oneLine(std::string text) {
   constexpr std::size_t kLongest = 300;
   for (char& c : text) {
@@ -196,11 +196,11 @@ DeviceExamination::DeviceExamination(const std::string& device)
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   sigset_t none;
   ::sigemptyset(&none);
-  ::sigprocmask(SIG_SETMASK, &none, nullptr);  // nobody waits for signals here
+  ::sigprocmask(SIG_SETMASK, &none, nullptr);  // this process has no thread that waits for signals
   ::alarm(kMostSeconds);
   ::dup2(printed_, STDOUT_FILENO);
   ::dup2(printed_, STDERR_FILENO);
-  try {  // nothing of the program around this is the child's
+  try {  // the child must not return to the caller
     put(answer_, {{"drivers", driverFacts()}});
     put(answer_, {{"platforms", platformFacts()}});
     put(answer_, {{"self_test", selfTest(device)}});
@@ -210,7 +210,7 @@ DeviceExamination::DeviceExamination(const std::string& device)
   } catch (...) {
     ::_exit(1);
   }
-  ::_exit(0);  // drivers may crash when they are taken down
+  ::_exit(0);  // skips exit handlers: drivers may crash in them
 }
 
 DeviceExamination::~DeviceExamination() {
@@ -223,15 +223,15 @@ DeviceExamination::~DeviceExamination() {
 }
 
 int DeviceExamination::wait() {
-  constexpr std::chrono::milliseconds kBetweenLooks{10};
+  constexpr std::chrono::milliseconds kPollInterval{10};
   for (int status = 0;;) {
     stopIfInterrupted();
     const pid_t ended = ::waitpid(child_, &status, WNOHANG);
     if (ended != 0) {
       child_ = -1;
-      return ended > 0 ? status : 0;  // where the caller's program lets nobody wait
+      return ended > 0 ? status : 0;  // -1: the caller ignores SIGCHLD, so no status is available
     }
-    std::this_thread::sleep_for(kBetweenLooks);
+    std::this_thread::sleep_for(kPollInterval);
   }
 }
 
@@ -253,14 +253,15 @@ void DeviceExamination::addTo(Diagnosis& diagnosis) {
   diagnosis.deviceWorks = test.value("right", false);
   if (!test["fault"].is_null()) problems.push_back(test["fault"].get<std::string>());
   for (const Json& driver : sections.value("drivers", Json::array())) {
-    if (driver["fault"].is_null() || test["device"].is_null()) continue;  // or it was just named
+    if (driver["fault"].is_null() || test["device"].is_null())
+      continue;  // no device: the fault above names the driver
     problems.push_back("the driver " + driver["file"].get<std::string>() +
                        " cannot be used: " + driver["fault"].get<std::string>());
   }
   if (status != 0) {
-    problems.push_back("looking at the OpenCL devices " + endedBy(status) +
+    problems.push_back("the process that examines the OpenCL devices " + endedBy(status) +
                        (printed.empty() ? "" : " after it printed: " + printed) +
-                       "; a driver fails (OCL_ICD_VENDORS=pocl.icd leaves out all but PoCL)");
+                       "; a driver fails (OCL_ICD_VENDORS=pocl.icd excludes all but PoCL)");
   }
   sections["drivers_print"] = textOrNull(printed);
 }

@@ -1,4 +1,4 @@
-// `sherd doctor`: versions, memory, folders and the program that reads FBX.
+// `sherd doctor`: versions, memory, folders and sherd-assimp.
 #include <gnu/libc-version.h>
 #include <sherd/error.h>
 #include <sherd/memory.h>
@@ -44,13 +44,13 @@ Json freeBytes(const fs::path& folder) {
   return error ? Json() : Json(space.available);
 }
 
-// A value of /etc/os-release.
+// Returns PRETTY_NAME of /etc/os-release.
 std::string systemName() {
   std::ifstream in("/etc/os-release");
-  constexpr std::string_view kBeginning = "PRETTY_NAME=";
+  constexpr std::string_view kKey = "PRETTY_NAME=";
   for (std::string line; std::getline(in, line);) {
-    if (!line.starts_with(kBeginning)) continue;
-    std::string name = line.substr(kBeginning.size());
+    if (!line.starts_with(kKey)) continue;
+    std::string name = line.substr(kKey.size());
     std::erase(name, '"');
     return name;
   }
@@ -127,7 +127,7 @@ void addTemporaryFolder(Diagnosis& diagnosis) {
                                  ", cannot be written (TMPDIR names another)");
 }
 
-// A triangle, read as a user's file would be.
+// A COLLADA file with one triangle.
 constexpr const char* kTriangle =
     R"(<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
 <library_geometries><geometry id="g"><mesh><source id="s"><float_array id="f" count="9">0 0 0 1 0 0 0 1 0</float_array>

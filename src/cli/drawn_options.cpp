@@ -1,4 +1,4 @@
-// Options of a fracture that are drawn afresh for each fracture of a dataset.
+// Options whose values are drawn at random for each fracture of a dataset.
 #include "cli/drawn_options.h"
 
 #include <charconv>
@@ -21,7 +21,7 @@ std::optional<std::int64_t> wholeIn(const std::string& text) {
   return value;
 }
 
-// Options may be drawn in any order, and each independently of which others are.
+// A random stream per name: the value of an option does not depend on which others are drawn.
 std::uint64_t itemOf(const std::string& name) {
   std::uint64_t hash = 0;
   for (const char c : name) hash = mixed(hash + static_cast<unsigned char>(c));
@@ -30,12 +30,13 @@ std::uint64_t itemOf(const std::string& name) {
 
 void parseInto(FractureOptions& options, const std::vector<std::string>& arguments) {
   CLI::App app;
-  app.add_option("--pieces");  // which --seeds excludes
+  app.add_option("--pieces");  // --seeds excludes it, so it must exist
   addSeedOptions(app, options);
   addGrowthOptions(app, options);
   addErosionOptions(app, options);
   addSurfaceOptions(app, options);
-  std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());  // as CLI11 takes them
+  std::vector<std::string> reversed(arguments.rbegin(),
+                                    arguments.rend());  // CLI11 expects reverse order
   app.parse(std::move(reversed));
 }
 
@@ -53,7 +54,7 @@ std::string DrawnOption::valueFor(std::uint64_t seed) const {
         *first + static_cast<std::int64_t>(randomBelow(count, seed, Stage::datasetOption, item)));
   }
   const double from = *numberIn(low), to = *numberIn(high);
-  // Six digits: what the index says is what was used.
+  // Six digits, so that the index records the exact value.
   char text[32];
   std::snprintf(text, sizeof text, "%.6g",
                 from + (to - from) * randomUnit(seed, Stage::datasetOption, item));

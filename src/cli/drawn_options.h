@@ -1,4 +1,4 @@
-// Options of a fracture that are drawn afresh for each fracture of a dataset.
+// Options whose values are drawn at random for each fracture of a dataset.
 #pragma once
 
 #include <sherd/dataset.h>
@@ -9,28 +9,28 @@
 
 namespace sherd::cli {
 
-/// An option whose value is a range, "low..high", or one of several, "a|b|c".
+/// An option with a range, "low..high", or choices, "a|b|c".
 struct DrawnOption {
   std::string name;                  ///< "--roughness"
-  std::string low, high;             ///< of a range
-  std::vector<std::string> choices;  ///< else
+  std::string low, high;             ///< ends of a range
+  std::vector<std::string> choices;  ///< empty for a range
 
-  /// The value for one fracture.  Of a range whose ends are whole numbers, written without a point,
-  /// a whole number; else any number.
+  /// Returns the value for one fracture: a choice, a whole number where both ends of the range are
+  /// written without a decimal point, else a number with six digits.
   [[nodiscard]] std::string valueFor(std::uint64_t seed) const;
 };
 
-/// The option that two arguments make, if it is one that is drawn.
+/// Returns the drawn option for a name and a value, or nullopt if the value is a single one.
 [[nodiscard]] std::optional<DrawnOption> drawnOption(const std::string& name,
                                                      const std::string& value);
 
-/// Set options as drawn for one fracture.
-///   throws  CLI::ValidationError and the like; for a value of `drawn` that no option takes
+/// Draws values for one fracture, sets them in `options`, and returns their names and texts.
+///   throws  CLI::ParseError a value is out of range or its option cannot be drawn
 DrawnOptions drawInto(const std::vector<DrawnOption>& drawn, std::uint64_t seed,
                       FractureOptions& options);
 
-/// Refuse what cannot be drawn: options that shape the solid or the files, ends out of range.
-///   throws  CLI::ValidationError
+/// Refuses options that cannot be drawn, such as those of files, and values out of range.
+///   throws  CLI::ParseError
 void checkDrawn(const std::vector<DrawnOption>& drawn, const FractureOptions& options);
 
 }  // namespace sherd::cli

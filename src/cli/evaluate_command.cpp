@@ -1,4 +1,4 @@
-// `sherd evaluate`: figures that tell how good a finished fracture is.
+// `sherd evaluate`: measures the quality of a finished fracture.
 #include <sherd/error.h>
 #include <sherd/evaluate.h>
 #include <sherd/memory.h>
@@ -42,7 +42,7 @@ std::vector<CgalVerdict> verdicts(const FragmentSet& set, const EvaluateOptions&
   tbb::parallel_for(std::size_t{0}, result.size(), [&](std::size_t i) {
     stopIfInterrupted();
     const TriangleMesh& mesh = set.fragments[i].mesh.mesh;
-    if (!mesh.triangles.empty()) result[i] = askCgal(mesh, options.samples, options.seed);
+    if (!mesh.triangles.empty()) result[i] = checkWithCgal(mesh, options.samples, options.seed);
   });
   return result;
 }
@@ -64,7 +64,7 @@ EvaluateReport reportOf(const EvaluateArguments& arguments) {
     whole = readMesh(arguments.whole, {.maxMemory = freeMemory()}, &untilInterrupted());
     report.whole = whole->name;
   }
-  report.figures =
+  report.evaluation =
       evaluate(report.set, whole ? &whole->mesh : nullptr, arguments.options, &untilInterrupted());
   if (arguments.cgal) report.cgal = verdicts(report.set, arguments.options);
   return report;
@@ -102,12 +102,13 @@ void addEvaluateCommand(CLI::App& app, Action& run) {
       ->add_option("DIR", arguments->folder,
                    "The folder of a fracture, or one that holds a mesh for each fragment")
       ->required();
-  command->add_option("--mesh", arguments->whole,
-                      "The unbroken mesh: tell how far the fragments' surface is from it, and "
-                      "compare volumes");
+  command->add_option(
+      "--mesh", arguments->whole,
+      "The intact mesh: measure the distance of the fragments' surface from it, and "
+      "compare volumes");
   command
       ->add_option("--samples", arguments->options.samples,
-                   "Points per fragment: for the convexity, on its surface and inside it")
+                   "Points per fragment, on its surface and inside it")
       ->transform(wholeNumber<std::size_t>(1, 1000000))
       ->capture_default_str();
   command->add_option("--seed", arguments->options.seed, "Seed of these points")
@@ -116,16 +117,17 @@ void addEvaluateCommand(CLI::App& app, Action& run) {
   command
       ->add_option(
           "--tolerance", arguments->tolerancePercent,
-          "Percent of the diagonal: how near surfaces may belong together, where meshes do "
-          "not tell what their faces face")
+          "Percent of the diagonal: distance at which surfaces count as matching, where meshes "
+          "have no neighbor per face")
       ->check(CLI::Range(1e-6, 10.0))
       ->capture_default_str();
   command->add_option("--csv", arguments->csv, "Also write a row for each fragment to this file");
   command->add_option("--plot", arguments->plot,
-                      "Also write a picture of shares, convexity and angles to this .svg");
-  command->add_flag("--cgal", arguments->cgal,
-                    "Also ask CGAL whether each mesh is closed, bounds a volume or intersects "
-                    "itself, and for its convexity; needs a build with SHERD_GPL=ON");
+                      "Also write a plot of shares, convexity and angles to this .svg");
+  command->add_flag(
+      "--cgal", arguments->cgal,
+      "Also check with CGAL whether each mesh is closed, bounds a volume or intersects "
+      "itself, and measure its convexity; needs a build with SHERD_GPL=ON");
   command->add_option("--threads", arguments->threads, "Threads; default all cores")
       ->transform(wholeNumber(1, 4096));
   command->add_flag("--json", arguments->json, "Print one JSON object");

@@ -1,4 +1,4 @@
-// An evaluation as a table for programs: a row for each fragment.
+// Prints an evaluation as CSV, a row for each fragment.
 #include <charconv>
 
 #include "cli/evaluate_report.h"
@@ -6,7 +6,7 @@
 namespace sherd::cli {
 namespace {
 
-/// Fields of one row; what is absent stays empty.
+/// One row; absent values are empty fields.
 class Row {
  public:
   void add(const std::string& text) {
@@ -21,7 +21,7 @@ class Row {
   void add(std::size_t value) { add(std::to_string(value)); }
   void add(int value) { add(std::to_string(value)); }
   void add(bool value) { add(std::string(value ? "1" : "0")); }
-  void add(double value) {  // the shortest text that reads back as it was
+  void add(double value) {  // the shortest text that reads back exactly
     char text[40];
     add(std::string(text, std::to_chars(text, text + sizeof text, value).ptr));
   }
@@ -69,7 +69,7 @@ void addQuality(Row& row, const std::optional<MeshQuality>& q) {
   add(&MeshQuality::sliverShare);
 }
 
-std::string rowOf(const FragmentFigures& f, const CgalVerdict* cgal) {
+std::string rowOf(const FragmentMetrics& f, const CgalVerdict* cgal) {
   Row row;
   row.add(f.id);
   row.add(f.name);
@@ -102,8 +102,8 @@ std::string rowOf(const FragmentFigures& f, const CgalVerdict* cgal) {
 
 std::string reportCsv(const EvaluateReport& report) {
   std::string text = std::string(kHead) + (report.cgal.empty() ? "" : kCgalHead) + "\n";
-  for (std::size_t i = 0; i < report.figures.fragments.size(); ++i) {
-    text += rowOf(report.figures.fragments[i], report.cgal.empty() ? nullptr : &report.cgal[i]);
+  for (std::size_t i = 0; i < report.evaluation.fragments.size(); ++i) {
+    text += rowOf(report.evaluation.fragments[i], report.cgal.empty() ? nullptr : &report.cgal[i]);
   }
   return text;
 }

@@ -1,4 +1,4 @@
-// An evaluation as one JSON object.
+// Prints an evaluation as one JSON object.
 #include <nlohmann/json.hpp>
 
 #include "cli/evaluate_report.h"
@@ -13,7 +13,7 @@ Json jsonOf(const std::optional<Value>& value) {
   return value ? Json(*value) : Json();
 }
 
-/// Lengths in world units, and what they are out of the diagonal and in voxels.
+/// Returns distances in world units, as shares of the diagonal, and in voxels.
 Json jsonOf(const std::optional<DistanceSummary>& d, const EvaluateReport& report) {
   if (!d) return {};
   const auto lengths = [&](double unit) {
@@ -22,7 +22,7 @@ Json jsonOf(const std::optional<DistanceSummary>& d, const EvaluateReport& repor
   };
   Json json = lengths(1.0);
   json["samples"] = d->samples;
-  json["of_diagonal"] = lengths(report.figures.fit.diagonal);
+  json["of_diagonal"] = lengths(report.evaluation.fit.diagonal);
   if (report.set.voxelSize > 0.0) json["voxels"] = lengths(report.set.voxelSize);
   return json;
 }
@@ -57,7 +57,7 @@ Json cgalJson(const CgalVerdict& verdict) {
 }
 
 Json fragmentJson(const EvaluateReport& report, std::size_t i) {
-  const FragmentFigures& f = report.figures.fragments[i];
+  const FragmentMetrics& f = report.evaluation.fragments[i];
   Json json = {{"id", f.id},
                {"mesh", f.name.empty() ? Json() : Json(f.name)},
                {"share", f.share},
@@ -87,10 +87,10 @@ Json fragmentJson(const EvaluateReport& report, std::size_t i) {
 
 Json wholeJson(const EvaluateReport& report) {
   if (report.whole.empty()) return {};
-  const Fit& fit = report.figures.fit;
+  const Fit& fit = report.evaluation.fit;
   return {{"file", report.whole},
           {"volume", jsonOf(fit.wholeVolume)},
-          {"volume_error", jsonOf(volumeError(report.figures))},
+          {"volume_error", jsonOf(volumeError(report.evaluation))},
           {"void_share", jsonOf(fit.voidShare)},
           {"missing", jsonOf(fit.missing, report)}};
 }
@@ -98,38 +98,39 @@ Json wholeJson(const EvaluateReport& report) {
 }  // namespace
 
 std::string reportJson(const EvaluateReport& report) {
-  const Evaluation& figures = report.figures;
+  const Evaluation& evaluation = report.evaluation;
   const bool manifest = report.set.manifest;
-  Json json = {{"schema", "sherd-report/1"},
-               {"command", "evaluate"},
-               {"folder", report.folder},
-               {"manifest", manifest},
-               {"source", manifest ? Json(report.set.source) : Json()},
-               {"seed", manifest ? Json(report.set.seed) : Json()},
-               {"voxel_size", manifest ? Json(report.set.voxelSize) : Json()},
-               {"pieces", figures.fragments.size()},
-               {"effective_pieces", figures.effectiveFragments},
-               {"smallest_share", figures.smallestShare},
-               {"largest_share", figures.largestShare},
-               {"volume", figures.volume},
-               {"contacts", figures.contacts},
-               {"contacts_per_fragment", contactsPerFragment(figures)},
-               {"fracture_area_share", ratio(figures.fractureArea, figures.area)},
-               {"convexity", jsonOf(figures.convexity)},
-               {"convexity_standard_error", jsonOf(figures.convexityStandardError)},
-               {"diagonal", figures.fit.diagonal},
-               {"sound", figures.sound},
-               {"open", figures.open},
-               {"quality", nullptr},
-               {"whole", wholeJson(report)},
-               {"surface_error", jsonOf(figures.fit.surfaceError, report)},
-               {"gap", jsonOf(figures.fit.gap, report)},
-               {"overlap",
-                {{"share", jsonOf(figures.fit.overlapShare)}, {"depth", figures.fit.overlapDepth}}},
-               {"notes", figures.notes},
-               {"fragments", Json::array()}};
-  if (figures.quality.triangles > 0) json["quality"] = qualityJson(figures.quality);
-  for (std::size_t i = 0; i < figures.fragments.size(); ++i) {
+  Json json = {
+      {"schema", "sherd-report/1"},
+      {"command", "evaluate"},
+      {"folder", report.folder},
+      {"manifest", manifest},
+      {"source", manifest ? Json(report.set.source) : Json()},
+      {"seed", manifest ? Json(report.set.seed) : Json()},
+      {"voxel_size", manifest ? Json(report.set.voxelSize) : Json()},
+      {"pieces", evaluation.fragments.size()},
+      {"effective_pieces", evaluation.effectiveFragments},
+      {"smallest_share", evaluation.smallestShare},
+      {"largest_share", evaluation.largestShare},
+      {"volume", evaluation.volume},
+      {"contacts", evaluation.contacts},
+      {"contacts_per_fragment", contactsPerFragment(evaluation)},
+      {"fracture_area_share", ratio(evaluation.fractureArea, evaluation.area)},
+      {"convexity", jsonOf(evaluation.convexity)},
+      {"convexity_standard_error", jsonOf(evaluation.convexityStandardError)},
+      {"diagonal", evaluation.fit.diagonal},
+      {"sound", evaluation.sound},
+      {"open", evaluation.open},
+      {"quality", nullptr},
+      {"whole", wholeJson(report)},
+      {"surface_error", jsonOf(evaluation.fit.surfaceError, report)},
+      {"gap", jsonOf(evaluation.fit.gap, report)},
+      {"overlap",
+       {{"share", jsonOf(evaluation.fit.overlapShare)}, {"depth", evaluation.fit.overlapDepth}}},
+      {"notes", evaluation.notes},
+      {"fragments", Json::array()}};
+  if (evaluation.quality.triangles > 0) json["quality"] = qualityJson(evaluation.quality);
+  for (std::size_t i = 0; i < evaluation.fragments.size(); ++i) {
     json["fragments"].push_back(fragmentJson(report, i));
   }
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";

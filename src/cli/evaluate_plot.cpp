@@ -1,4 +1,4 @@
-// An evaluation as a picture: shares, convexity and angles.
+// Plots an evaluation as SVG: shares, convexity and angles.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -13,14 +13,14 @@
 namespace sherd::cli {
 namespace {
 
-using chart::kBlue, chart::kGreen, chart::kGrey, chart::kInk, chart::kOrange, chart::kRule;
+using chart::kBlue, chart::kGreen, chart::kGray, chart::kInk, chart::kOrange, chart::kRule;
 using chart::niceStep, chart::Svg;
 
 constexpr double kWidth = 960, kHeight = 360;
 constexpr double kTop = 104, kBottom = 300;  // of every panel
-constexpr std::size_t kMostLabels = 30;      // more fragments than these have no number each
+constexpr std::size_t kMostLabels = 30;      // ids are omitted above this number of fragments
 
-/// A panel, and the numbers along its upright axis.
+/// A panel and the range of its vertical axis.
 struct Panel {
   double left, right;
   double low, high;  ///< values at the bottom and the top
@@ -38,12 +38,12 @@ void drawFrame(Svg& svg, const Panel& panel, const std::string& title, const std
   for (double value = std::ceil(panel.low / step - 1e-9) * step + 0.0;  // not -0
        value <= panel.high + 1e-9 * step; value += step) {
     svg.line(panel.left, panel.y(value), panel.right, panel.y(value), kRule);
-    svg.text(panel.left - 6, panel.y(value) + 4, label(value), 11, kGrey, Svg::Anchor::end);
+    svg.text(panel.left - 6, panel.y(value) + 4, label(value), 11, kGray, Svg::Anchor::end);
   }
-  svg.text((panel.left + panel.right) / 2, kBottom + 38, below, 11, kGrey, Svg::Anchor::middle);
+  svg.text((panel.left + panel.right) / 2, kBottom + 38, below, 11, kGray, Svg::Anchor::middle);
 }
 
-/// A column of n beside one another.
+/// Horizontal extent of a column.
 struct Column {
   double left, width;
   double middle() const { return left + width / 2; }
@@ -55,60 +55,60 @@ Column column(const Panel& panel, std::size_t i, std::size_t count) {
   return {panel.left + pitch * static_cast<double>(i) + gap / 2, pitch - gap};
 }
 
-void drawNumbers(Svg& svg, const Panel& panel, const Evaluation& figures,
+void drawNumbers(Svg& svg, const Panel& panel, const Evaluation& evaluation,
                  const std::vector<std::size_t>& order) {
   if (order.size() > kMostLabels) return;
   const double size = order.size() > 16 ? 8 : 11;
   for (std::size_t i = 0; i < order.size(); ++i) {
     svg.text(column(panel, i, order.size()).middle(), kBottom + 16,
-             std::to_string(figures.fragments[order[i]].id), size, kGrey, Svg::Anchor::middle);
+             std::to_string(evaluation.fragments[order[i]].id), size, kGray, Svg::Anchor::middle);
   }
 }
 
 std::string percent(double share) { return formatted("%g %%", std::round(1e4 * share) / 100); }
 
-void drawShares(Svg& svg, const Evaluation& figures, const std::vector<std::size_t>& order) {
-  const Panel panel{60, 320, 0.0, std::max(1.05 * figures.largestShare, 1e-6)};
+void drawShares(Svg& svg, const Evaluation& evaluation, const std::vector<std::size_t>& order) {
+  const Panel panel{60, 320, 0.0, std::max(1.05 * evaluation.largestShare, 1e-6)};
   drawFrame(svg, panel, "Share of the whole", "fragments, the largest first", percent);
   for (std::size_t i = 0; i < order.size(); ++i) {
     const Column at = column(panel, i, order.size());
-    const double top = panel.y(figures.fragments[order[i]].share);
+    const double top = panel.y(evaluation.fragments[order[i]].share);
     svg.rect(at.left, top, at.width, kBottom - top, kBlue);
   }
-  drawNumbers(svg, panel, figures, order);
+  drawNumbers(svg, panel, evaluation, order);
 }
 
-void drawConvexity(Svg& svg, const Evaluation& figures, const std::vector<std::size_t>& order) {
+void drawConvexity(Svg& svg, const Evaluation& evaluation, const std::vector<std::size_t>& order) {
   double least = 0.95;
-  for (const FragmentFigures& f : figures.fragments) {
+  for (const FragmentMetrics& f : evaluation.fragments) {
     if (f.convexity) least = std::min(least, f.convexity->value);
   }
   const Panel panel{390, 650, std::floor(least * 10.0 - 0.5) / 10.0, 1.0};
   drawFrame(svg, panel, "Convexity", "fragments, in the same order",
             [](double value) { return formatted("%.2g", std::round(value * 1e6) / 1e6); });
-  if (!figures.convexity) {
-    svg.text((panel.left + panel.right) / 2, (kTop + kBottom) / 2, "no closed mesh", 12, kGrey,
+  if (!evaluation.convexity) {
+    svg.text((panel.left + panel.right) / 2, (kTop + kBottom) / 2, "no closed mesh", 12, kGray,
              Svg::Anchor::middle);
     return;
   }
   for (std::size_t i = 0; i < order.size(); ++i) {
-    const FragmentFigures& f = figures.fragments[order[i]];
+    const FragmentMetrics& f = evaluation.fragments[order[i]];
     const Column at = column(panel, i, order.size());
     if (f.convexity) {
       svg.line(at.middle(), panel.y(1.0), at.middle(), panel.y(f.convexity->value), kRule);
       svg.circle(at.middle(), panel.y(f.convexity->value), std::clamp(at.width / 3, 1.5, 4.5),
                  kOrange);
     } else if (order.size() <= kMostLabels) {
-      svg.text(at.middle(), kBottom - 6, "?", 11, kGrey, Svg::Anchor::middle);
+      svg.text(at.middle(), kBottom - 6, "?", 11, kGray, Svg::Anchor::middle);
     }
   }
-  svg.line(panel.left, panel.y(*figures.convexity), panel.right, panel.y(*figures.convexity),
+  svg.line(panel.left, panel.y(*evaluation.convexity), panel.right, panel.y(*evaluation.convexity),
            kOrange, /*dashed=*/true);
-  drawNumbers(svg, panel, figures, order);
+  drawNumbers(svg, panel, evaluation, order);
 }
 
-void drawAngles(Svg& svg, const Evaluation& figures) {
-  const MeshQuality& quality = figures.quality;
+void drawAngles(Svg& svg, const Evaluation& evaluation) {
+  const MeshQuality& quality = evaluation.quality;
   const double triangles = std::max(1.0, static_cast<double>(quality.triangles));
   const auto most = *std::max_element(quality.smallestAngles.begin(), quality.smallestAngles.end());
   const Panel panel{720, 940, 0.0, std::max(1.05 * static_cast<double>(most) / triangles, 1e-6)};
@@ -121,7 +121,7 @@ void drawAngles(Svg& svg, const Evaluation& figures) {
   }
   for (int degrees = 0; degrees <= 60; degrees += 10) {
     const double x = panel.left + (panel.right - panel.left) * degrees / 60.0;
-    svg.text(x, kBottom + 16, std::to_string(degrees), 11, kGrey, Svg::Anchor::middle);
+    svg.text(x, kBottom + 16, std::to_string(degrees), 11, kGray, Svg::Anchor::middle);
   }
 }
 
@@ -132,17 +132,17 @@ std::string headline(const EvaluateReport& report) {
 }
 
 std::string subtitle(const EvaluateReport& report) {
-  const Evaluation& figures = report.figures;
+  const Evaluation& evaluation = report.evaluation;
   std::string text = formatted("%zu fragments, as even as %.2f equal ones",
-                               figures.fragments.size(), figures.effectiveFragments);
-  if (figures.convexity) text += formatted(", convexity %.3f", *figures.convexity);
-  if (figures.quality.triangles > 0) text += formatted(", %zu sound meshes", figures.sound);
-  const std::optional<DistanceSummary>& error = figures.fit.surfaceError;
+                               evaluation.fragments.size(), evaluation.effectiveFragments);
+  if (evaluation.convexity) text += formatted(", convexity %.3f", *evaluation.convexity);
+  if (evaluation.quality.triangles > 0) text += formatted(", %zu sound meshes", evaluation.sound);
+  const std::optional<DistanceSummary>& error = evaluation.fit.surfaceError;
   if (error && report.set.voxelSize > 0.0) {
     text += formatted(", surface error %.3f voxels", error->mean / report.set.voxelSize);
   } else if (error) {
     text += formatted(", surface error %.2g %% of the diagonal",
-                      100.0 * ratio(error->mean, figures.fit.diagonal));
+                      100.0 * ratio(error->mean, evaluation.fit.diagonal));
   }
   return text;
 }
@@ -150,18 +150,18 @@ std::string subtitle(const EvaluateReport& report) {
 }  // namespace
 
 std::string reportPlot(const EvaluateReport& report) {
-  const Evaluation& figures = report.figures;
-  std::vector<std::size_t> order(figures.fragments.size());
+  const Evaluation& evaluation = report.evaluation;
+  std::vector<std::size_t> order(evaluation.fragments.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return figures.fragments[a].share > figures.fragments[b].share;
+    return evaluation.fragments[a].share > evaluation.fragments[b].share;
   });
   Svg svg(kWidth, kHeight);
   svg.text(24, 34, headline(report), 18, kInk, Svg::Anchor::start, true);
-  svg.text(24, 56, subtitle(report), 12, kGrey);
-  drawShares(svg, figures, order);
-  drawConvexity(svg, figures, order);
-  drawAngles(svg, figures);
+  svg.text(24, 56, subtitle(report), 12, kGray);
+  drawShares(svg, evaluation, order);
+  drawConvexity(svg, evaluation, order);
+  drawAngles(svg, evaluation);
   return svg.done();
 }
 

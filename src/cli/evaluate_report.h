@@ -1,4 +1,4 @@
-// What `sherd evaluate` found, and the ways to tell it.
+// The result of `sherd evaluate`, and its output formats.
 #pragma once
 
 #include <sherd/evaluate.h>
@@ -12,11 +12,12 @@
 namespace sherd::cli {
 
 struct EvaluateReport {
-  std::string folder;  ///< as it was given
-  FragmentSet set;     ///< its meshes are not needed any more
-  std::string whole;   ///< the unbroken mesh's file name, or empty
-  Evaluation figures;
-  std::vector<CgalVerdict> cgal;  ///< [fragments], or empty: not asked; without a mesh all false
+  std::string folder;  ///< as given
+  FragmentSet set;     ///< its meshes are not used by the reports
+  std::string whole;   ///< the intact mesh's file name, or empty
+  Evaluation evaluation;
+  std::vector<CgalVerdict>
+      cgal;  ///< [fragments], or empty without --cgal; all false without a mesh
 };
 
 [[nodiscard]] std::string reportJson(const EvaluateReport& report);
@@ -24,24 +25,24 @@ struct EvaluateReport {
 [[nodiscard]] std::string reportCsv(const EvaluateReport& report);   ///< a row for each fragment
 [[nodiscard]] std::string reportPlot(const EvaluateReport& report);  ///< SVG
 
-/// part / whole, or 0 of nothing.
+/// Returns part / whole, or 0 where whole is 0.
 inline double ratio(double part, double whole) { return whole > 0.0 ? part / whole : 0.0; }
 
-/// Everything that is wrong with a mesh, added up.
+/// Returns the number of defects of a mesh.
 inline std::size_t faults(const MeshQuality& q) {
   return q.boundaryEdges + q.nonManifoldEdges + q.flippedEdges + q.nonManifoldVertices +
          q.degenerateTriangles + q.duplicateTriangles;
 }
 
-inline double contactsPerFragment(const Evaluation& figures) {
-  return 2.0 * static_cast<double>(figures.contacts) /
-         static_cast<double>(figures.fragments.size());
+inline double contactsPerFragment(const Evaluation& evaluation) {
+  return 2.0 * static_cast<double>(evaluation.contacts) /
+         static_cast<double>(evaluation.fragments.size());
 }
 
-/// The sum of the fragments' volumes over the unbroken mesh's, less one.
-inline std::optional<double> volumeError(const Evaluation& figures) {
-  if (!figures.fit.wholeVolume || figures.open > 0) return {};
-  return figures.volume / *figures.fit.wholeVolume - 1.0;
+/// Returns the fragments' total volume over the intact mesh's, minus 1; nullopt with open meshes.
+inline std::optional<double> volumeError(const Evaluation& evaluation) {
+  if (!evaluation.fit.wholeVolume || evaluation.open > 0) return {};
+  return evaluation.volume / *evaluation.fit.wholeVolume - 1.0;
 }
 
 }  // namespace sherd::cli

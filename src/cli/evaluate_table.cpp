@@ -1,4 +1,4 @@
-// An evaluation as text for people.
+// Prints an evaluation as a table of text.
 #include <algorithm>
 
 #include "base/formatted.h"
@@ -8,14 +8,14 @@ namespace sherd::cli {
 namespace {
 
 std::string title(const EvaluateReport& report) {
-  const std::size_t count = report.figures.fragments.size();
+  const std::size_t count = report.evaluation.fragments.size();
   std::string text =
       report.folder + ": " + std::to_string(count) + (count == 1 ? " fragment" : " fragments");
   if (!report.set.manifest) return text + " (meshes without a manifest)";
   return text + " of " + report.set.source + ", seed " + std::to_string(report.set.seed);
 }
 
-std::string fragmentLine(const FragmentFigures& f) {
+std::string fragmentLine(const FragmentMetrics& f) {
   std::string line = formatted("%5d %6.2f %% %13.6g %12.2f %% %9zu", f.id, 100.0 * f.share,
                                f.volume, 100.0 * ratio(f.fractureArea, f.area), f.contacts);
   if (f.quality) {
@@ -27,25 +27,25 @@ std::string fragmentLine(const FragmentFigures& f) {
   return line + (f.convexity ? formatted(" %10.4f\n", f.convexity->value) : "          -\n");
 }
 
-std::string convexityLine(const Evaluation& figures) {
-  if (!figures.convexity) {
-    return figures.quality.triangles > 0
+std::string convexityLine(const Evaluation& evaluation) {
+  if (!evaluation.convexity) {
+    return evaluation.quality.triangles > 0
                ? "convexity              - (no closed mesh here)\n"
                : "convexity              - (no meshes here; sherd fracture --write mesh makes "
                  "them)\n";
   }
-  if (!figures.convexityStandardError) {
-    return formatted("convexity              %.4f\n", *figures.convexity);
+  if (!evaluation.convexityStandardError) {
+    return formatted("convexity              %.4f\n", *evaluation.convexity);
   }
   return formatted("convexity              %.4f +- %.4f (mean and its standard error)\n",
-                   *figures.convexity, *figures.convexityStandardError);
+                   *evaluation.convexity, *evaluation.convexityStandardError);
 }
 
-std::string qualityLines(const Evaluation& figures) {
-  const MeshQuality& q = figures.quality;
-  const auto meshes = std::count_if(figures.fragments.begin(), figures.fragments.end(),
-                                    [](const FragmentFigures& f) { return f.quality.has_value(); });
-  std::string text = formatted("sound meshes           %zu of %td", figures.sound, meshes);
+std::string qualityLines(const Evaluation& evaluation) {
+  const MeshQuality& q = evaluation.quality;
+  const auto meshes = std::count_if(evaluation.fragments.begin(), evaluation.fragments.end(),
+                                    [](const FragmentMetrics& f) { return f.quality.has_value(); });
+  std::string text = formatted("sound meshes           %zu of %td", evaluation.sound, meshes);
   const std::pair<std::size_t, const char*> kinds[] = {
       {q.boundaryEdges, "boundary edges"},
       {q.nonManifoldEdges, "non-manifold edges"},
@@ -62,19 +62,19 @@ std::string qualityLines(const Evaluation& figures) {
                     q.meanSmallestAngle, q.smallestAngle, 100.0 * q.sliverShare, q.triangles);
 }
 
-/// In voxels where there are some, else out of the diagonal.
+/// Returns a line of distances, in voxels where known, else in percent of the diagonal.
 std::string distanceLine(const char* name, const std::optional<DistanceSummary>& d,
                          const EvaluateReport& report) {
   if (!d) return {};
-  const double voxel = report.set.voxelSize, diagonal = report.figures.fit.diagonal;
+  const double voxel = report.set.voxelSize, diagonal = report.evaluation.fit.diagonal;
   const double unit = voxel > 0.0 ? voxel : diagonal / 100.0;
   return formatted("%-22s mean %.4f, 99 %% within %.4f, at most %.4f %s\n", name, d->mean / unit,
                    d->p99 / unit, d->max / unit, voxel > 0.0 ? "voxels" : "% of the diagonal");
 }
 
 std::string fitLines(const EvaluateReport& report) {
-  const Evaluation& figures = report.figures;
-  const Fit& fit = figures.fit;
+  const Evaluation& evaluation = report.evaluation;
+  const Fit& fit = evaluation.fit;
   std::string text = distanceLine("surface error", fit.surfaceError, report) +
                      distanceLine("missing surface", fit.missing, report) +
                      distanceLine("gap", fit.gap, report);
@@ -83,10 +83,10 @@ std::string fitLines(const EvaluateReport& report) {
                       100.0 * *fit.overlapShare, fit.overlapDepth);
   }
   if (fit.voidShare) {
-    text += formatted("void                   %.4f %% of the unbroken volume\n",
-                      100.0 * *fit.voidShare);
+    text +=
+        formatted("void                   %.4f %% of the intact volume\n", 100.0 * *fit.voidShare);
   }
-  if (const std::optional<double> error = volumeError(figures)) {
+  if (const std::optional<double> error = volumeError(evaluation)) {
     text += formatted("volume error           %+.4f %%\n", 100.0 * *error);
   }
   return text;
@@ -115,24 +115,24 @@ std::string cgalLine(const EvaluateReport& report) {
 }  // namespace
 
 std::string reportTable(const EvaluateReport& report) {
-  const Evaluation& figures = report.figures;
+  const Evaluation& evaluation = report.evaluation;
   std::string text = title(report) + "\n\n";
   text +=
       "   id    share        volume  fracture area  contacts  triangles  faults  angle  "
       "convexity\n";
-  for (const FragmentFigures& f : figures.fragments) text += fragmentLine(f);
-  text += formatted("\neffective fragments    %.2f of %zu\n", figures.effectiveFragments,
-                    figures.fragments.size());
-  text += formatted("shares                 %.2f %% to %.2f %%\n", 100.0 * figures.smallestShare,
-                    100.0 * figures.largestShare);
-  text += formatted("volume                 %.6g\n", figures.volume);
+  for (const FragmentMetrics& f : evaluation.fragments) text += fragmentLine(f);
+  text += formatted("\neffective fragments    %.2f of %zu\n", evaluation.effectiveFragments,
+                    evaluation.fragments.size());
+  text += formatted("shares                 %.2f %% to %.2f %%\n", 100.0 * evaluation.smallestShare,
+                    100.0 * evaluation.largestShare);
+  text += formatted("volume                 %.6g\n", evaluation.volume);
   text += formatted("fracture area          %.2f %% of all surface\n",
-                    100.0 * ratio(figures.fractureArea, figures.area));
-  text += formatted("contacts per fragment  %.2f\n", contactsPerFragment(figures));
-  text += convexityLine(figures);
-  if (figures.quality.triangles > 0) text += qualityLines(figures) + fitLines(report);
+                    100.0 * ratio(evaluation.fractureArea, evaluation.area));
+  text += formatted("contacts per fragment  %.2f\n", contactsPerFragment(evaluation));
+  text += convexityLine(evaluation);
+  if (evaluation.quality.triangles > 0) text += qualityLines(evaluation) + fitLines(report);
   text += cgalLine(report);
-  for (const std::string& note : figures.notes) text += "note: " + note + "\n";
+  for (const std::string& note : evaluation.notes) text += "note: " + note + "\n";
   return text;
 }
 

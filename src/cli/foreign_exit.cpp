@@ -1,4 +1,4 @@
-// Drivers that end the program.
+// Handles drivers that call exit().
 #include "cli/foreign_exit.h"
 
 #include <sherd/error.h>
@@ -18,12 +18,12 @@ std::atomic<bool> isForeign{false};
 
 void explain(int, void*) {
   if (!isForeign) return;
-  endWith(static_cast<int>(ErrorCode::device));
+  claimExit(static_cast<int>(ErrorCode::device));
   endAllWork();
   removeUnfinished();
   printMessage(
-      "sherd: the OpenCL driver ended the program; what it printed says why, and sherd doctor "
-      "whether its folder for kernels is well");
+      "sherd: the OpenCL driver ended the program; see its output above, and sherd doctor for "
+      "its kernel folder");
   ::_exit(static_cast<int>(ErrorCode::device));
 }
 

@@ -1,11 +1,11 @@
-// Drivers that end the program.
+// Handles drivers that call exit().
 #pragma once
 
 namespace sherd::cli {
 
-/// While this lives, exit() is called by drivers only: LLVM, by which PoCL compiles, calls it where
-/// it cannot write a file.  Temporaries are removed then, and the program ends with a sentence and
-/// status 4.  To be made once the device is open, so that it runs before the drivers' own handlers.
+/// Treats exit() as a driver failure during its lifetime: LLVM, PoCL's compiler, calls it when it
+/// cannot write a file.  Then temporaries are removed, and the program ends with a message and
+/// status 4.  Create it after the device is open, so that it runs before the drivers' handlers.
 class ForeignExit {
  public:
   ForeignExit();

@@ -1,4 +1,4 @@
-// `sherd fracture`: break one mesh into a folder.
+// `sherd fracture`: breaks one mesh into a folder of fragments.
 #include <sherd/error.h>
 #include <sherd/fracture.h>
 #include <sherd/io.h>
@@ -22,7 +22,7 @@
 #include "cli/command.h"
 #include "cli/foreign_exit.h"
 #include "cli/fracture_options.h"
-#include "cli/fracture_telling.h"
+#include "cli/fracture_printer.h"
 #include "cli/interrupts.h"
 #include "cli/machine_options.h"
 #include "cli/option_rules.h"
@@ -42,12 +42,12 @@ struct FractureArguments {
   std::string mesh;
   std::string folder;
   std::vector<int>
-      only;  ///< fragments of a finished fracture to break again; empty: MESH is a mesh
+      only;  ///< fragments of a finished fracture to break again; empty: MESH is a mesh or volume
   FractureOptions options;
   VolumeOptions volume;
   bool splitObjects = false;
-  bool asksForFill = false;      ///< or for a shell's thickness
-  bool asksForIsovalue = false;  ///< --isovalue was given
+  bool fillGiven = false;      ///< --fill or --shell-thickness was given
+  bool isovalueGiven = false;  ///< --isovalue was given
   WriteArguments write;
   MachineOptions machine;
   bool json = false;
@@ -58,10 +58,11 @@ double secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// What is to be broken: one of these.
+// The input of a run: meshes, a solid, or a finished fracture.
 struct Input {
-  std::vector<SourceMesh> meshes;  // the file's, or its objects'; of a solid its name and no mesh
-  std::optional<Solid> solid;      // used up when it is broken
+  std::vector<SourceMesh>
+      meshes;                  // the file's, or its objects'; for a solid the name without a mesh
+  std::optional<Solid> solid;  // moved from when it is broken
   std::optional<FinishedFracture> finished;
 };
 
@@ -78,12 +79,12 @@ Input readInput(FractureArguments& arguments, const Progress& progress) {
     Volume volume = readVolume(arguments.mesh, arguments.volume, &progress);
     if (arguments.volume.ownVoxels) arguments.options.voxelSize = volume.voxelSize;
     input.solid = std::move(volume.solid);
-    if (input.solid && arguments.asksForFill) {
+    if (input.solid && arguments.fillGiven) {
       printMessage(
           "sherd: warning: --fill and --shell-thickness do nothing with a level set's own voxels; "
-          "--resolution or --voxel-size makes others");
+          "--resolution or --voxel-size resamples it");
     }
-    if (volume.isLevelSet && arguments.asksForIsovalue) {
+    if (volume.isLevelSet && arguments.isovalueGiven) {
       printMessage(
           "sherd: warning: --isovalue does nothing with a level set, whose surface is at 0");
     }
@@ -101,10 +102,10 @@ Input readInput(FractureArguments& arguments, const Progress& progress) {
 
 MeshesHeld meshesHeld(const WriteOptions& write) {
   if (write.needsAllMeshes()) return MeshesHeld::all;
-  return write.preview ? MeshesHeld::pictured : MeshesHeld::some;
+  return write.preview ? MeshesHeld::preview : MeshesHeld::some;
 }
 
-// What is wrong with a mesh is found by functions that do not know the file's name.
+// Prefixes errors about the mesh with its name, which the stages do not have.
 GrownFracture breakInput(const FractureArguments& arguments, const WriteOptions& write,
                          Input& input, const SourceMesh& source, const std::string& title,
                          Device& device, const Progress& progress) {
@@ -124,8 +125,7 @@ GrownFracture breakInput(const FractureArguments& arguments, const WriteOptions&
   }
 }
 
-// A folder for each object, by its name; equal names, and those that differ by case only, get
-// numbers.
+// Returns a folder for each object, by its name; names that are equal up to case get numbers.
 std::vector<std::string> objectFolders(const std::string& folder,
                                        const std::vector<SourceMesh>& objects) {
   std::vector<std::string> folders;
@@ -144,7 +144,7 @@ std::vector<std::string> objectFolders(const std::string& folder,
   return folders;
 }
 
-// Each folder is locked by an open file until all of them are put in place.
+// Each folder is locked by an open file until all of them are in place.
 void allowOpenFiles() {
   rlimit files{};
   if (::getrlimit(RLIMIT_NOFILE, &files) != 0) return;
@@ -152,12 +152,12 @@ void allowOpenFiles() {
   (void)::setrlimit(RLIMIT_NOFILE, &files);
 }
 
-// The folders of all objects.
+// Pending replacements of all objects' folders.
 class Replacements {
  public:
   Replacements() = default;
   ~Replacements() {
-    while (!all_.empty()) all_.pop_back();  // later ones lie in folders that earlier ones made
+    while (!all_.empty()) all_.pop_back();  // later ones may lie in folders of earlier ones
   }
   Replacements(const Replacements&) = delete;
   Replacements& operator=(const Replacements&) = delete;
@@ -190,8 +190,7 @@ class FractureRun {
 
   void run() {
     if (!arguments_.splitObjects) checkFractureFolder(arguments_.folder);
-    // Drivers load a compiler, which takes as long as reading a mesh of a hundred thousand
-    // triangles.
+    // Opening a device loads a compiler, which takes as long as reading 100,000 triangles.
     std::future<Device> opening =
         std::async(std::launch::async, [this] { return Device(arguments_.machine.device); });
     Input input = timed("read", [&] { return readInput(arguments_, progress_); });
@@ -202,13 +201,13 @@ class FractureRun {
       allowOpenFiles();
     }
     Device device = timed("device", [&] { return opening.get(); });
-    const ForeignExit explained;
+    const ForeignExit guard;
     const std::vector<StageTime> before = times_;
     std::optional<Error> refused;
     for (std::size_t i = 0; i < input.meshes.size(); ++i) {
       try {
         breakOne(input, input.meshes[i], folders[i], device);
-      } catch (const Error& e) {  // the other objects are broken all the same
+      } catch (const Error& e) {  // the other objects are broken nevertheless
         if (input.meshes.size() == 1 || e.code() != ErrorCode::input) throw;
         line_.clear();
         printMessage(std::string("sherd: ") + e.what());
@@ -219,7 +218,7 @@ class FractureRun {
     }
     line_.clear();
     finish(
-        replacements_, [this] { printTold(); }, refused ? static_cast<int>(refused->code()) : 0);
+        replacements_, [this] { printReports(); }, refused ? static_cast<int>(refused->code()) : 0);
     if (refused) throw *refused;
   }
 
@@ -239,39 +238,39 @@ class FractureRun {
     const std::string title = titled(arguments_.mesh, source);
     const WriteOptions write = writeOptions(arguments_.write);
     GrownFracture grown = breakInput(arguments_, write, input, source, title, device, progress_);
-    AsideFracture aside =
-        writeAside(folder, source, arguments_.options, std::move(grown), write, &progress_);
+    StagedFracture aside =
+        writeStaged(folder, source, arguments_.options, std::move(grown), write, &progress_);
     replacements_.add(std::move(aside.replacement));
     const FractureResult& result = aside.result;
     times_.insert(times_.end(), result.times.begin(), result.times.end());
     times_.push_back({"total", secondsSince(start_)});
-    const FractureTelling told{title,
-                               folder,
-                               source,
-                               arguments_.options,
-                               write,
-                               result,
-                               device.info(),
-                               fs::path(folder) / kManifestName,
-                               replacements_.back().warnings(),
-                               times_};
+    const FractureSummary summary{title,
+                                  folder,
+                                  source,
+                                  arguments_.options,
+                                  write,
+                                  result,
+                                  device.info(),
+                                  fs::path(folder) / kManifestName,
+                                  replacements_.back().warnings(),
+                                  times_};
     line_.clear();
-    for (const std::string& warning : warningsOf(told)) {
+    for (const std::string& warning : warningsOf(summary)) {
       printMessage("sherd: warning: " + warning);
     }
     if (arguments_.json) {
-      told_.push_back(jsonOf(told));
+      reports_.push_back(jsonOf(summary));
     } else {
-      toldText_ += textOf(told);
+      text_ += textOf(summary);
     }
   }
 
-  void printTold() const {
+  void printReports() const {
     if (arguments_.json) {
-      const nlohmann::ordered_json& all = arguments_.splitObjects ? told_ : told_.front();
+      const nlohmann::ordered_json& all = arguments_.splitObjects ? reports_ : reports_.front();
       printResult(all.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
-    } else if (!arguments_.quiet && !toldText_.empty()) {
-      printResult(toldText_);
+    } else if (!arguments_.quiet && !text_.empty()) {
+      printResult(text_);
     }
   }
 
@@ -282,8 +281,8 @@ class FractureRun {
       .report = [this](std::string_view stage, double fraction) { line_.show(stage, fraction); },
       .cancelled = isInterrupted};
   std::vector<StageTime> times_;
-  nlohmann::ordered_json told_ = nlohmann::ordered_json::array();
-  std::string toldText_;
+  nlohmann::ordered_json reports_ = nlohmann::ordered_json::array();
+  std::string text_;
   Replacements replacements_;
 };
 
@@ -318,7 +317,7 @@ void addFractureCommand(CLI::App& app, Action& run) {
       ->type_name("DIR")
       ->required();
   addPreset(*command, options);
-  command->add_option("--pieces", options.pieces, "Fragments wanted")
+  command->add_option("--pieces", options.pieces, "Number of fragments")
       ->transform(wholeNumber(1, kMaxFragments))
       ->capture_default_str();
   command->add_option("--seed", options.seed, "Seed of every random choice")
@@ -332,8 +331,8 @@ void addFractureCommand(CLI::App& app, Action& run) {
       ->excludes(resolution);
   command
       ->add_option("--only", arguments->only,
-                   "Break these fragments of a finished fracture again, MESH being its "
-                   "manifest.json; --pieces is for each of them")
+                   "Break these fragments of a finished fracture again; MESH is its manifest.json "
+                   "and --pieces counts for each of them")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->transform(wholeNumber(1, kMaxFragments))
@@ -344,16 +343,16 @@ void addFractureCommand(CLI::App& app, Action& run) {
   addVolumeOptions(*command, arguments->volume);
   command
       ->add_flag("--split-objects", arguments->splitObjects,
-                 "Break each object of the file by itself, into a folder of its name below DIR")
+                 "Break each object of the file separately, into a folder of its name below DIR")
       ->excludes("--only");
   addSeedOptions(*command, options);
   addGrowthOptions(*command, options);
   addErosionOptions(*command, options);
   addSurfaceOptions(*command, options);
   addPointOptions(*command, arguments->write.files);
-  for (const char* ofMeshes : {"--seeds", "--missing", "--drop-share", "--erode-iterations",
-                               "--fill", "--shell-thickness", "--grid", "--isovalue"}) {
-    command->get_option("--only")->excludes(ofMeshes);
+  for (const char* option : {"--seeds", "--missing", "--drop-share", "--erode-iterations", "--fill",
+                             "--shell-thickness", "--grid", "--isovalue"}) {
+    command->get_option("--only")->excludes(option);
   }
   addWriteOptions(*command, arguments->write);
   addVoxelFormatOption(*command, arguments->write.files);
@@ -368,8 +367,8 @@ void addFractureCommand(CLI::App& app, Action& run) {
         command->count("--voxel-size") > 0 ||
         (command->count("--resolution") > 0 && arguments->options.resolution != kAutoResolution);
     arguments->volume.ownVoxels = !isGiven;
-    arguments->asksForFill = command->count("--fill") + command->count("--shell-thickness") > 0;
-    arguments->asksForIsovalue = command->count("--isovalue") > 0;
+    arguments->fillGiven = command->count("--fill") + command->count("--shell-thickness") > 0;
+    arguments->isovalueGiven = command->count("--isovalue") > 0;
     const std::vector<std::string> idle =
         idleOptions({*command, arguments->options, arguments->write, arguments->mesh});
     run = [arguments, idle] {

@@ -1,5 +1,5 @@
-// From text to the options of a fracture.  Ranges are checked here where they are the same for
-// every solid; what depends on the solid is checked by the stage that knows it.
+// Options of a fracture.  Ranges that hold for every solid are checked here; ranges that depend on
+// the solid are checked by the stage.
 #include "cli/fracture_options.h"
 
 #include <cmath>
@@ -12,7 +12,7 @@
 namespace sherd::cli {
 namespace {
 
-// "K", or "Kn" for K of each fragment.
+// "K", or "Kn" for K per fragment.
 void parseExtraSeeds(const std::string& text, FractureOptions& options) {
   std::string digits = text;
   const bool perPiece = !digits.empty() && digits.back() == 'n';
@@ -22,16 +22,17 @@ void parseExtraSeeds(const std::string& text, FractureOptions& options) {
   const auto [stop, error] = std::from_chars(digits.data(), end, count);
   const int most = perPiece ? 1000 : 10'000'000;
   if (error != std::errc() || stop != end || count < 0 || count > most) {
-    refuse("--extra-seeds", text, "a whole number, or one times n as in 2n");
+    refuse("--extra-seeds", text, "a whole number, or a whole number followed by n as in 2n");
   }
   options.extraSeedsPerPiece = perPiece ? count : 0;
   options.seeds.extraSeeds = perPiece ? 0 : count;
 }
 
-// x,y,z[,count[,spread]][,merge], or ray:ox,oy,oz,dx,dy,dz[,...]; spread in world units or as n=5.
+// x,y,z[,count[,spread]][,merge], or ray:ox,oy,oz,dx,dy,dz[,...].  The spread is a standard
+// deviation in world units, or a bias as n=5.
 Impact parseImpact(const std::string& text) {
   const std::string expected =
-      "x,y,z or ray:ox,oy,oz,dx,dy,dz, then ,count ,spread (or n=5) and ,merge as wanted";
+      "x,y,z or ray:ox,oy,oz,dx,dy,dz, then optionally ,count ,spread (or n=5) and ,merge";
   const bool isRay = text.starts_with("ray:");
   std::vector<std::string> parts = split(isRay ? text.substr(4) : text);
   Impact impact;
@@ -39,46 +40,47 @@ Impact parseImpact(const std::string& text) {
     impact.merge = true;
     parts.pop_back();
   }
-  const std::size_t place = isRay ? 6 : 3;
-  if (parts.size() < place || parts.size() > place + 2) refuse("--impact", text, expected);
-  const auto at = numbersIn(std::span(parts).first(place));
+  const std::size_t coordinates = isRay ? 6 : 3;
+  if (parts.size() < coordinates || parts.size() > coordinates + 2)
+    refuse("--impact", text, expected);
+  const auto at = numbersIn(std::span(parts).first(coordinates));
   if (!at) refuse("--impact", text, expected);
   const std::vector<double>& v = *at;
   if (isRay) {
-    impact.place = Ray{{{v[0], v[1], v[2]}}, {v[3], v[4], v[5]}};
+    impact.target = Ray{{{v[0], v[1], v[2]}}, {v[3], v[4], v[5]}};
   } else {
-    impact.place = WorldPoint{{v[0], v[1], v[2]}};
+    impact.target = WorldPoint{{v[0], v[1], v[2]}};
   }
-  if (parts.size() > place) {
-    const std::optional<double> count = numberIn(parts[place]);
+  if (parts.size() > coordinates) {
+    const std::optional<double> count = numberIn(parts[coordinates]);
     if (!count || *count < 1 || *count > kMaxFragments || *count != std::floor(*count)) {
       refuse("--impact", text, expected);
     }
     impact.count = static_cast<int>(*count);
   }
-  if (parts.size() > place + 1) {
-    const std::string& spread = parts[place + 1];
-    const bool isBias = spread.starts_with("n=");
-    const std::optional<double> value = numberIn(isBias ? spread.substr(2) : spread);
+  if (parts.size() > coordinates + 1) {
+    const std::string& sigma = parts[coordinates + 1];
+    const bool isBias = sigma.starts_with("n=");
+    const std::optional<double> value = numberIn(isBias ? sigma.substr(2) : sigma);
     if (!value || *value <= 0 || (isBias && (*value > kMaxBias || *value != std::floor(*value)))) {
       refuse("--impact", text, expected);
     }
     if (isBias) {
       impact.bias = static_cast<int>(*value);
     } else {
-      impact.spread = *value;
+      impact.sigma = *value;
     }
   }
   return impact;
 }
 
-void parseGrain(const std::string& text, Grain& grain) {
+void parseAnisotropy(const std::string& text, Anisotropy& anisotropy) {
   const auto numbers = numbersIn(split(text));
   if (!numbers || numbers->size() != 4 || (*numbers)[3] < -0.75 || (*numbers)[3] > 9.0 ||
       ((*numbers)[0] == 0.0 && (*numbers)[1] == 0.0 && (*numbers)[2] == 0.0)) {
     refuse("--grain", text, "dx,dy,dz,strength with a strength in -0.75..9");
   }
-  grain = {{(*numbers)[0], (*numbers)[1], (*numbers)[2]}, (*numbers)[3]};
+  anisotropy = {{(*numbers)[0], (*numbers)[1], (*numbers)[2]}, (*numbers)[3]};
 }
 
 void parseRoughness(const std::string& text, GrowOptions& grow) {
@@ -120,8 +122,7 @@ CLI::Option* addResolution(CLI::App& command, FractureOptions& options) {
 void addFillOptions(CLI::App& command, FractureOptions& options) {
   const std::string group = "Solid";
   addChoice(command, "--fill", options.fill, names::kFill,
-            "How the mesh tells its inside; auto takes winding, or shell where the mesh encloses "
-            "nothing")
+            "How the inside is found; auto is winding, or shell where the mesh encloses nothing")
       ->group(group);
   command
       .add_option(
@@ -136,12 +137,12 @@ void addVolumeOptions(CLI::App& command, VolumeOptions& options) {
   const std::string group = "Solid";
   command
       .add_option("--grid", options.grid,
-                  "The grid of a .vdb file; default: its level sets, united, or its only grid")
+                  "The grid of a .vdb file; default: the union of its level sets, or its only grid")
       ->type_name("NAME")
       ->group(group);
   command
       .add_option("--isovalue", options.isovalue,
-                  "A grid that is no level set is solid where its values are above")
+                  "A grid other than a level set is solid where its values are above")
       ->check(numberBetween(-1e30, 1e30, "a number"))
       ->capture_default_str()
       ->group(group);
@@ -156,12 +157,13 @@ void addSeedOptions(CLI::App& command, FractureOptions& options) {
   command
       .add_option_function<std::string>(
           "--extra-seeds", [&options](const std::string& text) { parseExtraSeeds(text, options); },
-          "Further seeds, given to the nearest fragment: less convex pieces; 2n is two a fragment")
+          "Additional seeds, merged into the nearest fragment: less convex pieces; 2n is two per "
+          "fragment")
       ->type_name("K|Kn")
       ->default_str("0")
       ->group(group);
   addChoice(command, "--merge-metric", seeds.mergeMetric, names::kMetric,
-            "What nearest means for extra seeds")
+            "Metric of the nearest fragment for extra seeds")
       ->group(group);
   command
       .add_option_function<std::vector<std::string>>(
@@ -169,19 +171,20 @@ void addSeedOptions(CLI::App& command, FractureOptions& options) {
           [&seeds](const std::vector<std::string>& all) {
             for (const std::string& text : all) seeds.impacts.push_back(parseImpact(text));
           },
-          "A blow at x,y,z or ray:ox,oy,oz,dx,dy,dz, then ,count ,spread (world units, or n=5 as "
+          "An impact at x,y,z or ray:ox,oy,oz,dx,dy,dz, then ,count ,spread (world units, or n=5 "
+          "as "
           "the paper's bias) ,merge; repeatable")
       ->type_name("IMPACT")
       ->allow_extra_args(false)
       ->group(group);
-  command.add_option("--impacts", seeds.randomImpacts, "Blows at random places of the surface")
+  command.add_option("--impacts", seeds.randomImpacts, "Impacts at random surface points")
       ->transform(wholeNumber(0, 10000))
       ->capture_default_str()
       ->group(group);
   command
       .add_option_function<std::string>(
           "--seeds", [&options](const std::string& text) { options.seedFile = text; },
-          "Take the seeds of a file, as --write seeds makes it, in place of drawn ones")
+          "Read the seeds from a file, as --write seeds writes it, instead of drawing them")
       ->type_name("FILE")
       ->excludes("--pieces")
       ->group(group);
@@ -190,19 +193,20 @@ void addSeedOptions(CLI::App& command, FractureOptions& options) {
 void addGrowthOptions(CLI::App& command, FractureOptions& options) {
   const std::string group = "Growth";
   GrowOptions& grow = options.grow;
-  addChoice(command, "--growth", grow.growth, names::kGrowth,
-            "How fragments spread from their seeds")
+  addChoice(command, "--growth", grow.growth, names::kGrowth, "How fragments grow from their seeds")
       ->group(group);
-  command.add_option("--neighborhood", grow.neighborhood, "Neighbours a flood steps to: 6 or 26")
+  command
+      .add_option("--neighborhood", grow.neighborhood, "Neighbors of a voxel in a flood: 6 or 26")
       ->check(oneOf({6, 26}))
       ->type_name("")
       ->capture_default_str()
       ->group(group);
-  addChoice(command, "--metric", grow.metric, names::kMetric, "Distance of nearest and chain")
+  addChoice(command, "--metric", grow.metric, names::kMetric,
+            "Metric of --growth nearest and chain")
       ->group(group);
   command
       .add_option_function<std::string>(
-          "--grain", [&grow](const std::string& text) { parseGrain(text, grow.grain); },
+          "--grain", [&grow](const std::string& text) { parseAnisotropy(text, grow.anisotropy); },
           "Grain along a direction: splinters with a strength of 0..9, plates across it with "
           "-0.75..0")
       ->type_name("dx,dy,dz,strength")
@@ -216,33 +220,33 @@ void addGrowthOptions(CLI::App& command, FractureOptions& options) {
       ->default_str("0")
       ->group(group);
   addChoice(command, "--isolated", grow.regrowIsolated, names::kIsolated,
-            "What is cut off from its fragment's first seed: regrow gives it to neighbours, keep "
-            "leaves it")
+            "Voxels disconnected from their fragment's first seed: regrow gives them to neighbors, "
+            "keep leaves them")
       ->group(group);
   command
       .add_option(
           "--min-share", options.shares.minShare,
-          "Least share of the solid that a fragment may have; seeds are drawn again until so")
+          "Least share of the solid in a fragment; seeds are drawn again until all reach it")
       ->check(numberBetween(0.0, 1.0, "0..1"))
       ->capture_default_str()
       ->group(group);
   command
       .add_option("--balance", options.shares.balance,
-                  "Steps that move seeds to their fragments' centres: sizes even out")
+                  "Lloyd steps, which move seeds to their fragments' centers and even out sizes")
       ->transform(wholeNumber(0, 100))
       ->capture_default_str()
       ->group(group);
   command
       .add_option("--drop-share", options.dropShare,
-                  "Withhold fragments that have a lesser share of the solid")
+                  "Withhold fragments with a smaller share of the solid")
       ->check(numberBetween(0.0, 1.0, "0..1"))
       ->capture_default_str()
       ->group(group);
   command
       .add_option_function<std::string>(
           "--missing", [&options](const std::string& text) { parseMissing(text, options.missing); },
-          "Withhold fragments, of those that are left: a number, or below 1 a share of them; the "
-          "manifest tells which")
+          "Withhold further fragments at random: a number, or below 1 a share of them; the "
+          "manifest lists them")
       ->type_name("k|share")
       ->default_str("0")
       ->group(group);
@@ -251,39 +255,40 @@ void addGrowthOptions(CLI::App& command, FractureOptions& options) {
 void addErosionOptions(CLI::App& command, FractureOptions& options) {
   const std::string group = "Erosion";
   ErodeOptions& erode = options.erode;
-  command
-      .add_option("--erode-iterations", erode.iterations, "How often fragments are worn; 0 never")
+  command.add_option("--erode-iterations", erode.iterations, "Number of erosion passes; 0 none")
       ->transform(wholeNumber(0, 1000))
       ->capture_default_str()
       ->group(group);
   addChoice(command, "--erode-shape", erode.shape, names::kErodeShape,
-            "Shape that must be filled about a voxel")
+            "Structuring element around a voxel")
       ->group(group);
-  command.add_option("--erode-size", erode.size, "Size of the shape, odd")
+  command.add_option("--erode-size", erode.size, "Size of the structuring element, odd")
       ->check(oneOf({3, 5, 7, 9, 11, 13}))
       ->type_name("")
       ->capture_default_str()
       ->group(group);
   command
-      .add_flag("--erode-planes", erode.planes,
-                "The shape in the three axis planes, as in the paper, in place of 3-D")
+      .add_flag(
+          "--erode-planes", erode.planes,
+          "Structuring elements in the three axis planes, as in the paper, instead of one in 3-D")
       ->group(group);
   command
-      .add_option("--erode-threshold", erode.threshold, "Share of the shape that must be filled")
+      .add_option("--erode-threshold", erode.threshold,
+                  "Share of the structuring element that its fragment must fill")
       ->check(numberBetween(1e-6, 1.0, "0.000001..1"))
       ->capture_default_str()
       ->group(group);
   command
       .add_option("--erode-probability", erode.probability,
-                  "Chance of a voxel to be tested, drawn afresh each time")
+                  "Probability that a voxel is tested, drawn again in each pass")
       ->check(numberBetween(0.0, 1.0, "0..1"))
       ->capture_default_str()
       ->group(group);
   addChoice(command, "--erode-on", erode.on, names::kErodeOn,
-            "Wear cracks only, or the original surface too")
+            "Erode fracture surfaces only, or the original surface too")
       ->group(group);
-  addChoice(command, "--erode-crumbs", erode.crumbs, names::kCrumbs,
-            "Smaller parts of a fragment that falls apart")
+  addChoice(command, "--erode-islands", erode.islands, names::kIslands,
+            "Smaller components of a fragment that erosion splits")
       ->group(group);
 }
 
@@ -291,7 +296,7 @@ void addPreset(CLI::App& command, FractureOptions& options) {
   command
       .add_option_function<std::string>(
           "--preset", [&options](const std::string&) { options = paperOptions(); },
-          "Options as the paper has them in its section 4.1; any that is given beats it")
+          "Options of section 4.1 of the paper; options that are given override them")
       ->check(CLI::IsMember({"paper"}))
       ->type_name("");
 }

@@ -1,4 +1,4 @@
-// The options of a fracture, by group.
+// Adds the options of a fracture, by group.
 #pragma once
 
 #include <sherd/fracture.h>
@@ -12,7 +12,7 @@ namespace sherd::cli {
 /// Accepts finite numbers above 0.
 [[nodiscard]] CLI::Validator aboveZero();
 
-/// --resolution; returned for options that exclude it.
+/// Adds --resolution, and returns it for options that exclude it.
 CLI::Option* addResolution(CLI::App& command, FractureOptions& options);
 
 void addFillOptions(CLI::App& command, FractureOptions& options);
@@ -25,23 +25,23 @@ void addPointOptions(CLI::App& command, WriteOptions& write);
 void addVoxelFormatOption(CLI::App& command, WriteOptions& write);
 void addMeshFormatOption(CLI::App& command, WriteOptions& write);
 
-///   compress  what the option that packs .vdb files is called
+///   compress  name of the option that compresses .vdb files
 void addHostOptions(CLI::App& command, WriteOptions& write, const std::string& compress);
 
-/// What is to be written, as it is told.
+/// The output options as given.
 struct WriteArguments {
   std::vector<std::string> names{"labels", "vdb", "mesh", "preview"};
-  WriteOptions files{};  ///< all of it but what `names` and `up` tell
+  WriteOptions files{};  ///< everything except what `names` and `up` set
   std::string up = "y";
 };
 
-/// --write and --up.
+/// Adds --write and --up.
 void addWriteOptions(CLI::App& command, WriteArguments& arguments);
 
 [[nodiscard]] WriteOptions writeOptions(const WriteArguments& arguments);
 
-/// --preset.  To be added before all others that set `options`: CLI11 sets values in the order in
-/// which options were added, wherever they stand on the command line, so the others win.
+/// Adds --preset.  Must be called before all functions that add to `options`: CLI11 sets values in
+/// the order in which options were added, so the others override the preset.
 void addPreset(CLI::App& command, FractureOptions& options);
 
 }  // namespace sherd::cli

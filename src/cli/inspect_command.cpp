@@ -1,4 +1,4 @@
-// `sherd inspect`: what is in a mesh, a voxel file, a level set or a fracture.
+// `sherd inspect`: describes a mesh, voxel file, level set or fracture.
 #include <sherd/io.h>
 #include <sherd/memory.h>
 #include <sherd/mesh.h>
@@ -27,8 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// Each inspector gives one flat JSON object; plain text is made from it, so that the two tell the
-// same.
+// Each inspector returns one flat JSON object; the plain text is made from it.
 
 Json jsonOf(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 Json jsonOf(const openvdb::Coord& c) { return {c.x(), c.y(), c.z()}; }
@@ -49,10 +48,10 @@ Json inspectVoxels(const fs::path& file, VoxelFormat format) {
                 {"format", names::of(names::kVoxelFormat, format)},
                 {"dims", jsonOf(read.voxels.dims)},
                 {"runs", read.voxels.runs.size()}};
-  if (read.place) {
-    found["origin"] = jsonOf(read.place->frame.origin.v);
-    found["voxel_size"] = read.place->frame.voxelSize;
-    found["index_min"] = jsonOf(read.place->indexMin);
+  if (read.transform) {
+    found["origin"] = jsonOf(read.transform->frame.origin.v);
+    found["voxel_size"] = read.transform->frame.voxelSize;
+    found["index_min"] = jsonOf(read.transform->indexMin);
   }
   found["voxels_per_label"] = labels;
   return found;
@@ -86,7 +85,7 @@ Json inspectMesh(const fs::path& file) {
           {"degenerate_triangles", source.degenerateTriangles},
           {"closed", open == 0},
           {"open_edges", open},
-          {"parts", components(source.mesh).count},
+          {"components", meshComponents(source.mesh).count},
           {"area", area(source.mesh)},
           {"volume", volume(source.mesh)},
           {"box_min", jsonOf(box.min)},
@@ -99,7 +98,7 @@ Json inspectPoints(const fs::path& file, PointFormat format) {
                 {"format", names::of(names::kPointFormat, format)},
                 {"points", points.positions.size()},
                 {"normals", !points.normals.empty()},
-                {"facing", !points.facing.empty()}};
+                {"neighbor", !points.neighbor.empty()}};
   if (points.positions.empty()) return found;
   const Box box = bounds({points.positions, {}});
   found["box_min"] = jsonOf(box.min);
@@ -135,7 +134,7 @@ Json inspectManifest(const fs::path& file) {
           {"voxel_size", manifest.voxelSize},
           {"dims", jsonOf(manifest.dims)},
           {"solid_voxels", manifest.solidVoxels},
-          {"parts", manifest.parts},
+          {"components", manifest.components},
           {"files", manifest.files.size()},
           {"fragments", fragments}};
 }
@@ -182,7 +181,7 @@ std::string pad(const std::string& text, std::size_t width) {
   return text + std::string(text.size() < width ? width - text.size() : 1, ' ');
 }
 
-// Rows of equal objects: a header of their keys, then a line each.
+// Returns a table of objects with equal keys: a header, then a line for each.
 std::string table(const Json& rows) {
   std::string text;
   if (rows.empty()) return text;
@@ -223,7 +222,7 @@ void runInspect(const std::string& file, bool json) {
 
 void addInspectCommand(CLI::App& app, Action& run) {
   CLI::App* command = app.add_subcommand(
-      "inspect", "Tell what is in a mesh, voxels, points, .vdb, manifest or fracture's folder");
+      "inspect", "Describe a mesh, voxels, points, .vdb, manifest or fracture's folder");
   auto file = std::make_shared<std::string>();
   auto json = std::make_shared<bool>(false);
   command->add_option("FILE", *file, "The file, or the folder of a fracture")->required();

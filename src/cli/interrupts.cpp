@@ -1,4 +1,4 @@
-// Ctrl-C.
+// Handles SIGINT, SIGTERM and SIGHUP.
 #include "cli/interrupts.h"
 
 #include <poll.h>
@@ -20,28 +20,28 @@
 namespace sherd::cli {
 namespace {
 
-constexpr std::chrono::milliseconds kOrderly(700);   // for work that asks whether to stop
+constexpr std::chrono::milliseconds kOrderly(700);   // for work that polls isInterrupted()
 constexpr std::chrono::milliseconds kMessage(1000);  // for the last message of such work
 
 std::atomic<bool> interrupted{false};
-std::atomic<bool> last{false};
-std::atomic<int> lastStatus{0};  // once that is set
-std::atomic<int> status{-1};     // of whoever ends the process; -1: nobody yet
+std::atomic<bool> committed{false};   // by commitStatus()
+std::atomic<int> committedStatus{0};  // valid once that is set
+std::atomic<int> status{-1};          // of the thread that ends the process; -1: none yet
 
 std::mutex stateMutex;
-std::string state;  // by stateMutex
+std::string state;  // guarded by stateMutex
 
-// Whether the caller is the first to end the process.
+// Returns whether the caller is the first to end the process.
 bool claimEnd(int with) {
-  int nobody = -1;
-  return status.compare_exchange_strong(nobody, with);
+  int none = -1;
+  return status.compare_exchange_strong(none, with);
 }
 
 [[noreturn]] void waitForEnd() {
   for (;;) ::pause();
 }
 
-// To standard error, unless that blocks; past its buffer, which a blocked thread may hold.
+// Prints to standard error unless that blocks.  Bypasses stdio: a blocked thread may hold its lock.
 void printAtOnce(const std::string& text) {
   constexpr int kMilliseconds = 100;
   pollfd to{STDERR_FILENO, POLLOUT, 0};
@@ -49,12 +49,12 @@ void printAtOnce(const std::string& text) {
   [[maybe_unused]] const ssize_t n = ::write(STDERR_FILENO, text.data(), text.size());
 }
 
-// The end of a process that does not heed the flag.
+// Ends a process that did not stop in time.
 [[noreturn]] void endAtOnce() {
-  if (last) std::this_thread::sleep_for(kMessage);  // it is nearly done
-  endAllWork();                                     // waits for renames
-  const bool isDone = last;
-  if (!claimEnd(isDone ? lastStatus.load() : static_cast<int>(ErrorCode::cancelled))) {
+  if (committed) std::this_thread::sleep_for(kMessage);  // it is about to finish
+  endAllWork();                                          // waits for renames
+  const bool isDone = committed;
+  if (!claimEnd(isDone ? committedStatus.load() : static_cast<int>(ErrorCode::cancelled))) {
     std::this_thread::sleep_for(kMessage);
     ::_exit(status);
   }
@@ -64,15 +64,15 @@ void printAtOnce(const std::string& text) {
       printAtOnce((lineIsDrawn ? kClearLine : "") + ("sherd: " + interruptSentence() + "\n"));
     }
   } catch (const std::exception&) {
-    // No memory for the message: the status says it.
+    // No memory for the message; the status is enough.
   }
   ::_exit(status);
 }
 
 }  // namespace
 
-// Signals are blocked in every thread and waited for in one, instead of handled: while a kernel is
-// built, LLVM puts handlers of its own in place, which delete the compiler's files and turn a
+// Signals are blocked in every thread, and one thread waits for them, instead of handlers: while it
+// builds a kernel, LLVM installs its own handlers, which delete the compiler's files and turn a
 // ctrl-C into a failed build.  A signal that the caller ignores stays ignored.
 void watchForInterrupts() {
   sigset_t watched;
@@ -92,12 +92,12 @@ void watchForInterrupts() {
       std::this_thread::sleep_for(kOrderly);
       endAtOnce();
     }).detach();
-  } catch (const std::system_error&) {  // no thread is to be had: signals do what they always do
+  } catch (const std::system_error&) {  // no thread available: default signal actions apply
     ::pthread_sigmask(SIG_UNBLOCK, &watched, nullptr);
   }
 }
 
-bool isInterrupted() { return interrupted && !last; }
+bool isInterrupted() { return interrupted && !committed; }
 
 void stopIfInterrupted() {
   if (isInterrupted()) throw Error(ErrorCode::cancelled, "");
@@ -118,12 +118,12 @@ std::string interruptSentence() {
   return state.empty() ? "interrupted" : "interrupted; " + state;
 }
 
-void goOnToTheEnd(int with) {
-  lastStatus = with;
-  last = true;
+void commitStatus(int with) {
+  committedStatus = with;
+  committed = true;
 }
 
-void throwAgain(const std::string& notUndone) {
+void rethrowWith(const std::string& notUndone) {
   if (notUndone.empty()) throw;
   setInterruptedState(notUndone);
   try {
@@ -135,7 +135,7 @@ void throwAgain(const std::string& notUndone) {
   }
 }
 
-void endWith(int with) {
+void claimExit(int with) {
   if (!claimEnd(with)) waitForEnd();
 }
 

@@ -1,4 +1,4 @@
-// Ctrl-C: asks long work to stop, and ends the process where that is not heeded.
+// Handles SIGINT, SIGTERM and SIGHUP: cancels long work, and ends the process if it does not stop.
 #pragma once
 
 #include <sherd/progress.h>
@@ -10,40 +10,40 @@
 
 namespace sherd::cli {
 
-/// From now on SIGINT, SIGTERM and SIGHUP, unless the caller ignores them, are asked for by
-/// isInterrupted().  Where the process still lives 0.7 s later, as in a foreign library or while
-/// memory is freed, it is ended: temporaries are taken away, and interruptSentence() is printed.
-/// To be called before any thread is started.
+/// Makes isInterrupted() report SIGINT, SIGTERM and SIGHUP, unless the caller ignores them.  A
+/// process that still runs 0.7 s after a signal, for example in a foreign library or while memory
+/// is freed, is ended: temporaries are removed and interruptSentence() is printed.  Must be called
+/// before any thread starts.
 void watchForInterrupts();
 
-/// Whether one of them came, and the last steps have not begun.
+/// Returns whether a signal came before commitStatus().
 [[nodiscard]] bool isInterrupted();
 
-/// throws Error(cancelled) where one came
+/// Throws Error(cancelled) if isInterrupted().
 void stopIfInterrupted();
 
-/// For work that is asked to stop and does not show how far it is.
+/// Returns a Progress that only cancels on interrupts, and reports nothing.
 [[nodiscard]] const Progress& untilInterrupted();
 
-/// What an interrupted command leaves behind, as "DIR is as it was before".
+/// Sets what interruptSentence() adds about the files, for example "DIR is as it was before".
 void setInterruptedState(std::string state);
 
-/// "interrupted; " and that.
+/// Returns "interrupted; " and the interrupted state, or "interrupted" without one.
 [[nodiscard]] std::string interruptSentence();
 
-/// What was written aside is in place and the result is printed: from here on an interrupt does not
-/// stop the work.  Where the process still lives a while after one, it is ended with this status.
-void goOnToTheEnd(int status);
+/// Disables cancellation: the files are in place and the result is printed.  A process that still
+/// runs a while after a signal is ended with this status.
+void commitStatus(int status);
 
-/// Throw again what is being handled, and add to its message what could not be undone.
-///   notUndone  in the middle of a sentence; empty: nothing is added
-[[noreturn]] void throwAgain(const std::string& notUndone);
+/// Rethrows the current exception, with `notUndone` appended to its message.
+///   notUndone  continues a sentence; empty: appends nothing
+[[noreturn]] void rethrowWith(const std::string& notUndone);
 
-/// Put what was written aside in place, print the result, and keep it: all of it or nothing, so
-/// that statuses 130 and 5 mean that nothing was replaced, or that the message says what was.
+/// Moves pending files into place, prints the result, and keeps the files, all or nothing: statuses
+/// 130 and 5 mean that nothing was replaced, or that the message lists what was.
 ///   aside   has putInPlace(), keep(), and drop(), which undoes and returns what it cannot undo
-///   print   throws where nobody takes the result, or an interrupt comes while it waits for that
-///   status  that the command has then
+///   print   throws if standard output fails, or on an interrupt while it blocks
+///   status  of the command, used if the process is ended after this
 template <class Aside>
 void finish(Aside& aside, const std::function<void()>& print, int status = 0) {
   stopIfInterrupted();
@@ -53,15 +53,15 @@ void finish(Aside& aside, const std::function<void()>& print, int status = 0) {
       aside.putInPlace();
       print();
     } catch (...) {
-      throwAgain(aside.drop());
+      rethrowWith(aside.drop());
     }
-    goOnToTheEnd(status);
+    commitStatus(status);
   }
   aside.keep();
 }
 
-/// The caller is about to end the process with this status, after a message.  Where an interrupt
-/// ends it already, this does not return.
-void endWith(int status);
+/// Reserves the end of the process for the caller, with this status.  Does not return if an
+/// interrupt is already ending the process.
+void claimExit(int status);
 
 }  // namespace sherd::cli

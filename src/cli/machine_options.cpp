@@ -1,4 +1,4 @@
-// What a run may take of the machine.
+// Options for device, threads and memory.
 #include "cli/machine_options.h"
 
 #include <malloc.h>
@@ -21,9 +21,10 @@ void addMachineOptions(CLI::App& command, MachineOptions& options) {
           "Threads of the host's work; default all cores (PoCL's own: POCL_MAX_PTHREAD_COUNT)")
       ->transform(wholeNumber(1, 4096));
   command
-      .add_option("--max-memory", options.maxMemory,
-                  "Refuse what would take more memory, such as 8G or 1.5G (1024 each); default "
-                  "what is free")
+      .add_option(
+          "--max-memory", options.maxMemory,
+          "Refuse work that needs more memory, such as 8G or 1.5G (powers of 1024); default "
+          "all free memory")
       ->transform(size())
       ->type_name("SIZE");
 }

@@ -1,4 +1,4 @@
-// What a run may take of the machine.
+// Options for device, threads and memory.
 #pragma once
 
 #include <tbb/global_control.h>
@@ -15,21 +15,21 @@ namespace sherd::cli {
 struct MachineOptions {
   std::string device = "auto";
   int threads = 0;                           ///< 0: all cores
-  std::optional<std::uint64_t> maxMemory{};  ///< bytes; none: what is free
+  std::optional<std::uint64_t> maxMemory{};  ///< bytes; none: all free memory
 
-  /// Bytes that may be taken.
+  /// Returns the limit in bytes.
   [[nodiscard]] std::uint64_t memory() const;
 };
 
-/// --device, --threads and --max-memory.
+/// Adds --device, --threads and --max-memory.
 void addMachineOptions(CLI::App& command, MachineOptions& options);
 
-/// Holds the host's work to options.threads as long as it lives; null where all cores may work.
+/// Limits the host's threads during its lifetime; null where all cores are allowed.
 [[nodiscard]] std::unique_ptr<tbb::global_control> limitedThreads(const MachineOptions& options);
 
-/// Keep freed memory for what comes next.  The arrays of one stage are those of the next, and those
-/// of one fracture the next one's: to give their pages back each time, and to have them cleared
-/// again, takes a tenth of a dataset's run.
+/// Makes malloc reuse freed memory instead of returning it to the system.  Stages and fractures
+/// need arrays of similar sizes; returning their pages and clearing new ones takes a tenth of a
+/// dataset's run.
 void keepFreedMemory();
 
 }  // namespace sherd::cli

@@ -21,12 +21,13 @@
 #include "cli/command.h"
 #include "cli/command_line.h"
 #include "cli/dataset_arguments.h"
+#include "cli/former_names.h"
 #include "cli/interrupts.h"
 
 namespace sherd::cli {
 
 void printResult(const std::string& text) {
-  constexpr std::size_t kAtOnce = 4096;  // what a pipe takes that says that it takes something
+  constexpr std::size_t kAtOnce = 4096;  // PIPE_BUF: a pipe that polls writable accepts so much
   constexpr int kMilliseconds = 100;
   std::string_view rest = text;
   while (!rest.empty()) {
@@ -45,19 +46,19 @@ void printMessage(const std::string& line) { std::fputs((line + "\n").c_str(), s
 
 namespace {
 
-// A full disk, a file size limit and a closed pipe shall be errors with a sentence, not deaths by
-// signal; and no file of ours shall get the number of a standard stream that the caller closed.
+// A file size limit and a closed pipe must become errors with a message, not kill the process by a
+// signal; and no opened file may get the number of a standard stream that the caller closed.
 void prepareProcess() {
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
   for (int stream = 0; stream <= 2; ++stream) {
     if (::fcntl(stream, F_GETFD) >= 0 || errno != EBADF) continue;
-    // Reading only: what is written to a closed standard output fails as it should.
+    // Read only, so that writing to a closed standard output still fails.
     if (::open("/dev/null", stream == 2 ? O_WRONLY : O_RDONLY) != stream) std::_Exit(1);
   }
 }
 
-// CLI11's sentence without its full stop and line breaks.
+// Returns CLI11's message without its full stop and line breaks.
 std::string oneLine(std::string text) {
   while (!text.empty() && (text.back() == '\n' || text.back() == '.')) text.pop_back();
   for (char& c : text) {
@@ -66,11 +67,11 @@ std::string oneLine(std::string text) {
   return text;
 }
 
-// Help and version are printed here; `run` stays empty then.
+// Prints help and version itself; `run` stays empty then.
 void parse(int argc, char** argv, Action& run) {
   CLI::App app("Breaks 3D models into fragments.", "sherd");
   const std::string version = std::string("sherd " SHERD_VERSION " (") + programLicense() + ")";
-  app.set_version_flag("--version", version, "Print the version, and the program's license");
+  app.set_version_flag("--version", version, "Print the version and the program's license");
   app.require_subcommand(1);
   addFractureCommand(app, run);
   const CLI::App* const dataset = addDatasetCommand(app, run);
@@ -85,13 +86,13 @@ void parse(int argc, char** argv, Action& run) {
       "Exit status: 0 done, 1 internal error, 2 usage, 3 input, 4 device, 5 output, 130 "
       "interrupted.");
   try {
-    std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
+    std::vector<std::string> arguments = withCurrentNames({argv + std::min(argc, 1), argv + argc});
     checkArguments(app, arguments);
     if (!arguments.empty() && arguments.front() == dataset->get_name()) {
       arguments = expandedArguments({arguments.begin() + 1, arguments.end()}, *dataset);
       arguments.insert(arguments.begin(), dataset->get_name());
     }
-    std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them
+    std::reverse(arguments.begin(), arguments.end());  // CLI11 expects reverse order
     app.parse(std::move(arguments));
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() != 0) {
@@ -104,7 +105,7 @@ void parse(int argc, char** argv, Action& run) {
 }
 
 int report(ErrorCode code, const std::string& sentence) {
-  endWith(static_cast<int>(code));
+  claimExit(static_cast<int>(code));
   printMessage("sherd: " + (code == ErrorCode::cancelled ? interruptSentence() : sentence));
   return static_cast<int>(code);
 }
@@ -116,7 +117,7 @@ int runProgram(int argc, char** argv) {
     Action run;
     parse(argc, argv, run);
     if (run) run();
-    endWith(0);
+    claimExit(0);
     return 0;
   } catch (const Error& e) {
     return report(e.code(), e.what());

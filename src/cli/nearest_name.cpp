@@ -1,4 +1,4 @@
-// What somebody may have meant.
+// Suggestions for misspelled names.
 #include "cli/nearest_name.h"
 
 #include <algorithm>
@@ -8,8 +8,8 @@
 namespace sherd::cli {
 namespace {
 
-// Letters to insert, remove or replace (Levenshtein).
-std::size_t distance(const std::string& a, const std::string& b) {
+// Returns the Levenshtein distance: letters to insert, remove or replace.
+std::size_t editDistance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
   for (const char letter : a) {
@@ -27,14 +27,14 @@ std::size_t distance(const std::string& a, const std::string& b) {
 
 std::vector<std::string> nearestNames(const std::string& word,
                                       const std::vector<std::string>& names) {
-  const auto far = [&](const std::string& name) {
-    return word.size() >= 3 && name.starts_with(word) ? 0 : distance(word, name);
+  const auto distance = [&](const std::string& name) {
+    return word.size() >= 3 && name.starts_with(word) ? 0 : editDistance(word, name);
   };
   std::size_t least = std::max<std::size_t>(2, word.size() / 3);
-  for (const std::string& name : names) least = std::min(least, far(name));
+  for (const std::string& name : names) least = std::min(least, distance(name));
   std::vector<std::string> nearest;
   for (const std::string& name : names) {
-    if (far(name) == least) nearest.push_back(name);
+    if (distance(name) == least) nearest.push_back(name);
   }
   return nearest;
 }

@@ -1,4 +1,4 @@
-// What somebody may have meant.
+// Suggestions for misspelled names.
 #pragma once
 
 #include <string>
@@ -6,11 +6,12 @@
 
 namespace sherd::cli {
 
-/// The names that differ least from a word, if they differ little or begin with it.
+/// Returns the names with the least edit distance to a word, if it is at most 2 or a third of the
+/// word's length, or the word is a prefix of at least 3 letters.
 [[nodiscard]] std::vector<std::string> nearestNames(const std::string& word,
                                                     const std::vector<std::string>& names);
 
-/// "'a'", "'a' and 'b'", "'a', 'b' and 'c'".
+/// Returns "'a'", "'a' and 'b'", "'a', 'b' and 'c'".
 [[nodiscard]] std::string quotedList(const std::vector<std::string>& names);
 
 }  // namespace sherd::cli

@@ -1,4 +1,4 @@
-// Which options need others, and which exclude others: one row for each condition.
+// Options that require or exclude others: one rule for each condition.
 #include "cli/option_rules.h"
 
 #include <sherd/error.h>
@@ -14,17 +14,17 @@ namespace {
 using Names = std::vector<const char*>;
 
 enum class Verdict {
-  idle,      ///< the option does nothing, which is harmless: a warning
-  conflict,  ///< two wishes of which one cannot be met: refused
+  idle,      ///< the option does nothing: a warning
+  conflict,  ///< two options contradict each other: an error
 };
 
-/// Options, and what is wrong with each of them if it is given and a condition holds.
+/// Options, and the verdict on each that is given while a condition holds.
 struct Rule {
   Names options;
   Verdict verdict;
   bool (*holds)(const ParsedOptions& parsed);
   const char* sentence;  ///< after the option's name
-  Names by{};            ///< what the condition depends on: nothing is known where one is drawn
+  Names by{};            ///< options that the condition depends on; skipped where one is drawn
 };
 
 bool writes(const ParsedOptions& parsed, std::initializer_list<const char*> names) {
@@ -62,20 +62,20 @@ const std::vector<Rule>& rules() {
          const Fill fill = p.fracture.fill;
          return fill != Fill::automatic && fill != Fill::shell;
        },
-       "makes a shell, which --fill winding, parity and flood are not; leave one of them out"},
+       "makes a shell, which --fill winding, parity and flood do not; omit one of them"},
       {{"--grid", "--isovalue"},
        Verdict::conflict,
        [](P p) { return !isVdb(p); },
-       "is about the grids of a .vdb file, and MESH is none"},
+       "applies to the grids of a .vdb file, and MESH is not one"},
       {{"--split-objects"},
        Verdict::conflict,
        [](P p) { return isVolumeName(p.mesh); },
-       "breaks the objects of a mesh, and MESH is a volume, which has none"},
+       "breaks the objects of a mesh, and MESH is a volume without objects"},
       // ---- Seeds
       {{"--sampler", "--seeds-on", "--extra-seeds", "--merge-metric", "--impact", "--impacts"},
        Verdict::conflict,
        [](P p) { return !p.fracture.seedFile.empty(); },
-       "is about seeds that are drawn, and --seeds takes those of a file; leave one of them out"},
+       "applies to seeds that are drawn, and --seeds reads them from a file; omit one of them"},
       {{"--merge-metric"},
        Verdict::idle,
        [](P p) {
@@ -102,7 +102,7 @@ const std::vector<Rule>& rules() {
        {"--growth"}},
       // ---- Erosion
       {{"--erode-shape", "--erode-size", "--erode-planes", "--erode-threshold",
-        "--erode-probability", "--erode-on", "--erode-crumbs"},
+        "--erode-probability", "--erode-on", "--erode-islands"},
        Verdict::idle,
        [](P p) { return p.fracture.erode.iterations == 0; },
        "does nothing without --erode-iterations",
@@ -111,7 +111,7 @@ const std::vector<Rule>& rules() {
       {{"--interface"},
        Verdict::idle,
        [](P p) { return p.fracture.surface.surface == Surface::labels; },
-       "does nothing with --surface labels, whose fragments are meshed one by one",
+       "does nothing with --surface labels, which meshes fragments separately",
        {"--surface"}},
       {{"--smoothing"},
        Verdict::idle,
@@ -168,20 +168,20 @@ const std::vector<Rule>& rules() {
       {{"--write"},
        Verdict::idle,
        [](P p) { return writes(p, {"fog"}) && !writes(p, {"vdb"}); },
-       "fog does nothing without vdb: fog goes into the .vdb files"},
+       "fog does nothing without vdb: fog is written to the .vdb files"},
       {{"--write"},
        Verdict::idle,
        [](P p) {
          return writes(p, {"solid"}) && !writes(p, {"vdb", "mesh"});
        },
-       "solid does nothing without vdb or mesh: the intact whole is written as they are"},
+       "solid does nothing without vdb or mesh: the intact solid is written in their formats"},
       {{"--write"},
        Verdict::idle,
        [](P p) {
          return writes(p, {"solid"}) &&
                 (hasLayout(p, DatasetLayout::paper) || hasLayout(p, DatasetLayout::bb));
        },
-       "solid does nothing with --layout paper and bb, which have the intact object once"},
+       "solid does nothing with --layout paper and bb, which hold the intact object once"},
       // ---- Points
       {{"--share-points", "--point-sampler", "--point-rule", "--point-format"},
        Verdict::idle,
@@ -193,7 +193,7 @@ const std::vector<Rule>& rules() {
          return p.write.files.points.sampler == PointSampler::poisson &&
                 p.write.files.points.rule == PointRule::perTriangle;
        },
-       "per-triangle does not go with --point-sampler poisson"},
+       "per-triangle is not possible with --point-sampler poisson"},
       {{"--sdf-type"},
        Verdict::idle,
        [](P p) { return p.write.files.distances.count == 0; },
@@ -205,11 +205,11 @@ const std::vector<Rule>& rules() {
          return hasLayout(p, DatasetLayout::packed) &&
                 p.dataset->compression == FileCompression::zstd;
        },
-       "zstd is zip with --layout packed: archives are deflated"},
+       "zstd is the same as zip with --layout packed, which deflates archives"},
       {{"--verify", "--resume"},
        Verdict::idle,
        [](P p) { return p.dryRun; },
-       "does nothing with --dry-run, which leaves no dataset"},
+       "does nothing with --dry-run, which writes no dataset"},
   };
   return kRules;
 }

@@ -1,4 +1,4 @@
-// Options that contradict each other, or do nothing beside others.
+// Options that contradict each other, or do nothing with others.
 #pragma once
 
 #include <sherd/dataset.h>
@@ -11,18 +11,18 @@
 
 namespace sherd::cli {
 
-/// What a command line came to.
+/// The options of a parsed command line.
 struct ParsedOptions {
   const CLI::App& command;
   const FractureOptions& fracture;
   const WriteArguments& write;
-  std::string mesh{};                       ///< of sherd fracture; empty: a whole library
-  bool dryRun = false;                      ///< of sherd dataset, and so is the rest
+  std::string mesh{};                       ///< of sherd fracture; empty for sherd dataset
+  bool dryRun = false;                      ///< of sherd dataset, as the fields below
   const DatasetOptions* dataset = nullptr;  ///< null: sherd fracture
   const std::vector<DrawnOption>* drawn = nullptr;
 };
 
-/// Check the options that were given against each other, by the table in option_rules.cpp.
+/// Checks the given options against each other, by the rules in option_rules.cpp.
 ///   return  a sentence for each option that does nothing
 ///   throws  Error(usage) options contradict each other
 [[nodiscard]] std::vector<std::string> idleOptions(const ParsedOptions& options);

@@ -1,4 +1,4 @@
-// What options are made of, as text.
+// Parsing and validation of option values.
 #include "cli/option_text.h"
 
 #include <charconv>
@@ -53,7 +53,7 @@ std::optional<std::uint64_t> bytesIn(const std::string& text) {
     if (unit == "ib") unit = "b";
   }
   if (!unit.empty() && unit != "b") return {};
-  // Exactly, as doubles would round: the whole part, and what is behind the point.
+  // The whole part and the fraction separately, because a double would round.
   const std::size_t point = std::min(number.find('.'), number.size());
   const std::string whole = number.substr(0, point);
   const std::string part = number.substr(std::min(point + 1, number.size()));
@@ -91,7 +91,7 @@ CLI::Validator oneOf(std::vector<int> numbers) {
       [numbers, all](std::string& text) -> std::string {
         const bool isOne = std::any_of(numbers.begin(), numbers.end(),
                                        [&](int number) { return text == std::to_string(number); });
-        return isOne ? "" : "'" + text + "' is none of " + all;
+        return isOne ? "" : "'" + text + "' is not one of " + all;
       },
       "{" + all + "}");
 }

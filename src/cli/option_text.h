@@ -1,4 +1,4 @@
-// What options are made of, as text.
+// Parsing and validation of option values.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -13,34 +13,34 @@
 
 namespace sherd::cli {
 
-/// The finite number that a text is, if it is one.
+/// Returns the finite number that the whole text is, or nullopt.
 [[nodiscard]] std::optional<double> numberIn(std::string_view text);
 
-/// The parts of a text between its commas; of "" one empty part.
+/// Returns the parts between commas; one empty part for an empty text.
 [[nodiscard]] std::vector<std::string> split(const std::string& text);
 
-/// The numbers of "1", "2", "3"; nothing where one is none.
+/// Returns the numbers of all parts, or nullopt if a part is not a number.
 [[nodiscard]] std::optional<std::vector<double>> numbersIn(std::span<const std::string> parts);
 
-/// Accepts numbers from `low` to `high`.
+/// Accepts finite numbers from `low` to `high`; `range` describes them in --help.
 [[nodiscard]] CLI::Validator numberBetween(double low, double high, const std::string& range);
 
-/// The bytes that a size is: a whole or decimal number above 0, and behind it, after blanks or
-/// none, K, M, G, T or P of 1024 each, also as KB or KiB, in any case; or B.  Nothing for any other
+/// Returns the bytes of a size: a whole or decimal number above 0, optional blanks, and optionally
+/// K, M, G, T or P (powers of 1024; also KB, KiB) or B, in any case.  Returns nullopt for any other
 /// text, and for 2^64 bytes or more.
 [[nodiscard]] std::optional<std::uint64_t> bytesIn(const std::string& text);
 
-/// Accepts sizes, and makes bytes of them.
+/// Accepts sizes, and converts them to bytes.
 [[nodiscard]] CLI::Validator size();
 
-/// Accepts some whole numbers only.
+/// Accepts only these whole numbers.
 [[nodiscard]] CLI::Validator oneOf(std::vector<int> numbers);
 
-/// throws  CLI::ValidationError "option: 'text' is not expected"
+/// Throws CLI::ValidationError "option: 'text' is not <expected>".
 [[noreturn]] void refuse(const std::string& option, const std::string& text,
                          const std::string& expected);
 
-/// An option whose value is one of `names`, in the order of the enum.
+/// Adds an option whose value is one of `names`, in the order of the enum.
 template <class Enum>
 CLI::Option* addChoice(CLI::App& command, const std::string& name, Enum& value,
                        std::span<const char* const> names, const std::string& help) {

@@ -1,4 +1,4 @@
-// From text to the options of what a fracture leaves: meshes, points, files.
+// Options of a fracture's output: meshes, points, files.
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -11,7 +11,7 @@
 namespace sherd::cli {
 namespace {
 
-// "K", or "Fk" for F times the voxels of the longest side.
+// "K", or "Fk" for F times the voxels along the longest side.
 void parseIterations(const std::string& option, const std::string& text, Iterations& iterations) {
   const bool perVoxel = text.ends_with('k');
   const std::optional<double> value = numberIn(text.substr(0, text.size() - perVoxel));
@@ -68,33 +68,33 @@ void addSurfaceOptions(CLI::App& command, FractureOptions& options) {
         ->group(group);
   };
   addChoice(command, "--surface", surface.surface, names::kSurface,
-            "Meshes of the smooth level sets, or of the bare labels' voxels")
+            "Meshes of the smooth level sets, or of the faces of the labels' voxels")
       ->group(group);
   addChoice(command, "--interface", surface.interface, names::kInterface,
-            "Surfaces between fragments: shared bit for bit, or each fragment meshed by itself")
+            "Surfaces between fragments: shared bit for bit, or each fragment meshed separately")
       ->group(group);
   command
       .add_option("--adaptivity", surface.adaptivity,
-                  "Fewer polygons where these change little: voxels that a vertex may be off; 0 "
-                  "none")
+                  "Simplify flat regions: error in voxels that a vertex may have; 0 none")
       ->check(numberBetween(0.0, 1.0, "0..1"))
       ->capture_default_str()
       ->group(group);
   addChoice(command, "--smoothing", smooth.method, names::kSmoothing,
-            "How meshes are smoothed: Taubin's way keeps the volume, the paper's shrinks")
+            "Smoothing: taubin keeps the volume; laplacian, as in the paper, shrinks")
       ->group(group);
   addIterations(
       "--smooth-iterations", smooth.iterations,
-      "Smoothing of all but cracks; 0.048k is 0.048 times the voxels of the longest side");
+      "Passes over all vertices but those of cracks; 0.048k is 0.048 times the voxels of the "
+      "longest side");
   addWeight("--smooth-weight", smooth.weight,
-            "How far a vertex goes to its neighbors' mean each time; taubin: at most 2/3");
+            "How far a vertex moves to its neighbors' mean in a pass; taubin: at most 2/3");
   addIterations("--smooth-boundary-iterations", smooth.boundaryIterations,
-                "The same for vertices of cracks, their rims included");
+                "The same for vertices of cracks and their boundaries");
   addWeight("--smooth-boundary-weight", smooth.boundaryWeight,
-            "How far these go; 0 leaves fragments fitting");
+            "How far these move; with 0 fragments keep fitting");
   command
       .add_option("--triangles", surface.triangles,
-                  "Write each mesh also decimated to at most so many triangles, for each number")
+                  "Also write each mesh decimated to at most so many triangles, once per number")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->transform(wholeNumber<std::size_t>(4, 1'000'000'000))
@@ -114,15 +114,15 @@ void addPointOptions(CLI::App& command, WriteOptions& write) {
           ->group(group);
   command
       .add_flag("--share-points", write.sharePoints,
-                "--points is for all fragments together, shared out by their area")
+                "--points counts for all fragments together, distributed by area")
       ->needs(points)
       ->group(group);
   addChoice(command, "--point-sampler", write.points.sampler, names::kPointSampler,
-            "How points are spread: each by itself, evenly, well apart")
+            "Distribution of points: independent, even, or well apart")
       ->needs(points)
       ->group(group);
   addChoice(command, "--point-rule", write.points.rule, names::kPointRule,
-            "Points by area, or at least one per triangle, shuffled and cut, as in the paper")
+            "Points by area, or at least one per triangle, shuffled and truncated, as in the paper")
       ->needs(points)
       ->group(group);
   command
@@ -146,13 +146,13 @@ void addPointOptions(CLI::App& command, WriteOptions& write) {
   CLI::Option* samples =
       command
           .add_option("--sdf-samples", write.distances.count,
-                      "Points in and round each fragment and the whole, with their signed "
+                      "Points in and around each fragment and the whole, with their signed "
                       "distance, written to sdf/; 0 none")
           ->transform(wholeNumber<std::size_t>(0, kMost))
           ->capture_default_str()
           ->group(group);
   addChoice(command, "--sdf-type", write.distances.type, names::kSampleType,
-            "Numbers of these files")
+            "Number type of these files")
       ->needs(samples)
       ->group(group);
 }
@@ -165,7 +165,7 @@ void addVoxelFormatOption(CLI::App& command, WriteOptions& write) {
             parseFormats("--voxel-format", text, names::kVoxelFormat, write.voxelFormats);
           },
           "Files of labels, one or more: run-length, NumPy's dense array, the same deflated with "
-          "its place, MagicaVoxel, quad-stack, raw cube")
+          "its grid transform, MagicaVoxel, quad-stack, raw cube")
       ->type_name("rle,npy,npz,vox,qstack,bing")
       ->default_str("rle");
 }
@@ -184,7 +184,7 @@ void addMeshFormatOption(CLI::App& command, WriteOptions& write) {
       ->default_str("ply");
   command.add_flag(
       "--plain-meshes", write.plainMeshes,
-      "Vertices and triangles alone in .ply and .obj: no normals, facing or materials");
+      "Only vertices and triangles in .ply and .obj: no normals, neighbors or materials");
 }
 
 void addHostOptions(CLI::App& command, WriteOptions& write, const std::string& compress) {
@@ -194,20 +194,20 @@ void addHostOptions(CLI::App& command, WriteOptions& write, const std::string& c
       ->group(group);
   command
       .add_flag("--half", write.vdbOptions.half,
-                "Values of 16 bits in .vdb files: a third smaller, 0.001 voxel off")
+                "16-bit values in .vdb files: a third smaller, error 0.001 voxel")
       ->group(group);
   addChoice(command, compress, write.vdbOptions.compression, names::kVdbCompression,
-            "How .vdb files are packed")
+            "Compression of .vdb files")
       ->group(group);
   command
       .add_option("--density", write.density,
-                  "Mass of a unit of volume, for masses and inertia in .vdb files and scene.glb")
+                  "Mass per unit of volume, for masses and inertia in .vdb files and scene.glb")
       ->check(aboveZero())
       ->capture_default_str()
       ->group(group);
   command
       .add_option("--proxy-gap", write.proxyGap,
-                  "Room between the convex hulls of neighbours, in the mesh's unit")
+                  "Gap between the convex hulls of neighbors, in the mesh's unit")
       ->check(numberBetween(0.0, 1e9, "0..1e9"))
       ->capture_default_str()
       ->group(group);
@@ -219,10 +219,10 @@ void addWriteOptions(CLI::App& command, WriteArguments& arguments) {
   command.add_option("--write", arguments.names, "What to write, separated by commas")
       ->delimiter(',')
       ->allow_extra_args(false)
-      ->check(CLI::IsMember({"labels", "vdb", "mesh", "preview", "seeds", "rims", "cost", "fog",
-                             "solid", "scene", "graph", "proxy"}))
+      ->check(CLI::IsMember({"labels", "vdb", "mesh", "preview", "seeds", "boundaries", "cost",
+                             "fog", "solid", "scene", "graph", "proxy"}))
       ->default_str(usual);
-  command.add_option("--up", arguments.up, "The mesh's axis that points up in the picture")
+  command.add_option("--up", arguments.up, "The mesh's axis that points up in the preview")
       ->check(CLI::IsMember({"x", "y", "z"}))
       ->default_str("y");
 }
@@ -237,7 +237,7 @@ WriteOptions writeOptions(const WriteArguments& arguments) {
   write.mesh = named("mesh");
   write.preview = named("preview");
   write.seeds = named("seeds");
-  write.rims = named("rims");
+  write.boundaries = named("boundaries");
   write.cost = named("cost");
   write.solid = named("solid");
   write.scene = named("scene");

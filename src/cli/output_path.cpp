@@ -1,4 +1,4 @@
-// Files that a command writes where others may be.
+// Checks that an output file replaces no input and no file of a fracture.
 #include "cli/output_path.h"
 
 #include <sherd/error.h>
@@ -34,22 +34,21 @@ bool isListed(const fs::path& manifest, const std::string& name) {
 
 void requireNoInput(const std::string& option, const fs::path& output,
                     std::span<const fs::path> inputs) {
-  // Else what is there, and what the manifest lists, may be hidden by a run that was killed.
+  // A killed run may have left the folder half replaced, which hides files and the manifest.
   requireSettled(output.has_parent_path() ? output.parent_path() : ".");
   std::error_code failed;
   if (!fs::exists(fs::symlink_status(output, failed))) return;  // nothing is replaced
   for (const fs::path& input : inputs) {
     if (fs::equivalent(input, output, failed)) refuse(option, output, "is read by this command");
   }
-  // The folders with their links resolved; a link in place of the file itself is refused when it is
-  // written.
+  // Resolves links of the folders only; a link at the file itself is refused when it is written.
   const fs::path whole = fs::absolute(output);
   const fs::path file = fs::weakly_canonical(whole.parent_path(), failed) / whole.filename();
   if (failed) return;
   for (fs::path folder = file.parent_path();; folder = folder.parent_path()) {
     const fs::path manifest = folder / kManifestName;
     if (isListed(manifest, file.lexically_relative(folder).generic_string())) {
-      refuse(option, output, "is a file of the fracture that " + manifest.string() + " lists");
+      refuse(option, output, "is listed by the fracture's " + manifest.string());
     }
     if (folder == folder.parent_path()) return;
   }
@@ -62,8 +61,7 @@ void requireDifferent(const std::string& option, const fs::path& output, const s
     const fs::path whole = fs::absolute(file);
     return fs::weakly_canonical(whole.parent_path(), none) / whole.filename();
   };
-  if (real(output) == real(otherOutput))
-    refuse(option, output, "is named by " + other + " as well");
+  if (real(output) == real(otherOutput)) refuse(option, output, "is named by " + other + " too");
 }
 
 }  // namespace sherd::cli

@@ -1,4 +1,4 @@
-// Files that a command writes where others may be.
+// Checks that an output file replaces no input and no file of a fracture.
 #pragma once
 
 #include <filesystem>
@@ -7,16 +7,16 @@
 
 namespace sherd::cli {
 
-/// Refuse to replace a file that is one of a fracture, by the manifest in its folder or one
-/// above it, or one that is read.  What a manifest lists is replaced by `sherd fracture` only.
-///   option  before the sentence: "--csv"
-///   inputs  files that are read
-///   throws  Error(usage); Error(input) the file's folder is a fracture's that a killed run left
-///           half replaced, and that cannot be undone (see requireSettled)
+/// Refuses an output that is an input, or a file of a fracture by the manifest in its folder or one
+/// above.  Only `sherd fracture` replaces files that a manifest lists.
+///   option  prefix of the message: "--csv"
+///   inputs  files that the command reads
+///   throws  Error(usage); Error(input) a killed run left the folder half replaced, and that cannot
+///           be undone (see requireSettled)
 void requireNoInput(const std::string& option, const std::filesystem::path& output,
                     std::span<const std::filesystem::path> inputs = {});
 
-/// Refuse two files that are written by one command and are the same.
+/// Refuses two outputs of one command that are the same file.
 ///   throws  Error(usage)
 void requireDifferent(const std::string& option, const std::filesystem::path& output,
                       const std::string& other, const std::filesystem::path& otherOutput);

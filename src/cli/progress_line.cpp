@@ -1,4 +1,4 @@
-// Progress on a terminal.
+// Progress line on a terminal.
 #include "cli/progress_line.h"
 
 #include <algorithm>

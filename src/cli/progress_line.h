@@ -1,4 +1,4 @@
-// Progress on a terminal: one line, redrawn some ten times a second.
+// Progress line on a terminal, redrawn at most ten times a second.
 #pragma once
 
 #include <atomic>
@@ -7,19 +7,20 @@
 
 namespace sherd::cli {
 
-/// Whether the terminal's last line is to be cleared before anything else is printed, and what
-/// clears it; any thread may ask.
+/// Whether a progress line must be cleared, by printing kClearLine, before other output.  Any
+/// thread may read it.
 extern std::atomic<bool> lineIsDrawn;
 constexpr const char* kClearLine = "\r\x1b[K";
 
 class ProgressLine {
  public:
-  ///   shown  false: nothing is ever drawn
+  ///   shown  false: draws nothing
   explicit ProgressLine(bool shown) : shown_(shown) {}
   ~ProgressLine() { clear(); }
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
 
+  /// Draws the line, unless it was drawn less than 0.1 s ago.
   ///   fraction  of the stage, 0..1
   void show(std::string_view stage, double fraction);
   void clear();

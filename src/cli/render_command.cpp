@@ -1,4 +1,4 @@
-// `sherd render`: pictures of fragments.
+// `sherd render`: images of fragments.
 #include <sherd/error.h>
 #include <sherd/memory.h>
 #include <sherd/render.h>
@@ -35,7 +35,7 @@ struct RenderArguments {
   std::string output;
   RenderOptions options;
   std::string up = "y";
-  int turntable = 0;  ///< pictures all the way round; 0: one
+  int turntable = 0;  ///< images in a full rotation; 0: one image, not numbered
   int threads = 0;    ///< 0: all cores
 };
 
@@ -71,9 +71,9 @@ void parseSize(const std::string& text, RenderOptions& options) {
   options.height = static_cast<int>((*numbers)[1]);
 }
 
-// x.png as x_007.png
+// Returns x_007.png for x.png.
 fs::path numbered(const fs::path& file, std::size_t number, std::size_t count) {
-  const std::string name = pieceName(file.stem().string(), number, count);
+  const std::string name = fragmentName(file.stem().string(), number, count);
   return file.parent_path() / (name + file.extension().string());
 }
 
@@ -97,15 +97,15 @@ void runRender(RenderArguments& arguments) {
     return arguments.turntable > 0 ? numbered(output, i + 1, count) : output;
   };
   for (std::size_t i = 0; i < count; ++i) requireNoInput("--output", file(i));
-  const std::vector<Fragment> pieces = readPieces(arguments.path, {.maxMemory = freeMemory()});
+  const std::vector<Fragment> fragments = readPieces(arguments.path, {.maxMemory = freeMemory()});
   HeldFiles files;
   for (std::size_t i = 0; i < count; ++i) {
     options.azimuth =
         arguments.options.azimuth + 360.0 * static_cast<double>(i) / static_cast<double>(count);
     if (extension == ".png") {
-      writePng({files, file(i)}, renderFragments(pieces, options, &untilInterrupted()));
+      writePng({files, file(i)}, renderFragments(fragments, options, &untilInterrupted()));
     } else {
-      writeExr({files, file(i)}, renderLayers(pieces, options, &untilInterrupted()));
+      writeExr({files, file(i)}, renderAovs(fragments, options, &untilInterrupted()));
     }
   }
   finish(files, [] {});
@@ -115,7 +115,7 @@ void runRender(RenderArguments& arguments) {
 
 void addRenderCommand(CLI::App& app, Action& run) {
   CLI::App* command =
-      app.add_subcommand("render", "Draw a fracture, a mesh or a level set as .png or .exr");
+      app.add_subcommand("render", "Render a fracture, a mesh or a level set as .png or .exr");
   auto arguments = std::make_shared<RenderArguments>();
   command
       ->add_option("PATH", arguments->path,
@@ -123,7 +123,7 @@ void addRenderCommand(CLI::App& app, Action& run) {
       ->required();
   command
       ->add_option("-o,--output", arguments->output,
-                   "The picture: .png, or .exr with layers for compositing")
+                   "The image: .png, or .exr with AOVs for compositing")
       ->type_name("FILE")
       ->required();
   command
@@ -134,18 +134,19 @@ void addRenderCommand(CLI::App& app, Action& run) {
       ->default_str("three-quarter");
   command
       ->add_option("--explode", arguments->options.explode,
-                   "How far pieces move apart, as a share of their distance to the middle")
+                   "How far fragments move apart, as a share of their distance to the center")
       ->check(numberBetween(0.0, 100.0, "0..100"))
       ->capture_default_str();
   command
       ->add_option_function<std::string>(
           "--size", [arguments](const std::string& text) { parseSize(text, arguments->options); },
-          "Pixels")
+          "Width and height in pixels")
       ->type_name("WxH")
       ->default_str("1280x720");
   command
-      ->add_option("--turntable", arguments->turntable,
-                   "So many pictures all the way round, numbered: x_001.png and so on; 0 one")
+      ->add_option(
+          "--turntable", arguments->turntable,
+          "Number of images in a full rotation, x_001.png and so on; 0: one image, not numbered")
       ->transform(wholeNumber(0, 100'000))
       ->capture_default_str();
   command->add_option("--up", arguments->up, "The mesh's axis that points up")

@@ -1,4 +1,4 @@
-// The lists that loaders of Breaking Bad read.
+// The list files that loaders of Breaking Bad read.
 #include "dataset/bb_lists.h"
 
 #include <sherd/error.h>
@@ -24,9 +24,9 @@ void writeBbLists(const fs::path& out, const std::vector<BbObject>& objects) {
     subsets.insert(subset);
     folders[subset + "." + object.split] += object.folder + "\n";
     std::string& list = fractures[subset + "_" + object.split];
-    for (std::size_t i = 0; i < object.parts.size(); ++i) {
+    for (std::size_t i = 0; i < object.fragmentCounts.size(); ++i) {
       std::array<char, 16> count{};
-      std::snprintf(count.data(), count.size(), "%03zu ", object.parts[i]);
+      std::snprintf(count.data(), count.size(), "%03zu ", object.fragmentCounts[i]);
       list += count.data() + object.folder + "/fractured_" + std::to_string(i) + "\n";
     }
   }
@@ -38,7 +38,7 @@ void writeBbLists(const fs::path& out, const std::vector<BbObject>& objects) {
     throw Error(ErrorCode::output,
                 (out / folder).string() + ": cannot be made: " + reasonOf(failed.value()));
   }
-  // Also those with nothing in them: a loader opens the file it is told of.
+  // Empty lists too: a loader opens the file of each split.
   for (const std::string& subset : subsets) {
     for (const char* split : {"train", "val", "test"}) {
       const std::string name = subset + "." + split;

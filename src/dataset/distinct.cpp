@@ -1,4 +1,4 @@
-// Fractures that are not too much like each other.
+// Rejects fractures that are too similar to earlier ones.
 #include "dataset/distinct.h"
 
 #include <algorithm>
@@ -14,26 +14,26 @@ std::vector<std::uint16_t> sampled(const LeafBlocks& blocks, const Labels& label
   const std::uint64_t taken = std::min(voxels, kMostVoxels);
   std::vector<std::uint16_t> sample;
   sample.reserve(taken);
-  std::uint64_t met = 0;
-  blocks.forEachInside([&](std::size_t place) {
+  std::uint64_t visited = 0;
+  blocks.forEachInside([&](std::size_t voxel) {
     // The k-th of `taken` is voxel k * voxels / taken.
-    if (met * taken / voxels == sample.size() && sample.size() < taken) {
-      sample.push_back(labels.fragment[place]);
+    if (visited * taken / voxels == sample.size() && sample.size() < taken) {
+      sample.push_back(labels.fragment[voxel]);
     }
-    ++met;
+    ++visited;
   });
   return sample;
 }
 
-// Voxels on which paired fragments agree.
+// Counts voxels on which matched fragments agree.
 std::size_t agreeing(const std::vector<std::uint16_t>& a, std::size_t fragmentsA,
                      const std::vector<std::uint16_t>& b, std::size_t fragmentsB) {
   const std::size_t width = fragmentsB + 1;
   std::vector<std::uint32_t> overlap((fragmentsA + 1) * width, 0);
-  std::size_t worn = 0;
+  std::size_t eroded = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
     if (a[i] > fragmentsA || b[i] > fragmentsB) {
-      worn += a[i] == b[i];
+      eroded += a[i] == b[i];
     } else {
       ++overlap[a[i] * width + b[i]];
     }
@@ -46,7 +46,7 @@ std::size_t agreeing(const std::vector<std::uint16_t>& a, std::size_t fragmentsA
   }
   std::sort(pairs.begin(), pairs.end(), std::greater<>());
   std::vector<bool> takenA(fragmentsA + 1, false), takenB(fragmentsB + 1, false);
-  std::size_t agree = worn;
+  std::size_t agree = eroded;
   for (const auto& [count, i, j] : pairs) {
     if (takenA[i] || takenB[j]) continue;
     takenA[i] = takenB[j] = true;

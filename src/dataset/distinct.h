@@ -1,4 +1,4 @@
-// Fractures that are not too much like each other.
+// Rejects fractures that are too similar to earlier ones.
 #pragma once
 
 #include <sherd/labels.h>
@@ -8,15 +8,15 @@
 
 namespace sherd {
 
-/// The fractures of one object so far.
+/// The accepted fractures of one object.
 class Distinct {
  public:
-  /// Add a fracture, unless it differs from one before in a lesser share of the solid's voxels.
-  /// Two differ where fragments that are paired, each with at most one, do not overlap; pairs are
-  /// made by the greatest overlap first.  Of large solids 131,072 voxels are looked at, evenly
-  /// spread.
-  ///   always  add it in any case
-  ///   return  whether it was far enough from all
+  /// Adds a fracture unless it is too similar to an earlier one: the share of differing voxels is
+  /// below `share`.  Fragments of two fractures are matched one to one, greedily by overlap; voxels
+  /// outside matched overlaps differ.  At most 131,072 evenly spaced voxels are compared.
+  ///   share   0..1
+  ///   always  adds it in any case
+  ///   return  whether it was added
   bool add(const LeafBlocks& blocks, const Labels& labels, int fragments, double share,
            bool always = false);
 

@@ -1,4 +1,4 @@
-// Writing files in the background.
+// Writes files in the background.
 #include "dataset/file_queue.h"
 
 #include <chrono>

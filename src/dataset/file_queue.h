@@ -1,4 +1,4 @@
-// Writes files from threads of its own, so that those that compute need not wait for the disk.
+// Writes files in background threads, so that compute threads do not wait for the disk.
 #pragma once
 
 #include <boost/align/aligned_allocator.hpp>
@@ -16,10 +16,10 @@
 
 namespace sherd {
 
-/// The bytes of a file, in memory aligned so that they can be written past the system's cache.
+/// The bytes of a file, aligned for direct I/O, which bypasses the system's cache.
 using FileBytes = std::vector<char, boost::alignment::aligned_allocator<char, kDirectBlock>>;
 
-/// Files on their way to the disk, at most so many bytes of them.
+/// A queue of files to write, bounded in bytes.
 class FileQueue {
  public:
   explicit FileQueue(std::size_t mostBytes, int threads = 2);
@@ -28,10 +28,10 @@ class FileQueue {
   FileQueue(const FileQueue&) = delete;
   FileQueue& operator=(const FileQueue&) = delete;
 
-  /// What became of a file: none, or an Error(output); and the seconds that it took.
+  /// The outcome of a file: null or an Error(output), and the seconds of writing.
   using Done = std::function<void(std::exception_ptr problem, double seconds)>;
 
-  /// Write a file once its turn comes; in the meantime wait if there are too many.
+  /// Enqueues a file; blocks while the queue is full.
   ///   done  called from another thread
   void add(std::filesystem::path file, FileBytes bytes, Done done);
 

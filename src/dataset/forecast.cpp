@@ -1,4 +1,4 @@
-// What a run would make, told from a few objects.
+// Estimates the result of a run from a few objects.
 #include <sherd/dataset.h>
 #include <sherd/error.h>
 #include <unistd.h>
@@ -20,18 +20,18 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kSampled = 3;  // objects: small, middling and large
+constexpr std::size_t kSampled = 3;  // objects: small, medium and large
 constexpr int kFracturesOfEach = 3;
 
-/// A folder that goes when this does.
-class ShortLived {
+/// A temporary folder, removed by the destructor.
+class TemporaryFolder {
  public:
-  ShortLived() {
+  TemporaryFolder() {
     std::error_code absent;
     path_ = (fs::temp_directory_path(absent) / "sherd-forecast-XXXXXX").string();
     if (absent) {
       throw Error(ErrorCode::output,
-                  "no folder for temporary files; set TMPDIR to one that can be written");
+                  "no folder for temporary files; set TMPDIR to a writable folder");
     }
     const Uncut whole;
     if (::mkdtemp(path_.data()) == nullptr) {
@@ -39,12 +39,12 @@ class ShortLived {
     }
     unfinished_ = Unfinished(path_, Unfinished::Kind::folder);
   }
-  ~ShortLived() {
+  ~TemporaryFolder() {
     std::error_code ignored;
     fs::remove_all(path_, ignored);
   }
-  ShortLived(const ShortLived&) = delete;
-  ShortLived& operator=(const ShortLived&) = delete;
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
   fs::path path() const { return path_; }
 
  private:
@@ -56,16 +56,16 @@ struct Cost {
   double seconds = 0.0, bytes = 0.0;
 };
 
-/// What an object costs by itself, and what a fracture into the fewest and the most pieces.
+/// The cost of an object without fractures, and of one fracture into the fewest and most pieces.
 struct ObjectCost {
   Cost once, fewest, most;
 };
 
-// One run of an object into `pieces`, so many times.
+// The cost of a run with `repeats` fractures into `pieces`.
 Cost costOf(const LibraryObject& object, DatasetOptions options, int pieces, int repeats,
             Device& device, const std::function<bool()>& cancelled) {
   options.schedule = {pieces, pieces, repeats, repeats, options.schedule.maxFragments};
-  const ShortLived folder;
+  const TemporaryFolder folder;
   const fs::path out = folder.path();
   StageSums times;
   const DatasetRun run{out,
@@ -93,7 +93,7 @@ Cost perFracture(const Cost& all, const Cost& once) {
           (all.bytes - once.bytes) / kFracturesOfEach};
 }
 
-// Nothing for an object that cannot be broken.
+// Empty for an object that cannot be broken.
 std::optional<ObjectCost> measured(const LibraryObject& object, const DatasetOptions& options,
                                    Device& device, const std::function<bool()>& cancelled) {
   try {
@@ -101,7 +101,7 @@ std::optional<ObjectCost> measured(const LibraryObject& object, const DatasetOpt
       return costOf(object, options, pieces, repeats, device, cancelled);
     };
     const Schedule& schedule = options.schedule;
-    (void)run(schedule.fewest, 1);  // kernels are built, files are in memory
+    (void)run(schedule.fewest, 1);  // warm-up: builds kernels, caches files
     ObjectCost cost;
     cost.once = run(schedule.fewest, 0);
     cost.fewest = perFracture(run(schedule.fewest, kFracturesOfEach), cost.once);
@@ -113,7 +113,7 @@ std::optional<ObjectCost> measured(const LibraryObject& object, const DatasetOpt
   }
 }
 
-// Small, middling and large ones.
+// Picks a small, a medium and a large object.
 std::vector<LibraryObject> sampleOf(std::vector<LibraryObject> objects) {
   std::stable_sort(objects.begin(), objects.end(),
                    [](const auto& a, const auto& b) { return a.bytes < b.bytes; });
@@ -141,7 +141,7 @@ DatasetForecast forecastDataset(const fs::path& library, const fs::path& out,
   for (const PlannedFracture& fracture : planned) {
     forecast.fragments += static_cast<std::size_t>(fracture.pieces) * objects.size();
   }
-  Cost all;  // of one object
+  Cost all;  // of the sampled objects
   for (const LibraryObject& object : sampleOf(objects)) {
     const std::optional<ObjectCost> cost = measured(object, options, device, cancelled);
     if (!cost) {

@@ -1,4 +1,4 @@
-// What the journal notes of a fracture.
+// The journal line of a fracture.
 #include "dataset/fracture_line.h"
 
 #include <cmath>
@@ -12,9 +12,9 @@
 namespace sherd {
 namespace {
 
-// A turn, every one as likely: w, x, y, z.
+// A uniform random rotation as a quaternion: w, x, y, z.
 // source  Shoemake, Uniform Random Rotations, Graphics Gems III, 1992
-std::array<double, 4> randomTurn(std::uint64_t seed, int id) {
+std::array<double, 4> randomRotation(std::uint64_t seed, int id) {
   const auto draw = [&](std::uint64_t k) {
     return randomUnit(seed, Stage::datasetPose, static_cast<std::uint64_t>(id) * 4 + k);
   };
@@ -24,12 +24,12 @@ std::array<double, 4> randomTurn(std::uint64_t seed, int id) {
           std::sqrt(1.0 - u) * std::cos(a), std::sqrt(u) * std::sin(b)};
 }
 
-// The pose: what is at p goes to turn (p - centroid).  The truth leads back: its turn, and then its
-// shift.
+// The pose moves p to turn * (p - centroid).  The truth is its inverse: truth_turn, then
+// truth_shift.
 Json poseJson(const Fragment& fragment, std::uint64_t seed) {
-  const auto [w, x, y, z] = randomTurn(seed, fragment.id);
+  const auto [w, x, y, z] = randomRotation(seed, fragment.id);
   return {{"turn", {w, x, y, z}},
-          {"centre", jsonOf(fragment.mass.centroid)},
+          {"center", jsonOf(fragment.mass.centroid)},
           {"truth_turn", {w, -x, -y, -z}},
           {"truth_shift", jsonOf(fragment.mass.centroid)}};
 }

@@ -1,4 +1,4 @@
-// What the journal notes of a fracture.
+// The journal line of a fracture.
 #pragma once
 
 #include <sherd/dataset.h>
@@ -8,17 +8,18 @@
 
 namespace sherd {
 
-/// The unbroken object among an object's fractures.
+/// The name of the intact object among an object's fractures.
 inline constexpr const char* kWholeName = "whole";
 
-/// The line of a fracture, but for its files.
+/// The line of a fracture without its "files" and "archive".
 class FractureLine {
  public:
   FractureLine(const std::string& name, const PlannedFracture& planned, std::uint64_t seed,
                int attempt, const DrawnOptions& drawn);
 
-  ///   result  as it was before it is moved into a unit box
-  ///   names   of its files, which `files` has stored under other names
+  ///   result  in world space, not moved into a unit box
+  ///   names   file names; `files` maps them to stored names
+  ///   poses   whether to add a random pose per fragment
   void addFragments(const FractureResult& result, const FractureFiles& names,
                     const StagedFiles& files, bool poses);
 

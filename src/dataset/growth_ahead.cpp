@@ -1,4 +1,4 @@
-// Growing ahead.
+// Grows fractures ahead of their extraction.
 #include "dataset/growth_ahead.h"
 
 #include <sherd/error.h>
@@ -23,7 +23,7 @@ GrowthAhead::GrowthAhead(const PreparedSolid& ready, std::string sha256,
 std::unique_ptr<PlannedGrowth> GrowthAhead::next() {
   if (ahead_.empty()) {
     const auto begin = std::chrono::steady_clock::now();
-    options_.distinct > 0.0 ? growApart() : growSome();
+    options_.distinct > 0.0 ? growDistinct() : growBatch();
     run_.times.add("grow",
                    std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
   }
@@ -33,20 +33,20 @@ std::unique_ptr<PlannedGrowth> GrowthAhead::next() {
   return first;
 }
 
-// How many grow at a time: they share the launches of kernels, and what the device is given.  On a
-// CPU little is gained by it, and a part that has to be grown again keeps the others waiting.
-std::size_t GrowthAhead::together() const {
-  if (options_.draw) return 1;  // each may grow in its own way
-  const std::size_t most = run_.device.info().gpu ? 16 : 2;
-  const std::size_t mostLeaves = std::size_t{1} << (run_.device.info().gpu ? 17 : 14);
+// Fractures of a batch share kernel launches and uploads.  On a CPU the gain is small, and a
+// component that has to grow again delays the whole batch.
+std::size_t GrowthAhead::batchSize() const {
+  if (options_.draw) return 1;  // growth options may differ
+  const std::size_t maxBatch = run_.device.info().gpu ? 16 : 2;
+  const std::size_t maxLeaves = std::size_t{1} << (run_.device.info().gpu ? 17 : 14);
   const std::size_t leaves = std::max<std::size_t>(ready_.solid.blocks.count(), 1);
-  return std::clamp<std::size_t>(mostLeaves / leaves, 1, most);
+  return std::clamp<std::size_t>(maxLeaves / leaves, 1, maxBatch);
 }
 
-// Those that follow.
-void GrowthAhead::growSome() {
+// Grows the next fractures that are not done.
+void GrowthAhead::growBatch() {
   std::vector<FractureOptions> options;
-  for (; next_ < planned_.size() && ahead_.size() < together(); ++next_) {
+  for (; next_ < planned_.size() && ahead_.size() < batchSize(); ++next_) {
     if (done_.contains(planned_[next_].name())) continue;
     ahead_.push_back(planOf(next_, 0));
     options.push_back(ahead_.back()->options);
@@ -57,8 +57,8 @@ void GrowthAhead::growSome() {
   for (std::size_t i = 0; i < grown.size(); ++i) ahead_[i]->grown = std::move(grown[i]);
 }
 
-// One that differs from all before.
-void GrowthAhead::growApart() {
+// Grows the next fracture that differs from all before.
+void GrowthAhead::growDistinct() {
   for (; next_ < planned_.size() && ahead_.empty(); ++next_) {
     const auto done = done_.find(planned_[next_].name());
     const bool isDone = done != done_.end();
@@ -91,7 +91,7 @@ std::unique_ptr<PlannedGrowth> GrowthAhead::planOf(std::size_t number, int attem
   if (options_.draw) plan->drawn = options_.draw(seed, plan->options);
   plan->options.pieces = plan->planned.pieces;
   plan->options.seed = seed;
-  plan->options.grow.rehearse = !std::exchange(rehearsed_, true);
+  plan->options.grow.warmUp = !std::exchange(warmedUp_, true);
   return plan;
 }
 

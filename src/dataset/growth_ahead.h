@@ -1,4 +1,4 @@
-// Grows the fractures of one object, in order and several at a time.
+// Grows the fractures of one object in order, in batches.
 #pragma once
 
 #include <deque>
@@ -13,7 +13,7 @@
 
 namespace sherd {
 
-/// A fracture whose fragments have yet to be cut out.
+/// A grown fracture whose fragments are not extracted yet.
 struct PlannedGrowth {
   PlannedFracture planned;
   std::size_t number = 0;  ///< in the schedule
@@ -23,22 +23,23 @@ struct PlannedGrowth {
   GrownFracture grown;
 };
 
+/// Iterates over the planned fractures of an object and grows them a batch ahead.
 class GrowthAhead {
  public:
   ///   sha256  of the object's file
-  ///   done    names of fractures that are there already, with their tries; with options.distinct
-  ///           they are grown again, to compare others with them
+  ///   done    attempts of finished fractures, by name.  With options.distinct these are grown
+  ///           again, to compare others with them
   GrowthAhead(const PreparedSolid& ready, std::string sha256, std::map<std::string, int> done,
               const DatasetRun& run, const Progress& progress);
 
-  /// The next fracture; null at the end.
-  ///   throws  Error(input) none differs enough from the others; as grow
+  /// Returns the next fracture; null at the end.
+  ///   throws  Error(input) none differs enough from the others; errors of grow()
   std::unique_ptr<PlannedGrowth> next();
 
  private:
-  [[nodiscard]] std::size_t together() const;
-  void growSome();
-  void growApart();
+  [[nodiscard]] std::size_t batchSize() const;
+  void growBatch();
+  void growDistinct();
   std::unique_ptr<PlannedGrowth> planOf(std::size_t number, int attempt);
 
   const PreparedSolid& ready_;
@@ -48,10 +49,10 @@ class GrowthAhead {
   const std::map<std::string, int> done_;
   const Progress& progress_;
   const std::vector<PlannedFracture> planned_;
-  std::size_t next_ = 0;                              // of planned_
-  std::deque<std::unique_ptr<PlannedGrowth>> ahead_;  // grown, and not yet given out
+  std::size_t next_ = 0;                              // index into planned_
+  std::deque<std::unique_ptr<PlannedGrowth>> ahead_;  // grown, not yet returned
   Distinct distinct_;
-  bool rehearsed_ = false;
+  bool warmedUp_ = false;
 };
 
 }  // namespace sherd

@@ -14,17 +14,17 @@
 #include "dataset/fracture_line.h"
 #include "dataset/journal.h"
 #include "dataset/object_folder.h"
-#include "dataset/pictures.h"
+#include "dataset/thumbnails.h"
 
 namespace sherd {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// A file that is written line by line.
-class Lines {
+/// Writes a file line by line.
+class LineWriter {
  public:
-  explicit Lines(const fs::path& file) : file_(file) {}
+  explicit LineWriter(const fs::path& file) : file_(file) {}
   void add(const std::string& line) {
     bytes_ += line;
     bytes_ += '\n';
@@ -68,11 +68,11 @@ std::string joinedBy(const Json& list, const char* separator) {
   return all;
 }
 
-// The columns of index.csv, each a key of a row.  The last is there only if an object has it.
+// The columns of index.csv, each a key of a row.  The last is present only if an object has it.
 constexpr std::array<const char*, 24> kColumns{
     "object",  "fracture", "id",     "pieces", "repeat",   "attempt",    "seed",        "split",
     "options", "voxels",   "share",  "volume", "vertices", "faces",      "contacts",    "withheld",
-    "labels",  "files",    "sha256", "turn",   "centre",   "truth_turn", "truth_shift", "folder"};
+    "labels",  "files",    "sha256", "turn",   "center",   "truth_turn", "truth_shift", "folder"};
 
 std::string csvHead(std::span<const char* const> columns) {
   std::string head;
@@ -136,21 +136,21 @@ std::string failureLine(const std::string& key, const std::string& reason) {
 std::string splitOf(const std::string& key, const std::array<int, 3>& shares) {
   const int all = shares[0] + shares[1] + shares[2];
   const std::string sum = sha256(key);
-  const auto place = static_cast<int>(std::stoul(sum.substr(0, 7), nullptr, 16) %
-                                      static_cast<unsigned long>(std::max(all, 1)));
-  if (place < shares[0]) return "train";
-  return place < shares[0] + shares[1] ? "val" : "test";
+  const auto bucket = static_cast<int>(std::stoul(sum.substr(0, 7), nullptr, 16) %
+                                       static_cast<unsigned long>(std::max(all, 1)));
+  if (bucket < shares[0]) return "train";
+  return bucket < shares[0] + shares[1] ? "val" : "test";
 }
 
 namespace {
 
-DatasetSummary summaryOf(const DatasetFigures& figures, bool complete) {
+DatasetSummary summaryOf(const DatasetStatistics& statistics, bool complete) {
   DatasetSummary summary;
-  summary.objects = figures.objects;
-  summary.failures = figures.failures.size();
-  summary.fractures = figures.fractures;
-  summary.fragments = figures.fragments;
-  for (const auto& [format, files] : figures.byFormat) {
+  summary.objects = statistics.objects;
+  summary.failures = statistics.failures.size();
+  summary.fractures = statistics.fractures;
+  summary.fragments = statistics.fragments;
+  for (const auto& [format, files] : statistics.byFormat) {
     summary.bytes += files.bytes;
     summary.bytesByFormat[format] = files.bytes;
   }
@@ -162,13 +162,13 @@ DatasetSummary summaryOf(const DatasetFigures& figures, bool complete) {
 
 DatasetIndex writeIndex(const fs::path& out, const DatasetPlan& plan,
                         const std::function<bool()>& cancelled) {
-  DatasetFigures figures;
+  DatasetStatistics statistics;
   bool complete = true;
-  Lines csv(out / kIndexCsv), jsonl(out / kIndexJsonl), failures(out / kFailuresName);
+  LineWriter csv(out / kIndexCsv), jsonl(out / kIndexJsonl), failures(out / kFailuresName);
   const bool hasRenamed = std::any_of(plan.objects.begin(), plan.objects.end(), isRenamed);
   const std::span columns = std::span(kColumns).first(kColumns.size() - (hasRenamed ? 0 : 1));
   csv.add(csvHead(columns));
-  std::map<std::string, std::string> lists;  // of keys, by split
+  std::map<std::string, std::string> lists;  // keys, by split
   std::vector<BbObject> bb;
   for (std::size_t i = 0; i < plan.objects.size(); ++i) {
     if (cancelled && cancelled()) throw Error(ErrorCode::cancelled, "stopped on request");
@@ -176,35 +176,35 @@ DatasetIndex writeIndex(const fs::path& out, const DatasetPlan& plan,
     const JournalText journal = readJournal(out, object);
     if (journal.failed) {
       failures.add(failureLine(object.key, *journal.failed));
-      figures.failures.emplace_back(object.key, *journal.failed);
+      statistics.failures.emplace_back(object.key, *journal.failed);
       continue;
     }
     if (!journal.done) {
       complete = false;
       continue;
     }
-    ++figures.objects;
+    ++statistics.objects;
     const std::string split = splitOf(object.key, plan.split);
     lists[split] += object.key + "\n";
     BbObject own{objectFolder(plan.layout, object), split, {}};
     for (const Json& line : journal.fractures) {
-      const std::size_t before = figures.fragments;
-      figures.add(line);
+      const std::size_t before = statistics.fragments;
+      statistics.add(line);
       const std::string name = line.at("fracture");
-      if (name != kWholeName) own.parts.push_back(figures.fragments - before);
+      if (name != kWholeName) own.fragmentCounts.push_back(statistics.fragments - before);
       for (const Json& fragment : line.at("fragments")) {
         const Json row = rowOf(plan, object, split, line, fragment);
         csv.add(csvOf(row, columns));
         jsonl.add(textOf(row));
       }
-      const std::string picture = pictureName(object, name);
-      if (isPictured(i, plan.objects.size()) && isOwnFile(out, picture)) {
-        figures.pictures.push_back({object.key + ", " + name, out / picture});
+      const std::string image = thumbnailName(object, name);
+      if (hasThumbnail(i, plan.objects.size()) && isOwnFile(out, image)) {
+        statistics.thumbnails.push_back({object.key + ", " + name, out / image});
       }
     }
     bb.push_back(std::move(own));
   }
-  const Uncut whole;  // files that tell of one another
+  const Uncut whole;  // these files belong together
   csv.commit();
   jsonl.commit();
   failures.commit();
@@ -212,7 +212,7 @@ DatasetIndex writeIndex(const fs::path& out, const DatasetPlan& plan,
     writeWhole(out / (std::string(split) + ".txt"), lists[split]);
   }
   if (plan.layout == DatasetLayout::bb) writeBbLists(out, bb);
-  return {summaryOf(figures, complete), std::move(figures)};
+  return {summaryOf(statistics, complete), std::move(statistics)};
 }
 
 }  // namespace sherd

@@ -1,4 +1,4 @@
-// The index of a dataset: a row for each fragment, out of the journals.
+// The index of a dataset: one row per fragment, from the journals.
 #pragma once
 
 #include <sherd/dataset.h>
@@ -6,24 +6,24 @@
 #include <filesystem>
 #include <string>
 
-#include "dataset/figures.h"
 #include "dataset/journal.h"
 #include "dataset/plan.h"
+#include "dataset/statistics.h"
 
 namespace sherd {
 
-/// Which part of the split an object is in: "train", "val" or "test".  By its key alone, so it
-/// stays there when others are added.
+/// Returns the subset of an object: "train", "val" or "test".  It depends on the key and the shares
+/// only, so adding objects moves none.
 [[nodiscard]] std::string splitOf(const std::string& key, const std::array<int, 3>& shares);
 
-/// What is known once all journals have been read.
+/// The content of all journals.
 struct DatasetIndex {
   DatasetSummary summary;
-  DatasetFigures figures;
+  DatasetStatistics statistics;
 };
 
-/// Write index.csv, index.jsonl, failures.jsonl and the lists of the splits from the journals.
-/// Objects that are neither done nor failed are left out, and the summary is not complete.
+/// Writes index.csv, index.jsonl, failures.jsonl and the lists of the splits from the journals.
+/// Omits objects that are neither done nor failed; the summary is then not complete.
 ///   throws  Error(output)
 DatasetIndex writeIndex(const std::filesystem::path& out, const DatasetPlan& plan,
                         const std::function<bool()>& cancelled = {});

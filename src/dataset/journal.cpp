@@ -1,4 +1,4 @@
-// What is done of an object, noted as it is done.
+// The journal of an object: a record of finished work.
 #include "dataset/journal.h"
 
 #include <fcntl.h>
@@ -46,7 +46,8 @@ std::vector<FileRecord> filesOf(const Json& line) {
 JournalText readJournal(const fs::path& out, const LibraryObject& object) {
   const std::string name = journalName(object);
   if (!fs::exists(fs::symlink_status(out / name))) return {};
-  if (!isOwnFile(out, name)) inputError(out / name, "is reached by a symbolic link, or no file");
+  if (!isOwnFile(out, name))
+    inputError(out / name, "is not a regular file, or a symbolic link leads there");
   return parsedJournal(readFileBytes(out / name), (out / name).string());
 }
 
@@ -54,7 +55,7 @@ Journal::Journal(const fs::path& out, const LibraryObject& object)
     : file_(out / journalName(object)), key_(object.key) {
   requireOwnFile(out, journalName(object));
   {
-    const Uncut whole;  // a forecast's folder may just be removed
+    const Uncut whole;  // a signal may remove a forecast's folder concurrently
     std::error_code failed;
     fs::create_directories(file_.parent_path(), failed);
     if (failed) cannot(file_.parent_path(), failed.value());
@@ -63,9 +64,10 @@ Journal::Journal(const fs::path& out, const LibraryObject& object)
   if (descriptor_ < 0) cannot(file_, errno);
   try {
     if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
-      throw Error(ErrorCode::output, file_.string() +
-                                         ": another sherd works on this object; wait for it, or "
-                                         "give each a --shard of its own");
+      throw Error(ErrorCode::output,
+                  file_.string() +
+                      ": another sherd process works on this object; wait for it, or "
+                      "give each process its own --shard");
     }
     text_ = readJournal(out, object);
     if (::ftruncate(descriptor_, static_cast<off_t>(text_.bytes)) != 0) cannot(file_, errno);

@@ -1,4 +1,4 @@
-// What is done of an object, noted as it is done.
+// The journal of an object: a record of finished work.
 #pragma once
 
 #include <sherd/dataset.h>
@@ -18,38 +18,38 @@ namespace sherd {
 
 using Json = nlohmann::ordered_json;
 
-/// What a journal tells.
+/// The content of a journal.
 struct JournalText {
-  std::string sha256;           ///< of the object's file when it was begun; empty before
+  std::string sha256;           ///< of the object's file at the beginning; empty before
   std::vector<Json> fractures;  ///< lines of fractures, in order
   bool done = false;
   std::optional<std::string> failed;
-  std::uint64_t bytes = 0;  ///< of whole lines
+  std::uint64_t bytes = 0;  ///< of complete lines
 };
 
-/// What the bytes of a journal tell, each field of it checked: what comes of it has all that the
-/// index, figures and verification read, in the right kind and range.
+/// Parses a journal and checks every field: the result has all fields that the index, statistics
+/// and verification read, of the right kind and in range.
 ///   name    of the file, for messages
-///   throws  Error(input) "name:line: what": a line that is no JSON, out of place, or damaged
+///   throws  Error(input) "name:line: what": a line is not JSON, out of order, or damaged
 [[nodiscard]] JournalText parsedJournal(std::string_view bytes, const std::string& name);
 
-/// The journal of an object that nobody writes to; empty where there is none.
-///   throws  Error(input) as above; a symbolic link on the way to it
+/// Reads an object's journal without locking it; empty if there is none.
+///   throws  Error(input) as parsedJournal; a symbolic link on its path
 [[nodiscard]] JournalText readJournal(const std::filesystem::path& out,
                                       const LibraryObject& object);
 
-/// Lines of JSON, one for each thing done:
+/// A file of JSON lines, one per finished step:
 ///
 ///     {"object": key, "sha256": ..}                 first
-///     {"fracture": "whole", "fragments": [..], ..}  the unbroken object, then each fracture
+///     {"fracture": "whole", "fragments": [..], ..}  the intact object, then each fracture
 ///     {"done": true, "files": [..]}                 last; or {"failed": reason}
 ///
-/// A line that is cut off does not count.  One process holds it at a time.
+/// An incomplete last line is ignored.  One process locks it at a time.
 class Journal {
  public:
-  /// Open, and read what is there.
-  ///   throws  Error(output) it cannot be written, another process holds it, a symbolic link on the
-  ///           way to it; Error(input) it is damaged
+  /// Opens or creates the journal, and reads it.
+  ///   throws  Error(output) it cannot be written, another process holds it, a symbolic link on its
+  ///           path; Error(input) it is damaged
   Journal(const std::filesystem::path& out, const LibraryObject& object);
   ~Journal();
   Journal(const Journal&) = delete;
@@ -57,10 +57,10 @@ class Journal {
 
   [[nodiscard]] const JournalText& text() const { return text_; }
 
-  /// All files that fractures list.
+  /// Returns all files that fractures list.
   [[nodiscard]] std::vector<FileRecord> files() const;
 
-  /// Bytes of the archive after the last of them.
+  /// Bytes of the archive after the last fracture.
   [[nodiscard]] std::uint64_t archiveBytes() const;
 
   void begin(const std::string& sha256);
@@ -68,7 +68,7 @@ class Journal {
   void finish(const std::vector<FileRecord>& files);
   void fail(const std::string& reason);
 
-  /// Forget everything.
+  /// Empties the journal.
   void clear();
 
  private:
@@ -80,7 +80,7 @@ class Journal {
   JournalText text_;
 };
 
-/// Where the journal of an object is, below the dataset's folder.
+/// Returns the path of an object's journal below the dataset's folder.
 [[nodiscard]] std::string journalName(const LibraryObject& object);
 
 [[nodiscard]] Json jsonOf(const std::vector<FileRecord>& files);

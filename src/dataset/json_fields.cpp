@@ -1,14 +1,14 @@
-// Fields of JSON objects that anybody may have written.
+// Checked fields of JSON objects from untrusted files.
 #include "dataset/json_fields.h"
 
 #include <sherd/error.h>
 
-namespace sherd {
+namespace sherd::fields {
 
 void damaged(const std::string& what) { throw Error(ErrorCode::input, what); }
 
-const Json& field(const Json& object, const char* key, bool (Json::*is)() const noexcept,
-                  const char* kind) {
+const Json& get(const Json& object, const char* key, bool (Json::*is)() const noexcept,
+                const char* kind) {
   const auto found = object.find(key);
   if (found == object.end()) damaged(std::string("has no \"") + key + "\"");
   if (!((*found).*is)()) damaged(std::string("\"") + key + "\" is not " + kind);
@@ -16,24 +16,24 @@ const Json& field(const Json& object, const char* key, bool (Json::*is)() const 
 }
 
 std::string text(const Json& object, const char* key) {
-  return field(object, key, &Json::is_string, "text").get<std::string>();
+  return get(object, key, &Json::is_string, "text").get<std::string>();
 }
 
 const Json& list(const Json& object, const char* key) {
-  return field(object, key, &Json::is_array, "a list");
+  return get(object, key, &Json::is_array, "a list");
 }
 
 void requireNumber(const Json& object, const char* key) {
-  (void)field(object, key, &Json::is_number, "a number");
+  (void)get(object, key, &Json::is_number, "a number");
 }
 
 std::uint64_t count(const Json& object, const char* key, std::uint64_t low, std::uint64_t high) {
   const auto value =
-      field(object, key, &Json::is_number_unsigned, "a whole number").get<std::uint64_t>();
+      get(object, key, &Json::is_number_unsigned, "a whole number").get<std::uint64_t>();
   if (value < low || value > high) {
     damaged(std::string("\"") + key + "\" is out of range: " + std::to_string(value));
   }
   return value;
 }
 
-}  // namespace sherd
+}  // namespace sherd::fields

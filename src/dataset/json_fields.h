@@ -1,4 +1,4 @@
-// Fields of JSON objects that anybody may have written.
+// Checked fields of JSON objects from untrusted files.
 #pragma once
 
 #include <cstdint>
@@ -7,21 +7,23 @@
 
 #include "dataset/journal.h"
 
-namespace sherd {
+namespace sherd::fields {
 
-///   throws  Error(input), as do all of these: a sentence without the file's name
+/// Reports a damaged file.  All functions here throw the same.
+///   throws  Error(input) `what`, without the file's name
 [[noreturn]] void damaged(const std::string& what);
 
-/// A field of the kind that `is` knows: &Json::is_string and the like.
-[[nodiscard]] const Json& field(const Json& object, const char* key,
-                                bool (Json::*is)() const noexcept, const char* kind);
+/// Returns a field that `is` accepts, such as &Json::is_string.
+///   kind  the expected kind, for the message
+[[nodiscard]] const Json& get(const Json& object, const char* key,
+                              bool (Json::*is)() const noexcept, const char* kind);
 
 [[nodiscard]] std::string text(const Json& object, const char* key);
 [[nodiscard]] const Json& list(const Json& object, const char* key);
 void requireNumber(const Json& object, const char* key);
 
-/// A whole number in low..high.
+/// Returns a whole number in low..high.
 [[nodiscard]] std::uint64_t count(const Json& object, const char* key, std::uint64_t low = 0,
                                   std::uint64_t high = std::numeric_limits<std::uint64_t>::max());
 
-}  // namespace sherd
+}  // namespace sherd::fields

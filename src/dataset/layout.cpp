@@ -1,4 +1,4 @@
-// How the files of a dataset are named.
+// The file names of a dataset.
 #include "dataset/layout.h"
 
 #include "base/option_names.h"
@@ -39,12 +39,12 @@ Names labels(const std::string& name, const WriteOptions& write) {
   return out;
 }
 
-// Names by fragment, from 0, where they stand in folders of their own or not.
+// Path names, without extensions, by fragment index from 0.
 struct Naming {
   std::function<std::string(std::size_t)> mesh, points, vdb, sdf, proxy;
   std::function<std::string(std::size_t, std::size_t)> coarse;
-  std::string whole;   // what there is once begins so
-  std::string labels;  // without its extension
+  std::string whole;  // prefix of files that exist once per fracture
+  std::string labels;
 };
 
 FractureFiles filesBy(const Naming& naming, const NamedObject& object, std::size_t fragments) {
@@ -70,7 +70,7 @@ FractureFiles filesBy(const Naming& naming, const NamedObject& object, std::size
   if (write.correspondences > 0) files.correspondences = whole + "correspondences.npz";
   if (write.preview) files.preview = whole + "preview.png";
   if (write.seeds) files.seeds = whole + "seeds.json";
-  if (write.rims) files.rims = whole + "rims.obj";
+  if (write.boundaries) files.boundaries = whole + "boundaries.obj";
   if (write.cost) files.cost = whole + "cost.vdb";
   if (write.scene) files.scene = whole + "scene.glb";
   if (write.graph) {
@@ -80,8 +80,8 @@ FractureFiles filesBy(const Naming& naming, const NamedObject& object, std::size
   return files;
 }
 
-// The paper's: M_4f_128r_0it.rle, M_4f_128r_0it_2.binm, M_4f_128r_0it_2_1024p.binp; of the
-// unbroken object M_grid_128r.rle, M.binm, M_1024p.binp.
+// The paper's names: M_4f_128r_0it.rle, M_4f_128r_0it_2.binm, M_4f_128r_0it_2_1024p.binp; of the
+// intact object M_grid_128r.rle, M.binm, M_1024p.binp.
 Naming paperNaming(const NamedObject& object, const std::string& base, bool isWhole) {
   const std::string count = "_" + std::to_string(object.write.points.count) + "p";
   const auto numbered = [=](std::size_t i) {
@@ -100,9 +100,8 @@ Naming paperNaming(const NamedObject& object, const std::string& base, bool isWh
   return naming;
 }
 
-// Breaking Bad's fractured_3/piece_0.obj, and nothing else in that folder: its readers take every
-// file there for a piece, and every folder for a fracture that has "fractured" or "mode" in its
-// name.
+// Breaking Bad's fractured_3/piece_0.obj, and nothing else in that folder: its readers treat every
+// file there as a piece, and every folder with "fractured" or "mode" in its name as a fracture.
 Naming bbNaming(const std::string& fracture) {
   const auto in = [=](const std::string& folder) {
     return [=](std::size_t i) {
@@ -148,8 +147,8 @@ NamedFiles fractureNames(DatasetLayout layout, const NamedObject& object,
 }
 
 NamedFiles wholeNames(DatasetLayout layout, const NamedObject& object) {
-  WriteOptions write = object.write;  // of what one fragment has
-  write.preview = write.seeds = write.rims = write.cost = write.scene = write.graph = false;
+  WriteOptions write = object.write;  // only the files of a single fragment
+  write.preview = write.seeds = write.boundaries = write.cost = write.scene = write.graph = false;
   write.vdbFiles = VdbFiles::files;
   write.correspondences = 0;
   write.distances.count = 0;

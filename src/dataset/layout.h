@@ -1,4 +1,4 @@
-// How the files of a dataset are named.
+// The file names of a dataset.
 #pragma once
 
 #include <sherd/dataset.h>
@@ -10,14 +10,14 @@
 
 namespace sherd {
 
-/// The files of one fracture, or of the unbroken object.
+/// The files of one fracture, or of the intact object.
 struct NamedFiles {
-  std::string prefix;  ///< before each, below the object's folder
+  std::string prefix;  ///< of every name, below the object's folder
   FractureFiles files;
-  std::string manifest;  ///< empty where the layout has none
+  std::string manifest;  ///< empty if the layout has none
 };
 
-/// What names are made from.
+/// The inputs of file names.
 struct NamedObject {
   const SourceMesh& source;
   const MaterialTable& materials;
@@ -26,16 +26,17 @@ struct NamedObject {
   int longestSide = 0;  ///< voxels
 };
 
-///   number     of the fracture in the object's schedule, from 0
-///   fragments  that are not withheld
+/// Returns the names of a fracture's files.
+///   number     index of the fracture in the object's schedule, from 0
+///   fragments  number of those that are not withheld
 [[nodiscard]] NamedFiles fractureNames(DatasetLayout layout, const NamedObject& object,
                                        const PlannedFracture& fracture, std::size_t number,
                                        std::size_t fragments);
 
-/// Of the unbroken object, which is written as a fracture of one fragment.
+/// Returns the names of the intact object's files, which is written as a fracture of one fragment.
 [[nodiscard]] NamedFiles wholeNames(DatasetLayout layout, const NamedObject& object);
 
-/// All files of a fragment.
+/// Returns all files of fragment i, from 0.
 [[nodiscard]] std::vector<std::string> filesOfFragment(const FractureFiles& files, std::size_t i);
 
 }  // namespace sherd

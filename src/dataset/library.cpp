@@ -25,7 +25,7 @@ LibraryObject objectAt(const fs::path& file, std::string key) {
   return {std::move(key), {}, file, ignored ? 0 : bytes};
 }
 
-/// What is found below a folder, and a sentence for each thing that could not be looked at.
+/// The objects below a folder, and a sentence for each skipped path.
 struct Found {
   std::vector<LibraryObject>& objects;
   std::vector<std::string> skipped{};
@@ -51,16 +51,16 @@ void addEntry(const fs::directory_entry& entry, const fs::path& library, Found& 
   if (target == fs::file_type::regular) {
     found.objects.push_back(objectAt(path, path.lexically_relative(library).generic_string()));
   } else if (target == fs::file_type::not_found) {
-    found.skip(path, "is a link that leads nowhere");
+    found.skip(path, "is a broken link");
   } else if (target == fs::file_type::none) {
-    found.skip(path, "cannot be looked at: " + reasonOf(failed.value()));
+    found.skip(path, "cannot be examined: " + reasonOf(failed.value()));
   } else {
     found.skip(path, "is not a regular file");
   }
 }
 
-// Everything below a folder.  One bad folder of thousands is not the end; only the library's own
-// is.
+// Adds all objects below a folder.  A folder that cannot be read is skipped; the library's own is
+// an error.
 std::vector<std::string> addFolder(const fs::path& library, std::vector<LibraryObject>& objects) {
   Found found{objects};
   for (std::vector<fs::path> folders{library}; !folders.empty();) {
@@ -72,7 +72,7 @@ std::vector<std::string> addFolder(const fs::path& library, std::vector<LibraryO
       addEntry(*at, library, found, folders);
     }
     if (!failed) continue;
-    const std::string why = "cannot be looked through: " + reasonOf(failed.value());
+    const std::string why = "cannot be read: " + reasonOf(failed.value());
     if (folder == library) inputError(library, why);
     found.skip(folder, why);
   }
@@ -92,8 +92,8 @@ void addList(const fs::path& list, std::vector<LibraryObject>& found) {
     const fs::path relative = named.relative_path();  // without the root of an absolute one
     if (relative.empty() || *relative.begin() == "..") {
       throw Error(ErrorCode::input, list.string() + ":" + std::to_string(number) +
-                                        ": leads out of the list's own folder; name it from the "
-                                        "root, or put the list above it");
+                                        ": leads out of the list's folder; use an absolute path, "
+                                        "or put the list above it");
     }
     found.push_back(objectAt(list.parent_path() / named, relative.generic_string()));
   }
@@ -106,11 +106,11 @@ std::string withoutExtensions(const std::string& key) {
 }
 
 void nameFolders(std::vector<LibraryObject>& objects) {
-  // A folder belongs to one object wholly: it is neither another's nor holds another's.
+  // No object's folder equals or contains another's.
   std::map<std::string, int> taken;
   for (const LibraryObject& object : objects) {
     ++taken[lowerCase(withoutExtensions(object.key))];
-    ++taken[lowerCase(object.key)];  // which a.obj is called beside a.stl, and so might a.obj.obj
+    ++taken[lowerCase(object.key)];  // the folder of a.obj beside a.stl, and perhaps of a.obj.obj
     for (fs::path above = fs::path(object.key).parent_path(); !above.empty();
          above = above.parent_path()) {
       ++taken[lowerCase(above.generic_string())];
@@ -137,13 +137,13 @@ std::vector<LibraryObject> findObjects(const fs::path& library, const LibraryOpt
       inputError(library, "is neither a folder of meshes nor a list of them");
     }
   } catch (const fs::filesystem_error& e) {
-    inputError(library, std::string("cannot be looked through: ") + e.code().message());
+    inputError(library, std::string("cannot be read: ") + e.code().message());
   }
   const auto byKey = [](const auto& a, const auto& b) { return a.key < b.key; };
   std::sort(found.begin(), found.end(), byKey);
   const auto sameKey = [](const auto& a, const auto& b) { return a.key == b.key; };
   found.erase(std::unique(found.begin(), found.end(), sameKey), found.end());
-  nameFolders(found);  // by all that is there: a narrower choice must not name them anew
+  nameFolders(found);  // before the selection: a narrower one must not change names
   if (!options.match.empty()) {
     std::erase_if(found, [&](const LibraryObject& object) {
       return ::fnmatch(options.match.c_str(), object.key.c_str(), 0) != 0;
@@ -151,8 +151,8 @@ std::vector<LibraryObject> findObjects(const fs::path& library, const LibraryOpt
   }
   if (options.limit > 0 && found.size() > options.limit) found.resize(options.limit);
   if (found.empty()) {
-    inputError(library, options.match.empty() ? "has no mesh in it"
-                                              : "has no mesh that matches " + options.match);
+    inputError(library, options.match.empty() ? "contains no mesh"
+                                              : "contains no mesh that matches " + options.match);
   }
   return found;
 }
@@ -167,7 +167,7 @@ std::vector<LibraryObject> shardOf(const std::vector<LibraryObject>& objects, Sh
   std::vector<std::size_t> chosen;
   for (const std::size_t i : order) {
     const auto least = std::min_element(load.begin(), load.end());
-    // Breaking takes its time, however small the file.
+    // Breaking takes a minimum time, however small the file.
     *least += objects[i].bytes + (std::uintmax_t{1} << 20);
     if (least - load.begin() == shard.number - 1) chosen.push_back(i);
   }

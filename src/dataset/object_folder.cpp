@@ -1,4 +1,4 @@
-// Where objects lie.
+// The folders of objects, and reserved names.
 #include "dataset/object_folder.h"
 
 #include <fnmatch.h>
@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kBbTop = "library";  // of objects that lie in no folder
+constexpr const char* kBbTop = "library";  // category of objects at the top of a library
 
 constexpr unsigned bit(DatasetLayout layout) { return 1U << static_cast<unsigned>(layout); }
 constexpr unsigned kPacked = bit(DatasetLayout::packed);
@@ -23,11 +23,11 @@ constexpr unsigned kPaper = bit(DatasetLayout::paper);
 constexpr unsigned kBb = bit(DatasetLayout::bb);
 constexpr unsigned kAll = bit(DatasetLayout::sherd) | kPacked | kPaper | kBb;
 
-/// A name that layouts keep for themselves, as a pattern in lower case.
+/// A reserved name, as a pattern in lower case.
 struct Reserved {
   const char* pattern;
   unsigned layouts;
-  bool atTop;  ///< only as the first part of a path, where objects lie beside the dataset's files
+  bool atTop;  ///< reserved only as the first part of a path
 };
 
 constexpr std::array kReserved{
@@ -47,13 +47,13 @@ constexpr std::array kReserved{
     Reserved{"*.train.txt", kBb, true},
     Reserved{"*.val.txt", kBb, true},
     Reserved{"*.test.txt", kBb, true},
-    // A journal, an image or an archive beside it that has an object's name and more.
+    // Files beside an object's folder that begin with its name: journal, thumbnails, archive.
     Reserved{"*.jsonl", kAll, false},
     Reserved{"*.whole.png", kAll, false},
     Reserved{"*.[0-9]*f_[0-9]*.png", kAll, false},
     Reserved{"*.zip", kPacked, false},
     Reserved{"*.zip.partial", kPacked, false},
-    // Files that are being written.
+    // Temporary files.
     Reserved{".sherd-*", kAll, false},
 };
 
@@ -65,12 +65,12 @@ bool isReserved(DatasetLayout layout, const std::string& name, bool isTop) {
   });
 }
 
-/// A part of a path that is reserved, and all before it: as they were, and as they are.
+/// A path up to a reserved part: before and after renaming.
 using Renamed = std::pair<std::string, std::string>;
 
 std::string renamed(DatasetLayout layout, const std::string& folder,
                     std::vector<Renamed>& changes) {
-  // Objects at the top of a library do not lie at that of Breaking Bad's tree.
+  // Objects at the top of a library lie in kBbTop in Breaking Bad's tree.
   bool isTop = layout != DatasetLayout::bb || folder.find('/') != std::string::npos;
   fs::path before, after;
   for (const fs::path& part : fs::path(folder)) {
@@ -93,7 +93,7 @@ std::string objectFolder(DatasetLayout layout, const LibraryObject& object) {
     case DatasetLayout::paper:
       return object.folder;
     case DatasetLayout::bb:
-      // Loaders take the second part of a path for the category.
+      // Loaders read the second part of a path as the category.
       return object.folder.find('/') == std::string::npos
                  ? std::string(kBbTop) + "/" + object.folder
                  : object.folder;
@@ -120,7 +120,7 @@ std::vector<std::string> renameReserved(DatasetLayout layout, std::vector<Librar
     const std::string more =
         affected.count == 1 ? " lies" : " and " + std::to_string(affected.count - 1) + " more lie";
     sentences.push_back(affected.first + more + " in '" + change.second +
-                        "', because the dataset keeps the name '" + change.first + "' for itself");
+                        "', because the dataset reserves the name '" + change.first + "'");
   }
   return sentences;
 }

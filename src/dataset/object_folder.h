@@ -1,4 +1,4 @@
-// Where an object lies below a dataset's folder, and which names there are the dataset's own.
+// The folders of objects below a dataset's folder, and the names that are reserved there.
 #pragma once
 
 #include <sherd/dataset.h>
@@ -8,8 +8,7 @@
 
 namespace sherd {
 
-// The dataset's own files at its top.  They and all other names that it keeps for itself are listed
-// in object_folder.cpp.
+// The dataset's own top-level files.  object_folder.cpp lists all reserved names.
 inline constexpr const char* kPlanName = "dataset.json";
 inline constexpr const char* kIndexCsv = "index.csv";
 inline constexpr const char* kIndexJsonl = "index.jsonl";
@@ -19,16 +18,16 @@ inline constexpr const char* kJournalFolder = "journal";
 inline constexpr const char* kBbSplitFolder = "data_split";
 inline constexpr const char* kBbListFolder = "data_list";
 
-/// What an object's folder is called below the dataset's.
+/// Returns the path of an object's folder below the dataset's.
 [[nodiscard]] std::string objectFolder(DatasetLayout layout, const LibraryObject& object);
 
-/// Rename the folders of objects that would be the dataset's own files, or hold them: each part of
-/// a name that the layout keeps for itself, in whatever case, gets a '_' behind it, and so does
-/// such a name that ends in '_' already.  So no two objects get one name, whatever else there is.
-///   return  a sentence for each name that was changed
+/// Renames folders of objects that collide with the dataset's own files: appends '_' to each part
+/// of a path that the layout reserves, in any case.  A reserved name with '_' behind it gets one
+/// more, so no two objects get the same name.
+///   return  a sentence for each changed name
 std::vector<std::string> renameReserved(DatasetLayout layout, std::vector<LibraryObject>& objects);
 
-/// Whether an object's folder has another name than its file.
+/// Whether the name of an object's folder differs from its file's.
 [[nodiscard]] bool isRenamed(const LibraryObject& object);
 
 }  // namespace sherd

@@ -1,10 +1,10 @@
-// One object: read, made a solid once, broken as often as it is planned.
+// Reads an object, voxelizes it once, and makes all its planned fractures in a pipeline:
 //
-//     grow ─────────────▶ cut out, mesh, sample, write ──▶ keep, note
-//     in order, some        several at a time              in order
-//     together
+//     grow ─────────────▶ extract, mesh, sample, write ──▶ store, record
+//     in order,             in parallel                    in order
+//     in batches
 //
-// How many fractures are on their way at a time is bounded, and so is memory.
+// The number of fractures in the pipeline is bounded, and so is memory.
 #include "dataset/object_run.h"
 
 #include <sherd/error.h>
@@ -28,8 +28,8 @@
 #include "dataset/growth_ahead.h"
 #include "dataset/layout.h"
 #include "dataset/object_folder.h"
-#include "dataset/pictures.h"
 #include "dataset/store.h"
+#include "dataset/thumbnails.h"
 #include "folder/fracture_files.h"
 #include "formats/arrays/npz.h"
 #include "pipeline/fracture_stages.h"
@@ -43,7 +43,7 @@ double secondsSince(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-/// A fracture on its way.
+/// A fracture in the pipeline.
 struct Work {
   std::unique_ptr<PlannedGrowth> growth;
   std::unique_ptr<StagedFiles> files;
@@ -56,7 +56,7 @@ class ObjectRun {
   ObjectRun(const LibraryObject& object, Journal& journal, const DatasetRun& run)
       : object_(object), journal_(journal), run_(run), options_(run.options) {}
 
-  void go() {
+  void execute() {
     try {
       breakObject();
     } catch (const Error& e) {
@@ -74,7 +74,8 @@ class ObjectRun {
     if (!journal_.text().sha256.empty() && journal_.text().sha256 != source.sha256)
       journal_.clear();
     store_.emplace(run_.out, objectFolder(options_.layout, object_), options_.layout,
-                   options_.compression, journal_.files(), journal_.archiveBytes(), mostQueued());
+                   options_.compression, journal_.files(), journal_.archiveBytes(),
+                   maxQueuedBytes());
     if (journal_.text().sha256.empty()) journal_.begin(source.sha256);
     breakAll(source);
     journal_.finish(store_->finish());
@@ -93,7 +94,7 @@ class ObjectRun {
       return readMesh(object_.file, {.maxMemory = options_.maxMemory}, &progress_);
     VolumeOptions options;
     options.maxMemory = options_.maxMemory;
-    options.ownVoxels = false;  // objects of one library are broken at one resolution
+    options.ownVoxels = false;  // all objects of a library have one resolution
     return std::move(readVolume(object_.file, options, &progress_).source);
   }
 
@@ -102,7 +103,7 @@ class ObjectRun {
     FractureOptions base = optionsFor(options_.fracture, options_.write);
     base.pieces = options_.schedule.most;
     if (base.resolution == kAutoResolution && isVolumeName(object_.file)) {
-      base.resolution = kLeastAutoResolution;  // what voxels hold has no thinner walls
+      base.resolution = kLeastAutoResolution;  // voxels resolve no thinner walls
     }
     requireMemory(source.mesh, base, options_.maxMemory);
     PreparedSolid ready = timed("voxelize", [&] {
@@ -110,7 +111,7 @@ class ObjectRun {
     });
     base.voxelSize = ready.solid.frame.voxelSize;
     memory_ = estimatedMemory(source.mesh, base);
-    if (meshesOnce(ready.solid)) ready.surface = unbrokenSurface(ready.solid);
+    if (keepsIntactSurface(ready.solid)) ready.surface = intactSurface(ready.solid);
     const FractureWriter writer(source, options_.write);
     source_ = &source;
     ready_ = &ready;
@@ -118,17 +119,17 @@ class ObjectRun {
     for (const Json& line : journal_.text().fractures) {
       done_[line.at("fracture")] = line.value("attempt", 0);
     }
-    if (!done_.contains(kWholeName)) breakNot();
+    if (!done_.contains(kWholeName)) writeIntactObject();
     breakPlanned();
     run_.device.freeBuffers();
   }
 
-  // Whether the unbroken solid's surface is to be kept for all fractures: it takes memory.
-  bool meshesOnce(const Solid& solid) const {
-    constexpr std::size_t kMostLeaves = 50'000;
+  // Whether the intact solid's surface is meshed once for all fractures.  It takes memory.
+  bool keepsIntactSurface(const Solid& solid) const {
+    constexpr std::size_t kMaxLeaves = 50'000;
     const SurfaceOptions& surface = options_.fracture.surface;
     return surface.surface == Surface::smooth && surface.interface == Interface::shared &&
-           solid.blocks.count() <= kMostLeaves;
+           solid.blocks.count() <= kMaxLeaves;
   }
 
   NamedObject named(const FractureOptions& options) const {
@@ -136,27 +137,27 @@ class ObjectRun {
             ready_->solid.box.longestSide()};
   }
 
-  // The unbroken object, as a fracture of one fragment.
-  void breakNot() {
+  // Writes the intact object as a fracture of one fragment.
+  void writeIntactObject() {
     const Solid& solid = ready_->solid;
     FractureOptions options = optionsFor(options_.fracture, options_.write);
     options.pieces = 1;
     FractureResult whole;
     whole.solid = solid;
-    whole.parts = ready_->parts.count();
+    whole.components = ready_->components.count();
     whole.labels.fragment.assign(solid.blocks.count() * 512, 0);
     const auto label = [&](const std::vector<std::uint64_t>& mask, std::uint16_t with) {
-      for (std::size_t place = 0; place < whole.labels.fragment.size(); ++place) {
-        if ((mask[place / 64] >> (place % 64)) & 1) whole.labels.fragment[place] = with;
+      for (std::size_t voxel = 0; voxel < whole.labels.fragment.size(); ++voxel) {
+        if ((mask[voxel / 64] >> (voxel % 64)) & 1) whole.labels.fragment[voxel] = with;
       }
     };
     label(solid.blocks.inside, 1);
-    label(solid.blocks.outerBand, 1);
+    label(solid.blocks.exteriorBand, 1);
     whole.fragments = extractFragments(solid, whole.labels, 1, nullptr, options.surface, &progress_,
                                        ready_->surface.get());
-    whole.worn = {0, 0};
-    picture(kWholeName, whole);
-    label(solid.blocks.inside, Labels::kWorn);  // solid, and of no fragment
+    whole.eroded = {0, 0};
+    renderThumbnail(kWholeName, whole);
+    label(solid.blocks.inside, Labels::kEroded);  // inside the solid, but in no fragment
     const NamedFiles names = wholeNames(options_.layout, named(options));
     const auto files = store_->stage(names.prefix);
     if (options_.layout == DatasetLayout::bb) intoUnitBox(whole);
@@ -167,10 +168,10 @@ class ObjectRun {
   }
 
   void breakPlanned() {
-    GrowthAhead growths(*ready_, journal_.text().sha256, done_, run_, progress_);
-    const auto give = [&](tbb::flow_control& control) -> std::shared_ptr<Work> {
+    GrowthAhead growthAhead(*ready_, journal_.text().sha256, done_, run_, progress_);
+    const auto growNext = [&](tbb::flow_control& control) -> std::shared_ptr<Work> {
       auto work = std::make_shared<Work>();
-      work->growth = growths.next();
+      work->growth = growthAhead.next();
       if (work->growth) return work;
       control.stop();
       return nullptr;
@@ -179,26 +180,26 @@ class ObjectRun {
       uncancelled([&] { finishFragments(*work); });
       return work;
     };
-    const auto note = [&](const std::shared_ptr<Work>& work) {
+    const auto record = [&](const std::shared_ptr<Work>& work) {
       keep(*work->files, std::move(work->line));
       run_.fractured(work->fragments);
     };
     using Mode = tbb::filter_mode;
     tbb::parallel_pipeline(
-        onTheirWay(),
-        tbb::make_filter<void, std::shared_ptr<Work>>(Mode::serial_in_order, give) &
+        maxInFlight(),
+        tbb::make_filter<void, std::shared_ptr<Work>>(Mode::serial_in_order, growNext) &
             tbb::make_filter<std::shared_ptr<Work>, std::shared_ptr<Work>>(Mode::parallel, finish) &
-            tbb::make_filter<std::shared_ptr<Work>, void>(Mode::serial_in_order, note));
+            tbb::make_filter<std::shared_ptr<Work>, void>(Mode::serial_in_order, record));
   }
 
-  // Spans a stop of the disk of a second or three; little beside what fractures take.
-  std::size_t mostQueued() const {
+  // Bridges disk stalls of one to three seconds; small beside the memory of fractures.
+  std::size_t maxQueuedBytes() const {
     constexpr std::uint64_t kMost = std::uint64_t{384} << 20;
     return static_cast<std::size_t>(std::min(kMost, options_.maxMemory / 8));
   }
 
-  // One more than there are threads keeps them busy while one is being noted.
-  std::size_t onTheirWay() const {
+  // One more than the threads keeps them busy while a fracture is recorded.
+  std::size_t maxInFlight() const {
     const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
     const std::size_t fit = memory_ > 0 ? options_.maxMemory / memory_ : threads;
     return std::clamp<std::size_t>(fit, 1, threads + 1);
@@ -211,7 +212,7 @@ class ObjectRun {
     const PlannedFracture& planned = growth->planned;
     FractureResult result = extracted(std::move(growth->grown), options, &progress_);
     run_.times.add("extract", secondsSince(begin));
-    picture(planned.name(), result);
+    renderThumbnail(planned.name(), result);
     begin = Clock::now();
     const NamedFiles names =
         fractureNames(options_.layout, named(options), planned, growth->number, result.kept());
@@ -221,7 +222,7 @@ class ObjectRun {
     if (options_.layout == DatasetLayout::bb) intoUnitBox(result);
     writer_->write(*work.files, names.files, options, result, &progress_);
     if (options_.layout == DatasetLayout::bb && options_.write.mesh) {
-      writeFacing(result, "facing/fractured_" + std::to_string(growth->number), *work.files);
+      writeNeighbors(result, "neighbor/fractured_" + std::to_string(growth->number), *work.files);
     }
     if (!names.manifest.empty()) {
       OutputFile(*work.files, names.manifest)
@@ -233,21 +234,21 @@ class ObjectRun {
     run_.times.add("write", secondsSince(begin) - work.files->packing());
   }
 
-  void picture(const std::string& name, const FractureResult& result) const {
-    if (!run_.pictured.contains(name)) return;
+  void renderThumbnail(const std::string& name, const FractureResult& result) const {
+    if (!run_.thumbnails.contains(name)) return;
     const Clock::time_point begin = Clock::now();
-    takePicture(run_.out / pictureName(object_, name),
-                std::span(result.fragments).first(result.kept()), options_.write.up);
+    writeThumbnail(run_.out / thumbnailName(object_, name),
+                   std::span(result.fragments).first(result.kept()), options_.write.up);
     run_.times.add("picture", secondsSince(begin));
   }
 
-  // What each face of the pieces faces, where no loader takes it for a piece.
-  static void writeFacing(const FractureResult& result, const std::string& folder,
-                          StagedFiles& files) {
+  // Writes the neighbor of each face, in a folder that no loader reads as fragments.
+  static void writeNeighbors(const FractureResult& result, const std::string& folder,
+                             StagedFiles& files) {
     for (std::size_t i = 0; i < result.kept(); ++i) {
-      const std::vector<std::uint16_t>& facing = result.fragments[i].facing;
-      NpyArray array{"", "<u2", {facing.size()}, {}};
-      for (const std::uint16_t label : facing) storeLittle(array.bytes, label);
+      const std::vector<std::uint16_t>& neighbor = result.fragments[i].neighbor;
+      NpyArray array{"", "<u2", {neighbor.size()}, {}};
+      for (const std::uint16_t label : neighbor) storeLittle(array.bytes, label);
       OutputFile(files, folder + "/piece_" + std::to_string(i) + ".npy")
           .write(npyHeader(array) + array.bytes);
     }
@@ -260,13 +261,13 @@ class ObjectRun {
     journal_.add(std::move(line));
   }
 
-  // Breaking Bad's objects: the longest side 1, its middle at 0.
+  // Breaking Bad's frame: longest side 1, center of the box at 0.
   void intoUnitBox(FractureResult& result) const {
     const Box box = bounds(source_->mesh);
-    const glm::dvec3 middle = (box.min + box.max) / 2.0;
+    const glm::dvec3 center = (box.min + box.max) / 2.0;
     const double scale = 1.0 / longestSide(box);
     const auto move = [&](TriangleMesh& mesh) {
-      for (glm::dvec3& v : mesh.vertices) v = (v - middle) * scale;
+      for (glm::dvec3& v : mesh.vertices) v = (v - center) * scale;
     };
     for (Fragment& fragment : result.fragments) {
       move(fragment.mesh);
@@ -286,14 +287,14 @@ class ObjectRun {
   const SourceMesh* source_ = nullptr;
   const PreparedSolid* ready_ = nullptr;
   const FractureWriter* writer_ = nullptr;
-  std::map<std::string, int> done_;  // tries of what is there, by name
+  std::map<std::string, int> done_;  // attempt of each finished fracture, by name
   std::uint64_t memory_ = 0;
 };
 
 }  // namespace
 
 void runObject(const LibraryObject& object, Journal& journal, const DatasetRun& run) {
-  ObjectRun(object, journal, run).go();
+  ObjectRun(object, journal, run).execute();
 }
 
 }  // namespace sherd

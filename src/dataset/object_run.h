@@ -1,4 +1,4 @@
-// Breaks one object of a library as often as it is planned.
+// Makes all planned fractures of one object.
 #pragma once
 
 #include <sherd/dataset.h>
@@ -13,7 +13,7 @@
 
 namespace sherd {
 
-/// Seconds by stage, over all threads.
+/// Seconds by stage, summed over all threads.
 class StageSums {
  public:
   void add(const std::string& stage, double seconds) {
@@ -30,7 +30,7 @@ class StageSums {
   std::map<std::string, double> seconds_;
 };
 
-/// What the objects of a run share.
+/// The shared context of a run's objects.
 struct DatasetRun {
   const std::filesystem::path& out;
   const DatasetOptions& options;
@@ -39,12 +39,12 @@ struct DatasetRun {
   std::function<void(std::size_t fragments)> fractured;  ///< after each fracture, in order
   std::function<void(const std::string&)> warning;
   StageSums& times;
-  std::set<std::string> pictured{};  ///< fractures whose pictures are taken, by name
+  std::set<std::string> thumbnails{};  ///< names of fractures that get a thumbnail
 };
 
-/// Break an object, and note what is done.  What the journal has already is left alone.
-///   throws  Error(input) the object cannot be broken; Error(cancelled) on request, or after
-///           options.objectTimeout; Error(output)
+/// Makes the fractures of an object that its journal does not have yet, and records each in it.
+///   throws  Error(input) the object cannot be broken, or options.objectTimeout has passed;
+///           Error(cancelled); Error(output)
 void runObject(const LibraryObject& object, Journal& journal, const DatasetRun& run);
 
 }  // namespace sherd

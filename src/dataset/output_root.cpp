@@ -1,4 +1,4 @@
-// The folder that a dataset goes into.
+// The output folder of a dataset.
 #include "dataset/output_root.h"
 
 #include <fcntl.h>
@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A path with all links resolved, as far as it is there.
+// A path with all links resolved, as far as it exists.
 fs::path resolved(const fs::path& path) {
   const fs::path whole = fs::absolute(path.has_filename() ? path : path.parent_path());
   std::error_code failed;
@@ -38,7 +38,7 @@ bool isTemporary(const fs::directory_entry& entry) {
          entry.symlink_status(none).type() == fs::file_type::regular;
 }
 
-// Those in a folder, no link followed.  What cannot be looked at, or removed, stays.
+// Follows no link.  Files that cannot be read or removed stay.
 template <class Iterator>
 void removeTemporaries(const fs::path& folder) {
   std::error_code failed;
@@ -67,7 +67,7 @@ void requireApart(const fs::path& library, const std::vector<LibraryObject>& obj
   }
 }
 
-void requireOwnPlaces(const fs::path& out, const DatasetPlan& plan) {
+void requireNoLinks(const fs::path& out, const DatasetPlan& plan) {
   for (const LibraryObject& object : plan.objects) {
     requireOwnFile(out, journalName(object));
     const std::string folder = objectFolder(plan.layout, object);

@@ -1,4 +1,4 @@
-// The folder that a dataset goes into.
+// The output folder of a dataset.
 #pragma once
 
 #include <sherd/dataset.h>
@@ -11,27 +11,29 @@
 
 namespace sherd {
 
-/// What is written must not be taken for an object by the next run, and no object overwritten.
-///   throws  Error(usage) one lies within the other
+/// Requires that neither folder lies within the other: the next run must not read outputs as
+/// objects, and no object may be overwritten.
+///   throws  Error(usage)
 void requireApart(const std::filesystem::path& library, const std::vector<LibraryObject>& objects,
                   const std::filesystem::path& out);
 
-/// Before the first object is broken, and not when its turn comes: see that no link leads from the
-/// places of the objects to elsewhere.
+/// Requires, before the first object is broken, that no symbolic link leads from the folders of
+/// objects to elsewhere.
 ///   throws  Error(output)
-void requireOwnPlaces(const std::filesystem::path& out, const DatasetPlan& plan);
+void requireNoLinks(const std::filesystem::path& out, const DatasetPlan& plan);
 
-/// Held by every process that writes into a dataset's folder, shards among them.  One that finds
-/// itself alone removes the temporary files that killed runs left beside the dataset's own files;
-/// those below an object's folder go when the object is made.  On a file system that cannot lock
-/// folders (NFS) they stay.
+/// Held by every process that writes into a dataset's folder, shards included.  A process that
+/// holds it alone removes the temporary files that killed runs left beside the dataset's own files;
+/// those below an object's folder are removed when the object is broken.  On a file system that
+/// cannot lock folders (NFS) they stay.
 class OutputLock {
  public:
-  /// Take it alone, or else wait until it can be shared.
-  ///   out  is there
+  /// Locks exclusively, or else waits for a shared lock.
+  ///   out  an existing folder
   explicit OutputLock(const std::filesystem::path& out);
 
-  /// This is a dataset's folder: remove what is left, if alone, and let others in.
+  /// Removes leftover temporaries if the lock is exclusive, then shares it.  Call it once the
+  /// folder is known to be a dataset's.
   void share();
 
  private:

@@ -1,4 +1,4 @@
-// A journal's bytes as values: anybody may have written it, and disks fail.
+// Parses journals.  The bytes are untrusted: anybody may have written them, and disks fail.
 #include <sherd/error.h>
 #include <sherd/seeds.h>
 
@@ -18,7 +18,7 @@ constexpr int kMostRepeats = 1 << 30;
 
 void requireSum(const std::string& sum) {
   const bool good = sum.size() == 64 && sum.find_first_not_of("0123456789abcdef") == sum.npos;
-  if (!good) damaged("'" + sum + "' is no SHA-256");
+  if (!good) fields::damaged("'" + sum + "' is not a SHA-256");
 }
 
 using Names = std::set<std::string>;
@@ -26,12 +26,13 @@ using Names = std::set<std::string>;
 // The names of a line's files.
 Names namesOf(const Json& line) {
   Names names;
-  for (const Json& file : list(line, "files")) {
+  for (const Json& file : fields::list(line, "files")) {
     const bool good = file.is_array() && file.size() == 3 && file[0].is_string() &&
                       file[1].is_number_unsigned() && file[2].is_string();
-    if (!good) damaged("\"files\" has an entry that is not [name, bytes, SHA-256]");
+    if (!good) fields::damaged("\"files\" has an entry that is not [name, bytes, SHA-256]");
     const std::string name = file[0];
-    if (!isBelowFolder(name)) damaged("lists '" + name + "', which leaves the dataset's folder");
+    if (!isBelowFolder(name))
+      fields::damaged("lists '" + name + "', which leaves the dataset's folder");
     requireSum(file[2]);
     names.insert(name);
   }
@@ -40,73 +41,77 @@ Names namesOf(const Json& line) {
 
 void requireListed(const Json& names, const Names& files) {
   for (const Json& name : names) {
-    if (!name.is_string()) damaged("a file's name is not text");
-    if (!files.contains(name)) damaged("'" + name.get<std::string>() + "' is none of its files");
+    if (!name.is_string()) fields::damaged("a file's name is not text");
+    if (!files.contains(name))
+      fields::damaged("'" + name.get<std::string>() + "' is not in its list of files");
   }
 }
 
 void checkPose(const Json& pose) {
-  for (const char* key : {"turn", "centre", "truth_turn", "truth_shift"}) {
-    const Json& numbers = list(pose, key);
-    const std::size_t wanted = std::string_view(key).ends_with("turn") ? 4 : 3;
-    const bool good = numbers.size() == wanted &&
+  for (const char* key : {"turn", "center", "truth_turn", "truth_shift"}) {
+    const Json& numbers = fields::list(pose, key);
+    const std::size_t expected = std::string_view(key).ends_with("turn") ? 4 : 3;
+    const bool good = numbers.size() == expected &&
                       std::all_of(numbers.begin(), numbers.end(),
                                   [](const Json& number) { return number.is_number(); });
-    if (!good) damaged(std::string("\"") + key + "\" is not so many numbers");
+    if (!good)
+      fields::damaged(std::string("\"") + key + "\" is not a list of " + std::to_string(expected) +
+                      " numbers");
   }
 }
 
 void checkFragment(const Json& fragment, const Names& files) {
-  if (!fragment.is_object()) damaged("a fragment is not an object");
-  (void)count(fragment, "id", 1, kMaxFragments);
-  for (const char* key : {"voxels", "vertices", "faces"}) (void)count(fragment, key);
-  for (const char* key : {"share", "volume"}) requireNumber(fragment, key);
-  for (const Json& contact : list(fragment, "contacts")) {
+  if (!fragment.is_object()) fields::damaged("a fragment is not an object");
+  (void)fields::count(fragment, "id", 1, kMaxFragments);
+  for (const char* key : {"voxels", "vertices", "faces"}) (void)fields::count(fragment, key);
+  for (const char* key : {"share", "volume"}) fields::requireNumber(fragment, key);
+  for (const Json& contact : fields::list(fragment, "contacts")) {
     const bool good = contact.is_array() && contact.size() == 2 &&
                       contact[0].is_number_unsigned() && contact[1].is_number();
-    if (!good) damaged("\"contacts\" has an entry that is not [fragment, area]");
+    if (!good) fields::damaged("\"contacts\" has an entry that is not [fragment, area]");
   }
   if (fragment.contains("withheld")) {
-    (void)field(fragment, "withheld", &Json::is_boolean, "true or false");
+    (void)fields::get(fragment, "withheld", &Json::is_boolean, "true or false");
   }
-  if (fragment.contains("pose")) checkPose(field(fragment, "pose", &Json::is_object, "an object"));
-  requireListed(list(fragment, "files"), files);
+  if (fragment.contains("pose"))
+    checkPose(fields::get(fragment, "pose", &Json::is_object, "an object"));
+  requireListed(fields::list(fragment, "files"), files);
 }
 
 void checkFracture(const Json& line) {
-  const PlannedFracture planned{static_cast<int>(count(line, "pieces", 0, kMaxFragments)),
-                                static_cast<int>(count(line, "repeat", 0, kMostRepeats))};
-  const std::string name = text(line, "fracture");
+  const PlannedFracture planned{static_cast<int>(fields::count(line, "pieces", 0, kMaxFragments)),
+                                static_cast<int>(fields::count(line, "repeat", 0, kMostRepeats))};
+  const std::string name = fields::text(line, "fracture");
   if (name != kWholeName && name != planned.name()) {
-    damaged("\"fracture\" is '" + name + "', by its pieces and repeat it is '" + planned.name() +
-            "'");
+    fields::damaged("\"fracture\" is '" + name + "', its pieces and repeat make it '" +
+                    planned.name() + "'");
   }
-  (void)count(line, "attempt", 0, kMostRepeats);
-  (void)count(line, "seed");
-  (void)count(line, "archive");
+  (void)fields::count(line, "attempt", 0, kMostRepeats);
+  (void)fields::count(line, "seed");
+  (void)fields::count(line, "archive");
   for (const auto& [option, value] :
-       field(line, "options", &Json::is_object, "an object").items()) {
-    if (!value.is_string()) damaged("option " + option + " is not text");
+       fields::get(line, "options", &Json::is_object, "an object").items()) {
+    if (!value.is_string()) fields::damaged("option " + option + " is not text");
   }
   const Names files = namesOf(line);
-  requireListed(list(line, "labels"), files);
-  for (const Json& fragment : list(line, "fragments")) checkFragment(fragment, files);
+  requireListed(fields::list(line, "labels"), files);
+  for (const Json& fragment : fields::list(line, "fragments")) checkFragment(fragment, files);
 }
 
-// Add what a line tells.
+// Adds a line to the journal.
 void addLine(Json line, JournalText& journal) {
-  if (!line.is_object()) damaged("is not an object");
-  if (journal.done || journal.failed) damaged("comes after the journal's last line");
+  if (!line.is_object()) fields::damaged("is not an object");
+  if (journal.done || journal.failed) fields::damaged("comes after the journal's last line");
   const bool isBegun = !journal.sha256.empty();
   if (line.contains("object")) {
-    if (isBegun) damaged("begins the object again");
-    (void)text(line, "object");
-    journal.sha256 = text(line, "sha256");
+    if (isBegun) fields::damaged("begins the object again");
+    (void)fields::text(line, "object");
+    journal.sha256 = fields::text(line, "sha256");
     requireSum(journal.sha256);
   } else if (line.contains("failed")) {
-    journal.failed = text(line, "failed");
+    journal.failed = fields::text(line, "failed");
   } else if (!isBegun) {
-    damaged("comes before the object's own line");
+    fields::damaged("comes before the object's own line");
   } else if (line.contains("fracture")) {
     checkFracture(line);
     journal.fractures.push_back(std::move(line));
@@ -114,8 +119,21 @@ void addLine(Json line, JournalText& journal) {
     (void)namesOf(line);
     journal.done = true;
   } else {
-    damaged("tells of nothing that a journal has");
+    fields::damaged("is not a line of a journal");
   }
+}
+
+// Version 0.1 wrote "centre".
+Json withCurrentKeys(Json line) {
+  if (!line.is_object() || !line.contains("fragments")) return line;
+  for (Json& fragment : line["fragments"]) {
+    if (!fragment.is_object() || !fragment.contains("pose")) continue;
+    Json& pose = fragment["pose"];
+    if (!pose.is_object() || !pose.contains("centre")) continue;
+    pose["center"] = pose["centre"];
+    pose.erase("centre");
+  }
+  return line;
 }
 
 }  // namespace
@@ -126,14 +144,14 @@ JournalText parsedJournal(std::string_view bytes, const std::string& name) {
   for (;;) {
     const std::string_view rest = bytes.substr(journal.bytes);
     const std::size_t end = rest.find('\n');
-    if (end == rest.npos) return journal;  // a line without its end is cut off
+    if (end == rest.npos) return journal;  // an incomplete line
     ++number;
     try {
-      addLine(parsedOrderedJson(rest.substr(0, end)), journal);
+      addLine(withCurrentKeys(parsedOrderedJson(rest.substr(0, end))), journal);
     } catch (const Error& e) {
       throw Error(ErrorCode::input, name + ":" + std::to_string(number) +
                                         ": is damaged: " + e.what() +
-                                        "; remove the file, and --resume breaks its object anew");
+                                        "; remove the file, and --resume breaks its object again");
     }
     journal.bytes += end + 1;
   }

@@ -1,4 +1,4 @@
-// dataset.json, written and read.
+// Writes and reads dataset.json.
 #include "dataset/plan.h"
 
 #include <sherd/error.h>
@@ -28,16 +28,16 @@ constexpr std::uint64_t kLargestShare = 1'000'000;
 DatasetLayout layoutOf(const std::string& name) {
   const auto* const found =
       std::find(std::begin(names::kDatasetLayout), std::end(names::kDatasetLayout), name);
-  if (found == std::end(names::kDatasetLayout)) damaged("has a layout that is not known");
+  if (found == std::end(names::kDatasetLayout)) fields::damaged("has an unknown layout");
   return static_cast<DatasetLayout>(found - std::begin(names::kDatasetLayout));
 }
 
 std::array<int, 3> splitOf(const Json& shares) {
   std::array<int, 3> split{};
-  if (shares.size() != split.size()) damaged("\"split\" is not three shares");
+  if (shares.size() != split.size()) fields::damaged("\"split\" is not a list of three shares");
   std::transform(shares.begin(), shares.end(), split.begin(), [](const Json& share) {
     if (!share.is_number_unsigned() || share > kLargestShare) {
-      damaged("\"split\" is out of range: " + share.dump());
+      fields::damaged("\"split\" is out of range: " + share.dump());
     }
     return share.get<int>();
   });
@@ -45,22 +45,25 @@ std::array<int, 3> splitOf(const Json& shares) {
 }
 
 LibraryObject objectOf(const Json& json) {
-  if (!json.is_object()) damaged("an object of the library is not an object");
-  LibraryObject object{text(json, "key"), text(json, "folder"), {}, count(json, "bytes")};
+  if (!json.is_object()) fields::damaged("an entry of \"objects\" is not an object");
+  LibraryObject object{
+      fields::text(json, "key"), fields::text(json, "folder"), {}, fields::count(json, "bytes")};
   if (!isBelowFolder(object.folder)) {
-    damaged("puts an object into '" + object.folder + "', which leaves the dataset's folder");
+    fields::damaged("puts an object into '" + object.folder +
+                    "', which leaves the dataset's folder");
   }
   return object;
 }
 
 DatasetPlan planOf(const Json& json) {
-  if (!json.is_object() || text(json, "schema") != kSchema) damaged("is of another schema");
-  DatasetPlan plan{.text = text(json, "options"),
+  if (!json.is_object() || fields::text(json, "schema") != kSchema)
+    fields::damaged("is of another schema");
+  DatasetPlan plan{.text = fields::text(json, "options"),
                    .objects = {},
-                   .layout = layoutOf(text(json, "layout")),
-                   .split = splitOf(list(json, "split")),
-                   .seed = count(json, "seed")};
-  for (const Json& object : list(json, "objects")) plan.objects.push_back(objectOf(object));
+                   .layout = layoutOf(fields::text(json, "layout")),
+                   .split = splitOf(fields::list(json, "split")),
+                   .seed = fields::count(json, "seed")};
+  for (const Json& object : fields::list(json, "objects")) plan.objects.push_back(objectOf(object));
   return plan;
 }
 

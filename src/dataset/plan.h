@@ -1,4 +1,4 @@
-// dataset.json: what a run keeps of itself below its folder, so that others can go on.
+// dataset.json: the plan of a run, which other runs read to resume it.
 #pragma once
 
 #include <sherd/dataset.h>
@@ -14,21 +14,23 @@ namespace sherd {
 
 struct DatasetPlan {
   std::string text;                    ///< DatasetOptions::plan
-  std::vector<LibraryObject> objects;  ///< of all shards
+  std::vector<LibraryObject> objects;  ///< those of all shards
   DatasetLayout layout = DatasetLayout::sherd;
   std::array<int, 3> split{};
   std::uint64_t seed = 0;
 };
 
+/// Writes OUT/dataset.json.
 ///   throws  Error(output)
 void writePlan(const std::filesystem::path& out, const DatasetPlan& plan);
 
-///   throws  Error(input) with the file's name: it is no dataset, or as parsedPlan
+/// Reads OUT/dataset.json.
+///   throws  Error(input) with the file's name: not a dataset, or an error of parsedPlan
 [[nodiscard]] DatasetPlan readPlan(const std::filesystem::path& out);
 
-/// The text of such a file.  Objects have no `file`.
-///   throws  Error(input) without the file's name: it is no JSON, of another schema, a field is
-///           missing, of another kind or out of range, a folder leaves the dataset's
+/// Parses the text of such a file.  Objects have no `file`.
+///   throws  Error(input) without the file's name: not JSON, of another schema; a field is missing,
+///           of another kind or out of range; a folder lies outside the dataset's
 [[nodiscard]] DatasetPlan parsedPlan(std::string_view text);
 
 /// Whether a folder is a dataset.

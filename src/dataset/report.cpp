@@ -1,4 +1,4 @@
-// The report's page.
+// OUT/report.html.
 #include "dataset/report.h"
 
 #include <sherd/version.h>
@@ -13,8 +13,8 @@
 #include "chart/charts.h"
 #include "chart/svg.h"
 #include "dataset/object_folder.h"
-#include "dataset/pictures.h"
 #include "dataset/run_record.h"
+#include "dataset/thumbnails.h"
 
 namespace sherd {
 namespace {
@@ -60,45 +60,47 @@ std::string section(const std::string& title, const std::string& body) {
   return "<h2>" + title + "</h2>\n" + body + "\n";
 }
 
-double mean(const DatasetFigures& figures, std::vector<float> PieceFigures::*values) {
+// The mean over all fragments.
+double mean(const DatasetStatistics& statistics, std::vector<float> FragmentStatistics::*values) {
   double sum = 0.0;
-  for (const auto& [pieces, own] : figures.byPieces) {
+  for (const auto& [pieces, own] : statistics.byPieces) {
     for (const float value : own.*values) sum += static_cast<double>(value);
   }
-  return sum / static_cast<double>(std::max<std::size_t>(figures.fragments, 1));
+  return sum / static_cast<double>(std::max<std::size_t>(statistics.fragments, 1));
 }
 
 // The rows of the paper's Table 3.
-std::string table3(const DatasetFigures& figures, const std::vector<RunFigures>& runs) {
-  const auto files = [](const FileFigures& kind) {
+std::string table3(const DatasetStatistics& statistics, const std::vector<RunStatistics>& runs) {
+  const auto files = [](const FileStatistics& kind) {
     return formatted("%zu (%s)", kind.files, bytesText(static_cast<double>(kind.bytes)).c_str());
   };
   double seconds = 0.0;
-  for (const RunFigures& run : runs) seconds += run.seconds;
+  for (const RunStatistics& run : runs) seconds += run.seconds;
   std::string text = "<table id=\"table3\">\n";
-  text += row({"Voxel files", files(figures.voxels)});
-  text += row({"Triangle mesh files", files(figures.meshes)});
-  text += row({"Point cloud files", files(figures.points)});
-  text += row({"Models", std::to_string(figures.objects)});
-  text += row({"Fractures", std::to_string(figures.fractures)});
-  text += row({"Fragments", std::to_string(figures.fragments)});
+  text += row({"Voxel files", files(statistics.voxels)});
+  text += row({"Triangle mesh files", files(statistics.meshes)});
+  text += row({"Point cloud files", files(statistics.points)});
+  text += row({"Models", std::to_string(statistics.objects)});
+  text += row({"Fractures", std::to_string(statistics.fractures)});
+  text += row({"Fragments", std::to_string(statistics.fragments)});
   text += row({"Response time", secondsText(seconds)});
-  text += row({"Fragments / s", formatted("%.2f", static_cast<double>(figures.fragments) /
+  text += row({"Fragments / s", formatted("%.2f", static_cast<double>(statistics.fragments) /
                                                       std::max(seconds, 1e-9))});
-  text += row({"Average vertices", formatted("%.0f", mean(figures, &PieceFigures::vertices))});
-  text += row({"Average faces", formatted("%.0f", mean(figures, &PieceFigures::faces))});
+  text +=
+      row({"Average vertices", formatted("%.0f", mean(statistics, &FragmentStatistics::vertices))});
+  text += row({"Average faces", formatted("%.0f", mean(statistics, &FragmentStatistics::faces))});
   return text + "</table>";
 }
 
-// A row for each number of pieces; for ranges of them where there are many.
-std::vector<HistogramRow> rowsOf(const DatasetFigures& figures,
-                                 std::vector<float> PieceFigures::*values) {
+// One row per number of pieces, or per range of it where there are more than kMostRows.
+std::vector<HistogramRow> rowsOf(const DatasetStatistics& statistics,
+                                 std::vector<float> FragmentStatistics::*values) {
   constexpr std::size_t kMostRows = 12;
-  const std::size_t each = (figures.byPieces.size() + kMostRows - 1) / kMostRows;
+  const std::size_t each = (statistics.byPieces.size() + kMostRows - 1) / kMostRows;
   std::vector<HistogramRow> rows;
   std::size_t i = 0;
   int first = 0;
-  for (const auto& [pieces, own] : figures.byPieces) {
+  for (const auto& [pieces, own] : statistics.byPieces) {
     if (i++ % each == 0) {
       rows.emplace_back();
       first = pieces;
@@ -111,30 +113,30 @@ std::vector<HistogramRow> rowsOf(const DatasetFigures& figures,
   return rows;
 }
 
-std::string histogramOf(const DatasetFigures& figures, std::vector<float> PieceFigures::*values,
-                        HistogramOptions options) {
+std::string histogramOf(const DatasetStatistics& statistics,
+                        std::vector<float> FragmentStatistics::*values, HistogramOptions options) {
   options.high = 0.0;
-  for (const auto& [pieces, own] : figures.byPieces) {
+  for (const auto& [pieces, own] : statistics.byPieces) {
     for (const float value : own.*values) {
       options.high = std::max(options.high, static_cast<double>(value));
     }
   }
   options.high = std::max(options.high * 1.0001, 1e-6);
-  return chart::histograms(rowsOf(figures, values), options);
+  return chart::histograms(rowsOf(statistics, values), options);
 }
 
-std::string histogramsText(const DatasetFigures& figures) {
-  std::string text = "<p>Rows: how many pieces a fracture has.</p>\n<div class=\"charts\">";
-  text += histogramOf(figures, &PieceFigures::faces,
+std::string histogramsText(const DatasetStatistics& statistics) {
+  std::string text = "<p>Rows: the number of pieces of a fracture.</p>\n<div class=\"charts\">";
+  text += histogramOf(statistics, &FragmentStatistics::faces,
                       {.title = "Faces of fragments", .label = countText});
-  text += histogramOf(figures, &PieceFigures::vertices,
+  text += histogramOf(statistics, &FragmentStatistics::vertices,
                       {.title = "Vertices of fragments", .label = countText});
   text += histogramOf(
-      figures, &PieceFigures::share,
+      statistics, &FragmentStatistics::share,
       {.title = "Share of the object's volume", .lines = {0.025, 0.1}, .label = percentText});
   text += "</div>\n<table>\n" +
           row({"Pieces", "Fractures", "Fragments", "below 2.5 %", "below 10 %"}, "th");
-  for (const auto& [pieces, own] : figures.byPieces) {
+  for (const auto& [pieces, own] : statistics.byPieces) {
     const auto below = [&share = own.share](float least) {
       const auto count =
           std::count_if(share.begin(), share.end(), [&](float s) { return s < least; });
@@ -147,18 +149,18 @@ std::string histogramsText(const DatasetFigures& figures) {
   return text + "</table>";
 }
 
-std::string runsText(const std::vector<RunFigures>& runs) {
-  constexpr std::size_t kMostRuns = 8;  // more would be shards of a cluster, all much the same
+std::string runsText(const std::vector<RunStatistics>& runs) {
+  constexpr std::size_t kMostRuns = 8;  // more are shards of a cluster, which are much alike
   std::string text;
   for (std::size_t i = 0; i < std::min(runs.size(), kMostRuns); ++i) {
-    const RunFigures& run = runs[i];
+    const RunStatistics& run = runs[i];
     text += "<h3>" + escapedXml(run.name + ", " + secondsText(run.seconds) + ", " + run.device) +
             "</h3>\n<div class=\"charts\">";
     text += chart::bars({run.stages.begin(), run.stages.end()}, "Stages, over all threads",
                         secondsText);
-    text += chart::timeLine(run.at, run.cores, "Busy cores", countText);
-    text += chart::timeLine(run.at, run.memory, "Memory", bytesText);
-    text += chart::timeLine(run.at, run.deviceMemory, "Memory of the device", bytesText);
+    text += chart::timeLine(run.sampleSeconds, run.cores, "Busy cores", countText);
+    text += chart::timeLine(run.sampleSeconds, run.memory, "Memory", bytesText);
+    text += chart::timeLine(run.sampleSeconds, run.deviceMemory, "Memory of the device", bytesText);
     text += "</div>\n";
   }
   if (runs.size() > kMostRuns) {
@@ -167,44 +169,45 @@ std::string runsText(const std::vector<RunFigures>& runs) {
   return text;
 }
 
-std::string storageText(const DatasetFigures& figures) {
+std::string storageText(const DatasetStatistics& statistics) {
   std::vector<std::pair<std::string, double>> bytes;
-  for (const auto& [name, files] : figures.byFormat) {
+  for (const auto& [name, files] : statistics.byFormat) {
     bytes.emplace_back(name, static_cast<double>(files.bytes));
   }
   std::string text = "<div class=\"charts\">" + chart::bars(bytes, "Bytes", bytesText) + "</div>\n";
   text += "<table>\n" + row({"Format", "Files", "Bytes"}, "th");
-  for (const auto& [name, files] : figures.byFormat) {
+  for (const auto& [name, files] : statistics.byFormat) {
     text += row({name, std::to_string(files.files), std::to_string(files.bytes)});
   }
   return text + "</table>";
 }
 
-std::string failuresText(const DatasetFigures& figures) {
+std::string failuresText(const DatasetStatistics& statistics) {
   constexpr std::size_t kMost = 500;
-  if (figures.failures.empty()) return "<p>None.</p>";
+  if (statistics.failures.empty()) return "<p>None.</p>";
   std::string text = "<table id=\"failures\">\n" + row({"Object", "Reason"}, "th");
-  for (std::size_t i = 0; i < std::min(figures.failures.size(), kMost); ++i) {
-    text += row({figures.failures[i].first, figures.failures[i].second});
+  for (std::size_t i = 0; i < std::min(statistics.failures.size(), kMost); ++i) {
+    text += row({statistics.failures[i].first, statistics.failures[i].second});
   }
   text += "</table>";
-  if (figures.failures.size() > kMost) {
-    text += "<p>And " + std::to_string(figures.failures.size() - kMost) +
+  if (statistics.failures.size() > kMost) {
+    text += "<p>And " + std::to_string(statistics.failures.size() - kMost) +
             " more, see failures.jsonl.</p>";
   }
   return text;
 }
 
-std::string pictureText(const fs::path& file, const std::string& caption) {
-  return formatted("<figure><img width=\"%d\" height=\"%d\" alt=\"", kPictureSide, kPictureSide) +
+std::string figureText(const fs::path& file, const std::string& caption) {
+  return formatted("<figure><img width=\"%d\" height=\"%d\" alt=\"", kThumbnailSide,
+                   kThumbnailSide) +
          escapedXml(caption) + "\" src=\"data:image/png;base64," + base64(readFileBytes(file)) +
          "\"><figcaption>" + escapedXml(caption) + "</figcaption></figure>\n";
 }
 
-std::string contactSheet(const DatasetFigures& figures) {
+std::string contactSheet(const DatasetStatistics& statistics) {
   std::string text = "<div class=\"sheet\">\n";
-  for (const Pictured& picture : figures.pictures) {
-    text += pictureText(picture.file, picture.caption);
+  for (const Thumbnail& image : statistics.thumbnails) {
+    text += figureText(image.file, image.caption);
   }
   return text + "</div>";
 }
@@ -221,8 +224,8 @@ constexpr const char* kStyle =
 
 }  // namespace
 
-void writeReport(const fs::path& out, const DatasetFigures& figures) {
-  const std::vector<RunFigures> runs = readRuns(out);
+void writeReport(const fs::path& out, const DatasetStatistics& statistics) {
+  const std::vector<RunStatistics> runs = readRuns(out);
   const std::string name = fs::absolute(out).lexically_normal().filename().string();
   const std::string title = name.empty() ? "Dataset" : name;
   std::string page =
@@ -230,14 +233,14 @@ void writeReport(const fs::path& out, const DatasetFigures& figures) {
       escapedXml(title) + "</title>\n<style>" + kStyle + "</style>\n</head>\n<body>\n";
   page += "<h1>" + escapedXml(title) + "</h1>\n";
   page += formatted("<p>%zu fragments of %zu fractures of %zu objects; %zu failed. sherd %s.</p>\n",
-                    figures.fragments, figures.fractures, figures.objects, figures.failures.size(),
-                    SHERD_VERSION);
-  page += section("Objects and fractures", contactSheet(figures));
-  page += section("Details", table3(figures, runs));
-  page += section("Fragments", histogramsText(figures));
+                    statistics.fragments, statistics.fractures, statistics.objects,
+                    statistics.failures.size(), SHERD_VERSION);
+  page += section("Objects and fractures", contactSheet(statistics));
+  page += section("Details", table3(statistics, runs));
+  page += section("Fragments", histogramsText(statistics));
   page += section("Time and resources", runsText(runs));
-  page += section("Storage", storageText(figures));
-  page += section("Failures", failuresText(figures));
+  page += section("Storage", storageText(statistics));
+  page += section("Failures", failuresText(statistics));
   writeWhole(out / kReportName, page + "</body>\n</html>\n");
 }
 

@@ -1,4 +1,4 @@
-// What a run takes of the machine, second by second.
+// Samples the resources of a run every second.
 #include "dataset/resources.h"
 
 #include <sys/resource.h>

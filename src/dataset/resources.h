@@ -1,4 +1,4 @@
-// What a run takes of the machine, second by second.
+// Samples the resources of a run every second.
 #pragma once
 
 #include <sherd/device.h>
@@ -14,12 +14,12 @@ namespace sherd {
 
 struct ResourceSample {
   double seconds = 0.0;            ///< since the beginning
-  double cores = 0.0;              ///< busy since the sample before
+  double cores = 0.0;              ///< mean number of busy ones since the previous sample
   std::uint64_t memory = 0;        ///< resident bytes
   std::uint64_t deviceMemory = 0;  ///< bytes in device buffers
 };
 
-/// Samples this process once a second, from a thread of its own, as long as it lives.
+/// Samples this process once a second in a background thread.
 class ResourceSampler {
  public:
   explicit ResourceSampler(const Device& device);
@@ -27,7 +27,7 @@ class ResourceSampler {
   ResourceSampler(const ResourceSampler&) = delete;
   ResourceSampler& operator=(const ResourceSampler&) = delete;
 
-  /// Take a last sample, and give all away.
+  /// Takes a last sample, stops, and returns all; empty on a second call.
   [[nodiscard]] std::vector<ResourceSample> finish();
 
  private:
@@ -43,7 +43,7 @@ class ResourceSampler {
   std::thread thread_;
 };
 
-/// The most memory that this process ever had, resident bytes.
+/// Returns the peak resident memory of this process, bytes.
 [[nodiscard]] std::uint64_t peakMemory();
 
 }  // namespace sherd

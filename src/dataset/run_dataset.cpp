@@ -1,4 +1,4 @@
-// A whole library.
+// Breaks a whole library.
 #include <sherd/dataset.h>
 #include <sherd/error.h>
 
@@ -14,10 +14,10 @@
 #include "dataset/object_folder.h"
 #include "dataset/object_run.h"
 #include "dataset/output_root.h"
-#include "dataset/pictures.h"
 #include "dataset/report.h"
 #include "dataset/resources.h"
 #include "dataset/run_record.h"
+#include "dataset/thumbnails.h"
 
 namespace sherd {
 namespace {
@@ -43,7 +43,7 @@ void check(const DatasetOptions& options) {
        "a split is three shares, such as 80/10/10");
 }
 
-// Whether there is anything but files that are being written.
+// Whether the folder contains anything but temporary files.
 bool holdsOthers(const fs::path& folder) {
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     if (!entry.path().filename().string().starts_with(".sherd-")) return true;
@@ -58,7 +58,7 @@ void makeFolder(const fs::path& out) {
   throw Error(ErrorCode::output, out.string() + ": cannot be made: " + reasonOf(failed.value()));
 }
 
-// The folder, ready for this run.
+// Prepares the folder for this run.
 void prepareFolder(const fs::path& out, const DatasetPlan& plan, bool resume) {
   if (hasPlan(out)) {
     const DatasetPlan before = readPlan(out);
@@ -67,12 +67,12 @@ void prepareFolder(const fs::path& out, const DatasetPlan& plan, bool resume) {
     };
     if (before.text != plan.text || before.layout != plan.layout) {
       throw Error(ErrorCode::usage, out.string() +
-                                        ": holds a dataset of other options, told in its "
-                                        "dataset.json; repeat them or name another folder");
+                                        ": contains a dataset of other options, see its "
+                                        "dataset.json; use the same options or another folder");
     }
     if (!resume) {
       throw Error(ErrorCode::usage,
-                  out.string() + ": holds such a dataset already; go on with --resume");
+                  out.string() + ": contains this dataset already; continue it with --resume");
     }
     if (!std::equal(before.objects.begin(), before.objects.end(), plan.objects.begin(),
                     plan.objects.end(), same)) {
@@ -81,10 +81,10 @@ void prepareFolder(const fs::path& out, const DatasetPlan& plan, bool resume) {
     return;
   }
   const bool isOthers = holdsOthers(out);
-  // Another shard may have written its plan, which is the same, in the meantime.
+  // Another shard may have written the same plan in the meantime.
   if (isOthers && !hasPlan(out)) {
     throw Error(ErrorCode::output,
-                out.string() + ": is not empty and no dataset; name an absent or empty folder");
+                out.string() + ": is not empty and no dataset; use an absent or empty folder");
   }
   writePlan(out, plan);
 }
@@ -92,29 +92,29 @@ void prepareFolder(const fs::path& out, const DatasetPlan& plan, bool resume) {
 class LibraryRun {
  public:
   LibraryRun(const fs::path& out, const DatasetPlan& plan, const DatasetOptions& options,
-             Device& device, const DatasetWatch& watch)
-      : out_(out), plan_(plan), options_(options), device_(device), watch_(watch) {}
+             Device& device, const DatasetCallbacks& callbacks)
+      : out_(out), plan_(plan), options_(options), device_(device), callbacks_(callbacks) {}
 
-  void go(const std::vector<LibraryObject>& objects) {
+  void execute(const std::vector<LibraryObject>& objects) {
     const std::size_t each = fracturesOf(options_.schedule).size();
-    told_.ofObjects = objects.size();
-    told_.ofFractures = each * objects.size();
+    progress_.ofObjects = objects.size();
+    progress_.ofFractures = each * objects.size();
     for (const LibraryObject& object : objects) {
-      told_.object = object.key;
+      progress_.object = object.key;
       Journal journal(out_, object);
       if (journal.text().done || journal.text().failed) {
-        told_.ofFractures -= each;
+        progress_.ofFractures -= each;
       } else {
         const std::size_t already = journal.text().fractures.size();
-        told_.ofFractures -= std::min(each, already > 0 ? already - 1 : 0);
+        progress_.ofFractures -= std::min(each, already > 0 ? already - 1 : 0);
         breakOne(object, journal, each);
       }
-      ++told_.objects;
-      tell();
+      ++progress_.objects;
+      reportProgress();
     }
   }
 
-  [[nodiscard]] const DatasetProgress& told() const { return told_; }
+  [[nodiscard]] const DatasetProgress& progress() const { return progress_; }
 
   [[nodiscard]] std::vector<StageTime> times() const {
     std::vector<StageTime> all;
@@ -127,27 +127,27 @@ class LibraryRun {
     const auto found = std::lower_bound(
         plan_.objects.begin(), plan_.objects.end(), object,
         [](const LibraryObject& a, const LibraryObject& b) { return a.key < b.key; });
-    const std::set<std::string> pictured =
-        picturedOf(options_.schedule, static_cast<std::size_t>(found - plan_.objects.begin()),
-                   plan_.objects.size());
+    const std::set<std::string> thumbnails = thumbnailFractures(
+        options_.schedule, static_cast<std::size_t>(found - plan_.objects.begin()),
+        plan_.objects.size());
     const DatasetRun run{out_,
                          options_,
                          device_,
-                         [this] { return watch_.cancelled && watch_.cancelled(); },
+                         [this] { return callbacks_.cancelled && callbacks_.cancelled(); },
                          [this](std::size_t fragments) {
-                           ++told_.fractures;
-                           told_.fragments += fragments;
-                           tell();
+                           ++progress_.fractures;
+                           progress_.fragments += fragments;
+                           reportProgress();
                          },
                          [this](const std::string& warning) {
-                           if (watch_.warning) watch_.warning(warning);
+                           if (callbacks_.warning) callbacks_.warning(warning);
                          },
                          sums_,
-                         pictured};
+                         thumbnails};
     try {
       runObject(object, journal, run);
     } catch (const Error& e) {
-      // What is wrong with one object, or with its options, is not the end.
+      // An error of one object, or of its options, does not end the run.
       if (e.code() != ErrorCode::input && e.code() != ErrorCode::usage) throw;
       fail(object, journal, e.what(), each);
     } catch (const std::bad_alloc&) {
@@ -162,30 +162,30 @@ class LibraryRun {
         .discard();
     device_.freeBuffers();
     journal.fail(reason);
-    told_.ofFractures -= std::min(each, told_.ofFractures);
-    if (watch_.failed) watch_.failed(object.key, reason);
+    progress_.ofFractures -= std::min(each, progress_.ofFractures);
+    if (callbacks_.failed) callbacks_.failed(object.key, reason);
   }
 
-  void tell() {
-    told_.seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
-    if (watch_.progress) watch_.progress(told_);
+  void reportProgress() {
+    progress_.seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
+    if (callbacks_.progress) callbacks_.progress(progress_);
   }
 
   const fs::path& out_;
   const DatasetPlan& plan_;
   const DatasetOptions& options_;
   Device& device_;
-  const DatasetWatch& watch_;
+  const DatasetCallbacks& callbacks_;
   Clock::time_point begin_ = Clock::now();
   StageSums sums_;
-  DatasetProgress told_;
+  DatasetProgress progress_;
 };
 
 }  // namespace
 
 DatasetSummary runDataset(const fs::path& library, const fs::path& out,
                           const DatasetOptions& options, Device& device,
-                          const DatasetWatch& watch) {
+                          const DatasetCallbacks& callbacks) {
   check(options);
   checkWriteOptions(options.write, options.fracture);
   std::vector<std::string> warnings;
@@ -196,41 +196,41 @@ DatasetSummary runDataset(const fs::path& library, const fs::path& out,
   for (std::string& renamed : renameReserved(plan.layout, plan.objects)) {
     warnings.push_back(std::move(renamed));
   }
-  requireOwnPlaces(out, plan);
+  requireNoLinks(out, plan);
   makeFolder(out);
   OutputLock lock(out);
   prepareFolder(out, plan, options.resume);
   lock.share();
   for (const std::string& warning : warnings) {
-    if (watch.warning) watch.warning(warning);
+    if (callbacks.warning) callbacks.warning(warning);
   }
   ResourceSampler resources(device);
-  LibraryRun run(out, plan, options, device, watch);
+  LibraryRun run(out, plan, options, device, callbacks);
   const auto record = [&](const DatasetSummary& summary) {
-    addRun(out, options, device.info(), run.told(), summary, run.times(), resources.finish());
+    addRun(out, options, device.info(), run.progress(), summary, run.times(), resources.finish());
   };
   DatasetIndex index;
   DatasetSummary& summary = index.summary;
   try {
-    run.go(shardOf(plan.objects, options.shard));
+    run.execute(shardOf(plan.objects, options.shard));
     if (options.shard.of == 1) {
-      index = writeIndex(out, plan, watch.cancelled);
+      index = writeIndex(out, plan, callbacks.cancelled);
     } else {
-      const DatasetProgress& told = run.told();
-      summary.objects = told.objects;
-      summary.fractures = told.fractures;
-      summary.fragments = told.fragments;
+      const DatasetProgress& progress = run.progress();
+      summary.objects = progress.objects;
+      summary.fractures = progress.fractures;
+      summary.fragments = progress.fragments;
       summary.complete = false;
     }
   } catch (const Error&) {
     try {
       record({});
-    } catch (const Error&) {  // the first one tells more
+    } catch (const Error&) {  // report the first error
     }
     throw;
   }
   record(summary);
-  if (options.shard.of == 1) writeReport(out, index.figures);
+  if (options.shard.of == 1) writeReport(out, index.statistics);
   summary.times = run.times();
   summary.skipped = skipped;
   return summary;
@@ -254,7 +254,7 @@ DatasetSummary mergeDataset(const fs::path& out, const std::function<bool()>& ca
                                       "; run their shards again with --resume");
   }
   const DatasetIndex index = writeIndex(out, plan, cancelled);
-  writeReport(out, index.figures);
+  writeReport(out, index.statistics);
   return index.summary;
 }
 

@@ -1,4 +1,4 @@
-// run.json: what a run did, how long it took, and what it took of the machine.
+// run.json: the work, time and resources of runs.
 #include "dataset/run_record.h"
 
 #include <sherd/version.h>
@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// The runs of a record below the dataset's folder; none where the file is not ours.
+// The runs in a file below the dataset's folder; empty if the file is not a run record.
 Json runsIn(const std::filesystem::path& out, const std::string& name) {
   if (!isOwnFile(out, name)) return Json::array();
   std::ifstream in(out / name);
@@ -24,14 +24,14 @@ Json runsIn(const std::filesystem::path& out, const std::string& name) {
   return json["runs"];
 }
 
-RunFigures runOf(const Json& json, const std::string& name) {
-  RunFigures run;
+RunStatistics runOf(const Json& json, const std::string& name) {
+  RunStatistics run;
   run.name = name;
   run.seconds = json.at("seconds");
   run.device = json.at("device").at("name");
   for (const auto& [stage, seconds] : json.at("stages").items()) run.stages[stage] = seconds;
   const Json& samples = json.at("samples");
-  run.at = samples.at("seconds").get<std::vector<double>>();
+  run.sampleSeconds = samples.at("seconds").get<std::vector<double>>();
   run.cores = samples.at("cores").get<std::vector<double>>();
   run.memory = samples.at("memory").get<std::vector<double>>();
   run.deviceMemory = samples.at("device_memory").get<std::vector<double>>();
@@ -55,8 +55,9 @@ Json columns(const std::vector<ResourceSample>& samples) {
 }  // namespace
 
 void addRun(const std::filesystem::path& out, const DatasetOptions& options,
-            const DeviceInfo& device, const DatasetProgress& told, const DatasetSummary& summary,
-            const std::vector<StageTime>& stages, const std::vector<ResourceSample>& samples) {
+            const DeviceInfo& device, const DatasetProgress& progress,
+            const DatasetSummary& summary, const std::vector<StageTime>& stages,
+            const std::vector<ResourceSample>& samples) {
   const std::string name = options.shard.of == 1
                                ? "run.json"
                                : "run_" + std::to_string(options.shard.number) + "_of_" +
@@ -70,10 +71,10 @@ void addRun(const std::filesystem::path& out, const DatasetOptions& options,
   Json runs = runsIn(out, name);
   runs.push_back({{"version", SHERD_VERSION},
                   {"device", {{"platform", device.platform}, {"name", device.name}}},
-                  {"seconds", told.seconds},
-                  {"objects", told.objects},
-                  {"fractures", told.fractures},
-                  {"fragments", told.fragments},
+                  {"seconds", progress.seconds},
+                  {"objects", progress.objects},
+                  {"fractures", progress.fractures},
+                  {"fragments", progress.fragments},
                   {"stages", std::move(seconds)},
                   {"bytes", std::move(bytes)},
                   {"peak_memory", peak},
@@ -82,14 +83,14 @@ void addRun(const std::filesystem::path& out, const DatasetOptions& options,
   writeWhole(out / name, json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
-std::vector<RunFigures> readRuns(const std::filesystem::path& out) {
+std::vector<RunStatistics> readRuns(const std::filesystem::path& out) {
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(out)) {
     const std::string name = entry.path().filename().string();
     if (name.starts_with("run") && entry.path().extension() == ".json") files.push_back(entry);
   }
   std::sort(files.begin(), files.end());
-  std::vector<RunFigures> runs;
+  std::vector<RunStatistics> runs;
   for (const std::filesystem::path& file : files) {
     std::string name = file.stem().string();
     std::replace(name.begin(), name.end(), '_', ' ');

@@ -1,4 +1,4 @@
-// run.json: what a run did, how long it took, and what it took of the machine.
+// run.json: the work, time and resources of runs.
 #pragma once
 
 #include <sherd/dataset.h>
@@ -12,24 +12,26 @@
 
 namespace sherd {
 
-/// Add a run to run.json; of shard i/N to run_i_of_N.json.
-///   told     what it did by itself, beside what was there before
-///   summary  of all there is; empty where it ended too early
-///   throws   Error(output)
+/// Appends a run to run.json, or to run_i_of_N.json for shard i/N.
+///   progress  the work of this run alone
+///   summary   of the whole dataset; empty after an error
+///   throws    Error(output)
 void addRun(const std::filesystem::path& out, const DatasetOptions& options,
-            const DeviceInfo& device, const DatasetProgress& told, const DatasetSummary& summary,
-            const std::vector<StageTime>& stages, const std::vector<ResourceSample>& samples);
+            const DeviceInfo& device, const DatasetProgress& progress,
+            const DatasetSummary& summary, const std::vector<StageTime>& stages,
+            const std::vector<ResourceSample>& samples);
 
-/// A run as its record tells it.
-struct RunFigures {
+/// A recorded run.
+struct RunStatistics {
   std::string name;  ///< "run", "run 2 of 4"
   double seconds = 0.0;
   std::string device;
-  std::map<std::string, double> stages;                 ///< seconds
-  std::vector<double> at, cores, memory, deviceMemory;  ///< by sample; seconds, bytes
+  std::map<std::string, double> stages;             ///< seconds
+  std::vector<double> sampleSeconds;                ///< [samples] since the beginning
+  std::vector<double> cores, memory, deviceMemory;  ///< [samples] busy cores, bytes, bytes
 };
 
-/// All runs that have left a record, of run.json first.  A record that is damaged is left out.
-[[nodiscard]] std::vector<RunFigures> readRuns(const std::filesystem::path& out);
+/// Returns all recorded runs, those of run.json first.  Skips damaged records.
+[[nodiscard]] std::vector<RunStatistics> readRuns(const std::filesystem::path& out);
 
 }  // namespace sherd

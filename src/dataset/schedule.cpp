@@ -1,4 +1,4 @@
-// Which fractures an object gets, and their seeds.
+// The fractures of an object and their seeds.
 #include <sherd/dataset.h>
 
 #include <charconv>
@@ -30,11 +30,11 @@ std::uint64_t fractureSeed(std::uint64_t runSeed, const std::string& sha256,
   std::uint64_t content = 0;
   std::from_chars(sha256.data(), sha256.data() + std::min<std::size_t>(16, sha256.size()), content,
                   16);
-  const auto which = static_cast<std::uint64_t>(fracture.pieces) << 40 |
-                     static_cast<std::uint64_t>(fracture.repeat) << 16 |
-                     static_cast<std::uint64_t>(attempt);
+  const auto item = static_cast<std::uint64_t>(fracture.pieces) << 40 |
+                    static_cast<std::uint64_t>(fracture.repeat) << 16 |
+                    static_cast<std::uint64_t>(attempt);
   return randomBits(randomBits(runSeed, Stage::datasetObject, content), Stage::datasetFracture,
-                    which);
+                    item);
 }
 
 }  // namespace sherd

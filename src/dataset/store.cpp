@@ -1,4 +1,4 @@
-// Where the files of an object go.
+// Storage of an object's files.
 #include "dataset/store.h"
 
 #include <fcntl.h>
@@ -46,7 +46,7 @@ std::string allOf(const Content& content) {
 }
 
 void makeFolder(const fs::path& folder) {
-  const Uncut whole;  // a forecast's folder may just be removed
+  const Uncut whole;  // a signal may remove a forecast's folder concurrently
   std::error_code failed;
   fs::create_directories(folder, failed);
   if (failed) cannot(folder, "made", failed.value());
@@ -54,7 +54,7 @@ void makeFolder(const fs::path& folder) {
 
 }  // namespace
 
-// ---- Files on their way
+// ---- Staged files
 
 StagedFiles::StagedFiles(fs::path root, std::string prefix, FileCompression compression,
                          FileQueue* queue)
@@ -67,7 +67,7 @@ StagedFiles::~StagedFiles() { waitForAll(); }
 
 void StagedFiles::waitForAll() {
   std::unique_lock lock(mutex_);
-  written_.wait(lock, [this] { return onTheirWay_ == 0; });
+  written_.wait(lock, [this] { return pending_ == 0; });
 }
 
 double StagedFiles::packing() const {
@@ -118,12 +118,12 @@ FileRecord StagedFiles::toDisk(const std::string& name, const Content& content) 
     const std::lock_guard lock(mutex_);
     if (problem && !problem_) problem_ = std::move(problem);
     writing_ += seconds;
-    --onTheirWay_;
-    written_.notify_all();  // under the lock: this may end as soon as it is let go
+    --pending_;
+    written_.notify_all();  // under the lock: *this may be destroyed once it is released
   };
   {
     const std::lock_guard lock(mutex_);
-    ++onTheirWay_;
+    ++pending_;
   }
   try {
     queue_->add(path, std::move(file), done);
@@ -163,14 +163,14 @@ void StagedFiles::take(const std::string& name, const Content& content) {
 
 class ObjectStore::Archive {
  public:
-  Archive(fs::path place, std::uint64_t kept)
-      : final_(place.string() + kArchive), file_(place.string() + kUnfinished) {
+  Archive(const fs::path& path, std::uint64_t kept)
+      : final_(path.string() + kArchive), file_(path.string() + kUnfinished) {
     makeFolder(file_.parent_path());
-    // It may have been finished, and the journal not.
+    // The archive may be finished although the journal is not.
     if (kept > 0 && !fs::exists(file_)) ::rename(final_.c_str(), file_.c_str());
     descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
     if (descriptor_ < 0) cannot(file_, "written", errno);
-    noteKept(kept);
+    readKept(kept);
     if (::ftruncate(descriptor_, static_cast<off_t>(kept)) != 0 ||
         ::lseek(descriptor_, 0, SEEK_END) < 0) {
       cannot(file_, "written", errno);
@@ -207,8 +207,8 @@ class ObjectStore::Archive {
     }
   }
 
-  // The local headers of what is kept tell all that the directory needs.
-  void noteKept(std::uint64_t kept) {
+  // Restores the directory from the local headers of kept entries.
+  void readKept(std::uint64_t kept) {
     constexpr std::size_t kLocal = 30;
     while (zip_.offset() < kept) {
       std::string head = read(kLocal, zip_.offset());
@@ -225,7 +225,7 @@ class ObjectStore::Archive {
         file.size = loadLittle<std::uint64_t>(rest.data() + name + 4);
         packedBytes = loadLittle<std::uint64_t>(rest.data() + name + 12);
       }
-      if (packedBytes > kept - zip_.offset()) damaged();  // nor may the sum of both overflow
+      if (packedBytes > kept - zip_.offset()) damaged();  // and the sum of both must not overflow
       zip_.note(file, packedBytes);
     }
     if (zip_.offset() != kept) damaged();
@@ -245,8 +245,8 @@ class ObjectStore::Archive {
 
   [[noreturn]] void damaged() const {
     throw Error(ErrorCode::output, file_.string() +
-                                       ": is not what the journal says; take it and the "
-                                       "object's journal away");
+                                       ": does not match the object's journal; remove "
+                                       "both");
   }
 
   fs::path final_, file_;
@@ -258,7 +258,7 @@ class ObjectStore::Archive {
 
 namespace {
 
-// Links below the folder are removed themselves; the folder is none, see requireOwnSubfolder.
+// Removes links, not their targets; the folder itself is no link, see requireOwnSubfolder.
 void removeAllBut(const fs::path& folder, const std::set<fs::path>& kept) try {
   if (!fs::exists(folder)) return;
   std::vector<fs::path> folders;
@@ -271,7 +271,7 @@ void removeAllBut(const fs::path& folder, const std::set<fs::path>& kept) try {
   }
   folders.push_back(folder);
   std::sort(folders.begin(), folders.end(), std::greater<>());   // deeper ones first
-  for (const fs::path& empty : folders) ::rmdir(empty.c_str());  // fails where it is not
+  for (const fs::path& empty : folders) ::rmdir(empty.c_str());  // fails if it is not empty
 } catch (const fs::filesystem_error& e) {
   cannot(e.path1(), "removed", e.code().value());
 }
@@ -280,19 +280,19 @@ void removeAllBut(const fs::path& folder, const std::set<fs::path>& kept) try {
 
 ObjectStore::ObjectStore(fs::path root, std::string folder, DatasetLayout layout,
                          FileCompression compression, const std::vector<FileRecord>& kept,
-                         std::uint64_t archive, std::size_t mostQueued)
+                         std::uint64_t archive, std::size_t maxQueuedBytes)
     : root_(std::move(root)), folder_(std::move(folder)), compression_(compression) {
   if (layout == DatasetLayout::packed) {
     requireOwnFile(root_, folder_ + kArchive);
     requireOwnFile(root_, folder_ + kUnfinished);
-    archive_ = std::make_unique<Archive>(place(), archive);
+    archive_ = std::make_unique<Archive>(path(), archive);
     return;
   }
   requireOwnSubfolder(root_, folder_ + "/file");
-  queue_ = std::make_unique<FileQueue>(mostQueued);
+  queue_ = std::make_unique<FileQueue>(maxQueuedBytes);
   std::set<fs::path> names;
   for (const FileRecord& record : kept) names.insert(root_ / record.name);
-  removeAllBut(place(), names);
+  removeAllBut(path(), names);
 }
 
 ObjectStore::~ObjectStore() = default;
@@ -327,7 +327,7 @@ void ObjectStore::discard() {
   if (archive_) {
     archive_->discard();
   } else {
-    removeAllBut(place(), {});
+    removeAllBut(path(), {});
   }
 }
 

@@ -1,4 +1,4 @@
-// Where the files of an object go: each to the disk by itself, or all into one archive.
+// Storage of an object's files: loose files, or one archive.
 #pragma once
 
 #include <sherd/dataset.h>
@@ -18,32 +18,32 @@
 
 namespace sherd {
 
-/// A file that was written.
+/// A written file.
 struct FileRecord {
-  std::string name;  ///< below the dataset's folder, or in the archive; with what packs it: ".zip"
+  std::string name;  ///< below the dataset's folder or in the archive, with its suffix: ".zip"
   std::uint64_t bytes = 0;
-  std::string sha256;  ///< of the file as it lies there; in an archive, of what it unpacks to
+  std::string sha256;  ///< of the stored file; in an archive, of the unpacked file
 };
 
-/// The files of one fracture on their way.  Any thread may hand them over.
+/// The files of one fracture while they are packed and written.  take() is thread-safe.
 class StagedFiles : public FileSink {
  public:
-  ///   root     the dataset's folder; empty: into an archive
-  ///   prefix   before every name
-  ///   queue    writes them, unless they go into an archive
+  ///   root     the dataset's folder; empty for an archive
+  ///   prefix   of every name
+  ///   queue    writes loose files; null for an archive
   StagedFiles(std::filesystem::path root, std::string prefix, FileCompression compression,
               FileQueue* queue);
   ~StagedFiles() override;
 
   void take(const std::string& name, const Content& content) override;
 
-  /// What a file is called once it is packed.
+  /// Returns the name of the packed file.
   [[nodiscard]] std::string stored(const std::string& name) const;
 
-  /// Seconds that whoever handed them over spent on packing them.
+  /// Seconds that callers of take() spent on packing.
   [[nodiscard]] double packing() const;
 
-  /// Seconds that were spent on writing them, all told once they are kept.
+  /// Seconds that were spent on writing; complete once the files are kept.
   [[nodiscard]] double writing() const;
 
  private:
@@ -59,51 +59,51 @@ class StagedFiles : public FileSink {
   FileQueue* queue_;
   mutable std::mutex mutex_;
   std::condition_variable written_;
-  std::size_t onTheirWay_ = 0;
-  std::exception_ptr problem_;  // the first
+  std::size_t pending_ = 0;
+  std::exception_ptr problem_;  // the first one
   std::vector<FileRecord> records_;
   std::vector<PackedFile> packed_;
   double packing_ = 0.0, writing_ = 0.0;
 };
 
-/// Keeps the files of an object.  What is not kept, and is below the object's folder, is from a run
-/// that ended too early, and goes.
+/// Stores the files of an object.  Other files below the object's folder are leftovers of an
+/// interrupted run and are removed.
 class ObjectStore {
  public:
-  ///   root    the dataset's folder, which is there
-  ///   folder  the object's, below it
-  ///   kept    what an earlier run has kept
-  ///   archive  bytes of the archive that are kept
-  ///   mostQueued  bytes of loose files that may wait for the disk
-  ///   throws  Error(output) a symbolic link on the way to the folder or the archive, all else
+  ///   root            the dataset's folder, which exists
+  ///   folder          the object's, below it
+  ///   kept            files of an earlier run to keep
+  ///   archive         bytes of the archive to keep
+  ///   maxQueuedBytes  of loose files that wait for the disk
+  ///   throws  Error(output), also for a symbolic link on the path of the folder or the archive
   ObjectStore(std::filesystem::path root, std::string folder, DatasetLayout layout,
               FileCompression compression, const std::vector<FileRecord>& kept,
-              std::uint64_t archive, std::size_t mostQueued = 0);
+              std::uint64_t archive, std::size_t maxQueuedBytes = 0);
   ~ObjectStore();
   ObjectStore(const ObjectStore&) = delete;
   ObjectStore& operator=(const ObjectStore&) = delete;
 
-  /// Files to be taken, under names below the object's folder.
+  /// Returns a sink for files under names below the object's folder.
   [[nodiscard]] std::unique_ptr<StagedFiles> stage(const std::string& prefix) const;
 
-  /// Keep them once they are written, in the order in which this is called.
+  /// Waits until the files are written and appends them to the archive, in the order of the calls.
   ///   return  [files] ascending by name
   ///   throws  Error(output)
   std::vector<FileRecord> keep(StagedFiles& files);
 
-  /// Bytes of the archive so far; 0 where there is none.
+  /// Bytes of the archive so far; 0 for loose files.
   [[nodiscard]] std::uint64_t archiveBytes() const;
 
-  /// Nothing follows.
-  ///   return  the archive, where there is one
+  /// Ends the archive.
+  ///   return  the archive; empty for loose files
   std::vector<FileRecord> finish();
 
-  /// Take away all there is of the object.
+  /// Removes all files of the object.
   void discard();
 
  private:
   class Archive;
-  [[nodiscard]] std::filesystem::path place() const { return root_ / folder_; }
+  [[nodiscard]] std::filesystem::path path() const { return root_ / folder_; }
 
   std::filesystem::path root_;
   std::string folder_;

@@ -1,4 +1,4 @@
-// A finished dataset, read again.
+// Verifies a finished dataset.
 #include <sherd/dataset.h>
 #include <sherd/error.h>
 #include <sherd/voxel_files.h>
@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The files of an object by name, unpacked.
+/// Reads the files of an object, loose or from its archive.
 class StoredFiles {
  public:
   StoredFiles(const fs::path& out, const std::string& archive) : out_(out) {
@@ -34,12 +34,12 @@ class StoredFiles {
     isArchive_ = true;
   }
 
-  /// As it lies there; of an archive, unpacked.
+  /// Returns the stored bytes; of an archive's entry, the unpacked ones.
   [[nodiscard]] std::string bytes(const std::string& name) const {
     if (!isArchive_) return read(name);
     const auto found = entries_.find(name);
     if (found == entries_.end()) {
-      throw Error(ErrorCode::input, name + ": is not in the archive");
+      throw Error(ErrorCode::input, name + ": is missing from the archive");
     }
     return unpacked(found->second, name);
   }
@@ -63,17 +63,19 @@ class StoredFiles {
   std::map<std::string, ZipEntry> entries_;
 };
 
-// What .zip and .zst hold; anything else as it is.
+// Unpacks .zip and .zst; returns other bytes unchanged.
 std::string contentOf(const std::string& name, std::string bytes) {
   if (name.ends_with(".zip")) {
     const std::vector<ZipEntry> entries = zipEntries(bytes, name);
-    if (entries.size() != 1) throw Error(ErrorCode::input, name + ": holds not one file");
+    if (entries.size() != 1)
+      throw Error(ErrorCode::input,
+                  name + ": contains " + std::to_string(entries.size()) + " files, expected 1");
     return StoredFiles::unpacked(entries.front(), name);
   }
   if (name.ends_with(".zst")) {
     const unsigned long long size = ZSTD_getFrameContentSize(bytes.data(), bytes.size());
     if (size == ZSTD_CONTENTSIZE_ERROR || size == ZSTD_CONTENTSIZE_UNKNOWN) {
-      throw Error(ErrorCode::input, name + ": is no zstd file");
+      throw Error(ErrorCode::input, name + ": is not a zstd file of known size");
     }
     std::string out(size, '\0');
     const std::size_t made = ZSTD_decompress(out.data(), out.size(), bytes.data(), bytes.size());
@@ -95,7 +97,7 @@ fs::path withoutPacking(const std::string& name) {
   throw Error(ErrorCode::input, name + ": " + what);
 }
 
-// Voxels by label are what the journal says.
+// Compares voxel counts by label with the journal.
 void checkLabels(const std::string& name, const std::string& bytes, const Json& line) {
   if (withoutPacking(name).extension() != ".rle") return;
   std::map<std::uint16_t, std::uint64_t> counts;
@@ -110,7 +112,7 @@ void checkLabels(const std::string& name, const std::string& bytes, const Json& 
   }
 }
 
-// The first mesh of a fragment has the vertices and faces that the journal says.
+// Compares the face count of a fragment's mesh with the journal.
 void checkMesh(const std::string& name, std::string bytes, const Json& fragment) {
   const fs::path path = withoutPacking(name);
   const std::string extension = path.extension().string();
@@ -122,14 +124,14 @@ void checkMesh(const std::string& name, std::string bytes, const Json& fragment)
 }
 
 void checkFracture(const StoredFiles& files, const Json& line) {
-  std::map<std::string, const Json*> meshOf;  // the first file of a fragment is its mesh
+  std::map<std::string, const Json*> meshOf;  // a fragment's first file is its mesh
   for (const Json& fragment : line.at("fragments")) {
     if (!fragment.at("files").empty()) meshOf[fragment.at("files").front()] = &fragment;
   }
   for (const FileRecord& record : filesOf(line)) {
     std::string bytes = files.bytes(record.name);
     if (bytes.size() != record.bytes || sha256(bytes) != record.sha256) {
-      differs(record.name, "is not what was written");
+      differs(record.name, "differs from what was written");
     }
     const auto mesh = meshOf.find(record.name);
     const bool isLabels = std::any_of(line.at("labels").begin(), line.at("labels").end(),

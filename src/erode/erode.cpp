@@ -1,5 +1,5 @@
-// Erosion: fragments wear independently of each other, because what is not a fragment's own is
-// either solid or not, whoever's it is and however worn.
+// Erosion.  Fragments erode independently of each other: a voxel outside a fragment counts as
+// filled or empty regardless of the other fragments and their erosion.
 #include <sherd/erode.h>
 #include <sherd/error.h>
 #include <sherd/seeds.h>
@@ -14,7 +14,7 @@
 #include "erode/masks.h"
 #include "erode/shape.h"
 #include "erode/shell.h"
-#include "grow/parts.h"
+#include "grow/solid_components.h"
 
 namespace sherd {
 namespace {
@@ -26,30 +26,29 @@ constexpr std::int64_t kMillion = 1'000'000;
   throw Error(ErrorCode::usage, "erode: " + what);
 }
 
-// Also false for a number that is none.
+// False for NaN.
 bool isShare(double x) { return x > 0 && x <= 1; }
 
 void check(const LeafBlocks& blocks, const Labels& labels, int fragments,
            const ErodeOptions& options) {
   if (options.size < 3 || options.size > 2 * kLargestReach + 1 || options.size % 2 == 0) {
-    refuse("a size of " + std::to_string(options.size) +
-           " was asked for, odd sizes from 3 to 13 are possible");
+    refuse("the size is " + std::to_string(options.size) + "; expected an odd size from 3 to 13");
   }
   if (options.iterations < 0 || options.iterations > kMostIterations) {
-    refuse(std::to_string(options.iterations) + " iterations were asked for, 0 to " +
-           std::to_string(kMostIterations) + " are possible");
+    refuse("the number of iterations is " + std::to_string(options.iterations) +
+           "; expected 0 to " + std::to_string(kMostIterations));
   }
   if (!isShare(options.threshold)) {
     refuse("the threshold is " + std::to_string(options.threshold) +
-           ", it must be above 0 and at most 1");
+           "; it must be above 0 and at most 1");
   }
   if (!isShare(options.probability)) {
     refuse("the probability is " + std::to_string(options.probability) +
-           ", it must be above 0 and at most 1");
+           "; it must be above 0 and at most 1");
   }
   if (fragments < 1 || fragments > kMaxFragments) {
-    refuse("there are " + std::to_string(fragments) + " fragments, 1 to " +
-           std::to_string(kMaxFragments) + " are possible");
+    refuse("the number of fragments is " + std::to_string(fragments) + "; expected 1 to " +
+           std::to_string(kMaxFragments));
   }
   if (labels.fragment.size() != blocks.count() * 512) {
     refuse("there are " + std::to_string(labels.fragment.size()) + " labels for " +
@@ -57,12 +56,12 @@ void check(const LeafBlocks& blocks, const Labels& labels, int fragments,
   }
 }
 
-// The options as integers, so that no test of a voxel rounds.
+// The options as integers, so that the test of a voxel is exact.
 struct Rule {
   std::vector<Shape> shapes;
-  std::vector<int> allowed;  // of each shape: a voxel is worn when more cells than this are empty
+  std::vector<int> allowed;  // [shapes] a voxel is eroded when more cells than this are empty
   int reach = 1;             // voxels
-  std::uint64_t chance = 0;  // out of 2^53 draws, how many test a voxel
+  std::uint64_t chance = 0;  // probability that a voxel is tested, times 2^53
   std::uint64_t seed = 0;
 };
 
@@ -80,8 +79,7 @@ Rule ruleOf(const ErodeOptions& options) {
   return rule;
 }
 
-// A voxel's place in the grid and nothing else decides, so that threads, leaves and other fragments
-// cannot.
+// Depends only on seed, iteration and voxel coordinates, not on threads, leaves or other fragments.
 bool isDrawn(const Rule& rule, int iteration, const openvdb::Coord& voxel) {
   const auto bits = [](int i) { return std::uint64_t{static_cast<std::uint32_t>(i)}; };
   const std::uint64_t item = mixed((bits(iteration) << 32 | bits(voxel.x())) + 1) +
@@ -89,7 +87,7 @@ bool isDrawn(const Rule& rule, int iteration, const openvdb::Coord& voxel) {
   return randomBits(rule.seed, Stage::erosion, item) >> 11 < rule.chance;
 }
 
-// The filled voxels in and round a leaf, a row along z for each x and y:
+// The filled voxels in and around a leaf, a row along z for each x and y:
 //
 //     bit   0 ...... 7  8 ..... 15  16 .... 23
 //     z    -8 ..... -1  0 ...... 7   8 ..... 15
@@ -103,15 +101,15 @@ class Halo {
           const std::uint64_t word = filled[first + k][static_cast<std::size_t>(x & 7)];
           return static_cast<std::uint32_t>((word >> (8 * (y & 7))) & 0xff);
         };
-        rows_[place(x, y)] = byte(0) | byte(1) << 8 | byte(2) << 16;
+        rows_[indexOf(x, y)] = byte(0) | byte(1) << 8 | byte(2) << 16;
       }
     }
   }
 
-  std::uint32_t row(int x, int y) const { return rows_[place(x, y)]; }
+  std::uint32_t row(int x, int y) const { return rows_[indexOf(x, y)]; }
 
-  // The z of row (x, y) where one of the 27 cells round is empty, bit 0 for z = 0.
-  std::uint32_t touching(int x, int y) const {
+  // Returns the z of row (x, y) where one of the 27 neighboring cells is empty, bit 0 for z = 0.
+  std::uint32_t nearEmpty(int x, int y) const {
     std::uint32_t full = ~0u;
     for (int i = x - 1; i <= x + 1; ++i) {
       for (int j = y - 1; j <= y + 1; ++j) full &= row(i, j);
@@ -119,7 +117,8 @@ class Halo {
     return (~(full & full << 1 & full >> 1) >> 8) & 0xff;
   }
 
-  bool misses(const Shape& shape, int allowed, int x, int y, int z) const {
+  // Whether more than `allowed` cells of a shape are empty.
+  bool isErodedBy(const Shape& shape, int allowed, int x, int y, int z) const {
     for (const ShapeRow& cells : shape.rows) {
       const std::uint32_t empty = ~row(x + cells.x, y + cells.y) >> (8 + z - cells.halfLength);
       allowed -= std::popcount(empty & ((2u << (2 * cells.halfLength)) - 1));
@@ -130,68 +129,69 @@ class Halo {
 
  private:
   static constexpr int kSide = 8 + 2 * kLargestReach;
-  static std::size_t place(int x, int y) {
+  static std::size_t indexOf(int x, int y) {
     return static_cast<std::size_t>((x + kLargestReach) * kSide + y + kLargestReach);
   }
 
   std::array<std::uint32_t, std::size_t{kSide} * kSide> rows_;
 };
 
-// Wears the fragments of one solid.
-class Wear {
+// Erodes the fragments of one solid.
+class Eroder {
  public:
-  Wear(const LeafBlocks& blocks, const ErodeOptions& options)
+  Eroder(const LeafBlocks& blocks, const ErodeOptions& options)
       : blocks_(blocks), rule_(ruleOf(options)) {
-    if (options.on == ErodeOn::fracture) round_ = leavesRound(blocks.origins);
+    if (options.on == ErodeOn::fracture) solidNeighbors_ = leafNeighbors(blocks.origins);
   }
 
-  // The voxels that an iteration takes: [n] masks.
-  std::vector<LeafMask> takenFrom(const FragmentMasks& fragment, int iteration) const {
-    std::vector<LeafMask> taken = shellOf(fragment);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, taken.size(), 16), [&](const auto& range) {
-      for (std::size_t i = range.begin(); i < range.end(); ++i) {
-        if (isEmpty(taken[i])) continue;
-        taken[i] = takenFromLeaf(fragment, i, taken[i], iteration);
-      }
-    });
-    return taken;
+  // Returns the voxels that an iteration erodes: [n] masks.
+  std::vector<LeafMask> erodedIn(const FragmentMasks& fragment, int iteration) const {
+    std::vector<LeafMask> eroded = shellOf(fragment);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, eroded.size(), 16),
+                      [&](const auto& range) {
+                        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+                          if (isEmpty(eroded[i])) continue;
+                          eroded[i] = erodedInLeaf(fragment, i, eroded[i], iteration);
+                        }
+                      });
+    return eroded;
   }
 
  private:
-  LeafMask takenFromLeaf(const FragmentMasks& fragment, std::size_t i, const LeafMask& shell,
-                         int iteration) const {
-    const Halo halo(filledRound(fragment, i), rule_.reach);
-    LeafMask taken{};
+  LeafMask erodedInLeaf(const FragmentMasks& fragment, std::size_t i, const LeafMask& shell,
+                        int iteration) const {
+    const Halo halo(filledAround(fragment, i), rule_.reach);
+    LeafMask eroded{};
     for (int x = 0; x < 8; ++x) {
       for (int y = 0; y < 8; ++y) {
         const std::uint64_t row = shell[static_cast<std::size_t>(x)] >> (8 * y);
-        for (std::uint32_t zs = static_cast<std::uint32_t>(row & 0xff) & halo.touching(x, y); zs;
+        for (std::uint32_t zs = static_cast<std::uint32_t>(row & 0xff) & halo.nearEmpty(x, y); zs;
              zs &= zs - 1) {
           const int z = std::countr_zero(zs);
           if (!isDrawn(rule_, iteration, fragment.origins[i] + openvdb::Coord(x, y, z))) continue;
-          if (isWorn(halo, x, y, z)) {
-            taken[static_cast<std::size_t>(x)] |= std::uint64_t{1} << (8 * y + z);
+          if (isEroded(halo, x, y, z)) {
+            eroded[static_cast<std::size_t>(x)] |= std::uint64_t{1} << (8 * y + z);
           }
         }
       }
     }
-    return taken;
+    return eroded;
   }
 
-  bool isWorn(const Halo& halo, int x, int y, int z) const {
+  bool isEroded(const Halo& halo, int x, int y, int z) const {
     for (std::size_t k = 0; k < rule_.shapes.size(); ++k) {
-      if (halo.misses(rule_.shapes[k], rule_.allowed[k], x, y, z)) return true;
+      if (halo.isErodedBy(rule_.shapes[k], rule_.allowed[k], x, y, z)) return true;
     }
     return false;
   }
 
-  std::array<LeafMask, 27> filledRound(const FragmentMasks& fragment, std::size_t i) const {
+  std::array<LeafMask, 27> filledAround(const FragmentMasks& fragment, std::size_t i) const {
     std::array<LeafMask, 27> filled{};
     for (std::size_t k = 0; k < 27; ++k) {
-      const std::uint32_t own = fragment.round[i][k];
-      if (own != LeafBlocks::kNone) filled[k] = fragment.masks[own];
-      if (round_.empty()) continue;
-      const std::uint32_t leaf = round_[fragment.leaf[i]][k];
+      const std::uint32_t neighbor = fragment.neighbors[i][k];
+      if (neighbor != LeafBlocks::kNone) filled[k] = fragment.masks[neighbor];
+      if (solidNeighbors_.empty()) continue;
+      const std::uint32_t leaf = solidNeighbors_[fragment.leaf[i]][k];
       for (std::size_t x = 0; x < 8; ++x) {
         filled[k][x] |= leaf == LeafBlocks::kNone ? ~std::uint64_t{0}
                                                   : ~blocks_.inside[std::size_t{leaf} * 8 + x];
@@ -202,29 +202,27 @@ class Wear {
 
   const LeafBlocks& blocks_;
   Rule rule_;
-  std::vector<LeafRound> round_;  // of the solid's leaves; empty where outside it is not filled
+  // Of the solid's leaves; empty if voxels outside the solid count as empty.
+  std::vector<LeafNeighbors> solidNeighbors_;
 };
 
-bool takesAll(const FragmentMasks& fragment, const std::vector<LeafMask>& taken) {
-  return taken == fragment.masks;
-}
-
-// Make `taken` worn; how many voxels that is.
-std::uint64_t take(FragmentMasks& fragment, const std::vector<LeafMask>& taken, Labels& labels) {
+// Labels voxels of a fragment as eroded; returns their number.
+std::uint64_t markEroded(FragmentMasks& fragment, const std::vector<LeafMask>& eroded,
+                         Labels& labels) {
   std::uint64_t voxels = 0;
-  for (std::size_t i = 0; i < taken.size(); ++i) {
+  for (std::size_t i = 0; i < eroded.size(); ++i) {
     for (std::size_t x = 0; x < 8; ++x) {
-      fragment.masks[i][x] &= ~taken[i][x];
-      for (std::uint64_t bits = taken[i][x]; bits; bits &= bits - 1, ++voxels) {
+      fragment.masks[i][x] &= ~eroded[i][x];
+      for (std::uint64_t bits = eroded[i][x]; bits; bits &= bits - 1, ++voxels) {
         const auto z = static_cast<std::size_t>(std::countr_zero(bits));
-        labels.fragment[std::size_t{fragment.leaf[i]} * 512 + x * 64 + z] = Labels::kWorn;
+        labels.fragment[std::size_t{fragment.leaf[i]} * 512 + x * 64 + z] = Labels::kEroded;
       }
     }
   }
   return voxels;
 }
 
-// A fragment's voxels that are not in the masks [leaf*8] of the blocks.
+// Returns a fragment's voxels that are not in the masks [leaf*8] of the blocks.
 std::vector<LeafMask> without(const FragmentMasks& fragment, std::span<const std::uint64_t> kept) {
   std::vector<LeafMask> rest = fragment.masks;
   for (std::size_t i = 0; i < rest.size(); ++i) {
@@ -238,29 +236,30 @@ std::vector<LeafMask> without(const FragmentMasks& fragment, std::span<const std
 Erosion erode(const LeafBlocks& blocks, const Labels& labels, int fragments,
               const ErodeOptions& options, Device& device, const Progress* progress) {
   check(blocks, labels, fragments, options);
-  step(progress, "erode", 0.0);
+  reportProgress(progress, "erode", 0.0);
   Erosion result{labels, std::vector<std::uint64_t>(static_cast<std::size_t>(fragments) + 1)};
   if (options.iterations == 0) return result;
 
   std::vector<FragmentMasks> masks = fragmentMasks(blocks, labels, fragments);
-  // Fragments share leaves but no voxels, so each writes to places of its own.
-  const auto forEachFragment = [&](const auto& takenFrom) {
+  // Fragments share leaves but no voxels, so they write disjoint labels.  A fragment is never
+  // eroded completely.
+  const auto erodeEach = [&](const auto& erodedOf) {
     tbb::parallel_for(std::size_t{0}, masks.size(), [&](std::size_t i) {
-      const std::vector<LeafMask> taken = takenFrom(masks[i]);
-      if (!takesAll(masks[i], taken)) result.worn[i + 1] += take(masks[i], taken, result.labels);
+      const std::vector<LeafMask> eroded = erodedOf(masks[i]);
+      if (eroded != masks[i].masks)
+        result.eroded[i + 1] += markEroded(masks[i], eroded, result.labels);
     });
   };
-  const Wear wear(blocks, options);
+  const Eroder eroder(blocks, options);
   for (int iteration = 0; iteration < options.iterations; ++iteration) {
-    forEachFragment(
-        [&](const FragmentMasks& fragment) { return wear.takenFrom(fragment, iteration); });
-    step(progress, "erode", static_cast<double>(iteration + 1) / options.iterations);
+    erodeEach([&](const FragmentMasks& fragment) { return eroder.erodedIn(fragment, iteration); });
+    reportProgress(progress, "erode", static_cast<double>(iteration + 1) / options.iterations);
   }
-  if (options.crumbs == Crumbs::worn) {
-    const std::vector<std::uint64_t> largest = largestParts(blocks, result.labels, device);
-    forEachFragment([&](const FragmentMasks& fragment) { return without(fragment, largest); });
+  if (options.islands == Islands::eroded) {
+    const std::vector<std::uint64_t> largest = largestComponents(blocks, result.labels, device);
+    erodeEach([&](const FragmentMasks& fragment) { return without(fragment, largest); });
   }
-  for (std::size_t i = 1; i < result.worn.size(); ++i) result.worn[0] += result.worn[i];
+  for (std::size_t i = 1; i < result.eroded.size(); ++i) result.eroded[0] += result.eroded[i];
   return result;
 }
 

@@ -1,4 +1,4 @@
-// Sorting the voxels of leaf blocks by fragment.
+// The voxels of each fragment as leaf masks.
 #include "erode/masks.h"
 
 #include <sherd/error.h>
@@ -16,8 +16,8 @@ struct Group {
   LeafMask mask{};
 };
 
-// The inside voxels of a leaf by label, ascending.  Sorted, not searched, because a leaf may hold
-// hundreds of labels.
+// Returns the inside voxels of a leaf by label, ascending.  Sorts instead of searching, because a
+// leaf may have hundreds of labels.
 std::vector<Group> groupsOf(std::span<const std::uint64_t, 8> inside,
                             std::span<const std::uint16_t, 512> labels) {
   std::array<std::uint32_t, 512> keys;
@@ -41,9 +41,9 @@ std::vector<Group> groupsOf(std::span<const std::uint64_t, 8> inside,
 }
 
 void checkLabel(std::uint16_t label, int fragments) {
-  if (label <= fragments || label == Labels::kWorn) return;
+  if (label <= fragments || label == Labels::kEroded) return;
   throw Error(ErrorCode::usage, "erode: a voxel has label " + std::to_string(label) +
-                                    ", there are " + std::to_string(fragments) + " fragments");
+                                    "; expected 0 to " + std::to_string(fragments));
 }
 
 }  // namespace
@@ -62,7 +62,7 @@ std::vector<FragmentMasks> fragmentMasks(const LeafBlocks& blocks, const Labels&
   for (std::size_t leaf = 0; leaf < groups.size(); ++leaf) {
     for (const Group& group : groups[leaf]) {
       checkLabel(group.label, fragments);
-      if (group.label == 0 || group.label == Labels::kWorn) continue;
+      if (group.label == 0 || group.label == Labels::kEroded) continue;
       FragmentMasks& fragment = all[group.label - std::size_t{1}];
       fragment.leaf.push_back(static_cast<std::uint32_t>(leaf));
       fragment.origins.push_back(blocks.origins[leaf]);
@@ -71,7 +71,7 @@ std::vector<FragmentMasks> fragmentMasks(const LeafBlocks& blocks, const Labels&
   }
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, all.size()), [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      all[i].round = leavesRound(all[i].origins);
+      all[i].neighbors = leafNeighbors(all[i].origins);
     }
   });
   return all;

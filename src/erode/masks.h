@@ -1,4 +1,4 @@
-// The voxels of each fragment, as masks of the leaves it lies in.
+// The voxels of each fragment as leaf masks.
 #pragma once
 
 #include <sherd/labels.h>
@@ -21,16 +21,16 @@ inline bool isEmpty(const LeafMask& mask) {
   return any == 0;
 }
 
-/// One fragment: the leaves that hold voxels of it.
+/// The voxels of one fragment.
 struct FragmentMasks {
-  std::vector<std::uint32_t> leaf;      ///< [n] leaf of the blocks, ascending
-  std::vector<openvdb::Coord> origins;  ///< [n]
-  std::vector<LeafMask> masks;          ///< [n]
-  std::vector<LeafRound> round;         ///< [n] within the fragment
+  std::vector<std::uint32_t> leaf;       ///< [n] leaf of the blocks, ascending
+  std::vector<openvdb::Coord> origins;   ///< [n]
+  std::vector<LeafMask> masks;           ///< [n]
+  std::vector<LeafNeighbors> neighbors;  ///< [n] indices into these arrays
 };
 
-/// The inside voxels of each fragment: [fragments], of fragment i + 1.
-///   throws  Error(usage) an inside voxel has a label that is neither 0..fragments nor worn
+/// Returns the inside voxels of each fragment: [fragments], index i for fragment i + 1.
+///   throws  Error(usage) an inside voxel has a label that is neither 0..fragments nor kEroded
 [[nodiscard]] std::vector<FragmentMasks> fragmentMasks(const LeafBlocks& blocks,
                                                        const Labels& labels, int fragments);
 

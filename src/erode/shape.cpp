@@ -1,4 +1,4 @@
-// The shapes that erosion tests.
+// The structuring elements of erosion.
 #include "erode/shape.h"
 
 #include <algorithm>
@@ -6,7 +6,7 @@
 namespace sherd {
 namespace {
 
-bool holds(ErodeShape shape, int reach, int x, int y, int z) {
+bool contains(ErodeShape shape, int reach, int x, int y, int z) {
   switch (shape) {
     case ErodeShape::cross:
       return (x != 0) + (y != 0) + (z != 0) <= 1;
@@ -18,22 +18,23 @@ bool holds(ErodeShape shape, int reach, int x, int y, int z) {
   return false;
 }
 
-// reachX, reachY or reachZ is 0 where a section has no extent.
+// reachX, reachY or reachZ is 0 along the normal of a section.
 Shape shapeWithin(ErodeShape shape, int reach, int reachX, int reachY, int reachZ) {
-  Shape made;
+  Shape result;
   for (int x = -reachX; x <= reachX; ++x) {
     for (int y = -reachY; y <= reachY; ++y) {
-      if (!holds(shape, reach, x, y, 0)) continue;
+      if (!contains(shape, reach, x, y, 0)) continue;
       int half = reachZ;
-      while (!holds(shape, reach, x, y, half)) --half;
-      made.rows.push_back({x, y, half});
-      made.cells += 2 * half + 1;
+      while (!contains(shape, reach, x, y, half)) --half;
+      result.rows.push_back({x, y, half});
+      result.cells += 2 * half + 1;
     }
   }
-  std::stable_sort(made.rows.begin(), made.rows.end(), [](const ShapeRow& a, const ShapeRow& b) {
-    return a.x * a.x + a.y * a.y < b.x * b.x + b.y * b.y;
-  });
-  return made;
+  std::stable_sort(result.rows.begin(), result.rows.end(),
+                   [](const ShapeRow& a, const ShapeRow& b) {
+                     return a.x * a.x + a.y * a.y < b.x * b.x + b.y * b.y;
+                   });
+  return result;
 }
 
 }  // namespace

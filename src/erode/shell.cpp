@@ -1,4 +1,4 @@
-// The shell, by OpenVDB's morphology.
+// The outermost layer of a fragment's voxels, by OpenVDB's morphology.
 #include "erode/shell.h"
 
 #include <openvdb/tools/Morphology.h>
@@ -10,11 +10,12 @@
 namespace sherd {
 namespace {
 
-// Nodes of 64 voxels: MaskTree's of 4096 take longer to clear than a small fragment to erode.
+// Nodes 64 voxels wide: clearing those of MaskTree, 4096 wide, takes longer than eroding a small
+// fragment.
 using ShellTree = openvdb::tree::Tree3<openvdb::ValueMask, 3, 3>::Type;
 using ShellLeaf = ShellTree::LeafNodeType;
 
-// Below this many leaves threads cost more than they save.
+// Fewer leaves than this are faster without threads.
 constexpr std::size_t kThreadedLeaves = 256;
 
 }  // namespace

@@ -1,12 +1,12 @@
-// The shell of a fragment.
+// The outermost layer of a fragment's voxels.
 #pragma once
 
 #include "erode/masks.h"
 
 namespace sherd {
 
-/// The voxels of a fragment that have one of their 26 neighbours outside it: [n] masks, the
-/// fragment less tools::erodeActiveValues.
+/// Returns the voxels of a fragment with at least one of their 26 neighbors outside it: [n] masks,
+/// the fragment minus tools::erodeActiveValues.
 ///   throws  Error(internal) OpenVDB failed
 [[nodiscard]] std::vector<LeafMask> shellOf(const FragmentMasks& fragment);
 

@@ -1,4 +1,4 @@
-// Fragments in their places.
+// All fragments in their assembled positions.
 #include "evaluate/assembly.h"
 
 #include <tbb/parallel_for.h>
@@ -28,34 +28,34 @@ Assembly::Assembly(std::span<const FragmentMesh> fragments)
   }
 }
 
-Assembly::Place Assembly::placeOf(const glm::dvec3& point, std::size_t without,
-                                  double rounding) const {
-  Place place;
-  place.distance = std::numeric_limits<double>::infinity();
+Assembly::Location Assembly::locate(const glm::dvec3& point, std::size_t excluded,
+                                    double rounding) const {
+  Location location;
+  location.distance = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < meshes_.size(); ++i) {
-    if (i == without) continue;
+    if (i == excluded) continue;
     const double toBox = distanceTo(meshes_[i]->box(), point);
-    if (toBox > 0.0 && toBox >= place.distance) continue;
-    // One whose box holds the point may hold it however near another one is.
+    if (toBox > 0.0 && toBox >= location.distance) continue;
+    // A fragment whose box contains the point may contain it at any distance.
     const MeshDistance::Nearest found =
-        toBox > 0.0 ? meshes_[i]->nearest(point, place.distance) : meshes_[i]->nearest(point);
+        toBox > 0.0 ? meshes_[i]->nearest(point, location.distance) : meshes_[i]->nearest(point);
     const double distance = found.distance;
-    if (distance < place.distance) {
-      place.distance = distance;
-      place.nearest = i;
-      place.point = found.point;
+    if (distance < location.distance) {
+      location.distance = distance;
+      location.nearest = i;
+      location.closestPoint = found.point;
     }
-    if (toBox == 0.0 && closed_[i] && distance > std::max(rounding, place.depth) &&
+    if (toBox == 0.0 && closed_[i] && distance > std::max(rounding, location.depth) &&
         meshes_[i]->contains(point, distance)) {
-      place.depth = distance;
+      location.depth = distance;
     }
   }
-  return place;
+  return location;
 }
 
-bool Assembly::anyHolds(const glm::dvec3& point, std::size_t without, double rounding) const {
+bool Assembly::anyContains(const glm::dvec3& point, std::size_t excluded, double rounding) const {
   for (std::size_t i = 0; i < meshes_.size(); ++i) {
-    if (i == without || !closed_[i] || distanceTo(meshes_[i]->box(), point) > 0.0) continue;
+    if (i == excluded || !closed_[i] || distanceTo(meshes_[i]->box(), point) > 0.0) continue;
     if (!meshes_[i]->likelyContains(point)) continue;
     const double distance = meshes_[i]->distance(point);
     if (distance > rounding && meshes_[i]->contains(point, distance)) return true;

@@ -1,4 +1,4 @@
-// Fragments in their places, to be asked which is near a point, and which holds it.
+// All fragments in their assembled positions: nearest surface and containment queries.
 #pragma once
 
 #include <sherd/fit.h>
@@ -16,12 +16,13 @@ class Assembly {
  public:
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
-  /// Where a point lies with regard to all fragments but one.
-  struct Place {
-    double distance = 0.0;        ///< to the nearest one's surface; infinite without any
-    std::size_t nearest = kNone;  ///< index
-    glm::dvec3 point{0.0};        ///< the nearest point of its surface
-    double depth = 0.0;  ///< below the surface of one that holds it; the most; 0: none does
+  /// Position of a point relative to all fragments except one.
+  struct Location {
+    double distance = 0.0;         ///< to the nearest surface, world units; infinite without any
+    std::size_t nearest = kNone;   ///< index of the fragment with that surface
+    glm::dvec3 closestPoint{0.0};  ///< on that surface
+    double depth = 0.0;            ///< largest depth below the surface of a fragment that
+                                   ///< contains the point; 0 where none does
   };
 
   ///   fragments  kept by reference
@@ -32,14 +33,16 @@ class Assembly {
   [[nodiscard]] const Box& box() const { return box_; }
   [[nodiscard]] bool closed(std::size_t i) const { return closed_[i]; }
 
-  /// Where a point lies; `rounding` is how near a surface it is on it.
-  [[nodiscard]] Place placeOf(const glm::dvec3& point, std::size_t without, double rounding) const;
+  /// Locates a point.
+  ///   excluded  index of the fragment to ignore, or kNone
+  ///   rounding  world units; a point at most this far from a surface lies on it, not inside
+  [[nodiscard]] Location locate(const glm::dvec3& point, std::size_t excluded,
+                                double rounding) const;
 
-  /// Whether any fragment but one holds the point; open ones hold none.  Points nearer to
-  /// a surface than `rounding` are in none.
-  [[nodiscard]] bool anyHolds(const glm::dvec3& point, std::size_t without, double rounding) const;
+  /// Returns whether any closed fragment except `excluded` contains the point; arguments as above.
+  [[nodiscard]] bool anyContains(const glm::dvec3& point, std::size_t excluded,
+                                 double rounding) const;
 
-  /// A fragment's own mesh.
   [[nodiscard]] const MeshDistance& mesh(std::size_t i) const { return *meshes_[i]; }
 
  private:

@@ -1,4 +1,4 @@
-// How convex a body is.
+// Convexity of a mesh, and the effective number of fragments.
 #include <sherd/error.h>
 #include <sherd/evaluate.h>
 #include <tbb/parallel_for.h>
@@ -20,16 +20,17 @@
 namespace sherd {
 namespace {
 
-constexpr double kPush = 1e-4;             // of the diagonal of all points' box
-constexpr std::size_t kBetweenLooks = 64;  // points: whether to stop
+constexpr double kPush = 1e-4;               // of the diagonal of the points' box
+constexpr std::size_t kCancelInterval = 64;  // points between checks for cancellation
 
 struct SurfacePoint {
   glm::dvec3 position{0.0};
-  glm::dvec3 normal{0.0};  ///< unit, or zero where the normals round it cancel
+  glm::dvec3 normal{0.0};  ///< unit, or zero where the adjacent normals cancel
 };
 
-/// The mesh about the mean of its vertices, its largest absolute coordinate 1.
-TriangleMesh normalised(const TriangleMesh& mesh) {
+/// Returns the mesh moved to the mean of its vertices and scaled to a largest absolute coordinate
+/// of 1.
+TriangleMesh normalized(const TriangleMesh& mesh) {
   TriangleMesh result{mesh.vertices, mesh.triangles};
   const double share = 1.0 / static_cast<double>(mesh.vertices.size());
   glm::dvec3 mean(0.0);
@@ -40,13 +41,13 @@ TriangleMesh normalised(const TriangleMesh& mesh) {
     largest = std::max({largest, std::abs(v.x), std::abs(v.y), std::abs(v.z)});
   }
   if (!(largest > 0.0 && std::isfinite(largest))) {
-    throw Error(ErrorCode::input, "the mesh has no area; a body is needed");
+    throw Error(ErrorCode::input, "the mesh has no area; a closed mesh is needed");
   }
   for (glm::dvec3& v : result.vertices) v /= largest;
   return result;
 }
 
-/// Twice the area of the triangles up to and with each.
+/// Prefix sums of twice the triangles' areas, [triangles].
 std::vector<double> areaSums(const TriangleMesh& mesh) {
   std::vector<double> sums;
   sums.reserve(mesh.triangles.size());
@@ -58,11 +59,11 @@ std::vector<double> areaSums(const TriangleMesh& mesh) {
   return sums;
 }
 
-std::vector<SurfacePoint> drawPoints(const TriangleMesh& mesh, std::size_t count,
-                                     std::uint64_t seed) {
+std::vector<SurfacePoint> sampleSurface(const TriangleMesh& mesh, std::size_t count,
+                                        std::uint64_t seed) {
   const std::vector<double> sums = areaSums(mesh);
   if (!(sums.back() > 0.0)) {
-    throw Error(ErrorCode::input, "the mesh has no area; a body is needed");
+    throw Error(ErrorCode::input, "the mesh has no area; a closed mesh is needed");
   }
   const std::vector<glm::dvec3> normals = vertexNormals(mesh);
   const auto draw = [&](std::size_t item) {  // uniform in [0, 1)
@@ -73,7 +74,7 @@ std::vector<SurfacePoint> drawPoints(const TriangleMesh& mesh, std::size_t count
     const auto at = std::upper_bound(sums.begin(), sums.end(), draw(3 * i) * sums.back());
     const glm::uvec3& t =
         mesh.triangles[std::min(static_cast<std::size_t>(at - sums.begin()), sums.size() - 1)];
-    // The square root makes a uniform point of the triangle out of one of the square.
+    // The square root maps uniform points of the unit square to uniform points of the triangle.
     const double root = std::sqrt(draw(3 * i + 1)), split = draw(3 * i + 2);
     const double x = 1.0 - root, y = root * (1.0 - split), z = root * split;
     points[i] = {x * mesh.vertices[t.x] + y * mesh.vertices[t.y] + z * mesh.vertices[t.z],
@@ -117,10 +118,10 @@ Convexity convexityFrom(std::span<const double> distances) {
 ConvexityRays convexityRays(const TriangleMesh& mesh, std::size_t samples, std::uint64_t seed) {
   if (samples == 0) throw Error(ErrorCode::usage, "convexity: 0 samples, expected at least 1");
   if (mesh.triangles.empty()) {
-    throw Error(ErrorCode::input, "the mesh has no area; a body is needed");
+    throw Error(ErrorCode::input, "the mesh has no area; a closed mesh is needed");
   }
-  ConvexityRays result{normalised(mesh), {}};
-  const std::vector<SurfacePoint> points = drawPoints(result.body, samples, seed);
+  ConvexityRays result{normalized(mesh), {}};
+  const std::vector<SurfacePoint> points = sampleSurface(result.mesh, samples, seed);
   const double push = kPush * boxDiagonal(points);
   for (const SurfacePoint& point : points) {
     if (point.normal == glm::dvec3(0.0)) continue;
@@ -132,13 +133,13 @@ ConvexityRays convexityRays(const TriangleMesh& mesh, std::size_t samples, std::
 Convexity convexity(const TriangleMesh& mesh, std::size_t samples, std::uint64_t seed,
                     const Progress* progress) {
   throwIfCancelled(progress);
-  const ConvexityRays asked = convexityRays(mesh, samples, seed);
-  const std::vector<ConvexityRays::Ray>& rays = asked.rays;
-  const std::vector<HalfSpace> hull = convexHull(asked.body.vertices);
-  const InsideTest inside(asked.body);
-  std::vector<double> distances(rays.size(), -1.0);  // below 0: dropped
+  const ConvexityRays sampled = convexityRays(mesh, samples, seed);
+  const std::vector<ConvexityRays::Ray>& rays = sampled.rays;
+  const std::vector<HalfSpace> hull = convexHull(sampled.mesh.vertices);
+  const InsideTest inside(sampled.mesh);
+  std::vector<double> distances(rays.size(), -1.0);  // below 0: not measured
   tbb::parallel_for(std::size_t{0}, rays.size(), [&](std::size_t i) {
-    if (i % kBetweenLooks == 0) throwIfCancelled(progress);
+    if (i % kCancelInterval == 0) throwIfCancelled(progress);
     if (!inside.contains(rays[i].origin)) return;
     distances[i] = exitDistance(hull, rays[i].origin, rays[i].direction);
   });

@@ -1,4 +1,4 @@
-// What convexity() measures along: rays from below the surface.
+// The rays that convexity() measures along; they start just below the surface.
 #pragma once
 
 #include <sherd/evaluate.h>
@@ -14,17 +14,18 @@ struct ConvexityRays {
     glm::dvec3 direction{0.0};  ///< unit
   };
 
-  TriangleMesh body;      ///< about the mean of its vertices, its largest absolute coordinate 1
-  std::vector<Ray> rays;  ///< [samples] less those whose normals cancel; some start outside
+  TriangleMesh mesh;      ///< origin at the mean of its vertices, largest absolute coordinate 1
+  std::vector<Ray> rays;  ///< [<= samples], none where normals cancel; some origins lie outside
 };
 
-/// throws  Error(usage) no samples; Error(input) no area
+/// Samples the surface and returns a ray for each point.
+///   throws  Error(usage) no samples; Error(input) no area
 [[nodiscard]] ConvexityRays convexityRays(const TriangleMesh& mesh, std::size_t samples,
                                           std::uint64_t seed);
 
-/// Of the distances from points inside to the hull.
-///   distances  [>= 1], those below 0 are left out
-///   throws     Error(input) none is left
+/// Returns the convexity from distances between interior points and the convex hull.
+///   distances  [>= 1], of the normalized mesh; those below 0 are skipped
+///   throws     Error(input) all are below 0
 [[nodiscard]] Convexity convexityFrom(std::span<const double> distances);
 
 }  // namespace sherd

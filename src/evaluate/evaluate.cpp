@@ -1,4 +1,4 @@
-// A whole fracture in figures.
+// Metrics of a whole fracture and of each fragment.
 #include <sherd/error.h>
 #include <sherd/evaluate.h>
 #include <tbb/parallel_for.h>
@@ -8,7 +8,7 @@
 #include <numeric>
 #include <string>
 
-#include "mesh/turned_over.h"
+#include "mesh/flipped_orientation.h"
 
 namespace sherd {
 namespace {
@@ -25,50 +25,51 @@ bool isSound(const MeshQuality& q) {
          q.degenerateTriangles + q.duplicateTriangles == 0;
 }
 
-void measureConvexity(FragmentFigures& figures, const TriangleMesh& body,
+void measureConvexity(FragmentMetrics& metrics, const TriangleMesh& oriented,
                       const EvaluateOptions& options, const Progress* progress) {
-  if (!figures.quality->closed) {
-    figures.noConvexity = "the mesh is open; a closed one is needed";
+  if (!metrics.quality->closed) {
+    metrics.noConvexity = "the mesh is open; a closed one is needed";
     return;
   }
   try {
-    figures.convexity = convexity(body, options.samples, options.seed, progress);
+    metrics.convexity = convexity(oriented, options.samples, options.seed, progress);
   } catch (const Error& e) {
     if (e.code() != ErrorCode::input) throw;
-    figures.noConvexity = e.what();
+    metrics.noConvexity = e.what();
   }
 }
 
-/// What one fragment's own mesh tells; and the body that the fit is measured on.
-FragmentFigures measure(const EvaluatedFragment& fragment, bool manifest,
+/// Measures one fragment from its own mesh, and returns in `oriented` the mesh for the fit.
+FragmentMetrics measure(const EvaluatedFragment& fragment, bool manifest,
                         const EvaluateOptions& options, const Progress* progress,
-                        FragmentMesh& body) {
-  FragmentFigures figures;
-  figures.id = fragment.mesh.id;
-  figures.name = fragment.name;
-  figures.share = fragment.share;
-  figures.volume = fragment.volume;
-  figures.area = fragment.area;
-  figures.fractureArea = fragment.fractureArea;
-  figures.contacts = fragment.contacts;
-  if (!hasMesh(fragment)) return figures;
+                        FragmentMesh& oriented) {
+  FragmentMetrics metrics;
+  metrics.id = fragment.mesh.id;
+  metrics.name = fragment.name;
+  metrics.share = fragment.share;
+  metrics.volume = fragment.volume;
+  metrics.area = fragment.area;
+  metrics.fractureArea = fragment.fractureArea;
+  metrics.contacts = fragment.contacts;
+  if (!hasMesh(fragment)) return metrics;
   MeshQuality quality = meshQuality(fragment.mesh.mesh);
   quality.degenerateTriangles += fragment.droppedTriangles;
-  figures.quality = quality;
+  metrics.quality = quality;
   const bool inwards = quality.closed && quality.volume < 0.0;
-  body = {fragment.mesh.id, inwards ? turnedOver(fragment.mesh.mesh) : fragment.mesh.mesh,
-          fragment.mesh.facing};
+  oriented = {fragment.mesh.id,
+              inwards ? flippedOrientation(fragment.mesh.mesh) : fragment.mesh.mesh,
+              fragment.mesh.neighbor};
   if (!manifest) {
-    figures.volume = std::abs(quality.volume);
-    figures.area = area(body.mesh);
+    metrics.volume = std::abs(quality.volume);
+    metrics.area = area(oriented.mesh);
   }
-  measureConvexity(figures, body.mesh, options, progress);
-  return figures;
+  measureConvexity(metrics, oriented.mesh, options, progress);
+  return metrics;
 }
 
 void setMeanConvexity(Evaluation& evaluation) {
   std::vector<double> values;
-  for (const FragmentFigures& f : evaluation.fragments) {
+  for (const FragmentMetrics& f : evaluation.fragments) {
     if (f.convexity) values.push_back(f.convexity->value);
   }
   if (values.empty()) return;
@@ -104,51 +105,51 @@ void addQuality(MeshQuality& sum, const MeshQuality& q) {
   sum.volume += q.volume;
 }
 
-/// The fit of the meshes there are, put with their fragments.
-void addFit(Evaluation& evaluation, std::span<const FragmentMesh> bodies, const TriangleMesh* whole,
+/// Measures the fit of the meshes with area, and stores it with their fragments.
+void addFit(Evaluation& evaluation, std::span<const FragmentMesh> meshes, const TriangleMesh* whole,
             const EvaluateOptions& options, bool manifest, const Progress* progress) {
   std::vector<FragmentMesh> present;
-  std::vector<std::size_t> places;
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    if (!(area(bodies[i].mesh) > 0.0)) continue;
-    present.push_back(bodies[i]);
-    places.push_back(i);
+  std::vector<std::size_t> indices;
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    if (!(area(meshes[i].mesh) > 0.0)) continue;
+    present.push_back(meshes[i]);
+    indices.push_back(i);
   }
   const FitOptions fitOptions{options.samples, options.seed, options.tolerance};
   if (whole && openEdges(*whole) == 0 && volume(*whole) < 0.0) {
-    const TriangleMesh outwards = turnedOver(*whole);
+    const TriangleMesh outwards = flippedOrientation(*whole);
     evaluation.fit = fit(present, &outwards, fitOptions, progress);
   } else {
     evaluation.fit = fit(present, whole, fitOptions, progress);
   }
-  for (std::size_t k = 0; k < places.size(); ++k) {
-    FragmentFigures& figures = evaluation.fragments[places[k]];
-    figures.fit = evaluation.fit.fragments[k];
+  for (std::size_t k = 0; k < indices.size(); ++k) {
+    FragmentMetrics& metrics = evaluation.fragments[indices[k]];
+    metrics.fit = evaluation.fit.fragments[k];
     if (manifest) continue;
-    figures.contacts = figures.fit.neighbours.size();
-    figures.fractureArea = figures.fit.fractureShare * figures.area;
+    metrics.contacts = metrics.fit.neighbors.size();
+    metrics.fractureArea = metrics.fit.fractureShare * metrics.area;
   }
 }
 
-/// Pairs that touch.  Of points that were drawn, one side may have found the other alone.
-std::size_t touchingPairs(const Evaluation& evaluation, bool manifest) {
+/// Counts pairs in contact.  By sampled points, only one fragment of a pair may have found it.
+std::size_t contactPairs(const Evaluation& evaluation, bool manifest) {
   if (manifest) {
     std::size_t ends = 0;
-    for (const FragmentFigures& f : evaluation.fragments) ends += f.contacts;
-    return ends / 2;  // each is told of by both its fragments
+    for (const FragmentMetrics& f : evaluation.fragments) ends += f.contacts;
+    return ends / 2;  // both fragments of a pair count it
   }
   std::vector<std::pair<int, int>> pairs;
-  for (const FragmentFigures& f : evaluation.fragments) {
-    for (const int other : f.fit.neighbours) pairs.emplace_back(std::minmax(f.id, other));
+  for (const FragmentMetrics& f : evaluation.fragments) {
+    for (const int other : f.fit.neighbors) pairs.emplace_back(std::minmax(f.id, other));
   }
   std::sort(pairs.begin(), pairs.end());
   return static_cast<std::size_t>(std::unique(pairs.begin(), pairs.end()) - pairs.begin());
 }
 
 void sumUp(Evaluation& evaluation, bool manifest) {
-  for (const FragmentFigures& f : evaluation.fragments) evaluation.volume += f.volume;
+  for (const FragmentMetrics& f : evaluation.fragments) evaluation.volume += f.volume;
   std::vector<double> shares;
-  for (FragmentFigures& f : evaluation.fragments) {
+  for (FragmentMetrics& f : evaluation.fragments) {
     if (!manifest) f.share = evaluation.volume > 0.0 ? f.volume / evaluation.volume : 0.0;
     shares.push_back(f.share);
     evaluation.area += f.area;
@@ -162,29 +163,33 @@ void sumUp(Evaluation& evaluation, bool manifest) {
   evaluation.smallestShare = *smallest;
   evaluation.largestShare = *largest;
   evaluation.effectiveFragments = effectiveCount(shares);
-  evaluation.contacts = touchingPairs(evaluation, manifest);
+  evaluation.contacts = contactPairs(evaluation, manifest);
   setMeanConvexity(evaluation);
 }
 
 void addNotes(Evaluation& evaluation, const FragmentSet& set, const TriangleMesh* whole) {
   std::vector<std::string>& notes = evaluation.notes;
   if (evaluation.open > 0) {
-    notes.push_back(fragmentsAre(evaluation.open) +
-                    " open: volume and share are not reliable, convexity and overlap not told");
+    notes.push_back(
+        fragmentsAre(evaluation.open) +
+        " open: volume and share are unreliable, convexity and overlap are not measured");
   }
   std::size_t inwards = 0, flat = 0;
-  for (const FragmentFigures& f : evaluation.fragments) {
+  for (const FragmentMetrics& f : evaluation.fragments) {
     if (!f.quality || !f.quality->closed) continue;
     inwards += f.quality->volume < 0.0;
     flat += !f.convexity;
   }
-  if (inwards > 0) notes.push_back(fragmentsAre(inwards) + " oriented inwards, and turned over");
-  if (flat > 0) notes.push_back(fragmentsAre(flat) + " closed, but without a convexity");
+  if (inwards > 0)
+    notes.push_back(fragmentsAre(inwards) +
+                    " oriented inwards; convexity and fit use the flipped mesh");
+  if (flat > 0) notes.push_back(fragmentsAre(flat) + " closed but without a convexity");
   if (!whole) return;
-  if (openEdges(*whole) > 0) notes.push_back("the unbroken mesh is open: its volume is not told");
-  const bool meshes = std::any_of(set.fragments.begin(), set.fragments.end(), hasMesh);
-  if (meshes && !evaluation.fit.surfaceError) {
-    notes.push_back("no point of a fragment lies on the unbroken mesh: is it in another place?");
+  if (openEdges(*whole) > 0) notes.push_back("the intact mesh is open: its volume is not measured");
+  const bool hasMeshes = std::any_of(set.fragments.begin(), set.fragments.end(), hasMesh);
+  if (hasMeshes && !evaluation.fit.surfaceError) {
+    notes.push_back(
+        "no sampled point lies on the intact mesh; fragments and mesh need the same coordinates");
   }
 }
 
@@ -194,11 +199,11 @@ Evaluation evaluate(const FragmentSet& set, const TriangleMesh* whole,
                     const EvaluateOptions& options, const Progress* progress) {
   Evaluation evaluation;
   evaluation.fragments.resize(set.fragments.size());
-  std::vector<FragmentMesh> bodies(set.fragments.size());
-  tbb::parallel_for(std::size_t{0}, bodies.size(), [&](std::size_t i) {
-    evaluation.fragments[i] = measure(set.fragments[i], set.manifest, options, progress, bodies[i]);
+  std::vector<FragmentMesh> meshes(set.fragments.size());
+  tbb::parallel_for(std::size_t{0}, meshes.size(), [&](std::size_t i) {
+    evaluation.fragments[i] = measure(set.fragments[i], set.manifest, options, progress, meshes[i]);
   });
-  addFit(evaluation, bodies, whole, options, set.manifest, progress);
+  addFit(evaluation, meshes, whole, options, set.manifest, progress);
   sumUp(evaluation, set.manifest);
   addNotes(evaluation, set, whole);
   return evaluation;

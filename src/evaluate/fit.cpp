@@ -1,4 +1,4 @@
-// Measures how well fragments fit.
+// Measures how well fragments fit each other and the intact mesh.
 #include <sherd/error.h>
 #include <sherd/fit.h>
 #include <sherd/points.h>
@@ -18,67 +18,69 @@
 namespace sherd {
 namespace {
 
-constexpr double kRounding = 2e-6;          // of the diagonal: how near a surface a point is on it
-constexpr std::size_t kTriesPerPoint = 32;  // a shell fills little of its box
-constexpr std::size_t kBetweenLooks = 64;   // points: whether to stop
+constexpr double kRounding = 2e-6;           // of the diagonal; a point this near lies on a surface
+constexpr std::size_t kTriesPerPoint = 32;   // a shell fills little of its box
+constexpr std::size_t kCancelInterval = 64;  // points between checks for cancellation
 
-/// What a point of a fragment's surface is part of.
-enum class Part { original, fracture, neither };
+/// The kind of surface that a sample of a fragment lies on.
+enum class Kind { original, fracture, neither };
 
 struct Sample {
-  Part part = Part::neither;
-  double error = 0.0;  ///< to the unbroken mesh, if there is one
-  Assembly::Place place;
+  Kind kind = Kind::neither;
+  double error = 0.0;           ///< distance to the intact mesh, if there is one
+  Assembly::Location location;  ///< relative to the other fragments
 };
 
-/// What is asked, and whom.
-struct Question {
+/// Inputs that all measurements share.
+struct Inputs {
   const Assembly& assembly;
   const MeshDistance* whole;  ///< or null
   const FitOptions& options;
   double tolerance;   ///< world units
   double rounding;    ///< world units
-  std::set<int> ids;  ///< of the fragments that are there
+  std::set<int> ids;  ///< of all fragments
   const Progress* progress;
 };
 
-/// Whether the way to the nearest other fragment goes out of the surface, not along it: to it, the
-/// point's own surface is a fracture.
-bool facesIt(const glm::dvec3& point, const glm::dvec3& normal, const Assembly::Place& place,
-             double rounding) {
-  if (place.distance <= rounding) return true;
+/// Returns whether the nearest other fragment lies within 60 degrees of the normal, so that the
+/// point is on a fracture surface and not beside one.
+bool facesNeighbor(const glm::dvec3& point, const glm::dvec3& normal,
+                   const Assembly::Location& location, double rounding) {
+  if (location.distance <= rounding) return true;
   constexpr double kCosine = 0.5;  // of 60 degrees
-  return glm::dot(normal, place.point - point) >= kCosine * place.distance;
+  return glm::dot(normal, location.closestPoint - point) >= kCosine * location.distance;
 }
 
-Part partByFacing(const Question& q, std::uint16_t facing) {
-  if (facing == 0) return Part::original;
-  return q.ids.contains(facing) ? Part::fracture : Part::neither;
+Kind kindByNeighbor(const Inputs& in, std::uint16_t neighbor) {
+  if (neighbor == 0) return Kind::original;
+  return in.ids.contains(neighbor) ? Kind::fracture : Kind::neither;
 }
 
-Part partByPlace(const Question& q, const Sample& sample, bool facing) {
-  const Assembly::Place& place = sample.place;
-  if (place.depth > 0.0) return Part::fracture;
-  const bool touched = facing && place.distance <= q.tolerance;
-  if (!q.whole) return touched ? Part::fracture : Part::original;
-  if (touched && place.distance < sample.error) return Part::fracture;
-  return sample.error <= q.tolerance ? Part::original : Part::neither;
+Kind kindByLocation(const Inputs& in, const Sample& sample, bool faces) {
+  const Assembly::Location& location = sample.location;
+  if (location.depth > 0.0) return Kind::fracture;
+  const bool touched = faces && location.distance <= in.tolerance;
+  if (!in.whole) return touched ? Kind::fracture : Kind::original;
+  if (touched && location.distance < sample.error) return Kind::fracture;
+  return sample.error <= in.tolerance ? Kind::original : Kind::neither;
 }
 
-Sample lookAt(const Question& q, std::size_t fragment, const SurfacePoints& points, std::size_t k) {
+Sample sampleAt(const Inputs& in, std::size_t fragment, const SurfacePoints& points,
+                std::size_t k) {
   const glm::dvec3& point = points.positions[k];
   Sample sample;
-  sample.place = q.assembly.placeOf(point, fragment, q.rounding);
-  if (q.whole) sample.error = q.whole->distance(point);
-  sample.part =
-      q.assembly.fragment(fragment).facing.empty()
-          ? partByPlace(q, sample, facesIt(point, points.normals[k], sample.place, q.rounding))
-          : partByFacing(q, points.facing[k]);
+  sample.location = in.assembly.locate(point, fragment, in.rounding);
+  if (in.whole) sample.error = in.whole->distance(point);
+  const bool known = !in.assembly.fragment(fragment).neighbor.empty();
+  sample.kind =
+      known ? kindByNeighbor(in, points.neighbor[k])
+            : kindByLocation(in, sample,
+                             facesNeighbor(point, points.normals[k], sample.location, in.rounding));
   return sample;
 }
 
-/// What the points of one fragment tell.
-struct Told {
+/// Measurements of one fragment.
+struct Measurement {
   FragmentFit fit;
   std::vector<double> errors;
   std::vector<double> gaps;
@@ -91,31 +93,31 @@ std::vector<WeightedDistance> weighted(const std::vector<double>& distances, dou
   return result;
 }
 
-Told tell(const Question& q, const std::vector<Sample>& samples) {
-  Told told;
+Measurement summarize(const Inputs& in, const std::vector<Sample>& samples) {
+  Measurement result;
   std::size_t original = 0, fracture = 0, inside = 0;
-  std::vector<char> near(q.assembly.count(), 0);
+  std::vector<char> near(in.assembly.count(), 0);
   for (const Sample& s : samples) {
-    original += s.part == Part::original;
-    fracture += s.part == Part::fracture;
-    inside += s.place.depth > 0.0;
-    told.fit.overlapDepth = std::max(told.fit.overlapDepth, s.place.depth);
-    if (s.part == Part::original && q.whole) told.errors.push_back(s.error);
-    if (s.part != Part::fracture || s.place.nearest == Assembly::kNone) continue;
-    told.gaps.push_back(s.place.depth > 0.0 ? 0.0 : s.place.distance);
-    if (s.place.distance <= q.tolerance || s.place.depth > 0.0) near[s.place.nearest] = 1;
+    original += s.kind == Kind::original;
+    fracture += s.kind == Kind::fracture;
+    inside += s.location.depth > 0.0;
+    result.fit.overlapDepth = std::max(result.fit.overlapDepth, s.location.depth);
+    if (s.kind == Kind::original && in.whole) result.errors.push_back(s.error);
+    if (s.kind != Kind::fracture || s.location.nearest == Assembly::kNone) continue;
+    result.gaps.push_back(s.location.depth > 0.0 ? 0.0 : s.location.distance);
+    if (s.location.distance <= in.tolerance || s.location.depth > 0.0) near[s.location.nearest] = 1;
   }
   const auto count = static_cast<double>(samples.size());
-  told.fit.originalShare = static_cast<double>(original) / count;
-  told.fit.fractureShare = static_cast<double>(fracture) / count;
-  told.fit.insideShare = static_cast<double>(inside) / count;
+  result.fit.originalShare = static_cast<double>(original) / count;
+  result.fit.fractureShare = static_cast<double>(fracture) / count;
+  result.fit.insideShare = static_cast<double>(inside) / count;
   for (std::size_t i = 0; i < near.size(); ++i) {
-    if (near[i]) told.fit.neighbours.push_back(q.assembly.fragment(i).id);
+    if (near[i]) result.fit.neighbors.push_back(in.assembly.fragment(i).id);
   }
-  std::sort(told.fit.neighbours.begin(), told.fit.neighbours.end());
-  told.fit.surfaceError = summaryOf(weighted(told.errors, 1.0));
-  told.fit.gap = summaryOf(weighted(told.gaps, 1.0));
-  return told;
+  std::sort(result.fit.neighbors.begin(), result.fit.neighbors.end());
+  result.fit.surfaceError = summaryOf(weighted(result.errors, 1.0));
+  result.fit.gap = summaryOf(weighted(result.gaps, 1.0));
+  return result;
 }
 
 glm::dvec3 pointIn(const Box& box, std::uint64_t seed, std::uint64_t item) {
@@ -127,7 +129,7 @@ glm::dvec3 pointIn(const Box& box, std::uint64_t seed, std::uint64_t item) {
   return p;
 }
 
-/// Of points of a box: how many are inside something, and how many of these are marked.
+/// Numbers of a box's random points that are inside a solid, and that are also marked.
 struct Tally {
   std::size_t inside = 0;
   std::size_t marked = 0;
@@ -138,16 +140,16 @@ struct Tally {
   }
 };
 
-/// Draw points of a box until `count` of them are inside, or too many are not.
+/// Samples a box until `count` points are inside, at most kTriesPerPoint * count points.
 template <class Inside, class Marked>
 Tally tally(const Box& box, std::size_t count, std::uint64_t seed, const Progress* progress,
             Inside inside, Marked marked) {
   Tally result;
-  std::vector<char> found(count);  // a round: 0 outside, 1 inside, 2 marked, too
-  for (std::size_t round = 0; round < kTriesPerPoint && result.inside < count; ++round) {
+  std::vector<char> found(count);  // of one batch: 0 outside, 1 inside, 2 inside and marked
+  for (std::size_t batch = 0; batch < kTriesPerPoint && result.inside < count; ++batch) {
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-      if (i % kBetweenLooks == 0) throwIfCancelled(progress);
-      const glm::dvec3 point = pointIn(box, seed, round * count + i);
+      if (i % kCancelInterval == 0) throwIfCancelled(progress);
+      const glm::dvec3 point = pointIn(box, seed, batch * count + i);
       found[i] = !inside(point) ? 0 : marked(point) ? 2 : 1;
     });
     for (std::size_t i = 0; i < count && result.inside < count; ++i) {
@@ -158,58 +160,59 @@ Tally tally(const Box& box, std::size_t count, std::uint64_t seed, const Progres
   return result;
 }
 
-Told tellFragment(const Question& q, std::size_t i) {
-  const FragmentMesh& fragment = q.assembly.fragment(i);
-  const std::uint64_t seed = randomBits(q.options.seed, Stage::fitPiece, i + 1);
+Measurement measureFragment(const Inputs& in, std::size_t i) {
+  const FragmentMesh& fragment = in.assembly.fragment(i);
+  const std::uint64_t seed = randomBits(in.options.seed, Stage::fitFragment, i + 1);
   const SurfacePoints points =
-      samplePoints(fragment.mesh, fragment.facing, {.count = q.options.samples, .seed = seed});
-  std::vector<Sample> samples(q.options.samples);
+      samplePoints(fragment.mesh, fragment.neighbor, {.count = in.options.samples, .seed = seed});
+  std::vector<Sample> samples(in.options.samples);
   tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t k) {
-    if (k % kBetweenLooks == 0) throwIfCancelled(q.progress);
-    samples[k] = lookAt(q, i, points, k);
+    if (k % kCancelInterval == 0) throwIfCancelled(in.progress);
+    samples[k] = sampleAt(in, i, points, k);
   });
-  Told told = tell(q, samples);
-  if (q.assembly.closed(i)) {
-    told.fit.overlapShare =
+  Measurement result = summarize(in, samples);
+  if (in.assembly.closed(i)) {
+    result.fit.overlapShare =
         tally(
-            bounds(fragment.mesh), q.options.samples, seed, q.progress,
-            [&](const glm::dvec3& p) { return q.assembly.mesh(i).likelyContains(p); },
-            [&](const glm::dvec3& p) { return q.assembly.anyHolds(p, i, q.rounding); })
+            bounds(fragment.mesh), in.options.samples, seed, in.progress,
+            [&](const glm::dvec3& p) { return in.assembly.mesh(i).likelyContains(p); },
+            [&](const glm::dvec3& p) { return in.assembly.anyContains(p, i, in.rounding); })
             .share();
   }
-  return told;
+  return result;
 }
 
-void addWhole(Fit& result, const Question& q, const TriangleMesh& whole) {
-  const std::uint64_t seed = randomBits(q.options.seed, Stage::fitPiece, 0);
-  const SurfacePoints points = samplePoints(whole, {}, {.count = q.options.samples, .seed = seed});
-  std::vector<double> distances(q.options.samples);
+void addWhole(Fit& result, const Inputs& in, const TriangleMesh& whole) {
+  const std::uint64_t seed = randomBits(in.options.seed, Stage::fitFragment, 0);
+  const SurfacePoints points = samplePoints(whole, {}, {.count = in.options.samples, .seed = seed});
+  std::vector<double> distances(in.options.samples);
   tbb::parallel_for(std::size_t{0}, distances.size(), [&](std::size_t k) {
-    if (k % kBetweenLooks == 0) throwIfCancelled(q.progress);
-    distances[k] = q.assembly.placeOf(points.positions[k], Assembly::kNone, q.rounding).distance;
+    if (k % kCancelInterval == 0) throwIfCancelled(in.progress);
+    distances[k] = in.assembly.locate(points.positions[k], Assembly::kNone, in.rounding).distance;
   });
   result.missing = summaryOf(weighted(distances, 1.0));
   if (openEdges(whole) > 0) return;
   result.wholeVolume = volume(whole);
-  for (std::size_t i = 0; i < q.assembly.count(); ++i) {
-    if (!q.assembly.closed(i)) return;  // what an open one fills is not known
+  for (std::size_t i = 0; i < in.assembly.count(); ++i) {
+    if (!in.assembly.closed(i)) return;  // an open mesh has no inside
   }
   result.voidShare =
       tally(
-          q.whole->box(), q.options.samples, seed, q.progress,
-          [&](const glm::dvec3& p) { return q.whole->likelyContains(p); },
-          [&](const glm::dvec3& p) { return !q.assembly.anyHolds(p, Assembly::kNone, 0.0); })
+          in.whole->box(), in.options.samples, seed, in.progress,
+          [&](const glm::dvec3& p) { return in.whole->likelyContains(p); },
+          [&](const glm::dvec3& p) { return !in.assembly.anyContains(p, Assembly::kNone, 0.0); })
           .share();
 }
 
-void sumUp(Fit& result, std::span<const FragmentMesh> fragments, const std::vector<Told>& told) {
+void sumUp(Fit& result, std::span<const FragmentMesh> fragments,
+           const std::vector<Measurement>& measurements) {
   std::vector<WeightedDistance> errors, gaps;
   double overlap = 0.0, volumes = 0.0;
   for (std::size_t i = 0; i < fragments.size(); ++i) {
     const double weight = area(fragments[i].mesh);
-    for (const double d : told[i].errors) errors.push_back({d, weight});
-    for (const double d : told[i].gaps) gaps.push_back({d, weight});
-    const FragmentFit& one = told[i].fit;
+    for (const double d : measurements[i].errors) errors.push_back({d, weight});
+    for (const double d : measurements[i].gaps) gaps.push_back({d, weight});
+    const FragmentFit& one = measurements[i].fit;
     result.overlapDepth = std::max(result.overlapDepth, one.overlapDepth);
     if (one.overlapShare) {
       const double size = std::abs(volume(fragments[i].mesh));
@@ -258,19 +261,19 @@ Fit fit(std::span<const FragmentMesh> fragments, const TriangleMesh* whole,
   if (whole) wholeDistance.emplace(*whole);
   const Box box = whole ? wholeDistance->box() : assembly.box();
   result.diagonal = glm::length(box.max - box.min);
-  const Question question{assembly,
-                          wholeDistance ? &*wholeDistance : nullptr,
-                          options,
-                          options.tolerance * result.diagonal,
-                          kRounding * result.diagonal,
-                          idsOf(fragments),
-                          progress};
+  const Inputs inputs{assembly,
+                      wholeDistance ? &*wholeDistance : nullptr,
+                      options,
+                      options.tolerance * result.diagonal,
+                      kRounding * result.diagonal,
+                      idsOf(fragments),
+                      progress};
 
-  std::vector<Told> told(fragments.size());
+  std::vector<Measurement> measurements(fragments.size());
   tbb::parallel_for(std::size_t{0}, fragments.size(),
-                    [&](std::size_t i) { told[i] = tellFragment(question, i); });
-  sumUp(result, fragments, told);
-  if (whole) addWhole(result, question, *whole);
+                    [&](std::size_t i) { measurements[i] = measureFragment(inputs, i); });
+  sumUp(result, fragments, measurements);
+  if (whole) addWhole(result, inputs, *whole);
   return result;
 }
 

@@ -1,4 +1,4 @@
-// Counts what is right and wrong with a mesh.
+// Counts the defects of a mesh and measures its angles.
 #include <sherd/mesh_quality.h>
 
 #include <algorithm>
@@ -16,8 +16,8 @@
 namespace sherd {
 namespace {
 
-// Twice the area over the longest side squared, below which a triangle is a line: coordinates that
-// were rounded to single precision leave more to any triangle that was meant to have an area.
+// Twice the area over the longest side squared, below which a triangle is degenerate.  Rounding to
+// single precision leaves more to a triangle with area.
 constexpr double kNoArea = 1e-12;
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
@@ -77,7 +77,7 @@ void countEdges(MeshQuality& quality, std::span<const Side> sides) {
   quality.closed = balanced && !sides.empty();
 }
 
-/// Sets of corners, three for each triangle, that are united where triangles share an edge.
+/// Union-find over corners, three for each triangle; corners unite where triangles share an edge.
 class Fans {
  public:
   explicit Fans(const TriangleMesh& mesh) : mesh_(mesh), parent_(3 * mesh.triangles.size()) {
@@ -91,6 +91,7 @@ class Fans {
     }
   }
 
+  /// Returns the number of fans round each vertex, [vertices]; 0 for an unused one.
   std::vector<std::uint32_t> perVertex() {
     std::vector<std::uint32_t> count(mesh_.vertices.size(), 0);
     for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
@@ -142,7 +143,7 @@ std::size_t duplicates(const TriangleMesh& mesh) {
   return count;
 }
 
-/// The smallest angle in degrees, or below 0 where there is no area.
+/// Returns the smallest angle in degrees, or -1 for a degenerate triangle.
 double smallestAngle(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
   const glm::dvec3 side[3] = {b - a, c - b, a - c};
   const double across = glm::length(glm::cross(side[0], side[1]));
@@ -160,9 +161,10 @@ void measureAngles(MeshQuality& quality, const TriangleMesh& mesh) {
   std::size_t slivers = 0;
   quality.smallestAngle = 60.0;
   for (const glm::uvec3& t : mesh.triangles) {
-    const double told = smallestAngle(mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z]);
-    quality.degenerateTriangles += told < 0.0;
-    const double angle = std::clamp(told, 0.0, 60.0);
+    const double measured =
+        smallestAngle(mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z]);
+    quality.degenerateTriangles += measured < 0.0;
+    const double angle = std::clamp(measured, 0.0, 60.0);
     sum += angle;
     slivers += angle < kSliverDegrees;
     quality.smallestAngle = std::min(quality.smallestAngle, angle);
@@ -179,7 +181,7 @@ void measureAngles(MeshQuality& quality, const TriangleMesh& mesh) {
 MeshQuality meshQuality(const TriangleMesh& mesh) {
   MeshQuality quality;
   quality.triangles = mesh.triangles.size();
-  quality.components = components(mesh).count;
+  quality.components = meshComponents(mesh).count;
   quality.volume = volume(mesh);
   const std::vector<Side> sides = sidesOf(mesh);
   countEdges(quality, sides);

@@ -1,4 +1,4 @@
-// Many distances in a few figures.
+// Summary statistics of distances.
 #include "evaluate/summary.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Many distances in a few figures.
+// Summary statistics of distances.
 #pragma once
 
 #include <sherd/fit.h>
@@ -8,13 +8,13 @@
 
 namespace sherd {
 
-/// A distance, and for how much it counts.
+/// A distance and its weight.
 struct WeightedDistance {
   double distance = 0.0;
   double weight = 1.0;  ///< > 0
 };
 
-/// Their figures, or nothing for none.
+/// Returns the weighted mean, 99th percentile and maximum; nullopt for no distances.
 [[nodiscard]] std::optional<DistanceSummary> summaryOf(std::vector<WeightedDistance> distances);
 
 }  // namespace sherd

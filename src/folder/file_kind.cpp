@@ -1,4 +1,4 @@
-// What kind of thing a file holds.
+// Detection of a file's kind.
 #include "folder/file_kind.h"
 
 #include <sherd/mesh.h>
@@ -25,7 +25,7 @@ FileKind kindOfPly(const std::filesystem::path& file, MemoryBudget& memory) {
   return faces ? FileKind::mesh : FileKind::points;
 }
 
-// Samples of distances and correspondences have positions too, and are no points on a surface.
+// Distance samples and correspondences also have positions, but are not surface points.
 FileKind kindOfNpz(const std::filesystem::path& file, MemoryBudget& memory) {
   const std::string bytes = readFileBytes(file, &memory);
   const std::vector<ZipEntry> entries = zipEntries(bytes, file.string());

@@ -1,4 +1,4 @@
-// What kind of thing a file holds.
+// Detection of a file's kind.
 #pragma once
 
 #include <sherd/read_options.h>
@@ -9,9 +9,9 @@ namespace sherd {
 
 enum class FileKind { voxels, mesh, points, other };
 
-/// By the extension; in a `.ply` faces make a mesh, and an `.npz` is told by the names of its
-/// arrays.
-///   throws  Error(input) a `.ply` or `.npz` that cannot be read, or is larger than `options` allow
+/// Returns the kind of a file by its extension.  A `.ply` with faces is a mesh, else points; the
+/// kind of an `.npz` is determined by the names of its arrays.
+///   throws  Error(input) a `.ply` or `.npz` cannot be read, or is larger than `options` allow
 [[nodiscard]] FileKind kindOf(const std::filesystem::path& file, const ReadOptions& options = {});
 
 }  // namespace sherd

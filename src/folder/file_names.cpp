@@ -1,4 +1,4 @@
-// How the files of a fracture are named.
+// Names of a fracture's files.
 #include "folder/file_names.h"
 
 #include <algorithm>
@@ -18,9 +18,9 @@ std::vector<std::string> meshNames(const std::string& name, const WriteOptions& 
   return names;
 }
 
-// What .obj and .ply files refer to; a .glb has its textures in it.
-void addLooks(FractureFiles& files, const std::string& stem, const MaterialTable& table,
-              const WriteOptions& write) {
+// Adds the files to which .obj and .ply files refer; a .glb embeds its textures.
+void addMaterialFiles(FractureFiles& files, const std::string& stem, const MaterialTable& table,
+                      const WriteOptions& write) {
   const auto wanted = [&](MeshFileFormat format) {
     return std::find(write.meshFormats.begin(), write.meshFormats.end(), format) !=
            write.meshFormats.end();
@@ -28,14 +28,14 @@ void addLooks(FractureFiles& files, const std::string& stem, const MaterialTable
   if (write.plainMeshes) return;
   if (wanted(MeshFileFormat::obj)) files.materials = "meshes/" + withoutBlanks(stem) + ".mtl";
   if (!wanted(MeshFileFormat::obj) && !wanted(MeshFileFormat::ply)) return;
-  for (const MaterialTable::Picture& picture : table.textures) {
-    files.textures.push_back("meshes/" + picture.file);
+  for (const MaterialTable::Image& image : table.textures) {
+    files.textures.push_back("meshes/" + image.file);
   }
 }
 
 }  // namespace
 
-std::string pieceName(const std::string& stem, std::size_t id, std::size_t fragments) {
+std::string fragmentName(const std::string& stem, std::size_t id, std::size_t fragments) {
   const std::size_t digits = std::max<std::size_t>(3, std::to_string(fragments).size());
   const std::string number = std::to_string(id);
   return stem + "_" + std::string(digits - number.size(), '0') + number;
@@ -54,7 +54,7 @@ FractureFiles fileNames(const SourceMesh& source, std::size_t fragments,
   const std::string stem = safeName(source.stem, "piece");
   FractureFiles files;
   for (std::size_t id = 1; id <= fragments; ++id) {
-    const std::string name = pieceName(stem, id, fragments);
+    const std::string name = fragmentName(stem, id, fragments);
     if (write.vdb && write.vdbFiles != VdbFiles::single) {
       files.vdb.push_back("fragments/" + name + ".vdb");
     }
@@ -82,7 +82,7 @@ FractureFiles fileNames(const SourceMesh& source, std::size_t fragments,
     files.graph = "graph.json";
     files.constraints = "graph.geo";
   }
-  if (write.mesh) addLooks(files, stem, table, write);
+  if (write.mesh) addMaterialFiles(files, stem, table, write);
   if (write.distances.count > 0) files.solidSdf = "sdf/" + stem + ".npz";
   if (write.correspondences > 0) files.correspondences = "correspondences.npz";
   for (const VoxelFormat format : write.voxelFormats) {
@@ -91,7 +91,7 @@ FractureFiles fileNames(const SourceMesh& source, std::size_t fragments,
   }
   if (write.preview) files.preview = "preview.png";
   if (write.seeds) files.seeds = "seeds.json";
-  if (write.rims) files.rims = "rims.obj";
+  if (write.boundaries) files.boundaries = "boundaries.obj";
   if (write.cost) files.cost = "cost.vdb";
   return files;
 }

@@ -1,4 +1,4 @@
-// How the files of a fracture are named.
+// Names of a fracture's files.
 #pragma once
 
 #include <cstddef>
@@ -11,15 +11,16 @@
 
 namespace sherd {
 
-/// A fragment's name: the stem, and its id with leading zeros to three digits or to as many as the
-/// highest of `fragments` ids has.
-[[nodiscard]] std::string pieceName(const std::string& stem, std::size_t id, std::size_t fragments);
+/// Returns a fragment's name: the stem and the id, with leading zeros to three digits or to the
+/// number of digits of `fragments`.
+[[nodiscard]] std::string fragmentName(const std::string& stem, std::size_t id,
+                                       std::size_t fragments);
 
-/// Whether a fracture's folder may have a sub-folder of this name with files of its own.
+/// Whether a fracture can have files in a subfolder of this name.
 [[nodiscard]] bool isSubfolder(const std::string& name);
 
-/// The files that are to be written, in sub-folders of one level.
-///   fragments  those that are not withheld
+/// Returns the names of the files to write, in subfolders of one level.
+///   fragments  number of fragments that are not withheld
 ///   triangles  SurfaceOptions::triangles
 [[nodiscard]] FractureFiles fileNames(const SourceMesh& source, std::size_t fragments,
                                       const std::vector<std::size_t>& triangles,

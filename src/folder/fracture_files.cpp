@@ -11,20 +11,20 @@
 #include "base/cancel_flag.h"
 #include "base/uncancelled.h"
 #include "folder/write_points.h"
-#include "render/pictured.h"
+#include "render/preview_fragment.h"
 
 namespace sherd {
 namespace {
 
-constexpr std::size_t kFragmentsBetweenSteps = 16;  // written in parallel, then progress is told
+constexpr std::size_t kFragmentsPerBatch = 16;  // written in parallel between progress reports
 
-// The labels over the solid's tight box, and where it lies.
-PlacedVoxels labelledBox(const FractureResult& result, int fragments) {
+// Returns the labels over the solid's tight box, with the box's transform.
+PlacedVoxels labeledBox(const FractureResult& result, int fragments) {
   const openvdb::Coord& first = result.solid.box.min;
   const GridFrame& frame = result.solid.frame;
   const WorldPoint origin = frame.worldFromIndex({{first.x(), first.y(), first.z()}});
   return {encodeRuns(result.solid, result.labels, fragments),
-          VoxelPlace{{origin, frame.voxelSize}, first}};
+          VoxelTransform{{origin, frame.voxelSize}, first}};
 }
 
 }  // namespace
@@ -33,7 +33,7 @@ FractureWriter::FractureWriter(const SourceMesh& source, const WriteOptions& wri
     : source_(source), options_(write), table_(materialTable(source.appearance)) {
   const bool hasMeshes = write.mesh || write.scene;
   if (hasMeshes && !source.appearance.surface.empty()) {
-    look_.emplace(source.mesh, source.appearance.surface);
+    attributes_.emplace(source.mesh, source.appearance.surface);
   }
 }
 
@@ -41,11 +41,12 @@ void FractureWriter::write(const OutputFolder& folder, const FractureFiles& file
                            const FractureOptions& options, const FractureResult& result,
                            const Progress* progress) const {
   FractureWriting writing(*this, folder, files, options, result);
-  step(progress, "write", 0.0);
+  reportProgress(progress, "write", 0.0);
   writing.begin(progress);
-  for (std::size_t first = 0; first < result.kept(); first += kFragmentsBetweenSteps) {
-    step(progress, "write", static_cast<double>(first) / static_cast<double>(result.kept()));
-    writing.write(first, std::min(result.kept(), first + kFragmentsBetweenSteps));
+  for (std::size_t first = 0; first < result.kept(); first += kFragmentsPerBatch) {
+    reportProgress(progress, "write",
+                   static_cast<double>(first) / static_cast<double>(result.kept()));
+    writing.write(first, std::min(result.kept(), first + kFragmentsPerBatch));
   }
   writing.finish(progress);
 }
@@ -58,22 +59,23 @@ FractureWriting::FractureWriting(const FractureWriter& writer, const OutputFolde
       files_(files),
       options_(options),
       result_(result),
-      meshes_(folder_, files, writer.source(), writer.materials(), writer.look(), writer.options()),
-      looks_(files.scene.empty() ? 0 : result.kept()),
-      pictured_(files.preview.empty() ? 0 : result.kept()) {}
+      meshes_(folder_, files, writer.source(), writer.materials(), writer.attributes(),
+              writer.options()),
+      attributes_(files.scene.empty() ? 0 : result.kept()),
+      previews_(files.preview.empty() ? 0 : result.kept()) {}
 
 std::span<const Fragment> FractureWriting::kept() const {
   return std::span(result_.fragments).first(result_.kept());
 }
 
-VdbNotes FractureWriting::notes() const {
+GridMetadata FractureWriting::metadata() const {
   return {writer_.source().name, options_.seed, writer_.options().density, result_.parents};
 }
 
 void FractureWriting::begin(const Progress* progress) const {
   const WriteOptions& write = writer_.options();
   if (!files_.labels.empty()) {
-    const PlacedVoxels voxels = labelledBox(result_, static_cast<int>(result_.kept()));
+    const PlacedVoxels voxels = labeledBox(result_, static_cast<int>(result_.kept()));
     for (std::size_t i = 0; i < files_.labels.size(); ++i) {
       throwIfCancelled(progress);
       writeVoxels(folder_ / files_.labels[i], voxels, write.voxelFormats[i]);
@@ -83,19 +85,19 @@ void FractureWriting::begin(const Progress* progress) const {
   if (!files_.cost.empty()) writeCost(folder_ / files_.cost, result_.solid, result_.labels);
   throwIfCancelled(progress);
   if (!files_.solidVdb.empty()) {
-    writeVdbOfSolid(folder_ / files_.solidVdb, result_.solid, notes(), write.vdbOptions);
+    writeVdbOfSolid(folder_ / files_.solidVdb, result_.solid, metadata(), write.vdbOptions);
   }
   throwIfCancelled(progress);
   if (!files_.solidMesh.empty()) {
     const TriangleMesh whole = solidMesh(result_.solid);
-    const std::vector<std::uint16_t> facing(whole.triangles.size(), 0);
-    meshes_.write(whole, facing, meshes_.lookOf(whole, facing), files_.solidMesh);
+    const std::vector<std::uint16_t> neighbor(whole.triangles.size(), 0);
+    meshes_.write(whole, neighbor, meshes_.attributesOf(whole, neighbor), files_.solidMesh);
   }
 }
 
 void FractureWriting::writeLevelSet(std::size_t i) const {
   if (files_.vdb.empty()) return;
-  writeVdb(folder_ / files_.vdb[i], result_.fragments[i], notes(), writer_.options().vdbOptions);
+  writeVdb(folder_ / files_.vdb[i], result_.fragments[i], metadata(), writer_.options().vdbOptions);
 }
 
 void FractureWriting::writeMeshes(std::size_t i) {
@@ -105,26 +107,26 @@ void FractureWriting::writeMeshes(std::size_t i) {
     const std::string name = std::filesystem::path(files_.proxy[i]).stem().string();
     writeProxy(folder_ / files_.proxy[i], fragment, name, write.proxyGap);
   }
-  if (!files_.mesh.empty() || !looks_.empty()) {
-    SurfaceLook look = meshes_.lookOf(fragment.mesh, fragment.facing);
+  if (!files_.mesh.empty() || !attributes_.empty()) {
+    SurfaceAttributes attributes = meshes_.attributesOf(fragment.mesh, fragment.neighbor);
     if (!files_.mesh.empty()) {
-      meshes_.write(fragment.mesh, fragment.facing, look, files_.mesh[i]);
+      meshes_.write(fragment.mesh, fragment.neighbor, attributes, files_.mesh[i]);
     }
-    if (!looks_.empty()) looks_[i] = std::move(look);
+    if (!attributes_.empty()) attributes_[i] = std::move(attributes);
   }
   if (!files_.points.empty() && !write.sharePoints) {
     writePointsOf(folder_, files_.points[i], fragment, write.points.count, options_.seed, write);
   }
   for (std::size_t k = 0; !files_.coarse.empty() && k < files_.coarse[i].size(); ++k) {
     const CoarseMesh& coarse = fragment.coarse[k];
-    meshes_.write(coarse.mesh, coarse.facing, meshes_.lookOf(coarse.mesh, coarse.facing),
+    meshes_.write(coarse.mesh, coarse.neighbor, meshes_.attributesOf(coarse.mesh, coarse.neighbor),
                   files_.coarse[i][k]);
   }
-  if (!pictured_.empty()) pictured_[i] = pictured(fragment, result_.solid);
+  if (!previews_.empty()) previews_[i] = previewFragment(fragment, result_.solid);
 }
 
 void FractureWriting::write(std::size_t first, std::size_t end) {
-  // Both of one fragment at a time, as there may be as few fragments as threads.
+  // Two tasks per fragment, as there may be no more fragments than threads.
   tbb::parallel_for(2 * first, 2 * std::min(end, result_.kept()), [&](std::size_t task) {
     uncancelled([&] { task % 2 == 0 ? writeLevelSet(task / 2) : writeMeshes(task / 2); });
   });
@@ -132,14 +134,14 @@ void FractureWriting::write(std::size_t first, std::size_t end) {
 
 void FractureWriting::finish(const Progress* progress) const {
   const WriteOptions& write = writer_.options();
-  if (!files_.rims.empty()) writeRims(folder_ / files_.rims, kept());
+  if (!files_.boundaries.empty()) writeBoundaries(folder_ / files_.boundaries, kept());
   if (!files_.allVdb.empty()) {
-    writeVdbOfAll(folder_ / files_.allVdb, kept(), result_.solid, result_.labels, notes(),
+    writeVdbOfAll(folder_ / files_.allVdb, kept(), result_.solid, result_.labels, metadata(),
                   write.vdbOptions);
   }
   throwIfCancelled(progress);
   if (!files_.graph.empty()) {
-    writeGraph(folder_ / files_.graph, kept(), notes());
+    writeGraph(folder_ / files_.graph, kept(), metadata());
     writeConstraints(folder_ / files_.constraints, kept());
   }
   if (!files_.points.empty() && write.sharePoints) {
@@ -150,7 +152,7 @@ void FractureWriting::finish(const Progress* progress) const {
     });
   }
   throwIfCancelled(progress);
-  if (!files_.scene.empty()) meshes_.writeScene(kept(), looks_, files_.scene);
+  if (!files_.scene.empty()) meshes_.writeScene(kept(), attributes_, files_.scene);
   if (!files_.solidSdf.empty()) {
     writeAllDistances(folder_, files_, result_, options_.seed, write.distances, progress);
   }
@@ -159,9 +161,9 @@ void FractureWriting::finish(const Progress* progress) const {
     writeCorrespondences(folder_ / files_.correspondences,
                          sampleCorrespondences(kept(), write.correspondences, options_.seed));
   }
-  step(progress, "write", 1.0);
+  reportProgress(progress, "write", 1.0);
   if (!files_.preview.empty()) {
-    writePng(folder_ / files_.preview, renderFragments(pictured_, {.up = write.up}, progress));
+    writePng(folder_ / files_.preview, renderFragments(previews_, {.up = write.up}, progress));
   }
 }
 
@@ -178,8 +180,7 @@ void checkWriteOptions(const WriteOptions& write, const FractureOptions& options
            write.meshFormats.end();
   };
   if (wanted(MeshFileFormat::stl) && wanted(MeshFileFormat::stlText)) {
-    throw Error(ErrorCode::usage,
-                "stl and stl-ascii would be files of the same name; ask for one of them");
+    throw Error(ErrorCode::usage, "stl and stl-ascii use the same file names; choose one of them");
   }
   const SurfaceOptions& surface = options.surface;
   const Iterations& smoothed = surface.smooth.boundaryIterations;
@@ -191,7 +192,7 @@ void checkWriteOptions(const WriteOptions& write, const FractureOptions& options
   if (write.correspondences > 0 && (!isShared || options.erode.iterations > 0)) {
     throw Error(ErrorCode::usage,
                 "correspondences need surfaces that fragments share: not meshed independently, "
-                "not worn, and of labels neither smoothed at the cracks nor simplified");
+                "not eroded, and of labels neither smoothed at the cracks nor simplified");
   }
 }
 

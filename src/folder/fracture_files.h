@@ -1,4 +1,4 @@
-// Writes the files of fractures, wherever they go.
+// Writes the files of fractures to folders and sinks.
 #pragma once
 
 #include <sherd/io.h>
@@ -13,8 +13,8 @@
 
 namespace sherd {
 
-/// Writes any number of fractures of one mesh; any thread may ask.  The mesh and the options are
-/// kept by reference.
+/// Writes any number of fractures of one mesh, from any thread.  Holds references to the mesh and
+/// the options.
 class FractureWriter {
  public:
   FractureWriter(const SourceMesh& source, const WriteOptions& write);
@@ -22,10 +22,12 @@ class FractureWriter {
   [[nodiscard]] const SourceMesh& source() const { return source_; }
   [[nodiscard]] const WriteOptions& options() const { return options_; }
   [[nodiscard]] const MaterialTable& materials() const { return table_; }
-  /// What meshes take their look from, or null where there is none or no meshes are written.
-  [[nodiscard]] const LookSource* look() const { return look_ ? &*look_ : nullptr; }
+  /// The source of the meshes' surface attributes; null if it has none or no meshes are written.
+  [[nodiscard]] const AttributeSource* attributes() const {
+    return attributes_ ? &*attributes_ : nullptr;
+  }
 
-  /// Write all files that are named, but no manifest.
+  /// Writes the files with a name in `files`, without the manifest.
   ///   throws  what writeFracture throws
   void write(const OutputFolder& folder, const FractureFiles& files, const FractureOptions& options,
              const FractureResult& result, const Progress* progress) const;
@@ -34,32 +36,33 @@ class FractureWriter {
   const SourceMesh& source_;
   const WriteOptions& options_;
   MaterialTable table_;
-  std::optional<LookSource> look_;
+  std::optional<AttributeSource> attributes_;
 };
 
-/// Writes one fracture while its fragments are made: begin, write, finish.  All it is made of is
-/// kept by reference.
+/// Writes one fracture while its fragments are made: begin, write, finish.  Holds references to the
+/// arguments of its constructor.
 class FractureWriting {
  public:
-  ///   result  all but its fragments' contents, of which there are the right number
+  ///   result  complete except for the fragments, which are set before they are written; the number
+  ///           of fragments is final
   FractureWriting(const FractureWriter& writer, const OutputFolder& folder,
                   const FractureFiles& files, const FractureOptions& options,
                   const FractureResult& result);
   FractureWriting(const FractureWriting&) = delete;
   FractureWriting& operator=(const FractureWriting&) = delete;
 
-  /// What needs no fragment.
+  /// Writes the files that do not depend on fragments.
   void begin(const Progress* progress) const;
 
-  /// The files of fragments first..end-1 of the result, which need no others, nor contacts.
+  /// Writes the files of fragments first..end-1, which need neither contacts nor other fragments.
   void write(std::size_t first, std::size_t end);
 
-  /// What needs all fragments, with what WriteOptions::needsAllMeshes and needsAllLevelSets say.
+  /// Writes the files of all fragments; see WriteOptions::needsAllMeshes and needsAllLevelSets.
   void finish(const Progress* progress) const;
 
  private:
   std::span<const Fragment> kept() const;
-  VdbNotes notes() const;
+  GridMetadata metadata() const;
   void writeLevelSet(std::size_t i) const;
   void writeMeshes(std::size_t i);
 
@@ -70,8 +73,8 @@ class FractureWriting {
   const FractureResult& result_;
   const MeshWriter meshes_;
   // [fragments that are not withheld], or empty
-  std::vector<SurfaceLook> looks_;  ///< for the scene
-  std::vector<Fragment> pictured_;  ///< for the picture
+  std::vector<SurfaceAttributes> attributes_;  ///< for the scene
+  std::vector<Fragment> previews_;             ///< coarse, for the preview
 };
 
 }  // namespace sherd

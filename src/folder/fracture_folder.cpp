@@ -1,4 +1,5 @@
-// A fracture's folder: written aside, then moved into place (partial_folder.h).
+// Replaces a fracture's folder: files are written to a hidden folder, then moved
+// (partial_folder.h).
 #include "folder/fracture_folder.h"
 
 #include <sherd/error.h>
@@ -30,17 +31,17 @@ namespace fs = std::filesystem;
   throw Error(ErrorCode::output, path.string() + ": " + what);
 }
 
-// Where it is memory that lacks, the folder is not at fault.
+// Out of memory is not an error of the folder.
 [[noreturn]] void outputError(const fs::path& path, const std::string& what,
                               const fs::filesystem_error& e) {
   if (e.code() == std::errc::not_enough_memory) throw std::bad_alloc();
   outputError(path, what + ": " + reasonOf(e.code().value()));
 }
 
-// ---- What is in the folder already
+// ---- The existing content of the folder
 
-// The files of the fracture that is in the folder; none where the folder is empty.
-OwnFiles filesOfOurs(const fs::path& folder) {
+// Returns the files of the fracture in a folder; none if the folder is empty.
+OwnFiles existingFiles(const fs::path& folder) {
   if (const std::optional<nlohmann::json> manifest = manifestJson(folder / kManifestName)) {
     std::optional<OwnFiles> files = ownFiles(*manifest);
     if (files) return std::move(*files);
@@ -58,7 +59,7 @@ OwnFiles filesOfOurs(const fs::path& folder) {
                           "' and no manifest of a fracture; name an absent or empty folder");
 }
 
-// Only making something tells whether something can be made.
+// Creates and removes a folder, the only reliable check.
 void requireWritable(const fs::path& folder) {
   const Uncut whole;
   std::string probe = (folder / ".sherd-probe-XXXXXX").string();
@@ -68,9 +69,9 @@ void requireWritable(const fs::path& folder) {
   ::rmdir(probe.c_str());
 }
 
-// ---- Writing aside
+// ---- Writing to the hidden folder
 
-// Folders made where they were missing, taken away again unless kept.
+// Creates missing folders; the destructor removes them unless they are kept.
 class MadeFolders {
  public:
   MadeFolders() = default;
@@ -88,7 +89,7 @@ class MadeFolders {
     made_.reserve(made_.size() + missing.size());
     for (auto p = missing.rbegin(); p != missing.rend(); ++p) {
       const Uncut whole;
-      Made one{*p, {*p, Unfinished::Kind::madeFolder}};  // before, as memory may be out
+      Made one{*p, {*p, Unfinished::Kind::madeFolder}};  // first, as it may throw bad_alloc
       if (::mkdir(p->c_str(), 0777) == 0) {
         made_.push_back(std::move(one));
       } else if (errno != EEXIST) {
@@ -115,7 +116,7 @@ void makeParents(const fs::path& root, const std::vector<std::string>& files) {
   for (const std::string& file : files) make((root / file).parent_path());
 }
 
-// What an earlier manifest lists, and no fracture's file is called.
+// Returns a warning about files that an earlier manifest lists under names that no fracture has.
 std::vector<std::string> warningsOf(const fs::path& folder,
                                     const std::vector<std::string>& others) {
   constexpr std::size_t kMostNamed = 8;
@@ -133,8 +134,8 @@ std::vector<std::string> warningsOf(const fs::path& folder,
                       : "are not named as a fracture's files and stay")};
 }
 
-// Files are written aside, but a message names them where they will be.
-std::string withoutAside(std::string message) {
+// Removes the hidden folder from a message, so that it names a file's final path.
+std::string withFinalPath(std::string message) {
   const std::string aside = std::string(kPartialName) + "/new/";
   const std::size_t at = message.find(aside);
   return at == std::string::npos ? message : message.erase(at, aside.size());
@@ -147,8 +148,8 @@ void checkFractureFolder(const fs::path& folder) {
     if (folder.empty()) throw Error(ErrorCode::output, "the output folder has no name");
     if (fs::is_directory(folder)) {
       if (present(folder / kPartialName)) const PartialFolder undone(folder);
-      (void)filesOfOurs(folder);
-      const PartialFolder probe(folder);  // only making something tells whether it can be written
+      (void)existingFiles(folder);
+      const PartialFolder probe(folder);  // creates a folder, the only reliable check
       return;
     }
     if (present(folder)) outputError(folder, "is not a folder; name an absent or empty folder");
@@ -163,14 +164,14 @@ void checkFractureFolder(const fs::path& folder) {
   }
 }
 
-struct FractureReplacement::Parts {
+struct FractureReplacement::State {
   fs::path folder;
   std::vector<std::string> fresh;
   MadeFolders made;
   std::optional<PartialFolder> partial;
   std::vector<std::string> old;
   std::vector<std::string> warnings;
-  bool isInPlace = false;  // and not kept
+  bool isInPlace = false;  // after putInPlace(), before keep()
 };
 
 namespace {
@@ -180,7 +181,7 @@ auto withFolderErrors(const fs::path& folder, const Work& work) {
   try {
     return work();
   } catch (const Error& e) {
-    throw Error(e.code(), withoutAside(e.what()));
+    throw Error(e.code(), withFinalPath(e.what()));
   } catch (const fs::filesystem_error& e) {
     outputError(folder, "cannot be written", e);
   }
@@ -189,20 +190,20 @@ auto withFolderErrors(const fs::path& folder, const Work& work) {
 }  // namespace
 
 FractureReplacement::FractureReplacement(fs::path folder, std::vector<std::string> fresh)
-    : parts_(std::make_unique<Parts>()) {
-  parts_->folder = std::move(folder);
-  parts_->fresh = std::move(fresh);
-  checkFractureFolder(parts_->folder);
-  withFolderErrors(parts_->folder, [this] {
-    const fs::path& at = parts_->folder;
-    parts_->made.make(at);
-    parts_->partial.emplace(at);
-    OwnFiles listed = filesOfOurs(at);
-    parts_->old = std::move(listed.own);
-    parts_->warnings = warningsOf(at, listed.others);
-    const std::set<std::string> ours(parts_->old.begin(), parts_->old.end());
-    for (const std::string& file : parts_->old) requireOwnSubfolder(at, file);
-    for (const std::string& file : parts_->fresh) {
+    : state_(std::make_unique<State>()) {
+  state_->folder = std::move(folder);
+  state_->fresh = std::move(fresh);
+  checkFractureFolder(state_->folder);
+  withFolderErrors(state_->folder, [this] {
+    const fs::path& at = state_->folder;
+    state_->made.make(at);
+    state_->partial.emplace(at);
+    OwnFiles listed = existingFiles(at);
+    state_->old = std::move(listed.own);
+    state_->warnings = warningsOf(at, listed.others);
+    const std::set<std::string> ours(state_->old.begin(), state_->old.end());
+    for (const std::string& file : state_->old) requireOwnSubfolder(at, file);
+    for (const std::string& file : state_->fresh) {
       requireOwnSubfolder(at, file);
       if (present(at / file) && !ours.contains(file)) {
         outputError(at / file,
@@ -210,7 +211,7 @@ FractureReplacement::FractureReplacement(fs::path folder, std::vector<std::strin
                     "name another output folder");
       }
     }
-    makeParents(parts_->partial->fresh(), parts_->fresh);
+    makeParents(state_->partial->fresh(), state_->fresh);
   });
 }
 
@@ -218,40 +219,40 @@ FractureReplacement::~FractureReplacement() {
   try {
     (void)takeBack();
   } catch (const std::exception&) {
-    // No memory for the sentence that nobody takes.
+    // Out of memory for the unused message.
   }
 }
 FractureReplacement::FractureReplacement(FractureReplacement&& other) noexcept = default;
 
 std::string FractureReplacement::takeBack() {
-  if (!parts_ || !std::exchange(parts_->isInPlace, false)) return {};
+  if (!state_ || !std::exchange(state_->isInPlace, false)) return {};
   try {
-    parts_->partial->takeBack(parts_->fresh);
+    state_->partial->takeBack(state_->fresh);
     return {};
   } catch (const Error& e) {
-    return parts_->folder.string() + " is not as it was before: " + e.what();
+    return state_->folder.string() + " is not as it was before: " + e.what();
   }
 }
 
 void FractureReplacement::write(const std::function<void(const fs::path&)>& write) {
-  withFolderErrors(parts_->folder, [&] { write(parts_->partial->fresh()); });
+  withFolderErrors(state_->folder, [&] { write(state_->partial->fresh()); });
 }
 
-const std::vector<std::string>& FractureReplacement::warnings() const { return parts_->warnings; }
+const std::vector<std::string>& FractureReplacement::warnings() const { return state_->warnings; }
 
 void FractureReplacement::putInPlace() {
-  withFolderErrors(parts_->folder,
-                   [this] { parts_->partial->putInPlace(parts_->old, parts_->fresh); });
-  parts_->isInPlace = true;
+  withFolderErrors(state_->folder,
+                   [this] { state_->partial->putInPlace(state_->old, state_->fresh); });
+  state_->isInPlace = true;
 }
 
 fs::path FractureReplacement::keep() {
-  return withFolderErrors(parts_->folder, [this] {
-    parts_->isInPlace = false;
-    parts_->made.keep();
-    parts_->partial->keep();
-    parts_->partial.reset();
-    return parts_->folder / kManifestName;
+  return withFolderErrors(state_->folder, [this] {
+    state_->isInPlace = false;
+    state_->made.keep();
+    state_->partial->keep();
+    state_->partial.reset();
+    return state_->folder / kManifestName;
   });
 }
 

@@ -1,4 +1,4 @@
-// The folder that a fracture goes into.
+// Replacement of the fracture in a folder.
 #pragma once
 
 #include <filesystem>
@@ -9,38 +9,40 @@
 
 namespace sherd {
 
-/// A fracture on its way into a folder, in place of the one that is there, as writeFracture
-/// promises.  What is not kept goes with this, and the folder is as it was.
+/// Replaces the fracture in a folder as documented at writeFracture.  The destructor restores the
+/// folder unless keep() was called.
 class FractureReplacement {
  public:
-  ///   fresh   its files but for the manifest, relative to the folder
+  ///   fresh   the new files without the manifest, relative to the folder
   ///   throws  Error(output)
   FractureReplacement(std::filesystem::path folder, std::vector<std::string> fresh);
   ~FractureReplacement();
   FractureReplacement(FractureReplacement&& other) noexcept;
 
-  /// Write the files and the manifest aside: `write` is given a folder whose sub-folders are there.
+  /// Writes the files and the manifest to a hidden folder: `write` gets a folder with all
+  /// subfolders.
   ///   throws  Error(output); what `write` throws
   void write(const std::function<void(const std::filesystem::path&)>& write);
 
-  /// A sentence on files that the earlier manifest lists and that stay: no fracture's file is named
-  /// so.
+  /// A sentence about files that the earlier manifest lists but that are kept, as no fracture's
+  /// file has such a name; else empty.
   [[nodiscard]] const std::vector<std::string>& warnings() const;
 
-  /// Nothing but renames, which are undone unless kept.  To be within an Uncut until then.
-  ///   throws  Error(output), and all is as it was, or will be when the folder is opened again
+  /// Only renames, which are undone unless keep() is called.  Call both within one Uncut.
+  ///   throws  Error(output); the folder is restored, now or when it is opened again
   void putInPlace();
 
-  /// Undo that.
-  ///   return  a sentence on what cannot be undone; else nothing
+  /// Undoes putInPlace().
+  ///   return  if that fails, a sentence about it; else empty
   [[nodiscard]] std::string takeBack();
 
+  /// Makes putInPlace() final.
   ///   return  the manifest's path
   std::filesystem::path keep();
 
  private:
-  struct Parts;
-  std::unique_ptr<Parts> parts_;
+  struct State;
+  std::unique_ptr<State> state_;
 };
 
 }  // namespace sherd

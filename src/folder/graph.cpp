@@ -1,4 +1,4 @@
-// What touches what, for simulations.
+// The contact graph, for simulations.
 #include <sherd/io.h>
 
 #include <glm/geometric.hpp>
@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::uint32_t kNoParent = 0xffffffffu;  // as Blast has it
+constexpr std::uint32_t kNoParent = 0xffffffffu;  // Blast's value for the root
 
 Json chunkJson(const glm::dvec3& centroid, double volume, std::uint32_t parent, bool isSupport,
                int userData) {
@@ -23,14 +23,14 @@ Json chunkJson(const glm::dvec3& centroid, double volume, std::uint32_t parent, 
           {"userData", userData}};
 }
 
-// Calls see(one, other, contact as `one` has it) for each two fragments that touch and are there.
-template <class See>
-void forEachContact(std::span<const Fragment> fragments, const See& see) {
+// Calls visit(one, other, contact of `one`) for each pair of touching fragments in `fragments`.
+template <class Visit>
+void forEachContact(std::span<const Fragment> fragments, const Visit& visit) {
   for (const Fragment& fragment : fragments) {
     for (const Contact& contact : fragment.contacts) {
       const auto other = static_cast<std::size_t>(contact.fragment - 1);
       if (contact.fragment <= fragment.id || other >= fragments.size()) continue;
-      see(fragment, fragments[other], contact);
+      visit(fragment, fragments[other], contact);
     }
   }
 }
@@ -38,7 +38,7 @@ void forEachContact(std::span<const Fragment> fragments, const See& see) {
 }  // namespace
 
 void writeGraph(const OutputFile& file, std::span<const Fragment> fragments,
-                const VdbNotes& notes) {
+                const GridMetadata& metadata) {
   double volume = 0.0;
   glm::dvec3 moment(0.0);
   for (const Fragment& fragment : fragments) {
@@ -48,7 +48,7 @@ void writeGraph(const OutputFile& file, std::span<const Fragment> fragments,
   Json chunks = Json::array({chunkJson(moment / volume, volume, kNoParent, false, 0)});
   for (const Fragment& fragment : fragments) {
     Json chunk = chunkJson(fragment.mass.centroid, fragment.mass.volume, 0, true, fragment.id);
-    chunk["mass"] = notes.density * fragment.mass.volume;
+    chunk["mass"] = metadata.density * fragment.mass.volume;
     chunks.push_back(std::move(chunk));
   }
   Json bonds = Json::array();
@@ -61,8 +61,8 @@ void writeGraph(const OutputFile& file, std::span<const Fragment> fragments,
                                     {"userData", 0}});
                  });
   const Json graph = {{"schema", "sherd-graph/1"},
-                      {"source", notes.source},
-                      {"density", notes.density},
+                      {"source", metadata.source},
+                      {"density", metadata.density},
                       {"chunks", std::move(chunks)},
                       {"bonds", std::move(bonds)}};
   file.write(graph.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");

@@ -1,4 +1,4 @@
-// manifest.json: what a fracture is, and which files hold it.
+// manifest.json: the options, statistics and files of a fracture.
 #include "folder/manifest.h"
 
 #include <sherd/evaluate.h>
@@ -22,8 +22,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json sourceJson(const SourceMesh& source, bool again) {
-  if (again) return {{"file", source.name}, {"fracture_sha256", source.sha256}};
+Json sourceJson(const SourceMesh& source, bool isRefracture) {
+  if (isRefracture) return {{"file", source.name}, {"fracture_sha256", source.sha256}};
   Json json = {{"file", source.name}, {"sha256", source.sha256}};
   if (!source.grids.empty()) json["grids"] = source.grids;
   if (source.isovalue) json["isovalue"] = *source.isovalue;
@@ -45,13 +45,13 @@ double effectiveNumber(const FractureResult& result) {
 
 Json impactJson(const Impact& impact) {
   Json json = Json::object();
-  if (const auto* point = std::get_if<WorldPoint>(&impact.place)) json["point"] = jsonOf(point->v);
-  if (const auto* ray = std::get_if<Ray>(&impact.place)) {
+  if (const auto* point = std::get_if<WorldPoint>(&impact.target)) json["point"] = jsonOf(point->v);
+  if (const auto* ray = std::get_if<Ray>(&impact.target)) {
     json["ray"] = {{"origin", jsonOf(ray->origin.v)}, {"direction", jsonOf(ray->direction)}};
   }
   json["count"] = impact.count;
-  if (impact.spread > 0.0) {
-    json["spread"] = impact.spread;
+  if (impact.sigma > 0.0) {
+    json["sigma"] = impact.sigma;
   } else {
     json["bias"] = impact.bias;
   }
@@ -79,9 +79,9 @@ Json growOptionsJson(const GrowOptions& grow) {
   if (grow.growth == Growth::nearest || grow.growth == Growth::chain) {
     json["metric"] = names::of(names::kMetric, grow.metric);
   }
-  if (grow.grain.strength != 0.0) {
-    json["grain"] = {{"direction", jsonOf(grow.grain.direction)},
-                     {"strength", grow.grain.strength}};
+  if (grow.anisotropy.strength != 0.0) {
+    json["grain"] = {{"direction", jsonOf(grow.anisotropy.direction)},
+                     {"strength", grow.anisotropy.strength}};
   }
   json["roughness"] = grow.roughness;
   json["hurst"] = grow.hurst;
@@ -100,7 +100,7 @@ Json erodeOptionsJson(const ErodeOptions& erode) {
           {"threshold", erode.threshold},
           {"probability", erode.probability},
           {"on", names::of(names::kErodeOn, erode.on)},
-          {"crumbs", names::of(names::kCrumbs, erode.crumbs)}};
+          {"islands", names::of(names::kIslands, erode.islands)}};
 }
 
 Json pointOptionsJson(const WriteOptions& write) {
@@ -116,10 +116,10 @@ Json pointOptionsJson(const WriteOptions& write) {
 }
 
 Json distanceOptionsJson(const WriteOptions& write, const Solid& solid) {
-  const double spread = write.distances.spread;
+  const double sigma = write.distances.sigma;
   return {{"count", write.distances.count},
           {"type", names::of(names::kSampleType, write.distances.type)},
-          {"spread", spread > 0.0 ? spread : solid.frame.voxelSize}};
+          {"sigma", sigma > 0.0 ? sigma : solid.frame.voxelSize}};
 }
 
 Json surfaceOptionsJson(const SurfaceOptions& surface, int longestSide) {
@@ -188,7 +188,7 @@ Json gridJson(const SourceMesh& source, const FractureOptions& options,
               const FractureResult& result) {
   const Solid& solid = result.solid;
   const openvdb::Coord& first = solid.box.min;
-  const std::uint64_t labelled = std::transform_reduce(
+  const std::uint64_t labeled = std::transform_reduce(
       result.fragments.begin(),
       result.fragments.end() - static_cast<std::ptrdiff_t>(result.withheld), std::uint64_t{0},
       std::plus<>(), [](const Fragment& f) { return f.voxels; });
@@ -198,13 +198,13 @@ Json gridJson(const SourceMesh& source, const FractureOptions& options,
           {"index_min", jsonOf(first)},
           {"origin", jsonOf(solid.frame.worldFromIndex({{first.x(), first.y(), first.z()}}).v)},
           {"solid_voxels", solid.voxels},
-          {"worn_voxels", solid.voxels - labelled}};
+          {"eroded_voxels", solid.voxels - labeled}};
 }
 
-// [id]
-std::map<int, double> rimLengths(const Fragment& fragment) {
+// Returns the length of the contact boundary by neighbor id, world units.
+std::map<int, double> boundaryLengths(const Fragment& fragment) {
   std::map<int, double> lengths;
-  for (const auto& [other, curves] : rimCurves(fragment)) {
+  for (const auto& [other, curves] : boundaryLoops(fragment)) {
     double& length = lengths[other];
     for (const std::vector<std::uint32_t>& curve : curves) {
       for (std::size_t i = 0; i < curve.size(); ++i) {
@@ -216,19 +216,19 @@ std::map<int, double> rimLengths(const Fragment& fragment) {
   return lengths;
 }
 
-Json contactsJson(const Fragment& fragment, std::map<int, double> rims) {
+Json contactsJson(const Fragment& fragment, std::map<int, double> boundaries) {
   Json contacts = Json::array();
   for (const Contact& contact : fragment.contacts) {
     contacts.push_back({{"id", contact.fragment},
                         {"area", plain(contact.area)},
                         {"normal", jsonOf(contact.normal)},
                         {"centroid", jsonOf(contact.centroid.v)},
-                        {"rim_length", rims[contact.fragment]}});
+                        {"boundary_length", boundaries[contact.fragment]}});
   }
   return contacts;
 }
 
-// [fragments] where each grew from, the primary seed first.
+// Returns [fragments] the seed positions of each, the primary seed first.
 std::vector<Json> seedPositions(const FractureResult& result) {
   std::vector<Json> positions(result.fragments.size(), Json::array());
   for (const Seed& seed : result.seeds) {
@@ -255,13 +255,13 @@ Json fragmentJson(const Fragment& fragment, const MeshFacts& facts, const Fractu
       {"area", plain(fragment.area)},
       {"fracture_area", plain(fragment.fractureArea)},
       {"original_area", plain(fragment.area - fragment.fractureArea)},
-      {"worn_voxels", result.worn[static_cast<std::size_t>(fragment.id)]},
+      {"eroded_voxels", result.eroded[static_cast<std::size_t>(fragment.id)]},
       {"seeds", std::move(seeds)},
       {"files", std::move(files)},
-      {"contacts", contactsJson(fragment, facts.rimLengths)}};
+      {"contacts", contactsJson(fragment, facts.boundaryLengths)}};
 }
 
-// A path, or a list of paths where there are several.
+// Returns a path, or a list if there are several.
 Json pathsJson(const std::vector<std::string>& paths) {
   return paths.size() == 1 ? Json(paths[0]) : Json(paths);
 }
@@ -298,8 +298,8 @@ std::vector<std::string> FractureFiles::all() const {
       list.insert(list.end(), ofOne.begin(), ofOne.end());
     }
   }
-  for (const std::string& file : {allVdb, solidVdb, solidSdf, correspondences, preview, seeds, rims,
-                                  cost, scene, graph, constraints}) {
+  for (const std::string& file : {allVdb, solidVdb, solidSdf, correspondences, preview, seeds,
+                                  boundaries, cost, scene, graph, constraints}) {
     if (!file.empty()) list.push_back(file);
   }
   return list;
@@ -308,7 +308,7 @@ std::vector<std::string> FractureFiles::all() const {
 std::vector<MeshFacts> meshFacts(std::span<const Fragment> fragments) {
   std::vector<MeshFacts> facts(fragments.size());
   tbb::parallel_for(std::size_t{0}, facts.size(), [&](std::size_t i) {
-    facts[i] = {bounds(fragments[i].mesh), rimLengths(fragments[i])};
+    facts[i] = {bounds(fragments[i].mesh), boundaryLengths(fragments[i])};
   });
   return facts;
 }
@@ -320,14 +320,15 @@ std::string manifestText(const SourceMesh& source, const FractureOptions& option
                    {"source", sourceJson(source, !result.parents.empty())},
                    {"options", optionsJson(options, result, write)}};
   if (!source.mesh.triangles.empty()) manifest["report"] = reportJson(source, result);
-  const bool asked = options.seedFile.empty() && result.parents.empty();
-  if (asked && static_cast<std::size_t>(options.pieces) < result.fragments.size()) {
+  const bool isRequested = options.seedFile.empty() && result.parents.empty();
+  if (isRequested && static_cast<std::size_t>(options.pieces) < result.fragments.size()) {
     manifest["pieces_asked"] = options.pieces;
   }
   manifest["grid"] = gridJson(source, options, result);
-  manifest["parts"] = result.parts;
+  manifest["components"] = result.components;
   manifest["effective_number"] = effectiveNumber(result);
-  manifest["specks"] = {{"parts", result.solid.specks}, {"voxels", result.solid.speckVoxels}};
+  manifest["small_components"] = {{"count", result.solid.smallComponents},
+                                  {"voxels", result.solid.smallComponentVoxels}};
   manifest["fragments"] = Json::array();
   manifest["withheld"] = Json::array();
   std::vector<Json> seeds = seedPositions(result);
@@ -361,7 +362,7 @@ std::string manifestText(const SourceMesh& source, const FractureOptions& option
   if (!files.solidSdf.empty()) manifest["sdf"] = files.solidSdf;
   if (!files.correspondences.empty()) manifest["correspondences"] = files.correspondences;
   manifest["files"] = files.all();
-  // A source's name may hold bytes that are not UTF-8; JSON cannot.
+  // A source's name may have bytes that are not UTF-8, which JSON does not allow.
   return manifest.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

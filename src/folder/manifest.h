@@ -1,4 +1,4 @@
-// manifest.json: what a fracture is, and which files hold it.
+// manifest.json: the options, statistics and files of a fracture.
 #pragma once
 
 #include <sherd/fracture.h>
@@ -16,14 +16,14 @@ namespace sherd {
 struct FractureFiles {
   std::vector<std::string> labels;  ///< [formats] or empty
   std::vector<std::string> vdb;     ///< [fragments that are not withheld] or empty
-  std::string allVdb;               ///< of all of these
+  std::string allVdb;               ///< all fragments in one file
   std::string solidVdb;
   std::vector<std::vector<std::string>> mesh;  ///< [fragments that are not withheld][formats] or
                                                ///< empty
   std::vector<std::vector<std::vector<std::string>>>
-      coarse;                          ///< [of these][SurfaceOptions::triangles][formats] or empty
+      coarse;                          ///< [as mesh][SurfaceOptions::triangles][formats] or empty
   std::vector<std::string> solidMesh;  ///< [formats] or empty
-  std::string materials;               ///< the library of .obj files
+  std::string materials;               ///< the material library of .obj files
   std::vector<std::string> textures;   ///< [MaterialTable::textures] or empty
   std::vector<std::vector<std::string>> points;  ///< [fragments that are not withheld][formats] or
                                                  ///< empty
@@ -33,7 +33,7 @@ struct FractureFiles {
   std::string correspondences;
   std::string preview;
   std::string seeds;
-  std::string rims;
+  std::string boundaries;
   std::string cost;
   std::string scene;
   std::string graph;
@@ -42,18 +42,18 @@ struct FractureFiles {
   std::vector<std::string> all() const;
 };
 
-/// What a manifest tells of a fragment's mesh.
+/// Metrics of a fragment's mesh in the manifest.
 struct MeshFacts {
   Box box;
-  std::map<int, double> rimLengths;  ///< by the fragment that is faced, world units
+  std::map<int, double> boundaryLengths;  ///< of contacts by neighbor id, world units
 };
 
-/// [fragments]
+/// Returns [fragments] the metrics of each mesh.
 [[nodiscard]] std::vector<MeshFacts> meshFacts(std::span<const Fragment> fragments);
 
-/// The manifest as text.  It holds no times and no machine names, and its numbers read back as they
-/// were: equal fractures give equal bytes.  The fragments' meshes and level sets are not used.
-///   facts  [fragments] meshFacts of all
+/// Returns the manifest's text.  It has no times or machine names, and its numbers round-trip, so
+/// equal fractures give equal bytes.  The fragments' meshes and level sets are not used.
+///   facts  [fragments] as returned by meshFacts
 [[nodiscard]] std::string manifestText(const SourceMesh& source, const FractureOptions& options,
                                        const FractureResult& result,
                                        std::span<const MeshFacts> facts, const FractureFiles& files,

@@ -1,4 +1,4 @@
-// What was found wrong with a mesh and done about it, told.
+// Report of a mesh's defects and repairs.
 #include "folder/mesh_report.h"
 
 #include <cmath>
@@ -19,9 +19,9 @@ std::string counted(std::size_t count, const std::string& what) {
   return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }
 
-// Of the fragments' meshes; of voxels where some were worn off.
+// Sums the volumes of the fragments' meshes; of all voxels if some are eroded.
 double solidVolume(const FractureResult& result) {
-  if (!result.worn.empty() && result.worn.front() > 0) {
+  if (!result.eroded.empty() && result.eroded.front() > 0) {
     return static_cast<double>(result.solid.voxels) * std::pow(result.solid.frame.voxelSize, 3);
   }
   double sum = 0.0;
@@ -29,7 +29,7 @@ double solidVolume(const FractureResult& result) {
   return sum;
 }
 
-// By how much the solid's volume differs from the mesh's, as a share of it.
+// Returns the relative difference of the solid's volume from the mesh's.
 double difference(const FractureResult& result) {
   const double mesh = result.solid.report.meshVolume;
   return mesh > 0.0 ? solidVolume(result) / mesh - 1.0 : 0.0;
@@ -40,20 +40,20 @@ bool isShort(const SolidReport& report) {
          report.walls.resolution > kMostAutoResolution;
 }
 
-// The resolution that was chosen, and why.
+// Returns the automatic resolution and the reason for it.
 std::string choiceText(const SolidReport& report) {
   const int used = report.resolution.resolution;
   const double coarser = kLeastAutoResolution / static_cast<double>(used);
   const std::string at = " at " + std::to_string(kLeastAutoResolution);
   std::string choice = "resolution " + std::to_string(used) + ", chosen automatically: ";
   if (report.fill == Fill::shell) return choice + "as for every shell";
-  if (used == kLeastAutoResolution) return choice + "it holds the mesh's walls";
+  if (used == kLeastAutoResolution) return choice + "it preserves the mesh's walls";
   if (report.walls.forWalls >= report.walls.forVolume) {
     choice += "walls would be down to " + text(report.walls.thinnest * coarser) + " voxels" + at;
   } else {
     choice += "branches and edges would lose more than 2 % of the volume" + at;
   }
-  return isShort(report) ? choice + "; no higher one is chosen" : choice;
+  return isShort(report) ? choice + ", the highest automatic one" : choice;
 }
 
 std::string titleOf(const SourceMesh& source) { return titled(source.name, source); }
@@ -67,12 +67,12 @@ std::string titled(const std::string& file, const SourceMesh& source) {
 nlohmann::ordered_json reportJson(const SourceMesh& source, const FractureResult& result) {
   const SolidReport& report = result.solid.report;
   const MeshDefects& defects = report.defects;
-  nlohmann::ordered_json json = {{"parts", defects.parts},
+  nlohmann::ordered_json json = {{"components", defects.components},
                                  {"boundary_edges", defects.boundaryEdges},
                                  {"non_manifold_edges", defects.nonManifoldEdges},
                                  {"misoriented_edges", defects.misorientedEdges},
-                                 {"turned_triangles", defects.turnedTriangles},
-                                 {"turned_parts", defects.turnedParts},
+                                 {"flipped_triangles", defects.flippedTriangles},
+                                 {"flipped_components", defects.flippedComponents},
                                  {"dropped_vertices", source.droppedVertices},
                                  {"degenerate_triangles", source.degenerateTriangles},
                                  {"zero_area_triangles", defects.zeroAreaTriangles},
@@ -104,13 +104,13 @@ std::string reportText(const SourceMesh& source, const FractureResult& result) {
   const SolidReport& report = result.solid.report;
   const MeshDefects& defects = report.defects;
   std::string found = titleOf(source) + ": " + counted(source.mesh.triangles.size(), "triangle") +
-                      " in " + counted(defects.parts, "part");
+                      " in " + counted(defects.components, "component");
   const std::pair<std::size_t, const char*> faults[] = {
       {defects.boundaryEdges, "boundary edge"},
       {defects.nonManifoldEdges, "non-manifold edge"},
       {defects.misorientedEdges, "misoriented edge"},
       {defects.duplicateTriangles, "duplicate triangle"},
-      {source.droppedVertices, "infinite corner"},
+      {source.droppedVertices, "infinite vertex"},
       {source.degenerateTriangles + defects.zeroAreaTriangles, "degenerate triangle"}};
   bool clean = true;
   for (const auto& [count, what] : faults) {
@@ -122,11 +122,11 @@ std::string reportText(const SourceMesh& source, const FractureResult& result) {
   std::string done =
       std::string("filled by ") + names::of(names::kFill, report.fill) + ": " + report.fillReason;
   if (report.fill == Fill::shell) done += "; a shell " + text(report.shellThickness) + " thick";
-  if (defects.turnedTriangles > 0) {
-    done += "; " + counted(defects.turnedTriangles, "triangle") + " turned over";
+  if (defects.flippedTriangles > 0) {
+    done += "; " + counted(defects.flippedTriangles, "triangle") + " flipped";
   }
-  if (defects.turnedParts > 0) {
-    done += "; " + counted(defects.turnedParts, "part") + " turned inside out";
+  if (defects.flippedComponents > 0) {
+    done += "; " + counted(defects.flippedComponents, "inside-out component") + " flipped";
   }
 
   std::string volumes = "volume " + text(solidVolume(result));
@@ -148,19 +148,19 @@ std::vector<std::string> reportWarnings(const SourceMesh& source, const Fracture
   if (std::abs(difference(result)) > kVolumesAgree) {
     warnings.push_back(titleOf(source) + ": the solid's volume is " + text(solidVolume(result)) +
                        ", the mesh's own " + text(report.meshVolume) +
-                       "; overlapping parts count once, and walls thinner than a voxel are lost");
+                       "; overlaps count once, and walls thinner than a voxel are lost");
   }
   if (isShort(report)) {
     warnings.push_back(titleOf(source) + ": the mesh needs a --resolution of " +
-                       std::to_string(report.walls.resolution) + ", and no higher one than " +
-                       std::to_string(kMostAutoResolution) +
-                       " is chosen automatically; walls are " + text(report.walls.thinnest) +
-                       " voxels thin, and parts may be lost");
+                       std::to_string(report.walls.resolution) +
+                       ", above the highest automatic one, " + std::to_string(kMostAutoResolution) +
+                       "; walls are " + text(report.walls.thinnest) +
+                       " voxels thin and may be lost");
   } else if (report.walls.thinnest < 1.0 && report.walls.resolution > 0 &&
              report.fill != Fill::shell) {
     warnings.push_back(titleOf(source) + ": walls are down to " + text(report.walls.thinnest) +
-                       " voxels thin, of which parts may be lost; a --resolution of " +
-                       std::to_string(report.walls.resolution) + " would hold them");
+                       " voxels thin and may be lost; a --resolution of " +
+                       std::to_string(report.walls.resolution) + " preserves them");
   }
   return warnings;
 }

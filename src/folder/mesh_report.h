@@ -1,4 +1,4 @@
-// What was found wrong with a mesh and done about it, told.
+// Report of a mesh's defects and repairs.
 #pragma once
 
 #include <sherd/fracture.h>
@@ -10,20 +10,20 @@
 
 namespace sherd {
 
-/// A mesh whose volume and whose solid's differ by a larger share is worth a warning.
+/// The largest relative difference of the solid's volume from the mesh's without a warning.
 inline constexpr double kVolumesAgree = 0.03;
 
-/// A file's name, and where one of its objects alone is meant, that object's.
+/// Returns a file's name, with the object's name if `source` is one object of the file.
 [[nodiscard]] std::string titled(const std::string& file, const SourceMesh& source);
 
-/// As manifests and `--json` have it.
+/// Returns the report for manifests and `--json`.
 [[nodiscard]] nlohmann::ordered_json reportJson(const SourceMesh& source,
                                                 const FractureResult& result);
 
-/// The same as lines for people.
+/// Returns the report as lines of text.
 [[nodiscard]] std::string reportText(const SourceMesh& source, const FractureResult& result);
 
-/// What of it a user has to know: a sentence each.
+/// Returns the warnings of the report, one sentence each.
 [[nodiscard]] std::vector<std::string> reportWarnings(const SourceMesh& source,
                                                       const FractureResult& result);
 

@@ -1,4 +1,4 @@
-// Writes the meshes of a fracture, with the look of the mesh that was broken.
+// Writes the meshes of a fracture with the surface attributes of the input mesh.
 #include "folder/mesh_writer.h"
 
 #include "folder/file_names.h"
@@ -7,12 +7,12 @@
 namespace sherd {
 
 MeshWriter::MeshWriter(const OutputFolder& folder, const FractureFiles& files,
-                       const SourceMesh& source, const MaterialTable& table, const LookSource* look,
-                       const WriteOptions& write)
+                       const SourceMesh& source, const MaterialTable& table,
+                       const AttributeSource* attributes, const WriteOptions& write)
     : folder_(folder),
       table_(table),
       options_(write),
-      look_(look),
+      attributes_(attributes),
       library_(std::filesystem::path(files.materials).filename().string()),
       stem_(safeName(source.stem, "piece")) {
   if (files.mesh.empty() && files.scene.empty()) return;
@@ -22,15 +22,17 @@ MeshWriter::MeshWriter(const OutputFolder& folder, const FractureFiles& files,
   }
 }
 
-SurfaceLook MeshWriter::lookOf(const TriangleMesh& mesh,
-                               const std::vector<std::uint16_t>& facing) const {
-  return look_ ? look_->on(mesh, facing, table_.inside()) : SurfaceLook();
+SurfaceAttributes MeshWriter::attributesOf(const TriangleMesh& mesh,
+                                           const std::vector<std::uint16_t>& neighbor) const {
+  return attributes_ ? attributes_->transferTo(mesh, neighbor, table_.inside())
+                     : SurfaceAttributes();
 }
 
-void MeshWriter::write(const TriangleMesh& mesh, const std::vector<std::uint16_t>& facing,
-                       const SurfaceLook& look, const std::vector<std::string>& paths) const {
+void MeshWriter::write(const TriangleMesh& mesh, const std::vector<std::uint16_t>& neighbor,
+                       const SurfaceAttributes& attributes,
+                       const std::vector<std::string>& paths) const {
   const std::string name = std::filesystem::path(paths.front()).stem().string();
-  const PieceMesh piece{name, mesh, facing, look, table_};
+  const PieceMesh piece{name, mesh, neighbor, attributes, table_};
   for (std::size_t i = 0; i < paths.size(); ++i) {
     const MeshFileFormat format = options_.meshFormats[i];
     if (options_.plainMeshes && format == MeshFileFormat::ply) {
@@ -45,16 +47,18 @@ void MeshWriter::write(const TriangleMesh& mesh, const std::vector<std::uint16_t
   }
 }
 
-void MeshWriter::writeScene(std::span<const Fragment> fragments, std::span<const SurfaceLook> looks,
+void MeshWriter::writeScene(std::span<const Fragment> fragments,
+                            std::span<const SurfaceAttributes> attributes,
                             const std::string& path) const {
   std::vector<std::string> names;
   for (const Fragment& fragment : fragments) {
-    names.push_back(pieceName(stem_, fragment.id, fragments.size()));
+    names.push_back(fragmentName(stem_, fragment.id, fragments.size()));
   }
   std::vector<SceneNode> nodes;
   for (std::size_t i = 0; i < fragments.size(); ++i) {
     const Fragment& fragment = fragments[i];
-    nodes.push_back({{names[i], fragment.mesh, fragment.facing, looks[i], table_}, fragment.mass});
+    nodes.push_back(
+        {{names[i], fragment.mesh, fragment.neighbor, attributes[i], table_}, fragment.mass});
   }
   writeSceneGlb(folder_ / path, nodes, options_.density);
 }

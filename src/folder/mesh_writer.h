@@ -1,4 +1,4 @@
-// Writes the meshes of a fracture, with the look of the mesh that was broken.
+// Writes the meshes of a fracture with the surface attributes of the input mesh.
 #pragma once
 
 #include <sherd/io.h>
@@ -12,35 +12,39 @@
 
 namespace sherd {
 
-/// Writes meshes into a folder; any thread may ask.  What it is made of is kept by reference.
+/// Writes meshes into a folder, from any thread.  Holds references to the arguments of its
+/// constructor.
 class MeshWriter {
  public:
-  /// Writes what meshes refer to: the library of materials and the textures.
-  ///   look  of the source, or null where it has none
+  /// Writes the files to which meshes refer: material library and textures.
+  ///   attributes  of the source; null if it has none
   MeshWriter(const OutputFolder& folder, const FractureFiles& files, const SourceMesh& source,
-             const MaterialTable& table, const LookSource* look, const WriteOptions& write);
+             const MaterialTable& table, const AttributeSource* attributes,
+             const WriteOptions& write);
 
-  /// What a mesh takes over of the source's look; empty where that has none.
-  SurfaceLook lookOf(const TriangleMesh& mesh, const std::vector<std::uint16_t>& facing) const;
+  /// Transfers the source's surface attributes to a mesh; empty if it has none.
+  SurfaceAttributes attributesOf(const TriangleMesh& mesh,
+                                 const std::vector<std::uint16_t>& neighbor) const;
 
-  ///   look   lookOf the mesh
-  ///   paths  [formats] in the folder
-  void write(const TriangleMesh& mesh, const std::vector<std::uint16_t>& facing,
-             const SurfaceLook& look, const std::vector<std::string>& paths) const;
+  /// Writes a mesh in all formats.
+  ///   attributes  attributesOf the mesh
+  ///   paths       [formats] in the folder
+  void write(const TriangleMesh& mesh, const std::vector<std::uint16_t>& neighbor,
+             const SurfaceAttributes& attributes, const std::vector<std::string>& paths) const;
 
-  /// All of them as nodes of one .glb, named as their own meshes' files would be.
-  ///   looks  [fragments] lookOf their meshes
-  ///   path   in the folder
-  void writeScene(std::span<const Fragment> fragments, std::span<const SurfaceLook> looks,
-                  const std::string& path) const;
+  /// Writes all fragments as nodes of one .glb, named like their mesh files.
+  ///   attributes  [fragments] attributesOf their meshes
+  ///   path        in the folder
+  void writeScene(std::span<const Fragment> fragments,
+                  std::span<const SurfaceAttributes> attributes, const std::string& path) const;
 
  private:
   const OutputFolder& folder_;
   const MaterialTable& table_;
   const WriteOptions& options_;
-  const LookSource* look_;
-  std::string library_;  ///< its file name
-  std::string stem_;     ///< of nodes
+  const AttributeSource* attributes_;
+  std::string library_;  ///< file name of the material library
+  std::string stem_;     ///< of node names
 };
 
 }  // namespace sherd

@@ -1,4 +1,4 @@
-// Which of the files that a manifest lists are a fracture's by their names.
+// Selects the files in a manifest's list that have names of fracture files.
 #include "folder/own_files.h"
 
 #include <sherd/seeds.h>
@@ -20,8 +20,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 using Names = std::unordered_set<std::string>;
 
-// The listed file that the manifest names there, the first one of several; empty where there is
-// none.
+// Returns the listed file at a JSON pointer, the first one of a list; empty if there is none.
 std::string fileAt(const Json& manifest, const std::string& pointer, const Names& listed) {
   for (const char* item : {"", "/0"}) {
     const Json::json_pointer at(pointer + item);
@@ -38,11 +37,11 @@ std::size_t fragmentsOf(const Json& manifest) {
   return isList ? std::min<std::size_t>(found->size(), kMaxFragments) : 0;
 }
 
-// What comes before a fragment's number in names, which the manifest does not record by itself;
-// empty where no file's name holds it.
+// Returns the part of file names before a fragment's number, which the manifest does not record;
+// empty if no file name has one.
 std::string stemOf(const Json& manifest, std::size_t fragments, const Names& listed) {
   if (fragments > 0) {
-    const std::string number = pieceName("", 1, fragments);
+    const std::string number = fragmentName("", 1, fragments);
     for (const char* kind : {"vdb", "mesh", "points", "sdf", "proxy"}) {
       const std::string file = fileAt(manifest, std::string("/fragments/0/files/") + kind, listed);
       std::string stem = fs::path(file).stem().string();
@@ -57,10 +56,10 @@ std::string stemOf(const Json& manifest, std::size_t fragments, const Names& lis
   return {};
 }
 
-// Every kind of file in every format; text and binary .stl files have the same names.
+// Options with every file in every format; text and binary .stl files have the same names.
 WriteOptions everything() {
   WriteOptions write;
-  write.seeds = write.rims = write.cost = write.solid = write.scene = write.graph = true;
+  write.seeds = write.boundaries = write.cost = write.solid = write.scene = write.graph = true;
   write.proxy = true;
   write.vdbFiles = VdbFiles::both;
   write.voxelFormats = {VoxelFormat::rle, VoxelFormat::npy,    VoxelFormat::npz,
@@ -74,7 +73,7 @@ WriteOptions everything() {
   return write;
 }
 
-// A decimated mesh's name without its "_t" and number of triangles; empty where it has none.
+// Removes "_t" and the number of triangles from a decimated mesh's name; empty for other names.
 std::string withoutTriangles(const std::string& name) {
   const std::size_t ending = name.rfind('.');
   if (ending == std::string::npos) return {};
@@ -84,7 +83,7 @@ std::string withoutTriangles(const std::string& name) {
   return name.substr(0, digits - 2) + name.substr(ending);
 }
 
-// The names of all files that a fracture of this stem may have, but for textures.
+// The names of all files that a fracture with this stem can have.
 class PossibleNames {
  public:
   PossibleNames(const std::string& stem, std::size_t fragments) {
@@ -127,7 +126,7 @@ std::optional<OwnFiles> ownFiles(const Json& manifest) {
   const PossibleNames possible(stem, fragments);
   OwnFiles result;
   for (const std::string& file : *files) {
-    if (listed.erase(file) == 0) continue;  // once more
+    if (listed.erase(file) == 0) continue;  // a duplicate
     (possible.contains(file) ? result.own : result.others).push_back(file);
   }
   return result;

@@ -1,4 +1,4 @@
-// Which of the files that a manifest lists are a fracture's by their names.
+// Selects the files in a manifest's list that have names of fracture files.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -8,13 +8,13 @@
 
 namespace sherd {
 
-/// The files that a manifest lists, each once.
+/// The files that a manifest lists, without duplicates.
 struct OwnFiles {
-  std::vector<std::string> own;     ///< named as fileNames names them, with some options
-  std::vector<std::string> others;  ///< somebody else's, whatever the manifest says
+  std::vector<std::string> own;     ///< with names that fileNames can return
+  std::vector<std::string> others;  ///< all others, which are not replaced
 };
 
-/// Nothing where listedFiles returns nothing.  Anybody may have written the manifest.
+/// Returns nothing if listedFiles does.  The manifest is untrusted.
 [[nodiscard]] std::optional<OwnFiles> ownFiles(const nlohmann::json& manifest);
 
 }  // namespace sherd

@@ -1,4 +1,4 @@
-// A fracture on its way into its folder.
+// Moves a fracture into its folder so that a killed run can be undone.
 #include "folder/partial_folder.h"
 
 #include <fcntl.h>
@@ -34,8 +34,7 @@ constexpr const char* kNew = "new";
 constexpr const char* kOld = "old";
 constexpr const char* kMade = "made";
 
-constexpr const char* kPutsBack =
-    "; the next run, or sherd inspect, puts back what was there before";
+constexpr const char* kRestores = "; the next run, or sherd inspect, restores the earlier fracture";
 
 [[noreturn]] void outputError(const fs::path& path, const std::string& what) {
   throw Error(ErrorCode::output, path.string() + ": " + what);
@@ -56,7 +55,7 @@ void makeFolder(const fs::path& folder) {
   }
 }
 
-// The folders below a root that hold files: one level, as fileNames has it.
+// Returns the subfolders of a root that have files: one level, as in fileNames.
 std::set<fs::path> subfoldersOf(const fs::path& root, const Files& files) {
   std::set<fs::path> folders;
   for (const std::string& file : files) {
@@ -72,10 +71,10 @@ void makeFolders(const fs::path& root, const Files& files) {
 }
 
 void removeEmpty(const std::set<fs::path>& folders) {
-  for (const fs::path& folder : folders) ::rmdir(folder.c_str());  // fails where it is not empty
+  for (const fs::path& folder : folders) ::rmdir(folder.c_str());  // fails if it is not empty
 }
 
-// The folders that were made for a fracture which did not come.
+// Removes the folders that were created for a fracture that was not moved.
 void removeMade(const fs::path& folder, const fs::path& partial) {
   std::error_code none;
   for (fs::directory_iterator at(partial / kMade, none), end; !none && at != end;
@@ -84,11 +83,11 @@ void removeMade(const fs::path& folder, const fs::path& partial) {
   }
 }
 
-// Never onto another file, which may be anybody's.
+// Renames without replacing a file, which could be a user's.
 int renameOntoNothing(const fs::path& from, const fs::path& to) {
   if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return 0;
   if (errno != EINVAL && errno != ENOSYS) return errno;
-  if (present(to)) return EEXIST;  // this file system cannot do both at once
+  if (present(to)) return EEXIST;  // the file system lacks RENAME_NOREPLACE
   return ::rename(from.c_str(), to.c_str()) == 0 ? 0 : errno;
 }
 
@@ -97,9 +96,9 @@ void move(const fs::path& from, const fs::path& to) {
   if (failed != 0) outputError(to, "cannot be put in place: " + reasonOf(failed));
 }
 
-// ---- What was moved, and back
+// ---- Undoing moves
 
-// What a side of .sherd-partial holds by its manifest.
+// The content of .sherd-partial/new or .sherd-partial/old by its manifest.
 struct Side {
   bool manifest = false;
   Files files;
@@ -112,14 +111,14 @@ Side sideOf(const fs::path& partial, const char* name) {
   std::optional<OwnFiles> files = json ? ownFiles(*json) : std::nullopt;
   if (!files) {
     outputError(file,
-                "is no manifest of a fracture, so what a killed run left is not undone; "
+                "is not a manifest of a fracture, so what a killed run left is not undone; "
                 "move " +
                     partial.string() + " away");
   }
   return {true, std::move(files->own)};
 }
 
-// All files below a folder but the manifest at its top, relative to it.  No link is followed.
+// Returns all files below a folder except its manifest, relative to it, without following links.
 std::vector<fs::path> filesBelow(const fs::path& root) {
   std::vector<fs::path> files;
   if (!isFolder(root)) return files;
@@ -131,10 +130,10 @@ std::vector<fs::path> filesBelow(const fs::path& root) {
   return files;
 }
 
-// Undo the moves of putInPlace, whichever were done, as well as those of an earlier undoing.  While
-// files are on the move a name may stand for either fracture's: of the new one it is where it lacks
-// in new/, as all were there to begin with.  What is in old/ goes back whatever its name is: only a
-// run puts files there, and version 0.1 moved all that its manifest listed.
+// Undoes a partial putInPlace or a partial moveBack.  A file in the folder belongs to the new
+// fracture if it is absent from new/, which had all of them.  Everything in old/ is moved back,
+// whatever its name: only a run puts files there, and version 0.1 moved all files that its manifest
+// listed.
 void moveBack(const fs::path& folder, const fs::path& partial, const Files& fresh) {
   const Uncut whole;
   const fs::path newSide = partial / kNew, oldSide = partial / kOld;
@@ -153,8 +152,8 @@ void moveBack(const fs::path& folder, const fs::path& partial, const Files& fres
   }
 }
 
-// Remove what is in .sherd-partial: a manifest goes before the files that it lists, so that one
-// which is there has all of them.
+// Removes the content of .sherd-partial, each manifest before the files that it lists, so that a
+// manifest never lists removed files.
 void clear(const fs::path& partial) {
   for (const char* side : {kNew, kOld}) {
     if (isFolder(partial / side)) ::unlink((partial / side / kManifestName).c_str());
@@ -166,17 +165,17 @@ void clear(const fs::path& partial) {
   for (const fs::path& path : inside) fs::remove_all(path);
 }
 
-// What a killed run left, under the lock.
+// Undoes what a killed run left.  The caller holds the lock.
 void undo(const fs::path& folder, const fs::path& partial) {
   const bool isWhole = present(folder / kManifestName);
   if (!isWhole) {
     const Side fresh = sideOf(partial, kNew);
-    (void)sideOf(partial, kOld);  // is a fracture's, too
+    (void)sideOf(partial, kOld);  // throws if it is not a fracture's
     for (const fs::path& root : {folder, partial / kNew}) {
       for (const std::string& file : fresh.files) requireOwnSubfolder(root, file);
     }
     moveBack(folder, partial, fresh.files);
-  } else if (isFolder(partial / kOld)) {  // killed after the last move: its folders may be left
+  } else if (isFolder(partial / kOld)) {  // killed after the last move: empty folders may be left
     const std::optional<nlohmann::json> json = manifestJson(partial / kOld / kManifestName);
     const std::optional<OwnFiles> files = json ? ownFiles(*json) : std::nullopt;
     if (files) removeEmpty(subfoldersOf(folder, files->own));
@@ -187,8 +186,8 @@ void undo(const fs::path& folder, const fs::path& partial) {
 
 // ---- The lock
 
-// Open and lock what is there.
-//   return  nothing, and errno: EWOULDBLOCK where another process holds it
+// Opens and locks the folder.
+//   return  nothing on failure, with errno: EWOULDBLOCK if another process holds the lock
 std::optional<FolderLock> locked(const fs::path& partial) {
   const int descriptor = ::open(partial.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
   if (descriptor < 0) return {};
@@ -197,7 +196,7 @@ std::optional<FolderLock> locked(const fs::path& partial) {
   int failed = ::flock(descriptor, LOCK_EX | LOCK_NB) == 0 ? 0 : errno;
   if (failed == 0 && (::fstat(descriptor, &held) != 0 || ::lstat(partial.c_str(), &named) != 0 ||
                       held.st_ino != named.st_ino)) {
-    failed = ENOENT;  // its last holder has just removed it
+    failed = ENOENT;  // the previous holder has just removed it
   }
   if (failed == 0) return FolderLock(descriptor);
   ::close(descriptor);
@@ -240,14 +239,14 @@ PartialFolder::PartialFolder(const fs::path& folder)
   {
     const Uncut whole;
     lock_ = madeAndLocked(folder_, path_);
-    // What a killed run left must not go before it is looked at.
+    // Not yet Kind::folder: what a killed run left must first be undone.
     unfinished_ = Unfinished(path_, Unfinished::Kind::madeFolder);
   }
   try {
     undo(folder_, path_);
     unfinished_ = Unfinished(path_, Unfinished::Kind::folder);
   } catch (...) {
-    ::rmdir(path_.c_str());  // fails where something is in it
+    ::rmdir(path_.c_str());  // fails if it is not empty
     throw;
   }
 }
@@ -265,7 +264,7 @@ PartialFolder::~PartialFolder() {
 fs::path PartialFolder::fresh() const { return path_ / kNew; }
 
 void PartialFolder::putInPlace(const Files& old, const Files& fresh) {
-  const Uncut whole;  // renames from here on, which wait for nobody
+  const Uncut whole;  // only renames, which do not block
   const fs::path newSide = path_ / kNew, oldSide = path_ / kOld;
   const std::set<fs::path> emptied = subfoldersOf(folder_, old);
   makeFolders(oldSide, old);
@@ -292,11 +291,11 @@ void PartialFolder::putInPlace(const Files& old, const Files& fresh) {
       moveBack(folder_, path_, fresh);
     } catch (const std::exception&) {
       leave();
-      throw Error(ErrorCode::output, std::string(failed.what()) + kPutsBack);
+      throw Error(ErrorCode::output, std::string(failed.what()) + kRestores);
     }
     throw;
   }
-  removeEmpty(emptied);  // the new fracture is there: nothing may fail any more
+  removeEmpty(emptied);  // the new fracture is complete: errors are ignored
 }
 
 void PartialFolder::takeBack(const Files& fresh) {
@@ -307,11 +306,11 @@ void PartialFolder::takeBack(const Files& fresh) {
     leave();
     throw Error(failed.code(), std::string(failed.what()) + "; it holds the new fracture");
   }
-  try {  // from here on the new one is unfinished
+  try {  // without its manifest the new fracture is unfinished
     moveBack(folder_, path_, fresh);
   } catch (const std::exception& failed) {
     leave();
-    throw Error(ErrorCode::output, std::string(failed.what()) + kPutsBack);
+    throw Error(ErrorCode::output, std::string(failed.what()) + kRestores);
   }
 }
 
@@ -328,7 +327,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kPatience(1000), kBetweenTries(20);
 
-// The same, once another reader that has it for a moment is done.
+// The same, but waits for other readers, which hold the lock only for a moment.
 std::optional<FolderLock> patientlyLocked(const fs::path& partial) {
   const auto begin = std::chrono::steady_clock::now();
   for (;;) {
@@ -343,9 +342,9 @@ std::optional<FolderLock> patientlyLocked(const fs::path& partial) {
   }
 }
 
-// Under the lock.
+// The caller holds the lock.
 void settle(const fs::path& folder, const fs::path& partial) {
-  if (present(folder / kManifestName)) return;  // its writer has just been done
+  if (present(folder / kManifestName)) return;  // the writer has just finished
   if (sideOf(partial, kOld).manifest) {
     undo(folder, partial);
     ::rmdir(partial.c_str());
@@ -359,7 +358,7 @@ void requireSettledFolder(const fs::path& folder) {
   if (present(folder / kManifestName) || !isFolder(partial)) return;
   const std::optional<FolderLock> lock = patientlyLocked(partial);
   if (!lock) {
-    if (errno == ENOENT) return;  // its holder has just been done
+    if (errno == ENOENT) return;  // the holder has just finished
     if (errno == EWOULDBLOCK) inputError(folder, "another sherd is writing there; wait for it");
     inputError(partial, "cannot be opened: " + reasonOf(errno));
   }
@@ -371,7 +370,7 @@ void requireSettledFolder(const fs::path& folder) {
                                    "undone: ") +
                            e.what());
   } catch (const fs::filesystem_error& e) {
-    if (present(folder / kManifestName)) return;  // it is, but for what is not needed any more
+    if (present(folder / kManifestName)) return;  // restored; only the cleanup failed
     inputError(folder,
                "holds what a killed run left, which cannot be read: " + reasonOf(e.code().value()));
   }
@@ -390,7 +389,7 @@ void requireSettled(const fs::path& path) {
     const fs::path real = fs::canonical(folder);
     if (isSubfolder(real.filename().string())) requireSettledFolder(real.parent_path());
   } catch (const fs::filesystem_error&) {
-    // What cannot be looked at is for the reader to report.
+    // The reader reports what cannot be accessed.
   }
 }
 

@@ -1,16 +1,16 @@
-// DIR/.sherd-partial: a fracture on its way into the folder DIR.
+// DIR/.sherd-partial: a fracture that is being moved into the folder DIR.
 //
 //     DIR/.sherd-partial/new/...       the new fracture, its manifest.json written last
-//     DIR/.sherd-partial/old/...       the old one, set aside while the new one is moved into DIR
+//     DIR/.sherd-partial/old/...       the old fracture, while the new one is moved into DIR
 //     DIR/.sherd-partial/made/meshes   an empty folder: DIR/meshes was made for the new fracture
 //
-// What is on the disk says at every system call how to go on after a kill
+// After a kill at any system call, the files on the disk determine the recovery
 // (docs/decisions/0015-a-folder-survives-kill.md):
 //
-//     DIR/manifest.json is there   the fracture in DIR is whole: .sherd-partial is removed
-//     it is not                    the moves are undone: files of new/manifest.json that are not in
-//                                  new/ go back there, then all that is in old/ goes back into DIR,
-//                                  manifest.json last
+//     DIR/manifest.json exists     the fracture in DIR is complete: .sherd-partial is removed
+//     it does not exist            the moves are undone: files of new/manifest.json that are absent
+//                                  from new/ are moved back there, then everything in old/ is moved
+//                                  back into DIR, manifest.json last
 #pragma once
 
 #include <filesystem>
@@ -22,10 +22,10 @@
 
 namespace sherd {
 
-/// Whether anything has this name, be it a link that leads nowhere.
+/// Whether a path exists, broken links included.
 [[nodiscard]] bool present(const std::filesystem::path& path);
 
-/// A folder that one process at a time holds, or several share.
+/// An exclusive or shared lock of a folder.
 class FolderLock {
  public:
   FolderLock() = default;
@@ -37,40 +37,41 @@ class FolderLock {
     return *this;
   }
 
-  /// Let others hold it as well that share it, and wait for those that do not.
+  /// Makes the lock a shared one; waits while another process holds it exclusively.
   void share();
 
  private:
   int descriptor_ = -1;
 };
 
-/// The folder DIR/.sherd-partial, made and locked.  The kernel unlocks it when a process dies, so
-/// what is in one that can be locked is nobody's.
+/// The folder DIR/.sherd-partial, created and locked.  The kernel releases the lock when a process
+/// dies, so the content of a folder that can be locked belongs to no running process.
 class PartialFolder {
  public:
-  /// Undo what a killed run left in DIR, and empty .sherd-partial.
-  ///   throws  Error(output) DIR cannot be written, another process holds it, or what was left
-  ///           cannot be undone; then nothing is lost
+  /// Undoes what a killed run left in DIR, and empties .sherd-partial.
+  ///   throws  Error(output) DIR cannot be written, another process holds the lock, or undoing
+  ///           fails; no file is lost
   explicit PartialFolder(const std::filesystem::path& folder);
   ~PartialFolder();  ///< removes it
   PartialFolder(const PartialFolder&) = delete;
   PartialFolder& operator=(const PartialFolder&) = delete;
 
-  /// Where the new fracture is to be written.
+  /// The folder for the new fracture's files.
   [[nodiscard]] std::filesystem::path fresh() const;
 
-  /// Move the fracture in fresh() into DIR, and that in DIR aside.  All of it or nothing.
-  ///   old    the files in DIR that go, without the manifest
-  ///   fresh  those in fresh() that come, without the manifest
-  ///   throws  Error(output); DIR is as it was then, or will be when the next process has opened it
+  /// Moves the old fracture from DIR to .sherd-partial/old and the new one into DIR, completely or
+  /// not at all.
+  ///   old     files of the old fracture, without the manifest
+  ///   fresh   files of the new fracture, without the manifest
+  ///   throws  Error(output); DIR is restored, now or when the next process opens it
   void putInPlace(const std::vector<std::string>& old, const std::vector<std::string>& fresh);
 
-  /// Undo that, with the same files.
-  ///   throws  Error(output) where it cannot be undone, with what DIR holds then
+  /// Undoes putInPlace(), with the same files.
+  ///   throws  Error(output) if that fails; the message describes the state of DIR
   void takeBack(const std::vector<std::string>& fresh);
 
-  /// It is not to be undone, and what is left is to remove .sherd-partial.  The next process that
-  /// opens the folder does so where this one is ended before.
+  /// Makes putInPlace() final; only .sherd-partial remains to be removed.  If this process ends
+  /// before that, the next process that opens the folder removes it.
   void keep();
 
  private:
@@ -83,12 +84,11 @@ class PartialFolder {
   bool leave_ = false;  // to the next process
 };
 
-/// Before a fracture is read: see that no killed run left it half replaced, and undo that where one
-/// did.  A folder with a manifest is left alone.
-///   path    the fracture's folder, one of its sub-folders, or its manifest; of any other there is
-///           nothing to see
-///   throws  Error(input) it cannot be undone, another process writes there, or the fracture was
-///           never finished
+/// Restores a fracture that a killed run left half replaced; called before a fracture is read.  A
+/// folder with a manifest is not changed.
+///   path    the fracture's folder, one of its subfolders, or its manifest; other paths are ignored
+///   throws  Error(input) restoring fails, another process writes there, or the fracture was never
+///           finished
 void requireSettled(const std::filesystem::path& path);
 
 }  // namespace sherd

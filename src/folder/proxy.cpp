@@ -1,4 +1,4 @@
-// Simple bodies in place of fragments, for simulations.
+// Convex hulls of fragments, for simulations.
 #include <sherd/io.h>
 
 #include "base/number_text.h"

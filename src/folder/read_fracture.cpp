@@ -1,4 +1,4 @@
-// A fracture's folder read back.
+// Reads a fracture from its folder.
 #include <sherd/io.h>
 #include <sherd/refracture.h>
 
@@ -10,7 +10,7 @@
 #include "base/sha256.h"
 #include "folder/read_manifest.h"
 #include "formats/voxels/vdb.h"
-#include "grow/specks.h"
+#include "grow/small_components.h"
 #include "voxelize/distance.h"
 
 namespace sherd {
@@ -18,13 +18,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The labels of a voxel file, on the leaves of the solid.
+// Converts the labels of a voxel file to the leaves of the solid.
 Labels labelsOn(const LeafBlocks& blocks, const VoxelLabels& voxels, const openvdb::Coord& first,
                 int fragments, const fs::path& file) {
   Labels labels;
   labels.fragment.assign(blocks.count() * 512, 0);
-  blocks.forEachInside([&](std::size_t place) {
-    const openvdb::Coord at = blocks.voxelAt(place) - first;
+  blocks.forEachInside([&](std::size_t voxel) {
+    const openvdb::Coord at = blocks.voxelAt(voxel) - first;
     std::uint16_t label = 0;
     if (at.x() >= 0 && at.y() >= 0 && at.z() >= 0 && at.x() < voxels.dims.x() &&
         at.y() < voxels.dims.y() && at.z() < voxels.dims.z()) {
@@ -37,12 +37,12 @@ Labels labelsOn(const LeafBlocks& blocks, const VoxelLabels& voxels, const openv
     if (label < 2 || label > fragments + 1) {
       inputError(file, "does not belong to the fragments' .vdb files beside it");
     }
-    labels.fragment[place] = static_cast<std::uint16_t>(label - 1);
+    labels.fragment[voxel] = static_cast<std::uint16_t>(label - 1);
   });
   return labels;
 }
 
-// The first voxel file of the fracture with its own box and ids.
+// Returns the fracture's first voxel file in a format that keeps box and ids.
 std::optional<fs::path> labelFile(const fs::path& file, const Manifest& manifest) {
   for (const char* name : {"labels.rle", "labels.npy", "labels.npz", "labels.qstack"}) {
     if (std::find(manifest.files.begin(), manifest.files.end(), name) != manifest.files.end()) {

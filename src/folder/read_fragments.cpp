@@ -1,4 +1,4 @@
-// The fragments of a folder, Sherd's or another program's.
+// Reads the fragments of a folder, written by Sherd or another program.
 #include <sherd/error.h>
 #include <sherd/evaluate.h>
 #include <tbb/parallel_for.h>
@@ -11,14 +11,14 @@
 #include "base/natural_order.h"
 #include "folder/partial_folder.h"
 #include "folder/read_manifest.h"
-#include "formats/mesh/read_facing.h"
+#include "formats/mesh/read_neighbors.h"
 
 namespace sherd {
 namespace {
 
 namespace fs = std::filesystem;
 
-// Of several formats' the one that says what its faces face; empty where there are none.
+// Returns the mesh file in the format with neighbors, else the first; empty if there are none.
 std::string meshOf(const std::vector<std::string>& meshes) {
   for (const std::string& mesh : meshes) {
     if (mesh.ends_with(".ply")) return mesh;
@@ -49,7 +49,7 @@ std::uint64_t bytesOf(const TriangleMesh& mesh) {
   return mesh.vertices.size() * sizeof(glm::dvec3) + mesh.triangles.size() * sizeof(glm::uvec3);
 }
 
-// Not below 0, which would be without limit.
+// Subtracts, stopping at 0: a wrapped value would be no limit.
 void takeFrom(std::atomic<std::uint64_t>& left, std::uint64_t bytes) {
   std::uint64_t before = left;
   while (!left.compare_exchange_weak(before, before - std::min(before, bytes))) {
@@ -107,7 +107,7 @@ FragmentSet readFragments(const fs::path& folder, const ReadOptions& options,
     takeFrom(left, bytesOf(read.mesh));
     fragment.droppedTriangles = read.degenerateTriangles;
     fragment.mesh.mesh = std::move(read.mesh);
-    if (set.manifest) fragment.mesh.facing = readFacing(file, fragment.mesh.mesh);
+    if (set.manifest) fragment.mesh.neighbor = readNeighbors(file, fragment.mesh.mesh);
   });
   return set;
 }

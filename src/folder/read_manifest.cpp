@@ -1,4 +1,4 @@
-// manifest.json read back.
+// Reads manifest.json.
 #include "folder/read_manifest.h"
 
 #include <sherd/error.h>
@@ -21,15 +21,16 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 constexpr const char* kKind = "manifest of a fracture";
-constexpr std::uintmax_t kLargestFile = std::uintmax_t{1} << 30;  // 65,534 fragments take a third
+constexpr std::uintmax_t kLargestFile = std::uintmax_t{1}
+                                        << 30;  // 65,534 fragments take a third of it
 constexpr double kAnyNumber = std::numeric_limits<double>::max();
-constexpr double kFarthestVoxel = 1 << 30;  // differences of two such still fit in an int
+constexpr double kFarthestVoxel = 1 << 30;  // so that differences fit in an int
 
 [[noreturn]] void damaged(const std::string& what) {
   throw Error(ErrorCode::input, "is damaged: " + what);
 }
 
-// ---- Fields: `where` is the object they are in, for messages
+// ---- Fields: `where` names the enclosing object in messages
 
 const Json& field(const Json& object, const char* key, const std::string& where) {
   if (!object.is_object()) damaged(where + " is not an object");
@@ -80,7 +81,7 @@ openvdb::Coord coordinates(const Json& object, const char* key, double low,
 
 // ---- Files
 
-// A file that a fracture may have: not the manifest, nor in the folder of an unfinished one.
+// Whether a name is valid for a fracture's file: not the manifest, and not in kPartialName.
 bool isFractureFile(const std::string& name) {
   return isBelowFolder(name) && name != kManifestName && *fs::path(name).begin() != kPartialName;
 }
@@ -91,6 +92,12 @@ std::string listed(const Json& value, const Names& files, const std::string& wha
   const std::string name = text(value, what);
   if (!files.contains(name)) damaged(what + " is not in its list of files");
   return name;
+}
+
+bool hasKnownSchema(const Json& json) {
+  if (!json.is_object()) return false;
+  const Json schema = json.value("schema", Json());
+  return schema == kManifestSchema || schema == kFormerManifestSchema;
 }
 
 ManifestFragment fragmentOf(const Json& json, int id, const Names& files) {
@@ -125,7 +132,7 @@ ManifestFragment fragmentOf(const Json& json, int id, const Names& files) {
 }  // namespace
 
 Manifest manifestOf(const Json& json) {
-  if (!json.is_object() || json.value("schema", Json()) != kManifestSchema) {
+  if (!hasKnownSchema(json)) {
     throw Error(ErrorCode::input, std::string("is no manifest of a fracture; expected JSON with "
                                               "\"schema\": \"") +
                                       kManifestSchema + "\"");
@@ -143,7 +150,7 @@ Manifest manifestOf(const Json& json) {
   manifest.dims = coordinates(grid, "dims", 1, "its grid");
   manifest.indexMin = coordinates(grid, "index_min", -kFarthestVoxel, "its grid");
   manifest.solidVoxels = count(grid, "solid_voxels", "its grid");
-  manifest.parts = count(json, "parts", "it");
+  manifest.components = count(json, json.contains("components") ? "components" : "parts", "it");
   std::optional<std::vector<std::string>> files = listedFiles(json);
   if (!files) damaged("its list of files is absent or leaves the folder");
   manifest.files = std::move(*files);
@@ -194,7 +201,7 @@ std::optional<Json> manifestJson(const fs::path& file) {
   if (!fs::is_regular_file(fs::symlink_status(file, none))) return {};
   try {
     Json json = readJson(file, kKind, kLargestFile);
-    if (!json.is_object() || json.value("schema", Json()) != kManifestSchema) return {};
+    if (!hasKnownSchema(json)) return {};
     return json;
   } catch (const Error&) {
     return {};

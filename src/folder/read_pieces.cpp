@@ -1,4 +1,4 @@
-// What is to be drawn, from whatever file or folder it is in.
+// Reads the fragments to render from a file or folder.
 #include <sherd/error.h>
 #include <sherd/evaluate.h>
 #include <sherd/render.h>
@@ -11,7 +11,7 @@
 #include "base/uncancelled.h"
 #include "folder/partial_folder.h"
 #include "folder/read_manifest.h"
-#include "formats/mesh/read_facing.h"
+#include "formats/mesh/read_neighbors.h"
 #include "formats/voxels/vdb.h"
 #include "surface/mesh.h"
 
@@ -20,24 +20,25 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Fragment pieceOf(int id, TriangleMesh mesh, std::vector<std::uint16_t> facing = {}) {
-  Fragment piece;
-  piece.id = id;
-  piece.mesh = std::move(mesh);
-  piece.facing = std::move(facing);
-  piece.mass = massProperties(piece.mesh);
-  return piece;
+Fragment fragmentOf(int id, TriangleMesh mesh, std::vector<std::uint16_t> neighbor = {}) {
+  Fragment fragment;
+  fragment.id = id;
+  fragment.mesh = std::move(mesh);
+  fragment.neighbor = std::move(neighbor);
+  fragment.mass = massProperties(fragment.mesh);
+  return fragment;
 }
 
 std::vector<Fragment> fromLevelSets(const fs::path& file) {
-  std::vector<Fragment> pieces;
+  std::vector<Fragment> fragments;
   for (const NamedGrid& level : readLevelSets(file)) {
-    pieces.push_back(pieceOf(static_cast<int>(pieces.size()) + 1, meshInWorld(*level.grid)));
+    fragments.push_back(
+        fragmentOf(static_cast<int>(fragments.size()) + 1, meshInWorld(*level.grid)));
   }
-  return pieces;
+  return fragments;
 }
 
-// Of a fracture without meshes.
+// For a fracture without meshes.
 std::vector<Fragment> fromVolumes(const fs::path& folder) {
   const fs::path file = folder / kManifestName;
   const Manifest manifest = readManifest(file);
@@ -49,13 +50,13 @@ std::vector<Fragment> fromVolumes(const fs::path& folder) {
     }
     volumes.push_back(listedFile(file, fragment.vdb));
   }
-  std::vector<Fragment> pieces(volumes.size());
-  tbb::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t i) {
+  std::vector<Fragment> fragments(volumes.size());
+  tbb::parallel_for(std::size_t{0}, fragments.size(), [&](std::size_t i) {
     uncancelled([&] {
-      pieces[i] = pieceOf(static_cast<int>(i) + 1, meshInWorld(*readLevelSet(volumes[i])));
+      fragments[i] = fragmentOf(static_cast<int>(i) + 1, meshInWorld(*readLevelSet(volumes[i])));
     });
   });
-  return pieces;
+  return fragments;
 }
 
 std::vector<Fragment> fromFolder(const fs::path& folder, const ReadOptions& options) {
@@ -63,12 +64,12 @@ std::vector<Fragment> fromFolder(const fs::path& folder, const ReadOptions& opti
   const bool hasMeshes = std::none_of(set.fragments.begin(), set.fragments.end(),
                                       [](const EvaluatedFragment& f) { return f.name.empty(); });
   if (!hasMeshes) return fromVolumes(folder);
-  std::vector<Fragment> pieces;
+  std::vector<Fragment> fragments;
   for (EvaluatedFragment& fragment : set.fragments) {
     FragmentMesh& mesh = fragment.mesh;
-    pieces.push_back(pieceOf(mesh.id, std::move(mesh.mesh), std::move(mesh.facing)));
+    fragments.push_back(fragmentOf(mesh.id, std::move(mesh.mesh), std::move(mesh.neighbor)));
   }
-  return pieces;
+  return fragments;
 }
 
 }  // namespace
@@ -86,11 +87,11 @@ std::vector<Fragment> readPieces(const fs::path& path, const ReadOptions& option
     return fromFolder(folder.empty() ? "." : folder, options);
   }
   SourceMesh read = readMesh(path, options);
-  std::vector<std::uint16_t> facing;
-  if (extension == ".ply") facing = readFacing(path, read.mesh);
-  std::vector<Fragment> pieces;
-  pieces.push_back(pieceOf(1, std::move(read.mesh), std::move(facing)));
-  return pieces;
+  std::vector<std::uint16_t> neighbor;
+  if (extension == ".ply") neighbor = readNeighbors(path, read.mesh);
+  std::vector<Fragment> fragments;
+  fragments.push_back(fragmentOf(1, std::move(read.mesh), std::move(neighbor)));
+  return fragments;
 }
 
 }  // namespace sherd

@@ -1,4 +1,4 @@
-// Seeds as JSON.
+// Reading and writing seeds as JSON.
 #include "folder/seed_file.h"
 
 #include <sherd/error.h>
@@ -11,7 +11,7 @@
 namespace sherd {
 namespace {
 
-using Json = nlohmann::json;  // an ordered one looks for each key from the start
+using Json = nlohmann::json;  // ordered_json searches keys linearly
 namespace fs = std::filesystem;
 
 constexpr const char* kSchema = "sherd-seeds/1";
@@ -63,11 +63,11 @@ std::vector<SeedPoint> seedPoints(const Json& json) {
   return points;
 }
 
-std::vector<Seed> readSeeds(const fs::path& file, const Solid& solid, const Parts& parts,
-                            std::uint64_t seed) {
+std::vector<Seed> readSeeds(const fs::path& file, const Solid& solid,
+                            const VoxelComponents& components, std::uint64_t seed) {
   const Json json = readJson(file, "seed file", kLargestFile);
   try {
-    return seedsFromPoints(seedPoints(json), solid, parts, seed);
+    return seedsFromPoints(seedPoints(json), solid, components, seed);
   } catch (const Error& e) {
     throw Error(e.code(), file.string() + ": " + e.what());
   }
@@ -77,11 +77,11 @@ void writeSeeds(const OutputFile& file, std::span<const Seed> seeds, const Solid
   std::string text = "{\n \"schema\": \"" + std::string(kSchema) + "\",\n \"seeds\": [";
   const char* separator = "\n";
   for (const Seed& seed : seeds) {
-    const glm::dvec3 centre =
+    const glm::dvec3 center =
         solid.frame.worldFromIndex({{seed.voxel.x(), seed.voxel.y(), seed.voxel.z()}}).v;
-    // Adding zero turns -0 into 0 and leaves every other number as it is.
+    // Adding zero replaces -0 by 0.
     const Json entry = {{"fragment", seed.fragment},
-                        {"position", {centre.x + 0.0, centre.y + 0.0, centre.z + 0.0}}};
+                        {"position", {center.x + 0.0, center.y + 0.0, center.z + 0.0}}};
     text += separator + ("  " + entry.dump());
     separator = ",\n";
   }

@@ -1,4 +1,4 @@
-// The text of a seed file.
+// The content of a seed file.
 #pragma once
 
 #include <sherd/seeds.h>
@@ -8,7 +8,7 @@
 
 namespace sherd {
 
-/// The seeds that a file's JSON lists; see readSeeds.
+/// Returns the seeds in a seed file's JSON; see readSeeds.
 ///   throws  Error(input) without the file's name
 [[nodiscard]] std::vector<SeedPoint> seedPoints(const nlohmann::json& json);
 

@@ -1,4 +1,4 @@
-// A whole fracture to a folder.
+// Writes a fracture to a folder.
 #include "folder/write_fracture.h"
 
 #include <utility>
@@ -17,14 +17,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Make fragments and write them by turns, and let go of what will not be needed.
-//   result  takes the fragments, of which it has the right number
+// Makes and writes fragments in alternating batches, and frees what is not needed afterwards.
+//   result  receives the fragments; their number is final
 std::vector<MeshFacts> makeAndWrite(const GrownFracture& grown, const SurfaceOptions& surface,
                                     const WriteOptions& write, FractureResult& result,
                                     FractureWriting& writing, StageClock& clock,
                                     const Progress* progress) {
   Extraction extraction(result.solid, result.labels, grown.fragments,
-                        grown.unworn ? &*grown.unworn : nullptr, surface, progress,
+                        grown.uneroded ? &*grown.uneroded : nullptr, surface, progress,
                         grown.surface.get());
   clock.done("extract");
   writing.begin(progress);
@@ -42,10 +42,11 @@ std::vector<MeshFacts> makeAndWrite(const GrownFracture& grown, const SurfaceOpt
       if (!write.needsAllLevelSets()) fragment.surface = nullptr;
       if (write.needsAllMeshes()) continue;
       fragment.mesh = {};
-      fragment.facing = {};
+      fragment.neighbor = {};
     }
-    step(progress, "write",
-         static_cast<double>(facts.size()) / static_cast<double>(result.fragments.size()));
+    reportProgress(
+        progress, "write",
+        static_cast<double>(facts.size()) / static_cast<double>(result.fragments.size()));
     clock.done("write");
   }
   std::vector<std::vector<Contact>> contacts = extraction.contacts();
@@ -66,9 +67,9 @@ WrittenFolder writeFracture(const fs::path& folder, const SourceMesh& source,
   const FractureFiles files =
       fileNames(source, result.kept(), options.surface.triangles, writer.materials(), write);
   FractureReplacement replacement(folder, files.all());
-  replacement.write([&](const fs::path& aside) {
-    writer.write(aside, files, options, result, progress);
-    writeWhole(aside / kManifestName,
+  replacement.write([&](const fs::path& staged) {
+    writer.write(staged, files, options, result, progress);
+    writeWhole(staged / kManifestName,
                manifestText(source, options, result, meshFacts(result.fragments), files, write));
   });
   const Uncut whole;
@@ -77,9 +78,9 @@ WrittenFolder writeFracture(const fs::path& folder, const SourceMesh& source,
   return {std::move(manifest), replacement.warnings()};
 }
 
-AsideFracture writeAside(const fs::path& folder, const SourceMesh& source,
-                         const FractureOptions& options, GrownFracture grown,
-                         const WriteOptions& write, const Progress* progress) {
+StagedFracture writeStaged(const fs::path& folder, const SourceMesh& source,
+                           const FractureOptions& options, GrownFracture grown,
+                           const WriteOptions& write, const Progress* progress) {
   checkWriteOptions(write, options);
   const FractureWriter writer(source, write);
   FractureResult result = std::move(grown.result);
@@ -88,12 +89,12 @@ AsideFracture writeAside(const fs::path& folder, const SourceMesh& source,
       fileNames(source, result.kept(), options.surface.triangles, writer.materials(), write);
   StageClock clock;
   FractureReplacement replacement(folder, files.all());
-  replacement.write([&](const fs::path& aside) {
-    FractureWriting writing(writer, aside, files, options, result);
+  replacement.write([&](const fs::path& staged) {
+    FractureWriting writing(writer, staged, files, options, result);
     const std::vector<MeshFacts> facts =
         makeAndWrite(grown, options.surface, write, result, writing, clock, progress);
     writing.finish(progress);
-    writeWhole(aside / kManifestName, manifestText(source, options, result, facts, files, write));
+    writeWhole(staged / kManifestName, manifestText(source, options, result, facts, files, write));
   });
   clock.done("write");
   result.times.insert(result.times.end(), clock.times().begin(), clock.times().end());
@@ -106,12 +107,12 @@ WrittenFracture fractureInto(const fs::path& folder, const SourceMesh& source,
   checkWriteOptions(write, options);
   checkFractureFolder(folder);
   const FractureOptions own = optionsFor(options, write);
-  AsideFracture aside =
-      writeAside(folder, source, own, grown(source.mesh, own, device, progress), write, progress);
+  StagedFracture staged =
+      writeStaged(folder, source, own, grown(source.mesh, own, device, progress), write, progress);
   const Uncut whole;
-  aside.replacement.putInPlace();
-  fs::path manifest = aside.replacement.keep();
-  return {std::move(aside.result), {std::move(manifest), aside.replacement.warnings()}};
+  staged.replacement.putInPlace();
+  fs::path manifest = staged.replacement.keep();
+  return {std::move(staged.result), {std::move(manifest), staged.replacement.warnings()}};
 }
 
 }  // namespace sherd

@@ -1,4 +1,4 @@
-// A fracture's folder, written while the fragments are made.
+// Writes a fracture's folder while the fragments are made.
 #pragma once
 
 #include <sherd/io.h>
@@ -8,17 +8,17 @@
 
 namespace sherd {
 
-/// A fracture whose files are written, and not yet in place.
-struct AsideFracture {
-  FractureResult result;  ///< as fractureInto has it
+/// A fracture whose files are written but not yet moved to their folder.
+struct StagedFracture {
+  FractureResult result;  ///< as returned by fractureInto
   FractureReplacement replacement;
 };
 
-/// `extracted` and `writeFracture`, as fractureInto has it, but for the renames.
-///   throws  what they throw
-[[nodiscard]] AsideFracture writeAside(const std::filesystem::path& folder,
-                                       const SourceMesh& source, const FractureOptions& options,
-                                       GrownFracture grown, const WriteOptions& write,
-                                       const Progress* progress);
+/// Makes and writes the fragments as fractureInto does, without the final renames.
+///   throws  what `extracted` and `writeFracture` throw
+[[nodiscard]] StagedFracture writeStaged(const std::filesystem::path& folder,
+                                         const SourceMesh& source, const FractureOptions& options,
+                                         GrownFracture grown, const WriteOptions& write,
+                                         const Progress* progress);
 
 }  // namespace sherd

@@ -1,4 +1,4 @@
-// Points and distance samples of a fracture.
+// Writes points and distance samples of a fracture.
 #include "folder/write_points.h"
 
 #include "base/random.h"
@@ -6,9 +6,9 @@
 namespace sherd {
 namespace {
 
-// Of one fragment, or of the whole solid as number 0: what draws its points, and no other's.
-std::uint64_t pieceSeed(std::uint64_t seed, int id) {
-  return randomBits(seed, Stage::pointPiece, static_cast<std::uint64_t>(id));
+// Returns the seed for the points of one fragment, id 0: the whole solid.
+std::uint64_t fragmentSeed(std::uint64_t seed, int id) {
+  return randomBits(seed, Stage::pointFragment, static_cast<std::uint64_t>(id));
 }
 
 }  // namespace
@@ -24,8 +24,8 @@ void writePointsOf(const OutputFolder& folder, const std::vector<std::string>& f
                    const WriteOptions& write) {
   PointOptions options = write.points;
   options.count = count;
-  options.seed = pieceSeed(seed, fragment.id);
-  const SurfacePoints points = samplePoints(fragment.mesh, fragment.facing, options);
+  options.seed = fragmentSeed(seed, fragment.id);
+  const SurfacePoints points = samplePoints(fragment.mesh, fragment.neighbor, options);
   for (std::size_t k = 0; k < files.size(); ++k) {
     writePoints(folder / files[k], points, write.pointFormats[k]);
   }
@@ -34,7 +34,7 @@ void writePointsOf(const OutputFolder& folder, const std::vector<std::string>& f
 void writeAllDistances(const OutputFolder& folder, const FractureFiles& files,
                        const FractureResult& result, std::uint64_t seed, DistanceOptions options,
                        const Progress* progress) {
-  if (!(options.spread > 0.0)) options.spread = result.solid.frame.voxelSize;
+  if (!(options.sigma > 0.0)) options.sigma = result.solid.frame.voxelSize;
   std::size_t done = 0;
   Progress ofAll;
   if (progress) ofAll.cancelled = progress->cancelled;
@@ -45,7 +45,7 @@ void writeAllDistances(const OutputFolder& folder, const FractureFiles& files,
     };
   }
   const auto write = [&](const std::string& file, const TriangleMesh& mesh, int id) {
-    options.seed = pieceSeed(seed, id);
+    options.seed = fragmentSeed(seed, id);
     writeDistances(folder / file, sampleDistances(mesh, options, &ofAll));
     ++done;
   };

@@ -1,13 +1,13 @@
-// Flood growth on the device.  The method is described in kernels/flood.cl.
+// Flood growth on the device.  Method: kernels/flood.cl.
 #include "grow/flood.h"
 
 namespace sherd {
 
-Flood::Flood(GrowthState& state, bool keepCost, int neighbours)
+Flood::Flood(GrowthState& state, bool keepCost, int neighbors)
     : state_(state),
       keepCost_(keepCost ? 1 : 0),
-      neighbours_(static_cast<cl_uint>(neighbours)),
-      round_(neighbours == 26 ? state.round27() : makeBuffer<cl_uint>(state.device, 1)),
+      neighbors_(static_cast<cl_uint>(neighbors)),
+      neighbors27_(neighbors == 26 ? state.neighbors27() : makeBuffer<cl_uint>(state.device, 1)),
       domain_(state.inside),
       beyond_(makeBuffer<cl_ulong>(state.device, std::size_t{state.leafCount} * SHERD_LEAF_FACES)),
       owned_(state.filled<cl_ulong>(state.words(), 0)),
@@ -15,7 +15,7 @@ Flood::Flood(GrowthState& state, bool keepCost, int neighbours)
       second_(makeBuffer<cl_ulong>(state.device, 3 * state.words())),
       owner_(makeBuffer<cl_ushort>(state.device, state.voxels())),
       fronts_(state.filled<cl_ulong>(2 * std::size_t{state.items} * SHERD_FRONT_WORDS,
-                                     ~cl_ulong{0})),  // of SHERD_NO_STEP
+                                     ~cl_ulong{0})),  // step = SHERD_NO_STEP
       queued_(state.filled<cl_uint>(state.items, SHERD_NO_STEP)),
       list_(makeBuffer<cl_uint>(state.device, 2 * std::size_t{state.items})),
       listCount_(state.filled<cl_uint>(3, 0)),
@@ -27,7 +27,7 @@ void Flood::seed(const SeedTable& table) {
   const SeedGroups seeds = groupsOf(state_, table);
   const DeviceBuffer label = uploadBuffer<cl_ushort>(state_.device, table.label);
   launch("flood_seed", seeds.count, seeds.item, seeds.first, seeds.offset, label, seeds.count);
-  state_.device.queue.finish();  // the seeds' buffers end here
+  state_.device.queue.finish();  // the seeds' buffers are released here
   seeded_ = true;
 }
 
@@ -53,10 +53,10 @@ void Flood::grow(const DeviceBuffer& domain, std::uint32_t steps, std::uint32_t 
       kernel.setArg(stepArgument, step_);
       state_.launch(kernel, state_.items);
     }
-    cl_uint left[3];
-    readBuffer<cl_uint>(state_.device, listCount_, left);
-    step(progress, "grow", 0.0);
-    if (left[(step_ + 1) % 3] == 0) break;
+    cl_uint listCount[3];
+    readBuffer<cl_uint>(state_.device, listCount_, listCount);
+    reportProgress(progress, "grow", 0.0);
+    if (listCount[(step_ + 1) % 3] == 0) break;
   }
 }
 
@@ -66,26 +66,26 @@ DeviceBuffer Flood::labels() {
 }
 
 std::vector<std::uint16_t> Flood::read(cl_uint first, cl_uint count) {
-  constexpr cl_uint kTogether = 4096;  // 4 MiB, which a cache holds until they are read
-  const DeviceBuffer some = makeBuffer<cl_ushort>(
-      state_.device, std::size_t{std::min(kTogether, count)} * SHERD_LEAF_SIZE);
+  constexpr cl_uint kLeavesPerChunk = 4096;  // 4 MiB stay in a CPU's cache until they are read
+  const DeviceBuffer chunk = makeBuffer<cl_ushort>(
+      state_.device, std::size_t{std::min(kLeavesPerChunk, count)} * SHERD_LEAF_SIZE);
   std::vector<std::uint16_t> all;
   all.reserve(std::size_t{count} * SHERD_LEAF_SIZE);
-  for (cl_uint done = 0; done < count; done += kTogether) {
-    const cl_uint now = std::min(kTogether, count - done);
-    launch("flood_show", now, first + done, now, some);
-    append(all, state_.device, some, std::size_t{now} * SHERD_LEAF_SIZE);
+  for (cl_uint done = 0; done < count; done += kLeavesPerChunk) {
+    const cl_uint leaves = std::min(kLeavesPerChunk, count - done);
+    launch("flood_show", leaves, first + done, leaves, chunk);
+    append(all, state_.device, chunk, std::size_t{leaves} * SHERD_LEAF_SIZE);
   }
   return all;
 }
 
-// Set the arguments FLOOD_STATE names, in its order; return the number of the next.
+// Sets the arguments of FLOOD_STATE in order; returns the index of the next one.
 cl_uint Flood::setState(cl::Kernel& kernel) {
   cl_uint i = 0;
   const auto set = [&](const auto&... argument) {
     (kernel.setArg(i++, sherd::argument(argument)), ...);
   };
-  set(domain_, state_.neighbour, round_, neighbours_, state_.leafCount, beyond_, owned_, tag_,
+  set(domain_, state_.neighbor, neighbors27_, neighbors_, state_.leafCount, beyond_, owned_, tag_,
       second_, owner_, fronts_, queued_, list_, listCount_, state_.items, cost_, keepCost_);
   return i;
 }

@@ -1,34 +1,34 @@
-// Growth by layers of neighbours; the method is described in kernels/flood.cl.
+// Growth by layers of neighbors.  Method: kernels/flood.cl.
 #pragma once
 
 #include "grow/growth_state.h"
 
 namespace sherd {
 
-/// One growth on the device: its buffers, and the kernels launched over them.
+/// The buffers of one growth on the device, and the launches of its kernels.
 class Flood {
  public:
-  /// A growth that has nothing yet, over faces or all 26 neighbours.
-  Flood(GrowthState& state, bool keepCost, int neighbours = 6);
+  /// Create a growth without labels, over 6 or 26 neighbors.
+  Flood(GrowthState& state, bool keepCost, int neighbors = 6);
 
-  /// Begin with seeds.
+  /// Start from seeds.
   void seed(const SeedTable& table);
 
-  /// Begin with labels that exist: `labels` [items*512] becomes this growth's own, and what is not
-  /// in `kept` [items*8] is 0.
+  /// Start from existing labels: `labels` [items*512] becomes this growth's buffer, and voxels that
+  /// are not in `kept` [items*8] become 0.
   void load(const DeviceBuffer& labels, const DeviceBuffer& kept);
 
-  /// Take up to `steps` layers into `domain` [leafCount*8], from all that is owned when this is not
-  /// the first growth, looking every `perReadback` layers whether anything is left to do.
+  /// Grow up to `steps` layers into `domain` [leafCount*8], from all owned voxels after the first
+  /// call.  Every `perReadback` layers it reads back whether leaves remain on the list.
   void grow(const DeviceBuffer& domain, std::uint32_t steps, std::uint32_t perReadback,
             const Progress* progress);
 
-  /// The labels [items*512], 0 where nothing reached.
+  /// The labels [items*512], 0 for unreached voxels.
   DeviceBuffer labels();
-  /// The same of `count` items from `first` on, on the host: a leaf that saw no third label takes
-  /// up no memory of the device's for them.
+  /// Reads the labels of `count` items from `first` on to the host.  Unlike labels(), it does not
+  /// touch device memory for the labels of leaves with at most two.
   [[nodiscard]] std::vector<std::uint16_t> read(cl_uint first, cl_uint count);
-  const DeviceBuffer& cost() const { return cost_; }  ///< [items*512] when kept
+  const DeviceBuffer& cost() const { return cost_; }  ///< [items*512] with keepCost
 
  private:
   cl_uint setState(cl::Kernel& kernel);
@@ -36,11 +36,11 @@ class Flood {
   void launch(const char* name, std::size_t work, const Arguments&... arguments);
 
   GrowthState& state_;
-  cl_uint keepCost_, neighbours_;
+  cl_uint keepCost_, neighbors_;
   cl_uint step_ = 0;
-  bool seeded_ = false;  // the seeds are the front: no restart
-  DeviceBuffer round_, domain_, beyond_, owned_, tag_, second_, owner_, fronts_, queued_, list_,
-      listCount_, cost_;
+  bool seeded_ = false;  // the front is the seeds: no restart needed
+  DeviceBuffer neighbors27_, domain_, beyond_, owned_, tag_, second_, owner_, fronts_, queued_,
+      list_, listCount_, cost_;
 };
 
 }  // namespace sherd

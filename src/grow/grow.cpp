@@ -1,4 +1,4 @@
-// Growth, stage by stage: grow, roughen, keep what hangs together, regrow the rest, carry outwards.
+// Growth in stages: grow, roughen, keep connected voxels, regrow the others, extend labels.
 #include <sherd/error.h>
 #include <sherd/labels.h>
 
@@ -18,39 +18,39 @@ void check(const GrowOptions& options) {
   const auto need = [](bool good, const char* sentence) {
     if (!good) throw Error(ErrorCode::usage, sentence);
   };
-  need(options.neighborhood == 6 || options.neighborhood == 26, "a neighborhood is 6 or 26");
-  need(options.roughness >= 0.0 && options.roughness <= 100.0, "the roughness lies in 0..100");
-  need(options.hurst >= 0.1 && options.hurst <= 1.0, "the Hurst exponent lies in 0.1..1");
+  need(options.neighborhood == 6 || options.neighborhood == 26, "the neighborhood must be 6 or 26");
+  need(options.roughness >= 0.0 && options.roughness <= 100.0, "the roughness must lie in 0..100");
+  need(options.hurst >= 0.1 && options.hurst <= 1.0, "the Hurst exponent must lie in 0.1..1");
   need(options.roughnessWindow >= 0.0 && std::isfinite(options.roughnessWindow),
-       "the window of the roughness is 0 or more voxels");
-  need(options.outerSteps >= 0 && options.outerSteps <= 64, "the outer steps lie in 0..64");
+       "the roughness window must be 0 or more voxels");
+  need(options.outerSteps >= 0 && options.outerSteps <= 64, "the outer steps must lie in 0..64");
 }
 
-// A tenth of the longest side of the solid.
+// Returns a tenth of the longest side of the solid, in voxels.
 double tenthOfSide(const LeafBlocks& blocks) {
   const openvdb::Coord dims = insideBox(blocks).dims();
   return std::max({dims.x(), dims.y(), dims.z()}) / 10.0;
 }
 
-// The growth of a batch, on its way.
+// State of the growth of one batch of fractures.
 struct Growing {
   GrowthState& state;
   const SeedTable& seeds;
   const GrowOptions& options;
   const Progress* progress;
   DeviceBuffer labels{}, cost{};
-  std::vector<std::vector<std::uint64_t>> freed{};  // [fracture][time]
+  std::vector<std::vector<std::uint64_t>> disconnected{};  // [fracture][pass]
 
   std::uint32_t perReadback() const {
     return static_cast<std::uint32_t>(options.stepsPerReadback > 0 ? options.stepsPerReadback : 16);
   }
 
-  // Plain layers go by masks.
-  bool isPlainFlood() const {
-    return options.growth == Growth::flood && options.grain.strength == 0.0;
+  // Unweighted layers use the mask kernels of flood.cl.
+  bool isUnweightedFlood() const {
+    return options.growth == Growth::flood && options.anisotropy.strength == 0.0;
   }
 
-  void take(Grown grown) {
+  void store(Grown grown) {
     labels = grown.labels;
     cost = grown.cost;
   }
@@ -58,16 +58,17 @@ struct Growing {
   void growFirst() {
     switch (options.growth) {
       case Growth::flood:
-        return take(
-            growByWeight(state, seeds, layerSteps(options.neighborhood, options.grain), progress));
+        return store(growByWeight(state, seeds,
+                                  layerSteps(options.neighborhood, options.anisotropy), progress));
       case Growth::chain:
-        return take(growChain(state, seeds, metricFor(options.metric, options.grain), progress));
+        return store(
+            growChain(state, seeds, metricFor(options.metric, options.anisotropy), progress));
       case Growth::nearest:
-        return take(
-            growNearest(state, seeds, metricFor(options.metric, options.grain), options.keepCost));
+        return store(growNearest(state, seeds, metricFor(options.metric, options.anisotropy),
+                                 options.keepCost));
       case Growth::euclid:
-        return take(growNearest(state, seeds, metricFor(Metric::euclidean, options.grain),
-                                options.keepCost));
+        return store(growNearest(state, seeds, metricFor(Metric::euclidean, options.anisotropy),
+                                 options.keepCost));
     }
   }
 
@@ -80,15 +81,16 @@ struct Growing {
                        octaveAmplitudes(options.roughness, options.hurst, window));
   }
 
-  // Count what `kept` leaves out.
-  KeptParts noted(KeptParts kept) {
-    freed.resize(state.fractures);
-    for (std::size_t f = 0; f < freed.size(); ++f) freed[f].push_back(kept.freed[f]);
+  // Records the number of voxels that `kept` leaves out.
+  KeptComponents recorded(KeptComponents kept) {
+    disconnected.resize(state.fractures);
+    for (std::size_t f = 0; f < disconnected.size(); ++f)
+      disconnected[f].push_back(kept.disconnected[f]);
     return kept;
   }
 
-  // Can a fragment have fallen into several parts?
-  bool mayBeCutOff() const {
+  // Returns whether a fragment may have several components.
+  bool mayBeDisconnected() const {
     const bool severalSeeds =
         std::find(seeds.primary.begin(), seeds.primary.end(), false) != seeds.primary.end();
     const bool byFaces = options.growth == Growth::chain ||
@@ -98,18 +100,18 @@ struct Growing {
 };
 
 DeviceBuffer band(GrowthState& state) {
-  return uploadBuffer<std::uint64_t>(state.device, state.blocks.outerBand);
+  return uploadBuffer<std::uint64_t>(state.device, state.blocks.exteriorBand);
 }
 
-// Kernels leave costs of leaves that they skip as they were, and layers in the outer band their
-// own.
+// Sets costs outside to 0: kernels leave those of skipped leaves unset, and write some in the
+// exterior band.
 void clearOutside(const LeafBlocks& blocks, std::vector<std::uint32_t>& cost) {
-  for (std::size_t place = 0; place < cost.size(); ++place) {
-    if (!blocks.isInside(place)) cost[place] = 0;
+  for (std::size_t voxelIndex = 0; voxelIndex < cost.size(); ++voxelIndex) {
+    if (!blocks.isInside(voxelIndex)) cost[voxelIndex] = 0;
   }
 }
 
-std::vector<Labels> read(const Growing& growing, Flood& last) {
+std::vector<Labels> readLabels(const Growing& growing, Flood& last) {
   std::vector<Labels> all(growing.state.fractures);
   const cl_uint leaves = growing.state.leafCount;
   const std::size_t voxels = std::size_t{leaves} * SHERD_LEAF_SIZE;
@@ -120,12 +122,12 @@ std::vector<Labels> read(const Growing& growing, Flood& last) {
           downloaded<std::uint32_t>(growing.state.device, growing.cost, voxels, f * voxels);
       clearOutside(growing.state.blocks, all[f].cost);
     }
-    if (!growing.freed.empty()) all[f].freed = growing.freed[f];
+    if (!growing.disconnected.empty()) all[f].disconnected = growing.disconnected[f];
   }
   return all;
 }
 
-// Every inside voxel, as a mask for each fracture.
+// Returns the mask of all inside voxels, once per fracture.
 DeviceBuffer allInside(GrowthState& state) {
   DeviceBuffer mask = makeBuffer<cl_ulong>(state.device, state.words());
   const std::size_t bytes = state.blocks.inside.size() * sizeof(cl_ulong);
@@ -135,19 +137,22 @@ DeviceBuffer allInside(GrowthState& state) {
   return mask;
 }
 
-// The parts that hold their fragments' first seeds; euclid regrows the rest by its chamfer once.
-DeviceBuffer settled(Growing& growing) {
+// Returns the voxels connected to their fragments' first seeds.  For euclid, first regrows the
+// others once by the chamfer.
+DeviceBuffer connectedToSeeds(Growing& growing) {
   GrowthState& state = growing.state;
-  KeptParts parts = growing.noted(keepSeededParts(state, growing.labels, growing.seeds));
-  if (growing.options.growth != Growth::euclid) return parts.mask;
-  if (parts.all() && !growing.options.rehearse) return parts.mask;
-  regrowByWeight(state, growing.labels, parts.mask, chamferSteps(growing.options.grain),
+  KeptComponents components =
+      growing.recorded(keepSeededComponents(state, growing.labels, growing.seeds));
+  if (growing.options.growth != Growth::euclid) return components.mask;
+  if (components.all() && !growing.options.warmUp) return components.mask;
+  regrowByWeight(state, growing.labels, components.mask, chamferSteps(growing.options.anisotropy),
                  growing.progress);
-  if (parts.all()) return parts.mask;
-  return growing.noted(keepSeededParts(state, growing.labels, growing.seeds)).mask;
+  if (components.all()) return components.mask;
+  return growing.recorded(keepSeededComponents(state, growing.labels, growing.seeds)).mask;
 }
 
-// Give the rest of the inside to the neighbours of what is kept, then carry labels outwards.
+// Regrows the voxels outside `kept` from their neighbors, then extends labels `outerSteps` into the
+// exterior band.
 Flood regrown(Growing& growing, const DeviceBuffer& kept, std::uint32_t outerSteps) {
   GrowthState& state = growing.state;
   Flood flood(state, false);
@@ -161,19 +166,19 @@ Flood regrown(Growing& growing, const DeviceBuffer& kept, std::uint32_t outerSte
   return flood;
 }
 
-// The growth that all ways end with has the labels.
+// Runs all stages; the returned flood holds the labels.
 Flood growAll(Growing& growing) {
   GrowthState& state = growing.state;
   const GrowOptions& options = growing.options;
   const auto outer = static_cast<std::uint32_t>(options.outerSteps);
-  const bool settles = options.regrowIsolated && growing.mayBeCutOff();
+  const bool regrows = options.regrowIsolated && growing.mayBeDisconnected();
   const bool rough = options.roughness > 0.0;
 
-  if (growing.isPlainFlood()) {
+  if (growing.isUnweightedFlood()) {
     Flood flood(state, options.keepCost, options.neighborhood);
     flood.seed(growing.seeds);
     flood.grow(state.inside, SHERD_NO_STEP, growing.perReadback(), growing.progress);
-    const bool last = !settles && !rough && options.neighborhood == 6;  // the band is over faces
+    const bool last = !regrows && !rough && options.neighborhood == 6;  // the band needs 6
     if (last && outer > 0) flood.grow(band(state), outer, growing.perReadback(), growing.progress);
     growing.cost = flood.cost();
     if (last) return flood;
@@ -181,14 +186,15 @@ Flood growAll(Growing& growing) {
   } else {
     growing.growFirst();
   }
-  DeviceBuffer kept = settles ? settled(growing) : allInside(state);
+  DeviceBuffer kept = regrows ? connectedToSeeds(growing) : allInside(state);
   if (rough) {
-    // A fragment is in one part of the solid before it is displaced, and stays there; it may be
-    // carried off its seed, so now its largest part counts.
-    if (settles) growing.labels = regrown(growing, kept, 0).labels();
+    // A fragment lies in one component of the solid and stays in it when displaced.  It may lose
+    // its seed's voxel, so from here its largest component is kept.
+    if (regrows) growing.labels = regrown(growing, kept, 0).labels();
     growing.roughen();
-    kept = options.regrowIsolated ? growing.noted(keepLargestParts(state, growing.labels)).mask
-                                  : allInside(state);
+    kept = options.regrowIsolated
+               ? growing.recorded(keepLargestComponents(state, growing.labels)).mask
+               : allInside(state);
   }
   return regrown(growing, kept, outer);
 }
@@ -199,11 +205,11 @@ bool givesVoronoiCells(const GrowOptions& options) {
           (options.growth == Growth::nearest && options.metric == Metric::euclidean));
 }
 
-// How many grow together: no buffer may pass the device's largest allocation, where those of the
-// cost hold four bytes a voxel, nor all buffers its memory.
+// Returns how many fractures grow together: no buffer may exceed the device's largest allocation
+// (the cost takes four bytes per voxel), nor all buffers its memory.
 std::size_t fracturesAtOnce(const LeafBlocks& blocks, const Device& device) {
   constexpr std::size_t kLargestPerLeaf = sizeof(cl_uint) * SHERD_LEAF_SIZE;
-  constexpr std::size_t kAllPerLeaf = 8 << 10;  // chain's, the most: docs/kernels.md, "Memory"
+  constexpr std::size_t kAllPerLeaf = 8 << 10;  // of chain, the largest: docs/kernels.md, "Memory"
   const DeviceInfo& info = device.info();
   const std::size_t leaves =
       std::min(info.largestBufferBytes / kLargestPerLeaf, info.memoryBytes / kAllPerLeaf);
@@ -218,10 +224,10 @@ std::vector<Labels> growBatch(const LeafBlocks& blocks, std::span<const std::vec
     GrowthState state(blocks, seedSets.size(), device.impl(), options.workGroupSize);
     Growing growing{state, table, options, progress};
     Flood last = growAll(growing);
-    std::vector<Labels> all = read(growing, last);
+    std::vector<Labels> all = readLabels(growing, last);
     if (givesVoronoiCells(options)) {
       for (std::size_t f = 0; f < all.size(); ++f) {
-        all[f].sites = {{seedSets[f].begin(), seedSets[f].end()}, options.grain};
+        all[f].sites = {{seedSets[f].begin(), seedSets[f].end()}, options.anisotropy};
       }
     }
     return all;
@@ -233,24 +239,25 @@ std::vector<Labels> growBatch(const LeafBlocks& blocks, std::span<const std::vec
 std::vector<Labels> grow(const LeafBlocks& blocks, std::span<const std::vector<Seed>> seedSets,
                          Device& device, const GrowOptions& options, const Progress* progress) {
   check(options);
-  const std::size_t most = fracturesAtOnce(blocks, device);
+  const std::size_t batch = fracturesAtOnce(blocks, device);
   std::vector<Labels> all;
-  for (std::size_t first = 0; first < seedSets.size(); first += most) {
-    const std::size_t count = std::min(most, seedSets.size() - first);
-    GrowOptions own = options;
-    own.noiseSeeds.resize(seedSets.size());
-    own.noiseSeeds.erase(own.noiseSeeds.begin(),
-                         own.noiseSeeds.begin() + static_cast<std::ptrdiff_t>(first));
+  for (std::size_t first = 0; first < seedSets.size(); first += batch) {
+    const std::size_t count = std::min(batch, seedSets.size() - first);
+    GrowOptions batchOptions = options;
+    batchOptions.noiseSeeds.resize(seedSets.size());
+    batchOptions.noiseSeeds.erase(
+        batchOptions.noiseSeeds.begin(),
+        batchOptions.noiseSeeds.begin() + static_cast<std::ptrdiff_t>(first));
     for (Labels& labels :
-         growBatch(blocks, seedSets.subspan(first, count), device, own, progress)) {
+         growBatch(blocks, seedSets.subspan(first, count), device, batchOptions, progress)) {
       all.push_back(std::move(labels));
     }
   }
   return all;
 }
 
-Labels carriedOverBand(const LeafBlocks& blocks, Labels labels, Device& device, int steps) {
-  return withDevice(device.impl(), "carrying labels outwards", [&] {
+Labels extendLabels(const LeafBlocks& blocks, Labels labels, Device& device, int steps) {
+  return withDevice(device.impl(), "extending labels into the exterior band", [&] {
     GrowthState state(blocks, 1, device.impl());
     Flood flood(state, false);
     flood.load(uploadBuffer<std::uint16_t>(state.device, labels.fragment), state.inside);
@@ -263,9 +270,9 @@ Labels carriedOverBand(const LeafBlocks& blocks, Labels labels, Device& device, 
 std::vector<std::uint64_t> countVoxels(const LeafBlocks& blocks, const Labels& labels,
                                        int fragments) {
   std::vector<std::uint64_t> counts(static_cast<std::size_t>(fragments) + 1);
-  blocks.forEachInside([&](std::size_t place) {
-    const std::uint16_t label = labels.fragment[place];
-    if (label != Labels::kWorn) ++counts[label];
+  blocks.forEachInside([&](std::size_t voxelIndex) {
+    const std::uint16_t label = labels.fragment[voxelIndex];
+    if (label != Labels::kEroded) ++counts[label];
   });
   return counts;
 }

@@ -1,4 +1,4 @@
-// Leaf blocks and seeds on their way to the device.
+// Leaf blocks and seeds as device buffers.
 #include "grow/growth_state.h"
 
 #include <sherd/error.h>
@@ -29,7 +29,7 @@ GrowthState::GrowthState(const LeafBlocks& b, std::size_t fractureCount, Device:
       fractures(static_cast<cl_uint>(fractureCount)),
       items(itemsOf(b, fractureCount)),
       inside(uploadBuffer<std::uint64_t>(d, b.inside)),
-      neighbour(uploadBuffer<std::uint32_t>(d, b.neighbours)),
+      neighbor(uploadBuffer<std::uint32_t>(d, b.neighbors)),
       group_(workGroupSize > 0 ? static_cast<std::size_t>(workGroupSize) : d.workGroupSize()) {}
 
 const DeviceBuffer& GrowthState::origin() {
@@ -42,11 +42,11 @@ const DeviceBuffer& GrowthState::origin() {
   return *origin_;
 }
 
-const DeviceBuffer& GrowthState::round27() {
-  if (!round27_) {
-    round27_ = uploadBuffer<LeafRound>(device, leavesRound(blocks.origins));
+const DeviceBuffer& GrowthState::neighbors27() {
+  if (!neighbors27_) {
+    neighbors27_ = uploadBuffer<LeafNeighbors>(device, leafNeighbors(blocks.origins));
   }
-  return *round27_;
+  return *neighbors27_;
 }
 
 SeedTable tableOf(const LeafBlocks& blocks, std::span<const std::vector<Seed>> seedSets) {
@@ -56,7 +56,7 @@ SeedTable tableOf(const LeafBlocks& blocks, std::span<const std::vector<Seed>> s
   };
   std::map<std::pair<std::uint64_t, std::uint32_t>, Entry> sorted;
   for (std::size_t f = 0; f < seedSets.size(); ++f) {
-    std::set<std::uint16_t> met;
+    std::set<std::uint16_t> seen;
     for (const Seed& seed : seedSets[f]) {
       const std::uint32_t leaf = findLeaf(blocks, seed.voxel);
       const std::uint32_t offset = offsetFromCoord(seed.voxel);
@@ -65,7 +65,7 @@ SeedTable tableOf(const LeafBlocks& blocks, std::span<const std::vector<Seed>> s
         throw Error(ErrorCode::usage, "seed of fragment " + std::to_string(seed.fragment) +
                                           " does not lie on a voxel of the solid");
       }
-      const Entry entry{seed.fragment, met.insert(seed.fragment).second};
+      const Entry entry{seed.fragment, seen.insert(seed.fragment).second};
       const auto [at, added] = sorted.try_emplace({f * blocks.count() + leaf, offset}, entry);
       if (!added && entry.label < at->second.label) at->second = entry;
     }

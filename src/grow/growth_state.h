@@ -1,5 +1,4 @@
-// What all ways of growing share on the device: the leaf blocks, and how kernels are launched over
-// them.
+// The device state that all growths share: leaf blocks, and kernel launches over them.
 #pragma once
 
 #include <sherd/labels.h>
@@ -16,18 +15,18 @@ namespace sherd {
 /// Leaf blocks on the device, for several fractures at once: item = fracture * leaves + leaf.
 class GrowthState {
  public:
-  ///   throws  Error(usage) more items than 32 bits count
+  ///   throws  Error(usage) more than 2^32 - 2 items
   GrowthState(const LeafBlocks& blocks, std::size_t fractures, Device::Impl& device,
               int workGroupSize = 0);
 
   Device::Impl& device;
   const LeafBlocks& blocks;
   const cl_uint leafCount, fractures, items;
-  const DeviceBuffer inside;     ///< [leafCount*8]
-  const DeviceBuffer neighbour;  ///< [leafCount*6]
+  const DeviceBuffer inside;    ///< [leafCount*8]
+  const DeviceBuffer neighbor;  ///< [leafCount*6]
 
-  const DeviceBuffer& origin();   ///< [leafCount] int4
-  const DeviceBuffer& round27();  ///< [leafCount*27] the leaves round a leaf, x slowest
+  const DeviceBuffer& origin();       ///< [leafCount] int4
+  const DeviceBuffer& neighbors27();  ///< [leafCount*27] 26-neighborhood of a leaf, x slowest
 
   std::size_t voxels() const { return std::size_t{items} * SHERD_LEAF_SIZE; }
   std::size_t words() const { return std::size_t{items} * SHERD_LEAF_WORDS; }
@@ -40,7 +39,7 @@ class GrowthState {
     return buffer;
   }
 
-  /// Launch the kernel `name` over `work` things.
+  /// Launch the kernel `name` over `work` elements.
   template <class... Arguments>
   void run(const char* name, std::size_t work, const Arguments&... arguments) {
     cl::Kernel kernel = device.kernel(name);
@@ -52,20 +51,20 @@ class GrowthState {
 
  private:
   std::size_t group_;
-  std::optional<DeviceBuffer> origin_, round27_;
+  std::optional<DeviceBuffer> origin_, neighbors27_;
 };
 
-/// Seeds of all fractures, by item and offset, ascending; of two on one voxel the lower label.
+/// Seeds of all fractures, ascending by item and offset; of two on one voxel the lower label.
 struct SeedTable {
   std::vector<cl_uint> item;
   std::vector<cl_ushort> offset, label;
   std::vector<bool> primary;  ///< the first of its fragment in its seed set
 };
 
-/// Seeds on the device, grouped by item, for kernels that take an item a work-item.
+/// Seeds on the device, grouped by item, for kernels with one work-item per item.
 struct SeedGroups {
   DeviceBuffer item;    ///< [count] items with seeds, ascending
-  DeviceBuffer first;   ///< [count+1] where an item's seeds begin
+  DeviceBuffer first;   ///< [count+1] index of an item's first seed
   DeviceBuffer offset;  ///< [seeds]
   cl_uint count = 0;
 };
@@ -79,7 +78,7 @@ struct PrimarySeeds {
 [[nodiscard]] SeedGroups groupsOf(GrowthState& state, const SeedTable& seeds);
 [[nodiscard]] PrimarySeeds primariesOf(GrowthState& state, const SeedTable& seeds);
 
-/// Where a seed of the table lies.
+/// Voxel of seed i of the table.
 [[nodiscard]] openvdb::Coord seedVoxel(const GrowthState& state, const SeedTable& seeds,
                                        std::size_t i);
 

@@ -1,4 +1,4 @@
-// Driving kernels/levels.cl.
+// Host side of kernels/levels.cl.
 #include "grow/levels.h"
 
 #include <algorithm>
@@ -8,8 +8,8 @@
 namespace sherd {
 namespace {
 
-constexpr cl_uint kRoundsPerReadback = 32;
-constexpr cl_uint kRungsPerVoxel = 2;  // of the chain's ladder
+constexpr cl_uint kPassesPerReadback = 32;
+constexpr cl_uint kBucketsPerVoxel = 2;  // of chain
 constexpr std::size_t kControlWords = 11;
 
 class Levels {
@@ -28,7 +28,7 @@ class Levels {
         list_(makeBuffer<cl_uint>(state.device, 2 * std::size_t{state.items})),
         taken_(makeBuffer<cl_uint>(state.device, state.items)) {
     std::array<cl_uint, kControlWords> control{};
-    for (std::size_t i = 3; i < 6; ++i) control[i] = SHERD_NO_STEP;  // nothing waits
+    for (std::size_t i = 3; i < 6; ++i) control[i] = SHERD_NO_STEP;  // no offer waits
     control_ = uploadBuffer<cl_uint>(state.device, control);
   }
 
@@ -37,7 +37,7 @@ class Levels {
     const SeedGroups seeds = groupsOf(state_, table);
     const DeviceBuffer sources = uploadBuffer<cl_uint>(state_.device, source);
     launch("levels_seed", seeds.count, seeds.item, seeds.first, seeds.offset, sources, seeds.count);
-    state_.device.queue.finish();  // the seeds' buffers end here
+    state_.device.queue.finish();  // the seeds' buffers are released here
   }
 
   void load(const DeviceBuffer& labels, const DeviceBuffer& kept) {
@@ -45,12 +45,12 @@ class Levels {
     launch("levels_load", state_.items, labels);
   }
 
-  // Into the labels that were loaded.
+  // Writes into the labels passed to load().
   void save(const DeviceBuffer& labels, const DeviceBuffer& kept) {
     launch("levels_save", state_.items, kept, labels);
   }
 
-  // `stride` and the chain's buffers: see the kernel.
+  // `stride`, `metric` and `seeds`: see levels_take.
   void grow(const Steps& steps, bool chain, cl_uint stride, const sherd_metric& metric,
             const DeviceBuffer& seeds, const Progress* progress) {
     const DeviceBuffer stepBuffer = uploadBuffer<cl_int4>(state_.device, steps.step);
@@ -58,26 +58,26 @@ class Levels {
     launch("levels_begin", state_.items);
     cl::Kernel take = state_.device.kernel("levels_take");
     cl::Kernel publish = state_.device.kernel("levels_publish");
-    const cl_uint roundOfTake = setState(take), roundOfPublish = setState(publish);
-    cl_uint i = roundOfTake + 1;
+    const cl_uint takePass = setState(take), publishPass = setState(publish);
+    cl_uint i = takePass + 1;
     const auto set = [&](const auto&... argument) {
       (take.setArg(i++, sherd::argument(argument)), ...);
     };
     const auto count = static_cast<cl_uint>(steps.step.size());
     set(stepBuffer, within, count, static_cast<cl_uint>(chain), stride, metric, seeds,
         state_.origin());
-    publish.setArg(roundOfPublish + 1, count);
-    for (cl_uint round = 1;;) {
-      for (cl_uint k = 0; k < kRoundsPerReadback; ++k, ++round) {
-        take.setArg(roundOfTake, round);
+    publish.setArg(publishPass + 1, count);
+    for (cl_uint pass = 1;;) {
+      for (cl_uint k = 0; k < kPassesPerReadback; ++k, ++pass) {
+        take.setArg(takePass, pass);
         state_.launch(take, state_.items);
-        publish.setArg(roundOfPublish, round);
+        publish.setArg(publishPass, pass);
         state_.launch(publish, state_.items);
       }
       std::array<cl_uint, kControlWords> control;
       readBuffer<cl_uint>(state_.device, control_, control);
-      step(progress, "grow", 0.0);
-      if (control[round % 3] == 0) break;
+      reportProgress(progress, "grow", 0.0);
+      if (control[pass % 3] == 0) break;
     }
   }
 
@@ -88,14 +88,14 @@ class Levels {
   }
 
  private:
-  // Set the arguments LEVELS_STATE names, in its order; return the number of the next.
+  // Sets the arguments of LEVELS_STATE in order; returns the index of the next one.
   cl_uint setState(cl::Kernel& kernel) {
     cl_uint i = 0;
     const auto set = [&](const auto&... argument) {
       (kernel.setArg(i++, sherd::argument(argument)), ...);
     };
-    set(state_.inside, state_.round27(), state_.leafCount, state_.items, owned_, offered_, source_,
-        cost_, claim_, claimed_, wake_, dirty_, queued_, list_, taken_, control_);
+    set(state_.inside, state_.neighbors27(), state_.leafCount, state_.items, owned_, offered_,
+        source_, cost_, claim_, claimed_, wake_, dirty_, queued_, list_, taken_, control_);
     return i;
   }
 
@@ -145,7 +145,7 @@ Grown growChain(GrowthState& state, const SeedTable& seeds, const sherd_metric& 
   Levels levels(state);
   levels.seed(seeds, source);
   const DeviceBuffer voxels = uploadBuffer<cl_int4>(state.device, voxel);
-  levels.grow(layerSteps(6, {}), true, kRungsPerVoxel, metric, voxels, progress);
+  levels.grow(layerSteps(6, {}), true, kBucketsPerVoxel, metric, voxels, progress);
   return levels.finish(uploadBuffer<cl_ushort>(state.device, label), true);
 }
 

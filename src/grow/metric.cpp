@@ -1,4 +1,4 @@
-// Integer tables for metrics, steps and the grain.
+// Integer tables for metrics, steps and anisotropy.
 #include "grow/metric.h"
 
 #include <sherd/error.h>
@@ -13,24 +13,24 @@
 namespace sherd {
 namespace {
 
-// Lengths along the grain are divided by 1 + strength.
-glm::dmat3 stretching(const Grain& grain) {
-  if (grain.strength == 0.0) return glm::dmat3(1.0);
-  const double length = glm::length(grain.direction);
+// Returns the matrix that divides lengths along the direction by 1 + strength.
+glm::dmat3 stretching(const Anisotropy& anisotropy) {
+  if (anisotropy.strength == 0.0) return glm::dmat3(1.0);
+  const double length = glm::length(anisotropy.direction);
   if (!(length > 0.0) || !std::isfinite(length)) {
     throw Error(ErrorCode::usage, "the grain needs a direction other than 0,0,0");
   }
-  if (!(grain.strength >= -0.75 && grain.strength <= 9.0)) {
-    throw Error(ErrorCode::usage, "the grain's strength lies in -0.75..9");
+  if (!(anisotropy.strength >= -0.75 && anisotropy.strength <= 9.0)) {
+    throw Error(ErrorCode::usage, "the grain's strength must lie in -0.75..9");
   }
-  const glm::dvec3 g = grain.direction / length;
-  return glm::dmat3(1.0) - (1.0 - 1.0 / (1.0 + grain.strength)) * glm::outerProduct(g, g);
+  const glm::dvec3 g = anisotropy.direction / length;
+  return glm::dmat3(1.0) - (1.0 - 1.0 / (1.0 + anisotropy.strength)) * glm::outerProduct(g, g);
 }
 
 void add(Steps& steps, const glm::ivec3& d, double weight) {
   const auto whole = static_cast<cl_int>(std::max(1.0, std::floor(weight + 0.5)));
   steps.step.push_back({{d.x, d.y, d.z, whole}});
-  // The two voxels a long step passes: half of it, rounded towards the start and towards the end.
+  // The two voxels that a long step crosses: half of it, rounded towards its start and its end.
   for (const bool up : {false, true}) {
     cl_int packed = 0;
     for (int axis = 0; axis < 3; ++axis) {
@@ -49,25 +49,26 @@ void setLeastWeight(Steps& steps) {
 
 }  // namespace
 
-sherd_metric metricFor(Metric metric, const Grain& grain) {
+sherd_metric metricFor(Metric metric, const Anisotropy& anisotropy) {
   sherd_metric out{};
   out.kind = metric == Metric::euclidean   ? SHERD_EUCLIDEAN
              : metric == Metric::chebyshev ? SHERD_CHEBYSHEV
                                            : SHERD_MANHATTAN;
-  const bool plain = grain.strength == 0.0;
-  const glm::dmat3 matrix = stretching(grain);
+  const bool isIsotropic = anisotropy.strength == 0.0;
+  const glm::dmat3 matrix = stretching(anisotropy);
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 3; ++column) {
-      const double entry = matrix[column][row] * (plain ? 1 : SHERD_GRAIN_ONE);
+      const double entry = matrix[column][row] * (isIsotropic ? 1 : SHERD_ANISOTROPY_ONE);
       out.row[3 * row + column] = static_cast<int>(std::floor(entry + 0.5));
     }
   }
-  if (!plain) out.shift = metric == Metric::euclidean ? 12 : 6;  // SHERD_GRAIN_ONE or its square
+  if (!isIsotropic)
+    out.shift = metric == Metric::euclidean ? 12 : 6;  // SHERD_ANISOTROPY_ONE or its square
   return out;
 }
 
-Steps layerSteps(int neighborhood, const Grain& grain) {
-  const glm::dmat3 matrix = stretching(grain);
+Steps layerSteps(int neighborhood, const Anisotropy& anisotropy) {
+  const glm::dmat3 matrix = stretching(anisotropy);
   Steps steps;
   for (int x = -1; x <= 1; ++x) {
     for (int y = -1; y <= 1; ++y) {
@@ -76,7 +77,7 @@ Steps layerSteps(int neighborhood, const Grain& grain) {
         if (axes == 0 || (neighborhood == 6 && axes > 1)) continue;
         const glm::dvec3 d = matrix * glm::dvec3(x, y, z);
         const double length = std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
-        add(steps, {x, y, z}, grain.strength == 0.0 ? 1.0 : 8.0 * length);
+        add(steps, {x, y, z}, anisotropy.strength == 0.0 ? 1.0 : 8.0 * length);
       }
     }
   }
@@ -84,8 +85,8 @@ Steps layerSteps(int neighborhood, const Grain& grain) {
   return steps;
 }
 
-Steps chamferSteps(const Grain& grain) {
-  const glm::dmat3 matrix = stretching(grain);
+Steps chamferSteps(const Anisotropy& anisotropy) {
+  const glm::dmat3 matrix = stretching(anisotropy);
   Steps steps;
   for (const int reach : {1, 2}) {
     for (int x = -2; x <= 2; ++x) {

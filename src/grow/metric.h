@@ -1,4 +1,4 @@
-// Metrics as kernels take them.
+// Metrics and steps in the layout that kernels take.
 #pragma once
 
 #include <sherd/labels.h>
@@ -9,22 +9,22 @@
 
 namespace sherd {
 
-/// A metric whose differences are stretched by the grain first.
-///   throws  Error(usage) a grain without direction, or a strength outside -0.75..9
-[[nodiscard]] sherd_metric metricFor(Metric metric, const Grain& grain);
+/// The metric after stretching by the anisotropy.
+///   throws  Error(usage) a zero direction, or a strength outside -0.75..9
+[[nodiscard]] sherd_metric metricFor(Metric metric, const Anisotropy& anisotropy);
 
-/// A step to a neighbour for kernels/levels.cl.
+/// Steps to neighbors for kernels/levels.cl.
 struct Steps {
-  std::vector<cl_int4> step;   ///< x, y, z, and the weight in w; steps to the 26 neighbours first
-  std::vector<cl_int> within;  ///< [steps*2] the voxels a long step passes over, packed
+  std::vector<cl_int4> step;   ///< x, y, z, and the weight in w; the 26 neighbors first
+  std::vector<cl_int> within;  ///< [steps*2] voxels that a long step crosses, packed
   cl_uint leastWeight = 1;
 };
 
-/// Layers over 6 or 26 neighbours: all weights 1, or by the grain.
-[[nodiscard]] Steps layerSteps(int neighborhood, const Grain& grain);
+/// The steps to 6 or 26 neighbors; weights are 1, or lengths (8 a voxel) with anisotropy.
+[[nodiscard]] Steps layerSteps(int neighborhood, const Anisotropy& anisotropy);
 
-/// The 98 steps of a 5^3 chamfer, weighted by their length (16 a voxel) under the grain.
+/// The 98 steps of a 5^3 chamfer, weighted by their length (16 a voxel) under the anisotropy.
 ///   source  Borgefors, On Digital Distance Transforms in Three Dimensions, 1996
-[[nodiscard]] Steps chamferSteps(const Grain& grain);
+[[nodiscard]] Steps chamferSteps(const Anisotropy& anisotropy);
 
 }  // namespace sherd

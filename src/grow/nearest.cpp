@@ -1,4 +1,4 @@
-// Driving kernels/nearest.cl.
+// Host side of kernels/nearest.cl.
 #include "grow/nearest.h"
 
 #include <algorithm>
@@ -28,7 +28,7 @@ Grown growNearest(GrowthState& state, const SeedTable& seeds, const sherd_metric
               makeBuffer<cl_uint>(state.device, keepCost ? state.voxels() : 1)};
   state.run("nearest", state.items, state.inside, state.origin(), state.leafCount, state.items,
             voxels, firsts, metric, grown.labels, grown.cost, static_cast<cl_uint>(keepCost));
-  state.device.queue.finish();  // the seeds' buffers end here
+  state.device.queue.finish();  // the seeds' buffers are released here
   return grown;
 }
 

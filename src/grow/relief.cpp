@@ -8,7 +8,7 @@
 namespace sherd {
 namespace {
 
-// Integral of f over a..b by Simpson's rule.
+// Returns the integral of f over a..b by Simpson's rule.
 double integral(double a, double b, const std::function<double(double)>& f) {
   constexpr int kIntervals = 200;
   const double h = (b - a) / kIntervals;
@@ -17,24 +17,25 @@ double integral(double a, double b, const std::function<double(double)>& f) {
   return sum * h / 3.0;
 }
 
-// How much of a lattice point is felt at a distance of x spacings.
+// Returns the weight of a lattice point at a distance of x spacings.
 double bump(double x) {
   const double t = std::min(std::abs(x), 1.0);
   return 1.0 - t * t * t * (6.0 * t * t - 15.0 * t + 10.0);
 }
 
-// Correlation along one axis of value noise with independent lattice values of variance 1, over all
-// phases: the bump's with itself.
+// Returns the correlation, averaged over phases, of value noise along one axis for independent
+// lattice values of variance 1: the autocorrelation of the bump.
 double correlation(double x) {
   if (std::abs(x) >= 2.0) return 0.0;
   return integral(-1.0, 1.0, [&](double u) { return bump(u) * bump(u + x); });
 }
 
-// Variance of one octave within a square window of `spacings` lattice spacings, lattice values
-// being uniform on -1..1: the correlation at a point less its mean over all pairs of points.
+// Returns the variance of one octave within a square window of `spacings` lattice spacings for
+// lattice values uniform on -1..1: the correlation at lag 0 minus its mean over all pairs of
+// points.
 double varianceInWindow(double spacings) {
   const double atPoint = correlation(0.0);
-  const double pairs =  // the mean over pairs, one axis; the correlation ends at 2 spacings
+  const double pairs =  // mean over pairs, one axis; the correlation is 0 from 2 spacings on
       2.0 * integral(0.0, std::min(1.0, 2.0 / spacings),
                      [&](double t) { return (1.0 - t) * correlation(t * spacings); });
   return (atPoint * atPoint * atPoint - atPoint * pairs * pairs) / 3.0;
@@ -43,15 +44,15 @@ double varianceInWindow(double spacings) {
 }  // namespace
 
 std::vector<std::int32_t> octaveAmplitudes(double roughness, double hurst, double window) {
-  // The largest lattice is four times the window or more: the relief goes on beyond it.
+  // The largest lattice spacing is at least four windows: the relief extends beyond a window.
   std::vector<double> spacing;
   for (double s = 2.0; spacing.empty() || spacing.back() < 4.0 * window; s *= 2.0) {
     spacing.push_back(s);
   }
-  // Over a distance d lattices larger than d still count, as d^2 spacing^(2H-2), which falls
-  // slowly: without them C(d) bends long before the largest lattice.  The last octave stands for
-  // them all.
-  constexpr int kOctavesBeyond = 16;  // more would count only near H = 1, where the sum is endless
+  // Over a distance d, lattices with spacing > d contribute d^2 spacing^(2H-2), which decreases
+  // slowly: without them C(d) bends well below the largest spacing.  The last octave includes their
+  // variance.
+  constexpr int kOctavesBeyond = 16;  // more matter only near H = 1, where the sum diverges
   double beyond = 0.0;
   for (int k = 0; k <= kOctavesBeyond; ++k) beyond += std::pow(2.0, k * (2.0 * hurst - 2.0));
   std::vector<double> relative;

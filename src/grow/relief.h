@@ -1,4 +1,4 @@
-// How strong the octaves of a rough crack must be.
+// Amplitudes of the noise octaves of a rough crack.
 #pragma once
 
 #include <cstdint>
@@ -6,10 +6,11 @@
 
 namespace sherd {
 
-/// The amplitudes of the octaves with lattices of 2, 4, 8, ... voxels, in 1/256 voxels, that give a
-/// flat crack an rms height of `roughness` voxels over a square window of `window` voxels.
+/// The amplitudes, in 1/256 voxel, of the octaves with lattice spacings of 2, 4, 8, ... voxels that
+/// give a flat crack an rms height of `roughness` voxels over a square window.
 ///   roughness  voxels, >= 0
 ///   hurst      0..1
+///   window     side of the window in voxels
 [[nodiscard]] std::vector<std::int32_t> octaveAmplitudes(double roughness, double hurst,
                                                          double window);
 

@@ -1,11 +1,11 @@
-// Rough cracks; the method is described in kernels/rough.cl.
+// Rough cracks.  Method: kernels/rough.cl.
 #pragma once
 
 #include "grow/growth_state.h"
 
 namespace sherd {
 
-/// Let every voxel take the label at the end of its displacement; primary seeds keep theirs.
+/// Give every voxel the label at the end of its displacement; primary seeds keep their label.
 ///   noiseSeeds  [fractures]
 ///   amplitudes  see grow/relief.h
 [[nodiscard]] DeviceBuffer roughened(GrowthState& state, const DeviceBuffer& labels,

@@ -1,4 +1,4 @@
-// Sizes of fragments.  Every growth starts afresh from seeds, so the result is one of growth alone.
+// Sizes of fragments.  Every attempt grows from seeds again, so the result equals one plain growth.
 #include <sherd/error.h>
 #include <sherd/shares.h>
 
@@ -19,175 +19,181 @@ std::string percent(double share) {
   return text;
 }
 
-void check(const ShareOptions& options, const Parts& parts, int fragments, std::uint64_t voxels) {
+void check(const ShareOptions& options, const VoxelComponents& components, int fragments,
+           std::uint64_t voxels) {
   if (!(options.minShare >= 0.0 && options.minShare <= 1.0)) {
-    throw Error(ErrorCode::usage, "the least share lies in 0..1");
+    throw Error(ErrorCode::usage, "the least share must lie in 0..1");
   }
   if (options.balance < 0 || options.balance > 100) {
-    throw Error(ErrorCode::usage, "the steps of balance lie in 0..100");
+    throw Error(ErrorCode::usage, "the balance steps must lie in 0..100");
   }
   if (options.minShare * fragments > 1.0) {
     throw Error(ErrorCode::usage, std::to_string(fragments) + " fragments cannot each have " +
                                       percent(options.minShare) + " of the solid");
   }
-  for (const std::uint64_t part : parts.voxels) {
-    const double share = static_cast<double>(part) / static_cast<double>(voxels);
+  for (const std::uint64_t component : components.voxels) {
+    const double share = static_cast<double>(component) / static_cast<double>(voxels);
     if (share >= options.minShare) continue;
-    throw Error(ErrorCode::usage, "a separate part of the solid has " + percent(share) +
-                                      " of it, so no fragment can have at least " +
-                                      percent(options.minShare) + " there");
+    throw Error(ErrorCode::usage, "a component of the solid has " + percent(share) +
+                                      " of its volume, so no fragment there can have at least " +
+                                      percent(options.minShare));
   }
 }
 
-// `small` without those whose part of the solid would lose its last seed.
-std::vector<std::uint16_t> withoutLastOfParts(const LeafBlocks& blocks, const Parts& parts,
+// Returns `small` without fragments whose component of the solid would lose its last seed.
+std::vector<std::uint16_t> removableFragments(const LeafBlocks& blocks,
+                                              const VoxelComponents& components,
                                               const std::vector<Seed>& seeds,
                                               std::vector<std::uint16_t> small) {
-  const auto partOf = [&](const Seed& s) {
-    return parts.at(std::size_t{findLeaf(blocks, s.voxel)} * 512 + offsetFromCoord(s.voxel));
+  const auto componentOf = [&](const Seed& s) {
+    return components.at(std::size_t{findLeaf(blocks, s.voxel)} * 512 + offsetFromCoord(s.voxel));
   };
-  const std::set<std::uint16_t> lost(small.begin(), small.end());
+  const std::set<std::uint16_t> removed(small.begin(), small.end());
   std::set<std::uint32_t> seeded;
   for (const Seed& s : seeds) {
-    if (!lost.count(s.fragment)) seeded.insert(partOf(s));
+    if (!removed.count(s.fragment)) seeded.insert(componentOf(s));
   }
-  std::erase_if(small,
-                [&](std::uint16_t id) { return seeded.insert(partOf(seeds[id - 1u])).second; });
+  std::erase_if(
+      small, [&](std::uint16_t id) { return seeded.insert(componentOf(seeds[id - 1u])).second; });
   return small;
 }
 
-// Replace the seeds of `small` fragments by one new seed each, in what is the largest by then.
-// (Not one that would leave its part of the solid without a seed.)
-void reseed(const LeafBlocks& blocks, const Parts& parts, const Labels& labels,
+// Replaces the seeds of each removable `small` fragment by one new seed in the largest remaining
+// fragment.
+void reseed(const LeafBlocks& blocks, const VoxelComponents& components, const Labels& labels,
             std::vector<Seed>& seeds, std::vector<std::uint16_t> small,
             std::vector<std::uint64_t> voxels, std::uint64_t seed, int attempt) {
-  small = withoutLastOfParts(blocks, parts, seeds, std::move(small));
-  const std::set<std::uint16_t> lost(small.begin(), small.end());
+  small = removableFragments(blocks, components, seeds, std::move(small));
+  const std::set<std::uint16_t> removed(small.begin(), small.end());
   const std::size_t primaries = voxels.size() - 1;
   std::erase_if(seeds, [&, i = std::size_t{0}](const Seed& s) mutable {
-    return i++ >= primaries && lost.count(s.fragment);  // further seeds of a lost fragment
+    return i++ >= primaries && removed.count(s.fragment);  // additional seeds of a removed fragment
   });
-  std::set<openvdb::Coord> taken;
-  for (const Seed& s : seeds) taken.insert(s.voxel);
+  std::set<openvdb::Coord> occupied;
+  for (const Seed& s : seeds) occupied.insert(s.voxel);
 
-  // Which voxel of which fragment: its how-manieth, found in one pass below.
+  // A new seed is the voxel of the given rank in leaf order within fragment `from`; one pass below
+  // finds all of them.
   std::vector<std::uint64_t> size = voxels;
-  struct Wish {
+  struct NewSeed {
     std::uint16_t from, id;
-    std::uint64_t number;
+    std::uint64_t rank;
   };
-  std::vector<Wish> wishes;
+  std::vector<NewSeed> newSeeds;
   for (const std::uint16_t id : small) {
     const auto largest = static_cast<std::size_t>(
         std::max_element(voxels.begin() + 1, voxels.end()) - voxels.begin());
     voxels[largest] /= 2;
     voxels[id] = voxels[largest];
     const auto item = static_cast<std::uint64_t>(attempt) << 16 | id;
-    wishes.push_back({static_cast<std::uint16_t>(largest), id,
-                      randomBelow(size[largest], seed, Stage::reseed, item)});
+    newSeeds.push_back({static_cast<std::uint16_t>(largest), id,
+                        randomBelow(size[largest], seed, Stage::reseed, item)});
   }
-  std::vector<std::vector<Wish>> wishesOf(size.size());
-  for (const Wish& wish : wishes) wishesOf[wish.from].push_back(wish);
-  std::vector<std::uint64_t> met(size.size(), 0);
-  blocks.forEachInside([&](std::size_t place) {
-    const std::uint16_t label = labels.fragment[place];
+  std::vector<std::vector<NewSeed>> newSeedsIn(size.size());
+  for (const NewSeed& newSeed : newSeeds) newSeedsIn[newSeed.from].push_back(newSeed);
+  std::vector<std::uint64_t> visited(size.size(), 0);
+  blocks.forEachInside([&](std::size_t voxelIndex) {
+    const std::uint16_t label = labels.fragment[voxelIndex];
     if (label == 0) return;
-    const std::uint64_t number = met[label]++;
-    for (Wish& wish : wishesOf[label]) {
-      if (wish.number != number) continue;
-      const openvdb::Coord voxel = blocks.voxelAt(place);
-      if (!taken.insert(voxel).second) {
-        ++wish.number;  // a seed lies there: the next voxel of the fragment
+    const std::uint64_t rank = visited[label]++;
+    for (NewSeed& newSeed : newSeedsIn[label]) {
+      if (newSeed.rank != rank) continue;
+      const openvdb::Coord voxel = blocks.voxelAt(voxelIndex);
+      if (!occupied.insert(voxel).second) {
+        ++newSeed.rank;  // occupied by another seed: take the next voxel of the fragment
       } else {
-        seeds[wish.id - 1u].voxel = voxel;
+        seeds[newSeed.id - 1u].voxel = voxel;
       }
     }
   });
 }
 
-// Each primary seed moved to the voxel of its fragment that is nearest to the fragment's centroid.
-// Further seeds of a fragment stay.
-std::vector<Seed> centredSeeds(const LeafBlocks& blocks, const Labels& labels,
-                               std::vector<Seed> seeds) {
-  struct Sum {
-    std::array<std::int64_t, 3> at{};
+// Moves each primary seed to the voxel of its fragment nearest to the fragment's centroid.
+// Additional seeds of a fragment stay.
+std::vector<Seed> centeredSeeds(const LeafBlocks& blocks, const Labels& labels,
+                                std::vector<Seed> seeds) {
+  struct Centroid {
+    std::array<std::int64_t, 3> position{};  // the sum of coordinates, then rounded to a voxel
     std::int64_t count = 0;
-    std::int64_t best = -1;
-    openvdb::Coord voxel;
+    std::int64_t leastDistance = -1;  // squared, of `nearest`
+    openvdb::Coord nearest;
   };
   std::size_t fragments = 0;
   for (const Seed& seed : seeds) fragments = std::max<std::size_t>(fragments, seed.fragment);
-  std::vector<Sum> sums(fragments + 1);
-  blocks.forEachInside([&](std::size_t place) {
-    const std::uint16_t label = labels.fragment[place];
+  std::vector<Centroid> centroids(fragments + 1);
+  blocks.forEachInside([&](std::size_t voxelIndex) {
+    const std::uint16_t label = labels.fragment[voxelIndex];
     if (label == 0 || label > fragments) return;
-    const openvdb::Coord voxel = blocks.voxelAt(place);
-    for (std::size_t i = 0; i < 3; ++i) sums[label].at[i] += voxel[static_cast<int>(i)];
-    ++sums[label].count;
+    const openvdb::Coord voxel = blocks.voxelAt(voxelIndex);
+    for (std::size_t i = 0; i < 3; ++i) centroids[label].position[i] += voxel[static_cast<int>(i)];
+    ++centroids[label].count;
   });
-  for (Sum& sum : sums) {
-    for (std::int64_t& c : sum.at) {  // the centroid, rounded to a voxel
-      if (sum.count > 0) c = (2 * c + (c < 0 ? -sum.count : sum.count)) / (2 * sum.count);
+  for (Centroid& centroid : centroids) {
+    for (std::int64_t& c : centroid.position) {
+      if (centroid.count > 0)
+        c = (2 * c + (c < 0 ? -centroid.count : centroid.count)) / (2 * centroid.count);
     }
   }
-  std::set<openvdb::Coord> further;  // seeds that stay where they are
-  for (std::size_t i = fragments; i < seeds.size(); ++i) further.insert(seeds[i].voxel);
-  blocks.forEachInside([&](std::size_t place) {
-    const std::uint16_t label = labels.fragment[place];
+  std::set<openvdb::Coord> additional;  // seeds that stay
+  for (std::size_t i = fragments; i < seeds.size(); ++i) additional.insert(seeds[i].voxel);
+  blocks.forEachInside([&](std::size_t voxelIndex) {
+    const std::uint16_t label = labels.fragment[voxelIndex];
     if (label == 0 || label > fragments) return;
-    Sum& sum = sums[label];
-    const openvdb::Coord voxel = blocks.voxelAt(place);
+    Centroid& centroid = centroids[label];
+    const openvdb::Coord voxel = blocks.voxelAt(voxelIndex);
     std::int64_t distance = 0;
     for (std::size_t i = 0; i < 3; ++i) {
-      const std::int64_t d = voxel[static_cast<int>(i)] - sum.at[i];
+      const std::int64_t d = voxel[static_cast<int>(i)] - centroid.position[i];
       distance += d * d;
     }
-    if ((sum.best >= 0 && distance >= sum.best) || further.count(voxel)) return;
-    sum.best = distance;
-    sum.voxel = voxel;
+    if ((centroid.leastDistance >= 0 && distance >= centroid.leastDistance) ||
+        additional.count(voxel))
+      return;
+    centroid.leastDistance = distance;
+    centroid.nearest = voxel;
   });
   for (std::size_t i = 0; i < fragments; ++i) {
-    const Sum& sum = sums[seeds[i].fragment];
-    if (sum.best >= 0) seeds[i].voxel = sum.voxel;
+    const Centroid& centroid = centroids[seeds[i].fragment];
+    if (centroid.leastDistance >= 0) seeds[i].voxel = centroid.nearest;
   }
   return seeds;
 }
 
 }  // namespace
 
-SeededLabels growWithShares(const LeafBlocks& blocks, const Parts& parts, std::vector<Seed> seeds,
-                            Device& device, const GrowOptions& growOptions,
+SeededLabels growWithShares(const LeafBlocks& blocks, const VoxelComponents& components,
+                            std::vector<Seed> seeds, Device& device, const GrowOptions& growOptions,
                             const ShareOptions& shares, std::uint64_t seed,
                             const Progress* progress) {
   const int fragments = fragmentsOf(seeds);
   const std::uint64_t voxels = blocks.insideVoxels();
-  check(shares, parts, fragments, voxels);
-  const auto least =
+  check(shares, components, fragments, voxels);
+  const auto minVoxels =
       static_cast<std::uint64_t>(std::ceil(shares.minShare * static_cast<double>(voxels) - 1e-9));
   const auto growFrom = [&](const std::vector<Seed>& from) {
     return std::move(grow(blocks, std::span(&from, 1), device, growOptions, progress).front());
   };
-  constexpr int kTriesWithoutSteps = 8;
+  constexpr int kTriesBeforeCentering = 8;
 
   Labels labels = growFrom(seeds);
   for (int i = 0; i < shares.balance; ++i) {
-    seeds = centredSeeds(blocks, labels, std::move(seeds));
+    seeds = centeredSeeds(blocks, labels, std::move(seeds));
     labels = growFrom(seeds);
   }
   std::uint64_t smallest = 0;
   for (int attempt = 0; attempt < std::max(shares.tries, 1); ++attempt) {
     const std::vector<std::uint64_t> counts = countVoxels(blocks, labels, fragments);
     smallest = *std::min_element(counts.begin() + 1, counts.end());
-    if (smallest >= least) return {std::move(seeds), std::move(labels)};
+    if (smallest >= minVoxels) return {std::move(seeds), std::move(labels)};
     std::vector<std::uint16_t> small;
     for (int id = 1; id <= fragments; ++id) {
-      if (counts[static_cast<std::size_t>(id)] < least) {
+      if (counts[static_cast<std::size_t>(id)] < minVoxels) {
         small.push_back(static_cast<std::uint16_t>(id));
       }
     }
-    reseed(blocks, parts, labels, seeds, std::move(small), counts, seed, attempt);
-    if (attempt >= kTriesWithoutSteps) {
-      seeds = centredSeeds(blocks, growFrom(seeds), std::move(seeds));
+    reseed(blocks, components, labels, seeds, std::move(small), counts, seed, attempt);
+    if (attempt >= kTriesBeforeCentering) {
+      seeds = centeredSeeds(blocks, growFrom(seeds), std::move(seeds));
     }
     labels = growFrom(seeds);
   }

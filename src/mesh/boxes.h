@@ -1,4 +1,4 @@
-// Boxes round triangles.
+// Boxes of triangles.
 #pragma once
 
 #include <sherd/mesh.h>

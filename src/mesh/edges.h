@@ -1,4 +1,4 @@
-// The edges of a mesh, each with how often triangles run along it.
+// The edges of a mesh, with the number of triangles that use each.
 #pragma once
 
 #include <sherd/mesh.h>
@@ -11,10 +11,10 @@
 
 namespace sherd {
 
-/// An edge, from its vertex of the lower number to that of the higher one.
+/// An edge from its vertex of lower index to that of higher index.
 struct EdgeUse {
   std::uint32_t low = 0, high = 0;
-  std::size_t forward = 0, backward = 0;  ///< triangles that run along it from `low`, and back
+  std::size_t forward = 0, backward = 0;  ///< triangles that use it from low to high, and reverse
 };
 
 /// Calls visit(EdgeUse) for every edge, by lower vertex, then by higher.  Half edges are put into

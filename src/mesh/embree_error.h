@@ -1,4 +1,4 @@
-// Embree's errors as ours.
+// Translation of Embree's errors.
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -9,9 +9,9 @@
 
 namespace sherd {
 
-///   device  null where none could be made
-///   throws  bad_alloc; Error(code) what else went wrong since it was last asked, beginning with
-///           `task`
+/// Throws the device's pending error.
+///   device  null if it could not be created
+///   throws  std::bad_alloc; Error(code) for other errors since the last check, prefixed by `task`
 inline void checkEmbree(RTCDevice device, ErrorCode code, const std::string& task) {
   const RTCError error = rtcGetDeviceError(device);
   if (error == RTC_ERROR_NONE) return;

@@ -17,24 +17,26 @@
 namespace sherd {
 namespace {
 
-/// Qhull's state.  What it has to say goes into `said`, which is standard error otherwise.
+/// Qhull's state.  Its messages go into `text_` instead of standard error.
 class Quickhull {
  public:
-  Quickhull() : log_(::open_memstream(&said_, &saidBytes_)) {
+  Quickhull() : log_(::open_memstream(&text_, &textBytes_)) {
     if (!log_) throw std::bad_alloc();
     qh_zero(&state_, log_);
   }
   ~Quickhull() {
     int blocksLeft = 0, bytesLeft = 0;
-    qh_freeqhull(&state_, !qh_ALL);  // its small blocks lie in large ones, freed at once
+    qh_freeqhull(
+        &state_,
+        !qh_ALL);  // frees no small blocks: the next call frees the large ones that contain them
     qh_memfreeshort(&state_, &blocksLeft, &bytesLeft);
     std::fclose(log_);
-    std::free(said_);
+    std::free(text_);
   }
   Quickhull(const Quickhull&) = delete;
   Quickhull& operator=(const Quickhull&) = delete;
 
-  // Neither triangulated nor jogged, so the points stay as they are.
+  // Without triangulation and joggling, so the points are not changed.
   int run(std::vector<glm::dvec3>& points) {
     char command[] = "qhull Pp";
     return qh_new_qhull(&state_, 3, static_cast<int>(points.size()), &points[0].x, False, command,
@@ -51,31 +53,32 @@ class Quickhull {
     return result;
   }
 
-  // Facets as fans, and the points that are corners of them.
-  //   points  as run had them
+  // Returns the facets as fans, and the points that are their corners.
+  //   points  those of run()
   TriangleMesh mesh(const std::vector<glm::dvec3>& points) {
     TriangleMesh result;
-    std::unordered_map<int, std::uint32_t> numbers;  // by point
-    const auto number = [&](int point) {
+    std::unordered_map<int, std::uint32_t> vertexOfPoint;
+    const auto vertexOf = [&](int point) {
       const auto [found, isNew] =
-          numbers.try_emplace(point, static_cast<std::uint32_t>(result.vertices.size()));
+          vertexOfPoint.try_emplace(point, static_cast<std::uint32_t>(result.vertices.size()));
       if (isNew) result.vertices.push_back(points[static_cast<std::size_t>(point)]);
       return found->second;
     };
     for (facetT* facet = state_.facet_list; facet && facet->next; facet = facet->next) {
-      setT* corners = qh_facet3vertex(&state_, facet);  // round the facet, either way
+      setT* corners = qh_facet3vertex(&state_, facet);  // in cyclic order, either orientation
       std::vector<std::uint32_t> ring;
       for (int i = 0; i < qh_setsize(&state_, corners); ++i) {
         const auto* vertex = static_cast<const vertexT*>(corners->e[i].p);
-        ring.push_back(number(qh_pointid(&state_, vertex->point)));
+        ring.push_back(vertexOf(qh_pointid(&state_, vertex->point)));
       }
       qh_settempfree(&state_, &corners);
-      glm::dvec3 round(0.0);
+      glm::dvec3 areaVector(0.0);
       for (std::size_t i = 0; i < ring.size(); ++i) {
-        round += glm::cross(result.vertices[ring[i]], result.vertices[ring[(i + 1) % ring.size()]]);
+        areaVector +=
+            glm::cross(result.vertices[ring[i]], result.vertices[ring[(i + 1) % ring.size()]]);
       }
       const coordT* n = facet->normal;
-      if (glm::dot(round, glm::dvec3(n[0], n[1], n[2])) < 0.0)
+      if (glm::dot(areaVector, glm::dvec3(n[0], n[1], n[2])) < 0.0)
         std::reverse(ring.begin(), ring.end());
       for (std::size_t i = 2; i < ring.size(); ++i) {
         result.triangles.emplace_back(ring[0], ring[i - 1], ring[i]);
@@ -84,39 +87,38 @@ class Quickhull {
     return result;
   }
 
-  std::string firstLineSaid() {
+  std::string firstLine() {
     std::fflush(log_);
-    const std::string text(said_, saidBytes_);
+    const std::string text(text_, textBytes_);
     return text.substr(0, text.find('\n'));
   }
 
  private:
-  char* said_ = nullptr;
-  std::size_t saidBytes_ = 0;
+  char* text_ = nullptr;
+  std::size_t textBytes_ = 0;
   std::FILE* log_;
   qhT state_;
 };
 
 void hullOf(Quickhull& quickhull, std::vector<glm::dvec3>& points) {
-  static_assert(sizeof(glm::dvec3) == 3 * sizeof(coordT), "Qhull reads the points as they lie");
+  static_assert(sizeof(glm::dvec3) == 3 * sizeof(coordT), "Qhull reads the points in place");
   if (points.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
     throw Error(ErrorCode::input, "convex hull: " + std::to_string(points.size()) +
-                                      " points, at most 2147483647 are possible");
+                                      " points; at most 2147483647 are possible");
   }
-  // Qhull asks for dimension + 1 points, and says so as an error of ours.
-  if (points.size() < 4) throw Error(ErrorCode::input, "the mesh is flat; a body is needed");
+  // Qhull needs dimension + 1 points, and reports fewer as an error of the caller.
+  const Error flat(ErrorCode::input, "the mesh is flat; its convex hull has no volume");
+  if (points.size() < 4) throw flat;
   const int status = quickhull.run(points);
-  if (status == qh_ERRsingular) {
-    throw Error(ErrorCode::input, "the mesh is flat; a body is needed");
-  }
+  if (status == qh_ERRsingular) throw flat;
   if (status == qh_ERRmem) throw std::bad_alloc();
   if (status != qh_ERRnone) {
-    throw Error(ErrorCode::internal, "convex hull: " + quickhull.firstLineSaid());
+    throw Error(ErrorCode::internal, "convex hull: " + quickhull.firstLine());
   }
 }
 
-// Where the planes of half spaces about the origin meet: the duals of the facets of the hull of
-// their own duals.
+// Returns the corners of the intersection of half spaces that contain the origin: the duals of the
+// facets of the hull of the half spaces' duals.
 std::vector<glm::dvec3> cornersOf(const std::vector<HalfSpace>& sides) {
   std::vector<glm::dvec3> duals;
   for (const HalfSpace& side : sides) duals.push_back(side.normal / -side.offset);
@@ -136,10 +138,10 @@ std::vector<HalfSpace> convexHull(std::vector<glm::dvec3> points) {
 }
 
 TriangleMesh convexHullMesh(std::vector<glm::dvec3> points, double inset) {
-  glm::dvec3 middle(0.0);
-  for (const glm::dvec3& p : points) middle += p;
-  middle /= static_cast<double>(std::max<std::size_t>(points.size(), 1));
-  for (glm::dvec3& p : points) p -= middle;
+  glm::dvec3 mean(0.0);
+  for (const glm::dvec3& p : points) mean += p;
+  mean /= static_cast<double>(std::max<std::size_t>(points.size(), 1));
+  for (glm::dvec3& p : points) p -= mean;
   if (inset > 0.0) {
     std::vector<HalfSpace> sides = convexHull(points);
     double room = std::numeric_limits<double>::infinity();
@@ -150,7 +152,7 @@ TriangleMesh convexHullMesh(std::vector<glm::dvec3> points, double inset) {
   Quickhull quickhull;
   hullOf(quickhull, points);
   TriangleMesh mesh = quickhull.mesh(points);
-  for (glm::dvec3& v : mesh.vertices) v += middle;
+  for (glm::dvec3& v : mesh.vertices) v += mean;
   return mesh;
 }
 

@@ -1,4 +1,4 @@
-// Whether points lie inside a mesh.
+// Point-in-mesh test by ray casting.
 #include "mesh/inside.h"
 
 #include <sherd/error.h>
@@ -12,18 +12,18 @@
 namespace sherd {
 namespace {
 
-/// Three unit directions that no modelled face or edge is likely to hold.
+/// Three unit directions that are unlikely to be parallel to a face or edge of a model.
 constexpr glm::vec3 kDirections[3] = {
     {0.6743f, 0.5291f, 0.5151f}, {-0.3709f, 0.8117f, -0.4512f}, {0.1933f, -0.4621f, -0.8655f}};
 
-/// A ray's context, and how often the ray goes out through the mesh, less how often it goes in.
+/// A ray's context, and the number of its exits from the mesh minus that of its entries.
 struct Crossings {
-  RTCIntersectContext context;  // first: Embree hands its address back
+  RTCIntersectContext context;  // first, because Embree passes its address to the filter
   int outwards = 0;
 };
 
-/// Counts a hit and refuses it, so that the ray goes on to its end.
-void countAndGoOn(const RTCFilterFunctionNArguments* hit) {
+/// Counts a hit and rejects it, so that the ray continues.
+void countHit(const RTCFilterFunctionNArguments* hit) {
   const unsigned n = hit->N;  // 1
   if (!hit->valid[0]) return;
   const float rate = RTCHitN_Ng_x(hit->hit, n, 0) * RTCRayN_dir_x(hit->ray, n, 0) +
@@ -49,13 +49,13 @@ InsideTest::InsideTest(const TriangleMesh& mesh)
                              vertices_.data(), 0, sizeof(glm::vec3), mesh.vertices.size());
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                              triangles_.data(), 0, sizeof(glm::uvec3), triangles_.size());
-  rtcSetGeometryIntersectFilterFunction(geometry, &countAndGoOn);
+  rtcSetGeometryIntersectFilterFunction(geometry, &countHit);
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(scene_.get(), geometry);
   rtcReleaseGeometry(geometry);
-  // One thread builds, as in src/render/scene.cpp: the tree is then the same on every machine.
-  tbb::task_arena alone(1);
-  alone.execute([&] { rtcCommitScene(scene_.get()); });
+  // Built by one thread, as in src/render/scene.cpp, so that the tree is the same on every machine.
+  tbb::task_arena oneThread(1);
+  oneThread.execute([&] { rtcCommitScene(scene_.get()); });
   check(device_.get());
 }
 
@@ -72,7 +72,7 @@ bool InsideTest::windsAlong(const glm::vec3& origin, const glm::vec3& direction)
   return crossings.outwards > 0;
 }
 
-// A ray through an edge counts both its triangles; two of three rays seldom do.
+// A ray through an edge counts both triangles; two of three rays seldom hit one.
 bool InsideTest::contains(const glm::dvec3& point) const {
   const glm::vec3 origin(point);
   const bool first = windsAlong(origin, kDirections[0]);

@@ -1,4 +1,4 @@
-// Whether points lie inside a mesh.
+// Point-in-mesh test by ray casting.
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -11,21 +11,21 @@
 
 namespace sherd {
 
-/// Asks a mesh for points inside it, by rays, in single precision.  Any thread may ask.
+/// Tests whether points are inside a mesh, by rays in single precision.  Thread-safe.
 class InsideTest {
  public:
   ///   mesh  closed, oriented outwards, about as large as 1; copied
   explicit InsideTest(const TriangleMesh& mesh);
 
-  /// Whether the mesh winds round the point.  Right where the point is farther from the surface
-  /// than single precision can tell, some 1e-6 of the mesh.
+  /// Whether the point is inside, by the majority of three rays.  Correct for points farther from
+  /// the surface than single precision resolves, some 1e-6 of the mesh's size.
   [[nodiscard]] bool contains(const glm::dvec3& point) const;
 
-  /// What three rays say, if they agree.  Wrong answers that agree are for points on the surface,
-  /// as single precision has it.
+  /// Returns the result of three rays if they agree.  It can be wrong only for points that are on
+  /// the surface in single precision.
   [[nodiscard]] std::optional<bool> unanimous(const glm::dvec3& point) const;
 
-  /// The mesh, in single precision, as geometry 0 with its triangles in their order.
+  /// The mesh in single precision as geometry 0, with its triangles in the same order.
   [[nodiscard]] RTCScene scene() const { return scene_.get(); }
 
  private:

@@ -1,11 +1,11 @@
-// Two meshes in one.
+// Concatenation of two meshes.
 #pragma once
 
 #include <sherd/mesh.h>
 
 namespace sherd {
 
-/// Both meshes' triangles; nothing is merged.
+/// Returns a mesh with the vertices and triangles of both; vertices are not merged.
 [[nodiscard]] inline TriangleMesh joined(TriangleMesh mesh, const TriangleMesh& other) {
   const auto first = static_cast<glm::uint>(mesh.vertices.size());
   mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());

@@ -1,4 +1,4 @@
-// What can be measured on a mesh: its box, area, volume and mass properties.
+// Measures of a mesh: box, area, volume and mass properties.
 #include <sherd/mesh.h>
 
 #include <algorithm>
@@ -8,8 +8,8 @@
 namespace sherd {
 namespace {
 
-// Integrals are taken about the middle of the box: far from the origin the terms would be large and
-// cancel.
+// Integrals are relative to the center of the box: far from the origin their terms would be large
+// and cancel.
 glm::dvec3 referencePoint(const TriangleMesh& mesh) {
   const Box box = bounds(mesh);
   return 0.5 * (box.min + box.max);
@@ -56,9 +56,9 @@ double volume(const TriangleMesh& mesh) {
 }
 
 MassProperties massProperties(const TriangleMesh& mesh) {
-  // Eberly's integrals over the solid of 1, (x, y, z), (x^2, y^2, z^2) and (xy, yz, zx), each
-  // turned into a sum over the triangles by the divergence theorem; a component-wise form of the
-  // paper's Subexpressions().
+  // Eberly's integrals over the solid of 1, (x, y, z), (x^2, y^2, z^2) and (xy, yz, zx), as sums
+  // over the triangles by the divergence theorem; a vectorized form of the paper's
+  // Subexpressions().
   const glm::dvec3 reference = referencePoint(mesh);
   double one = 0.0;
   glm::dvec3 linear(0.0), square(0.0), mixed(0.0);

@@ -1,4 +1,4 @@
-// How far points are from a mesh, and on which side.
+// Distance of points from a mesh, and their side.
 #include "mesh/mesh_distance.h"
 
 #include <algorithm>
@@ -11,8 +11,8 @@
 namespace sherd {
 namespace {
 
-/// In a space where the mesh reaches from -1 to 1: more than single precision can be wrong about a
-/// vertex, a point, or a box's distance (2^-24 each), relative and absolute.
+/// For a mesh within -1..1: a bound of the relative and absolute rounding errors of single
+/// precision for a vertex, a point and the distance of a box (2^-24 each).
 constexpr double kMargin = 1e-6;
 
 double halfOf(const Box& box) {
@@ -20,10 +20,10 @@ double halfOf(const Box& box) {
   return half > 0.0 ? half : 1.0;
 }
 
-TriangleMesh normalised(const TriangleMesh& mesh, const glm::dvec3& middle, double half) {
+TriangleMesh normalized(const TriangleMesh& mesh, const glm::dvec3& center, double half) {
   TriangleMesh result{{}, mesh.triangles};
   result.vertices.reserve(mesh.vertices.size());
-  for (const glm::dvec3& v : mesh.vertices) result.vertices.push_back((v - middle) / half);
+  for (const glm::dvec3& v : mesh.vertices) result.vertices.push_back((v - center) / half);
   return result;
 }
 
@@ -34,7 +34,7 @@ struct Search {
   glm::dvec3 nearest{0.0};
 };
 
-bool lookAt(RTCPointQueryFunctionArguments* found) {
+bool testTriangle(RTCPointQueryFunctionArguments* found) {
   Search& search = *static_cast<Search*>(found->userPtr);
   const glm::uvec3& t = search.mesh.triangles[found->primID];
   const std::vector<glm::dvec3>& v = search.mesh.vertices;
@@ -53,31 +53,31 @@ bool lookAt(RTCPointQueryFunctionArguments* found) {
 
 MeshDistance::MeshDistance(const TriangleMesh& mesh)
     : box_(bounds(mesh)),
-      middle_(box_.min + 0.5 * (box_.max - box_.min)),
+      center_(box_.min + 0.5 * (box_.max - box_.min)),
       half_(halfOf(box_)),
-      body_(normalised(mesh, middle_, half_)),
-      rays_(body_) {}
+      unitMesh_(normalized(mesh, center_, half_)),
+      rays_(unitMesh_) {}
 
 MeshDistance::Nearest MeshDistance::nearest(const glm::dvec3& world, double reach) const {
-  Search search{body_, unitFrom(world)};
+  Search search{unitMesh_, unitFrom(world)};
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
   RTCPointQuery query{};
   const glm::vec3 at(search.point);
   query.x = at.x, query.y = at.y, query.z = at.z;
   query.radius = static_cast<float>(reach / half_ * (1.0 + kMargin) + kMargin);
-  rtcPointQuery(rays_.scene(), &query, &context, &lookAt, &search);
+  rtcPointQuery(rays_.scene(), &query, &context, &testTriangle, &search);
   const double distance = std::sqrt(search.squared) * half_;
   if (!(distance <= reach)) return {std::numeric_limits<double>::infinity(), {}};
-  return {distance, middle_ + half_ * search.nearest};
+  return {distance, center_ + half_ * search.nearest};
 }
 
 bool MeshDistance::contains(const glm::dvec3& world, double distance) const {
   const glm::dvec3 point = unitFrom(world);
-  // Rays are right where single precision can tell the point from the surface.
-  const std::optional<bool> told =
+  // Rays are correct if single precision resolves the distance.
+  const std::optional<bool> inside =
       distance > kMargin * half_ ? rays_.unanimous(point) : std::optional<bool>();
-  return told ? *told : windingNumber(body_, point) > 0.5;
+  return inside ? *inside : windingNumber(unitMesh_, point) > 0.5;
 }
 
 }  // namespace sherd

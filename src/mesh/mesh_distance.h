@@ -1,4 +1,4 @@
-// How far points are from a mesh, and on which side.
+// Distance of points from a mesh, and their side.
 #pragma once
 
 #include <sherd/mesh.h>
@@ -9,34 +9,34 @@
 
 namespace sherd {
 
-/// A mesh that is asked for its distance from many points.  Any thread may ask.
+/// Computes the distances of many points from a mesh.  Thread-safe.
 ///
-/// Embree's tree finds the triangles that may be nearest, in single precision with a margin; how
-/// far each is, is told in double precision, and the least of them does not depend on the tree.
+/// Embree's tree finds candidates for the nearest triangle in single precision with a margin; their
+/// distances are computed in double precision, and the least does not depend on the tree.
 class MeshDistance {
  public:
   ///   mesh  at least one triangle; copied
   explicit MeshDistance(const TriangleMesh& mesh);
 
   struct Nearest {
-    double distance = 0.0;  ///< world units; infinite where nothing is within reach
-    glm::dvec3 point{0.0};  ///< of the mesh, world units
+    double distance = 0.0;  ///< world units; infinite if nothing is within reach
+    glm::dvec3 point{0.0};  ///< closest point of the mesh, world units
   };
 
-  /// The nearest point of the mesh, if it is within `reach`.
+  /// Returns the closest point of the mesh, if it is within `reach`.
   [[nodiscard]] Nearest nearest(const glm::dvec3& point,
                                 double reach = std::numeric_limits<double>::infinity()) const;
 
   [[nodiscard]] double distance(const glm::dvec3& point) const { return nearest(point).distance; }
 
-  /// Whether the mesh winds round the point.  Three rays tell; where these disagree, or the point
-  /// is too near for single precision, the solid angles of all triangles do.
-  ///   mesh      closed, oriented outwards
-  ///   distance  the point's
+  /// Whether the point is inside, for a closed mesh oriented outwards.  Three rays decide; if they
+  /// disagree, or the point is too near the surface for single precision, the solid angle of all
+  /// triangles decides.
+  ///   distance  of the point from the mesh
   [[nodiscard]] bool contains(const glm::dvec3& point, double distance) const;
 
-  /// The same by rays alone, and faster; points as near the surface as single precision cannot tell
-  /// may be wrong.
+  /// The same by rays alone, which is faster but can be wrong for points nearer to the surface than
+  /// single precision resolves.
   [[nodiscard]] bool likelyContains(const glm::dvec3& point) const {
     return rays_.contains(unitFrom(point));
   }
@@ -45,13 +45,13 @@ class MeshDistance {
 
  private:
   [[nodiscard]] glm::dvec3 unitFrom(const glm::dvec3& world) const {
-    return (world - middle_) / half_;
+    return (world - center_) / half_;
   }
 
   Box box_;
-  glm::dvec3 middle_{0.0};  ///< of the box
-  double half_ = 1.0;       ///< half the box's longest side, or 1 where that is 0
-  TriangleMesh body_;       ///< about the middle, half the longest side being 1
+  glm::dvec3 center_{0.0};  ///< of the box
+  double half_ = 1.0;       ///< half the box's longest side, or 1 if that is 0
+  TriangleMesh unitMesh_;   ///< centered, scaled by 1 / half_
   InsideTest rays_;
 };
 

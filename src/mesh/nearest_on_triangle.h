@@ -1,4 +1,4 @@
-// The point of a triangle that is nearest to another point.
+// The closest point of a triangle.
 #pragma once
 
 #include <glm/geometric.hpp>
@@ -6,7 +6,7 @@
 
 namespace sherd {
 
-/// The nearest point of triangle a, b, c to p; right for triangles without area, too.
+/// Returns the point of triangle a, b, c that is closest to p; valid for degenerate triangles, too.
 /// source  Ericson, Real-Time Collision Detection, 2005, section 5.1.5
 inline glm::dvec3 nearestOnTriangle(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b,
                                     const glm::dvec3& c) {

@@ -1,4 +1,4 @@
-// The principal axes of a body, by OpenVDB's Jacobi iteration.
+// The principal axes of a solid, by OpenVDB's Jacobi iteration.
 #include "mesh/principal_inertia.h"
 
 #include <openvdb/math/Mat3.h>
@@ -15,13 +15,13 @@ PrincipalInertia principalInertia(const MassProperties& mass) {
   }
   openvdb::math::Vec3d moments;
   if (!openvdb::math::diagonalizeSymmetricMatrix(inertia, axes, moments)) return {};
-  glm::dmat3 turn;
+  glm::dmat3 rotation;
   for (int axis = 0; axis < 3; ++axis) {
-    turn[axis] = {axes(0, axis), axes(1, axis), axes(2, axis)};
+    rotation[axis] = {axes(0, axis), axes(1, axis), axes(2, axis)};
   }
-  if (glm::determinant(turn) < 0.0) turn[2] = -turn[2];  // a reflection is no turn
+  if (glm::determinant(rotation) < 0.0) rotation[2] = -rotation[2];  // no reflection
   return {size * glm::dvec3(moments.x(), moments.y(), moments.z()),
-          glm::normalize(glm::quat_cast(turn))};
+          glm::normalize(glm::quat_cast(rotation))};
 }
 
 }  // namespace sherd

@@ -1,4 +1,4 @@
-// The principal axes of a body.
+// The principal axes of a solid.
 #pragma once
 
 #include <sherd/mesh.h>
@@ -7,10 +7,10 @@
 
 namespace sherd {
 
-/// A body's inertia about its centroid, in a frame where it is diagonal.
+/// The inertia about the centroid, in a frame where it is diagonal.
 struct PrincipalInertia {
   glm::dvec3 moments{0.0};                     ///< at unit density
-  glm::dquat orientation{1.0, 0.0, 0.0, 0.0};  ///< turns that frame into the world's
+  glm::dquat orientation{1.0, 0.0, 0.0, 0.0};  ///< rotates that frame into the world's
 };
 [[nodiscard]] PrincipalInertia principalInertia(const MassProperties& mass);
 

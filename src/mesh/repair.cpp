@@ -1,4 +1,4 @@
-// What is wrong with a mesh, and the mesh with its triangles turned the same way.
+// Detection of mesh defects, and consistent orientation of triangles.
 #include "mesh/repair.h"
 
 #include <algorithm>
@@ -18,9 +18,9 @@
 namespace sherd {
 namespace {
 
-void turn(glm::uvec3& triangle) { std::swap(triangle.y, triangle.z); }
+void flip(glm::uvec3& triangle) { std::swap(triangle.y, triangle.z); }
 
-// A triangle's corners in ascending order, and whether that is the way it turns.
+// Returns a triangle's corners in ascending order, and whether that is an even permutation.
 std::pair<std::array<std::uint32_t, 3>, bool> sortedCorners(const glm::uvec3& t) {
   std::array<std::uint32_t, 3> corners{t.x, t.y, t.z};
   bool even = true;
@@ -33,13 +33,13 @@ std::pair<std::array<std::uint32_t, 3>, bool> sortedCorners(const glm::uvec3& t)
   return {corners, even};
 }
 
-// Of triangles with the same corners one is kept, or none where as many turn the one way as the
+// Keeps one of the triangles with the same corners, or none if as many have one orientation as the
 // other.
 std::vector<glm::uvec3> withoutDuplicates(const std::vector<glm::uvec3>& triangles) {
   struct Entry {
     std::array<std::uint32_t, 3> corners;
     bool even;
-    std::size_t at;
+    std::size_t index;
   };
   std::vector<Entry> entries;
   entries.reserve(triangles.size());
@@ -48,7 +48,7 @@ std::vector<glm::uvec3> withoutDuplicates(const std::vector<glm::uvec3>& triangl
     entries.push_back({corners, even, i});
   }
   std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
-    return a.corners != b.corners ? a.corners < b.corners : a.at < b.at;
+    return a.corners != b.corners ? a.corners < b.corners : a.index < b.index;
   });
   std::vector<bool> kept(triangles.size(), false);
   for (std::size_t i = 0; i < entries.size();) {
@@ -59,7 +59,7 @@ std::vector<glm::uvec3> withoutDuplicates(const std::vector<glm::uvec3>& triangl
     }
     for (std::size_t k = i; k < end && net != 0; ++k) {
       if (entries[k].even != (net > 0)) continue;
-      kept[entries[k].at] = true;
+      kept[entries[k].index] = true;
       break;
     }
     i = end;
@@ -76,14 +76,14 @@ double areaOf(const TriangleMesh& mesh, const glm::uvec3& t) {
   return 0.5 * glm::length(glm::cross(v[t.y] - v[t.x], v[t.z] - v[t.x]));
 }
 
-// Two triangles across an edge, and whether they are turned against each other.
-struct Joint {
+// Two triangles that share an edge, and whether their orientations are opposite.
+struct Adjacency {
   std::uint32_t a, b;
-  bool against;
+  bool isOpposite;
 };
 
-// Where an edge has two triangles.
-std::vector<Joint> joints(const TriangleMesh& mesh) {
+// Returns the pairs of triangles at edges with exactly two triangles.
+std::vector<Adjacency> adjacencies(const TriangleMesh& mesh) {
   struct Half {
     std::uint64_t edge;
     std::uint32_t triangle;
@@ -102,7 +102,7 @@ std::vector<Joint> joints(const TriangleMesh& mesh) {
   std::sort(halves.begin(), halves.end(), [](const Half& a, const Half& b) {
     return a.edge != b.edge ? a.edge < b.edge : a.triangle < b.triangle;
   });
-  std::vector<Joint> out;
+  std::vector<Adjacency> out;
   for (std::size_t i = 0; i < halves.size();) {
     std::size_t end = i;
     while (end < halves.size() && halves[end].edge == halves[i].edge) ++end;
@@ -115,120 +115,125 @@ std::vector<Joint> joints(const TriangleMesh& mesh) {
   return out;
 }
 
-// Turn triangles to agree across joints, where `unbalanced` says of their part that they do not.
-// Each group that hangs together by joints goes the way that most of its area went.  Returns how
-// many were turned.
-std::size_t turnAlike(TriangleMesh& mesh, const Components& parts,
-                      const std::vector<bool>& unbalanced, const Progress* progress) {
+// Flips triangles of unbalanced components to agree across adjacencies.  Each connected group keeps
+// the orientation of most of its area.  Returns the number of flipped triangles.
+//   unbalanced  [components]
+std::size_t orientConsistently(TriangleMesh& mesh, const MeshComponents& components,
+                               const std::vector<bool>& unbalanced, const Progress* progress) {
   const std::size_t count = mesh.triangles.size();
-  const std::vector<Joint> all = joints(mesh);
+  const std::vector<Adjacency> all = adjacencies(mesh);
   throwIfCancelled(progress);
   std::vector<std::size_t> first(count + 1, 0);
-  for (const Joint& joint : all) ++first[joint.a + 1], ++first[joint.b + 1];
+  for (const Adjacency& pair : all) ++first[pair.a + 1], ++first[pair.b + 1];
   std::partial_sum(first.begin(), first.end(), first.begin());
   std::vector<std::pair<std::uint32_t, bool>> beside(first.back());
   std::vector<std::size_t> next(first.begin(), first.end() - 1);
-  for (const Joint& joint : all) {
-    beside[next[joint.a]++] = {joint.b, joint.against};
-    beside[next[joint.b]++] = {joint.a, joint.against};
+  for (const Adjacency& pair : all) {
+    beside[next[pair.a]++] = {pair.b, pair.isOpposite};
+    beside[next[pair.b]++] = {pair.a, pair.isOpposite};
   }
 
-  std::size_t turned = 0;
-  std::vector<bool> seen(count, false), against(count, false);
+  std::size_t flipped = 0;
+  std::vector<bool> seen(count, false), opposite(count, false);
   std::vector<std::uint32_t> group;
   for (std::uint32_t start = 0; start < count; ++start) {
-    if (seen[start] || !unbalanced[parts.ofTriangle[start]]) continue;
+    if (seen[start] || !unbalanced[components.ofTriangle[start]]) continue;
     group.assign(1, start);
     seen[start] = true;
-    std::array<double, 2> areas{0.0, 0.0};  // of those that agree with the first, and of the others
+    std::array<double, 2> areas{0.0, 0.0};  // oriented like the first triangle, and opposite to it
     std::array<std::size_t, 2> sizes{0, 0};
     for (std::size_t i = 0; i < group.size(); ++i) {
       const std::uint32_t t = group[i];
-      areas[against[t] ? 1 : 0] += areaOf(mesh, mesh.triangles[t]);
-      ++sizes[against[t] ? 1 : 0];
+      areas[opposite[t] ? 1 : 0] += areaOf(mesh, mesh.triangles[t]);
+      ++sizes[opposite[t] ? 1 : 0];
       for (std::size_t k = first[t]; k < first[t + 1]; ++k) {
-        const auto [other, isAgainst] = beside[k];
+        const auto [other, isOpposite] = beside[k];
         if (seen[other]) continue;
         seen[other] = true;
-        against[other] = against[t] != isAgainst;
+        opposite[other] = opposite[t] != isOpposite;
         group.push_back(other);
       }
     }
-    const bool wrong = areas[1] <= areas[0];  // those for which against[t] is this are turned
-    turned += sizes[wrong ? 1 : 0];
+    const bool wrong =
+        areas[1] <= areas[0];  // triangles with this value of opposite[t] are flipped
+    flipped += sizes[wrong ? 1 : 0];
     for (const std::uint32_t t : group) {
-      if (against[t] == wrong) turn(mesh.triangles[t]);
+      if (opposite[t] == wrong) flip(mesh.triangles[t]);
     }
   }
-  return turned;
+  return flipped;
 }
 
-// The volume of each part, its holes closed by cones to the middle of its box.
-std::vector<double> volumesOf(const TriangleMesh& mesh, const Components& parts) {
-  std::vector<Box> boxes(parts.count, Box{glm::dvec3(std::numeric_limits<double>::infinity()),
-                                          glm::dvec3(-std::numeric_limits<double>::infinity())});
+// Returns the volume of each component, its holes closed by cones to the center of its box.
+std::vector<double> volumesOf(const TriangleMesh& mesh, const MeshComponents& components) {
+  std::vector<Box> boxes(components.count,
+                         Box{glm::dvec3(std::numeric_limits<double>::infinity()),
+                             glm::dvec3(-std::numeric_limits<double>::infinity())});
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    Box& box = boxes[parts.ofTriangle[i]];
+    Box& box = boxes[components.ofTriangle[i]];
     for (int k = 0; k < 3; ++k) {
       const glm::dvec3& v = mesh.vertices[mesh.triangles[i][k]];
       box.min = glm::min(box.min, v);
       box.max = glm::max(box.max, v);
     }
   }
-  std::vector<double> volumes(parts.count, 0.0);
+  std::vector<double> volumes(components.count, 0.0);
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    const std::uint32_t part = parts.ofTriangle[i];
-    const glm::dvec3 middle = 0.5 * (boxes[part].min + boxes[part].max);
+    const std::uint32_t component = components.ofTriangle[i];
+    const glm::dvec3 center = 0.5 * (boxes[component].min + boxes[component].max);
     const glm::uvec3& t = mesh.triangles[i];
-    volumes[part] +=
-        glm::dot(mesh.vertices[t.x] - middle,
-                 glm::cross(mesh.vertices[t.y] - middle, mesh.vertices[t.z] - middle)) /
+    volumes[component] +=
+        glm::dot(mesh.vertices[t.x] - center,
+                 glm::cross(mesh.vertices[t.y] - center, mesh.vertices[t.z] - center)) /
         6.0;
   }
   return volumes;
 }
 
-// Turn parts that are inside out, and do not lie in another.  Returns how many.
-std::size_t turnParts(TriangleMesh& mesh, const Components& parts, const Progress* progress) {
-  std::vector<double> volumes = volumesOf(mesh, parts);
-  std::size_t turned = 0;
+// Flips components that are inside out and not within another.  Returns their number.
+std::size_t flipComponents(TriangleMesh& mesh, const MeshComponents& components,
+                           const Progress* progress) {
+  std::vector<double> volumes = volumesOf(mesh, components);
+  std::size_t flipped = 0;
   if (std::accumulate(volumes.begin(), volumes.end(), 0.0) < 0.0) {
-    for (glm::uvec3& t : mesh.triangles) turn(t);
+    for (glm::uvec3& t : mesh.triangles) flip(t);
     for (double& v : volumes) v = -v;
-    turned += parts.count;
+    flipped += components.count;
   }
-  if (std::none_of(volumes.begin(), volumes.end(), [](double v) { return v < 0.0; })) return turned;
+  if (std::none_of(volumes.begin(), volumes.end(), [](double v) { return v < 0.0; }))
+    return flipped;
 
   TriangleMesh outward{mesh.vertices, {}};
-  std::vector<std::vector<std::uint32_t>> corners(parts.count);  // of the parts that are inside out
+  std::vector<std::vector<std::uint32_t>> corners(
+      components.count);  // of the components that are inside out
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    const std::uint32_t part = parts.ofTriangle[i];
-    if (volumes[part] < 0.0) {
-      corners[part].push_back(mesh.triangles[i].x);
+    const std::uint32_t component = components.ofTriangle[i];
+    if (volumes[component] < 0.0) {
+      corners[component].push_back(mesh.triangles[i].x);
     } else {
       outward.triangles.push_back(mesh.triangles[i]);
     }
   }
   throwIfCancelled(progress);
   const TriangleTree tree(outward);
-  std::vector<bool> turns(parts.count, false);
-  for (std::uint32_t part = 0; part < parts.count; ++part) {
-    if (corners[part].empty()) continue;
+  std::vector<bool> isFlipped(components.count, false);
+  for (std::uint32_t component = 0; component < components.count; ++component) {
+    if (corners[component].empty()) continue;
     throwIfCancelled(progress);
-    constexpr std::size_t kLooks = 9;
+    constexpr std::size_t kSamples = 9;
     std::size_t within = 0;
-    for (std::size_t k = 0; k < kLooks; ++k) {
-      const std::size_t at = k * corners[part].size() / kLooks;
-      within += tree.winding(mesh.vertices[corners[part][at]]) > 0.5 ? 1u : 0u;
+    for (std::size_t k = 0; k < kSamples; ++k) {
+      const std::size_t at = k * corners[component].size() / kSamples;
+      within += tree.winding(mesh.vertices[corners[component][at]]) > 0.5 ? 1u : 0u;
     }
-    if (2 * within >= kLooks) continue;
-    turns[part] = true;
-    ++turned;
+    if (2 * within >= kSamples) continue;
+    isFlipped[component] = true;
+    ++flipped;
   }
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    if (turns[parts.ofTriangle[i]]) turn(mesh.triangles[i]);
+    if (isFlipped[components.ofTriangle[i]]) flip(mesh.triangles[i]);
   }
-  return turned;
+  return flipped;
 }
 
 }  // namespace
@@ -258,24 +263,25 @@ Repaired repaired(const TriangleMesh& mesh, const Progress* progress) {
   const MeshDefects asRead = defects;
   if (defects.duplicateTriangles > 0) unbalanced = countEdges();
   throwIfCancelled(progress);
-  const Components parts = components(out.mesh);
+  const MeshComponents components = meshComponents(out.mesh);
   if (unbalanced > 0) {
-    std::vector<bool> unbalancedPart(parts.count, false);
-    std::vector<std::uint32_t> partOf(out.mesh.vertices.size(), 0);
+    std::vector<bool> unbalancedComponent(components.count, false);
+    std::vector<std::uint32_t> componentOf(out.mesh.vertices.size(), 0);
     for (std::size_t i = 0; i < out.mesh.triangles.size(); ++i) {
-      partOf[out.mesh.triangles[i].x] = partOf[out.mesh.triangles[i].y] =
-          partOf[out.mesh.triangles[i].z] = parts.ofTriangle[i];
+      componentOf[out.mesh.triangles[i].x] = componentOf[out.mesh.triangles[i].y] =
+          componentOf[out.mesh.triangles[i].z] = components.ofTriangle[i];
     }
     forEachEdge(out.mesh, [&](const EdgeUse& edge) {
-      if (edge.forward != edge.backward) unbalancedPart[partOf[edge.low]] = true;
+      if (edge.forward != edge.backward) unbalancedComponent[componentOf[edge.low]] = true;
     });
-    defects.turnedTriangles = turnAlike(out.mesh, parts, unbalancedPart, progress);
+    defects.flippedTriangles =
+        orientConsistently(out.mesh, components, unbalancedComponent, progress);
   }
-  defects.boundaryEdges = asRead.boundaryEdges;  // of the mesh as it came
+  defects.boundaryEdges = asRead.boundaryEdges;  // of the mesh before repair
   defects.nonManifoldEdges = asRead.nonManifoldEdges;
   defects.misorientedEdges = asRead.misorientedEdges;
-  defects.parts = parts.count;
-  defects.turnedParts = turnParts(out.mesh, parts, progress);
+  defects.components = components.count;
+  defects.flippedComponents = flipComponents(out.mesh, components, progress);
   return out;
 }
 

@@ -1,4 +1,4 @@
-// What is wrong with a mesh, and the mesh with its triangles turned the same way.
+// Detection of mesh defects, and consistent orientation of triangles.
 #pragma once
 
 #include <sherd/mesh.h>
@@ -11,14 +11,14 @@ struct Repaired {
   MeshDefects defects;
 };
 
-/// Drop doubled triangles, turn triangles the way of their neighbours, and parts that are inside
-/// out.
+/// Drops duplicate triangles, orients triangles like their neighbors, and flips components that are
+/// inside out.
 ///
-/// Of equal triangles that are turned alike one is kept; a pair turned against each other goes
-/// altogether: the solid lies on both sides of it, or on none.  Where edges of a part do not
-/// balance, its triangles are turned to agree across edges of two triangles, each group the way
-/// most of its area was.  A part is inside out when it winds backwards round most points just
-/// behind its surface; it is turned unless it lies within another, where it bounds a cavity.
+/// Of triangles with the same corners and orientation one is kept; a pair of opposite orientation
+/// is dropped, because the solid is on both sides of it or on neither.  If the edges of a component
+/// do not balance, its triangles are flipped to agree across edges of two triangles; each group
+/// keeps the orientation of most of its area.  A component with negative volume is inside out; it
+/// is flipped unless it lies within another, where it bounds a cavity.
 ///   throws  Error(cancelled)
 [[nodiscard]] Repaired repaired(const TriangleMesh& mesh, const Progress* progress = nullptr);
 

@@ -1,4 +1,4 @@
-// Solid angles of triangles, added up.
+// Sum of the solid angles of triangles.
 #pragma once
 
 #include <array>
@@ -8,8 +8,8 @@
 
 namespace sherd {
 
-/// Half of a triangle's solid angle is the argument of a complex number; while these are small,
-/// numbers are multiplied, and one arc tangent tells the angle of several.
+/// Half of a triangle's solid angle is the argument of a complex number.  While the arguments are
+/// small, the numbers are multiplied, so that one arc tangent computes the sum of several angles.
 /// source  Van Oosterom, Strackee: The Solid Angle of a Plane Triangle, 1983
 class SolidAngles {
  public:
@@ -19,7 +19,7 @@ class SolidAngles {
     const double im = glm::dot(a, glm::cross(b, c));
     const double re =
         la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb;
-    if (!(re_ > 0.0 && re > 0.0)) flush();  // else their arguments add up to less than half a turn
+    if (!(re_ > 0.0 && re > 0.0)) flush();  // else their arguments sum to less than pi
     const double product = re_ * re - im_ * im;
     im_ = re_ * im + im_ * re;
     re_ = product;
@@ -27,15 +27,14 @@ class SolidAngles {
     if (!(size > kSmallest && size < kLargest)) flush();
   }
 
-  /// Steradians; positive where the triangles turn counter-clockwise seen from outside and the
-  /// point is behind them.
+  /// Returns steradians; positive for points behind counter-clockwise triangles.
   double sum() {
     flush();
     return sum_;
   }
 
  private:
-  // Factors are cubes of lengths; products of one of these and a factor stay numbers.
+  // Factors are cubes of lengths; within these bounds a product with a further factor is finite.
   static constexpr double kSmallest = 1e-60, kLargest = 1e60;
 
   void flush() {

@@ -1,4 +1,4 @@
-// A file's parts as meshes of their own.
+// Splitting of a file's objects into separate meshes.
 #include <sherd/mesh.h>
 
 #include <cstdint>
@@ -19,46 +19,47 @@ std::vector<SourceMesh> splitObjects(const SourceMesh& source) {
   for (std::uint32_t t = 0; t < source.objectOfTriangle.size(); ++t) {
     trianglesOf[source.objectOfTriangle[t]].push_back(t);
   }
-  std::vector<SourceMesh> parts;
-  std::vector<std::uint32_t> number(source.mesh.vertices.size(), kNone);  // of a vertex in the part
+  std::vector<SourceMesh> meshes;
+  std::vector<std::uint32_t> number(source.mesh.vertices.size(), kNone);  // new index of a vertex
   for (std::size_t object = 0; object < trianglesOf.size(); ++object) {
     const std::vector<std::uint32_t>& triangles = trianglesOf[object];
     if (triangles.empty()) continue;
-    SourceMesh part;
-    part.name = source.name;
-    part.stem = source.stem;
-    part.sha256 = source.sha256;
-    part.objects = {source.objects[object]};
-    part.objectOfTriangle.assign(triangles.size(), 0);
-    part.mesh.triangles = chosen(source.mesh.triangles, triangles);
+    SourceMesh out;
+    out.name = source.name;
+    out.stem = source.stem;
+    out.sha256 = source.sha256;
+    out.objects = {source.objects[object]};
+    out.objectOfTriangle.assign(triangles.size(), 0);
+    out.mesh.triangles = chosen(source.mesh.triangles, triangles);
     std::vector<std::uint32_t> used;
-    for (glm::uvec3& triangle : part.mesh.triangles) {
+    for (glm::uvec3& triangle : out.mesh.triangles) {
       for (int corner = 0; corner < 3; ++corner) {
         std::uint32_t& vertex = triangle[corner];
         if (number[vertex] == kNone) {
           number[vertex] = static_cast<std::uint32_t>(used.size());
           used.push_back(vertex);
-          part.mesh.vertices.push_back(source.mesh.vertices[vertex]);
+          out.mesh.vertices.push_back(source.mesh.vertices[vertex]);
         }
         vertex = number[vertex];
       }
     }
     for (const std::uint32_t vertex : used) number[vertex] = kNone;
-    part.fileVertices = part.mesh.vertices.size();
-    part.appearance.materials = source.appearance.materials;
-    part.appearance.textures = source.appearance.textures;
-    const SurfaceLook& look = source.appearance.surface;
-    part.appearance.surface = {chosen(look.texcoords, triangles), chosen(look.colours, triangles),
-                               chosen(look.material, triangles)};
-    if (parts.empty()) {
-      part.warnings = source.warnings;
-      part.degenerateTriangles = source.degenerateTriangles;
-      part.droppedVertices = source.droppedVertices;
-      part.droppedTriangles = source.droppedTriangles;
+    out.fileVertices = out.mesh.vertices.size();
+    out.appearance.materials = source.appearance.materials;
+    out.appearance.textures = source.appearance.textures;
+    const SurfaceAttributes& attributes = source.appearance.surface;
+    out.appearance.surface = {chosen(attributes.texcoords, triangles),
+                              chosen(attributes.colors, triangles),
+                              chosen(attributes.material, triangles)};
+    if (meshes.empty()) {
+      out.warnings = source.warnings;
+      out.degenerateTriangles = source.degenerateTriangles;
+      out.droppedVertices = source.droppedVertices;
+      out.droppedTriangles = source.droppedTriangles;
     }
-    parts.push_back(std::move(part));
+    meshes.push_back(std::move(out));
   }
-  return parts;
+  return meshes;
 }
 
 }  // namespace sherd

@@ -1,4 +1,4 @@
-// A mesh as a surface to draw points on.
+// Sampling of a mesh's surface by area.
 #pragma once
 
 #include <sherd/mesh.h>
@@ -7,7 +7,7 @@
 
 namespace sherd {
 
-/// A mesh and the sums of its triangles' areas.  Kept by reference.
+/// A mesh, kept by reference, and the cumulative areas of its triangles.
 class SurfaceByArea {
  public:
   /// throws  Error(input) no area
@@ -16,23 +16,23 @@ class SurfaceByArea {
   double area() const { return sums_.back(); }
   std::size_t triangles() const { return sums_.size(); }
 
-  /// Exactly 0 where the triangle has none.
+  /// Exactly 0 for a degenerate triangle.
   double area(std::size_t triangle) const {
     return triangle == 0 ? sums_[0] : sums_[triangle] - sums_[triangle - 1];
   }
 
-  /// The triangle at a share of the area, 0 <= share < 1; it has area.
+  /// Returns the triangle at a fraction of the area, 0 <= share < 1; its area is above 0.
   std::size_t triangleAt(double share) const;
 
-  /// Uniform in the triangle where u and v are uniform in [0, 1).
+  /// Returns a point that is uniform in the triangle if u and v are uniform in [0, 1).
   glm::dvec3 pointIn(std::size_t triangle, double u, double v) const;
 
-  /// Unit; for triangles that have area.
+  /// Returns the unit normal of a triangle with area.
   glm::dvec3 normalOf(std::size_t triangle) const;
 
  private:
   const TriangleMesh& mesh_;
-  std::vector<double> sums_;  ///< [triangles] area of the triangles up to and with each
+  std::vector<double> sums_;  ///< [triangles] area of triangles 0..i
 };
 
 }  // namespace sherd

@@ -1,4 +1,4 @@
-// How the triangles of a mesh hang together: edges and components.
+// Topology of a mesh: open and non-manifold edges, connected components.
 #include <sherd/mesh.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ std::size_t nonManifoldEdges(const TriangleMesh& mesh) {
   return count;
 }
 
-Components components(const TriangleMesh& mesh) {
+MeshComponents meshComponents(const TriangleMesh& mesh) {
   std::vector<std::uint32_t> parent(mesh.vertices.size());  // union-find over the vertices
   std::iota(parent.begin(), parent.end(), 0u);
   const auto root = [&](std::uint32_t v) {
@@ -33,7 +33,7 @@ Components components(const TriangleMesh& mesh) {
   }
 
   constexpr std::uint32_t kUnnumbered = 0xffffffffu;
-  Components out;
+  MeshComponents out;
   out.ofTriangle.reserve(mesh.triangles.size());
   std::vector<std::uint32_t> number(mesh.vertices.size(), kUnnumbered);
   for (const glm::uvec3& t : mesh.triangles) {

@@ -1,4 +1,4 @@
-// A tree of triangles.
+// A tree of triangles for nearest distances, winding numbers and rays.
 #include "mesh/triangle_tree.h"
 
 #include <tbb/parallel_invoke.h>
@@ -19,31 +19,31 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kLeafTriangles = 4;  // at most
 
-// Groups farther away than this many of their radii are dipoles.
+// Groups farther away than this many of their radii count as dipoles.
 constexpr double kFarRadii = 2.5;
 
-// Halves of fewer triangles are not worth a thread.
-constexpr std::size_t kForAThread = 8192;
+// Ranges of fewer triangles are processed by one thread.
+constexpr std::size_t kMinParallel = 8192;
 
 float below(double v) { return std::nextafter(static_cast<float>(v), -INFINITY); }
 float above(double v) { return std::nextafter(static_cast<float>(v), INFINITY); }
 
-// Bounds of distances, four numbers at a time.
+// Four numbers, for bounds of distances.
 using Floats = float __attribute__((vector_size(16)));
 
 Floats load(const glm::vec4& v) { return Floats{v.x, v.y, v.z, v.w}; }
 Floats larger(Floats a, Floats b) { return a > b ? a : b; }
 
-constexpr float kRoundedDown = 1.0f - 1e-6f;  // more than what a few roundings change
+constexpr float kRoundedDown = 1.0f - 1e-6f;  // exceeds the effect of a few roundings
 
-// A point, between two that floats can hold.
+// A point, enclosed by its two neighbors in single precision.
 class Near {
  public:
   explicit Near(const glm::dvec3& p)
       : low_{below(p.x), below(p.y), below(p.z), 0.0f},
         high_{above(p.x), above(p.y), above(p.z), 0.0f} {}
 
-  // No more than the squared distance to a box.
+  // Returns a lower bound of the squared distance to a box.
   [[nodiscard]] float squaredTo(const glm::vec4& min, const glm::vec4& max) const {
     const Floats outside = larger(larger(load(min) - high_, low_ - load(max)), Floats{});
     const Floats squares = outside * outside;
@@ -54,17 +54,20 @@ class Near {
   Floats low_, high_;
 };
 
-// A ray is let into a box that it misses by this share of its length: no triangle may be lost.
+// A ray that misses a box by this fraction of its length counts as a hit, so that rounding loses no
+// triangle.
 constexpr double kRounding = 1e-9;
 
-// Where a ray enters a box, or infinity.
-double enters(const glm::vec4& min, const glm::vec4& max, const glm::dvec3& origin,
-              const glm::dvec3& inverse) {
+// Returns where a ray entryDistance a box, or infinity.
+double entryDistance(const glm::vec4& min, const glm::vec4& max, const glm::dvec3& origin,
+                     const glm::dvec3& inverse) {
   double from = 0.0, to = kInfinity;
   for (int axis = 0; axis < 3; ++axis) {
     const double a = (static_cast<double>(min[axis]) - origin[axis]) * inverse[axis];
     const double b = (static_cast<double>(max[axis]) - origin[axis]) * inverse[axis];
-    from = std::max(from, std::min(a, b));  // 0 * infinity is no number and bounds nothing
+    // NaN (0 * infinity) occurs only on a face of a box, which is rounded outwards: no triangle
+    // is there.
+    from = std::max(from, std::min(a, b));
     to = std::min(to, std::max(a, b));
   }
   return from <= to + kRounding ? from : kInfinity;
@@ -98,7 +101,7 @@ TriangleTree::TriangleTree(const TriangleMesh& mesh) {
                 static_cast<std::uint32_t>(i)};
   }
   sortInto(items, {0, 0, count, levels_});
-  // Vertices in the order of the leaves, so that near ones lie near each other in memory.
+  // Vertices are stored in the order of the leaves, so that near ones are near in memory.
   std::vector<std::uint32_t> number(mesh.vertices.size(), kNone);
   vertices_.reserve(mesh.vertices.size());
   triangles_.reserve(count);
@@ -120,13 +123,13 @@ TriangleTree::TriangleTree(const TriangleMesh& mesh) {
   measure(root());
 }
 
-// Halve at the median of the box's longest axis, down to the leaves.
+// Splits at the median of the box's longest axis, down to the leaves.
 void TriangleTree::sortInto(std::span<Item> items, const Range& range) {
   if (range.isLeaf()) return;
   glm::vec3 min(kInfinity), max(-kInfinity);
   for (std::size_t i = range.begin; i < range.end; ++i) {
-    min = glm::min(min, items[i].middle);
-    max = glm::max(max, items[i].middle);
+    min = glm::min(min, items[i].center);
+    max = glm::max(max, items[i].center);
   }
   const glm::vec3 size = max - min;
   const int axis = size.x >= size.y ? (size.x >= size.z ? 0 : 2) : (size.y >= size.z ? 1 : 2);
@@ -134,10 +137,10 @@ void TriangleTree::sortInto(std::span<Item> items, const Range& range) {
   const auto at = [&](std::size_t i) { return items.begin() + static_cast<std::ptrdiff_t>(i); };
   std::nth_element(at(range.begin), at(second.begin), at(range.end),
                    [axis](const Item& a, const Item& b) {
-                     const float x = a.middle[axis], y = b.middle[axis];
+                     const float x = a.center[axis], y = b.center[axis];
                      return x != y ? x < y : a.triangle < b.triangle;
                    });
-  if (range.end - range.begin < kForAThread) {
+  if (range.end - range.begin < kMinParallel) {
     sortInto(items, first);
     sortInto(items, second);
   } else {
@@ -157,14 +160,14 @@ void TriangleTree::measure(const Range& range) {
       const double area = glm::length(normal);
       dipole.normal += normal;
       dipole.area += area;
-      dipole.centre += area / 3.0 * (t[0] + t[1] + t[2]);
+      dipole.center += area / 3.0 * (t[0] + t[1] + t[2]);
     }
     box = {{below(min.x), below(min.y), below(min.z), 0.0f},
            {above(max.x), above(max.y), above(max.z), 0.0f}};
     first_[range.node - firstLeaf()] = static_cast<std::uint32_t>(range.begin);
   } else {
     const Range first = range.child(0), second = range.child(1);
-    if (range.end - range.begin < kForAThread) {
+    if (range.end - range.begin < kMinParallel) {
       measure(first);
       measure(second);
     } else {
@@ -176,23 +179,23 @@ void TriangleTree::measure(const Range& range) {
       const Dipole& part = dipoles_[child.node];
       dipole.normal += part.normal;
       dipole.area += part.area;
-      dipole.centre += part.area * part.centre;
+      dipole.center += part.area * part.center;
     }
   }
   const glm::dvec3 min(box.min), max(box.max);
-  dipole.centre = dipole.area > 0.0 ? dipole.centre / dipole.area : 0.5 * (min + max);
+  dipole.center = dipole.area > 0.0 ? dipole.center / dipole.area : 0.5 * (min + max);
   if (range.isLeaf()) {
     for (std::size_t i = range.begin; i < range.end; ++i) {
       for (const glm::dvec3& v : corners(i)) {
-        dipole.radius = std::max(dipole.radius, glm::length(v - dipole.centre));
+        dipole.radius = std::max(dipole.radius, glm::length(v - dipole.center));
       }
     }
   } else {
-    dipole.radius = glm::length(glm::max(max - dipole.centre, dipole.centre - min));
+    dipole.radius = glm::length(glm::max(max - dipole.center, dipole.center - min));
     double within = 0.0;
     for (const Range& child : {range.child(0), range.child(1)}) {
       const Dipole& part = dipoles_[child.node];
-      within = std::max(within, glm::length(part.centre - dipole.centre) + part.radius);
+      within = std::max(within, glm::length(part.center - dipole.center) + part.radius);
     }
     dipole.radius = std::min(dipole.radius, within);
   }
@@ -203,13 +206,13 @@ TriangleTree::Nearest TriangleTree::nearest(const glm::dvec3& point, double reac
   Nearest found;
   if (empty()) return found;
   double squared = reach * reach;
-  const auto look = [&](std::size_t triangle) {
+  const auto test = [&](std::size_t triangle) {
     const double d = squaredTo(point, triangle);
     if (!(d < squared)) return;
     squared = d;
     found = {std::sqrt(d), static_cast<std::uint32_t>(triangle)};
   };
-  if (guess != kNone) look(guess);
+  if (guess != kNone) test(guess);
 
   struct Waiting {
     std::size_t node;
@@ -235,7 +238,7 @@ TriangleTree::Nearest TriangleTree::nearest(const glm::dvec3& point, double reac
         continue;
       }
       const std::size_t leaf = node - firstLeaf();
-      for (std::size_t i = first_[leaf]; i < first_[leaf + 1]; ++i) look(i);
+      for (std::size_t i = first_[leaf]; i < first_[leaf + 1]; ++i) test(i);
     }
     if (waiting == 0) return found;
     node = stack[--waiting].node;
@@ -249,7 +252,7 @@ double TriangleTree::winding(const glm::dvec3& point) const {
   walk(
       [&](const Range& range) {
         const Dipole& dipole = dipoles_[range.node];
-        const glm::dvec3 apart = dipole.centre - point;
+        const glm::dvec3 apart = dipole.center - point;
         const double squared = glm::dot(apart, apart), far = kFarRadii * dipole.radius;
         if (!(squared > far * far)) return false;
         angle += glm::dot(dipole.normal, apart) / (squared * std::sqrt(squared));
@@ -259,14 +262,16 @@ double TriangleTree::winding(const glm::dvec3& point) const {
   return (angle + near.sum()) / (4.0 * std::numbers::pi);
 }
 
-// 1 where the step goes in through the triangle's front, -1 where it goes out, else 0.
+// Returns 1 if the step enters through the triangle's front, -1 if it leaves through its back, else
+// 0.
 int TriangleTree::entry(const glm::dvec3& from, const glm::dvec3& to, std::size_t triangle) const {
   const glm::uvec3& t = triangles_[triangle];
   const glm::dvec3 &a = vertices_[t.x], normal = glm::cross(vertices_[t.y] - a, vertices_[t.z] - a);
   const bool before = glm::dot(normal, from - a) > 0.0, after = glm::dot(normal, to - a) > 0.0;
   if (before == after) return 0;
   const glm::dvec3 along = to - from;
-  // On which side of an edge the step passes; neighbours see the edge from the same end.
+  // The side of an edge that the step passes on.  The edge is directed by vertex index, so that
+  // both of its triangles get the same result.
   const auto passes = [&](std::uint32_t p, std::uint32_t q) {
     const bool swapped = q < p;
     if (swapped) std::swap(p, q);
@@ -291,7 +296,7 @@ int TriangleTree::entries(const glm::dvec3& from, const glm::dvec3& to) const {
   walk(
       [&](const Range& range) {
         const Bounds& box = bounds_[range.node];
-        return !(enters(box.min, box.max, from, inverse) <= 1.0 + kRounding);
+        return !(entryDistance(box.min, box.max, from, inverse) <= 1.0 + kRounding);
       },
       [&](std::size_t triangle) { entered += entry(from, to, triangle); });
   return entered;
@@ -318,7 +323,7 @@ double TriangleTree::firstHit(const glm::dvec3& origin, const glm::dvec3& direct
   walk(
       [&](const Range& range) {
         const Bounds& box = bounds_[range.node];
-        return !(enters(box.min, box.max, origin, inverse) < first);
+        return !(entryDistance(box.min, box.max, origin, inverse) < first);
       },
       [&](std::size_t triangle) {
         const double distance = rayHit(corners(triangle), origin, direction);

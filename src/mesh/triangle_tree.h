@@ -1,4 +1,4 @@
-// A tree of triangles: the nearest of them, and how they wind round a point.
+// A tree of triangles for nearest distances, winding numbers and rays.
 #pragma once
 
 #include <sherd/mesh.h>
@@ -15,82 +15,83 @@
 
 namespace sherd {
 
-/// Triangles in a balanced binary tree of boxes.  Any thread may ask.  A nearest distance does not
-/// depend on how the tree was built: it is the least of the triangles' own, in double precision.
+/// Triangles in a balanced binary tree of boxes.  Thread-safe.  A nearest distance does not depend
+/// on how the tree was built: it is the least over all triangles, in double precision.
 class TriangleTree {
  public:
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-  ///   mesh  may have no triangle; copied
+  ///   mesh  may be empty; copied
   explicit TriangleTree(const TriangleMesh& mesh);
 
   [[nodiscard]] bool empty() const { return triangles_.empty(); }
 
-  /// A box of all triangles, a hair larger; not of an empty tree.
+  /// Returns the box of all triangles, rounded outwards to single precision; the tree must not be
+  /// empty.
   [[nodiscard]] Box box() const { return {glm::dvec3(bounds_[0].min), glm::dvec3(bounds_[0].max)}; }
 
   struct Nearest {
     double distance = std::numeric_limits<double>::infinity();
-    std::uint32_t triangle = kNone;  ///< in the tree's own order: a guess for points nearby
+    std::uint32_t triangle = kNone;  ///< in the tree's order: a guess for points nearby
   };
 
-  /// The nearest triangle that is less than `reach` away; an infinite distance where none is.
-  ///   guess  a triangle that is likely near, from an earlier answer
+  /// Returns the nearest triangle that is less than `reach` away; an infinite distance if none is.
+  ///   guess  a triangle that is likely near, from an earlier result
   [[nodiscard]] Nearest nearest(const glm::dvec3& point, double reach,
                                 std::uint32_t guess = kNone) const;
 
-  /// The square of the distance to a triangle, by the tree's own order.
+  /// Returns the squared distance to a triangle, given by the tree's order.
   [[nodiscard]] double squaredTo(const glm::dvec3& point, std::size_t triangle) const {
     const std::array<glm::dvec3, 3> t = corners(triangle);
     const glm::dvec3 apart = point - nearestOnTriangle(point, t[0], t[1], t[2]);
     return glm::dot(apart, apart);
   }
 
-  /// The generalised winding number: the solid angle of all triangles as seen from the point, over
-  /// 4 pi.  Triangles more than two and a half times their group's radius away count as one dipole,
-  /// which is right to some 0.02. source  Barill, Dickson, Schmidt, Levin, Jacobson: Fast Winding
-  /// Numbers for Soups and Clouds,
-  ///         2018
+  /// Returns the generalized winding number: the solid angle of all triangles at the point, divided
+  /// by 4 pi.  A group of triangles more than 2.5 times its radius away counts as one dipole; the
+  /// error is about 0.02.
+  ///   source  Barill, Dickson, Schmidt, Levin, Jacobson: Fast Winding Numbers for Soups and
+  ///           Clouds, 2018
   [[nodiscard]] double winding(const glm::dvec3& point) const;
 
-  /// How often a short step from one point to another goes in through a triangle's front, less how
-  /// often it goes out through its back.  Of triangles round an edge a step passes a consistent
+  /// Returns the number of triangles that a short step enters through the front minus the number
+  /// that it leaves through the back.  Of the triangles around an edge a step passes a consistent
   /// set.
   [[nodiscard]] int entries(const glm::dvec3& from, const glm::dvec3& to) const;
 
-  /// The same of some triangles, in the tree's own order.
+  /// The same for some triangles, given by the tree's order.
   [[nodiscard]] int entries(const glm::dvec3& from, const glm::dvec3& to,
                             std::span<const std::uint32_t> triangles) const;
 
-  /// The triangles whose boxes meet a box, in the tree's own order, ascending.
+  /// Returns the triangles whose boxes intersect a box, by the tree's order, ascending.
   [[nodiscard]] std::vector<std::uint32_t> meeting(const Box& box) const;
 
-  /// A triangle's corners, by the tree's own order.
+  /// Returns the corners of a triangle, given by the tree's order.
   [[nodiscard]] std::array<glm::dvec3, 3> corners(std::size_t triangle) const {
     const glm::uvec3& t = triangles_[triangle];
     return {vertices_[t.x], vertices_[t.y], vertices_[t.z]};
   }
 
-  /// How far a ray goes to its first hit beyond `from`, in lengths of `direction`; infinite where
-  /// it hits nothing.
+  /// Returns the distance of a ray's first hit beyond `from`, in lengths of `direction`; infinite
+  /// if it hits nothing.
   [[nodiscard]] double firstHit(const glm::dvec3& origin, const glm::dvec3& direction,
                                 double from) const;
 
  private:
-  // A walk keeps one node a level; 2^32 triangles make 30 levels.
+  // A traversal stores one node per level; 2^32 triangles have 30 levels.
   static constexpr std::size_t kDeepest = 64;
 
   struct Bounds {
-    glm::vec4 min, max;  // a hair larger than what it holds; w is 0, for reading four at a time
+    glm::vec4 min, max;  // rounded outwards; w is 0, for reading four at a time
   };
   struct Dipole {
-    glm::dvec3 centre{0.0};  // of the triangles, weighted by area
-    glm::dvec3 normal{0.0};  // sum of their areas times their normals
+    glm::dvec3 center{0.0};  // of the triangles, weighted by area
+    glm::dvec3 normal{0.0};  // sum of area * normal
     double area = 0.0;
-    double radius = 0.0;  // of all of them about `centre`
+    double radius = 0.0;  // of all triangles, around `center`
   };
 
-  // A node of the tree, whose every level is full: its children are 2 node + 1 and 2 node + 2.
+  // A node of the tree, which is complete: its children are 2 node + 1 and 2 node + 2.
   struct Range {
     std::size_t node, begin, end;
     int levelsBelow;
@@ -105,11 +106,11 @@ class TriangleTree {
   [[nodiscard]] std::size_t firstLeaf() const { return (std::size_t{1} << levels_) - 1; }
 
   struct Item {
-    glm::vec3 middle;  // thrice that of the triangle
+    glm::vec3 center;  // the sum of the corners: three times the centroid
     std::uint32_t triangle;
   };
 
-  // Visit the triangles of all leaves, but for those of nodes of which `skip` is true.
+  // Visits the triangles of all leaves, except below nodes for which `skip` returns true.
   template <class Skip, class Visit>
   void walk(const Skip& skip, const Visit& visit) const {
     if (empty()) return;

@@ -14,8 +14,8 @@ glm::dvec3 unitOrZero(const glm::dvec3& v) {
 
 namespace {
 
-// The angle of a vector to the first axis, its second coordinate positive, to 4e-8: as exact as
-// what it weighs, and five times as fast as std::atan2.
+// Returns the angle of the vector (along, across) to the first axis, for across > 0, to 4e-8: exact
+// enough for a weight, and five times as fast as std::atan2.
 //   source  Abramowitz, Stegun, Handbook of Mathematical Functions, 4.4.49
 double angleOf(double across, double along) {
   const double reach = std::abs(along);

@@ -1,4 +1,4 @@
-// Solid angles.
+// The winding number of a mesh around a point, as a sum of solid angles.
 #include "mesh/winding_number.h"
 
 #include <numbers>

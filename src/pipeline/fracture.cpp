@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "cl/device_impl.h"
-#include "grow/specks.h"
+#include "grow/small_components.h"
 #include "pipeline/fracture_stages.h"
 
 namespace sherd {
@@ -13,9 +13,9 @@ namespace {
 GrownFracture grownOf(Solid solid, const FractureOptions& options, StageClock clock, Device& device,
                       const Progress* progress) {
   PreparedSolid ready = prepared(std::move(solid), device);
-  clock.done("parts");
+  clock.done("components");
   GrownFracture grown = grow(ready, options, device, clock, progress);
-  ready = {};  // memory for meshes
+  ready = {};  // frees memory for the meshes
   device.freeBuffers();
   return grown;
 }
@@ -47,9 +47,9 @@ FractureResult fracture(Solid solid, const FractureOptions& options, Device& dev
 }
 
 PreparedSolid prepared(Solid solid, Device& device) {
-  Parts parts = findParts(solid.blocks, device);
-  Solid clean = dropSpecks(std::move(solid), parts, device);
-  return {std::move(clean), std::move(parts)};
+  VoxelComponents components = findComponents(solid.blocks, device);
+  Solid clean = dropSmallComponents(std::move(solid), components, device);
+  return {std::move(clean), std::move(components)};
 }
 
 FractureResult fracture(const PreparedSolid& ready, const FractureOptions& options, Device& device,

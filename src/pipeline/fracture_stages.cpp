@@ -12,102 +12,106 @@
 namespace sherd {
 namespace {
 
-std::size_t withheldOf(double missing, std::size_t fragments) {
-  const double wanted =
+// Returns how many fragments to withhold: `missing` is a share below 1, else a count.
+std::size_t withheldCount(double missing, std::size_t fragments) {
+  const double count =
       missing < 1.0 ? std::floor(missing * static_cast<double>(fragments) + 0.5) : missing;
-  if (wanted < 0.0 || wanted > static_cast<double>(fragments) - 1.0) {
+  if (count < 0.0 || count > static_cast<double>(fragments) - 1.0) {
     throw Error(ErrorCode::usage, "of " + std::to_string(fragments) + " fragments at most " +
                                       std::to_string(fragments - 1) + " can be withheld");
   }
-  return static_cast<std::size_t>(wanted);
+  return static_cast<std::size_t>(count);
 }
 
-// New ids by old: fragments of fewer than `least` voxels get the last ones, and all else stays in
-// order.  How many these are is the second.
-std::pair<std::vector<std::uint16_t>, std::size_t> smallOnesLast(
-    const std::vector<std::uint64_t>& voxels, double least) {
+// Returns the new id of each old one, and the number of fragments with fewer than `minVoxels`
+// voxels.  These get the last ids; the others keep their order.
+std::pair<std::vector<std::uint16_t>, std::size_t> idsWithSmallLast(
+    const std::vector<std::uint64_t>& voxels, double minVoxels) {
   std::vector<std::uint16_t> ids(1, 0), small;
   for (std::size_t id = 1; id < voxels.size(); ++id) {
-    const bool isSmall = static_cast<double>(voxels[id]) < least;
+    const bool isSmall = static_cast<double>(voxels[id]) < minVoxels;
     (isSmall ? small : ids).push_back(static_cast<std::uint16_t>(id));
   }
   ids.insert(ids.end(), small.begin(), small.end());
-  std::vector<std::uint16_t> fresh(voxels.size());
-  for (std::size_t i = 0; i < ids.size(); ++i) fresh[ids[i]] = static_cast<std::uint16_t>(i);
-  return {std::move(fresh), small.size()};
+  std::vector<std::uint16_t> newIds(voxels.size());
+  for (std::size_t i = 0; i < ids.size(); ++i) newIds[ids[i]] = static_cast<std::uint16_t>(i);
+  return {std::move(newIds), small.size()};
 }
 
-void renumber(Labels& labels, const std::vector<std::uint16_t>& fresh) {
+void renumber(Labels& labels, const std::vector<std::uint16_t>& newIds) {
   for (std::uint16_t& label : labels.fragment) {
-    if (label != Labels::kWorn) label = fresh[label];
+    if (label != Labels::kEroded) label = newIds[label];
   }
-  for (Seed& seed : labels.sites.seeds) seed.fragment = fresh[seed.fragment];
+  for (Seed& seed : labels.sites.seeds) seed.fragment = newIds[seed.fragment];
 }
 
-// Give the last ids to fragments below options.dropShare; how many there are.
+// Gives the last ids to fragments below `dropShare` of the solid; returns their number.
 std::size_t dropSmall(GrownFracture& grown, double dropShare) {
   if (!(dropShare >= 0.0 && dropShare <= 1.0)) {
-    throw Error(ErrorCode::usage, "the share below which fragments are dropped lies in 0..1");
+    throw Error(ErrorCode::usage, "the share below which fragments are dropped must lie in 0..1");
   }
   if (dropShare == 0.0) return 0;
   FractureResult& result = grown.result;
   const Solid& solid = result.solid;
-  const auto [fresh, small] =
-      smallOnesLast(countVoxels(solid.blocks, result.labels, grown.fragments),
-                    dropShare * static_cast<double>(solid.voxels));
+  const auto [newIds, small] =
+      idsWithSmallLast(countVoxels(solid.blocks, result.labels, grown.fragments),
+                       dropShare * static_cast<double>(solid.voxels));
   if (small == 0) return 0;
   if (small == static_cast<std::size_t>(grown.fragments)) {
     throw Error(ErrorCode::usage, "each of the " + std::to_string(small) +
                                       " fragments is too small to be kept; lower the share below "
                                       "which they are dropped");
   }
-  renumber(result.labels, fresh);
-  if (grown.unworn) renumber(*grown.unworn, fresh);
-  for (Seed& seed : result.seeds) seed.fragment = fresh[seed.fragment];
-  std::vector<std::uint64_t> worn(result.worn.size());
-  for (std::size_t id = 0; id < worn.size(); ++id) worn[fresh[id]] = result.worn[id];
-  result.worn = std::move(worn);
+  renumber(result.labels, newIds);
+  if (grown.uneroded) renumber(*grown.uneroded, newIds);
+  for (Seed& seed : result.seeds) seed.fragment = newIds[seed.fragment];
+  std::vector<std::uint64_t> eroded(result.eroded.size());
+  for (std::size_t id = 0; id < eroded.size(); ++id) eroded[newIds[id]] = result.eroded[id];
+  result.eroded = std::move(eroded);
   return small;
 }
 
 }  // namespace
 
-SeedOptions seedOptionsFor(const FractureOptions& options, const Parts& parts, std::uint64_t seed) {
+SeedOptions seedOptionsFor(const FractureOptions& options, const VoxelComponents& components,
+                           std::uint64_t seed) {
   SeedOptions seeds = options.seeds;
   seeds.pieces = options.pieces;
   seeds.seed = seed;
-  const int fragments = std::max(options.pieces, static_cast<int>(parts.count()));
+  const int fragments = std::max(options.pieces, static_cast<int>(components.count()));
   seeds.extraSeeds += options.extraSeedsPerPiece * fragments;
   return seeds;
 }
 
-SeededLabels growFor(const FractureOptions& options, const LeafBlocks& blocks, const Parts& parts,
-                     std::vector<Seed> seeds, std::uint64_t seed, Device& device,
-                     const Progress* progress) {
+SeededLabels growFor(const FractureOptions& options, const LeafBlocks& blocks,
+                     const VoxelComponents& components, std::vector<Seed> seeds, std::uint64_t seed,
+                     Device& device, const Progress* progress) {
   GrowOptions grow = options.grow;
   grow.noiseSeeds = {randomBits(seed, Stage::noise, 0)};
-  return growWithShares(blocks, parts, std::move(seeds), device, grow, options.shares, seed,
+  return growWithShares(blocks, components, std::move(seeds), device, grow, options.shares, seed,
                         progress);
 }
 
 namespace {
 
+// Returns a fracture with its solid and seeds.
 GrownFracture seeded(const PreparedSolid& ready, const FractureOptions& options) {
   GrownFracture grown;
   FractureResult& result = grown.result;
   grown.surface = ready.surface;
   result.solid = ready.solid;
-  result.parts = ready.parts.count();
+  result.components = ready.components.count();
   result.seeds = options.seedFile.empty()
-                     ? placeSeeds(result.solid, ready.parts,
-                                  seedOptionsFor(options, ready.parts, options.seed))
-                     : readSeeds(options.seedFile, result.solid, ready.parts, options.seed);
+                     ? placeSeeds(result.solid, ready.components,
+                                  seedOptionsFor(options, ready.components, options.seed))
+                     : readSeeds(options.seedFile, result.solid, ready.components, options.seed);
   grown.fragments = fragmentsOf(result.seeds);
-  (void)withheldOf(options.missing, static_cast<std::size_t>(grown.fragments));  // before long work
+  (void)withheldCount(options.missing,
+                      static_cast<std::size_t>(grown.fragments));  // checks before long work
   return grown;
 }
 
-// Wear what has grown, and number what is withheld last.
+// Erodes the grown labels and gives the withheld fragments the last ids.
 void finish(GrownFracture& grown, Labels labels, const FractureOptions& options, Device& device,
             StageClock clock, const Progress* progress) {
   FractureResult& result = grown.result;
@@ -115,19 +119,18 @@ void finish(GrownFracture& grown, Labels labels, const FractureOptions& options,
   if (options.erode.iterations > 0) {
     ErodeOptions erosion = options.erode;
     erosion.seed = options.seed;
-    Erosion worn = erode(blocks, labels, grown.fragments, erosion, device, progress);
-    result.labels =
-        carriedOverBand(blocks, std::move(worn.labels), device, options.grow.outerSteps);
-    result.worn = std::move(worn.worn);
-    grown.unworn = std::move(labels);
+    Erosion eroded = erode(blocks, labels, grown.fragments, erosion, device, progress);
+    result.labels = extendLabels(blocks, std::move(eroded.labels), device, options.grow.outerSteps);
+    result.eroded = std::move(eroded.eroded);
+    grown.uneroded = std::move(labels);
     clock.done("erode");
   } else {
     result.labels = std::move(labels);
-    result.worn.assign(static_cast<std::size_t>(grown.fragments) + 1, 0);
+    result.eroded.assign(static_cast<std::size_t>(grown.fragments) + 1, 0);
   }
   const std::size_t small = dropSmall(grown, options.dropShare);
   result.withheld =
-      small + withheldOf(options.missing, static_cast<std::size_t>(grown.fragments) - small);
+      small + withheldCount(options.missing, static_cast<std::size_t>(grown.fragments) - small);
   result.times = clock.times();
 }
 
@@ -150,7 +153,7 @@ std::vector<GrownFracture> growTogether(const PreparedSolid& ready,
   std::vector<Labels> labels;
   if (options.front().shares.isAny()) {  // how often each has to grow depends on what comes out
     for (std::size_t i = 0; i < all.size(); ++i) {
-      SeededLabels own = growFor(options[i], blocks, ready.parts, std::move(seeds[i]),
+      SeededLabels own = growFor(options[i], blocks, ready.components, std::move(seeds[i]),
                                  options[i].seed, device, progress);
       all[i].result.seeds = std::move(own.seeds);
       labels.push_back(std::move(own.labels));
@@ -176,7 +179,7 @@ FractureResult extracted(GrownFracture grown, const FractureOptions& options,
   StageClock clock;
   FractureResult& result = grown.result;
   result.fragments = extractFragments(result.solid, result.labels, grown.fragments,
-                                      grown.unworn ? &*grown.unworn : nullptr, options.surface,
+                                      grown.uneroded ? &*grown.uneroded : nullptr, options.surface,
                                       progress, grown.surface.get());
   clock.done("extract");
   result.times.push_back(clock.times().front());

@@ -1,4 +1,4 @@
-// The stages of a fracture: on the device, and then on the host.
+// The stages of a fracture: first on the device, then on the host.
 #pragma once
 
 #include <sherd/fracture.h>
@@ -11,7 +11,7 @@
 
 namespace sherd {
 
-/// The seconds of one stage after another; to a stage that comes again they are added.
+/// The seconds of consecutive stages; those of a repeated stage are summed.
 class StageClock {
  public:
   void done(const char* stage) {
@@ -32,7 +32,7 @@ class StageClock {
   std::vector<StageTime> times_;
 };
 
-/// The part of the options that is about the solid.
+/// The options that concern the solid.
 [[nodiscard]] inline SolidOptions solidOptionsOf(const FractureOptions& options) {
   return {.resolution = options.resolution,
           .voxelSize = options.voxelSize,
@@ -40,36 +40,36 @@ class StageClock {
           .shellThickness = options.shellThickness};
 }
 
-/// options.seeds for a solid of these parts, with every choice from `seed`.
-[[nodiscard]] SeedOptions seedOptionsFor(const FractureOptions& options, const Parts& parts,
-                                         std::uint64_t seed);
+/// options.seeds for a solid with these components; `seed` determines every random choice.
+[[nodiscard]] SeedOptions seedOptionsFor(const FractureOptions& options,
+                                         const VoxelComponents& components, std::uint64_t seed);
 
-/// Grow as options.grow and options.shares say, with every choice from `seed`.
+/// Grow by options.grow and options.shares; `seed` determines every random choice.
 [[nodiscard]] SeededLabels growFor(const FractureOptions& options, const LeafBlocks& blocks,
-                                   const Parts& parts, std::vector<Seed> seeds, std::uint64_t seed,
-                                   Device& device, const Progress* progress);
+                                   const VoxelComponents& components, std::vector<Seed> seeds,
+                                   std::uint64_t seed, Device& device, const Progress* progress);
 
-/// A fracture half way: everything that needs the device is done.
+/// A fracture after all work on the device.
 struct GrownFracture {
-  FractureResult result;         ///< all but fragments
-  int fragments = 0;             ///< how many there are, withheld ones too
-  std::optional<Labels> unworn;  ///< the labels before erosion, where there was any
-  std::shared_ptr<const UnbrokenSurface> surface{};
+  FractureResult result;           ///< all but fragments
+  int fragments = 0;               ///< number, including withheld ones
+  std::optional<Labels> uneroded;  ///< the labels before erosion, if any
+  std::shared_ptr<const IntactSurface> surface{};
 };
 
-/// Seed several fractures, grow them together, and wear each; all come out as they would alone.
-///   options  growth and shares are the first one's for all of them
-///   clock    of what was done before
+/// Seed several fractures, grow them together, and erode each; the results equal separate runs.
+///   options  growth and shares of the first apply to all
+///   clock    of the earlier stages
 [[nodiscard]] std::vector<GrownFracture> growTogether(const PreparedSolid& prepared,
                                                       std::span<const FractureOptions> options,
                                                       Device& device, StageClock clock,
                                                       const Progress* progress);
 
-/// The same for one.
+/// The same for one fracture.
 [[nodiscard]] GrownFracture grow(const PreparedSolid& prepared, const FractureOptions& options,
                                  Device& device, StageClock clock, const Progress* progress);
 
-/// `fracture`, and `refracture`, but for the fragments.
+/// `fracture` and `refracture` without the fragments.
 [[nodiscard]] GrownFracture grown(const TriangleMesh& mesh, const FractureOptions& options,
                                   Device& device, const Progress* progress);
 [[nodiscard]] GrownFracture grown(Solid solid, const FractureOptions& options, Device& device,
@@ -78,7 +78,7 @@ struct GrownFracture {
                                     const FractureOptions& options, Device& device,
                                     const Progress* progress);
 
-/// Cut the fragments out.  Any thread may ask.
+/// Cut the fragments out.  Thread-safe; does not use the device.
 [[nodiscard]] FractureResult extracted(GrownFracture grown, const FractureOptions& options,
                                        const Progress* progress);
 

@@ -1,4 +1,4 @@
-// How much memory a fracture takes, estimated before.
+// Estimate of the memory that a fracture takes.
 #include <sherd/memory_estimate.h>
 #include <sherd/solid.h>
 
@@ -19,27 +19,27 @@ namespace {
 // Rates: docs/performance.md, "Memory".
 constexpr double kProgram = 200e6;          // the OpenCL device and its compiler
 constexpr double kPerTriangle = 240.0;      // of the input: vertices, the tree, columns
-constexpr double kPerSurfaceVoxel = 500.0;  // faces, meshes and the picture of fragments
-constexpr double kOfSomeMeshes = 0.6;       // of this, where only some meshes are held
+constexpr double kPerSurfaceVoxel = 500.0;  // faces, meshes and the preview of fragments
+constexpr double kOfSomeMeshes = 0.6;       // factor on it where only some meshes are held
 constexpr double kPerInsideVoxel = 8.0;     // leaves, labels and growth
-constexpr double kOfChain = 8.5;            // more for each: offers that wait
-constexpr double kOfErosion = 9.0;          // masks of fragments, labels before it
-constexpr double kOfCost = 11.0;            // four bytes on the device, here and in the file
-constexpr double kSimplified = 1.6;         // by how much meshes with fewer triangles take more
-constexpr double kPerPiece = 25e3;  // however small: its distances to the cut in every leaf that it
-                                    // reaches, what the manifest says of it
+constexpr double kOfChain = 8.5;            // additional: waiting offers
+constexpr double kOfErosion = 9.0;          // additional: masks of fragments, labels before erosion
+constexpr double kOfCost = 11.0;  // additional: four bytes on the device, the host and in the file
+constexpr double kSimplified = 1.6;  // factor where meshes are decimated
+constexpr double kPerPiece = 25e3;   // of any size: distances to the cut in every leaf it reaches,
+                                     // its manifest entry
 
 struct Extent {
   double area = 0.0, volume = 0.0, longest = 0.0;  // world units
-  double parts = 0.0;
+  double components = 0.0;
   bool isOpen = false;
   glm::dvec3 box{0.0};
 };
 
-// Parts that are turned the other way do not cancel.
+// Sums the absolute volumes of mesh components, so that inverted ones do not cancel.
 Extent extentOf(const TriangleMesh& mesh) {
-  const Components parts = components(mesh);
-  std::vector<double> volumes(parts.count, 0.0);
+  const MeshComponents components = meshComponents(mesh);
+  std::vector<double> volumes(components.count, 0.0);
   const glm::dvec3 origin = bounds(mesh).min;
   double area = 0.0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -47,7 +47,7 @@ Extent extentOf(const TriangleMesh& mesh) {
     const glm::dvec3 a = mesh.vertices[corners.x] - origin, b = mesh.vertices[corners.y] - origin,
                      c = mesh.vertices[corners.z] - origin;
     area += 0.5 * glm::length(glm::cross(b - a, c - a));
-    volumes[parts.ofTriangle[t]] += glm::dot(a, glm::cross(b, c)) / 6.0;
+    volumes[components.ofTriangle[t]] += glm::dot(a, glm::cross(b, c)) / 6.0;
   }
   double volume = 0.0;
   for (const double v : volumes) volume += std::abs(v);
@@ -55,19 +55,19 @@ Extent extentOf(const TriangleMesh& mesh) {
   return {.area = area,
           .volume = std::min(volume, box.x * box.y * box.z),
           .longest = std::max({box.x, box.y, box.z}),
-          .parts = static_cast<double>(parts.count),
+          .components = static_cast<double>(components.count),
           .isOpen = openEdges(mesh) > 0,
           .box = box};
 }
 
-// Of a solid, in world units.
+// Surface area and volume of a solid, world units.
 struct Amount {
   double area = 0.0, volume = 0.0;
 };
 
-// Of a shell, by Steiner's formula for what lies within `r` of a body: of the mesh's box, which
-// holds all of it, and of the mesh, whose two sides bend opposite ways.  Sheets that lie close to
-// each other unite as sheets that lie anywhere in the box would.
+// Returns the amount of a shell by Steiner's formula for the points within `r` of a set: of the
+// mesh's bounding box, an upper bound, and of the mesh, whose curvature terms cancel between its
+// two sides.  Overlap of sheets is estimated as for sheets at random positions in the box.
 Amount shellOf(const Extent& mesh, double thickness) {
   constexpr double kPi = std::numbers::pi;
   const double r = 0.5 * thickness, sides = mesh.box.x + mesh.box.y + mesh.box.z;
@@ -76,9 +76,9 @@ Amount shellOf(const Extent& mesh, double thickness) {
   const double ball = 4.0 / 3.0 * kPi * r * r * r, sphere = 4.0 * kPi * r * r;
   const Amount box{faces + 2.0 * kPi * r * sides + sphere,
                    mesh.box.x * mesh.box.y * mesh.box.z + faces * r + kPi * r * r * sides + ball};
-  Amount sheet{2.0 * mesh.area + 2.0 * sphere * mesh.parts,
-               mesh.area * thickness + 2.0 * ball * mesh.parts};
-  if (mesh.isOpen) {  // all round its rim, which is no longer than the box's edges, or short
+  Amount sheet{2.0 * mesh.area + 2.0 * sphere * mesh.components,
+               mesh.area * thickness + 2.0 * ball * mesh.components};
+  if (mesh.isOpen) {  // along its boundary, assumed no longer than the box's edges
     sheet.area += 2.0 * kPi * r * sides;
     sheet.volume += kPi * r * r * sides;
   }
@@ -86,7 +86,7 @@ Amount shellOf(const Extent& mesh, double thickness) {
   return {std::min(sheet.area, sheet.area * apart + box.area), std::min(sheet.volume, box.volume)};
 }
 
-// What a mesh becomes; one that is open may become a shell, which has two sides.
+// Returns the amount of the solid made from a mesh.  An open mesh may become a two-sided shell.
 Amount solidOf(const Extent& mesh, const SolidOptions& options, double voxelSize) {
   const bool isShell = options.fill == Fill::shell ||
                        (options.fill == Fill::automatic && options.shellThickness > 0.0);
@@ -98,14 +98,14 @@ double bytesForVoxels(double surface, double inside, double perInside = kPerInsi
   return kProgram + kPerSurfaceVoxel * surface + perInside * inside;
 }
 
-// What voxels inside take, with what is done to them.
+// Returns bytes per inside voxel for these options.
 double perInsideVoxel(const FractureOptions& options) {
   return kPerInsideVoxel + (options.grow.growth == Growth::chain ? kOfChain : 0.0) +
          (options.erode.iterations > 0 ? kOfErosion : 0.0) +
          (options.grow.keepCost ? kOfCost : 0.0);
 }
 
-// What meshes take, with what is done to them.
+// Returns the factor on the memory of meshes for these options.
 //   resolution  voxels along the longest side
 double meshFactor(const SurfaceOptions& surface, MeshesHeld held, double resolution) {
   if (surface.adaptivity > 0.0 || !surface.triangles.empty()) return kSimplified;
@@ -121,7 +121,7 @@ double bytesFor(const Extent& extent, std::size_t triangles, const FractureOptio
   const Amount solid = solidOf(extent, solidOptionsOf(options), voxelSize);
   const double surface = solid.area / (voxelSize * voxelSize);
   const double inside = solid.volume / (voxelSize * voxelSize * voxelSize);
-  // A cube cut into n cubes has 3 (n^(1/3) - 1) cuts across it; each is of two fragments.
+  // A cube cut into n cubes has 3 (n^(1/3) - 1) cuts across it; each bounds two fragments.
   const double cuts =
       6.0 * (std::cbrt(static_cast<double>(options.pieces)) - 1.0) * std::cbrt(inside * inside);
   return kPerTriangle * static_cast<double>(triangles) +
@@ -146,10 +146,11 @@ std::uint64_t estimatedMemory(double surface, double inside) {
 
 void requireMemory(const TriangleMesh& mesh, const FractureOptions& options, std::uint64_t limit,
                    MeshesHeld held) {
-  SolidOptions asked = solidOptionsOf(options);
-  const bool isAutomatic = asked.voxelSize == 0.0 && asked.resolution == kAutoResolution;
-  if (isAutomatic) asked.resolution = kMostAutoResolution;
-  double voxelSize = voxelSizeFor(mesh, asked);
+  SolidOptions solidOptions = solidOptionsOf(options);
+  const bool isAutomatic =
+      solidOptions.voxelSize == 0.0 && solidOptions.resolution == kAutoResolution;
+  if (isAutomatic) solidOptions.resolution = kMostAutoResolution;
+  double voxelSize = voxelSizeFor(mesh, solidOptions);
   const double longest = longestSide(bounds(mesh));
   const Extent extent = extentOf(mesh);
   const auto bytesOf = [&](double size, MeshesHeld of) {
@@ -157,12 +158,12 @@ void requireMemory(const TriangleMesh& mesh, const FractureOptions& options, std
   };
   const auto bytes = [&](double size) { return bytesOf(size, held); };
   if (bytes(voxelSize) <= limit) return;
-  if (isAutomatic) {  // which takes as long as reading a mesh, so only where it may matter
-    voxelSize = longest / automaticResolution(mesh, asked);
+  if (isAutomatic) {  // takes as long as reading a mesh, so computed only here
+    voxelSize = longest / automaticResolution(mesh, solidOptions);
     if (bytes(voxelSize) <= limit) return;
   }
   const int resolution = resolutionFor(mesh, voxelSize);
-  int fits = 0;  // the highest resolution that does
+  int fits = 0;  // the highest resolution that fits, or 0
   for (int low = 8, high = resolution; low <= high;) {
     const int middle = low + (high - low) / 2;
     if (bytes(longest / middle) <= limit) {
@@ -175,7 +176,7 @@ void requireMemory(const TriangleMesh& mesh, const FractureOptions& options, std
   std::string advice = fits > 0 ? "a --resolution of " + std::to_string(fits) + " fits"
                                 : std::string("no resolution fits");
   if (bytesOf(voxelSize, MeshesHeld::some) <= limit) {
-    advice += ", and this one without the picture and other files of all pieces (--write)";
+    advice += ", and this one without the preview image and other files of all pieces (--write)";
   }
   requireMemory(advice + "; one of " + std::to_string(resolution) +
                     (isAutomatic ? ", which the mesh's walls need," : ""),

@@ -1,9 +1,9 @@
-// Options that belong together.
+// Presets of options.
 #include <sherd/fracture.h>
 
 namespace sherd {
 
-// Everything the paper says is set, also where it is the default: a default may change.
+// Sets every option that the paper specifies, including defaults, which may change.
 FractureOptions paperOptions() {
   constexpr Iterations kIterations{.perVoxel = 0.048};
   FractureOptions options;

@@ -1,37 +1,39 @@
-// Breaking fragments again: each is a solid of its own for seeds and growth; the cut is then made
-// anew for all of them together.
+// Refracture: each broken fragment is a separate solid for seeds and growth; the cut is then
+// recomputed for all fragments together.
 #include <sherd/error.h>
 #include <sherd/refracture.h>
 
 #include <set>
 
 #include "base/random.h"
-#include "grow/specks.h"
+#include "grow/small_components.h"
 #include "pipeline/fracture_stages.h"
 #include "voxelize/distance.h"
 
 namespace sherd {
 namespace {
 
-// One fragment's voxels as a solid, over the same leaves.
-Solid portion(const FinishedFracture& finished, int id) {
-  Solid part = finished.solid;
-  for (std::size_t place = 0; place < finished.labels.fragment.size(); ++place) {
-    if (finished.labels.fragment[place] != id) {
-      part.blocks.inside[place >> 6] &= ~(std::uint64_t{1} << (place & 63));
+// Returns the voxels of one fragment as a solid over the same leaves.
+Solid fragmentSolid(const FinishedFracture& finished, int id) {
+  Solid fragment = finished.solid;
+  for (std::size_t voxelIndex = 0; voxelIndex < finished.labels.fragment.size(); ++voxelIndex) {
+    if (finished.labels.fragment[voxelIndex] != id) {
+      fragment.blocks.inside[voxelIndex >> 6] &= ~(std::uint64_t{1} << (voxelIndex & 63));
     }
   }
-  part.blocks.outerBand.assign(part.blocks.outerBand.size(), 0);
-  measureVoxels(part);
-  return part;
+  fragment.blocks.exteriorBand.assign(fragment.blocks.exteriorBand.size(), 0);
+  measureVoxels(fragment);
+  return fragment;
 }
 
-SeededLabels breakPortion(const Solid& part, int id, const FractureOptions& options, Device& device,
-                          const Progress* progress) {
-  const std::uint64_t seed = randomBits(options.seed, Stage::again, static_cast<std::uint64_t>(id));
-  const Parts parts = findParts(part.blocks, device);
-  std::vector<Seed> seeds = placeSeeds(part, parts, seedOptionsFor(options, parts, seed));
-  return growFor(options, part.blocks, parts, std::move(seeds), seed, device, progress);
+SeededLabels breakFragment(const Solid& fragment, int id, const FractureOptions& options,
+                           Device& device, const Progress* progress) {
+  const std::uint64_t seed =
+      randomBits(options.seed, Stage::refracture, static_cast<std::uint64_t>(id));
+  const VoxelComponents components = findComponents(fragment.blocks, device);
+  std::vector<Seed> seeds =
+      placeSeeds(fragment, components, seedOptionsFor(options, components, seed));
+  return growFor(options, fragment.blocks, components, std::move(seeds), seed, device, progress);
 }
 
 }  // namespace
@@ -50,7 +52,7 @@ GrownFracture regrown(const FinishedFracture& finished, std::span<const int> onl
   GrownFracture all;
   FractureResult& result = all.result;
   result.solid = finished.solid;
-  result.parts = findParts(finished.solid.blocks, device).count();
+  result.components = findComponents(finished.solid.blocks, device).count();
   result.labels.fragment.assign(finished.labels.fragment.size(), 0);
   std::vector<std::uint16_t> newId(static_cast<std::size_t>(finished.fragments) + 1, 0);
   for (int id = 1; id <= finished.fragments; ++id) {
@@ -58,12 +60,12 @@ GrownFracture regrown(const FinishedFracture& finished, std::span<const int> onl
     result.parents.push_back(id);
     newId[static_cast<std::size_t>(id)] = static_cast<std::uint16_t>(result.parents.size());
   }
-  finished.solid.blocks.forEachInside([&](std::size_t place) {
-    result.labels.fragment[place] = newId[finished.labels.fragment[place]];
+  finished.solid.blocks.forEachInside([&](std::size_t voxelIndex) {
+    result.labels.fragment[voxelIndex] = newId[finished.labels.fragment[voxelIndex]];
   });
   for (const int id : broken) {
-    const Solid part = portion(finished, id);
-    const SeededLabels grown = breakPortion(part, id, options, device, progress);
+    const Solid fragment = fragmentSolid(finished, id);
+    const SeededLabels grown = breakFragment(fragment, id, options, device, progress);
     const std::size_t first = result.parents.size();
     result.parents.insert(result.parents.end(), static_cast<std::size_t>(fragmentsOf(grown.seeds)),
                           id);
@@ -71,18 +73,18 @@ GrownFracture regrown(const FinishedFracture& finished, std::span<const int> onl
       throw Error(ErrorCode::usage,
                   "there would be more than " + std::to_string(kMaxFragments) + " fragments");
     }
-    part.blocks.forEachInside([&](std::size_t place) {
-      result.labels.fragment[place] =
-          static_cast<std::uint16_t>(first + grown.labels.fragment[place]);
+    fragment.blocks.forEachInside([&](std::size_t voxelIndex) {
+      result.labels.fragment[voxelIndex] =
+          static_cast<std::uint16_t>(first + grown.labels.fragment[voxelIndex]);
     });
     for (Seed seed : grown.seeds) {
       seed.fragment = static_cast<std::uint16_t>(first + seed.fragment);
       result.seeds.push_back(seed);
     }
   }
-  result.labels = carriedOverBand(finished.solid.blocks, std::move(result.labels), device,
-                                  options.grow.outerSteps);
-  result.worn.assign(result.parents.size() + 1, 0);
+  result.labels = extendLabels(finished.solid.blocks, std::move(result.labels), device,
+                               options.grow.outerSteps);
+  result.eroded.assign(result.parents.size() + 1, 0);
   clock.done("grow");
   result.times = clock.times();
   all.fragments = static_cast<int>(result.parents.size());

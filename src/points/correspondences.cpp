@@ -1,4 +1,4 @@
-// Points on what two fragments share.
+// Samples points on the faces that two fragments share.
 #include <sherd/points.h>
 
 #include "base/random.h"
@@ -14,8 +14,8 @@ Correspondences sampleCorrespondences(std::span<const Fragment> fragments,
         continue;
       }
       TriangleMesh shared{fragment.mesh.vertices, {}};
-      for (std::size_t t = 0; t < fragment.facing.size(); ++t) {
-        if (fragment.facing[t] == contact.fragment) {
+      for (std::size_t t = 0; t < fragment.neighbor.size(); ++t) {
+        if (fragment.neighbor[t] == contact.fragment) {
           shared.triangles.push_back(fragment.mesh.triangles[t]);
         }
       }

@@ -1,4 +1,4 @@
-// Points well apart: of many, those that crowd others are dropped.
+// Weighted sample elimination: Poisson-disk subsets of points.
 #include "points/eliminate.h"
 
 #include <algorithm>
@@ -12,25 +12,25 @@
 namespace sherd {
 namespace {
 
-/// Points sorted into cubic cells.  A removal touches a neighbourhood anywhere, so what it reads
-/// lies together: chains through points in the order they were drawn took several times as long.
+/// Points sorted into cubic cells, so that neighborhoods are contiguous in memory: linked lists
+/// through points in the order of drawing took several times as long.
 class Cells {
  public:
   Cells(std::span<const glm::dvec3> points, double side) : side_(side) {
     glm::dvec3 low = points.front();
     for (const glm::dvec3& p : points) low = glm::min(low, p);
     const auto cellAt = [&](const glm::dvec3& p) -> Cell {
-      // Beyond 2^60 cells from the lowest point nothing is told apart any more.
+      // Points beyond 2^60 cells from the lowest corner share one cell.
       return Cell(glm::min(glm::floor((p - low) / side), glm::dvec3(0x1p60)));
     };
     sort(points, cellAt);
-    place(cellAt);
+    group(cellAt);
   }
 
-  /// The number that the k-th point had.
-  std::size_t numberOf(std::size_t k) const { return numbers_[k]; }
+  /// Returns the original index of the k-th sorted point.
+  std::size_t indexOf(std::size_t k) const { return indices_[k]; }
 
-  /// Call visit(other, distance) for each other point nearer than the cells' side.
+  /// Calls visit(other, distance) for each other point nearer than the cells' side.
   template <class Visit>
   void forEachNear(std::size_t k, const Visit& visit) const {
     const std::size_t cell = cellOf_[k];
@@ -56,20 +56,20 @@ class Cells {
     }
     std::sort(order.begin(), order.end());
     for (const auto& entry : order) {
-      numbers_.push_back(static_cast<std::uint32_t>(entry[3]));
-      positions_.push_back(points[numbers_.back()]);
+      indices_.push_back(static_cast<std::uint32_t>(entry[3]));
+      positions_.push_back(points[indices_.back()]);
     }
   }
 
-  // Cells are sorted by x, y, z: those near one in a row of z follow each other.
+  // Cells are sorted by x, y, z, so the neighbors in a row of z are contiguous.
   template <class CellAt>
-  void place(const CellAt& cellAt) {
+  void group(const CellAt& cellAt) {
     std::vector<std::array<std::int64_t, 3>> cells;
     for (std::size_t k = 0; k < positions_.size(); ++k) {
       const Cell cell = cellAt(positions_[k]);
-      const std::array<std::int64_t, 3> name{cell.x, cell.y, cell.z};
-      if (cells.empty() || cells.back() != name) {
-        cells.push_back(name);
+      const std::array<std::int64_t, 3> key{cell.x, cell.y, cell.z};
+      if (cells.empty() || cells.back() != key) {
+        cells.push_back(key);
         begins_.push_back(static_cast<std::uint32_t>(k));
       }
       cellOf_.push_back(static_cast<std::uint32_t>(cells.size() - 1));
@@ -91,12 +91,12 @@ class Cells {
   }
 
   double side_;
-  std::vector<std::uint32_t> numbers_;    // [points]
+  std::vector<std::uint32_t> indices_;    // [points] original index
   std::vector<glm::dvec3> positions_;     // [points]
-  std::vector<std::uint32_t> cellOf_;     // [points]
+  std::vector<std::uint32_t> cellOf_;     // [points] index of the point's cell
   std::vector<std::uint32_t> begins_;     // [cells + 1] first point of each
   std::vector<std::uint32_t> firstNear_;  // [cells + 1] first entry of each in near_
-  std::vector<std::uint32_t> near_;       // cells round each cell, itself too
+  std::vector<std::uint32_t> near_;       // the cells around each cell, itself included
 };
 
 }  // namespace
@@ -104,14 +104,14 @@ class Cells {
 std::vector<std::size_t> eliminated(std::span<const glm::dvec3> candidates, std::size_t keep,
                                     double area) {
   if (keep == 0) return {};
-  // No `keep` discs of a larger radius fit on a plane of this area.
+  // The largest radius of `keep` disks that fit on a plane of this area.
   const double largest = std::sqrt(area / (2.0 * std::sqrt(3.0) * static_cast<double>(keep)));
-  // The paper's limit, without which pairs of near candidates decide what is dropped: its beta and
-  // gamma, and 1 kept of 5.
+  // The paper's weight limiting, with its beta and gamma and 1 kept of 5; without it pairs of very
+  // near candidates dominate.
   const double share = 1.0 / static_cast<double>(kCandidatesPerPoint);
   const double least = largest * 0.65 * (1.0 - share * std::sqrt(share));
   const double reach = 2.0 * largest;
-  const auto crowding = [&](double distance) {
+  const auto weightAt = [&](double distance) {
     const double near = 1.0 - std::max(distance, 2.0 * least) / reach;
     const double squared = near * near, fourth = squared * squared;
     return fourth * fourth;
@@ -122,27 +122,27 @@ std::vector<std::size_t> eliminated(std::span<const glm::dvec3> candidates, std:
   std::vector<std::pair<double, std::size_t>> entries;
   entries.reserve(candidates.size());
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    cells.forEachNear(i, [&](std::size_t, double distance) { weight[i] += crowding(distance); });
+    cells.forEachNear(i, [&](std::size_t, double distance) { weight[i] += weightAt(distance); });
     entries.emplace_back(weight[i], i);
   }
-  // Weights only fall, so an entry that is out of date is put back where it belongs.
+  // Weights only decrease, so an outdated entry is reinserted with its current weight.
   std::priority_queue<std::pair<double, std::size_t>> queue({}, std::move(entries));
   std::vector<bool> stays(candidates.size(), true);
   for (std::size_t left = candidates.size(); left > keep;) {
-    const auto [told, i] = queue.top();
+    const auto [priority, i] = queue.top();
     queue.pop();
-    if (told != weight[i]) {
+    if (priority != weight[i]) {
       queue.emplace(weight[i], i);
       continue;
     }
     stays[i] = false;
     --left;
-    cells.forEachNear(i, [&](std::size_t j, double distance) { weight[j] -= crowding(distance); });
+    cells.forEachNear(i, [&](std::size_t j, double distance) { weight[j] -= weightAt(distance); });
   }
   std::vector<std::size_t> kept;
   kept.reserve(keep);
   for (std::size_t i = 0; i < stays.size(); ++i) {
-    if (stays[i]) kept.push_back(cells.numberOf(i));
+    if (stays[i]) kept.push_back(cells.indexOf(i));
   }
   std::sort(kept.begin(), kept.end());
   return kept;

@@ -1,4 +1,4 @@
-// Points well apart: of many, those that crowd others are dropped.
+// Weighted sample elimination: Poisson-disk subsets of points.
 #pragma once
 
 #include <cstddef>
@@ -9,12 +9,12 @@
 
 namespace sherd {
 
-/// How many candidates elimination wants for each point that stays.
+/// Candidates per kept point.
 inline constexpr std::size_t kCandidatesPerPoint = 5;
 
-/// The numbers of `keep` points that are well apart, ascending.  The point most crowded by those
-/// within reach is dropped, again and again.
-///   candidates  [keep * kCandidatesPerPoint], uniform over a surface
+/// Returns the indices of `keep` well-separated points, ascending.  Drops the point with the
+/// largest weight, a sum over its neighbors, until `keep` are left.
+///   candidates  [keep * kCandidatesPerPoint] uniform over a surface
 ///   area        of that surface, world units squared, > 0
 ///   source      Yuksel, Sample Elimination for Generating Poisson Disk Sample Sets, 2015
 [[nodiscard]] std::vector<std::size_t> eliminated(std::span<const glm::dvec3> candidates,

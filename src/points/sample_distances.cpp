@@ -1,4 +1,4 @@
-// Points in the space round a body, and their distance to it.
+// Samples points in the space around a mesh, with their signed distances.
 #include <sherd/error.h>
 #include <sherd/points.h>
 
@@ -25,33 +25,33 @@ double largestOf(SampleType type) { return type == SampleType::float16 ? kLarges
 
 void check(const DistanceOptions& options) {
   if (options.count > kMaxPoints) {
-    throw Error(ErrorCode::usage, std::to_string(options.count) + " distance samples, at most " +
-                                      std::to_string(kMaxPoints) + " are drawn at once");
+    throw Error(ErrorCode::usage, std::to_string(options.count) + " distance samples; at most " +
+                                      std::to_string(kMaxPoints) + " are supported");
   }
-  if (!(options.spread > 0.0 && std::isfinite(options.spread))) {
-    throw Error(ErrorCode::usage, "the spread of distance samples is " +
-                                      std::to_string(options.spread) + ", expected above 0");
+  if (!(options.sigma > 0.0 && std::isfinite(options.sigma))) {
+    throw Error(ErrorCode::usage, "the standard deviation of distance samples is " +
+                                      std::to_string(options.sigma) + ", expected above 0");
   }
 }
 
 /// The mesh's box, widened on all sides.
 Box boxAround(const TriangleMesh& mesh, const DistanceOptions& options) {
   Box box = bounds(mesh);
-  const double wider = std::max(0.05 * longestSide(box), 3.0 * options.spread);
+  const double wider = std::max(0.05 * longestSide(box), 3.0 * options.sigma);
   box.min -= wider;
   box.max += wider;
   return box;
 }
 
-/// Coordinates and distances have to fit.  Normal draws reach six standard deviations, that is 18
-/// spreads, from the surface.
+/// Requires that coordinates and distances fit the sample type.  Normal draws reach six standard
+/// deviations of up to 3 sigma from the surface.
 void requireRoom(const Box& box, const DistanceOptions& options) {
   const glm::dvec3 far = glm::max(glm::abs(box.min), glm::abs(box.max));
   const double farthest = std::max({far.x, far.y, far.z, glm::length(box.max - box.min)});
-  const double reach = farthest + 18.0 * options.spread;
+  const double reach = farthest + 18.0 * options.sigma;
   if (reach < largestOf(options.type)) return;
   throw Error(ErrorCode::usage, "distance samples reach to " + std::to_string(reach) +
-                                    ", beyond what their type can hold; take float32, or move the "
+                                    ", beyond the range of their type; use float32, or move the "
                                     "mesh nearer to the origin");
 }
 
@@ -72,7 +72,7 @@ DistanceSamples sampleDistances(const TriangleMesh& mesh, const DistanceOptions&
     if (i % 2 == 0) {
       for (int axis = 0; axis < 3; ++axis) {
         const double share =
-            randomUnit(seed, Stage::spacePlace, 3 * i + static_cast<std::uint64_t>(axis));
+            randomUnit(seed, Stage::spacePosition, 3 * i + static_cast<std::uint64_t>(axis));
         p[axis] = box.min[axis] + share * (box.max[axis] - box.min[axis]);
       }
     } else {
@@ -81,7 +81,7 @@ DistanceSamples sampleDistances(const TriangleMesh& mesh, const DistanceOptions&
       const double normal = 12.0 * meanOfUniforms(kNormalTerms, seed, Stage::spaceOffset, i);
       p = surface.pointIn(t, randomUnit(seed, Stage::spaceSurface, 3 * i + 1),
                           randomUnit(seed, Stage::spaceSurface, 3 * i + 2)) +
-          (i % 4 == 1 ? 1.0 : 3.0) * options.spread * normal * surface.normalOf(t);
+          (i % 4 == 1 ? 1.0 : 3.0) * options.sigma * normal * surface.normalOf(t);
     }
     for (int axis = 0; axis < 3; ++axis) p[axis] = rounded(p[axis], options.type);
     samples.positions.push_back(p);

@@ -1,4 +1,4 @@
-// Points on a mesh.
+// Samples points on a mesh.
 #include <sherd/error.h>
 #include <sherd/points.h>
 
@@ -17,7 +17,7 @@
 namespace sherd {
 namespace {
 
-/// A point before it is looked up.
+/// A sampled point.
 struct Draw {
   std::size_t triangle = 0;
   glm::dvec3 position{0.0};
@@ -34,7 +34,7 @@ std::vector<Draw> drawUniform(const SurfaceByArea& surface, std::size_t count, s
   return draws;
 }
 
-/// Halton's points: three numbers of [0, 1) at each index, each of some 40 bits.
+/// Scrambled Halton sequences of bases 2, 3 and 5: numbers in [0, 1) of about 40 bits.
 class Halton {
  public:
   explicit Halton(std::uint64_t seed)
@@ -55,7 +55,7 @@ std::vector<Draw> drawHalton(const SurfaceByArea& surface, std::size_t count, st
   return draws;
 }
 
-std::vector<Draw> drawApart(const SurfaceByArea& surface, std::size_t count, std::uint64_t seed) {
+std::vector<Draw> drawPoisson(const SurfaceByArea& surface, std::size_t count, std::uint64_t seed) {
   const std::vector<Draw> draws =
       drawUniform(surface, count * kCandidatesPerPoint, seed, Stage::pointCandidate);
   std::vector<glm::dvec3> candidates;
@@ -69,8 +69,8 @@ std::vector<Draw> drawApart(const SurfaceByArea& surface, std::size_t count, std
   return kept;
 }
 
-/// The triangle of each point that the paper's rule gives, in their order; at least `count`, as a
-/// sum of numbers rounded up is no smaller than that of the numbers.
+/// The triangle of each point by the paper's rule, ascending; at least `count` of them, as the
+/// parts are rounded up.
 std::vector<std::size_t> atLeastOneEach(const SurfaceByArea& surface, std::size_t count) {
   std::vector<std::size_t> triangles;
   for (std::size_t t = 0; t < surface.triangles(); ++t) {
@@ -79,7 +79,7 @@ std::vector<std::size_t> atLeastOneEach(const SurfaceByArea& surface, std::size_
     const double own = std::ceil(share * static_cast<double>(count));
     triangles.insert(triangles.end(), std::max<std::size_t>(1, static_cast<std::size_t>(own)), t);
   }
-  // Rounding in the shares can cost no more than the last point.
+  // Rounding of the shares can lose at most the last point.
   if (triangles.size() < count) triangles.resize(count, triangles.back());
   return triangles;
 }
@@ -91,12 +91,14 @@ std::vector<Draw> drawPerTriangle(const SurfaceByArea& surface, const PointOptio
   const Halton halton(options.seed);
   const bool even = options.sampler == PointSampler::halton;
   std::vector<Draw> draws(options.count);
-  for (std::size_t i = 0; i < options.count; ++i) {  // Fisher and Yates, as far as it is needed
+  for (std::size_t i = 0; i < options.count; ++i) {  // a partial Fisher-Yates shuffle
     std::swap(order[i],
               order[i + randomBelow(order.size() - i, options.seed, Stage::pointShuffle, i)]);
     const std::size_t n = order[i], t = triangles[n];
-    const double u = even ? halton.b.at(n) : randomUnit(options.seed, Stage::pointPlace, 3 * n + 1);
-    const double v = even ? halton.c.at(n) : randomUnit(options.seed, Stage::pointPlace, 3 * n + 2);
+    const double u =
+        even ? halton.b.at(n) : randomUnit(options.seed, Stage::pointPosition, 3 * n + 1);
+    const double v =
+        even ? halton.c.at(n) : randomUnit(options.seed, Stage::pointPosition, 3 * n + 2);
     draws[i] = {t, surface.pointIn(t, u, v)};
   }
   return draws;
@@ -110,35 +112,35 @@ std::vector<Draw> draw(const SurfaceByArea& surface, const PointOptions& options
     case PointSampler::halton:
       return drawHalton(surface, options.count, options.seed);
     case PointSampler::poisson:
-      return drawApart(surface, options.count, options.seed);
+      return drawPoisson(surface, options.count, options.seed);
   }
-  return drawUniform(surface, options.count, options.seed, Stage::pointPlace);
+  return drawUniform(surface, options.count, options.seed, Stage::pointPosition);
 }
 
 }  // namespace
 
-SurfacePoints samplePoints(const TriangleMesh& mesh, std::span<const std::uint16_t> facing,
+SurfacePoints samplePoints(const TriangleMesh& mesh, std::span<const std::uint16_t> neighbor,
                            const PointOptions& options) {
-  assert(facing.empty() || facing.size() == mesh.triangles.size());
+  assert(neighbor.empty() || neighbor.size() == mesh.triangles.size());
   if (options.count > kMaxPoints) {
-    throw Error(ErrorCode::usage, std::to_string(options.count) + " points, at most " +
-                                      std::to_string(kMaxPoints) + " are drawn at once");
+    throw Error(ErrorCode::usage, std::to_string(options.count) + " points; at most " +
+                                      std::to_string(kMaxPoints) + " are supported");
   }
   if (options.rule == PointRule::perTriangle && options.sampler == PointSampler::poisson) {
     throw Error(ErrorCode::usage,
-                "points that are well apart cannot be one for each triangle; take the rule area, "
-                "or the sampler uniform or halton");
+                "the point sampler poisson does not support the rule per-triangle; use the rule "
+                "area, or the sampler uniform or halton");
   }
   SurfacePoints points;
   if (options.count == 0) return points;
   const SurfaceByArea surface(mesh);
   points.positions.reserve(options.count);
   points.normals.reserve(options.count);
-  points.facing.reserve(options.count);
+  points.neighbor.reserve(options.count);
   for (const Draw& d : draw(surface, options)) {
     points.positions.push_back(d.position);
     points.normals.push_back(surface.normalOf(d.triangle));
-    points.facing.push_back(facing.empty() ? std::uint16_t{0} : facing[d.triangle]);
+    points.neighbor.push_back(neighbor.empty() ? std::uint16_t{0} : neighbor[d.triangle]);
   }
   return points;
 }
@@ -146,7 +148,7 @@ SurfacePoints samplePoints(const TriangleMesh& mesh, std::span<const std::uint16
 std::vector<std::size_t> shareOut(std::size_t total, std::span<const double> areas) {
   const double sum = std::accumulate(areas.begin(), areas.end(), 0.0);
   std::vector<std::size_t> counts;
-  std::vector<std::pair<double, std::size_t>> remainders;  // less the remainder: largest first
+  std::vector<std::pair<double, std::size_t>> remainders;  // negated: the largest sorts first
   std::size_t given = 0;
   for (std::size_t i = 0; i < areas.size(); ++i) {
     const double part = areas[i] / sum * static_cast<double>(total), whole = std::floor(part);

@@ -1,4 +1,4 @@
-// How far points are from a mesh, negative inside.
+// Signed distances of points to a mesh, negative inside.
 #include <sherd/points.h>
 #include <tbb/parallel_for.h>
 
@@ -10,17 +10,18 @@ namespace sherd {
 
 std::vector<double> signedDistances(const TriangleMesh& mesh, std::span<const glm::dvec3> points,
                                     const Progress* progress) {
-  const MeshDistance body(mesh);
+  const MeshDistance surface(mesh);
   std::vector<double> distances(points.size());
   const auto measure = [&](std::size_t i) {
-    const double distance = body.distance(points[i]);
-    distances[i] = body.contains(points[i], distance) ? -distance : distance;
+    const double distance = surface.distance(points[i]);
+    distances[i] = surface.contains(points[i], distance) ? -distance : distance;
   };
-  // In rounds, so that the caller's thread can report and be stopped between them.
-  constexpr std::size_t kRound = 65536;
-  for (std::size_t first = 0; first < points.size(); first += kRound) {
-    step(progress, "distances", static_cast<double>(first) / static_cast<double>(points.size()));
-    tbb::parallel_for(first, std::min(first + kRound, points.size()), measure);
+  // In batches, so that the calling thread can report progress and be cancelled in between.
+  constexpr std::size_t kBatch = 65536;
+  for (std::size_t first = 0; first < points.size(); first += kBatch) {
+    reportProgress(progress, "distances",
+                   static_cast<double>(first) / static_cast<double>(points.size()));
+    tbb::parallel_for(first, std::min(first + kBatch, points.size()), measure);
   }
   return distances;
 }

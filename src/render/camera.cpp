@@ -1,4 +1,4 @@
-// Where the picture is taken from.
+// The camera that frames a scene.
 #include "render/camera.h"
 
 #include <algorithm>
@@ -10,10 +10,10 @@ namespace sherd {
 namespace {
 
 constexpr float kFieldOfView = 0.61086524f;  // 35 degrees
-constexpr float kMargin = 0.07f;  // share of the picture left free on each side, at least
+constexpr float kMargin = 0.07f;             // least empty share of the image on each side
 
-/// The least distance along `back`, and the place aside, from which all points lie within the wedge
-/// of two planes: |a - place| <= tangent * (distance - z) for every point (a, z).
+/// The least distance along `back`, and the lateral offset, from which all points lie within the
+/// wedge of two planes: |a - offset| <= tangent * (distance - z) for every point (a, z).
 struct Wedge {
   float tangent;
   float high = -std::numeric_limits<float>::infinity();
@@ -24,7 +24,7 @@ struct Wedge {
     low = std::max(low, -a + tangent * z);
   }
   float distance() const { return (high + low) / (2.0f * tangent); }
-  float place() const { return 0.5f * (high - low); }
+  float offset() const { return 0.5f * (high - low); }
 };
 
 }  // namespace
@@ -50,14 +50,14 @@ Camera frameScene(const Scene& scene, const RenderOptions& options) {
     along.add(glm::dot(p, camera.up), z);
   };
   bool empty = true;
-  for (const Piece& piece : scene.pieces)
-    for (std::size_t v = 0; v + 1 < piece.vertices.size(); ++v, empty = false)
-      add(piece.vertices[v]);
+  for (const SceneFragment& fragment : scene.fragments)
+    for (std::size_t v = 0; v + 1 < fragment.vertices.size(); ++v, empty = false)
+      add(fragment.vertices[v]);
   if (empty)
     for (const glm::vec3& corner : scene.boxCorners) add(corner);
-  // A speck or a needle seen from its end would otherwise touch the lens.
+  // Without the minimum a tiny fragment, or a needle seen from its end, touches the lens.
   const float distance = std::max({across.distance(), along.distance(), nearest + 0.05f});
-  camera.eye = camera.right * across.place() + camera.up * along.place() + camera.back * distance;
+  camera.eye = camera.right * across.offset() + camera.up * along.offset() + camera.back * distance;
   return camera;
 }
 

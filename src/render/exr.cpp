@@ -1,4 +1,4 @@
-// Layers as OpenEXR files.
+// Writes AOVs as OpenEXR files.
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
@@ -17,10 +17,10 @@
 namespace sherd {
 namespace {
 
-// A file in memory: ours to write to a disk that may be full.
+// A file in memory, so that OutputFile writes it and detects a full disk.
 class Memory : public Imf::OStream {
  public:
-  Memory() : Imf::OStream("picture") {}
+  Memory() : Imf::OStream("image") {}
   void write(const char data[], int size) override {
     const auto count = static_cast<std::size_t>(size);
     if (at_ + count > bytes.size()) bytes.resize(at_ + count);
@@ -36,10 +36,10 @@ class Memory : public Imf::OStream {
   std::size_t at_ = 0;
 };
 
-// What was written, to be read.
+// Reads a file in memory.
 class MemoryToRead : public Imf::IStream {
  public:
-  explicit MemoryToRead(const std::string& bytes) : Imf::IStream("picture"), bytes_(bytes) {}
+  explicit MemoryToRead(const std::string& bytes) : Imf::IStream("image"), bytes_(bytes) {}
   bool read(char data[], int size) override {
     const auto count = static_cast<std::size_t>(size);
     if (count > bytes_.size() - at_) throw std::runtime_error("ends too early");
@@ -60,42 +60,41 @@ struct Channels {
   Imf::FrameBuffer buffer;
   std::size_t width;
 
-  // Values of all pixels, `stride` bytes from one to the next.
+  // Adds a channel with the values of all pixels, `stride` bytes apart.
   void add(const char* name, Imf::PixelType type, const void* first, std::size_t stride) {
     header.channels().insert(name, Imf::Channel(type));
-    char* bytes = const_cast<char*>(static_cast<const char*>(first));  // it is read only
+    char* bytes = const_cast<char*>(static_cast<const char*>(first));  // Imf only reads it
     buffer.insert(name, Imf::Slice(type, bytes, stride, stride * width));
   }
 };
 
 }  // namespace
 
-void writeExr(const OutputFile& file, const Layers& layers) {
-  std::vector<half> rgba(layers.rgba.begin(), layers.rgba.end());
-  Channels channels{
-      Imf::Header(layers.width, layers.height), {}, static_cast<std::size_t>(layers.width)};
+void writeExr(const OutputFile& file, const Aovs& aovs) {
+  std::vector<half> rgba(aovs.rgba.begin(), aovs.rgba.end());
+  Channels channels{Imf::Header(aovs.width, aovs.height), {}, static_cast<std::size_t>(aovs.width)};
   channels.header.compression() = Imf::ZIP_COMPRESSION;
-  const char* const kColours[] = {"R", "G", "B", "A"};
+  const char* const kColors[] = {"R", "G", "B", "A"};
   for (std::size_t k = 0; k < 4; ++k) {
-    channels.add(kColours[k], Imf::HALF, &rgba[k], 4 * sizeof(half));
+    channels.add(kColors[k], Imf::HALF, &rgba[k], 4 * sizeof(half));
   }
-  channels.add("Z", Imf::FLOAT, layers.depth.data(), sizeof(float));
+  channels.add("Z", Imf::FLOAT, aovs.depth.data(), sizeof(float));
   const char* const kNormals[] = {"N.X", "N.Y", "N.Z"};
   const char* const kPositions[] = {"P.X", "P.Y", "P.Z"};
   for (int k = 0; k < 3; ++k) {
-    channels.add(kNormals[k], Imf::FLOAT, &layers.normal[0][k], sizeof(glm::vec3));
-    channels.add(kPositions[k], Imf::FLOAT, &layers.position[0][k], sizeof(glm::vec3));
+    channels.add(kNormals[k], Imf::FLOAT, &aovs.normal[0][k], sizeof(glm::vec3));
+    channels.add(kPositions[k], Imf::FLOAT, &aovs.position[0][k], sizeof(glm::vec3));
   }
-  channels.add("id", Imf::UINT, layers.fragment.data(), sizeof(std::uint32_t));
-  channels.add("facing", Imf::UINT, layers.facing.data(), sizeof(std::uint32_t));
+  channels.add("id", Imf::UINT, aovs.fragment.data(), sizeof(std::uint32_t));
+  channels.add("neighbor", Imf::UINT, aovs.neighbor.data(), sizeof(std::uint32_t));
   Memory memory;
   try {
     {
       Imf::OutputFile out(memory, channels.header);
       out.setFrameBuffer(channels.buffer);
-      out.writePixels(layers.height);
+      out.writePixels(aovs.height);
     }
-    // Lines for which zlib has no memory are left out, and OpenEXR does not say so.
+    // OpenEXR silently skips lines for which zlib has no memory.
     MemoryToRead written(memory.bytes);
     if (!Imf::InputFile(written).isComplete()) throw std::bad_alloc();
   } catch (const std::bad_alloc&) {

@@ -1,4 +1,4 @@
-// The light of the picture: a soft key light, a sky, and what the ground gives back.
+// Lighting: a soft key light, a sky, and light reflected from the ground.
 #include "render/light.h"
 
 #include <tbb/parallel_for.h>
@@ -17,7 +17,7 @@ constexpr float kKeyRadius = 0.16f;     // tangent of the key light's half angle
 constexpr float kKeyElevation = 0.93f;  // radians above the horizon
 constexpr float kKeyAside = 0.80f;      // radians to the left of the camera
 
-/// A point of the unit square on the unit disk, areas and neighbourhoods kept.
+/// Maps the unit square to the unit disk, preserving area ratios and neighborhoods.
 /// source  P. Shirley and K. Chiu, A Low Distortion Map Between Disk and Square, 1997
 glm::vec2 onDisk(glm::vec2 square) {
   const float a = 2.0f * square.x - 1.0f, b = 2.0f * square.y - 1.0f;
@@ -35,8 +35,8 @@ float reverseBits(std::uint32_t i) {
   return value;
 }
 
-/// Point i of n from Sobol's first two dimensions, in the middle of its cell of the unit square.
-/// Every 2^k in a row are stratified.
+/// Returns point i of n from Sobol's first two dimensions, centered in its cell of the unit square.
+/// Each run of 2^k consecutive points is stratified.
 glm::vec2 sobol(std::uint32_t i, std::uint32_t n) {
   std::uint32_t second = 0, direction = 1u << 31;
   for (std::uint32_t rest = i; rest != 0; rest >>= 1, direction ^= direction >> 1)
@@ -45,8 +45,8 @@ glm::vec2 sobol(std::uint32_t i, std::uint32_t n) {
   return {reverseBits(i) + half, static_cast<float>(second >> 8) * 0x1p-24f + half};
 }
 
-/// A square map's mean over 5x5 texels whose border counts half: each of the pattern's cells counts
-/// the same.
+/// Returns the mean over 5x5 texels with half weight on the border, so that all cells of the
+/// pattern weigh the same.
 std::vector<glm::vec2> tent(const std::vector<glm::vec2>& map, int size) {
   std::vector<glm::vec2> result(map.size());
   tbb::parallel_for(0, size, [&](int y) {
@@ -91,7 +91,7 @@ std::vector<glm::vec3> keyDirections(const Light& light, std::uint32_t n) {
 std::vector<glm::vec3> skyDirections(std::uint32_t n) {
   std::vector<glm::vec3> directions;
   for (std::uint32_t i = 0; i < n; ++i) {
-    // The keys' pattern from its other end, so that key and sky do not err together.
+    // The key light's pattern in reverse, which decorrelates the errors of key and sky.
     const glm::vec2 disk = onDisk(sobol(n - 1 - i, n));
     directions.emplace_back(disk, std::sqrt(std::max(0.0f, 1.0f - glm::dot(disk, disk))));
   }
@@ -123,7 +123,7 @@ std::array<float, 8> ShadowPacket::free(RTCScene scene, RTCIntersectContextFlags
 }
 
 GroundLight::GroundLight(const Scene& scene, const Light& light) : share_(kSize * kSize) {
-  // The map reaches as far as the box's shadow does, and the sky's dimming round its foot.
+  // The map covers the box's shadow and the occlusion of the sky at its base.
   constexpr float kMargin = 0.7f;
   glm::vec3 high(-std::numeric_limits<float>::infinity());
   low_ = -high;
@@ -135,8 +135,8 @@ GroundLight::GroundLight(const Scene& scene, const Light& light) : share_(kSize 
   }
   texel_ = std::max(high.x - low_.x, high.z - low_.z) / kSize;
 
-  // As in the picture, a texel sends its cell's share of the pattern and a tent gathers all of it;
-  // shadows are thrown further here, so there are more directions.
+  // As in the image, a texel traces its cell's share of the pattern and a tent filter combines all
+  // cells.  Shadows reach further here, so there are more directions.
   constexpr std::uint32_t kPackets = 2, kGroundDirections = kPatternCells * 8 * kPackets;
   const std::vector<glm::vec3> keys = keyDirections(light, kGroundDirections);
   std::vector<glm::vec3> skies = skyDirections(kGroundDirections);
@@ -166,16 +166,16 @@ GroundLight::GroundLight(const Scene& scene, const Light& light) : share_(kSize 
     }
   });
 
-  // Once gathers the pattern; twice also takes away what the eye finds of it in far, soft shadows.
+  // One pass combines the pattern; the second removes what remains visible of it in soft shadows.
   free = tent(tent(free, kSize), kSize);
   const glm::vec3 key = light.key * light.keyDirection.y;
   tbb::parallel_for(0, kSize, [&](int z) {
     for (int x = 0; x < kSize; ++x) {
-      const std::size_t at = static_cast<std::size_t>(z * kSize + x);
+      const std::size_t texel = static_cast<std::size_t>(z * kSize + x);
       const int edge = std::min(std::min(x, kSize - 1 - x), std::min(z, kSize - 1 - z));
       const float fade = glm::smoothstep(0.0f, 0.12f * kSize, static_cast<float>(edge));
-      const glm::vec3 share = (key * free[at].x + light.sky * free[at].y) / (key + light.sky);
-      share_[at] = glm::mix(glm::vec3(1.0f), share, fade);
+      const glm::vec3 share = (key * free[texel].x + light.sky * free[texel].y) / (key + light.sky);
+      share_[texel] = glm::mix(glm::vec3(1.0f), share, fade);
     }
   });
 }

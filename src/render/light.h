@@ -1,4 +1,4 @@
-// The light of the picture: a soft key light, a sky, and what the ground gives back.
+// Lighting: a soft key light, a sky, and light reflected from the ground.
 #pragma once
 
 #include <array>
@@ -11,40 +11,39 @@
 
 namespace sherd {
 
-/// Rays leave a surface from this far above it, in scene space, where floats are good to 1e-7.
+/// Offset of ray origins above their surface, scene units; floats are exact to 1e-7 there.
 inline constexpr float kLift = 2e-4f;
 
-/// Rays go out in a repeating pattern: the pixels of every 4x4 square, four samples each, take one
-/// direction each out of 64.  Neighbours then share directions four pixels apart, which makes
-/// coherent packets, and a 5x5 tent whose border counts half sees every direction equally often.
+/// Ray directions repeat in a pattern: each of the four samples of a 4x4 pixel square has one of 64
+/// directions.  Pixels four apart share directions, which makes packets coherent, and a 5x5 tent
+/// filter with half weight on the border covers every direction equally.
 inline constexpr int kPatternSize = 4;
 inline constexpr int kPatternCells = kPatternSize * kPatternSize;
 inline constexpr int kSamplesPerPixel = 4;
 inline constexpr std::uint32_t kDirections = kPatternCells * kSamplesPerPixel;
 
-/// Place 0..15 in the pattern, so that every 2x2 square of pixels is spread out too (a Bayer
-/// matrix).
+/// Returns the pixel's cell 0..15 of the pattern, a Bayer matrix: 2x2 squares are spread out too.
 [[nodiscard]] constexpr int patternCell(int x, int y) {
   constexpr std::array<int, kPatternCells> kBayer = {0, 8,  2, 10, 12, 4, 14, 6,
                                                      3, 11, 1, 9,  15, 7, 13, 5};
   return kBayer[static_cast<std::size_t>((y % kPatternSize) * kPatternSize + x % kPatternSize)];
 }
 
-/// What light is there, in scene space.
+/// The light sources, in scene space.
 struct Light {
   glm::vec3 keyDirection{0.0f};  ///< to the middle of the key light, unit length
   glm::vec3 key{0.0f};           ///< irradiance of a surface that faces it
-  glm::vec3 sky{0.0f};           ///< irradiance of a surface that looks straight up
-  glm::vec3 ground{0.0f};        ///< irradiance of a surface that looks straight down
+  glm::vec3 sky{0.0f};           ///< irradiance of a surface that faces straight up
+  glm::vec3 ground{0.0f};        ///< irradiance of a surface that faces straight down
 };
 
-/// The light for a camera at this azimuth (radians): the key comes from over its left shoulder.
+/// Returns the light for a camera azimuth in radians; the key light is above its left shoulder.
 [[nodiscard]] Light makeLight(float azimuth);
 
-/// The first n directions to points of the key light's disk.
+/// Returns n directions to points of the key light's disk, [n].
 [[nodiscard]] std::vector<glm::vec3> keyDirections(const Light& light, std::uint32_t n);
 
-/// n directions about +z, denser where they count more (cosine-weighted).
+/// Returns n cosine-weighted directions of the hemisphere about +z, [n].
 [[nodiscard]] std::vector<glm::vec3> skyDirections(std::uint32_t n);
 
 /// An axis frame whose third axis is the unit vector n: n = x * right + y * up + z * n.
@@ -54,29 +53,29 @@ struct Frame {
 };
 [[nodiscard]] Frame frameAround(glm::vec3 n);
 
-/// Eight rays that only ask whether something is in the way.
+/// Eight occlusion rays.
 struct ShadowPacket {
   alignas(32) std::array<int, 8> valid{};
   RTCRay8 rays;
 
   void set(std::size_t lane, glm::vec3 origin, glm::vec3 direction);
-  /// 1 for a lane that is valid and free.
+  /// Returns 1 for each lane that is valid and unoccluded, else 0.
   [[nodiscard]] std::array<float, 8> free(RTCScene scene, RTCIntersectContextFlags flags);
 };
 
-/// How much light falls on the ground: 1 where nothing is near, laid out as a square map.
+/// Square map of the light on the ground, relative to open ground.
 class GroundLight {
  public:
   GroundLight(const Scene& scene, const Light& light);
 
-  /// Share of the open ground's light, per colour.
+  /// Returns the light at a point, 0..1 of open ground's, per color channel.
   [[nodiscard]] glm::vec3 at(float x, float z) const;
 
  private:
   static constexpr int kSize = 240;
   glm::vec3 low_{0.0f};
   float texel_ = 1.0f;
-  std::vector<glm::vec3> share_;  // [kSize * kSize] of texel centres, rows along x
+  std::vector<glm::vec3> share_;  // [kSize * kSize] of texel centers, rows along x
 };
 
 }  // namespace sherd

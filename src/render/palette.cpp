@@ -1,4 +1,4 @@
-// The colours of fragments, and how light becomes an 8-bit picture.
+// The colors of fragments, tone mapping and sRGB encoding.
 #include "render/palette.h"
 
 #include <algorithm>
@@ -23,7 +23,7 @@ glm::vec3 linearFromOklch(float lightness, float chroma, float hue) {
           -0.0041960863f * l3 - 0.7034186147f * m3 + 1.7076147010f * s3};
 }
 
-/// The colour with as much of the chroma as sRGB can show.
+/// Returns the color, with its chroma reduced until sRGB can represent it.
 glm::vec3 inGamut(float lightness, float chroma, float hue) {
   for (;; chroma *= 0.95f) {
     const glm::vec3 c = linearFromOklch(lightness, chroma, hue);
@@ -34,9 +34,9 @@ glm::vec3 inGamut(float lightness, float chroma, float hue) {
 
 }  // namespace
 
-PieceColour pieceColour(int n) {
-  // Golden-angle neighbours come close again after 5, 8 and 13 steps; lightness in three steps
-  // keeps those apart.
+FragmentColor fragmentColor(int n) {
+  // Hues a golden angle apart nearly repeat after 5, 8 and 13 steps; three levels of lightness
+  // separate those.
   constexpr std::array<float, 3> kLightness = {0.69f, 0.75f, 0.63f};
   const float hue = std::fmod(0.70f + kGoldenAngle * static_cast<float>(n), 6.28318531f);
   const float lightness = kLightness[static_cast<std::size_t>(n % 3)];

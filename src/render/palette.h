@@ -1,4 +1,4 @@
-// The colours of fragments, and how light becomes an 8-bit picture.
+// The colors of fragments, tone mapping and sRGB encoding.
 #pragma once
 
 #include <cstdint>
@@ -7,22 +7,22 @@
 namespace sherd {
 
 /// Diffuse reflectance of one fragment, linear sRGB.
-struct PieceColour {
+struct FragmentColor {
   glm::vec3 outer{0.0f};  ///< original surface
-  glm::vec3 inner{0.0f};  ///< fracture surface: lighter and paler, as a potsherd's core
+  glm::vec3 inner{0.0f};  ///< fracture surface: lighter and paler, like the core of a potsherd
 };
 
-/// The colour of the n-th fragment, n >= 0: hues a golden angle apart, so that any number of
-/// fragments stay distinct, at even lightness and moderate chroma.
-[[nodiscard]] PieceColour pieceColour(int n);
+/// Returns the color of fragment n >= 0.  Hues are a golden angle apart, which keeps any number of
+/// fragments distinct.
+[[nodiscard]] FragmentColor fragmentColor(int n);
 
-/// Roll off highlights: the identity up to 0.7, then smoothly towards 1.
+/// Compresses highlights: identity up to 0.7, then smoothly towards 1.
 [[nodiscard]] glm::vec3 toneMap(glm::vec3 light);
 
-/// The sRGB byte of a linear value; values outside 0..1 are clamped.
+/// Returns the sRGB byte of a linear value, clamped to 0..1.
 [[nodiscard]] std::uint8_t byteFromLinear(float value);
 
-/// The linear value of an sRGB value 0..1.
+/// Returns the linear value of an sRGB value 0..1.
 [[nodiscard]] float linearFromSrgb(float value);
 
 }  // namespace sherd

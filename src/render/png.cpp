@@ -1,4 +1,4 @@
-// Pictures as PNG files, by libpng: no time, no text, equal pictures give equal bytes.
+// Writes PNG files by libpng, without time or text: equal images give equal bytes.
 #include <png.h>
 #include <sherd/error.h>
 #include <sherd/render.h>
@@ -14,7 +14,7 @@
 namespace sherd {
 namespace {
 
-/// What the C callbacks see.  They may not throw, so they note what happened and jump.
+/// State of libpng's C callbacks.  They must not throw, so they record the failure and jump.
 struct Target {
   std::string bytes;
   std::string problem;
@@ -34,7 +34,7 @@ void append(png_structp png, png_bytep data, std::size_t size) {
 [[noreturn]] void fail(png_structp png, png_const_charp message) {
   try {
     static_cast<Target*>(png_get_error_ptr(png))->problem = message;
-  } catch (const std::exception&) {  // the jump alone says that it failed
+  } catch (const std::exception&) {  // the jump alone reports the failure
   }
   png_longjmp(png, 1);
 }
@@ -49,7 +49,7 @@ png_voidp allocate(png_structp png, png_alloc_size_t size) {
 
 void release(png_structp, png_voidp memory) { std::free(memory); }
 
-/// False when libpng gave up.  No object with a destructor may live here: a longjmp passes it by.
+/// Returns false when libpng failed.  A longjmp skips destructors, so none may be pending here.
 bool encode(const Image& image, png_structp png, png_infop info, Target* target) {
   if (setjmp(png_jmpbuf(png))) return false;
   png_set_write_fn(png, target, append, nullptr);
@@ -57,8 +57,8 @@ bool encode(const Image& image, png_structp png, png_infop info, Target* target)
                static_cast<png_uint_32>(image.height), 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
-  // Runs of equal differences are most of what can be saved: half the time of zlib's third level,
-  // and files between a tenth smaller and a tenth larger.
+  // Run-length coding of differences: half the time of zlib's level 3, and files between a tenth
+  // smaller and a tenth larger.
   png_set_compression_strategy(png, Z_RLE);
   png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
   png_write_info(png, info);
@@ -73,7 +73,7 @@ bool encode(const Image& image, png_structp png, png_infop info, Target* target)
 
 void writePng(const OutputFile& file, const Image& image) {
   const auto refuse = [&](const std::string& why) {
-    throw Error(ErrorCode::output, file.string() + ": picture cannot be written: " + why);
+    throw Error(ErrorCode::output, file.string() + ": the image cannot be written: " + why);
   };
   const std::size_t bytes = 3 * static_cast<std::size_t>(std::max(image.width, 0)) *
                             static_cast<std::size_t>(std::max(image.height, 0));

@@ -1,4 +1,4 @@
-// Pictures of fragments: trace a band of rows, smooth its light, shade it, next band.
+// Renders fragments band by band: traces a band of rows, smooths its light, shades it.
 #include <sherd/error.h>
 #include <sherd/render.h>
 #include <tbb/parallel_for.h>
@@ -11,8 +11,8 @@
 #include <new>
 #include <string>
 
+#include "render/aovs.h"
 #include "render/camera.h"
-#include "render/layers.h"
 #include "render/light.h"
 #include "render/palette.h"
 #include "render/scene.h"
@@ -21,30 +21,30 @@
 namespace sherd {
 namespace {
 
-constexpr int kReach = 2;  // rows and columns the light is smoothed over, each way
+constexpr int kReach = 2;  // radius of the light's smoothing, pixels
 
 void checkOptions(const RenderOptions& options) {
   const auto fail = [](const std::string& sentence) { throw Error(ErrorCode::usage, sentence); };
   if (std::min(options.width, options.height) < 16 ||
       std::max(options.width, options.height) > 16384)
-    fail("picture: size is " + std::to_string(options.width) + "x" +
-         std::to_string(options.height) + ", each side goes from 16 to 16384 pixels");
+    fail("image: size is " + std::to_string(options.width) + "x" + std::to_string(options.height) +
+         ", expected 16 to 16384 pixels for each side");
   if (!(options.explode >= 0.0 && options.explode <= 100.0))
-    fail("picture: explode is " + std::to_string(options.explode) + ", it goes from 0 to 100");
+    fail("image: explode is " + std::to_string(options.explode) + ", expected 0 to 100");
   if (!(std::abs(options.elevation) <= 90.0))
-    fail("picture: elevation is " + std::to_string(options.elevation) +
-         ", it goes from -90 to 90 degrees");
-  if (!std::isfinite(options.azimuth)) fail("picture: azimuth is not a finite number");
+    fail("image: elevation is " + std::to_string(options.elevation) +
+         ", expected -90 to 90 degrees");
+  if (!std::isfinite(options.azimuth)) fail("image: azimuth is not a finite number");
   if (options.up != 'x' && options.up != 'y' && options.up != 'z')
-    fail(std::string("picture: up axis is '") + options.up + "', it must be x, y or z");
+    fail(std::string("image: up axis is '") + options.up + "', expected x, y or z");
 }
 
-/// Bounced light keeps hollows from going grey: what the sky cannot reach, the same colour lights.
+/// Ambient occlusion with interreflection, which keeps hollows from turning gray.
 /// source  J. Jimenez et al., Practical Real-Time Strategies for Accurate Indirect Occlusion, 2016
 glm::vec3 withBounces(float sky, glm::vec3 albedo) {
   const glm::vec3 a = 2.0404f * albedo - 0.3324f, b = -4.7951f * albedo + 0.6417f,
                   c = 2.7552f * albedo + 0.6903f;
-  const float open = 0.05f + 0.95f * sky;  // no hollow is quite dark
+  const float open = 0.05f + 0.95f * sky;  // some light reaches every hollow
   return glm::max(glm::vec3(open), ((open * a + b) * open + c) * open);
 }
 
@@ -60,30 +60,30 @@ class Renderer {
         coverage_(scene_, camera_),
         ground_(scene_, light_) {
     for (const Fragment& fragment : fragments)
-      colours_.push_back(pieceColour(std::max(0, fragment.id - 1)));
+      colors_.push_back(fragmentColor(std::max(0, fragment.id - 1)));
   }
 
   Image render(const Progress* progress) const {
     Image image{width_, height_, std::vector<std::uint8_t>(3 * pixels())};
     forEachPixel(progress, [&](const Bands& ring, int x, int y) {
-      const Seen seen = pixel(ring, x, y, toneMap);
-      const glm::vec3 light = seen.light + seen.open * backdrop(x, y);
-      std::uint8_t* rgb = &image.rgb[3 * placeOf(x, y)];
+      const Pixel shaded = shadedPixel(ring, x, y, toneMap);
+      const glm::vec3 light = shaded.light + shaded.open * backdrop(x, y);
+      std::uint8_t* rgb = &image.rgb[3 * pixelIndex(x, y)];
       for (int k = 0; k < 3; ++k) rgb[k] = byteFromLinear(light[k]);
     });
     return image;
   }
 
-  Layers layers(std::span<const Fragment> fragments, char up, const Progress* progress) const {
-    Layers layers{width_, height_, std::vector<float>(4 * pixels()), {}, {}, {}, {}, {}};
+  Aovs renderAovs(std::span<const Fragment> fragments, char up, const Progress* progress) const {
+    Aovs aovs{width_, height_, std::vector<float>(4 * pixels()), {}, {}, {}, {}, {}};
     forEachPixel(progress, [&](const Bands& ring, int x, int y) {
-      const Seen seen = pixel(ring, x, y, [](const glm::vec3& light) { return light; });
-      float* rgba = &layers.rgba[4 * placeOf(x, y)];
-      for (int k = 0; k < 3; ++k) rgba[k] = seen.light[k];
-      rgba[3] = 1.0f - seen.open;
+      const Pixel shaded = shadedPixel(ring, x, y, [](const glm::vec3& light) { return light; });
+      float* rgba = &aovs.rgba[4 * pixelIndex(x, y)];
+      for (int k = 0; k < 3; ++k) rgba[k] = shaded.light[k];
+      rgba[3] = 1.0f - shaded.open;
     });
-    traceCentres(fragments, scene_, camera_, up, layers);
-    return layers;
+    traceCenters(fragments, scene_, camera_, up, aovs);
+    return aovs;
   }
 
  private:
@@ -97,18 +97,18 @@ class Renderer {
   std::size_t pixels() const {
     return static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
   }
-  std::size_t placeOf(int x, int y) const {
+  std::size_t pixelIndex(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
            static_cast<std::size_t>(x);
   }
 
-  // Smoothing looks two rows up and down, so a band is shaded when the next one is traced.
+  // Smoothing reads kReach rows of the next band, so a band is shaded after that is traced.
   template <class Shade>
   void forEachPixel(const Progress* progress, const Shade& shade) const {
     const int bands = (height_ + kTile - 1) / kTile;
     Bands ring{Band(width_), Band(width_), Band(width_)};
     for (int band = 0; band <= bands; ++band) {
-      step(progress, "render", static_cast<double>(band) / (bands + 1));
+      reportProgress(progress, "render", static_cast<double>(band) / (bands + 1));
       if (band < bands) trace(band, ring[static_cast<std::size_t>(band % 3)]);
       if (band == 0) continue;
       const int first = (band - 1) * kTile, last = std::min(height_, first + kTile);
@@ -118,23 +118,23 @@ class Renderer {
     }
   }
 
-  /// Where a sample of pixel (x, y) lies in its band.
-  std::size_t place(int sample, int x, int y) const {
+  /// Index in its band of a sample of pixel (x, y).
+  std::size_t sampleIndex(int sample, int x, int y) const {
     return static_cast<std::size_t>((sample * kTile + y % kTile) * width_ + x);
   }
 
-  /// The light that a pixel's samples see fragments in, and the share of those that see none.
-  struct Seen {
-    glm::vec3 light{0.0f};  ///< of all samples together
-    float open = 0.0f;
+  /// Averages over a pixel's samples.
+  struct Pixel {
+    glm::vec3 light{0.0f};  ///< 0 for samples without a fragment
+    float open = 0.0f;      ///< share of samples without a fragment
   };
   template <class Tone>
-  Seen pixel(const Bands& ring, int x, int y, const Tone& tone) const {
+  Pixel shadedPixel(const Bands& ring, int x, int y, const Tone& tone) const {
     glm::vec3 sum(0.0f);
     int open = 0;
     for (int s = 0; s < kSamplesPerPixel; ++s) {
       const Band& band = ring[static_cast<std::size_t>(y / kTile % 3)];
-      const std::size_t at = place(s, x, y);
+      const std::size_t at = sampleIndex(s, x, y);
       if (band.surface[at] == Band::kNothing) {
         ++open;
       } else {
@@ -146,8 +146,8 @@ class Renderer {
     return {kShare * sum, kShare * static_cast<float>(open)};
   }
 
-  /// Key and sky light at a sample: the mean of its neighbours on the same smooth surface, each of
-  /// which has tried one direction of the pattern.
+  /// Returns the key and sky light at a sample: the mean over nearby samples of the same smooth
+  /// surface, each of which traced one direction of the pattern.
   glm::vec2 smoothed(const Bands& ring, int s, int x, int y, std::uint32_t surface,
                      const Sample& sample) const {
     const float tolerance =
@@ -158,7 +158,7 @@ class Renderer {
       const Band& band = ring[static_cast<std::size_t>(ny / kTile % 3)];
       const float rowWeight = std::abs(ny - y) == kReach ? 0.5f : 1.0f;
       for (int nx = std::max(0, x - kReach); nx <= std::min(width_ - 1, x + kReach); ++nx) {
-        const std::size_t at = place(s, nx, ny);
+        const std::size_t at = sampleIndex(s, nx, ny);
         if (band.surface[at] != surface) continue;
         const Sample& other = band.samples[at];
         if (glm::dot(other.normal, sample.normal) < 0.9f ||
@@ -174,27 +174,27 @@ class Renderer {
 
   glm::vec3 surfaceLight(std::uint32_t surface, const Sample& sample, glm::vec2 free) const {
     const bool inner = (surface - 1) % 2 != 0;
-    const PieceColour& colour = colours_[(surface - 1) / 2];
-    const glm::vec3 albedo = inner ? colour.inner : colour.outer;
+    const FragmentColor& color = colors_[(surface - 1) / 2];
+    const glm::vec3 albedo = inner ? color.inner : color.outer;
     const glm::vec3 n = sample.normal;
     const glm::vec3 below = light_.ground * ground_.at(sample.position.x, sample.position.z);
     const glm::vec3 around =
         glm::mix(below, light_.sky, 0.5f + 0.5f * n.y) * withBounces(free.y, albedo);
-    const float facing = std::max(0.0f, glm::dot(n, light_.keyDirection));
-    glm::vec3 light = albedo * (light_.key * (facing * free.x) + around);
+    const float cosine = std::max(0.0f, glm::dot(n, light_.keyDirection));
+    glm::vec3 light = albedo * (light_.key * (cosine * free.x) + around);
     if (!inner) {
-      // A fired surface has a faint sheen, a break has none.
+      // The original surface has a faint sheen, a fracture surface has none.
       const glm::vec3 view = glm::normalize(camera_.eye - sample.position);
       const float h = std::max(0.0f, glm::dot(n, glm::normalize(view + light_.keyDirection)));
       const float h8 = h * h * h * h * h * h * h * h, h32 = h8 * h8 * h8 * h8;
       const float graze = 1.0f - std::max(0.0f, glm::dot(n, view));
-      light += light_.key * (0.10f * h32 * facing * free.x);
+      light += light_.key * (0.10f * h32 * cosine * free.x);
       light += light_.sky * (0.22f * graze * graze * graze * graze * free.y);
     }
     return light;
   }
 
-  /// A bright sweep of paper, dimmer towards the corners, on which the fragments' shadow falls.
+  /// Returns the backdrop: bright paper, darker towards the corners, with the fragments' shadow.
   glm::vec3 backdrop(int x, int y) const {
     const float u = (static_cast<float>(x) + 0.5f) / static_cast<float>(width_) - 0.5f;
     const float v = (static_cast<float>(y) + 0.5f) / static_cast<float>(height_) - 0.44f;
@@ -216,19 +216,19 @@ class Renderer {
   Coverage coverage_;
   GroundLight ground_;
   Tracer tracer_{scene_, camera_, light_, coverage_, width_};
-  std::vector<PieceColour> colours_;
+  std::vector<FragmentColor> colors_;
 };
 
 template <class Render>
 auto withinMemory(const RenderOptions& options, const Progress* progress, const Render& render) {
   checkOptions(options);
-  step(progress, "render", 0.0);
+  reportProgress(progress, "render", 0.0);
   try {
     return render();
   } catch (const std::bad_alloc&) {
-    throw Error(ErrorCode::output, "picture: no memory for " + std::to_string(options.width) + "x" +
+    throw Error(ErrorCode::output, "image: no memory for " + std::to_string(options.width) + "x" +
                                        std::to_string(options.height) +
-                                       " pixels; try a smaller picture");
+                                       " pixels; try a smaller image");
   }
 }
 
@@ -240,10 +240,10 @@ Image renderFragments(std::span<const Fragment> fragments, const RenderOptions& 
                       [&] { return Renderer(fragments, options).render(progress); });
 }
 
-Layers renderLayers(std::span<const Fragment> fragments, const RenderOptions& options,
-                    const Progress* progress) {
+Aovs renderAovs(std::span<const Fragment> fragments, const RenderOptions& options,
+                const Progress* progress) {
   return withinMemory(options, progress, [&] {
-    return Renderer(fragments, options).layers(fragments, options.up, progress);
+    return Renderer(fragments, options).renderAovs(fragments, options.up, progress);
   });
 }
 

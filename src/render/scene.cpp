@@ -1,4 +1,4 @@
-// The exploded fragments as Embree sees them.
+// The exploded fragments as an Embree scene.
 #include "render/scene.h"
 
 #include <sherd/error.h>
@@ -17,7 +17,7 @@
 namespace sherd {
 namespace {
 
-constexpr float kCreaseCosine = 0.7f;  // 45 degrees: what a surface mesh rounds off stays smooth
+constexpr float kCreaseCosine = 0.7f;  // 45 degrees; edges that meshing has rounded stay smooth
 
 glm::dvec3 yUp(glm::dvec3 p, char up) {
   if (up == 'z') return {p.x, p.z, -p.y};
@@ -38,10 +38,10 @@ glm::dvec3 centroidOfWhole(std::span<const Fragment> fragments) {
   return sum / std::max(1.0, static_cast<double>(fragments.size()));
 }
 
-/// Where each vertex's triangles are listed.
+/// The triangles of each vertex: triangle[first[v]] to triangle[first[v + 1] - 1].
 struct Fans {
-  std::vector<std::uint32_t> first;     // [vertices + 1]
-  std::vector<std::uint32_t> triangle;  // [3 * triangles]
+  std::vector<std::uint32_t> first;     ///< [vertices + 2], the last one unused
+  std::vector<std::uint32_t> triangle;  ///< [3 * triangles]
 };
 
 Fans fans(const TriangleMesh& mesh) {
@@ -52,67 +52,67 @@ Fans fans(const TriangleMesh& mesh) {
   for (std::size_t v = 2; v < result.first.size(); ++v) result.first[v] += result.first[v - 1];
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i)
     for (int k = 0; k < 3; ++k) result.triangle[result.first[mesh.triangles[i][k] + 1]++] = i;
-  return result;  // first[v + 1] has moved on to the end of v's list, which is where v + 1's begins
+  return result;  // first[v + 1] has advanced to the end of v's list, where the next one begins
 }
 
-/// A corner's normal is the area-weighted mean over the faces round its vertex that face the same
-/// way as its own: the same original surface or neighbour, and no crease between them.
-void setNormals(const Fragment& fragment, Piece& piece) {
+/// Computes corner normals: the area-weighted mean over the faces around the vertex with the same
+/// neighbor as the corner's own face and at most 45 degrees from it.
+void setNormals(const Fragment& fragment, SceneFragment& target) {
   const TriangleMesh& mesh = fragment.mesh;
   const std::size_t count = mesh.triangles.size();
   std::vector<glm::vec3> areaNormal(count), normal(count);
   for (std::size_t i = 0; i < count; ++i) {
     const glm::uvec3& t = mesh.triangles[i];
-    const glm::vec3 a = piece.vertices[t.x], b = piece.vertices[t.y], c = piece.vertices[t.z];
+    const glm::vec3 a = target.vertices[t.x], b = target.vertices[t.y], c = target.vertices[t.z];
     areaNormal[i] = glm::cross(b - a, c - a);
     const float length = glm::length(areaNormal[i]);
     normal[i] = length > 0.0f ? areaNormal[i] / length : glm::vec3(0.0f, 1.0f, 0.0f);
   }
   const Fans fan = fans(mesh);
-  const auto facing = [&](std::size_t i) {
-    return fragment.facing.empty() ? 0 : fragment.facing[i];
+  const auto neighbor = [&](std::size_t i) {
+    return fragment.neighbor.empty() ? 0 : fragment.neighbor[i];
   };
-  piece.normals.reserve(mesh.vertices.size());
-  piece.normalOf.resize(count);
+  target.normals.reserve(mesh.vertices.size());
+  target.normalOf.resize(count);
   for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
-    const std::span round =
+    const std::span around =
         std::span(fan.triangle).subspan(fan.first[v], fan.first[v + 1] - fan.first[v]);
-    const auto first = static_cast<std::ptrdiff_t>(piece.normals.size());
-    for (const std::uint32_t i : round) {
+    const auto first = static_cast<std::ptrdiff_t>(target.normals.size());
+    for (const std::uint32_t i : around) {
       glm::vec3 sum(0.0f);
-      for (const std::uint32_t other : round) {
-        if (facing(other) == facing(i) && glm::dot(normal[other], normal[i]) > kCreaseCosine)
+      for (const std::uint32_t other : around) {
+        if (neighbor(other) == neighbor(i) && glm::dot(normal[other], normal[i]) > kCreaseCosine)
           sum += areaNormal[other];
       }
       const float length = glm::length(sum);
       const glm::vec3 smooth = length > 0.0f ? sum / length : normal[i];
-      auto at = std::find(piece.normals.begin() + first, piece.normals.end(), smooth);
-      if (at == piece.normals.end()) at = piece.normals.insert(at, smooth);
-      const auto number = static_cast<std::uint32_t>(at - piece.normals.begin());
+      auto at = std::find(target.normals.begin() + first, target.normals.end(), smooth);
+      if (at == target.normals.end()) at = target.normals.insert(at, smooth);
+      const auto index = static_cast<std::uint32_t>(at - target.normals.begin());
       for (int k = 0; k < 3; ++k)
-        if (mesh.triangles[i][k] == v) piece.normalOf[i][k] = number;
+        if (mesh.triangles[i][k] == v) target.normalOf[i][k] = index;
     }
   }
 }
 
-void check(RTCDevice device) { checkEmbree(device, ErrorCode::output, "picture"); }
+void check(RTCDevice device) { checkEmbree(device, ErrorCode::output, "image"); }
 
 void build(Scene& scene) {
   scene.device.reset(rtcNewDevice(nullptr));
   if (!scene.device) check(nullptr);
   scene.embree.reset(rtcNewScene(scene.device.get()));
-  // Compact: two thirds of the memory, and sooner built.
+  // Compact: two thirds of the memory, and faster to build.
   rtcSetSceneFlags(scene.embree.get(),
                    static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_COMPACT));
-  for (std::size_t i = 0; i < scene.pieces.size(); ++i) {
-    const Piece& piece = scene.pieces[i];
+  for (std::size_t i = 0; i < scene.fragments.size(); ++i) {
+    const SceneFragment& fragment = scene.fragments[i];
     RTCGeometry geometry = rtcNewGeometry(scene.device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                               piece.vertices.data(), 0, sizeof(glm::vec3),
-                               piece.vertices.size() - 1);
+                               fragment.vertices.data(), 0, sizeof(glm::vec3),
+                               fragment.vertices.size() - 1);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                               piece.triangles.data(), 0, sizeof(glm::uvec3),
-                               piece.triangles.size());
+                               fragment.triangles.data(), 0, sizeof(glm::uvec3),
+                               fragment.triangles.size());
     rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(scene.embree.get(), geometry, static_cast<unsigned>(i));
     rtcReleaseGeometry(geometry);
@@ -142,37 +142,37 @@ Scene makeScene(std::span<const Fragment> fragments, const RenderOptions& option
     }
   }
   if (!(low.x <= high.x)) low = glm::dvec3(-1.0), high = glm::dvec3(1.0);
-  const glm::dvec3 centre = 0.5 * (low + high);
+  const glm::dvec3 center = 0.5 * (low + high);
   const double size = high == low ? 1.0 : 0.5 * glm::length(high - low);
 
   Scene scene;
   scene.shifts = shift;
   scene.size = size;
-  scene.groundY = static_cast<float>((low.y - centre.y) / size);
+  scene.groundY = static_cast<float>((low.y - center.y) / size);
   const glm::vec3 half = glm::vec3(0.5 * (high - low) / size);
   for (int k = 0; k < 8; ++k)
     scene.boxCorners.push_back(half * glm::vec3(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1));
-  scene.pieces.resize(fragments.size());
+  scene.fragments.resize(fragments.size());
   tbb::parallel_for(std::size_t{0}, fragments.size(), [&](std::size_t i) {
     const TriangleMesh& mesh = fragments[i].mesh;
-    Piece& piece = scene.pieces[i];
-    piece.vertices.reserve(mesh.vertices.size() + 1);
+    SceneFragment& target = scene.fragments[i];
+    target.vertices.reserve(mesh.vertices.size() + 1);
     for (const glm::dvec3& v : mesh.vertices)
-      piece.vertices.emplace_back((yUp(v + shift[i], options.up) - centre) / size);
-    piece.vertices.emplace_back(0.0f);
-    piece.triangles = mesh.triangles;
-    piece.inner.resize(mesh.triangles.size(), 0);
-    for (std::size_t t = 0; t < std::min(fragments[i].facing.size(), piece.inner.size()); ++t)
-      piece.inner[t] = fragments[i].facing[t] != 0;
+      target.vertices.emplace_back((yUp(v + shift[i], options.up) - center) / size);
+    target.vertices.emplace_back(0.0f);
+    target.triangles = mesh.triangles;
+    target.inner.resize(mesh.triangles.size(), 0);
+    for (std::size_t t = 0; t < std::min(fragments[i].neighbor.size(), target.inner.size()); ++t)
+      target.inner[t] = fragments[i].neighbor[t] != 0;
   });
-  // One thread builds: with more, the order within a leaf depends on their number, and with it
-  // which of two triangles a ray through their common edge hits.  (Embree's own threads=1 would
-  // throttle the whole process.)  The others make the normals meanwhile.
+  // One thread builds the tree.  With more, the order within a leaf depends on their number, and so
+  // does which of two triangles a ray through their common edge hits.  (Embree's own threads=1
+  // throttles the whole process.)  The other threads compute normals meanwhile.
   tbb::task_arena alone(1);
   tbb::parallel_invoke([&] { alone.execute([&] { build(scene); }); },
                        [&] {
                          tbb::parallel_for(std::size_t{0}, fragments.size(), [&](std::size_t i) {
-                           setNormals(fragments[i], scene.pieces[i]);
+                           setNormals(fragments[i], scene.fragments[i]);
                          });
                        });
   return scene;

@@ -1,4 +1,4 @@
-// What each sample of the picture sees, and which light reaches it.
+// Traces the samples of an image, and which light reaches them.
 #include "render/trace.h"
 
 #include <algorithm>
@@ -11,22 +11,22 @@
 namespace sherd {
 namespace {
 
-/// Where in a pixel its samples lie: a rotated grid, one per row and column.
+/// Sample positions in a pixel: a rotated grid, one per row and column.
 constexpr std::array<glm::vec2, kSamplesPerPixel> kInPixel = {
     {{0.375f, 0.125f}, {0.875f, 0.375f}, {0.125f, 0.625f}, {0.625f, 0.875f}}};
 
-/// 16x8 pixels.  Shadow rays go out in packets of eight pixels four apart, which share their
-/// directions; rays from the camera in packets of two whole pixels, which meet the same triangles
-/// (measured: a third of the time).
+/// 16x8 pixels.  A packet of shadow rays covers eight pixels four apart, which share a direction; a
+/// packet of camera rays covers two whole pixels, which hit the same triangles (measured: a third
+/// of the time).
 struct Block {
   const Tracer& tracer;
   int x0, y0;  ///< upper left pixel
   int row0;    ///< the band's first row
   Band& band;
-  /// Unit normals of the triangles seen, towards the camera.
+  /// Unit face normals at the hits, towards the camera.
   std::array<glm::vec3, kSamplesPerPixel * Coverage::kWidth * Coverage::kHeight> faces;
 
-  /// A sample's place in the block, and in the band.
+  /// Index of a sample in `faces`, and in the band.
   static std::size_t inBlock(int sample, int x, int y) {
     return static_cast<std::size_t>((sample * Coverage::kHeight + y) * Coverage::kWidth + x);
   }
@@ -34,12 +34,12 @@ struct Block {
     return static_cast<std::size_t>((sample * kTile + y0 - row0 + y) * tracer.width + x0 + x);
   }
 
-  void seePixels(int x, int y);
+  void tracePixels(int x, int y);
   void lightPixels(int cellX, int cellY, int sample);
 };
 
-/// What is seen through pixels (x, y) and (x + 1, y) of the block.
-void Block::seePixels(int x, int y) {
+/// Traces the camera rays of pixels (x, y) and (x + 1, y) of the block.
+void Block::tracePixels(int x, int y) {
   alignas(32) std::array<int, 8> valid;
   RTCRayHit8 hits;
   for (int i = 0; i < 8; ++i) {
@@ -61,7 +61,7 @@ void Block::seePixels(int x, int y) {
   for (int i = 0; i < 8; ++i) {
     if (!valid[static_cast<std::size_t>(i)] || hits.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID)
       continue;
-    const Piece& piece = tracer.scene.pieces[hits.hit.geomID[i]];
+    const SceneFragment& fragment = tracer.scene.fragments[hits.hit.geomID[i]];
     const unsigned triangle = hits.hit.primID[i];
     const float u = hits.hit.u[i], v = hits.hit.v[i], w = 1.0f - u - v;
     glm::vec3 face =
@@ -70,26 +70,27 @@ void Block::seePixels(int x, int y) {
     if (glm::dot(face, ray) > 0.0f) face = -face;
 
     const std::size_t at = inBand(i % 4, x + i / 4, y);
-    band.surface[at] = 1 + 2 * hits.hit.geomID[i] + piece.inner[triangle];
+    band.surface[at] = 1 + 2 * hits.hit.geomID[i] + fragment.inner[triangle];
     Sample& sample = band.samples[at];
-    // From the triangle's corners: more exact than along the ray.
-    const glm::uvec3& t = piece.triangles[triangle];
-    sample.position = w * piece.vertices[t.x] + u * piece.vertices[t.y] + v * piece.vertices[t.z];
-    sample.normal = piece.normalAt(triangle, u, v);
+    // Interpolated from the corners, which is more accurate than along the ray.
+    const glm::uvec3& t = fragment.triangles[triangle];
+    sample.position =
+        w * fragment.vertices[t.x] + u * fragment.vertices[t.y] + v * fragment.vertices[t.z];
+    sample.normal = fragment.normalAt(triangle, u, v);
     if (glm::dot(face, sample.normal) < 0.0f) sample.normal = -sample.normal;
     faces[inBlock(i % 4, x + i / 4, y)] = face;
   }
 }
 
-/// Turn a direction about +z into one about the smooth normal, and keep it above the face.
+/// Rotates a direction about +z to the smooth normal, and reflects it above the face.
 glm::vec3 skyDirection(glm::vec3 d, glm::vec3 normal, glm::vec3 face) {
   const Frame frame = frameAround(normal);
-  const glm::vec3 turned = d.x * frame.x + d.y * frame.y + d.z * frame.z;
-  const float below = std::min(0.0f, glm::dot(turned, face));
-  return turned - 2.0f * below * face;
+  const glm::vec3 rotated = d.x * frame.x + d.y * frame.y + d.z * frame.z;
+  const float below = std::min(0.0f, glm::dot(rotated, face));
+  return rotated - 2.0f * below * face;
 }
 
-/// Which light reaches one sample of the block's pixels at one cell of the pattern.
+/// Traces key and sky light for one sample of the block's pixels in one cell of the pattern.
 void Block::lightPixels(int cellX, int cellY, int sample) {
   ShadowPacket key, sky;
   std::array<Sample*, 8> target{};
@@ -127,12 +128,12 @@ Coverage::Coverage(const Scene& scene, const Camera& camera)
                       count - 1);
   };
   std::vector<glm::vec2> projected;
-  for (const Piece& piece : scene.pieces) {
+  for (const SceneFragment& fragment : scene.fragments) {
     projected.clear();
-    for (const glm::vec3& v : piece.vertices) projected.push_back(camera.project(v));
-    for (const glm::uvec3& t : piece.triangles) {
+    for (const glm::vec3& v : fragment.vertices) projected.push_back(camera.project(v));
+    for (const glm::uvec3& t : fragment.triangles) {
       const glm::vec2 a = projected[t.x], b = projected[t.y], c = projected[t.z];
-      constexpr float kRounding = 0.05f;  // pixels, far more than projecting in floats can err
+      constexpr float kRounding = 0.05f;  // pixels, far above the error of projection in floats
       const glm::vec2 low = glm::min(a, glm::min(b, c)) - kRounding;
       const glm::vec2 high = glm::max(a, glm::max(b, c)) + kRounding;
       const int left = cell(low.x, kWidth, columns_), right = cell(high.x, kWidth, columns_);
@@ -155,7 +156,7 @@ void Tracer::trace(int x0, int y0, Band& band) const {
       if (!coverage.at(x, y)) continue;
       Block block{*this, x, y, y0, band, {}};
       for (int v = 0; v < Coverage::kHeight; ++v)
-        for (int u = 0; u < Coverage::kWidth; u += 2) block.seePixels(u, v);
+        for (int u = 0; u < Coverage::kWidth; u += 2) block.tracePixels(u, v);
       for (int sample = 0; sample < kSamplesPerPixel; ++sample)
         for (int v = 0; v < kPatternSize; ++v)
           for (int u = 0; u < kPatternSize; ++u) block.lightPixels(u, v, sample);

@@ -1,4 +1,4 @@
-// What each sample of the picture sees, and which light reaches it.
+// Traces the samples of an image, and which light reaches them.
 #pragma once
 
 #include <cstdint>
@@ -12,25 +12,25 @@
 
 namespace sherd {
 
-/// A tile is traced at a time: whole pattern squares, and whole packets of eight squares.
+/// Pixels along a tile's side: whole pattern squares, and whole packets of eight squares.
 inline constexpr int kTile = 32;
 
-/// What a sample sees when it sees a fragment.
+/// The hit of a sample on a fragment.
 struct Sample {
   glm::vec3 position;  ///< scene space
   glm::vec3 normal;    ///< smooth, towards the camera
-  float key;           ///< 1 where its one ray to the key light is free
-  float sky;           ///< 1 where its one ray to the sky is free
+  float key;           ///< 1 where its ray to the key light is unoccluded
+  float sky;           ///< 1 where its ray to the sky is unoccluded
 };
 
-/// kTile rows of the picture.
+/// kTile rows of the image.
 struct Band {
   static constexpr std::uint32_t kNothing = 0;
 
-  /// [4 * kTile * width] kNothing, or 1 + 2 * piece + inner
+  /// [4 * kTile * width] kNothing, or 1 + 2 * fragment index + inner
   std::unique_ptr<std::uint32_t[]> surface;
-  /// [4 * kTile * width] set where surface is.  Not filled with zeros before: the threads that
-  /// trace touch their tiles first, and many tiles nobody touches.
+  /// [4 * kTile * width] set where surface is.  Not zero-filled: the tracing threads touch their
+  /// tiles' memory first, and many tiles are never touched.
   std::unique_ptr<Sample[]> samples;
 
   explicit Band(int width) {
@@ -40,8 +40,8 @@ struct Band {
   }
 };
 
-/// Which blocks of 16x8 pixels, the footprint of a packet, may show a fragment: those that a
-/// triangle's box in the picture touches.
+/// The blocks of 16x8 pixels, the footprint of a packet, that may show a fragment: those that the
+/// image-space box of a triangle touches.
 class Coverage {
  public:
   static constexpr int kWidth = 16, kHeight = 8;  ///< pixels
@@ -57,17 +57,17 @@ class Coverage {
   std::vector<std::uint8_t> covered_;
 };
 
-/// What tracing needs, the same for every tile.
+/// Inputs of tracing, the same for every tile.
 struct Tracer {
   const Scene& scene;
   const Camera& camera;
   const Light& light;
   const Coverage& coverage;
-  int width;  ///< of the picture, pixels
+  int width;  ///< of the image, pixels
   std::vector<glm::vec3> keys = keyDirections(light, kDirections);
   std::vector<glm::vec3> skies = skyDirections(kDirections);
 
-  /// Fill one tile of a band.  A sample's place there is (sample * kTile + row) * width + x.
+  /// Fills one tile of a band; a sample's index there is (sample * kTile + row) * width + x.
   ///   x0, y0  the tile's upper left pixel; rows count from y0
   void trace(int x0, int y0, Band& band) const;
 };

@@ -21,14 +21,14 @@ Error inputError(std::size_t entry, const std::string& what) {
   return Error(ErrorCode::input, "seed " + std::to_string(entry + 1) + " " + what);
 }
 
-// The nearest free inside voxel within kFarthestVoxels of a point in index space.
+// Returns the nearest free inside voxel within kFarthestVoxels of a point in index space.
 std::optional<VoxelKey> freeVoxelNear(const glm::dvec3& point, const VoxelIndex& inside,
                                       const Chosen& chosen) {
-  constexpr double kBeyond = 1 << 30;  // no solid reaches there, and whole numbers still do
+  constexpr double kBeyond = 1 << 30;  // outside every solid, and still fits an int
   for (int axis = 0; axis < 3; ++axis) {
     if (!(std::abs(point[axis]) < kBeyond)) return {};
   }
-  // The voxel that holds the point, where it does not lie on a border: what a seed file has.
+  // Fast path for seed files: the voxel that contains the point, unless it lies on a face.
   const glm::dvec3 rounded = glm::floor(point + 0.5);
   const glm::dvec3 off = glm::abs(rounded - point);
   if (off.x < 0.5 && off.y < 0.5 && off.z < 0.5) {
@@ -66,14 +66,14 @@ std::string refusal(const WorldPoint& position, const Solid& solid, const VoxelI
   const double away =
       std::sqrt(std::pow(nearest.x() - point.x, 2) + std::pow(nearest.y() - point.y, 2) +
                 std::pow(nearest.z() - point.z, 2));
-  if (away <= kFarthestVoxels) return "finds each voxel within 2 of it taken by earlier seeds";
+  if (away <= kFarthestVoxels) return "has no free voxel within 2 voxels; earlier seeds took them";
   char text[64];
   std::snprintf(text, sizeof text, "%.3g", away);
   return std::string("lies ") + text +
-         " voxels from the solid, at most 2 can be; is it another mesh's?";
+         " voxels from the solid, at most 2 are allowed; does it belong to another mesh?";
 }
 
-// Ids must be 1..n without gaps; return n.
+// Checks that ids are 1..n without gaps, and returns n.
 int checkedFragments(std::span<const SeedPoint> points) {
   std::vector<bool> present(kMaxFragments + 1);
   int highest = 0;
@@ -81,7 +81,7 @@ int checkedFragments(std::span<const SeedPoint> points) {
     const int fragment = points[i].fragment;
     if (fragment < 1 || fragment > kMaxFragments) {
       throw inputError(i, "belongs to fragment " + std::to_string(fragment) +
-                              ", ids go from 1 to " + std::to_string(kMaxFragments));
+                              "; expected an id from 1 to " + std::to_string(kMaxFragments));
     }
     present[static_cast<std::size_t>(fragment)] = true;
     highest = std::max(highest, fragment);
@@ -89,8 +89,8 @@ int checkedFragments(std::span<const SeedPoint> points) {
   for (int id = 1; id <= highest; ++id) {
     if (present[static_cast<std::size_t>(id)]) continue;
     throw Error(ErrorCode::input, "fragment " + std::to_string(id) +
-                                      " has no seed, though ids go up to " +
-                                      std::to_string(highest) + "; ids may not have gaps");
+                                      " has no seed; the ids must be 1 to " +
+                                      std::to_string(highest) + " without gaps");
   }
   return highest;
 }
@@ -98,11 +98,11 @@ int checkedFragments(std::span<const SeedPoint> points) {
 }  // namespace
 
 std::vector<Seed> seedsFromPoints(std::span<const SeedPoint> points, const Solid& solid,
-                                  const Parts& parts, std::uint64_t seed) {
+                                  const VoxelComponents& components, std::uint64_t seed) {
   const auto given = static_cast<std::size_t>(checkedFragments(points));
   const VoxelIndex inside(solid.blocks, solid.blocks.inside);
   Chosen chosen;
-  std::vector<bool> seeded(parts.count());
+  std::vector<bool> seeded(components.count());
   constexpr std::size_t kNone = ~std::size_t{0};
   std::vector<std::size_t> firstOf(given, kNone);  // [id - 1] entry
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -110,32 +110,33 @@ std::vector<Seed> seedsFromPoints(std::span<const SeedPoint> points, const Solid
         freeVoxelNear(solid.frame.indexFromWorld(points[i].position).v, inside, chosen);
     if (!key) throw inputError(i, refusal(points[i].position, solid, inside));
     chosen.add(*key);
-    const std::uint32_t part = parts.at(*key);
-    seeded[part] = true;
+    const std::uint32_t component = components.at(*key);
+    seeded[component] = true;
     std::size_t& first = firstOf[static_cast<std::size_t>(points[i].fragment - 1)];
     if (first == kNone) first = i;
-    if (parts.at(chosen.voxels[first]) != part) {
+    if (components.at(chosen.voxels[first]) != component) {
       throw inputError(i, "of fragment " + std::to_string(points[i].fragment) +
-                              " lies in another part of the solid than seed " +
-                              std::to_string(first + 1) + "; a fragment lies in one part");
+                              " lies in another connected component than seed " +
+                              std::to_string(first + 1) + "; a fragment must lie in one");
     }
   }
 
   std::vector<Seed> seeds;
   const auto add = [&](VoxelKey key, std::size_t id) {
-    seeds.push_back({inside.place(key), static_cast<std::uint16_t>(id)});
+    seeds.push_back({inside.voxelAt(key), static_cast<std::uint16_t>(id)});
   };
   for (std::size_t id = 1; id <= given; ++id) add(chosen.voxels[firstOf[id - 1]], id);
   const auto missing = static_cast<std::size_t>(std::count(seeded.begin(), seeded.end(), false));
   if (given + missing > kMaxFragments) {
-    throw Error(ErrorCode::usage, "the seeds and the parts without one would give " +
-                                      std::to_string(given + missing) + " fragments, at most " +
-                                      std::to_string(kMaxFragments) + " have an id");
+    throw Error(ErrorCode::usage, "the seeds and the connected components without one give " +
+                                      std::to_string(given + missing) + " fragments; at most " +
+                                      std::to_string(kMaxFragments) + " are possible");
   }
   if (missing > 0) {
-    const std::vector<VoxelKey> drawn = onePerPart(inside, parts, inside.countInParts(parts), seed);
-    for (std::size_t part = 0; part < parts.count(); ++part) {
-      if (!seeded[part]) add(drawn[part], seeds.size() + 1);
+    const std::vector<VoxelKey> drawn =
+        onePerComponent(inside, components, inside.countInComponents(components), seed);
+    for (std::size_t component = 0; component < components.count(); ++component) {
+      if (!seeded[component]) add(drawn[component], seeds.size() + 1);
     }
   }
   for (std::size_t i = 0; i < points.size(); ++i) {

@@ -1,4 +1,4 @@
-// Which fragment's seed is nearest.
+// Search for the nearest seed.
 #include "seed/nearest_seed.h"
 
 #include <algorithm>
@@ -12,18 +12,20 @@ struct NearestSeed::Best {
   std::uint16_t fragment = 0;
 };
 
-NearestSeed::NearestSeed(std::span<const Seed> seeds, std::span<const std::uint32_t> partOfSeed,
-                         std::size_t parts, Metric metric)
+NearestSeed::NearestSeed(std::span<const Seed> seeds,
+                         std::span<const std::uint32_t> componentOfSeed, std::size_t components,
+                         Metric metric)
     : metric_(metric) {
   std::vector<std::uint32_t> order(seeds.size());
   std::iota(order.begin(), order.end(), 0u);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return partOfSeed[a] < partOfSeed[b]; });
+  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return componentOfSeed[a] < componentOfSeed[b];
+  });
   for (const std::uint32_t i : order) seeds_.push_back(seeds[i]);
   std::uint32_t first = 0;
-  for (std::uint32_t part = 0; part < parts; ++part) {
+  for (std::uint32_t component = 0; component < components; ++component) {
     std::uint32_t last = first;
-    while (last < order.size() && partOfSeed[order[last]] == part) ++last;
+    while (last < order.size() && componentOfSeed[order[last]] == component) ++last;
     root_.push_back(static_cast<std::uint32_t>(nodes_.size()));
     build(first, last);
     first = last;
@@ -50,7 +52,7 @@ void NearestSeed::build(std::uint32_t first, std::uint32_t last) {
   build(middle, last);
 }
 
-// No seed of the node is nearer than this.
+// Returns a lower bound of the order of the node's seeds.
 std::int64_t NearestSeed::leastOrder(std::uint32_t node, const openvdb::Coord& voxel) const {
   const VoxelBox& box = nodes_[node].box;
   const auto gap = [&](int axis) {
@@ -83,9 +85,9 @@ void NearestSeed::search(std::uint32_t at, const openvdb::Coord& voxel, Best& be
   if (farLeast <= best.order) search(far, voxel, best);
 }
 
-std::uint16_t NearestSeed::fragmentAt(const openvdb::Coord& voxel, std::uint32_t part) const {
+std::uint16_t NearestSeed::fragmentAt(const openvdb::Coord& voxel, std::uint32_t component) const {
   Best best;
-  search(root_[part], voxel, best);
+  search(root_[component], voxel, best);
   return best.fragment;
 }
 

@@ -1,4 +1,4 @@
-// Which fragment's seed is nearest.
+// Search for the nearest seed.
 #pragma once
 
 #include <sherd/seeds.h>
@@ -9,21 +9,21 @@
 
 namespace sherd {
 
-/// Finds the nearest of some seeds within one part, in whole numbers: a k-d tree for each part.
+/// Finds the nearest seed of a component in integer arithmetic: one k-d tree per component.
 class NearestSeed {
  public:
-  ///   partOfSeed  [seeds] below `parts`; each part has a seed
-  NearestSeed(std::span<const Seed> seeds, std::span<const std::uint32_t> partOfSeed,
-              std::size_t parts, Metric metric);
+  ///   componentOfSeed  [seeds] below `components`; each component has a seed
+  NearestSeed(std::span<const Seed> seeds, std::span<const std::uint32_t> componentOfSeed,
+              std::size_t components, Metric metric);
 
-  /// The fragment of the nearest seed in that part, ties to the lower id.
-  std::uint16_t fragmentAt(const openvdb::Coord& voxel, std::uint32_t part) const;
+  /// Returns the fragment of the nearest seed in that component; ties go to the lower id.
+  std::uint16_t fragmentAt(const openvdb::Coord& voxel, std::uint32_t component) const;
 
  private:
   struct Node {
-    VoxelBox box;                       // tight about its seeds
-    std::uint32_t first = 0, last = 0;  // its seeds
-    std::uint32_t right = 0;            // child; the left one follows the node; 0: none
+    VoxelBox box;                       // tight box of its seeds
+    std::uint32_t first = 0, last = 0;  // its seeds: [first, last)
+    std::uint32_t right = 0;  // right child, 0 for a leaf; the left child is the next node
   };
   struct Best;
 
@@ -32,9 +32,9 @@ class NearestSeed {
   std::int64_t leastOrder(std::uint32_t node, const openvdb::Coord& voxel) const;
 
   Metric metric_;
-  std::vector<Seed> seeds_;  // grouped by part, then by node
+  std::vector<Seed> seeds_;  // grouped by component, then by node
   std::vector<Node> nodes_;
-  std::vector<std::uint32_t> root_;  // [part]
+  std::vector<std::uint32_t> root_;  // [component]
 };
 
 }  // namespace sherd

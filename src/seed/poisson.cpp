@@ -1,4 +1,4 @@
-// Seeds well apart.
+// Poisson-disk sampling of seeds.
 #include "seed/poisson.h"
 
 #include <algorithm>
@@ -17,8 +17,7 @@ std::int64_t rootRoundedUp(std::int64_t square) {
   return root;
 }
 
-// Voxels in cubic cells, hashed.  Cells that share a bucket only cost distances that are computed
-// in vain.
+// A hash grid of voxels in cubic cells.  Hash collisions only cost extra distance tests.
 class CellGrid {
  public:
   CellGrid(std::int64_t side, std::size_t capacity)
@@ -36,10 +35,10 @@ class CellGrid {
     voxels_.push_back(voxel);
   }
 
-  // Is a voxel nearer than sqrt(square), which is at most the cells' side?
+  // Whether a voxel is nearer than sqrt(square), which is at most the cells' side.
   bool holdsWithin(const openvdb::Coord& voxel, std::int64_t square) const {
     const openvdb::Coord cell = cellOf(voxel);
-    if (bucketHoldsWithin(bucketOf(cell), voxel, square)) return true;  // most often
+    if (bucketHoldsWithin(bucketOf(cell), voxel, square)) return true;  // the most frequent case
     for (int dx = -1; dx <= 1; ++dx) {
       for (int dy = -1; dy <= 1; ++dy) {
         for (int dz = -1; dz <= 1; ++dz) {
@@ -80,7 +79,7 @@ class CellGrid {
 
   std::int64_t side_;
   std::vector<std::uint32_t> first_;  // [bucket] newest voxel
-  std::vector<std::uint32_t> next_;   // [voxel] the one before it in its bucket
+  std::vector<std::uint32_t> next_;   // [voxel] the previous voxel in its bucket
   std::vector<openvdb::Coord> voxels_;
 };
 
@@ -88,13 +87,13 @@ class CellGrid {
 
 void drawApart(const VoxelIndex& candidates, const VoxelBox& box, std::uint64_t seed,
                std::size_t end, std::uint64_t& dart, Chosen& chosen) {
-  constexpr int kMisses = 100;  // in a row: about one dart in fifty would still stick
+  constexpr int kMisses = 100;  // in a row: about one dart in fifty would still be accepted
   const auto gridOf = [&](std::int64_t side) {
     CellGrid grid(side, end);
-    for (const VoxelKey key : chosen.voxels) grid.add(candidates.place(key));
+    for (const VoxelKey key : chosen.voxels) grid.add(candidates.voxelAt(key));
     return grid;
   };
-  // The squared distance goes from the box's diagonal down by sixteenths.
+  // The squared distance starts at the box's diagonal and shrinks by a sixteenth.
   std::int64_t square = metricOrder(Metric::euclidean, box.min, box.max);
   CellGrid grid = gridOf(std::max<std::int64_t>(rootRoundedUp(square), 1));
   while (square > 1 && chosen.size() < end) {
@@ -103,7 +102,7 @@ void drawApart(const VoxelIndex& candidates, const VoxelBox& box, std::uint64_t 
     for (int misses = 0; misses < kMisses && chosen.size() < end; ++dart) {
       const VoxelKey key =
           candidates.at(randomBelow(candidates.total(), seed, Stage::poissonDart, dart));
-      const openvdb::Coord voxel = candidates.place(key);
+      const openvdb::Coord voxel = candidates.voxelAt(key);
       if (grid.holdsWithin(voxel, square)) {
         ++misses;
         continue;

@@ -1,4 +1,4 @@
-// Where a ray meets the solid.
+// Intersection of a ray with voxels.
 #include "seed/ray.h"
 
 #include <algorithm>
@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-// When the half line enters the box of voxels, if it does.
+// Returns the time at which the ray enters the box of voxels, if it does.
 std::optional<double> entryTime(const VoxelBox& box, const glm::dvec3& origin,
                                 const glm::dvec3& direction) {
   double enter = 0.0, leave = kNever;
@@ -48,7 +48,7 @@ std::optional<openvdb::Coord> firstVoxelOnRay(const VoxelIndex& voxels, const Vo
   }
   while (true) {
     if (voxels.find(voxel)) return voxel;
-    // Times are computed anew at each wall: added up, they would drift.
+    // Times are recomputed at each wall: a sum would drift.
     int next = 0;
     double soonest = kNever;
     for (int axis = 0; axis < 3; ++axis) {

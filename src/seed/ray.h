@@ -1,4 +1,4 @@
-// Where a ray meets the solid.
+// Intersection of a ray with voxels.
 #pragma once
 
 #include <optional>
@@ -7,9 +7,9 @@
 
 namespace sherd {
 
-/// The first voxel of an index that a half line meets, if any.  Voxel v is the cube of side 1 about
-/// v; a half line that starts in a voxel meets it there.
-///   box        holds all voxels of the index
+/// Returns the first voxel of an index that a ray hits, if any.  Voxel v is the cube of side 1
+/// centered at v; a ray that starts in a voxel hits it.
+///   box        contains all voxels of the index
 ///   origin     index space, finite
 ///   direction  finite, not 0
 ///   source     Amanatides and Woo, A Fast Voxel Traversal Algorithm for Ray Tracing, 1987

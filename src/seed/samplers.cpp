@@ -1,4 +1,4 @@
-// Where seeds are drawn.
+// Seed samplers: uniform, Halton, Gaussian, Poisson-disk.
 #include "seed/samplers.h"
 
 #include <algorithm>
@@ -11,13 +11,15 @@
 
 namespace sherd {
 
-std::vector<VoxelKey> onePerPart(const VoxelIndex& candidates, const Parts& parts,
-                                 std::span<const std::uint64_t> inPart, std::uint64_t seed) {
+std::vector<VoxelKey> onePerComponent(const VoxelIndex& candidates,
+                                      const VoxelComponents& components,
+                                      std::span<const std::uint64_t> inComponent,
+                                      std::uint64_t seed) {
   std::vector<std::uint64_t> number;
-  for (std::size_t part = 0; part < parts.count(); ++part) {
-    number.push_back(randomBelow(inPart[part], seed, Stage::partSeed, part));
+  for (std::size_t component = 0; component < components.count(); ++component) {
+    number.push_back(randomBelow(inComponent[component], seed, Stage::componentSeed, component));
   }
-  return candidates.atInParts(parts, std::move(number));
+  return candidates.atInComponents(components, std::move(number));
 }
 
 void SeedSampler::draw(std::size_t count, Chosen& chosen) {
@@ -38,8 +40,9 @@ void SeedSampler::draw(std::size_t count, Chosen& chosen) {
   drawUniform(end, chosen);
 }
 
-// 64 times what a box of evenly spread candidates would take, and at most some seconds' worth.
-std::uint64_t SeedSampler::tries(std::size_t count) const {
+// Returns 64 times the expected number of draws for candidates spread evenly over the box, limited
+// to a few seconds of work.
+std::uint64_t SeedSampler::maxTries(std::size_t count) const {
   constexpr double kMost = 1 << 24;
   const openvdb::Coord dims = box_.dims();
   const double expected = static_cast<double>(count) * dims.x() * dims.y() * dims.z() /
@@ -48,14 +51,15 @@ std::uint64_t SeedSampler::tries(std::size_t count) const {
 }
 
 void SeedSampler::drawHalton(std::size_t end, Chosen& chosen) {
-  // Places enough for 2^28 draws.
+  // Enough digits for 2^28 draws.
   const RadicalInverse inX(2, 28, seed_, Stage::haltonDigit), inY(3, 18, seed_, Stage::haltonDigit),
       inZ(5, 13, seed_, Stage::haltonDigit);
   const openvdb::Coord dims = box_.dims();
   const auto along = [&](const RadicalInverse& inverse, int axis) {
     return static_cast<int>(inverse.below(static_cast<std::uint64_t>(dims[axis]), next_));
   };
-  for (std::uint64_t left = tries(end - chosen.size()); left > 0 && chosen.size() < end; --left) {
+  for (std::uint64_t left = maxTries(end - chosen.size()); left > 0 && chosen.size() < end;
+       --left) {
     const openvdb::Coord voxel =
         box_.min + openvdb::Coord(along(inX, 0), along(inY, 1), along(inZ, 2));
     ++next_;
@@ -65,9 +69,11 @@ void SeedSampler::drawHalton(std::size_t end, Chosen& chosen) {
 
 void SeedSampler::drawGaussian(std::size_t end, Chosen& chosen) {
   const openvdb::Coord dims = box_.dims();
-  // The mean of 12 uniforms has a standard deviation of 1/12, so this gives a quarter of the box.
+  // The mean of 12 uniforms has a standard deviation of 1/12; this scales it to a quarter of the
+  // box.
   constexpr double kSide = kNormalTerms / 4.0;
-  for (std::uint64_t left = tries(end - chosen.size()); left > 0 && chosen.size() < end; --left) {
+  for (std::uint64_t left = maxTries(end - chosen.size()); left > 0 && chosen.size() < end;
+       --left) {
     openvdb::Coord voxel;
     for (int axis = 0; axis < 3; ++axis) {
       const double draw = meanOfUniforms(kNormalTerms, seed_, Stage::gaussianSeed,
@@ -80,8 +86,8 @@ void SeedSampler::drawGaussian(std::size_t end, Chosen& chosen) {
   }
 }
 
-// A draw that hits a taken voxel goes on to the next free one, so that asking for as many pieces
-// as voxels ends too.
+// A draw that hits a taken voxel moves on to the next free one, so that as many seeds as voxels can
+// be drawn.
 void SeedSampler::drawUniform(std::size_t end, Chosen& chosen) {
   for (; chosen.size() < end; ++nextUniform_) {
     std::uint64_t number = randomBelow(candidates_.total(), seed_, Stage::seedVoxel, nextUniform_);

@@ -1,4 +1,4 @@
-// Where seeds are drawn: uniformly, by Halton's points, about the middle, or well apart.
+// Seed samplers: uniform, Halton, Gaussian, Poisson-disk.
 #pragma once
 
 #include <sherd/seeds.h>
@@ -12,14 +12,14 @@
 
 namespace sherd {
 
-/// Voxels chosen so far, in order, each once.
+/// The distinct voxels chosen so far, in order.
 struct Chosen {
   std::vector<VoxelKey> voxels;
   std::unordered_set<VoxelKey> taken;
 
   std::size_t size() const { return voxels.size(); }
 
-  /// Choose a voxel; false when it was already.
+  /// Adds a voxel; returns false if it is already chosen.
   bool add(VoxelKey key) {
     if (!taken.insert(key).second) return false;
     voxels.push_back(key);
@@ -27,36 +27,37 @@ struct Chosen {
   }
 };
 
-/// A random candidate of each part.
-///   inPart  [parts] candidates in each part, all above 0
-[[nodiscard]] std::vector<VoxelKey> onePerPart(const VoxelIndex& candidates, const Parts& parts,
-                                               std::span<const std::uint64_t> inPart,
-                                               std::uint64_t seed);
+/// Returns a random candidate of each component.
+///   inComponent  [components] candidates in each component, all above 0
+[[nodiscard]] std::vector<VoxelKey> onePerComponent(const VoxelIndex& candidates,
+                                                    const VoxelComponents& components,
+                                                    std::span<const std::uint64_t> inComponent,
+                                                    std::uint64_t seed);
 
-/// Draws seeds by one sampler.  A further call goes on in its sequence where the last one stopped.
+/// Draws seeds with one sampler.  Each call continues the sequence of the previous one.
 class SeedSampler {
  public:
-  /// candidates  where seeds may lie; kept by reference
+  /// candidates  the voxels that seeds may take; kept by reference
   /// box         tight box of the solid
   SeedSampler(const VoxelIndex& candidates, const VoxelBox& box, Sampler sampler,
               std::uint64_t seed)
       : candidates_(candidates), box_(box), sampler_(sampler), seed_(seed) {}
 
-  /// Add `count` voxels; as many must be free.
+  /// Adds `count` voxels; at least as many must be free.
   void draw(std::size_t count, Chosen& chosen);
 
  private:
   void drawHalton(std::size_t end, Chosen& chosen);
   void drawGaussian(std::size_t end, Chosen& chosen);
   void drawUniform(std::size_t end, Chosen& chosen);
-  std::uint64_t tries(std::size_t count) const;
+  std::uint64_t maxTries(std::size_t count) const;
 
   const VoxelIndex& candidates_;
   VoxelBox box_;
   Sampler sampler_;
   std::uint64_t seed_;
-  std::uint64_t next_ = 0;         // item of the sampler's next draw
-  std::uint64_t nextUniform_ = 0;  // item of the next draw over all candidates
+  std::uint64_t next_ = 0;         // random item of the sampler's next draw
+  std::uint64_t nextUniform_ = 0;  // random item of the next uniform draw
 };
 
 }  // namespace sherd

@@ -1,4 +1,4 @@
-// Seed placement.  It costs a search per seed, so it stays on the host.
+// Seed placement.  It takes one search per seed, so it runs on the host.
 #include <sherd/error.h>
 #include <sherd/seeds.h>
 
@@ -15,7 +15,7 @@
 namespace sherd {
 namespace {
 
-// A random permutation of 1..n (Fisher and Yates).
+// Returns a random permutation of 1..n (Fisher and Yates).
 std::vector<std::uint16_t> permutedIds(std::size_t n, std::uint64_t seed) {
   std::vector<std::uint16_t> ids(n);
   std::iota(ids.begin(), ids.end(), std::uint16_t{1});
@@ -25,26 +25,28 @@ std::vector<std::uint16_t> permutedIds(std::size_t n, std::uint64_t seed) {
   return ids;
 }
 
-std::size_t countPieces(const Parts& parts, const SeedOptions& options) {
-  const std::size_t count = std::max(static_cast<std::size_t>(options.pieces), parts.count());
+std::size_t countPieces(const VoxelComponents& components, const SeedOptions& options) {
+  const std::size_t count = std::max(static_cast<std::size_t>(options.pieces), components.count());
   if (count > kMaxFragments) {
     throw Error(ErrorCode::usage, "the solid would give " + std::to_string(count) +
-                                      " fragments, at most " + std::to_string(kMaxFragments) +
-                                      " have an id; try a lower --resolution");
+                                      " fragments; at most " + std::to_string(kMaxFragments) +
+                                      " are possible; try a lower --resolution");
   }
   return count;
 }
 
-// Impacts strike after the parts have their seeds, and before the rest.
-void checkImpactsFit(const std::vector<Blow>& blows, const Parts& parts,
-                     const SeedOptions& options) {
+// Checks that the seeds of impacts and one seed per component fit into the number of pieces.
+void checkImpactsFit(const std::vector<AimedImpact>& aimedImpacts,
+                     const VoxelComponents& components, const SeedOptions& options) {
   std::size_t count = 0;
-  for (const Blow& blow : blows) count += blow.merge ? 0 : blow.count;
-  if (count == 0 || count + parts.count() <= static_cast<std::size_t>(options.pieces)) return;
+  for (const AimedImpact& aimedImpact : aimedImpacts)
+    count += aimedImpact.merge ? 0 : aimedImpact.count;
+  if (count == 0 || count + components.count() <= static_cast<std::size_t>(options.pieces)) return;
   throw Error(ErrorCode::usage,
-              "the impacts make " + std::to_string(count) + " pieces beside one for each of " +
-                  std::to_string(parts.count()) + " parts, " + std::to_string(options.pieces) +
-                  " are asked; raise --pieces or let the impacts merge");
+              "the impacts make " + std::to_string(count) +
+                  " pieces in addition to one for each of " + std::to_string(components.count()) +
+                  " connected components, but --pieces is " + std::to_string(options.pieces) +
+                  "; raise --pieces or let the impacts merge");
 }
 
 void checkRoom(std::size_t pieces, std::size_t further, const VoxelIndex& candidates,
@@ -54,25 +56,27 @@ void checkRoom(std::size_t pieces, std::size_t further, const VoxelIndex& candid
   throw Error(ErrorCode::usage,
               std::to_string(pieces) + " pieces" +
                   (further ? " and " + std::to_string(further) + " further seeds" : "") +
-                  " are asked of a solid of " + std::to_string(candidates.total()) +
+                  " do not fit into a solid of " + std::to_string(candidates.total()) +
                   (volume ? " voxels" : " surface voxels") + "; try a higher --resolution" +
                   (volume ? "" : " or --seeds-on volume"));
 }
 
-// The chosen voxels as seeds: [ids, ascending by id][the rest, nearest of those in their part].
+// Returns the chosen voxels as seeds: [those of `ids`, ascending by id][the rest, each with the id
+// of the nearest of the former in its component].
 std::vector<Seed> withIds(const Chosen& chosen, const std::vector<std::uint16_t>& ids,
-                          const VoxelIndex& candidates, const Parts& parts, Metric metric) {
+                          const VoxelIndex& candidates, const VoxelComponents& components,
+                          Metric metric) {
   std::vector<Seed> seeds(ids.size());
-  std::vector<std::uint32_t> partOfSeed(ids.size());
+  std::vector<std::uint32_t> componentOfSeed(ids.size());
   for (std::size_t i = 0; i < ids.size(); ++i) {
-    seeds[ids[i] - 1u] = {candidates.place(chosen.voxels[i]), ids[i]};
-    partOfSeed[ids[i] - 1u] = parts.at(chosen.voxels[i]);
+    seeds[ids[i] - 1u] = {candidates.voxelAt(chosen.voxels[i]), ids[i]};
+    componentOfSeed[ids[i] - 1u] = components.at(chosen.voxels[i]);
   }
   if (chosen.size() == ids.size()) return seeds;
-  const NearestSeed nearest(seeds, partOfSeed, parts.count(), metric);
+  const NearestSeed nearest(seeds, componentOfSeed, components.count(), metric);
   for (std::size_t i = ids.size(); i < chosen.size(); ++i) {
-    const openvdb::Coord voxel = candidates.place(chosen.voxels[i]);
-    seeds.push_back({voxel, nearest.fragmentAt(voxel, parts.at(chosen.voxels[i]))});
+    const openvdb::Coord voxel = candidates.voxelAt(chosen.voxels[i]);
+    seeds.push_back({voxel, nearest.fragmentAt(voxel, components.at(chosen.voxels[i]))});
   }
   return seeds;
 }
@@ -85,12 +89,13 @@ int fragmentsOf(std::span<const Seed> seeds) {
   return highest;
 }
 
-std::vector<Seed> placeSeeds(const Solid& solid, const Parts& parts, const SeedOptions& options) {
+std::vector<Seed> placeSeeds(const Solid& solid, const VoxelComponents& components,
+                             const SeedOptions& options) {
   if (options.pieces < 1) throw Error(ErrorCode::usage, "the number of pieces must be 1 or more");
   if (options.extraSeeds < 0 || options.randomImpacts < 0) {
     throw Error(ErrorCode::usage, "the number of extra seeds and of impacts must be 0 or more");
   }
-  const std::size_t pieces = countPieces(parts, options);
+  const std::size_t pieces = countPieces(components, options);
   const bool impacts = !options.impacts.empty() || options.randomImpacts > 0;
   std::vector<std::uint64_t> surface;
   if (impacts || options.on == SeedsOn::surface) surface = surfaceMask(solid.blocks);
@@ -100,31 +105,33 @@ std::vector<Seed> placeSeeds(const Solid& solid, const Parts& parts, const SeedO
 
   const auto extra = static_cast<std::size_t>(options.extraSeeds);
   checkRoom(pieces, extra, candidates, options);
-  const std::vector<Blow> blows =
-      impacts ? aim(solid, parts, options, pieces, inside, onSurface) : std::vector<Blow>{};
-  checkImpactsFit(blows, parts, options);
-  const std::size_t merged =
-      std::accumulate(blows.begin(), blows.end(), std::size_t{0},
-                      [](std::size_t sum, const Blow& b) { return sum + (b.merge ? b.count : 0); });
+  const std::vector<AimedImpact> aimedImpacts =
+      impacts ? aim(solid, components, options, pieces, inside, onSurface)
+              : std::vector<AimedImpact>{};
+  checkImpactsFit(aimedImpacts, components, options);
+  const std::size_t merged = std::accumulate(
+      aimedImpacts.begin(), aimedImpacts.end(), std::size_t{0},
+      [](std::size_t sum, const AimedImpact& b) { return sum + (b.merge ? b.count : 0); });
   checkRoom(pieces, merged + extra, candidates, options);
 
-  const std::vector<std::uint64_t> room = candidates.countInParts(parts);
+  const std::vector<std::uint64_t> room = candidates.countInComponents(components);
   const auto scatterAll = [&](bool merge, Chosen& chosen) {
-    for (std::size_t i = 0; i < blows.size(); ++i) {
-      if (blows[i].merge != merge) continue;
-      scatter(blows[i], i, candidates, solid.box, parts, room, options.seed, chosen);
+    for (std::size_t i = 0; i < aimedImpacts.size(); ++i) {
+      if (aimedImpacts[i].merge != merge) continue;
+      scatter(aimedImpacts[i], i, candidates, solid.box, components, room, options.seed, chosen);
     }
   };
   SeedSampler sampler(candidates, solid.box, options.sampler, options.seed);
   Chosen chosen;
-  for (const VoxelKey key : onePerPart(candidates, parts, room, options.seed)) {
+  for (const VoxelKey key : onePerComponent(candidates, components, room, options.seed)) {
     chosen.add(key);
   }
   scatterAll(/*merge=*/false, chosen);
   sampler.draw(pieces - chosen.size(), chosen);
   scatterAll(/*merge=*/true, chosen);
   sampler.draw(extra, chosen);
-  return withIds(chosen, permutedIds(pieces, options.seed), candidates, parts, options.mergeMetric);
+  return withIds(chosen, permutedIds(pieces, options.seed), candidates, components,
+                 options.mergeMetric);
 }
 
 }  // namespace sherd

@@ -1,4 +1,4 @@
-// Voxels of leaf masks by number, key and place.
+// Voxels of leaf masks by number, key and coordinates.
 #include "seed/voxel_index.h"
 
 #include <algorithm>
@@ -19,8 +19,8 @@ glm::dvec3 asPoint(const openvdb::Coord& c) { return {c.x(), c.y(), c.z()}; }
 
 double squared(const glm::dvec3& d) { return d.x * d.x + d.y * d.y + d.z * d.z; }
 
-// Squared distance to the nearest voxel centre that the leaf may hold.  Every step is monotone, so
-// it is never above the distance that is computed for one of its voxels.
+// Returns the squared distance to the nearest voxel center of the leaf.  Every operation is
+// monotone, so rounding never makes it larger than the computed distance of one of its voxels.
 double distanceToLeaf(const openvdb::Coord& origin, const glm::dvec3& point) {
   glm::dvec3 gap(0.0);
   for (int axis = 0; axis < 3; ++axis) {
@@ -37,9 +37,9 @@ std::vector<std::uint64_t> surfaceMask(const LeafBlocks& blocks) {
   for (std::size_t word = 0; word < inside.size(); ++word) {
     if (!inside[word]) continue;
     const std::size_t leaf = word / 8, x = word % 8;
-    // The slab at this x of the neighbour, and at another x.
+    // Returns a slab of the neighboring leaf on a side.
     const auto beside = [&](std::size_t side, std::size_t slab) -> std::uint64_t {
-      const std::uint32_t other = blocks.neighbours[leaf * 6 + side];
+      const std::uint32_t other = blocks.neighbors[leaf * 6 + side];
       return other == LeafBlocks::kNone ? 0 : inside[other * std::size_t{8} + slab];
     };
     const std::uint64_t own = inside[word];
@@ -87,7 +87,7 @@ openvdb::Coord VoxelIndex::nearest(const glm::dvec3& point) const {
     for (std::size_t word = leaf * 8; word < leaf * 8 + 8; ++word) {
       for (std::uint64_t bits = mask_[word]; bits; bits &= bits - 1) {
         const openvdb::Coord voxel =
-            place(word * 64 + static_cast<std::uint64_t>(std::countr_zero(bits)));
+            voxelAt(word * 64 + static_cast<std::uint64_t>(std::countr_zero(bits)));
         const double distance = squared(asPoint(voxel) - point);
         if (found && (distance > bestDistance || (distance == bestDistance && best < voxel))) {
           continue;
@@ -98,7 +98,7 @@ openvdb::Coord VoxelIndex::nearest(const glm::dvec3& point) const {
       }
     }
   };
-  // The leaf with the least bound first: it leaves few of the others to look into.
+  // The leaf with the least bound comes first, so that few others need to be searched.
   std::size_t first = 0;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t leaf = 0; leaf < blocks_.count(); ++leaf) {
@@ -118,23 +118,24 @@ openvdb::Coord VoxelIndex::nearest(const glm::dvec3& point) const {
   return best;
 }
 
-std::vector<std::uint64_t> VoxelIndex::countInParts(const Parts& parts) const {
-  if (total_ == 0 || parts.count() == 1) return std::vector<std::uint64_t>(parts.count(), total_);
-  std::vector<std::uint64_t> count(parts.count());
-  forEach([&](VoxelKey key) { ++count[parts.at(key)]; });
+std::vector<std::uint64_t> VoxelIndex::countInComponents(const VoxelComponents& components) const {
+  if (total_ == 0 || components.count() == 1)
+    return std::vector<std::uint64_t>(components.count(), total_);
+  std::vector<std::uint64_t> count(components.count());
+  forEach([&](VoxelKey key) { ++count[components.at(key)]; });
   return count;
 }
 
-std::vector<VoxelKey> VoxelIndex::atInParts(const Parts& parts,
-                                            std::vector<std::uint64_t> number) const {
-  if (parts.count() == 1) return {at(number[0])};
+std::vector<VoxelKey> VoxelIndex::atInComponents(const VoxelComponents& components,
+                                                 std::vector<std::uint64_t> number) const {
+  if (components.count() == 1) return {at(number[0])};
   std::vector<VoxelKey> found(number.size());
   std::vector<bool> done(number.size());
   forEach([&](VoxelKey key) {
-    const std::uint32_t part = parts.at(key);
-    if (done[part] || number[part]-- > 0) return;
-    found[part] = key;
-    done[part] = true;
+    const std::uint32_t component = components.at(key);
+    if (done[component] || number[component]-- > 0) return;
+    found[component] = key;
+    done[component] = true;
   });
   return found;
 }

@@ -1,4 +1,4 @@
-// Voxels of leaf masks by number, key and place.
+// Voxels of leaf masks by number, key and coordinates.
 #pragma once
 
 #include <sherd/seeds.h>
@@ -11,38 +11,40 @@
 
 namespace sherd {
 
-/// A voxel by its place in leaf blocks.
+/// The index of a voxel in leaf blocks: leaf * 512 + offset.
 using VoxelKey = std::uint64_t;
 
-/// Inside voxels with a face neighbour that is not inside: [leaf*8] words like LeafBlocks::inside.
+/// Returns the inside voxels with a face neighbor that is not inside: [leaf*8] words like
+/// LeafBlocks::inside.
 [[nodiscard]] std::vector<std::uint64_t> surfaceMask(const LeafBlocks& blocks);
 
-/// The voxels of a mask over leaf blocks, numbered 0..total()-1 in leaf order.  It keeps references
-/// to what it is made from.
+/// The voxels of a mask over leaf blocks, numbered 0..total()-1 in leaf order.  Keeps references to
+/// the blocks and the mask.
 class VoxelIndex {
  public:
   VoxelIndex(const LeafBlocks& blocks, std::span<const std::uint64_t> mask);
 
   std::uint64_t total() const { return total_; }
 
-  /// The voxel with this number.
+  /// Returns the voxel with this number.
   VoxelKey at(std::uint64_t number) const;
 
-  /// The voxel at a place, where the mask holds it.
+  /// Returns the voxel at these coordinates if the mask contains it.
   std::optional<VoxelKey> find(const openvdb::Coord& voxel) const;
 
-  openvdb::Coord place(VoxelKey key) const { return blocks_.voxelAt(key); }
+  openvdb::Coord voxelAt(VoxelKey key) const { return blocks_.voxelAt(key); }
 
-  /// The nearest voxel to a point in index space; ties to the lowest x, then y, then z.
+  /// Returns the nearest voxel to a point in index space; ties go to the lowest x, then y, then z.
   openvdb::Coord nearest(const glm::dvec3& point) const;
 
-  /// Voxels of the mask in each part.
-  std::vector<std::uint64_t> countInParts(const Parts& parts) const;
+  /// Returns the number of the mask's voxels in each component.
+  std::vector<std::uint64_t> countInComponents(const VoxelComponents& components) const;
 
-  /// The voxels with these numbers among the mask's voxels of their parts.
-  std::vector<VoxelKey> atInParts(const Parts& parts, std::vector<std::uint64_t> number) const;
+  /// Returns for each component the voxel with this number among the mask's voxels in it.
+  std::vector<VoxelKey> atInComponents(const VoxelComponents& components,
+                                       std::vector<std::uint64_t> number) const;
 
-  /// Call visit(key) for each voxel in leaf order.
+  /// Calls visit(key) for each voxel in leaf order.
   template <class Visit>
   void forEach(const Visit& visit) const {
     for (std::size_t word = 0; word < mask_.size(); ++word) {

@@ -33,7 +33,7 @@ std::uint8_t edgeBetween(unsigned a, unsigned b) {
   return CellSheets::kNone;
 }
 
-// A face's corners in a ring, and the edge from each to the next.
+// Corners of a face in cyclic order, and the edge from each to the next.
 struct Face {
   std::array<std::uint8_t, 4> corner, edge;
 };
@@ -56,14 +56,14 @@ const std::array<Face, kCellFaces>& faces() {
   return all;
 }
 
-// Which of two labels has its corners parted where they alternate round a face.
-bool isParted(std::uint16_t label, std::uint16_t other) {
+// True if `label`'s corners are separated on a face on which two labels alternate.
+bool isSeparated(std::uint16_t label, std::uint16_t other) {
   return static_cast<std::uint16_t>(label - 1) < static_cast<std::uint16_t>(other - 1);
 }
 
-// Link the edges of a face that follow each other along the label's boundary; whether the label
-// lies on two opposite corners only.
-bool linkFace(const CellLabels& labels, const Face& face, std::uint16_t label, bool isTurned,
+// Links the edges of a face that are consecutive on the label's boundary.  Returns true if the face
+// is ambiguous for the label.
+bool linkFace(const CellLabels& labels, const Face& face, std::uint16_t label, bool isFlipped,
               Links& links) {
   std::array<bool, 4> own;
   unsigned count = 0;
@@ -73,13 +73,14 @@ bool linkFace(const CellLabels& labels, const Face& face, std::uint16_t label, b
   }
   if (count == 0 || count == 4) return false;
   if (count == 2 && own[0] == own[2]) {
-    const unsigned mine = own[0] ? 0 : 1;  // the first of its corners
-    const std::uint16_t one = labels[face.corner[mine + 1]],
-                        two = labels[face.corner[(mine + 3) % 4]];
-    const bool parted = (one == two && isParted(label, one)) != isTurned;
-    const unsigned round = parted ? mine : mine + 1;  // a corner whose two edges belong together
-    link(links, face.edge[(round + 3) % 4], face.edge[round % 4]);
-    link(links, face.edge[(round + 1) % 4], face.edge[(round + 2) % 4]);
+    const unsigned ownCorner = own[0] ? 0 : 1;  // the first corner of the label
+    const std::uint16_t one = labels[face.corner[ownCorner + 1]],
+                        two = labels[face.corner[(ownCorner + 3) % 4]];
+    const bool separated = (one == two && isSeparated(label, one)) != isFlipped;
+    const unsigned start =
+        separated ? ownCorner : ownCorner + 1;  // a corner whose two edges are linked
+    link(links, face.edge[(start + 3) % 4], face.edge[start % 4]);
+    link(links, face.edge[(start + 1) % 4], face.edge[(start + 2) % 4]);
     return true;
   }
   std::uint8_t first = CellSheets::kNone;
@@ -94,8 +95,8 @@ bool linkFace(const CellLabels& labels, const Face& face, std::uint16_t label, b
   return false;
 }
 
-// Does a label lie on two opposite corners of a face only?  Few do: a look before the work.
-bool liesOpposite(const CellLabels& labels, std::uint16_t label) {
+// True if a face is ambiguous for the label.  Few labels have one, so most return early.
+bool hasAmbiguousFace(const CellLabels& labels, std::uint16_t label) {
   return std::any_of(faces().begin(), faces().end(), [&](const Face& face) {
     const bool a = labels[face.corner[0]] == label, b = labels[face.corner[1]] == label;
     return a != b && (labels[face.corner[2]] == label) == a &&
@@ -105,37 +106,37 @@ bool liesOpposite(const CellLabels& labels, std::uint16_t label) {
 
 }  // namespace
 
-unsigned doubledFaces(const CellLabels& labels, std::uint16_t label, unsigned turned) {
-  if (!liesOpposite(labels, label)) return 0;
+unsigned conflictingFaces(const CellLabels& labels, std::uint16_t label, unsigned flipped) {
+  if (!hasAmbiguousFace(labels, label)) return 0;
   Links links = unlinked();
-  unsigned opposite = 0, doubled = 0;
+  unsigned ambiguous = 0, conflicting = 0;
   for (unsigned f = 0; f < kCellFaces; ++f) {
-    if (linkFace(labels, faces()[f], label, (turned >> f) & 1, links)) opposite |= 1u << f;
+    if (linkFace(labels, faces()[f], label, (flipped >> f) & 1, links)) ambiguous |= 1u << f;
   }
   for (unsigned f = 0; f < kCellFaces; ++f) {
-    if (!((opposite >> f) & 1)) continue;
+    if (!((ambiguous >> f) & 1)) continue;
     const auto& edge = faces()[f].edge;
     const std::uint8_t root = rootOf(links, edge[0]);
     if (std::all_of(edge.begin(), edge.end(),
                     [&](std::uint8_t e) { return rootOf(links, e) == root; })) {
-      doubled |= 1u << f;
+      conflicting |= 1u << f;
     }
   }
-  return doubled;
+  return conflicting;
 }
 
-CellSheets sheetsOf(const CellLabels& labels, const std::array<std::uint8_t, 8>& turned) {
+CellSheets sheetsOf(const CellLabels& labels, const std::array<std::uint8_t, 8>& flipped) {
   CellSheets sheets;
   for (auto& loops : sheets.loopOf) loops.fill(CellSheets::kNone);
   sheets.positionOf.fill(CellSheets::kNone);
-  Links places = unlinked();
+  Links positionLinks = unlinked();
   for (std::size_t corner = 0; corner < 8; ++corner) {
     const std::uint16_t label = labels[corner];
     const auto end = labels.begin() + static_cast<std::ptrdiff_t>(corner);
     if (label == 0 || std::find(labels.begin(), end, label) != end) continue;
     Links links = unlinked();
     for (unsigned f = 0; f < kCellFaces; ++f) {
-      (void)linkFace(labels, faces()[f], label, (turned[corner] >> f) & 1, links);
+      (void)linkFace(labels, faces()[f], label, (flipped[corner] >> f) & 1, links);
     }
     std::array<std::uint8_t, 12> loop;
     loop.fill(CellSheets::kNone);
@@ -143,7 +144,7 @@ CellSheets sheetsOf(const CellLabels& labels, const std::array<std::uint8_t, 8>&
       const std::uint16_t low = labels[kCellEdges[e][0]], high = labels[kCellEdges[e][1]];
       if (low == high || (low != label && high != label)) continue;
       const std::uint8_t root = rootOf(links, e);
-      link(places, e, root);
+      link(positionLinks, e, root);
       if (loop[root] == CellSheets::kNone) loop[root] = sheets.loops++;
       sheets.loopOf[e][low == label ? 0 : 1] = loop[root];
     }
@@ -152,7 +153,7 @@ CellSheets sheetsOf(const CellLabels& labels, const std::array<std::uint8_t, 8>&
   position.fill(CellSheets::kNone);
   for (std::uint8_t e = 0; e < 12; ++e) {
     if (labels[kCellEdges[e][0]] == labels[kCellEdges[e][1]]) continue;
-    const std::uint8_t root = rootOf(places, e);
+    const std::uint8_t root = rootOf(positionLinks, e);
     if (position[root] == CellSheets::kNone) position[root] = sheets.positions++;
     sheets.positionOf[e] = position[root];
     for (const std::uint8_t loop : sheets.loopOf[e]) {

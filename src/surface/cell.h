@@ -1,4 +1,4 @@
-// What surfaces pass through one cell: a cube of eight voxel centres with a label each.
+// The surfaces in one cell: a cube of eight voxel centers with a label each.
 #pragma once
 
 #include <array>
@@ -23,39 +23,40 @@ inline constexpr std::array<std::array<std::uint8_t, 2>, 12> kCellEdges{{{0, 4},
                                                                          {4, 5},
                                                                          {6, 7}}};
 
-/// The surfaces of a cell.  An edge between two labels is crossed by a surface; on a face of the
-/// cell crossed edges are joined, so that those of one label form loops, each a sheet of that
-/// label's surface that needs a vertex.  Sheets that are joined, through whatever label, share the
-/// vertex's position.
+/// The surfaces of a cell.  A surface crosses each edge between two labels.  On each face of the
+/// cell the crossed edges of a label are linked, so that they form loops.  A loop is a sheet of the
+/// label's surface and needs one vertex.  Sheets that share a crossed edge share the position of
+/// their vertices.
 ///
-/// Where a label lies on two opposite corners of a face only, its sheets may pass between them or
-/// round them.  They part it where the other corners have one label and that is higher (0, the
-/// outside, counts as the highest), so that both sides of such a surface see it alike; where the
-/// others are two labels, those are parted.
+/// A face is ambiguous for a label that lies on two opposite corners only: its sheets either
+/// separate or connect the two corners.  They separate them where the other corners have one label
+/// and that is higher (0, the outside, counts as the highest), so that both labels resolve the face
+/// alike.  They connect them where the other corners have two labels.
 struct CellSheets {
   static constexpr std::uint8_t kNone = 255;
 
   std::uint8_t loops = 0;      ///< over all labels but 0
-  std::uint8_t positions = 0;  ///< how many places they need
+  std::uint8_t positions = 0;  ///< distinct positions of their vertices
   std::array<std::array<std::uint8_t, 2>, 12>
-      loopOf{};  ///< of a crossed edge, for the label of its lower and higher corner; else kNone
+      loopOf{};  ///< of a crossed edge, for the labels of its lower and higher corner; else kNone
   std::array<std::uint8_t, 12> positionOf{};  ///< of a crossed edge; else kNone
   std::array<std::uint8_t, 24> positionOfLoop{};
 };
 
-/// Faces: 2a is the one at the low end of axis a, 2a + 1 that at the high end.
+/// Face 2a lies at the low end of axis a, face 2a + 1 at the high end.
 inline constexpr unsigned kCellFaces = 6;
 
-/// Bits of the faces on which a label's four crossed edges all belong to one loop.  Where the cells
-/// on both sides of a face find so, the label's quads would share one edge four times: then both
-/// must turn the face, which is to join its corners the other way.  That parts the loop, and joins
-/// none.
-///   turned  bits of faces that are turned already
-[[nodiscard]] unsigned doubledFaces(const CellLabels& labels, std::uint16_t label, unsigned turned);
+/// Returns the bits of the ambiguous faces on which all four crossed edges belong to one loop of
+/// the label.  If that holds in the cells on both sides of a face, four quads of the label would
+/// share an edge; then both cells must flip the resolution of the face.  The flip splits the loop
+/// and merges none.
+///   flipped  bits of the faces whose resolution is flipped already
+[[nodiscard]] unsigned conflictingFaces(const CellLabels& labels, std::uint16_t label,
+                                        unsigned flipped);
 
-/// The sheets of a cell.
-///   turned  [corner whose label] bits of the faces that are turned for it
+/// Returns the sheets of a cell.
+///   flipped  [corner] bits of the faces whose resolution is flipped for the corner's label
 [[nodiscard]] CellSheets sheetsOf(const CellLabels& labels,
-                                  const std::array<std::uint8_t, 8>& turned = {});
+                                  const std::array<std::uint8_t, 8>& flipped = {});
 
 }  // namespace sherd

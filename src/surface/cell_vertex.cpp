@@ -1,4 +1,4 @@
-// Crossings of a cell's edges, and where their planes meet.
+// Vertex positions from the crossings of a cell's edges and their tangent planes.
 #include "surface/cell_vertex.h"
 
 #include <algorithm>
@@ -10,19 +10,19 @@
 namespace sherd {
 namespace {
 
-// Vertices stay off the cell's faces, so that those of two cells never fall together.
+// Distance of vertices from the cell's faces, so that vertices of two cells never coincide.
 constexpr double kMargin = 0.005;
 
-// Pulls the solution to the mean where planes are nearly parallel.
+// Regularization: keeps the solution near the mean where planes are nearly parallel.
 constexpr double kPull = 0.05;
 
-// How far beyond its cell a rim may want to lie, and how often a place is moved to the surface's
-// plane and back into the box of places it may have.
-constexpr double kBeyond = 0.5;
-constexpr int kRounds = 8;
+// How far outside its cell the target of a boundary vertex may lie, and how often the target is
+// projected onto the surface's plane and clamped to the allowed box.
+constexpr double kMaxOutside = 0.5;
+constexpr int kPasses = 8;
 
-// Two sheets in one cell must not fall together there either.
-constexpr double kMostStairs = 0.9;
+// Below 1, so that two sheets in one cell never coincide at its center.
+constexpr double kMaxSnapWeight = 0.9;
 
 using Corners = std::array<double, 8>;
 
@@ -31,8 +31,8 @@ glm::dvec3 cornerAt(unsigned corner) {
           static_cast<double>(corner & 1)};
 }
 
-// A function that is negative at the corner of label `low` and positive at that of `high`, zero on
-// the surface between.
+// Corner values of a function that is negative at corner `low`, positive at corner `high` and zero
+// on the surface between their labels.
 Corners between(const CellValues& values, unsigned low, unsigned high) {
   Corners f;
   const bool outer = values.labels[low] == 0 || values.labels[high] == 0;
@@ -74,9 +74,9 @@ Crossing crossing(const CellValues& values, unsigned low, unsigned high) {
   return {point, length > 0.0 ? gradient / length : glm::dvec3(0.0)};
 }
 
-// The point nearest to all planes, in the least squares, pulled to `mean`.
-glm::dvec3 meeting(const std::array<Crossing, 12>& crossings, std::size_t count,
-                   const glm::dvec3& mean) {
+// The least-squares intersection of the planes, regularized towards `mean`.
+glm::dvec3 leastSquaresPoint(const std::array<Crossing, 12>& crossings, std::size_t count,
+                             const glm::dvec3& mean) {
   glm::dmat3 a(kPull);
   glm::dvec3 b(0.0);
   for (std::size_t i = 0; i < count; ++i) {
@@ -88,20 +88,20 @@ glm::dvec3 meeting(const std::array<Crossing, 12>& crossings, std::size_t count,
   return mean + glm::inverse(a) * b;
 }
 
-glm::dvec3 within(const glm::dvec3& p, double margin) {
+glm::dvec3 clampedToCell(const glm::dvec3& p, double margin) {
   return glm::clamp(p, glm::dvec3(margin), glm::dvec3(1.0 - margin));
 }
 
 }  // namespace
 
 CellVertex cellVertex(const CellValues& values, const CellSheets& sheets, unsigned position,
-                      std::span<const float> stairs) {
+                      std::span<const float> snapWeight) {
   std::array<Crossing, 12> crossings;
   std::size_t count = 0, outers = 0;
   glm::dvec3 sum(0.0), outerSum(0.0), outward(0.0);
-  std::uint16_t one = 0, other = 0;  // the pair of labels, while there is only one
+  std::uint16_t one = 0, other = 0;  // the pair of labels, if there is only one
   bool onePair = true, outer = false;
-  float keep = 0.0f;
+  float snap = 0.0f;
   for (std::size_t e = 0; e < 12; ++e) {
     if (sheets.positionOf[e] != position) continue;
     const unsigned low = kCellEdges[e][0], high = kCellEdges[e][1];
@@ -111,7 +111,7 @@ CellVertex cellVertex(const CellValues& values, const CellSheets& sheets, unsign
     one = a;
     other = b;
     outer = outer || a == 0;
-    keep = std::max({keep, stairs[a], stairs[b]});
+    snap = std::max({snap, snapWeight[a], snapWeight[b]});
     crossings[count] = crossing(values, low, high);
     sum += crossings[count].point;
     if (a == 0) {
@@ -122,26 +122,27 @@ CellVertex cellVertex(const CellValues& values, const CellSheets& sheets, unsign
     ++count;
   }
   const glm::dvec3 mean = sum / static_cast<double>(count);
-  const glm::dvec3 centre(0.5);
-  if (!outer && keep > 0.0f) {
-    const glm::dvec3 at = mean + kMostStairs * double{keep} * (centre - mean);
+  const glm::dvec3 center(0.5);
+  if (!outer && snap > 0.0f) {
+    const glm::dvec3 at = mean + kMaxSnapWeight * double{snap} * (center - mean);
     return {at, at};
   }
   if (onePair) {
-    const glm::dvec3 at = within(mean, kMargin);
+    const glm::dvec3 at = clampedToCell(mean, kMargin);
     return {at, at};
   }
-  // On a rim the original surface comes first: it was there before the crack.
-  const glm::dvec3 meets = meeting(crossings, count, mean);
+  // A boundary vertex lies on the original surface, which predates the crack.
+  const glm::dvec3 intersection = leastSquaresPoint(crossings, count, mean);
   const double length = glm::length(outward);
   const auto ontoSurface = [&](const glm::dvec3& p) {
     if (length == 0.0) return p;
     const glm::dvec3 n = outward / length;
     return p - glm::dot(p - outerSum / static_cast<double>(outers), n) * n;
   };
-  glm::dvec3 wanted = within(meets, -kBeyond);
-  for (int round = 0; round < kRounds; ++round) wanted = within(ontoSurface(wanted), -kBeyond);
-  return {within(meets, kMargin), wanted};
+  glm::dvec3 target = clampedToCell(intersection, -kMaxOutside);
+  for (int pass = 0; pass < kPasses; ++pass)
+    target = clampedToCell(ontoSurface(target), -kMaxOutside);
+  return {clampedToCell(intersection, kMargin), target};
 }
 
 }  // namespace sherd

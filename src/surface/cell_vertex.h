@@ -1,4 +1,4 @@
-// Where a cell's vertices lie.
+// Positions of the vertices of a cell.
 #pragma once
 
 #include <array>
@@ -9,25 +9,25 @@
 
 namespace sherd {
 
-/// What is known at the corners of a cell.
+/// Labels and distances at the corners of a cell.
 struct CellValues {
   CellLabels labels{};
   std::array<float, 8> toSurface{};  ///< distance to the solid's surface, any unit, inside negative
   std::array<std::array<float, 8>, 8> toCut{};  ///< [corner whose label][corner] voxels to the cut,
-                                                ///< inside negative; read where two fragments meet
+                                                ///< inside negative; set where two fragments meet
 };
 
-/// The place of a vertex, in 0..1 along each axis.
+/// The position of a vertex, in 0..1 along each axis.
 struct CellVertex {
   glm::dvec3 at{0.0};
-  glm::dvec3 wanted{0.0};  ///< where it belongs; up to half a voxel beyond the cell on a rim, else
-                           ///< `at`
+  glm::dvec3 target{0.0};  ///< position to move to: on a contact boundary up to half a voxel
+                           ///< outside the cell, else `at`
 };
 
-/// One of a cell's vertices.
-///   position  0..sheets.positions-1
-///   stairs    [labels] how far a label keeps to its voxels' faces, 0..1
+/// Returns the position of one vertex of a cell.
+///   position    0..sheets.positions-1
+///   snapWeight  [labels] 0..1, 1 snaps the surface of a label to its voxels' faces
 [[nodiscard]] CellVertex cellVertex(const CellValues& values, const CellSheets& sheets,
-                                    unsigned position, std::span<const float> stairs);
+                                    unsigned position, std::span<const float> snapWeight);
 
 }  // namespace sherd

@@ -1,4 +1,4 @@
-// Joining meshes into a complex, and taking it apart.
+// Converts meshes to a complex and back.
 #include "surface/complex.h"
 
 #include <tbb/parallel_for.h>
@@ -13,24 +13,24 @@ namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
 
-// Which of a label's vertices at its place each vertex is: 0, 1, ..
-std::vector<std::uint8_t> sheetsOf(const LabelledMesh& mesh, std::vector<std::uint8_t>& count) {
+// [vertices] index of each vertex among the label's vertices at its position: 0, 1, ..
+std::vector<std::uint8_t> sheetsOf(const LabeledMesh& mesh, std::vector<std::uint8_t>& count) {
   std::vector<std::uint8_t> sheet;
-  sheet.reserve(mesh.place.size());
-  for (const std::uint32_t place : mesh.place) sheet.push_back(count[place]++);
-  for (const std::uint32_t place : mesh.place) count[place] = 0;
+  sheet.reserve(mesh.positionId.size());
+  for (const std::uint32_t positionId : mesh.positionId) sheet.push_back(count[positionId]++);
+  for (const std::uint32_t positionId : mesh.positionId) count[positionId] = 0;
   return sheet;
 }
 
-LabelledFaces meshOf(std::span<const glm::dvec3> vertices, std::span<const ComplexFace> faces,
-                     std::span<const std::uint32_t> own, std::uint16_t label) {
-  LabelledFaces out;
+LabeledFaces meshOf(std::span<const glm::dvec3> vertices, std::span<const ComplexFace> faces,
+                    std::span<const std::uint32_t> own, std::uint16_t label) {
+  LabeledFaces out;
   const auto add = [&](std::uint32_t v) {
     out.mesh.mesh.vertices.push_back(vertices[v]);
-    out.mesh.place.push_back(v);
-    return static_cast<std::uint32_t>(out.mesh.place.size() - 1);
+    out.mesh.positionId.push_back(v);
+    return static_cast<std::uint32_t>(out.mesh.positionId.size() - 1);
   };
-  // In the order of the complex, so that a mesh which nothing happened to stays as it was.
+  // In the order of the complex, so that an unchanged mesh keeps its vertex order.
   std::vector<std::uint32_t> used;
   used.reserve(3 * own.size());
   for (const std::uint32_t f : own) {
@@ -42,7 +42,7 @@ LabelledFaces meshOf(std::span<const glm::dvec3> vertices, std::span<const Compl
   const auto numberOf = [&](std::uint32_t v) {
     return static_cast<std::uint32_t>(std::lower_bound(used.begin(), used.end(), v) - used.begin());
   };
-  std::map<std::pair<std::uint32_t, std::uint8_t>, std::uint32_t> further;  // of sheets above 0
+  std::map<std::pair<std::uint32_t, std::uint8_t>, std::uint32_t> moreSheets;  // above 0
   for (const std::uint32_t f : own) {
     const ComplexFace& face = faces[f];
     const bool isFront = face.front == label;
@@ -54,7 +54,7 @@ LabelledFaces meshOf(std::span<const glm::dvec3> vertices, std::span<const Compl
       if (sheet == 0) {
         corner[k] = numberOf(v);
       } else {
-        const auto [found, isNew] = further.try_emplace({v, sheet}, kNone);
+        const auto [found, isNew] = moreSheets.try_emplace({v, sheet}, kNone);
         if (isNew) found->second = add(v);
         corner[k] = found->second;
       }
@@ -62,57 +62,59 @@ LabelledFaces meshOf(std::span<const glm::dvec3> vertices, std::span<const Compl
     if (!isFront) std::swap(corner.y, corner.z);
     out.mesh.mesh.triangles.push_back(corner);
     out.mesh.other.push_back(isFront ? face.back : face.front);
-    out.facing.push_back(isFront ? face.facing : face.front);
+    out.neighbor.push_back(isFront ? face.neighbor : face.front);
   }
   return out;
 }
 
 }  // namespace
 
-Complex complexOf(const TriangleMesh& mesh, std::span<const std::uint16_t> facing) {
-  assert(facing.size() == mesh.triangles.size());
+Complex complexOf(const TriangleMesh& mesh, std::span<const std::uint16_t> neighbor) {
+  assert(neighbor.size() == mesh.triangles.size());
   Complex out{mesh.vertices, std::vector<bool>(mesh.vertices.size(), false), {}, 1};
   out.faces.reserve(mesh.triangles.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    out.faces.push_back({mesh.triangles[t], 1, 0, facing[t]});
+    out.faces.push_back({mesh.triangles[t], 1, 0, neighbor[t]});
   }
   return out;
 }
 
-Complex complexOf(std::span<const LabelledMesh> meshes,
-                  std::span<const std::vector<std::uint16_t>> facing) {
+Complex complexOf(std::span<const LabeledMesh> meshes,
+                  std::span<const std::vector<std::uint16_t>> neighbor) {
   Complex out;
   out.labels = static_cast<std::uint16_t>(meshes.size());
-  std::size_t places = 0;
-  for (const LabelledMesh& mesh : meshes) {
-    for (const std::uint32_t place : mesh.place) places = std::max<std::size_t>(places, place + 1u);
+  std::size_t positionCount = 0;
+  for (const LabeledMesh& mesh : meshes) {
+    for (const std::uint32_t positionId : mesh.positionId)
+      positionCount = std::max<std::size_t>(positionCount, positionId + 1u);
   }
-  out.vertices.resize(places);
-  out.fixed.resize(places);
-  std::vector<std::uint8_t> count(places, 0);
+  out.vertices.resize(positionCount);
+  out.fixed.resize(positionCount);
+  std::vector<std::uint8_t> count(positionCount, 0);
   std::vector<std::vector<std::uint8_t>> sheets;
-  for (const LabelledMesh& mesh : meshes) {
+  for (const LabeledMesh& mesh : meshes) {
     sheets.push_back(sheetsOf(mesh, count));
-    for (std::size_t v = 0; v < mesh.place.size(); ++v) {
-      out.vertices[mesh.place[v]] = mesh.mesh.vertices[v];
-      if (sheets.back()[v] > 0) out.fixed[mesh.place[v]] = true;
+    for (std::size_t v = 0; v < mesh.positionId.size(); ++v) {
+      out.vertices[mesh.positionId[v]] = mesh.mesh.vertices[v];
+      if (sheets.back()[v] > 0) out.fixed[mesh.positionId[v]] = true;
     }
   }
-  // Faces at fixed vertices are looked up, so that the back's sheets are known as well.
-  using Key = std::array<std::uint32_t, 5>;  // front, back, places ascending
+  // Faces at fixed vertices by key, to set the sheets of their backs.
+  using Key = std::array<std::uint32_t, 5>;  // lower label, higher label, positions ascending
   std::map<Key, std::size_t> atFixed;
   for (std::size_t i = 0; i < meshes.size(); ++i) {
-    const LabelledMesh& mesh = meshes[i];
+    const LabeledMesh& mesh = meshes[i];
     const auto label = static_cast<std::uint16_t>(i + 1);
     for (std::size_t t = 0; t < mesh.other.size(); ++t) {
       const std::uint16_t other = mesh.other[t];
       const glm::uvec3& vertex = mesh.mesh.triangles[t];
-      ComplexFace face{{mesh.place[vertex.x], mesh.place[vertex.y], mesh.place[vertex.z]},
-                       label,
-                       other,
-                       facing[i][t],
-                       {sheets[i][vertex.x], sheets[i][vertex.y], sheets[i][vertex.z]},
-                       {}};
+      ComplexFace face{
+          {mesh.positionId[vertex.x], mesh.positionId[vertex.y], mesh.positionId[vertex.z]},
+          label,
+          other,
+          neighbor[i][t],
+          {sheets[i][vertex.x], sheets[i][vertex.y], sheets[i][vertex.z]},
+          {}};
       const bool isBack = out.isClosed(other) && other < label;
       const glm::uvec3& c = face.corner;
       if (out.fixed[c.x] || out.fixed[c.y] || out.fixed[c.z]) {
@@ -137,8 +139,8 @@ Complex complexOf(std::span<const LabelledMesh> meshes,
   return out;
 }
 
-std::vector<LabelledFaces> meshesOf(std::span<const glm::dvec3> vertices,
-                                    std::span<const ComplexFace> faces, std::uint16_t labels) {
+std::vector<LabeledFaces> meshesOf(std::span<const glm::dvec3> vertices,
+                                   std::span<const ComplexFace> faces, std::uint16_t labels) {
   std::vector<std::vector<std::uint32_t>> own(labels);
   for (std::uint32_t f = 0; f < faces.size(); ++f) {
     if (faces[f].corner.x == faces[f].corner.y) continue;
@@ -146,7 +148,7 @@ std::vector<LabelledFaces> meshesOf(std::span<const glm::dvec3> vertices,
       if (label >= 1 && label <= labels) own[label - 1u].push_back(f);
     }
   }
-  std::vector<LabelledFaces> out(labels);
+  std::vector<LabeledFaces> out(labels);
   tbb::parallel_for(std::size_t{0}, out.size(), [&](std::size_t i) {
     out[i] = meshOf(vertices, faces, own[i], static_cast<std::uint16_t>(i + 1));
   });

@@ -1,4 +1,4 @@
-// Facing and contacts.
+// Neighbors of fracture faces, and contacts.
 #include "surface/contacts.h"
 
 #include <algorithm>
@@ -19,9 +19,9 @@ openvdb::Coord nearestVoxel(const glm::dvec3& p) {
           static_cast<int>(std::floor(p.z + 0.5))};
 }
 
-// The label other than `own` that most of the eight voxels round an index position have; of equals
-// the lower.
-std::uint16_t mostAround(const glm::dvec3& p, std::uint16_t own, LabelReader& labels) {
+// The most frequent label other than 0 and `own` of the eight voxels around an index position; the
+// lowest of equals, 0 if there is none.
+std::uint16_t majorityLabelAround(const glm::dvec3& p, std::uint16_t own, LabelReader& labels) {
   std::array<std::uint16_t, 8> found{};
   const openvdb::Coord base(static_cast<int>(std::floor(p.x)), static_cast<int>(std::floor(p.y)),
                             static_cast<int>(std::floor(p.z)));
@@ -42,30 +42,31 @@ std::uint16_t mostAround(const glm::dvec3& p, std::uint16_t own, LabelReader& la
   return best;
 }
 
-using Touchings = std::map<ContactMeasure::Pair, ContactMeasure::Touching>;
+using SurfaceSums = std::map<ContactMeasure::Pair, ContactMeasure::SurfaceSum>;
 
-// Pairs that share a voxel face, with the area of those faces.
-Touchings voxelTouchings(const Solid& solid, const Labels& labels, const Cut& cut,
-                         std::span<const LeafRound> rounds) {
+// Pairs of fragments that share voxel faces, with the sums over these faces.
+SurfaceSums voxelSurfaces(const Solid& solid, const Labels& labels, const Cut& cut,
+                          std::span<const LeafNeighbors> neighborhoods) {
   const LeafBlocks& blocks = solid.blocks;
   const double faceArea = solid.frame.voxelSize * solid.frame.voxelSize;
-  Touchings found;
+  SurfaceSums found;
   for (std::size_t leaf = 0; leaf < blocks.count(); ++leaf) {
-    // Where nothing is worn there was no other before wear.
-    if (cut.only[leaf] != 0 && cut.only[leaf] != Labels::kWorn) continue;
-    const LabelCube<9> cube = labelsRound<0, 1>(blocks, labels, rounds[leaf], Voxels::inside);
+    // A leaf with one label and no eroded voxels had one label before erosion too.
+    if (cut.only[leaf] != 0 && cut.only[leaf] != Labels::kEroded) continue;
+    const LabelCube<9> cube =
+        labelsAround<0, 1>(blocks, labels, neighborhoods[leaf], Voxels::inside);
     for (int axis = 0; axis < 3; ++axis) {
       const std::size_t stride =
           std::array<std::size_t, 3>{81, 9, 1}[static_cast<std::size_t>(axis)];
       for (std::size_t row = 0; row < 64; ++row) {
         const std::uint16_t* const own = &cube[row / 8 * 81 + row % 8 * 9];
-        unsigned touching = 0;
+        unsigned contactBits = 0;
         for (std::size_t z = 0; z < 8; ++z) {
           const std::uint16_t a = own[z], b = own[z + stride];
-          touching |= static_cast<unsigned>((a != b) & (a != 0) & (b != 0)) << z;
+          contactBits |= static_cast<unsigned>((a != b) & (a != 0) & (b != 0)) << z;
         }
-        for (; touching != 0; touching &= touching - 1) {
-          const auto z = static_cast<std::size_t>(std::countr_zero(touching));
+        for (; contactBits != 0; contactBits &= contactBits - 1) {
+          const auto z = static_cast<std::size_t>(std::countr_zero(contactBits));
           const std::uint16_t a = own[z], b = own[z + stride];
           glm::dvec3 normal(0.0);
           normal[axis] = a < b ? 1.0 : -1.0;
@@ -83,43 +84,43 @@ Touchings voxelTouchings(const Solid& solid, const Labels& labels, const Cut& cu
 
 }  // namespace
 
-std::vector<std::uint16_t> facingOf(const TriangleMesh& mesh, const std::vector<bool>& original,
-                                    std::uint16_t fragment, const Solid& solid,
-                                    const Labels& labels, bool worn) {
-  std::vector<std::uint16_t> facing(mesh.triangles.size(), 0);
+std::vector<std::uint16_t> neighborsOf(const TriangleMesh& mesh, const std::vector<bool>& original,
+                                       std::uint16_t fragment, const Solid& solid,
+                                       const Labels& labels, bool eroded) {
+  std::vector<std::uint16_t> neighbor(mesh.triangles.size(), 0);
   LabelReader reader(solid.blocks, labels);
-  for (std::size_t t = 0; t < facing.size(); ++t) {
+  for (std::size_t t = 0; t < neighbor.size(); ++t) {
     if (original[t]) continue;
     const glm::uvec3& corner = mesh.triangles[t];
     const glm::dvec3 a = mesh.vertices[corner.x], b = mesh.vertices[corner.y],
                      c = mesh.vertices[corner.z];
     const glm::dvec3 normal = glm::cross(b - a, c - a);
     const double length = glm::length(normal);
-    const glm::dvec3 centre = solid.frame.indexFromWorld({(a + b + c) / 3.0}).v;
+    const glm::dvec3 center = solid.frame.indexFromWorld({(a + b + c) / 3.0}).v;
     const glm::dvec3 outwards = length > 0 ? normal / length : glm::dvec3(0.0);
-    // A voxel off the face is the other side's; at a rim or in a narrow wedge it may be nobody's,
-    // so look nearer.
+    // Voxels off the face belong to the neighbor.  At a boundary or in a narrow wedge there may be
+    // none at that distance, so others are tried.
     for (const double away : {0.75, 0.25, 1.5}) {
-      facing[t] = mostAround(centre + away * outwards, fragment, reader);
-      if (facing[t] != 0) break;
+      neighbor[t] = majorityLabelAround(center + away * outwards, fragment, reader);
+      if (neighbor[t] != 0) break;
     }
-    for (double away = 2.5; worn && facing[t] == 0 && away < kDeepestWear; away += 1.0) {
-      const glm::dvec3 at = centre + away * outwards;
-      if (reader.at(nearestVoxel(at)) == 0) break;  // out of the solid: it was its surface
-      facing[t] = mostAround(at, fragment, reader);
+    for (double away = 2.5; eroded && neighbor[t] == 0 && away < kMaxErosionDepth; away += 1.0) {
+      const glm::dvec3 at = center + away * outwards;
+      if (reader.at(nearestVoxel(at)) == 0) break;  // outside the solid: original surface
+      neighbor[t] = majorityLabelAround(at, fragment, reader);
     }
   }
-  return facing;
+  return neighbor;
 }
 
 void ContactMeasure::add(const Fragment& fragment) {
   const auto own = static_cast<std::uint16_t>(fragment.id);
   std::uint16_t other = 0;
-  Touching* towards = nullptr;  // of `own` and `other`
-  for (std::size_t t = 0; t < fragment.facing.size(); ++t) {
-    if (fragment.facing[t] == 0) continue;
-    if (fragment.facing[t] != other) {
-      other = fragment.facing[t];
+  SurfaceSum* towards = nullptr;  // of `own` and `other`
+  for (std::size_t t = 0; t < fragment.neighbor.size(); ++t) {
+    if (fragment.neighbor[t] == 0) continue;
+    if (fragment.neighbor[t] != other) {
+      other = fragment.neighbor[t];
       towards = &measured_[{std::min(own, other), std::max(own, other)}];
     }
     const glm::uvec3& corner = fragment.mesh.triangles[t];
@@ -128,20 +129,19 @@ void ContactMeasure::add(const Fragment& fragment) {
     const glm::dvec3 doubled = glm::cross(b - a, c - a) * (own < other ? 1.0 : -1.0);
     const double doubledArea = glm::length(doubled);
     if (doubledArea == 0.0) continue;
-    // Half of each side: the two sides' faces are one surface seen twice.
+    // Half, because the faces of both sides are added.
     towards->add(doubledArea / 4, doubled / doubledArea, (a + b + c) / 3.0);
   }
 }
 
 std::vector<std::vector<Contact>> ContactMeasure::contacts(
     std::size_t fragments, const Solid& solid, const Labels& labels, const Cut& cut,
-    std::span<const LeafRound> rounds) const {
+    std::span<const LeafNeighbors> neighborhoods) const {
   std::vector<std::vector<Contact>> all(fragments);
-  for (const auto& [pair, byVoxels] : voxelTouchings(solid, labels, cut, rounds)) {
+  for (const auto& [pair, byVoxels] : voxelSurfaces(solid, labels, cut, neighborhoods)) {
     const auto found = measured_.find(pair);
-    // A contact of a few voxels may have no face of its own in the meshes: then its voxel faces are
-    // all there is.
-    const Touching& interface = found != measured_.end() ? found->second : byVoxels;
+    // A contact of a few voxels may have no face in the meshes; its voxel faces are used then.
+    const SurfaceSum& interface = found != measured_.end() ? found->second : byVoxels;
     const double length = glm::length(interface.normal);
     Contact contact;
     contact.area = interface.area;

@@ -1,4 +1,4 @@
-// What touches what.
+// Contacts between fragments.
 #pragma once
 
 #include <sherd/fragments.h>
@@ -12,37 +12,37 @@
 
 namespace sherd {
 
-/// How far through worn voxels a face is asked what it faced, voxels.
-inline constexpr int kDeepestWear = 64;
+/// How far a neighbor is searched through eroded voxels, voxels.
+inline constexpr int kMaxErosionDepth = 64;
 
-/// For each triangle of a fragment's mesh, the fragment on its other side, 0 on the original
+/// Returns for each triangle of a fragment's mesh the fragment on its other side, 0 on the original
 /// surface.
-///   original  [triangles] whether it lies on the solid's surface
-///   labels    before wear
-///   worn      faces may have receded: the fragment they faced may lie many voxels away
-[[nodiscard]] std::vector<std::uint16_t> facingOf(const TriangleMesh& mesh,
-                                                  const std::vector<bool>& original,
-                                                  std::uint16_t fragment, const Solid& solid,
-                                                  const Labels& labels, bool worn = false);
+///   original  [triangles] true on the solid's surface
+///   labels    before erosion
+///   eroded    true if faces may have receded up to kMaxErosionDepth voxels from their neighbors
+[[nodiscard]] std::vector<std::uint16_t> neighborsOf(const TriangleMesh& mesh,
+                                                     const std::vector<bool>& original,
+                                                     std::uint16_t fragment, const Solid& solid,
+                                                     const Labels& labels, bool eroded = false);
 
-/// The contacts of all fragments: which touch over a voxel face comes from the labels; area, normal
-/// and centroid from the faces of both meshes that face each other.
+/// The contacts of all fragments.  Fragments are in contact if their voxels share a face; area,
+/// normal and centroid come from the faces of both meshes.
 class ContactMeasure {
  public:
-  /// Add the faces of a fragment's mesh.  Sums round, so fragments come in the order of their ids.
+  /// Adds the faces of a fragment's mesh.  Fragments must be added in the order of their ids,
+  /// because floating-point sums depend on it.
   void add(const Fragment& fragment);
 
-  /// When all were added: the contacts of fragments 1..fragments.
-  ///   labels  before wear
-  ///   cut     of the labels as they are now
-  ///   rounds  of the solid's leaves
-  [[nodiscard]] std::vector<std::vector<Contact>> contacts(std::size_t fragments,
-                                                           const Solid& solid, const Labels& labels,
-                                                           const Cut& cut,
-                                                           std::span<const LeafRound> rounds) const;
+  /// Returns the contacts of fragments 1..fragments, all of which must have been added.
+  ///   labels         before erosion
+  ///   cut            of the eroded labels
+  ///   neighborhoods  of the solid's leaves
+  [[nodiscard]] std::vector<std::vector<Contact>> contacts(
+      std::size_t fragments, const Solid& solid, const Labels& labels, const Cut& cut,
+      std::span<const LeafNeighbors> neighborhoods) const;
 
-  /// What is known of one pair's shared surface.
-  struct Touching {
+  /// Sums over the shared surface of a pair of fragments.
+  struct SurfaceSum {
     double area = 0.0;
     glm::dvec3 normal{0.0};    ///< area-weighted, from the lower id to the higher
     glm::dvec3 centroid{0.0};  ///< area-weighted
@@ -56,7 +56,7 @@ class ContactMeasure {
   using Pair = std::pair<std::uint16_t, std::uint16_t>;  ///< lower, higher
 
  private:
-  std::map<Pair, Touching> measured_;
+  std::map<Pair, SurfaceSum> measured_;
 };
 
 }  // namespace sherd

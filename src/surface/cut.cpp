@@ -1,4 +1,4 @@
-// Smoothing labels into a cut.
+// Smooths labels into a cut.
 #include "surface/cut.h"
 
 #include <tbb/blocked_range.h>
@@ -20,12 +20,12 @@ namespace {
 
 constexpr std::size_t kHalo = kCutHalo;  // two binomial passes reach two voxels
 constexpr std::size_t kSide = kCutSide;
-constexpr std::uint32_t kMixed = 0x10000;  // labels stay below, Labels::kWorn too
+constexpr std::uint32_t kMixed = 0x10000;  // above all labels, Labels::kEroded included
 
 using LeafWeights = std::array<std::uint16_t, 512>;
 
-// The normal quantile of (1 + d) / 2 for d in 0..1, in 1/1024 steps: distance in voxels by smoothed
-// difference.
+// The normal quantile of (1 + d) / 2 for d in 0..1, in 1/1024 steps: voxels to the cut by the
+// difference d of smoothed indicators.
 class Profile {
  public:
   Profile() {
@@ -55,7 +55,7 @@ class Profile {
   std::array<float, kSteps + 1> table_{};
 };
 
-// Which single label a leaf's voxels have: 0 none, kMixed several.
+// [leaf] the only label of a leaf's voxels, 0 if none, kMixed if several.
 std::vector<std::uint32_t> leafLabels(const LeafBlocks& blocks, const Labels& labels) {
   std::vector<std::uint32_t> only(blocks.count());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, only.size(), 64), [&](const auto& range) {
@@ -67,9 +67,9 @@ std::vector<std::uint32_t> leafLabels(const LeafBlocks& blocks, const Labels& la
   return only;
 }
 
-// The labels of a halo but 0, ascending.
+// The labels other than 0 in a halo, ascending.
 std::vector<std::uint16_t> fragmentsIn(const CutHalo& halo) {
-  // By far the most halos have one or none, and this is told without branches.
+  // Most halos have at most one label, which this branch-free test finds.
   const LabelRange range = rangeOf(halo);
   if (range.isOne()) return {range.high};
   std::vector<std::uint16_t> fragments;
@@ -87,7 +87,7 @@ std::vector<std::uint16_t> fragmentsIn(const CutHalo& halo) {
   return fragments;
 }
 
-// The indicator of `label`, smoothed: weights out of 4096.  One axis at a time.
+// The smoothed indicator of `label`, 0..4096.  The filter is separable: one axis at a time.
 LeafWeights smoothed(const CutHalo& halo, std::uint16_t label) {
   std::array<std::uint16_t, kSide * kSide * 8> alongZ;
   std::array<std::uint16_t, kSide * 8 * 8> alongY;
@@ -109,10 +109,10 @@ LeafWeights smoothed(const CutHalo& halo, std::uint16_t label) {
   return weights;
 }
 
-// The voxels of a leaf that are corners of a cell with several labels (but 0).
-VoxelBits cutCorners(const CutHalo& within) {
-  const PassedCells<kSide> passed = passedCells<kSide>(within);
-  // A leaf's voxel is a corner of the cells from one below it to its own.
+// The voxels of a leaf that are corners of a cell with several labels other than 0.
+VoxelBits cutCorners(const CutHalo& insideLabels) {
+  const PassedCells<kSide> passed = passedCells<kSide>(insideLabels);
+  // A voxel is a corner of its own cell and of the cells one below it along each axis.
   constexpr std::size_t kCells = 9, kFirst = kHalo - 1;
   VoxelBits corners{};
   for (std::size_t x = 0; x < kCells; ++x) {
@@ -143,22 +143,21 @@ bool isAny(const VoxelBits& voxels) {
   return std::any_of(voxels.begin(), voxels.end(), [](std::uint8_t row) { return row != 0; });
 }
 
-// How far a fragment of so many voxels keeps to its voxels' faces: two binomial passes would leave
-// little of one that is a few voxels wide.
-float stairs(std::uint64_t voxels) {
-  constexpr float kAll = 64.0f, kNone = 216.0f;  // cubes of 4 and 6
+// See Cut::snapWeight: two binomial passes would leave little of a fragment a few voxels wide.
+float snapWeight(std::uint64_t voxels) {
+  constexpr float kAll = 64.0f, kNone = 216.0f;  // cubes of 4 and 6 voxels
   return std::clamp((kNone - static_cast<float>(voxels)) / (kNone - kAll), 0.0f, 1.0f);
 }
 
-// Distances to where the smoothed indicators are equal, of the wanted voxels.
+// Distances to the surface of equal smoothed indicators, at the requested voxels.
 void smoothCut(const CutHalo& halo, std::span<const std::uint16_t> fragments,
-               const VoxelBits& wanted, std::vector<float>& distance) {
+               const VoxelBits& requested, std::vector<float>& distance) {
   static const Profile profile;
   std::vector<LeafWeights> weights;
   for (const std::uint16_t fragment : fragments) weights.push_back(smoothed(halo, fragment));
-  forEachBit(wanted, [&](std::size_t v) {
+  forEachBit(requested, [&](std::size_t v) {
     int first = 0, second = 0, sum = 0;  // the two largest weights
-    std::size_t largest = 0;             // whose the first is
+    std::size_t largest = 0;             // index of the fragment with the largest
     for (std::size_t i = 0; i < weights.size(); ++i) {
       const int w = weights[i][v];
       sum += w;
@@ -177,7 +176,7 @@ void smoothCut(const CutHalo& halo, std::span<const std::uint16_t> fragments,
   });
 }
 
-// The number of the least distance, and of the next.
+// The indices of the fragments with the least and the second least distance.
 std::array<std::size_t, 2> leastTwo(const std::vector<float>& distance, std::size_t v) {
   std::array<std::size_t, 2> least{0, 0};
   for (std::size_t i = 1; i * 512 < distance.size(); ++i) {
@@ -191,48 +190,51 @@ std::array<std::size_t, 2> leastTwo(const std::vector<float>& distance, std::siz
   return least;
 }
 
-// What the cut of a leaf is found from.
+// The inputs of cutLeaf that all leaves share.
 struct CutSource {
   const LeafBlocks& blocks;
   const Labels& labels;
   const Sites& sites;
   CutExtent extent;
-  std::span<const float> stairs;  // by label
+  std::span<const float> snapWeight;  // by label
 };
 
-CutLeaf cutLeaf(const CutSource& from, std::size_t leaf, const LeafRound& round,
+CutLeaf cutLeaf(const CutSource& from, std::size_t leaf, const LeafNeighbors& neighborhood,
                 const CutHalo& halo, std::vector<std::uint16_t> fragments) {
   CutLeaf cut;
   cut.fragments = std::move(fragments);
   const std::size_t count = cut.fragments.size();
   const bool isEverywhere = from.extent == CutExtent::everywhere;
-  CutHalo within;
+  CutHalo insideLabels;
   if (!isEverywhere || !from.sites.empty())
-    within = labelsRound<kHalo, kHalo>(from.blocks, from.labels, round, Voxels::inside);
-  VoxelBits wanted;
-  wanted.fill(0xff);
-  if (!isEverywhere) wanted = cutCorners(within);
-  if (!isAny(wanted)) return cut;
+    insideLabels =
+        labelsAround<kHalo, kHalo>(from.blocks, from.labels, neighborhood, Voxels::inside);
+  VoxelBits requested;
+  requested.fill(0xff);
+  if (!isEverywhere) requested = cutCorners(insideLabels);
+  if (!isAny(requested)) return cut;
 
-  VoxelBits rest = wanted;
+  VoxelBits rest = requested;
   if (from.sites.empty()) {
     cut.distance.resize(count * 512);
   } else {
-    SiteCut planes = siteCut(within, from.blocks.origins[leaf], cut.fragments, from.sites, wanted);
+    SiteCut planes =
+        siteCut(insideLabels, from.blocks.origins[leaf], cut.fragments, from.sites, requested);
     cut.distance = std::move(planes.distance);
     for (std::size_t row = 0; row < rest.size(); ++row) rest[row] ^= planes.holds[row];
   }
   if (isAny(rest)) smoothCut(halo, cut.fragments, rest, cut.distance);
   const std::uint16_t* const owner = &from.labels.fragment[leaf * 512];
-  forEachBit(wanted, [&](std::size_t v) {
+  forEachBit(requested, [&](std::size_t v) {
     const bool isInside = from.blocks.isInside(leaf * 512 + v);
     const auto [largest, next] = leastTwo(cut.distance, v);
     for (std::size_t i = 0; i < count; ++i) {
       float& d = cut.distance[i * 512 + v];
       const std::size_t rival = i == largest ? next : largest;
-      const float keep = std::max(from.stairs[cut.fragments[i]], from.stairs[cut.fragments[rival]]);
-      if (keep > 0.0f && owner[v] != 0) {
-        d = (1.0f - keep) * d + keep * (owner[v] == cut.fragments[i] ? -0.5f : 0.5f);
+      const float snap =
+          std::max(from.snapWeight[cut.fragments[i]], from.snapWeight[cut.fragments[rival]]);
+      if (snap > 0.0f && owner[v] != 0) {
+        d = (1.0f - snap) * d + snap * (owner[v] == cut.fragments[i] ? -0.5f : 0.5f);
       }
       if (isInside) {
         d = owner[v] == cut.fragments[i] ? std::min(d, -Cut::kLeastDepth)
@@ -245,23 +247,24 @@ CutLeaf cutLeaf(const CutSource& from, std::size_t leaf, const LeafRound& round,
 
 }  // namespace
 
-Cut findCut(const LeafBlocks& blocks, const Labels& labels, std::span<const LeafRound> rounds,
-            CutExtent extent, const Progress* progress) {
-  const std::vector<std::uint64_t> voxels = countVoxels(blocks, labels, Labels::kWorn - 1);
+Cut findCut(const LeafBlocks& blocks, const Labels& labels,
+            std::span<const LeafNeighbors> neighborhoods, CutExtent extent,
+            const Progress* progress) {
+  const std::vector<std::uint64_t> voxels = countVoxels(blocks, labels, Labels::kEroded - 1);
   const std::vector<std::uint32_t> leafLabel = leafLabels(blocks, labels);
   const Sites sites(labels.sites);
   std::vector<CutLeaf> perLeaf(blocks.count());
   Cut cut;
-  cut.stairs.resize(std::size_t{Labels::kWorn} + 1);
-  for (std::size_t id = 1; id < voxels.size(); ++id) cut.stairs[id] = stairs(voxels[id]);
+  cut.snapWeight.resize(std::size_t{Labels::kEroded} + 1);
+  for (std::size_t id = 1; id < voxels.size(); ++id) cut.snapWeight[id] = snapWeight(voxels[id]);
   cut.only.resize(blocks.count());
   CancelFlag stop(progress);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks.count(), 16), [&](const auto& range) {
     if (stop.isSet()) return;
     for (std::size_t leaf = range.begin(); leaf < range.end(); ++leaf) {
-      const LeafRound& round = rounds[leaf];
+      const LeafNeighbors& neighborhood = neighborhoods[leaf];
       std::uint32_t only = 0;
-      for (const std::uint32_t other : round) {
+      for (const std::uint32_t other : neighborhood) {
         if (other == LeafBlocks::kNone || leafLabel[other] == 0) continue;
         only = only == 0 || only == leafLabel[other] ? leafLabel[other] : kMixed;
       }
@@ -269,13 +272,13 @@ Cut findCut(const LeafBlocks& blocks, const Labels& labels, std::span<const Leaf
         cut.only[leaf] = static_cast<std::uint16_t>(only);
         continue;
       }
-      const CutHalo halo = labelsRound<kHalo, kHalo>(blocks, labels, round, Voxels::all);
+      const CutHalo halo = labelsAround<kHalo, kHalo>(blocks, labels, neighborhood, Voxels::all);
       std::vector<std::uint16_t> fragments = fragmentsIn(halo);
       if (fragments.size() == 1) {
         cut.only[leaf] = fragments.front();
       } else if (fragments.size() > 1) {
-        perLeaf[leaf] = cutLeaf({blocks, labels, sites, extent, cut.stairs}, leaf, round, halo,
-                                std::move(fragments));
+        perLeaf[leaf] = cutLeaf({blocks, labels, sites, extent, cut.snapWeight}, leaf, neighborhood,
+                                halo, std::move(fragments));
       }
     }
   });

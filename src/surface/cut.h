@@ -1,4 +1,4 @@
-// The cut: how far each voxel near a crack lies from it.
+// The cut: signed distances from voxels to the cracks near them.
 #pragma once
 
 #include <sherd/labels.h>
@@ -10,25 +10,26 @@
 
 namespace sherd {
 
-/// Signed distances to the cut in one leaf, for every fragment that reaches into it or nearly so.
+/// Signed distances to the cut in one leaf, for every fragment within two voxels of it.
 struct CutLeaf {
   std::vector<std::uint16_t> fragments;  ///< [n] ascending
   std::vector<float> distance;  ///< [n*512] voxels, inside the fragment negative, within -3..3;
-                                ///< empty where none was wanted
+                                ///< empty where CutExtent needs none
 };
 
-/// The cut over all leaves.  What is worn off counts as one more fragment, Labels::kWorn, so that
-/// the surface it leaves is as smooth as a cut.
+/// The cut over all leaves.  Eroded voxels count as one more fragment, Labels::kEroded, so that
+/// eroded surfaces are as smooth as a cut.
 ///
-/// Each fragment's indicator is smoothed by two binomial passes over labelled voxels (s_i, in
-/// integers); where d_i = (max over j of s_j - s_i) / sum of s is zero the cut lies.  Across a
-/// plane two binomial passes turn the step into very nearly the normal distribution of variance 1,
-/// so the normal quantile of d_i is the distance to the cut.  Where all voxels up to two away
-/// belong to the nearest of the labels' sites the planes half way take its place (see site_cut.h).
-/// Where two fragments meet d_i = -d_j to the bit, so they share the cut.  At the centre of an
-/// inside voxel the distance is clamped to at least kLeastDepth on its owner's side: smoothing must
-/// not give a voxel away, or it could cut thin necks.  Fragments of fewer than 216 voxels keep ever
-/// more to their voxels' faces, those of up to 64 wholly: smoothing would leave little of them.
+/// Two binomial passes over labeled voxels smooth each fragment's indicator (s_i, in integers). The
+/// cut lies where d_i = (max over j of s_j - s_i) / sum of s is zero.  Across a plane two binomial
+/// passes convert the step to very nearly the normal distribution of variance 1, so the normal
+/// quantile of d_i is the distance to the cut.  Where all voxels up to two away belong to the
+/// nearest of the labels' sites, the bisector planes replace it (see site_cut.h).  Where two
+/// fragments meet, d_i = -d_j to the bit, so they share the cut.  At the center of an inside voxel
+/// the distance is clamped to at least kLeastDepth on its owner's side, so that no voxel changes
+/// its owner: that could cut thin necks.  Fragments of fewer than 216 voxels are snapped to their
+/// voxels' faces by a weight that reaches 1 at 64 voxels, because smoothing would leave little of
+/// them.
 struct Cut {
   static constexpr float kLeastDepth = 0.05f;  ///< voxels
   static constexpr std::uint32_t kWhole = 0xffffffffu;
@@ -37,19 +38,20 @@ struct Cut {
       only;  ///< [leaf] the only fragment within two voxels of the leaf, or 0
   std::vector<std::uint32_t> index;  ///< [leaf] into leaves, or kWhole
   std::vector<CutLeaf> leaves;
-  std::vector<float> stairs;  ///< [65536] by label: how far it keeps to its voxels' faces, 0..1
+  std::vector<float> snapWeight;  ///< [65536] by label: 0..1, 1 snaps to its voxels' faces
 };
 
-/// Where distances to the cut are found.
+/// Where distances to the cut are computed.
 enum class CutExtent {
   everywhere,
-  cells,  ///< at the corners of cells with several labels: all that interface_mesh.h needs
+  cells,  ///< at the corners of cells with several labels, enough for interface_mesh.h
 };
 
-///   rounds  of the blocks
-///   throws  Error(cancelled)
+/// Returns the cut between all labels.
+///   neighborhoods  of the leaves
+///   throws         Error(cancelled)
 [[nodiscard]] Cut findCut(const LeafBlocks& blocks, const Labels& labels,
-                          std::span<const LeafRound> rounds,
+                          std::span<const LeafNeighbors> neighborhoods,
                           CutExtent extent = CutExtent::everywhere,
                           const Progress* progress = nullptr);
 

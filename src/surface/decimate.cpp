@@ -1,12 +1,12 @@
-// Edge collapse by quadric error, with the regions of equal facing kept as they are:
+// Edge collapse by quadric error that preserves the regions of equal neighbor:
 //
-//     free - free      to where the quadric is least
-//     free - rim       to the rim's vertex, which stays; so too with fixed vertices
-//     rim  - rim       along a rim edge only, to where the quadric is least
-//     rim  - fixed     along a rim edge only, to the fixed vertex
+//     free     - free      to the minimum of the quadric
+//     free     - boundary  to the boundary vertex; likewise for fixed vertices
+//     boundary - boundary  along a boundary edge only, to the minimum of the quadric
+//     boundary - fixed     along a boundary edge only, to the fixed vertex
 //
-// and none that changes the topology, turns a face over or takes most of a body.  Meshes that share
-// faces are decimated as one, so what they share they share afterwards.
+// No collapse changes the topology, flips a face or removes most of a label's volume.  Meshes that
+// share faces are decimated together, so the shared faces stay shared.
 #include "surface/decimate.h"
 
 #include <algorithm>
@@ -27,19 +27,20 @@ namespace {
 
 using Index = CollapsingMesh::Index;
 
-// Beside the quadric there is a pull towards an edge's middle, so weak that it decides only where
-// the quadric does not: in planes and along straight lines.  Half a double's digits: as far above
-// rounding as below what it may not disturb.
+// Weight of a pull towards the edge's midpoint, which decides only where the quadric is singular:
+// in planes and along straight lines.  Half the digits of a double: well above rounding errors and
+// well below the quadric.
 constexpr double kPull = 1e-8;
 
-// The cosine that a face may turn by in one collapse: 78 degrees. Quadrics do not see folds.
+// The least cosine between a face's normals before and after a collapse, 78 degrees.  Quadrics do
+// not prevent folds.
 constexpr double kLeastCosine = 0.2;
 
-// The least height of a face in the unit box, unless it had less area before.  Files hold single
-// precision, which has to tell its corners from a line.
+// The least height of a face in the unit box, unless it had less area before.  Its corners must not
+// become collinear in single precision, which files hold.
 constexpr double kLeastHeight = 4e-6;
 
-// The least share of its volume that a label keeps.  A tetrahedron in a ball has 0.12 of it.
+// The least share of its volume that a label keeps.  A tetrahedron inscribed in a ball has 0.12.
 constexpr double kLeastVolume = 0.1;
 
 struct Candidate {
@@ -71,54 +72,54 @@ class Decimator {
     least_ = volume_;
     for (double& least : least_) least *= kLeastVolume;
     for (Index v = 0; v < at_.size(); ++v) {
-      for (const Index n : mesh_.neighbours(v)) {
-        if (v < n) offer(v, n);
+      for (const Index n : mesh_.neighbors(v)) {
+        if (v < n) queueEdge(v, n);
       }
     }
   }
 
-  /// Collapse edges of labels with more triangles than that, as long as no vertex moves by more
-  /// than `error` off the planes it came from, in the root of the mean square.
+  /// Collapses edges of labels with more than `triangles` triangles, as long as each vertex stays
+  /// within `error`, root mean square, of the planes of its original faces.
   void collapseTo(std::size_t triangles, double error, const Progress* progress) {
-    constexpr std::size_t kBetweenLooks = 4096;
-    std::size_t looks = 0;
-    const double most = error / scale_;
+    constexpr std::size_t kStepsPerPoll = 4096;
+    std::size_t steps = 0;
+    const double maxError = error / scale_;
     above_ = 0;
     for (std::uint16_t label = 1; label <= mesh_.labels(); ++label) {
       above_ += mesh_.trianglesLeft(label) > triangles;
     }
-    std::vector<Candidate> later;  // of labels that have few enough, or with too large an error
-    for (bool goesOn = true; goesOn && above_ > 0;) {
-      goesOn = false;
+    std::vector<Candidate> deferred;  // too large an error, or labels with few enough triangles
+    for (bool hasCollapsed = true; hasCollapsed && above_ > 0;) {
+      hasCollapsed = false;
       std::vector<Candidate> refused;
       while (above_ > 0 && !queue_.empty()) {
-        if (looks++ % kBetweenLooks == 0) throwIfCancelled(progress);
+        if (steps++ % kStepsPerPoll == 0) throwIfCancelled(progress);
         const Candidate next = queue_.top();
         queue_.pop();
         if (isStale(next)) continue;
         const std::vector<std::uint16_t> labels = mesh_.labelsAt(next.from, next.to);
-        if (next.error > most * most || !isAnyAbove(labels, triangles)) {
-          later.push_back(next);
+        if (next.error > maxError * maxError || !isAnyAbove(labels, triangles)) {
+          deferred.push_back(next);
           continue;
         }
-        const std::optional<glm::dvec3> place = placeOf(next.from, next.to);
-        if (place && mesh_.keepsTopology(next.from, next.to) &&
-            turnsNoFace(next.from, next.to, *place) && keepsBodies(next.from, next.to, *place)) {
+        const std::optional<glm::dvec3> target = targetOf(next.from, next.to);
+        if (target && mesh_.keepsTopology(next.from, next.to) &&
+            flipsNoFace(next.from, next.to, *target) && keepsVolumes(next.from, next.to, *target)) {
           for (const std::uint16_t label : labels) above_ -= mesh_.trianglesLeft(label) > triangles;
-          collapse(next.from, next.to, *place);
+          collapse(next.from, next.to, *target);
           for (const std::uint16_t label : labels) above_ += mesh_.trianglesLeft(label) > triangles;
-          goesOn = true;
+          hasCollapsed = true;
         } else {
           refused.push_back(next);
         }
       }
-      // What was refused may do once its surroundings have changed.
-      offerAgain(refused);
+      // Refused collapses may be allowed once neighboring edges have collapsed.
+      queueAgain(refused);
     }
-    offerAgain(later);
+    queueAgain(deferred);
   }
 
-  std::vector<LabelledFaces> result() const {
+  std::vector<LabeledFaces> result() const {
     return meshesOf(world_, mesh_.faces(), mesh_.labels());
   }
 
@@ -128,7 +129,7 @@ class Decimator {
                        [&](std::uint16_t label) { return mesh_.trianglesLeft(label) > triangles; });
   }
 
-  void offerAgain(const std::vector<Candidate>& candidates) {
+  void queueAgain(const std::vector<Candidate>& candidates) {
     for (const Candidate& again : candidates) {
       if (!isStale(again)) queue_.push(again);
     }
@@ -138,7 +139,7 @@ class Decimator {
     return version_[c.from] != c.fromVersion || version_[c.to] != c.toVersion;
   }
 
-  // Quadrics hold fourth powers of coordinates' size; about the origin little is lost.
+  // Quadrics hold fourth powers of lengths; near the origin they lose little precision.
   void toUnitBox() {
     const Box box = bounds({at_, {}});
     middle_ = (box.min + box.max) / 2.0;
@@ -146,7 +147,7 @@ class Decimator {
     for (glm::dvec3& v : at_) v = (v - middle_) / scale_;
   }
 
-  glm::dvec3 areaNormal(const glm::uvec3& t) const {  // as long as twice the area
+  glm::dvec3 areaNormal(const glm::uvec3& t) const {  // of length twice the area
     return glm::cross(at_[t.y] - at_[t.x], at_[t.z] - at_[t.x]);
   }
 
@@ -159,8 +160,9 @@ class Decimator {
     for (int k = 0; k < 3; ++k) {
       const Index a = t[k], b = t[(k + 1) % 3];
       quadrics_[a] += face;
-      if (!mesh_.isRim(a, b)) continue;
-      // A wall on the rim, of the area of a square on the edge, holds the rim as a line.
+      if (!mesh_.isBoundary(a, b)) continue;
+      // A plane through the boundary edge, perpendicular to the face and weighted by the edge's
+      // squared length, keeps the boundary in place.
       const glm::dvec3 along = at_[b] - at_[a], across = glm::cross(along, normal);
       const double squared = glm::dot(along, along);
       if (squared == 0.0) continue;
@@ -170,21 +172,23 @@ class Decimator {
     }
   }
 
-  // Where the edge goes; nothing where its collapse would change a region.
-  std::optional<glm::dvec3> placeOf(Index a, Index b) const {
+  // The position that the edge collapses to; none if the collapse would change a region.
+  std::optional<glm::dvec3> targetOf(Index a, Index b) const {
     if (fixed_[a] || fixed_[b]) return {};
-    const int rimsA = mesh_.rimEdges(a), rimsB = mesh_.rimEdges(b);
-    if (rimsA != 0 && rimsB != 0 && !mesh_.isRim(a, b)) return {};
-    const bool fixedA = rimsA != 0 && rimsA != 2, fixedB = rimsB != 0 && rimsB != 2;
+    const int boundariesA = mesh_.boundaryEdges(a), boundariesB = mesh_.boundaryEdges(b);
+    if (boundariesA != 0 && boundariesB != 0 && !mesh_.isBoundary(a, b)) return {};
+    const bool fixedA = boundariesA != 0 && boundariesA != 2,
+               fixedB = boundariesB != 0 && boundariesB != 2;
     if (fixedA && fixedB) return {};
-    if (fixedA || (rimsA != 0 && rimsB == 0)) return at_[a];
-    if (fixedB || (rimsB != 0 && rimsA == 0)) return at_[b];
-    return least(a, b);
+    if (fixedA || (boundariesA != 0 && boundariesB == 0)) return at_[a];
+    if (fixedB || (boundariesB != 0 && boundariesA == 0)) return at_[b];
+    return optimum(a, b);
   }
 
-  // The least of the quadric with the pull towards the middle.  Where that lies farther off than
-  // the edge is long, the quadric decides too little, and the best of three stands in.
-  glm::dvec3 least(Index a, Index b) const {
+  // The minimum of the quadric with the pull towards the middle.  If that is farther from the
+  // middle than the edge's length, the quadric is nearly singular, and the best of both ends and
+  // the middle is used.
+  glm::dvec3 optimum(Index a, Index b) const {
     Quadric q = quadrics_[a];
     q += quadrics_[b];
     const glm::dvec3 middle = (at_[a] + at_[b]) / 2.0;
@@ -192,9 +196,9 @@ class Decimator {
     if (pull > 0.0) {
       const glm::dmat3 m = q.a + glm::dmat3(pull);
       glm::dvec3 step = solved(m, -(q.a * middle + q.b));
-      // Once more from there: takes back what the pull has cost where the quadric decides.
+      // A second step corrects the bias of the pull.
       step += solved(m, -(q.a * (middle + step) + q.b));
-      // Asked so that what is no number is no.
+      // Written so that NaN fails the test.
       if (glm::dot(step, step) <= glm::dot(at_[a] - at_[b], at_[a] - at_[b])) return middle + step;
     }
     glm::dvec3 best = middle;
@@ -204,17 +208,17 @@ class Decimator {
     return best;
   }
 
-  bool turnsNoFace(Index a, Index b, const glm::dvec3& place) const {
+  bool flipsNoFace(Index a, Index b, const glm::dvec3& target) const {
     for (const Index v : {a, b}) {
       for (const Index f : mesh_.facesAround(v)) {
         if (mesh_.has(f, a) && mesh_.has(f, b)) continue;
         const glm::uvec3& t = mesh_.faces()[f].corner;
         const glm::dvec3 before = areaNormal(t);
-        const auto corner = [&](int k) { return t[k] == v ? place : at_[t[k]]; };
+        const auto corner = [&](int k) { return t[k] == v ? target : at_[t[k]]; };
         const glm::dvec3 p = corner(0), q = corner(1), r = corner(2);
         const glm::dvec3 after = glm::cross(q - p, r - p);
         const double lengths = glm::length(before) * glm::length(after);
-        // A face that had no area may become anything.
+        // A face without area has no normal to keep.
         if (glm::length(before) == 0.0) continue;
         if (glm::dot(before, after) <= kLeastCosine * lengths) return false;
         const double longest =
@@ -236,17 +240,17 @@ class Decimator {
     if (face.back <= mesh_.labels()) ofLabel[face.back] -= volume;
   }
 
-  // Whether no label is left with next to nothing, and if so its volume afterwards in `volume_`.
-  bool keepsBodies(Index a, Index b, const glm::dvec3& place) {
+  // True if every label keeps enough volume; then `volume_` holds the volumes after the collapse.
+  bool keepsVolumes(Index a, Index b, const glm::dvec3& target) {
     std::vector<std::uint16_t> labels;
     const auto addAll = [&](double sign) {
       for (const Index v : {a, b}) {
         for (const Index f : mesh_.facesAround(v)) {
           const bool collapses = mesh_.has(f, a) && mesh_.has(f, b);
-          if (collapses && v == b) continue;  // met already
+          if (collapses && v == b) continue;  // counted at a
           const ComplexFace& face = mesh_.faces()[f];
           const glm::uvec3& t = face.corner;
-          const auto corner = [&](int k) { return t[k] == v ? place : at_[t[k]]; };
+          const auto corner = [&](int k) { return t[k] == v ? target : at_[t[k]]; };
           double change = -sixfold(at_[t.x], at_[t.y], at_[t.z]);
           if (!collapses) change += sixfold(corner(0), corner(1), corner(2));
           addVolume(face, sign * change, volume_);
@@ -264,43 +268,42 @@ class Decimator {
     return false;
   }
 
-  void collapse(Index a, Index b, const glm::dvec3& place) {
+  void collapse(Index a, Index b, const glm::dvec3& target) {
     mesh_.collapse(a, b);
-    if (place == at_[b]) {
+    if (target == at_[b]) {
       world_[a] = world_[b];
-    } else if (place != at_[a]) {
-      world_[a] = middle_ + scale_ * place;
+    } else if (target != at_[a]) {
+      world_[a] = middle_ + scale_ * target;
     }
-    at_[a] = place;
+    at_[a] = target;
     quadrics_[a] += quadrics_[b];
     ++version_[b];
     ++version_[a];
-    for (const Index n : mesh_.neighbours(a)) offer(std::min(a, n), std::max(a, n));
+    for (const Index n : mesh_.neighbors(a)) queueEdge(std::min(a, n), std::max(a, n));
   }
 
-  void offer(Index a, Index b) {
-    const std::optional<glm::dvec3> place = placeOf(a, b);
-    if (!place) return;  // and never: regions stay what they are
+  void queueEdge(Index a, Index b) {
+    const std::optional<glm::dvec3> target = targetOf(a, b);
+    if (!target) return;  // never allowed, because regions stay the same
     Quadric q = quadrics_[a];
     q += quadrics_[b];
-    // The pull ranks collapses that cost nothing: short edges first, so that planes are thinned out
-    // evenly.
+    // The pull orders collapses of zero cost: short edges first, so that planes are thinned evenly.
     const double squared = glm::dot(at_[a] - at_[b], at_[a] - at_[b]);
-    const double error = std::max(q(*place), 0.0);
+    const double error = std::max(q(*target), 0.0);
     queue_.push({error + kPull * q.weight() * squared, q.weight() > 0.0 ? error / q.weight() : 0.0,
                  a, b, version_[a], version_[b]});
   }
 
   CollapsingMesh mesh_;
   std::vector<bool> fixed_;
-  std::size_t above_ = 0;          // labels with more triangles than are asked for
-  std::vector<glm::dvec3> world_;  // to the bit where nothing moved
+  std::size_t above_ = 0;          // labels with more triangles than requested
+  std::vector<glm::dvec3> world_;  // world units; unmoved vertices keep their bits
   std::vector<glm::dvec3> at_;     // in the unit box
   glm::dvec3 middle_{0.0};
   double scale_ = 1.0;
   std::vector<double> volume_, least_;  // [labels + 1] sixfold, in the unit box
   std::vector<Quadric> quadrics_;
-  std::vector<std::uint32_t> version_;  // [vertices] counts moves: a candidate of another is stale
+  std::vector<std::uint32_t> version_;  // [vertices] counts moves, to detect stale candidates
   std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> queue_;
 };
 
@@ -311,7 +314,7 @@ std::vector<std::vector<CoarseMesh>> decimated(const Complex& complex,
                                                const Progress* progress) {
   std::vector<std::vector<CoarseMesh>> out(complex.labels,
                                            std::vector<CoarseMesh>(triangles.size()));
-  if (triangles.empty()) return out;  // the decimator's own set-up costs more than the mesh did
+  if (triangles.empty()) return out;  // setting up the decimator costs more than meshing
   std::vector<std::size_t> order(triangles.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
@@ -319,22 +322,22 @@ std::vector<std::vector<CoarseMesh>> decimated(const Complex& complex,
   Decimator decimator(complex);
   for (const std::size_t i : order) {
     decimator.collapseTo(triangles[i], std::numeric_limits<double>::infinity(), progress);
-    std::vector<LabelledFaces> result = decimator.result();
+    std::vector<LabeledFaces> result = decimator.result();
     for (std::size_t label = 0; label < result.size(); ++label) {
-      out[label][i] = {std::move(result[label].mesh.mesh), std::move(result[label].facing),
+      out[label][i] = {std::move(result[label].mesh.mesh), std::move(result[label].neighbor),
                        triangles[i]};
     }
   }
   return out;
 }
 
-std::vector<CoarseMesh> decimated(const TriangleMesh& mesh, std::span<const std::uint16_t> facing,
+std::vector<CoarseMesh> decimated(const TriangleMesh& mesh, std::span<const std::uint16_t> neighbor,
                                   std::span<const std::size_t> triangles) {
-  return std::move(decimated(complexOf(mesh, facing), triangles).front());
+  return std::move(decimated(complexOf(mesh, neighbor), triangles).front());
 }
 
-std::vector<LabelledFaces> simplified(const Complex& complex, double error,
-                                      const Progress* progress) {
+std::vector<LabeledFaces> simplified(const Complex& complex, double error,
+                                     const Progress* progress) {
   Decimator decimator(complex);
   decimator.collapseTo(0, error, progress);
   return decimator.result();

@@ -1,4 +1,4 @@
-// Connectivity under edge collapses.
+// Updates connectivity under edge collapses.
 #include "surface/edge_collapse.h"
 
 #include <algorithm>
@@ -32,10 +32,10 @@ std::uint64_t CollapsingMesh::region(Index f) const {
   const ComplexFace& face = faces_[f];
   const bool isBetween = face.back >= 1 && face.back <= labels_;
   return std::uint64_t{isBetween} << 32 | std::uint64_t{face.front} << 16 |
-         (isBetween ? face.back : face.facing);
+         (isBetween ? face.back : face.neighbor);
 }
 
-std::vector<CollapsingMesh::Index> CollapsingMesh::neighbours(Index v) const {
+std::vector<CollapsingMesh::Index> CollapsingMesh::neighbors(Index v) const {
   std::vector<Index> found;
   for (const Index f : around_[v]) {
     for (int k = 0; k < 3; ++k) {
@@ -46,8 +46,7 @@ std::vector<CollapsingMesh::Index> CollapsingMesh::neighbours(Index v) const {
   return found;
 }
 
-std::vector<CollapsingMesh::Index> CollapsingMesh::neighboursOn(std::uint16_t label,
-                                                                Index v) const {
+std::vector<CollapsingMesh::Index> CollapsingMesh::neighborsOn(std::uint16_t label, Index v) const {
   std::vector<Index> found;
   for (const Index f : around_[v]) {
     if (!faces_[f].isOf(label)) continue;
@@ -59,7 +58,7 @@ std::vector<CollapsingMesh::Index> CollapsingMesh::neighboursOn(std::uint16_t la
   return found;
 }
 
-bool CollapsingMesh::isRim(Index a, Index b) const {
+bool CollapsingMesh::isBoundary(Index a, Index b) const {
   std::size_t n = 0;
   std::uint64_t first = 0;
   for (const Index f : around_[a]) {
@@ -70,14 +69,14 @@ bool CollapsingMesh::isRim(Index a, Index b) const {
   return n != 2;
 }
 
-int CollapsingMesh::rimEdges(Index v) const {
+int CollapsingMesh::boundaryEdges(Index v) const {
   const std::uint64_t first = region(around_[v].front());
   if (std::all_of(around_[v].begin(), around_[v].end(),
                   [&](Index f) { return region(f) == first; })) {
     return 0;
   }
   int count = 0;
-  for (const Index n : neighbours(v)) count += isRim(v, n);
+  for (const Index n : neighbors(v)) count += isBoundary(v, n);
   return count;
 }
 
@@ -104,21 +103,21 @@ bool CollapsingMesh::keepsTopology(Index a, Index b) const {
   }
   sortUnique(labels);
   for (const std::uint16_t label : labels) {
-    const std::vector<Index> na = neighboursOn(label, a), nb = neighboursOn(label, b);
-    if (na.empty() || nb.empty()) continue;  // it moves, or stays, as a whole
-    if (!std::binary_search(na.begin(), na.end(), b)) return false;  // it would touch itself
+    const std::vector<Index> na = neighborsOn(label, a), nb = neighborsOn(label, b);
+    if (na.empty() || nb.empty()) continue;                          // the surface has one end only
+    if (!std::binary_search(na.begin(), na.end(), b)) return false;  // would touch itself
     std::vector<Index> common;
     std::set_intersection(na.begin(), na.end(), nb.begin(), nb.end(), std::back_inserter(common));
     if (common.size() != 2) return false;
     if (na.size() == 3 && nb.size() == 3) return false;  // a tetrahedron
   }
-  if (!isRim(a, b)) return true;
-  // A face with all three edges on rims is a region, or the end of one, that would vanish.
+  if (!isBoundary(a, b)) return true;
+  // A face with three boundary edges is the last of its region, or of a branch of it.
   return std::none_of(around_[a].begin(), around_[a].end(), [&](Index f) {
     if (!has(f, b)) return false;
     const glm::uvec3& t = faces_[f].corner;
     const Index c = t.x != a && t.x != b ? t.x : (t.y != a && t.y != b ? t.y : t.z);
-    return isRim(a, c) && isRim(b, c);
+    return isBoundary(a, c) && isBoundary(b, c);
   });
 }
 

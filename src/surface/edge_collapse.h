@@ -1,4 +1,4 @@
-// Which edges of a complex may be collapsed without a change of its topology, and collapsing them.
+// Edge collapses that preserve the topology of a complex.
 #pragma once
 
 #include <array>
@@ -10,11 +10,11 @@
 
 namespace sherd {
 
-/// The connectivity of closed meshes that share faces, with regions: faces between the same two
-/// labels, or of one label facing the same.
+/// The connectivity of closed meshes that share faces.  A region is the set of faces between the
+/// same two labels, or of one label with the same neighbor.
 ///
-/// A rim edge has faces of several regions.  A vertex is free without rim edges, on a rim with two,
-/// and fixed with any other number: there more than one rim ends.
+/// A boundary edge has faces of several regions.  A vertex is free if it has no boundary edges, on
+/// a boundary if it has two, and fixed if it has any other number.
 class CollapsingMesh {
  public:
   using Index = std::uint32_t;
@@ -30,27 +30,27 @@ class CollapsingMesh {
     const glm::uvec3& corner = faces_[f].corner;
     return corner.x == v || corner.y == v || corner.z == v;
   }
-  std::vector<Index> neighbours(Index v) const;  ///< ascending
+  std::vector<Index> neighbors(Index v) const;  ///< ascending
 
-  bool isRim(Index a, Index b) const;
-  int rimEdges(Index v) const;
+  bool isBoundary(Index a, Index b) const;
+  int boundaryEdges(Index v) const;
 
-  /// The labels with a mesh whose surface has an edge, ascending.
+  /// Returns the labels whose surfaces contain an edge, ascending.
   std::vector<std::uint16_t> labelsAt(Index a, Index b) const;
 
-  /// Whether collapsing an edge leaves every label's surface what it is, and the regions too,
-  /// provided that its ends are not two rims' or fixed vertices with no rim between them.  The link
-  /// condition on each label's surface, and no region's last triangle.
+  /// Returns true if collapsing an edge preserves the topology of every label's surface and of the
+  /// regions: the link condition holds on each surface, and no region loses its last triangle.
+  /// Precondition: if neither end is free, the edge is a boundary edge.
   ///   source  Dey et al., Topology preserving edge contraction, 1999
   bool keepsTopology(Index a, Index b) const;
 
-  /// Collapse an edge into its vertex `a`.
+  /// Collapses an edge into its vertex `a`.
   void collapse(Index a, Index b);
 
  private:
-  // Regions are told by the two labels, or by the one that has a mesh and what it faces.
+  // A region's key: its two labels, or the label that has a mesh and its neighbor.
   std::uint64_t region(Index f) const;
-  std::vector<Index> neighboursOn(std::uint16_t label, Index v) const;
+  std::vector<Index> neighborsOn(std::uint16_t label, Index v) const;
 
   std::vector<ComplexFace> faces_;
   std::vector<std::vector<Index>> around_;  // [vertices] faces, none once collapsed

@@ -1,4 +1,4 @@
-// Cutting fragments out, a round of them at a time.
+// Extracts fragments, one batch at a time.
 #include "surface/extract.h"
 
 #include <sherd/error.h>
@@ -14,21 +14,21 @@
 #include "base/cancel_flag.h"
 #include "base/uncancelled.h"
 #include "surface/decimate.h"
+#include "surface/independent_mesh.h"
+#include "surface/intact.h"
 #include "surface/label_mesh.h"
 #include "surface/level_set.h"
-#include "surface/lone_mesh.h"
 #include "surface/smooth.h"
-#include "surface/unbroken.h"
 
 namespace sherd {
 namespace {
 
-// The leaves that concern each fragment: [fragments + 1], ascending.
+// [fragments + 1] the leaves within two voxels of each fragment, ascending.
 std::vector<std::vector<std::uint32_t>> leavesOf(const Cut& cut, std::size_t fragments) {
   std::vector<std::vector<std::uint32_t>> leaves(fragments + 1);
   for (std::uint32_t leaf = 0; leaf < cut.only.size(); ++leaf) {
     const auto add = [&](std::uint16_t fragment) {
-      if (fragment != Labels::kWorn) leaves[fragment].push_back(leaf);
+      if (fragment != Labels::kEroded) leaves[fragment].push_back(leaf);
     };
     if (cut.index[leaf] == Cut::kWhole) {
       add(cut.only[leaf]);
@@ -57,29 +57,30 @@ VoxelBox voxelBox(const Solid& solid, const Labels& labels, std::uint16_t fragme
   return box;
 }
 
-// The areas of the whole surface and of what faces others.
+// Sets the areas of the whole surface and of the fracture surface.
 void measureAreas(Fragment& fragment) {
   double twice = 0.0, twiceFractured = 0.0;
-  for (std::size_t t = 0; t < fragment.facing.size(); ++t) {
+  for (std::size_t t = 0; t < fragment.neighbor.size(); ++t) {
     const glm::uvec3& corner = fragment.mesh.triangles[t];
     const glm::dvec3& a = fragment.mesh.vertices[corner.x];
     const double own = glm::length(
         glm::cross(fragment.mesh.vertices[corner.y] - a, fragment.mesh.vertices[corner.z] - a));
     twice += own;
-    if (fragment.facing[t] != 0) twiceFractured += own;
+    if (fragment.neighbor[t] != 0) twiceFractured += own;
   }
   fragment.area = twice / 2.0;
   fragment.fractureArea = twiceFractured / 2.0;
 }
 
-// [triangles] whether it lies on the solid's surface.
-std::vector<bool> onSolid(const LabelledMesh& mesh) {
+// [triangles] true on the solid's surface.
+std::vector<bool> onSolid(const LabeledMesh& mesh) {
   std::vector<bool> original;
   for (const std::uint16_t other : mesh.other) original.push_back(other == 0);
   return original;
 }
 
-// The voxels of each fragment.
+// [fragments + 1] voxels of each fragment.
+//   throws  Error(internal) if an inside voxel has no fragment
 std::vector<std::uint64_t> counted(const Solid& solid, const Labels& labels, int fragments) {
   std::vector<std::uint64_t> voxels = countVoxels(solid.blocks, labels, fragments);
   if (voxels[0] == 0) return voxels;
@@ -89,33 +90,34 @@ std::vector<std::uint64_t> counted(const Solid& solid, const Labels& labels, int
 
 const SurfaceOptions& checked(const SurfaceOptions& surface, const Progress* progress) {
   checkSurfaceOptions(surface);
-  step(progress, "extract", 0.0);
+  reportProgress(progress, "extract", 0.0);
   return surface;
 }
 
 }  // namespace
 
 Extraction::Extraction(const Solid& solid, const Labels& labels, int fragments,
-                       const Labels* unworn, const SurfaceOptions& surface,
-                       const Progress* progress, const UnbrokenSurface* unbroken)
+                       const Labels* uneroded, const SurfaceOptions& surface,
+                       const Progress* progress, const IntactSurface* intact)
     : solid_(solid),
       labels_(labels),
-      unworn_(unworn),
+      uneroded_(uneroded),
       surface_(checked(surface, progress)),
       progress_(progress),
       count_(static_cast<std::size_t>(fragments)),
       voxels_(counted(solid, labels, fragments)),
-      ownRounds_(unbroken ? std::vector<LeafRound>() : leavesRound(solid.blocks.origins)),
-      rounds_(unbroken ? unbroken->rounds : ownRounds_),
-      cut_(findCut(solid.blocks, labels, rounds_,
+      ownNeighborhoods_(intact ? std::vector<LeafNeighbors>()
+                               : leafNeighbors(solid.blocks.origins)),
+      neighborhoods_(intact ? intact->neighborhoods : ownNeighborhoods_),
+      cut_(findCut(solid.blocks, labels, neighborhoods_,
                    surface_.levelSets ? CutExtent::everywhere : CutExtent::cells, progress)),
       leaves_(leavesOf(cut_, count_)) {
   if (!isShared()) return;
-  shared_.emplace(solid, labels, cut_, rounds_, fragments, unbroken, progress);
-  const bool shapes = surface_.adaptivity > 0.0 || !surface_.triangles.empty() ||
-                      movesAnything(surface_.smooth, solid.box.longestSide());
-  if (!shapes) return;
-  shaped_ = shapedTogether();
+  shared_.emplace(solid, labels, cut_, neighborhoods_, fragments, intact, progress);
+  const bool isProcessed = surface_.adaptivity > 0.0 || !surface_.triangles.empty() ||
+                           movesAnything(surface_.smooth, solid.box.longestSide());
+  if (!isProcessed) return;
+  processed_ = processedTogether();
   shared_.reset();
 }
 
@@ -123,34 +125,35 @@ bool Extraction::isShared() const {
   return surface_.surface == Surface::smooth && surface_.interface == Interface::shared;
 }
 
-std::vector<std::uint16_t> Extraction::facingOfShared(const LabelledMesh& mesh,
-                                                      std::uint16_t id) const {
-  if (!unworn_) return mesh.other;
-  return facingOf(mesh.mesh, onSolid(mesh), id, solid_, *unworn_, true);
+std::vector<std::uint16_t> Extraction::neighborsOfShared(const LabeledMesh& mesh,
+                                                         std::uint16_t id) const {
+  if (!uneroded_) return mesh.other;
+  return neighborsOf(mesh.mesh, onSolid(mesh), id, solid_, *uneroded_, true);
 }
 
-Extraction::Shaped Extraction::shapedTogether() const {
-  Shaped all{
-      std::vector<LabelledMesh>(count_), std::vector<std::vector<std::uint16_t>>(count_), {}};
+Extraction::Processed Extraction::processedTogether() const {
+  Processed all{
+      std::vector<LabeledMesh>(count_), std::vector<std::vector<std::uint16_t>>(count_), {}};
   CancelFlag stop(progress_);
   tbb::parallel_for(std::size_t{0}, count_, [&](std::size_t i) {
     if (stop.isSet()) return;
     all.meshes[i] = shared_->meshOf(static_cast<int>(i) + 1);
-    all.facing[i] = facingOfShared(all.meshes[i], static_cast<std::uint16_t>(i + 1));
+    all.neighbor[i] = neighborsOfShared(all.meshes[i], static_cast<std::uint16_t>(i + 1));
   });
   stop.throwIfSet();
-  smoothTogether(all.meshes, all.facing, surface_.smooth, solid_.box.longestSide(), progress_);
+  smoothTogether(all.meshes, all.neighbor, surface_.smooth, solid_.box.longestSide(), progress_);
   throwIfCancelled(progress_);
   if (surface_.adaptivity > 0.0) {
-    std::vector<LabelledFaces> fewer = simplified(
-        complexOf(all.meshes, all.facing), surface_.adaptivity * solid_.frame.voxelSize, progress_);
+    std::vector<LabeledFaces> fewer =
+        simplified(complexOf(all.meshes, all.neighbor),
+                   surface_.adaptivity * solid_.frame.voxelSize, progress_);
     for (std::size_t i = 0; i < count_; ++i) {
       all.meshes[i] = std::move(fewer[i].mesh);
-      all.facing[i] = std::move(fewer[i].facing);
+      all.neighbor[i] = std::move(fewer[i].neighbor);
     }
   }
   if (!surface_.triangles.empty()) {
-    all.coarse = decimated(complexOf(all.meshes, all.facing), surface_.triangles, progress_);
+    all.coarse = decimated(complexOf(all.meshes, all.neighbor), surface_.triangles, progress_);
   }
   return all;
 }
@@ -158,93 +161,94 @@ Extraction::Shaped Extraction::shapedTogether() const {
 void Extraction::meshShared(Fragment& fragment) {
   const std::size_t i = static_cast<std::size_t>(fragment.id) - 1;
   if (shared_) {
-    LabelledMesh mesh = shared_->meshOf(fragment.id);
-    fragment.facing = facingOfShared(mesh, static_cast<std::uint16_t>(fragment.id));
+    LabeledMesh mesh = shared_->meshOf(fragment.id);
+    fragment.neighbor = neighborsOfShared(mesh, static_cast<std::uint16_t>(fragment.id));
     fragment.mesh = std::move(mesh.mesh);
     return;
   }
-  fragment.mesh = std::move(shaped_.meshes[i].mesh);
-  fragment.facing = std::move(shaped_.facing[i]);
-  if (!shaped_.coarse.empty()) fragment.coarse = std::move(shaped_.coarse[i]);
+  fragment.mesh = std::move(processed_.meshes[i].mesh);
+  fragment.neighbor = std::move(processed_.neighbor[i]);
+  if (!processed_.coarse.empty()) fragment.coarse = std::move(processed_.coarse[i]);
 }
 
-void Extraction::meshAlone(Fragment& fragment) const {
+void Extraction::meshIndependent(Fragment& fragment) const {
   const auto id = static_cast<std::uint16_t>(fragment.id);
   const std::vector<std::uint32_t>& leaves = leaves_[id];
-  const Labels& before = unworn_ ? *unworn_ : labels_;
+  const Labels& before = uneroded_ ? *uneroded_ : labels_;
   if (surface_.surface == Surface::labels) {
     VoxelMesh meshed = meshOfFaces(facesOf(solid_, labels_, before, id, leaves), solid_.frame);
     fragment.mesh = std::move(meshed.mesh);
-    fragment.facing = std::move(meshed.facing);
+    fragment.neighbor = std::move(meshed.neighbor);
   } else {
-    LabelledMesh meshed = meshOfOne(solid_, labels_, cut_, id, leaves);
-    fragment.facing =
-        facingOf(meshed.mesh, onSolid(meshed), id, solid_, before, unworn_ != nullptr);
+    LabeledMesh meshed = meshOfOne(solid_, labels_, cut_, id, leaves);
+    fragment.neighbor =
+        neighborsOf(meshed.mesh, onSolid(meshed), id, solid_, before, uneroded_ != nullptr);
     fragment.mesh = std::move(meshed.mesh);
   }
-  fragment.mesh = smoothed(std::move(fragment.mesh), fragment.facing, surface_.smooth,
+  fragment.mesh = smoothed(std::move(fragment.mesh), fragment.neighbor, surface_.smooth,
                            solid_.box.longestSide(), progress_);
   if (surface_.adaptivity > 0.0) {
-    LabelledFaces fewer =
-        std::move(simplified(complexOf(fragment.mesh, fragment.facing),
+    LabeledFaces fewer =
+        std::move(simplified(complexOf(fragment.mesh, fragment.neighbor),
                              surface_.adaptivity * solid_.frame.voxelSize, progress_)
                       .front());
     fragment.mesh = std::move(fewer.mesh.mesh);
-    fragment.facing = std::move(fewer.facing);
+    fragment.neighbor = std::move(fewer.neighbor);
   }
   fragment.coarse = std::move(
-      decimated(complexOf(fragment.mesh, fragment.facing), surface_.triangles, progress_).front());
+      decimated(complexOf(fragment.mesh, fragment.neighbor), surface_.triangles, progress_)
+          .front());
 }
 
-Fragment Extraction::made(std::size_t i) {
+Fragment Extraction::makeFragment(std::size_t i) {
   Fragment fragment;
   fragment.id = static_cast<int>(i) + 1;
   const auto id = static_cast<std::uint16_t>(fragment.id);
   fragment.voxels = voxels_[i + 1];
   fragment.voxelBox = voxelBox(solid_, labels_, id, leaves_[id]);
   if (surface_.levelSets) fragment.surface = fragmentLevelSet(solid_, cut_, id, leaves_[id]);
-  isShared() ? meshShared(fragment) : meshAlone(fragment);
+  isShared() ? meshShared(fragment) : meshIndependent(fragment);
   fragment.mass = massProperties(fragment.mesh);
   measureAreas(fragment);
   return fragment;
 }
 
-// Of large ones as many as there are threads, for memory's sake; of small ones more, so that rounds
-// are not all beginnings and ends.
-std::size_t Extraction::endOfRound() const {
+// As many large fragments as threads, to limit memory; more small ones, so that the overhead of a
+// batch does not dominate.
+std::size_t Extraction::endOfBatch() const {
   constexpr std::size_t kLeaves = 4096;
-  // What a level set has above its leaves, as many of these: two nodes of children and tiles.
-  constexpr std::size_t kOfTree = 128;
+  // Size of a level set's two internal nodes, in leaves.
+  constexpr std::size_t kTreeOverhead = 128;
   const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
   std::size_t end = next_, leaves = 0;
   while (end < count_ && (end - next_ < threads || leaves < kLeaves)) {
-    leaves += leaves_[++end].size() + (surface_.levelSets ? kOfTree : 0);
+    leaves += leaves_[++end].size() + (surface_.levelSets ? kTreeOverhead : 0);
   }
   return end;
 }
 
 std::vector<Fragment> Extraction::next() {
   const std::size_t begin = next_;
-  next_ = endOfRound();
+  next_ = endOfBatch();
   std::vector<Fragment> fragments(next_ - begin);
   CancelFlag stop(progress_);
   tbb::parallel_for(begin, next_, [&](std::size_t i) {
-    if (!stop.isSet()) uncancelled([&] { fragments[i - begin] = made(i); });
+    if (!stop.isSet()) uncancelled([&] { fragments[i - begin] = makeFragment(i); });
   });
   stop.throwIfSet();
   for (const Fragment& fragment : fragments) measure_.add(fragment);
-  step(progress_, "extract", static_cast<double>(next_) / static_cast<double>(count_));
+  reportProgress(progress_, "extract", static_cast<double>(next_) / static_cast<double>(count_));
   return fragments;
 }
 
 std::vector<std::vector<Contact>> Extraction::contacts() const {
-  return measure_.contacts(count_, solid_, unworn_ ? *unworn_ : labels_, cut_, rounds_);
+  return measure_.contacts(count_, solid_, uneroded_ ? *uneroded_ : labels_, cut_, neighborhoods_);
 }
 
 std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels, int count,
-                                       const Labels* unworn, const SurfaceOptions& surface,
-                                       const Progress* progress, const UnbrokenSurface* unbroken) {
-  Extraction extraction(solid, labels, count, unworn, surface, progress, unbroken);
+                                       const Labels* uneroded, const SurfaceOptions& surface,
+                                       const Progress* progress, const IntactSurface* intact) {
+  Extraction extraction(solid, labels, count, uneroded, surface, progress, intact);
   std::vector<Fragment> all;
   for (std::vector<Fragment> some = extraction.next(); !some.empty(); some = extraction.next()) {
     std::move(some.begin(), some.end(), std::back_inserter(all));
@@ -260,9 +264,9 @@ TriangleMesh solidMesh(const Solid& solid) {
   Cut uncut;
   uncut.only.assign(solid.blocks.count(), 1);
   uncut.index.assign(solid.blocks.count(), Cut::kWhole);
-  uncut.stairs.resize(2);
-  const std::vector<LeafRound> rounds = leavesRound(solid.blocks.origins);
-  return std::move(InterfaceMeshes(solid, one, uncut, rounds, 1).meshOf(1).mesh);
+  uncut.snapWeight.resize(2);
+  const std::vector<LeafNeighbors> neighborhoods = leafNeighbors(solid.blocks.origins);
+  return std::move(InterfaceMeshes(solid, one, uncut, neighborhoods, 1).meshOf(1).mesh);
 }
 
 }  // namespace sherd

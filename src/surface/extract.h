@@ -1,4 +1,4 @@
-// Fragments cut out of a solid some at a time.
+// Extraction of fragments in batches.
 #pragma once
 
 #include <sherd/fragments.h>
@@ -13,53 +13,52 @@
 
 namespace sherd {
 
-/// extractFragments, of which fragments are made when they are asked for: so those that were
-/// written can go before others come.  All it is made of is used until its end.
+/// extractFragments() in batches, so that the caller can write and free a batch before the next is
+/// made.  All constructor arguments must outlive the object.
 class Extraction {
  public:
   ///   throws  what extractFragments throws
-  Extraction(const Solid& solid, const Labels& labels, int fragments, const Labels* unworn,
-             const SurfaceOptions& surface, const Progress* progress,
-             const UnbrokenSurface* unbroken);
+  Extraction(const Solid& solid, const Labels& labels, int fragments, const Labels* uneroded,
+             const SurfaceOptions& surface, const Progress* progress, const IntactSurface* intact);
   Extraction(const Extraction&) = delete;
   Extraction& operator=(const Extraction&) = delete;
 
-  /// The next fragments, ascending by id, without contacts; none: that was all.  As many as keep
-  /// all threads busy.
+  /// Returns the next batch of fragments, ascending by id, without contacts; empty after the last.
+  /// A batch is large enough to keep all threads busy.
   [[nodiscard]] std::vector<Fragment> next();
 
-  /// When all were made: the contacts of each.
+  /// Returns the contacts of each fragment.  Precondition: next() has returned all.
   [[nodiscard]] std::vector<std::vector<Contact>> contacts() const;
 
  private:
-  /// Meshes that had to be shaped all together, until they are taken.
-  struct Shaped {
-    std::vector<LabelledMesh> meshes;
-    std::vector<std::vector<std::uint16_t>> facing;  ///< [meshes][triangles]
-    std::vector<std::vector<CoarseMesh>> coarse;     ///< [meshes], or empty
+  /// Meshes that are smoothed or decimated together, until next() moves them out.
+  struct Processed {
+    std::vector<LabeledMesh> meshes;
+    std::vector<std::vector<std::uint16_t>> neighbor;  ///< [meshes][triangles]
+    std::vector<std::vector<CoarseMesh>> coarse;       ///< [meshes], or empty
   };
 
   bool isShared() const;
-  std::vector<std::uint16_t> facingOfShared(const LabelledMesh& mesh, std::uint16_t id) const;
-  Shaped shapedTogether() const;
-  std::size_t endOfRound() const;
-  Fragment made(std::size_t i);
+  std::vector<std::uint16_t> neighborsOfShared(const LabeledMesh& mesh, std::uint16_t id) const;
+  Processed processedTogether() const;
+  std::size_t endOfBatch() const;
+  Fragment makeFragment(std::size_t i);
   void meshShared(Fragment& fragment);
-  void meshAlone(Fragment& fragment) const;
+  void meshIndependent(Fragment& fragment) const;
 
   const Solid& solid_;
   const Labels& labels_;
-  const Labels* const unworn_;
+  const Labels* const uneroded_;
   const SurfaceOptions surface_;
   const Progress* const progress_;
   const std::size_t count_;
-  const std::vector<std::uint64_t> voxels_;  ///< [fragments + 1]
-  const std::vector<LeafRound> ownRounds_;   ///< where there is no unbroken surface
-  const std::span<const LeafRound> rounds_;
+  const std::vector<std::uint64_t> voxels_;            ///< [fragments + 1]
+  const std::vector<LeafNeighbors> ownNeighborhoods_;  ///< empty if there is an intact surface
+  const std::span<const LeafNeighbors> neighborhoods_;
   const Cut cut_;
   const std::vector<std::vector<std::uint32_t>> leaves_;  ///< [fragments + 1] ascending
-  std::optional<InterfaceMeshes> shared_;  ///< where meshes are shared, and not shaped
-  Shaped shaped_;                          ///< where they are
+  std::optional<InterfaceMeshes> shared_;  ///< if meshes are shared and not processed
+  Processed processed_;                    ///< if they are
   ContactMeasure measure_;
   std::size_t next_ = 0;
 };

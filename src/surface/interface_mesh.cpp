@@ -1,7 +1,7 @@
 // Dual meshing of many labels.
 //
-// Leaves within which nothing but one label lies are as they are in the unbroken solid: where that
-// was meshed before, their cells and triangles are taken over.
+// A leaf with only one label has the same mesh as in the intact solid.  If the intact surface is
+// given, the cells and triangles of such leaves are reused.
 #include "surface/interface_mesh.h"
 
 #include <tbb/blocked_range.h>
@@ -12,10 +12,10 @@
 #include <optional>
 
 #include "base/cancel_flag.h"
+#include "surface/contact_boundaries.h"
+#include "surface/intact.h"
 #include "surface/leaf_cells.h"
-#include "surface/rims.h"
-#include "surface/touching.h"
-#include "surface/unbroken.h"
+#include "surface/non_manifold_vertices.h"
 
 namespace sherd {
 namespace {
@@ -27,7 +27,7 @@ void forEach(std::size_t begin, std::size_t end, const Work& work) {
   });
 }
 
-bool hasMesh(std::uint16_t label) { return label != 0 && label != Labels::kWorn; }
+bool hasMesh(std::uint16_t label) { return label != 0 && label != Labels::kEroded; }
 
 }  // namespace
 
@@ -35,42 +35,42 @@ bool hasMesh(std::uint16_t label) { return label != 0 && label != Labels::kWorn;
 class InterfaceMeshes::Meshing {
  public:
   Meshing(const Solid& solid, const Labels& labels, const Cut& cut,
-          std::span<const LeafRound> rounds, std::size_t fragments, const UnbrokenSurface* unbroken,
-          const Progress* progress)
+          std::span<const LeafNeighbors> neighborhoods, std::size_t fragments,
+          const IntactSurface* intact, const Progress* progress)
       : cut_(cut),
-        unbroken_(unbroken),
-        rounds_(rounds),
-        field_(solid, labels, cut, rounds),
+        intact_(intact),
+        neighborhoods_(neighborhoods),
+        field_(solid, labels, cut, neighborhoods),
         count_(solid.blocks.count()),
         quads_(count_) {
-    if (unbroken_ != nullptr) {
-      old_.resize(count_);
-      forEach(0, count_, [&](std::size_t leaf) { old_[leaf] = oldLabel(leaf); });
+    if (intact_ != nullptr) {
+      intactLabels_.resize(count_);
+      forEach(0, count_, [&](std::size_t leaf) { intactLabels_[leaf] = intactLabelOf(leaf); });
     }
     meshLeaves(solid.blocks.origins, progress);
-    straightenRims(quads_, junctions_, vertices_.at);
+    straightenBoundaries(quads_, junctions_, vertices_.at);
     throwIfCancelled(progress);
-    gaps_ = partTouchingSheets(crowded_, quads_, vertices_);
+    gaps_ = splitNonManifoldVertices(nonManifold_, quads_, vertices_);
     forEach(0, vertices_.at.size(), [&](std::size_t v) {
       vertices_.at[v] = solid.frame.worldFromIndex({vertices_.at[v]}).v;
     });
     throwIfCancelled(progress);
     numberVertices(fragments);
-    // Each label's in the order that they had.
+    // Groups quads by label; within a label they keep their order.
     forEach(0, count_, [&](std::size_t leaf) {
       std::stable_sort(quads_[leaf].begin(), quads_[leaf].end(), hasLowerLabel);
     });
     sortFaces(fragments);
   }
 
-  LabelledMesh meshOf(std::size_t i) const {
+  LabeledMesh meshOf(std::size_t i) const {
     const std::size_t label = i + 1;
-    LabelledMesh out;
+    LabeledMesh out;
     out.mesh.vertices.reserve(verticesOf_[label].size());
-    out.place.reserve(verticesOf_[label].size());
+    out.positionId.reserve(verticesOf_[label].size());
     for (const std::uint32_t v : verticesOf_[label]) {
       out.mesh.vertices.push_back(vertices_.at[v]);
-      out.place.push_back(vertices_.place[v]);
+      out.positionId.push_back(vertices_.positionId[v]);
     }
     const auto forEachQuad = [&](std::uint32_t leaf, const auto& visit) {
       const auto own = std::equal_range(quads_[leaf].begin(), quads_[leaf].end(),
@@ -80,7 +80,7 @@ class InterfaceMeshes::Meshing {
     };
     std::size_t triangles = gapsOf_[i].size();
     for (const std::uint32_t leaf : leavesOf_[i]) {
-      if (hasOldTriangles(leaf)) triangles += unbroken_->leaves[leaf].triangles.size();
+      if (reusesTriangles(leaf)) triangles += intact_->leaves[leaf].triangles.size();
       forEachQuad(leaf, [&](const InterfaceQuad&) { triangles += 2; });
     }
     out.mesh.triangles.reserve(triangles);
@@ -90,7 +90,7 @@ class InterfaceMeshes::Meshing {
       out.other.push_back(other);
     };
     for (const std::uint32_t leaf : leavesOf_[i]) {
-      if (hasOldTriangles(leaf)) addOld(leaf, out);
+      if (reusesTriangles(leaf)) addReused(leaf, out);
       forEachQuad(leaf, [&](const InterfaceQuad& quad) {
         for (const auto& t : trianglesOf(quad, vertices_.at)) add(t, quad.other);
       });
@@ -100,34 +100,37 @@ class InterfaceMeshes::Meshing {
   }
 
  private:
-  // The only label of a leaf whose cells are as in the unbroken solid, 0 where it has none; else
-  // kNew.
-  std::uint32_t oldLabel(std::size_t leaf) const {
-    if (!unbroken_->leaves[leaf].cells.isPlain) return kNew;
+  // The only label of a leaf whose cells equal those of the intact solid, 0 if it has no label;
+  // else kChanged.
+  std::uint32_t intactLabelOf(std::size_t leaf) const {
+    if (!intact_->leaves[leaf].cells.isPlain) return kChanged;
     if (cut_.index[leaf] == Cut::kWhole) return cut_.only[leaf];
     const std::optional<std::uint16_t> only = onlyLabelOf(field_, leaf);
-    return only ? *only : kNew;
+    return only ? *only : kChanged;
   }
 
-  bool isOld(std::size_t leaf) const { return unbroken_ != nullptr && old_[leaf] != kNew; }
+  bool isReused(std::size_t leaf) const {
+    return intact_ != nullptr && intactLabels_[leaf] != kChanged;
+  }
 
-  // Are the leaf's triangles as they were?  Those of a leaf beside a crack hold on to vertices that
-  // may be new.
-  bool hasOldTriangles(std::size_t leaf) const {
-    if (!isOld(leaf) || !unbroken_->leaves[leaf].isWhole) return false;
-    const LeafRound& round = rounds_[leaf];
+  // True if the leaf's triangles equal those of the intact solid.  Next to a crack they do not,
+  // because they use vertices of changed leaves.
+  bool reusesTriangles(std::size_t leaf) const {
+    if (!isReused(leaf) || !intact_->leaves[leaf].isWhole) return false;
+    const LeafNeighbors& neighborhood = neighborhoods_[leaf];
     for (const std::size_t k : kBelow) {
-      if (round[k] != LeafBlocks::kNone && old_[round[k]] == kNew) return false;
+      if (neighborhood[k] != LeafBlocks::kNone && intactLabels_[neighborhood[k]] == kChanged)
+        return false;
     }
     return true;
   }
 
-  // Cells, vertices and quads, some slabs of leaves at a time: a leaf's quads look at cells of its
-  // own and of leaves below it, so cells go when the next slab has its quads.  All of them would
-  // take more memory than all that is made of them.
+  // Makes cells, vertices and quads, a few slabs of leaves at a time.  The quads of a leaf need its
+  // own cells and those of leaves below it, so cells are freed when the next slab has its quads.
+  // All cells together would take more memory than the meshes.
   void meshLeaves(std::span<const openvdb::Coord> origins, const Progress* progress) {
-    constexpr std::size_t kTogether = 16384;  // leaves, to keep all threads busy
-    fresh_.resize(count_);
+    constexpr std::size_t kMinLeaves = 16384;  // leaves per batch, to keep all threads busy
+    newCells_.resize(count_);
     cells_.leaves.resize(count_);
     const auto nextSlab = [&](std::size_t leaf) {
       const int x = origins[leaf].x();
@@ -136,42 +139,44 @@ class InterfaceMeshes::Meshing {
     };
     std::size_t kept = 0;
     for (std::size_t first = 0, end = 0; first < count_; first = end) {
-      std::size_t last = first;  // slab
-      while (end < count_ && end - first < kTogether) {
+      std::size_t last = first;  // first leaf of the batch's last slab
+      while (end < count_ && end - first < kMinLeaves) {
         last = end;
         end = nextSlab(end);
       }
       throwIfCancelled(progress);
       forEach(first, end, [&](std::size_t leaf) { makeCells(leaf); });
-      takeTogether(first, end);
+      appendVertices(first, end);
       throwIfCancelled(progress);
       forEach(first, end, [&](std::size_t leaf) {
-        if (!hasOldTriangles(leaf)) quads_[leaf] = quadsOf(field_, cells_, leaf);
+        if (!reusesTriangles(leaf)) quads_[leaf] = quadsOf(field_, cells_, leaf);
       });
-      forEach(kept, last, [&](std::size_t leaf) { fresh_[leaf].reset(); });
+      forEach(kept, last, [&](std::size_t leaf) { newCells_[leaf].reset(); });
       kept = last;
     }
-    fresh_ = std::vector<std::unique_ptr<LeafCells>>();
+    newCells_ = std::vector<std::unique_ptr<LeafCells>>();
   }
 
   void makeCells(std::size_t leaf) {
-    const LeafCells* const before = unbroken_ ? &unbroken_->leaves[leaf].cells : nullptr;
-    if (isOld(leaf)) {
+    const LeafCells* const before = intact_ ? &intact_->leaves[leaf].cells : nullptr;
+    if (isReused(leaf)) {
       cells_.leaves[leaf] = before;
       return;
     }
-    fresh_[leaf] = std::make_unique<LeafCells>(cellsOf(field_, leaf, before));
-    cells_.leaves[leaf] = fresh_[leaf].get();
+    newCells_[leaf] = std::make_unique<LeafCells>(cellsOf(field_, leaf, before));
+    cells_.leaves[leaf] = newCells_[leaf].get();
   }
 
-  void takeTogether(std::size_t first, std::size_t end) {
+  void appendVertices(std::size_t first, std::size_t end) {
     for (std::size_t leaf = first; leaf < end; ++leaf) {
       const LeafCells& own = *cells_.leaves[leaf];
       const auto firstVertex = static_cast<std::uint32_t>(vertices_.at.size());
       cells_.firstVertex.push_back(firstVertex);
-      for (const std::uint32_t p : own.places) vertices_.place.push_back(vertices_.places + p);
-      for (const std::uint32_t p : own.crowded) crowded_.push_back(vertices_.places + p);
-      vertices_.places += own.placeCount;
+      for (const std::uint32_t p : own.positionIds)
+        vertices_.positionId.push_back(vertices_.positionCount + p);
+      for (const std::uint32_t p : own.nonManifold)
+        nonManifold_.push_back(vertices_.positionCount + p);
+      vertices_.positionCount += own.positionCount;
       vertices_.at.insert(vertices_.at.end(), own.vertices.begin(), own.vertices.end());
       for (Junction junction : own.junctions) {
         for (std::uint32_t& v : junction.vertices) v += firstVertex;
@@ -180,15 +185,15 @@ class InterfaceMeshes::Meshing {
     }
   }
 
-  // A vertex belongs to one label; each label numbers its own in order.  Parting sheets makes new
-  // vertices and leaves others without a face.
+  // Numbers the vertices of each label in order.  Splitting sheets adds vertices and leaves others
+  // without a face.
   void numberVertices(std::size_t fragments) {
     label_.assign(vertices_.at.size(), 0);
     for (std::size_t leaf = 0; leaf < count_; ++leaf) {
-      if (isOld(leaf)) {
+      if (isReused(leaf)) {
         const auto first = label_.begin() + cells_.firstVertex[leaf];
         std::fill_n(first, cells_.leaves[leaf]->vertices.size(),
-                    static_cast<std::uint16_t>(old_[leaf]));
+                    static_cast<std::uint16_t>(intactLabels_[leaf]));
       }
       for (const InterfaceQuad& quad : quads_[leaf]) {
         for (const std::uint32_t v : quad.vertex) label_[v] = quad.label;
@@ -214,7 +219,7 @@ class InterfaceMeshes::Meshing {
     }
   }
 
-  // [fragments] the leaves in which each label has faces, ascending.
+  // Sets leavesOf_ and gapsOf_.
   void sortFaces(std::size_t fragments) {
     leavesOf_.resize(fragments);
     const auto add = [&](std::uint16_t label, std::uint32_t leaf) {
@@ -223,8 +228,8 @@ class InterfaceMeshes::Meshing {
       if (own.empty() || own.back() != leaf) own.push_back(leaf);
     };
     for (std::uint32_t leaf = 0; leaf < count_; ++leaf) {
-      if (hasOldTriangles(leaf)) {
-        add(static_cast<std::uint16_t>(old_[leaf]), leaf);
+      if (reusesTriangles(leaf)) {
+        add(static_cast<std::uint16_t>(intactLabels_[leaf]), leaf);
       } else {
         for (const InterfaceQuad& quad : quads_[leaf]) add(quad.label, leaf);
       }
@@ -233,20 +238,20 @@ class InterfaceMeshes::Meshing {
     for (const InterfaceTriangle& gap : gaps_) gapsOf_[gap.label - 1u].push_back(&gap);
   }
 
-  void addOld(std::uint32_t leaf, LabelledMesh& out) const {
-    // The vertices of an old leaf are numbered one after another.
+  void addReused(std::uint32_t leaf, LabeledMesh& out) const {
+    // A reused leaf's vertices have consecutive numbers.
     std::array<std::uint32_t, 8> first{};
     for (std::size_t slot = 0; slot < 8; ++slot) {
-      const std::uint32_t other = rounds_[leaf][kBelow[slot]];
+      const std::uint32_t other = neighborhoods_[leaf][kBelow[slot]];
       if (other == LeafBlocks::kNone || cells_.leaves[other]->vertices.empty()) continue;
       first[slot] = number_[cells_.firstVertex[other]];
     }
-    constexpr unsigned kBits = UnbrokenLeaf::kSlotBits;
+    constexpr unsigned kBits = IntactLeaf::kSlotBits;
     constexpr std::uint32_t kLocal = (std::uint32_t{1} << kBits) - 1;
-    const auto number = [&](UnbrokenLeaf::Corner corner) {
+    const auto number = [&](IntactLeaf::Corner corner) {
       return first[corner >> kBits] + (corner & kLocal);
     };
-    const auto& triangles = unbroken_->leaves[leaf].triangles;
+    const auto& triangles = intact_->leaves[leaf].triangles;
     for (const auto& t : triangles) {
       out.mesh.triangles.emplace_back(number(t[0]), number(t[1]), number(t[2]));
     }
@@ -257,40 +262,40 @@ class InterfaceMeshes::Meshing {
     return a.label < b.label;
   }
 
-  static constexpr std::uint32_t kNew = 0xffffffffu;
+  static constexpr std::uint32_t kChanged = 0xffffffffu;
 
-  // The places in a LeafRound of slots 0..7.
+  // Indices into LeafNeighbors of the slots 0..7 of IntactLeaf::Corner.
   static constexpr std::array<std::size_t, 8> kBelow{13, 12, 10, 9, 4, 3, 1, 0};
 
   const Cut& cut_;
-  const UnbrokenSurface* unbroken_;
-  const std::span<const LeafRound> rounds_;
+  const IntactSurface* intact_;
+  const std::span<const LeafNeighbors> neighborhoods_;
   const Field field_;
   const std::size_t count_;
-  std::vector<std::uint32_t> old_;  // [leaf] oldLabel; empty without an unbroken surface
-  std::vector<std::unique_ptr<LeafCells>> fresh_;  // [leaf] null where old, or gone
+  std::vector<std::uint32_t> intactLabels_;           // [leaf] empty without an intact surface
+  std::vector<std::unique_ptr<LeafCells>> newCells_;  // [leaf] null if reused or freed
   AllCells cells_;
   InterfaceVertices vertices_;
-  std::vector<std::uint32_t> crowded_;
+  std::vector<std::uint32_t> nonManifold_;
   std::vector<Junction> junctions_;
-  std::vector<std::vector<InterfaceQuad>> quads_;  // [leaf] by label in the end
+  std::vector<std::vector<InterfaceQuad>> quads_;  // [leaf] finally sorted by label
   std::vector<InterfaceTriangle> gaps_;
   std::vector<std::uint16_t> label_;                    // [vertices]
   std::vector<std::uint32_t> number_;                   // [vertices] in its label's mesh
   std::vector<std::vector<std::uint32_t>> verticesOf_;  // [labels + 1] ascending
-  std::vector<std::vector<std::uint32_t>> leavesOf_;    // [labels]
+  std::vector<std::vector<std::uint32_t>> leavesOf_;    // [labels] with faces of it, ascending
   std::vector<std::vector<const InterfaceTriangle*>> gapsOf_;
 };
 
 InterfaceMeshes::InterfaceMeshes(const Solid& solid, const Labels& labels, const Cut& cut,
-                                 std::span<const LeafRound> rounds, int fragments,
-                                 const UnbrokenSurface* unbroken, const Progress* progress)
-    : meshing_(std::make_unique<Meshing>(
-          solid, labels, cut, rounds, static_cast<std::size_t>(fragments), unbroken, progress)) {}
+                                 std::span<const LeafNeighbors> neighborhoods, int fragments,
+                                 const IntactSurface* intact, const Progress* progress)
+    : meshing_(std::make_unique<Meshing>(solid, labels, cut, neighborhoods,
+                                         static_cast<std::size_t>(fragments), intact, progress)) {}
 
 InterfaceMeshes::~InterfaceMeshes() = default;
 
-LabelledMesh InterfaceMeshes::meshOf(int label) const {
+LabeledMesh InterfaceMeshes::meshOf(int label) const {
   return meshing_->meshOf(static_cast<std::size_t>(label) - 1);
 }
 

@@ -1,4 +1,4 @@
-// One mesh of all labels, of which each fragment takes its faces.
+// One mesh of all labels, which contains the mesh of each fragment.
 #pragma once
 
 #include <sherd/labels.h>
@@ -12,34 +12,34 @@
 
 namespace sherd {
 
-struct UnbrokenSurface;
+struct IntactSurface;
 
-/// All labels meshed at once: a dual mesh over the cells between voxel centres, with a quad, split
-/// in two, for each pair of face neighbours of different labels.  So what two fragments share is
-/// one set of faces, seen from both sides, vertex for vertex and bit for bit; and a face's two
-/// labels are known, not guessed.
+/// All labels meshed together: a dual mesh over the cells between voxel centers, with two triangles
+/// for each pair of face-adjacent voxels of different labels.  Two fragments therefore share one
+/// set of faces, identical to the bit from both sides, and both labels of a face are known.
 ///
-/// A cell has a place per surface that passes, and a vertex per sheet (see cell.h): the mean of the
-/// crossings of its edges by the solid's surface or by the cut, as in surface nets; where surfaces
-/// of several pairs of labels meet it lies where their planes do, so that rims are sharp.
+/// A cell has a vertex per sheet, and sheets may share a position (see cell.h).  It is the mean of
+/// the crossings of the cell's edges by the solid's surface or the cut, as in surface nets.  Where
+/// surfaces of several pairs of labels meet it is the intersection of their planes, so that contact
+/// boundaries are sharp.
 ///   source  Gibson, Constrained Elastic Surface Nets, 1998; Ju et al., Dual Contouring of Hermite
 ///           Data, 2002; Wenger, Isosurfaces, 2013 (cells that share an ambiguous face)
 class InterfaceMeshes {
  public:
-  /// Of labels 1..fragments.  All that is given is used until the end.
-  ///   rounds    of the solid's leaves
-  ///   unbroken  of this solid, or null: what does not change is taken over, and the meshes are
-  ///             equal
+  /// Meshes labels 1..fragments.  All arguments must outlive the object.
+  ///   neighborhoods  of the solid's leaves
+  ///   intact         of this solid, or null: unchanged leaves are reused, with equal meshes
+  ///   throws         Error(cancelled)
   InterfaceMeshes(const Solid& solid, const Labels& labels, const Cut& cut,
-                  std::span<const LeafRound> rounds, int fragments,
-                  const UnbrokenSurface* unbroken = nullptr, const Progress* progress = nullptr);
+                  std::span<const LeafNeighbors> neighborhoods, int fragments,
+                  const IntactSurface* intact = nullptr, const Progress* progress = nullptr);
   ~InterfaceMeshes();
   InterfaceMeshes(const InterfaceMeshes&) = delete;
   InterfaceMeshes& operator=(const InterfaceMeshes&) = delete;
 
-  /// A label's mesh, put together anew each time: they take as much memory as what they are made
-  /// of.  Any thread may ask.
-  [[nodiscard]] LabelledMesh meshOf(int label) const;
+  /// Returns the mesh of a label.  It is assembled on each call, because storing all meshes would
+  /// double the memory.  Thread-safe.
+  [[nodiscard]] LabeledMesh meshOf(int label) const;
 
  private:
   class Meshing;

@@ -1,5 +1,5 @@
-// A closed manifold out of voxel faces.  Four faces meet at a lattice edge where two voxels touch
-// over nothing more; there each voxel's two faces go together:
+// Builds a closed manifold from voxel faces.  Four faces meet at a lattice edge where two voxels
+// share only that edge; there the two faces of each voxel are joined:
 //
 //          |###
 //          |#A#
@@ -7,9 +7,9 @@
 //      #B# |
 //      ### |
 //
-// A vertex is a cycle of faces so joined round a lattice corner: a corner may have several.  Where
-// both ends of such an edge have one vertex each for both pairs (the voxels hang together beyond
-// the ends), the edge would still have four faces, so each pair gets a vertex in its middle.
+// A vertex is a cycle of joined faces around a lattice corner; a corner may have several vertices.
+// If both pairs have the same vertex at each end of such an edge (the voxels are connected beyond
+// the ends), the edge would still have four faces, so each pair gets a vertex at its middle.
 #include "surface/label_mesh.h"
 
 #include <algorithm>
@@ -35,8 +35,8 @@ Coord towards(int direction) {
   return step;
 }
 
-// Lattice corner (i,j,k) is the corner of voxel (i,j,k) nearest to the origin of all.  A face's
-// four are counter-clockwise seen from outside.
+// The corners of a face, counter-clockwise from outside.  Lattice corner (i,j,k) is the lowest
+// corner of voxel (i,j,k).
 std::array<Coord, 4> cornersOf(const VoxelFace& face) {
   const int axis = face.direction / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
   Coord base = face.voxel;
@@ -50,9 +50,9 @@ std::array<Coord, 4> cornersOf(const VoxelFace& face) {
   return corners;
 }
 
-// A lattice edge as one face sees it.
+// A lattice edge as a side of one face.
 struct EdgeUse {
-  Coord low;  // its corner with the lower coordinates
+  Coord low;  // the end with the lower coordinates
   int axis = 0;
   std::uint32_t lowSlot = 0, highSlot = 0;  // face * 4 + corner
   std::uint32_t side = 0;                   // face * 4 + side, side k from corner k to k + 1
@@ -76,7 +76,7 @@ std::vector<EdgeUse> edgeUses(std::span<const VoxelFace> faces) {
       uses.push_back(use);
     }
   }
-  // Uses of one voxel stand together, so that pairs are neighbours.
+  // Uses by one voxel are adjacent, so that pairs of faces are too.
   std::sort(uses.begin(), uses.end(), [&](const EdgeUse& a, const EdgeUse& b) {
     if (a.low != b.low) return a.low < b.low;
     if (a.axis != b.axis) return a.axis < b.axis;
@@ -88,8 +88,11 @@ std::vector<EdgeUse> edgeUses(std::span<const VoxelFace> faces) {
 
 class Builder {
  public:
-  Builder(std::span<const VoxelFace> faces, double apart)
-      : faces_(faces), apart_(apart), parent_(faces.size() * 4), middle_(faces.size() * 4, kNone) {
+  Builder(std::span<const VoxelFace> faces, double offsetVoxels)
+      : faces_(faces),
+        offsetVoxels_(offsetVoxels),
+        parent_(faces.size() * 4),
+        middle_(faces.size() * 4, kNone) {
     std::iota(parent_.begin(), parent_.end(), 0u);
   }
 
@@ -130,10 +133,10 @@ class Builder {
     return glm::dvec3(corner.x(), corner.y(), corner.z()) - 0.5;
   }
 
-  // Away from the faces' outer sides: into the body, or off the other body across a gap.
-  glm::dvec3 back(const glm::dvec3& normals) const {
+  // An offset against the faces' normals, into the fragment.
+  glm::dvec3 backwards(const glm::dvec3& normals) const {
     const double length = glm::length(normals);
-    return length > 0.0 ? normals * (-apart_ / length) : glm::dvec3(0.0);
+    return length > 0.0 ? normals * (-offsetVoxels_ / length) : glm::dvec3(0.0);
   }
 
   void makeVertices() {
@@ -162,7 +165,7 @@ class Builder {
       const Coord& here = corners[order[i]];
       if ((i > 0 && corners[order[i - 1]] == here) ||
           (i + 1 < order.size() && corners[order[i + 1]] == here)) {
-        out_.mesh.vertices[order[i]] += back(normals[order[i]]);
+        out_.mesh.vertices[order[i]] += backwards(normals[order[i]]);
       }
     }
   }
@@ -175,12 +178,12 @@ class Builder {
       normals += glm::dvec3(n.x(), n.y(), n.z());
       middle_[use.side] = static_cast<std::uint32_t>(out_.mesh.vertices.size());
     }
-    out_.mesh.vertices.push_back(at + back(normals));
+    out_.mesh.vertices.push_back(at + backwards(normals));
   }
 
   void addTriangles(std::uint32_t f) {
-    // The face's outline, beginning where it is fanned from: a middle where there is one, because
-    // that lies on a line with its two neighbours; else a corner of even sum.
+    // The outline is triangulated as a fan.  The fan starts at a middle vertex if there is one,
+    // because that is collinear with its two neighbors; else at a corner of even sum.
     std::array<std::uint32_t, 8> outline{};
     std::size_t n = 0, start = 0;
     bool hasMiddle = false;
@@ -197,27 +200,27 @@ class Builder {
     for (std::size_t i = 1; i + 1 < n; ++i) {
       out_.mesh.triangles.push_back(
           {outline[start], outline[(start + i) % n], outline[(start + i + 1) % n]});
-      out_.facing.push_back(faces_[f].facing);
+      out_.neighbor.push_back(faces_[f].neighbor);
     }
   }
 
   std::span<const VoxelFace> faces_;
-  double apart_;
+  double offsetVoxels_;
   std::vector<std::uint32_t> parent_;  // [faces * 4] union-find over the faces' corners
   std::vector<std::uint32_t> vertex_;  // [faces * 4]
-  std::vector<std::uint32_t> middle_;  // [faces * 4] vertex on a side, or none
+  std::vector<std::uint32_t> middle_;  // [faces * 4] vertex on a side, or kNone
   VoxelMesh out_;
 };
 
 }  // namespace
 
-std::vector<VoxelFace> facesOf(const Solid& solid, const Labels& labels, const Labels& unworn,
+std::vector<VoxelFace> facesOf(const Solid& solid, const Labels& labels, const Labels& uneroded,
                                std::uint16_t fragment, std::span<const std::uint32_t> leaves) {
   const LeafBlocks& blocks = solid.blocks;
-  LabelReader now(blocks, labels), before(blocks, unworn);
-  const auto facing = [&](const Coord& voxel, const Coord& step) {
+  LabelReader now(blocks, labels), before(blocks, uneroded);
+  const auto neighbor = [&](const Coord& voxel, const Coord& step) {
     Coord at = voxel + step;
-    for (int away = 1; away <= kDeepestWear && before.isInside(at); ++away, at += step) {
+    for (int away = 1; away <= kMaxErosionDepth && before.isInside(at); ++away, at += step) {
       if (before.at(at) != fragment) return before.at(at);
     }
     return std::uint16_t{0};
@@ -226,14 +229,14 @@ std::vector<VoxelFace> facesOf(const Solid& solid, const Labels& labels, const L
   for (const std::uint32_t leaf : leaves) {
     for (std::size_t x = 0; x < 8; ++x) {
       for (std::uint64_t bits = blocks.inside[leaf * 8 + x]; bits; bits &= bits - 1) {
-        const std::size_t place =
+        const std::size_t voxelIndex =
             std::size_t{leaf} * 512 + x * 64 + static_cast<std::size_t>(std::countr_zero(bits));
-        if (labels.fragment[place] != fragment) continue;
-        const Coord voxel = blocks.voxelAt(place);
+        if (labels.fragment[voxelIndex] != fragment) continue;
+        const Coord voxel = blocks.voxelAt(voxelIndex);
         for (int direction = 0; direction < 6; ++direction) {
           const Coord step = towards(direction);
           if (now.isInside(voxel + step) && now.at(voxel + step) == fragment) continue;
-          faces.push_back({voxel, direction, facing(voxel, step)});
+          faces.push_back({voxel, direction, neighbor(voxel, step)});
         }
       }
     }
@@ -241,8 +244,9 @@ std::vector<VoxelFace> facesOf(const Solid& solid, const Labels& labels, const L
   return faces;
 }
 
-VoxelMesh meshOfFaces(std::span<const VoxelFace> faces, const GridFrame& frame, double apart) {
-  return Builder(faces, apart).build(frame);
+VoxelMesh meshOfFaces(std::span<const VoxelFace> faces, const GridFrame& frame,
+                      double offsetVoxels) {
+  return Builder(faces, offsetVoxels).build(frame);
 }
 
 }  // namespace sherd

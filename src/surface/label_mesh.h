@@ -11,30 +11,30 @@
 
 namespace sherd {
 
-/// One side of a voxel that has no voxel of its body beyond it.
+/// A side of a voxel whose adjacent voxel does not belong to the fragment.
 struct VoxelFace {
   openvdb::Coord voxel;
-  int direction = 0;         ///< 0..5: -x +x -y +y -z +z
-  std::uint16_t facing = 0;  ///< 0 original surface, else the fragment on the other side
+  int direction = 0;           ///< 0..5: -x +x -y +y -z +z
+  std::uint16_t neighbor = 0;  ///< 0 original surface, else the fragment on the other side
 };
 
-/// The faces of a fragment's voxels.  Beyond a face lies the outside, another fragment, or worn
-/// voxels: then what is found straight behind them, up to kDeepestWear voxels away.
-///   unworn  labels before wear; `labels` where there was none
-///   leaves  those that hold the fragment, or more
+/// Returns the faces of a fragment's voxels.  The neighbor of a face on eroded voxels is searched
+/// straight behind them, up to kMaxErosionDepth voxels away.
+///   uneroded  labels before erosion; `labels` if there was none
+///   leaves    a superset of the leaves that hold the fragment
 [[nodiscard]] std::vector<VoxelFace> facesOf(const Solid& solid, const Labels& labels,
-                                             const Labels& unworn, std::uint16_t fragment,
+                                             const Labels& uneroded, std::uint16_t fragment,
                                              std::span<const std::uint32_t> leaves);
 
 struct VoxelMesh {
-  TriangleMesh mesh;                  ///< closed, edge- and vertex-manifold, outwards, world units
-  std::vector<std::uint16_t> facing;  ///< [triangles]
+  TriangleMesh mesh;  ///< closed, edge- and vertex-manifold, outwards, world units
+  std::vector<std::uint16_t> neighbor;  ///< [triangles]
 };
 
-/// All faces of a set of voxels as a mesh.  Volume and area are those of the voxels, but for sheets
-/// that touch: these stand `apart` voxels back from each other.  Squares are split at the diagonal
-/// of corners with an even sum, so two bodies that share a face split it alike.
+/// Returns all faces of a set of voxels as a mesh.  Volume and area are those of the voxels, except
+/// that vertices where sheets touch are moved inwards by `offsetVoxels`.  Squares are split at the
+/// diagonal of the corners with an even coordinate sum, so two fragments split a shared face alike.
 [[nodiscard]] VoxelMesh meshOfFaces(std::span<const VoxelFace> faces, const GridFrame& frame,
-                                    double apart = 1.0 / 64);
+                                    double offsetVoxels = 1.0 / 64);
 
 }  // namespace sherd

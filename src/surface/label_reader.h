@@ -1,4 +1,4 @@
-// Labels by voxel.
+// Random access to labels.
 #pragma once
 
 #include <sherd/labels.h>
@@ -8,18 +8,18 @@
 
 namespace sherd {
 
-/// Labels by voxel, remembering the last leaf: neighbouring questions hit the same one.
+/// Labels by voxel position.  Caches the last leaf, because successive voxels mostly share it.
 class LabelReader {
  public:
   LabelReader(const LeafBlocks& blocks, const Labels& labels) : blocks_(blocks), labels_(labels) {}
 
-  /// The label of a voxel, in the outer band too; 0 beyond.
+  /// Returns the label of a voxel inside or in the exterior band; 0 elsewhere.
   std::uint16_t at(const openvdb::Coord& voxel) {
-    return find(voxel) ? labels_.fragment[placeOf(voxel)] : std::uint16_t{0};
+    return find(voxel) ? labels_.fragment[voxelIndexOf(voxel)] : std::uint16_t{0};
   }
 
   bool isInside(const openvdb::Coord& voxel) {
-    return find(voxel) && blocks_.isInside(placeOf(voxel));
+    return find(voxel) && blocks_.isInside(voxelIndexOf(voxel));
   }
 
  private:
@@ -31,7 +31,7 @@ class LabelReader {
     }
     return leaf_ != LeafBlocks::kNone;
   }
-  std::size_t placeOf(const openvdb::Coord& voxel) const {
+  std::size_t voxelIndexOf(const openvdb::Coord& voxel) const {
     return std::size_t{leaf_} * 512 + offsetFromCoord(voxel);
   }
 

@@ -1,4 +1,4 @@
-// Labels of a leaf and of what lies round it, and which cells between them surfaces pass.
+// Labels of a leaf and its surroundings, and the cells that surfaces pass through.
 #pragma once
 
 #include <sherd/labels.h>
@@ -27,20 +27,21 @@ inline constexpr std::array<std::array<std::uint16_t, 8>, 256> kBitMasks = [] {
 }();
 
 enum class Voxels {
-  all,    ///< in the outer band too
+  all,    ///< in the exterior band too
   inside  ///< others are 0
 };
 
-/// The labels of a leaf, of so many layers below it and of so many above it, along each axis.
-///   round  the leaf's
+/// Returns the labels of a leaf and of kBelow layers below and kAbove layers above it along each
+/// axis; 0 where there is no leaf.
 template <std::size_t kBelow, std::size_t kAbove>
-[[nodiscard]] LabelCube<kBelow + 8 + kAbove> labelsRound(const LeafBlocks& blocks,
-                                                         const Labels& labels,
-                                                         const LeafRound& round, Voxels voxels) {
+[[nodiscard]] LabelCube<kBelow + 8 + kAbove> labelsAround(const LeafBlocks& blocks,
+                                                          const Labels& labels,
+                                                          const LeafNeighbors& neighborhood,
+                                                          Voxels voxels) {
   constexpr std::size_t kSide = kBelow + 8 + kAbove;
   LabelCube<kSide> cube;
   std::uint16_t* to = cube.data();
-  // Counts are known when compiled, so that labels are copied as words.
+  // Counts are compile-time constants, so that labels are copied as words.
   const auto take = [&]<std::size_t kFrom, std::size_t kCount>(std::uint32_t leaf,
                                                                std::size_t row) {
     if (leaf == LeafBlocks::kNone) {
@@ -57,8 +58,8 @@ template <std::size_t kBelow, std::size_t kAbove>
   };
   for (std::size_t x = 8 - kBelow; x < 16 + kAbove; ++x) {
     for (std::size_t y = 8 - kBelow; y < 16 + kAbove; ++y) {
-      // The row lies in three leaves.
-      const std::uint32_t* const leaves = &round[x / 8 * 9 + y / 8 * 3];
+      // The row spans three leaves.
+      const std::uint32_t* const leaves = &neighborhood[x / 8 * 9 + y / 8 * 3];
       const std::size_t row = x % 8 * 8 + y % 8;
       if constexpr (kBelow > 0) take.template operator()<8 - kBelow, kBelow>(leaves[0], row);
       take.template operator()<0, 8>(leaves[1], row);
@@ -68,10 +69,10 @@ template <std::size_t kBelow, std::size_t kAbove>
   return cube;
 }
 
-/// The lowest and the highest of labels but 0.
+/// The lowest and the highest label other than 0.
 struct LabelRange {
-  std::uint16_t below = 0xffff;  ///< the lowest less 1
-  std::uint16_t high = 0;        ///< 0 where there is none
+  std::uint16_t below = 0xffff;  ///< the lowest minus 1
+  std::uint16_t high = 0;        ///< 0 if there is none
 
   bool isOne() const { return high != 0 && below == high - 1; }
   bool isSeveral() const { return below < static_cast<std::uint16_t>(high - 1); }
@@ -86,17 +87,17 @@ struct LabelRange {
   return range;
 }
 
-/// Which cells of a cube surfaces pass: a bit for each by its lowest corner, [x*kSide+y] bit z.
+/// The cells of a cube that surfaces pass through, by their lowest corners: [x*kSide+y] bit z.
 template <std::size_t kSide>
 struct PassedCells {
   using Rows = std::array<std::uint16_t, kSide * kSide>;
   Rows crossed{};  ///< its corners' labels differ
-  Rows cut{};      ///< its corners have several labels but 0
+  Rows cut{};      ///< its corners have several labels other than 0
 };
 
 template <std::size_t kSide>
 [[nodiscard]] PassedCells<kSide> passedCells(const LabelCube<kSide>& labels) {
-  // Of a cell, by its lowest corner: the lowest label, the lowest but 0 less 1, and the highest.
+  // By the lowest corner of a cell: the lowest label, the lowest other than 0 minus 1, the highest.
   LabelCube<kSide> least, low, high;
   const auto gather = [&](const auto& fromLeast, const auto& fromLow, const auto& fromHigh,
                           std::size_t stride) {

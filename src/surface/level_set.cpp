@@ -1,4 +1,4 @@
-// Cutting level sets.
+// Cuts level sets.
 #include "surface/level_set.h"
 
 #include <openvdb/openvdb.h>
@@ -23,8 +23,7 @@ FloatGrid::Ptr emptyLike(const FloatGrid& solid) {
   return grid;
 }
 
-// A leaf of the solid as it is; where the solid has none there, a tile of what it has, if that is
-// inside.
+// Adds the solid's leaf unchanged, or an inside tile where the solid has no leaf and is inside.
 void addWhole(FloatGrid& grid, const FloatGrid& solid, const openvdb::Coord& origin) {
   if (const Leaf* leaf = solid.tree().probeConstLeaf(origin)) {
     grid.tree().addLeaf(new Leaf(*leaf));
@@ -55,8 +54,8 @@ ConstFloatGridPtr fragmentLevelSet(const Solid& solid, const Cut& cut, std::uint
     auto leaf = std::make_unique<Leaf>(origin, band, false);
     for (openvdb::Index v = 0; v < 512; ++v) {
       const float solidValue = whole ? whole->getValue(v) : tile;
-      // A distance of the whole band is no distance: three times the voxel size may lie a hair
-      // inside the background.
+      // A clamped distance becomes the background exactly: three times the voxel size may round to
+      // less than that.
       const float voxels = cutLeaf.distance[i * 512 + v];
       const float toCut =
           std::abs(voxels) < kHalfWidthVoxels ? voxels * voxelSize : std::copysign(band, voxels);

@@ -1,17 +1,17 @@
-// Level sets to triangles.  The only file that compiles OpenVDB's mesher.
+// Level sets to triangles.  Only this file compiles OpenVDB's mesher.
 #include "surface/mesh.h"
 
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/VolumeToMesh.h>
 
-#include "mesh/turned_over.h"
+#include "mesh/flipped_orientation.h"
 
 namespace sherd {
 namespace {
 
 double squaredDistance(const glm::dvec3& a, const glm::dvec3& b) { return glm::dot(a - b, a - b); }
 
-// The same values with the index space as world: float positions then lose nothing to a far-off
+// The same tree with an identity transform, so that float positions lose no precision far from the
 // origin.
 openvdb::FloatGrid::ConstPtr inIndexSpace(const openvdb::FloatGrid& grid) {
   openvdb::FloatGrid::Ptr view =
@@ -23,7 +23,7 @@ openvdb::FloatGrid::ConstPtr inIndexSpace(const openvdb::FloatGrid& grid) {
 // In index space.
 TriangleMesh meshAt(double isovalue, const openvdb::FloatGrid& grid) {
   openvdb::tools::VolumeToMesh mesher(isovalue,
-                                      /*adaptivity=*/0.0);  // fresh: a reused one remembers
+                                      /*adaptivity=*/0.0);  // new: a mesher keeps state
   mesher(*inIndexSpace(grid));
 
   TriangleMesh out;
@@ -66,7 +66,8 @@ TriangleMesh meshInWorld(const openvdb::FloatGrid& grid, double isovalue) {
     const openvdb::Vec3d at = grid.indexToWorld(openvdb::Vec3d(v.x, v.y, v.z));
     v = {at.x(), at.y(), at.z()};
   }
-  return volume(mesh) < 0.0 ? turnedOver(std::move(mesh)) : mesh;  // mirrored, or fog
+  return volume(mesh) < 0.0 ? flippedOrientation(std::move(mesh))
+                            : mesh;  // a mirroring transform, or a fog volume
 }
 
 }  // namespace sherd

@@ -1,4 +1,4 @@
-// A grid's surface as triangles.
+// Triangle meshes of level sets.
 #pragma once
 
 #include <sherd/grid_fwd.h>
@@ -6,9 +6,8 @@
 
 namespace sherd {
 
-/// The surface where a grid's values are `isovalue`, of a grid with any transform, in world units:
-/// by OpenVDB's dual mesher, without adaptivity, two triangles per quad, split at the shorter
-/// diagonal.
+/// Returns the isosurface of a grid with any transform, in world units, by OpenVDB's VolumeToMesh
+/// without adaptivity.  Quads are split at the shorter diagonal.
 [[nodiscard]] TriangleMesh meshInWorld(const openvdb::FloatGrid& grid, double isovalue = 0.0);
 
 }  // namespace sherd

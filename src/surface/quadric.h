@@ -1,4 +1,4 @@
-// Quadric error: the sum of squared distances to planes, as a function of a place.
+// Quadric error: the weighted sum of squared distances from a point to planes.
 #pragma once
 
 #include <cmath>
@@ -16,7 +16,7 @@ struct Quadric {
   glm::dvec3 b{0.0};
   double c = 0.0;
 
-  /// The squared distance to the plane through `point` with unit `normal`, times `weight`.
+  /// Returns the squared distance to the plane through `point` with unit `normal`, times `weight`.
   static Quadric plane(const glm::dvec3& normal, const glm::dvec3& point, double weight) {
     const double d = -glm::dot(normal, point);
     return {weight * glm::outerProduct(normal, normal), weight * d * normal, weight * d * d};
@@ -35,8 +35,8 @@ struct Quadric {
   double weight() const { return a[0][0] + a[1][1] + a[2][2]; }  ///< of all planes
 };
 
-/// x with m x = y, m symmetric and positive definite.  By Cholesky's factors: the inverse by
-/// cofactors loses everything where planes are nearly parallel.
+/// Solves m x = y, m symmetric and positive definite, by Cholesky factorization: the inverse by
+/// cofactors loses all precision where planes are nearly parallel.
 inline glm::dvec3 solved(const glm::dmat3& m, const glm::dvec3& y) {
   const double l00 = std::sqrt(m[0][0]), l10 = m[0][1] / l00, l20 = m[0][2] / l00;
   const double l11 = std::sqrt(m[1][1] - l10 * l10), l21 = (m[1][2] - l20 * l10) / l11;

@@ -1,4 +1,4 @@
-// Squared distances in integers, so that voxels agree with growth to the last tie.
+// Squared distances are integers, so that ties agree with those of growth.
 #include "surface/site_cut.h"
 
 #include <algorithm>
@@ -13,12 +13,12 @@ namespace {
 
 constexpr std::int64_t kFar = std::numeric_limits<std::int64_t>::max();
 
-// The sites that can be the nearest of theirs somewhere in a leaf's halo.
+// The sites of a fragment that can be its nearest site somewhere in a leaf's halo.
 std::vector<Sites::Site> nearLeaf(std::span<const Sites::Site> sites, const openvdb::Coord& origin,
                                   const Sites& all) {
   std::vector<Sites::Site> near(sites.begin(), sites.end());
   if (near.size() < 2) return near;
-  // No voxel of the halo is farther from its middle one than a corner is.
+  // Corners are the voxels of the halo farthest from its middle.
   const glm::dvec3 middle(all.stretched(origin + openvdb::Coord(4)));
   double reach = 0.0;
   for (int corner = 0; corner < 8; ++corner) {
@@ -40,8 +40,8 @@ std::vector<Sites::Site> nearLeaf(std::span<const Sites::Site> sites, const open
 // Bits of a halo's voxels by row, [x*12+y] bit z.
 using HaloBits = std::array<std::uint16_t, kCutSide * kCutSide>;
 
-// What lies up to a halo's width away from some of the voxels, along all axes.
-HaloBits round(const HaloBits& voxels) {
+// Dilates voxels by kCutHalo along all axes.
+HaloBits dilated(const HaloBits& voxels) {
   constexpr int kLast = kCutSide - 1;
   HaloBits rows{}, out{};
   for (int x = 0; x < kCutSide; ++x) {
@@ -66,7 +66,7 @@ HaloBits round(const HaloBits& voxels) {
   return out;
 }
 
-// Where a leaf's row of voxels is in its halo.
+// The row of the halo that holds a row of the leaf.
 std::size_t haloRow(std::size_t row) {
   return (row / 8 + kCutHalo) * kCutSide + row % 8 + kCutHalo;
 }
@@ -75,7 +75,7 @@ std::size_t haloRow(std::size_t row) {
 
 Sites::Sites(const VoronoiSites& sites) {
   if (sites.seeds.empty()) return;
-  const sherd_metric metric = metricFor(Metric::euclidean, sites.grain);
+  const sherd_metric metric = metricFor(Metric::euclidean, sites.anisotropy);
   for (std::size_t i = 0; i < 9; ++i) rows_[i] = metric.row[i];
   std::vector<Seed> seeds = sites.seeds;
   std::stable_sort(seeds.begin(), seeds.end(),
@@ -118,7 +118,7 @@ namespace {
 // The nearest of a fragment's sites to each voxel of a row of the halo.
 struct NearestInRow {
   std::array<std::int64_t, kCutSide> squared;
-  std::array<std::size_t, kCutSide> site;  // by number
+  std::array<std::size_t, kCutSide> site;  // index
 };
 
 //   low   the row's first voxel, stretched
@@ -149,13 +149,13 @@ NearestInRow nearestInRow(std::span<const Sites::Site> sites, const glm::i64vec3
 
 std::int64_t squared(const glm::i64vec3& v) { return v.x * v.x + v.y * v.y + v.z * v.z; }
 
-// Rivals that are sorted at first; more are seldom needed.
+// Number of rivals sorted at first; more are rarely needed.
 constexpr std::size_t kRivals = 32;
 
-// Far more than a plane's distance rounds by, far less than any that decides.
+// Well above rounding errors of a plane's distance, well below relevant differences.
 constexpr double kRounding = 1e-6;  // voxels
 
-// The cut of one leaf, row by row.
+// Computes the cut of one leaf, row by row of its halo.
 class SitesOfLeaf {
  public:
   SitesOfLeaf(const openvdb::Coord& origin, std::span<const std::uint16_t> fragments,
@@ -176,7 +176,7 @@ class SitesOfLeaf {
     }
   }
 
-  void goToRow(std::size_t x, std::size_t y) {
+  void setRow(std::size_t x, std::size_t y) {
     const glm::i64vec3 low =
         low_ + static_cast<std::int64_t>(x) * steps_[0] + static_cast<std::int64_t>(y) * steps_[1];
     row_ = {x, y};
@@ -189,7 +189,7 @@ class SitesOfLeaf {
     }
   }
 
-  // Does a voxel belong to a site that none is nearer than?
+  // True if a nearest site of the row's voxel z has this label.
   bool agrees(std::uint16_t label, std::size_t z) const {
     const auto at = std::lower_bound(fragments_.begin(), fragments_.end(), label);
     if (at == fragments_.end() || *at != label) return false;
@@ -199,9 +199,10 @@ class SitesOfLeaf {
 
   bool hasSites(std::size_t k) const { return !sites_[k].empty(); }
 
-  // The plane towards the next nearest site need not be the nearest plane: sites may lie close
-  // together.  But no voxel is farther beyond a plane than it is from the site, less what the plane
-  // is from the site; so those far from it cannot decide.
+  // The distance in voxels, -3..3, of the row's voxel z to the cell of fragment k.  The plane
+  // towards the second nearest site need not be the nearest plane, because sites may lie close
+  // together.  But a voxel's distance beyond a plane is at most its distance from the site minus
+  // the plane's, so planes far from the site are skipped.
   float toCut(std::size_t k, std::size_t z) {
     const glm::dvec3 voxel(origin_.x() + static_cast<int>(row_[0]) - kCutHalo,
                            origin_.y() + static_cast<int>(row_[1]) - kCutHalo,
@@ -225,12 +226,12 @@ class SitesOfLeaf {
   std::uint64_t planes() const { return planes_; }
 
  private:
-  // Another fragment, and the slope between two sites: neighbouring voxels mostly have the same
-  // nearest ones.
+  // Another fragment, with the cached slope between the nearest sites of both: adjacent voxels
+  // mostly share them.
   struct Rival {
     std::uint32_t other = 0;
     std::uint32_t from = ~std::uint32_t{0}, to = 0;
-    double plane = 0.0;  // how near a plane between sites of the two comes to this one's, voxels
+    double plane = 0.0;  // least distance from a site of this fragment to a bisector plane, voxels
     double slope = 0.0;
   };
 
@@ -257,7 +258,7 @@ class SitesOfLeaf {
     return least;
   }
 
-  // The nearest rivals of a fragment with sites, as many as `most`, always in the same order.
+  // Sets the `most` nearest rivals of a fragment with sites, in a deterministic order.
   void findRivals(std::size_t k, std::size_t most) {
     std::vector<Rival>& rivals = rivals_[k];
     rivals.clear();
@@ -280,7 +281,7 @@ class SitesOfLeaf {
   std::array<glm::i64vec3, 3> steps_;
   std::array<std::size_t, 2> row_{};
   std::vector<std::vector<Sites::Site>> sites_;  // [fragments]
-  std::size_t withSites_ = 0;                    // fragments that have some
+  std::size_t withSites_ = 0;                    // number of fragments with sites
   std::vector<NearestInRow> nearest_;            // [fragments]
   std::array<std::int64_t, kCutSide> least_{};
   std::vector<std::vector<Rival>> rivals_;  // [fragments] by plane, the nearest first
@@ -291,23 +292,23 @@ class SitesOfLeaf {
 
 SiteCut siteCut(const CutHalo& halo, const openvdb::Coord& origin,
                 std::span<const std::uint16_t> fragments, const Sites& sites,
-                const VoxelBits& wanted, SiteCutWork* work) {
+                const VoxelBits& requested, SiteCutWork* work) {
   SiteCut cut;
   cut.distance.assign(fragments.size() * 512, 3.0f);
   SitesOfLeaf ofLeaf(origin, fragments, sites);
-  HaloBits own{}, wrong{};
+  HaloBits own{}, mismatches{};
   for (std::size_t row = 0; row < 64; ++row) {
-    own[haloRow(row)] = static_cast<std::uint16_t>(wanted[row] << kCutHalo);
+    own[haloRow(row)] = static_cast<std::uint16_t>(requested[row] << kCutHalo);
   }
-  const HaloBits looked = round(own);
-  for (std::size_t row = 0; row < looked.size(); ++row) {
-    if (looked[row] == 0) continue;
-    ofLeaf.goToRow(row / kCutSide, row % kCutSide);
-    for (unsigned bits = looked[row]; bits != 0; bits &= bits - 1) {
+  const HaloBits tested = dilated(own);
+  for (std::size_t row = 0; row < tested.size(); ++row) {
+    if (tested[row] == 0) continue;
+    ofLeaf.setRow(row / kCutSide, row % kCutSide);
+    for (unsigned bits = tested[row]; bits != 0; bits &= bits - 1) {
       const auto z = static_cast<std::size_t>(std::countr_zero(bits));
       const std::uint16_t label = halo[row * kCutSide + z];
       if (label != 0 && !ofLeaf.agrees(label, z)) {
-        wrong[row] |= static_cast<std::uint16_t>(1u << z);
+        mismatches[row] |= static_cast<std::uint16_t>(1u << z);
       }
     }
     for (unsigned bits = own[row]; bits != 0; bits &= bits - 1) {
@@ -320,14 +321,14 @@ SiteCut siteCut(const CutHalo& halo, const openvdb::Coord& origin,
     }
   }
   if (work != nullptr) {
-    for (const std::uint8_t bits : wanted) {
+    for (const std::uint8_t bits : requested) {
       work->distances += fragments.size() * static_cast<std::size_t>(std::popcount(bits));
     }
     work->planes += ofLeaf.planes();
   }
-  const HaloBits fails = round(wrong);
+  const HaloBits fails = dilated(mismatches);
   for (std::size_t row = 0; row < 64; ++row) {
-    cut.holds[row] = static_cast<std::uint8_t>(wanted[row] & ~(fails[haloRow(row)] >> kCutHalo));
+    cut.holds[row] = static_cast<std::uint8_t>(requested[row] & ~(fails[haloRow(row)] >> kCutHalo));
   }
   return cut;
 }

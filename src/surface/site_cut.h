@@ -1,4 +1,4 @@
-// The cut between Voronoi cells: planes half way between seeds.
+// The cut between Voronoi cells: bisector planes of seeds.
 #pragma once
 
 #include <sherd/labels.h>
@@ -13,33 +13,34 @@
 
 namespace sherd {
 
-constexpr int kCutHalo = 2;  ///< voxels round a leaf that its cut depends on
+constexpr int kCutHalo = 2;  ///< voxels around a leaf that its cut depends on
 constexpr int kCutSide = 8 + 2 * kCutHalo;
 
-/// Labels of a leaf and of what lies round it, z fastest.
+/// Labels of a leaf and of the voxels around it, z fastest.
 using CutHalo = LabelCube<kCutSide>;
 
-/// Seeds by fragment, to measure distances from.
+/// The seeds of each fragment, in the metric of growth.
 class Sites {
  public:
   explicit Sites(const VoronoiSites& sites);
 
   bool empty() const { return first_.empty(); }
 
-  /// A voxel or seed (or a step between two) under the grain, in units of its metric.
+  /// Returns a position or difference of voxels, transformed by the anisotropy, in units of the
+  /// metric.
   glm::i64vec3 stretched(const openvdb::Coord& voxel) const;
 
-  /// A seed, as a voxel and stretched.
+  /// A seed.
   struct Site {
     glm::i64vec3 stretched{0};
     glm::dvec3 voxel{0.0};
   };
 
-  /// The sites of a fragment; none where it has none.
+  /// Returns the sites of a fragment, possibly none.
   std::span<const Site> of(std::uint16_t fragment) const;
 
-  /// How fast, per voxel, the difference of the squared distances to two stretched sites grows
-  /// towards one of them.
+  /// Returns the gradient's length, per voxel, of the difference of squared distances to two
+  /// stretched sites.
   double slope(const glm::i64vec3& a, const glm::i64vec3& b) const;
 
  private:
@@ -51,30 +52,30 @@ class Sites {
 /// A bit for each voxel of a leaf: [x*8+y] bit z.
 using VoxelBits = std::array<std::uint8_t, 64>;
 
-/// A leaf's cut where its labels are those of the nearest sites.
+/// The cut of a leaf where its labels are those of the nearest sites.
 struct SiteCut {
-  VoxelBits holds{};  ///< of the wanted voxels: all inside voxels up to two away belong to
-                      ///< their nearest site
-  std::vector<float> distance;  ///< [fragments*512] voxels to the plane, within -3..3; 3 where none
-                                ///< is wanted
+  VoxelBits holds{};  ///< of the requested voxels: all inside voxels up to two away belong to
+                      ///< their nearest site, so the distances are valid
+  std::vector<float> distance;  ///< [fragments*512] voxels to the plane, within -3..3; 3 where not
+                                ///< requested
 };
 
-/// What was computed for a cut, to show that cost is linear.
+/// Operation counts, to test that the cost is linear.
 struct SiteCutWork {
-  std::uint64_t distances = 0;  ///< asked for: voxels times fragments
-  std::uint64_t planes = 0;     ///< that were evaluated for them
+  std::uint64_t distances = 0;  ///< requested: voxels times fragments
+  std::uint64_t planes = 0;     ///< evaluated for them
 };
 
-/// Distances to the planes that bound each fragment's cell: to the nearest of them inside it, and
-/// outside to the one that is passed by most.  Only the planes near a site decide (see
-/// SitesOfLeaf::toCut), so a leaf of many small cells costs in proportion to their number.
+/// Returns distances to the planes that bound each fragment's cell: inside it to the nearest plane,
+/// outside to the plane that the voxel is farthest beyond.  Only planes near a site matter (see
+/// SitesOfLeaf::toCut), so the cost of a leaf of many small cells is linear in their number.
 ///   halo       labels of inside voxels, else 0
 ///   origin     the leaf's lowest voxel
-///   fragments  [n] whose cut is asked for
-///   wanted     where it is asked for
-///   work       counts are added to it, where it is given
+///   fragments  [n] ascending, to compute distances for
+///   requested  voxels to compute
+///   work       null, or counts to add to
 [[nodiscard]] SiteCut siteCut(const CutHalo& halo, const openvdb::Coord& origin,
                               std::span<const std::uint16_t> fragments, const Sites& sites,
-                              const VoxelBits& wanted, SiteCutWork* work = nullptr);
+                              const VoxelBits& requested, SiteCutWork* work = nullptr);
 
 }  // namespace sherd

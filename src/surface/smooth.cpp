@@ -1,4 +1,4 @@
-// Smoothing in two passes.
+// Smooths meshes in two passes.
 #include "surface/smooth.h"
 
 #include <sherd/error.h>
@@ -15,37 +15,37 @@
 namespace sherd {
 namespace {
 
-// Surfaces of fewer triangles than this, those of pores and crumbs of a voxel or three, would
-// shrink to a point.
+// Surfaces of fewer triangles (pores and islands of one to three voxels) would shrink to a point.
 constexpr std::size_t kLeastTriangles = 100;
 
-// What is smoothed: one mesh, or several whose vertices at one place stay together.
+// One mesh, or several whose vertices with one positionId stay together.
 struct Smoothed {
   std::vector<glm::dvec3> vertices;
   std::vector<glm::uvec3> faces;
-  std::vector<bool> boundary;         // [vertices]
-  std::vector<std::uint32_t> places;  // [vertices] or empty
-  std::vector<bool> stays{};          // [vertices] or empty
+  std::vector<bool> boundary;              // [vertices]
+  std::vector<std::uint32_t> positionIds;  // [vertices] or empty
+  std::vector<bool> isFixed{};             // [vertices] or empty
 };
 
-// Vertices that move and share a place all go to their mean.
-void bringTogether(Smoothed& mesh, const std::vector<bool>& moves) {
-  if (mesh.places.empty()) return;
-  const std::uint32_t count = *std::max_element(mesh.places.begin(), mesh.places.end()) + 1;
+// Moves vertices that share a position to their mean.
+void averageSharedPositions(Smoothed& mesh, const std::vector<bool>& moves) {
+  if (mesh.positionIds.empty()) return;
+  const std::uint32_t count =
+      *std::max_element(mesh.positionIds.begin(), mesh.positionIds.end()) + 1;
   std::vector<glm::dvec3> sum(count, glm::dvec3(0.0));
   std::vector<int> members(count, 0);
   for (std::size_t v = 0; v < moves.size(); ++v) {
     if (!moves[v]) continue;
-    sum[mesh.places[v]] += mesh.vertices[v];
-    ++members[mesh.places[v]];
+    sum[mesh.positionIds[v]] += mesh.vertices[v];
+    ++members[mesh.positionIds[v]];
   }
   for (std::size_t v = 0; v < moves.size(); ++v) {
-    const std::uint32_t place = mesh.places[v];
-    if (moves[v]) mesh.vertices[v] = sum[place] / static_cast<double>(members[place]);
+    const std::uint32_t id = mesh.positionIds[v];
+    if (moves[v]) mesh.vertices[v] = sum[id] / static_cast<double>(members[id]);
   }
 }
 
-// Moves some vertices of a mesh towards the mean over their faces, or away from it.
+// Moves selected vertices towards the mean of their neighbors, or away from it.
 class Smoother {
  public:
   Smoother(Smoothed& mesh, const std::vector<bool>& moves)
@@ -55,7 +55,7 @@ class Smoother {
     }
   }
 
-  // All at once, by `weight` of the way.
+  // Moves all by `weight` times the difference to the mean.
   void step(double weight) {
     std::vector<glm::dvec3>& vertices = mesh_.vertices;
     sum_.assign(vertices.size(), glm::dvec3(0.0));
@@ -69,13 +69,13 @@ class Smoother {
       if (!moves_[v] || neighbors_[v] == 0) continue;
       vertices[v] += weight * (sum_[v] / static_cast<double>(neighbors_[v]) - vertices[v]);
     }
-    bringTogether(mesh_, moves_);
+    averageSharedPositions(mesh_, moves_);
   }
 
  private:
   Smoothed& mesh_;
   const std::vector<bool>& moves_;
-  std::vector<int> neighbors_;  // [vertices] once for each face
+  std::vector<int> neighbors_;  // [vertices] counted once per face
   std::vector<glm::dvec3> sum_;
 };
 
@@ -94,8 +94,8 @@ void smooth(Smoothed& mesh, const SmoothOptions& options, int longestSide,
             const Progress* progress) {
   std::vector<bool> boundary = mesh.boundary, other = mesh.boundary;
   other.flip();
-  for (std::size_t v = 0; v < mesh.stays.size(); ++v) {
-    if (mesh.stays[v]) boundary[v] = other[v] = false;
+  for (std::size_t v = 0; v < mesh.isFixed.size(); ++v) {
+    if (mesh.isFixed[v]) boundary[v] = other[v] = false;
   }
   smooth(mesh, other, options.method, options.weight, options.iterations.over(longestSide),
          progress);
@@ -103,35 +103,36 @@ void smooth(Smoothed& mesh, const SmoothOptions& options, int longestSide,
          options.boundaryIterations.over(longestSide), progress);
 }
 
-// [places] Does a small surface pass there?
-std::vector<bool> smallSurfaces(std::span<const LabelledMesh> meshes,
-                                std::span<const std::uint32_t> places) {
-  std::vector<bool> isSmall(*std::max_element(places.begin(), places.end()) + std::size_t{1});
-  for (const LabelledMesh& mesh : meshes) {
-    const Components parts = components(mesh.mesh);
-    std::vector<std::size_t> triangles(parts.count, 0);
-    for (const std::uint32_t part : parts.ofTriangle) ++triangles[part];
-    for (std::size_t t = 0; t < parts.ofTriangle.size(); ++t) {
-      if (triangles[parts.ofTriangle[t]] >= kLeastTriangles) continue;
-      for (int k = 0; k < 3; ++k) isSmall[mesh.place[mesh.mesh.triangles[t][k]]] = true;
+// [positionIds] True if the position is on a small surface.
+std::vector<bool> smallSurfaces(std::span<const LabeledMesh> meshes,
+                                std::span<const std::uint32_t> positionIds) {
+  std::vector<bool> isSmall(*std::max_element(positionIds.begin(), positionIds.end()) +
+                            std::size_t{1});
+  for (const LabeledMesh& mesh : meshes) {
+    const MeshComponents components = meshComponents(mesh.mesh);
+    std::vector<std::size_t> triangles(components.count, 0);
+    for (const std::uint32_t component : components.ofTriangle) ++triangles[component];
+    for (std::size_t t = 0; t < components.ofTriangle.size(); ++t) {
+      if (triangles[components.ofTriangle[t]] >= kLeastTriangles) continue;
+      for (int k = 0; k < 3; ++k) isSmall[mesh.positionId[mesh.mesh.triangles[t][k]]] = true;
     }
   }
   return isSmall;
 }
 
-// Add a mesh behind what is there.
-void add(Smoothed& to, const TriangleMesh& mesh, std::span<const std::uint16_t> facing) {
-  assert(facing.size() == mesh.triangles.size());
+// Appends a mesh.
+void add(Smoothed& to, const TriangleMesh& mesh, std::span<const std::uint16_t> neighbor) {
+  assert(neighbor.size() == mesh.triangles.size());
   const auto first = static_cast<unsigned>(to.vertices.size());
   to.vertices.insert(to.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
   to.boundary.resize(to.vertices.size(), false);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     to.faces.push_back(mesh.triangles[t] + first);
-    for (int k = 0; facing[t] != 0 && k < 3; ++k) to.boundary[to.faces.back()[k]] = true;
+    for (int k = 0; neighbor[t] != 0 && k < 3; ++k) to.boundary[to.faces.back()[k]] = true;
   }
 }
 
-bool areGood(const Iterations& iterations) {
+bool areValid(const Iterations& iterations) {
   return iterations.count >= 0 && iterations.count <= 1000 && iterations.perVoxel >= 0.0 &&
          iterations.perVoxel <= 1.0;
 }
@@ -151,7 +152,7 @@ bool movesAnything(const SmoothOptions& options, int longestSide) {
 
 void checkSurfaceOptions(const SurfaceOptions& options) {
   const SmoothOptions& smooth = options.smooth;
-  if (!areGood(smooth.iterations) || !areGood(smooth.boundaryIterations) ||
+  if (!areValid(smooth.iterations) || !areValid(smooth.boundaryIterations) ||
       !isShare(smooth.weight) || !isShare(smooth.boundaryWeight)) {
     throw Error(ErrorCode::usage,
                 "smoothing takes weights of 0..1, and 0..1000 iterations or 0..1 a voxel");
@@ -175,30 +176,31 @@ void checkSurfaceOptions(const SurfaceOptions& options) {
   }
 }
 
-TriangleMesh smoothed(TriangleMesh mesh, std::span<const std::uint16_t> facing,
+TriangleMesh smoothed(TriangleMesh mesh, std::span<const std::uint16_t> neighbor,
                       const SmoothOptions& options, int longestSide, const Progress* progress) {
   if (!movesAnything(options, longestSide)) return mesh;
   Smoothed all;
-  add(all, mesh, facing);
+  add(all, mesh, neighbor);
   smooth(all, options, longestSide, progress);
   mesh.vertices = std::move(all.vertices);
   return mesh;
 }
 
-void smoothTogether(std::span<LabelledMesh> meshes,
-                    std::span<const std::vector<std::uint16_t>> facing,
+void smoothTogether(std::span<LabeledMesh> meshes,
+                    std::span<const std::vector<std::uint16_t>> neighbor,
                     const SmoothOptions& options, int longestSide, const Progress* progress) {
   if (!movesAnything(options, longestSide)) return;
   Smoothed all;
   for (std::size_t i = 0; i < meshes.size(); ++i) {
-    add(all, meshes[i].mesh, facing[i]);
-    all.places.insert(all.places.end(), meshes[i].place.begin(), meshes[i].place.end());
+    add(all, meshes[i].mesh, neighbor[i]);
+    all.positionIds.insert(all.positionIds.end(), meshes[i].positionId.begin(),
+                           meshes[i].positionId.end());
   }
-  const std::vector<bool> isSmall = smallSurfaces(meshes, all.places);
-  for (const std::uint32_t place : all.places) all.stays.push_back(isSmall[place]);
+  const std::vector<bool> isSmall = smallSurfaces(meshes, all.positionIds);
+  for (const std::uint32_t id : all.positionIds) all.isFixed.push_back(isSmall[id]);
   smooth(all, options, longestSide, progress);
   auto from = all.vertices.begin();
-  for (LabelledMesh& mesh : meshes) {
+  for (LabeledMesh& mesh : meshes) {
     const auto to = from + static_cast<std::ptrdiff_t>(mesh.mesh.vertices.size());
     mesh.mesh.vertices.assign(from, to);
     from = to;

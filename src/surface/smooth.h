@@ -1,4 +1,4 @@
-// Smoothing meshes that share vertices.
+// Smoothing of meshes that share vertices.
 #pragma once
 
 #include <sherd/surface.h>
@@ -10,16 +10,17 @@
 
 namespace sherd {
 
-/// Is there any smoothing to be done?
+/// Returns true if the options have iterations to do.
+///   longestSide  of the solid's box, voxels
 [[nodiscard]] bool movesAnything(const SmoothOptions& options, int longestSide);
 
-/// Smooth meshes as `smoothed` does each, but vertices at one place go to the mean of where each
-/// would: what meshes share stays shared.  Closed surfaces of fewer than 100 triangles, round pores
-/// and crumbs of a voxel or three, stay as they are: they would shrink to a point.
-///   facing  [meshes][triangles]
-///   throws  Error(cancelled)
-void smoothTogether(std::span<LabelledMesh> meshes,
-                    std::span<const std::vector<std::uint16_t>> facing,
+/// Smooths meshes as `smoothed` does, but moves vertices with one positionId to the mean of their
+/// new positions, so that shared faces stay shared.  Closed surfaces of fewer than 100 triangles
+/// (pores and islands of one to three voxels) are not smoothed: they would shrink to a point.
+///   neighbor  [meshes][triangles]
+///   throws    Error(cancelled)
+void smoothTogether(std::span<LabeledMesh> meshes,
+                    std::span<const std::vector<std::uint16_t>> neighbor,
                     const SmoothOptions& options, int longestSide,
                     const Progress* progress = nullptr);
 

@@ -1,4 +1,4 @@
-// How far voxels are from a surface, where they are near it.
+// Distances from voxels to a surface, in a band around it.
 #include "voxelize/band.h"
 
 #include <tbb/parallel_for.h>
@@ -19,23 +19,23 @@ using openvdb::Coord;
 
 constexpr int kLeafSide = 8;
 
-// A thread takes cubes, large ones where there are enough of them: most are far from the surface.
+// Tasks are cubes, large ones where there are enough: most are far from the surface.
 constexpr int kLargestTask = 64, kSmallestTask = 16;
 constexpr std::size_t kEnoughTasks = 256;
 
-// Of more triangles near one leaf the tree finds the nearest sooner than a list does.
-constexpr std::size_t kMostInList = 8192;
+// For more triangles than this near one leaf, the tree is faster than a list.
+constexpr std::size_t kMaxListSize = 8192;
 
 class Search {
  public:
   Search(const TriangleTree& tree, double reach, std::vector<BandLeaf>& leaves, CancelFlag& stop)
       : tree_(tree), reach_(reach), leaves_(leaves), stop_(stop) {}
 
-  // Append a cube's leaves.
+  // Appends the leaves of a cube.
   void descend(const Coord& origin, int side, std::uint32_t guess) {
     if (stop_.isSet()) return;
     const Cube cube(origin, side);
-    const Nearest near = tree_.nearest(cube.middle, reach_ + cube.radius, guess);
+    const Nearest near = tree_.nearest(cube.center, reach_ + cube.radius, guess);
     if (near.triangle == TriangleTree::kNone) return;
     if (side > kLeafSide) {
       forEachEighth(origin, side, [&](const Coord& c) { descend(c, side / 2, near.triangle); });
@@ -47,7 +47,7 @@ class Search {
     const glm::dvec3 corner(origin.x(), origin.y(), origin.z());
     const std::vector<std::uint32_t> triangles =
         tree_.meeting(widened({corner, corner + (kLeafSide - 1.0)}, reach_));
-    byList_ = triangles.size() <= kMostInList;
+    byList_ = triangles.size() <= kMaxListSize;
     if (byList_) lists_[0].assign(tree_, corner, triangles);
     forEachEighth(origin, side, [&](const Coord& c) { fill(c, side / 2, near.triangle, 0); });
     if (any_) leaves_.push_back(leaf_);
@@ -58,10 +58,10 @@ class Search {
 
   struct Cube {
     Cube(const Coord& origin, int side)
-        : middle(glm::dvec3(origin.x(), origin.y(), origin.z()) + 0.5 * (side - 1)),
+        : center(glm::dvec3(origin.x(), origin.y(), origin.z()) + 0.5 * (side - 1)),
           radius(0.5 * (side - 1) * std::numbers::sqrt3) {}
-    glm::dvec3 middle;
-    double radius;  // of its voxels' centres
+    glm::dvec3 center;
+    double radius;  // of the ball around all voxel centers of the cube
   };
 
   template <class Visit>
@@ -76,16 +76,16 @@ class Search {
     return byList_ ? lists_[list].nearest(point, reach, guess) : tree_.nearest(point, reach, guess);
   }
 
-  // Fill in a part of the leaf, near which are the triangles of a list.
+  // Fills a cube of the leaf from the triangles of a list.
   void fill(const Coord& origin, int side, std::uint32_t guess, std::size_t list) {
     if (side == 1) {
       fill(origin, guess, list);
       return;
     }
     const Cube cube(origin, side);
-    const Nearest near = nearest(cube.middle, reach_ + cube.radius, guess, list);
+    const Nearest near = nearest(cube.center, reach_ + cube.radius, guess, list);
     if (near.triangle == TriangleTree::kNone) return;
-    if (byList_) {  // what is nearest to any of the voxels
+    if (byList_) {  // keep the triangles that may be nearest to one of the voxels
       const double farthest = std::min(near.distance + cube.radius, reach_);
       lists_[list + 1].assign(lists_[list], farthest + cube.radius);
     }
@@ -96,8 +96,8 @@ class Search {
   void fill(const Coord& voxel, std::uint32_t guess, std::size_t list) {
     const Nearest found = nearest({voxel.x(), voxel.y(), voxel.z()}, reach_, guess, list);
     if (found.triangle == TriangleTree::kNone) return;
-    const Coord in = voxel - leaf_.origin;
-    leaf_.distance[static_cast<std::size_t>(in.x() << 6 | in.y() << 3 | in.z())] =
+    const Coord local = voxel - leaf_.origin;
+    leaf_.distance[static_cast<std::size_t>(local.x() << 6 | local.y() << 3 | local.z())] =
         static_cast<float>(found.distance);
     any_ = true;
   }
@@ -108,10 +108,10 @@ class Search {
   CancelFlag& stop_;
   BandLeaf leaf_;  // being filled
   bool any_ = false, byList_ = false;
-  std::array<Discs, 3> lists_;  // near the leaf, a cube of four voxels a side, one of two
+  std::array<Discs, 3> lists_;  // triangles near the leaf, near its cube of side 4, and of side 2
 };
 
-// The cubes of a lattice that meet a box, by where they begin.
+// Returns the origins of the lattice cubes that intersect a box.
 std::vector<Coord> cubesOf(const Box& box, int side) {
   const auto first = [side](double v) { return static_cast<int>(std::floor(v / side)) * side; };
   std::vector<Coord> cubes;
@@ -138,11 +138,11 @@ std::vector<BandLeaf> bandOf(const TriangleTree& tree, double reach, const Progr
   stop.throwIfSet();
   std::vector<BandLeaf> leaves;
   std::size_t count = 0;
-  for (const auto& part : found) count += part.size();
+  for (const auto& cubeLeaves : found) count += cubeLeaves.size();
   leaves.reserve(count);
-  for (std::vector<BandLeaf>& part : found) {
-    leaves.insert(leaves.end(), part.begin(), part.end());
-    std::vector<BandLeaf>().swap(part);
+  for (std::vector<BandLeaf>& cubeLeaves : found) {
+    leaves.insert(leaves.end(), cubeLeaves.begin(), cubeLeaves.end());
+    std::vector<BandLeaf>().swap(cubeLeaves);
   }
   return leaves;
 }

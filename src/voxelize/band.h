@@ -1,4 +1,4 @@
-// How far voxels are from a surface, where they are near it.
+// Distances from voxels to a surface, in a band around it.
 #pragma once
 
 #include <sherd/grid_fwd.h>
@@ -12,20 +12,20 @@
 
 namespace sherd {
 
-/// Eight by eight by eight voxels, in OpenVDB's order.
+/// A leaf of 8x8x8 voxels, in OpenVDB's order.
 struct BandLeaf {
   openvdb::Coord origin;
-  std::array<float, 512> distance;  ///< voxels, >= 0; infinite where it is `reach` or more
+  std::array<float, 512> distance;  ///< voxels, >= 0; infinite where not below `reach`
 };
 
-/// The leaves that have a voxel nearer than `reach` to a surface, and its voxels' distances.
+/// Returns the leaves that have a voxel nearer than `reach` to a surface, with their distances.
 ///
-/// Cubes of voxels are halved from 64 down; one is left out when its middle is too far from the
-/// surface for any of its voxels to be near.  So the cost goes with the surface's area in voxels,
-/// and hardly with the number of triangles.
+/// Cubes of voxels are halved from a side of 64 down; a cube is skipped when its center is too far
+/// from the surface for any of its voxels to be near.  So the cost grows with the surface's area in
+/// voxels, and hardly depends on the number of triangles.
 ///   tree     of the surface, in index space, not empty
 ///   reach    voxels
-///   return   in one order, whatever the number of threads
+///   return   in an order that does not depend on the number of threads
 ///   throws   Error(cancelled)
 [[nodiscard]] std::vector<BandLeaf> bandOf(const TriangleTree& tree, double reach,
                                            const Progress* progress);

@@ -1,4 +1,4 @@
-// Voxels that keep thin walls in one piece.
+// Voxels that keep thin walls connected.
 #include "voxelize/bridges.h"
 
 #include <tbb/parallel_for.h>
@@ -16,18 +16,19 @@ namespace {
 
 using openvdb::Coord;
 
-// Two inside voxels that touch by an edge or a corner only.
+// Two inside voxels that share only an edge or a corner.
 struct Pair {
   Coord a, b;
 };
 
-// The inside bits of a leaf and of the voxels just above it: bit z of [x][y], each 0..8.
+// The inside bits of a leaf and of the next layer of voxels along each axis: bit z of [x][y], with
+// x, y and z in 0..8.
 using Rows = std::array<std::array<unsigned, 9>, 9>;
 
-Rows rowsOf(const LeafBlocks& blocks, const LeafRound& round) {
+Rows rowsOf(const LeafBlocks& blocks, const LeafNeighbors& neighbors) {
   const auto word = [&](int dx, int dy, int dz, int x) -> std::uint64_t {
     const std::uint32_t leaf =
-        round[static_cast<std::size_t>((dx + 1) * 9 + (dy + 1) * 3 + dz + 1)];
+        neighbors[static_cast<std::size_t>((dx + 1) * 9 + (dy + 1) * 3 + dz + 1)];
     return leaf == LeafBlocks::kNone
                ? 0
                : blocks.inside[leaf * std::size_t{8} + static_cast<unsigned>(x)];
@@ -45,7 +46,7 @@ Rows rowsOf(const LeafBlocks& blocks, const LeafRound& round) {
   return rows;
 }
 
-// Add the pairs a + z, b + z for each bit z below 8.
+// Adds the pairs a + z, b + z for each bit z below 8.
 void addPairs(unsigned bits, const Coord& a, const Coord& b, std::vector<Pair>& pairs) {
   for (bits &= 0xffu; bits != 0; bits &= bits - 1) {
     const Coord up(0, 0, std::countr_zero(bits));
@@ -53,10 +54,10 @@ void addPairs(unsigned bits, const Coord& a, const Coord& b, std::vector<Pair>& 
   }
 }
 
-// Pairs across squares of four voxels, the other two outside.
+// Adds the diagonal pairs of 2x2 squares whose other two voxels are outside.
 void addSquares(const Rows& rows, const Coord& origin, std::vector<Pair>& pairs) {
-  // Of a square's corners p, and r two steps on, are in.
-  const auto across = [](unsigned p, unsigned q, unsigned r, unsigned s) {
+  // p, q, r and s go around the square; p and r are inside.
+  const auto diagonal = [](unsigned p, unsigned q, unsigned r, unsigned s) {
     return p & r & ~(q | s);
   };
   for (int x = 0; x < 8; ++x) {
@@ -66,20 +67,20 @@ void addSquares(const Rows& rows, const Coord& origin, std::vector<Pair>& pairs)
       };
       const Coord here = origin + Coord(x, y, 0);
       const unsigned r = at(0, 0), alongX = at(1, 0), alongY = at(0, 1), both = at(1, 1);
-      addPairs(across(r, alongX, both, alongY), here, here + Coord(1, 1, 0), pairs);
-      addPairs(across(alongX, r, alongY, both), here + Coord(1, 0, 0), here + Coord(0, 1, 0),
+      addPairs(diagonal(r, alongX, both, alongY), here, here + Coord(1, 1, 0), pairs);
+      addPairs(diagonal(alongX, r, alongY, both), here + Coord(1, 0, 0), here + Coord(0, 1, 0),
                pairs);
       for (const auto& [next, step] :
            {std::pair{alongX, Coord(1, 0, 0)}, std::pair{alongY, Coord(0, 1, 0)}}) {
         const Coord up(0, 0, 1);
-        addPairs(across(r, r >> 1, next >> 1, next), here, here + step + up, pairs);
-        addPairs(across(r >> 1, r, next, next >> 1), here + up, here + step, pairs);
+        addPairs(diagonal(r, r >> 1, next >> 1, next), here, here + step + up, pairs);
+        addPairs(diagonal(r >> 1, r, next, next >> 1), here + up, here + step, pairs);
       }
     }
   }
 }
 
-// Pairs across cubes of eight voxels, the other six outside.
+// Adds the diagonal pairs of 2x2x2 cubes whose other six voxels are outside.
 void addCubes(const Rows& rows, const Coord& origin, std::vector<Pair>& pairs) {
   for (int x = 0; x < 8; ++x) {
     for (int y = 0; y < 8; ++y) {
@@ -110,7 +111,10 @@ glm::dvec3 pointOf(const Coord& c) { return {c.x(), c.y(), c.z()}; }
 class Bridges {
  public:
   Bridges(const LeafBlocks& blocks, const Filling& filling, const Progress* progress)
-      : blocks_(blocks), filling_(filling), stop_(progress), round_(leavesRound(blocks.origins)) {}
+      : blocks_(blocks),
+        filling_(filling),
+        stop_(progress),
+        leafNeighbors_(leafNeighbors(blocks.origins)) {}
 
   std::vector<std::size_t> find() {
     join(addSquares);
@@ -126,9 +130,9 @@ class Bridges {
     tbb::parallel_for(std::size_t{0}, blocks_.count(), [&](std::size_t leaf) {
       if (stop_.isSet()) return;
       std::vector<Pair> pairs;
-      add(rowsOf(blocks_, round_[leaf]), blocks_.origins[leaf], pairs);
+      add(rowsOf(blocks_, leafNeighbors_[leaf]), blocks_.origins[leaf], pairs);
       for (const Pair& pair : pairs) {
-        if (!areJoined(pair) && seeEachOther(pair)) addPath(pair, ofLeaf[leaf]);
+        if (!areJoined(pair) && isSegmentInside(pair)) addPath(pair, ofLeaf[leaf]);
       }
     });
     stop_.throwIfSet();
@@ -136,10 +140,10 @@ class Bridges {
       for (const Coord& voxel : voxels) {
         const std::uint32_t leaf = findLeaf(blocks_, voxel);
         if (leaf == LeafBlocks::kNone) continue;
-        const std::size_t place = leaf * std::size_t{512} + offsetFromCoord(voxel);
-        if (blocks_.isInside(place)) continue;
-        blocks_.inside[place / 64] |= std::uint64_t{1} << (place % 64);
-        added_.push_back(place);
+        const std::size_t voxelIndex = leaf * std::size_t{512} + offsetFromCoord(voxel);
+        if (blocks_.isInside(voxelIndex)) continue;
+        blocks_.inside[voxelIndex / 64] |= std::uint64_t{1} << (voxelIndex % 64);
+        added_.push_back(voxelIndex);
       }
     }
   }
@@ -150,39 +154,40 @@ class Bridges {
            blocks_.isInside(leaf * std::size_t{512} + offsetFromCoord(voxel));
   }
 
-  // Whether steps over faces lead from one to the other, no farther than a voxel round the pair: at
-  // a sharp edge of a solid they do, deeper down.
+  // Whether a 6-connected path joins the pair, at most one voxel away from it: at a sharp edge of a
+  // solid one does, deeper inside.
   bool areJoined(const Pair& pair) const {
     const Coord low = Coord::minComponent(pair.a, pair.b) - Coord(1, 1, 1);
     const Coord high = Coord::maxComponent(pair.a, pair.b) + Coord(1, 1, 1);
-    std::vector<Coord> met{pair.a};
-    for (std::size_t i = 0; i < met.size(); ++i) {
+    std::vector<Coord> reached{pair.a};
+    for (std::size_t i = 0; i < reached.size(); ++i) {
       for (int k = 0; k < 6; ++k) {
-        Coord next = met[i];
+        Coord next = reached[i];
         next[k / 2] += k % 2 == 0 ? -1 : 1;
         if (next[k / 2] < low[k / 2] || next[k / 2] > high[k / 2] || !isInside(next) ||
-            std::find(met.begin(), met.end(), next) != met.end()) {
+            std::find(reached.begin(), reached.end(), next) != reached.end()) {
           continue;
         }
         if (next == pair.b) return true;
-        met.push_back(next);
+        reached.push_back(next);
       }
     }
     return false;
   }
 
-  bool seeEachOther(const Pair& pair) const {
+  bool isSegmentInside(const Pair& pair) const {
     const glm::dvec3 a = pointOf(pair.a), b = pointOf(pair.b);
     if (filling_.halfThickness > 0.0) return distanceAt(0.5 * (a + b)) < filling_.halfThickness;
     return filling_.surface->firstHit(a, b - a, 0.0) > 1.0;
   }
 
   double distanceAt(const glm::dvec3& point) const {
-    constexpr double kFar = 3.0;  // voxels; nothing between two inside voxels is so far out
+    constexpr double kFar = 3.0;  // voxels; every point between the two voxels is nearer
     return filling_.surface->nearest(point, kFar).distance;
   }
 
-  // The voxels of a shortest way from a to b, by steps to whichever is nearest to the surface.
+  // Adds the voxels of a shortest path from a to b; each step goes to the voxel nearest to the
+  // surface.
   void addPath(const Pair& pair, std::vector<Coord>& path) const {
     Coord at = pair.a;
     for (;;) {
@@ -208,7 +213,7 @@ class Bridges {
   LeafBlocks blocks_;
   const Filling& filling_;
   CancelFlag stop_;
-  std::vector<LeafRound> round_;
+  std::vector<LeafNeighbors> leafNeighbors_;
   std::vector<std::size_t> added_;
 };
 

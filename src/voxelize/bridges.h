@@ -1,4 +1,4 @@
-// Voxels that keep thin walls in one piece.
+// Voxels that keep thin walls connected.
 #pragma once
 
 #include <sherd/leaf_blocks.h>
@@ -10,13 +10,14 @@
 
 namespace sherd {
 
-/// A wall thinner than a voxel's diagonal may have voxels that touch by an edge or a corner only,
-/// and so falls into parts that the mesh does not have.  Where two such voxels' centres see each
-/// other through the solid, and no way leads from one to the other close by, these are the voxels
-/// that join them: of those between the two the nearest to the surface.  Walls of kHeldWallVoxels
-/// then hold together whatever way they run.
+/// Returns the outside voxels that connect inside voxels which share only an edge or a corner.
+///
+/// Such voxels occur in walls thinner than a voxel's diagonal and would split a connected mesh into
+/// several components.  Two of them are connected if the segment between their centers stays in
+/// the solid and no 6-connected path joins them nearby; the path between them takes the voxels
+/// nearest to the surface.  Walls of kHeldWallVoxels then stay connected in every orientation.
 ///   blocks  of the solid without bridges
-///   return  places of voxels that are outside, ascending
+///   return  voxel indices, ascending
 ///   throws  Error(cancelled)
 [[nodiscard]] std::vector<std::size_t> bridgesOf(const LeafBlocks& blocks, const Filling& filling,
                                                  const Progress* progress = nullptr);

@@ -1,4 +1,4 @@
-// Closing a mesh.
+// Triangles that close a mesh.
 #include "voxelize/caps.h"
 
 #include <algorithm>
@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-// Halves of the loop's part from one vertex to another, and a triangle between their chords: of n
-// triangles half lie along the boundary and are as small as its edges, so a tree of them is local.
+// Triangulates a section of the loop by recursive halving: half of the triangles lie along the
+// boundary and are as small as its edges, so a tree of them stays local.
 void addHalves(std::uint32_t from, std::uint32_t to, TriangleMesh& caps) {
   if (to - from < 2) return;
   const std::uint32_t middle = from + (to - from) / 2;
@@ -26,7 +26,7 @@ void addHalves(std::uint32_t from, std::uint32_t to, TriangleMesh& caps) {
 }
 
 void addCap(const TriangleMesh& mesh, std::span<const std::uint32_t> loop, TriangleMesh& caps) {
-  if (loop.size() < 3) return;  // there and back: nothing between
+  if (loop.size() < 3) return;  // two opposite edges enclose nothing
   const auto first = static_cast<std::uint32_t>(caps.vertices.size());
   for (const std::uint32_t vertex : loop) caps.vertices.push_back(mesh.vertices[vertex]);
   addHalves(first, first + static_cast<std::uint32_t>(loop.size()) - 1, caps);
@@ -35,8 +35,8 @@ void addCap(const TriangleMesh& mesh, std::span<const std::uint32_t> loop, Trian
 }  // namespace
 
 TriangleMesh loopCaps(const TriangleMesh& mesh) {
-  // Edges that are missing, by the vertex they leave.  As many arrive at each vertex as leave it,
-  // so a walk along them ends only where it began.
+  // Missing edges, sorted by their first vertex.  As many enter each vertex as leave it, so a walk
+  // along them ends only where it started.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> missing;
   forEachEdge(mesh, [&](const EdgeUse& edge) {
     for (std::size_t n = edge.backward; n < edge.forward; ++n)
@@ -47,13 +47,13 @@ TriangleMesh loopCaps(const TriangleMesh& mesh) {
   TriangleMesh caps;
   if (missing.empty()) return caps;
   std::sort(missing.begin(), missing.end());
-  std::vector<std::size_t> next(mesh.vertices.size() + 1, 0);  // first edge not walked yet
+  std::vector<std::size_t> next(mesh.vertices.size() + 1, 0);  // first edge not visited yet
   for (const auto& edge : missing) ++next[edge.first + 1];
   for (std::size_t v = 0; v + 1 < next.size(); ++v) next[v + 1] += next[v];
   const std::vector<std::size_t> first = next;
 
   std::vector<std::uint32_t> path;
-  std::vector<std::uint32_t> onPath(mesh.vertices.size(), kNone);  // place on the path
+  std::vector<std::uint32_t> onPath(mesh.vertices.size(), kNone);  // index in `path`
   for (std::uint32_t start = 0; start < mesh.vertices.size(); ++start) {
     while (next[start] < first[start + 1]) {
       path.assign(1, start);
@@ -65,7 +65,7 @@ TriangleMesh loopCaps(const TriangleMesh& mesh) {
           path.push_back(to);
           continue;
         }
-        // A loop is closed: it leaves the path, which goes on from where it began.
+        // A loop is closed: it is removed from the path, which continues from the loop's start.
         const std::size_t from = onPath[to];
         addCap(mesh, std::span(path).subspan(from), caps);
         for (std::size_t i = from + 1; i < path.size(); ++i) onPath[path[i]] = kNone;

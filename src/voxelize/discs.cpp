@@ -1,4 +1,4 @@
-// Triangles near some voxels.
+// Triangles near some voxels, each bounded by a disc.
 #include "voxelize/discs.h"
 
 #include <algorithm>
@@ -9,12 +9,12 @@
 namespace sherd {
 namespace {
 
-// Single precision moves what it is given by less than this share of its distance from the origin
-// and of its size; points are within kPoints of the origin.
+// Rounding to single precision moves a disc or a point by less than this fraction of its distance
+// from the origin plus its size; query points are within kMaxPointDistance of the origin.
 constexpr double kRounding = 1e-6;
-constexpr double kPoints = 32.0;
+constexpr double kMaxPointDistance = 32.0;
 
-// More than what a few roundings change.
+// These factors exceed the effect of a few roundings.
 constexpr float kUp = 1.0f + 2e-6f, kDown = 1.0f - 2e-6f;
 
 }  // namespace
@@ -27,15 +27,15 @@ void Discs::assign(const TriangleTree& tree, const glm::dvec3& origin,
   for (std::vector<float>& column : columns_) column.resize(triangles.size());
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     const std::array<glm::dvec3, 3> t = tree.corners(triangles[i]);
-    const glm::dvec3 centre = (t[0] + t[1] + t[2]) / 3.0;
+    const glm::dvec3 center = (t[0] + t[1] + t[2]) / 3.0;
     const glm::dvec3 across = glm::cross(t[1] - t[0], t[2] - t[0]);
     const double twice = glm::length(across);
     const glm::dvec3 normal = twice > 0.0 ? across / twice : glm::dvec3(0.0);
     double squared = 0.0;
-    for (const glm::dvec3& v : t) squared = std::max(squared, glm::dot(v - centre, v - centre));
+    for (const glm::dvec3& v : t) squared = std::max(squared, glm::dot(v - center, v - center));
     const double radius = std::sqrt(squared);
-    const glm::dvec3 from = centre - origin;
-    const double slack = kRounding * (glm::length(from) + radius + kPoints);
+    const glm::dvec3 from = center - origin;
+    const double slack = kRounding * (glm::length(from) + radius + kMaxPointDistance);
     const std::array<double, kColumns> values{from.x,   from.y,   from.z,         normal.x,
                                               normal.y, normal.z, radius + slack, slack};
     for (std::size_t k = 0; k < values.size(); ++k) columns_[k][i] = static_cast<float>(values[k]);
@@ -55,7 +55,7 @@ void Discs::assign(Discs& others, double reach) {
   for (std::size_t k = 0; k < columns_.size(); ++k) take(columns_[k], others.columns_[k]);
 }
 
-// How far above or below its plane a point is from a disc, and how far beside it.
+// Combines a point's distance from each disc's plane with its distance beyond the disc's edge.
 void Discs::measure(const glm::dvec3& point) {
   const glm::vec3 p(point - origin_);
   const std::size_t count = triangles_.size();
@@ -76,7 +76,7 @@ void Discs::measure(const glm::dvec3& point) {
   }
 }
 
-// The places of triangles that may be nearer to the last point than the root of `limit`.
+// Returns the indices of triangles whose squared distance to the last point may be below `limit`.
 std::span<std::uint32_t> Discs::below(float limit) {
   chosen_.resize(triangles_.size());
   std::size_t count = 0;
@@ -90,20 +90,20 @@ std::span<std::uint32_t> Discs::below(float limit) {
 TriangleTree::Nearest Discs::nearest(const glm::dvec3& point, double reach, std::uint32_t guess) {
   TriangleTree::Nearest found;
   double squared = reach * reach;
-  const auto look = [&](std::uint32_t triangle) {
+  const auto test = [&](std::uint32_t triangle) {
     const double own = tree_->squaredTo(point, triangle);
     if (!(own < squared)) return;
     squared = own;
     found = {std::sqrt(own), triangle};
   };
-  if (guess != TriangleTree::kNone) look(guess);
+  if (guess != TriangleTree::kNone) test(guess);
   measure(point);
   const std::span<std::uint32_t> near = below(static_cast<float>(squared) * kUp);
   if (near.empty()) return found;
   const auto closer = [&](std::uint32_t a, std::uint32_t b) { return squared_[a] < squared_[b]; };
-  std::swap(near[0], *std::min_element(near.begin(), near.end(), closer));  // soon others are out
+  std::swap(near[0], *std::min_element(near.begin(), near.end(), closer));  // prunes most others
   for (const std::uint32_t i : near) {
-    if (squared_[i] < static_cast<float>(squared) * kUp) look(triangles_[i]);
+    if (squared_[i] < static_cast<float>(squared) * kUp) test(triangles_[i]);
   }
   return found;
 }

@@ -1,4 +1,4 @@
-// Triangles near some voxels, each in a disc, to find the nearest of them soon.
+// Triangles near some voxels, each bounded by a disc, for fast nearest-triangle search.
 #pragma once
 
 #include <array>
@@ -12,21 +12,21 @@
 
 namespace sherd {
 
-/// Some triangles of a tree.  A disc holds each: the distance to it is a bound of the triangle's,
-/// close where triangles are not long and thin, and taken of several at a time.
+/// Some triangles of a tree, each bounded by a disc.  The distance to the disc is a lower bound of
+/// that to the triangle, tight unless the triangle is long and thin, and vectorizes.
 class Discs {
  public:
-  ///   origin     near all points that will be asked for: discs are in single precision about it
+  ///   origin     near all query points: discs are stored in single precision relative to it
   ///   triangles  in the tree's order
   void assign(const TriangleTree& tree, const glm::dvec3& origin,
               std::span<const std::uint32_t> triangles);
 
-  /// Take over those of others that may be less than `reach` away from the point that these were
-  /// asked for last.
+  /// Copies from `others` the triangles that may be nearer than `reach` to the point of their last
+  /// query.
   void assign(Discs& others, double reach);
 
-  /// As TriangleTree::nearest, of these triangles; the distance is the same to the bit.
-  ///   guess  one of the tree's triangles, or none
+  /// As TriangleTree::nearest for these triangles; the distance is bitwise the same.
+  ///   guess  one of the tree's triangles, or kNone
   [[nodiscard]] TriangleTree::Nearest nearest(const glm::dvec3& point, double reach,
                                               std::uint32_t guess);
 
@@ -40,8 +40,8 @@ class Discs {
   glm::dvec3 origin_{0.0};
   std::vector<std::uint32_t> triangles_;
   std::array<std::vector<float>, kColumns> columns_;
-  std::vector<float> squared_;         // no more than the squared distances to the last point
-  std::vector<std::uint32_t> chosen_;  // places of some triangles
+  std::vector<float> squared_;         // lower bounds of squared distances to the last query point
+  std::vector<std::uint32_t> chosen_;  // indices into triangles_
 };
 
 }  // namespace sherd

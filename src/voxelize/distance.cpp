@@ -24,15 +24,14 @@ using openvdb::Coord;
 using openvdb::FloatGrid;
 using Leaf = FloatGrid::TreeType::LeafNodeType;
 
-// No inside voxel is nearer to the surface than this share of a voxel: it keeps triangles from
-// shrinking to points.
+// Inside voxels are at least this deep, so that triangles do not shrink to points.
 constexpr float kLeastDepthVoxels = 1e-3f;
 
 float worldFromVoxels(float voxels, const GridFrame& frame) {
   return static_cast<float>(static_cast<double>(voxels) * frame.voxelSize);
 }
 
-// Three voxels, and not a hair less: readers divide by the voxel size and compare with 3.
+// Three voxels, rounded up: readers divide by the voxel size and compare with 3.
 float background(const GridFrame& frame) {
   return std::nextafter(worldFromVoxels(kHalfWidthVoxels, frame), INFINITY);
 }
@@ -62,17 +61,13 @@ FloatGrid::Ptr emptyLevelSet(const GridFrame& frame) {
   return grid;
 }
 
-}  // namespace
+// A voxel farther than this from the surface has all neighbors on its side.  More than 1, because a
+// neighbor may lie on the surface.
+constexpr float kBeyondNeighbors = 1.001f;  // voxels
 
-namespace {
-
-// A voxel's neighbours are on its side of any surface that is farther than this from it; not
-// where one may lie on the surface.
-constexpr float kBeyondNeighbours = 1.001f;  // voxels
-
-// Which voxels of a leaf are inside, of those nearer to the surface than `reach`.  A side is asked
-// for few: no surface lies between a voxel and its neighbour when either is far from it, so they
-// have the same.
+// Returns which voxels of a leaf are inside, of those nearer to the surface than `reach`.  Only a
+// few voxels are classified directly: no surface lies between two neighbors when either is far
+// from it, so they have the same side.
 std::array<bool, 512> sidesOf(const BandLeaf& leaf, double reach, const Filling& filling) {
   std::array<bool, 512> inside{}, known{};
   std::array<std::uint16_t, 512> front;
@@ -81,20 +76,20 @@ std::array<bool, 512> sidesOf(const BandLeaf& leaf, double reach, const Filling&
     if (known[start] || !isNear(start)) continue;
     const bool side = filling.isInside(leaf.origin + coordFromOffset(start));
     std::size_t waiting = 0;
-    const auto meet = [&](unsigned i) {
+    const auto reachVoxel = [&](unsigned i) {
       known[i] = true;
       inside[i] = side;
       front[waiting++] = static_cast<std::uint16_t>(i);
     };
-    meet(start);
+    reachVoxel(start);
     while (waiting > 0) {
       const unsigned i = front[--waiting];
-      const bool isFar = leaf.distance[i] > kBeyondNeighbours;
+      const bool isFar = leaf.distance[i] > kBeyondNeighbors;
       for (const unsigned shift : {0u, 3u, 6u}) {
         const unsigned along = i >> shift & 7u;
         const auto step = [&](unsigned next) {
-          if (!known[next] && isNear(next) && (isFar || leaf.distance[next] > kBeyondNeighbours))
-            meet(next);
+          if (!known[next] && isNear(next) && (isFar || leaf.distance[next] > kBeyondNeighbors))
+            reachVoxel(next);
         };
         if (along > 0) step(i - (1u << shift));
         if (along < 7) step(i + (1u << shift));
@@ -109,7 +104,7 @@ std::array<bool, 512> sidesOf(const BandLeaf& leaf, double reach, const Filling&
 FloatGridPtr levelSetOf(const Filling& filling, const GridFrame& frame, const Progress* progress) {
   const double reach = kHalfWidthVoxels + filling.halfThickness;
   const std::vector<BandLeaf> band = bandOf(*filling.surface, reach, progress);
-  step(progress, "voxelize", 0.8);
+  reportProgress(progress, "voxelize", 0.8);
 
   const float outside = background(frame);
   const auto half = static_cast<float>(filling.halfThickness);
@@ -143,14 +138,14 @@ FloatGridPtr levelSetOf(const Filling& filling, const GridFrame& frame, const Pr
   return grid;
 }
 
-void addVoxels(FloatGrid& grid, LeafBlocks& blocks, std::span<const std::size_t> places) {
+void addVoxels(FloatGrid& grid, LeafBlocks& blocks, std::span<const std::size_t> voxelIndices) {
   const float depth = -worldFromVoxels(kLeastDepthVoxels, frameOf(grid));
   FloatGrid::Accessor accessor = grid.getAccessor();
-  for (const std::size_t place : places) {
-    const std::uint64_t bit = std::uint64_t{1} << (place % 64);
-    accessor.setValueOn(blocks.voxelAt(place), depth);
-    blocks.inside[place / 64] |= bit;
-    blocks.outerBand[place / 64] &= ~bit;
+  for (const std::size_t voxelIndex : voxelIndices) {
+    const std::uint64_t bit = std::uint64_t{1} << (voxelIndex % 64);
+    accessor.setValueOn(blocks.voxelAt(voxelIndex), depth);
+    blocks.inside[voxelIndex / 64] |= bit;
+    blocks.exteriorBand[voxelIndex / 64] &= ~bit;
   }
 }
 
@@ -175,8 +170,8 @@ bool isSolidLevelSet(const FloatGrid& grid) {
   for (int row = 0; row < 3; ++row) {
     if (!std::isfinite(m(3, row))) return false;
     for (int column = 0; column < 3; ++column) {
-      const double wanted = row == column ? size : 0.0;
-      if (!(std::abs(m(row, column) - wanted) <= 1e-9 * size)) return false;
+      const double expected = row == column ? size : 0.0;
+      if (!(std::abs(m(row, column) - expected) <= 1e-9 * size)) return false;
     }
   }
   constexpr double kHalfFloats = 0.01;  // grids may be saved with 11 bits
@@ -190,7 +185,7 @@ VoxelCounts voxelsOf(const FloatGrid& grid, double isovalue, bool above) {
     unsigned inside = 0;
     for (openvdb::Index i = 0; i < Leaf::SIZE; ++i) inside += isSolid(leaf->getValue(i)) ? 1u : 0u;
     counts.inside += inside;
-    if (inside > 0 && inside < Leaf::SIZE) counts.surface += 64.0;  // one sheet through it
+    if (inside > 0 && inside < Leaf::SIZE) counts.surface += 64.0;  // one sheet through the leaf
   }
   auto tiles = grid.tree().cbeginValueAll();
   tiles.setMaxDepth(FloatGrid::TreeType::ValueAllCIter::LEAF_DEPTH - 1);
@@ -198,7 +193,7 @@ VoxelCounts voxelsOf(const FloatGrid& grid, double isovalue, bool above) {
     if (!isSolid(*tiles)) continue;
     const auto voxels = static_cast<double>(tiles.getVoxelCount());
     counts.inside += voxels;
-    counts.surface += 6.0 * std::cbrt(voxels * voxels);  // a cube's
+    counts.surface += 6.0 * std::cbrt(voxels * voxels);  // of a cube
   }
   return counts;
 }
@@ -210,20 +205,20 @@ Solid solidOf(const FloatGrid& levelSet) {
   const float leastDepth = worldFromVoxels(kLeastDepthVoxels, solid.frame);
   const FloatGrid::Ptr grid = emptyLevelSet(solid.frame);
   for (auto leaf = levelSet.tree().cbeginLeaf(); leaf; ++leaf) {
-    auto own = std::make_unique<Leaf>(leaf->origin(), outside, false);
+    auto copy = std::make_unique<Leaf>(leaf->origin(), outside, false);
     bool isEmpty = true;
     for (openvdb::Index i = 0; i < Leaf::SIZE; ++i) {
       const float value = leaf->getValue(i);
       if (value <= -outside) {
-        own->setValueOff(i, -outside);
+        copy->setValueOff(i, -outside);
       } else if (value < outside) {
-        own->setValueOn(i, value < 0.0f ? std::min(value, -leastDepth) : value);
-      } else {  // not a number, too
+        copy->setValueOn(i, value < 0.0f ? std::min(value, -leastDepth) : value);
+      } else {  // outside or NaN
         continue;
       }
       isEmpty = false;
     }
-    if (!isEmpty) grid->tree().addLeaf(own.release());
+    if (!isEmpty) grid->tree().addLeaf(copy.release());
   }
   forEachInsideTile(levelSet, [&](const openvdb::CoordBBox& box) {
     grid->tree().sparseFill(box, -outside, /*active=*/false);
@@ -237,9 +232,9 @@ Solid solidOf(const FloatGrid& levelSet) {
 namespace {
 
 struct Masks {
-  std::array<std::uint64_t, 8> inside{}, outerBand{};
+  std::array<std::uint64_t, 8> inside{}, exteriorBand{};
 
-  // Whether a voxel inside lies beside the leaf that is one leaf away by these signs.
+  // Whether an inside voxel touches the neighboring leaf in this direction (-1, 0 or 1 per axis).
   [[nodiscard]] bool touches(const Coord& direction) const {
     constexpr std::uint64_t kLowZ = 0x0101010101010101;
     std::uint64_t side = ~std::uint64_t{0};
@@ -255,18 +250,18 @@ struct Masks {
 
 using FoundLeaves = std::vector<std::pair<Coord, Masks>>;
 
-// Where distances jump from inside to outside there is no band, as in grids of other programs and
-// where a hole is far from any triangle.  A surface runs there all the same, through leaves that
-// have no voxels of their own.
+// Adds leaves without voxels beside inside voxels.  Where distances jump from inside to outside (in
+// grids of other programs, or where a hole is far from any triangle) there is no band, but the
+// surface still passes through such leaves.
 void addEmptyLeaves(FoundLeaves& found) {
   std::vector<Coord> origins;
   origins.reserve(found.size());
   for (const auto& [origin, masks] : found) origins.push_back(origin);
-  const std::vector<LeafRound> rounds = leavesRound(origins);
+  const std::vector<LeafNeighbors> neighbors = leafNeighbors(origins);
   std::vector<Coord> missing;
-  for (std::size_t leaf = 0; leaf < rounds.size(); ++leaf) {
+  for (std::size_t leaf = 0; leaf < neighbors.size(); ++leaf) {
     for (int k = 0; k < 27; ++k) {
-      if (rounds[leaf][static_cast<std::size_t>(k)] != LeafBlocks::kNone) continue;
+      if (neighbors[leaf][static_cast<std::size_t>(k)] != LeafBlocks::kNone) continue;
       const Coord direction(k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1);
       if (found[leaf].second.touches(direction)) {
         missing.push_back(origins[leaf] +
@@ -285,7 +280,7 @@ void addEmptyLeaves(FoundLeaves& found) {
 }  // namespace
 
 LeafBlocks leafBlocks(const FloatGrid& grid) {
-  // Leaves of the grid, and leaves cut from its interior tiles (inactive, negative).
+  // Leaves of the grid, and leaves of its interior tiles (inactive, negative).
   FoundLeaves found;
   for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
     Masks masks;
@@ -295,7 +290,7 @@ LeafBlocks leafBlocks(const FloatGrid& grid) {
       if (leaf->getValue(offset) < 0) {
         masks.inside[offset >> 6] |= bit;
       } else if (leaf->isValueOn(offset)) {
-        masks.outerBand[offset >> 6] |= bit;
+        masks.exteriorBand[offset >> 6] |= bit;
       } else {
         continue;
       }
@@ -322,19 +317,20 @@ LeafBlocks leafBlocks(const FloatGrid& grid) {
   for (const auto& [origin, masks] : found) {
     blocks.origins.push_back(origin);
     blocks.inside.insert(blocks.inside.end(), masks.inside.begin(), masks.inside.end());
-    blocks.outerBand.insert(blocks.outerBand.end(), masks.outerBand.begin(), masks.outerBand.end());
+    blocks.exteriorBand.insert(blocks.exteriorBand.end(), masks.exteriorBand.begin(),
+                               masks.exteriorBand.end());
   }
-  blocks.neighbours = leafNeighbours(blocks.origins);
+  blocks.neighbors = leafNeighborTable(blocks.origins);
   return blocks;
 }
 
 ConstFloatGridPtr withoutVoxels(const FloatGrid& grid, const LeafBlocks& blocks,
-                                const std::function<bool(std::size_t)>& isSpeck) {
+                                const std::function<bool(std::size_t)>& isSmallComponent) {
   FloatGrid::Ptr copy = grid.deepCopy();
   FloatGrid::Accessor accessor = copy->getAccessor();
-  blocks.forEachInside([&](std::size_t place) {
-    if (!isSpeck(place)) return;
-    const Coord voxel = blocks.voxelAt(place);
+  blocks.forEachInside([&](std::size_t voxelIndex) {
+    if (!isSmallComponent(voxelIndex)) return;
+    const Coord voxel = blocks.voxelAt(voxelIndex);
     accessor.setValueOnly(voxel, -accessor.getValue(voxel));
   });
   return copy;

@@ -1,4 +1,4 @@
-// Distance grids: OpenVDB's part of voxelizing.
+// Distance grids: the part of voxelization that uses OpenVDB.
 #pragma once
 
 #include <sherd/grid_fwd.h>
@@ -16,50 +16,54 @@ namespace sherd {
 
 using FloatGridPtr = std::shared_ptr<openvdb::FloatGrid>;
 
-/// The narrow-band level set of what a mesh fills.
+/// Returns the narrow-band level set of a filling.
 ///   return   world units; transform and background by `frame`
 ///   throws   Error(cancelled)
 [[nodiscard]] FloatGridPtr levelSetOf(const Filling& filling, const GridFrame& frame,
                                       const Progress* progress);
 
-/// Make voxels of the outer band inside, as shallow as any may be.
-///   grid, blocks  of one solid; both are brought up to date
-void addVoxels(openvdb::FloatGrid& grid, LeafBlocks& blocks, std::span<const std::size_t> places);
+/// Makes exterior band voxels inside voxels, at the least depth that an inside voxel may have.
+///   grid, blocks  of one solid; both are updated
+///   voxelIndices  of exterior band voxels
+void addVoxels(openvdb::FloatGrid& grid, LeafBlocks& blocks,
+               std::span<const std::size_t> voxelIndices);
 
-/// The union of two level sets of one frame; `other` is used up.
+/// Replaces `grid` by the union of two level sets of one frame; `other` is consumed.
 void unite(openvdb::FloatGrid& grid, openvdb::FloatGrid& other);
 
-/// Where a grid's voxels lie.
+/// Returns the frame of a grid.
 [[nodiscard]] GridFrame frameOf(const openvdb::FloatGrid& grid);
 
-/// The shortest side of a grid's voxels, world units.
+/// Returns the shortest side of a grid's voxels, world units.
 [[nodiscard]] double smallestVoxel(const openvdb::FloatGrid& grid);
 
-/// Whether a level set can be a solid's as it is: neither turned, sheared nor mirrored, one voxel
-/// size, values to three voxels from the surface.
+/// Whether a level set can be used for a solid unchanged: no rotation, shear or mirroring, one
+/// voxel size, and a half width of at least three voxels.
 [[nodiscard]] bool isSolidLevelSet(const openvdb::FloatGrid& grid);
 
-/// How many voxels a grid's solid has, those of tiles included, and about its surface.
+/// The number of voxels in a grid's solid, tiles included, and an estimate of those at its surface.
 struct VoxelCounts {
   double inside = 0.0, surface = 0.0;
 };
 
-/// These, where the solid is where values are below the isovalue, or above it.
+/// Returns the counts of the solid whose values are below the isovalue, or above it if `above`.
 [[nodiscard]] VoxelCounts voxelsOf(const openvdb::FloatGrid& grid, double isovalue, bool above);
 
-/// The solid of such a level set, on its voxels; what is farther than three voxels from the surface
-/// is left out.
+/// Returns the solid of such a level set on the same voxels, trimmed to three voxels from the
+/// surface.
+///   levelSet  isSolidLevelSet()
 [[nodiscard]] Solid solidOf(const openvdb::FloatGrid& levelSet);
 
-/// The inside and outer-band voxels of a level set, interior tiles included.
+/// Returns the inside and exterior band voxels of a level set, interior tiles included.
 [[nodiscard]] LeafBlocks leafBlocks(const openvdb::FloatGrid& grid);
 
-/// Set a solid's `voxels` and `box` from its blocks.
+/// Sets a solid's `voxels` and `box` from its blocks.
 void measureVoxels(Solid& solid);
 
-/// A copy of a level set in which the inside voxels that `isSpeck(place)` names are outside.
-[[nodiscard]] ConstFloatGridPtr withoutVoxels(const openvdb::FloatGrid& grid,
-                                              const LeafBlocks& blocks,
-                                              const std::function<bool(std::size_t)>& isSpeck);
+/// Returns a copy of a level set in which the inside voxels with `isSmallComponent(voxelIndex)` are
+/// outside.
+[[nodiscard]] ConstFloatGridPtr withoutVoxels(
+    const openvdb::FloatGrid& grid, const LeafBlocks& blocks,
+    const std::function<bool(std::size_t)>& isSmallComponent);
 
 }  // namespace sherd

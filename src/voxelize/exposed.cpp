@@ -1,4 +1,4 @@
-// Which of a mesh's surfaces bound its solid.
+// The parts of a mesh that bound its solid.
 #include "voxelize/exposed.h"
 
 #include <tbb/parallel_for.h>
@@ -19,14 +19,15 @@ namespace {
 
 using Corners = std::array<glm::dvec3, 3>;
 
-// How far beside a surface its two sides are looked at, in voxels.
-constexpr double kBeside = 1e-3;
+// Offset in voxels at which the two sides of a surface are sampled.
+constexpr double kOffset = 1e-3;
 
-// A triangle that others cross is looked at in four places when it is this small, in its middle
-// only when it is smaller still, and cut no farther than to the smallest pieces.
-constexpr double kLargestPiece = 1.0;
+// Lengths of longest edges, in voxels.  A triangle that others cross is subdivided above kLargest,
+// sampled at four points down to kSmall, and at its center below.  The parts of a subdivided
+// triangle are sampled at four points down to kSmallest.
+constexpr double kLargest = 1.0;
 constexpr double kSmall = 0.5;
-constexpr double kSmallestPiece = 0.25;
+constexpr double kSmallest = 0.25;
 
 enum class Verdict { no, yes, mixed };
 
@@ -35,19 +36,19 @@ double longestEdge(const Corners& t) {
       {glm::distance(t[0], t[1]), glm::distance(t[1], t[2]), glm::distance(t[2], t[0])});
 }
 
-// Whether another triangle comes so near to a triangle, but for its rim, that it may part it into
-// what is exposed and what is not.
+// Whether another triangle comes so near to the interior of a triangle that it may separate exposed
+// from hidden parts of it.
 bool crosses(const Corners& other, const Corners& t, const glm::dvec3& normal) {
-  constexpr double kNear = 2.0 * kBeside, kRim = 0.01;  // voxels
-  // The part of the other that lies in the triangle's plane, give or take a little.
-  std::array<glm::dvec3, 8> part;
+  constexpr double kNear = 2.0 * kOffset, kMargin = 0.01;  // voxels
+  // The part of the other triangle within kNear of this triangle's plane.
+  std::array<glm::dvec3, 8> section;
   std::size_t count = 0;
   for (std::size_t k = 0; k < 3; ++k) {
     const glm::dvec3 &a = other[k], &b = other[(k + 1) % 3];
     const double u = glm::dot(a - t[0], normal), v = glm::dot(b - t[0], normal);
-    if (std::abs(u) <= kNear) part[count++] = a;
+    if (std::abs(u) <= kNear) section[count++] = a;
     for (const double level : {u < v ? -kNear : kNear, u < v ? kNear : -kNear}) {
-      if ((u < level) != (v < level)) part[count++] = a + (level - u) / (v - u) * (b - a);
+      if ((u < level) != (v < level)) section[count++] = a + (level - u) / (v - u) * (b - a);
     }
   }
   if (count == 0) return false;
@@ -56,18 +57,18 @@ bool crosses(const Corners& other, const Corners& t, const glm::dvec3& normal) {
     const glm::dvec3 inwards = glm::normalize(glm::cross(normal, b - a));
     double deepest = -1.0;
     for (std::size_t i = 0; i < count; ++i) {
-      deepest = std::max(deepest, glm::dot(part[i] - a, inwards));
+      deepest = std::max(deepest, glm::dot(section[i] - a, inwards));
     }
-    if (deepest < kRim) return false;
+    if (deepest < kMargin) return false;
   }
-  for (std::size_t k = 0; k < count; ++k) {  // beyond an edge of the part
-    const glm::dvec3 &a = part[k], &b = part[(k + 1) % count];
+  for (std::size_t k = 0; k < count; ++k) {  // is the triangle beyond an edge of the section?
+    const glm::dvec3 &a = section[k], &b = section[(k + 1) % count];
     const glm::dvec3 side = glm::cross(normal, b - a);
     const double length = glm::length(side);
-    if (length < kRim) continue;
+    if (length < kMargin) continue;
     double least = 1.0, most = -1.0;
     for (std::size_t i = 0; i < count; ++i) {
-      const double at = glm::dot(part[i] - a, side) / length;
+      const double at = glm::dot(section[i] - a, side) / length;
       least = std::min(least, at), most = std::max(most, at);
     }
     double low = 1e300, high = -1e300;
@@ -75,125 +76,130 @@ bool crosses(const Corners& other, const Corners& t, const glm::dvec3& normal) {
       const double at = glm::dot(corner - a, side) / length;
       low = std::min(low, at), high = std::max(high, at);
     }
-    if (low > most - kRim || high < least + kRim) return false;
+    if (low > most - kMargin || high < least + kMargin) return false;
   }
   return true;
 }
 
-// Looks at one triangle of the mesh, and at pieces of it.
-class Look {
+// Determines the exposed parts of one triangle of the mesh.
+class ExposedParts {
  public:
-  Look(const GeneralisedWinding& winding, const Corners& triangle)
+  ExposedParts(const GeneralizedWinding& winding, const Corners& triangle)
       : winding_(winding), triangle_(triangle) {
     const glm::dvec3 cross = glm::cross(triangle[1] - triangle[0], triangle[2] - triangle[0]);
     area_ = glm::length(cross);
     normal_ = cross / area_;
   }
 
-  // What is kept of the triangle: all of it, nothing, or the pieces that are added to `kept`.
+  // Returns whether all or none of the triangle is kept, or `mixed` after adding the kept parts to
+  // `kept`.
   Verdict keep(std::vector<Corners>& kept) const {
     if (area_ == 0.0) return Verdict::no;
-    const std::array<glm::dvec3, 4> looks = looksOf(triangle_);
-    if (winding_.isPlain(boxOf(triangle_), looks, longestEdge(triangle_))) return Verdict::yes;
-    // For one look the tree tells what lies on the way sooner than a list of all that is around.
-    // Small ones have one, whatever crosses them.
+    const std::array<glm::dvec3, 4> samples = samplesOf(triangle_);
+    if (winding_.isPlain(boxOf(triangle_), samples, longestEdge(triangle_))) return Verdict::yes;
+    // For a single sample the tree finds the crossings faster than a list of nearby triangles.
+    // Small triangles have a single sample, even if others cross them.
     const bool isSmall = longestEdge(triangle_) <= kSmall;
     const Verdict verdict =
-        look(triangle_, isSmall ? std::vector<std::uint32_t>() : near(kTouching), kSmall);
+        classify(triangle_, isSmall ? std::vector<std::uint32_t>() : near(kTouching), kSmall);
     if (verdict != Verdict::mixed) return verdict;
     return keep(triangle_, near(kAround), kSmall, kept);
   }
 
  private:
-  static constexpr double kAround = 1.0;     // voxels; the nearest centre is nearer
-  static constexpr double kTouching = 0.01;  // what crosses a triangle is nearer
+  static constexpr double kAround = 1.0;     // voxels; more than the distance to a voxel center
+  static constexpr double kTouching = 0.01;  // voxels; triangles that cross are nearer
 
-  // Triangles that are no farther away along each axis.
+  // Returns the triangles whose boxes are within `distance` along each axis.
   std::vector<std::uint32_t> near(double distance) const {
     return winding_.tree().meeting(widened(boxOf(triangle_), distance));
   }
 
   Verdict keep(const Corners& t, const std::vector<std::uint32_t>& around, double smallest,
                std::vector<Corners>& kept) const {
-    const Verdict verdict = look(t, around, smallest, around);
+    const Verdict verdict = classify(t, around, smallest, around);
     if (verdict != Verdict::mixed) return verdict;
-    // Halve the longest edge: a needle becomes short pieces, not thinner needles.
+    // Halve the longest edge, so that a needle becomes short parts and not thinner needles.
     std::size_t from = 0;
     for (std::size_t k = 1; k < 3; ++k) {
       if (glm::distance(t[k], t[(k + 1) % 3]) > glm::distance(t[from], t[(from + 1) % 3])) from = k;
     }
     const glm::dvec3 a = t[from], b = t[(from + 1) % 3], c = t[(from + 2) % 3];
     const glm::dvec3 half = 0.5 * (a + b);
-    for (const Corners& piece : {Corners{a, half, c}, Corners{half, b, c}}) {
-      if (keep(piece, aroundPiece(piece, around), kSmallestPiece, kept) == Verdict::yes) {
-        kept.push_back(piece);
+    for (const Corners& part : {Corners{a, half, c}, Corners{half, b, c}}) {
+      if (keep(part, aroundPart(part, around), kSmallest, kept) == Verdict::yes) {
+        kept.push_back(part);
       }
     }
     return Verdict::mixed;
   }
 
-  // `crossing` are those that may part the triangle; sides are told by those around, or by all.
+  //   crossing  triangles that may cross `t`
+  //   around    the triangles that decide the sides; if omitted, all of the mesh
   template <class... Around>
-  Verdict look(const Corners& t, const std::vector<std::uint32_t>& crossing, double smallest,
-               const Around&... around) const {
+  Verdict classify(const Corners& t, const std::vector<std::uint32_t>& crossing, double smallest,
+                   const Around&... around) const {
     const double size = longestEdge(t);
-    const std::array<glm::dvec3, 4> looks = looksOf(t);
-    if (size > smallest && isMixed(t, crossing, looks)) {
-      if (size > kLargestPiece) return Verdict::mixed;
-      const bool first = isExposed(looks[0], around...);
+    const std::array<glm::dvec3, 4> samples = samplesOf(t);
+    if (size > smallest && mayBeMixed(t, crossing, samples)) {
+      if (size > kLargest) return Verdict::mixed;
+      const bool first = isExposed(samples[0], around...);
       for (std::size_t k = 1; k < 4; ++k) {
-        if (isExposed(looks[k], around...) != first) return Verdict::mixed;
+        if (isExposed(samples[k], around...) != first) return Verdict::mixed;
       }
     }
-    return isExposed(looks[0], around...) ? Verdict::yes : Verdict::no;
+    return isExposed(samples[0], around...) ? Verdict::yes : Verdict::no;
   }
 
-  // Whether one look may not be enough.
-  bool isMixed(const Corners& t, const std::vector<std::uint32_t>& crossing,
-               const std::array<glm::dvec3, 4>& looks) const {
+  // Whether one sample may not be enough.
+  bool mayBeMixed(const Corners& t, const std::vector<std::uint32_t>& crossing,
+                  const std::array<glm::dvec3, 4>& samples) const {
     return std::any_of(crossing.begin(), crossing.end(),
                        [&](std::uint32_t other) {
                          const Corners corners = winding_.tree().corners(other);
                          return corners != triangle_ && crosses(corners, t, normal_);
                        }) ||
-           !winding_.isFarFromHoles(looks, longestEdge(t));
+           !winding_.isFarFromHoles(samples, longestEdge(t));
   }
 
   template <class... Around>
   bool isExposed(const glm::dvec3& point, const Around&... around) const {
-    const glm::dvec3 behind = point - kBeside * normal_, before = point + kBeside * normal_;
+    const glm::dvec3 behind = point - kOffset * normal_, before = point + kOffset * normal_;
     const double first = winding_.near(behind, around...);
     const int entries = winding_.tree().entries(behind, before, around...);
-    if (part(first, first + entries)) return true;
+    if (separates(first, first + entries)) return true;
     if (winding_.isSteady(point, first) && winding_.isSteady(point, first + entries)) return false;
-    // Between the voxels on both sides the winding number passes a half, be it by itself.  The
-    // surface that closes a hole does not come so near to triangles, so these stand for it.
+    // Also exposed if the winding number passes 0.5 between the voxels on both sides, even without
+    // a triangle.  The surface that closes a hole ends a voxel away from triangles, so these
+    // triangles replace it.
     constexpr double kAside = 0.5;
     const double back = winding_.near(behind, point - kAside * normal_);
     const double front = winding_.near(behind, point + kAside * normal_) + entries;
-    return part(back, front) || part(back, back + entries) || part(front - entries, front);
+    return separates(back, front) || separates(back, back + entries) ||
+           separates(front - entries, front);
   }
 
-  static bool part(double a, double b) { return (a >= 0.5) != (b >= 0.5); }
+  // Whether only one of two winding numbers is inside.
+  static bool separates(double a, double b) { return (a >= 0.5) != (b >= 0.5); }
 
-  std::vector<std::uint32_t> aroundPiece(const Corners& piece,
-                                         const std::vector<std::uint32_t>& around) const {
+  std::vector<std::uint32_t> aroundPart(const Corners& part,
+                                        const std::vector<std::uint32_t>& around) const {
     std::vector<std::uint32_t> some;
-    const Box box = widened(boxOf(piece), kAround);
+    const Box box = widened(boxOf(part), kAround);
     for (const std::uint32_t other : around) {
       if (meet(boxOf(winding_.tree().corners(other)), box)) some.push_back(other);
     }
     return some;
   }
 
-  // The middle, and near the corners.
-  static std::array<glm::dvec3, 4> looksOf(const Corners& t) {
-    const glm::dvec3 middle = (t[0] + t[1] + t[2]) / 3.0;
-    const auto near = [&](const glm::dvec3& corner) { return middle + 0.9 * (corner - middle); };
-    return {middle, near(t[0]), near(t[1]), near(t[2])};
+  // Returns the center, and a point near each corner.
+  static std::array<glm::dvec3, 4> samplesOf(const Corners& t) {
+    const glm::dvec3 center = (t[0] + t[1] + t[2]) / 3.0;
+    const auto near = [&](const glm::dvec3& corner) { return center + 0.9 * (corner - center); };
+    return {center, near(t[0]), near(t[1]), near(t[2])};
   }
 
-  const GeneralisedWinding& winding_;
+  const GeneralizedWinding& winding_;
   Corners triangle_;
   double area_ = 0.0;  // twice
   glm::dvec3 normal_{0.0};
@@ -201,23 +207,23 @@ class Look {
 
 }  // namespace
 
-TriangleMesh exposedSurface(const TriangleMesh& mesh, const GeneralisedWinding& winding,
+TriangleMesh exposedSurface(const TriangleMesh& mesh, const GeneralizedWinding& winding,
                             const Progress* progress) {
-  constexpr std::size_t kGrain = 256;
-  const std::size_t chunks = (mesh.triangles.size() + kGrain - 1) / kGrain;
+  constexpr std::size_t kChunkSize = 256;
+  const std::size_t chunks = (mesh.triangles.size() + kChunkSize - 1) / kChunkSize;
   struct Kept {
     std::vector<glm::uvec3> whole;
-    std::vector<Corners> pieces;
+    std::vector<Corners> parts;
   };
   std::vector<Kept> kept(chunks);  // joined in the triangles' order
   CancelFlag stop(progress);
   tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
     if (stop.isSet()) return;
-    const std::size_t end = std::min(mesh.triangles.size(), (chunk + 1) * kGrain);
-    for (std::size_t i = chunk * kGrain; i < end; ++i) {
+    const std::size_t end = std::min(mesh.triangles.size(), (chunk + 1) * kChunkSize);
+    for (std::size_t i = chunk * kChunkSize; i < end; ++i) {
       const glm::uvec3& t = mesh.triangles[i];
       const Corners corners{mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z]};
-      if (Look(winding, corners).keep(kept[chunk].pieces) == Verdict::yes) {
+      if (ExposedParts(winding, corners).keep(kept[chunk].parts) == Verdict::yes) {
         kept[chunk].whole.push_back(t);
       }
     }
@@ -226,9 +232,9 @@ TriangleMesh exposedSurface(const TriangleMesh& mesh, const GeneralisedWinding& 
   TriangleMesh out{mesh.vertices, {}};
   for (const Kept& chunk : kept) {
     out.triangles.insert(out.triangles.end(), chunk.whole.begin(), chunk.whole.end());
-    for (const Corners& piece : chunk.pieces) {
+    for (const Corners& part : chunk.parts) {
       const auto first = static_cast<std::uint32_t>(out.vertices.size());
-      out.vertices.insert(out.vertices.end(), piece.begin(), piece.end());
+      out.vertices.insert(out.vertices.end(), part.begin(), part.end());
       out.triangles.emplace_back(first, first + 1, first + 2);
     }
   }

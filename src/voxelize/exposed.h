@@ -1,21 +1,21 @@
-// Which of a mesh's surfaces bound its solid.
+// The parts of a mesh that bound its solid.
 #pragma once
 
 #include <sherd/mesh.h>
 #include <sherd/progress.h>
 
-#include "voxelize/generalised_winding.h"
+#include "voxelize/generalized_winding.h"
 
 namespace sherd {
 
-/// The pieces of a mesh's triangles that have the solid on one side only: where the generalised
-/// winding number is a half or more behind them and less before them, or the other way round.
-/// Triangles that lie partly within the solid are cut into pieces down to a quarter of a voxel.
+/// Returns the parts of a mesh's triangles that have the solid on one side only: where the
+/// generalized winding number is at least 0.5 on exactly one side.  Triangles that lie partly
+/// within the solid are subdivided down to a quarter of a voxel.
 ///   mesh     in index space
 ///   winding  of the mesh, not simple
 ///   throws   Error(cancelled)
 [[nodiscard]] TriangleMesh exposedSurface(const TriangleMesh& mesh,
-                                          const GeneralisedWinding& winding,
+                                          const GeneralizedWinding& winding,
                                           const Progress* progress);
 
 }  // namespace sherd

@@ -1,4 +1,4 @@
-// What a mesh bounds: a surface, and the side of it that voxel centres are on.
+// The solid that a mesh bounds: its surface, and which voxel centers are inside.
 #include "voxelize/fill.h"
 
 #include <algorithm>
@@ -12,15 +12,15 @@
 #include "voxelize/caps.h"
 #include "voxelize/exposed.h"
 #include "voxelize/flood.h"
-#include "voxelize/generalised_winding.h"
+#include "voxelize/generalized_winding.h"
 #include "voxelize/holes.h"
 #include "voxelize/walls.h"
 
 namespace sherd {
 namespace {
 
-// A mesh that encloses less than this is a surface without thickness.  Scans with a hole at their
-// foot have 0.87 and more, open vases 0.7, bowls 0.8.
+// A mesh with less enclosure() than this is a surface without thickness.  Scans with a hole at the
+// bottom have 0.87 and more, open vases 0.7, bowls 0.8.
 constexpr double kEncloses = 0.84;
 
 constexpr double kBeside = 1e-3;  // voxels
@@ -43,7 +43,7 @@ Filling shellOf(const TriangleMesh& mesh, const SolidOptions& options, double vo
 
 Filling windingOf(const SearchedMesh& mesh, std::string reason, const Progress* progress) {
   const auto winding =
-      std::make_shared<GeneralisedWinding>(mesh.mesh, mesh.caps, mesh.tree, progress);
+      std::make_shared<GeneralizedWinding>(mesh.mesh, mesh.caps, mesh.tree, progress);
   Filling out{.fill = Fill::winding,
               .reason = std::move(reason),
               .surface = mesh.tree,
@@ -75,21 +75,21 @@ double enclosure(const SearchedMesh& mesh) {
 }
 
 FillChoice chosenFill(const SearchedMesh& mesh, const SolidOptions& options) {
-  if (options.fill != Fill::automatic) return {options.fill, "as asked for"};
-  if (options.shellThickness > 0.0) return {Fill::shell, "a thickness of shell was asked for"};
+  if (options.fill != Fill::automatic) return {options.fill, "as selected"};
+  if (options.shellThickness > 0.0) return {Fill::shell, "a shell thickness is given"};
   if (mesh.caps.triangles.empty() && !mesh.mesh.triangles.empty()) {
     return {Fill::winding, "the mesh is closed"};
   }
   const double encloses = enclosure(mesh);
   if (encloses < kEncloses) {
-    return {Fill::shell, "the mesh is open and encloses nothing: " + percent(1.0 - encloses) +
-                             " of what its inner side sees is outside"};
+    return {Fill::shell, "the mesh is open and encloses no volume: " + percent(1.0 - encloses) +
+                             " of the directions behind its surface lead outside"};
   }
-  return {Fill::winding, "the mesh is open; its holes are closed where it winds half way round"};
+  return {Fill::winding, "the mesh is open; its holes are closed where the winding number is 0.5"};
 }
 
 double shellVoxels(const SolidOptions& options, double voxelSize) {
-  // Whatever way a shell runs, steps from voxel to voxel stay in one of this thickness.
+  // A shell of this thickness is 6-connected in every orientation.
   constexpr double kShellVoxels = 2.5;
   return options.shellThickness > 0.0 ? options.shellThickness / voxelSize : kShellVoxels;
 }

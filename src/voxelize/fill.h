@@ -1,4 +1,4 @@
-// What a mesh bounds: a surface, and the side of it that voxel centres are on.
+// The solid that a mesh bounds: its surface, and which voxel centers are inside.
 #pragma once
 
 #include <sherd/mesh.h>
@@ -13,7 +13,7 @@
 
 namespace sherd {
 
-/// A mesh, and what several steps ask of it.
+/// A mesh with the data that several steps share.
 struct SearchedMesh {
   TriangleMesh mesh;
   TriangleMesh caps;                         ///< loopCaps(mesh)
@@ -21,40 +21,40 @@ struct SearchedMesh {
 };
 [[nodiscard]] SearchedMesh searched(TriangleMesh mesh);
 
-/// A mesh that says what is inside.  All in index space.
+/// A surface, and the classification of voxel centers as inside or outside.  All in index space.
 struct Filling {
   Fill fill = Fill::winding;                    ///< not automatic
-  std::string reason;                           ///< why, as half a sentence
-  std::shared_ptr<const TriangleTree> surface;  ///< what the solid's distance is measured to
+  std::string reason;                           ///< why this fill, as half a sentence
+  std::shared_ptr<const TriangleTree> surface;  ///< the solid's distances are to this surface
 
-  std::function<bool(const openvdb::Coord&)> isInside;  ///< of a voxel's centre; empty for a shell
+  std::function<bool(const openvdb::Coord&)> isInside;  ///< of a voxel's center; empty for a shell
 
-  double halfThickness = 0.0;  ///< voxels; of a shell: what is nearer to the surface is inside
+  double halfThickness = 0.0;  ///< of a shell, voxels: points nearer to the surface are inside
 };
 
-/// How a mesh is to be filled.
+/// The fill of a mesh, and the reason for it.
 struct FillChoice {
   Fill fill = Fill::winding;  ///< not automatic
-  std::string reason;         ///< why, as half a sentence
+  std::string reason;         ///< why this fill, as half a sentence
 };
 
-/// The fill that `options` asks for, or the one that suits the mesh.
+/// Returns the fill that `options` selects; the one that suits the mesh for Fill::automatic.
 ///   mesh  in any space
 [[nodiscard]] FillChoice chosenFill(const SearchedMesh& mesh, const SolidOptions& options);
 
-/// How thick a shell is, in voxels.
+/// Returns the thickness of a shell in voxels.
 [[nodiscard]] double shellVoxels(const SolidOptions& options, double voxelSize);
 
-/// The filling of a choice.
+/// Returns the filling of a choice.
+///   mesh      the result of repaired(), in index space
+///   original  the mesh before repair, used for a shell, which keeps duplicate triangles
 ///   throws    Error(cancelled)
-///   mesh      what repaired() gives, in index space
-///   original  the same before repair, for a shell, which has doubled triangles too
 [[nodiscard]] Filling fillingOf(const FillChoice& choice, const SearchedMesh& mesh,
                                 const TriangleMesh& original, const SolidOptions& options,
                                 double voxelSize, const Progress* progress = nullptr);
 
-/// How well a mesh encloses what lies behind it: the mean over its area of the winding number just
-/// behind the surface.  1 for closed meshes, 0.8 for half a ball, 0.5 for a flat sheet.
+/// Returns how completely a mesh encloses a volume: the mean over its area of the winding number
+/// just behind the surface.  1 for closed meshes, 0.8 for half a ball, 0.5 for a flat sheet.
 [[nodiscard]] double enclosure(const SearchedMesh& mesh);
 
 }  // namespace sherd

@@ -1,4 +1,4 @@
-// The inside by colouring the regions between surfaces.
+// Inside and outside by flood fill between surfaces.
 #include "voxelize/flood.h"
 
 #include <sherd/grid_fwd.h>
@@ -13,15 +13,16 @@
 namespace sherd {
 namespace {
 
-constexpr std::uint8_t kUnseen = 255;
+constexpr std::uint8_t kUnvisited = 255;
 constexpr std::uint8_t kDeepest = 254;
-constexpr std::size_t kVoxelsAtATime = 65536;  // between two looks whether to stop
+constexpr std::size_t kVoxelsPerCancelCheck = 65536;
 
-// The mesh with its axes turned round, so that columns along z are the original's along `axis`. Its
-// vertices are put on Winding's lattice, which snaps two axes only, or columns along x would see
-// another mesh than those along z; and steps of it off the voxel centres, which would go one way
-// in columns along x, and the other way along z, where they lie on a surface.  Not the same number
-// of steps each way: surfaces at 45 degrees would stay where they are.
+// Returns the mesh with permuted axes, so that columns along z are the original's along `axis`.
+//
+// Winding snaps only two axes to its lattice, so all three are snapped here: otherwise columns
+// along x and z would be those of different meshes.  Vertices are also moved a few lattice steps
+// off the voxel centers, because ties on a surface would be broken differently along x and z.  The
+// number of steps differs per axis, or surfaces at 45 degrees would not move.
 TriangleMesh columnsAlong(TriangleMesh mesh, int axis) {
   const double step = std::ldexp(1.0, -Winding::latticeBits(bounds(mesh)));
   for (glm::dvec3& v : mesh.vertices) {
@@ -42,7 +43,7 @@ FloodedBox::FloodedBox(const TriangleMesh& mesh, const Progress* progress) {
   const openvdb::Coord dims = box_.dims();
   depth_.assign(static_cast<std::size_t>(dims.x()) * static_cast<std::size_t>(dims.y()) *
                     static_cast<std::size_t>(dims.z()),
-                kUnseen);
+                kUnvisited);
   const std::array<Winding, 3> columns{
       Winding(columnsAlong(mesh, 0), Winding::Rule::parity, progress),
       Winding(columnsAlong(mesh, 1), Winding::Rule::parity, progress),
@@ -52,22 +53,22 @@ FloodedBox::FloodedBox(const TriangleMesh& mesh, const Progress* progress) {
         {p[(axis + 1) % 3], p[(axis + 2) % 3], p[axis]});
   };
 
-  // Level by level: all that is reached without a crossing, then what is one crossing farther.
+  // Level by level: first the voxels reached without a crossing, then those one crossing farther.
   std::size_t reached = 0;
   std::vector<openvdb::Coord> level{box_.min}, beyond;
-  depth_[place(box_.min)] = 0;
+  depth_[indexOf(box_.min)] = 0;
   for (std::uint8_t depth = 0; !level.empty() && depth <= kDeepest; ++depth) {
     beyond.clear();
     for (std::size_t i = 0; i < level.size(); ++i) {
-      if (++reached % kVoxelsAtATime == 0) throwIfCancelled(progress);
+      if (++reached % kVoxelsPerCancelCheck == 0) throwIfCancelled(progress);
       const openvdb::Coord from = level[i];
       for (int axis = 0; axis < 3; ++axis) {
         for (const int step : {-1, 1}) {
           openvdb::Coord to = from;
           to[axis] += step;
           if (to[axis] < box_.min[axis] || to[axis] > box_.max[axis]) continue;
-          std::uint8_t& seen = depth_[place(to)];
-          if (seen != kUnseen) continue;
+          std::uint8_t& seen = depth_[indexOf(to)];
+          if (seen != kUnvisited) continue;
           if (state(axis, from) == state(axis, to)) {
             seen = depth;
             level.push_back(to);
@@ -79,8 +80,8 @@ FloodedBox::FloodedBox(const TriangleMesh& mesh, const Progress* progress) {
     }
     level.clear();
     for (const openvdb::Coord& to : beyond) {
-      std::uint8_t& seen = depth_[place(to)];
-      if (seen != kUnseen) continue;
+      std::uint8_t& seen = depth_[indexOf(to)];
+      if (seen != kUnvisited) continue;
       seen = static_cast<std::uint8_t>(depth + 1);
       level.push_back(to);
     }
@@ -91,7 +92,7 @@ bool FloodedBox::isInside(const openvdb::Coord& voxel) const {
   for (int axis = 0; axis < 3; ++axis) {
     if (voxel[axis] < box_.min[axis] || voxel[axis] > box_.max[axis]) return false;
   }
-  return (depth_[place(voxel)] & 1) != 0;
+  return (depth_[indexOf(voxel)] & 1) != 0;
 }
 
 }  // namespace sherd

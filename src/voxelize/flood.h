@@ -1,4 +1,4 @@
-// The inside by colouring the regions between surfaces.
+// Inside and outside by flood fill between surfaces.
 #pragma once
 
 #include <sherd/mesh.h>
@@ -10,13 +10,13 @@
 
 namespace sherd {
 
-/// Voxel centres of a mesh's box, each with the least number of surfaces between it and the
-/// outside, along steps from voxel to voxel.  An odd number is inside.
+/// The voxel centers of a mesh's box, each with the least number of surfaces that a path of face
+/// steps crosses from the outside.  Odd numbers are inside.
 ///
-/// A step crosses a surface when triangles part its two ends an odd number of times.  What way
-/// triangles are turned does not matter, nor do holes that no step leads through.
+/// A step crosses a surface if it passes an odd number of triangles.  The orientation of triangles
+/// does not matter, nor do holes that no step passes through.
 ///
-/// One byte a voxel of the box.
+/// Memory: one byte per voxel of the box.
 class FloodedBox {
  public:
   /// mesh: in index space.
@@ -26,7 +26,7 @@ class FloodedBox {
   [[nodiscard]] bool isInside(const openvdb::Coord& voxel) const;
 
  private:
-  [[nodiscard]] std::size_t place(const openvdb::Coord& voxel) const {
+  [[nodiscard]] std::size_t indexOf(const openvdb::Coord& voxel) const {
     const openvdb::Coord at = voxel - box_.min;
     const openvdb::Coord dims = box_.dims();
     return (static_cast<std::size_t>(at.x()) * static_cast<std::size_t>(dims.y()) +
@@ -35,7 +35,7 @@ class FloodedBox {
            static_cast<std::size_t>(at.z());
   }
 
-  VoxelBox box_;  // of the mesh, and a voxel all round
+  VoxelBox box_;  // of the mesh, one voxel wider on each side
   std::vector<std::uint8_t> depth_;
 };
 

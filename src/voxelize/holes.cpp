@@ -19,13 +19,13 @@ namespace {
 
 using openvdb::Coord;
 
-// The surface leaves the boundary within this many voxels of it.
+// The surface is searched for within this many voxels of the boundary.
 constexpr int kStartVoxels = 2;
 
 std::uint64_t keyOf(const Coord& c) {
   constexpr int kBits = 20;  // a grid is below 2^13 voxels wide
-  const auto part = [](int v) { return static_cast<std::uint64_t>(v + (1 << (kBits - 1))); };
-  return part(c.x()) << 2 * kBits | part(c.y()) << kBits | part(c.z());
+  const auto biased = [](int v) { return static_cast<std::uint64_t>(v + (1 << (kBits - 1))); };
+  return biased(c.x()) << 2 * kBits | biased(c.y()) << kBits | biased(c.z());
 }
 
 // From a voxel to the next one along an axis.
@@ -41,7 +41,7 @@ Coord shifted(Coord c, int axis, int by) {
 
 class HoleNet {
  public:
-  HoleNet(const GeneralisedWinding& winding, const TriangleTree& tree)
+  HoleNet(const GeneralizedWinding& winding, const TriangleTree& tree)
       : winding_(winding), tree_(tree) {}
 
   void startAt(const glm::dvec3& point) {
@@ -57,9 +57,9 @@ class HoleNet {
   }
 
   void follow(const Progress* progress) {
-    constexpr std::size_t kBetweenLooks = 256;
+    constexpr std::size_t kStepsPerCancelCheck = 256;
     for (std::size_t i = 0; i < crossed_.size(); ++i) {
-      if (i % kBetweenLooks == 0) throwIfCancelled(progress);
+      if (i % kStepsPerCancelCheck == 0) throwIfCancelled(progress);
       const Step step = crossed_[i];
       forEachCell(step, [&](const Coord& cell) {
         for (int axis = 0; axis < 3; ++axis) {
@@ -96,15 +96,16 @@ class HoleNet {
 
  private:
   struct Voxel {
-    double distance = 0.0;            // to the mesh; 1 or more is infinite
-    std::optional<double> winding{};  // once it was asked for
+    double distance = 0.0;            // to the mesh; infinite from 1 voxel
+    std::optional<double> winding{};  // computed on first use
   };
   struct Cell {
     glm::dvec3 sum{0.0};
     int crossings = 0;
   };
 
-  // The four cells round a step, one after another; a cell's name is its lowest voxel.
+  // Calls visit(cell) for the four cells around a step, in cyclic order; a cell is identified by
+  // its lowest voxel.
   template <class Visit>
   static void forEachCell(const Step& step, Visit&& visit) {
     const int b = (step.axis + 1) % 3, c = (step.axis + 2) % 3;
@@ -124,14 +125,14 @@ class HoleNet {
     return *voxel.winding;
   }
 
-  // Where the ends of a step have different sides and no triangle can lie between them.
+  // Records a step whose ends are on different sides, if no triangle can lie between them.
   void visit(const Step& step) {
     if (!seen_.try_emplace(keyOf(step.from) << 2 | static_cast<std::uint64_t>(step.axis), true)
              .second) {
       return;
     }
     const Coord next = shifted(step.from, step.axis, 1);
-    Voxel &from = voxel(step.from), &to = voxel(next);  // a map's elements stay where they are
+    Voxel &from = voxel(step.from), &to = voxel(next);  // references stay valid
     if (from.distance + to.distance <= 1.0) return;
     const double a = windingOf(from, step.from), b = windingOf(to, next);
     if ((a >= 0.5) == (b >= 0.5)) return;
@@ -145,7 +146,7 @@ class HoleNet {
     });
   }
 
-  const GeneralisedWinding& winding_;
+  const GeneralizedWinding& winding_;
   const TriangleTree& tree_;
   std::unordered_map<std::uint64_t, Voxel> voxels_;
   std::unordered_map<std::uint64_t, bool> seen_;
@@ -155,14 +156,14 @@ class HoleNet {
 
 }  // namespace
 
-TriangleMesh holeSurface(const GeneralisedWinding& winding, const TriangleTree& tree,
+TriangleMesh holeSurface(const GeneralizedWinding& winding, const TriangleTree& tree,
                          const Progress* progress) {
   HoleNet net(winding, tree);
   const TriangleMesh& caps = winding.caps();
   for (const glm::uvec3& t : caps.triangles) {
     throwIfCancelled(progress);
     for (int k = 0; k < 2; ++k) {
-      if (t[k + 1] != t[k] + 1) continue;  // within the cap
+      if (t[k + 1] != t[k] + 1) continue;  // an inner edge of the cap
       const glm::dvec3 a = caps.vertices[t[k]], b = caps.vertices[t[k + 1]];
       const int steps = std::max(1, static_cast<int>(std::ceil(glm::distance(a, b))));
       for (int i = 0; i <= steps; ++i) net.startAt(a + static_cast<double>(i) / steps * (b - a));

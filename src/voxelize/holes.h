@@ -4,19 +4,19 @@
 #include <sherd/mesh.h>
 
 #include "mesh/triangle_tree.h"
-#include "voxelize/generalised_winding.h"
+#include "voxelize/generalized_winding.h"
 
 namespace sherd {
 
-/// The surface where a mesh winds half way round and has no triangle: what closes its holes.  It
-/// begins at the mesh's boundary, whence it is followed from voxel to voxel; a vertex for each cell
-/// that it passes, as surface nets have it.
+/// Returns the surface that closes a mesh's holes: where the generalized winding number is 0.5 and
+/// the mesh has no triangle.  It is traced from the mesh's boundary from voxel to voxel, with a
+/// vertex in each cell that it passes, as in surface nets.
 ///   winding  of the mesh
 ///   tree     of the mesh, in index space
-///   return   in index space; to within a voxel of the mesh's own triangles
+///   return   in index space; ends within a voxel of the mesh's triangles
 ///   throws   Error(cancelled)
 /// source  Gibson, Constrained Elastic Surface Nets, 1998
-[[nodiscard]] TriangleMesh holeSurface(const GeneralisedWinding& winding, const TriangleTree& tree,
+[[nodiscard]] TriangleMesh holeSurface(const GeneralizedWinding& winding, const TriangleTree& tree,
                                        const Progress* progress = nullptr);
 
 }  // namespace sherd

@@ -1,4 +1,4 @@
-// Looking leaves up in leaf blocks.
+// Lookup of leaves, and neighbor tables of leaf blocks.
 #include <sherd/leaf_blocks.h>
 
 #include <algorithm>
@@ -31,50 +31,49 @@ VoxelBox insideBox(const LeafBlocks& blocks) {
   return box.max.x() < box.min.x() ? VoxelBox{} : box;
 }
 
-std::vector<std::uint32_t> leafNeighbours(std::span<const openvdb::Coord> origins) {
-  // Both sides of a face are met in the same order, so one finger per direction walks the sorted
-  // list along.
+std::vector<std::uint32_t> leafNeighborTable(std::span<const openvdb::Coord> origins) {
+  // A shifted list is still sorted, so one cursor per axis finds all neighbors in a single pass.
   std::vector<std::uint32_t> table(origins.size() * 6, LeafBlocks::kNone);
   for (int axis = 0; axis < 3; ++axis) {
     openvdb::Coord offset(0, 0, 0);
     offset[axis] = 8;
-    std::size_t finger = 0;
+    std::size_t cursor = 0;
     for (std::size_t leaf = 0; leaf < origins.size(); ++leaf) {
       const openvdb::Coord beyond = origins[leaf] + offset;
-      while (finger < origins.size() && origins[finger] < beyond) ++finger;
-      if (finger < origins.size() && origins[finger] == beyond) {
+      while (cursor < origins.size() && origins[cursor] < beyond) ++cursor;
+      if (cursor < origins.size() && origins[cursor] == beyond) {
         table[leaf * 6 + static_cast<std::size_t>(2 * axis + 1)] =
-            static_cast<std::uint32_t>(finger);
-        table[finger * 6 + static_cast<std::size_t>(2 * axis)] = static_cast<std::uint32_t>(leaf);
+            static_cast<std::uint32_t>(cursor);
+        table[cursor * 6 + static_cast<std::size_t>(2 * axis)] = static_cast<std::uint32_t>(leaf);
       }
     }
   }
   return table;
 }
 
-std::vector<LeafRound> leavesRound(std::span<const openvdb::Coord> origins) {
-  // A shifted list is still sorted, so one finger per direction walks it along.  13 of the
-  // directions ascend; the others are these seen from the other side.
-  LeafRound none;
+std::vector<LeafNeighbors> leafNeighbors(std::span<const openvdb::Coord> origins) {
+  // A shifted list is still sorted, so one cursor per direction finds all neighbors in a single
+  // pass.  13 of the directions ascend; the other 13 are their opposites.
+  LeafNeighbors none;
   none.fill(LeafBlocks::kNone);
-  std::vector<LeafRound> round(origins.size(), none);
+  std::vector<LeafNeighbors> neighbors(origins.size(), none);
   for (std::size_t leaf = 0; leaf < origins.size(); ++leaf) {
-    round[leaf][13] = static_cast<std::uint32_t>(leaf);
+    neighbors[leaf][13] = static_cast<std::uint32_t>(leaf);
   }
   for (std::size_t k = 14; k < 27; ++k) {
     const auto at = static_cast<int>(k);
     const openvdb::Coord offset(8 * (at / 9 - 1), 8 * (at / 3 % 3 - 1), 8 * (at % 3 - 1));
-    std::size_t finger = 0;
+    std::size_t cursor = 0;
     for (std::size_t leaf = 0; leaf < origins.size(); ++leaf) {
       const openvdb::Coord beyond = origins[leaf] + offset;
-      while (finger < origins.size() && origins[finger] < beyond) ++finger;
-      if (finger == origins.size()) break;
-      if (origins[finger] != beyond) continue;
-      round[leaf][k] = static_cast<std::uint32_t>(finger);
-      round[finger][26 - k] = static_cast<std::uint32_t>(leaf);
+      while (cursor < origins.size() && origins[cursor] < beyond) ++cursor;
+      if (cursor == origins.size()) break;
+      if (origins[cursor] != beyond) continue;
+      neighbors[leaf][k] = static_cast<std::uint32_t>(cursor);
+      neighbors[cursor][26 - k] = static_cast<std::uint32_t>(leaf);
     }
   }
-  return round;
+  return neighbors;
 }
 
 }  // namespace sherd

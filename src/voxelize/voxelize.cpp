@@ -1,4 +1,4 @@
-// From a mesh to a solid.
+// Voxelization of a mesh to a solid.
 #include <sherd/error.h>
 #include <sherd/solid.h>
 
@@ -20,12 +20,12 @@ namespace {
 
 constexpr int kLargestResolution = 4096;
 
-// A mesh and the grid that it is looked at in.
+// A mesh in the index space of a grid.
 struct MeshInGrid {
   GridFrame frame;
-  TriangleMesh mesh;  // in index space, as it came
-  SearchedMesh clean;
-  SolidReport report;  // of what was found
+  TriangleMesh mesh;   // before repair
+  SearchedMesh clean;  // after repair
+  SolidReport report;  // defects, volume and walls
 };
 
 TriangleMesh inIndexSpace(TriangleMesh mesh, const GridFrame& frame) {
@@ -39,10 +39,10 @@ MeshInGrid inGrid(const TriangleMesh& source, double voxelSize,
   out.frame.voxelSize = voxelSize;
   out.frame.origin.v = bounds(source).min + 0.5 * voxelSize;
   out.mesh = inIndexSpace(source, out.frame);
-  Repaired whole = repaired(out.mesh, progress);
-  out.report.defects = whole.defects;
+  Repaired clean = repaired(out.mesh, progress);
+  out.report.defects = clean.defects;
   throwIfCancelled(progress);
-  out.clean = searched(std::move(whole.mesh));
+  out.clean = searched(std::move(clean.mesh));
   throwIfCancelled(progress);
   const double volumeVoxels = volume(out.clean.mesh) + volume(out.clean.caps);
   out.report.meshVolume = volumeVoxels * std::pow(voxelSize, 3);
@@ -50,24 +50,24 @@ MeshInGrid inGrid(const TriangleMesh& source, double voxelSize,
   return out;
 }
 
-// The longest side of a mesh that can be divided into voxels.
+// Returns the longest side of a mesh's box.
+//   throws  Error(input) unless it is finite and above 0
 double checkedLongestSide(const TriangleMesh& mesh) {
   const double longest = longestSide(bounds(mesh));
   if (!(longest > 0.0) || !std::isfinite(longest)) {
-    throw Error(ErrorCode::input, "the mesh's box has no size that can be divided into voxels");
+    throw Error(ErrorCode::input,
+                "the longest side of the mesh's box is not a finite number above 0");
   }
   return longest;
 }
 
-// Of what cannot be a shell, the thickness is not used.
+// Checks the thickness only where the fill may be a shell.
 void checkShellThickness(double longest, const SolidOptions& options) {
   const double thickness = options.shellThickness;
   if (options.fill != Fill::automatic && options.fill != Fill::shell) return;
   if (thickness >= 0.0 && thickness <= longest) return;
   std::ostringstream text;
-  text << "a shell " << thickness
-       << " thick was asked for; it has to be 0, which stands for two and a half voxels, or above, "
-          "and at most "
+  text << "a shell thickness of " << thickness << " is out of range; expected 0 (2.5 voxels) to "
        << longest << ", the mesh's longest side";
   throw Error(ErrorCode::usage, text.str());
 }
@@ -95,37 +95,37 @@ double voxelSizeFor(const TriangleMesh& mesh, const SolidOptions& options) {
   if (options.voxelSize == 0.0) {
     if (options.resolution < 8 || options.resolution > kLargestResolution) {
       throw Error(ErrorCode::usage, "a resolution of " + std::to_string(options.resolution) +
-                                        " was asked for, 8 to " +
-                                        std::to_string(kLargestResolution) + " are possible");
+                                        " is out of range; expected 8 to " +
+                                        std::to_string(kLargestResolution));
     }
     return longest / options.resolution;
   }
   if (!(options.voxelSize > 0.0) || !(longest / options.voxelSize <= kLargestResolution)) {
     std::ostringstream text;
-    text << "a voxel size of " << options.voxelSize << " was asked for; the mesh is " << longest
-         << " long, so it has to be " << longest / kLargestResolution << " or more";
+    text << "a voxel size of " << options.voxelSize << " is out of range; the mesh is " << longest
+         << " long, so expected " << longest / kLargestResolution << " or more";
     throw Error(ErrorCode::usage, text.str());
   }
   return options.voxelSize;
 }
 
 int resolutionFor(const TriangleMesh& mesh, double voxelSize) {
-  constexpr double kRounding = 1e-9;  // a side of exactly n voxels shall not become n + 1
+  constexpr double kRounding = 1e-9;  // keeps a side of exactly n voxels from becoming n + 1
   return static_cast<int>(std::ceil(longestSide(bounds(mesh)) / voxelSize - kRounding));
 }
 
 Solid voxelize(const TriangleMesh& source, const SolidOptions& options, const Progress* progress) {
-  step(progress, "voxelize", 0.0);
+  reportProgress(progress, "voxelize", 0.0);
   SolidOptions first = options;
   if (isAutomatic(options)) first.resolution = kLeastAutoResolution;
   MeshInGrid in = inGrid(source, voxelSizeFor(source, first), progress);
-  step(progress, "voxelize", 0.1);
+  reportProgress(progress, "voxelize", 0.1);
   const FillChoice fill = chosenFill(in.clean, options);
   if (isAutomatic(options) && fill.fill != Fill::shell) {
     const int resolution = automaticResolutionOf(in.report.walls);
     if (resolution != first.resolution) {
       in = inGrid(source, checkedLongestSide(source) / resolution, progress);
-      step(progress, "voxelize", 0.2);
+      reportProgress(progress, "voxelize", 0.2);
     }
   }
   Solid solid;
@@ -141,7 +141,7 @@ Solid voxelize(const TriangleMesh& source, const SolidOptions& options, const Pr
     report.shellThickness = 2.0 * filling.halfThickness * voxelSize;
     report.meshVolume = 0.0;
   }
-  step(progress, "voxelize", 0.3);
+  reportProgress(progress, "voxelize", 0.3);
 
   if (!filling.surface->empty()) {
     const FloatGridPtr distance = levelSetOf(filling, solid.frame, progress);
@@ -153,11 +153,11 @@ Solid voxelize(const TriangleMesh& source, const SolidOptions& options, const Pr
     measureVoxels(solid);
   }
   if (solid.voxels == 0) {
-    throw Error(ErrorCode::input, "no voxel centre lies inside the mesh at a voxel size of " +
+    throw Error(ErrorCode::input, "no voxel center lies inside the mesh at a voxel size of " +
                                       std::to_string(solid.frame.voxelSize) +
                                       "; try a higher --resolution");
   }
-  step(progress, "voxelize", 1.0);
+  reportProgress(progress, "voxelize", 1.0);
   return solid;
 }
 

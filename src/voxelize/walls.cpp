@@ -1,15 +1,15 @@
-// How thick the walls of a mesh are, and what resolution they need.
+// The wall thickness of a mesh, and the resolution that it needs.
 //
-// Of each sampled point the wall is what a ray straight inwards passes before it leaves the solid:
+// The wall at a sampled point is the length of a ray along the inward normal up to the exit:
 //
 //        point  normal
-//     ─────┬───────▲─────         The ray goes on through surfaces that lie within the solid, as
-//          │ wall                 parts that overlap have them.  Points that lie within the solid
-//     ─────┴─────────────         themselves are left out.
+//     ─────┬───────▲─────         The ray continues through surfaces inside the solid, which
+//          │ wall                 overlapping components have.  Samples inside the solid are
+//     ─────┴─────────────         ignored.
 //
-// By this a wedge would be as thin as one likes, though it loses next to nothing.  So a thin wall
-// counts as thick as it is within four times its thickness beside: wedges of 14 degrees and more
-// have no thin walls, plates and branches do.
+// A wedge gets arbitrarily thin toward its edge, but loses almost no volume there.  So a thin wall
+// counts with the greatest thickness found within four times its thickness: wedges of 14 degrees
+// and more have no thin walls, plates and branches do.
 #include "voxelize/walls.h"
 
 #include <tbb/parallel_for.h>
@@ -30,22 +30,23 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kSamples = 2000;
 constexpr double kThinnestShare = 0.01;
-constexpr std::size_t kEveryForVolume = 4;  // samples that are looked at from all sides
+constexpr std::size_t kEveryForVolume = 4;  // one of so many samples is measured on all sides
 
-// Beside this many voxels of the coarsest grid that is chosen, edges and curves cost nothing.
+// Edges and curves of walls thicker than this lose no volume; voxels of the coarsest automatic
+// grid.
 constexpr double kThickVoxels = 12.0;
 
-// A mesh of voxels cuts edges and curves off: a share of kCut * (1/ab + 1/bc + 1/ca) of a box of a,
-// b and c voxels, measured on round and square bars of 2 to 6 voxels.
+// Voxelization cuts off edges and curves: it loses kCut * (1/ab + 1/bc + 1/ca) of the volume of a
+// box of a, b and c voxels, measured on round and square bars of 2 to 6 voxels.
 constexpr double kCut = 1.26;
 constexpr double kCutShare = 0.02;
 
-// Walls that are wider than this many times their thickness are plates, bent or not, which have
-// next to no edges; bars that are longer have none at their ends.
+// Walls wider than kPlate times their thickness are plates, flat or bent, with negligible edges;
+// bars longer than kBar times their thickness have negligible ends.
 constexpr double kPlate = 3.0, kBar = 2.0;
 
-constexpr double kBeside = 1e-3;   // voxels
-constexpr int kMostSurfaces = 32;  // that a ray passes within the solid
+constexpr double kOffset = 1e-3;   // voxels
+constexpr int kMostSurfaces = 32;  // surfaces that a ray passes inside the solid
 constexpr double kBesideWalls = 4.0;
 constexpr double kThicker = 1.02;
 constexpr int kMostSteps = 6;
@@ -58,15 +59,15 @@ class Walls {
 
   struct Wall {
     double thickness = kInfinity;
-    double cut = 0.0;  // of edges and curves: voxels for each of the area
+    double cut = 0.0;  // volume lost at edges and curves per area, 1 / voxels
   };
 
-  // Nothing for a point that does not bound the solid.
+  // Returns the wall behind a sample; nullopt for a point that does not bound the solid.
   [[nodiscard]] std::optional<Wall> behind(const SurfaceSample& at, bool allSides) const {
-    Wall wall{tree_.firstHit(at.point, -at.normal, kBeside), 0.0};
+    Wall wall{tree_.firstHit(at.point, -at.normal, kOffset), 0.0};
     const bool isThin = wall.thickness < thin_;
     if (!isThin && !(allSides && wall.thickness < thick_)) return wall;
-    if (!isInside(at.point - kBeside * at.normal) || isInside(at.point + kBeside * at.normal)) {
+    if (!isInside(at.point - kOffset * at.normal) || isInside(at.point + kOffset * at.normal)) {
       return std::nullopt;
     }
     wall.thickness = exit(at.point, -at.normal, wall.thickness);
@@ -75,9 +76,9 @@ class Walls {
     const Directions beside = directionsIn(at);
     std::array<double, kDirections> reach{};
     for (std::size_t k = 0; k < kDirections; ++k) {
-      reach[k] = tree_.firstHit(middle, beside[k], kBeside);
+      reach[k] = tree_.firstHit(middle, beside[k], kOffset);
     }
-    // Surfaces within the solid make plates into bars, and not the other way round.
+    // Surfaces inside the solid can make a plate measure as a bar, but not a bar as a plate.
     if (allSides && cutOf(wall.thickness, reach) > 0.0) {
       for (std::size_t k = 0; k < kDirections; ++k) reach[k] = exit(middle, beside[k], reach[k]);
       wall.cut = cutOf(wall.thickness, reach);
@@ -93,18 +94,18 @@ class Walls {
 
   [[nodiscard]] bool isInside(const glm::dvec3& point) const { return tree_.winding(point) >= 0.5; }
 
-  // Where a ray leaves the solid, of which it first meets the surface after `hit`.
+  // Returns the distance at which a ray leaves the solid; `hit` is that of its first surface.
   [[nodiscard]] double exit(const glm::dvec3& from, const glm::dvec3& along, double hit) const {
     for (int passed = 0; passed < kMostSurfaces && hit < thick_; ++passed) {
-      if (!isInside(from + (hit + kBeside) * along)) break;
-      hit = tree_.firstHit(from, along, hit + kBeside);
+      if (!isInside(from + (hit + kOffset) * along)) break;
+      hit = tree_.firstHit(from, along, hit + kOffset);
     }
     return hit;
   }
 
-  // Unit vectors in the surface, each opposite to the one half the number on.
+  // Returns unit vectors in the surface; k and k + kDirections / 2 are opposite.
   [[nodiscard]] static Directions directionsIn(const SurfaceSample& at) {
-    const glm::dvec3 u = at.along, v = glm::cross(at.normal, u);
+    const glm::dvec3 u = at.tangent, v = glm::cross(at.normal, u);
     Directions out;
     for (std::size_t k = 0; k < kDirections; ++k) {
       const double angle = 2.0 * std::numbers::pi * static_cast<double>(k) / kDirections;
@@ -113,7 +114,8 @@ class Walls {
     return out;
   }
 
-  // What a box of these sides loses, as the solid is wide here: narrowest, and across that.
+  // Returns the loss of a box with the wall's thickness, its least width, and the width across
+  // that.
   [[nodiscard]] static double cutOf(double thickness,
                                     const std::array<double, kDirections>& reach) {
     constexpr std::size_t kHalf = kDirections / 2;
@@ -129,7 +131,7 @@ class Walls {
     return 0.5 * kCut * (a * b + b * c + c * a) / (a + b + c);
   }
 
-  // The wall beside, and beside that, as long as it gets thicker.
+  // Steps to thicker walls nearby, as long as there are any.
   [[nodiscard]] double thickestBeside(const glm::dvec3& middle, const glm::dvec3& normal,
                                       double thickness, const Directions& beside,
                                       const std::array<double, kDirections>& reach) const {
@@ -161,7 +163,7 @@ int resolutionOf(double voxels) {
 }  // namespace
 
 std::vector<SurfaceSample> surfaceSamples(const TriangleMesh& mesh, std::size_t count,
-                                          bool spread) {
+                                          bool scattered) {
   // Two irrational numbers that fill a square evenly.
   // source  Roberts, The Unreasonable Effectiveness of Quasirandom Sequences, 2018
   constexpr double kU = 0.7548776662466927, kV = 0.5698402909980532;
@@ -171,8 +173,8 @@ std::vector<SurfaceSample> surfaceSamples(const TriangleMesh& mesh, std::size_t 
   for (std::size_t i = 0; i < count; ++i) {
     const auto n = static_cast<double>(i);
     const std::size_t t = surface.triangleAt((n + 0.5) / static_cast<double>(count));
-    const double u = spread ? std::fmod(0.5 + n * kU, 1.0) : 4.0 / 9.0;
-    const double v = spread ? std::fmod(0.5 + n * kV, 1.0) : 0.5;
+    const double u = scattered ? std::fmod(0.5 + n * kU, 1.0) : 4.0 / 9.0;
+    const double v = scattered ? std::fmod(0.5 + n * kV, 1.0) : 0.5;
     const glm::uvec3& corners = mesh.triangles[t];
     const glm::dvec3 edge = mesh.vertices[corners.y] - mesh.vertices[corners.x];
     out.push_back({surface.pointIn(t, u, v), surface.normalOf(t), glm::normalize(edge)});
@@ -205,8 +207,8 @@ WallThickness wallThickness(const SearchedMesh& mesh, double longestSideVoxels, 
     out.forWalls = resolutionOf(kWholeWallVoxels * longestSideVoxels / out.thinnest);
   }
   if (meshVolume > 0.0) {
-    const double looked = static_cast<double>(samples.size()) / kEveryForVolume;
-    const double share = cut / looked * area(mesh.mesh) / meshVolume;
+    const double measured = static_cast<double>(samples.size()) / kEveryForVolume;
+    const double share = cut / measured * area(mesh.mesh) / meshVolume;
     out.forVolume = resolutionOf(longestSideVoxels * std::sqrt(share / kCutShare));
   }
   const int needed = std::max(out.forWalls, out.forVolume);

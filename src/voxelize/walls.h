@@ -1,4 +1,4 @@
-// How thick the walls of a mesh are, and what resolution they need.
+// The wall thickness of a mesh, and the resolution that it needs.
 #pragma once
 
 #include <sherd/mesh.h>
@@ -14,24 +14,24 @@ namespace sherd {
 /// A point of a surface.
 struct SurfaceSample {
   glm::dvec3 point, normal;
-  glm::dvec3
-      along;  ///< unit vector in the surface that turns with the mesh: its triangle's first edge
+  glm::dvec3 tangent;  ///< unit vector along its triangle's first edge: it rotates with the mesh
 };
 
-/// Points of triangles, evenly by area; none where there is no area.
-///   spread  anywhere in their triangles; else in the middle of them
+/// Returns points on triangles, evenly distributed by area; none if the area is 0.
+///   scattered  anywhere in the triangles; else at their centroids
 [[nodiscard]] std::vector<SurfaceSample> surfaceSamples(const TriangleMesh& mesh, std::size_t count,
-                                                        bool spread);
+                                                        bool scattered);
 
-/// How thick the solid is behind the mesh's surface.  Sheets thinner than a thousandth of a voxel
-/// have no volume to lose and are not looked at.
+/// Returns the thickness of the solid behind the mesh's surface.  Sheets thinner than a thousandth
+/// of a voxel have no volume to lose and are ignored.
 ///   mesh                in index space, oriented outwards
 ///   longestSideVoxels   of the mesh's box
 ///   meshVolume          voxels
 [[nodiscard]] WallThickness wallThickness(const SearchedMesh& mesh, double longestSideVoxels,
                                           double meshVolume);
 
-/// The resolution that holds such walls, of those that are chosen automatically.
+/// Returns the automatic resolution that preserves such walls, a multiple of 8 within
+/// kLeastAutoResolution..kMostAutoResolution.
 [[nodiscard]] int automaticResolutionOf(const WallThickness& walls);
 
 }  // namespace sherd

@@ -14,10 +14,10 @@
 namespace sherd {
 namespace {
 
-// Of the differences between two snapped places: sums of two of their products stay below 2^62.
+// Bits of the difference between two snapped coordinates: a sum of two products stays below 2^62.
 constexpr int kBits = 30;
 
-constexpr std::size_t kBetweenLooks = 1024;  // triangles
+constexpr std::size_t kTrianglesPerCancelCheck = 1024;
 
 struct Snapped {
   std::int64_t x, y;
@@ -28,7 +28,7 @@ Snapped snapped(const glm::dvec3& p, int bits) {
   return {std::llround(std::ldexp(p.x, bits)), std::llround(std::ldexp(p.y, bits)), p.z};
 }
 
-// Twice the area of (a, b, p) seen along -z.
+// Returns twice the signed area of (a, b, p) viewed along -z.
 std::int64_t side(const Snapped& a, const Snapped& b, std::int64_t px, std::int64_t py) {
   return (b.x - a.x) * (py - a.y) - (b.y - a.y) * (px - a.x);
 }
@@ -39,13 +39,13 @@ bool ownsItsPoints(const Snapped& a, const Snapped& b) {
   return b.y < a.y || (b.y == a.y && b.x > a.x);
 }
 
-// Call hit(x, y, z, up) for each column that passes the triangle; `up` is +1 where the ray enters
-// the solid.
+// Calls hit(x, y, z, up) for each column that passes the triangle; `up` is +1 where the ray enters
+// the solid, else -1.
 template <class Hit>
 void scan(std::array<Snapped, 3> t, int bits, Hit&& hit) {
   const std::int64_t one = std::int64_t{1} << bits;
   std::int64_t doubleArea = side(t[0], t[1], t[2].x, t[2].y);
-  if (doubleArea == 0) return;  // seen edge-on
+  if (doubleArea == 0) return;  // parallel to the columns
   const int up = doubleArea > 0 ? -1 : 1;
   if (doubleArea < 0) {
     std::swap(t[1], t[2]);
@@ -96,13 +96,13 @@ Winding::Winding(const TriangleMesh& mesh, Rule rule, const Progress* progress) 
   };
   const auto eachHit = [&](auto&& hit) {
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-      if (i % kBetweenLooks == 0) throwIfCancelled(progress);
+      if (i % kTrianglesPerCancelCheck == 0) throwIfCancelled(progress);
       const glm::uvec3& t = mesh.triangles[i];
       scan({points[t.x], points[t.y], points[t.z]}, bits, hit);
     }
   };
 
-  // Two passes, count and place, keep the changes of a column together without sorting all of them.
+  // Two passes, count and fill, group the changes by column without sorting all of them.
   first_.assign(columns + 1, 0);
   eachHit([&](int x, int y, std::int32_t, int) { ++first_[column(x, y) + 1]; });
   for (std::size_t c = 0; c < columns; ++c) first_[c + 1] += first_[c];
@@ -127,7 +127,7 @@ Winding::Winding(const TriangleMesh& mesh, Rule rule, const Progress* progress) 
   for (std::size_t c = 0; c < columns; ++c) {
     for (std::size_t i = first_[c]; i + 1 < first_[c + 1]; ++i) {
       const int length = changes_[i + 1].z - changes_[i].z;
-      if (length == 0) continue;  // both changes lie between the same two voxel centres
+      if (length == 0) continue;  // both changes lie between the same two voxel centers
       lowest_ = std::min(lowest_, changes_[i].winding);
       highest_ = std::max(highest_, changes_[i].winding);
       if (changes_[i].winding > 0) insideVoxels_ += static_cast<std::uint64_t>(length);

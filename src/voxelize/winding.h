@@ -1,4 +1,4 @@
-// How often a closed mesh winds round each voxel centre.
+// Winding numbers of a closed mesh at voxel centers.
 #pragma once
 
 #include <sherd/coords.h>
@@ -12,29 +12,29 @@ namespace sherd {
 
 /// Winding numbers of a closed mesh along the voxel columns of its box.
 ///
-/// Every column of voxel centres along z is a ray; a triangle that it passes changes the winding
-/// number by one, up or down by the side it is met from.  Which triangles a ray passes is decided
-/// in integers, on vertices snapped to a lattice of 2^-22 voxel in a box of 250 voxels, twice as
-/// wide in one twice as large, with ties broken as if the ray were moved by
-/// an infinitely small step: of the triangles round an edge or a vertex each ray passes a
-/// consistent set, so a closed mesh gives closed columns, exactly.
+/// Every column of voxel centers along z is a ray; each triangle that it passes changes the winding
+/// number by +1 or -1, depending on the side.  The triangles are found with integer arithmetic, on
+/// vertices snapped to a lattice (2^-22 voxel in a box of 250 voxels, proportional to the box), and
+/// ties are broken as if the ray were moved by an infinitesimal step.  So each ray passes a
+/// consistent set of the triangles around an edge or a vertex, and a closed mesh gives closed
+/// columns exactly.
 class Winding {
  public:
-  /// What a crossing counts.
+  /// The effect of a crossing.
   enum class Rule {
-    signedTurns,  ///< one up or down, by the side that it is met from
-    parity,       ///< from 0 to 1, and back; whatever way triangles are turned
+    signedCrossings,  ///< +1 or -1, depending on the side of the triangle
+    parity,           ///< toggles between 0 and 1, for any orientation of triangles
   };
 
-  /// mesh: in index space, closed (for parity: but for what way its triangles are turned).
+  /// mesh: in index space, closed; for parity, triangles may have any orientation.
   ///   throws  Error(cancelled)
-  explicit Winding(const TriangleMesh& mesh, Rule rule = Rule::signedTurns,
+  explicit Winding(const TriangleMesh& mesh, Rule rule = Rule::signedCrossings,
                    const Progress* progress = nullptr);
 
   /// The lattice that vertices are snapped to has steps of 2^-bits voxels.
   static int latticeBits(const Box& box);
 
-  /// The winding number at a voxel centre.
+  /// The winding number at a voxel center.
   int at(const openvdb::Coord& voxel) const;
 
   /// Whether it is 1 or more there.
@@ -43,12 +43,12 @@ class Winding {
   /// The winding number above the whole mesh: 0 in every column when it is closed.
   int windingAbove(int x, int y) const;
 
-  /// The lowest and the highest winding number of any voxel centre (0 outside the mesh's box).
+  /// The lowest and the highest winding number of any voxel center (0 outside the mesh's box).
   int lowest() const { return lowest_; }
   int highest() const { return highest_; }
 
-  /// Calls visit(x, y, z, end, winding) for each run of voxels z..end-1 of a column that has one
-  /// winding number other than 0.
+  /// Calls visit(x, y, z, end, winding) for each run of voxels z..end-1 of a column with the same
+  /// nonzero winding number.
   template <class Visit>
   void forEachRun(Visit&& visit) const {
     const auto ny = static_cast<std::size_t>(box_.dims().y());
@@ -62,7 +62,7 @@ class Winding {
     }
   }
 
-  /// The voxels whose columns are kept; outside it all winding numbers are 0.
+  /// The box of the stored columns; outside it all winding numbers are 0.
   const VoxelBox& box() const { return box_; }
 
   std::uint64_t insideVoxels() const { return insideVoxels_; }
@@ -74,7 +74,7 @@ class Winding {
     std::int32_t winding;
   };
 
-  // The column's number, or none outside the box.
+  // Returns the column's index, or nullopt outside the box.
   std::optional<std::size_t> columnAt(int x, int y) const;
 
   VoxelBox box_;                    // columns: x and y of the box

@@ -28,8 +28,8 @@ struct Ball {
         for (int z = 0; z < size; z += 8) addLeaf({x, y, z});
       }
     }
-    blocks.outerBand.assign(blocks.inside.size(), 0);
-    blocks.neighbours = sherd::leafNeighbours(blocks.origins);
+    blocks.exteriorBand.assign(blocks.inside.size(), 0);
+    blocks.neighbors = sherd::leafNeighborTable(blocks.origins);
     voxels = blocks.insideVoxels();
     // Ten seeds by a fixed stride over the leaves.
     for (std::uint16_t id = 1; id <= 10; ++id) {

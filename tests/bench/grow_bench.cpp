@@ -2,7 +2,7 @@
 //
 // The queue is the plainest fast flood: a FIFO of 32-bit voxel indices over a dense uint16 array.
 // The two stacks are the paper's: on the same device, over a dense array, a launch for each layer
-// with a work-item for each neighbour of each voxel on the stack.
+// with a work-item for each neighbor of each voxel on the stack.
 // All grow the same ball from the same ten seeds; all are warm.  Run with
 // --benchmark_enable_random_interleaving=true
 // --benchmark_repetitions=9 --benchmark_report_aggregates_only=true and compare medians
@@ -163,7 +163,7 @@ std::vector<LeafSteps> leafSteps(const sherd::LeafBlocks& blocks, const sherd::L
         const std::uint32_t shift = 6 - 3 * (face / 2), along = v >> shift & 7u;
         if (along != (face % 2 == 0 ? 0u : 7u)) continue;
         steps.faces[face].insert(step);
-        const std::uint32_t other = blocks.neighbours[std::size_t{leaf} * 6 + face];
+        const std::uint32_t other = blocks.neighbors[std::size_t{leaf} * 6 + face];
         if (other == sherd::LeafBlocks::kNone) continue;
         const std::size_t beside = std::size_t{other} * 512 + (v ^ (7u << shift));
         if (!blocks.isInside(beside) || grown.cost[beside] == step + 1) continue;
@@ -182,9 +182,9 @@ std::vector<LeafSteps> leafSteps(const sherd::LeafBlocks& blocks, const sherd::L
 std::size_t visitBytes(const sherd::LeafBlocks& blocks, const std::vector<LeafSteps>& leaves,
                        std::uint32_t leaf, std::uint32_t step) {
   const LeafSteps& own = leaves[leaf];
-  std::size_t bytes = 4 + 64 + 64 + 4 + 6 * 4;  // list, owned, domain, tag, neighbours
+  std::size_t bytes = 4 + 64 + 64 + 4 + 6 * 4;  // list, owned, domain, tag, neighbors
   for (std::uint32_t face = 0; face < 6; ++face) {
-    const std::uint32_t other = blocks.neighbours[std::size_t{leaf} * 6 + face];
+    const std::uint32_t other = blocks.neighbors[std::size_t{leaf} * 6 + face];
     if (other == sherd::LeafBlocks::kNone) continue;
     const bool isLive = leaves[other].reached.count(step - 1) != 0;
     bytes += 4 + (isLive ? 8 + 4 : 0);  // their step, face and tag
@@ -250,12 +250,12 @@ const std::vector<Way>& ways() {
   using sherd::Growth;
   static const std::vector<Way> all{
       {"flood", {.growth = Growth::flood}},
-      {"flood, 26 neighbours", {.growth = Growth::flood, .neighborhood = 26}},
+      {"flood, 26 neighbors", {.growth = Growth::flood, .neighborhood = 26}},
       {"nearest, kept", {.growth = Growth::nearest, .regrowIsolated = false}},
       {"nearest", {.growth = Growth::nearest}},
       {"euclid", {.growth = Growth::euclid}},
       {"chain", {.growth = Growth::chain}},
-      {"euclid, grain", {.growth = Growth::euclid, .grain = {{0, 0, 1}, 2.0}}},
+      {"euclid, grain", {.growth = Growth::euclid, .anisotropy = {{0, 0, 1}, 2.0}}},
       {"euclid, roughness 2", {.growth = Growth::euclid, .roughness = 2.0}}};
   return all;
 }

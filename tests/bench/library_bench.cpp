@@ -30,7 +30,7 @@ const Library& library() {
     const sherd::TriangleMesh mesh =
         file != nullptr ? sherd::readMesh(file).mesh : sherd::shapes::torus(10.0, 2.0);
     library.ready = sherd::prepared(sherd::voxelize(mesh, {.resolution = 128}), library.device);
-    library.ready.surface = sherd::unbrokenSurface(library.ready.solid);
+    library.ready.surface = sherd::intactSurface(library.ready.solid);
     for (int pieces = 2; pieces <= 10; ++pieces) {
       sherd::FractureOptions options;
       options.pieces = pieces;

@@ -48,7 +48,7 @@ def disagreements(folder):
     counts = np.bincount(labels.ravel(), minlength=len(manifest["fragments"]) + 2)
     if len(counts) != len(manifest["fragments"]) + 2:
         found.append("labels.rle has a label of no fragment")
-    if counts[1] != grid["worn_voxels"] or counts[1:].sum() != grid["solid_voxels"]:
+    if counts[1] != grid["eroded_voxels"] or counts[1:].sum() != grid["solid_voxels"]:
         found.append("the manifest counts other voxels than labels.rle has")
     owned = np.zeros(labels.shape, np.uint16)
     for fragment in manifest["fragments"]:
@@ -68,17 +68,17 @@ def disagreements(folder):
     return found
 
 
-def facing_disagreements(folder):
+def neighbor_disagreements(folder):
     """What is wrong with the manifest's contacts and areas by the faces of the .ply files, a sentence each."""
     folder = pathlib.Path(folder)
     fragments = json.loads((folder / "manifest.json").read_text())["fragments"]
     areas, found = {}, []
     for fragment in fragments:
-        vertices, triangles, facing = read_triangles(folder / fragment["files"]["mesh"])
+        vertices, triangles, neighbor = read_triangles(folder / fragment["files"]["mesh"])
         a, b, c = (vertices[triangles[:, k]] for k in range(3))
         area = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
-        areas[fragment["id"]] = {int(other): area[facing == other].sum() for other in np.unique(facing)}
-        for key, total in (("area", area.sum()), ("original_area", area[facing == 0].sum()), ("fracture_area", area[facing != 0].sum())):
+        areas[fragment["id"]] = {int(other): area[neighbor == other].sum() for other in np.unique(neighbor)}
+        for key, total in (("area", area.sum()), ("original_area", area[neighbor == 0].sum()), ("fracture_area", area[neighbor != 0].sum())):
             if abs(total - fragment[key]) > 1e-5 * area.sum():
                 found.append(f"fragment {fragment['id']}: {key} is {fragment[key]}, its faces have {total}")
     for fragment in fragments:
@@ -111,7 +111,7 @@ class Agreement(CommandLine):
 
     def test_contacts_and_areas_are_those_of_the_faces(self):
         sets = ((), ("--roughness", "1"), ("--interface", "independent"), ("--surface", "labels"))
-        self.each_agrees(sets, "mesh", facing_disagreements)
+        self.each_agrees(sets, "mesh", neighbor_disagreements)
 
     def test_a_swap_of_half_the_voxels_of_two_labels_is_found(self):
         self.done("--write", "labels,vdb")

@@ -31,12 +31,12 @@ def png(pixels):
 PICTURE = png(np.arange(4 * 4 * 3, dtype=np.uint8).reshape(4, 4, 3))
 
 
-def colour_at(p):
+def color_at(p):
     """0..1, linear in the place, so that it is known between corners too."""
     return 0.5 + 0.2 * p
 
 
-def drum(colours=True, segments=48, rings=12):
+def drum(colors=True, segments=48, rings=12):
     """A closed drum about y as OBJ: u once round its side, whose material is `side`, v up; caps of another material."""
     angle = 2 * np.pi * np.arange(segments) / segments
     ring = np.column_stack([np.cos(angle), 0 * angle, np.sin(angle)])
@@ -44,7 +44,7 @@ def drum(colours=True, segments=48, rings=12):
     v = np.concatenate([ring + [0, y, 0] for y in levels] + [[[0, -1, 0], [0, 1, 0]]])
     lines = ["mtllib drum.mtl", "o drum"]
     for p in v:
-        lines.append("v " + " ".join(f"{x:.9g}" for x in ([*p, *colour_at(p)] if colours else p)))
+        lines.append("v " + " ".join(f"{x:.9g}" for x in ([*p, *color_at(p)] if colors else p)))
     lines += [f"vt {i / segments:.9g} {j / rings:.9g}" for j in range(rings + 1) for i in range(segments + 1)]
     lines.append("usemtl side of it")
     for j in range(rings):
@@ -122,8 +122,8 @@ class Glb:
             normals = self.array(p["attributes"]["NORMAL"]).astype(float)
             test.assertLess(abs(np.linalg.norm(normals, axis=1) - 1).max(), 1e-6)
             if "COLOR_0" in p["attributes"]:
-                colour = doc["accessors"][p["attributes"]["COLOR_0"]]
-                test.assertEqual((colour["componentType"], colour["normalized"], colour["type"]), (5123, True, "VEC4"))
+                color = doc["accessors"][p["attributes"]["COLOR_0"]]
+                test.assertEqual((color["componentType"], color["normalized"], color["type"]), (5123, True, "VEC4"))
         for texture in doc.get("textures", []):
             test.assertEqual(doc["bufferViews"][doc["images"][texture["source"]]["bufferView"]].get("target"), None)
 
@@ -158,20 +158,20 @@ class Look(CommandLine):
             comments, v, f = read_ply(self.at(piece["files"]["mesh"]))
             self.assertEqual(comments, [["material", "0", "side_of_it", "0"], ["material", "1", "cap"],
                                         ["material", "2", "inside"], ["TextureFile", "paint.png"]])
-            place, colour = columns(v, "x", "y", "z"), columns(v, "red", "green", "blue")
+            place, color = columns(v, "x", "y", "z"), columns(v, "red", "green", "blue")
             corners, uv = f["vertex_indices"], f["texcoord"].reshape(-1, 3, 2)
-            inside = f["facing"] > 0
+            inside = f["neighbor"] > 0
             self.assertTrue((f["material"][inside] == 2).all() and (f["material"][~inside] < 2).all())
             self.assertTrue((uv[inside] == 0).all())
             # Vertices: original where a face round them is; edges of the drum are rounded over a voxel.
             original = np.zeros(len(v), bool)
             original[corners[~inside]] = True
-            self.assertTrue((colour[~original] == INSIDE).all())
-            off = abs(colour[original] - 255 * colour_at(place[original])).max(axis=1)
+            self.assertTrue((color[~original] == INSIDE).all())
+            off = abs(color[original] - 255 * color_at(place[original])).max(axis=1)
             self.assertLess(np.median(off), 1)
             self.assertLess(off.max(), 255 * 0.2 * h + 1)
-            self.assertTrue((v["facing"][np.setdiff1d(corners[~inside], corners[inside])] == 0).all())
-            self.assertTrue((v["facing"][corners[inside]] > 0).all())
+            self.assertTrue((v["neighbor"][np.setdiff1d(corners[~inside], corners[inside])] == 0).all())
+            self.assertTrue((v["neighbor"][corners[inside]] > 0).all())
             # Texture coordinates are the place's, and no face spans the seam at angle 0.
             side = f["material"] == 0
             self.assertLess(np.ptp(uv[side][:, :, 0], axis=1).max(), 2 * h / (2 * np.pi))
@@ -223,14 +223,14 @@ class Look(CommandLine):
             at = attributes["POSITION"]
             corners = f["material"] == ["side_of_it", "cap", "inside"].index(material["name"])
             self.assertEqual(surface(at[indices]), surface(place[f["vertex_indices"][corners]]))
-            facing = attributes["_FACING"][:, 0]
-            self.assertEqual((facing == 0).all(), material["name"] != "inside")
-            self.assertLessEqual(set(facing), set(f["facing"]))
-            colours = 255 * srgb(attributes["COLOR_0"][:, :3] / 65535)
+            neighbor = attributes["_NEIGHBOR"][:, 0]
+            self.assertEqual((neighbor == 0).all(), material["name"] != "inside")
+            self.assertLessEqual(set(neighbor), set(f["neighbor"]))
+            colors = 255 * srgb(attributes["COLOR_0"][:, :3] / 65535)
             if material["name"] == "inside":
-                self.assertLess(abs(colours - INSIDE).max(), 0.1)
+                self.assertLess(abs(colors - INSIDE).max(), 0.1)
             else:
-                self.assertLess(abs(colours - 255 * colour_at(at)).max(), 255 * 0.2 * 0.2)
+                self.assertLess(abs(colors - 255 * color_at(at)).max(), 255 * 0.2 * 0.2)
             self.assertEqual("baseColorTexture" in material["pbrMetallicRoughness"], material["name"] == "side_of_it")
             # Its v runs downwards; by the faces of the .ply, in their order.
             uv = attributes["TEXCOORD_0"][indices] * [1, -1] + [0, 1]
@@ -261,12 +261,12 @@ class Look(CommandLine):
             glb, ply, obj = (self.at(piece["files"]["mesh"][k]) for k in (2, 0, 1))
             comments, v, f = read_ply(ply)
             self.assertEqual(comments, [])
-            self.assertEqual(v.dtype.names, ("x", "y", "z", "nx", "ny", "nz", "facing"))
-            self.assertEqual(f.dtype.names, ("n_vertex_indices", "vertex_indices", "facing"))
+            self.assertEqual(v.dtype.names, ("x", "y", "z", "nx", "ny", "nz", "neighbor"))
+            self.assertEqual(f.dtype.names, ("n_vertex_indices", "vertex_indices", "neighbor"))
             names = set()
             for material, indices, attributes in Glb(self, glb).primitives():
                 names.add(material["name"])
-                self.assertEqual(set(attributes), {"POSITION", "NORMAL", "_FACING"})
+                self.assertEqual(set(attributes), {"POSITION", "NORMAL", "_NEIGHBOR"})
             self.assertEqual(names, {"outside", "inside"})
             with open(obj) as text:
                 self.assertEqual({line.split()[1] for line in text if line.startswith("usemtl")}, names)
@@ -300,7 +300,7 @@ class Look(CommandLine):
         self.done("--write", "mesh", mesh=self.at("meshes/drum_001.glb"), out=again, pieces=2)
         _, v, f = read_ply(os.path.join(again, "meshes/drum_001_001.ply"))
         self.assertEqual(len(v.dtype.names), 10)
-        self.assertTrue((f["material"][f["facing"] > 0] == f["material"].max()).all())
+        self.assertTrue((f["material"][f["neighbor"] > 0] == f["material"].max()).all())
 
     def test_usage(self):
         for value in ("fbx", "ply,ply", "", "ply,"):

@@ -74,7 +74,7 @@ class HostFiles(Blender):
             self.assertTrue(mesh["closed"])
             self.assertAlmostEqual(mesh["volume"] / says["volume"], 1, delta=0.01)
             # Blender 3.4 adds half a voxel to every vertex; the mesher rounds corners.
-            self.assertLess(np.abs(np.subtract(mesh["centre"], says["centroid"]) - voxel / 2).max(), 0.05 * voxel)
+            self.assertLess(np.abs(np.subtract(mesh["center"], says["centroid"]) - voxel / 2).max(), 0.05 * voxel)
             np.testing.assert_allclose(mesh["low"], np.add(says["bbox"]["min"], voxel / 2), atol=voxel)
             np.testing.assert_allclose(mesh["high"], np.add(says["bbox"]["max"], voxel / 2), atol=voxel)
 
@@ -124,7 +124,7 @@ tell(things=[{**measures(o), "location": o.location[:], "materials": [m.name for
             self.assertEqual((thing["materials"], thing["uv"]), (["glaze", "inside"], 1))
             x, y, z = says["centroid"]
             np.testing.assert_allclose(thing["location"], [x, -z, y], atol=1e-5)  # the importer takes y for up
-            np.testing.assert_allclose(thing["centre"], [x, -z, y], atol=1e-4)
+            np.testing.assert_allclose(thing["center"], [x, -z, y], atol=1e-4)
             self.assertAlmostEqual(thing["volume"] / says["volume"], 1, delta=1e-4)
 
 

@@ -47,20 +47,20 @@ def world(thing):
     return at, triangles
 
 def measures(thing):
-    """Box, volume, centre of mass, and whether each edge is used once in each direction."""
+    """Box, volume, center of mass, and whether each edge is used once in each direction."""
     at, triangles = world(thing)
     a, b, c = (at[triangles[:, k]] for k in range(3))
     six = np.einsum("ij,ij->i", a, np.cross(b, c))
     edges = [(t[i], t[(i + 1) % 3]) for t in triangles.tolist() for i in range(3)]
     return {"name": thing.name, "low": at.min(axis=0), "high": at.max(axis=0), "volume": six.sum() / 6,
-            "centre": (six[:, None] * (a + b + c)).sum(axis=0) / (4 * six.sum()),
+            "center": (six[:, None] * (a + b + c)).sum(axis=0) / (4 * six.sum()),
             "closed": len(set(edges)) == len(edges) and {(b, a) for a, b in edges} == set(edges)}
 
 def look(thing):
     mesh, body = thing.data, thing.rigid_body
-    facing = np.array([f.value for f in mesh.attributes["facing"].data])
+    neighbor = np.array([f.value for f in mesh.attributes["neighbor"].data])
     return {**measures(thing), "location": thing.location[:], "materials": [m.name for m in mesh.materials],
-            "facing": facing, "material_index": [p.material_index for p in mesh.polygons],
+            "neighbor": neighbor, "material_index": [p.material_index for p in mesh.polygons],
             "area": [p.area for p in mesh.polygons], "middles": [thing.matrix_world @ p.center for p in mesh.polygons],
             "collections": sorted(c.name for c in thing.users_collection), "flawed": mesh.validate(),
             "body": body and [body.type, body.collision_shape, body.mass],
@@ -129,11 +129,11 @@ class AddOn(Blender):
             self.assertTrue(f["closed"], f["name"])
             self.assertFalse(f["flawed"], f["name"])
             size = max(np.subtract(f["high"], f["low"]))
-            np.testing.assert_allclose(f["location"], f["centre"], atol=1e-4 * size)
+            np.testing.assert_allclose(f["location"], f["center"], atol=1e-4 * size)
             self.assertAlmostEqual(f["volume"] / f["properties"]["sherd_volume"], 1, delta=1e-4)
-            facing, area = np.array(f["facing"]), np.array(f["area"])
-            for other in np.unique(facing[facing > 0]):
-                faced[f["properties"]["sherd_fragment"], int(other)] = area[facing == other].sum()
+            neighbor, area = np.array(f["neighbor"]), np.array(f["area"])
+            for other in np.unique(neighbor[neighbor > 0]):
+                faced[f["properties"]["sherd_fragment"], int(other)] = area[neighbor == other].sum()
             if density is not None:
                 kind, shape, mass = f["body"]
                 self.assertEqual((kind, shape), ("ACTIVE", "CONVEX_HULL"))
@@ -181,13 +181,13 @@ tell(result=list(result), pieces=[look(p) for p in pieces], hidden=cube.hide_get
             self.assertEqual([f["properties"][k] for k in ("sherd_fragment", "sherd_volume", "sherd_share")],
                              [says["id"], says["volume"], says["share"]])
             self.assertEqual(f["properties"]["sherd_folder"], str(kept))
-            at, triangles, facing = read_triangles(kept / says["files"]["mesh"])
+            at, triangles, neighbor = read_triangles(kept / says["files"]["mesh"])
             np.testing.assert_allclose(co, at, atol=3e-7)  # in place, but for single precision
             np.testing.assert_array_equal(faces, triangles)
-            np.testing.assert_array_equal(f["facing"], facing)
-            np.testing.assert_array_equal(f["material_index"], facing > 0)
+            np.testing.assert_array_equal(f["neighbor"], neighbor)
+            np.testing.assert_array_equal(f["material_index"], neighbor > 0)
             skin = np.abs(np.abs(f["middles"]).max(axis=1) - 1)
-            self.assertLess(skin[facing == 0].max(), 0.02)  # of the cube's surface
+            self.assertLess(skin[neighbor == 0].max(), 0.02)  # of the cube's surface
 
     def test_suzanne_breaks_as_she_is_and_remeshed(self):
         """Turned, scaled, mirrored, and through a modifier."""
@@ -220,8 +220,8 @@ tell(plain=plain, whole=whole, pieces=[look(p) for p in bpy.context.selected_obj
         np.testing.assert_allclose(np.max([f["high"] for f in pieces], axis=0), whole["high"], atol=voxel / 2)
         self.assertAlmostEqual(sum(f["volume"] for f in pieces) / abs(whole["volume"]), 1, delta=0.03)
 
-    def test_texture_colours_and_materials_stay(self):
-        """A textured ball, mirrored, whose texture coordinates and colours are known from the place."""
+    def test_texture_colors_and_materials_stay(self):
+        """A textured ball, mirrored, whose texture coordinates and colors are known from the place."""
         vertices, triangles = sphere(24, 48)
         (self.tmp / "checker.png").write_bytes(png(np.uint8(255 * np.indices((64, 64, 3))[:2].sum(axis=0) // 8 % 2)))
         lines = ["mtllib ball.mtl", "o Ball", *(f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in vertices),
@@ -263,12 +263,12 @@ tell(pieces=[look(p) for p in pieces], more=more, materials=len(bpy.data.materia
             self.assertEqual(f["materials"], ["checkered", "plain one", "Sherd inside"])
             self.assertEqual((more["same"], more["texture"]), ([True, True], [[64, 64]]))
             self.assertEqual(more["layers"], [told["layer"]])
-            facing, index = np.array(f["facing"]), np.array(f["material_index"])
-            self.assertTrue((index[facing > 0] == 2).all())
+            neighbor, index = np.array(f["neighbor"]), np.array(f["material_index"])
+            self.assertTrue((index[neighbor > 0] == 2).all())
             height = np.array(f["middles"])[:, 2]
-            self.assertTrue((index[(facing == 0) & (height > 0.15)] == 0).all())
-            self.assertTrue((index[(facing == 0) & (height < -0.15)] == 1).all())
-            outer = np.repeat(facing == 0, 3)
+            self.assertTrue((index[(neighbor == 0) & (height > 0.15)] == 0).all())
+            self.assertTrue((index[(neighbor == 0) & (height < -0.15)] == 1).all())
+            outer = np.repeat(neighbor == 0, 3)
             corner, at = (np.array(more[key]) * [-1, 1, 1] for key in ("corner", "at"))
             off = np.abs(np.array(more["uv"])[outer] - (corner[outer, :2] + 1) / 2).max(axis=1)
             self.assertLess(np.quantile(off, 0.999), 0.01)
@@ -278,15 +278,15 @@ tell(pieces=[look(p) for p in pieces], more=more, materials=len(bpy.data.materia
 
     def test_impact_at_the_cursor(self):
         told = self.run_addon('''
-def centres(**options):
+def centers(**options):
     only(cube)
     bpy.ops.object.sherd_fracture(pieces=12, resolution=48, seed=2, original="KEEP", rigid_body=False, **options)
     return [p.location[:] for p in bpy.context.selected_objects]
 
 bpy.context.scene.cursor.location = (1, 1, 1)
-plain = centres()
-cursor = centres(impact="CURSOR", impact_pieces=9, impact_spread=0.15)
-clicked = centres(impact="MOUSE", impact_pieces=9, impact_spread=0.15, impact_point=(1, 1, 1))
+plain = centers()
+cursor = centers(impact="CURSOR", impact_pieces=9, impact_spread=0.15)
+clicked = centers(impact="MOUSE", impact_pieces=9, impact_spread=0.15, impact_point=(1, 1, 1))
 only(cube)
 tell(plain=plain, cursor=cursor, clicked=clicked, without=refused(impact="MOUSE"),
      many=refused(pieces=4, impact="CURSOR", impact_pieces=9))
@@ -295,7 +295,7 @@ tell(plain=plain, cursor=cursor, clicked=clicked, without=refused(impact="MOUSE"
         self.assertEqual([len(told[name]) for name in ("plain", "cursor", "clicked")], [12, 12, 12])
         self.assertGreaterEqual(near["cursor"], near["plain"] + 4, near)
         self.assertEqual(told["clicked"], told["cursor"])
-        self.assertRegex(told["without"], "^Error: a blow under the mouse needs a click in a 3D view")
+        self.assertRegex(told["without"], "^Error: an impact under the mouse needs a click in a 3D view")
         self.assertRegex(told["many"], "^Error: .*9")
 
     def test_the_ray_under_the_mouse(self):
@@ -309,7 +309,7 @@ seen = types.SimpleNamespace(is_perspective=False, view_matrix=view, window_matr
                              perspective_matrix=lens @ view)
 cube.location, cube.scale, cube.rotation_euler = (1, 1, 0.5), (0.5, 0.25, 2), (0, 0, math.pi / 2)
 bpy.context.view_layer.update()
-spot = lambda x, y: sherd_fracture.place_under(bpy.context, region, seen, (x, y), cube)
+spot = lambda x, y: sherd_fracture.point_under(bpy.context, region, seen, (x, y), cube)
 tell(hit=spot(100, 75)[:], beside=spot(150, 75))
 ''')
         np.testing.assert_allclose(told["hit"], [1, 1, 2.5], atol=1e-5)
@@ -360,7 +360,7 @@ tell(before=before, broken=broken, undone=undone, redone=scene())
         self.assertEqual(told["redone"], told["broken"])
 
     def test_fragments_fall_and_do_not_burst(self):
-        """Neighbours touch, and hulls overlap a little: without gravity a broken cube parts by less than its side in a
+        """Neighbors touch, and hulls overlap a little: without gravity a broken cube parts by less than its side in a
         second, and not at all where the fragments rest until hit.  With gravity they fall.
         """
         told = self.run_addon('''
@@ -445,7 +445,7 @@ tell(same=before == after, **told)
         self.assertLess(told.pop("waited"), 10)
         path = "Edit > Preferences > Add-ons > Sherd Fracture"
         for case, says in {
-                "absent": path, "plain.txt": path, "not in PATH": "no program 'sherd'.*" + path,
+                "absent": path, "plain.txt": path, "not in PATH": "program 'sherd' not found.*" + path,
                 "interrupted": "breaking Cube was interrupted", "crash": "signal 11",
                 "empty": "no manifest.json", "dumb": "status 9", "slow": "time limit",
                 "folder": "taken", "nothing": "nothing is selected", "light": "Light is of type light, not a mesh",
@@ -484,16 +484,16 @@ class Import(Blender):
         told = self.bring('''
 things = [o for o in bpy.data.objects if o.type == "MESH"]
 tell(things=[{**measures(o), "at": world(o)[0], "materials": [m.name for m in o.data.materials],
-              "facing": [f.value for f in o.data.attributes["facing"].data], "id": o["sherd_fragment"],
+              "neighbor": [f.value for f in o.data.attributes["neighbor"].data], "id": o["sherd_fragment"],
               "material_index": [p.material_index for p in o.data.polygons],
               "in": [c.name for c in o.users_collection]} for o in things])
 ''', "-o", self.tmp / "out.blend")
         self.assertEqual([t["name"] for t in told["things"]], ["ball_001", "ball_002", "ball_003"])
         for t, says in zip(told["things"], self.manifest["fragments"]):
-            at, _, facing = read_triangles(self.dir / says["files"]["mesh"][0])
+            at, _, neighbor = read_triangles(self.dir / says["files"]["mesh"][0])
             np.testing.assert_array_equal(np.float32(t["at"]), np.float32(at))
-            np.testing.assert_array_equal(t["facing"], facing)
-            np.testing.assert_array_equal(t["material_index"], facing > 0)
+            np.testing.assert_array_equal(t["neighbor"], neighbor)
+            np.testing.assert_array_equal(t["material_index"], neighbor > 0)
             self.assertEqual((t["materials"], t["in"], t["id"]), (["outside", "inside"], ["ball"], says["id"]))
             self.assertTrue(t["closed"])
         self.assertGreater((self.tmp / "out.blend").stat().st_size, 10000)
@@ -546,7 +546,7 @@ tell(volumes=[o.name for o in volumes], grids=grids, files=[os.path.basename(o.d
             self.assertTrue(mesh["closed"])
             self.assertAlmostEqual(mesh["volume"] / says["volume"], 1, delta=0.01)
             # Blender 3.4 adds half a voxel to every vertex.  What is left over is the mesher's: it rounds corners.
-            self.assertLess(np.abs(np.subtract(mesh["centre"], says["centroid"]) - self.voxel / 2).max(),
+            self.assertLess(np.abs(np.subtract(mesh["center"], says["centroid"]) - self.voxel / 2).max(),
                             0.05 * self.voxel)
         low = np.min([m["low"] for m in told["meshes"]], axis=0)
         high = np.max([m["high"] for m in told["meshes"]], axis=0)

@@ -155,7 +155,7 @@ class Fracture(CommandLine):
         self.done()
         with open(os.path.join(self.out, "manifest.json")) as file:
             manifest = json.load(file)
-        self.assertEqual(manifest["schema"], "sherd/1")
+        self.assertEqual(manifest["schema"], "sherd/2")
         files = {name for name in tree(self.out) if not name.endswith("/")}
         self.assertEqual(files, set(manifest["files"]) | {"manifest.json"})
         self.assertEqual(len(manifest["files"]), 1 + 3 + 3 + 1)
@@ -209,7 +209,7 @@ class Fracture(CommandLine):
     def test_json_is_exactly_one_object(self):
         report = json.loads(self.done("--json", "--seed", "9").stdout)
         self.assertEqual(report["schema"], SCHEMA)
-        self.assertEqual((report["seed"], report["fragments"], report["parts"]), (9, 3, 1))
+        self.assertEqual((report["seed"], report["fragments"], report["components"]), (9, 3, 1))
         self.assertAlmostEqual(report["volume_out"] / report["volume_in"], 1.0, delta=0.02)
         self.assertGreaterEqual(report["seconds"]["total"], report["seconds"]["write"])
 
@@ -249,11 +249,11 @@ class Fracture(CommandLine):
         self.assertEqual(result.returncode, 0, result.stderr)
         warnings = result.stderr.splitlines()
         self.assertEqual(len(warnings), 2)
-        self.assertRegex(warnings[0], r"^sherd: warning: .*2 separate parts")
-        self.assertRegex(warnings[1], r"^sherd: warning: .*1 part under 27 voxels")
+        self.assertRegex(warnings[0], r"^sherd: warning: .*2 components")
+        self.assertRegex(warnings[1], r"^sherd: warning: .*1 component under 27 voxels")
         with open(os.path.join(self.out, "manifest.json")) as file:
             manifest = json.load(file)
-        self.assertEqual((manifest["pieces_asked"], manifest["parts"], manifest["specks"]["parts"]), (1, 2, 1))
+        self.assertEqual((manifest["pieces_asked"], manifest["components"], manifest["small_components"]["count"]), (1, 2, 1))
 
 
 class Resolution(CommandLine):
@@ -322,7 +322,7 @@ class Resolution(CommandLine):
 
     def test_a_shell_is_no_thicker_than_the_mesh_is_long(self):
         for thickness in ("64.1", "1e9"):
-            self.refused(2, self.run_sherd("fracture", self.pane, "-o", self.out, "--shell-thickness", thickness), "at most 64")
+            self.refused(2, self.run_sherd("fracture", self.pane, "-o", self.out, "--shell-thickness", thickness), "to 64, the mesh")
 
 
 class WrongUse(CommandLine):
@@ -626,7 +626,7 @@ class Inspect(CommandLine):
     def test_mesh(self):
         report = self.report(self.ball)
         self.assertEqual((report["vertices"], report["triangles"]), (2 + 23 * 48, 2 * 23 * 48))
-        self.assertEqual((report["closed"], report["open_edges"], report["parts"]), (True, 0, 1))
+        self.assertEqual((report["closed"], report["open_edges"], report["components"]), (True, 0, 1))
         self.assertAlmostEqual(report["volume"], 4 / 3 * math.pi, delta=0.05)
         for low, high in zip(report["box_min"], report["box_max"]):
             self.assertAlmostEqual(high - low, 2, delta=0.01)
@@ -658,8 +658,8 @@ class Inspect(CommandLine):
             vdb = file.read()
         for path in (self.path("absent.rle"), self.path("absent.vdb"), self.path("absent"), self.data,
                      self.path("a.rle", b"abc"), self.path("a.vdb", b"abc"), self.path("cut.vdb", vdb[:-9]),
-                     self.path("a.json", b"{"), self.path("b.json", b'{"schema": "sherd/1"}'),
-                     self.path("c.json", b'{"schema": "sherd/1", "grid": 3, "fragments": 4}')):
+                     self.path("a.json", b"{"), self.path("b.json", b'{"schema": "sherd/2"}'),
+                     self.path("c.json", b'{"schema": "sherd/2", "grid": 3, "fragments": 4}')):
             with self.subTest(path):
                 self.refused(3, self.run_sherd("inspect", path), path)
 

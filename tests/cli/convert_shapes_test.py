@@ -109,7 +109,7 @@ class Meshes(ConvertTest):
         np.testing.assert_array_equal(np.array(numbers, np.float32).reshape(-1, 12), faces)
         self.assertEqual(self.triangles("b.stl"), ("mesh", 12, 7, True, [1, 2, 3.5]))
 
-    def test_looks_and_facing_go_along_or_are_told(self):
+    def test_attributes_and_neighbors_go_along_or_are_told(self):
         head = ("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
                 "property uchar red\nproperty uchar green\nproperty uchar blue\n"
                 "element face 1\nproperty list uchar int vertex_indices\nend_header\n")
@@ -119,13 +119,13 @@ class Meshes(ConvertTest):
         _, vertex, _ = read_ply(self.path("d.ply"))
         np.testing.assert_array_equal(columns(vertex, "red", "green", "blue"), 255 * np.eye(3))
         for ending in ("stl", "binm"):
-            self.assertIn("colours", self.converted("c.ply", "d." + ending)[1][0])
-        facing = (struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0) + struct.pack("<B3ii", 3, 0, 1, 2, 7))
+            self.assertIn("colors", self.converted("c.ply", "d." + ending)[1][0])
+        neighbor = (struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0) + struct.pack("<B3ii", 3, 0, 1, 2, 7))
         self.put("f.ply", b"ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
-                 b"property float z\nelement face 1\nproperty list uchar int vertex_indices\nproperty int facing\n"
-                 b"end_header\n" + facing)
+                 b"property float z\nelement face 1\nproperty list uchar int vertex_indices\nproperty int neighbor\n"
+                 b"end_header\n" + neighbor)
         self.assertEqual(self.converted("f.ply", "g.ply")[1], [])
-        self.assertEqual(list(read_ply(self.path("g.ply"))[2]["facing"]), [7])
+        self.assertEqual(list(read_ply(self.path("g.ply"))[2]["neighbor"]), [7])
         self.assertIn("face", self.converted("f.ply", "g.obj")[1][0])
 
     def test_files_in_the_way_stay(self):
@@ -152,8 +152,8 @@ class Points(ConvertTest):
         self.positions = (random.random((500, 3)) * [1, 0.5, 0.25] - 0.5).astype(np.float32)
         normals = random.normal(size=(500, 3)).astype(np.float32)
         self.normals = normals / np.linalg.norm(normals, axis=1, keepdims=True)
-        self.facing = random.integers(0, 9, 500).astype(np.int32)
-        np.savez(self.path("all.npz"), positions=self.positions, normals=self.normals, facing=self.facing)
+        self.neighbor = random.integers(0, 9, 500).astype(np.int32)
+        np.savez(self.path("all.npz"), positions=self.positions, normals=self.normals, neighbor=self.neighbor)
 
     def read(self, name):
         self.converted(name, "read.npz")
@@ -164,7 +164,7 @@ class Points(ConvertTest):
         self.assertEqual(self.converted("all.npz", "a.ply")[1], [])
         for name in ("all.npz", "a.ply"):
             back = self.read(name)
-            for key, want in (("positions", self.positions), ("normals", self.normals), ("facing", self.facing)):
+            for key, want in (("positions", self.positions), ("normals", self.normals), ("neighbor", self.neighbor)):
                 np.testing.assert_array_equal(back[key], want)
         data, losses = self.converted("a.ply", "a.xyz")
         self.assertEqual(len(losses), 1)
@@ -224,7 +224,7 @@ class Points(ConvertTest):
             self.put("b.xyz", text)
             self.refused("inspect", self.path("b.xyz"))
         for arrays in ({"positions": np.zeros((3, 2))}, {"positions": np.zeros((3, 3)), "normals": np.zeros((2, 3))},
-                       {"positions": np.zeros((3, 3)), "facing": np.array([1, 2, -3])}, {"positions": np.full((1, 3), np.nan)}):
+                       {"positions": np.zeros((3, 3)), "neighbor": np.array([1, 2, -3])}, {"positions": np.full((1, 3), np.nan)}):
             np.savez(self.path("b.npz"), **arrays)
             self.refused("inspect", self.path("b.npz"))
         self.put("b.ply", b"ply\nformat ascii 1.0\nelement vertex 4000000000\nproperty float x\nproperty float y\n"

@@ -109,23 +109,23 @@ class VoxelBytes(ConvertTest):
                     np.testing.assert_array_equal(vf.read_rle(data), want)
                     self.assertEqual(losses, [])
 
-    def test_solid_of_no_fragment_has_a_colour_of_its_own(self):
+    def test_solid_of_no_fragment_has_a_color_of_its_own(self):
         labels = random_labels(3, (9, 8, 7), 1, 255)
         labels[1, 1, 1] = 1
         self.put("in.rle", vf.write_rle(labels))
         data, losses = self.converted("in.rle", "a.vox")
-        colours, palette = vf.read_vox(data)
-        np.testing.assert_array_equal(colours, labels)
+        colors, palette = vf.read_vox(data)
+        np.testing.assert_array_equal(colors, labels)
         self.assertEqual(len(np.unique(palette[:40], axis=0)), 40)
         self.assertEqual(losses, [])
         np.testing.assert_array_equal(vf.read_rle(self.converted("a.vox", "b.rle")[0]), labels)
 
-    def test_more_fragments_than_colours_are_told(self):
+    def test_more_fragments_than_colors_are_told(self):
         labels = random_labels(3, (30, 30, 30), 2, 3000)
         self.put("in.rle", vf.write_rle(labels))
         data, losses = self.converted("in.rle", "a.vox")
         self.assertEqual(len(losses), 1)
-        self.assertIn("255 colours", losses[0])
+        self.assertIn("255 colors", losses[0])
         np.testing.assert_array_equal(vf.read_vox(data)[0] > 0, labels > 0)
 
     def test_margins_are_told(self):
@@ -185,7 +185,7 @@ class Arrays(ConvertTest):
             for key, value in place.items():
                 np.testing.assert_array_equal(back[key], value)
             np.testing.assert_array_equal(back["labels"], vf.cube(labels, False))
-        self.converted("a.npz", "c.npz", "--pad", "cube-centred")
+        self.converted("a.npz", "c.npz", "--pad", "cube-centered")
         with np.load(self.path("c.npz")) as back:
             np.testing.assert_allclose(back["origin"], place["origin"] - 0.01 * np.array([2, 2, 0]), rtol=1e-15)
             np.testing.assert_array_equal(back["index_min"], place["index_min"] - [2, 2, 0])
@@ -223,11 +223,11 @@ class Scenes(ConvertTest):
         self.put("a.vox", vf.vox_file(chunks, 200))
         return vf.read_rle(self.converted("a.vox", "a.rle")[0])
 
-    def test_the_colour_is_the_label(self):
+    def test_the_color_is_the_label(self):
         labels = self.labels_of(vf.model((3, 4, 5), [[2, 3, 4, 9], [0, 0, 0, 200]]) + self.EXTRA)
         self.assertEqual((labels.shape, labels[2, 4, 3], labels[0, 0, 0]), ((3, 5, 4), 9, 200))
 
-    def test_a_file_with_colour_0_for_empty_voxels_has_labels_for_colours(self):
+    def test_a_file_with_color_0_for_empty_voxels_has_labels_for_colors(self):
         labels = self.labels_of(vf.model((126,) * 3, [[0, 0, 0, 0], [1, 1, 1, 2], [2, 2, 2, 3]]))
         self.assertEqual([labels[0, 0, 0], labels[1, 1, 1]], [2, 3])
 

@@ -220,7 +220,7 @@ class Journals(Safety):
             ("fracture", "../../x"), ("fracture", "3f_0"), ("fragments", 0, "id", 65535), ("fragments", 0, 7), ("fragments", 0, "withheld", 1),
             ("fragments", 0, "contacts", 0, [1]), ("fragments", 0, "files", 0, "objects/other.ply"), ("files", 0, 0, "../x"), ("files", 0, 0, "/x"),
             ("files", 0, 1, -4), ("files", 0, 2, "AB" * 32), ("files", 0, ["a"]), ("options", {"roughness": 1}), ("labels", 0, "x.rle"),
-            ("fragments", 0, "pose", "turn", [1, 2, 3]), ("fragments", 0, "pose", "centre", None), ("fragments", 0, "pose", 3))]
+            ("fragments", 0, "pose", "turn", [1, 2, 3]), ("fragments", 0, "pose", "center", None), ("fragments", 0, "pose", 3))]
         bad.append((4, changed(3, put("files", [["../x", 1, "ab"]]))))
         for number, text in bad:
             with self.subTest(line=number, text=text[-200:]):
@@ -235,7 +235,7 @@ class Journals(Safety):
         self.done(*QUICK, "--poses", "--resume", "--verify")
 
     def test_whatever_is_written_is_read(self):
-        everything = ("--write", "labels,vdb,mesh,preview,seeds,rims,cost,fog,solid,scene,graph,proxy", "--voxel-format", "rle,npy,npz",
+        everything = ("--write", "labels,vdb,mesh,preview,seeds,boundaries,cost,fog,solid,scene,graph,proxy", "--voxel-format", "rle,npy,npz",
                       "--points", "20", "--point-format", "ply,xyz", "--sdf-samples", "20", "--correspondences", "5", "--vdb", "both",
                       "--triangles", "100", "--poses", "--missing", "1", "--roughness", "0..1")
         for layout, packing in zip(LAYOUTS, ("none", "zip", "zstd", "none")):

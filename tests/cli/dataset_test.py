@@ -186,7 +186,7 @@ class Run(Dataset):
             w, x, y, z = row["turn"]
             self.assertAlmostEqual(w * w + x * x + y * y + z * z, 1)
             self.assertEqual(row["truth_turn"], [w, -x, -y, -z])
-            self.assertEqual(row["truth_shift"], row["centre"])
+            self.assertEqual(row["truth_shift"], row["center"])
 
     def test_options_out_of_files(self):
         self.done("--erode-iterations", "1", "--match", "ball*")
@@ -310,9 +310,9 @@ class Layouts(Dataset):
                 at = np.concatenate([self.vertices(os.path.join(own, fracture, p)) for p in pieces])
                 self.assertLess(np.abs(at.max(0) - whole.max(0)).max(), 0.01)
                 for piece in pieces:
-                    facing = np.load(os.path.join(own, "facing", fracture, piece[:-3] + "npy"))
-                    self.assertEqual(len(facing), self.faces(os.path.join(own, fracture, piece)))
-                    self.assertEqual(set(facing) - set(range(len(pieces) + 1)), set())
+                    neighbor = np.load(os.path.join(own, "neighbor", fracture, piece[:-3] + "npy"))
+                    self.assertEqual(len(neighbor), self.faces(os.path.join(own, fracture, piece)))
+                    self.assertEqual(set(neighbor) - set(range(len(pieces) + 1)), set())
 
     def lines(self, path):
         with open(path) as file:
@@ -523,7 +523,7 @@ class Trust(Dataset):
             self.assertTrue(0.05 < solid.mean() < 0.9, caption)
             if caption.endswith(", whole"):
                 whole = pixels
-            else:  # the same thing in several colours
+            else:  # the same thing in several colors
                 self.assertGreater((np.abs(pixels - whole).max(-1) > 30)[solid].mean(), 0.05, caption)
 
     def test_a_forecast_without_a_folder_for_temporary_files(self):

@@ -223,7 +223,7 @@ class Evaluate(Evaluating, unittest.TestCase):
         self.assertLess(error["voxels"]["mean"], 0.05)
         self.assertLess(error["voxels"]["p99"], 0.5)
         self.assertLess(told["whole"]["missing"]["voxels"]["mean"], 0.1)
-        # Neighbours share their faces, but for single precision in the file.
+        # Neighbors share their faces, but for single precision in the file.
         self.assertLess(told["gap"]["max"], 1e-5 * told["diagonal"])
         self.assertLess(told["overlap"]["share"], 1e-3)
         # What is void is missing from the sum: 2000 points tell it to 5 times 0.003.

@@ -32,7 +32,7 @@ FILES = ("write", "open", "close", "rename", "mkdir")
 NO_MEMORY = r"not enough memory; try|: no memory for \d+x\d+ pixels; try a|OpenEXR cannot encode it: "
 OUT_OF_RESOURCES = -5  # as OpenCL numbers them
 BUILD_PROGRAM_FAILURE = -11
-EVERYTHING = ("--write", "labels,vdb,mesh,preview,seeds,rims,cost,fog,solid,scene,graph,proxy", "--voxel-format", "rle,npy,npz,vox,qstack,bing", "--mesh-format",
+EVERYTHING = ("--write", "labels,vdb,mesh,preview,seeds,boundaries,cost,fog,solid,scene,graph,proxy", "--voxel-format", "rle,npy,npz,vox,qstack,bing", "--mesh-format",
               "ply,obj,glb,stl", "--points", "20", "--point-format", "ply,xyz,npz", "--sdf-samples", "20",
               "--correspondences", "5", "--vdb", "both", "--triangles", "100")
 
@@ -204,7 +204,7 @@ class Replacing(Faults):
         was = tree(folder)
         renames = self.calls(*arguments, kind="rename", below=folder)
         new = tree(folder)
-        for after, sentence in ((1, "it holds the new fracture"), (2, "the next run, or sherd inspect, puts back what was there before")):
+        for after, sentence in ((1, "it holds the new fracture"), (2, "the next run, or sherd inspect, restores the earlier fracture")):
             folder, arguments = copied()
             said = self.refused(folder, arguments, kind="rename", at=renames + after, error=errno.EIO)
             self.assertIn("out is not as it was before: ", said)

@@ -181,7 +181,7 @@ class Hosts(CommandLine):
             told = json.loads(self.run_sherd("inspect", binm, "--json").stdout)
             self.assertTrue(told["closed"])
         both = self.run_sherd("fracture", AMPHORA, "-o", self.out, "--mesh-format", "stl,stl-ascii")
-        self.assertEqual((both.returncode, "same name" in both.stderr), (2, True))
+        self.assertEqual((both.returncode, "same file names" in both.stderr), (2, True))
 
     def test_stl_has_the_same_triangles(self):
         manifest = self.broken("--write", "mesh", "--mesh-format", "ply,stl")

@@ -29,7 +29,7 @@ ATTRIBUTE_TYPES = {b"bool", b"float", b"double", b"int32", b"int64", b"string", 
                    b"vec3s", b"vec3d", b"vec4i", b"vec4s", b"vec4d", b"mat4s", b"mat4d"}
 
 
-def volume_and_centre(points, quads):
+def volume_and_center(points, quads):
     """By the divergence theorem; OpenVDB's quads are clockwise seen from outside."""
     six, moment = 0.0, np.zeros(3)
     for a, b, c in ((0, 2, 1), (0, 3, 2)):
@@ -149,9 +149,9 @@ class Houdini(unittest.TestCase):
             points, quads = grid.convertToQuads(isovalue=0.0)
             edges = [(q[i], q[(i + 1) % 4]) for q in quads.tolist() for i in range(4)]
             self.assertTrue(sorted(edges) == sorted((b, a) for a, b in edges))  # their diff would take hours
-            volume, centre = volume_and_centre(points, quads)
+            volume, center = volume_and_center(points, quads)
             self.assertAlmostEqual(volume / says["volume"], 1, delta=0.01)
-            np.testing.assert_allclose(centre, says["centroid"], atol=0.05 * self.voxel)
+            np.testing.assert_allclose(center, says["centroid"], atol=0.05 * self.voxel)
             self.assertGreater(np.min(points.min(axis=0) - says["bbox"]["min"]), -0.5 * self.voxel)
             self.assertLess(np.max(points.max(axis=0) - says["bbox"]["max"]), 0.5 * self.voxel)
             middles = points[quads].mean(axis=1)

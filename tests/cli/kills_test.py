@@ -27,7 +27,7 @@ ALL = os.environ.get("SHERD_KILLS", "") == "all"
 EARLIER = ("--pieces", "3", "--points", "20", "--write", "labels,mesh,seeds")
 FRESH = ("--pieces", "2", "--write", "labels,vdb,mesh")
 MANY = ("--pieces", "4", "--points", "20", "--sdf-samples", "20", "--mesh-format", "ply,obj,glb", "--write",
-        "labels,vdb,mesh,preview,seeds,rims,solid,scene,graph,proxy")
+        "labels,vdb,mesh,preview,seeds,boundaries,solid,scene,graph,proxy")
 
 
 def spread(count, most):
@@ -254,7 +254,7 @@ class Kills(unittest.TestCase):
         mesh = next(name for name in self.was if name.startswith("meshes/") and name.endswith("_001.ply"))
         result = self.sherd(["convert", self.ball, os.path.join(half, mesh)])
         self.assertEqual(result.returncode, 2, result.stderr)
-        self.assertIn("is a file of the fracture", result.stderr)
+        self.assertIn("is listed by the fracture", result.stderr)
         self.assertEqual(shown(half), self.was)
 
     def test_two_may_read_at_once(self):

@@ -33,8 +33,8 @@ def bytes_of(code, frequencies, count):
 
 def read_binp(raw):
     """Header fields and positions [n, 3]."""
-    magic, frame, whole, centres, colours, points, voxel, bits, step, *box = struct.unpack_from(HEADER, raw)
-    assert magic == b"<PCL-OCT-COMPRESSED>" and (frame, whole, centres, colours, bits) == (1, 1, 1, 0, 8)
+    magic, frame, whole, centers, colors, points, voxel, bits, step, *box = struct.unpack_from(HEADER, raw)
+    assert magic == b"<PCL-OCT-COMPRESSED>" and (frame, whole, centers, colors, bits) == (1, 1, 1, 0, 8)
     assert struct.calcsize(HEADER) == 100
     low, high = np.array(box[:3]), np.array(box[3:])
     size, = struct.unpack_from("<Q", raw, 100)

@@ -31,7 +31,7 @@ class Options(CommandLine):
         self.assertEqual(len(fragments) + len(manifest["withheld"]), pieces)
         counts = np.bincount(runs["label"], runs["run"], len(fragments) + 2).astype(int)
         self.assertEqual(list(counts[2:]), [f["voxels"] for f in fragments])
-        self.assertEqual(counts[1], grid["worn_voxels"])
+        self.assertEqual(counts[1], grid["eroded_voxels"])
         self.assertEqual(counts[1:].sum(), grid["solid_voxels"])
         self.assertGreater(min(counts[2:]), 0)
         return manifest
@@ -75,7 +75,7 @@ class Seeds(Options):
             self.assertGreaterEqual(len(near), 6)
             self.assertEqual(len(self.seeds(manifest)), 12)
             told = manifest["options"]["seeds"]["impacts"]
-            self.assertEqual([(i["count"], i["spread"], i["merge"]) for i in told], [(6, 0.1, False)])
+            self.assertEqual([(i["count"], i["sigma"], i["merge"]) for i in told], [(6, 0.1, False)])
 
     def test_impacts_that_merge_make_no_fragments(self):
         manifest = self.broken("--impact", "1,0,0,6,n=9,merge", "--impact", "0,0,1,3,merge")
@@ -163,7 +163,7 @@ class Growth(Options):
 
     def test_isolated_voxels_are_regrown_or_kept(self):
         many = ("--growth", "nearest", "--extra-seeds", "20n")
-        freed = [json.loads(self.done("--json", "--isolated", what, *many).stdout)["freed_voxels"]
+        freed = [json.loads(self.done("--json", "--isolated", what, *many).stdout)["disconnected_voxels"]
                  for what in ("regrow", "keep")]
         self.assertGreater(sum(freed[0]), 0)
         self.assertEqual(freed[1], [])
@@ -186,7 +186,7 @@ class Growth(Options):
         small = [f for f in plain["fragments"] if f["share"] < least]
         kept = [f for f in plain["fragments"] if f["share"] >= least]
         for before, after in zip(kept + small, dropped["fragments"] + dropped["withheld"]):
-            for name in "voxels", "worn_voxels", "seeds":
+            for name in "voxels", "eroded_voxels", "seeds":
                 self.assertEqual(before[name], after[name])
         self.refused(2, self.fracture("--drop-share", "0.9"), "too small")
 
@@ -203,8 +203,8 @@ class Growth(Options):
 class Erosion(Options):
     def worn(self, *options, iterations="2"):
         manifest = self.broken("--erode-iterations", iterations, *options)
-        self.assertEqual(manifest["grid"]["worn_voxels"], sum(f["worn_voxels"] for f in manifest["fragments"]))
-        return manifest["grid"]["worn_voxels"], manifest["options"]["erode"]
+        self.assertEqual(manifest["grid"]["eroded_voxels"], sum(f["eroded_voxels"] for f in manifest["fragments"]))
+        return manifest["grid"]["eroded_voxels"], manifest["options"]["erode"]
 
     def test_none_unless_asked(self):
         worn, told = self.worn("--erode-size", "5", iterations="0")
@@ -212,7 +212,7 @@ class Erosion(Options):
 
     def test_shapes(self):
         plain = {"iterations": 2, "shape": "ellipse", "size": 3, "planes": False, "threshold": 1, "probability": 1,
-                 "on": "fracture", "crumbs": "wear"}
+                 "on": "fracture", "islands": "erode"}
         worn, told = self.worn()
         self.assertEqual(told, plain)
         self.assertGreater(worn, 0)
@@ -221,7 +221,7 @@ class Erosion(Options):
                                           ("--erode-size", "size", 5, None), ("--erode-planes", "planes", True, None),
                                           ("--erode-threshold", "threshold", 0.7, -1),
                                           ("--erode-probability", "probability", 0.5, -1),
-                                          ("--erode-on", "on", "all", 1), ("--erode-crumbs", "crumbs", "keep", None)):
+                                          ("--erode-on", "on", "all", 1), ("--erode-islands", "islands", "keep", None)):
             with self.subTest(option):
                 other, told = self.worn(option, *([] if value is True else [str(value)]))
                 self.assertEqual(told, {**plain, name: value})
@@ -287,7 +287,7 @@ class WrongValues(Options):
             "--erode-iterations": ("-1", "1001", "1.5"), "--erode-shape": ("circle",),
             "--erode-size": ("1", "4", "15", "x"), "--erode-threshold": ("-1", "0", "1.1", "nan"),
             "--erode-probability": ("-1", "1.1", "x"),
-            "--erode-on": ("edges",), "--erode-crumbs": ("kept",),
+            "--erode-on": ("edges",), "--erode-islands": ("kept",),
         }
         for option, texts in wrong.items():
             for text in texts:
@@ -342,7 +342,7 @@ MATTERS = {
     "--proxy-gap": (("--write", "proxy"), "0", "0.1"),
     **{f"--erode-{name}": (("--erode-iterations", "1"), one, other) for name, one, other in (
         ("shape", "cross", "square"), ("size", "3", "5"), ("planes", None, ()), ("threshold", "1", "0.9"), ("probability", "1", "0.9"),
-        ("on", "fracture", "all"), ("crumbs", "wear", "keep"))},
+        ("on", "fracture", "all"), ("islands", "erode", "keep"))},
 }
 
 # Where the fracture goes, how it is made, and what is printed: nothing that is written follows from these.
@@ -414,7 +414,7 @@ class SameBytes(Options):
                 ("--growth", "chain", "--sampler", "halton", "--seeds-on", "surface", "--balance", "2",
                  "--min-share", "0.001"),
                 ("--growth", "flood", "--neighborhood", "26", "--sampler", "gaussian", "--grain", "0,0,1,-0.5",
-                 "--erode-iterations", "1", "--erode-on", "all", "--erode-shape", "square", "--erode-crumbs", "keep"),
+                 "--erode-iterations", "1", "--erode-on", "all", "--erode-shape", "square", "--erode-islands", "keep"),
                 ("--growth", "nearest", "--metric", "chebyshev", "--impact", "0,0,0,4,n=20,merge",
                  "--isolated", "keep"))
         for options in sets:

@@ -41,6 +41,6 @@ def columns(rows, *names):
 
 
 def read_triangles(path):
-    """Vertices, triangles and facing of a mesh."""
+    """Vertices, triangles and neighbor of a mesh."""
     _, vertex, face = read_ply(path)
-    return columns(vertex, *"xyz"), face["vertex_indices"], face["facing"]
+    return columns(vertex, *"xyz"), face["vertex_indices"], face["neighbor"]

@@ -17,29 +17,29 @@ from octree_stream import read_binp
 
 AMPHORA = os.path.join(os.environ["SHERD_DATA"], "amphora.ply")
 PIECES = 5
-POINT = np.dtype([(name, "<f4") for name in ("x", "y", "z", "nx", "ny", "nz")] + [("facing", "<i4")])
+POINT = np.dtype([(name, "<f4") for name in ("x", "y", "z", "nx", "ny", "nz")] + [("neighbor", "<i4")])
 
 
 def read_points_ply(path):
-    """Positions, normals and facing of a file whose header is the one that is promised, and no other."""
+    """Positions, normals and neighbor of a file whose header is the one that is promised, and no other."""
     with open(path, "rb") as file:
         header, body = file.read().split(b"end_header\n", 1)
     lines = header.decode().splitlines()
     assert lines[:2] == ["ply", "format binary_little_endian 1.0"], lines
-    assert lines[3:] == [f"property float {n}" for n in POINT.names[:6]] + ["property int facing"], lines
+    assert lines[3:] == [f"property float {n}" for n in POINT.names[:6]] + ["property int neighbor"], lines
     points = np.frombuffer(body, POINT)
     assert lines[2] == f"element vertex {len(points)}", lines
     vectors = np.stack([points[name] for name in POINT.names[:6]], 1)
-    return vectors[:, :3], vectors[:, 3:], points["facing"]
+    return vectors[:, :3], vectors[:, 3:], points["neighbor"]
 
 
 def read_mesh_ply(path):
     with open(path, "rb") as file:
         header, body = file.read().split(b"end_header\n", 1)
     counts = [int(line.split()[2]) for line in header.decode().splitlines() if line.startswith("element")]
-    vertices = np.frombuffer(body, [("at", "<f4", 3), ("normal", "<f4", 3), ("facing", "<i4")], counts[0])
-    faces = np.frombuffer(body, [("n", "u1"), ("v", "<i4", 3), ("facing", "<i4")], offset=vertices.nbytes)
-    return vertices["at"].astype(float), faces["v"], faces["facing"]
+    vertices = np.frombuffer(body, [("at", "<f4", 3), ("normal", "<f4", 3), ("neighbor", "<i4")], counts[0])
+    faces = np.frombuffer(body, [("n", "u1"), ("v", "<i4", 3), ("neighbor", "<i4")], offset=vertices.nbytes)
+    return vertices["at"].astype(float), faces["v"], faces["neighbor"]
 
 
 class Points(CommandLine):
@@ -64,17 +64,17 @@ class Points(CommandLine):
             self.assertLessEqual(set(files), set(manifest["files"]))
             arrays = np.load(self.at(files[0]))
             self.assertEqual({name: (a.shape, a.dtype.str) for name, a in arrays.items()},
-                             {"positions": ((500, 3), "<f4"), "normals": ((500, 3), "<f4"), "facing": ((500,), "<i4")})
-            positions, normals, facing = read_points_ply(self.at(files[1]))
+                             {"positions": ((500, 3), "<f4"), "normals": ((500, 3), "<f4"), "neighbor": ((500,), "<i4")})
+            positions, normals, neighbor = read_points_ply(self.at(files[1]))
             text = np.loadtxt(self.at(files[2]), dtype=np.float32)
             np.testing.assert_array_equal(arrays["positions"], positions)
             np.testing.assert_array_equal(arrays["normals"], normals)
-            np.testing.assert_array_equal(arrays["facing"], facing)
+            np.testing.assert_array_equal(arrays["neighbor"], neighbor)
             np.testing.assert_array_equal(text, np.hstack([positions, normals]))
             # Three roundings of numbers below 1.
             self.assertLess(np.abs(np.linalg.norm(normals, axis=1) - 1).max(), 3 * 2**-24)
-            neighbours = {0} | {contact["id"] for contact in fragment["contacts"]}
-            self.assertLessEqual(set(facing), neighbours)
+            neighbors = {0} | {contact["id"] for contact in fragment["contacts"]}
+            self.assertLessEqual(set(neighbor), neighbors)
             box = fragment["bbox"]
             self.assertTrue((positions >= np.float32(box["min"])).all())
             self.assertTrue((positions <= np.float32(box["max"])).all())
@@ -94,12 +94,12 @@ class Points(CommandLine):
         manifest = self.broken("--points", "300")
         fragment = manifest["fragments"][0]
         self.assertEqual(fragment["files"]["points"], "points/amphora_001.ply")
-        positions, normals, facing = read_points_ply(self.at(fragment["files"]["points"]))
+        positions, normals, neighbor = read_points_ply(self.at(fragment["files"]["points"]))
         vertices, faces, of_face = read_mesh_ply(self.at(fragment["files"]["mesh"]))
         a, b, c = (vertices[faces[:, k]] for k in range(3))
         across = np.cross(b - a, c - a)
         across /= np.maximum(np.linalg.norm(across, axis=1), 1e-300)[:, None]
-        for p, n, f in zip(positions.astype(float), normals, facing):
+        for p, n, f in zip(positions.astype(float), normals, neighbor):
             # Triangles with this normal, in whose plane and between whose edges the point lies: to 1e-6 of an amphora
             # that is 0.45 high, as files have 24 bits and a triangle's normal is only as good as its corners.
             inside = [(np.cross(v - u, p - u) * across).sum(1) > -1e-8 for u, v in ((a, b), (b, c), (c, a))]
@@ -110,7 +110,7 @@ class Points(CommandLine):
         manifest = self.broken("--points", "1001", "--share-points", "--point-format", "npz")
         self.assertEqual(manifest["options"]["points"], {"count": 1001, "shared": True, "sampler": "uniform",
                                                          "rule": "area", "formats": ["npz"]})
-        counts = [len(np.load(self.at(f["files"]["points"]))["facing"]) for f in manifest["fragments"]]
+        counts = [len(np.load(self.at(f["files"]["points"]))["neighbor"]) for f in manifest["fragments"]]
         areas = np.array([f["area"] for f in manifest["fragments"]])
         self.assertEqual(sum(counts), 1001)
         self.assertLess(np.abs(counts - 1001 * areas / areas.sum()).max(), 1)
@@ -163,7 +163,7 @@ class Points(CommandLine):
             manifest = self.broken("--sdf-samples", "4000", "--sdf-type", kind)
             self.assertEqual(manifest["sdf"], "sdf/amphora.npz")
             self.assertEqual(manifest["options"]["sdf"], {"count": 4000, "type": kind,
-                                                          "spread": manifest["grid"]["voxel_size"]})
+                                                          "sigma": manifest["grid"]["voxel_size"]})
             self.assertNotIn("points", manifest["options"])
             self.assertIn(manifest["sdf"], manifest["files"])
             for fragment in manifest["fragments"]:
@@ -201,8 +201,8 @@ class Points(CommandLine):
         for pair in touching:
             own = (pairs == pair).all(axis=1)
             for one, other, sign in ((*pair, 1), (*pair[::-1], -1)):
-                vertices, faces, facing = meshes[one - 1]
-                a, b, c = (vertices[faces[facing == other, k]] for k in range(3))
+                vertices, faces, neighbor = meshes[one - 1]
+                a, b, c = (vertices[faces[neighbor == other, k]] for k in range(3))
                 across = np.cross(b - a, c - a)
                 across /= np.maximum(np.linalg.norm(across, axis=1), 1e-300)[:, None]
                 for p, n in zip(positions[own], sign * normals[own]):  # as in the test above
@@ -222,7 +222,7 @@ class Points(CommandLine):
         self.broken("--points", "10", "--point-format", "npz")
         with zipfile.ZipFile(self.at("points/amphora_001.npz")) as file:
             self.assertIsNone(file.testzip())
-            self.assertEqual(file.namelist(), ["positions.npy", "normals.npy", "facing.npy"])
+            self.assertEqual(file.namelist(), ["positions.npy", "normals.npy", "neighbor.npy"])
             for entry in file.infolist():
                 self.assertEqual((entry.date_time, entry.compress_type), ((1980, 1, 1, 0, 0, 0), zipfile.ZIP_STORED))
                 data = file.read(entry)

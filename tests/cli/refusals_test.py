@@ -91,7 +91,7 @@ class Together(CommandLine):
     IDLE = (("--metric", "manhattan"), ("--metric", "chebyshev", "--growth", "flood"), ("--neighborhood", "26"), ("--merge-metric", "manhattan"),
             ("--merge-metric", "manhattan", "--impact", "0,0,1"),
             ("--erode-shape", "cross"), ("--erode-size", "5"), ("--erode-planes",), ("--erode-threshold", "0.5"), ("--erode-probability", "0.5"),
-            ("--erode-on", "all"), ("--erode-crumbs", "keep"), ("--interface", "independent", "--surface", "labels"),
+            ("--erode-on", "all"), ("--erode-islands", "keep"), ("--interface", "independent", "--surface", "labels"),
             ("--smooth-weight", "0.5"), ("--smooth-boundary-weight", "0.5", "--smooth-iterations", "2"), ("--triangles", "500"), ("--mesh-format", "obj"),
             ("--plain-meshes",), ("--plain-meshes", "--write", "mesh", "--mesh-format", "glb"), ("--voxel-format", "npy", "--write", "mesh"),
             ("--vdb", "single"), ("--half",), ("--compress", "zip"), ("--density", "2"), ("--proxy-gap", "0.1"), ("--up", "z"),
@@ -181,15 +181,15 @@ class OfDatasets(Dataset):
         bad = (("pieces = \nseed = 3\n", ":1: pieces has no value"), ("seed = 3\n\npieces =", ":3: pieces has no value"),
                ("pieces = # 2..4\n", ":1: pieces has no value"), ('match = ""\n', ":1: match has no value"), ("match = ''\n", ":1: match has no value"),
                ("write = []\n", ":1: write has an empty list"), ('write = ["labels", ""]\n', ":1: write has no value"),
-               ("seed = 1\n# again\nseed = 2\n", ":3: seed is there already"), ("seed = 1\npoints = 2\nseed = 1\n", "options.toml:1"),
-               ("peices = 3\n", ":1: peices is no option"), ("peices = 3\n", "'pieces'"), ("frobnicate = 1\n", "frobnicate"),
+               ("seed = 1\n# again\nseed = 2\n", ":3: seed is set twice"), ("seed = 1\npoints = 2\nseed = 1\n", "options.toml:1"),
+               ("peices = 3\n", ":1: peices is not an option"), ("peices = 3\n", "'pieces'"), ("frobnicate = 1\n", "frobnicate"),
                ("pieces = true\n", ":1: pieces takes a value"), ("pieces = false\n", ":1: pieces takes a value"), ("poses = 3\n", ":1: poses is true or false"),
                ('poses = "true"\n', ":1: poses is true or false"), ("verify\n", ":1: is not NAME = VALUE"), ("= 3\n", ":1: is not NAME = VALUE"),
                ("sampler = poisson\n", "quotes"), ("pieces = 2..4\n", "quotes"), ("pieces = \"2..4\n", ":1: has text without"),
                ("pieces = '2..4\"\n", ":1: has text without"), ("seed = 1 2\n", ":1: has more than one value"), ("write = [\"labels\" \"mesh\"]\n", "commas"),
                ("write = [\"labels\",\n\n", "closing ]"), ("match = \"a\\qb\"\n", ":1: has a '\\'"), ('match = """a"""\n', "several lines"),
-               ("distinct = nan\n", "neither a number"), ("a = {b = 1}\n", "neither a number"), ("write = [[1]]\n", ":1:"), ("config = \"x.toml\"\n", "config is no option"),
-               ("plan = \"x\"\n", "plan is no option"), ("help = true\n", "help is no option"), ("seed = 1979-05-27\n", "neither a number"))
+               ("distinct = nan\n", "neither a number"), ("a = {b = 1}\n", "neither a number"), ("write = [[1]]\n", ":1:"), ("config = \"x.toml\"\n", "config is not an option"),
+               ("plan = \"x\"\n", "plan is not an option"), ("help = true\n", "help is not an option"), ("seed = 1979-05-27\n", "neither a number"))
         for text, words in bad:
             with self.subTest(text):
                 self.refused(3, self.run_with(text), words, "options.toml")

@@ -52,11 +52,11 @@ class Render(CommandLine):
     def test_layers_of_a_box_are_where_geometry_has_them(self):
         box = self.path("box.obj", BOX)
         layers = self.layers(box, "--view", "front", "--size", "80x60")
-        self.assertEqual(sorted(layers), sorted("R G B A Z N.X N.Y N.Z P.X P.Y P.Z id facing".split()))
+        self.assertEqual(sorted(layers), sorted("R G B A Z N.X N.Y N.Z P.X P.Y P.Z id neighbor".split()))
         seen = layers["id"] == 1
         self.assertGreater(seen.sum(), 500)
         self.assertTrue((layers["id"][~seen] == 0).all() and np.isinf(layers["Z"][~seen]).all())
-        self.assertTrue((layers["facing"] == 0).all())
+        self.assertTrue((layers["neighbor"] == 0).all())
         # From the front only the face z = 8 is seen, at one depth; and pixels are tan(17.5 degrees) / 30 of it apart.
         depth = layers["Z"][seen]
         self.assertLess(np.ptp(depth), 1e-4 * depth.mean())
@@ -105,10 +105,10 @@ class Render(CommandLine):
                 slack = 1e-5 * (high - low).max()
                 self.assertTrue((points[own] >= low - slack).all() and (points[own] <= high + slack).all())
         apart = self.layers(self.out, "--explode", "1", "--size", "320x240")
-        inner = apart["facing"][apart["id"] > 0]
+        inner = apart["neighbor"][apart["id"] > 0]
         self.assertGreater((inner > 0).sum(), 100)
         contacts = {(f["id"], c["id"]) for f in manifest["fragments"] for c in f["contacts"]}
-        pairs = set(zip(apart["id"][apart["facing"] > 0].tolist(), apart["facing"][apart["facing"] > 0].tolist()))
+        pairs = set(zip(apart["id"][apart["neighbor"] > 0].tolist(), apart["neighbor"][apart["neighbor"] > 0].tolist()))
         self.assertLessEqual(pairs, contacts)
 
     def test_draws_the_picture_that_a_fracture_has(self):

@@ -81,7 +81,7 @@ class StandardOutput(CommandLine):
         self.assertEqual(self.fracture(out=pieces).returncode, 0)
         before = tree(self.tmp)
         for plot in both, os.path.join(self.tmp, "pieces", "..", "both"):
-            self.refused(2, self.run_sherd("evaluate", pieces, "--samples", "100", "--csv", both, "--plot", plot), "--csv as well")
+            self.refused(2, self.run_sherd("evaluate", pieces, "--samples", "100", "--csv", both, "--plot", plot), "is named by --csv too")
         self.assertEqual(tree(self.tmp), before)
 
     def test_a_dataset_goes_on(self):

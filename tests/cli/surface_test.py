@@ -52,13 +52,13 @@ class SurfaceCase(CommandLine):
         return self.manifest()
 
     def mesh(self, file):
-        vertices, faces, facing = read_triangles(os.path.join(self.out, file))
+        vertices, faces, neighbor = read_triangles(os.path.join(self.out, file))
         edges = directed_edges(faces)
         there = set(map(tuple, edges))
         self.assertEqual(len(there), len(edges), file)  # once each way: closed, edge-manifold
         self.assertEqual(there, {(b, a) for a, b in there}, file)
         self.assertGreater(volume(vertices, faces), 0)
-        return vertices, faces, facing
+        return vertices, faces, neighbor
 
 
 class Labels(SurfaceCase):
@@ -70,14 +70,14 @@ class Labels(SurfaceCase):
         self.assertEqual(manifest["options"]["surface"], {**BARE, "of": "labels"})
         h, start = manifest["grid"]["voxel_size"], np.array(manifest["grid"]["origin"])
         for fragment in manifest["fragments"]:
-            vertices, faces, facing = self.mesh(fragment["files"]["mesh"])
+            vertices, faces, neighbor = self.mesh(fragment["files"]["mesh"])
             corners = (vertices - start) / h + 0.5
             off = np.abs(corners - np.round(corners)).max()
             self.assertLess(off, 1 / 64 + 1e-4)  # single precision, and sheets set apart
             touching = (np.abs(corners - np.round(corners)).max(axis=1) > 1e-3).sum()
             # No vertex moved apart sweeps more than 1/64 over the twelve halves of faces it may have.
             self.assertAlmostEqual(fragment["volume"] / h**3, fragment["voxels"], delta=0.1 + touching * 6 / 64)
-            self.assertEqual(set(facing), {0} | {c["id"] for c in fragment["contacts"]})
+            self.assertEqual(set(neighbor), {0} | {c["id"] for c in fragment["contacts"]})
 
     def test_a_boundary_of_no_weight_stays(self):
         """Figure 8 of the paper: fragments still fit, the original surface is smooth."""
@@ -86,12 +86,12 @@ class Labels(SurfaceCase):
         self.broken("--surface", "labels", "--smooth-iterations", "4", "--smooth-boundary-iterations", "4",
                     "--smooth-boundary-weight", "0")
         for fragment in self.manifest()["fragments"]:
-            vertices, faces, facing = self.mesh(fragment["files"]["mesh"])
+            vertices, faces, neighbor = self.mesh(fragment["files"]["mesh"])
             before = bare[fragment["id"]]
             np.testing.assert_array_equal(faces, before[1])
-            np.testing.assert_array_equal(facing, before[2])
+            np.testing.assert_array_equal(neighbor, before[2])
             boundary = np.zeros(len(vertices), bool)
-            boundary[faces[facing != 0].ravel()] = True
+            boundary[faces[neighbor != 0].ravel()] = True
             moved = (vertices != before[0]).any(axis=1)
             self.assertFalse((moved & boundary).any())
             self.assertGreater((moved & ~boundary).sum(), 0.5 * (~boundary).sum())
@@ -124,9 +124,9 @@ class Labels(SurfaceCase):
     def test_worn_fragments(self):
         manifest = self.broken("--surface", "labels", "--erode-iterations", "2")
         for fragment in manifest["fragments"]:
-            facing = self.mesh(fragment["files"]["mesh"])[2]
-            self.assertLessEqual(set(facing), set(range(4)) - {fragment["id"]})
-            self.assertGreater((facing != 0).sum(), 0)
+            neighbor = self.mesh(fragment["files"]["mesh"])[2]
+            self.assertLessEqual(set(neighbor), set(range(4)) - {fragment["id"]})
+            self.assertGreater((neighbor != 0).sum(), 0)
 
 
 class Triangles(SurfaceCase):
@@ -142,10 +142,10 @@ class Triangles(SurfaceCase):
                 for entry in told:
                     self.assertEqual(entry["file"],
                                      f"meshes/ball_{fragment['id']:03}_t{entry['asked']}.ply")
-                    vertices, faces, facing = self.mesh(entry["file"])
+                    vertices, faces, neighbor = self.mesh(entry["file"])
                     self.assertEqual(len(faces), entry["triangles"])
                     self.assertLessEqual(len(faces), entry["asked"])
-                    self.assertEqual(set(facing), set(whole[2]))
+                    self.assertEqual(set(neighbor), set(whole[2]))
                     self.assertLess(abs(volume(vertices, faces) / fragment["volume"] - 1), 0.05)
                     files.append(entry["file"])
             self.assertLessEqual(set(files), set(manifest["files"]))

@@ -19,9 +19,9 @@ def write_rle(labels, old=False):
         struct.pack(record, flat[start], length) for start, length in zip(starts, lengths))
 
 
-def cube(labels, centred):
+def cube(labels, centered):
     side = max(labels.shape)
-    start = [(side - n) // 2 if centred else 0 for n in labels.shape]
+    start = [(side - n) // 2 if centered else 0 for n in labels.shape]
     out = np.zeros((side,) * 3, labels.dtype)
     out[tuple(slice(a, a + n) for a, n in zip(start, labels.shape))] = labels
     return out
@@ -136,7 +136,7 @@ def shape(node, model, **attributes):
 
 
 def model(size, voxels):
-    """`voxels` are rows x, y, z, colour."""
+    """`voxels` are rows x, y, z, color."""
     rows = np.array(voxels, "u1").reshape(-1, 4)
     return (_chunk(b"SIZE", struct.pack("<3i", *size)) +
             _chunk(b"XYZI", struct.pack("<i", len(rows)) + rows.tobytes()))
@@ -147,14 +147,14 @@ def vox_file(chunks, version=150):
 
 
 def write_vox(labels):
-    """The paper's layout: labels from 2 on, their colours one lower."""
+    """The paper's layout: labels from 2 on, their colors one lower."""
     at = np.argwhere(labels >= 2)  # x slowest
-    colours = labels[tuple(at.T)] - 1
+    colors = labels[tuple(at.T)] - 1
     at = at[:, [0, 2, 1]]
     low, high = at.min(axis=0), at.max(axis=0)
     cubes, models, nodes = {}, b"", b""
-    for place, voxel, colour in zip(map(tuple, at // 126), at % 126, colours):
-        cubes.setdefault(place, []).append([*voxel, colour])
+    for place, voxel, color in zip(map(tuple, at // 126), at % 126, colors):
+        cubes.setdefault(place, []).append([*voxel, color])
     for i, (place, voxels) in enumerate(cubes.items()):
         models += model((126, 126, 126), voxels)
         t = [(p + 0.5) * 126 - (l + (h - l) * 0.5) * (axis < 2) for axis, (p, l, h) in enumerate(zip(place, low, high))]
@@ -164,7 +164,7 @@ def write_vox(labels):
 
 
 def read_vox(raw):
-    """Colours of a file whose transforms have translations only, in the grid's axes, over their tight box."""
+    """Colors of a file whose transforms have translations only, in the grid's axes, over their tight box."""
     assert raw[:8] == b"VOX " + struct.pack("<i", 150) and raw[8:12] == b"MAIN"
     at, sizes, models, shifts, shown, palette = 20, [], [], {}, {}, None
     assert struct.unpack_from("<2i", raw, 12) == (0, len(raw) - 20)
@@ -195,6 +195,6 @@ def read_vox(raw):
         rows.append(np.c_[voxels[:, :3] - np.array(sizes[which]) // 2 + shifts[node], voxels[:, 3]])
     rows = np.concatenate(rows)[:, [0, 2, 1, 3]]
     rows[:, :3] -= rows[:, :3].min(axis=0)
-    colours = np.zeros(rows[:, :3].max(axis=0) + 1, np.uint16)
-    colours[tuple(rows[:, :3].T)] = rows[:, 3]
-    return colours, palette
+    colors = np.zeros(rows[:, :3].max(axis=0) + 1, np.uint16)
+    colors[tuple(rows[:, :3].T)] = rows[:, 3]
+    return colors, palette

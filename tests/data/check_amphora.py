@@ -12,7 +12,7 @@ import unittest
 import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-HEIGHT = 0.45  # metres
+HEIGHT = 0.45  # meters
 VOXEL = HEIGHT / 128.0
 
 
@@ -109,7 +109,7 @@ class Amphora(unittest.TestCase):
         a, b, c = (self.vertices[self.triangles[:, k]] for k in range(3))
         doubled = np.linalg.norm(np.cross(b - a, c - a), axis=1)
         longest = np.max([np.linalg.norm(p - q, axis=1) for p, q in ((a, b), (b, c), (c, a))], axis=0)
-        self.assertGreater((doubled / longest).min(), 1e-5)  # no height under a hundredth of a millimetre
+        self.assertGreater((doubled / longest).min(), 1e-5)  # no height under a hundredth of a millimeter
 
     def test_size(self):
         self.assertLess(len(self.data), 2_000_000)

@@ -16,14 +16,14 @@
 #include "base/below_folder.h"
 #include "base/parsed_json.h"
 #include "cli/config_file.h"
-#include "dataset/figures.h"
 #include "dataset/journal.h"
 #include "dataset/plan.h"
+#include "dataset/statistics.h"
 #include "folder/read_manifest.h"
 #include "folder/seed_file.h"
 #include "formats/mesh/mtl.h"
-#include "formats/mesh/read_facing.h"
 #include "formats/mesh/read_mesh.h"
+#include "formats/mesh/read_neighbors.h"
 #include "fuzz/draco_files.h"
 
 namespace sherd::fuzz {
@@ -39,7 +39,7 @@ bool fits(const Entries& entries, const SourceMesh& source) {
 
 void checkLook(const SourceMesh& source) {
   const Appearance& look = source.appearance;
-  check(fits(look.surface.texcoords, source) && fits(look.surface.colours, source) &&
+  check(fits(look.surface.texcoords, source) && fits(look.surface.colors, source) &&
         fits(look.surface.material, source));
   for (const auto& corners : look.surface.texcoords) {
     for (const glm::vec2& at : corners) check(std::isfinite(at.x) && std::isfinite(at.y));
@@ -86,10 +86,10 @@ void readDraco(std::string_view bytes) {
   }
 }
 
-void readFacingOf(std::string_view bytes) {
+void readNeighborsOf(std::string_view bytes) {
   TriangleMesh mesh;
   mesh.triangles.resize(12);
-  const std::size_t count = facingFromBytes(std::string(bytes), mesh).size();
+  const std::size_t count = neighborFromBytes(std::string(bytes), mesh).size();
   check(count == 0 || count == mesh.triangles.size());
 }
 
@@ -103,7 +103,7 @@ void checkVoxels(const RunLengthVoxels& voxels) {
 
 void checkPoints(const SurfacePoints& points) {
   check(points.normals.empty() || points.normals.size() == points.positions.size());
-  check(points.facing.empty() || points.facing.size() == points.positions.size());
+  check(points.neighbor.empty() || points.neighbor.size() == points.positions.size());
 }
 
 void readMtl(std::string_view bytes) {
@@ -123,7 +123,7 @@ void readManifestOf(std::string_view bytes) {
 void readJournalOf(std::string_view bytes) {
   const JournalText journal = parsedJournal(bytes, "a.jsonl");
   check(journal.bytes <= bytes.size());
-  DatasetFigures figures;
+  DatasetStatistics figures;
   for (const Json& line : journal.fractures) {
     figures.add(line);
     for (const FileRecord& file : filesOf(line)) check(isBelowFolder(file.name));

@@ -12,57 +12,59 @@ namespace {
 using openvdb::Coord;
 using voxel_shapes::VoxelSolid;
 
-// Parts by flood fill, numbered by their first voxel in leaf order.
-std::map<Coord, std::uint32_t> referenceParts(const VoxelSolid& solid, const LeafBlocks& blocks) {
+// Connected components by flood fill, numbered by their first voxel in leaf order.
+std::map<Coord, std::uint32_t> referenceComponents(const VoxelSolid& solid,
+                                                   const LeafBlocks& blocks) {
   std::map<std::size_t, Coord> inLeafOrder;
-  for (const Coord& v : solid.inside) inLeafOrder[voxel_shapes::placeOf(blocks, v)] = v;
-  std::map<Coord, std::uint32_t> partOf;
-  std::uint32_t parts = 0;
-  for (const auto& [place, first] : inLeafOrder) {
-    if (partOf.count(first)) continue;
+  for (const Coord& v : solid.inside) inLeafOrder[voxel_shapes::voxelIndexOf(blocks, v)] = v;
+  std::map<Coord, std::uint32_t> componentOf;
+  std::uint32_t components = 0;
+  for (const auto& [index, first] : inLeafOrder) {
+    if (componentOf.count(first)) continue;
     std::vector<Coord> stack{first};
-    partOf[first] = parts;
+    componentOf[first] = components;
     while (!stack.empty()) {
       const Coord v = stack.back();
       stack.pop_back();
-      for (const Coord& n : voxel_shapes::neighbours(v)) {
-        if (solid.inside.count(n) && partOf.try_emplace(n, parts).second) stack.push_back(n);
+      for (const Coord& n : voxel_shapes::neighbors(v)) {
+        if (solid.inside.count(n) && componentOf.try_emplace(n, components).second)
+          stack.push_back(n);
       }
     }
-    ++parts;
+    ++components;
   }
-  return partOf;
+  return componentOf;
 }
 
-using Components = DeviceTest;
+using ConnectedComponents = DeviceTest;
 
-TEST_F(Components, EqualTheReferenceOnEveryShape) {
+TEST_F(ConnectedComponents, EqualTheReferenceOnEveryShape) {
   for (const VoxelSolid& solid : voxel_shapes::all()) {
     const LeafBlocks blocks = voxel_shapes::blocksOf(solid);
-    const std::map<Coord, std::uint32_t> reference = referenceParts(solid, blocks);
+    const std::map<Coord, std::uint32_t> reference = referenceComponents(solid, blocks);
     std::vector<std::uint64_t> voxels;
-    for (const auto& [voxel, part] : reference) {
-      voxels.resize(std::max<std::size_t>(voxels.size(), part + 1));
-      ++voxels[part];
+    for (const auto& [voxel, component] : reference) {
+      voxels.resize(std::max<std::size_t>(voxels.size(), component + 1));
+      ++voxels[component];
     }
-    const Parts parts = findParts(blocks, device());
-    EXPECT_EQ(parts.voxels, voxels) << solid.name;
+    const VoxelComponents components = findComponents(blocks, device());
+    EXPECT_EQ(components.voxels, voxels) << solid.name;
     std::size_t wrong = 0;
-    for (const auto& [voxel, part] : reference) {
-      const std::size_t place = voxel_shapes::placeOf(blocks, voxel);
-      wrong += parts.at(place) != part;
+    for (const auto& [voxel, component] : reference) {
+      const std::size_t voxelIndex = voxel_shapes::voxelIndexOf(blocks, voxel);
+      wrong += components.at(voxelIndex) != component;
     }
     EXPECT_EQ(wrong, 0u) << solid.name;
   }
 }
 
-TEST_F(Components, EdgeAndCornerContactsDoNotJoin) {
+TEST_F(ConnectedComponents, EdgeAndCornerContactsDoNotJoin) {
   const VoxelSolid solid = voxel_shapes::checkerboard(9);
-  const Parts parts = findParts(voxel_shapes::blocksOf(solid), device());
-  EXPECT_EQ(parts.count(), solid.inside.size());
+  const VoxelComponents components = findComponents(voxel_shapes::blocksOf(solid), device());
+  EXPECT_EQ(components.count(), solid.inside.size());
 }
 
-TEST_F(Components, ALongWindingWayIsOnePart) {
+TEST_F(ConnectedComponents, ALongWindingPathIsOneComponent) {
   // A snake through many leaves, whose union-find chain is as long as it can be.
   const VoxelSolid snake = voxel_shapes::solidWhere(
       "snake", 30, [](const Coord& v) { return v.z() == 0 && v.y() % 4 == 0; });
@@ -70,9 +72,9 @@ TEST_F(Components, ALongWindingWayIsOnePart) {
   for (int y = -28; y < 28; ++y) {
     if (y % 4 != 0) joined.inside.insert({((y + 28) / 4) % 2 ? -30 : 30, y, 0});
   }
-  const Parts parts = findParts(voxel_shapes::blocksOf(joined), device());
-  EXPECT_EQ(parts.count(), 1u);
-  EXPECT_EQ(findParts(voxel_shapes::blocksOf(snake), device()).count(), 15u);
+  const VoxelComponents components = findComponents(voxel_shapes::blocksOf(joined), device());
+  EXPECT_EQ(components.count(), 1u);
+  EXPECT_EQ(findComponents(voxel_shapes::blocksOf(snake), device()).count(), 15u);
 }
 
 }  // namespace

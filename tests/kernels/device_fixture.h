@@ -1,4 +1,4 @@
-// The device that kernel tests run on: SHERD_TEST_DEVICE, else auto.
+// The device for kernel tests: SHERD_TEST_DEVICE, else auto.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 
 namespace sherd {
 
-/// One device for all tests of a program, as in the product; it is never freed, so that no driver
-/// is taken down while others still use it.  Without any device the tests are skipped, unless
+/// One device for all tests of a program, as in the product.  It is never freed, so that no driver
+/// is unloaded while others still use it.  Without a device the tests are skipped, unless
 /// SHERD_REQUIRE_OPENCL=1.
 class DeviceTest : public testing::Test {
  protected:

@@ -1,4 +1,4 @@
-// kernels/flood.cl against a flood that takes one voxel at a time, bit for bit.
+// kernels/flood.cl against a flood of one voxel at a time, bit for bit.
 #include <sherd/error.h>
 #include <sherd/labels.h>
 
@@ -19,8 +19,7 @@ struct Owner {
   std::uint32_t cost;
 };
 
-// Layer by layer: a free voxel beside the last layer takes the lowest id among those of the last
-// layer it touches.
+// Floods layer by layer: a free voxel takes the lowest id among its neighbors in the last layer.
 std::map<Coord, Owner> referenceFlood(const std::set<Coord>& domain,
                                       std::map<Coord, std::uint16_t> layer, std::uint32_t steps) {
   std::map<Coord, Owner> owned;
@@ -28,7 +27,7 @@ std::map<Coord, Owner> referenceFlood(const std::set<Coord>& domain,
   for (std::uint32_t step = 1; step <= steps && !layer.empty(); ++step) {
     std::map<Coord, std::uint16_t> next;
     for (const auto& [voxel, id] : layer) {
-      for (const Coord& n : voxel_shapes::neighbours(voxel)) {
+      for (const Coord& n : voxel_shapes::neighbors(voxel)) {
         if (!domain.count(n) || owned.count(n)) continue;
         const auto [at, added] = next.try_emplace(n, id);
         if (!added) at->second = std::min(at->second, id);
@@ -54,7 +53,7 @@ std::vector<Seed> randomSeeds(const VoxelSolid& solid, int count, unsigned seed)
   return list;
 }
 
-// Every voxel of the arrays, not only those of the solid: what lies outside must read 0.
+// Compares every voxel of the arrays; voxels outside the solid and its exterior band must be 0.
 void expectEqual(const VoxelSolid& solid, const std::vector<Seed>& seeds, const Labels& labels,
                  int outerSteps) {
   const LeafBlocks blocks = voxel_shapes::blocksOf(solid);
@@ -63,19 +62,20 @@ void expectEqual(const VoxelSolid& solid, const std::vector<Seed>& seeds, const 
   const std::map<Coord, Owner> inside = referenceFlood(solid.inside, start, ~0u);
   std::map<Coord, std::uint16_t> all;
   for (const auto& [voxel, owner] : inside) all[voxel] = owner.fragment;
-  const std::map<Coord, Owner> carried =
-      referenceFlood(solid.outer, all, static_cast<std::uint32_t>(outerSteps));
+  const std::map<Coord, Owner> extended =
+      referenceFlood(solid.exteriorBand, all, static_cast<std::uint32_t>(outerSteps));
 
   std::vector<std::uint16_t> fragment(blocks.count() * 512, 0);
   std::vector<std::uint32_t> cost(labels.cost.size(), 0);
-  for (const auto& [voxel, owner] : carried) {
-    fragment[voxel_shapes::placeOf(blocks, voxel)] = owner.fragment;
+  for (const auto& [voxel, owner] : extended) {
+    fragment[voxel_shapes::voxelIndexOf(blocks, voxel)] = owner.fragment;
   }
   EXPECT_EQ(labels.fragment, fragment) << solid.name;
   if (labels.cost.empty()) return;
-  for (const auto& [voxel, owner] : inside) cost[voxel_shapes::placeOf(blocks, voxel)] = owner.cost;
-  for (const Coord& voxel : solid.outer) {  // the cost is promised for inside voxels only
-    const std::size_t at = voxel_shapes::placeOf(blocks, voxel);
+  for (const auto& [voxel, owner] : inside)
+    cost[voxel_shapes::voxelIndexOf(blocks, voxel)] = owner.cost;
+  for (const Coord& voxel : solid.exteriorBand) {  // the cost is defined for inside voxels only
+    const std::size_t at = voxel_shapes::voxelIndexOf(blocks, voxel);
     cost[at] = labels.cost[at];
   }
   EXPECT_EQ(labels.cost, cost) << solid.name;
@@ -128,13 +128,13 @@ TEST_F(Flood, TiesGoToTheLowerId) {
   const std::vector<std::vector<Seed>> sets{{{{-10, 0, 0}, 2}, {{10, 0, 0}, 1}},
                                             {{{-10, 0, 0}, 1}, {{10, 0, 0}, 2}}};
   const std::vector<Labels> labels = grow(blocks, sets, device(), {.growth = Growth::flood});
-  const std::size_t middle = voxel_shapes::placeOf(blocks, {0, 0, 0});
+  const std::size_t middle = voxel_shapes::voxelIndexOf(blocks, {0, 0, 0});
   EXPECT_EQ(labels[0].fragment[middle], 1);
   EXPECT_EQ(labels[1].fragment[middle], 1);
-  EXPECT_EQ(labels[0].fragment[voxel_shapes::placeOf(blocks, {-1, 0, 0})], 2);
+  EXPECT_EQ(labels[0].fragment[voxel_shapes::voxelIndexOf(blocks, {-1, 0, 0})], 2);
 }
 
-TEST_F(Flood, PartsWithoutASeedStayUnlabelled) {
+TEST_F(Flood, ComponentsWithoutASeedStayUnlabeled) {
   const VoxelSolid two = voxel_shapes::solidWhere("two cubes", 9, [](const Coord& v) {
     return std::abs(v.y()) < 3 && std::abs(v.z()) < 3 && std::abs(v.x()) > 4;
   });

@@ -88,18 +88,18 @@ std::map<Coord, Arrival> dijkstra(const std::set<Coord>& inside, const LabelMap&
 
 namespace {
 
-// Everything that hangs together with `from` over faces of equal label.
-void collect(const LabelMap& labels, const Coord& from, LabelMap& part) {
+// Adds the 6-connected component of `from` with its label to `component`.
+void collect(const LabelMap& labels, const Coord& from, LabelMap& component) {
   const std::uint16_t label = labels.at(from);
   std::vector<Coord> stack{from};
-  part[from] = label;
+  component[from] = label;
   while (!stack.empty()) {
     const Coord voxel = stack.back();
     stack.pop_back();
-    for (const Coord& n : voxel_shapes::neighbours(voxel)) {
+    for (const Coord& n : voxel_shapes::neighbors(voxel)) {
       const auto at = labels.find(n);
       if (at == labels.end() || at->second != label) continue;
-      if (part.try_emplace(n, label).second) stack.push_back(n);
+      if (component.try_emplace(n, label).second) stack.push_back(n);
     }
   }
 }
@@ -107,23 +107,23 @@ void collect(const LabelMap& labels, const Coord& from, LabelMap& part) {
 }  // namespace
 
 LabelMap kept(const LabelMap& labels, const std::vector<Seed>& seeds) {
-  LabelMap part;
-  std::set<std::uint16_t> met;
+  LabelMap component;
+  std::set<std::uint16_t> seen;
   for (const Seed& seed : seeds) {
-    if (met.insert(seed.fragment).second) collect(labels, seed.voxel, part);
+    if (seen.insert(seed.fragment).second) collect(labels, seed.voxel, component);
   }
-  return part;
+  return component;
 }
 
-std::size_t connectedParts(const LabelMap& labels) {
+std::size_t countConnectedComponents(const LabelMap& labels) {
   LabelMap done;
-  std::size_t parts = 0;
+  std::size_t components = 0;
   for (const auto& [voxel, label] : labels) {
     if (done.count(voxel)) continue;
     collect(labels, voxel, done);
-    ++parts;
+    ++components;
   }
-  return parts;
+  return components;
 }
 
 LabelMap mapOf(const LeafBlocks& blocks, const Labels& labels) {

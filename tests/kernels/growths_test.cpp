@@ -1,5 +1,4 @@
-// nearest.cl, levels.cl, rough.cl and the regrowth of cut-off parts against plain references, bit
-// for bit.
+// nearest.cl, levels.cl and the regrowth of disconnected voxels against references, bit for bit.
 #include <sherd/error.h>
 #include <sherd/labels.h>
 
@@ -19,7 +18,7 @@ using voxel_shapes::VoxelSolid;
 
 using Growths = DeviceTest;
 
-// Distinct voxels; the first `fragments` have ids of their own, the rest repeat them.
+// Distinct voxels; the first `fragments` seeds have ids 1..fragments, the others repeat these ids.
 std::vector<Seed> randomSeeds(const VoxelSolid& solid, std::size_t fragments, std::size_t extra,
                               unsigned seed) {
   std::vector<Coord> voxels(solid.inside.begin(), solid.inside.end());
@@ -30,7 +29,6 @@ std::vector<Seed> randomSeeds(const VoxelSolid& solid, std::size_t fragments, st
   for (std::size_t i = 0; i < fragments + extra; ++i) {
     seeds.push_back({voxels[i], static_cast<std::uint16_t>(1 + (i * 7 + 3) % fragments)});
   }
-  // the first of each id must be its primary whatever the stride: ids 1..n once, then extras
   for (std::size_t i = 0; i < fragments; ++i) seeds[i].fragment = static_cast<std::uint16_t>(i + 1);
   return seeds;
 }
@@ -59,7 +57,7 @@ void expectCosts(const VoxelSolid& solid, const Labels& labels,
   const LeafBlocks blocks = voxel_shapes::blocksOf(solid);
   std::size_t wrong = 0;
   for (const auto& [voxel, arrival] : arrivals) {
-    wrong += labels.cost[voxel_shapes::placeOf(blocks, voxel)] != arrival.cost;
+    wrong += labels.cost[voxel_shapes::voxelIndexOf(blocks, voxel)] != arrival.cost;
   }
   EXPECT_EQ(wrong, 0u) << solid.name;
 }
@@ -97,8 +95,8 @@ TEST_F(Growths, MooreFloodEqualsDijkstra) {
   }
 }
 
-// Seeds of one part only, so that every step of the way can be repeated by the reference.
-TEST_F(Growths, EuclidEqualsItsStepsOneByOne) {
+// The reference repeats each stage: nearest, chamfer regrowth, regrowth over faces.
+TEST_F(Growths, EuclidEqualsItsStagesOneByOne) {
   for (const VoxelSolid& solid : voxel_shapes::all()) {
     const LeafBlocks blocks = voxel_shapes::blocksOf(solid);
     const std::vector<Seed> seeds = randomSeeds(solid, 7, 5, 2);
@@ -106,18 +104,18 @@ TEST_F(Growths, EuclidEqualsItsStepsOneByOne) {
 
     const LabelMap nearest = labelsOf(reference::nearest(solid, seeds, Metric::euclidean));
     LabelMap kept = reference::kept(nearest, seeds);
-    ASSERT_GE(labels.freed.size(), 1u);
-    EXPECT_EQ(labels.freed[0], nearest.size() - kept.size()) << solid.name;
+    ASSERT_GE(labels.disconnected.size(), 1u);
+    EXPECT_EQ(labels.disconnected[0], nearest.size() - kept.size()) << solid.name;
     LabelMap grown = labelsOf(reference::dijkstra(solid.inside, kept, reference::chamfer()));
     kept = reference::kept(grown, seeds);
     std::vector<reference::Step> faces;
-    for (const Coord& to : voxel_shapes::neighbours({0, 0, 0})) faces.push_back({to, 1, {}});
+    for (const Coord& to : voxel_shapes::neighbors({0, 0, 0})) faces.push_back({to, 1, {}});
     grown = labelsOf(reference::dijkstra(solid.inside, kept, faces));
     EXPECT_EQ(reference::mapOf(blocks, labels), grown) << solid.name;
   }
 }
 
-// The chain by a queue that always takes the least (rung, round, cost, source): see levels.cl.
+// Chain growth by passes over all offers, in the order of levels.cl.
 LabelMap referenceChain(const VoxelSolid& solid, const std::vector<Seed>& seeds, Metric metric) {
   struct Owner {
     std::uint64_t cost;
@@ -126,7 +124,7 @@ LabelMap referenceChain(const VoxelSolid& solid, const std::vector<Seed>& seeds,
   };
   std::map<Coord, Owner> owned;
   for (const Seed& seed : seeds) owned[seed.voxel] = {0, seed.fragment, seed.voxel};
-  const auto rungAbove = [&](std::uint64_t distance) {
+  const auto bucketAbove = [&](std::uint64_t distance) {
     if (metric != Metric::euclidean) return distance;
     std::uint64_t n = 0;
     while (n * n < 4 * distance) ++n;
@@ -138,13 +136,13 @@ LabelMap referenceChain(const VoxelSolid& solid, const std::vector<Seed>& seeds,
     return voxel_shapes::leafOrder(a.seed, b.seed);
   };
   std::uint64_t threshold = 0;
-  std::map<Coord, Owner> front = owned;  // those that may have something left to offer
+  std::map<Coord, Owner> front = owned;  // voxels that may have free neighbors
   for (;;) {
     std::map<Coord, Owner> offers;
     for (auto at = front.begin(); at != front.end();) {
       const auto [voxel, owner] = *at;
       bool offered = false;
-      for (const Coord& n : voxel_shapes::neighbours(voxel)) {
+      for (const Coord& n : voxel_shapes::neighbors(voxel)) {
         if (!solid.inside.count(n) || owned.count(n)) continue;
         offered = true;
         Owner offer = owner;
@@ -164,14 +162,14 @@ LabelMap referenceChain(const VoxelSolid& solid, const std::vector<Seed>& seeds,
       }
       least = std::min(least, offer.cost);
     }
-    if (!took) threshold = rungAbove(least);
+    if (!took) threshold = bucketAbove(least);
   }
   LabelMap labels;
   for (const auto& [voxel, owner] : owned) labels[voxel] = owner.label;
   return labels;
 }
 
-TEST_F(Growths, ChainEqualsAPlainQueueAndIsConnected) {
+TEST_F(Growths, ChainEqualsTheReferenceAndIsConnected) {
   for (const VoxelSolid& solid : voxel_shapes::all()) {
     const LeafBlocks blocks = voxel_shapes::blocksOf(solid);
     for (const Metric metric : {Metric::euclidean, Metric::chebyshev, Metric::manhattan}) {
@@ -180,12 +178,12 @@ TEST_F(Growths, ChainEqualsAPlainQueueAndIsConnected) {
           growOne(solid, seeds, device(), {.growth = Growth::chain, .metric = metric}).front();
       const LabelMap map = reference::mapOf(blocks, labels);
       EXPECT_EQ(map, referenceChain(solid, seeds, metric)) << solid.name;
-      EXPECT_EQ(reference::connectedParts(map), seeds.size()) << solid.name;
+      EXPECT_EQ(reference::countConnectedComponents(map), seeds.size()) << solid.name;
     }
   }
 }
 
-TEST_F(Growths, EveryGrowthGivesConnectedFragmentsThatCoverTheirParts) {
+TEST_F(Growths, EveryGrowthGivesConnectedFragmentsThatCoverTheirComponents) {
   const bool small = voxel_shapes::small();
   const VoxelSolid solid = small ? voxel_shapes::cup(6, 2) : voxel_shapes::cup(11, 3);
   const LeafBlocks blocks = voxel_shapes::blocksOf(solid);
@@ -199,12 +197,12 @@ TEST_F(Growths, EveryGrowthGivesConnectedFragmentsThatCoverTheirParts) {
           const Labels labels = growOne(solid, seeds, device(),
                                         {.growth = growth,
                                          .neighborhood = neighborhood,
-                                         .grain = {{1, 2, 0}, strength},
+                                         .anisotropy = {{1, 2, 0}, strength},
                                          .roughness = roughness})
                                     .front();
           const LabelMap map = reference::mapOf(blocks, labels);
           EXPECT_EQ(map.size(), solid.inside.size());
-          EXPECT_EQ(reference::connectedParts(map), 9u);
+          EXPECT_EQ(reference::countConnectedComponents(map), 9u);
           if (roughness == 0.0) {
             EXPECT_EQ(reference::kept(map, seeds).size(), map.size());
           }
@@ -229,15 +227,16 @@ TEST_F(Growths, BatchesAndWorkGroupsGiveTheSameLabels) {
       GrowOptions alone = options;
       alone.noiseSeeds = {options.noiseSeeds[i]};
       alone.workGroupSize = static_cast<int>(1 + i);
-      const Labels own = std::move(grow(blocks, std::span(&sets[i], 1), device(), alone).front());
-      EXPECT_EQ(own.fragment, together[i].fragment);
-      EXPECT_EQ(own.cost, together[i].cost);
+      const Labels single =
+          std::move(grow(blocks, std::span(&sets[i], 1), device(), alone).front());
+      EXPECT_EQ(single.fragment, together[i].fragment);
+      EXPECT_EQ(single.cost, together[i].cost);
     }
   }
 }
 
-// A device whose largest allocation holds two of three fractures, and then less than one.
-TEST_F(Growths, WhatNoBufferHoldsTogetherGrowsInTurn) {
+// The device's largest allocation holds two of three fractures, then less than one.
+TEST_F(Growths, FracturesThatExceedTheLargestBufferGrowInBatches) {
   const VoxelSolid solid = voxel_shapes::ball(5);
   const LeafBlocks blocks = voxel_shapes::blocksOf(solid);
   const std::vector<std::vector<Seed>> sets{
@@ -249,13 +248,13 @@ TEST_F(Growths, WhatNoBufferHoldsTogetherGrowsInTurn) {
         .growth = growth, .roughness = 1.0, .noiseSeeds = {11, 22, 33}, .keepCost = true};
     const std::vector<Labels> together = grow(blocks, sets, device(), options);
     small.impl().info.largestBufferBytes = 2 * perFracture + 1;
-    const std::vector<Labels> inTurn = grow(blocks, sets, small, options);
-    ASSERT_EQ(inTurn.size(), sets.size());
+    const std::vector<Labels> inBatches = grow(blocks, sets, small, options);
+    ASSERT_EQ(inBatches.size(), sets.size());
     for (std::size_t i = 0; i < sets.size(); ++i) {
-      EXPECT_EQ(inTurn[i].fragment, together[i].fragment);
-      EXPECT_EQ(inTurn[i].cost, together[i].cost);
+      EXPECT_EQ(inBatches[i].fragment, together[i].fragment);
+      EXPECT_EQ(inBatches[i].cost, together[i].cost);
     }
-    Device little(device().info().name);  // memory in place of the largest allocation
+    Device little(device().info().name);  // limited by memory instead of the largest allocation
     little.impl().info.memoryBytes = 2 * 4 * perFracture + 1;
     EXPECT_EQ(grow(blocks, sets, little, options).back().fragment, together.back().fragment);
     EXPECT_LE(little.memory().peakBytes, little.info().memoryBytes);
@@ -264,8 +263,8 @@ TEST_F(Growths, WhatNoBufferHoldsTogetherGrowsInTurn) {
   }
 }
 
-// A device that has no room for buffers kept for later, nor for larger ones than needed.
-TEST_F(Growths, WithLittleMemoryBuffersAreFreedInTime) {
+// The device's memory holds neither free buffers nor rounded-up sizes.
+TEST_F(Growths, WithLittleMemoryFreeBuffersAreReleased) {
   const VoxelSolid solid = voxel_shapes::ball(voxel_shapes::small() ? 5 : 20);
   const std::vector<Seed> seeds = randomSeeds(solid, 5, 0, 1);
   for (const Growth growth : {Growth::flood, Growth::nearest, Growth::chain, Growth::euclid}) {
@@ -284,7 +283,7 @@ TEST_F(Growths, WithLittleMemoryBuffersAreFreedInTime) {
   }
 }
 
-TEST_F(Growths, NoRoughnessMovesNothingAndRoughnessMovesOnlyWhatIsNearACrack) {
+TEST_F(Growths, RoughnessMovesOnlyVoxelsNearACrack) {
   const VoxelSolid solid = voxel_shapes::ball(voxel_shapes::small() ? 9 : 20);
   const LeafBlocks blocks = voxel_shapes::blocksOf(solid);
   const std::vector<Seed> seeds{{{-5, 0, 0}, 1}, {{5, 1, 0}, 2}};
@@ -303,15 +302,15 @@ TEST_F(Growths, NoRoughnessMovesNothingAndRoughnessMovesOnlyWhatIsNearACrack) {
   EXPECT_EQ(map(0.0), smooth);
 }
 
-TEST_F(Growths, RefusesWhatIsOutOfRange) {
+TEST_F(Growths, RefusesOptionsOutOfRange) {
   const VoxelSolid solid = voxel_shapes::ball(4);
   const std::vector<Seed> seeds{{{0, 0, 0}, 1}};
   const auto refused = [&](const GrowOptions& options) {
     EXPECT_THROW((void)growOne(solid, seeds, device(), options), Error);
   };
   refused({.growth = Growth::flood, .neighborhood = 18});
-  refused({.grain = {{0, 0, 0}, 1.0}});
-  refused({.grain = {{1, 0, 0}, -0.9}});
+  refused({.anisotropy = {{0, 0, 0}, 1.0}});
+  refused({.anisotropy = {{1, 0, 0}, -0.9}});
   refused({.roughness = -1.0});
   refused({.roughness = 1.0, .hurst = 2.0});
 }

@@ -1,6 +1,5 @@
-// A kernel with a data race on purpose.  tools/check_kernels.sh runs it under oclgrind and fails
-// when no race is reported: a checker that cannot find this one would say nothing of the real
-// kernels either.
+// A kernel with a deliberate data race.  tools/check_kernels.sh runs it under oclgrind and fails if
+// no race is reported: a checker that misses this one proves nothing about the real kernels.
 #include <sherd/device.h>
 
 #include <iostream>

@@ -1,8 +1,8 @@
-// What every fracture promises, tried on random solids with random options: parts, seeds, growth,
-// batches and erosion.
+// Properties of every fracture, tested on random solids with random options: components, seeds,
+// growth, batches and erosion.
 //
-// SHERD_PROPERTY_CASES  how many cases, 300 unless told (20 where SHERD_TEST_SMALL=1)
-// SHERD_PROPERTY_FIRST  the first one's number; a failing case tells its own, to be run alone
+// SHERD_PROPERTY_CASES  number of cases, default 300 (20 with SHERD_TEST_SMALL=1)
+// SHERD_PROPERTY_FIRST  number of the first case; a failure prints its number, to be run alone
 #include <sherd/error.h>
 
 #include <numeric>
@@ -19,31 +19,31 @@ using reference::LabelMap;
 
 using Properties = DeviceTest;
 
-std::size_t furtherSeeds(const SeedOptions& options, const ShapeSolid& on) {
+std::size_t additionalSeeds(const SeedOptions& options, const ShapeSolid& on) {
   const int impacts = static_cast<int>(options.impacts.size()) + options.randomImpacts;
-  const int beyond = options.pieces - static_cast<int>(on.parts.count());
-  int further = options.extraSeeds;
+  const int beyond = options.pieces - static_cast<int>(on.components.count());
+  int additional = options.extraSeeds;
   for (const Impact& impact : options.impacts) {
     if (!impact.merge) continue;
-    further += impact.count > 0 ? impact.count : std::max(beyond / 2 / impacts, 1);
+    additional += impact.count > 0 ? impact.count : std::max(beyond / 2 / impacts, 1);
   }
-  return static_cast<std::size_t>(further);
+  return static_cast<std::size_t>(additional);
 }
 
-void expectParts(const ShapeSolid& on) {
+void expectComponents(const ShapeSolid& on) {
   LabelMap solid;
   for (const Coord& v : on.shape.inside) solid[v] = 1;
-  EXPECT_EQ(on.parts.count(), reference::connectedParts(solid));
-  std::vector<std::uint64_t> voxels(on.parts.count());
-  std::size_t torn = 0;
+  EXPECT_EQ(on.components.count(), reference::countConnectedComponents(solid));
+  std::vector<std::uint64_t> voxels(on.components.count());
+  std::size_t disconnected = 0;
   for (const Coord& v : on.shape.inside) {
-    ++voxels[on.partOf(v)];
-    for (const Coord& n : voxel_shapes::neighbours(v)) {
-      torn += on.shape.inside.count(n) && on.partOf(n) != on.partOf(v);
+    ++voxels[on.componentOf(v)];
+    for (const Coord& n : voxel_shapes::neighbors(v)) {
+      disconnected += on.shape.inside.count(n) && on.componentOf(n) != on.componentOf(v);
     }
   }
-  EXPECT_EQ(torn, 0u);
-  EXPECT_EQ(voxels, on.parts.voxels);
+  EXPECT_EQ(disconnected, 0u);
+  EXPECT_EQ(voxels, on.components.voxels);
 }
 
 void expectGrowth(const ShapeSolid& on, const std::vector<Seed>& seeds, const Labels& labels,
@@ -58,19 +58,19 @@ void expectGrowth(const ShapeSolid& on, const std::vector<Seed>& seeds, const La
     ++counts[label];
   }
   EXPECT_EQ(countVoxels(blocks, labels, fragments), counts);
-  const bool rough = options.roughness > 0.0;  // which may carry a fragment off its seed's voxel
+  const bool rough = options.roughness > 0.0;  // may move a fragment off its seed's voxel
   for (std::size_t i = 0; i < static_cast<std::size_t>(fragments) && !rough; ++i) {
     EXPECT_EQ(map.at(seeds[i].voxel), seeds[i].fragment) << "a fragment lost its first seed";
   }
   if (options.regrowIsolated) {
-    EXPECT_EQ(reference::connectedParts(map), static_cast<std::size_t>(fragments))
-        << "a fragment is torn or lost";
+    EXPECT_EQ(reference::countConnectedComponents(map), static_cast<std::size_t>(fragments))
+        << "a fragment is disconnected or missing";
   }
-  std::size_t stray = 0;  // labels outside the solid, and beyond its outer band if that has any
-  for (std::size_t place = 0; place < labels.fragment.size(); ++place) {
-    std::uint64_t allowed = blocks.inside[place / 64];
-    if (options.outerSteps > 0) allowed |= blocks.outerBand[place / 64];
-    stray += labels.fragment[place] != 0 && !((allowed >> (place % 64)) & 1);
+  std::size_t stray = 0;  // labels outside the solid and its exterior band
+  for (std::size_t voxelIndex = 0; voxelIndex < labels.fragment.size(); ++voxelIndex) {
+    std::uint64_t allowed = blocks.inside[voxelIndex / 64];
+    if (options.outerSteps > 0) allowed |= blocks.exteriorBand[voxelIndex / 64];
+    stray += labels.fragment[voxelIndex] != 0 && !((allowed >> (voxelIndex % 64)) & 1);
   }
   EXPECT_EQ(stray, 0u);
 }
@@ -79,33 +79,34 @@ void expectErosion(const ShapeSolid& on, const Labels& before, int fragments,
                    const ErodeOptions& options, Device& device) {
   const LeafBlocks& blocks = on.solid.blocks;
   const Erosion eroded = erode(blocks, before, fragments, options, device);
-  std::size_t strange = 0;
-  for (std::size_t place = 0; place < before.fragment.size(); ++place) {
-    const bool inside = (blocks.inside[place / 64] >> (place % 64)) & 1;
-    const std::uint16_t now = eroded.labels.fragment[place];
-    strange += now != before.fragment[place] && !(inside && now == Labels::kWorn);
+  std::size_t wrong = 0;
+  for (std::size_t voxelIndex = 0; voxelIndex < before.fragment.size(); ++voxelIndex) {
+    const bool inside = (blocks.inside[voxelIndex / 64] >> (voxelIndex % 64)) & 1;
+    const std::uint16_t now = eroded.labels.fragment[voxelIndex];
+    wrong += now != before.fragment[voxelIndex] && !(inside && now == Labels::kEroded);
   }
-  EXPECT_EQ(strange, 0u) << "erosion gave a voxel to another fragment";
+  EXPECT_EQ(wrong, 0u) << "erosion gave a voxel to another fragment";
   const auto was = countVoxels(blocks, before, fragments);
   const auto is = countVoxels(blocks, eroded.labels, fragments);
-  ASSERT_EQ(eroded.worn.size(), was.size());
+  ASSERT_EQ(eroded.eroded.size(), was.size());
   for (std::size_t id = 1; id < was.size(); ++id) {
     EXPECT_GE(is[id], 1u);
-    EXPECT_EQ(was[id] - is[id], eroded.worn[id]) << id;
+    EXPECT_EQ(was[id] - is[id], eroded.eroded[id]) << id;
   }
-  EXPECT_EQ(eroded.worn[0], std::accumulate(eroded.worn.begin() + 1, eroded.worn.end(), 0ull));
-  EXPECT_TRUE(options.iterations > 0 || eroded.worn[0] == 0);
-  if (options.iterations > 0 && options.crumbs == Crumbs::worn) {
+  EXPECT_EQ(eroded.eroded[0],
+            std::accumulate(eroded.eroded.begin() + 1, eroded.eroded.end(), 0ull));
+  EXPECT_TRUE(options.iterations > 0 || eroded.eroded[0] == 0);
+  if (options.iterations > 0 && options.islands == Islands::eroded) {
     LabelMap left = reference::mapOf(blocks, eroded.labels);
-    std::erase_if(left, [](const auto& voxel) { return voxel.second == Labels::kWorn; });
-    EXPECT_EQ(reference::connectedParts(left), static_cast<std::size_t>(fragments));
+    std::erase_if(left, [](const auto& voxel) { return voxel.second == Labels::kEroded; });
+    EXPECT_EQ(reference::countConnectedComponents(left), static_cast<std::size_t>(fragments));
   }
   const Erosion again = erode(blocks, before, fragments, options, device);
   EXPECT_EQ(again.labels.fragment, eroded.labels.fragment);
-  EXPECT_EQ(again.worn, eroded.worn);
+  EXPECT_EQ(again.eroded, eroded.eroded);
 }
 
-// Two fractures grown together, and each alone by another schedule.
+// Compares two fractures grown together with each alone under another schedule.
 void expectBatch(const LeafBlocks& blocks, const std::vector<std::vector<Seed>>& sets,
                  const std::vector<Labels>& together, GrowOptions options, Device& device) {
   const std::vector<std::uint64_t> noise = options.noiseSeeds;
@@ -119,16 +120,16 @@ void expectBatch(const LeafBlocks& blocks, const std::vector<std::vector<Seed>>&
   }
 }
 
-// Impacts may ask for more room than the part that they strike has: then without them.
+// Places seeds; without impacts if these need more voxels than the component that they hit has.
 std::vector<Seed> placed(const ShapeSolid& on, SeedOptions& options) {
   try {
-    return placeSeeds(on.solid, on.parts, options);
+    return placeSeeds(on.solid, on.components, options);
   } catch (const Error& e) {
-    if (e.code() != ErrorCode::usage || on.parts.count() == 1) throw;
+    if (e.code() != ErrorCode::usage || on.components.count() == 1) throw;
   }
   options.impacts.clear();
   options.randomImpacts = 0;
-  return placeSeeds(on.solid, on.parts, options);
+  return placeSeeds(on.solid, on.components, options);
 }
 
 void tryCase(std::uint64_t number, Device& device) {
@@ -138,12 +139,13 @@ void tryCase(std::uint64_t number, Device& device) {
   SeedOptions seedOptions = random_case::anySeeds(draw, on);
   const GrowOptions growOptions = random_case::anyGrowth(draw);
   const ErodeOptions erodeOptions = random_case::anyErosion(draw);
-  expectParts(on);
+  expectComponents(on);
 
   std::vector<std::vector<Seed>> sets{placed(on, seedOptions)};
-  EXPECT_EQ(placeSeeds(on.solid, on.parts, seedOptions), sets[0]);
-  const auto fragments = std::max(static_cast<std::size_t>(seedOptions.pieces), on.parts.count());
-  expectPromises(on, sets[0], fragments, furtherSeeds(seedOptions, on), seedOptions);
+  EXPECT_EQ(placeSeeds(on.solid, on.components, seedOptions), sets[0]);
+  const auto fragments =
+      std::max(static_cast<std::size_t>(seedOptions.pieces), on.components.count());
+  expectPromises(on, sets[0], fragments, additionalSeeds(seedOptions, on), seedOptions);
   if (testing::Test::HasFailure()) return;
   seedOptions.seed += 1;
   sets.push_back(placed(on, seedOptions));
@@ -155,9 +157,9 @@ void tryCase(std::uint64_t number, Device& device) {
   expectErosion(on, grown[0], static_cast<int>(fragments), erodeOptions, device);
 }
 
-std::uint64_t numberFrom(const char* name, std::uint64_t otherwise) {
+std::uint64_t numberFrom(const char* name, std::uint64_t fallback) {
   const char* text = std::getenv(name);
-  return text ? std::strtoull(text, nullptr, 10) : otherwise;
+  return text ? std::strtoull(text, nullptr, 10) : fallback;
 }
 
 TEST_F(Properties, HoldForRandomOptionsOnRandomSolids) {

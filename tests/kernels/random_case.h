@@ -13,8 +13,8 @@ namespace sherd::random_case {
 using openvdb::Coord;
 using voxel_shapes::VoxelSolid;
 
-/// Numbers that are the same with every compiler: draws within one call stand in braces, which are
-/// taken in order.
+/// Random numbers that do not depend on the compiler.  Several draws in one expression need braces,
+/// which evaluate in order.
 class Draw {
  public:
   explicit Draw(std::uint64_t number) : bits_(number + 1) {}
@@ -36,25 +36,25 @@ class Draw {
 };
 
 inline VoxelSolid unionOfBoxesAndBalls(Draw& draw, int extent) {
-  struct Body {
-    Coord centre, reach;
+  struct Primitive {
+    Coord center, reach;
     bool isBall;
   };
-  std::vector<Body> bodies(static_cast<std::size_t>(draw.between(2, 7)));
-  for (Body& body : bodies) {
+  std::vector<Primitive> primitives(static_cast<std::size_t>(draw.between(2, 7)));
+  for (Primitive& primitive : primitives) {
     for (int axis = 0; axis < 3; ++axis) {
-      body.centre[axis] = draw.between(-extent, extent);
-      body.reach[axis] = draw.upTo(extent / 2);
+      primitive.center[axis] = draw.between(-extent, extent);
+      primitive.reach[axis] = draw.upTo(extent / 2);
     }
-    body.isBall = draw.oneIn(2);
+    primitive.isBall = draw.oneIn(2);
   }
   return voxel_shapes::solidWhere("boxes and balls", extent, [&](const Coord& v) {
-    return std::any_of(bodies.begin(), bodies.end(), [&](const Body& body) {
-      const Coord d = v - body.centre;
-      const int r = body.reach.x();
-      if (body.isBall) return d.x() * d.x() + d.y() * d.y() + d.z() * d.z() <= r * r;
-      return std::abs(d.x()) <= r && std::abs(d.y()) <= body.reach.y() &&
-             std::abs(d.z()) <= body.reach.z();
+    return std::any_of(primitives.begin(), primitives.end(), [&](const Primitive& primitive) {
+      const Coord d = v - primitive.center;
+      const int r = primitive.reach.x();
+      if (primitive.isBall) return d.x() * d.x() + d.y() * d.y() + d.z() * d.z() <= r * r;
+      return std::abs(d.x()) <= r && std::abs(d.y()) <= primitive.reach.y() &&
+             std::abs(d.z()) <= primitive.reach.z();
     });
   });
 }
@@ -70,7 +70,7 @@ inline VoxelSolid shapeFor(Draw& draw, int most) {
     case 2:
       return voxel_shapes::sparseRandom(std::min(extent, 9), 5 + seed % 91, seed);
     case 3:
-      return voxel_shapes::manyPartsWithin(extent);
+      return voxel_shapes::manyComponentsWithin(extent);
     case 4:
       return voxel_shapes::checkerboard(std::min(extent, 5));
     default:
@@ -78,7 +78,7 @@ inline VoxelSolid shapeFor(Draw& draw, int most) {
   }
 }
 
-// The shape somewhere, so that leaves cut it otherwise.
+// A shape at a random position, so that leaf boundaries vary.
 inline VoxelSolid anySolid(Draw& draw) {
   VoxelSolid solid;
   while (solid.inside.empty()) solid = shapeFor(draw, voxel_shapes::small() ? 6 : 14);
@@ -86,7 +86,7 @@ inline VoxelSolid anySolid(Draw& draw) {
   const Coord by{draw.between(-far, far), draw.between(-far, far), draw.between(-far, far)};
   VoxelSolid moved{solid.name, {}, {}};
   for (const Coord& v : solid.inside) moved.inside.insert(v + by);
-  for (const Coord& v : solid.outer) moved.outer.insert(v + by);
+  for (const Coord& v : solid.exteriorBand) moved.exteriorBand.insert(v + by);
   return moved;
 }
 
@@ -98,14 +98,14 @@ inline Impact anyImpact(Draw& draw, const ShapeSolid& on) {
     return on.solid.frame.worldFromIndex({{v.x(), v.y(), v.z()}});
   };
   Impact impact;
-  if (draw.oneIn(3)) impact.place = world(anyVoxel());
-  if (draw.oneIn(3)) {  // its way leads through a voxel of the solid
+  if (draw.oneIn(3)) impact.target = world(anyVoxel());
+  if (draw.oneIn(3)) {  // hits a voxel of the solid
     const WorldPoint to = world(anyVoxel());
     const WorldPoint from = world(anyVoxel() + Coord{draw.of({-40, 0, 41}), draw.upTo(40), 50});
-    impact.place = Ray{from, to.v - from.v};
+    impact.target = Ray{from, to.v - from.v};
   }
   impact.count = draw.upTo(2);
-  if (draw.oneIn(2)) impact.spread = draw.between(0.01, 3.0);
+  if (draw.oneIn(2)) impact.sigma = draw.between(0.01, 3.0);
   impact.bias = draw.between(1, 12);
   impact.merge = draw.oneIn(2);
   return impact;
@@ -113,7 +113,7 @@ inline Impact anyImpact(Draw& draw, const ShapeSolid& on) {
 
 inline SeedOptions anySeeds(Draw& draw, const ShapeSolid& on) {
   SeedOptions options;
-  const int parts = static_cast<int>(on.parts.count());
+  const int components = static_cast<int>(on.components.count());
   options.on = draw.of({SeedsOn::volume, SeedsOn::surface});
   options.pieces = draw.between(1, std::max(1, static_cast<int>(on.solid.voxels / 100)));
   options.seed = draw.seed();
@@ -121,10 +121,11 @@ inline SeedOptions anySeeds(Draw& draw, const ShapeSolid& on) {
   options.mergeMetric = kMetrics[draw.upTo(2)];
   const int candidates = static_cast<int>(options.on == SeedsOn::volume ? on.shape.inside.size()
                                                                         : on.surface().size());
-  const int fragments = std::max(options.pieces, parts), room = candidates - fragments;
+  const int fragments = std::max(options.pieces, components), room = candidates - fragments;
   if (draw.oneIn(2)) options.extraSeeds = draw.upTo(std::min(3 * fragments, room / 2));
-  // Impacts need room; whether it is in the part that they strike is seen when they are tried.
-  if (options.pieces - parts >= 16 && room > 4 * fragments && !draw.oneIn(3)) {
+  // Impacts need free voxels; whether the component they hit has enough shows when seeds are
+  // placed.
+  if (options.pieces - components >= 16 && room > 4 * fragments && !draw.oneIn(3)) {
     for (int i = draw.upTo(3); i > 0; --i) options.impacts.push_back(anyImpact(draw, on));
     options.randomImpacts = draw.upTo(2);
   }
@@ -137,8 +138,9 @@ inline GrowOptions anyGrowth(Draw& draw) {
   options.neighborhood = draw.of({6, 26});
   options.metric = kMetrics[draw.upTo(2)];
   if (draw.oneIn(3)) {
-    options.grain = {{draw.between(-1.0, 1.0), draw.between(-1.0, 1.0), draw.between(0.1, 1.0)},
-                     draw.of({-0.75, 9.0, draw.between(-0.75, 9.0)})};
+    options.anisotropy = {
+        {draw.between(-1.0, 1.0), draw.between(-1.0, 1.0), draw.between(0.1, 1.0)},
+        draw.of({-0.75, 9.0, draw.between(-0.75, 9.0)})};
   }
   if (draw.oneIn(3)) {
     options.roughness = draw.of({0.3, 1.0, 3.0, 100.0});
@@ -163,7 +165,7 @@ inline ErodeOptions anyErosion(Draw& draw) {
   if (draw.oneIn(2)) options.threshold = draw.between(0.001, 1.0);
   if (draw.oneIn(2)) options.probability = draw.between(0.001, 1.0);
   options.on = draw.of({ErodeOn::fracture, ErodeOn::all});
-  options.crumbs = draw.of({Crumbs::worn, Crumbs::kept});
+  options.islands = draw.of({Islands::eroded, Islands::kept});
   options.seed = draw.seed();
   return options;
 }

@@ -1,5 +1,5 @@
 // kernels/rough.cl against a walk of one voxel at a time with noise evaluated at that voxel, bit
-// for bit; and the relief against what was asked.
+// for bit; and the height of the relief against the requested one.
 #include <cmath>
 #include <cstdlib>
 
@@ -18,16 +18,16 @@ using voxel_shapes::VoxelSolid;
 std::int64_t floorDiv(std::int64_t a, std::int64_t b) { return (a - (((a % b) + b) % b)) / b; }
 
 int latticeValue(std::uint64_t seed, int octave, int axis, const Coord& p) {
-  std::uint64_t place = static_cast<std::uint64_t>(octave) << 48;
-  for (int i = 0; i < 3; ++i) place |= static_cast<std::uint64_t>(p[i] & 0xffff) << (16 * i);
-  const std::uint64_t bits = mixed(seed ^ mixed(place + 0x9e3779b97f4a7c15u));
+  std::uint64_t key = static_cast<std::uint64_t>(octave) << 48;
+  for (int i = 0; i < 3; ++i) key |= static_cast<std::uint64_t>(p[i] & 0xffff) << (16 * i);
+  const std::uint64_t bits = mixed(seed ^ mixed(key + 0x9e3779b97f4a7c15u));
   return static_cast<int>((bits >> (16 * axis)) & 0xffff) - 32768;
 }
 
 // Value noise at one voxel, 1/256 voxel: eight lattice points, blended along x, then y, then z.
 int noise(std::uint64_t seed, int octave, int axis, int amplitude, const Coord& voxel) {
   const int spacing = 2 << octave;
-  Coord at = voxel;  // in the lattice, which lies a random number of leaves off
+  Coord at = voxel;  // in the lattice, shifted by a random number of leaves
   const std::uint64_t bits = mixed(seed + (static_cast<std::uint64_t>(octave) << 48));
   for (int i = 0; spacing >= 16 && i < 3; ++i) {
     at[i] += 8 * static_cast<int>((bits >> (16 * i)) % static_cast<std::uint64_t>(spacing / 8));
@@ -86,7 +86,7 @@ Coord walk(const std::set<Coord>& inside, Coord at, const Coord& way) {
 
 using Rough = DeviceTest;
 
-TEST_F(Rough, EqualsAWalkByHand) {
+TEST_F(Rough, EqualsTheReferenceWalk) {
   for (const VoxelSolid& solid : voxel_shapes::all()) {
     const LeafBlocks blocks = voxel_shapes::blocksOf(solid);
     std::vector<Seed> seeds;
@@ -115,11 +115,11 @@ TEST_F(Rough, EqualsAWalkByHand) {
   }
 }
 
-// Over many windows the displacement's variance within a window is what was asked.  200 windows
-// with 3 components are 600 nearly independent estimates; the variance in a window is carried by a
-// few large waves, so each scatters by about its own size, and the mean by 1 / sqrt(600) = 4 %: 5
-// of those are 20 % of the variance, 10 % of the height.
-TEST(RoughAmplitudes, GiveTheHeightThatWasAsked) {
+// Over many windows the mean variance of the displacement within a window is the requested one.
+// 200 windows with 3 components are 600 nearly independent estimates.  A few long waves dominate
+// the variance in a window, so one estimate has a relative error of about 1, and the mean of 1 /
+// sqrt(600) = 4 %.  5 sigma are 20 % of the variance, 10 % of the height.
+TEST(RoughAmplitudes, GiveTheRequestedHeight) {
   constexpr double kHeight = 3.0, kWindow = 24.0;
   const std::vector<std::int32_t> amplitudes = octaveAmplitudes(kHeight, 0.8, kWindow);
   double variance = 0.0;

@@ -10,7 +10,7 @@ namespace sherd::voxel_shapes {
 
 using openvdb::Coord;
 
-std::vector<Coord> neighbours(const Coord& v) {
+std::vector<Coord> neighbors(const Coord& v) {
   return {v.offsetBy(-1, 0, 0), v.offsetBy(1, 0, 0),  v.offsetBy(0, -1, 0),
           v.offsetBy(0, 1, 0),  v.offsetBy(0, 0, -1), v.offsetBy(0, 0, 1)};
 }
@@ -30,8 +30,8 @@ VoxelSolid solidWhere(std::string name, int extent,
   for (int step = 0; step < 3; ++step) {
     std::set<Coord> next;
     for (const Coord& v : layer) {
-      for (const Coord& n : neighbours(v)) {
-        if (!solid.inside.count(n) && solid.outer.insert(n).second) next.insert(n);
+      for (const Coord& n : neighbors(v)) {
+        if (!solid.inside.count(n) && solid.exteriorBand.insert(n).second) next.insert(n);
       }
     }
     layer = std::move(next);
@@ -59,12 +59,12 @@ VoxelSolid sparseRandom(int extent, unsigned percent, unsigned seed) {
                     [&](const Coord&) { return random() % 100 < percent; });
 }
 
-VoxelSolid manyPartsWithin(int extent) {
-  return solidWhere("many parts", extent, [](const Coord& v) {
+VoxelSolid manyComponentsWithin(int extent) {
+  return solidWhere("many components", extent, [](const Coord& v) {
     const auto cell = [](int c) { return (c + 100) / 5; };
     const auto within = [](int c) { return (c + 100) % 5; };
-    // Cubes of 5 at every other cell of a checkerboard touch at edges; the others shrink to 3 and
-    // stand free.
+    // Cubes of 5 in every other cell of a checkerboard touch at edges; some of the other cells hold
+    // separate cubes of 3.
     if ((cell(v.x()) + cell(v.y()) + cell(v.z())) % 2 == 0) return true;
     return cell(v.x()) % 3 == 0 && within(v.x()) > 0 && within(v.x()) < 4 && within(v.y()) > 0 &&
            within(v.y()) < 4 && within(v.z()) > 0 && within(v.z()) < 4;
@@ -77,20 +77,20 @@ VoxelSolid checkerboard(int extent) {
 }
 
 bool small() {
-  const char* asked = std::getenv("SHERD_TEST_SMALL");
-  return asked && *asked == '1';
+  const char* value = std::getenv("SHERD_TEST_SMALL");
+  return value && *value == '1';
 }
 
 std::vector<VoxelSolid> all() {
   if (small()) {
-    return {ball(5), cup(6, 2), sparseRandom(4, 45, 2), manyPartsWithin(5), checkerboard(3)};
+    return {ball(5), cup(6, 2), sparseRandom(4, 45, 2), manyComponentsWithin(5), checkerboard(3)};
   }
   return {ball(19),
           cup(20, 3),
           sparseRandom(12, 30, 1),
           sparseRandom(12, 45, 2),
           sparseRandom(10, 80, 3),
-          manyPartsWithin(20),
+          manyComponentsWithin(20),
           checkerboard(9)};
 }
 
@@ -101,27 +101,27 @@ LeafBlocks blocksOf(const VoxelSolid& solid) {
         std::uint64_t{1} << (((v.y() & 7) << 3) | (v.z() & 7));
   };
   for (const Coord& v : solid.inside) set(v, 0);
-  for (const Coord& v : solid.outer) set(v, 1);
+  for (const Coord& v : solid.exteriorBand) set(v, 1);
   LeafBlocks blocks;
   std::map<Coord, std::uint32_t> number;
   for (const auto& [origin, masks] : leaves) {
     number[origin] = static_cast<std::uint32_t>(blocks.origins.size());
     blocks.origins.push_back(origin);
     blocks.inside.insert(blocks.inside.end(), masks[0].begin(), masks[0].end());
-    blocks.outerBand.insert(blocks.outerBand.end(), masks[1].begin(), masks[1].end());
+    blocks.exteriorBand.insert(blocks.exteriorBand.end(), masks[1].begin(), masks[1].end());
   }
   for (const Coord& origin : blocks.origins) {
     for (int k = 0; k < 6; ++k) {
       Coord beside = origin;
       beside[k / 2] += k % 2 ? 8 : -8;
       const auto found = number.find(beside);
-      blocks.neighbours.push_back(found == number.end() ? LeafBlocks::kNone : found->second);
+      blocks.neighbors.push_back(found == number.end() ? LeafBlocks::kNone : found->second);
     }
   }
   return blocks;
 }
 
-std::size_t placeOf(const LeafBlocks& blocks, const Coord& v) {
+std::size_t voxelIndexOf(const LeafBlocks& blocks, const Coord& v) {
   const auto at = std::lower_bound(blocks.origins.begin(), blocks.origins.end(), v & ~7);
   return static_cast<std::size_t>(at - blocks.origins.begin()) * 512 +
          static_cast<std::size_t>(((v.x() & 7) << 6) | ((v.y() & 7) << 3) | (v.z() & 7));

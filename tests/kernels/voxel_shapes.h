@@ -1,5 +1,5 @@
-// Voxel solids for kernel tests, made without the code under test: sets of coordinates, and leaf
-// blocks from them.
+// Voxel solids for kernel tests, independent of the code under test: sets of coordinates, and leaf
+// blocks made from them.
 #pragma once
 
 #include <sherd/leaf_blocks.h>
@@ -16,7 +16,7 @@ namespace sherd::voxel_shapes {
 struct VoxelSolid {
   std::string name;
   std::set<openvdb::Coord> inside;
-  std::set<openvdb::Coord> outer;  ///< outer band: voxels outside within three steps of the inside
+  std::set<openvdb::Coord> exteriorBand;  ///< outside voxels within three steps of the inside
 };
 
 /// All voxels of the box -extent..extent for which `isInside` holds.
@@ -25,29 +25,29 @@ VoxelSolid solidWhere(std::string name, int extent,
 
 VoxelSolid ball(int radius);
 VoxelSolid cup(int radius, int wall);
-/// Each voxel of a box inside with probability `percent`: many parts, long winding ways, up to 256
-/// nodes in a leaf.
+/// Each voxel of a box is inside with probability `percent`: many components, long winding paths,
+/// up to 256 nodes in a leaf.
 VoxelSolid sparseRandom(int extent, unsigned percent, unsigned seed);
 /// Separate small cubes, some touching only at edges or corners.
-VoxelSolid manyPartsWithin(int extent);
+VoxelSolid manyComponentsWithin(int extent);
 VoxelSolid checkerboard(int extent);
 
-/// SHERD_TEST_SMALL=1: less to do, for devices that are simulated.
+/// Whether SHERD_TEST_SMALL=1: smaller cases, for simulated devices.
 bool small();
 
-/// The shapes that every kernel is tried on; small ones when small().
+/// The shapes that every kernel is tested on; small ones if small().
 std::vector<VoxelSolid> all();
 
-/// Leaf blocks of a solid, with leaves that lie far from the origin on both sides.
+/// Leaf blocks of a solid.
 LeafBlocks blocksOf(const VoxelSolid& solid);
 
-/// Where a voxel lies in the arrays: leaf * 512 + offset.
-std::size_t placeOf(const LeafBlocks& blocks, const openvdb::Coord& voxel);
+/// Index of a voxel in the arrays: leaf * 512 + offset.
+std::size_t voxelIndexOf(const LeafBlocks& blocks, const openvdb::Coord& voxel);
 
-/// Does `a` come before `b` in the arrays?
+/// Whether `a` precedes `b` in the arrays.
 bool leafOrder(const openvdb::Coord& a, const openvdb::Coord& b);
 
-/// The six face neighbours.
-std::vector<openvdb::Coord> neighbours(const openvdb::Coord& voxel);
+/// The six face neighbors.
+std::vector<openvdb::Coord> neighbors(const openvdb::Coord& voxel);
 
 }  // namespace sherd::voxel_shapes

@@ -27,7 +27,7 @@ int main(int argc, char** argv) {
     return cloud->empty();
   }
   for (pcl::PointXYZ p; std::cin >> p.x >> p.y >> p.z;) cloud->push_back(p);
-  // As the paper's authors call it: one whole frame of voxels' centres without colours.
+  // As the paper's authors call it: one whole frame of voxels' centers without colors.
   Codec codec(pcl::io::MANUAL_CONFIGURATION, false, 1e-4f, 1e-4, true, 1, false, 8);
   std::ofstream out(argv[2], std::ios::binary);
   codec.encodePointCloud(cloud, out);

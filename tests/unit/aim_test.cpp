@@ -96,10 +96,10 @@ TEST_F(Aim, RaysHitTheFirstVoxelOnTheirWay) {
 TEST_F(Aim, ARaysSeedsLieWhereItHits) {
   const ShapeSolid ball = make(voxel_shapes::ball(10));
   const auto struck = [&](const Ray& ray) {
-    return placeSeeds(ball.solid, ball.parts,
+    return placeSeeds(ball.solid, ball.components,
                       {.pieces = 1,
                        .seed = 1,
-                       .impacts = {{.place = ray, .count = 1, .spread = 1e-9, .merge = true}}})
+                       .impacts = {{.target = ray, .count = 1, .sigma = 1e-9, .merge = true}}})
         .back()
         .voxel;
   };
@@ -115,8 +115,8 @@ TEST_F(Aim, AnywhereIsOnTheSurface) {
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     // Of count 1 and hardly any spread, each merges where it strikes, or beside what is taken.
     const std::vector<Seed> seeds = placeSeeds(
-        cup.solid, cup.parts,
-        {.pieces = 1, .seed = seed, .impacts = {{.count = 1, .spread = 1e-9, .merge = true}}});
+        cup.solid, cup.components,
+        {.pieces = 1, .seed = seed, .impacts = {{.count = 1, .sigma = 1e-9, .merge = true}}});
     EXPECT_TRUE(cup.onSurface(seeds[1].voxel));
     places.insert(seeds[1].voxel);
   }

@@ -22,41 +22,41 @@ std::vector<std::uint16_t> allOriginal(const TriangleMesh& mesh) {
   return std::vector<std::uint16_t>(mesh.triangles.size(), 0);
 }
 
-// A colour that is linear in the place: what lies between corners is what the function says.
-glm::dvec3 colourAt(const glm::dvec3& p) { return 127.0 + 100.0 * p; }
+// A color that is linear in the place: what lies between corners is what the function says.
+glm::dvec3 colorAt(const glm::dvec3& p) { return 127.0 + 100.0 * p; }
 
-SurfaceLook coloured(const TriangleMesh& mesh) {
-  SurfaceLook look;
+SurfaceAttributes colored(const TriangleMesh& mesh) {
+  SurfaceAttributes look;
   for (const glm::uvec3& t : mesh.triangles) {
-    auto& corners = look.colours.emplace_back();
+    auto& corners = look.colors.emplace_back();
     for (int k = 0; k < 3; ++k) {
-      corners[static_cast<std::size_t>(k)] = glm::u8vec3(colourAt(mesh.vertices[t[k]]) + 0.5);
+      corners[static_cast<std::size_t>(k)] = glm::u8vec3(colorAt(mesh.vertices[t[k]]) + 0.5);
     }
   }
   return look;
 }
 
-TEST(Appearance, ColoursAreThoseOfTheNearestPlace) {
+TEST(Appearance, ColorsAreThoseOfTheNearestPlace) {
   const TriangleMesh input = shapes::ball(1.0, 4);
   TriangleMesh output = shapes::ball(1.0, 5);
   for (glm::dvec3& v : output.vertices) v = {v.y, -v.z, v.x};  // other triangles
-  const SurfaceLook look = coloured(input);
-  std::vector<std::uint16_t> facing = allOriginal(output);
-  for (std::size_t t = 0; t < facing.size(); t += 7) facing[t] = 3;
-  const SurfaceLook found = LookSource(input, look).on(output, facing, 0);
+  const SurfaceAttributes look = colored(input);
+  std::vector<std::uint16_t> neighbor = allOriginal(output);
+  for (std::size_t t = 0; t < neighbor.size(); t += 7) neighbor[t] = 3;
+  const SurfaceAttributes found = AttributeSource(input, look).transferTo(output, neighbor, 0);
   EXPECT_TRUE(found.texcoords.empty());
   EXPECT_TRUE(found.material.empty());
-  ASSERT_EQ(found.colours.size(), output.triangles.size());
+  ASSERT_EQ(found.colors.size(), output.triangles.size());
   // The input's triangles are up to 0.0013 below the ball; both roundings are half a step.
   const double most = 100.0 * 0.0014 + 1.0;
-  for (std::size_t t = 0; t < facing.size(); ++t) {
+  for (std::size_t t = 0; t < neighbor.size(); ++t) {
     for (int k = 0; k < 3; ++k) {
-      const glm::dvec3 colour(found.colours[t][static_cast<std::size_t>(k)]);
-      const glm::dvec3 expected = colourAt(output.vertices[output.triangles[t][k]]);
-      if (facing[t] != 0) {
-        EXPECT_EQ(colour, glm::dvec3(kInsideColour));
+      const glm::dvec3 color(found.colors[t][static_cast<std::size_t>(k)]);
+      const glm::dvec3 expected = colorAt(output.vertices[output.triangles[t][k]]);
+      if (neighbor[t] != 0) {
+        EXPECT_EQ(color, glm::dvec3(kInsideColor));
       } else {
-        const glm::dvec3 apart = glm::abs(colour - expected);
+        const glm::dvec3 apart = glm::abs(color - expected);
         EXPECT_LE(std::max({apart.x, apart.y, apart.z}), most);
       }
     }
@@ -65,20 +65,21 @@ TEST(Appearance, ColoursAreThoseOfTheNearestPlace) {
 
 TEST(Appearance, MovingAndScalingChangesNothing) {
   const TriangleMesh input = shapes::ball(1.0, 3), output = shapes::ball(1.01, 4);
-  const SurfaceLook look = coloured(input);
-  const SurfaceLook here = LookSource(input, look).on(output, allOriginal(output), 0);
+  const SurfaceAttributes look = colored(input);
+  const SurfaceAttributes here =
+      AttributeSource(input, look).transferTo(output, allOriginal(output), 0);
   const auto seenAt = [&](double scale, const glm::dvec3& offset) {
     const TriangleMesh there = shapes::transformed(output, scale, offset);
-    return LookSource(shapes::transformed(input, scale, offset), look)
-        .on(there, allOriginal(there), 0)
-        .colours;
+    return AttributeSource(shapes::transformed(input, scale, offset), look)
+        .transferTo(there, allOriginal(there), 0)
+        .colors;
   };
-  EXPECT_EQ(seenAt(64.0, glm::dvec3(0.0)), here.colours);
-  // The move rounds, so a colour half-way between two steps may go to either.
+  EXPECT_EQ(seenAt(64.0, glm::dvec3(0.0)), here.colors);
+  // The move rounds, so a color half-way between two steps may go to either.
   const auto moved = seenAt(1.0, {4096.0, -8192.0, 1024.0});
   for (std::size_t t = 0; t < moved.size(); ++t) {
     for (std::size_t k = 0; k < 3; ++k) {
-      const glm::ivec3 apart = glm::abs(glm::ivec3(moved[t][k]) - glm::ivec3(here.colours[t][k]));
+      const glm::ivec3 apart = glm::abs(glm::ivec3(moved[t][k]) - glm::ivec3(here.colors[t][k]));
       EXPECT_LE(std::max({apart.x, apart.y, apart.z}), 1);
     }
   }
@@ -88,7 +89,7 @@ TEST(Appearance, MovingAndScalingChangesNothing) {
 // is in the texture coordinates only.
 struct Tube {
   TriangleMesh mesh;
-  SurfaceLook look;
+  SurfaceAttributes look;
 };
 Tube tube(double radius, int segments, int rings, double turned) {
   Tube out;
@@ -121,7 +122,8 @@ TEST(Appearance, NoTriangleSpansASeam) {
   constexpr int kSegments = 50;
   const Tube input = tube(1.0, 64, 10, 0.0);
   const TriangleMesh output = tube(1.002, kSegments, 13, 0.37).mesh;
-  const SurfaceLook found = LookSource(input.mesh, input.look).on(output, allOriginal(output), 0);
+  const SurfaceAttributes found =
+      AttributeSource(input.mesh, input.look).transferTo(output, allOriginal(output), 0);
   int beside = 0;
   for (std::size_t t = 0; t < output.triangles.size(); ++t) {
     float low = 1.0f, high = 0.0f;
@@ -150,11 +152,11 @@ TEST(Appearance, NoTriangleSpansASeam) {
 
 TEST(Appearance, ThinWallsKeepTheirSides) {
   const TriangleMesh input = shapes::hollowBall(1.0, 0.99, 4);
-  SurfaceLook look;
+  SurfaceAttributes look;
   for (const glm::uvec3& t : input.triangles) {
     const bool outer = glm::length(input.vertices[t.x]) > 0.995;
-    const glm::u8vec3 colour = outer ? glm::u8vec3(255, 0, 0) : glm::u8vec3(0, 0, 255);
-    look.colours.push_back({colour, colour, colour});
+    const glm::u8vec3 color = outer ? glm::u8vec3(255, 0, 0) : glm::u8vec3(0, 0, 255);
+    look.colors.push_back({color, color, color});
     look.material.push_back(outer ? 0 : 1);
   }
   // Each side lies nearer to the other's triangles than to its own.
@@ -162,12 +164,12 @@ TEST(Appearance, ThinWallsKeepTheirSides) {
   const TriangleMesh cavity = shapes::inverted(shapes::ball(1.001, 4));
   for (const bool flipped : {false, true}) {  // an input turned inside out is turned back
     const TriangleMesh mesh = flipped ? shapes::inverted(input) : input;
-    const LookSource source(mesh, look);
+    const AttributeSource source(mesh, look);
     for (const auto& [output, material] : {std::pair(outside, 0u), std::pair(cavity, 1u)}) {
-      const SurfaceLook found = source.on(output, allOriginal(output), 2);
+      const SurfaceAttributes found = source.transferTo(output, allOriginal(output), 2);
       for (std::size_t t = 0; t < output.triangles.size(); ++t) {
         ASSERT_EQ(found.material[t], material) << flipped;
-        ASSERT_EQ(found.colours[t][0].x, material == 0 ? 255 : 0);
+        ASSERT_EQ(found.colors[t][0].x, material == 0 ? 255 : 0);
       }
     }
   }
@@ -176,25 +178,25 @@ TEST(Appearance, ThinWallsKeepTheirSides) {
 TEST(Charts, EndAtSeamsAndMaterials) {
   const Tube whole = tube(1.0, 16, 4, 0.0);
   const Charts one = charts(whole.mesh, whole.look);
-  EXPECT_EQ(one.of, std::vector<std::uint32_t>(128, 0));
-  EXPECT_EQ(one.ownSeam.size(), 8u);  // a triangle on each side of the seam in each of four rings
+  EXPECT_EQ(one.ids, std::vector<std::uint32_t>(128, 0));
+  EXPECT_EQ(one.selfSeam.size(), 8u);  // a triangle on each side of the seam in each of four rings
   const Charts plain = charts(whole.mesh, {});
-  EXPECT_EQ(plain.of, std::vector<std::uint32_t>(128, 0));
-  EXPECT_TRUE(plain.ownSeam.empty());
-  SurfaceLook halves = whole.look;
+  EXPECT_EQ(plain.ids, std::vector<std::uint32_t>(128, 0));
+  EXPECT_TRUE(plain.selfSeam.empty());
+  SurfaceAttributes halves = whole.look;
   for (std::uint32_t t = 0; t < 128; ++t) halves.material.push_back(t / 64);
   const Charts two = charts(whole.mesh, halves);
-  for (std::uint32_t t = 0; t < 128; ++t) EXPECT_EQ(two.of[t], t < 64 ? 0u : 64u);
+  for (std::uint32_t t = 0; t < 128; ++t) EXPECT_EQ(two.ids[t], t < 64 ? 0u : 64u);
   const TriangleMesh cube = shapes::cube(1.0);
-  SurfaceLook faces;  // each triangle has texture coordinates of its own
+  SurfaceAttributes faces;  // each triangle has texture coordinates of its own
   for (std::size_t t = 0; t < 12; ++t) {
     const auto u = static_cast<float>(t);
     faces.texcoords.push_back({glm::vec2(u, 0), glm::vec2(u + 0.5f, 0), glm::vec2(u, 0.5f)});
   }
   const Charts each = charts(cube, faces);
-  EXPECT_EQ(std::set<std::uint32_t>(each.of.begin(), each.of.end()).size(), 12u);
-  EXPECT_TRUE(each.ownSeam.empty());
-  for (const auto& beyond : each.beyond) {
+  EXPECT_EQ(std::set<std::uint32_t>(each.ids.begin(), each.ids.end()).size(), 12u);
+  EXPECT_TRUE(each.selfSeam.empty());
+  for (const auto& beyond : each.neighbors) {
     for (const std::uint32_t triangle : beyond) EXPECT_EQ(triangle, kNoTriangle);
   }
 }

@@ -20,15 +20,15 @@ namespace {
 
 using Voxel = std::array<int, 3>;
 
-// Parts of the solid that steps over faces lead through.
-int partsOf(const Solid& solid) {
+// VoxelComponents of the solid that steps over faces lead through.
+int componentsOf(const Solid& solid) {
   std::set<Voxel> left;
   solid.blocks.forEachInside([&](std::size_t place) {
     const openvdb::Coord v = solid.blocks.voxelAt(place);
     left.insert({v.x(), v.y(), v.z()});
   });
-  int parts = 0;
-  for (; !left.empty(); ++parts) {
+  int components = 0;
+  for (; !left.empty(); ++components) {
     std::vector<Voxel> front{*left.begin()};
     left.erase(left.begin());
     while (!front.empty()) {
@@ -43,7 +43,7 @@ int partsOf(const Solid& solid) {
       }
     }
   }
-  return parts;
+  return components;
 }
 
 // A plate of 30 by 30 voxels of size 1, turned.
@@ -67,7 +67,7 @@ TEST(Bridges, AWallOfAVoxelAndAQuarterHoldsTogetherWhateverWayItRuns) {
     const glm::dvec3 offset(uniform(random), uniform(random), uniform(random));
     const TriangleMesh mesh = plate(kHeldWallVoxels, glm::mat3_cast(glm::normalize(q)), offset);
     const Solid solid = voxelize(mesh, {.voxelSize = 1.0});
-    EXPECT_EQ(partsOf(solid), 1) << i;
+    EXPECT_EQ(componentsOf(solid), 1) << i;
     bridges += solid.report.bridges;
   }
   EXPECT_GT(bridges, 1000u);  // without them plates fall apart
@@ -82,14 +82,14 @@ TEST(Bridges, ShellsHoldTogetherToo) {
       {{0, 1, 2}}};
   const Solid solid = voxelize(sheet, {.voxelSize = 1.0, .shellThickness = kHeldWallVoxels});
   EXPECT_EQ(solid.report.fill, Fill::shell);
-  EXPECT_EQ(partsOf(solid), 1);
+  EXPECT_EQ(componentsOf(solid), 1);
 }
 
 TEST(Bridges, BodiesThatNearlyTouchStayApart) {
   const TriangleMesh two =
       shapes::append(shapes::cube(10.0, {0.0, 0.0, 5.0}), shapes::cube(10.0, {10.2, 10.2, 5.0}));
   const Solid solid = voxelize(two, {.voxelSize = 1.0});
-  EXPECT_EQ(partsOf(solid), 2);
+  EXPECT_EQ(componentsOf(solid), 2);
   EXPECT_EQ(solid.report.bridges, 0u);
 }
 

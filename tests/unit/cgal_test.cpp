@@ -26,7 +26,7 @@ TEST_F(Cgal, AgreesOnConvexity) {
   for (const TriangleMesh& mesh :
        {shapes::cup(1.0, 0.2, 2.0, 0.3), shapes::torus(1.0, 0.3, 32, 16), shapes::cube(3.0)}) {
     const Convexity ours = convexity(mesh, 2000, 3);
-    const CgalVerdict verdict = askCgal(mesh, 2000, 3);
+    const CgalVerdict verdict = checkWithCgal(mesh, 2000, 3);
     EXPECT_TRUE(verdict.polygonMesh && verdict.valid && verdict.closed && verdict.boundsVolume);
     EXPECT_EQ(verdict.selfIntersections, 0u);
     ASSERT_TRUE(verdict.convexity);
@@ -39,17 +39,17 @@ TEST_F(Cgal, AgreesOnConvexity) {
 TEST_F(Cgal, SeesWhatIsWrong) {
   TriangleMesh open = shapes::cube(1.0);
   open.triangles.pop_back();
-  EXPECT_FALSE(askCgal(open, 100, 0).closed);
-  EXPECT_TRUE(askCgal(open, 100, 0).polygonMesh);
+  EXPECT_FALSE(checkWithCgal(open, 100, 0).closed);
+  EXPECT_TRUE(checkWithCgal(open, 100, 0).polygonMesh);
 
   TriangleMesh fin = shapes::cube(1.0);
   fin.vertices.emplace_back(5, 5, 5);
   fin.triangles.emplace_back(fin.triangles[0].x, fin.triangles[0].y, 8u);
   EXPECT_GT(meshQuality(fin).nonManifoldEdges, 0u);
-  EXPECT_FALSE(askCgal(fin, 100, 0).polygonMesh);
+  EXPECT_FALSE(checkWithCgal(fin, 100, 0).polygonMesh);
 
   const CgalVerdict crossing =
-      askCgal(shapes::append(shapes::cube(1.0), shapes::cube(1.0, {0.3, 0.4, 0.5})), 100, 0);
+      checkWithCgal(shapes::append(shapes::cube(1.0), shapes::cube(1.0, {0.3, 0.4, 0.5})), 100, 0);
   EXPECT_TRUE(crossing.closed);
   EXPECT_GT(crossing.selfIntersections, 0u);
   EXPECT_FALSE(crossing.boundsVolume);
@@ -57,9 +57,9 @@ TEST_F(Cgal, SeesWhatIsWrong) {
 
 // A wall about a cavity bounds a volume where the cavity is turned inwards, and only there.
 TEST_F(Cgal, KnowsACavity) {
-  EXPECT_TRUE(askCgal(shapes::hollowBall(1.0, 0.5, 2), 100, 0).boundsVolume);
-  EXPECT_FALSE(
-      askCgal(shapes::append(shapes::ball(1.0, 2), shapes::ball(0.5, 2)), 100, 0).boundsVolume);
+  EXPECT_TRUE(checkWithCgal(shapes::hollowBall(1.0, 0.5, 2), 100, 0).boundsVolume);
+  EXPECT_FALSE(checkWithCgal(shapes::append(shapes::ball(1.0, 2), shapes::ball(0.5, 2)), 100, 0)
+                   .boundsVolume);
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ namespace {
 // Of a unit cube: some thousand collapses, each of which may round its place by a few 1e-16.
 constexpr double kExact = 1e-12;
 
-// A cube of n^3 voxels, side 1, each side facing a fragment of its own where asked for.
+// A cube of n^3 voxels, side 1, each side neighbor a fragment of its own where asked for.
 VoxelMesh fineCube(int n, bool bySide) {
   std::vector<VoxelFace> faces;
   for (int d = 0; d < 6; ++d) {
@@ -33,9 +33,9 @@ VoxelMesh fineCube(int n, bool bySide) {
   return meshOfFaces(faces, {{}, 1.0 / n});
 }
 
-CoarseMesh decimatedTo(const TriangleMesh& mesh, const std::vector<std::uint16_t>& facing,
+CoarseMesh decimatedTo(const TriangleMesh& mesh, const std::vector<std::uint16_t>& neighbor,
                        std::size_t triangles) {
-  return decimated(mesh, facing, std::vector{triangles}).front();
+  return decimated(mesh, neighbor, std::vector{triangles}).front();
 }
 
 std::vector<std::uint16_t> plain(const TriangleMesh& mesh) {
@@ -56,14 +56,14 @@ TEST(Decimate, AFineCubeBecomesTheCube) {
     ASSERT_EQ(fine.mesh.triangles.size(), 6u * 16 * 16 * 2);
     for (const std::size_t triangles : {1000u, 100u, 12u}) {
       SCOPED_TRACE(triangles);
-      const CoarseMesh coarse = decimatedTo(fine.mesh, fine.facing, triangles);
+      const CoarseMesh coarse = decimatedTo(fine.mesh, fine.neighbor, triangles);
       EXPECT_EQ(coarse.asked, triangles);
       EXPECT_LE(coarse.mesh.triangles.size(), triangles);
       expectClosedManifold(coarse.mesh);
       EXPECT_NEAR(volume(coarse.mesh), 1.0, kExact);
       EXPECT_NEAR(area(coarse.mesh), 6.0, kExact);
       if (!bySide) continue;
-      for (const auto& [side, size] : areas(coarse.mesh, coarse.facing)) {
+      for (const auto& [side, size] : areas(coarse.mesh, coarse.neighbor)) {
         EXPECT_NEAR(size, 1.0, kExact);
       }
     }
@@ -108,23 +108,23 @@ TEST(Decimate, TurnsNoBodyInsideOut) {
 
 TEST(Decimate, RegionsStayWhatTheyAre) {
   const TriangleMesh ball = shapes::ball(1.0, 5);
-  std::vector<std::uint16_t> facing;
+  std::vector<std::uint16_t> neighbor;
   for (const glm::uvec3& t : ball.triangles) {  // a half, two quarters, and a spot in the half
     const glm::dvec3 p =
         glm::normalize(ball.vertices[t.x] + ball.vertices[t.y] + ball.vertices[t.z]);
-    facing.push_back(p.z > 0.0 ? (p.z > 0.9 ? 4 : 0) : (p.x > 0.0 ? 2 : 7));
+    neighbor.push_back(p.z > 0.0 ? (p.z > 0.9 ? 4 : 0) : (p.x > 0.0 ? 2 : 7));
   }
-  const auto before = areas(ball, facing);
+  const auto before = areas(ball, neighbor);
   for (const std::size_t triangles : {2000u, 400u}) {
     SCOPED_TRACE(triangles);
-    const CoarseMesh coarse = decimatedTo(ball, facing, triangles);
+    const CoarseMesh coarse = decimatedTo(ball, neighbor, triangles);
     EXPECT_LE(coarse.mesh.triangles.size(), triangles);
     expectClosedManifold(coarse.mesh);
-    EXPECT_EQ(regions(coarse.mesh, coarse.facing), regions(ball, facing));
+    EXPECT_EQ(regions(coarse.mesh, coarse.neighbor), regions(ball, neighbor));
     // Areas scale with the square of the distance, and rims (at most two great circles' length for
     // a region) move no farther than faces do.
     const double off = sagitta(triangles);
-    for (const auto& [id, size] : areas(coarse.mesh, coarse.facing)) {
+    for (const auto& [id, size] : areas(coarse.mesh, coarse.neighbor)) {
       EXPECT_NEAR(size, before.at(id), off * (2 * size + 4 * std::numbers::pi)) << id;
     }
   }
@@ -132,7 +132,7 @@ TEST(Decimate, RegionsStayWhatTheyAre) {
 
 TEST(Decimate, WhatCannotBeLessStaysMore) {
   const VoxelMesh sides = fineCube(4, true);
-  const CoarseMesh cube = decimatedTo(sides.mesh, sides.facing, 4);
+  const CoarseMesh cube = decimatedTo(sides.mesh, sides.neighbor, 4);
   EXPECT_EQ(cube.mesh.triangles.size(), 12u);  // eight corners where three regions meet
   expectClosedManifold(cube.mesh);
   EXPECT_NEAR(volume(cube.mesh), 1.0, kExact);
@@ -163,9 +163,9 @@ TEST(Decimate, ATouchingPairOfSheetsDoesNotConfuseIt) {
     for (int d = 0; d < 6; ++d) faces.push_back({voxel, d, static_cast<std::uint16_t>(d % 3)});
   }
   const VoxelMesh board = meshOfFaces(faces, {});
-  const CoarseMesh coarse = decimatedTo(board.mesh, board.facing, 4);
+  const CoarseMesh coarse = decimatedTo(board.mesh, board.neighbor, 4);
   expectClosedManifold(coarse.mesh);
-  EXPECT_EQ(components(coarse.mesh).count, components(board.mesh).count);
+  EXPECT_EQ(meshComponents(coarse.mesh).count, meshComponents(board.mesh).count);
 }
 
 }  // namespace

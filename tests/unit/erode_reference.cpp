@@ -82,17 +82,17 @@ bool isFilledTooLittle(const Box& box, const Coord& voxel, int label, const Erod
          static_cast<int>(std::lround(options.threshold * 100)) * static_cast<int>(cells.size());
 }
 
-std::set<Coord> wornOnce(const Voxels& voxels, const Box& box, int fragment,
-                         const ErodeOptions& options) {
+std::set<Coord> erodedOnce(const Voxels& voxels, const Box& box, int fragment,
+                           const ErodeOptions& options) {
   const std::vector<std::vector<Coord>> all = shapes(options);
-  std::set<Coord> worn;
+  std::set<Coord> eroded;
   for (const auto& [voxel, label] : voxels) {
     if (label != fragment || !isTested(box, voxel, label, options.on)) continue;
     for (const std::vector<Coord>& cells : all) {
-      if (isFilledTooLittle(box, voxel, label, options, cells)) worn.insert(voxel);
+      if (isFilledTooLittle(box, voxel, label, options, cells)) eroded.insert(voxel);
     }
   }
-  return worn;
+  return eroded;
 }
 
 std::set<Coord> voxelsOf(const Voxels& voxels, int fragment) {
@@ -105,24 +105,25 @@ std::set<Coord> voxelsOf(const Voxels& voxels, int fragment) {
 
 // All but the largest 6-connected part; of equal ones that with the first voxel in leaf order
 // stays.
-std::set<Coord> crumbs(const std::set<Coord>& fragment) {
-  const auto first = [](const std::set<Coord>& part) {
-    return *std::min_element(part.begin(), part.end(), voxel_shapes::leafOrder);
+std::set<Coord> islands(const std::set<Coord>& fragment) {
+  const auto first = [](const std::set<Coord>& component) {
+    return *std::min_element(component.begin(), component.end(), voxel_shapes::leafOrder);
   };
   std::set<Coord> rest = fragment, largest;
   while (!rest.empty()) {
-    std::set<Coord> part;
+    std::set<Coord> component;
     std::vector<Coord> open{*rest.begin()};
     while (!open.empty()) {
       const Coord voxel = open.back();
       open.pop_back();
       if (!rest.erase(voxel)) continue;
-      part.insert(voxel);
-      for (const Coord& n : voxel_shapes::neighbours(voxel)) open.push_back(n);
+      component.insert(voxel);
+      for (const Coord& n : voxel_shapes::neighbors(voxel)) open.push_back(n);
     }
-    if (part.size() > largest.size() ||
-        (part.size() == largest.size() && voxel_shapes::leafOrder(first(part), first(largest)))) {
-      largest = part;
+    if (component.size() > largest.size() ||
+        (component.size() == largest.size() &&
+         voxel_shapes::leafOrder(first(component), first(largest)))) {
+      largest = component;
     }
   }
   std::set<Coord> others;
@@ -133,22 +134,22 @@ std::set<Coord> crumbs(const std::set<Coord>& fragment) {
 
 }  // namespace
 
-Labelled labelled(const voxel_shapes::VoxelSolid& solid, int fragments,
-                  const std::function<int(const Coord&)>& labelOf) {
-  Labelled made{solid.name, {}, voxel_shapes::blocksOf(solid), {}, fragments};
+Labeled labeled(const voxel_shapes::VoxelSolid& solid, int fragments,
+                const std::function<int(const Coord&)>& labelOf) {
+  Labeled made{solid.name, {}, voxel_shapes::blocksOf(solid), {}, fragments};
   made.labels.fragment.resize(made.blocks.count() * 512);
-  for (const Coord& voxel : solid.outer) {
-    made.labels.fragment[voxel_shapes::placeOf(made.blocks, voxel)] = 1;
+  for (const Coord& voxel : solid.exteriorBand) {
+    made.labels.fragment[voxel_shapes::voxelIndexOf(made.blocks, voxel)] = 1;
   }
   for (const Coord& voxel : solid.inside) {
     made.voxels[voxel] = labelOf(voxel);
-    made.labels.fragment[voxel_shapes::placeOf(made.blocks, voxel)] =
+    made.labels.fragment[voxel_shapes::voxelIndexOf(made.blocks, voxel)] =
         static_cast<std::uint16_t>(labelOf(voxel));
   }
   return made;
 }
 
-std::vector<Labelled> all() {
+std::vector<Labeled> all() {
   // Blobs round points, then a salt of labels: 0 is a voxel that no seed reached.
   const auto blob = [](const Coord& v) {
     const std::vector<Coord> points{{-5, 1, 2}, {4, 4, -3}, {0, -6, 1}, {3, -2, 6}, {-1, 5, 5}};
@@ -158,31 +159,31 @@ std::vector<Labelled> all() {
     return static_cast<int>(nearest - points.begin()) + 1;
   };
   const auto salt = [](const Coord& v) { return (v.x() * 7 + v.y() * 5 + v.z() * 3 + 500) % 4; };
-  return {labelled(voxel_shapes::ball(6), 5, blob), labelled(voxel_shapes::cup(8, 3), 5, blob),
-          labelled(voxel_shapes::sparseRandom(5, 80, 3), 5, blob),
-          labelled(voxel_shapes::sparseRandom(5, 45, 4), 3, salt)};
+  return {labeled(voxel_shapes::ball(6), 5, blob), labeled(voxel_shapes::cup(8, 3), 5, blob),
+          labeled(voxel_shapes::sparseRandom(5, 80, 3), 5, blob),
+          labeled(voxel_shapes::sparseRandom(5, 45, 4), 3, salt)};
 }
 
-Voxels erode(const Labelled& solid, const ErodeOptions& options) {
+Voxels erode(const Labeled& solid, const ErodeOptions& options) {
   Voxels voxels = solid.voxels;
-  const auto take = [&](int fragment, const std::set<Coord>& worn, Voxels& from) {
-    if (worn.size() == voxelsOf(voxels, fragment).size()) return;
-    for (const Coord& voxel : worn) from[voxel] = Labels::kWorn;
+  const auto take = [&](int fragment, const std::set<Coord>& eroded, Voxels& from) {
+    if (eroded.size() == voxelsOf(voxels, fragment).size()) return;
+    for (const Coord& voxel : eroded) from[voxel] = Labels::kEroded;
   };
   for (int iteration = 0; iteration < options.iterations; ++iteration) {
     const Box box(voxels);
     Voxels next = voxels;
     for (int id = 1; id <= solid.fragments; ++id)
-      take(id, wornOnce(voxels, box, id, options), next);
+      take(id, erodedOnce(voxels, box, id, options), next);
     voxels = next;
   }
-  for (int id = 1; id <= solid.fragments && options.crumbs == Crumbs::worn; ++id) {
-    take(id, crumbs(voxelsOf(voxels, id)), voxels);
+  for (int id = 1; id <= solid.fragments && options.islands == Islands::eroded; ++id) {
+    take(id, islands(voxelsOf(voxels, id)), voxels);
   }
   return voxels;
 }
 
-std::set<Coord> erodedByOpenVdb(const Labelled& solid, int fragment, bool by26) {
+std::set<Coord> erodedByOpenVdb(const Labeled& solid, int fragment, bool by26) {
   openvdb::MaskTree tree;
   for (const Coord& voxel : voxelsOf(solid.voxels, fragment)) tree.setValueOn(voxel);
   openvdb::tools::erodeActiveValues(

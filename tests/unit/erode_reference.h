@@ -13,7 +13,7 @@
 namespace sherd::erode_reference {
 
 /// A solid with a label on each inside voxel, both ways.
-struct Labelled {
+struct Labeled {
   std::string name;
   std::map<openvdb::Coord, int> voxels;
   LeafBlocks blocks;
@@ -21,16 +21,16 @@ struct Labelled {
   int fragments = 0;
 };
 
-Labelled labelled(const voxel_shapes::VoxelSolid& solid, int fragments,
-                  const std::function<int(const openvdb::Coord&)>& labelOf);
+Labeled labeled(const voxel_shapes::VoxelSolid& solid, int fragments,
+                const std::function<int(const openvdb::Coord&)>& labelOf);
 
 /// The solids that every shape is tried on; in some, voxels have no label.
-std::vector<Labelled> all();
+std::vector<Labeled> all();
 
 /// What erode() makes of each voxel's label where probability is 1.
-std::map<openvdb::Coord, int> erode(const Labelled& solid, const ErodeOptions& options);
+std::map<openvdb::Coord, int> erode(const Labeled& solid, const ErodeOptions& options);
 
-/// What tools::erodeActiveValues leaves of a fragment, by 6 or 26 neighbours.
-std::set<openvdb::Coord> erodedByOpenVdb(const Labelled& solid, int fragment, bool by26);
+/// What tools::erodeActiveValues leaves of a fragment, by 6 or 26 neighbors.
+std::set<openvdb::Coord> erodedByOpenVdb(const Labeled& solid, int fragment, bool by26);
 
 }  // namespace sherd::erode_reference

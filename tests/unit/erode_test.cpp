@@ -15,56 +15,57 @@
 namespace sherd {
 namespace {
 
-using erode_reference::Labelled;
+using erode_reference::Labeled;
 using openvdb::Coord;
 using voxel_shapes::VoxelSolid;
 
-Labelled oneFragment(const VoxelSolid& solid) {
-  return erode_reference::labelled(solid, 1, [](const Coord&) { return 1; });
+Labeled oneFragment(const VoxelSolid& solid) {
+  return erode_reference::labeled(solid, 1, [](const Coord&) { return 1; });
 }
 
-Labelled twoHalves(const VoxelSolid& solid) {
-  return erode_reference::labelled(solid, 2, [](const Coord& v) { return v.x() < 0 ? 1 : 2; });
+Labeled twoHalves(const VoxelSolid& solid) {
+  return erode_reference::labeled(solid, 2, [](const Coord& v) { return v.x() < 0 ? 1 : 2; });
 }
 
 class Erode : public DeviceTest {
  protected:
-  static Erosion eroded(const Labelled& solid, const ErodeOptions& options) {
+  static Erosion eroded(const Labeled& solid, const ErodeOptions& options) {
     return erode(solid.blocks, solid.labels, solid.fragments, options, device());
   }
 
-  static std::set<Coord> wornBy(const Labelled& solid, const ErodeOptions& options) {
+  static std::set<Coord> erodedBy(const Labeled& solid, const ErodeOptions& options) {
     const Labels labels = eroded(solid, options).labels;
-    std::set<Coord> worn;
+    std::set<Coord> eroded;
     for (const auto& [voxel, label] : solid.voxels) {
-      if (labels.fragment[voxel_shapes::placeOf(solid.blocks, voxel)] == Labels::kWorn) {
-        worn.insert(voxel);
+      if (labels.fragment[voxel_shapes::voxelIndexOf(solid.blocks, voxel)] == Labels::kEroded) {
+        eroded.insert(voxel);
       }
     }
-    return worn;
+    return eroded;
   }
 
-  static void expectAsReference(const Labelled& solid, const ErodeOptions& options) {
+  static void expectAsReference(const Labeled& solid, const ErodeOptions& options) {
     const std::map<Coord, int> expected = erode_reference::erode(solid, options);
     const Erosion result = eroded(solid, options);
     std::size_t differ = 0;
-    std::vector<std::uint64_t> worn(static_cast<std::size_t>(solid.fragments) + 1);
+    std::vector<std::uint64_t> eroded(static_cast<std::size_t>(solid.fragments) + 1);
     Labels labels = solid.labels;
     for (const auto& [voxel, label] : expected) {
-      const std::size_t place = voxel_shapes::placeOf(solid.blocks, voxel);
+      const std::size_t place = voxel_shapes::voxelIndexOf(solid.blocks, voxel);
       differ += result.labels.fragment[place] != label;
-      if (label != solid.voxels.at(voxel)) ++worn[static_cast<std::size_t>(solid.voxels.at(voxel))];
+      if (label != solid.voxels.at(voxel))
+        ++eroded[static_cast<std::size_t>(solid.voxels.at(voxel))];
       labels.fragment[place] = static_cast<std::uint16_t>(label);
     }
-    for (std::size_t i = 1; i < worn.size(); ++i) worn[0] += worn[i];
+    for (std::size_t i = 1; i < eroded.size(); ++i) eroded[0] += eroded[i];
     EXPECT_EQ(differ, 0u);
     EXPECT_EQ(result.labels.fragment, labels.fragment) << "outside the solid";
-    EXPECT_EQ(result.worn, worn);
+    EXPECT_EQ(result.eroded, eroded);
   }
 };
 
 TEST_F(Erode, EqualsTheReferenceForEveryShape) {
-  for (const Labelled& solid : erode_reference::all()) {
+  for (const Labeled& solid : erode_reference::all()) {
     for (const auto shape : {ErodeShape::cross, ErodeShape::square, ErodeShape::ellipse}) {
       for (int size = 3; size <= 13; size += 2) {
         for (const bool planes : {false, true}) {
@@ -80,7 +81,7 @@ TEST_F(Erode, EqualsTheReferenceForEveryShape) {
                                         .iterations = 2,
                                         .threshold = threshold,
                                         .on = on,
-                                        .crumbs = size == 3 ? Crumbs::worn : Crumbs::kept});
+                                        .islands = size == 3 ? Islands::eroded : Islands::kept});
               if (HasFailure()) return;
             }
           }
@@ -91,20 +92,20 @@ TEST_F(Erode, EqualsTheReferenceForEveryShape) {
 }
 
 TEST_F(Erode, EqualsOpenVdbsErosion) {
-  for (const Labelled& solid : erode_reference::all()) {
+  for (const Labeled& solid : erode_reference::all()) {
     for (const bool cube : {false, true}) {
-      SCOPED_TRACE(solid.name + (cube ? ", 26 neighbours" : ", 6 neighbours"));
+      SCOPED_TRACE(solid.name + (cube ? ", 26 neighbors" : ", 6 neighbors"));
       const ErodeOptions options{.shape = cube ? ErodeShape::square : ErodeShape::cross,
                                  .iterations = 1,
                                  .on = ErodeOn::all,
-                                 .crumbs = Crumbs::kept};
-      const std::set<Coord> worn = wornBy(solid, options);
+                                 .islands = Islands::kept};
+      const std::set<Coord> eroded = erodedBy(solid, options);
       for (int id = 1; id <= solid.fragments; ++id) {
         const std::set<Coord> left = erode_reference::erodedByOpenVdb(solid, id, cube);
         for (const auto& [voxel, label] : solid.voxels) {
           // Where OpenVDB leaves nothing, we leave the fragment.
           if (label != id) continue;
-          EXPECT_EQ(worn.count(voxel), !left.empty() && !left.count(voxel));
+          EXPECT_EQ(eroded.count(voxel), !left.empty() && !left.count(voxel));
         }
       }
     }
@@ -116,11 +117,11 @@ TEST_F(Erode, EqualsOpenVdbsErosion) {
 double fairBound(std::size_t n) { return 5 * std::sqrt(static_cast<double>(n)) / 2; }
 
 TEST_F(Erode, AProbabilityOfOneHalfWearsHalf) {
-  const Labelled solid = twoHalves(voxel_shapes::ball(16));
-  ErodeOptions options{.iterations = 1, .on = ErodeOn::all, .crumbs = Crumbs::kept};
-  const std::set<Coord> certain = wornBy(solid, options);
+  const Labeled solid = twoHalves(voxel_shapes::ball(16));
+  ErodeOptions options{.iterations = 1, .on = ErodeOn::all, .islands = Islands::kept};
+  const std::set<Coord> certain = erodedBy(solid, options);
   options.probability = 0.5;
-  const std::set<Coord> once = wornBy(solid, options);
+  const std::set<Coord> once = erodedBy(solid, options);
   ASSERT_GT(certain.size(), 1000u);
   for (const Coord& voxel : once) EXPECT_TRUE(certain.count(voxel));
   EXPECT_NEAR(static_cast<double>(once.size()), static_cast<double>(certain.size()) / 2,
@@ -128,7 +129,7 @@ TEST_F(Erode, AProbabilityOfOneHalfWearsHalf) {
 
   // Each iteration draws anew: half of those that were spared go in the second.
   options.iterations = 2;
-  const std::set<Coord> twice = wornBy(solid, options);
+  const std::set<Coord> twice = erodedBy(solid, options);
   std::size_t spared = 0, later = 0;
   for (const Coord& voxel : certain) {
     spared += once.count(voxel) == 0;
@@ -139,7 +140,7 @@ TEST_F(Erode, AProbabilityOfOneHalfWearsHalf) {
   // Another seed agrees with this one on half.
   options.iterations = 1;
   options.seed = 1;
-  const std::set<Coord> other = wornBy(solid, options);
+  const std::set<Coord> other = erodedBy(solid, options);
   std::size_t agree = 0;
   for (const Coord& voxel : certain) agree += once.count(voxel) == other.count(voxel);
   EXPECT_NEAR(static_cast<double>(agree), static_cast<double>(certain.size()) / 2,
@@ -148,15 +149,15 @@ TEST_F(Erode, AProbabilityOfOneHalfWearsHalf) {
 
 TEST_F(Erode, DrawsDoNotDependOnThreadsOrOnWhatElseIsThere) {
   const ErodeOptions options{.iterations = 3, .probability = 0.4, .on = ErodeOn::all, .seed = 9};
-  const Labelled large = oneFragment(voxel_shapes::ball(28));  // hundreds of leaves
-  const std::set<Coord> worn = wornBy(large, options);
-  EXPECT_GT(worn.size(), 1000u);
+  const Labeled large = oneFragment(voxel_shapes::ball(28));  // hundreds of leaves
+  const std::set<Coord> eroded = erodedBy(large, options);
+  EXPECT_GT(eroded.size(), 1000u);
   for (const std::size_t threads : {1, 2}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    EXPECT_EQ(wornBy(large, options), worn);
+    EXPECT_EQ(erodedBy(large, options), eroded);
   }
   VoxelSolid solid = voxel_shapes::ball(12);
-  const std::set<Coord> alone = wornBy(twoHalves(solid), options);
+  const std::set<Coord> alone = erodedBy(twoHalves(solid), options);
   // More leaves before and after, a third fragment, other ids.
   for (int i = 0; i < 40; ++i) {
     solid.inside.insert({i, -30, 0});
@@ -165,21 +166,21 @@ TEST_F(Erode, DrawsDoNotDependOnThreadsOrOnWhatElseIsThere) {
   const auto three = [](const Coord& v) {
     return v.x() == -30 || v.y() == -30 ? 1 : v.x() < 0 ? 3 : 2;
   };
-  std::set<Coord> among = wornBy(erode_reference::labelled(solid, 3, three), options);
+  std::set<Coord> among = erodedBy(erode_reference::labeled(solid, 3, three), options);
   std::erase_if(among, [&](const Coord& v) { return three(v) == 1; });
   EXPECT_EQ(among, alone);
 }
 
 TEST_F(Erode, LeavesTheOriginalSurfaceWhereThereIsNoCrack) {
-  const Labelled whole = oneFragment(voxel_shapes::ball(10));
-  EXPECT_EQ(eroded(whole, {.iterations = 5}).worn[0], 0u);
+  const Labeled whole = oneFragment(voxel_shapes::ball(10));
+  EXPECT_EQ(eroded(whole, {.iterations = 5}).eroded[0], 0u);
   // Two halves lose a layer on either side of the cut, x = -1 and x = 0, and a further one in each
   // iteration.
-  const Labelled halves = twoHalves(voxel_shapes::ball(10));
+  const Labeled halves = twoHalves(voxel_shapes::ball(10));
   for (const int iterations : {1, 3}) {
-    const std::set<Coord> worn = wornBy(halves, {.iterations = iterations});
+    const std::set<Coord> eroded = erodedBy(halves, {.iterations = iterations});
     for (const auto& [voxel, label] : halves.voxels) {
-      EXPECT_EQ(worn.count(voxel), voxel.x() >= -iterations && voxel.x() < iterations);
+      EXPECT_EQ(eroded.count(voxel), voxel.x() >= -iterations && voxel.x() < iterations);
     }
   }
 }
@@ -188,19 +189,19 @@ TEST_F(Erode, NeverWearsAFragmentAway) {
   // Single voxels, and a solid that iterations would eat up.
   VoxelSolid line{"line", {}, {}};
   for (int i = -9; i < 9; ++i) line.inside.insert({i, 0, 0});
-  const Labelled single =
-      erode_reference::labelled(line, 18, [](const Coord& v) { return v.x() + 10; });
-  EXPECT_EQ(eroded(single, {.iterations = 9, .on = ErodeOn::all}).worn[0], 0u);
-  const Labelled ball = oneFragment(voxel_shapes::ball(9));
+  const Labeled single =
+      erode_reference::labeled(line, 18, [](const Coord& v) { return v.x() + 10; });
+  EXPECT_EQ(eroded(single, {.iterations = 9, .on = ErodeOn::all}).eroded[0], 0u);
+  const Labeled ball = oneFragment(voxel_shapes::ball(9));
   for (const double probability : {1.0, 0.3}) {
     const Erosion result = eroded(
         ball, {.iterations = 100, .probability = probability, .on = ErodeOn::all, .seed = 3});
-    EXPECT_GT(result.worn[0], 0u);
-    EXPECT_LT(result.worn[0], ball.voxels.size());
+    EXPECT_GT(result.eroded[0], 0u);
+    EXPECT_LT(result.eroded[0], ball.voxels.size());
   }
 }
 
-TEST_F(Erode, OfAFragmentThatFallsApartTheLargestPartStays) {
+TEST_F(Erode, OfAFragmentThatFallsApartTheLargestComponentStays) {
   // Two cubes of 7 and 6 voxels on a bar 2 thick, which one iteration takes.
   const VoxelSolid dumbbell = voxel_shapes::solidWhere("dumbbell", 12, [](const Coord& v) {
     const auto within = [](int c, int low, int high) { return c >= low && c <= high; };
@@ -211,46 +212,47 @@ TEST_F(Erode, OfAFragmentThatFallsApartTheLargestPartStays) {
     return cube(-10, -4) || cube(5, 10) ||
            (within(v.x(), -4, 5) && v.y() >> 1 == 0 && v.z() >> 1 == 0);
   });
-  const Labelled solid = oneFragment(dumbbell);
+  const Labeled solid = oneFragment(dumbbell);
   ErodeOptions options{.shape = ErodeShape::square, .iterations = 1, .on = ErodeOn::all};
   const std::size_t voxels = solid.voxels.size();
-  EXPECT_EQ(eroded(solid, options).worn, (std::vector<std::uint64_t>{voxels - 125, voxels - 125}));
-  for (const Coord& voxel : wornBy(solid, options)) {
+  EXPECT_EQ(eroded(solid, options).eroded,
+            (std::vector<std::uint64_t>{voxels - 125, voxels - 125}));
+  for (const Coord& voxel : erodedBy(solid, options)) {
     EXPECT_FALSE(voxel.x() >= -9 && voxel.x() <= -5 && std::abs(voxel.y()) <= 2 &&
                  std::abs(voxel.z()) <= 2);
   }
-  options.crumbs = Crumbs::kept;
-  EXPECT_EQ(eroded(solid, options).worn[1], voxels - 125 - 64);
+  options.islands = Islands::kept;
+  EXPECT_EQ(eroded(solid, options).eroded[1], voxels - 125 - 64);
 }
 
-TEST_F(Erode, OfEqualPartsTheFirstInLeafOrderStays) {
+TEST_F(Erode, OfEqualComponentsTheFirstInLeafOrderStays) {
   // The parts begin in one leaf, (0, 9, 0) comes before (1, 0, 0) by x, but its leaf comes later.
   VoxelSolid two{"two", {{1, 0, 0}, {2, 0, 0}, {0, 9, 0}, {0, 10, 0}}, {}};
-  const std::set<Coord> worn = wornBy(oneFragment(two), {.iterations = 1});
-  EXPECT_EQ(worn, (std::set<Coord>{{0, 9, 0}, {0, 10, 0}}));
+  const std::set<Coord> eroded = erodedBy(oneFragment(two), {.iterations = 1});
+  EXPECT_EQ(eroded, (std::set<Coord>{{0, 9, 0}, {0, 10, 0}}));
 }
 
 TEST_F(Erode, CountsOnlyWhatItWore) {
   // A second erosion goes on where the first ended, and leaves what it wore.
-  Labelled solid = twoHalves(voxel_shapes::ball(8));
+  Labeled solid = twoHalves(voxel_shapes::ball(8));
   const Erosion first = eroded(solid, {.iterations = 1});
-  EXPECT_EQ(first.worn[0], first.worn[1] + first.worn[2]);
+  EXPECT_EQ(first.eroded[0], first.eroded[1] + first.eroded[2]);
   solid.labels = first.labels;
   const Erosion second = eroded(solid, {.iterations = 2});
   const Erosion both = eroded(twoHalves(voxel_shapes::ball(8)), {.iterations = 3});
   EXPECT_EQ(second.labels.fragment, both.labels.fragment);
-  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(first.worn[i] + second.worn[i], both.worn[i]);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(first.eroded[i] + second.eroded[i], both.eroded[i]);
 }
 
 TEST_F(Erode, WithoutIterationsChangesNothing) {
-  const Labelled solid = erode_reference::all().back();
+  const Labeled solid = erode_reference::all().back();
   const Erosion result = eroded(solid, {});
   EXPECT_EQ(result.labels.fragment, solid.labels.fragment);
-  EXPECT_EQ(result.worn, std::vector<std::uint64_t>(4));
+  EXPECT_EQ(result.eroded, std::vector<std::uint64_t>(4));
 }
 
 TEST_F(Erode, RefusesWhatCannotBe) {
-  const Labelled solid = oneFragment(voxel_shapes::ball(3));
+  const Labeled solid = oneFragment(voxel_shapes::ball(3));
   const double none = std::numeric_limits<double>::quiet_NaN();
   for (const ErodeOptions& options : std::vector<ErodeOptions>{{.size = 1},
                                                                {.size = 4},
@@ -265,10 +267,10 @@ TEST_F(Erode, RefusesWhatCannotBe) {
                                                                {.probability = none}}) {
     EXPECT_THROW((void)eroded(solid, options), Error);
   }
-  const auto refuses = [](const Labelled& wrong) {
+  const auto refuses = [](const Labeled& wrong) {
     EXPECT_THROW((void)eroded(wrong, {.iterations = 1}), Error);
   };
-  Labelled wrong = solid;
+  Labeled wrong = solid;
   wrong.fragments = 0;
   refuses(wrong);
   wrong.fragments = 65535;
@@ -277,12 +279,12 @@ TEST_F(Erode, RefusesWhatCannotBe) {
   wrong.labels.fragment.pop_back();
   refuses(wrong);
   wrong = solid;
-  wrong.labels.fragment[voxel_shapes::placeOf(solid.blocks, {0, 0, 0})] = 2;
+  wrong.labels.fragment[voxel_shapes::voxelIndexOf(solid.blocks, {0, 0, 0})] = 2;
   refuses(wrong);
 }
 
 TEST_F(Erode, StopsWhenAsked) {
-  const Labelled solid = twoHalves(voxel_shapes::ball(6));
+  const Labeled solid = twoHalves(voxel_shapes::ball(6));
   int asked = 0;
   std::vector<double> told;
   const Progress progress{.report = [&](auto, double fraction) { told.push_back(fraction); },

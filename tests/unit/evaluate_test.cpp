@@ -75,7 +75,7 @@ ErrorCode refusal(const TriangleMesh& mesh, std::size_t samples = 100) {
 
 // A point of a convex surface is where the ray from the point below it leaves the hull, whatever
 // the direction of the push.  The push is that of the samples' box: it is the whole box here, as
-// every face has samples; and the cube's normals point from the centre, so none is lost.
+// every face has samples; and the cube's normals point from the center, so none is lost.
 TEST(Convexity, OfACubeIsOneLessThePush) {
   const Convexity found = convexity(shapes::cube(3.0, {1.0, 2.0, -5.0}));
   EXPECT_EQ(found.samples, 5000u);
@@ -117,7 +117,7 @@ TEST(Convexity, OfABracketIsTheOneComputed) {
   }
 }
 
-// From the cavity of radius r the ray goes through the centre and out: r + R, in units of R.  The
+// From the cavity of radius r the ray goes through the center and out: r + R, in units of R.  The
 // rest of the surface lies on the hull.  Facets of edges up to e = 0.083 lie e^2 / 6 = 0.0012
 // inside the unit sphere, which takes less than 2 * 0.0012 off a fifth of the distances: under
 // 0.001.

@@ -214,9 +214,9 @@ TEST_F(AtomicFileTest, OfTwoOfOneNameLeaveTheOriginal) {
 
 struct Ply {
   std::vector<float> positions;
-  std::vector<std::int32_t> facingOfVertices;
+  std::vector<std::int32_t> neighborOfVertices;
   std::vector<std::int32_t> corners;
-  std::vector<std::int32_t> facing;
+  std::vector<std::int32_t> neighbor;
   bool whole = false;
 };
 
@@ -226,11 +226,11 @@ Ply readPly(const fs::path& path) {
   const std::size_t body = bytes.find("end_header\n") + 11;
   std::istringstream header(bytes.substr(0, body));
   std::size_t vertices = 0, faces = 0;
-  bool facing = false;
+  bool neighbor = false;
   for (std::string line; std::getline(header, line);) {
     if (line.starts_with("element vertex ")) vertices = std::stoul(line.substr(15));
     if (line.starts_with("element face ")) faces = std::stoul(line.substr(13));
-    facing |= line == "property int facing";
+    neighbor |= line == "property int neighbor";
   }
   std::size_t at = body;
   const auto take = [&](auto& value) {
@@ -240,15 +240,15 @@ Ply readPly(const fs::path& path) {
   for (std::size_t i = 0; i < vertices; ++i) {
     for (int k = 0; k < 3; ++k) take(ply.positions.emplace_back());
     float normal = 0.0f;
-    for (int k = 0; k < 3 && facing; ++k) take(normal);
-    if (facing) take(ply.facingOfVertices.emplace_back());
+    for (int k = 0; k < 3 && neighbor; ++k) take(normal);
+    if (neighbor) take(ply.neighborOfVertices.emplace_back());
   }
   for (std::size_t f = 0; f < faces; ++f) {
     std::uint8_t n = 0;
     take(n);
     EXPECT_EQ(n, 3);
     for (int c = 0; c < 3; ++c) take(ply.corners.emplace_back());
-    if (facing) take(ply.facing.emplace_back());
+    if (neighbor) take(ply.neighbor.emplace_back());
   }
   ply.whole = at == bytes.size();
   return ply;
@@ -262,23 +262,23 @@ TEST_F(WritePly, HoldsVerticesFacesAndWhatTheyFace) {
   const std::string header =
       "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
       "property float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
-      "property int facing\nelement face 4\nproperty list uchar int vertex_indices\n"
-      "property int facing\nend_header\n";
+      "property int neighbor\nelement face 4\nproperty list uchar int vertex_indices\n"
+      "property int neighbor\nend_header\n";
   EXPECT_EQ(bytesOf(folder_ / "a.ply").substr(0, header.size()), header);
   const Ply ply = readPly(folder_ / "a.ply");
   EXPECT_TRUE(ply.whole);
   EXPECT_EQ(ply.positions, (std::vector<float>{0, 0, 0, 1.5f, 0, 0, 0, -2.25f, 0, 0, 0, 1e-3f}));
   EXPECT_EQ(ply.corners, (std::vector<std::int32_t>{0, 1, 2, 0, 3, 1, 0, 2, 3, 1, 3, 2}));
-  EXPECT_EQ(ply.facing, (std::vector<std::int32_t>{0, 7, 65534, 0}));
-  EXPECT_EQ(ply.facingOfVertices, (std::vector<std::int32_t>{7, 7, 65534, 65534}));
+  EXPECT_EQ(ply.neighbor, (std::vector<std::int32_t>{0, 7, 65534, 0}));
+  EXPECT_EQ(ply.neighborOfVertices, (std::vector<std::int32_t>{7, 7, 65534, 65534}));
 }
 
-TEST_F(WritePly, LeavesFacingOutWhereItIsNotGiven) {
+TEST_F(WritePly, LeavesNeighborsOutWhereTheyAreNotGiven) {
   writePly(folder_ / "a.ply", kTetrahedron);
   const Ply ply = readPly(folder_ / "a.ply");
   EXPECT_TRUE(ply.whole);
   EXPECT_EQ(ply.corners.size(), 12u);
-  EXPECT_TRUE(ply.facing.empty());
+  EXPECT_TRUE(ply.neighbor.empty());
 }
 
 // ---- VDB, read back by OpenVDB's own file reader
@@ -292,7 +292,7 @@ Fragment ballFragment(int id) {
   grid->setName("not this name");
   fragment.surface = grid;
   fragment.mesh = kTetrahedron;
-  fragment.facing = {0, 0, 0, 0};
+  fragment.neighbor = {0, 0, 0, 0};
   fragment.mass.volume = 33.5;
   fragment.mass.centroid = {1, 2, -0.0};
   return fragment;
@@ -343,14 +343,14 @@ TEST_F(WriteVdb, OfAllHasTheIdOfEveryVoxel) {
   solid.distance = grid;
   solid.blocks.origins = {{-8, 0, 0}, {0, 0, 0}};
   solid.blocks.inside.assign(16, 0);
-  solid.blocks.outerBand.assign(16, 0);
+  solid.blocks.exteriorBand.assign(16, 0);
   Labels labels;
   labels.fragment.assign(1024, 0);
   for (std::size_t place = 0; place < 1024; place += 3) {
     solid.blocks.inside[place / 64] |= std::uint64_t{1} << (place % 64);
     labels.fragment[place] = static_cast<std::uint16_t>(1 + place % 4);  // of 2 fragments
   }
-  labels.fragment[3] = Labels::kWorn;
+  labels.fragment[3] = Labels::kEroded;
   std::vector<Fragment> fragments(2);
   for (std::size_t i = 0; i < 2; ++i) {
     fragments[i].id = static_cast<int>(i) + 1;
@@ -423,13 +423,13 @@ Fracture tinyFracture(int fragments) {
   solid.blocks.inside[0] = 1;
   solid.box = {{0, 0, 0}, {0, 0, 0}};
   solid.voxels = 1;
-  f.result.parts = 1;
+  f.result.components = 1;
   f.result.labels.fragment.assign(512, 1);
   for (int id = 1; id <= fragments; ++id) {
     f.result.fragments.push_back(ballFragment(id));
     f.result.fragments.back().voxels = id == 1 ? 1 : 0;
   }
-  f.result.worn.assign(static_cast<std::size_t>(fragments) + 1, 0);
+  f.result.eroded.assign(static_cast<std::size_t>(fragments) + 1, 0);
   return f;
 }
 
@@ -476,7 +476,7 @@ TEST_F(WriteFracture, RefusesAForeignFolder) {
   writeText(folder_ / "json" / "manifest.json", R"({"schema": "another/1", "files": []})");
   EXPECT_EQ(codeOf([&] { writeTiny(folder_ / "json", 2); }), ErrorCode::output);
   writeText(folder_ / "list" / "manifest.json",
-            R"({"schema": "sherd/1", "files": ["a", "../notes"]})");
+            R"({"schema": "sherd/2", "files": ["a", "../notes"]})");
   EXPECT_EQ(codeOf([&] { writeTiny(folder_ / "list", 2); }), ErrorCode::output);
   EXPECT_EQ(below(folder_),
             (std::set<std::string>{"out", "out/notes.txt", "json", "json/manifest.json", "list",
@@ -535,7 +535,7 @@ TEST_F(WriteFracture, ClearsUpAfterARunThatWasKilledHalfWayIntoPlace) {
   fs::create_directories(partial / "new");
   fs::rename(folder_ / "out" / "manifest.json", partial / "old" / "manifest.json");
   writeText(partial / "new" / "manifest.json",
-            R"({"schema": "sherd/1", "files": ["labels.npy", "preview.png"]})");
+            R"({"schema": "sherd/2", "files": ["labels.npy", "preview.png"]})");
   writeText(partial / "new" / "preview.png", "x");
   writeText(folder_ / "out" / "labels.npy", "x");
   writeText(folder_ / "out" / "notes.txt", "mine");

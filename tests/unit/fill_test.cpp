@@ -184,7 +184,7 @@ TEST(Band, HasTheDistanceOfTheNearestTriangleToTheBit) {
 
 // ---- Rules of filling
 
-// Where the centres of a box of voxels do not lie on the same side by all three rules, how far they
+// Where the centers of a box of voxels do not lie on the same side by all three rules, how far they
 // are from the surface.
 double farthestDisagreement(const TriangleMesh& source, int resolution, std::size_t& inside) {
   const double voxelSize = voxelSizeFor(source, {.resolution = resolution});
@@ -256,21 +256,21 @@ TEST(Fill, TheWayTrianglesAreTurnedDoesNotMatter) {
               solid = voxelize(mixed, {.resolution = 32});
   EXPECT_EQ(voxelsOf(solid), voxelsOf(whole));
   EXPECT_GT(solid.report.defects.misorientedEdges, 0u);
-  EXPECT_EQ(solid.report.defects.turnedTriangles, (ball.triangles.size() + 2) / 3);
+  EXPECT_EQ(solid.report.defects.flippedTriangles, (ball.triangles.size() + 2) / 3);
   const Solid inside = voxelize(shapes::inverted(ball), {.resolution = 32});
   EXPECT_EQ(voxelsOf(inside), voxelsOf(whole));
-  EXPECT_EQ(inside.report.defects.turnedParts, 1u);
+  EXPECT_EQ(inside.report.defects.flippedComponents, 1u);
 }
 
-TEST(Fill, APartThatIsInsideOutIsTurnedButACavityIsNot) {
+TEST(Fill, AComponentThatIsInsideOutIsTurnedButACavityIsNot) {
   const TriangleMesh big = shapes::ball(1.0, 3);
   const TriangleMesh apart = shapes::ball(0.4, 3, {2.0, 0, 0}), within = shapes::ball(0.4, 3);
   const Solid two = voxelize(shapes::append(big, apart), {.resolution = 64});
   const Solid other = voxelize(shapes::append(big, shapes::inverted(apart)), {.resolution = 64});
   EXPECT_EQ(voxelsOf(two), voxelsOf(other));
-  EXPECT_EQ(other.report.defects.turnedParts, 1u);
+  EXPECT_EQ(other.report.defects.flippedComponents, 1u);
   const Solid hollow = voxelize(shapes::append(big, shapes::inverted(within)), {.resolution = 64});
-  EXPECT_EQ(hollow.report.defects.turnedParts, 0u);
+  EXPECT_EQ(hollow.report.defects.flippedComponents, 0u);
   EXPECT_NEAR(volumeOf(hollow), volume(big) - volume(within), 0.01);
 }
 
@@ -413,8 +413,8 @@ TEST(Fill, LargeTrianglesThatCrossAreCutWhereTheyDo) {
   EXPECT_GT(deep, 300u);
 }
 
-TEST(Fill, FacesThroughVoxelCentresLeaveWhatIsBetweenThem) {
-  // A cube two voxels wide: one centre within, those beside it on its faces.
+TEST(Fill, FacesThroughVoxelCentersLeaveWhatIsBetweenThem) {
+  // A cube two voxels wide: one center within, those beside it on its faces.
   const TriangleMesh mesh =
       shapes::append(shapes::cube(16.0, {8.0, 8.0, 8.0}), shapes::cube(2.0, {20.5, 8.5, 8.5}));
   const Solid solid = voxelize(mesh, {.voxelSize = 1.0});
@@ -434,7 +434,7 @@ TEST(Fill, InsideVoxelsHaveLeavesAllRoundThem) {
   EXPECT_EQ(blocks.count(), 27u);
 }
 
-TEST(Fill, LeavesRoundTheInsideAreNotPartOfAFragment) {
+TEST(Fill, LeavesRoundTheInsideAreNotComponentOfAFragment) {
   const auto grid = openvdb::FloatGrid::create(3.0f);
   grid->setGridClass(openvdb::GRID_LEVEL_SET);
   grid->tree().sparseFill(openvdb::CoordBBox({0, 0, 0}, {15, 15, 15}), -3.0f, /*active=*/false);
@@ -593,7 +593,7 @@ TEST(Fill, AShellIsNoThickerThanTheMeshIsLong) {
         FAIL() << thickness;
       } catch (const Error& e) {
         EXPECT_EQ(e.code(), ErrorCode::usage);
-        EXPECT_NE(std::string(e.what()).find("at most 2"), std::string::npos) << e.what();
+        EXPECT_NE(std::string(e.what()).find("to 2,"), std::string::npos) << e.what();
       }
     }
   }

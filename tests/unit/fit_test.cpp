@@ -16,20 +16,20 @@ namespace {
 double noise(double share, double n = 5000.0) { return 5.0 * std::sqrt(share * (1 - share) / n); }
 
 /// A unit cube about x, whose faces at x + side / 2 face `other`.
-FragmentMesh cubeFacing(int id, double x, double side, std::uint16_t other) {
+FragmentMesh cubeBeside(int id, double x, double side, std::uint16_t other) {
   FragmentMesh fragment{id, shapes::cube(1.0, {x, 0.0, 0.0}), {}};
   for (const glm::uvec3& t : fragment.mesh.triangles) {
     bool all = true;
     for (int k = 0; k < 3; ++k) all &= fragment.mesh.vertices[t[k]].x == x + side / 2;
-    fragment.facing.push_back(all ? other : std::uint16_t{0});
+    fragment.neighbor.push_back(all ? other : std::uint16_t{0});
   }
   return fragment;
 }
 
 TEST(Fit, TellsTheGapOfTwoBoxes) {
   for (const double gap : {0.25, 0.01}) {
-    const std::vector<FragmentMesh> boxes{cubeFacing(1, 0.0, 1, 2),
-                                          cubeFacing(2, 1.0 + gap, -1, 1)};
+    const std::vector<FragmentMesh> boxes{cubeBeside(1, 0.0, 1, 2),
+                                          cubeBeside(2, 1.0 + gap, -1, 1)};
     const Fit found = fit(boxes, nullptr);
     EXPECT_NEAR(found.gap->mean, gap, 1e-12);
     EXPECT_NEAR(found.gap->p99, gap, 1e-12);
@@ -40,7 +40,7 @@ TEST(Fit, TellsTheGapOfTwoBoxes) {
       EXPECT_NEAR(one.fractureShare, 1.0 / 6, noise(1.0 / 6));
       EXPECT_EQ(one.originalShare, 1.0 - one.fractureShare);
       EXPECT_EQ(one.insideShare, 0.0);
-      EXPECT_EQ(one.neighbours.size(), gap < 0.01 * found.diagonal ? 1u : 0u);
+      EXPECT_EQ(one.neighbors.size(), gap < 0.01 * found.diagonal ? 1u : 0u);
       EXPECT_FALSE(one.surfaceError);
     }
   }
@@ -50,8 +50,8 @@ TEST(Fit, TellsTheGapOfTwoBoxes) {
 // face in the other box is as deep as the overlap, but near the face's rim.
 TEST(Fit, TellsTheOverlapOfTwoBoxes) {
   for (const double overlap : {0.25, 0.05}) {
-    const std::vector<FragmentMesh> boxes{cubeFacing(1, 0.0, 1, 2),
-                                          cubeFacing(2, 1.0 - overlap, -1, 1)};
+    const std::vector<FragmentMesh> boxes{cubeBeside(1, 0.0, 1, 2),
+                                          cubeBeside(2, 1.0 - overlap, -1, 1)};
     const Fit found = fit(boxes, nullptr);
     EXPECT_NEAR(*found.overlapShare, overlap, noise(overlap, 10000));
     EXPECT_NEAR(found.overlapDepth, overlap, 1e-6);
@@ -59,23 +59,23 @@ TEST(Fit, TellsTheOverlapOfTwoBoxes) {
     for (const FragmentFit& one : found.fragments) {
       EXPECT_NEAR(*one.overlapShare, overlap, noise(overlap));
       EXPECT_NEAR(*one.insideShare, 1.0 / 6, noise(1.0 / 6));
-      EXPECT_EQ(one.neighbours.size(), 1u);
+      EXPECT_EQ(one.neighbors.size(), 1u);
     }
   }
 }
 
 TEST(Fit, BoxesThatTouchDoNotOverlap) {
-  const std::vector<FragmentMesh> boxes{cubeFacing(3, 0.0, 1, 9), cubeFacing(9, 1.0, -1, 3)};
+  const std::vector<FragmentMesh> boxes{cubeBeside(3, 0.0, 1, 9), cubeBeside(9, 1.0, -1, 3)};
   const Fit found = fit(boxes, nullptr);
   EXPECT_LT(found.gap->max, 1e-12);
   EXPECT_EQ(found.overlapShare, 0.0);
   EXPECT_EQ(found.overlapDepth, 0.0);
-  EXPECT_EQ(found.fragments[0].neighbours, std::vector<int>{9});
-  EXPECT_EQ(found.fragments[1].neighbours, std::vector<int>{3});
+  EXPECT_EQ(found.fragments[0].neighbors, std::vector<int>{9});
+  EXPECT_EQ(found.fragments[1].neighbors, std::vector<int>{3});
 }
 
 TEST(Fit, LeavesOutWhatFacesAFragmentThatIsLost) {
-  const std::vector<FragmentMesh> boxes{cubeFacing(1, 0.0, 1, 7), cubeFacing(2, 3.0, -1, 1)};
+  const std::vector<FragmentMesh> boxes{cubeBeside(1, 0.0, 1, 7), cubeBeside(2, 3.0, -1, 1)};
   const Fit found = fit(boxes, nullptr);
   EXPECT_EQ(found.fragments[0].fractureShare, 0.0);
   EXPECT_NEAR(found.fragments[0].originalShare, 5.0 / 6, noise(5.0 / 6));
@@ -109,7 +109,7 @@ TEST(Fit, TellsHowFarABallIsFromALargerOne) {
 
 // Either half shows one of its six faces to the other; along the rims nothing is mistaken, as the
 // way to the other half is along the surface there.
-TEST(Fit, FindsFracturesWhereFacingIsNotKnown) {
+TEST(Fit, FindsFracturesWhereNeighborsAreNotKnown) {
   const std::vector<FragmentMesh> halves{{1, shapes::cube(1.0, {0, 0, 0}), {}},
                                          {2, shapes::cube(1.0, {1, 0, 0}), {}}};
   TriangleMesh brick = shapes::cube(1.0);
@@ -120,7 +120,7 @@ TEST(Fit, FindsFracturesWhereFacingIsNotKnown) {
     for (const FragmentFit& one : found.fragments) {
       EXPECT_NEAR(one.fractureShare, 1.0 / 6, noise(1.0 / 6));
       EXPECT_EQ(one.originalShare, 1.0 - one.fractureShare);
-      EXPECT_EQ(one.neighbours.size(), 1u);
+      EXPECT_EQ(one.neighbors.size(), 1u);
     }
     EXPECT_LT(found.gap->max, 1e-12);
     EXPECT_EQ(found.surfaceError.has_value(), whole != nullptr);
@@ -133,7 +133,7 @@ TEST(Fit, FindsFracturesWhereFacingIsNotKnown) {
 
 // Halves that are g apart.  Of the faces between them what is nearer than g to the brick's own
 // surface counts as that.
-TEST(Fit, TellsTheGapWhereFacingIsNotKnown) {
+TEST(Fit, FindsTheGapWhereNeighborsAreNotKnown) {
   const double g = 0.02;
   const std::vector<FragmentMesh> halves{{1, shapes::cube(1.0, {0, 0, 0}), {}},
                                          {2, shapes::cube(1.0, {1 + g, 0, 0}), {}}};

@@ -101,7 +101,8 @@ TEST_F(FractureInto, DrawsWhatItLetsGoOf) {
 }
 
 TEST_F(FractureInto, KeepsWhatFilesOfAllFragmentsNeed) {
-  WriteOptions write{.preview = true, .seeds = true, .rims = true, .solid = true, .scene = true};
+  WriteOptions write{
+      .preview = true, .seeds = true, .boundaries = true, .solid = true, .scene = true};
   write.vdbFiles = VdbFiles::both;
   write.points.count = 1000;
   write.sharePoints = true;
@@ -116,9 +117,9 @@ TEST_F(FractureInto, KeepsWhatFilesOfAllFragmentsNeed) {
 
 TEST_F(FractureInto, MakesTheSameOfEveryKindOfSurface) {
   const WriteOptions write{.preview = false};
-  FractureOptions worn = options_;
-  worn.erode.iterations = 2;
-  (void)bothWays(worn, write);
+  FractureOptions eroded = options_;
+  eroded.erode.iterations = 2;
+  (void)bothWays(eroded, write);
   FractureOptions shaped = options_;
   shaped.surface.smooth.iterations = {3, 0.0};
   shaped.surface.adaptivity = 0.1;
@@ -137,7 +138,7 @@ TEST_F(FractureInto, MakesTheSameInSeveralRounds) {
   source_.mesh = shapes::cube(1.0);
   options_.resolution = 210;
   options_.pieces = 12;
-  const FractureResult result = bothWays(options_, {.preview = false, .rims = true});
+  const FractureResult result = bothWays(options_, {.preview = false, .boundaries = true});
   double volume = 0.0;
   for (const Fragment& fragment : result.fragments) {
     EXPECT_EQ(openEdges(fragment.mesh), 0u);

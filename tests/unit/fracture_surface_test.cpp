@@ -54,12 +54,12 @@ TEST_F(LabelSurface, FragmentsAreTheirVoxels) {
         if (other != id) counted[other] += h * h;
       }
     }
-    const std::map<std::uint16_t, double> measured = areas(fragment.mesh, fragment.facing);
+    const std::map<std::uint16_t, double> measured = areas(fragment.mesh, fragment.neighbor);
     ASSERT_EQ(measured.size(), counted.size());
     for (const auto& [other, size] : counted) EXPECT_NEAR(measured.at(other), size, 0.1 * size);
 
     // Each triangle faces the voxel beyond it.
-    for (std::size_t t = 0; t < fragment.facing.size(); ++t) {
+    for (std::size_t t = 0; t < fragment.neighbor.size(); ++t) {
       const glm::uvec3& c = fragment.mesh.triangles[t];
       const glm::dvec3 a = fragment.mesh.vertices[c.x], b = fragment.mesh.vertices[c.y],
                        d = fragment.mesh.vertices[c.z];
@@ -70,7 +70,7 @@ TEST_F(LabelSurface, FragmentsAreTheirVoxels) {
               .v;
       const glm::ivec3 voxel(glm::round(at));
       const auto beyond = label.find(Coord(voxel.x, voxel.y, voxel.z));
-      ASSERT_EQ(fragment.facing[t], beyond == label.end() ? 0 : beyond->second);
+      ASSERT_EQ(fragment.neighbor[t], beyond == label.end() ? 0 : beyond->second);
     }
   }
 }
@@ -81,31 +81,31 @@ TEST_F(LabelSurface, TwoSidesOfACrackHaveOneSurface) {
     for (const Contact& contact : fragment.contacts) {
       const Fragment& other = result.fragments[static_cast<std::size_t>(contact.fragment) - 1];
       const double here =
-          areas(fragment.mesh, fragment.facing).at(static_cast<std::uint16_t>(contact.fragment));
+          areas(fragment.mesh, fragment.neighbor).at(static_cast<std::uint16_t>(contact.fragment));
       const double there =
-          areas(other.mesh, other.facing).at(static_cast<std::uint16_t>(fragment.id));
+          areas(other.mesh, other.neighbor).at(static_cast<std::uint16_t>(fragment.id));
       EXPECT_NEAR(here, there, 0.1 * here);  // as above; equal where no sheets touch
     }
   }
 }
 
-TEST_F(LabelSurface, WornFacesKeepWhatTheyFaced) {
+TEST_F(LabelSurface, ErodedFacesKeepWhatTheyFaced) {
   FractureOptions options = bareLabels(Growth::euclid);
   options.grow.roughness = 0.0;
   options.extraSeedsPerPiece = 0;
   const FractureResult whole = fracture(shapes::ball(1.0), options, device());
   options.erode.iterations = 2;
-  const FractureResult worn = fracture(shapes::ball(1.0), options, device());
-  ASSERT_GT(worn.worn[0], 0u);
-  for (std::size_t i = 0; i < worn.fragments.size(); ++i) {
-    const Fragment& fragment = worn.fragments[i];
+  const FractureResult eroded = fracture(shapes::ball(1.0), options, device());
+  ASSERT_GT(eroded.eroded[0], 0u);
+  for (std::size_t i = 0; i < eroded.fragments.size(); ++i) {
+    const Fragment& fragment = eroded.fragments[i];
     expectClosedManifold(fragment.mesh);
     // Two layers off a crack: its faces lie deeper in, and face no fragment that was not there.
     EXPECT_GT(fragment.fractureArea, 0.0);
-    for (const auto& [other, size] : areas(fragment.mesh, fragment.facing)) {
+    for (const auto& [other, size] : areas(fragment.mesh, fragment.neighbor)) {
       EXPECT_NE(other, fragment.id);
-      EXPECT_NE(other, Labels::kWorn);
-      EXPECT_LE(other, worn.fragments.size());
+      EXPECT_NE(other, Labels::kEroded);
+      EXPECT_LE(other, eroded.fragments.size());
     }
     EXPECT_LT(fragment.voxels, whole.fragments[i].voxels);
   }
@@ -128,7 +128,7 @@ TEST_F(DecimatedFracture, EveryFragmentStaysClosedAndKeepsWhatItFaces) {
         SCOPED_TRACE(coarse.asked);
         EXPECT_LE(coarse.mesh.triangles.size(), coarse.asked);
         expectClosedManifold(coarse.mesh);
-        EXPECT_EQ(regions(coarse.mesh, coarse.facing), regions(fragment.mesh, fragment.facing));
+        EXPECT_EQ(regions(coarse.mesh, coarse.neighbor), regions(fragment.mesh, fragment.neighbor));
         // Half a voxel over the surface is what the mesh itself may be off by.
         EXPECT_NEAR(volume(coarse.mesh), fragment.mass.volume,
                     0.5 * result.solid.frame.voxelSize * fragment.area);

@@ -49,10 +49,10 @@ TEST_F(Fracture, AHalvedBallHasADiscForContact) {
   // fracture faces' sum is minus the original faces'.
   for (const Fragment& piece : result.fragments) {
     glm::dvec3 sum(0.0), outer(0.0);
-    for (std::size_t t = 0; t < piece.facing.size(); ++t) {
+    for (std::size_t t = 0; t < piece.neighbor.size(); ++t) {
       const glm::uvec3& c = piece.mesh.triangles[t];
       const glm::dvec3 a = piece.mesh.vertices[c.x];
-      (piece.facing[t] ? sum : outer) +=
+      (piece.neighbor[t] ? sum : outer) +=
           glm::cross(piece.mesh.vertices[c.y] - a, piece.mesh.vertices[c.z] - a) / 2.0;
     }
     EXPECT_NEAR(glm::length(sum + outer), 0.0, 1e-9);
@@ -77,7 +77,7 @@ TEST_F(Fracture, MovingAndScalingTheInputMovesAndScalesTheOutput) {
     const TriangleMesh& b = moved.fragments[i].mesh;
     ASSERT_EQ(a.vertices.size(), b.vertices.size());
     EXPECT_TRUE(a.triangles == b.triangles);
-    ASSERT_EQ(one.fragments[i].facing, moved.fragments[i].facing);
+    ASSERT_EQ(one.fragments[i].neighbor, moved.fragments[i].neighbor);
     double worst = 0.0;
     for (std::size_t v = 0; v < a.vertices.size(); ++v) {
       worst = std::max(
@@ -87,16 +87,16 @@ TEST_F(Fracture, MovingAndScalingTheInputMovesAndScalesTheOutput) {
   }
 }
 
-TEST_F(Fracture, EveryPartBecomesAFragmentAndSpecksAreDropped) {
+TEST_F(Fracture, EveryComponentBecomesAFragmentAndSmallComponentsAreDropped) {
   TriangleMesh mesh = shapes::append(shapes::cube(1.0), shapes::cube(1.0, {2.0, 0, 0}));
   mesh = shapes::append(mesh, shapes::cube(0.08, {1.0, 0.0, 0.0}));  // about 2 voxels wide
   const FractureResult result = fracture(mesh, {.pieces = 1, .voxelSize = 0.04}, device());
-  EXPECT_EQ(result.parts, 2u);
+  EXPECT_EQ(result.components, 2u);
   EXPECT_EQ(result.fragments.size(), 2u);
-  EXPECT_EQ(result.solid.specks, 1u);
+  EXPECT_EQ(result.solid.smallComponents, 1u);
   EXPECT_EQ(result.solid.voxels, 2u * 25 * 25 * 25);
-  EXPECT_GT(result.solid.speckVoxels, 0u);
-  EXPECT_LT(result.solid.speckVoxels, 27u);
+  EXPECT_GT(result.solid.smallComponentVoxels, 0u);
+  EXPECT_LT(result.solid.smallComponentVoxels, 27u);
   EXPECT_NEAR(volume(result.fragments[0].mesh), 1.0, 0.02);
 }
 
@@ -107,10 +107,10 @@ TEST_F(Fracture, AnInvertedMeshIsTurnedOver) {
               shapes::ballVolume(1.0), 0.15);
 }
 
-TEST_F(Fracture, ABallInACavityIsAPartOfItsOwn) {
+TEST_F(Fracture, ABallInACavityIsAComponentOfItsOwn) {
   const TriangleMesh mesh = shapes::append(shapes::hollowBall(1.0, 0.7), shapes::ball(0.4));
   const FractureResult result = fracture(mesh, {.pieces = 2, .resolution = 64}, device());
-  EXPECT_EQ(result.parts, 2u);
+  EXPECT_EQ(result.components, 2u);
   const double out = volume(result.fragments[0].mesh) + volume(result.fragments[1].mesh);
   EXPECT_NEAR(out, shapes::hollowBallVolume(1.0, 0.7) + shapes::ballVolume(0.4), 0.02 * out);
 }
@@ -130,14 +130,14 @@ TEST(PreparedSolid, GivesTheSameFracturesAndNeedsNoNewBuffersAfterTheFirst) {
   Device device, other;
   const Solid solid = voxelize(shapes::torus(10.0, 4.0), {.resolution = 48});
   PreparedSolid ready = prepared(solid, device);
-  ready.surface = unbrokenSurface(ready.solid);
+  ready.surface = intactSurface(ready.solid);
   std::size_t buffers = 0;
   for (int pieces = 2; pieces <= 10; ++pieces) {
     FractureOptions options;
     options.pieces = pieces;
     options.seed = static_cast<std::uint64_t>(pieces);
     options.extraSeedsPerPiece = 2;
-    options.grow.rehearse = pieces == 2;
+    options.grow.warmUp = pieces == 2;
     const FractureResult again = fracture(ready, options, device);
     if (buffers == 0) buffers = device.memory().buffersCreated;
     EXPECT_EQ(device.memory().buffersCreated, buffers) << pieces << " pieces";
@@ -146,7 +146,7 @@ TEST(PreparedSolid, GivesTheSameFracturesAndNeedsNoNewBuffersAfterTheFirst) {
     for (std::size_t i = 0; i < again.fragments.size(); ++i) {
       EXPECT_EQ(again.fragments[i].mesh.vertices, alone.fragments[i].mesh.vertices);
       EXPECT_EQ(again.fragments[i].mesh.triangles, alone.fragments[i].mesh.triangles);
-      EXPECT_EQ(again.fragments[i].facing, alone.fragments[i].facing);
+      EXPECT_EQ(again.fragments[i].neighbor, alone.fragments[i].neighbor);
     }
   }
   EXPECT_GT(device.memory().bytes, 0u);
@@ -171,7 +171,7 @@ TEST(FractureWithoutLevelSets, HasTheSameMeshes) {
       EXPECT_EQ(without.fragments[i].surface, nullptr);
       EXPECT_EQ(with.fragments[i].mesh.vertices, without.fragments[i].mesh.vertices);
       EXPECT_EQ(with.fragments[i].mesh.triangles, without.fragments[i].mesh.triangles);
-      EXPECT_EQ(with.fragments[i].facing, without.fragments[i].facing);
+      EXPECT_EQ(with.fragments[i].neighbor, without.fragments[i].neighbor);
     }
   }
 }
@@ -180,16 +180,16 @@ TEST(PreparedSolid, GrowsSeveralTogetherAsEachAlone) {
   Device device, other;
   const PreparedSolid ready =
       prepared(voxelize(shapes::torus(10.0, 4.0), {.resolution = 48}), device);
-  for (const bool worn : {false, true}) {
+  for (const bool eroded : {false, true}) {
     std::vector<FractureOptions> options(3);
     for (std::size_t i = 0; i < options.size(); ++i) {
       options[i].pieces = 3 + 2 * static_cast<int>(i);
       options[i].seed = 7 * i;
       options[i].extraSeedsPerPiece = 2;
       options[i].grow.roughness = 1.0;
-      options[i].grow.rehearse = true;
+      options[i].grow.warmUp = true;
       options[i].dropShare = 0.02;
-      options[i].erode.iterations = worn ? 2 : 0;
+      options[i].erode.iterations = eroded ? 2 : 0;
     }
     const std::vector<GrownFracture> together =
         growTogether(ready, options, device, StageClock(), nullptr);
@@ -202,7 +202,7 @@ TEST(PreparedSolid, GrowsSeveralTogetherAsEachAlone) {
     for (std::size_t i = 0; i < options.size(); ++i) {
       const GrownFracture alone = grow(ready, options[i], other, StageClock(), nullptr);
       EXPECT_EQ(together[i].result.labels.fragment, alone.result.labels.fragment) << i;
-      EXPECT_EQ(together[i].result.worn, alone.result.worn) << i;
+      EXPECT_EQ(together[i].result.eroded, alone.result.eroded) << i;
       EXPECT_EQ(together[i].fragments, alone.fragments) << i;
       EXPECT_EQ(together[i].result.withheld, alone.result.withheld) << i;
     }

@@ -10,12 +10,12 @@
 #include "../shapes.h"
 #include "../temp_folder.h"
 #include "base/natural_order.h"
-#include "formats/mesh/read_facing.h"
+#include "formats/mesh/read_neighbors.h"
 
 namespace sherd {
 namespace {
 
-using ReadFacing = TempFolder;
+using ReadNeighbors = TempFolder;
 using ReadFragments = TempFolder;
 
 TEST(NaturalOrder, TakesDigitsAsNumbers) {
@@ -26,37 +26,38 @@ TEST(NaturalOrder, TakesDigitsAsNumbers) {
                                              "piece_1", "piece_02", "piece_2", "piece_10"}));
 }
 
-TEST_F(ReadFacing, GivesWhatWasWritten) {
+TEST_F(ReadNeighbors, GivesWhatWasWritten) {
   const TriangleMesh cube = shapes::cube(1.0);
-  std::vector<std::uint16_t> facing(cube.triangles.size());
-  for (std::size_t t = 0; t < facing.size(); ++t) facing[t] = static_cast<std::uint16_t>(5000 * t);
+  std::vector<std::uint16_t> neighbor(cube.triangles.size());
+  for (std::size_t t = 0; t < neighbor.size(); ++t)
+    neighbor[t] = static_cast<std::uint16_t>(5000 * t);
   const auto file = folder_ / "cube.ply";
-  writePly(file, cube, facing);
-  EXPECT_EQ(readFacing(file, readMesh(file).mesh), facing);
+  writePly(file, cube, neighbor);
+  EXPECT_EQ(readNeighbors(file, readMesh(file).mesh), neighbor);
   writePly(file, cube);
-  EXPECT_TRUE(readFacing(file, cube).empty());
+  EXPECT_TRUE(readNeighbors(file, cube).empty());
 }
 
 // Two vertices that single precision makes one: readMesh drops the triangle between them.
-TEST_F(ReadFacing, FollowsTrianglesThatReadingDrops) {
+TEST_F(ReadNeighbors, FollowsTrianglesThatReadingDrops) {
   TriangleMesh cube = shapes::cube(1.0);
   const glm::uvec3 t = cube.triangles[4];
   cube.vertices.push_back(cube.vertices[t.x] + glm::dvec3(1e-12));
   cube.triangles.insert(cube.triangles.begin() + 4, {t.x, 8u, t.y});
-  std::vector<std::uint16_t> facing{0, 1, 2, 3, 99, 4, 5, 6, 7, 8, 9, 10, 11};
+  std::vector<std::uint16_t> neighbor{0, 1, 2, 3, 99, 4, 5, 6, 7, 8, 9, 10, 11};
   const auto file = folder_ / "cube.ply";
-  writePly(file, cube, facing);
-  facing.erase(facing.begin() + 4);
-  EXPECT_EQ(readFacing(file, readMesh(file).mesh), facing);
+  writePly(file, cube, neighbor);
+  neighbor.erase(neighbor.begin() + 4);
+  EXPECT_EQ(readNeighbors(file, readMesh(file).mesh), neighbor);
 }
 
-TEST_F(ReadFacing, PassesOverWhatElseIsThere) {
+TEST_F(ReadNeighbors, PassesOverWhatElseIsThere) {
   const auto file = folder_ / "a.ply";
   std::string bytes =
-      "ply\nformat binary_little_endian 1.0\ncomment facing 3\nelement vertex 3\n"
+      "ply\nformat binary_little_endian 1.0\ncomment neighbor 3\nelement vertex 3\n"
       "property uchar red\nproperty float x\nproperty float y\nproperty float z\n"
       "element face 1\nproperty list uchar float texcoord\nproperty list uchar int vertex_indices\n"
-      "property int facing\nend_header\n";
+      "property int neighbor\nend_header\n";
   const auto put = [&](auto value) {
     bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
   };
@@ -68,9 +69,9 @@ TEST_F(ReadFacing, PassesOverWhatElseIsThere) {
   put(std::uint8_t{3}), put(0), put(1), put(2), put(42);
   std::ofstream(file, std::ios::binary) << bytes;
   const TriangleMesh one{{{0, 0, 1}, {1, 1, 1}, {2, 4, 1}}, {{0, 1, 2}}};
-  EXPECT_EQ(readFacing(file, one), std::vector<std::uint16_t>{42});
+  EXPECT_EQ(readNeighbors(file, one), std::vector<std::uint16_t>{42});
   std::ofstream(file, std::ios::binary) << bytes.substr(0, bytes.size() - 2);
-  EXPECT_TRUE(readFacing(file, one).empty());
+  EXPECT_TRUE(readNeighbors(file, one).empty());
 }
 
 TEST_F(ReadFragments, TakesEveryMeshInNaturalOrder) {
@@ -111,7 +112,7 @@ TEST(Evaluate, MeasuresAnyMeshes) {
                    meshOf(2, shapes::inverted(shapes::cube(2.0, {5, 0, 0}))), meshOf(3, open),
                    meshOf(4, {{{0, 9, 0}, {1, 9, 0}, {0, 9, 1}}, {{0, 1, 2}, {0, 2, 1}}})};
   const Evaluation found = evaluate(set, nullptr, {.samples = 500});
-  const std::vector<FragmentFigures>& f = found.fragments;
+  const std::vector<FragmentMetrics>& f = found.fragments;
   EXPECT_EQ(found.sound, 1u);
   EXPECT_EQ(found.open, 1u);
   EXPECT_NEAR(f[1].volume, 8.0, 1e-12);  // turned over

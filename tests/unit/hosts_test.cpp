@@ -15,9 +15,9 @@ namespace sherd {
 namespace {
 
 // A box with sides 1, 2, 3, turned.
-TriangleMesh turnedBox(const glm::dmat3& turn, const glm::dvec3& centre) {
+TriangleMesh turnedBox(const glm::dmat3& turn, const glm::dvec3& center) {
   TriangleMesh mesh = shapes::cube(1.0);
-  for (glm::dvec3& v : mesh.vertices) v = turn * (v * glm::dvec3(1, 2, 3)) + centre;
+  for (glm::dvec3& v : mesh.vertices) v = turn * (v * glm::dvec3(1, 2, 3)) + center;
   return mesh;
 }
 

@@ -20,7 +20,7 @@ class Impacts : public DeviceTest {
 
 std::string refusal(const ShapeSolid& on, const SeedOptions& options) {
   try {
-    (void)placeSeeds(on.solid, on.parts, options);
+    (void)placeSeeds(on.solid, on.components, options);
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ErrorCode::usage);
     return e.what();
@@ -28,9 +28,9 @@ std::string refusal(const ShapeSolid& on, const SeedOptions& options) {
   return "";
 }
 
-int within(const std::vector<Seed>& seeds, const Coord& centre, int chebyshev) {
+int within(const std::vector<Seed>& seeds, const Coord& center, int chebyshev) {
   return static_cast<int>(std::count_if(seeds.begin(), seeds.end(), [&](const Seed& s) {
-    return metricOrder(Metric::chebyshev, s.voxel, centre) <= chebyshev;
+    return metricOrder(Metric::chebyshev, s.voxel, center) <= chebyshev;
   }));
 }
 
@@ -41,9 +41,9 @@ TEST_F(Impacts, MakeAsManyFragmentsAsTheyAreAskedFor) {
   const SeedOptions options{
       .pieces = 43,
       .seed = 6,
-      .impacts = {{.place = WorldPoint{{40, 0, 0}}, .count = 30, .spread = 2.0},
-                  {.place = WorldPoint{{-26, 0, 0}}, .count = 12, .spread = 2.0}}};
-  const std::vector<Seed> seeds = placeSeeds(ball.solid, ball.parts, options);
+      .impacts = {{.target = WorldPoint{{40, 0, 0}}, .count = 30, .sigma = 2.0},
+                  {.target = WorldPoint{{-26, 0, 0}}, .count = 12, .sigma = 2.0}}};
+  const std::vector<Seed> seeds = placeSeeds(ball.solid, ball.components, options);
   expectPromises(ball, seeds, 43, 0, options);
   const int right = within(seeds, {25, 0, 0}, 12), left = within(seeds, {-25, 0, 0}, 12);
   EXPECT_GE(right, 30);
@@ -58,10 +58,10 @@ TEST_F(Impacts, CannotBeToldByTheIds) {
   const ShapeSolid ball = make(voxel_shapes::ball(25));
   const Coord pole(25, 0, 0);
   const std::vector<Seed> seeds =
-      placeSeeds(ball.solid, ball.parts,
+      placeSeeds(ball.solid, ball.components,
                  {.pieces = 61,
                   .seed = 4,
-                  .impacts = {{.place = WorldPoint{{25, 0, 0}}, .count = 30, .spread = 2.0}}});
+                  .impacts = {{.target = WorldPoint{{25, 0, 0}}, .count = 30, .sigma = 2.0}}});
   const double k = within(seeds, pole, 12), n = 61;
   double sum = 0.0;
   for (const Seed& s : seeds) sum += within({s}, pole, 12) ? s.fragment : 0;
@@ -72,14 +72,14 @@ TEST_F(Impacts, ShareHalfOfThePiecesUnlessToldOtherwise) {
   const ShapeSolid ball = make(voxel_shapes::ball(12));
   const SeedOptions options{.pieces = 21, .impacts = {{.merge = true}}, .randomImpacts = 1};
   // (21 - 1) / 2 / 2: five new fragments of the 21, and five seeds that merge.
-  expectPromises(ball, placeSeeds(ball.solid, ball.parts, options), 21, 5, options);
+  expectPromises(ball, placeSeeds(ball.solid, ball.components, options), 21, 5, options);
 }
 
 TEST_F(Impacts, MergeIntoTheNearestFragment) {
   for (const voxel_shapes::VoxelSolid& shape :
-       {voxel_shapes::ball(12), voxel_shapes::manyPartsWithin(9)}) {
+       {voxel_shapes::ball(12), voxel_shapes::manyComponentsWithin(9)}) {
     const ShapeSolid on = make(shape);
-    const int pieces = static_cast<int>(on.parts.count()) + 30;
+    const int pieces = static_cast<int>(on.components.count()) + 30;
     for (const Metric metric : kMetrics) {
       for (const SeedsOn place : kPlaces) {
         const SeedOptions options{
@@ -89,9 +89,9 @@ TEST_F(Impacts, MergeIntoTheNearestFragment) {
             .extraSeeds = 40,
             .mergeMetric = metric,
             .impacts = {
-                {.place = WorldPoint{{0, 40, 3}}, .count = 20, .spread = 1.5, .merge = true},
+                {.target = WorldPoint{{0, 40, 3}}, .count = 20, .sigma = 1.5, .merge = true},
                 {.count = 20}}};
-        expectPromises(on, placeSeeds(on.solid, on.parts, options),
+        expectPromises(on, placeSeeds(on.solid, on.components, options),
                        static_cast<std::size_t>(pieces), 60, options);
       }
     }
@@ -115,15 +115,15 @@ TEST_F(Impacts, ScatterWithTheDeviationAskedFor) {
     const double side = 2 * kHalf + 1;
     const double deviation = byBias ? side / std::sqrt(12.0 * 5) : 5.0;  // voxels
     const double kurtosis = -6.0 / (5 * (byBias ? 5 : 12));
-    Impact impact{.place = WorldPoint{solid.frame.worldFromIndex({{0.2, -0.3, kHalf + 3.0}})},
+    Impact impact{.target = WorldPoint{solid.frame.worldFromIndex({{0.2, -0.3, kHalf + 3.0}})},
                   .count = kCount,
-                  .spread = byBias ? 0.0 : deviation * h,
+                  .sigma = byBias ? 0.0 : deviation * h,
                   .bias = 5,
                   .merge = true};
     double sum = 0.0, squares = 0.0;
     for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
       const std::vector<Seed> seeds =
-          placeSeeds(solid, cube.parts, {.pieces = 1, .seed = seed, .impacts = {impact}});
+          placeSeeds(solid, cube.components, {.pieces = 1, .seed = seed, .impacts = {impact}});
       ASSERT_EQ(seeds.size(), 1u + kCount);
       for (std::size_t i = 1; i < seeds.size(); ++i) {
         for (const int c : {seeds[i].voxel.x(), seeds[i].voxel.y()}) {
@@ -139,38 +139,38 @@ TEST_F(Impacts, ScatterWithTheDeviationAskedFor) {
   }
 }
 
-TEST_F(Impacts, WidenWhereTheNeighbourhoodIsFull) {
+TEST_F(Impacts, WidenWhereTheNeighborhoodIsFull) {
   const ShapeSolid ball = make(voxel_shapes::ball(8));
   const int all = static_cast<int>(ball.solid.voxels);
-  for (const double spread : {1e-12, 0.3, 3.0, 1e12}) {
+  for (const double sigma : {1e-12, 0.3, 3.0, 1e12}) {
     for (const int count : {1, 20, all / 2, all - 1}) {
       const SeedOptions options{
           .pieces = count + 1,
           .seed = 1,
-          .impacts = {{.place = WorldPoint{{0, 0, 9}}, .count = count, .spread = spread}}};
-      expectPromises(ball, placeSeeds(ball.solid, ball.parts, options),
+          .impacts = {{.target = WorldPoint{{0, 0, 9}}, .count = count, .sigma = sigma}}};
+      expectPromises(ball, placeSeeds(ball.solid, ball.components, options),
                      static_cast<std::size_t>(count) + 1, 0, options);
     }
   }
 }
 
-TEST_F(Impacts, StayInThePartThatIsHit) {
+TEST_F(Impacts, StayInTheComponentThatIsHit) {
   // Plates with a gap of one voxel: most draws fall into the other.
   const ShapeSolid plates = make(voxel_shapes::solidWhere(
       "plates", 12, [](const Coord& v) { return v.z() == 0 || v.z() == 2; }));
-  ASSERT_EQ(plates.parts.count(), 2u);
+  ASSERT_EQ(plates.components.count(), 2u);
   for (const int count : {10, 400, 624}) {
     const SeedOptions options{.pieces = 2,
-                              .impacts = {{.place = Ray{{{1.2, 2.1, 50}}, {0, 0, -1}},
+                              .impacts = {{.target = Ray{{{1.2, 2.1, 50}}, {0, 0, -1}},
                                            .count = count,
-                                           .spread = 6.0,
+                                           .sigma = 6.0,
                                            .merge = true}}};
-    const std::vector<Seed> seeds = placeSeeds(plates.solid, plates.parts, options);
+    const std::vector<Seed> seeds = placeSeeds(plates.solid, plates.components, options);
     expectPromises(plates, seeds, 2, static_cast<std::size_t>(count), options);
     for (std::size_t i = 2; i < seeds.size(); ++i) EXPECT_EQ(seeds[i].voxel.z(), 2);
   }
   EXPECT_NE(refusal(plates, {.pieces = 2, .impacts = {{.count = 625, .merge = true}}})
-                .find("room for 624"),
+                .find("with 624 free voxels"),
             std::string::npos);
 }
 
@@ -180,13 +180,13 @@ TEST_F(Impacts, MoveAndScaleWithTheSolid) {
   moved.frame = {{{64, -8, 16}}, 4.0};
   const auto seedsOf = [&](const Solid& solid, double scale, const glm::dvec3& offset) {
     return placeSeeds(
-        solid, ball.parts,
+        solid, ball.components,
         {.pieces = 30,
          .seed = 2,
-         .impacts = {{.place = WorldPoint{scale * glm::dvec3(3, 9, 4) + offset},
+         .impacts = {{.target = WorldPoint{scale * glm::dvec3(3, 9, 4) + offset},
                       .count = 9,
-                      .spread = 2.5 * scale},
-                     {.place = Ray{{scale * glm::dvec3(-30, 2, 1) + offset}, {3, 0.1, 0.2}}}}});
+                      .sigma = 2.5 * scale},
+                     {.target = Ray{{scale * glm::dvec3(-30, 2, 1) + offset}, {3, 0.1, 0.2}}}}});
   };
   EXPECT_EQ(seedsOf(ball.solid, 1.0, glm::dvec3(0)), seedsOf(moved, 4.0, {64, -8, 16}));
 }
@@ -199,19 +199,19 @@ TEST_F(Impacts, RefuseWhatCannotBe) {
   };
   EXPECT_NE(refused({.count = 8}).find("raise --pieces"), std::string::npos);
   EXPECT_EQ(refused({.count = 7}), "");
-  EXPECT_NE(refused({.place = Ray{{{0, 0, 20}}, {0, 0, 1}}}).find("misses"), std::string::npos);
-  EXPECT_NE(refused({.place = Ray{{{0, 0, 20}}, {0, 0, 0}}}), "");
-  EXPECT_NE(refused({.place = Ray{{{0, 0, 20}}, {0, nan, 0}}}), "");
-  EXPECT_NE(refused({.place = Ray{{{infinite, 0, 20}}, {0, 1, 0}}}), "");
-  EXPECT_NE(refused({.place = WorldPoint{{nan, 0, 0}}}), "");
+  EXPECT_NE(refused({.target = Ray{{{0, 0, 20}}, {0, 0, 1}}}).find("misses"), std::string::npos);
+  EXPECT_NE(refused({.target = Ray{{{0, 0, 20}}, {0, 0, 0}}}), "");
+  EXPECT_NE(refused({.target = Ray{{{0, 0, 20}}, {0, nan, 0}}}), "");
+  EXPECT_NE(refused({.target = Ray{{{infinite, 0, 20}}, {0, 1, 0}}}), "");
+  EXPECT_NE(refused({.target = WorldPoint{{nan, 0, 0}}}), "");
   EXPECT_NE(refused({.count = -1}), "");
-  EXPECT_NE(refused({.spread = -1.0}), "");
-  EXPECT_NE(refused({.spread = infinite}), "");
+  EXPECT_NE(refused({.sigma = -1.0}), "");
+  EXPECT_NE(refused({.sigma = infinite}), "");
   EXPECT_NE(refused({.bias = 0}), "");
   EXPECT_NE(refused({.bias = kMaxBias + 1}), "");
   EXPECT_NE(refused({.count = 2'000'000'000, .merge = true}), "");
   // Whatever is finite is a place.
-  EXPECT_EQ(refused({.place = WorldPoint{{1e300, -1e300, 0}}}), "");
+  EXPECT_EQ(refused({.target = WorldPoint{{1e300, -1e300, 0}}}), "");
   EXPECT_EQ(refused({.bias = kMaxBias}), "");
 }
 

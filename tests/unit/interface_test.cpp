@@ -1,4 +1,4 @@
-// The mesh of all labels: closed and manifold whatever the labels are, and shared to the bit.
+// The mesh of all labels is closed and manifold for any labels, and shared bit for bit.
 #include <gtest/gtest.h>
 #include <openvdb/openvdb.h>
 #include <sherd/fracture.h>
@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "base/random.h"
+#include "contact_boundaries.h"
 #include "kernels/device_fixture.h"
 #include "mesh_checks.h"
-#include "rims.h"
 #include "shapes.h"
 #include "surface/cell.h"
 #include "surface/interface_mesh.h"
@@ -24,17 +24,17 @@ namespace {
 
 using openvdb::Coord;
 
-// A solid that fills a box of `side` voxels' inside, voxel by voxel, and labels on it.
-struct Labelled {
+// A solid of whole voxels in a box of `side` voxels, its labels and their cut.
+struct Labeled {
   Solid solid;
   Labels labels;
   Cut cut;
 };
 
-// `labelOf` 0 outside.  Distances and cut are half a voxel from every face between voxels.
+// `labelOf` returns 0 outside.  Distances to surface and cut are half a voxel at voxel centers.
 template <class LabelOf>
-Labelled labelled(int side, int fragments, const LabelOf& labelOf) {
-  Labelled made;
+Labeled labeled(int side, int fragments, const LabelOf& labelOf) {
+  Labeled made;
   made.solid.frame = {{glm::dvec3(0.0)}, 1.0};
   const openvdb::FloatGrid::Ptr distance = openvdb::FloatGrid::create(3.0f);
   for (int x = -8; x < side + 8; x += 8) {
@@ -44,25 +44,25 @@ Labelled labelled(int side, int fragments, const LabelOf& labelOf) {
   }
   LeafBlocks& blocks = made.solid.blocks;
   blocks.inside.assign(blocks.count() * 8, 0);
-  blocks.outerBand.assign(blocks.count() * 8, 0);
-  blocks.neighbours = leafNeighbours(blocks.origins);
+  blocks.exteriorBand.assign(blocks.count() * 8, 0);
+  blocks.neighbors = leafNeighborTable(blocks.origins);
   made.labels.fragment.assign(blocks.count() * 512, 0);
   made.cut.only.assign(blocks.count(), 0);
-  made.cut.stairs.assign(std::size_t{Labels::kWorn} + 1, 0.0f);
+  made.cut.snapWeight.assign(std::size_t{Labels::kEroded} + 1, 0.0f);
   for (std::size_t leaf = 0; leaf < blocks.count(); ++leaf) {
     CutLeaf cut;
     for (int id = 1; id <= fragments; ++id) cut.fragments.push_back(static_cast<std::uint16_t>(id));
     cut.distance.assign(cut.fragments.size() * 512, 0.5f);
-    for (std::size_t place = leaf * 512; place < (leaf + 1) * 512; ++place) {
-      const Coord at = blocks.voxelAt(place);
+    for (std::size_t voxel = leaf * 512; voxel < (leaf + 1) * 512; ++voxel) {
+      const Coord at = blocks.voxelAt(voxel);
       const bool within = at.x() >= 0 && at.y() >= 0 && at.z() >= 0 && at.x() < side &&
                           at.y() < side && at.z() < side;
       const std::uint16_t label = within ? labelOf(at) : std::uint16_t{0};
       distance->tree().setValue(at, label ? -0.5f : 0.5f);
       if (!label) continue;
-      blocks.inside[place / 64] |= std::uint64_t{1} << (place % 64);
-      made.labels.fragment[place] = label;
-      cut.distance[(label - std::size_t{1}) * 512 + place % 512] = -0.5f;
+      blocks.inside[voxel / 64] |= std::uint64_t{1} << (voxel % 64);
+      made.labels.fragment[voxel] = label;
+      cut.distance[(label - std::size_t{1}) * 512 + voxel % 512] = -0.5f;
     }
     made.cut.index.push_back(static_cast<std::uint32_t>(leaf));
     made.cut.leaves.push_back(std::move(cut));
@@ -71,10 +71,10 @@ Labelled labelled(int side, int fragments, const LabelOf& labelOf) {
   return made;
 }
 
-std::vector<LabelledMesh> meshesOf(const Labelled& made, int fragments) {
-  const std::vector<LeafRound> rounds = leavesRound(made.solid.blocks.origins);
-  const InterfaceMeshes all(made.solid, made.labels, made.cut, rounds, fragments);
-  std::vector<LabelledMesh> meshes;
+std::vector<LabeledMesh> meshesOf(const Labeled& made, int fragments) {
+  const std::vector<LeafNeighbors> neighborhoods = leafNeighbors(made.solid.blocks.origins);
+  const InterfaceMeshes all(made.solid, made.labels, made.cut, neighborhoods, fragments);
+  std::vector<LabeledMesh> meshes;
   for (int label = 1; label <= fragments; ++label) meshes.push_back(all.meshOf(label));
   return meshes;
 }
@@ -83,9 +83,9 @@ struct Vertices {
   std::size_t all = 0, coincident = 0;
 };
 
-Vertices expectManifold(const Labelled& made, int fragments) {
+Vertices expectManifold(const Labeled& made, int fragments) {
   const std::vector<std::uint64_t> voxels = countVoxels(made.solid.blocks, made.labels, fragments);
-  const std::vector<LabelledMesh> meshes = meshesOf(made, fragments);
+  const std::vector<LabeledMesh> meshes = meshesOf(made, fragments);
   EXPECT_EQ(meshes.size(), static_cast<std::size_t>(fragments));
   Vertices vertices;
   for (std::size_t i = 0; i < meshes.size(); ++i) {
@@ -101,11 +101,10 @@ Vertices expectManifold(const Labelled& made, int fragments) {
   return vertices;
 }
 
-TEST(Interface, EveryPairOfNeighbouringCellsIsManifold) {
-  // All labelings of 2 x 2 x 3 voxels by outside and one fragment: every two cells that share a
-  // face.
+TEST(Interface, EveryPairOfNeighboringCellsIsManifold) {
+  // All labelings of 2 x 2 x 3 voxels with 0 or 1: every pair of cells that share a face.
   for (unsigned bits = 1; bits < 1u << 12; ++bits) {
-    const Labelled made = labelled(3, 1, [&](const Coord& v) {
+    const Labeled made = labeled(3, 1, [&](const Coord& v) {
       const int n = v.x() * 4 + v.y() * 2 + v.z();
       return static_cast<std::uint16_t>(v.y() < 2 && v.z() < 2 && ((bits >> n) & 1));
     });
@@ -119,8 +118,8 @@ TEST(Interface, RandomLabelsGiveManifoldMeshes) {
   Vertices vertices;
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     const int fragments = 1 + static_cast<int>(seed % 5);
-    const std::uint64_t outside = seed / 5 % 4;  // of 4 draws, how many are no voxel
-    const Labelled made = labelled(12, fragments, [&](const Coord& v) {
+    const std::uint64_t outside = seed / 5 % 4;  // quarters of the voxels that are outside
+    const Labeled made = labeled(12, fragments, [&](const Coord& v) {
       const auto item = static_cast<std::uint64_t>((v.x() * 64 + v.y()) * 64 + v.z());
       if (mixed(item * 977 + seed) % 4 < outside) return std::uint16_t{0};
       return static_cast<std::uint16_t>(1 + mixed(item * 7919 + seed * 31 + 5) %
@@ -128,7 +127,7 @@ TEST(Interface, RandomLabelsGiveManifoldMeshes) {
     });
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     const Vertices found = expectManifold(made, fragments);
-    // Where labels are noise, sheets of several meet so that one cannot be parted alone.
+    // In noise, sheets of several labels meet, and some cannot be split.
     if (fragments == 1) {
       EXPECT_EQ(found.coincident, 0u);
     }
@@ -139,24 +138,24 @@ TEST(Interface, RandomLabelsGiveManifoldMeshes) {
   EXPECT_LT(1000 * vertices.coincident, vertices.all);
 }
 
-// Meshed one by one, fragments of noise, worn too, are as sound as meshed together.
-TEST(Interface, FragmentsMeshedAloneAreManifoldWhateverTheLabels) {
+TEST(Interface, IndependentMeshesOfRandomLabelsAreManifold) {
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     const int fragments = 1 + static_cast<int>(seed % 5);
-    const std::uint64_t outside = seed / 5 % 4, worn = seed / 20 % 2;
-    const Labelled made = labelled(12, fragments, [&](const Coord& v) {
+    const std::uint64_t outside = seed / 5 % 4, eroded = seed / 20 % 2;
+    const Labeled made = labeled(12, fragments, [&](const Coord& v) {
       const auto item = static_cast<std::uint64_t>((v.x() * 64 + v.y()) * 64 + v.z());
       if (mixed(item * 977 + seed) % 4 < outside) return std::uint16_t{0};
       return static_cast<std::uint16_t>(1 + mixed(item * 7919 + seed * 31 + 5) %
                                                 static_cast<std::uint64_t>(fragments));
     });
     Labels labels = made.labels;
-    made.solid.blocks.forEachInside([&](std::size_t place) {
-      if (worn > 0 && mixed(place * 271 + seed) % 8 == 0) labels.fragment[place] = Labels::kWorn;
+    made.solid.blocks.forEachInside([&](std::size_t voxel) {
+      if (eroded > 0 && mixed(voxel * 271 + seed) % 8 == 0)
+        labels.fragment[voxel] = Labels::kEroded;
     });
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     for (const Fragment& fragment :
-         extractFragments(made.solid, labels, fragments, worn > 0 ? &made.labels : nullptr,
+         extractFragments(made.solid, labels, fragments, eroded > 0 ? &made.labels : nullptr,
                           {.levelSets = false, .interface = Interface::independent})) {
       expectClosedManifold(fragment.mesh);
       EXPECT_GT(volume(fragment.mesh), 0.0);
@@ -164,38 +163,38 @@ TEST(Interface, FragmentsMeshedAloneAreManifoldWhateverTheLabels) {
   }
 }
 
-TEST(Interface, PartsSheetsThatTouch) {
-  // Label 1 in two voxels that touch in a corner, an edge, and round a corner: every reader that
-  // joins equal positions shall still find a manifold.
-  const std::vector<std::vector<Coord>> touching{
+TEST(Interface, SplitsNonManifoldVertices) {
+  // Voxels of label 1 that share only a corner, only an edge, and edges around a corner.  The mesh
+  // must stay manifold when equal positions are merged.
+  const std::vector<std::vector<Coord>> cases{
       {{2, 2, 2}, {3, 3, 3}}, {{2, 2, 2}, {3, 3, 2}}, {{2, 2, 2}, {2, 3, 3}, {3, 3, 2}}};
-  for (const std::vector<Coord>& ones : touching) {
+  for (const std::vector<Coord>& ones : cases) {
     for (const int others : {1, 2, 3}) {
-      const Labelled made = labelled(6, 4, [&](const Coord& v) {
+      const Labeled made = labeled(6, 4, [&](const Coord& v) {
         if (std::find(ones.begin(), ones.end(), v) != ones.end()) return std::uint16_t{1};
         const int k = others == 1 ? 0 : others == 2 ? v.x() > 2 : (v.x() > 2) + (v.y() > 2);
         return static_cast<std::uint16_t>(2 + k);
       });
-      SCOPED_TRACE(testing::Message() << ones.size() << " voxels, " << others << " neighbours");
+      SCOPED_TRACE(testing::Message() << ones.size() << " voxels, " << others << " neighbors");
       EXPECT_EQ(expectManifold(made, 4).coincident, 0u);
     }
   }
 }
 
-TEST(Interface, AVoxelAloneKeepsMostOfItsVolume) {
-  Labelled made = labelled(5, 2, [](const Coord& v) {
+TEST(Interface, SingleVoxelKeepsMostOfItsVolume) {
+  Labeled made = labeled(5, 2, [](const Coord& v) {
     return v == Coord(2, 2, 2) ? std::uint16_t{1} : std::uint16_t{2};
   });
-  // About each corner the edges are crossed half way: the mean of three such points is 1/6 off the
-  // voxel's centre, and nine tenths of the way from there to the cell's centre 7/15.
-  made.cut.stairs[1] = 1.0f;
+  // The crossings are at the middles of edges.  The mean of a cell's three is 1/6 from the voxel's
+  // center along each axis; nine tenths of the way from there to the cell's center it is 7/15.
+  made.cut.snapWeight[1] = 1.0f;
   EXPECT_NEAR(volume(meshesOf(made, 2)[0].mesh), std::pow(14.0 / 15.0, 3), 1e-6);
-  made.cut.stairs[1] = 0.0f;
+  made.cut.snapWeight[1] = 0.0f;
   EXPECT_NEAR(volume(meshesOf(made, 2)[0].mesh), std::pow(1.0 / 3.0, 3), 1e-6);
 }
 
-TEST(Interface, AVoxelMeshedAloneKeepsAsMuch) {
-  const Labelled made = labelled(9, 2, [](const Coord& v) {
+TEST(Interface, SingleVoxelHasTheSameVolumeMeshedIndependently) {
+  const Labeled made = labeled(9, 2, [](const Coord& v) {
     return v == Coord(4, 4, 4) ? std::uint16_t{1} : std::uint16_t{2};
   });
   std::vector<double> volumes;
@@ -210,12 +209,12 @@ TEST(Interface, AVoxelMeshedAloneKeepsAsMuch) {
 
 using Face = std::array<std::array<double, 3>, 3>;
 
-// The faces of a mesh towards a label, each from its least corner on, in order.
-std::vector<Face> facesTowards(const TriangleMesh& mesh, const std::vector<std::uint16_t>& facing,
+// The faces of a mesh with a neighbor, sorted, each starting at its least corner.
+std::vector<Face> facesTowards(const TriangleMesh& mesh, const std::vector<std::uint16_t>& neighbor,
                                int other, bool reversed) {
   std::vector<Face> faces;
-  for (std::size_t t = 0; t < facing.size(); ++t) {
-    if (facing[t] != other) continue;
+  for (std::size_t t = 0; t < neighbor.size(); ++t) {
+    if (neighbor[t] != other) continue;
     Face face;
     for (std::size_t k = 0; k < 3; ++k) {
       const glm::dvec3& v =
@@ -231,30 +230,31 @@ std::vector<Face> facesTowards(const TriangleMesh& mesh, const std::vector<std::
 
 using InterfaceOfFracture = DeviceTest;
 
-// Faces that two fragments share, which must be the same from both sides.
+// Counts the faces that two fragments share; expects them to be identical from both sides.
 std::size_t sharedFaces(const FractureResult& result) {
   std::size_t faces = 0;
   const auto compare = [&](const Fragment& a, const Fragment& b, const auto& meshOf) {
-    const auto& [mesh, facing] = meshOf(a);
-    const auto& [theirs, theirFacing] = meshOf(b);
-    const std::vector<Face> ours = facesTowards(mesh, facing, b.id, false);
-    EXPECT_TRUE(ours == facesTowards(theirs, theirFacing, a.id, true)) << a.id << " and " << b.id;
+    const auto& [mesh, neighbor] = meshOf(a);
+    const auto& [theirs, theirNeighbor] = meshOf(b);
+    const std::vector<Face> ours = facesTowards(mesh, neighbor, b.id, false);
+    EXPECT_TRUE(ours == facesTowards(theirs, theirNeighbor, a.id, true)) << a.id << " and " << b.id;
     faces += ours.size();
   };
   for (const Fragment& a : result.fragments) {
     for (const Fragment& b : result.fragments) {
       if (b.id <= a.id) continue;
-      compare(a, b, [](const Fragment& f) { return std::pair(f.mesh, f.facing); });
+      compare(a, b, [](const Fragment& f) { return std::pair(f.mesh, f.neighbor); });
       for (std::size_t i = 0; i < a.coarse.size(); ++i) {
-        compare(a, b,
-                [&](const Fragment& f) { return std::pair(f.coarse[i].mesh, f.coarse[i].facing); });
+        compare(a, b, [&](const Fragment& f) {
+          return std::pair(f.coarse[i].mesh, f.coarse[i].neighbor);
+        });
       }
     }
   }
   return faces;
 }
 
-TEST_F(InterfaceOfFracture, IsTheSameFromBothSidesBitForBit) {
+TEST_F(InterfaceOfFracture, IsIdenticalFromBothSides) {
   for (const TriangleMesh& mesh :
        {shapes::ball(1.0), shapes::cup(1.0, 0.08, 1.5, 0.25, 64), shapes::torus(1.0, 0.4)}) {
     EXPECT_GT(sharedFaces(fracture(
@@ -264,25 +264,25 @@ TEST_F(InterfaceOfFracture, IsTheSameFromBothSidesBitForBit) {
   }
 }
 
-TEST_F(InterfaceOfFracture, StaysTheSameSimplifiedSmoothedDecimatedAndWorn) {
+TEST_F(InterfaceOfFracture, StaysIdenticalSimplifiedSmoothedAndDecimated) {
   for (const double roughness : {0.0, 1.0}) {
     for (const double adaptivity : {0.0, 0.1}) {
       for (const int iterations : {0, 3}) {
-        for (const int wear : {0, 1}) {
+        for (const int erosions : {0, 1}) {
           SCOPED_TRACE(testing::Message()
-                       << roughness << ' ' << adaptivity << ' ' << iterations << ' ' << wear);
+                       << roughness << ' ' << adaptivity << ' ' << iterations << ' ' << erosions);
           FractureOptions options{.pieces = 9, .seed = 4, .resolution = 48};
           options.grow.roughness = roughness;
           options.surface.adaptivity = adaptivity;
           options.surface.smooth.iterations = {iterations};
           options.surface.smooth.boundaryIterations = {iterations};
           options.surface.triangles = {800, 200};
-          options.erode.iterations = wear;
+          options.erode.iterations = erosions;
           options.erode.probability = 0.2;
           const FractureResult result =
               fracture(shapes::cup(1.0, 0.3, 1.5, 0.3, 64), options, device());
-          // Worn faces tell what they faced, but are not shared.
-          if (wear == 0) {
+          // Eroded faces have a neighbor, but are not shared.
+          if (erosions == 0) {
             EXPECT_GT(sharedFaces(result), 100u);
           }
           for (const Fragment& fragment : result.fragments) {
@@ -292,8 +292,8 @@ TEST_F(InterfaceOfFracture, StaysTheSameSimplifiedSmoothedDecimatedAndWorn) {
             for (const CoarseMesh& coarse : fragment.coarse) {
               expectClosedManifold(coarse.mesh);
               EXPECT_EQ(coincidentVertices(coarse.mesh), 0u);
-              // Regions of worn and rough cracks are many, and each keeps its border.
-              if (roughness == 0.0 && wear == 0) {
+              // Eroded and rough cracks have many regions, whose boundaries are preserved.
+              if (roughness == 0.0 && erosions == 0) {
                 EXPECT_LE(coarse.mesh.triangles.size(), coarse.asked);
               }
             }
@@ -304,8 +304,8 @@ TEST_F(InterfaceOfFracture, StaysTheSameSimplifiedSmoothedDecimatedAndWorn) {
   }
 }
 
-TEST_F(InterfaceOfFracture, SimplifiedKeepsThePlaceOfTheSurface) {
-  // Flat faces and flat cracks need few polygons, and lose nothing by it.
+TEST_F(InterfaceOfFracture, SimplificationPreservesVolumeAndArea) {
+  // Flat faces and flat cracks need few polygons.
   FractureOptions options{.pieces = 6, .seed = 2, .resolution = 64};
   const FractureResult all = fracture(shapes::cube(1.0), options, device());
   options.surface.adaptivity = 0.05;
@@ -319,8 +319,8 @@ TEST_F(InterfaceOfFracture, SimplifiedKeepsThePlaceOfTheSurface) {
   }
 }
 
-// Smoothing takes all edges for alike, so polygons become few after it.
-TEST_F(InterfaceOfFracture, SmoothingKeepsTheVolumeOfWhatIsSimplifiedToo) {
+// Smoothing weights all edges alike, so meshes are simplified after it.
+TEST_F(InterfaceOfFracture, SmoothingKeepsTheVolumeOfSimplifiedMeshes) {
   for (const Interface interface : {Interface::shared, Interface::independent}) {
     FractureOptions options{.pieces = 4, .seed = 2, .resolution = 96};
     options.surface.interface = interface;
@@ -336,33 +336,33 @@ TEST_F(InterfaceOfFracture, SmoothingKeepsTheVolumeOfWhatIsSimplifiedToo) {
 }
 
 // The smaller of two closed surfaces.
-TriangleMesh smallerPart(const TriangleMesh& mesh) {
-  const Components parts = components(mesh);
-  EXPECT_EQ(parts.count, 2u);
-  const auto first = std::count(parts.ofTriangle.begin(), parts.ofTriangle.end(), 0u);
+TriangleMesh smallerComponent(const TriangleMesh& mesh) {
+  const MeshComponents components = meshComponents(mesh);
+  EXPECT_EQ(components.count, 2u);
+  const auto first = std::count(components.ofTriangle.begin(), components.ofTriangle.end(), 0u);
   const std::uint32_t smaller = 2 * static_cast<std::size_t>(first) > mesh.triangles.size();
-  TriangleMesh part{mesh.vertices, {}};
+  TriangleMesh component{mesh.vertices, {}};
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (parts.ofTriangle[t] == smaller) part.triangles.push_back(mesh.triangles[t]);
+    if (components.ofTriangle[t] == smaller) component.triangles.push_back(mesh.triangles[t]);
   }
-  return part;
+  return component;
 }
 
-TEST_F(InterfaceOfFracture, SmoothingLeavesAPore) {
-  const TriangleMesh ball = shapes::hollowBall(1.0, 0.04);  // the pore is little more than a voxel
+TEST_F(InterfaceOfFracture, SmoothingPreservesASmallPore) {
+  const TriangleMesh ball = shapes::hollowBall(1.0, 0.04);  // a pore little larger than a voxel
   FractureOptions options{.pieces = 1, .resolution = 64};
   const TriangleMesh before = fracture(ball, options, device()).fragments[0].mesh;
   options.surface.smooth.iterations = {20};
   options.surface.smooth.weight = 0.9;
   options.surface.smooth.method = Smoothing::laplacian;
   const TriangleMesh after = fracture(ball, options, device()).fragments[0].mesh;
-  EXPECT_LT(volume(smallerPart(before)), 0.0);
-  EXPECT_NEAR(volume(smallerPart(after)) / volume(smallerPart(before)), 1.0, 1e-9);
+  EXPECT_LT(volume(smallerComponent(before)), 0.0);
+  EXPECT_NEAR(volume(smallerComponent(after)) / volume(smallerComponent(before)), 1.0, 1e-9);
   EXPECT_LT(volume(after), volume(before));
 }
 
 TEST_F(InterfaceOfFracture, LeavesNoGap) {
-  // What is shared cancels, so volumes add up to the mesh of the outside faces alone.
+  // Shared faces cancel, so volumes add up to that of the outside faces.
   const FractureResult result =
       fracture(shapes::cup(1.0, 0.2, 1.5, 0.25, 64), {.pieces = 9, .resolution = 64}, device());
   double volumes = 0.0;
@@ -371,18 +371,17 @@ TEST_F(InterfaceOfFracture, LeavesNoGap) {
     volumes += volume(f.mesh);
     const auto first = static_cast<unsigned>(outside.vertices.size());
     outside.vertices.insert(outside.vertices.end(), f.mesh.vertices.begin(), f.mesh.vertices.end());
-    for (std::size_t t = 0; t < f.facing.size(); ++t) {
-      if (f.facing[t] == 0) outside.triangles.push_back(f.mesh.triangles[t] + first);
+    for (std::size_t t = 0; t < f.neighbor.size(); ++t) {
+      if (f.neighbor[t] == 0) outside.triangles.push_back(f.mesh.triangles[t] + first);
     }
   }
   EXPECT_NEAR(volumes, volume(outside), 1e-9 * volumes);
 }
 
-// Points on fragments, and how deep each lies in the other fragments at most, in voxels.
+// Points on fragments, and how deep they lie in other fragments at most, in voxels.
 struct Depths {
   double deepest = 0.0;  // anywhere
-  double apart =
-      0.0;  // of points on a crack, two voxels off its border, from the fragment they face
+  double apart = 0.0;    // from points on a crack, two voxels off its boundary, to the neighbor
   std::size_t onCracks = 0;
 };
 
@@ -390,14 +389,14 @@ Depths depthsOf(const FractureResult& result) {
   const double h = result.solid.frame.voxelSize;
   Depths depths;
   for (const Fragment& fragment : result.fragments) {
-    const SurfacePoints points = samplePoints(fragment.mesh, fragment.facing, {.count = 1000});
-    const Rim rim(fragment, h, Rim::Of::regions);
+    const SurfacePoints points = samplePoints(fragment.mesh, fragment.neighbor, {.count = 1000});
+    const Boundary boundary(fragment, h, Boundary::Of::regions);
     for (const Fragment& other : result.fragments) {
       if (other.id == fragment.id) continue;
       const std::vector<double> distance = signedDistances(other.mesh, points.positions);
       for (std::size_t i = 0; i < distance.size(); ++i) {
         depths.deepest = std::max(depths.deepest, -distance[i] / h);
-        if (points.facing[i] != other.id || rim.isWithin(2.0, points.positions[i])) continue;
+        if (points.neighbor[i] != other.id || boundary.isWithin(2.0, points.positions[i])) continue;
         ++depths.onCracks;
         depths.apart = std::max(depths.apart, std::abs(distance[i]) / h);
       }

@@ -58,7 +58,7 @@ TEST(LabelMesh, IsAManifoldForRandomVoxels) {
     expectGoodMesh(voxel_shapes::sparseRandom(6, percent, percent).inside);
   }
   expectGoodMesh(voxel_shapes::checkerboard(5).inside);
-  expectGoodMesh(voxel_shapes::manyPartsWithin(8).inside);
+  expectGoodMesh(voxel_shapes::manyComponentsWithin(8).inside);
 }
 
 TEST(LabelMesh, PartsSheetsThatHangTogetherBeyondBothEndsOfTheirEdge) {

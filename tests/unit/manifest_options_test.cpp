@@ -79,12 +79,12 @@ TEST_F(ManifestOptions, OfAFractureAreRecorded) {
   expectRecorded("mergeMetric", mergeMetric, Metric::manhattan);
   expectRecorded("randomImpacts", randomImpacts, 2);
   expectRecorded("impacts", impacts, {Impact{}});
-  impacts.push_back({.place = WorldPoint{{1, 0, 0}}});
-  auto& [place, count, spread, bias, merge] = impacts.front();
+  impacts.push_back({.target = WorldPoint{{1, 0, 0}}});
+  auto& [place, count, sigma, bias, merge] = impacts.front();
   expectRecorded("place", place, {WorldPoint{{0, 1, 0}}});
   expectRecorded("place", place, {Ray{{{2, 0, 0}}, {-1, 0, 0}}});
   expectRecorded("count", count, 4);
-  expectRecorded("spread", spread, 0.1);
+  expectRecorded("sigma", sigma, 0.1);
   expectRecorded("bias", bias, 9);
   expectRecorded("merge", merge, true);
 
@@ -93,7 +93,7 @@ TEST_F(ManifestOptions, OfAFractureAreRecorded) {
   expectRecorded("balance", balance, 2);
   expectRecorded("tries", tries, 32);
 
-  auto& [shape, size, planes, iterations, threshold, probability, erodeOn, crumbs, erodeSeed] =
+  auto& [shape, size, planes, iterations, threshold, probability, erodeOn, islands, erodeSeed] =
       erode;
   expectRecorded("iterations", iterations, 1);
   iterations = 2;  // without any the others do nothing
@@ -103,14 +103,14 @@ TEST_F(ManifestOptions, OfAFractureAreRecorded) {
   expectRecorded("threshold", threshold, 0.5);
   expectRecorded("probability", probability, 0.5);
   expectRecorded("on", erodeOn, ErodeOn::all);
-  expectRecorded("crumbs", crumbs, Crumbs::kept);
+  expectRecorded("islands", islands, Islands::kept);
   expectNotRecorded("erode.seed", erodeSeed, std::uint64_t{9});  // taken from above
 }
 
 TEST_F(ManifestOptions, OfGrowthAreRecorded) {
-  auto& [growth, neighborhood, metric, grain, roughness, hurst, roughnessWindow, regrowIsolated,
-         noiseSeeds, keepCost, rehearse, outerSteps, stepsPerReadback, workGroupSize] =
-      options_.grow;
+  auto& [growth, neighborhood, metric, anisotropy, roughness, hurst, roughnessWindow,
+         regrowIsolated, noiseSeeds, keepCost, warmUp, outerSteps, stepsPerReadback,
+         workGroupSize] = options_.grow;
   expectRecorded("growth", growth, Growth::nearest);
   expectRecorded("roughness", roughness, 2.0);
   expectRecorded("hurst", hurst, 0.5);
@@ -121,14 +121,14 @@ TEST_F(ManifestOptions, OfGrowthAreRecorded) {
   expectRecorded("neighborhood", neighborhood, 26);
   growth = Growth::chain;
   expectRecorded("metric", metric, Metric::manhattan);
-  auto& [direction, strength] = grain;
+  auto& [direction, strength] = anisotropy;
   expectRecorded("strength", strength, 1.0);
   strength = 1.0;  // without it there is no direction
   expectRecorded("direction", direction, {1.0, 0.0, 0.0});
   // Made from the fracture's seed, beside the labels, or how fast they come.
   expectNotRecorded("noiseSeeds", noiseSeeds, {7});
   expectNotRecorded("keepCost", keepCost, true);
-  expectNotRecorded("rehearse", rehearse, true);
+  expectNotRecorded("rehearse", warmUp, true);
   expectNotRecorded("stepsPerReadback", stepsPerReadback, 1);
   expectNotRecorded("workGroupSize", workGroupSize, 1);
 }
@@ -150,11 +150,11 @@ TEST_F(ManifestOptions, OfSurfacesAreRecorded) {
 }
 
 TEST_F(ManifestOptions, OfFilesAreRecorded) {
-  auto& [labels, vdb, mesh, preview, seeds, rims, cost, solid, scene, graph, plainMeshes, proxy,
-         vdbFiles, vdbOptions, density, proxyGap, voxelFormats, meshFormats, points, sharePoints,
-         pointFormats, distances, correspondences, up] = write_;
+  auto& [labels, vdb, mesh, preview, seeds, boundaries, cost, solid, scene, graph, plainMeshes,
+         proxy, vdbFiles, vdbOptions, density, proxyGap, voxelFormats, meshFormats, points,
+         sharePoints, pointFormats, distances, correspondences, up] = write_;
   // Which files there are is in the list of files, their formats in their names.
-  for (bool* file : {&labels, &seeds, &rims, &cost, &solid, &scene, &graph}) {
+  for (bool* file : {&labels, &seeds, &boundaries, &cost, &solid, &scene, &graph}) {
     expectNotRecorded("a file", *file, !*file);
   }
   expectNotRecorded("voxelFormats", voxelFormats, {VoxelFormat::npz});
@@ -185,10 +185,10 @@ TEST_F(ManifestOptions, OfFilesAreRecorded) {
   expectRecorded("pointFormats", pointFormats, {PointFormat::npz});
 
   distances.count = 10;
-  auto& [samples, type, spread, sampleSeed] = distances;
+  auto& [samples, type, sigma, sampleSeed] = distances;
   expectRecorded("distances.count", samples, std::size_t{11});
   expectRecorded("distances.type", type, SampleType::float16);
-  expectRecorded("distances.spread", spread, 0.5);
+  expectRecorded("distances.spread", sigma, 0.5);
   expectNotRecorded("distances.seed", sampleSeed, std::uint64_t{9});  // made from the fracture's
 }
 

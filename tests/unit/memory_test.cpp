@@ -27,16 +27,16 @@ TEST(Memory, GoesByTheSurfaceInVoxelsAndTheVolume) {
   EXPECT_GT(estimatedMemory(ball, fewer), estimatedMemory(ball, {}));
   EXPECT_LT(estimatedMemory(ball, {}, MeshesHeld::some), estimatedMemory(ball, {}));
   EXPECT_EQ(estimatedMemory(ball, fewer, MeshesHeld::some), estimatedMemory(ball, fewer));
-  EXPECT_EQ(estimatedMemory(ball, {}, MeshesHeld::pictured), estimatedMemory(ball, {}));
+  EXPECT_EQ(estimatedMemory(ball, {}, MeshesHeld::preview), estimatedMemory(ball, {}));
   const FractureOptions large{.resolution = 2048};
-  const std::uint64_t picturedLarge = estimatedMemory(ball, large, MeshesHeld::pictured);
-  EXPECT_LT(picturedLarge, estimatedMemory(ball, large));
-  EXPECT_GT(picturedLarge, estimatedMemory(ball, large, MeshesHeld::some));
-  FractureOptions chain, worn, cost;  // numbers for each voxel
+  const std::uint64_t previewLarge = estimatedMemory(ball, large, MeshesHeld::preview);
+  EXPECT_LT(previewLarge, estimatedMemory(ball, large));
+  EXPECT_GT(previewLarge, estimatedMemory(ball, large, MeshesHeld::some));
+  FractureOptions chain, eroded, cost;  // numbers for each voxel
   chain.grow.growth = Growth::chain;
-  worn.erode.iterations = 1;
+  eroded.erode.iterations = 1;
   cost.grow.keepCost = true;
-  for (const FractureOptions& more : {chain, worn, cost}) {
+  for (const FractureOptions& more : {chain, eroded, cost}) {
     EXPECT_GT(estimatedMemory(ball, more), estimatedMemory(ball, {}));
   }
   // A part that is inside out takes no less.
@@ -97,8 +97,9 @@ TEST(Memory, ARefusalNamesTheResolutionThatFits) {
       requireMemory(ball, {.resolution = 1024}, tight);
       FAIL();
     } catch (const Error& e) {
-      const bool tells = std::string(e.what()).find("without the picture") != std::string::npos;
-      EXPECT_EQ(tells, tight >= some) << e.what();
+      const std::string message = e.what();
+      const bool suggestsSome = message.find("without the preview image") != std::string::npos;
+      EXPECT_EQ(suggestsSome, tight >= some) << message;
     }
   }
   try {

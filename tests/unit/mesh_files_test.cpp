@@ -31,8 +31,8 @@ const std::string kPng = "\x89PNG\r\n\x1a\n of no use";
 // A cube whose sides are faces 0, 0, 7, 7, 9, 9 of two triangles each in the order of `cube`.
 struct Piece {
   TriangleMesh mesh = shapes::cube(2.0, {10.0, 20.0, 30.0});
-  std::vector<std::uint16_t> facing{0, 0, 0, 0, 7, 7, 7, 7, 9, 9, 9, 9};
-  SurfaceLook look{};
+  std::vector<std::uint16_t> neighbor{0, 0, 0, 0, 7, 7, 7, 7, 9, 9, 9, 9};
+  SurfaceAttributes look{};
   Appearance input{};
   MaterialTable table{};
   std::string name = "vase_001";
@@ -40,16 +40,16 @@ struct Piece {
   explicit Piece(bool looks) {
     if (looks) {
       for (std::size_t t = 0; t < 12; ++t) {
-        const bool inside = facing[t] != 0;
+        const bool inside = neighbor[t] != 0;
         const auto u = static_cast<float>(t);
         look.texcoords.push_back({});
-        look.colours.push_back({kInsideColour, kInsideColour, kInsideColour});
+        look.colors.push_back({kInsideColor, kInsideColor, kInsideColor});
         for (std::size_t k = 0; k < 3 && !inside; ++k) {
           const auto v = static_cast<float>(k);
           look.texcoords[t][k] = {u / 16.0f, v / 4.0f};
-          // One for each vertex, or formats with a colour for a vertex would lose some.
+          // One for each vertex, or formats with a color for a vertex would lose some.
           const std::uint32_t vertex = mesh.triangles[t][static_cast<int>(k)];
-          look.colours[t][k] = {vertex * 30, 255 - vertex, vertex};
+          look.colors[t][k] = {vertex * 30, 255 - vertex, vertex};
         }
         look.material.push_back(inside ? 2 : static_cast<std::uint32_t>(t / 2));
       }
@@ -58,7 +58,7 @@ struct Piece {
     }
     table = materialTable(input);
   }
-  PieceMesh piece() const { return {name, mesh, facing, look, table}; }
+  PieceMesh piece() const { return {name, mesh, neighbor, look, table}; }
 };
 
 class MeshFiles : public TempFolder {
@@ -72,7 +72,7 @@ class MeshFiles : public TempFolder {
     writePieceObj(folder_ / "vase_001.obj", piece.piece(), "vase.mtl");
     writePieceGlb(folder_ / "vase_001.glb", piece.piece());
     std::ofstream(folder_ / "vase.mtl") << mtlText(piece.table);
-    for (const MaterialTable::Picture& picture : piece.table.textures) {
+    for (const MaterialTable::Image& picture : piece.table.textures) {
       std::ofstream(folder_ / picture.file, std::ios::binary) << picture.bytes;
     }
   }
@@ -122,22 +122,22 @@ TEST_F(MeshFiles, EveryFormatHoldsTheLook) {
     for (const auto& [places, t] : byPlaces(piece.mesh)) {
       const std::size_t u = there.at(places);
       const Material& material = look.materials.at(look.surface.material.at(u));
-      EXPECT_EQ(material.name, piece.facing[t] != 0 ? "inside" : t < 2 ? "gl_aze" : "inside_2");
+      EXPECT_EQ(material.name, piece.neighbor[t] != 0 ? "inside" : t < 2 ? "gl_aze" : "inside_2");
       EXPECT_EQ(material.texture, t < 2 ? 0 : -1);
       if (t < 2 && isGlb) {
-        EXPECT_EQ(material.colour, glm::vec3(0.5f, 0.25f, 1.0f));
+        EXPECT_EQ(material.color, glm::vec3(0.5f, 0.25f, 1.0f));
       }
       for (std::size_t k = 0; k < 3; ++k) {
         const Place at = placeOf(piece.mesh.vertices[piece.mesh.triangles[t][static_cast<int>(k)]]);
         std::size_t j = 0;
         while (placeOf(back.mesh.vertices[back.mesh.triangles[u][static_cast<int>(j)]]) != at) ++j;
-        if (piece.facing[t] == 0) {
+        if (piece.neighbor[t] == 0) {
           const glm::vec2 apart = look.surface.texcoords[u][j] - piece.look.texcoords[t][k];
           EXPECT_LE(std::abs(apart.x) + std::abs(apart.y), 1e-6f);
         }
-        // Vertices at the rim have the original surface's colour where they have one only.
-        if (isGlb || piece.facing[t] == 0) {
-          EXPECT_EQ(look.surface.colours[u][j], piece.look.colours[t][k]);
+        // Vertices at the rim have the original surface's color where they have one only.
+        if (isGlb || piece.neighbor[t] == 0) {
+          EXPECT_EQ(look.surface.colors[u][j], piece.look.colors[t][k]);
         }
       }
     }
@@ -176,17 +176,18 @@ TEST_F(MeshFiles, NamesOfMaterialsAndTexturesAreSafeAndUnique) {
                                              "y.tga"}));
 }
 
-TEST(VertexFacing, IsWhatTheMostAngleFaces) {
+TEST(VertexNeighbor, IsWhatTheMostAngleFaces) {
   const Piece piece(false);
   // Every corner of a cube has a right angle for each of its three sides, in one or two triangles;
   // sides are 0, 0, 7, 7, 9, 9, opposite ones alike.
-  for (const std::uint16_t facing : vertexFacing(piece.mesh, piece.facing)) EXPECT_EQ(facing, 7);
-  std::vector<std::uint16_t> facing = piece.facing;
-  std::fill(facing.begin() + 8, facing.end(), std::uint16_t{7});
-  for (const std::uint16_t id : vertexFacing(piece.mesh, facing)) EXPECT_EQ(id, 7);
-  std::fill(facing.begin(), facing.end(), std::uint16_t{0});
-  facing[3] = 5;
-  const std::vector<std::uint16_t> one = vertexFacing(piece.mesh, facing);
+  for (const std::uint16_t neighbor : vertexNeighbor(piece.mesh, piece.neighbor))
+    EXPECT_EQ(neighbor, 7);
+  std::vector<std::uint16_t> neighbor = piece.neighbor;
+  std::fill(neighbor.begin() + 8, neighbor.end(), std::uint16_t{7});
+  for (const std::uint16_t id : vertexNeighbor(piece.mesh, neighbor)) EXPECT_EQ(id, 7);
+  std::fill(neighbor.begin(), neighbor.end(), std::uint16_t{0});
+  neighbor[3] = 5;
+  const std::vector<std::uint16_t> one = vertexNeighbor(piece.mesh, neighbor);
   for (std::uint32_t v = 0; v < 8; ++v) {
     const glm::uvec3& t = piece.mesh.triangles[3];
     EXPECT_EQ(one[v], v == t.x || v == t.y || v == t.z ? 5 : 0);
@@ -195,8 +196,8 @@ TEST(VertexFacing, IsWhatTheMostAngleFaces) {
   TriangleMesh fan;
   fan.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 0.1, 0}, {1, 0.2, 0}, {-1, 1, 0}};
   fan.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}};
-  EXPECT_EQ(vertexFacing(fan, {4, 4, 3})[0], 3);
-  EXPECT_EQ(vertexFacing(fan, {4, 0, 0})[0], 4);
+  EXPECT_EQ(vertexNeighbor(fan, {4, 4, 3})[0], 3);
+  EXPECT_EQ(vertexNeighbor(fan, {4, 0, 0})[0], 4);
 }
 
 TEST(VertexNormals, WeighFacesByTheirAngles) {
@@ -217,8 +218,8 @@ TEST(VertexNormals, WeighFacesByTheirAngles) {
 
 TEST(Srgb, ThereAndBackAgain) {
   for (int i = 0; i < 256; ++i) {
-    const glm::u8vec3 grey(static_cast<std::uint8_t>(i));
-    EXPECT_EQ(srgbFromLinear(linearFromSrgb(grey)), grey);
+    const glm::u8vec3 gray(static_cast<std::uint8_t>(i));
+    EXPECT_EQ(srgbFromLinear(linearFromSrgb(gray)), gray);
   }
   EXPECT_NEAR(linearFromSrgb(glm::u8vec3(188)).x, 0.5029, 1e-4);  // half the light
 }

@@ -175,20 +175,20 @@ TEST(NonManifoldEdges, CountOpenEdgesToo) {
   EXPECT_EQ(nonManifoldEdges(withoutTriangle(shapes::cube(1.0), 0)), 3u);
 }
 
-TEST(Components, AreNumberedByTheirFirstTriangle) {
+TEST(MeshComponents, AreNumberedByTheirFirstTriangle) {
   const TriangleMesh two = shapes::append(shapes::cube(1.0), shapes::ball(1.0, 1, {5.0, 0.0, 0.0}));
-  const Components found = components(two);
+  const MeshComponents found = meshComponents(two);
   EXPECT_EQ(found.count, 2u);
   ASSERT_EQ(found.ofTriangle.size(), two.triangles.size());
   for (std::size_t i = 0; i < found.ofTriangle.size(); ++i)
     EXPECT_EQ(found.ofTriangle[i], i < 12 ? 0u : 1u);
 }
 
-TEST(Components, HoldTogetherOverASingleVertex) {
+TEST(MeshComponents, HoldTogetherOverASingleVertex) {
   const TriangleMesh bowTie{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}},
                             {{0, 1, 2}, {0, 3, 4}}};
-  EXPECT_EQ(components(bowTie).count, 1u);
-  EXPECT_EQ(components({}).count, 0u);
+  EXPECT_EQ(meshComponents(bowTie).count, 1u);
+  EXPECT_EQ(meshComponents({}).count, 0u);
 }
 
 }  // namespace

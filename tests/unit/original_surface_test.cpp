@@ -17,8 +17,8 @@
 #include <span>
 
 #include "base/random.h"
+#include "contact_boundaries.h"
 #include "kernels/device_fixture.h"
-#include "rims.h"
 #include "shapes.h"
 
 namespace sherd {
@@ -119,11 +119,11 @@ Errors errorsOf(const FractureResult& result, const Shape& shape, const Placed& 
   const double h = result.solid.frame.voxelSize;
   Errors errors;
   for (const Fragment& fragment : result.fragments) {
-    const Rim rim(fragment, h);
+    const Boundary boundary(fragment, h);
     std::vector<bool> original(fragment.mesh.vertices.size());
-    for (std::size_t t = 0; t < fragment.facing.size(); ++t) {
+    for (std::size_t t = 0; t < fragment.neighbor.size(); ++t) {
       for (int k = 0; k < 3; ++k) {
-        if (fragment.facing[t] == 0) original[fragment.mesh.triangles[t][k]] = true;
+        if (fragment.neighbor[t] == 0) original[fragment.mesh.triangles[t][k]] = true;
       }
     }
     for (std::size_t v = 0; v < original.size(); ++v) {
@@ -131,7 +131,7 @@ Errors errorsOf(const FractureResult& result, const Shape& shape, const Placed& 
       const glm::dvec3& world = fragment.mesh.vertices[v];
       const glm::dvec3 at = placed.back(world);
       errors.anywhere.push_back(shape.toSurface(at) / h);
-      if (shape.toEdge(at) > h && !rim.isWithin(1.0, world)) {
+      if (shape.toEdge(at) > h && !boundary.isWithin(1.0, world)) {
         errors.away.push_back(errors.anywhere.back());
       }
     }
@@ -183,27 +183,27 @@ TEST_F(OriginalSurface, IsToldFromCracksOnAThinCup) {
   };
   std::size_t faces = 0, cracks = 0, wrong = 0, wrongByDistance = 0;
   for (const Fragment& fragment : result.fragments) {
-    const Rim rim(fragment, h);
+    const Boundary boundary(fragment, h);
     const glm::dvec3 own = seedOf(fragment.id);
-    for (std::size_t t = 0; t < fragment.facing.size(); ++t) {
+    for (std::size_t t = 0; t < fragment.neighbor.size(); ++t) {
       const glm::uvec3& corner = fragment.mesh.triangles[t];
-      const glm::dvec3 centre =
+      const glm::dvec3 center =
           (fragment.mesh.vertices[corner.x] + fragment.mesh.vertices[corner.y] +
            fragment.mesh.vertices[corner.z]) /
           3.0;
-      if (rim.isWithin(0.5, centre)) continue;
+      if (boundary.isWithin(0.5, center)) continue;
       double toCrack = 1e300;
       for (const Fragment& other : result.fragments) {
         if (other.id == fragment.id) continue;
         const glm::dvec3 there = seedOf(other.id);
         toCrack = std::min(
-            toCrack, std::abs(glm::dot(centre - 0.5 * (own + there), glm::normalize(there - own))));
+            toCrack, std::abs(glm::dot(center - 0.5 * (own + there), glm::normalize(there - own))));
       }
-      const double toCup = distanceToSection({std::hypot(centre.x, centre.y), centre.z}, section);
+      const double toCup = distanceToSection({std::hypot(center.x, center.y), center.z}, section);
       const bool isOriginal = toCup < toCrack;
       ++faces;
       cracks += !isOriginal;
-      wrong += isOriginal != (fragment.facing[t] == 0);
+      wrong += isOriginal != (fragment.neighbor[t] == 0);
       wrongByDistance += !isOriginal && toCup < 0.025 * 2.0;
     }
   }
@@ -223,12 +223,12 @@ TEST_F(OriginalSurface, ABallsCrackEndsInACircle) {
   };
   const glm::dvec3 between = (seedOf(0) + seedOf(1)) / 2.0;
   const glm::dvec3 normal = glm::normalize(seedOf(1) - seedOf(0));
-  const double offset = glm::dot(between, normal);  // of the crack's plane from the centre
+  const double offset = glm::dot(between, normal);  // of the crack's plane from the center
   const double radius = std::sqrt(1.0 - offset * offset);
   for (const Fragment& fragment : result.fragments) {
-    const auto rims = rimCurves(fragment);
-    ASSERT_EQ(rims.size(), 1u);
-    const auto& curves = rims.at(3 - fragment.id);
+    const auto boundaries = boundaryLoops(fragment);
+    ASSERT_EQ(boundaries.size(), 1u);
+    const auto& curves = boundaries.at(3 - fragment.id);
     ASSERT_EQ(curves.size(), 1u);
     double length = 0.0;
     glm::dvec3 enclosed(0.0);  // twice the area, along the normal of a curve walked left about it
@@ -298,14 +298,15 @@ TEST_F(OriginalSurface, CracksBetweenTwoSeedsArePlanes) {
   for (const std::uint64_t seed : {1, 2, 3, 4}) {
     for (const double strength : {0.0, 2.0}) {
       SCOPED_TRACE(testing::Message() << "seed " << seed << ", grain " << strength);
-      const Grain grain{{1, 2, -1}, strength};
+      const Anisotropy anisotropy{{1, 2, -1}, strength};
       const FractureResult result = fracture(
           shapes::ball(1.0, 6),
-          {.pieces = 2, .seed = seed, .resolution = 96, .grow = {.grain = grain}}, device());
+          {.pieces = 2, .seed = seed, .resolution = 96, .grow = {.anisotropy = anisotropy}},
+          device());
       const GridFrame& frame = result.solid.frame;
       // Half way between the seeds, all lengths along the grain divided by 1 + strength; growth
       // measures by a matrix of 64ths.
-      const glm::dvec3 g = glm::normalize(grain.direction);
+      const glm::dvec3 g = glm::normalize(anisotropy.direction);
       const glm::dmat3 stretching =
           glm::dmat3(1.0) - (1.0 - 1.0 / (1.0 + strength)) * glm::outerProduct(g, g);
       glm::dmat3 rounded(0.0);
@@ -314,14 +315,14 @@ TEST_F(OriginalSurface, CracksBetweenTwoSeedsArePlanes) {
       const glm::dvec3 a = at(result.seeds.at(0).voxel), b = at(result.seeds.at(1).voxel);
       const glm::dvec3 normal = glm::normalize(rounded * (rounded * (b - a)));
       const Fragment& fragment = result.fragments[0];
-      const Rim rim(fragment, frame.voxelSize);
-      std::vector<double> inner, rims;
-      for (std::size_t t = 0; t < fragment.facing.size(); ++t) {
-        if (fragment.facing[t] == 0) continue;
+      const Boundary boundary(fragment, frame.voxelSize);
+      std::vector<double> inner, boundaries;
+      for (std::size_t t = 0; t < fragment.neighbor.size(); ++t) {
+        if (fragment.neighbor[t] == 0) continue;
         for (int k = 0; k < 3; ++k) {
           const glm::dvec3& v = fragment.mesh.vertices[fragment.mesh.triangles[t][k]];
           const double off = glm::dot(frame.indexFromWorld({v}).v - 0.5 * (a + b), normal);
-          (rim.isWithin(1.0, v) ? rims : inner).push_back(off * off);
+          (boundary.isWithin(1.0, v) ? boundaries : inner).push_back(off * off);
         }
       }
       ASSERT_GT(inner.size(), 1000u);
@@ -329,10 +330,10 @@ TEST_F(OriginalSurface, CracksBetweenTwoSeedsArePlanes) {
         return std::sqrt(std::accumulate(squares.begin(), squares.end(), 0.0) /
                          static_cast<double>(squares.size()));
       };
-      // A voxel's centre keeps a twentieth of a voxel from the cut (Cut::kLeastDepth).
+      // A voxel's center keeps a twentieth of a voxel from the cut (Cut::kLeastDepth).
       EXPECT_LT(rms(inner), 0.05);
       EXPECT_LT(*std::max_element(inner.begin(), inner.end()), 0.5 * 0.5);
-      EXPECT_LT(rms(rims), 0.15);
+      EXPECT_LT(rms(boundaries), 0.15);
     }
   }
 }

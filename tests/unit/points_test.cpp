@@ -1,4 +1,4 @@
-// Points on surfaces and in the space round bodies, against geometry and statistics.
+// Points on surfaces and in the space around meshes, against geometry and statistics.
 #include <gtest/gtest.h>
 #include <sherd/error.h>
 #include <sherd/points.h>
@@ -37,30 +37,31 @@ PointOptions with(PointOptions options, std::size_t count, std::uint64_t seed = 
   return options;
 }
 
-// So that a point tells its triangle.
-std::vector<std::uint16_t> numbers(const TriangleMesh& mesh) {
+// A distinct number per triangle, which identifies the triangle of a point.
+std::vector<std::uint16_t> triangleNumbers(const TriangleMesh& mesh) {
   std::vector<std::uint16_t> all(mesh.triangles.size());
   std::iota(all.begin(), all.end(), std::uint16_t{0});
   return all;
 }
 
-glm::dvec3 across(const TriangleMesh& mesh, std::size_t triangle) {
+// Normal vector, twice the area long.
+glm::dvec3 areaNormal(const TriangleMesh& mesh, std::size_t triangle) {
   const glm::uvec3& t = mesh.triangles[triangle];
   return glm::cross(mesh.vertices[t.y] - mesh.vertices[t.x],
                     mesh.vertices[t.z] - mesh.vertices[t.x]);
 }
 
-// Barycentric coordinates of a point of the triangle's plane.
+// Barycentric coordinates of a point in the triangle's plane.
 glm::dvec3 barycentric(const TriangleMesh& mesh, std::size_t triangle, const glm::dvec3& p) {
   const glm::uvec3& t = mesh.triangles[triangle];
   const glm::dvec3 a = mesh.vertices[t.x] - p, b = mesh.vertices[t.y] - p,
-                   c = mesh.vertices[t.z] - p, n = across(mesh, triangle);
+                   c = mesh.vertices[t.z] - p, n = areaNormal(mesh, triangle);
   return glm::dvec3(glm::dot(glm::cross(b, c), n), glm::dot(glm::cross(c, a), n),
                     glm::dot(glm::cross(a, b), n)) /
          glm::dot(n, n);
 }
 
-// Right triangles in the plane z = 0, side by side, of these areas.
+// Right triangles of the given areas, side by side in the plane z = 0.
 TriangleMesh row(const std::vector<double>& areas) {
   TriangleMesh mesh;
   double x = 0.0;
@@ -87,22 +88,22 @@ ErrorCode codeOf(const Work& work) {
   return ErrorCode{0};
 }
 
-// ---- Points of the surface
+// ---- Points on surfaces
 
-TEST(SamplePoints, AreAsManyAsAskedForEachOnItsTriangle) {
+TEST(SamplePoints, HaveTheRequestedCountAndLieOnTheirTriangles) {
   const TriangleMesh ball = shapes::ball(2.0, 2, {1.0, -3.0, 0.5});
-  const std::vector<std::uint16_t> facing = numbers(ball);
+  const std::vector<std::uint16_t> neighbor = triangleNumbers(ball);
   for (const PointOptions& way : kEveryWay) {
     for (const std::size_t count : {0u, 1u, 2u, 319u, 320u, 321u, 5000u}) {
-      const SurfacePoints points = samplePoints(ball, facing, with(way, count));
+      const SurfacePoints points = samplePoints(ball, neighbor, with(way, count));
       ASSERT_EQ(points.positions.size(), count);
       ASSERT_EQ(points.normals.size(), count);
-      ASSERT_EQ(points.facing.size(), count);
+      ASSERT_EQ(points.neighbor.size(), count);
       for (std::size_t i = 0; i < count; ++i) {
-        const std::size_t t = points.facing[i];
+        const std::size_t t = points.neighbor[i];
         const glm::dvec3& corner = ball.vertices[ball.triangles[t].x];
-        const glm::dvec3 normal = glm::normalize(across(ball, t));
-        // Coordinates are below 8; a handful of roundings.
+        const glm::dvec3 normal = glm::normalize(areaNormal(ball, t));
+        // Coordinates are below 8; a few rounding errors.
         ASSERT_LT(std::abs(glm::dot(points.positions[i] - corner, normal)), 64.0 * kEpsilon);
         const glm::dvec3 b = barycentric(ball, t, points.positions[i]);
         ASSERT_GT(std::min({b.x, b.y, b.z}), -1e3 * kEpsilon);
@@ -117,20 +118,20 @@ TEST(SamplePoints, HaveUnitNormalsThatPointOutOfABall) {
   const SurfacePoints points = samplePoints(ball, {}, {.count = 2000});
   for (std::size_t i = 0; i < points.normals.size(); ++i) {
     EXPECT_NEAR(glm::length(points.normals[i]), 1.0, 8.0 * kEpsilon);
-    // A facet's point and its normal differ by no more than the facet is wide, some 0.15.
+    // A point and its facet's normal differ by at most the facet's width, about 0.15.
     EXPECT_GT(glm::dot(points.normals[i], points.positions[i]), 0.9);
-    EXPECT_EQ(points.facing[i], 0);
+    EXPECT_EQ(points.neighbor[i], 0);
   }
 }
 
 // Chi-square over 48 bins: a quarter of each of 12 triangles whose areas span 1 to 176.  By Laurent
 // and Massart (2000), chi-square of k degrees is above k + 2 sqrt(k x) + 2x at most once in e^x.
-//   areas  what the points are expected to follow
+//   areas  expected distribution over the triangles
 double chiSquare(const SurfacePoints& points, const TriangleMesh& mesh,
                  const std::vector<double>& areas) {
   std::vector<double> counts(4 * mesh.triangles.size(), 0.0);
   for (std::size_t i = 0; i < points.positions.size(); ++i) {
-    const std::size_t t = points.facing[i];
+    const std::size_t t = points.neighbor[i];
     const glm::dvec3 b = barycentric(mesh, t, points.positions[i]);
     const std::size_t quarter = b.x > 0.5 ? 0 : b.y > 0.5 ? 1 : b.z > 0.5 ? 2 : 3;
     counts[4 * t + quarter] += 1.0;
@@ -156,19 +157,20 @@ TEST(SamplePoints, AreUniformByArea) {
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
     for (const PointSampler sampler : {PointSampler::uniform, PointSampler::halton}) {
       const PointOptions options{.count = 100'000, .sampler = sampler, .seed = seed};
-      const SurfacePoints points = samplePoints(mesh, numbers(mesh), options);
+      const SurfacePoints points = samplePoints(mesh, triangleNumbers(mesh), options);
       EXPECT_LT(chiSquare(points, mesh, areas), bound);
-      EXPECT_GT(chiSquare(points, mesh, others), bound);  // the test sees a small difference
+      EXPECT_GT(chiSquare(points, mesh, others),
+                bound);  // the test is sensitive to a small difference
     }
   }
 }
 
-// The largest difference, over boxes from the origin, between the share of points in the box and
-// its area: at the points' own coordinates, with and without the box's edge.
+// The largest difference between the share of points in a box at the origin and the box's area,
+// over all boxes with corners at coordinates of points, open and closed.
 double starDiscrepancy(const std::vector<glm::dvec2>& points) {
   double worst = 0.0;
   const double share = 1.0 / static_cast<double>(points.size());
-  const auto look = [&](double x, double y) {
+  const auto addBox = [&](double x, double y) {
     int open = 0, closed = 0;
     for (const glm::dvec2& p : points) {
       open += p.x < x && p.y < y;
@@ -177,9 +179,9 @@ double starDiscrepancy(const std::vector<glm::dvec2>& points) {
     worst = std::max({worst, x * y - open * share, closed * share - x * y});
   };
   for (const glm::dvec2& a : points) {
-    for (const glm::dvec2& b : points) look(a.x, b.y);
-    look(a.x, 1.0);
-    look(1.0, a.y);
+    for (const glm::dvec2& b : points) addBox(a.x, b.y);
+    addBox(a.x, 1.0);
+    addBox(1.0, a.y);
   }
   return worst;
 }
@@ -216,37 +218,38 @@ double leastDistance(const SurfacePoints& points) {
   return least;
 }
 
-// Among n uniform points of area A, pairs nearer than d are Poisson's with mean n^2 pi d^2 / (2A).
-// For a d of a tenth of r that is 0.0045 n or 9, so that seldom all are farther apart; r is the
-// radius of n discs that fill the area as densely as discs can.
+// r is the radius of n disks in their densest packing on the area A.  Among n uniform points, the
+// number of pairs nearer than d is Poisson-distributed with mean n^2 pi d^2 / (2A).  For d = r / 10
+// that is 0.0045 n = 9, so uniform points almost always have a nearer pair.
 TEST(SamplePoints, OfPoissonAreFarApart) {
   const TriangleMesh ball = shapes::ball(1.0, 3);
   constexpr std::size_t kCount = 2000;
   const double r = std::sqrt(area(ball) / (2.0 * std::sqrt(3.0) * kCount));
   for (std::uint64_t seed = 0; seed < 3; ++seed) {
-    const auto apart = [&](PointSampler sampler) {
+    const auto distance = [&](PointSampler sampler) {
       return leastDistance(
           samplePoints(ball, {}, {.count = kCount, .sampler = sampler, .seed = seed}));
     };
-    EXPECT_GT(apart(PointSampler::poisson), r);
-    EXPECT_LT(apart(PointSampler::uniform), r / 10.0);
+    EXPECT_GT(distance(PointSampler::poisson), r);
+    EXPECT_LT(distance(PointSampler::uniform), r / 10.0);
   }
 }
 
-// All numbers are powers of two: no part is rounded up, and nothing is cut.
-TEST(SamplePoints, PerTriangleAreByAreaWhereAllPartsAreWhole) {
+// All areas are powers of two: no count is rounded up, and no point is cut.
+TEST(SamplePoints, PerTriangleAreProportionalToAreaWithoutRounding) {
   const TriangleMesh mesh = row({1, 1, 2, 4, 8});
   for (const std::size_t each : {1u, 3u, 100u}) {
     const PointOptions options{.count = 16 * each, .rule = PointRule::perTriangle};
     std::vector<std::size_t> counts(5, 0);
-    for (const std::uint16_t t : samplePoints(mesh, numbers(mesh), options).facing) ++counts[t];
+    for (const std::uint16_t t : samplePoints(mesh, triangleNumbers(mesh), options).neighbor)
+      ++counts[t];
     EXPECT_EQ(counts, (std::vector<std::size_t>{each, each, 2 * each, 4 * each, 8 * each}));
   }
 }
 
-// Each triangle has one point at least, then 64 of all are kept: a triangle of a millionth of the
-// area keeps its point as often as any.  Small are 20; the two large ones get 32 each, as 31.99 is
-// rounded up.
+// Each triangle gets at least one point, then 64 of all points are kept: a triangle of a millionth
+// of the area keeps its point as often as any other.  20 triangles are small; the two large ones
+// get 32 each, as 31.99 is rounded up.
 TEST(SamplePoints, PerTriangleGiveEachOneBeforeTheCut) {
   std::vector<double> areas(22, 0x1p-20);
   areas[20] = areas[21] = 1.0;
@@ -256,7 +259,7 @@ TEST(SamplePoints, PerTriangleGiveEachOneBeforeTheCut) {
   std::vector<int> found(20, 0);
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
     const PointOptions options{.count = 64, .rule = PointRule::perTriangle, .seed = seed};
-    for (const std::uint16_t t : samplePoints(mesh, numbers(mesh), options).facing) {
+    for (const std::uint16_t t : samplePoints(mesh, triangleNumbers(mesh), options).neighbor) {
       if (t < 20) ++found[t];
     }
   }
@@ -264,28 +267,29 @@ TEST(SamplePoints, PerTriangleGiveEachOneBeforeTheCut) {
   for (const int n : found) EXPECT_NEAR(n, kSeeds * kShare, 5.0 * deviation);
 }
 
-TEST(SamplePoints, PassOverTrianglesWithoutArea) {
+TEST(SamplePoints, SkipTrianglesWithoutArea) {
   TriangleMesh mesh = row({1, 0, 2, 0});
   for (const PointOptions& way : kEveryWay) {
-    const SurfacePoints points = samplePoints(mesh, numbers(mesh), with(way, 300));
-    const std::set<std::uint16_t> triangles(points.facing.begin(), points.facing.end());
+    const SurfacePoints points = samplePoints(mesh, triangleNumbers(mesh), with(way, 300));
+    const std::set<std::uint16_t> triangles(points.neighbor.begin(), points.neighbor.end());
     EXPECT_EQ(triangles, (std::set<std::uint16_t>{0, 2}));
   }
 }
 
-TEST(SamplePoints, AreTheSameAgainAndOthersForAnotherSeed) {
+TEST(SamplePoints, DependOnTheSeedOnly) {
   const TriangleMesh ball = shapes::ball(1.0, 2);
   for (const PointOptions& way : kEveryWay) {
-    const SurfacePoints first = samplePoints(ball, numbers(ball), with(way, 200, 5));
-    const SurfacePoints again = samplePoints(ball, numbers(ball), with(way, 200, 5));
+    const SurfacePoints first = samplePoints(ball, triangleNumbers(ball), with(way, 200, 5));
+    const SurfacePoints again = samplePoints(ball, triangleNumbers(ball), with(way, 200, 5));
     EXPECT_EQ(first.positions, again.positions);
     EXPECT_EQ(first.normals, again.normals);
-    EXPECT_EQ(first.facing, again.facing);
-    EXPECT_NE(first.positions, samplePoints(ball, numbers(ball), with(way, 200, 6)).positions);
+    EXPECT_EQ(first.neighbor, again.neighbor);
+    EXPECT_NE(first.positions,
+              samplePoints(ball, triangleNumbers(ball), with(way, 200, 6)).positions);
   }
 }
 
-// The power of two scales every product without rounding.
+// A power of two scales every product without rounding.
 TEST(SamplePoints, MoveWithTheMesh) {
   const TriangleMesh ball = shapes::ball(1.0, 2), larger = shapes::transformed(ball, 4.0, {});
   for (const PointOptions& way : kEveryWay) {
@@ -298,7 +302,7 @@ TEST(SamplePoints, MoveWithTheMesh) {
   }
 }
 
-TEST(SamplePoints, RefuseWhatCannotBe) {
+TEST(SamplePoints, RefuseInvalidOptions) {
   const TriangleMesh ball = shapes::ball(1.0, 1);
   const auto code = [](const TriangleMesh& mesh, const PointOptions& options) {
     return codeOf([&] { return samplePoints(mesh, {}, options); });
@@ -310,7 +314,7 @@ TEST(SamplePoints, RefuseWhatCannotBe) {
   EXPECT_EQ(code(row({0, 0}), {.count = 9}), ErrorCode::input);
 }
 
-TEST(ShareOut, GivesWholePartsThenTheLargestRemainders) {
+TEST(ShareOut, RoundsDownThenServesTheLargestRemainders) {
   using Counts = std::vector<std::size_t>;
   EXPECT_EQ(shareOut(10, std::vector<double>{1, 1, 1}), (Counts{4, 3, 3}));
   EXPECT_EQ(shareOut(8, std::vector<double>{9, 6, 1}), (Counts{5, 3, 0}));  // 4.5, 3, 0.5
@@ -325,8 +329,8 @@ TEST(ShareOut, GivesWholePartsThenTheLargestRemainders) {
     const Counts counts = shareOut(total, all);
     EXPECT_EQ(std::accumulate(counts.begin(), counts.end(), std::size_t{0}), total);
     for (std::size_t i = 0; i < all.size(); ++i) {
-      const double part = all[i] / sum * static_cast<double>(total);
-      EXPECT_LT(std::abs(static_cast<double>(counts[i]) - part), 1.0 + 1e-9);
+      const double share = all[i] / sum * static_cast<double>(total);
+      EXPECT_LT(std::abs(static_cast<double>(counts[i]) - share), 1.0 + 1e-9);
     }
   }
 }
@@ -348,7 +352,7 @@ double distanceToCube(const glm::dvec3& p, double half) {
   return glm::length(glm::max(q, 0.0)) + std::min(0.0, std::max({q.x, q.y, q.z}));
 }
 
-// Also on a lattice, whose points are as near to several faces, and whose rays meet edges.
+// Also on a lattice, where points have several closest faces and rays hit edges.
 TEST(SignedDistances, AreExactOnACube) {
   const TriangleMesh cube = shapes::cube(2.0);
   std::vector<glm::dvec3> points = scattered(20000, 2.0);
@@ -357,7 +361,7 @@ TEST(SignedDistances, AreExactOnACube) {
       for (int z = -8; z <= 8; ++z) points.push_back(0.25 * glm::dvec3(x, y, z));
     }
   }
-  // And so near to a face that single precision cannot tell on which side.
+  // And so near to a face that single precision cannot decide the side.
   for (const double above : {1e-5, 1e-6, 1e-7, 1e-9, 1e-12}) {
     for (const glm::dvec3& p : scattered(50, 0.99)) {
       points.emplace_back(p.x, p.y, 1.0 + above);
@@ -375,15 +379,15 @@ TEST(SignedDistances, AreExactOnACube) {
   }
 }
 
-// The mesh lies between the sphere of its vertices and that which touches its faces' planes, so the
-// distance to it lies between those to the two.
-TEST(SignedDistances, OfABallLieBetweenThoseOfItsSpheres) {
+// The mesh lies between the sphere through its vertices and the sphere tangent to its faces, so its
+// distance lies between theirs.
+TEST(SignedDistances, OfABallLieBetweenThoseOfItsInnerAndOuterSpheres) {
   const glm::dvec3 middle(10.0, -20.0, 5.0);
   const TriangleMesh ball = shapes::ball(3.0, 3, middle);
   double inner = 3.0;
   for (std::size_t t = 0; t < ball.triangles.size(); ++t) {
     const glm::dvec3 corner = ball.vertices[ball.triangles[t].x] - middle;
-    inner = std::min(inner, glm::dot(corner, glm::normalize(across(ball, t))));
+    inner = std::min(inner, glm::dot(corner, glm::normalize(areaNormal(ball, t))));
   }
   std::vector<glm::dvec3> points = scattered(20000, 5.0);
   for (glm::dvec3& p : points) p += middle;
@@ -395,8 +399,8 @@ TEST(SignedDistances, OfABallLieBetweenThoseOfItsSpheres) {
   }
 }
 
-// Cavities are outside, and where bodies overlap is inside.
-TEST(SignedDistances, AreNegativeWhereTheMeshWindsRound) {
+// Cavities are outside; overlaps of components are inside.
+TEST(SignedDistances, AreNegativeWhereTheWindingNumberIsPositive) {
   const TriangleMesh hollow = shapes::hollowBall(1.0, 0.5, 3);
   const TriangleMesh two = shapes::append(shapes::cube(2.0), shapes::cube(2.0, {1.0, 0.0, 0.0}));
   const std::vector<glm::dvec3> points = scattered(5000, 2.5);
@@ -415,7 +419,7 @@ TEST(SignedDistances, AreNegativeWhereTheMeshWindsRound) {
   }
 }
 
-TEST(SignedDistances, AreThoseOfLookingAtEveryTriangle) {
+TEST(SignedDistances, MatchBruteForceOverAllTriangles) {
   const TriangleMesh torus = shapes::torus(1.0, 0.3, 48, 24);
   const std::vector<glm::dvec3> points = scattered(300, 1.5);
   const std::vector<double> distances = signedDistances(torus, points);
@@ -432,7 +436,7 @@ TEST(SignedDistances, AreThoseOfLookingAtEveryTriangle) {
 
 TEST(SignedDistances, DoNotDependOnThreads) {
   const TriangleMesh ball = shapes::ball(1.0, 3);
-  const DistanceOptions options{.count = 5000, .spread = 0.05, .seed = 3};
+  const DistanceOptions options{.count = 5000, .sigma = 0.05, .seed = 3};
   std::vector<DistanceSamples> samples;
   for (const int threads : {1, 2}) {
     tbb::task_arena arena(threads);
@@ -442,22 +446,22 @@ TEST(SignedDistances, DoNotDependOnThreads) {
   }
 }
 
-TEST(SignedDistances, StopWhenAsked) {
+TEST(SignedDistances, StopOnCancellation) {
   const Progress stop{.report = {}, .cancelled = [] { return true; }};
   EXPECT_EQ(codeOf([&] { return signedDistances(shapes::cube(1.0), scattered(10, 1.0), &stop); }),
             ErrorCode::cancelled);
 }
 
-// ---- Samples of distances
+// ---- Distance samples
 
-// Half of the points fill the box: their mean is its middle, and they reach its sides.  The others
-// are as far from the faces as they were moved, but for those near edges: the spread is so small
-// that these are one in 500.
-TEST(SampleDistances, FillTheBoxAndCrowdAtTheSurface) {
-  constexpr double kSpread = 1e-4;
+// Half of the points fill the box: their mean is its center, and they reach its sides.  The others
+// are as far from the faces as they were moved, except near edges: sigma is so small that these are
+// one in 500.
+TEST(SampleDistances, FillTheBoxAndConcentrateAtTheSurface) {
+  constexpr double kSigma = 1e-4;
   constexpr std::size_t kCount = 40000;
   const TriangleMesh cube = shapes::cube(1.0);
-  const DistanceSamples samples = sampleDistances(cube, {.count = kCount, .spread = kSpread});
+  const DistanceSamples samples = sampleDistances(cube, {.count = kCount, .sigma = kSigma});
   ASSERT_EQ(samples.positions.size(), kCount);
   ASSERT_EQ(samples.distances.size(), kCount);
   glm::dvec3 sum(0.0), low(1.0), high(-1.0);
@@ -476,21 +480,22 @@ TEST(SampleDistances, FillTheBoxAndCrowdAtTheSurface) {
   const double half = 0.55, n = kCount / 2.0;
   for (int axis = 0; axis < 3; ++axis) {
     EXPECT_NEAR(sum[axis] / n, 0.0, 5.0 * half / std::sqrt(3.0 * n));
-    // That none of n is within 30 / n of the side: e^-15.
+    // The probability that none of n lies within 30 / n of the side is e^-15.
     EXPECT_LT(low[axis], -half * (1.0 - 30.0 / n));
     EXPECT_GT(high[axis], half * (1.0 - 30.0 / n));
     EXPECT_GE(low[axis], -half - 1e-7);
     EXPECT_LE(high[axis], half + 1e-7);
   }
-  const double tolerance = 5.0 / std::sqrt(n) + 1.0 / 500.0;  // a variance's error is sqrt(2 / n)
-  EXPECT_NEAR(std::sqrt(squares[0] * 2.0 / n) / kSpread, 1.0, tolerance);
-  EXPECT_NEAR(std::sqrt(squares[1] * 2.0 / n) / kSpread, 3.0, 3.0 * tolerance);
+  const double tolerance =
+      5.0 / std::sqrt(n) + 1.0 / 500.0;  // the relative error of a variance is sqrt(2 / n)
+  EXPECT_NEAR(std::sqrt(squares[0] * 2.0 / n) / kSigma, 1.0, tolerance);
+  EXPECT_NEAR(std::sqrt(squares[1] * 2.0 / n) / kSigma, 3.0, 3.0 * tolerance);
 }
 
-TEST(SampleDistances, AreThoseOfThePointsAsStored) {
-  const TriangleMesh cube = shapes::cube(1.0, {100.0, 0.0, 0.0});  // 1/16 apart in 16 bits there
+TEST(SampleDistances, AreThoseOfTheRoundedPoints) {
+  const TriangleMesh cube = shapes::cube(1.0, {100.0, 0.0, 0.0});  // float16 steps are 1/16 there
   const DistanceSamples samples =
-      sampleDistances(cube, {.count = 1000, .type = SampleType::float16, .spread = 0.01});
+      sampleDistances(cube, {.count = 1000, .type = SampleType::float16, .sigma = 0.01});
   for (std::size_t i = 0; i < 1000; ++i) {
     const glm::dvec3& p = samples.positions[i];
     for (int axis = 0; axis < 3; ++axis) EXPECT_EQ(roundedToHalf(p[axis]), p[axis]);
@@ -499,16 +504,16 @@ TEST(SampleDistances, AreThoseOfThePointsAsStored) {
   }
 }
 
-TEST(SampleDistances, RefuseWhatCannotBe) {
+TEST(SampleDistances, RefuseInvalidOptions) {
   const auto code = [](const TriangleMesh& mesh, const DistanceOptions& options) {
     return codeOf([&] { return sampleDistances(mesh, options); });
   };
   const TriangleMesh cube = shapes::cube(1.0), far = shapes::cube(1.0, {65504.0, 0.0, 0.0});
-  EXPECT_EQ(code(cube, {.count = 9}), ErrorCode::usage);  // no spread
-  EXPECT_EQ(code(cube, {.count = kMaxPoints + 1, .spread = 1.0}), ErrorCode::usage);
-  EXPECT_EQ(code(far, {.count = 9, .type = SampleType::float16, .spread = 0.1}), ErrorCode::usage);
-  EXPECT_EQ(code(far, {.count = 9, .spread = 0.1}), ErrorCode{0});
-  EXPECT_EQ(code(row({0, 0}), {.count = 9, .spread = 0.1}), ErrorCode::input);
+  EXPECT_EQ(code(cube, {.count = 9}), ErrorCode::usage);  // sigma is 0
+  EXPECT_EQ(code(cube, {.count = kMaxPoints + 1, .sigma = 1.0}), ErrorCode::usage);
+  EXPECT_EQ(code(far, {.count = 9, .type = SampleType::float16, .sigma = 0.1}), ErrorCode::usage);
+  EXPECT_EQ(code(far, {.count = 9, .sigma = 0.1}), ErrorCode{0});
+  EXPECT_EQ(code(row({0, 0}), {.count = 9, .sigma = 0.1}), ErrorCode::input);
 }
 
 TEST(Half, RoundsToNearestAndEven) {
@@ -519,7 +524,7 @@ TEST(Half, RoundsToNearestAndEven) {
   EXPECT_EQ(bits(-2.0), 0xc000);
   EXPECT_EQ(bits(1.0 / 3.0), 0x3555);
   EXPECT_EQ(bits(kLargestHalf), 0x7bff);
-  EXPECT_EQ(bits(1.0 + 0x1p-11), 0x3c00);        // between two, the even one
+  EXPECT_EQ(bits(1.0 + 0x1p-11), 0x3c00);        // a tie goes to the even one
   EXPECT_EQ(bits(1.0 + 3.0 * 0x1p-11), 0x3c02);  // likewise
   EXPECT_EQ(bits(2.0 - 0x1p-12), 0x4000);        // up to the next power
   EXPECT_EQ(bits(0x1p-14), 0x0400);

@@ -35,7 +35,7 @@ double boxDistance(const glm::dvec3& p, double half) {
   return std::abs(std::max({d.x, d.y, d.z}));
 }
 
-// Two balls of radius r, centres 2a apart: the lens that both hold counts once.
+// Two balls of radius r, centers 2a apart: the lens that both hold counts once.
 double overlappingBallsVolume(double r, double a) {
   const double h = r - a;
   return 2 * shapes::ballVolume(r) - 2 * std::acos(-1.0) * h * h * (3 * r - h) / 3;
@@ -77,10 +77,10 @@ Shape overlappingBalls() {
 
 // Bodies of a mesh: components of positive volume (a cavity's is negative).
 int bodies(const TriangleMesh& mesh) {
-  const Components parts = components(mesh);
-  std::vector<double> volumes(parts.count);
+  const MeshComponents components = meshComponents(mesh);
+  std::vector<double> volumes(components.count);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    volumes[parts.ofTriangle[t]] += volume({mesh.vertices, {mesh.triangles[t]}});
+    volumes[components.ofTriangle[t]] += volume({mesh.vertices, {mesh.triangles[t]}});
   }
   return static_cast<int>(
       std::count_if(volumes.begin(), volumes.end(), [](double v) { return v > 0; }));
@@ -167,7 +167,7 @@ std::size_t cutOff(std::set<Coord> left) {
   while (!stack.empty()) {
     const Coord v = stack.back();
     stack.pop_back();
-    for (const Coord& n : voxel_shapes::neighbours(v)) {
+    for (const Coord& n : voxel_shapes::neighbors(v)) {
       if (left.erase(n)) stack.push_back(n);
     }
   }
@@ -199,8 +199,8 @@ TEST_P(Promises, ContactsKnowTheirOtherSide) {
   const FractureResult& result = broken().result;
   for (const Fragment& fragment : result.fragments) {
     SCOPED_TRACE("fragment " + std::to_string(fragment.id));
-    ASSERT_EQ(fragment.facing.size(), fragment.mesh.triangles.size());
-    for (const int other : std::set<int>(fragment.facing.begin(), fragment.facing.end())) {
+    ASSERT_EQ(fragment.neighbor.size(), fragment.mesh.triangles.size());
+    for (const int other : std::set<int>(fragment.neighbor.begin(), fragment.neighbor.end())) {
       ASSERT_LE(other, kPieces);
       ASSERT_NE(other, fragment.id);
       EXPECT_TRUE(other == 0 || std::any_of(fragment.contacts.begin(), fragment.contacts.end(),
@@ -249,8 +249,8 @@ TEST_P(KnownSurfaces, StayWhereTheyWere) {
   std::size_t vertices = 0;
   for (const Fragment& fragment : result.fragments) {
     std::set<unsigned> original;
-    for (std::size_t t = 0; t < fragment.facing.size(); ++t) {
-      if (fragment.facing[t] == 0) {
+    for (std::size_t t = 0; t < fragment.neighbor.size(); ++t) {
+      if (fragment.neighbor[t] == 0) {
         for (int k = 0; k < 3; ++k) original.insert(fragment.mesh.triangles[t][k]);
       }
     }

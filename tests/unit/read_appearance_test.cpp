@@ -1,5 +1,5 @@
 // Reads the look of meshes from files that the test writes itself: every corner must have the
-// colour and texture coordinate that a known function gives its place.
+// color and texture coordinate that a known function gives its place.
 #include <gtest/gtest.h>
 #include <sherd/error.h>
 #include <sherd/mesh.h>
@@ -39,18 +39,18 @@ class ReadAppearance : public TempFolder {
 };
 
 // The functions, on the cube whose corners are (+-0.5, +-0.5, +-0.5).
-glm::u8vec3 colourAt(const glm::dvec3& p) {
+glm::u8vec3 colorAt(const glm::dvec3& p) {
   return {p.x > 0 ? 250 : 10, p.y > 0 ? 200 : 0, p.z > 0 ? 255 : 128};
 }
 glm::vec2 texcoordAt(const glm::dvec3& p) { return {p.x * 0.5 + 0.25 * p.z, 0.75 * p.y + p.z}; }
 
-void expectColours(const SourceMesh& source) {
-  const auto& colours = source.appearance.surface.colours;
-  ASSERT_EQ(colours.size(), source.mesh.triangles.size());
-  for (std::size_t t = 0; t < colours.size(); ++t) {
+void expectColors(const SourceMesh& source) {
+  const auto& colors = source.appearance.surface.colors;
+  ASSERT_EQ(colors.size(), source.mesh.triangles.size());
+  for (std::size_t t = 0; t < colors.size(); ++t) {
     for (int k = 0; k < 3; ++k) {
       const glm::dvec3& at = source.mesh.vertices[source.mesh.triangles[t][k]];
-      EXPECT_EQ(colours[t][static_cast<std::size_t>(k)], colourAt(at)) << t << " " << k;
+      EXPECT_EQ(colors[t][static_cast<std::size_t>(k)], colorAt(at)) << t << " " << k;
     }
   }
 }
@@ -81,12 +81,12 @@ TEST_F(ReadAppearance, PlainMeshesHaveNone) {
   EXPECT_TRUE(source.warnings.empty());
 }
 
-std::string plyOf(const std::string& format, const std::string& colourType, double most) {
+std::string plyOf(const std::string& format, const std::string& colorType, double most) {
   const bool ascii = format == "ascii", big = format == "binary_big_endian";
   std::ostringstream out;
   out << "ply\nformat " << format << " 1.0\nelement vertex 8\nproperty float x\nproperty float y\n"
-      << "property float z\nproperty " << colourType << " red\nproperty " << colourType
-      << " green\nproperty " << colourType << " blue\nproperty uchar alpha\nproperty float s\n"
+      << "property float z\nproperty " << colorType << " red\nproperty " << colorType
+      << " green\nproperty " << colorType << " blue\nproperty uchar alpha\nproperty float s\n"
       << "property float t\nelement face 12\nproperty list uchar int vertex_indices\nend_header\n";
   const auto put = [&](const std::string& type, double value) {
     if (ascii) {
@@ -106,8 +106,8 @@ std::string plyOf(const std::string& format, const std::string& colourType, doub
   };
   for (const glm::dvec3& v : kCube.vertices) {
     for (int i = 0; i < 3; ++i) put("float", v[i]);
-    const glm::u8vec3 colour = colourAt(v);
-    for (int i = 0; i < 3; ++i) put(colourType, colour[i] * most / 255.0);
+    const glm::u8vec3 color = colorAt(v);
+    for (int i = 0; i < 3; ++i) put(colorType, color[i] * most / 255.0);
     put("uchar", 77);
     for (int i = 0; i < 2; ++i) put("float", texcoordAt(v)[i]);
     if (ascii) out << '\n';
@@ -130,7 +130,7 @@ TEST_F(ReadAppearance, PlyVerticesInAllEncodingsAndTypes) {
       EXPECT_EQ(openEdges(source.mesh), 0u);
       EXPECT_EQ(source.mesh.vertices.size(), 8u);
       EXPECT_EQ(source.fileVertices, 8u);
-      expectColours(source);
+      expectColors(source);
       expectTexcoords(source);
       for (std::size_t cut : {5u, 40u, 200u}) {
         EXPECT_THROW((void)read("cut.ply", bytes.substr(0, bytes.size() - cut)), Error);
@@ -169,30 +169,30 @@ TEST_F(ReadAppearance, PlyCornersKeepTheirSeams) {
   EXPECT_NE(source.warnings[0].find("gone.png"), std::string::npos);
 }
 
-TEST_F(ReadAppearance, PlyFacesHaveColours) {
+TEST_F(ReadAppearance, PlyFacesHaveColors) {
   const SourceMesh source =
       read("two.ply",
            "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
            "property float z\nelement face 2\nproperty list uchar int vertex_indices\n"
            "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n"
            "0 0 0\n1 0 0\n0 1 0\n1 1 1\n3 0 1 2 9 8 7\n3 1 3 2 1 2 3\n");
-  ASSERT_EQ(source.appearance.surface.colours.size(), 2u);
+  ASSERT_EQ(source.appearance.surface.colors.size(), 2u);
   for (std::size_t k = 0; k < 3; ++k) {
-    EXPECT_EQ(source.appearance.surface.colours[0][k], glm::u8vec3(9, 8, 7));
-    EXPECT_EQ(source.appearance.surface.colours[1][k], glm::u8vec3(1, 2, 3));
+    EXPECT_EQ(source.appearance.surface.colors[0][k], glm::u8vec3(9, 8, 7));
+    EXPECT_EQ(source.appearance.surface.colors[1][k], glm::u8vec3(1, 2, 3));
   }
 }
 
 // ---- OBJ
 
 // The cube with a texture coordinate for each vertex; the lower six triangles are of `a`.
-std::string objOf(const std::string& head, bool colours) {
+std::string objOf(const std::string& head, bool colors) {
   std::ostringstream out;
   out << head;
   for (const glm::dvec3& v : kCube.vertices) {
     out << "v " << v.x << ' ' << v.y << ' ' << v.z;
-    const glm::dvec3 colour = glm::dvec3(colourAt(v)) / 255.0;
-    if (colours) out << ' ' << colour.x << ' ' << colour.y << ' ' << colour.z;
+    const glm::dvec3 color = glm::dvec3(colorAt(v)) / 255.0;
+    if (colors) out << ' ' << color.x << ' ' << color.y << ' ' << color.z;
     out << "\nvt " << texcoordAt(v).x << ' ' << texcoordAt(v).y << '\n';
   }
   for (std::size_t t = 0; t < 12; ++t) {
@@ -208,24 +208,24 @@ std::string objOf(const std::string& head, bool colours) {
   return out.str();
 }
 
-TEST_F(ReadAppearance, ObjHasColoursTexturesAndMaterials) {
+TEST_F(ReadAppearance, ObjHasColorsTexturesAndMaterials) {
   write("skin.mtl",
         "newmtl a\nKd 0.5 0.25 1\nmap_Kd -s 1 1 1 -clamp on my skin.png\nnewmtl b c\nKd what\n");
   write("my skin.png", kPng);
   const SourceMesh source = read("cube.obj", objOf("mtllib skin.mtl\n", true));
   EXPECT_EQ(openEdges(source.mesh), 0u);
   EXPECT_EQ(source.degenerateTriangles, 1u);
-  expectColours(source);
+  expectColors(source);
   expectTexcoords(source);
   const Appearance& look = source.appearance;
   EXPECT_TRUE(source.warnings.empty());
   for (std::size_t t = 0; t < 12; ++t) EXPECT_EQ(look.surface.material[t], t / 6);
   ASSERT_EQ(look.materials.size(), 2u);
   EXPECT_EQ(look.materials[0].name, "a");
-  EXPECT_EQ(look.materials[0].colour, glm::vec3(0.5f, 0.25f, 1.0f));
+  EXPECT_EQ(look.materials[0].color, glm::vec3(0.5f, 0.25f, 1.0f));
   EXPECT_EQ(look.materials[0].texture, 0);
   EXPECT_EQ(look.materials[1].name, "b c");
-  EXPECT_EQ(look.materials[1].colour, glm::vec3(1.0f));
+  EXPECT_EQ(look.materials[1].color, glm::vec3(1.0f));
   EXPECT_EQ(look.materials[1].texture, -1);
   ASSERT_EQ(look.textures.size(), 1u);
   EXPECT_EQ(look.textures[0].bytes, kPng);
@@ -234,7 +234,7 @@ TEST_F(ReadAppearance, ObjHasColoursTexturesAndMaterials) {
 TEST_F(ReadAppearance, ObjWithoutItsLibraryKeepsNames) {
   const SourceMesh source = read("cube.obj", objOf("mtllib gone.mtl\n", false));
   expectTexcoords(source);
-  EXPECT_TRUE(source.appearance.surface.colours.empty());
+  EXPECT_TRUE(source.appearance.surface.colors.empty());
   ASSERT_EQ(source.appearance.materials.size(), 2u);
   EXPECT_EQ(source.appearance.materials[0].name, "a");
   EXPECT_EQ(source.warnings,
@@ -256,7 +256,7 @@ TEST_F(ReadAppearance, FilesOutsideTheFolderAreNotRead) {
     EXPECT_NE(source.warnings[0].find("does not lie in or below"), std::string::npos);
   }
   const SourceMesh source = read("in/cube.obj", objOf("mtllib ../secret.mtl\n", false));
-  EXPECT_EQ(source.appearance.materials[0].colour, glm::vec3(1.0f));
+  EXPECT_EQ(source.appearance.materials[0].color, glm::vec3(1.0f));
   EXPECT_EQ(source.warnings.size(), 1u);
 }
 
@@ -284,10 +284,10 @@ TEST_F(ReadAppearance, LinksAreFollowedWithinTheFolderOnly) {
         << source.warnings[0];
   }
   const SourceMesh outside = read("in/cube.obj", objOf("mtllib out.mtl\n", false));
-  EXPECT_EQ(outside.appearance.materials[0].colour, glm::vec3(1.0f));
+  EXPECT_EQ(outside.appearance.materials[0].color, glm::vec3(1.0f));
   EXPECT_EQ(outside.warnings.size(), 1u);
   const SourceMesh inside = read("in/cube.obj", objOf("mtllib inside.mtl\n", false));
-  EXPECT_EQ(inside.appearance.materials[0].colour, glm::vec3(0.0f));
+  EXPECT_EQ(inside.appearance.materials[0].color, glm::vec3(0.0f));
   EXPECT_TRUE(inside.warnings.empty());
   write("in/skin.mtl", "newmtl a\nmap_Kd inside.png\n");
   for (const char* name : {"in/cube.obj", "alias/cube.obj"}) {
@@ -295,12 +295,12 @@ TEST_F(ReadAppearance, LinksAreFollowedWithinTheFolderOnly) {
   }
 }
 
-TEST_F(ReadAppearance, ObjWithSomeColouredVerticesIsReadWhole) {
+TEST_F(ReadAppearance, ObjWithSomeColoredVerticesIsReadWhole) {
   const SourceMesh source = read("some.obj", "v 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0 0 1 0 1\nf 1 2 3\n");
-  ASSERT_EQ(source.appearance.surface.colours.size(), 1u);
-  EXPECT_EQ(source.appearance.surface.colours[0][0], glm::u8vec3(255, 0, 0));
-  EXPECT_EQ(source.appearance.surface.colours[0][1], glm::u8vec3(255, 255, 255));
-  EXPECT_EQ(source.appearance.surface.colours[0][2], glm::u8vec3(0, 255, 0));
+  ASSERT_EQ(source.appearance.surface.colors.size(), 1u);
+  EXPECT_EQ(source.appearance.surface.colors[0][0], glm::u8vec3(255, 0, 0));
+  EXPECT_EQ(source.appearance.surface.colors[0][1], glm::u8vec3(255, 255, 255));
+  EXPECT_EQ(source.appearance.surface.colors[0][2], glm::u8vec3(0, 255, 0));
 }
 
 TEST_F(ReadAppearance, ObjWithATexcoordThatDoesNotExistIsRefused) {
@@ -378,8 +378,8 @@ Gltf gltfOf(const nlohmann::json& image) {
     });
     attributes["TEXCOORD_0"] = out.accessor(5126, "VEC2", 18, from);
     from = each([&](const glm::dvec3& p) {
-      const glm::u8vec3 colour = colourAt(p * glm::dvec3(-1, 1, 1));
-      const glm::vec4 light(linear(colour.x), linear(colour.y), linear(colour.z), 1.0f);
+      const glm::u8vec3 color = colorAt(p * glm::dvec3(-1, 1, 1));
+      const glm::vec4 light(linear(color.x), linear(color.y), linear(color.z), 1.0f);
       out.put(&light, sizeof light);
     });
     attributes["COLOR_0"] = out.accessor(5126, "VEC4", 18, from);
@@ -409,14 +409,14 @@ std::string glbOf(Gltf& gltf) {
 void expectGltfLook(const SourceMesh& source) {
   EXPECT_EQ(openEdges(source.mesh), 0u);
   EXPECT_GT(volume(source.mesh), 0.0);
-  expectColours(source);
+  expectColors(source);
   expectTexcoords(source, 1e-6f);
   const Appearance& look = source.appearance;
   for (std::size_t t = 0; t < 12; ++t) EXPECT_EQ(look.surface.material[t], t / 6);
   ASSERT_EQ(look.materials.size(), 2u);
   EXPECT_EQ(look.materials[0].name, "glaze");
   EXPECT_EQ(look.materials[1].name, "clay");
-  EXPECT_EQ(look.materials[1].colour, glm::vec3(0.25f, 0.5f, 0.75f));
+  EXPECT_EQ(look.materials[1].color, glm::vec3(0.25f, 0.5f, 0.75f));
   EXPECT_EQ(look.materials[1].texture, -1);
 }
 

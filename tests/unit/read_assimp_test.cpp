@@ -167,11 +167,9 @@ TEST_F(ReadAssimp, SurvivesWhateverTheProgramDoes) {
   pretend("echo 'half a\tsentence'; exit 3");
   EXPECT_EQ(refusal("a.fbx", "x"), "a.fbx: cannot be read (Assimp says: half a?sentence?)");
   pretend("echo sherd mesh 1");
-  EXPECT_EQ(refusal("a.fbx", "x"),
-            "a.fbx: cannot be read (Assimp gave an answer that makes no sense)");
+  EXPECT_EQ(refusal("a.fbx", "x"), "a.fbx: cannot be read (Assimp gave an invalid answer)");
   pretend("exec 0<&-; exit 0");
-  EXPECT_EQ(refusal("a.fbx", "x"),
-            "a.fbx: cannot be read (Assimp gave an answer that makes no sense)");
+  EXPECT_EQ(refusal("a.fbx", "x"), "a.fbx: cannot be read (Assimp gave an invalid answer)");
   ::setenv("SHERD_ASSIMP", (folder_ / "absent").c_str(), 1);
   EXPECT_NE(refusal("a.fbx", "x")
                 .find("the program sherd-assimp, which reads this format, is not "
@@ -251,11 +249,11 @@ RawMesh decorated() {
   RawMesh mesh;
   mesh.vertices = {{0, 0.1, -1e300}, {1, 2, 3}, {4, 5, 6}};
   mesh.triangles = {{0, 1, 2}, {2, 1, 0}};
-  mesh.look.surface.texcoords = {{glm::vec2(1, 2), glm::vec2(3, 4), glm::vec2(5, 6)}, {}};
-  mesh.look.surface.colours = {{glm::u8vec3(1, 2, 3)}, {}};
-  mesh.look.surface.material = {1, 0};
-  mesh.look.materials = {{"a", glm::vec3(0.5f), 0}, {"", glm::vec3(1.0f), -1}};
-  mesh.look.textures = {{"t.png", "bytes"}};
+  mesh.appearance.surface.texcoords = {{glm::vec2(1, 2), glm::vec2(3, 4), glm::vec2(5, 6)}, {}};
+  mesh.appearance.surface.colors = {{glm::u8vec3(1, 2, 3)}, {}};
+  mesh.appearance.surface.material = {1, 0};
+  mesh.appearance.materials = {{"a", glm::vec3(0.5f), 0}, {"", glm::vec3(1.0f), -1}};
+  mesh.appearance.textures = {{"t.png", "bytes"}};
   mesh.objects = {"x", ""};
   mesh.objectOfTriangle = {0, 1};
   mesh.warnings = {"w"};
@@ -268,14 +266,14 @@ TEST(MeshStream, GivesBackWhatWasPutIn) {
   ASSERT_TRUE(back);
   EXPECT_EQ(back->vertices, mesh.vertices);
   EXPECT_EQ(back->triangles, mesh.triangles);
-  EXPECT_EQ(back->look.surface.texcoords, mesh.look.surface.texcoords);
-  EXPECT_EQ(back->look.surface.colours, mesh.look.surface.colours);
-  EXPECT_EQ(back->look.surface.material, mesh.look.surface.material);
-  ASSERT_EQ(back->look.materials.size(), 2u);
-  EXPECT_EQ(back->look.materials[0].name, "a");
-  EXPECT_EQ(back->look.materials[0].colour, glm::vec3(0.5f));
-  EXPECT_EQ(back->look.materials[1].texture, -1);
-  EXPECT_EQ(back->look.textures[0].bytes, "bytes");
+  EXPECT_EQ(back->appearance.surface.texcoords, mesh.appearance.surface.texcoords);
+  EXPECT_EQ(back->appearance.surface.colors, mesh.appearance.surface.colors);
+  EXPECT_EQ(back->appearance.surface.material, mesh.appearance.surface.material);
+  ASSERT_EQ(back->appearance.materials.size(), 2u);
+  EXPECT_EQ(back->appearance.materials[0].name, "a");
+  EXPECT_EQ(back->appearance.materials[0].color, glm::vec3(0.5f));
+  EXPECT_EQ(back->appearance.materials[1].texture, -1);
+  EXPECT_EQ(back->appearance.textures[0].bytes, "bytes");
   EXPECT_EQ(back->objects, mesh.objects);
   EXPECT_EQ(back->objectOfTriangle, mesh.objectOfTriangle);
   EXPECT_EQ(back->warnings, mesh.warnings);
@@ -283,7 +281,7 @@ TEST(MeshStream, GivesBackWhatWasPutIn) {
 
 TEST(MeshStream, WhatTakesMoreThanItsBytesIsCharged) {
   RawMesh mesh = decorated();
-  mesh.look.textures.resize(10'000);
+  mesh.appearance.textures.resize(10'000);
   const std::string stream = streamOf(mesh);
   MemoryBudget enough("a", kMegabyte), little("a", kMegabyte / 4);
   EXPECT_TRUE(meshFromStream(stream, &enough));
@@ -298,11 +296,11 @@ TEST(MeshStream, RefusesWhatIsCutOrPointsNowhere) {
   EXPECT_FALSE(meshFromStream(whole + "x"));
   for (const auto& spoil : std::vector<void (*)(RawMesh&)>{
            [](RawMesh& m) { m.triangles[1].y = 3; }, [](RawMesh& m) { m.objectOfTriangle[0] = 2; },
-           [](RawMesh& m) { m.look.surface.material[0] = 2; },
-           [](RawMesh& m) { m.look.surface.colours.pop_back(); },
-           [](RawMesh& m) { m.look.surface.texcoords[0][0].x = std::nanf(""); },
-           [](RawMesh& m) { m.look.materials[0].texture = 1; },
-           [](RawMesh& m) { m.look.materials[0].texture = -2; }}) {
+           [](RawMesh& m) { m.appearance.surface.material[0] = 2; },
+           [](RawMesh& m) { m.appearance.surface.colors.pop_back(); },
+           [](RawMesh& m) { m.appearance.surface.texcoords[0][0].x = std::nanf(""); },
+           [](RawMesh& m) { m.appearance.materials[0].texture = 1; },
+           [](RawMesh& m) { m.appearance.materials[0].texture = -2; }}) {
     RawMesh mesh = decorated();
     spoil(mesh);
     EXPECT_FALSE(meshFromStream(streamOf(mesh)));

@@ -59,10 +59,10 @@ struct Glb {
   // The number of a new accessor; `more` is added to it.
   std::size_t accessor(int type, const std::string& kind, const std::vector<double>& values,
                        const Json& more = Json::object()) {
-    const std::size_t parts = kind == "SCALAR" ? 1 : kind[3] - '0';
+    const std::size_t components = kind == "SCALAR" ? 1 : kind[3] - '0';
     Json out = {{"bufferView", viewOf(type, values)},
                 {"componentType", type},
-                {"count", values.size() / parts},
+                {"count", values.size() / components},
                 {"type", kind}};
     out.update(more);
     json["accessors"].push_back(out);
@@ -152,16 +152,16 @@ TEST_F(ReadGltf, TakesStripsAndFansAndLeavesPointsAndLines) {
   EXPECT_NE(refusal("c.glb", fan.bytes()).find("'mode' is 7"), std::string::npos);
 }
 
-TEST_F(ReadGltf, TakesQuantisedPositions) {
+TEST_F(ReadGltf, TakesQuantizedPositions) {
   for (const auto& [type, most] : std::vector<std::pair<int, double>>{
            {kByte, 127}, {kUnsignedByte, 255}, {kShort, 32767}, {kUnsignedShort, 65535}}) {
-    for (const bool normalised : {false, true}) {
+    for (const bool normalized : {false, true}) {
       SCOPED_TRACE(type);
       Glb glb = indexed();
       glb.json["extensionsRequired"] = {"KHR_mesh_quantization"};
       glb.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = glb.accessor(
-          type, "VEC3", positionsOf(tetrahedron(), most), {{"normalized", normalised}});
-      const double scale = normalised ? 1.0 : most;
+          type, "VEC3", positionsOf(tetrahedron(), most), {{"normalized", normalized}});
+      const double scale = normalized ? 1.0 : most;
       expectSameSurface(read("a.glb", glb.bytes()).mesh,
                         shapes::transformed(tetrahedron(), scale, glm::dvec3(0.0)));
     }
@@ -218,7 +218,7 @@ TEST_F(ReadGltf, PutsInstancesWhereTheirNodeAndTheirArraysSay) {
   EXPECT_EQ(openEdges(mesh), 0u);
   EXPECT_NEAR(volume(mesh), 9.0 / 6.0, 1e-6);
   glb.json["accessors"].back()["count"] = 1;
-  EXPECT_NE(refusal("b.glb", glb.bytes()).find("arrays of one length"), std::string::npos);
+  EXPECT_NE(refusal("b.glb", glb.bytes()).find("differ in length"), std::string::npos);
 }
 
 TEST_F(ReadGltf, ReadsTheDefaultSceneOnly) {
@@ -230,7 +230,7 @@ TEST_F(ReadGltf, ReadsTheDefaultSceneOnly) {
   glb.json["meshes"][0]["name"] = "clay";
   const auto read0 = [&] { return read("a.glb", glb.bytes()); };
   const SourceMesh all = read0();  // no scenes: all roots
-  EXPECT_EQ(components(all.mesh).count, 2u);
+  EXPECT_EQ(meshComponents(all.mesh).count, 2u);
   EXPECT_EQ(all.objects, (std::vector<std::string>{"pot", "clay"}));
   EXPECT_EQ(all.objectOfTriangle, (std::vector<std::uint32_t>{0, 0, 0, 0, 1, 1, 1, 1}));
   EXPECT_EQ(bounds(all.mesh).max, glm::dvec3(6, 6, 1));
@@ -306,7 +306,7 @@ TEST_F(ReadGltf, BuffersMayLieInTheTextOrBesideIt) {
 
 // ---- Draco
 
-// The mesh packed, with colours.
+// The mesh packed, with colors.
 Glb packed(const TriangleMesh& mesh, int method, draco::DataType bytes = draco::DT_UINT8) {
   const std::size_t count = mesh.vertices.size();
   Glb glb;
@@ -332,9 +332,9 @@ TEST_F(ReadGltf, UnpacksDraco) {
     EXPECT_EQ(source.mesh.triangles.size(), 12u);
     EXPECT_EQ(openEdges(source.mesh), 0u);
     EXPECT_NEAR(volume(source.mesh), 8.0, 1e-2);
-    ASSERT_EQ(source.appearance.surface.colours.size(), 12u);
-    EXPECT_EQ(source.appearance.surface.colours[0][0].y, 255);
-    EXPECT_EQ(source.appearance.surface.colours[0][0].z, 0);
+    ASSERT_EQ(source.appearance.surface.colors.size(), 12u);
+    EXPECT_EQ(source.appearance.surface.colors[0][0].y, 255);
+    EXPECT_EQ(source.appearance.surface.colors[0][0].z, 0);
   }
 }
 
@@ -344,7 +344,7 @@ TEST_F(ReadGltf, UnpacksOfDracoOnlyWhatItUses) {
   Json& extension =
       glb.json["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"];
   extension["attributes"]["_OTHER"] = 77;  // which the stream does not have
-  EXPECT_EQ(read("a.glb", glb.bytes()).appearance.surface.colours.size(), 12u);
+  EXPECT_EQ(read("a.glb", glb.bytes()).appearance.surface.colors.size(), 12u);
   extension["attributes"]["TEXCOORD_0"] = 77;
   EXPECT_NE(refusal("b.glb", glb.bytes()).find("has no attribute for 'TEXCOORD_0'"),
             std::string::npos);

@@ -17,12 +17,12 @@ using Json = nlohmann::json;
 
 Json twoFragments() {
   return Json::parse(R"({
-    "schema": "sherd/1",
+    "schema": "sherd/2",
     "source": {"file": "vase.obj"},
     "options": {"seed": 18446744073709551615},
     "grid": {"resolution": 24, "voxel_size": 0.5, "dims": [24, 20, 3], "index_min": [-2, 0, 1],
              "solid_voxels": 700},
-    "parts": 1,
+    "components": 1,
     "fragments": [
       {"id": 1, "voxels": 300, "share": 0.5, "volume": -0.25, "area": 2.0, "fracture_area": 0.5,
        "contacts": [{}], "files": {"mesh": "meshes/a.ply", "vdb": "fragments/a.vdb"}},
@@ -69,6 +69,16 @@ TEST(ReadManifest, GivesWhatIsThere) {
   EXPECT_EQ(manifest.fragments[1].vdb, "");
 }
 
+TEST(ReadManifest, ReadsTheFormerSchema) {
+  Json json = twoFragments();
+  json["schema"] = "sherd/1";
+  json["parts"] = json["components"];
+  json.erase("components");
+  EXPECT_EQ(manifestOf(json).components, 1u);
+  json["schema"] = "sherd/3";
+  EXPECT_THROW((void)manifestOf(json), Error);
+}
+
 TEST(ReadManifest, RefusesWhatIsMissing) {
   const Json gone = Json::parse("", nullptr, /*allow_exceptions=*/false);
   for (const char* place : {"/schema",
@@ -82,7 +92,7 @@ TEST(ReadManifest, RefusesWhatIsMissing) {
                             "/grid/dims",
                             "/grid/index_min",
                             "/grid/solid_voxels",
-                            "/parts",
+                            "/components",
                             "/fragments",
                             "/files",
                             "/fragments/1/id",
@@ -111,7 +121,7 @@ TEST(ReadManifest, RefusesOtherKinds) {
                             "/grid/dims/0",
                             "/grid/index_min",
                             "/grid/solid_voxels",
-                            "/parts",
+                            "/components",
                             "/fragments",
                             "/fragments/0",
                             "/fragments/1/id",
@@ -149,7 +159,7 @@ TEST(ReadManifest, RefusesNumbersOutOfRange) {
       {"/grid/dims", {1, 2, 3, 4}},
       {"/grid/index_min/2", -(1ll << 31)},
       {"/grid/solid_voxels", -5},
-      {"/parts", -1},
+      {"/components", -1},
       {"/fragments/0/share", 1.5},
       {"/fragments/0/area", -1.0},
       {"/fragments/0/fracture_area", -1.0},

@@ -427,7 +427,7 @@ TEST_F(ReadMemory, DracosAttributesAreCountedBeforeThereIsRoomForThem) {
 
 std::string bytesOf(const RunLengthVoxels& voxels, VoxelFormat format) {
   std::string bytes;
-  encodeVoxels({voxels}, format, [&](std::string_view part) { bytes += part; });
+  encodeVoxels({voxels}, format, [&](std::string_view component) { bytes += component; });
   return bytes;
 }
 
@@ -464,7 +464,7 @@ TEST(VoxelMemory, RunsAreCharged) {
 struct OneFile : FileSink {
   std::string bytes;
   void take(const std::string&, const Content& content) override {
-    content([&](std::string_view part) { bytes += part; });
+    content([&](std::string_view component) { bytes += component; });
   }
 };
 

@@ -305,7 +305,7 @@ TEST_F(ReadMesh, TriangulatesConcavePolygons) {
   EXPECT_DOUBLE_EQ(area(mesh), 2 * combArea + combLength);
 }
 
-TEST_F(ReadMesh, ReadsOffWithCommentsColoursAndEdgesLeftOut) {
+TEST_F(ReadMesh, ReadsOffWithCommentsColorsAndEdgesLeftOut) {
   const std::string plain = offText(tetrahedron());
   const TriangleMesh mesh = tetrahedron();
   expectSameSurface(read("a.off", replaced(plain, "OFF\n", "OFF # header\n\n# counts\n")).mesh,
@@ -318,7 +318,7 @@ TEST_F(ReadMesh, ReadsOffWithCommentsColoursAndEdgesLeftOut) {
 TEST_F(ReadMesh, JoinsAllSolidsOfATextStl) {
   const TriangleMesh far = shapes::transformed(tetrahedron(), 1.0, {5.0, 0.0, 0.0});
   const TriangleMesh mesh = read("two.stl", stlText(tetrahedron()) + stlText(far)).mesh;
-  EXPECT_EQ(components(mesh).count, 2u);
+  EXPECT_EQ(meshComponents(mesh).count, 2u);
   EXPECT_NEAR(volume(mesh), 2.0 / 6.0, 1e-15);
 }
 
@@ -422,7 +422,7 @@ TEST_F(ReadMesh, RefusesABoxThatOverflows) {
     return "v -" + x + " 0 0\nv " + x + " 0 0\nv 0 1 0\nf 1 2 3\n";
   };
   EXPECT_EQ(refusal("a.obj", wide("1e37")),
-            "a.obj: is 2e+37 long along x, at most 1e37 can be worked with (scale it)");
+            "a.obj: is 2e+37 long along x, at most 1e37 is supported (scale it)");
   EXPECT_EQ(refusal("b.obj", wide("1.7e308")).find("b.obj: is inf long along x"), 0u);
   EXPECT_EQ(read("c.obj", wide("5e36")).mesh.triangles.size(), 1u);
 }
@@ -456,12 +456,12 @@ TEST(RawMesh, IsCheckedBeforeItIsUsed) {
   RawMesh good;
   good.vertices = tetrahedron().vertices;
   good.triangles = tetrahedron().triangles;
-  good.look.materials.resize(2);
-  good.look.textures.resize(1);
-  good.look.materials[1].texture = 0;
-  good.look.surface.material = {0, 1, 1, 0};
-  good.look.surface.texcoords.resize(4);
-  good.look.surface.colours.resize(4);
+  good.appearance.materials.resize(2);
+  good.appearance.textures.resize(1);
+  good.appearance.materials[1].texture = 0;
+  good.appearance.surface.material = {0, 1, 1, 0};
+  good.appearance.surface.texcoords.resize(4);
+  good.appearance.surface.colors.resize(4);
   good.objects = {"a"};
   good.objectOfTriangle = {0, 0, 0, 0};
   EXPECT_EQ(contradictionIn(good), std::nullopt);
@@ -473,18 +473,18 @@ TEST(RawMesh, IsCheckedBeforeItIsUsed) {
   EXPECT_EQ(found([](RawMesh& m) { m.triangles[2].z = 4; }),
             "triangle 3 uses vertex 4, there are 4");
   EXPECT_EQ(found([](RawMesh& m) { m.vertices.clear(); }), "triangle 1 uses vertex 2, there are 0");
-  EXPECT_EQ(found([](RawMesh& m) { m.look.surface.texcoords.pop_back(); }),
+  EXPECT_EQ(found([](RawMesh& m) { m.appearance.surface.texcoords.pop_back(); }),
             "it has 3 texture coordinates for 4 triangles");
-  EXPECT_EQ(found([](RawMesh& m) { m.look.surface.colours.resize(5); }),
+  EXPECT_EQ(found([](RawMesh& m) { m.appearance.surface.colors.resize(5); }),
             "it has 5 colors for 4 triangles");
-  EXPECT_EQ(found([](RawMesh& m) { m.look.surface.material[3] = 2; }),
+  EXPECT_EQ(found([](RawMesh& m) { m.appearance.surface.material[3] = 2; }),
             "triangle 4 has material 2, there are 2");
   EXPECT_EQ(found([](RawMesh& m) { m.objectOfTriangle[0] = 1; }),
             "triangle 1 has object 1, there are 1");
-  EXPECT_EQ(found([](RawMesh& m) { m.look.materials[0].texture = 1; }),
-            "a material of it has texture 1, there are 1");
-  EXPECT_EQ(found([](RawMesh& m) { m.look.surface.texcoords[1][2].x = std::nanf(""); }),
-            "a texture coordinate of it is not finite");
+  EXPECT_EQ(found([](RawMesh& m) { m.appearance.materials[0].texture = 1; }),
+            "one of its materials has texture 1, there are 1");
+  EXPECT_EQ(found([](RawMesh& m) { m.appearance.surface.texcoords[1][2].x = std::nanf(""); }),
+            "one of its texture coordinates is not finite");
 }
 
 TEST_F(ReadMesh, RefusesCountsThatTheFileDoesNotHold) {

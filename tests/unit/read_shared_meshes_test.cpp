@@ -121,7 +121,7 @@ TEST_F(SharedMeshes, HaveTheCountsThatOtherReadersFound) {
     const double expectedArea = std::stod(row.at("area"));
     EXPECT_NEAR(area(source.mesh), expectedArea, areaError(source.mesh));
     if (source.degenerateTriangles == 0) {
-      EXPECT_EQ(components(source.mesh).count, count("comp_v"));
+      EXPECT_EQ(meshComponents(source.mesh).count, count("comp_v"));
     }
     if (row.at("watertight") == "True") {
       EXPECT_EQ(openEdges(source.mesh), 0u);

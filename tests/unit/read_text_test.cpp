@@ -109,20 +109,20 @@ TEST_F(ReadText, ObjectsSplitIntoMeshesOfTheirOwn) {
   const SourceMesh source =
       read("a.obj", vertices + "vt 0 0\nvt 1 0\nvt 0 1\no lid\nf 1/1 3/2 2/3\nf 1/1 2/2 4/3\n" +
                         "o body\nf 1/1 4/3 3/2\no lid\nf 2/3 3/1 4/2\n");
-  const std::vector<SourceMesh> parts = splitObjects(source);
-  ASSERT_EQ(parts.size(), 2u);
-  EXPECT_EQ(parts[0].objects, (std::vector<std::string>{"lid"}));
-  EXPECT_EQ(parts[1].objects, (std::vector<std::string>{"body"}));
-  EXPECT_EQ(parts[0].mesh.triangles.size(), 3u);
-  EXPECT_EQ(parts[0].mesh.vertices.size(), 4u);
-  ASSERT_EQ(parts[1].mesh.triangles.size(), 1u);
-  EXPECT_EQ(parts[1].mesh.vertices.size(), 3u);
+  const std::vector<SourceMesh> components = splitObjects(source);
+  ASSERT_EQ(components.size(), 2u);
+  EXPECT_EQ(components[0].objects, (std::vector<std::string>{"lid"}));
+  EXPECT_EQ(components[1].objects, (std::vector<std::string>{"body"}));
+  EXPECT_EQ(components[0].mesh.triangles.size(), 3u);
+  EXPECT_EQ(components[0].mesh.vertices.size(), 4u);
+  ASSERT_EQ(components[1].mesh.triangles.size(), 1u);
+  EXPECT_EQ(components[1].mesh.vertices.size(), 3u);
   // Corner by corner the part is what the whole has there, looks too.
   for (int corner = 0; corner < 3; ++corner) {
     const auto c = static_cast<std::size_t>(corner);
-    EXPECT_EQ(parts[1].mesh.vertices[parts[1].mesh.triangles[0][corner]],
+    EXPECT_EQ(components[1].mesh.vertices[components[1].mesh.triangles[0][corner]],
               source.mesh.vertices[source.mesh.triangles[2][corner]]);
-    EXPECT_EQ(parts[1].appearance.surface.texcoords[0][c],
+    EXPECT_EQ(components[1].appearance.surface.texcoords[0][c],
               source.appearance.surface.texcoords[2][c]);
   }
   EXPECT_EQ(splitObjects(read("b.obj", kTetrahedronObj)).size(), 1u);
@@ -204,10 +204,10 @@ TEST_F(ReadText, OffTakesEveryHeader) {
          {keyword + "\n" + counts, keyword + " " + counts, "# c\n" + keyword + "\n\n4 4\n"}) {
       const SourceMesh source = read("a.off", header + vertices(behind) + faces);
       expectSameSurface(source.mesh, tetrahedron());
-      const SurfaceLook& look = source.appearance.surface;
-      ASSERT_EQ(look.colours.size(), keyword.find('C') != std::string::npos ? 4u : 0u);
-      if (!look.colours.empty()) {
-        EXPECT_EQ(look.colours[1][2], glm::u8vec3(255, 128, 0));
+      const SurfaceAttributes& look = source.appearance.surface;
+      ASSERT_EQ(look.colors.size(), keyword.find('C') != std::string::npos ? 4u : 0u);
+      if (!look.colors.empty()) {
+        EXPECT_EQ(look.colors[1][2], glm::u8vec3(255, 128, 0));
       }
       ASSERT_EQ(look.texcoords.size(), keyword.find('T') != std::string::npos ? 4u : 0u);
       if (!look.texcoords.empty()) {
@@ -216,17 +216,17 @@ TEST_F(ReadText, OffTakesEveryHeader) {
     }
   }
   EXPECT_EQ(refusal("b.off", "OFF BINARY\n" + std::string(40, '\0')),
-            "b.off: is a binary OFF, which is not read; save it as a text");
+            "b.off: is a binary OFF, which is not supported; save it as text");
 }
 
-TEST_F(ReadText, OffFacesHaveColoursAndAnyNumberOfCorners) {
+TEST_F(ReadText, OffFacesHaveColorsAndAnyNumberOfCorners) {
   const SourceMesh source = read("a.off",
                                  "OFF\n5 3\n0 0 0\n2 0 0\n2 2 0\n0 2 0\n1 0.5 0\n"
                                  "5 0 4 1 2 3 255 0 0\n3 0 1 4 0 0 255 255\n2 0 1\n");
   ASSERT_EQ(source.mesh.triangles.size(), 4u);
   EXPECT_DOUBLE_EQ(area(source.mesh), 4.0);
   for (std::size_t t = 0; t < 4; ++t) {
-    EXPECT_EQ(source.appearance.surface.colours[t][0],
+    EXPECT_EQ(source.appearance.surface.colors[t][0],
               t < 3 ? glm::u8vec3(255, 0, 0) : glm::u8vec3(0, 0, 255));
   }
   EXPECT_TRUE(read("b.off", kTetrahedronOff).appearance.surface.empty());

@@ -19,7 +19,7 @@
 #include <string>
 
 #include "render/palette.h"
-#include "render/pictured.h"
+#include "render/preview_fragment.h"
 #include "shapes.h"
 #include "temp_folder.h"
 
@@ -28,10 +28,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Fragment fragmentOf(int id, TriangleMesh mesh, std::uint16_t facing = 0) {
+Fragment fragmentOf(int id, TriangleMesh mesh, std::uint16_t neighbor = 0) {
   Fragment fragment;
   fragment.id = id;
-  fragment.facing.assign(mesh.triangles.size(), facing);
+  fragment.neighbor.assign(mesh.triangles.size(), neighbor);
   fragment.mass = massProperties(mesh);
   fragment.mesh = std::move(mesh);
   return fragment;
@@ -48,7 +48,7 @@ std::vector<Fragment> rowOfBalls(int count) {
 struct Pixel {
   int r, g, b;
   int brightness() const { return std::max({r, g, b}); }
-  int colourfulness() const { return brightness() - std::min({r, g, b}); }
+  int colorfulness() const { return brightness() - std::min({r, g, b}); }
 };
 
 Pixel at(const Image& image, int x, int y) {
@@ -56,10 +56,8 @@ Pixel at(const Image& image, int x, int y) {
   return {p[0], p[1], p[2]};
 }
 
-/// The backdrop and the shadow on it are grey; fragments are not.
-bool showsFragment(const Image& image, int x, int y) {
-  return at(image, x, y).colourfulness() > 30;
-}
+/// The backdrop and the shadow on it are gray; fragments are not.
+bool showsFragment(const Image& image, int x, int y) { return at(image, x, y).colorfulness() > 30; }
 
 ErrorCode codeOf(const std::function<void()>& work) {
   try {
@@ -81,9 +79,9 @@ TEST(Render, GivesTheSameBytesOnAnyNumberOfThreads) {
   }
 }
 
-// Light changes a colour's brightness, hardly its chromaticity: each pixel belongs to the fragment
-// whose colour's is nearest.
-TEST(Render, ShowsEveryFragmentInItsColourAndPlace) {
+// Light changes a color's brightness, hardly its chromaticity: each pixel belongs to the fragment
+// whose color's is nearest.
+TEST(Render, ShowsEveryFragmentInItsColorAndPlace) {
   constexpr int kCount = 6;
   const Image image =
       renderFragments(rowOfBalls(kCount), {.explode = 0.0, .azimuth = 0.0, .elevation = 0.0});
@@ -99,7 +97,7 @@ TEST(Render, ShowsEveryFragmentInItsColourAndPlace) {
       std::size_t nearest = 0;
       float best = 1e9f;
       for (int i = 0; i < kCount; ++i) {
-        const glm::vec3 d = chromaticity(linear) - chromaticity(pieceColour(i).outer);
+        const glm::vec3 d = chromaticity(linear) - chromaticity(fragmentColor(i).outer);
         const float distance = d.x * d.x + d.y * d.y + d.z * d.z;
         if (distance < best) best = distance, nearest = static_cast<std::size_t>(i);
       }
@@ -121,7 +119,7 @@ TEST(Render, ShowsEveryFragmentInItsColourAndPlace) {
   }
 }
 
-TEST(Render, ShowsABallRoundAndCentredAndAsLargeAsTheMarginAllows) {
+TEST(Render, ShowsABallRoundAndCenteredAndAsLargeAsTheMarginAllows) {
   const RenderOptions options{.width = 400, .height = 300};
   const Image image =
       renderFragments(std::vector{fragmentOf(1, shapes::ball(3.0, 6, {7.0, -2.0, 5.0}))}, options);
@@ -153,7 +151,7 @@ TEST(Render, LeavesTheBackdropAloneWhereNothingIs) {
   for (int y = 0; y < options.height; ++y)
     for (int x = 0; x < options.width; ++x) {
       EXPECT_GT(at(empty, x, y).brightness(), 200);
-      EXPECT_LT(at(empty, x, y).colourfulness(), 10);
+      EXPECT_LT(at(empty, x, y).colorfulness(), 10);
     }
 }
 
@@ -179,7 +177,7 @@ TEST(Render, TellsInnerFacesFromOuterOnes) {
   const Image inner = renderFragments(std::vector{fragmentOf(1, shapes::ball(1.0), 2)}, options);
   for (int y = 50; y < 110; ++y)
     for (int x = 50; x < 110; ++x) {
-      EXPECT_LT(at(inner, x, y).colourfulness(), at(outer, x, y).colourfulness());
+      EXPECT_LT(at(inner, x, y).colorfulness(), at(outer, x, y).colorfulness());
       EXPECT_GE(at(inner, x, y).brightness(), at(outer, x, y).brightness());
     }
 }
@@ -196,7 +194,7 @@ TEST(Render, ExplodingMovesFragmentsApart) {
       const double x = ball.vertices[t.x].x + ball.vertices[t.y].x + ball.vertices[t.z].x;
       if ((x > 0.0) == (side == 1)) half.mesh.triangles.push_back(t);
     }
-    half.facing.assign(half.mesh.triangles.size(), 0);
+    half.neighbor.assign(half.mesh.triangles.size(), 0);
     half.mass.volume = 2.0 / 3.0 * std::numbers::pi;
     half.mass.centroid = {side == 1 ? 0.375 : -0.375, 0.0, 0.0};
   }
@@ -279,21 +277,21 @@ Solid solidOf(int voxels, double length) {
 
 TEST(Pictured, IsAsItIsWhereVoxelsAreAsLargeAsPixels) {
   const Fragment ball = fragmentOf(3, shapes::ball(1.0, 5), 7);
-  const Fragment same = pictured(ball, solidOf(900, 2.0));
+  const Fragment same = previewFragment(ball, solidOf(900, 2.0));
   EXPECT_EQ(same.id, 3);
   EXPECT_EQ(same.mesh.vertices, ball.mesh.vertices);
   EXPECT_EQ(same.mesh.triangles, ball.mesh.triangles);
-  EXPECT_EQ(same.facing, ball.facing);
+  EXPECT_EQ(same.neighbor, ball.neighbor);
 }
 
 TEST(Pictured, OfAFinerSolidIsCoarserAndLooksTheSame) {
   // Edges of 0.009, cubes of 0.03.
   const Fragment ball = fragmentOf(1, shapes::ball(1.0, 7), 2);
   const double length = 768.0 / 32.0;
-  const Fragment coarse = pictured(ball, solidOf(2048, length));
+  const Fragment coarse = previewFragment(ball, solidOf(2048, length));
   const double cube = length / kPreviewCubes;
   EXPECT_LT(coarse.mesh.triangles.size(), ball.mesh.triangles.size() / 3);
-  EXPECT_EQ(coarse.facing, std::vector<std::uint16_t>(coarse.mesh.triangles.size(), 2));
+  EXPECT_EQ(coarse.neighbor, std::vector<std::uint16_t>(coarse.mesh.triangles.size(), 2));
   EXPECT_EQ(coarse.mass.centroid, ball.mass.centroid);
   std::set<std::array<long, 3>> cubes;
   const glm::dvec3 low = bounds(ball.mesh).min;
@@ -404,10 +402,10 @@ TEST_F(Png, LeavesNothingOnAFullDisk) {
   EXPECT_TRUE(fs::is_empty(folder_));
 }
 
-TEST(Palette, NeighboursInNumberDiffer) {
+TEST(Palette, NeighborsInNumberDiffer) {
   for (int i = 0; i < 40; ++i)
     for (int j = i + 1; j < i + 8; ++j) {
-      const glm::vec3 a = pieceColour(i).outer, b = pieceColour(j).outer;
+      const glm::vec3 a = fragmentColor(i).outer, b = fragmentColor(j).outer;
       int difference = 0;
       for (int k = 0; k < 3; ++k)
         difference = std::max(difference, std::abs(byteFromLinear(a[k]) - byteFromLinear(b[k])));

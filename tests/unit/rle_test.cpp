@@ -158,13 +158,13 @@ Sample randomSample(unsigned seed, openvdb::Coord lowestLeaf, int leaves) {
         if (random() % 3 == 0) continue;
         const openvdb::Coord origin = lowestLeaf + openvdb::Coord(8 * x, 8 * y, 8 * z);
         blocks.origins.push_back(origin);
-        const bool outerBandOnly = random() % 4 == 0;
+        const bool exteriorBandOnly = random() % 4 == 0;
         for (std::uint32_t slab = 0; slab < 8; ++slab) {
           std::uint64_t inside = std::uint64_t{random()} << 32 | random();
           inside &= std::uint64_t{random()} << 32 | random();
-          if (outerBandOnly || random() % 4 == 0) inside = 0;
+          if (exteriorBandOnly || random() % 4 == 0) inside = 0;
           blocks.inside.push_back(inside);
-          blocks.outerBand.push_back(~inside);
+          blocks.exteriorBand.push_back(~inside);
           for (std::uint32_t bit = 0; bit < 64; ++bit) {
             // labels lie on outer voxels too, and some inside voxels have none
             sample.labels.fragment.push_back(static_cast<std::uint16_t>(random() % 4));

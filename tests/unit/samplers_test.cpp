@@ -41,7 +41,7 @@ TEST_F(Samplers, UniformIsUniformOverOctants) {
     std::array<double, 8> hits{};
     for (std::uint64_t seed = 0; seed < 200; ++seed) {
       for (const Seed& s :
-           placeSeeds(solid.solid, solid.parts, {.pieces = 200, .seed = seed, .on = on})) {
+           placeSeeds(solid.solid, solid.components, {.pieces = 200, .seed = seed, .on = on})) {
         ++hits[static_cast<std::size_t>((s.voxel.x() < 0) * 4 + (s.voxel.y() < 0) * 2 +
                                         (s.voxel.z() < 0))];
       }
@@ -77,9 +77,9 @@ TEST_F(Samplers, HaltonIsMoreEvenThanUniform) {
   double halton = 0.0, uniform = 0.0;
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     SeedOptions options{.pieces = 500, .seed = seed, .sampler = Sampler::halton};
-    halton += discrepancy(placeSeeds(solid.solid, solid.parts, options), kHalf);
+    halton += discrepancy(placeSeeds(solid.solid, solid.components, options), kHalf);
     options.sampler = Sampler::uniform;
-    uniform += discrepancy(placeSeeds(solid.solid, solid.parts, options), kHalf);
+    uniform += discrepancy(placeSeeds(solid.solid, solid.components, options), kHalf);
   }
   EXPECT_LT(halton, uniform);
 }
@@ -97,7 +97,7 @@ TEST_F(Samplers, HaltonHasOnePointInEachInterval) {
       const int side = kSides[static_cast<std::size_t>(axis)];
       std::set<int> places;
       for (const Seed& s :
-           placeSeeds(solid.solid, solid.parts,
+           placeSeeds(solid.solid, solid.components,
                       {.pieces = side + 1, .seed = seed, .sampler = Sampler::halton})) {
         places.insert(s.voxel[axis]);
       }
@@ -135,7 +135,7 @@ TEST_F(Samplers, GaussianIsNormalAboutTheMiddle) {
   std::array<double, 3> sum{}, squares{};
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
     for (const Seed& s :
-         placeSeeds(solid.solid, solid.parts,
+         placeSeeds(solid.solid, solid.components,
                     {.pieces = kPieces, .seed = seed, .sampler = Sampler::gaussian})) {
       for (int axis = 0; axis < 3; ++axis) {
         const auto a = static_cast<std::size_t>(axis);
@@ -202,18 +202,19 @@ TEST_F(Samplers, PoissonKeepsSeedsApart) {
     for (const int pieces : {10, 100, 500}) {
       SeedOptions options{.pieces = pieces, .seed = 5, .sampler = Sampler::poisson};
       const std::int64_t apart =
-          leastSquaredDistance(placeSeeds(solid.solid, solid.parts, options));
+          leastSquaredDistance(placeSeeds(solid.solid, solid.components, options));
       EXPECT_GE(apart,
                 leastSquaredDistanceFor(solid.solid.voxels, static_cast<std::uint64_t>(pieces)));
       options.sampler = Sampler::uniform;
-      EXPECT_GT(apart, leastSquaredDistance(placeSeeds(solid.solid, solid.parts, options)));
+      EXPECT_GT(apart, leastSquaredDistance(placeSeeds(solid.solid, solid.components, options)));
       // On the surface, and with seeds that shape.
       options.sampler = Sampler::poisson;
       options.on = SeedsOn::surface;
       options.extraSeeds = pieces / 2;
-      const std::int64_t more = leastSquaredDistance(placeSeeds(solid.solid, solid.parts, options));
+      const std::int64_t more =
+          leastSquaredDistance(placeSeeds(solid.solid, solid.components, options));
       options.sampler = Sampler::uniform;
-      EXPECT_GT(more, leastSquaredDistance(placeSeeds(solid.solid, solid.parts, options)));
+      EXPECT_GT(more, leastSquaredDistance(placeSeeds(solid.solid, solid.components, options)));
     }
   }
 }

@@ -31,7 +31,7 @@ class SeedFile : public DeviceTest {
   std::string refusal(const ShapeSolid& on, const std::string& text) const {
     hold(text);
     try {
-      (void)readSeeds(file_, on.solid, on.parts);
+      (void)readSeeds(file_, on.solid, on.components);
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ErrorCode::input);
       EXPECT_EQ(std::string(e.what()).find(file_.string() + ": "), 0u) << e.what();
@@ -51,20 +51,20 @@ Coord voxelOf(const std::vector<Seed>& seeds, std::size_t i) { return seeds.at(i
 
 TEST_F(SeedFile, IsReadBackExactly) {
   for (const voxel_shapes::VoxelSolid& shape :
-       {voxel_shapes::ball(12), voxel_shapes::manyPartsWithin(9)}) {
+       {voxel_shapes::ball(12), voxel_shapes::manyComponentsWithin(9)}) {
     ShapeSolid on = make(shape);
     for (const double voxelSize : {1.0, 1.0 / 3, 1e-7, 1234567.891}) {
       on.solid.frame = {{{0.1, -1e3 * voxelSize, 0.0}}, voxelSize};
       const std::vector<Seed> seeds =
-          placeSeeds(on.solid, on.parts,
+          placeSeeds(on.solid, on.components,
                      {.pieces = 150, .seed = 3, .extraSeeds = 100, .impacts = {{.merge = true}}});
       writeSeeds(file_, seeds, on.solid);
-      EXPECT_EQ(readSeeds(file_, on.solid, on.parts), seeds);
+      EXPECT_EQ(readSeeds(file_, on.solid, on.components), seeds);
     }
   }
 }
 
-TEST_F(SeedFile, HoldsWorldPositionsOfVoxelCentres) {
+TEST_F(SeedFile, HoldsWorldPositionsOfVoxelCenters) {
   ShapeSolid ball = make(voxel_shapes::ball(4));
   ball.solid.frame = {{{10, 20, 30.5}}, 0.5};
   writeSeeds(file_, std::vector<Seed>{{{0, -1, 2}, 1}, {{1, 1, 1}, 2}}, ball.solid);
@@ -80,7 +80,7 @@ TEST_F(SeedFile, PutsTheFirstSeedOfEachFragmentFirst) {
   const std::vector<Seed> seeds = seedsFromPoints(
       std::vector<SeedPoint>{
           {{{0, 0, 0}}, 2}, {{{1, 0, 0}}, 2}, {{{2, 0, 0}}, 1}, {{{3, 0, 0}}, 1}},
-      ball.solid, ball.parts);
+      ball.solid, ball.components);
   EXPECT_EQ(seeds,
             (std::vector<Seed>{{{2, 0, 0}, 1}, {{0, 0, 0}, 2}, {{1, 0, 0}, 2}, {{3, 0, 0}, 1}}));
 }
@@ -88,7 +88,7 @@ TEST_F(SeedFile, PutsTheFirstSeedOfEachFragmentFirst) {
 TEST_F(SeedFile, MovesToTheNearestFreeVoxel) {
   const ShapeSolid ball = make(voxel_shapes::ball(4));
   const auto place = [&](std::vector<SeedPoint> points) {
-    return seedsFromPoints(points, ball.solid, ball.parts);
+    return seedsFromPoints(points, ball.solid, ball.components);
   };
   EXPECT_EQ(voxelOf(place({{{{0.4, -0.4, 2.4}}, 1}}), 0), Coord(0, 0, 2));
   EXPECT_EQ(voxelOf(place({{{{0.5, 0.5, 0.5}}, 1}}), 0), Coord(0, 0, 0));  // ties: lowest
@@ -109,22 +109,23 @@ TEST_F(SeedFile, MovesToTheNearestFreeVoxel) {
   EXPECT_THROW((void)place(crowd), Error);
 }
 
-TEST_F(SeedFile, PartsWithoutASeedGetOne) {
-  const ShapeSolid many = make(voxel_shapes::manyPartsWithin(9));
-  const std::vector<Seed> placed = placeSeeds(many.solid, many.parts, {.pieces = 1, .seed = 5});
+TEST_F(SeedFile, ComponentsWithoutASeedGetOne) {
+  const ShapeSolid many = make(voxel_shapes::manyComponentsWithin(9));
+  const std::vector<Seed> placed =
+      placeSeeds(many.solid, many.components, {.pieces = 1, .seed = 5});
   hold(listOf(""));
-  const std::vector<Seed> all = readSeeds(file_, many.solid, many.parts, /*seed=*/5);
+  const std::vector<Seed> all = readSeeds(file_, many.solid, many.components, /*seed=*/5);
   EXPECT_EQ(voxelsOf(all), voxelsOf(placed));
-  EXPECT_EQ(fragmentsOf(all), static_cast<int>(many.parts.count()));
+  EXPECT_EQ(fragmentsOf(all), static_cast<int>(many.components.count()));
 
   const std::vector<Seed> some = seedsFromPoints(
-      std::vector<SeedPoint>{{{{0, 0, 0}}, 1}, {{{1, 0, 0}}, 1}}, many.solid, many.parts, 5);
-  ASSERT_EQ(some.size(), many.parts.count() + 1);
-  for (std::size_t i = 0; i < many.parts.count(); ++i) EXPECT_EQ(some[i].fragment, i + 1);
+      std::vector<SeedPoint>{{{{0, 0, 0}}, 1}, {{{1, 0, 0}}, 1}}, many.solid, many.components, 5);
+  ASSERT_EQ(some.size(), many.components.count() + 1);
+  for (std::size_t i = 0; i < many.components.count(); ++i) EXPECT_EQ(some[i].fragment, i + 1);
   EXPECT_EQ(some.back(), (Seed{{1, 0, 0}, 1}));
 }
 
-TEST_F(SeedFile, AFragmentLiesInOnePart) {
+TEST_F(SeedFile, AFragmentLiesInOneComponent) {
   const ShapeSolid plates = make(
       voxel_shapes::solidWhere("plates", 4, [](const Coord& v) { return std::abs(v.z()) == 3; }));
   const std::string text = refusal(plates, listOf(R"({"fragment":1,"position":[0,0,3]},
@@ -137,7 +138,7 @@ TEST_F(SeedFile, OtherMembersAreIgnored) {
   const ShapeSolid ball = make(voxel_shapes::ball(4));
   hold(R"({"note": {"by": ["a", {"b": null}]}, "schema": "sherd-seeds/1",
            "seeds": [{"position": [0, 0, 1], "weight": 3, "fragment": 1}]})");
-  EXPECT_EQ(readSeeds(file_, ball.solid, ball.parts), (std::vector<Seed>{{{0, 0, 1}, 1}}));
+  EXPECT_EQ(readSeeds(file_, ball.solid, ball.components), (std::vector<Seed>{{{0, 0, 1}, 1}}));
 }
 
 TEST_F(SeedFile, HostileFilesAreRefused) {
@@ -186,13 +187,13 @@ TEST_F(SeedFile, HostileFilesAreRefused) {
 
 TEST_F(SeedFile, WhatIsNoFileIsRefused) {
   const ShapeSolid ball = make(voxel_shapes::ball(4));
-  EXPECT_THROW((void)readSeeds(file_, ball.solid, ball.parts), Error);  // absent
-  EXPECT_THROW((void)readSeeds(fs::temp_directory_path(), ball.solid, ball.parts), Error);
-  EXPECT_THROW((void)readSeeds("/dev/zero", ball.solid, ball.parts), Error);
+  EXPECT_THROW((void)readSeeds(file_, ball.solid, ball.components), Error);  // absent
+  EXPECT_THROW((void)readSeeds(fs::temp_directory_path(), ball.solid, ball.components), Error);
+  EXPECT_THROW((void)readSeeds("/dev/zero", ball.solid, ball.components), Error);
   hold("");
   fs::resize_file(file_, std::uintmax_t{1} << 40);  // a hole
   try {
-    (void)readSeeds(file_, ball.solid, ball.parts);
+    (void)readSeeds(file_, ball.solid, ball.components);
     ADD_FAILURE() << "a file of 1 TiB is read";
   } catch (const Error& e) {
     EXPECT_NE(std::string(e.what()).find("at most 67108864 are read"), std::string::npos);

@@ -18,7 +18,7 @@ namespace sherd {
 struct ShapeSolid {
   voxel_shapes::VoxelSolid shape;
   Solid solid;
-  Parts parts;
+  VoxelComponents components;
 
   ShapeSolid(voxel_shapes::VoxelSolid voxels, Device& device) : shape(std::move(voxels)) {
     solid.blocks = voxel_shapes::blocksOf(shape);
@@ -28,16 +28,16 @@ struct ShapeSolid {
       solid.box.min.minComponent(voxel);
       solid.box.max.maxComponent(voxel);
     }
-    parts = findParts(solid.blocks, device);
+    components = findComponents(solid.blocks, device);
   }
 
-  std::uint32_t partOf(const openvdb::Coord& voxel) const {
-    const std::size_t place = voxel_shapes::placeOf(solid.blocks, voxel);
-    return parts.at(place);
+  std::uint32_t componentOf(const openvdb::Coord& voxel) const {
+    const std::size_t place = voxel_shapes::voxelIndexOf(solid.blocks, voxel);
+    return components.at(place);
   }
 
   bool onSurface(const openvdb::Coord& voxel) const {
-    const auto around = voxel_shapes::neighbours(voxel);
+    const auto around = voxel_shapes::neighbors(voxel);
     return std::any_of(around.begin(), around.end(),
                        [&](const openvdb::Coord& n) { return !shape.inside.count(n); });
   }
@@ -64,7 +64,7 @@ inline std::uint16_t nearestFragment(const ShapeSolid& on, const std::vector<See
                                      Metric metric) {
   const Seed* best = nullptr;
   for (std::size_t i = 0; i < fragments; ++i) {
-    if (on.partOf(seeds[i].voxel) != on.partOf(voxel)) continue;
+    if (on.componentOf(seeds[i].voxel) != on.componentOf(voxel)) continue;
     if (!best ||
         metricOrder(metric, seeds[i].voxel, voxel) < metricOrder(metric, best->voxel, voxel)) {
       best = &seeds[i];
@@ -87,13 +87,13 @@ inline void expectPromises(const ShapeSolid& on, const std::vector<Seed>& seeds,
     }
     if (i < fragments) {
       EXPECT_EQ(seeds[i].fragment, i + 1);
-      seeded.insert(on.partOf(voxel));
+      seeded.insert(on.componentOf(voxel));
     } else {
       EXPECT_EQ(seeds[i].fragment,
                 nearestFragment(on, seeds, fragments, voxel, options.mergeMetric));
     }
   }
-  EXPECT_EQ(seeded.size(), on.parts.count()) << "a part has no seed";
+  EXPECT_EQ(seeded.size(), on.components.count()) << "a part has no seed";
 }
 
 inline constexpr Sampler kSamplers[] = {Sampler::uniform, Sampler::halton, Sampler::gaussian,

@@ -20,7 +20,7 @@ class Seeds : public DeviceTest {
 
 ErrorCode codeOf(const ShapeSolid& on, const SeedOptions& options) {
   try {
-    (void)placeSeeds(on.solid, on.parts, options);
+    (void)placeSeeds(on.solid, on.components, options);
   } catch (const Error& e) {
     return e.code();
   }
@@ -33,7 +33,7 @@ TEST_F(Seeds, LieOnDistinctVoxelsWithIdsWithoutGaps) {
   for (const int pieces : {1, 7, all / 2, all}) {
     for (const Sampler sampler : kSamplers) {
       const SeedOptions options{.pieces = pieces, .seed = 4, .sampler = sampler};
-      expectPromises(ball, placeSeeds(ball.solid, ball.parts, options),
+      expectPromises(ball, placeSeeds(ball.solid, ball.components, options),
                      static_cast<std::size_t>(pieces), 0, options);
     }
   }
@@ -43,14 +43,14 @@ TEST_F(Seeds, LieOnDistinctVoxelsWithIdsWithoutGaps) {
   EXPECT_EQ(codeOf(ball, {.randomImpacts = -1}), ErrorCode::usage);
 }
 
-TEST_F(Seeds, EveryPartHasOneWhateverTheSampler) {
+TEST_F(Seeds, EveryComponentHasOneWhateverTheSampler) {
   const ShapeSolid sparse = make(voxel_shapes::sparseRandom(10, 30, 6));
-  ASSERT_GT(sparse.parts.count(), 100u);
+  ASSERT_GT(sparse.components.count(), 100u);
   for (const Sampler sampler : kSamplers) {
     for (const SeedsOn on : kPlaces) {
       const SeedOptions options{.pieces = 3, .seed = 1, .sampler = sampler, .on = on};
-      expectPromises(sparse, placeSeeds(sparse.solid, sparse.parts, options), sparse.parts.count(),
-                     0, options);
+      expectPromises(sparse, placeSeeds(sparse.solid, sparse.components, options),
+                     sparse.components.count(), 0, options);
     }
   }
 }
@@ -59,7 +59,7 @@ TEST_F(Seeds, FillTheSurfaceWhenAskedForAllOfIt) {
   const auto filled = [](const ShapeSolid& on, Sampler sampler) {
     const int all = static_cast<int>(on.surface().size());
     EXPECT_EQ(codeOf(on, {.pieces = all + 1, .on = SeedsOn::surface}), ErrorCode::usage);
-    return voxelsOf(placeSeeds(on.solid, on.parts,
+    return voxelsOf(placeSeeds(on.solid, on.components,
                                {.pieces = all, .sampler = sampler, .on = SeedsOn::surface}));
   };
   for (const voxel_shapes::VoxelSolid& shape : voxel_shapes::all()) {
@@ -75,12 +75,12 @@ TEST_F(Seeds, AHundredthOfTheVoxelsIsAlwaysToBeHad) {
        {voxel_shapes::ball(19), voxel_shapes::cup(20, 2), voxel_shapes::cup(20, 1)}) {
     const ShapeSolid on = make(shape);
     const int pieces = static_cast<int>(on.solid.voxels / 100);
-    ASSERT_LT(on.parts.count(), static_cast<std::size_t>(pieces));
+    ASSERT_LT(on.components.count(), static_cast<std::size_t>(pieces));
     for (const Sampler sampler : kSamplers) {
       for (const SeedsOn place : kPlaces) {
         const SeedOptions options{
             .pieces = pieces, .seed = 9, .sampler = sampler, .on = place, .extraSeeds = pieces};
-        expectPromises(on, placeSeeds(on.solid, on.parts, options),
+        expectPromises(on, placeSeeds(on.solid, on.components, options),
                        static_cast<std::size_t>(pieces), static_cast<std::size_t>(pieces), options);
       }
     }
@@ -92,18 +92,18 @@ TEST_F(Seeds, AsManyAsThereAreIdsAreToBeHad) {
   ASSERT_GT(ball.solid.voxels, static_cast<std::uint64_t>(kMaxFragments));
   for (const Sampler sampler : kSamplers) {
     const SeedOptions options{.pieces = kMaxFragments, .sampler = sampler};
-    const std::vector<Seed> seeds = placeSeeds(ball.solid, ball.parts, options);
+    const std::vector<Seed> seeds = placeSeeds(ball.solid, ball.components, options);
     EXPECT_EQ(fragmentsOf(seeds), kMaxFragments);
     EXPECT_EQ(voxelsOf(seeds).size(), seeds.size());
   }
   EXPECT_EQ(codeOf(ball, {.pieces = kMaxFragments + 1}), ErrorCode::usage);
 }
 
-TEST_F(Seeds, FurtherOnesTakeTheNearestIdInTheirPart) {
+TEST_F(Seeds, FurtherOnesTakeTheNearestIdInTheirComponent) {
   for (const voxel_shapes::VoxelSolid& shape :
-       {voxel_shapes::ball(10), voxel_shapes::manyPartsWithin(9)}) {
+       {voxel_shapes::ball(10), voxel_shapes::manyComponentsWithin(9)}) {
     const ShapeSolid on = make(shape);
-    const int pieces = static_cast<int>(on.parts.count()) + 150;
+    const int pieces = static_cast<int>(on.components.count()) + 150;
     for (const Metric metric : kMetrics) {
       for (const Sampler sampler : kSamplers) {
         const SeedOptions options{.pieces = pieces,
@@ -111,7 +111,7 @@ TEST_F(Seeds, FurtherOnesTakeTheNearestIdInTheirPart) {
                                   .sampler = sampler,
                                   .extraSeeds = 800,
                                   .mergeMetric = metric};
-        expectPromises(on, placeSeeds(on.solid, on.parts, options),
+        expectPromises(on, placeSeeds(on.solid, on.components, options),
                        static_cast<std::size_t>(pieces), 800, options);
       }
     }
@@ -122,9 +122,9 @@ TEST_F(Seeds, FurtherOnesDoNotMoveTheFirst) {
   const ShapeSolid ball = make(voxel_shapes::ball(10));
   for (const Sampler sampler : kSamplers) {
     SeedOptions options{.pieces = 50, .seed = 3, .sampler = sampler};
-    const std::vector<Seed> without = placeSeeds(ball.solid, ball.parts, options);
+    const std::vector<Seed> without = placeSeeds(ball.solid, ball.components, options);
     options.extraSeeds = 100;
-    std::vector<Seed> with = placeSeeds(ball.solid, ball.parts, options);
+    std::vector<Seed> with = placeSeeds(ball.solid, ball.components, options);
     with.resize(50);
     EXPECT_EQ(without, with);
   }
@@ -136,8 +136,8 @@ TEST_F(Seeds, AreSettledByTheSeed) {
     std::set<std::set<Coord>> sets;
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
       const SeedOptions options{.pieces = 10, .seed = seed, .sampler = sampler};
-      const std::vector<Seed> seeds = placeSeeds(ball.solid, ball.parts, options);
-      EXPECT_EQ(seeds, placeSeeds(ball.solid, ball.parts, options));
+      const std::vector<Seed> seeds = placeSeeds(ball.solid, ball.components, options);
+      EXPECT_EQ(seeds, placeSeeds(ball.solid, ball.components, options));
       sets.insert(voxelsOf(seeds));
     }
     EXPECT_EQ(sets.size(), 20u);
@@ -146,16 +146,16 @@ TEST_F(Seeds, AreSettledByTheSeed) {
 
 // The first seeds are those of the parts, in order: what permutes the ids has to be another one for
 // each seed, or a part had the same id in every fracture.
-TEST_F(Seeds, IdsOfPartsDifferFromSeedToSeed) {
+TEST_F(Seeds, IdsOfComponentsDifferFromSeedToSeed) {
   std::set<std::vector<int>> orders;
   const ShapeSolid boxes = make(voxel_shapes::solidWhere("boxes apart", 96, [](const Coord& v) {
     return v.x() >= 0 && v.x() < 96 && v.x() % 8 < 4 && v.y() >= 0 && v.y() < 4 && v.z() >= 0 &&
            v.z() < 4;
   }));
-  ASSERT_EQ(boxes.parts.count(), 12u);
+  ASSERT_EQ(boxes.components.count(), 12u);
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     std::vector<int> idOfBox(12);
-    for (const Seed& s : placeSeeds(boxes.solid, boxes.parts, {.pieces = 12, .seed = seed})) {
+    for (const Seed& s : placeSeeds(boxes.solid, boxes.components, {.pieces = 12, .seed = seed})) {
       idOfBox[static_cast<std::size_t>(s.voxel.x() / 8)] = s.fragment;
     }
     orders.insert(idOfBox);
@@ -170,8 +170,9 @@ TEST_F(Seeds, IdsDoNotFollowThePlace) {
   const ShapeSolid ball = make(voxel_shapes::ball(10));
   constexpr std::size_t n = 400;
   for (const Sampler sampler : kSamplers) {
-    const std::vector<Seed> seeds = placeSeeds(
-        ball.solid, ball.parts, {.pieces = static_cast<int>(n), .seed = 2, .sampler = sampler});
+    const std::vector<Seed> seeds =
+        placeSeeds(ball.solid, ball.components,
+                   {.pieces = static_cast<int>(n), .seed = 2, .sampler = sampler});
     for (int axis = 0; axis < 3; ++axis) {
       // Ranks of the coordinate, equal ones sharing their mean rank.
       double product = 0.0, squares = 0.0;

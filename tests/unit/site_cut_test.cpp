@@ -19,7 +19,7 @@ double beyond(const glm::dvec3& p, const glm::dvec3& own, const glm::dvec3& othe
 }
 
 TEST(SiteCut, GoesByTheNearestPlaneAndNotByTheNearestSite) {
-  // Two sites are neighbours: inside the first cell the second site is nearly always the next
+  // Two sites are neighbors: inside the first cell the second site is nearly always the next
   // nearest, but the plane towards a third is often nearer.
   const std::vector<glm::ivec3> sites{{1, 3, 4}, {0, 3, 4}, {9, 5, 3}, {4, 11, 6}};
   VoronoiSites voronoi;

@@ -42,31 +42,31 @@ TriangleMesh tetrahedron() {
           {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}};
 }
 
-std::vector<std::uint16_t> allFacing(const TriangleMesh& mesh, std::uint16_t facing) {
-  return std::vector<std::uint16_t>(mesh.triangles.size(), facing);
+std::vector<std::uint16_t> allNeighboring(const TriangleMesh& mesh, std::uint16_t neighbor) {
+  return std::vector<std::uint16_t>(mesh.triangles.size(), neighbor);
 }
 
 TEST(Smooth, NothingMovesWithoutWeightOrIterations) {
   const TriangleMesh ball = shapes::ball(1.0, 3);
-  std::vector<std::uint16_t> facing = allFacing(ball, 0);
-  std::fill(facing.begin(), facing.begin() + 300, std::uint16_t{2});
-  const TriangleMesh byDefault = smoothed(ball, facing, {}, kSide);
+  std::vector<std::uint16_t> neighbor = allNeighboring(ball, 0);
+  std::fill(neighbor.begin(), neighbor.begin() + 300, std::uint16_t{2});
+  const TriangleMesh byDefault = smoothed(ball, neighbor, {}, kSide);
   EXPECT_EQ(byDefault.vertices, ball.vertices);
   const TriangleMesh weightless = smoothed(
-      ball, facing,
+      ball, neighbor,
       {.iterations = {9}, .weight = 0.0, .boundaryIterations = {9}, .boundaryWeight = 0.0}, kSide);
   EXPECT_EQ(weightless.vertices, ball.vertices);
   EXPECT_EQ(weightless.triangles, ball.triangles);
 }
 
-TEST(Smooth, OneStepGoesByTheWeightToTheNeighboursMean) {
+TEST(Smooth, OneStepGoesByTheWeightToTheNeighborsMean) {
   const TriangleMesh t = tetrahedron();
   for (const double weight : {0.25, 1.0}) {
     const TriangleMesh one =
-        smoothed(t, allFacing(t, 0),
+        smoothed(t, allNeighboring(t, 0),
                  {.iterations = {1}, .weight = weight, .method = Smoothing::laplacian}, kSide);
     const TriangleMesh boundary = smoothed(
-        t, allFacing(t, 7),
+        t, allNeighboring(t, 7),
         {.boundaryIterations = {1}, .boundaryWeight = weight, .method = Smoothing::laplacian},
         kSide);
     for (std::size_t v = 0; v < 4; ++v) {
@@ -85,15 +85,15 @@ TEST(Smooth, TheInsideOfAFlatGridStays) {
   const int n = 12, iterations = 3;
   const TriangleMesh grid = flatGrid(n);
   const TriangleMesh smooth =
-      smoothed(grid, allFacing(grid, 0),
+      smoothed(grid, allNeighboring(grid, 0),
                {.iterations = {iterations}, .method = Smoothing::laplacian}, kSide);
   int stayed = 0;
   for (std::size_t v = 0; v < grid.vertices.size(); ++v) {
     const glm::dvec3& p = grid.vertices[v];
     EXPECT_EQ(smooth.vertices[v].z, 0.0);
     // The open rim draws in, one ring further each time.
-    const double fromRim = std::min({p.x, p.y, n - p.x, n - p.y});
-    if (fromRim < iterations) continue;
+    const double fromBoundary = std::min({p.x, p.y, n - p.x, n - p.y});
+    if (fromBoundary < iterations) continue;
     ++stayed;
     EXPECT_LT(glm::length(smooth.vertices[v] - p), 1e-14 * n);
   }
@@ -107,7 +107,7 @@ TEST(Smooth, IterationsGrowWithTheLongestSide) {
   EXPECT_EQ((Iterations{.count = 3}.over(128)), 3);
   const TriangleMesh t = tetrahedron();
   const auto after = [&](Iterations iterations) {
-    return smoothed(t, allFacing(t, 0), {.iterations = iterations}, 128).vertices;
+    return smoothed(t, allNeighboring(t, 0), {.iterations = iterations}, 128).vertices;
   };
   EXPECT_EQ(after({.perVoxel = 0.048}), after({.count = 6}));
   EXPECT_NE(after({.perVoxel = 0.048}), after({.count = 5}));
@@ -115,21 +115,21 @@ TEST(Smooth, IterationsGrowWithTheLongestSide) {
 
 TEST(Smooth, BoundaryVerticesAndOthersMoveOnTheirOwn) {
   const TriangleMesh ball = shapes::ball(1.0, 3);
-  std::vector<std::uint16_t> facing(ball.triangles.size());
+  std::vector<std::uint16_t> neighbor(ball.triangles.size());
   std::set<unsigned> boundary;
-  for (std::size_t t = 0; t < facing.size(); ++t) {
+  for (std::size_t t = 0; t < neighbor.size(); ++t) {
     const glm::uvec3& c = ball.triangles[t];
-    facing[t] = ball.vertices[c.x].z > 0.2 ? 3 : 0;
-    for (int k = 0; k < 3 && facing[t]; ++k) boundary.insert(c[k]);
+    neighbor[t] = ball.vertices[c.x].z > 0.2 ? 3 : 0;
+    for (int k = 0; k < 3 && neighbor[t]; ++k) boundary.insert(c[k]);
   }
-  const TriangleMesh others = smoothed(ball, facing,
+  const TriangleMesh others = smoothed(ball, neighbor,
                                        {.iterations = {4},
                                         .boundaryIterations = {4},
                                         .boundaryWeight = 0.0,
                                         .method = Smoothing::laplacian},
                                        kSide);
   const TriangleMesh boundaries =
-      smoothed(ball, facing,
+      smoothed(ball, neighbor,
                {.weight = 0.0, .boundaryIterations = {4}, .method = Smoothing::laplacian}, kSide);
   for (unsigned v = 0; v < ball.vertices.size(); ++v) {
     EXPECT_EQ(others.vertices[v] != ball.vertices[v], boundary.count(v) == 0) << v;
@@ -173,7 +173,7 @@ TEST(Smooth, WavesGoByTheTransferFunction) {
   const double lambda = 0.5, mu = 1.0 / (kPassBand - 1.0 / lambda);
   const int iterations = 10;
   const auto smooth = [&](Smoothing method, int count) {
-    return smoothed(waves.mesh, allFacing(waves.mesh, 0),
+    return smoothed(waves.mesh, allNeighboring(waves.mesh, 0),
                     {.iterations = {count}, .weight = lambda, .method = method}, kSide);
   };
   const TriangleMesh taubin = smooth(Smoothing::taubin, iterations);
@@ -225,7 +225,7 @@ TEST(Smooth, TaubinsKeepsTheVolumeOfABall) {
   const int iterations = 10;
   const double lambda = SmoothOptions().weight;
   const auto volumeBy = [&](Smoothing method, int count) {
-    return volume(smoothed(ball, allFacing(ball, 0),
+    return volume(smoothed(ball, allNeighboring(ball, 0),
                            {.iterations = {count}, .weight = lambda, .method = method}, kSide));
   };
   const double most = mostGrowth(iterations);
@@ -260,8 +260,8 @@ TEST(Smooth, TaubinsKeepsThinWalls) {
   for (const TriangleMesh& mesh : thin) {
     const double before = volume(mesh);
     const auto kept = [&](Smoothing method, int count) {
-      return volume(smoothed(mesh, allFacing(mesh, 0), {.iterations = {count}, .method = method},
-                             kSide)) /
+      return volume(smoothed(mesh, allNeighboring(mesh, 0),
+                             {.iterations = {count}, .method = method}, kSide)) /
              before;
     };
     EXPECT_NEAR(kept(Smoothing::taubin, iterations), 1.0, mostGrowth(iterations));
@@ -296,24 +296,24 @@ VoxelMesh halfMesh(bool upper, int n) {
   return meshOfFaces(faces, {}, /*apart=*/0.0);
 }
 
-TEST(Smooth, TwoSidesOfAnInterfaceMoveAlikeAwayFromTheRim) {
+TEST(Smooth, TwoSidesOfAnInterfaceMoveAlikeAwayFromTheBoundary) {
   const int n = 20, iterations = 3;
   std::map<std::tuple<double, double, double>, glm::dvec3> moved[2];
   for (const bool upper : {false, true}) {
     const VoxelMesh half = halfMesh(upper, n);
     const TriangleMesh smooth = smoothed(
-        half.mesh, half.facing,
+        half.mesh, half.neighbor,
         {.iterations = {6}, .boundaryIterations = {iterations}, .method = Smoothing::laplacian},
         kSide);
     std::set<unsigned> ofCut;
-    for (std::size_t t = 0; t < half.facing.size(); ++t) {
-      for (int k = 0; k < 3 && half.facing[t]; ++k) ofCut.insert(half.mesh.triangles[t][k]);
+    for (std::size_t t = 0; t < half.neighbor.size(); ++t) {
+      for (int k = 0; k < 3 && half.neighbor[t]; ++k) ofCut.insert(half.mesh.triangles[t][k]);
     }
     for (const unsigned v : ofCut) {
       const glm::dvec3& p = half.mesh.vertices[v];
-      const double fromRim = std::min({p.x, p.y, n - 1 - p.x, n - 1 - p.y}) + 0.5;
+      const double fromBoundary = std::min({p.x, p.y, n - 1 - p.x, n - 1 - p.y}) + 0.5;
       // What a vertex sees reaches one more ring with each iteration.
-      if (fromRim >= iterations) moved[upper][{p.x, p.y, p.z}] = smooth.vertices[v];
+      if (fromBoundary >= iterations) moved[upper][{p.x, p.y, p.z}] = smooth.vertices[v];
     }
   }
   ASSERT_GT(moved[0].size(), 150u);

@@ -34,7 +34,7 @@
 #include "voxelize/band.h"
 #include "voxelize/bridges.h"
 #include "voxelize/flood.h"
-#include "voxelize/generalised_winding.h"
+#include "voxelize/generalized_winding.h"
 #include "voxelize/winding.h"
 
 namespace sherd {
@@ -73,7 +73,7 @@ TriangleMesh grown(double factor, TriangleMesh mesh) {
 
 TEST(Stop, VoxelizingAsksOftenEnough) {
   const TriangleMesh ball = grown(20.3, shapes::ball(1.0, 6));  // 81,920 triangles
-  EXPECT_GE(asksOf([&](const Progress* p) { Winding(ball, Winding::Rule::signedTurns, p); }),
+  EXPECT_GE(asksOf([&](const Progress* p) { Winding(ball, Winding::Rule::signedCrossings, p); }),
             2 * ball.triangles.size() / 1024);
   const TriangleTree tree(ball);
   const std::size_t leaves = bandOf(tree, 3.0, nullptr).size();
@@ -95,28 +95,29 @@ TEST(Stop, FillingAsksBesidesItsColumns) {
             3 * columns + 160 * 160 * 160 / 65536);
   const TriangleMesh doubled = shapes::append(cube, cube);
   EXPECT_GE(asksOf([&](const Progress* p) {
-              GeneralisedWinding(doubled, {}, std::make_shared<TriangleTree>(doubled), p);
+              GeneralizedWinding(doubled, {}, std::make_shared<TriangleTree>(doubled), p);
             }),
             columns + 160 * 160 / 1024);
 }
 
-TEST(Stop, RepairAsksForEachPart) {
+TEST(Stop, RepairAsksForEachComponent) {
   TriangleMesh mesh = shapes::ball(10.0);
-  constexpr int kParts = 50;
-  for (int i = 0; i < kParts; ++i) {
+  constexpr int kComponents = 50;
+  for (int i = 0; i < kComponents; ++i) {
     TriangleMesh small = shapes::transformed(shapes::cube(1.0), 1.0, {20.0 + 2.0 * i, 0.0, 0.0});
     for (glm::uvec3& t : small.triangles) std::swap(t.x, t.y);
     mesh = shapes::append(mesh, small);
   }
-  EXPECT_EQ(repaired(mesh).defects.turnedParts, std::size_t{kParts});
-  EXPECT_GE(asksOf([&](const Progress* p) { (void)repaired(mesh, p); }), std::size_t{kParts});
+  EXPECT_EQ(repaired(mesh).defects.flippedComponents, std::size_t{kComponents});
+  EXPECT_GE(asksOf([&](const Progress* p) { (void)repaired(mesh, p); }), std::size_t{kComponents});
 }
 
 TEST(Stop, SmoothingAsksForEachIteration) {
   const TriangleMesh ball = shapes::ball(1.0);
-  const std::vector<std::uint16_t> facing(ball.triangles.size(), 0);
+  const std::vector<std::uint16_t> neighbor(ball.triangles.size(), 0);
   const SmoothOptions options{.iterations = {100}};
-  EXPECT_GE(asksOf([&](const Progress* p) { (void)smoothed(ball, facing, options, 1, p); }), 100u);
+  EXPECT_GE(asksOf([&](const Progress* p) { (void)smoothed(ball, neighbor, options, 1, p); }),
+            100u);
 
   const Solid solid = voxelize(ball, {.resolution = 16});
   Labels labels;
@@ -152,10 +153,10 @@ TEST(Stop, CuttingAsksOftenEnough) {
   labels.fragment.assign(solid.blocks.count() * 512, 0);
   for (std::size_t place = 0; place < labels.fragment.size(); ++place) {
     const bool isAny = solid.blocks.isInside(place) ||
-                       (solid.blocks.outerBand[place / 64] >> (place % 64) & 1) != 0;
+                       (solid.blocks.exteriorBand[place / 64] >> (place % 64) & 1) != 0;
     if (isAny) labels.fragment[place] = solid.blocks.voxelAt(place).x() % 16 < 8 ? 1 : 2;
   }
-  const std::vector<LeafRound> rounds = leavesRound(solid.blocks.origins);
+  const std::vector<LeafNeighbors> rounds = leafNeighbors(solid.blocks.origins);
   EXPECT_GE(asksOf([&](const Progress* p) {
               (void)findCut(solid.blocks, labels, rounds, CutExtent::everywhere, p);
             }),
@@ -166,8 +167,8 @@ TEST(Stop, CuttingAsksOftenEnough) {
             }),
             4u);
   const TriangleMesh ball = shapes::ball(1.0, 5);
-  const std::vector<std::uint16_t> facing(ball.triangles.size(), 0);
-  const Complex complex = complexOf(ball, facing);
+  const std::vector<std::uint16_t> neighbor(ball.triangles.size(), 0);
+  const Complex complex = complexOf(ball, neighbor);
   const std::vector<std::size_t> triangles{100};
   EXPECT_GE(asksOf([&](const Progress* p) { (void)decimated(complex, triangles, p); }), 2u);
   EXPECT_GE(asksOf([&](const Progress* p) { (void)simplified(complex, 0.1, p); }), 2u);

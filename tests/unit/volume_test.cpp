@@ -34,9 +34,9 @@ class VolumeTest : public TempFolder {
   }
 };
 
-openvdb::FloatGrid::Ptr sphere(double radius, const openvdb::Vec3f& centre, double voxelSize) {
+openvdb::FloatGrid::Ptr sphere(double radius, const openvdb::Vec3f& center, double voxelSize) {
   return openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(
-      static_cast<float>(radius), centre, static_cast<float>(voxelSize), 3.0f);
+      static_cast<float>(radius), center, static_cast<float>(voxelSize), 3.0f);
 }
 
 TEST_F(VolumeTest, ALevelSetsVoxelsAreTheSolidsIndexForIndex) {
@@ -179,7 +179,7 @@ RunLengthVoxels voxelsOf(const openvdb::Coord& dims,
   return voxels;
 }
 
-TEST(VoxelFaces, WindOnceRoundLabelledVoxelsAndNowhereElse) {
+TEST(VoxelFaces, WindOnceRoundLabeledVoxelsAndNowhereElse) {
   std::mt19937 random(3);
   std::vector<std::uint16_t> labels(5 * 4 * 6);
   for (std::uint16_t& label : labels) label = static_cast<std::uint16_t>(random() % 3);
@@ -193,8 +193,8 @@ TEST(VoxelFaces, WindOnceRoundLabelledVoxelsAndNowhereElse) {
   for (int x = 0; x < 5; ++x) {
     for (int y = 0; y < 4; ++y) {
       for (int z = 0; z < 6; ++z) {
-        const glm::dvec3 centre = glm::dvec3(10.0, 20.0, 30.0) + 0.5 * glm::dvec3(x, y, z);
-        EXPECT_NEAR(windingNumber(mesh, centre), at(x, y, z) != 0 ? 1.0 : 0.0, 1e-9);
+        const glm::dvec3 center = glm::dvec3(10.0, 20.0, 30.0) + 0.5 * glm::dvec3(x, y, z);
+        EXPECT_NEAR(windingNumber(mesh, center), at(x, y, z) != 0 ? 1.0 : 0.0, 1e-9);
         solid += at(x, y, z) != 0;
       }
     }
@@ -241,7 +241,7 @@ TEST_F(VolumeTest, AFracturesVoxelsBreakAgainAsTheSameSolid) {
   const openvdb::Coord& low = first.solid.box.min;
   const GridFrame frame{first.solid.frame.worldFromIndex({{low.x(), low.y(), low.z()}}),
                         first.solid.frame.voxelSize};
-  writeVoxels(folder_ / "labels.npz", {runs, VoxelPlace{frame, low}}, VoxelFormat::npz);
+  writeVoxels(folder_ / "labels.npz", {runs, VoxelTransform{frame, low}}, VoxelFormat::npz);
   const Volume volume = readVolume(folder_ / "labels.npz");
   options.voxelSize = volume.voxelSize;
   const FractureResult second = fracture(volume.source.mesh, options, device);

@@ -19,7 +19,7 @@ using Runs = std::vector<Run>;  // within a test, Run is a member of GoogleTest'
 
 std::string bytesOf(const PlacedVoxels& voxels, VoxelFormat format) {
   std::string bytes;
-  encodeVoxels(voxels, format, [&](std::string_view part) { bytes.append(part); });
+  encodeVoxels(voxels, format, [&](std::string_view component) { bytes.append(component); });
   return bytes;
 }
 
@@ -100,7 +100,7 @@ RunLengthVoxels randomVoxels(unsigned seed, openvdb::Coord dims, std::uint16_t l
 }
 
 RunLengthVoxels cube(const RunLengthVoxels& voxels) {
-  return padded({voxels}, Padding::centred, "x").voxels;
+  return padded({voxels}, Padding::centered, "x").voxels;
 }
 
 std::uint64_t voxelsOf(const Runs& runs) {
@@ -161,7 +161,7 @@ TEST(QuadStack, HoldsSidesAndStacksBeyond255) {
   EXPECT_EQ(parseQuadStack(bytesOf({voxels}, VoxelFormat::qstack), "x").runs, voxels.runs);
 }
 
-TEST(MagicaVoxel, NeighboursDifferWhereFragmentsShareColours) {
+TEST(MagicaVoxel, NeighborsDifferWhereFragmentsShareColors) {
   // 700 fragments, each a cube of 2 voxels a side.
   VoxelLabels dense{{20, 20, 14}, {}};
   dense.labels.resize(20 * 20 * 14);
@@ -202,9 +202,9 @@ TEST(MagicaVoxel, AnEmptyBoxIsNotWritten) {
 
 TEST(Padded, PlacesTheBoxInTheCubeAndInTheWorld) {
   const PlacedVoxels voxels{{{1, 4, 2}, {{7, 3}, {0, 2}, {8, 3}}},
-                            VoxelPlace{{{{10.0, 20.0, 30.0}}, 0.5}, {1, 2, 3}}};
+                            VoxelTransform{{{{10.0, 20.0, 30.0}}, 0.5}, {1, 2, 3}}};
   const PlacedVoxels end = padded(voxels, Padding::atEnd, "x");
-  const PlacedVoxels middle = padded(voxels, Padding::centred, "x");
+  const PlacedVoxels middle = padded(voxels, Padding::centered, "x");
   for (const PlacedVoxels* cubic : {&end, &middle}) {
     const int x0 = cubic == &end ? 0 : 1, y0 = 0, z0 = cubic == &end ? 0 : 1;
     const VoxelLabels dense = expand(cubic->voxels), small = expand(voxels.voxels);
@@ -218,27 +218,28 @@ TEST(Padded, PlacesTheBoxInTheCubeAndInTheWorld) {
         }
       }
     }
-    EXPECT_EQ(cubic->place->frame.origin.v,
+    EXPECT_EQ(cubic->transform->frame.origin.v,
               glm::dvec3(10.0 - 0.5 * x0, 20.0 - 0.5 * y0, 30.0 - 0.5 * z0));
-    EXPECT_EQ(cubic->place->indexMin, openvdb::Coord(1 - x0, 2 - y0, 3 - z0));
+    EXPECT_EQ(cubic->transform->indexMin, openvdb::Coord(1 - x0, 2 - y0, 3 - z0));
   }
 }
 
 TEST(NpzLabels, KeepThePlace) {
   const PlacedVoxels voxels{randomVoxels(5, {5, 6, 7}, 1, 9),
-                            VoxelPlace{{{{-0.1, 1e-9, 3e8}}, 0.007}, {-5, 0, 2147483647}}};
+                            VoxelTransform{{{{-0.1, 1e-9, 3e8}}, 0.007}, {-5, 0, 2147483647}}};
   const PlacedVoxels back = parseNpzLabels(bytesOf(voxels, VoxelFormat::npz), "x.npz");
-  ASSERT_TRUE(back.place);
-  EXPECT_EQ(back.place->frame.origin.v, voxels.place->frame.origin.v);
-  EXPECT_EQ(back.place->frame.voxelSize, 0.007);
-  EXPECT_EQ(back.place->indexMin, voxels.place->indexMin);
+  ASSERT_TRUE(back.transform);
+  EXPECT_EQ(back.transform->frame.origin.v, voxels.transform->frame.origin.v);
+  EXPECT_EQ(back.transform->frame.voxelSize, 0.007);
+  EXPECT_EQ(back.transform->indexMin, voxels.transform->indexMin);
   EXPECT_EQ(back.voxels.runs, voxels.voxels.runs);
   EXPECT_EQ(lossesOf(voxels, VoxelFormat::npz).size(), 0u);
   EXPECT_EQ(lossesOf(voxels, VoxelFormat::rle).size(), 1u);
 }
 
 TEST(VoxelFiles, EveryCutIsRefused) {
-  const PlacedVoxels voxels{randomVoxels(6, {6, 5, 7}, 1, 9), VoxelPlace{{{{1, 2, 3}}, 0.5}, {}}};
+  const PlacedVoxels voxels{randomVoxels(6, {6, 5, 7}, 1, 9),
+                            VoxelTransform{{{{1, 2, 3}}, 0.5}, {}}};
   for (const VoxelFormat format : kAll) {
     const std::string whole = bytesOf(voxels, format);
     EXPECT_EQ(refusal(whole, format), "");
@@ -253,7 +254,8 @@ TEST(VoxelFiles, EveryCutIsRefused) {
 // Any bytes are read or refused; what is read fills its box.
 TEST(VoxelFiles, DamagedFilesAreReadOrRefused) {
   std::mt19937 random(11);
-  const PlacedVoxels voxels{randomVoxels(7, {6, 5, 7}, 2, 9), VoxelPlace{{{{1, 2, 3}}, 0.5}, {}}};
+  const PlacedVoxels voxels{randomVoxels(7, {6, 5, 7}, 2, 9),
+                            VoxelTransform{{{{1, 2, 3}}, 0.5}, {}}};
   for (const VoxelFormat format : kAll) {
     const std::string whole = bytesOf(voxels, format);
     std::size_t refused = 0;

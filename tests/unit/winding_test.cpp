@@ -24,19 +24,19 @@ std::uint64_t countInside(const TriangleMesh& mesh, int extent) {
   return count;
 }
 
-TEST(Winding, ACubeHoldsTheCentresInIt) {
+TEST(Winding, ACubeHoldsTheCentersInIt) {
   EXPECT_EQ(countInside(shapes::cube(9.0, {0.5, 0.5, 0.5}), 16),
             9u * 9 * 9);  // -4 .. 5, 4 or 5 on the face
   EXPECT_EQ(countInside(shapes::cube(8.5), 16), 9u * 9 * 9);
 }
 
-TEST(Winding, FacesThroughCentresAreHalfOpen) {
-  // Every face of the cube passes voxel centres: each axis takes one of its two faces.
+TEST(Winding, FacesThroughCentersAreHalfOpen) {
+  // Every face of the cube passes voxel centers: each axis takes one of its two faces.
   EXPECT_EQ(countInside(shapes::cube(10.0), 16), 10u * 10 * 10);
 }
 
-TEST(Winding, ABallHoldsTheCentresWithinItsRadius) {
-  // Between the inscribed polyhedron's insphere and its circumsphere a centre may go either way;
+TEST(Winding, ABallHoldsTheCentersWithinItsRadius) {
+  // Between the inscribed polyhedron's insphere and its circumsphere a center may go either way;
   // count outside that.
   const double radius = 20.3;
   const TriangleMesh mesh = shapes::ball(radius, 5);
@@ -67,7 +67,7 @@ TEST(Winding, OverlapsCountTwiceAndCavitiesNotAtAll) {
 }
 
 TEST(Winding, EveryColumnOfAClosedMeshEndsOutside) {
-  // Vertices on, and edges through, voxel centres are the hard case: random meshes with corners on
+  // Vertices on, and edges through, voxel centers are the hard case: random meshes with corners on
   // integers.
   std::minstd_rand random(5);
   for (int round = 0; round < 200; ++round) {

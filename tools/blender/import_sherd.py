@@ -8,18 +8,18 @@
 # version.  This program is distributed in the hope that it will be useful, but WITHOUT ANY WARRANTY; without even the
 # implied warranty of MERCHANTABILITY or FITNESS FOR A PARTICULAR PURPOSE.  See the GNU General Public License for more
 # details: <https://www.gnu.org/licenses/>.
-"""Import the folder that `sherd fracture` wrote: every fragment an object, in a collection named after the mesh.
+"""Import the folder of `sherd fracture`: every fragment becomes an object, in a collection named after the mesh.
 
 usage: blender -b --python-exit-code 1 --python import_sherd.py -- DIR [--meshes | --volumes] [--to-mesh] [--up z|y]
                [-o FILE.blend]
 
   --meshes    the files in DIR/meshes (the default): .ply, else .glb, else .obj
-  --volumes   the level sets in DIR/fragments, an object for each file
+  --volumes   the level sets in DIR/fragments, an object per file
   --to-mesh   give every volume a Volume to Mesh modifier for grid `surface` at threshold 0
-  --up        the mesh's axis that points up; y stands the fragments up in Blender, whose own is z (default z: as is)
+  --up        the mesh's axis that points up; y rotates the fragments to Blender's z-up (default z: unchanged)
   -o          save the scene here
 
-Without -b the fragments join the open scene.
+Without -b the fragments are added to the open scene.
 """
 import argparse
 import json
@@ -33,7 +33,7 @@ import numpy as np
 
 TYPES = {"float": "<f4", "int": "<i4", "uchar": "u1"}
 LISTS = {"vertex_indices": 3, "texcoord": 6}
-INSIDE_COLOUR = (0.745, 0.672, 0.552)  # sRGB 224, 214, 196
+INSIDE_COLOR = (0.745, 0.672, 0.552)  # sRGB 224, 214, 196
 
 
 def arguments():
@@ -71,15 +71,15 @@ def read_ply(path):
 
 
 def material(made, name, texture):
-    """The material of this name among those made so far; a new one has its texture, or a plain colour."""
+    """Returns the material of this name; a new one gets the texture, or a plain color."""
     if name not in made:
         made[name] = bpy.data.materials.new(name)
         made[name].use_nodes = True
         nodes, links = made[name].node_tree.nodes, made[name].node_tree.links
         shader = nodes.get("Principled BSDF")
         shader.inputs["Roughness"].default_value = 0.8
-        colour = INSIDE_COLOUR if name.startswith("inside") else (0.8, 0.8, 0.8)
-        shader.inputs["Base Color"].default_value = made[name].diffuse_color = (*colour, 1)
+        color = INSIDE_COLOR if name.startswith("inside") else (0.8, 0.8, 0.8)
+        shader.inputs["Base Color"].default_value = made[name].diffuse_color = (*color, 1)
         if texture:
             image = nodes.new("ShaderNodeTexImage")
             image.image = bpy.data.images.load(texture, check_existing=True)
@@ -88,11 +88,11 @@ def material(made, name, texture):
 
 
 def from_ply(path, name, made):
-    """The object of a .ply: materials by name, texture coordinates, colours, and faces' `facing` as an attribute."""
+    """The object of a .ply: materials by name, texture coordinates, colors, and faces' `neighbor` as an attribute."""
     comments, vertex, face = read_ply(path)
     mesh = bpy.data.meshes.new(name)
     count = len(face)
-    facing = face["facing"].astype(np.int32)
+    neighbor = face["neighbor" if "neighbor" in face.dtype.names else "facing"].astype(np.int32)
     mesh.vertices.add(len(vertex))
     mesh.vertices.foreach_set("co", np.column_stack([vertex[axis] for axis in "xyz"]).astype(np.float32).ravel())
     mesh.loops.add(3 * count)
@@ -106,36 +106,36 @@ def from_ply(path, name, made):
     named = [c[2:] for c in comments if c[0] == "material"] or [["outside"], ["inside"]]
     for each, *texture in named:
         mesh.materials.append(material(made, each, textures[int(texture[0])] if texture and textures else None))
-    index = face["material"] if "material" in face.dtype.names else facing > 0
+    index = face["material"] if "material" in face.dtype.names else neighbor > 0
     mesh.polygons.foreach_set("material_index", index.astype(np.int32))
     mesh.update(calc_edges=True)
     if "texcoord" in face.dtype.names:
         mesh.uv_layers.new(name="UVMap").data.foreach_set("uv", face["texcoord"].astype(np.float32).ravel())
     if "red" in vertex.dtype.names:
         layer = mesh.color_attributes.new("Col", "BYTE_COLOR", "POINT")
-        colours = np.column_stack([*(vertex[c] / 255 for c in ("red", "green", "blue")), np.ones(len(vertex))])
-        layer.data.foreach_set("color_srgb", colours.astype(np.float32).ravel())
-    mesh.attributes.new("facing", "INT", "FACE").data.foreach_set("value", facing)
+        colors = np.column_stack([*(vertex[c] / 255 for c in ("red", "green", "blue")), np.ones(len(vertex))])
+        layer.data.foreach_set("color_srgb", colors.astype(np.float32).ravel())
+    mesh.attributes.new("neighbor", "INT", "FACE").data.foreach_set("value", neighbor)
     thing = bpy.data.objects.new(name, mesh)
     bpy.context.scene.collection.objects.link(thing)
     return thing
 
 
 def by_importer(path, name, made):
-    """The object of a .glb or .obj, by Blender's own importers, with the file's axes as they are."""
+    """The object of a .glb or .obj, by Blender's importers, with the axes of the file."""
     before = set(bpy.data.objects)
     if path.endswith(".glb"):
         if "bool" not in vars(np):
-            np.bool = bool  # Blender 3.4's importer asks for a name that numpy 1.24 (Debian 12) has dropped
+            np.bool = bool  # Blender 3.4's importer uses a name that numpy 1.24 (Debian 12) has removed
         bpy.ops.import_scene.gltf(filepath=path)
     else:
         bpy.ops.wm.obj_import(filepath=path, forward_axis="Y", up_axis="Z")
     thing = next(t for t in bpy.data.objects if t not in before and t.type == "MESH")
-    if path.endswith(".glb"):  # the importer has turned y up into z up: back, in the mesh itself
+    if path.endswith(".glb"):  # the importer converted y-up to z-up: undo it in the mesh
         thing.data.transform(mathutils.Matrix(((1, 0, 0, 0), (0, 0, 1, 0), (0, -1, 0, 0), (0, 0, 0, 1))))
     thing.matrix_world = mathutils.Matrix()
     thing.name = thing.data.name = name
-    for i, each in enumerate(thing.data.materials):  # every file brings its own `inside`, named inside.001 and so on
+    for i, each in enumerate(thing.data.materials):  # every file has its `inside`, named inside.001 and so on
         base, _, number = each.name.rpartition(".")
         known = made.setdefault(base if number.isdigit() else each.name, each)
         thing.data.materials[i] = known
@@ -145,7 +145,7 @@ def by_importer(path, name, made):
 
 
 def from_vdb(path, name, to_mesh):
-    """The object of one level set.  One file at a time: Blender never looks for a sequence then."""
+    """The object of one level set.  One file at a time, so that Blender detects no sequence."""
     volume = bpy.data.volumes.new(name)
     volume.filepath, volume.is_sequence = path, False
     thing = bpy.data.objects.new(name, volume)
@@ -164,7 +164,7 @@ def from_vdb(path, name, to_mesh):
 
 
 def chosen(files, kinds):
-    """The first path of the kinds, in their order of preference."""
+    """Returns the first path of the kinds, in order of preference."""
     files = [files] if isinstance(files, str) else files or []
     return next((f for kind in kinds for f in files if f.endswith(kind)), None)
 
@@ -180,7 +180,7 @@ def gather(things, collection, up):
 
 
 def bring(options):
-    """The fragments' objects, in the order of their ids."""
+    """Returns the fragments' objects, ordered by id."""
     folder = os.path.abspath(options.folder)
     if folder.endswith("manifest.json"):
         folder = os.path.dirname(folder)
@@ -191,8 +191,8 @@ def bring(options):
         sys.exit(f"{options.folder}: no manifest.json; a finished fracture's folder is needed")
     except ValueError:
         sys.exit(f"{options.folder}: manifest.json is not JSON")
-    if manifest.get("schema") != "sherd/1":
-        sys.exit(f"{options.folder}: manifest.json is not of schema sherd/1")
+    if manifest.get("schema") not in ("sherd/1", "sherd/2"):
+        sys.exit(f"{options.folder}: manifest.json is of neither schema sherd/1 nor sherd/2")
     kind = "vdb" if options.volumes else "mesh"
     things, made = [], {}
     for fragment in manifest["fragments"]:
@@ -217,7 +217,7 @@ def bring(options):
 
 def main():
     options = arguments()
-    if bpy.app.background:  # the factory's cube is in the way
+    if bpy.app.background:  # remove the default cube
         for thing in bpy.data.objects[:]:
             if thing.type == "MESH" and thing.name == "Cube":
                 bpy.data.objects.remove(thing)

@@ -9,12 +9,12 @@
 # implied warranty of MERCHANTABILITY or FITNESS FOR A PARTICULAR PURPOSE.  See the GNU General Public License for more
 # details: <https://www.gnu.org/licenses/>.
 #
-# This file runs inside Blender and is under Blender's licence.  It starts `sherd` as a program of its own; the rest of
+# This file runs inside Blender and is under Blender's license.  It starts `sherd` as a separate program; the rest of
 # Sherd is under the Apache License 2.0.
 """Breaks the active mesh object into fragments: see docs/blender.md.
 
-The mesh leaves as one .ply with what Sherd carries along (texture coordinates, colours, which material a face has) and
-comes back as one .ply per fragment.  Materials never leave Blender: a fragment's faces get the object's own ones back.
+Exports the mesh as one .ply with the attributes that Sherd transfers (texture coordinates, colors, material index per
+face) and imports one .ply per fragment.  Materials stay in Blender: faces of fragments get the object's materials.
 """
 import json
 import math
@@ -39,7 +39,7 @@ bl_info = {
     "category": "Object",
 }
 
-INSIDE_COLOUR = (0.745, 0.672, 0.552)  # sRGB 224, 214, 196, as Sherd's own material `inside`
+INSIDE_COLOR = (0.745, 0.672, 0.552)  # sRGB 224, 214, 196, as in Sherd's material `inside`
 SMOOTH_BELOW = math.radians(40)
 CONVERTIBLE = ("CURVE", "SURFACE", "META", "FONT")
 PLY_TYPES = {"float": "<f4", "int": "<i4", "uchar": "u1"}
@@ -47,31 +47,31 @@ PLY_LISTS = {"vertex_indices": 3, "texcoord": 6}
 
 
 class Failure(Exception):
-    """What went wrong, as one sentence for the user."""
+    """An error, as one sentence for the user."""
 
 
-# ---- The mesh out ----
+# ---- Export ----
 
 
-def colours_of(mesh):
-    """Name and bytes [vertices, 3] of the active colours, those of corners averaged; None, None without any."""
+def colors_of(mesh):
+    """Name and bytes [vertices, 3] of the active colors, those of corners averaged; None, None without any."""
     layer = mesh.color_attributes.active_color
     if layer is None or layer.domain not in ("POINT", "CORNER"):
         return None, None
-    colours = np.empty((len(layer.data), 4), np.float32)
-    layer.data.foreach_get("color_srgb", colours.ravel())
-    colours = colours[:, :3].astype(float)
+    colors = np.empty((len(layer.data), 4), np.float32)
+    layer.data.foreach_get("color_srgb", colors.ravel())
+    colors = colors[:, :3].astype(float)
     if layer.domain == "CORNER":
         at = np.empty(len(mesh.loops), np.int32)
         mesh.loops.foreach_get("vertex_index", at)
         uses = np.maximum(np.bincount(at, minlength=len(mesh.vertices)), 1)
-        sums = [np.bincount(at, colours[:, k], len(mesh.vertices)) for k in range(3)]
-        colours = np.column_stack(sums) / uses[:, None]
-    return layer.name, np.rint(255 * np.clip(colours, 0, 1)).astype(np.uint8)
+        sums = [np.bincount(at, colors[:, k], len(mesh.vertices)) for k in range(3)]
+        colors = np.column_stack(sums) / uses[:, None]
+    return layer.name, np.rint(255 * np.clip(colors, 0, 1)).astype(np.uint8)
 
 
 def write_ply(path, mesh, world):
-    """Write a mesh's triangles in world space.  Returns the names of its texture coordinates and colours, or None."""
+    """Write a mesh's triangles in world space.  Returns the names of its texture coordinates and colors, or None."""
     mesh.calc_loop_triangles()
     count = len(mesh.loop_triangles)
     corners, loops = np.empty((count, 3), np.int32), np.empty((count, 3), np.int32)
@@ -79,28 +79,28 @@ def write_ply(path, mesh, world):
     mesh.loop_triangles.foreach_get("vertices", corners.ravel())
     mesh.loop_triangles.foreach_get("loops", loops.ravel())
     mesh.loop_triangles.foreach_get("material_index", material)
-    places = np.empty((len(mesh.vertices), 3), np.float32)
-    mesh.vertices.foreach_get("co", places.ravel())
+    positions = np.empty((len(mesh.vertices), 3), np.float32)
+    mesh.vertices.foreach_get("co", positions.ravel())
     world = np.array(world, float)
-    places = places.astype(float) @ world[:3, :3].T + world[:3, 3]
-    if np.linalg.det(world[:3, :3]) < 0:  # mirrored: what was counter-clockwise is no more
+    positions = positions.astype(float) @ world[:3, :3].T + world[:3, 3]
+    if np.linalg.det(world[:3, :3]) < 0:  # mirrored: orientation is reversed
         corners, loops = corners[:, ::-1], loops[:, ::-1]
-    used, corners = np.unique(corners, return_inverse=True)  # loose vertices would widen the grid
+    used, corners = np.unique(corners, return_inverse=True)  # loose vertices would enlarge the grid
     corners = corners.reshape(-1, 3)
 
     layer = next((u for u in mesh.uv_layers if u.active_render), mesh.uv_layers.active)
-    colour_name, colours = colours_of(mesh)
+    color_name, colors = colors_of(mesh)
     head = ["ply", "format binary_little_endian 1.0"]
     head += [f"comment material {i} m{i}" for i in range(material.max() + 1)]
     head += [f"element vertex {len(used)}", *(f"property float {axis}" for axis in "xyz")]
     fields = [("at", "<f4", 3)]
-    if colours is not None:
+    if colors is not None:
         head += [f"property uchar {channel}" for channel in ("red", "green", "blue")]
-        fields.append(("colour", "u1", 3))
+        fields.append(("color", "u1", 3))
     vertices = np.empty(len(used), fields)
-    vertices["at"] = places[used]
-    if colours is not None:
-        vertices["colour"] = colours[used]
+    vertices["at"] = positions[used]
+    if colors is not None:
+        vertices["color"] = colors[used]
     head += [f"element face {count}", "property list uchar int vertex_indices"]
     fields = [("three", "u1"), ("corners", "<i4", 3)]
     if layer:
@@ -115,10 +115,10 @@ def write_ply(path, mesh, world):
         faces["six"], faces["texcoord"] = 6, uv[loops].reshape(-1, 6)
     with open(path, "wb") as file:
         file.write(("\n".join(head) + "\n").encode() + vertices.tobytes() + faces.tobytes())
-    return layer.name if layer else None, colour_name
+    return layer.name if layer else None, color_name
 
 
-# ---- The fragments in ----
+# ---- Import ----
 
 
 def read_ply(path):
@@ -144,40 +144,40 @@ def read_ply(path):
     return names, arrays[0], arrays[1]
 
 
-def material(name, colour):
-    """The material of this name; made where there is none."""
+def material(name, color):
+    """Returns the material of this name; creates it if absent."""
     found = bpy.data.materials.get(name)
     if found is None:
         found = bpy.data.materials.new(name)
-        found.diffuse_color = (*colour, 1)
+        found.diffuse_color = (*color, 1)
         found.use_nodes = True
         shader = found.node_tree.nodes.get("Principled BSDF")
         if shader:
-            shader.inputs["Base Color"].default_value = (*colour, 1)
+            shader.inputs["Base Color"].default_value = (*color, 1)
             shader.inputs["Roughness"].default_value = 0.8
     return found
 
 
-def shade_smooth(mesh, facing):
-    """Smooth faces with sharp rims of cracks."""
-    mesh.polygons.foreach_set("use_smooth", np.ones(len(facing), bool))
+def shade_smooth(mesh, neighbor):
+    """Smooth shading with sharp contact boundaries."""
+    mesh.polygons.foreach_set("use_smooth", np.ones(len(neighbor), bool))
     if bpy.app.version < (4, 1, 0):
         mesh.use_auto_smooth = True
         mesh.auto_smooth_angle = SMOOTH_BELOW
     else:
         mesh.set_sharp_from_angle(angle=SMOOTH_BELOW)
-    edge = np.empty(3 * len(facing), np.int32)
+    edge = np.empty(3 * len(neighbor), np.int32)
     mesh.loops.foreach_get("edge_index", edge)
     low, high = np.full(len(mesh.edges), 2**31 - 1), np.full(len(mesh.edges), -1)
-    np.minimum.at(low, edge, np.repeat(facing, 3))
-    np.maximum.at(high, edge, np.repeat(facing, 3))
+    np.minimum.at(low, edge, np.repeat(neighbor, 3))
+    np.maximum.at(high, edge, np.repeat(neighbor, 3))
     sharp = np.empty(len(mesh.edges), bool)
     mesh.edges.foreach_get("use_edge_sharp", sharp)
     mesh.edges.foreach_set("use_edge_sharp", sharp | (low != high))
 
 
-def read_mesh(path, name, origin, materials, inside, uv_name, colour_name):
-    """A fragment's mesh about `origin`.  A face has material m<i>'s, or the inner one; its facing is an attribute."""
+def read_mesh(path, name, origin, materials, inside, uv_name, color_name):
+    """A fragment's mesh relative to `origin`.  A face has material m<i> or the inner one; `neighbor` is a face attribute."""
     names, vertex, face = read_ply(path)
     mesh = bpy.data.meshes.new(name)
     count = len(face)
@@ -195,24 +195,24 @@ def read_mesh(path, name, origin, materials, inside, uv_name, colour_name):
         slots.append(inside)
     for each in slots:
         mesh.materials.append(each)
-    facing = face["facing"].astype(np.int32)
+    neighbor = face["neighbor"].astype(np.int32)
     slot_of = {n: int(text[1:]) for n, text in names.items() if text[:1] == "m" and text[1:].isdigit()}
     slot = np.full(max(names, default=0) + 1, slots.index(inside), np.int32)
     for number, index in slot_of.items():
         slot[number] = min(index, len(materials) - 1)
-    index = slot[face["material"]] if "material" in face.dtype.names else np.where(facing, slots.index(inside), 0)
+    index = slot[face["material"]] if "material" in face.dtype.names else np.where(neighbor, slots.index(inside), 0)
     mesh.polygons.foreach_set("material_index", index.astype(np.int32))
     mesh.update(calc_edges=True)
     if uv_name is not None and "texcoord" in face.dtype.names:
         layer = mesh.uv_layers.new(name=uv_name)
         layer.data.foreach_set("uv", face["texcoord"].astype(np.float32).ravel())
-    if colour_name is not None and "red" in vertex.dtype.names:
-        layer = mesh.color_attributes.new(colour_name, "BYTE_COLOR", "POINT")
-        colours = np.column_stack([*(vertex[c] / 255 for c in ("red", "green", "blue")), np.ones(len(vertex))])
-        layer.data.foreach_set("color_srgb", colours.astype(np.float32).ravel())
+    if color_name is not None and "red" in vertex.dtype.names:
+        layer = mesh.color_attributes.new(color_name, "BYTE_COLOR", "POINT")
+        colors = np.column_stack([*(vertex[c] / 255 for c in ("red", "green", "blue")), np.ones(len(vertex))])
+        layer.data.foreach_set("color_srgb", colors.astype(np.float32).ravel())
         mesh.color_attributes.active_color = layer
-    mesh.attributes.new("facing", "INT", "FACE").data.foreach_set("value", facing)
-    shade_smooth(mesh, facing)
+    mesh.attributes.new("neighbor", "INT", "FACE").data.foreach_set("value", neighbor)
+    shade_smooth(mesh, neighbor)
     return mesh
 
 
@@ -228,7 +228,7 @@ def home(context, thing):
 
 
 def make_rigid(context, fragments, density, asleep):
-    """Active rigid bodies of the fragments, which are all that is selected.  False where the scene may not have any."""
+    """Makes the fragments, which are the selection, active rigid bodies.  Returns False if the scene does not allow any."""
     scene = context.scene
     try:
         if scene.rigidbody_world is None:
@@ -247,7 +247,7 @@ def make_rigid(context, fragments, density, asleep):
     return True
 
 
-# ---- The run in between ----
+# ---- The run ----
 
 
 def preference(context, name, default):
@@ -259,18 +259,18 @@ def program(context):
     asked = bpy.path.abspath(preference(context, "binary", "") or "sherd")
     found = shutil.which(asked)
     if found is None:
-        raise Failure(f"there is no program '{asked}' to run; set the path of sherd in Edit > Preferences > Add-ons > "
+        raise Failure(f"program '{asked}' not found; set the path of sherd in Edit > Preferences > Add-ons > "
                       "Sherd Fracture")
     return found
 
 
 def limited(name, room):
-    """A name cut so that `room` more bytes fit into Blender's 63."""
+    """A name truncated so that `room` more bytes fit into Blender's 63."""
     return name.encode()[:63 - room].decode(errors="ignore")
 
 
 class Job:
-    """One run of sherd: begun by the constructor, its fragments fetched by fetch(), cleared away by close()."""
+    """One run of sherd: started by the constructor; fetch() imports the fragments, close() cleans up."""
 
     def __init__(self, context, thing, choices):
         self.thing, self.process, self.scratch = thing, None, None
@@ -285,8 +285,8 @@ class Job:
             self.export(context)
             command = [binary, "fracture", self.mesh, "-o", self.out, "--write", "labels,vdb,mesh" if self.kept else
                        "mesh", "--json", *self.options(choices)]
-            with open(self.path("told"), "wb") as told, open(self.path("errors"), "wb") as errors:
-                self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=told, stderr=errors)
+            with open(self.path("report"), "wb") as report, open(self.path("errors"), "wb") as errors:
+                self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=report, stderr=errors)
         except OSError as error:
             self.close()
             raise Failure(f"{binary} does not run ({error.strerror}); set the path of sherd in Edit > Preferences > "
@@ -316,7 +316,7 @@ class Job:
             for i, slot in enumerate(self.thing.material_slots):
                 if slot.link == "OBJECT" and i < len(self.materials):
                     self.materials[i] = slot.material
-            self.uv_name, self.colour_name = write_ply(self.mesh, mesh, evaluated.matrix_world)
+            self.uv_name, self.color_name = write_ply(self.mesh, mesh, evaluated.matrix_world)
         finally:
             evaluated.to_mesh_clear()
 
@@ -326,8 +326,8 @@ class Job:
                  "--growth", choices.growth.lower(), "--erode-iterations", choices.wear]
         if choices.roughness > 0:
             words += ["--roughness", f"{choices.roughness:.6g}"]
-        if choices.blow is not None:
-            parts = [f"{x:.9g}" for x in choices.blow] + [str(choices.impact_pieces)]
+        if choices.impact_position is not None:
+            parts = [f"{x:.9g}" for x in choices.impact_position] + [str(choices.impact_pieces)]
             if choices.impact_spread > 0:
                 parts.append(f"{choices.impact_spread:.6g}")
             words += ["--impact=" + ",".join(parts)]  # one word: it may begin with a minus
@@ -348,8 +348,8 @@ class Job:
         except KeyboardInterrupt:
             raise Failure(f"breaking {self.thing.name} was interrupted") from None
 
-    def said(self):
-        """Sherd's error and its warnings, with the object's name in place of the temporary file's."""
+    def messages(self):
+        """Returns the error and the warnings of sherd, with the object's name in place of the temporary file's."""
         with open(self.path("errors"), errors="replace") as file:
             text = file.read().replace(self.mesh, self.thing.name).replace(os.path.basename(self.mesh), self.thing.name)
         warnings = [line[15:].strip() for line in text.splitlines() if line.startswith("sherd: warning:")]
@@ -358,20 +358,20 @@ class Job:
         return " ".join(errors), warnings
 
     def fetch(self, context):
-        """The fragments as objects, the first one active, and warnings."""
-        error, warnings = self.said()
+        """Returns the fragments as objects, the first one active, and warnings."""
+        error, warnings = self.messages()
         status = self.process.returncode
         if status in (130, -2, -15):
             raise Failure(f"breaking {self.thing.name} was interrupted")
         if status < 0:
             raise Failure(f"sherd was ended by signal {-status} while breaking {self.thing.name}")
         if status != 0:
-            raise Failure(error or f"sherd ended with status {status} and said nothing")
+            raise Failure(error or f"sherd ended with status {status} and no message")
         try:
             with open(os.path.join(self.out, "manifest.json"), encoding="utf-8") as file:
                 manifest = json.load(file)
         except (OSError, ValueError):
-            raise Failure("sherd ended well but left no manifest.json; is this really the program sherd?") from None
+            raise Failure("sherd succeeded but wrote no manifest.json; check that the program is sherd") from None
         fragments = self.build(context, manifest)
         if self.rigid and not make_rigid(context, fragments, self.density, self.asleep):
             warnings.append("this scene may not have rigid bodies; the fragments are plain objects")
@@ -382,24 +382,24 @@ class Job:
     def build(self, context, manifest):
         thing, materials = self.thing, self.materials
         inside = bpy.data.materials.get(self.inside) if self.inside else None
-        inside = inside or material("Sherd inside", INSIDE_COLOUR)
+        inside = inside or material("Sherd inside", INSIDE_COLOR)
         materials = materials or [material("Sherd outside", (0.8, 0.8, 0.8))]
         collection = bpy.data.collections.new(thing.name)
         home(context, thing).children.link(collection)
         digits = max(3, len(str(manifest["fragments"][-1]["id"])))
         fragments = []
-        for told in manifest["fragments"]:
-            if "files" not in told or "mesh" not in told["files"]:
+        for entry in manifest["fragments"]:
+            if "files" not in entry or "mesh" not in entry["files"]:
                 continue  # withheld
-            name = limited(thing.name, digits + 1) + f"_{told['id']:0{digits}d}"
-            origin = np.array(told["centroid"], np.float32).astype(float)  # as Blender will have it
-            mesh = read_mesh(os.path.join(self.out, told["files"]["mesh"]), name, origin, materials, inside,
-                             self.uv_name, self.colour_name)
+            name = limited(thing.name, digits + 1) + f"_{entry['id']:0{digits}d}"
+            origin = np.array(entry["centroid"], np.float32).astype(float)  # rounded as in Blender
+            mesh = read_mesh(os.path.join(self.out, entry["files"]["mesh"]), name, origin, materials, inside,
+                             self.uv_name, self.color_name)
             fragment = bpy.data.objects.new(name, mesh)
             fragment.location = origin
-            fragment["sherd_fragment"] = told["id"]
-            fragment["sherd_volume"] = told["volume"]
-            fragment["sherd_share"] = told["share"]
+            fragment["sherd_fragment"] = entry["id"]
+            fragment["sherd_volume"] = entry["volume"]
+            fragment["sherd_share"] = entry["share"]
             fragment["sherd_source"] = thing.name
             if self.kept:
                 fragment["sherd_folder"] = self.out
@@ -413,7 +413,7 @@ class Job:
         return fragments
 
     def hide(self, context):
-        """Out of sight and out of the way: a hidden rigid body would still push its own fragments."""
+        """Hides the object and removes its rigid body, which would still push the fragments."""
         world = context.scene.rigidbody_world
         if self.thing.rigid_body and world and world.collection and self.thing in world.collection.objects[:]:
             world.collection.objects.unlink(self.thing)
@@ -432,42 +432,42 @@ class Job:
             shutil.rmtree(self.scratch, ignore_errors=True)
 
 
-# ---- What the user sees ----
+# ---- User interface ----
 
 
 class Choices:
-    """What can be chosen: the panel keeps it with the scene, the operator with each run."""
+    """The options: stored with the scene for the panel, and with each run for the operator."""
 
-    pieces: IntProperty(name="Pieces", description="Fragments wanted", default=8, min=1, max=65534, soft_max=200)
+    pieces: IntProperty(name="Pieces", description="Number of fragments", default=8, min=1, max=65534, soft_max=200)
     resolution: IntProperty(name="Resolution", description="Voxels along the longest side of the object's box",
                             default=96, min=8, max=4096, soft_max=256)
     seed: IntProperty(name="Seed", description="Seed of every random choice: the same seed, the same fragments",
                       default=0, min=0)
-    growth: EnumProperty(name="Growth", description="How fragments spread from their seeds", default="EUCLID", items=[
-        ("EUCLID", "Euclid", "To the nearest seed; what is cut off is regrown"),
-        ("NEAREST", "Nearest", "To the nearest seed, blind to gaps"),
-        ("CHAIN", "Chain", "Over faces in the order of the distance to the seed"),
+    growth: EnumProperty(name="Growth", description="Growth of fragments from their seeds", default="EUCLID", items=[
+        ("EUCLID", "Euclid", "Nearest seed; disconnected voxels are regrown"),
+        ("NEAREST", "Nearest", "Nearest seed, ignoring gaps"),
+        ("CHAIN", "Chain", "Over voxel faces in the order of the distance to the seed"),
         ("FLOOD", "Flood", "Layer by layer")])
-    roughness: FloatProperty(name="Roughness", description="Height in voxels by which cracks wander; 0 is planar",
+    roughness: FloatProperty(name="Roughness", description="Rms height of cracks in voxels; 0 is planar",
                              default=0.0, min=0.0, max=100.0, soft_max=3.0)
-    wear: IntProperty(name="Wear", description="How often the outermost layer of cracks is worn away", default=0, min=0,
+    wear: IntProperty(name="Wear", description="Iterations of erosion of the outermost layer of cracks", default=0, min=0,
                       max=1000, soft_max=10)
-    impact: EnumProperty(name="Impact", description="Where a blow lands, with small pieces about it", default="NONE",
-                         items=[("NONE", "None", "No blow"), ("CURSOR", "3D Cursor", "At the 3D cursor"),
+    impact: EnumProperty(name="Impact", description="Position of an impact, with small fragments around it", default="NONE",
+                         items=[("NONE", "None", "No impact"), ("CURSOR", "3D Cursor", "At the 3D cursor"),
                                 ("MOUSE", "Under the Mouse", "Where you click on the object")])
-    impact_pieces: IntProperty(name="Impact Pieces", description="How many of the pieces come from about the blow",
+    impact_pieces: IntProperty(name="Impact Pieces", description="Number of fragments around the impact",
                                default=4, min=1, max=65534, soft_max=100)
     impact_spread: FloatProperty(name="Impact Spread", unit="LENGTH", default=0.0, min=0.0,
-                                 description="How far from the blow its pieces lie (standard deviation); 0: Sherd's")
+                                 description="Standard deviation of its seeds from the impact; 0: Sherd's default")
     inside_material: StringProperty(name="Inside", description="Material of cracks; empty: 'Sherd inside'")
     rigid_body: BoolProperty(name="Rigid Bodies", description="Make the fragments active rigid bodies", default=True)
     asleep: BoolProperty(name="Rest Until Hit", default=False,
-                         description="Rigid bodies hang still until something touches them")
+                         description="Rigid bodies rest until another body touches them")
     density: FloatProperty(name="Density", description="Mass over volume, for the rigid bodies", default=1000.0,
                            min=0.000001, soft_max=10000.0)
-    original: EnumProperty(name="Original", description="What becomes of the object", default="HIDE", items=[
-        ("HIDE", "Hide", "Hide it, and take it out of the rigid body world"), ("KEEP", "Keep", "Leave it as it is")])
-    folder: StringProperty(name="Keep Files", description="Folder that keeps Sherd's files; empty: none are kept",
+    original: EnumProperty(name="Original", description="The source object after the fracture", default="HIDE", items=[
+        ("HIDE", "Hide", "Hide it, and remove it from the rigid body world"), ("KEEP", "Keep", "Leave it unchanged")])
+    folder: StringProperty(name="Keep Files", description="Folder for Sherd's files; empty: files are not kept",
                            subtype="DIR_PATH")
 
 
@@ -475,7 +475,7 @@ NAMES = list(Choices.__annotations__)
 
 
 class SherdSettings(bpy.types.PropertyGroup, Choices):
-    """The panel's choices."""
+    """The options of the panel."""
 
 
 class SherdPreferences(bpy.types.AddonPreferences):
@@ -512,13 +512,13 @@ class OBJECT_OT_sherd_fracture(bpy.types.Operator, Choices):
         return thing
 
     def begin(self, context):
-        self.blow = None
+        self.impact_position = None
         if self.impact == "CURSOR":
-            self.blow = tuple(context.scene.cursor.location)
+            self.impact_position = tuple(context.scene.cursor.location)
         elif self.impact == "MOUSE":
             if not self.properties.is_property_set("impact_point"):
-                raise Failure("a blow under the mouse needs a click in a 3D view; use the 3D cursor without one")
-            self.blow = tuple(self.impact_point)
+                raise Failure("an impact under the mouse needs a click in a 3D view; use the 3D cursor without one")
+            self.impact_position = tuple(self.impact_point)
         return Job(context, self.thing(context), self)
 
     def end(self, context, job):
@@ -534,7 +534,7 @@ class OBJECT_OT_sherd_fracture(bpy.types.Operator, Choices):
         return {"CANCELLED"}
 
     def execute(self, context):
-        """All at once: scripts, and the panel of the last operation."""
+        """Blocking run: scripts, and the panel of the last operation."""
         try:
             with self.begin(context) as job:
                 job.wait()
@@ -543,7 +543,7 @@ class OBJECT_OT_sherd_fracture(bpy.types.Operator, Choices):
             return self.fail(context, failure)
 
     def invoke(self, context, _event):
-        """From the panel: first a click where one is needed, then a run that Esc stops."""
+        """From the panel: first a click if needed, then a run that Esc stops."""
         if bpy.app.background or context.window is None:
             return self.execute(context)
         try:
@@ -551,8 +551,8 @@ class OBJECT_OT_sherd_fracture(bpy.types.Operator, Choices):
             program(context)
             if self.impact == "MOUSE" and not self.properties.is_property_set("impact_point"):
                 if context.area is None or context.area.type != "VIEW_3D":
-                    raise Failure("a blow under the mouse needs a click in a 3D view; start it from the sidebar there")
-                context.workspace.status_text_set("Click where the blow lands; right click or Esc: no fracture")
+                    raise Failure("an impact under the mouse needs a click in a 3D view; start it from the sidebar there")
+                context.workspace.status_text_set("Click the impact point; right click or Esc: no fracture")
                 context.window.cursor_modal_set("CROSSHAIR")
             else:
                 self.start(context)
@@ -568,11 +568,11 @@ class OBJECT_OT_sherd_fracture(bpy.types.Operator, Choices):
         context.window.cursor_modal_set("WAIT")
 
     def pick(self, context, event):
-        """The place of the object under the mouse, None beside it."""
+        """The point of the object under the mouse; None beside the object."""
         for region in context.area.regions:
             x, y = event.mouse_x - region.x, event.mouse_y - region.y
             if region.type == "WINDOW" and 0 <= x < region.width and 0 <= y < region.height:
-                return place_under(context, region, region.data, (x, y), self.thing(context))
+                return point_under(context, region, region.data, (x, y), self.thing(context))
         return None
 
     def modal(self, context, event):
@@ -583,12 +583,12 @@ class OBJECT_OT_sherd_fracture(bpy.types.Operator, Choices):
                 return {"CANCELLED"}
             if self.job is None:
                 if event.type != "LEFTMOUSE" or event.value != "PRESS":
-                    return {"PASS_THROUGH"}  # the view may be turned
-                place = self.pick(context, event)
-                if place is None:
-                    self.report({"WARNING"}, "that is beside the object")
+                    return {"PASS_THROUGH"}  # the view may be rotated
+                position = self.pick(context, event)
+                if position is None:
+                    self.report({"WARNING"}, "the click missed the object")
                     return {"RUNNING_MODAL"}
-                self.impact_point = place
+                self.impact_point = position
                 self.start(context)
             elif event.type == "TIMER" and not self.job.running():
                 job, self.job = self.job, None
@@ -614,14 +614,14 @@ class OBJECT_OT_sherd_fracture(bpy.types.Operator, Choices):
         self.leave(context)
 
 
-def place_under(context, region, view, at, thing):
-    """Where the ray through a pixel meets an object first, in world space; None where it does not."""
+def point_under(context, region, view, at, thing):
+    """First intersection of the ray through a pixel with an object, in world space, or None."""
     start = view3d_utils.region_2d_to_origin_3d(region, view, at)
     along = view3d_utils.region_2d_to_vector_3d(region, view, at)
     evaluated = thing.evaluated_get(context.evaluated_depsgraph_get())
     local = evaluated.matrix_world.inverted_safe()
-    hit, place, _, _ = evaluated.ray_cast(local @ start, local.to_3x3() @ along)
-    return evaluated.matrix_world @ place if hit else None
+    hit, position, _, _ = evaluated.ray_cast(local @ start, local.to_3x3() @ along)
+    return evaluated.matrix_world @ position if hit else None
 
 
 class VIEW3D_PT_sherd(bpy.types.Panel):

@@ -1,4 +1,4 @@
-// Arrays of NumPy, read.
+// Reads NumPy arrays.
 //
 //     93 'NUMPY' u8 major u8 minor | u16 or u32 length | {'descr': '<u2', 'fortran_order': False,
 //     'shape': (3, 4, 5), } blanks \n | numbers
@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::size_t kLongestHeader = std::size_t{1} << 20;
 
-/// What stands behind a key of the header's dictionary.
+/// Returns the text after a key of the header's dictionary.
 std::string_view valueOf(std::string_view text, const std::string& key, const std::string& name) {
   for (const char quote : {'\'', '"'}) {
     const std::string quoted = quote + key + quote;
@@ -58,13 +58,13 @@ void takeType(std::string_view text, NpyHeader& header, const std::string& name)
 void takeShape(std::string_view text, NpyHeader& header, const std::string& name) {
   const std::size_t end = text.find(')');
   if (!text.starts_with('(') || end == std::string_view::npos) {
-    inputError(name, "its .npy header has a shape that is none");
+    inputError(name, "its .npy header has a malformed shape");
   }
   text = text.substr(1, end - 1);
   while (!isBlank(text)) {
     const std::size_t comma = std::min(text.find(','), text.size());
     const auto side = parseInteger<std::uint64_t>(trimmed(text.substr(0, comma)));
-    if (!side) inputError(name, "its .npy header has a shape that is none");
+    if (!side) inputError(name, "its .npy header has a malformed shape");
     header.shape.push_back(*side);
     text.remove_prefix(std::min(comma + 1, text.size()));
   }
@@ -112,7 +112,7 @@ std::optional<NpyHeader> npyHeaderOf(std::string_view bytes, std::uint64_t size,
                                      const std::string& name) {
   if (bytes.size() < 12 && bytes.size() < size) return {};
   if (bytes.size() < 12 || !bytes.starts_with("\x93NUMPY")) {
-    inputError(name, "is no .npy array: its first six bytes are others");
+    inputError(name, "is no .npy array: its first six bytes are not NumPy's");
   }
   const bool wide = bytes[6] != 1;
   if (bytes[6] < 1 || bytes[6] > 3) inputError(name, "is an .npy array of an unknown version");
@@ -150,20 +150,20 @@ std::optional<NpyNumbers> numbersOf(const std::vector<ZipEntry>& entries, const 
                                     MemoryBudget& memory) {
   const ZipEntry* entry = entryOf(entries, array);
   if (entry == nullptr) return {};
-  const std::string place = name + ", array '" + array + "'";
+  const std::string label = name + ", array '" + array + "'";
   if (entry->size > kLongestHeader + 8 * most) {
-    inputError(place, "has more than the " + std::to_string(most) + " numbers that are read");
+    inputError(label, "has more than the " + std::to_string(most) + " numbers that are read");
   }
   memory.charge(entry->size);
   std::string bytes;
   bytes.reserve(entry->size);
-  unpack(*entry, place, [&](std::string_view part) { bytes.append(part); });
-  const std::optional<NpyHeader> header = npyHeaderOf(bytes, bytes.size(), place);
+  unpack(*entry, label, [&](std::string_view part) { bytes.append(part); });
+  const std::optional<NpyHeader> header = npyHeaderOf(bytes, bytes.size(), label);
   if (!header || (header->fortranOrder && header->shape.size() > 1)) {
-    inputError(place, "is in Fortran's order; save it in C's");
+    inputError(label, "is in Fortran order; save it in C order");
   }
   if (header->count() > most) {
-    inputError(place, "has more than the " + std::to_string(most) + " numbers that are read");
+    inputError(label, "has more than the " + std::to_string(most) + " numbers that are read");
   }
   memory.charge(header->count(), sizeof(double));
   NpyNumbers numbers{header->shape, {}};

@@ -1,4 +1,4 @@
-// Arrays of NumPy, read.
+// Reads NumPy arrays.
 #pragma once
 
 #include <cstdint>
@@ -12,25 +12,26 @@
 
 namespace sherd {
 
-/// What the header of an `.npy` file tells.
+/// The content of an `.npy` file's header.
 struct NpyHeader {
-  char kind = 'u';  ///< as NumPy has it: u, i, f, b (bool)
+  char kind = 'u';  ///< NumPy's kind: u, i, f, b (bool)
   std::size_t itemBytes = 1;
   bool bigEndian = false;
   bool fortranOrder = false;
   std::vector<std::uint64_t> shape;
-  std::size_t bodyAt = 0;  ///< first byte behind the header
+  std::size_t bodyAt = 0;  ///< offset of the first byte after the header
 
   /// Numbers in the array.
   [[nodiscard]] std::uint64_t count() const;
-  /// As the file has it: "<u2 [3, 4]".
+  /// Type and shape for messages: "<u2 [3, 4]".
   [[nodiscard]] std::string text() const;
 };
 
-/// The header at the beginning of an `.npy` file, format 1, 2 or 3, or nothing: it goes on beyond
-/// `bytes`.
-///   size    of the whole file
-///   throws  Error(input) no `.npy`, no plain numbers, not as many of them as the file holds
+/// Returns the header at the beginning of an `.npy` file, format 1, 2 or 3; nothing if it continues
+/// beyond `bytes`.
+///   size    of the whole file, bytes
+///   throws  Error(input) not an `.npy` file, a type that is not a plain number, a shape that
+///           contradicts the file's size
 [[nodiscard]] std::optional<NpyHeader> npyHeaderOf(std::string_view bytes, std::uint64_t size,
                                                    const std::string& name);
 
@@ -40,14 +41,14 @@ struct NpyNumbers {
   std::vector<double> values;
 };
 
-/// The array of that name in an `.npz` file, or nothing.
-///   memory  charged with them
-///   throws  Error(input) damaged, of more than `most` numbers, or than `memory` holds
+/// Returns the array with that name in an `.npz` file, or nothing.
+///   memory  charged with the numbers
+///   throws  Error(input) damaged, more than `most` numbers, more than `memory` allows
 [[nodiscard]] std::optional<NpyNumbers> numbersOf(const std::vector<ZipEntry>& entries,
                                                   const std::string& array, std::uint64_t most,
                                                   const std::string& name, MemoryBudget& memory);
 
-/// The entry of an array, or nothing.
+/// Returns the entry of an array, or null.
 [[nodiscard]] const ZipEntry* entryOf(const std::vector<ZipEntry>& entries,
                                       const std::string& array);
 

@@ -1,4 +1,4 @@
-// Arrays for NumPy.
+// Writes NumPy arrays.
 //
 // source  NumPy, NEP 1
 #include "formats/arrays/npz.h"
@@ -16,7 +16,7 @@ std::string npyHeader(const NpyArray& array) {
     text.append(std::to_string(array.shape[axis])).append(",");  // Python reads "(n, m,)" too
   }
   text.append("), }");
-  // Magic, version, length and text are a multiple of 64 bytes together, the text ends its line.
+  // Magic, version, length and text together are a multiple of 64 bytes; the text ends its line.
   constexpr std::size_t kBefore = 10;
   text.append(63 - (kBefore + text.size()) % 64, ' ').push_back('\n');
   std::string header("\x93NUMPY\x01\x00", 8);
@@ -26,10 +26,10 @@ std::string npyHeader(const NpyArray& array) {
 
 namespace {
 
-// A whole .npz stays within what every reader of ZIP files counts to.
+// Keeps the .npz below 4 GiB, which every ZIP reader supports.
 void requireRoom(const ZipWriter& zip, const PackedFile& file) {
   if (zip.offset() + file.bytes.size() + file.name.size() > 0xffffff00u) {
-    throw Error(ErrorCode::output, "an .npz file of more than 4 GiB is not written; try .rle");
+    throw Error(ErrorCode::output, "an .npz file holds at most 4 GiB; try .rle");
   }
 }
 

@@ -1,4 +1,4 @@
-// Arrays for NumPy, written.
+// Writes NumPy arrays.
 #pragma once
 
 #include <sherd/output_file.h>
@@ -15,16 +15,16 @@ namespace sherd {
 
 /// An array of numbers, in C order.
 struct NpyArray {
-  std::string name;                ///< as numpy.load names it: letters
-  std::string_view type;           ///< NumPy's word for it: "<f4", "<f2", "<i4"
+  std::string name;                ///< its key in numpy.load: letters
+  std::string_view type;           ///< NumPy's type string: "<f4", "<f2", "<i4"
   std::vector<std::size_t> shape;  ///< empty for a single number
   std::string bytes;               ///< the numbers, little-endian
 };
 
-/// The header of a `.npy` file, format 1.0, which the numbers follow.  `bytes` is not looked at.
+/// Returns the header of a `.npy` file, format 1.0, without the numbers. `bytes` is not read.
 [[nodiscard]] std::string npyHeader(const NpyArray& array);
 
-/// Write arrays as `.npz`: a ZIP file of stored `.npy` files, format 1.0.  It has no times in it:
+/// Writes arrays as `.npz`: a ZIP file of stored `.npy` files, format 1.0. Timestamps are constant:
 /// equal arrays give equal bytes.
 ///   arrays  under 4 GiB in all
 ///   throws  Error(output)
@@ -37,13 +37,13 @@ class NpzWriter {
 
   void store(const NpyArray& array);
 
-  /// Deflated; what it unpacks to may be larger than memory.
-  ///   array    without its bytes
-  ///   numbers  hands them to a sink
-  ///   throws   Error(output) it is above 4 GiB even when packed
+  /// Adds a deflated array; its numbers need not fit in memory.
+  ///   array    its `bytes` are ignored
+  ///   numbers  writes the numbers to a sink
+  ///   throws   Error(output) the file exceeds 4 GiB
   void deflate(const NpyArray& array, const Content& numbers);
 
-  /// Write the directory, which ends the file.
+  /// Writes the directory, which ends the file.
   void finish() { zip_.finish(); }
 
  private:

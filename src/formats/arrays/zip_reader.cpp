@@ -1,4 +1,4 @@
-// What is in a ZIP file.
+// Reads ZIP files.
 //
 // source  PKWARE, APPNOTE.TXT 6.3.3, sections 4.3.7, 4.3.12, 4.3.14 to 4.3.16, 4.5.3
 #include "formats/arrays/zip_reader.h"
@@ -17,9 +17,9 @@ namespace {
 
 constexpr std::size_t kEndBytes = 22, kEntryBytes = 46, kLocalBytes = 30;
 constexpr std::size_t kLocatorBytes = 20, kEnd64Bytes = 56;
-constexpr std::uint64_t kMostInflated = 1032;  // bytes that deflation makes of one, at most
+constexpr std::uint64_t kMostInflated = 1032;  // largest ratio of inflated to deflated bytes
 
-/// A part of the file; numbers of it are asked for at places within it.
+/// A range of the file; at() reads a number at an offset within it.
 class Record {
  public:
   Record(std::string_view file, std::uint64_t at, std::uint64_t bytes, const std::string& name) {
@@ -29,8 +29,8 @@ class Record {
     bytes_ = file.substr(at, bytes);
   }
   template <class T>
-  [[nodiscard]] T at(std::size_t place) const {
-    return loadLittle<T>(bytes_.data() + place);
+  [[nodiscard]] T at(std::size_t offset) const {
+    return loadLittle<T>(bytes_.data() + offset);
   }
   [[nodiscard]] std::string_view text() const { return bytes_; }
   [[nodiscard]] bool is(std::string_view signature) const { return bytes_.starts_with(signature); }
@@ -39,7 +39,7 @@ class Record {
   std::string_view bytes_;
 };
 
-/// Where the end of the central directory is told; a comment may follow it.
+/// Returns the offset of the end record of the central directory; a comment may follow it.
 std::optional<std::size_t> findEnd(std::string_view file) {
   if (file.size() < kEndBytes) return {};
   const std::size_t last = file.size() - kEndBytes;
@@ -70,7 +70,7 @@ Directory findDirectory(std::string_view file, const std::string& name) {
   return {end64.at<std::uint64_t>(48), end64.at<std::uint64_t>(32)};
 }
 
-/// Sizes and offsets that 32 bits cannot hold stand in an extra field, in this order.
+/// Reads sizes and offsets above 32 bits from the ZIP64 extra field, in this order.
 void widen(std::string_view extra, std::initializer_list<std::uint64_t*> values,
            const std::string& name) {
   while (extra.size() >= 4) {
@@ -108,7 +108,8 @@ std::vector<ZipEntry> zipEntries(std::string_view file, const std::string& name)
     ZipEntry entry;
     entry.name = rest.text().substr(0, nameBytes);
     entry.method = head.at<std::uint16_t>(10);
-    if ((head.at<std::uint16_t>(8) & 1) != 0) inputError(name, "is encrypted; save it without");
+    if ((head.at<std::uint16_t>(8) & 1) != 0)
+      inputError(name, "is encrypted; save it without encryption");
     entry.sum = head.at<std::uint32_t>(16);
     std::uint64_t packed = head.at<std::uint32_t>(20), offset = head.at<std::uint32_t>(42);
     entry.size = head.at<std::uint32_t>(24);
@@ -121,7 +122,7 @@ std::vector<ZipEntry> zipEntries(std::string_view file, const std::string& name)
     entry.packed = Record(file, begin, packed, name).text();
     const bool fits =
         entry.method == 0 ? entry.size == packed : entry.size / kMostInflated <= packed;
-    if (!fits) inputError(name, "is a damaged ZIP file: a size in it cannot be");
+    if (!fits) inputError(name, "is a damaged ZIP file: a size in it is impossible");
     entries.push_back(std::move(entry));
   }
   return entries;
@@ -133,7 +134,7 @@ void unpack(const ZipEntry& entry, const std::string& name,
   uLong sum = ::crc32_z(0, nullptr, 0);
   const auto pass = [&](std::string_view bytes) {
     size += bytes.size();
-    if (size > entry.size) inputError(name, "is damaged: it unpacks to more than it says");
+    if (size > entry.size) inputError(name, "is damaged: it unpacks to more bytes than announced");
     sum = ::crc32_z(sum, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
     take(bytes);
   };
@@ -163,7 +164,7 @@ void unpack(const ZipEntry& entry, const std::string& name,
                          "; stored and deflated are read");
   }
   if (size != entry.size || sum != entry.sum) {
-    inputError(name, "is damaged: it does not unpack to what it says");
+    inputError(name, "is damaged: its unpacked bytes do not match their length and CRC-32");
   }
 }
 

@@ -1,4 +1,4 @@
-// What is in a ZIP file.
+// Reads ZIP files.
 #pragma once
 
 #include <cstdint>
@@ -13,18 +13,18 @@ namespace sherd {
 struct ZipEntry {
   std::string name;
   int method = 0;           ///< 0 stored, 8 deflated
-  std::string_view packed;  ///< as it lies in the file
-  std::uint64_t size = 0;   ///< unpacked; no more than deflation can make of `packed`
-  std::uint32_t sum = 0;    ///< CRC-32 of what it unpacks to
+  std::string_view packed;  ///< as stored in the file
+  std::uint64_t size = 0;   ///< unpacked bytes; plausible for the size of `packed`
+  std::uint32_t sum = 0;    ///< CRC-32 of the unpacked bytes
 };
 
-/// The files of a ZIP file, by its central directory; ZIP64 too.
+/// Returns the files in a ZIP file's central directory; supports ZIP64.
 ///   name    for messages
-///   throws  Error(input) no ZIP file, cut, contradicting itself
+///   throws  Error(input) no ZIP file, cut, inconsistent
 [[nodiscard]] std::vector<ZipEntry> zipEntries(std::string_view bytes, const std::string& name);
 
-/// Unpack an entry, piece by piece.
-///   throws  Error(input) packed by another method, damaged: told by its length and CRC-32
+/// Unpacks an entry block by block into `take`.
+///   throws  Error(input) another compression method; a length or CRC-32 that does not match
 void unpack(const ZipEntry& entry, const std::string& name,
             const std::function<void(std::string_view)>& take);
 

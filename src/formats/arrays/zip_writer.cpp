@@ -1,4 +1,4 @@
-// ZIP files, written.
+// Writes ZIP files.
 //
 //     local header, name, bytes    of each file, stored or deflated
 //     central header, name         of each file
@@ -21,10 +21,10 @@
 namespace sherd {
 namespace {
 
-// The first day a ZIP file can tell, 1980-01-01, at midnight.
+// The earliest timestamp of the format: 1980-01-01, midnight.
 constexpr std::uint16_t kDay = 0x0021, kTime = 0;
-constexpr std::uint16_t kVersion = 20;    // 2.0, as every ZIP reader has it
-constexpr std::uint16_t kVersion64 = 45;  // 4.5: numbers of 64 bits
+constexpr std::uint16_t kVersion = 20;    // 2.0, which every reader supports
+constexpr std::uint16_t kVersion64 = 45;  // 4.5: 64-bit sizes and offsets
 constexpr std::uint16_t kStored = 0, kDeflated = 8;
 constexpr std::uint64_t kLargest32 = 0xffffffffu, kLargest16 = 0xffffu;
 
@@ -37,7 +37,7 @@ std::uint32_t addTo(std::uint32_t sum, std::string_view bytes) {
       ::crc32_z(sum, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 
-/// Deflates what it is given, in pieces that zlib can count.
+/// Deflates bytes in blocks that fit zlib's 32-bit counter.
 class Deflater {
  public:
   explicit Deflater(std::string& out) : out_(out) {
@@ -73,7 +73,7 @@ class Deflater {
   std::array<Bytef, 1 << 15> block_;
 };
 
-// The numbers that 32 bits cannot hold.
+// Returns the ZIP64 extra field.
 std::string extraField(std::initializer_list<std::uint64_t> wide) {
   std::string bytes;
   if (wide.size() == 0) return bytes;
@@ -83,7 +83,7 @@ std::string extraField(std::initializer_list<std::uint64_t> wide) {
   return bytes;
 }
 
-// What the local and the central header have in common.
+// Stores the fields that the local and the central header share.
 void storeHeader(std::string& to, const PackedFile& file, std::uint64_t bytes, bool wideSizes,
                  bool wide, std::size_t extra) {
   storeLittle(to, wide ? kVersion64 : kVersion);

@@ -1,4 +1,4 @@
-// ZIP files, written.
+// Writes ZIP files.
 #pragma once
 
 #include <sherd/output_file.h>
@@ -8,33 +8,33 @@
 
 namespace sherd {
 
-/// A file packed for a ZIP file.  It has no time: equal files give equal bytes.
+/// A file packed for a ZIP file, without a timestamp: equal files give equal bytes.
 struct PackedFile {
   std::string name;
   bool deflated = false;
-  std::uint32_t sum = 0;   ///< CRC-32 of what it unpacks to
+  std::uint32_t sum = 0;   ///< CRC-32 of the unpacked bytes
   std::uint64_t size = 0;  ///< unpacked
   std::string bytes;       ///< packed
 };
 
 [[nodiscard]] PackedFile packed(std::string name, bool deflate, const Content& content);
 
-/// Writes a ZIP file, a packed file after another; ZIP64 where 32 bits do not do.
+/// Writes a ZIP file, one packed file after another; uses ZIP64 where 32 bits are too few.
 class ZipWriter {
  public:
   explicit ZipWriter(ByteSink sink) : sink_(std::move(sink)) {}
 
   void add(const PackedFile& file);
 
-  /// Note a file that lies at the end of what is there already.
-  ///   file  without its bytes
-  ///   size  of these
+  /// Records a file that is already at the end of the output.
+  ///   file  its `bytes` are ignored
+  ///   size  packed bytes
   void note(const PackedFile& file, std::uint64_t size);
 
-  /// Write the directory, which ends the ZIP file.
+  /// Writes the directory, which ends the ZIP file.
   void finish();
 
-  /// Bytes so far.
+  /// Bytes written so far.
   [[nodiscard]] std::uint64_t offset() const { return offset_; }
 
  private:

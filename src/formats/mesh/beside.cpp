@@ -1,4 +1,4 @@
-// Files that a mesh file names: what lies beside it may be read, nothing else.
+// Files that a mesh file names: only those in or below its folder are read.
 #include "formats/mesh/beside.h"
 
 #include <algorithm>
@@ -54,10 +54,10 @@ std::optional<std::string> readBeside(const MeshFile& file, std::string_view nam
 
 int textureBeside(const MeshFile& file, std::string_view name, RawMesh& mesh) {
   checkpoint(file);
-  const auto known = std::find_if(mesh.look.textures.begin(), mesh.look.textures.end(),
+  const auto known = std::find_if(mesh.appearance.textures.begin(), mesh.appearance.textures.end(),
                                   [&](const Texture& t) { return t.name == name; });
-  if (known != mesh.look.textures.end())
-    return static_cast<int>(known - mesh.look.textures.begin());
+  if (known != mesh.appearance.textures.end())
+    return static_cast<int>(known - mesh.appearance.textures.begin());
   std::optional<std::string> bytes = readBeside(file, name, "texture", mesh.warnings);
   if (bytes && bytes->empty()) {
     mesh.warnings.push_back(file.name + ": its texture " + inQuotes(name) +
@@ -65,8 +65,8 @@ int textureBeside(const MeshFile& file, std::string_view name, RawMesh& mesh) {
     bytes.reset();
   }
   if (!bytes) return -1;
-  mesh.look.textures.push_back({std::string(name), std::move(*bytes)});
-  return static_cast<int>(mesh.look.textures.size()) - 1;
+  mesh.appearance.textures.push_back({std::string(name), std::move(*bytes)});
+  return static_cast<int>(mesh.appearance.textures.size()) - 1;
 }
 
 }  // namespace sherd

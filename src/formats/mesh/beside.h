@@ -1,4 +1,4 @@
-// Files that a mesh file names: what lies beside it may be read, nothing else.
+// Files that a mesh file names: only those in or below its folder are read.
 #pragma once
 
 #include <filesystem>
@@ -13,22 +13,23 @@ namespace sherd {
 /// A file that a mesh file names.
 struct NamedFile {
   std::filesystem::path path;
-  std::string refusal;  ///< why it must not be opened, as what follows its name in a sentence;
-                        ///< empty: it may be, if it is there
+  std::string refusal;  ///< why it must not be opened, to follow its name in a sentence;
+                        ///< empty: it may be opened if it exists
 };
 
-/// It may be opened if its name is relative and leads to something in the mesh's folder or below
-/// it, symbolic links followed: the rule that manifests have.  A backslash parts folders, too.
+/// Resolves a name. It may be opened if it is relative and leads into the mesh's folder or below
+/// it, symbolic links followed, the same rule as for manifests. A backslash separates folders, too.
 [[nodiscard]] NamedFile fileBeside(const MeshFile& file, std::string_view name);
 
-/// The bytes of a file that a mesh names.  Where it cannot be had, `warnings` gains a sentence that
-/// tells why and what is lost.
-///   kind  what it is, for the sentence: "texture"
+/// Returns the bytes of a file that a mesh names. If it cannot be read, adds a sentence to
+/// `warnings` that states why, and what is lost.
+///   kind  its kind in that sentence: "texture"
 [[nodiscard]] std::optional<std::string> readBeside(const MeshFile& file, std::string_view name,
                                                     const std::string& kind,
                                                     std::vector<std::string>& warnings);
 
-/// The number of the texture of that name among the mesh's, read once; -1 where it cannot be had.
+/// Returns the index in `mesh` of the texture with that name, which is read once; -1 if it cannot
+/// be read.
 [[nodiscard]] int textureBeside(const MeshFile& file, std::string_view name, RawMesh& mesh);
 
 }  // namespace sherd

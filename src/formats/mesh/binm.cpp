@@ -1,4 +1,4 @@
-// Meshes as the paper's `.binm`, positions and faces.
+// Writes meshes as the paper's `.binm`: positions and faces.
 //
 //     u32 V | f32 x, y, z, thirteen 0, of each vertex | u32 F | u32 a, b, c, 0, of each face
 #include "base/little_endian.h"

@@ -1,4 +1,4 @@
-// Whether what a reader found holds together.
+// Checks that a reader's result is consistent.
 #include "formats/mesh/contradictions.h"
 
 #include <algorithm>
@@ -22,7 +22,7 @@ bool fits(const std::vector<Entry>& entries, std::size_t triangles) {
 
 bool isFinite(const glm::vec2& at) { return std::isfinite(at.x) && std::isfinite(at.y); }
 
-// "triangle 3 has material 7, there are 2", of the first that has one beyond them.
+// "triangle 3 has material 7, there are 2", for the first number out of range.
 std::optional<std::string> outOfRange(const std::vector<std::uint32_t>& numbers, const char* thing,
                                       std::size_t count) {
   const auto bad = std::find_if(numbers.begin(), numbers.end(),
@@ -42,24 +42,27 @@ std::optional<std::string> contradictionIn(const RawMesh& mesh) {
     return "triangle " + std::to_string(&t - mesh.triangles.data() + 1) + " uses vertex " +
            std::to_string(largest) + ", there are " + std::to_string(mesh.vertices.size());
   }
-  const SurfaceLook& look = mesh.look.surface;
-  if (!fits(look.texcoords, triangles))
-    return countOf("texture coordinates", look.texcoords.size(), triangles);
-  if (!fits(look.colours, triangles)) return countOf("colors", look.colours.size(), triangles);
-  if (!fits(look.material, triangles)) return countOf("materials", look.material.size(), triangles);
+  const SurfaceAttributes& attributes = mesh.appearance.surface;
+  if (!fits(attributes.texcoords, triangles))
+    return countOf("texture coordinates", attributes.texcoords.size(), triangles);
+  if (!fits(attributes.colors, triangles))
+    return countOf("colors", attributes.colors.size(), triangles);
+  if (!fits(attributes.material, triangles))
+    return countOf("materials", attributes.material.size(), triangles);
   if (!fits(mesh.objectOfTriangle, triangles))
     return countOf("objects", mesh.objectOfTriangle.size(), triangles);
-  for (const auto& corners : look.texcoords) {
+  for (const auto& corners : attributes.texcoords) {
     if (!std::all_of(corners.begin(), corners.end(), isFinite))
-      return "a texture coordinate of it is not finite";
+      return "one of its texture coordinates is not finite";
   }
-  if (const auto bad = outOfRange(look.material, "material", mesh.look.materials.size()))
+  if (const auto bad =
+          outOfRange(attributes.material, "material", mesh.appearance.materials.size()))
     return bad;
   if (const auto bad = outOfRange(mesh.objectOfTriangle, "object", mesh.objects.size())) return bad;
-  const auto textures = static_cast<int>(mesh.look.textures.size());
-  for (const Material& material : mesh.look.materials) {
+  const auto textures = static_cast<int>(mesh.appearance.textures.size());
+  for (const Material& material : mesh.appearance.materials) {
     if (material.texture >= -1 && material.texture < textures) continue;
-    return "a material of it has texture " + std::to_string(material.texture) + ", there are " +
+    return "one of its materials has texture " + std::to_string(material.texture) + ", there are " +
            std::to_string(textures);
   }
   return std::nullopt;

@@ -1,4 +1,4 @@
-// Whether what a reader found holds together.
+// Checks that a reader's result is consistent.
 #pragma once
 
 #include <optional>
@@ -8,8 +8,9 @@
 
 namespace sherd {
 
-/// What is against RawMesh's promises: an index out of range, an array of another length than the
-/// triangles, a texture coordinate that is not finite; none where they hold.  Linear in the mesh.
+/// Returns the first violation of RawMesh's invariants: an index out of range, an array whose
+/// length is not the number of triangles, a texture coordinate that is not finite; nothing if there
+/// is none. Linear in the mesh.
 [[nodiscard]] std::optional<std::string> contradictionIn(const RawMesh& mesh);
 
 }  // namespace sherd

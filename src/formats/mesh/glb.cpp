@@ -1,9 +1,9 @@
-// Meshes as binary glTF 2.0.
+// Writes meshes as binary glTF 2.0.
 //
 //     magic, version 2, length | JSON chunk, padded with blanks | BIN chunk, padded with zeros
 //
 // Every buffer view begins at a multiple of four bytes, and holds one attribute, one list of
-// indices, or one picture.
+// indices, or one image.
 #include <sherd/error.h>
 #include <sherd/version.h>
 
@@ -21,14 +21,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// glTF's numbers for types and for what a buffer view is.
+// glTF's constants for component types and for targets of buffer views.
 constexpr int kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
 constexpr int kVertices = 34962, kIndices = 34963;
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 class Buffer {
  public:
-  // Begins a buffer view; what is stored until end() is in it.
+  // Begins a buffer view of all bytes that are stored until end().
   void begin() { from_ = bytes.size(); }
   std::size_t end(int target) {
     Json view = {{"buffer", 0}, {"byteOffset", from_}, {"byteLength", bytes.size() - from_}};
@@ -37,7 +37,7 @@ class Buffer {
     views.push_back(std::move(view));
     return views.size() - 1;
   }
-  // An accessor of the whole view.
+  // Adds an accessor of the whole view.
   std::size_t accessor(std::size_t view, int componentType, std::size_t count, const char* type) {
     accessors.push_back(
         {{"bufferView", view}, {"componentType", componentType}, {"count", count}, {"type", type}});
@@ -51,17 +51,17 @@ class Buffer {
   std::size_t from_ = 0;
 };
 
-// sRGB bytes as linear light in 16 bits: in 8 bits dark colours would fall together.
+// sRGB bytes as linear light in 16 bits: 8 bits would merge dark colors.
 std::array<std::uint16_t, 256> linearShorts() {
   std::array<std::uint16_t, 256> table{};
   for (std::size_t i = 0; i < table.size(); ++i) {
-    const glm::u8vec3 grey(static_cast<std::uint8_t>(i));
-    table[i] = static_cast<std::uint16_t>(linearFromSrgb(grey).x * 65535.0f + 0.5f);
+    const glm::u8vec3 gray(static_cast<std::uint8_t>(i));
+    table[i] = static_cast<std::uint16_t>(linearFromSrgb(gray).x * 65535.0f + 0.5f);
   }
   return table;
 }
 
-// What all pieces of a file share.
+// What all meshes of a file share.
 struct Shared {
   explicit Shared(const MaterialTable& table)
       : textureNumbers(table.textures.size(), -1), materialNumbers(table.materials.size(), -1) {}
@@ -69,7 +69,7 @@ struct Shared {
   Buffer buffer{};
   Json meshes = Json::array(), nodes = Json::array(), materials = Json::array(),
        textures = Json::array(), images = Json::array();
-  std::vector<int> textureNumbers, materialNumbers;  // -1: not there yet
+  std::vector<int> textureNumbers, materialNumbers;  // -1: not written yet
 };
 
 struct Writer {
@@ -77,14 +77,14 @@ struct Writer {
   Shared& shared;
   glm::dvec3 origin{0.0};  // of the node
   SplitCorners split = splitCorners(piece);
-  bool colours = !piece.look.colours.empty();
-  bool texcoords = !piece.look.texcoords.empty();
+  bool colors = !piece.attributes.colors.empty();
+  bool texcoords = !piece.attributes.texcoords.empty();
   Buffer& buffer = shared.buffer;
   std::vector<std::uint32_t> numberOf = std::vector<std::uint32_t>(split.corners.size(), kNone);
 
-  // The faces of a material as a primitive; null where there is none.
+  // Returns the faces of a material as a primitive, or null if there are none.
   Json primitive(std::uint32_t material) {
-    std::vector<std::uint32_t> used, indices;  // corners of the mesh; numbers among these
+    std::vector<std::uint32_t> used, indices;  // corners of the mesh; indices into them
     for (std::size_t t = 0; t < piece.mesh.triangles.size(); ++t) {
       if (piece.materialOf(t) != material) continue;
       for (const std::uint32_t corner : split.ofTriangle[t]) {
@@ -100,8 +100,8 @@ struct Writer {
 
     Json attributes = {{"POSITION", positions(used)}, {"NORMAL", normals(used)}};
     if (texcoords) attributes["TEXCOORD_0"] = texcoordsOf(used);
-    if (colours) attributes["COLOR_0"] = coloursOf(used);
-    attributes["_FACING"] = facing(used);
+    if (colors) attributes["COLOR_0"] = colorsOf(used);
+    attributes["_NEIGHBOR"] = neighbor(used);
     buffer.begin();
     for (const std::uint32_t index : indices) storeLittle(buffer.bytes, index);
     const std::size_t list =
@@ -142,7 +142,7 @@ struct Writer {
     return buffer.accessor(buffer.end(kVertices), kFloat, used.size(), "VEC3");
   }
 
-  // glTF's v runs downwards.
+  // v runs downward in glTF.
   std::size_t texcoordsOf(const std::vector<std::uint32_t>& used) {
     buffer.begin();
     for (const std::uint32_t corner : used) {
@@ -153,12 +153,12 @@ struct Writer {
     return buffer.accessor(buffer.end(kVertices), kFloat, used.size(), "VEC2");
   }
 
-  std::size_t coloursOf(const std::vector<std::uint32_t>& used) {
+  std::size_t colorsOf(const std::vector<std::uint32_t>& used) {
     static const std::array<std::uint16_t, 256> linear = linearShorts();
     buffer.begin();
     for (const std::uint32_t corner : used) {
-      const glm::u8vec3& colour = split.corners[corner].colour;
-      for (int k = 0; k < 3; ++k) storeLittle(buffer.bytes, linear[colour[k]]);
+      const glm::u8vec3& color = split.corners[corner].color;
+      for (int k = 0; k < 3; ++k) storeLittle(buffer.bytes, linear[color[k]]);
       storeLittle(buffer.bytes, std::uint16_t{65535});
     }
     const std::size_t number =
@@ -167,22 +167,22 @@ struct Writer {
     return number;
   }
 
-  // Whole numbers of 32 bits are for indices only, and 16 bits would not fill four bytes.
-  std::size_t facing(const std::vector<std::uint32_t>& used) {
+  // glTF allows 32-bit integers for indices only, and 16 bits would not fill four bytes.
+  std::size_t neighbor(const std::vector<std::uint32_t>& used) {
     buffer.begin();
     for (const std::uint32_t corner : used) {
-      storeLittle(buffer.bytes, static_cast<float>(split.corners[corner].facing));
+      storeLittle(buffer.bytes, static_cast<float>(split.corners[corner].neighbor));
     }
     return buffer.accessor(buffer.end(kVertices), kFloat, used.size(), "SCALAR");
   }
 
   Json materialJson(std::uint32_t number) {
     const MaterialTable::Entry& material = piece.materials.materials[number];
-    glm::vec3 colour = material.colour;
-    if (number == piece.materials.inside()) {  // its vertices may have its colour already
-      colour = colours ? glm::vec3(1.0f) : linearFromSrgb(kInsideColour);
+    glm::vec3 color = material.color;
+    if (number == piece.materials.inside()) {  // vertex colors may already contain it
+      color = colors ? glm::vec3(1.0f) : linearFromSrgb(kInsideColor);
     }
-    Json surface = {{"baseColorFactor", {colour.x, colour.y, colour.z, 1.0}},
+    Json surface = {{"baseColorFactor", {color.x, color.y, color.z, 1.0}},
                     {"metallicFactor", 0.0},
                     {"roughnessFactor", 1.0}};
     const int texture = texcoords ? textureNumber(material.texture) : -1;
@@ -190,24 +190,24 @@ struct Writer {
     return {{"name", material.name}, {"pbrMetallicRoughness", std::move(surface)}};
   }
 
-  // glTF has PNG and JPEG only.
+  // Returns the number of a texture in the file, or -1: glTF supports only PNG and JPEG.
   int textureNumber(int texture) {
     if (texture < 0) return -1;
     const auto at = static_cast<std::size_t>(texture);
-    const MaterialTable::Picture& picture = piece.materials.textures[at];
+    const MaterialTable::Image& image = piece.materials.textures[at];
     int& number = shared.textureNumbers[at];
-    if (picture.type == ImageType::other || number >= 0) return number;
+    if (image.type == ImageType::other || number >= 0) return number;
     buffer.begin();
-    buffer.bytes += picture.bytes;
+    buffer.bytes += image.bytes;
     shared.images.push_back(
-        {{"name", picture.file},
-         {"mimeType", picture.type == ImageType::png ? "image/png" : "image/jpeg"},
+        {{"name", image.file},
+         {"mimeType", image.type == ImageType::png ? "image/png" : "image/jpeg"},
          {"bufferView", buffer.end(0)}});
     shared.textures.push_back({{"source", shared.images.size() - 1}});
     return number = static_cast<int>(shared.textures.size()) - 1;
   }
 
-  // Adds the mesh, and returns a node with it.
+  // Adds the mesh and returns a node with it.
   Json node() {
     Json primitives = Json::array();
     for (std::uint32_t m = 0; m < piece.materials.materials.size(); ++m) {
@@ -224,11 +224,11 @@ constexpr const char* kPhysics = "KHR_physics_rigid_bodies";
 Json motionJson(const MassProperties& mass, double density) {
   const PrincipalInertia inertia = principalInertia(mass);
   const glm::dvec3 moments = density * inertia.moments;
-  const glm::dquat& turn = inertia.orientation;
+  const glm::dquat& rotation = inertia.orientation;
   return {{"mass", density * mass.volume},
           {"centerOfMass", {0.0, 0.0, 0.0}},
           {"inertiaDiagonal", {moments.x, moments.y, moments.z}},
-          {"inertiaOrientation", {turn.x, turn.y, turn.z, turn.w}}};
+          {"inertiaOrientation", {rotation.x, rotation.y, rotation.z, rotation.w}}};
 }
 
 Json documentOf(Shared& shared, bool hasPhysics) {
@@ -284,9 +284,9 @@ void writeSceneGlb(const OutputFile& file, std::span<const SceneNode> nodes, dou
   if (nodes.empty()) return;
   Shared shared(nodes.front().piece.materials);
   for (const SceneNode& one : nodes) {
-    const glm::dvec3& centre = one.mass.centroid;
-    Json node = Writer{.piece = one.piece, .shared = shared, .origin = centre}.node();
-    node["translation"] = {centre.x, centre.y, centre.z};
+    const glm::dvec3& center = one.mass.centroid;
+    Json node = Writer{.piece = one.piece, .shared = shared, .origin = center}.node();
+    node["translation"] = {center.x, center.y, center.z};
     node["extensions"] = {{kPhysics, {{"motion", motionJson(one.mass, density)}}}};
     shared.nodes.push_back(std::move(node));
   }

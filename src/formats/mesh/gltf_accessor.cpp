@@ -38,7 +38,7 @@ double load(const char* at, std::size_t type) {
   }
 }
 
-// Sparse parts have a count and a type but no check of their own yet.
+// Returns the bytes of a sparse part, which GltfDocument does not check against its view.
 std::string_view packed(const GltfDocument& document, const Json& part, std::size_t count,
                         std::size_t elementBytes) {
   const std::string_view view = document.bufferView(document.number(part, "bufferView"));
@@ -50,20 +50,20 @@ std::string_view packed(const GltfDocument& document, const Json& part, std::siz
 
 void setSparse(const GltfDocument& document, const Json& accessor, GltfArray& array) {
   const Json& sparse = GltfDocument::member(accessor, "sparse");
-  const Json& places = GltfDocument::member(sparse, "indices");
+  const Json& indices = GltfDocument::member(sparse, "indices");
   const Json& values = GltfDocument::member(sparse, "values");
   const std::size_t count = document.number(sparse, "count");
-  const std::size_t placeType = document.number(places, "componentType");
-  const std::size_t placeBytes = document.componentBytes(places);
+  const std::size_t indexType = document.number(indices, "componentType");
+  const std::size_t indexBytes = document.componentBytes(indices);
   const std::size_t type = document.number(accessor, "componentType");
   const std::size_t bytes = document.componentBytes(accessor);
-  const std::string_view at = packed(document, places, count, placeBytes);
+  const std::string_view at = packed(document, indices, count, indexBytes);
   const std::string_view from = packed(document, values, count, bytes * array.components);
   for (std::size_t i = 0; i < count; ++i) {
-    const double place = load(at.data() + i * placeBytes, placeType);
-    if (!(place >= 0.0 && place < static_cast<double>(array.count)))
+    const double index = load(at.data() + i * indexBytes, indexType);
+    if (!(index >= 0.0 && index < static_cast<double>(array.count)))
       throw document.bad("a sparse accessor sets an element that it does not have");
-    const std::size_t first = static_cast<std::size_t>(place) * array.components;
+    const std::size_t first = static_cast<std::size_t>(index) * array.components;
     for (std::size_t k = 0; k < array.components; ++k) {
       array.values[first + k] = load(from.data() + (i * array.components + k) * bytes, type);
     }
@@ -72,7 +72,7 @@ void setSparse(const GltfDocument& document, const Json& accessor, GltfArray& ar
 
 }  // namespace
 
-double normalised(double value, std::size_t componentType) {
+double normalized(double value, std::size_t componentType) {
   switch (componentType) {
     case int8:
       return std::max(value / 127.0, -1.0);
@@ -94,7 +94,7 @@ GltfArray readGltfArray(const GltfDocument& document, std::size_t index) {
   GltfArray out{document.number(accessor, "count"), document.components(accessor), {}};
   const std::size_t element = bytes * out.components;
   const bool hasData = accessor.contains("bufferView");
-  if (!hasData && out.count > document.bytes()) {  // all zeros: nothing else bounds them
+  if (!hasData && out.count > document.bytes()) {  // all zeros: no data limits their number
     throw document.bad("accessor " + std::to_string(index) + " announces " +
                        std::to_string(out.count) + " elements without data");
   }
@@ -114,7 +114,7 @@ GltfArray readGltfArray(const GltfDocument& document, std::size_t index) {
   }
   if (accessor.contains("sparse")) setSparse(document, accessor, out);
   if (accessor.value("normalized", Json()) == true) {
-    for (double& value : out.values) value = normalised(value, type);
+    for (double& value : out.values) value = normalized(value, type);
   }
   return out;
 }

@@ -9,7 +9,7 @@
 
 namespace sherd {
 
-/// Elements of some numbers each.
+/// An array whose elements have several numbers each.
 struct GltfArray {
   std::size_t count = 0;
   std::size_t components = 0;  ///< 1 to 16
@@ -20,14 +20,14 @@ struct GltfArray {
   }
 };
 
-/// What accessor number `index` holds, sparse or not; whole numbers that are normalised become
-/// 0..1 or -1..1.
-///   throws  Error(input) no such accessor, sparse parts that contradict themselves, more memory
-///           than may be used, which is charged
+/// Returns the content of accessor number `index`, sparse or not; normalized integers become 0..1
+/// or -1..1.
+///   throws  Error(input) no such accessor, inconsistent sparse parts, more memory than allowed,
+///           which is charged
 [[nodiscard]] GltfArray readGltfArray(const GltfDocument& document, std::size_t index);
 
-/// Whole number that is normalised: its share of the most that its type can tell.
-///   componentType  5120 to 5125, as glTF has them
-[[nodiscard]] double normalised(double value, std::size_t componentType);
+/// Returns a normalized integer as a fraction of its type's largest value.
+///   componentType  5120 to 5125, as in glTF
+[[nodiscard]] double normalized(double value, std::size_t componentType);
 
 }  // namespace sherd

@@ -1,4 +1,4 @@
-// A glTF file as a whole: its JSON, and the buffers that it refers to.
+// A glTF file as a whole: its JSON and its buffers.
 #include "formats/mesh/gltf_document.h"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace {
 using Json = GltfDocument::Json;
 
 constexpr int kDeepestJson = 64;
-constexpr std::uint64_t kBytesPerValue = 128;  // of JSON: itself, its key, what finding it takes
+constexpr std::uint64_t kBytesPerValue = 128;  // of JSON: itself, its key, its look-up
 
 std::uint32_t wordAt(std::string_view bytes, std::size_t at) {
   return loadLittle<std::uint32_t>(bytes.data() + at);
@@ -29,11 +29,11 @@ Json parseJson(const MeshFile& file, std::string_view text) {
   const JsonExtent extent = extentOf(text);
   if (extent.depth > kDeepestJson) throw inputError(file, "its JSON is nested too deeply");
   charge(file, extent.values, kBytesPerValue);
-  charge(file, text.size());  // its texts
+  charge(file, text.size());  // its strings
   try {
     return Json::parse(text.begin(), text.end());
   } catch (const Json::parse_error& e) {
-    throw inputError(file, "cut short or malformed: its JSON stops making sense at byte " +
+    throw inputError(file, "cut short or malformed: its JSON is invalid at byte " +
                                std::to_string(e.byte) + " of " + std::to_string(text.size()));
   }
 }
@@ -50,7 +50,7 @@ GltfDocument::GltfDocument(const MeshFile& file) : file_(&file) {
   checkAccessors();
 }
 
-// The JSON of a GLB file, which consists of it and, mostly, one buffer.
+// Returns the JSON of a GLB file and keeps its binary chunk.
 std::string_view GltfDocument::split() {
   constexpr std::size_t kHeader = 12, kChunkHeader = 8;
   constexpr std::uint32_t kJson = 0x4e4f534a, kBinary = 0x004e4942;
@@ -87,7 +87,7 @@ std::string_view GltfDocument::split() {
 }
 
 const Json& GltfDocument::member(const Json& object, const char* name) {
-  static const Json kNone = Json::object();  // of which nothing can be found, and no element
+  static const Json kNone = Json::object();  // for members that are absent
   const auto found = object.find(name);
   return found == object.end() ? kNone : *found;
 }
@@ -111,7 +111,7 @@ const Json& GltfDocument::at(const char* name, std::size_t index) const {
   return objects[index];
 }
 
-// Every array that is walked must hold objects, or looking into them would fail.
+// Every array that is iterated must hold objects, or reading their members would fail.
 void GltfDocument::checkShape() const {
   if (!json_.is_object()) throw bad("its JSON is not an object");
   for (const char* name : {"buffers", "bufferViews", "accessors", "meshes", "nodes", "scenes",
@@ -158,12 +158,12 @@ void GltfDocument::loadBuffers() {
   }
 }
 
-// A file is read once, however many buffers name it.
+// A file that several buffers name is read once.
 std::string_view GltfDocument::loadBuffer(const std::string& uri) {
   if (uri.starts_with("data:")) {
     const auto known = loaded_.find(uri);
     if (known != loaded_.end()) return known->second;
-    charge(*file_, uri.size(), 2);  // as a key, and what it stands for
+    charge(*file_, uri.size(), 2);  // the key and the decoded bytes
     return loaded_.emplace(uri, dataUriBytes(uri)).first->second;
   }
   const NamedFile named = fileBeside(*file_, percentDecoded(uri));

@@ -1,4 +1,4 @@
-// Meshes that a glTF file holds packed by Draco.  Only this file includes Draco.
+// Meshes that a glTF file holds compressed by Draco.  Only this file includes Draco.
 #include "formats/mesh/gltf_draco.h"
 
 #include <draco/compression/mesh/mesh_edgebreaker_decoder.h>
@@ -16,15 +16,15 @@ namespace {
 
 using Json = GltfDocument::Json;
 
-// Draco makes room for as many faces and points as a stream announces before it looks for them.
-// A triangle of a very regular mesh takes a few hundredths of a byte.
+// Draco allocates as many faces and points as a stream announces before it decodes them. A triangle
+// of a very regular mesh takes a few hundredths of a byte.
 constexpr std::uint64_t kMostPerByte = 256;
 
-// What Draco takes for a face, with what is made of it here, for a point, and for a number of a
-// point's attributes: estimates, meant to be above it.
+// Upper estimates of memory for a face, with its triangle here, for a point, and for a number of a
+// point's attributes.
 constexpr std::uint64_t kBytesPerFace = 200, kBytesPerPoint = 100, kBytesPerNumber = 24;
 
-// A number in groups of seven bits, the lowest first.
+// Reads a varint: groups of seven bits, the lowest first.
 std::optional<std::uint64_t> takeVarint(std::string_view& bytes) {
   std::uint64_t value = 0;
   for (unsigned shift = 0; shift < 63 && !bytes.empty(); shift += 7) {
@@ -36,13 +36,13 @@ std::optional<std::uint64_t> takeVarint(std::string_view& bytes) {
   return std::nullopt;
 }
 
-// What a stream's header says.
+// The content of a stream's header.
 struct Announced {
   bool edgebreaker = false;
   std::uint64_t faces = 0, points = 0;
 };
 
-// The header of a mesh of the one version that glTF has, if its counts fit its size.
+// Returns the header of a mesh in the version that glTF uses, if its counts fit its size.
 //
 // source  Draco 3D Data Compression, bitstream 2.2, "Header" and "Connectivity"
 std::optional<Announced> headerOf(std::string_view stream) {
@@ -66,8 +66,7 @@ std::optional<Announced> headerOf(std::string_view stream) {
   return Announced{false, *first, *second};
 }
 
-// Draco's decoder, stopped before it makes room for what the stream says of its attributes, if that
-// is more than may be used.
+// Draco's decoder, which charges the memory of attributes before it allocates them.
 template <class Decoder>
 class Charged final : public Decoder {
  public:
@@ -112,18 +111,18 @@ std::unique_ptr<draco::Mesh> decode(std::string_view stream, const MeshFile& fil
   }
 }
 
-// A point's values of an attribute; those of the accessor's normalised whole numbers as it says.
+// Returns the values of an attribute per point, normalized if the accessor says so.
 GltfArray valuesOf(const GltfDocument& document, const draco::Mesh& mesh,
                    const draco::PointAttribute& attribute, const Json& accessor) {
   constexpr int kMostComponents = 16;
   if (attribute.num_components() > kMostComponents)
     throw document.bad("an attribute of a mesh packed by Draco has " +
                        std::to_string(attribute.num_components()) + " numbers for each point");
-  // glTF has no such type, and Draco takes any byte for a bool.
+  // glTF has no such type, and Draco accepts any byte as a bool.
   if (attribute.data_type() == draco::DT_BOOL)
     throw document.bad("an attribute of a mesh packed by Draco holds truth values, not numbers");
   GltfArray out{mesh.num_points(), static_cast<std::size_t>(attribute.num_components()), {}};
-  const bool normalise = accessor.value("normalized", Json()) == true && !attribute.normalized();
+  const bool normalize = accessor.value("normalized", Json()) == true && !attribute.normalized();
   const std::size_t type = document.number(accessor, "componentType");
   charge(document.file(), out.count, out.components * sizeof(double));
   out.values.resize(out.count * out.components);
@@ -133,8 +132,8 @@ GltfArray valuesOf(const GltfDocument& document, const draco::Mesh& mesh,
     if (at.value() >= attribute.size() ||
         !attribute.ConvertValue(at, static_cast<std::int8_t>(out.components), values))
       throw document.bad("an attribute of a mesh packed by Draco cannot be read");
-    for (std::size_t k = 0; k < out.components && normalise; ++k)
-      values[k] = normalised(values[k], type);
+    for (std::size_t k = 0; k < out.components && normalize; ++k)
+      values[k] = normalized(values[k], type);
   }
   return out;
 }

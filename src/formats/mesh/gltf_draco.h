@@ -1,4 +1,4 @@
-// Meshes that a glTF file holds packed by Draco.
+// Meshes that a glTF file holds compressed by Draco.
 #pragma once
 
 #include <cstdint>
@@ -14,16 +14,16 @@
 namespace sherd {
 
 struct GltfDraco {
-  std::map<std::string, GltfArray> attributes;  ///< by their names in glTF
-  std::vector<glm::uvec3> triangles;            ///< below the length of each of these; what else
-                                                ///< the primitive has may be of another
+  std::map<std::string, GltfArray> attributes;  ///< by name in glTF
+  std::vector<glm::uvec3> triangles;            ///< below the length of each of these; the
+                                                ///< primitive's others may differ in length
 };
 
-/// What a primitive's extension KHR_draco_mesh_compression stands for.
-///   names    attributes that are unpacked if it has them; others may be of any size
-///   returns  none where it has none, or where its positions are there unpacked as well
-///   throws  Error(input) data that Draco does not decode, counts far beyond them, or more than
-///   memory holds
+/// Decodes the extension KHR_draco_mesh_compression of a primitive.
+///   names    attributes that are decoded if present; others may be of any size
+///   returns  nothing if it is absent, or if positions are also stored uncompressed
+///   throws  Error(input) data that Draco cannot decode, counts far beyond its size, more than
+///           memory holds
 [[nodiscard]] std::optional<GltfDraco> decodeDraco(const GltfDocument& document,
                                                    const GltfDocument::Json& primitive,
                                                    const std::set<std::string>& names);

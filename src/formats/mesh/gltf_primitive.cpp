@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "formats/mesh/gltf_accessor.h"
+#include "formats/mesh/gltf_attributes.h"
 #include "formats/mesh/gltf_draco.h"
-#include "formats/mesh/gltf_look.h"
 
 namespace sherd {
 namespace {
@@ -18,10 +18,10 @@ using Json = GltfDocument::Json;
 
 constexpr std::size_t kTriangles = 4, kStrip = 5, kFan = 6;
 
-// The arrays of a primitive, wherever they come from.
+// The arrays of a primitive, decoded by Draco or read from accessors.
 class Attributes {
  public:
-  //   names  all that are taken
+  //   names  all attributes that are read
   Attributes(const GltfDocument& document, const Json& primitive,
              const std::set<std::string>& names)
       : document_(document),
@@ -31,7 +31,7 @@ class Attributes {
       throw document_.bad("a mesh has no 'POSITION'");
   }
 
-  // Once for each name: what Draco packed is moved, so that it is held once.
+  // To be called once per name: arrays that Draco decoded are moved, so that they are held once.
   std::optional<GltfArray> take(const std::string& name) {
     if (draco_) {
       const auto found = draco_->attributes.find(name);
@@ -54,7 +54,7 @@ Error usesVertex(const GltfDocument& document, std::uint32_t vertex, std::size_t
                       std::to_string(vertices));
 }
 
-// The vertices in the order that the primitive names them.
+// Returns the vertex indices in the primitive's order.
 std::vector<std::uint32_t> readIndices(const GltfDocument& document, const Json& primitive,
                                        std::size_t vertices) {
   std::vector<std::uint32_t> out;
@@ -90,14 +90,14 @@ std::vector<glm::uvec3> trianglesOf(const GltfDocument& document,
     if (mode == kFan) {
       out.emplace_back(at[i + 1], at[i + 2], at[0]);
     } else {
-      const bool turned = mode == kStrip && i % 2 == 1;
-      out.emplace_back(at[i], at[i + (turned ? 2 : 1)], at[i + (turned ? 1 : 2)]);
+      const bool flipped = mode == kStrip && i % 2 == 1;
+      out.emplace_back(at[i], at[i + (flipped ? 2 : 1)], at[i + (flipped ? 1 : 2)]);
     }
   }
   return out;
 }
 
-// What Draco packed, whose positions may lie outside of it, and be of any number.
+// Returns the triangles that Draco decoded. Positions may be stored outside of it, in any number.
 std::vector<glm::uvec3> unpackedTriangles(const GltfDocument& document, const GltfDraco& draco,
                                           std::size_t vertices) {
   for (const glm::uvec3& t : draco.triangles) {
@@ -118,7 +118,7 @@ void requireLength(const GltfDocument& document, const GltfArray& array, std::si
 
 std::uint64_t GltfPrimitive::bytes() const {
   return positions.size() * sizeof(glm::dvec3) + triangles.size() * sizeof(glm::uvec3) +
-         texcoords.size() * sizeof(glm::vec2) + colours.size() * sizeof(glm::u8vec3);
+         texcoords.size() * sizeof(glm::vec2) + colors.size() * sizeof(glm::u8vec3);
 }
 
 std::optional<GltfPrimitive> readGltfPrimitive(const GltfDocument& document,
@@ -157,13 +157,13 @@ std::optional<GltfPrimitive> readGltfPrimitive(const GltfDocument& document,
       out.texcoords.push_back(finite ? at : glm::vec2(0.0f));
     }
   }
-  if (const std::optional<GltfArray> colours = attributes.take("COLOR_0")) {
-    requireLength(document, *colours, positions.count, 3, "COLOR_0");
-    charge(document.file(), colours->count, sizeof(glm::u8vec3));
-    out.colours.reserve(colours->count);
-    for (std::size_t i = 0; i < colours->count; ++i) {
-      out.colours.push_back(
-          srgbFromLinear(glm::vec3(colours->at(i, 0), colours->at(i, 1), colours->at(i, 2))));
+  if (const std::optional<GltfArray> colors = attributes.take("COLOR_0")) {
+    requireLength(document, *colors, positions.count, 3, "COLOR_0");
+    charge(document.file(), colors->count, sizeof(glm::u8vec3));
+    out.colors.reserve(colors->count);
+    for (std::size_t i = 0; i < colors->count; ++i) {
+      out.colors.push_back(
+          srgbFromLinear(glm::vec3(colors->at(i, 0), colors->at(i, 1), colors->at(i, 2))));
     }
   }
   return out;

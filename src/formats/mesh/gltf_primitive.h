@@ -17,17 +17,17 @@ struct GltfPrimitive {
   std::vector<glm::dvec3> positions;
   std::vector<glm::uvec3> triangles;  ///< below positions.size()
   std::vector<glm::vec2> texcoords;   ///< [positions] v upwards, or empty
-  std::vector<glm::u8vec3> colours;   ///< [positions] sRGB, or empty
-  std::size_t material = 0;           ///< an index into the file's, or their number for none
+  std::vector<glm::u8vec3> colors;    ///< [positions] sRGB, or empty
+  std::size_t material = 0;           ///< index into the file's materials, or their number
 
   /// Bytes of all of these.
   [[nodiscard]] std::uint64_t bytes() const;
 };
 
-/// The triangles of a primitive: a list, strip or fan, with or without indices, packed or not.
-///   returns  none where it is of points or lines
+/// Reads the triangles of a primitive: a list, strip or fan, indexed or not, compressed or not.
+///   returns  nothing for points or lines
 ///   throws  Error(input) no positions, an index out of range, arrays of unequal length, more
-///           memory than may be used, which is charged with what is made on the way, too
+///           memory than allowed; intermediate arrays are charged, too
 [[nodiscard]] std::optional<GltfPrimitive> readGltfPrimitive(const GltfDocument& document,
                                                              const GltfDocument::Json& primitive);
 

@@ -13,7 +13,7 @@
 namespace sherd {
 namespace {
 
-// A name that is not taken yet: "bark", "bark_2", ...
+// Returns a name that is not taken yet: "bark", "bark_2", ...
 std::string uniqueName(const std::string& name, const std::string& ending,
                        std::set<std::string>& taken) {
   std::string unique = name + ending;
@@ -23,7 +23,7 @@ std::string uniqueName(const std::string& name, const std::string& ending,
   return unique;
 }
 
-// Endings of images.  No others are written, so that no other file passes for a texture.
+// Extensions of images. No others are written, so that no other file is mistaken for a texture.
 constexpr std::array<std::string_view, 29> kImageEndings{
     ".png",  ".jpg",  ".jpeg", ".image", ".tga", ".bmp", ".dds",  ".tif", ".tiff", ".gif",
     ".webp", ".avif", ".heic", ".jp2",   ".jxl", ".ktx", ".ktx2", ".psd", ".hdr",  ".exr",
@@ -33,7 +33,7 @@ bool isImageEnding(std::string_view ending) {
   return std::find(kImageEndings.begin(), kImageEndings.end(), ending) != kImageEndings.end();
 }
 
-// By what is in it; else as it was, if images are called so.
+// Returns the extension of the image's type; for other types the file's, if it is an image's.
 std::string endingOf(const std::string& name, ImageType type) {
   if (type == ImageType::png) return ".png";
   if (type == ImageType::jpeg) return ".jpg";
@@ -49,10 +49,10 @@ MaterialTable materialTable(const Appearance& appearance) {
   for (const Material& material : appearance.materials) {
     const std::string name =
         material.name.empty() ? "outside" : withoutBlanks(safeName(material.name, "outside"));
-    table.materials.push_back({uniqueName(name, "", names), material.colour, material.texture});
+    table.materials.push_back({uniqueName(name, "", names), material.color, material.texture});
   }
   if (table.materials.empty()) table.materials.push_back({"outside"});
-  table.materials.push_back({"inside", glm::vec3(kInsideColour) / 255.0f});
+  table.materials.push_back({"inside", glm::vec3(kInsideColor) / 255.0f});
 
   std::set<std::string> files;
   for (const Texture& texture : appearance.textures) {
@@ -75,7 +75,7 @@ std::string mtlText(const MaterialTable& table) {
   std::string text = "# the materials of the pieces beside this file\n";
   for (const MaterialTable::Entry& material : table.materials) {
     text += "\nnewmtl " + material.name + "\nKd";
-    for (int i = 0; i < 3; ++i) appendFloat(text += ' ', material.colour[i]);
+    for (int i = 0; i < 3; ++i) appendFloat(text += ' ', material.color[i]);
     text += "\nillum 1\n";
     if (material.texture < 0) continue;
     text += "map_Kd " + table.textures[static_cast<std::size_t>(material.texture)].file + "\n";

@@ -8,21 +8,21 @@
 
 namespace sherd {
 
-/// The input's materials, under names that every format can hold, and that of the inside.
+/// The input's materials, with names that every format supports, and the material of the inside.
 struct MaterialTable {
   struct Entry {
     std::string name;  ///< unique, UTF-8 without blanks
-    glm::vec3 colour{1.0f};
+    glm::vec3 color{1.0f};
     int texture = -1;  ///< an index into textures; -1: none
   };
-  struct Picture {
+  struct Image {
     std::string file;   ///< unique, without a folder
     std::string bytes;  ///< as read
     ImageType type = ImageType::other;
   };
 
   std::vector<Entry> materials;  ///< "inside" last; before it the input's, or one named "outside"
-  std::vector<Picture> textures;
+  std::vector<Image> textures;
 
   [[nodiscard]] std::uint32_t inside() const {
     return static_cast<std::uint32_t>(materials.size()) - 1;
@@ -31,10 +31,10 @@ struct MaterialTable {
 
 [[nodiscard]] MaterialTable materialTable(const Appearance& appearance);
 
-/// Whether a file of this name, without a folder, may be one of MaterialTable::textures.
+/// Returns whether a file with this name, without a folder, may be one of MaterialTable::textures.
 [[nodiscard]] bool isTextureName(const std::string& file);
 
-/// The library of the table's materials for OBJ files.
+/// Returns the table's materials as a library for OBJ files.
 [[nodiscard]] std::string mtlText(const MaterialTable& table);
 
 }  // namespace sherd

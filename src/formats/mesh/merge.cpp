@@ -1,4 +1,4 @@
-// From what a reader found to a mesh.
+// Turns a reader's result into a mesh.
 #include "formats/mesh/merge.h"
 
 #include <algorithm>
@@ -14,8 +14,8 @@ namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
 
-// A position by its bits, so that a NaN equals itself and many of them stay cheap; adding 0 turns
-// -0 into 0.
+// The bits of a position: NaNs equal themselves, so many of them stay cheap; adding 0 turns -0 into
+// 0.
 using Bits = std::array<std::uint64_t, 3>;
 
 Bits bitsOf(const glm::dvec3& v) {
@@ -36,12 +36,12 @@ std::uint64_t hashOf(const Bits& bits) {
 
 std::size_t slotsFor(std::size_t vertices) { return std::bit_ceil(2 * vertices + 1); }
 
-// For each vertex the first one at the same place.
+// Returns for each vertex the first one at the same position.
 std::vector<std::uint32_t> firstEqual(const std::vector<glm::dvec3>& vertices) {
   const std::size_t slots = slotsFor(vertices.size());
   std::vector<std::uint32_t> table(slots, kNone);  // open addressing: a vertex per slot
   std::vector<std::uint32_t> first(vertices.size());
-  // The table is larger than the caches: a block's slots are fetched at once.
+  // The table is larger than the caches: a block's slots are prefetched together.
   constexpr std::size_t kBlock = 32;
   std::array<std::size_t, kBlock> slotOf{};
   for (std::size_t begin = 0; begin < vertices.size(); begin += kBlock) {
@@ -66,7 +66,7 @@ bool isFinite(const glm::dvec3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-// Drop the triangles that have a corner which is not finite: tell which are left.
+// Returns the triangles whose corners are all finite; counts the dropped ones in `out`.
 std::vector<std::uint32_t> finiteTriangles(const RawMesh& raw, SourceMesh& out) {
   std::vector<std::uint32_t> kept(raw.triangles.size());
   std::iota(kept.begin(), kept.end(), 0u);
@@ -89,7 +89,7 @@ std::vector<std::uint32_t> finiteTriangles(const RawMesh& raw, SourceMesh& out) 
   return kept;
 }
 
-// The values at these places, in an array that has one for each triangle or none.
+// Returns the values of the kept triangles; `values` has one per triangle or is empty.
 template <class Value>
 std::vector<Value> only(std::vector<Value>&& values, const std::vector<std::uint32_t>& kept) {
   if (values.size() <= kept.size()) return std::move(values);
@@ -98,8 +98,8 @@ std::vector<Value> only(std::vector<Value>&& values, const std::vector<std::uint
   return std::move(values);
 }
 
-// Only parts that have a triangle count, and one alone is the mesh.
-void tellObjects(RawMesh&& raw, SourceMesh& out) {
+// Keeps the objects that have a triangle; a single one is the mesh itself.
+void setObjects(RawMesh&& raw, SourceMesh& out) {
   std::vector<std::uint32_t> number(raw.objects.size(), kNone);
   for (const std::uint32_t object : raw.objectOfTriangle) number[object] = 0;
   for (std::size_t i = 0; i < number.size(); ++i) {
@@ -118,7 +118,7 @@ void tellObjects(RawMesh&& raw, SourceMesh& out) {
 }  // namespace
 
 std::uint64_t mergingMemory(const RawMesh& raw) {
-  // The table and, for each vertex, its first equal and its new number; the triangles that stay.
+  // The table; for each vertex its first equal and its new number; the kept triangles.
   const std::uint64_t numbers =
       slotsFor(raw.vertices.size()) + 2 * raw.vertices.size() + raw.triangles.size();
   return sizeof(std::uint32_t) * numbers;
@@ -152,12 +152,13 @@ SourceMesh mergeVertices(RawMesh&& raw) {
   out.mesh.triangles = only(std::move(raw.triangles), kept);
   for (glm::uvec3& t : out.mesh.triangles) t = {number[t.x], number[t.y], number[t.z]};
 
-  out.appearance = std::move(raw.look);
-  SurfaceLook& look = out.appearance.surface;
-  look = {only(std::move(look.texcoords), kept), only(std::move(look.colours), kept),
-          only(std::move(look.material), kept)};
+  out.appearance = std::move(raw.appearance);
+  SurfaceAttributes& attributes = out.appearance.surface;
+  attributes = {only(std::move(attributes.texcoords), kept),
+                only(std::move(attributes.colors), kept),
+                only(std::move(attributes.material), kept)};
   raw.objectOfTriangle = only(std::move(raw.objectOfTriangle), kept);
-  tellObjects(std::move(raw), out);
+  setObjects(std::move(raw), out);
   out.warnings = std::move(raw.warnings);
   return out;
 }

@@ -1,4 +1,4 @@
-// From what a reader found to a mesh.
+// Turns a reader's result into a mesh.
 #pragma once
 
 #include <sherd/mesh.h>
@@ -9,12 +9,13 @@
 
 namespace sherd {
 
-/// Drop triangles with a corner that is not finite, make exactly equal vertices one (0 and -0 are
-/// equal), drop triangles with two equal corners, then vertices that no triangle uses.  What is
-/// left keeps its order, and is told of all but the file.  Linear in the number of vertices.
+/// Drops triangles with a corner that is not finite, merges exactly equal vertices (0 and -0 are
+/// equal), drops triangles with two equal corners, then vertices that no triangle uses. The order
+/// is kept. Sets all of the result except the file's name and hash. Linear in the number of
+/// vertices.
 [[nodiscard]] SourceMesh mergeVertices(RawMesh&& raw);
 
-/// Bytes that merging takes beside the mesh itself.
+/// Returns the bytes that merging takes in addition to the mesh.
 [[nodiscard]] std::uint64_t mergingMemory(const RawMesh& raw);
 
 }  // namespace sherd

@@ -1,4 +1,4 @@
-// A mesh of its own as a file, with the look that it was read with.
+// Writes a mesh that is no fragment, with its appearance.
 #include "formats/mesh/mesh_file.h"
 
 #include <sherd/error.h>
@@ -16,13 +16,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A file that a mesh refers to.
+// Writes a file that a mesh refers to; one with the same content is kept.
 void writeBeside(FileSink& files, const fs::path& file, const std::string& bytes) {
   if (fs::exists(fs::symlink_status(file))) {
     if (fs::is_regular_file(file) && readFileBytes(file) == bytes) return;
     throw Error(ErrorCode::output, file.string() +
-                                       ": is in the way with other content; move it away or "
-                                       "name another folder");
+                                       ": exists with other content; move it away or name "
+                                       "another folder");
   }
   OutputFile(files, file).write(bytes);
 }
@@ -32,18 +32,18 @@ bool hasMaterials(const SourceMesh& source) { return !source.appearance.surface.
 }  // namespace
 
 void writeMeshFile(FileSink& files, const fs::path& file, const SourceMesh& source,
-                   const std::vector<std::uint16_t>& facing, MeshFileFormat format) {
-  const SurfaceLook& look = source.appearance.surface;
-  if (format == MeshFileFormat::ply && facing.empty() && look.empty()) {
+                   const std::vector<std::uint16_t>& neighbor, MeshFileFormat format) {
+  const SurfaceAttributes& attributes = source.appearance.surface;
+  if (format == MeshFileFormat::ply && neighbor.empty() && attributes.empty()) {
     return writePly({files, file}, source.mesh);
   }
   const MaterialTable table = materialTable(source.appearance);
   const std::vector<std::uint16_t> none(source.mesh.triangles.size(), 0);
   const std::string name = withoutBlanks(safeName(file.stem().string(), "mesh"));
-  const PieceMesh piece{name, source.mesh, facing.empty() ? none : facing, look, table};
+  const PieceMesh piece{name, source.mesh, neighbor.empty() ? none : neighbor, attributes, table};
   if (format == MeshFileFormat::obj || format == MeshFileFormat::ply) {
-    for (const MaterialTable::Picture& picture : table.textures) {
-      writeBeside(files, file.parent_path() / picture.file, picture.bytes);
+    for (const MaterialTable::Image& image : table.textures) {
+      writeBeside(files, file.parent_path() / image.file, image.bytes);
     }
   }
   const bool hasLibrary = format == MeshFileFormat::obj && hasMaterials(source);
@@ -53,22 +53,23 @@ void writeMeshFile(FileSink& files, const fs::path& file, const SourceMesh& sour
 }
 
 std::vector<std::string> lossesOf(const SourceMesh& source,
-                                  const std::vector<std::uint16_t>& facing, MeshFileFormat format) {
+                                  const std::vector<std::uint16_t>& neighbor,
+                                  MeshFileFormat format) {
   std::vector<std::string> losses = source.warnings;
-  const Appearance& look = source.appearance;
+  const Appearance& appearance = source.appearance;
   if (source.degenerateTriangles > 0) {
     losses.push_back(std::to_string(source.degenerateTriangles) +
                      " triangles with two equal corners are left out");
   }
   const bool bare = format == MeshFileFormat::stl || format == MeshFileFormat::stlText ||
                     format == MeshFileFormat::binm;
-  if (bare && !look.surface.empty()) {
-    losses.push_back("colours, texture coordinates and materials are left out");
+  if (bare && !appearance.surface.empty()) {
+    losses.push_back("colors, texture coordinates and materials are left out");
   }
-  if (!facing.empty() && (bare || format == MeshFileFormat::obj)) {
-    losses.push_back("what faces face is left out");
+  if (!neighbor.empty() && (bare || format == MeshFileFormat::obj)) {
+    losses.push_back("neighbor ids of faces are left out");
   }
-  for (const Texture& texture : look.textures) {
+  for (const Texture& texture : appearance.textures) {
     if (format != MeshFileFormat::glb || imageType(texture.bytes) != ImageType::other) continue;
     losses.push_back("its texture " + inQuotes(texture.name) +
                      " is neither PNG nor JPEG and is left out");

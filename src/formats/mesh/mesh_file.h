@@ -1,4 +1,4 @@
-// A mesh of its own as a file, with the look that it was read with.
+// Writes a mesh that is no fragment, with its appearance.
 #pragma once
 
 #include <sherd/mesh.h>
@@ -10,17 +10,17 @@
 
 namespace sherd {
 
-/// Write a mesh.  A library of materials, named like the file, and textures are written beside
-/// `.obj` and `.ply` files; where they are there already with other content, nothing is.
-///   files   takes them by their paths
-///   facing  [triangles], or empty
-///   throws  Error(output)
+/// Writes a mesh. A library of materials, named like the file, and textures are written beside
+/// `.obj` and `.ply` files.
+///   files     receives the files by path
+///   neighbor  [triangles], or empty
+///   throws    Error(output), also if a library or texture exists with other content
 void writeMeshFile(FileSink& files, const std::filesystem::path& file, const SourceMesh& source,
-                   const std::vector<std::uint16_t>& facing, MeshFileFormat format);
+                   const std::vector<std::uint16_t>& neighbor, MeshFileFormat format);
 
-/// What reading the file back would not give, a sentence for each thing.
+/// Returns what is lost if the file is read back, one sentence per loss.
 [[nodiscard]] std::vector<std::string> lossesOf(const SourceMesh& source,
-                                                const std::vector<std::uint16_t>& facing,
+                                                const std::vector<std::uint16_t>& neighbor,
                                                 MeshFileFormat format);
 
 }  // namespace sherd

@@ -1,4 +1,4 @@
-// The seam between files and meshes: what a reader is given, and what it gives.
+// The interface of mesh readers: their input and their result.
 #pragma once
 
 #include <sherd/appearance.h>
@@ -25,26 +25,26 @@ struct MeshFile {
   std::string name;  ///< file name without folder, for messages
   MeshFormat format;
   std::string bytes;
-  MemoryBudget* memory = nullptr;      ///< what reading it may take; none: no limit
-  const Progress* progress = nullptr;  ///< may be none
+  MemoryBudget* memory = nullptr;      ///< limit on memory for reading; null: no limit
+  const Progress* progress = nullptr;  ///< may be null
 };
 
-/// Charge what is about to be allocated.
-///   throws  Error(input) it is more than may be used
+/// Charges memory that is about to be allocated.
+///   throws  Error(input) it exceeds the limit
 inline void charge(const MeshFile& file, std::uint64_t count, std::uint64_t bytesEach = 1) {
   if (file.memory != nullptr) file.memory->charge(count, bytesEach);
 }
 
-/// Called now and then by long work.
-///   throws  Error(cancelled) the caller wants to stop
+/// To be called regularly in long loops.
+///   throws  Error(cancelled) the caller cancelled
 inline void checkpoint(const MeshFile& file) { throwIfCancelled(file.progress); }
 
-/// What a reader found: node transforms applied, polygons triangulated, nothing merged or dropped.
-/// readMesh() checks what is promised here (contradictionIn) before it is used.
+/// A reader's result: node transforms applied, polygons triangulated, nothing merged or dropped.
+/// readMesh() checks these invariants by contradictionIn().
 struct RawMesh {
-  std::vector<glm::dvec3> vertices;             ///< as the file has them, finite or not
+  std::vector<glm::dvec3> vertices;             ///< as in the file, finite or not
   std::vector<glm::uvec3> triangles;            ///< indices below vertices.size()
-  Appearance look;                              ///< its surface's arrays are [triangles] or empty
+  Appearance appearance;                        ///< arrays of its surface are [triangles] or empty
   std::vector<std::string> objects;             ///< names of the file's parts
   std::vector<std::uint32_t> objectOfTriangle;  ///< [triangles] below objects.size(), or empty
   std::vector<std::string> warnings;            ///< see SourceMesh

@@ -1,7 +1,7 @@
-// A mesh that a reader found, as bytes between two programs of one build.
+// A reader's result as bytes that two programs of one build exchange.
 //
 //   "sherd mesh 1"  arrays and texts one after another  "end"
-//   an array: 8 bytes, its length; then its elements as they lie in memory
+//   an array: 8 bytes, its length; then its elements as in memory
 #include "formats/mesh/mesh_stream.h"
 
 #include <cstdint>
@@ -34,7 +34,7 @@ void put(std::string& out, const std::vector<std::string>& texts) {
   for (const std::string& text : texts) put(out, text);
 }
 
-// Takes from the front of a stream; one that has too little is bad from then on.
+// Reads from the front of a stream; good() is false once the stream was too short.
 class Source {
  public:
   Source(std::string_view bytes, MemoryBudget* memory) : bytes_(bytes), memory_(memory) {}
@@ -66,8 +66,8 @@ class Source {
     text.assign(characters.begin(), characters.end());
   }
 
-  // Makes room for how many of something follow.
-  //   leastBytes  of one in the stream; it may take more in memory
+  // Reads the number of elements that follow and allocates them.
+  //   leastBytes  of an element in the stream; it may take more in memory
   template <class Element>
   void makeRoom(std::vector<Element>& elements, std::size_t leastBytes) {
     std::vector<std::uint64_t> number;
@@ -95,17 +95,17 @@ std::string streamOf(const RawMesh& mesh) {
   std::string out(kBegin);
   put(out, mesh.vertices);
   put(out, mesh.triangles);
-  put(out, mesh.look.surface.texcoords);
-  put(out, mesh.look.surface.colours);
-  put(out, mesh.look.surface.material);
-  put(out, std::vector<std::uint64_t>{mesh.look.materials.size()});
-  for (const Material& material : mesh.look.materials) {
+  put(out, mesh.appearance.surface.texcoords);
+  put(out, mesh.appearance.surface.colors);
+  put(out, mesh.appearance.surface.material);
+  put(out, std::vector<std::uint64_t>{mesh.appearance.materials.size()});
+  for (const Material& material : mesh.appearance.materials) {
     put(out, material.name);
-    put(out, std::vector<glm::vec3>{material.colour});
+    put(out, std::vector<glm::vec3>{material.color});
     put(out, std::vector<int>{material.texture});
   }
-  put(out, std::vector<std::uint64_t>{mesh.look.textures.size()});
-  for (const Texture& texture : mesh.look.textures) {
+  put(out, std::vector<std::uint64_t>{mesh.appearance.textures.size()});
+  for (const Texture& texture : mesh.appearance.textures) {
     put(out, texture.name);
     put(out, texture.bytes);
   }
@@ -121,22 +121,22 @@ std::optional<RawMesh> meshFromStream(std::string_view stream, MemoryBudget* mem
   RawMesh mesh;
   source.take(mesh.vertices);
   source.take(mesh.triangles);
-  source.take(mesh.look.surface.texcoords);
-  source.take(mesh.look.surface.colours);
-  source.take(mesh.look.surface.material);
-  source.makeRoom(mesh.look.materials, 3 * kCount + sizeof(glm::vec3) + sizeof(int));
-  for (Material& material : mesh.look.materials) {
-    std::vector<glm::vec3> colour;
+  source.take(mesh.appearance.surface.texcoords);
+  source.take(mesh.appearance.surface.colors);
+  source.take(mesh.appearance.surface.material);
+  source.makeRoom(mesh.appearance.materials, 3 * kCount + sizeof(glm::vec3) + sizeof(int));
+  for (Material& material : mesh.appearance.materials) {
+    std::vector<glm::vec3> color;
     std::vector<int> texture;
     source.take(material.name);
-    source.take(colour);
+    source.take(color);
     source.take(texture);
-    if (colour.size() != 1 || texture.size() != 1) return std::nullopt;
-    material.colour = colour[0];
+    if (color.size() != 1 || texture.size() != 1) return std::nullopt;
+    material.color = color[0];
     material.texture = texture[0];
   }
-  source.makeRoom(mesh.look.textures, 2 * kCount);
-  for (Texture& texture : mesh.look.textures) {
+  source.makeRoom(mesh.appearance.textures, 2 * kCount);
+  for (Texture& texture : mesh.appearance.textures) {
     source.take(texture.name);
     source.take(texture.bytes);
   }

@@ -1,4 +1,4 @@
-// A mesh that a reader found, as bytes between two programs of one build.
+// A reader's result as bytes that two programs of one build exchange.
 #pragma once
 
 #include <optional>
@@ -11,11 +11,11 @@ namespace sherd {
 
 [[nodiscard]] std::string streamOf(const RawMesh& mesh);
 
-/// The mesh of a stream, whoever wrote it.
-///   memory   charged with what names and materials take beyond their bytes in the stream; none:
+/// Returns the mesh of a stream, which need not be trusted.
+///   memory   charged with what names and materials take beyond their bytes in the stream; null:
 ///            nothing is charged
-///   returns  none unless the stream is whole and what it holds is as RawMesh promises
-///   throws   Error(input) they take more than may be used
+///   returns  nothing if the stream is incomplete or violates RawMesh's invariants
+///   throws   Error(input) they take more than allowed
 [[nodiscard]] std::optional<RawMesh> meshFromStream(std::string_view stream,
                                                     MemoryBudget* memory = nullptr);
 

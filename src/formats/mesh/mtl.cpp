@@ -1,6 +1,6 @@
 // Material libraries of OBJ files.
 //
-// Read by us, because Assimp 5.2.5 reads beyond the end of some malformed ones.
+// Read here because Assimp 5.2.5 reads beyond the end of some malformed ones.
 #include "formats/mesh/mtl.h"
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 namespace sherd {
 namespace {
 
-// The name behind the options of a map: "-s 1 1 1 -clamp on the bark.png".
+// Returns the name after the options of a map: "-s 1 1 1 -clamp on the bark.png".
 std::string_view withoutOptions(std::string_view line) {
   constexpr std::array<std::pair<std::string_view, int>, 11> kWords{{{"-blendu", 1},
                                                                      {"-blendv", 1},
@@ -58,14 +58,14 @@ void addMtl(std::string_view text, std::map<std::string, MtlMaterial>& materials
       const auto [at, isNew] = materials.try_emplace(std::string(trimmed(rest)));
       material = isNew ? &at->second : &ignored;
     } else if (material != nullptr && keyword == "Kd") {
-      glm::vec3 colour(0.0f);
+      glm::vec3 color(0.0f);
       bool good = true;
       for (int i = 0; i < 3; ++i) {
         const auto value = parseReal(takeWord(rest));
         good = good && value && std::isfinite(*value);
-        if (good) colour[i] = std::clamp(static_cast<float>(*value), 0.0f, 1.0f);
+        if (good) color[i] = std::clamp(static_cast<float>(*value), 0.0f, 1.0f);
       }
-      if (good) material->colour = colour;
+      if (good) material->color = color;
     } else if (material != nullptr && keyword == "map_Kd") {
       material->texture = withoutOptions(rest);
     }

@@ -8,14 +8,14 @@
 
 namespace sherd {
 
-/// What a library tells of a material.
+/// The properties of a material in a library.
 struct MtlMaterial {
-  glm::vec3 colour{1.0f};  ///< Kd
-  std::string texture;     ///< map_Kd, without its options; empty: none
+  glm::vec3 color{1.0f};  ///< Kd
+  std::string texture;    ///< map_Kd, without its options; empty: none
 };
 
-/// Add the materials of a library's text by their names; of two of one name the first counts.
-/// Lines that make no sense are passed over.
+/// Adds the materials of a library's text by name; of two with one name the first counts. Malformed
+/// lines are skipped.
 void addMtl(std::string_view text, std::map<std::string, MtlMaterial>& materials);
 
 }  // namespace sherd

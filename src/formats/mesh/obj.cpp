@@ -1,4 +1,4 @@
-// Meshes as OBJ.
+// Writes meshes as OBJ.
 #include "base/number_text.h"
 #include "formats/mesh/piece_mesh.h"
 
@@ -7,22 +7,23 @@ namespace sherd {
 void writePieceObj(const OutputFile& file, const PieceMesh& piece, const std::string& library) {
   const TriangleMesh& mesh = piece.mesh;
   const SplitCorners split = splitCorners(piece);
-  const bool colours = !piece.look.colours.empty(), texcoords = !piece.look.texcoords.empty();
+  const bool colors = !piece.attributes.colors.empty(),
+             texcoords = !piece.attributes.texcoords.empty();
   std::string text = library.empty() ? "" : "mtllib " + library + "\n";
   text += "o " + piece.name + "\n";
-  text.reserve(mesh.vertices.size() * (colours ? 60 : 36) + split.normals.size() * 36 +
+  text.reserve(mesh.vertices.size() * (colors ? 60 : 36) + split.normals.size() * 36 +
                split.corners.size() * (texcoords ? 24 : 0) + mesh.triangles.size() * 54);
 
-  // The format has a colour for a vertex only: the original surface's before the inside's.
-  std::vector<glm::u8vec3> colour(colours ? mesh.vertices.size() : 0, kInsideColour);
-  for (std::size_t i = split.corners.size(); i-- > 0 && colours;) {
+  // The format has one color per vertex: the original surface's precedes the inside's.
+  std::vector<glm::u8vec3> color(colors ? mesh.vertices.size() : 0, kInsideColor);
+  for (std::size_t i = split.corners.size(); i-- > 0 && colors;) {
     const SplitCorners::Corner& corner = split.corners[i];
-    if (corner.facing == 0) colour[corner.vertex] = corner.colour;
+    if (corner.neighbor == 0) color[corner.vertex] = corner.color;
   }
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     appendVector(text += 'v', mesh.vertices[i]);
-    for (int k = 0; k < 3 && colours; ++k) {
-      appendFloat(text += ' ', static_cast<float>(colour[i][k]) / 255.0f);
+    for (int k = 0; k < 3 && colors; ++k) {
+      appendFloat(text += ' ', static_cast<float>(color[i][k]) / 255.0f);
     }
     text += '\n';
   }
@@ -33,7 +34,7 @@ void writePieceObj(const OutputFile& file, const PieceMesh& piece, const std::st
   std::vector<std::size_t> texcoordOf(split.corners.size(), 0);  // from 1; 0: none
   std::size_t count = 0;
   for (std::size_t i = 0; i < split.corners.size() && texcoords; ++i) {
-    if (split.corners[i].facing != 0) continue;
+    if (split.corners[i].neighbor != 0) continue;
     texcoordOf[i] = ++count;
     appendFloat(text += "vt ", split.corners[i].texcoord.x);
     appendFloat(text += ' ', split.corners[i].texcoord.y);

@@ -9,7 +9,7 @@
 
 namespace sherd {
 
-/// The lines of an OBJ file, those joined that end in a backslash.
+/// The lines of an OBJ file; a line that ends in a backslash is joined with the next.
 class ObjLines {
  public:
   explicit ObjLines(std::string_view text) : lines_(text) {}

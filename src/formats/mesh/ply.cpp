@@ -1,4 +1,4 @@
-// Meshes as binary little-endian PLY.
+// Writes meshes as binary little-endian PLY.
 #include <sherd/mesh_files.h>
 
 #include <algorithm>
@@ -13,20 +13,20 @@
 namespace sherd {
 namespace {
 
-/// A file's header and its records, handed over some at a time: all of them would take as much
-/// memory as the mesh.
+/// Writes a file's header and its records block by block: all of them would take as much memory as
+/// the mesh.
 class Records {
  public:
-  /// What a record takes at most, bytes.
+  /// Largest size of a record, bytes.
   static constexpr std::size_t kLargest = 64;
 
-  ///   records  how many will come
+  ///   records  their number
   Records(const ByteSink& sink, std::string_view header, std::size_t records)
       : sink_(sink), bytes_(std::min(records, kBlock / kLargest) * kLargest, '\0') {
     sink_(header);
   }
 
-  /// To be told before each record.
+  /// To be called before each record.
   void begin() {
     if (bytes_.size() - end_ < kLargest) finish();
   }
@@ -53,7 +53,7 @@ class Records {
 
   const ByteSink& sink_;
   std::string bytes_;
-  std::size_t end_ = 0;  // of what is there
+  std::size_t end_ = 0;  // of the bytes in use
 };
 
 std::string header(const TriangleMesh& mesh, const std::string& comments,
@@ -66,31 +66,32 @@ std::string header(const TriangleMesh& mesh, const std::string& comments,
   return text.append("end_header\n");
 }
 
-// A vertex's colour is that of the first face round it that is of the original surface; the
-// inside's where there is none.
-std::vector<glm::u8vec3> vertexColours(const PieceMesh& piece) {
-  std::vector<glm::u8vec3> colours(piece.mesh.vertices.size(), kInsideColour);
-  for (std::size_t t = piece.facing.size(); t-- > 0;) {
-    if (piece.facing[t] != 0) continue;
+// Returns for each vertex the color of the first face around it on the original surface; the
+// inside's if there is none.
+std::vector<glm::u8vec3> vertexColors(const PieceMesh& piece) {
+  std::vector<glm::u8vec3> colors(piece.mesh.vertices.size(), kInsideColor);
+  for (std::size_t t = piece.neighbor.size(); t-- > 0;) {
+    if (piece.neighbor[t] != 0) continue;
     for (std::size_t k = 0; k < 3; ++k) {
-      colours[piece.mesh.triangles[t][static_cast<int>(k)]] = piece.look.colours[t][k];
+      colors[piece.mesh.triangles[t][static_cast<int>(k)]] = piece.attributes.colors[t][k];
     }
   }
-  return colours;
+  return colors;
 }
 
 std::string commentsOf(const PieceMesh& piece) {
   std::string text;
-  const SurfaceLook& look = piece.look;
-  for (std::size_t i = 0; i < piece.materials.materials.size() && !look.material.empty(); ++i) {
+  const SurfaceAttributes& attributes = piece.attributes;
+  for (std::size_t i = 0; i < piece.materials.materials.size() && !attributes.material.empty();
+       ++i) {
     const MaterialTable::Entry& material = piece.materials.materials[i];
     text.append("comment material ").append(std::to_string(i)).append(" ").append(material.name);
     if (material.texture >= 0) text.append(" ").append(std::to_string(material.texture));
     text.append("\n");
   }
-  for (const MaterialTable::Picture& picture : piece.materials.textures) {
-    if (look.texcoords.empty()) break;
-    text.append("comment TextureFile ").append(picture.file).append("\n");
+  for (const MaterialTable::Image& image : piece.materials.textures) {
+    if (attributes.texcoords.empty()) break;
+    text.append("comment TextureFile ").append(image.file).append("\n");
   }
   return text;
 }
@@ -98,10 +99,10 @@ std::string commentsOf(const PieceMesh& piece) {
 }  // namespace
 
 void writePly(const OutputFile& file, const TriangleMesh& mesh,
-              const std::vector<std::uint16_t>& facing) {
-  assert(facing.empty() || facing.size() == mesh.triangles.size());
-  if (!facing.empty()) {
-    writePiecePly(file, {"", mesh, facing, {}, {}});
+              const std::vector<std::uint16_t>& neighbor) {
+  assert(neighbor.empty() || neighbor.size() == mesh.triangles.size());
+  if (!neighbor.empty()) {
+    writePiecePly(file, {"", mesh, neighbor, {}, {}});
     return;
   }
   file.write([&](const ByteSink& sink) {
@@ -120,22 +121,21 @@ void writePly(const OutputFile& file, const TriangleMesh& mesh,
 
 void writePiecePly(const OutputFile& file, const PieceMesh& piece) {
   const TriangleMesh& mesh = piece.mesh;
-  const SurfaceLook& look = piece.look;
-  const bool colours = !look.colours.empty(), texcoords = !look.texcoords.empty();
-  const bool materials = !look.material.empty();
+  const SurfaceAttributes& attributes = piece.attributes;
+  const bool colors = !attributes.colors.empty(), texcoords = !attributes.texcoords.empty();
+  const bool materials = !attributes.material.empty();
   const bool textures = texcoords && piece.materials.textures.size() > 1;
   std::string ofVertices =
-      "property float nx\nproperty float ny\nproperty float nz\nproperty int facing\n";
-  if (colours) ofVertices += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
-  std::string ofFaces = "property int facing\n";
+      "property float nx\nproperty float ny\nproperty float nz\nproperty int neighbor\n";
+  if (colors) ofVertices += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  std::string ofFaces = "property int neighbor\n";
   if (texcoords) ofFaces += "property list uchar float texcoord\n";
   if (textures) ofFaces += "property int texnumber\n";
   if (materials) ofFaces += "property int material\n";
 
   const std::vector<glm::dvec3> normals = vertexNormals(mesh);
-  const std::vector<std::uint16_t> facing = vertexFacing(mesh, piece.facing);
-  const std::vector<glm::u8vec3> colour =
-      colours ? vertexColours(piece) : std::vector<glm::u8vec3>();
+  const std::vector<std::uint16_t> neighbor = vertexNeighbor(mesh, piece.neighbor);
+  const std::vector<glm::u8vec3> color = colors ? vertexColors(piece) : std::vector<glm::u8vec3>();
   file.write([&](const ByteSink& sink) {
     Records records(sink, header(mesh, commentsOf(piece), ofVertices, ofFaces),
                     mesh.vertices.size() + mesh.triangles.size());
@@ -143,21 +143,21 @@ void writePiecePly(const OutputFile& file, const PieceMesh& piece) {
       records.begin();
       records.put(mesh.vertices[i]);
       records.put(normals[i]);
-      records.put(std::uint32_t{facing[i]});
-      for (int k = 0; k < 3 && colours; ++k) records.put(std::uint8_t{colour[i][k]});
+      records.put(std::uint32_t{neighbor[i]});
+      for (int k = 0; k < 3 && colors; ++k) records.put(std::uint8_t{color[i][k]});
     }
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
       records.begin();
       records.putFace(mesh.triangles[t]);
-      records.put(std::uint32_t{piece.facing[t]});
+      records.put(std::uint32_t{piece.neighbor[t]});
       if (texcoords) records.put(std::uint8_t{6});
       for (std::size_t k = 0; k < 3 && texcoords; ++k) {
-        records.put(look.texcoords[t][k].x);
-        records.put(look.texcoords[t][k].y);
+        records.put(attributes.texcoords[t][k].x);
+        records.put(attributes.texcoords[t][k].y);
       }
-      const int texture = materials ? piece.materials.materials[look.material[t]].texture : 0;
+      const int texture = materials ? piece.materials.materials[attributes.material[t]].texture : 0;
       if (textures) records.put(static_cast<std::uint32_t>(texture < 0 ? 0 : texture));
-      if (materials) records.put(std::uint32_t{look.material[t]});
+      if (materials) records.put(std::uint32_t{attributes.material[t]});
     }
     records.finish();
   });

@@ -1,4 +1,4 @@
-// A PLY file's header, and the values of its body one after another.
+// Reads a PLY file's header, and the values of its body in sequence.
 #include "formats/mesh/ply_body.h"
 
 #include <algorithm>
@@ -8,9 +8,9 @@
 namespace sherd {
 namespace {
 
-// Elements, and properties, of a header; more than this is taken for hostile.
+// Limit on the elements, and on the properties, of a header; more are refused as hostile.
 constexpr std::size_t kMostNamed = 1000;
-// A comment may name a material or a texture, and be named in a warning.
+// A comment may name a material or a texture, and appear in a warning.
 constexpr std::uint64_t kBytesPerComment = 512;
 constexpr std::size_t kLinesAtATime = 4096;
 

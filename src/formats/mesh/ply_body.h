@@ -1,4 +1,4 @@
-// A PLY file's header, and the values of its body one after another.
+// Reads a PLY file's header, and the values of its body in sequence.
 #pragma once
 
 #include <bit>
@@ -39,16 +39,17 @@ enum class PlyEncoding { ascii, littleEndian, bigEndian };
 struct PlyHeader {
   PlyEncoding encoding = PlyEncoding::ascii;
   std::vector<PlyElement> elements;
-  std::vector<std::string> comments;  // as they stand behind the word
+  std::vector<std::string> comments;  // without the keyword
   std::size_t bodyAt = 0;             // first byte after the header
   std::size_t lineCount = 0;
 };
 
+/// Reads a header.
 ///   throws  Error(input) no PLY, cut short, a type or format that is not known
 [[nodiscard]] PlyHeader readPlyHeader(const MeshFile& file);
 
-// The values of the body one after another, binary or as words; what is asked for beyond the end is
-// a cut file.
+// Reads the values of the body in sequence, binary or text; reading past the end throws the error
+// of a cut file.
 class PlyBody {
  public:
   PlyBody(const MeshFile& file, const PlyHeader& header)
@@ -58,7 +59,7 @@ class PlyBody {
         headerLines_(header.lineCount),
         rest_(std::string_view(file.bytes).substr(header.bodyAt)) {}
 
-  // An element's turn begins: in a text it has a line of its own.
+  // Begins an element; in a text file it has its own line.
   void begin(const PlyElement& element, std::size_t index) {
     element_ = &element;
     index_ = index;
@@ -165,7 +166,7 @@ class PlyBody {
   PlyEncoding encoding_;
   LineReader lines_;
   std::size_t headerLines_;
-  std::string_view rest_;  // of the line in a text, of the file in a binary one
+  std::string_view rest_;  // of the line in a text file, of the body in a binary one
   const PlyElement* element_ = nullptr;
   std::size_t index_ = 0;
 };

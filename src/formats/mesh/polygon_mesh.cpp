@@ -1,4 +1,4 @@
-// Meshes as most files have them, made triangles.
+// Triangulates meshes whose faces have any number of corners.
 #include "formats/mesh/polygon_mesh.h"
 
 #include <algorithm>
@@ -14,16 +14,16 @@
 namespace sherd {
 namespace {
 
-// Triangles of all faces, as numbers of corners, and the face that each is of.
+// Triangles of all faces, as indices of corners, and the face of each.
 struct Triangles {
   std::vector<glm::uvec3> corners;
   std::vector<std::uint32_t> face;
 };
 
-// Triangulation looks whether to stop each time that it has seen so many corners.
+// Corners between two checks for cancellation.
 constexpr std::uint32_t kCornersAtATime = 4096;
 
-// The corners of the face that has most.
+// Returns the largest number of corners of a face.
 std::size_t longestFace(const PolygonMesh& mesh) {
   std::uint32_t longest = 0, begin = 0;
   for (const std::uint32_t end : mesh.faceEnds) {
@@ -34,7 +34,7 @@ std::size_t longestFace(const PolygonMesh& mesh) {
 }
 
 Triangles triangulated(const MeshFile& file, const PolygonMesh& mesh) {
-  // Of one face: its corners, and the triangles that they make.
+  // One face at a time: its corners and its triangles.
   const std::size_t longest = longestFace(mesh);
   const TransientMemory transient(file.memory);
   charge(file, longest, sizeof(std::uint32_t) + sizeof(glm::uvec3));
@@ -42,8 +42,8 @@ Triangles triangulated(const MeshFile& file, const PolygonMesh& mesh) {
   const std::size_t count = mesh.corners.size() - 2 * mesh.faceEnds.size();
   out.corners.reserve(count);
   out.face.reserve(count);
-  std::vector<glm::uvec3> places;
-  places.reserve(longest);
+  std::vector<glm::uvec3> faceTriangles;
+  faceTriangles.reserve(longest);
   std::uint32_t begin = 0, seen = 0;
   for (std::uint32_t face = 0; face < mesh.faceEnds.size(); ++face) {
     const std::uint32_t end = mesh.faceEnds[face];
@@ -55,10 +55,11 @@ Triangles triangulated(const MeshFile& file, const PolygonMesh& mesh) {
       out.corners.emplace_back(begin, begin + 1, begin + 2);
       out.face.push_back(face);
     } else {
-      places.clear();
-      triangulate(mesh.vertices, std::span(mesh.corners).subspan(begin, end - begin), places);
-      for (const glm::uvec3& t : places) out.corners.push_back(t + begin);
-      out.face.insert(out.face.end(), places.size(), face);
+      faceTriangles.clear();
+      triangulate(mesh.vertices, std::span(mesh.corners).subspan(begin, end - begin),
+                  faceTriangles);
+      for (const glm::uvec3& t : faceTriangles) out.corners.push_back(t + begin);
+      out.face.insert(out.face.end(), faceTriangles.size(), face);
     }
     begin = end;
   }
@@ -83,8 +84,8 @@ std::uint64_t bytesOf(const std::vector<Value>& values) {
 }  // namespace
 
 std::uint64_t PolygonMesh::bytes() const {
-  return bytesOf(vertices) + bytesOf(corners) + bytesOf(faceEnds) + bytesOf(vertexColours) +
-         bytesOf(faceColours) + bytesOf(vertexTexcoords) + bytesOf(cornerTexcoords) +
+  return bytesOf(vertices) + bytesOf(corners) + bytesOf(faceEnds) + bytesOf(vertexColors) +
+         bytesOf(faceColors) + bytesOf(vertexTexcoords) + bytesOf(cornerTexcoords) +
          bytesOf(faceMaterials) + bytesOf(objectOfFace);
 }
 
@@ -95,9 +96,9 @@ void triangulateInto(const MeshFile& file, PolygonMesh&& mesh, RawMesh& out) {
                      "has more than 2^32 vertices or corners of faces, which is more than "
                      "can be held");
   }
-  // For each triangle its corners twice, its face, and what it has of the look.
+  // For each triangle its corners twice, its face and its attributes.
   const std::uint64_t count = mesh.corners.size() - 2 * mesh.faceEnds.size();
-  const bool colors = !mesh.vertexColours.empty() || !mesh.faceColours.empty();
+  const bool colors = !mesh.vertexColors.empty() || !mesh.faceColors.empty();
   const bool texcoords = !mesh.vertexTexcoords.empty() || !mesh.cornerTexcoords.empty();
   charge(file, count,
          2 * sizeof(glm::uvec3) + sizeof(std::uint32_t) + (colors ? 3 * sizeof(glm::u8vec3) : 0) +
@@ -109,19 +110,20 @@ void triangulateInto(const MeshFile& file, PolygonMesh&& mesh, RawMesh& out) {
   for (const glm::uvec3& t : triangles.corners) {
     out.triangles.emplace_back(mesh.corners[t.x], mesh.corners[t.y], mesh.corners[t.z]);
   }
-  SurfaceLook& look = out.look.surface;
-  look.colours = atCorners(mesh.vertexColours, out.triangles);
-  for (const glm::u8vec3& colour : chosen(mesh.faceColours, triangles.face)) {
-    look.colours.push_back({colour, colour, colour});
+  SurfaceAttributes& attributes = out.appearance.surface;
+  attributes.colors = atCorners(mesh.vertexColors, out.triangles);
+  for (const glm::u8vec3& color : chosen(mesh.faceColors, triangles.face)) {
+    attributes.colors.push_back({color, color, color});
   }
-  look.texcoords = mesh.vertexTexcoords.empty() ? atCorners(mesh.cornerTexcoords, triangles.corners)
-                                                : atCorners(mesh.vertexTexcoords, out.triangles);
-  for (auto& corners : look.texcoords) {
+  attributes.texcoords = mesh.vertexTexcoords.empty()
+                             ? atCorners(mesh.cornerTexcoords, triangles.corners)
+                             : atCorners(mesh.vertexTexcoords, out.triangles);
+  for (auto& corners : attributes.texcoords) {
     for (glm::vec2& at : corners) {
       if (!std::isfinite(at.x) || !std::isfinite(at.y)) at = glm::vec2(0.0f);
     }
   }
-  look.material = chosen(mesh.faceMaterials, triangles.face);
+  attributes.material = chosen(mesh.faceMaterials, triangles.face);
   out.objectOfTriangle = chosen(mesh.objectOfFace, triangles.face);
   out.vertices = std::move(mesh.vertices);
 }

@@ -1,5 +1,4 @@
-// Meshes as most files have them: faces with any number of corners, looks told by vertex, by corner
-// or by face.
+// Meshes whose faces have any number of corners; attributes are per vertex, corner or face.
 #pragma once
 
 #include <cstdint>
@@ -14,13 +13,13 @@ namespace sherd {
 
 struct PolygonMesh {
   std::vector<glm::dvec3> vertices;
-  std::vector<std::uint32_t> corners;   ///< a vertex each, below vertices.size(), face after face
-  std::vector<std::uint32_t> faceEnds;  ///< [faces] one past the last of a face's corners; a face
-                                        ///< has three at least
+  std::vector<std::uint32_t> corners;   ///< vertices, below vertices.size(), face after face
+  std::vector<std::uint32_t> faceEnds;  ///< [faces] one past a face's last corner; a face has at
+                                        ///< least three
 
   // Each of these may be empty.
-  std::vector<glm::u8vec3> vertexColours;    ///< [vertices]
-  std::vector<glm::u8vec3> faceColours;      ///< [faces], where vertices have none
+  std::vector<glm::u8vec3> vertexColors;     ///< [vertices]
+  std::vector<glm::u8vec3> faceColors;       ///< [faces], where vertices have none
   std::vector<glm::vec2> vertexTexcoords;    ///< [vertices]
   std::vector<glm::vec2> cornerTexcoords;    ///< [corners], where vertices have none
   std::vector<std::uint32_t> faceMaterials;  ///< [faces]
@@ -30,7 +29,7 @@ struct PolygonMesh {
   [[nodiscard]] std::uint64_t bytes() const;
 };
 
-/// Add the faces as triangles, with their looks, to `out`, which has no triangle yet.
+/// Appends the faces, as triangles with their attributes, to `out`, which has no triangle yet.
 ///   file    for the message, and charged with the triangles
 ///   throws  Error(input) more vertices or corners than 32 bits can count, or than memory holds
 void triangulateInto(const MeshFile& file, PolygonMesh&& mesh, RawMesh& out);

@@ -1,4 +1,4 @@
-// Reads FBX, DAE and 3MF files by Assimp, in a program of its own.
+// Reads FBX, DAE and 3MF files by Assimp, in a separate process.
 #include "formats/mesh/read_assimp.h"
 
 #include <fcntl.h>
@@ -58,12 +58,12 @@ Error cannotStart(const std::string& what) {
 std::string findProgram(const MeshFile& file) {
   const AssimpProgram program = findAssimp();
   if (program.found) return program.found->string();
-  throw inputError(
-      file, "the program " + std::string(kProgram) + ", which reads this format, is not at " +
-                program.tried.back().string() + " (install it, or name it by SHERD_ASSIMP)");
+  throw inputError(file, "the program " + std::string(kProgram) +
+                             ", which reads this format, is not at " +
+                             program.tried.back().string() + " (install it, or set SHERD_ASSIMP)");
 }
 
-// Fills a new file, to be read from its beginning.
+// Writes `bytes` to a new file and rewinds it.
 void fill(const FileDescriptor& file, const std::string& bytes) {
   if (file.number() < 0) throw cannotStart("its input");
   for (std::size_t done = 0; done < bytes.size();) {
@@ -74,10 +74,10 @@ void fill(const FileDescriptor& file, const std::string& bytes) {
   if (::lseek(file.number(), 0, SEEK_SET) != 0) throw cannotStart("its input");
 }
 
-// The running program; it does not outlive this.
+// The running process; the destructor kills it.
 class Child {
  public:
-  // A spawned program, not a fork: other threads of ours may hold any lock.
+  // posix_spawn, not fork: other threads of this process may hold locks.
   Child(const std::string& program, const std::vector<std::string>& arguments, int in, int out) {
     std::vector<char*> argv{const_cast<char*>(program.c_str())};
     for (const std::string& argument : arguments)
@@ -90,7 +90,8 @@ class Child {
     ::posix_spawn_file_actions_adddup2(&files, in, 0);
     ::posix_spawn_file_actions_adddup2(&files, out, 1);
     ::posix_spawn_file_actions_addopen(&files, 2, "/dev/null", O_WRONLY, 0);
-    // We block signals to wait for them in a thread, and ignore some; it shall die of them.
+    // This process blocks signals, to wait for them in a thread, and ignores some; the child gets
+    // the defaults, so that they end it.
     sigset_t none, usual;
     ::sigemptyset(&none);
     ::sigemptyset(&usual);
@@ -114,7 +115,7 @@ class Child {
     (void)wait();
   }
 
-  // How it ended, as waitpid() tells; nothing where the caller's program lets nobody wait.
+  // Returns the status of waitpid(); 0 if the calling program disabled waiting for children.
   int wait() {
     running_.end();
     int status = 0;
@@ -129,9 +130,9 @@ class Child {
   Unfinished running_;
 };
 
-// All that the program answers; nothing where it takes too long or answers too much.
+// Returns all output of the process; nothing if it takes too long or writes too much.
 std::optional<std::string> answerOf(int pipe, const AssimpLimits& limits, const MeshFile& file) {
-  constexpr long long kBetweenLooks = 100;  // milliseconds
+  constexpr long long kPollMilliseconds = 100;
 
   using Clock = std::chrono::steady_clock;
   const Clock::time_point end = Clock::now() + std::chrono::seconds(limits.wallSeconds);
@@ -143,7 +144,7 @@ std::optional<std::string> answerOf(int pipe, const AssimpLimits& limits, const 
     if (left.count() <= 0 || answer.size() >> 20 > limits.memoryMiB) return std::nullopt;
     pollfd ready{pipe, POLLIN, 0};
     checkpoint(file);
-    const auto wait = std::min<long long>(left.count(), kBetweenLooks);
+    const auto wait = std::min<long long>(left.count(), kPollMilliseconds);
     if (::poll(&ready, 1, static_cast<int>(wait)) <= 0) continue;
     const ssize_t got = ::read(pipe, buffer.data(), buffer.size());
     if (got == 0) return answer;
@@ -153,19 +154,19 @@ std::optional<std::string> answerOf(int pipe, const AssimpLimits& limits, const 
   }
 }
 
-// Textures that the file names, and does not hold, are read from beside it.
+// Reads textures that the file names but does not contain from beside it.
 void readTextures(const MeshFile& file, RawMesh& mesh) {
-  const std::vector<Texture> named = std::exchange(mesh.look.textures, {});
+  const std::vector<Texture> named = std::exchange(mesh.appearance.textures, {});
   std::vector<int> number;
   for (const Texture& texture : named) {
     if (texture.bytes.empty()) {
       number.push_back(textureBeside(file, texture.name, mesh));
     } else {
-      number.push_back(static_cast<int>(mesh.look.textures.size()));
-      mesh.look.textures.push_back(texture);
+      number.push_back(static_cast<int>(mesh.appearance.textures.size()));
+      mesh.appearance.textures.push_back(texture);
     }
   }
-  for (Material& material : mesh.look.materials) {
+  for (Material& material : mesh.appearance.materials) {
     if (material.texture >= 0)
       material.texture = number[static_cast<std::size_t>(material.texture)];
   }
@@ -199,7 +200,7 @@ AssimpLimits assimpLimits(std::size_t bytes, std::uint64_t memory) {
 
 RawMesh readByAssimp(const MeshFile& file, const AssimpLimits& limits) {
   const std::string program = findProgram(file);
-  charge(file, file.bytes.size());  // the program's copy
+  charge(file, file.bytes.size());  // the process's copy
   const FileDescriptor in(::memfd_create("mesh", MFD_CLOEXEC));
   fill(in, file.bytes);
   std::array<int, 2> ends{};
@@ -233,7 +234,7 @@ RawMesh readByAssimp(const MeshFile& file, const AssimpLimits& limits) {
     throw refuse("says: " + plainText(answer->substr(0, 160)));
   charge(file, answer->size());
   std::optional<RawMesh> mesh = meshFromStream(*answer, file.memory);
-  if (!mesh) throw refuse("gave an answer that makes no sense");
+  if (!mesh) throw refuse("gave an invalid answer");
   for (std::string& warning : mesh->warnings) warning = file.name + ": " + warning;
   readTextures(file, *mesh);
   return std::move(*mesh);

@@ -15,7 +15,7 @@ struct Part {
   std::string_view vertices, faces;
 };
 
-/// Cuts a count and as many records off; false where they go beyond the end.
+/// Takes a count and that many records off the front; false if they go beyond the end.
 bool takeRecords(std::string_view& rest, std::size_t countBytes, std::size_t recordBytes,
                  std::string_view& records) {
   if (rest.size() < countBytes) return false;
@@ -28,10 +28,10 @@ bool takeRecords(std::string_view& rest, std::size_t countBytes, std::size_t rec
   return true;
 }
 
-// Parts that fill the file to its end, or none.
-std::vector<Part> partsBy(std::string_view rest, std::size_t countBytes, bool told) {
+// Returns the parts if they fill the file to its end, else none.
+std::vector<Part> partsBy(std::string_view rest, std::size_t countBytes, bool hasPartCount) {
   std::uint64_t count = 1;
-  if (told) {
+  if (hasPartCount) {
     if (rest.size() < 8) return {};
     count = loadLittle<std::uint64_t>(rest.data());
     rest.remove_prefix(8);
@@ -64,7 +64,7 @@ std::uint32_t cornerAt(const Part& part, std::size_t face, std::size_t corner) {
 RawMesh readBinm(const MeshFile& file) {
   const std::vector<Part> parts = partsOf(file);
   if (parts.empty()) {
-    throw inputError(file, "is cut short, or no .binm: its counts do not make its " +
+    throw inputError(file, "is cut short, or no .binm: its counts do not add up to its " +
                                std::to_string(file.bytes.size()) + " bytes");
   }
   RawMesh raw;

@@ -1,4 +1,4 @@
-// Reads glTF files: what the default scene shows, in its place.
+// Reads glTF files: the meshes of the default scene, node transforms applied.
 #include "formats/mesh/read_gltf.h"
 
 #include <algorithm>
@@ -12,8 +12,8 @@
 
 #include "base/text_scan.h"
 #include "formats/mesh/gltf_accessor.h"
+#include "formats/mesh/gltf_attributes.h"
 #include "formats/mesh/gltf_document.h"
-#include "formats/mesh/gltf_look.h"
 #include "formats/mesh/gltf_primitive.h"
 
 namespace sherd {
@@ -22,8 +22,8 @@ namespace {
 using Json = GltfDocument::Json;
 
 constexpr std::size_t kDeepestNode = 1000;
-// Nodes and instances multiply what a file holds; more than this is taken for hostile.
-constexpr std::size_t kMostShown = std::size_t{1} << 28;  // vertices, and corners of triangles
+// Nodes and instances multiply the meshes of a file; more than this is refused as hostile.
+constexpr std::size_t kMostInScene = std::size_t{1} << 28;  // vertices, and corners of triangles
 
 // world = linear * local + offset.
 struct Affine {
@@ -33,13 +33,13 @@ struct Affine {
   Affine operator*(const Affine& inner) const {
     return {linear * inner.linear, linear * inner.offset + offset};
   }
-  // Left alone without need: 0 * inf would make one infinite coordinate three that are no numbers.
+  // The identity is not applied: 0 * inf would turn one infinite coordinate into three NaNs.
   bool moves() const { return linear != glm::dmat3(1.0) || offset != glm::dvec3(0.0); }
 };
 
-// Rotated by a quaternion x y z w, which need not be of unit length.
-Affine placed(const glm::dvec3& translation, const std::array<double, 4>& rotation,
-              const glm::dvec3& scale) {
+// The rotation is a quaternion x y z w of any length.
+Affine composed(const glm::dvec3& translation, const std::array<double, 4>& rotation,
+                const glm::dvec3& scale) {
   const glm::dquat q(rotation[3], rotation[0], rotation[1], rotation[2]);
   const double length = glm::length(q);
   glm::dmat3 linear = length > 0.0 ? glm::mat3_cast(q / length) : glm::dmat3(1.0);
@@ -67,9 +67,9 @@ Affine localOf(const GltfDocument& document, const Json& node) {
   const auto t = numbersOf<3>(document, node, "translation");
   const auto r = numbersOf<4>(document, node, "rotation");
   const auto s = numbersOf<3>(document, node, "scale");
-  return placed(t ? glm::dvec3((*t)[0], (*t)[1], (*t)[2]) : glm::dvec3(0.0),
-                r.value_or(std::array<double, 4>{0.0, 0.0, 0.0, 1.0}),
-                s ? glm::dvec3((*s)[0], (*s)[1], (*s)[2]) : glm::dvec3(1.0));
+  return composed(t ? glm::dvec3((*t)[0], (*t)[1], (*t)[2]) : glm::dvec3(0.0),
+                  r.value_or(std::array<double, 4>{0.0, 0.0, 0.0, 1.0}),
+                  s ? glm::dvec3((*s)[0], (*s)[1], (*s)[2]) : glm::dvec3(1.0));
 }
 
 const Json& instancing(const Json& node) {
@@ -78,7 +78,7 @@ const Json& instancing(const Json& node) {
   return GltfDocument::member(extension, "attributes");
 }
 
-// How often a node shows its mesh.
+// Returns the number of instances of a node's mesh.
 std::size_t instanceCount(const GltfDocument& document, const Json& node) {
   for (const char* name : {"TRANSLATION", "ROTATION", "SCALE"}) {
     if (!instancing(node).contains(name)) continue;
@@ -88,7 +88,7 @@ std::size_t instanceCount(const GltfDocument& document, const Json& node) {
   return 1;
 }
 
-// Where EXT_mesh_gpu_instancing puts a node's mesh, in the node's space; once in its origin where
+// Returns the instance transforms of EXT_mesh_gpu_instancing in the node's space; the identity if
 // the node has none.
 std::vector<Affine> instancesOf(const GltfDocument& document, const Json& node) {
   const Json& attributes = instancing(node);
@@ -97,7 +97,7 @@ std::vector<Affine> instancesOf(const GltfDocument& document, const Json& node) 
     if (!attributes.contains(name)) return std::nullopt;
     GltfArray array = readGltfArray(document, document.number(attributes, name));
     if (array.components != components || (count && *count != array.count))
-      throw document.bad("a node's instances are not placed by arrays of one length");
+      throw document.bad("the arrays of a node's instances differ in length or type");
     count = array.count;
     return array;
   };
@@ -113,7 +113,7 @@ std::vector<Affine> instancesOf(const GltfDocument& document, const Json& node) 
     };
     std::array<double, 4> rotation{0.0, 0.0, 0.0, 1.0};
     for (std::size_t k = 0; k < 4 && r; ++k) rotation[k] = r->at(i, k);
-    out.push_back(placed(triple(t, 0.0), rotation, triple(s, 1.0)));
+    out.push_back(composed(triple(t, 0.0), rotation, triple(s, 1.0)));
   }
   return out;
 }
@@ -131,8 +131,7 @@ std::vector<std::size_t> indicesOf(const GltfDocument& document, const Json& obj
   return out;
 }
 
-// Nodes that lie in no other.  They must form trees: a node within itself would be walked without
-// end.
+// Returns the nodes without a parent. Nodes must form trees: a cycle would be walked forever.
 std::vector<std::size_t> rootsOf(const GltfDocument& document) {
   const Json& nodes = document.array("nodes");
   std::vector<bool> isChild(nodes.size(), false);
@@ -161,15 +160,15 @@ std::vector<std::size_t> rootsOf(const GltfDocument& document) {
   return roots;
 }
 
-// A node with a mesh, and where it is shown.
-struct Shown {
+// A node with a mesh, and its transform.
+struct MeshNode {
   std::size_t node;
   std::size_t mesh;
   Affine world;
 };
 
-// The nodes with a mesh, each once, in the order of a walk through the default scene.
-std::vector<Shown> shownNodes(const GltfDocument& document) {
+// Returns the nodes with a mesh, each once, in depth-first order of the default scene.
+std::vector<MeshNode> findMeshNodes(const GltfDocument& document) {
   std::vector<std::size_t> roots = rootsOf(document);
   const Json& scenes = document.array("scenes");
   for (const Json& scene : scenes) (void)indicesOf(document, scene, "nodes");
@@ -184,7 +183,7 @@ std::vector<Shown> shownNodes(const GltfDocument& document) {
   std::vector<Visit> stack;
   for (auto root = roots.rbegin(); root != roots.rend(); ++root) stack.push_back({*root, {}});
   std::vector<bool> seen(document.array("nodes").size(), false);
-  std::vector<Shown> out;
+  std::vector<MeshNode> out;
   while (!stack.empty()) {
     const Visit visit = stack.back();
     stack.pop_back();
@@ -202,14 +201,14 @@ std::vector<Shown> shownNodes(const GltfDocument& document) {
 
 struct Reader {
   const GltfDocument& document;
-  std::vector<Shown> shown = shownNodes(document);
+  std::vector<MeshNode> meshNodes = findMeshNodes(document);
   std::vector<std::optional<std::vector<GltfPrimitive>>> meshes{document.array("meshes").size()};
   std::size_t pointsAndLines = 0;
-  bool hasTexcoords = false, hasColours = false, morphed = false;
-  std::vector<std::uint32_t> materials{};  // what the file's are in `out`; empty: none is told
+  bool hasTexcoords = false, hasColors = false, morphed = false;
+  std::vector<std::uint32_t> materials{};  // indices in `out` of the file's materials, or empty
   RawMesh out{};
 
-  // What is made on the way is charged while it is there.
+  // Intermediate arrays are charged while they exist.
   std::optional<GltfPrimitive> decoded(const Json& source) const {
     const TransientMemory transient(document.file().memory);
     return readGltfPrimitive(document, source);
@@ -217,7 +216,7 @@ struct Reader {
 
   void decodeMeshes() {
     std::vector<bool> used(document.array("materials").size() + 1, false);
-    for (const Shown& node : shown) {
+    for (const MeshNode& node : meshNodes) {
       const Json& mesh = document.at("meshes", node.mesh);
       if (meshes[node.mesh]) continue;
       std::vector<GltfPrimitive>& primitives = meshes[node.mesh].emplace();
@@ -231,23 +230,23 @@ struct Reader {
         }
         charge(document.file(), primitive->bytes());
         hasTexcoords |= !primitive->texcoords.empty();
-        hasColours |= !primitive->colours.empty();
+        hasColors |= !primitive->colors.empty();
         used[primitive->material] = true;
-        if (primitive->positions.empty()) continue;  // which instances would only count
+        if (primitive->positions.empty()) continue;  // its instances would add nothing
         primitives.push_back(std::move(*primitive));
       }
     }
     materials = addMaterials(document, used, hasTexcoords, out);
   }
 
-  // Where a primitive lacks what others have, colours are white and texture coordinates 0.
+  // Colors default to white and texture coordinates to 0 if only other primitives have them.
   void append(const GltfPrimitive& primitive, const Affine& world) {
     const auto first = static_cast<std::uint32_t>(out.vertices.size());
     const bool moves = world.moves();
     for (const glm::dvec3& v : primitive.positions)
       out.vertices.push_back(moves ? world.linear * v + world.offset : v);
     const bool mirrored = glm::determinant(world.linear) < 0.0;
-    SurfaceLook& look = out.look.surface;
+    SurfaceAttributes& attributes = out.appearance.surface;
     for (glm::uvec3 t : primitive.triangles) {
       if (mirrored) std::swap(t.x, t.z);
       out.triangles.push_back(t + first);
@@ -255,19 +254,20 @@ struct Reader {
         return values.empty() ? std::array<Value, 3>{otherwise, otherwise, otherwise}
                               : std::array<Value, 3>{values[t.x], values[t.y], values[t.z]};
       };
-      if (hasTexcoords) look.texcoords.push_back(atCorners(primitive.texcoords, glm::vec2(0.0f)));
-      if (hasColours) look.colours.push_back(atCorners(primitive.colours, glm::u8vec3(255)));
-      if (!materials.empty()) look.material.push_back(materials[primitive.material]);
+      if (hasTexcoords)
+        attributes.texcoords.push_back(atCorners(primitive.texcoords, glm::vec2(0.0f)));
+      if (hasColors) attributes.colors.push_back(atCorners(primitive.colors, glm::u8vec3(255)));
+      if (!materials.empty()) attributes.material.push_back(materials[primitive.material]);
     }
   }
 
-  std::string nameOf(const Shown& node) const {
+  std::string nameOf(const MeshNode& node) const {
     const std::string name = document.at("nodes", node.node).value("name", std::string());
     return name.empty() ? document.at("meshes", node.mesh).value("name", name) : name;
   }
 
-  // Room for all that is shown, once it is known that there is enough: nodes and instances multiply
-  // what a file holds.
+  // Reserves memory for the whole scene after checking the limits: nodes and instances multiply the
+  // meshes of a file.
   void makeRoom() {
     struct Size {
       std::size_t vertices = 0, triangles = 0;
@@ -281,21 +281,21 @@ struct Reader {
       }
     }
     std::size_t vertices = 0, triangles = 0;
-    for (const Shown& node : shown) {
+    for (const MeshNode& node : meshNodes) {
       const std::size_t count = instanceCount(document, document.at("nodes", node.node));
       vertices += count * own[node.mesh].vertices;
       triangles += count * own[node.mesh].triangles;
-      if (std::max(vertices, 3 * triangles) <= kMostShown) continue;
-      throw document.bad("its nodes show more than " + std::to_string(kMostShown) +
+      if (std::max(vertices, 3 * triangles) <= kMostInScene) continue;
+      throw document.bad("its nodes show more than " + std::to_string(kMostInScene) +
                          " vertices or corners of triangles, which is more than is read");
     }
     const MeshFile& file = document.file();
-    for (const Shown& node : shown) {  // each has a name, its own or its mesh's
+    for (const MeshNode& node : meshNodes) {  // each has a name, its own or its mesh's
       checkpoint(file);
       charge(file, nameOf(node).size() + sizeof(std::string));
     }
-    out.objects.reserve(shown.size());
-    SurfaceLook& look = out.look.surface;
+    out.objects.reserve(meshNodes.size());
+    SurfaceAttributes& attributes = out.appearance.surface;
     const auto reserve = [&]<class Value>(std::vector<Value>& values, std::size_t count) {
       charge(file, count, sizeof(Value));
       values.reserve(count);
@@ -303,15 +303,15 @@ struct Reader {
     reserve(out.vertices, vertices);
     reserve(out.triangles, triangles);
     reserve(out.objectOfTriangle, triangles);
-    if (hasTexcoords) reserve(look.texcoords, triangles);
-    if (hasColours) reserve(look.colours, triangles);
-    if (!materials.empty()) reserve(look.material, triangles);
+    if (hasTexcoords) reserve(attributes.texcoords, triangles);
+    if (hasColors) reserve(attributes.colors, triangles);
+    if (!materials.empty()) reserve(attributes.material, triangles);
   }
 
-  void place() {
+  void appendNodes() {
     constexpr std::size_t kInstancesAtATime = 1024;
     std::size_t done = 0;
-    for (const Shown& node : shown) {
+    for (const MeshNode& node : meshNodes) {
       const TransientMemory transient(document.file().memory);
       checkpoint(document.file());
       const std::vector<GltfPrimitive>& primitives = *meshes[node.mesh];
@@ -329,24 +329,24 @@ struct Reader {
   }
 
   void warn() {
-    const auto tell = [&](const std::string& what) {
+    const auto add = [&](const std::string& what) {
       out.warnings.push_back(document.file().name + ": " + what);
     };
     if (pointsAndLines > 0) {
-      tell(std::to_string(pointsAndLines) +
-           " of its primitives are points or lines, which are left out");
+      add(std::to_string(pointsAndLines) +
+          " of its primitives are points or lines, which are left out");
     }
-    const bool skinned = std::any_of(shown.begin(), shown.end(), [&](const Shown& node) {
+    const bool skinned = std::any_of(meshNodes.begin(), meshNodes.end(), [&](const MeshNode& node) {
       return document.at("nodes", node.node).contains("skin");
     });
-    if (skinned) tell("its skins are left out: the mesh is read as it is without its skeleton");
-    if (morphed) tell("its morph targets are left out: the mesh is read as it is without them");
+    if (skinned) add("its skins are left out: the mesh is read as it is without its skeleton");
+    if (morphed) add("its morph targets are left out: the mesh is read as it is without them");
   }
 
   RawMesh read() {
     decodeMeshes();
     makeRoom();
-    place();
+    appendNodes();
     warn();
     return std::move(out);
   }

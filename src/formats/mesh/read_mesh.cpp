@@ -36,7 +36,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kLargestUnpacked = std::size_t{1}
-                                         << 33;  // a small .gz may stand for any number of zeros
+                                         << 33;  // a small .gz can unpack to any number of zeros
 
 std::optional<MeshFormat> formatFromExtension(const std::string& extension) {
   constexpr std::array<std::pair<std::string_view, MeshFormat>, 10> kFormats{
@@ -55,7 +55,8 @@ std::optional<MeshFormat> formatFromExtension(const std::string& extension) {
   return std::nullopt;
 }
 
-// Whether a file of the format may begin so; only those are looked at that begin in one way.
+// Returns whether a file of the format may begin with `bytes`; checks formats with a fixed
+// beginning.
 bool mayBegin(MeshFormat format, std::string_view bytes) {
   switch (format) {
     case MeshFormat::ply:
@@ -69,15 +70,15 @@ bool mayBegin(MeshFormat format, std::string_view bytes) {
   }
 }
 
-// What the last four bytes of a gzip file say, if that can be.
+// Returns the length in the last four bytes of a gzip file; 0 if it is impossible.
 std::size_t lastLength(std::string_view packed) {
-  constexpr std::size_t kMostInflated = 1032;  // bytes that deflation makes of one, at most
+  constexpr std::size_t kMostInflated = 1032;  // largest ratio of inflated to deflated bytes
   if (packed.size() < sizeof(std::uint32_t)) return 0;
   const std::size_t length = loadLittle<std::uint32_t>(packed.data() + packed.size() - 4);
   return length / kMostInflated <= packed.size() ? length : 0;
 }
 
-// Room for more text, charged before it is made; what is full gets twice its room.
+// Reserves room for more text, charged before it is allocated; capacity at least doubles.
 void makeRoom(std::string& text, std::size_t more, MemoryBudget& memory) {
   const std::size_t before = text.capacity(), needed = text.size() + more;
   if (needed <= before) return;
@@ -87,8 +88,8 @@ void makeRoom(std::string& text, std::size_t more, MemoryBudget& memory) {
   memory.release(before);
 }
 
-// Unpack a gzip file, which may be several streams one after another, piece by piece.  Of one that
-// cannot be of its format only the beginning is unpacked, which its reader refuses.
+// Unpacks a gzip file, which may be several streams, block by block. If the beginning cannot be of
+// its format, only that is unpacked, and the reader refuses it.
 std::string gunzip(const std::string& packed, const std::string& name, MeshFormat format,
                    MemoryBudget& memory, const Progress* progress) {
   const auto fail = [&](const std::string& what) {
@@ -118,10 +119,10 @@ std::string gunzip(const std::string& packed, const std::string& name, MeshForma
     const std::size_t got = buffer.size() - stream.avail_out;
     makeRoom(out, got, memory);
     out.append(buffer.data(), got);
-    if (out.size() == got && got > 0) {  // the first piece
+    if (out.size() == got && got > 0) {  // the first block
       if (!mayBegin(format, out)) return out;
-      // The file's end tells how long its last stream is, in 32 bits: for most, the room that is
-      // needed.
+      // The file's end holds the length of its last stream, in 32 bits: for most files the size of
+      // all.
       makeRoom(out, lastLength(packed) - std::min(lastLength(packed), got), memory);
     }
     if (out.size() > kLargestUnpacked)
@@ -170,14 +171,14 @@ RawMesh readRaw(const MeshFile& file) {
   return {};
 }
 
-// Far below what squares of lengths overflow at, in single precision too.
+// Such lengths do not overflow in single precision, nor their squares in double precision.
 constexpr double kLongestSide = 1e37;
 
 void checkMerged(const MeshFile& file, const SourceMesh& source) {
   if (source.mesh.triangles.empty() && source.droppedTriangles > 0) {
     const std::string which = source.droppedVertices == source.fileVertices ? "all " : "";
     throw inputError(file, which + std::to_string(source.droppedVertices) +
-                               " vertices are not finite, and no triangle is without one; finite "
+                               " vertices are not finite, and every triangle uses one; finite "
                                "coordinates are needed");
   }
   if (source.mesh.triangles.empty())
@@ -189,7 +190,7 @@ void checkMerged(const MeshFile& file, const SourceMesh& source) {
     std::array<char, 40> length{};
     std::snprintf(length.data(), length.size(), "%.3g", side);
     throw inputError(file, std::string("is ") + length.data() + " long along " + "xyz"[axis] +
-                               ", at most 1e37 can be worked with (scale it)");
+                               ", at most 1e37 is supported (scale it)");
   }
 }
 
@@ -200,11 +201,10 @@ SourceMesh meshOf(const fs::path& path, std::string bytes, MemoryBudget& memory,
   const std::string fileName = path.filename().string();
   const std::optional<MeshFormat> format = formatFromExtension(name.extension);
   if (!format) {
-    throw Error(
-        ErrorCode::input,
-        fileName + ": the extension '" + name.extension +
-            "' is not known; read are .obj .ply .stl .off .gltf .glb .binm .fbx .dae .3mf, and "
-            "each with .gz");
+    throw Error(ErrorCode::input, fileName + ": the extension '" + name.extension +
+                                      "' is not known; supported are .obj .ply .stl .off .gltf "
+                                      ".glb .binm .fbx .dae .3mf, and "
+                                      "each with .gz");
   }
   const MeshFile file{
       path,    fileName,
@@ -213,7 +213,7 @@ SourceMesh meshOf(const fs::path& path, std::string bytes, MemoryBudget& memory,
   if (file.bytes.empty()) throw inputError(file, "the file is empty");
   std::future<std::string> hash =
       std::async(std::launch::async, [&] { return sha256(name.packed ? bytes : file.bytes); });
-  RawMesh raw = readRaw(file);  // in the caller's thread, which `progress` is for
+  RawMesh raw = readRaw(file);  // in the caller's thread, as `progress` requires
   if (raw.triangles.empty()) throw inputError(file, "holds no triangle");
   if (raw.vertices.size() > std::numeric_limits<std::uint32_t>::max())
     throw inputError(file, "has more than 2^32 vertices, which is more than can be held");

@@ -8,8 +8,8 @@
 
 namespace sherd {
 
-/// What readMesh() does once it has a file's bytes.
-///   path    its name tells the format; files that the mesh names are looked for beside it
+/// Reads a mesh from a file's bytes, as readMesh() does.
+///   path    its extension selects the format; files that the mesh names are read from beside it
 ///   throws  Error(input) as readMesh()
 [[nodiscard]] SourceMesh meshFromBytes(const std::filesystem::path& path, std::string bytes,
                                        const ReadOptions& options = {},

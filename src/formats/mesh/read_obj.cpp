@@ -14,14 +14,14 @@
 #include "formats/mesh/mtl.h"
 #include "formats/mesh/obj_lines.h"
 #include "formats/mesh/polygon_mesh.h"
-#include "mesh/colours.h"
+#include "mesh/colors.h"
 
 namespace sherd {
 namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-// Lines, and corners of a line, between two looks at what is held and whether to stop.
+// Lines, and corners of a line, between two checks of memory and for cancellation.
 constexpr std::size_t kAtATime = 4096;
 
 // Numbers for names, in the order of their first use.
@@ -45,14 +45,14 @@ class Names {
 struct Reader {
   const MeshFile& file;
   PolygonMesh mesh{};
-  std::vector<glm::vec3> colours{};  // [vertices] once one of them has one
+  std::vector<glm::vec3> colors{};  // [vertices] or empty
   std::vector<glm::vec2> texcoords{};
   std::vector<std::uint32_t> cornerTexcoords{};  // [corners], kNone: none
   std::size_t largestVertex = 0, largestVertexLine = 0, largestTexcoord = 0;  // used, from 1
   std::vector<std::string> libraries{};
   Names materials{}, objects{}, groups{};
-  std::vector<std::uint32_t> groupOfFace{};                       // beside mesh.objectOfFace
-  std::uint32_t material = kNone, object = kNone, group = kNone;  // of the faces that come
+  std::vector<std::uint32_t> groupOfFace{};                       // [faces] or empty
+  std::uint32_t material = kNone, object = kNone, group = kNone;  // of the next faces
   bool hasTexcoords = false;
   GrowingMemory memory{file.memory};
 
@@ -68,9 +68,9 @@ struct Reader {
     if (count < 3) throw inputError(file, line, "vertex has less than 3 coordinates");
     const double w = count == 4 && values[3] != 0.0 ? values[3] : 1.0;
     mesh.vertices.emplace_back(values[0] / w, values[1] / w, values[2] / w);
-    if (count < 6 && colours.empty()) return;
-    colours.resize(mesh.vertices.size(), glm::vec3(1.0f));
-    if (count == 6) colours.back() = {values[3], values[4], values[5]};
+    if (count < 6 && colors.empty()) return;
+    colors.resize(mesh.vertices.size(), glm::vec3(1.0f));
+    if (count == 6) colors.back() = {values[3], values[4], values[5]};
   }
 
   // A corner "v", "v/vt", "v//vn" or "v/vt/vn"; numbers below 0 count from the end.
@@ -121,7 +121,7 @@ struct Reader {
     largestTexcoord = std::max(largestTexcoord, cornerTexcoords.back() + std::size_t{1});
   }
 
-  // Faces are kept as they are: what they use may come behind them.
+  // Faces are checked at the end: vertices may follow the faces that use them.
   void addFace(std::string_view rest, std::size_t line) {
     const std::size_t first = mesh.corners.size();
     rest = rest.substr(0, rest.find('#'));
@@ -131,23 +131,22 @@ struct Reader {
     if (mesh.corners.size() < first + 3)
       throw inputError(file, line, "face has less than 3 corners");
     mesh.faceEnds.push_back(static_cast<std::uint32_t>(mesh.corners.size()));
-    note(material, mesh.faceMaterials);
-    note(object, mesh.objectOfFace);
-    note(group, groupOfFace);
+    setLast(material, mesh.faceMaterials);
+    setLast(object, mesh.objectOfFace);
+    setLast(group, groupOfFace);
   }
 
-  // What the last face is of; an array begins with the first face that is of something.
-  void note(std::uint32_t of, std::vector<std::uint32_t>& ofFaces) const {
+  // Sets the entry of the last face; the array is empty until a face has one.
+  void setLast(std::uint32_t of, std::vector<std::uint32_t>& ofFaces) const {
     if (of == kNone && ofFaces.empty()) return;
     ofFaces.resize(mesh.faceEnds.size(), kNone);
     ofFaces.back() = of;
   }
 
-  // What is held now, names with what finding them takes.
+  // Bytes held, with the look-up of names.
   [[nodiscard]] std::uint64_t bytesHeld() const {
     constexpr std::uint64_t kName = 160;
-    return mesh.bytes() + colours.size() * sizeof(glm::vec3) +
-           texcoords.size() * sizeof(glm::vec2) +
+    return mesh.bytes() + colors.size() * sizeof(glm::vec3) + texcoords.size() * sizeof(glm::vec2) +
            (cornerTexcoords.size() + groupOfFace.size()) * sizeof(std::uint32_t) +
            kName * (materials.list().size() + objects.list().size() + groups.list().size() +
                     libraries.size());
@@ -196,14 +195,14 @@ struct Reader {
     }
   }
 
-  // Faces before the first name are of one without a name.
+  // Faces before the first name have an empty name.
   static void nameAll(std::vector<std::uint32_t>& ofFaces, Names& names) {
     for (std::uint32_t& of : ofFaces) {
       if (of == kNone) of = names.numberOf("");
     }
   }
 
-  // A library is a plain file name; one line may name several.
+  // A line is one file name, possibly with blanks, or several names.
   void readLibraries(RawMesh& out) const {
     // A line "newmtl a" makes an entry of the map.
     constexpr std::uint64_t kMostPerByte = 16;
@@ -218,17 +217,17 @@ struct Reader {
       std::string_view rest = line;
       for (std::string_view name = isOne ? rest : takeWord(rest); !name.empty();
            name = isOne ? std::string_view() : takeWord(rest)) {
-        if (!read.emplace(name).second) continue;  // of two that are alike the first counts
+        if (!read.emplace(name).second) continue;  // a library is read once
         const auto text = readBeside(file, name, "material library", out.warnings);
         if (!text) continue;
-        charge(file, text->size(), kMostPerByte);  // before it is known how many it names
+        charge(file, text->size(), kMostPerByte);  // before its materials are counted
         addMtl(*text, known);
       }
     }
-    for (Material& named : out.look.materials) {
+    for (Material& named : out.appearance.materials) {
       const auto found = known.find(named.name);
       if (found == known.end()) continue;
-      named.colour = found->second.colour;
+      named.color = found->second.color;
       if (hasTexcoords && !found->second.texture.empty()) {
         named.texture = textureBeside(file, found->second.texture, out);
       }
@@ -238,7 +237,7 @@ struct Reader {
   RawMesh read() {
     readLines();
     checkIndices();
-    mesh.vertexColours = coloursFrom(colours);
+    mesh.vertexColors = colorsFrom(colors);
     cornerTexcoords.resize(hasTexcoords ? mesh.corners.size() : 0, kNone);
     charge(file, cornerTexcoords.size(), sizeof(glm::vec2));
     mesh.cornerTexcoords.reserve(cornerTexcoords.size());
@@ -248,7 +247,8 @@ struct Reader {
     RawMesh out;
     nameAll(mesh.faceMaterials, materials);
     if (!mesh.faceMaterials.empty()) {
-      for (const std::string& name : materials.list()) out.look.materials.push_back({.name = name});
+      for (const std::string& name : materials.list())
+        out.appearance.materials.push_back({.name = name});
       readLibraries(out);
     }
     if (mesh.objectOfFace.empty()) {

@@ -5,9 +5,8 @@
 
 namespace sherd {
 
-/// Every face of the file, with texture coordinates, vertex colours and materials.  What stands
-/// behind an `o` is an object, or, in a file without one, what stands behind a `g`; those of one
-/// name are one.
+/// Reads every face, with texture coordinates, vertex colors and materials. A section after `o` is
+/// an object, or, in a file without one, a section after `g`; those with one name are one object.
 ///   throws  Error(input) malformed, a vertex or texture coordinate that does not exist
 [[nodiscard]] RawMesh readObj(const MeshFile& file);
 

@@ -10,22 +10,22 @@
 
 #include "base/text_scan.h"
 #include "formats/mesh/polygon_mesh.h"
-#include "mesh/colours.h"
+#include "mesh/colors.h"
 
 namespace sherd {
 namespace {
 
-// Vertices, faces, and corners of a face, between two looks at what is held and whether to stop.
+// Vertices, faces, and corners of a face, between two checks of memory and for cancellation.
 constexpr std::size_t kAtATime = 4096;
 
 struct Reader {
   const MeshFile& file;
   LineReader lines{withoutByteOrderMark(file.bytes)};
-  std::string_view line{};                                            // what is left of the line
-  bool hasTexcoords = false, hasColours = false, hasNormals = false;  // of vertices
+  std::string_view line{};                                           // rest of the line
+  bool hasTexcoords = false, hasColors = false, hasNormals = false;  // of vertices
   PolygonMesh mesh{};
-  std::vector<glm::vec3> vertexColours{}, faceColours{};
-  bool anyFaceColour = false;
+  std::vector<glm::vec3> vertexColors{}, faceColors{};
+  bool anyFaceColor = false;
   GrowingMemory memory{file.memory};
 
   Error bad(const std::string& what) const { return inputError(file, lines.number(), what); }
@@ -53,16 +53,16 @@ struct Reader {
       return has;
     };
     hasTexcoords = take("ST");
-    hasColours = take("C");
+    hasColors = take("C");
     hasNormals = take("N");
     if (kind != "OFF") throw bad("found " + inQuotes(keyword) + " where 'OFF' is expected");
     std::string_view next = line;
     if (takeWord(next) == "BINARY")
-      throw inputError(file, "is a binary OFF, which is not read; save it as a text");
+      throw inputError(file, "is a binary OFF, which is not supported; save it as text");
   }
 
-  // A colour of three or four numbers; its alpha is left out.
-  std::optional<glm::vec3> colour(std::size_t numbers) {
+  // A color of three or four numbers; its alpha is left out.
+  std::optional<glm::vec3> color(std::size_t numbers) {
     if (numbers != 3 && numbers != 4) return std::nullopt;
     glm::vec3 out(1.0f);
     for (int i = 0; i < 3; ++i) out[i] = static_cast<float>(nextReal().value_or(1.0));
@@ -79,10 +79,9 @@ struct Reader {
     }
     mesh.vertices.push_back(v);
     if (hasNormals && !takeNumbers(line, 3)) throw bad("vertex has no normal");
-    if (hasColours) {
+    if (hasColors) {
       const std::size_t others = hasTexcoords ? 2 : 0, numbers = countWords(line);
-      vertexColours.push_back(
-          colour(numbers - std::min(numbers, others)).value_or(glm::vec3(1.0f)));
+      vertexColors.push_back(color(numbers - std::min(numbers, others)).value_or(glm::vec3(1.0f)));
     }
     if (hasTexcoords) {
       const auto s = nextReal(), t = nextReal();
@@ -94,7 +93,7 @@ struct Reader {
   void hold() {
     checkpoint(file);
     memory.hold(mesh.bytes() - mesh.vertices.size() * sizeof(glm::dvec3) +
-                (vertexColours.size() + faceColours.size()) * sizeof(glm::vec3));
+                (vertexColors.size() + faceColors.size()) * sizeof(glm::vec3));
   }
 
   // Faces of one or two corners are points and lines.
@@ -113,10 +112,10 @@ struct Reader {
     }
     if (*corners < 3) return;
     mesh.faceEnds.push_back(static_cast<std::uint32_t>(mesh.corners.size()));
-    if (hasColours) return;
-    const auto found = isBlank(line) ? std::nullopt : colour(countWords(line));
-    anyFaceColour |= found.has_value();
-    faceColours.push_back(found.value_or(glm::vec3(1.0f)));
+    if (hasColors) return;
+    const auto found = isBlank(line) ? std::nullopt : color(countWords(line));
+    anyFaceColor |= found.has_value();
+    faceColors.push_back(found.value_or(glm::vec3(1.0f)));
   }
 
   void read() {
@@ -140,8 +139,8 @@ struct Reader {
       readFace(*vertices);
     }
     if (nextDataLine(lines, line)) throw bad("found " + inQuotes(line) + " after the last face");
-    mesh.vertexColours = coloursFrom(vertexColours);
-    if (anyFaceColour) mesh.faceColours = coloursFrom(faceColours);
+    mesh.vertexColors = colorsFrom(vertexColors);
+    if (anyFaceColor) mesh.faceColors = colorsFrom(faceColors);
   }
 };
 

@@ -5,8 +5,8 @@
 
 namespace sherd {
 
-/// Every face of a text OFF, with colours of vertices (COFF) or else of faces, and texture
-/// coordinates (STOFF); normals (NOFF) are passed over.  A vertex and a face have a line each.
+/// Reads every face of a text OFF, with colors of vertices (COFF) or else of faces, and texture
+/// coordinates (STOFF); normals (NOFF) are skipped. Each vertex and each face is a line.
 ///   throws  Error(input) cut short, malformed, an index out of range, a binary OFF
 [[nodiscard]] RawMesh readOff(const MeshFile& file);
 

@@ -11,12 +11,12 @@
 #include "formats/mesh/beside.h"
 #include "formats/mesh/ply_body.h"
 #include "formats/mesh/polygon_mesh.h"
-#include "mesh/colours.h"
+#include "mesh/colors.h"
 
 namespace sherd {
 namespace {
 
-// What the reader does with a property's value.
+// How the reader uses a property's value.
 enum class Role {
   none,
   x,
@@ -56,7 +56,7 @@ Role roleOf(const PlyElement& element, const PlyProperty& property) {
   return Role::none;
 }
 
-// A property of an element, with what is done with it.
+// A property of an element, and its role.
 struct Column {
   const PlyProperty* property;
   Role role;
@@ -85,7 +85,7 @@ const PlyElement* find(const PlyHeader& header, const std::string& name) {
   return found == header.elements.end() ? nullptr : &*found;
 }
 
-// How many of an element a file of that size can hold.
+// Returns how many items of an element a file of that size can hold.
 std::size_t mostOf(const PlyElement& element, const MeshFile& file, PlyEncoding encoding) {
   std::size_t least = 0;
   for (const PlyProperty& property : element.properties) {
@@ -95,17 +95,17 @@ std::size_t mostOf(const PlyElement& element, const MeshFile& file, PlyEncoding 
   return std::min(element.count, file.bytes.size() / std::max<std::size_t>(least, 1));
 }
 
-// A colour's channel as a share of the most that its type can tell; floats as they are.
+// Returns a color channel as a fraction of its type's largest value; floats are unchanged.
 float channel(double value, const PlyType& type) {
   if (!type.isInteger) return static_cast<float>(value);
   const double bits = 8.0 * static_cast<double>(type.bytes) - (type.isSigned ? 1.0 : 0.0);
   return static_cast<float>(value / (std::exp2(bits) - 1.0));
 }
 
-// The single values of one vertex or face.
+// The scalar values of one vertex or face.
 struct Values {
   glm::dvec3 position{0.0};
-  glm::vec3 colour{1.0f};
+  glm::vec3 color{1.0f};
   glm::vec2 texcoord{0.0f};
   std::uint32_t texture = 0, material = 0;
 };
@@ -119,19 +119,19 @@ struct Reader {
   const PlyElement* face = find(header, "face");
   const PlyElement* strips = find(header, "tristrips");
   std::size_t vertexCount = vertex == nullptr ? 0 : vertex->count;
-  bool vertexColours = has(vertex, {Role::red, Role::green, Role::blue});
-  bool faceColours = !vertexColours && has(face, {Role::red, Role::green, Role::blue});
+  bool vertexColors = has(vertex, {Role::red, Role::green, Role::blue});
+  bool faceColors = !vertexColors && has(face, {Role::red, Role::green, Role::blue});
   bool cornerTexcoords = has(face, {Role::texcoords});
   bool vertexTexcoords = !cornerTexcoords && has(vertex, {Role::u, Role::v});
   bool byMaterial = has(face, {Role::material});
 
   RawMesh out{};
   PolygonMesh mesh{};
-  std::vector<glm::vec3> colours{};        // of vertices or faces
-  std::vector<std::uint32_t> materials{};  // [faces] as the file has them
+  std::vector<glm::vec3> colors{};         // of vertices or faces
+  std::vector<std::uint32_t> materials{};  // [faces] as in the file
   std::vector<float> texcoords{};          // of one face
   std::vector<std::int64_t> strip{};
-  std::size_t cornerRoom = 0;  // made for mesh.corners in one go
+  std::size_t cornerRoom = 0;  // reserved for mesh.corners at once
   GrowingMemory memory{file.memory};
 
   void checkHeader() const {
@@ -198,7 +198,7 @@ struct Reader {
       case Role::red:
       case Role::green:
       case Role::blue:
-        values.colour[static_cast<int>(column.role) - static_cast<int>(Role::red)] =
+        values.color[static_cast<int>(column.role) - static_cast<int>(Role::red)] =
             channel(value, type);
         break;
       case Role::u:
@@ -215,50 +215,51 @@ struct Reader {
 
   void addVertex(const Values& values) {
     mesh.vertices.push_back(values.position);
-    if (vertexColours) colours.push_back(values.colour);
+    if (vertexColors) colors.push_back(values.color);
     if (vertexTexcoords) mesh.vertexTexcoords.push_back(values.texcoord);
   }
 
-  // Its corners are the last of the mesh; with one or two it is a point or a line.
+  // Its corners are the last of the mesh; with one or two it is a point or a line and is dropped.
   void addFace(const Values& values) {
     const std::size_t first = mesh.faceEnds.empty() ? 0 : mesh.faceEnds.back();
     const std::size_t count = mesh.corners.size() - first;
     if (count < 3) return mesh.corners.resize(first);
     mesh.faceEnds.push_back(static_cast<std::uint32_t>(mesh.corners.size()));
-    if (faceColours) colours.push_back(values.colour);
+    if (faceColors) colors.push_back(values.color);
     materials.push_back(byMaterial ? values.material : values.texture);
     for (std::size_t k = 0; k < count && cornerTexcoords; ++k) {
-      const bool told = 2 * k + 1 < texcoords.size();
-      mesh.cornerTexcoords.push_back(told ? glm::vec2(texcoords[2 * k], texcoords[2 * k + 1])
-                                          : glm::vec2(0.0f));
+      const bool present = 2 * k + 1 < texcoords.size();
+      mesh.cornerTexcoords.push_back(present ? glm::vec2(texcoords[2 * k], texcoords[2 * k + 1])
+                                             : glm::vec2(0.0f));
     }
   }
 
-  // Strips end at -1; every second triangle of one is turned back.
+  // Strips end at -1; every second triangle of one is flipped.
   void addStrips() {
     texcoords.clear();
     std::size_t begin = 0;
     for (std::size_t i = 0; i < strip.size(); ++i) {
       if (strip[i] == -1) begin = i + 1;
       if (i < begin + 2) continue;
-      const bool turned = (i - begin) % 2 == 1;
-      for (const std::size_t k : {i - 2, i - (turned ? 0 : 1), i - (turned ? 1 : 0)}) {
+      const bool flipped = (i - begin) % 2 == 1;
+      for (const std::size_t k : {i - 2, i - (flipped ? 0 : 1), i - (flipped ? 1 : 0)}) {
         mesh.corners.push_back(static_cast<std::uint32_t>(strip[k]));
       }
       addFace({});
     }
   }
 
-  // What is held now without the room that was made in one go.
+  // Bytes held, without those that were reserved at once.
   [[nodiscard]] std::uint64_t bytesBeyondRoom() const {
-    const std::uint64_t roomy = mesh.vertices.size() * sizeof(glm::dvec3) +
-                                std::min(mesh.corners.size(), cornerRoom) * sizeof(std::uint32_t);
-    return mesh.bytes() - roomy + colours.size() * sizeof(glm::vec3) +
+    const std::uint64_t reserved =
+        mesh.vertices.size() * sizeof(glm::dvec3) +
+        std::min(mesh.corners.size(), cornerRoom) * sizeof(std::uint32_t);
+    return mesh.bytes() - reserved + colors.size() * sizeof(glm::vec3) +
            materials.size() * sizeof(std::uint32_t) + texcoords.size() * sizeof(float) +
            strip.size() * sizeof(std::int64_t);
   }
 
-  // One list may be as long as the file.  At most a corner of it is one of a strip, and a
+  // A list may be as long as the file. An item of it is at most a corner of a strip, and a
   // triangle's three corners, its end and its material.
   void holdList(std::size_t length) {
     constexpr std::uint64_t kMostPerCorner = sizeof(std::int64_t) + 5 * sizeof(std::uint32_t);
@@ -271,8 +272,7 @@ struct Reader {
     for (const PlyElement& element : header.elements) {
       const std::vector<Column> columns = columnsOf(element);
       const bool isVertex = &element == vertex, isFace = &element == face;
-      // In one go and not by doubling, which takes more: what comes beyond it is charged as it
-      // grows.
+      // Reserved at once, since doubling takes more; what exceeds it is charged as it grows.
       const std::size_t most = mostOf(element, file, header.encoding);
       if (isVertex) {
         charge(file, most, sizeof(glm::dvec3));
@@ -305,8 +305,8 @@ struct Reader {
     body.finish();
   }
 
-  // Materials are what comments say: "material NUMBER NAME [TEXTURE]" as Sherd writes them, else
-  // one for each "TextureFile NAME", as MeshLab does; TEXTURE counts these from 0.
+  // Reads materials from comments: "material NUMBER NAME [TEXTURE]" as Sherd writes them, else one
+  // for each "TextureFile NAME", as MeshLab does; TEXTURE counts these from 0.
   void readComments() {
     std::vector<std::string> textures;
     std::vector<std::optional<std::size_t>> textureOf;  // [materials]
@@ -315,19 +315,20 @@ struct Reader {
       const std::string_view word = takeWord(rest);
       if (word == "TextureFile") textures.emplace_back(trimmed(rest));
       if (word != "material" || !byMaterial) continue;
-      if (parseInteger<std::size_t>(takeWord(rest)) != out.look.materials.size()) continue;
-      out.look.materials.push_back({.name = std::string(takeWord(rest))});
+      if (parseInteger<std::size_t>(takeWord(rest)) != out.appearance.materials.size()) continue;
+      out.appearance.materials.push_back({.name = std::string(takeWord(rest))});
       textureOf.push_back(parseInteger<std::size_t>(takeWord(rest)));
     }
-    byMaterial = !out.look.materials.empty();
+    byMaterial = !out.appearance.materials.empty();
     if (!cornerTexcoords && !vertexTexcoords) return;
     for (std::size_t i = 0; i < textures.size() && !byMaterial; ++i) {
-      out.look.materials.push_back({.name = std::filesystem::path(textures[i]).stem().string()});
+      out.appearance.materials.push_back(
+          {.name = std::filesystem::path(textures[i]).stem().string()});
       textureOf.emplace_back(i);
     }
     for (std::size_t i = 0; i < textureOf.size(); ++i) {
       if (!textureOf[i] || *textureOf[i] >= textures.size()) continue;
-      out.look.materials[i].texture = textureBeside(file, textures[*textureOf[i]], out);
+      out.appearance.materials[i].texture = textureBeside(file, textures[*textureOf[i]], out);
     }
   }
 
@@ -335,9 +336,9 @@ struct Reader {
     checkHeader();
     readComments();
     readBody();
-    (vertexColours ? mesh.vertexColours : mesh.faceColours) = coloursFrom(colours);
-    if (!out.look.materials.empty()) {
-      const auto last = static_cast<std::uint32_t>(out.look.materials.size()) - 1;
+    (vertexColors ? mesh.vertexColors : mesh.faceColors) = colorsFrom(colors);
+    if (!out.appearance.materials.empty()) {
+      const auto last = static_cast<std::uint32_t>(out.appearance.materials.size()) - 1;
       for (std::uint32_t& material : materials) material = std::min(material, last);
       mesh.faceMaterials = std::move(materials);
     }

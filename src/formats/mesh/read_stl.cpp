@@ -13,10 +13,10 @@
 namespace sherd {
 namespace {
 
-constexpr std::size_t kHeader = 84;  // 80 bytes of anything, then the count
-constexpr std::size_t kRecord = 50;  // a normal, three corners, two bytes of anything
+constexpr std::size_t kHeader = 84;  // 80 unspecified bytes, then the count
+constexpr std::size_t kRecord = 50;  // a normal, three corners, two unspecified bytes
 
-// Text, unlike a binary file whose header happens to begin with "solid".
+// Returns whether it is text, and not a binary file whose header begins with "solid".
 bool isText(std::string_view bytes) {
   const std::string_view start = bytes.substr(0, 500);
   std::string_view rest = trimmed(start);
@@ -52,8 +52,8 @@ RawMesh readBinary(const MeshFile& file, std::size_t count) {
 }
 
 RawMesh readText(const MeshFile& file) {
-  // One facet's lines in their order: the words that each begins with.  Its normal is not looked
-  // at, which some programs write as no number.
+  // The first word of each line of a facet, in order. Its normal is ignored: some programs write
+  // NaN.
   constexpr std::array<std::string_view, 7> kFacet{
       {"facet", "outer", "vertex", "vertex", "vertex", "endloop", "endfacet"}};
   RawMesh out;

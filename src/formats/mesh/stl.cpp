@@ -1,4 +1,4 @@
-// Meshes as STL, binary and as text.
+// Writes meshes as STL, binary and text.
 //
 //     80 bytes of text | u32 triangles | normal, three corners, u16 0 for each
 #include <algorithm>
@@ -12,14 +12,14 @@
 namespace sherd {
 namespace {
 
-// Readers take a file that begins with "solid" for text.
+// The header must not begin with "solid": readers assume text then.
 constexpr std::size_t kHeader = 80;
 
 glm::vec3 normalOf(const TriangleMesh& mesh, const glm::uvec3& t) {
   const glm::dvec3& a = mesh.vertices[t.x];
-  const glm::dvec3 round = glm::cross(mesh.vertices[t.y] - a, mesh.vertices[t.z] - a);
-  const double length = glm::length(round);
-  return length > 0.0 ? glm::vec3(round / length) : glm::vec3(0.0f);
+  const glm::dvec3 normal = glm::cross(mesh.vertices[t.y] - a, mesh.vertices[t.z] - a);
+  const double length = glm::length(normal);
+  return length > 0.0 ? glm::vec3(normal / length) : glm::vec3(0.0f);
 }
 
 void store(std::string& bytes, const glm::vec3& v) {

@@ -1,7 +1,7 @@
-// Points as a compressed octree of the Point Cloud Library: `.binp`.
+// Reads and writes points as a compressed octree of the Point Cloud Library: `.binp`.
 //
-//     "<PCL-OCT-COMPRESSED>" | u32 frame 1 | u8 1 whole frame | u8 1 centres of voxels | u8 0 no
-//     colours | u64 points | f64 voxel | u8 8 | f64 voxel | f64 min x y z | f64 max x y z |
+//     "<PCL-OCT-COMPRESSED>" | u32 frame 1 | u8 1 whole frame | u8 1 centers of voxels | u8 0 no
+//     colors | u64 points | f64 voxel | u8 8 | f64 voxel | f64 min x y z | f64 max x y z |
 //     u64 bytes of the tree | u32 frequencies[257] | the tree, range coded       little-endian
 //
 // The tree is written depth first, a byte for each node that is no leaf: bit i is child i, whose x,
@@ -46,7 +46,8 @@ double voxelSizeFor(double longest) {
   return voxel;
 }
 
-// The bits of three numbers in turn, x first: in this order an octree is walked depth first.
+// Interleaves the bits of three numbers, x first (Morton order): the depth-first order of an
+// octree.
 std::uint64_t interleaved(const std::array<std::uint64_t, 3>& key) {
   std::uint64_t code = 0;
   for (int bit = kDeepest - 1; bit >= 0; --bit) {
@@ -55,10 +56,10 @@ std::uint64_t interleaved(const std::array<std::uint64_t, 3>& key) {
   return code;
 }
 
-// The tree over sorted codes, all of which lie in one node whose children are told by the three
-// bits from `shift` on.
+// Appends the subtree of one node. `codes` are its voxels, sorted; the three bits at `shift` select
+// a child.
 void storeTree(std::span<const std::uint64_t> codes, int shift, std::string& tree) {
-  const std::size_t place = tree.size();
+  const std::size_t nodeAt = tree.size();
   tree.push_back(0);
   unsigned children = 0;
   for (std::size_t begin = 0; begin < codes.size();) {
@@ -69,7 +70,7 @@ void storeTree(std::span<const std::uint64_t> codes, int shift, std::string& tre
     if (shift > 0) storeTree(codes.subspan(begin, end - begin), shift - 3, tree);
     begin = end;
   }
-  tree[place] = static_cast<char>(children);
+  tree[nodeAt] = static_cast<char>(children);
 }
 
 // ---- Reading
@@ -81,7 +82,7 @@ struct Header {
   int depth = 0;
 };
 
-// As the library lays its tree over the box that a file tells.
+// Reads the header and lays the tree over its box as the library does.
 Header readHeader(std::string_view bytes, const std::string& name) {
   if (!bytes.starts_with(kMagic)) {
     inputError(name, "is no octree stream of the Point Cloud Library: it does not begin with " +
@@ -91,8 +92,8 @@ Header readHeader(std::string_view bytes, const std::string& name) {
   const char* at = bytes.data() + kMagic.size() + 4;
   if (at[0] == 0 || at[1] == 0 || at[2] != 0) {
     inputError(name,
-               "holds changes since another frame, points beside their voxels' centres, or "
-               "colours; only a whole frame of centres is read");
+               "holds a differential frame, points that are not voxel centers, or colors; only "
+               "whole frames of voxel centers are read");
   }
   Header header;
   header.points = loadLittle<std::uint64_t>(at + 3);
@@ -113,7 +114,7 @@ Header readHeader(std::string_view bytes, const std::string& name) {
       std::all_of(header.min.begin(), header.min.end(),
                   [](double v) { return std::abs(v) < 1e300; }) &&
       std::all_of(max.begin(), max.end(), [](double v) { return std::abs(v) < 1e300; });
-  if (!good) inputError(name, "has a box or a voxel size that cannot be");
+  if (!good) inputError(name, "has an impossible box or voxel size");
   header.depth = static_cast<int>(std::ceil(std::log2(voxels) - kFloatEpsilon));
   const double side = std::ldexp(header.voxel, header.depth);
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -125,16 +126,17 @@ Header readHeader(std::string_view bytes, const std::string& name) {
 
 class TreeReader {
  public:
-  ///   most  points: one may take next to no space
+  ///   most  limit on points, which can take almost no space in the file
   TreeReader(RangeDecoder& decoder, const Header& header, std::uint64_t most,
              const std::string& name, MemoryBudget& memory)
       : decoder_(decoder), header_(header), most_(most), name_(name), growing_(&memory) {}
 
-  // The node at `depth` whose voxels' numbers begin with `key`.
+  // Reads the node at `depth` whose voxel indices begin with `key`.
   void read(const std::array<std::uint32_t, 3>& key, int depth, std::vector<glm::dvec3>& points) {
     if (depth == header_.depth) {
       if (points.size() == std::min(header_.points, most_)) {
-        inputError(name_, "holds more points than it says, or than a file of its size can");
+        inputError(name_,
+                   "holds more points than its header announces or a file of its size can hold");
       }
       constexpr std::size_t kPointsAtATime = 4096;
       if (points.size() % kPointsAtATime == 0)
@@ -202,13 +204,13 @@ OctreeStream octreeStream(std::span<const glm::dvec3> points, const std::string&
   OctreeStream stream{std::string(kMagic), points.size() - codes.size(), voxel};
   std::string& bytes = stream.bytes;
   storeLittle(bytes, std::uint32_t{1});
-  bytes.append("\1\1\0", 3);  // a whole frame, of voxels' centres, without colours
+  bytes.append("\1\1\0", 3);  // a whole frame, of voxels' centers, without colors
   storeLittle(bytes, std::uint64_t{codes.size()});
   storeDouble(bytes, voxel);
   storeLittle(bytes, std::uint8_t{8});
   storeDouble(bytes, static_cast<float>(voxel));
   for (int axis = 0; axis < 3; ++axis) storeDouble(bytes, low[axis]);
-  // A hair less than the tree: readers would lay a deeper one over all of it.
+  // Slightly less than the tree's side: over the whole of it readers would lay a deeper tree.
   const double side = std::ldexp(voxel, depth) - kFloatEpsilon;
   for (int axis = 0; axis < 3; ++axis) storeDouble(bytes, low[axis] + side);
   storeLittle(bytes, std::uint64_t{tree.size()});
@@ -228,7 +230,7 @@ SurfacePoints parseBinp(std::string_view bytes, const std::string& name,
   const bool rising = std::adjacent_find(frequencies.begin(), frequencies.end(),
                                          std::greater_equal<>()) == frequencies.end();
   if (frequencies[0] != 0 || frequencies[256] > 65536 || !rising) {
-    inputError(name, "is damaged: its table of frequencies is none");
+    inputError(name, "is damaged: its table of frequencies is invalid");
   }
   RangeDecoder decoder(bytes.substr(kHeaderBytes + kTreeHeaderBytes), frequencies);
   TreeReader tree(decoder, header, 64 * bytes.size(), name, memory);
@@ -237,7 +239,7 @@ SurfacePoints parseBinp(std::string_view bytes, const std::string& name,
   if (points.positions.size() != header.points || tree.taken() != header.treeBytes ||
       !decoder.done()) {
     inputError(name, "is damaged: it holds " + std::to_string(points.positions.size()) +
-                         " points and says " + std::to_string(header.points));
+                         " points, its header announces " + std::to_string(header.points));
   }
   return points;
 }

@@ -1,4 +1,4 @@
-// Points and distance samples as files.
+// Writes points and distance samples.
 #include <sherd/point_files.h>
 
 #include <array>
@@ -19,17 +19,17 @@ void storeFloats(std::string& bytes, const glm::dvec3& v) {
 
 std::string plyBytes(const SurfacePoints& points) {
   const std::size_t n = points.positions.size();
-  const bool hasNormals = !points.normals.empty(), hasFacing = !points.facing.empty();
+  const bool hasNormals = !points.normals.empty(), hasNeighbor = !points.neighbor.empty();
   std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(n) +
                       "\nproperty float x\nproperty float y\nproperty float z\n";
   if (hasNormals) bytes += "property float nx\nproperty float ny\nproperty float nz\n";
-  if (hasFacing) bytes += "property int facing\n";
+  if (hasNeighbor) bytes += "property int neighbor\n";
   bytes += "end_header\n";
   bytes.reserve(bytes.size() + 28 * n);
   for (std::size_t i = 0; i < n; ++i) {
     storeFloats(bytes, points.positions[i]);
     if (hasNormals) storeFloats(bytes, points.normals[i]);
-    if (hasFacing) storeLittle(bytes, std::uint32_t{points.facing[i]});
+    if (hasNeighbor) storeLittle(bytes, std::uint32_t{points.neighbor[i]});
   }
   return bytes;
 }
@@ -56,9 +56,9 @@ void writePointsNpz(const OutputFile& file, const SurfacePoints& points) {
     arrays.push_back({"normals", "<f4", {n, 3}, {}});
     for (const glm::dvec3& normal : points.normals) storeFloats(arrays.back().bytes, normal);
   }
-  if (!points.facing.empty()) {
-    arrays.push_back({"facing", "<i4", {n}, {}});
-    for (const std::uint16_t id : points.facing) {
+  if (!points.neighbor.empty()) {
+    arrays.push_back({"neighbor", "<i4", {n}, {}});
+    for (const std::uint16_t id : points.neighbor) {
       storeLittle(arrays.back().bytes, std::uint32_t{id});
     }
   }
@@ -82,8 +82,8 @@ void writePoints(const OutputFile& file, const SurfacePoints& points, PointForma
 
 std::vector<std::string> lossesOf(const SurfacePoints& points, PointFormat format) {
   std::vector<std::string> losses;
-  if (!points.facing.empty() && (format == PointFormat::xyz || format == PointFormat::binp)) {
-    losses.push_back("what points face is left out");
+  if (!points.neighbor.empty() && (format == PointFormat::xyz || format == PointFormat::binp)) {
+    losses.push_back("neighbor ids of points are left out");
   }
   if (format != PointFormat::binp) return losses;
   if (!points.normals.empty()) losses.push_back("normals are left out");
@@ -92,7 +92,8 @@ std::vector<std::string> lossesOf(const SurfacePoints& points, PointFormat forma
   appendShortest(voxel, static_cast<float>(stream.voxelSize));
   losses.push_back("positions are rounded to voxels of " + voxel + ", in the octree's order");
   if (stream.merged > 0) {
-    losses.push_back(std::to_string(stream.merged) + " points in voxels of others are left out");
+    losses.push_back(std::to_string(stream.merged) +
+                     " points that share a voxel with another are left out");
   }
   return losses;
 }

@@ -8,8 +8,8 @@ namespace {
 
 constexpr std::uint32_t kTop = 1u << 24, kBottom = 1u << 16;
 
-// Whether the highest byte of low is settled; a range that has become too small is cut so that it
-// is.
+// Returns whether the highest byte of `low` is settled. A range that has become too small is cut,
+// which settles it.
 bool isSettled(std::uint32_t low, std::uint32_t& range) {
   if ((low ^ (low + range)) < kTop) return true;
   if (range >= kBottom) return false;
@@ -79,7 +79,7 @@ std::optional<std::uint8_t> RangeDecoder::next() {
     shift();
     range_ <<= 8;
     low_ <<= 8;
-    if (range_ == 0) return {};  // no coder comes here
+    if (range_ == 0) return {};  // no encoder produces this
   }
   return static_cast<std::uint8_t>(s);
 }

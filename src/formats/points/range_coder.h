@@ -1,6 +1,6 @@
-// The static range coder of the Point Cloud Library: bytes by how often each occurs.
+// The static range coder of the Point Cloud Library: bytes coded by their frequencies.
 //
-// source  Martin, Range encoding, 1979; D. Subbotin's carry-less way;
+// source  Martin, Range encoding, 1979; D. Subbotin's carry-less variant;
 // pcl/compression/entropy_range_coder
 #pragma once
 
@@ -12,22 +12,22 @@
 
 namespace sherd {
 
-/// How often bytes occur: those below s take frequencies[s] out of frequencies[256] parts.
+/// Cumulative frequencies: the bytes below s have frequencies[s] of frequencies[256] parts.
 using Frequencies = std::array<std::uint32_t, 257>;
 
-/// Of all bytes, each at least once, in less than 65536 parts.
+/// Returns the frequencies of bytes, each at least 1, scaled to a sum below 65536.
 [[nodiscard]] Frequencies frequenciesOf(std::string_view bytes);
 
-/// The bytes, coded.
+/// Returns the bytes, coded.
 [[nodiscard]] std::string rangeEncoded(std::string_view bytes, const Frequencies& frequencies);
 
-/// Gives coded bytes back, one by one.
+/// Decodes bytes one by one.
 class RangeDecoder {
  public:
-  ///   frequencies  from 0 to at most 65536, each above the one before
+  ///   frequencies  ascending from 0 to at most 65536
   RangeDecoder(std::string_view code, const Frequencies& frequencies);
 
-  /// The next byte, or nothing: the code has ended, or is none.
+  /// Returns the next byte; nothing at the end of the code or if it is malformed.
   [[nodiscard]] std::optional<std::uint8_t> next();
 
   /// Whether the code has been read to its end.
@@ -39,7 +39,7 @@ class RangeDecoder {
   std::string_view rest_;
   const Frequencies& frequencies_;
   std::uint32_t low_ = 0, range_ = 0xffffffffu, code_ = 0;
-  bool beyond_ = false;  // bytes were asked for that are not there
+  bool beyond_ = false;  // a read went past the end
 };
 
 }  // namespace sherd

@@ -1,4 +1,4 @@
-// Points on surfaces, read.
+// Reads points on surfaces.
 #include <sherd/point_files.h>
 
 #include <array>
@@ -18,11 +18,11 @@ namespace {
 
 constexpr std::size_t kPointsAtATime = 4096;
 
-// Charge what points hold, and will before this is called again.
+// Charges the memory of the points and of those added before the next call.
 void hold(GrowingMemory& memory, const SurfacePoints& points) {
   memory.hold((points.positions.size() + kPointsAtATime) * sizeof(glm::dvec3) +
               points.normals.size() * sizeof(glm::dvec3) +
-              points.facing.size() * sizeof(std::uint16_t));
+              points.neighbor.size() * sizeof(std::uint16_t));
 }
 
 void requireFinite(const SurfacePoints& points, const std::string& name) {
@@ -33,38 +33,40 @@ void requireFinite(const SurfacePoints& points, const std::string& name) {
   }
 }
 
-std::uint16_t facingOf(double value, const std::string& name) {
+std::uint16_t neighborOf(double value, const std::string& name) {
   if (!(value >= 0.0 && value <= 65535.0 && value == std::floor(value))) {
-    inputError(name, "a point faces what is no fragment's id");
+    inputError(name, "a point's neighbor is no fragment id");
   }
   return static_cast<std::uint16_t>(value);
 }
 
-/// Where a vertex's numbers go: 0 to 2 its position, 3 to 5 its normal, 6 what it faces.
-constexpr std::array<std::string_view, 7> kColumns{"x", "y", "z", "nx", "ny", "nz", "facing"};
+/// The vertex properties that are read: 0 to 2 position, 3 to 5 normal, 6 neighbor.
+constexpr std::array<std::string_view, 7> kColumns{"x", "y", "z", "nx", "ny", "nz", "neighbor"};
+constexpr std::string_view kFormerNeighbor = "facing";  // in files of sherd/1
 
 struct VertexLayout {
-  std::vector<std::size_t> column;  // [properties] an index into kColumns, or beyond it
-  bool positions = false, normals = false, facing = false;
+  std::vector<std::size_t> column;  // index into kColumns, or its size: ignored
+  bool positions = false, normals = false, neighbor = false;
 };
 
 VertexLayout layoutOf(const PlyElement& vertex) {
   VertexLayout layout;
   std::array<bool, kColumns.size() + 1> has{};
   for (const PlyProperty& property : vertex.properties) {
-    const auto found = property.listCount
-                           ? kColumns.end()
-                           : std::find(kColumns.begin(), kColumns.end(), property.name);
+    const std::string_view column =
+        property.name == kFormerNeighbor ? kColumns.back() : std::string_view(property.name);
+    const auto found =
+        property.listCount ? kColumns.end() : std::find(kColumns.begin(), kColumns.end(), column);
     layout.column.push_back(static_cast<std::size_t>(found - kColumns.begin()));
     has[layout.column.back()] = true;
   }
   layout.positions = has[0] && has[1] && has[2];
   layout.normals = has[3] && has[4] && has[5];
-  layout.facing = has[6];
+  layout.neighbor = has[6];
   return layout;
 }
 
-// Three numbers a point.
+// Returns three numbers per point.
 std::vector<glm::dvec3> vectorsOf(const NpyNumbers& numbers, const std::string& name) {
   if (numbers.shape.size() != 2 || numbers.shape[1] != 3) {
     inputError(name, "has an array of vectors that is not [n, 3]");
@@ -123,7 +125,7 @@ SurfacePoints parsePlyPoints(std::string_view bytes, const std::string& name,
       if (!isVertex) continue;
       points.positions.emplace_back(numbers[0], numbers[1], numbers[2]);
       if (layout.normals) points.normals.emplace_back(numbers[3], numbers[4], numbers[5]);
-      if (layout.facing) points.facing.push_back(facingOf(numbers[6], name));
+      if (layout.neighbor) points.neighbor.push_back(neighborOf(numbers[6], name));
     }
   }
   body.finish();
@@ -153,7 +155,7 @@ SurfacePoints parseXyz(std::string_view bytes, const std::string& name,
     }
     if (!good) {
       inputError(name + ":" + std::to_string(lines.number()),
-                 "three numbers are expected, or six with a normal, in every line alike");
+                 "every line needs three numbers, or every line six with a normal");
     }
     points.positions.emplace_back(numbers[0], numbers[1], numbers[2]);
     if (columns == 6) points.normals.emplace_back(numbers[3], numbers[4], numbers[5]);
@@ -169,20 +171,23 @@ SurfacePoints parseNpzPoints(std::string_view bytes, const std::string& name,
   const std::vector<ZipEntry> entries = zipEntries(bytes, name);
   const auto positions = numbersOf(entries, "positions", 3 * kMaxPoints, name, memory);
   const auto normals = numbersOf(entries, "normals", 3 * kMaxPoints, name, memory);
-  const auto facing = numbersOf(entries, "facing", kMaxPoints, name, memory);
+  auto neighbor = numbersOf(entries, "neighbor", kMaxPoints, name, memory);
+  if (!neighbor) {
+    neighbor = numbersOf(entries, std::string(kFormerNeighbor), kMaxPoints, name, memory);
+  }
   if (!positions) inputError(name, "has no array 'positions'");
   const std::size_t vectors = positions->values.size() + (normals ? normals->values.size() : 0);
   memory.charge(vectors, sizeof(double));
-  if (facing) memory.charge(facing->values.size(), sizeof(std::uint16_t));
+  if (neighbor) memory.charge(neighbor->values.size(), sizeof(std::uint16_t));
   SurfacePoints points;
   points.positions = vectorsOf(*positions, name);
   if (normals) points.normals = vectorsOf(*normals, name);
-  if (facing) {
-    points.facing.reserve(facing->values.size());
-    for (const double id : facing->values) points.facing.push_back(facingOf(id, name));
+  if (neighbor) {
+    points.neighbor.reserve(neighbor->values.size());
+    for (const double id : neighbor->values) points.neighbor.push_back(neighborOf(id, name));
   }
   const std::size_t n = points.positions.size();
-  if ((normals && points.normals.size() != n) || (facing && points.facing.size() != n)) {
+  if ((normals && points.normals.size() != n) || (neighbor && points.neighbor.size() != n)) {
     inputError(name, "its arrays are of different lengths");
   }
   requireFinite(points, name);
@@ -191,7 +196,7 @@ SurfacePoints parseNpzPoints(std::string_view bytes, const std::string& name,
 
 SurfacePoints readPoints(const std::filesystem::path& file, const ReadOptions& options) {
   const std::optional<PointFormat> format = pointFormatOf(file);
-  if (!format) inputError(file, "is no file of points; read are .ply .xyz .npz .binp");
+  if (!format) inputError(file, "is no point file; supported are .ply .xyz .npz .binp");
   const std::string name = file.string();
   MemoryBudget memory(name, options.maxMemory);
   const std::string bytes = readFileBytes(file, &memory);

@@ -43,7 +43,7 @@ RunLengthVoxels parseBing(std::string_view bytes, const std::string& name,
 }
 
 void encodeBing(const RunLengthVoxels& voxels, const ByteSink& sink) {
-  const RunLengthVoxels cube = padded({voxels}, Padding::centred, "these voxels").voxels;
+  const RunLengthVoxels cube = padded({voxels}, Padding::centered, "these voxels").voxels;
   std::string header;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     storeLittle(header, static_cast<std::uint32_t>(cube.dims[axis]));

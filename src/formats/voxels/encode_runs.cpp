@@ -1,4 +1,4 @@
-// From labels of leaf blocks to runs over a box.
+// Converts labels of leaf blocks to runs over a box.
 #include <sherd/voxel_files.h>
 
 #include <cassert>
@@ -8,8 +8,7 @@
 namespace sherd {
 namespace {
 
-// The leaves over each 8x8 column of x and y.  Origins ascend by x, y, z, so a column is one range
-// of them.
+// The leaves of each 8x8 column in x and y. Origins ascend by x, y, z, so a column is one range.
 class LeafColumns {
  public:
   LeafColumns(const LeafBlocks& blocks, const VoxelBox& box)
@@ -21,7 +20,7 @@ class LeafColumns {
     for (std::size_t leaf = 0; leaf < blocks.count(); ++leaf) {
       const int x = (blocks.origins[leaf].x() >> 3) - x0_;
       const int y = (blocks.origins[leaf].y() >> 3) - y0_;
-      if (x < 0 || x >= nx_ || y < 0 || y >= ny_) continue;  // outer band beyond the box
+      if (x < 0 || x >= nx_ || y < 0 || y >= ny_) continue;  // exterior band beyond the box
       Range& column = columns_[index(x, y)];
       if (column.end == 0) column.begin = leaf;
       column.end = leaf + 1;
@@ -56,7 +55,7 @@ RunLengthVoxels encodeRuns(const Solid& solid, const Labels& labels, int fragmen
   RunLengthVoxels voxels{box.dims(), {}};
   for (int x = box.min.x(); x <= box.max.x(); ++x) {
     for (int y = box.min.y(); y <= box.max.y(); ++y) {
-      int z = box.min.z();  // rows up to here are in the runs
+      int z = box.min.z();  // voxels below it are in the runs
       const auto [begin, end] = columns.at(x, y);
       for (std::size_t leaf = begin; leaf < end; ++leaf) {
         const auto rowBit = static_cast<unsigned>(y & 7) << 3;

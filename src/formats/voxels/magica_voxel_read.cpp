@@ -1,4 +1,4 @@
-// Scenes of MagicaVoxel, `.vox`, as labels: a voxel's label is its colour.
+// Reads MagicaVoxel scenes, `.vox`, as labels: a voxel's label is its color.
 //
 // source  https://github.com/ephtracy/voxel-model: MagicaVoxel-file-format-vox.txt and its
 // extension
@@ -23,23 +23,22 @@ constexpr std::size_t kDeepest = 64;
 
 struct Model {
   std::array<int, 3> size{};
-  std::string_view voxels;  // u8 x, y, z, colour of each
+  std::string_view voxels;  // u8 x, y, z, color of each
 };
 
-// Rotations of the cube: axis `from[i]` of the model becomes axis i, turned round where `sign` is
-// -1.
+// Axis `from[i]` of the model becomes axis i, reversed where `sign` is -1; then a shift.
 struct Transform {
   std::array<std::size_t, 3> from{0, 1, 2};
   std::array<int, 3> sign{1, 1, 1};
   std::array<std::int64_t, 3> shift{};  // in half voxels
 
-  // Of a point in half voxels.
+  // Transforms a point, in half voxels.
   [[nodiscard]] std::array<std::int64_t, 3> operator()(const std::array<std::int64_t, 3>& p) const {
     std::array<std::int64_t, 3> out{};
     for (std::size_t i = 0; i < 3; ++i) out[i] = sign[i] * p[from[i]] + shift[i];
     return out;
   }
-  // First `inner`, then this.
+  // Returns the transform that applies `inner`, then this one.
   [[nodiscard]] Transform after(const Transform& inner) const {
     Transform both;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -54,16 +53,16 @@ struct Transform {
 struct Node {
   enum class Kind { transform, group, shape } kind = Kind::group;
   Transform transform;
-  std::vector<int> children;  // nodes; of a shape: models, of which the first is taken
+  std::vector<int> children;  // nodes; of a shape: models, of which the first is used
 };
 
 struct Scene {
   std::vector<Model> models;
   std::map<int, Node> nodes;
-  bool foreign = false;  // a chunk that files of the paper's layout do not have
+  bool foreign = false;  // has a chunk or size that the paper's layout does not have
 };
 
-/// Numbers and texts one after another.
+/// Reads numbers and strings in sequence.
 class Content {
  public:
   Content(std::string_view bytes, const std::string& name) : rest_(bytes), name_(name) {}
@@ -98,12 +97,13 @@ class Content {
   const std::string& name_;
 };
 
-// Bits 0-1 and 2-3: the columns that rows 0 and 1 have their number in; 4 to 6: its signs.
+// Bits 0-1 and 2-3: the columns of the nonzero entries in rows 0 and 1; 4 to 6: the signs of the
+// rows.
 void takeRotation(std::string_view text, Transform& transform, const std::string& name) {
   const auto bits = parseInteger<unsigned>(text);
   const std::size_t first = bits ? *bits & 3 : 3, second = bits ? *bits >> 2 & 3 : 3;
   if (first == 3 || second == 3 || first == second) {
-    inputError(name, "has a rotation " + inQuotes(text) + ", which is none");
+    inputError(name, "has an invalid rotation " + inQuotes(text));
   }
   transform.from = {first, second, 3 - first - second};
   for (std::size_t i = 0; i < 3; ++i) transform.sign[i] = (*bits >> (4 + i) & 1) != 0 ? -1 : 1;
@@ -113,7 +113,7 @@ void takeTranslation(std::string_view text, Transform& transform, const std::str
   const std::string whole(text);
   for (std::int64_t& shift : transform.shift) {
     const auto value = parseInteger<std::int32_t>(takeWord(text));
-    if (!value) inputError(name, "has a translation " + inQuotes(whole) + ", which is none");
+    if (!value) inputError(name, "has an invalid translation " + inQuotes(whole));
     shift = std::int64_t{*value} * 2;
   }
 }
@@ -167,7 +167,7 @@ Model modelOf(Content& in, const std::array<int, 3>& size, const std::string& na
   return model;
 }
 
-// The chunks of a file: SIZE and XYZI of each model, the nodes, and what else is passed over.
+// Reads SIZE and XYZI of each model and the nodes; other chunks are skipped.
 Scene readScene(std::string_view bytes, const std::string& name) {
   if (!bytes.starts_with("VOX ")) {
     inputError(name, "is no .vox file of MagicaVoxel: it does not begin with 'VOX '");
@@ -179,7 +179,7 @@ Scene readScene(std::string_view bytes, const std::string& name) {
   const auto inside = static_cast<std::size_t>(file.count());
   (void)file.take(static_cast<std::size_t>(own));
   Content chunks(file.take(inside), name);
-  if (!file.done()) inputError(name, "is damaged: it holds more than its first chunk says");
+  if (!file.done()) inputError(name, "is damaged: it holds more than its first chunk announces");
   Scene scene;
   std::optional<std::array<int, 3>> size;
   while (!chunks.done()) {
@@ -206,26 +206,26 @@ Scene readScene(std::string_view bytes, const std::string& name) {
   return scene;
 }
 
-struct Placed {
+struct Instance {
   const Model* model = nullptr;
   Transform transform;
 };
 
-class Placer {
+class InstanceCollector {
  public:
-  Placer(const Scene& scene, const std::string& name) : scene_(scene), name_(name) {}
+  InstanceCollector(const Scene& scene, const std::string& name) : scene_(scene), name_(name) {}
 
-  std::vector<Placed> placed() && {
+  std::vector<Instance> instances() && {
     if (!scene_.nodes.empty()) {
       visit(0, {}, 0);
     } else if (scene_.models.size() == 1) {
-      placed_.push_back({&scene_.models[0], {}});
+      instances_.push_back({&scene_.models[0], {}});
     } else if (scene_.models.size() > 1) {
       inputError(name_, "has " + std::to_string(scene_.models.size()) +
-                            " models and does not say where they are; save it with a newer "
+                            " models and no nodes that position them; save it with a newer "
                             "MagicaVoxel");
     }
-    return std::move(placed_);
+    return std::move(instances_);
   }
 
  private:
@@ -241,55 +241,57 @@ class Placer {
         inputError(name_, "names model " + std::to_string(node.children[0]) + " of " +
                               std::to_string(scene_.models.size()));
       }
-      placed_.push_back({&scene_.models[model], outer});
+      instances_.push_back({&scene_.models[model], outer});
       return;
     }
-    const Transform here = outer.after(node.transform);
-    for (const int child : node.children) visit(child, here, depth + 1);
+    const Transform world = outer.after(node.transform);
+    for (const int child : node.children) visit(child, world, depth + 1);
   }
 
   const Scene& scene_;
   const std::string& name_;
-  std::size_t visited_ = 0;  // in a tree each node is visited once
-  std::vector<Placed> placed_;
+  std::size_t visited_ = 0;  // a tree visits each node once
+  std::vector<Instance> instances_;
 };
 
-/// A voxel with a colour, in the grid's axes.
+/// A voxel with a color, in the grid's axes.
 struct Voxel {
   std::array<std::int64_t, 3> at{};
-  std::uint8_t colour = 0;
+  std::uint8_t color = 0;
 };
 
 template <class Use>
-void forEachVoxel(const std::vector<Placed>& placed, Use use) {
-  for (const Placed& one : placed) {
-    const std::string_view bytes = one.model->voxels;
+void forEachVoxel(const std::vector<Instance>& instances, Use use) {
+  for (const Instance& instance : instances) {
+    const std::string_view bytes = instance.model->voxels;
     for (std::size_t i = 0; i < bytes.size(); i += 4) {
-      std::array<std::int64_t, 3> p{};  // of its centre, from the model's pivot
+      std::array<std::int64_t, 3> p{};  // of its center, relative to the model's pivot
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        p[axis] = 2 * (static_cast<unsigned char>(bytes[i + axis]) - one.model->size[axis] / 2) + 1;
+        p[axis] =
+            2 * (static_cast<unsigned char>(bytes[i + axis]) - instance.model->size[axis] / 2) + 1;
       }
-      p = one.transform(p);
-      for (std::int64_t& v : p) v = (v - 1) / 2;  // centres are odd
-      const auto colour = static_cast<std::uint8_t>(bytes[i + 3]);
-      if (colour > 0) use(Voxel{{p[0], p[2], p[1]}, colour});
+      p = instance.transform(p);
+      for (std::int64_t& v : p) v = (v - 1) / 2;  // centers are odd
+      const auto color = static_cast<std::uint8_t>(bytes[i + 3]);
+      if (color > 0) use(Voxel{{p[0], p[2], p[1]}, color});
     }
   }
 }
 
-void checkAmount(const std::vector<Placed>& placed, std::size_t bytes, const std::string& name) {
+void checkAmount(const std::vector<Instance>& instances, std::size_t bytes,
+                 const std::string& name) {
   const std::uint64_t most = std::max<std::uint64_t>(std::uint64_t{1} << 24, 16 * bytes);
   std::uint64_t voxels = 0;
-  for (const Placed& one : placed) voxels += one.model->voxels.size() / 4;
+  for (const Instance& instance : instances) voxels += instance.model->voxels.size() / 4;
   if (voxels > most) {
-    inputError(name, "repeats its models to " + std::to_string(voxels) + " voxels; " +
-                         std::to_string(most) + " are read of a file of this size");
+    inputError(name, "its models repeat to " + std::to_string(voxels) + " voxels; at most " +
+                         std::to_string(most) + " are read from a file of this size");
   }
 }
 
-// Files of the paper's layout leave out a label: their colour 1 is label 2.  Those that have
-// colour 0, for empty voxels, do not.
-bool isPapers(const Scene& scene) {
+// In the paper's layout color 1 is label 2, and label 1 has no color. Files with color 0, for empty
+// voxels, have another layout.
+bool hasPaperLayout(const Scene& scene) {
   if (scene.foreign) return false;
   return std::none_of(scene.models.begin(), scene.models.end(), [](const Model& model) {
     for (std::size_t i = 3; i < model.voxels.size(); i += 4) {
@@ -299,8 +301,8 @@ bool isPapers(const Scene& scene) {
   });
 }
 
-struct Keyed {
-  std::uint64_t key = 0;  // place in the box
+struct KeyedVoxel {
+  std::uint64_t key = 0;  // index in the box
   std::uint32_t order = 0;
   std::uint16_t label = 0;
 };
@@ -311,12 +313,12 @@ RunLengthVoxels parseMagicaVoxel(std::string_view bytes, const std::string& name
                                  const ReadOptions& options) {
   MemoryBudget memory(name, options.maxMemory);
   const Scene scene = readScene(bytes, name);
-  const std::vector<Placed> placed = Placer(scene, name).placed();
-  checkAmount(placed, bytes.size(), name);
+  const std::vector<Instance> instances = InstanceCollector(scene, name).instances();
+  checkAmount(instances, bytes.size(), name);
   constexpr std::int64_t kFar = std::numeric_limits<std::int64_t>::max();
   std::array<std::int64_t, 3> low{kFar, kFar, kFar}, high{-kFar, -kFar, -kFar};
   std::size_t count = 0;
-  forEachVoxel(placed, [&](const Voxel& voxel) {
+  forEachVoxel(instances, [&](const Voxel& voxel) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       low[axis] = std::min(low[axis], voxel.at[axis]);
       high[axis] = std::max(high[axis], voxel.at[axis]);
@@ -330,19 +332,19 @@ RunLengthVoxels parseMagicaVoxel(std::string_view bytes, const std::string& name
   }
   RunLengthVoxels voxels{boxOf(sides, name), {}};
 
-  const std::uint16_t shift = isPapers(scene) ? 1 : 0;
-  memory.charge(count, sizeof(Keyed));
-  std::vector<Keyed> keyed;
+  const std::uint16_t shift = hasPaperLayout(scene) ? 1 : 0;
+  memory.charge(count, sizeof(KeyedVoxel));
+  std::vector<KeyedVoxel> keyed;
   keyed.reserve(count);
-  forEachVoxel(placed, [&](const Voxel& voxel) {
+  forEachVoxel(instances, [&](const Voxel& voxel) {
     std::uint64_t key = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       key = key * sides[axis] + static_cast<std::uint64_t>(voxel.at[axis] - low[axis]);
     }
     keyed.push_back({key, static_cast<std::uint32_t>(keyed.size()),
-                     static_cast<std::uint16_t>(voxel.colour + shift)});
+                     static_cast<std::uint16_t>(voxel.color + shift)});
   });
-  std::sort(keyed.begin(), keyed.end(), [](const Keyed& a, const Keyed& b) {
+  std::sort(keyed.begin(), keyed.end(), [](const KeyedVoxel& a, const KeyedVoxel& b) {
     return a.key != b.key ? a.key < b.key : a.order < b.order;
   });
   std::uint64_t done = 0;
@@ -351,7 +353,8 @@ RunLengthVoxels parseMagicaVoxel(std::string_view bytes, const std::string& name
   for (std::size_t i = 0; i < keyed.size(); ++i) {
     if (i % kVoxelsAtATime == 0)
       growing.hold((voxels.runs.size() + 2 * kVoxelsAtATime) * sizeof(Run));
-    if (i + 1 < keyed.size() && keyed[i + 1].key == keyed[i].key) continue;  // a later one is there
+    if (i + 1 < keyed.size() && keyed[i + 1].key == keyed[i].key)
+      continue;  // a later voxel replaces it
     appendRun(voxels.runs, 0, keyed[i].key - done);
     appendRun(voxels.runs, keyed[i].label, 1);
     done = keyed[i].key + 1;

@@ -1,4 +1,4 @@
-// Labels as a scene of MagicaVoxel, `.vox`, byte for byte as the paper's authors lay it out.
+// Writes labels as a MagicaVoxel scene, `.vox`, byte for byte as the paper's authors do.
 //
 //     "VOX " i32 150 | MAIN | SIZE XYZI of each cube | nTRN nGRP | nTRN nSHP of each cube
 //
@@ -24,14 +24,14 @@ namespace sherd {
 namespace {
 
 constexpr int kSide = 126;
-constexpr std::uint64_t kMostVoxels = std::uint64_t{1} << 29;  // their 4 bytes each make 2 GiB
-constexpr int kColours = 255;                                  // 1..255; 0 is empty
+constexpr std::uint64_t kMostVoxels = std::uint64_t{1} << 29;  // at 4 bytes each, 2 GiB
+constexpr int kColors = 255;                                   // 1..255; 0 is empty
 
-/// The colour of each label.
-using Colours = std::array<std::uint8_t, 65536>;
+/// The color of each label.
+using Colors = std::array<std::uint8_t, 65536>;
 
 struct LabelsInUse {
-  std::set<std::uint16_t> labels;  // but 0
+  std::set<std::uint16_t> labels;  // without 0
   std::uint64_t voxels = 0;
 };
 
@@ -45,34 +45,34 @@ LabelsInUse labelsIn(const RunLengthVoxels& voxels) {
   return used;
 }
 
-// The paper has no colour for solid that is of no fragment.  Files with such voxels have colours
-// that are labels, and a palette, by which readers tell the two.
+// The paper has no color for solid voxels without a fragment. In files with such voxels colors are
+// labels, and a palette marks this layout for readers.
 bool hasPalette(const LabelsInUse& used) { return used.labels.contains(1); }
 
-bool sharesColours(const LabelsInUse& used) {
-  return !used.labels.empty() && *used.labels.rbegin() - (hasPalette(used) ? 0 : 1) > kColours;
+bool sharesColors(const LabelsInUse& used) {
+  return !used.labels.empty() && *used.labels.rbegin() - (hasPalette(used) ? 0 : 1) > kColors;
 }
 
-/// Which labels have a voxel face in common; the higher one's list.
-using Neighbours = std::map<std::uint16_t, std::set<std::uint16_t>>;
+/// For each label, the lower labels that share a voxel face with it.
+using Neighbors = std::map<std::uint16_t, std::set<std::uint16_t>>;
 
-void note(Neighbours& neighbours, std::uint16_t a, std::uint16_t b) {
+void addPair(Neighbors& neighbors, std::uint16_t a, std::uint16_t b) {
   if (a == b || a == 0 || b == 0) return;
-  neighbours[std::max(a, b)].insert(std::min(a, b));
+  neighbors[std::max(a, b)].insert(std::min(a, b));
 }
 
-void noteColumns(Neighbours& neighbours, const Columns& columns, int x, int y, int x2, int y2) {
+void addColumnPairs(Neighbors& neighbors, const Columns& columns, int x, int y, int x2, int y2) {
   const Columns::Interval *a = columns.at(x, y), *b = columns.at(x2, y2);
   const Columns::Interval *endA = a + columns.count(x, y), *endB = b + columns.count(x2, y2);
   while (a < endA && b < endB) {
-    note(neighbours, a->label, b->label);
+    addPair(neighbors, a->label, b->label);
     const int end = std::min(a->end, b->end);
     if (a->end == end) ++a;
     if (b->end == end) ++b;
   }
 }
 
-Neighbours touching(const RunLengthVoxels& voxels) {
+Neighbors adjacentLabels(const RunLengthVoxels& voxels) {
   const openvdb::Coord& dims = voxels.dims;
   if (static_cast<std::uint64_t>(dims.x()) * static_cast<std::uint64_t>(dims.y()) >
       Columns::kMost) {
@@ -80,55 +80,55 @@ Neighbours touching(const RunLengthVoxels& voxels) {
                 "a .vox of more than 255 fragments holds up to 2^25 columns; try .rle");
   }
   const Columns columns(voxels);
-  Neighbours neighbours;
+  Neighbors neighbors;
   for (int x = 0; x < dims.x(); ++x) {
     for (int y = 0; y < dims.y(); ++y) {
       const Columns::Interval* column = columns.at(x, y);
       for (std::size_t i = 1; i < columns.count(x, y); ++i) {
-        note(neighbours, column[i - 1].label, column[i].label);
+        addPair(neighbors, column[i - 1].label, column[i].label);
       }
-      if (x > 0) noteColumns(neighbours, columns, x - 1, y, x, y);
-      if (y > 0) noteColumns(neighbours, columns, x, y - 1, x, y);
+      if (x > 0) addColumnPairs(neighbors, columns, x - 1, y, x, y);
+      if (y > 0) addColumnPairs(neighbors, columns, x, y - 1, x, y);
     }
   }
-  return neighbours;
+  return neighbors;
 }
 
-// Labels in their order take the lowest colour that no neighbour has.
-void shareColours(const RunLengthVoxels& voxels, const LabelsInUse& used, Colours& colours) {
-  const Neighbours neighbours = touching(voxels);
+// Assigns each label, in ascending order, the lowest color that no neighbor has.
+void shareColors(const RunLengthVoxels& voxels, const LabelsInUse& used, Colors& colors) {
+  const Neighbors neighbors = adjacentLabels(voxels);
   const int first = hasPalette(used) ? 2 : 1;
   for (const std::uint16_t label : used.labels) {
     if (label == 1) {
-      colours[label] = 1;
+      colors[label] = 1;
       continue;
     }
-    std::array<bool, kColours + 2> taken{};
-    const auto found = neighbours.find(label);
-    if (found != neighbours.end()) {
-      for (const std::uint16_t lower : found->second) taken[colours[lower]] = true;
+    std::array<bool, kColors + 2> taken{};
+    const auto found = neighbors.find(label);
+    if (found != neighbors.end()) {
+      for (const std::uint16_t lower : found->second) taken[colors[lower]] = true;
     }
-    int colour = first;
-    while (taken[static_cast<std::size_t>(colour)]) ++colour;
-    if (colour > kColours) {
-      throw Error(ErrorCode::output, "a .vox has 255 colours, and fragment " +
+    int color = first;
+    while (taken[static_cast<std::size_t>(color)]) ++color;
+    if (color > kColors) {
+      throw Error(ErrorCode::output, "a .vox has 255 colors, and fragment " +
                                          std::to_string(label - 1) +
-                                         " touches others of all of them; try .rle");
+                                         " touches fragments of all of them; try .rle");
     }
-    colours[label] = static_cast<std::uint8_t>(colour);
+    colors[label] = static_cast<std::uint8_t>(color);
   }
 }
 
-Colours coloursOf(const RunLengthVoxels& voxels, const LabelsInUse& used) {
-  Colours colours{};
-  if (sharesColours(used)) {
-    shareColours(voxels, used, colours);
-    return colours;
+Colors colorsOf(const RunLengthVoxels& voxels, const LabelsInUse& used) {
+  Colors colors{};
+  if (sharesColors(used)) {
+    shareColors(voxels, used, colors);
+    return colors;
   }
   for (const std::uint16_t label : used.labels) {
-    colours[label] = static_cast<std::uint8_t>(hasPalette(used) ? label : label - 1);
+    colors[label] = static_cast<std::uint8_t>(hasPalette(used) ? label : label - 1);
   }
-  return colours;
+  return colors;
 }
 
 // ---- Chunks
@@ -174,9 +174,9 @@ std::string shapeChunk(int node, int model) {
 
 std::string paletteChunk() {
   std::string content;
-  for (int colour = 1; colour <= 256; ++colour) {
-    const glm::vec3 shown = colour == 1 ? glm::vec3(0.2f) : pieceColour(colour - 2).outer;
-    for (int i = 0; i < 3; ++i) content.push_back(static_cast<char>(byteFromLinear(shown[i])));
+  for (int color = 1; color <= 256; ++color) {
+    const glm::vec3 linear = color == 1 ? glm::vec3(0.2f) : fragmentColor(color - 2).outer;
+    for (int i = 0; i < 3; ++i) content.push_back(static_cast<char>(byteFromLinear(linear[i])));
     content.push_back(static_cast<char>(255));
   }
   return chunk("RGBA", content);
@@ -185,8 +185,8 @@ std::string paletteChunk() {
 // ---- The scene
 
 struct Cube {
-  std::array<int, 3> place{};  // in cubes
-  std::string voxels;          // u8 x, y, z, colour of each
+  std::array<int, 3> index{};  // in cubes
+  std::string voxels;          // u8 x, y, z, color of each
 };
 
 struct Scene {
@@ -194,7 +194,7 @@ struct Scene {
   std::array<int, 3> low{}, high{};  // voxels
 };
 
-Scene sceneOf(const RunLengthVoxels& voxels, const Colours& colours) {
+Scene sceneOf(const RunLengthVoxels& voxels, const Colors& colors) {
   Scene scene;
   std::map<std::array<int, 3>, std::size_t> cubeAt;
   walkRows(voxels, [&](int x, int y, int z, int length, std::uint16_t label) {
@@ -203,11 +203,11 @@ Scene sceneOf(const RunLengthVoxels& voxels, const Colours& colours) {
     for (int i = z; i < z + length; ++i) {
       const std::array<int, 3> at{x, i, y};
       if (cube == nullptr || i % kSide == 0) {
-        const std::array<int, 3> place{at[0] / kSide, at[1] / kSide, at[2] / kSide};
-        const auto [found, fresh] = cubeAt.try_emplace(place, scene.cubes.size());
+        const std::array<int, 3> index{at[0] / kSide, at[1] / kSide, at[2] / kSide};
+        const auto [found, fresh] = cubeAt.try_emplace(index, scene.cubes.size());
         if (fresh) {
           if (scene.cubes.empty()) scene.low = scene.high = at;
-          scene.cubes.push_back({place, {}});
+          scene.cubes.push_back({index, {}});
         }
         cube = &scene.cubes[found->second];
       }
@@ -216,17 +216,17 @@ Scene sceneOf(const RunLengthVoxels& voxels, const Colours& colours) {
         scene.high[axis] = std::max(scene.high[axis], at[axis]);
         cube->voxels.push_back(static_cast<char>(at[axis] % kSide));
       }
-      cube->voxels.push_back(static_cast<char>(colours[label]));
+      cube->voxels.push_back(static_cast<char>(colors[label]));
     }
   });
   return scene;
 }
 
-// The scene stands in the middle of the floor.
+// The offset that centers the scene on the floor.
 std::string translationOf(const Scene& scene, const Cube& cube) {
   std::string text;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    double at = (cube.place[axis] + 0.5) * kSide;
+    double at = (cube.index[axis] + 0.5) * kSide;
     if (axis < 2) at -= scene.low[axis] + (scene.high[axis] - scene.low[axis]) * 0.5;
     if (axis > 0) text += ' ';
     text += std::to_string(static_cast<int>(std::floor(at)));
@@ -236,15 +236,15 @@ std::string translationOf(const Scene& scene, const Cube& cube) {
 
 }  // namespace
 
-bool sharesColours(const RunLengthVoxels& voxels) { return sharesColours(labelsIn(voxels)); }
+bool sharesColors(const RunLengthVoxels& voxels) { return sharesColors(labelsIn(voxels)); }
 
 void encodeMagicaVoxel(const RunLengthVoxels& voxels, const ByteSink& sink) {
   const LabelsInUse used = labelsIn(voxels);
   if (used.voxels == 0 || used.voxels > kMostVoxels) {
-    throw Error(ErrorCode::output, "a .vox holds 1 to 2^29 voxels, here are " +
-                                       std::to_string(used.voxels) + "; try .rle");
+    throw Error(ErrorCode::output,
+                "a .vox holds 1 to 2^29 voxels, not " + std::to_string(used.voxels) + "; try .rle");
   }
-  const Scene scene = sceneOf(voxels, coloursOf(voxels, used));
+  const Scene scene = sceneOf(voxels, colorsOf(voxels, used));
 
   std::string nodes = transformChunk(0, 1, -1, "");
   std::string group = numbers({1, /*attributes*/ 0, static_cast<int>(scene.cubes.size())});

@@ -1,4 +1,4 @@
-// Labels as dense arrays of NumPy: `.npy`, and `.npz` with the place of the box.
+// Reads and writes labels as dense NumPy arrays: `.npy`, and `.npz` with the box's transform.
 #include <sherd/voxel_files.h>
 
 #include <array>
@@ -14,10 +14,10 @@
 namespace sherd {
 namespace {
 
-/// Makes runs of an `.npy` file that comes piece by piece, so that the array is never in memory.
+/// Converts an `.npy` file to runs block by block, so that the whole array is never in memory.
 class LabelArrayReader {
  public:
-  ///   size  of the whole file
+  ///   size  of the whole file, bytes
   LabelArrayReader(std::uint64_t size, std::string name, MemoryBudget& memory)
       : size_(size), name_(std::move(name)), memory_(memory), growing_(&memory) {}
 
@@ -55,7 +55,7 @@ class LabelArrayReader {
     voxels_.dims = boxOf(sides, name_);
   }
 
-  // Numbers may lie across two pieces.
+  // A number may span two blocks.
   void takeNumbers(std::string_view bytes) {
     const std::size_t n = header_->itemBytes;
     if (!head_.empty()) {
@@ -66,7 +66,7 @@ class LabelArrayReader {
       takeNumber(head_.data());
       head_.clear();
     }
-    // Equal labels are one run, others a run each, and zeros and ones by turns pack well.
+    // Charged in batches: labels that alternate take a run each, although deflate packs them well.
     constexpr std::size_t kNumbersAtATime = std::size_t{1} << 16;
     while (bytes.size() >= n) {
       growing_.hold((voxels_.runs.size() + kNumbersAtATime) * sizeof(Run));
@@ -96,7 +96,7 @@ class LabelArrayReader {
   MemoryBudget& memory_;
   GrowingMemory growing_;  // runs
   std::optional<NpyHeader> header_;
-  std::string head_;  // of the file until there is a header, then of a number
+  std::string head_;  // the file's first bytes until the header is complete, then a number's
   RunLengthVoxels voxels_;
 };
 
@@ -111,8 +111,8 @@ NpyArray labelArray(const RunLengthVoxels& voxels) {
   return {"labels", "<u2", {side(0), side(1), side(2)}, {}};
 }
 
-std::optional<VoxelPlace> placeOf(const std::vector<ZipEntry>& entries, const std::string& name,
-                                  MemoryBudget& memory) {
+std::optional<VoxelTransform> transformOf(const std::vector<ZipEntry>& entries,
+                                          const std::string& name, MemoryBudget& memory) {
   const auto origin = numbersOf(entries, "origin", 3, name, memory);
   const auto voxelSize = numbersOf(entries, "voxel_size", 1, name, memory);
   const auto indexMin = numbersOf(entries, "index_min", 3, name, memory);
@@ -124,8 +124,8 @@ std::optional<VoxelPlace> placeOf(const std::vector<ZipEntry>& entries, const st
                                 [](double v) { return std::isfinite(v); });
   if (!good) inputError(name, "needs an origin of three numbers and a voxel_size above 0");
   const std::vector<double>& at = origin->values;
-  VoxelPlace place{{{{at[0], at[1], at[2]}}, voxelSize->values[0]}};
-  if (!indexMin) return place;
+  VoxelTransform transform{{{{at[0], at[1], at[2]}}, voxelSize->values[0]}};
+  if (!indexMin) return transform;
   constexpr double kFar = 2147483647.0;
   const bool whole = indexMin->values.size() == 3 &&
                      std::all_of(indexMin->values.begin(), indexMin->values.end(), [](double v) {
@@ -133,9 +133,9 @@ std::optional<VoxelPlace> placeOf(const std::vector<ZipEntry>& entries, const st
                      });
   if (!whole) inputError(name, "needs an index_min of three whole numbers");
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    place.indexMin[axis] = static_cast<std::int32_t>(indexMin->values[axis]);
+    transform.indexMin[axis] = static_cast<std::int32_t>(indexMin->values[axis]);
   }
-  return place;
+  return transform;
 }
 
 }  // namespace
@@ -154,7 +154,7 @@ PlacedVoxels parseNpzLabels(std::string_view bytes, const std::string& name,
   const std::vector<ZipEntry> entries = zipEntries(bytes, name);
   const ZipEntry* labels = entryOf(entries, "labels");
   if (labels == nullptr) inputError(name, "has no array 'labels'");
-  PlacedVoxels voxels{{}, placeOf(entries, name, memory)};
+  PlacedVoxels voxels{{}, transformOf(entries, name, memory)};
   LabelArrayReader reader(labels->size, name + ", array 'labels'", memory);
   unpack(*labels, name, [&](std::string_view part) { reader.take(part); });
   voxels.voxels = reader.finish();
@@ -170,14 +170,14 @@ void encodeNpzLabels(const PlacedVoxels& voxels, const ByteSink& sink) {
   NpzWriter writer(sink);
   writer.deflate(labelArray(voxels.voxels),
                  [&](const ByteSink& numbers) { encodeDense(voxels.voxels, numbers); });
-  if (voxels.place) {
-    const GridFrame& frame = voxels.place->frame;
+  if (voxels.transform) {
+    const GridFrame& frame = voxels.transform->frame;
     const glm::dvec3& at = frame.origin.v;
     writer.store({"origin", "<f8", {3}, bytesOf(std::array{at.x, at.y, at.z})});
     writer.store({"voxel_size", "<f8", {}, bytesOf(std::array{frame.voxelSize})});
     NpyArray indexMin{"index_min", "<i4", {3}, {}};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      storeLittle(indexMin.bytes, static_cast<std::uint32_t>(voxels.place->indexMin[axis]));
+      storeLittle(indexMin.bytes, static_cast<std::uint32_t>(voxels.transform->indexMin[axis]));
     }
     writer.store(indexMin);
   }

@@ -2,10 +2,11 @@
 //
 //     u64 2 | u16 nx, u16 ny, u16 nz | u64 nodes | node, node, ...                little-endian
 //     node:      u64 intervals | u32 maxX, u32 maxY | u32 minX, u32 minY | interval, ...
-//     interval:  u8 maxX - minX, u8 maxY - minY | u16 label | u16 z behind its end, of each column
+//     interval:  u8 maxX - minX, u8 maxY - minY | u16 label | u16 z of its end (exclusive), of each
+//     column
 //
-// A quadrant whose columns have the same labels in the same order is a leaf.  What all children of
-// a node have at the same place then moves up to the node.
+// A quadrant whose columns have the same labels in the same order is a leaf.  Intervals
+// that all children have at the same position then move up to the node.
 //
 // source  Graciano, Rueda, Pospisil, Bittner, Benes, QuadStack, 2021; the layout is that of the
 //         paper's authors (docs/formats.md)
@@ -26,10 +27,10 @@ namespace {
 
 constexpr std::size_t kHeaderBytes = 22, kNodeBytes = 24, kIntervalBytes = 4;
 constexpr int kWidest = 255;  // of a node with intervals: their sides are stored in 8 bits
-constexpr std::uint16_t kWildcard = 65535;  // what the authors' writer never moves up
+constexpr std::uint16_t kWildcard = 65535;  // a label that the authors' writer never moves up
 
 struct Square {
-  int minX = 0, minY = 0, maxX = 0, maxY = 0;  // without the last
+  int minX = 0, minY = 0, maxX = 0, maxY = 0;  // max is exclusive
 
   [[nodiscard]] int width() const { return maxX - minX; }
   [[nodiscard]] int height() const { return maxY - minY; }
@@ -93,21 +94,21 @@ std::vector<Square> quarters(const Square& s) {
   return all;
 }
 
-// Moves up what all children have at the same place.  As the authors' writer does it, the place
-// stays where it is while lists grow shorter: of two that could move one after another, the second
-// is passed over.
+// Moves up the intervals that all children have at the same position. Like the authors' writer, the
+// position advances although lists shrink: of two consecutive candidates the second is skipped.
 void moveUp(Node& node) {
-  for (std::size_t place = 0; place < node.children[0]->intervals.size(); ++place) {
-    const std::uint16_t label = node.children[0]->intervals[place].label;
-    const bool same = label != kWildcard &&
-                      std::all_of(node.children.begin(), node.children.end(), [&](const auto& c) {
-                        return place < c->intervals.size() && c->intervals[place].label == label;
-                      });
+  for (std::size_t position = 0; position < node.children[0]->intervals.size(); ++position) {
+    const std::uint16_t label = node.children[0]->intervals[position].label;
+    const bool same =
+        label != kWildcard &&
+        std::all_of(node.children.begin(), node.children.end(), [&](const auto& c) {
+          return position < c->intervals.size() && c->intervals[position].label == label;
+        });
     if (!same) continue;
     Interval moved{label, std::vector<std::uint16_t>(node.square.columns())};
     for (const std::unique_ptr<Node>& child : node.children) {
       const Square& s = child->square;
-      const auto at = child->intervals.begin() + static_cast<std::ptrdiff_t>(place);
+      const auto at = child->intervals.begin() + static_cast<std::ptrdiff_t>(position);
       for (int x = s.minX; x < s.maxX; ++x) {
         std::copy_n(at->ends.begin() + static_cast<std::ptrdiff_t>(s.index(x, s.minY)), s.height(),
                     moved.ends.begin() + static_cast<std::ptrdiff_t>(node.square.index(x, s.minY)));
@@ -159,7 +160,7 @@ void encodeNode(const Node& node, const ByteSink& sink) {
 
 struct End {
   std::uint64_t column = 0;  // x * ny + y
-  std::uint16_t z = 0;       // behind the interval
+  std::uint16_t z = 0;       // end of the interval, exclusive
   std::uint16_t label = 0;
 };
 
@@ -200,7 +201,7 @@ void readNode(Reader& in, const openvdb::Coord& dims, std::vector<End>& ends,
     growing.hold((ends.size() + columns) * sizeof(End));
     const auto width = in.take<std::uint8_t>(), height = in.take<std::uint8_t>();
     if (width != ((maxX - minX) & 0xff) || height != ((maxY - minY) & 0xff)) {
-      inputError(name, "has an interval of other sides than its node");
+      inputError(name, "has an interval whose sides are not its node's");
     }
     const auto label = in.take<std::uint16_t>();
     for (std::uint64_t x = minX; x < maxX; ++x) {

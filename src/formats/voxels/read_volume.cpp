@@ -1,4 +1,4 @@
-// Volumes out of files.
+// Reads volumes.
 #include <sherd/error.h>
 #include <sherd/memory_estimate.h>
 #include <sherd/volume.h>
@@ -26,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Six vertices of 24 bytes and two edges' worth of look-up for each two triangles of 12.
+// Per two triangles of 12 bytes: six vertices of 24 bytes and the look-up of two edges.
 constexpr std::uint64_t kBytesPerTriangle = 200;
 
 bool isVdb(const fs::path& file) { return lowerCase(file.extension().string()) == ".vdb"; }
@@ -37,7 +37,7 @@ std::string namesOf(const std::vector<NamedGrid>& grids) {
   return names;
 }
 
-// The grids that make up the volume: those of the name asked for, all level sets, or the only one.
+// Returns the grids of the volume: the one with the given name, all level sets, or the only grid.
 std::vector<NamedGrid> chosenGrids(const fs::path& file, const std::string& name) {
   std::vector<NamedGrid> grids = readFloatGrids(file);
   if (!name.empty()) {
@@ -80,11 +80,11 @@ void readGrids(const fs::path& file, const VolumeOptions& options, Volume& volum
                                   [](const NamedGrid& grid) { return grid.isLevelSet; });
   for (const NamedGrid& grid : grids) volume.source.grids.push_back(grid.name);
   if (!volume.isLevelSet) volume.source.isovalue = options.isovalue;
-  const bool asTheyAre = options.ownVoxels && haveOneFrame(grids) &&
-                         std::all_of(grids.begin(), grids.end(), [](const NamedGrid& grid) {
-                           return isSolidLevelSet(*grid.grid);
-                         });
-  // A tile of a few bytes may stand for any number of voxels, and a face of it for any number of
+  const bool keepsVoxels = options.ownVoxels && haveOneFrame(grids) &&
+                           std::all_of(grids.begin(), grids.end(), [](const NamedGrid& grid) {
+                             return isSolidLevelSet(*grid.grid);
+                           });
+  // A tile of a few bytes can represent any number of voxels, and its faces any number of
   // triangles.
   VoxelCounts counts;
   for (const NamedGrid& grid : grids) {
@@ -93,9 +93,9 @@ void readGrids(const fs::path& file, const VolumeOptions& options, Volume& volum
     counts.surface += own.surface;
   }
   requireMemory(file.string() + " at its own voxels",
-                estimatedMemory(counts.surface, asTheyAre ? counts.inside : 0.0),
+                estimatedMemory(counts.surface, keepsVoxels ? counts.inside : 0.0),
                 options.maxMemory);
-  if (!asTheyAre) {
+  if (!keepsVoxels) {
     for (const NamedGrid& grid : grids) {
       throwIfCancelled(progress);
       volume.source.mesh =
@@ -111,12 +111,12 @@ void readLabels(const fs::path& file, const VolumeOptions& options, Volume& volu
                 const Progress* progress) {
   const PlacedVoxels read = readVoxels(file, {.maxMemory = options.maxMemory});
   const openvdb::Coord& dims = read.voxels.dims;
-  // Planes of a byte for each voxel, and two of numbers for their corners.
+  // A byte per voxel of a plane, and two planes of vertex numbers for their corners.
   requireMemory(
       file.string() + ": a plane of its voxels",
       9 * static_cast<std::uint64_t>(dims.y() + 1) * static_cast<std::uint64_t>(dims.z() + 1),
       options.maxMemory);
-  const GridFrame frame = read.place ? read.place->frame : GridFrame{};
+  const GridFrame frame = read.transform ? read.transform->frame : GridFrame{};
   volume.voxelSize = frame.voxelSize;
   const std::size_t most = std::min<std::uint64_t>(options.maxMemory / kBytesPerTriangle,
                                                    std::numeric_limits<std::uint32_t>::max() / 2);

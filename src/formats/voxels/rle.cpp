@@ -2,7 +2,7 @@
 //
 //     u32 nx, u32 ny, u32 nz | u16 label, u32 length | u16 label, u32 length | ... little-endian
 //
-// Until 18 February 2024 its authors wrote runs of 16 bytes: u16 label, 6 bytes of anything, u64
+// Until 18 February 2024 its authors wrote runs of 16 bytes: u16 label, 6 unspecified bytes, u64
 // length.
 #include <sherd/voxel_files.h>
 
@@ -20,7 +20,7 @@ constexpr std::size_t kHeaderBytes = 12;
 constexpr std::size_t kRunBytes = 6;
 constexpr std::size_t kOldRunBytes = 16;
 
-// What is wrong with the runs, or nothing: they fill the box then.
+// Appends the runs. Returns what is wrong with them; empty if they fill the box.
 std::string takeRuns(std::string_view body, bool old, RunLengthVoxels& voxels,
                      MemoryBudget& memory) {
   const std::size_t bytes = old ? kOldRunBytes : kRunBytes;
@@ -29,10 +29,9 @@ std::string takeRuns(std::string_view body, bool old, RunLengthVoxels& voxels,
            " bytes follow the last whole run of " + std::to_string(bytes) + " bytes";
   }
   const std::uint64_t total = voxelsIn(voxels.dims);
-  // A run of 64 bits becomes several of 32: their number is bounded by the box, so the box has to
-  // be.
+  // A 64-bit run becomes several 32-bit runs; a limit on the box limits their number.
   constexpr std::uint64_t kLargestOldBox = std::uint64_t{1} << 40;
-  if (old && total > kLargestOldBox) return "its box is larger than any that was written so";
+  if (old && total > kLargestOldBox) return "its box has more than 2^40 voxels";
   std::uint64_t sum = 0;
   memory.charge(body.size() / bytes, sizeof(Run));
   voxels.runs.reserve(body.size() / bytes);
@@ -69,16 +68,16 @@ RunLengthVoxels parseRle(std::string_view bytes, const std::string& name,
   const openvdb::Coord dims = boxOf({side(0), side(1), side(2)}, name);
   const std::string_view body = bytes.substr(kHeaderBytes);
   RunLengthVoxels voxels{dims, {}};
-  const std::string wrong = takeRuns(body, false, voxels, memory);
-  if (wrong.empty()) return voxels;
-  // Old runs that add up to the box to the last voxel are no accident.
+  const std::string problem = takeRuns(body, false, voxels, memory);
+  if (problem.empty()) return voxels;
+  // Old runs whose lengths add up to exactly the box are no accident.
   RunLengthVoxels old{dims, {}};
   if (takeRuns(body, true, old, memory).empty()) return old;
-  inputError(name, wrong);
+  inputError(name, problem);
 }
 
 void encodeRle(const RunLengthVoxels& voxels, const ByteSink& sink) {
-  constexpr std::size_t kBlock = kRunBytes << 16;  // bytes handed over at once
+  constexpr std::size_t kBlock = kRunBytes << 16;  // bytes per call of the sink
   std::string block;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     storeLittle(block, static_cast<std::uint32_t>(voxels.dims[axis]));

@@ -1,4 +1,4 @@
-// Grids as `.vdb` files, byte for byte the same for the same fragments.
+// Reads and writes `.vdb` files; equal fragments give equal bytes.
 #include "formats/voxels/vdb.h"
 
 #include <openssl/sha.h>
@@ -27,22 +27,22 @@ namespace {
 constexpr std::size_t kUuidAt = 21;
 constexpr std::size_t kUuidLength = 36;
 
-// io::File writes to a disk and does not notice when that is full, io::Stream leaves out the
-// offsets that let readers seek.  Their common base writes a seekable file into memory, which is
-// then ours to check.
+// io::File does not detect a full disk, and io::Stream omits the offsets that let readers seek.
+// Their common base writes a seekable file into memory, which OutputFile then writes.
 class MemoryArchive : public openvdb::io::Archive {
  public:
   std::string bytes(const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) const {
     std::ostringstream out(std::ios::binary);
-    // Where memory ends, a stream notes it and goes on, but OpenVDB crashes on what it then tells.
+    // Without exceptions a stream that runs out of memory continues, and OpenVDB crashes on the
+    // positions that it then returns.
     out.exceptions(std::ios::badbit | std::ios::failbit);
     Archive::write(out, grids, /*seekable=*/true, metadata);
     return std::move(out).str();
   }
 };
 
-// A UUID of version 8 (RFC 9562: made as one likes) from the SHA-256 of the file with zeros in its
-// place.
+// A UUID of version 8 (RFC 9562, custom) from the SHA-256 of the file with zeros in the UUID's
+// position.
 void setUuidFromContent(std::string& bytes) {
   bytes.replace(kUuidAt, kUuidLength, kUuidLength, '0');
   std::array<unsigned char, SHA256_DIGEST_LENGTH> hash{};
@@ -58,41 +58,43 @@ void setUuidFromContent(std::string& bytes) {
   bytes.replace(kUuidAt, kUuidLength, uuid);
 }
 
-// Houdini shows metadata as attributes of the same names.  The seed is text: its 64 bits have no
-// sign.
-openvdb::MetaMap commonMetadata(const VdbNotes& notes) {
+// Houdini shows metadata as attributes with the same names. The seed is text because its 64 bits
+// are unsigned.
+openvdb::MetaMap commonMetadata(const GridMetadata& gridMetadata) {
   openvdb::MetaMap metadata;
-  metadata.insertMeta("seed", openvdb::StringMetadata(std::to_string(notes.seed)));
-  metadata.insertMeta("source", openvdb::StringMetadata(notes.source));
+  metadata.insertMeta("seed", openvdb::StringMetadata(std::to_string(gridMetadata.seed)));
+  metadata.insertMeta("source", openvdb::StringMetadata(gridMetadata.source));
   metadata.insertMeta("tool_version", openvdb::StringMetadata(SHERD_VERSION));
   return metadata;
 }
 
-openvdb::MetaMap pieceMetadata(const Fragment& fragment, const VdbNotes& notes) {
+openvdb::MetaMap pieceMetadata(const Fragment& fragment, const GridMetadata& gridMetadata) {
   const glm::dvec3& centroid = fragment.mass.centroid;
   const PrincipalInertia inertia = principalInertia(fragment.mass);
-  const glm::dvec3 moments = notes.density * inertia.moments;
-  const glm::dquat& turn = inertia.orientation;
-  openvdb::MetaMap metadata = commonMetadata(notes);
+  const glm::dvec3 moments = gridMetadata.density * inertia.moments;
+  const glm::dquat& rotation = inertia.orientation;
+  openvdb::MetaMap metadata = commonMetadata(gridMetadata);
   metadata.insertMeta("piece", openvdb::StringMetadata("piece" + std::to_string(fragment.id)));
   metadata.insertMeta("fragment_id", openvdb::Int32Metadata(fragment.id));
   metadata.insertMeta("pivot", openvdb::Vec3DMetadata({centroid.x, centroid.y, centroid.z}));
   metadata.insertMeta("volume", openvdb::DoubleMetadata(fragment.mass.volume));
-  metadata.insertMeta("density", openvdb::DoubleMetadata(notes.density));
-  metadata.insertMeta("mass", openvdb::DoubleMetadata(notes.density * fragment.mass.volume));
+  metadata.insertMeta("density", openvdb::DoubleMetadata(gridMetadata.density));
+  metadata.insertMeta("mass", openvdb::DoubleMetadata(gridMetadata.density * fragment.mass.volume));
   metadata.insertMeta("inertia", openvdb::Vec3DMetadata({moments.x, moments.y, moments.z}));
-  metadata.insertMeta("inertia_orient", openvdb::Vec4DMetadata({turn.x, turn.y, turn.z, turn.w}));
+  metadata.insertMeta("inertia_orient",
+                      openvdb::Vec4DMetadata({rotation.x, rotation.y, rotation.z, rotation.w}));
   metadata.insertMeta("area_inside", openvdb::DoubleMetadata(fragment.fractureArea));
   metadata.insertMeta("area_outside",
                       openvdb::DoubleMetadata(fragment.area - fragment.fractureArea));
-  if (!notes.parents.empty()) {
-    metadata.insertMeta("parent_id", openvdb::Int32Metadata(
-                                         notes.parents[static_cast<std::size_t>(fragment.id - 1)]));
+  if (!gridMetadata.parents.empty()) {
+    metadata.insertMeta(
+        "parent_id",
+        openvdb::Int32Metadata(gridMetadata.parents[static_cast<std::size_t>(fragment.id - 1)]));
   }
   return metadata;
 }
 
-// The level set under a name and, where asked for, its fog under another.
+// Adds the level set and, with options.fog, its fog volume under another name.
 void addGrids(openvdb::GridCPtrVec& grids, const openvdb::FloatGrid& levelSet,
               const std::string& number, const openvdb::MetaMap& metadata,
               const VdbOptions& options) {
@@ -149,14 +151,14 @@ VdbGrid describe(const openvdb::GridBase& grid) {
           .metadata = textOf(grid)};
 }
 
-// Open a file and let `read` take what it wants from its stream.
+// Opens a file and returns read(stream).
 template <class Read>
 auto withStream(const std::filesystem::path& file, Read&& read) {
   if (whatIsAt(file) == std::filesystem::file_type::directory)
     inputError(file, "is a folder; a .vdb file is needed");
   std::ifstream in(file, std::ios::binary);
   if (!in) inputError(file, "cannot be opened: " + reasonOf(errno));
-  in.exceptions(std::ios::badbit | std::ios::failbit);  // OpenVDB reads on past a file's end
+  in.exceptions(std::ios::badbit | std::ios::failbit);  // otherwise OpenVDB reads past the end
   try {
     openvdb::initialize();
     openvdb::io::Stream stream(in, /*delayLoad=*/false);
@@ -164,13 +166,13 @@ auto withStream(const std::filesystem::path& file, Read&& read) {
   } catch (const std::ios::failure&) {
     inputError(file, "ends too early; the file is cut or is no .vdb file");
   } catch (const std::bad_alloc&) {
-    inputError(file, "asks for more memory than there is; is it damaged?");
-  } catch (const std::exception& e) {  // whatever a damaged file makes OpenVDB throw
+    inputError(file, "needs more memory than there is; is it damaged?");
+  } catch (const std::exception& e) {  // any exception that a damaged file causes in OpenVDB
     inputError(file, std::string("is no .vdb file that OpenVDB can read: ") + e.what());
   }
 }
 
-// Write the grids that `make` makes.
+// Writes the grids that `make` appends.
 template <class Make>
 void writeGrids(const OutputFile& file, VdbCompression compression, Make&& make) {
   std::string bytes;
@@ -179,7 +181,7 @@ void writeGrids(const OutputFile& file, VdbCompression compression, Make&& make)
     MemoryArchive archive;
     archive.setCompression(flagsOf(compression));
     archive.setGridStatsMetadataEnabled(true);  // Houdini's file browser reads the bounds from it
-    // Blender turns a file upright when its creator starts with "Houdini"; ours must not.
+    // Blender rotates a file whose creator starts with "Houdini"; ours must not.
     openvdb::MetaMap fileMetadata;
     fileMetadata.insertMeta("creator", openvdb::StringMetadata("sherd " SHERD_VERSION));
     openvdb::GridCPtrVec grids;
@@ -192,8 +194,8 @@ void writeGrids(const OutputFile& file, VdbCompression compression, Make&& make)
   file.write(bytes);
 }
 
-// Values of all voxels of the solid.
-//   valueOf  (place) in the solid's blocks
+// Returns a grid with a value for each inside voxel.
+//   valueOf  (voxel) an index into the solid's blocks
 template <class ValueOf>
 openvdb::Int32Grid::Ptr voxelGrid(const Solid& solid, const char* name, std::int32_t background,
                                   const ValueOf& valueOf) {
@@ -202,46 +204,47 @@ openvdb::Int32Grid::Ptr voxelGrid(const Solid& solid, const char* name, std::int
   grid->setName(name);
   openvdb::Int32Grid::Accessor accessor = grid->getAccessor();
   solid.blocks.forEachInside(
-      [&](std::size_t place) { accessor.setValue(solid.blocks.voxelAt(place), valueOf(place)); });
+      [&](std::size_t voxel) { accessor.setValue(solid.blocks.voxelAt(voxel), valueOf(voxel)); });
   return grid;
 }
 
 }  // namespace
 
-void writeVdb(const OutputFile& file, const Fragment& fragment, const VdbNotes& notes,
+void writeVdb(const OutputFile& file, const Fragment& fragment, const GridMetadata& gridMetadata,
               const VdbOptions& options) {
   writeGrids(file, options.compression, [&](openvdb::GridCPtrVec& grids) {
-    addGrids(grids, *fragment.surface, "", pieceMetadata(fragment, notes), options);
+    addGrids(grids, *fragment.surface, "", pieceMetadata(fragment, gridMetadata), options);
   });
 }
 
 void writeVdbOfAll(const OutputFile& file, std::span<const Fragment> fragments, const Solid& solid,
-                   const Labels& labels, const VdbNotes& notes, const VdbOptions& options) {
+                   const Labels& labels, const GridMetadata& gridMetadata,
+                   const VdbOptions& options) {
   writeGrids(file, options.compression, [&](openvdb::GridCPtrVec& grids) {
     for (const Fragment& fragment : fragments) {
       addGrids(grids, *fragment.surface, "_" + std::to_string(fragment.id),
-               pieceMetadata(fragment, notes), options);
+               pieceMetadata(fragment, gridMetadata), options);
     }
-    const openvdb::Int32Grid::Ptr ids = voxelGrid(solid, "fragment_id", 0, [&](std::size_t place) {
-      const std::uint16_t id = labels.fragment[place];
+    const openvdb::Int32Grid::Ptr ids = voxelGrid(solid, "fragment_id", 0, [&](std::size_t voxel) {
+      const std::uint16_t id = labels.fragment[voxel];
       return id <= fragments.size() ? std::int32_t{id} : 0;
     });
-    ids->insertMeta(commonMetadata(notes));
+    ids->insertMeta(commonMetadata(gridMetadata));
     grids.push_back(ids);
   });
 }
 
-void writeVdbOfSolid(const OutputFile& file, const Solid& solid, const VdbNotes& notes,
+void writeVdbOfSolid(const OutputFile& file, const Solid& solid, const GridMetadata& gridMetadata,
                      const VdbOptions& options) {
   writeGrids(file, options.compression, [&](openvdb::GridCPtrVec& grids) {
-    addGrids(grids, *solid.distance, "", commonMetadata(notes), options);
+    addGrids(grids, *solid.distance, "", commonMetadata(gridMetadata), options);
   });
 }
 
 void writeCost(const OutputFile& file, const Solid& solid, const Labels& labels) {
   writeGrids(file, VdbCompression::blosc, [&](openvdb::GridCPtrVec& grids) {
-    grids.push_back(voxelGrid(solid, "cost", -1, [&](std::size_t place) {
-      return static_cast<std::int32_t>(labels.cost[place]);
+    grids.push_back(voxelGrid(solid, "cost", -1, [&](std::size_t voxel) {
+      return static_cast<std::int32_t>(labels.cost[voxel]);
     }));
   });
 }

@@ -1,4 +1,4 @@
-// What is in a `.vdb` file, without OpenVDB's own headers.
+// The content of a `.vdb` file, without OpenVDB's own headers.
 #pragma once
 
 #include <sherd/coords.h>
@@ -32,7 +32,7 @@ struct VdbFile {
   std::vector<VdbGrid> grids;
 };
 
-/// Read a whole `.vdb` file and tell what is in it.
+/// Reads a whole `.vdb` file and describes its content.
 ///   throws  Error(input) absent, cut, or not OpenVDB's
 [[nodiscard]] VdbFile describeVdb(const std::filesystem::path& file);
 
@@ -42,16 +42,16 @@ struct NamedGrid {
   std::shared_ptr<openvdb::FloatGrid> grid;
 };
 
-/// The grids of floats of a `.vdb` file, in its order.
-///   throws  Error(input) as describeVdb; there is none
+/// Returns the float grids of a `.vdb` file, in its order.
+///   throws  Error(input) as describeVdb(); there is none
 [[nodiscard]] std::vector<NamedGrid> readFloatGrids(const std::filesystem::path& file);
 
-/// Those of them that are level sets.
-///   throws  Error(input) as describeVdb; there is none
+/// Returns the float grids that are level sets.
+///   throws  Error(input) as describeVdb(); there is none
 [[nodiscard]] std::vector<NamedGrid> readLevelSets(const std::filesystem::path& file);
 
-/// The first float level set of a `.vdb` file.
-///   throws  Error(input) as describeVdb; there is none
+/// Returns the first float level set of a `.vdb` file.
+///   throws  Error(input) as describeVdb(); there is none
 [[nodiscard]] std::shared_ptr<openvdb::FloatGrid> readLevelSet(const std::filesystem::path& file);
 
 }  // namespace sherd

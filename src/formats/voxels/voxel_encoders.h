@@ -12,7 +12,7 @@ void encodeMagicaVoxel(const RunLengthVoxels& voxels, const ByteSink& sink);
 void encodeQuadStack(const RunLengthVoxels& voxels, const ByteSink& sink);
 void encodeBing(const RunLengthVoxels& voxels, const ByteSink& sink);
 
-/// Whether fragments have to share colours in a `.vox` file.
-[[nodiscard]] bool sharesColours(const RunLengthVoxels& voxels);
+/// Returns whether fragments have to share colors in a `.vox` file.
+[[nodiscard]] bool sharesColors(const RunLengthVoxels& voxels);
 
 }  // namespace sherd

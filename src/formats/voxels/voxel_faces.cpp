@@ -1,4 +1,4 @@
-// The surface of labelled voxels, one plane of them after another.
+// The surface of labeled voxels, one plane of them after another.
 #include "formats/voxels/voxel_faces.h"
 
 #include <algorithm>
@@ -14,12 +14,12 @@ namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-// Planes of a box in order, out of runs that go on across them.
+// Yields the planes of a box in order, from runs that may span planes.
 class Planes {
  public:
   explicit Planes(const RunLengthVoxels& voxels) : voxels_(voxels) {}
 
-  // [ny * nz] 1 where the next plane's voxels have a label
+  // Returns [ny * nz], 1 where a voxel of the next plane has a label.
   std::vector<std::uint8_t> next() {
     std::vector<std::uint8_t> plane(static_cast<std::size_t>(voxels_.dims.y()) *
                                     static_cast<std::size_t>(voxels_.dims.z()));
@@ -37,18 +37,18 @@ class Planes {
 
  private:
   const RunLengthVoxels& voxels_;
-  std::size_t run_ = 0;   // the run that the next voxel is of
-  std::size_t used_ = 0;  // voxels of it that are done
+  std::size_t run_ = 0;   // run of the next voxel
+  std::size_t used_ = 0;  // its voxels that are done
 };
 
-// Corners of voxels are lattice points, (x, y, z) the low corner of voxel (x, y, z); those of two
-// planes of points are known by number, which is all that a plane of voxels needs.
+// Corners of voxels are lattice points: (x, y, z) is the low corner of voxel (x, y, z). Vertex
+// numbers are kept for two planes of points, which suffices for one plane of voxels.
 class Faces {
  public:
   Faces(const openvdb::Coord& dims, const GridFrame& frame)
       : dims_(dims), frame_(frame), low_(points()), high_(points()) {}
 
-  // The faces below plane x of voxels, and those within it.
+  // Adds the faces between planes x - 1 and x of voxels, and those within plane x.
   void add(int x, const std::vector<std::uint8_t>& below, const std::vector<std::uint8_t>& plane) {
     for (int y = 0; y < dims_.y(); ++y) {
       for (int z = 0; z < dims_.z(); ++z) {
@@ -95,7 +95,7 @@ class Faces {
     }
     return number;
   }
-  // A face of plane x, its corners counter-clockwise seen from outside, or clockwise.
+  // Adds a face of plane x, its corners counter-clockwise seen from outside, or clockwise.
   void face(const std::array<openvdb::Coord, 4>& corners, int x, bool counterClockwise) {
     std::array<std::uint32_t, 4> v{};
     for (std::size_t i = 0; i < 4; ++i) v[i] = vertex(corners[i], x);
@@ -118,10 +118,10 @@ std::optional<TriangleMesh> voxelFaces(const RunLengthVoxels& voxels, const Grid
   Faces faces(voxels.dims, frame);
   std::vector<std::uint8_t> below(static_cast<std::size_t>(voxels.dims.y()) *
                                   static_cast<std::size_t>(voxels.dims.z()));
-  const std::vector<std::uint8_t> nothing = below;
+  const std::vector<std::uint8_t> empty = below;
   for (int x = 0; x <= voxels.dims.x(); ++x) {
     throwIfCancelled(progress);
-    std::vector<std::uint8_t> plane = x < voxels.dims.x() ? planes.next() : nothing;
+    std::vector<std::uint8_t> plane = x < voxels.dims.x() ? planes.next() : empty;
     faces.add(x, below, plane);
     if (faces.count() > most) return std::nullopt;
     below = std::move(plane);

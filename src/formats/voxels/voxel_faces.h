@@ -1,4 +1,4 @@
-// The surface of labelled voxels.
+// The surface of labeled voxels.
 #pragma once
 
 #include <sherd/mesh.h>
@@ -9,10 +9,10 @@
 
 namespace sherd {
 
-/// The faces between voxels with a label and voxels without, two triangles each, outwards.
-///   frame   of the box: its origin is the centre of the first voxel
-///   most    triangles: a file of a few bytes may stand for any number
-///   return  empty where no voxel has a label; none where there would be more triangles
+/// Returns the faces between labeled and unlabeled voxels, two triangles each, facing outward.
+///   frame   of the box: its origin is the center of the first voxel
+///   most    limit on triangles: a file of a few bytes can represent any number
+///   return  an empty mesh if no voxel has a label; nothing beyond `most` triangles
 ///   throws  Error(cancelled)
 [[nodiscard]] std::optional<TriangleMesh> voxelFaces(const RunLengthVoxels& voxels,
                                                      const GridFrame& frame, std::size_t most,

@@ -1,4 +1,4 @@
-// Voxel files of every format.
+// Reads and writes voxel files of every format.
 #include <sherd/voxel_files.h>
 
 #include <array>
@@ -14,7 +14,7 @@
 namespace sherd {
 namespace {
 
-// The box of what is not 0 is the whole box.
+// Whether labels other than 0 reach all six sides of the box.
 bool isTight(const RunLengthVoxels& voxels) {
   std::array<bool, 6> reached{};
   const openvdb::Coord& dims = voxels.dims;
@@ -40,7 +40,7 @@ std::optional<VoxelFormat> voxelFormatOf(const std::filesystem::path& file) {
 PlacedVoxels readVoxels(const std::filesystem::path& file, const ReadOptions& options) {
   const std::optional<VoxelFormat> format = voxelFormatOf(file);
   if (!format) {
-    inputError(file, "is no voxel file; read are .rle .npy .npz .vox .qstack .bing");
+    inputError(file, "is no voxel file; supported are .rle .npy .npz .vox .qstack .bing");
   }
   const std::string name = file.string();
   MemoryBudget memory(name, options.maxMemory);
@@ -66,9 +66,8 @@ PlacedVoxels readVoxels(const std::filesystem::path& file, const ReadOptions& op
 void encodeVoxels(const PlacedVoxels& voxels, VoxelFormat format, const ByteSink& sink) {
   const bool dense = format == VoxelFormat::npy || format == VoxelFormat::npz;
   if (dense && voxelsIn(voxels.voxels.dims) > kMostDenseVoxels) {
-    throw Error(ErrorCode::output, "a dense array of " +
-                                       std::to_string(voxelsIn(voxels.voxels.dims)) +
-                                       " voxels is not written, 2^34 are the most; try .rle");
+    throw Error(ErrorCode::output, "a dense array holds up to 2^34 voxels, not " +
+                                       std::to_string(voxelsIn(voxels.voxels.dims)) + "; try .rle");
   }
   switch (format) {
     case VoxelFormat::rle:
@@ -90,7 +89,7 @@ void writeVoxels(const OutputFile& file, const PlacedVoxels& voxels, VoxelFormat
   try {
     file.write([&](const ByteSink& sink) { encodeVoxels(voxels, format, sink); });
   } catch (const Error& e) {
-    const std::string what = e.what();  // of the voxels, or of the disk, which names the file
+    const std::string what = e.what();  // only errors of the disk name the file
     if (what.starts_with(file.string())) throw;
     throw Error(e.code(), file.string() + ": " + what);
   }
@@ -98,15 +97,15 @@ void writeVoxels(const OutputFile& file, const PlacedVoxels& voxels, VoxelFormat
 
 std::vector<std::string> lossesOf(const PlacedVoxels& voxels, VoxelFormat format) {
   std::vector<std::string> losses;
-  if (voxels.place && format != VoxelFormat::npz) {
-    losses.push_back("origin and voxel size are left out; of voxel files only .npz holds them");
+  if (voxels.transform && format != VoxelFormat::npz) {
+    losses.push_back("origin and voxel size are left out; only .npz holds them");
   }
   if (format != VoxelFormat::vox) return losses;
-  if (sharesColours(voxels.voxels)) {
-    losses.push_back("its fragments share the 255 colours of a .vox, so their ids cannot be told");
+  if (sharesColors(voxels.voxels)) {
+    losses.push_back("its fragments share the 255 colors of a .vox, so their ids are lost");
   }
   if (!isTight(voxels.voxels)) {
-    losses.push_back("the empty margin round its voxels is left out; a .vox has no box");
+    losses.push_back("the empty margin around its voxels is left out; a .vox has no box");
   }
   return losses;
 }

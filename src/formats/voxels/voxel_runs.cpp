@@ -1,4 +1,4 @@
-// Runs of voxels: put together, checked, walked by rows.
+// Runs of voxels: building, checking, iterating by rows.
 #include "formats/voxels/voxel_runs.h"
 
 #include <sherd/error.h>
@@ -25,7 +25,7 @@ openvdb::Coord boxOf(const std::array<std::uint64_t, 3>& sides, const std::strin
                       voxels <= std::numeric_limits<std::uint64_t>::max() / side;
     if (!fits) {
       inputError(name, "its box has side " + std::to_string(side) + " along axis " + "xyz"[axis] +
-                           "; is it what its extension says?");
+                           "; does its content match its extension?");
     }
     voxels *= side;
   }
@@ -64,14 +64,14 @@ PlacedVoxels padded(const PlacedVoxels& from, Padding padding, const std::string
   const int side = std::max({dims.x(), dims.y(), dims.z()});
   const auto wide = static_cast<std::uint64_t>(side);
   if (wide * wide > kMostDenseVoxels / wide) {
-    inputError(name, "a cube of " + std::to_string(side) +
-                         " voxels a side is more than is padded; 2580 fit");
+    inputError(
+        name, "a cube of " + std::to_string(side) + " voxels a side is too large to pad; 2580 fit");
   }
   openvdb::Coord start(0, 0, 0);
-  if (padding == Padding::centred) {
+  if (padding == Padding::centered) {
     start = {(side - dims.x()) / 2, (side - dims.y()) / 2, (side - dims.z()) / 2};
   }
-  PlacedVoxels cube{{{side, side, side}, {}}, from.place};
+  PlacedVoxels cube{{{side, side, side}, {}}, from.transform};
   std::uint64_t done = 0;
   walkRows(from.voxels, [&](int x, int y, int z, int length, std::uint16_t label) {
     if (label == 0) return;
@@ -84,9 +84,9 @@ PlacedVoxels padded(const PlacedVoxels& from, Padding padding, const std::string
     done = at + static_cast<std::uint64_t>(length);
   });
   appendRun(cube.voxels.runs, 0, wide * wide * wide - done);
-  if (cube.place) {
-    cube.place->indexMin -= start;
-    cube.place->frame.origin = cube.place->frame.worldFromIndex(
+  if (cube.transform) {
+    cube.transform->indexMin -= start;
+    cube.transform->frame.origin = cube.transform->frame.worldFromIndex(
         {{-static_cast<double>(start.x()), -static_cast<double>(start.y()),
           -static_cast<double>(start.z())}});
   }
@@ -100,7 +100,7 @@ Columns::Columns(const RunLengthVoxels& voxels) : ny_(static_cast<std::size_t>(v
   intervals_.reserve(columns + voxels.runs.size());
   walkRows(voxels, [&](int, int, int z, int length, std::uint16_t label) {
     if (z == 0) first_.push_back(intervals_.size());
-    if (z > 0 && intervals_.back().label == label) {  // a run that 32 bits could not hold
+    if (z > 0 && intervals_.back().label == label) {  // continues a run longer than 32 bits hold
       intervals_.back().end = z + length;
     } else {
       intervals_.push_back({label, z + length});
@@ -112,12 +112,12 @@ Columns::Columns(const RunLengthVoxels& voxels) : ny_(static_cast<std::size_t>(v
 RunLengthVoxels withAxesReversed(const RunLengthVoxels& voxels, const std::string& name,
                                  MemoryBudget& memory) {
   const std::uint64_t total = voxelsIn(voxels.dims);
-  if (total > kMostDenseVoxels) inputError(name, "has more voxels than can be turned: 2^34");
-  // As many voxels of the new order at a time as fit; the runs are walked for each lot.
+  if (total > kMostDenseVoxels) inputError(name, "has more than 2^34 voxels, too many to reorder");
+  // In batches of voxels in the new order; the runs are walked once per batch.
   constexpr std::uint64_t kVoxelsAtATime = std::uint64_t{1} << 26;
   const openvdb::Coord& dims = voxels.dims;
   const std::uint64_t slice = total / static_cast<std::uint64_t>(dims.z());
-  RunLengthVoxels turned{{dims.z(), dims.y(), dims.x()}, {}};
+  RunLengthVoxels reversed{{dims.z(), dims.y(), dims.x()}, {}};
   memory.charge(std::min(kVoxelsAtATime, total), sizeof(std::uint16_t));
   GrowingMemory growing(&memory);
   std::vector<std::uint16_t> dense;
@@ -129,8 +129,8 @@ RunLengthVoxels withAxesReversed(const RunLengthVoxels& voxels, const std::strin
       const std::uint64_t at =
           static_cast<std::uint64_t>(y) * static_cast<std::uint64_t>(dims.x()) +
           static_cast<std::uint64_t>(x);
-      const auto slicesUpTo = [&](std::uint64_t place) {
-        return place > at ? (place - at + slice - 1) / slice : 0;
+      const auto slicesUpTo = [&](std::uint64_t index) {
+        return index > at ? (index - at + slice - 1) / slice : 0;
       };
       const std::uint64_t last = std::min(static_cast<std::uint64_t>(z + length), slicesUpTo(end));
       for (std::uint64_t i = std::max(static_cast<std::uint64_t>(z), slicesUpTo(begin)); i < last;
@@ -141,15 +141,15 @@ RunLengthVoxels withAxesReversed(const RunLengthVoxels& voxels, const std::strin
     for (std::size_t at = 0; at < dense.size(); ++at) {
       constexpr std::size_t kLabelsAtATime = std::size_t{1} << 16;
       if (at % kLabelsAtATime == 0)
-        growing.hold((turned.runs.size() + kLabelsAtATime) * sizeof(Run));
-      appendRun(turned.runs, dense[at], 1);
+        growing.hold((reversed.runs.size() + kLabelsAtATime) * sizeof(Run));
+      appendRun(reversed.runs, dense[at], 1);
     }
   }
-  return turned;
+  return reversed;
 }
 
 void encodeDense(const RunLengthVoxels& voxels, const ByteSink& sink) {
-  constexpr std::size_t kBlock = std::size_t{1} << 20;  // bytes handed over at once
+  constexpr std::size_t kBlock = std::size_t{1} << 20;  // bytes per call of the sink
   std::string block;
   for (const Run& run : voxels.runs) {
     for (std::uint32_t i = 0; i < run.length; ++i) {

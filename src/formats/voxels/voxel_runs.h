@@ -1,4 +1,4 @@
-// Runs of voxels: put together, checked, walked by rows.
+// Runs of voxels: building, checking, iterating by rows.
 #pragma once
 
 #include <sherd/voxel_files.h>
@@ -11,7 +11,7 @@
 
 namespace sherd {
 
-/// The most voxels of a box that is written or turned voxel by voxel.
+/// The largest box, in voxels, that is written or reordered voxel by voxel.
 inline constexpr std::uint64_t kMostDenseVoxels = std::uint64_t{1} << 34;
 
 [[nodiscard]] inline std::uint64_t voxelsIn(const openvdb::Coord& dims) {
@@ -19,16 +19,15 @@ inline constexpr std::uint64_t kMostDenseVoxels = std::uint64_t{1} << 34;
          static_cast<std::uint64_t>(dims.z());
 }
 
-/// Sides from a file as a box.
+/// Returns the sides from a file as a box.
 ///   throws  Error(input) a side of 0, one that a Coord cannot hold, more voxels than 64 bits count
 [[nodiscard]] openvdb::Coord boxOf(const std::array<std::uint64_t, 3>& sides,
                                    const std::string& name);
 
-/// Add to the last run where the label is the same; what its 32 bits cannot hold goes on in the
-/// next.
+/// Extends the last run if the label is equal, else appends one; lengths beyond 32 bits are split.
 void appendRun(std::vector<Run>& runs, std::uint16_t label, std::uint64_t length);
 
-/// Calls use(x, y, z, length, label) for each run, cut at the ends of rows, in their order.
+/// Calls use(x, y, z, length, label) for each run, split at the ends of rows, in order.
 template <class Use>
 void walkRows(const RunLengthVoxels& voxels, Use use) {
   const std::uint64_t ny = static_cast<std::uint64_t>(voxels.dims.y());
@@ -50,12 +49,12 @@ void walkRows(const RunLengthVoxels& voxels, Use use) {
   }
 }
 
-/// The columns along z of a box: the label of each interval of a column, and where it ends.
+/// The columns along z of a box, each a list of labeled intervals.
 class Columns {
  public:
   struct Interval {
     std::uint16_t label = 0;
-    std::int32_t end = 0;  ///< z behind its last voxel
+    std::int32_t end = 0;  ///< z after its last voxel
   };
 
   ///   voxels  at most 2^25 columns
@@ -79,12 +78,13 @@ class Columns {
   std::vector<std::size_t> first_;  ///< [columns + 1]
 };
 
-/// The box with its axes in the opposite order: voxel (i, j, k) is voxel (k, j, i) of `voxels`.
-///   throws  Error(input) more than kMostDenseVoxels, or than `memory` holds
+/// Returns the box with its axes in the opposite order: voxel (i, j, k) is voxel (k, j, i) of
+/// `voxels`.
+///   throws  Error(input) more than kMostDenseVoxels voxels, or more than `memory` allows
 [[nodiscard]] RunLengthVoxels withAxesReversed(const RunLengthVoxels& voxels,
                                                const std::string& name, MemoryBudget& memory);
 
-/// Every label, 2 bytes each, little-endian.
+/// Writes every label, 2 bytes each, little-endian.
 void encodeDense(const RunLengthVoxels& voxels, const ByteSink& sink);
 
 }  // namespace sherd

@@ -1,0 +1,101 @@
+// Text, warnings and JSON about a written fracture.
+#include "cli/fracture_printer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "base/text_scan.h"
+#include "folder/mesh_report.h"
+
+namespace sherd::cli {
+namespace {
+
+std::string number(double value, int digits) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.*g", digits, value);
+  return text;
+}
+
+bool isMesh(const FractureSummary& summary) { return !summary.source.mesh.triangles.empty(); }
+
+}  // namespace
+
+std::vector<std::string> warningsOf(const FractureSummary& summary) {
+  const SourceMesh& source = summary.source;
+  const FractureResult& result = summary.result;
+  std::vector<std::string> warnings = source.warnings;
+  const std::vector<MeshFileFormat>& formats = summary.write.meshFormats;
+  if (std::find(formats.begin(), formats.end(), MeshFileFormat::glb) != formats.end()) {
+    for (const Texture& texture : source.appearance.textures) {
+      if (imageType(texture.bytes) != ImageType::other) continue;
+      warnings.push_back(source.name + ": its texture " + inQuotes(texture.name) +
+                         " is neither PNG nor JPEG, so .glb files omit it");
+    }
+  }
+  const std::size_t fragments = result.fragments.size();
+  if (summary.options.seedFile.empty() && result.parents.empty() &&
+      static_cast<std::size_t>(summary.options.pieces) < fragments) {
+    warnings.push_back(summary.mesh + " has " + std::to_string(result.components) +
+                       " components, so it became " + std::to_string(fragments) +
+                       " fragments, not " + std::to_string(summary.options.pieces));
+  }
+  if (isMesh(summary)) {
+    for (std::string& warning : reportWarnings(source, result)) {
+      warnings.push_back(std::move(warning));
+    }
+  }
+  if (result.solid.smallComponents > 0) {
+    warnings.push_back(summary.mesh + ": " + std::to_string(result.solid.smallComponents) +
+                       (result.solid.smallComponents == 1 ? " component" : " components") +
+                       " under " + std::to_string(kSmallComponentVoxels) + " voxels dropped, " +
+                       std::to_string(result.solid.smallComponentVoxels) + " voxels in all");
+  }
+  warnings.insert(warnings.end(), summary.ofFolder.begin(), summary.ofFolder.end());
+  return warnings;
+}
+
+std::string textOf(const FractureSummary& summary) {
+  const FractureResult& result = summary.result;
+  const std::string withheld =
+      result.withheld > 0 ? ", " + std::to_string(result.withheld) + " of them withheld," : "";
+  return (isMesh(summary) ? reportText(summary.source, result) : "") + summary.folder + ": " +
+         std::to_string(result.fragments.size()) + " fragments of " + summary.source.name +
+         withheld + " in " + number(summary.times.back().seconds, 3) + " s (" +
+         std::to_string(result.solid.voxels) + " voxels of " +
+         number(result.solid.frame.voxelSize, 4) + ", seed " +
+         std::to_string(summary.options.seed) + ", " + summary.device.name + ")\n";
+}
+
+nlohmann::ordered_json jsonOf(const FractureSummary& summary) {
+  const SourceMesh& source = summary.source;
+  const FractureResult& result = summary.result;
+  double volumeOut = 0.0;
+  for (const Fragment& fragment : result.fragments) volumeOut += fragment.mass.volume;
+  nlohmann::ordered_json seconds;
+  for (const StageTime& time : summary.times) seconds[time.stage] = time.seconds;
+  return {{"schema", "sherd-report/1"},
+          {"command", "fracture"},
+          {"source", source.name},
+          {"manifest", summary.manifest.string()},
+          {"seed", summary.options.seed},
+          {"device", {{"platform", summary.device.platform}, {"name", summary.device.name}}},
+          {"pieces_asked", summary.options.pieces},
+          {"fragments", result.fragments.size()},
+          {"withheld", result.withheld},
+          {"components", result.components},
+          {"disconnected_voxels", result.labels.disconnected},
+          {"eroded_voxels", result.eroded.front()},
+          {"small_components", result.solid.smallComponents},
+          {"voxel_size", result.solid.frame.voxelSize},
+          {"voxels", result.solid.voxels},
+          {"vertices_in", source.mesh.vertices.size()},
+          {"triangles_in", source.mesh.triangles.size()},
+          {"volume_in", std::abs(volume(source.mesh))},
+          {"volume_out", volumeOut},
+          {"report", isMesh(summary) ? reportJson(source, result) : nlohmann::ordered_json()},
+          {"warnings", warningsOf(summary)},
+          {"seconds", seconds}};
+}
+
+}  // namespace sherd::cli

@@ -1,0 +1,19 @@
+// Connected components of labeled voxels.
+#pragma once
+
+#include <sherd/device.h>
+#include <sherd/labels.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace sherd {
+
+/// Return the inside voxels in the largest 6-connected component of their label, [leaf*8] words as
+/// in LeafBlocks::inside.  Ties go to the component with the first voxel in leaf order; voxels
+/// without a label are not included.
+///   throws  Error(device)
+[[nodiscard]] std::vector<std::uint64_t> largestComponents(const LeafBlocks& blocks,
+                                                           const Labels& labels, Device& device);
+
+}  // namespace sherd

@@ -1,0 +1,105 @@
+// Moves junctions one by one.
+#include "surface/contact_boundaries.h"
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+#include <limits>
+
+namespace sherd {
+namespace {
+
+constexpr double kLeastCosine = 0.7;  // between a triangle and its quad before any move
+constexpr double kLeastArea = 0.01;   // square voxels
+constexpr int kPasses = 2;
+constexpr std::array kSteps{1.0, 0.75, 0.5, 0.25};
+
+// The quads at junctions.
+class JunctionQuads {
+ public:
+  JunctionQuads(std::span<const std::vector<InterfaceQuad>> quads,
+                std::span<const Junction> junctions, std::span<const glm::dvec3> vertices)
+      : quads_(junctions.size()) {
+    constexpr std::uint32_t kNone = 0xffffffffu;
+    std::vector<std::uint32_t> junctionOf(vertices.size(), kNone);
+    for (std::uint32_t j = 0; j < junctions.size(); ++j) {
+      for (const std::uint32_t v : junctions[j].vertices) junctionOf[v] = j;
+    }
+    for (const std::vector<InterfaceQuad>& ofLeaf : quads) {
+      for (const InterfaceQuad& quad : ofLeaf) {
+        for (const std::uint32_t v : quad.vertex) {
+          if (junctionOf[v] == kNone) continue;
+          quads_[junctionOf[v]].push_back({&quad, normalOf(quad, vertices)});
+        }
+      }
+    }
+  }
+
+  // The quality of the worst triangle at a junction: the cosine to its quad's first normal, less if
+  // it is small, at most kLeastCosine.  Stops at a quality below `enough`.
+  double worstQuality(std::size_t junction, std::span<const glm::dvec3> vertices,
+                      double enough = -2.0) const {
+    double least = kLeastCosine;
+    for (const QuadAtJunction& around : quads_[junction]) {
+      if (least < enough) return least;
+      for (const auto& t : trianglesOf(*around.quad, vertices)) {
+        const glm::dvec3 n =
+            0.5 * glm::cross(vertices[t[1]] - vertices[t[0]], vertices[t[2]] - vertices[t[0]]);
+        const double area = glm::length(n);
+        if (area == 0.0) return -1.0;
+        const double cosine = glm::dot(n, around.normal) / area;
+        least = std::min(
+            least, area < kLeastArea ? std::min(cosine, kLeastCosine * area / kLeastArea) : cosine);
+      }
+    }
+    return least;
+  }
+
+ private:
+  struct QuadAtJunction {
+    const InterfaceQuad* quad;
+    glm::dvec3 normal;  // before any move
+  };
+
+  static glm::dvec3 normalOf(const InterfaceQuad& quad, std::span<const glm::dvec3> vertices) {
+    const auto& v = quad.vertex;
+    const glm::dvec3 n =
+        glm::cross(vertices[v[2]] - vertices[v[0]], vertices[v[3]] - vertices[v[1]]);
+    const double length = glm::length(n);
+    return length > 0.0 ? n / length : glm::dvec3(0.0);
+  }
+
+  std::vector<std::vector<QuadAtJunction>> quads_;  // [junctions]
+};
+
+}  // namespace
+
+std::array<std::array<std::uint32_t, 3>, 2> trianglesOf(const InterfaceQuad& quad,
+                                                        std::span<const glm::dvec3> vertices) {
+  const auto& v = quad.vertex;
+  const glm::dvec3 a = vertices[v[0]] - vertices[v[2]], b = vertices[v[1]] - vertices[v[3]];
+  if (glm::dot(a, a) <= glm::dot(b, b)) return {{{v[0], v[1], v[2]}, {v[0], v[2], v[3]}}};
+  return {{{v[1], v[2], v[3]}, {v[1], v[3], v[0]}}};
+}
+
+void straightenBoundaries(std::span<const std::vector<InterfaceQuad>> quads,
+                          std::span<const Junction> junctions, std::vector<glm::dvec3>& vertices) {
+  const JunctionQuads junctionQuads(quads, junctions, vertices);
+  for (int pass = 0; pass < kPasses; ++pass) {
+    for (std::size_t j = 0; j < junctions.size(); ++j) {
+      const auto moveTo = [&](const glm::dvec3& at) {
+        for (const std::uint32_t v : junctions[j].vertices) vertices[v] = at;
+      };
+      const glm::dvec3 from = vertices[junctions[j].vertices[0]];
+      if (from + (junctions[j].target - from) == from) continue;  // already there
+      const double before = junctionQuads.worstQuality(j, vertices);
+      bool moved = false;
+      for (std::size_t k = 0; k < kSteps.size() && !moved; ++k) {
+        moveTo(from + kSteps[k] * (junctions[j].target - from));
+        moved = junctionQuads.worstQuality(j, vertices, before) >= before;
+      }
+      if (!moved) moveTo(from);
+    }
+  }
+}
+
+}  // namespace sherd

@@ -1,0 +1,43 @@
+// Straightens contact boundaries: the lines where several labels meet.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+namespace sherd {
+
+/// One side of a face of the mesh of all labels.  Its corners lie in the four cells around the edge
+/// between two voxel centers, counter-clockwise from outside the label.
+struct InterfaceQuad {
+  std::uint16_t label = 0;  ///< never 0
+  std::uint16_t other = 0;  ///< label on the other side
+  std::array<std::uint32_t, 4> vertex{};
+};
+
+/// Returns the two triangles of a quad, split at the shorter diagonal.  Both sides of an interface
+/// get the same split.
+[[nodiscard]] std::array<std::array<std::uint32_t, 3>, 2> trianglesOf(
+    const InterfaceQuad& quad, std::span<const glm::dvec3> vertices);
+
+/// A position where more than two labels meet and whose target lies outside its cell.
+struct Junction {
+  std::vector<std::uint32_t> vertices;  ///< one or more per label, all at one position
+  glm::dvec3 target{0.0};
+};
+
+/// Moves junctions to their targets, or as far as no triangle degenerates: rotates by more than 45
+/// degrees from its quad's first normal, or gets smaller than a hundredth of a voxel's face.
+/// Degenerate triangles do not get worse.  Two passes over all junctions, because a move may make
+/// room for its neighbors.
+///
+/// Without it boundaries zigzag where a crack crosses the surface outside the cells that the labels
+/// select.
+///   quads     [leaves][..]
+///   vertices  index space
+void straightenBoundaries(std::span<const std::vector<InterfaceQuad>> quads,
+                          std::span<const Junction> junctions, std::vector<glm::dvec3>& vertices);
+
+}  // namespace sherd

@@ -1,0 +1,54 @@
+// Reduces the labels to two: the fragment, and kEroded for all others.
+#include "surface/independent_mesh.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "surface/interface_mesh.h"
+
+namespace sherd {
+namespace {
+
+// The fragment's distances to the cut, and the negated ones for kEroded.
+CutLeaf bothSides(const CutLeaf& cut, std::uint16_t fragment) {
+  CutLeaf both{{1, Labels::kEroded}, {}};
+  if (cut.distance.empty()) return both;
+  const auto at = std::lower_bound(cut.fragments.begin(), cut.fragments.end(), fragment);
+  const auto ownDistance = cut.distance.begin() + (at - cut.fragments.begin()) * 512;
+  both.distance.assign(ownDistance, ownDistance + 512);
+  for (std::size_t v = 0; v < 512; ++v) both.distance.push_back(-both.distance[v]);
+  return both;
+}
+
+}  // namespace
+
+LabeledMesh meshOfOne(const Solid& solid, const Labels& labels, const Cut& cut,
+                      std::uint16_t fragment, std::span<const std::uint32_t> leaves) {
+  Solid reduced;
+  reduced.frame = solid.frame;
+  reduced.distance = solid.distance;
+  Labels twoLabels;
+  Cut ownCut;
+  ownCut.snapWeight.resize(std::size_t{Labels::kEroded} + 1);
+  ownCut.snapWeight[1] = cut.snapWeight[fragment];
+  for (const std::uint32_t leaf : leaves) {
+    const auto from = static_cast<std::ptrdiff_t>(leaf);
+    const auto inside = solid.blocks.inside.begin() + from * 8;
+    reduced.blocks.origins.push_back(solid.blocks.origins[leaf]);
+    reduced.blocks.inside.insert(reduced.blocks.inside.end(), inside, inside + 8);
+    std::transform(labels.fragment.begin() + from * 512, labels.fragment.begin() + (from + 1) * 512,
+                   std::back_inserter(twoLabels.fragment), [&](std::uint16_t label) {
+                     return label == fragment ? std::uint16_t{1} : Labels::kEroded;
+                   });
+    const bool isWhole = cut.index[leaf] == Cut::kWhole;
+    ownCut.only.push_back(isWhole ? 1 : 0);
+    ownCut.index.push_back(isWhole ? Cut::kWhole
+                                   : static_cast<std::uint32_t>(ownCut.leaves.size()));
+    if (!isWhole) ownCut.leaves.push_back(bothSides(cut.leaves[cut.index[leaf]], fragment));
+  }
+  const std::vector<LeafNeighbors> neighborhoods = leafNeighbors(reduced.blocks.origins);
+  return InterfaceMeshes(reduced, twoLabels, ownCut, neighborhoods, 1).meshOf(1);
+}
+
+}  // namespace sherd

@@ -1,0 +1,82 @@
+// Meshes the intact solid leaf by leaf.
+#include "surface/intact.h"
+
+#include <sherd/fragments.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+namespace sherd {
+namespace {
+
+template <class Work>
+void forEach(std::size_t count, const Work& work) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) work(i);
+  });
+}
+
+// The leaf of a slot (see IntactLeaf::Corner).
+std::uint32_t below(const LeafNeighbors& neighborhood, std::size_t slot) {
+  const auto step = [&](std::size_t bit) { return (slot & bit) != 0 ? 0u : 1u; };
+  return neighborhood[step(4) * 9 + step(2) * 3 + step(1)];
+}
+
+}  // namespace
+
+std::shared_ptr<const IntactSurface> intactSurface(const Solid& solid) {
+  auto made = std::make_shared<IntactSurface>();
+  const std::size_t count = solid.blocks.count();
+  made->neighborhoods = leafNeighbors(solid.blocks.origins);
+  made->leaves.resize(count);
+  Labels one;
+  one.fragment.assign(count * 512, 1);
+  Cut uncut;
+  uncut.only.assign(count, 1);
+  uncut.index.assign(count, Cut::kWhole);
+  uncut.snapWeight.resize(2);
+  const Field field(solid, one, uncut, made->neighborhoods);
+  forEach(count, [&](std::size_t leaf) { made->leaves[leaf].cells = cellsOf(field, leaf); });
+
+  // Vertices are numbered by leaf, so that a vertex index identifies its leaf.
+  AllCells all;
+  std::uint32_t vertices = 0;
+  for (const IntactLeaf& leaf : made->leaves) {
+    all.leaves.push_back(&leaf.cells);
+    all.firstVertex.push_back(vertices);
+    vertices += static_cast<std::uint32_t>(leaf.cells.vertices.size());
+  }
+  forEach(count, [&](std::size_t leaf) {
+    IntactLeaf& own = made->leaves[leaf];
+    std::array<std::uint32_t, 8> leafOfSlot{};
+    own.isWhole = true;
+    for (std::size_t slot = 0; slot < 8; ++slot) {
+      leafOfSlot[slot] = below(made->neighborhoods[leaf], slot);
+      const bool isPlain =
+          leafOfSlot[slot] == LeafBlocks::kNone || made->leaves[leafOfSlot[slot]].cells.isPlain;
+      own.isWhole &= isPlain;
+    }
+    if (!own.isWhole) return;
+    // Positions of the corners, to split quads at the same diagonals as InterfaceMeshes.
+    for (const InterfaceQuad& quad : quadsOf(field, all, leaf)) {
+      std::array<IntactLeaf::Corner, 4> corner{};
+      std::array<glm::dvec3, 4> at{};
+      for (std::size_t k = 0; k < 4; ++k) {
+        for (std::uint32_t slot = 0; slot < 8; ++slot) {
+          if (leafOfSlot[slot] == LeafBlocks::kNone) continue;
+          const std::uint32_t first = all.firstVertex[leafOfSlot[slot]];
+          const LeafCells& cells = made->leaves[leafOfSlot[slot]].cells;
+          if (quad.vertex[k] < first || quad.vertex[k] - first >= cells.vertices.size()) continue;
+          corner[k] = slot << IntactLeaf::kSlotBits | (quad.vertex[k] - first);
+          at[k] = solid.frame.worldFromIndex({cells.vertices[quad.vertex[k] - first]}).v;
+          break;
+        }
+      }
+      for (const auto& t : trianglesOf({1, 0, {0, 1, 2, 3}}, at)) {
+        own.triangles.push_back({corner[t[0]], corner[t[1]], corner[t[2]]});
+      }
+    }
+  });
+  return made;
+}
+
+}  // namespace sherd
