@@ -27,7 +27,7 @@ COMMANDS = ("fracture", "dataset", "merge", "inspect", "convert", "evaluate", "r
 FOREIGN = set("""math/Mat3.h Mat3.h Coord.h version.h InteriorTest UNSIGNED_DISTANCE_FIELD meshToVolume Surface_mesh_simplification
 meshopt_simplify KHR_texture_transform file_compression file_mem_bytes interior_polygons seam_points seam_polygons
 cl::Device::getDefault() MADV_POPULATE_WRITE closestPointOnTriangleToPoint
-bowl_001.vdb bowl_002.vdb a_1024p.binp a_3f_128r_0it.rle a_3f_128r_0it_2.binm a_3f_128r_0it_2_1024p.binp a_grid_128r.rle rim_001_002
+bowl_001.vdb bowl_002.vdb a_1024p.binp a_3f_128r_0it.rle a_3f_128r_0it_2.binm a_3f_128r_0it_2_1024p.binp a_grid_128r.rle boundary_001_002
 bunny_closed_high_res.stl""".split())
 
 # The headers that the rows of "Who may include what" are about (docs/architecture.md).
@@ -43,6 +43,12 @@ HEADERS = {
 MOMENTS = r"\bat present\b|\bcurrently\b|\bfor now\b|\bhas it yet\b|\bwhen it comes\b"
 
 
+# Words that docs/glossary.md has better ones for, and spelling that is not American.
+WORDS = (r"\b(tells?|told|telling)\b|colour|neighbour|\bcentr(e|es|ed)\b|\bgrey\b|labelled|(normal|general|initial|organ|optim)is(e|ation|ing)"
+         r"|behaviour|\b(milli|nano)?metres?\b|\blicence")
+FORMER = ("src/cli/former_names.cpp", "src/dataset/parsed_journal.cpp")  # which read what an earlier version wrote
+
+
 @functools.cache
 def text_of(name):
     return (ROOT / name).read_text()
@@ -52,7 +58,7 @@ def text_of(name):
 def pages():
     """Every document, by its path from the root."""
     found = [p.relative_to(ROOT).as_posix() for p in ROOT.glob("docs/**/*.md")]
-    return sorted(["README.md", "CHANGELOG.md", "data/README.md", *found])
+    return sorted(["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "data/README.md", *found])
 
 
 @functools.cache
@@ -268,13 +274,23 @@ class Statements(unittest.TestCase):
         return next(part for part in found if part.startswith(heading + "\n"))
 
     def test_no_statement_is_about_a_moment(self):
-        """What is not there yet has a section of its own in README.md; measurements say when they were made."""
+        """What is not there yet has a section of its own in docs/guarantees.md; measurements say when they were made."""
         found = []
         for name in [*pages(), *(n for n in tracked() if re.match(r"(src|include|kernels)/", n))]:
             if name == "CHANGELOG.md":
                 continue
             for number, line in enumerate(text_of(name).splitlines(), 1):
                 if re.search(MOMENTS, line, flags=re.I):
+                    found.append(f"{name}:{number}: {line.strip()}")
+        self.assertEqual(found, [])
+
+    def test_words(self):
+        found = []
+        for name in tracked():
+            if name in FORMER or not re.match(r"(src|include|kernels|tools|docs)/(?!images)|[A-Z]+\.md$", name) or name == "CHANGELOG.md":
+                continue
+            for number, line in enumerate(text_of(name).splitlines(), 1):
+                if re.search(WORDS, line, flags=re.I):
                     found.append(f"{name}:{number}: {line.strip()}")
         self.assertEqual(found, [])
 
@@ -315,7 +331,7 @@ class Statements(unittest.TestCase):
     def test_stages_of_fracture(self):
         """The comment on fracture() names every function that the table of stages has between reading and writing."""
         table = list(rows(self.section("docs/architecture.md", "The stages")))
-        stages = [r for r in table if r["stage"] in ("voxelize", "parts", "seed", "grow", "erode", "extract")]
+        stages = [r for r in table if r["stage"] in ("voxelize", "components", "seed", "grow", "erode", "extract")]
         self.assertEqual(len(stages), 6)
         header = text_of("include/sherd/fracture.h")
         comment = re.search(r"((?:^///.*\n)+)\[\[nodiscard\]\] FractureResult fracture\(const TriangleMesh", header, flags=re.M).group(1)
@@ -330,23 +346,23 @@ class Statements(unittest.TestCase):
             return re.search(re.escape(what) + r" = (\d+)", text_of(name)).group(1)
 
         bits = code("src/voxelize/winding.cpp", "kBits")
-        specks, highest = code("include/sherd/solid.h", "kSpeckVoxels"), code("include/sherd/seeds.h", "kMaxFragments")
+        small, highest = code("include/sherd/solid.h", "kSmallComponentVoxels"), code("include/sherd/seeds.h", "kMaxFragments")
         least, most = code("include/sherd/solid.h", "kLeastAutoResolution"), code("include/sherd/solid.h", "kMostAutoResolution")
         for page, statement in (
                 ("docs/architecture.md", f"at most 2^{bits} steps"),
                 ("docs/architecture.md", f"a 2^{int(bits) - 8}nd at 128 voxels"),
-                ("docs/architecture.md", f"Parts under {specks} voxels"),
+                ("docs/architecture.md", f"Components under {small} voxels"),
                 ("docs/formats.md", f"| k + 1 | fragment k, 1 <= k <= {highest} |"),
                 ("docs/cli.md", f"the least multiple of eight from {least} to {most}"),
-                ("docs/architecture.md", f"labels carried {code('include/sherd/labels.h', 'int outerSteps')} steps")):
+                ("docs/architecture.md", f"labels extended by {code('include/sherd/labels.h', 'int outerSteps')} steps")):
             self.assertTrue(statement in text_of(page), f"{page} does not say: {statement}")
 
     def test_what_label_1_and_withheld_mean(self):
-        """options_test.py sees that 1 in labels.rle is what was worn or withheld, and that the manifest counts it so."""
+        """options_test.py sees that 1 in labels.rle is what was eroded or withheld, and that the manifest counts it so."""
         labels = {row["label"]: row["meaning"] for row in rows(self.section("docs/formats.md", "labels.rle")) if "label" in row}
         fields = {row["field"]: row[""] for row in rows(self.section("docs/formats.md", "manifest.json")) if "field" in row}
-        for text in labels["1"], fields["`grid.worn_voxels`"]:
-            self.assertRegex(text, "worn off.*withheld")
+        for text in labels["1"], fields["`grid.eroded_voxels`"]:
+            self.assertRegex(text, "eroded.*withheld")
         self.assertIn("without files", fields["`withheld`"])
 
     def test_fields_of_the_manifest(self):
@@ -373,7 +389,7 @@ class Statements(unittest.TestCase):
         """What the documents say of the program's license is what the build does, and what the program prints."""
         switches = dict(re.findall(r'option\((SHERD_CGAL|SHERD_GPL) ".*?" (ON|OFF)\)', text_of("CMakeLists.txt")))
         self.assertEqual(switches, {"SHERD_CGAL": "ON", "SHERD_GPL": "OFF"})
-        readme, decision = self.section("README.md", "License"), text_of("docs/decisions/0005-licences.md")
+        readme, decision = self.section("README.md", "License"), text_of("docs/decisions/0005-licenses.md")
         for text in readme, decision:
             self.assertIn("SHERD_GPL", text)
             self.assertRegex(text, "GPL-3.0-or-later|GPL, version 3 or later")
@@ -400,7 +416,7 @@ def write_two_objects(path):
 
 class Readme(CommandLine):
     def prepare(self, folder):
-        """The files that README.md's commands name, small ones."""
+        """The files that the tour's commands name, small ones."""
         (folder / "data").mkdir()
         write_obj(folder / "data" / "ball.obj", sphere())
         shutil.copy(os.path.join(os.environ["SHERD_DATA"], "amphora.ply"), folder / "data")
@@ -419,7 +435,7 @@ class Readme(CommandLine):
         write_obj(folder / "vessels" / "ball.obj", sphere(8, 16))
 
     def commands(self):
-        tour = sections(text_of("README.md"))["A short tour"].split("```")[1]
+        tour = sections(text_of("docs/tour.md"))["Commands"].split("```")[1]
         return [re.sub(r"\s+#.*", "", line) for line in tour.splitlines() if line.startswith("sherd ")]
 
     def test_every_command_of_the_tour_runs(self):
@@ -441,8 +457,8 @@ class Readme(CommandLine):
             self.assertTrue(os.access(ROOT / script, os.X_OK), script)
 
     def test_the_cpp_example_is_compiled(self):
-        """tests/install/main.cpp, which a stranger's project compiles and runs, has every statement of README.md's example."""
-        example = text_of("README.md").split("```cpp")[1].split("```")[0]
+        """tests/install/main.cpp, which a stranger's project compiles and runs, has every statement of docs/tour.md's example."""
+        example = text_of("docs/tour.md").split("```cpp")[1].split("```")[0]
 
         def plain(text):
             text = re.sub(r'"[^"]*"|\bargv\[\d\]|\b\d+\b', "_", re.sub(r"//.*", "", text))
@@ -457,7 +473,7 @@ class Readme(CommandLine):
         self.prepare(folder)
         result = self.run_sherd("fracture", "data/amphora.ply", "-o", "pieces", "--pieces", "8", "--seed", "1", "--resolution", "48", cwd=folder)
         self.assertEqual(result.returncode, 0, result.stderr)
-        for name in re.findall(r"^(pieces/\S+)", text_of("README.md"), flags=re.M):
+        for name in re.findall(r"^(pieces/\S+)", text_of("docs/tour.md"), flags=re.M):
             self.assertTrue((folder / name).exists(), name)
 
 
