@@ -34,7 +34,7 @@ std::unique_ptr<PlannedGrowth> GrowthAhead::next() {
 }
 
 // Fractures of a batch share kernel launches and uploads.  On a CPU the gain is small, and a
-// component that has to grow again delays the whole batch.
+// fracture whose cut-off components regrow delays the whole batch.
 std::size_t GrowthAhead::batchSize() const {
   if (options_.draw) return 1;  // growth options may differ
   const std::size_t maxBatch = run_.device.info().gpu ? 16 : 2;
