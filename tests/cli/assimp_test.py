@@ -13,6 +13,9 @@ import unittest
 
 import skipping
 
+# A shell starts jobs in the background with SIGINT ignored, and the program would inherit that.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
 SHERD = os.environ["SHERD_BIN"]
 
 

@@ -24,6 +24,9 @@ import numpy as np
 import manifests
 import skipping
 
+# A shell starts jobs in the background with SIGINT ignored, and the program would inherit that.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
 SHERD = os.environ["SHERD_BIN"]
 SCHEMA = "sherd-report/1"
 
