@@ -194,7 +194,7 @@ void addHostOptions(CLI::App& command, WriteOptions& write, const std::string& c
       ->group(group);
   command
       .add_flag("--half", write.vdbOptions.half,
-                "16-bit values in .vdb files: a third smaller, error 0.001 voxel")
+                "16-bit values in .vdb files: a third smaller, error up to 0.002 voxel")
       ->group(group);
   addChoice(command, compress, write.vdbOptions.compression, names::kVdbCompression,
             "Compression of .vdb files")

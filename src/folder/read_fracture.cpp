@@ -69,7 +69,9 @@ FinishedFracture readFracture(const fs::path& file) {
   }
   FloatGridPtr whole;
   for (const ManifestFragment& fragment : manifest.fragments) {
-    if (fragment.vdb.empty()) inputError(file, "the fracture was written without .vdb files");
+    if (fragment.vdb.empty()) {
+      inputError(file, "the fracture was written without a .vdb file of each fragment");
+    }
     FloatGridPtr level = readLevelSet(listedFile(file, fragment.vdb));
     if (whole) {
       unite(*whole, *level);
