@@ -26,9 +26,6 @@ import skipping
 from cli_test import SHERD, sphere, tree, write_obj
 from manifests import check_run
 
-# A shell starts jobs in the background with SIGINT ignored, and the program would inherit that.
-signal.signal(signal.SIGINT, signal.default_int_handler)
-
 MODULE = os.environ["SHERD_FAULTS"]
 EACH = os.environ.get("SHERD_FAULTS_EACH", "8")
 FILES = ("write", "open", "close", "rename", "mkdir")

@@ -22,9 +22,6 @@ import skipping
 from cli_test import SHERD, sphere, tree, write_obj
 from manifests import check_run
 
-# A shell starts jobs in the background with SIGINT ignored, and the program would inherit that.
-signal.signal(signal.SIGINT, signal.default_int_handler)
-
 MODULE = os.environ["SHERD_FAULTS"]
 ALL = os.environ.get("SHERD_KILLS", "") == "all"
 EARLIER = ("--pieces", "3", "--points", "20", "--write", "labels,mesh,seeds")

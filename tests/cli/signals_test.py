@@ -22,9 +22,6 @@ import numpy as np
 import skipping
 from cli_test import SHERD, CommandLine, joined, sphere, tree, write_obj
 
-# A shell starts jobs in the background with SIGINT ignored, and the program would inherit that.
-signal.signal(signal.SIGINT, signal.default_int_handler)
-
 SIGNALS = int(os.environ.get("SHERD_SIGNALS", "40"))
 MOST_CPU = 1.0  # seconds per thread
 HANGS = 10.0  # seconds
