@@ -236,17 +236,3 @@ kernel void component_kept(
     if (removed) atomic_add(&disconnected[item / leafCount], removed);
   }
 }
-
-// Copies the local nodes of the listed items into consecutive blocks.
-kernel void component_gather(
-    const global ushort* restrict localNode,  // [items*512]
-    const global uint* restrict item,         // [count]
-    const uint count,
-    global ushort* restrict gathered)         // [count*512]  out
-{
-  for (size_t i = get_global_id(0); i < count; i += get_global_size(0)) {
-    for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
-      gathered[i * SHERD_LEAF_SIZE + v] = localNode[(size_t)item[i] * SHERD_LEAF_SIZE + v];
-    }
-  }
-}

@@ -48,6 +48,7 @@ class GrowthState {
     launch(kernel, work);
   }
   void launch(cl::Kernel& kernel, std::size_t work) { device.launch(kernel, work, group_); }
+  int workGroupSize() const { return static_cast<int>(group_); }
 
  private:
   std::size_t group_;

@@ -117,6 +117,42 @@ void runByWeight(GrowthState& state, Levels& levels, const Steps& steps, const P
   levels.grow(steps, false, steps.leastWeight, sherd_metric{}, none, progress);
 }
 
+// Returns the leaves with an inside voxel outside `kept` in any fracture, and the leaves around
+// them: no other voxel makes or takes an offer.
+std::vector<cl_uint> leavesToRegrow(const LeafBlocks& blocks, std::span<const cl_ulong> kept) {
+  std::vector<bool> regrows(blocks.count()), reached(blocks.count());
+  for (std::size_t word = 0; word < kept.size(); ++word) {
+    const std::size_t leafWord = word % blocks.inside.size();
+    if (blocks.inside[leafWord] & ~kept[word]) regrows[leafWord / SHERD_LEAF_WORDS] = true;
+  }
+  for (std::size_t leaf = 0; leaf < blocks.count(); ++leaf) {
+    if (!regrows[leaf]) continue;
+    for (int k = 0; k < 27; ++k) {
+      const openvdb::Coord offset(8 * (k / 9 - 1), 8 * (k / 3 % 3 - 1), 8 * (k % 3 - 1));
+      const std::uint32_t around = findLeaf(blocks, blocks.origins[leaf] + offset);
+      if (around != LeafBlocks::kNone) reached[around] = true;
+    }
+  }
+  std::vector<cl_uint> leaves;
+  for (std::size_t leaf = 0; leaf < blocks.count(); ++leaf) {
+    if (reached[leaf]) leaves.push_back(static_cast<cl_uint>(leaf));
+  }
+  return leaves;
+}
+
+// Returns the inside of some leaves.
+LeafBlocks insideOf(const LeafBlocks& blocks, std::span<const cl_uint> leaves) {
+  LeafBlocks some;
+  for (const std::size_t leaf : leaves) {
+    const auto word = blocks.inside.begin() + static_cast<std::ptrdiff_t>(leaf * SHERD_LEAF_WORDS);
+    some.origins.push_back(blocks.origins[leaf]);
+    some.inside.insert(some.inside.end(), word, word + SHERD_LEAF_WORDS);
+  }
+  some.exteriorBand.resize(some.inside.size());
+  some.neighbors = leafNeighborTable(some.origins);
+  return some;
+}
+
 }  // namespace
 
 Grown growByWeight(GrowthState& state, const SeedTable& seeds, const Steps& steps,
@@ -151,10 +187,29 @@ Grown growChain(GrowthState& state, const SeedTable& seeds, const sherd_metric& 
 
 void regrowByWeight(GrowthState& state, const DeviceBuffer& labels, const DeviceBuffer& kept,
                     const Steps& steps, const Progress* progress) {
-  Levels levels(state);
-  levels.load(labels, kept);
-  runByWeight(state, levels, steps, progress);
-  levels.save(labels, kept);
+  const auto keptWords = downloaded<cl_ulong>(state.device, kept, state.words());
+  const std::vector<cl_uint> leaves = leavesToRegrow(state.blocks, keptWords);
+  const LeafBlocks blocks = insideOf(state.blocks, leaves);
+  std::vector<cl_uint> itemOf;  // [items of `part`]
+  std::vector<cl_ulong> partKept;
+  for (cl_uint fracture = 0; fracture < state.fractures; ++fracture) {
+    for (const cl_uint leaf : leaves) {
+      itemOf.push_back(fracture * state.leafCount + leaf);
+      const auto word = keptWords.begin() + std::ptrdiff_t{itemOf.back()} * SHERD_LEAF_WORDS;
+      partKept.insert(partKept.end(), word, word + SHERD_LEAF_WORDS);
+    }
+  }
+
+  GrowthState part(blocks, state.fractures, state.device, state.workGroupSize());
+  const DeviceBuffer items = uploadBuffer<cl_uint>(state.device, itemOf);
+  const DeviceBuffer partLabels = makeBuffer<cl_ushort>(state.device, part.voxels());
+  const DeviceBuffer keptOfPart = uploadBuffer<cl_ulong>(state.device, partKept);
+  part.run("gather_voxels", part.items, labels, items, part.items, partLabels);
+  Levels levels(part);
+  levels.load(partLabels, keptOfPart);
+  runByWeight(part, levels, steps, progress);
+  levels.save(partLabels, keptOfPart);
+  part.run("scatter_voxels", part.items, partLabels, items, part.items, labels);
 }
 
 }  // namespace sherd

@@ -20,7 +20,8 @@ struct Grown {
 [[nodiscard]] Grown growChain(GrowthState& state, const SeedTable& seeds,
                               const sherd_metric& metric, const Progress* progress);
 
-/// Regrow the inside voxels outside `kept` from the kept `labels`, in place.
+/// Regrow the inside voxels outside `kept` from the kept `labels`, in place.  Memory is allocated
+/// for the leaves around those voxels only.
 void regrowByWeight(GrowthState& state, const DeviceBuffer& labels, const DeviceBuffer& kept,
                     const Steps& steps, const Progress* progress);
 

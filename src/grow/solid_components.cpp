@@ -49,7 +49,7 @@ void readLocalNodes(GrowthState& state, const NodeComponents& found, VoxelCompon
   }
   const std::size_t voxels = leaves.size() * SHERD_LEAF_SIZE;
   const DeviceBuffer gathered = makeBuffer<cl_ushort>(state.device, voxels);
-  state.run("component_gather", leaves.size(), found.localNode,
+  state.run("gather_voxels", leaves.size(), found.localNode,
             uploadBuffer<cl_uint>(state.device, leaves), static_cast<cl_uint>(leaves.size()),
             gathered);
   components.localNode = downloaded<std::uint16_t>(state.device, gathered, voxels);

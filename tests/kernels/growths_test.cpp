@@ -115,6 +115,29 @@ TEST_F(Growths, EuclidEqualsItsStagesOneByOne) {
   }
 }
 
+// A bar, and a blade beside it whose far end is nearest to a seed of the bar: only leaves around
+// the blade may take the eight bytes a voxel of a regrowth.
+TEST_F(Growths, RegrowthNeedsMemoryOnlyWhereVoxelsAreDisconnected) {
+  VoxelSolid solid{"bar and blade", {}, {}};
+  for (int x = 0; x < 160; ++x) {
+    for (int y = 0; y < 8; ++y) {
+      for (int z = 0; z < 8; ++z) solid.inside.insert({x, y, z});
+    }
+  }
+  for (int x = 0; x < 16; ++x) solid.inside.insert({x, 9, 4});
+  solid.inside.insert({0, 8, 4});
+  const LeafBlocks blocks = voxel_shapes::blocksOf(solid);
+  const std::vector<std::vector<Seed>> sets{{{{0, 0, 0}, 1}, {{12, 4, 4}, 2}}};
+  const Labels expected = std::move(grow(blocks, sets, device()).front());
+  EXPECT_EQ(expected.disconnected.front(), 12u);  // of the blade, x² + 97 > (x - 12)² + 25
+
+  Device small(device().info().name);
+  small.impl().info.largestBufferBytes = blocks.count() * 512 * sizeof(cl_ushort);
+  const Labels grown = std::move(grow(blocks, sets, small).front());
+  EXPECT_EQ(grown.fragment, expected.fragment);
+  EXPECT_EQ(grown.disconnected, expected.disconnected);
+}
+
 // Chain growth by passes over all offers, in the order of levels.cl.
 LabelMap referenceChain(const VoxelSolid& solid, const std::vector<Seed>& seeds, Metric metric) {
   struct Owner {
