@@ -42,6 +42,20 @@
   global uint *restrict taken,              /* [items]        items that took a voxel */              \
   volatile global uint *control             /* [11] */
 
+// The members of LEVELS_STATE that functions take.
+struct levels {
+  const global ulong* inside;
+  const global uint* neighbors27;
+  uint items;
+  const global ulong* owned;
+  global ulong* offered;
+  global uint* source;
+  global uint* cost;
+  global ulong* claim;
+  const global uint* claimed;
+};
+#define LEVELS_MEMBERS inside, neighbors27, items, owned, offered, source, cost, claim, claimed
+
 inline void enqueue(volatile global uint* queued, global uint* list, volatile global uint* control, const uint items,
                     const uint item, const uint pass) {
   if (atomic_xchg(&queued[item], pass) == pass) return;
@@ -85,18 +99,10 @@ kernel void levels_keep(LEVELS_STATE, const global ulong* restrict kept)  // [it
   }
 }
 
-// Gives owned voxels cost 0 and their label as source.  Writes only items beside open voxels: no other item makes an
-// offer, and its memory is not touched.
+// Gives owned voxels cost 0 and their label as source.
 kernel void levels_load(LEVELS_STATE, const global ushort* restrict label)  // [items*512]
 {
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
-    const uint leaf = (uint)(item % leafCount);
-    int near = 0;
-    for (int k = 0; k < 27 && !near; ++k) {
-      const uint other = neighbors27[(size_t)leaf * 27 + k];
-      near = other != SHERD_NO_LEAF && is_open(inside, owned, other, item - leaf + other);
-    }
-    if (!near) continue;
     for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
       for (ulong bits = owned[item * SHERD_LEAF_WORDS + x]; bits; bits &= bits - 1) {
         const size_t v = item * SHERD_LEAF_SIZE + (x << 6) + lowest_bit(bits);
@@ -201,6 +207,143 @@ inline uint bucket_above(const uint distance, const int kind, const uint stride)
   return (uint)(n * n / ((ulong)stride * stride));
 }
 
+// What an offer costs; the members are the arguments of levels_take.
+struct growth_rule {
+  const global int4* step;
+  const global int* within;
+  uint steps;
+  uint chain;
+  uint stride;
+  struct sherd_metric metric;
+  const global int4* seed;
+  const global int4* origin;
+};
+
+// An item and the voxels around it.
+struct surroundings {
+  uint item, leaf;
+  uint neighbor[27];                    // leaves
+  ushort fresh[HALO_SIDE * HALO_SIDE];  // voxels that the last pass took
+  ushort solid[HALO_SIDE * HALO_SIDE];  // inside voxels; set for long steps only
+};
+
+// Returns the threshold of a pass, from that of the last pass and what it took.
+inline uint threshold_of(volatile global uint* control, const uint pass, const struct growth_rule* rule) {
+  const uint last = (pass + 2) % 3;
+  const uint before = control[CONTROL_THRESHOLD + ((pass + 1) & 1)];
+  if (control[CONTROL_TAKEN + last]) return rule->chain ? before : before + rule->stride;
+  const uint least = control[CONTROL_WAITING + last];
+  if (least == 0xffffffffu) return before;  // no offer waits: the first pass
+  return rule->chain ? bucket_above(least, rule->metric.kind, rule->stride) : least + rule->stride - 1;
+}
+
+// Finds the voxels around an item that the last pass took; returns whether there are any.
+inline int find_fresh(const struct levels* state, const uint pass, const uint steps, struct surroundings* around) {
+  const size_t lastItems = (size_t)((pass + 1) & 1) * state->items + around->item - around->leaf;
+  int any = 0;
+  for (int k = 0; k < 27; ++k) {
+    const uint leaf = state->neighbors27[(size_t)around->leaf * 27 + k];
+    around->neighbor[k] = leaf;
+    if (leaf == SHERD_NO_LEAF || !leads_to(k, steps)) continue;
+    if (state->claimed[lastItems + leaf] != pass - 1) continue;
+    if (!any) clear_halo(around->fresh);
+    any = 1;
+    add_to_halo(state->claim + (lastItems + leaf) * SHERD_LEAF_WORDS, k, around->fresh);
+  }
+  if (!any || steps <= 26) return any;
+  clear_halo(around->solid);
+  for (int k = 0; k < 27; ++k) {
+    const uint leaf = around->neighbor[k];
+    if (leaf != SHERD_NO_LEAF) add_to_halo(state->inside + (size_t)leaf * SHERD_LEAF_WORDS, k, around->solid);
+  }
+  return any;
+}
+
+// Returns the voxels of the row at x, y that step k reaches from voxels taken in the last pass, of those in `open`.
+inline uint reached_by(const struct growth_rule* rule, const uint k, const struct surroundings* around, const int x,
+                       const int y, const uint open) {
+  const int4 s = rule->step[k];
+  uint reached = open & halo_row(around->fresh, x - s.x, y - s.y, -s.z);
+  if (!reached || k < 26) return reached;
+  for (int j = 0; j < 2; ++j) {  // a long step: the voxels it crosses must be inside
+    const int packed = rule->within[2 * k + j];
+    const int px = ((packed >> 8) & 15) - 4, py = ((packed >> 4) & 15) - 4, pz = (packed & 15) - 4;
+    reached &= halo_row(around->solid, x - s.x + px, y - s.y + py, pz - s.z);
+  }
+  return reached;
+}
+
+// Offers over a step to the voxel `at`.  The better offer stays.
+inline void offer_over(const struct levels* state, const struct growth_rule* rule, const struct surroundings* around,
+                       const int4 step, const int4 at, ulong* offered, uint* least) {
+  const int4 from = at - step;
+  const uint leaf = around->neighbor[((from.x >> 3) + 1) * 9 + ((from.y >> 3) + 1) * 3 + (from.z >> 3) + 1];
+  const size_t there = (size_t)(around->item - around->leaf + leaf) * SHERD_LEAF_SIZE +
+                       (((from.x & 7) << 6) | ((from.y & 7) << 3) | (from.z & 7));
+  uint cost = state->cost[there];
+  const uint source = state->source[there];
+  if (rule->chain) {
+    const int4 p = rule->origin[around->leaf] + at - rule->seed[source];
+    cost = max(cost, (uint)(sherd_distance(&rule->metric, p.x, p.y, p.z) >> rule->metric.shift));
+  } else {
+    cost += (uint)step.w;
+  }
+  const ulong bit = 1ul << (8 * at.y + at.z);
+  const size_t here = (size_t)around->item * SHERD_LEAF_SIZE + (at.x << 6) + 8 * at.y + at.z;
+  if (!(*offered & bit) || cost < state->cost[here] || (cost == state->cost[here] && source < state->source[here])) {
+    *offered |= bit;
+    state->cost[here] = cost;
+    state->source[here] = source;
+    *least = min(*least, cost);
+  }
+}
+
+// Makes the offers of the voxels that the last pass took to an item's open voxels.
+inline void make_offers(const struct levels* state, const struct growth_rule* rule, const struct surroundings* around,
+                        uint* least) {
+  for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
+    const size_t word = (size_t)around->item * SHERD_LEAF_WORDS + x;
+    const ulong openSlab = state->inside[(size_t)around->leaf * SHERD_LEAF_WORDS + x] & ~state->owned[word];
+    ulong offered = state->offered[word];
+    for (uint rows = openSlab ? rows_near(around->fresh, x) : 0; rows; rows &= rows - 1) {
+      const int y = lowest_bit(rows);
+      const uint open = (uint)(openSlab >> (8 * y)) & 0xff;
+      for (uint k = 0; open && k < rule->steps; ++k) {
+        for (uint reached = reached_by(rule, k, around, x, y, open); reached; reached &= reached - 1) {
+          offer_over(state, rule, around, rule->step[k], (int4)(x, y, lowest_bit(reached), 0), &offered, least);
+        }
+      }
+    }
+    state->offered[word] = offered;
+  }
+}
+
+// Takes an item's offers within the threshold; returns whether there were any.  `least`: of the offers that still wait.
+inline int take_offers(const struct levels* state, const uint pass, const uint item, const uint threshold,
+                       uint* least) {
+  ulong took = 0;
+  *least = 0xffffffffu;
+  for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
+    const size_t word = (size_t)item * SHERD_LEAF_WORDS + x;
+    const ulong offered = state->offered[word];
+    ulong taking = 0;
+    for (ulong bits = offered; bits; bits &= bits - 1) {
+      const int bit = lowest_bit(bits);
+      const uint cost = state->cost[(size_t)item * SHERD_LEAF_SIZE + (x << 6) + bit];
+      if (cost <= threshold) {
+        taking |= 1ul << bit;
+      } else {
+        *least = min(*least, cost);
+      }
+    }
+    state->claim[(size_t)(pass & 1) * state->items * SHERD_LEAF_WORDS + word] = taking;
+    state->offered[word] = offered & ~taking;
+    took |= taking;
+  }
+  return took != 0;
+}
+
+// Takes the offers within the pass's threshold, of the listed items.
 kernel void levels_take(
     LEVELS_STATE,
     const uint pass,                         // 1, 2, ...
@@ -213,16 +356,10 @@ kernel void levels_take(
     const global int4* restrict seed,        // [seeds]     voxel
     const global int4* restrict origin)      // [leafCount]
 {
-  const uint now = pass % 3, last = (pass + 2) % 3;
-  const uint before = control[CONTROL_THRESHOLD + ((pass + 1) & 1)];
-  uint threshold;
-  if (control[CONTROL_TAKEN + last]) {
-    threshold = chain ? before : before + stride;
-  } else {
-    const uint least = control[CONTROL_WAITING + last];
-    threshold = chain ? bucket_above(least, metric.kind, stride) : least + stride - 1;
-    if (least == 0xffffffffu) threshold = before;  // no offer waits: the first pass
-  }
+  const struct levels state = {LEVELS_MEMBERS};
+  const struct growth_rule rule = {step, within, steps, chain, stride, metric, seed, origin};
+  const uint now = pass % 3;
+  const uint threshold = threshold_of(control, pass, &rule);
   if (get_global_id(0) == 0) {
     control[CONTROL_THRESHOLD + (pass & 1)] = threshold;
     control[CONTROL_LIST + (pass + 2) % 3] = 0;
@@ -232,105 +369,16 @@ kernel void levels_take(
   const uint entries = control[CONTROL_LIST + now];
   for (size_t i = get_global_id(0); i < entries; i += get_global_size(0)) {
     const uint item = list[(size_t)(pass & 1) * items + i];
-    const uint leaf = item % leafCount;
-    const uint base = item - leaf;
-    if (!atomic_xchg(&dirty[item], 0u) && wake[item] > threshold) {
-      atomic_min(&control[CONTROL_WAITING + now], wake[item]);
-      enqueue(queued, list, control, items, item, pass + 1);
-      continue;
-    }
-    const global ulong* solid = inside + (size_t)leaf * SHERD_LEAF_WORDS;
-    const global ulong* own = owned + (size_t)item * SHERD_LEAF_WORDS;
-    global ulong* waiting = offered + (size_t)item * SHERD_LEAF_WORDS;
     uint least = wake[item];
-
-    // Compute the offers of the voxels that the last pass took.
-    uint around[27];
-    ushort fresh[HALO_SIDE * HALO_SIDE], inSolid[HALO_SIDE * HALO_SIDE];
-    const size_t lastItems = (size_t)((pass + 1) & 1) * items;
-    int anyFresh = 0;
-    for (int k = 0; k < 27; ++k) {
-      around[k] = neighbors27[(size_t)leaf * 27 + k];
-      if (around[k] == SHERD_NO_LEAF || !leads_to(k, steps)) continue;
-      const size_t other = lastItems + base + around[k];
-      if (claimed[other] != pass - 1) continue;
-      if (!anyFresh) clear_halo(fresh);
-      anyFresh = 1;
-      add_to_halo(claim + other * SHERD_LEAF_WORDS, k, fresh);
+    int took = 0;
+    if (atomic_xchg(&dirty[item], 0u) || least <= threshold) {
+      struct surroundings around;
+      around.item = item;
+      around.leaf = item % leafCount;
+      if (find_fresh(&state, pass, steps, &around)) make_offers(&state, &rule, &around, &least);
+      if (least <= threshold) took = take_offers(&state, pass, item, threshold, &least);
+      wake[item] = least;
     }
-    if (anyFresh && steps > 26) {
-      clear_halo(inSolid);
-      for (int k = 0; k < 27; ++k) {
-        if (around[k] != SHERD_NO_LEAF) add_to_halo(inside + (size_t)around[k] * SHERD_LEAF_WORDS, k, inSolid);
-      }
-    }
-    for (int x = 0; anyFresh && x < SHERD_LEAF_WORDS; ++x) {
-      const ulong openSlab = solid[x] & ~own[x];
-      ulong offeredSlab = waiting[x];
-      for (uint rows = openSlab ? rows_near(fresh, x) : 0; rows; rows &= rows - 1) {
-        const int y = lowest_bit(rows);
-        const uint open = (uint)(openSlab >> (8 * y)) & 0xff;
-        if (!open) continue;
-        for (uint k = 0; k < steps; ++k) {
-          const int4 s = step[k];
-          uint reached = open & halo_row(fresh, x - s.x, y - s.y, -s.z);
-          if (!reached) continue;
-          if (k >= 26) {  // a long step: the voxels it crosses must be inside
-            for (int j = 0; j < 2; ++j) {
-              const int packed = within[2 * k + j];
-              const int px = ((packed >> 8) & 15) - 4, py = ((packed >> 4) & 15) - 4, pz = (packed & 15) - 4;
-              reached &= halo_row(inSolid, x - s.x + px, y - s.y + py, pz - s.z);
-            }
-          }
-          for (; reached; reached &= reached - 1) {
-            const int z = lowest_bit(reached);
-            const int4 from = (int4)(x, y, z, 0) - s;
-            const uint other = around[((from.x >> 3) + 1) * 9 + ((from.y >> 3) + 1) * 3 + (from.z >> 3) + 1];
-            const size_t there = (size_t)(base + other) * SHERD_LEAF_SIZE +
-                                 (((from.x & 7) << 6) | ((from.y & 7) << 3) | (from.z & 7));
-            uint offer = cost[there];
-            const uint offers = source[there];
-            if (chain) {
-              const int4 p = origin[leaf] + (int4)(x, y, z, 0) - seed[offers];
-              offer = max(offer, (uint)(sherd_distance(&metric, p.x, p.y, p.z) >> metric.shift));
-            } else {
-              offer += (uint)s.w;
-            }
-            const ulong bit = 1ul << (8 * y + z);
-            const size_t here = (size_t)item * SHERD_LEAF_SIZE + (x << 6) + 8 * y + z;
-            if (!(offeredSlab & bit) || offer < cost[here] || (offer == cost[here] && offers < source[here])) {
-              offeredSlab |= bit;
-              cost[here] = offer;
-              source[here] = offers;
-              least = min(least, offer);
-            }
-          }
-        }
-      }
-      waiting[x] = offeredSlab;
-    }
-
-    // Take the offers within the threshold; `least` becomes the least of the remaining ones.
-    ulong took = 0;
-    if (least <= threshold) {
-      least = 0xffffffffu;
-      for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
-        ulong taking = 0;
-        for (ulong bits = waiting[x]; bits; bits &= bits - 1) {
-          const int bit = lowest_bit(bits);
-          const uint offer = cost[(size_t)item * SHERD_LEAF_SIZE + (x << 6) + bit];
-          if (offer <= threshold) {
-            taking |= 1ul << bit;
-          } else {
-            least = min(least, offer);
-          }
-        }
-        claim[((size_t)(pass & 1) * items + item) * SHERD_LEAF_WORDS + x] = taking;
-        waiting[x] &= ~taking;
-        took |= taking;
-      }
-    }
-    wake[item] = least;
     if (least != 0xffffffffu) {
       atomic_min(&control[CONTROL_WAITING + now], least);
       enqueue(queued, list, control, items, item, pass + 1);
