@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/cancel_flag.h"
+#include "mesh/joined.h"
 #include "mesh/repair.h"
 #include "voxelize/bridges.h"
 #include "voxelize/distance.h"
@@ -44,7 +45,8 @@ MeshInGrid inGrid(const TriangleMesh& source, double voxelSize,
   throwIfCancelled(progress);
   out.clean = searched(std::move(clean.mesh));
   throwIfCancelled(progress);
-  const double volumeVoxels = volume(out.clean.mesh) + volume(out.clean.caps);
+  // As one mesh: the volume of an open part depends on the point that it is taken about.
+  const double volumeVoxels = volume(joined(out.clean.mesh, out.clean.caps));
   out.report.meshVolume = volumeVoxels * std::pow(voxelSize, 3);
   out.report.walls = wallThickness(out.clean, longestSide(bounds(out.mesh)), volumeVoxels);
   return out;

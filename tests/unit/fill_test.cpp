@@ -310,6 +310,16 @@ TEST(Fill, AHoleIsClosedNearlyFlat) {
   EXPECT_LT(volumeOf(solid), whole);
 }
 
+TEST(Fill, TheVolumeOfAnOpenMeshIsThatOfTheClosedOne) {
+  TriangleMesh box = shapes::cube(1.0, {4.0, -7.0, 2.0});
+  const double top = bounds(box).max.z;
+  std::erase_if(box.triangles, [&](const glm::uvec3& t) {
+    return box.vertices[t.x].z == top && box.vertices[t.y].z == top && box.vertices[t.z].z == top;
+  });
+  ASSERT_EQ(box.triangles.size(), 10u);
+  EXPECT_NEAR(voxelize(box, {.resolution = 16}).report.meshVolume, 1.0, 1e-9);
+}
+
 TEST(Fill, OneMissingTriangleChangesNothing) {
   TriangleMesh open = shapes::ball(1.0, 4);
   const TriangleMesh ball = open;
