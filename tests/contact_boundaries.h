@@ -21,11 +21,11 @@ class Boundary {
 
   Boundary(const Fragment& fragment, double voxelSize, Of of = Of::cracks) : voxelSize_(voxelSize) {
     std::map<std::pair<unsigned, unsigned>, std::set<int>> kinds;  // of the faces at an edge
-    for (std::size_t t = 0; t < fragment.neighbor.size(); ++t) {
+    for (std::size_t t = 0; t < fragment.mesh.neighbor.size(); ++t) {
       const glm::uvec3& corner = fragment.mesh.triangles[t];
       for (int k = 0; k < 3; ++k) {
         kinds[std::minmax(corner[k], corner[(k + 1) % 3])].insert(
-            of == Of::cracks ? fragment.neighbor[t] != 0 : fragment.neighbor[t]);
+            of == Of::cracks ? fragment.mesh.neighbor[t] != 0 : fragment.mesh.neighbor[t]);
       }
     }
     for (const auto& [edge, kind] : kinds) {

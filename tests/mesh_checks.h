@@ -54,8 +54,8 @@ inline void expectClosedManifold(const TriangleMesh& mesh) {
 }
 
 /// Area by facing.
-inline std::map<std::uint16_t, double> areas(const TriangleMesh& mesh,
-                                             const std::vector<std::uint16_t>& neighbor) {
+inline std::map<std::uint16_t, double> areas(const TriangleMesh& mesh) {
+  const std::vector<std::uint16_t>& neighbor = mesh.neighbor;
   std::map<std::uint16_t, double> sums;
   for (std::size_t t = 0; t < neighbor.size(); ++t) {
     sums[neighbor[t]] += area({mesh.vertices, {mesh.triangles[t]}});
@@ -64,8 +64,8 @@ inline std::map<std::uint16_t, double> areas(const TriangleMesh& mesh,
 }
 
 /// Connected components of each facing's faces over edges.
-inline std::map<std::uint16_t, std::size_t> regions(const TriangleMesh& mesh,
-                                                    const std::vector<std::uint16_t>& neighbor) {
+inline std::map<std::uint16_t, std::size_t> regions(const TriangleMesh& mesh) {
+  const std::vector<std::uint16_t>& neighbor = mesh.neighbor;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> owner;  // directed edge: triangle
   for (std::size_t t = 0; t < neighbor.size(); ++t) {
     for (int k = 0; k < 3; ++k) {

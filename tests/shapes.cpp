@@ -97,6 +97,11 @@ TriangleMesh torus(double R, double r, int nu, int nv) {
 double torusVolume(double R, double r) { return 2.0 * kPi * kPi * R * r * r; }
 double torusArea(double R, double r) { return 4.0 * kPi * kPi * R * r; }
 
+TriangleMesh withNeighbor(TriangleMesh mesh, std::vector<std::uint16_t> neighbor) {
+  mesh.neighbor = std::move(neighbor);
+  return mesh;
+}
+
 TriangleMesh cup(double outerRadius, double wall, double height, double floor, int segments) {
   assert(wall < outerRadius && floor < height && segments >= 3);
   const double innerRadius = outerRadius - wall;

@@ -26,6 +26,9 @@ namespace sherd::shapes {
 [[nodiscard]] double torusVolume(double R, double r);  ///< 2 pi^2 R r^2
 [[nodiscard]] double torusArea(double R, double r);    ///< 4 pi^2 R r
 
+/// Returns a mesh with neighbors.
+[[nodiscard]] TriangleMesh withNeighbor(TriangleMesh mesh, std::vector<std::uint16_t> neighbor);
+
 /// Cup about the z axis, standing on z = 0, open at the top.  The section on one side of the axis:
 ///
 ///            |  wall

@@ -36,9 +36,8 @@ struct Material {
   int texture = -1;       ///< index into Appearance::textures; -1: none
 };
 
-/// The appearance of a mesh that was read.  It has no influence on the fracture.
+/// The materials and textures of a mesh that was read.  They have no influence on the fracture.
 struct Appearance {
-  SurfaceAttributes surface;
   std::vector<Material> materials;  ///< empty where the file has none
   std::vector<Texture> textures;
 };

@@ -14,8 +14,7 @@ namespace sherd {
 /// A fragment's mesh, assembled: in the coordinates of the whole.
 struct FragmentMesh {
   int id = 0;
-  TriangleMesh mesh;                    ///< world units; at least one triangle, area above 0
-  std::vector<std::uint16_t> neighbor;  ///< [triangles], as Fragment::neighbor; empty: unknown
+  TriangleMesh mesh;  ///< world units; at least one triangle, area above 0; neighbors if known
 };
 
 /// Distances of points, world units.

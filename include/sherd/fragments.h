@@ -31,14 +31,13 @@ struct Fragment {
   VoxelBox voxelBox;          ///< of its inside voxels
   ConstFloatGridPtr surface;  ///< level set, world units, transform and background of the solid;
                               ///< null without SurfaceOptions::levelSets
-  TriangleMesh mesh;          ///< closed, edge-manifold, oriented outwards, world units
-  /// [triangles] id of the fragment on the other side, 0 for the original surface
-  std::vector<std::uint16_t> neighbor;
+  TriangleMesh mesh;  ///< closed, edge-manifold, oriented outwards, world units, with neighbors
   MassProperties mass;
   double area = 0.0;
-  double fractureArea = 0.0;         ///< area of the triangles with neighbor > 0
-  std::vector<Contact> contacts;     ///< ascending by fragment
-  std::vector<CoarseMesh> coarse{};  ///< [SurfaceOptions::triangles] decimated meshes
+  double fractureArea = 0.0;      ///< area of the triangles with neighbor > 0
+  std::vector<Contact> contacts;  ///< ascending by fragment
+  std::vector<TriangleMesh>
+      coarse{};  ///< [SurfaceOptions::triangles] decimated meshes, with neighbors
 };
 
 /// The mesh of the intact solid's surface, from which fragments copy what the cuts do not change.

@@ -67,7 +67,8 @@ struct GrowOptions {
   std::vector<std::uint64_t> noiseSeeds{};  ///< [seed sets] for rough cracks; missing ones are 0
   bool keepCost = false;                    ///< also returns the arrival cost
   bool warmUp = false;  ///< also runs passes that have no work, so that a later growth over the
-                        ///< same leaf blocks allocates no buffers; labels are the same
+                        ///< same leaf blocks allocates buffers only for the leaves around voxels
+                        ///< that are disconnected from their seed; labels are the same
   int outerSteps = 6;   ///< steps by which labels are extended into the exterior band, 0..64
   int stepsPerReadback = 0;  ///< layers between reads of the device's counter; 0: automatic
   int workGroupSize = 0;     ///< work-items per work-group; 0: automatic

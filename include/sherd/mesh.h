@@ -16,15 +16,26 @@
 
 namespace sherd {
 
-/// An indexed triangle mesh in world units, counter-clockwise seen from outside.
+/// An indexed triangle mesh in world units, counter-clockwise seen from outside, with the
+/// attributes of its triangles.  Functions that make new triangles return a mesh without
+/// attributes, unless they say which they keep.
 struct TriangleMesh {
   std::vector<glm::dvec3> vertices;   ///< [n] finite
   std::vector<glm::uvec3> triangles;  ///< [m] indices below n
+  /// [m] id of the fragment on the other side, 0 for the original surface; empty: unknown
+  std::vector<std::uint16_t> neighbor{};
+  SurfaceAttributes attributes{};  ///< arrays of [m], each may be empty
+
+  /// Returns the neighbor of a triangle, 0 where it is unknown.
+  [[nodiscard]] std::uint16_t neighborOf(std::size_t triangle) const {
+    return neighbor.empty() ? std::uint16_t{0} : neighbor[triangle];
+  }
 };
 
 /// A mesh as read from a file, with statistics of the reader.
 struct SourceMesh {
-  TriangleMesh mesh;   ///< equal vertices merged, unused ones dropped, node transforms applied
+  TriangleMesh mesh;   ///< equal vertices merged, unused ones dropped, node transforms applied;
+                       ///< with the file's attributes
   std::string name;    ///< file name without folder
   std::string stem;    ///< file name without folder and extensions, used to name output files
   std::string sha256;  ///< of the file's bytes, 64 hexadecimal digits
@@ -32,7 +43,7 @@ struct SourceMesh {
   std::size_t degenerateTriangles = 0;  ///< triangles with two equal corners, dropped
   std::size_t droppedVertices = 0;      ///< vertices of faces with a coordinate that is not finite
   std::size_t droppedTriangles = 0;     ///< triangles that use such a vertex, dropped
-  Appearance appearance{};              ///< of `mesh`; may be empty
+  Appearance appearance{};              ///< what the attributes of `mesh` refer to
   std::vector<std::string> objects{};   ///< names, possibly empty or equal, of the file's objects,
                                         ///< groups, solids or nodes; none if it has only one
   std::vector<std::uint32_t> objectOfTriangle{};  ///< [m] below objects.size(), or empty
@@ -49,8 +60,9 @@ struct SourceMesh {
 ///
 /// Surface attributes are read too: texture coordinates (the first set; that of the base color in
 /// glTF), vertex and face colors (without alpha), materials with names, base colors and base-color
-/// textures.  Material libraries and textures are read only from the mesh's folder and below it,
-/// after resolving symbolic links; `warnings` lists missing ones.
+/// textures, and the face property `neighbor` of fragments in PLY (`facing` in sherd/1).  Material
+/// libraries and textures are read only from the mesh's folder and below it, after resolving
+/// symbolic links; `warnings` lists missing ones.
 ///   progress  only `cancelled` is called
 ///   throws    Error(input) absent, unreadable, truncated, malformed, unknown format, no triangle,
 ///             no finite vertex, more than 1e37 units long, more memory than `options` allow;

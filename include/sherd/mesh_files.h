@@ -21,13 +21,12 @@ enum class MeshFileFormat {
   binm,     ///< the paper's: positions and faces only
 };
 
-/// Writes a mesh as binary little-endian PLY: vertices float x, y, z; triangles.  Where `neighbor`
-/// is given, faces have `int neighbor`, and vertices have float nx, ny, nz and `int neighbor`:
-/// normals are angle-weighted means over the faces at the vertex; a vertex's neighbor is 0 if these
-/// faces are all on the original surface, else the id above 0 with the largest sum of angles.
-///   neighbor  [triangles] as Fragment::neighbor, or empty
-///   throws    Error(output)
-void writePly(const OutputFile& file, const TriangleMesh& mesh,
-              const std::vector<std::uint16_t>& neighbor = {});
+/// Writes a mesh as binary little-endian PLY: vertices float x, y, z; triangles.  Where its
+/// neighbors are known, faces have `int neighbor`, and vertices have float nx, ny, nz and `int
+/// neighbor`: normals are angle-weighted means over the faces at the vertex; a vertex's neighbor is
+/// 0 if these faces are all on the original surface, else the id above 0 with the largest sum of
+/// angles. Surface attributes are not written.
+///   throws  Error(output)
+void writePly(const OutputFile& file, const TriangleMesh& mesh);
 
 }  // namespace sherd

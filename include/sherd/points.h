@@ -48,7 +48,6 @@ struct SurfacePoints {
 };
 
 /// Samples points on a mesh.  Triangles with area 0 get none.
-///   neighbor  [triangles] as Fragment::neighbor; empty: 0 for every point
 ///   return    exactly options.count points in random order; with halton and PointRule::area in
 ///             sequence order, so that every prefix is evenly distributed
 ///   cost      count * log triangles; poisson about 20 microseconds and 700 bytes per point
@@ -56,9 +55,7 @@ struct SurfacePoints {
 ///   source  López et al., Generating implicit object fragment datasets for machine learning, 2024,
 ///           section 3.4 (perTriangle); Yuksel, Sample Elimination for Generating Poisson Disk
 ///           Sample Sets, 2015 (poisson)
-[[nodiscard]] SurfacePoints samplePoints(const TriangleMesh& mesh,
-                                         std::span<const std::uint16_t> neighbor,
-                                         const PointOptions& options);
+[[nodiscard]] SurfacePoints samplePoints(const TriangleMesh& mesh, const PointOptions& options);
 
 /// Distributes `total` points in proportion to areas by the largest-remainder method, ties to the
 /// first.

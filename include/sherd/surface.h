@@ -100,21 +100,13 @@ void checkSurfaceOptions(const SurfaceOptions& options);
 /// Surface::labels the meshes of the two sides are mirror images and move alike, except within as
 /// many edges of the contact boundary as there are iterations: there, and where more than two
 /// fragments meet, the sides have different neighbors and separate.
-///   neighbor     [triangles] as Fragment::neighbor
+///   mesh         its boundary vertices are those of triangles with a neighbor
 ///   longestSide  voxels, for the number of iterations
 ///   cost         triangles * iterations
 ///   throws       Error(cancelled)
 ///   source       Generating implicit object fragment datasets for machine learning, 3.3 and 4.1
-[[nodiscard]] TriangleMesh smoothed(TriangleMesh mesh, std::span<const std::uint16_t> neighbor,
-                                    const SmoothOptions& options, int longestSide,
-                                    const Progress* progress = nullptr);
-
-/// A decimated mesh.
-struct CoarseMesh {
-  TriangleMesh mesh;                    ///< closed and manifold like its source
-  std::vector<std::uint16_t> neighbor;  ///< [triangles] as Fragment::neighbor
-  std::size_t asked = 0;                ///< triangles requested; `mesh` may have more
-};
+[[nodiscard]] TriangleMesh smoothed(TriangleMesh mesh, const SmoothOptions& options,
+                                    int longestSide, const Progress* progress = nullptr);
 
 /// Decimates a mesh by edge collapses in the order of quadric error, until at most the requested
 /// number of triangles is left.  Collapses keep the topology of the surface and of its regions of
@@ -124,10 +116,9 @@ struct CoarseMesh {
 /// contact surfaces.
 ///   mesh       closed, edge- and vertex-manifold
 ///   triangles  [k] any order; each result continues from the next larger one
-///   return     [k] in the order of `triangles`
+///   return     [k] in the order of `triangles`, closed and manifold like `mesh`, with neighbors
 ///   source     Garland, Heckbert, Surface simplification using quadric error metrics, 1997
-[[nodiscard]] std::vector<CoarseMesh> decimated(const TriangleMesh& mesh,
-                                                std::span<const std::uint16_t> neighbor,
-                                                std::span<const std::size_t> triangles);
+[[nodiscard]] std::vector<TriangleMesh> decimated(const TriangleMesh& mesh,
+                                                  std::span<const std::size_t> triangles);
 
 }  // namespace sherd

@@ -58,7 +58,8 @@ std::uint32_t rootOf(std::vector<std::uint32_t>& parent, std::uint32_t i) {
 
 }  // namespace
 
-Charts charts(const TriangleMesh& mesh, const SurfaceAttributes& attributes) {
+Charts charts(const TriangleMesh& mesh) {
+  const SurfaceAttributes& attributes = mesh.attributes;
   std::vector<Edge> edges;
   edges.reserve(3 * mesh.triangles.size());
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {

@@ -25,6 +25,6 @@ inline constexpr std::uint32_t kNoTriangle = 0xffffffffu;
 /// Finds the charts of a mesh.
 ///   attributes  of its triangles; each array may be empty
 ///   cost        triangles * log(triangles)
-[[nodiscard]] Charts charts(const TriangleMesh& mesh, const SurfaceAttributes& attributes);
+[[nodiscard]] Charts charts(const TriangleMesh& mesh);
 
 }  // namespace sherd

@@ -88,8 +88,7 @@ struct AttributeSource::Nearest {
   }
 };
 
-AttributeSource::AttributeSource(const TriangleMesh& mesh, const SurfaceAttributes& attributes)
-    : attributes_(attributes) {
+AttributeSource::AttributeSource(const TriangleMesh& mesh) : attributes_(mesh.attributes) {
   const Box box = bounds(mesh);
   center_ = 0.5 * (box.min + box.max);
   scale_ = 0.5 * longestSide(box);
@@ -106,7 +105,7 @@ AttributeSource::AttributeSource(const TriangleMesh& mesh, const SurfaceAttribut
     normals_.push_back(sign *
                        unitOrZero(glm::cross(mesh_.vertices[t.y] - a, mesh_.vertices[t.z] - a)));
   }
-  charts_ = charts(mesh, attributes);
+  charts_ = charts(mesh);
 
   device_.reset(rtcNewDevice(nullptr));
   if (!device_) check(nullptr);
@@ -208,76 +207,52 @@ void AttributeSource::setCorner(SurfaceAttributes& out, std::size_t triangle, st
   if (!out.colors.empty()) out.colors[triangle][corner] = glm::u8vec3(color);
 }
 
-SurfaceAttributes AttributeSource::transferTo(const TriangleMesh& mesh,
-                                              std::span<const std::uint16_t> neighbor,
-                                              std::uint32_t inside) const {
-  const std::size_t count = mesh.triangles.size();
-  SurfaceAttributes out;
-  if (!attributes_.texcoords.empty()) out.texcoords.resize(count);
-  if (!attributes_.colors.empty()) {
-    out.colors.assign(count, {kInsideColor, kInsideColor, kInsideColor});
-  }
-  if (!attributes_.material.empty()) out.material.assign(count, inside);
-
-  std::vector<std::uint32_t> original;
-  for (std::uint32_t t = 0; t < count; ++t) {
-    if (neighbor[t] == 0) original.push_back(t);
-  }
-  const auto sourcePosition = [&](std::uint32_t vertex) {
-    return (mesh.vertices[vertex] - center_) / scale_;
-  };
-
-  // Vertex normals of the original surface alone, weighted by angle.
-  std::vector<glm::dvec3> normals(mesh.vertices.size(), glm::dvec3(0.0));
-  for (const std::uint32_t t : original) {
-    const Corners corners = cornersOf(mesh, mesh.triangles[t]);
-    for (int k = 0; k < 3; ++k) {
-      normals[mesh.triangles[t][k]] += corners.angle[static_cast<std::size_t>(k)] * corners.normal;
+// One transfer.  Corners near a seam where a chart meets itself are found face by face; all others
+// by one query for each vertex and chart.
+class AttributeSource::Transfer {
+ public:
+  Transfer(const AttributeSource& source, const TriangleMesh& mesh, std::uint32_t inside)
+      : source_(source), mesh_(mesh), normals_(mesh.vertices.size(), glm::dvec3(0.0)) {
+    const SurfaceAttributes& from = source.attributes_;
+    const std::size_t count = mesh.triangles.size();
+    if (!from.texcoords.empty()) out_.texcoords.resize(count);
+    if (!from.colors.empty()) {
+      out_.colors.assign(count, {kInsideColor, kInsideColor, kInsideColor});
+    }
+    if (!from.material.empty()) out_.material.assign(count, inside);
+    onlyMaterials_ = from.texcoords.empty() && from.colors.empty();
+    for (std::uint32_t t = 0; t < count; ++t) {
+      if (mesh.neighborOf(t) == 0) original_.push_back(t);
+    }
+    for (const std::uint32_t t : original_) {
+      const Corners corners = cornersOf(mesh, mesh.triangles[t]);
+      for (int k = 0; k < 3; ++k) {
+        normals_[mesh.triangles[t][k]] +=
+            corners.angle[static_cast<std::size_t>(k)] * corners.normal;
+      }
     }
   }
 
+  SurfaceAttributes run() && {
+    faces_.resize(original_.size());
+    // Consecutive faces are mostly adjacent, so the previous result is a good first candidate.
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, original_.size(), 256),
+                      [&](const auto& range) {
+                        std::uint32_t guess = kNoTriangle;
+                        for (std::size_t i = range.begin(); i != range.end(); ++i)
+                          guess = transferFace(i, guess);
+                      });
+    if (!onlyMaterials_) transferCorners();
+    return std::move(out_);
+  }
+
+ private:
   struct Face {
     std::uint32_t nearest = kNoTriangle;
     double size = 0.0;
     bool done = false;  // its corners have their attributes already
   };
-  const bool onlyMaterials = out.texcoords.empty() && out.colors.empty();
-  std::vector<Face> faces(original.size());
-  const auto transferFace = [&](std::size_t i, std::uint32_t guess) {
-    const glm::uvec3& t = mesh.triangles[original[i]];
-    const glm::dvec3 a = sourcePosition(t.x), b = sourcePosition(t.y), c = sourcePosition(t.z);
-    Query query;
-    query.point = (a + b + c) / 3.0;
-    query.normal = unitOrZero(glm::cross(b - a, c - a));
-    query.size = std::max({glm::length(b - a), glm::length(c - b), glm::length(a - c)});
-    query.tilt = kTilt;
-    const Nearest found = nearest(query, {this, nullptr, guess});
-    if (!out.material.empty()) out.material[original[i]] = attributes_.material[found.triangle];
-    // A corner lies within 2/3 of the longest edge of the centroid, and its closest point is about
-    // as far from it as the centroid's is from the centroid.
-    const double reach = 0.7 * query.size + 2.0 * glm::length(found.point - query.point);
-    faces[i] = {found.triangle, query.size, onlyMaterials || isNearSelfSeam(query.point, reach)};
-    if (!faces[i].done || onlyMaterials) return found.triangle;
-    const std::vector<std::uint32_t> near = patch(found.triangle, query.point, reach);
-    for (int k = 0; k < 3; ++k) {
-      const Query corner{sourcePosition(t[k]), unitOrZero(normals[t[k]]), query.size, kNoTriangle,
-                         0.0};
-      Nearest best{this, &corner};
-      for (const std::uint32_t candidate : near) best.consider(candidate);
-      setCorner(out, original[i], static_cast<std::size_t>(k), best);
-    }
-    return found.triangle;
-  };
-  // Consecutive faces are mostly adjacent, so the previous result is a good first candidate.
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, original.size(), 256),
-                    [&](const auto& range) {
-                      std::uint32_t guess = kNoTriangle;
-                      for (std::size_t i = range.begin(); i != range.end(); ++i)
-                        guess = transferFace(i, guess);
-                    });
-  if (onlyMaterials) return out;
 
-  // Corners of the same vertex and chart have the same attributes: one query for all.
   struct Corner {
     std::uint32_t vertex, chart, face;
     std::uint8_t corner;
@@ -286,36 +261,100 @@ SurfaceAttributes AttributeSource::transferTo(const TriangleMesh& mesh,
       return vertex == other.vertex && chart == other.chart;
     }
   };
-  std::vector<Corner> corners;
-  corners.reserve(3 * original.size());
-  for (std::uint32_t i = 0; i < original.size(); ++i) {
-    for (std::uint8_t k = 0; k < 3 && !faces[i].done; ++k) {
-      corners.push_back({mesh.triangles[original[i]][k], charts_.ids[faces[i].nearest], i, k});
+
+  glm::dvec3 sourcePosition(std::uint32_t vertex) const {
+    return (mesh_.vertices[vertex] - source_.center_) / source_.scale_;
+  }
+
+  // Finds the triangle nearest to a face; returns it.
+  std::uint32_t transferFace(std::size_t i, std::uint32_t guess) {
+    const glm::uvec3& t = mesh_.triangles[original_[i]];
+    const glm::dvec3 a = sourcePosition(t.x), b = sourcePosition(t.y), c = sourcePosition(t.z);
+    Query query;
+    query.point = (a + b + c) / 3.0;
+    query.normal = unitOrZero(glm::cross(b - a, c - a));
+    query.size = std::max({glm::length(b - a), glm::length(c - b), glm::length(a - c)});
+    query.tilt = kTilt;
+    const Nearest found = source_.nearest(query, {&source_, nullptr, guess});
+    if (!out_.material.empty()) {
+      out_.material[original_[i]] = source_.attributes_.material[found.triangle];
+    }
+    // A corner lies within 2/3 of the longest edge of the centroid, and its closest point is about
+    // as far from it as the centroid's is from the centroid.
+    const double reach = 0.7 * query.size + 2.0 * glm::length(found.point - query.point);
+    faces_[i] = {found.triangle, query.size,
+                 onlyMaterials_ || source_.isNearSelfSeam(query.point, reach)};
+    if (faces_[i].done && !onlyMaterials_) {
+      setCornersOf(i, query.size, source_.patch(found.triangle, query.point, reach));
+    }
+    return found.triangle;
+  }
+
+  // Sets a face's corners from the nearest of some triangles.
+  void setCornersOf(std::size_t i, double size, const std::vector<std::uint32_t>& near) {
+    const glm::uvec3& t = mesh_.triangles[original_[i]];
+    for (int k = 0; k < 3; ++k) {
+      const Query corner{sourcePosition(t[k]), unitOrZero(normals_[t[k]]), size, kNoTriangle, 0.0};
+      Nearest best{&source_, &corner};
+      for (const std::uint32_t candidate : near) best.consider(candidate);
+      source_.setCorner(out_, original_[i], static_cast<std::size_t>(k), best);
     }
   }
-  std::sort(corners.begin(), corners.end(),
-            [](const Corner& a, const Corner& b) { return a.key() < b.key(); });
-  std::vector<std::uint32_t> firsts;
-  for (std::uint32_t i = 0; i < corners.size(); ++i) {
-    if (i == 0 || !corners[i].sameAs(corners[i - 1])) firsts.push_back(i);
+
+  // Returns the corners without attributes, those of one vertex and chart together.
+  std::vector<Corner> remainingCorners() const {
+    std::vector<Corner> corners;
+    corners.reserve(3 * original_.size());
+    for (std::uint32_t i = 0; i < original_.size(); ++i) {
+      for (std::uint8_t k = 0; k < 3 && !faces_[i].done; ++k) {
+        corners.push_back(
+            {mesh_.triangles[original_[i]][k], source_.charts_.ids[faces_[i].nearest], i, k});
+      }
+    }
+    std::sort(corners.begin(), corners.end(),
+              [](const Corner& a, const Corner& b) { return a.key() < b.key(); });
+    return corners;
   }
-  tbb::parallel_for(std::size_t{0}, firsts.size(), [&](std::size_t group) {
-    const std::size_t first = firsts[group];
-    const std::size_t end = group + 1 < firsts.size() ? firsts[group + 1] : corners.size();
-    const Corner& corner = corners[first];
+
+  void transferCorners() {
+    const std::vector<Corner> corners = remainingCorners();
+    std::vector<std::uint32_t> firsts;
+    for (std::uint32_t i = 0; i < corners.size(); ++i) {
+      if (i == 0 || !corners[i].sameAs(corners[i - 1])) firsts.push_back(i);
+    }
+    tbb::parallel_for(std::size_t{0}, firsts.size(), [&](std::size_t group) {
+      const std::size_t first = firsts[group];
+      const std::size_t end = group + 1 < firsts.size() ? firsts[group + 1] : corners.size();
+      setCorners(std::span(corners).subspan(first, end - first));
+    });
+  }
+
+  // Sets corners of one vertex and chart by one query.
+  void setCorners(std::span<const Corner> same) {
+    const Corner& corner = same.front();
     Query query;
     query.point = sourcePosition(corner.vertex);
-    query.normal = unitOrZero(normals[corner.vertex]);
-    for (std::size_t i = first; i < end; ++i) {
-      query.size = std::max(query.size, faces[corners[i].face].size);
-    }
+    query.normal = unitOrZero(normals_[corner.vertex]);
+    for (const Corner& other : same) query.size = std::max(query.size, faces_[other.face].size);
     query.chart = corner.chart;
-    const Nearest found = nearest(query, {this, nullptr, faces[corner.face].nearest});
-    for (std::size_t i = first; i < end; ++i) {
-      setCorner(out, original[corners[i].face], corners[i].corner, found);
+    const Nearest found = source_.nearest(query, {&source_, nullptr, faces_[corner.face].nearest});
+    for (const Corner& other : same) {
+      source_.setCorner(out_, original_[other.face], other.corner, found);
     }
-  });
-  return out;
+  }
+
+  const AttributeSource& source_;
+  const TriangleMesh& mesh_;
+  SurfaceAttributes out_;
+  bool onlyMaterials_ = false;
+  std::vector<std::uint32_t> original_;  // faces of the original surface
+  std::vector<glm::dvec3> normals_;      // [vertices] of the original surface, weighted by angle
+  std::vector<Face> faces_;              // [original_]
+};
+
+SurfaceAttributes AttributeSource::transferTo(const TriangleMesh& mesh,
+                                              std::uint32_t inside) const {
+  return Transfer(*this, mesh, inside).run();
 }
 
 }  // namespace sherd

@@ -24,22 +24,20 @@ namespace sherd {
 /// of a thin wall.
 class AttributeSource {
  public:
-  ///   mesh        closed, of either orientation; normals always point outwards
-  ///   attributes  kept by reference
-  AttributeSource(const TriangleMesh& mesh, const SurfaceAttributes& attributes);
+  ///   mesh  closed, of either orientation; normals always point outwards.  Its attributes are kept
+  ///         by reference
+  explicit AttributeSource(const TriangleMesh& mesh);
 
   /// Returns the attributes of a mesh's faces.  Faces of the original surface get them from the
   /// source; all others get kInsideColor, texture coordinates 0 and the material index `inside`.
-  ///   neighbor  [triangles] 0 for the original surface
-  ///   return    the same arrays as the source has
-  ///   cost      triangles * log(the source's triangles)
-  [[nodiscard]] SurfaceAttributes transferTo(const TriangleMesh& mesh,
-                                             std::span<const std::uint16_t> neighbor,
-                                             std::uint32_t inside) const;
+  ///   return  the same arrays as the source has
+  ///   cost    triangles * log(the source's triangles)
+  [[nodiscard]] SurfaceAttributes transferTo(const TriangleMesh& mesh, std::uint32_t inside) const;
 
  private:
   struct Query;
   struct Nearest;
+  class Transfer;
   static bool visitTriangle(RTCPointQueryFunctionArguments* found);
   [[nodiscard]] Nearest nearest(const Query& query, const Nearest& start) const;
   [[nodiscard]] bool isNearSelfSeam(const glm::dvec3& point, double reach) const;

@@ -20,7 +20,6 @@
 #include "cli/output_path.h"
 #include "folder/file_kind.h"
 #include "formats/mesh/mesh_file.h"
-#include "formats/mesh/read_neighbors.h"
 
 namespace sherd::cli {
 namespace {
@@ -60,16 +59,12 @@ Converted convertVoxels(const ConvertArguments& arguments, HeldFiles& files, Vox
 Converted convertMesh(const ConvertArguments& arguments, HeldFiles& files, MeshFileFormat format) {
   const SourceMesh source =
       readMesh(arguments.in, {.maxMemory = freeMemory()}, &untilInterrupted());
-  std::vector<std::uint16_t> neighbor;
-  if (lowerCase(fs::path(arguments.in).extension().string()) == ".ply") {
-    neighbor = readNeighbors(arguments.in, source.mesh);
-  }
   if (format == MeshFileFormat::stl && arguments.ascii) format = MeshFileFormat::stlText;
-  writeMeshFile(files, arguments.out, source, neighbor, format);
+  writeMeshFile(files, arguments.out, source, format);
   return {{{"kind", "mesh"},
            {"vertices", source.mesh.vertices.size()},
            {"triangles", source.mesh.triangles.size()}},
-          lossesOf(source, neighbor, format)};
+          lossesOf(source, format)};
 }
 
 Converted convertPoints(const ConvertArguments& arguments, HeldFiles& files, PointFormat format) {

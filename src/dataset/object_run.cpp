@@ -246,7 +246,7 @@ class ObjectRun {
   static void writeNeighbors(const FractureResult& result, const std::string& folder,
                              StagedFiles& files) {
     for (std::size_t i = 0; i < result.kept(); ++i) {
-      const std::vector<std::uint16_t>& neighbor = result.fragments[i].neighbor;
+      const std::vector<std::uint16_t>& neighbor = result.fragments[i].mesh.neighbor;
       NpyArray array{"", "<u2", {neighbor.size()}, {}};
       for (const std::uint16_t label : neighbor) storeLittle(array.bytes, label);
       OutputFile(files, folder + "/piece_" + std::to_string(i) + ".npy")
@@ -271,7 +271,7 @@ class ObjectRun {
     };
     for (Fragment& fragment : result.fragments) {
       move(fragment.mesh);
-      for (CoarseMesh& coarse : fragment.coarse) move(coarse.mesh);
+      for (TriangleMesh& coarse : fragment.coarse) move(coarse);
     }
   }
 

@@ -57,8 +57,7 @@ FragmentMetrics measure(const EvaluatedFragment& fragment, bool manifest,
   metrics.quality = quality;
   const bool inwards = quality.closed && quality.volume < 0.0;
   oriented = {fragment.mesh.id,
-              inwards ? flippedOrientation(fragment.mesh.mesh) : fragment.mesh.mesh,
-              fragment.mesh.neighbor};
+              inwards ? flippedOrientation(fragment.mesh.mesh) : fragment.mesh.mesh};
   if (!manifest) {
     metrics.volume = std::abs(quality.volume);
     metrics.area = area(oriented.mesh);

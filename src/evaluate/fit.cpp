@@ -71,7 +71,7 @@ Sample sampleAt(const Inputs& in, std::size_t fragment, const SurfacePoints& poi
   Sample sample;
   sample.location = in.assembly.locate(point, fragment, in.rounding);
   if (in.whole) sample.error = in.whole->distance(point);
-  const bool known = !in.assembly.fragment(fragment).neighbor.empty();
+  const bool known = !in.assembly.fragment(fragment).mesh.neighbor.empty();
   sample.kind =
       known ? kindByNeighbor(in, points.neighbor[k])
             : kindByLocation(in, sample,
@@ -164,7 +164,7 @@ Measurement measureFragment(const Inputs& in, std::size_t i) {
   const FragmentMesh& fragment = in.assembly.fragment(i);
   const std::uint64_t seed = randomBits(in.options.seed, Stage::fitFragment, i + 1);
   const SurfacePoints points =
-      samplePoints(fragment.mesh, fragment.neighbor, {.count = in.options.samples, .seed = seed});
+      samplePoints(fragment.mesh, {.count = in.options.samples, .seed = seed});
   std::vector<Sample> samples(in.options.samples);
   tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t k) {
     if (k % kCancelInterval == 0) throwIfCancelled(in.progress);
@@ -184,7 +184,7 @@ Measurement measureFragment(const Inputs& in, std::size_t i) {
 
 void addWhole(Fit& result, const Inputs& in, const TriangleMesh& whole) {
   const std::uint64_t seed = randomBits(in.options.seed, Stage::fitFragment, 0);
-  const SurfacePoints points = samplePoints(whole, {}, {.count = in.options.samples, .seed = seed});
+  const SurfacePoints points = samplePoints(whole, {.count = in.options.samples, .seed = seed});
   std::vector<double> distances(in.options.samples);
   tbb::parallel_for(std::size_t{0}, distances.size(), [&](std::size_t k) {
     if (k % kCancelInterval == 0) throwIfCancelled(in.progress);

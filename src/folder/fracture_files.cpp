@@ -32,8 +32,8 @@ PlacedVoxels labeledBox(const FractureResult& result, int fragments) {
 FractureWriter::FractureWriter(const SourceMesh& source, const WriteOptions& write)
     : source_(source), options_(write), table_(materialTable(source.appearance)) {
   const bool hasMeshes = write.mesh || write.scene;
-  if (hasMeshes && !source.appearance.surface.empty()) {
-    attributes_.emplace(source.mesh, source.appearance.surface);
+  if (hasMeshes && !source.mesh.attributes.empty()) {
+    attributes_.emplace(source.mesh);
   }
 }
 
@@ -90,8 +90,7 @@ void FractureWriting::begin(const Progress* progress) const {
   throwIfCancelled(progress);
   if (!files_.solidMesh.empty()) {
     const TriangleMesh whole = solidMesh(result_.solid);
-    const std::vector<std::uint16_t> neighbor(whole.triangles.size(), 0);
-    meshes_.write(whole, neighbor, meshes_.attributesOf(whole, neighbor), files_.solidMesh);
+    meshes_.write(whole, meshes_.attributesOf(whole), files_.solidMesh);
   }
 }
 
@@ -108,9 +107,9 @@ void FractureWriting::writeMeshes(std::size_t i) {
     writeProxy(folder_ / files_.proxy[i], fragment, name, write.proxyGap);
   }
   if (!files_.mesh.empty() || !attributes_.empty()) {
-    SurfaceAttributes attributes = meshes_.attributesOf(fragment.mesh, fragment.neighbor);
+    SurfaceAttributes attributes = meshes_.attributesOf(fragment.mesh);
     if (!files_.mesh.empty()) {
-      meshes_.write(fragment.mesh, fragment.neighbor, attributes, files_.mesh[i]);
+      meshes_.write(fragment.mesh, attributes, files_.mesh[i]);
     }
     if (!attributes_.empty()) attributes_[i] = std::move(attributes);
   }
@@ -118,9 +117,8 @@ void FractureWriting::writeMeshes(std::size_t i) {
     writePointsOf(folder_, files_.points[i], fragment, write.points.count, options_.seed, write);
   }
   for (std::size_t k = 0; !files_.coarse.empty() && k < files_.coarse[i].size(); ++k) {
-    const CoarseMesh& coarse = fragment.coarse[k];
-    meshes_.write(coarse.mesh, coarse.neighbor, meshes_.attributesOf(coarse.mesh, coarse.neighbor),
-                  files_.coarse[i][k]);
+    const TriangleMesh& coarse = fragment.coarse[k];
+    meshes_.write(coarse, meshes_.attributesOf(coarse), files_.coarse[i][k]);
   }
   if (!previews_.empty()) previews_[i] = previewFragment(fragment, result_.solid);
 }

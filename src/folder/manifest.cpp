@@ -266,11 +266,12 @@ Json pathsJson(const std::vector<std::string>& paths) {
   return paths.size() == 1 ? Json(paths[0]) : Json(paths);
 }
 
-Json decimatedJson(const Fragment& fragment, const std::vector<std::vector<std::string>>& files) {
+Json decimatedJson(const Fragment& fragment, const std::vector<std::size_t>& asked,
+                   const std::vector<std::vector<std::string>>& files) {
   Json meshes = Json::array();
   for (std::size_t i = 0; i < files.size(); ++i) {
-    meshes.push_back({{"asked", fragment.coarse[i].asked},
-                      {"triangles", fragment.coarse[i].mesh.triangles.size()},
+    meshes.push_back({{"asked", asked[i]},
+                      {"triangles", fragment.coarse[i].triangles.size()},
                       {"file", pathsJson(files[i])}});
   }
   return meshes;
@@ -347,7 +348,8 @@ std::string manifestText(const SourceMesh& source, const FractureOptions& option
     Json fragment =
         fragmentJson(result.fragments[i], facts[i], result, std::move(seeds[i]), std::move(own));
     if (!files.coarse.empty()) {
-      fragment["decimated"] = decimatedJson(result.fragments[i], files.coarse[i]);
+      fragment["decimated"] =
+          decimatedJson(result.fragments[i], options.surface.triangles, files.coarse[i]);
     }
     if (!result.parents.empty()) fragment["parent"] = result.parents[i];
     manifest["fragments"].push_back(std::move(fragment));

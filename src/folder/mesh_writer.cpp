@@ -22,21 +22,18 @@ MeshWriter::MeshWriter(const OutputFolder& folder, const FractureFiles& files,
   }
 }
 
-SurfaceAttributes MeshWriter::attributesOf(const TriangleMesh& mesh,
-                                           const std::vector<std::uint16_t>& neighbor) const {
-  return attributes_ ? attributes_->transferTo(mesh, neighbor, table_.inside())
-                     : SurfaceAttributes();
+SurfaceAttributes MeshWriter::attributesOf(const TriangleMesh& mesh) const {
+  return attributes_ ? attributes_->transferTo(mesh, table_.inside()) : SurfaceAttributes();
 }
 
-void MeshWriter::write(const TriangleMesh& mesh, const std::vector<std::uint16_t>& neighbor,
-                       const SurfaceAttributes& attributes,
+void MeshWriter::write(const TriangleMesh& mesh, const SurfaceAttributes& attributes,
                        const std::vector<std::string>& paths) const {
   const std::string name = std::filesystem::path(paths.front()).stem().string();
-  const PieceMesh piece{name, mesh, neighbor, attributes, table_};
+  const PieceMesh piece{name, mesh, attributes, table_};
   for (std::size_t i = 0; i < paths.size(); ++i) {
     const MeshFileFormat format = options_.meshFormats[i];
     if (options_.plainMeshes && format == MeshFileFormat::ply) {
-      writePly(folder_ / paths[i], mesh);
+      writePlainPly(folder_ / paths[i], mesh);
       continue;
     }
     if (options_.plainMeshes && format == MeshFileFormat::obj) {
@@ -57,8 +54,7 @@ void MeshWriter::writeScene(std::span<const Fragment> fragments,
   std::vector<SceneNode> nodes;
   for (std::size_t i = 0; i < fragments.size(); ++i) {
     const Fragment& fragment = fragments[i];
-    nodes.push_back(
-        {{names[i], fragment.mesh, fragment.neighbor, attributes[i], table_}, fragment.mass});
+    nodes.push_back({{names[i], fragment.mesh, attributes[i], table_}, fragment.mass});
   }
   writeSceneGlb(folder_ / path, nodes, options_.density);
 }

@@ -23,14 +23,13 @@ class MeshWriter {
              const WriteOptions& write);
 
   /// Transfers the source's surface attributes to a mesh; empty if it has none.
-  SurfaceAttributes attributesOf(const TriangleMesh& mesh,
-                                 const std::vector<std::uint16_t>& neighbor) const;
+  SurfaceAttributes attributesOf(const TriangleMesh& mesh) const;
 
   /// Writes a mesh in all formats.
   ///   attributes  attributesOf the mesh
   ///   paths       [formats] in the folder
-  void write(const TriangleMesh& mesh, const std::vector<std::uint16_t>& neighbor,
-             const SurfaceAttributes& attributes, const std::vector<std::string>& paths) const;
+  void write(const TriangleMesh& mesh, const SurfaceAttributes& attributes,
+             const std::vector<std::string>& paths) const;
 
   /// Writes all fragments as nodes of one .glb, named like their mesh files.
   ///   attributes  [fragments] attributesOf their meshes

@@ -11,7 +11,6 @@
 #include "base/natural_order.h"
 #include "folder/partial_folder.h"
 #include "folder/read_manifest.h"
-#include "formats/mesh/read_neighbors.h"
 
 namespace sherd {
 namespace {
@@ -107,7 +106,8 @@ FragmentSet readFragments(const fs::path& folder, const ReadOptions& options,
     takeFrom(left, bytesOf(read.mesh));
     fragment.droppedTriangles = read.degenerateTriangles;
     fragment.mesh.mesh = std::move(read.mesh);
-    if (set.manifest) fragment.mesh.neighbor = readNeighbors(file, fragment.mesh.mesh);
+    fragment.mesh.mesh.attributes = {};
+    if (!set.manifest) fragment.mesh.mesh.neighbor.clear();  // its ids are not those of the set
   });
   return set;
 }

@@ -11,7 +11,6 @@
 #include "base/uncancelled.h"
 #include "folder/partial_folder.h"
 #include "folder/read_manifest.h"
-#include "formats/mesh/read_neighbors.h"
 #include "formats/voxels/vdb.h"
 #include "surface/mesh.h"
 
@@ -20,11 +19,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Fragment fragmentOf(int id, TriangleMesh mesh, std::vector<std::uint16_t> neighbor = {}) {
+Fragment fragmentOf(int id, TriangleMesh mesh) {
   Fragment fragment;
   fragment.id = id;
   fragment.mesh = std::move(mesh);
-  fragment.neighbor = std::move(neighbor);
   fragment.mass = massProperties(fragment.mesh);
   return fragment;
 }
@@ -66,8 +64,7 @@ std::vector<Fragment> fromFolder(const fs::path& folder, const ReadOptions& opti
   if (!hasMeshes) return fromVolumes(folder);
   std::vector<Fragment> fragments;
   for (EvaluatedFragment& fragment : set.fragments) {
-    FragmentMesh& mesh = fragment.mesh;
-    fragments.push_back(fragmentOf(mesh.id, std::move(mesh.mesh), std::move(mesh.neighbor)));
+    fragments.push_back(fragmentOf(fragment.mesh.id, std::move(fragment.mesh.mesh)));
   }
   return fragments;
 }
@@ -86,11 +83,8 @@ std::vector<Fragment> readPieces(const fs::path& path, const ReadOptions& option
     const fs::path folder = path.parent_path();
     return fromFolder(folder.empty() ? "." : folder, options);
   }
-  SourceMesh read = readMesh(path, options);
-  std::vector<std::uint16_t> neighbor;
-  if (extension == ".ply") neighbor = readNeighbors(path, read.mesh);
   std::vector<Fragment> fragments;
-  fragments.push_back(fragmentOf(1, std::move(read.mesh), std::move(neighbor)));
+  fragments.push_back(fragmentOf(1, std::move(readMesh(path, options).mesh)));
   return fragments;
 }
 

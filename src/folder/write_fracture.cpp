@@ -42,7 +42,6 @@ std::vector<MeshFacts> makeAndWrite(const GrownFracture& grown, const SurfaceOpt
       if (!write.needsAllLevelSets()) fragment.surface = nullptr;
       if (write.needsAllMeshes()) continue;
       fragment.mesh = {};
-      fragment.neighbor = {};
     }
     reportProgress(
         progress, "write",

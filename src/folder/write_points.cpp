@@ -25,7 +25,7 @@ void writePointsOf(const OutputFolder& folder, const std::vector<std::string>& f
   PointOptions options = write.points;
   options.count = count;
   options.seed = fragmentSeed(seed, fragment.id);
-  const SurfacePoints points = samplePoints(fragment.mesh, fragment.neighbor, options);
+  const SurfacePoints points = samplePoints(fragment.mesh, options);
   for (std::size_t k = 0; k < files.size(); ++k) {
     writePoints(folder / files[k], points, write.pointFormats[k]);
   }

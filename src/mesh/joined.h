@@ -5,7 +5,8 @@
 
 namespace sherd {
 
-/// Returns a mesh with the vertices and triangles of both; vertices are not merged.
+/// Returns a mesh with the vertices and triangles of both, which have no attributes; vertices are
+/// not merged.
 [[nodiscard]] inline TriangleMesh joined(TriangleMesh mesh, const TriangleMesh& other) {
   const auto first = static_cast<glm::uint>(mesh.vertices.size());
   mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());

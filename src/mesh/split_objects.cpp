@@ -47,10 +47,11 @@ std::vector<SourceMesh> splitObjects(const SourceMesh& source) {
     out.fileVertices = out.mesh.vertices.size();
     out.appearance.materials = source.appearance.materials;
     out.appearance.textures = source.appearance.textures;
-    const SurfaceAttributes& attributes = source.appearance.surface;
-    out.appearance.surface = {chosen(attributes.texcoords, triangles),
-                              chosen(attributes.colors, triangles),
-                              chosen(attributes.material, triangles)};
+    out.mesh.neighbor = chosen(source.mesh.neighbor, triangles);
+    const SurfaceAttributes& attributes = source.mesh.attributes;
+    out.mesh.attributes = {chosen(attributes.texcoords, triangles),
+                           chosen(attributes.colors, triangles),
+                           chosen(attributes.material, triangles)};
     if (meshes.empty()) {
       out.warnings = source.warnings;
       out.degenerateTriangles = source.degenerateTriangles;

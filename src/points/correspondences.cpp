@@ -14,8 +14,8 @@ Correspondences sampleCorrespondences(std::span<const Fragment> fragments,
         continue;
       }
       TriangleMesh shared{fragment.mesh.vertices, {}};
-      for (std::size_t t = 0; t < fragment.neighbor.size(); ++t) {
-        if (fragment.neighbor[t] == contact.fragment) {
+      for (std::size_t t = 0; t < fragment.mesh.neighbor.size(); ++t) {
+        if (fragment.mesh.neighbor[t] == contact.fragment) {
           shared.triangles.push_back(fragment.mesh.triangles[t]);
         }
       }
@@ -23,8 +23,7 @@ Correspondences sampleCorrespondences(std::span<const Fragment> fragments,
       const auto item = static_cast<std::uint64_t>(fragment.id) << 16 |
                         static_cast<std::uint64_t>(contact.fragment);
       const SurfacePoints points = samplePoints(
-          shared, {},
-          {.count = countPerContact, .seed = randomBits(seed, Stage::pointContact, item)});
+          shared, {.count = countPerContact, .seed = randomBits(seed, Stage::pointContact, item)});
       found.positions.insert(found.positions.end(), points.positions.begin(),
                              points.positions.end());
       found.normals.insert(found.normals.end(), points.normals.begin(), points.normals.end());

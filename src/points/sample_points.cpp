@@ -119,9 +119,7 @@ std::vector<Draw> draw(const SurfaceByArea& surface, const PointOptions& options
 
 }  // namespace
 
-SurfacePoints samplePoints(const TriangleMesh& mesh, std::span<const std::uint16_t> neighbor,
-                           const PointOptions& options) {
-  assert(neighbor.empty() || neighbor.size() == mesh.triangles.size());
+SurfacePoints samplePoints(const TriangleMesh& mesh, const PointOptions& options) {
   if (options.count > kMaxPoints) {
     throw Error(ErrorCode::usage, std::to_string(options.count) + " points; at most " +
                                       std::to_string(kMaxPoints) + " are supported");
@@ -140,7 +138,7 @@ SurfacePoints samplePoints(const TriangleMesh& mesh, std::span<const std::uint16
   for (const Draw& d : draw(surface, options)) {
     points.positions.push_back(d.position);
     points.normals.push_back(surface.normalOf(d.triangle));
-    points.neighbor.push_back(neighbor.empty() ? std::uint16_t{0} : neighbor[d.triangle]);
+    points.neighbor.push_back(mesh.neighborOf(d.triangle));
   }
   return points;
 }

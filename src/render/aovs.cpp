@@ -50,7 +50,7 @@ struct Centers {
     if (glm::dot(normal, ray) > 0.0f) normal = -normal;
     aovs.normal[pixel] = worldDirection(normal, up);
     aovs.fragment[pixel] = static_cast<std::uint32_t>(fragment.id);
-    aovs.neighbor[pixel] = fragment.neighbor.empty() ? 0u : fragment.neighbor[hit.primID];
+    aovs.neighbor[pixel] = fragment.mesh.neighborOf(hit.primID);
   }
 };
 

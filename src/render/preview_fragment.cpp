@@ -31,7 +31,6 @@ Fragment previewFragment(const Fragment& fragment, const Solid& solid) {
   const double voxels = solid.box.longestSide() / kPreviewCubes;  // per cube side
   if (voxels < kLeastVoxels) {
     out.mesh = mesh;
-    out.neighbor = fragment.neighbor;
     return out;
   }
   const double cell = voxels * solid.frame.voxelSize;
@@ -56,7 +55,7 @@ Fragment previewFragment(const Fragment& fragment, const Solid& solid) {
     const glm::uvec3 corner(number[old.x], number[old.y], number[old.z]);
     if (corner.x == corner.y || corner.y == corner.z || corner.z == corner.x) continue;
     out.mesh.triangles.push_back(corner);
-    if (!fragment.neighbor.empty()) out.neighbor.push_back(fragment.neighbor[t]);
+    if (!mesh.neighbor.empty()) out.mesh.neighbor.push_back(mesh.neighbor[t]);
   }
   return out;
 }

@@ -69,9 +69,6 @@ void setNormals(const Fragment& fragment, SceneFragment& target) {
     normal[i] = length > 0.0f ? areaNormal[i] / length : glm::vec3(0.0f, 1.0f, 0.0f);
   }
   const Fans fan = fans(mesh);
-  const auto neighbor = [&](std::size_t i) {
-    return fragment.neighbor.empty() ? 0 : fragment.neighbor[i];
-  };
   target.normals.reserve(mesh.vertices.size());
   target.normalOf.resize(count);
   for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
@@ -81,7 +78,8 @@ void setNormals(const Fragment& fragment, SceneFragment& target) {
     for (const std::uint32_t i : around) {
       glm::vec3 sum(0.0f);
       for (const std::uint32_t other : around) {
-        if (neighbor(other) == neighbor(i) && glm::dot(normal[other], normal[i]) > kCreaseCosine)
+        if (mesh.neighborOf(other) == mesh.neighborOf(i) &&
+            glm::dot(normal[other], normal[i]) > kCreaseCosine)
           sum += areaNormal[other];
       }
       const float length = glm::length(sum);
@@ -162,8 +160,8 @@ Scene makeScene(std::span<const Fragment> fragments, const RenderOptions& option
     target.vertices.emplace_back(0.0f);
     target.triangles = mesh.triangles;
     target.inner.resize(mesh.triangles.size(), 0);
-    for (std::size_t t = 0; t < std::min(fragments[i].neighbor.size(), target.inner.size()); ++t)
-      target.inner[t] = fragments[i].neighbor[t] != 0;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+      target.inner[t] = mesh.neighborOf(t) != 0;
   });
   // One thread builds the tree.  With more, the order within a leaf depends on their number, and so
   // does which of two triangles a ray through their common edge hits.  (Embree's own threads=1

@@ -24,20 +24,21 @@ struct Edge {
 std::vector<Edge> candidateEdges(const Fragment& fragment) {
   constexpr std::uint32_t kNone = 0xffffffffu, kSeveral = 0xfffffffeu;
   std::vector<std::uint32_t> seen(fragment.mesh.vertices.size(), kNone);  // by the vertex's faces
-  for (std::size_t t = 0; t < fragment.neighbor.size(); ++t) {
+  for (std::size_t t = 0; t < fragment.mesh.neighbor.size(); ++t) {
     for (int k = 0; k < 3; ++k) {
       std::uint32_t& known = seen[fragment.mesh.triangles[t][k]];
-      if (known != fragment.neighbor[t]) known = known == kNone ? fragment.neighbor[t] : kSeveral;
+      if (known != fragment.mesh.neighbor[t])
+        known = known == kNone ? fragment.mesh.neighbor[t] : kSeveral;
     }
   }
   std::vector<Edge> edges;
-  for (std::size_t t = 0; t < fragment.neighbor.size(); ++t) {
-    if (fragment.neighbor[t] == 0) continue;
+  for (std::size_t t = 0; t < fragment.mesh.neighbor.size(); ++t) {
+    if (fragment.mesh.neighbor[t] == 0) continue;
     const glm::uvec3& corner = fragment.mesh.triangles[t];
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t from = corner[k], to = corner[(k + 1) % 3];
       if (seen[from] == kSeveral && seen[to] == kSeveral) {
-        edges.push_back({fragment.neighbor[t], from, to});
+        edges.push_back({fragment.mesh.neighbor[t], from, to});
       }
     }
   }

@@ -4,7 +4,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <cassert>
 #include <map>
 #include <utility>
 
@@ -22,13 +21,13 @@ std::vector<std::uint8_t> sheetsOf(const LabeledMesh& mesh, std::vector<std::uin
   return sheet;
 }
 
-LabeledFaces meshOf(std::span<const glm::dvec3> vertices, std::span<const ComplexFace> faces,
-                    std::span<const std::uint32_t> own, std::uint16_t label) {
-  LabeledFaces out;
+LabeledMesh meshOf(std::span<const glm::dvec3> vertices, std::span<const ComplexFace> faces,
+                   std::span<const std::uint32_t> own, std::uint16_t label) {
+  LabeledMesh out;
   const auto add = [&](std::uint32_t v) {
-    out.mesh.mesh.vertices.push_back(vertices[v]);
-    out.mesh.positionId.push_back(v);
-    return static_cast<std::uint32_t>(out.mesh.positionId.size() - 1);
+    out.mesh.vertices.push_back(vertices[v]);
+    out.positionId.push_back(v);
+    return static_cast<std::uint32_t>(out.positionId.size() - 1);
   };
   // In the order of the complex, so that an unchanged mesh keeps its vertex order.
   std::vector<std::uint32_t> used;
@@ -60,27 +59,25 @@ LabeledFaces meshOf(std::span<const glm::dvec3> vertices, std::span<const Comple
       }
     }
     if (!isFront) std::swap(corner.y, corner.z);
-    out.mesh.mesh.triangles.push_back(corner);
-    out.mesh.other.push_back(isFront ? face.back : face.front);
-    out.neighbor.push_back(isFront ? face.neighbor : face.front);
+    out.mesh.triangles.push_back(corner);
+    out.other.push_back(isFront ? face.back : face.front);
+    out.mesh.neighbor.push_back(isFront ? face.neighbor : face.front);
   }
   return out;
 }
 
 }  // namespace
 
-Complex complexOf(const TriangleMesh& mesh, std::span<const std::uint16_t> neighbor) {
-  assert(neighbor.size() == mesh.triangles.size());
+Complex complexOf(const TriangleMesh& mesh) {
   Complex out{mesh.vertices, std::vector<bool>(mesh.vertices.size(), false), {}, 1};
   out.faces.reserve(mesh.triangles.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    out.faces.push_back({mesh.triangles[t], 1, 0, neighbor[t]});
+    out.faces.push_back({mesh.triangles[t], 1, 0, mesh.neighborOf(t)});
   }
   return out;
 }
 
-Complex complexOf(std::span<const LabeledMesh> meshes,
-                  std::span<const std::vector<std::uint16_t>> neighbor) {
+Complex complexOf(std::span<const LabeledMesh> meshes) {
   Complex out;
   out.labels = static_cast<std::uint16_t>(meshes.size());
   std::size_t positionCount = 0;
@@ -112,7 +109,7 @@ Complex complexOf(std::span<const LabeledMesh> meshes,
           {mesh.positionId[vertex.x], mesh.positionId[vertex.y], mesh.positionId[vertex.z]},
           label,
           other,
-          neighbor[i][t],
+          mesh.mesh.neighborOf(t),
           {sheets[i][vertex.x], sheets[i][vertex.y], sheets[i][vertex.z]},
           {}};
       const bool isBack = out.isClosed(other) && other < label;
@@ -139,8 +136,8 @@ Complex complexOf(std::span<const LabeledMesh> meshes,
   return out;
 }
 
-std::vector<LabeledFaces> meshesOf(std::span<const glm::dvec3> vertices,
-                                   std::span<const ComplexFace> faces, std::uint16_t labels) {
+std::vector<LabeledMesh> meshesOf(std::span<const glm::dvec3> vertices,
+                                  std::span<const ComplexFace> faces, std::uint16_t labels) {
   std::vector<std::vector<std::uint32_t>> own(labels);
   for (std::uint32_t f = 0; f < faces.size(); ++f) {
     if (faces[f].corner.x == faces[f].corner.y) continue;
@@ -148,7 +145,7 @@ std::vector<LabeledFaces> meshesOf(std::span<const glm::dvec3> vertices,
       if (label >= 1 && label <= labels) own[label - 1u].push_back(f);
     }
   }
-  std::vector<LabeledFaces> out(labels);
+  std::vector<LabeledMesh> out(labels);
   tbb::parallel_for(std::size_t{0}, out.size(), [&](std::size_t i) {
     out[i] = meshOf(vertices, faces, own[i], static_cast<std::uint16_t>(i + 1));
   });

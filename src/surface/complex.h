@@ -12,10 +12,10 @@ namespace sherd {
 
 /// The mesh of one label, part of a mesh of all labels.
 struct LabeledMesh {
-  TriangleMesh mesh;                 ///< world units, closed, manifold, oriented outwards
-  std::vector<std::uint16_t> other;  ///< [triangles] the label on the other side; 0: outside
+  TriangleMesh mesh{};                 ///< world units, closed, manifold, oriented outwards
+  std::vector<std::uint16_t> other{};  ///< [triangles] the label on the other side; 0: outside
   std::vector<std::uint32_t>
-      positionId;  ///< [vertices] equal for vertices with one position, of any labels
+      positionId{};  ///< [vertices] equal for vertices with one position, of any labels
 };
 
 /// A face between two labels, counter-clockwise seen from outside the front label.
@@ -41,25 +41,17 @@ struct Complex {
 };
 
 /// Returns the complex of a single closed mesh, as label 1.
-///   neighbor  [triangles] fragment on the other side
-[[nodiscard]] Complex complexOf(const TriangleMesh& mesh, std::span<const std::uint16_t> neighbor);
+[[nodiscard]] Complex complexOf(const TriangleMesh& mesh);
 
 /// Returns the complex of the meshes of labels 1..n.
-///   neighbor  [n][triangles] fragment on the other side
-[[nodiscard]] Complex complexOf(std::span<const LabeledMesh> meshes,
-                                std::span<const std::vector<std::uint16_t>> neighbor);
+[[nodiscard]] Complex complexOf(std::span<const LabeledMesh> meshes);
 
-/// The mesh of one label of a complex.
-struct LabeledFaces {
-  LabeledMesh mesh;                     ///< positionId: index of the complex's vertex
-  std::vector<std::uint16_t> neighbor;  ///< [triangles]
-};
-
-/// Returns the meshes of labels 1..labels.
+/// Returns the meshes of labels 1..labels, with neighbors; positionId is the index of the complex's
+/// vertex.
 ///   vertices  of the complex, possibly moved
 ///   faces     of the complex; faces whose corners are all 0 are skipped
-[[nodiscard]] std::vector<LabeledFaces> meshesOf(std::span<const glm::dvec3> vertices,
-                                                 std::span<const ComplexFace> faces,
-                                                 std::uint16_t labels);
+[[nodiscard]] std::vector<LabeledMesh> meshesOf(std::span<const glm::dvec3> vertices,
+                                                std::span<const ComplexFace> faces,
+                                                std::uint16_t labels);
 
 }  // namespace sherd

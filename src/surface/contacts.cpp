@@ -117,10 +117,10 @@ void ContactMeasure::add(const Fragment& fragment) {
   const auto own = static_cast<std::uint16_t>(fragment.id);
   std::uint16_t other = 0;
   SurfaceSum* towards = nullptr;  // of `own` and `other`
-  for (std::size_t t = 0; t < fragment.neighbor.size(); ++t) {
-    if (fragment.neighbor[t] == 0) continue;
-    if (fragment.neighbor[t] != other) {
-      other = fragment.neighbor[t];
+  for (std::size_t t = 0; t < fragment.mesh.neighbor.size(); ++t) {
+    if (fragment.mesh.neighbor[t] == 0) continue;
+    if (fragment.mesh.neighbor[t] != other) {
+      other = fragment.mesh.neighbor[t];
       towards = &measured_[{std::min(own, other), std::max(own, other)}];
     }
     const glm::uvec3& corner = fragment.mesh.triangles[t];

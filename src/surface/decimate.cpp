@@ -119,7 +119,7 @@ class Decimator {
     queueAgain(deferred);
   }
 
-  std::vector<LabeledFaces> result() const {
+  std::vector<LabeledMesh> result() const {
     return meshesOf(world_, mesh_.faces(), mesh_.labels());
   }
 
@@ -309,11 +309,11 @@ class Decimator {
 
 }  // namespace
 
-std::vector<std::vector<CoarseMesh>> decimated(const Complex& complex,
-                                               std::span<const std::size_t> triangles,
-                                               const Progress* progress) {
-  std::vector<std::vector<CoarseMesh>> out(complex.labels,
-                                           std::vector<CoarseMesh>(triangles.size()));
+std::vector<std::vector<TriangleMesh>> decimated(const Complex& complex,
+                                                 std::span<const std::size_t> triangles,
+                                                 const Progress* progress) {
+  std::vector<std::vector<TriangleMesh>> out(complex.labels,
+                                             std::vector<TriangleMesh>(triangles.size()));
   if (triangles.empty()) return out;  // setting up the decimator costs more than meshing
   std::vector<std::size_t> order(triangles.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -322,22 +322,21 @@ std::vector<std::vector<CoarseMesh>> decimated(const Complex& complex,
   Decimator decimator(complex);
   for (const std::size_t i : order) {
     decimator.collapseTo(triangles[i], std::numeric_limits<double>::infinity(), progress);
-    std::vector<LabeledFaces> result = decimator.result();
+    std::vector<LabeledMesh> result = decimator.result();
     for (std::size_t label = 0; label < result.size(); ++label) {
-      out[label][i] = {std::move(result[label].mesh.mesh), std::move(result[label].neighbor),
-                       triangles[i]};
+      out[label][i] = std::move(result[label].mesh);
     }
   }
   return out;
 }
 
-std::vector<CoarseMesh> decimated(const TriangleMesh& mesh, std::span<const std::uint16_t> neighbor,
-                                  std::span<const std::size_t> triangles) {
-  return std::move(decimated(complexOf(mesh, neighbor), triangles).front());
+std::vector<TriangleMesh> decimated(const TriangleMesh& mesh,
+                                    std::span<const std::size_t> triangles) {
+  return std::move(decimated(complexOf(mesh), triangles).front());
 }
 
-std::vector<LabeledFaces> simplified(const Complex& complex, double error,
-                                     const Progress* progress) {
+std::vector<LabeledMesh> simplified(const Complex& complex, double error,
+                                    const Progress* progress) {
   Decimator decimator(complex);
   decimator.collapseTo(0, error, progress);
   return decimator.result();

@@ -60,13 +60,13 @@ VoxelBox voxelBox(const Solid& solid, const Labels& labels, std::uint16_t fragme
 // Sets the areas of the whole surface and of the fracture surface.
 void measureAreas(Fragment& fragment) {
   double twice = 0.0, twiceFractured = 0.0;
-  for (std::size_t t = 0; t < fragment.neighbor.size(); ++t) {
+  for (std::size_t t = 0; t < fragment.mesh.triangles.size(); ++t) {
     const glm::uvec3& corner = fragment.mesh.triangles[t];
     const glm::dvec3& a = fragment.mesh.vertices[corner.x];
     const double own = glm::length(
         glm::cross(fragment.mesh.vertices[corner.y] - a, fragment.mesh.vertices[corner.z] - a));
     twice += own;
-    if (fragment.neighbor[t] != 0) twiceFractured += own;
+    if (fragment.mesh.neighbor[t] != 0) twiceFractured += own;
   }
   fragment.area = twice / 2.0;
   fragment.fractureArea = twiceFractured / 2.0;
@@ -125,35 +125,30 @@ bool Extraction::isShared() const {
   return surface_.surface == Surface::smooth && surface_.interface == Interface::shared;
 }
 
-std::vector<std::uint16_t> Extraction::neighborsOfShared(const LabeledMesh& mesh,
-                                                         std::uint16_t id) const {
-  if (!uneroded_) return mesh.other;
-  return neighborsOf(mesh.mesh, onSolid(mesh), id, solid_, *uneroded_, true);
+LabeledMesh Extraction::sharedMesh(int id) const {
+  LabeledMesh mesh = shared_->meshOf(id);
+  mesh.mesh.neighbor = uneroded_
+                           ? neighborsOf(mesh.mesh, onSolid(mesh), static_cast<std::uint16_t>(id),
+                                         solid_, *uneroded_, true)
+                           : mesh.other;
+  return mesh;
 }
 
 Extraction::Processed Extraction::processedTogether() const {
-  Processed all{
-      std::vector<LabeledMesh>(count_), std::vector<std::vector<std::uint16_t>>(count_), {}};
+  Processed all{std::vector<LabeledMesh>(count_), {}};
   CancelFlag stop(progress_);
   tbb::parallel_for(std::size_t{0}, count_, [&](std::size_t i) {
-    if (stop.isSet()) return;
-    all.meshes[i] = shared_->meshOf(static_cast<int>(i) + 1);
-    all.neighbor[i] = neighborsOfShared(all.meshes[i], static_cast<std::uint16_t>(i + 1));
+    if (!stop.isSet()) all.meshes[i] = sharedMesh(static_cast<int>(i) + 1);
   });
   stop.throwIfSet();
-  smoothTogether(all.meshes, all.neighbor, surface_.smooth, solid_.box.longestSide(), progress_);
+  smoothTogether(all.meshes, surface_.smooth, solid_.box.longestSide(), progress_);
   throwIfCancelled(progress_);
   if (surface_.adaptivity > 0.0) {
-    std::vector<LabeledFaces> fewer =
-        simplified(complexOf(all.meshes, all.neighbor),
-                   surface_.adaptivity * solid_.frame.voxelSize, progress_);
-    for (std::size_t i = 0; i < count_; ++i) {
-      all.meshes[i] = std::move(fewer[i].mesh);
-      all.neighbor[i] = std::move(fewer[i].neighbor);
-    }
+    all.meshes =
+        simplified(complexOf(all.meshes), surface_.adaptivity * solid_.frame.voxelSize, progress_);
   }
   if (!surface_.triangles.empty()) {
-    all.coarse = decimated(complexOf(all.meshes, all.neighbor), surface_.triangles, progress_);
+    all.coarse = decimated(complexOf(all.meshes), surface_.triangles, progress_);
   }
   return all;
 }
@@ -161,13 +156,10 @@ Extraction::Processed Extraction::processedTogether() const {
 void Extraction::meshShared(Fragment& fragment) {
   const std::size_t i = static_cast<std::size_t>(fragment.id) - 1;
   if (shared_) {
-    LabeledMesh mesh = shared_->meshOf(fragment.id);
-    fragment.neighbor = neighborsOfShared(mesh, static_cast<std::uint16_t>(fragment.id));
-    fragment.mesh = std::move(mesh.mesh);
+    fragment.mesh = std::move(sharedMesh(fragment.id).mesh);
     return;
   }
   fragment.mesh = std::move(processed_.meshes[i].mesh);
-  fragment.neighbor = std::move(processed_.neighbor[i]);
   if (!processed_.coarse.empty()) fragment.coarse = std::move(processed_.coarse[i]);
 }
 
@@ -176,28 +168,23 @@ void Extraction::meshIndependent(Fragment& fragment) const {
   const std::vector<std::uint32_t>& leaves = leaves_[id];
   const Labels& before = uneroded_ ? *uneroded_ : labels_;
   if (surface_.surface == Surface::labels) {
-    VoxelMesh meshed = meshOfFaces(facesOf(solid_, labels_, before, id, leaves), solid_.frame);
-    fragment.mesh = std::move(meshed.mesh);
-    fragment.neighbor = std::move(meshed.neighbor);
+    fragment.mesh = meshOfFaces(facesOf(solid_, labels_, before, id, leaves), solid_.frame);
   } else {
     LabeledMesh meshed = meshOfOne(solid_, labels_, cut_, id, leaves);
-    fragment.neighbor =
-        neighborsOf(meshed.mesh, onSolid(meshed), id, solid_, before, uneroded_ != nullptr);
     fragment.mesh = std::move(meshed.mesh);
+    fragment.mesh.neighbor =
+        neighborsOf(fragment.mesh, onSolid(meshed), id, solid_, before, uneroded_ != nullptr);
   }
-  fragment.mesh = smoothed(std::move(fragment.mesh), fragment.neighbor, surface_.smooth,
-                           solid_.box.longestSide(), progress_);
+  fragment.mesh =
+      smoothed(std::move(fragment.mesh), surface_.smooth, solid_.box.longestSide(), progress_);
   if (surface_.adaptivity > 0.0) {
-    LabeledFaces fewer =
-        std::move(simplified(complexOf(fragment.mesh, fragment.neighbor),
-                             surface_.adaptivity * solid_.frame.voxelSize, progress_)
-                      .front());
-    fragment.mesh = std::move(fewer.mesh.mesh);
-    fragment.neighbor = std::move(fewer.neighbor);
+    fragment.mesh = std::move(simplified(complexOf(fragment.mesh),
+                                         surface_.adaptivity * solid_.frame.voxelSize, progress_)
+                                  .front()
+                                  .mesh);
   }
-  fragment.coarse = std::move(
-      decimated(complexOf(fragment.mesh, fragment.neighbor), surface_.triangles, progress_)
-          .front());
+  fragment.coarse =
+      std::move(decimated(complexOf(fragment.mesh), surface_.triangles, progress_).front());
 }
 
 Fragment Extraction::makeFragment(std::size_t i) {

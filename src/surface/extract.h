@@ -34,12 +34,11 @@ class Extraction {
   /// Meshes that are smoothed or decimated together, until next() moves them out.
   struct Processed {
     std::vector<LabeledMesh> meshes;
-    std::vector<std::vector<std::uint16_t>> neighbor;  ///< [meshes][triangles]
-    std::vector<std::vector<CoarseMesh>> coarse;       ///< [meshes], or empty
+    std::vector<std::vector<TriangleMesh>> coarse;  ///< [meshes], or empty
   };
 
   bool isShared() const;
-  std::vector<std::uint16_t> neighborsOfShared(const LabeledMesh& mesh, std::uint16_t id) const;
+  LabeledMesh sharedMesh(int id) const;
   Processed processedTogether() const;
   std::size_t endOfBatch() const;
   Fragment makeFragment(std::size_t i);

@@ -96,7 +96,7 @@ class Builder {
     std::iota(parent_.begin(), parent_.end(), 0u);
   }
 
-  VoxelMesh build(const GridFrame& frame) {
+  TriangleMesh build(const GridFrame& frame) {
     const std::vector<EdgeUse> uses = edgeUses(faces_);
     for (std::size_t i = 0; i < uses.size(); i += 2) {
       assert(uses[i].sameEdge(uses[i + 1]));
@@ -114,7 +114,7 @@ class Builder {
       addMiddle(uses[i + 2], uses[i + 3]);
     }
     for (std::uint32_t f = 0; f < faces_.size(); ++f) addTriangles(f);
-    for (glm::dvec3& v : out_.mesh.vertices) v = frame.worldFromIndex({v}).v;
+    for (glm::dvec3& v : out_.vertices) v = frame.worldFromIndex({v}).v;
     return std::move(out_);
   }
 
@@ -159,13 +159,13 @@ class Builder {
     std::sort(order.begin(), order.end(),
               [&](std::uint32_t a, std::uint32_t b) { return corners[a] < corners[b]; });
     for (std::uint32_t v = 0; v < corners.size(); ++v) {
-      out_.mesh.vertices.push_back(positionOf(corners[v]));
+      out_.vertices.push_back(positionOf(corners[v]));
     }
     for (std::size_t i = 0; i < order.size(); ++i) {
       const Coord& here = corners[order[i]];
       if ((i > 0 && corners[order[i - 1]] == here) ||
           (i + 1 < order.size() && corners[order[i + 1]] == here)) {
-        out_.mesh.vertices[order[i]] += backwards(normals[order[i]]);
+        out_.vertices[order[i]] += backwards(normals[order[i]]);
       }
     }
   }
@@ -176,9 +176,9 @@ class Builder {
     for (const EdgeUse& use : {a, b}) {
       const Coord n = towards(faces_[use.side / 4].direction);
       normals += glm::dvec3(n.x(), n.y(), n.z());
-      middle_[use.side] = static_cast<std::uint32_t>(out_.mesh.vertices.size());
+      middle_[use.side] = static_cast<std::uint32_t>(out_.vertices.size());
     }
-    out_.mesh.vertices.push_back(at + backwards(normals));
+    out_.vertices.push_back(at + backwards(normals));
   }
 
   void addTriangles(std::uint32_t f) {
@@ -198,7 +198,7 @@ class Builder {
       outline[n++] = middle_[f * 4 + k];
     }
     for (std::size_t i = 1; i + 1 < n; ++i) {
-      out_.mesh.triangles.push_back(
+      out_.triangles.push_back(
           {outline[start], outline[(start + i) % n], outline[(start + i + 1) % n]});
       out_.neighbor.push_back(faces_[f].neighbor);
     }
@@ -209,7 +209,7 @@ class Builder {
   std::vector<std::uint32_t> parent_;  // [faces * 4] union-find over the faces' corners
   std::vector<std::uint32_t> vertex_;  // [faces * 4]
   std::vector<std::uint32_t> middle_;  // [faces * 4] vertex on a side, or kNone
-  VoxelMesh out_;
+  TriangleMesh out_;
 };
 
 }  // namespace
@@ -244,8 +244,8 @@ std::vector<VoxelFace> facesOf(const Solid& solid, const Labels& labels, const L
   return faces;
 }
 
-VoxelMesh meshOfFaces(std::span<const VoxelFace> faces, const GridFrame& frame,
-                      double offsetVoxels) {
+TriangleMesh meshOfFaces(std::span<const VoxelFace> faces, const GridFrame& frame,
+                         double offsetVoxels) {
   return Builder(faces, offsetVoxels).build(frame);
 }
 

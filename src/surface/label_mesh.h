@@ -26,15 +26,12 @@ struct VoxelFace {
                                              const Labels& uneroded, std::uint16_t fragment,
                                              std::span<const std::uint32_t> leaves);
 
-struct VoxelMesh {
-  TriangleMesh mesh;  ///< closed, edge- and vertex-manifold, outwards, world units
-  std::vector<std::uint16_t> neighbor;  ///< [triangles]
-};
-
-/// Returns all faces of a set of voxels as a mesh.  Volume and area are those of the voxels, except
-/// that vertices where sheets touch are moved inwards by `offsetVoxels`.  Squares are split at the
-/// diagonal of the corners with an even coordinate sum, so two fragments split a shared face alike.
-[[nodiscard]] VoxelMesh meshOfFaces(std::span<const VoxelFace> faces, const GridFrame& frame,
-                                    double offsetVoxels = 1.0 / 64);
+/// Returns all faces of a set of voxels as a mesh with neighbors: closed, edge- and
+/// vertex-manifold, oriented outwards, world units.  Volume and area are those of the voxels,
+/// except that vertices where sheets touch are moved inwards by `offsetVoxels`.  Squares are split
+/// at the diagonal of the corners with an even coordinate sum, so two fragments split a shared face
+/// alike.
+[[nodiscard]] TriangleMesh meshOfFaces(std::span<const VoxelFace> faces, const GridFrame& frame,
+                                       double offsetVoxels = 1.0 / 64);
 
 }  // namespace sherd

@@ -121,14 +121,13 @@ std::vector<bool> smallSurfaces(std::span<const LabeledMesh> meshes,
 }
 
 // Appends a mesh.
-void add(Smoothed& to, const TriangleMesh& mesh, std::span<const std::uint16_t> neighbor) {
-  assert(neighbor.size() == mesh.triangles.size());
+void add(Smoothed& to, const TriangleMesh& mesh) {
   const auto first = static_cast<unsigned>(to.vertices.size());
   to.vertices.insert(to.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
   to.boundary.resize(to.vertices.size(), false);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     to.faces.push_back(mesh.triangles[t] + first);
-    for (int k = 0; neighbor[t] != 0 && k < 3; ++k) to.boundary[to.faces.back()[k]] = true;
+    for (int k = 0; mesh.neighborOf(t) != 0 && k < 3; ++k) to.boundary[to.faces.back()[k]] = true;
   }
 }
 
@@ -176,23 +175,22 @@ void checkSurfaceOptions(const SurfaceOptions& options) {
   }
 }
 
-TriangleMesh smoothed(TriangleMesh mesh, std::span<const std::uint16_t> neighbor,
-                      const SmoothOptions& options, int longestSide, const Progress* progress) {
+TriangleMesh smoothed(TriangleMesh mesh, const SmoothOptions& options, int longestSide,
+                      const Progress* progress) {
   if (!movesAnything(options, longestSide)) return mesh;
   Smoothed all;
-  add(all, mesh, neighbor);
+  add(all, mesh);
   smooth(all, options, longestSide, progress);
   mesh.vertices = std::move(all.vertices);
   return mesh;
 }
 
-void smoothTogether(std::span<LabeledMesh> meshes,
-                    std::span<const std::vector<std::uint16_t>> neighbor,
-                    const SmoothOptions& options, int longestSide, const Progress* progress) {
+void smoothTogether(std::span<LabeledMesh> meshes, const SmoothOptions& options, int longestSide,
+                    const Progress* progress) {
   if (!movesAnything(options, longestSide)) return;
   Smoothed all;
   for (std::size_t i = 0; i < meshes.size(); ++i) {
-    add(all, meshes[i].mesh, neighbor[i]);
+    add(all, meshes[i].mesh);
     all.positionIds.insert(all.positionIds.end(), meshes[i].positionId.begin(),
                            meshes[i].positionId.end());
   }

@@ -17,11 +17,8 @@ namespace sherd {
 /// Smooths meshes as `smoothed` does, but moves vertices with one positionId to the mean of their
 /// new positions, so that shared faces stay shared.  Closed surfaces of fewer than 100 triangles
 /// (pores and islands of one to three voxels) are not smoothed: they would shrink to a point.
-///   neighbor  [meshes][triangles]
-///   throws    Error(cancelled)
-void smoothTogether(std::span<LabeledMesh> meshes,
-                    std::span<const std::vector<std::uint16_t>> neighbor,
-                    const SmoothOptions& options, int longestSide,
+///   throws  Error(cancelled)
+void smoothTogether(std::span<LabeledMesh> meshes, const SmoothOptions& options, int longestSide,
                     const Progress* progress = nullptr);
 
 }  // namespace sherd

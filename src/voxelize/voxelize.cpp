@@ -29,9 +29,11 @@ struct MeshInGrid {
   SolidReport report;  // defects, volume and walls
 };
 
-TriangleMesh inIndexSpace(TriangleMesh mesh, const GridFrame& frame) {
-  for (glm::dvec3& v : mesh.vertices) v = frame.indexFromWorld({v}).v;
-  return mesh;
+// Returns the vertices and triangles, without attributes.
+TriangleMesh inIndexSpace(const TriangleMesh& mesh, const GridFrame& frame) {
+  TriangleMesh out{mesh.vertices, mesh.triangles};
+  for (glm::dvec3& v : out.vertices) v = frame.indexFromWorld({v}).v;
+  return out;
 }
 
 MeshInGrid inGrid(const TriangleMesh& source, double voxelSize,

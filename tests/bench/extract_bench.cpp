@@ -55,7 +55,7 @@ void writeFiles(benchmark::State& state) {
       const sherd::Fragment& fragment = result.fragments[i];
       const std::string name = std::to_string(i);
       sherd::writeVdb(folder / (name + ".vdb"), fragment, {"ball", 3});
-      sherd::writePly(folder / (name + ".ply"), fragment.mesh, fragment.neighbor);
+      sherd::writePly(folder / (name + ".ply"), fragment.mesh);
     });
   }
   fs::remove_all(folder);

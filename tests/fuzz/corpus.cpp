@@ -31,7 +31,7 @@ std::vector<std::vector<std::string>> startingFiles() {
   cube.stem = "cube";
   cube.mesh = shapes::cube(1.0);
   cube.appearance.materials = {{"a", {0.5f, 0.25f, 1.0f}, -1}};
-  cube.appearance.surface.material.assign(cube.mesh.triangles.size(), 0);
+  cube.mesh.attributes.material.assign(cube.mesh.triangles.size(), 0);
   FractureOptions options;
   options.pieces = 2;
   options.resolution = 8;

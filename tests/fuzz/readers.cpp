@@ -23,7 +23,6 @@
 #include "folder/seed_file.h"
 #include "formats/mesh/mtl.h"
 #include "formats/mesh/read_mesh.h"
-#include "formats/mesh/read_neighbors.h"
 #include "fuzz/draco_files.h"
 
 namespace sherd::fuzz {
@@ -39,12 +38,13 @@ bool fits(const Entries& entries, const SourceMesh& source) {
 
 void checkLook(const SourceMesh& source) {
   const Appearance& look = source.appearance;
-  check(fits(look.surface.texcoords, source) && fits(look.surface.colors, source) &&
-        fits(look.surface.material, source));
-  for (const auto& corners : look.surface.texcoords) {
+  const SurfaceAttributes& attributes = source.mesh.attributes;
+  check(fits(attributes.texcoords, source) && fits(attributes.colors, source) &&
+        fits(attributes.material, source) && fits(source.mesh.neighbor, source));
+  for (const auto& corners : attributes.texcoords) {
     for (const glm::vec2& at : corners) check(std::isfinite(at.x) && std::isfinite(at.y));
   }
-  for (const std::uint32_t material : look.surface.material) {
+  for (const std::uint32_t material : attributes.material) {
     check(material < look.materials.size());
   }
   for (const Material& material : look.materials) {
@@ -84,13 +84,6 @@ void readDraco(std::string_view bytes) {
       check(e.code() == ErrorCode::input);
     }
   }
-}
-
-void readNeighborsOf(std::string_view bytes) {
-  TriangleMesh mesh;
-  mesh.triangles.resize(12);
-  const std::size_t count = neighborFromBytes(std::string(bytes), mesh).size();
-  check(count == 0 || count == mesh.triangles.size());
 }
 
 void checkVoxels(const RunLengthVoxels& voxels) {

@@ -13,7 +13,6 @@ void check(bool holds);
 
 void readMeshNamed(const char* name, std::string_view bytes);
 void readDraco(std::string_view bytes);
-void readNeighborsOf(std::string_view bytes);
 void checkVoxels(const RunLengthVoxels& voxels);
 void checkPoints(const SurfacePoints& points);
 void readMtl(std::string_view bytes);

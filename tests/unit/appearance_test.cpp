@@ -37,13 +37,14 @@ SurfaceAttributes colored(const TriangleMesh& mesh) {
 }
 
 TEST(Appearance, ColorsAreThoseOfTheNearestPlace) {
-  const TriangleMesh input = shapes::ball(1.0, 4);
+  TriangleMesh input = shapes::ball(1.0, 4);
   TriangleMesh output = shapes::ball(1.0, 5);
   for (glm::dvec3& v : output.vertices) v = {v.y, -v.z, v.x};  // other triangles
-  const SurfaceAttributes look = colored(input);
+  input.attributes = colored(input);
   std::vector<std::uint16_t> neighbor = allOriginal(output);
   for (std::size_t t = 0; t < neighbor.size(); t += 7) neighbor[t] = 3;
-  const SurfaceAttributes found = AttributeSource(input, look).transferTo(output, neighbor, 0);
+  const SurfaceAttributes found =
+      AttributeSource(input).transferTo(shapes::withNeighbor(output, neighbor), 0);
   EXPECT_TRUE(found.texcoords.empty());
   EXPECT_TRUE(found.material.empty());
   ASSERT_EQ(found.colors.size(), output.triangles.size());
@@ -64,15 +65,13 @@ TEST(Appearance, ColorsAreThoseOfTheNearestPlace) {
 }
 
 TEST(Appearance, MovingAndScalingChangesNothing) {
-  const TriangleMesh input = shapes::ball(1.0, 3), output = shapes::ball(1.01, 4);
-  const SurfaceAttributes look = colored(input);
-  const SurfaceAttributes here =
-      AttributeSource(input, look).transferTo(output, allOriginal(output), 0);
+  TriangleMesh input = shapes::ball(1.0, 3);
+  const TriangleMesh output = shapes::ball(1.01, 4);
+  input.attributes = colored(input);
+  const SurfaceAttributes here = AttributeSource(input).transferTo(output, 0);
   const auto seenAt = [&](double scale, const glm::dvec3& offset) {
     const TriangleMesh there = shapes::transformed(output, scale, offset);
-    return AttributeSource(shapes::transformed(input, scale, offset), look)
-        .transferTo(there, allOriginal(there), 0)
-        .colors;
+    return AttributeSource(shapes::transformed(input, scale, offset)).transferTo(there, 0).colors;
   };
   EXPECT_EQ(seenAt(64.0, glm::dvec3(0.0)), here.colors);
   // The move rounds, so a color half-way between two steps may go to either.
@@ -87,17 +86,13 @@ TEST(Appearance, MovingAndScalingChangesNothing) {
 
 // A tube's outside, open at both ends: u once round, v along it.  Vertices are shared, so the seam
 // is in the texture coordinates only.
-struct Tube {
-  TriangleMesh mesh;
-  SurfaceAttributes look;
-};
-Tube tube(double radius, int segments, int rings, double turned) {
-  Tube out;
+TriangleMesh tube(double radius, int segments, int rings, double turned) {
+  TriangleMesh out;
   for (int j = 0; j <= rings; ++j) {
     for (int i = 0; i < segments; ++i) {
       const double angle = 2.0 * kPi * (i + turned) / segments;
-      out.mesh.vertices.emplace_back(radius * std::cos(angle), radius * std::sin(angle),
-                                     2.0 * j / rings);
+      out.vertices.emplace_back(radius * std::cos(angle), radius * std::sin(angle),
+                                2.0 * j / rings);
     }
   }
   const auto vertex = [&](int i, int j) {
@@ -109,10 +104,12 @@ Tube tube(double radius, int segments, int rings, double turned) {
   };
   for (int j = 0; j < rings; ++j) {
     for (int i = 0; i < segments; ++i) {
-      out.mesh.triangles.emplace_back(vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1));
-      out.look.texcoords.push_back({texcoord(i, j), texcoord(i + 1, j), texcoord(i + 1, j + 1)});
-      out.mesh.triangles.emplace_back(vertex(i, j), vertex(i + 1, j + 1), vertex(i, j + 1));
-      out.look.texcoords.push_back({texcoord(i, j), texcoord(i + 1, j + 1), texcoord(i, j + 1)});
+      out.triangles.emplace_back(vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1));
+      out.attributes.texcoords.push_back(
+          {texcoord(i, j), texcoord(i + 1, j), texcoord(i + 1, j + 1)});
+      out.triangles.emplace_back(vertex(i, j), vertex(i + 1, j + 1), vertex(i, j + 1));
+      out.attributes.texcoords.push_back(
+          {texcoord(i, j), texcoord(i + 1, j + 1), texcoord(i, j + 1)});
     }
   }
   return out;
@@ -120,10 +117,9 @@ Tube tube(double radius, int segments, int rings, double turned) {
 
 TEST(Appearance, NoTriangleSpansASeam) {
   constexpr int kSegments = 50;
-  const Tube input = tube(1.0, 64, 10, 0.0);
-  const TriangleMesh output = tube(1.002, kSegments, 13, 0.37).mesh;
-  const SurfaceAttributes found =
-      AttributeSource(input.mesh, input.look).transferTo(output, allOriginal(output), 0);
+  const TriangleMesh input = tube(1.0, 64, 10, 0.0);
+  const TriangleMesh output = tube(1.002, kSegments, 13, 0.37);
+  const SurfaceAttributes found = AttributeSource(input).transferTo(output, 0);
   int beside = 0;
   for (std::size_t t = 0; t < output.triangles.size(); ++t) {
     float low = 1.0f, high = 0.0f;
@@ -151,8 +147,8 @@ TEST(Appearance, NoTriangleSpansASeam) {
 }
 
 TEST(Appearance, ThinWallsKeepTheirSides) {
-  const TriangleMesh input = shapes::hollowBall(1.0, 0.99, 4);
-  SurfaceAttributes look;
+  TriangleMesh input = shapes::hollowBall(1.0, 0.99, 4);
+  SurfaceAttributes& look = input.attributes;
   for (const glm::uvec3& t : input.triangles) {
     const bool outer = glm::length(input.vertices[t.x]) > 0.995;
     const glm::u8vec3 color = outer ? glm::u8vec3(255, 0, 0) : glm::u8vec3(0, 0, 255);
@@ -164,9 +160,9 @@ TEST(Appearance, ThinWallsKeepTheirSides) {
   const TriangleMesh cavity = shapes::inverted(shapes::ball(1.001, 4));
   for (const bool flipped : {false, true}) {  // an input turned inside out is turned back
     const TriangleMesh mesh = flipped ? shapes::inverted(input) : input;
-    const AttributeSource source(mesh, look);
+    const AttributeSource source(mesh);
     for (const auto& [output, material] : {std::pair(outside, 0u), std::pair(cavity, 1u)}) {
-      const SurfaceAttributes found = source.transferTo(output, allOriginal(output), 2);
+      const SurfaceAttributes found = source.transferTo(output, 2);
       for (std::size_t t = 0; t < output.triangles.size(); ++t) {
         ASSERT_EQ(found.material[t], material) << flipped;
         ASSERT_EQ(found.colors[t][0].x, material == 0 ? 255 : 0);
@@ -176,24 +172,24 @@ TEST(Appearance, ThinWallsKeepTheirSides) {
 }
 
 TEST(Charts, EndAtSeamsAndMaterials) {
-  const Tube whole = tube(1.0, 16, 4, 0.0);
-  const Charts one = charts(whole.mesh, whole.look);
+  const TriangleMesh whole = tube(1.0, 16, 4, 0.0);
+  const Charts one = charts(whole);
   EXPECT_EQ(one.ids, std::vector<std::uint32_t>(128, 0));
   EXPECT_EQ(one.selfSeam.size(), 8u);  // a triangle on each side of the seam in each of four rings
-  const Charts plain = charts(whole.mesh, {});
+  const Charts plain = charts({whole.vertices, whole.triangles});
   EXPECT_EQ(plain.ids, std::vector<std::uint32_t>(128, 0));
   EXPECT_TRUE(plain.selfSeam.empty());
-  SurfaceAttributes halves = whole.look;
-  for (std::uint32_t t = 0; t < 128; ++t) halves.material.push_back(t / 64);
-  const Charts two = charts(whole.mesh, halves);
+  TriangleMesh halves = whole;
+  for (std::uint32_t t = 0; t < 128; ++t) halves.attributes.material.push_back(t / 64);
+  const Charts two = charts(halves);
   for (std::uint32_t t = 0; t < 128; ++t) EXPECT_EQ(two.ids[t], t < 64 ? 0u : 64u);
-  const TriangleMesh cube = shapes::cube(1.0);
-  SurfaceAttributes faces;  // each triangle has texture coordinates of its own
+  TriangleMesh cube = shapes::cube(1.0);
+  SurfaceAttributes& faces = cube.attributes;  // each triangle has texture coordinates of its own
   for (std::size_t t = 0; t < 12; ++t) {
     const auto u = static_cast<float>(t);
     faces.texcoords.push_back({glm::vec2(u, 0), glm::vec2(u + 0.5f, 0), glm::vec2(u, 0.5f)});
   }
-  const Charts each = charts(cube, faces);
+  const Charts each = charts(cube);
   EXPECT_EQ(std::set<std::uint32_t>(each.ids.begin(), each.ids.end()).size(), 12u);
   EXPECT_TRUE(each.selfSeam.empty());
   for (const auto& beyond : each.neighbors) {

@@ -17,7 +17,7 @@ namespace {
 constexpr double kExact = 1e-12;
 
 // A cube of n^3 voxels, side 1, each side neighbor a fragment of its own where asked for.
-VoxelMesh fineCube(int n, bool bySide) {
+TriangleMesh fineCube(int n, bool bySide) {
   std::vector<VoxelFace> faces;
   for (int d = 0; d < 6; ++d) {
     for (int u = 0; u < n; ++u) {
@@ -33,13 +33,8 @@ VoxelMesh fineCube(int n, bool bySide) {
   return meshOfFaces(faces, {{}, 1.0 / n});
 }
 
-CoarseMesh decimatedTo(const TriangleMesh& mesh, const std::vector<std::uint16_t>& neighbor,
-                       std::size_t triangles) {
-  return decimated(mesh, neighbor, std::vector{triangles}).front();
-}
-
-std::vector<std::uint16_t> plain(const TriangleMesh& mesh) {
-  return std::vector<std::uint16_t>(mesh.triangles.size(), 0);
+TriangleMesh decimatedTo(const TriangleMesh& mesh, std::size_t triangles) {
+  return decimated(mesh, std::vector{triangles}).front();
 }
 
 // How far a face of a mesh of that many equilateral triangles lies inside the unit ball whose area
@@ -52,18 +47,17 @@ double sagitta(std::size_t triangles) {
 
 TEST(Decimate, AFineCubeBecomesTheCube) {
   for (const bool bySide : {false, true}) {
-    const VoxelMesh fine = fineCube(16, bySide);
-    ASSERT_EQ(fine.mesh.triangles.size(), 6u * 16 * 16 * 2);
+    const TriangleMesh fine = fineCube(16, bySide);
+    ASSERT_EQ(fine.triangles.size(), 6u * 16 * 16 * 2);
     for (const std::size_t triangles : {1000u, 100u, 12u}) {
       SCOPED_TRACE(triangles);
-      const CoarseMesh coarse = decimatedTo(fine.mesh, fine.neighbor, triangles);
-      EXPECT_EQ(coarse.asked, triangles);
-      EXPECT_LE(coarse.mesh.triangles.size(), triangles);
-      expectClosedManifold(coarse.mesh);
-      EXPECT_NEAR(volume(coarse.mesh), 1.0, kExact);
-      EXPECT_NEAR(area(coarse.mesh), 6.0, kExact);
+      const TriangleMesh coarse = decimatedTo(fine, triangles);
+      EXPECT_LE(coarse.triangles.size(), triangles);
+      expectClosedManifold(coarse);
+      EXPECT_NEAR(volume(coarse), 1.0, kExact);
+      EXPECT_NEAR(area(coarse), 6.0, kExact);
       if (!bySide) continue;
-      for (const auto& [side, size] : areas(coarse.mesh, coarse.neighbor)) {
+      for (const auto& [side, size] : areas(coarse)) {
         EXPECT_NEAR(size, 1.0, kExact);
       }
     }
@@ -73,11 +67,10 @@ TEST(Decimate, AFineCubeBecomesTheCube) {
 TEST(Decimate, ABallStaysNearTheBall) {
   const TriangleMesh ball = shapes::ball(1.0, 5);
   const std::vector<std::size_t> triangles{200, 5000, 1000};  // in any order
-  const std::vector<CoarseMesh> coarse = decimated(ball, plain(ball), triangles);
+  const std::vector<TriangleMesh> coarse = decimated(ball, triangles);
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     SCOPED_TRACE(triangles[i]);
-    const TriangleMesh& mesh = coarse[i].mesh;
-    EXPECT_EQ(coarse[i].asked, triangles[i]);
+    const TriangleMesh& mesh = coarse[i];
     EXPECT_EQ(mesh.triangles.size(), triangles[i]);  // even, and one collapse takes two
     expectClosedManifold(mesh);
     EXPECT_EQ(mesh.vertices.size(), mesh.triangles.size() / 2 + 2);  // Euler: still a ball
@@ -89,9 +82,9 @@ TEST(Decimate, ABallStaysNearTheBall) {
     }
   }
   // Each goes on from the larger one: alone it comes out the same.
-  const CoarseMesh alone = decimatedTo(ball, plain(ball), 200);
-  EXPECT_EQ(alone.mesh.vertices, coarse[0].mesh.vertices);
-  EXPECT_EQ(alone.mesh.triangles, coarse[0].mesh.triangles);
+  const TriangleMesh alone = decimatedTo(ball, 200);
+  EXPECT_EQ(alone.vertices, coarse[0].vertices);
+  EXPECT_EQ(alone.triangles, coarse[0].triangles);
 }
 
 TEST(Decimate, TurnsNoBodyInsideOut) {
@@ -101,7 +94,7 @@ TEST(Decimate, TurnsNoBodyInsideOut) {
       sliver.vertices[i] *= 0.2 + 0.8 * static_cast<double>(mixed(seed * 1000 + i) % 1000) / 1000.0;
       sliver.vertices[i].z *= 0.03;
     }
-    const TriangleMesh fewest = decimatedTo(sliver, plain(sliver), 4).mesh;
+    const TriangleMesh fewest = decimatedTo(sliver, 4);
     EXPECT_GT(volume(fewest), 0.05 * volume(sliver)) << seed;
   }
 }
@@ -114,45 +107,46 @@ TEST(Decimate, RegionsStayWhatTheyAre) {
         glm::normalize(ball.vertices[t.x] + ball.vertices[t.y] + ball.vertices[t.z]);
     neighbor.push_back(p.z > 0.0 ? (p.z > 0.9 ? 4 : 0) : (p.x > 0.0 ? 2 : 7));
   }
-  const auto before = areas(ball, neighbor);
+  const TriangleMesh withIds = shapes::withNeighbor(ball, neighbor);
+  const auto before = areas(withIds);
   for (const std::size_t triangles : {2000u, 400u}) {
     SCOPED_TRACE(triangles);
-    const CoarseMesh coarse = decimatedTo(ball, neighbor, triangles);
-    EXPECT_LE(coarse.mesh.triangles.size(), triangles);
-    expectClosedManifold(coarse.mesh);
-    EXPECT_EQ(regions(coarse.mesh, coarse.neighbor), regions(ball, neighbor));
+    const TriangleMesh coarse = decimatedTo(withIds, triangles);
+    EXPECT_LE(coarse.triangles.size(), triangles);
+    expectClosedManifold(coarse);
+    EXPECT_EQ(regions(coarse), regions(withIds));
     // Areas scale with the square of the distance, and rims (at most two great circles' length for
     // a region) move no farther than faces do.
     const double off = sagitta(triangles);
-    for (const auto& [id, size] : areas(coarse.mesh, coarse.neighbor)) {
+    for (const auto& [id, size] : areas(coarse)) {
       EXPECT_NEAR(size, before.at(id), off * (2 * size + 4 * std::numbers::pi)) << id;
     }
   }
 }
 
 TEST(Decimate, WhatCannotBeLessStaysMore) {
-  const VoxelMesh sides = fineCube(4, true);
-  const CoarseMesh cube = decimatedTo(sides.mesh, sides.neighbor, 4);
-  EXPECT_EQ(cube.mesh.triangles.size(), 12u);  // eight corners where three regions meet
-  expectClosedManifold(cube.mesh);
-  EXPECT_NEAR(volume(cube.mesh), 1.0, kExact);
+  const TriangleMesh sides = fineCube(4, true);
+  const TriangleMesh cube = decimatedTo(sides, 4);
+  EXPECT_EQ(cube.triangles.size(), 12u);  // eight corners where three regions meet
+  expectClosedManifold(cube);
+  EXPECT_NEAR(volume(cube), 1.0, kExact);
 
   const TriangleMesh ball = shapes::ball(1.0, 3);
-  const CoarseMesh tetrahedron = decimatedTo(ball, plain(ball), 4);
-  expectClosedManifold(tetrahedron.mesh);
-  EXPECT_GE(tetrahedron.mesh.triangles.size(), 4u);
+  const TriangleMesh tetrahedron = decimatedTo(ball, 4);
+  expectClosedManifold(tetrahedron);
+  EXPECT_GE(tetrahedron.triangles.size(), 4u);
 
   const TriangleMesh ring = shapes::torus(1.0, 0.4);
-  const CoarseMesh torus = decimatedTo(ring, plain(ring), 4);
-  expectClosedManifold(torus.mesh);
-  EXPECT_EQ(torus.mesh.vertices.size() * 2, torus.mesh.triangles.size());  // Euler: one hole
+  const TriangleMesh torus = decimatedTo(ring, 4);
+  expectClosedManifold(torus);
+  EXPECT_EQ(torus.vertices.size() * 2, torus.triangles.size());  // Euler: one hole
 }
 
 TEST(Decimate, ASmallMeshStaysToTheBit) {
   const TriangleMesh ball = shapes::ball(0.3, 2, {5.0, 6.0, 7.0});
-  const CoarseMesh same = decimatedTo(ball, plain(ball), ball.triangles.size());
-  EXPECT_EQ(same.mesh.vertices, ball.vertices);
-  EXPECT_EQ(same.mesh.triangles, ball.triangles);
+  const TriangleMesh same = decimatedTo(ball, ball.triangles.size());
+  EXPECT_EQ(same.vertices, ball.vertices);
+  EXPECT_EQ(same.triangles, ball.triangles);
 }
 
 TEST(Decimate, ATouchingPairOfSheetsDoesNotConfuseIt) {
@@ -162,10 +156,10 @@ TEST(Decimate, ATouchingPairOfSheetsDoesNotConfuseIt) {
     if ((voxel.x() + voxel.y() + voxel.z()) % 2) continue;
     for (int d = 0; d < 6; ++d) faces.push_back({voxel, d, static_cast<std::uint16_t>(d % 3)});
   }
-  const VoxelMesh board = meshOfFaces(faces, {});
-  const CoarseMesh coarse = decimatedTo(board.mesh, board.neighbor, 4);
-  expectClosedManifold(coarse.mesh);
-  EXPECT_EQ(meshComponents(coarse.mesh).count, meshComponents(board.mesh).count);
+  const TriangleMesh board = meshOfFaces(faces, {});
+  const TriangleMesh coarse = decimatedTo(board, 4);
+  expectClosedManifold(coarse);
+  EXPECT_EQ(meshComponents(coarse).count, meshComponents(board).count);
 }
 
 }  // namespace

@@ -22,6 +22,7 @@
 #include "base/held_files.h"
 #include "folder/read_manifest.h"
 #include "formats/voxels/vdb.h"
+#include "shapes.h"
 #include "temp_folder.h"
 
 namespace sherd {
@@ -258,7 +259,7 @@ const TriangleMesh kTetrahedron{{{0, 0, 0}, {1.5, 0, 0}, {0, -2.25, 0}, {0, 0, 1
                                 {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}}};
 
 TEST_F(WritePly, HoldsVerticesFacesAndWhatTheyFace) {
-  writePly(folder_ / "a.ply", kTetrahedron, {0, 7, 65534, 0});
+  writePly(folder_ / "a.ply", shapes::withNeighbor(kTetrahedron, {0, 7, 65534, 0}));
   const std::string header =
       "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
       "property float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
@@ -292,7 +293,7 @@ Fragment ballFragment(int id) {
   grid->setName("not this name");
   fragment.surface = grid;
   fragment.mesh = kTetrahedron;
-  fragment.neighbor = {0, 0, 0, 0};
+  fragment.mesh.neighbor = {0, 0, 0, 0};
   fragment.mass.volume = 33.5;
   fragment.mass.centroid = {1, 2, -0.0};
   return fragment;

@@ -17,11 +17,11 @@ double noise(double share, double n = 5000.0) { return 5.0 * std::sqrt(share * (
 
 /// A unit cube about x, whose faces at x + side / 2 face `other`.
 FragmentMesh cubeBeside(int id, double x, double side, std::uint16_t other) {
-  FragmentMesh fragment{id, shapes::cube(1.0, {x, 0.0, 0.0}), {}};
+  FragmentMesh fragment{id, shapes::cube(1.0, {x, 0.0, 0.0})};
   for (const glm::uvec3& t : fragment.mesh.triangles) {
     bool all = true;
     for (int k = 0; k < 3; ++k) all &= fragment.mesh.vertices[t[k]].x == x + side / 2;
-    fragment.neighbor.push_back(all ? other : std::uint16_t{0});
+    fragment.mesh.neighbor.push_back(all ? other : std::uint16_t{0});
   }
   return fragment;
 }
@@ -88,7 +88,7 @@ TEST(Fit, LeavesOutWhatFacesAFragmentThatIsLost) {
 // 0.083^2 / 6 = 0.0012 inside the unit sphere.
 TEST(Fit, TellsHowFarABallIsFromALargerOne) {
   const double e = 0.1;
-  const std::vector<FragmentMesh> ball{{1, shapes::ball(1.0, 4), {}}};
+  const std::vector<FragmentMesh> ball{{1, shapes::ball(1.0, 4)}};
   const TriangleMesh larger = shapes::ball(1.0 + e, 4);
   const FitOptions options{.tolerance = 0.5};
   const Fit found = fit(ball, &larger, options);
@@ -110,8 +110,8 @@ TEST(Fit, TellsHowFarABallIsFromALargerOne) {
 // Either half shows one of its six faces to the other; along the rims nothing is mistaken, as the
 // way to the other half is along the surface there.
 TEST(Fit, FindsFracturesWhereNeighborsAreNotKnown) {
-  const std::vector<FragmentMesh> halves{{1, shapes::cube(1.0, {0, 0, 0}), {}},
-                                         {2, shapes::cube(1.0, {1, 0, 0}), {}}};
+  const std::vector<FragmentMesh> halves{{1, shapes::cube(1.0, {0, 0, 0})},
+                                         {2, shapes::cube(1.0, {1, 0, 0})}};
   TriangleMesh brick = shapes::cube(1.0);
   for (glm::dvec3& v : brick.vertices) v.x = v.x < 0 ? -0.5 : 1.5;
   for (const TriangleMesh* whole : std::initializer_list<const TriangleMesh*>{nullptr, &brick}) {
@@ -135,8 +135,8 @@ TEST(Fit, FindsFracturesWhereNeighborsAreNotKnown) {
 // surface counts as that.
 TEST(Fit, FindsTheGapWhereNeighborsAreNotKnown) {
   const double g = 0.02;
-  const std::vector<FragmentMesh> halves{{1, shapes::cube(1.0, {0, 0, 0}), {}},
-                                         {2, shapes::cube(1.0, {1 + g, 0, 0}), {}}};
+  const std::vector<FragmentMesh> halves{{1, shapes::cube(1.0, {0, 0, 0})},
+                                         {2, shapes::cube(1.0, {1 + g, 0, 0})}};
   TriangleMesh brick = shapes::cube(1.0);
   for (glm::dvec3& v : brick.vertices) v.x = v.x < 0 ? -0.5 : 1.5 + g;
   const Fit alone = fit(halves, nullptr), within = fit(halves, &brick);
@@ -152,9 +152,9 @@ TEST(Fit, FindsTheGapWhereNeighborsAreNotKnown) {
 }
 
 TEST(Fit, OpenFragmentsHoldNothing) {
-  FragmentMesh open{1, shapes::cube(1.0), {}};
+  FragmentMesh open{1, shapes::cube(1.0)};
   open.mesh.triangles.pop_back();
-  const std::vector<FragmentMesh> fragments{open, {2, shapes::cube(0.5), {}}};
+  const std::vector<FragmentMesh> fragments{open, {2, shapes::cube(0.5)}};
   const TriangleMesh whole = shapes::cube(2.0);
   const Fit found = fit(fragments, &whole);
   EXPECT_FALSE(found.fragments[0].overlapShare);
@@ -164,8 +164,7 @@ TEST(Fit, OpenFragmentsHoldNothing) {
 }
 
 TEST(Fit, DoesNotDependOnThreadsOrPlace) {
-  const std::vector<FragmentMesh> pair{{1, shapes::torus(1.0, 0.4), {}},
-                                       {2, shapes::ball(0.8), {}}};
+  const std::vector<FragmentMesh> pair{{1, shapes::torus(1.0, 0.4)}, {2, shapes::ball(0.8)}};
   const Fit once = fit(pair, nullptr, {.samples = 2000, .seed = 5});
   Fit again;
   tbb::task_arena alone(1);
@@ -184,11 +183,11 @@ TEST(Fit, DoesNotDependOnThreadsOrPlace) {
 }
 
 TEST(Fit, RefusesOptionsThatCannotBe) {
-  const std::vector<FragmentMesh> cube{{1, shapes::cube(1.0), {}}};
+  const std::vector<FragmentMesh> cube{{1, shapes::cube(1.0)}};
   EXPECT_THROW((void)fit(cube, nullptr, {.samples = 0}), Error);
   EXPECT_THROW((void)fit(cube, nullptr, {.tolerance = 0.0}), Error);
   EXPECT_THROW((void)fit(cube, nullptr, {.tolerance = NAN}), Error);
-  const std::vector<FragmentMesh> none{{1, {}, {}}};
+  const std::vector<FragmentMesh> none{{1, {}}};
   EXPECT_THROW((void)fit(none, nullptr), Error);
   EXPECT_TRUE(fit({}, nullptr).fragments.empty());
 }

@@ -54,12 +54,12 @@ TEST_F(LabelSurface, FragmentsAreTheirVoxels) {
         if (other != id) counted[other] += h * h;
       }
     }
-    const std::map<std::uint16_t, double> measured = areas(fragment.mesh, fragment.neighbor);
+    const std::map<std::uint16_t, double> measured = areas(fragment.mesh);
     ASSERT_EQ(measured.size(), counted.size());
     for (const auto& [other, size] : counted) EXPECT_NEAR(measured.at(other), size, 0.1 * size);
 
     // Each triangle faces the voxel beyond it.
-    for (std::size_t t = 0; t < fragment.neighbor.size(); ++t) {
+    for (std::size_t t = 0; t < fragment.mesh.neighbor.size(); ++t) {
       const glm::uvec3& c = fragment.mesh.triangles[t];
       const glm::dvec3 a = fragment.mesh.vertices[c.x], b = fragment.mesh.vertices[c.y],
                        d = fragment.mesh.vertices[c.z];
@@ -70,7 +70,7 @@ TEST_F(LabelSurface, FragmentsAreTheirVoxels) {
               .v;
       const glm::ivec3 voxel(glm::round(at));
       const auto beyond = label.find(Coord(voxel.x, voxel.y, voxel.z));
-      ASSERT_EQ(fragment.neighbor[t], beyond == label.end() ? 0 : beyond->second);
+      ASSERT_EQ(fragment.mesh.neighbor[t], beyond == label.end() ? 0 : beyond->second);
     }
   }
 }
@@ -80,10 +80,8 @@ TEST_F(LabelSurface, TwoSidesOfACrackHaveOneSurface) {
   for (const Fragment& fragment : result.fragments) {
     for (const Contact& contact : fragment.contacts) {
       const Fragment& other = result.fragments[static_cast<std::size_t>(contact.fragment) - 1];
-      const double here =
-          areas(fragment.mesh, fragment.neighbor).at(static_cast<std::uint16_t>(contact.fragment));
-      const double there =
-          areas(other.mesh, other.neighbor).at(static_cast<std::uint16_t>(fragment.id));
+      const double here = areas(fragment.mesh).at(static_cast<std::uint16_t>(contact.fragment));
+      const double there = areas(other.mesh).at(static_cast<std::uint16_t>(fragment.id));
       EXPECT_NEAR(here, there, 0.1 * here);  // as above; equal where no sheets touch
     }
   }
@@ -102,7 +100,7 @@ TEST_F(LabelSurface, ErodedFacesKeepWhatTheyFaced) {
     expectClosedManifold(fragment.mesh);
     // Two layers off a crack: its faces lie deeper in, and face no fragment that was not there.
     EXPECT_GT(fragment.fractureArea, 0.0);
-    for (const auto& [other, size] : areas(fragment.mesh, fragment.neighbor)) {
+    for (const auto& [other, size] : areas(fragment.mesh)) {
       EXPECT_NE(other, fragment.id);
       EXPECT_NE(other, Labels::kEroded);
       EXPECT_LE(other, eroded.fragments.size());
@@ -124,13 +122,14 @@ TEST_F(DecimatedFracture, EveryFragmentStaysClosedAndKeepsWhatItFaces) {
     const FractureResult result = fracture(shapes::cup(1.0, 0.3, 1.5, 0.3), options, device());
     for (const Fragment& fragment : result.fragments) {
       ASSERT_EQ(fragment.coarse.size(), 2u);
-      for (const CoarseMesh& coarse : fragment.coarse) {
-        SCOPED_TRACE(coarse.asked);
-        EXPECT_LE(coarse.mesh.triangles.size(), coarse.asked);
-        expectClosedManifold(coarse.mesh);
-        EXPECT_EQ(regions(coarse.mesh, coarse.neighbor), regions(fragment.mesh, fragment.neighbor));
+      for (std::size_t i = 0; i < 2; ++i) {
+        const TriangleMesh& coarse = fragment.coarse[i];
+        SCOPED_TRACE(i);
+        EXPECT_LE(coarse.triangles.size(), options.surface.triangles[i]);
+        expectClosedManifold(coarse);
+        EXPECT_EQ(regions(coarse), regions(fragment.mesh));
         // Half a voxel over the surface is what the mesh itself may be off by.
-        EXPECT_NEAR(volume(coarse.mesh), fragment.mass.volume,
+        EXPECT_NEAR(volume(coarse), fragment.mass.volume,
                     0.5 * result.solid.frame.voxelSize * fragment.area);
       }
     }
@@ -144,9 +143,9 @@ TEST_F(DecimatedFracture, HasNoFaceThatSinglePrecisionTakesForALine) {
   options.surface.triangles = {1000};
   for (const Fragment& fragment : fracture(plate, options, device()).fragments) {
     std::size_t lines = 0;
-    for (const glm::uvec3& corner : fragment.coarse[0].mesh.triangles) {
+    for (const glm::uvec3& corner : fragment.coarse[0].triangles) {
       glm::dvec3 p[3];  // as a file has them
-      for (int k = 0; k < 3; ++k) p[k] = glm::vec3(fragment.coarse[0].mesh.vertices[corner[k]]);
+      for (int k = 0; k < 3; ++k) p[k] = glm::vec3(fragment.coarse[0].vertices[corner[k]]);
       const double longest =
           std::max({glm::length(p[1] - p[0]), glm::length(p[2] - p[1]), glm::length(p[0] - p[2])});
       lines += glm::length(glm::cross(p[1] - p[0], p[2] - p[0])) < 1e-6 * longest;

@@ -49,10 +49,10 @@ TEST_F(Fracture, AHalvedBallHasADiscForContact) {
   // fracture faces' sum is minus the original faces'.
   for (const Fragment& piece : result.fragments) {
     glm::dvec3 sum(0.0), outer(0.0);
-    for (std::size_t t = 0; t < piece.neighbor.size(); ++t) {
+    for (std::size_t t = 0; t < piece.mesh.neighbor.size(); ++t) {
       const glm::uvec3& c = piece.mesh.triangles[t];
       const glm::dvec3 a = piece.mesh.vertices[c.x];
-      (piece.neighbor[t] ? sum : outer) +=
+      (piece.mesh.neighbor[t] ? sum : outer) +=
           glm::cross(piece.mesh.vertices[c.y] - a, piece.mesh.vertices[c.z] - a) / 2.0;
     }
     EXPECT_NEAR(glm::length(sum + outer), 0.0, 1e-9);
@@ -77,7 +77,7 @@ TEST_F(Fracture, MovingAndScalingTheInputMovesAndScalesTheOutput) {
     const TriangleMesh& b = moved.fragments[i].mesh;
     ASSERT_EQ(a.vertices.size(), b.vertices.size());
     EXPECT_TRUE(a.triangles == b.triangles);
-    ASSERT_EQ(one.fragments[i].neighbor, moved.fragments[i].neighbor);
+    ASSERT_EQ(one.fragments[i].mesh.neighbor, moved.fragments[i].mesh.neighbor);
     double worst = 0.0;
     for (std::size_t v = 0; v < a.vertices.size(); ++v) {
       worst = std::max(
@@ -132,21 +132,24 @@ TEST(PreparedSolid, GivesTheSameFracturesAndNeedsNoNewBuffersAfterTheFirst) {
   PreparedSolid ready = prepared(solid, device);
   ready.surface = intactSurface(ready.solid);
   std::size_t buffers = 0;
-  for (int pieces = 2; pieces <= 10; ++pieces) {
+  for (int i = 0; i < 18; ++i) {
+    const int pieces = 2 + i % 9;
     FractureOptions options;
     options.pieces = pieces;
     options.seed = static_cast<std::uint64_t>(pieces);
     options.extraSeedsPerPiece = 2;
-    options.grow.warmUp = pieces == 2;
+    options.grow.warmUp = i == 0;
     const FractureResult again = fracture(ready, options, device);
-    if (buffers == 0) buffers = device.memory().buffersCreated;
+    // Disconnected voxels need buffers for the leaves around them, once.
+    const bool mayAllocate = i == 0 || (i < 9 && again.labels.disconnected.front() > 0);
+    if (mayAllocate) buffers = device.memory().buffersCreated;
     EXPECT_EQ(device.memory().buffersCreated, buffers) << pieces << " pieces";
     const FractureResult alone = fracture(solid, options, other);
     EXPECT_EQ(again.labels.fragment, alone.labels.fragment);
-    for (std::size_t i = 0; i < again.fragments.size(); ++i) {
-      EXPECT_EQ(again.fragments[i].mesh.vertices, alone.fragments[i].mesh.vertices);
-      EXPECT_EQ(again.fragments[i].mesh.triangles, alone.fragments[i].mesh.triangles);
-      EXPECT_EQ(again.fragments[i].neighbor, alone.fragments[i].neighbor);
+    for (std::size_t f = 0; f < again.fragments.size(); ++f) {
+      EXPECT_EQ(again.fragments[f].mesh.vertices, alone.fragments[f].mesh.vertices);
+      EXPECT_EQ(again.fragments[f].mesh.triangles, alone.fragments[f].mesh.triangles);
+      EXPECT_EQ(again.fragments[f].mesh.neighbor, alone.fragments[f].mesh.neighbor);
     }
   }
   EXPECT_GT(device.memory().bytes, 0u);
@@ -171,7 +174,7 @@ TEST(FractureWithoutLevelSets, HasTheSameMeshes) {
       EXPECT_EQ(without.fragments[i].surface, nullptr);
       EXPECT_EQ(with.fragments[i].mesh.vertices, without.fragments[i].mesh.vertices);
       EXPECT_EQ(with.fragments[i].mesh.triangles, without.fragments[i].mesh.triangles);
-      EXPECT_EQ(with.fragments[i].neighbor, without.fragments[i].neighbor);
+      EXPECT_EQ(with.fragments[i].mesh.neighbor, without.fragments[i].mesh.neighbor);
     }
   }
 }

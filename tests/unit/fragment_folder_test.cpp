@@ -10,7 +10,6 @@
 #include "../shapes.h"
 #include "../temp_folder.h"
 #include "base/natural_order.h"
-#include "formats/mesh/read_neighbors.h"
 
 namespace sherd {
 namespace {
@@ -32,10 +31,10 @@ TEST_F(ReadNeighbors, GivesWhatWasWritten) {
   for (std::size_t t = 0; t < neighbor.size(); ++t)
     neighbor[t] = static_cast<std::uint16_t>(5000 * t);
   const auto file = folder_ / "cube.ply";
-  writePly(file, cube, neighbor);
-  EXPECT_EQ(readNeighbors(file, readMesh(file).mesh), neighbor);
+  writePly(file, shapes::withNeighbor(cube, neighbor));
+  EXPECT_EQ(readMesh(file).mesh.neighbor, neighbor);
   writePly(file, cube);
-  EXPECT_TRUE(readNeighbors(file, cube).empty());
+  EXPECT_TRUE(readMesh(file).mesh.neighbor.empty());
 }
 
 // Two vertices that single precision makes one: readMesh drops the triangle between them.
@@ -46,9 +45,9 @@ TEST_F(ReadNeighbors, FollowsTrianglesThatReadingDrops) {
   cube.triangles.insert(cube.triangles.begin() + 4, {t.x, 8u, t.y});
   std::vector<std::uint16_t> neighbor{0, 1, 2, 3, 99, 4, 5, 6, 7, 8, 9, 10, 11};
   const auto file = folder_ / "cube.ply";
-  writePly(file, cube, neighbor);
+  writePly(file, shapes::withNeighbor(cube, neighbor));
   neighbor.erase(neighbor.begin() + 4);
-  EXPECT_EQ(readNeighbors(file, readMesh(file).mesh), neighbor);
+  EXPECT_EQ(readMesh(file).mesh.neighbor, neighbor);
 }
 
 TEST_F(ReadNeighbors, PassesOverWhatElseIsThere) {
@@ -68,10 +67,34 @@ TEST_F(ReadNeighbors, PassesOverWhatElseIsThere) {
   put(std::uint8_t{2}), put(0.5f), put(0.25f);
   put(std::uint8_t{3}), put(0), put(1), put(2), put(42);
   std::ofstream(file, std::ios::binary) << bytes;
-  const TriangleMesh one{{{0, 0, 1}, {1, 1, 1}, {2, 4, 1}}, {{0, 1, 2}}};
-  EXPECT_EQ(readNeighbors(file, one), std::vector<std::uint16_t>{42});
-  std::ofstream(file, std::ios::binary) << bytes.substr(0, bytes.size() - 2);
-  EXPECT_TRUE(readNeighbors(file, one).empty());
+  EXPECT_EQ(readMesh(file).mesh.neighbor, std::vector<std::uint16_t>{42});
+  bytes.replace(bytes.find("int neighbor"), 12, "int facing\x20\x20");  // schema sherd/1
+  std::ofstream(file, std::ios::binary) << bytes;
+  EXPECT_EQ(readMesh(file).mesh.neighbor, std::vector<std::uint16_t>{42});
+}
+
+// The property of another program, or faces of several kinds: no ids of fragments.
+TEST_F(ReadNeighbors, LeavesOutWhatAreNoIds) {
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+      "property float z\nelement face 2\nproperty list uchar int vertex_indices\n"
+      "property float neighbor\n";
+  const std::string vertices = "end_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
+  const auto neighborsOf = [&](const std::string& text) {
+    std::ofstream(folder_ / "a.ply") << text;
+    return readMesh(folder_ / "a.ply").mesh.neighbor;
+  };
+  EXPECT_EQ(neighborsOf(head + vertices + "3 0 1 2 65535\n3 0 1 3 0\n").size(), 2u);
+  // A square is two triangles of one neighbor.
+  EXPECT_EQ(neighborsOf(head + vertices + "4 0 1 2 3 8\n3 0 1 3 0\n"),
+            (std::vector<std::uint16_t>{8, 8, 0}));
+  for (const char* bad : {"65536", "-1", "0.5", "nan"}) {
+    EXPECT_TRUE(neighborsOf(head + vertices + "3 0 1 2 7\n3 0 1 3 " + bad + "\n").empty()) << bad;
+    EXPECT_TRUE(neighborsOf(head + vertices + "3 0 1 2 " + bad + "\n3 0 1 3 7\n").empty()) << bad;
+  }
+  EXPECT_TRUE(neighborsOf(head + "element tristrips 1\nproperty list int int vertex_indices\n" +
+                          vertices + "3 0 1 2 7\n3 0 1 3 7\n3 1 2 3\n")
+                  .empty());
 }
 
 TEST_F(ReadFragments, TakesEveryMeshInNaturalOrder) {
@@ -100,7 +123,7 @@ TEST_F(ReadFragments, RefusesWhatHoldsNone) {
 EvaluatedFragment meshOf(int id, TriangleMesh mesh) {
   EvaluatedFragment fragment;
   fragment.name = "piece_" + std::to_string(id) + ".obj";
-  fragment.mesh = {id, std::move(mesh), {}};
+  fragment.mesh = {id, std::move(mesh)};
   return fragment;
 }
 

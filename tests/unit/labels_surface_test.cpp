@@ -28,10 +28,10 @@ std::vector<VoxelFace> facesOfSet(const std::set<Coord>& voxels) {
 // place of its own, outwards.  With sheets not set apart the volume and the area are the voxels'.
 void expectGoodMesh(const std::set<Coord>& voxels) {
   const std::vector<VoxelFace> faces = facesOfSet(voxels);
-  const TriangleMesh apart = meshOfFaces(faces, {}).mesh;
+  const TriangleMesh apart = meshOfFaces(faces, {});
   expectClosedManifold(apart);
   EXPECT_EQ(coincidentVertices(apart), 0u);
-  const TriangleMesh exact = meshOfFaces(faces, {}, 0.0).mesh;
+  const TriangleMesh exact = meshOfFaces(faces, {}, 0.0);
   const auto count = static_cast<double>(voxels.size());
   EXPECT_NEAR(volume(exact), count, 1e-12 * count);
   EXPECT_NEAR(area(exact), static_cast<double>(faces.size()), 1e-12 * area(exact));
@@ -74,7 +74,7 @@ TEST(LabelMesh, PartsSheetsThatHangTogetherBeyondBothEndsOfTheirEdge) {
 TEST(LabelMesh, LiesInTheWorldAsTheVoxelsDo) {
   const GridFrame frame{{{10.0, 20.0, 30.0}}, 0.5};
   const std::set<Coord> one{{2, 0, -1}};
-  const Box box = bounds(meshOfFaces(facesOfSet(one), frame).mesh);
+  const Box box = bounds(meshOfFaces(facesOfSet(one), frame));
   EXPECT_EQ(box.min, glm::dvec3(10.75, 19.75, 29.25));
   EXPECT_EQ(box.max, glm::dvec3(11.25, 20.25, 29.75));
 }

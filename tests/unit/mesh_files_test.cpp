@@ -31,16 +31,16 @@ const std::string kPng = "\x89PNG\r\n\x1a\n of no use";
 // A cube whose sides are faces 0, 0, 7, 7, 9, 9 of two triangles each in the order of `cube`.
 struct Piece {
   TriangleMesh mesh = shapes::cube(2.0, {10.0, 20.0, 30.0});
-  std::vector<std::uint16_t> neighbor{0, 0, 0, 0, 7, 7, 7, 7, 9, 9, 9, 9};
   SurfaceAttributes look{};
   Appearance input{};
   MaterialTable table{};
   std::string name = "vase_001";
 
   explicit Piece(bool looks) {
+    mesh.neighbor = {0, 0, 0, 0, 7, 7, 7, 7, 9, 9, 9, 9};
     if (looks) {
       for (std::size_t t = 0; t < 12; ++t) {
-        const bool inside = neighbor[t] != 0;
+        const bool inside = mesh.neighbor[t] != 0;
         const auto u = static_cast<float>(t);
         look.texcoords.push_back({});
         look.colors.push_back({kInsideColor, kInsideColor, kInsideColor});
@@ -58,7 +58,7 @@ struct Piece {
     }
     table = materialTable(input);
   }
-  PieceMesh piece() const { return {name, mesh, neighbor, look, table}; }
+  PieceMesh piece() const { return {name, mesh, look, table}; }
 };
 
 class MeshFiles : public TempFolder {
@@ -118,11 +118,14 @@ TEST_F(MeshFiles, EveryFormatHoldsTheLook) {
     const bool isGlb = std::string(name).ends_with("glb");
     const SourceMesh back = readMesh(folder_ / name);
     const Appearance& look = back.appearance;
+    const SurfaceAttributes& attributes = back.mesh.attributes;
     const auto there = byPlaces(back.mesh);
     for (const auto& [places, t] : byPlaces(piece.mesh)) {
       const std::size_t u = there.at(places);
-      const Material& material = look.materials.at(look.surface.material.at(u));
-      EXPECT_EQ(material.name, piece.neighbor[t] != 0 ? "inside" : t < 2 ? "gl_aze" : "inside_2");
+      const Material& material = look.materials.at(attributes.material.at(u));
+      EXPECT_EQ(material.name, piece.mesh.neighbor[t] != 0 ? "inside"
+                               : t < 2                     ? "gl_aze"
+                                                           : "inside_2");
       EXPECT_EQ(material.texture, t < 2 ? 0 : -1);
       if (t < 2 && isGlb) {
         EXPECT_EQ(material.color, glm::vec3(0.5f, 0.25f, 1.0f));
@@ -131,13 +134,13 @@ TEST_F(MeshFiles, EveryFormatHoldsTheLook) {
         const Place at = placeOf(piece.mesh.vertices[piece.mesh.triangles[t][static_cast<int>(k)]]);
         std::size_t j = 0;
         while (placeOf(back.mesh.vertices[back.mesh.triangles[u][static_cast<int>(j)]]) != at) ++j;
-        if (piece.neighbor[t] == 0) {
-          const glm::vec2 apart = look.surface.texcoords[u][j] - piece.look.texcoords[t][k];
+        if (piece.mesh.neighbor[t] == 0) {
+          const glm::vec2 apart = attributes.texcoords[u][j] - piece.look.texcoords[t][k];
           EXPECT_LE(std::abs(apart.x) + std::abs(apart.y), 1e-6f);
         }
         // Vertices at the rim have the original surface's color where they have one only.
-        if (isGlb || piece.neighbor[t] == 0) {
-          EXPECT_EQ(look.surface.colors[u][j], piece.look.colors[t][k]);
+        if (isGlb || piece.mesh.neighbor[t] == 0) {
+          EXPECT_EQ(attributes.colors[u][j], piece.look.colors[t][k]);
         }
       }
     }
@@ -180,14 +183,14 @@ TEST(VertexNeighbor, IsWhatTheMostAngleFaces) {
   const Piece piece(false);
   // Every corner of a cube has a right angle for each of its three sides, in one or two triangles;
   // sides are 0, 0, 7, 7, 9, 9, opposite ones alike.
-  for (const std::uint16_t neighbor : vertexNeighbor(piece.mesh, piece.neighbor))
-    EXPECT_EQ(neighbor, 7);
-  std::vector<std::uint16_t> neighbor = piece.neighbor;
+  for (const std::uint16_t neighbor : vertexNeighbor(piece.mesh)) EXPECT_EQ(neighbor, 7);
+  std::vector<std::uint16_t> neighbor = piece.mesh.neighbor;
   std::fill(neighbor.begin() + 8, neighbor.end(), std::uint16_t{7});
-  for (const std::uint16_t id : vertexNeighbor(piece.mesh, neighbor)) EXPECT_EQ(id, 7);
+  for (const std::uint16_t id : vertexNeighbor(shapes::withNeighbor(piece.mesh, neighbor)))
+    EXPECT_EQ(id, 7);
   std::fill(neighbor.begin(), neighbor.end(), std::uint16_t{0});
   neighbor[3] = 5;
-  const std::vector<std::uint16_t> one = vertexNeighbor(piece.mesh, neighbor);
+  const std::vector<std::uint16_t> one = vertexNeighbor(shapes::withNeighbor(piece.mesh, neighbor));
   for (std::uint32_t v = 0; v < 8; ++v) {
     const glm::uvec3& t = piece.mesh.triangles[3];
     EXPECT_EQ(one[v], v == t.x || v == t.y || v == t.z ? 5 : 0);
@@ -196,8 +199,8 @@ TEST(VertexNeighbor, IsWhatTheMostAngleFaces) {
   TriangleMesh fan;
   fan.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 0.1, 0}, {1, 0.2, 0}, {-1, 1, 0}};
   fan.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}};
-  EXPECT_EQ(vertexNeighbor(fan, {4, 4, 3})[0], 3);
-  EXPECT_EQ(vertexNeighbor(fan, {4, 0, 0})[0], 4);
+  EXPECT_EQ(vertexNeighbor(shapes::withNeighbor(fan, {4, 4, 3}))[0], 3);
+  EXPECT_EQ(vertexNeighbor(shapes::withNeighbor(fan, {4, 0, 0}))[0], 4);
 }
 
 TEST(VertexNormals, WeighFacesByTheirAngles) {

@@ -121,9 +121,9 @@ Errors errorsOf(const FractureResult& result, const Shape& shape, const Placed& 
   for (const Fragment& fragment : result.fragments) {
     const Boundary boundary(fragment, h);
     std::vector<bool> original(fragment.mesh.vertices.size());
-    for (std::size_t t = 0; t < fragment.neighbor.size(); ++t) {
+    for (std::size_t t = 0; t < fragment.mesh.neighbor.size(); ++t) {
       for (int k = 0; k < 3; ++k) {
-        if (fragment.neighbor[t] == 0) original[fragment.mesh.triangles[t][k]] = true;
+        if (fragment.mesh.neighbor[t] == 0) original[fragment.mesh.triangles[t][k]] = true;
       }
     }
     for (std::size_t v = 0; v < original.size(); ++v) {
@@ -185,7 +185,7 @@ TEST_F(OriginalSurface, IsToldFromCracksOnAThinCup) {
   for (const Fragment& fragment : result.fragments) {
     const Boundary boundary(fragment, h);
     const glm::dvec3 own = seedOf(fragment.id);
-    for (std::size_t t = 0; t < fragment.neighbor.size(); ++t) {
+    for (std::size_t t = 0; t < fragment.mesh.neighbor.size(); ++t) {
       const glm::uvec3& corner = fragment.mesh.triangles[t];
       const glm::dvec3 center =
           (fragment.mesh.vertices[corner.x] + fragment.mesh.vertices[corner.y] +
@@ -203,7 +203,7 @@ TEST_F(OriginalSurface, IsToldFromCracksOnAThinCup) {
       const bool isOriginal = toCup < toCrack;
       ++faces;
       cracks += !isOriginal;
-      wrong += isOriginal != (fragment.neighbor[t] == 0);
+      wrong += isOriginal != (fragment.mesh.neighbor[t] == 0);
       wrongByDistance += !isOriginal && toCup < 0.025 * 2.0;
     }
   }
@@ -317,8 +317,8 @@ TEST_F(OriginalSurface, CracksBetweenTwoSeedsArePlanes) {
       const Fragment& fragment = result.fragments[0];
       const Boundary boundary(fragment, frame.voxelSize);
       std::vector<double> inner, boundaries;
-      for (std::size_t t = 0; t < fragment.neighbor.size(); ++t) {
-        if (fragment.neighbor[t] == 0) continue;
+      for (std::size_t t = 0; t < fragment.mesh.neighbor.size(); ++t) {
+        if (fragment.mesh.neighbor[t] == 0) continue;
         for (int k = 0; k < 3; ++k) {
           const glm::dvec3& v = fragment.mesh.vertices[fragment.mesh.triangles[t][k]];
           const double off = glm::dot(frame.indexFromWorld({v}).v - 0.5 * (a + b), normal);

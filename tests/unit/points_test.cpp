@@ -38,10 +38,10 @@ PointOptions with(PointOptions options, std::size_t count, std::uint64_t seed = 
 }
 
 // A distinct number per triangle, which identifies the triangle of a point.
-std::vector<std::uint16_t> triangleNumbers(const TriangleMesh& mesh) {
-  std::vector<std::uint16_t> all(mesh.triangles.size());
-  std::iota(all.begin(), all.end(), std::uint16_t{0});
-  return all;
+TriangleMesh numbered(TriangleMesh mesh) {
+  mesh.neighbor.resize(mesh.triangles.size());
+  std::iota(mesh.neighbor.begin(), mesh.neighbor.end(), std::uint16_t{0});
+  return mesh;
 }
 
 // Normal vector, twice the area long.
@@ -92,10 +92,9 @@ ErrorCode codeOf(const Work& work) {
 
 TEST(SamplePoints, HaveTheRequestedCountAndLieOnTheirTriangles) {
   const TriangleMesh ball = shapes::ball(2.0, 2, {1.0, -3.0, 0.5});
-  const std::vector<std::uint16_t> neighbor = triangleNumbers(ball);
   for (const PointOptions& way : kEveryWay) {
     for (const std::size_t count : {0u, 1u, 2u, 319u, 320u, 321u, 5000u}) {
-      const SurfacePoints points = samplePoints(ball, neighbor, with(way, count));
+      const SurfacePoints points = samplePoints(numbered(ball), with(way, count));
       ASSERT_EQ(points.positions.size(), count);
       ASSERT_EQ(points.normals.size(), count);
       ASSERT_EQ(points.neighbor.size(), count);
@@ -115,7 +114,7 @@ TEST(SamplePoints, HaveTheRequestedCountAndLieOnTheirTriangles) {
 
 TEST(SamplePoints, HaveUnitNormalsThatPointOutOfABall) {
   const TriangleMesh ball = shapes::ball(1.0, 3);
-  const SurfacePoints points = samplePoints(ball, {}, {.count = 2000});
+  const SurfacePoints points = samplePoints(ball, {.count = 2000});
   for (std::size_t i = 0; i < points.normals.size(); ++i) {
     EXPECT_NEAR(glm::length(points.normals[i]), 1.0, 8.0 * kEpsilon);
     // A point and its facet's normal differ by at most the facet's width, about 0.15.
@@ -157,7 +156,7 @@ TEST(SamplePoints, AreUniformByArea) {
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
     for (const PointSampler sampler : {PointSampler::uniform, PointSampler::halton}) {
       const PointOptions options{.count = 100'000, .sampler = sampler, .seed = seed};
-      const SurfacePoints points = samplePoints(mesh, triangleNumbers(mesh), options);
+      const SurfacePoints points = samplePoints(numbered(mesh), options);
       EXPECT_LT(chiSquare(points, mesh, areas), bound);
       EXPECT_GT(chiSquare(points, mesh, others),
                 bound);  // the test is sensitive to a small difference
@@ -193,7 +192,7 @@ TEST(SamplePoints, OfHaltonHaveLessDiscrepancyThanMersenneTwister) {
   for (unsigned seed = 0; seed < 8; ++seed) {
     std::vector<glm::dvec2> halton, twister;
     const PointOptions options{.count = kCount, .sampler = PointSampler::halton, .seed = seed};
-    for (const glm::dvec3& p : samplePoints(square, {}, options).positions) {
+    for (const glm::dvec3& p : samplePoints(square, options).positions) {
       halton.emplace_back(p.x, p.y);
     }
     std::mt19937 generator(seed);
@@ -227,8 +226,7 @@ TEST(SamplePoints, OfPoissonAreFarApart) {
   const double r = std::sqrt(area(ball) / (2.0 * std::sqrt(3.0) * kCount));
   for (std::uint64_t seed = 0; seed < 3; ++seed) {
     const auto distance = [&](PointSampler sampler) {
-      return leastDistance(
-          samplePoints(ball, {}, {.count = kCount, .sampler = sampler, .seed = seed}));
+      return leastDistance(samplePoints(ball, {.count = kCount, .sampler = sampler, .seed = seed}));
     };
     EXPECT_GT(distance(PointSampler::poisson), r);
     EXPECT_LT(distance(PointSampler::uniform), r / 10.0);
@@ -241,8 +239,7 @@ TEST(SamplePoints, PerTriangleAreProportionalToAreaWithoutRounding) {
   for (const std::size_t each : {1u, 3u, 100u}) {
     const PointOptions options{.count = 16 * each, .rule = PointRule::perTriangle};
     std::vector<std::size_t> counts(5, 0);
-    for (const std::uint16_t t : samplePoints(mesh, triangleNumbers(mesh), options).neighbor)
-      ++counts[t];
+    for (const std::uint16_t t : samplePoints(numbered(mesh), options).neighbor) ++counts[t];
     EXPECT_EQ(counts, (std::vector<std::size_t>{each, each, 2 * each, 4 * each, 8 * each}));
   }
 }
@@ -259,7 +256,7 @@ TEST(SamplePoints, PerTriangleGiveEachOneBeforeTheCut) {
   std::vector<int> found(20, 0);
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
     const PointOptions options{.count = 64, .rule = PointRule::perTriangle, .seed = seed};
-    for (const std::uint16_t t : samplePoints(mesh, triangleNumbers(mesh), options).neighbor) {
+    for (const std::uint16_t t : samplePoints(numbered(mesh), options).neighbor) {
       if (t < 20) ++found[t];
     }
   }
@@ -270,7 +267,7 @@ TEST(SamplePoints, PerTriangleGiveEachOneBeforeTheCut) {
 TEST(SamplePoints, SkipTrianglesWithoutArea) {
   TriangleMesh mesh = row({1, 0, 2, 0});
   for (const PointOptions& way : kEveryWay) {
-    const SurfacePoints points = samplePoints(mesh, triangleNumbers(mesh), with(way, 300));
+    const SurfacePoints points = samplePoints(numbered(mesh), with(way, 300));
     const std::set<std::uint16_t> triangles(points.neighbor.begin(), points.neighbor.end());
     EXPECT_EQ(triangles, (std::set<std::uint16_t>{0, 2}));
   }
@@ -279,13 +276,12 @@ TEST(SamplePoints, SkipTrianglesWithoutArea) {
 TEST(SamplePoints, DependOnTheSeedOnly) {
   const TriangleMesh ball = shapes::ball(1.0, 2);
   for (const PointOptions& way : kEveryWay) {
-    const SurfacePoints first = samplePoints(ball, triangleNumbers(ball), with(way, 200, 5));
-    const SurfacePoints again = samplePoints(ball, triangleNumbers(ball), with(way, 200, 5));
+    const SurfacePoints first = samplePoints(numbered(ball), with(way, 200, 5));
+    const SurfacePoints again = samplePoints(numbered(ball), with(way, 200, 5));
     EXPECT_EQ(first.positions, again.positions);
     EXPECT_EQ(first.normals, again.normals);
     EXPECT_EQ(first.neighbor, again.neighbor);
-    EXPECT_NE(first.positions,
-              samplePoints(ball, triangleNumbers(ball), with(way, 200, 6)).positions);
+    EXPECT_NE(first.positions, samplePoints(numbered(ball), with(way, 200, 6)).positions);
   }
 }
 
@@ -293,8 +289,8 @@ TEST(SamplePoints, DependOnTheSeedOnly) {
 TEST(SamplePoints, MoveWithTheMesh) {
   const TriangleMesh ball = shapes::ball(1.0, 2), larger = shapes::transformed(ball, 4.0, {});
   for (const PointOptions& way : kEveryWay) {
-    const SurfacePoints small = samplePoints(ball, {}, with(way, 200));
-    const SurfacePoints large = samplePoints(larger, {}, with(way, 200));
+    const SurfacePoints small = samplePoints(ball, with(way, 200));
+    const SurfacePoints large = samplePoints(larger, with(way, 200));
     for (std::size_t i = 0; i < 200; ++i) {
       EXPECT_EQ(4.0 * small.positions[i], large.positions[i]);
       EXPECT_EQ(small.normals[i], large.normals[i]);
@@ -305,7 +301,7 @@ TEST(SamplePoints, MoveWithTheMesh) {
 TEST(SamplePoints, RefuseInvalidOptions) {
   const TriangleMesh ball = shapes::ball(1.0, 1);
   const auto code = [](const TriangleMesh& mesh, const PointOptions& options) {
-    return codeOf([&] { return samplePoints(mesh, {}, options); });
+    return codeOf([&] { return samplePoints(mesh, options); });
   };
   EXPECT_EQ(code(ball, {.count = kMaxPoints + 1}), ErrorCode::usage);
   EXPECT_EQ(

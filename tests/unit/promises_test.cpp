@@ -199,8 +199,9 @@ TEST_P(Promises, ContactsKnowTheirOtherSide) {
   const FractureResult& result = broken().result;
   for (const Fragment& fragment : result.fragments) {
     SCOPED_TRACE("fragment " + std::to_string(fragment.id));
-    ASSERT_EQ(fragment.neighbor.size(), fragment.mesh.triangles.size());
-    for (const int other : std::set<int>(fragment.neighbor.begin(), fragment.neighbor.end())) {
+    ASSERT_EQ(fragment.mesh.neighbor.size(), fragment.mesh.triangles.size());
+    for (const int other :
+         std::set<int>(fragment.mesh.neighbor.begin(), fragment.mesh.neighbor.end())) {
       ASSERT_LE(other, kPieces);
       ASSERT_NE(other, fragment.id);
       EXPECT_TRUE(other == 0 || std::any_of(fragment.contacts.begin(), fragment.contacts.end(),
@@ -249,8 +250,8 @@ TEST_P(KnownSurfaces, StayWhereTheyWere) {
   std::size_t vertices = 0;
   for (const Fragment& fragment : result.fragments) {
     std::set<unsigned> original;
-    for (std::size_t t = 0; t < fragment.neighbor.size(); ++t) {
-      if (fragment.neighbor[t] == 0) {
+    for (std::size_t t = 0; t < fragment.mesh.neighbor.size(); ++t) {
+      if (fragment.mesh.neighbor[t] == 0) {
         for (int k = 0; k < 3; ++k) original.insert(fragment.mesh.triangles[t][k]);
       }
     }

@@ -45,7 +45,7 @@ glm::u8vec3 colorAt(const glm::dvec3& p) {
 glm::vec2 texcoordAt(const glm::dvec3& p) { return {p.x * 0.5 + 0.25 * p.z, 0.75 * p.y + p.z}; }
 
 void expectColors(const SourceMesh& source) {
-  const auto& colors = source.appearance.surface.colors;
+  const auto& colors = source.mesh.attributes.colors;
   ASSERT_EQ(colors.size(), source.mesh.triangles.size());
   for (std::size_t t = 0; t < colors.size(); ++t) {
     for (int k = 0; k < 3; ++k) {
@@ -55,7 +55,7 @@ void expectColors(const SourceMesh& source) {
   }
 }
 void expectTexcoords(const SourceMesh& source, float tolerance = 0.0f) {
-  const auto& texcoords = source.appearance.surface.texcoords;
+  const auto& texcoords = source.mesh.attributes.texcoords;
   ASSERT_EQ(texcoords.size(), source.mesh.triangles.size());
   for (std::size_t t = 0; t < texcoords.size(); ++t) {
     for (int k = 0; k < 3; ++k) {
@@ -76,7 +76,7 @@ TEST_F(ReadAppearance, PlainMeshesHaveNone) {
   for (const glm::uvec3& t : kCube.triangles)
     obj << "f " << t.x + 1 << ' ' << t.y + 1 << ' ' << t.z + 1 << '\n';
   const SourceMesh source = read("plain.obj", obj.str());
-  EXPECT_TRUE(source.appearance.surface.empty());
+  EXPECT_TRUE(source.mesh.attributes.empty());
   EXPECT_TRUE(source.appearance.materials.empty());
   EXPECT_TRUE(source.warnings.empty());
 }
@@ -152,11 +152,11 @@ TEST_F(ReadAppearance, PlyCornersKeepTheirSeams) {
   EXPECT_EQ(source.mesh.vertices.size(), 6u);
   ASSERT_EQ(source.mesh.triangles.size(), 4u);
   for (std::size_t t = 0; t < 4; ++t) {
-    EXPECT_EQ(source.appearance.surface.material[t], t / 2);
+    EXPECT_EQ(source.mesh.attributes.material[t], t / 2);
     for (int k = 0; k < 3; ++k) {
       const glm::dvec3& at = source.mesh.vertices[source.mesh.triangles[t][k]];
       const glm::vec2 expected = t < 2 ? glm::vec2(at.x, at.y) : glm::vec2(at.x + 4, at.y + 5);
-      EXPECT_EQ(source.appearance.surface.texcoords[t][static_cast<std::size_t>(k)], expected);
+      EXPECT_EQ(source.mesh.attributes.texcoords[t][static_cast<std::size_t>(k)], expected);
     }
   }
   ASSERT_EQ(source.appearance.materials.size(), 2u);
@@ -176,10 +176,10 @@ TEST_F(ReadAppearance, PlyFacesHaveColors) {
            "property float z\nelement face 2\nproperty list uchar int vertex_indices\n"
            "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n"
            "0 0 0\n1 0 0\n0 1 0\n1 1 1\n3 0 1 2 9 8 7\n3 1 3 2 1 2 3\n");
-  ASSERT_EQ(source.appearance.surface.colors.size(), 2u);
+  ASSERT_EQ(source.mesh.attributes.colors.size(), 2u);
   for (std::size_t k = 0; k < 3; ++k) {
-    EXPECT_EQ(source.appearance.surface.colors[0][k], glm::u8vec3(9, 8, 7));
-    EXPECT_EQ(source.appearance.surface.colors[1][k], glm::u8vec3(1, 2, 3));
+    EXPECT_EQ(source.mesh.attributes.colors[0][k], glm::u8vec3(9, 8, 7));
+    EXPECT_EQ(source.mesh.attributes.colors[1][k], glm::u8vec3(1, 2, 3));
   }
 }
 
@@ -219,7 +219,7 @@ TEST_F(ReadAppearance, ObjHasColorsTexturesAndMaterials) {
   expectTexcoords(source);
   const Appearance& look = source.appearance;
   EXPECT_TRUE(source.warnings.empty());
-  for (std::size_t t = 0; t < 12; ++t) EXPECT_EQ(look.surface.material[t], t / 6);
+  for (std::size_t t = 0; t < 12; ++t) EXPECT_EQ(source.mesh.attributes.material[t], t / 6);
   ASSERT_EQ(look.materials.size(), 2u);
   EXPECT_EQ(look.materials[0].name, "a");
   EXPECT_EQ(look.materials[0].color, glm::vec3(0.5f, 0.25f, 1.0f));
@@ -234,7 +234,7 @@ TEST_F(ReadAppearance, ObjHasColorsTexturesAndMaterials) {
 TEST_F(ReadAppearance, ObjWithoutItsLibraryKeepsNames) {
   const SourceMesh source = read("cube.obj", objOf("mtllib gone.mtl\n", false));
   expectTexcoords(source);
-  EXPECT_TRUE(source.appearance.surface.colors.empty());
+  EXPECT_TRUE(source.mesh.attributes.colors.empty());
   ASSERT_EQ(source.appearance.materials.size(), 2u);
   EXPECT_EQ(source.appearance.materials[0].name, "a");
   EXPECT_EQ(source.warnings,
@@ -297,10 +297,10 @@ TEST_F(ReadAppearance, LinksAreFollowedWithinTheFolderOnly) {
 
 TEST_F(ReadAppearance, ObjWithSomeColoredVerticesIsReadWhole) {
   const SourceMesh source = read("some.obj", "v 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0 0 1 0 1\nf 1 2 3\n");
-  ASSERT_EQ(source.appearance.surface.colors.size(), 1u);
-  EXPECT_EQ(source.appearance.surface.colors[0][0], glm::u8vec3(255, 0, 0));
-  EXPECT_EQ(source.appearance.surface.colors[0][1], glm::u8vec3(255, 255, 255));
-  EXPECT_EQ(source.appearance.surface.colors[0][2], glm::u8vec3(0, 255, 0));
+  ASSERT_EQ(source.mesh.attributes.colors.size(), 1u);
+  EXPECT_EQ(source.mesh.attributes.colors[0][0], glm::u8vec3(255, 0, 0));
+  EXPECT_EQ(source.mesh.attributes.colors[0][1], glm::u8vec3(255, 255, 255));
+  EXPECT_EQ(source.mesh.attributes.colors[0][2], glm::u8vec3(0, 255, 0));
 }
 
 TEST_F(ReadAppearance, ObjWithATexcoordThatDoesNotExistIsRefused) {
@@ -412,7 +412,7 @@ void expectGltfLook(const SourceMesh& source) {
   expectColors(source);
   expectTexcoords(source, 1e-6f);
   const Appearance& look = source.appearance;
-  for (std::size_t t = 0; t < 12; ++t) EXPECT_EQ(look.surface.material[t], t / 6);
+  for (std::size_t t = 0; t < 12; ++t) EXPECT_EQ(source.mesh.attributes.material[t], t / 6);
   ASSERT_EQ(look.materials.size(), 2u);
   EXPECT_EQ(look.materials[0].name, "glaze");
   EXPECT_EQ(look.materials[1].name, "clay");

@@ -81,8 +81,8 @@ TEST_F(ReadAssimp, ReadsColladaWithNodesAndLooks) {
   EXPECT_NEAR(volume(source.mesh), (1.0 + 8.0) / 6.0, 1e-6);
   EXPECT_EQ(bounds(source.mesh).max, glm::dvec3(7, 2, 2));  // z stays up
   EXPECT_EQ(source.objects, (std::vector<std::string>{"one", "two"}));
-  ASSERT_EQ(source.appearance.surface.texcoords.size(), 8u);
-  EXPECT_EQ(source.appearance.surface.texcoords[0][0], glm::vec2(0.25f, 0.5f));
+  ASSERT_EQ(source.mesh.attributes.texcoords.size(), 8u);
+  EXPECT_EQ(source.mesh.attributes.texcoords[0][0], glm::vec2(0.25f, 0.5f));
   ASSERT_EQ(source.appearance.materials.size(), 1u);
   EXPECT_EQ(source.appearance.materials[0].name, "clay");
   EXPECT_EQ(source.appearance.materials[0].texture, 0);
@@ -249,9 +249,9 @@ RawMesh decorated() {
   RawMesh mesh;
   mesh.vertices = {{0, 0.1, -1e300}, {1, 2, 3}, {4, 5, 6}};
   mesh.triangles = {{0, 1, 2}, {2, 1, 0}};
-  mesh.appearance.surface.texcoords = {{glm::vec2(1, 2), glm::vec2(3, 4), glm::vec2(5, 6)}, {}};
-  mesh.appearance.surface.colors = {{glm::u8vec3(1, 2, 3)}, {}};
-  mesh.appearance.surface.material = {1, 0};
+  mesh.attributes.texcoords = {{glm::vec2(1, 2), glm::vec2(3, 4), glm::vec2(5, 6)}, {}};
+  mesh.attributes.colors = {{glm::u8vec3(1, 2, 3)}, {}};
+  mesh.attributes.material = {1, 0};
   mesh.appearance.materials = {{"a", glm::vec3(0.5f), 0}, {"", glm::vec3(1.0f), -1}};
   mesh.appearance.textures = {{"t.png", "bytes"}};
   mesh.objects = {"x", ""};
@@ -266,9 +266,9 @@ TEST(MeshStream, GivesBackWhatWasPutIn) {
   ASSERT_TRUE(back);
   EXPECT_EQ(back->vertices, mesh.vertices);
   EXPECT_EQ(back->triangles, mesh.triangles);
-  EXPECT_EQ(back->appearance.surface.texcoords, mesh.appearance.surface.texcoords);
-  EXPECT_EQ(back->appearance.surface.colors, mesh.appearance.surface.colors);
-  EXPECT_EQ(back->appearance.surface.material, mesh.appearance.surface.material);
+  EXPECT_EQ(back->attributes.texcoords, mesh.attributes.texcoords);
+  EXPECT_EQ(back->attributes.colors, mesh.attributes.colors);
+  EXPECT_EQ(back->attributes.material, mesh.attributes.material);
   ASSERT_EQ(back->appearance.materials.size(), 2u);
   EXPECT_EQ(back->appearance.materials[0].name, "a");
   EXPECT_EQ(back->appearance.materials[0].color, glm::vec3(0.5f));
@@ -296,9 +296,9 @@ TEST(MeshStream, RefusesWhatIsCutOrPointsNowhere) {
   EXPECT_FALSE(meshFromStream(whole + "x"));
   for (const auto& spoil : std::vector<void (*)(RawMesh&)>{
            [](RawMesh& m) { m.triangles[1].y = 3; }, [](RawMesh& m) { m.objectOfTriangle[0] = 2; },
-           [](RawMesh& m) { m.appearance.surface.material[0] = 2; },
-           [](RawMesh& m) { m.appearance.surface.colors.pop_back(); },
-           [](RawMesh& m) { m.appearance.surface.texcoords[0][0].x = std::nanf(""); },
+           [](RawMesh& m) { m.attributes.material[0] = 2; },
+           [](RawMesh& m) { m.attributes.colors.pop_back(); },
+           [](RawMesh& m) { m.attributes.texcoords[0][0].x = std::nanf(""); },
            [](RawMesh& m) { m.appearance.materials[0].texture = 1; },
            [](RawMesh& m) { m.appearance.materials[0].texture = -2; }}) {
     RawMesh mesh = decorated();

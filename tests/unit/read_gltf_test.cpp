@@ -332,9 +332,9 @@ TEST_F(ReadGltf, UnpacksDraco) {
     EXPECT_EQ(source.mesh.triangles.size(), 12u);
     EXPECT_EQ(openEdges(source.mesh), 0u);
     EXPECT_NEAR(volume(source.mesh), 8.0, 1e-2);
-    ASSERT_EQ(source.appearance.surface.colors.size(), 12u);
-    EXPECT_EQ(source.appearance.surface.colors[0][0].y, 255);
-    EXPECT_EQ(source.appearance.surface.colors[0][0].z, 0);
+    ASSERT_EQ(source.mesh.attributes.colors.size(), 12u);
+    EXPECT_EQ(source.mesh.attributes.colors[0][0].y, 255);
+    EXPECT_EQ(source.mesh.attributes.colors[0][0].z, 0);
   }
 }
 
@@ -344,7 +344,7 @@ TEST_F(ReadGltf, UnpacksOfDracoOnlyWhatItUses) {
   Json& extension =
       glb.json["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"];
   extension["attributes"]["_OTHER"] = 77;  // which the stream does not have
-  EXPECT_EQ(read("a.glb", glb.bytes()).appearance.surface.colors.size(), 12u);
+  EXPECT_EQ(read("a.glb", glb.bytes()).mesh.attributes.colors.size(), 12u);
   extension["attributes"]["TEXCOORD_0"] = 77;
   EXPECT_NE(refusal("b.glb", glb.bytes()).find("has no attribute for 'TEXCOORD_0'"),
             std::string::npos);

@@ -459,9 +459,9 @@ TEST(RawMesh, IsCheckedBeforeItIsUsed) {
   good.appearance.materials.resize(2);
   good.appearance.textures.resize(1);
   good.appearance.materials[1].texture = 0;
-  good.appearance.surface.material = {0, 1, 1, 0};
-  good.appearance.surface.texcoords.resize(4);
-  good.appearance.surface.colors.resize(4);
+  good.attributes.material = {0, 1, 1, 0};
+  good.attributes.texcoords.resize(4);
+  good.attributes.colors.resize(4);
   good.objects = {"a"};
   good.objectOfTriangle = {0, 0, 0, 0};
   EXPECT_EQ(contradictionIn(good), std::nullopt);
@@ -473,17 +473,17 @@ TEST(RawMesh, IsCheckedBeforeItIsUsed) {
   EXPECT_EQ(found([](RawMesh& m) { m.triangles[2].z = 4; }),
             "triangle 3 uses vertex 4, there are 4");
   EXPECT_EQ(found([](RawMesh& m) { m.vertices.clear(); }), "triangle 1 uses vertex 2, there are 0");
-  EXPECT_EQ(found([](RawMesh& m) { m.appearance.surface.texcoords.pop_back(); }),
+  EXPECT_EQ(found([](RawMesh& m) { m.attributes.texcoords.pop_back(); }),
             "it has 3 texture coordinates for 4 triangles");
-  EXPECT_EQ(found([](RawMesh& m) { m.appearance.surface.colors.resize(5); }),
+  EXPECT_EQ(found([](RawMesh& m) { m.attributes.colors.resize(5); }),
             "it has 5 colors for 4 triangles");
-  EXPECT_EQ(found([](RawMesh& m) { m.appearance.surface.material[3] = 2; }),
+  EXPECT_EQ(found([](RawMesh& m) { m.attributes.material[3] = 2; }),
             "triangle 4 has material 2, there are 2");
   EXPECT_EQ(found([](RawMesh& m) { m.objectOfTriangle[0] = 1; }),
             "triangle 1 has object 1, there are 1");
   EXPECT_EQ(found([](RawMesh& m) { m.appearance.materials[0].texture = 1; }),
             "one of its materials has texture 1, there are 1");
-  EXPECT_EQ(found([](RawMesh& m) { m.appearance.surface.texcoords[1][2].x = std::nanf(""); }),
+  EXPECT_EQ(found([](RawMesh& m) { m.attributes.texcoords[1][2].x = std::nanf(""); }),
             "one of its texture coordinates is not finite");
 }
 

@@ -122,8 +122,8 @@ TEST_F(ReadText, ObjectsSplitIntoMeshesOfTheirOwn) {
     const auto c = static_cast<std::size_t>(corner);
     EXPECT_EQ(components[1].mesh.vertices[components[1].mesh.triangles[0][corner]],
               source.mesh.vertices[source.mesh.triangles[2][corner]]);
-    EXPECT_EQ(components[1].appearance.surface.texcoords[0][c],
-              source.appearance.surface.texcoords[2][c]);
+    EXPECT_EQ(components[1].mesh.attributes.texcoords[0][c],
+              source.mesh.attributes.texcoords[2][c]);
   }
   EXPECT_EQ(splitObjects(read("b.obj", kTetrahedronObj)).size(), 1u);
 }
@@ -204,7 +204,7 @@ TEST_F(ReadText, OffTakesEveryHeader) {
          {keyword + "\n" + counts, keyword + " " + counts, "# c\n" + keyword + "\n\n4 4\n"}) {
       const SourceMesh source = read("a.off", header + vertices(behind) + faces);
       expectSameSurface(source.mesh, tetrahedron());
-      const SurfaceAttributes& look = source.appearance.surface;
+      const SurfaceAttributes& look = source.mesh.attributes;
       ASSERT_EQ(look.colors.size(), keyword.find('C') != std::string::npos ? 4u : 0u);
       if (!look.colors.empty()) {
         EXPECT_EQ(look.colors[1][2], glm::u8vec3(255, 128, 0));
@@ -226,10 +226,10 @@ TEST_F(ReadText, OffFacesHaveColorsAndAnyNumberOfCorners) {
   ASSERT_EQ(source.mesh.triangles.size(), 4u);
   EXPECT_DOUBLE_EQ(area(source.mesh), 4.0);
   for (std::size_t t = 0; t < 4; ++t) {
-    EXPECT_EQ(source.appearance.surface.colors[t][0],
+    EXPECT_EQ(source.mesh.attributes.colors[t][0],
               t < 3 ? glm::u8vec3(255, 0, 0) : glm::u8vec3(0, 0, 255));
   }
-  EXPECT_TRUE(read("b.off", kTetrahedronOff).appearance.surface.empty());
+  EXPECT_TRUE(read("b.off", kTetrahedronOff).mesh.attributes.empty());
 }
 
 // ---- PLY

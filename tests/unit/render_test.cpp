@@ -31,9 +31,9 @@ namespace fs = std::filesystem;
 Fragment fragmentOf(int id, TriangleMesh mesh, std::uint16_t neighbor = 0) {
   Fragment fragment;
   fragment.id = id;
-  fragment.neighbor.assign(mesh.triangles.size(), neighbor);
   fragment.mass = massProperties(mesh);
   fragment.mesh = std::move(mesh);
+  fragment.mesh.neighbor.assign(fragment.mesh.triangles.size(), neighbor);
   return fragment;
 }
 
@@ -194,7 +194,7 @@ TEST(Render, ExplodingMovesFragmentsApart) {
       const double x = ball.vertices[t.x].x + ball.vertices[t.y].x + ball.vertices[t.z].x;
       if ((x > 0.0) == (side == 1)) half.mesh.triangles.push_back(t);
     }
-    half.neighbor.assign(half.mesh.triangles.size(), 0);
+    half.mesh.neighbor.assign(half.mesh.triangles.size(), 0);
     half.mass.volume = 2.0 / 3.0 * std::numbers::pi;
     half.mass.centroid = {side == 1 ? 0.375 : -0.375, 0.0, 0.0};
   }
@@ -281,7 +281,7 @@ TEST(Pictured, IsAsItIsWhereVoxelsAreAsLargeAsPixels) {
   EXPECT_EQ(same.id, 3);
   EXPECT_EQ(same.mesh.vertices, ball.mesh.vertices);
   EXPECT_EQ(same.mesh.triangles, ball.mesh.triangles);
-  EXPECT_EQ(same.neighbor, ball.neighbor);
+  EXPECT_EQ(same.mesh.neighbor, ball.mesh.neighbor);
 }
 
 TEST(Pictured, OfAFinerSolidIsCoarserAndLooksTheSame) {
@@ -291,7 +291,7 @@ TEST(Pictured, OfAFinerSolidIsCoarserAndLooksTheSame) {
   const Fragment coarse = previewFragment(ball, solidOf(2048, length));
   const double cube = length / kPreviewCubes;
   EXPECT_LT(coarse.mesh.triangles.size(), ball.mesh.triangles.size() / 3);
-  EXPECT_EQ(coarse.neighbor, std::vector<std::uint16_t>(coarse.mesh.triangles.size(), 2));
+  EXPECT_EQ(coarse.mesh.neighbor, std::vector<std::uint16_t>(coarse.mesh.triangles.size(), 2));
   EXPECT_EQ(coarse.mass.centroid, ball.mass.centroid);
   std::set<std::array<long, 3>> cubes;
   const glm::dvec3 low = bounds(ball.mesh).min;

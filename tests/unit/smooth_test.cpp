@@ -42,18 +42,14 @@ TriangleMesh tetrahedron() {
           {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}};
 }
 
-std::vector<std::uint16_t> allNeighboring(const TriangleMesh& mesh, std::uint16_t neighbor) {
-  return std::vector<std::uint16_t>(mesh.triangles.size(), neighbor);
-}
-
 TEST(Smooth, NothingMovesWithoutWeightOrIterations) {
   const TriangleMesh ball = shapes::ball(1.0, 3);
-  std::vector<std::uint16_t> neighbor = allNeighboring(ball, 0);
+  std::vector<std::uint16_t> neighbor(ball.triangles.size(), 0);
   std::fill(neighbor.begin(), neighbor.begin() + 300, std::uint16_t{2});
-  const TriangleMesh byDefault = smoothed(ball, neighbor, {}, kSide);
+  const TriangleMesh byDefault = smoothed(shapes::withNeighbor(ball, neighbor), {}, kSide);
   EXPECT_EQ(byDefault.vertices, ball.vertices);
   const TriangleMesh weightless = smoothed(
-      ball, neighbor,
+      shapes::withNeighbor(ball, neighbor),
       {.iterations = {9}, .weight = 0.0, .boundaryIterations = {9}, .boundaryWeight = 0.0}, kSide);
   EXPECT_EQ(weightless.vertices, ball.vertices);
   EXPECT_EQ(weightless.triangles, ball.triangles);
@@ -63,10 +59,9 @@ TEST(Smooth, OneStepGoesByTheWeightToTheNeighborsMean) {
   const TriangleMesh t = tetrahedron();
   for (const double weight : {0.25, 1.0}) {
     const TriangleMesh one =
-        smoothed(t, allNeighboring(t, 0),
-                 {.iterations = {1}, .weight = weight, .method = Smoothing::laplacian}, kSide);
+        smoothed(t, {.iterations = {1}, .weight = weight, .method = Smoothing::laplacian}, kSide);
     const TriangleMesh boundary = smoothed(
-        t, allNeighboring(t, 7),
+        shapes::withNeighbor(t, {7, 7, 7, 7}),
         {.boundaryIterations = {1}, .boundaryWeight = weight, .method = Smoothing::laplacian},
         kSide);
     for (std::size_t v = 0; v < 4; ++v) {
@@ -85,8 +80,7 @@ TEST(Smooth, TheInsideOfAFlatGridStays) {
   const int n = 12, iterations = 3;
   const TriangleMesh grid = flatGrid(n);
   const TriangleMesh smooth =
-      smoothed(grid, allNeighboring(grid, 0),
-               {.iterations = {iterations}, .method = Smoothing::laplacian}, kSide);
+      smoothed(grid, {.iterations = {iterations}, .method = Smoothing::laplacian}, kSide);
   int stayed = 0;
   for (std::size_t v = 0; v < grid.vertices.size(); ++v) {
     const glm::dvec3& p = grid.vertices[v];
@@ -107,7 +101,7 @@ TEST(Smooth, IterationsGrowWithTheLongestSide) {
   EXPECT_EQ((Iterations{.count = 3}.over(128)), 3);
   const TriangleMesh t = tetrahedron();
   const auto after = [&](Iterations iterations) {
-    return smoothed(t, allNeighboring(t, 0), {.iterations = iterations}, 128).vertices;
+    return smoothed(t, {.iterations = iterations}, 128).vertices;
   };
   EXPECT_EQ(after({.perVoxel = 0.048}), after({.count = 6}));
   EXPECT_NE(after({.perVoxel = 0.048}), after({.count = 5}));
@@ -122,14 +116,14 @@ TEST(Smooth, BoundaryVerticesAndOthersMoveOnTheirOwn) {
     neighbor[t] = ball.vertices[c.x].z > 0.2 ? 3 : 0;
     for (int k = 0; k < 3 && neighbor[t]; ++k) boundary.insert(c[k]);
   }
-  const TriangleMesh others = smoothed(ball, neighbor,
+  const TriangleMesh others = smoothed(shapes::withNeighbor(ball, neighbor),
                                        {.iterations = {4},
                                         .boundaryIterations = {4},
                                         .boundaryWeight = 0.0,
                                         .method = Smoothing::laplacian},
                                        kSide);
   const TriangleMesh boundaries =
-      smoothed(ball, neighbor,
+      smoothed(shapes::withNeighbor(ball, neighbor),
                {.weight = 0.0, .boundaryIterations = {4}, .method = Smoothing::laplacian}, kSide);
   for (unsigned v = 0; v < ball.vertices.size(); ++v) {
     EXPECT_EQ(others.vertices[v] != ball.vertices[v], boundary.count(v) == 0) << v;
@@ -173,8 +167,7 @@ TEST(Smooth, WavesGoByTheTransferFunction) {
   const double lambda = 0.5, mu = 1.0 / (kPassBand - 1.0 / lambda);
   const int iterations = 10;
   const auto smooth = [&](Smoothing method, int count) {
-    return smoothed(waves.mesh, allNeighboring(waves.mesh, 0),
-                    {.iterations = {count}, .weight = lambda, .method = method}, kSide);
+    return smoothed(waves.mesh, {.iterations = {count}, .weight = lambda, .method = method}, kSide);
   };
   const TriangleMesh taubin = smooth(Smoothing::taubin, iterations);
   const TriangleMesh laplacian = smooth(Smoothing::laplacian, 2 * iterations);
@@ -225,8 +218,8 @@ TEST(Smooth, TaubinsKeepsTheVolumeOfABall) {
   const int iterations = 10;
   const double lambda = SmoothOptions().weight;
   const auto volumeBy = [&](Smoothing method, int count) {
-    return volume(smoothed(ball, allNeighboring(ball, 0),
-                           {.iterations = {count}, .weight = lambda, .method = method}, kSide));
+    return volume(
+        smoothed(ball, {.iterations = {count}, .weight = lambda, .method = method}, kSide));
   };
   const double most = mostGrowth(iterations);
   EXPECT_NEAR(volumeBy(Smoothing::taubin, iterations) / volume(ball), 1.0, most);
@@ -255,14 +248,12 @@ TEST(Smooth, TaubinsKeepsThinWalls) {
       }
     }
   }
-  thin.push_back(meshOfFaces(faces, {}).mesh);
+  thin.push_back(meshOfFaces(faces, {}));
   const int iterations = 10;
   for (const TriangleMesh& mesh : thin) {
     const double before = volume(mesh);
     const auto kept = [&](Smoothing method, int count) {
-      return volume(smoothed(mesh, allNeighboring(mesh, 0),
-                             {.iterations = {count}, .method = method}, kSide)) /
-             before;
+      return volume(smoothed(mesh, {.iterations = {count}, .method = method}, kSide)) / before;
     };
     EXPECT_NEAR(kept(Smoothing::taubin, iterations), 1.0, mostGrowth(iterations));
     EXPECT_LT(kept(Smoothing::laplacian, 2 * iterations), 1.0 - 2.0 * mostGrowth(iterations));
@@ -282,7 +273,7 @@ std::set<Coord> halfBlock(bool upper, int n) {
   return voxels;
 }
 
-VoxelMesh halfMesh(bool upper, int n) {
+TriangleMesh halfMesh(bool upper, int n) {
   const std::set<Coord> own = halfBlock(upper, n), other = halfBlock(!upper, n);
   const Coord steps[6] = {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}};
   std::vector<VoxelFace> faces;
@@ -300,17 +291,17 @@ TEST(Smooth, TwoSidesOfAnInterfaceMoveAlikeAwayFromTheBoundary) {
   const int n = 20, iterations = 3;
   std::map<std::tuple<double, double, double>, glm::dvec3> moved[2];
   for (const bool upper : {false, true}) {
-    const VoxelMesh half = halfMesh(upper, n);
+    const TriangleMesh half = halfMesh(upper, n);
     const TriangleMesh smooth = smoothed(
-        half.mesh, half.neighbor,
+        half,
         {.iterations = {6}, .boundaryIterations = {iterations}, .method = Smoothing::laplacian},
         kSide);
     std::set<unsigned> ofCut;
     for (std::size_t t = 0; t < half.neighbor.size(); ++t) {
-      for (int k = 0; k < 3 && half.neighbor[t]; ++k) ofCut.insert(half.mesh.triangles[t][k]);
+      for (int k = 0; k < 3 && half.neighbor[t]; ++k) ofCut.insert(half.triangles[t][k]);
     }
     for (const unsigned v : ofCut) {
-      const glm::dvec3& p = half.mesh.vertices[v];
+      const glm::dvec3& p = half.vertices[v];
       const double fromBoundary = std::min({p.x, p.y, n - 1 - p.x, n - 1 - p.y}) + 0.5;
       // What a vertex sees reaches one more ring with each iteration.
       if (fromBoundary >= iterations) moved[upper][{p.x, p.y, p.z}] = smooth.vertices[v];

@@ -114,10 +114,8 @@ TEST(Stop, RepairAsksForEachComponent) {
 
 TEST(Stop, SmoothingAsksForEachIteration) {
   const TriangleMesh ball = shapes::ball(1.0);
-  const std::vector<std::uint16_t> neighbor(ball.triangles.size(), 0);
   const SmoothOptions options{.iterations = {100}};
-  EXPECT_GE(asksOf([&](const Progress* p) { (void)smoothed(ball, neighbor, options, 1, p); }),
-            100u);
+  EXPECT_GE(asksOf([&](const Progress* p) { (void)smoothed(ball, options, 1, p); }), 100u);
 
   const Solid solid = voxelize(ball, {.resolution = 16});
   Labels labels;
@@ -167,8 +165,7 @@ TEST(Stop, CuttingAsksOftenEnough) {
             }),
             4u);
   const TriangleMesh ball = shapes::ball(1.0, 5);
-  const std::vector<std::uint16_t> neighbor(ball.triangles.size(), 0);
-  const Complex complex = complexOf(ball, neighbor);
+  const Complex complex = complexOf(ball);
   const std::vector<std::size_t> triangles{100};
   EXPECT_GE(asksOf([&](const Progress* p) { (void)decimated(complex, triangles, p); }), 2u);
   EXPECT_GE(asksOf([&](const Progress* p) { (void)simplified(complex, 0.1, p); }), 2u);
@@ -178,7 +175,7 @@ TEST(Stop, MeasuringAsksOftenEnough) {
   const TriangleMesh ball = shapes::ball(1.0);
   constexpr std::size_t kSamples = 6400;
   EXPECT_GE(asksOf([&](const Progress* p) { (void)convexity(ball, kSamples, 0, p); }), 100u);
-  const std::vector<FragmentMesh> one{{1, ball, {}}};
+  const std::vector<FragmentMesh> one{{1, ball}};
   EXPECT_GE(asksOf([&](const Progress* p) { (void)fit(one, nullptr, {.samples = kSamples}, p); }),
             200u);
   FragmentSet set;

@@ -42,13 +42,14 @@ std::optional<std::string> contradictionIn(const RawMesh& mesh) {
     return "triangle " + std::to_string(&t - mesh.triangles.data() + 1) + " uses vertex " +
            std::to_string(largest) + ", there are " + std::to_string(mesh.vertices.size());
   }
-  const SurfaceAttributes& attributes = mesh.appearance.surface;
+  const SurfaceAttributes& attributes = mesh.attributes;
   if (!fits(attributes.texcoords, triangles))
     return countOf("texture coordinates", attributes.texcoords.size(), triangles);
   if (!fits(attributes.colors, triangles))
     return countOf("colors", attributes.colors.size(), triangles);
   if (!fits(attributes.material, triangles))
     return countOf("materials", attributes.material.size(), triangles);
+  if (!fits(mesh.neighbor, triangles)) return countOf("neighbors", mesh.neighbor.size(), triangles);
   if (!fits(mesh.objectOfTriangle, triangles))
     return countOf("objects", mesh.objectOfTriangle.size(), triangles);
   for (const auto& corners : attributes.texcoords) {

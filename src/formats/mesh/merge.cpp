@@ -153,10 +153,10 @@ SourceMesh mergeVertices(RawMesh&& raw) {
   for (glm::uvec3& t : out.mesh.triangles) t = {number[t.x], number[t.y], number[t.z]};
 
   out.appearance = std::move(raw.appearance);
-  SurfaceAttributes& attributes = out.appearance.surface;
-  attributes = {only(std::move(attributes.texcoords), kept),
-                only(std::move(attributes.colors), kept),
-                only(std::move(attributes.material), kept)};
+  out.mesh.neighbor = only(std::move(raw.neighbor), kept);
+  out.mesh.attributes = {only(std::move(raw.attributes.texcoords), kept),
+                         only(std::move(raw.attributes.colors), kept),
+                         only(std::move(raw.attributes.material), kept)};
   raw.objectOfTriangle = only(std::move(raw.objectOfTriangle), kept);
   setObjects(std::move(raw), out);
   out.warnings = std::move(raw.warnings);

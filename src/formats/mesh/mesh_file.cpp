@@ -27,20 +27,19 @@ void writeBeside(FileSink& files, const fs::path& file, const std::string& bytes
   OutputFile(files, file).write(bytes);
 }
 
-bool hasMaterials(const SourceMesh& source) { return !source.appearance.surface.material.empty(); }
+bool hasMaterials(const SourceMesh& source) { return !source.mesh.attributes.material.empty(); }
 
 }  // namespace
 
 void writeMeshFile(FileSink& files, const fs::path& file, const SourceMesh& source,
-                   const std::vector<std::uint16_t>& neighbor, MeshFileFormat format) {
-  const SurfaceAttributes& attributes = source.appearance.surface;
-  if (format == MeshFileFormat::ply && neighbor.empty() && attributes.empty()) {
-    return writePly({files, file}, source.mesh);
+                   MeshFileFormat format) {
+  const SurfaceAttributes& attributes = source.mesh.attributes;
+  if (format == MeshFileFormat::ply && source.mesh.neighbor.empty() && attributes.empty()) {
+    return writePlainPly({files, file}, source.mesh);
   }
   const MaterialTable table = materialTable(source.appearance);
-  const std::vector<std::uint16_t> none(source.mesh.triangles.size(), 0);
   const std::string name = withoutBlanks(safeName(file.stem().string(), "mesh"));
-  const PieceMesh piece{name, source.mesh, neighbor.empty() ? none : neighbor, attributes, table};
+  const PieceMesh piece{name, source.mesh, attributes, table};
   if (format == MeshFileFormat::obj || format == MeshFileFormat::ply) {
     for (const MaterialTable::Image& image : table.textures) {
       writeBeside(files, file.parent_path() / image.file, image.bytes);
@@ -52,9 +51,7 @@ void writeMeshFile(FileSink& files, const fs::path& file, const SourceMesh& sour
   writePiece({files, file}, format, piece, library);
 }
 
-std::vector<std::string> lossesOf(const SourceMesh& source,
-                                  const std::vector<std::uint16_t>& neighbor,
-                                  MeshFileFormat format) {
+std::vector<std::string> lossesOf(const SourceMesh& source, MeshFileFormat format) {
   std::vector<std::string> losses = source.warnings;
   const Appearance& appearance = source.appearance;
   if (source.degenerateTriangles > 0) {
@@ -63,10 +60,10 @@ std::vector<std::string> lossesOf(const SourceMesh& source,
   }
   const bool bare = format == MeshFileFormat::stl || format == MeshFileFormat::stlText ||
                     format == MeshFileFormat::binm;
-  if (bare && !appearance.surface.empty()) {
+  if (bare && !source.mesh.attributes.empty()) {
     losses.push_back("colors, texture coordinates and materials are left out");
   }
-  if (!neighbor.empty() && (bare || format == MeshFileFormat::obj)) {
+  if (!source.mesh.neighbor.empty() && (bare || format == MeshFileFormat::obj)) {
     losses.push_back("neighbor ids of faces are left out");
   }
   for (const Texture& texture : appearance.textures) {

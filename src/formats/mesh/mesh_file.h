@@ -12,15 +12,12 @@ namespace sherd {
 
 /// Writes a mesh. A library of materials, named like the file, and textures are written beside
 /// `.obj` and `.ply` files.
-///   files     receives the files by path
-///   neighbor  [triangles], or empty
-///   throws    Error(output), also if a library or texture exists with other content
+///   files   receives the files by path
+///   throws  Error(output), also if a library or texture exists with other content
 void writeMeshFile(FileSink& files, const std::filesystem::path& file, const SourceMesh& source,
-                   const std::vector<std::uint16_t>& neighbor, MeshFileFormat format);
+                   MeshFileFormat format);
 
 /// Returns what is lost if the file is read back, one sentence per loss.
-[[nodiscard]] std::vector<std::string> lossesOf(const SourceMesh& source,
-                                                const std::vector<std::uint16_t>& neighbor,
-                                                MeshFileFormat format);
+[[nodiscard]] std::vector<std::string> lossesOf(const SourceMesh& source, MeshFileFormat format);
 
 }  // namespace sherd

@@ -95,9 +95,9 @@ std::string streamOf(const RawMesh& mesh) {
   std::string out(kBegin);
   put(out, mesh.vertices);
   put(out, mesh.triangles);
-  put(out, mesh.appearance.surface.texcoords);
-  put(out, mesh.appearance.surface.colors);
-  put(out, mesh.appearance.surface.material);
+  put(out, mesh.attributes.texcoords);
+  put(out, mesh.attributes.colors);
+  put(out, mesh.attributes.material);
   put(out, std::vector<std::uint64_t>{mesh.appearance.materials.size()});
   for (const Material& material : mesh.appearance.materials) {
     put(out, material.name);
@@ -121,9 +121,9 @@ std::optional<RawMesh> meshFromStream(std::string_view stream, MemoryBudget* mem
   RawMesh mesh;
   source.take(mesh.vertices);
   source.take(mesh.triangles);
-  source.take(mesh.appearance.surface.texcoords);
-  source.take(mesh.appearance.surface.colors);
-  source.take(mesh.appearance.surface.material);
+  source.take(mesh.attributes.texcoords);
+  source.take(mesh.attributes.colors);
+  source.take(mesh.attributes.material);
   source.makeRoom(mesh.appearance.materials, 3 * kCount + sizeof(glm::vec3) + sizeof(int));
   for (Material& material : mesh.appearance.materials) {
     std::vector<glm::vec3> color;

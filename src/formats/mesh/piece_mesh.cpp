@@ -38,8 +38,8 @@ constexpr double kSameAngle = 1e-6;
 
 }  // namespace
 
-std::vector<std::uint16_t> vertexNeighbor(const TriangleMesh& mesh,
-                                          const std::vector<std::uint16_t>& neighbor) {
+std::vector<std::uint16_t> vertexNeighbor(const TriangleMesh& mesh) {
+  const std::vector<std::uint16_t>& neighbor = mesh.neighbor;
   std::vector<std::uint16_t> out(mesh.vertices.size(), 0);
   std::vector<std::uint8_t> several(mesh.vertices.size(), 0);  // where angles decide
   for (std::size_t t = 0; t < neighbor.size(); ++t) {
@@ -98,7 +98,7 @@ SplitCorners splitCorners(const PieceMesh& piece) {
     for (std::size_t k = 0; k < 3; ++k) {
       SplitCorners::Corner corner;
       corner.vertex = mesh.triangles[t][static_cast<int>(k)];
-      corner.neighbor = piece.neighbor[t];
+      corner.neighbor = mesh.neighborOf(t);
       corner.normal = normalsOf.find(
           corner.vertex, [&](std::uint32_t i) { return neighborOfNormal[i] == corner.neighbor; });
       if (corner.normal == split.normals.size()) {

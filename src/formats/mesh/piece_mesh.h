@@ -19,22 +19,20 @@ namespace sherd {
 struct PieceMesh {
   const std::string& name;  ///< object name, in formats that have one
   const TriangleMesh& mesh;
-  const std::vector<std::uint16_t>& neighbor;  ///< [triangles]
-  const SurfaceAttributes& attributes;         ///< of `mesh`; arrays may be empty
+  const SurfaceAttributes& attributes;  ///< of `mesh`, its own or transferred to it
   const MaterialTable& materials;
 
   /// Returns the triangle's material in the table.
   [[nodiscard]] std::uint32_t materialOf(std::size_t triangle) const {
     if (!attributes.material.empty()) return attributes.material[triangle];
-    return neighbor[triangle] == 0 ? 0 : materials.inside();
+    return mesh.neighborOf(triangle) == 0 ? 0 : materials.inside();
   }
 };
 
 /// Returns the neighbor of each vertex: 0 if all faces around it are original surface, else the id
 /// whose faces have the largest sum of angles at the vertex; of equal sums the lower id.
 ///   return  [vertices]
-[[nodiscard]] std::vector<std::uint16_t> vertexNeighbor(const TriangleMesh& mesh,
-                                                        const std::vector<std::uint16_t>& neighbor);
+[[nodiscard]] std::vector<std::uint16_t> vertexNeighbor(const TriangleMesh& mesh);
 
 /// The corners of a mesh for formats whose vertices have one normal and one set of attributes: a
 /// vertex is repeated for each neighbor, texture coordinate and color.
@@ -61,7 +59,8 @@ void writePiecePly(const OutputFile& file, const PieceMesh& piece);
 ///   library  the file of mtlText(piece.materials), beside it; empty: no materials are named
 void writePieceObj(const OutputFile& file, const PieceMesh& piece, const std::string& library);
 
-/// Writes OBJ with vertices and triangles only.
+/// Writes PLY and OBJ with vertices and triangles only.
+void writePlainPly(const OutputFile& file, const TriangleMesh& mesh);
 void writePlainObj(const OutputFile& file, const TriangleMesh& mesh);
 
 /// Writes binary STL: triangles with their normals only.

@@ -70,8 +70,8 @@ std::string header(const TriangleMesh& mesh, const std::string& comments,
 // inside's if there is none.
 std::vector<glm::u8vec3> vertexColors(const PieceMesh& piece) {
   std::vector<glm::u8vec3> colors(piece.mesh.vertices.size(), kInsideColor);
-  for (std::size_t t = piece.neighbor.size(); t-- > 0;) {
-    if (piece.neighbor[t] != 0) continue;
+  for (std::size_t t = piece.mesh.triangles.size(); t-- > 0;) {
+    if (piece.mesh.neighborOf(t) != 0) continue;
     for (std::size_t k = 0; k < 3; ++k) {
       colors[piece.mesh.triangles[t][static_cast<int>(k)]] = piece.attributes.colors[t][k];
     }
@@ -98,13 +98,13 @@ std::string commentsOf(const PieceMesh& piece) {
 
 }  // namespace
 
-void writePly(const OutputFile& file, const TriangleMesh& mesh,
-              const std::vector<std::uint16_t>& neighbor) {
-  assert(neighbor.empty() || neighbor.size() == mesh.triangles.size());
-  if (!neighbor.empty()) {
-    writePiecePly(file, {"", mesh, neighbor, {}, {}});
-    return;
-  }
+void writePly(const OutputFile& file, const TriangleMesh& mesh) {
+  assert(mesh.neighbor.empty() || mesh.neighbor.size() == mesh.triangles.size());
+  if (mesh.neighbor.empty()) return writePlainPly(file, mesh);
+  writePiecePly(file, {"", mesh, {}, {}});
+}
+
+void writePlainPly(const OutputFile& file, const TriangleMesh& mesh) {
   file.write([&](const ByteSink& sink) {
     Records records(sink, header(mesh, "", "", ""), mesh.vertices.size() + mesh.triangles.size());
     for (const glm::dvec3& v : mesh.vertices) {
@@ -134,7 +134,7 @@ void writePiecePly(const OutputFile& file, const PieceMesh& piece) {
   if (materials) ofFaces += "property int material\n";
 
   const std::vector<glm::dvec3> normals = vertexNormals(mesh);
-  const std::vector<std::uint16_t> neighbor = vertexNeighbor(mesh, piece.neighbor);
+  const std::vector<std::uint16_t> neighbor = vertexNeighbor(mesh);
   const std::vector<glm::u8vec3> color = colors ? vertexColors(piece) : std::vector<glm::u8vec3>();
   file.write([&](const ByteSink& sink) {
     Records records(sink, header(mesh, commentsOf(piece), ofVertices, ofFaces),
@@ -149,7 +149,7 @@ void writePiecePly(const OutputFile& file, const PieceMesh& piece) {
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
       records.begin();
       records.putFace(mesh.triangles[t]);
-      records.put(std::uint32_t{piece.neighbor[t]});
+      records.put(std::uint32_t{mesh.neighborOf(t)});
       if (texcoords) records.put(std::uint8_t{6});
       for (std::size_t k = 0; k < 3 && texcoords; ++k) {
         records.put(attributes.texcoords[t][k].x);

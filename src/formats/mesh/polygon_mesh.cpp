@@ -86,7 +86,7 @@ std::uint64_t bytesOf(const std::vector<Value>& values) {
 std::uint64_t PolygonMesh::bytes() const {
   return bytesOf(vertices) + bytesOf(corners) + bytesOf(faceEnds) + bytesOf(vertexColors) +
          bytesOf(faceColors) + bytesOf(vertexTexcoords) + bytesOf(cornerTexcoords) +
-         bytesOf(faceMaterials) + bytesOf(objectOfFace);
+         bytesOf(faceMaterials) + bytesOf(faceNeighbors) + bytesOf(objectOfFace);
 }
 
 void triangulateInto(const MeshFile& file, PolygonMesh&& mesh, RawMesh& out) {
@@ -104,13 +104,14 @@ void triangulateInto(const MeshFile& file, PolygonMesh&& mesh, RawMesh& out) {
          2 * sizeof(glm::uvec3) + sizeof(std::uint32_t) + (colors ? 3 * sizeof(glm::u8vec3) : 0) +
              (texcoords ? 3 * sizeof(glm::vec2) : 0) +
              (mesh.faceMaterials.empty() ? 0 : sizeof(std::uint32_t)) +
+             (mesh.faceNeighbors.empty() ? 0 : sizeof(std::uint16_t)) +
              (mesh.objectOfFace.empty() ? 0 : sizeof(std::uint32_t)));
   const Triangles triangles = triangulated(file, mesh);
   out.triangles.reserve(triangles.corners.size());
   for (const glm::uvec3& t : triangles.corners) {
     out.triangles.emplace_back(mesh.corners[t.x], mesh.corners[t.y], mesh.corners[t.z]);
   }
-  SurfaceAttributes& attributes = out.appearance.surface;
+  SurfaceAttributes& attributes = out.attributes;
   attributes.colors = atCorners(mesh.vertexColors, out.triangles);
   for (const glm::u8vec3& color : chosen(mesh.faceColors, triangles.face)) {
     attributes.colors.push_back({color, color, color});
@@ -124,6 +125,7 @@ void triangulateInto(const MeshFile& file, PolygonMesh&& mesh, RawMesh& out) {
     }
   }
   attributes.material = chosen(mesh.faceMaterials, triangles.face);
+  out.neighbor = chosen(mesh.faceNeighbors, triangles.face);
   out.objectOfTriangle = chosen(mesh.objectOfFace, triangles.face);
   out.vertices = std::move(mesh.vertices);
 }

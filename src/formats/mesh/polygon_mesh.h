@@ -23,6 +23,7 @@ struct PolygonMesh {
   std::vector<glm::vec2> vertexTexcoords;    ///< [vertices]
   std::vector<glm::vec2> cornerTexcoords;    ///< [corners], where vertices have none
   std::vector<std::uint32_t> faceMaterials;  ///< [faces]
+  std::vector<std::uint16_t> faceNeighbors;  ///< [faces]
   std::vector<std::uint32_t> objectOfFace;   ///< [faces]
 
   /// Bytes of all of these.

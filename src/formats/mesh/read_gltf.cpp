@@ -246,7 +246,7 @@ struct Reader {
     for (const glm::dvec3& v : primitive.positions)
       out.vertices.push_back(moves ? world.linear * v + world.offset : v);
     const bool mirrored = glm::determinant(world.linear) < 0.0;
-    SurfaceAttributes& attributes = out.appearance.surface;
+    SurfaceAttributes& attributes = out.attributes;
     for (glm::uvec3 t : primitive.triangles) {
       if (mirrored) std::swap(t.x, t.z);
       out.triangles.push_back(t + first);
@@ -295,7 +295,7 @@ struct Reader {
       charge(file, nameOf(node).size() + sizeof(std::string));
     }
     out.objects.reserve(meshNodes.size());
-    SurfaceAttributes& attributes = out.appearance.surface;
+    SurfaceAttributes& attributes = out.attributes;
     const auto reserve = [&]<class Value>(std::vector<Value>& values, std::size_t count) {
       charge(file, count, sizeof(Value));
       values.reserve(count);

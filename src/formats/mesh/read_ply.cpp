@@ -31,7 +31,8 @@ enum class Role {
   strip,
   texcoords,
   texture,
-  material
+  material,
+  neighbor
 };
 
 Role roleOf(const PlyElement& element, const PlyProperty& property) {
@@ -53,6 +54,7 @@ Role roleOf(const PlyElement& element, const PlyProperty& property) {
   if ((ofVertex || ofFace) && is("blue", "b", "diffuse_blue")) return Role::blue;
   if (ofFace && is("texnumber")) return Role::texture;
   if (ofFace && is("material")) return Role::material;
+  if (ofFace && is("neighbor", "facing")) return Role::neighbor;  // "facing": schema sherd/1
   return Role::none;
 }
 
@@ -108,6 +110,7 @@ struct Values {
   glm::vec3 color{1.0f};
   glm::vec2 texcoord{0.0f};
   std::uint32_t texture = 0, material = 0;
+  double neighbor = 0.0;
 };
 
 constexpr std::int64_t kItemsAtATime = 4096;
@@ -124,6 +127,7 @@ struct Reader {
   bool cornerTexcoords = has(face, {Role::texcoords});
   bool vertexTexcoords = !cornerTexcoords && has(vertex, {Role::u, Role::v});
   bool byMaterial = has(face, {Role::material});
+  bool hasNeighbors = has(face, {Role::neighbor}) && strips == nullptr;
 
   RawMesh out{};
   PolygonMesh mesh{};
@@ -205,6 +209,9 @@ struct Reader {
       case Role::v:
         values.texcoord[column.role == Role::u ? 0 : 1] = static_cast<float>(value);
         break;
+      case Role::neighbor:
+        values.neighbor = value;
+        break;
       default: {
         const bool good = value >= 0.0 && value <= std::numeric_limits<std::int32_t>::max();
         (column.role == Role::texture ? values.texture : values.material) =
@@ -227,10 +234,22 @@ struct Reader {
     mesh.faceEnds.push_back(static_cast<std::uint32_t>(mesh.corners.size()));
     if (faceColors) colors.push_back(values.color);
     materials.push_back(byMaterial ? values.material : values.texture);
+    if (hasNeighbors) addNeighbor(values.neighbor);
     for (std::size_t k = 0; k < count && cornerTexcoords; ++k) {
       const bool present = 2 * k + 1 < texcoords.size();
       mesh.cornerTexcoords.push_back(present ? glm::vec2(texcoords[2 * k], texcoords[2 * k + 1])
                                              : glm::vec2(0.0f));
+    }
+  }
+
+  // A value that is no id shows that the property is not a fragment's: then none is kept.
+  void addNeighbor(double value) {
+    hasNeighbors = value >= 0.0 && value <= std::numeric_limits<std::uint16_t>::max() &&
+                   value == std::floor(value);
+    if (hasNeighbors) {
+      mesh.faceNeighbors.push_back(static_cast<std::uint16_t>(value));
+    } else {
+      mesh.faceNeighbors.clear();
     }
   }
 
