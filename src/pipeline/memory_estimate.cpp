@@ -16,7 +16,7 @@
 namespace sherd {
 namespace {
 
-// Rates: docs/performance.md, "Memory".
+// Rates: docs/history/memory.md.
 constexpr double kProgram = 200e6;          // the OpenCL device and its compiler
 constexpr double kPerTriangle = 240.0;      // of the input: vertices, the tree, columns
 constexpr double kPerSurfaceVoxel = 500.0;  // faces, meshes and the preview of fragments
