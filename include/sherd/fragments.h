@@ -47,6 +47,14 @@ struct IntactSurface;
 /// Interface::shared.
 [[nodiscard]] std::shared_ptr<const IntactSurface> intactSurface(const Solid& solid);
 
+struct ExtractOptions {
+  SurfaceOptions surface{};          ///< how meshes are made; level sets do not depend on it
+  const Labels* uneroded = nullptr;  ///< the labels before erosion, or null without erosion;
+                                     ///< neighbors of eroded faces and contacts are computed from
+                                     ///< them
+  const IntactSurface* intact = nullptr;  ///< of this solid, or null; affects only the speed
+};
+
 /// Cuts every fragment out of the solid.  A fragment's level set is max(solid, distance to the
 /// cut). Where labels are the Voronoi cells of two seeds, the cut is the plane half way between
 /// them; elsewhere it is where the labels' indicators, smoothed by two binomial passes, are equal.
@@ -54,17 +62,11 @@ struct IntactSurface;
 /// Every inside voxel's center lies in its owner's level set and in no other.
 ///   labels    of this solid's blocks: ids 1..fragments, each with at least one voxel, or
 ///             Labels::kEroded
-///   uneroded  the labels before erosion, or null without erosion; neighbors of eroded faces and
-///             contacts are computed from them
-///   surface   how meshes are made; level sets do not depend on it
-///   intact    of this solid, or null; affects only the speed
 ///   return    [fragments] ascending by id
 [[nodiscard]] std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
                                                      int fragments,
-                                                     const Labels* uneroded = nullptr,
-                                                     const SurfaceOptions& surface = {},
-                                                     const Progress* progress = nullptr,
-                                                     const IntactSurface* intact = nullptr);
+                                                     const ExtractOptions& options = {},
+                                                     const Progress* progress = nullptr);
 
 /// Returns the boundary loops of a fragment's contacts.
 ///   return  for each neighbor id: closed loops of indices of the mesh's vertices, with the

@@ -17,6 +17,13 @@ struct ShareOptions {
   bool isAny() const { return minShare != 0.0 || balance != 0; }  ///< whether an option is set
 };
 
+/// Options of growWithShares.
+struct SharedGrowthOptions {
+  GrowOptions grow{};
+  ShareOptions shares{};
+  std::uint64_t seed = 0;  ///< of new seeds
+};
+
 /// Seeds and the labels grown from them.
 struct SeededLabels {
   std::vector<Seed> seeds;
@@ -33,7 +40,7 @@ struct SeededLabels {
 [[nodiscard]] SeededLabels growWithShares(const LeafBlocks& blocks,
                                           const VoxelComponents& components,
                                           std::vector<Seed> seeds, Device& device,
-                                          const GrowOptions& grow, const ShareOptions& shares,
-                                          std::uint64_t seed, const Progress* progress = nullptr);
+                                          const SharedGrowthOptions& options,
+                                          const Progress* progress = nullptr);
 
 }  // namespace sherd

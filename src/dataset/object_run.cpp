@@ -153,8 +153,9 @@ class ObjectRun {
     };
     label(solid.blocks.inside, 1);
     label(solid.blocks.exteriorBand, 1);
-    whole.fragments = extractFragments(solid, whole.labels, 1, nullptr, options.surface, &progress_,
-                                       ready_->surface.get());
+    whole.fragments =
+        extractFragments(solid, whole.labels, 1,
+                         {.surface = options.surface, .intact = ready_->surface.get()}, &progress_);
     whole.eroded = {0, 0};
     renderThumbnail(kWholeName, whole);
     label(solid.blocks.inside, Labels::kEroded);  // inside the solid, but in no fragment

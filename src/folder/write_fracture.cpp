@@ -24,8 +24,10 @@ std::vector<MeshFacts> makeAndWrite(const GrownFracture& grown, const SurfaceOpt
                                     FractureWriting& writing, StageClock& clock,
                                     const Progress* progress) {
   Extraction extraction(result.solid, result.labels, grown.fragments,
-                        grown.uneroded ? &*grown.uneroded : nullptr, surface, progress,
-                        grown.surface.get());
+                        {.surface = surface,
+                         .uneroded = grown.uneroded ? &*grown.uneroded : nullptr,
+                         .intact = grown.surface.get()},
+                        progress);
   clock.done("extract");
   writing.begin(progress);
   clock.done("write");

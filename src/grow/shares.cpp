@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <set>
 #include <string>
 
@@ -58,12 +59,13 @@ std::vector<std::uint16_t> removableFragments(const LeafBlocks& blocks,
   return small;
 }
 
-// Replaces the seeds of each removable `small` fragment by one new seed in the largest remaining
+// Replaces the seeds of each `small` fragment by one new seed in the largest remaining
 // fragment.
-void reseed(const LeafBlocks& blocks, const VoxelComponents& components, const Labels& labels,
-            std::vector<Seed>& seeds, std::vector<std::uint16_t> small,
-            std::vector<std::uint64_t> voxels, std::uint64_t seed, int attempt) {
-  small = removableFragments(blocks, components, seeds, std::move(small));
+//   voxels  [fragments + 1] of `labels`
+//   random  draws a number below its first argument, its own for each fragment
+void reseed(const LeafBlocks& blocks, const Labels& labels, std::vector<Seed>& seeds,
+            const std::vector<std::uint16_t>& small, std::vector<std::uint64_t> voxels,
+            const std::function<std::uint64_t(std::uint64_t, std::uint16_t)>& random) {
   const std::set<std::uint16_t> removed(small.begin(), small.end());
   const std::size_t primaries = voxels.size() - 1;
   std::erase_if(seeds, [&, i = std::size_t{0}](const Seed& s) mutable {
@@ -85,9 +87,7 @@ void reseed(const LeafBlocks& blocks, const VoxelComponents& components, const L
         std::max_element(voxels.begin() + 1, voxels.end()) - voxels.begin());
     voxels[largest] /= 2;
     voxels[id] = voxels[largest];
-    const auto item = static_cast<std::uint64_t>(attempt) << 16 | id;
-    newSeeds.push_back({static_cast<std::uint16_t>(largest), id,
-                        randomBelow(size[largest], seed, Stage::reseed, item)});
+    newSeeds.push_back({static_cast<std::uint16_t>(largest), id, random(size[largest], id)});
   }
   std::vector<std::vector<NewSeed>> newSeedsIn(size.size());
   for (const NewSeed& newSeed : newSeeds) newSeedsIn[newSeed.from].push_back(newSeed);
@@ -162,16 +162,16 @@ std::vector<Seed> centeredSeeds(const LeafBlocks& blocks, const Labels& labels,
 }  // namespace
 
 SeededLabels growWithShares(const LeafBlocks& blocks, const VoxelComponents& components,
-                            std::vector<Seed> seeds, Device& device, const GrowOptions& growOptions,
-                            const ShareOptions& shares, std::uint64_t seed,
-                            const Progress* progress) {
+                            std::vector<Seed> seeds, Device& device,
+                            const SharedGrowthOptions& options, const Progress* progress) {
+  const ShareOptions& shares = options.shares;
   const int fragments = fragmentsOf(seeds);
   const std::uint64_t voxels = blocks.insideVoxels();
   check(shares, components, fragments, voxels);
   const auto minVoxels =
       static_cast<std::uint64_t>(std::ceil(shares.minShare * static_cast<double>(voxels) - 1e-9));
   const auto growFrom = [&](const std::vector<Seed>& from) {
-    return std::move(grow(blocks, std::span(&from, 1), device, growOptions, progress).front());
+    return std::move(grow(blocks, std::span(&from, 1), device, options.grow, progress).front());
   };
   constexpr int kTriesBeforeCentering = 8;
 
@@ -191,7 +191,11 @@ SeededLabels growWithShares(const LeafBlocks& blocks, const VoxelComponents& com
         small.push_back(static_cast<std::uint16_t>(id));
       }
     }
-    reseed(blocks, components, labels, seeds, std::move(small), counts, seed, attempt);
+    reseed(blocks, labels, seeds, removableFragments(blocks, components, seeds, std::move(small)),
+           counts, [&](std::uint64_t end, std::uint16_t id) {
+             const auto item = static_cast<std::uint64_t>(attempt) << 16 | id;
+             return randomBelow(end, options.seed, Stage::reseed, item);
+           });
     if (attempt >= kTriesBeforeCentering) {
       seeds = centeredSeeds(blocks, growFrom(seeds), std::move(seeds));
     }

@@ -88,7 +88,7 @@ SeededLabels growFor(const FractureOptions& options, const LeafBlocks& blocks,
                      Device& device, const Progress* progress) {
   GrowOptions grow = options.grow;
   grow.noiseSeeds = {randomBits(seed, Stage::noise, 0)};
-  return growWithShares(blocks, components, std::move(seeds), device, grow, options.shares, seed,
+  return growWithShares(blocks, components, std::move(seeds), device, {grow, options.shares, seed},
                         progress);
 }
 
@@ -179,8 +179,10 @@ FractureResult extracted(GrownFracture grown, const FractureOptions& options,
   StageClock clock;
   FractureResult& result = grown.result;
   result.fragments = extractFragments(result.solid, result.labels, grown.fragments,
-                                      grown.uneroded ? &*grown.uneroded : nullptr, options.surface,
-                                      progress, grown.surface.get());
+                                      {.surface = options.surface,
+                                       .uneroded = grown.uneroded ? &*grown.uneroded : nullptr,
+                                       .intact = grown.surface.get()},
+                                      progress);
   clock.done("extract");
   result.times.push_back(clock.times().front());
   return std::move(result);

@@ -65,8 +65,8 @@ void checkRanges(const Impact& impact, std::size_t number) {
 // Draws one voxel around the impact's center; nullopt if it is not a candidate in its component.
 std::optional<VoxelKey> drawNear(const AimedImpact& aimedImpact, const glm::dvec3& side,
                                  std::uint64_t seed, std::uint64_t item,
-                                 const VoxelIndex& candidates, const VoxelBox& box,
-                                 const VoxelComponents& components) {
+                                 const SeedCandidates& candidates) {
+  const VoxelBox& box = candidates.box;
   openvdb::Coord voxel;
   for (int axis = 0; axis < 3; ++axis) {
     const double offset = side[axis] * meanOfUniforms(static_cast<std::uint64_t>(aimedImpact.terms),
@@ -76,8 +76,8 @@ std::optional<VoxelKey> drawNear(const AimedImpact& aimedImpact, const glm::dvec
     if (at < box.min[axis] || at > box.max[axis]) return {};
     voxel[axis] = static_cast<int>(at);
   }
-  const std::optional<VoxelKey> key = candidates.find(voxel);
-  if (!key || components.at(*key) != aimedImpact.component) return {};
+  const std::optional<VoxelKey> key = candidates.voxels.find(voxel);
+  if (!key || candidates.components.at(*key) != aimedImpact.component) return {};
   return key;
 }
 
@@ -113,10 +113,10 @@ std::vector<AimedImpact> aim(const Solid& solid, const VoxelComponents& componen
   return aimedImpacts;
 }
 
-void scatter(const AimedImpact& aimedImpact, std::size_t number, const VoxelIndex& candidates,
-             const VoxelBox& box, const VoxelComponents& components,
-             std::span<const std::uint64_t> inComponent, std::uint64_t seed, Chosen& chosen) {
-  const std::uint64_t room = inComponent[aimedImpact.component] -
+void scatter(const AimedImpact& aimedImpact, std::size_t number, const SeedCandidates& candidates,
+             std::uint64_t seed, Chosen& chosen) {
+  const VoxelComponents& components = candidates.components;
+  const std::uint64_t room = candidates.inComponent[aimedImpact.component] -
                              static_cast<std::uint64_t>(std::count_if(
                                  chosen.voxels.begin(), chosen.voxels.end(), [&](VoxelKey key) {
                                    return components.at(key) == aimedImpact.component;
@@ -131,7 +131,7 @@ void scatter(const AimedImpact& aimedImpact, std::size_t number, const VoxelInde
   // were, the chance is 1 in 65,536); kMissed misses in a row, that it holds few candidates.
   constexpr int kTaken = 16, kMissed = 4096;
   const std::uint64_t impactSeed = randomBits(seed, Stage::impactSeed, number);
-  const openvdb::Coord dims = box.dims();
+  const openvdb::Coord dims = candidates.box.dims();
   const double sideOfUnit =
       std::sqrt(12.0 * aimedImpact.terms);  // of a standard deviation of one voxel
   const double widest = 2.0 * sideOfUnit * std::max({dims.x(), dims.y(), dims.z()});
@@ -140,8 +140,7 @@ void scatter(const AimedImpact& aimedImpact, std::size_t number, const VoxelInde
   int taken = 0, missed = 0;
   for (std::uint64_t item = 0; chosen.size() < end; ++item) {
     if (std::min({side.x, side.y, side.z}) > widest) break;
-    const std::optional<VoxelKey> key =
-        drawNear(aimedImpact, side, impactSeed, item, candidates, box, components);
+    const std::optional<VoxelKey> key = drawNear(aimedImpact, side, impactSeed, item, candidates);
     if (key && chosen.add(*key)) {
       taken = missed = 0;
     } else if (++(key ? taken : missed); taken == kTaken || missed == kMissed) {
@@ -153,7 +152,7 @@ void scatter(const AimedImpact& aimedImpact, std::size_t number, const VoxelInde
 
   // A distribution this wide is uniform: take any free voxel of the component.
   std::vector<VoxelKey> freeVoxels;
-  candidates.forEach([&](VoxelKey key) {
+  candidates.voxels.forEach([&](VoxelKey key) {
     if (components.at(key) == aimedImpact.component && !chosen.taken.contains(key))
       freeVoxels.push_back(key);
   });

@@ -27,12 +27,18 @@ struct AimedImpact {
                                            const SeedOptions& options, std::size_t pieces,
                                            const VoxelIndex& inside, const VoxelIndex& surface);
 
+/// The voxels that impacts may take.
+struct SeedCandidates {
+  const VoxelIndex& voxels;
+  const VoxelBox& box;  ///< of the solid
+  const VoxelComponents& components;
+  std::span<const std::uint64_t> inComponent;  ///< [components] candidates in each
+};
+
 /// Adds the seeds of an impact.
-///   number       index of the impact from 0; each has its own random sequence
-///   inComponent  [components] candidates in each component
-///   throws       Error(usage) too few free voxels in the component
-void scatter(const AimedImpact& aimedImpact, std::size_t number, const VoxelIndex& candidates,
-             const VoxelBox& box, const VoxelComponents& components,
-             std::span<const std::uint64_t> inComponent, std::uint64_t seed, Chosen& chosen);
+///   number  index of the impact from 0; each has its own random sequence
+///   throws  Error(usage) too few free voxels in the component
+void scatter(const AimedImpact& aimedImpact, std::size_t number, const SeedCandidates& candidates,
+             std::uint64_t seed, Chosen& chosen);
 
 }  // namespace sherd

@@ -118,7 +118,7 @@ std::vector<Seed> placeSeeds(const Solid& solid, const VoxelComponents& componen
   const auto scatterAll = [&](bool merge, Chosen& chosen) {
     for (std::size_t i = 0; i < aimedImpacts.size(); ++i) {
       if (aimedImpacts[i].merge != merge) continue;
-      scatter(aimedImpacts[i], i, candidates, solid.box, components, room, options.seed, chosen);
+      scatter(aimedImpacts[i], i, {candidates, solid.box, components, room}, options.seed, chosen);
     }
   };
   SeedSampler sampler(candidates, solid.box, options.sampler, options.seed);

@@ -97,23 +97,22 @@ const SurfaceOptions& checked(const SurfaceOptions& surface, const Progress* pro
 }  // namespace
 
 Extraction::Extraction(const Solid& solid, const Labels& labels, int fragments,
-                       const Labels* uneroded, const SurfaceOptions& surface,
-                       const Progress* progress, const IntactSurface* intact)
+                       const ExtractOptions& options, const Progress* progress)
     : solid_(solid),
       labels_(labels),
-      uneroded_(uneroded),
-      surface_(checked(surface, progress)),
+      uneroded_(options.uneroded),
+      surface_(checked(options.surface, progress)),
       progress_(progress),
       count_(static_cast<std::size_t>(fragments)),
       voxels_(counted(solid, labels, fragments)),
-      ownNeighborhoods_(intact ? std::vector<LeafNeighbors>()
-                               : leafNeighbors(solid.blocks.origins)),
-      neighborhoods_(intact ? intact->neighborhoods : ownNeighborhoods_),
+      ownNeighborhoods_(options.intact ? std::vector<LeafNeighbors>()
+                                       : leafNeighbors(solid.blocks.origins)),
+      neighborhoods_(options.intact ? options.intact->neighborhoods : ownNeighborhoods_),
       cut_(findCut(solid.blocks, labels, neighborhoods_,
                    surface_.levelSets ? CutExtent::everywhere : CutExtent::cells, progress)),
       leaves_(leavesOf(cut_, count_)) {
   if (!isShared()) return;
-  shared_.emplace(solid, labels, cut_, neighborhoods_, fragments, intact, progress);
+  shared_.emplace(solid, labels, cut_, neighborhoods_, fragments, options.intact, progress);
   const bool isProcessed = surface_.adaptivity > 0.0 || !surface_.triangles.empty() ||
                            movesAnything(surface_.smooth, solid.box.longestSide());
   if (!isProcessed) return;
@@ -233,9 +232,8 @@ std::vector<std::vector<Contact>> Extraction::contacts() const {
 }
 
 std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels, int count,
-                                       const Labels* uneroded, const SurfaceOptions& surface,
-                                       const Progress* progress, const IntactSurface* intact) {
-  Extraction extraction(solid, labels, count, uneroded, surface, progress, intact);
+                                       const ExtractOptions& options, const Progress* progress) {
+  Extraction extraction(solid, labels, count, options, progress);
   std::vector<Fragment> all;
   for (std::vector<Fragment> some = extraction.next(); !some.empty(); some = extraction.next()) {
     std::move(some.begin(), some.end(), std::back_inserter(all));

@@ -18,8 +18,8 @@ namespace sherd {
 class Extraction {
  public:
   ///   throws  what extractFragments throws
-  Extraction(const Solid& solid, const Labels& labels, int fragments, const Labels* uneroded,
-             const SurfaceOptions& surface, const Progress* progress, const IntactSurface* intact);
+  Extraction(const Solid& solid, const Labels& labels, int fragments, const ExtractOptions& options,
+             const Progress* progress);
   Extraction(const Extraction&) = delete;
   Extraction& operator=(const Extraction&) = delete;
 

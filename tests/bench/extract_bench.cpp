@@ -32,8 +32,8 @@ const sherd::FractureResult& broken() {
 void extract(benchmark::State& state, sherd::Interface interface) {
   const sherd::FractureResult& result = broken();
   for (auto _ : state) {
-    benchmark::DoNotOptimize(sherd::extractFragments(result.solid, result.labels, 10, nullptr,
-                                                     {.interface = interface}));
+    benchmark::DoNotOptimize(sherd::extractFragments(result.solid, result.labels, 10,
+                                                     {.surface = {.interface = interface}}));
   }
 }
 

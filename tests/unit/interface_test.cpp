@@ -155,8 +155,9 @@ TEST(Interface, IndependentMeshesOfRandomLabelsAreManifold) {
     });
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     for (const Fragment& fragment :
-         extractFragments(made.solid, labels, fragments, eroded > 0 ? &made.labels : nullptr,
-                          {.levelSets = false, .interface = Interface::independent})) {
+         extractFragments(made.solid, labels, fragments,
+                          {.surface = {.levelSets = false, .interface = Interface::independent},
+                          .uneroded = eroded > 0 ? &made.labels : nullptr})) {
       expectClosedManifold(fragment.mesh);
       EXPECT_GT(volume(fragment.mesh), 0.0);
     }
@@ -200,7 +201,7 @@ TEST(Interface, SingleVoxelHasTheSameVolumeMeshedIndependently) {
   std::vector<double> volumes;
   for (const Interface interface : {Interface::shared, Interface::independent}) {
     const std::vector<Fragment> fragments = extractFragments(
-        made.solid, made.labels, 2, nullptr, {.levelSets = false, .interface = interface});
+        made.solid, made.labels, 2, {.surface = {.levelSets = false, .interface = interface}});
     volumes.push_back(volume(fragments[0].mesh));
   }
   EXPECT_GT(volumes[0], 0.7);

@@ -123,7 +123,7 @@ TEST(Stop, SmoothingAsksForEachIteration) {
   for (const Interface kind : {Interface::shared, Interface::independent}) {
     const SurfaceOptions surface{.interface = kind, .smooth = options};
     EXPECT_GE(asksOf([&](const Progress* p) {
-                (void)extractFragments(solid, labels, 1, nullptr, surface, p);
+                (void)extractFragments(solid, labels, 1, {.surface = surface}, p);
               }),
               100u);
   }
