@@ -26,7 +26,7 @@ HEADERS = {  # include/sherd/
     "mesh": "appearance mesh",
     "voxelize": "solid",
     "seed": "seeds",
-    "grow": "labels shares",
+    "grow": "growth_rules labels shares",
     "erode": "erode",
     "surface": "fragments surface",
     "points": "points",

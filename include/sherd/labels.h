@@ -2,6 +2,7 @@
 #pragma once
 
 #include <sherd/device.h>
+#include <sherd/growth_rules.h>
 #include <sherd/leaf_blocks.h>
 #include <sherd/metric.h>
 #include <sherd/progress.h>
@@ -42,15 +43,6 @@ struct Labels {
   VoronoiSites sites{};  ///< if not empty, voxels belong to the nearest of these seeds except
                          ///< where they were regrown or eroded, so cuts are planes.  Empty for
                          ///< growths without this property
-};
-
-/// How fragments grow from their seeds.
-enum class Growth {
-  flood,    ///< breadth-first; distances are measured around gaps
-  nearest,  ///< nearest seed by the metric, across gaps: the paper's straightforward method
-  chain,    ///< Discrete Voronoi Chain: across faces, in the order of the largest distance to the
-            ///< seed along the path (rounded up to half voxels)
-  euclid,   ///< nearest seed; voxels disconnected from their seed are regrown by a 5^3 chamfer
 };
 
 struct GrowOptions {

@@ -5,7 +5,6 @@
 
 namespace sherd::names {
 
-inline constexpr const char* kGrowth[] = {"flood", "nearest", "chain", "euclid"};
 inline constexpr const char* kMetric[] = {"euclidean", "chebyshev", "manhattan"};
 inline constexpr const char* kFill[] = {"auto", "winding", "parity", "flood", "shell"};
 inline constexpr const char* kSampler[] = {"uniform", "halton", "gaussian", "poisson"};

@@ -190,10 +190,15 @@ void addSeedOptions(CLI::App& command, FractureOptions& options) {
       ->group(group);
 }
 
-void addGrowthOptions(CLI::App& command, FractureOptions& options) {
-  const std::string group = "Growth";
-  GrowOptions& grow = options.grow;
-  addChoice(command, "--growth", grow.growth, names::kGrowth, "How fragments grow from their seeds")
+namespace {
+
+constexpr const char* kGrowthGroup = "Growth";
+
+void addRuleOptions(CLI::App& command, GrowOptions& grow) {
+  const std::string group = kGrowthGroup;
+  std::vector<const char*> rules;
+  for (const GrowthRule& rule : kGrowthRules) rules.push_back(rule.name);
+  addChoice(command, "--growth", grow.growth, rules, "How fragments grow from their seeds")
       ->group(group);
   command
       .add_option("--neighborhood", grow.neighborhood, "Neighbors of a voxel in a flood: 6 or 26")
@@ -223,6 +228,10 @@ void addGrowthOptions(CLI::App& command, FractureOptions& options) {
             "Voxels disconnected from their fragment's first seed: regrow gives them to neighbors, "
             "keep leaves them")
       ->group(group);
+}
+
+void addShareOptions(CLI::App& command, FractureOptions& options) {
+  const std::string group = kGrowthGroup;
   command
       .add_option(
           "--min-share", options.shares.minShare,
@@ -250,6 +259,13 @@ void addGrowthOptions(CLI::App& command, FractureOptions& options) {
       ->type_name("k|share")
       ->default_str("0")
       ->group(group);
+}
+
+}  // namespace
+
+void addGrowthOptions(CLI::App& command, FractureOptions& options) {
+  addRuleOptions(command, options.grow);
+  addShareOptions(command, options);
 }
 
 void addErosionOptions(CLI::App& command, FractureOptions& options) {

@@ -53,9 +53,14 @@ bool hasLayout(const ParsedOptions& parsed, DatasetLayout layout) {
 
 using P = const ParsedOptions&;
 
-const std::vector<Rule>& rules() {
-  static const std::vector<Rule> kRules{
-      // ---- The solid
+std::vector<Rule> joined(std::initializer_list<std::vector<Rule>> groups) {
+  std::vector<Rule> all;
+  for (const std::vector<Rule>& group : groups) all.insert(all.end(), group.begin(), group.end());
+  return all;
+}
+
+std::vector<Rule> solidRules() {
+  return {
       {{"--shell-thickness"},
        Verdict::conflict,
        [](P p) {
@@ -71,7 +76,11 @@ const std::vector<Rule>& rules() {
        Verdict::conflict,
        [](P p) { return isVolumeName(p.mesh); },
        "breaks the objects of a mesh, and MESH is a volume without objects"},
-      // ---- Seeds
+  };
+}
+
+std::vector<Rule> seedRules() {
+  return {
       {{"--sampler", "--seeds-on", "--extra-seeds", "--merge-metric", "--impact", "--impacts"},
        Verdict::conflict,
        [](P p) { return !p.fracture.seedFile.empty(); },
@@ -86,28 +95,37 @@ const std::vector<Rule>& rules() {
        },
        "does nothing without --extra-seeds, or an --impact that merges",
        {"--extra-seeds", "--impact"}},
-      // ---- Growth
+  };
+}
+
+std::vector<Rule> growthRules() {
+  return {
       {{"--neighborhood"},
        Verdict::idle,
-       [](P p) { return p.fracture.grow.growth != Growth::flood; },
+       [](P p) { return !ruleOf(p.fracture.grow.growth).usesNeighborhood; },
        "does nothing without --growth flood",
        {"--growth"}},
       {{"--metric"},
        Verdict::idle,
-       [](P p) {
-         const Growth growth = p.fracture.grow.growth;
-         return growth != Growth::nearest && growth != Growth::chain;
-       },
+       [](P p) { return !ruleOf(p.fracture.grow.growth).usesMetric; },
        "does nothing without --growth nearest or chain",
        {"--growth"}},
-      // ---- Erosion
+  };
+}
+
+std::vector<Rule> erosionRules() {
+  return {
       {{"--erode-shape", "--erode-size", "--erode-planes", "--erode-threshold",
         "--erode-probability", "--erode-on", "--erode-islands"},
        Verdict::idle,
        [](P p) { return p.fracture.erode.iterations == 0; },
        "does nothing without --erode-iterations",
        {"--erode-iterations"}},
-      // ---- Surface
+  };
+}
+
+std::vector<Rule> surfaceRules() {
+  return {
       {{"--interface"},
        Verdict::idle,
        [](P p) { return p.fracture.surface.surface == Surface::labels; },
@@ -131,7 +149,11 @@ const std::vector<Rule>& rules() {
        [](P p) { return none(p.fracture.surface.smooth.boundaryIterations); },
        "does nothing without --smooth-boundary-iterations",
        {"--smooth-boundary-iterations"}},
-      // ---- Files
+  };
+}
+
+std::vector<Rule> formatRules() {
+  return {
       {{"--triangles", "--mesh-format", "--plain-meshes"},
        Verdict::idle,
        [](P p) { return !writes(p, {"mesh"}); },
@@ -165,6 +187,11 @@ const std::vector<Rule>& rules() {
        Verdict::idle,
        [](P p) { return p.dataset == nullptr && !writes(p, {"preview"}); },
        "does nothing without preview in --write"},
+  };
+}
+
+std::vector<Rule> writeRules() {
+  return {
       {{"--write"},
        Verdict::idle,
        [](P p) { return writes(p, {"fog"}) && !writes(p, {"vdb"}); },
@@ -182,7 +209,11 @@ const std::vector<Rule>& rules() {
                 (hasLayout(p, DatasetLayout::paper) || hasLayout(p, DatasetLayout::bb));
        },
        "solid does nothing with --layout paper and bb, which hold the intact object once"},
-      // ---- Points
+  };
+}
+
+std::vector<Rule> pointRules() {
+  return {
       {{"--share-points", "--point-sampler", "--point-rule", "--point-format"},
        Verdict::idle,
        [](P p) { return p.write.files.points.count == 0; },
@@ -198,7 +229,11 @@ const std::vector<Rule>& rules() {
        Verdict::idle,
        [](P p) { return p.write.files.distances.count == 0; },
        "does nothing without --sdf-samples"},
-      // ---- Datasets
+  };
+}
+
+std::vector<Rule> datasetRules() {
+  return {
       {{"--compress"},
        Verdict::idle,
        [](P p) {
@@ -211,6 +246,12 @@ const std::vector<Rule>& rules() {
        [](P p) { return p.dryRun; },
        "does nothing with --dry-run, which writes no dataset"},
   };
+}
+
+const std::vector<Rule>& rules() {
+  static const std::vector<Rule> kRules =
+      joined({solidRules(), seedRules(), growthRules(), erosionRules(), surfaceRules(),
+              formatRules(), writeRules(), pointRules(), datasetRules()});
   return kRules;
 }
 

@@ -74,11 +74,10 @@ Json seedOptionsJson(const FractureOptions& options) {
 }
 
 Json growOptionsJson(const GrowOptions& grow) {
-  Json json = {{"growth", names::of(names::kGrowth, grow.growth)}};
-  if (grow.growth == Growth::flood) json["neighborhood"] = grow.neighborhood;
-  if (grow.growth == Growth::nearest || grow.growth == Growth::chain) {
-    json["metric"] = names::of(names::kMetric, grow.metric);
-  }
+  const GrowthRule& rule = ruleOf(grow.growth);
+  Json json = {{"growth", rule.name}};
+  if (rule.usesNeighborhood) json["neighborhood"] = grow.neighborhood;
+  if (rule.usesMetric) json["metric"] = names::of(names::kMetric, grow.metric);
   if (grow.anisotropy.strength != 0.0) {
     json["grain"] = {{"direction", jsonOf(grow.anisotropy.direction)},
                      {"strength", grow.anisotropy.strength}};

@@ -7,9 +7,9 @@
 
 #include "grow/components.h"
 #include "grow/flood.h"
-#include "grow/nearest.h"
 #include "grow/relief.h"
 #include "grow/rough.h"
+#include "grow/seed_kernel.h"
 
 namespace sherd {
 namespace {
@@ -55,21 +55,19 @@ struct Growing {
     cost = grown.cost;
   }
 
+  const GrowthRule& rule() const { return ruleOf(options.growth); }
+
+  sherd_metric metric() const {
+    return metricFor(rule().usesMetric ? options.metric : Metric::euclidean, options.anisotropy);
+  }
+
   void growFirst() {
-    switch (options.growth) {
-      case Growth::flood:
-        return store(growByWeight(state, seeds,
-                                  layerSteps(options.neighborhood, options.anisotropy), progress));
-      case Growth::chain:
-        return store(
-            growChain(state, seeds, metricFor(options.metric, options.anisotropy), progress));
-      case Growth::nearest:
-        return store(growNearest(state, seeds, metricFor(options.metric, options.anisotropy),
-                                 options.keepCost));
-      case Growth::euclid:
-        return store(growNearest(state, seeds, metricFor(Metric::euclidean, options.anisotropy),
-                                 options.keepCost));
+    if (rule().kernel != nullptr) {
+      return store(growByKernel(state, seeds, rule().kernel, metric(), options.keepCost));
     }
+    if (options.growth == Growth::chain) return store(growChain(state, seeds, metric(), progress));
+    store(
+        growByWeight(state, seeds, layerSteps(options.neighborhood, options.anisotropy), progress));
   }
 
   void roughen() {
@@ -93,8 +91,8 @@ struct Growing {
   bool mayBeDisconnected() const {
     const bool severalSeeds =
         std::find(seeds.primary.begin(), seeds.primary.end(), false) != seeds.primary.end();
-    const bool byFaces = options.growth == Growth::chain ||
-                         (options.growth == Growth::flood && options.neighborhood == 6);
+    const bool byFaces =
+        rule().growsOverFaces && (!rule().usesNeighborhood || options.neighborhood == 6);
     return severalSeeds || !byFaces;
   }
 };
@@ -137,13 +135,13 @@ DeviceBuffer allInside(GrowthState& state) {
   return mask;
 }
 
-// Returns the voxels connected to their fragments' first seeds.  For euclid, first regrows the
-// others once by the chamfer.
+// Returns the voxels connected to their fragments' first seeds.  Where the rule has it so, first
+// regrows the others once by the chamfer.
 DeviceBuffer connectedToSeeds(Growing& growing) {
   GrowthState& state = growing.state;
   KeptComponents components =
       growing.recorded(keepSeededComponents(state, growing.labels, growing.seeds));
-  if (growing.options.growth != Growth::euclid) return components.mask;
+  if (!growing.rule().regrowsByChamfer) return components.mask;
   if (components.all() && !growing.options.warmUp) return components.mask;
   regrowByWeight(state, growing.labels, components.mask, chamferSteps(growing.options.anisotropy),
                  growing.progress);
@@ -200,9 +198,9 @@ Flood growAll(Growing& growing) {
 }
 
 bool givesVoronoiCells(const GrowOptions& options) {
-  return options.roughness == 0.0 &&
-         (options.growth == Growth::euclid ||
-          (options.growth == Growth::nearest && options.metric == Metric::euclidean));
+  const GrowthRule& rule = ruleOf(options.growth);
+  return options.roughness == 0.0 && rule.givesVoronoiCells &&
+         (!rule.usesMetric || options.metric == Metric::euclidean);
 }
 
 // Returns how many fractures grow together: no buffer may exceed the device's largest allocation

@@ -22,7 +22,6 @@ constexpr double kPerTriangle = 240.0;      // of the input: vertices, the tree,
 constexpr double kPerSurfaceVoxel = 500.0;  // faces, meshes and the preview of fragments
 constexpr double kOfSomeMeshes = 0.6;       // factor on it where only some meshes are held
 constexpr double kPerInsideVoxel = 8.0;     // leaves, labels and growth
-constexpr double kOfChain = 8.5;            // additional: waiting offers
 constexpr double kOfErosion = 9.0;          // additional: masks of fragments, labels before erosion
 constexpr double kOfCost = 11.0;  // additional: four bytes on the device, the host and in the file
 constexpr double kSimplified = 1.6;  // factor where meshes are decimated
@@ -100,7 +99,7 @@ double bytesForVoxels(double surface, double inside, double perInside = kPerInsi
 
 // Returns bytes per inside voxel for these options.
 double perInsideVoxel(const FractureOptions& options) {
-  return kPerInsideVoxel + (options.grow.growth == Growth::chain ? kOfChain : 0.0) +
+  return kPerInsideVoxel + ruleOf(options.grow.growth).bytesPerVoxel +
          (options.erode.iterations > 0 ? kOfErosion : 0.0) +
          (options.grow.keepCost ? kOfCost : 0.0);
 }

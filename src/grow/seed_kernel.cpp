@@ -1,13 +1,13 @@
-// Host side of kernels/nearest.cl.
-#include "grow/nearest.h"
+// Host side of kernels that give each voxel one of the seeds.
+#include "grow/seed_kernel.h"
 
 #include <algorithm>
 #include <numeric>
 
 namespace sherd {
 
-Grown growNearest(GrowthState& state, const SeedTable& seeds, const sherd_metric& metric,
-                  bool keepCost) {
+Grown growByKernel(GrowthState& state, const SeedTable& seeds, const char* kernel,
+                   const sherd_metric& metric, bool keepCost) {
   std::vector<std::size_t> order(seeds.item.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   const auto fractureOf = [&](std::size_t i) { return seeds.item[i] / state.leafCount; };
@@ -26,8 +26,8 @@ Grown growNearest(GrowthState& state, const SeedTable& seeds, const sherd_metric
   const DeviceBuffer firsts = uploadBuffer<cl_uint>(state.device, first);
   Grown grown{makeBuffer<cl_ushort>(state.device, state.voxels()),
               makeBuffer<cl_uint>(state.device, keepCost ? state.voxels() : 1)};
-  state.run("nearest", state.items, state.inside, state.origin(), state.leafCount, state.items,
-            voxels, firsts, metric, grown.labels, grown.cost, static_cast<cl_uint>(keepCost));
+  state.run(kernel, state.items, state.inside, state.origin(), state.leafCount, state.items, voxels,
+            firsts, metric, grown.labels, grown.cost, static_cast<cl_uint>(keepCost));
   state.device.queue.finish();  // the seeds' buffers are released here
   return grown;
 }
