@@ -15,6 +15,31 @@ inline uint node_of(const global uint* firstNode, const global uint* nodeCount, 
   return firstNode[item] + (nodeCount[item] > 1 ? localNode[item * SHERD_LEAF_SIZE + v] : 0u);
 }
 
+// Adds to `component` all voxels of `mask` that are connected to it within the leaf.
+inline void fill_component(const ulong* mask, ulong* component) {
+  for (int changed = 1; changed;) {
+    changed = 0;
+    for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
+      ulong reach = component[x] | slab_neighbors(component[x]);
+      if (x > 0) reach |= component[x - 1];
+      if (x < SHERD_LEAF_WORDS - 1) reach |= component[x + 1];
+      reach &= mask[x];
+      changed |= reach != component[x];
+      component[x] = reach;
+    }
+  }
+}
+
+// Writes the node of its voxels; the first node of an item is written with the second, if there is one.
+inline void write_node(const ulong* component, const uint node, global ushort* localNode) {
+  if (node == 1) {
+    for (int i = 0; i < SHERD_LEAF_SIZE; ++i) localNode[i] = 0;
+  }
+  for (int x = 0; x < SHERD_LEAF_WORDS && node > 0; ++x) {
+    for (ulong bits = component[x]; bits; bits &= bits - 1) localNode[(x << 6) + lowest_bit(bits)] = (ushort)node;
+  }
+}
+
 // Numbers the nodes of each item 0.. by their first voxel.
 kernel void component_nodes(
     const global ulong* restrict inside,  // [leafCount*8]
@@ -49,27 +74,12 @@ kernel void component_nodes(
         sameLabel = labels[first];
         equal_mask(labels, (ushort)sameLabel, same);
       }
-      for (int changed = 1; changed;) {
-        changed = 0;
-        for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
-          ulong reach = component[x] | slab_neighbors(component[x]);
-          if (x > 0) reach |= component[x - 1];
-          if (x < SHERD_LEAF_WORDS - 1) reach |= component[x + 1];
-          reach &= remaining[x] & same[x];
-          changed |= reach != component[x];
-          component[x] = reach;
-        }
-      }
+      ulong mask[SHERD_LEAF_WORDS];
+      for (int x = 0; x < SHERD_LEAF_WORDS; ++x) mask[x] = remaining[x] & same[x];
+      fill_component(mask, component);
+      write_node(component, node, localNode + item * SHERD_LEAF_SIZE);
       any = 0;
-      if (node == 1) {
-        for (int i = 0; i < SHERD_LEAF_SIZE; ++i) localNode[item * SHERD_LEAF_SIZE + i] = 0;
-      }
       for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
-        if (node > 0) {
-          for (ulong bits = component[x]; bits; bits &= bits - 1) {
-            localNode[item * SHERD_LEAF_SIZE + (x << 6) + lowest_bit(bits)] = (ushort)node;
-          }
-        }
         remaining[x] &= ~component[x];
         any |= remaining[x];
       }

@@ -82,10 +82,10 @@ kernel void flood_seed(
     const global ushort* restrict seedLabel,   // [seeds]
     const uint seedItems)
 {
+  const struct flood state = {FLOOD_MEMBERS};
   struct next_items next = next_of(queued, list, listCount, items, 1);
   for (size_t i = get_global_id(0); i < seedItems; i += get_global_size(0)) {
     const uint item = seedItem[i];
-    const uint leaf = item % leafCount;
     ulong front[SHERD_LEAF_WORDS];
     for (int x = 0; x < SHERD_LEAF_WORDS; ++x) front[x] = 0;
     uint itemTag = seedLabel[firstSeed[i]];
@@ -103,9 +103,9 @@ kernel void flood_seed(
         if (!((front[v >> 6] >> (v & 63)) & 1)) owner[(size_t)item * SHERD_LEAF_SIZE + v] = 0;
       }
     }
-    const ulong arrived[SHERD_LEAF_FACES] = {0, 0, 0, 0, 0, 0};
-    publish(vload8(0, front), 0, arrived, 1, item, leaf, 0, itemTag, beyond, neighbor, neighbors27, neighbors, fronts,
-            second, &next);
+    struct arrival seeds = arrival_at(item, item % leafCount, 0);
+    seeds.reached = vload8(0, front);
+    publish(&state, &seeds, itemTag, 1, &next);
   }
   flush_frontier(&next);
 }
@@ -185,37 +185,40 @@ kernel void flood_restart(FLOOD_STATE, const uint step)
   flush_frontier(&next);
 }
 
-// Returns the open voxels that are reached over faces, with the source items and, per face, the voxels that arrive.
-// `before` are the front copies of `step`, the previous step.
-inline ulong8 arrive6(const global uint* beside, const uint item, const uint leaf, const global struct front* before,
-                      const uint step, const ulong8 mine, const ulong8 open, uint* source, ulong* arrived) {
+// Finds the open voxels that are reached over faces.  `before` are the front copies of the previous step.
+inline void arrive6(const struct flood* state, const global struct front* before, const ulong8 mine, const ulong8 open,
+                    struct arrival* arrival) {
+  const global uint* const beside = state->neighbor + (size_t)arrival->leaf * SHERD_LEAF_FACES;
   ulong8 reached = slabs_neighbors(mine) & open;
 #pragma unroll
   for (int k = 0; k < SHERD_LEAF_FACES; ++k) {
-    arrived[k] = 0;
     if (beside[k] == SHERD_NO_LEAF) continue;
-    const uint from = item - leaf + beside[k];
+    const uint from = arrival->item - arrival->leaf + beside[k];
     const global struct front* const theirs = before + 2 * (size_t)from;
-    if (theirs->step != step) continue;
-    arrived[k] = theirs->face[k ^ 1] & face_of(k, open);
-    if (!arrived[k]) continue;
-    reached |= at_face(k, arrived[k]);
-    source[kBeside[k]] = from;
+    if (theirs->step != arrival->step - 1) continue;
+    const ulong through = theirs->face[k ^ 1] & face_of(k, open);
+    if (!through) continue;
+    arrival->through[k] = through;
+    reached |= at_face(k, through);
+    arrival->source[kBeside[k]] = from;
   }
-  return reached;
+  arrival->reached = reached;
 }
 
-// The same over the 26 neighbors; `live` is the previous step.
-inline ulong8 arrive26(const global uint* beside, const uint base, const global struct front* before, const uint live,
-                       const ulong* mine, const ulong8 open, uint* source) {
+// The same over the 26 neighbors.
+inline void arrive26(const struct flood* state, const global struct front* before, const ulong8 mine8,
+                     const ulong8 open, struct arrival* arrival) {
+  const global uint* const beside = state->neighbors27 + (size_t)arrival->leaf * 27;
+  ulong mine[SHERD_LEAF_WORDS];
+  vstore8(mine8, 0, mine);
   ulong border[27];  // voxels of each front that are adjacent to the leaf
   for (int k = 0; k < 27; ++k) {
     border[k] = 0;
     if (k == 13 || beside[k] == SHERD_NO_LEAF) continue;
-    const size_t from = base + beside[k];
-    if (before[2 * from].step != live) continue;
+    const size_t from = arrival->item - arrival->leaf + beside[k];
+    if (before[2 * from].step != arrival->step - 1) continue;
     border[k] = bordering(26 - k, before[2 * from].face);
-    if (border[k]) source[k] = (uint)from;
+    if (border[k]) arrival->source[k] = (uint)from;
   }
   ulong reached[SHERD_LEAF_WORDS];
   for (int x = 0; x < SHERD_LEAF_WORDS; ++x) reached[x] = 0;
@@ -242,15 +245,15 @@ inline ulong8 arrive26(const global uint* beside, const uint base, const global 
                        through_face(3, row[2]);
     for (int to = max(x - 1, 0); to <= min(x + 1, 7); ++to) reached[to] |= slab;
   }
-  return vload8(0, reached) & open;
+  arrival->reached = vload8(0, reached) & open;
 }
 
-// Returns an item's tag after what arrives over faces.  For a tag of two labels, `ofSecond` receives the reached voxels
-// that take the second.
-inline uint tag_arriving(const uint ownTag, const ulong8 mine, const ulong8 ownSecond, const ulong8 reached,
-                         const ulong* arrived, const uint* source, const global struct front* before,
-                         const global ulong* second, const global ushort* owner, const uint step,
-                         ulong8* ofSecond) {
+// Returns an item's tag after what arrives over faces.  For a tag of two labels, sets `ofSecond`.
+inline uint tag_arriving(const struct flood* state, const global struct front* before, const uint ownTag,
+                         const ulong8 mine, const ulong8 ownSecond, struct arrival* arrival) {
+  const ulong* const arrived = arrival->through;
+  const uint* const source = arrival->source;
+  const global ushort* const owner = state->owner;
   uint newTag = ownTag, tag[SHERD_LEAF_FACES];
   ulong withHigh[SHERD_LEAF_FACES];  // arriving voxels that have the second label of their source
   for (int k = 0; k < SHERD_LEAF_FACES; ++k) {
@@ -264,7 +267,7 @@ inline uint tag_arriving(const uint ownTag, const ulong8 mine, const ulong8 ownS
       }
       continue;
     }
-    if (is_pair(tag[k])) withHigh[k] = arrived[k] & second[second_faces(from, step) + (k ^ 1)];
+    if (is_pair(tag[k])) withHigh[k] = arrived[k] & state->second[second_faces(from, arrival->step - 1) + (k ^ 1)];
     if (arrived[k] & ~withHigh[k]) newTag = with_label(newTag, tag[k] & 0xffff);
     if (withHigh[k]) newTag = with_label(newTag, tag[k] >> 16);
   }
@@ -285,12 +288,12 @@ inline uint tag_arriving(const uint ownTag, const ulong8 mine, const ulong8 ownS
     }
     byLow |= at_face(k, ofLow);
   }
-  *ofSecond = reached & ~byLow;
+  arrival->ofSecond = arrival->reached & ~byLow;
   return newTag;
 }
 
 // The same over 26 neighbors, where two labels make a leaf mixed.
-inline uint tag_round(const uint ownTag, const uint* source, const global struct front* before) {
+inline uint tag_arriving26(const uint ownTag, const uint* source, const global struct front* before) {
   uint newTag = ownTag;
   for (int k = 0; k < 27; ++k) {
     if (k == 13 || source[k] == SHERD_NO_LEAF) continue;
@@ -300,18 +303,20 @@ inline uint tag_round(const uint ownTag, const uint* source, const global struct
   return is_pair(newTag) ? SHERD_TAG_MIXED : newTag;
 }
 
-// Gives each reached voxel the lowest label among its neighbors in `mine` and in the fronts of `source`.  Reads no
+// Gives each reached voxel the lowest label among its neighbors in `mine` and in the fronts of its sources.  Reads no
 // other label and writes reached voxels only: other work-items may access the rest of a row.
 #define FLOOD_NO_LABEL 0xffff
 
-inline void take_labels(const uint* source, const global struct front* before, const global ulong* second,
-                        const uint step, const ulong8 mine, const global ushort* owner, const uint neighbors,
-                        const ulong8 reached8, global ushort* owners) {
+inline void take_labels(const struct flood* state, const global struct front* before, const ulong8 mine,
+                        const struct arrival* arrival) {
+  const uint* const source = arrival->source;
+  const uint neighbors = state->neighbors;
+  global ushort* restrict owners = state->owner + (size_t)arrival->item * SHERD_LEAF_SIZE;
   ushort near[10 * 10 * 10];  // labels of the voxels at x, y, z of -1..8
   for (int i = 0; i < 10 * 10 * 10 / 8; ++i) vstore8((ushort8)(FLOOD_NO_LABEL), i, near);
   ulong words[SHERD_LEAF_WORDS], reached[SHERD_LEAF_WORDS];
-  vstore8(mine & (neighbors == 26 ? slabs_round(reached8) : slabs_neighbors(reached8)), 0, words);
-  vstore8(reached8, 0, reached);
+  vstore8(mine & (neighbors == 26 ? slabs_dilated(arrival->reached) : slabs_neighbors(arrival->reached)), 0, words);
+  vstore8(arrival->reached, 0, reached);
   for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
     for (ulong word = words[x]; word; word &= word - 1) {
       const int bit = lowest_bit(word);
@@ -322,9 +327,9 @@ inline void take_labels(const uint* source, const global struct front* before, c
     const int at = kBeside[n], i = at / 9, j = at / 3 % 3, k = at % 3;
     if (source[at] == SHERD_NO_LEAF) continue;
     const global struct front* const theirs = before + 2 * (size_t)source[at];
-    const global ushort* const labels = owner + (size_t)source[at] * SHERD_LEAF_SIZE;
+    const global ushort* const labels = state->owner + (size_t)source[at] * SHERD_LEAF_SIZE;
     const ulong ofSecond =
-        is_pair(theirs->tag) ? bordering(26 - at, second + second_faces(source[at], step)) : 0;
+        is_pair(theirs->tag) ? bordering(26 - at, state->second + second_faces(source[at], arrival->step - 1)) : 0;
     for (ulong word = bordering(26 - at, theirs->face); word; word &= word - 1) {
       const int bit = lowest_bit(word), high = bit >> 3, low = bit & 7;
       const int x = i != 1 ? 7 * (i == 0) : j != 1 ? high : low;
@@ -356,6 +361,37 @@ inline void take_labels(const uint* source, const global struct front* before, c
   }
 }
 
+// Gives the reached voxels their labels; returns the item's tag after it.
+inline uint take(const struct flood* state, const global struct front* before, const ulong8 mine,
+                 struct arrival* arrival) {
+  const uint item = arrival->item, ownTag = state->tag[item];
+  const ulong8 ownSecond = second_of(ownTag, item, state->second);
+  const uint newTag = state->neighbors == 26 ? tag_arriving26(ownTag, arrival->source, before)
+                                             : tag_arriving(state, before, ownTag, mine, ownSecond, arrival);
+  if (newTag == SHERD_TAG_MIXED) {
+    if (ownTag != SHERD_TAG_MIXED) {
+      write_rows(mine, ownSecond, ownTag, state->owner + (size_t)item * SHERD_LEAF_SIZE);
+    }
+    take_labels(state, before, mine, arrival);
+  } else if (is_pair(newTag)) {
+    const int sameLow = (ownTag & 0xffff) == (newTag & 0xffff);
+    vstore8((sameLow ? ownSecond : mine) | arrival->ofSecond, second_voxels(item), state->second);
+  }
+  if (newTag != ownTag) state->tag[item] = newTag;
+  return newTag;
+}
+
+// Writes the step in which voxels were reached.
+inline void write_cost(const struct arrival* arrival, global uint* cost) {
+  ulong words[SHERD_LEAF_WORDS];
+  vstore8(arrival->reached, 0, words);
+  for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
+    for (ulong bits = words[x]; bits; bits &= bits - 1) {
+      cost[(size_t)arrival->item * SHERD_LEAF_SIZE + (x << 6) + lowest_bit(bits)] = arrival->step;
+    }
+  }
+}
+
 // Grows one layer.
 kernel void flood_step(FLOOD_STATE, const uint step)
 {
@@ -363,72 +399,33 @@ kernel void flood_step(FLOOD_STATE, const uint step)
   const uint entries = listCount[step % 3];
   const global struct front* const before = fronts + ((step + 1) & 1);
   const global uint* const visits = list + (size_t)(step & 1) * items;
+  const struct flood state = {FLOOD_MEMBERS};
   struct next_items next = next_of(queued, list, listCount, items, step + 1);
   const size_t share = (entries + get_global_size(0) - 1) / get_global_size(0);
   const size_t end = min((size_t)entries, share * (get_global_id(0) + 1));
   for (size_t i = share * get_global_id(0); i < end; ++i) {
     const uint item = visits[i];
     const uint leaf = item % leafCount;
-
     if (i + FLOOD_FAR_AHEAD < entries) {
-      const uint far = visits[i + FLOOD_FAR_AHEAD], farLeaf = far % leafCount;
+      const uint far = visits[i + FLOOD_FAR_AHEAD];
       FLOOD_FETCH(owned + (size_t)far * SHERD_LEAF_WORDS);
-      FLOOD_FETCH(domain + (size_t)farLeaf * SHERD_LEAF_WORDS);
-      FLOOD_FETCH(neighbor + (size_t)farLeaf * SHERD_LEAF_FACES);
-      FLOOD_FETCH(beyond + (size_t)farLeaf * SHERD_LEAF_FACES);
-      FLOOD_FETCH(tag + far);
-      FLOOD_FETCH_TO_WRITE(fronts + 2 * (size_t)far + (step & 1));
-      const uint near = visits[i + FLOOD_NEAR_AHEAD], nearLeaf = near % leafCount;
-      for (int k = 0; k < SHERD_LEAF_FACES; ++k) {
-        const uint other = neighbor[(size_t)nearLeaf * SHERD_LEAF_FACES + k];
-        FLOOD_FETCH(before + 2 * (size_t)(other == SHERD_NO_LEAF ? near : near - nearLeaf + other));
-      }
+      FLOOD_FETCH(domain + (size_t)(far % leafCount) * SHERD_LEAF_WORDS);
+      fetch_ahead(&state, before, far, visits[i + FLOOD_NEAR_AHEAD], step);
     }
     const ulong8 mine = vload8(item, owned);
     const ulong8 open = vload8(leaf, domain) & ~mine;  // reachable and not yet owned
     if (!any_of(open)) continue;
-
-    ulong8 reached;
-    ulong arrived[SHERD_LEAF_FACES];
-    uint source[27];  // [neighbors27 index] items with a front of the previous step beside this leaf
-    for (int k = 0; k < 27; ++k) source[k] = SHERD_NO_LEAF;
-    source[13] = item;
+    struct arrival arrival = arrival_at(item, leaf, step);
     if (neighbors == 26) {
-      ulong words[SHERD_LEAF_WORDS];
-      vstore8(mine, 0, words);
-      reached = arrive26(neighbors27 + (size_t)leaf * 27, item - leaf, before, step - 1, words, open, source);
+      arrive26(&state, before, mine, open, &arrival);
     } else {
-      reached = arrive6(neighbor + (size_t)leaf * SHERD_LEAF_FACES, item, leaf, before, step - 1, mine, open, source,
-                        arrived);
+      arrive6(&state, before, mine, open, &arrival);
     }
-    if (!any_of(reached)) continue;
-    const uint ownTag = tag[item];
-    const ulong8 ownSecond = second_of(ownTag, item, second);
-    ulong8 ofSecond = 0;
-    const uint newTag = neighbors == 26 ? tag_round(ownTag, source, before)
-                                         : tag_arriving(ownTag, mine, ownSecond, reached, arrived, source, before,
-                                                        second, owner, step - 1, &ofSecond);
-    if (newTag == SHERD_TAG_MIXED) {
-      global ushort* restrict owners = owner + (size_t)item * SHERD_LEAF_SIZE;
-      if (ownTag != SHERD_TAG_MIXED) write_rows(mine, ownSecond, ownTag, owners);
-      take_labels(source, before, second, step - 1, mine, owner, neighbors, reached, owners);
-    } else if (is_pair(newTag)) {
-      const int sameLow = (ownTag & 0xffff) == (newTag & 0xffff);
-      vstore8((sameLow ? ownSecond : mine) | ofSecond, second_voxels(item), second);
-    }
-    if (keepCost) {
-      ulong words[SHERD_LEAF_WORDS];
-      vstore8(reached, 0, words);
-      for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
-        for (ulong bits = words[x]; bits; bits &= bits - 1) {
-          cost[(size_t)item * SHERD_LEAF_SIZE + (x << 6) + lowest_bit(bits)] = step;
-        }
-      }
-    }
-    vstore8(mine | reached, item, owned);
-    if (newTag != ownTag) tag[item] = newTag;
-    publish(reached, ofSecond, arrived, any_of(open & ~reached) != 0, item, leaf, step, newTag, beyond, neighbor,
-            neighbors27, neighbors, fronts, second, &next);
+    if (!any_of(arrival.reached)) continue;
+    const uint newTag = take(&state, before, mine, &arrival);
+    if (keepCost) write_cost(&arrival, cost);
+    vstore8(mine | arrival.reached, item, owned);
+    publish(&state, &arrival, newTag, any_of(open & ~arrival.reached) != 0, &next);
   }
   flush_frontier(&next);
 }

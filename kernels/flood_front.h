@@ -110,19 +110,68 @@ inline void write_front(const ulong8 reached, const ulong8 ofSecond, const uint 
   for (int k = 0; k < SHERD_LEAF_FACES; ++k) second[second_faces(item, step) + k] = face_of(k, ofSecond);
 }
 
-// Makes `reached` the front of `item` in `step` and queues the items it can reach next.  `arrived` [6] are the voxels
-// reached through each face: the voxels behind them are owned already, so they queue no neighbor.
-inline void publish(const ulong8 reached, const ulong8 ofSecond, const ulong* arrived, const int selfLeft,
-                    const uint item, const uint leaf, const uint step, const uint newTag, const global ulong* beyond,
-                    const global uint* neighbor, const global uint* neighbors27, const uint neighbors,
-                    global struct front* fronts, global ulong* second, struct next_items* next) {
-  write_front(reached, ofSecond, item, step, newTag, fronts, second);
-  const global struct front* const front = fronts + 2 * (size_t)item + (step & 1);
+// The members of FLOOD_STATE that functions take.
+struct flood {
+  const global uint* neighbor;
+  const global uint* neighbors27;
+  uint neighbors;
+  uint leafCount;
+  const global ulong* beyond;
+  global uint* tag;
+  global ulong* second;
+  global ushort* owner;
+  global struct front* fronts;
+};
+#define FLOOD_MEMBERS neighbor, neighbors27, neighbors, leafCount, beyond, tag, second, owner, fronts
+
+// What arrives at an item in a step.
+struct arrival {
+  uint item, leaf, step;
+  ulong8 reached;                   // voxels
+  ulong8 ofSecond;                  // those that take the second label of a tag of two
+  ulong through[SHERD_LEAF_FACES];  // reached through each face, as words of face_of; 0 over 26 neighbors
+  uint source[27];                  // [neighbors27 index] items that they come from, else SHERD_NO_LEAF
+};
+
+inline struct arrival arrival_at(const uint item, const uint leaf, const uint step) {
+  struct arrival arrival;
+  arrival.item = item;
+  arrival.leaf = leaf;
+  arrival.step = step;
+  arrival.reached = 0;
+  arrival.ofSecond = 0;
+  for (int k = 0; k < SHERD_LEAF_FACES; ++k) arrival.through[k] = 0;
+  for (int k = 0; k < 27; ++k) arrival.source[k] = SHERD_NO_LEAF;
+  arrival.source[13] = item;
+  return arrival;
+}
+
+// Prefetches the state of the item `far`, and the fronts beside the item `near`.
+inline void fetch_ahead(const struct flood* state, const global struct front* before, const uint far, const uint near,
+                        const uint step) {
+  const uint farLeaf = far % state->leafCount, nearLeaf = near % state->leafCount;
+  FLOOD_FETCH(state->neighbor + (size_t)farLeaf * SHERD_LEAF_FACES);
+  FLOOD_FETCH(state->beyond + (size_t)farLeaf * SHERD_LEAF_FACES);
+  FLOOD_FETCH(state->tag + far);
+  FLOOD_FETCH_TO_WRITE(state->fronts + 2 * (size_t)far + (step & 1));
+  for (int k = 0; k < SHERD_LEAF_FACES; ++k) {
+    const uint other = state->neighbor[(size_t)nearLeaf * SHERD_LEAF_FACES + k];
+    FLOOD_FETCH(before + 2 * (size_t)(other == SHERD_NO_LEAF ? near : near - nearLeaf + other));
+  }
+}
+
+// Makes the reached voxels the front of the item and queues the items it can reach next, itself if `selfLeft`.  Voxels
+// behind those that came through a face are owned already, so they queue no neighbor.
+inline void publish(const struct flood* state, const struct arrival* arrival, const uint newTag, const int selfLeft,
+                    struct next_items* next) {
+  const uint item = arrival->item, leaf = arrival->leaf;
+  write_front(arrival->reached, arrival->ofSecond, item, arrival->step, newTag, state->fronts, state->second);
+  const global struct front* const front = state->fronts + 2 * (size_t)item + (arrival->step & 1);
   if (next->count > FLOOD_HELD - 27) flush_frontier(next);
   enqueue_if(selfLeft, next, item);
-  if (neighbors == 26) {
+  if (state->neighbors == 26) {
     for (int n = 0; n < 26; ++n) {
-      const uint other = neighbors27[(size_t)leaf * 27 + kBeside[n]];
+      const uint other = state->neighbors27[(size_t)leaf * 27 + kBeside[n]];
       enqueue_if(other != SHERD_NO_LEAF && bordering(kBeside[n], front->face), next, item - leaf + other);
     }
     return;
@@ -130,7 +179,8 @@ inline void publish(const ulong8 reached, const ulong8 ofSecond, const ulong* ar
 #pragma unroll
   for (int k = 0; k < SHERD_LEAF_FACES; ++k) {
     const size_t at = (size_t)leaf * SHERD_LEAF_FACES + k;
-    enqueue_if((front->face[k] & ~arrived[k] & beyond[at]) != 0, next, item - leaf + neighbor[at]);
+    enqueue_if((front->face[k] & ~arrival->through[k] & state->beyond[at]) != 0, next,
+               item - leaf + state->neighbor[at]);
   }
 }
 

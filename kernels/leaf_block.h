@@ -58,7 +58,7 @@ inline ulong8 slabs_neighbors(const ulong8 w) {
 }
 
 // Returns the bits and their 26-neighbors within the leaf.
-inline ulong8 slabs_round(const ulong8 w) {
+inline ulong8 slabs_dilated(const ulong8 w) {
   const ulong8 z = w | (w & ~SHERD_Z7) << 1 | (w & ~SHERD_Z0) >> 1;
   const ulong8 yz = z | z << 8 | z >> 8;
   return yz | (ulong8)(0, yz.s0123, yz.s456) | (ulong8)(yz.s1234, yz.s567, 0);

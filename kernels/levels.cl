@@ -42,7 +42,8 @@
   global uint *restrict taken,              /* [items]        items that took a voxel */              \
   volatile global uint *control             /* [11] */
 
-// The members of LEVELS_STATE that functions take.
+// The members of LEVELS_STATE that functions take, and the item at hand.  (No arrays: PoCL keeps a struct with an array in
+// memory, and reads all of it again after each store.)
 struct levels {
   const global ulong* inside;
   const global uint* neighbors27;
@@ -53,6 +54,7 @@ struct levels {
   global uint* cost;
   global ulong* claim;
   const global uint* claimed;
+  uint item, leaf;
 };
 #define LEVELS_MEMBERS inside, neighbors27, items, owned, offered, source, cost, claim, claimed
 
@@ -214,14 +216,13 @@ struct growth_rule {
   uint steps;
   uint chain;
   uint stride;
-  struct sherd_metric metric;
+  const struct sherd_metric* metric;
   const global int4* seed;
   const global int4* origin;
 };
 
-// An item and the voxels around it.
+// The voxels around an item.
 struct surroundings {
-  uint item, leaf;
   uint neighbor[27];                    // leaves
   ushort fresh[HALO_SIDE * HALO_SIDE];  // voxels that the last pass took
   ushort solid[HALO_SIDE * HALO_SIDE];  // inside voxels; set for long steps only
@@ -234,15 +235,15 @@ inline uint threshold_of(volatile global uint* control, const uint pass, const s
   if (control[CONTROL_TAKEN + last]) return rule->chain ? before : before + rule->stride;
   const uint least = control[CONTROL_WAITING + last];
   if (least == 0xffffffffu) return before;  // no offer waits: the first pass
-  return rule->chain ? bucket_above(least, rule->metric.kind, rule->stride) : least + rule->stride - 1;
+  return rule->chain ? bucket_above(least, rule->metric->kind, rule->stride) : least + rule->stride - 1;
 }
 
 // Finds the voxels around an item that the last pass took; returns whether there are any.
 inline int find_fresh(const struct levels* state, const uint pass, const uint steps, struct surroundings* around) {
-  const size_t lastItems = (size_t)((pass + 1) & 1) * state->items + around->item - around->leaf;
+  const size_t lastItems = (size_t)((pass + 1) & 1) * state->items + state->item - state->leaf;
   int any = 0;
   for (int k = 0; k < 27; ++k) {
-    const uint leaf = state->neighbors27[(size_t)around->leaf * 27 + k];
+    const uint leaf = state->neighbors27[(size_t)state->leaf * 27 + k];
     around->neighbor[k] = leaf;
     if (leaf == SHERD_NO_LEAF || !leads_to(k, steps)) continue;
     if (state->claimed[lastItems + leaf] != pass - 1) continue;
@@ -278,18 +279,18 @@ inline void offer_over(const struct levels* state, const struct growth_rule* rul
                        const int4 step, const int4 at, ulong* offered, uint* least) {
   const int4 from = at - step;
   const uint leaf = around->neighbor[((from.x >> 3) + 1) * 9 + ((from.y >> 3) + 1) * 3 + (from.z >> 3) + 1];
-  const size_t there = (size_t)(around->item - around->leaf + leaf) * SHERD_LEAF_SIZE +
+  const size_t there = (size_t)(state->item - state->leaf + leaf) * SHERD_LEAF_SIZE +
                        (((from.x & 7) << 6) | ((from.y & 7) << 3) | (from.z & 7));
   uint cost = state->cost[there];
   const uint source = state->source[there];
   if (rule->chain) {
-    const int4 p = rule->origin[around->leaf] + at - rule->seed[source];
-    cost = max(cost, (uint)(sherd_distance(&rule->metric, p.x, p.y, p.z) >> rule->metric.shift));
+    const int4 p = rule->origin[state->leaf] + at - rule->seed[source];
+    cost = max(cost, (uint)(sherd_distance(rule->metric, p.x, p.y, p.z) >> rule->metric->shift));
   } else {
     cost += (uint)step.w;
   }
   const ulong bit = 1ul << (8 * at.y + at.z);
-  const size_t here = (size_t)around->item * SHERD_LEAF_SIZE + (at.x << 6) + 8 * at.y + at.z;
+  const size_t here = (size_t)state->item * SHERD_LEAF_SIZE + (at.x << 6) + 8 * at.y + at.z;
   if (!(*offered & bit) || cost < state->cost[here] || (cost == state->cost[here] && source < state->source[here])) {
     *offered |= bit;
     state->cost[here] = cost;
@@ -302,8 +303,8 @@ inline void offer_over(const struct levels* state, const struct growth_rule* rul
 inline void make_offers(const struct levels* state, const struct growth_rule* rule, const struct surroundings* around,
                         uint* least) {
   for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
-    const size_t word = (size_t)around->item * SHERD_LEAF_WORDS + x;
-    const ulong openSlab = state->inside[(size_t)around->leaf * SHERD_LEAF_WORDS + x] & ~state->owned[word];
+    const size_t word = (size_t)state->item * SHERD_LEAF_WORDS + x;
+    const ulong openSlab = state->inside[(size_t)state->leaf * SHERD_LEAF_WORDS + x] & ~state->owned[word];
     ulong offered = state->offered[word];
     for (uint rows = openSlab ? rows_near(around->fresh, x) : 0; rows; rows &= rows - 1) {
       const int y = lowest_bit(rows);
@@ -319,17 +320,16 @@ inline void make_offers(const struct levels* state, const struct growth_rule* ru
 }
 
 // Takes an item's offers within the threshold; returns whether there were any.  `least`: of the offers that still wait.
-inline int take_offers(const struct levels* state, const uint pass, const uint item, const uint threshold,
-                       uint* least) {
+inline int take_offers(const struct levels* state, const uint pass, const uint threshold, uint* least) {
   ulong took = 0;
   *least = 0xffffffffu;
   for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
-    const size_t word = (size_t)item * SHERD_LEAF_WORDS + x;
+    const size_t word = (size_t)state->item * SHERD_LEAF_WORDS + x;
     const ulong offered = state->offered[word];
     ulong taking = 0;
     for (ulong bits = offered; bits; bits &= bits - 1) {
       const int bit = lowest_bit(bits);
-      const uint cost = state->cost[(size_t)item * SHERD_LEAF_SIZE + (x << 6) + bit];
+      const uint cost = state->cost[(size_t)state->item * SHERD_LEAF_SIZE + (x << 6) + bit];
       if (cost <= threshold) {
         taking |= 1ul << bit;
       } else {
@@ -356,8 +356,8 @@ kernel void levels_take(
     const global int4* restrict seed,        // [seeds]     voxel
     const global int4* restrict origin)      // [leafCount]
 {
-  const struct levels state = {LEVELS_MEMBERS};
-  const struct growth_rule rule = {step, within, steps, chain, stride, metric, seed, origin};
+  struct levels state = {LEVELS_MEMBERS, 0, 0};
+  const struct growth_rule rule = {step, within, steps, chain, stride, &metric, seed, origin};
   const uint now = pass % 3;
   const uint threshold = threshold_of(control, pass, &rule);
   if (get_global_id(0) == 0) {
@@ -373,10 +373,10 @@ kernel void levels_take(
     int took = 0;
     if (atomic_xchg(&dirty[item], 0u) || least <= threshold) {
       struct surroundings around;
-      around.item = item;
-      around.leaf = item % leafCount;
+      state.item = item;
+      state.leaf = item % leafCount;
       if (find_fresh(&state, pass, steps, &around)) make_offers(&state, &rule, &around, &least);
-      if (least <= threshold) took = take_offers(&state, pass, item, threshold, &least);
+      if (least <= threshold) took = take_offers(&state, pass, threshold, &least);
       wake[item] = least;
     }
     if (least != 0xffffffffu) {

@@ -19,6 +19,51 @@ inline long leaf_bound(const struct sherd_metric* metric, const int4 doubledCent
   return sherd_norm(metric->kind, a[0], a[1], a[2]);
 }
 
+// The seeds of a fracture, and what bounds their distances to the voxels of a leaf.
+struct leaf_seeds {
+  const global int4* seed;
+  uint first, last;
+  int4 low;            // lowest voxel of the leaf
+  int4 doubledCenter;
+  long bound;          // of the distance of any of its voxels to the nearest seed
+};
+
+inline int may_be_nearest(const struct sherd_metric* metric, const struct leaf_seeds* seeds, const uint s) {
+  return leaf_bound(metric, seeds->doubledCenter, seeds->seed[s], -1) <= seeds->bound;
+}
+
+// Returns the only seed that may be nearest to a voxel of the leaf, `last` if there is not one.
+inline uint only_seed(const struct sherd_metric* metric, const struct leaf_seeds* seeds) {
+  uint only = seeds->last;
+  for (uint s = seeds->first; s < seeds->last; ++s) {
+    if (!may_be_nearest(metric, seeds, s)) continue;
+    if (only != seeds->last) return seeds->last;
+    only = s;
+  }
+  return only;
+}
+
+// Compares a seed with the nearest seed so far of each voxel of a leaf.
+inline void compare_seed(const struct sherd_metric* metric, const int4 at, const int4 low, const ulong* mask,
+                         long* best, ushort* label) {
+  for (int row = 0; row < 64; ++row) {
+    if (!((mask[row >> 3] >> (8 * (row & 7))) & 0xff)) continue;
+    const int x = low.x + (row >> 3) - at.x, y = low.y + (row & 7) - at.y, z = low.z - at.z;
+    const long a = sherd_row(metric, 0, x, y, z), b = sherd_row(metric, 1, x, y, z), c = sherd_row(metric, 2, x, y, z);
+    for (int k = 0; k < 8; ++k) {  // the next voxel adds a column of the matrix
+      const long d = sherd_norm(metric->kind, (long)abs(a + k * metric->row[2]), (long)abs(b + k * metric->row[5]),
+                                (long)abs(c + k * metric->row[8]));
+      const int v = 8 * row + k;
+      if (d < best[v]) {  // strict: ties stay with the lower label
+        best[v] = d;
+        label[v] = (ushort)at.w;
+      }
+    }
+  }
+}
+
+inline int is_set(const ulong* mask, const int v) { return (int)((mask[v >> 6] >> (v & 63)) & 1); }
+
 kernel void nearest(
     const global ulong* restrict inside,      // [leafCount*8]
     const global int4* restrict origin,       // [leafCount]    lowest voxel, w unused
@@ -33,9 +78,6 @@ kernel void nearest(
 {
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
     const uint leaf = (uint)(item % leafCount);
-    const int4 low = origin[leaf];
-    const int4 doubledCenter = 2 * low + 7;
-    const uint first = firstSeed[item / leafCount], last = firstSeed[item / leafCount + 1];
     ulong mask[SHERD_LEAF_WORDS];
     ulong any = 0;
     for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
@@ -47,52 +89,28 @@ kernel void nearest(
       for (int v = 0; v < SHERD_LEAF_SIZE; ++v) owners[v] = 0;
       continue;
     }
-    long bound = LONG_MAX;
-    for (uint s = first; s < last; ++s) bound = min(bound, leaf_bound(&metric, doubledCenter, seed[s], 1));
-
-    // Inside a Voronoi cell only its own seed passes the bound.
-    uint candidates = 0, only = 0;
-    for (uint s = first; s < last && candidates < 2; ++s) {
-      if (leaf_bound(&metric, doubledCenter, seed[s], -1) > bound) continue;
-      ++candidates;
-      only = s;
+    struct leaf_seeds seeds = {seed, firstSeed[item / leafCount], firstSeed[item / leafCount + 1], origin[leaf],
+                               2 * origin[leaf] + 7, LONG_MAX};
+    for (uint s = seeds.first; s < seeds.last; ++s) {
+      seeds.bound = min(seeds.bound, leaf_bound(&metric, seeds.doubledCenter, seed[s], 1));
     }
-    if (candidates == 1 && !keepCost) {
-      for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
-        owners[v] = (mask[v >> 6] >> (v & 63)) & 1 ? (ushort)seed[only].w : (ushort)0;
-      }
+    const uint only = only_seed(&metric, &seeds);  // inside a Voronoi cell
+    if (only != seeds.last && !keepCost) {
+      for (int v = 0; v < SHERD_LEAF_SIZE; ++v) owners[v] = is_set(mask, v) ? (ushort)seed[only].w : (ushort)0;
       continue;
     }
-
     long best[SHERD_LEAF_SIZE];
     ushort label[SHERD_LEAF_SIZE];
     for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
       best[v] = LONG_MAX;
       label[v] = 0;
     }
-    for (uint s = first; s < last; ++s) {
-      const int4 at = seed[s];
-      if (leaf_bound(&metric, doubledCenter, at, -1) > bound) continue;
-      for (int row = 0; row < 64; ++row) {
-        if (!((mask[row >> 3] >> (8 * (row & 7))) & 0xff)) continue;
-        const int x = low.x + (row >> 3) - at.x, y = low.y + (row & 7) - at.y, z = low.z - at.z;
-        const long a = sherd_row(&metric, 0, x, y, z), b = sherd_row(&metric, 1, x, y, z),
-                   c = sherd_row(&metric, 2, x, y, z);
-        for (int k = 0; k < 8; ++k) {  // the next voxel adds a column of the matrix
-          const long d = sherd_norm(metric.kind, (long)abs(a + k * metric.row[2]), (long)abs(b + k * metric.row[5]),
-                                    (long)abs(c + k * metric.row[8]));
-          const int v = 8 * row + k;
-          if (d < best[v]) {  // strict: ties stay with the lower label
-            best[v] = d;
-            label[v] = (ushort)at.w;
-          }
-        }
-      }
+    for (uint s = seeds.first; s < seeds.last; ++s) {
+      if (may_be_nearest(&metric, &seeds, s)) compare_seed(&metric, seed[s], seeds.low, mask, best, label);
     }
     for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
-      const int isInside = (int)((mask[v >> 6] >> (v & 63)) & 1);
-      owners[v] = isInside ? label[v] : (ushort)0;
-      if (keepCost) cost[item * SHERD_LEAF_SIZE + v] = isInside ? (uint)(best[v] >> metric.shift) : 0u;
+      owners[v] = is_set(mask, v) ? label[v] : (ushort)0;
+      if (keepCost) cost[item * SHERD_LEAF_SIZE + v] = is_set(mask, v) ? (uint)(best[v] >> metric.shift) : 0u;
     }
   }
 }

@@ -297,6 +297,37 @@ void runFracture(FractureArguments& arguments) {
   FractureRun(arguments).run();
 }
 
+void addResolutionOptions(CLI::App& command, FractureArguments& arguments) {
+  FractureOptions& options = arguments.options;
+  CLI::Option* resolution = addResolution(command, options);
+  command
+      .add_option("--voxel-size", options.voxelSize,
+                  "Voxel size in the mesh's own unit, in place of --resolution")
+      ->check(aboveZero())
+      ->excludes(resolution);
+  command
+      .add_option("--only", arguments.only,
+                  "Break these fragments of a finished fracture again; MESH is its manifest.json "
+                  "and --pieces counts for each of them")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->transform(wholeNumber(1, kMaxFragments))
+      ->type_name("ID,...")
+      ->excludes(resolution)
+      ->excludes("--voxel-size");
+}
+
+// Records what was given on the command line.
+void setGiven(const CLI::App& command, FractureArguments& arguments) {
+  arguments.volume.maxMemory = arguments.machine.memory();
+  const bool isGiven =
+      command.count("--voxel-size") > 0 ||
+      (command.count("--resolution") > 0 && arguments.options.resolution != kAutoResolution);
+  arguments.volume.ownVoxels = !isGiven;
+  arguments.fillGiven = command.count("--fill") + command.count("--shell-thickness") > 0;
+  arguments.isovalueGiven = command.count("--isovalue") > 0;
+}
+
 }  // namespace
 
 void addFractureCommand(CLI::App& app, Action& run) {
@@ -323,22 +354,7 @@ void addFractureCommand(CLI::App& app, Action& run) {
   command->add_option("--seed", options.seed, "Seed of every random choice")
       ->transform(wholeNumber<std::uint64_t>(0, std::numeric_limits<std::uint64_t>::max()))
       ->capture_default_str();
-  CLI::Option* resolution = addResolution(*command, options);
-  command
-      ->add_option("--voxel-size", options.voxelSize,
-                   "Voxel size in the mesh's own unit, in place of --resolution")
-      ->check(aboveZero())
-      ->excludes(resolution);
-  command
-      ->add_option("--only", arguments->only,
-                   "Break these fragments of a finished fracture again; MESH is its manifest.json "
-                   "and --pieces counts for each of them")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->transform(wholeNumber(1, kMaxFragments))
-      ->type_name("ID,...")
-      ->excludes(resolution)
-      ->excludes("--voxel-size");
+  addResolutionOptions(*command, *arguments);
   addFillOptions(*command, options);
   addVolumeOptions(*command, arguments->volume);
   command
@@ -362,13 +378,7 @@ void addFractureCommand(CLI::App& app, Action& run) {
   command->add_flag("--json", arguments->json, "Print one JSON object: counts, volumes, seconds");
   command->add_flag("--quiet", arguments->quiet, "Print nothing but warnings and errors");
   command->callback([arguments, command, &run] {
-    arguments->volume.maxMemory = arguments->machine.memory();
-    const bool isGiven =
-        command->count("--voxel-size") > 0 ||
-        (command->count("--resolution") > 0 && arguments->options.resolution != kAutoResolution);
-    arguments->volume.ownVoxels = !isGiven;
-    arguments->fillGiven = command->count("--fill") + command->count("--shell-thickness") > 0;
-    arguments->isovalueGiven = command->count("--isovalue") > 0;
+    setGiven(*command, *arguments);
     const std::vector<std::string> idle =
         idleOptions({*command, arguments->options, arguments->write, arguments->mesh});
     run = [arguments, idle] {

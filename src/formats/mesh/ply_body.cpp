@@ -39,73 +39,106 @@ std::optional<PlyType> typeFromName(std::string_view name) {
   return found->second;
 }
 
-}  // namespace
+// Reads a header line by line.
+class HeaderReader {
+ public:
+  explicit HeaderReader(const MeshFile& file)
+      : file_(file), text_(withoutByteOrderMark(file.bytes)), lines_(text_) {}
 
-PlyHeader readPlyHeader(const MeshFile& file) {
-  PlyHeader header;
-  const std::string_view text = withoutByteOrderMark(file.bytes);
-  LineReader lines(text);
-  const auto fail = [&](const std::string& what) { return inputError(file, lines.number(), what); };
-  if (!lines.next() || lines.line() != "ply") throw fail("found no 'ply' in the first line");
-  bool hasFormat = false;
-  std::size_t properties = 0;
-  while (lines.next()) {
-    if (lines.number() % kLinesAtATime == 0) checkpoint(file);
-    std::string_view rest = lines.line();
-    const std::string_view keyword = takeWord(rest);
-    if (keyword == "end_header") {
-      if (!hasFormat) throw fail("the header names no format");
-      header.bodyAt = file.bytes.size() - text.size() + lines.position();
-      header.lineCount = lines.number();
-      return header;
+  PlyHeader read() && {
+    if (!lines_.next() || lines_.line() != "ply") {
+      throw fail("found no 'ply' in the first line");
     }
+    while (lines_.next()) {
+      if (lines_.number() % kLinesAtATime == 0) checkpoint(file_);
+      std::string_view rest = lines_.line();
+      const std::string_view keyword = takeWord(rest);
+      if (keyword == "end_header") return finished();
+      take(keyword, rest);
+    }
+    throw inputError(file_, "cut short: the header has no 'end_header'");
+  }
+
+ private:
+  Error fail(const std::string& what) const { return inputError(file_, lines_.number(), what); }
+
+  PlyHeader finished() {
+    if (!hasFormat_) throw fail("the header names no format");
+    header_.bodyAt = file_.bytes.size() - text_.size() + lines_.position();
+    header_.lineCount = lines_.number();
+    return std::move(header_);
+  }
+
+  void take(std::string_view keyword, std::string_view rest) {
     if (keyword == "format") {
-      const std::string_view name = takeWord(rest);
-      if (name == "ascii")
-        header.encoding = PlyEncoding::ascii;
-      else if (name == "binary_little_endian")
-        header.encoding = PlyEncoding::littleEndian;
-      else if (name == "binary_big_endian")
-        header.encoding = PlyEncoding::bigEndian;
-      else
-        throw fail("format " + inQuotes(name) + " is not known");
-      hasFormat = true;
+      takeFormat(rest);
     } else if (keyword == "element") {
-      const std::string name(takeWord(rest));
-      const auto count = parseInteger<std::uint32_t>(takeWord(rest));
-      if (!count) throw fail("element " + inQuotes(name) + " has no count");
-      for (const PlyElement& other : header.elements) {
-        if (other.name == name) throw fail("element " + inQuotes(name) + " is there twice");
-      }
-      if (header.elements.size() == kMostNamed)
-        throw fail("the header names more than " + std::to_string(kMostNamed) + " elements");
-      header.elements.push_back({name, *count, {}});
+      takeElement(rest);
     } else if (keyword == "property") {
-      if (header.elements.empty()) throw fail("property before the first element");
-      if (++properties > kMostNamed)
-        throw fail("the header names more than " + std::to_string(kMostNamed) + " properties");
-      PlyProperty property;
-      std::string_view type = takeWord(rest);
-      if (type == "list") {
-        property.listCount = typeFromName(takeWord(rest));
-        if (!property.listCount || !property.listCount->isInteger)
-          throw fail("the list's count is not of a whole-number type");
-        type = takeWord(rest);
-      }
-      const auto value = typeFromName(type);
-      if (!value) throw fail("type " + inQuotes(type) + " is not known");
-      property.value = *value;
-      property.name = takeWord(rest);
-      header.elements.back().properties.push_back(property);
+      takeProperty(rest);
     } else if (keyword == "comment") {
-      charge(file, 3 * rest.size() + kBytesPerComment);
-      header.comments.emplace_back(rest);
+      charge(file_, 3 * rest.size() + kBytesPerComment);
+      header_.comments.emplace_back(rest);
     } else if (!keyword.empty() && keyword != "obj_info") {
       throw fail("found " + inQuotes(keyword) + " in the header");
     }
   }
-  throw inputError(file, "cut short: the header has no 'end_header'");
-}
+
+  void takeFormat(std::string_view rest) {
+    const std::string_view name = takeWord(rest);
+    if (name == "ascii")
+      header_.encoding = PlyEncoding::ascii;
+    else if (name == "binary_little_endian")
+      header_.encoding = PlyEncoding::littleEndian;
+    else if (name == "binary_big_endian")
+      header_.encoding = PlyEncoding::bigEndian;
+    else
+      throw fail("format " + inQuotes(name) + " is not known");
+    hasFormat_ = true;
+  }
+
+  void takeElement(std::string_view rest) {
+    const std::string name(takeWord(rest));
+    const auto count = parseInteger<std::uint32_t>(takeWord(rest));
+    if (!count) throw fail("element " + inQuotes(name) + " has no count");
+    for (const PlyElement& other : header_.elements) {
+      if (other.name == name) throw fail("element " + inQuotes(name) + " is there twice");
+    }
+    if (header_.elements.size() == kMostNamed)
+      throw fail("the header names more than " + std::to_string(kMostNamed) + " elements");
+    header_.elements.push_back({name, *count, {}});
+  }
+
+  void takeProperty(std::string_view rest) {
+    if (header_.elements.empty()) throw fail("property before the first element");
+    if (++properties_ > kMostNamed)
+      throw fail("the header names more than " + std::to_string(kMostNamed) + " properties");
+    PlyProperty property;
+    std::string_view type = takeWord(rest);
+    if (type == "list") {
+      property.listCount = typeFromName(takeWord(rest));
+      if (!property.listCount || !property.listCount->isInteger)
+        throw fail("the list's count is not of a whole-number type");
+      type = takeWord(rest);
+    }
+    const auto value = typeFromName(type);
+    if (!value) throw fail("type " + inQuotes(type) + " is not known");
+    property.value = *value;
+    property.name = takeWord(rest);
+    header_.elements.back().properties.push_back(property);
+  }
+
+  const MeshFile& file_;
+  const std::string_view text_;
+  LineReader lines_;
+  PlyHeader header_;
+  bool hasFormat_ = false;
+  std::size_t properties_ = 0;
+};
+
+}  // namespace
+
+PlyHeader readPlyHeader(const MeshFile& file) { return HeaderReader(file).read(); }
 
 double PlyBody::textNumber() {
   const std::string_view word = takeWord(rest_);
