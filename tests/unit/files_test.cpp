@@ -131,7 +131,7 @@ TEST_F(AtomicFileTest, RefusesWhatIsNoRegularFile) {
   EXPECT_TRUE(S_ISCHR(device.st_mode));
 }
 
-TEST_F(AtomicFileTest, TellsWhereAFullDiskStoppedItAndLeavesNothing) {
+TEST_F(AtomicFileTest, NamesWhereAFullDiskStoppedItAndLeavesNothing) {
   std::string sentence;
   {
     const FullDisk full(3'000'000);

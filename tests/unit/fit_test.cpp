@@ -26,7 +26,7 @@ FragmentMesh cubeBeside(int id, double x, double side, std::uint16_t other) {
   return fragment;
 }
 
-TEST(Fit, TellsTheGapOfTwoBoxes) {
+TEST(Fit, MeasuresTheGapOfTwoBoxes) {
   for (const double gap : {0.25, 0.01}) {
     const std::vector<FragmentMesh> boxes{cubeBeside(1, 0.0, 1, 2),
                                           cubeBeside(2, 1.0 + gap, -1, 1)};
@@ -48,7 +48,7 @@ TEST(Fit, TellsTheGapOfTwoBoxes) {
 
 // The boxes' sides lie in the same planes: they are on one another, not inside.  A point of the
 // face in the other box is as deep as the overlap, but near the face's rim.
-TEST(Fit, TellsTheOverlapOfTwoBoxes) {
+TEST(Fit, MeasuresTheOverlapOfTwoBoxes) {
   for (const double overlap : {0.25, 0.05}) {
     const std::vector<FragmentMesh> boxes{cubeBeside(1, 0.0, 1, 2),
                                           cubeBeside(2, 1.0 - overlap, -1, 1)};
@@ -86,7 +86,7 @@ TEST(Fit, LeavesOutWhatFacesAFragmentThatIsLost) {
 // A facet of a polyhedron about the origin, h away from it, is e h away from the same facet of the
 // polyhedron that is 1 + e times as large.  Facets of edges up to 0.083 lie at most
 // 0.083^2 / 6 = 0.0012 inside the unit sphere.
-TEST(Fit, TellsHowFarABallIsFromALargerOne) {
+TEST(Fit, MeasuresHowFarABallIsFromALargerOne) {
   const double e = 0.1;
   const std::vector<FragmentMesh> ball{{1, shapes::ball(1.0, 4)}};
   const TriangleMesh larger = shapes::ball(1.0 + e, 4);

@@ -151,7 +151,7 @@ TEST(Evaluate, MeasuresAnyMeshes) {
 }
 
 // Fragments that are not there have no figures of their mesh.
-TEST(Evaluate, TellsTheManifestWithoutMeshes) {
+TEST(Evaluate, ReportsTheManifestWithoutMeshes) {
   FragmentSet set;
   set.manifest = true;
   set.fragments.resize(2);

@@ -104,7 +104,7 @@ TEST(MeshQuality, CountsTrianglesThatAreLinesOrTwins) {
 }
 
 // A triangle that is 1 wide and h high has its smallest angle at the foot: atan(h / 1) or so.
-TEST(MeshQuality, TellsAnglesOfARightTriangle) {
+TEST(MeshQuality, MeasuresAnglesOfARightTriangle) {
   for (const double degrees : {0.5, 9.9, 10.1, 30.0, 44.0}) {
     const double h = std::tan(degrees * 3.14159265358979323846 / 180.0);
     const MeshQuality q = meshQuality({{{0, 0, 0}, {1, 0, 0}, {1, h, 0}}, {{0, 1, 2}}});

@@ -171,7 +171,7 @@ TEST(Render, ThrowsAShadowOnTheGround) {
   EXPECT_LT(lighter, 50);  // pixels on the ball's own bright edge
 }
 
-TEST(Render, TellsInnerFacesFromOuterOnes) {
+TEST(Render, DistinguishesInnerFacesFromOuterOnes) {
   const RenderOptions options{.width = 160, .height = 160};
   const Image outer = renderFragments(std::vector{fragmentOf(1, shapes::ball(1.0), 0)}, options);
   const Image inner = renderFragments(std::vector{fragmentOf(1, shapes::ball(1.0), 2)}, options);
