@@ -22,7 +22,7 @@ inline constexpr double kPreviewCubes = 768.0;
 
 /// Estimates the bytes that breaking a mesh takes at most, the mesh and the files' bytes included,
 /// from the mesh's area and volume in voxels at rates measured on many fractures
-/// (docs/performance.md).  The estimate is above the measured peak, by at most a factor of two.
+/// (docs/history/memory.md).  The estimate is above the measured peak, by at most a factor of two.
 [[nodiscard]] std::uint64_t estimatedMemory(const TriangleMesh& mesh,
                                             const FractureOptions& options,
                                             MeshesHeld held = MeshesHeld::all);
