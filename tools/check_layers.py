@@ -17,7 +17,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 DRAWING = ROOT / "docs" / "images" / "rooms.svg"
 
 ROOMS = ["base", "cl", "mesh", "voxelize", "seed", "grow", "erode", "surface", "points", "appearance", "pipeline", "evaluate",
-         "render", "chart", "formats/arrays", "formats/mesh", "formats/voxels", "formats/points", "folder", "dataset", "cgal",
+         "render", "chart", "formats/arrays", "formats/mesh", "formats/voxels", "formats/points", "options", "folder", "dataset", "cgal",
          "assimp_program", "cli"]
 
 HEADERS = {  # include/sherd/
@@ -36,6 +36,7 @@ HEADERS = {  # include/sherd/
     "formats/mesh": "mesh_files",
     "formats/voxels": "vdb_files volume voxel_files",
     "formats/points": "point_files",
+    "options": "options",
     "folder": "io",
     "dataset": "dataset",
     "cli": "sherd",  # includes all the others

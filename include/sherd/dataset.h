@@ -3,6 +3,7 @@
 
 #include <sherd/fracture.h>
 #include <sherd/io.h>
+#include <sherd/options.h>
 #include <sherd/progress.h>
 
 #include <array>
@@ -92,17 +93,15 @@ enum class DatasetLayout {
 /// How each file is compressed.
 enum class FileCompression { none, zip, zstd };
 
-/// Names and values of the options that were drawn at random for one fracture.
-using DrawnOptions = std::vector<std::pair<std::string, std::string>>;
+/// Names and values of the options that were drawn for one fracture.
+using DrawnValues = std::vector<std::pair<std::string, std::string>>;
 
 struct DatasetOptions {
   Schedule schedule{};
   std::uint64_t seed = 0;
-  FractureOptions fracture{};  ///< for every fracture; `pieces` and `seed` are ignored
-  WriteOptions write{};
-  /// Changes the options of one fracture; empty: no changes.
-  std::function<DrawnOptions(std::uint64_t seed, FractureOptions& options)> draw{};
-  std::string plan{};     ///< these options as text: only a run with the same plan is resumed
+  /// For every fracture.  `pieces`, `seed`, given seeds and `volume` are ignored.
+  RunOptions each{.write = {.vdb = false, .preview = false}};
+  std::vector<DrawnOption> drawn{};  ///< options whose values are drawn for each fracture
   double distinct = 0.0;  ///< least share of voxels in which two fractures of an object differ,
                           ///< 0..1, measured on at most 131,072 evenly spaced voxels
   int tries = 20;         ///< attempts per fracture to reach `distinct`
@@ -116,6 +115,16 @@ struct DatasetOptions {
   double objectTimeout = std::numeric_limits<double>::infinity();  ///< seconds
   std::uint64_t maxMemory = std::numeric_limits<std::uint64_t>::max();
 };
+
+using DatasetOptionRow = OptionRow<DatasetOptions>;
+
+/// Returns the options of a dataset beyond those of its fractures (fractureOptionTable).  Rows with
+/// a key shape the dataset; the others only its run.
+[[nodiscard]] std::span<const DatasetOptionRow> datasetOptionTable();
+
+/// Returns what shapes a dataset, as text: all options that have other values than their defaults,
+/// by name.  Only a run with the same identity is resumed.
+[[nodiscard]] std::string datasetIdentity(const DatasetOptions& options);
 
 /// The progress of a run.
 struct DatasetProgress {
@@ -152,9 +161,10 @@ struct DatasetSummary {
 /// device in order, and the other stages run for several fractures in parallel.  Each finished
 /// fracture is recorded, so the same call with `resume` continues a run that ended for any reason
 /// and produces the same files.
-///   out      absent, empty, or with `resume` a run of the same plan; neither inside the library
+///   out      absent, empty, or with `resume` a run with the same identity (datasetIdentity);
+///   neither inside the library
 ///            nor a parent of it.  Nothing outside it is changed: symbolic links in it are refused
-///   throws   Error(usage) another plan, an option out of range; Error(input) no library;
+///   throws   Error(usage) another identity, an option out of range; Error(input) no library;
 ///            Error(output) disk full, `out` holds something else; Error(cancelled); Error(device)
 DatasetSummary runDataset(const std::filesystem::path& library, const std::filesystem::path& out,
                           const DatasetOptions& options, Device& device,

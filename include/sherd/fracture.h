@@ -21,15 +21,9 @@ namespace sherd {
 struct FractureOptions {
   int pieces = 8;  ///< fragments wanted, 1..kMaxFragments
   std::uint64_t seed = 0;
-  int resolution = kAutoResolution;  ///< see SolidOptions; used when voxelSize is 0
-  double voxelSize = 0.0;            ///< world units per voxel; 0: from resolution
-  Fill fill = Fill::automatic;       ///< how the inside of the mesh is found
-  double shellThickness = 0.0;       ///< see SolidOptions
-
-  SeedOptions seeds{};               ///< `pieces` and `seed` in it are replaced by those above
-  int extraSeedsPerPiece = 0;        ///< extra seeds per fragment, added to seeds.extraSeeds
-  std::filesystem::path seedFile{};  ///< explicit seeds instead of sampled ones; empty: none
-  GrowOptions grow{};                ///< the noise seed in it is derived from `seed`
+  SolidOptions solid{};
+  SeedOptions seeds{};  ///< `pieces` and `seed` in it are replaced by those above
+  GrowOptions grow{};   ///< the noise seed in it is derived from `seed`
   ShareOptions shares{};
   ErodeOptions erode{};    ///< `seed` in it is replaced by the one above
   double dropShare = 0.0;  ///< withholds fragments below this share of the solid's voxels, 0..1
@@ -66,12 +60,11 @@ struct FractureResult {
   std::size_t kept() const { return fragments.size() - withheld; }
 };
 
-/// Breaks a mesh: voxelize, findComponents, placeSeeds or readSeeds, growWithShares, erode and
-/// extractFragments, in this order.  Components under kSmallComponentVoxels voxels are dropped
+/// Breaks a mesh: voxelize, findComponents, placeSeeds or seedsFromPoints, growWithShares, erode
+/// and extractFragments, in this order.  Components under kSmallComponentVoxels voxels are dropped
 /// before seeding.  Withheld fragments get the last ids; ids are a random permutation, so
 /// `missing` withholds random fragments.
-///   throws  what these functions throw; Error(usage) no fragment would be left, or a seed file
-///           contradicts `pieces`
+///   throws  what these functions throw; Error(usage) no fragment would be left
 [[nodiscard]] FractureResult fracture(const TriangleMesh& mesh, const FractureOptions& options,
                                       Device& device, const Progress* progress = nullptr);
 

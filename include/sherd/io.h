@@ -3,9 +3,9 @@
 
 #include <sherd/fracture.h>
 #include <sherd/mesh_files.h>
+#include <sherd/options.h>
 #include <sherd/output_file.h>
 #include <sherd/point_files.h>
-#include <sherd/points.h>
 #include <sherd/vdb_files.h>
 #include <sherd/voxel_files.h>
 
@@ -39,58 +39,6 @@ void writeConstraints(const OutputFile& file, std::span<const Fragment> fragment
 ///   throws  Error(output); Error(input) the mesh is flat
 void writeProxy(const OutputFile& file, const Fragment& fragment, const std::string& name,
                 double gap);
-
-/// The `.vdb` files that hold the fragments.
-enum class VdbFiles {
-  files,   ///< one per fragment
-  single,  ///< fragments.vdb
-  both,
-};
-
-/// The files that a fracture writes in addition to `manifest.json`.
-struct WriteOptions {
-  bool labels = true;        ///< labels.rle, or other formats by voxelFormats
-  bool vdb = true;           ///< level sets, by vdbFiles
-  bool mesh = true;          ///< meshes/<stem>_001.ply, and the input's textures
-  bool preview = true;       ///< preview.png; of large solids from meshes no finer than its pixels
-  bool seeds = false;        ///< seeds.json
-  bool boundaries = false;   ///< boundaries.obj
-  bool cost = false;         ///< cost.vdb, if the labels have costs
-  bool solid = false;        ///< also the intact solid: fragments/<stem>.vdb with `vdb`, and
-                             ///< meshes/<stem>.ply etc. with `mesh`
-  bool scene = false;        ///< scene.glb: a node for each fragment, its origin the center of mass
-  bool graph = false;        ///< graph.json and graph.geo
-  bool plainMeshes = false;  ///< only vertices and triangles in `.ply` and `.obj`
-  bool proxy = false;        ///< proxies/<stem>_001.obj, convex hulls
-
-  VdbFiles vdbFiles = VdbFiles::files;  ///< fragments/<stem>_001.vdb, fragments.vdb, or both
-  VdbOptions vdbOptions{};
-  double density = 1.0;   ///< mass per unit of volume, above 0
-  double proxyGap = 0.0;  ///< `gap` of writeProxy, at least 0
-
-  std::vector<VoxelFormat> voxelFormats{VoxelFormat::rle};       ///< not empty, no duplicates
-  std::vector<MeshFileFormat> meshFormats{MeshFileFormat::ply};  ///< not empty, no duplicates
-
-  PointOptions points{};     ///< points/<stem>_001.ply if count > 0; `seed` is derived from the
-                             ///< fracture's, per fragment
-  bool sharePoints = false;  ///< points.count is the total, distributed by the fragments' areas
-  std::vector<PointFormat> pointFormats{PointFormat::ply};
-  DistanceOptions distances{};  ///< sdf/<stem>_001.npz, and sdf/<stem>.npz of the intact solid, if
-                                ///< count > 0; a `sigma` of 0 is the voxel size; `seed` is derived
-                                ///< as for points
-  std::size_t correspondences = 0;  ///< correspondences.npz: points per contact; 0: no file
-
-  char up = 'y';  ///< the mesh's axis that points up in the preview: 'x', 'y' or 'z'
-
-  bool needsLevelSets() const { return vdb || vdbOptions.fog; }  ///< Fragment::surface
-
-  /// Whether a file is written that needs the meshes, or the level sets, of all fragments at once.
-  bool needsAllMeshes() const {
-    return boundaries || scene || distances.count > 0 || correspondences > 0 ||
-           (points.count > 0 && sharePoints);
-  }
-  bool needsAllLevelSets() const { return vdb && vdbFiles != VdbFiles::files; }
-};
 
 /// Returns the options, with arrival costs and level sets enabled exactly if the files need them.
 [[nodiscard]] FractureOptions optionsFor(FractureOptions options, const WriteOptions& write);

@@ -45,6 +45,15 @@ struct Labels {
                          ///< growths without this property
 };
 
+/// How work is given to the device.  Results are the same.
+struct DeviceTuning {
+  int stepsPerReadback = 0;  ///< layers between reads of the device's counter; 0: automatic
+  int workGroupSize = 0;     ///< work-items per work-group; 0: automatic
+  bool warmUp = false;  ///< also runs passes that have no work, so that a later growth over the
+                        ///< same leaf blocks allocates buffers only for the leaves around
+                        ///< voxels that are disconnected from their seed
+};
+
 struct GrowOptions {
   Growth growth = Growth::euclid;
   int neighborhood = 6;               ///< for flood: 6 (von Neumann) or 26 (Moore)
@@ -58,12 +67,8 @@ struct GrowOptions {
                                ///< neighbors, so that every fragment is 6-connected
   std::vector<std::uint64_t> noiseSeeds{};  ///< [seed sets] for rough cracks; missing ones are 0
   bool keepCost = false;                    ///< also returns the arrival cost
-  bool warmUp = false;  ///< also runs passes that have no work, so that a later growth over the
-                        ///< same leaf blocks allocates buffers only for the leaves around voxels
-                        ///< that are disconnected from their seed; labels are the same
-  int outerSteps = 6;   ///< steps by which labels are extended into the exterior band, 0..64
-  int stepsPerReadback = 0;  ///< layers between reads of the device's counter; 0: automatic
-  int workGroupSize = 0;     ///< work-items per work-group; 0: automatic
+  int outerSteps = 6;  ///< steps by which labels are extended into the exterior band, 0..64
+  DeviceTuning tuning{};
 };
 
 /// Grows fragments from all seeds at once over the inside.  A voxel belongs to the fragment that

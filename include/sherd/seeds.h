@@ -12,7 +12,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <span>
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -102,15 +104,30 @@ struct Impact {
 };
 inline constexpr int kMaxBias = 1000;
 
+/// A seed given by the user.
+struct SeedPoint {
+  WorldPoint position{};
+  int fragment = 0;  ///< 1..kMaxFragments
+};
+
+/// Seeds given by the user.
+struct GivenSeeds {
+  std::string
+      file{};  ///< where they come from: named in messages and, without folders, in manifests
+  std::vector<SeedPoint> points{};
+};
+
 struct SeedOptions {
   int pieces = 8;          ///< number of fragments, 1..kMaxFragments
   std::uint64_t seed = 0;  ///< every random number is a hash of this, a stage and an item
   Sampler sampler = Sampler::uniform;
   SeedsOn on = SeedsOn::volume;
   int extraSeeds = 0;                      ///< further seeds, each added to the nearest fragment
+  int extraSeedsPerPiece = 0;              ///< the same for each fragment, 0..1000
   Metric mergeMetric = Metric::chebyshev;  ///< distance of extra and merged seeds to fragments
   std::vector<Impact> impacts{};
-  int randomImpacts = 0;  ///< additional impacts, each an Impact{}
+  int randomImpacts = 0;              ///< additional impacts, each an Impact{}
+  std::optional<GivenSeeds> given{};  ///< in place of all these in a fracture; see seedsFromPoints
 };
 
 /// Places the seeds of N = max(pieces, components) fragments on distinct voxels: one in each
@@ -130,12 +147,6 @@ struct SeedOptions {
 ///           sections 3.2, 3.2.1, 3.2.2
 [[nodiscard]] std::vector<Seed> placeSeeds(const Solid& solid, const VoxelComponents& components,
                                            const SeedOptions& options);
-
-/// A seed given by the user.
-struct SeedPoint {
-  WorldPoint position{};
-  int fragment = 0;  ///< 1..kMaxFragments
-};
 
 /// Converts points to seeds.  In the order given, each moves to the nearest free inside voxel
 /// within 2 voxels (ties: lowest x, then y, then z).  A component without a seed gets one with a
@@ -157,10 +168,8 @@ struct SeedPoint {
 ///     {"schema": "sherd-seeds/1", "seeds": [{"fragment": 1, "position": [x, y, z]}, ...]}
 ///
 ///   throws  Error(input) with the file's name: absent, larger than 64 MiB, not JSON, another
-///           schema, an invalid entry, and what seedsFromPoints refuses; Error(output)
-[[nodiscard]] std::vector<Seed> readSeeds(const std::filesystem::path& file, const Solid& solid,
-                                          const VoxelComponents& components,
-                                          std::uint64_t seed = 0);
+///           schema, an invalid entry; Error(output)
+[[nodiscard]] std::vector<SeedPoint> readSeedPoints(const std::filesystem::path& file);
 void writeSeeds(const OutputFile& file, std::span<const Seed> seeds, const Solid& solid);
 
 }  // namespace sherd

@@ -13,7 +13,7 @@ namespace sherd::cli {
 using Action = std::function<void()>;
 
 /// Each function adds a sub-command; parsing it sets `run`.
-void addFractureCommand(CLI::App& app, Action& run);
+CLI::App* addFractureCommand(CLI::App& app, Action& run);
 CLI::App* addDatasetCommand(CLI::App& app, Action& run);
 void addMergeCommand(CLI::App& app, Action& run);
 void addInspectCommand(CLI::App& app, Action& run);

@@ -11,8 +11,8 @@
 #include "base/file_bytes.h"
 #include "base/input_error.h"
 #include "base/lower_case.h"
+#include "base/option_text.h"
 #include "base/parsed_json.h"
-#include "cli/option_text.h"
 
 namespace sherd::cli {
 namespace {

@@ -20,13 +20,14 @@
 
 #include "base/lower_case.h"
 #include "cli/command.h"
+#include "cli/config_arguments.h"
 #include "cli/foreign_exit.h"
-#include "cli/fracture_options.h"
 #include "cli/fracture_printer.h"
 #include "cli/interrupts.h"
 #include "cli/machine_options.h"
 #include "cli/option_rules.h"
 #include "cli/progress_line.h"
+#include "cli/table_options.h"
 #include "folder/file_names.h"
 #include "folder/mesh_report.h"
 #include "folder/read_manifest.h"
@@ -43,12 +44,10 @@ struct FractureArguments {
   std::string folder;
   std::vector<int>
       only;  ///< fragments of a finished fracture to break again; empty: MESH is a mesh or volume
-  FractureOptions options;
-  VolumeOptions volume;
+  RunOptions run;
   bool splitObjects = false;
   bool fillGiven = false;      ///< --fill or --shell-thickness was given
   bool isovalueGiven = false;  ///< --isovalue was given
-  WriteArguments write;
   MachineOptions machine;
   bool json = false;
   bool quiet = false;
@@ -71,13 +70,15 @@ Input readInput(FractureArguments& arguments, const Progress& progress) {
   if (!arguments.only.empty()) {
     input.finished = readFracture(arguments.mesh);
     input.meshes = {input.finished->source};
-    arguments.options.resolution = input.finished->resolution;
+    arguments.run.fracture.solid.resolution = input.finished->resolution;
     return input;
   }
   SourceMesh source;
   if (isVolumeName(arguments.mesh)) {
-    Volume volume = readVolume(arguments.mesh, arguments.volume, &progress);
-    if (arguments.volume.ownVoxels) arguments.options.voxelSize = volume.voxelSize;
+    Volume volume = readVolume(arguments.mesh, arguments.run.volume, &progress);
+    if (arguments.run.volume.ownVoxels) {
+      arguments.run.fracture.solid.voxelSize = volume.voxelSize;
+    }
     input.solid = std::move(volume.solid);
     if (input.solid && arguments.fillGiven) {
       printMessage(
@@ -90,7 +91,7 @@ Input readInput(FractureArguments& arguments, const Progress& progress) {
     }
     source = std::move(volume.source);
   } else {
-    source = readMesh(arguments.mesh, {.maxMemory = arguments.volume.maxMemory}, &progress);
+    source = readMesh(arguments.mesh, {.maxMemory = arguments.run.volume.maxMemory}, &progress);
   }
   if (arguments.splitObjects) {
     input.meshes = splitObjects(source);
@@ -106,20 +107,20 @@ MeshesHeld meshesHeld(const WriteOptions& write) {
 }
 
 // Prefixes errors about the mesh with its name, which the stages do not have.
-GrownFracture breakInput(const FractureArguments& arguments, const WriteOptions& write,
-                         Input& input, const SourceMesh& source, const std::string& title,
-                         Device& device, const Progress& progress) {
+GrownFracture breakInput(const FractureArguments& arguments, Input& input, const SourceMesh& source,
+                         const std::string& title, Device& device, const Progress& progress) {
   try {
-    const FractureOptions& options = arguments.options;
+    const FractureOptions& options = arguments.run.fracture;
     if (input.finished) {
       return regrown(*input.finished, arguments.only, options, device, &progress);
     }
     if (input.solid) return grown(std::move(*input.solid), options, device, &progress);
-    requireMemory(source.mesh, options, arguments.volume.maxMemory, meshesHeld(write));
+    requireMemory(source.mesh, options, arguments.run.volume.maxMemory,
+                  meshesHeld(arguments.run.write));
     return grown(source.mesh, options, device, &progress);
   } catch (const Error& e) {
-    const std::string seedFile = arguments.options.seedFile.string();
-    const bool aboutSeeds = !seedFile.empty() && std::string_view(e.what()).starts_with(seedFile);
+    const std::optional<GivenSeeds>& given = arguments.run.fracture.seeds.given;
+    const bool aboutSeeds = given && std::string_view(e.what()).starts_with(given->file);
     if (e.code() != ErrorCode::input || aboutSeeds || input.finished) throw;
     throw Error(ErrorCode::input, title + ": " + e.what());
   }
@@ -236,10 +237,11 @@ class FractureRun {
   void breakOne(Input& input, const SourceMesh& source, const std::string& folder, Device& device) {
     stopIfInterrupted();
     const std::string title = titled(arguments_.mesh, source);
-    const WriteOptions write = writeOptions(arguments_.write);
-    GrownFracture grown = breakInput(arguments_, write, input, source, title, device, progress_);
+    const FractureOptions& options = arguments_.run.fracture;
+    const WriteOptions& write = arguments_.run.write;
+    GrownFracture grown = breakInput(arguments_, input, source, title, device, progress_);
     StagedFracture aside =
-        writeStaged(folder, source, arguments_.options, std::move(grown), write, &progress_);
+        writeStaged(folder, source, options, std::move(grown), write, &progress_);
     replacements_.add(std::move(aside.replacement));
     const FractureResult& result = aside.result;
     times_.insert(times_.end(), result.times.begin(), result.times.end());
@@ -247,7 +249,7 @@ class FractureRun {
     const FractureSummary summary{title,
                                   folder,
                                   source,
-                                  arguments_.options,
+                                  options,
                                   write,
                                   result,
                                   device.info(),
@@ -289,52 +291,53 @@ class FractureRun {
 void runFracture(FractureArguments& arguments) {
   setInterruptedState(arguments.folder + " is as it was before");
   provideKernelCache();
-  const WriteOptions write = writeOptions(arguments.write);
-  checkWriteOptions(write, arguments.options);
-  arguments.options = optionsFor(arguments.options, write);
+  FractureOptions& options = arguments.run.fracture;
+  checkWriteOptions(arguments.run.write, options);
+  options = optionsFor(options, arguments.run.write);
+  if (options.seeds.given) options.seeds.given->points = readSeedPoints(options.seeds.given->file);
   const auto threads = limitedThreads(arguments.machine);
   keepFreedMemory();
   FractureRun(arguments).run();
 }
 
-void addResolutionOptions(CLI::App& command, FractureArguments& arguments) {
-  FractureOptions& options = arguments.options;
-  CLI::Option* resolution = addResolution(command, options);
+// Adds the options that select what of the input is broken.
+void addSelection(CLI::App& command, FractureArguments& arguments) {
+  CLI::Option* only =
+      command
+          .add_option("--only", arguments.only,
+                      "Break these fragments of a finished fracture again; MESH is its "
+                      "manifest.json and --pieces counts for each of them")
+          ->delimiter(',')
+          ->allow_extra_args(false)
+          ->transform(wholeNumber(1, kMaxFragments))
+          ->type_name("ID,...");
+  for (const char* option :
+       {"--resolution", "--voxel-size", "--seeds", "--missing", "--drop-share",
+        "--erode-iterations", "--fill", "--shell-thickness", "--grid", "--isovalue"}) {
+    only->excludes(option);
+  }
   command
-      .add_option("--voxel-size", options.voxelSize,
-                  "Voxel size in the mesh's own unit, in place of --resolution")
-      ->check(aboveZero())
-      ->excludes(resolution);
-  command
-      .add_option("--only", arguments.only,
-                  "Break these fragments of a finished fracture again; MESH is its manifest.json "
-                  "and --pieces counts for each of them")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->transform(wholeNumber(1, kMaxFragments))
-      ->type_name("ID,...")
-      ->excludes(resolution)
-      ->excludes("--voxel-size");
+      .add_flag("--split-objects", arguments.splitObjects,
+                "Break each object of the file separately, into a folder of its name below DIR")
+      ->excludes(only);
 }
 
 // Records what was given on the command line.
 void setGiven(const CLI::App& command, FractureArguments& arguments) {
-  arguments.volume.maxMemory = arguments.machine.memory();
-  const bool isGiven =
-      command.count("--voxel-size") > 0 ||
-      (command.count("--resolution") > 0 && arguments.options.resolution != kAutoResolution);
-  arguments.volume.ownVoxels = !isGiven;
+  arguments.run.volume.maxMemory = arguments.machine.memory();
+  const bool isGiven = command.count("--voxel-size") > 0 ||
+                       (command.count("--resolution") > 0 &&
+                        arguments.run.fracture.solid.resolution != kAutoResolution);
+  arguments.run.volume.ownVoxels = !isGiven;
   arguments.fillGiven = command.count("--fill") + command.count("--shell-thickness") > 0;
   arguments.isovalueGiven = command.count("--isovalue") > 0;
 }
 
 }  // namespace
 
-void addFractureCommand(CLI::App& app, Action& run) {
+CLI::App* addFractureCommand(CLI::App& app, Action& run) {
   CLI::App* command = app.add_subcommand("fracture", "Break one mesh into fragments");
   auto arguments = std::make_shared<FractureArguments>();
-  FractureOptions& options = arguments->options;
-
   command
       ->add_option(
           "MESH", arguments->mesh,
@@ -347,45 +350,21 @@ void addFractureCommand(CLI::App& app, Action& run) {
           "Folder for the fragments: absent, empty or an earlier fracture's, which is replaced")
       ->type_name("DIR")
       ->required();
-  addPreset(*command, options);
-  command->add_option("--pieces", options.pieces, "Number of fragments")
-      ->transform(wholeNumber(1, kMaxFragments))
-      ->capture_default_str();
-  command->add_option("--seed", options.seed, "Seed of every random choice")
-      ->transform(wholeNumber<std::uint64_t>(0, std::numeric_limits<std::uint64_t>::max()))
-      ->capture_default_str();
-  addResolutionOptions(*command, *arguments);
-  addFillOptions(*command, options);
-  addVolumeOptions(*command, arguments->volume);
-  command
-      ->add_flag("--split-objects", arguments->splitObjects,
-                 "Break each object of the file separately, into a folder of its name below DIR")
-      ->excludes("--only");
-  addSeedOptions(*command, options);
-  addGrowthOptions(*command, options);
-  addErosionOptions(*command, options);
-  addSurfaceOptions(*command, options);
-  addPointOptions(*command, arguments->write.files);
-  for (const char* option : {"--seeds", "--missing", "--drop-share", "--erode-iterations", "--fill",
-                             "--shell-thickness", "--grid", "--isovalue"}) {
-    command->get_option("--only")->excludes(option);
-  }
-  addWriteOptions(*command, arguments->write);
-  addVoxelFormatOption(*command, arguments->write.files);
-  addMeshFormatOption(*command, arguments->write.files);
-  addHostOptions(*command, arguments->write.files, "--compress,--vdb-compress");
+  addFractureOptions(*command, arguments->run);
+  addSelection(*command, *arguments);
   addMachineOptions(*command, arguments->machine);
+  addConfig(*command);
   command->add_flag("--json", arguments->json, "Print one JSON object: counts, volumes, seconds");
   command->add_flag("--quiet", arguments->quiet, "Print nothing but warnings and errors");
   command->callback([arguments, command, &run] {
     setGiven(*command, *arguments);
-    const std::vector<std::string> idle =
-        idleOptions({*command, arguments->options, arguments->write, arguments->mesh});
+    const std::vector<std::string> idle = idleOptions({*command, arguments->run, arguments->mesh});
     run = [arguments, idle] {
       for (const std::string& sentence : idle) printMessage("sherd: warning: " + sentence);
       runFracture(*arguments);
     };
   });
+  return command;
 }
 
 }  // namespace sherd::cli

@@ -34,7 +34,7 @@ std::vector<std::string> warningsOf(const FractureSummary& summary) {
     }
   }
   const std::size_t fragments = result.fragments.size();
-  if (summary.options.seedFile.empty() && result.parents.empty() &&
+  if (!summary.options.seeds.given && result.parents.empty() &&
       static_cast<std::size_t>(summary.options.pieces) < fragments) {
     warnings.push_back(summary.mesh + " has " + std::to_string(result.components) +
                        " components, so it became " + std::to_string(fragments) +

@@ -20,7 +20,7 @@
 #include "cgal/cgal_checks.h"
 #include "cli/command.h"
 #include "cli/command_line.h"
-#include "cli/dataset_arguments.h"
+#include "cli/config_arguments.h"
 #include "cli/former_names.h"
 #include "cli/interrupts.h"
 
@@ -73,8 +73,7 @@ void parse(int argc, char** argv, Action& run) {
   const std::string version = std::string("sherd " SHERD_VERSION " (") + programLicense() + ")";
   app.set_version_flag("--version", version, "Print the version and the program's license");
   app.require_subcommand(1);
-  addFractureCommand(app, run);
-  const CLI::App* const dataset = addDatasetCommand(app, run);
+  const CLI::App* const configured[] = {addFractureCommand(app, run), addDatasetCommand(app, run)};
   addMergeCommand(app, run);
   addInspectCommand(app, run);
   addConvertCommand(app, run);
@@ -88,9 +87,10 @@ void parse(int argc, char** argv, Action& run) {
   try {
     std::vector<std::string> arguments = withCurrentNames({argv + std::min(argc, 1), argv + argc});
     checkArguments(app, arguments);
-    if (!arguments.empty() && arguments.front() == dataset->get_name()) {
-      arguments = expandedArguments({arguments.begin() + 1, arguments.end()}, *dataset);
-      arguments.insert(arguments.begin(), dataset->get_name());
+    for (const CLI::App* command : configured) {
+      if (arguments.empty() || arguments.front() != command->get_name()) continue;
+      arguments = expandedArguments({arguments.begin() + 1, arguments.end()}, *command);
+      arguments.insert(arguments.begin(), command->get_name());
     }
     std::reverse(arguments.begin(), arguments.end());  // CLI11 expects reverse order
     app.parse(std::move(arguments));

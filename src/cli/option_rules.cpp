@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "base/lower_case.h"
+#include "base/option_text.h"
 
 namespace sherd::cli {
 namespace {
@@ -28,7 +29,7 @@ struct Rule {
 };
 
 bool writes(const ParsedOptions& parsed, std::initializer_list<const char*> names) {
-  const std::vector<std::string>& written = parsed.write.names;
+  const std::vector<std::string> written = split(fractureOption("write")->value.text(parsed.run));
   return std::any_of(names.begin(), names.end(), [&](const char* name) {
     return std::find(written.begin(), written.end(), name) != written.end();
   });
@@ -39,7 +40,7 @@ bool isVdb(const ParsedOptions& parsed) {
 }
 
 bool hasFormat(const ParsedOptions& parsed, MeshFileFormat format) {
-  const std::vector<MeshFileFormat>& formats = parsed.write.files.meshFormats;
+  const std::vector<MeshFileFormat>& formats = parsed.run.write.meshFormats;
   return std::find(formats.begin(), formats.end(), format) != formats.end();
 }
 
@@ -64,7 +65,7 @@ std::vector<Rule> solidRules() {
       {{"--shell-thickness"},
        Verdict::conflict,
        [](P p) {
-         const Fill fill = p.fracture.fill;
+         const Fill fill = p.run.fracture.solid.fill;
          return fill != Fill::automatic && fill != Fill::shell;
        },
        "makes a shell, which --fill winding, parity and flood do not; omit one of them"},
@@ -83,13 +84,13 @@ std::vector<Rule> seedRules() {
   return {
       {{"--sampler", "--seeds-on", "--extra-seeds", "--merge-metric", "--impact", "--impacts"},
        Verdict::conflict,
-       [](P p) { return !p.fracture.seedFile.empty(); },
+       [](P p) { return p.run.fracture.seeds.given.has_value(); },
        "applies to seeds that are drawn, and --seeds reads them from a file; omit one of them"},
       {{"--merge-metric"},
        Verdict::idle,
        [](P p) {
-         const SeedOptions& seeds = p.fracture.seeds;
-         return seeds.extraSeeds == 0 && p.fracture.extraSeedsPerPiece == 0 &&
+         const SeedOptions& seeds = p.run.fracture.seeds;
+         return seeds.extraSeeds == 0 && seeds.extraSeedsPerPiece == 0 &&
                 std::none_of(seeds.impacts.begin(), seeds.impacts.end(),
                              [](const Impact& impact) { return impact.merge; });
        },
@@ -102,12 +103,12 @@ std::vector<Rule> growthRules() {
   return {
       {{"--neighborhood"},
        Verdict::idle,
-       [](P p) { return !ruleOf(p.fracture.grow.growth).usesNeighborhood; },
+       [](P p) { return !ruleOf(p.run.fracture.grow.growth).usesNeighborhood; },
        "does nothing without --growth flood",
        {"--growth"}},
       {{"--metric"},
        Verdict::idle,
-       [](P p) { return !ruleOf(p.fracture.grow.growth).usesMetric; },
+       [](P p) { return !ruleOf(p.run.fracture.grow.growth).usesMetric; },
        "does nothing without --growth nearest or chain",
        {"--growth"}},
   };
@@ -118,7 +119,7 @@ std::vector<Rule> erosionRules() {
       {{"--erode-shape", "--erode-size", "--erode-planes", "--erode-threshold",
         "--erode-probability", "--erode-on", "--erode-islands"},
        Verdict::idle,
-       [](P p) { return p.fracture.erode.iterations == 0; },
+       [](P p) { return p.run.fracture.erode.iterations == 0; },
        "does nothing without --erode-iterations",
        {"--erode-iterations"}},
   };
@@ -128,25 +129,25 @@ std::vector<Rule> surfaceRules() {
   return {
       {{"--interface"},
        Verdict::idle,
-       [](P p) { return p.fracture.surface.surface == Surface::labels; },
+       [](P p) { return p.run.fracture.surface.surface == Surface::labels; },
        "does nothing with --surface labels, which meshes fragments separately",
        {"--surface"}},
       {{"--smoothing"},
        Verdict::idle,
        [](P p) {
-         const SmoothOptions& smooth = p.fracture.surface.smooth;
+         const SmoothOptions& smooth = p.run.fracture.surface.smooth;
          return none(smooth.iterations) && none(smooth.boundaryIterations);
        },
        "does nothing without --smooth-iterations or --smooth-boundary-iterations",
        {"--smooth-iterations", "--smooth-boundary-iterations"}},
       {{"--smooth-weight"},
        Verdict::idle,
-       [](P p) { return none(p.fracture.surface.smooth.iterations); },
+       [](P p) { return none(p.run.fracture.surface.smooth.iterations); },
        "does nothing without --smooth-iterations",
        {"--smooth-iterations"}},
       {{"--smooth-boundary-weight"},
        Verdict::idle,
-       [](P p) { return none(p.fracture.surface.smooth.boundaryIterations); },
+       [](P p) { return none(p.run.fracture.surface.smooth.boundaryIterations); },
        "does nothing without --smooth-boundary-iterations",
        {"--smooth-boundary-iterations"}},
   };
@@ -216,18 +217,18 @@ std::vector<Rule> pointRules() {
   return {
       {{"--share-points", "--point-sampler", "--point-rule", "--point-format"},
        Verdict::idle,
-       [](P p) { return p.write.files.points.count == 0; },
+       [](P p) { return p.run.write.points.count == 0; },
        "does nothing without --points"},
       {{"--point-rule"},
        Verdict::conflict,
        [](P p) {
-         return p.write.files.points.sampler == PointSampler::poisson &&
-                p.write.files.points.rule == PointRule::perTriangle;
+         return p.run.write.points.sampler == PointSampler::poisson &&
+                p.run.write.points.rule == PointRule::perTriangle;
        },
        "per-triangle is not possible with --point-sampler poisson"},
       {{"--sdf-type"},
        Verdict::idle,
-       [](P p) { return p.write.files.distances.count == 0; },
+       [](P p) { return p.run.write.distances.count == 0; },
        "does nothing without --sdf-samples"},
   };
 }
@@ -256,14 +257,15 @@ const std::vector<Rule>& rules() {
 }
 
 bool isDrawn(const ParsedOptions& parsed, const std::string& name) {
-  return parsed.drawn != nullptr &&
-         std::any_of(parsed.drawn->begin(), parsed.drawn->end(),
-                     [&](const DrawnOption& drawn) { return drawn.name == name; });
+  if (parsed.dataset == nullptr) return false;
+  const std::vector<DrawnOption>& drawn = parsed.dataset->drawn;
+  return std::any_of(drawn.begin(), drawn.end(),
+                     [&](const DrawnOption& option) { return "--" + option.name == name; });
 }
 
 bool isGiven(const ParsedOptions& parsed, const std::string& name) {
   const CLI::Option* const option = parsed.command.get_option_no_throw(name);
-  return option != nullptr && (option->count() > 0 || isDrawn(parsed, name));
+  return option != nullptr && option->count() > 0;
 }
 
 }  // namespace

@@ -6,20 +6,17 @@
 #include <string>
 #include <vector>
 
-#include "cli/drawn_options.h"
-#include "cli/fracture_options.h"
+#include "cli/command.h"
 
 namespace sherd::cli {
 
 /// The options of a parsed command line.
 struct ParsedOptions {
   const CLI::App& command;
-  const FractureOptions& fracture;
-  const WriteArguments& write;
+  const RunOptions& run;
   std::string mesh{};                       ///< of sherd fracture; empty for sherd dataset
   bool dryRun = false;                      ///< of sherd dataset, as the fields below
   const DatasetOptions* dataset = nullptr;  ///< null: sherd fracture
-  const std::vector<DrawnOption>* drawn = nullptr;
 };
 
 /// Checks the given options against each other, by the rules in option_rules.cpp.

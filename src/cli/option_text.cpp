@@ -6,39 +6,9 @@
 #include <limits>
 
 #include "base/lower_case.h"
-#include "cli/fracture_options.h"
+#include "base/option_text.h"
 
 namespace sherd::cli {
-
-std::optional<double> numberIn(std::string_view text) {
-  double value = 0.0;
-  const char* end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc() || stop != end || !std::isfinite(value)) return {};
-  return value;
-}
-
-std::vector<std::string> split(const std::string& text) {
-  std::vector<std::string> parts(1);
-  for (const char c : text) {
-    if (c == ',') {
-      parts.emplace_back();
-    } else {
-      parts.back() += c;
-    }
-  }
-  return parts;
-}
-
-std::optional<std::vector<double>> numbersIn(std::span<const std::string> parts) {
-  std::vector<double> numbers;
-  for (const std::string& part : parts) {
-    const std::optional<double> value = numberIn(part);
-    if (!value) return {};
-    numbers.push_back(*value);
-  }
-  return numbers;
-}
 
 std::optional<std::uint64_t> bytesIn(const std::string& text) {
   constexpr std::string_view kDigits = "0123456789", kUnits = "kmgtp";
@@ -82,18 +52,6 @@ CLI::Validator size() {
         return {};
       },
       "");
-}
-
-CLI::Validator oneOf(std::vector<int> numbers) {
-  std::string all;
-  for (const int number : numbers) all += (all.empty() ? "" : ", ") + std::to_string(number);
-  return CLI::Validator(
-      [numbers, all](std::string& text) -> std::string {
-        const bool isOne = std::any_of(numbers.begin(), numbers.end(),
-                                       [&](int number) { return text == std::to_string(number); });
-        return isOne ? "" : "'" + text + "' is not one of " + all;
-      },
-      "{" + all + "}");
 }
 
 CLI::Validator numberBetween(double low, double high, const std::string& range) {

@@ -13,14 +13,8 @@
 
 namespace sherd::cli {
 
-/// Returns the finite number that the whole text is, or nullopt.
-[[nodiscard]] std::optional<double> numberIn(std::string_view text);
-
-/// Returns the parts between commas; one empty part for an empty text.
-[[nodiscard]] std::vector<std::string> split(const std::string& text);
-
-/// Returns the numbers of all parts, or nullopt if a part is not a number.
-[[nodiscard]] std::optional<std::vector<double>> numbersIn(std::span<const std::string> parts);
+/// Accepts finite numbers above 0.
+[[nodiscard]] CLI::Validator aboveZero();
 
 /// Accepts finite numbers from `low` to `high`; `range` describes them in --help.
 [[nodiscard]] CLI::Validator numberBetween(double low, double high, const std::string& range);
@@ -32,9 +26,6 @@ namespace sherd::cli {
 
 /// Accepts sizes, and converts them to bytes.
 [[nodiscard]] CLI::Validator size();
-
-/// Accepts only these whole numbers.
-[[nodiscard]] CLI::Validator oneOf(std::vector<int> numbers);
 
 /// Throws CLI::ValidationError "option: 'text' is not <expected>".
 [[noreturn]] void refuse(const std::string& option, const std::string& text,

@@ -11,6 +11,7 @@
 
 #include "base/held_files.h"
 #include "base/lower_case.h"
+#include "base/option_text.h"
 #include "cli/command.h"
 #include "cli/interrupts.h"
 #include "cli/option_text.h"

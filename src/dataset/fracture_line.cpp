@@ -37,7 +37,7 @@ Json poseJson(const Fragment& fragment, std::uint64_t seed) {
 }  // namespace
 
 FractureLine::FractureLine(const std::string& name, const PlannedFracture& planned,
-                           std::uint64_t seed, int attempt, const DrawnOptions& drawn)
+                           std::uint64_t seed, int attempt, const DrawnValues& drawn)
     : seed_(seed),
       line_{{"fracture", name},
             {"pieces", planned.pieces},

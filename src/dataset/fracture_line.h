@@ -15,7 +15,7 @@ inline constexpr const char* kWholeName = "whole";
 class FractureLine {
  public:
   FractureLine(const std::string& name, const PlannedFracture& planned, std::uint64_t seed,
-               int attempt, const DrawnOptions& drawn);
+               int attempt, const DrawnValues& drawn);
 
   ///   result  in world space, not moved into a unit box
   ///   names   file names; `files` maps them to stored names

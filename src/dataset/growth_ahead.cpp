@@ -36,7 +36,7 @@ std::unique_ptr<PlannedGrowth> GrowthAhead::next() {
 // Fractures of a batch share kernel launches and uploads.  On a CPU the gain is small, and a
 // fracture whose cut-off components regrow delays the whole batch.
 std::size_t GrowthAhead::batchSize() const {
-  if (options_.draw) return 1;  // growth options may differ
+  if (!options_.drawn.empty()) return 1;  // growth options may differ
   const std::size_t maxBatch = run_.device.info().gpu ? 16 : 2;
   const std::size_t maxLeaves = std::size_t{1} << (run_.device.info().gpu ? 17 : 14);
   const std::size_t leaves = std::max<std::size_t>(ready_.solid.blocks.count(), 1);
@@ -86,12 +86,16 @@ std::unique_ptr<PlannedGrowth> GrowthAhead::planOf(std::size_t number, int attem
   plan->planned = planned_[number];
   plan->number = number;
   plan->attempt = attempt;
-  plan->options = optionsFor(options_.fracture, options_.write);
   const std::uint64_t seed = fractureSeed(options_.seed, sha256_, plan->planned, attempt);
-  if (options_.draw) plan->drawn = options_.draw(seed, plan->options);
+  RunOptions each = options_.each;
+  for (const DrawnOption& option : options_.drawn) {
+    plan->drawn.emplace_back(option.name, option.valueFor(seed));
+    fractureOption(option.name)->value.set(each, plan->drawn.back().second);
+  }
+  plan->options = optionsFor(each.fracture, each.write);
   plan->options.pieces = plan->planned.pieces;
   plan->options.seed = seed;
-  plan->options.grow.warmUp = !std::exchange(warmedUp_, true);
+  plan->options.grow.tuning.warmUp = !std::exchange(warmedUp_, true);
   return plan;
 }
 

@@ -19,7 +19,7 @@ struct PlannedGrowth {
   std::size_t number = 0;  ///< in the schedule
   int attempt = 0;
   FractureOptions options;
-  DrawnOptions drawn;
+  DrawnValues drawn;
   GrownFracture grown;
 };
 

@@ -100,19 +100,19 @@ class ObjectRun {
 
   void breakAll(const SourceMesh& source) {
     for (const std::string& warning : source.warnings) run_.warning(warning);
-    FractureOptions base = optionsFor(options_.fracture, options_.write);
+    FractureOptions base = optionsFor(options_.each.fracture, options_.each.write);
     base.pieces = options_.schedule.most;
-    if (base.resolution == kAutoResolution && isVolumeName(object_.file)) {
-      base.resolution = kLeastAutoResolution;  // voxels resolve no thinner walls
+    if (base.solid.resolution == kAutoResolution && isVolumeName(object_.file)) {
+      base.solid.resolution = kLeastAutoResolution;  // voxels resolve no thinner walls
     }
     requireMemory(source.mesh, base, options_.maxMemory);
     PreparedSolid ready = timed("voxelize", [&] {
-      return prepared(voxelize(source.mesh, solidOptionsOf(base), &progress_), run_.device);
+      return prepared(voxelize(source.mesh, base.solid, &progress_), run_.device);
     });
-    base.voxelSize = ready.solid.frame.voxelSize;
+    base.solid.voxelSize = ready.solid.frame.voxelSize;
     memory_ = estimatedMemory(source.mesh, base);
     if (keepsIntactSurface(ready.solid)) ready.surface = intactSurface(ready.solid);
-    const FractureWriter writer(source, options_.write);
+    const FractureWriter writer(source, options_.each.write);
     source_ = &source;
     ready_ = &ready;
     writer_ = &writer;
@@ -127,20 +127,20 @@ class ObjectRun {
   // Whether the intact solid's surface is meshed once for all fractures.  It takes memory.
   bool keepsIntactSurface(const Solid& solid) const {
     constexpr std::size_t kMaxLeaves = 50'000;
-    const SurfaceOptions& surface = options_.fracture.surface;
+    const SurfaceOptions& surface = options_.each.fracture.surface;
     return surface.surface == Surface::smooth && surface.interface == Interface::shared &&
            solid.blocks.count() <= kMaxLeaves;
   }
 
   NamedObject named(const FractureOptions& options) const {
-    return {*source_, writer_->materials(), options, options_.write,
+    return {*source_, writer_->materials(), options, options_.each.write,
             ready_->solid.box.longestSide()};
   }
 
   // Writes the intact object as a fracture of one fragment.
   void writeIntactObject() {
     const Solid& solid = ready_->solid;
-    FractureOptions options = optionsFor(options_.fracture, options_.write);
+    FractureOptions options = optionsFor(options_.each.fracture, options_.each.write);
     options.pieces = 1;
     FractureResult whole;
     whole.solid = solid;
@@ -222,13 +222,13 @@ class ObjectRun {
     line.addFragments(result, names.files, *work.files, options_.poses);
     if (options_.layout == DatasetLayout::bb) intoUnitBox(result);
     writer_->write(*work.files, names.files, options, result, &progress_);
-    if (options_.layout == DatasetLayout::bb && options_.write.mesh) {
+    if (options_.layout == DatasetLayout::bb && options_.each.write.mesh) {
       writeNeighbors(result, "neighbor/fractured_" + std::to_string(growth->number), *work.files);
     }
     if (!names.manifest.empty()) {
       OutputFile(*work.files, names.manifest)
           .write(manifestText(*source_, options, result, meshFacts(result.fragments), names.files,
-                              options_.write));
+                              options_.each.write));
     }
     work.fragments = result.kept();
     work.line = line.json();
@@ -239,7 +239,7 @@ class ObjectRun {
     if (!run_.thumbnails.contains(name)) return;
     const Clock::time_point begin = Clock::now();
     writeThumbnail(run_.out / thumbnailName(object_, name),
-                   std::span(result.fragments).first(result.kept()), options_.write.up);
+                   std::span(result.fragments).first(result.kept()), options_.each.write.up);
     run_.times.add("picture", secondsSince(begin));
   }
 

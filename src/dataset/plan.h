@@ -13,7 +13,7 @@
 namespace sherd {
 
 struct DatasetPlan {
-  std::string text;                    ///< DatasetOptions::plan
+  std::string text;                    ///< datasetIdentity
   std::vector<LibraryObject> objects;  ///< those of all shards
   DatasetLayout layout = DatasetLayout::sherd;
   std::array<int, 3> split{};

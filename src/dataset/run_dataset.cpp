@@ -10,6 +10,7 @@
 
 #include "base/atomic_file.h"
 #include "dataset/fracture_line.h"
+#include "dataset/identity.h"
 #include "dataset/index.h"
 #include "dataset/object_folder.h"
 #include "dataset/object_run.h"
@@ -41,6 +42,9 @@ void check(const DatasetOptions& options) {
   need(std::all_of(split.begin(), split.end(), [](int share) { return share >= 0; }) &&
            split[0] + split[1] + split[2] > 0,
        "a split is three shares, such as 80/10/10");
+  need(options.layout != DatasetLayout::bb || options.each.write.meshFormats.size() == 1,
+       "the layout bb takes one format of meshes");
+  for (const DrawnOption& option : options.drawn) checkDrawn(option, options.each);
 }
 
 // Whether the folder contains anything but temporary files.
@@ -59,18 +63,18 @@ void makeFolder(const fs::path& out) {
 }
 
 // Prepares the folder for this run.
-void prepareFolder(const fs::path& out, const DatasetPlan& plan, bool resume) {
+void prepareFolder(const fs::path& out, const DatasetPlan& plan, const DatasetOptions& options) {
   if (hasPlan(out)) {
     const DatasetPlan before = readPlan(out);
     const auto same = [](const LibraryObject& a, const LibraryObject& b) {
       return a.key == b.key && a.folder == b.folder;
     };
-    if (before.text != plan.text || before.layout != plan.layout) {
+    if (!isIdentityOf(options, before.text) || before.layout != plan.layout) {
       throw Error(ErrorCode::usage, out.string() +
                                         ": contains a dataset of other options, see its "
                                         "dataset.json; use the same options or another folder");
     }
-    if (!resume) {
+    if (!options.resume) {
       throw Error(ErrorCode::usage,
                   out.string() + ": contains this dataset already; continue it with --resume");
     }
@@ -183,14 +187,14 @@ class LibraryRun {
 
 }  // namespace
 
-DatasetSummary runDataset(const fs::path& library, const fs::path& out,
-                          const DatasetOptions& options, Device& device,
-                          const DatasetCallbacks& callbacks) {
-  check(options);
-  checkWriteOptions(options.write, options.fracture);
+DatasetSummary runDataset(const fs::path& library, const fs::path& out, const DatasetOptions& given,
+                          Device& device, const DatasetCallbacks& callbacks) {
+  check(given);
+  checkWriteOptions(given.each.write, given.each.fracture);
+  const DatasetOptions options = laidOut(given);
   std::vector<std::string> warnings;
-  DatasetPlan plan{options.plan, findObjects(library, options.library, &warnings), options.layout,
-                   options.split, options.seed};
+  DatasetPlan plan{datasetIdentity(given), findObjects(library, options.library, &warnings),
+                   options.layout, options.split, options.seed};
   const std::size_t skipped = warnings.size();
   requireApart(library, plan.objects, out);
   for (std::string& renamed : renameReserved(plan.layout, plan.objects)) {
@@ -199,7 +203,7 @@ DatasetSummary runDataset(const fs::path& library, const fs::path& out,
   requireNoLinks(out, plan);
   makeFolder(out);
   OutputLock lock(out);
-  prepareFolder(out, plan, options.resume);
+  prepareFolder(out, plan, given);
   lock.share();
   for (const std::string& warning : warnings) {
     if (callbacks.warning) callbacks.warning(warning);

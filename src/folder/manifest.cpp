@@ -16,6 +16,7 @@
 #include "base/option_names.h"
 #include "folder/mesh_report.h"
 #include "folder/read_manifest.h"
+#include "options/record.h"
 
 namespace sherd {
 namespace {
@@ -43,142 +44,25 @@ double effectiveNumber(const FractureResult& result) {
   return effectiveCount(voxels);
 }
 
-Json impactJson(const Impact& impact) {
-  Json json = Json::object();
-  if (const auto* point = std::get_if<WorldPoint>(&impact.target)) json["point"] = jsonOf(point->v);
-  if (const auto* ray = std::get_if<Ray>(&impact.target)) {
-    json["ray"] = {{"origin", jsonOf(ray->origin.v)}, {"direction", jsonOf(ray->direction)}};
-  }
-  json["count"] = impact.count;
-  if (impact.sigma > 0.0) {
-    json["sigma"] = impact.sigma;
-  } else {
-    json["bias"] = impact.bias;
-  }
-  json["merge"] = impact.merge;
-  return json;
-}
-
-Json seedOptionsJson(const FractureOptions& options) {
-  if (!options.seedFile.empty()) return {{"file", options.seedFile.filename().string()}};
-  const SeedOptions& seeds = options.seeds;
-  Json json = {{"sampler", names::of(names::kSampler, seeds.sampler)},
-               {"on", names::of(names::kSeedsOn, seeds.on)},
-               {"extra", seeds.extraSeeds},
-               {"extra_per_piece", options.extraSeedsPerPiece},
-               {"merge_metric", names::of(names::kMetric, seeds.mergeMetric)},
-               {"random_impacts", seeds.randomImpacts},
-               {"impacts", Json::array()}};
-  for (const Impact& impact : seeds.impacts) json["impacts"].push_back(impactJson(impact));
-  return json;
-}
-
-Json growOptionsJson(const GrowOptions& grow) {
-  const GrowthRule& rule = ruleOf(grow.growth);
-  Json json = {{"growth", rule.name}};
-  if (rule.usesNeighborhood) json["neighborhood"] = grow.neighborhood;
-  if (rule.usesMetric) json["metric"] = names::of(names::kMetric, grow.metric);
-  if (grow.anisotropy.strength != 0.0) {
-    json["grain"] = {{"direction", jsonOf(grow.anisotropy.direction)},
-                     {"strength", grow.anisotropy.strength}};
-  }
-  json["roughness"] = grow.roughness;
-  json["hurst"] = grow.hurst;
-  json["roughness_window"] = grow.roughnessWindow;
-  json["outer_steps"] = grow.outerSteps;
-  json["isolated"] = names::of(names::kIsolated, grow.regrowIsolated);
-  return json;
-}
-
-Json erodeOptionsJson(const ErodeOptions& erode) {
-  if (erode.iterations == 0) return {{"iterations", 0}};
-  return {{"iterations", erode.iterations},
-          {"shape", names::of(names::kErodeShape, erode.shape)},
-          {"size", erode.size},
-          {"planes", erode.planes},
-          {"threshold", erode.threshold},
-          {"probability", erode.probability},
-          {"on", names::of(names::kErodeOn, erode.on)},
-          {"islands", names::of(names::kIslands, erode.islands)}};
-}
-
-Json pointOptionsJson(const WriteOptions& write) {
-  Json json = {{"count", write.points.count},
-               {"shared", write.sharePoints},
-               {"sampler", names::of(names::kPointSampler, write.points.sampler)},
-               {"rule", names::of(names::kPointRule, write.points.rule)},
-               {"formats", Json::array()}};
-  for (const PointFormat format : write.pointFormats) {
-    json["formats"].push_back(names::of(names::kPointFormat, format));
-  }
-  return json;
-}
-
-Json distanceOptionsJson(const WriteOptions& write, const Solid& solid) {
-  const double sigma = write.distances.sigma;
-  return {{"count", write.distances.count},
-          {"type", names::of(names::kSampleType, write.distances.type)},
-          {"sigma", sigma > 0.0 ? sigma : solid.frame.voxelSize}};
-}
-
-Json surfaceOptionsJson(const SurfaceOptions& surface, int longestSide) {
-  const SmoothOptions& smooth = surface.smooth;
-  return {{"of", names::of(names::kSurface, surface.surface)},
-          {"interface", names::of(names::kInterface, surface.interface)},
-          {"adaptivity", surface.adaptivity},
-          {"smooth",
-           {{"method", names::of(names::kSmoothing, smooth.method)},
-            {"iterations", smooth.iterations.over(longestSide)},
-            {"weight", smooth.weight},
-            {"boundary_iterations", smooth.boundaryIterations.over(longestSide)},
-            {"boundary_weight", smooth.boundaryWeight}}},
-          {"triangles", surface.triangles}};
-}
-
-Json vdbOptionsJson(const WriteOptions& write) {
-  return {{"files", names::of(names::kVdbFiles, write.vdbFiles)},
-          {"fog", write.vdbOptions.fog},
-          {"half", write.vdbOptions.half},
-          {"compression", names::of(names::kVdbCompression, write.vdbOptions.compression)}};
-}
-
-Json optionsJson(const FractureOptions& options, const FractureResult& result,
-                 const WriteOptions& write) {
-  Json json = {{"pieces", result.fragments.size()}, {"seed", options.seed}};
-  if (options.voxelSize > 0.0) {
-    json["voxel_size"] = options.voxelSize;
-  } else if (options.resolution == kAutoResolution) {
-    json["resolution"] = kAutomatic;
-  } else {
-    json["resolution"] = options.resolution;
-  }
-  if (result.parents.empty()) {
-    json["fill"] = names::of(names::kFill, options.fill);
-    if (options.shellThickness > 0.0) json["shell_thickness"] = options.shellThickness;
-  }
-  json["seeds"] = seedOptionsJson(options);
-  json["grow"] = growOptionsJson(options.grow);
-  json["min_share"] = options.shares.minShare;
-  json["balance"] = options.shares.balance;
-  json["share_tries"] = options.shares.tries;
-  json["erode"] = erodeOptionsJson(options.erode);
-  if (options.dropShare > 0.0) json["drop_share"] = options.dropShare;
-  json["missing"] = options.missing;
-  if (write.points.count > 0) json["points"] = pointOptionsJson(write);
-  if (write.distances.count > 0) json["sdf"] = distanceOptionsJson(write, result.solid);
-  if (write.correspondences > 0) json["correspondences"] = write.correspondences;
-  if (write.density != 1.0) json["density"] = write.density;
-  if (write.proxy) json["proxy_gap"] = write.proxyGap;
-  if (write.needsLevelSets()) json["vdb"] = vdbOptionsJson(write);
-  if (write.mesh) json["plain_meshes"] = write.plainMeshes;
-  if (write.preview) json["up"] = std::string(1, write.up);
-  json["surface"] = surfaceOptionsJson(options.surface, result.solid.box.longestSide());
-  return json;
+// Returns the options with what this fracture made of them.
+RunOptions asUsed(const FractureOptions& options, const FractureResult& result,
+                  const WriteOptions& write) {
+  RunOptions used{.fracture = options, .volume = {}, .write = write};
+  used.fracture.pieces = static_cast<int>(result.fragments.size());
+  SmoothOptions& smooth = used.fracture.surface.smooth;
+  const int side = result.solid.box.longestSide();
+  smooth.iterations = {.count = smooth.iterations.over(side)};
+  smooth.boundaryIterations = {.count = smooth.boundaryIterations.over(side)};
+  double& sigma = used.write.distances.sigma;
+  if (sigma <= 0.0) sigma = result.solid.frame.voxelSize;
+  return used;
 }
 
 // Voxels along the longest side.
 int resolutionUsed(const SourceMesh& source, const FractureOptions& options, const Solid& solid) {
-  if (options.voxelSize <= 0.0 && options.resolution != kAutoResolution) return options.resolution;
+  if (options.solid.voxelSize <= 0.0 && options.solid.resolution != kAutoResolution) {
+    return options.solid.resolution;
+  }
   if (source.mesh.triangles.empty()) return solid.box.longestSide();  // a volume's own voxels
   return resolutionFor(source.mesh, solid.frame.voxelSize);
 }
@@ -316,11 +200,12 @@ std::vector<MeshFacts> meshFacts(std::span<const Fragment> fragments) {
 std::string manifestText(const SourceMesh& source, const FractureOptions& options,
                          const FractureResult& result, std::span<const MeshFacts> facts,
                          const FractureFiles& files, const WriteOptions& write) {
+  const bool isRefracture = !result.parents.empty();
   Json manifest = {{"schema", kManifestSchema},
-                   {"source", sourceJson(source, !result.parents.empty())},
-                   {"options", optionsJson(options, result, write)}};
+                   {"source", sourceJson(source, isRefracture)},
+                   {"options", recordedOptions(asUsed(options, result, write), isRefracture)}};
   if (!source.mesh.triangles.empty()) manifest["report"] = reportJson(source, result);
-  const bool isRequested = options.seedFile.empty() && result.parents.empty();
+  const bool isRequested = !options.seeds.given && !isRefracture;
   if (isRequested && static_cast<std::size_t>(options.pieces) < result.fragments.size()) {
     manifest["pieces_asked"] = options.pieces;
   }

@@ -63,11 +63,10 @@ std::vector<SeedPoint> seedPoints(const Json& json) {
   return points;
 }
 
-std::vector<Seed> readSeeds(const fs::path& file, const Solid& solid,
-                            const VoxelComponents& components, std::uint64_t seed) {
+std::vector<SeedPoint> readSeedPoints(const fs::path& file) {
   const Json json = readJson(file, "seed file", kLargestFile);
   try {
-    return seedsFromPoints(seedPoints(json), solid, components, seed);
+    return seedPoints(json);
   } catch (const Error& e) {
     throw Error(e.code(), file.string() + ": " + e.what());
   }

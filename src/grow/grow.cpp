@@ -42,7 +42,8 @@ struct Growing {
   std::vector<std::vector<std::uint64_t>> disconnected{};  // [fracture][pass]
 
   std::uint32_t perReadback() const {
-    return static_cast<std::uint32_t>(options.stepsPerReadback > 0 ? options.stepsPerReadback : 16);
+    return static_cast<std::uint32_t>(
+        options.tuning.stepsPerReadback > 0 ? options.tuning.stepsPerReadback : 16);
   }
 
   // Unweighted layers use the mask kernels of flood.cl.
@@ -142,7 +143,7 @@ DeviceBuffer connectedToSeeds(Growing& growing) {
   KeptComponents components =
       growing.recorded(keepSeededComponents(state, growing.labels, growing.seeds));
   if (!growing.rule().regrowsByChamfer) return components.mask;
-  if (components.all() && !growing.options.warmUp) return components.mask;
+  if (components.all() && !growing.options.tuning.warmUp) return components.mask;
   regrowByWeight(state, growing.labels, components.mask, chamferSteps(growing.options.anisotropy),
                  growing.progress);
   if (components.all()) return components.mask;
@@ -219,7 +220,7 @@ std::vector<Labels> growBatch(const LeafBlocks& blocks, std::span<const std::vec
                               const Progress* progress) {
   const SeedTable table = tableOf(blocks, seedSets);
   return withDevice(device.impl(), "growing fragments", [&] {
-    GrowthState state(blocks, seedSets.size(), device.impl(), options.workGroupSize);
+    GrowthState state(blocks, seedSets.size(), device.impl(), options.tuning.workGroupSize);
     Growing growing{state, table, options, progress};
     Flood last = growAll(growing);
     std::vector<Labels> all = readLabels(growing, last);

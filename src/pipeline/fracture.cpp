@@ -26,7 +26,7 @@ GrownFracture grown(const TriangleMesh& mesh, const FractureOptions& options, De
                     const Progress* progress) {
   StageClock clock;
   device.impl().buildKernels();
-  Solid solid = voxelize(mesh, solidOptionsOf(options), progress);
+  Solid solid = voxelize(mesh, options.solid, progress);
   clock.done("voxelize");
   return grownOf(std::move(solid), options, clock, device, progress);
 }

@@ -73,13 +73,10 @@ std::size_t dropSmall(GrownFracture& grown, double dropShare) {
 
 }  // namespace
 
-SeedOptions seedOptionsFor(const FractureOptions& options, const VoxelComponents& components,
-                           std::uint64_t seed) {
+SeedOptions seedOptionsFor(const FractureOptions& options, std::uint64_t seed) {
   SeedOptions seeds = options.seeds;
   seeds.pieces = options.pieces;
   seeds.seed = seed;
-  const int fragments = std::max(options.pieces, static_cast<int>(components.count()));
-  seeds.extraSeeds += options.extraSeedsPerPiece * fragments;
   return seeds;
 }
 
@@ -94,6 +91,16 @@ SeededLabels growFor(const FractureOptions& options, const LeafBlocks& blocks,
 
 namespace {
 
+// Prefixes what is wrong with the seeds by the name of their file.
+std::vector<Seed> seedsAt(const GivenSeeds& given, const PreparedSolid& ready, std::uint64_t seed) {
+  try {
+    return seedsFromPoints(given.points, ready.solid, ready.components, seed);
+  } catch (const Error& e) {
+    if (given.file.empty()) throw;
+    throw Error(e.code(), given.file + ": " + e.what());
+  }
+}
+
 // Returns a fracture with its solid and seeds.
 GrownFracture seeded(const PreparedSolid& ready, const FractureOptions& options) {
   GrownFracture grown;
@@ -101,10 +108,10 @@ GrownFracture seeded(const PreparedSolid& ready, const FractureOptions& options)
   grown.surface = ready.surface;
   result.solid = ready.solid;
   result.components = ready.components.count();
-  result.seeds = options.seedFile.empty()
-                     ? placeSeeds(result.solid, ready.components,
-                                  seedOptionsFor(options, ready.components, options.seed))
-                     : readSeeds(options.seedFile, result.solid, ready.components, options.seed);
+  const std::optional<GivenSeeds>& given = options.seeds.given;
+  result.seeds =
+      given ? seedsAt(*given, ready, options.seed)
+            : placeSeeds(result.solid, ready.components, seedOptionsFor(options, options.seed));
   grown.fragments = fragmentsOf(result.seeds);
   (void)withheldCount(options.missing,
                       static_cast<std::size_t>(grown.fragments));  // checks before long work

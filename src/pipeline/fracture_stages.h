@@ -32,17 +32,8 @@ class StageClock {
   std::vector<StageTime> times_;
 };
 
-/// The options that concern the solid.
-[[nodiscard]] inline SolidOptions solidOptionsOf(const FractureOptions& options) {
-  return {.resolution = options.resolution,
-          .voxelSize = options.voxelSize,
-          .fill = options.fill,
-          .shellThickness = options.shellThickness};
-}
-
-/// options.seeds for a solid with these components; `seed` determines every random choice.
-[[nodiscard]] SeedOptions seedOptionsFor(const FractureOptions& options,
-                                         const VoxelComponents& components, std::uint64_t seed);
+/// options.seeds with the pieces; `seed` determines every random choice.
+[[nodiscard]] SeedOptions seedOptionsFor(const FractureOptions& options, std::uint64_t seed);
 
 /// Grow by options.grow and options.shares; `seed` determines every random choice.
 [[nodiscard]] SeededLabels growFor(const FractureOptions& options, const LeafBlocks& blocks,

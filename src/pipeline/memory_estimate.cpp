@@ -117,7 +117,7 @@ double meshFactor(const SurfaceOptions& surface, MeshesHeld held, double resolut
 
 double bytesFor(const Extent& extent, std::size_t triangles, const FractureOptions& options,
                 MeshesHeld held, double voxelSize) {
-  const Amount solid = solidOf(extent, solidOptionsOf(options), voxelSize);
+  const Amount solid = solidOf(extent, options.solid, voxelSize);
   const double surface = solid.area / (voxelSize * voxelSize);
   const double inside = solid.volume / (voxelSize * voxelSize * voxelSize);
   // A cube cut into n cubes has 3 (n^(1/3) - 1) cuts across it; each bounds two fragments.
@@ -134,7 +134,7 @@ double bytesFor(const Extent& extent, std::size_t triangles, const FractureOptio
 
 std::uint64_t estimatedMemory(const TriangleMesh& mesh, const FractureOptions& options,
                               MeshesHeld held) {
-  const double voxelSize = voxelSizeFor(mesh, solidOptionsOf(options));
+  const double voxelSize = voxelSizeFor(mesh, options.solid);
   return static_cast<std::uint64_t>(
       bytesFor(extentOf(mesh), mesh.triangles.size(), options, held, voxelSize));
 }
@@ -145,7 +145,7 @@ std::uint64_t estimatedMemory(double surface, double inside) {
 
 void requireMemory(const TriangleMesh& mesh, const FractureOptions& options, std::uint64_t limit,
                    MeshesHeld held) {
-  SolidOptions solidOptions = solidOptionsOf(options);
+  SolidOptions solidOptions = options.solid;
   const bool isAutomatic =
       solidOptions.voxelSize == 0.0 && solidOptions.resolution == kAutoResolution;
   if (isAutomatic) solidOptions.resolution = kMostAutoResolution;

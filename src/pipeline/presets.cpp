@@ -7,12 +7,12 @@ namespace sherd {
 FractureOptions paperOptions() {
   constexpr Iterations kIterations{.perVoxel = 0.048};
   FractureOptions options;
-  options.resolution = 128;
-  options.fill = Fill::automatic;
+  options.solid.resolution = 128;
+  options.solid.fill = Fill::automatic;
   options.seeds.sampler = Sampler::uniform;
   options.seeds.on = SeedsOn::volume;
   options.seeds.extraSeeds = 0;
-  options.extraSeedsPerPiece = 2;
+  options.seeds.extraSeedsPerPiece = 2;
   options.seeds.mergeMetric = Metric::chebyshev;
   options.seeds.randomImpacts = 0;
   options.grow.growth = Growth::flood;

@@ -31,8 +31,7 @@ SeededLabels breakFragment(const Solid& fragment, int id, const FractureOptions&
   const std::uint64_t seed =
       randomBits(options.seed, Stage::refracture, static_cast<std::uint64_t>(id));
   const VoxelComponents components = findComponents(fragment.blocks, device);
-  std::vector<Seed> seeds =
-      placeSeeds(fragment, components, seedOptionsFor(options, components, seed));
+  std::vector<Seed> seeds = placeSeeds(fragment, components, seedOptionsFor(options, seed));
   return growFor(options, fragment.blocks, components, std::move(seeds), seed, device, progress);
 }
 

@@ -92,7 +92,7 @@ int fragmentsOf(std::span<const Seed> seeds) {
 std::vector<Seed> placeSeeds(const Solid& solid, const VoxelComponents& components,
                              const SeedOptions& options) {
   if (options.pieces < 1) throw Error(ErrorCode::usage, "the number of pieces must be 1 or more");
-  if (options.extraSeeds < 0 || options.randomImpacts < 0) {
+  if (options.extraSeeds < 0 || options.extraSeedsPerPiece < 0 || options.randomImpacts < 0) {
     throw Error(ErrorCode::usage, "the number of extra seeds and of impacts must be 0 or more");
   }
   const std::size_t pieces = countPieces(components, options);
@@ -103,7 +103,8 @@ std::vector<Seed> placeSeeds(const Solid& solid, const VoxelComponents& componen
   const VoxelIndex onSurface(solid.blocks, surface);
   const VoxelIndex& candidates = options.on == SeedsOn::volume ? inside : onSurface;
 
-  const auto extra = static_cast<std::size_t>(options.extraSeeds);
+  const auto extra = static_cast<std::size_t>(options.extraSeeds) +
+                     static_cast<std::size_t>(options.extraSeedsPerPiece) * pieces;
   checkRoom(pieces, extra, candidates, options);
   const std::vector<AimedImpact> aimedImpacts =
       impacts ? aim(solid, components, options, pieces, inside, onSurface)

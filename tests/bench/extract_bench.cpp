@@ -24,7 +24,7 @@ const sherd::FractureResult& broken() {
   static const sherd::FractureResult result = [] {
     sherd::Device device("auto");
     return sherd::fracture(sherd::shapes::ball(1.0, 5),
-                           {.pieces = 10, .seed = 3, .resolution = 128}, device);
+                           {.pieces = 10, .seed = 3, .solid = {.resolution = 128}}, device);
   }();
   return result;
 }

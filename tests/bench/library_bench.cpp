@@ -35,7 +35,7 @@ const Library& library() {
       sherd::FractureOptions options;
       options.pieces = pieces;
       options.seed = static_cast<std::uint64_t>(pieces);
-      options.extraSeedsPerPiece = 2;
+      options.seeds.extraSeedsPerPiece = 2;
       library.options.push_back(options);
       library.grown.push_back(
           sherd::grow(library.ready, options, library.device, sherd::StageClock(), nullptr));

@@ -34,7 +34,7 @@ std::vector<std::vector<std::string>> startingFiles() {
   cube.mesh.attributes.material.assign(cube.mesh.triangles.size(), 0);
   FractureOptions options;
   options.pieces = 2;
-  options.resolution = 8;
+  options.solid.resolution = 8;
   Device device;
   using F = MeshFileFormat;
   using V = VoxelFormat;

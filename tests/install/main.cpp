@@ -6,7 +6,7 @@
 int main(int argc, char** argv) {
   if (argc != 3) return 2;
   const sherd::SourceMesh source = sherd::readMesh(argv[1]);
-  const sherd::FractureOptions options{.pieces = 5, .seed = 7, .resolution = 64};
+  const sherd::FractureOptions options{.pieces = 5, .seed = 7, .solid = {.resolution = 64}};
   sherd::Device device;
   const sherd::FractureResult result = sherd::fracture(source.mesh, options, device);
   for (const sherd::Fragment& piece : result.fragments)

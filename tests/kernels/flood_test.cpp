@@ -112,8 +112,8 @@ TEST_F(Flood, AnyBatchAndWorkGroupAndReadbackGiveTheSameLabels) {
                                                 {.growth = Growth::flood,
                                                  .regrowIsolated = false,
                                                  .outerSteps = 4,
-                                                 .stepsPerReadback = readback,
-                                                 .workGroupSize = group});
+                                                 .tuning = {.stepsPerReadback = readback,
+                                                 .workGroupSize = group}});
       ASSERT_EQ(together.size(), sets.size());
       for (std::size_t i = 0; i < sets.size(); ++i) expectEqual(solid, sets[i], together[i], 4);
     }

@@ -249,7 +249,7 @@ TEST_F(Growths, BatchesAndWorkGroupsGiveTheSameLabels) {
     for (std::size_t i = 0; i < sets.size(); ++i) {
       GrowOptions alone = options;
       alone.noiseSeeds = {options.noiseSeeds[i]};
-      alone.workGroupSize = static_cast<int>(1 + i);
+      alone.tuning.workGroupSize = static_cast<int>(1 + i);
       const Labels single =
           std::move(grow(blocks, std::span(&sets[i], 1), device(), alone).front());
       EXPECT_EQ(single.fragment, together[i].fragment);

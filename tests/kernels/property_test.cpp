@@ -112,8 +112,8 @@ void expectBatch(const LeafBlocks& blocks, const std::vector<std::vector<Seed>>&
   const std::vector<std::uint64_t> noise = options.noiseSeeds;
   for (std::size_t i = 0; i < sets.size(); ++i) {
     options.noiseSeeds = {noise[i]};
-    options.workGroupSize = options.workGroupSize == 1 ? 0 : 1;
-    options.stepsPerReadback = 3;
+    options.tuning.workGroupSize = options.tuning.workGroupSize == 1 ? 0 : 1;
+    options.tuning.stepsPerReadback = 3;
     const Labels alone = std::move(grow(blocks, std::span(&sets[i], 1), device, options).front());
     EXPECT_EQ(alone.fragment, together[i].fragment) << "fracture " << i;
     EXPECT_EQ(alone.cost, together[i].cost) << "fracture " << i;

@@ -151,8 +151,8 @@ inline GrowOptions anyGrowth(Draw& draw) {
   options.noiseSeeds = {draw.seed(), draw.seed()};
   options.keepCost = draw.oneIn(2);
   options.outerSteps = draw.of({0, 1, 3, 6, 64});
-  options.stepsPerReadback = draw.of({0, 0, 1, 5});
-  options.workGroupSize = draw.of({0, 0, 1, 3, 64});
+  options.tuning.stepsPerReadback = draw.of({0, 0, 1, 5});
+  options.tuning.workGroupSize = draw.of({0, 0, 1, 3, 64});
   return options;
 }
 

@@ -54,7 +54,7 @@ class FractureInto : public DeviceTest {
                      .name = "ring.obj",
                      .stem = "ring",
                      .sha256 = std::string(64, 'a')};
-  FractureOptions options_{.pieces = 7, .resolution = 48};
+  FractureOptions options_{.pieces = 7, .solid = {.resolution = 48}};
 };
 
 TEST_F(FractureInto, LetsGoOfMeshesAndLevelSetsThatNoFileNeeds) {
@@ -136,7 +136,7 @@ TEST_F(FractureInto, MakesTheSameOfEveryKindOfSurface) {
 // Its 27^3 leaves are too many for one round, and to be meshed at once.
 TEST_F(FractureInto, MakesTheSameInSeveralRounds) {
   source_.mesh = shapes::cube(1.0);
-  options_.resolution = 210;
+  options_.solid.resolution = 210;
   options_.pieces = 12;
   const FractureResult result = bothWays(options_, {.preview = false, .boundaries = true});
   double volume = 0.0;

@@ -20,8 +20,8 @@ const Coord kSteps[6] = {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1
 using LabelSurface = DeviceTest;
 
 FractureOptions bareLabels(Growth growth = Growth::flood) {
-  FractureOptions options{.pieces = 6, .seed = 4, .resolution = 40};
-  options.extraSeedsPerPiece = 2;
+  FractureOptions options{.pieces = 6, .seed = 4, .solid = {.resolution = 40}};
+  options.seeds.extraSeedsPerPiece = 2;
   options.grow.growth = growth;
   options.grow.roughness = 1.0;
   options.surface.surface = Surface::labels;
@@ -90,7 +90,7 @@ TEST_F(LabelSurface, TwoSidesOfACrackHaveOneSurface) {
 TEST_F(LabelSurface, ErodedFacesKeepWhatTheyFaced) {
   FractureOptions options = bareLabels(Growth::euclid);
   options.grow.roughness = 0.0;
-  options.extraSeedsPerPiece = 0;
+  options.seeds.extraSeedsPerPiece = 0;
   const FractureResult whole = fracture(shapes::ball(1.0), options, device());
   options.erode.iterations = 2;
   const FractureResult eroded = fracture(shapes::ball(1.0), options, device());
@@ -113,7 +113,7 @@ using DecimatedFracture = DeviceTest;
 
 TEST_F(DecimatedFracture, EveryFragmentStaysClosedAndKeepsWhatItFaces) {
   for (const Surface surface : {Surface::smooth, Surface::labels}) {
-    FractureOptions options{.pieces = 7, .seed = 2, .resolution = 64};
+    FractureOptions options{.pieces = 7, .seed = 2, .solid = {.resolution = 64}};
     options.surface.surface = surface;
     options.surface.triangles = {1500, 300};
     if (surface == Surface::labels) {
@@ -139,7 +139,7 @@ TEST_F(DecimatedFracture, EveryFragmentStaysClosedAndKeepsWhatItFaces) {
 TEST_F(DecimatedFracture, HasNoFaceThatSinglePrecisionTakesForALine) {
   TriangleMesh plate = shapes::cube(1.0, glm::dvec3(0.5));
   for (glm::dvec3& v : plate.vertices) v.z *= 0.15;
-  FractureOptions options{.pieces = 6, .seed = 4, .resolution = 96};
+  FractureOptions options{.pieces = 6, .seed = 4, .solid = {.resolution = 96}};
   options.surface.triangles = {1000};
   for (const Fragment& fragment : fracture(plate, options, device()).fragments) {
     std::size_t lines = 0;

@@ -20,8 +20,9 @@ using Fracture = DeviceTest;
 TEST_F(Fracture, OnePieceReturnsTheSolid) {
   for (const Interface interface : {Interface::shared, Interface::independent}) {
     const SurfaceOptions surface{.interface = interface};
-    const FractureResult result = fracture(
-        shapes::torus(1.0, 0.4), {.pieces = 1, .resolution = 64, .surface = surface}, device());
+    const FractureResult result =
+        fracture(shapes::torus(1.0, 0.4),
+                 {.pieces = 1, .solid = {.resolution = 64}, .surface = surface}, device());
     ASSERT_EQ(result.fragments.size(), 1u);
     const Fragment& piece = result.fragments[0];
     const TriangleMesh whole = solidMesh(result.solid);
@@ -38,8 +39,8 @@ TEST_F(Fracture, OnePieceReturnsTheSolid) {
 TEST_F(Fracture, AHalvedBallHasADiscForContact) {
   // Two pieces of a ball with the seeds' ids swapped by other seeds: whatever the cut, both sides
   // have one area, and it lies between that of a small cap's disc and twice the equator's.
-  const FractureResult result =
-      fracture(shapes::ball(1.0, 5), {.pieces = 2, .seed = 5, .resolution = 96}, device());
+  const FractureResult result = fracture(
+      shapes::ball(1.0, 5), {.pieces = 2, .seed = 5, .solid = {.resolution = 96}}, device());
   ASSERT_EQ(result.fragments[0].contacts.size(), 1u);
   const Contact& contact = result.fragments[0].contacts[0];
   EXPECT_NEAR(contact.area,
@@ -63,7 +64,7 @@ TEST_F(Fracture, AHalvedBallHasADiscForContact) {
 
 TEST_F(Fracture, MovingAndScalingTheInputMovesAndScalesTheOutput) {
   const TriangleMesh mesh = shapes::cup(1.0, 0.25, 1.5, 0.25, 64);
-  const FractureOptions options{.pieces = 6, .seed = 9, .resolution = 64};
+  const FractureOptions options{.pieces = 6, .seed = 9, .solid = {.resolution = 64}};
   // Multiples of 2^-10 in, so that moving and scaling by powers of two is exact.
   TriangleMesh exact = mesh;
   for (glm::dvec3& v : exact.vertices) v = glm::round(v * 1024.0) / 1024.0;
@@ -90,7 +91,8 @@ TEST_F(Fracture, MovingAndScalingTheInputMovesAndScalesTheOutput) {
 TEST_F(Fracture, EveryComponentBecomesAFragmentAndSmallComponentsAreDropped) {
   TriangleMesh mesh = shapes::append(shapes::cube(1.0), shapes::cube(1.0, {2.0, 0, 0}));
   mesh = shapes::append(mesh, shapes::cube(0.08, {1.0, 0.0, 0.0}));  // about 2 voxels wide
-  const FractureResult result = fracture(mesh, {.pieces = 1, .voxelSize = 0.04}, device());
+  const FractureResult result =
+      fracture(mesh, {.pieces = 1, .solid = {.voxelSize = 0.04}}, device());
   EXPECT_EQ(result.components, 2u);
   EXPECT_EQ(result.fragments.size(), 2u);
   EXPECT_EQ(result.solid.smallComponents, 1u);
@@ -101,28 +103,31 @@ TEST_F(Fracture, EveryComponentBecomesAFragmentAndSmallComponentsAreDropped) {
 }
 
 TEST_F(Fracture, AnInvertedMeshIsTurnedOver) {
-  const FractureResult result =
-      fracture(shapes::inverted(shapes::ball(1.0)), {.pieces = 2, .resolution = 32}, device());
+  const FractureResult result = fracture(shapes::inverted(shapes::ball(1.0)),
+                                         {.pieces = 2, .solid = {.resolution = 32}}, device());
   EXPECT_NEAR(volume(result.fragments[0].mesh) + volume(result.fragments[1].mesh),
               shapes::ballVolume(1.0), 0.15);
 }
 
 TEST_F(Fracture, ABallInACavityIsAComponentOfItsOwn) {
   const TriangleMesh mesh = shapes::append(shapes::hollowBall(1.0, 0.7), shapes::ball(0.4));
-  const FractureResult result = fracture(mesh, {.pieces = 2, .resolution = 64}, device());
+  const FractureResult result =
+      fracture(mesh, {.pieces = 2, .solid = {.resolution = 64}}, device());
   EXPECT_EQ(result.components, 2u);
   const double out = volume(result.fragments[0].mesh) + volume(result.fragments[1].mesh);
   EXPECT_NEAR(out, shapes::hollowBallVolume(1.0, 0.7) + shapes::ballVolume(0.4), 0.02 * out);
 }
 
 TEST_F(Fracture, RefusesWhatItCannotBreak) {
-  EXPECT_THROW((void)fracture(shapes::cube(1.0), {.resolution = 4097}, device()), Error);
-  EXPECT_THROW((void)fracture(shapes::cube(1.0), {.pieces = 1000, .resolution = 8}, device()),
-               Error);
-  EXPECT_THROW((void)fracture(shapes::cube(1.0), {.voxelSize = 1e-9}, device()), Error);
+  EXPECT_THROW((void)fracture(shapes::cube(1.0), {.solid = {.resolution = 4097}}, device()), Error);
+  EXPECT_THROW(
+      (void)fracture(shapes::cube(1.0), {.pieces = 1000, .solid = {.resolution = 8}}, device()),
+      Error);
+  EXPECT_THROW((void)fracture(shapes::cube(1.0), {.solid = {.voxelSize = 1e-9}}, device()), Error);
   for (const int pieces : {0, -1, std::numeric_limits<int>::min()}) {
-    EXPECT_THROW((void)fracture(shapes::cube(1.0), {.pieces = pieces, .resolution = 8}, device()),
-                 Error);
+    EXPECT_THROW(
+        (void)fracture(shapes::cube(1.0), {.pieces = pieces, .solid = {.resolution = 8}}, device()),
+        Error);
   }
 }
 
@@ -137,8 +142,8 @@ TEST(PreparedSolid, GivesTheSameFracturesAndNeedsNoNewBuffersAfterTheFirst) {
     FractureOptions options;
     options.pieces = pieces;
     options.seed = static_cast<std::uint64_t>(pieces);
-    options.extraSeedsPerPiece = 2;
-    options.grow.warmUp = i == 0;
+    options.seeds.extraSeedsPerPiece = 2;
+    options.grow.tuning.warmUp = i == 0;
     const FractureResult again = fracture(ready, options, device);
     // Disconnected voxels need buffers for the leaves around them, once.
     const bool mayAllocate = i == 0 || (i < 9 && again.labels.disconnected.front() > 0);
@@ -163,7 +168,7 @@ TEST(FractureWithoutLevelSets, HasTheSameMeshes) {
   for (const int iterations : {0, 3}) {
     FractureOptions options;
     options.pieces = 9;
-    options.extraSeedsPerPiece = 2;
+    options.seeds.extraSeedsPerPiece = 2;
     options.erode.iterations = iterations;
     const FractureResult with = fracture(solid, options, device);
     options.surface.levelSets = false;
@@ -188,9 +193,9 @@ TEST(PreparedSolid, GrowsSeveralTogetherAsEachAlone) {
     for (std::size_t i = 0; i < options.size(); ++i) {
       options[i].pieces = 3 + 2 * static_cast<int>(i);
       options[i].seed = 7 * i;
-      options[i].extraSeedsPerPiece = 2;
+      options[i].seeds.extraSeedsPerPiece = 2;
       options[i].grow.roughness = 1.0;
-      options[i].grow.warmUp = true;
+      options[i].grow.tuning.warmUp = true;
       options[i].dropShare = 0.02;
       options[i].erode.iterations = eroded ? 2 : 0;
     }

@@ -253,10 +253,12 @@ std::size_t sharedFaces(const FractureResult& result) {
 TEST_F(InterfaceOfFracture, IsIdenticalFromBothSides) {
   for (const TriangleMesh& mesh :
        {shapes::ball(1.0), shapes::cup(1.0, 0.08, 1.5, 0.25, 64), shapes::torus(1.0, 0.4)}) {
-    EXPECT_GT(sharedFaces(fracture(
-                  mesh, {.pieces = 12, .seed = 4, .resolution = 64, .grow = {.roughness = 1.0}},
-                  device())),
-              500u);
+    EXPECT_GT(
+        sharedFaces(fracture(
+            mesh,
+            {.pieces = 12, .seed = 4, .solid = {.resolution = 64}, .grow = {.roughness = 1.0}},
+            device())),
+        500u);
   }
 }
 
@@ -267,7 +269,7 @@ TEST_F(InterfaceOfFracture, StaysIdenticalSimplifiedSmoothedAndDecimated) {
         for (const int erosions : {0, 1}) {
           SCOPED_TRACE(testing::Message()
                        << roughness << ' ' << adaptivity << ' ' << iterations << ' ' << erosions);
-          FractureOptions options{.pieces = 9, .seed = 4, .resolution = 48};
+          FractureOptions options{.pieces = 9, .seed = 4, .solid = {.resolution = 48}};
           options.grow.roughness = roughness;
           options.surface.adaptivity = adaptivity;
           options.surface.smooth.iterations = {iterations};
@@ -303,7 +305,7 @@ TEST_F(InterfaceOfFracture, StaysIdenticalSimplifiedSmoothedAndDecimated) {
 
 TEST_F(InterfaceOfFracture, SimplificationPreservesVolumeAndArea) {
   // Flat faces and flat cracks need few polygons.
-  FractureOptions options{.pieces = 6, .seed = 2, .resolution = 64};
+  FractureOptions options{.pieces = 6, .seed = 2, .solid = {.resolution = 64}};
   const FractureResult all = fracture(shapes::cube(1.0), options, device());
   options.surface.adaptivity = 0.05;
   const FractureResult fewer = fracture(shapes::cube(1.0), options, device());
@@ -319,7 +321,7 @@ TEST_F(InterfaceOfFracture, SimplificationPreservesVolumeAndArea) {
 // Smoothing weights all edges alike, so meshes are simplified after it.
 TEST_F(InterfaceOfFracture, SmoothingKeepsTheVolumeOfSimplifiedMeshes) {
   for (const Interface interface : {Interface::shared, Interface::independent}) {
-    FractureOptions options{.pieces = 4, .seed = 2, .resolution = 96};
+    FractureOptions options{.pieces = 4, .seed = 2, .solid = {.resolution = 96}};
     options.surface.interface = interface;
     options.surface.adaptivity = 0.5;
     const FractureResult simplified = fracture(shapes::torus(1.0, 0.15), options, device());
@@ -347,7 +349,7 @@ TriangleMesh smallerComponent(const TriangleMesh& mesh) {
 
 TEST_F(InterfaceOfFracture, SmoothingPreservesASmallPore) {
   const TriangleMesh ball = shapes::hollowBall(1.0, 0.04);  // a pore little larger than a voxel
-  FractureOptions options{.pieces = 1, .resolution = 64};
+  FractureOptions options{.pieces = 1, .solid = {.resolution = 64}};
   const TriangleMesh before = fracture(ball, options, device()).fragments[0].mesh;
   options.surface.smooth.iterations = {20};
   options.surface.smooth.weight = 0.9;
@@ -360,8 +362,8 @@ TEST_F(InterfaceOfFracture, SmoothingPreservesASmallPore) {
 
 TEST_F(InterfaceOfFracture, LeavesNoGap) {
   // Shared faces cancel, so volumes add up to that of the outside faces.
-  const FractureResult result =
-      fracture(shapes::cup(1.0, 0.2, 1.5, 0.25, 64), {.pieces = 9, .resolution = 64}, device());
+  const FractureResult result = fracture(shapes::cup(1.0, 0.2, 1.5, 0.25, 64),
+                                         {.pieces = 9, .solid = {.resolution = 64}}, device());
   double volumes = 0.0;
   TriangleMesh outside;
   for (const Fragment& f : result.fragments) {
@@ -403,7 +405,7 @@ Depths depthsOf(const FractureResult& result) {
 }
 
 TEST_F(InterfaceOfFracture, PointsLieInOneFragmentOnly) {
-  FractureOptions options{.pieces = 6, .seed = 3, .resolution = 64};
+  FractureOptions options{.pieces = 6, .seed = 3, .solid = {.resolution = 64}};
   for (const TriangleMesh& mesh : {shapes::ball(1.0), shapes::cup(1.0, 0.3, 1.5, 0.3, 64)}) {
     options.surface.interface = Interface::shared;
     const Depths shared = depthsOf(fracture(mesh, options, device()));

@@ -48,29 +48,30 @@ class ManifestOptions : public DeviceTest {
 
   SourceMesh source_{
       .mesh = shapes::ball(1.0, 3), .name = "ball.obj", .stem = "ball", .sha256 = "0"};
-  FractureOptions options_{.pieces = 3, .resolution = 24};
+  FractureOptions options_{.pieces = 3, .solid = {.resolution = 24}};
   FractureResult result_;
   std::vector<MeshFacts> facts_;
   WriteOptions write_;
 };
 
 TEST_F(ManifestOptions, OfAFractureAreRecorded) {
-  auto& [pieces, seed, resolution, voxelSize, fill, shellThickness, seeds, extraSeedsPerPiece,
-         seedFile, grow, shares, erode, dropShare, missing, surface] = options_;
+  auto& [pieces, seed, solid, seeds, grow, shares, erode, dropShare, missing, surface] = options_;
   expectRecorded("pieces", pieces, 2);  // of a solid that gave three
   expectRecorded("seed", seed, std::uint64_t{7});
+  expectRecorded("dropShare", dropShare, 0.01);
+  expectRecorded("missing", missing, 0.5);
+
+  auto& [resolution, voxelSize, fill, shellThickness] = solid;
   expectRecorded("resolution", resolution, 25);
   expectRecorded("resolution", resolution, kAutoResolution);
   expectRecorded("voxelSize", voxelSize, 0.1);
   expectRecorded("fill", fill, Fill::parity);
   expectRecorded("shellThickness", shellThickness, 0.2);
-  expectRecorded("extraSeedsPerPiece", extraSeedsPerPiece, 2);
-  expectRecorded("seedFile", seedFile, std::filesystem::path("seeds.json"));
-  expectRecorded("dropShare", dropShare, 0.01);
-  expectRecorded("missing", missing, 0.5);
 
-  auto& [seedPieces, seedSeed, sampler, on, extraSeeds, mergeMetric, impacts, randomImpacts] =
-      seeds;
+  auto& [seedPieces, seedSeed, sampler, on, extraSeeds, extraSeedsPerPiece, mergeMetric, impacts,
+         randomImpacts, given] = seeds;
+  expectRecorded("extraSeedsPerPiece", extraSeedsPerPiece, 2);
+  expectRecorded("given", given, {GivenSeeds{"seeds.json", {}}});
   expectNotRecorded("seeds.pieces", seedPieces, 9);  // this and the next are taken from above
   expectNotRecorded("seeds.seed", seedSeed, std::uint64_t{9});
   expectRecorded("sampler", sampler, Sampler::halton);
@@ -109,8 +110,7 @@ TEST_F(ManifestOptions, OfAFractureAreRecorded) {
 
 TEST_F(ManifestOptions, OfGrowthAreRecorded) {
   auto& [growth, neighborhood, metric, anisotropy, roughness, hurst, roughnessWindow,
-         regrowIsolated, noiseSeeds, keepCost, warmUp, outerSteps, stepsPerReadback,
-         workGroupSize] = options_.grow;
+         regrowIsolated, noiseSeeds, keepCost, outerSteps, tuning] = options_.grow;
   expectRecorded("growth", growth, Growth::nearest);
   expectRecorded("roughness", roughness, 2.0);
   expectRecorded("hurst", hurst, 0.5);
@@ -128,9 +128,10 @@ TEST_F(ManifestOptions, OfGrowthAreRecorded) {
   // Made from the fracture's seed, beside the labels, or how fast they come.
   expectNotRecorded("noiseSeeds", noiseSeeds, {7});
   expectNotRecorded("keepCost", keepCost, true);
-  expectNotRecorded("rehearse", warmUp, true);
+  auto& [stepsPerReadback, workGroupSize, warmUp] = tuning;
   expectNotRecorded("stepsPerReadback", stepsPerReadback, 1);
   expectNotRecorded("workGroupSize", workGroupSize, 1);
+  expectNotRecorded("warmUp", warmUp, true);
 }
 
 TEST_F(ManifestOptions, OfSurfacesAreRecorded) {

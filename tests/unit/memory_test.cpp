@@ -15,7 +15,7 @@ namespace {
 TEST(Memory, GoesByTheSurfaceInVoxelsAndTheVolume) {
   const TriangleMesh ball = shapes::ball(1.0);
   const auto at = [&](int resolution) {
-    return static_cast<double>(estimatedMemory(ball, {.resolution = resolution}));
+    return static_cast<double>(estimatedMemory(ball, {.solid = {.resolution = resolution}}));
   };
   EXPECT_GT(at(256), at(128));
   const double growth = (at(2048) - at(8)) / (at(1024) - at(8));
@@ -28,7 +28,7 @@ TEST(Memory, GoesByTheSurfaceInVoxelsAndTheVolume) {
   EXPECT_LT(estimatedMemory(ball, {}, MeshesHeld::some), estimatedMemory(ball, {}));
   EXPECT_EQ(estimatedMemory(ball, fewer, MeshesHeld::some), estimatedMemory(ball, fewer));
   EXPECT_EQ(estimatedMemory(ball, {}, MeshesHeld::preview), estimatedMemory(ball, {}));
-  const FractureOptions large{.resolution = 2048};
+  const FractureOptions large{.solid = {.resolution = 2048}};
   const std::uint64_t previewLarge = estimatedMemory(ball, large, MeshesHeld::preview);
   EXPECT_LT(previewLarge, estimatedMemory(ball, large));
   EXPECT_GT(previewLarge, estimatedMemory(ball, large, MeshesHeld::some));
@@ -54,7 +54,7 @@ TEST(Memory, AShellTakesMoreTheThickerItIs) {
   for (const double thickness : {0.05, 0.2, 0.5, 1.0, 2.0}) {
     for (const Fill fill : {Fill::shell, Fill::automatic}) {
       const FractureOptions options{
-          .pieces = 1, .resolution = 256, .fill = fill, .shellThickness = thickness};
+          .pieces = 1, .solid = {.resolution = 256, .fill = fill, .shellThickness = thickness}};
       const double outer = radius + thickness / 2, inner = std::max(radius - thickness / 2, 0.0);
       const double voxels = 128.0 / radius;  // along a unit
       const auto held = static_cast<double>(estimatedMemory(ball, options));
@@ -65,20 +65,22 @@ TEST(Memory, AShellTakesMoreTheThickerItIs) {
       EXPECT_LE(held, 1.6 * least) << thickness;
     }
     const std::uint64_t now =
-        estimatedMemory(ball, {.resolution = 256, .shellThickness = thickness});
+        estimatedMemory(ball, {.solid = {.resolution = 256, .shellThickness = thickness}});
     EXPECT_GT(now, before);
     before = now;
   }
-  EXPECT_THROW(requireMemory(ball, {.resolution = 256, .shellThickness = 2.0}, 600'000'000), Error);
-  EXPECT_THROW(requireMemory(ball, {.shellThickness = 1e9}, ~std::uint64_t{0}), Error);
+  EXPECT_THROW(
+      requireMemory(ball, {.solid = {.resolution = 256, .shellThickness = 2.0}}, 600'000'000),
+      Error);
+  EXPECT_THROW(requireMemory(ball, {.solid = {.shellThickness = 1e9}}, ~std::uint64_t{0}), Error);
 }
 
 TEST(Memory, ARefusalNamesTheResolutionThatFits) {
   const TriangleMesh ball = shapes::ball(1.0);
   const std::uint64_t limit = 1'000'000'000;
-  EXPECT_NO_THROW(requireMemory(ball, {.resolution = 128}, limit));
+  EXPECT_NO_THROW(requireMemory(ball, {.solid = {.resolution = 128}}, limit));
   try {
-    requireMemory(ball, {.resolution = 4096}, limit);
+    requireMemory(ball, {.solid = {.resolution = 4096}}, limit);
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ErrorCode::usage);
@@ -86,15 +88,16 @@ TEST(Memory, ARefusalNamesTheResolutionThatFits) {
     const std::size_t at = sentence.find(before);
     ASSERT_NE(at, std::string::npos) << sentence;
     const int fits = std::stoi(sentence.substr(at + before.size()));
-    EXPECT_LE(estimatedMemory(ball, {.resolution = fits}), limit);
-    EXPECT_GT(estimatedMemory(ball, {.resolution = fits + 1}), limit);
+    EXPECT_LE(estimatedMemory(ball, {.solid = {.resolution = fits}}), limit);
+    EXPECT_GT(estimatedMemory(ball, {.solid = {.resolution = fits + 1}}), limit);
   }
-  const std::uint64_t all = estimatedMemory(ball, {.resolution = 1024}),
-                      some = estimatedMemory(ball, {.resolution = 1024}, MeshesHeld::some);
-  EXPECT_NO_THROW(requireMemory(ball, {.resolution = 1024}, some, MeshesHeld::some));
+  const std::uint64_t all = estimatedMemory(ball, {.solid = {.resolution = 1024}}),
+                      some =
+                          estimatedMemory(ball, {.solid = {.resolution = 1024}}, MeshesHeld::some);
+  EXPECT_NO_THROW(requireMemory(ball, {.solid = {.resolution = 1024}}, some, MeshesHeld::some));
   for (const std::uint64_t tight : {(all + some) / 2, some - 1}) {
     try {
-      requireMemory(ball, {.resolution = 1024}, tight);
+      requireMemory(ball, {.solid = {.resolution = 1024}}, tight);
       FAIL();
     } catch (const Error& e) {
       const std::string message = e.what();

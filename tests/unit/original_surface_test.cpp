@@ -150,8 +150,9 @@ TEST_F(OriginalSurface, LiesWhereTheShapeHasIt) {
     for (const int pieces : {2, 5, 20}) {
       SCOPED_TRACE(testing::Message() << shape.name << " in " << pieces);
       const Placed placed(static_cast<std::uint64_t>(pieces));
-      const FractureResult result = fracture(
-          placed.of(shape.mesh), {.pieces = pieces, .seed = 3, .resolution = 128}, device());
+      const FractureResult result =
+          fracture(placed.of(shape.mesh),
+                   {.pieces = pieces, .seed = 3, .solid = {.resolution = 128}}, device());
       const Errors errors = errorsOf(result, shape, placed);
       ASSERT_GT(errors.away.size(), 1000u);
       EXPECT_LT(errors.mean, shape.curvature > 0.0
@@ -174,8 +175,9 @@ TEST_F(OriginalSurface, IsToldFromCracksOnAThinCup) {
   constexpr double kWall = 0.046875;  // 3 voxels
   const std::array<glm::dvec2, 6> section{
       {{0, 0}, {1, 0}, {1, 1.5}, {1 - kWall, 1.5}, {1 - kWall, kWall}, {0, kWall}}};
-  const FractureResult result = fracture(shapes::cup(1.0, kWall, 1.5, kWall, 512),
-                                         {.pieces = 8, .seed = 2, .resolution = 128}, device());
+  const FractureResult result =
+      fracture(shapes::cup(1.0, kWall, 1.5, kWall, 512),
+               {.pieces = 8, .seed = 2, .solid = {.resolution = 128}}, device());
   const double h = result.solid.frame.voxelSize;
   const auto seedOf = [&](int id) {
     const openvdb::Coord& c = result.seeds.at(static_cast<std::size_t>(id) - 1).voxel;
@@ -214,8 +216,8 @@ TEST_F(OriginalSurface, IsToldFromCracksOnAThinCup) {
 }
 
 TEST_F(OriginalSurface, ABallsCrackEndsInACircle) {
-  const FractureResult result =
-      fracture(shapes::ball(1.0, 6), {.pieces = 2, .seed = 3, .resolution = 128}, device());
+  const FractureResult result = fracture(
+      shapes::ball(1.0, 6), {.pieces = 2, .seed = 3, .solid = {.resolution = 128}}, device());
   const double h = result.solid.frame.voxelSize;
   const auto seedOf = [&](std::size_t i) {
     const openvdb::Coord& c = result.seeds.at(i).voxel;
@@ -279,8 +281,8 @@ TEST_F(OriginalSurface, ThinContactsHaveTheAreaOfTheirPlanes) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     SCOPED_TRACE(seed);
     const Placed placed(seed);
-    const FractureResult result =
-        fracture(placed.of(plate), {.pieces = 2, .seed = seed, .voxelSize = 1.0 / 64}, device());
+    const FractureResult result = fracture(
+        placed.of(plate), {.pieces = 2, .seed = seed, .solid = {.voxelSize = 1.0 / 64}}, device());
     const auto seedOf = [&](std::size_t i) {
       const openvdb::Coord& c = result.seeds.at(i).voxel;
       return placed.back(result.solid.frame.worldFromIndex({glm::dvec3(c.x(), c.y(), c.z())}).v);
@@ -299,10 +301,12 @@ TEST_F(OriginalSurface, CracksBetweenTwoSeedsArePlanes) {
     for (const double strength : {0.0, 2.0}) {
       SCOPED_TRACE(testing::Message() << "seed " << seed << ", grain " << strength);
       const Anisotropy anisotropy{{1, 2, -1}, strength};
-      const FractureResult result = fracture(
-          shapes::ball(1.0, 6),
-          {.pieces = 2, .seed = seed, .resolution = 96, .grow = {.anisotropy = anisotropy}},
-          device());
+      const FractureResult result = fracture(shapes::ball(1.0, 6),
+                                             {.pieces = 2,
+                                              .seed = seed,
+                                              .solid = {.resolution = 96},
+                                              .grow = {.anisotropy = anisotropy}},
+                                             device());
       const GridFrame& frame = result.solid.frame;
       // Half way between the seeds, all lengths along the grain divided by 1 + strength; growth
       // measures by a matrix of 64ths.

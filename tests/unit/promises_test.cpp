@@ -104,7 +104,7 @@ Broken broken(const Case& of, Device& device) {
   Shape shape = of.shape();
   const FractureOptions options{.pieces = kPieces,
                                 .seed = 3,
-                                .resolution = kResolution,
+                                .solid = {.resolution = kResolution},
                                 .surface = {.interface = of.interface}};
   FractureResult result = fracture(shape.mesh, options, device);
   TriangleMesh whole = solidMesh(result.solid);

@@ -60,7 +60,7 @@ TriangleMesh lattice(int count, double side, double thickness) {
 // What the solid's mesh lacks of `expected`, as a share.
 double lost(const TriangleMesh& mesh, int resolution, double expected) {
   static Device device;
-  const FractureOptions options{.pieces = 1, .resolution = resolution};
+  const FractureOptions options{.pieces = 1, .solid = {.resolution = resolution}};
   double sum = 0.0;
   for (const Fragment& f : fracture(mesh, options, device).fragments) sum += volume(f.mesh);
   return 1.0 - sum / expected;
@@ -178,7 +178,7 @@ TEST(Resolution, VoxelizeChoosesTheSameAndReportsIt) {
 TEST(Resolution, ShortMemoryNamesTheOneToAskFor) {
   const TriangleMesh pane = block({64.0, 64.0, 0.39});
   const std::uint64_t needed = estimatedMemory(pane, {});
-  EXPECT_EQ(needed, estimatedMemory(pane, {.resolution = 248}));
+  EXPECT_EQ(needed, estimatedMemory(pane, {.solid = {.resolution = 248}}));
   EXPECT_NO_THROW(requireMemory(pane, {}, needed));
   try {
     requireMemory(pane, {}, needed - 1);

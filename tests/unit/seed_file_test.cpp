@@ -1,6 +1,7 @@
 // Seeds that a user gives, and the file they come in.
 #include <gtest/gtest.h>
 #include <sherd/error.h>
+#include <sherd/fracture.h>
 #include <sherd/seeds.h>
 #include <unistd.h>
 
@@ -27,11 +28,13 @@ class SeedFile : public DeviceTest {
 
   void hold(const std::string& text) const { std::ofstream(file_, std::ios::binary) << text; }
 
-  // The sentence that reading `text` gives; it must name the file.
+  // The sentence that breaking a solid at the seeds in `text` gives; it must name the file.
   std::string refusal(const ShapeSolid& on, const std::string& text) const {
     hold(text);
     try {
-      (void)readSeeds(file_, on.solid, on.components);
+      const GivenSeeds given{file_.string(), readSeedPoints(file_)};
+      (void)fracture(PreparedSolid{on.solid, on.components, {}}, {.seeds = {.given = given}},
+                     device());
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ErrorCode::input);
       EXPECT_EQ(std::string(e.what()).find(file_.string() + ": "), 0u) << e.what();
@@ -59,7 +62,7 @@ TEST_F(SeedFile, IsReadBackExactly) {
           placeSeeds(on.solid, on.components,
                      {.pieces = 150, .seed = 3, .extraSeeds = 100, .impacts = {{.merge = true}}});
       writeSeeds(file_, seeds, on.solid);
-      EXPECT_EQ(readSeeds(file_, on.solid, on.components), seeds);
+      EXPECT_EQ(seedsFromPoints(readSeedPoints(file_), on.solid, on.components), seeds);
     }
   }
 }
@@ -114,7 +117,8 @@ TEST_F(SeedFile, ComponentsWithoutASeedGetOne) {
   const std::vector<Seed> placed =
       placeSeeds(many.solid, many.components, {.pieces = 1, .seed = 5});
   hold(listOf(""));
-  const std::vector<Seed> all = readSeeds(file_, many.solid, many.components, /*seed=*/5);
+  const std::vector<Seed> all =
+      seedsFromPoints(readSeedPoints(file_), many.solid, many.components, 5);
   EXPECT_EQ(voxelsOf(all), voxelsOf(placed));
   EXPECT_EQ(fragmentsOf(all), static_cast<int>(many.components.count()));
 
@@ -138,7 +142,8 @@ TEST_F(SeedFile, OtherMembersAreIgnored) {
   const ShapeSolid ball = make(voxel_shapes::ball(4));
   hold(R"({"note": {"by": ["a", {"b": null}]}, "schema": "sherd-seeds/1",
            "seeds": [{"position": [0, 0, 1], "weight": 3, "fragment": 1}]})");
-  EXPECT_EQ(readSeeds(file_, ball.solid, ball.components), (std::vector<Seed>{{{0, 0, 1}, 1}}));
+  EXPECT_EQ(seedsFromPoints(readSeedPoints(file_), ball.solid, ball.components),
+            (std::vector<Seed>{{{0, 0, 1}, 1}}));
 }
 
 TEST_F(SeedFile, HostileFilesAreRefused) {
@@ -186,14 +191,13 @@ TEST_F(SeedFile, HostileFilesAreRefused) {
 }
 
 TEST_F(SeedFile, WhatIsNoFileIsRefused) {
-  const ShapeSolid ball = make(voxel_shapes::ball(4));
-  EXPECT_THROW((void)readSeeds(file_, ball.solid, ball.components), Error);  // absent
-  EXPECT_THROW((void)readSeeds(fs::temp_directory_path(), ball.solid, ball.components), Error);
-  EXPECT_THROW((void)readSeeds("/dev/zero", ball.solid, ball.components), Error);
+  EXPECT_THROW((void)readSeedPoints(file_), Error);  // absent
+  EXPECT_THROW((void)readSeedPoints(fs::temp_directory_path()), Error);
+  EXPECT_THROW((void)readSeedPoints("/dev/zero"), Error);
   hold("");
   fs::resize_file(file_, std::uintmax_t{1} << 40);  // a hole
   try {
-    (void)readSeeds(file_, ball.solid, ball.components);
+    (void)readSeedPoints(file_);
     ADD_FAILURE() << "a file of 1 TiB is read";
   } catch (const Error& e) {
     EXPECT_NE(std::string(e.what()).find("at most 67108864 are read"), std::string::npos);

@@ -235,7 +235,7 @@ std::vector<Run> solidRuns(const RunLengthVoxels& voxels) {
 TEST_F(VolumeTest, AFracturesVoxelsBreakAgainAsTheSameSolid) {
   Device device;
   const TriangleMesh mesh = shapes::torus(10.0, 4.0);
-  FractureOptions options{.pieces = 5, .resolution = 48};
+  FractureOptions options{.pieces = 5, .solid = {.resolution = 48}};
   const FractureResult first = fracture(mesh, options, device);
   const RunLengthVoxels runs = encodeRuns(first.solid, first.labels);
   const openvdb::Coord& low = first.solid.box.min;
@@ -243,7 +243,7 @@ TEST_F(VolumeTest, AFracturesVoxelsBreakAgainAsTheSameSolid) {
                         first.solid.frame.voxelSize};
   writeVoxels(folder_ / "labels.npz", {runs, VoxelTransform{frame, low}}, VoxelFormat::npz);
   const Volume volume = readVolume(folder_ / "labels.npz");
-  options.voxelSize = volume.voxelSize;
+  options.solid.voxelSize = volume.voxelSize;
   const FractureResult second = fracture(volume.source.mesh, options, device);
   const RunLengthVoxels again = encodeRuns(second.solid, second.labels);
   EXPECT_EQ(again.dims, runs.dims);

@@ -1,7 +1,8 @@
-// Expands the arguments of `sherd dataset` before they are parsed.
-#include "cli/dataset_arguments.h"
+// Adds the options of configuration files to the arguments before they are parsed.
+#include "cli/config_arguments.h"
 
 #include <sherd/error.h>
+#include <sherd/options.h>
 
 #include <algorithm>
 #include <array>
@@ -10,7 +11,6 @@
 #include <utility>
 
 #include "cli/config_file.h"
-#include "cli/drawn_options.h"
 #include "cli/former_names.h"
 #include "cli/nearest_name.h"
 
@@ -22,35 +22,20 @@ struct Given {
   std::string name;  // "--pieces"
   std::optional<std::string> value{};
 };
-using Options = std::vector<Given>;
+using GivenOptions = std::vector<Given>;
 
-// Options that a file may not set: --config would recurse, --help ends the run, two are internal.
-constexpr std::array<const char*, 4> kNotInFiles{"--config", "--help", "--plan", "--drawn"};
-
-// Options that do not change the files written.
-constexpr std::array<const char*, 14> kRunOptions{
-    "--output", "--device",  "--threads", "--max-memory",    "--json",
-    "--quiet",  "--resume",  "--shard",   "--match",         "--limit",
-    "--verify", "--dry-run", "--config",  "--object-timeout"};
-
-// Groups of options that may be drawn for each fracture.
-constexpr std::array<const char*, 4> kDrawnGroups{"Seeds", "Growth", "Erosion", "Surface"};
+// Options that a file may not set: --config would recurse, --help ends the run.
+constexpr std::array<const char*, 2> kNotInFiles{"--config", "--help"};
 
 bool isFlag(const CLI::App& command, const std::string& name) {
   const CLI::Option* const option = command.get_option_no_throw(name);
   return option != nullptr && option->get_items_expected_max() == 0;
 }
 
-bool mayBeDrawn(const CLI::App& command, const std::string& name) {
-  const CLI::Option* const option = command.get_option_no_throw(name);
-  return option != nullptr && std::find(kDrawnGroups.begin(), kDrawnGroups.end(),
-                                        option->get_group()) != kDrawnGroups.end();
-}
-
 // Returns options by name and value; other arguments go to `rest`.
-Options optionsOf(const std::vector<std::string>& arguments, const CLI::App& command,
-                  std::vector<std::string>& rest) {
-  Options options;
+GivenOptions optionsOf(const std::vector<std::string>& arguments, const CLI::App& command,
+                       std::vector<std::string>& rest) {
+  GivenOptions options;
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const std::string& argument = arguments[i];
     if (argument.starts_with("-o") && argument.size() > 2) {
@@ -90,7 +75,7 @@ std::vector<std::string> namesIn(const CLI::App& command) {
 }
 
 // Converts an option of a file to command-line options.
-Options given(const ConfiguredOption& configured, const CLI::App& command) {
+GivenOptions given(const ConfiguredOption& configured, const CLI::App& command) {
   const auto refuse = [&](const std::string& what) {
     throw Error(ErrorCode::input, configured.where + " " + what);
   };
@@ -98,16 +83,17 @@ Options given(const ConfiguredOption& configured, const CLI::App& command) {
   if (std::find(names.begin(), names.end(), configured.name) == names.end()) {
     const std::vector<std::string> nearest = nearestNames(configured.name, names);
     refuse("is not an option that a file may set" +
-           (nearest.empty() ? "; sherd dataset --help lists them"
+           (nearest.empty() ? "; sherd " + command.get_name() + " --help lists them"
                             : ", the nearest is " + quotedList(nearest)));
   }
   const std::string name = "--" + configured.name;
   if (isFlag(command, name) != configured.flag.has_value()) {
     refuse(configured.flag ? "takes a value, not true or false" : "is true or false, not a value");
   }
-  if (configured.flag) return *configured.flag ? Options{{name}} : Options{};
-  Options options;
-  if (configured.name == "impact") {
+  if (configured.flag) return *configured.flag ? GivenOptions{{name}} : GivenOptions{};
+  GivenOptions options;
+  const FractureOptionRow* const row = fractureOption(configured.name);
+  if (row != nullptr && row->repeats) {
     for (const std::string& value : configured.values) options.push_back({name, value});
     return options;
   }
@@ -116,27 +102,22 @@ Options given(const ConfiguredOption& configured, const CLI::App& command) {
   return {{name, all}};
 }
 
-std::string planOf(Options options) {
-  std::stable_sort(options.begin(), options.end(),
-                   [](const Given& a, const Given& b) { return a.name < b.name; });
-  std::string text;
-  for (const auto& [name, value] : options) {
-    if (std::find(kRunOptions.begin(), kRunOptions.end(), name) != kRunOptions.end()) continue;
-    text += text.empty() ? "" : " ";
-    text += value.value_or("").empty() ? name : name + "=" + *value;
-  }
-  return text;
-}
-
 }  // namespace
+
+CLI::Option* addConfig(CLI::App& command) {
+  return command
+      .add_option("--config",
+                  "Read options from a TOML or JSON file; the command line overrides them")
+      ->type_name("FILE");
+}
 
 std::vector<std::string> expandedArguments(const std::vector<std::string>& arguments,
                                            const CLI::App& command) {
   std::vector<std::string> expanded;
-  Options options = optionsOf(arguments, command, expanded);
+  GivenOptions options = optionsOf(arguments, command, expanded);
   std::set<std::string> named;
   for (const Given& option : options) named.insert(option.name);
-  Options ofFiles;
+  GivenOptions ofFiles;
   for (const Given& option : options) {
     if (option.name != "--config" || !option.value) continue;
     for (const ConfiguredOption& configured : optionsIn(*option.value)) {
@@ -150,16 +131,12 @@ std::vector<std::string> expandedArguments(const std::vector<std::string>& argum
   for (const auto& [name, value] : options) {
     if (!value) {
       expanded.push_back(name);
-    } else if (mayBeDrawn(command, name) && drawnOption(name, *value)) {
-      expanded.push_back("--drawn=" + name + "=" + *value);
     } else if (value->empty()) {  // the parser reads "--name=" as an option without a value
       expanded.insert(expanded.end(), {name, ""});
     } else {
       expanded.push_back(name + "=" + *value);
     }
   }
-  const std::string plan = planOf(options);
-  if (!plan.empty()) expanded.push_back("--plan=" + plan);
   return expanded;
 }
 

@@ -1,0 +1,156 @@
+// The options of a fracture and of its files, and the table that lists them.
+#pragma once
+
+#include <sherd/fracture.h>
+#include <sherd/mesh_files.h>
+#include <sherd/point_files.h>
+#include <sherd/points.h>
+#include <sherd/vdb_files.h>
+#include <sherd/volume.h>
+#include <sherd/voxel_files.h>
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace sherd {
+
+/// The `.vdb` files that hold the fragments.
+enum class VdbFiles {
+  files,   ///< one per fragment
+  single,  ///< fragments.vdb
+  both,
+};
+
+/// The files that a fracture writes in addition to `manifest.json`.
+struct WriteOptions {
+  bool labels = true;        ///< labels.rle, or other formats by voxelFormats
+  bool vdb = true;           ///< level sets, by vdbFiles
+  bool mesh = true;          ///< meshes/<stem>_001.ply, and the input's textures
+  bool preview = true;       ///< preview.png; of large solids from meshes no finer than its pixels
+  bool seeds = false;        ///< seeds.json
+  bool boundaries = false;   ///< boundaries.obj
+  bool cost = false;         ///< cost.vdb, if the labels have costs
+  bool solid = false;        ///< also the intact solid: fragments/<stem>.vdb with `vdb`, and
+                             ///< meshes/<stem>.ply etc. with `mesh`
+  bool scene = false;        ///< scene.glb: a node for each fragment, its origin the center of mass
+  bool graph = false;        ///< graph.json and graph.geo
+  bool plainMeshes = false;  ///< only vertices and triangles in `.ply` and `.obj`
+  bool proxy = false;        ///< proxies/<stem>_001.obj, convex hulls
+
+  VdbFiles vdbFiles = VdbFiles::files;  ///< fragments/<stem>_001.vdb, fragments.vdb, or both
+  VdbOptions vdbOptions{};
+  double density = 1.0;   ///< mass per unit of volume, above 0
+  double proxyGap = 0.0;  ///< `gap` of writeProxy, at least 0
+
+  std::vector<VoxelFormat> voxelFormats{VoxelFormat::rle};       ///< not empty, no duplicates
+  std::vector<MeshFileFormat> meshFormats{MeshFileFormat::ply};  ///< not empty, no duplicates
+
+  PointOptions points{};     ///< points/<stem>_001.ply if count > 0; `seed` is derived from the
+                             ///< fracture's, per fragment
+  bool sharePoints = false;  ///< points.count is the total, distributed by the fragments' areas
+  std::vector<PointFormat> pointFormats{PointFormat::ply};
+  DistanceOptions distances{};  ///< sdf/<stem>_001.npz, and sdf/<stem>.npz of the intact solid, if
+                                ///< count > 0; a `sigma` of 0 is the voxel size; `seed` is derived
+                                ///< as for points
+  std::size_t correspondences = 0;  ///< correspondences.npz: points per contact; 0: no file
+
+  char up = 'y';  ///< the mesh's axis that points up in the preview: 'x', 'y' or 'z'
+
+  bool needsLevelSets() const { return vdb || vdbOptions.fog; }  ///< Fragment::surface
+
+  /// Whether a file is written that needs the meshes, or the level sets, of all fragments at once.
+  bool needsAllMeshes() const {
+    return boundaries || scene || distances.count > 0 || correspondences > 0 ||
+           (points.count > 0 && sharePoints);
+  }
+  bool needsAllLevelSets() const { return vdb && vdbFiles != VdbFiles::files; }
+};
+
+/// All options of a fracture: how it breaks, and what it writes.
+struct RunOptions {
+  FractureOptions fracture{};
+  VolumeOptions volume{};  ///< how an input that is a volume is read
+  WriteOptions write{};
+};
+
+/// The types of options' values.
+enum class OptionType {
+  flag,     ///< "true" or "false"
+  whole,    ///< a whole number
+  number,   ///< a number
+  choice,   ///< one of OptionValue::choices
+  choices,  ///< some of them, separated by commas, each once
+  wholes,   ///< whole numbers, separated by commas
+  numbers,  ///< numbers, separated by commas
+  text,     ///< anything else, described by OptionValue::range
+};
+
+/// How an option is read from text and written as text.  `set` accepts what `text` returns.
+template <class Target>
+struct OptionValue {
+  OptionType type = OptionType::text;
+  std::string range;                 ///< "0..1", "> 0", "K|Kn"; empty for flags and choices
+  std::vector<std::string> choices;  ///< of a choice, choices, or the only whole numbers
+  /// Sets the option.  Throws Error(usage) "'TEXT' is not ..." for any other text.
+  std::function<void(Target& options, const std::string& text)> set;
+  std::function<std::string(const Target& options)> text;
+};
+
+/// One option: a row of a table.
+template <class Target>
+struct OptionRow {
+  const char* name;   ///< on the command line after two dashes, in configuration files, in `draw`
+  const char* group;  ///< heading of the help; empty: none
+  OptionValue<Target> value;
+  const char* help;      ///< one sentence without its full stop
+  const char* key = "";  ///< place in a manifest's `options`, such as "erode.size"; empty: none
+  const char* elsewhere = "";  ///< place in a manifest of an option without a key: "files"
+  bool (*recorded)(const Target&) = nullptr;  ///< whether the manifest has it; null: always
+  const char* excludes = "";                  ///< name of an option that cannot be given too
+  const char* needs = "";                     ///< name of an option that must be given too
+  bool hidden = false;                        ///< a field that other options set: only in manifests
+  bool repeats = false;    ///< may be given several times: each adds to the others
+  bool single = false;     ///< of single fractures: a dataset sets it itself, or has none
+  bool drawn = false;      ///< a dataset may draw its value anew for each fracture
+  const char* unit = "";   ///< of numbers: "voxels", "world units"; empty: none
+  const char* alias = "";  ///< another name of the option for a single fracture
+};
+
+using FractureOptionRow = OptionRow<RunOptions>;
+
+/// Returns all options of a fracture.  The command line, configuration files, manifests, what a
+/// dataset draws, and the tables of docs/cli.md are made from these rows.
+[[nodiscard]] std::span<const FractureOptionRow> fractureOptionTable();
+
+/// Returns the row with a name that is not hidden, or null.
+[[nodiscard]] const FractureOptionRow* fractureOption(std::string_view name);
+
+/// An option whose value is drawn for each fracture of a dataset: from a range, or from choices.
+struct DrawnOption {
+  std::string name;                  ///< of a row that may be drawn
+  std::string low, high;             ///< ends of a range
+  std::vector<std::string> choices;  ///< empty for a range
+
+  /// Returns "low..high" or "a|b|c".
+  [[nodiscard]] std::string text() const;
+
+  /// Returns the value for one fracture: a choice, a whole number where both ends of the range are
+  /// written without a decimal point, else a number with six digits.
+  ///   seed  of the fracture.  A value does not depend on which other options are drawn
+  [[nodiscard]] std::string valueFor(std::uint64_t seed) const;
+};
+
+/// Returns the drawn option for a row's name and a text, or nullopt if the text is a single value
+/// or the row cannot be drawn.
+[[nodiscard]] std::optional<DrawnOption> drawnOption(std::string_view name,
+                                                     const std::string& text);
+
+/// Checks both ends of a range, or all choices.
+///   throws  Error(usage) "'TEXT' is not ..."
+void checkDrawn(const DrawnOption& drawn, const RunOptions& options);
+
+}  // namespace sherd

@@ -1,0 +1,37 @@
+// Command-line options from tables of options.
+#include "cli/table_options.h"
+
+#include <utility>
+
+namespace sherd::cli {
+
+void addFractureOptions(CLI::App& command, RunOptions& options) {
+  for (const FractureOptionRow& row : fractureOptionTable()) {
+    if (row.hidden) continue;
+    const std::string alias = *row.alias != '\0' ? "--" + std::string(row.alias) + "," : "";
+    addRow(command, alias + "--" + row.name, row, options,
+           [&row, &options](const std::string& text) { row.value.set(options, text); });
+  }
+  addRelations(command, fractureOptionTable());
+}
+
+void addDatasetOptions(CLI::App& command, DatasetOptions& options) {
+  for (const DatasetOptionRow& row : datasetOptionTable()) {
+    addRow(command, "--" + std::string(row.name), row, options,
+           [&row, &options](const std::string& text) { row.value.set(options, text); });
+  }
+  for (const FractureOptionRow& row : fractureOptionTable()) {
+    if (row.hidden || row.single) continue;
+    addRow(command, "--" + std::string(row.name), row, options.each,
+           [&row, &options](const std::string& text) {
+             if (auto drawn = drawnOption(row.name, text)) {
+               options.drawn.push_back(std::move(*drawn));
+             } else {
+               row.value.set(options.each, text);
+             }
+           });
+  }
+  addRelations(command, fractureOptionTable());
+}
+
+}  // namespace sherd::cli

@@ -1,0 +1,183 @@
+// The options of a dataset beyond those of its fractures: one row each.
+#include <sherd/dataset.h>
+#include <sherd/error.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <tuple>
+#include <utility>
+
+#include "base/option_names.h"
+#include "base/option_text.h"
+#include "options/values.h"
+
+namespace sherd {
+namespace {
+
+using V = ValuesOf<DatasetOptions>;
+using Row = DatasetOptionRow;
+using D = const DatasetOptions&;
+
+constexpr auto kDataset = [](auto& o) -> auto& { return o; };
+constexpr auto kSchedule = [](auto& o) -> auto& { return o.schedule; };
+constexpr auto kLibrary = [](auto& o) -> auto& { return o.library; };
+
+std::string rangeText(int first, int last) {
+  return std::to_string(first) + (first == last ? "" : ".." + std::to_string(last));
+}
+
+// "A" or "A..B"
+std::pair<int, int> rangeFrom(const std::string& text, int least, int most) {
+  const auto number = [&](const std::string& part) {
+    try {
+      return wholeFrom(part, least, most);
+    } catch (const Error&) {
+      refuseValue(text, "A or A..B of whole numbers in " + rangeText(least, most));
+    }
+  };
+  const std::size_t dots = text.find("..");
+  if (dots == std::string::npos) return {number(text), number(text)};
+  return {number(text.substr(0, dots)), number(text.substr(dots + 2))};
+}
+
+void setPieces(DatasetOptions& o, const std::string& text) {
+  const auto [fewest, most] = rangeFrom(text, 1, kMaxFragments);
+  if (fewest > most) refuseValue(text, "a range that ascends");
+  o.schedule.fewest = fewest;
+  o.schedule.most = most;
+}
+
+void setRepeats(DatasetOptions& o, const std::string& text) {
+  std::tie(o.schedule.repeatsOfFewest, o.schedule.repeatsOfMost) = rangeFrom(text, 0, 65535);
+}
+
+void setSplit(DatasetOptions& o, const std::string& text) {
+  const auto numbers = numbersIn(split(text, text.find('/') == std::string::npos ? ',' : '/'));
+  std::array<int, 3> shares{};
+  bool good = numbers && numbers->size() == shares.size();
+  for (std::size_t i = 0; good && i < shares.size(); ++i) {
+    const double share = (*numbers)[i];
+    good = share >= 0.0 && share <= 1e6 && share == std::floor(share);
+    if (good) shares[i] = static_cast<int>(share);
+  }
+  if (!good || shares == std::array<int, 3>{})
+    refuseValue(text, "three whole shares, such as 80/10/10");
+  o.split = shares;
+}
+
+void setShard(DatasetOptions& o, const std::string& text) {
+  const std::size_t slash = std::min(text.find('/'), text.size());
+  const auto number = numberIn(text.substr(0, slash));
+  const auto of = slash < text.size() ? numberIn(text.substr(slash + 1)) : std::nullopt;
+  const bool good = number && of && *of >= 1 && *of <= 1'000'000 && *number >= 1 &&
+                    *number <= *of && *number == std::floor(*number) && *of == std::floor(*of);
+  if (!good) refuseValue(text, "i/N with i in 1..N");
+  o.shard = {static_cast<int>(*number), static_cast<int>(*of)};
+}
+
+std::vector<Row> scheduleRows() {
+  const char* const group = "Schedule";
+  constexpr std::size_t kMost = std::numeric_limits<std::size_t>::max();
+  return {
+      {.name = "pieces",
+       .group = group,
+       .value = V::custom(OptionType::text, "A..B", setPieces,
+                          [](D o) { return rangeText(o.schedule.fewest, o.schedule.most); }),
+       .help = "Number of fragments: every number of a range",
+       .key = "pieces"},
+      {.name = "repeats",
+       .group = group,
+       .value = V::custom(
+           OptionType::text, "A..B", setRepeats,
+           [](D o) { return rangeText(o.schedule.repeatsOfFewest, o.schedule.repeatsOfMost); }),
+       .help = "Fractures with the fewest pieces and with the most; in proportion between",
+       .key = "repeats"},
+      {.name = "max-fragments",
+       .group = group,
+       .value = V::whole(kSchedule, &Schedule::maxFragments, 1, kMost),
+       .help = "Maximum number of fragments of one object",
+       .key = "max_fragments"},
+      {.name = "seed",
+       .group = group,
+       .value =
+           V::whole(kDataset, &DatasetOptions::seed, 0, std::numeric_limits<std::uint64_t>::max()),
+       .help = "Seed of the run; fractures' own seeds are made from it and the mesh's content",
+       .key = "seed"},
+      {.name = "distinct",
+       .group = group,
+       .value = V::number(kDataset, &DatasetOptions::distinct, between(0.0, 0.99, "0..0.99")),
+       .help = "Least share of voxels in which fractures of one object differ; others are drawn "
+               "again",
+       .key = "distinct"},
+      {.name = "poses",
+       .group = group,
+       .value = V::flag(kDataset, &DatasetOptions::poses),
+       .help = "A random pose of each fragment in the index",
+       .key = "poses"},
+      {.name = "split",
+       .group = group,
+       .value = V::custom(OptionType::text, "A/B/C", setSplit,
+                          [](D o) {
+                            return std::to_string(o.split[0]) + "/" + std::to_string(o.split[1]) +
+                                   "/" + std::to_string(o.split[2]);
+                          }),
+       .help = "Shares of objects for train.txt, val.txt and test.txt",
+       .key = "split"},
+  };
+}
+
+std::vector<Row> runRows() {
+  const char* const group = "Run";
+  return {
+      {.name = "match",
+       .group = group,
+       .value = V::string(kLibrary, &LibraryOptions::match, "PATTERN"),
+       .help = "Only meshes whose path in the library matches a pattern, such as '*.ply'"},
+      {.name = "limit",
+       .group = group,
+       .value =
+           V::whole(kLibrary, &LibraryOptions::limit, 1, std::numeric_limits<std::size_t>::max()),
+       .help = "Only the first so many of these"},
+      {.name = "layout",
+       .group = group,
+       .value = V::choice(kDataset, &DatasetOptions::layout, names::kDatasetLayout),
+       .help = "Files: a folder for each fracture, a ZIP file for each object, the paper's layout, "
+               "Breaking Bad's",
+       .key = "layout"},
+      {.name = "compress",
+       .group = group,
+       .value = V::choice(kDataset, &DatasetOptions::compression, names::kFileCompression),
+       .help = "How each file is packed; with --layout packed within the archive",
+       .key = "compress"},
+      {.name = "resume",
+       .group = group,
+       .value = V::flag(kDataset, &DatasetOptions::resume),
+       .help = "Continue an interrupted dataset"},
+      {.name = "shard",
+       .group = group,
+       .value = V::custom(
+           OptionType::text, "i/N", setShard,
+           [](D o) { return std::to_string(o.shard.number) + "/" + std::to_string(o.shard.of); }),
+       .help = "This machine's share of the work; sherd merge joins all shares"},
+      {.name = "object-timeout",
+       .group = group,
+       .value = V::number(kDataset, &DatasetOptions::objectTimeout, aboveZero()),
+       .help = "Seconds after which an object counts as failed; default never",
+       .unit = "s"},
+  };
+}
+
+}  // namespace
+
+std::span<const DatasetOptionRow> datasetOptionTable() {
+  static const std::vector<Row> kTable = [] {
+    std::vector<Row> all = scheduleRows();
+    for (Row& row : runRows()) all.push_back(std::move(row));
+    return all;
+  }();
+  return kTable;
+}
+
+}  // namespace sherd

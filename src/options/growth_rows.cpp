@@ -1,0 +1,235 @@
+// Growth, erosion, and the fragments that are withheld: one row for each option.
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "base/option_names.h"
+#include "options/parsed.h"
+#include "options/rows.h"
+#include "options/values.h"
+
+namespace sherd {
+namespace {
+
+using V = ValuesOf<RunOptions>;
+using Row = FractureOptionRow;
+using R = const RunOptions&;
+
+constexpr auto kFracture = [](auto& o) -> auto& { return o.fracture; };
+constexpr auto kGrow = [](auto& o) -> auto& { return o.fracture.grow; };
+constexpr auto kGrain = [](auto& o) -> auto& { return o.fracture.grow.anisotropy; };
+constexpr auto kShares = [](auto& o) -> auto& { return o.fracture.shares; };
+constexpr auto kErode = [](auto& o) -> auto& { return o.fracture.erode; };
+
+constexpr int kMostHidden = std::numeric_limits<int>::max();
+const NumberRange kShare = between(0.0, 1.0, "0..1");
+const NumberRange kNotNegative{.text = "0 and up"};
+
+bool erodes(R o) { return o.fracture.erode.iterations > 0; }
+bool hasGrain(R o) { return o.fracture.grow.anisotropy.strength != 0.0; }
+
+std::vector<const char*> growthNames() {
+  std::vector<const char*> names;
+  for (const GrowthRule& rule : kGrowthRules) names.push_back(rule.name);
+  return names;
+}
+
+const std::vector<Row> kGrowthRows{
+    {.name = "growth",
+     .group = "Growth",
+     .value = V::choice(kGrow, &GrowOptions::growth, growthNames()),
+     .help = "How fragments grow from their seeds",
+     .key = "grow.growth",
+     .drawn = true},
+    {.name = "neighborhood",
+     .group = "Growth",
+     .value = V::oneOf(kGrow, &GrowOptions::neighborhood, {6, 26}),
+     .help = "Neighbors of a voxel in a flood: 6 or 26",
+     .key = "grow.neighborhood",
+     .recorded = [](R o) { return ruleOf(o.fracture.grow.growth).usesNeighborhood; },
+     .drawn = true},
+    {.name = "metric",
+     .group = "Growth",
+     .value = V::choice(kGrow, &GrowOptions::metric, names::kMetric),
+     .help = "Metric of --growth nearest and chain",
+     .key = "grow.metric",
+     .recorded = [](R o) { return ruleOf(o.fracture.grow.growth).usesMetric; },
+     .drawn = true},
+    {.name = "grain",
+     .group = "Growth",
+     .value = V::custom(
+         OptionType::text, "dx,dy,dz,strength",
+         [](RunOptions& o, const std::string& text) { setGrain(kGrain(o), text); },
+         [](R o) { return grainText(kGrain(o)); }),
+     .help = "Grain along a direction: splinters with a strength of 0..9, plates across it with "
+             "-0.75..0",
+     .drawn = true},
+    {.name = "grain-direction",
+     .group = "Growth",
+     .value = V::custom(
+         OptionType::numbers, "dx,dy,dz",
+         [](RunOptions& o, const std::string& text) { setDirection(kGrain(o), text); },
+         [](R o) { return directionText(kGrain(o)); }),
+     .help = "Direction of the grain",
+     .key = "grow.grain.direction",
+     .recorded = hasGrain,
+     .hidden = true},
+    {.name = "grain-strength",
+     .group = "Growth",
+     .value = V::number(kGrain, &Anisotropy::strength, between(-0.75, 9.0, "-0.75..9")),
+     .help = "Strength of the grain",
+     .key = "grow.grain.strength",
+     .recorded = hasGrain,
+     .hidden = true},
+    {.name = "roughness",
+     .group = "Growth",
+     .value = V::custom(
+         OptionType::text, "r[,H]",
+         [](RunOptions& o, const std::string& text) { setRoughness(o.fracture.grow, text); },
+         [](R o) { return roughnessText(o.fracture.grow); }),
+     .help = "Rough cracks: rms height r in voxels over a tenth of the solid, Hurst exponent H "
+             "(default 0.8)",
+     .drawn = true,
+     .unit = "voxels"},
+    {.name = "roughness-height",
+     .group = "Growth",
+     .value = V::number(kGrow, &GrowOptions::roughness, between(0.0, 100.0, "0..100")),
+     .help = "Rms height of a crack",
+     .key = "grow.roughness",
+     .hidden = true,
+     .unit = "voxels"},
+    {.name = "hurst",
+     .group = "Growth",
+     .value = V::number(kGrow, &GrowOptions::hurst, between(0.1, 1.0, "0.1..1")),
+     .help = "Hurst exponent of rough cracks",
+     .key = "grow.hurst",
+     .hidden = true},
+    {.name = "roughness-window",
+     .group = "Growth",
+     .value = V::number(kGrow, &GrowOptions::roughnessWindow, kNotNegative),
+     .help = "Side over which the roughness is measured; 0: a tenth of the longest side of what "
+             "is broken",
+     .key = "grow.roughness_window",
+     .hidden = true,
+     .unit = "voxels"},
+    {.name = "outer-steps",
+     .group = "Growth",
+     .value = V::whole(kGrow, &GrowOptions::outerSteps, 0, 64),
+     .help = "Steps by which labels are extended beyond the surface",
+     .key = "grow.outer_steps",
+     .hidden = true,
+     .unit = "voxels"},
+    {.name = "isolated",
+     .group = "Growth",
+     .value = V::choice(kGrow, &GrowOptions::regrowIsolated, names::kIsolated),
+     .help = "Voxels disconnected from their fragment's first seed: regrow gives them to "
+             "neighbors, keep leaves them",
+     .key = "grow.isolated",
+     .drawn = true},
+    {.name = "min-share",
+     .group = "Growth",
+     .value = V::number(kShares, &ShareOptions::minShare, kShare),
+     .help = "Least share of the solid in a fragment; seeds are drawn again until all reach it",
+     .key = "min_share",
+     .drawn = true},
+    {.name = "balance",
+     .group = "Growth",
+     .value = V::whole(kShares, &ShareOptions::balance, 0, 100),
+     .help = "Lloyd steps, which move seeds to their fragments' centers and even out sizes",
+     .key = "balance",
+     .drawn = true},
+    {.name = "share-tries",
+     .group = "Growth",
+     .value = V::whole(kShares, &ShareOptions::tries, 1, kMostHidden),
+     .help = "Growths that may be spent on the least share",
+     .key = "share_tries",
+     .hidden = true},
+};
+
+const std::vector<Row> kErosionRows{
+    {.name = "erode-iterations",
+     .group = "Erosion",
+     .value = V::whole(kErode, &ErodeOptions::iterations, 0, 1000),
+     .help = "Number of erosion passes; 0 none",
+     .key = "erode.iterations",
+     .drawn = true},
+    {.name = "erode-shape",
+     .group = "Erosion",
+     .value = V::choice(kErode, &ErodeOptions::shape, names::kErodeShape),
+     .help = "Structuring element around a voxel",
+     .key = "erode.shape",
+     .recorded = erodes,
+     .drawn = true},
+    {.name = "erode-size",
+     .group = "Erosion",
+     .value = V::oneOf(kErode, &ErodeOptions::size, {3, 5, 7, 9, 11, 13}),
+     .help = "Size of the structuring element, odd",
+     .key = "erode.size",
+     .recorded = erodes,
+     .drawn = true,
+     .unit = "voxels"},
+    {.name = "erode-planes",
+     .group = "Erosion",
+     .value = V::flag(kErode, &ErodeOptions::planes),
+     .help = "Structuring elements in the three axis planes, as in the paper, instead of one in "
+             "3-D",
+     .key = "erode.planes",
+     .recorded = erodes},
+    {.name = "erode-threshold",
+     .group = "Erosion",
+     .value = V::number(kErode, &ErodeOptions::threshold, between(1e-6, 1.0, "0.000001..1")),
+     .help = "Share of the structuring element that its fragment must fill",
+     .key = "erode.threshold",
+     .recorded = erodes,
+     .drawn = true},
+    {.name = "erode-probability",
+     .group = "Erosion",
+     .value = V::number(kErode, &ErodeOptions::probability, kShare),
+     .help = "Probability that a voxel is tested, drawn again in each pass",
+     .key = "erode.probability",
+     .recorded = erodes,
+     .drawn = true},
+    {.name = "erode-on",
+     .group = "Erosion",
+     .value = V::choice(kErode, &ErodeOptions::on, names::kErodeOn),
+     .help = "Erode fracture surfaces only, or the original surface too",
+     .key = "erode.on",
+     .recorded = erodes,
+     .drawn = true},
+    {.name = "erode-islands",
+     .group = "Erosion",
+     .value = V::choice(kErode, &ErodeOptions::islands, names::kIslands),
+     .help = "Smaller components of a fragment that erosion splits",
+     .key = "erode.islands",
+     .recorded = erodes,
+     .drawn = true},
+};
+
+const std::vector<Row> kWithheldRows{
+    {.name = "drop-share",
+     .group = "Growth",
+     .value = V::number(kFracture, &FractureOptions::dropShare, kShare),
+     .help = "Withhold fragments with a smaller share of the solid",
+     .key = "drop_share",
+     .recorded = [](R o) { return o.fracture.dropShare > 0.0; },
+     .drawn = true},
+    {.name = "missing",
+     .group = "Growth",
+     .value = V::custom(
+         OptionType::number, "k|share",
+         [](RunOptions& o, const std::string& text) { setMissing(o.fracture.missing, text); },
+         [](R o) { return shortestText(o.fracture.missing); }),
+     .help = "Withhold further fragments at random: a number, or below 1 a share of them; the "
+             "manifest lists them",
+     .key = "missing",
+     .drawn = true},
+};
+
+}  // namespace
+
+std::span<const FractureOptionRow> growthRows() { return kGrowthRows; }
+std::span<const FractureOptionRow> erosionRows() { return kErosionRows; }
+std::span<const FractureOptionRow> withheldRows() { return kWithheldRows; }
+
+}  // namespace sherd

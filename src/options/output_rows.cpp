@@ -1,0 +1,273 @@
+// Points, files and surfaces: one row for each option.
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "base/option_names.h"
+#include "options/parsed.h"
+#include "options/rows.h"
+#include "options/values.h"
+
+namespace sherd {
+namespace {
+
+using V = ValuesOf<RunOptions>;
+using Row = FractureOptionRow;
+using R = const RunOptions&;
+
+constexpr auto kSurface = [](auto& o) -> auto& { return o.fracture.surface; };
+constexpr auto kSmooth = [](auto& o) -> auto& { return o.fracture.surface.smooth; };
+constexpr auto kSmoothed = [](auto& o) -> auto& { return o.fracture.surface.smooth.iterations; };
+constexpr auto kSmoothedBoundary = [](auto& o) -> auto& {
+  return o.fracture.surface.smooth.boundaryIterations;
+};
+constexpr auto kWrite = [](auto& o) -> auto& { return o.write; };
+constexpr auto kPoints = [](auto& o) -> auto& { return o.write.points; };
+constexpr auto kDistances = [](auto& o) -> auto& { return o.write.distances; };
+constexpr auto kVdb = [](auto& o) -> auto& { return o.write.vdbOptions; };
+
+constexpr int kMostHidden = std::numeric_limits<int>::max();
+const NumberRange kShare = between(0.0, 1.0, "0..1");
+const NumberRange kNotNegative{.text = "0 and up"};
+
+bool samplesPoints(R o) { return o.write.points.count > 0; }
+bool samplesDistances(R o) { return o.write.distances.count > 0; }
+bool writesVdb(R o) { return o.write.needsLevelSets(); }
+
+const std::vector<Row> kPointRows{
+    {.name = "points",
+     .group = "Points",
+     .value = V::whole(kPoints, &PointOptions::count, 0, kMaxPoints),
+     .help = "Points drawn on each fragment's surface, written to points/; 0 none",
+     .key = "points.count",
+     .recorded = samplesPoints},
+    {.name = "share-points",
+     .group = "Points",
+     .value = V::flag(kWrite, &WriteOptions::sharePoints),
+     .help = "--points counts for all fragments together, distributed by area",
+     .key = "points.shared",
+     .recorded = samplesPoints,
+     .needs = "points"},
+    {.name = "point-sampler",
+     .group = "Points",
+     .value = V::choice(kPoints, &PointOptions::sampler, names::kPointSampler),
+     .help = "Distribution of points: independent, even, or well apart",
+     .key = "points.sampler",
+     .recorded = samplesPoints,
+     .needs = "points"},
+    {.name = "point-rule",
+     .group = "Points",
+     .value = V::choice(kPoints, &PointOptions::rule, names::kPointRule),
+     .help = "Points by area, or at least one per triangle, shuffled and truncated, as in the "
+             "paper",
+     .key = "points.rule",
+     .recorded = samplesPoints,
+     .needs = "points"},
+    {.name = "point-format",
+     .group = "Points",
+     .value = V::choices(kWrite, &WriteOptions::pointFormats, names::kPointFormat),
+     .help = "Files of points, one or more: binary, text, NumPy's, the paper's compressed octree",
+     .key = "points.formats",
+     .recorded = samplesPoints,
+     .needs = "points"},
+    {.name = "sdf-samples",
+     .group = "Points",
+     .value = V::whole(kDistances, &DistanceOptions::count, 0, kMaxPoints),
+     .help = "Points in and around each fragment and the whole, with their signed distance, "
+             "written to sdf/; 0 none",
+     .key = "sdf.count",
+     .recorded = samplesDistances},
+    {.name = "sdf-type",
+     .group = "Points",
+     .value = V::choice(kDistances, &DistanceOptions::type, names::kSampleType),
+     .help = "Number type of these files",
+     .key = "sdf.type",
+     .recorded = samplesDistances,
+     .needs = "sdf-samples"},
+    {.name = "sdf-sigma",
+     .group = "Points",
+     .value = V::number(kDistances, &DistanceOptions::sigma, kNotNegative),
+     .help = "Standard deviation of samples near the surface; 0: the voxel size",
+     .key = "sdf.sigma",
+     .recorded = samplesDistances,
+     .hidden = true,
+     .unit = "world units"},
+    {.name = "correspondences",
+     .group = "Points",
+     .value = V::whole(kWrite, &WriteOptions::correspondences, 0, kMaxPoints),
+     .help = "Points on the surface between each two fragments that touch, written to "
+             "correspondences.npz",
+     .key = "correspondences",
+     .recorded = [](R o) { return o.write.correspondences > 0; }},
+};
+
+const std::vector<Row> kFileRows{
+    {.name = "density",
+     .group = "Files for hosts",
+     .value = V::number(kWrite, &WriteOptions::density, aboveZero()),
+     .help = "Mass per unit of volume, for masses and inertia in .vdb files and scene.glb",
+     .key = "density",
+     .recorded = [](R o) { return o.write.density != 1.0; }},
+    {.name = "proxy-gap",
+     .group = "Files for hosts",
+     .value = V::number(kWrite, &WriteOptions::proxyGap, between(0.0, 1e9, "0..1e9")),
+     .help = "Gap between the convex hulls of neighbors, in the mesh's unit",
+     .key = "proxy_gap",
+     .recorded = [](R o) { return o.write.proxy; },
+     .unit = "world units"},
+    {.name = "vdb",
+     .group = "Files for hosts",
+     .value = V::choice(kWrite, &WriteOptions::vdbFiles, names::kVdbFiles),
+     .help = "A .vdb for each fragment, one fragments.vdb with all and their ids, or both",
+     .key = "vdb.files",
+     .recorded = writesVdb},
+    {.name = "fog",
+     .group = "Files for hosts",
+     .value = V::flag(kVdb, &VdbOptions::fog),
+     .help = "A fog volume in each .vdb file",
+     .key = "vdb.fog",
+     .recorded = writesVdb,
+     .hidden = true},
+    {.name = "half",
+     .group = "Files for hosts",
+     .value = V::flag(kVdb, &VdbOptions::half),
+     .help = "16-bit values in .vdb files: a third smaller, error up to 0.002 voxel",
+     .key = "vdb.half",
+     .recorded = writesVdb},
+    {.name = "vdb-compress",
+     .group = "Files for hosts",
+     .value = V::choice(kVdb, &VdbOptions::compression, names::kVdbCompression),
+     .help = "Compression of .vdb files",
+     .key = "vdb.compression",
+     .recorded = writesVdb,
+     .alias = "compress"},
+    {.name = "write",
+     .group = "",
+     .value = {OptionType::choices, "", writtenNames(),
+               [](RunOptions& o, const std::string& text) { setWritten(o.write, text); },
+               [](R o) { return writtenText(o.write); }},
+     .help = "What to write, separated by commas",
+     .elsewhere = "files"},
+    {.name = "voxel-format",
+     .group = "",
+     .value = V::choices(kWrite, &WriteOptions::voxelFormats, names::kVoxelFormat),
+     .help = "Files of labels, one or more: run-length, NumPy's dense array, the same deflated "
+             "with its grid transform, MagicaVoxel, quad-stack, raw cube",
+     .elsewhere = "files"},
+    {.name = "mesh-format",
+     .group = "",
+     .value = V::choices(kWrite, &WriteOptions::meshFormats, names::kMeshFileFormat),
+     .help = "Files of meshes, one or more: PLY, OBJ with materials, binary glTF, STL, STL as "
+             "text, the paper's",
+     .elsewhere = "files"},
+    {.name = "plain-meshes",
+     .group = "",
+     .value = V::flag(kWrite, &WriteOptions::plainMeshes),
+     .help = "Only vertices and triangles in .ply and .obj: no normals, neighbors or materials",
+     .key = "plain_meshes",
+     .recorded = [](R o) { return o.write.mesh; }},
+    {.name = "up",
+     .group = "",
+     .value = {OptionType::choice,
+               "",
+               {"x", "y", "z"},
+               [](RunOptions& o, const std::string& text) {
+                 o.write.up = "xyz"[indexOf(text, {"x", "y", "z"})];
+               },
+               [](R o) { return std::string(1, o.write.up); }},
+     .help = "The mesh's axis that points up in the preview",
+     .key = "up",
+     .recorded = [](R o) { return o.write.preview; }},
+};
+
+// Passes of smoothing, in a field of its own once the size of the solid is known.
+template <class Parent>
+OptionValue<RunOptions> passes(Parent parent) {
+  return V::custom(
+      OptionType::text, "K|Fk",
+      [=](RunOptions& o, const std::string& text) { setIterations(parent(o), text); },
+      [=](R o) { return iterationsText(parent(o)); });
+}
+
+const std::vector<Row> kSurfaceRows{
+    {.name = "surface",
+     .group = "Surface",
+     .value = V::choice(kSurface, &SurfaceOptions::surface, names::kSurface),
+     .help = "Meshes of the smooth level sets, or of the faces of the labels' voxels",
+     .key = "surface.of",
+     .drawn = true},
+    {.name = "interface",
+     .group = "Surface",
+     .value = V::choice(kSurface, &SurfaceOptions::interface, names::kInterface),
+     .help = "Surfaces between fragments: shared bit for bit, or each fragment meshed separately",
+     .key = "surface.interface",
+     .drawn = true},
+    {.name = "adaptivity",
+     .group = "Surface",
+     .value = V::number(kSurface, &SurfaceOptions::adaptivity, kShare),
+     .help = "Simplify flat regions: error in voxels that a vertex may have; 0 none",
+     .key = "surface.adaptivity",
+     .drawn = true,
+     .unit = "voxels"},
+    {.name = "smoothing",
+     .group = "Surface",
+     .value = V::choice(kSmooth, &SmoothOptions::method, names::kSmoothing),
+     .help = "Smoothing: taubin keeps the volume; laplacian, as in the paper, shrinks",
+     .key = "surface.smooth.method",
+     .drawn = true},
+    {.name = "smooth-iterations",
+     .group = "Surface",
+     .value = passes(kSmoothed),
+     .help = "Passes over all vertices but those of cracks; 0.048k is 0.048 times the voxels of "
+             "the longest side",
+     .drawn = true},
+    {.name = "smooth-passes",
+     .group = "Surface",
+     .value = V::whole(kSmoothed, &Iterations::count, 0, kMostHidden),
+     .help = "Passes over all vertices but those of cracks",
+     .key = "surface.smooth.iterations",
+     .hidden = true},
+    {.name = "smooth-weight",
+     .group = "Surface",
+     .value = V::number(kSmooth, &SmoothOptions::weight, kShare),
+     .help = "How far a vertex moves to its neighbors' mean in a pass; taubin: at most 2/3",
+     .key = "surface.smooth.weight",
+     .drawn = true},
+    {.name = "smooth-boundary-iterations",
+     .group = "Surface",
+     .value = passes(kSmoothedBoundary),
+     .help = "The same for vertices of cracks and their boundaries",
+     .drawn = true},
+    {.name = "smooth-boundary-passes",
+     .group = "Surface",
+     .value = V::whole(kSmoothedBoundary, &Iterations::count, 0, kMostHidden),
+     .help = "Passes over the vertices of cracks and their boundaries",
+     .key = "surface.smooth.boundary_iterations",
+     .hidden = true},
+    {.name = "smooth-boundary-weight",
+     .group = "Surface",
+     .value = V::number(kSmooth, &SmoothOptions::boundaryWeight, kShare),
+     .help = "How far these move; with 0 fragments keep fitting",
+     .key = "surface.smooth.boundary_weight",
+     .drawn = true},
+    {.name = "triangles",
+     .group = "Surface",
+     .value = V::custom(
+         OptionType::wholes, "T,...:4..1000000000",
+         [](RunOptions& o, const std::string& text) {
+           setTriangles(o.fracture.surface.triangles, text);
+         },
+         [](R o) { return trianglesText(o.fracture.surface.triangles); }),
+     .help = "Also write each mesh decimated to at most so many triangles, once per number",
+     .key = "surface.triangles",
+     .drawn = true},
+};
+
+}  // namespace
+
+std::span<const FractureOptionRow> pointRows() { return kPointRows; }
+std::span<const FractureOptionRow> fileRows() { return kFileRows; }
+std::span<const FractureOptionRow> surfaceRows() { return kSurfaceRows; }
+
+}  // namespace sherd

@@ -1,0 +1,229 @@
+// Values of options with a syntax of their own.
+#include "options/parsed.h"
+
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <span>
+
+#include "base/option_text.h"
+#include "options/values.h"
+
+namespace sherd {
+namespace {
+
+bool isWhole(double value) { return value == std::floor(value); }
+
+std::string numbersText(std::initializer_list<double> numbers) {
+  std::vector<std::string> parts;
+  for (const double number : numbers) parts.push_back(shortestText(number));
+  return joinedText(parts, ",");
+}
+
+}  // namespace
+
+void setExtraSeeds(SeedOptions& seeds, const std::string& text) {
+  std::string digits = text;
+  const bool perPiece = !digits.empty() && digits.back() == 'n';
+  if (perPiece) digits.pop_back();
+  int count = 0;
+  const char* end = digits.data() + digits.size();
+  const auto [stop, error] = std::from_chars(digits.data(), end, count);
+  const int most = perPiece ? 1000 : 10'000'000;
+  if (error != std::errc() || stop != end || count < 0 || count > most) {
+    refuseValue(text, "a whole number, or a whole number followed by n as in 2n");
+  }
+  seeds.extraSeedsPerPiece = perPiece ? count : 0;
+  seeds.extraSeeds = perPiece ? 0 : count;
+}
+
+std::string extraSeedsText(const SeedOptions& seeds) {
+  return seeds.extraSeedsPerPiece > 0 ? std::to_string(seeds.extraSeedsPerPiece) + "n"
+                                      : std::to_string(seeds.extraSeeds);
+}
+
+Impact impactFrom(const std::string& text) {
+  const std::string expected =
+      "x,y,z or ray:ox,oy,oz,dx,dy,dz, then optionally ,count ,spread (or n=5) and ,merge";
+  const bool isRay = text.starts_with("ray:");
+  std::vector<std::string> parts = split(isRay ? text.substr(4) : text);
+  Impact impact;
+  if (parts.back() == "merge") {
+    impact.merge = true;
+    parts.pop_back();
+  }
+  const std::size_t coordinates = isRay ? 6 : 3;
+  if (parts.size() < coordinates || parts.size() > coordinates + 2) refuseValue(text, expected);
+  const auto at = numbersIn(std::span(parts).first(coordinates));
+  if (!at) refuseValue(text, expected);
+  const std::vector<double>& v = *at;
+  if (isRay) {
+    impact.target = Ray{{{v[0], v[1], v[2]}}, {v[3], v[4], v[5]}};
+  } else {
+    impact.target = WorldPoint{{v[0], v[1], v[2]}};
+  }
+  if (parts.size() > coordinates) {
+    const std::optional<double> count = numberIn(parts[coordinates]);
+    if (!count || *count < 1 || *count > kMaxFragments || !isWhole(*count)) {
+      refuseValue(text, expected);
+    }
+    impact.count = static_cast<int>(*count);
+  }
+  if (parts.size() > coordinates + 1) {
+    const std::string& sigma = parts[coordinates + 1];
+    const bool isBias = sigma.starts_with("n=");
+    const std::optional<double> value = numberIn(isBias ? sigma.substr(2) : sigma);
+    if (!value || *value <= 0 || (isBias && (*value > kMaxBias || !isWhole(*value)))) {
+      refuseValue(text, expected);
+    }
+    if (isBias) {
+      impact.bias = static_cast<int>(*value);
+    } else {
+      impact.sigma = *value;
+    }
+  }
+  return impact;
+}
+
+std::string impactText(const Impact& impact) {
+  std::string text;
+  if (const auto* point = std::get_if<WorldPoint>(&impact.target)) {
+    text = numbersText({point->v.x, point->v.y, point->v.z});
+  } else if (const auto* ray = std::get_if<Ray>(&impact.target)) {
+    const glm::dvec3 &o = ray->origin.v, &d = ray->direction;
+    text = "ray:" + numbersText({o.x, o.y, o.z, d.x, d.y, d.z});
+  }
+  if (impact.count > 0) {
+    text += "," + std::to_string(impact.count);
+    if (impact.sigma > 0.0) {
+      text += "," + shortestText(impact.sigma);
+    } else if (impact.bias != Impact{}.bias) {
+      text += ",n=" + std::to_string(impact.bias);
+    }
+  }
+  return text + (impact.merge ? ",merge" : "");
+}
+
+void setGrain(Anisotropy& grain, const std::string& text) {
+  const auto numbers = numbersIn(split(text));
+  if (!numbers || numbers->size() != 4 || (*numbers)[3] < -0.75 || (*numbers)[3] > 9.0 ||
+      ((*numbers)[0] == 0.0 && (*numbers)[1] == 0.0 && (*numbers)[2] == 0.0)) {
+    refuseValue(text, "dx,dy,dz,strength with a strength in -0.75..9");
+  }
+  grain = {{(*numbers)[0], (*numbers)[1], (*numbers)[2]}, (*numbers)[3]};
+}
+
+std::string grainText(const Anisotropy& grain) {
+  if (grain.strength == 0.0) return "";
+  return numbersText({grain.direction.x, grain.direction.y, grain.direction.z, grain.strength});
+}
+
+void setDirection(Anisotropy& grain, const std::string& text) {
+  const auto numbers = numbersIn(split(text));
+  if (!numbers || numbers->size() != 3) refuseValue(text, "dx,dy,dz");
+  grain.direction = {(*numbers)[0], (*numbers)[1], (*numbers)[2]};
+}
+
+std::string directionText(const Anisotropy& grain) {
+  return numbersText({grain.direction.x, grain.direction.y, grain.direction.z});
+}
+
+void setRoughness(GrowOptions& grow, const std::string& text) {
+  const auto numbers = numbersIn(split(text));
+  const bool good = numbers && numbers->size() <= 2 && (*numbers)[0] >= 0.0 &&
+                    (*numbers)[0] <= 100.0 &&
+                    (numbers->size() == 1 || ((*numbers)[1] >= 0.1 && (*numbers)[1] <= 1.0));
+  if (!good) refuseValue(text, "r or r,H with r in 0..100 voxels and H in 0.1..1");
+  grow.roughness = (*numbers)[0];
+  if (numbers->size() == 2) grow.hurst = (*numbers)[1];
+}
+
+std::string roughnessText(const GrowOptions& grow) {
+  return shortestText(grow.roughness) +
+         (grow.hurst == GrowOptions{}.hurst ? "" : "," + shortestText(grow.hurst));
+}
+
+void setMissing(double& missing, const std::string& text) {
+  const std::optional<double> value = numberIn(text);
+  const bool good =
+      value && *value >= 0.0 && *value <= kMaxFragments && (*value < 1.0 || isWhole(*value));
+  if (!good) refuseValue(text, "a whole number of fragments, or a share below 1");
+  missing = *value;
+}
+
+void setIterations(Iterations& iterations, const std::string& text) {
+  const bool perVoxel = text.ends_with('k');
+  const std::optional<double> value = numberIn(text.substr(0, text.size() - perVoxel));
+  const bool good = value && *value >= 0.0 && *value <= (perVoxel ? 1.0 : 1000.0) &&
+                    (perVoxel || isWhole(*value));
+  if (!good) refuseValue(text, "a whole number in 0..1000, or F in 0..1 times k as in 0.048k");
+  iterations = {.count = perVoxel ? 0 : static_cast<int>(*value),
+                .perVoxel = perVoxel ? *value : 0.0};
+}
+
+std::string iterationsText(const Iterations& iterations) {
+  return iterations.perVoxel > 0.0 ? shortestText(iterations.perVoxel) + "k"
+                                   : std::to_string(iterations.count);
+}
+
+namespace {
+
+struct WrittenName {
+  const char* name;
+  bool& (*of)(WriteOptions& write);
+};
+
+constexpr WrittenName kWritten[] = {
+    {"labels", [](WriteOptions& w) -> bool& { return w.labels; }},
+    {"vdb", [](WriteOptions& w) -> bool& { return w.vdb; }},
+    {"mesh", [](WriteOptions& w) -> bool& { return w.mesh; }},
+    {"preview", [](WriteOptions& w) -> bool& { return w.preview; }},
+    {"seeds", [](WriteOptions& w) -> bool& { return w.seeds; }},
+    {"boundaries", [](WriteOptions& w) -> bool& { return w.boundaries; }},
+    {"cost", [](WriteOptions& w) -> bool& { return w.cost; }},
+    {"fog", [](WriteOptions& w) -> bool& { return w.vdbOptions.fog; }},
+    {"solid", [](WriteOptions& w) -> bool& { return w.solid; }},
+    {"scene", [](WriteOptions& w) -> bool& { return w.scene; }},
+    {"graph", [](WriteOptions& w) -> bool& { return w.graph; }},
+    {"proxy", [](WriteOptions& w) -> bool& { return w.proxy; }},
+};
+
+}  // namespace
+
+std::vector<std::string> writtenNames() {
+  std::vector<std::string> names;
+  for (const WrittenName& file : kWritten) names.emplace_back(file.name);
+  return names;
+}
+
+void setWritten(WriteOptions& write, const std::string& text) {
+  WriteOptions all = write;
+  for (const WrittenName& file : kWritten) file.of(all) = false;
+  const std::vector<std::string> names = writtenNames();
+  for (const std::string& part : split(text)) kWritten[indexOf(part, names)].of(all) = true;
+  write = std::move(all);
+}
+
+std::string writtenText(const WriteOptions& write) {
+  WriteOptions all = write;
+  std::vector<std::string> names;
+  for (const WrittenName& file : kWritten) {
+    if (file.of(all)) names.emplace_back(file.name);
+  }
+  return joinedText(names, ",");
+}
+
+void setTriangles(std::vector<std::size_t>& triangles, const std::string& text) {
+  constexpr std::size_t kFewest = 4, kMost = 1'000'000'000;
+  std::vector<std::size_t> numbers;
+  for (const std::string& part : split(text)) numbers.push_back(wholeFrom(part, kFewest, kMost));
+  triangles = std::move(numbers);
+}
+
+std::string trianglesText(const std::vector<std::size_t>& triangles) {
+  std::vector<std::string> parts;
+  for (const std::size_t number : triangles) parts.push_back(std::to_string(number));
+  return joinedText(parts, ",");
+}
+
+}  // namespace sherd

@@ -1,0 +1,200 @@
+// What is broken, and the seeds: one row for each option.
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "base/option_names.h"
+#include "options/parsed.h"
+#include "options/rows.h"
+#include "options/values.h"
+
+namespace sherd {
+namespace {
+
+using V = ValuesOf<RunOptions>;
+using Row = FractureOptionRow;
+using R = const RunOptions&;
+
+constexpr auto kVolume = [](auto& o) -> auto& { return o.volume; };
+constexpr auto kFracture = [](auto& o) -> auto& { return o.fracture; };
+constexpr auto kSolid = [](auto& o) -> auto& { return o.fracture.solid; };
+constexpr auto kSeeds = [](auto& o) -> auto& { return o.fracture.seeds; };
+
+constexpr std::uint64_t kAnySeed = std::numeric_limits<std::uint64_t>::max();
+constexpr int kMostHidden = std::numeric_limits<int>::max();
+
+bool drawsSeeds(R o) { return !o.fracture.seeds.given; }
+
+const std::vector<Row> kGeneralRows{
+    {.name = "preset",
+     .group = "",
+     .value = {OptionType::choice,
+               "",
+               {"paper"},
+               [](RunOptions& o, const std::string& text) {
+                 (void)indexOf(text, {"paper"});
+                 o.fracture = paperOptions();
+               },
+               [](R) { return std::string(); }},
+     .help = "Options of section 4.1 of the paper; options that are given override them"},
+    {.name = "pieces",
+     .group = "",
+     .value = V::whole(kFracture, &FractureOptions::pieces, 1, kMaxFragments),
+     .help = "Number of fragments",
+     .key = "pieces",
+     .single = true},
+    {.name = "seed",
+     .group = "",
+     .value = V::whole(kFracture, &FractureOptions::seed, 0, kAnySeed),
+     .help = "Seed of every random choice",
+     .key = "seed",
+     .single = true},
+};
+
+void setResolution(RunOptions& o, const std::string& text) {
+  o.fracture.solid.resolution = text == "auto" ? kAutoResolution : wholeFrom(text, 8, 4096);
+}
+
+std::string resolutionText(R o) {
+  const int resolution = o.fracture.solid.resolution;
+  return resolution == kAutoResolution ? "auto" : std::to_string(resolution);
+}
+
+const std::vector<Row> kSolidRows{
+    {.name = "resolution",
+     .group = "",
+     .value = V::custom(OptionType::whole, "auto|8..4096", setResolution, resolutionText),
+     .help = "Voxels along the longest side; auto: as many as the mesh's walls need, 128..512",
+     .key = "resolution",
+     .recorded = [](R o) { return o.fracture.solid.voxelSize <= 0.0; },
+     .unit = "voxels"},
+    {.name = "voxel-size",
+     .group = "",
+     .value = V::number(kSolid, &SolidOptions::voxelSize, aboveZero()),
+     .help = "Voxel size in the mesh's own unit, in place of --resolution",
+     .key = "voxel_size",
+     .recorded = [](R o) { return o.fracture.solid.voxelSize > 0.0; },
+     .excludes = "resolution",
+     .unit = "world units"},
+    {.name = "fill",
+     .group = "Solid",
+     .value = V::choice(kSolid, &SolidOptions::fill, names::kFill),
+     .help = "How the inside is found; auto is winding, or shell where the mesh encloses nothing",
+     .key = "fill"},
+    {.name = "shell-thickness",
+     .group = "Solid",
+     .value = V::number(kSolid, &SolidOptions::shellThickness, aboveZero()),
+     .help = "Make a shell of this thickness about the surface, in the mesh's own unit, at most "
+             "its longest side; default of --fill shell: two and a half voxels",
+     .key = "shell_thickness",
+     .recorded = [](R o) { return o.fracture.solid.shellThickness > 0.0; },
+     .unit = "world units"},
+    {.name = "grid",
+     .group = "Solid",
+     .value = V::string(kVolume, &VolumeOptions::grid, "NAME"),
+     .help = "The grid of a .vdb file; default: the union of its level sets, or its only grid",
+     .elsewhere = "source.grids",
+     .single = true},
+    {.name = "isovalue",
+     .group = "Solid",
+     .value = V::number(kVolume, &VolumeOptions::isovalue, between(-1e30, 1e30, "a number")),
+     .help = "A grid other than a level set is solid where its values are above",
+     .elsewhere = "source.isovalue",
+     .single = true},
+};
+
+const std::vector<Row> kSeedRows{
+    {.name = "seeds",
+     .group = "Seeds",
+     .value = V::custom(
+         OptionType::text, "FILE",
+         [](RunOptions& o, const std::string& text) {
+           o.fracture.seeds.given = {text, {}};
+         },
+         [](R o) { return o.fracture.seeds.given ? o.fracture.seeds.given->file : ""; }),
+     .help = "Read the seeds from a file, as --write seeds writes it, instead of drawing them",
+     .key = "seeds.file",
+     .recorded = [](R o) { return o.fracture.seeds.given.has_value(); },
+     .excludes = "pieces",
+     .single = true},
+    {.name = "sampler",
+     .group = "Seeds",
+     .value = V::choice(kSeeds, &SeedOptions::sampler, names::kSampler),
+     .help = "How seeds are drawn",
+     .key = "seeds.sampler",
+     .recorded = drawsSeeds,
+     .drawn = true},
+    {.name = "seeds-on",
+     .group = "Seeds",
+     .value = V::choice(kSeeds, &SeedOptions::on, names::kSeedsOn),
+     .help = "Where seeds may lie",
+     .key = "seeds.on",
+     .recorded = drawsSeeds,
+     .drawn = true},
+    {.name = "extra-seeds",
+     .group = "Seeds",
+     .value = V::custom(
+         OptionType::text, "K|Kn",
+         [](RunOptions& o, const std::string& text) { setExtraSeeds(o.fracture.seeds, text); },
+         [](R o) { return extraSeedsText(o.fracture.seeds); }),
+     .help = "Additional seeds, merged into the nearest fragment: less convex pieces; 2n is two "
+             "per fragment",
+     .drawn = true},
+    {.name = "extra-seeds-count",
+     .group = "Seeds",
+     .value = V::whole(kSeeds, &SeedOptions::extraSeeds, 0, kMostHidden),
+     .help = "Additional seeds",
+     .key = "seeds.extra",
+     .recorded = drawsSeeds,
+     .hidden = true},
+    {.name = "extra-seeds-per-piece",
+     .group = "Seeds",
+     .value = V::whole(kSeeds, &SeedOptions::extraSeedsPerPiece, 0, kMostHidden),
+     .help = "Additional seeds for each fragment",
+     .key = "seeds.extra_per_piece",
+     .recorded = drawsSeeds,
+     .hidden = true},
+    {.name = "merge-metric",
+     .group = "Seeds",
+     .value = V::choice(kSeeds, &SeedOptions::mergeMetric, names::kMetric),
+     .help = "Metric of the nearest fragment for extra seeds",
+     .key = "seeds.merge_metric",
+     .recorded = drawsSeeds,
+     .drawn = true},
+    {.name = "impacts",
+     .group = "Seeds",
+     .value = V::whole(kSeeds, &SeedOptions::randomImpacts, 0, 10000),
+     .help = "Impacts at random surface points",
+     .key = "seeds.random_impacts",
+     .recorded = drawsSeeds,
+     .drawn = true},
+    {.name = "impact",
+     .group = "Seeds",
+     .value = V::custom(
+         OptionType::text, "IMPACT",
+         [](RunOptions& o, const std::string& text) {
+           o.fracture.seeds.impacts.push_back(impactFrom(text));
+         },
+         [](R o) {
+           std::vector<std::string> texts;
+           for (const Impact& impact : o.fracture.seeds.impacts) {
+             texts.push_back(impactText(impact));
+           }
+           return joinedText(texts, " ");
+         }),
+     .help = "An impact at x,y,z or ray:ox,oy,oz,dx,dy,dz, then ,count ,spread (world units, or "
+             "n=5 as the paper's bias) ,merge; repeatable",
+     .key = "seeds.impacts",
+     .recorded = drawsSeeds,
+     .repeats = true,
+     .drawn = true},
+};
+
+}  // namespace
+
+std::span<const FractureOptionRow> generalRows() { return kGeneralRows; }
+std::span<const FractureOptionRow> solidRows() { return kSolidRows; }
+std::span<const FractureOptionRow> seedRows() { return kSeedRows; }
+
+}  // namespace sherd

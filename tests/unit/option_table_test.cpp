@@ -1,0 +1,192 @@
+// The table of options: values as text, in manifests and in a dataset's identity.
+#include <gtest/gtest.h>
+#include <sherd/dataset.h>
+#include <sherd/error.h>
+#include <sherd/options.h>
+
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "dataset/identity.h"
+#include "options/record.h"
+
+namespace sherd {
+namespace {
+
+// Options of which every row is recorded but those that exclude one another.
+RunOptions everything() {
+  RunOptions options;
+  options.fracture.grow.growth = Growth::flood;
+  options.fracture.grow.anisotropy = {{0.0, 1.0, 0.0}, 2.0};
+  options.fracture.erode.iterations = 2;
+  options.fracture.dropShare = 0.01;
+  options.fracture.solid.shellThickness = 0.25;
+  options.write.points.count = 10;
+  options.write.distances = {.count = 10, .sigma = 0.5};
+  options.write.correspondences = 5;
+  options.write.proxy = true;
+  options.write.density = 2.0;
+  return options;
+}
+
+// Values that an option accepts.
+std::vector<std::string> valuesOf(const FractureOptionRow& row) {
+  const std::string name = row.name;
+  if (name == "write") return {"labels,proxy", "mesh"};
+  if (name == "seed") return {"9", "18446744073709551615"};
+  if (name == "extra-seeds") return {"7", "3n"};
+  if (name == "impact") return {"1,2,3", "ray:0.5,0,0,-1,0,0,4,0.25,merge", "1,0,0,6,n=9"};
+  if (name == "grain") return {"1,0,0,0.5", "0,0,1,-0.5"};
+  if (name == "grain-direction") return {"1,0,0"};
+  if (name == "roughness") return {"1.5", "2,0.6"};
+  if (name == "missing") return {"1", "0.25"};
+  if (name.ends_with("-iterations") && row.value.type == OptionType::text) return {"4", "0.05k"};
+  if (name == "triangles") return {"100,50"};
+  if (row.value.type == OptionType::choices) {
+    return {row.value.choices.back(), row.value.choices.back() + "," + row.value.choices.front()};
+  }
+  if (!row.value.choices.empty()) return row.value.choices;
+  switch (row.value.type) {
+    case OptionType::flag:
+      return {"true", "false"};
+    case OptionType::whole:
+      return {"9", "10"};
+    case OptionType::number:
+      return {"0.5", "0.75"};
+    default:
+      return {"a.json", "b.json"};
+  }
+}
+
+TEST(OptionTable, NamesAndKeysAreUnique) {
+  std::set<std::string> names, keys;
+  for (const FractureOptionRow& row : fractureOptionTable()) {
+    EXPECT_TRUE(names.insert(row.name).second) << row.name;
+    EXPECT_TRUE(*row.key == '\0' || keys.insert(row.key).second) << row.key;
+    EXPECT_FALSE(std::string(row.help).ends_with('.')) << row.name;
+    EXPECT_EQ(fractureOption(row.name), row.hidden ? nullptr : &row);
+  }
+  std::set<std::string> own;
+  for (const DatasetOptionRow& row : datasetOptionTable()) {
+    EXPECT_TRUE(own.insert(row.name).second) << row.name;
+    const FractureOptionRow* const other = fractureOption(row.name);
+    EXPECT_TRUE(other == nullptr || other->single || other->name != std::string(row.name))
+        << row.name << " is an option of each fracture too";
+  }
+}
+
+TEST(OptionTable, ValuesAreReadBackFromTheirText) {
+  for (const FractureOptionRow& row : fractureOptionTable()) {
+    for (const std::string& value : valuesOf(row)) {
+      RunOptions options;
+      row.value.set(options, value);
+      const std::string text = row.value.text(options);
+      if (std::string(row.name) != "preset") {
+        EXPECT_EQ(text, value) << row.name;
+      }
+      if (text.empty()) continue;
+      RunOptions again;
+      row.value.set(again, text);
+      EXPECT_EQ(row.value.text(again), text) << row.name;
+    }
+    if (row.value.type == OptionType::text && row.value.range.size() > 3 &&
+        row.value.range != "IMPACT") {
+      continue;  // any text: a name
+    }
+    for (const char* text : {"", "what", "-1e400", "nan", "1,2,", "0x10", " 1", "1 "}) {
+      if (row.name == std::string("seeds") || row.name == std::string("grid")) continue;
+      RunOptions options;
+      EXPECT_THROW(row.value.set(options, text), Error) << row.name << " " << text;
+    }
+  }
+}
+
+TEST(OptionTable, EveryRowShapesTheManifestOrSaysWhereElse) {
+  for (const FractureOptionRow& row : fractureOptionTable()) {
+    bool isSeen = false;
+    for (const std::string& value : valuesOf(row)) {
+      RunOptions options = everything();
+      if (std::string(row.name) == "metric") options.fracture.grow.growth = Growth::chain;
+      const auto before = recordedOptions(options, false);
+      row.value.set(options, value);
+      isSeen |= recordedOptions(options, false) != before;
+    }
+    EXPECT_TRUE(isSeen || *row.elsewhere != '\0') << row.name;
+  }
+}
+
+TEST(OptionTable, ManifestsAreReadBack) {
+  for (const FractureOptionRow& row : fractureOptionTable()) {
+    if (std::string(row.key).empty()) continue;
+    for (const std::string& value : valuesOf(row)) {
+      RunOptions options = everything();
+      row.value.set(options, value);
+      const auto recorded = recordedOptions(options, false);
+      const RunOptions again = optionsRecorded(nlohmann::json::parse(recorded.dump()));
+      // Whether the .vdb files and meshes are written stands in the list of files.
+      RunOptions written = again;
+      written.write.proxy = options.write.proxy;
+      EXPECT_EQ(recordedOptions(written, false).dump(), recorded.dump()) << row.name;
+    }
+  }
+  EXPECT_THROW((void)optionsRecorded({{"fill", "sand"}}), Error);
+  EXPECT_THROW((void)optionsRecorded({{"seed", -1}}), Error);
+  EXPECT_THROW((void)optionsRecorded({{"seeds", {{"impacts", {{{"count", "x"}}}}}}}), Error);
+  EXPECT_NO_THROW((void)optionsRecorded({{"future", 1}}));
+}
+
+TEST(OptionTable, EveryOptionOfADatasetIsInItsIdentity) {
+  const DatasetOptions usual;
+  EXPECT_EQ(datasetIdentity(usual), "");
+  for (const FractureOptionRow& row : fractureOptionTable()) {
+    if (row.hidden || row.single || std::string(row.name) == "preset") continue;
+    bool isSeen = false;
+    for (const std::string& value : valuesOf(row)) {
+      DatasetOptions options;
+      row.value.set(options.each, value);
+      const std::string identity = datasetIdentity(options);
+      isSeen |= identity.find("--" + std::string(row.name)) == 0;
+      EXPECT_TRUE(isIdentityOf(options, identity));
+      EXPECT_EQ(isIdentityOf(usual, identity), identity.empty()) << identity;
+    }
+    EXPECT_TRUE(isSeen) << row.name;
+  }
+}
+
+TEST(OptionTable, AnIdentityMayNameOptionsInAnyOrder) {
+  DatasetOptions options;
+  options.each.fracture = paperOptions();
+  options.each.fracture.solid.resolution = 24;
+  options.drawn = {*drawnOption("erode-iterations", "0..3"),
+                   *drawnOption("sampler", "uniform|poisson")};
+  options.schedule.most = 4;
+  options.poses = true;
+  const std::string now = datasetIdentity(options);
+  EXPECT_NE(now.find("--erode-iterations=0..3"), std::string::npos) << now;
+  EXPECT_NE(now.find("--pieces=2..4 --poses"), std::string::npos) << now;
+  EXPECT_TRUE(isIdentityOf(options, now));
+  // As it was written from the command line.
+  const std::string before =
+      "--erode-iterations=0..3 --pieces=2..4 --poses --preset=paper "
+      "--repeats=25..15 --resolution=24 --sampler=uniform|poisson";
+  EXPECT_TRUE(isIdentityOf(options, before));
+  EXPECT_FALSE(isIdentityOf(options, before + " --seed=1"));
+  EXPECT_FALSE(isIdentityOf(options, before + " --unknown=1"));
+}
+
+TEST(OptionTable, OnlySomeOptionsAreDrawn) {
+  EXPECT_TRUE(drawnOption("roughness", "0..2"));
+  EXPECT_TRUE(drawnOption("growth", "flood|euclid"));
+  EXPECT_FALSE(drawnOption("growth", "flood"));
+  EXPECT_FALSE(drawnOption("roughness", "2..0"));
+  EXPECT_FALSE(drawnOption("resolution", "16..32"));
+  EXPECT_FALSE(drawnOption("unknown", "0..2"));
+  EXPECT_NO_THROW(checkDrawn(*drawnOption("roughness", "0..2"), {}));
+  EXPECT_THROW(checkDrawn(*drawnOption("roughness", "0..200"), {}), Error);
+  EXPECT_THROW(checkDrawn(*drawnOption("growth", "flood|moss"), {}), Error);
+}
+
+}  // namespace
+}  // namespace sherd
