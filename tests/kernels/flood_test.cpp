@@ -108,12 +108,12 @@ TEST_F(Flood, AnyBatchAndWorkGroupAndReadbackGiveTheSameLabels) {
   for (const int group : {1, 3, 64}) {
     for (const int readback :
          voxel_shapes::small() ? std::vector<int>{8} : std::vector<int>{1, 5, 64}) {
-      const std::vector<Labels> together = grow(blocks, sets, device(),
-                                                {.growth = Growth::flood,
-                                                 .regrowIsolated = false,
-                                                 .outerSteps = 4,
-                                                 .tuning = {.stepsPerReadback = readback,
-                                                 .workGroupSize = group}});
+      const std::vector<Labels> together =
+          grow(blocks, sets, device(),
+               {.growth = Growth::flood,
+                .regrowIsolated = false,
+                .outerSteps = 4,
+                .tuning = {.stepsPerReadback = readback, .workGroupSize = group}});
       ASSERT_EQ(together.size(), sets.size());
       for (std::size_t i = 0; i < sets.size(); ++i) expectEqual(solid, sets[i], together[i], 4);
     }
