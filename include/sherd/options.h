@@ -106,8 +106,9 @@ struct OptionRow {
   const char* name;   ///< on the command line after two dashes, in configuration files, in `draw`
   const char* group;  ///< heading of the help; empty: none
   OptionValue<Target> value;
-  const char* help;      ///< one sentence without its full stop
-  const char* key = "";  ///< place in a manifest's `options`, such as "erode.size"; empty: none
+  const char* help;          ///< one sentence without its full stop
+  const char* details = "";  ///< the same at length, in Markdown; empty: help says all
+  const char* key = "";      ///< place in a manifest's `options`, such as "erode.size"; empty: none
   const char* elsewhere = "";  ///< place in a manifest of an option without a key: "files"
   bool (*recorded)(const Target&) = nullptr;  ///< whether the manifest has it; null: always
   const char* excludes = "";                  ///< name of an option that cannot be given too

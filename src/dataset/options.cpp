@@ -77,104 +77,123 @@ void setShard(DatasetOptions& o, const std::string& text) {
   o.shard = {static_cast<int>(*number), static_cast<int>(*of)};
 }
 
-std::vector<Row> scheduleRows() {
-  const char* const group = "Schedule";
-  constexpr std::size_t kMost = std::numeric_limits<std::size_t>::max();
-  return {
-      {.name = "pieces",
-       .group = group,
-       .value = V::custom(OptionType::text, "A..B", setPieces,
-                          [](D o) { return rangeText(o.schedule.fewest, o.schedule.most); }),
-       .help = "Number of fragments: every number of a range",
-       .key = "pieces"},
-      {.name = "repeats",
-       .group = group,
-       .value = V::custom(
-           OptionType::text, "A..B", setRepeats,
-           [](D o) { return rangeText(o.schedule.repeatsOfFewest, o.schedule.repeatsOfMost); }),
-       .help = "Fractures with the fewest pieces and with the most; in proportion between",
-       .key = "repeats"},
-      {.name = "max-fragments",
-       .group = group,
-       .value = V::whole(kSchedule, &Schedule::maxFragments, 1, kMost),
-       .help = "Maximum number of fragments of one object",
-       .key = "max_fragments"},
-      {.name = "seed",
-       .group = group,
-       .value =
-           V::whole(kDataset, &DatasetOptions::seed, 0, std::numeric_limits<std::uint64_t>::max()),
-       .help = "Seed of the run; fractures' own seeds are made from it and the mesh's content",
-       .key = "seed"},
-      {.name = "distinct",
-       .group = group,
-       .value = V::number(kDataset, &DatasetOptions::distinct, between(0.0, 0.99, "0..0.99")),
-       .help = "Least share of voxels in which fractures of one object differ; others are drawn "
-               "again",
-       .key = "distinct"},
-      {.name = "poses",
-       .group = group,
-       .value = V::flag(kDataset, &DatasetOptions::poses),
-       .help = "A random pose of each fragment in the index",
-       .key = "poses"},
-      {.name = "split",
-       .group = group,
-       .value = V::custom(OptionType::text, "A/B/C", setSplit,
-                          [](D o) {
-                            return std::to_string(o.split[0]) + "/" + std::to_string(o.split[1]) +
-                                   "/" + std::to_string(o.split[2]);
-                          }),
-       .help = "Shares of objects for train.txt, val.txt and test.txt",
-       .key = "split"},
-  };
-}
+constexpr std::size_t kMost = std::numeric_limits<std::size_t>::max();
 
-std::vector<Row> runRows() {
-  const char* const group = "Run";
-  return {
-      {.name = "match",
-       .group = group,
-       .value = V::string(kLibrary, &LibraryOptions::match, "PATTERN"),
-       .help = "Only meshes whose path in the library matches a pattern, such as '*.ply'"},
-      {.name = "limit",
-       .group = group,
-       .value =
-           V::whole(kLibrary, &LibraryOptions::limit, 1, std::numeric_limits<std::size_t>::max()),
-       .help = "Only the first so many of these"},
-      {.name = "layout",
-       .group = group,
-       .value = V::choice(kDataset, &DatasetOptions::layout, names::kDatasetLayout),
-       .help = "Files: a folder for each fracture, a ZIP file for each object, the paper's layout, "
-               "Breaking Bad's",
-       .key = "layout"},
-      {.name = "compress",
-       .group = group,
-       .value = V::choice(kDataset, &DatasetOptions::compression, names::kFileCompression),
-       .help = "How each file is packed; with --layout packed within the archive",
-       .key = "compress"},
-      {.name = "resume",
-       .group = group,
-       .value = V::flag(kDataset, &DatasetOptions::resume),
-       .help = "Continue an interrupted dataset"},
-      {.name = "shard",
-       .group = group,
-       .value = V::custom(
-           OptionType::text, "i/N", setShard,
-           [](D o) { return std::to_string(o.shard.number) + "/" + std::to_string(o.shard.of); }),
-       .help = "This machine's share of the work; sherd merge joins all shares"},
-      {.name = "object-timeout",
-       .group = group,
-       .value = V::number(kDataset, &DatasetOptions::objectTimeout, aboveZero()),
-       .help = "Seconds after which an object counts as failed; default never",
-       .unit = "s"},
-  };
-}
+const std::vector<Row> kScheduleRows{
+    {.name = "pieces",
+     .group = "Schedule",
+     .value = V::custom(OptionType::text, "A..B", setPieces,
+                        [](D o) { return rangeText(o.schedule.fewest, o.schedule.most); }),
+     .help = "Number of fragments: every number of a range",
+     .details = "every number of pieces",
+     .key = "pieces"},
+    {.name = "repeats",
+     .group = "Schedule",
+     .value = V::custom(
+         OptionType::text, "A..B", setRepeats,
+         [](D o) { return rangeText(o.schedule.repeatsOfFewest, o.schedule.repeatsOfMost); }),
+     .help = "Fractures with the fewest pieces and with the most; in proportion between",
+     .details = "fractures into the fewest pieces, and into the most",
+     .key = "repeats"},
+    {.name = "max-fragments",
+     .group = "Schedule",
+     .value = V::whole(kSchedule, &Schedule::maxFragments, 1, kMost),
+     .help = "Maximum number of fragments of one object",
+     .details = "limit per object; the first fracture that would exceed it ends the "
+                "object's schedule",
+     .key = "max_fragments"},
+    {.name = "seed",
+     .group = "Schedule",
+     .value =
+         V::whole(kDataset, &DatasetOptions::seed, 0, std::numeric_limits<std::uint64_t>::max()),
+     .help = "Seed of the run; fractures' own seeds are made from it and the mesh's content",
+     .details = "seed of the run. The seed of a fracture is derived from it, the mesh "
+                "file's content, the number of pieces, the repeat and the attempt, and is "
+                "in the index: `sherd fracture` with it makes the same files",
+     .key = "seed"},
+    {.name = "distinct",
+     .group = "Schedule",
+     .value = V::number(kDataset, &DatasetOptions::distinct, between(0.0, 0.99, "0..0.99")),
+     .help = "Least share of voxels in which fractures of one object differ; others are drawn "
+             "again",
+     .details = "least share of voxels in which two fractures of one object differ, with "
+                "fragments matched greedily by overlap (on 131,072 evenly spaced voxels). "
+                "A fracture below it is drawn again, at most 20 times; then the object "
+                "fails",
+     .key = "distinct"},
+    {.name = "poses",
+     .group = "Schedule",
+     .value = V::flag(kDataset, &DatasetOptions::poses),
+     .help = "A random pose of each fragment in the index",
+     .key = "poses"},
+    {.name = "split",
+     .group = "Schedule",
+     .value = V::custom(OptionType::text, "A/B/C", setSplit,
+                        [](D o) {
+                          return std::to_string(o.split[0]) + "/" + std::to_string(o.split[1]) +
+                                 "/" + std::to_string(o.split[2]);
+                        }),
+     .help = "Shares of objects for train.txt, val.txt and test.txt",
+     .details = "shares of objects in `train.txt`, `val.txt`, `test.txt`; by a hash of "
+                "the path, so an object keeps its split when others are added",
+     .key = "split"},
+};
+
+const std::vector<Row> kRunRows{
+    {.name = "match",
+     .group = "Run",
+     .value = V::string(kLibrary, &LibraryOptions::match, "PATTERN"),
+     .help = "Only meshes whose path in the library matches a pattern, such as '*.ply'",
+     .details = "only meshes whose path in the library matches the shell pattern; `*` "
+                "also matches `/`"},
+    {.name = "limit",
+     .group = "Run",
+     .value =
+         V::whole(kLibrary, &LibraryOptions::limit, 1, std::numeric_limits<std::size_t>::max()),
+     .help = "Only the first so many of these",
+     .details = "only the first N of these"},
+    {.name = "layout",
+     .group = "Run",
+     .value = V::choice(kDataset, &DatasetOptions::layout, names::kDatasetLayout),
+     .help = "Files: a folder for each fracture, a ZIP file for each object, the paper's layout, "
+             "Breaking Bad's",
+     .key = "layout"},
+    {.name = "compress",
+     .group = "Run",
+     .value = V::choice(kDataset, &DatasetOptions::compression, names::kFileCompression),
+     .help = "How each file is packed; with --layout packed within the archive",
+     .details = "each file separately; with `--layout packed` `none`, otherwise deflated "
+                "within the archive",
+     .key = "compress"},
+    {.name = "resume",
+     .group = "Run",
+     .value = V::flag(kDataset, &DatasetOptions::resume),
+     .help = "Continue an interrupted dataset",
+     .details = "continue DIR. Options must be the same as before, except `--match`, "
+                "`--limit`, `--shard`, `--verify`, `--device`, `--threads`, "
+                "`--max-memory`, `--object-timeout` and output options"},
+    {.name = "shard",
+     .group = "Run",
+     .value = V::custom(
+         OptionType::text, "i/N", setShard,
+         [](D o) { return std::to_string(o.shard.number) + "/" + std::to_string(o.shard.of); }),
+     .help = "This machine's share of the work; sherd merge joins all shares",
+     .details = "the i-th of N shards of about equal size in bytes; any number of "
+                "machines may write below one DIR, and `sherd merge` makes the index"},
+    {.name = "object-timeout",
+     .group = "Run",
+     .value = V::number(kDataset, &DatasetOptions::objectTimeout, aboveZero()),
+     .help = "Seconds after which an object counts as failed; default never",
+     .details = "time limit per object; default: never",
+     .unit = "s"},
+};
 
 }  // namespace
 
 std::span<const DatasetOptionRow> datasetOptionTable() {
   static const std::vector<Row> kTable = [] {
-    std::vector<Row> all = scheduleRows();
-    for (Row& row : runRows()) all.push_back(std::move(row));
+    std::vector<Row> all = kScheduleRows;
+    all.insert(all.end(), kRunRows.begin(), kRunRows.end());
     return all;
   }();
   return kTable;

@@ -40,12 +40,16 @@ const std::vector<Row> kGrowthRows{
      .group = "Growth",
      .value = V::choice(kGrow, &GrowOptions::growth, growthNames()),
      .help = "How fragments grow from their seeds",
+     .details = "growth of fragments: layer by layer; nearest seed, ignoring gaps; over "
+                "voxel faces in the order of the distance to the seed; nearest seed, "
+                "disconnected voxels regrown ([decision 0009](decisions/0009-growth.md))",
      .key = "grow.growth",
      .drawn = true},
     {.name = "neighborhood",
      .group = "Growth",
      .value = V::oneOf(kGrow, &GrowOptions::neighborhood, {6, 26}),
      .help = "Neighbors of a voxel in a flood: 6 or 26",
+     .details = "neighbors of a voxel in a flood",
      .key = "grow.neighborhood",
      .recorded = [](R o) { return ruleOf(o.fracture.grow.growth).usesNeighborhood; },
      .drawn = true},
@@ -53,6 +57,7 @@ const std::vector<Row> kGrowthRows{
      .group = "Growth",
      .value = V::choice(kGrow, &GrowOptions::metric, names::kMetric),
      .help = "Metric of --growth nearest and chain",
+     .details = "distance of `nearest` and `chain`",
      .key = "grow.metric",
      .recorded = [](R o) { return ruleOf(o.fracture.grow.growth).usesMetric; },
      .drawn = true},
@@ -64,6 +69,8 @@ const std::vector<Row> kGrowthRows{
          [](R o) { return grainText(kGrain(o)); }),
      .help = "Grain along a direction: splinters with a strength of 0..9, plates across it with "
              "-0.75..0",
+     .details = "anisotropy: lengths along the direction are divided by 1 + strength: "
+                "splinters for 0 to 9, plates across it for -0.75 to 0",
      .drawn = true},
     {.name = "grain-direction",
      .group = "Growth",
@@ -90,6 +97,9 @@ const std::vector<Row> kGrowthRows{
          [](R o) { return roughnessText(o.fracture.grow); }),
      .help = "Rough cracks: rms height r in voxels over a tenth of the solid, Hurst exponent H "
              "(default 0.8)",
+     .details = "rough cracks: rms height of r voxels (0 to 100) over a tenth of the "
+                "solid's longest side, self-affine with Hurst exponent H (0.1 to 1, "
+                "default 0.8)",
      .drawn = true,
      .unit = "voxels"},
     {.name = "roughness-height",
@@ -125,18 +135,25 @@ const std::vector<Row> kGrowthRows{
      .value = V::choice(kGrow, &GrowOptions::regrowIsolated, names::kIsolated),
      .help = "Voxels disconnected from their fragment's first seed: regrow gives them to "
              "neighbors, keep leaves them",
+     .details = "voxels disconnected from the fragment's first seed go to neighbors, or "
+                "stay (fragments may then have several connected components)",
      .key = "grow.isolated",
      .drawn = true},
     {.name = "min-share",
      .group = "Growth",
      .value = V::number(kShares, &ShareOptions::minShare, kShare),
      .help = "Least share of the solid in a fragment; seeds are drawn again until all reach it",
+     .details = "least share of the solid's voxels for a fragment; a smaller one gets a "
+                "new seed elsewhere, until all are large enough, else an error with "
+                "status 2",
      .key = "min_share",
      .drawn = true},
     {.name = "balance",
      .group = "Growth",
      .value = V::whole(kShares, &ShareOptions::balance, 0, 100),
      .help = "Lloyd steps, which move seeds to their fragments' centers and even out sizes",
+     .details = "iterations in which every seed moves to its fragment's center, which "
+                "evens out sizes",
      .key = "balance",
      .drawn = true},
     {.name = "share-tries",
@@ -152,12 +169,14 @@ const std::vector<Row> kErosionRows{
      .group = "Erosion",
      .value = V::whole(kErode, &ErodeOptions::iterations, 0, 1000),
      .help = "Number of erosion passes; 0 none",
+     .details = "tests of the outermost layer",
      .key = "erode.iterations",
      .drawn = true},
     {.name = "erode-shape",
      .group = "Erosion",
      .value = V::choice(kErode, &ErodeOptions::shape, names::kErodeShape),
      .help = "Structuring element around a voxel",
+     .details = "shape around a voxel that its fragment must fill",
      .key = "erode.shape",
      .recorded = erodes,
      .drawn = true},
@@ -165,6 +184,7 @@ const std::vector<Row> kErosionRows{
      .group = "Erosion",
      .value = V::oneOf(kErode, &ErodeOptions::size, {3, 5, 7, 9, 11, 13}),
      .help = "Size of the structuring element, odd",
+     .details = "size of the shape",
      .key = "erode.size",
      .recorded = erodes,
      .drawn = true,
@@ -174,12 +194,15 @@ const std::vector<Row> kErosionRows{
      .value = V::flag(kErode, &ErodeOptions::planes),
      .help = "Structuring elements in the three axis planes, as in the paper, instead of one in "
              "3-D",
+     .details = "the shape in each of the three axis planes, as in the paper, in place of "
+                "3-D",
      .key = "erode.planes",
      .recorded = erodes},
     {.name = "erode-threshold",
      .group = "Erosion",
      .value = V::number(kErode, &ErodeOptions::threshold, between(1e-6, 1.0, "0.000001..1")),
      .help = "Share of the structuring element that its fragment must fill",
+     .details = "least filled share of the shape",
      .key = "erode.threshold",
      .recorded = erodes,
      .drawn = true},
@@ -187,6 +210,7 @@ const std::vector<Row> kErosionRows{
      .group = "Erosion",
      .value = V::number(kErode, &ErodeOptions::probability, kShare),
      .help = "Probability that a voxel is tested, drawn again in each pass",
+     .details = "probability that a voxel is tested, drawn in each iteration",
      .key = "erode.probability",
      .recorded = erodes,
      .drawn = true},
@@ -201,6 +225,7 @@ const std::vector<Row> kErosionRows{
      .group = "Erosion",
      .value = V::choice(kErode, &ErodeOptions::islands, names::kIslands),
      .help = "Smaller components of a fragment that erosion splits",
+     .details = "the smaller components (islands) of a fragment that falls apart",
      .key = "erode.islands",
      .recorded = erodes,
      .drawn = true},
@@ -211,6 +236,8 @@ const std::vector<Row> kWithheldRows{
      .group = "Growth",
      .value = V::number(kFracture, &FractureOptions::dropShare, kShare),
      .help = "Withhold fragments with a smaller share of the solid",
+     .details = "withhold fragments of a smaller share of the solid: they get the last "
+                "ids",
      .key = "drop_share",
      .recorded = [](R o) { return o.fracture.dropShare > 0.0; },
      .drawn = true},
@@ -222,6 +249,8 @@ const std::vector<Row> kWithheldRows{
          [](R o) { return shortestText(o.fracture.missing); }),
      .help = "Withhold further fragments at random: a number, or below 1 a share of them; the "
              "manifest lists them",
+     .details = "withhold this number or share of the remaining fragments: in the "
+                "manifest's `withheld`, not in the files",
      .key = "missing",
      .drawn = true},
 };

@@ -40,12 +40,16 @@ const std::vector<Row> kPointRows{
      .group = "Points",
      .value = V::whole(kPoints, &PointOptions::count, 0, kMaxPoints),
      .help = "Points drawn on each fragment's surface, written to points/; 0 none",
+     .details = "number of points on each fragment's surface, written to `points/` "
+                "whatever `--write` says",
      .key = "points.count",
      .recorded = samplesPoints},
     {.name = "share-points",
      .group = "Points",
      .value = V::flag(kWrite, &WriteOptions::sharePoints),
      .help = "--points counts for all fragments together, distributed by area",
+     .details = "`--points` is the total over all fragments, distributed by area; the "
+                "counts add up exactly",
      .key = "points.shared",
      .recorded = samplesPoints,
      .needs = "points"},
@@ -53,6 +57,8 @@ const std::vector<Row> kPointRows{
      .group = "Points",
      .value = V::choice(kPoints, &PointOptions::sampler, names::kPointSampler),
      .help = "Distribution of points: independent, even, or well apart",
+     .details = "distribution of points: independent; low-discrepancy; with a minimum "
+                "distance",
      .key = "points.sampler",
      .recorded = samplesPoints,
      .needs = "points"},
@@ -61,6 +67,10 @@ const std::vector<Row> kPointRows{
      .value = V::choice(kPoints, &PointOptions::rule, names::kPointRule),
      .help = "Points by area, or at least one per triangle, shuffled and truncated, as in the "
              "paper",
+     .details = "points by area; or as in the paper (section 3.4) at least one per "
+                "triangle and more by area, shuffled and truncated to the number: if "
+                "there are more triangles than points, small ones count as much as large "
+                "ones. Not with `poisson`",
      .key = "points.rule",
      .recorded = samplesPoints,
      .needs = "points"},
@@ -68,6 +78,8 @@ const std::vector<Row> kPointRows{
      .group = "Points",
      .value = V::choices(kWrite, &WriteOptions::pointFormats, names::kPointFormat),
      .help = "Files of points, one or more: binary, text, NumPy's, the paper's compressed octree",
+     .details = "files of points: binary with neighbors; text; NumPy; the paper's "
+                "compressed octree",
      .key = "points.formats",
      .recorded = samplesPoints,
      .needs = "points"},
@@ -76,12 +88,16 @@ const std::vector<Row> kPointRows{
      .value = V::whole(kDistances, &DistanceOptions::count, 0, kMaxPoints),
      .help = "Points in and around each fragment and the whole, with their signed distance, "
              "written to sdf/; 0 none",
+     .details = "number of points in and around each fragment, and around the intact "
+                "solid, with their signed distance, written to `sdf/`",
      .key = "sdf.count",
      .recorded = samplesDistances},
     {.name = "sdf-type",
      .group = "Points",
      .value = V::choice(kDistances, &DistanceOptions::type, names::kSampleType),
      .help = "Number type of these files",
+     .details = "type of these numbers; 16 bits need a mesh near the origin, and one that "
+                "reaches beyond 65504 is refused",
      .key = "sdf.type",
      .recorded = samplesDistances,
      .needs = "sdf-samples"},
@@ -98,6 +114,10 @@ const std::vector<Row> kPointRows{
      .value = V::whole(kWrite, &WriteOptions::correspondences, 0, kMaxPoints),
      .help = "Points on the surface between each two fragments that touch, written to "
              "correspondences.npz",
+     .details = "number of points on each contact, written to `correspondences.npz`; the "
+                "fragments must share the surface: not with `--interface independent` or "
+                "`--erode-iterations`, nor with `--surface labels` that is smoothed at "
+                "cracks or simplified",
      .key = "correspondences",
      .recorded = [](R o) { return o.write.correspondences > 0; }},
 };
@@ -107,12 +127,17 @@ const std::vector<Row> kFileRows{
      .group = "Files for hosts",
      .value = V::number(kWrite, &WriteOptions::density, aboveZero()),
      .help = "Mass per unit of volume, for masses and inertia in .vdb files and scene.glb",
+     .details = "mass per unit volume: for mass and inertia in `.vdb` files, `scene.glb` "
+                "and `graph.json`",
      .key = "density",
      .recorded = [](R o) { return o.write.density != 1.0; }},
     {.name = "proxy-gap",
      .group = "Files for hosts",
      .value = V::number(kWrite, &WriteOptions::proxyGap, between(0.0, 1e9, "0..1e9")),
      .help = "Gap between the convex hulls of neighbors, in the mesh's unit",
+     .details = "gap between the convex hulls of neighbors (`--write proxy`): each side "
+                "moves inwards by half of it, at most half of its distance from the "
+                "hull's center",
      .key = "proxy_gap",
      .recorded = [](R o) { return o.write.proxy; },
      .unit = "world units"},
@@ -120,6 +145,8 @@ const std::vector<Row> kFileRows{
      .group = "Files for hosts",
      .value = V::choice(kWrite, &WriteOptions::vdbFiles, names::kVdbFiles),
      .help = "A .vdb for each fragment, one fragments.vdb with all and their ids, or both",
+     .details = "a `.vdb` per fragment; `fragments.vdb` with grids `surface_1`, "
+                "`surface_2`, ... and `fragment_id`; or both",
      .key = "vdb.files",
      .recorded = writesVdb},
     {.name = "fog",
@@ -133,12 +160,16 @@ const std::vector<Row> kFileRows{
      .group = "Files for hosts",
      .value = V::flag(kVdb, &VdbOptions::half),
      .help = "16-bit values in .vdb files: a third smaller, error up to 0.002 voxel",
+     .details = "16-bit values in `.vdb` files, read back as 32: a third smaller, error "
+                "at most 0.002 voxel",
      .key = "vdb.half",
      .recorded = writesVdb},
     {.name = "vdb-compress",
      .group = "Files for hosts",
      .value = V::choice(kVdb, &VdbOptions::compression, names::kVdbCompression),
      .help = "Compression of .vdb files",
+     .details = "compression of `.vdb` files; `none` is a tenth larger and readable by "
+                "every OpenVDB build",
      .key = "vdb.compression",
      .recorded = writesVdb,
      .alias = "compress"},
@@ -148,23 +179,33 @@ const std::vector<Row> kFileRows{
                [](RunOptions& o, const std::string& text) { setWritten(o.write, text); },
                [](R o) { return writtenText(o.write); }},
      .help = "What to write, separated by commas",
+     .details = "files to write besides `manifest.json` ([formats.md](formats.md)); `fog` "
+                "is added to the `.vdb` files, `solid` writes the intact object in the "
+                "other formats written",
      .elsewhere = "files"},
     {.name = "voxel-format",
      .group = "",
      .value = V::choices(kWrite, &WriteOptions::voxelFormats, names::kVoxelFormat),
      .help = "Files of labels, one or more: run-length, NumPy's dense array, the same deflated "
              "with its grid transform, MagicaVoxel, quad-stack, raw cube",
+     .details = "files of the labels, `labels.rle` and so on ([formats.md](formats.md)); "
+                "`.npz` also records their position",
      .elsewhere = "files"},
     {.name = "mesh-format",
      .group = "",
      .value = V::choices(kWrite, &WriteOptions::meshFormats, names::kMeshFileFormat),
      .help = "Files of meshes, one or more: PLY, OBJ with materials, binary glTF, STL, STL as "
              "text, the paper's",
+     .details = "files of the meshes; `.obj` with a material library, `.glb` with "
+                "embedded textures, `.stl` with triangles only, binary or (`stl-ascii`) "
+                "text, `.binm` the paper's binary mesh ([formats.md](formats.md))",
      .elsewhere = "files"},
     {.name = "plain-meshes",
      .group = "",
      .value = V::flag(kWrite, &WriteOptions::plainMeshes),
      .help = "Only vertices and triangles in .ply and .obj: no normals, neighbors or materials",
+     .details = "vertices and triangles only in `.ply` and `.obj`: no normals, neighbors "
+                "or materials",
      .key = "plain_meshes",
      .recorded = [](R o) { return o.write.mesh; }},
     {.name = "up",
@@ -177,6 +218,7 @@ const std::vector<Row> kFileRows{
                },
                [](R o) { return std::string(1, o.write.up); }},
      .help = "The mesh's axis that points up in the preview",
+     .details = "the mesh's axis that points up in `preview.png`",
      .key = "up",
      .recorded = [](R o) { return o.write.preview; }},
 };
@@ -195,18 +237,26 @@ const std::vector<Row> kSurfaceRows{
      .group = "Surface",
      .value = V::choice(kSurface, &SurfaceOptions::surface, names::kSurface),
      .help = "Meshes of the smooth level sets, or of the faces of the labels' voxels",
+     .details = "meshes of the level sets, or the voxel faces of the fragment, as in the "
+                "paper. The `.vdb` files are the same for both",
      .key = "surface.of",
      .drawn = true},
     {.name = "interface",
      .group = "Surface",
      .value = V::choice(kSurface, &SurfaceOptions::interface, names::kInterface),
      .help = "Surfaces between fragments: shared bit for bit, or each fragment meshed separately",
+     .details = "two fragments share the vertices and faces between them, bit for bit; or "
+                "each level set is meshed separately ([decision "
+                "0010](decisions/0010-one-mesh-of-all-labels.md))",
      .key = "surface.interface",
      .drawn = true},
     {.name = "adaptivity",
      .group = "Surface",
      .value = V::number(kSurface, &SurfaceOptions::adaptivity, kShare),
      .help = "Simplify flat regions: error in voxels that a vertex may have; 0 none",
+     .details = "fewer polygons in flat regions: the largest rms distance, in voxels, "
+                "from a vertex to the planes of the faces it replaces. Applied after "
+                "smoothing, which needs the even triangles of the extracted mesh",
      .key = "surface.adaptivity",
      .drawn = true,
      .unit = "voxels"},
@@ -214,6 +264,9 @@ const std::vector<Row> kSurfaceRows{
      .group = "Surface",
      .value = V::choice(kSmooth, &SmoothOptions::method, names::kSmoothing),
      .help = "Smoothing: taubin keeps the volume; laplacian, as in the paper, shrinks",
+     .details = "vertices move towards the mean of their neighbors and then almost as far "
+                "back, which keeps the volume (Taubin 1995, pass band 0.1); or towards it "
+                "only, as in the paper, which shrinks thin features",
      .key = "surface.smooth.method",
      .drawn = true},
     {.name = "smooth-iterations",
@@ -221,6 +274,8 @@ const std::vector<Row> kSurfaceRows{
      .value = passes(kSmoothed),
      .help = "Passes over all vertices but those of cracks; 0.048k is 0.048 times the voxels of "
              "the longest side",
+     .details = "iterations for all vertices except those of cracks; `0.048k` is 0.048 "
+                "times the voxels of the solid's longest side, truncated",
      .drawn = true},
     {.name = "smooth-passes",
      .group = "Surface",
@@ -232,12 +287,15 @@ const std::vector<Row> kSurfaceRows{
      .group = "Surface",
      .value = V::number(kSmooth, &SmoothOptions::weight, kShare),
      .help = "How far a vertex moves to its neighbors' mean in a pass; taubin: at most 2/3",
+     .details = "step towards the mean of the neighbors; with `taubin` at most 2/3",
      .key = "surface.smooth.weight",
      .drawn = true},
     {.name = "smooth-boundary-iterations",
      .group = "Surface",
      .value = passes(kSmoothedBoundary),
      .help = "The same for vertices of cracks and their boundaries",
+     .details = "the same for the vertices of cracks with their contact boundaries, after "
+                "all others",
      .drawn = true},
     {.name = "smooth-boundary-passes",
      .group = "Surface",
@@ -249,6 +307,8 @@ const std::vector<Row> kSurfaceRows{
      .group = "Surface",
      .value = V::number(kSmooth, &SmoothOptions::boundaryWeight, kShare),
      .help = "How far these move; with 0 fragments keep fitting",
+     .details = "step for these; with 0 they stay, and fragments of `labels` fit without "
+                "a gap",
      .key = "surface.smooth.boundary_weight",
      .drawn = true},
     {.name = "triangles",
@@ -260,6 +320,8 @@ const std::vector<Row> kSurfaceRows{
          },
          [](R o) { return trianglesText(o.fracture.surface.triangles); }),
      .help = "Also write each mesh decimated to at most so many triangles, once per number",
+     .details = "also write every mesh decimated to at most this number of triangles, one "
+                "file per number",
      .key = "surface.triangles",
      .drawn = true},
 };

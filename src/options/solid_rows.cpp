@@ -37,7 +37,9 @@ const std::vector<Row> kGeneralRows{
                  o.fracture = paperOptions();
                },
                [](R) { return std::string(); }},
-     .help = "Options of section 4.1 of the paper; options that are given override them"},
+     .help = "Options of section 4.1 of the paper; options that are given override them",
+     .details = "set options to the paper's values (below); explicit options override the "
+                "preset, in any order"},
     {.name = "pieces",
      .group = "",
      .value = V::whole(kFracture, &FractureOptions::pieces, 1, kMaxFragments),
@@ -66,6 +68,8 @@ const std::vector<Row> kSolidRows{
      .group = "",
      .value = V::custom(OptionType::whole, "auto|8..4096", setResolution, resolutionText),
      .help = "Voxels along the longest side; auto: as many as the mesh's walls need, 128..512",
+     .details = "voxels along the longest side of the mesh's box; `auto` chooses 128 to "
+                "512 from the wall thickness (below)",
      .key = "resolution",
      .recorded = [](R o) { return o.fracture.solid.voxelSize <= 0.0; },
      .unit = "voxels"},
@@ -73,6 +77,8 @@ const std::vector<Row> kSolidRows{
      .group = "",
      .value = V::number(kSolid, &SolidOptions::voxelSize, aboveZero()),
      .help = "Voxel size in the mesh's own unit, in place of --resolution",
+     .details = "size of a voxel, in place of `--resolution`; the longest side may be at "
+                "most 4096 voxels",
      .key = "voxel_size",
      .recorded = [](R o) { return o.fracture.solid.voxelSize > 0.0; },
      .excludes = "resolution",
@@ -81,12 +87,16 @@ const std::vector<Row> kSolidRows{
      .group = "Solid",
      .value = V::choice(kSolid, &SolidOptions::fill, names::kFill),
      .help = "How the inside is found; auto is winding, or shell where the mesh encloses nothing",
+     .details = "how the inside of the mesh is determined",
      .key = "fill"},
     {.name = "shell-thickness",
      .group = "Solid",
      .value = V::number(kSolid, &SolidOptions::shellThickness, aboveZero()),
      .help = "Make a shell of this thickness about the surface, in the mesh's own unit, at most "
              "its longest side; default of --fill shell: two and a half voxels",
+     .details = "make a shell of this thickness around the surface; with `--fill auto` it "
+                "selects `shell`; at most the mesh's longest side; default of `--fill "
+                "shell`: 2.5 voxels",
      .key = "shell_thickness",
      .recorded = [](R o) { return o.fracture.solid.shellThickness > 0.0; },
      .unit = "world units"},
@@ -94,12 +104,14 @@ const std::vector<Row> kSolidRows{
      .group = "Solid",
      .value = V::string(kVolume, &VolumeOptions::grid, "NAME"),
      .help = "The grid of a .vdb file; default: the union of its level sets, or its only grid",
+     .details = "the grid of a `.vdb` file; default: all level sets, or the only grid",
      .elsewhere = "source.grids",
      .single = true},
     {.name = "isovalue",
      .group = "Solid",
      .value = V::number(kVolume, &VolumeOptions::isovalue, between(-1e30, 1e30, "a number")),
      .help = "A grid other than a level set is solid where its values are above",
+     .details = "a grid that is not a level set is solid where its values are above",
      .elsewhere = "source.isovalue",
      .single = true},
 };
@@ -114,6 +126,8 @@ const std::vector<Row> kSeedRows{
          },
          [](R o) { return o.fracture.seeds.given ? o.fracture.seeds.given->file : ""; }),
      .help = "Read the seeds from a file, as --write seeds writes it, instead of drawing them",
+     .details = "read seeds from a file, in the format of `--write seeds`; excludes "
+                "`--pieces`",
      .key = "seeds.file",
      .recorded = [](R o) { return o.fracture.seeds.given.has_value(); },
      .excludes = "pieces",
@@ -122,6 +136,8 @@ const std::vector<Row> kSeedRows{
      .group = "Seeds",
      .value = V::choice(kSeeds, &SeedOptions::sampler, names::kSampler),
      .help = "How seeds are drawn",
+     .details = "distribution of seeds: uniform; low-discrepancy; denser towards the "
+                "center of the box; with a minimum distance",
      .key = "seeds.sampler",
      .recorded = drawsSeeds,
      .drawn = true},
@@ -129,6 +145,7 @@ const std::vector<Row> kSeedRows{
      .group = "Seeds",
      .value = V::choice(kSeeds, &SeedOptions::on, names::kSeedsOn),
      .help = "Where seeds may lie",
+     .details = "voxels that seeds are drawn from",
      .key = "seeds.on",
      .recorded = drawsSeeds,
      .drawn = true},
@@ -140,6 +157,8 @@ const std::vector<Row> kSeedRows{
          [](R o) { return extraSeedsText(o.fracture.seeds); }),
      .help = "Additional seeds, merged into the nearest fragment: less convex pieces; 2n is two "
              "per fragment",
+     .details = "additional seeds, given to the nearest fragment: less convex fragments; "
+                "`2n` is two per fragment",
      .drawn = true},
     {.name = "extra-seeds-count",
      .group = "Seeds",
@@ -159,6 +178,7 @@ const std::vector<Row> kSeedRows{
      .group = "Seeds",
      .value = V::choice(kSeeds, &SeedOptions::mergeMetric, names::kMetric),
      .help = "Metric of the nearest fragment for extra seeds",
+     .details = "distance for extra seeds",
      .key = "seeds.merge_metric",
      .recorded = drawsSeeds,
      .drawn = true},
@@ -166,6 +186,7 @@ const std::vector<Row> kSeedRows{
      .group = "Seeds",
      .value = V::whole(kSeeds, &SeedOptions::randomImpacts, 0, 10000),
      .help = "Impacts at random surface points",
+     .details = "impacts at random points of the surface",
      .key = "seeds.random_impacts",
      .recorded = drawsSeeds,
      .drawn = true},
@@ -185,6 +206,12 @@ const std::vector<Row> kSeedRows{
          }),
      .help = "An impact at x,y,z or ray:ox,oy,oz,dx,dy,dz, then ,count ,spread (world units, or "
              "n=5 as the paper's bias) ,merge; repeatable",
+     .details = "an impact at `x,y,z` or `ray:ox,oy,oz,dx,dy,dz`, then optionally "
+                "`,count` `,spread` `,merge`; may be repeated: `count` of the fragments "
+                "come from seeds scattered around the point, `spread` being their "
+                "standard deviation in the mesh's unit, or the paper's bias as `n=5` "
+                "(side / sqrt(12 n)); with `merge` the seeds go to existing fragments "
+                "instead",
      .key = "seeds.impacts",
      .recorded = drawsSeeds,
      .repeats = true,

@@ -10,6 +10,7 @@ import pathlib
 import re
 import shutil
 import subprocess
+import sys
 import unittest
 
 import numpy as np
@@ -21,7 +22,7 @@ from manifests import load_schema
 
 HERE = pathlib.Path(__file__).resolve().parents[2]
 ROOT = pathlib.Path(os.environ.get("SHERD_DOCUMENTS", HERE))
-COMMANDS = ("fracture", "dataset", "merge", "inspect", "convert", "evaluate", "render", "devices", "doctor")
+COMMANDS = ("fracture", "dataset", "merge", "inspect", "convert", "evaluate", "render", "options", "devices", "doctor")
 
 # Not of this project: names of other libraries, and files of examples.
 FOREIGN = set("""math/Mat3.h Mat3.h Coord.h version.h InteriorTest UNSIGNED_DISTANCE_FIELD meshToVolume Surface_mesh_simplification
@@ -187,6 +188,11 @@ class Options(unittest.TestCase):
                 text = text_of("docs/cli.md").split("```")[1] + sections(text_of("docs/cli.md"))["sherd " + command]
                 shown = set(re.findall(r"\[(--[a-z]+)", "\n".join(l for l in text.splitlines() if l.startswith("sherd " + command))))
                 self.assertEqual(sorted(helped(command)), sorted(shown))
+
+    def test_tables_and_schema_are_as_written_from_the_options(self):
+        check = [sys.executable, str(ROOT / "tools" / "option_docs.py"), "--check", SHERD]
+        result = subprocess.run(check, stderr=subprocess.PIPE, text=True)
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
 
     def test_ranges_and_defaults_are_as_documented(self):
         for command in COMMANDS:
