@@ -17,27 +17,24 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 DRAWING = ROOT / "docs" / "images" / "rooms.svg"
 
 ROOMS = ["base", "cl", "mesh", "voxelize", "seed", "grow", "erode", "surface", "points", "appearance", "pipeline", "evaluate",
-         "render", "chart", "formats/arrays", "formats/mesh", "formats/voxels", "formats/points", "options", "folder", "dataset", "cgal",
+         "render", "chart", "formats", "formats/arrays", "formats/mesh", "formats/voxels", "formats/points", "formats/images", "options", "folder", "dataset", "cgal",
          "assimp_program", "cli"]
 
 HEADERS = {  # include/sherd/
-    "base": "coords error grid_fwd leaf_blocks memory metric output_file progress read_options version",
-    "cl": "device kernel_cache",
-    "mesh": "appearance mesh",
+    "base": "error progress",
+    "cl": "device",
+    "mesh": "mesh",
     "voxelize": "solid",
     "seed": "seeds",
-    "grow": "growth_rules labels shares",
-    "erode": "erode",
-    "surface": "fragments surface",
+    "grow": "labels",
+    "surface": "fragments",
     "points": "points",
-    "pipeline": "fracture memory_estimate refracture",
-    "evaluate": "evaluate fit mesh_quality",
+    "pipeline": "fracture",
+    "evaluate": "evaluate",
     "render": "render",
-    "formats/mesh": "mesh_files",
-    "formats/voxels": "vdb_files volume voxel_files",
-    "formats/points": "point_files",
+    "formats": "files",
     "options": "options",
-    "folder": "io",
+    "folder": "folder",
     "dataset": "dataset",
     "cli": "sherd",  # includes all the others
 }

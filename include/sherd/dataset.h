@@ -1,8 +1,8 @@
 // Dataset runs: a library of meshes, each broken many times.
 #pragma once
 
+#include <sherd/folder.h>
 #include <sherd/fracture.h>
-#include <sherd/io.h>
 #include <sherd/options.h>
 #include <sherd/progress.h>
 

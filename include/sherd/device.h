@@ -1,6 +1,7 @@
-// OpenCL devices: listing and opening them.
+// OpenCL devices: listing and opening them, and the folder for their compiled kernels.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -30,6 +31,8 @@ struct DeviceMemory {
   std::size_t peakBytes = 0;
 };
 
+struct DeviceImpl;
+
 /// An open device: context, queue and kernels.  Kernels are built once, on first use or while a
 /// mesh is voxelized.  Use a device from one thread at a time.
 class Device {
@@ -51,11 +54,27 @@ class Device {
   /// Frees the buffers that are kept for reuse.
   void freeBuffers();
 
-  struct Impl;
-  Impl& impl() { return *impl_; }
-
  private:
-  std::unique_ptr<Impl> impl_;
+  friend DeviceImpl& implOf(Device& device);  // of the stages that launch kernels
+  std::unique_ptr<DeviceImpl> impl_;
 };
+
+/// A candidate for the cache folder.
+struct KernelCache {
+  std::filesystem::path folder;
+  std::string source;  ///< the environment variable that names it, or "temporary folder"
+  std::string fault;   ///< why it cannot be used; empty if it can
+};
+
+/// Sets the environment so that PoCL has a cache folder, without which it lists no device or ends
+/// the process.  PoCL uses $POCL_CACHE_DIR, else $XDG_CACHE_HOME, else $HOME/.cache.  If that
+/// folder cannot be used, POCL_CACHE_DIR is set to one that can: the next of these, or a private
+/// folder of the user in $TMPDIR, /tmp, /var/tmp or /dev/shm, which later runs reuse.  If no folder
+/// of PATH has ld, with which PoCL links kernels, /usr/bin and /bin are appended.  Programs call
+/// this before the first thread starts and before OpenCL is used.  No other function of the library
+/// changes the environment.
+///   return  the folders tried; the last is in use unless it has a fault.  If POCL_CACHE_DIR is
+///           set, no other folder is tried
+std::vector<KernelCache> provideKernelCache();
 
 }  // namespace sherd

@@ -1,10 +1,10 @@
-// Metrics of a finished fracture.
+// Metrics of a finished fracture: mesh quality, fit and convexity.
 #pragma once
 
-#include <sherd/fit.h>
 #include <sherd/mesh.h>
-#include <sherd/mesh_quality.h>
+#include <sherd/progress.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -14,6 +14,118 @@
 #include <vector>
 
 namespace sherd {
+
+/// Statistics of a mesh.  Edges of triangles with two equal corners are not counted.
+struct MeshQuality {
+  /// Bins of MeshQuality::smallestAngles: 5 degrees each, 0..60; 60 is in the last.
+  static constexpr std::size_t kAngleBins = 12;
+
+  std::size_t vertices = 0;  ///< used by a triangle
+  std::size_t triangles = 0;
+  std::size_t components = 0;  ///< connected by shared vertices
+
+  // Each edge is counted at most once.
+  std::size_t boundaryEdges = 0;        ///< of one triangle: the mesh is open there
+  std::size_t nonManifoldEdges = 0;     ///< of three or more triangles
+  std::size_t flippedEdges = 0;         ///< of two triangles with opposite orientation
+  std::size_t nonManifoldVertices = 0;  ///< with more than one fan of triangles
+
+  std::size_t degenerateTriangles = 0;  ///< area 0 in double precision
+  std::size_t duplicateTriangles = 0;   ///< with the corners of an earlier one, in any order
+
+  double smallestAngle = 0.0;      ///< degrees, of all corners; 0..60
+  double meanSmallestAngle = 0.0;  ///< degrees, mean over the triangles of their smallest angle
+  double sliverShare = 0.0;        ///< share of triangles with an angle below 10 degrees
+  std::array<std::size_t, kAngleBins> smallestAngles{};  ///< triangles by their smallest angle
+
+  double volume = 0.0;  ///< by the divergence theorem; valid if the mesh is closed
+
+  /// No boundary edges, and every edge is used equally often in both directions (touching sheets
+  /// included), so the mesh has an inside and a volume.
+  bool closed = false;
+  /// Every edge has two triangles of equal orientation, and every vertex one fan.
+  bool manifold() const {
+    return boundaryEdges + nonManifoldEdges + flippedEdges + nonManifoldVertices == 0;
+  }
+  /// Closed with a positive volume.
+  bool outward() const { return closed && volume > 0.0; }
+};
+
+/// Measures a mesh.
+///   mesh  any, also without triangles
+///   cost  triangles * log triangles
+[[nodiscard]] MeshQuality meshQuality(const TriangleMesh& mesh);
+
+/// A fragment's mesh, assembled: in the coordinates of the whole.
+struct FragmentMesh {
+  int id = 0;
+  TriangleMesh mesh;  ///< world units; at least one triangle, area above 0; neighbors if known
+};
+
+/// Distances of points, world units.
+struct DistanceSummary {
+  std::size_t samples = 0;  ///< >= 1
+  double mean = 0.0;
+  double p99 = 0.0;  ///< 99th percentile
+  double max = 0.0;
+};
+
+struct FitOptions {
+  std::size_t samples = 5000;  ///< points on each fragment's surface, and as many inside it; >= 1
+  std::uint64_t seed = 0;      ///< results do not depend on the number of threads
+  double tolerance = 0.01;     ///< share of the diagonal: the largest distance at which surfaces
+                               ///< are matched where neighbors are unknown; > 0
+};
+
+/// The fit of one fragment.  A value is absent where there are no points to compute it from.
+struct FragmentFit {
+  double originalShare = 0.0;    ///< share of its surface points on the original surface
+  double fractureShare = 0.0;    ///< share of its surface points on a fracture
+  std::vector<int> neighbors{};  ///< ids, ascending, of fragments that are nearest to a fracture
+                                 ///< point and contain it or are within the tolerance
+  std::optional<DistanceSummary> surfaceError;  ///< original points to the intact mesh
+  std::optional<DistanceSummary> gap;   ///< fracture points to the nearest other fragment; 0 inside
+  std::optional<double> overlapShare;   ///< share of its inside points that are inside another one
+  std::optional<double> insideShare{};  ///< share of its surface points inside another fragment
+  double overlapDepth = 0.0;  ///< largest depth of a surface point below another's surface
+};
+
+/// The fit of all fragments.  Fragments are weighted by area, in `overlapShare` by volume.
+struct Fit {
+  double diagonal = 0.0;  ///< of the intact mesh's box, else of the box of all fragments
+  std::vector<FragmentFit> fragments;
+  std::optional<DistanceSummary> surfaceError;
+  std::optional<DistanceSummary> missing;  ///< points on the intact mesh to the nearest fragment:
+                                           ///< large where surface is lost
+  std::optional<DistanceSummary> gap;
+  std::optional<double> overlapShare;
+  double overlapDepth = 0.0;
+  std::optional<double> voidShare;    ///< share of points inside the intact mesh in no fragment
+  std::optional<double> wholeVolume;  ///< of the intact mesh, where it is closed
+};
+
+/// Measures the fit by points sampled on the fragments' surfaces, uniform by area, and inside them,
+/// uniform by volume.
+///
+/// Surface points are classified as original or fracture.  Where neighbors are known, they decide;
+/// points whose neighbor is not among `fragments` are neither.  Where they are unknown, a point is
+/// on a fracture if it is inside another fragment or opposite one: within the tolerance, with the
+/// direction to the closest point outward and at most 60 degrees off the normal.  All others are
+/// original.  With the intact mesh, a fracture point must also be closer to the other fragment than
+/// to that mesh, and an original point within the tolerance of it; all others are neither.  So gaps
+/// and errors above the tolerance go undetected, and where neighbors leave a gap, a strip of its
+/// width along each contact boundary counts as original.
+///
+/// A point within 2e-6 of the diagonal of a surface, the error of single precision, is on it and in
+/// no other fragment.  Only closed fragments have an inside: for an open one overlapShare is
+/// absent, and no point is inside it.
+///   fragments  any number; closed or not
+///   whole      the intact mesh in the same coordinates, or null
+///   cost       fragments * samples * (log triangles) * fragments that are near
+///   throws     Error(usage) an option out of range; Error(input) a mesh has no area;
+///              Error(cancelled)
+[[nodiscard]] Fit fit(std::span<const FragmentMesh> fragments, const TriangleMesh* whole,
+                      const FitOptions& options = {}, const Progress* progress = nullptr);
 
 /// The convexity of a closed mesh, measured at points on its surface.
 struct Convexity {
@@ -69,15 +181,6 @@ struct FragmentSet {
   double voxelSize = 0.0;                    ///< world units, from the manifest, else 0
   std::vector<EvaluatedFragment> fragments;  ///< [>= 1]
 };
-
-/// Reads the fragments of a folder: those that its manifest.json lists, else every file with an
-/// extension of readMesh, numbered from 1 in natural order: piece_2 before piece_10.
-///   throws  Error(input) `folder` is not a folder, or has neither; the manifest is damaged; a mesh
-///           cannot be read, or all meshes together take more memory than `options` allow;
-///           Error(cancelled)
-[[nodiscard]] FragmentSet readFragments(const std::filesystem::path& folder,
-                                        const ReadOptions& options = {},
-                                        const Progress* progress = nullptr);
 
 struct EvaluateOptions {
   std::size_t samples = 5000;  ///< for convexity and for fit

@@ -1,18 +1,18 @@
-// The complete pipeline, from a mesh to fragments.
+// The complete pipeline, from a mesh to fragments; breaking fragments again; and the memory it
+// takes.
 #pragma once
 
-#include <sherd/erode.h>
+#include <sherd/device.h>
 #include <sherd/fragments.h>
 #include <sherd/labels.h>
 #include <sherd/mesh.h>
 #include <sherd/progress.h>
 #include <sherd/seeds.h>
-#include <sherd/shares.h>
 #include <sherd/solid.h>
-#include <sherd/surface.h>
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -86,5 +86,45 @@ struct PreparedSolid {
 /// Breaks a prepared solid.
 [[nodiscard]] FractureResult fracture(const PreparedSolid& prepared, const FractureOptions& options,
                                       Device& device, const Progress* progress = nullptr);
+
+/// A fracture read from its folder.
+struct FinishedFracture {
+  SourceMesh source;  ///< file name of the original mesh, SHA-256 of the manifest, no mesh
+  int resolution = 0;
+  int fragments = 0;
+  Solid solid;    ///< the union of the fragments, without eroded and withheld voxels
+  Labels labels;  ///< 1..fragments on every inside voxel
+};
+
+/// Breaks some fragments again, each into options.pieces; the others stay.  Options of the whole
+/// (resolution, voxel size, seed file, missing, erosion) are ignored.
+///   only    ids of the fragments to break, 1..fragments
+///   return  as fracture(); `parents` has the old fragment that each is or comes from
+///   throws  Error(usage) an id that does not exist; what placeSeeds and grow throw
+[[nodiscard]] FractureResult refracture(const FinishedFracture& finished, std::span<const int> only,
+                                        const FractureOptions& options, Device& device,
+                                        const Progress* progress = nullptr);
+
+/// Which fragments' meshes are in memory at once.
+enum class MeshesHeld {
+  all,
+  some,     ///< a batch, as in fractureInto if WriteOptions::needsAllMeshes is false
+  preview,  ///< a batch, and the coarse meshes of WriteOptions::preview
+};
+
+/// Estimates the bytes that breaking a mesh takes at most, the mesh and the files' bytes included,
+/// from the mesh's area and volume in voxels at rates measured on many fractures
+/// (docs/history/memory.md).  The estimate is above the measured peak, by at most a factor of two.
+[[nodiscard]] std::uint64_t estimatedMemory(const TriangleMesh& mesh,
+                                            const FractureOptions& options,
+                                            MeshesHeld held = MeshesHeld::all);
+
+/// Refuses to break a mesh that would not fit.  An automatic resolution is computed only if the
+/// highest one would not fit.
+///   throws  Error(usage) the estimate is above `limit`; the message names a resolution that fits,
+///           and whether the requested one would fit with MeshesHeld::some; what voxelSizeFor
+///           throws
+void requireMemory(const TriangleMesh& mesh, const FractureOptions& options, std::uint64_t limit,
+                   MeshesHeld held = MeshesHeld::all);
 
 }  // namespace sherd

@@ -1,19 +1,59 @@
-// Growth: assigns every voxel to a fragment.
+// Labels: the fragment of each voxel, by growth and after erosion.
 #pragma once
 
 #include <sherd/device.h>
-#include <sherd/growth_rules.h>
-#include <sherd/leaf_blocks.h>
-#include <sherd/metric.h>
 #include <sherd/progress.h>
 #include <sherd/seeds.h>
+#include <sherd/solid.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
+#include <string_view>
 #include <vector>
 
 namespace sherd {
+
+/// A row of kGrowthRules, by its index.  The named ones grow as described; further rows, which are
+/// kernels of their own, have no name here: see growthNamed.
+enum class Growth : std::uint8_t {
+  flood,    ///< breadth-first; distances are measured around gaps
+  nearest,  ///< nearest seed by the metric, across gaps: the paper's straightforward method
+  chain,    ///< Discrete Voronoi Chain: across faces, in the order of the largest distance to the
+            ///< seed along the path (rounded up to half voxels)
+  euclid,   ///< nearest seed; voxels disconnected from their seed are regrown by a 5^3 chamfer
+};
+
+/// How a rule grows, and which options it uses.
+struct GrowthRule {
+  const char* name;              ///< of `--growth` and in manifests
+  const char* kernel = nullptr;  ///< a kernel with the arguments of kernels/nearest.cl, which gives
+                                 ///< each voxel one of the seeds; null: a method of src/grow
+  bool usesNeighborhood = false;   ///< GrowOptions::neighborhood
+  bool usesMetric = false;         ///< GrowOptions::metric; else the metric is Euclidean
+  bool growsOverFaces = false;     ///< over 6 neighbors the voxels of a seed are connected
+  bool givesVoronoiCells = false;  ///< with the Euclidean metric, so that cuts are planes
+  bool regrowsByChamfer = false;   ///< disconnected voxels are regrown by a 5^3 chamfer first
+  double bytesPerVoxel = 0.0;      ///< memory beyond that of a flood, measured
+};
+
+/// All rules.  Names are unique and stay what they are; a new rule is a new last row.
+inline constexpr GrowthRule kGrowthRules[] = {
+    {.name = "flood", .usesNeighborhood = true, .growsOverFaces = true},
+    {.name = "nearest", .kernel = "nearest", .usesMetric = true, .givesVoronoiCells = true},
+    {.name = "chain", .usesMetric = true, .growsOverFaces = true, .bytesPerVoxel = 8.5},
+    {.name = "euclid", .kernel = "nearest", .givesVoronoiCells = true, .regrowsByChamfer = true},
+};
+
+/// Returns the row of a rule.
+[[nodiscard]] constexpr const GrowthRule& ruleOf(Growth growth) {
+  return kGrowthRules[static_cast<std::size_t>(growth)];
+}
+
+/// Returns the rule with a name.
+///   throws  Error(usage) there is none
+[[nodiscard]] Growth growthNamed(std::string_view name);
 
 /// An anisotropic metric: lengths along `direction` are divided by 1 + strength.
 struct Anisotropy {
@@ -97,5 +137,80 @@ struct GrowOptions {
 /// voxels are not counted.
 [[nodiscard]] std::vector<std::uint64_t> countVoxels(const LeafBlocks& blocks, const Labels& labels,
                                                      int fragments);
+
+struct ShareOptions {
+  double minShare = 0.0;  ///< least share of the solid's voxels in a fragment, 0..1
+  int balance = 0;  ///< Lloyd iterations before that: seeds move to their fragment's center, 0..100
+  int tries = 64;   ///< most growths to reach minShare
+
+  bool isAny() const { return minShare != 0.0 || balance != 0; }  ///< whether an option is set
+};
+
+/// The structuring element: the cells around a voxel that are counted, for a size of 2r + 1:
+///
+///     cross      the three axes, r to either side   |x|, |y|, |z| <= r, at least two of them 0
+///     square     the whole cube                     |x|, |y|, |z| <= r
+///     ellipse    a ball                             x^2 + y^2 + z^2 <= r^2
+///
+/// Cross and ellipse of size 3 are the same 7 cells.
+enum class ErodeShape { cross, square, ellipse };
+
+/// Which voxels of a fragment's shell can erode.
+enum class ErodeOn {
+  fracture,  ///< those that touch another fragment or an eroded voxel
+  all        ///< all, the original surface included
+};
+
+/// What happens to the smaller components of a fragment that erosion disconnects.
+enum class Islands {
+  eroded,  ///< they are eroded too, so that every fragment is 6-connected
+  kept     ///< they stay in their fragment
+};
+
+struct ErodeOptions {
+  ErodeShape shape = ErodeShape::ellipse;
+  int size = 3;          ///< voxels across the shape, odd, 3..13
+  bool planes = false;   ///< 2-D: uses the shape's section in each of the three axis planes; a
+                         ///< voxel erodes if any section is filled below the threshold
+  int iterations = 0;    ///< 0..1000; 0: no erosion
+  double threshold = 1;  ///< least share of the shape's cells that must be filled, above 0, at most
+                         ///< 1, rounded to a millionth; lower erodes less
+  double probability = 1;  ///< of testing a voxel in an iteration, above 0, at most 1
+  ErodeOn on = ErodeOn::fracture;
+  Islands islands = Islands::eroded;
+  std::uint64_t seed = 0;  ///< used only when probability < 1
+};
+
+struct Erosion {
+  Labels labels;                      ///< eroded voxels are Labels::kEroded, others unchanged
+  std::vector<std::uint64_t> eroded;  ///< [fragments+1] voxels lost, islands included; [0] the sum
+};
+
+/// Erodes fragments.  Each iteration tests the voxels of a fragment's shell, each with
+/// `probability` (drawn anew); a voxel erodes if fewer than threshold * cells of its shape are
+/// filled.  Cells are counted in the state before the iteration, so the order does not matter.
+///
+/// The shell is the fragment minus its erosion by 26 neighbors.  A cell is filled if it belongs to
+/// the same fragment.  With ErodeOn::fracture only shell voxels are tested that have an inside
+/// voxel of another fragment, an eroded voxel or an unlabeled one among their 26 neighbors, and
+/// cells outside the solid count as filled, so the original surface does not move away from the
+/// cracks.
+///
+/// A fragment never disappears: an iteration that would erode its last voxel is skipped for it.
+/// Islands are handled once, after the last iteration: the 6-connected component with the most
+/// voxels stays; of equal ones, the one with the first voxel in leaf order.
+///
+///   labels     inside voxels 0..fragments or Labels::kEroded; labels of the exterior band are
+///              neither read nor changed: call extendLabels afterwards where they matter
+///   fragments  1..kMaxFragments
+///   cost       leaves * iterations, and shell voxels * size^2 * iterations on the host; islands
+///   are
+///              found on the device
+///   throws     Error(usage) options out of range, labels that do not match `blocks`;
+///              Error(device); Error(cancelled)
+///   source     Generating implicit object fragment datasets for machine learning, 3.2.3
+[[nodiscard]] Erosion erode(const LeafBlocks& blocks, const Labels& labels, int fragments,
+                            const ErodeOptions& options, Device& device,
+                            const Progress* progress = nullptr);
 
 }  // namespace sherd

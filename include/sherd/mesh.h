@@ -1,20 +1,63 @@
-// Triangle meshes: reading and measuring them.
+// Triangle meshes with their attributes, and what is measured on them.
 #pragma once
 
-#include <sherd/appearance.h>
 #include <sherd/progress.h>
-#include <sherd/read_options.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <glm/gtc/type_precision.hpp>
 #include <glm/mat3x3.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace sherd {
+
+/// Face-varying attributes of a mesh of m triangles; each array may be empty.
+struct SurfaceAttributes {
+  std::vector<std::array<glm::vec2, 3>> texcoords;  ///< [m] u to the right, v upwards: (0, 0) is
+                                                    ///< the image's lower left corner, as in OBJ
+  std::vector<std::array<glm::u8vec3, 3>> colors;   ///< [m] sRGB
+  std::vector<std::uint32_t> material;              ///< [m] index into Appearance::materials
+
+  [[nodiscard]] bool empty() const {
+    return texcoords.empty() && colors.empty() && material.empty();
+  }
+};
+
+/// An image used by materials.
+struct Texture {
+  std::string name;   ///< from the mesh's file; generated where the file has none
+  std::string bytes;  ///< the undecoded image file, not empty
+};
+
+struct Material {
+  std::string name;       ///< may be empty, may repeat
+  glm::vec3 color{1.0f};  ///< 0..1, linear; the texture is multiplied by it
+  int texture = -1;       ///< index into Appearance::textures; -1: none
+};
+
+/// The materials and textures of a mesh that was read.  They have no influence on the fracture.
+struct Appearance {
+  std::vector<Material> materials;  ///< empty where the file has none
+  std::vector<Texture> textures;
+};
+
+/// The color of fracture surfaces, sRGB.
+inline constexpr glm::u8vec3 kInsideColor{224, 214, 196};
+
+/// Detects the image format from a file's first bytes.
+enum class ImageType { png, jpeg, other };
+[[nodiscard]] ImageType imageType(std::string_view bytes);
+
+/// The sRGB transfer function and its inverse, per channel; linear values are 0..1.
+[[nodiscard]] glm::vec3 linearFromSrgb(glm::u8vec3 color);
+[[nodiscard]] glm::u8vec3 srgbFromLinear(glm::vec3 color);  ///< clamps to 0..1
 
 /// An indexed triangle mesh in world units, counter-clockwise seen from outside, with the
 /// attributes of its triangles.  Functions that make new triangles return a mesh without
@@ -53,31 +96,10 @@ struct SourceMesh {
                                         ///< assumed, such as a missing texture
 };
 
-/// Reads OBJ, PLY, STL, OFF, glTF, GLB, .binm, FBX, DAE or 3MF, by the file's extension, also
-/// compressed as `.gz`.  Polygons are triangulated, exactly equal vertices merged.  Coordinates
-/// keep the file's precision, except single precision in the last three formats, which sherd-assimp
-/// reads.
-///
-/// Surface attributes are read too: texture coordinates (the first set; that of the base color in
-/// glTF), vertex and face colors (without alpha), materials with names, base colors and base-color
-/// textures, and the face property `neighbor` of fragments in PLY (`facing` in sherd/1).  Material
-/// libraries and textures are read only from the mesh's folder and below it, after resolving
-/// symbolic links; `warnings` lists missing ones.
-///   progress  only `cancelled` is called
-///   throws    Error(input) absent, unreadable, truncated, malformed, unknown format, no triangle,
-///             no finite vertex, more than 1e37 units long, more memory than `options` allow;
-///             Error(cancelled) by `progress`, or a signal stopped sherd-assimp
-[[nodiscard]] SourceMesh readMesh(const std::filesystem::path& file,
-                                  const ReadOptions& options = {},
-                                  const Progress* progress = nullptr);
-
 /// Splits a mesh into its file's objects, in the file's order, each with its name in `objects`;
 /// objects without triangles are left out.  Counts of the whole file stay with the first.
 ///   return  only `source` if it has no objects
 [[nodiscard]] std::vector<SourceMesh> splitObjects(const SourceMesh& source);
-
-/// Whether readMesh supports the file's extension.
-[[nodiscard]] bool isMeshName(const std::filesystem::path& file);
 
 /// Axis-aligned box of all vertices.
 struct Box {

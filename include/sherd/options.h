@@ -1,13 +1,9 @@
 // The options of a fracture and of its files, and the table that lists them.
 #pragma once
 
+#include <sherd/files.h>
 #include <sherd/fracture.h>
-#include <sherd/mesh_files.h>
-#include <sherd/point_files.h>
 #include <sherd/points.h>
-#include <sherd/vdb_files.h>
-#include <sherd/volume.h>
-#include <sherd/voxel_files.h>
 
 #include <functional>
 #include <optional>

@@ -2,9 +2,7 @@
 #pragma once
 
 #include <sherd/fragments.h>
-#include <sherd/output_file.h>
 #include <sherd/progress.h>
-#include <sherd/read_options.h>
 
 #include <cstdint>
 #include <filesystem>
@@ -61,24 +59,5 @@ struct Aovs {
 [[nodiscard]] Aovs renderAovs(std::span<const Fragment> fragments,
                               const RenderOptions& options = {},
                               const Progress* progress = nullptr);
-
-/// Writes AOVs as OpenEXR, ZIP-compressed scan lines: R, G, B, A of 16 bits; Z, N.X, N.Y, N.Z,
-/// P.X, P.Y, P.Z of 32 bits; id and neighbor as unsigned integers.
-///   throws  Error(output)
-void writeExr(const OutputFile& file, const Aovs& aovs);
-
-/// Reads fragments from a fracture's folder or manifest, or from a folder of meshes as
-/// readFragments does; else the mesh of a file, or the level sets of a `.vdb` file.  Fragments of a
-/// fracture without mesh files are meshed from their level sets.
-///   return  id, mesh, mass, and neighbor where it is known
-///   throws  Error(input) nothing can be rendered, a file is damaged, or the meshes take more
-///   memory
-///           than `options` allow
-[[nodiscard]] std::vector<Fragment> readPieces(const std::filesystem::path& path,
-                                               const ReadOptions& options = {});
-
-/// Writes an 8-bit RGB PNG.
-///   throws  Error(output)
-void writePng(const OutputFile& file, const Image& image);
 
 }  // namespace sherd

@@ -1,13 +1,9 @@
-// The connected components of a solid, and the seeds from which fragments grow.
+// The seeds from which fragments grow.
 #pragma once
 
-#include <sherd/coords.h>
-#include <sherd/device.h>
-#include <sherd/leaf_blocks.h>
-#include <sherd/metric.h>
-#include <sherd/output_file.h>
 #include <sherd/solid.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -20,39 +16,37 @@
 
 namespace sherd {
 
-/// The largest fragment id: `labels.rle` stores id + 1 in 16 bits.
-inline constexpr int kMaxFragments = 65534;
-
-/// The 6-connected components of the inside, numbered 0..count()-1 by their first voxel in leaf
-/// order.
-struct VoxelComponents {
-  static constexpr std::uint32_t kOneNode = 0xffffffffu;
-
-  // A node is a 6-connected component within one leaf.
-  std::vector<std::uint32_t> firstNode;   ///< [leaf] number of the leaf's first node
-  std::vector<std::uint32_t> firstLocal;  ///< [leaf] the leaf's block in localNode; kOneNode for a
-                                          ///< leaf with one node, as most are
-  std::vector<std::uint16_t> localNode;   ///< [..*512] node of an inside voxel within its leaf
-  std::vector<std::uint32_t> componentOfNode;  ///< [nodes]
-  std::vector<std::uint64_t> voxels;           ///< [count()] inside voxels of each component
-
-  std::size_t count() const { return voxels.size(); }
-  /// Returns the component of an inside voxel.
-  ///   voxel  index leaf * 512 + offset, see LeafBlocks
-  std::uint32_t at(std::size_t voxel) const {
-    const std::size_t leaf = voxel / 512;
-    const std::uint32_t first = firstLocal[leaf];
-    const std::uint32_t local =
-        first == kOneNode ? 0u : localNode[std::size_t{first} * 512 + voxel % 512];
-    return componentOfNode[firstNode[leaf] + local];
-  }
+enum class Metric {
+  euclidean,  ///< sqrt(dx^2 + dy^2 + dz^2)
+  chebyshev,  ///< max(|dx|, |dy|, |dz|)
+  manhattan,  ///< |dx| + |dy| + |dz|
 };
 
-/// Finds the 6-connected components on the device: a flood inside each leaf, then a union of the
-/// nodes that touch across leaf faces.  The result does not depend on the schedule.
-///   throws  Error(device)
-///   source  Jaiganesh and Burtscher, ECL-CC, HPDC 2018 (the lock-free union)
-[[nodiscard]] VoxelComponents findComponents(const LeafBlocks& blocks, Device& device);
+/// Returns an integer that orders voxel offsets by distance: the distance in voxels, squared for
+/// the Euclidean metric.
+constexpr std::int64_t metricOrder(Metric metric, std::int64_t dx, std::int64_t dy,
+                                   std::int64_t dz) {
+  dx = dx < 0 ? -dx : dx;
+  dy = dy < 0 ? -dy : dy;
+  dz = dz < 0 ? -dz : dz;
+  switch (metric) {
+    case Metric::euclidean:
+      return dx * dx + dy * dy + dz * dz;
+    case Metric::chebyshev:
+      return std::max({dx, dy, dz});
+    case Metric::manhattan:
+      return dx + dy + dz;
+  }
+  return 0;
+}
+
+inline std::int64_t metricOrder(Metric metric, const openvdb::Coord& a, const openvdb::Coord& b) {
+  return metricOrder(metric, std::int64_t{a.x()} - b.x(), std::int64_t{a.y()} - b.y(),
+                     std::int64_t{a.z()} - b.z());
+}
+
+/// The largest fragment id: `labels.rle` stores id + 1 in 16 bits.
+inline constexpr int kMaxFragments = 65534;
 
 /// A voxel from which a fragment grows.
 struct Seed {
@@ -80,7 +74,7 @@ enum class SeedsOn {
 
 /// A ray in world space.
 struct Ray {
-  WorldPoint origin{};
+  glm::dvec3 origin{};
   glm::dvec3 direction{0.0, 0.0, -1.0};  ///< any length but 0
 };
 
@@ -90,7 +84,7 @@ struct Impact {
 
   /// The surface voxel: random, the nearest to a point (ties: lowest x, then y, then z), or the
   /// first inside voxel on a ray.
-  std::variant<Anywhere, WorldPoint, Ray> target{};
+  std::variant<Anywhere, glm::dvec3, Ray> target{};
   /// Seeds.  0: all such impacts share half of the pieces beyond one per component, at least 1
   /// each.
   int count = 0;
@@ -106,7 +100,7 @@ inline constexpr int kMaxBias = 1000;
 
 /// A seed given by the user.
 struct SeedPoint {
-  WorldPoint position{};
+  glm::dvec3 position{};
   int fragment = 0;  ///< 1..kMaxFragments
 };
 
@@ -161,15 +155,5 @@ struct SeedOptions {
                                                 const Solid& solid,
                                                 const VoxelComponents& components,
                                                 std::uint64_t seed = 0);
-
-/// Reads and writes seeds as JSON.  Positions are voxel centers in world units and round-trip
-/// exactly. Unknown members of objects are ignored.
-///
-///     {"schema": "sherd-seeds/1", "seeds": [{"fragment": 1, "position": [x, y, z]}, ...]}
-///
-///   throws  Error(input) with the file's name: absent, larger than 64 MiB, not JSON, another
-///           schema, an invalid entry; Error(output)
-[[nodiscard]] std::vector<SeedPoint> readSeedPoints(const std::filesystem::path& file);
-void writeSeeds(const OutputFile& file, std::span<const Seed> seeds, const Solid& solid);
 
 }  // namespace sherd

@@ -1,16 +1,131 @@
-// The solid: a mesh as a narrow-band signed distance grid and its leaf blocks.
+// The solid: a mesh as a narrow-band signed distance grid, its leaf blocks, and its connected
+// components.
 #pragma once
 
-#include <sherd/coords.h>
-#include <sherd/grid_fwd.h>
-#include <sherd/leaf_blocks.h>
+#include <openvdb/math/Coord.h>
+#include <openvdb/version.h>
+#include <sherd/device.h>
 #include <sherd/mesh.h>
 #include <sherd/progress.h>
 
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
 #include <cstdint>
+#include <glm/vec3.hpp>
+#include <memory>
+#include <span>
 #include <string>
+#include <vector>
+
+namespace openvdb {
+OPENVDB_USE_VERSION_NAMESPACE
+namespace OPENVDB_VERSION_NAME {
+using math::Coord;
+namespace tree {
+template <typename T, std::uint32_t Log2Dim>
+class LeafNode;
+template <typename ChildNode, std::uint32_t Log2Dim>
+class InternalNode;
+template <typename ChildNode>
+class RootNode;
+template <typename Root>
+class Tree;
+}  // namespace tree
+template <typename Tree>
+class Grid;
+using FloatTree = tree::Tree<
+    tree::RootNode<tree::InternalNode<tree::InternalNode<tree::LeafNode<float, 3>, 4>, 5>>>;
+using FloatGrid = Grid<FloatTree>;
+}  // namespace OPENVDB_VERSION_NAME
+}  // namespace openvdb
 
 namespace sherd {
+
+/// A grid, read-only once returned.
+using ConstFloatGridPtr = std::shared_ptr<const openvdb::FloatGrid>;
+
+/// The grid transform: the center of voxel (i,j,k) is origin + voxelSize * (i,j,k).
+/// voxelize() puts `origin` at the lower corner of the mesh's box plus half a voxel.
+struct GridFrame {
+  glm::dvec3 origin{0.0};  ///< world position of voxel (0,0,0)'s center
+  double voxelSize = 1.0;  ///< world units per voxel, > 0
+
+  /// Index space has voxel centers at whole numbers.
+  glm::dvec3 indexFromWorld(glm::dvec3 p) const { return (p - origin) / voxelSize; }
+  glm::dvec3 worldFromIndex(glm::dvec3 p) const { return origin + voxelSize * p; }
+  glm::dvec3 worldFromIndex(const openvdb::Coord& voxel) const {
+    return worldFromIndex(glm::dvec3(voxel.x(), voxel.y(), voxel.z()));
+  }
+};
+
+/// Voxels min..max, inclusive.
+struct VoxelBox {
+  openvdb::Coord min{0, 0, 0};
+  openvdb::Coord max{-1, -1, -1};
+
+  bool empty() const { return max.x() < min.x(); }
+  openvdb::Coord dims() const { return max - min + openvdb::Coord(1, 1, 1); }
+  int longestSide() const { return std::max({dims().x(), dims().y(), dims().z()}); }
+};
+
+/// Position of a voxel in its leaf from its offset 0..511.
+inline openvdb::Coord coordFromOffset(std::uint32_t offset) {
+  return {static_cast<int>(offset >> 6), static_cast<int>((offset >> 3) & 7),
+          static_cast<int>(offset & 7)};
+}
+
+/// Offset 0..511 of a voxel in its leaf, from its index-space position.
+inline std::uint32_t offsetFromCoord(const openvdb::Coord& voxel) {
+  return static_cast<std::uint32_t>(((voxel.x() & 7) << 6) | ((voxel.y() & 7) << 3) |
+                                    (voxel.z() & 7));
+}
+
+/// The leaves that hold inside voxels or exterior-band voxels, as flat arrays.
+///
+/// A voxel's offset in its leaf is OpenVDB's: (x << 6) | (y << 3) | z, z fastest.  A leaf's mask is
+/// eight 64-bit words, word x holding the slab of that x, bit (y << 3) | z:
+///
+///     mask[leaf*8 + x]   bit 63 ............ 8  7 ............ 0
+///                        y=7 z=7..0   ...       y=0 z=7..z=0
+///
+/// A voxel index is leaf * 512 + offset, ascending in leaf order.
+///
+/// The device reads the same arrays; kernels/leaf_block.h has the layout.
+struct LeafBlocks {
+  static constexpr std::uint32_t kNone = 0xffffffffu;  ///< in `neighbors`: no leaf
+
+  std::vector<openvdb::Coord> origins;      ///< [n] lowest voxel of each leaf, ascending by x, y, z
+  std::vector<std::uint64_t> inside;        ///< [n*8] voxels with distance < 0
+  std::vector<std::uint64_t> exteriorBand;  ///< [n*8] active voxels with distance >= 0
+  std::vector<std::uint32_t> neighbors;     ///< [n*6] leaf at -x +x -y +y -z +z, or kNone
+
+  std::size_t count() const { return origins.size(); }
+
+  std::uint64_t insideVoxels() const {
+    std::uint64_t n = 0;
+    for (const std::uint64_t word : inside) n += static_cast<std::uint64_t>(std::popcount(word));
+    return n;
+  }
+
+  bool isInside(std::size_t voxel) const { return (inside[voxel / 64] >> (voxel % 64)) & 1; }
+
+  /// Position of a voxel in the grid, from its index.
+  openvdb::Coord voxelAt(std::size_t voxel) const {
+    return origins[voxel / 512] + coordFromOffset(static_cast<std::uint32_t>(voxel % 512));
+  }
+
+  /// Calls visit(voxel) with the index of each inside voxel, ascending.
+  template <class Visit>
+  void forEachInside(const Visit& visit) const {
+    for (std::size_t word = 0; word < inside.size(); ++word) {
+      for (std::uint64_t bits = inside[word]; bits; bits &= bits - 1) {
+        visit(word * 64 + static_cast<std::size_t>(std::countr_zero(bits)));
+      }
+    }
+  }
+};
 
 /// How the inside of a mesh is found.
 enum class Fill {
@@ -34,8 +149,6 @@ struct WallThickness {
                            ///< branches, lose a fiftieth of the volume
   int resolution = 0;      ///< the larger of both; 0 if this grid's resolution suffices
 };
-
-class Device;
 
 /// Half width of every narrow band, in voxels.
 inline constexpr int kHalfWidthVoxels = 3;
@@ -123,5 +236,43 @@ struct Solid {
 
 /// Returns the number of voxels of a size along the mesh's longest side, rounded up.
 [[nodiscard]] int resolutionFor(const TriangleMesh& mesh, double voxelSize);
+
+/// The 6-connected components of the inside, numbered 0..count()-1 by their first voxel in leaf
+/// order.
+class VoxelComponents {
+ public:
+  std::size_t count() const { return voxels_.size(); }
+
+  /// Returns the number of inside voxels of each component, [count()].
+  const std::vector<std::uint64_t>& voxels() const { return voxels_; }
+
+  /// Returns the component of an inside voxel.
+  ///   voxel  index leaf * 512 + offset, see LeafBlocks
+  std::uint32_t at(std::size_t voxel) const {
+    const std::size_t leaf = voxel / 512;
+    const std::uint32_t first = firstLocal_[leaf];
+    const std::uint32_t local =
+        first == kOneNode ? 0u : localNode_[std::size_t{first} * 512 + voxel % 512];
+    return componentOfNode_[firstNode_[leaf] + local];
+  }
+
+ private:
+  friend VoxelComponents findComponents(const LeafBlocks& blocks, Device& device);
+  static constexpr std::uint32_t kOneNode = 0xffffffffu;
+
+  // A node is a 6-connected component within one leaf.
+  std::vector<std::uint32_t> firstNode_;   // [leaf] number of the leaf's first node
+  std::vector<std::uint32_t> firstLocal_;  // [leaf] the leaf's block in localNode_; kOneNode for a
+                                           // leaf with one node, as most are
+  std::vector<std::uint16_t> localNode_;   // [..*512] node of an inside voxel within its leaf
+  std::vector<std::uint32_t> componentOfNode_;  // [nodes]
+  std::vector<std::uint64_t> voxels_;           // [count()]
+};
+
+/// Finds the 6-connected components on the device: a flood inside each leaf, then a union of the
+/// nodes that touch across leaf faces.  The result does not depend on the schedule.
+///   throws  Error(device)
+///   source  Jaiganesh and Burtscher, ECL-CC, HPDC 2018 (the lock-free union)
+[[nodiscard]] VoxelComponents findComponents(const LeafBlocks& blocks, Device& device);
 
 }  // namespace sherd

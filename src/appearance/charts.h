@@ -1,7 +1,6 @@
 // Charts: the regions of a mesh whose surface attributes have no seam.
 #pragma once
 
-#include <sherd/appearance.h>
 #include <sherd/mesh.h>
 
 #include <array>

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <embree3/rtcore.h>
-#include <sherd/appearance.h>
 #include <sherd/mesh.h>
 
 #include <memory>

@@ -1,7 +1,7 @@
 // Conversion of numbers and vectors to JSON.
 #pragma once
 
-#include <sherd/grid_fwd.h>
+#include <openvdb/math/Coord.h>
 
 #include <glm/vec3.hpp>
 #include <nlohmann/json.hpp>

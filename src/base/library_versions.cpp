@@ -7,7 +7,11 @@
 #include <tbb/version.h>
 #include <zlib.h>
 
+#include "base/version.h"
+
 namespace sherd {
+
+const char* version() { return SHERD_VERSION; }
 
 std::vector<std::pair<std::string, std::string>> libraryVersions() {
   return {{"openvdb", OPENVDB_LIBRARY_VERSION_STRING},

@@ -1,4 +1,4 @@
-// Versions of the linked libraries.
+// Versions of Sherd and of the linked libraries.
 #pragma once
 
 #include <string>
@@ -6,6 +6,9 @@
 #include <vector>
 
 namespace sherd {
+
+/// Declared in sherd/sherd.h, too.
+[[nodiscard]] const char* version();
 
 /// Returns names and versions of the linked libraries: at run time where the library reports it,
 /// else of the build.

@@ -1,6 +1,7 @@
 // Free memory, and refusing work that would not fit.
+#include "base/memory.h"
+
 #include <sherd/error.h>
-#include <sherd/memory.h>
 #include <sys/resource.h>
 
 #include <algorithm>

@@ -2,13 +2,13 @@
 #include "base/parsed_json.h"
 
 #include <sherd/error.h>
-#include <sherd/memory.h>
 
 #include <algorithm>
 #include <string>
 
 #include "base/file_bytes.h"
 #include "base/input_error.h"
+#include "base/memory.h"
 #include "base/memory_budget.h"
 
 namespace sherd {

@@ -60,7 +60,7 @@ std::vector<DeviceInfo> listDevices() {
   return infos;
 }
 
-Device::Device(std::string_view choice) : impl_(std::make_unique<Impl>()) {
+Device::Device(std::string_view choice) : impl_(std::make_unique<DeviceImpl>()) {
   const std::vector<PlatformFound> platforms = findPlatforms();
   const std::vector<DeviceFound> all = usableDevices(platforms);
   const std::optional<std::size_t> found = choose(all, lowerCase(std::string(choice)));
@@ -99,5 +99,7 @@ DeviceMemory Device::memory() const {
 }
 
 void Device::freeBuffers() { impl_->pool.clear(); }
+
+DeviceImpl& implOf(Device& device) { return *device.impl_; }
 
 }  // namespace sherd

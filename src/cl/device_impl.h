@@ -16,7 +16,7 @@
 
 namespace sherd {
 
-struct Device::Impl {
+struct DeviceImpl {
   DeviceInfo info;
   cl::Device device;
   cl::Context context;
@@ -43,9 +43,12 @@ struct Device::Impl {
   }
 };
 
+/// Returns the open device behind a Device.
+[[nodiscard]] DeviceImpl& implOf(Device& device);
+
 /// Run `body`; errors of the OpenCL bindings become Error(device), with `doing` in the message.
 template <class Body>
-auto withDevice(Device::Impl& device, const char* doing, Body&& body) {
+auto withDevice(DeviceImpl& device, const char* doing, Body&& body) {
   try {
     return body();
   } catch (const cl::Error& e) {
@@ -58,7 +61,7 @@ auto withDevice(Device::Impl& device, const char* doing, Body&& body) {
 /// A device buffer of `count` T.
 ///   throws  Error(device) with the size when it exceeds the device's largest allocation
 template <class T>
-DeviceBuffer makeBuffer(Device::Impl& device, std::size_t count) {
+DeviceBuffer makeBuffer(DeviceImpl& device, std::size_t count) {
   const std::size_t bytes = std::max<std::size_t>(count, 1) * sizeof(T);
   if (bytes > device.info.largestBufferBytes) {
     throw Error(ErrorCode::device, device.info.name + ": a buffer of " +
@@ -74,7 +77,7 @@ DeviceBuffer makeBuffer(Device::Impl& device, std::size_t count) {
 /// A device buffer with a copy of `data`.  (No CL_MEM_USE_HOST_PTR: oclgrind reports false errors
 /// for it.)
 template <class T>
-DeviceBuffer uploadBuffer(Device::Impl& device, std::span<const T> data) {
+DeviceBuffer uploadBuffer(DeviceImpl& device, std::span<const T> data) {
   DeviceBuffer buffer = makeBuffer<T>(device, data.size());
   if (!data.empty())
     device.queue.enqueueWriteBuffer(buffer, CL_TRUE, 0, data.size_bytes(), data.data());
@@ -84,8 +87,8 @@ DeviceBuffer uploadBuffer(Device::Impl& device, std::span<const T> data) {
 /// Append `count` elements of a buffer, from `first` on, to `all`.  On a CPU the mapping is the
 /// buffer itself, so this is one copy, into memory that is not zeroed first.
 template <class T>
-void append(std::vector<T>& all, Device::Impl& device, const DeviceBuffer& buffer,
-            std::size_t count, std::size_t first = 0) {
+void append(std::vector<T>& all, DeviceImpl& device, const DeviceBuffer& buffer, std::size_t count,
+            std::size_t first = 0) {
   if (count == 0) return;
   void* const mapped = device.queue.enqueueMapBuffer(buffer, CL_TRUE, CL_MAP_READ,
                                                      first * sizeof(T), count * sizeof(T));
@@ -96,7 +99,7 @@ void append(std::vector<T>& all, Device::Impl& device, const DeviceBuffer& buffe
 }
 
 template <class T>
-std::vector<T> downloaded(Device::Impl& device, const DeviceBuffer& buffer, std::size_t count,
+std::vector<T> downloaded(DeviceImpl& device, const DeviceBuffer& buffer, std::size_t count,
                           std::size_t first = 0) {
   std::vector<T> all;
   append(all, device, buffer, count, first);
@@ -104,7 +107,7 @@ std::vector<T> downloaded(Device::Impl& device, const DeviceBuffer& buffer, std:
 }
 
 template <class T>
-void readBuffer(Device::Impl& device, const DeviceBuffer& buffer, std::span<T> out,
+void readBuffer(DeviceImpl& device, const DeviceBuffer& buffer, std::span<T> out,
                 std::size_t first = 0) {
   if (!out.empty()) {
     device.queue.enqueueReadBuffer(buffer, CL_TRUE, first * sizeof(T), out.size_bytes(),

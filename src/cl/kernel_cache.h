@@ -1,7 +1,7 @@
 // The folder where PoCL, the OpenCL driver for CPUs, stores compiled kernels.
 #pragma once
 
-#include <sherd/kernel_cache.h>
+#include <sherd/device.h>
 
 namespace sherd {
 

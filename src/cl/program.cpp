@@ -72,16 +72,16 @@ cl::Program built(const cl::Context& context, const cl::Device& device, const De
 
 }  // namespace
 
-void Device::Impl::buildKernels() {
+void DeviceImpl::buildKernels() {
   if (!program.valid()) program = std::async(std::launch::async, built, context, device, info);
 }
 
-cl::Kernel Device::Impl::kernel(const char* name) {
+cl::Kernel DeviceImpl::kernel(const char* name) {
   buildKernels();
   return withDevice(*this, name, [&] { return cl::Kernel(program.get(), name); });
 }
 
-void Device::Impl::launch(cl::Kernel& kernel, std::size_t work, std::size_t group) {
+void DeviceImpl::launch(cl::Kernel& kernel, std::size_t work, std::size_t group) {
   const std::size_t items = std::clamp<std::size_t>(work, 1, std::max(workItems(), group));
   queue.enqueueNDRangeKernel(kernel, cl::NullRange,
                              cl::NDRange((items + group - 1) / group * group), cl::NDRange(group));

@@ -1,17 +1,15 @@
 // `sherd convert`: writes voxels, a mesh or points in another format.
 #include <sherd/error.h>
-#include <sherd/io.h>
-#include <sherd/memory.h>
+#include <sherd/files.h>
+#include <sherd/folder.h>
 #include <sherd/mesh.h>
-#include <sherd/point_files.h>
-#include <sherd/voxel_files.h>
 
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "base/held_files.h"
 #include "base/json_of.h"
 #include "base/lower_case.h"
+#include "base/memory.h"
 #include "base/option_names.h"
 #include "base/option_text.h"
 #include "cli/command.h"
@@ -19,6 +17,7 @@
 #include "cli/option_text.h"
 #include "cli/output_path.h"
 #include "folder/file_kind.h"
+#include "formats/held_files.h"
 #include "formats/mesh/mesh_file.h"
 
 namespace sherd::cli {
@@ -45,7 +44,7 @@ struct Converted {
 Converted convertVoxels(const ConvertArguments& arguments, HeldFiles& files, VoxelFormat format) {
   PlacedVoxels voxels = readVoxels(arguments.in, {.maxMemory = freeMemory()});
   if (arguments.voxelSize > 0.0) {
-    voxels.transform = VoxelTransform{{{arguments.origin}, arguments.voxelSize}, {0, 0, 0}};
+    voxels.transform = VoxelTransform{{arguments.origin, arguments.voxelSize}, {0, 0, 0}};
   }
   if (arguments.pad == "cube") voxels = padded(voxels, Padding::atEnd, arguments.in);
   if (arguments.pad == "cube-centered") voxels = padded(voxels, Padding::centered, arguments.in);

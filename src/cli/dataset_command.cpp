@@ -1,7 +1,7 @@
 // `sherd dataset` and `sherd merge`: break every mesh of a library.
 #include <sherd/dataset.h>
+#include <sherd/device.h>
 #include <sherd/error.h>
-#include <sherd/kernel_cache.h>
 #include <unistd.h>
 
 #include <algorithm>

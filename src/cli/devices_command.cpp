@@ -1,6 +1,5 @@
 // `sherd devices`: lists the OpenCL devices of this machine.
 #include <sherd/device.h>
-#include <sherd/kernel_cache.h>
 
 #include <memory>
 #include <nlohmann/json.hpp>

@@ -1,7 +1,7 @@
 // Facts of `sherd doctor`, gathered separately from printing.
 #pragma once
 
-#include <sherd/kernel_cache.h>
+#include <sherd/device.h>
 #include <sys/types.h>
 
 #include <nlohmann/json.hpp>

@@ -1,8 +1,6 @@
 // `sherd doctor`: versions, memory, folders and sherd-assimp.
 #include <gnu/libc-version.h>
 #include <sherd/error.h>
-#include <sherd/memory.h>
-#include <sherd/version.h>
 #include <sys/utsname.h>
 #include <tbb/info.h>
 #include <unistd.h>
@@ -17,7 +15,9 @@
 #include <thread>
 
 #include "base/library_versions.h"
+#include "base/memory.h"
 #include "base/memory_bounds.h"
+#include "base/version.h"
 #include "cgal/cgal_checks.h"
 #include "cli/doctor.h"
 #include "cli/interrupts.h"

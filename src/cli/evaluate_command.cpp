@@ -1,7 +1,7 @@
 // `sherd evaluate`: measures the quality of a finished fracture.
 #include <sherd/error.h>
 #include <sherd/evaluate.h>
-#include <sherd/memory.h>
+#include <sherd/files.h>
 #include <sherd/mesh.h>
 #include <sherd/points.h>
 #include <tbb/global_control.h>
@@ -13,12 +13,13 @@
 #include <utility>
 #include <vector>
 
-#include "base/held_files.h"
+#include "base/memory.h"
 #include "cgal/cgal_checks.h"
 #include "cli/command.h"
 #include "cli/evaluate_report.h"
 #include "cli/interrupts.h"
 #include "cli/output_path.h"
+#include "formats/held_files.h"
 
 namespace sherd::cli {
 namespace {

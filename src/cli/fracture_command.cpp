@@ -1,11 +1,9 @@
 // `sherd fracture`: breaks one mesh into a folder of fragments.
+#include <sherd/device.h>
 #include <sherd/error.h>
+#include <sherd/files.h>
+#include <sherd/folder.h>
 #include <sherd/fracture.h>
-#include <sherd/io.h>
-#include <sherd/kernel_cache.h>
-#include <sherd/memory_estimate.h>
-#include <sherd/refracture.h>
-#include <sherd/volume.h>
 #include <sys/resource.h>
 #include <unistd.h>
 

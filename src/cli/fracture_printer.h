@@ -2,8 +2,8 @@
 #pragma once
 
 #include <sherd/device.h>
+#include <sherd/folder.h>
 #include <sherd/fracture.h>
-#include <sherd/io.h>
 
 #include <nlohmann/json.hpp>
 #include <string>

@@ -1,6 +1,5 @@
 // `sherd inspect`: describes a mesh, voxel file, level set or fracture.
-#include <sherd/io.h>
-#include <sherd/memory.h>
+#include <sherd/folder.h>
 #include <sherd/mesh.h>
 
 #include <algorithm>
@@ -12,6 +11,7 @@
 #include "base/file_bytes.h"
 #include "base/input_error.h"
 #include "base/lower_case.h"
+#include "base/memory.h"
 #include "base/option_names.h"
 #include "cli/command.h"
 #include "cli/interrupts.h"
@@ -49,7 +49,7 @@ Json inspectVoxels(const fs::path& file, VoxelFormat format) {
                 {"dims", jsonOf(read.voxels.dims)},
                 {"runs", read.voxels.runs.size()}};
   if (read.transform) {
-    found["origin"] = jsonOf(read.transform->frame.origin.v);
+    found["origin"] = jsonOf(read.transform->frame.origin);
     found["voxel_size"] = read.transform->frame.voxelSize;
     found["index_min"] = jsonOf(read.transform->indexMin);
   }

@@ -2,8 +2,8 @@
 #include "cli/machine_options.h"
 
 #include <malloc.h>
-#include <sherd/memory.h>
 
+#include "base/memory.h"
 #include "cli/option_text.h"
 
 namespace sherd::cli {

@@ -2,7 +2,6 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <sherd/error.h>
-#include <sherd/version.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -17,6 +16,7 @@
 #include <vector>
 
 #include "base/atomic_file.h"
+#include "base/version.h"
 #include "cgal/cgal_checks.h"
 #include "cli/command.h"
 #include "cli/command_line.h"

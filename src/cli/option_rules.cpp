@@ -2,7 +2,7 @@
 #include "cli/option_rules.h"
 
 #include <sherd/error.h>
-#include <sherd/volume.h>
+#include <sherd/files.h>
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 // `sherd render`: images of fragments.
 #include <sherd/error.h>
-#include <sherd/memory.h>
+#include <sherd/files.h>
 #include <sherd/render.h>
 #include <tbb/global_control.h>
 
@@ -9,14 +9,15 @@
 #include <memory>
 #include <optional>
 
-#include "base/held_files.h"
 #include "base/lower_case.h"
+#include "base/memory.h"
 #include "base/option_text.h"
 #include "cli/command.h"
 #include "cli/interrupts.h"
 #include "cli/option_text.h"
 #include "cli/output_path.h"
 #include "folder/file_names.h"
+#include "formats/held_files.h"
 
 namespace sherd::cli {
 namespace {

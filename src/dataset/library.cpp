@@ -2,7 +2,7 @@
 #include <fnmatch.h>
 #include <sherd/dataset.h>
 #include <sherd/error.h>
-#include <sherd/volume.h>
+#include <sherd/files.h>
 
 #include <algorithm>
 #include <fstream>

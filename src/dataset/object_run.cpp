@@ -8,8 +8,8 @@
 #include "dataset/object_run.h"
 
 #include <sherd/error.h>
-#include <sherd/memory_estimate.h>
-#include <sherd/volume.h>
+#include <sherd/files.h>
+#include <sherd/fracture.h>
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 

@@ -1,8 +1,6 @@
 // OUT/report.html.
 #include "dataset/report.h"
 
-#include <sherd/version.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -10,6 +8,7 @@
 #include "base/base64.h"
 #include "base/file_bytes.h"
 #include "base/formatted.h"
+#include "base/version.h"
 #include "chart/charts.h"
 #include "chart/svg.h"
 #include "dataset/object_folder.h"

@@ -1,14 +1,13 @@
 // run.json: the work, time and resources of runs.
 #include "dataset/run_record.h"
 
-#include <sherd/version.h>
-
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "base/atomic_file.h"
 #include "base/below_folder.h"
+#include "base/version.h"
 
 namespace sherd {
 namespace {

@@ -1,6 +1,7 @@
 // Thumbnails for the report.
 #include "dataset/thumbnails.h"
 
+#include <sherd/files.h>
 #include <sherd/render.h>
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // Verifies a finished dataset.
 #include <sherd/dataset.h>
 #include <sherd/error.h>
-#include <sherd/voxel_files.h>
+#include <sherd/files.h>
 #include <tbb/parallel_for.h>
 #include <zstd.h>
 
@@ -18,6 +18,7 @@
 #include "dataset/object_folder.h"
 #include "formats/arrays/zip_reader.h"
 #include "formats/mesh/read_mesh.h"
+#include "formats/voxels/parse_voxels.h"
 
 namespace sherd {
 namespace {

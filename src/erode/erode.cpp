@@ -1,7 +1,7 @@
 // Erosion.  Fragments erode independently of each other: a voxel outside a fragment counts as
 // filled or empty regardless of the other fragments and their erosion.
-#include <sherd/erode.h>
 #include <sherd/error.h>
+#include <sherd/labels.h>
 #include <sherd/seeds.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -15,6 +15,7 @@
 #include "erode/shape.h"
 #include "erode/shell.h"
 #include "grow/solid_components.h"
+#include "voxelize/leaf_blocks.h"
 
 namespace sherd {
 namespace {

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <string>
 
+#include "voxelize/leaf_blocks.h"
+
 namespace sherd {
 namespace {
 

@@ -2,13 +2,15 @@
 #pragma once
 
 #include <sherd/labels.h>
-#include <sherd/leaf_blocks.h>
+#include <sherd/solid.h>
 
 #include <array>
 #include <bit>
 #include <cstdint>
 #include <span>
 #include <vector>
+
+#include "voxelize/leaf_blocks.h"
 
 namespace sherd {
 

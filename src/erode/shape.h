@@ -1,7 +1,7 @@
 // The structuring elements of erosion, as rows of cells.
 #pragma once
 
-#include <sherd/erode.h>
+#include <sherd/labels.h>
 
 #include <vector>
 

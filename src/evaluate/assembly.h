@@ -1,7 +1,7 @@
 // All fragments in their assembled positions: nearest surface and containment queries.
 #pragma once
 
-#include <sherd/fit.h>
+#include <sherd/evaluate.h>
 
 #include <memory>
 #include <optional>

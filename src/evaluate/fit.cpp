@@ -1,6 +1,6 @@
 // Measures how well fragments fit each other and the intact mesh.
 #include <sherd/error.h>
-#include <sherd/fit.h>
+#include <sherd/evaluate.h>
 #include <sherd/points.h>
 #include <tbb/parallel_for.h>
 

@@ -1,5 +1,5 @@
 // Counts the defects of a mesh and measures its angles.
-#include <sherd/mesh_quality.h>
+#include <sherd/evaluate.h>
 
 #include <algorithm>
 #include <array>

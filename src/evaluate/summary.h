@@ -1,7 +1,7 @@
 // Summary statistics of distances.
 #pragma once
 
-#include <sherd/fit.h>
+#include <sherd/evaluate.h>
 
 #include <optional>
 #include <vector>

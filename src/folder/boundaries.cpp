@@ -1,5 +1,5 @@
 // Contact boundaries as OBJ polylines.
-#include <sherd/io.h>
+#include <sherd/folder.h>
 
 #include <cstdio>
 

@@ -1,9 +1,8 @@
 // Detection of a file's kind.
 #include "folder/file_kind.h"
 
+#include <sherd/files.h>
 #include <sherd/mesh.h>
-#include <sherd/point_files.h>
-#include <sherd/voxel_files.h>
 
 #include <algorithm>
 

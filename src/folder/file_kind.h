@@ -1,7 +1,7 @@
 // Detection of a file's kind.
 #pragma once
 
-#include <sherd/read_options.h>
+#include <sherd/files.h>
 
 #include <filesystem>
 

@@ -2,6 +2,7 @@
 #include "folder/fracture_files.h"
 
 #include <sherd/error.h>
+#include <sherd/files.h>
 #include <sherd/render.h>
 #include <tbb/parallel_for.h>
 
@@ -22,7 +23,7 @@ constexpr std::size_t kFragmentsPerBatch = 16;  // written in parallel between p
 PlacedVoxels labeledBox(const FractureResult& result, int fragments) {
   const openvdb::Coord& first = result.solid.box.min;
   const GridFrame& frame = result.solid.frame;
-  const WorldPoint origin = frame.worldFromIndex({{first.x(), first.y(), first.z()}});
+  const glm::dvec3 origin = frame.worldFromIndex(first);
   return {encodeRuns(result.solid, result.labels, fragments),
           VoxelTransform{{origin, frame.voxelSize}, first}};
 }

@@ -1,7 +1,7 @@
 // Writes the files of fractures to folders and sinks.
 #pragma once
 
-#include <sherd/io.h>
+#include <sherd/folder.h>
 
 #include <optional>
 #include <vector>

@@ -1,5 +1,5 @@
 // The contact graph, for simulations.
-#include <sherd/io.h>
+#include <sherd/folder.h>
 
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
@@ -57,7 +57,7 @@ void writeGraph(const OutputFile& file, std::span<const Fragment> fragments,
                    bonds.push_back({{"chunkIndices", {one.id, other.id}},
                                     {"normal", jsonOf(contact.normal)},
                                     {"area", contact.area},
-                                    {"centroid", jsonOf(contact.centroid.v)},
+                                    {"centroid", jsonOf(contact.centroid)},
                                     {"userData", 0}});
                  });
   const Json graph = {{"schema", "sherd-graph/1"},

@@ -2,7 +2,7 @@
 #include "folder/manifest.h"
 
 #include <sherd/evaluate.h>
-#include <sherd/io.h>
+#include <sherd/folder.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -79,7 +79,7 @@ Json gridJson(const SourceMesh& source, const FractureOptions& options,
           {"voxel_size", solid.frame.voxelSize},
           {"dims", jsonOf(solid.box.dims())},
           {"index_min", jsonOf(first)},
-          {"origin", jsonOf(solid.frame.worldFromIndex({{first.x(), first.y(), first.z()}}).v)},
+          {"origin", jsonOf(solid.frame.worldFromIndex(first))},
           {"solid_voxels", solid.voxels},
           {"eroded_voxels", solid.voxels - labeled}};
 }
@@ -105,7 +105,7 @@ Json contactsJson(const Fragment& fragment, std::map<int, double> boundaries) {
     contacts.push_back({{"id", contact.fragment},
                         {"area", plain(contact.area)},
                         {"normal", jsonOf(contact.normal)},
-                        {"centroid", jsonOf(contact.centroid.v)},
+                        {"centroid", jsonOf(contact.centroid)},
                         {"boundary_length", boundaries[contact.fragment]}});
   }
   return contacts;
@@ -116,8 +116,7 @@ std::vector<Json> seedPositions(const FractureResult& result) {
   std::vector<Json> positions(result.fragments.size(), Json::array());
   for (const Seed& seed : result.seeds) {
     const openvdb::Coord& v = seed.voxel;
-    positions[seed.fragment - 1u].push_back(
-        jsonOf(result.solid.frame.worldFromIndex({{v.x(), v.y(), v.z()}}).v));
+    positions[seed.fragment - 1u].push_back(jsonOf(result.solid.frame.worldFromIndex(v)));
   }
   return positions;
 }

@@ -1,8 +1,8 @@
 // manifest.json: the options, statistics and files of a fracture.
 #pragma once
 
+#include <sherd/folder.h>
 #include <sherd/fracture.h>
-#include <sherd/io.h>
 
 #include <filesystem>
 #include <map>

@@ -1,7 +1,7 @@
 // Writes the meshes of a fracture with the surface attributes of the input mesh.
 #pragma once
 
-#include <sherd/io.h>
+#include <sherd/folder.h>
 
 #include <string>
 

@@ -1,5 +1,5 @@
 // Convex hulls of fragments, for simulations.
-#include <sherd/io.h>
+#include <sherd/folder.h>
 
 #include "base/number_text.h"
 #include "mesh/hull.h"

@@ -1,6 +1,6 @@
 // Reads a fracture from its folder.
-#include <sherd/io.h>
-#include <sherd/refracture.h>
+#include <sherd/folder.h>
+#include <sherd/fracture.h>
 
 #include <algorithm>
 #include <optional>

@@ -1,6 +1,6 @@
 // Reads the fragments of a folder, written by Sherd or another program.
 #include <sherd/error.h>
-#include <sherd/evaluate.h>
+#include <sherd/folder.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>

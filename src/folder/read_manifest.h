@@ -1,7 +1,7 @@
 // Reads manifest.json; the file is untrusted.
 #pragma once
 
-#include <sherd/grid_fwd.h>
+#include <sherd/solid.h>
 
 #include <cstdint>
 #include <filesystem>

@@ -1,7 +1,7 @@
 // Reads the fragments to render from a file or folder.
 #include <sherd/error.h>
 #include <sherd/evaluate.h>
-#include <sherd/render.h>
+#include <sherd/folder.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>

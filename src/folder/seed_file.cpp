@@ -2,6 +2,7 @@
 #include "folder/seed_file.h"
 
 #include <sherd/error.h>
+#include <sherd/files.h>
 
 #include <nlohmann/json.hpp>
 #include <string>
@@ -36,7 +37,7 @@ SeedPoint pointOf(const Json& entry, std::size_t number) {
   for (int axis = 0; axis < 3; ++axis) {
     const Json& value = (*position)[static_cast<std::size_t>(axis)];
     if (!value.is_number()) refuse("has no \"position\" of three numbers");
-    point.position.v[axis] = value.get<double>();
+    point.position[axis] = value.get<double>();
   }
   const bool inRange =
       fragment->is_number_unsigned() && *fragment >= 1 && *fragment <= kMaxFragments;
@@ -76,8 +77,7 @@ void writeSeeds(const OutputFile& file, std::span<const Seed> seeds, const Solid
   std::string text = "{\n \"schema\": \"" + std::string(kSchema) + "\",\n \"seeds\": [";
   const char* separator = "\n";
   for (const Seed& seed : seeds) {
-    const glm::dvec3 center =
-        solid.frame.worldFromIndex({{seed.voxel.x(), seed.voxel.y(), seed.voxel.z()}}).v;
+    const glm::dvec3 center = solid.frame.worldFromIndex(seed.voxel);
     // Adding zero replaces -0 by 0.
     const Json entry = {{"fragment", seed.fragment},
                         {"position", {center.x + 0.0, center.y + 0.0, center.z + 0.0}}};

@@ -1,7 +1,7 @@
 // Writes a fracture's folder while the fragments are made.
 #pragma once
 
-#include <sherd/io.h>
+#include <sherd/folder.h>
 
 #include "folder/fracture_folder.h"
 #include "pipeline/fracture_stages.h"

@@ -2,7 +2,7 @@
 // that few are in memory at a time.
 #pragma once
 
-#include <sherd/io.h>
+#include <sherd/folder.h>
 
 #include <span>
 #include <string>

@@ -10,6 +10,7 @@
 #include "grow/relief.h"
 #include "grow/rough.h"
 #include "grow/seed_kernel.h"
+#include "voxelize/leaf_blocks.h"
 
 namespace sherd {
 namespace {
@@ -219,8 +220,8 @@ std::vector<Labels> growBatch(const LeafBlocks& blocks, std::span<const std::vec
                               Device& device, const GrowOptions& options,
                               const Progress* progress) {
   const SeedTable table = tableOf(blocks, seedSets);
-  return withDevice(device.impl(), "growing fragments", [&] {
-    GrowthState state(blocks, seedSets.size(), device.impl(), options.tuning.workGroupSize);
+  return withDevice(implOf(device), "growing fragments", [&] {
+    GrowthState state(blocks, seedSets.size(), implOf(device), options.tuning.workGroupSize);
     Growing growing{state, table, options, progress};
     Flood last = growAll(growing);
     std::vector<Labels> all = readLabels(growing, last);
@@ -256,8 +257,8 @@ std::vector<Labels> grow(const LeafBlocks& blocks, std::span<const std::vector<S
 }
 
 Labels extendLabels(const LeafBlocks& blocks, Labels labels, Device& device, int steps) {
-  return withDevice(device.impl(), "extending labels into the exterior band", [&] {
-    GrowthState state(blocks, 1, device.impl());
+  return withDevice(implOf(device), "extending labels into the exterior band", [&] {
+    GrowthState state(blocks, 1, implOf(device));
     Flood flood(state, false);
     flood.load(uploadBuffer<std::uint16_t>(state.device, labels.fragment), state.inside);
     flood.grow(band(state), static_cast<std::uint32_t>(steps), 16, nullptr);

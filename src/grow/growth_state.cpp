@@ -7,6 +7,8 @@
 #include <set>
 #include <string>
 
+#include "voxelize/leaf_blocks.h"
+
 namespace sherd {
 namespace {
 
@@ -21,7 +23,7 @@ cl_uint itemsOf(const LeafBlocks& blocks, std::size_t fractures) {
 
 }  // namespace
 
-GrowthState::GrowthState(const LeafBlocks& b, std::size_t fractureCount, Device::Impl& d,
+GrowthState::GrowthState(const LeafBlocks& b, std::size_t fractureCount, DeviceImpl& d,
                          int workGroupSize)
     : device(d),
       blocks(b),

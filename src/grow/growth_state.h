@@ -16,10 +16,10 @@ namespace sherd {
 class GrowthState {
  public:
   ///   throws  Error(usage) more than 2^32 - 2 items
-  GrowthState(const LeafBlocks& blocks, std::size_t fractures, Device::Impl& device,
+  GrowthState(const LeafBlocks& blocks, std::size_t fractures, DeviceImpl& device,
               int workGroupSize = 0);
 
-  Device::Impl& device;
+  DeviceImpl& device;
   const LeafBlocks& blocks;
   const cl_uint leafCount, fractures, items;
   const DeviceBuffer inside;    ///< [leafCount*8]

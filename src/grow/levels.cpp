@@ -5,6 +5,8 @@
 #include <array>
 #include <numeric>
 
+#include "voxelize/leaf_blocks.h"
+
 namespace sherd {
 namespace {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <sherd/labels.h>
-#include <sherd/metric.h>
+#include <sherd/seeds.h>
 
 #include "cl/open_cl.h"
 #include "voxel_metric.h"

@@ -1,6 +1,8 @@
 // Sizes of fragments.  Every attempt grows from seeds again, so the result equals one plain growth.
+#include "grow/shares.h"
+
 #include <sherd/error.h>
-#include <sherd/shares.h>
+#include <sherd/labels.h>
 
 #include <algorithm>
 #include <array>
@@ -10,6 +12,7 @@
 #include <string>
 
 #include "base/random.h"
+#include "voxelize/leaf_blocks.h"
 
 namespace sherd {
 namespace {
@@ -32,7 +35,7 @@ void check(const ShareOptions& options, const VoxelComponents& components, int f
     throw Error(ErrorCode::usage, std::to_string(fragments) + " fragments cannot each have " +
                                       percent(options.minShare) + " of the solid");
   }
-  for (const std::uint64_t component : components.voxels) {
+  for (const std::uint64_t component : components.voxels()) {
     const double share = static_cast<double>(component) / static_cast<double>(voxels);
     if (share >= options.minShare) continue;
     throw Error(ErrorCode::usage, "a component of the solid has " + percent(share) +

@@ -12,12 +12,12 @@ namespace sherd {
 
 Solid dropSmallComponents(Solid solid, VoxelComponents& components, Device& device) {
   const auto isSmallComponent = [&](std::uint32_t component) {
-    return components.voxels[component] < kSmallComponentVoxels;
+    return components.voxels()[component] < kSmallComponentVoxels;
   };
   for (std::uint32_t component = 0; component < components.count(); ++component) {
     if (!isSmallComponent(component)) continue;
     ++solid.smallComponents;
-    solid.smallComponentVoxels += components.voxels[component];
+    solid.smallComponentVoxels += components.voxels()[component];
   }
   if (solid.smallComponents == 0) return solid;
   if (solid.smallComponents == components.count()) {

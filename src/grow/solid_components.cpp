@@ -10,70 +10,78 @@
 namespace sherd {
 namespace {
 
-// Numbers the components by their lowest node and counts their voxels; nodes ascend with leaves and
-// voxels.
-void numberComponents(const LeafBlocks& blocks, std::span<const cl_uint> nodeCount,
-                      std::span<const cl_uint> root, VoxelComponents& components) {
-  components.componentOfNode.resize(root.size());
+// Numbers the components by their lowest node; nodes ascend with leaves and voxels.
+std::vector<std::uint32_t> componentsOfNodes(std::span<const cl_uint> root, std::size_t& count) {
+  std::vector<std::uint32_t> component(root.size());
+  count = 0;
   for (std::size_t n = 0; n < root.size(); ++n) {
-    if (root[n] == n) {
-      components.componentOfNode[n] = static_cast<std::uint32_t>(components.voxels.size());
-      components.voxels.push_back(0);
-    } else {
-      components.componentOfNode[n] =
-          components.componentOfNode[root[n]];  // root[n] < n has its number
-    }
+    // A root is its component's lowest node, so those below n have their number.
+    component[n] = root[n] == n ? static_cast<std::uint32_t>(count++) : component[root[n]];
   }
-  for (std::size_t word = 0; word < blocks.inside.size(); ++word) {
-    const std::size_t leaf = word / SHERD_LEAF_WORDS;
-    std::uint64_t bits = blocks.inside[word];
-    if (nodeCount[leaf] == 1) {
-      components.voxels[components.componentOfNode[components.firstNode[leaf]]] +=
-          static_cast<std::uint64_t>(std::popcount(bits));
-      continue;
-    }
-    for (; bits; bits &= bits - 1) {
-      ++components
-            .voxels[components.at(word * 64 + static_cast<std::size_t>(std::countr_zero(bits)))];
-    }
-  }
+  return component;
 }
 
-void readLocalNodes(GrowthState& state, const NodeComponents& found, VoxelComponents& components) {
-  std::vector<cl_uint> leaves;
-  components.firstLocal.assign(state.items, VoxelComponents::kOneNode);
-  for (cl_uint leaf = 0; leaf < state.items; ++leaf) {
-    if (found.nodesOfItem[leaf] < 2) continue;
-    components.firstLocal[leaf] = static_cast<std::uint32_t>(leaves.size());
-    leaves.push_back(leaf);
+std::vector<std::uint64_t> voxelsOf(const VoxelComponents& components, std::size_t count,
+                                    const LeafBlocks& blocks,
+                                    std::span<const cl_uint> nodesOfLeaf) {
+  std::vector<std::uint64_t> voxels(count);
+  for (std::size_t word = 0; word < blocks.inside.size(); ++word) {
+    std::uint64_t bits = blocks.inside[word];
+    const auto at = [&] {
+      return components.at(word * 64 + static_cast<std::size_t>(std::countr_zero(bits)));
+    };
+    if (bits != 0 && nodesOfLeaf[word / SHERD_LEAF_WORDS] == 1) {
+      voxels[at()] += static_cast<std::uint64_t>(std::popcount(bits));
+      continue;
+    }
+    for (; bits; bits &= bits - 1) ++voxels[at()];
   }
+  return voxels;
+}
+
+// Returns the leaves of more than one node.
+std::vector<cl_uint> sharedLeaves(const NodeComponents& found) {
+  std::vector<cl_uint> leaves;
+  for (cl_uint leaf = 0; leaf < found.nodesOfItem.size(); ++leaf) {
+    if (found.nodesOfItem[leaf] >= 2) leaves.push_back(leaf);
+  }
+  return leaves;
+}
+
+std::vector<std::uint16_t> localNodes(GrowthState& state, const NodeComponents& found,
+                                      const std::vector<cl_uint>& leaves) {
   const std::size_t voxels = leaves.size() * SHERD_LEAF_SIZE;
   const DeviceBuffer gathered = makeBuffer<cl_ushort>(state.device, voxels);
   state.run("gather_voxels", leaves.size(), found.localNode,
             uploadBuffer<cl_uint>(state.device, leaves), static_cast<cl_uint>(leaves.size()),
             gathered);
-  components.localNode = downloaded<std::uint16_t>(state.device, gathered, voxels);
+  return downloaded<std::uint16_t>(state.device, gathered, voxels);
 }
 
 }  // namespace
 
 VoxelComponents findComponents(const LeafBlocks& blocks, Device& device) {
-  Device::Impl& impl = device.impl();
+  DeviceImpl& impl = implOf(device);
   return withDevice(impl, "finding connected components", [&] {
     GrowthState state(blocks, 1, impl);
     NodeComponents found = findNodeComponents(state);
+    const std::vector<cl_uint> leaves = sharedLeaves(found);
     VoxelComponents components;
-    readLocalNodes(state, found, components);
-    const std::vector<cl_uint> root = downloaded<cl_uint>(impl, found.root, found.nodes);
-    components.firstNode = std::move(found.first);
-    numberComponents(blocks, found.nodesOfItem, root, components);
+    components.firstLocal_.assign(found.nodesOfItem.size(), VoxelComponents::kOneNode);
+    for (cl_uint i = 0; i < leaves.size(); ++i) components.firstLocal_[leaves[i]] = i;
+    components.localNode_ = localNodes(state, found, leaves);
+    components.firstNode_ = std::move(found.first);
+    std::size_t count = 0;
+    components.componentOfNode_ =
+        componentsOfNodes(downloaded<cl_uint>(impl, found.root, found.nodes), count);
+    components.voxels_ = voxelsOf(components, count, blocks, found.nodesOfItem);
     return components;
   });
 }
 
 std::vector<std::uint64_t> largestComponents(const LeafBlocks& blocks, const Labels& labels,
                                              Device& device) {
-  Device::Impl& impl = device.impl();
+  DeviceImpl& impl = implOf(device);
   return withDevice(impl, "finding the largest components", [&] {
     GrowthState state(blocks, 1, impl);
     const DeviceBuffer uploaded = uploadBuffer<std::uint16_t>(impl, labels.fragment);

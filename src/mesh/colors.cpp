@@ -1,7 +1,7 @@
 // Conversion of colors from files and between sRGB and linear, and detection of image types.
 #include "mesh/colors.h"
 
-#include <sherd/appearance.h>
+#include <sherd/mesh.h>
 
 #include <algorithm>
 #include <cmath>

@@ -58,9 +58,9 @@ Impact impactFrom(const std::string& text) {
   if (!at) refuseValue(text, expected);
   const std::vector<double>& v = *at;
   if (isRay) {
-    impact.target = Ray{{{v[0], v[1], v[2]}}, {v[3], v[4], v[5]}};
+    impact.target = Ray{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
   } else {
-    impact.target = WorldPoint{{v[0], v[1], v[2]}};
+    impact.target = glm::dvec3{v[0], v[1], v[2]};
   }
   if (parts.size() > coordinates) {
     const std::optional<double> count = numberIn(parts[coordinates]);
@@ -87,10 +87,10 @@ Impact impactFrom(const std::string& text) {
 
 std::string impactText(const Impact& impact) {
   std::string text;
-  if (const auto* point = std::get_if<WorldPoint>(&impact.target)) {
-    text = numbersText({point->v.x, point->v.y, point->v.z});
+  if (const auto* point = std::get_if<glm::dvec3>(&impact.target)) {
+    text = numbersText({point->x, point->y, point->z});
   } else if (const auto* ray = std::get_if<Ray>(&impact.target)) {
-    const glm::dvec3 &o = ray->origin.v, &d = ray->direction;
+    const glm::dvec3 &o = ray->origin, &d = ray->direction;
     text = "ray:" + numbersText({o.x, o.y, o.z, d.x, d.y, d.z});
   }
   if (impact.count > 0) {

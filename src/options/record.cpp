@@ -22,9 +22,9 @@ constexpr std::string_view kImpacts = "seeds.impacts", kSeedFile = "seeds.file";
 
 Json impactJson(const Impact& impact) {
   Json json = Json::object();
-  if (const auto* point = std::get_if<WorldPoint>(&impact.target)) json["point"] = jsonOf(point->v);
+  if (const auto* point = std::get_if<glm::dvec3>(&impact.target)) json["point"] = jsonOf(*point);
   if (const auto* ray = std::get_if<Ray>(&impact.target)) {
-    json["ray"] = {{"origin", jsonOf(ray->origin.v)}, {"direction", jsonOf(ray->direction)}};
+    json["ray"] = {{"origin", jsonOf(ray->origin)}, {"direction", jsonOf(ray->direction)}};
   }
   json["count"] = impact.count;
   if (impact.sigma > 0.0) {
@@ -48,7 +48,7 @@ glm::dvec3 vectorFrom(const In& json) {
 
 Impact impactFrom(const In& json) {
   Impact impact;
-  if (json.contains("point")) impact.target = WorldPoint{vectorFrom(json.at("point"))};
+  if (json.contains("point")) impact.target = glm::dvec3{vectorFrom(json.at("point"))};
   if (json.contains("ray")) {
     const In& ray = json.at("ray");
     impact.target = Ray{{vectorFrom(ray.at("origin"))}, vectorFrom(ray.at("direction"))};

@@ -25,7 +25,7 @@ GrownFracture grownOf(Solid solid, const FractureOptions& options, StageClock cl
 GrownFracture grown(const TriangleMesh& mesh, const FractureOptions& options, Device& device,
                     const Progress* progress) {
   StageClock clock;
-  device.impl().buildKernels();
+  implOf(device).buildKernels();
   Solid solid = voxelize(mesh, options.solid, progress);
   clock.done("voxelize");
   return grownOf(std::move(solid), options, clock, device, progress);

@@ -2,12 +2,13 @@
 #pragma once
 
 #include <sherd/fracture.h>
-#include <sherd/refracture.h>
 
 #include <chrono>
 #include <optional>
 #include <span>
 #include <vector>
+
+#include "grow/shares.h"
 
 namespace sherd {
 

@@ -1,5 +1,7 @@
 // Estimate of the memory that a fracture takes.
-#include <sherd/memory_estimate.h>
+#include "pipeline/memory_estimate.h"
+
+#include <sherd/fracture.h>
 #include <sherd/solid.h>
 
 #include <algorithm>
@@ -9,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "base/memory.h"
 #include "pipeline/fracture_stages.h"
 #include "surface/smooth.h"
 #include "voxelize/fill.h"

@@ -1,7 +1,7 @@
 // Refracture: each broken fragment is a separate solid for seeds and growth; the cut is then
 // recomputed for all fragments together.
 #include <sherd/error.h>
-#include <sherd/refracture.h>
+#include <sherd/fracture.h>
 
 #include <set>
 

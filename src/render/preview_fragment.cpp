@@ -1,12 +1,14 @@
 // Coarser meshes for previews, by clustering vertices in cubes.
 #include "render/preview_fragment.h"
 
-#include <sherd/memory_estimate.h>
+#include <sherd/fracture.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <utility>
+
+#include "pipeline/memory_estimate.h"
 
 namespace sherd {
 namespace {

@@ -60,8 +60,8 @@ std::optional<VoxelKey> freeVoxelNear(const glm::dvec3& point, const VoxelIndex&
   return best;
 }
 
-std::string refusal(const WorldPoint& position, const Solid& solid, const VoxelIndex& inside) {
-  const glm::dvec3 point = solid.frame.indexFromWorld(position).v;
+std::string refusal(const glm::dvec3& position, const Solid& solid, const VoxelIndex& inside) {
+  const glm::dvec3 point = solid.frame.indexFromWorld(position);
   const openvdb::Coord nearest = inside.nearest(point);
   const double away =
       std::sqrt(std::pow(nearest.x() - point.x, 2) + std::pow(nearest.y() - point.y, 2) +
@@ -106,8 +106,7 @@ std::vector<Seed> seedsFromPoints(std::span<const SeedPoint> points, const Solid
   constexpr std::size_t kNone = ~std::size_t{0};
   std::vector<std::size_t> firstOf(given, kNone);  // [id - 1] entry
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const auto key =
-        freeVoxelNear(solid.frame.indexFromWorld(points[i].position).v, inside, chosen);
+    const auto key = freeVoxelNear(solid.frame.indexFromWorld(points[i].position), inside, chosen);
     if (!key) throw inputError(i, refusal(points[i].position, solid, inside));
     chosen.add(*key);
     const std::uint32_t component = components.at(*key);

@@ -25,7 +25,7 @@ bool isFinite(const glm::dvec3& v) {
 
 openvdb::Coord centerOnRay(const Ray& ray, std::size_t number, const Solid& solid,
                            const VoxelIndex& inside, const VoxelIndex& surface) {
-  const glm::dvec3 origin = solid.frame.indexFromWorld(ray.origin).v;
+  const glm::dvec3 origin = solid.frame.indexFromWorld(ray.origin);
   if (!isFinite(origin)) throw usageError(number, ": its ray's origin must be finite");
   if (!isFinite(ray.direction) || ray.direction == glm::dvec3(0.0)) {
     throw usageError(number, ": its ray's direction must be finite and not 0");
@@ -42,8 +42,8 @@ openvdb::Coord centerOf(const Impact& impact, std::size_t number, const Solid& s
   if (const auto* ray = std::get_if<Ray>(&impact.target)) {
     return centerOnRay(*ray, number, solid, inside, surface);
   }
-  if (const auto* point = std::get_if<WorldPoint>(&impact.target)) {
-    const glm::dvec3 at = solid.frame.indexFromWorld(*point).v;
+  if (const auto* point = std::get_if<glm::dvec3>(&impact.target)) {
+    const glm::dvec3 at = solid.frame.indexFromWorld(*point);
     if (!isFinite(at)) throw usageError(number, ": its point must be finite");
     return surface.nearest(at);
   }

@@ -5,6 +5,8 @@
 #include <bit>
 #include <limits>
 
+#include "voxelize/leaf_blocks.h"
+
 namespace sherd {
 namespace {
 

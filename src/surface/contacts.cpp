@@ -10,6 +10,7 @@
 
 #include "surface/label_reader.h"
 #include "surface/leaf_labels.h"
+#include "voxelize/leaf_blocks.h"
 
 namespace sherd {
 namespace {
@@ -74,7 +75,7 @@ SurfaceSums voxelSurfaces(const Solid& solid, const Labels& labels, const Cut& c
           glm::dvec3 at(voxel.x(), voxel.y(), voxel.z());
           at[axis] += 0.5;
           found[{std::min(a, b), std::max(a, b)}].add(faceArea, normal,
-                                                      solid.frame.worldFromIndex({at}).v);
+                                                      solid.frame.worldFromIndex(at));
         }
       }
     }
@@ -96,7 +97,7 @@ std::vector<std::uint16_t> neighborsOf(const TriangleMesh& mesh, const std::vect
                      c = mesh.vertices[corner.z];
     const glm::dvec3 normal = glm::cross(b - a, c - a);
     const double length = glm::length(normal);
-    const glm::dvec3 center = solid.frame.indexFromWorld({(a + b + c) / 3.0}).v;
+    const glm::dvec3 center = solid.frame.indexFromWorld((a + b + c) / 3.0);
     const glm::dvec3 outwards = length > 0 ? normal / length : glm::dvec3(0.0);
     // Voxels off the face belong to the neighbor.  At a boundary or in a narrow wedge there may be
     // none at that distance, so others are tried.
@@ -146,7 +147,7 @@ std::vector<std::vector<Contact>> ContactMeasure::contacts(
     Contact contact;
     contact.area = interface.area;
     contact.normal = length > 0 ? interface.normal / length : glm::dvec3(0.0);
-    contact.centroid.v = interface.centroid / interface.area;
+    contact.centroid = interface.centroid / interface.area;
     contact.fragment = pair.second;
     all[pair.first - 1u].push_back(contact);
     contact.fragment = pair.first;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "surface/cut.h"
+#include "voxelize/leaf_blocks.h"
 
 namespace sherd {
 

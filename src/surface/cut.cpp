@@ -14,6 +14,7 @@
 #include "base/cancel_flag.h"
 #include "surface/leaf_labels.h"
 #include "surface/site_cut.h"
+#include "voxelize/leaf_blocks.h"
 
 namespace sherd {
 namespace {

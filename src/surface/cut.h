@@ -2,11 +2,13 @@
 #pragma once
 
 #include <sherd/labels.h>
-#include <sherd/leaf_blocks.h>
+#include <sherd/solid.h>
 
 #include <cstdint>
 #include <span>
 #include <vector>
+
+#include "voxelize/leaf_blocks.h"
 
 namespace sherd {
 

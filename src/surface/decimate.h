@@ -1,7 +1,7 @@
 // Decimation of meshes that share faces.
 #pragma once
 
-#include <sherd/surface.h>
+#include <sherd/fragments.h>
 
 #include <span>
 #include <vector>

@@ -19,6 +19,7 @@
 #include "surface/label_mesh.h"
 #include "surface/level_set.h"
 #include "surface/smooth.h"
+#include "voxelize/leaf_blocks.h"
 
 namespace sherd {
 namespace {

@@ -10,6 +10,7 @@
 #include "surface/contacts.h"
 #include "surface/cut.h"
 #include "surface/interface_mesh.h"
+#include "voxelize/leaf_blocks.h"
 
 namespace sherd {
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "surface/interface_mesh.h"
+#include "voxelize/leaf_blocks.h"
 
 namespace sherd {
 namespace {

@@ -5,6 +5,8 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "voxelize/leaf_blocks.h"
+
 namespace sherd {
 namespace {
 
@@ -67,7 +69,7 @@ std::shared_ptr<const IntactSurface> intactSurface(const Solid& solid) {
           const LeafCells& cells = made->leaves[leafOfSlot[slot]].cells;
           if (quad.vertex[k] < first || quad.vertex[k] - first >= cells.vertices.size()) continue;
           corner[k] = slot << IntactLeaf::kSlotBits | (quad.vertex[k] - first);
-          at[k] = solid.frame.worldFromIndex({cells.vertices[quad.vertex[k] - first]}).v;
+          at[k] = solid.frame.worldFromIndex(cells.vertices[quad.vertex[k] - first]);
           break;
         }
       }

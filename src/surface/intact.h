@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "surface/leaf_cells.h"
+#include "voxelize/leaf_blocks.h"
 
 namespace sherd {
 

@@ -16,6 +16,7 @@
 #include "surface/intact.h"
 #include "surface/leaf_cells.h"
 #include "surface/non_manifold_vertices.h"
+#include "voxelize/leaf_blocks.h"
 
 namespace sherd {
 namespace {
@@ -51,9 +52,8 @@ class InterfaceMeshes::Meshing {
     straightenBoundaries(quads_, junctions_, vertices_.at);
     throwIfCancelled(progress);
     gaps_ = splitNonManifoldVertices(nonManifold_, quads_, vertices_);
-    forEach(0, vertices_.at.size(), [&](std::size_t v) {
-      vertices_.at[v] = solid.frame.worldFromIndex({vertices_.at[v]}).v;
-    });
+    forEach(0, vertices_.at.size(),
+            [&](std::size_t v) { vertices_.at[v] = solid.frame.worldFromIndex(vertices_.at[v]); });
     throwIfCancelled(progress);
     numberVertices(fragments);
     // Groups quads by label; within a label they keep their order.

@@ -9,6 +9,7 @@
 
 #include "surface/complex.h"
 #include "surface/cut.h"
+#include "voxelize/leaf_blocks.h"
 
 namespace sherd {
 

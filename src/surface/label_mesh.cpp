@@ -114,7 +114,7 @@ class Builder {
       addMiddle(uses[i + 2], uses[i + 3]);
     }
     for (std::uint32_t f = 0; f < faces_.size(); ++f) addTriangles(f);
-    for (glm::dvec3& v : out_.vertices) v = frame.worldFromIndex({v}).v;
+    for (glm::dvec3& v : out_.vertices) v = frame.worldFromIndex(v);
     return std::move(out_);
   }
 

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <sherd/labels.h>
-#include <sherd/leaf_blocks.h>
+#include <sherd/solid.h>
 
 #include <cstdint>
+
+#include "voxelize/leaf_blocks.h"
 
 namespace sherd {
 

@@ -15,6 +15,7 @@
 #include "surface/contact_boundaries.h"
 #include "surface/cut.h"
 #include "surface/leaf_labels.h"
+#include "voxelize/leaf_blocks.h"
 
 namespace sherd {
 

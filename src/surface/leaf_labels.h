@@ -2,12 +2,14 @@
 #pragma once
 
 #include <sherd/labels.h>
-#include <sherd/leaf_blocks.h>
+#include <sherd/solid.h>
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
+
+#include "voxelize/leaf_blocks.h"
 
 namespace sherd {
 

@@ -1,7 +1,6 @@
 // Level sets of fragments.
 #pragma once
 
-#include <sherd/grid_fwd.h>
 #include <sherd/solid.h>
 
 #include <cstdint>

@@ -1,8 +1,8 @@
 // Triangle meshes of level sets.
 #pragma once
 
-#include <sherd/grid_fwd.h>
 #include <sherd/mesh.h>
+#include <sherd/solid.h>
 
 namespace sherd {
 

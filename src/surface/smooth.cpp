@@ -2,7 +2,7 @@
 #include "surface/smooth.h"
 
 #include <sherd/error.h>
-#include <sherd/surface.h>
+#include <sherd/fragments.h>
 
 #include <algorithm>
 #include <cassert>

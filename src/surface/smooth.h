@@ -1,7 +1,7 @@
 // Smoothing of meshes that share vertices.
 #pragma once
 
-#include <sherd/surface.h>
+#include <sherd/fragments.h>
 
 #include <span>
 #include <vector>

@@ -1,9 +1,9 @@
 // Distances from voxels to a surface, in a band around it.
 #pragma once
 
-#include <sherd/grid_fwd.h>
 #include <sherd/mesh.h>
 #include <sherd/progress.h>
+#include <sherd/solid.h>
 
 #include <array>
 #include <vector>

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/cancel_flag.h"
+#include "voxelize/leaf_blocks.h"
 
 namespace sherd {
 namespace {

@@ -1,7 +1,7 @@
 // Voxels that keep thin walls connected.
 #pragma once
 
-#include <sherd/leaf_blocks.h>
+#include <sherd/solid.h>
 
 #include <cstddef>
 #include <vector>

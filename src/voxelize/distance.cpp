@@ -16,6 +16,7 @@
 
 #include "base/cancel_flag.h"
 #include "voxelize/band.h"
+#include "voxelize/leaf_blocks.h"
 
 namespace sherd {
 namespace {
@@ -54,7 +55,7 @@ FloatGrid::Ptr emptyLevelSet(const GridFrame& frame) {
   FloatGrid::Ptr grid = FloatGrid::create(background(frame));
   openvdb::math::Transform::Ptr transform =
       openvdb::math::Transform::createLinearTransform(frame.voxelSize);
-  transform->postTranslate({frame.origin.v.x, frame.origin.v.y, frame.origin.v.z});
+  transform->postTranslate({frame.origin.x, frame.origin.y, frame.origin.z});
   grid->setTransform(transform);
   grid->setGridClass(openvdb::GRID_LEVEL_SET);
   grid->setName("surface");
@@ -153,7 +154,7 @@ void unite(FloatGrid& grid, FloatGrid& other) { openvdb::tools::csgUnion(grid, o
 
 GridFrame frameOf(const FloatGrid& grid) {
   const openvdb::Vec3d origin = grid.transform().indexToWorld(openvdb::Vec3d(0.0));
-  return {{{origin.x(), origin.y(), origin.z()}}, grid.voxelSize()[0]};
+  return {{origin.x(), origin.y(), origin.z()}, grid.voxelSize()[0]};
 }
 
 double smallestVoxel(const FloatGrid& grid) {

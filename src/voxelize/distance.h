@@ -1,8 +1,6 @@
 // Distance grids: the part of voxelization that uses OpenVDB.
 #pragma once
 
-#include <sherd/grid_fwd.h>
-#include <sherd/leaf_blocks.h>
 #include <sherd/mesh.h>
 #include <sherd/progress.h>
 #include <sherd/solid.h>

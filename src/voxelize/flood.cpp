@@ -1,7 +1,7 @@
 // Inside and outside by flood fill between surfaces.
 #include "voxelize/flood.h"
 
-#include <sherd/grid_fwd.h>
+#include <sherd/solid.h>
 
 #include <algorithm>
 #include <array>

@@ -1,8 +1,8 @@
 // The generalized winding number of any mesh at voxel centers.
 #pragma once
 
-#include <sherd/grid_fwd.h>
 #include <sherd/mesh.h>
+#include <sherd/solid.h>
 #include <tbb/concurrent_unordered_map.h>
 
 #include <cstdint>

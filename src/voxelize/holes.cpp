@@ -1,7 +1,7 @@
 // The surface that closes a mesh's holes.
 #include "voxelize/holes.h"
 
-#include <sherd/grid_fwd.h>
+#include <sherd/solid.h>
 
 #include <algorithm>
 #include <array>

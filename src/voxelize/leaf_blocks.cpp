@@ -1,5 +1,7 @@
 // Lookup of leaves, and neighbor tables of leaf blocks.
-#include <sherd/leaf_blocks.h>
+#include "voxelize/leaf_blocks.h"
+
+#include <sherd/solid.h>
 
 #include <algorithm>
 #include <bit>

@@ -32,7 +32,7 @@ struct MeshInGrid {
 // Returns the vertices and triangles, without attributes.
 TriangleMesh inIndexSpace(const TriangleMesh& mesh, const GridFrame& frame) {
   TriangleMesh out{mesh.vertices, mesh.triangles};
-  for (glm::dvec3& v : out.vertices) v = frame.indexFromWorld({v}).v;
+  for (glm::dvec3& v : out.vertices) v = frame.indexFromWorld(v);
   return out;
 }
 
@@ -40,7 +40,7 @@ MeshInGrid inGrid(const TriangleMesh& source, double voxelSize,
                   const Progress* progress = nullptr) {
   MeshInGrid out;
   out.frame.voxelSize = voxelSize;
-  out.frame.origin.v = bounds(source).min + 0.5 * voxelSize;
+  out.frame.origin = bounds(source).min + 0.5 * voxelSize;
   out.mesh = inIndexSpace(source, out.frame);
   Repaired clean = repaired(out.mesh, progress);
   out.report.defects = clean.defects;

@@ -1,8 +1,8 @@
 // Winding numbers of a closed mesh at voxel centers.
 #pragma once
 
-#include <sherd/coords.h>
 #include <sherd/mesh.h>
+#include <sherd/solid.h>
 
 #include <cstdint>
 #include <optional>

@@ -11,6 +11,8 @@
 #include <memory>
 #include <vector>
 
+#include "voxelize/leaf_blocks.h"
+
 namespace bench {
 
 using openvdb::Coord;

@@ -4,8 +4,8 @@
 // Extraction makes the cut, the level sets, the meshes with what each face faces, volumes and
 // contacts.  Run as grow_bench.cpp tells.
 #include <benchmark/benchmark.h>
+#include <sherd/folder.h>
 #include <sherd/fracture.h>
-#include <sherd/io.h>
 #include <tbb/parallel_for.h>
 
 #include <filesystem>

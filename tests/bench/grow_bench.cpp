@@ -98,7 +98,7 @@ kernel void layer(const global uint* stack, const uint count, global uint* next,
 // a stack twice.
 void growTwoStacks(benchmark::State& state) {
   const Ball& solid = ball(static_cast<int>(state.range(0)));
-  sherd::Device::Impl& impl = device().impl();
+  sherd::DeviceImpl& impl = implOf(device());
   cl::Program program(impl.context, kTwoStacks);
   program.build();
   cl::Kernel layer(program, "layer");

@@ -4,8 +4,8 @@
 // SHERD_BENCH_MESH names a mesh, in place of a torus; it is broken into 2 to 10 pieces, once each.
 // Run as grow_bench.cpp tells.
 #include <benchmark/benchmark.h>
+#include <sherd/folder.h>
 #include <sherd/fracture.h>
-#include <sherd/io.h>
 
 #include <cstdlib>
 #include <vector>

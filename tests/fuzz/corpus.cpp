@@ -1,6 +1,6 @@
 // The files that targets begin with.
 #include <sherd/device.h>
-#include <sherd/io.h>
+#include <sherd/folder.h>
 
 #include <cstdlib>
 #include <filesystem>

@@ -2,7 +2,7 @@
 #include "fuzz/readers.h"
 
 #include <sherd/error.h>
-#include <sherd/io.h>
+#include <sherd/folder.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,7 @@
 // Readers as fuzzing calls them, with what their headers promise of the result.
 #pragma once
 
-#include <sherd/point_files.h>
-#include <sherd/voxel_files.h>
+#include <sherd/files.h>
 
 #include <string_view>
 

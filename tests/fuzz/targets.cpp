@@ -2,9 +2,10 @@
 #include "fuzz/targets.h"
 
 #include <sherd/error.h>
-#include <sherd/point_files.h>
-#include <sherd/voxel_files.h>
+#include <sherd/files.h>
 
+#include "formats/points/parse_points.h"
+#include "formats/voxels/parse_voxels.h"
 #include "fuzz/draco_files.h"
 #include "fuzz/handmade.h"
 #include "fuzz/readers.h"

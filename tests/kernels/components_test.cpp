@@ -48,7 +48,7 @@ TEST_F(ConnectedComponents, EqualTheReferenceOnEveryShape) {
       ++voxels[component];
     }
     const VoxelComponents components = findComponents(blocks, device());
-    EXPECT_EQ(components.voxels, voxels) << solid.name;
+    EXPECT_EQ(components.voxels(), voxels) << solid.name;
     std::size_t wrong = 0;
     for (const auto& [voxel, component] : reference) {
       const std::size_t voxelIndex = voxel_shapes::voxelIndexOf(blocks, voxel);

@@ -13,7 +13,7 @@ using Gather = DeviceTest;
 
 TEST_F(Gather, CopiesListedItemsOutAndBack) {
   const LeafBlocks blocks = voxel_shapes::blocksOf(voxel_shapes::ball(12));
-  Device::Impl& impl = device().impl();
+  DeviceImpl& impl = implOf(device());
   GrowthState state(blocks, 1, impl);
   std::vector<cl_ushort> voxels(state.voxels());
   std::iota(voxels.begin(), voxels.end(), cl_ushort{0});

@@ -132,7 +132,7 @@ TEST_F(Growths, RegrowthNeedsMemoryOnlyWhereVoxelsAreDisconnected) {
   EXPECT_EQ(expected.disconnected.front(), 12u);  // of the blade, x² + 97 > (x - 12)² + 25
 
   Device small(device().info().name);
-  small.impl().info.largestBufferBytes = blocks.count() * 512 * sizeof(cl_ushort);
+  implOf(small).info.largestBufferBytes = blocks.count() * 512 * sizeof(cl_ushort);
   const Labels grown = std::move(grow(blocks, sets, small).front());
   EXPECT_EQ(grown.fragment, expected.fragment);
   EXPECT_EQ(grown.disconnected, expected.disconnected);
@@ -270,7 +270,7 @@ TEST_F(Growths, FracturesThatExceedTheLargestBufferGrowInBatches) {
     const GrowOptions options{
         .growth = growth, .roughness = 1.0, .noiseSeeds = {11, 22, 33}, .keepCost = true};
     const std::vector<Labels> together = grow(blocks, sets, device(), options);
-    small.impl().info.largestBufferBytes = 2 * perFracture + 1;
+    implOf(small).info.largestBufferBytes = 2 * perFracture + 1;
     const std::vector<Labels> inBatches = grow(blocks, sets, small, options);
     ASSERT_EQ(inBatches.size(), sets.size());
     for (std::size_t i = 0; i < sets.size(); ++i) {
@@ -278,10 +278,10 @@ TEST_F(Growths, FracturesThatExceedTheLargestBufferGrowInBatches) {
       EXPECT_EQ(inBatches[i].cost, together[i].cost);
     }
     Device little(device().info().name);  // limited by memory instead of the largest allocation
-    little.impl().info.memoryBytes = 2 * 4 * perFracture + 1;
+    implOf(little).info.memoryBytes = 2 * 4 * perFracture + 1;
     EXPECT_EQ(grow(blocks, sets, little, options).back().fragment, together.back().fragment);
     EXPECT_LE(little.memory().peakBytes, little.info().memoryBytes);
-    small.impl().info.largestBufferBytes = perFracture / 2;
+    implOf(small).info.largestBufferBytes = perFracture / 2;
     EXPECT_THROW((void)grow(blocks, sets, small, options), Error);
   }
 }
@@ -295,10 +295,10 @@ TEST_F(Growths, WithLittleMemoryFreeBuffersAreReleased) {
         .growth = growth, .roughness = 1.0, .noiseSeeds = {11}, .keepCost = true};
     Device large(device().info().name), least(device().info().name), enough(device().info().name);
     const Labels expected = growOne(solid, seeds, large, options).front();
-    least.impl().info.memoryBytes = 0;
+    implOf(least).info.memoryBytes = 0;
     (void)growOne(solid, seeds, least, options);
     ASSERT_LT(least.memory().peakBytes, large.memory().peakBytes);
-    enough.impl().info.memoryBytes = least.memory().peakBytes * 5 / 4;
+    implOf(enough).info.memoryBytes = least.memory().peakBytes * 5 / 4;
     const Labels grown = growOne(solid, seeds, enough, options).front();
     EXPECT_LE(enough.memory().peakBytes, enough.info().memoryBytes);
     EXPECT_EQ(grown.fragment, expected.fragment);

@@ -8,7 +8,7 @@
 
 int main() {
   sherd::Device device("oclgrind");
-  sherd::Device::Impl& impl = device.impl();
+  sherd::DeviceImpl& impl = implOf(device);
   cl::Program program(impl.context,
                       "kernel void race(global uint* sum) { sum[0] += (uint)get_global_id(0); }");
   program.build(impl.device);

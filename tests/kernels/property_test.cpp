@@ -43,7 +43,7 @@ void expectComponents(const ShapeSolid& on) {
     }
   }
   EXPECT_EQ(disconnected, 0u);
-  EXPECT_EQ(voxels, on.components.voxels);
+  EXPECT_EQ(voxels, on.components.voxels());
 }
 
 void expectGrowth(const ShapeSolid& on, const std::vector<Seed>& seeds, const Labels& labels,

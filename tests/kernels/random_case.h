@@ -1,7 +1,6 @@
 // Random solids and random options for property tests.
 #pragma once
 
-#include <sherd/erode.h>
 #include <sherd/labels.h>
 
 #include <random>
@@ -94,15 +93,13 @@ inline Impact anyImpact(Draw& draw, const ShapeSolid& on) {
   const auto anyVoxel = [&] {
     return *std::next(on.shape.inside.begin(), draw.upTo(static_cast<int>(on.solid.voxels) - 1));
   };
-  const auto world = [&](const Coord& v) {
-    return on.solid.frame.worldFromIndex({{v.x(), v.y(), v.z()}});
-  };
+  const auto world = [&](const Coord& v) { return on.solid.frame.worldFromIndex(v); };
   Impact impact;
   if (draw.oneIn(3)) impact.target = world(anyVoxel());
   if (draw.oneIn(3)) {  // hits a voxel of the solid
-    const WorldPoint to = world(anyVoxel());
-    const WorldPoint from = world(anyVoxel() + Coord{draw.of({-40, 0, 41}), draw.upTo(40), 50});
-    impact.target = Ray{from, to.v - from.v};
+    const glm::dvec3 to = world(anyVoxel());
+    const glm::dvec3 from = world(anyVoxel() + Coord{draw.of({-40, 0, 41}), draw.upTo(40), 50});
+    impact.target = Ray{from, to - from};
   }
   impact.count = draw.upTo(2);
   if (draw.oneIn(2)) impact.sigma = draw.between(0.01, 3.0);

@@ -2,7 +2,7 @@
 // blocks made from them.
 #pragma once
 
-#include <sherd/leaf_blocks.h>
+#include <sherd/solid.h>
 
 #include <cstdint>
 #include <functional>

@@ -3,6 +3,7 @@
 // without the library.
 #include <gtest/gtest.h>
 #include <sherd/error.h>
+#include <sherd/files.h>
 
 #include <atomic>
 #include <cstddef>
@@ -15,9 +16,9 @@
 #include <vector>
 
 #include "base/atomic_file.h"
-#include "base/held_files.h"
 #include "base/unfinished.h"
 #include "dataset/file_queue.h"
+#include "formats/held_files.h"
 #include "temp_folder.h"
 
 namespace sherd {

@@ -1,6 +1,6 @@
 // CGAL and Sherd say the same of a mesh.
 #include <gtest/gtest.h>
-#include <sherd/mesh_quality.h>
+#include <sherd/evaluate.h>
 
 #include <cstdlib>
 

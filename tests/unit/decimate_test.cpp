@@ -1,6 +1,6 @@
 // Decimation.
 #include <gtest/gtest.h>
-#include <sherd/surface.h>
+#include <sherd/fragments.h>
 
 #include <cmath>
 #include <numbers>

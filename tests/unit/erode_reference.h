@@ -1,7 +1,7 @@
 // Erosion that is easy to believe: voxel by voxel, cell by cell.
 #pragma once
 
-#include <sherd/erode.h>
+#include <sherd/labels.h>
 
 #include <functional>
 #include <map>

@@ -1,7 +1,7 @@
 // Erosion against a plain reference, OpenVDB's own erosion, and what it promises.
 #include <gtest/gtest.h>
-#include <sherd/erode.h>
 #include <sherd/error.h>
+#include <sherd/labels.h>
 #include <tbb/global_control.h>
 
 #include <cmath>

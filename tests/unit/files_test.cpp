@@ -4,7 +4,7 @@
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/LevelSetSphere.h>
 #include <sherd/error.h>
-#include <sherd/io.h>
+#include <sherd/folder.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -19,8 +19,8 @@
 #include <string>
 
 #include "base/atomic_file.h"
-#include "base/held_files.h"
 #include "folder/read_manifest.h"
+#include "formats/held_files.h"
 #include "formats/voxels/vdb.h"
 #include "shapes.h"
 #include "temp_folder.h"

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <openvdb/openvdb.h>
 #include <sherd/error.h>
+#include <sherd/files.h>
 #include <sherd/fragments.h>
 #include <sherd/solid.h>
 
@@ -342,7 +343,7 @@ TEST(Fill, WhereAnOpenMeshHasASurfaceItIsAsExactAsAClosedOnes) {
     Voxels voxels;
     for (const auto& v : voxelsOf(solid)) {
       const auto [x, y, z] = v;
-      const glm::dvec3 at = solid.frame.worldFromIndex({{x, y, z}}).v;
+      const glm::dvec3 at = solid.frame.worldFromIndex(glm::dvec3(x, y, z));
       if (at.z < 0.8 - 4 * h)
         voxels.emplace(std::lround(at.x / h * 2), std::lround(at.y / h * 2),
                        std::lround(at.z / h * 2));
@@ -380,7 +381,7 @@ TEST(Fill, OverlapsUniteWithExactDistancesOutside) {
   EXPECT_NEAR(volumeOf(solid), shapes::ballVolume(R) + shapes::ballVolume(r) - lens, 0.012);
   solid.blocks.forEachInside([&](std::size_t place) {
     const openvdb::Coord v = solid.blocks.voxelAt(place);
-    const glm::dvec3 p = solid.frame.worldFromIndex({{v.x(), v.y(), v.z()}}).v;
+    const glm::dvec3 p = solid.frame.worldFromIndex(v);
     EXPECT_LT(std::min(glm::length(p - a) - R, glm::length(p - b) - r), 1e-9);
   });
 }

@@ -1,7 +1,7 @@
 // How bodies fit whose gap, overlap and distance are known.
 #include <gtest/gtest.h>
 #include <sherd/error.h>
-#include <sherd/fit.h>
+#include <sherd/evaluate.h>
 #include <tbb/task_arena.h>
 
 #include <cmath>

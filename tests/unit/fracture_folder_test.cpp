@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 #include <sherd/error.h>
-#include <sherd/io.h>
+#include <sherd/folder.h>
 
 #include <fstream>
 #include <iterator>

@@ -1,7 +1,7 @@
 // Fractures that are written while they are made.
 #include <gtest/gtest.h>
+#include <sherd/folder.h>
 #include <sherd/fracture.h>
-#include <sherd/io.h>
 
 #include <atomic>
 #include <fstream>

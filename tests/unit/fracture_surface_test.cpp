@@ -63,11 +63,8 @@ TEST_F(LabelSurface, FragmentsAreTheirVoxels) {
       const glm::uvec3& c = fragment.mesh.triangles[t];
       const glm::dvec3 a = fragment.mesh.vertices[c.x], b = fragment.mesh.vertices[c.y],
                        d = fragment.mesh.vertices[c.z];
-      const glm::dvec3 at =
-          solid.frame
-              .indexFromWorld(
-                  {(a + b + d) / 3.0 + 0.25 * h * glm::normalize(glm::cross(b - a, d - a))})
-              .v;
+      const glm::dvec3 at = solid.frame.indexFromWorld(
+          {(a + b + d) / 3.0 + 0.25 * h * glm::normalize(glm::cross(b - a, d - a))});
       const glm::ivec3 voxel(glm::round(at));
       const auto beyond = label.find(Coord(voxel.x, voxel.y, voxel.z));
       ASSERT_EQ(fragment.mesh.neighbor[t], beyond == label.end() ? 0 : beyond->second);

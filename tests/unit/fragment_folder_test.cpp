@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 #include <sherd/error.h>
 #include <sherd/evaluate.h>
-#include <sherd/io.h>
+#include <sherd/folder.h>
 
 #include <algorithm>
 #include <fstream>

@@ -41,8 +41,8 @@ TEST_F(Impacts, MakeAsManyFragmentsAsTheyAreAskedFor) {
   const SeedOptions options{
       .pieces = 43,
       .seed = 6,
-      .impacts = {{.target = WorldPoint{{40, 0, 0}}, .count = 30, .sigma = 2.0},
-                  {.target = WorldPoint{{-26, 0, 0}}, .count = 12, .sigma = 2.0}}};
+      .impacts = {{.target = glm::dvec3{40, 0, 0}, .count = 30, .sigma = 2.0},
+                  {.target = glm::dvec3{-26, 0, 0}, .count = 12, .sigma = 2.0}}};
   const std::vector<Seed> seeds = placeSeeds(ball.solid, ball.components, options);
   expectPromises(ball, seeds, 43, 0, options);
   const int right = within(seeds, {25, 0, 0}, 12), left = within(seeds, {-25, 0, 0}, 12);
@@ -61,7 +61,7 @@ TEST_F(Impacts, CannotBeToldByTheIds) {
       placeSeeds(ball.solid, ball.components,
                  {.pieces = 61,
                   .seed = 4,
-                  .impacts = {{.target = WorldPoint{{25, 0, 0}}, .count = 30, .sigma = 2.0}}});
+                  .impacts = {{.target = glm::dvec3{25, 0, 0}, .count = 30, .sigma = 2.0}}});
   const double k = within(seeds, pole, 12), n = 61;
   double sum = 0.0;
   for (const Seed& s : seeds) sum += within({s}, pole, 12) ? s.fragment : 0;
@@ -88,9 +88,8 @@ TEST_F(Impacts, MergeIntoTheNearestFragment) {
             .on = place,
             .extraSeeds = 40,
             .mergeMetric = metric,
-            .impacts = {
-                {.target = WorldPoint{{0, 40, 3}}, .count = 20, .sigma = 1.5, .merge = true},
-                {.count = 20}}};
+            .impacts = {{.target = glm::dvec3{0, 40, 3}, .count = 20, .sigma = 1.5, .merge = true},
+                        {.count = 20}}};
         expectPromises(on, placeSeeds(on.solid, on.components, options),
                        static_cast<std::size_t>(pieces), 60, options);
       }
@@ -115,7 +114,7 @@ TEST_F(Impacts, ScatterWithTheDeviationAskedFor) {
     const double side = 2 * kHalf + 1;
     const double deviation = byBias ? side / std::sqrt(12.0 * 5) : 5.0;  // voxels
     const double kurtosis = -6.0 / (5 * (byBias ? 5 : 12));
-    Impact impact{.target = WorldPoint{solid.frame.worldFromIndex({{0.2, -0.3, kHalf + 3.0}})},
+    Impact impact{.target = glm::dvec3{solid.frame.worldFromIndex(glm::dvec3(0.2, -0.3, kHalf + 3.0))},
                   .count = kCount,
                   .sigma = byBias ? 0.0 : deviation * h,
                   .bias = 5,
@@ -147,7 +146,7 @@ TEST_F(Impacts, WidenWhereTheNeighborhoodIsFull) {
       const SeedOptions options{
           .pieces = count + 1,
           .seed = 1,
-          .impacts = {{.target = WorldPoint{{0, 0, 9}}, .count = count, .sigma = sigma}}};
+          .impacts = {{.target = glm::dvec3{0, 0, 9}, .count = count, .sigma = sigma}}};
       expectPromises(ball, placeSeeds(ball.solid, ball.components, options),
                      static_cast<std::size_t>(count) + 1, 0, options);
     }
@@ -183,7 +182,7 @@ TEST_F(Impacts, MoveAndScaleWithTheSolid) {
         solid, ball.components,
         {.pieces = 30,
          .seed = 2,
-         .impacts = {{.target = WorldPoint{scale * glm::dvec3(3, 9, 4) + offset},
+         .impacts = {{.target = glm::dvec3{scale * glm::dvec3(3, 9, 4) + offset},
                       .count = 9,
                       .sigma = 2.5 * scale},
                      {.target = Ray{{scale * glm::dvec3(-30, 2, 1) + offset}, {3, 0.1, 0.2}}}}});
@@ -203,7 +202,7 @@ TEST_F(Impacts, RefuseWhatCannotBe) {
   EXPECT_NE(refused({.target = Ray{{{0, 0, 20}}, {0, 0, 0}}}), "");
   EXPECT_NE(refused({.target = Ray{{{0, 0, 20}}, {0, nan, 0}}}), "");
   EXPECT_NE(refused({.target = Ray{{{infinite, 0, 20}}, {0, 1, 0}}}), "");
-  EXPECT_NE(refused({.target = WorldPoint{{nan, 0, 0}}}), "");
+  EXPECT_NE(refused({.target = glm::dvec3{nan, 0, 0}}), "");
   EXPECT_NE(refused({.count = -1}), "");
   EXPECT_NE(refused({.sigma = -1.0}), "");
   EXPECT_NE(refused({.sigma = infinite}), "");
@@ -211,7 +210,7 @@ TEST_F(Impacts, RefuseWhatCannotBe) {
   EXPECT_NE(refused({.bias = kMaxBias + 1}), "");
   EXPECT_NE(refused({.count = 2'000'000'000, .merge = true}), "");
   // Whatever is finite is a place.
-  EXPECT_EQ(refused({.target = WorldPoint{{1e300, -1e300, 0}}}), "");
+  EXPECT_EQ(refused({.target = glm::dvec3{1e300, -1e300, 0}}), "");
   EXPECT_EQ(refused({.bias = kMaxBias}), "");
 }
 

@@ -18,6 +18,7 @@
 #include "shapes.h"
 #include "surface/cell.h"
 #include "surface/interface_mesh.h"
+#include "voxelize/leaf_blocks.h"
 
 namespace sherd {
 namespace {

@@ -72,7 +72,7 @@ TEST(LabelMesh, PartsSheetsThatHangTogetherBeyondBothEndsOfTheirEdge) {
 }
 
 TEST(LabelMesh, LiesInTheWorldAsTheVoxelsDo) {
-  const GridFrame frame{{{10.0, 20.0, 30.0}}, 0.5};
+  const GridFrame frame{{10.0, 20.0, 30.0}, 0.5};
   const std::set<Coord> one{{2, 0, -1}};
   const Box box = bounds(meshOfFaces(facesOfSet(one), frame));
   EXPECT_EQ(box.min, glm::dvec3(10.75, 19.75, 29.25));

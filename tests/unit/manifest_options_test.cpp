@@ -3,8 +3,8 @@
 // The options are taken apart by structured bindings: a field that is added to one of the structs
 // does not compile here until it has a line of its own.
 #include <gtest/gtest.h>
+#include <sherd/folder.h>
 #include <sherd/fracture.h>
-#include <sherd/io.h>
 
 #include <string>
 #include <utility>
@@ -80,9 +80,9 @@ TEST_F(ManifestOptions, OfAFractureAreRecorded) {
   expectRecorded("mergeMetric", mergeMetric, Metric::manhattan);
   expectRecorded("randomImpacts", randomImpacts, 2);
   expectRecorded("impacts", impacts, {Impact{}});
-  impacts.push_back({.target = WorldPoint{{1, 0, 0}}});
+  impacts.push_back({.target = glm::dvec3{1, 0, 0}});
   auto& [place, count, sigma, bias, merge] = impacts.front();
-  expectRecorded("place", place, {WorldPoint{{0, 1, 0}}});
+  expectRecorded("place", place, {glm::dvec3{0, 1, 0}});
   expectRecorded("place", place, {Ray{{{2, 0, 0}}, {-1, 0, 0}}});
   expectRecorded("count", count, 4);
   expectRecorded("sigma", sigma, 0.1);

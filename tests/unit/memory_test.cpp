@@ -1,7 +1,9 @@
 // Memory told before it is taken.
+#include "base/memory.h"
+
 #include <gtest/gtest.h>
 #include <sherd/error.h>
-#include <sherd/memory_estimate.h>
+#include <sherd/fracture.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // The meshes of fragments in their files, read back: the surface stays closed, and the look is what
 // went in.
 #include <gtest/gtest.h>
-#include <sherd/io.h>
+#include <sherd/folder.h>
 #include <sherd/mesh.h>
 
 #include <algorithm>

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 #include <sherd/error.h>
+#include <sherd/files.h>
 #include <sherd/mesh.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // What is counted on meshes with known faults.
 #include <gtest/gtest.h>
-#include <sherd/mesh_quality.h>
+#include <sherd/evaluate.h>
 
 #include <algorithm>
 #include <map>

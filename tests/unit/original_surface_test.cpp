@@ -181,7 +181,7 @@ TEST_F(OriginalSurface, IsToldFromCracksOnAThinCup) {
   const double h = result.solid.frame.voxelSize;
   const auto seedOf = [&](int id) {
     const openvdb::Coord& c = result.seeds.at(static_cast<std::size_t>(id) - 1).voxel;
-    return result.solid.frame.worldFromIndex({glm::dvec3(c.x(), c.y(), c.z())}).v;
+    return result.solid.frame.worldFromIndex(c);
   };
   std::size_t faces = 0, cracks = 0, wrong = 0, wrongByDistance = 0;
   for (const Fragment& fragment : result.fragments) {
@@ -221,7 +221,7 @@ TEST_F(OriginalSurface, ABallsCrackEndsInACircle) {
   const double h = result.solid.frame.voxelSize;
   const auto seedOf = [&](std::size_t i) {
     const openvdb::Coord& c = result.seeds.at(i).voxel;
-    return result.solid.frame.worldFromIndex({glm::dvec3(c.x(), c.y(), c.z())}).v;
+    return result.solid.frame.worldFromIndex(c);
   };
   const glm::dvec3 between = (seedOf(0) + seedOf(1)) / 2.0;
   const glm::dvec3 normal = glm::normalize(seedOf(1) - seedOf(0));
@@ -285,7 +285,7 @@ TEST_F(OriginalSurface, ThinContactsHaveTheAreaOfTheirPlanes) {
         placed.of(plate), {.pieces = 2, .seed = seed, .solid = {.voxelSize = 1.0 / 64}}, device());
     const auto seedOf = [&](std::size_t i) {
       const openvdb::Coord& c = result.seeds.at(i).voxel;
-      return placed.back(result.solid.frame.worldFromIndex({glm::dvec3(c.x(), c.y(), c.z())}).v);
+      return placed.back(result.solid.frame.worldFromIndex(c));
     };
     const glm::dvec3 normal = glm::normalize(seedOf(1) - seedOf(0));
     const double area = sectionOfBox(half, normal, glm::dot((seedOf(0) + seedOf(1)) / 2.0, normal));
@@ -325,7 +325,7 @@ TEST_F(OriginalSurface, CracksBetweenTwoSeedsArePlanes) {
         if (fragment.mesh.neighbor[t] == 0) continue;
         for (int k = 0; k < 3; ++k) {
           const glm::dvec3& v = fragment.mesh.vertices[fragment.mesh.triangles[t][k]];
-          const double off = glm::dot(frame.indexFromWorld({v}).v - 0.5 * (a + b), normal);
+          const double off = glm::dot(frame.indexFromWorld(v) - 0.5 * (a + b), normal);
           (boundary.isWithin(1.0, v) ? boundaries : inner).push_back(off * off);
         }
       }

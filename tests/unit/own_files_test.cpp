@@ -2,6 +2,7 @@
 #include "folder/own_files.h"
 
 #include <gtest/gtest.h>
+#include <sherd/files.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>

@@ -2,6 +2,7 @@
 // color and texture coordinate that a known function gives its place.
 #include <gtest/gtest.h>
 #include <sherd/error.h>
+#include <sherd/files.h>
 #include <sherd/mesh.h>
 
 #include <algorithm>

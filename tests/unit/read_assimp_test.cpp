@@ -2,6 +2,7 @@
 #include "formats/mesh/read_assimp.h"
 
 #include <gtest/gtest.h>
+#include <sherd/files.h>
 #include <sherd/mesh.h>
 #include <sys/resource.h>
 #include <zlib.h>

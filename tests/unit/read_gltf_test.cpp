@@ -1,6 +1,7 @@
 // Reads what glTF 2.0 and its extensions allow, from files that the test writes itself: each must
 // give the tetrahedron where mathematics puts it.
 #include <gtest/gtest.h>
+#include <sherd/files.h>
 #include <sherd/mesh.h>
 
 #include <cmath>

@@ -1,9 +1,8 @@
 // Small files that would take much memory are refused before they do.
 #include <gtest/gtest.h>
 #include <sherd/error.h>
+#include <sherd/files.h>
 #include <sherd/mesh.h>
-#include <sherd/point_files.h>
-#include <sherd/voxel_files.h>
 #include <zlib.h>
 
 #include <cstdint>
@@ -16,6 +15,8 @@
 #include "base/memory_budget.h"
 #include "draco_stream.h"
 #include "formats/mesh/polygon_mesh.h"
+#include "formats/points/parse_points.h"
+#include "formats/voxels/parse_voxels.h"
 #include "mesh_folder.h"
 #include "shapes.h"
 

@@ -2,6 +2,7 @@
 // readers. The environment variable SHERD_TEST_DATA names the folder.
 #include <gtest/gtest.h>
 #include <sherd/error.h>
+#include <sherd/files.h>
 #include <sherd/mesh.h>
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 // What text formats and their binary kin are found with in libraries: every variant is read, to the
 // last bit of its numbers.
 #include <gtest/gtest.h>
+#include <sherd/files.h>
 #include <sherd/mesh.h>
 
 #include <cstdint>

@@ -2,7 +2,8 @@
 #include <gtest/gtest.h>
 #include <png.h>
 #include <sherd/error.h>
-#include <sherd/memory_estimate.h>
+#include <sherd/files.h>
+#include <sherd/fracture.h>
 #include <sherd/render.h>
 #include <sys/resource.h>
 #include <tbb/global_control.h>
@@ -18,6 +19,7 @@
 #include <set>
 #include <string>
 
+#include "pipeline/memory_estimate.h"
 #include "render/palette.h"
 #include "render/preview_fragment.h"
 #include "shapes.h"

@@ -3,7 +3,6 @@
 #include <sherd/device.h>
 #include <sherd/error.h>
 #include <sherd/fracture.h>
-#include <sherd/memory_estimate.h>
 #include <sherd/solid.h>
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 // authors' own sample.
 #include <gtest/gtest.h>
 #include <sherd/error.h>
-#include <sherd/io.h>
+#include <sherd/folder.h>
 #include <zlib.h>
 
 #include <cstdlib>

@@ -1,6 +1,7 @@
 // Seeds that a user gives, and the file they come in.
 #include <gtest/gtest.h>
 #include <sherd/error.h>
+#include <sherd/files.h>
 #include <sherd/fracture.h>
 #include <sherd/seeds.h>
 #include <unistd.h>

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 #include <sherd/error.h>
 #include <sherd/fragments.h>
-#include <sherd/surface.h>
 
 #include <algorithm>
 #include <array>

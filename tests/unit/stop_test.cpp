@@ -2,10 +2,9 @@
 #include <gtest/gtest.h>
 #include <sherd/error.h>
 #include <sherd/evaluate.h>
-#include <sherd/fit.h>
+#include <sherd/files.h>
+#include <sherd/fragments.h>
 #include <sherd/solid.h>
-#include <sherd/surface.h>
-#include <sherd/volume.h>
 #include <zlib.h>
 
 #include <atomic>
@@ -20,8 +19,8 @@
 #include <vector>
 
 #include "base/atomic_file.h"
-#include "base/held_files.h"
 #include "base/unfinished.h"
+#include "formats/held_files.h"
 #include "formats/voxels/voxel_faces.h"
 #include "mesh/repair.h"
 #include "shapes.h"
@@ -35,6 +34,7 @@
 #include "voxelize/bridges.h"
 #include "voxelize/flood.h"
 #include "voxelize/generalized_winding.h"
+#include "voxelize/leaf_blocks.h"
 #include "voxelize/winding.h"
 
 namespace sherd {

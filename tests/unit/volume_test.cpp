@@ -4,9 +4,9 @@
 #include <openvdb/tools/LevelSetSphere.h>
 #include <openvdb/tools/LevelSetUtil.h>
 #include <sherd/error.h>
+#include <sherd/files.h>
+#include <sherd/folder.h>
 #include <sherd/fracture.h>
-#include <sherd/io.h>
-#include <sherd/volume.h>
 
 #include <cmath>
 #include <filesystem>
@@ -187,7 +187,7 @@ TEST(VoxelFaces, WindOnceRoundLabeledVoxelsAndNowhereElse) {
     return labels[static_cast<std::size_t>((x * 4 + y) * 6 + z)];
   };
   const RunLengthVoxels voxels = voxelsOf({5, 4, 6}, at);
-  const GridFrame frame{{{10.0, 20.0, 30.0}}, 0.5};
+  const GridFrame frame{{10.0, 20.0, 30.0}, 0.5};
   const TriangleMesh mesh = voxelFaces(voxels, frame, 1000).value();
   std::size_t solid = 0;
   for (int x = 0; x < 5; ++x) {
@@ -239,8 +239,7 @@ TEST_F(VolumeTest, AFracturesVoxelsBreakAgainAsTheSameSolid) {
   const FractureResult first = fracture(mesh, options, device);
   const RunLengthVoxels runs = encodeRuns(first.solid, first.labels);
   const openvdb::Coord& low = first.solid.box.min;
-  const GridFrame frame{first.solid.frame.worldFromIndex({{low.x(), low.y(), low.z()}}),
-                        first.solid.frame.voxelSize};
+  const GridFrame frame{first.solid.frame.worldFromIndex(low), first.solid.frame.voxelSize};
   writeVoxels(folder_ / "labels.npz", {runs, VoxelTransform{frame, low}}, VoxelFormat::npz);
   const Volume volume = readVolume(folder_ / "labels.npz");
   options.solid.voxelSize = volume.voxelSize;

@@ -2,13 +2,14 @@
 // The bytes themselves are checked by tests/cli/convert_test.py.
 #include <gtest/gtest.h>
 #include <sherd/error.h>
-#include <sherd/voxel_files.h>
+#include <sherd/files.h>
 
 #include <cstdlib>
 #include <functional>
 #include <random>
 #include <set>
 
+#include "formats/voxels/parse_voxels.h"
 #include "temp_folder.h"
 
 namespace sherd {
@@ -218,7 +219,7 @@ TEST(Padded, PlacesTheBoxInTheCubeAndInTheWorld) {
         }
       }
     }
-    EXPECT_EQ(cubic->transform->frame.origin.v,
+    EXPECT_EQ(cubic->transform->frame.origin,
               glm::dvec3(10.0 - 0.5 * x0, 20.0 - 0.5 * y0, 30.0 - 0.5 * z0));
     EXPECT_EQ(cubic->transform->indexMin, openvdb::Coord(1 - x0, 2 - y0, 3 - z0));
   }
@@ -229,7 +230,7 @@ TEST(NpzLabels, KeepThePlace) {
                             VoxelTransform{{{{-0.1, 1e-9, 3e8}}, 0.007}, {-5, 0, 2147483647}}};
   const PlacedVoxels back = parseNpzLabels(bytesOf(voxels, VoxelFormat::npz), "x.npz");
   ASSERT_TRUE(back.transform);
-  EXPECT_EQ(back.transform->frame.origin.v, voxels.transform->frame.origin.v);
+  EXPECT_EQ(back.transform->frame.origin, voxels.transform->frame.origin);
   EXPECT_EQ(back.transform->frame.voxelSize, 0.007);
   EXPECT_EQ(back.transform->indexMin, voxels.transform->indexMin);
   EXPECT_EQ(back.voxels.runs, voxels.voxels.runs);

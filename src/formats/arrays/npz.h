@@ -1,7 +1,7 @@
 // Writes NumPy arrays.
 #pragma once
 
-#include <sherd/output_file.h>
+#include <sherd/files.h>
 
 #include <cstddef>
 #include <span>

@@ -1,7 +1,7 @@
 // Writes ZIP files.
 #pragma once
 
-#include <sherd/output_file.h>
+#include <sherd/files.h>
 
 #include <cstdint>
 #include <string>

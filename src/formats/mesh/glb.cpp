@@ -5,7 +5,6 @@
 // Every buffer view begins at a multiple of four bytes, and holds one attribute, one list of
 // indices, or one image.
 #include <sherd/error.h>
-#include <sherd/version.h>
 
 #include <algorithm>
 #include <limits>
@@ -13,6 +12,7 @@
 #include <numeric>
 
 #include "base/little_endian.h"
+#include "base/version.h"
 #include "formats/mesh/piece_mesh.h"
 #include "mesh/principal_inertia.h"
 

@@ -1,7 +1,7 @@
 // The materials that a fracture's mesh files name.
 #pragma once
 
-#include <sherd/appearance.h>
+#include <sherd/mesh.h>
 
 #include <string>
 #include <vector>

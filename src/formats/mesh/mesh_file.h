@@ -1,8 +1,8 @@
 // Writes a mesh that is no fragment, with its appearance.
 #pragma once
 
+#include <sherd/files.h>
 #include <sherd/mesh.h>
-#include <sherd/mesh_files.h>
 
 #include <filesystem>
 #include <string>

@@ -1,8 +1,8 @@
 // The interface of mesh readers: their input and their result.
 #pragma once
 
-#include <sherd/appearance.h>
 #include <sherd/error.h>
+#include <sherd/mesh.h>
 #include <sherd/progress.h>
 
 #include <cstddef>

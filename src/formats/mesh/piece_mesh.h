@@ -1,10 +1,8 @@
 // A fragment's mesh as it is written to files.
 #pragma once
 
-#include <sherd/appearance.h>
+#include <sherd/files.h>
 #include <sherd/mesh.h>
-#include <sherd/mesh_files.h>
-#include <sherd/output_file.h>
 
 #include <array>
 #include <span>

@@ -1,5 +1,5 @@
 // Writes meshes as binary little-endian PLY.
-#include <sherd/mesh_files.h>
+#include <sherd/files.h>
 
 #include <algorithm>
 #include <cassert>

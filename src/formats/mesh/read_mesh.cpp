@@ -2,6 +2,7 @@
 #include "formats/mesh/read_mesh.h"
 
 #include <sherd/error.h>
+#include <sherd/files.h>
 #include <zlib.h>
 
 #include <algorithm>

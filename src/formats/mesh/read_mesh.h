@@ -1,6 +1,7 @@
 // Reads a mesh from a file's bytes.
 #pragma once
 
+#include <sherd/files.h>
 #include <sherd/mesh.h>
 
 #include <filesystem>

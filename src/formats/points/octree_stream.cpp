@@ -10,7 +10,7 @@
 // source  Kammerl et al., Real-time compression of point cloud streams, 2012; PCL 1.13
 #include "formats/points/octree_stream.h"
 
-#include <sherd/point_files.h>
+#include <sherd/files.h>
 
 #include <algorithm>
 #include <bit>
@@ -20,6 +20,7 @@
 #include "base/input_error.h"
 #include "base/little_endian.h"
 #include "base/memory_budget.h"
+#include "formats/points/parse_points.h"
 #include "formats/points/range_coder.h"
 
 namespace sherd {

@@ -1,5 +1,5 @@
 // Writes points and distance samples.
-#include <sherd/point_files.h>
+#include <sherd/files.h>
 
 #include <array>
 #include <string>

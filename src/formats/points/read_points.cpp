@@ -1,5 +1,5 @@
 // Reads points on surfaces.
-#include <sherd/point_files.h>
+#include <sherd/files.h>
 
 #include <array>
 #include <cmath>
@@ -12,6 +12,7 @@
 #include "base/text_scan.h"
 #include "formats/arrays/npy_reader.h"
 #include "formats/mesh/ply_body.h"
+#include "formats/points/parse_points.h"
 
 namespace sherd {
 namespace {

@@ -1,10 +1,11 @@
 // The paper's raw cube, `.bing`.
 //
 //     u32 s, u32 s, u32 s | u16 label of each voxel, x slowest | little-endian
-#include <sherd/voxel_files.h>
+#include <sherd/files.h>
 
 #include "base/input_error.h"
 #include "base/little_endian.h"
+#include "formats/voxels/parse_voxels.h"
 #include "formats/voxels/voxel_encoders.h"
 #include "formats/voxels/voxel_runs.h"
 

@@ -1,5 +1,5 @@
 // Converts labels of leaf blocks to runs over a box.
-#include <sherd/voxel_files.h>
+#include <sherd/files.h>
 
 #include <cassert>
 

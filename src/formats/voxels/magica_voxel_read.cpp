@@ -2,7 +2,7 @@
 //
 // source  https://github.com/ephtracy/voxel-model: MagicaVoxel-file-format-vox.txt and its
 // extension
-#include <sherd/voxel_files.h>
+#include <sherd/files.h>
 
 #include <algorithm>
 #include <array>
@@ -13,6 +13,7 @@
 #include "base/input_error.h"
 #include "base/little_endian.h"
 #include "base/text_scan.h"
+#include "formats/voxels/parse_voxels.h"
 #include "formats/voxels/voxel_runs.h"
 
 namespace sherd {

@@ -8,7 +8,7 @@
 // source  https://github.com/ephtracy/voxel-model: MagicaVoxel-file-format-vox.txt and its
 // extension
 #include <sherd/error.h>
-#include <sherd/voxel_files.h>
+#include <sherd/files.h>
 
 #include <array>
 #include <cmath>

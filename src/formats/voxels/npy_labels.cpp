@@ -1,5 +1,5 @@
 // Reads and writes labels as dense NumPy arrays: `.npy`, and `.npz` with the box's transform.
-#include <sherd/voxel_files.h>
+#include <sherd/files.h>
 
 #include <array>
 #include <bit>
@@ -8,6 +8,7 @@
 #include "base/little_endian.h"
 #include "formats/arrays/npy_reader.h"
 #include "formats/arrays/npz.h"
+#include "formats/voxels/parse_voxels.h"
 #include "formats/voxels/voxel_encoders.h"
 #include "formats/voxels/voxel_runs.h"
 
@@ -124,7 +125,7 @@ std::optional<VoxelTransform> transformOf(const std::vector<ZipEntry>& entries,
                                 [](double v) { return std::isfinite(v); });
   if (!good) inputError(name, "needs an origin of three numbers and a voxel_size above 0");
   const std::vector<double>& at = origin->values;
-  VoxelTransform transform{{{{at[0], at[1], at[2]}}, voxelSize->values[0]}};
+  VoxelTransform transform{{{at[0], at[1], at[2]}, voxelSize->values[0]}};
   if (!indexMin) return transform;
   constexpr double kFar = 2147483647.0;
   const bool whole = indexMin->values.size() == 3 &&
@@ -172,7 +173,7 @@ void encodeNpzLabels(const PlacedVoxels& voxels, const ByteSink& sink) {
                  [&](const ByteSink& numbers) { encodeDense(voxels.voxels, numbers); });
   if (voxels.transform) {
     const GridFrame& frame = voxels.transform->frame;
-    const glm::dvec3& at = frame.origin.v;
+    const glm::dvec3& at = frame.origin;
     writer.store({"origin", "<f8", {3}, bytesOf(std::array{at.x, at.y, at.z})});
     writer.store({"voxel_size", "<f8", {}, bytesOf(std::array{frame.voxelSize})});
     NpyArray indexMin{"index_min", "<i4", {3}, {}};

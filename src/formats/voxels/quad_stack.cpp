@@ -11,7 +11,7 @@
 // source  Graciano, Rueda, Pospisil, Bittner, Benes, QuadStack, 2021; the layout is that of the
 //         paper's authors (docs/formats.md)
 #include <sherd/error.h>
-#include <sherd/voxel_files.h>
+#include <sherd/files.h>
 
 #include <algorithm>
 #include <array>
@@ -19,6 +19,7 @@
 
 #include "base/input_error.h"
 #include "base/little_endian.h"
+#include "formats/voxels/parse_voxels.h"
 #include "formats/voxels/voxel_encoders.h"
 #include "formats/voxels/voxel_runs.h"
 

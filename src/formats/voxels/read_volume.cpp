@@ -1,8 +1,7 @@
 // Reads volumes.
 #include <sherd/error.h>
-#include <sherd/memory_estimate.h>
-#include <sherd/volume.h>
-#include <sherd/voxel_files.h>
+#include <sherd/files.h>
+#include <sherd/fracture.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,10 +13,12 @@
 #include "base/file_bytes.h"
 #include "base/input_error.h"
 #include "base/lower_case.h"
+#include "base/memory.h"
 #include "base/sha256.h"
 #include "formats/voxels/vdb.h"
 #include "formats/voxels/voxel_faces.h"
 #include "mesh/joined.h"
+#include "pipeline/memory_estimate.h"
 #include "surface/mesh.h"
 #include "voxelize/distance.h"
 
@@ -64,7 +65,7 @@ bool haveOneFrame(const std::vector<NamedGrid>& grids) {
   const GridFrame first = frameOf(*grids.front().grid);
   return std::all_of(grids.begin(), grids.end(), [&](const NamedGrid& grid) {
     const GridFrame frame = frameOf(*grid.grid);
-    return frame.voxelSize == first.voxelSize && frame.origin.v == first.origin.v;
+    return frame.voxelSize == first.voxelSize && frame.origin == first.origin;
   });
 }
 

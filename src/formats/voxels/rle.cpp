@@ -4,12 +4,13 @@
 //
 // Until 18 February 2024 its authors wrote runs of 16 bytes: u16 label, 6 unspecified bytes, u64
 // length.
-#include <sherd/voxel_files.h>
+#include <sherd/files.h>
 
 #include "base/file_bytes.h"
 #include "base/input_error.h"
 #include "base/little_endian.h"
 #include "base/memory_budget.h"
+#include "formats/voxels/parse_voxels.h"
 #include "formats/voxels/voxel_encoders.h"
 #include "formats/voxels/voxel_runs.h"
 

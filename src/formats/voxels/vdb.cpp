@@ -5,8 +5,7 @@
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 #include <sherd/error.h>
-#include <sherd/vdb_files.h>
-#include <sherd/version.h>
+#include <sherd/files.h>
 
 #include <array>
 #include <cerrno>
@@ -16,6 +15,7 @@
 
 #include "base/atomic_file.h"
 #include "base/input_error.h"
+#include "base/version.h"
 #include "mesh/principal_inertia.h"
 #include "surface/level_set.h"
 

@@ -1,8 +1,7 @@
 // The content of a `.vdb` file, without OpenVDB's own headers.
 #pragma once
 
-#include <sherd/coords.h>
-#include <sherd/grid_fwd.h>
+#include <sherd/solid.h>
 
 #include <cstdint>
 #include <filesystem>

@@ -1,7 +1,7 @@
 // The writers of voxel files, one for each format.
 #pragma once
 
-#include <sherd/voxel_files.h>
+#include <sherd/files.h>
 
 namespace sherd {
 

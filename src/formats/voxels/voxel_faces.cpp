@@ -91,7 +91,7 @@ class Faces {
     if (number == kNone) {
       number = static_cast<std::uint32_t>(mesh_.vertices.size());
       const glm::dvec3 corner(point.x(), point.y(), point.z());
-      mesh_.vertices.push_back(frame_.worldFromIndex({corner - 0.5}).v);
+      mesh_.vertices.push_back(frame_.worldFromIndex(corner - 0.5));
     }
     return number;
   }

@@ -1,8 +1,8 @@
 // The surface of labeled voxels.
 #pragma once
 
+#include <sherd/files.h>
 #include <sherd/mesh.h>
-#include <sherd/voxel_files.h>
 
 #include <cstddef>
 #include <optional>

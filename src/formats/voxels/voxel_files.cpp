@@ -1,5 +1,5 @@
 // Reads and writes voxel files of every format.
-#include <sherd/voxel_files.h>
+#include <sherd/files.h>
 
 #include <array>
 #include <utility>
@@ -8,6 +8,7 @@
 #include "base/input_error.h"
 #include "base/lower_case.h"
 #include "base/option_names.h"
+#include "formats/voxels/parse_voxels.h"
 #include "formats/voxels/voxel_encoders.h"
 #include "formats/voxels/voxel_runs.h"
 

@@ -86,9 +86,8 @@ PlacedVoxels padded(const PlacedVoxels& from, Padding padding, const std::string
   appendRun(cube.voxels.runs, 0, wide * wide * wide - done);
   if (cube.transform) {
     cube.transform->indexMin -= start;
-    cube.transform->frame.origin = cube.transform->frame.worldFromIndex(
-        {{-static_cast<double>(start.x()), -static_cast<double>(start.y()),
-          -static_cast<double>(start.z())}});
+    cube.transform->frame.origin =
+        cube.transform->frame.worldFromIndex(openvdb::Coord(0, 0, 0) - start);
   }
   return cube;
 }

@@ -1,7 +1,7 @@
 // Runs of voxels: building, checking, iterating by rows.
 #pragma once
 
-#include <sherd/voxel_files.h>
+#include <sherd/files.h>
 
 #include <algorithm>
 #include <array>

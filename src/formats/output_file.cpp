@@ -1,5 +1,5 @@
 // Writing files to a path or to a sink.
-#include <sherd/output_file.h>
+#include <sherd/files.h>
 
 #include "base/atomic_file.h"
 

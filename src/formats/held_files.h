@@ -1,7 +1,7 @@
 // Files that are renamed to their targets together.
 #pragma once
 
-#include <sherd/output_file.h>
+#include <sherd/files.h>
 
 #include <memory>
 #include <mutex>

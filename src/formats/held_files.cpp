@@ -1,5 +1,5 @@
 // Files that are put in place together.
-#include "base/held_files.h"
+#include "formats/held_files.h"
 
 #include <utility>
 

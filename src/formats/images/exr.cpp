@@ -7,6 +7,7 @@
 #include <ImfOutputFile.h>
 #include <half.h>
 #include <sherd/error.h>
+#include <sherd/files.h>
 #include <sherd/render.h>
 
 #include <algorithm>

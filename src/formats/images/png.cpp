@@ -1,6 +1,7 @@
 // Writes PNG files by libpng, without time or text: equal images give equal bytes.
 #include <png.h>
 #include <sherd/error.h>
+#include <sherd/files.h>
 #include <sherd/render.h>
 #include <zlib.h>
 

@@ -4,18 +4,9 @@
 #include <sherd/labels.h>
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 namespace sherd {
-
-struct ShareOptions {
-  double minShare = 0.0;  ///< least share of the solid's voxels in a fragment, 0..1
-  int balance = 0;  ///< Lloyd iterations before that: seeds move to their fragment's center, 0..100
-  int tries = 64;   ///< most growths to reach minShare
-
-  bool isAny() const { return minShare != 0.0 || balance != 0; }  ///< whether an option is set
-};
 
 /// Options of growWithShares.
 struct SharedGrowthOptions {

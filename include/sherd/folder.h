@@ -1,44 +1,20 @@
-// Writing a fracture's files.
+// A fracture's folder: writing it, and reading it back.
 #pragma once
 
+#include <sherd/evaluate.h>
+#include <sherd/files.h>
 #include <sherd/fracture.h>
-#include <sherd/mesh_files.h>
 #include <sherd/options.h>
-#include <sherd/output_file.h>
-#include <sherd/point_files.h>
-#include <sherd/vdb_files.h>
-#include <sherd/voxel_files.h>
 
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 namespace sherd {
-
-/// Writes the boundaries of all contacts (see boundaryLoops) as closed polylines in OBJ: an object
-/// boundary_<id>_<id> for each pair of touching fragments, the lower id first.
-///   throws  Error(output)
-void writeBoundaries(const OutputFile& file, std::span<const Fragment> fragments);
-
-/// Writes the contact graph for simulations as JSON in the schema of NVIDIA Blast: chunks (the
-/// whole first, the fragments as its children) and bonds between fragments, each with area, normal
-/// and centroid.
-///   throws  Error(output)
-void writeGraph(const OutputFile& file, std::span<const Fragment> fragments,
-                const GridMetadata& metadata);
-
-/// Writes the contact graph as a Houdini constraint network in the ASCII format `.geo`: a point at
-/// each fragment's center of mass, with `name`, and an open polygon for each contact, with
-/// constraint_name, constraint_type, restlength and strength (the contact's area).
-///   throws  Error(output)
-void writeConstraints(const OutputFile& file, std::span<const Fragment> fragments);
-
-/// Writes the convex hull of a fragment's mesh as OBJ.
-///   gap     distance between the hulls of two convex neighbors, world units
-///   throws  Error(output); Error(input) the mesh is flat
-void writeProxy(const OutputFile& file, const Fragment& fragment, const std::string& name,
-                double gap);
 
 /// Returns the options, with arrival costs and level sets enabled exactly if the files need them.
 [[nodiscard]] FractureOptions optionsFor(FractureOptions options, const WriteOptions& write);
@@ -89,5 +65,29 @@ struct WrittenFracture {
                                            const SourceMesh& source, const FractureOptions& options,
                                            Device& device, const WriteOptions& write = {},
                                            const Progress* progress = nullptr);
+
+/// Reads a fracture from its `manifest.json`, its labels and the fragments' `.vdb` files.
+///   throws  Error(input) not a fracture's manifest, a fracture written without labels or vdb, a
+///           file that is absent, damaged or inconsistent with the others
+[[nodiscard]] FinishedFracture readFracture(const std::filesystem::path& manifest);
+
+/// Reads the fragments of a folder: those that its manifest.json lists, else every file with an
+/// extension of readMesh, numbered from 1 in natural order: piece_2 before piece_10.
+///   throws  Error(input) `folder` is not a folder, or has neither; the manifest is damaged; a mesh
+///           cannot be read, or all meshes together take more memory than `options` allow;
+///           Error(cancelled)
+[[nodiscard]] FragmentSet readFragments(const std::filesystem::path& folder,
+                                        const ReadOptions& options = {},
+                                        const Progress* progress = nullptr);
+
+/// Reads fragments from a fracture's folder or manifest, or from a folder of meshes as
+/// readFragments does; else the mesh of a file, or the level sets of a `.vdb` file.  Fragments of a
+/// fracture without mesh files are meshed from their level sets.
+///   return  id, mesh, mass, and neighbor where it is known
+///   throws  Error(input) nothing can be rendered, a file is damaged, or the meshes take more
+///   memory
+///           than `options` allow
+[[nodiscard]] std::vector<Fragment> readPieces(const std::filesystem::path& path,
+                                               const ReadOptions& options = {});
 
 }  // namespace sherd

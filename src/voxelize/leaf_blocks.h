@@ -1,0 +1,28 @@
+// Leaves of a solid by position, and their neighborhoods.
+#pragma once
+
+#include <sherd/solid.h>
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace sherd {
+
+/// Returns the index of the leaf that holds `voxel`, or LeafBlocks::kNone.
+[[nodiscard]] std::uint32_t findLeaf(const LeafBlocks& blocks, const openvdb::Coord& voxel);
+
+/// Returns the tight box of the inside voxels; empty() if there are none.
+[[nodiscard]] VoxelBox insideBox(const LeafBlocks& blocks);
+
+/// Returns LeafBlocks::neighbors for leaves in the order of LeafBlocks::origins.
+[[nodiscard]] std::vector<std::uint32_t> leafNeighborTable(std::span<const openvdb::Coord> origins);
+
+/// A leaf and its 26 neighbors, x slowest, the leaf itself at 13; LeafBlocks::kNone: no leaf.
+using LeafNeighbors = std::array<std::uint32_t, 27>;
+
+/// Returns the neighborhoods of leaves in the order of LeafBlocks::origins.
+[[nodiscard]] std::vector<LeafNeighbors> leafNeighbors(std::span<const openvdb::Coord> origins);
+
+}  // namespace sherd
