@@ -4,8 +4,9 @@
 usage: check_layers.py [--svg FILE]
 
 Prints the graph: for each folder those it includes, with the number of #include lines.  A public header counts as the folder
-that implements it.  Ends with status 1 where an edge points up, a folder or a header is not listed, or the diagram in
-docs/images/rooms.svg does not match this graph; --svg writes it.
+that implements it.  Ends with status 1 where an edge points up, the program includes what is neither public nor in base/, a folder
+or a header is not listed, there are too many headers, or the diagram in docs/images/rooms.svg does not match this graph; --svg
+writes it.
 """
 import argparse
 import collections
@@ -17,8 +18,9 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 DRAWING = ROOT / "docs" / "images" / "rooms.svg"
 
 ROOMS = ["base", "cl", "mesh", "voxelize", "seed", "grow", "erode", "surface", "points", "appearance", "pipeline", "evaluate",
-         "render", "chart", "formats", "formats/arrays", "formats/mesh", "formats/voxels", "formats/points", "formats/images", "options", "folder", "dataset", "cgal",
-         "assimp_program", "cli"]
+         "render", "chart", "formats", "formats/arrays", "formats/mesh", "formats/voxels", "formats/points", "formats/images", "options", "folder", "dataset",
+         "assimp_program", "cli",
+         "cgal"]  # implements an interface of cli/: docs/decisions/0005-licenses.md
 
 HEADERS = {  # include/sherd/
     "base": "error progress",
@@ -57,9 +59,15 @@ def included_room(include):
     return room_of(pathlib.Path("src") / include)
 
 
+MOST_HEADERS = 16  # besides sherd.h: one concept each
+
+
 def read_graph():
     """Returns ({(room, included room): lines}, faults)."""
     edges, faults = collections.Counter(), []
+    headers = len(ROOM_OF_HEADER) - 1
+    if headers > MOST_HEADERS:
+        faults.append(f"there are {headers} public headers besides sherd.h, at most {MOST_HEADERS} are to be")
     files = [f for top in ("src", "include") for f in sorted((ROOT / top).rglob("*")) if f.suffix in (".h", ".cpp")]
     for file in files:
         path = file.relative_to(ROOT)
@@ -75,6 +83,8 @@ def read_graph():
                 edges[room, other] += 1
                 if ROOMS.index(other) > ROOMS.index(room):
                     faults.append(f"{path} includes {include}: {other} is above {room}")
+                if room == "cli" and other != "base" and not include.startswith("sherd/"):
+                    faults.append(f"{path} includes {include}: the program uses public headers, base/ and itself only")
     return edges, faults
 
 

@@ -496,7 +496,7 @@ def show_figure5(page, runner):
 
 
 def shape_cells(shape, size, planes):
-    """The cells of include/sherd/erode.h; with planes the sections by the three axis planes."""
+    """The cells of include/sherd/labels.h; with planes the sections by the three axis planes."""
     r = size // 2
     grid = np.stack(np.meshgrid(*[np.arange(-r, r + 1)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
     zeros = (grid == 0).sum(axis=1)

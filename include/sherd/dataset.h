@@ -99,7 +99,8 @@ using DrawnValues = std::vector<std::pair<std::string, std::string>>;
 struct DatasetOptions {
   Schedule schedule{};
   std::uint64_t seed = 0;
-  /// For every fracture.  `pieces`, `seed`, given seeds and `volume` are ignored.
+  /// For every fracture.  Pieces and seeds are the schedule's: where `pieces`, `seed` or given
+  /// seeds are set, they are refused.
   RunOptions each{.write = {.vdb = false, .preview = false}};
   std::vector<DrawnOption> drawn{};  ///< options whose values are drawn for each fracture
   double distinct = 0.0;  ///< least share of voxels in which two fractures of an object differ,
@@ -137,11 +138,12 @@ struct DatasetProgress {
   double seconds = 0.0;
 };
 
+/// What a run reports; each member may be empty.
 struct DatasetCallbacks {
-  std::function<void(const DatasetProgress&)> progress{};  ///< after each fracture, in order
+  std::function<void(const DatasetProgress&)> fractured{};  ///< after each fracture, in order
   std::function<void(const std::string& object, const std::string& reason)> failed{};
   std::function<void(const std::string& sentence)> warning{};
-  std::function<bool()> cancelled{};  ///< called from any thread; true stops the run
+  const Progress* progress = nullptr;  ///< only `cancelled` is called; true stops the run
 };
 
 /// The contents of a finished dataset; for a shard that is not merged yet, those of this run.
@@ -162,8 +164,8 @@ struct DatasetSummary {
 /// fracture is recorded, so the same call with `resume` continues a run that ended for any reason
 /// and produces the same files.
 ///   out      absent, empty, or with `resume` a run with the same identity (datasetIdentity);
-///   neither inside the library
-///            nor a parent of it.  Nothing outside it is changed: symbolic links in it are refused
+///            neither inside the library nor a parent of it.  Nothing outside it is changed:
+///            symbolic links in it are refused
 ///   throws   Error(usage) another identity, an option out of range; Error(input) no library;
 ///            Error(output) disk full, `out` holds something else; Error(cancelled); Error(device)
 DatasetSummary runDataset(const std::filesystem::path& library, const std::filesystem::path& out,
@@ -185,11 +187,12 @@ struct DatasetForecast {
 
 /// Estimates the result of runDataset from a small, a medium and a large object: each is broken a
 /// few times into the fewest and the most pieces, in a temporary folder.
-///   out     the output folder of the run; nothing is written to it
-///   throws  as runDataset
+///   out       the output folder of the run; nothing is written to it
+///   progress  here and below, only `cancelled` is called
+///   throws    as runDataset
 DatasetForecast forecastDataset(const std::filesystem::path& library,
                                 const std::filesystem::path& out, const DatasetOptions& options,
-                                Device& device, const std::function<bool()>& cancelled = {});
+                                Device& device, const Progress* progress = nullptr);
 
 /// The result of verifyDataset.
 struct DatasetCheck {
@@ -201,12 +204,10 @@ struct DatasetCheck {
 /// Verifies every file that the journals list: size and checksum, voxels per fragment in `.rle`
 /// files, face counts of `.ply`, `.obj` and `.binm` meshes.
 ///   throws  Error(input) `out` is not a dataset; Error(cancelled)
-DatasetCheck verifyDataset(const std::filesystem::path& out,
-                           const std::function<bool()>& cancelled = {});
+DatasetCheck verifyDataset(const std::filesystem::path& out, const Progress* progress = nullptr);
 
 /// Merges the shards below one folder: writes index, failures and splits.
 ///   throws  Error(input) `out` is not a dataset, or has objects that are neither done nor failed
-DatasetSummary mergeDataset(const std::filesystem::path& out,
-                            const std::function<bool()>& cancelled = {});
+DatasetSummary mergeDataset(const std::filesystem::path& out, const Progress* progress = nullptr);
 
 }  // namespace sherd

@@ -24,6 +24,41 @@ struct DeviceInfo {
 /// Returns every usable device; empty if there is none.  Platforms without devices are skipped.
 [[nodiscard]] std::vector<DeviceInfo> listDevices();
 
+/// A driver file of OpenCL's loader: one line that names a library.
+struct DriverFile {
+  std::filesystem::path file;  ///< empty where the environment names the library itself
+  std::string library;
+  std::string fault;  ///< why it cannot be loaded; empty if it can
+};
+
+/// An OpenCL device, usable or not.
+struct DeviceState {
+  DeviceInfo info;
+  std::string driver;  ///< the driver's version
+  std::string fault;   ///< why kernels cannot run on it; empty if they can
+};
+
+/// An OpenCL platform with its devices.
+struct PlatformState {
+  std::string name;
+  std::string version;
+  std::string fault;  ///< why it has no device
+  std::vector<DeviceState> devices;
+};
+
+/// Returns every platform with its devices, usable or not; `chosen` is as in listDevices.
+[[nodiscard]] std::vector<PlatformState> listPlatforms();
+
+/// Returns the folder or file that lists drivers: OCL_ICD_VENDORS or OPENCL_VENDOR_PATH if set,
+/// else /etc/OpenCL/vendors.
+[[nodiscard]] std::filesystem::path driverFolder();
+
+/// Returns the drivers of driverFolder(), sorted by name.
+[[nodiscard]] std::vector<DriverFile> listDrivers();
+
+/// Returns why no device can be used, and what to do, as the second half of a sentence.
+[[nodiscard]] std::string noDeviceReason();
+
 /// Device memory that an open device has allocated.
 struct DeviceMemory {
   std::size_t buffersCreated = 0;  ///< since it was opened; a reused buffer counts once

@@ -232,4 +232,10 @@ struct Evaluation {
                                   const EvaluateOptions& options = {},
                                   const Progress* progress = nullptr);
 
+/// Plots shares, convexity and smallest angles as SVG.
+///   title      headline
+///   voxelSize  world units, for the surface error in voxels; 0: as a share of the diagonal
+[[nodiscard]] std::string evaluationPlot(const Evaluation& evaluation, const std::string& title,
+                                         double voxelSize = 0.0);
+
 }  // namespace sherd

@@ -124,6 +124,29 @@ enum class MeshFileFormat {
 ///   throws  Error(output)
 void writePly(const OutputFile& file, const TriangleMesh& mesh);
 
+/// Writes a mesh. A library of materials, named like the file, and textures are written beside
+/// `.obj` and `.ply` files.
+///   files   receives the files by path
+///   throws  Error(output), also if a library or texture exists with other content
+void writeMeshFile(FileSink& files, const std::filesystem::path& file, const SourceMesh& source,
+                   MeshFileFormat format);
+
+/// Returns what is lost if the file is read back, one sentence per loss.
+[[nodiscard]] std::vector<std::string> lossesOf(const SourceMesh& source, MeshFileFormat format);
+
+/// The path of `sherd-assimp` (src/assimp_program/): the value of the environment variable
+/// SHERD_ASSIMP, else beside the running program or where it is installed.
+struct AssimpProgram {
+  std::optional<std::filesystem::path> found;
+  std::vector<std::filesystem::path> tried;
+};
+[[nodiscard]] AssimpProgram findAssimp();
+
+/// Reads a triangle by sherd-assimp.
+///   return  why that fails; empty if it works
+///   throws  Error(cancelled)
+[[nodiscard]] std::string assimpFault(const Progress* progress = nullptr);
+
 // --- Points --------------------------------------------------------------------------------------
 
 /// Formats of surface points.
@@ -307,6 +330,29 @@ void writeVdbOfSolid(const OutputFile& file, const Solid& solid, const GridMetad
 ///   throws  Error(output)
 void writeCost(const OutputFile& file, const Solid& solid, const Labels& labels);
 
+/// Metadata as text, ascending by key.
+using VdbMetadata = std::vector<std::pair<std::string, std::string>>;
+
+struct VdbGrid {
+  std::string name;
+  std::string type;       ///< OpenVDB's: Tree_float_5_4_3
+  std::string gridClass;  ///< "level set", "fog volume", "unknown", ...
+  glm::dvec3 voxelSize{0.0};
+  std::string background;  ///< empty where the grid has none
+  std::uint64_t activeVoxels = 0;
+  VoxelBox activeBox;
+  VdbMetadata metadata;
+};
+
+struct VdbFile {
+  VdbMetadata metadata;
+  std::vector<VdbGrid> grids;
+};
+
+/// Reads a whole `.vdb` file and describes its content.
+///   throws  Error(input) absent, cut, or not OpenVDB's
+[[nodiscard]] VdbFile describeVdb(const std::filesystem::path& file);
+
 // --- Volumes in place of a mesh ------------------------------------------------------------------
 
 struct VolumeOptions {
@@ -386,5 +432,15 @@ void writePng(const OutputFile& file, const Image& image);
 /// P.X, P.Y, P.Z of 32 bits; id and neighbor as unsigned integers.
 ///   throws  Error(output)
 void writeExr(const OutputFile& file, const Aovs& aovs);
+
+/// An array in an `.npz` file.
+struct ArrayEntry {
+  std::string name;  ///< with its extension: "labels.npy"
+  std::uint64_t bytes = 0;
+};
+
+/// Returns the arrays of an `.npz` file, in its order.
+///   throws  Error(input) absent, unreadable or damaged
+[[nodiscard]] std::vector<ArrayEntry> arraysOf(const std::filesystem::path& file);
 
 }  // namespace sherd

@@ -9,6 +9,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -49,22 +51,143 @@ WrittenFolder writeFracture(const std::filesystem::path& folder, const SourceMes
                             const FractureOptions& options, const FractureResult& result,
                             const WriteOptions& write = {}, const Progress* progress = nullptr);
 
+/// What is broken into a folder.
+struct FractureInput {
+  const SourceMesh& source;                    ///< names the files; its mesh is broken, unless:
+  std::optional<Solid> solid{};                ///< is broken in place of the mesh
+  const FinishedFracture* finished = nullptr;  ///< its fragments `only` are broken again
+  std::vector<int> only{};                     ///< as in refracture
+};
+
 /// The result of fractureInto.
 struct WrittenFracture {
   FractureResult result;  ///< fragments without the members that fractureInto frees
   WrittenFolder folder;
 };
 
-/// Breaks a mesh into a folder.  The files are those of `fracture` followed by `writeFracture`, but
-/// fragments are written in batches while they are made, and their level sets and meshes are freed
-/// then unless WriteOptions::needsAllLevelSets or needsAllMeshes keeps them.  Where both are freed,
-/// large solids take a quarter to a third less memory (docs/performance.md).
+/// Breaks a mesh, a solid or fragments into a folder.  The files are those of `fracture` or
+/// `refracture` followed by `writeFracture`, but fragments are written in batches while they are
+/// made, and their level sets and meshes are freed then unless WriteOptions::needsAllLevelSets or
+/// needsAllMeshes keeps them.  Where both are freed, large solids take a quarter to a third less
+/// memory (docs/performance.md).
 ///   return  the result without what was freed: Fragment::surface; mesh and neighbor
-///   throws  what fracture and writeFracture throw
-[[nodiscard]] WrittenFracture fractureInto(const std::filesystem::path& folder,
-                                           const SourceMesh& source, const FractureOptions& options,
-                                           Device& device, const WriteOptions& write = {},
+///   throws  what fracture, refracture and writeFracture throw
+[[nodiscard]] WrittenFracture fractureInto(const std::filesystem::path& folder, FractureInput input,
+                                           const FractureOptions& options, Device& device,
+                                           const WriteOptions& write = {},
                                            const Progress* progress = nullptr);
+
+/// Replaces the fracture in a folder as documented at writeFracture.  The destructor restores the
+/// folder unless keep() was called.
+class FractureReplacement {
+ public:
+  ///   fresh   the new files without the manifest, relative to the folder
+  ///   throws  Error(output)
+  FractureReplacement(std::filesystem::path folder, std::vector<std::string> fresh);
+  ~FractureReplacement();
+  FractureReplacement(FractureReplacement&& other) noexcept;
+
+  /// Writes the files and the manifest to a hidden folder: `write` gets a folder with all
+  /// subfolders.
+  ///   throws  Error(output); what `write` throws
+  void write(const std::function<void(const std::filesystem::path&)>& write);
+
+  /// A sentence about files that the earlier manifest lists but that are kept, as no fracture's
+  /// file has such a name; else empty.
+  [[nodiscard]] const std::vector<std::string>& warnings() const;
+
+  /// Only renames, which are undone unless keep() is called.
+  ///   throws  Error(output); the folder is restored, now or when it is opened again
+  void putInPlace();
+
+  /// Undoes putInPlace().
+  ///   return  if that fails, a sentence about it; else empty
+  [[nodiscard]] std::string takeBack();
+
+  /// Makes putInPlace() final.
+  ///   return  the manifest's path
+  std::filesystem::path keep();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// A fracture whose files are written but not yet moved to their folder.
+struct StagedFracture {
+  FractureResult result;  ///< as returned by fractureInto
+  FractureReplacement replacement;
+};
+
+/// As fractureInto, without the final renames, so that several folders can be replaced together.
+[[nodiscard]] StagedFracture stageFracture(const std::filesystem::path& folder, FractureInput input,
+                                           const FractureOptions& options, Device& device,
+                                           const WriteOptions& write = {},
+                                           const Progress* progress = nullptr);
+
+/// Reports a mesh's defects and repairs, and the solid made of it, as lines of text.
+[[nodiscard]] std::string meshReport(const SourceMesh& source, const FractureResult& result);
+
+/// Returns the same as a JSON object, `source.report` in a manifest.
+[[nodiscard]] std::string meshReportJson(const SourceMesh& source, const FractureResult& result);
+
+/// Returns what may be lost of a mesh: volume, or walls thinner than a voxel.  One sentence each.
+[[nodiscard]] std::vector<std::string> meshWarnings(const SourceMesh& source,
+                                                    const FractureResult& result);
+
+/// The name of the manifest in a fracture's folder.
+inline constexpr const char* kManifestName = "manifest.json";
+
+/// Returns a fragment's name: the stem and the id, with leading zeros to three digits or to the
+/// number of digits of `fragments`.
+[[nodiscard]] std::string fragmentName(const std::string& stem, std::size_t id,
+                                       std::size_t fragments);
+
+/// A fragment in a manifest.
+struct ManifestFragment {
+  int id = 0;  ///< position in the list, from 1
+  std::uint64_t voxels = 0;
+  double share = 0.0;   ///< of all voxels, 0..1
+  double volume = 0.0;  ///< finite, like all numbers here
+  double area = 0.0;
+  double fractureArea = 0.0;
+  std::size_t contacts = 0;
+  std::vector<std::string> meshes;  ///< [formats]; empty if none was written
+  std::string vdb;                  ///< empty if none was written
+};
+
+/// The fields of a manifest that are read.  Every file named by a field is in `files`.
+struct Manifest {
+  std::string source;  ///< the mesh's file name
+  std::uint64_t seed = 0;
+  int resolution = 0;      ///< above 0
+  bool automatic = false;  ///< the resolution was chosen automatically
+  double voxelSize = 0.0;  ///< above 0
+  openvdb::Coord dims;     ///< each above 0
+  openvdb::Coord indexMin;
+  std::uint64_t solidVoxels = 0;
+  std::uint64_t components = 0;
+  std::vector<std::string> files;           ///< relative, below the manifest's folder
+  std::string allVdb;                       ///< all fragments in one; empty if not written
+  std::vector<ManifestFragment> fragments;  ///< [1..kMaxFragments], without withheld ones
+};
+
+/// Reads a manifest, after restoring a fracture that a killed run left half replaced.
+///   throws  Error(input) absent, larger than 1 GiB, not JSON, another schema, a field that is
+///           missing, of another type or out of range, ids that are not 1, 2, 3, ..., a file
+///           outside the folder; what requireSettled throws
+[[nodiscard]] Manifest readManifest(const std::filesystem::path& file);
+
+/// Returns the manifest that lists a file, in its folder or one above, or nothing.
+[[nodiscard]] std::optional<std::filesystem::path> manifestListing(
+    const std::filesystem::path& file);
+
+/// Restores a fracture that a killed run left half replaced; called before a fracture is read.  A
+/// folder with a manifest is not changed.
+///   path    the fracture's folder, one of its subfolders, or its manifest; other paths are ignored
+///   throws  Error(input) restoring fails, another process writes there, or the fracture was never
+///           finished
+void requireSettled(const std::filesystem::path& path);
 
 /// Reads a fracture from its `manifest.json`, its labels and the fragments' `.vdb` files.
 ///   throws  Error(input) not a fracture's manifest, a fracture written without labels or vdb, a
@@ -89,5 +212,13 @@ struct WrittenFracture {
 ///           than `options` allow
 [[nodiscard]] std::vector<Fragment> readPieces(const std::filesystem::path& path,
                                                const ReadOptions& options = {});
+
+/// What a file holds.
+enum class FileKind { voxels, mesh, points, other };
+
+/// Returns the kind of a file by its extension.  A `.ply` with faces is a mesh, else points; the
+/// kind of an `.npz` is determined by the names of its arrays.
+///   throws  Error(input) a `.ply` or `.npz` cannot be read, or is larger than `options` allow
+[[nodiscard]] FileKind kindOf(const std::filesystem::path& file, const ReadOptions& options = {});
 
 }  // namespace sherd

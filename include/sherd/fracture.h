@@ -18,14 +18,17 @@
 
 namespace sherd {
 
+/// Options of a fracture, by stage.  `pieces` and `seed` are those of the whole: a stage's own
+/// (SeedOptions::pieces and seed, GrowOptions::noiseSeeds, ErodeOptions::seed) are derived from
+/// them, and refused where they are set.
 struct FractureOptions {
   int pieces = 8;  ///< fragments wanted, 1..kMaxFragments
   std::uint64_t seed = 0;
   SolidOptions solid{};
-  SeedOptions seeds{};  ///< `pieces` and `seed` in it are replaced by those above
-  GrowOptions grow{};   ///< the noise seed in it is derived from `seed`
+  SeedOptions seeds{};
+  GrowOptions grow{};
   ShareOptions shares{};
-  ErodeOptions erode{};    ///< `seed` in it is replaced by the one above
+  ErodeOptions erode{};
   double dropShare = 0.0;  ///< withholds fragments below this share of the solid's voxels, 0..1
   double missing = 0.0;    ///< withholds further fragments: a number if >= 1, a share if below 1
   SurfaceOptions surface{};
@@ -91,14 +94,13 @@ struct PreparedSolid {
 struct FinishedFracture {
   SourceMesh source;  ///< file name of the original mesh, SHA-256 of the manifest, no mesh
   int resolution = 0;
-  int fragments = 0;
   Solid solid;    ///< the union of the fragments, without eroded and withheld voxels
-  Labels labels;  ///< 1..fragments on every inside voxel
+  Labels labels;  ///< an id on every inside voxel
 };
 
 /// Breaks some fragments again, each into options.pieces; the others stay.  Options of the whole
 /// (resolution, voxel size, seed file, missing, erosion) are ignored.
-///   only    ids of the fragments to break, 1..fragments
+///   only    ids of the fragments to break, 1..labels.fragmentCount
 ///   return  as fracture(); `parents` has the old fragment that each is or comes from
 ///   throws  Error(usage) an id that does not exist; what placeSeeds and grow throw
 [[nodiscard]] FractureResult refracture(const FinishedFracture& finished, std::span<const int> only,

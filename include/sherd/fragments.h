@@ -169,11 +169,11 @@ struct ExtractOptions {
 /// them; elsewhere it is where the labels' indicators, smoothed by two binomial passes, are equal.
 /// So the cut is smooth, neighbors share it bit for bit, and the original surface does not move.
 /// Every inside voxel's center lies in its owner's level set and in no other.
-///   labels    of this solid's blocks: ids 1..fragments, each with at least one voxel, or
-///             Labels::kEroded
-///   return    [fragments] ascending by id
+///   labels  of this solid's blocks: each id 1..fragmentCount with at least one voxel
+///   return  [fragmentCount] ascending by id
+///   throws  Error(usage) the labels are of other blocks, an option is out of range;
+///           Error(cancelled)
 [[nodiscard]] std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
-                                                     int fragments,
                                                      const ExtractOptions& options = {},
                                                      const Progress* progress = nullptr);
 

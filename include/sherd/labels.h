@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <memory>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -68,18 +69,22 @@ struct VoronoiSites {
   Anisotropy anisotropy{};  ///< scales the Euclidean distances
 };
 
-/// Fragment ids over the leaf blocks.
+/// The fragment of each voxel of leaf blocks.
 struct Labels {
   static constexpr std::uint16_t kEroded = 65535;  ///< an eroded or withheld voxel
 
-  std::vector<std::uint16_t> fragment;  ///< [leaf*512] 1..n or kEroded on inside voxels and,
-                                        ///< extended, on the exterior band; else 0
-  /// [leaf*512] arrival cost of inside voxels in the unit of the growth, else 0; empty without
-  /// GrowOptions::keepCost.  Regrown and roughened voxels keep the cost of the first growth.
-  std::vector<std::uint32_t> cost;
+  std::shared_ptr<const LeafBlocks> blocks{};  ///< whose voxels are labeled, such as Solid::blocks
+  int fragmentCount = 0;                       ///< ids are 1..fragmentCount, at most kMaxFragments
+
+  std::vector<std::uint16_t> fragment{};  ///< [blocks->count()*512] an id or kEroded on inside
+                                          ///< voxels and, extended, on the exterior band; else 0
+  /// [blocks->count()*512] arrival cost of inside voxels in the unit of the growth, else 0; empty
+  /// without GrowOptions::keepCost.  Regrown and roughened voxels keep the cost of the first
+  /// growth.
+  std::vector<std::uint32_t> cost{};
   /// Per search, the number of voxels disconnected from their fragment's first seed.  All of them
   /// were regrown.
-  std::vector<std::uint64_t> disconnected;
+  std::vector<std::uint64_t> disconnected{};
   VoronoiSites sites{};  ///< if not empty, voxels belong to the nearest of these seeds except
                          ///< where they were regrown or eroded, so cuts are planes.  Empty for
                          ///< growths without this property
@@ -122,7 +127,7 @@ struct GrowOptions {
 ///             out of range
 ///   source    Velic, May, Moresi, A fast robust algorithm for computing discrete Voronoi diagrams,
 ///             2009
-[[nodiscard]] std::vector<Labels> grow(const LeafBlocks& blocks,
+[[nodiscard]] std::vector<Labels> grow(std::shared_ptr<const LeafBlocks> blocks,
                                        std::span<const std::vector<Seed>> seedSets, Device& device,
                                        const GrowOptions& options = {},
                                        const Progress* progress = nullptr);
@@ -130,13 +135,11 @@ struct GrowOptions {
 /// Extends the labels of inside voxels (eroded ones included) `steps` face steps into the exterior
 /// band, so that cuts reach past the surface.  Labels that the band already has are replaced.
 ///   throws  Error(device)
-[[nodiscard]] Labels extendLabels(const LeafBlocks& blocks, Labels labels, Device& device,
-                                  int steps = 6);
+[[nodiscard]] Labels extendLabels(Labels labels, Device& device, int steps = 6);
 
-/// Counts the inside voxels of each fragment: [fragments+1], [0] those without a label.  Eroded
+/// Counts the inside voxels of each fragment: [fragmentCount+1], [0] those without a label.  Eroded
 /// voxels are not counted.
-[[nodiscard]] std::vector<std::uint64_t> countVoxels(const LeafBlocks& blocks, const Labels& labels,
-                                                     int fragments);
+[[nodiscard]] std::vector<std::uint64_t> countVoxels(const Labels& labels);
 
 struct ShareOptions {
   double minShare = 0.0;  ///< least share of the solid's voxels in a fragment, 0..1
@@ -182,8 +185,9 @@ struct ErodeOptions {
 };
 
 struct Erosion {
-  Labels labels;                      ///< eroded voxels are Labels::kEroded, others unchanged
-  std::vector<std::uint64_t> eroded;  ///< [fragments+1] voxels lost, islands included; [0] the sum
+  Labels labels;  ///< eroded voxels are Labels::kEroded, others unchanged
+  std::vector<std::uint64_t>
+      eroded;  ///< [fragmentCount+1] voxels lost, islands included; [0] the sum
 };
 
 /// Erodes fragments.  Each iteration tests the voxels of a fragment's shell, each with
@@ -200,17 +204,14 @@ struct Erosion {
 /// Islands are handled once, after the last iteration: the 6-connected component with the most
 /// voxels stays; of equal ones, the one with the first voxel in leaf order.
 ///
-///   labels     inside voxels 0..fragments or Labels::kEroded; labels of the exterior band are
-///              neither read nor changed: call extendLabels afterwards where they matter
-///   fragments  1..kMaxFragments
-///   cost       leaves * iterations, and shell voxels * size^2 * iterations on the host; islands
-///   are
-///              found on the device
-///   throws     Error(usage) options out of range, labels that do not match `blocks`;
-///              Error(device); Error(cancelled)
-///   source     Generating implicit object fragment datasets for machine learning, 3.2.3
-[[nodiscard]] Erosion erode(const LeafBlocks& blocks, const Labels& labels, int fragments,
-                            const ErodeOptions& options, Device& device,
+///   labels  labels of the exterior band are neither read nor changed: call extendLabels afterwards
+///           where they matter
+///   cost    leaves * iterations, and shell voxels * size^2 * iterations on the host; islands are
+///           found on the device
+///   throws  Error(usage) options out of range, a label above the fragmentCount; Error(device);
+///           Error(cancelled)
+///   source  Generating implicit object fragment datasets for machine learning, 3.2.3
+[[nodiscard]] Erosion erode(const Labels& labels, const ErodeOptions& options, Device& device,
                             const Progress* progress = nullptr);
 
 }  // namespace sherd

@@ -25,19 +25,19 @@ enum class VdbFiles {
 struct WriteOptions {
   bool labels = true;        ///< labels.rle, or other formats by voxelFormats
   bool vdb = true;           ///< level sets, by vdbFiles
-  bool mesh = true;          ///< meshes/<stem>_001.ply, and the input's textures
+  bool mesh = true;          ///< meshes/STEM_001.ply, and the input's textures
   bool preview = true;       ///< preview.png; of large solids from meshes no finer than its pixels
   bool seeds = false;        ///< seeds.json
   bool boundaries = false;   ///< boundaries.obj
   bool cost = false;         ///< cost.vdb, if the labels have costs
-  bool solid = false;        ///< also the intact solid: fragments/<stem>.vdb with `vdb`, and
-                             ///< meshes/<stem>.ply etc. with `mesh`
+  bool solid = false;        ///< also the intact solid: fragments/STEM.vdb with `vdb`, and
+                             ///< meshes/STEM.ply etc. with `mesh`
   bool scene = false;        ///< scene.glb: a node for each fragment, its origin the center of mass
   bool graph = false;        ///< graph.json and graph.geo
   bool plainMeshes = false;  ///< only vertices and triangles in `.ply` and `.obj`
-  bool proxy = false;        ///< proxies/<stem>_001.obj, convex hulls
+  bool proxy = false;        ///< proxies/STEM_001.obj, convex hulls
 
-  VdbFiles vdbFiles = VdbFiles::files;  ///< fragments/<stem>_001.vdb, fragments.vdb, or both
+  VdbFiles vdbFiles = VdbFiles::files;  ///< fragments/STEM_001.vdb, fragments.vdb, or both
   VdbOptions vdbOptions{};
   double density = 1.0;   ///< mass per unit of volume, above 0
   double proxyGap = 0.0;  ///< `gap` of writeProxy, at least 0
@@ -45,13 +45,13 @@ struct WriteOptions {
   std::vector<VoxelFormat> voxelFormats{VoxelFormat::rle};       ///< not empty, no duplicates
   std::vector<MeshFileFormat> meshFormats{MeshFileFormat::ply};  ///< not empty, no duplicates
 
-  PointOptions points{};     ///< points/<stem>_001.ply if count > 0; `seed` is derived from the
-                             ///< fracture's, per fragment
+  PointOptions points{};     ///< points/STEM_001.ply if count > 0; `seed` must be 0: each
+                             ///< fragment's is derived from the fracture's
   bool sharePoints = false;  ///< points.count is the total, distributed by the fragments' areas
   std::vector<PointFormat> pointFormats{PointFormat::ply};
-  DistanceOptions distances{};  ///< sdf/<stem>_001.npz, and sdf/<stem>.npz of the intact solid, if
-                                ///< count > 0; a `sigma` of 0 is the voxel size; `seed` is derived
-                                ///< as for points
+  DistanceOptions distances{};      ///< sdf/STEM_001.npz, and sdf/STEM.npz of the intact solid, if
+                                    ///< count > 0; a `sigma` of 0 is the voxel size; `seed` as for
+                                    ///< points
   std::size_t correspondences = 0;  ///< correspondences.npz: points per contact; 0: no file
 
   char up = 'y';  ///< the mesh's axis that points up in the preview: 'x', 'y' or 'z'

@@ -96,10 +96,10 @@ inline std::uint32_t offsetFromCoord(const openvdb::Coord& voxel) {
 struct LeafBlocks {
   static constexpr std::uint32_t kNone = 0xffffffffu;  ///< in `neighbors`: no leaf
 
-  std::vector<openvdb::Coord> origins;      ///< [n] lowest voxel of each leaf, ascending by x, y, z
-  std::vector<std::uint64_t> inside;        ///< [n*8] voxels with distance < 0
-  std::vector<std::uint64_t> exteriorBand;  ///< [n*8] active voxels with distance >= 0
-  std::vector<std::uint32_t> neighbors;     ///< [n*6] leaf at -x +x -y +y -z +z, or kNone
+  std::vector<openvdb::Coord> origins{};  ///< [n] lowest voxel of each leaf, ascending by x, y, z
+  std::vector<std::uint64_t> inside{};    ///< [n*8] voxels with distance < 0
+  std::vector<std::uint64_t> exteriorBand{};  ///< [n*8] active voxels with distance >= 0
+  std::vector<std::uint32_t> neighbors{};     ///< [n*6] leaf at -x +x -y +y -z +z, or kNone
 
   std::size_t count() const { return origins.size(); }
 
@@ -200,9 +200,10 @@ struct SolidReport {
 struct Solid {
   GridFrame frame;
   ConstFloatGridPtr distance;  ///< level set, world units, inside negative, half width 3 voxels
-  LeafBlocks blocks;           ///< inside and exterior-band voxels of `distance`
-  VoxelBox box;                ///< tight box of the inside voxels
-  std::uint64_t voxels = 0;    ///< inside voxels
+  /// Inside and exterior-band voxels of `distance`; shared with the labels made from them.
+  std::shared_ptr<const LeafBlocks> blocks;
+  VoxelBox box;                            ///< tight box of the inside voxels
+  std::uint64_t voxels = 0;                ///< inside voxels
   std::uint64_t smallComponents = 0;       ///< components dropped, see kSmallComponentVoxels
   std::uint64_t smallComponentVoxels = 0;  ///< voxels in them
   SolidReport report{};

@@ -8,10 +8,14 @@
 
 namespace sherd {
 
+[[nodiscard]] inline bool isCancelled(const Progress* progress) {
+  return progress != nullptr && progress->cancelled && progress->cancelled();
+}
+
 /// Throws Error(cancelled) if `cancelled` returns true.  Loops within a stage call this every few
 /// milliseconds.
 inline void throwIfCancelled(const Progress* progress) {
-  if (progress != nullptr && progress->cancelled && progress->cancelled()) {
+  if (isCancelled(progress)) {
     throw Error(ErrorCode::cancelled, "stopped on request");
   }
 }
@@ -23,9 +27,7 @@ class CancelFlag {
   explicit CancelFlag(const Progress* progress) : progress_(progress) {}
 
   [[nodiscard]] bool isSet() {
-    if (!set_ && progress_ != nullptr && progress_->cancelled && progress_->cancelled()) {
-      set_ = true;
-    }
+    if (!set_ && isCancelled(progress_)) set_ = true;
     return set_;
   }
 

@@ -60,6 +60,23 @@ std::vector<DeviceInfo> listDevices() {
   return infos;
 }
 
+std::vector<PlatformState> listPlatforms() {
+  const std::vector<PlatformFound> platforms = findPlatforms();
+  const std::vector<DeviceFound> usable = usableDevices(platforms);
+  const std::optional<std::size_t> chosen = choose(usable, "auto");
+  std::vector<PlatformState> states;
+  for (const PlatformFound& platform : platforms) {
+    states.push_back({platform.name, platform.version, platform.fault, {}});
+    for (const DeviceFound& device : platform.devices) {
+      states.back().devices.push_back(device);
+      states.back().devices.back().info.chosen = chosen && usable[*chosen].id == device.id;
+    }
+  }
+  return states;
+}
+
+std::string noDeviceReason() { return noDeviceReason(findPlatforms()); }
+
 Device::Device(std::string_view choice) : impl_(std::make_unique<DeviceImpl>()) {
   const std::vector<PlatformFound> platforms = findPlatforms();
   const std::vector<DeviceFound> all = usableDevices(platforms);

@@ -103,7 +103,7 @@ fs::path driverFolder() {
   return kVendors;
 }
 
-std::vector<DriverFile> findDrivers() {
+std::vector<DriverFile> listDrivers() {
   const fs::path folder = driverFolder();
   std::error_code error;
   std::vector<DriverFile> found;
@@ -144,7 +144,7 @@ std::string noDeviceReason(const std::vector<PlatformFound>& platforms) {
         add(platform.name + " / " + device.info.name + ": " + device.fault);
     }
   }
-  const std::vector<DriverFile> drivers = findDrivers();
+  const std::vector<DriverFile> drivers = listDrivers();
   for (const DriverFile& driver : drivers) {
     if (!driver.fault.empty()) add(driver.file.string() + ": " + driver.fault);
   }

@@ -11,18 +11,9 @@ struct _cl_device_id;
 
 namespace sherd {
 
-/// A driver file of OpenCL's loader: one line that names a library.
-struct DriverFile {
-  std::filesystem::path file;  ///< empty where the environment names the library itself
-  std::string library;
-  std::string fault;  ///< why it cannot be loaded; empty if it can
-};
-
-struct DeviceFound {
+/// A device with OpenCL's handle of it.
+struct DeviceFound : DeviceState {
   _cl_device_id* id = nullptr;
-  DeviceInfo info;
-  std::string driver;  ///< the driver's version
-  std::string fault;   ///< why kernels cannot run on it; empty if they can
 };
 
 struct PlatformFound {
@@ -31,13 +22,6 @@ struct PlatformFound {
   std::string fault;  ///< why it has no device
   std::vector<DeviceFound> devices;
 };
-
-/// The folder or file that lists drivers: OCL_ICD_VENDORS or OPENCL_VENDOR_PATH if set, else
-/// /etc/OpenCL/vendors.
-[[nodiscard]] std::filesystem::path driverFolder();
-
-/// The drivers of driverFolder(), sorted by name.
-[[nodiscard]] std::vector<DriverFile> findDrivers();
 
 /// Every platform with its devices.
 [[nodiscard]] std::vector<PlatformFound> findPlatforms();

@@ -13,12 +13,10 @@
 #include "base/option_names.h"
 #include "base/option_text.h"
 #include "cli/command.h"
+#include "cli/held_files.h"
 #include "cli/interrupts.h"
 #include "cli/option_text.h"
 #include "cli/output_path.h"
-#include "folder/file_kind.h"
-#include "formats/held_files.h"
-#include "formats/mesh/mesh_file.h"
 
 namespace sherd::cli {
 namespace {

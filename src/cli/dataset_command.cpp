@@ -55,12 +55,12 @@ void runDatasetCommand(DatasetArguments& arguments) {
   const ForeignExit guard;
   DatasetPrinter printer(arguments.json, arguments.quiet);
   DatasetCallbacks callbacks = printer.callbacks();
-  callbacks.cancelled = isInterrupted;
+  callbacks.progress = &untilInterrupted();
   for (const std::string& sentence : arguments.idle) callbacks.warning(sentence);
   try {
     if (arguments.dryRun) {
-      return printer.printForecast(
-          forecastDataset(arguments.library, arguments.folder, options, device, isInterrupted));
+      return printer.printForecast(forecastDataset(arguments.library, arguments.folder, options,
+                                                   device, &untilInterrupted()));
     }
     const DatasetSummary summary =
         runDataset(arguments.library, arguments.folder, options, device, callbacks);
@@ -70,7 +70,7 @@ void runDatasetCommand(DatasetArguments& arguments) {
     }
     printer.printSummary(arguments.folder, summary);
     if (arguments.verify)
-      printer.printVerified(arguments.folder, verifyDataset(arguments.folder, isInterrupted));
+      printer.printVerified(arguments.folder, verifyDataset(arguments.folder, &untilInterrupted()));
   } catch (const Error&) {
     printer.stopped();
     throw;
@@ -138,7 +138,8 @@ void addMergeCommand(CLI::App& app, Action& run) {
   command->add_flag("--json", *json, "Print JSON");
   command->callback([folder, json, &run] {
     run = [folder, json] {
-      DatasetPrinter(*json, false).printSummary(*folder, mergeDataset(*folder, isInterrupted));
+      DatasetPrinter(*json, false)
+          .printSummary(*folder, mergeDataset(*folder, &untilInterrupted()));
     };
   });
 }

@@ -49,7 +49,7 @@ DatasetPrinter::DatasetPrinter(bool json, bool quiet)
 
 DatasetCallbacks DatasetPrinter::callbacks() {
   DatasetCallbacks callbacks;
-  callbacks.progress = [this](const DatasetProgress& progress) { printProgress(progress); };
+  callbacks.fractured = [this](const DatasetProgress& progress) { printProgress(progress); };
   callbacks.failed = [this](const std::string& object, const std::string& reason) {
     if (json_) return printEvent({{"event", "failed"}, {"object", object}, {"reason", reason}});
     printSentence("sherd: " + object + " failed: " + reason);

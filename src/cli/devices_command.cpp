@@ -4,7 +4,6 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "cl/device_search.h"
 #include "cli/command.h"
 
 namespace sherd::cli {
@@ -28,8 +27,7 @@ std::string asJson(const std::vector<DeviceInfo>& devices) {
 
 std::string asText(const std::vector<DeviceInfo>& devices) {
   if (devices.empty()) {
-    return "no OpenCL device can be used: " + noDeviceReason(findPlatforms()) +
-           " (sherd doctor reports more)\n";
+    return "no OpenCL device can be used: " + noDeviceReason() + " (sherd doctor reports more)\n";
   }
   std::string text;
   for (const DeviceInfo& device : devices) {

@@ -20,7 +20,6 @@
 #include <thread>
 
 #include "base/atomic_file.h"
-#include "cl/device_search.h"
 #include "cli/doctor.h"
 #include "cli/foreign_exit.h"
 #include "cli/interrupts.h"
@@ -39,7 +38,7 @@ Json textOrNull(const std::string& text) { return text.empty() ? Json() : Json(t
 
 Json driverFacts() {
   Json drivers = Json::array();
-  for (const DriverFile& driver : findDrivers()) {
+  for (const DriverFile& driver : listDrivers()) {
     drivers.push_back({{"file", driver.file.string()},
                        {"library", driver.library},
                        {"fault", textOrNull(driver.fault)}});
@@ -48,23 +47,17 @@ Json driverFacts() {
 }
 
 Json platformFacts() {
-  const std::vector<DeviceInfo> usable = listDevices();
-  const auto isChosen = [&](const DeviceInfo& info) {
-    return std::any_of(usable.begin(), usable.end(), [&](const DeviceInfo& other) {
-      return other.chosen && other.platform == info.platform && other.name == info.name;
-    });
-  };
   Json platforms = Json::array();
-  for (const PlatformFound& platform : findPlatforms()) {
+  for (const PlatformState& platform : listPlatforms()) {
     Json devices = Json::array();
-    for (const DeviceFound& device : platform.devices) {
+    for (const DeviceState& device : platform.devices) {
       devices.push_back({{"name", device.info.name},
                          {"version", device.info.version},
                          {"driver", device.driver},
                          {"gpu", device.info.gpu},
                          {"compute_units", device.info.computeUnits},
                          {"memory_bytes", device.info.memoryBytes},
-                         {"chosen", isChosen(device.info)},
+                         {"chosen", device.info.chosen},
                          {"fault", textOrNull(device.fault)}});
     }
     platforms.push_back({{"name", platform.name},
@@ -93,12 +86,12 @@ TriangleMesh cube() {
 
 // Returns whether each voxel has the label of its nearest seed, ties to the lower id.  Both growths
 // below give that in a box.
-bool isNearest(const LeafBlocks& blocks, const Labels& labels, const std::vector<Seed>& seeds,
-               Metric metric) {
+bool isNearest(const Labels& labels, const std::vector<Seed>& seeds, Metric metric) {
   bool right = true;
-  blocks.forEachInside([&](std::size_t voxel) {
+  labels.blocks->forEachInside([&](std::size_t voxel) {
     const auto order = [&](const Seed& seed) {
-      return std::pair(metricOrder(metric, seed.voxel, blocks.voxelAt(voxel)), seed.fragment);
+      return std::pair(metricOrder(metric, seed.voxel, labels.blocks->voxelAt(voxel)),
+                       seed.fragment);
     };
     const auto nearest =
         std::min_element(seeds.begin(), seeds.end(),
@@ -117,9 +110,9 @@ bool growsRight(const Solid& solid, Device& device) {
                 {.growth = growth, .regrowIsolated = false, .outerSteps = 0})
         .front();
   };
-  return findComponents(solid.blocks, device).count() == 1 &&
-         isNearest(solid.blocks, grown(Growth::flood), seeds, Metric::manhattan) &&
-         isNearest(solid.blocks, grown(Growth::nearest), seeds, Metric::euclidean);
+  return findComponents(*solid.blocks, device).count() == 1 &&
+         isNearest(grown(Growth::flood), seeds, Metric::manhattan) &&
+         isNearest(grown(Growth::nearest), seeds, Metric::euclidean);
 }
 
 Json untested() { return {{"device", nullptr}, {"right", false}, {"fault", nullptr}}; }

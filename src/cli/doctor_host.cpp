@@ -1,6 +1,7 @@
 // `sherd doctor`: versions, memory, folders and sherd-assimp.
 #include <gnu/libc-version.h>
 #include <sherd/error.h>
+#include <sherd/files.h>
 #include <sys/utsname.h>
 #include <tbb/info.h>
 #include <unistd.h>
@@ -18,10 +19,9 @@
 #include "base/memory.h"
 #include "base/memory_bounds.h"
 #include "base/version.h"
-#include "cgal/cgal_checks.h"
+#include "cli/cgal_checks.h"
 #include "cli/doctor.h"
 #include "cli/interrupts.h"
-#include "formats/mesh/read_assimp.h"
 
 extern char** environ;
 
@@ -127,31 +127,12 @@ void addTemporaryFolder(Diagnosis& diagnosis) {
                                  ", cannot be written (TMPDIR names another)");
 }
 
-// A COLLADA file with one triangle.
-constexpr const char* kTriangle =
-    R"(<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
-<library_geometries><geometry id="g"><mesh><source id="s"><float_array id="f" count="9">0 0 0 1 0 0 0 1 0</float_array>
-<technique_common><accessor source="#f" count="3" stride="3"><param name="X" type="float"/><param name="Y" type="float"/>
-<param name="Z" type="float"/></accessor></technique_common></source>
-<vertices id="v"><input semantic="POSITION" source="#s"/></vertices>
-<triangles count="1"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2</p></triangles></mesh></geometry>
-</library_geometries><library_visual_scenes><visual_scene id="w"><node><instance_geometry url="#g"/></node></visual_scene>
-</library_visual_scenes><scene><instance_visual_scene url="#w"/></scene></COLLADA>)";
-
 void addAssimp(Diagnosis& diagnosis) {
   const AssimpProgram program = findAssimp();
   Json tried = Json::array();
   for (const fs::path& path : program.tried) tried.push_back(path.lexically_normal().string());
-  Json fault;
-  try {
-    MeshFile file{"triangle.dae", "triangle.dae", MeshFormat::dae, kTriangle};
-    file.progress = &untilInterrupted();
-    const RawMesh mesh = readByAssimp(file, assimpLimits(file.bytes.size()));
-    if (mesh.triangles.size() != 1) fault = "sherd-assimp does not read a triangle";
-  } catch (const Error& e) {
-    if (e.code() == ErrorCode::cancelled) throw;
-    fault = e.what();
-  }
+  const std::string why = assimpFault(&untilInterrupted());
+  const Json fault = why.empty() ? Json() : Json(why);
   diagnosis.sections["assimp"] = {
       {"program", program.found ? Json(program.found->lexically_normal().string()) : Json()},
       {"tried", tried},

@@ -14,12 +14,12 @@
 #include <vector>
 
 #include "base/memory.h"
-#include "cgal/cgal_checks.h"
+#include "cli/cgal_checks.h"
 #include "cli/command.h"
 #include "cli/evaluate_report.h"
+#include "cli/held_files.h"
 #include "cli/interrupts.h"
 #include "cli/output_path.h"
-#include "formats/held_files.h"
 
 namespace sherd::cli {
 namespace {
@@ -71,6 +71,13 @@ EvaluateReport reportOf(const EvaluateArguments& arguments) {
   return report;
 }
 
+// Returns the source's name, or the folder's.
+std::string headline(const EvaluateReport& report) {
+  if (report.set.manifest) return report.set.source;
+  const fs::path folder = fs::path(report.folder).lexically_normal();
+  return (folder.has_filename() ? folder : folder.parent_path()).filename().string();
+}
+
 void runEvaluate(EvaluateArguments& arguments) {
   if (arguments.cgal && !hasCgalChecks()) {
     throw Error(ErrorCode::usage,
@@ -89,7 +96,10 @@ void runEvaluate(EvaluateArguments& arguments) {
   const EvaluateReport report = reportOf(arguments);
   HeldFiles files;
   if (!arguments.csv.empty()) OutputFile(files, arguments.csv).write(reportCsv(report));
-  if (!arguments.plot.empty()) OutputFile(files, arguments.plot).write(reportPlot(report));
+  if (!arguments.plot.empty()) {
+    OutputFile(files, arguments.plot)
+        .write(evaluationPlot(report.evaluation, headline(report), report.set.voxelSize));
+  }
   finish(files, [&] { printResult(arguments.json ? reportJson(report) : reportTable(report)); });
 }
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "cgal/cgal_checks.h"
+#include "cli/cgal_checks.h"
 
 namespace sherd::cli {
 
@@ -22,8 +22,7 @@ struct EvaluateReport {
 
 [[nodiscard]] std::string reportJson(const EvaluateReport& report);
 [[nodiscard]] std::string reportTable(const EvaluateReport& report);
-[[nodiscard]] std::string reportCsv(const EvaluateReport& report);   ///< a row for each fragment
-[[nodiscard]] std::string reportPlot(const EvaluateReport& report);  ///< SVG
+[[nodiscard]] std::string reportCsv(const EvaluateReport& report);  ///< a row for each fragment
 
 /// Returns part / whole, or 0 where whole is 0.
 inline double ratio(double part, double whole) { return whole > 0.0 ? part / whole : 0.0; }

@@ -17,6 +17,8 @@
 #include <type_traits>
 
 #include "base/lower_case.h"
+#include "base/safe_name.h"
+#include "base/text_scan.h"
 #include "cli/command.h"
 #include "cli/config_arguments.h"
 #include "cli/foreign_exit.h"
@@ -26,10 +28,6 @@
 #include "cli/option_rules.h"
 #include "cli/progress_line.h"
 #include "cli/table_options.h"
-#include "folder/file_names.h"
-#include "folder/mesh_report.h"
-#include "folder/read_manifest.h"
-#include "folder/write_fracture.h"
 
 namespace sherd::cli {
 namespace {
@@ -104,23 +102,31 @@ MeshesHeld meshesHeld(const WriteOptions& write) {
   return write.preview ? MeshesHeld::preview : MeshesHeld::some;
 }
 
-// Prefixes errors about the mesh with its name, which the stages do not have.
-GrownFracture breakInput(const FractureArguments& arguments, Input& input, const SourceMesh& source,
-                         const std::string& title, Device& device, const Progress& progress) {
+// Returns the file's name, with the object's name if `source` is one object of the file.
+std::string titled(const std::string& file, const SourceMesh& source) {
+  return source.objects.size() == 1 ? file + ", " + inQuotes(source.objects.front()) : file;
+}
+
+// Breaks a part of the input into a folder.  Prefixes errors about the mesh with its name, which
+// the stages do not have.
+StagedFracture breakInput(const FractureArguments& arguments, Input& input,
+                          const SourceMesh& source, const std::string& folder, Device& device,
+                          const Progress& progress) {
+  const RunOptions& run = arguments.run;
   try {
-    const FractureOptions& options = arguments.run.fracture;
-    if (input.finished) {
-      return regrown(*input.finished, arguments.only, options, device, &progress);
+    if (!input.finished && !input.solid) {
+      requireMemory(source.mesh, run.fracture, run.volume.maxMemory, meshesHeld(run.write));
     }
-    if (input.solid) return grown(std::move(*input.solid), options, device, &progress);
-    requireMemory(source.mesh, options, arguments.run.volume.maxMemory,
-                  meshesHeld(arguments.run.write));
-    return grown(source.mesh, options, device, &progress);
+    FractureInput part{.source = source,
+                       .solid = std::move(input.solid),
+                       .finished = input.finished ? &*input.finished : nullptr,
+                       .only = arguments.only};
+    return stageFracture(folder, std::move(part), run.fracture, device, run.write, &progress);
   } catch (const Error& e) {
-    const std::optional<GivenSeeds>& given = arguments.run.fracture.seeds.given;
+    const std::optional<GivenSeeds>& given = run.fracture.seeds.given;
     const bool aboutSeeds = given && std::string_view(e.what()).starts_with(given->file);
     if (e.code() != ErrorCode::input || aboutSeeds || input.finished) throw;
-    throw Error(ErrorCode::input, title + ": " + e.what());
+    throw Error(ErrorCode::input, titled(arguments.mesh, source) + ": " + e.what());
   }
 }
 
@@ -237,9 +243,7 @@ class FractureRun {
     const std::string title = titled(arguments_.mesh, source);
     const FractureOptions& options = arguments_.run.fracture;
     const WriteOptions& write = arguments_.run.write;
-    GrownFracture grown = breakInput(arguments_, input, source, title, device, progress_);
-    StagedFracture aside =
-        writeStaged(folder, source, options, std::move(grown), write, &progress_);
+    StagedFracture aside = breakInput(arguments_, input, source, folder, device, progress_);
     replacements_.add(std::move(aside.replacement));
     const FractureResult& result = aside.result;
     times_.insert(times_.end(), result.times.begin(), result.times.end());

@@ -6,7 +6,6 @@
 #include <cstdio>
 
 #include "base/text_scan.h"
-#include "folder/mesh_report.h"
 
 namespace sherd::cli {
 namespace {
@@ -41,7 +40,7 @@ std::vector<std::string> warningsOf(const FractureSummary& summary) {
                        " fragments, not " + std::to_string(summary.options.pieces));
   }
   if (isMesh(summary)) {
-    for (std::string& warning : reportWarnings(source, result)) {
+    for (std::string& warning : meshWarnings(source, result)) {
       warnings.push_back(std::move(warning));
     }
   }
@@ -59,7 +58,7 @@ std::string textOf(const FractureSummary& summary) {
   const FractureResult& result = summary.result;
   const std::string withheld =
       result.withheld > 0 ? ", " + std::to_string(result.withheld) + " of them withheld," : "";
-  return (isMesh(summary) ? reportText(summary.source, result) : "") + summary.folder + ": " +
+  return (isMesh(summary) ? meshReport(summary.source, result) : "") + summary.folder + ": " +
          std::to_string(result.fragments.size()) + " fragments of " + summary.source.name +
          withheld + " in " + number(summary.times.back().seconds, 3) + " s (" +
          std::to_string(result.solid.voxels) + " voxels of " +
@@ -93,7 +92,8 @@ nlohmann::ordered_json jsonOf(const FractureSummary& summary) {
           {"triangles_in", source.mesh.triangles.size()},
           {"volume_in", std::abs(volume(source.mesh))},
           {"volume_out", volumeOut},
-          {"report", isMesh(summary) ? reportJson(source, result) : nlohmann::ordered_json()},
+          {"report", isMesh(summary) ? nlohmann::ordered_json::parse(meshReportJson(source, result))
+                                     : nlohmann::ordered_json()},
           {"warnings", warningsOf(summary)},
           {"seconds", seconds}};
 }

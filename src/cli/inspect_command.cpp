@@ -1,4 +1,5 @@
 // `sherd inspect`: describes a mesh, voxel file, level set or fracture.
+#include <sherd/files.h>
 #include <sherd/folder.h>
 #include <sherd/mesh.h>
 
@@ -8,18 +9,12 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "base/file_bytes.h"
 #include "base/input_error.h"
 #include "base/lower_case.h"
 #include "base/memory.h"
 #include "base/option_names.h"
 #include "cli/command.h"
 #include "cli/interrupts.h"
-#include "folder/file_kind.h"
-#include "folder/partial_folder.h"
-#include "folder/read_manifest.h"
-#include "formats/arrays/npy_reader.h"
-#include "formats/voxels/vdb.h"
 
 namespace sherd::cli {
 namespace {
@@ -108,9 +103,8 @@ Json inspectPoints(const fs::path& file, PointFormat format) {
 
 // An .npz that is neither voxels nor points.
 Json inspectArrays(const fs::path& file) {
-  const std::string bytes = readFileBytes(file), name = file.string();
   Json arrays = Json::object();
-  for (const ZipEntry& entry : zipEntries(bytes, name)) arrays[entry.name] = entry.size;
+  for (const ArrayEntry& array : arraysOf(file)) arrays[array.name] = array.bytes;
   return {{"kind", "arrays"}, {"bytes_per_array", arrays}};
 }
 
@@ -130,7 +124,7 @@ Json inspectManifest(const fs::path& file) {
           {"source", manifest.source},
           {"seed", manifest.seed},
           {"resolution", manifest.resolution},
-          {"resolution_is", manifest.automatic ? kAutomatic : "given"},
+          {"resolution_is", manifest.automatic ? "auto" : "given"},
           {"voxel_size", manifest.voxelSize},
           {"dims", jsonOf(manifest.dims)},
           {"solid_voxels", manifest.solidVoxels},

@@ -17,7 +17,7 @@
 
 #include "base/atomic_file.h"
 #include "base/version.h"
-#include "cgal/cgal_checks.h"
+#include "cli/cgal_checks.h"
 #include "cli/command.h"
 #include "cli/command_line.h"
 #include "cli/config_arguments.h"

@@ -2,14 +2,9 @@
 #include "cli/output_path.h"
 
 #include <sherd/error.h>
+#include <sherd/folder.h>
 
-#include <algorithm>
-#include <nlohmann/json.hpp>
 #include <optional>
-#include <vector>
-
-#include "folder/partial_folder.h"
-#include "folder/read_manifest.h"
 
 namespace sherd::cli {
 namespace {
@@ -20,14 +15,6 @@ namespace fs = std::filesystem;
                          const std::string& why) {
   throw Error(ErrorCode::usage,
               option + ": " + output.string() + " " + why + "; name another file");
-}
-
-bool isListed(const fs::path& manifest, const std::string& name) {
-  const auto json = manifestJson(manifest);
-  if (!json) return false;
-  if (name == kManifestName) return true;
-  const std::optional<std::vector<std::string>> files = listedFiles(*json);
-  return files && std::find(files->begin(), files->end(), name) != files->end();
 }
 
 }  // namespace
@@ -45,12 +32,8 @@ void requireNoInput(const std::string& option, const fs::path& output,
   const fs::path whole = fs::absolute(output);
   const fs::path file = fs::weakly_canonical(whole.parent_path(), failed) / whole.filename();
   if (failed) return;
-  for (fs::path folder = file.parent_path();; folder = folder.parent_path()) {
-    const fs::path manifest = folder / kManifestName;
-    if (isListed(manifest, file.lexically_relative(folder).generic_string())) {
-      refuse(option, output, "is listed by the fracture's " + manifest.string());
-    }
-    if (folder == folder.parent_path()) return;
+  if (const std::optional<fs::path> manifest = manifestListing(file)) {
+    refuse(option, output, "is listed by the fracture's " + manifest->string());
   }
 }
 

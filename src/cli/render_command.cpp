@@ -1,6 +1,7 @@
 // `sherd render`: images of fragments.
 #include <sherd/error.h>
 #include <sherd/files.h>
+#include <sherd/folder.h>
 #include <sherd/render.h>
 #include <tbb/global_control.h>
 
@@ -13,11 +14,10 @@
 #include "base/memory.h"
 #include "base/option_text.h"
 #include "cli/command.h"
+#include "cli/held_files.h"
 #include "cli/interrupts.h"
 #include "cli/option_text.h"
 #include "cli/output_path.h"
-#include "folder/file_names.h"
-#include "formats/held_files.h"
 
 namespace sherd::cli {
 namespace {

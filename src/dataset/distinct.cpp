@@ -9,7 +9,8 @@ namespace {
 
 constexpr std::uint64_t kMostVoxels = 131'072;
 
-std::vector<std::uint16_t> sampled(const LeafBlocks& blocks, const Labels& labels) {
+std::vector<std::uint16_t> sampled(const Labels& labels) {
+  const LeafBlocks& blocks = *labels.blocks;
   const std::uint64_t voxels = blocks.insideVoxels();
   const std::uint64_t taken = std::min(voxels, kMostVoxels);
   std::vector<std::uint16_t> sample;
@@ -57,9 +58,8 @@ std::size_t agreeing(const std::vector<std::uint16_t>& a, std::size_t fragmentsA
 
 }  // namespace
 
-bool Distinct::add(const LeafBlocks& blocks, const Labels& labels, int fragments, double share,
-                   bool always) {
-  Sample sample{sampled(blocks, labels), fragments};
+bool Distinct::add(const Labels& labels, double share, bool always) {
+  Sample sample{sampled(labels), labels.fragmentCount};
   const auto isClose = [&](const Sample& other) {
     const std::size_t agree = agreeing(sample.labels, static_cast<std::size_t>(sample.fragments),
                                        other.labels, static_cast<std::size_t>(other.fragments));

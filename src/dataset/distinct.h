@@ -17,8 +17,7 @@ class Distinct {
   ///   share   0..1
   ///   always  adds it in any case
   ///   return  whether it was added
-  bool add(const LeafBlocks& blocks, const Labels& labels, int fragments, double share,
-           bool always = false);
+  bool add(const Labels& labels, double share, bool always = false);
 
  private:
   struct Sample {

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <optional>
 
+#include "base/cancel_flag.h"
 #include "base/unfinished.h"
 #include "dataset/fracture_line.h"
 #include "dataset/object_folder.h"
@@ -63,7 +64,7 @@ struct ObjectCost {
 
 // The cost of a run with `repeats` fractures into `pieces`.
 Cost costOf(const LibraryObject& object, DatasetOptions options, int pieces, int repeats,
-            Device& device, const std::function<bool()>& cancelled) {
+            Device& device, const Progress* progress) {
   options.schedule = {pieces, pieces, repeats, repeats, options.schedule.maxFragments};
   const TemporaryFolder folder;
   const fs::path out = folder.path();
@@ -71,7 +72,7 @@ Cost costOf(const LibraryObject& object, DatasetOptions options, int pieces, int
   const DatasetRun run{out,
                        options,
                        device,
-                       [&] { return cancelled && cancelled(); },
+                       [&] { return isCancelled(progress); },
                        [](std::size_t) {},
                        [](const std::string&) {},
                        times};
@@ -95,10 +96,10 @@ Cost perFracture(const Cost& all, const Cost& once) {
 
 // Empty for an object that cannot be broken.
 std::optional<ObjectCost> measured(const LibraryObject& object, const DatasetOptions& options,
-                                   Device& device, const std::function<bool()>& cancelled) {
+                                   Device& device, const Progress* progress) {
   try {
     const auto run = [&](int pieces, int repeats) {
-      return costOf(object, options, pieces, repeats, device, cancelled);
+      return costOf(object, options, pieces, repeats, device, progress);
     };
     const Schedule& schedule = options.schedule;
     (void)run(schedule.fewest, 1);  // warm-up: builds kernels, caches files
@@ -129,7 +130,7 @@ std::vector<LibraryObject> sampleOf(std::vector<LibraryObject> objects) {
 
 DatasetForecast forecastDataset(const fs::path& library, const fs::path& out,
                                 const DatasetOptions& options, Device& device,
-                                const std::function<bool()>& cancelled) {
+                                const Progress* progress) {
   DatasetForecast forecast;
   std::vector<LibraryObject> found = findObjects(library, options.library, &forecast.skipped);
   requireApart(library, found, out);
@@ -143,7 +144,7 @@ DatasetForecast forecastDataset(const fs::path& library, const fs::path& out,
   }
   Cost all;  // of the sampled objects
   for (const LibraryObject& object : sampleOf(objects)) {
-    const std::optional<ObjectCost> cost = measured(object, options, device, cancelled);
+    const std::optional<ObjectCost> cost = measured(object, options, device, progress);
     if (!cost) {
       forecast.refused.push_back(object.key);
       continue;

@@ -39,7 +39,7 @@ std::size_t GrowthAhead::batchSize() const {
   if (!options_.drawn.empty()) return 1;  // growth options may differ
   const std::size_t maxBatch = run_.device.info().gpu ? 16 : 2;
   const std::size_t maxLeaves = std::size_t{1} << (run_.device.info().gpu ? 17 : 14);
-  const std::size_t leaves = std::max<std::size_t>(ready_.solid.blocks.count(), 1);
+  const std::size_t leaves = std::max<std::size_t>(ready_.solid.blocks->count(), 1);
   return std::clamp<std::size_t>(maxLeaves / leaves, 1, maxBatch);
 }
 
@@ -65,8 +65,7 @@ void GrowthAhead::growDistinct() {
     for (int attempt = isDone ? done->second : 0;; ++attempt) {
       auto plan = planOf(next_, attempt);
       plan->grown = grow(ready_, plan->options, run_.device, StageClock(), &progress_);
-      const bool isNew = distinct_.add(ready_.solid.blocks, plan->grown.result.labels,
-                                       plan->grown.fragments, options_.distinct, isDone);
+      const bool isNew = distinct_.add(plan->grown.result.labels, options_.distinct, isDone);
       if (isNew) {
         if (!isDone) ahead_.push_back(std::move(plan));
         break;

@@ -9,6 +9,7 @@
 
 #include "base/atomic_file.h"
 #include "base/below_folder.h"
+#include "base/cancel_flag.h"
 #include "base/sha256.h"
 #include "dataset/bb_lists.h"
 #include "dataset/fracture_line.h"
@@ -160,8 +161,7 @@ DatasetSummary summaryOf(const DatasetStatistics& statistics, bool complete) {
 
 }  // namespace
 
-DatasetIndex writeIndex(const fs::path& out, const DatasetPlan& plan,
-                        const std::function<bool()>& cancelled) {
+DatasetIndex writeIndex(const fs::path& out, const DatasetPlan& plan, const Progress* progress) {
   DatasetStatistics statistics;
   bool complete = true;
   LineWriter csv(out / kIndexCsv), jsonl(out / kIndexJsonl), failures(out / kFailuresName);
@@ -171,7 +171,7 @@ DatasetIndex writeIndex(const fs::path& out, const DatasetPlan& plan,
   std::map<std::string, std::string> lists;  // keys, by split
   std::vector<BbObject> bb;
   for (std::size_t i = 0; i < plan.objects.size(); ++i) {
-    if (cancelled && cancelled()) throw Error(ErrorCode::cancelled, "stopped on request");
+    throwIfCancelled(progress);
     const LibraryObject& object = plan.objects[i];
     const JournalText journal = readJournal(out, object);
     if (journal.failed) {

@@ -26,6 +26,6 @@ struct DatasetIndex {
 /// Omits objects that are neither done nor failed; the summary is then not complete.
 ///   throws  Error(output)
 DatasetIndex writeIndex(const std::filesystem::path& out, const DatasetPlan& plan,
-                        const std::function<bool()>& cancelled = {});
+                        const Progress* progress = nullptr);
 
 }  // namespace sherd

@@ -129,7 +129,7 @@ class ObjectRun {
     constexpr std::size_t kMaxLeaves = 50'000;
     const SurfaceOptions& surface = options_.each.fracture.surface;
     return surface.surface == Surface::smooth && surface.interface == Interface::shared &&
-           solid.blocks.count() <= kMaxLeaves;
+           solid.blocks->count() <= kMaxLeaves;
   }
 
   NamedObject named(const FractureOptions& options) const {
@@ -145,20 +145,22 @@ class ObjectRun {
     FractureResult whole;
     whole.solid = solid;
     whole.components = ready_->components.count();
-    whole.labels.fragment.assign(solid.blocks.count() * 512, 0);
+    whole.labels.blocks = solid.blocks;
+    whole.labels.fragmentCount = 1;
+    whole.labels.fragment.assign(solid.blocks->count() * 512, 0);
     const auto label = [&](const std::vector<std::uint64_t>& mask, std::uint16_t with) {
       for (std::size_t voxel = 0; voxel < whole.labels.fragment.size(); ++voxel) {
         if ((mask[voxel / 64] >> (voxel % 64)) & 1) whole.labels.fragment[voxel] = with;
       }
     };
-    label(solid.blocks.inside, 1);
-    label(solid.blocks.exteriorBand, 1);
+    label(solid.blocks->inside, 1);
+    label(solid.blocks->exteriorBand, 1);
     whole.fragments =
-        extractFragments(solid, whole.labels, 1,
+        extractFragments(solid, whole.labels,
                          {.surface = options.surface, .intact = ready_->surface.get()}, &progress_);
     whole.eroded = {0, 0};
     renderThumbnail(kWholeName, whole);
-    label(solid.blocks.inside, Labels::kEroded);  // inside the solid, but in no fragment
+    label(solid.blocks->inside, Labels::kEroded);  // inside the solid, but in no fragment
     const NamedFiles names = wholeNames(options_.layout, named(options));
     const auto files = store_->stage(names.prefix);
     if (options_.layout == DatasetLayout::bb) intoUnitBox(whole);

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "base/atomic_file.h"
+#include "base/cancel_flag.h"
 #include "dataset/fracture_line.h"
 #include "dataset/identity.h"
 #include "dataset/index.h"
@@ -44,6 +45,9 @@ void check(const DatasetOptions& options) {
        "a split is three shares, such as 80/10/10");
   need(options.layout != DatasetLayout::bb || options.each.write.meshFormats.size() == 1,
        "the layout bb takes one format of meshes");
+  const FractureOptions& each = options.each.fracture;
+  need(each.pieces == FractureOptions{}.pieces && each.seed == 0 && !each.seeds.given,
+       "the pieces and seeds of a dataset are those of its schedule");
   for (const DrawnOption& option : options.drawn) checkDrawn(option, options.each);
 }
 
@@ -137,7 +141,7 @@ class LibraryRun {
     const DatasetRun run{out_,
                          options_,
                          device_,
-                         [this] { return callbacks_.cancelled && callbacks_.cancelled(); },
+                         [this] { return isCancelled(callbacks_.progress); },
                          [this](std::size_t fragments) {
                            ++progress_.fractures;
                            progress_.fragments += fragments;
@@ -172,7 +176,7 @@ class LibraryRun {
 
   void reportProgress() {
     progress_.seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
-    if (callbacks_.progress) callbacks_.progress(progress_);
+    if (callbacks_.fractured) callbacks_.fractured(progress_);
   }
 
   const fs::path& out_;
@@ -218,7 +222,7 @@ DatasetSummary runDataset(const fs::path& library, const fs::path& out, const Da
   try {
     run.execute(shardOf(plan.objects, options.shard));
     if (options.shard.of == 1) {
-      index = writeIndex(out, plan, callbacks.cancelled);
+      index = writeIndex(out, plan, callbacks.progress);
     } else {
       const DatasetProgress& progress = run.progress();
       summary.objects = progress.objects;
@@ -240,7 +244,7 @@ DatasetSummary runDataset(const fs::path& library, const fs::path& out, const Da
   return summary;
 }
 
-DatasetSummary mergeDataset(const fs::path& out, const std::function<bool()>& cancelled) {
+DatasetSummary mergeDataset(const fs::path& out, const Progress* progress) {
   const DatasetPlan plan = readPlan(out);
   OutputLock lock(out);
   lock.share();
@@ -257,7 +261,7 @@ DatasetSummary mergeDataset(const fs::path& out, const std::function<bool()>& ca
                                       " objects are not done, the first is " + missing +
                                       "; run their shards again with --resume");
   }
-  const DatasetIndex index = writeIndex(out, plan, cancelled);
+  const DatasetIndex index = writeIndex(out, plan, progress);
   writeReport(out, index.statistics);
   return index.summary;
 }

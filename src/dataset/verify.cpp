@@ -9,6 +9,7 @@
 #include <mutex>
 
 #include "base/below_folder.h"
+#include "base/cancel_flag.h"
 #include "base/file_bytes.h"
 #include "base/input_error.h"
 #include "base/sha256.h"
@@ -147,7 +148,7 @@ void checkFracture(const StoredFiles& files, const Json& line) {
 
 }  // namespace
 
-DatasetCheck verifyDataset(const fs::path& out, const std::function<bool()>& cancelled) {
+DatasetCheck verifyDataset(const fs::path& out, const Progress* progress) {
   const DatasetPlan plan = readPlan(out);
   DatasetCheck check;
   std::mutex mutex;
@@ -167,7 +168,7 @@ DatasetCheck verifyDataset(const fs::path& out, const std::function<bool()>& can
       const StoredFiles files(
           out, isPacked ? objectFolder(plan.layout, object) + ".zip" : std::string());
       tbb::parallel_for(std::size_t{0}, journal.fractures.size(), [&](std::size_t i) {
-        if (cancelled && cancelled()) throw Error(ErrorCode::cancelled, "stopped on request");
+        throwIfCancelled(progress);
         try {
           checkFracture(files, journal.fractures[i]);
         } catch (const Error& e) {

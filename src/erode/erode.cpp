@@ -30,8 +30,7 @@ constexpr std::int64_t kMillion = 1'000'000;
 // False for NaN.
 bool isShare(double x) { return x > 0 && x <= 1; }
 
-void check(const LeafBlocks& blocks, const Labels& labels, int fragments,
-           const ErodeOptions& options) {
+void check(const Labels& labels, const ErodeOptions& options) {
   if (options.size < 3 || options.size > 2 * kLargestReach + 1 || options.size % 2 == 0) {
     refuse("the size is " + std::to_string(options.size) + "; expected an odd size from 3 to 13");
   }
@@ -47,13 +46,13 @@ void check(const LeafBlocks& blocks, const Labels& labels, int fragments,
     refuse("the probability is " + std::to_string(options.probability) +
            "; it must be above 0 and at most 1");
   }
-  if (fragments < 1 || fragments > kMaxFragments) {
-    refuse("the number of fragments is " + std::to_string(fragments) + "; expected 1 to " +
-           std::to_string(kMaxFragments));
+  if (labels.fragmentCount < 1 || labels.fragmentCount > kMaxFragments) {
+    refuse("the number of fragments is " + std::to_string(labels.fragmentCount) +
+           "; expected 1 to " + std::to_string(kMaxFragments));
   }
-  if (labels.fragment.size() != blocks.count() * 512) {
+  if (labels.fragment.size() != labels.blocks->count() * 512) {
     refuse("there are " + std::to_string(labels.fragment.size()) + " labels for " +
-           std::to_string(blocks.count()) + " leaves of 512 voxels");
+           std::to_string(labels.blocks->count()) + " leaves of 512 voxels");
   }
 }
 
@@ -234,14 +233,15 @@ std::vector<LeafMask> without(const FragmentMasks& fragment, std::span<const std
 
 }  // namespace
 
-Erosion erode(const LeafBlocks& blocks, const Labels& labels, int fragments,
-              const ErodeOptions& options, Device& device, const Progress* progress) {
-  check(blocks, labels, fragments, options);
+Erosion erode(const Labels& labels, const ErodeOptions& options, Device& device,
+              const Progress* progress) {
+  check(labels, options);
   reportProgress(progress, "erode", 0.0);
-  Erosion result{labels, std::vector<std::uint64_t>(static_cast<std::size_t>(fragments) + 1)};
+  Erosion result{labels,
+                 std::vector<std::uint64_t>(static_cast<std::size_t>(labels.fragmentCount) + 1)};
   if (options.iterations == 0) return result;
 
-  std::vector<FragmentMasks> masks = fragmentMasks(blocks, labels, fragments);
+  std::vector<FragmentMasks> masks = fragmentMasks(labels);
   // Fragments share leaves but no voxels, so they write disjoint labels.  A fragment is never
   // eroded completely.
   const auto erodeEach = [&](const auto& erodedOf) {
@@ -251,13 +251,13 @@ Erosion erode(const LeafBlocks& blocks, const Labels& labels, int fragments,
         result.eroded[i + 1] += markEroded(masks[i], eroded, result.labels);
     });
   };
-  const Eroder eroder(blocks, options);
+  const Eroder eroder(*labels.blocks, options);
   for (int iteration = 0; iteration < options.iterations; ++iteration) {
     erodeEach([&](const FragmentMasks& fragment) { return eroder.erodedIn(fragment, iteration); });
     reportProgress(progress, "erode", static_cast<double>(iteration + 1) / options.iterations);
   }
   if (options.islands == Islands::eroded) {
-    const std::vector<std::uint64_t> largest = largestComponents(blocks, result.labels, device);
+    const std::vector<std::uint64_t> largest = largestComponents(result.labels, device);
     erodeEach([&](const FragmentMasks& fragment) { return without(fragment, largest); });
   }
   for (std::size_t i = 1; i < result.eroded.size(); ++i) result.eroded[0] += result.eroded[i];

@@ -50,8 +50,8 @@ void checkLabel(std::uint16_t label, int fragments) {
 
 }  // namespace
 
-std::vector<FragmentMasks> fragmentMasks(const LeafBlocks& blocks, const Labels& labels,
-                                         int fragments) {
+std::vector<FragmentMasks> fragmentMasks(const Labels& labels) {
+  const LeafBlocks& blocks = *labels.blocks;
   std::vector<std::vector<Group>> groups(blocks.count());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, groups.size(), 64), [&](const auto& range) {
     for (std::size_t leaf = range.begin(); leaf < range.end(); ++leaf) {
@@ -60,10 +60,10 @@ std::vector<FragmentMasks> fragmentMasks(const LeafBlocks& blocks, const Labels&
                    std::span<const std::uint16_t, 512>(&labels.fragment[leaf * 512], 512));
     }
   });
-  std::vector<FragmentMasks> all(static_cast<std::size_t>(fragments));
+  std::vector<FragmentMasks> all(static_cast<std::size_t>(labels.fragmentCount));
   for (std::size_t leaf = 0; leaf < groups.size(); ++leaf) {
     for (const Group& group : groups[leaf]) {
-      checkLabel(group.label, fragments);
+      checkLabel(group.label, labels.fragmentCount);
       if (group.label == 0 || group.label == Labels::kEroded) continue;
       FragmentMasks& fragment = all[group.label - std::size_t{1}];
       fragment.leaf.push_back(static_cast<std::uint32_t>(leaf));

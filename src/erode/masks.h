@@ -31,9 +31,8 @@ struct FragmentMasks {
   std::vector<LeafNeighbors> neighbors;  ///< [n] indices into these arrays
 };
 
-/// Returns the inside voxels of each fragment: [fragments], index i for fragment i + 1.
-///   throws  Error(usage) an inside voxel has a label that is neither 0..fragments nor kEroded
-[[nodiscard]] std::vector<FragmentMasks> fragmentMasks(const LeafBlocks& blocks,
-                                                       const Labels& labels, int fragments);
+/// Returns the inside voxels of each fragment: [fragmentCount], index i for fragment i + 1.
+///   throws  Error(usage) an inside voxel has a label that is neither 0..fragmentCount nor kEroded
+[[nodiscard]] std::vector<FragmentMasks> fragmentMasks(const Labels& labels);
 
 }  // namespace sherd

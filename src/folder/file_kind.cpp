@@ -1,8 +1,5 @@
 // Detection of a file's kind.
-#include "folder/file_kind.h"
-
-#include <sherd/files.h>
-#include <sherd/mesh.h>
+#include <sherd/folder.h>
 
 #include <algorithm>
 

@@ -11,11 +11,6 @@
 
 namespace sherd {
 
-/// Returns a fragment's name: the stem and the id, with leading zeros to three digits or to the
-/// number of digits of `fragments`.
-[[nodiscard]] std::string fragmentName(const std::string& stem, std::size_t id,
-                                       std::size_t fragments);
-
 /// Whether a fracture can have files in a subfolder of this name.
 [[nodiscard]] bool isSubfolder(const std::string& name);
 

@@ -181,6 +181,10 @@ void checkWriteOptions(const WriteOptions& write, const FractureOptions& options
   if (wanted(MeshFileFormat::stl) && wanted(MeshFileFormat::stlText)) {
     throw Error(ErrorCode::usage, "stl and stl-ascii use the same file names; choose one of them");
   }
+  if (write.points.seed != 0 || write.distances.seed != 0) {
+    throw Error(ErrorCode::usage,
+                "seeds of points and distances are derived from the fracture's; do not set them");
+  }
   const SurfaceOptions& surface = options.surface;
   const Iterations& smoothed = surface.smooth.boundaryIterations;
   const bool isSmoothed =

@@ -1,8 +1,7 @@
 // Replaces a fracture's folder: files are written to a hidden folder, then moved
 // (partial_folder.h).
-#include "folder/fracture_folder.h"
-
 #include <sherd/error.h>
+#include <sherd/folder.h>
 #include <sys/stat.h>
 #include <unistd.h>
 

@@ -56,13 +56,13 @@ std::string choiceText(const SolidReport& report) {
   return isShort(report) ? choice + ", the highest automatic one" : choice;
 }
 
-std::string titleOf(const SourceMesh& source) { return titled(source.name, source); }
+// Returns the file's name, with the object's name if `source` is one object of the file.
+std::string titleOf(const SourceMesh& source) {
+  return source.objects.size() == 1 ? source.name + ", " + inQuotes(source.objects.front())
+                                    : source.name;
+}
 
 }  // namespace
-
-std::string titled(const std::string& file, const SourceMesh& source) {
-  return source.objects.size() == 1 ? file + ", " + inQuotes(source.objects.front()) : file;
-}
 
 nlohmann::ordered_json reportJson(const SourceMesh& source, const FractureResult& result) {
   const SolidReport& report = result.solid.report;
@@ -100,7 +100,11 @@ nlohmann::ordered_json reportJson(const SourceMesh& source, const FractureResult
   return json;
 }
 
-std::string reportText(const SourceMesh& source, const FractureResult& result) {
+std::string meshReportJson(const SourceMesh& source, const FractureResult& result) {
+  return reportJson(source, result).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+std::string meshReport(const SourceMesh& source, const FractureResult& result) {
   const SolidReport& report = result.solid.report;
   const MeshDefects& defects = report.defects;
   std::string found = titleOf(source) + ": " + counted(source.mesh.triangles.size(), "triangle") +
@@ -142,7 +146,7 @@ std::string reportText(const SourceMesh& source, const FractureResult& result) {
   return found + "\n" + done + "\n" + choice + volumes + "\n";
 }
 
-std::vector<std::string> reportWarnings(const SourceMesh& source, const FractureResult& result) {
+std::vector<std::string> meshWarnings(const SourceMesh& source, const FractureResult& result) {
   std::vector<std::string> warnings;
   const SolidReport& report = result.solid.report;
   if (std::abs(difference(result)) > kVolumesAgree) {

@@ -84,11 +84,4 @@ class PartialFolder {
   bool leave_ = false;  // to the next process
 };
 
-/// Restores a fracture that a killed run left half replaced; called before a fracture is read.  A
-/// folder with a manifest is not changed.
-///   path    the fracture's folder, one of its subfolders, or its manifest; other paths are ignored
-///   throws  Error(input) restoring fails, another process writes there, or the fracture was never
-///           finished
-void requireSettled(const std::filesystem::path& path);
-
 }  // namespace sherd

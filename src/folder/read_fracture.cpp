@@ -19,12 +19,14 @@ namespace {
 namespace fs = std::filesystem;
 
 // Converts the labels of a voxel file to the leaves of the solid.
-Labels labelsOn(const LeafBlocks& blocks, const VoxelLabels& voxels, const openvdb::Coord& first,
-                int fragments, const fs::path& file) {
+Labels labelsOn(const Solid& solid, const VoxelLabels& voxels, const Manifest& manifest,
+                const fs::path& file) {
   Labels labels;
-  labels.fragment.assign(blocks.count() * 512, 0);
-  blocks.forEachInside([&](std::size_t voxel) {
-    const openvdb::Coord at = blocks.voxelAt(voxel) - first;
+  labels.blocks = solid.blocks;
+  labels.fragmentCount = static_cast<int>(manifest.fragments.size());
+  labels.fragment.assign(solid.blocks->count() * 512, 0);
+  solid.blocks->forEachInside([&](std::size_t voxel) {
+    const openvdb::Coord at = solid.blocks->voxelAt(voxel) - manifest.indexMin;
     std::uint16_t label = 0;
     if (at.x() >= 0 && at.y() >= 0 && at.z() >= 0 && at.x() < voxels.dims.x() &&
         at.y() < voxels.dims.y() && at.z() < voxels.dims.z()) {
@@ -34,7 +36,7 @@ Labels labelsOn(const LeafBlocks& blocks, const VoxelLabels& voxels, const openv
                                 side(2) +
                             static_cast<std::size_t>(at.z())];
     }
-    if (label < 2 || label > fragments + 1) {
+    if (label < 2 || label > labels.fragmentCount + 1) {
       inputError(file, "does not belong to the fragments' .vdb files beside it");
     }
     labels.fragment[voxel] = static_cast<std::uint16_t>(label - 1);
@@ -57,7 +59,6 @@ std::optional<fs::path> labelFile(const fs::path& file, const Manifest& manifest
 FinishedFracture readFracture(const fs::path& file) {
   const Manifest manifest = readManifest(file);
   FinishedFracture finished;
-  finished.fragments = static_cast<int>(manifest.fragments.size());
   finished.resolution = manifest.resolution;
   finished.source.name = manifest.source;
   finished.source.stem = fs::path(manifest.source).stem().string();
@@ -81,12 +82,11 @@ FinishedFracture readFracture(const fs::path& file) {
   }
   Solid& solid = finished.solid;
   solid.frame = frameOf(*whole);
-  solid.blocks = leafBlocks(*whole);
+  solid.blocks = std::make_shared<const LeafBlocks>(leafBlocks(*whole));
   solid.distance = std::move(whole);
   measureVoxels(solid);
 
-  finished.labels = labelsOn(solid.blocks, expand(readVoxels(*labels).voxels), manifest.indexMin,
-                             finished.fragments, *labels);
+  finished.labels = labelsOn(solid, expand(readVoxels(*labels).voxels), manifest, *labels);
   return finished;
 }
 

@@ -208,4 +208,19 @@ std::optional<Json> manifestJson(const fs::path& file) {
   }
 }
 
+std::optional<fs::path> manifestListing(const fs::path& file) {
+  for (fs::path folder = file.parent_path();; folder = folder.parent_path()) {
+    const fs::path manifest = folder / kManifestName;
+    if (const auto json = manifestJson(manifest)) {
+      const std::string name = file.lexically_relative(folder).generic_string();
+      const std::optional<std::vector<std::string>> files = listedFiles(*json);
+      if (name == kManifestName ||
+          (files && std::find(files->begin(), files->end(), name) != files->end())) {
+        return manifest;
+      }
+    }
+    if (folder == folder.parent_path()) return {};
+  }
+}
+
 }  // namespace sherd

@@ -1,5 +1,5 @@
 // Writes a fracture to a folder.
-#include "folder/write_fracture.h"
+#include <sherd/folder.h>
 
 #include <utility>
 
@@ -7,9 +7,9 @@
 #include "base/unfinished.h"
 #include "folder/file_names.h"
 #include "folder/fracture_files.h"
-#include "folder/fracture_folder.h"
 #include "folder/manifest.h"
 #include "folder/read_manifest.h"
+#include "pipeline/fracture_stages.h"
 #include "surface/extract.h"
 
 namespace sherd {
@@ -23,7 +23,7 @@ std::vector<MeshFacts> makeAndWrite(const GrownFracture& grown, const SurfaceOpt
                                     const WriteOptions& write, FractureResult& result,
                                     FractureWriting& writing, StageClock& clock,
                                     const Progress* progress) {
-  Extraction extraction(result.solid, result.labels, grown.fragments,
+  Extraction extraction(result.solid, result.labels,
                         {.surface = surface,
                          .uneroded = grown.uneroded ? &*grown.uneroded : nullptr,
                          .intact = grown.surface.get()},
@@ -58,6 +58,15 @@ std::vector<MeshFacts> makeAndWrite(const GrownFracture& grown, const SurfaceOpt
   return facts;
 }
 
+GrownFracture grownFrom(FractureInput& input, const FractureOptions& options, Device& device,
+                        const Progress* progress) {
+  if (input.finished != nullptr) {
+    return regrown(*input.finished, input.only, options, device, progress);
+  }
+  if (input.solid) return grown(std::move(*input.solid), options, device, progress);
+  return grown(input.source.mesh, options, device, progress);
+}
+
 }  // namespace
 
 WrittenFolder writeFracture(const fs::path& folder, const SourceMesh& source,
@@ -79,13 +88,17 @@ WrittenFolder writeFracture(const fs::path& folder, const SourceMesh& source,
   return {std::move(manifest), replacement.warnings()};
 }
 
-StagedFracture writeStaged(const fs::path& folder, const SourceMesh& source,
-                           const FractureOptions& options, GrownFracture grown,
-                           const WriteOptions& write, const Progress* progress) {
-  checkWriteOptions(write, options);
+StagedFracture stageFracture(const fs::path& folder, FractureInput input,
+                             const FractureOptions& asked, Device& device,
+                             const WriteOptions& write, const Progress* progress) {
+  checkWriteOptions(write, asked);
+  checkFractureFolder(folder);
+  const SourceMesh& source = input.source;
+  const FractureOptions options = optionsFor(asked, write);
+  GrownFracture grown = grownFrom(input, options, device, progress);
   const FractureWriter writer(source, write);
   FractureResult result = std::move(grown.result);
-  result.fragments.resize(static_cast<std::size_t>(grown.fragments));
+  result.fragments.resize(static_cast<std::size_t>(result.labels.fragmentCount));
   const FractureFiles files =
       fileNames(source, result.kept(), options.surface.triangles, writer.materials(), write);
   StageClock clock;
@@ -102,14 +115,10 @@ StagedFracture writeStaged(const fs::path& folder, const SourceMesh& source,
   return {std::move(result), std::move(replacement)};
 }
 
-WrittenFracture fractureInto(const fs::path& folder, const SourceMesh& source,
+WrittenFracture fractureInto(const fs::path& folder, FractureInput input,
                              const FractureOptions& options, Device& device,
                              const WriteOptions& write, const Progress* progress) {
-  checkWriteOptions(write, options);
-  checkFractureFolder(folder);
-  const FractureOptions own = optionsFor(options, write);
-  StagedFracture staged =
-      writeStaged(folder, source, own, grown(source.mesh, own, device, progress), write, progress);
+  StagedFracture staged = stageFracture(folder, std::move(input), options, device, write, progress);
   const Uncut whole;
   staged.replacement.putInPlace();
   fs::path manifest = staged.replacement.keep();

@@ -216,19 +216,20 @@ std::size_t fracturesAtOnce(const LeafBlocks& blocks, const Device& device) {
   return std::max<std::size_t>(leaves / std::max<std::size_t>(blocks.count(), 1), 1);
 }
 
-std::vector<Labels> growBatch(const LeafBlocks& blocks, std::span<const std::vector<Seed>> seedSets,
-                              Device& device, const GrowOptions& options,
-                              const Progress* progress) {
-  const SeedTable table = tableOf(blocks, seedSets);
+std::vector<Labels> growBatch(const std::shared_ptr<const LeafBlocks>& blocks,
+                              std::span<const std::vector<Seed>> seedSets, Device& device,
+                              const GrowOptions& options, const Progress* progress) {
+  const SeedTable table = tableOf(*blocks, seedSets);
   return withDevice(implOf(device), "growing fragments", [&] {
-    GrowthState state(blocks, seedSets.size(), implOf(device), options.tuning.workGroupSize);
+    GrowthState state(*blocks, seedSets.size(), implOf(device), options.tuning.workGroupSize);
     Growing growing{state, table, options, progress};
     Flood last = growAll(growing);
     std::vector<Labels> all = readLabels(growing, last);
-    if (givesVoronoiCells(options)) {
-      for (std::size_t f = 0; f < all.size(); ++f) {
-        all[f].sites = {{seedSets[f].begin(), seedSets[f].end()}, options.anisotropy};
-      }
+    for (std::size_t f = 0; f < all.size(); ++f) {
+      all[f].blocks = blocks;
+      all[f].fragmentCount = fragmentsOf(seedSets[f]);
+      if (!givesVoronoiCells(options)) continue;
+      all[f].sites = {{seedSets[f].begin(), seedSets[f].end()}, options.anisotropy};
     }
     return all;
   });
@@ -236,10 +237,11 @@ std::vector<Labels> growBatch(const LeafBlocks& blocks, std::span<const std::vec
 
 }  // namespace
 
-std::vector<Labels> grow(const LeafBlocks& blocks, std::span<const std::vector<Seed>> seedSets,
-                         Device& device, const GrowOptions& options, const Progress* progress) {
+std::vector<Labels> grow(std::shared_ptr<const LeafBlocks> blocks,
+                         std::span<const std::vector<Seed>> seedSets, Device& device,
+                         const GrowOptions& options, const Progress* progress) {
   check(options);
-  const std::size_t batch = fracturesAtOnce(blocks, device);
+  const std::size_t batch = fracturesAtOnce(*blocks, device);
   std::vector<Labels> all;
   for (std::size_t first = 0; first < seedSets.size(); first += batch) {
     const std::size_t count = std::min(batch, seedSets.size() - first);
@@ -256,9 +258,9 @@ std::vector<Labels> grow(const LeafBlocks& blocks, std::span<const std::vector<S
   return all;
 }
 
-Labels extendLabels(const LeafBlocks& blocks, Labels labels, Device& device, int steps) {
+Labels extendLabels(Labels labels, Device& device, int steps) {
   return withDevice(implOf(device), "extending labels into the exterior band", [&] {
-    GrowthState state(blocks, 1, implOf(device));
+    GrowthState state(*labels.blocks, 1, implOf(device));
     Flood flood(state, false);
     flood.load(uploadBuffer<std::uint16_t>(state.device, labels.fragment), state.inside);
     flood.grow(band(state), static_cast<std::uint32_t>(steps), 16, nullptr);
@@ -267,10 +269,9 @@ Labels extendLabels(const LeafBlocks& blocks, Labels labels, Device& device, int
   });
 }
 
-std::vector<std::uint64_t> countVoxels(const LeafBlocks& blocks, const Labels& labels,
-                                       int fragments) {
-  std::vector<std::uint64_t> counts(static_cast<std::size_t>(fragments) + 1);
-  blocks.forEachInside([&](std::size_t voxelIndex) {
+std::vector<std::uint64_t> countVoxels(const Labels& labels) {
+  std::vector<std::uint64_t> counts(static_cast<std::size_t>(labels.fragmentCount) + 1);
+  labels.blocks->forEachInside([&](std::size_t voxelIndex) {
     const std::uint16_t label = labels.fragment[voxelIndex];
     if (label != Labels::kEroded) ++counts[label];
   });

@@ -66,8 +66,8 @@ std::vector<std::uint16_t> removableFragments(const LeafBlocks& blocks,
 // fragment.
 //   voxels  [fragments + 1] of `labels`
 //   random  draws a number below its first argument, its own for each fragment
-void reseed(const LeafBlocks& blocks, const Labels& labels, std::vector<Seed>& seeds,
-            const std::vector<std::uint16_t>& small, std::vector<std::uint64_t> voxels,
+void reseed(const Labels& labels, std::vector<Seed>& seeds, const std::vector<std::uint16_t>& small,
+            std::vector<std::uint64_t> voxels,
             const std::function<std::uint64_t(std::uint64_t, std::uint16_t)>& random) {
   const std::set<std::uint16_t> removed(small.begin(), small.end());
   const std::size_t primaries = voxels.size() - 1;
@@ -95,13 +95,13 @@ void reseed(const LeafBlocks& blocks, const Labels& labels, std::vector<Seed>& s
   std::vector<std::vector<NewSeed>> newSeedsIn(size.size());
   for (const NewSeed& newSeed : newSeeds) newSeedsIn[newSeed.from].push_back(newSeed);
   std::vector<std::uint64_t> visited(size.size(), 0);
-  blocks.forEachInside([&](std::size_t voxelIndex) {
+  labels.blocks->forEachInside([&](std::size_t voxelIndex) {
     const std::uint16_t label = labels.fragment[voxelIndex];
     if (label == 0) return;
     const std::uint64_t rank = visited[label]++;
     for (NewSeed& newSeed : newSeedsIn[label]) {
       if (newSeed.rank != rank) continue;
-      const openvdb::Coord voxel = blocks.voxelAt(voxelIndex);
+      const openvdb::Coord voxel = labels.blocks->voxelAt(voxelIndex);
       if (!occupied.insert(voxel).second) {
         ++newSeed.rank;  // occupied by another seed: take the next voxel of the fragment
       } else {
@@ -113,8 +113,7 @@ void reseed(const LeafBlocks& blocks, const Labels& labels, std::vector<Seed>& s
 
 // Moves each primary seed to the voxel of its fragment nearest to the fragment's centroid.
 // Additional seeds of a fragment stay.
-std::vector<Seed> centeredSeeds(const LeafBlocks& blocks, const Labels& labels,
-                                std::vector<Seed> seeds) {
+std::vector<Seed> centeredSeeds(const Labels& labels, std::vector<Seed> seeds) {
   struct Centroid {
     std::array<std::int64_t, 3> position{};  // the sum of coordinates, then rounded to a voxel
     std::int64_t count = 0;
@@ -124,10 +123,10 @@ std::vector<Seed> centeredSeeds(const LeafBlocks& blocks, const Labels& labels,
   std::size_t fragments = 0;
   for (const Seed& seed : seeds) fragments = std::max<std::size_t>(fragments, seed.fragment);
   std::vector<Centroid> centroids(fragments + 1);
-  blocks.forEachInside([&](std::size_t voxelIndex) {
+  labels.blocks->forEachInside([&](std::size_t voxelIndex) {
     const std::uint16_t label = labels.fragment[voxelIndex];
     if (label == 0 || label > fragments) return;
-    const openvdb::Coord voxel = blocks.voxelAt(voxelIndex);
+    const openvdb::Coord voxel = labels.blocks->voxelAt(voxelIndex);
     for (std::size_t i = 0; i < 3; ++i) centroids[label].position[i] += voxel[static_cast<int>(i)];
     ++centroids[label].count;
   });
@@ -139,11 +138,11 @@ std::vector<Seed> centeredSeeds(const LeafBlocks& blocks, const Labels& labels,
   }
   std::set<openvdb::Coord> additional;  // seeds that stay
   for (std::size_t i = fragments; i < seeds.size(); ++i) additional.insert(seeds[i].voxel);
-  blocks.forEachInside([&](std::size_t voxelIndex) {
+  labels.blocks->forEachInside([&](std::size_t voxelIndex) {
     const std::uint16_t label = labels.fragment[voxelIndex];
     if (label == 0 || label > fragments) return;
     Centroid& centroid = centroids[label];
-    const openvdb::Coord voxel = blocks.voxelAt(voxelIndex);
+    const openvdb::Coord voxel = labels.blocks->voxelAt(voxelIndex);
     std::int64_t distance = 0;
     for (std::size_t i = 0; i < 3; ++i) {
       const std::int64_t d = voxel[static_cast<int>(i)] - centroid.position[i];
@@ -164,12 +163,13 @@ std::vector<Seed> centeredSeeds(const LeafBlocks& blocks, const Labels& labels,
 
 }  // namespace
 
-SeededLabels growWithShares(const LeafBlocks& blocks, const VoxelComponents& components,
-                            std::vector<Seed> seeds, Device& device,
-                            const SharedGrowthOptions& options, const Progress* progress) {
+SeededLabels growWithShares(const std::shared_ptr<const LeafBlocks>& blocks,
+                            const VoxelComponents& components, std::vector<Seed> seeds,
+                            Device& device, const SharedGrowthOptions& options,
+                            const Progress* progress) {
   const ShareOptions& shares = options.shares;
   const int fragments = fragmentsOf(seeds);
-  const std::uint64_t voxels = blocks.insideVoxels();
+  const std::uint64_t voxels = blocks->insideVoxels();
   check(shares, components, fragments, voxels);
   const auto minVoxels =
       static_cast<std::uint64_t>(std::ceil(shares.minShare * static_cast<double>(voxels) - 1e-9));
@@ -180,12 +180,12 @@ SeededLabels growWithShares(const LeafBlocks& blocks, const VoxelComponents& com
 
   Labels labels = growFrom(seeds);
   for (int i = 0; i < shares.balance; ++i) {
-    seeds = centeredSeeds(blocks, labels, std::move(seeds));
+    seeds = centeredSeeds(labels, std::move(seeds));
     labels = growFrom(seeds);
   }
   std::uint64_t smallest = 0;
   for (int attempt = 0; attempt < std::max(shares.tries, 1); ++attempt) {
-    const std::vector<std::uint64_t> counts = countVoxels(blocks, labels, fragments);
+    const std::vector<std::uint64_t> counts = countVoxels(labels);
     smallest = *std::min_element(counts.begin() + 1, counts.end());
     if (smallest >= minVoxels) return {std::move(seeds), std::move(labels)};
     std::vector<std::uint16_t> small;
@@ -194,13 +194,13 @@ SeededLabels growWithShares(const LeafBlocks& blocks, const VoxelComponents& com
         small.push_back(static_cast<std::uint16_t>(id));
       }
     }
-    reseed(blocks, labels, seeds, removableFragments(blocks, components, seeds, std::move(small)),
-           counts, [&](std::uint64_t end, std::uint16_t id) {
+    reseed(labels, seeds, removableFragments(*blocks, components, seeds, std::move(small)), counts,
+           [&](std::uint64_t end, std::uint16_t id) {
              const auto item = static_cast<std::uint64_t>(attempt) << 16 | id;
              return randomBelow(end, options.seed, Stage::reseed, item);
            });
     if (attempt >= kTriesBeforeCentering) {
-      seeds = centeredSeeds(blocks, growFrom(seeds), std::move(seeds));
+      seeds = centeredSeeds(growFrom(seeds), std::move(seeds));
     }
     labels = growFrom(seeds);
   }

@@ -25,12 +25,12 @@ Solid dropSmallComponents(Solid solid, VoxelComponents& components, Device& devi
                                       std::to_string(kSmallComponentVoxels) +
                                       " voxels at this voxel size; try a higher --resolution");
   }
-  solid.distance = withoutVoxels(*solid.distance, solid.blocks, [&](std::size_t voxelIndex) {
+  solid.distance = withoutVoxels(*solid.distance, *solid.blocks, [&](std::size_t voxelIndex) {
     return isSmallComponent(components.at(voxelIndex));
   });
-  solid.blocks = leafBlocks(*solid.distance);
+  solid.blocks = std::make_shared<const LeafBlocks>(leafBlocks(*solid.distance));
   measureVoxels(solid);
-  components = findComponents(solid.blocks, device);
+  components = findComponents(*solid.blocks, device);
   return solid;
 }
 

@@ -79,11 +79,10 @@ VoxelComponents findComponents(const LeafBlocks& blocks, Device& device) {
   });
 }
 
-std::vector<std::uint64_t> largestComponents(const LeafBlocks& blocks, const Labels& labels,
-                                             Device& device) {
+std::vector<std::uint64_t> largestComponents(const Labels& labels, Device& device) {
   DeviceImpl& impl = implOf(device);
   return withDevice(impl, "finding the largest components", [&] {
-    GrowthState state(blocks, 1, impl);
+    GrowthState state(*labels.blocks, 1, impl);
     const DeviceBuffer uploaded = uploadBuffer<std::uint16_t>(impl, labels.fragment);
     return downloaded<std::uint64_t>(impl, keepLargestComponents(state, uploaded).mask,
                                      state.words());

@@ -13,7 +13,6 @@ namespace sherd {
 /// in LeafBlocks::inside.  Ties go to the component with the first voxel in leaf order; voxels
 /// without a label are not included.
 ///   throws  Error(device)
-[[nodiscard]] std::vector<std::uint64_t> largestComponents(const LeafBlocks& blocks,
-                                                           const Labels& labels, Device& device);
+[[nodiscard]] std::vector<std::uint64_t> largestComponents(const Labels& labels, Device& device);
 
 }  // namespace sherd

@@ -24,6 +24,7 @@ GrownFracture grownOf(Solid solid, const FractureOptions& options, StageClock cl
 
 GrownFracture grown(const TriangleMesh& mesh, const FractureOptions& options, Device& device,
                     const Progress* progress) {
+  checkOptions(options);  // before long work
   StageClock clock;
   implOf(device).buildKernels();
   Solid solid = voxelize(mesh, options.solid, progress);
@@ -47,7 +48,7 @@ FractureResult fracture(Solid solid, const FractureOptions& options, Device& dev
 }
 
 PreparedSolid prepared(Solid solid, Device& device) {
-  VoxelComponents components = findComponents(solid.blocks, device);
+  VoxelComponents components = findComponents(*solid.blocks, device);
   Solid clean = dropSmallComponents(std::move(solid), components, device);
   return {std::move(clean), std::move(components)};
 }

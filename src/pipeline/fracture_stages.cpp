@@ -54,10 +54,9 @@ std::size_t dropSmall(GrownFracture& grown, double dropShare) {
   FractureResult& result = grown.result;
   const Solid& solid = result.solid;
   const auto [newIds, small] =
-      idsWithSmallLast(countVoxels(solid.blocks, result.labels, grown.fragments),
-                       dropShare * static_cast<double>(solid.voxels));
+      idsWithSmallLast(countVoxels(result.labels), dropShare * static_cast<double>(solid.voxels));
   if (small == 0) return 0;
-  if (small == static_cast<std::size_t>(grown.fragments)) {
+  if (small == static_cast<std::size_t>(result.labels.fragmentCount)) {
     throw Error(ErrorCode::usage, "each of the " + std::to_string(small) +
                                       " fragments is too small to be kept; lower the share below "
                                       "which they are dropped");
@@ -73,6 +72,17 @@ std::size_t dropSmall(GrownFracture& grown, double dropShare) {
 
 }  // namespace
 
+void checkOptions(const FractureOptions& options) {
+  const SeedOptions none;
+  if (options.seeds.pieces == none.pieces && options.seeds.seed == none.seed &&
+      options.grow.noiseSeeds.empty() && options.erode.seed == 0) {
+    return;
+  }
+  throw Error(
+      ErrorCode::usage,
+      "pieces and seed are options of the whole fracture; those of a stage must not be set");
+}
+
 SeedOptions seedOptionsFor(const FractureOptions& options, std::uint64_t seed) {
   SeedOptions seeds = options.seeds;
   seeds.pieces = options.pieces;
@@ -80,7 +90,8 @@ SeedOptions seedOptionsFor(const FractureOptions& options, std::uint64_t seed) {
   return seeds;
 }
 
-SeededLabels growFor(const FractureOptions& options, const LeafBlocks& blocks,
+SeededLabels growFor(const FractureOptions& options,
+                     const std::shared_ptr<const LeafBlocks>& blocks,
                      const VoxelComponents& components, std::vector<Seed> seeds, std::uint64_t seed,
                      Device& device, const Progress* progress) {
   GrowOptions grow = options.grow;
@@ -112,9 +123,8 @@ GrownFracture seeded(const PreparedSolid& ready, const FractureOptions& options)
   result.seeds =
       given ? seedsAt(*given, ready, options.seed)
             : placeSeeds(result.solid, ready.components, seedOptionsFor(options, options.seed));
-  grown.fragments = fragmentsOf(result.seeds);
-  (void)withheldCount(options.missing,
-                      static_cast<std::size_t>(grown.fragments));  // checks before long work
+  const auto fragments = static_cast<std::size_t>(fragmentsOf(result.seeds));
+  (void)withheldCount(options.missing, fragments);  // checks before long work
   return grown;
 }
 
@@ -122,22 +132,21 @@ GrownFracture seeded(const PreparedSolid& ready, const FractureOptions& options)
 void finish(GrownFracture& grown, Labels labels, const FractureOptions& options, Device& device,
             StageClock clock, const Progress* progress) {
   FractureResult& result = grown.result;
-  const LeafBlocks& blocks = result.solid.blocks;
+  const auto fragments = static_cast<std::size_t>(labels.fragmentCount);
   if (options.erode.iterations > 0) {
     ErodeOptions erosion = options.erode;
     erosion.seed = options.seed;
-    Erosion eroded = erode(blocks, labels, grown.fragments, erosion, device, progress);
-    result.labels = extendLabels(blocks, std::move(eroded.labels), device, options.grow.outerSteps);
+    Erosion eroded = erode(labels, erosion, device, progress);
+    result.labels = extendLabels(std::move(eroded.labels), device, options.grow.outerSteps);
     result.eroded = std::move(eroded.eroded);
     grown.uneroded = std::move(labels);
     clock.done("erode");
   } else {
     result.labels = std::move(labels);
-    result.eroded.assign(static_cast<std::size_t>(grown.fragments) + 1, 0);
+    result.eroded.assign(fragments + 1, 0);
   }
   const std::size_t small = dropSmall(grown, options.dropShare);
-  result.withheld =
-      small + withheldCount(options.missing, static_cast<std::size_t>(grown.fragments) - small);
+  result.withheld = small + withheldCount(options.missing, fragments - small);
   result.times = clock.times();
 }
 
@@ -149,14 +158,14 @@ std::vector<GrownFracture> growTogether(const PreparedSolid& ready,
   std::vector<GrownFracture> all;
   std::vector<std::vector<Seed>> seeds;
   GrowOptions together = options.front().grow;
-  together.noiseSeeds.clear();
   for (const FractureOptions& own : options) {
+    checkOptions(own);
     all.push_back(seeded(ready, own));
     seeds.push_back(all.back().result.seeds);
     together.noiseSeeds.push_back(randomBits(own.seed, Stage::noise, 0));
   }
   clock.done("seed");
-  const LeafBlocks& blocks = ready.solid.blocks;
+  const std::shared_ptr<const LeafBlocks>& blocks = ready.solid.blocks;
   std::vector<Labels> labels;
   if (options.front().shares.isAny()) {  // how often each has to grow depends on what comes out
     for (std::size_t i = 0; i < all.size(); ++i) {
@@ -185,7 +194,7 @@ FractureResult extracted(GrownFracture grown, const FractureOptions& options,
                          const Progress* progress) {
   StageClock clock;
   FractureResult& result = grown.result;
-  result.fragments = extractFragments(result.solid, result.labels, grown.fragments,
+  result.fragments = extractFragments(result.solid, result.labels,
                                       {.surface = options.surface,
                                        .uneroded = grown.uneroded ? &*grown.uneroded : nullptr,
                                        .intact = grown.surface.get()},

@@ -4,6 +4,7 @@
 #include <sherd/fracture.h>
 
 #include <chrono>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -33,18 +34,22 @@ class StageClock {
   std::vector<StageTime> times_;
 };
 
+/// Checks that no stage has pieces or a seed of its own.
+///   throws  Error(usage)
+void checkOptions(const FractureOptions& options);
+
 /// options.seeds with the pieces; `seed` determines every random choice.
 [[nodiscard]] SeedOptions seedOptionsFor(const FractureOptions& options, std::uint64_t seed);
 
 /// Grow by options.grow and options.shares; `seed` determines every random choice.
-[[nodiscard]] SeededLabels growFor(const FractureOptions& options, const LeafBlocks& blocks,
+[[nodiscard]] SeededLabels growFor(const FractureOptions& options,
+                                   const std::shared_ptr<const LeafBlocks>& blocks,
                                    const VoxelComponents& components, std::vector<Seed> seeds,
                                    std::uint64_t seed, Device& device, const Progress* progress);
 
 /// A fracture after all work on the device.
 struct GrownFracture {
   FractureResult result;           ///< all but fragments
-  int fragments = 0;               ///< number, including withheld ones
   std::optional<Labels> uneroded;  ///< the labels before erosion, if any
   std::shared_ptr<const IntactSurface> surface{};
 };

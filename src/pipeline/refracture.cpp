@@ -15,13 +15,15 @@ namespace {
 
 // Returns the voxels of one fragment as a solid over the same leaves.
 Solid fragmentSolid(const FinishedFracture& finished, int id) {
-  Solid fragment = finished.solid;
+  LeafBlocks blocks = *finished.solid.blocks;
   for (std::size_t voxelIndex = 0; voxelIndex < finished.labels.fragment.size(); ++voxelIndex) {
     if (finished.labels.fragment[voxelIndex] != id) {
-      fragment.blocks.inside[voxelIndex >> 6] &= ~(std::uint64_t{1} << (voxelIndex & 63));
+      blocks.inside[voxelIndex >> 6] &= ~(std::uint64_t{1} << (voxelIndex & 63));
     }
   }
-  fragment.blocks.exteriorBand.assign(fragment.blocks.exteriorBand.size(), 0);
+  blocks.exteriorBand.assign(blocks.exteriorBand.size(), 0);
+  Solid fragment = finished.solid;
+  fragment.blocks = std::make_shared<const LeafBlocks>(std::move(blocks));
   measureVoxels(fragment);
   return fragment;
 }
@@ -30,7 +32,7 @@ SeededLabels breakFragment(const Solid& fragment, int id, const FractureOptions&
                            Device& device, const Progress* progress) {
   const std::uint64_t seed =
       randomBits(options.seed, Stage::refracture, static_cast<std::uint64_t>(id));
-  const VoxelComponents components = findComponents(fragment.blocks, device);
+  const VoxelComponents components = findComponents(*fragment.blocks, device);
   std::vector<Seed> seeds = placeSeeds(fragment, components, seedOptionsFor(options, seed));
   return growFor(options, fragment.blocks, components, std::move(seeds), seed, device, progress);
 }
@@ -39,27 +41,29 @@ SeededLabels breakFragment(const Solid& fragment, int id, const FractureOptions&
 
 GrownFracture regrown(const FinishedFracture& finished, std::span<const int> only,
                       const FractureOptions& options, Device& device, const Progress* progress) {
+  checkOptions(options);
   const std::set<int> broken(only.begin(), only.end());
+  const int fragments = finished.labels.fragmentCount;
   for (const int id : broken) {
-    if (id < 1 || id > finished.fragments) {
+    if (id < 1 || id > fragments) {
       throw Error(ErrorCode::usage, "there is no fragment " + std::to_string(id) +
-                                        ", the fracture has 1.." +
-                                        std::to_string(finished.fragments));
+                                        ", the fracture has 1.." + std::to_string(fragments));
     }
   }
   StageClock clock;
   GrownFracture all;
   FractureResult& result = all.result;
   result.solid = finished.solid;
-  result.components = findComponents(finished.solid.blocks, device).count();
+  result.components = findComponents(*finished.solid.blocks, device).count();
+  result.labels.blocks = finished.solid.blocks;
   result.labels.fragment.assign(finished.labels.fragment.size(), 0);
-  std::vector<std::uint16_t> newId(static_cast<std::size_t>(finished.fragments) + 1, 0);
-  for (int id = 1; id <= finished.fragments; ++id) {
+  std::vector<std::uint16_t> newId(static_cast<std::size_t>(fragments) + 1, 0);
+  for (int id = 1; id <= fragments; ++id) {
     if (broken.count(id)) continue;
     result.parents.push_back(id);
     newId[static_cast<std::size_t>(id)] = static_cast<std::uint16_t>(result.parents.size());
   }
-  finished.solid.blocks.forEachInside([&](std::size_t voxelIndex) {
+  finished.solid.blocks->forEachInside([&](std::size_t voxelIndex) {
     result.labels.fragment[voxelIndex] = newId[finished.labels.fragment[voxelIndex]];
   });
   for (const int id : broken) {
@@ -72,7 +76,7 @@ GrownFracture regrown(const FinishedFracture& finished, std::span<const int> onl
       throw Error(ErrorCode::usage,
                   "there would be more than " + std::to_string(kMaxFragments) + " fragments");
     }
-    fragment.blocks.forEachInside([&](std::size_t voxelIndex) {
+    fragment.blocks->forEachInside([&](std::size_t voxelIndex) {
       result.labels.fragment[voxelIndex] =
           static_cast<std::uint16_t>(first + grown.labels.fragment[voxelIndex]);
     });
@@ -81,12 +85,11 @@ GrownFracture regrown(const FinishedFracture& finished, std::span<const int> onl
       result.seeds.push_back(seed);
     }
   }
-  result.labels = extendLabels(finished.solid.blocks, std::move(result.labels), device,
-                               options.grow.outerSteps);
+  result.labels.fragmentCount = static_cast<int>(result.parents.size());
+  result.labels = extendLabels(std::move(result.labels), device, options.grow.outerSteps);
   result.eroded.assign(result.parents.size() + 1, 0);
   clock.done("grow");
   result.times = clock.times();
-  all.fragments = static_cast<int>(result.parents.size());
   return all;
 }
 

@@ -100,7 +100,7 @@ int checkedFragments(std::span<const SeedPoint> points) {
 std::vector<Seed> seedsFromPoints(std::span<const SeedPoint> points, const Solid& solid,
                                   const VoxelComponents& components, std::uint64_t seed) {
   const auto given = static_cast<std::size_t>(checkedFragments(points));
-  const VoxelIndex inside(solid.blocks, solid.blocks.inside);
+  const VoxelIndex inside(*solid.blocks, solid.blocks->inside);
   Chosen chosen;
   std::vector<bool> seeded(components.count());
   constexpr std::size_t kNone = ~std::size_t{0};

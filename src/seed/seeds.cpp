@@ -98,9 +98,9 @@ std::vector<Seed> placeSeeds(const Solid& solid, const VoxelComponents& componen
   const std::size_t pieces = countPieces(components, options);
   const bool impacts = !options.impacts.empty() || options.randomImpacts > 0;
   std::vector<std::uint64_t> surface;
-  if (impacts || options.on == SeedsOn::surface) surface = surfaceMask(solid.blocks);
-  const VoxelIndex inside(solid.blocks, solid.blocks.inside);
-  const VoxelIndex onSurface(solid.blocks, surface);
+  if (impacts || options.on == SeedsOn::surface) surface = surfaceMask(*solid.blocks);
+  const VoxelIndex inside(*solid.blocks, solid.blocks->inside);
+  const VoxelIndex onSurface(*solid.blocks, surface);
   const VoxelIndex& candidates = options.on == SeedsOn::volume ? inside : onSurface;
 
   const auto extra = static_cast<std::size_t>(options.extraSeeds) +

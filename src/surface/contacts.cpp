@@ -48,7 +48,7 @@ using SurfaceSums = std::map<ContactMeasure::Pair, ContactMeasure::SurfaceSum>;
 // Pairs of fragments that share voxel faces, with the sums over these faces.
 SurfaceSums voxelSurfaces(const Solid& solid, const Labels& labels, const Cut& cut,
                           std::span<const LeafNeighbors> neighborhoods) {
-  const LeafBlocks& blocks = solid.blocks;
+  const LeafBlocks& blocks = *solid.blocks;
   const double faceArea = solid.frame.voxelSize * solid.frame.voxelSize;
   SurfaceSums found;
   for (std::size_t leaf = 0; leaf < blocks.count(); ++leaf) {
@@ -89,7 +89,7 @@ std::vector<std::uint16_t> neighborsOf(const TriangleMesh& mesh, const std::vect
                                        std::uint16_t fragment, const Solid& solid,
                                        const Labels& labels, bool eroded) {
   std::vector<std::uint16_t> neighbor(mesh.triangles.size(), 0);
-  LabelReader reader(solid.blocks, labels);
+  LabelReader reader(*solid.blocks, labels);
   for (std::size_t t = 0; t < neighbor.size(); ++t) {
     if (original[t]) continue;
     const glm::uvec3& corner = mesh.triangles[t];

@@ -57,7 +57,8 @@ class Profile {
 };
 
 // [leaf] the only label of a leaf's voxels, 0 if none, kMixed if several.
-std::vector<std::uint32_t> leafLabels(const LeafBlocks& blocks, const Labels& labels) {
+std::vector<std::uint32_t> leafLabels(const Labels& labels) {
+  const LeafBlocks& blocks = *labels.blocks;
   std::vector<std::uint32_t> only(blocks.count());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, only.size(), 64), [&](const auto& range) {
     for (std::size_t leaf = range.begin(); leaf < range.end(); ++leaf) {
@@ -248,11 +249,11 @@ CutLeaf cutLeaf(const CutSource& from, std::size_t leaf, const LeafNeighbors& ne
 
 }  // namespace
 
-Cut findCut(const LeafBlocks& blocks, const Labels& labels,
-            std::span<const LeafNeighbors> neighborhoods, CutExtent extent,
+Cut findCut(const Labels& labels, std::span<const LeafNeighbors> neighborhoods, CutExtent extent,
             const Progress* progress) {
-  const std::vector<std::uint64_t> voxels = countVoxels(blocks, labels, Labels::kEroded - 1);
-  const std::vector<std::uint32_t> leafLabel = leafLabels(blocks, labels);
+  const LeafBlocks& blocks = *labels.blocks;
+  const std::vector<std::uint64_t> voxels = countVoxels(labels);
+  const std::vector<std::uint32_t> leafLabel = leafLabels(labels);
   const Sites sites(labels.sites);
   std::vector<CutLeaf> perLeaf(blocks.count());
   Cut cut;

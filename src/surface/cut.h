@@ -52,8 +52,7 @@ enum class CutExtent {
 /// Returns the cut between all labels.
 ///   neighborhoods  of the leaves
 ///   throws         Error(cancelled)
-[[nodiscard]] Cut findCut(const LeafBlocks& blocks, const Labels& labels,
-                          std::span<const LeafNeighbors> neighborhoods,
+[[nodiscard]] Cut findCut(const Labels& labels, std::span<const LeafNeighbors> neighborhoods,
                           CutExtent extent = CutExtent::everywhere,
                           const Progress* progress = nullptr);
 

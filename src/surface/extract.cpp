@@ -45,11 +45,11 @@ VoxelBox voxelBox(const Solid& solid, const Labels& labels, std::uint16_t fragme
   VoxelBox box{openvdb::Coord::max(), openvdb::Coord::min()};
   for (const std::uint32_t leaf : leaves) {
     for (std::size_t x = 0; x < 8; ++x) {
-      for (std::uint64_t bits = solid.blocks.inside[leaf * 8 + x]; bits; bits &= bits - 1) {
+      for (std::uint64_t bits = solid.blocks->inside[leaf * 8 + x]; bits; bits &= bits - 1) {
         const auto v =
             static_cast<std::uint32_t>(x * 64) + static_cast<std::uint32_t>(std::countr_zero(bits));
         if (labels.fragment[std::size_t{leaf} * 512 + v] != fragment) continue;
-        const openvdb::Coord voxel = solid.blocks.origins[leaf] + coordFromOffset(v);
+        const openvdb::Coord voxel = solid.blocks->origins[leaf] + coordFromOffset(v);
         box.min.minComponent(voxel);
         box.max.maxComponent(voxel);
       }
@@ -80,10 +80,13 @@ std::vector<bool> onSolid(const LabeledMesh& mesh) {
   return original;
 }
 
-// [fragments + 1] voxels of each fragment.
-//   throws  Error(internal) if an inside voxel has no fragment
-std::vector<std::uint64_t> counted(const Solid& solid, const Labels& labels, int fragments) {
-  std::vector<std::uint64_t> voxels = countVoxels(solid.blocks, labels, fragments);
+// [fragmentCount + 1] voxels of each fragment.
+//   throws  Error(internal) if an inside voxel has no fragment; Error(usage) other blocks
+std::vector<std::uint64_t> counted(const Solid& solid, const Labels& labels) {
+  if (labels.blocks != solid.blocks) {
+    throw Error(ErrorCode::usage, "the labels are of other leaf blocks than the solid's");
+  }
+  std::vector<std::uint64_t> voxels = countVoxels(labels);
   if (voxels[0] == 0) return voxels;
   throw Error(ErrorCode::internal,
               std::to_string(voxels[0]) + " voxels of the solid have no fragment");
@@ -97,23 +100,24 @@ const SurfaceOptions& checked(const SurfaceOptions& surface, const Progress* pro
 
 }  // namespace
 
-Extraction::Extraction(const Solid& solid, const Labels& labels, int fragments,
-                       const ExtractOptions& options, const Progress* progress)
+Extraction::Extraction(const Solid& solid, const Labels& labels, const ExtractOptions& options,
+                       const Progress* progress)
     : solid_(solid),
       labels_(labels),
       uneroded_(options.uneroded),
       surface_(checked(options.surface, progress)),
       progress_(progress),
-      count_(static_cast<std::size_t>(fragments)),
-      voxels_(counted(solid, labels, fragments)),
+      count_(static_cast<std::size_t>(labels.fragmentCount)),
+      voxels_(counted(solid, labels)),
       ownNeighborhoods_(options.intact ? std::vector<LeafNeighbors>()
-                                       : leafNeighbors(solid.blocks.origins)),
+                                       : leafNeighbors(solid.blocks->origins)),
       neighborhoods_(options.intact ? options.intact->neighborhoods : ownNeighborhoods_),
-      cut_(findCut(solid.blocks, labels, neighborhoods_,
+      cut_(findCut(labels, neighborhoods_,
                    surface_.levelSets ? CutExtent::everywhere : CutExtent::cells, progress)),
       leaves_(leavesOf(cut_, count_)) {
   if (!isShared()) return;
-  shared_.emplace(solid, labels, cut_, neighborhoods_, fragments, options.intact, progress);
+  shared_.emplace(solid, labels, cut_, neighborhoods_, labels.fragmentCount, options.intact,
+                  progress);
   const bool isProcessed = surface_.adaptivity > 0.0 || !surface_.triangles.empty() ||
                            movesAnything(surface_.smooth, solid.box.longestSide());
   if (!isProcessed) return;
@@ -232,9 +236,9 @@ std::vector<std::vector<Contact>> Extraction::contacts() const {
   return measure_.contacts(count_, solid_, uneroded_ ? *uneroded_ : labels_, cut_, neighborhoods_);
 }
 
-std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels, int count,
+std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
                                        const ExtractOptions& options, const Progress* progress) {
-  Extraction extraction(solid, labels, count, options, progress);
+  Extraction extraction(solid, labels, options, progress);
   std::vector<Fragment> all;
   for (std::vector<Fragment> some = extraction.next(); !some.empty(); some = extraction.next()) {
     std::move(some.begin(), some.end(), std::back_inserter(all));
@@ -245,13 +249,13 @@ std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
 }
 
 TriangleMesh solidMesh(const Solid& solid) {
-  Labels one;
-  one.fragment.assign(solid.blocks.count() * 512, 1);
+  Labels one{.blocks = solid.blocks, .fragmentCount = 1};
+  one.fragment.assign(solid.blocks->count() * 512, 1);
   Cut uncut;
-  uncut.only.assign(solid.blocks.count(), 1);
-  uncut.index.assign(solid.blocks.count(), Cut::kWhole);
+  uncut.only.assign(solid.blocks->count(), 1);
+  uncut.index.assign(solid.blocks->count(), Cut::kWhole);
   uncut.snapWeight.resize(2);
-  const std::vector<LeafNeighbors> neighborhoods = leafNeighbors(solid.blocks.origins);
+  const std::vector<LeafNeighbors> neighborhoods = leafNeighbors(solid.blocks->origins);
   return std::move(InterfaceMeshes(solid, one, uncut, neighborhoods, 1).meshOf(1).mesh);
 }
 

@@ -19,7 +19,7 @@ namespace sherd {
 class Extraction {
  public:
   ///   throws  what extractFragments throws
-  Extraction(const Solid& solid, const Labels& labels, int fragments, const ExtractOptions& options,
+  Extraction(const Solid& solid, const Labels& labels, const ExtractOptions& options,
              const Progress* progress);
   Extraction(const Extraction&) = delete;
   Extraction& operator=(const Extraction&) = delete;

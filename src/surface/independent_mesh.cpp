@@ -29,15 +29,16 @@ LabeledMesh meshOfOne(const Solid& solid, const Labels& labels, const Cut& cut,
   Solid reduced;
   reduced.frame = solid.frame;
   reduced.distance = solid.distance;
+  LeafBlocks blocks;
   Labels twoLabels;
   Cut ownCut;
   ownCut.snapWeight.resize(std::size_t{Labels::kEroded} + 1);
   ownCut.snapWeight[1] = cut.snapWeight[fragment];
   for (const std::uint32_t leaf : leaves) {
     const auto from = static_cast<std::ptrdiff_t>(leaf);
-    const auto inside = solid.blocks.inside.begin() + from * 8;
-    reduced.blocks.origins.push_back(solid.blocks.origins[leaf]);
-    reduced.blocks.inside.insert(reduced.blocks.inside.end(), inside, inside + 8);
+    const auto inside = solid.blocks->inside.begin() + from * 8;
+    blocks.origins.push_back(solid.blocks->origins[leaf]);
+    blocks.inside.insert(blocks.inside.end(), inside, inside + 8);
     std::transform(labels.fragment.begin() + from * 512, labels.fragment.begin() + (from + 1) * 512,
                    std::back_inserter(twoLabels.fragment), [&](std::uint16_t label) {
                      return label == fragment ? std::uint16_t{1} : Labels::kEroded;
@@ -48,7 +49,10 @@ LabeledMesh meshOfOne(const Solid& solid, const Labels& labels, const Cut& cut,
                                    : static_cast<std::uint32_t>(ownCut.leaves.size()));
     if (!isWhole) ownCut.leaves.push_back(bothSides(cut.leaves[cut.index[leaf]], fragment));
   }
-  const std::vector<LeafNeighbors> neighborhoods = leafNeighbors(reduced.blocks.origins);
+  const std::vector<LeafNeighbors> neighborhoods = leafNeighbors(blocks.origins);
+  reduced.blocks = std::make_shared<const LeafBlocks>(std::move(blocks));
+  twoLabels.blocks = reduced.blocks;
+  twoLabels.fragmentCount = 1;
   return InterfaceMeshes(reduced, twoLabels, ownCut, neighborhoods, 1).meshOf(1);
 }
 

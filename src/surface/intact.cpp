@@ -27,10 +27,10 @@ std::uint32_t below(const LeafNeighbors& neighborhood, std::size_t slot) {
 
 std::shared_ptr<const IntactSurface> intactSurface(const Solid& solid) {
   auto made = std::make_shared<IntactSurface>();
-  const std::size_t count = solid.blocks.count();
-  made->neighborhoods = leafNeighbors(solid.blocks.origins);
+  const std::size_t count = solid.blocks->count();
+  made->neighborhoods = leafNeighbors(solid.blocks->origins);
   made->leaves.resize(count);
-  Labels one;
+  Labels one{.blocks = solid.blocks, .fragmentCount = 1};
   one.fragment.assign(count * 512, 1);
   Cut uncut;
   uncut.only.assign(count, 1);

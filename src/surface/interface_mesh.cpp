@@ -42,13 +42,13 @@ class InterfaceMeshes::Meshing {
         intact_(intact),
         neighborhoods_(neighborhoods),
         field_(solid, labels, cut, neighborhoods),
-        count_(solid.blocks.count()),
+        count_(solid.blocks->count()),
         quads_(count_) {
     if (intact_ != nullptr) {
       intactLabels_.resize(count_);
       forEach(0, count_, [&](std::size_t leaf) { intactLabels_[leaf] = intactLabelOf(leaf); });
     }
-    meshLeaves(solid.blocks.origins, progress);
+    meshLeaves(solid.blocks->origins, progress);
     straightenBoundaries(quads_, junctions_, vertices_.at);
     throwIfCancelled(progress);
     gaps_ = splitNonManifoldVertices(nonManifold_, quads_, vertices_);

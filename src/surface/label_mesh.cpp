@@ -216,7 +216,7 @@ class Builder {
 
 std::vector<VoxelFace> facesOf(const Solid& solid, const Labels& labels, const Labels& uneroded,
                                std::uint16_t fragment, std::span<const std::uint32_t> leaves) {
-  const LeafBlocks& blocks = solid.blocks;
+  const LeafBlocks& blocks = *solid.blocks;
   LabelReader now(blocks, labels), before(blocks, uneroded);
   const auto neighbor = [&](const Coord& voxel, const Coord& step) {
     Coord at = voxel + step;

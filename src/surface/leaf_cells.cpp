@@ -59,7 +59,7 @@ CellValues valuesOf(const Field& field, const openvdb::FloatGrid::ConstAccessor&
   const std::uint16_t some = *std::max_element(labels.begin(), labels.end());
   const bool isCut =  // between two fragments
       std::any_of(labels.begin(), labels.end(), [&](auto l) { return l != 0 && l != some; });
-  const openvdb::Coord low = field.solid().blocks.origins[leaf] + openvdb::Coord(x, y, z);
+  const openvdb::Coord low = field.solid().blocks->origins[leaf] + openvdb::Coord(x, y, z);
   for (int corner = 0; corner < 8; ++corner) {
     const int i = corner >> 2, j = (corner >> 1) & 1, k = corner & 1;
     const auto c = static_cast<std::size_t>(corner);
@@ -152,7 +152,7 @@ LeafCells cellsOf(const Field& field, std::size_t leaf, const LeafCells* intact)
   found.vertices.reserve(count);
   found.positionIds.reserve(count);
   const openvdb::FloatGrid::ConstAccessor distance = field.solid().distance->getConstAccessor();
-  const openvdb::Coord& origin = field.solid().blocks.origins[leaf];
+  const openvdb::Coord& origin = field.solid().blocks->origins[leaf];
   for (std::uint32_t offset = 0; offset < 512; ++offset) {
     const openvdb::Coord at = coordFromOffset(offset);
     const auto row = static_cast<std::size_t>(at.x() * 9 + at.y());

@@ -80,14 +80,14 @@ class Field {
   }
 
   std::uint16_t label(std::size_t voxelIndex) const {
-    return voxelIndex != kNoVoxel && solid_.blocks.isInside(voxelIndex)
+    return voxelIndex != kNoVoxel && solid_.blocks->isInside(voxelIndex)
                ? labels_.fragment[voxelIndex]
                : std::uint16_t{0};
   }
 
   /// Returns the labels at all corners of a leaf's cells.
   LabelCube<9> cornersOf(std::size_t leaf) const {
-    return labelsAround<0, 1>(solid_.blocks, labels_, neighborhoods_[leaf], Voxels::inside);
+    return labelsAround<0, 1>(*solid_.blocks, labels_, neighborhoods_[leaf], Voxels::inside);
   }
 
   CellLabels labelsOf(std::size_t leaf, int x, int y, int z) const {

@@ -40,7 +40,7 @@ ConstFloatGridPtr fragmentLevelSet(const Solid& solid, const Cut& cut, std::uint
   const float band = grid->background();
   const auto voxelSize = static_cast<float>(solid.frame.voxelSize);
   for (const std::uint32_t at : leaves) {
-    const openvdb::Coord& origin = solid.blocks.origins[at];
+    const openvdb::Coord& origin = solid.blocks->origins[at];
     if (cut.index[at] == Cut::kWhole) {
       addWhole(*grid, *solid.distance, origin);
       continue;

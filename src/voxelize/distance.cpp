@@ -225,7 +225,7 @@ Solid solidOf(const FloatGrid& levelSet) {
     grid->tree().sparseFill(box, -outside, /*active=*/false);
   });
   solid.distance = grid;
-  solid.blocks = leafBlocks(*grid);
+  solid.blocks = std::make_shared<const LeafBlocks>(leafBlocks(*grid));
   measureVoxels(solid);
   return solid;
 }
@@ -338,8 +338,8 @@ ConstFloatGridPtr withoutVoxels(const FloatGrid& grid, const LeafBlocks& blocks,
 }
 
 void measureVoxels(Solid& solid) {
-  solid.voxels = solid.blocks.insideVoxels();
-  solid.box = insideBox(solid.blocks);
+  solid.voxels = solid.blocks->insideVoxels();
+  solid.box = insideBox(*solid.blocks);
 }
 
 }  // namespace sherd

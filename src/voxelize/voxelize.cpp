@@ -149,9 +149,10 @@ Solid voxelize(const TriangleMesh& source, const SolidOptions& options, const Pr
 
   if (!filling.surface->empty()) {
     const FloatGridPtr distance = levelSetOf(filling, solid.frame, progress);
-    solid.blocks = leafBlocks(*distance);
-    const std::vector<std::size_t> bridges = bridgesOf(solid.blocks, filling, progress);
-    addVoxels(*distance, solid.blocks, bridges);
+    LeafBlocks blocks = leafBlocks(*distance);
+    const std::vector<std::size_t> bridges = bridgesOf(blocks, filling, progress);
+    addVoxels(*distance, blocks, bridges);
+    solid.blocks = std::make_shared<const LeafBlocks>(std::move(blocks));
     report.bridges = bridges.size();
     solid.distance = distance;
     measureVoxels(solid);

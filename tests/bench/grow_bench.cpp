@@ -207,21 +207,21 @@ void countVisits(benchmark::State& state) {
   const std::vector<sherd::Labels> grown =
       sherd::grow(solid.blocks, sets, device(),
                   {.growth = sherd::Growth::flood, .keepCost = true, .outerSteps = 0});
-  const std::size_t labels = std::size_t{3} * 1024 * solid.blocks.count();
+  const std::size_t labels = std::size_t{3} * 1024 * solid.blocks->count();
   std::size_t visits = 0, bytes = 0;
   for (auto _ : state) {
-    const std::vector<LeafSteps> leaves = leafSteps(solid.blocks, grown.front());
-    for (std::uint32_t leaf = 0; leaf < solid.blocks.count(); ++leaf) {
+    const std::vector<LeafSteps> leaves = leafSteps(*solid.blocks, grown.front());
+    for (std::uint32_t leaf = 0; leaf < solid.blocks->count(); ++leaf) {
       visits += leaves[leaf].visited.size();
       for (const std::uint32_t step : leaves[leaf].visited) {
-        bytes += visitBytes(solid.blocks, leaves, leaf, step);
+        bytes += visitBytes(*solid.blocks, leaves, leaf, step);
       }
     }
   }
-  state.counters["leaves"] = static_cast<double>(solid.blocks.count());
+  state.counters["leaves"] = static_cast<double>(solid.blocks->count());
   state.counters["visits"] = static_cast<double>(visits);
   state.counters["bytes"] = static_cast<double>(bytes + labels);
-  state.counters["least"] = static_cast<double>(labels + 64 * solid.blocks.count());
+  state.counters["least"] = static_cast<double>(labels + 64 * solid.blocks->count());
 }
 
 // What the machine copies at best: all its threads, arrays that fit no cache.  Bytes are read and

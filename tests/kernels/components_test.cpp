@@ -16,7 +16,7 @@ using voxel_shapes::VoxelSolid;
 std::map<Coord, std::uint32_t> referenceComponents(const VoxelSolid& solid,
                                                    const LeafBlocks& blocks) {
   std::map<std::size_t, Coord> inLeafOrder;
-  for (const Coord& v : solid.inside) inLeafOrder[voxel_shapes::voxelIndexOf(blocks, v)] = v;
+  for (const Coord& v : solid.inside) inLeafOrder[voxel_shapes::voxelIndexOf(*blocks, v)] = v;
   std::map<Coord, std::uint32_t> componentOf;
   std::uint32_t components = 0;
   for (const auto& [index, first] : inLeafOrder) {
@@ -40,18 +40,18 @@ using ConnectedComponents = DeviceTest;
 
 TEST_F(ConnectedComponents, EqualTheReferenceOnEveryShape) {
   for (const VoxelSolid& solid : voxel_shapes::all()) {
-    const LeafBlocks blocks = voxel_shapes::blocksOf(solid);
+    const auto blocks = voxel_shapes::blocksOf(solid);
     const std::map<Coord, std::uint32_t> reference = referenceComponents(solid, blocks);
     std::vector<std::uint64_t> voxels;
     for (const auto& [voxel, component] : reference) {
       voxels.resize(std::max<std::size_t>(voxels.size(), component + 1));
       ++voxels[component];
     }
-    const VoxelComponents components = findComponents(blocks, device());
+    const VoxelComponents components = findComponents(*blocks, device());
     EXPECT_EQ(components.voxels(), voxels) << solid.name;
     std::size_t wrong = 0;
     for (const auto& [voxel, component] : reference) {
-      const std::size_t voxelIndex = voxel_shapes::voxelIndexOf(blocks, voxel);
+      const std::size_t voxelIndex = voxel_shapes::voxelIndexOf(*blocks, voxel);
       wrong += components.at(voxelIndex) != component;
     }
     EXPECT_EQ(wrong, 0u) << solid.name;
@@ -60,7 +60,7 @@ TEST_F(ConnectedComponents, EqualTheReferenceOnEveryShape) {
 
 TEST_F(ConnectedComponents, EdgeAndCornerContactsDoNotJoin) {
   const VoxelSolid solid = voxel_shapes::checkerboard(9);
-  const VoxelComponents components = findComponents(voxel_shapes::blocksOf(solid), device());
+  const VoxelComponents components = findComponents(*voxel_shapes::blocksOf(solid), device());
   EXPECT_EQ(components.count(), solid.inside.size());
 }
 
@@ -72,9 +72,9 @@ TEST_F(ConnectedComponents, ALongWindingPathIsOneComponent) {
   for (int y = -28; y < 28; ++y) {
     if (y % 4 != 0) joined.inside.insert({((y + 28) / 4) % 2 ? -30 : 30, y, 0});
   }
-  const VoxelComponents components = findComponents(voxel_shapes::blocksOf(joined), device());
+  const VoxelComponents components = findComponents(*voxel_shapes::blocksOf(joined), device());
   EXPECT_EQ(components.count(), 1u);
-  EXPECT_EQ(findComponents(voxel_shapes::blocksOf(snake), device()).count(), 15u);
+  EXPECT_EQ(findComponents(*voxel_shapes::blocksOf(snake), device()).count(), 15u);
 }
 
 }  // namespace

@@ -56,7 +56,7 @@ std::vector<Seed> randomSeeds(const VoxelSolid& solid, int count, unsigned seed)
 // Compares every voxel of the arrays; voxels outside the solid and its exterior band must be 0.
 void expectEqual(const VoxelSolid& solid, const std::vector<Seed>& seeds, const Labels& labels,
                  int outerSteps) {
-  const LeafBlocks blocks = voxel_shapes::blocksOf(solid);
+  const auto blocks = voxel_shapes::blocksOf(solid);
   std::map<Coord, std::uint16_t> start;
   for (const Seed& s : seeds) start[s.voxel] = s.fragment;
   const std::map<Coord, Owner> inside = referenceFlood(solid.inside, start, ~0u);
@@ -65,17 +65,17 @@ void expectEqual(const VoxelSolid& solid, const std::vector<Seed>& seeds, const 
   const std::map<Coord, Owner> extended =
       referenceFlood(solid.exteriorBand, all, static_cast<std::uint32_t>(outerSteps));
 
-  std::vector<std::uint16_t> fragment(blocks.count() * 512, 0);
+  std::vector<std::uint16_t> fragment(blocks->count() * 512, 0);
   std::vector<std::uint32_t> cost(labels.cost.size(), 0);
   for (const auto& [voxel, owner] : extended) {
-    fragment[voxel_shapes::voxelIndexOf(blocks, voxel)] = owner.fragment;
+    fragment[voxel_shapes::voxelIndexOf(*blocks, voxel)] = owner.fragment;
   }
   EXPECT_EQ(labels.fragment, fragment) << solid.name;
   if (labels.cost.empty()) return;
   for (const auto& [voxel, owner] : inside)
-    cost[voxel_shapes::voxelIndexOf(blocks, voxel)] = owner.cost;
+    cost[voxel_shapes::voxelIndexOf(*blocks, voxel)] = owner.cost;
   for (const Coord& voxel : solid.exteriorBand) {  // the cost is defined for inside voxels only
-    const std::size_t at = voxel_shapes::voxelIndexOf(blocks, voxel);
+    const std::size_t at = voxel_shapes::voxelIndexOf(*blocks, voxel);
     cost[at] = labels.cost[at];
   }
   EXPECT_EQ(labels.cost, cost) << solid.name;
@@ -101,7 +101,7 @@ TEST_F(Flood, EqualsTheReferenceOnEveryShape) {
 
 TEST_F(Flood, AnyBatchAndWorkGroupAndReadbackGiveTheSameLabels) {
   const VoxelSolid solid = voxel_shapes::all()[1];
-  const LeafBlocks blocks = voxel_shapes::blocksOf(solid);
+  const auto blocks = voxel_shapes::blocksOf(solid);
   std::vector<std::vector<Seed>> sets;
   for (unsigned i = 0; i < 3; ++i)
     sets.push_back(randomSeeds(solid, 3 + 7 * static_cast<int>(i), i));
@@ -124,30 +124,30 @@ TEST_F(Flood, TiesGoToTheLowerId) {
   const VoxelSolid bar = voxel_shapes::solidWhere("bar", 10, [](const Coord& v) {
     return v.y() == 0 && v.z() == 0 && v.x() >= -10 && v.x() <= 10;
   });
-  const LeafBlocks blocks = voxel_shapes::blocksOf(bar);
+  const auto blocks = voxel_shapes::blocksOf(bar);
   const std::vector<std::vector<Seed>> sets{{{{-10, 0, 0}, 2}, {{10, 0, 0}, 1}},
                                             {{{-10, 0, 0}, 1}, {{10, 0, 0}, 2}}};
   const std::vector<Labels> labels = grow(blocks, sets, device(), {.growth = Growth::flood});
-  const std::size_t middle = voxel_shapes::voxelIndexOf(blocks, {0, 0, 0});
+  const std::size_t middle = voxel_shapes::voxelIndexOf(*blocks, {0, 0, 0});
   EXPECT_EQ(labels[0].fragment[middle], 1);
   EXPECT_EQ(labels[1].fragment[middle], 1);
-  EXPECT_EQ(labels[0].fragment[voxel_shapes::voxelIndexOf(blocks, {-1, 0, 0})], 2);
+  EXPECT_EQ(labels[0].fragment[voxel_shapes::voxelIndexOf(*blocks, {-1, 0, 0})], 2);
 }
 
 TEST_F(Flood, ComponentsWithoutASeedStayUnlabeled) {
   const VoxelSolid two = voxel_shapes::solidWhere("two cubes", 9, [](const Coord& v) {
     return std::abs(v.y()) < 3 && std::abs(v.z()) < 3 && std::abs(v.x()) > 4;
   });
-  const LeafBlocks blocks = voxel_shapes::blocksOf(two);
+  const auto blocks = voxel_shapes::blocksOf(two);
   const std::vector<std::vector<Seed>> sets{{{{-6, 0, 0}, 1}}};
   const Labels labels =
       grow(blocks, sets, device(), {.growth = Growth::flood, .outerSteps = 0}).front();
-  const std::vector<std::uint64_t> counts = countVoxels(blocks, labels, 1);
+  const std::vector<std::uint64_t> counts = countVoxels(labels);
   EXPECT_EQ(counts, (std::vector<std::uint64_t>{125, 125}));
 }
 
 TEST_F(Flood, RefusesASeedOutsideTheSolid) {
-  const LeafBlocks blocks = voxel_shapes::blocksOf(voxel_shapes::ball(5));
+  const auto blocks = voxel_shapes::blocksOf(voxel_shapes::ball(5));
   const std::vector<std::vector<Seed>> sets{{{{6, 0, 0}, 1}}};
   EXPECT_THROW((void)grow(blocks, sets, device()), Error);
 }

@@ -12,7 +12,7 @@ namespace {
 using Gather = DeviceTest;
 
 TEST_F(Gather, CopiesListedItemsOutAndBack) {
-  const LeafBlocks blocks = voxel_shapes::blocksOf(voxel_shapes::ball(12));
+  const auto blocks = voxel_shapes::blocksOf(voxel_shapes::ball(12));
   DeviceImpl& impl = implOf(device());
   GrowthState state(blocks, 1, impl);
   std::vector<cl_ushort> voxels(state.voxels());

@@ -126,7 +126,8 @@ std::size_t countConnectedComponents(const LabelMap& labels) {
   return components;
 }
 
-LabelMap mapOf(const LeafBlocks& blocks, const Labels& labels) {
+LabelMap mapOf(const Labels& labels) {
+  const LeafBlocks& blocks = *labels.blocks;
   LabelMap map;
   for (std::size_t word = 0; word < blocks.inside.size(); ++word) {
     for (std::uint64_t bits = blocks.inside[word]; bits; bits &= bits - 1) {

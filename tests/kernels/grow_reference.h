@@ -45,6 +45,6 @@ LabelMap kept(const LabelMap& labels, const std::vector<Seed>& seeds);
 std::size_t countConnectedComponents(const LabelMap& labels);
 
 /// The labels of inside voxels as a map, without those of label 0.
-LabelMap mapOf(const LeafBlocks& blocks, const Labels& labels);
+LabelMap mapOf(const Labels& labels);
 
 }  // namespace sherd::reference

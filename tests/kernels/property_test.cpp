@@ -48,16 +48,16 @@ void expectComponents(const ShapeSolid& on) {
 
 void expectGrowth(const ShapeSolid& on, const std::vector<Seed>& seeds, const Labels& labels,
                   const GrowOptions& options) {
-  const LeafBlocks& blocks = on.solid.blocks;
+  const LeafBlocks& blocks = *on.solid.blocks;
   const int fragments = fragmentsOf(seeds);
-  const LabelMap map = reference::mapOf(blocks, labels);
+  const LabelMap map = reference::mapOf(labels);
   EXPECT_EQ(map.size(), on.solid.voxels) << "voxels without a label";
   std::vector<std::uint64_t> counts(static_cast<std::size_t>(fragments) + 1);
   for (const auto& [voxel, label] : map) {
     ASSERT_LE(label, fragments) << voxel;
     ++counts[label];
   }
-  EXPECT_EQ(countVoxels(blocks, labels, fragments), counts);
+  EXPECT_EQ(countVoxels(labels), counts);
   const bool rough = options.roughness > 0.0;  // may move a fragment off its seed's voxel
   for (std::size_t i = 0; i < static_cast<std::size_t>(fragments) && !rough; ++i) {
     EXPECT_EQ(map.at(seeds[i].voxel), seeds[i].fragment) << "a fragment lost its first seed";
@@ -77,8 +77,8 @@ void expectGrowth(const ShapeSolid& on, const std::vector<Seed>& seeds, const La
 
 void expectErosion(const ShapeSolid& on, const Labels& before, int fragments,
                    const ErodeOptions& options, Device& device) {
-  const LeafBlocks& blocks = on.solid.blocks;
-  const Erosion eroded = erode(blocks, before, fragments, options, device);
+  const LeafBlocks& blocks = *on.solid.blocks;
+  const Erosion eroded = erode(before, options, device);
   std::size_t wrong = 0;
   for (std::size_t voxelIndex = 0; voxelIndex < before.fragment.size(); ++voxelIndex) {
     const bool inside = (blocks.inside[voxelIndex / 64] >> (voxelIndex % 64)) & 1;
@@ -86,8 +86,8 @@ void expectErosion(const ShapeSolid& on, const Labels& before, int fragments,
     wrong += now != before.fragment[voxelIndex] && !(inside && now == Labels::kEroded);
   }
   EXPECT_EQ(wrong, 0u) << "erosion gave a voxel to another fragment";
-  const auto was = countVoxels(blocks, before, fragments);
-  const auto is = countVoxels(blocks, eroded.labels, fragments);
+  const auto was = countVoxels(before);
+  const auto is = countVoxels(eroded.labels);
   ASSERT_EQ(eroded.eroded.size(), was.size());
   for (std::size_t id = 1; id < was.size(); ++id) {
     EXPECT_GE(is[id], 1u);
@@ -97,18 +97,19 @@ void expectErosion(const ShapeSolid& on, const Labels& before, int fragments,
             std::accumulate(eroded.eroded.begin() + 1, eroded.eroded.end(), 0ull));
   EXPECT_TRUE(options.iterations > 0 || eroded.eroded[0] == 0);
   if (options.iterations > 0 && options.islands == Islands::eroded) {
-    LabelMap left = reference::mapOf(blocks, eroded.labels);
+    LabelMap left = reference::mapOf(eroded.labels);
     std::erase_if(left, [](const auto& voxel) { return voxel.second == Labels::kEroded; });
     EXPECT_EQ(reference::countConnectedComponents(left), static_cast<std::size_t>(fragments));
   }
-  const Erosion again = erode(blocks, before, fragments, options, device);
+  const Erosion again = erode(before, options, device);
   EXPECT_EQ(again.labels.fragment, eroded.labels.fragment);
   EXPECT_EQ(again.eroded, eroded.eroded);
 }
 
 // Compares two fractures grown together with each alone under another schedule.
-void expectBatch(const LeafBlocks& blocks, const std::vector<std::vector<Seed>>& sets,
-                 const std::vector<Labels>& together, GrowOptions options, Device& device) {
+void expectBatch(const std::shared_ptr<const LeafBlocks>& blocks,
+                 const std::vector<std::vector<Seed>>& sets, const std::vector<Labels>& together,
+                 GrowOptions options, Device& device) {
   const std::vector<std::uint64_t> noise = options.noiseSeeds;
   for (std::size_t i = 0; i < sets.size(); ++i) {
     options.noiseSeeds = {noise[i]};
@@ -135,7 +136,7 @@ std::vector<Seed> placed(const ShapeSolid& on, SeedOptions& options) {
 void tryCase(std::uint64_t number, Device& device) {
   random_case::Draw draw(number);
   ShapeSolid on(random_case::anySolid(draw), device);
-  on.solid.frame = {{{draw.between(-5.0, 5.0), 0.5, -1.0}}, draw.of({1.0, 0.01, 37.5})};
+  on.solid.frame = {{draw.between(-5.0, 5.0), 0.5, -1.0}, draw.of({1.0, 0.01, 37.5})};
   SeedOptions seedOptions = random_case::anySeeds(draw, on);
   const GrowOptions growOptions = random_case::anyGrowth(draw);
   const ErodeOptions erodeOptions = random_case::anyErosion(draw);
@@ -150,10 +151,9 @@ void tryCase(std::uint64_t number, Device& device) {
   seedOptions.seed += 1;
   sets.push_back(placed(on, seedOptions));
 
-  const LeafBlocks& blocks = on.solid.blocks;
-  const std::vector<Labels> grown = grow(blocks, sets, device, growOptions);
+  const std::vector<Labels> grown = grow(on.solid.blocks, sets, device, growOptions);
   for (std::size_t i = 0; i < sets.size(); ++i) expectGrowth(on, sets[i], grown[i], growOptions);
-  expectBatch(blocks, sets, grown, growOptions, device);
+  expectBatch(on.solid.blocks, sets, grown, growOptions, device);
   expectErosion(on, grown[0], static_cast<int>(fragments), erodeOptions, device);
 }
 

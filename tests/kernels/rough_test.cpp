@@ -88,7 +88,7 @@ using Rough = DeviceTest;
 
 TEST_F(Rough, EqualsTheReferenceWalk) {
   for (const VoxelSolid& solid : voxel_shapes::all()) {
-    const LeafBlocks blocks = voxel_shapes::blocksOf(solid);
+    const auto blocks = voxel_shapes::blocksOf(solid);
     std::vector<Seed> seeds;
     for (const Coord& voxel : solid.inside) {
       if (mixed(static_cast<std::uint64_t>(voxel.x() * 961 + voxel.y() * 31 + voxel.z())) % 97 == 0)
@@ -102,7 +102,7 @@ TEST_F(Rough, EqualsTheReferenceWalk) {
                         .regrowIsolated = false,
                         .noiseSeeds = {42}};
     const LabelMap rough = reference::mapOf(
-        blocks, grow(blocks, std::vector<std::vector<Seed>>{seeds}, device(), options).front());
+        grow(blocks, std::vector<std::vector<Seed>>{seeds}, device(), options).front());
     const auto smooth = reference::nearest(solid, seeds, Metric::euclidean);
     const std::vector<std::int32_t> amplitudes = octaveAmplitudes(2.0, 0.7, 6.0);
     LabelMap expected;

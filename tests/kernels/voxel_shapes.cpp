@@ -94,7 +94,7 @@ std::vector<VoxelSolid> all() {
           checkerboard(9)};
 }
 
-LeafBlocks blocksOf(const VoxelSolid& solid) {
+std::shared_ptr<const LeafBlocks> blocksOf(const VoxelSolid& solid) {
   std::map<Coord, std::array<std::array<std::uint64_t, 8>, 2>> leaves;
   const auto set = [&](const Coord& v, std::size_t which) {
     leaves[v & ~7][which][static_cast<std::size_t>(v.x() & 7)] |=
@@ -118,7 +118,7 @@ LeafBlocks blocksOf(const VoxelSolid& solid) {
       blocks.neighbors.push_back(found == number.end() ? LeafBlocks::kNone : found->second);
     }
   }
-  return blocks;
+  return std::make_shared<const LeafBlocks>(std::move(blocks));
 }
 
 std::size_t voxelIndexOf(const LeafBlocks& blocks, const Coord& v) {

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <set>
 #include <string>
 #include <vector>
@@ -39,7 +40,7 @@ bool small();
 std::vector<VoxelSolid> all();
 
 /// Leaf blocks of a solid.
-LeafBlocks blocksOf(const VoxelSolid& solid);
+std::shared_ptr<const LeafBlocks> blocksOf(const VoxelSolid& solid);
 
 /// Index of a voxel in the arrays: leaf * 512 + offset.
 std::size_t voxelIndexOf(const LeafBlocks& blocks, const openvdb::Coord& voxel);

@@ -17,8 +17,8 @@
 
 #include "base/atomic_file.h"
 #include "base/unfinished.h"
+#include "cli/held_files.h"
 #include "dataset/file_queue.h"
-#include "formats/held_files.h"
 #include "temp_folder.h"
 
 namespace sherd {

@@ -29,8 +29,8 @@ TEST_F(Aim, StrikeTheNearestSurfaceVoxel) {
   for (const voxel_shapes::VoxelSolid& shape :
        {voxel_shapes::ball(9), voxel_shapes::cup(12, 2), voxel_shapes::sparseRandom(20, 1, 5)}) {
     const ShapeSolid on = make(shape);
-    const std::vector<std::uint64_t> mask = surfaceMask(on.solid.blocks);
-    const VoxelIndex surface(on.solid.blocks, mask);
+    const std::vector<std::uint64_t> mask = surfaceMask(*on.solid.blocks);
+    const VoxelIndex surface(*on.solid.blocks, mask);
     const std::set<Coord> voxels = on.surface();
     for (int i = 0; i < 1000; ++i) {
       glm::dvec3 p{anywhere(random), anywhere(random), anywhere(random)};
@@ -75,7 +75,7 @@ TEST_F(Aim, RaysHitTheFirstVoxelOnTheirWay) {
   for (const voxel_shapes::VoxelSolid& shape :
        {voxel_shapes::ball(7), voxel_shapes::cup(9, 1), voxel_shapes::sparseRandom(7, 3, 2)}) {
     const ShapeSolid on = make(shape);
-    const VoxelIndex inside(on.solid.blocks, on.solid.blocks.inside);
+    const VoxelIndex inside(*on.solid.blocks, on.solid.blocks->inside);
     int hits = 0, misses = 0;
     for (int i = 0; i < 2000; ++i) {
       const glm::dvec3 origin{anywhere(random), anywhere(random), anywhere(random)};
@@ -103,10 +103,10 @@ TEST_F(Aim, ARaysSeedsLieWhereItHits) {
         .back()
         .voxel;
   };
-  EXPECT_EQ(struck({{{0.2, 0.1, 99}}, {0, 0, -5}}), Coord(0, 0, 10));
-  EXPECT_EQ(struck({{{0.2, 0.1, -99}}, {0, 0, 5}}), Coord(0, 0, -10));
+  EXPECT_EQ(struck({{0.2, 0.1, 99}, {0, 0, -5}}), Coord(0, 0, 10));
+  EXPECT_EQ(struck({{0.2, 0.1, -99}, {0, 0, 5}}), Coord(0, 0, -10));
   // From within: the nearest surface voxel, which is not (0, 10, 0).
-  EXPECT_EQ(struck({{{0, 8.0, 0}}, {0, -1, 0}}), Coord(-1, 9, 0));
+  EXPECT_EQ(struck({{0, 8.0, 0}, {0, -1, 0}}), Coord(-1, 9, 0));
 }
 
 TEST_F(Aim, AnywhereIsOnTheSurface) {

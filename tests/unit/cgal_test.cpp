@@ -5,7 +5,7 @@
 #include <cstdlib>
 
 #include "../shapes.h"
-#include "cgal/cgal_checks.h"
+#include "cli/cgal_checks.h"
 
 namespace sherd {
 namespace {

@@ -136,14 +136,16 @@ std::set<Coord> islands(const std::set<Coord>& fragment) {
 
 Labeled labeled(const voxel_shapes::VoxelSolid& solid, int fragments,
                 const std::function<int(const Coord&)>& labelOf) {
-  Labeled made{solid.name, {}, voxel_shapes::blocksOf(solid), {}, fragments};
-  made.labels.fragment.resize(made.blocks.count() * 512);
+  Labeled made{solid.name, {}, {}};
+  made.labels.blocks = voxel_shapes::blocksOf(solid);
+  made.labels.fragmentCount = fragments;
+  made.labels.fragment.resize(made.labels.blocks->count() * 512);
   for (const Coord& voxel : solid.exteriorBand) {
-    made.labels.fragment[voxel_shapes::voxelIndexOf(made.blocks, voxel)] = 1;
+    made.labels.fragment[voxel_shapes::voxelIndexOf(*made.labels.blocks, voxel)] = 1;
   }
   for (const Coord& voxel : solid.inside) {
     made.voxels[voxel] = labelOf(voxel);
-    made.labels.fragment[voxel_shapes::voxelIndexOf(made.blocks, voxel)] =
+    made.labels.fragment[voxel_shapes::voxelIndexOf(*made.labels.blocks, voxel)] =
         static_cast<std::uint16_t>(labelOf(voxel));
   }
   return made;
@@ -173,11 +175,11 @@ Voxels erode(const Labeled& solid, const ErodeOptions& options) {
   for (int iteration = 0; iteration < options.iterations; ++iteration) {
     const Box box(voxels);
     Voxels next = voxels;
-    for (int id = 1; id <= solid.fragments; ++id)
+    for (int id = 1; id <= solid.labels.fragmentCount; ++id)
       take(id, erodedOnce(voxels, box, id, options), next);
     voxels = next;
   }
-  for (int id = 1; id <= solid.fragments && options.islands == Islands::eroded; ++id) {
+  for (int id = 1; id <= solid.labels.fragmentCount && options.islands == Islands::eroded; ++id) {
     take(id, islands(voxelsOf(voxels, id)), voxels);
   }
   return voxels;

@@ -16,9 +16,7 @@ namespace sherd::erode_reference {
 struct Labeled {
   std::string name;
   std::map<openvdb::Coord, int> voxels;
-  LeafBlocks blocks;
   Labels labels;  ///< label 1 is also on the outer band, which erosion must neither read nor change
-  int fragments = 0;
 };
 
 Labeled labeled(const voxel_shapes::VoxelSolid& solid, int fragments,

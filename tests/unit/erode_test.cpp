@@ -30,14 +30,15 @@ Labeled twoHalves(const VoxelSolid& solid) {
 class Erode : public DeviceTest {
  protected:
   static Erosion eroded(const Labeled& solid, const ErodeOptions& options) {
-    return erode(solid.blocks, solid.labels, solid.fragments, options, device());
+    return erode(solid.labels, options, device());
   }
 
   static std::set<Coord> erodedBy(const Labeled& solid, const ErodeOptions& options) {
     const Labels labels = eroded(solid, options).labels;
     std::set<Coord> eroded;
     for (const auto& [voxel, label] : solid.voxels) {
-      if (labels.fragment[voxel_shapes::voxelIndexOf(solid.blocks, voxel)] == Labels::kEroded) {
+      if (labels.fragment[voxel_shapes::voxelIndexOf(*solid.labels.blocks, voxel)] ==
+          Labels::kEroded) {
         eroded.insert(voxel);
       }
     }
@@ -48,10 +49,10 @@ class Erode : public DeviceTest {
     const std::map<Coord, int> expected = erode_reference::erode(solid, options);
     const Erosion result = eroded(solid, options);
     std::size_t differ = 0;
-    std::vector<std::uint64_t> eroded(static_cast<std::size_t>(solid.fragments) + 1);
+    std::vector<std::uint64_t> eroded(static_cast<std::size_t>(solid.labels.fragmentCount) + 1);
     Labels labels = solid.labels;
     for (const auto& [voxel, label] : expected) {
-      const std::size_t place = voxel_shapes::voxelIndexOf(solid.blocks, voxel);
+      const std::size_t place = voxel_shapes::voxelIndexOf(*solid.labels.blocks, voxel);
       differ += result.labels.fragment[place] != label;
       if (label != solid.voxels.at(voxel))
         ++eroded[static_cast<std::size_t>(solid.voxels.at(voxel))];
@@ -100,7 +101,7 @@ TEST_F(Erode, EqualsOpenVdbsErosion) {
                                  .on = ErodeOn::all,
                                  .islands = Islands::kept};
       const std::set<Coord> eroded = erodedBy(solid, options);
-      for (int id = 1; id <= solid.fragments; ++id) {
+      for (int id = 1; id <= solid.labels.fragmentCount; ++id) {
         const std::set<Coord> left = erode_reference::erodedByOpenVdb(solid, id, cube);
         for (const auto& [voxel, label] : solid.voxels) {
           // Where OpenVDB leaves nothing, we leave the fragment.
@@ -271,15 +272,15 @@ TEST_F(Erode, RefusesWhatCannotBe) {
     EXPECT_THROW((void)eroded(wrong, {.iterations = 1}), Error);
   };
   Labeled wrong = solid;
-  wrong.fragments = 0;
+  wrong.labels.fragmentCount = 0;
   refuses(wrong);
-  wrong.fragments = 65535;
+  wrong.labels.fragmentCount = 65535;
   refuses(wrong);
   wrong = solid;
   wrong.labels.fragment.pop_back();
   refuses(wrong);
   wrong = solid;
-  wrong.labels.fragment[voxel_shapes::voxelIndexOf(solid.blocks, {0, 0, 0})] = 2;
+  wrong.labels.fragment[voxel_shapes::voxelIndexOf(*solid.labels.blocks, {0, 0, 0})] = 2;
   refuses(wrong);
 }
 
@@ -290,7 +291,7 @@ TEST_F(Erode, StopsWhenAsked) {
   const Progress progress{.report = [&](auto, double fraction) { told.push_back(fraction); },
                           .cancelled = [&] { return ++asked == 3; }};
   try {
-    (void)erode(solid.blocks, solid.labels, 2, {.iterations = 4}, device(), &progress);
+    (void)erode(solid.labels, {.iterations = 4}, device(), &progress);
     FAIL() << "nothing was thrown";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ErrorCode::cancelled);

@@ -19,8 +19,8 @@
 #include <string>
 
 #include "base/atomic_file.h"
+#include "cli/held_files.h"
 #include "folder/read_manifest.h"
-#include "formats/held_files.h"
 #include "formats/voxels/vdb.h"
 #include "shapes.h"
 #include "temp_folder.h"
@@ -342,16 +342,17 @@ TEST_F(WriteVdb, OfAllHasTheIdOfEveryVoxel) {
   Solid solid;
   const auto grid = openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(1.0f, {0, 0, 0}, 0.1f);
   solid.distance = grid;
-  solid.blocks.origins = {{-8, 0, 0}, {0, 0, 0}};
-  solid.blocks.inside.assign(16, 0);
-  solid.blocks.exteriorBand.assign(16, 0);
+  LeafBlocks blocks{.origins = {{-8, 0, 0}, {0, 0, 0}}};
+  blocks.inside.assign(16, 0);
+  blocks.exteriorBand.assign(16, 0);
   Labels labels;
   labels.fragment.assign(1024, 0);
   for (std::size_t place = 0; place < 1024; place += 3) {
-    solid.blocks.inside[place / 64] |= std::uint64_t{1} << (place % 64);
+    blocks.inside[place / 64] |= std::uint64_t{1} << (place % 64);
     labels.fragment[place] = static_cast<std::uint16_t>(1 + place % 4);  // of 2 fragments
   }
   labels.fragment[3] = Labels::kEroded;
+  solid.blocks = labels.blocks = std::make_shared<const LeafBlocks>(std::move(blocks));
   std::vector<Fragment> fragments(2);
   for (std::size_t i = 0; i < 2; ++i) {
     fragments[i].id = static_cast<int>(i) + 1;
@@ -369,8 +370,8 @@ TEST_F(WriteVdb, OfAllHasTheIdOfEveryVoxel) {
   EXPECT_EQ(ids->background(), 0);
   EXPECT_EQ(ids->transform(), grid->transform());
   openvdb::Index64 active = 0;
-  solid.blocks.forEachInside([&](std::size_t place) {
-    const openvdb::Coord at = solid.blocks.voxelAt(place);
+  solid.blocks->forEachInside([&](std::size_t place) {
+    const openvdb::Coord at = solid.blocks->voxelAt(place);
     const std::uint16_t label = labels.fragment[place];
     EXPECT_EQ(ids->tree().getValue(at), label <= 2 ? label : 0);
     EXPECT_TRUE(ids->tree().isValueOn(at));
@@ -419,12 +420,14 @@ Fracture tinyFracture(int fragments) {
       .mesh = kTetrahedron, .name = "vase.obj", .stem = "vase", .sha256 = std::string(64, 'a')};
   f.options.pieces = fragments;
   Solid& solid = f.result.solid;
-  solid.blocks.origins = {{0, 0, 0}};
-  solid.blocks.inside.assign(8, 0);
-  solid.blocks.inside[0] = 1;
+  LeafBlocks blocks{.origins = {{0, 0, 0}}, .inside = std::vector<std::uint64_t>(8)};
+  blocks.inside[0] = 1;
+  solid.blocks = std::make_shared<const LeafBlocks>(std::move(blocks));
   solid.box = {{0, 0, 0}, {0, 0, 0}};
   solid.voxels = 1;
   f.result.components = 1;
+  f.result.labels.blocks = solid.blocks;
+  f.result.labels.fragmentCount = fragments;
   f.result.labels.fragment.assign(512, 1);
   for (int id = 1; id <= fragments; ++id) {
     f.result.fragments.push_back(ballFragment(id));

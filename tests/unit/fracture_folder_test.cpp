@@ -1,6 +1,4 @@
 // What becomes of a folder's files when a fracture goes into it, and after a kill.
-#include "folder/fracture_folder.h"
-
 #include <gtest/gtest.h>
 #include <sherd/error.h>
 #include <sherd/folder.h>

@@ -38,7 +38,7 @@ class FractureInto : public DeviceTest {
     const FractureResult whole = fracture(source_.mesh, options, device());
     (void)writeFracture(folder_.path() / "whole", source_, options, whole, write);
     const WrittenFracture written =
-        fractureInto(folder_.path() / "into", source_, options, device(), write);
+        fractureInto(folder_.path() / "into", {source_}, options, device(), write);
     EXPECT_EQ(written.folder.manifest, folder_.path() / "into" / "manifest.json");
     const auto expected = filesBelow(folder_.path() / "whole"),
                files = filesBelow(folder_.path() / "into");
@@ -85,7 +85,7 @@ TEST_F(FractureInto, ReportsFromTheCallersThread) {
   options_.erode.iterations = 1;
   WriteOptions write{.solid = true, .scene = true, .proxy = true};
   write.points.count = write.distances.count = 20;
-  (void)fractureInto(folder_.path() / "into", source_, options_, device(), write, &progress);
+  (void)fractureInto(folder_.path() / "into", {source_}, options_, device(), write, &progress);
   EXPECT_EQ(elsewhere, 0);
   for (const char* stage : {"voxelize", "erode", "extract", "distances", "write", "render"}) {
     EXPECT_TRUE(stages.contains(stage)) << stage;

@@ -33,8 +33,8 @@ TEST_F(LabelSurface, FragmentsAreTheirVoxels) {
   const Solid& solid = result.solid;
   const double h = solid.frame.voxelSize;
   std::map<Coord, std::uint16_t> label;
-  solid.blocks.forEachInside([&](std::size_t place) {
-    label[solid.blocks.voxelAt(place)] = result.labels.fragment[place];
+  solid.blocks->forEachInside([&](std::size_t place) {
+    label[solid.blocks->voxelAt(place)] = result.labels.fragment[place];
   });
   for (const Fragment& fragment : result.fragments) {
     SCOPED_TRACE(fragment.id);
@@ -64,7 +64,7 @@ TEST_F(LabelSurface, FragmentsAreTheirVoxels) {
       const glm::dvec3 a = fragment.mesh.vertices[c.x], b = fragment.mesh.vertices[c.y],
                        d = fragment.mesh.vertices[c.z];
       const glm::dvec3 at = solid.frame.indexFromWorld(
-          {(a + b + d) / 3.0 + 0.25 * h * glm::normalize(glm::cross(b - a, d - a))});
+          (a + b + d) / 3.0 + 0.25 * h * glm::normalize(glm::cross(b - a, d - a)));
       const glm::ivec3 voxel(glm::round(at));
       const auto beyond = label.find(Coord(voxel.x, voxel.y, voxel.z));
       ASSERT_EQ(fragment.mesh.neighbor[t], beyond == label.end() ? 0 : beyond->second);

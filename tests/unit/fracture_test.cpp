@@ -217,5 +217,39 @@ TEST(PreparedSolid, GrowsSeveralTogetherAsEachAlone) {
   }
 }
 
+TEST_F(Fracture, RefusesPiecesAndSeedsOfAStage) {
+  const TriangleMesh ball = shapes::ball(1.0);
+  const auto codeOf = [&](const FractureOptions& options) {
+    try {
+      (void)fracture(ball, options, device());
+    } catch (const Error& e) {
+      return e.code();
+    }
+    return ErrorCode::internal;
+  };
+  FractureOptions set;
+  set.seeds.pieces = 3;
+  EXPECT_EQ(codeOf(set), ErrorCode::usage);
+  set = {};
+  set.seeds.seed = 1;
+  EXPECT_EQ(codeOf(set), ErrorCode::usage);
+  set = {};
+  set.grow.noiseSeeds = {1};
+  EXPECT_EQ(codeOf(set), ErrorCode::usage);
+  set = {};
+  set.erode.seed = 1;
+  EXPECT_EQ(codeOf(set), ErrorCode::usage);
+}
+
+TEST_F(Fracture, LabelsOfOtherBlocksAreRefused) {
+  const Solid solid = voxelize(shapes::ball(1.0), {.resolution = 16});
+  const Solid other = voxelize(shapes::ball(1.0), {.resolution = 24});
+  const std::vector<std::vector<Seed>> seeds{{{solid.box.min + (solid.box.dims() >> 1), 1}}};
+  const Labels labels = grow(solid.blocks, seeds, device()).front();
+  EXPECT_EQ(labels.fragmentCount, 1);
+  EXPECT_EQ(extractFragments(solid, labels).size(), 1u);
+  EXPECT_THROW((void)extractFragments(other, labels), Error);
+}
+
 }  // namespace
 }  // namespace sherd

@@ -109,12 +109,12 @@ TEST_F(Impacts, ScatterWithTheDeviationAskedFor) {
   }));
   const double h = 0.25;
   Solid solid = cube.solid;
-  solid.frame = {{{3.0, -1.0, 2.0}}, h};
+  solid.frame = {{3.0, -1.0, 2.0}, h};
   for (const bool byBias : {true, false}) {
     const double side = 2 * kHalf + 1;
     const double deviation = byBias ? side / std::sqrt(12.0 * 5) : 5.0;  // voxels
     const double kurtosis = -6.0 / (5 * (byBias ? 5 : 12));
-    Impact impact{.target = glm::dvec3{solid.frame.worldFromIndex(glm::dvec3(0.2, -0.3, kHalf + 3.0))},
+    Impact impact{.target = solid.frame.worldFromIndex(glm::dvec3(0.2, -0.3, kHalf + 3.0)),
                   .count = kCount,
                   .sigma = byBias ? 0.0 : deviation * h,
                   .bias = 5,
@@ -160,7 +160,7 @@ TEST_F(Impacts, StayInTheComponentThatIsHit) {
   ASSERT_EQ(plates.components.count(), 2u);
   for (const int count : {10, 400, 624}) {
     const SeedOptions options{.pieces = 2,
-                              .impacts = {{.target = Ray{{{1.2, 2.1, 50}}, {0, 0, -1}},
+                              .impacts = {{.target = Ray{{1.2, 2.1, 50}, {0, 0, -1}},
                                            .count = count,
                                            .sigma = 6.0,
                                            .merge = true}}};
@@ -176,16 +176,16 @@ TEST_F(Impacts, StayInTheComponentThatIsHit) {
 TEST_F(Impacts, MoveAndScaleWithTheSolid) {
   const ShapeSolid ball = make(voxel_shapes::ball(10));
   Solid moved = ball.solid;
-  moved.frame = {{{64, -8, 16}}, 4.0};
+  moved.frame = {{64, -8, 16}, 4.0};
   const auto seedsOf = [&](const Solid& solid, double scale, const glm::dvec3& offset) {
     return placeSeeds(
         solid, ball.components,
         {.pieces = 30,
          .seed = 2,
-         .impacts = {{.target = glm::dvec3{scale * glm::dvec3(3, 9, 4) + offset},
+         .impacts = {{.target = scale * glm::dvec3(3, 9, 4) + offset,
                       .count = 9,
                       .sigma = 2.5 * scale},
-                     {.target = Ray{{scale * glm::dvec3(-30, 2, 1) + offset}, {3, 0.1, 0.2}}}}});
+                     {.target = Ray{scale * glm::dvec3(-30, 2, 1) + offset, {3, 0.1, 0.2}}}}});
   };
   EXPECT_EQ(seedsOf(ball.solid, 1.0, glm::dvec3(0)), seedsOf(moved, 4.0, {64, -8, 16}));
 }
@@ -198,10 +198,10 @@ TEST_F(Impacts, RefuseWhatCannotBe) {
   };
   EXPECT_NE(refused({.count = 8}).find("raise --pieces"), std::string::npos);
   EXPECT_EQ(refused({.count = 7}), "");
-  EXPECT_NE(refused({.target = Ray{{{0, 0, 20}}, {0, 0, 1}}}).find("misses"), std::string::npos);
-  EXPECT_NE(refused({.target = Ray{{{0, 0, 20}}, {0, 0, 0}}}), "");
-  EXPECT_NE(refused({.target = Ray{{{0, 0, 20}}, {0, nan, 0}}}), "");
-  EXPECT_NE(refused({.target = Ray{{{infinite, 0, 20}}, {0, 1, 0}}}), "");
+  EXPECT_NE(refused({.target = Ray{{0, 0, 20}, {0, 0, 1}}}).find("misses"), std::string::npos);
+  EXPECT_NE(refused({.target = Ray{{0, 0, 20}, {0, 0, 0}}}), "");
+  EXPECT_NE(refused({.target = Ray{{0, 0, 20}, {0, nan, 0}}}), "");
+  EXPECT_NE(refused({.target = Ray{{infinite, 0, 20}, {0, 1, 0}}}), "");
   EXPECT_NE(refused({.target = glm::dvec3{nan, 0, 0}}), "");
   EXPECT_NE(refused({.count = -1}), "");
   EXPECT_NE(refused({.sigma = -1.0}), "");

@@ -36,14 +36,14 @@ struct Labeled {
 template <class LabelOf>
 Labeled labeled(int side, int fragments, const LabelOf& labelOf) {
   Labeled made;
-  made.solid.frame = {{glm::dvec3(0.0)}, 1.0};
+  made.solid.frame = {glm::dvec3(0.0), 1.0};
   const openvdb::FloatGrid::Ptr distance = openvdb::FloatGrid::create(3.0f);
+  LeafBlocks blocks;
   for (int x = -8; x < side + 8; x += 8) {
     for (int y = -8; y < side + 8; y += 8) {
-      for (int z = -8; z < side + 8; z += 8) made.solid.blocks.origins.push_back({x, y, z});
+      for (int z = -8; z < side + 8; z += 8) blocks.origins.push_back({x, y, z});
     }
   }
-  LeafBlocks& blocks = made.solid.blocks;
   blocks.inside.assign(blocks.count() * 8, 0);
   blocks.exteriorBand.assign(blocks.count() * 8, 0);
   blocks.neighbors = leafNeighborTable(blocks.origins);
@@ -69,11 +69,14 @@ Labeled labeled(int side, int fragments, const LabelOf& labelOf) {
     made.cut.leaves.push_back(std::move(cut));
   }
   made.solid.distance = distance;
+  made.solid.blocks = std::make_shared<const LeafBlocks>(std::move(blocks));
+  made.labels.blocks = made.solid.blocks;
+  made.labels.fragmentCount = fragments;
   return made;
 }
 
 std::vector<LabeledMesh> meshesOf(const Labeled& made, int fragments) {
-  const std::vector<LeafNeighbors> neighborhoods = leafNeighbors(made.solid.blocks.origins);
+  const std::vector<LeafNeighbors> neighborhoods = leafNeighbors(made.solid.blocks->origins);
   const InterfaceMeshes all(made.solid, made.labels, made.cut, neighborhoods, fragments);
   std::vector<LabeledMesh> meshes;
   for (int label = 1; label <= fragments; ++label) meshes.push_back(all.meshOf(label));
@@ -85,7 +88,7 @@ struct Vertices {
 };
 
 Vertices expectManifold(const Labeled& made, int fragments) {
-  const std::vector<std::uint64_t> voxels = countVoxels(made.solid.blocks, made.labels, fragments);
+  const std::vector<std::uint64_t> voxels = countVoxels(made.labels);
   const std::vector<LabeledMesh> meshes = meshesOf(made, fragments);
   EXPECT_EQ(meshes.size(), static_cast<std::size_t>(fragments));
   Vertices vertices;
@@ -150,13 +153,13 @@ TEST(Interface, IndependentMeshesOfRandomLabelsAreManifold) {
                                                 static_cast<std::uint64_t>(fragments));
     });
     Labels labels = made.labels;
-    made.solid.blocks.forEachInside([&](std::size_t voxel) {
+    made.solid.blocks->forEachInside([&](std::size_t voxel) {
       if (eroded > 0 && mixed(voxel * 271 + seed) % 8 == 0)
         labels.fragment[voxel] = Labels::kEroded;
     });
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     for (const Fragment& fragment :
-         extractFragments(made.solid, labels, fragments,
+         extractFragments(made.solid, labels,
                           {.surface = {.levelSets = false, .interface = Interface::independent},
                           .uneroded = eroded > 0 ? &made.labels : nullptr})) {
       expectClosedManifold(fragment.mesh);
@@ -202,7 +205,7 @@ TEST(Interface, SingleVoxelHasTheSameVolumeMeshedIndependently) {
   std::vector<double> volumes;
   for (const Interface interface : {Interface::shared, Interface::independent}) {
     const std::vector<Fragment> fragments = extractFragments(
-        made.solid, made.labels, 2, {.surface = {.levelSets = false, .interface = interface}});
+        made.solid, made.labels, {.surface = {.levelSets = false, .interface = interface}});
     volumes.push_back(volume(fragments[0].mesh));
   }
   EXPECT_GT(volumes[0], 0.7);

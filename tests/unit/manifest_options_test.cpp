@@ -83,7 +83,7 @@ TEST_F(ManifestOptions, OfAFractureAreRecorded) {
   impacts.push_back({.target = glm::dvec3{1, 0, 0}});
   auto& [place, count, sigma, bias, merge] = impacts.front();
   expectRecorded("place", place, {glm::dvec3{0, 1, 0}});
-  expectRecorded("place", place, {Ray{{{2, 0, 0}}, {-1, 0, 0}}});
+  expectRecorded("place", place, {Ray{{2, 0, 0}, {-1, 0, 0}}});
   expectRecorded("count", count, 4);
   expectRecorded("sigma", sigma, 0.1);
   expectRecorded("bias", bias, 9);

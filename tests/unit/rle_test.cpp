@@ -149,7 +149,7 @@ struct Sample {
 Sample randomSample(unsigned seed, openvdb::Coord lowestLeaf, int leaves) {
   std::mt19937 random(seed);
   Sample sample;
-  LeafBlocks& blocks = sample.solid.blocks;
+  LeafBlocks blocks;
   VoxelBox& tight = sample.solid.box;
   tight = {openvdb::Coord::max(), openvdb::Coord::min()};
   for (int x = 0; x < leaves; ++x) {
@@ -177,6 +177,8 @@ Sample randomSample(unsigned seed, openvdb::Coord lowestLeaf, int leaves) {
       }
     }
   }
+  sample.solid.blocks = sample.labels.blocks = std::make_shared<const LeafBlocks>(blocks);
+  sample.labels.fragmentCount = 3;
   if (tight.empty()) return sample;
   sample.dense.dims = tight.dims();
   const auto side = [&](std::size_t axis) {
@@ -215,12 +217,13 @@ TEST(EncodeRuns, HoldsEveryInsideVoxelAndNoOther) {
 TEST(EncodeRuns, SplitsRunsThat32BitsCannotHold) {
   // Two voxels in opposite corners of a box of 2^33: 2 * (2^32 - 1) voxels lie between them.
   Solid solid;
-  solid.blocks.origins = {{0, 0, 0}, {2040, 2040, 2040}};
-  solid.blocks.inside.assign(16, 0);
-  solid.blocks.inside[0] = 1;
-  solid.blocks.inside[15] = std::uint64_t{1} << 63;
+  LeafBlocks blocks{.origins = {{0, 0, 0}, {2040, 2040, 2040}},
+                    .inside = std::vector<std::uint64_t>(16)};
+  blocks.inside[0] = 1;
+  blocks.inside[15] = std::uint64_t{1} << 63;
+  solid.blocks = std::make_shared<const LeafBlocks>(std::move(blocks));
   solid.box = {{0, 0, 0}, {2047, 2047, 2047}};
-  Labels labels;
+  Labels labels{.blocks = solid.blocks, .fragmentCount = 2};
   labels.fragment.assign(1024, 0);
   labels.fragment[0] = 1;
   labels.fragment[1023] = 2;

@@ -28,11 +28,11 @@ struct ShapeSolid {
       solid.box.min.minComponent(voxel);
       solid.box.max.maxComponent(voxel);
     }
-    components = findComponents(solid.blocks, device);
+    components = findComponents(*solid.blocks, device);
   }
 
   std::uint32_t componentOf(const openvdb::Coord& voxel) const {
-    const std::size_t place = voxel_shapes::voxelIndexOf(solid.blocks, voxel);
+    const std::size_t place = voxel_shapes::voxelIndexOf(*solid.blocks, voxel);
     return components.at(place);
   }
 

@@ -20,7 +20,7 @@
 
 #include "base/atomic_file.h"
 #include "base/unfinished.h"
-#include "formats/held_files.h"
+#include "cli/held_files.h"
 #include "formats/voxels/voxel_faces.h"
 #include "mesh/repair.h"
 #include "shapes.h"
@@ -82,8 +82,8 @@ TEST(Stop, VoxelizingAsksOftenEnough) {
   const SearchedMesh mesh = searched(ball);
   const Filling filling = fillingOf(chosenFill(mesh, {}), mesh, ball, {}, 1.0);
   const Solid solid = voxelize(ball, {.voxelSize = 1.0});
-  EXPECT_GE(asksOf([&](const Progress* p) { (void)bridgesOf(solid.blocks, filling, p); }),
-            2 * solid.blocks.count());
+  EXPECT_GE(asksOf([&](const Progress* p) { (void)bridgesOf(*solid.blocks, filling, p); }),
+            2 * solid.blocks->count());
   EXPECT_GE(asksOf([&](const Progress* p) { (void)voxelize(ball, {.voxelSize = 1.0}, p); }),
             3 * leaves);
 }
@@ -118,12 +118,12 @@ TEST(Stop, SmoothingAsksForEachIteration) {
   EXPECT_GE(asksOf([&](const Progress* p) { (void)smoothed(ball, options, 1, p); }), 100u);
 
   const Solid solid = voxelize(ball, {.resolution = 16});
-  Labels labels;
-  labels.fragment.assign(solid.blocks.count() * 512, 1);
+  Labels labels{.blocks = solid.blocks, .fragmentCount = 1};
+  labels.fragment.assign(solid.blocks->count() * 512, 1);
   for (const Interface kind : {Interface::shared, Interface::independent}) {
     const SurfaceOptions surface{.interface = kind, .smooth = options};
     EXPECT_GE(asksOf([&](const Progress* p) {
-                (void)extractFragments(solid, labels, 1, {.surface = surface}, p);
+                (void)extractFragments(solid, labels, {.surface = surface}, p);
               }),
               100u);
   }
@@ -147,19 +147,18 @@ TEST(Stop, TheFacesOfVoxelsAreAskedPlaneByPlane) {
 
 TEST(Stop, CuttingAsksOftenEnough) {
   const Solid solid = voxelize(shapes::ball(1.0), {.resolution = 40});
-  Labels labels;
-  labels.fragment.assign(solid.blocks.count() * 512, 0);
+  Labels labels{.blocks = solid.blocks, .fragmentCount = 2};
+  labels.fragment.assign(solid.blocks->count() * 512, 0);
   for (std::size_t place = 0; place < labels.fragment.size(); ++place) {
-    const bool isAny = solid.blocks.isInside(place) ||
-                       (solid.blocks.exteriorBand[place / 64] >> (place % 64) & 1) != 0;
-    if (isAny) labels.fragment[place] = solid.blocks.voxelAt(place).x() % 16 < 8 ? 1 : 2;
+    const bool isAny = solid.blocks->isInside(place) ||
+                       (solid.blocks->exteriorBand[place / 64] >> (place % 64) & 1) != 0;
+    if (isAny) labels.fragment[place] = solid.blocks->voxelAt(place).x() % 16 < 8 ? 1 : 2;
   }
-  const std::vector<LeafNeighbors> rounds = leafNeighbors(solid.blocks.origins);
-  EXPECT_GE(asksOf([&](const Progress* p) {
-              (void)findCut(solid.blocks, labels, rounds, CutExtent::everywhere, p);
-            }),
-            solid.blocks.count() / 16);
-  const Cut cut = findCut(solid.blocks, labels, rounds);
+  const std::vector<LeafNeighbors> rounds = leafNeighbors(solid.blocks->origins);
+  EXPECT_GE(
+      asksOf([&](const Progress* p) { (void)findCut(labels, rounds, CutExtent::everywhere, p); }),
+      solid.blocks->count() / 16);
+  const Cut cut = findCut(labels, rounds);
   EXPECT_GE(asksOf([&](const Progress* p) {
               InterfaceMeshes(solid, labels, cut, rounds, 2, nullptr, p);
             }),

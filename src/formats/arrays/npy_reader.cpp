@@ -6,11 +6,14 @@
 // source  NumPy, NEP 1
 #include "formats/arrays/npy_reader.h"
 
+#include <sherd/files.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
 
+#include "base/file_bytes.h"
 #include "base/half_float.h"
 #include "base/input_error.h"
 #include "base/little_endian.h"
@@ -173,6 +176,15 @@ std::optional<NpyNumbers> numbersOf(const std::vector<ZipEntry>& entries, const 
   }
   memory.release(entry->size);
   return numbers;
+}
+
+std::vector<ArrayEntry> arraysOf(const std::filesystem::path& file) {
+  const std::string bytes = readFileBytes(file);
+  std::vector<ArrayEntry> arrays;
+  for (const ZipEntry& entry : zipEntries(bytes, file.string())) {
+    arrays.push_back({entry.name, entry.size});
+  }
+  return arrays;
 }
 
 }  // namespace sherd

@@ -1,7 +1,7 @@
 // Writes a mesh that is no fragment, with its appearance.
-#include "formats/mesh/mesh_file.h"
 
 #include <sherd/error.h>
+#include <sherd/files.h>
 
 #include <algorithm>
 #include <utility>

@@ -23,14 +23,6 @@ struct AssimpLimits {
 [[nodiscard]] AssimpLimits assimpLimits(
     std::size_t bytes, std::uint64_t memory = std::numeric_limits<std::uint64_t>::max());
 
-/// The path of `sherd-assimp` (src/assimp_program/): the value of the environment variable
-/// SHERD_ASSIMP, else beside the running program or where it is installed.
-struct AssimpProgram {
-  std::optional<std::filesystem::path> found;
-  std::vector<std::filesystem::path> tried;
-};
-[[nodiscard]] AssimpProgram findAssimp();
-
 /// Reads every triangle of the file's nodes, in single precision, with its attributes, by
 /// `sherd-assimp`. If a malformed file crashes Assimp, only that process ends.
 ///   throws  Error(input) a file that Assimp refuses, that crashes it or exceeds the limits;

@@ -48,7 +48,7 @@ class LeafColumns {
 RunLengthVoxels encodeRuns(const Solid& solid, const Labels& labels, int fragments) {
   const VoxelBox& box = solid.box;
   assert(!box.empty());
-  const LeafColumns columns(solid.blocks, box);
+  const LeafColumns columns(*solid.blocks, box);
   const auto voxelLabel = [&](std::uint16_t label) {
     return static_cast<std::uint16_t>(label <= fragments ? label + 1 : 1);
   };
@@ -59,13 +59,13 @@ RunLengthVoxels encodeRuns(const Solid& solid, const Labels& labels, int fragmen
       const auto [begin, end] = columns.at(x, y);
       for (std::size_t leaf = begin; leaf < end; ++leaf) {
         const auto rowBit = static_cast<unsigned>(y & 7) << 3;
-        const std::uint64_t slab = solid.blocks.inside[leaf * 8 + static_cast<unsigned>(x & 7)];
+        const std::uint64_t slab = solid.blocks->inside[leaf * 8 + static_cast<unsigned>(x & 7)];
         const auto row = static_cast<unsigned>((slab >> rowBit) & 0xff);
         if (row == 0) continue;
         const std::size_t first = leaf * 512 + (static_cast<unsigned>(x & 7) << 6) + rowBit;
         for (unsigned bit = 0; bit < 8; ++bit) {
           if ((row >> bit & 1) == 0) continue;
-          const int inside = solid.blocks.origins[leaf].z() + static_cast<int>(bit);
+          const int inside = solid.blocks->origins[leaf].z() + static_cast<int>(bit);
           appendRun(voxels.runs, 0, static_cast<std::uint64_t>(inside - z));
           appendRun(voxels.runs, voxelLabel(labels.fragment[first + bit]), 1);
           z = inside + 1;

@@ -203,8 +203,8 @@ openvdb::Int32Grid::Ptr voxelGrid(const Solid& solid, const char* name, std::int
   grid->setTransform(solid.distance->transform().copy());
   grid->setName(name);
   openvdb::Int32Grid::Accessor accessor = grid->getAccessor();
-  solid.blocks.forEachInside(
-      [&](std::size_t voxel) { accessor.setValue(solid.blocks.voxelAt(voxel), valueOf(voxel)); });
+  solid.blocks->forEachInside(
+      [&](std::size_t voxel) { accessor.setValue(solid.blocks->voxelAt(voxel), valueOf(voxel)); });
   return grid;
 }
 

@@ -1,5 +1,5 @@
 // Files that are put in place together.
-#include "formats/held_files.h"
+#include "cli/held_files.h"
 
 #include <utility>
 

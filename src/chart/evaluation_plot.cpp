@@ -1,16 +1,16 @@
 // Plots an evaluation as SVG: shares, convexity and angles.
+#include <sherd/evaluate.h>
+
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <functional>
 #include <numeric>
 
 #include "base/formatted.h"
 #include "chart/axis.h"
 #include "chart/svg.h"
-#include "cli/evaluate_report.h"
 
-namespace sherd::cli {
+namespace sherd {
 namespace {
 
 using chart::kBlue, chart::kGreen, chart::kGray, chart::kInk, chart::kOrange, chart::kRule;
@@ -125,44 +125,37 @@ void drawAngles(Svg& svg, const Evaluation& evaluation) {
   }
 }
 
-std::string headline(const EvaluateReport& report) {
-  if (report.set.manifest) return report.set.source;
-  const std::filesystem::path folder = std::filesystem::path(report.folder).lexically_normal();
-  return (folder.has_filename() ? folder : folder.parent_path()).filename().string();
-}
-
-std::string subtitle(const EvaluateReport& report) {
-  const Evaluation& evaluation = report.evaluation;
+std::string subtitle(const Evaluation& evaluation, double voxelSize) {
   std::string text = formatted("%zu fragments, as even as %.2f equal ones",
                                evaluation.fragments.size(), evaluation.effectiveFragments);
   if (evaluation.convexity) text += formatted(", convexity %.3f", *evaluation.convexity);
   if (evaluation.quality.triangles > 0) text += formatted(", %zu sound meshes", evaluation.sound);
   const std::optional<DistanceSummary>& error = evaluation.fit.surfaceError;
-  if (error && report.set.voxelSize > 0.0) {
-    text += formatted(", surface error %.3f voxels", error->mean / report.set.voxelSize);
-  } else if (error) {
+  if (error && voxelSize > 0.0) {
+    text += formatted(", surface error %.3f voxels", error->mean / voxelSize);
+  } else if (error && evaluation.fit.diagonal > 0.0) {
     text += formatted(", surface error %.2g %% of the diagonal",
-                      100.0 * ratio(error->mean, evaluation.fit.diagonal));
+                      100.0 * error->mean / evaluation.fit.diagonal);
   }
   return text;
 }
 
 }  // namespace
 
-std::string reportPlot(const EvaluateReport& report) {
-  const Evaluation& evaluation = report.evaluation;
+std::string evaluationPlot(const Evaluation& evaluation, const std::string& title,
+                           double voxelSize) {
   std::vector<std::size_t> order(evaluation.fragments.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return evaluation.fragments[a].share > evaluation.fragments[b].share;
   });
   Svg svg(kWidth, kHeight);
-  svg.text(24, 34, headline(report), 18, kInk, Svg::Anchor::start, true);
-  svg.text(24, 56, subtitle(report), 12, kGray);
+  svg.text(24, 34, title, 18, kInk, Svg::Anchor::start, true);
+  svg.text(24, 56, subtitle(evaluation, voxelSize), 12, kGray);
   drawShares(svg, evaluation, order);
   drawConvexity(svg, evaluation, order);
   drawAngles(svg, evaluation);
   return svg.done();
 }
 
-}  // namespace sherd::cli
+}  // namespace sherd
