@@ -1,13 +1,11 @@
 // Growth, erosion, and the fragments that are withheld: one row for each option.
 #include <algorithm>
-#include <limits>
 #include <string>
 #include <vector>
 
 #include "base/option_names.h"
 #include "options/parsed.h"
 #include "options/rows.h"
-#include "options/values.h"
 
 namespace sherd {
 namespace {
@@ -16,15 +14,10 @@ using V = ValuesOf<RunOptions>;
 using Row = FractureOptionRow;
 using R = const RunOptions&;
 
-constexpr auto kFracture = [](auto& o) -> auto& { return o.fracture; };
 constexpr auto kGrow = [](auto& o) -> auto& { return o.fracture.grow; };
 constexpr auto kGrain = [](auto& o) -> auto& { return o.fracture.grow.anisotropy; };
 constexpr auto kShares = [](auto& o) -> auto& { return o.fracture.shares; };
 constexpr auto kErode = [](auto& o) -> auto& { return o.fracture.erode; };
-
-constexpr int kMostHidden = std::numeric_limits<int>::max();
-const NumberRange kShare = between(0.0, 1.0, "0..1");
-const NumberRange kNotNegative{.text = "0 and up"};
 
 bool erodes(R o) { return o.fracture.erode.iterations > 0; }
 bool hasGrain(R o) { return o.fracture.grow.anisotropy.strength != 0.0; }

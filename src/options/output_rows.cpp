@@ -1,13 +1,11 @@
 // Points, files and surfaces: one row for each option.
 #include <algorithm>
-#include <limits>
 #include <string>
 #include <vector>
 
 #include "base/option_names.h"
 #include "options/parsed.h"
 #include "options/rows.h"
-#include "options/values.h"
 
 namespace sherd {
 namespace {
@@ -26,10 +24,6 @@ constexpr auto kWrite = [](auto& o) -> auto& { return o.write; };
 constexpr auto kPoints = [](auto& o) -> auto& { return o.write.points; };
 constexpr auto kDistances = [](auto& o) -> auto& { return o.write.distances; };
 constexpr auto kVdb = [](auto& o) -> auto& { return o.write.vdbOptions; };
-
-constexpr int kMostHidden = std::numeric_limits<int>::max();
-const NumberRange kShare = between(0.0, 1.0, "0..1");
-const NumberRange kNotNegative{.text = "0 and up"};
 
 bool samplesPoints(R o) { return o.write.points.count > 0; }
 bool samplesDistances(R o) { return o.write.distances.count > 0; }

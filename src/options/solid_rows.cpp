@@ -7,7 +7,6 @@
 #include "base/option_names.h"
 #include "options/parsed.h"
 #include "options/rows.h"
-#include "options/values.h"
 
 namespace sherd {
 namespace {
@@ -17,12 +16,10 @@ using Row = FractureOptionRow;
 using R = const RunOptions&;
 
 constexpr auto kVolume = [](auto& o) -> auto& { return o.volume; };
-constexpr auto kFracture = [](auto& o) -> auto& { return o.fracture; };
 constexpr auto kSolid = [](auto& o) -> auto& { return o.fracture.solid; };
 constexpr auto kSeeds = [](auto& o) -> auto& { return o.fracture.seeds; };
 
 constexpr std::uint64_t kAnySeed = std::numeric_limits<std::uint64_t>::max();
-constexpr int kMostHidden = std::numeric_limits<int>::max();
 
 bool drawsSeeds(R o) { return !o.fracture.seeds.given; }
 
