@@ -15,7 +15,7 @@ build=(cmake ninja-build g++ libopenvdb-dev libtbb-dev libboost-iostreams-dev li
 test=(libgtest-dev libbenchmark-dev python3 python3-numpy python3-scipy python3-openvdb python3-jsonschema mesa-opencl-icd)
 hosts=(blender python3-openimageio)
 pictures=(python3-numpy python3-pil python3-matplotlib blender)
-ci=(clang clang-format universal-ctags libclang-rt-14-dev oclgrind valgrind ccache)
+ci=(clang clang-format doxygen universal-ctags libclang-rt-14-dev oclgrind valgrind ccache)
 
 case "${1:-}" in
   build) wanted=("${build[@]}") ;;

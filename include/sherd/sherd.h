@@ -1,6 +1,35 @@
-// Sherd breaks 3D models: mesh -> solid -> labels -> fragments -> files.  This header includes the
-// whole library.
+// Sherd breaks 3D models.  This header includes the whole library.
 #pragma once
+
+/// @mainpage Sherd
+///
+/// A mesh in a file becomes a folder of fragments:
+///
+/// @code
+/// sherd::provideKernelCache();                              // once, before the first device
+/// sherd::Device device;                                     // a GPU, else PoCL
+/// const sherd::SourceMesh source = sherd::readMesh("bowl.obj");
+/// sherd::WrittenFracture broken =
+///     sherd::fractureInto("pieces", {source}, {.pieces = 8, .seed = 7}, device);
+/// @endcode
+///
+/// The same stage by stage, each a function from values to a new value:
+///
+/// @code
+/// using namespace sherd;
+/// PreparedSolid ready = prepared(voxelize(source.mesh, {.resolution = 128}), device);
+/// std::vector<std::vector<Seed>> seeds{placeSeeds(ready.solid, ready.components, {.pieces = 8})};
+/// Labels labels = grow(ready.solid.blocks, seeds, device).front();
+/// Erosion eroded = erode(labels, {.iterations = 1}, device);
+/// std::vector<Fragment> fragments = extractFragments(
+///     ready.solid, extendLabels(eroded.labels, device), {.uneroded = &labels});
+/// for (const Fragment& fragment : fragments) {
+///   writePly(std::to_string(fragment.id) + ".ply", fragment.mesh);
+/// }
+/// @endcode
+///
+/// Every function that fails throws sherd::Error.  docs/api.md lists the headers, the conventions
+/// that they share, and what may change between versions; examples/ has whole programs.
 
 #include <sherd/dataset.h>
 #include <sherd/device.h>

@@ -1,4 +1,4 @@
-# Install the build in BUILD below WORK, build the stranger's project against it, and run it on MESH.
+# Installs the build in BUILD below WORK, builds EXAMPLES against it as another project does, and runs them on MESH.
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
   if(NOT status EQUAL 0)
@@ -9,10 +9,28 @@ endfunction()
 
 file(REMOVE_RECURSE ${WORK})
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
-run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${WORK}/build -D CMAKE_PREFIX_PATH=${WORK}/prefix
+run(${CMAKE_COMMAND} -S ${EXAMPLES} -B ${WORK}/build -D CMAKE_PREFIX_PATH=${WORK}/prefix
   -D CMAKE_BUILD_TYPE=Release)
 run(${CMAKE_COMMAND} --build ${WORK}/build)
-run(${WORK}/build/stranger ${MESH} ${WORK}/pieces)
+
+# The stages one by one, which write their meshes into the current folder.
+execute_process(COMMAND ${WORK}/build/own_seeds ${MESH} WORKING_DIRECTORY ${WORK} RESULT_VARIABLE status
+  OUTPUT_VARIABLE output ERROR_VARIABLE output)
+if(NOT status EQUAL 0 OR NOT output MATCHES "12 fragments\n" OR NOT EXISTS ${WORK}/12_12.ply)
+  message(FATAL_ERROR "own_seeds: ${status}\n${output}")
+endif()
+run(${WORK}/prefix/bin/sherd inspect ${WORK}/12_12.ply)
+
+# A dataset with its own writer: two fragments three times, three twice, four once.
+file(COPY ${MESH} DESTINATION ${WORK}/library)
+execute_process(COMMAND ${WORK}/build/own_dataset ${WORK}/library RESULT_VARIABLE status OUTPUT_VARIABLE csv)
+string(REGEX MATCHALL "amphora.ply,[234]f_[012],[1-4],[0-9]+," lines "${csv}")
+list(LENGTH lines count)
+if(NOT status EQUAL 0 OR NOT count EQUAL 16)
+  message(FATAL_ERROR "own_dataset: ${status}, ${count} lines of fragments\n${csv}")
+endif()
+
+run(${WORK}/build/break_a_mesh ${MESH} ${WORK}/pieces)
 foreach(file manifest.json labels.rle preview.png fragments/amphora_005.vdb meshes/amphora_005.ply)
   if(NOT EXISTS ${WORK}/pieces/${file})
     message(FATAL_ERROR "${WORK}/pieces/${file} is missing")
