@@ -3,6 +3,8 @@
 
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace sherd {
 
@@ -16,15 +18,23 @@ enum class ErrorCode {
   cancelled = 130,  ///< stopped by the caller
 };
 
+/// Names of options as in their tables (sherd/options.h) and on the command line, without dashes.
+using OptionNames = std::vector<std::string>;
+
 /// Every error that the library throws.  what() is one sentence for the user without a final full
-/// stop: what, where, found, expected, what to try.
+/// stop: what, where, found, expected, what to try.  It names no flag of the command line.
 class Error : public std::runtime_error {
  public:
-  Error(ErrorCode code, const std::string& sentence) : std::runtime_error(sentence), code_(code) {}
+  Error(ErrorCode code, const std::string& sentence, OptionNames options = {})
+      : std::runtime_error(sentence), code_(code), options_(std::move(options)) {}
   ErrorCode code() const { return code_; }
+
+  /// The options whose values decide here, such as "resolution"; often none.
+  const OptionNames& options() const { return options_; }
 
  private:
   ErrorCode code_;
+  OptionNames options_;
 };
 
 }  // namespace sherd

@@ -28,7 +28,7 @@ enum class Growth : std::uint8_t {
 
 /// How a rule grows, and which options it uses.
 struct GrowthRule {
-  const char* name;              ///< of `--growth` and in manifests
+  const char* name;              ///< of the option growth and in manifests
   const char* kernel = nullptr;  ///< a kernel with the arguments of kernels/nearest.cl, which gives
                                  ///< each voxel one of the seeds; null: a method of src/grow
   bool usesNeighborhood = false;   ///< GrowOptions::neighborhood

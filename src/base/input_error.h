@@ -6,12 +6,14 @@
 #include <filesystem>
 #include <string>
 #include <system_error>
+#include <utility>
 
 namespace sherd {
 
 ///   throws  Error(input) "FILE: what"
-[[noreturn]] inline void inputError(const std::filesystem::path& file, const std::string& what) {
-  throw Error(ErrorCode::input, file.string() + ": " + what);
+[[noreturn]] inline void inputError(const std::filesystem::path& file, const std::string& what,
+                                    OptionNames options = {}) {
+  throw Error(ErrorCode::input, file.string() + ": " + what, std::move(options));
 }
 
 /// Returns the type of a path's entry, file_type::not_found if there is none.

@@ -13,6 +13,7 @@
 #include <limits>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "base/memory_bounds.h"
 
@@ -81,11 +82,16 @@ std::uint64_t freeMemory() {
                              : std::numeric_limits<std::uint64_t>::max();
 }
 
+Error memoryError(const std::string& what, std::uint64_t bytes, std::uint64_t limit,
+                  OptionNames options) {
+  return Error(ErrorCode::usage,
+               what + " takes up to " + gigabytes(bytes) + " of memory, and " + gigabytes(limit) +
+                   " may be used",
+               std::move(options));
+}
+
 void requireMemory(const std::string& what, std::uint64_t bytes, std::uint64_t limit) {
-  if (bytes <= limit) return;
-  throw Error(ErrorCode::usage, what + " takes up to " + gigabytes(bytes) + " of memory, and " +
-                                    gigabytes(limit) +
-                                    " may be used (--max-memory sets the limit)");
+  if (bytes > limit) throw memoryError(what, bytes, limit, OptionNames{"max-memory"});
 }
 
 }  // namespace sherd

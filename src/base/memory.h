@@ -1,6 +1,8 @@
 // Free memory, and refusing work that would not fit.
 #pragma once
 
+#include <sherd/error.h>
+
 #include <cstdint>
 #include <string>
 
@@ -9,6 +11,11 @@ namespace sherd {
 /// Returns the bytes that this process can still allocate: the least of what is free without
 /// swapping, what RLIMIT_AS leaves, and what cgroup v2 limits (set by Slurm and containers) leave.
 [[nodiscard]] std::uint64_t freeMemory();
+
+/// Returns Error(usage) "WHAT takes up to 3 GB of memory, and 2 GB may be used".
+///   options  those that set the limit, or what the work takes
+[[nodiscard]] Error memoryError(const std::string& what, std::uint64_t bytes, std::uint64_t limit,
+                                OptionNames options);
 
 /// Refuses work that would not fit.
 ///   what    the start of the message: "WHAT takes up to 3 GB of memory, ..."

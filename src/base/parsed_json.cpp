@@ -78,7 +78,7 @@ Json readParsed(const std::filesystem::path& file, const char* kind, std::uintma
   try {
     return parsed<Json>(bytes);
   } catch (const Error& e) {
-    sherd::inputError(file, std::string(e.what()) + ", so it is no " + kind);
+    sherd::inputError(file, std::string(e.what()) + ", so it is no " + kind, e.options());
   }
 }
 

@@ -52,9 +52,10 @@ auto withDevice(DeviceImpl& device, const char* doing, Body&& body) {
   try {
     return body();
   } catch (const cl::Error& e) {
-    throw Error(ErrorCode::device, device.info.name + ": " + doing + " failed in " + e.what() +
-                                       " with OpenCL error " + errorName(e.err()) +
-                                       "; try another --device");
+    throw Error(ErrorCode::device,
+                device.info.name + ": " + doing + " failed in " + e.what() + " with OpenCL error " +
+                    errorName(e.err()) + "; try another device",
+                OptionNames{"device"});
   }
 }
 
@@ -64,11 +65,12 @@ template <class T>
 DeviceBuffer makeBuffer(DeviceImpl& device, std::size_t count) {
   const std::size_t bytes = std::max<std::size_t>(count, 1) * sizeof(T);
   if (bytes > device.info.largestBufferBytes) {
-    throw Error(ErrorCode::device, device.info.name + ": a buffer of " +
-                                       std::to_string(bytes >> 20) +
-                                       " MiB is needed, the device allows " +
-                                       std::to_string(device.info.largestBufferBytes >> 20) +
-                                       " MiB; try a lower --resolution or another --device");
+    throw Error(ErrorCode::device,
+                device.info.name + ": a buffer of " + std::to_string(bytes >> 20) +
+                    " MiB is needed, the device allows " +
+                    std::to_string(device.info.largestBufferBytes >> 20) +
+                    " MiB; try a lower resolution or another device",
+                OptionNames{"resolution", "device"});
   }
   return device.pool.take(device.context, bytes,
                           {device.info.largestBufferBytes, device.info.memoryBytes});

@@ -48,10 +48,10 @@ Error buildError(const DeviceInfo& device, const std::string& log, int number) {
       errorName(number);
   if (!errors.empty()) return Error(ErrorCode::device, sentence + " and reports: " + errors);
   sentence +=
-      (lines.empty() ? " and gave no reason" : " and reports: " + lines) + "; try another --device";
+      (lines.empty() ? " and gave no reason" : " and reports: " + lines) + "; try another device";
   if (device.platform == kPocl)
     sentence += ", or an empty folder as POCL_CACHE_DIR in place of " + poclCache().folder.string();
-  return Error(ErrorCode::device, sentence);
+  return Error(ErrorCode::device, sentence, OptionNames{"device"});
 }
 
 cl::Program built(const cl::Context& context, const cl::Device& device, const DeviceInfo& info) {

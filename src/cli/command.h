@@ -1,6 +1,8 @@
 // Registration of sub-commands, output, and number validation.
 #pragma once
 
+#include <sherd/error.h>
+
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <cstdint>
@@ -30,6 +32,10 @@ void printResult(const std::string& text);
 
 /// Writes one line to standard error; failures are ignored.
 void printMessage(const std::string& line);
+
+/// Returns an error's sentence with the flags of its options: "...; try a higher resolution
+/// (--resolution)".
+[[nodiscard]] std::string sentenceOf(const Error& error);
 
 /// Accepts whole decimal numbers from `low` to `high`.  CLI11's own conversion reads "-1" as 2^64-1
 /// and "010" as eight, and saturates numbers out of range.

@@ -191,7 +191,7 @@ Options jsonOptions(const fs::path& file, const std::string& bytes) {
     for (const auto& [name, value] : json.items()) options.push_back(optionOf(file, name, value));
   } catch (const Error& e) {
     if (std::string_view(e.what()).starts_with(file.string())) throw;
-    inputError(file, std::string(e.what()) + "; expected a JSON object of options");
+    inputError(file, std::string(e.what()) + "; expected a JSON object of options", e.options());
   }
   // The parser silently keeps one of several equal names.
   std::set<std::string> names;

@@ -20,6 +20,7 @@
 #include <thread>
 
 #include "base/atomic_file.h"
+#include "cli/command.h"
 #include "cli/doctor.h"
 #include "cli/foreign_exit.h"
 #include "cli/interrupts.h"
@@ -130,8 +131,11 @@ Json selfTest(const std::string& choice) {
       test[run] = std::chrono::duration<double>(Clock::now() - begin).count();
       test["right"] = right;
       if (!right)
-        test["fault"] = device.info().name + ": a growth gives wrong labels; try another --device";
+        test["fault"] =
+            device.info().name + ": a growth gives wrong labels; try another device (--device)";
     }
+  } catch (const Error& e) {
+    test["fault"] = sentenceOf(e);
   } catch (const std::exception& e) {
     test["fault"] = e.what();
   }

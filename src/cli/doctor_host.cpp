@@ -20,6 +20,7 @@
 #include "base/memory_bounds.h"
 #include "base/version.h"
 #include "cli/cgal_checks.h"
+#include "cli/command.h"
 #include "cli/doctor.h"
 #include "cli/interrupts.h"
 

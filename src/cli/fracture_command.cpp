@@ -126,7 +126,7 @@ StagedFracture breakInput(const FractureArguments& arguments, Input& input,
     const std::optional<GivenSeeds>& given = run.fracture.seeds.given;
     const bool aboutSeeds = given && std::string_view(e.what()).starts_with(given->file);
     if (e.code() != ErrorCode::input || aboutSeeds || input.finished) throw;
-    throw Error(ErrorCode::input, titled(arguments.mesh, source) + ": " + e.what());
+    throw Error(ErrorCode::input, titled(arguments.mesh, source) + ": " + e.what(), e.options());
   }
 }
 
@@ -215,7 +215,7 @@ class FractureRun {
       } catch (const Error& e) {  // the other objects are broken nevertheless
         if (input.meshes.size() == 1 || e.code() != ErrorCode::input) throw;
         line_.clear();
-        printMessage(std::string("sherd: ") + e.what());
+        printMessage("sherd: " + sentenceOf(e));
         if (!refused) refused = Error(e.code(), "not all objects could be broken");
       }
       times_ = before;

@@ -129,7 +129,7 @@ void rethrowWith(const std::string& notUndone) {
   try {
     throw;
   } catch (const Error& e) {
-    throw Error(e.code(), std::string(e.what()) + "; " + notUndone);
+    throw Error(e.code(), std::string(e.what()) + "; " + notUndone, e.options());
   } catch (const std::exception& e) {
     throw Error(ErrorCode::internal, std::string(e.what()) + "; " + notUndone);
   }

@@ -44,6 +44,12 @@ void printResult(const std::string& text) {
 
 void printMessage(const std::string& line) { std::fputs((line + "\n").c_str(), stderr); }
 
+std::string sentenceOf(const Error& error) {
+  std::string flags;
+  for (const std::string& name : error.options()) flags += (flags.empty() ? "--" : ", --") + name;
+  return error.what() + (flags.empty() ? flags : " (" + flags + ")");
+}
+
 namespace {
 
 // A file size limit and a closed pipe must become errors with a message, not kill the process by a
@@ -121,9 +127,9 @@ int runProgram(int argc, char** argv) {
     claimExit(0);
     return 0;
   } catch (const Error& e) {
-    return report(e.code(), e.what());
+    return report(e.code(), sentenceOf(e));
   } catch (const std::bad_alloc&) {
-    return report(ErrorCode::internal, "not enough memory; try a lower --resolution");
+    return report(ErrorCode::internal, "not enough memory; try a lower resolution (--resolution)");
   } catch (const std::exception& e) {
     return report(ErrorCode::internal, std::string("internal error: ") + e.what());
   }

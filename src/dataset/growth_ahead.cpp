@@ -71,10 +71,12 @@ void GrowthAhead::growDistinct() {
         break;
       }
       if (attempt + 1 >= options_.tries) {
-        throw Error(ErrorCode::input, "no fracture into " + std::to_string(plan->planned.pieces) +
-                                          " pieces differs enough from the others in " +
-                                          std::to_string(options_.tries) +
-                                          " tries; lower --distinct");
+        throw Error(ErrorCode::input,
+                    "no fracture into " + std::to_string(plan->planned.pieces) +
+                        " pieces differs enough from the others in " +
+                        std::to_string(options_.tries) +
+                        " tries; accept fractures that differ less",
+                    OptionNames{"distinct"});
       }
     }
   }

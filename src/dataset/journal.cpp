@@ -67,7 +67,8 @@ Journal::Journal(const fs::path& out, const LibraryObject& object)
       throw Error(ErrorCode::output,
                   file_.string() +
                       ": another sherd process works on this object; wait for it, or "
-                      "give each process its own --shard");
+                      "give each process its own shard",
+                  OptionNames{"shard"});
     }
     text_ = readJournal(out, object);
     if (::ftruncate(descriptor_, static_cast<off_t>(text_.bytes)) != 0) cannot(file_, errno);

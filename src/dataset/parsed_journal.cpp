@@ -149,9 +149,10 @@ JournalText parsedJournal(std::string_view bytes, const std::string& name) {
     try {
       addLine(withCurrentKeys(parsedOrderedJson(rest.substr(0, end))), journal);
     } catch (const Error& e) {
-      throw Error(ErrorCode::input, name + ":" + std::to_string(number) +
-                                        ": is damaged: " + e.what() +
-                                        "; remove the file, and --resume breaks its object again");
+      throw Error(ErrorCode::input,
+                  name + ":" + std::to_string(number) + ": is damaged: " + e.what() +
+                      "; remove the file, and a resumed run breaks its object again",
+                  OptionNames{"resume"});
     }
     journal.bytes += end + 1;
   }

@@ -92,7 +92,7 @@ DatasetPlan readPlan(const fs::path& out) {
   try {
     return planOf(json);
   } catch (const Error& e) {
-    inputError(file, std::string("is damaged: ") + e.what());
+    inputError(file, std::string("is damaged: ") + e.what(), e.options());
   }
 }
 

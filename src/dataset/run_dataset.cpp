@@ -35,7 +35,8 @@ void check(const DatasetOptions& options) {
   need(schedule.fewest >= 1 && schedule.fewest <= schedule.most && schedule.most <= kMaxFragments,
        "pieces are a range from 1 up");
   need(schedule.repeatsOfFewest >= 0 && schedule.repeatsOfMost >= 0, "repeats are from 0 up");
-  need(options.distinct >= 0.0 && options.distinct < 1.0, "the share of --distinct lies in 0..1");
+  need(options.distinct >= 0.0 && options.distinct < 1.0,
+       "the share in which fractures differ lies in 0..1");
   need(options.shard.of >= 1 && options.shard.number >= 1 &&
            options.shard.number <= options.shard.of,
        "a shard is i/N with i in 1..N");
@@ -79,8 +80,8 @@ void prepareFolder(const fs::path& out, const DatasetPlan& plan, const DatasetOp
                                         "dataset.json; use the same options or another folder");
     }
     if (!options.resume) {
-      throw Error(ErrorCode::usage,
-                  out.string() + ": contains this dataset already; continue it with --resume");
+      throw Error(ErrorCode::usage, out.string() + ": contains this dataset already; resume it",
+                  OptionNames{"resume"});
     }
     if (!std::equal(before.objects.begin(), before.objects.end(), plan.objects.begin(),
                     plan.objects.end(), same)) {
@@ -159,7 +160,7 @@ class LibraryRun {
       if (e.code() != ErrorCode::input && e.code() != ErrorCode::usage) throw;
       fail(object, journal, e.what(), each);
     } catch (const std::bad_alloc&) {
-      fail(object, journal, "not enough memory; try a lower --resolution", each);
+      fail(object, journal, "not enough memory; try a lower resolution", each);
     }
   }
 
@@ -256,10 +257,11 @@ DatasetSummary mergeDataset(const fs::path& out, const Progress* progress) {
     if (count++ == 0) missing = object.key;
   }
   if (count > 0) {
-    throw Error(ErrorCode::input, out.string() + ": " + std::to_string(count) + " of " +
-                                      std::to_string(plan.objects.size()) +
-                                      " objects are not done, the first is " + missing +
-                                      "; run their shards again with --resume");
+    throw Error(ErrorCode::input,
+                out.string() + ": " + std::to_string(count) + " of " +
+                    std::to_string(plan.objects.size()) + " objects are not done, the first is " +
+                    missing + "; resume the runs of their shards",
+                OptionNames{"resume"});
   }
   const DatasetIndex index = writeIndex(out, plan, progress);
   writeReport(out, index.statistics);

@@ -180,7 +180,7 @@ auto withFolderErrors(const fs::path& folder, const Work& work) {
   try {
     return work();
   } catch (const Error& e) {
-    throw Error(e.code(), withFinalPath(e.what()));
+    throw Error(e.code(), withFinalPath(e.what()), e.options());
   } catch (const fs::filesystem_error& e) {
     outputError(folder, "cannot be written", e);
   }

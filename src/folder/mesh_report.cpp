@@ -155,15 +155,15 @@ std::vector<std::string> meshWarnings(const SourceMesh& source, const FractureRe
                        "; overlaps count once, and walls thinner than a voxel are lost");
   }
   if (isShort(report)) {
-    warnings.push_back(titleOf(source) + ": the mesh needs a --resolution of " +
+    warnings.push_back(titleOf(source) + ": the mesh needs a resolution of " +
                        std::to_string(report.walls.resolution) +
-                       ", above the highest automatic one, " + std::to_string(kMostAutoResolution) +
-                       "; walls are " + text(report.walls.thinnest) +
-                       " voxels thin and may be lost");
+                       " voxels, above the highest automatic one, " +
+                       std::to_string(kMostAutoResolution) + "; walls are " +
+                       text(report.walls.thinnest) + " voxels thin and may be lost");
   } else if (report.walls.thinnest < 1.0 && report.walls.resolution > 0 &&
              report.fill != Fill::shell) {
     warnings.push_back(titleOf(source) + ": walls are down to " + text(report.walls.thinnest) +
-                       " voxels thin and may be lost; a --resolution of " +
+                       " voxels thin and may be lost; a resolution of " +
                        std::to_string(report.walls.resolution) + " preserves them");
   }
   return warnings;

@@ -304,7 +304,8 @@ void PartialFolder::takeBack(const Files& fresh) {
     move(folder_ / kManifestName, path_ / kNew / kManifestName);
   } catch (const Error& failed) {
     leave();
-    throw Error(failed.code(), std::string(failed.what()) + "; it holds the new fracture");
+    throw Error(failed.code(), std::string(failed.what()) + "; it holds the new fracture",
+                failed.options());
   }
   try {  // without its manifest the new fracture is unfinished
     moveBack(folder_, path_, fresh);
@@ -366,9 +367,11 @@ void requireSettledFolder(const fs::path& folder) {
     settle(folder, partial);
   } catch (const Error& e) {
     if (e.code() != ErrorCode::output) throw;
-    inputError(folder, std::string("a killed run left its fracture half replaced, which cannot be "
-                                   "undone: ") +
-                           e.what());
+    inputError(folder,
+               std::string("a killed run left its fracture half replaced, which cannot be "
+                           "undone: ") +
+                   e.what(),
+               e.options());
   } catch (const fs::filesystem_error& e) {
     if (present(folder / kManifestName)) return;  // restored; only the cleanup failed
     inputError(folder,

@@ -173,7 +173,7 @@ Manifest readManifest(const fs::path& file) {
   try {
     return manifestOf(json);
   } catch (const Error& e) {
-    inputError(file, e.what());
+    inputError(file, e.what(), e.options());
   }
 }
 

@@ -69,7 +69,7 @@ std::vector<SeedPoint> readSeedPoints(const fs::path& file) {
   try {
     return seedPoints(json);
   } catch (const Error& e) {
-    throw Error(e.code(), file.string() + ": " + e.what());
+    throw Error(e.code(), file.string() + ": " + e.what(), e.options());
   }
 }
 

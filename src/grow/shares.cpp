@@ -209,7 +209,8 @@ SeededLabels growWithShares(const std::shared_ptr<const LeafBlocks>& blocks,
                   percent(shares.minShare) + " were found in " + std::to_string(shares.tries) +
                   " growths, the smallest had " +
                   percent(static_cast<double>(smallest) / static_cast<double>(voxels)) +
-                  "; try --balance 8 or fewer pieces");
+                  "; try fewer pieces, or a balance of 8",
+              OptionNames{"pieces", "balance"});
 }
 
 }  // namespace sherd

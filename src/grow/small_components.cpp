@@ -21,9 +21,10 @@ Solid dropSmallComponents(Solid solid, VoxelComponents& components, Device& devi
   }
   if (solid.smallComponents == 0) return solid;
   if (solid.smallComponents == components.count()) {
-    throw Error(ErrorCode::input, "no component of the solid has " +
-                                      std::to_string(kSmallComponentVoxels) +
-                                      " voxels at this voxel size; try a higher --resolution");
+    throw Error(ErrorCode::input,
+                "no component of the solid has " + std::to_string(kSmallComponentVoxels) +
+                    " voxels at this voxel size; try a higher resolution",
+                OptionNames{"resolution"});
   }
   solid.distance = withoutVoxels(*solid.distance, *solid.blocks, [&](std::size_t voxelIndex) {
     return isSmallComponent(components.at(voxelIndex));

@@ -145,7 +145,8 @@ RunOptions optionsRecorded(const In& recorded) {
     } catch (const nlohmann::json::exception&) {
       throw Error(ErrorCode::input, std::string("its option ") + row.key + " is damaged");
     } catch (const Error& e) {
-      throw Error(ErrorCode::input, std::string("its option ") + row.key + ": " + e.what());
+      throw Error(ErrorCode::input, std::string("its option ") + row.key + ": " + e.what(),
+                  e.options());
     }
   }
   return options;

@@ -108,7 +108,7 @@ std::vector<Seed> seedsAt(const GivenSeeds& given, const PreparedSolid& ready, s
     return seedsFromPoints(given.points, ready.solid, ready.components, seed);
   } catch (const Error& e) {
     if (given.file.empty()) throw;
-    throw Error(e.code(), given.file + ": " + e.what());
+    throw Error(e.code(), given.file + ": " + e.what(), e.options());
   }
 }
 

@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/memory.h"
@@ -175,14 +176,16 @@ void requireMemory(const TriangleMesh& mesh, const FractureOptions& options, std
       high = middle - 1;
     }
   }
-  std::string advice = fits > 0 ? "a --resolution of " + std::to_string(fits) + " fits"
+  OptionNames names{"resolution", "max-memory"};
+  std::string advice = fits > 0 ? "a resolution of " + std::to_string(fits) + " fits"
                                 : std::string("no resolution fits");
   if (bytesOf(voxelSize, MeshesHeld::some) <= limit) {
-    advice += ", and this one without the preview image and other files of all pieces (--write)";
+    advice += ", and this one without the preview image and other files of all pieces";
+    names = OptionNames{"resolution", "write", "max-memory"};
   }
-  requireMemory(advice + "; one of " + std::to_string(resolution) +
-                    (isAutomatic ? ", which the mesh's walls need," : ""),
-                bytes(voxelSize), limit);
+  throw memoryError(advice + "; one of " + std::to_string(resolution) +
+                        (isAutomatic ? ", which the mesh's walls need," : ""),
+                    bytes(voxelSize), limit, std::move(names));
 }
 
 }  // namespace sherd

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "base/random.h"
 #include "seed/irwin_hall.h"
@@ -15,8 +16,8 @@
 namespace sherd {
 namespace {
 
-Error usageError(std::size_t number, const std::string& what) {
-  return Error(ErrorCode::usage, "impact " + std::to_string(number + 1) + what);
+Error usageError(std::size_t number, const std::string& what, OptionNames options = {}) {
+  return Error(ErrorCode::usage, "impact " + std::to_string(number + 1) + what, std::move(options));
 }
 
 bool isFinite(const glm::dvec3& v) {
@@ -122,9 +123,11 @@ void scatter(const AimedImpact& aimedImpact, std::size_t number, const SeedCandi
                                    return components.at(key) == aimedImpact.component;
                                  }));
   if (aimedImpact.count > room) {
-    throw usageError(number, " needs " + std::to_string(aimedImpact.count) +
-                                 " seeds in a connected component with " + std::to_string(room) +
-                                 " free voxels; lower its count or try a higher --resolution");
+    throw usageError(number,
+                     " needs " + std::to_string(aimedImpact.count) +
+                         " seeds in a connected component with " + std::to_string(room) +
+                         " free voxels; lower its count or try a higher resolution",
+                     OptionNames{"resolution"});
   }
 
   // kTaken hits in a row on taken voxels mean that most of the neighborhood is taken (if half of it

@@ -28,9 +28,10 @@ std::vector<std::uint16_t> permutedIds(std::size_t n, std::uint64_t seed) {
 std::size_t countPieces(const VoxelComponents& components, const SeedOptions& options) {
   const std::size_t count = std::max(static_cast<std::size_t>(options.pieces), components.count());
   if (count > kMaxFragments) {
-    throw Error(ErrorCode::usage, "the solid would give " + std::to_string(count) +
-                                      " fragments; at most " + std::to_string(kMaxFragments) +
-                                      " are possible; try a lower --resolution");
+    throw Error(ErrorCode::usage,
+                "the solid would give " + std::to_string(count) + " fragments; at most " +
+                    std::to_string(kMaxFragments) + " are possible; try a lower resolution",
+                OptionNames{"resolution"});
   }
   return count;
 }
@@ -45,8 +46,9 @@ void checkImpactsFit(const std::vector<AimedImpact>& aimedImpacts,
   throw Error(ErrorCode::usage,
               "the impacts make " + std::to_string(count) +
                   " pieces in addition to one for each of " + std::to_string(components.count()) +
-                  " connected components, but --pieces is " + std::to_string(options.pieces) +
-                  "; raise --pieces or let the impacts merge");
+                  " connected components, but the fracture has " + std::to_string(options.pieces) +
+                  "; try more pieces, or let the impacts merge",
+              OptionNames{"pieces"});
 }
 
 void checkRoom(std::size_t pieces, std::size_t further, const VoxelIndex& candidates,
@@ -57,8 +59,9 @@ void checkRoom(std::size_t pieces, std::size_t further, const VoxelIndex& candid
               std::to_string(pieces) + " pieces" +
                   (further ? " and " + std::to_string(further) + " further seeds" : "") +
                   " do not fit into a solid of " + std::to_string(candidates.total()) +
-                  (volume ? " voxels" : " surface voxels") + "; try a higher --resolution" +
-                  (volume ? "" : " or --seeds-on volume"));
+                  (volume ? " voxels" : " surface voxels") + "; try a higher resolution" +
+                  (volume ? "" : " or seeds in the volume"),
+              volume ? OptionNames{"resolution"} : OptionNames{"resolution", "seeds-on"});
 }
 
 // Returns the chosen voxels as seeds: [those of `ids`, ascending by id][the rest, each with the id

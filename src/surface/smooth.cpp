@@ -161,7 +161,8 @@ void checkSurfaceOptions(const SurfaceOptions& options) {
   if (smooth.method == Smoothing::taubin && largest > kMostTaubinWeight) {
     throw Error(ErrorCode::usage,
                 "Taubin's smoothing takes weights of 0..2/3, or short waves grow; more needs "
-                "--smoothing laplacian");
+                "Laplacian smoothing",
+                OptionNames{"smoothing"});
   }
   if (!(options.adaptivity >= 0.0 && options.adaptivity <= 1.0)) {
     throw Error(ErrorCode::usage, "the adaptivity lies in 0..1");

@@ -158,9 +158,10 @@ Solid voxelize(const TriangleMesh& source, const SolidOptions& options, const Pr
     measureVoxels(solid);
   }
   if (solid.voxels == 0) {
-    throw Error(ErrorCode::input, "no voxel center lies inside the mesh at a voxel size of " +
-                                      std::to_string(solid.frame.voxelSize) +
-                                      "; try a higher --resolution");
+    throw Error(ErrorCode::input,
+                "no voxel center lies inside the mesh at a voxel size of " +
+                    std::to_string(solid.frame.voxelSize) + "; try a higher resolution",
+                OptionNames{"resolution"});
   }
   reportProgress(progress, "voxelize", 1.0);
   return solid;

@@ -320,7 +320,7 @@ class Resolution(CommandLine):
 
     def test_short_memory_names_the_one_to_ask_for(self):
         self.refused(2, self.run_sherd("fracture", self.pane, "-o", self.out, "--max-memory", "210M"),
-                     "--resolution of", "one of 144, which the mesh's walls need,")
+                     "a resolution of ", "one of 144, which the mesh's walls need,", " may be used (--resolution, --write, --max-memory)\n")
         self.nothing_written()
 
     def test_a_shell_is_no_thicker_than_the_mesh_is_long(self):

@@ -227,7 +227,7 @@ class Journals(Safety):
                 with open(journal, "w") as file:
                     file.write(text)
                 # Of which one may be read on: a journal that is not done is, when the object's turn comes.
-                self.refused(3, self.run_sherd("merge", self.out), f"ball.jsonl:{number}: is damaged", "remove the file")
+                self.refused(3, self.run_sherd("merge", self.out), f"ball.jsonl:{number}: is damaged", "remove the file", "(--resume)")
         self.refused(3, self.dataset(*QUICK, "--poses", "--resume"), "ball.jsonl:4: is damaged")
         verified = self.dataset(*QUICK, "--poses", "--resume", "--verify", "--match", "vases*")
         self.assertEqual(verified.returncode, 0, verified.stderr)

@@ -216,7 +216,7 @@ class Run(Dataset):
         self.refused(2, self.dataset("--split", "0/0/0"), "--split")
         self.done("--match", "ball*")
         before = tree(self.out)
-        self.refused(2, self.dataset("--match", "ball*"), "--resume")
+        self.refused(2, self.dataset("--match", "ball*"), "; resume it (--resume)\n")
         self.refused(2, self.dataset("--match", "ball*", "--resume", "--balance", "2"), "other options")
         self.assertEqual(tree(self.out), before)
         os.makedirs(self.path("full"))

@@ -213,6 +213,23 @@ class Options(unittest.TestCase):
                     elif default and default != "needed":
                         self.assertRegex(real.text, "default", f"cli.md has the default {default}, --help has none")
 
+    def test_errors_name_options_and_no_flags(self):
+        """Errors of the library list options by name, and the program adds their flags: no other string of src/ has one."""
+        tables = ("src/cli/", "src/options/", "src/dataset/options.cpp", "src/assimp_program/")
+        names, flags = set(), []
+        for name in tracked():
+            if not re.match(r"(src|include)/.*\.(cpp|h)$", name) or name.startswith(tables):
+                continue
+            for listed in re.findall(r"\bOptionNames(?: \w+)?\{([^}]*)\}", text_of(name)):
+                names |= set(re.findall(r'"([^"]*)"', listed))
+            for literal in re.findall(r"""//.*|'(?:\\.|[^\\'\n])'|"(?:\\.|[^\\"\n])*\"""", text_of(name)):
+                if re.match(r'".*--[a-z]', literal):
+                    flags.append(f"{name}: {literal}")
+        self.assertEqual(flags, [])
+        self.assertIn("resolution", names)
+        known = set(helped("fracture")) | set(helped("dataset"))
+        self.assertEqual(sorted(n for n in names if "--" + n not in known), [])
+
 
 # --- Names and links ----------------------------------------------------------------------------------------------------------
 

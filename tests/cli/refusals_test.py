@@ -156,6 +156,23 @@ class Together(CommandLine):
                 self.assertNotIn("does nothing", self.done(*options, *more).stderr)
 
 
+class Flags(CommandLine):
+    def test_an_error_ends_with_those_of_its_options(self):
+        flat = self.path("flat.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+        for options, mesh, status, end in (
+                (("--pieces", "60000", "--resolution", "8"), self.ball, 2, "; try a higher resolution (--resolution)"),
+                (("--pieces", "60000", "--resolution", "8", "--seeds-on", "surface"), self.ball, 2,
+                 "; try a higher resolution or seeds in the volume (--resolution, --seeds-on)"),
+                (("--impact", "0,0,1,9", "--pieces", "3"), self.ball, 2, "; try more pieces, or let the impacts merge (--pieces)"),
+                (("--smooth-weight", "0.9", "--smooth-iterations", "2"), self.ball, 2, "; more needs Laplacian smoothing (--smoothing)"),
+                (("--fill", "winding"), flat, 3, "; try a higher resolution (--resolution)")):
+            with self.subTest(options):
+                result = self.run_sherd("fracture", mesh, "-o", self.out, *options)
+                self.refused(status, result, end + "\n")
+                self.assertEqual(result.stderr.count("--"), end.count("--"), result.stderr)
+        self.nothing_written()
+
+
 class OfDatasets(Dataset):
     def run_with(self, text, *arguments, name="options.toml", **more):
         config = self.path(name, text.encode())

@@ -86,7 +86,8 @@ TEST(Memory, ARefusalNamesTheResolutionThatFits) {
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ErrorCode::usage);
-    const std::string sentence = e.what(), before = "a --resolution of ";
+    const std::string sentence = e.what(), before = "a resolution of ";
+    EXPECT_EQ(e.options(), (OptionNames{"resolution", "max-memory"}));
     const std::size_t at = sentence.find(before);
     ASSERT_NE(at, std::string::npos) << sentence;
     const int fits = std::stoi(sentence.substr(at + before.size()));
@@ -105,6 +106,7 @@ TEST(Memory, ARefusalNamesTheResolutionThatFits) {
       const std::string message = e.what();
       const bool suggestsSome = message.find("without the preview image") != std::string::npos;
       EXPECT_EQ(suggestsSome, tight >= some) << message;
+      EXPECT_EQ(e.options().size(), suggestsSome ? 3u : 2u) << message;
     }
   }
   try {

@@ -184,7 +184,7 @@ TEST(Resolution, ShortMemoryNamesTheOneToAskFor) {
     FAIL();
   } catch (const Error& e) {
     const std::string sentence = e.what();
-    EXPECT_NE(sentence.find("a --resolution of 247 fits"), std::string::npos) << sentence;
+    EXPECT_NE(sentence.find("a resolution of 247 fits"), std::string::npos) << sentence;
     EXPECT_NE(sentence.find("one of 248, which the mesh's walls need,"), std::string::npos)
         << sentence;
   }

@@ -143,7 +143,7 @@ void expectRefusalForMemory(const fs::path& file, const VolumeOptions& options) 
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ErrorCode::usage);
-    EXPECT_NE(std::string(e.what()).find("--max-memory"), std::string::npos) << e.what();
+    EXPECT_EQ(e.options(), OptionNames{"max-memory"}) << e.what();
   }
 }
 

@@ -55,8 +55,8 @@ std::vector<NamedGrid> chosenGrids(const fs::path& file, const std::string& name
   if (hasLevelSet) {
     std::erase_if(grids, [](const NamedGrid& grid) { return !grid.isLevelSet; });
   } else if (grids.size() > 1) {
-    inputError(file,
-               "holds several grids and no level set; name one with --grid: " + namesOf(grids));
+    inputError(file, "holds several grids and no level set; choose one of " + namesOf(grids),
+               OptionNames{"grid"});
   }
   return grids;
 }

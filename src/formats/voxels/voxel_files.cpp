@@ -92,7 +92,7 @@ void writeVoxels(const OutputFile& file, const PlacedVoxels& voxels, VoxelFormat
   } catch (const Error& e) {
     const std::string what = e.what();  // only errors of the disk name the file
     if (what.starts_with(file.string())) throw;
-    throw Error(e.code(), file.string() + ": " + what);
+    throw Error(e.code(), file.string() + ": " + what, e.options());
   }
 }
 
