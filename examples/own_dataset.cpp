@@ -49,7 +49,7 @@ int main(int argc, char** argv) {
         breakObject(object, schedule, device);
       } catch (const sherd::Error& error) {
         if (error.code() != sherd::ErrorCode::input) throw;
-        std::cerr << object.key << ": " << error.what() << '\n';  // the others are broken
+        std::cerr << object.key << ": " << error.what() << '\n';  // continue with the next object
       }
     }
     return 0;

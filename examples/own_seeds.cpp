@@ -9,8 +9,8 @@
 namespace {
 
 // One seed for each octant of the mesh's box, each the center of a fragment.  Seeds outside the
-// solid move to the nearest voxel within two voxels, so these may be refused: then the caller falls
-// back to an impact.
+// solid move to the nearest voxel within two voxels, so these may be refused: then only the impact
+// is used.
 std::vector<sherd::SeedPoint> octantSeeds(const sherd::TriangleMesh& mesh) {
   const sherd::Box box = sherd::bounds(mesh);
   std::vector<sherd::SeedPoint> seeds;
@@ -58,8 +58,9 @@ int main(int argc, char** argv) {
     // Several fractures of one solid grow together.
     const std::vector<sherd::Labels> grown =
         sherd::grow(ready.solid.blocks, seedSets, device, {.roughness = 1.0});
-    for (const sherd::Labels& labels : grown) {
-      const std::string first = std::to_string(labels.fragmentCount) + "_";
+    for (std::size_t set = 0; set < grown.size(); ++set) {
+      const sherd::Labels& labels = grown[set];
+      const std::string first = std::to_string(set) + "_";
       for (const sherd::Fragment& fragment : sherd::extractFragments(ready.solid, labels)) {
         sherd::writePly(first + std::to_string(fragment.id) + ".ply", fragment.mesh);
       }

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Make the pages of the public headers in build/api/html by Doxygen; what it warns of is an error.
+# Makes the pages of the public headers in build/api/html by Doxygen; what it warns of is an error.  Aligned lines of a comment
+# ("///   throws  Error(input) ...") become paragraphs of that name.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 mkdir -p build/api
@@ -15,6 +16,8 @@ QUIET = YES
 WARN_AS_ERROR = FAIL_ON_WARNINGS
 WARN_LOGFILE = build/api/warnings
 SORT_MEMBER_DOCS = NO
+AUTOLINK_SUPPORT = NO
+INPUT_FILTER = "sed -E 's#^( *///)   ([a-z][A-Za-z, ]*[A-Za-z])  +(.*)#\1 @par \2\n\1 \3#'"
 HAVE_DOT = NO
 ENABLE_PREPROCESSING = YES
 MACRO_EXPANSION = NO

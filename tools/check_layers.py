@@ -67,7 +67,7 @@ def read_graph():
     edges, faults = collections.Counter(), []
     headers = len(ROOM_OF_HEADER) - 1
     if headers > MOST_HEADERS:
-        faults.append(f"there are {headers} public headers besides sherd.h, at most {MOST_HEADERS} are to be")
+        faults.append(f"there are {headers} public headers besides sherd.h, at most {MOST_HEADERS} are allowed")
     files = [f for top in ("src", "include") for f in sorted((ROOT / top).rglob("*")) if f.suffix in (".h", ".cpp")]
     for file in files:
         path = file.relative_to(ROOT)

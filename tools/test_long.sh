@@ -47,6 +47,9 @@ tools/check_pcl.sh build/release/sherd
 echo "== a thousand million voxels"
 tests/long/large.py build/release/sherd
 
+echo "== an option added as one row"
+tests/long/option_row.py
+
 echo "== a dataset run on Slurm"
 tests/long/slurm.sh build/release/sherd
 

@@ -1,6 +1,7 @@
 // Dataset runs: a library of meshes, each broken many times.
 #pragma once
 
+#include <sherd/error.h>
 #include <sherd/folder.h>
 #include <sherd/fracture.h>
 #include <sherd/options.h>
@@ -141,7 +142,7 @@ struct DatasetProgress {
 /// What a run reports; each member may be empty.
 struct DatasetCallbacks {
   std::function<void(const DatasetProgress&)> fractured{};  ///< after each fracture, in order
-  std::function<void(const std::string& object, const std::string& reason)> failed{};
+  std::function<void(const std::string& object, const Error& reason)> failed{};
   std::function<void(const std::string& sentence)> warning{};
   const Progress* progress = nullptr;  ///< only `cancelled` is called; true stops the run
 };

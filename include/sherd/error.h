@@ -18,7 +18,8 @@ enum class ErrorCode {
   cancelled = 130,  ///< stopped by the caller
 };
 
-/// Names of options as in their tables (sherd/options.h) and on the command line, without dashes.
+/// Names of options as in their tables (sherd/options.h) and on the command line, without dashes;
+/// also "device" and "max-memory", which only the command line has.
 using OptionNames = std::vector<std::string>;
 
 /// Every error that the library throws.  what() is one sentence for the user without a final full

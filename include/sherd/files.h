@@ -314,8 +314,10 @@ void writeVdb(const OutputFile& file, const Fragment& fragment, const GridMetada
 /// Writes fragments into one file: grids surface_1, surface_2, ... by id, with the metadata of
 /// writeVdb; density_1, ... with VdbOptions::fog; and an Int32 grid "fragment_id", in which every
 /// voxel of the solid is active with its fragment's id, or 0 if it is in none of `fragments`.
-///   throws  Error(output)
-void writeVdbOfAll(const OutputFile& file, std::span<const Fragment> fragments, const Solid& solid,
+///   fragments  [>= 1] with level sets, ids from 1 without gaps
+///   labels     of the solid that they are fragments of
+///   throws     Error(output)
+void writeVdbOfAll(const OutputFile& file, std::span<const Fragment> fragments,
                    const Labels& labels, const GridMetadata& metadata,
                    const VdbOptions& options = {});
 
@@ -326,8 +328,8 @@ void writeVdbOfSolid(const OutputFile& file, const Solid& solid, const GridMetad
 
 /// Writes the arrival costs of a solid's inside voxels as Int32 grid "cost", compressed as in
 /// writeVdb; the background is -1.
-///   labels  with costs
-///   throws  Error(output)
+///   labels  of this solid, with costs
+///   throws  Error(usage) other labels; Error(output)
 void writeCost(const OutputFile& file, const Solid& solid, const Labels& labels);
 
 /// Metadata as text, ascending by key.

@@ -18,12 +18,13 @@
 
 namespace sherd {
 
-/// Returns the options, with arrival costs and level sets enabled exactly if the files need them.
+/// Returns the options with GrowOptions::keepCost and SurfaceOptions::levelSets set exactly if the
+/// files need costs and level sets.
 [[nodiscard]] FractureOptions optionsFor(FractureOptions options, const WriteOptions& write);
 
 /// Checks the options.  Call this before long work.
 ///   throws  Error(usage) correspondences of fragments that do not share their surfaces; STL both
-///           binary and as text
+///           binary and as text; a seed of points or distances; what checkSurfaceOptions throws
 void checkWriteOptions(const WriteOptions& write, const FractureOptions& options);
 
 /// Checks that writeFracture can write into a folder: it must be writable, and absent, empty or an
@@ -53,10 +54,11 @@ WrittenFolder writeFracture(const std::filesystem::path& folder, const SourceMes
 
 /// What is broken into a folder.
 struct FractureInput {
-  const SourceMesh& source;                    ///< names the files; its mesh is broken, unless:
-  std::optional<Solid> solid{};                ///< is broken in place of the mesh
-  const FinishedFracture* finished = nullptr;  ///< its fragments `only` are broken again
-  std::vector<int> only{};                     ///< as in refracture
+  const SourceMesh& source;      ///< the mesh that is broken; its name is used for files.  It must
+                                 ///< outlive the call
+  std::optional<Solid> solid{};  ///< if set, it is broken instead of the mesh
+  const FinishedFracture* finished = nullptr;  ///< if set, its fragments in `only` are broken again
+  std::vector<int> only{};                     ///< ids, as in refracture
 };
 
 /// The result of fractureInto.
@@ -70,8 +72,10 @@ struct WrittenFracture {
 /// made, and their level sets and meshes are freed then unless WriteOptions::needsAllLevelSets or
 /// needsAllMeshes keeps them.  Where both are freed, large solids take a quarter to a third less
 /// memory (docs/performance.md).
-///   return  the result without what was freed: Fragment::surface; mesh and neighbor
-///   throws  what fracture, refracture and writeFracture throw
+///   options  completed by optionsFor
+///   return   the result without what was freed: Fragment::surface; mesh and neighbor
+///   throws   Error(usage) both a solid and a finished fracture, `only` without one, costs of one;
+///            what fracture, refracture and writeFracture throw
 [[nodiscard]] WrittenFracture fractureInto(const std::filesystem::path& folder, FractureInput input,
                                            const FractureOptions& options, Device& device,
                                            const WriteOptions& write = {},

@@ -63,10 +63,10 @@ struct FractureResult {
   std::size_t kept() const { return fragments.size() - withheld; }
 };
 
-/// Breaks a mesh: voxelize, findComponents, placeSeeds or seedsFromPoints, growWithShares, erode
-/// and extractFragments, in this order.  Components under kSmallComponentVoxels voxels are dropped
-/// before seeding.  Withheld fragments get the last ids; ids are a random permutation, so
-/// `missing` withholds random fragments.
+/// Breaks a mesh: voxelize, findComponents, placeSeeds or seedsFromPoints, grow (repeated as
+/// ShareOptions require), erode and extractFragments, in this order.  Components under
+/// kSmallComponentVoxels voxels are dropped before seeding.  Withheld fragments get the last ids;
+/// ids are a random permutation, so `missing` withholds random fragments.
 ///   throws  what these functions throw; Error(usage) no fragment would be left
 [[nodiscard]] FractureResult fracture(const TriangleMesh& mesh, const FractureOptions& options,
                                       Device& device, const Progress* progress = nullptr);

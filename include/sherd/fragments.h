@@ -171,8 +171,9 @@ struct ExtractOptions {
 /// Every inside voxel's center lies in its owner's level set and in no other.
 ///   labels  of this solid's blocks: each id 1..fragmentCount with at least one voxel
 ///   return  [fragmentCount] ascending by id
-///   throws  Error(usage) the labels are of other blocks, an option is out of range;
-///           Error(cancelled)
+///   throws  Error(usage) the labels are of other blocks, an inside voxel has none, an option is
+///   out
+///           of range; Error(cancelled)
 [[nodiscard]] std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
                                                      const ExtractOptions& options = {},
                                                      const Progress* progress = nullptr);

@@ -71,7 +71,7 @@ struct VoronoiSites {
 
 /// The fragment of each voxel of leaf blocks.
 struct Labels {
-  static constexpr std::uint16_t kEroded = 65535;  ///< an eroded or withheld voxel
+  static constexpr std::uint16_t kEroded = 65535;  ///< an eroded voxel
 
   std::shared_ptr<const LeafBlocks> blocks{};  ///< whose voxels are labeled, such as Solid::blocks
   int fragmentCount = 0;                       ///< ids are 1..fragmentCount, at most kMaxFragments
@@ -139,8 +139,11 @@ struct GrowOptions {
 
 /// Counts the inside voxels of each fragment: [fragmentCount+1], [0] those without a label.  Eroded
 /// voxels are not counted.
+///   throws  Error(usage) no blocks, another number of labels than voxels, a label above the
+///           fragmentCount
 [[nodiscard]] std::vector<std::uint64_t> countVoxels(const Labels& labels);
 
+/// Control of fragment sizes in a fracture.
 struct ShareOptions {
   double minShare = 0.0;  ///< least share of the solid's voxels in a fragment, 0..1
   int balance = 0;  ///< Lloyd iterations before that: seeds move to their fragment's center, 0..100

@@ -13,7 +13,7 @@
 ///     sherd::fractureInto("pieces", {source}, {.pieces = 8, .seed = 7}, device);
 /// @endcode
 ///
-/// The same stage by stage, each a function from values to a new value:
+/// The stages one by one, each a function from values to a new value:
 ///
 /// @code
 /// using namespace sherd;

@@ -7,7 +7,7 @@
 
 namespace sherd {
 
-/// Declared in sherd/sherd.h, too.
+/// Also declared in sherd/sherd.h.
 [[nodiscard]] const char* version();
 
 /// Returns names and versions of the linked libraries: at run time where the library reports it,

@@ -50,9 +50,10 @@ DatasetPrinter::DatasetPrinter(bool json, bool quiet)
 DatasetCallbacks DatasetPrinter::callbacks() {
   DatasetCallbacks callbacks;
   callbacks.fractured = [this](const DatasetProgress& progress) { printProgress(progress); };
-  callbacks.failed = [this](const std::string& object, const std::string& reason) {
-    if (json_) return printEvent({{"event", "failed"}, {"object", object}, {"reason", reason}});
-    printSentence("sherd: " + object + " failed: " + reason);
+  callbacks.failed = [this](const std::string& object, const Error& reason) {
+    if (json_)
+      return printEvent({{"event", "failed"}, {"object", object}, {"reason", reason.what()}});
+    printSentence("sherd: " + object + " failed: " + sentenceOf(reason));
   };
   callbacks.warning = [this](const std::string& sentence) {
     if (json_) return printEvent({{"event", "warning"}, {"warning", sentence}});

@@ -20,7 +20,6 @@
 #include "base/memory_bounds.h"
 #include "base/version.h"
 #include "cli/cgal_checks.h"
-#include "cli/command.h"
 #include "cli/doctor.h"
 #include "cli/interrupts.h"
 

@@ -2,6 +2,7 @@
 #include <sherd/error.h>
 #include <sherd/evaluate.h>
 #include <sherd/files.h>
+#include <sherd/folder.h>
 #include <sherd/mesh.h>
 #include <sherd/points.h>
 #include <tbb/global_control.h>

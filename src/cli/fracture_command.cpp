@@ -124,8 +124,10 @@ StagedFracture breakInput(const FractureArguments& arguments, Input& input,
     return stageFracture(folder, std::move(part), run.fracture, device, run.write, &progress);
   } catch (const Error& e) {
     const std::optional<GivenSeeds>& given = run.fracture.seeds.given;
-    const bool aboutSeeds = given && std::string_view(e.what()).starts_with(given->file);
-    if (e.code() != ErrorCode::input || aboutSeeds || input.finished) throw;
+    const std::string_view sentence = e.what();
+    const bool namesFile =
+        (given && sentence.starts_with(given->file)) || sentence.starts_with(folder);
+    if (e.code() != ErrorCode::input || namesFile || input.finished) throw;
     throw Error(ErrorCode::input, titled(arguments.mesh, source) + ": " + e.what(), e.options());
   }
 }

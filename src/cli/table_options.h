@@ -45,7 +45,7 @@ template <class Target>
 template <class Target>
 CLI::Option* addRow(CLI::App& command, const std::string& names, const OptionRow<Target>& row,
                     const Target& options, std::function<void(const std::string&)> set) {
-  const auto checked = [flag = "--" + std::string(row.name), set](const std::string& text) {
+  const auto checked = [flag = names.substr(0, names.find(',')), set](const std::string& text) {
     try {
       set(text);
     } catch (const Error& e) {
@@ -60,10 +60,12 @@ CLI::Option* addRow(CLI::App& command, const std::string& names, const OptionRow
         ->group(*row.group != '\0' ? row.group : "Options");
   }
   CLI::Option* option = nullptr;
-  if (row.repeats) {
+  const bool isList = value.type == OptionType::choices || value.type == OptionType::wholes;
+  if (row.repeats || isList) {
     option = command.add_option_function<std::vector<std::string>>(
         names,
-        [checked](const std::vector<std::string>& all) {
+        [checked, isList](const std::vector<std::string>& all) {
+          if (isList) return checked(joinedText(all, ","));  // given twice: both lists
           for (const std::string& text : all) checked(text);
         },
         row.help);
@@ -71,7 +73,6 @@ CLI::Option* addRow(CLI::App& command, const std::string& names, const OptionRow
   } else {
     option = command.add_option_function<std::string>(names, checked, row.help);
   }
-  if (value.type == OptionType::choices || value.type == OptionType::wholes) option->join(',');
   option->type_name(typeText(value));
   const std::string usual = defaultText(value, options);
   if (!usual.empty()) option->default_str(usual);

@@ -11,6 +11,7 @@
 #include "base/cancel_flag.h"
 #include "base/unfinished.h"
 #include "dataset/fracture_line.h"
+#include "dataset/identity.h"
 #include "dataset/object_folder.h"
 #include "dataset/object_run.h"
 #include "dataset/output_root.h"
@@ -129,8 +130,9 @@ std::vector<LibraryObject> sampleOf(std::vector<LibraryObject> objects) {
 }  // namespace
 
 DatasetForecast forecastDataset(const fs::path& library, const fs::path& out,
-                                const DatasetOptions& options, Device& device,
+                                const DatasetOptions& given, Device& device,
                                 const Progress* progress) {
+  const DatasetOptions options = checkedOptions(given);
   DatasetForecast forecast;
   std::vector<LibraryObject> found = findObjects(library, options.library, &forecast.skipped);
   requireApart(library, found, out);

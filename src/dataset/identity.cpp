@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/option_text.h"
+#include "pipeline/fracture_stages.h"
 
 namespace sherd {
 namespace {
@@ -104,7 +105,39 @@ bool isIdentityOf(const DatasetOptions& options, const std::string& text) {
   }
 }
 
-DatasetOptions laidOut(DatasetOptions options) {
+namespace {
+
+void check(const DatasetOptions& options) {
+  const auto need = [](bool good, const char* sentence) {
+    if (!good) throw Error(ErrorCode::usage, sentence);
+  };
+  const Schedule& schedule = options.schedule;
+  need(schedule.fewest >= 1 && schedule.fewest <= schedule.most && schedule.most <= kMaxFragments,
+       "pieces are a range from 1 up");
+  need(schedule.repeatsOfFewest >= 0 && schedule.repeatsOfMost >= 0, "repeats are from 0 up");
+  need(options.distinct >= 0.0 && options.distinct < 1.0,
+       "the share in which fractures differ lies in 0..1");
+  need(options.shard.of >= 1 && options.shard.number >= 1 &&
+           options.shard.number <= options.shard.of,
+       "a shard is i/N with i in 1..N");
+  const auto& split = options.split;
+  need(std::all_of(split.begin(), split.end(), [](int share) { return share >= 0; }) &&
+           split[0] + split[1] + split[2] > 0,
+       "a split is three shares, such as 80/10/10");
+  need(options.layout != DatasetLayout::bb || options.each.write.meshFormats.size() == 1,
+       "the layout bb takes one format of meshes");
+  const FractureOptions& each = options.each.fracture;
+  need(each.pieces == FractureOptions{}.pieces && each.seed == 0 && !each.seeds.given,
+       "the pieces and seeds of a dataset are those of its schedule");
+  checkOptions(each);
+  for (const DrawnOption& option : options.drawn) checkDrawn(option, options.each);
+}
+
+}  // namespace
+
+DatasetOptions checkedOptions(DatasetOptions options) {
+  check(options);
+  checkWriteOptions(options.each.write, options.each.fracture);
   options.each.write.plainMeshes |= options.layout == DatasetLayout::bb;
   return options;
 }

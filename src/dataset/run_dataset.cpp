@@ -27,31 +27,6 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-void check(const DatasetOptions& options) {
-  const auto need = [](bool good, const char* sentence) {
-    if (!good) throw Error(ErrorCode::usage, sentence);
-  };
-  const Schedule& schedule = options.schedule;
-  need(schedule.fewest >= 1 && schedule.fewest <= schedule.most && schedule.most <= kMaxFragments,
-       "pieces are a range from 1 up");
-  need(schedule.repeatsOfFewest >= 0 && schedule.repeatsOfMost >= 0, "repeats are from 0 up");
-  need(options.distinct >= 0.0 && options.distinct < 1.0,
-       "the share in which fractures differ lies in 0..1");
-  need(options.shard.of >= 1 && options.shard.number >= 1 &&
-           options.shard.number <= options.shard.of,
-       "a shard is i/N with i in 1..N");
-  const auto& split = options.split;
-  need(std::all_of(split.begin(), split.end(), [](int share) { return share >= 0; }) &&
-           split[0] + split[1] + split[2] > 0,
-       "a split is three shares, such as 80/10/10");
-  need(options.layout != DatasetLayout::bb || options.each.write.meshFormats.size() == 1,
-       "the layout bb takes one format of meshes");
-  const FractureOptions& each = options.each.fracture;
-  need(each.pieces == FractureOptions{}.pieces && each.seed == 0 && !each.seeds.given,
-       "the pieces and seeds of a dataset are those of its schedule");
-  for (const DrawnOption& option : options.drawn) checkDrawn(option, options.each);
-}
-
 // Whether the folder contains anything but temporary files.
 bool holdsOthers(const fs::path& folder) {
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
@@ -158,19 +133,21 @@ class LibraryRun {
     } catch (const Error& e) {
       // An error of one object, or of its options, does not end the run.
       if (e.code() != ErrorCode::input && e.code() != ErrorCode::usage) throw;
-      fail(object, journal, e.what(), each);
+      fail(object, journal, e, each);
     } catch (const std::bad_alloc&) {
-      fail(object, journal, "not enough memory; try a lower resolution", each);
+      fail(object, journal,
+           Error(ErrorCode::input, "not enough memory; try a lower resolution",
+                 OptionNames{"resolution"}),
+           each);
     }
   }
 
-  void fail(const LibraryObject& object, Journal& journal, const std::string& reason,
-            std::size_t each) {
+  void fail(const LibraryObject& object, Journal& journal, const Error& reason, std::size_t each) {
     ObjectStore(out_, objectFolder(options_.layout, object), options_.layout, options_.compression,
                 {}, 0)
         .discard();
     device_.freeBuffers();
-    journal.fail(reason);
+    journal.fail(reason.what());
     progress_.ofFractures -= std::min(each, progress_.ofFractures);
     if (callbacks_.failed) callbacks_.failed(object.key, reason);
   }
@@ -194,9 +171,7 @@ class LibraryRun {
 
 DatasetSummary runDataset(const fs::path& library, const fs::path& out, const DatasetOptions& given,
                           Device& device, const DatasetCallbacks& callbacks) {
-  check(given);
-  checkWriteOptions(given.each.write, given.each.fracture);
-  const DatasetOptions options = laidOut(given);
+  const DatasetOptions options = checkedOptions(given);
   std::vector<std::string> warnings;
   DatasetPlan plan{datasetIdentity(given), findObjects(library, options.library, &warnings),
                    options.layout, options.split, options.seed};

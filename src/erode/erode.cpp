@@ -14,6 +14,7 @@
 #include "erode/masks.h"
 #include "erode/shape.h"
 #include "erode/shell.h"
+#include "grow/check_labels.h"
 #include "grow/solid_components.h"
 #include "voxelize/leaf_blocks.h"
 
@@ -50,10 +51,7 @@ void check(const Labels& labels, const ErodeOptions& options) {
     refuse("the number of fragments is " + std::to_string(labels.fragmentCount) +
            "; expected 1 to " + std::to_string(kMaxFragments));
   }
-  if (labels.fragment.size() != labels.blocks->count() * 512) {
-    refuse("there are " + std::to_string(labels.fragment.size()) + " labels for " +
-           std::to_string(labels.blocks->count()) + " leaves of 512 voxels");
-  }
+  checkLabels(labels);
 }
 
 // The options as integers, so that the test of a voxel is exact.

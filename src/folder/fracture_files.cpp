@@ -135,8 +135,7 @@ void FractureWriting::finish(const Progress* progress) const {
   const WriteOptions& write = writer_.options();
   if (!files_.boundaries.empty()) writeBoundaries(folder_ / files_.boundaries, kept());
   if (!files_.allVdb.empty()) {
-    writeVdbOfAll(folder_ / files_.allVdb, kept(), result_.solid, result_.labels, metadata(),
-                  write.vdbOptions);
+    writeVdbOfAll(folder_ / files_.allVdb, kept(), result_.labels, metadata(), write.vdbOptions);
   }
   throwIfCancelled(progress);
   if (!files_.graph.empty()) {

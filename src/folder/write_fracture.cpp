@@ -1,4 +1,5 @@
 // Writes a fracture to a folder.
+#include <sherd/error.h>
 #include <sherd/folder.h>
 
 #include <utility>
@@ -58,6 +59,19 @@ std::vector<MeshFacts> makeAndWrite(const GrownFracture& grown, const SurfaceOpt
   return facts;
 }
 
+void checkInput(const FractureInput& input, const WriteOptions& write) {
+  if (input.finished == nullptr && !input.only.empty()) {
+    throw Error(ErrorCode::usage, "fragments can be broken again only of a finished fracture");
+  }
+  if (input.finished != nullptr && input.solid) {
+    throw Error(ErrorCode::usage, "either a solid or a finished fracture can be broken, not both");
+  }
+  if (input.finished != nullptr && write.cost) {
+    throw Error(ErrorCode::usage, "a fracture that is broken again has no arrival costs to write",
+                OptionNames{"write"});
+  }
+}
+
 GrownFracture grownFrom(FractureInput& input, const FractureOptions& options, Device& device,
                         const Progress* progress) {
   if (input.finished != nullptr) {
@@ -91,6 +105,7 @@ WrittenFolder writeFracture(const fs::path& folder, const SourceMesh& source,
 StagedFracture stageFracture(const fs::path& folder, FractureInput input,
                              const FractureOptions& asked, Device& device,
                              const WriteOptions& write, const Progress* progress) {
+  checkInput(input, write);
   checkWriteOptions(write, asked);
   checkFractureFolder(folder);
   const SourceMesh& source = input.source;

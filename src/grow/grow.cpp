@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "grow/check_labels.h"
 #include "grow/components.h"
 #include "grow/flood.h"
 #include "grow/relief.h"
@@ -241,6 +242,7 @@ std::vector<Labels> grow(std::shared_ptr<const LeafBlocks> blocks,
                          std::span<const std::vector<Seed>> seedSets, Device& device,
                          const GrowOptions& options, const Progress* progress) {
   check(options);
+  if (!blocks) throw Error(ErrorCode::usage, "there are no leaf blocks to grow over");
   const std::size_t batch = fracturesAtOnce(*blocks, device);
   std::vector<Labels> all;
   for (std::size_t first = 0; first < seedSets.size(); first += batch) {
@@ -259,6 +261,7 @@ std::vector<Labels> grow(std::shared_ptr<const LeafBlocks> blocks,
 }
 
 Labels extendLabels(Labels labels, Device& device, int steps) {
+  checkLabels(labels);
   return withDevice(implOf(device), "extending labels into the exterior band", [&] {
     GrowthState state(*labels.blocks, 1, implOf(device));
     Flood flood(state, false);
@@ -270,11 +273,17 @@ Labels extendLabels(Labels labels, Device& device, int steps) {
 }
 
 std::vector<std::uint64_t> countVoxels(const Labels& labels) {
-  std::vector<std::uint64_t> counts(static_cast<std::size_t>(labels.fragmentCount) + 1);
-  labels.blocks->forEachInside([&](std::size_t voxelIndex) {
-    const std::uint16_t label = labels.fragment[voxelIndex];
-    if (label != Labels::kEroded) ++counts[label];
-  });
+  checkLabels(labels);
+  std::vector<std::uint64_t> counts(std::size_t{Labels::kEroded} + 1);
+  labels.blocks->forEachInside(
+      [&](std::size_t voxelIndex) { ++counts[labels.fragment[voxelIndex]]; });
+  const auto end = static_cast<std::size_t>(labels.fragmentCount) + 1;
+  for (std::size_t label = end; label < Labels::kEroded; ++label) {
+    if (counts[label] == 0) continue;
+    throw Error(ErrorCode::usage, "a voxel has label " + std::to_string(label) + "; there are " +
+                                      std::to_string(labels.fragmentCount) + " fragments");
+  }
+  counts.resize(end);
   return counts;
 }
 

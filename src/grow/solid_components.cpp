@@ -4,21 +4,25 @@
 #include <sherd/seeds.h>
 
 #include <bit>
+#include <tuple>
+#include <utility>
 
 #include "grow/components.h"
 
 namespace sherd {
 namespace {
 
-// Numbers the components by their lowest node; nodes ascend with leaves and voxels.
-std::vector<std::uint32_t> componentsOfNodes(std::span<const cl_uint> root, std::size_t& count) {
+// Numbers the components by their lowest node; nodes ascend with leaves and voxels.  Returns the
+// component of each node, and the number of components.
+std::pair<std::vector<std::uint32_t>, std::size_t> componentsOfNodes(
+    std::span<const cl_uint> root) {
   std::vector<std::uint32_t> component(root.size());
-  count = 0;
+  std::size_t count = 0;
   for (std::size_t n = 0; n < root.size(); ++n) {
     // A root is its component's lowest node, so those below n have their number.
     component[n] = root[n] == n ? static_cast<std::uint32_t>(count++) : component[root[n]];
   }
-  return component;
+  return {std::move(component), count};
 }
 
 std::vector<std::uint64_t> voxelsOf(const VoxelComponents& components, std::size_t count,
@@ -72,8 +76,8 @@ VoxelComponents findComponents(const LeafBlocks& blocks, Device& device) {
     components.localNode_ = localNodes(state, found, leaves);
     components.firstNode_ = std::move(found.first);
     std::size_t count = 0;
-    components.componentOfNode_ =
-        componentsOfNodes(downloaded<cl_uint>(impl, found.root, found.nodes), count);
+    std::tie(components.componentOfNode_, count) =
+        componentsOfNodes(downloaded<cl_uint>(impl, found.root, found.nodes));
     components.voxels_ = voxelsOf(components, count, blocks, found.nodesOfItem);
     return components;
   });

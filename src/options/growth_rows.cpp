@@ -242,8 +242,8 @@ const std::vector<Row> kWithheldRows{
          [](R o) { return shortestText(o.fracture.missing); }),
      .help = "Withhold further fragments at random: a number, or below 1 a share of them; the "
              "manifest lists them",
-     .details = "withhold this number or share of the remaining fragments: in the "
-                "manifest's `withheld`, not in the files",
+     .details = "withhold this number (from 1) or share (below 1) of the remaining fragments: in "
+                "the manifest's `withheld`, not in the files",
      .key = "missing",
      .drawn = true},
 };

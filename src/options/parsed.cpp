@@ -44,7 +44,7 @@ std::string extraSeedsText(const SeedOptions& seeds) {
 
 Impact impactFrom(const std::string& text) {
   const std::string expected =
-      "x,y,z or ray:ox,oy,oz,dx,dy,dz, then optionally ,count ,spread (or n=5) and ,merge";
+      "x,y,z or ray:ox,oy,oz,dx,dy,dz, then optionally ,count ,sigma (or n=5) and ,merge";
   const bool isRay = text.starts_with("ray:");
   std::vector<std::string> parts = split(isRay ? text.substr(4) : text);
   Impact impact;

@@ -11,7 +11,7 @@ namespace sherd {
 void setExtraSeeds(SeedOptions& seeds, const std::string& text);
 [[nodiscard]] std::string extraSeedsText(const SeedOptions& seeds);
 
-/// x,y,z[,count[,spread]][,merge], or ray:ox,oy,oz,dx,dy,dz[,...].  The spread is a standard
+/// x,y,z[,count[,sigma]][,merge], or ray:ox,oy,oz,dx,dy,dz[,...].  Sigma is a standard
 /// deviation in world units, or a bias as n=5.
 [[nodiscard]] Impact impactFrom(const std::string& text);
 [[nodiscard]] std::string impactText(const Impact& impact);

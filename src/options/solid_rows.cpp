@@ -201,11 +201,11 @@ const std::vector<Row> kSeedRows{
            }
            return joinedText(texts, " ");
          }),
-     .help = "An impact at x,y,z or ray:ox,oy,oz,dx,dy,dz, then ,count ,spread (world units, or "
+     .help = "An impact at x,y,z or ray:ox,oy,oz,dx,dy,dz, then ,count ,sigma (world units, or "
              "n=5 as the paper's bias) ,merge; repeatable",
      .details = "an impact at `x,y,z` or `ray:ox,oy,oz,dx,dy,dz`, then optionally "
-                "`,count` `,spread` `,merge`; may be repeated: `count` of the fragments "
-                "come from seeds scattered around the point, `spread` being their "
+                "`,count` `,sigma` `,merge`; may be repeated: `count` of the fragments "
+                "come from seeds scattered around the point, `sigma` being their "
                 "standard deviation in the mesh's unit, or the paper's bias as `n=5` "
                 "(side / sqrt(12 n)); with `merge` the seeds go to existing fragments "
                 "instead",

@@ -12,7 +12,7 @@ namespace sherd {
 
 /// Decimates all labels of a complex together until each has at most the given number of triangles,
 /// or no collapse is allowed.  A label next to a larger one may end with fewer.
-///   return  [labels][k] in the order of `triangles`; see sherd/surface.h
+///   return  [labels][k] in the order of `triangles`; see sherd/fragments.h
 ///   throws  Error(cancelled)
 [[nodiscard]] std::vector<std::vector<TriangleMesh>> decimated(
     const Complex& complex, std::span<const std::size_t> triangles,

@@ -13,6 +13,7 @@
 
 #include "base/cancel_flag.h"
 #include "base/uncancelled.h"
+#include "grow/check_labels.h"
 #include "surface/decimate.h"
 #include "surface/independent_mesh.h"
 #include "surface/intact.h"
@@ -81,21 +82,24 @@ std::vector<bool> onSolid(const LabeledMesh& mesh) {
 }
 
 // [fragmentCount + 1] voxels of each fragment.
-//   throws  Error(internal) if an inside voxel has no fragment; Error(usage) other blocks
+//   throws  Error(usage) other blocks, or an inside voxel without a fragment
 std::vector<std::uint64_t> counted(const Solid& solid, const Labels& labels) {
-  if (labels.blocks != solid.blocks) {
-    throw Error(ErrorCode::usage, "the labels are of other leaf blocks than the solid's");
-  }
+  checkLabels(labels, solid);
   std::vector<std::uint64_t> voxels = countVoxels(labels);
   if (voxels[0] == 0) return voxels;
-  throw Error(ErrorCode::internal,
+  throw Error(ErrorCode::usage,
               std::to_string(voxels[0]) + " voxels of the solid have no fragment");
 }
 
-const SurfaceOptions& checked(const SurfaceOptions& surface, const Progress* progress) {
-  checkSurfaceOptions(surface);
+const SurfaceOptions& checked(const Solid& solid, const ExtractOptions& options,
+                              const Progress* progress) {
+  checkSurfaceOptions(options.surface);
+  if (options.uneroded != nullptr) checkLabels(*options.uneroded, solid);
+  if (options.intact != nullptr && options.intact->leaves.size() != solid.blocks->count()) {
+    throw Error(ErrorCode::usage, "the intact surface is of another solid");
+  }
   reportProgress(progress, "extract", 0.0);
-  return surface;
+  return options.surface;
 }
 
 }  // namespace
@@ -105,7 +109,7 @@ Extraction::Extraction(const Solid& solid, const Labels& labels, const ExtractOp
     : solid_(solid),
       labels_(labels),
       uneroded_(options.uneroded),
-      surface_(checked(options.surface, progress)),
+      surface_(checked(solid, options, progress)),
       progress_(progress),
       count_(static_cast<std::size_t>(labels.fragmentCount)),
       voxels_(counted(solid, labels)),

@@ -21,25 +21,27 @@ using openvdb::Coord;
 struct Ball {
   int size;
   std::uint64_t voxels = 0;
-  sherd::LeafBlocks blocks;
+  std::shared_ptr<const sherd::LeafBlocks> blocks;
   std::vector<sherd::Seed> seeds;
 
   explicit Ball(int side) : size(side) {
+    sherd::LeafBlocks made;
     for (int x = 0; x < size; x += 8) {
       for (int y = 0; y < size; y += 8) {
-        for (int z = 0; z < size; z += 8) addLeaf({x, y, z});
+        for (int z = 0; z < size; z += 8) addLeaf(made, {x, y, z});
       }
     }
-    blocks.exteriorBand.assign(blocks.inside.size(), 0);
-    blocks.neighbors = sherd::leafNeighborTable(blocks.origins);
-    voxels = blocks.insideVoxels();
+    made.exteriorBand.assign(made.inside.size(), 0);
+    made.neighbors = sherd::leafNeighborTable(made.origins);
+    voxels = made.insideVoxels();
     // Ten seeds by a fixed stride over the leaves.
     for (std::uint16_t id = 1; id <= 10; ++id) {
-      std::size_t leaf = blocks.count() * id / 11;
-      while (blocks.inside[leaf * 8 + 4] == 0) ++leaf;
-      const int bit = std::countr_zero(blocks.inside[leaf * 8 + 4]);
-      seeds.push_back({blocks.origins[leaf] + Coord(4, bit >> 3, bit & 7), id});
+      std::size_t leaf = made.count() * id / 11;
+      while (made.inside[leaf * 8 + 4] == 0) ++leaf;
+      const int bit = std::countr_zero(made.inside[leaf * 8 + 4]);
+      seeds.push_back({made.origins[leaf] + Coord(4, bit >> 3, bit & 7), id});
     }
+    blocks = std::make_shared<const sherd::LeafBlocks>(std::move(made));
   }
 
   bool contains(int x, int y, int z) const {
@@ -75,7 +77,7 @@ struct Ball {
     return {side * side, side, 1};
   }
 
-  void addLeaf(const Coord& origin) {
+  void addLeaf(sherd::LeafBlocks& made, const Coord& origin) const {
     std::uint64_t words[8] = {}, any = 0;
     for (int v = 0; v < 512; ++v) {
       if (contains(origin.x() + (v >> 6), origin.y() + ((v >> 3) & 7), origin.z() + (v & 7))) {
@@ -84,8 +86,8 @@ struct Ball {
     }
     for (const std::uint64_t word : words) any |= word;
     if (!any) return;
-    blocks.origins.push_back(origin);
-    blocks.inside.insert(blocks.inside.end(), words, words + 8);
+    made.origins.push_back(origin);
+    made.inside.insert(made.inside.end(), words, words + 8);
   }
 };
 

@@ -32,7 +32,7 @@ const sherd::FractureResult& broken() {
 void extract(benchmark::State& state, sherd::Interface interface) {
   const sherd::FractureResult& result = broken();
   for (auto _ : state) {
-    benchmark::DoNotOptimize(sherd::extractFragments(result.solid, result.labels, 10,
+    benchmark::DoNotOptimize(sherd::extractFragments(result.solid, result.labels,
                                                      {.surface = {.interface = interface}}));
   }
 }

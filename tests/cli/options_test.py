@@ -268,6 +268,7 @@ class Again(Options):
         self.done("--write", "labels,vdb", pieces=2)
         self.refused(2, run(manifest, "--only", "3"), "fragment 3")
         self.refused(2, run(manifest, "--only", "1", "--resolution", "64"), "--resolution")
+        self.refused(2, run(manifest, "--only", "1", "--write", "labels,cost"), "arrival costs", "--write")
         self.assertFalse(os.path.exists(again))
 
 
@@ -346,7 +347,7 @@ MATTERS = {
 }
 
 # Where the fracture goes, how it is made, and what is printed: nothing that is written follows from these.
-DOES_NOT_MATTER = {"--output": None, "--device": "cpu", "--threads": "1", "--max-memory": "9G", "--json": (), "--quiet": ()}
+DOES_NOT_MATTER = {"--output": None, "--config": None, "--device": "cpu", "--threads": "1", "--max-memory": "9G", "--json": (), "--quiet": ()}
 
 
 class EveryOption(CommandLine):

@@ -220,7 +220,7 @@ class OfDatasets(Dataset):
 
     def test_good_files_are_what_the_command_line_would_be(self):
         text = ('# what\r\n[shape]\r\n"pieces" = "2..3"   # a range\nrepeats = \'1\'\n  resolution=24\nseed = 1_000\nposes = true\nverify = false\n'
-                'write = [ "labels",  # first\n\n "mesh", ]\ngrain = [1, 0, 0, -0.5]\nimpact = ["0,0,1,1,merge", "0,1,0,1,merge"]\nerode-probability = "0.5"\n'
+                'write = [ "labels",  # first\n\n "vdb", ]\ngrain = [1, 0, 0, -0.5]\nimpact = ["0,0,1,1,merge", "0,1,0,1,merge"]\nerode-probability = "0.5"\n'
                 'erode-iterations = 1\nmatch = "ball#*"\noutput = "elsewhere"\nbalance = +2')
         self.path("library/ball#1.obj") and os.mkdir(self.path("library"))
         write_obj(self.path("library/ball#1.obj"), sphere())
@@ -231,7 +231,7 @@ class OfDatasets(Dataset):
             plan = json.load(file)
         self.assertEqual([o["key"] for o in plan["objects"]], ["ball#1.obj"])
         self.assertEqual(plan["options"], "--balance=2 --erode-iterations=1 --erode-probability=0.5 --grain=1,0,0,-0.5 --impact=0,0,1,1,merge "
-                         "--impact=0,1,0,1,merge --pieces=2..3 --poses --repeats=1 --resolution=24 --seed=1000 --write=labels,mesh")
+                         "--impact=0,1,0,1,merge --pieces=2..3 --poses --repeats=1 --resolution=24 --seed=1000 --write=labels,vdb")
 
 
 if __name__ == "__main__":

@@ -16,10 +16,10 @@ run(${CMAKE_COMMAND} --build ${WORK}/build)
 # The stages one by one, which write their meshes into the current folder.
 execute_process(COMMAND ${WORK}/build/own_seeds ${MESH} WORKING_DIRECTORY ${WORK} RESULT_VARIABLE status
   OUTPUT_VARIABLE output ERROR_VARIABLE output)
-if(NOT status EQUAL 0 OR NOT output MATCHES "12 fragments\n" OR NOT EXISTS ${WORK}/12_12.ply)
+if(NOT status EQUAL 0 OR NOT output MATCHES "12 fragments\n" OR NOT EXISTS ${WORK}/0_12.ply)
   message(FATAL_ERROR "own_seeds: ${status}\n${output}")
 endif()
-run(${WORK}/prefix/bin/sherd inspect ${WORK}/12_12.ply)
+run(${WORK}/prefix/bin/sherd inspect ${WORK}/0_12.ply)
 
 # A dataset with its own writer: two fragments three times, three twice, four once.
 file(COPY ${MESH} DESTINATION ${WORK}/library)

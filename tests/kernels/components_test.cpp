@@ -16,7 +16,7 @@ using voxel_shapes::VoxelSolid;
 std::map<Coord, std::uint32_t> referenceComponents(const VoxelSolid& solid,
                                                    const LeafBlocks& blocks) {
   std::map<std::size_t, Coord> inLeafOrder;
-  for (const Coord& v : solid.inside) inLeafOrder[voxel_shapes::voxelIndexOf(*blocks, v)] = v;
+  for (const Coord& v : solid.inside) inLeafOrder[voxel_shapes::voxelIndexOf(blocks, v)] = v;
   std::map<Coord, std::uint32_t> componentOf;
   std::uint32_t components = 0;
   for (const auto& [index, first] : inLeafOrder) {
@@ -41,7 +41,7 @@ using ConnectedComponents = DeviceTest;
 TEST_F(ConnectedComponents, EqualTheReferenceOnEveryShape) {
   for (const VoxelSolid& solid : voxel_shapes::all()) {
     const auto blocks = voxel_shapes::blocksOf(solid);
-    const std::map<Coord, std::uint32_t> reference = referenceComponents(solid, blocks);
+    const std::map<Coord, std::uint32_t> reference = referenceComponents(solid, *blocks);
     std::vector<std::uint64_t> voxels;
     for (const auto& [voxel, component] : reference) {
       voxels.resize(std::max<std::size_t>(voxels.size(), component + 1));

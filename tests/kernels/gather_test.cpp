@@ -14,7 +14,7 @@ using Gather = DeviceTest;
 TEST_F(Gather, CopiesListedItemsOutAndBack) {
   const auto blocks = voxel_shapes::blocksOf(voxel_shapes::ball(12));
   DeviceImpl& impl = implOf(device());
-  GrowthState state(blocks, 1, impl);
+  GrowthState state(*blocks, 1, impl);
   std::vector<cl_ushort> voxels(state.voxels());
   std::iota(voxels.begin(), voxels.end(), cl_ushort{0});
   std::vector<cl_uint> items;

@@ -308,11 +308,9 @@ TEST_F(Growths, WithLittleMemoryFreeBuffersAreReleased) {
 
 TEST_F(Growths, RoughnessMovesOnlyVoxelsNearACrack) {
   const VoxelSolid solid = voxel_shapes::ball(voxel_shapes::small() ? 9 : 20);
-  const auto blocks = voxel_shapes::blocksOf(solid);
   const std::vector<Seed> seeds{{{-5, 0, 0}, 1}, {{5, 1, 0}, 2}};
   const auto map = [&](double roughness) {
-    return reference::mapOf(blocks,
-                            growOne(solid, seeds, device(), {.roughness = roughness}).front());
+    return reference::mapOf(growOne(solid, seeds, device(), {.roughness = roughness}).front());
   };
   const LabelMap smooth = map(0.0), rough = map(1.0);
   std::size_t moved = 0;

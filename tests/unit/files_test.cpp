@@ -358,7 +358,7 @@ TEST_F(WriteVdb, OfAllHasTheIdOfEveryVoxel) {
     fragments[i].id = static_cast<int>(i) + 1;
     fragments[i].surface = grid;
   }
-  writeVdbOfAll(folder_ / "all.vdb", fragments, solid, labels, {"ball.obj", 7});
+  writeVdbOfAll(folder_ / "all.vdb", fragments, labels, {"ball.obj", 7});
   openvdb::io::File file((folder_ / "all.vdb").string());
   file.open();
   std::vector<std::string> names;

@@ -182,10 +182,9 @@ TEST_F(Impacts, MoveAndScaleWithTheSolid) {
         solid, ball.components,
         {.pieces = 30,
          .seed = 2,
-         .impacts = {{.target = scale * glm::dvec3(3, 9, 4) + offset,
-                      .count = 9,
-                      .sigma = 2.5 * scale},
-                     {.target = Ray{scale * glm::dvec3(-30, 2, 1) + offset, {3, 0.1, 0.2}}}}});
+         .impacts = {
+             {.target = scale * glm::dvec3(3, 9, 4) + offset, .count = 9, .sigma = 2.5 * scale},
+             {.target = Ray{scale * glm::dvec3(-30, 2, 1) + offset, {3, 0.1, 0.2}}}}});
   };
   EXPECT_EQ(seedsOf(ball.solid, 1.0, glm::dvec3(0)), seedsOf(moved, 4.0, {64, -8, 16}));
 }

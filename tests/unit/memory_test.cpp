@@ -9,6 +9,7 @@
 #include <cmath>
 #include <string>
 
+#include "pipeline/memory_estimate.h"
 #include "shapes.h"
 
 namespace sherd {

@@ -58,7 +58,7 @@ TEST_F(SeedFile, IsReadBackExactly) {
        {voxel_shapes::ball(12), voxel_shapes::manyComponentsWithin(9)}) {
     ShapeSolid on = make(shape);
     for (const double voxelSize : {1.0, 1.0 / 3, 1e-7, 1234567.891}) {
-      on.solid.frame = {{{0.1, -1e3 * voxelSize, 0.0}}, voxelSize};
+      on.solid.frame = {{0.1, -1e3 * voxelSize, 0.0}, voxelSize};
       const std::vector<Seed> seeds =
           placeSeeds(on.solid, on.components,
                      {.pieces = 150, .seed = 3, .extraSeeds = 100, .impacts = {{.merge = true}}});
@@ -70,7 +70,7 @@ TEST_F(SeedFile, IsReadBackExactly) {
 
 TEST_F(SeedFile, HoldsWorldPositionsOfVoxelCenters) {
   ShapeSolid ball = make(voxel_shapes::ball(4));
-  ball.solid.frame = {{{10, 20, 30.5}}, 0.5};
+  ball.solid.frame = {{10, 20, 30.5}, 0.5};
   writeSeeds(file_, std::vector<Seed>{{{0, -1, 2}, 1}, {{1, 1, 1}, 2}}, ball.solid);
   std::ifstream in(file_, std::ios::binary);
   EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}),
@@ -82,8 +82,7 @@ TEST_F(SeedFile, HoldsWorldPositionsOfVoxelCenters) {
 TEST_F(SeedFile, PutsTheFirstSeedOfEachFragmentFirst) {
   const ShapeSolid ball = make(voxel_shapes::ball(4));
   const std::vector<Seed> seeds = seedsFromPoints(
-      std::vector<SeedPoint>{
-          {{{0, 0, 0}}, 2}, {{{1, 0, 0}}, 2}, {{{2, 0, 0}}, 1}, {{{3, 0, 0}}, 1}},
+      std::vector<SeedPoint>{{{0, 0, 0}, 2}, {{1, 0, 0}, 2}, {{2, 0, 0}, 1}, {{3, 0, 0}, 1}},
       ball.solid, ball.components);
   EXPECT_EQ(seeds,
             (std::vector<Seed>{{{2, 0, 0}, 1}, {{0, 0, 0}, 2}, {{1, 0, 0}, 2}, {{3, 0, 0}, 1}}));
@@ -94,21 +93,21 @@ TEST_F(SeedFile, MovesToTheNearestFreeVoxel) {
   const auto place = [&](std::vector<SeedPoint> points) {
     return seedsFromPoints(points, ball.solid, ball.components);
   };
-  EXPECT_EQ(voxelOf(place({{{{0.4, -0.4, 2.4}}, 1}}), 0), Coord(0, 0, 2));
-  EXPECT_EQ(voxelOf(place({{{{0.5, 0.5, 0.5}}, 1}}), 0), Coord(0, 0, 0));  // ties: lowest
-  EXPECT_EQ(voxelOf(place({{{{0, 0, 6}}, 1}}), 0), Coord(0, 0, 4));        // two voxels away
+  EXPECT_EQ(voxelOf(place({{{0.4, -0.4, 2.4}, 1}}), 0), Coord(0, 0, 2));
+  EXPECT_EQ(voxelOf(place({{{0.5, 0.5, 0.5}, 1}}), 0), Coord(0, 0, 0));  // ties: lowest
+  EXPECT_EQ(voxelOf(place({{{0, 0, 6}, 1}}), 0), Coord(0, 0, 4));        // two voxels away
   // Taken by the first, so the next nearest: (-1, 0, 0) before the other five.
-  const std::vector<Seed> twice = place({{{{0, 0, 0}}, 1}, {{{0, 0, 0}}, 2}});
+  const std::vector<Seed> twice = place({{{0, 0, 0}, 1}, {{0, 0, 0}, 2}});
   EXPECT_EQ(voxelOf(twice, 1), Coord(-1, 0, 0));
   try {
-    (void)place({{{{0, 0, 0}}, 1}, {{{0, 0, 6.01}}, 2}});
+    (void)place({{{0, 0, 0}, 1}, {{0, 0, 6.01}, 2}});
     ADD_FAILURE() << "a seed beyond two voxels is taken";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ErrorCode::input);
     EXPECT_EQ(std::string(e.what()).find("seed 2 lies 2.01 voxels from the solid"), 0u) << e.what();
   }
   // 33 voxels lie within 2 of the middle; the 34th seed there finds none.
-  const std::vector<SeedPoint> crowd(34, {{{0, 0, 0}}, 1});
+  const std::vector<SeedPoint> crowd(34, {{0, 0, 0}, 1});
   EXPECT_EQ(place({crowd.begin(), crowd.end() - 1}).size(), 33u);
   EXPECT_THROW((void)place(crowd), Error);
 }
@@ -124,7 +123,7 @@ TEST_F(SeedFile, ComponentsWithoutASeedGetOne) {
   EXPECT_EQ(fragmentsOf(all), static_cast<int>(many.components.count()));
 
   const std::vector<Seed> some = seedsFromPoints(
-      std::vector<SeedPoint>{{{{0, 0, 0}}, 1}, {{{1, 0, 0}}, 1}}, many.solid, many.components, 5);
+      std::vector<SeedPoint>{{{0, 0, 0}, 1}, {{1, 0, 0}, 1}}, many.solid, many.components, 5);
   ASSERT_EQ(some.size(), many.components.count() + 1);
   for (std::size_t i = 0; i < many.components.count(); ++i) EXPECT_EQ(some[i].fragment, i + 1);
   EXPECT_EQ(some.back(), (Seed{{1, 0, 0}, 1}));

@@ -203,7 +203,7 @@ TEST(MagicaVoxel, AnEmptyBoxIsNotWritten) {
 
 TEST(Padded, PlacesTheBoxInTheCubeAndInTheWorld) {
   const PlacedVoxels voxels{{{1, 4, 2}, {{7, 3}, {0, 2}, {8, 3}}},
-                            VoxelTransform{{{{10.0, 20.0, 30.0}}, 0.5}, {1, 2, 3}}};
+                            VoxelTransform{{{10.0, 20.0, 30.0}, 0.5}, {1, 2, 3}}};
   const PlacedVoxels end = padded(voxels, Padding::atEnd, "x");
   const PlacedVoxels middle = padded(voxels, Padding::centered, "x");
   for (const PlacedVoxels* cubic : {&end, &middle}) {
@@ -227,7 +227,7 @@ TEST(Padded, PlacesTheBoxInTheCubeAndInTheWorld) {
 
 TEST(NpzLabels, KeepThePlace) {
   const PlacedVoxels voxels{randomVoxels(5, {5, 6, 7}, 1, 9),
-                            VoxelTransform{{{{-0.1, 1e-9, 3e8}}, 0.007}, {-5, 0, 2147483647}}};
+                            VoxelTransform{{{-0.1, 1e-9, 3e8}, 0.007}, {-5, 0, 2147483647}}};
   const PlacedVoxels back = parseNpzLabels(bytesOf(voxels, VoxelFormat::npz), "x.npz");
   ASSERT_TRUE(back.transform);
   EXPECT_EQ(back.transform->frame.origin, voxels.transform->frame.origin);
@@ -239,8 +239,7 @@ TEST(NpzLabels, KeepThePlace) {
 }
 
 TEST(VoxelFiles, EveryCutIsRefused) {
-  const PlacedVoxels voxels{randomVoxels(6, {6, 5, 7}, 1, 9),
-                            VoxelTransform{{{{1, 2, 3}}, 0.5}, {}}};
+  const PlacedVoxels voxels{randomVoxels(6, {6, 5, 7}, 1, 9), VoxelTransform{{{1, 2, 3}, 0.5}, {}}};
   for (const VoxelFormat format : kAll) {
     const std::string whole = bytesOf(voxels, format);
     EXPECT_EQ(refusal(whole, format), "");
@@ -255,8 +254,7 @@ TEST(VoxelFiles, EveryCutIsRefused) {
 // Any bytes are read or refused; what is read fills its box.
 TEST(VoxelFiles, DamagedFilesAreReadOrRefused) {
   std::mt19937 random(11);
-  const PlacedVoxels voxels{randomVoxels(7, {6, 5, 7}, 2, 9),
-                            VoxelTransform{{{{1, 2, 3}}, 0.5}, {}}};
+  const PlacedVoxels voxels{randomVoxels(7, {6, 5, 7}, 2, 9), VoxelTransform{{{1, 2, 3}, 0.5}, {}}};
   for (const VoxelFormat format : kAll) {
     const std::string whole = bytesOf(voxels, format);
     std::size_t refused = 0;

@@ -4,6 +4,7 @@
 #include <cassert>
 
 #include "formats/voxels/voxel_runs.h"
+#include "grow/check_labels.h"
 
 namespace sherd {
 namespace {
@@ -46,6 +47,7 @@ class LeafColumns {
 }  // namespace
 
 RunLengthVoxels encodeRuns(const Solid& solid, const Labels& labels, int fragments) {
+  checkLabels(labels, solid);
   const VoxelBox& box = solid.box;
   assert(!box.empty());
   const LeafColumns columns(*solid.blocks, box);

@@ -16,6 +16,7 @@
 #include "base/atomic_file.h"
 #include "base/input_error.h"
 #include "base/version.h"
+#include "grow/check_labels.h"
 #include "mesh/principal_inertia.h"
 #include "surface/level_set.h"
 
@@ -195,16 +196,16 @@ void writeGrids(const OutputFile& file, VdbCompression compression, Make&& make)
 }
 
 // Returns a grid with a value for each inside voxel.
-//   valueOf  (voxel) an index into the solid's blocks
+//   valueOf  (voxel) an index into the blocks
 template <class ValueOf>
-openvdb::Int32Grid::Ptr voxelGrid(const Solid& solid, const char* name, std::int32_t background,
-                                  const ValueOf& valueOf) {
+openvdb::Int32Grid::Ptr voxelGrid(const LeafBlocks& blocks,
+                                  const openvdb::math::Transform& transform,
+                                  std::int32_t background, const ValueOf& valueOf) {
   const openvdb::Int32Grid::Ptr grid = openvdb::Int32Grid::create(background);
-  grid->setTransform(solid.distance->transform().copy());
-  grid->setName(name);
+  grid->setTransform(transform.copy());
   openvdb::Int32Grid::Accessor accessor = grid->getAccessor();
-  solid.blocks->forEachInside(
-      [&](std::size_t voxel) { accessor.setValue(solid.blocks->voxelAt(voxel), valueOf(voxel)); });
+  blocks.forEachInside(
+      [&](std::size_t voxel) { accessor.setValue(blocks.voxelAt(voxel), valueOf(voxel)); });
   return grid;
 }
 
@@ -217,7 +218,7 @@ void writeVdb(const OutputFile& file, const Fragment& fragment, const GridMetada
   });
 }
 
-void writeVdbOfAll(const OutputFile& file, std::span<const Fragment> fragments, const Solid& solid,
+void writeVdbOfAll(const OutputFile& file, std::span<const Fragment> fragments,
                    const Labels& labels, const GridMetadata& gridMetadata,
                    const VdbOptions& options) {
   writeGrids(file, options.compression, [&](openvdb::GridCPtrVec& grids) {
@@ -225,10 +226,12 @@ void writeVdbOfAll(const OutputFile& file, std::span<const Fragment> fragments, 
       addGrids(grids, *fragment.surface, "_" + std::to_string(fragment.id),
                pieceMetadata(fragment, gridMetadata), options);
     }
-    const openvdb::Int32Grid::Ptr ids = voxelGrid(solid, "fragment_id", 0, [&](std::size_t voxel) {
-      const std::uint16_t id = labels.fragment[voxel];
-      return id <= fragments.size() ? std::int32_t{id} : 0;
-    });
+    const openvdb::Int32Grid::Ptr ids = voxelGrid(
+        *labels.blocks, fragments.front().surface->transform(), 0, [&](std::size_t voxel) {
+          const std::uint16_t id = labels.fragment[voxel];
+          return id <= fragments.size() ? std::int32_t{id} : 0;
+        });
+    ids->setName("fragment_id");
     ids->insertMeta(commonMetadata(gridMetadata));
     grids.push_back(ids);
   });
@@ -242,10 +245,16 @@ void writeVdbOfSolid(const OutputFile& file, const Solid& solid, const GridMetad
 }
 
 void writeCost(const OutputFile& file, const Solid& solid, const Labels& labels) {
+  checkLabels(labels, solid);
+  if (labels.cost.size() != labels.fragment.size()) {
+    throw Error(ErrorCode::usage, "the labels have no arrival costs");
+  }
   writeGrids(file, VdbCompression::blosc, [&](openvdb::GridCPtrVec& grids) {
-    grids.push_back(voxelGrid(solid, "cost", -1, [&](std::size_t voxel) {
-      return static_cast<std::int32_t>(labels.cost[voxel]);
-    }));
+    const openvdb::Int32Grid::Ptr cost =
+        voxelGrid(*labels.blocks, solid.distance->transform(), -1,
+                  [&](std::size_t voxel) { return static_cast<std::int32_t>(labels.cost[voxel]); });
+    cost->setName("cost");
+    grids.push_back(cost);
   });
 }
 
