@@ -304,7 +304,7 @@ class Look(CommandLine):
 
     def test_usage(self):
         for value in ("fbx", "ply,ply", "", "ply,"):
-            self.refused(2, self.fracture("--mesh-format", value), "--mesh-format", "ply, obj, glb, stl, stl-ascii and binm")
+            self.refused(2, self.fracture("--mesh-format", value), "--mesh-format", "ply, obj, glb, stl, stl-ascii, binm")
         self.nothing_written()
 
 

@@ -186,7 +186,8 @@ class Doctor(unittest.TestCase):
                                  SHERD_FAULT_BYTES="3000", OCL_ICD_VENDORS=vendors)
         self.assertEqual(result.returncode, 4, result.stderr)
         report = json.loads(result.stdout)
-        self.wrong(report, "ended with status 1 after it printed: std::bad_alloc;")
+        # libstdc++ 12 reads a folder's next name in a function that may not throw: there the process ends by signal 6
+        self.wrong(report, "the process that examines the OpenCL devices ended with", "bad_alloc")
         self.assertEqual(report["drivers"], [])
 
     def test_standard_output_full(self):
