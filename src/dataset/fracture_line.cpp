@@ -24,14 +24,14 @@ std::array<double, 4> randomRotation(std::uint64_t seed, int id) {
           std::sqrt(1.0 - u) * std::cos(a), std::sqrt(u) * std::sin(b)};
 }
 
-// The pose moves p to turn * (p - centroid).  The truth is its inverse: truth_turn, then
-// truth_shift.
+// The pose moves p to rotation * (p - centroid).  The truth is its inverse: truth_rotation, then
+// truth_translation.
 Json poseJson(const Fragment& fragment, std::uint64_t seed) {
   const auto [w, x, y, z] = randomRotation(seed, fragment.id);
-  return {{"turn", {w, x, y, z}},
+  return {{"rotation", {w, x, y, z}},
           {"center", jsonOf(fragment.mass.centroid)},
-          {"truth_turn", {w, -x, -y, -z}},
-          {"truth_shift", jsonOf(fragment.mass.centroid)}};
+          {"truth_rotation", {w, -x, -y, -z}},
+          {"truth_translation", jsonOf(fragment.mass.centroid)}};
 }
 
 }  // namespace

@@ -71,9 +71,10 @@ std::string joinedBy(const Json& list, const char* separator) {
 
 // The columns of index.csv, each a key of a row.  The last is present only if an object has it.
 constexpr std::array<const char*, 24> kColumns{
-    "object",  "fracture", "id",     "pieces", "repeat",   "attempt",    "seed",        "split",
-    "options", "voxels",   "share",  "volume", "vertices", "faces",      "contacts",    "withheld",
-    "labels",  "files",    "sha256", "turn",   "center",   "truth_turn", "truth_shift", "folder"};
+    "object",         "fracture",          "id",     "pieces", "repeat", "attempt",  "seed",
+    "split",          "options",           "voxels", "share",  "volume", "vertices", "faces",
+    "contacts",       "withheld",          "labels", "files",  "sha256", "rotation", "center",
+    "truth_rotation", "truth_translation", "folder"};
 
 std::string csvHead(std::span<const char* const> columns) {
   std::string head;

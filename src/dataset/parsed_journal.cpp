@@ -3,6 +3,7 @@
 #include <sherd/seeds.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "base/below_folder.h"
@@ -48,9 +49,9 @@ void requireListed(const Json& names, const Names& files) {
 }
 
 void checkPose(const Json& pose) {
-  for (const char* key : {"turn", "center", "truth_turn", "truth_shift"}) {
+  for (const char* key : {"rotation", "center", "truth_rotation", "truth_translation"}) {
     const Json& numbers = fields::list(pose, key);
-    const std::size_t expected = std::string_view(key).ends_with("turn") ? 4 : 3;
+    const std::size_t expected = std::string_view(key).ends_with("rotation") ? 4 : 3;
     const bool good = numbers.size() == expected &&
                       std::all_of(numbers.begin(), numbers.end(),
                                   [](const Json& number) { return number.is_number(); });
@@ -123,15 +124,26 @@ void addLine(Json line, JournalText& journal) {
   }
 }
 
-// Version 0.1 wrote "centre".
-Json withCurrentKeys(Json line) {
+// Renames the keys of a pose that version 0.1 wrote.
+Json withCurrentKeys(const Json& pose) {
+  static const std::map<std::string, std::string> kFormer{{"centre", "center"},
+                                                          {"turn", "rotation"},
+                                                          {"truth_turn", "truth_rotation"},
+                                                          {"truth_shift", "truth_translation"}};
+  Json current = Json::object();
+  for (const auto& [key, value] : pose.items()) {
+    const auto former = kFormer.find(key);
+    current[former == kFormer.end() ? key : former->second] = value;
+  }
+  return current;
+}
+
+Json withCurrentPoses(Json line) {
   if (!line.is_object() || !line.contains("fragments")) return line;
   for (Json& fragment : line["fragments"]) {
     if (!fragment.is_object() || !fragment.contains("pose")) continue;
     Json& pose = fragment["pose"];
-    if (!pose.is_object() || !pose.contains("centre")) continue;
-    pose["center"] = pose["centre"];
-    pose.erase("centre");
+    if (pose.is_object()) pose = withCurrentKeys(pose);
   }
   return line;
 }
@@ -147,7 +159,7 @@ JournalText parsedJournal(std::string_view bytes, const std::string& name) {
     if (end == rest.npos) return journal;  // an incomplete line
     ++number;
     try {
-      addLine(withCurrentKeys(parsedOrderedJson(rest.substr(0, end))), journal);
+      addLine(withCurrentPoses(parsedOrderedJson(rest.substr(0, end))), journal);
     } catch (const Error& e) {
       throw Error(ErrorCode::input,
                   name + ":" + std::to_string(number) + ": is damaged: " + e.what() +

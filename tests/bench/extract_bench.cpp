@@ -2,7 +2,7 @@
 //
 // What a fragment must cost is a call of OpenVDB's mesher on its level set, and the files.
 // Extraction makes the cut, the level sets, the meshes with what each face faces, volumes and
-// contacts.  Run as grow_bench.cpp tells.
+// contacts.  Run as grow_bench.cpp describes.
 #include <benchmark/benchmark.h>
 #include <sherd/folder.h>
 #include <sherd/fracture.h>

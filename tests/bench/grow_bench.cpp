@@ -153,12 +153,12 @@ std::vector<LeafSteps> leafSteps(const sherd::LeafBlocks& blocks, const sherd::L
     LeafSteps& steps = leaves[leaf];
     std::uint16_t label = 0;
     for (std::size_t v = 0; v < 512; ++v) {
-      const std::size_t place = std::size_t{leaf} * 512 + v;
-      if (!blocks.isInside(place)) continue;
-      const std::uint32_t step = grown.cost[place];
+      const std::size_t voxelIndex = std::size_t{leaf} * 512 + v;
+      if (!blocks.isInside(voxelIndex)) continue;
+      const std::uint32_t step = grown.cost[voxelIndex];
       steps.reached.insert(step);
-      steps.severalLabels |= label != 0 && label != grown.fragment[place];
-      label = grown.fragment[place];
+      steps.severalLabels |= label != 0 && label != grown.fragment[voxelIndex];
+      label = grown.fragment[voxelIndex];
       for (std::uint32_t face = 0; face < 6; ++face) {
         const std::uint32_t shift = 6 - 3 * (face / 2), along = v >> shift & 7u;
         if (along != (face % 2 == 0 ? 0u : 7u)) continue;

@@ -2,7 +2,7 @@
 // mesher alone on the same fragments' level sets.
 //
 // SHERD_BENCH_MESH names a mesh, in place of a torus; it is broken into 2 to 10 pieces, once each.
-// Run as grow_bench.cpp tells.
+// Run as grow_bench.cpp describes.
 #include <benchmark/benchmark.h>
 #include <sherd/folder.h>
 #include <sherd/fracture.h>

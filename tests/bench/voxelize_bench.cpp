@@ -1,7 +1,7 @@
 // Solids from meshes, beside OpenVDB's meshToLevelSet on the same triangles.
 //
 // A torus of 128 voxels with more and more triangles, at most eighteen to a voxel of surface, and
-// one of 512.  Run as grow_bench.cpp tells.
+// one of 512.  Run as grow_bench.cpp describes.
 #include <benchmark/benchmark.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/MeshToVolume.h>

@@ -217,9 +217,9 @@ class Look(CommandLine):
         file = Glb(self, self.at(glb))
         name = os.path.basename(glb)[:-4]
         self.assertEqual([n["name"] for n in file.json["nodes"]], [name])
-        told = []
+        reported = []
         for material, indices, attributes in file.primitives():
-            told.append(material["name"])
+            reported.append(material["name"])
             at = attributes["POSITION"]
             corners = f["material"] == ["side_of_it", "cap", "inside"].index(material["name"])
             self.assertEqual(surface(at[indices]), surface(place[f["vertex_indices"][corners]]))
@@ -235,8 +235,8 @@ class Look(CommandLine):
             # Its v runs downwards; by the faces of the .ply, in their order.
             uv = attributes["TEXCOORD_0"][indices] * [1, -1] + [0, 1]
             self.assertLess(abs(uv - f["texcoord"][corners].reshape(-1, 3, 2)).max(), 1e-6)
-        self.assertIn("inside", told)
-        if "side_of_it" in told:
+        self.assertIn("inside", reported)
+        if "side_of_it" in reported:
             self.assertEqual([file.view(i["bufferView"]) for i in file.json["images"]], [PICTURE])
         with open(self.at(obj)) as text:
             lines = [line.split() for line in text]
@@ -252,8 +252,8 @@ class Look(CommandLine):
             used = [int(c[k]) for face in faces for c in face if c[k]]
             self.assertTrue(1 <= min(used) and max(used) <= count)
         for path in (glb, obj):
-            told = json.loads(self.run_sherd("inspect", self.at(path), "--json").stdout)
-            self.assertEqual((told["closed"], told["open_edges"], told["triangles"]), (True, 0, len(f)))
+            reported = json.loads(self.run_sherd("inspect", self.at(path), "--json").stdout)
+            self.assertEqual((reported["closed"], reported["open_edges"], reported["triangles"]), (True, 0, len(f)))
 
     def test_plain_meshes(self):
         self.done("--write", "mesh", "--mesh-format", "ply,obj,glb")

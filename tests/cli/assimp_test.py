@@ -25,7 +25,7 @@ class Interrupt(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name)
         (self.folder / "a.fbx").write_text("x")
-        # In sherd-assimp's place: tells its process id, then reads for ever.
+        # In place of sherd-assimp: prints its process id, then reads for ever.
         self.started = self.folder / "started"
         program = self.folder / "program"
         program.write_text(f"#!/bin/sh\necho $$ > {self.started}.new\nmv {self.started}.new {self.started}\n"

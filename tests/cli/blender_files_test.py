@@ -33,7 +33,7 @@ def of_grid(volume, name):
     modifier.resolution_mode = "GRID"
     return mesh
 
-told = {}
+reported = {}
 for path in sys.argv[sys.argv.index("--") + 3:]:
     data = bpy.data.volumes.new(os.path.basename(path))
     data.filepath, data.is_sequence = path, False
@@ -43,8 +43,8 @@ for path in sys.argv[sys.argv.index("--") + 3:]:
     data.grids.load()
     grids = {g.name: g.data_type for g in data.grids}
     surfaces = sorted((n for n in grids if n.startswith("surface")), key=lambda n: (len(n), n))
-    told[path] = {"grids": grids, "surfaces": [measures(of_grid(volume, n)) for n in surfaces]}
-tell(files=told)
+    reported[path] = {"grids": grids, "surfaces": [measures(of_grid(volume, n)) for n in surfaces]}
+answer(files=reported)
 '''
 
 
@@ -67,7 +67,7 @@ class HostFiles(Blender):
         single = self.tmp / "blosc" / "fragments.vdb"
         solid = self.tmp / "blosc" / "fragments" / "ball.vdb"
         alone = {name: [str(self.tmp / name / f["files"]["vdb"]) for f in manifests[name]["fragments"]] for name in PACKED}
-        told = self.blender(OPEN, *sum(alone.values(), []), single, solid)["files"]
+        reported = self.blender(OPEN, *sum(alone.values(), []), single, solid)["files"]
         voxel = manifests["blosc"]["grid"]["voxel_size"]
 
         def holds(mesh, says):
@@ -82,14 +82,14 @@ class HostFiles(Blender):
             for path, says in zip(files, manifests[name]["fragments"], strict=True):
                 with self.subTest(name, fragment=says["id"]):
                     fog = {"density": "FLOAT"} if name == "blosc" else {}
-                    self.assertEqual(told[path]["grids"], {"surface": "FLOAT", **fog})
-                    holds(told[path]["surfaces"][0], says)
+                    self.assertEqual(reported[path]["grids"], {"surface": "FLOAT", **fog})
+                    holds(reported[path]["surfaces"][0], says)
         numbers = range(1, PIECES + 1)
-        self.assertEqual(told[str(single)]["grids"], {"fragment_id": "INT", **{f"surface_{i}": "FLOAT" for i in numbers},
+        self.assertEqual(reported[str(single)]["grids"], {"fragment_id": "INT", **{f"surface_{i}": "FLOAT" for i in numbers},
                                                       **{f"density_{i}": "FLOAT" for i in numbers}})
-        for mesh, says in zip(told[str(single)]["surfaces"], manifests["blosc"]["fragments"], strict=True):
+        for mesh, says in zip(reported[str(single)]["surfaces"], manifests["blosc"]["fragments"], strict=True):
             holds(mesh, says)
-        whole = told[str(solid)]["surfaces"][0]
+        whole = reported[str(solid)]["surfaces"][0]
         self.assertTrue(whole["closed"])
         self.assertAlmostEqual(whole["volume"] / sum(f["volume"] for f in manifests["blosc"]["fragments"]), 1, delta=0.01)
 
@@ -103,24 +103,24 @@ class HostFiles(Blender):
             file.writelines(f"vt {(x - 0.5) / 3} {(y - 1.5) / 3}\n" for x, y, _ in places)
             file.writelines(f"f {a + 1}/{a + 1} {b + 1}/{b + 1} {c + 1}/{c + 1}\n" for a, b, c in faces)
         manifest = self.fracture(self.tmp / "painted", self.made / "painted.obj", "--write", "scene", "--density", "2")
-        told = self.blender('''
+        reported = self.blender('''
 if "bool" not in vars(np):
     np.bool = bool  # Blender 3.4's importer asks for a name that numpy 1.24 (Debian 12) has dropped
 bpy.ops.object.select_all(action="SELECT")
 bpy.ops.object.delete()
 bpy.ops.import_scene.gltf(filepath=sys.argv[-1])
 bpy.context.view_layer.update()
-tell(things=[{**measures(o), "location": o.location[:], "materials": [m.name for m in o.data.materials], "uv": len(o.data.uv_layers)}
+answer(things=[{**measures(o), "location": o.location[:], "materials": [m.name for m in o.data.materials], "uv": len(o.data.uv_layers)}
              for o in bpy.data.objects if o.type == "MESH"],
      images=[i.size[:] for i in bpy.data.images if i.name.startswith("checks")],
      textured=[m.name for m in bpy.data.materials if m.use_nodes and any(n.type == "TEX_IMAGE" for n in m.node_tree.nodes)],
      materials=[m.name for m in bpy.data.materials if m.users])
 ''', self.tmp / "painted" / "scene.glb")
-        self.assertEqual([t["name"] for t in told["things"]], [f"painted_{i:03d}" for i in range(1, PIECES + 1)])
-        own = [name for name in told["materials"] if name.startswith(("glaze", "inside"))]
+        self.assertEqual([t["name"] for t in reported["things"]], [f"painted_{i:03d}" for i in range(1, PIECES + 1)])
+        own = [name for name in reported["materials"] if name.startswith(("glaze", "inside"))]
         self.assertEqual(sorted(own), ["glaze", "inside"], "each is there once for all")
-        self.assertEqual((told["textured"], told["images"]), (["glaze"], [[2, 2]]))
-        for thing, says in zip(told["things"], manifest["fragments"], strict=True):
+        self.assertEqual((reported["textured"], reported["images"]), (["glaze"], [[2, 2]]))
+        for thing, says in zip(reported["things"], manifest["fragments"], strict=True):
             self.assertEqual((thing["materials"], thing["uv"]), (["glaze", "inside"], 1))
             x, y, z = says["centroid"]
             np.testing.assert_allclose(thing["location"], [x, -z, y], atol=1e-5)  # the importer takes y for up

@@ -32,7 +32,7 @@ import json, os, sys
 import bpy, numpy as np
 SHERD, OUT = sys.argv[sys.argv.index("--") + 1:][:2]
 
-def tell(**facts):
+def answer(**facts):
     with open(OUT, "w") as file:
         json.dump(facts, file, default=lambda thing: np.asarray(thing).tolist())
 
@@ -104,9 +104,9 @@ class Blender(unittest.TestCase):
                               capture_output=True, text=True, timeout=300, env=environment)
 
     def blender(self, script, *more):
-        """What a script tells."""
+        """What a script reports."""
         (self.tmp / "script.py").write_text(PRELUDE + script)
-        out = self.tmp / "told.json"
+        out = self.tmp / "reported.json"
         out.unlink(missing_ok=True)
         done = self.start("--python", self.tmp / "script.py", "--", os.path.abspath(SHERD), out, *more)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
@@ -120,9 +120,9 @@ class AddOn(Blender):
     def run_addon(self, script, *more):
         return self.blender(ADDON + script, *more)
 
-    def assert_fragments(self, told, density=None):
+    def assert_fragments(self, reported, density=None):
         """What holds for all fragments of one object, whatever the object."""
-        pieces = told["pieces"]
+        pieces = reported["pieces"]
         numbers = {f["properties"]["sherd_fragment"]: f for f in pieces}
         faced = {}
         for f in pieces:
@@ -145,37 +145,37 @@ class AddOn(Blender):
         return pieces
 
     def test_installs_as_one_file(self):
-        told = self.blender(f'''
+        reported = self.blender(f'''
 bpy.ops.preferences.addon_install(filepath={str(TOOLS / "sherd_fracture.py")!r}, overwrite=True)
 bpy.ops.preferences.addon_enable(module="sherd_fracture")
 here = hasattr(bpy.types.Scene, "sherd") and "VIEW3D_PT_sherd" in dir(bpy.types)
 settings = set(bpy.context.scene.sherd.__class__.__annotations__) | set(dir(bpy.context.scene.sherd))
 bpy.ops.preferences.addon_disable(module="sherd_fracture")
-tell(here=here, settings=sorted(settings), gone=not hasattr(bpy.types.Scene, "sherd"))
+answer(here=here, settings=sorted(settings), gone=not hasattr(bpy.types.Scene, "sherd"))
 ''')
-        self.assertTrue(told["here"] and told["gone"])
+        self.assertTrue(reported["here"] and reported["gone"])
         self.assertLessEqual({"pieces", "resolution", "seed", "roughness", "wear", "growth", "impact", "density"},
-                             set(told["settings"]))
+                             set(reported["settings"]))
 
     def test_default_cube(self):
         kept = self.tmp / "kept"
-        told = self.run_addon('''
+        reported = self.run_addon('''
 result = bpy.ops.object.sherd_fracture(pieces=6, resolution=48, seed=3, density=2500, folder=sys.argv[-1])
 pieces = bpy.context.selected_objects
-tell(result=list(result), pieces=[look(p) for p in pieces], hidden=cube.hide_get() and cube.hide_render,
+answer(result=list(result), pieces=[look(p) for p in pieces], hidden=cube.hide_get() and cube.hide_render,
      co=[world(p)[0] for p in pieces], faces=[world(p)[1] for p in pieces],
      inside_of=[c.name for c in bpy.data.collections["Collection"].children])
 ''', kept)
-        self.assertEqual(told["result"], ["FINISHED"])
-        pieces = self.assert_fragments(told, density=2500)
+        self.assertEqual(reported["result"], ["FINISHED"])
+        pieces = self.assert_fragments(reported, density=2500)
         self.assertEqual([f["name"] for f in pieces], [f"Cube_00{i}" for i in range(1, 7)])
-        self.assertTrue(told["hidden"])
-        self.assertIn("Cube", told["inside_of"])
+        self.assertTrue(reported["hidden"])
+        self.assertIn("Cube", reported["inside_of"])
         self.assertLess(abs(sum(f["volume"] for f in pieces) - 8), 0.04)
         np.testing.assert_allclose(np.min([f["low"] for f in pieces], axis=0), -1, atol=1e-3)
         np.testing.assert_allclose(np.max([f["high"] for f in pieces], axis=0), 1, atol=1e-3)
         manifest = json.loads((kept / "manifest.json").read_text())
-        for f, says, co, faces in zip(pieces, manifest["fragments"], told["co"], told["faces"]):
+        for f, says, co, faces in zip(pieces, manifest["fragments"], reported["co"], reported["faces"]):
             self.assertEqual(f["collections"], ["Cube", "RigidBodyWorld"])
             self.assertEqual(f["materials"], ["Material", "Sherd inside"])
             self.assertEqual([f["properties"][k] for k in ("sherd_fragment", "sherd_volume", "sherd_share")],
@@ -191,7 +191,7 @@ tell(result=list(result), pieces=[look(p) for p in pieces], hidden=cube.hide_get
 
     def test_suzanne_breaks_as_she_is_and_remeshed(self):
         """Turned, scaled, mirrored, and through a modifier."""
-        told = self.run_addon('''
+        reported = self.run_addon('''
 bpy.ops.mesh.primitive_monkey_add(location=(3, -2, 1), rotation=(0.4, 0.3, 2.0), scale=(0.5, -0.7, 1.2))
 monkey = bpy.context.active_object
 bpy.context.view_layer.update()
@@ -205,15 +205,15 @@ remesh.mode, remesh.voxel_size = "VOXEL", 0.06
 bpy.context.view_layer.update()
 whole = measures(monkey)
 bpy.ops.object.sherd_fracture(pieces=5, resolution=48, seed=1, roughness=0.5, original="KEEP", rigid_body=False)
-tell(plain=plain, whole=whole, pieces=[look(p) for p in bpy.context.selected_objects],
+answer(plain=plain, whole=whole, pieces=[look(p) for p in bpy.context.selected_objects],
      hidden=monkey.hide_get() or monkey.hide_render, world=bpy.context.scene.rigidbody_world is not None)
 ''')
-        self.assertEqual(len(told["plain"]), 5)  # open by 42 edges at the eyes
-        self.assertTrue(all(f["closed"] for f in told["plain"]))
-        whole, pieces = told["whole"], self.assert_fragments(told)
+        self.assertEqual(len(reported["plain"]), 5)  # open by 42 edges at the eyes
+        self.assertTrue(all(f["closed"] for f in reported["plain"]))
+        whole, pieces = reported["whole"], self.assert_fragments(reported)
         self.assertTrue(whole["closed"])
         self.assertEqual(len(pieces), 5)
-        self.assertEqual((told["hidden"], told["world"]), (False, False))
+        self.assertEqual((reported["hidden"], reported["world"]), (False, False))
         self.assertIsNone(pieces[0]["body"])
         voxel = max(np.subtract(whole["high"], whole["low"])) / 48
         np.testing.assert_allclose(np.min([f["low"] for f in pieces], axis=0), whole["low"], atol=voxel / 2)
@@ -232,7 +232,7 @@ tell(plain=plain, whole=whole, pieces=[look(p) for p in bpy.context.selected_obj
         (self.tmp / "ball.obj").write_text("\n".join(lines) + "\n")
         (self.tmp / "ball.mtl").write_text("newmtl checkered\nKd 1 1 1\nmap_Kd checker.png\n"
                                            "newmtl plain one\nKd 0.2 0.4 0.6\n")
-        told = self.run_addon('''
+        reported = self.run_addon('''
 bpy.ops.wm.obj_import(filepath=sys.argv[-1], forward_axis="Y", up_axis="Z")
 ball = bpy.context.active_object
 paint = ball.data.color_attributes.new("paint", "FLOAT_COLOR", "CORNER")
@@ -255,14 +255,14 @@ for p in pieces:
                  "uv": [d.uv[:] for d in mesh.uv_layers.active.data], "layers": [u.name for u in mesh.uv_layers],
                  "corner": at[corner], "at": at, "corner_vertex": corner,
                  "paint": [c.color_srgb[:3] for c in mesh.color_attributes["paint"].data]})
-tell(pieces=[look(p) for p in pieces], more=more, materials=len(bpy.data.materials) - materials,
+answer(pieces=[look(p) for p in pieces], more=more, materials=len(bpy.data.materials) - materials,
      images=len(bpy.data.images) - images, layer=ball.data.uv_layers.active.name)
 ''', self.tmp / "ball.obj")
-        self.assertEqual((told["materials"], told["images"]), (1, 0))  # but for the inside, nothing is copied
-        for f, more in zip(self.assert_fragments(told), told["more"]):
+        self.assertEqual((reported["materials"], reported["images"]), (1, 0))  # but for the inside, nothing is copied
+        for f, more in zip(self.assert_fragments(reported), reported["more"]):
             self.assertEqual(f["materials"], ["checkered", "plain one", "Sherd inside"])
             self.assertEqual((more["same"], more["texture"]), ([True, True], [[64, 64]]))
-            self.assertEqual(more["layers"], [told["layer"]])
+            self.assertEqual(more["layers"], [reported["layer"]])
             neighbor, index = np.array(f["neighbor"]), np.array(f["material_index"])
             self.assertTrue((index[neighbor > 0] == 2).all())
             height = np.array(f["middles"])[:, 2]
@@ -277,7 +277,7 @@ tell(pieces=[look(p) for p in pieces], more=more, materials=len(bpy.data.materia
             np.testing.assert_allclose(np.array(more["paint"])[used], 0.5 + 0.4 * at[used], atol=0.05)
 
     def test_impact_at_the_cursor(self):
-        told = self.run_addon('''
+        reported = self.run_addon('''
 def centers(**options):
     only(cube)
     bpy.ops.object.sherd_fracture(pieces=12, resolution=48, seed=2, original="KEEP", rigid_body=False, **options)
@@ -288,19 +288,19 @@ plain = centers()
 cursor = centers(impact="CURSOR", impact_pieces=9, impact_spread=0.15)
 clicked = centers(impact="MOUSE", impact_pieces=9, impact_spread=0.15, impact_point=(1, 1, 1))
 only(cube)
-tell(plain=plain, cursor=cursor, clicked=clicked, without=refused(impact="MOUSE"),
+answer(plain=plain, cursor=cursor, clicked=clicked, without=refused(impact="MOUSE"),
      many=refused(pieces=4, impact="CURSOR", impact_pieces=9))
 ''')
-        near = {name: sum(np.linalg.norm(np.subtract(told[name], 1), axis=1) < 1) for name in ("plain", "cursor")}
-        self.assertEqual([len(told[name]) for name in ("plain", "cursor", "clicked")], [12, 12, 12])
+        near = {name: sum(np.linalg.norm(np.subtract(reported[name], 1), axis=1) < 1) for name in ("plain", "cursor")}
+        self.assertEqual([len(reported[name]) for name in ("plain", "cursor", "clicked")], [12, 12, 12])
         self.assertGreaterEqual(near["cursor"], near["plain"] + 4, near)
-        self.assertEqual(told["clicked"], told["cursor"])
-        self.assertRegex(told["without"], "^Error: an impact under the mouse needs a click in a 3D view")
-        self.assertRegex(told["many"], "^Error: .*9")
+        self.assertEqual(reported["clicked"], reported["cursor"])
+        self.assertRegex(reported["without"], "^Error: an impact under the mouse needs a click in a 3D view")
+        self.assertRegex(reported["many"], "^Error: .*9")
 
     def test_the_ray_under_the_mouse(self):
         """A view from above, 200 by 100 pixels for 8 by 4 units about (1, 0), of a turned and scaled cube."""
-        told = self.run_addon('''
+        reported = self.run_addon('''
 import types, math, mathutils, sherd_fracture
 region = types.SimpleNamespace(width=200, height=100)
 view = mathutils.Matrix.Translation((-1, 0, -10))
@@ -310,36 +310,36 @@ seen = types.SimpleNamespace(is_perspective=False, view_matrix=view, window_matr
 cube.location, cube.scale, cube.rotation_euler = (1, 1, 0.5), (0.5, 0.25, 2), (0, 0, math.pi / 2)
 bpy.context.view_layer.update()
 spot = lambda x, y: sherd_fracture.point_under(bpy.context, region, seen, (x, y), cube)
-tell(hit=spot(100, 75)[:], beside=spot(150, 75))
+answer(hit=spot(100, 75)[:], beside=spot(150, 75))
 ''')
-        np.testing.assert_allclose(told["hit"], [1, 1, 2.5], atol=1e-5)
-        self.assertIsNone(told["beside"])
+        np.testing.assert_allclose(reported["hit"], [1, 1, 2.5], atol=1e-5)
+        self.assertIsNone(reported["beside"])
 
     def test_fragments_break_again(self):
-        told = self.run_addon('''
+        reported = self.run_addon('''
 bpy.ops.object.sherd_fracture(pieces=3, resolution=32)
 first = bpy.context.active_object
 before = measures(first)
 bpy.ops.object.sherd_fracture(pieces=4, resolution=32, seed=5)
-tell(pieces=[look(p) for p in bpy.context.selected_objects], before=before,
+answer(pieces=[look(p) for p in bpy.context.selected_objects], before=before,
      collections={c.name: sorted(k.name for k in c.children) for c in bpy.data.collections},
      moving=sorted(o.name for o in bpy.context.scene.rigidbody_world.collection.objects), hidden=first.hide_get())
 ''')
-        pieces = self.assert_fragments(told)
+        pieces = self.assert_fragments(reported)
         names = [f"Cube_001_00{i}" for i in range(1, 5)]
         self.assertEqual([f["name"] for f in pieces], names)
-        self.assertEqual(told["collections"]["Cube"], ["Cube_001"])
-        self.assertEqual(told["moving"], ["Cube_001_001", "Cube_001_002", "Cube_001_003", "Cube_001_004",
+        self.assertEqual(reported["collections"]["Cube"], ["Cube_001"])
+        self.assertEqual(reported["moving"], ["Cube_001_001", "Cube_001_002", "Cube_001_003", "Cube_001_004",
                                           "Cube_002", "Cube_003"])  # not the hidden one in their midst
-        self.assertTrue(told["hidden"])
-        self.assertAlmostEqual(sum(f["volume"] for f in pieces) / told["before"]["volume"], 1, delta=0.02)
+        self.assertTrue(reported["hidden"])
+        self.assertAlmostEqual(sum(f["volume"] for f in pieces) / reported["before"]["volume"], 1, delta=0.02)
         for f in pieces:
             self.assertEqual(f["materials"], ["Material", "Sherd inside"])
             self.assertEqual(f["properties"]["sherd_source"], "Cube_001")
 
     def test_one_undo_takes_it_back(self):
-        """Scripts push no undo steps unless told to: the second argument of the operator does what a window does."""
-        told = self.run_addon('''
+        """Scripts push no undo steps unless asked to: the second argument of the operator does what a window does."""
+        reported = self.run_addon('''
 def scene():
     return {"objects": sorted(bpy.data.objects.keys()), "meshes": sorted(bpy.data.meshes.keys()),
             "collections": sorted(bpy.data.collections.keys()), "hidden": bpy.data.objects["Cube"].hide_get(),
@@ -352,18 +352,18 @@ broken = scene()
 bpy.ops.ed.undo()
 undone = scene()
 bpy.ops.ed.redo()
-tell(before=before, broken=broken, undone=undone, redone=scene())
+answer(before=before, broken=broken, undone=undone, redone=scene())
 ''')
-        self.assertIn("Cube_003", told["broken"]["objects"])
-        self.assertTrue(told["broken"]["world"])
-        self.assertEqual(told["undone"], told["before"])
-        self.assertEqual(told["redone"], told["broken"])
+        self.assertIn("Cube_003", reported["broken"]["objects"])
+        self.assertTrue(reported["broken"]["world"])
+        self.assertEqual(reported["undone"], reported["before"])
+        self.assertEqual(reported["redone"], reported["broken"])
 
     def test_fragments_fall_and_do_not_burst(self):
         """Neighbors touch, and hulls overlap a little: without gravity a broken cube parts by less than its side in a
         second, and not at all where the fragments rest until hit.  With gravity they fall.
         """
-        told = self.run_addon('''
+        reported = self.run_addon('''
 bpy.ops.object.sherd_fracture(pieces=6, resolution=48)
 pieces, scene = bpy.context.selected_objects, bpy.context.scene
 def places(frames):
@@ -382,13 +382,13 @@ cube.hide_set(False)
 only(cube)
 bpy.ops.object.sherd_fracture(pieces=6, resolution=48, asleep=True)
 pieces = bpy.context.selected_objects
-tell(parted=parted, fallen=fallen, asleep=(places(1), places(24)))
+answer(parted=parted, fallen=fallen, asleep=(places(1), places(24)))
 ''')
-        before, after = map(np.array, told["parted"])
+        before, after = map(np.array, reported["parted"])
         self.assertLess(np.linalg.norm(after - before, axis=1).max(), 1)
-        before, after = map(np.array, told["fallen"])  # half a second at 24 frames a second
+        before, after = map(np.array, reported["fallen"])  # half a second at 24 frames a second
         np.testing.assert_allclose((after - before)[:, 2].mean(), -9.81 / 2 * 0.5 ** 2, atol=0.1)
-        np.testing.assert_allclose(*told["asleep"], atol=1e-5)
+        np.testing.assert_allclose(*reported["asleep"], atol=1e-5)
 
     def fake(self, name, text):
         path = self.tmp / name
@@ -405,44 +405,44 @@ tell(parted=parted, fallen=fallen, asleep=(places(1), places(24)))
         (self.tmp / "plain.txt").write_text("no program")
         (self.tmp / "taken").mkdir()
         (self.tmp / "taken" / "mine.txt").write_text("x")
-        told = self.run_addon('''
+        reported = self.run_addon('''
 import pathlib, time
 folder = pathlib.Path(sys.argv[-1])
 before = sorted(bpy.data.objects.keys()), sorted(bpy.data.meshes.keys()), sorted(bpy.data.collections.keys())
-told = {}
+reported = {}
 def program(name):
     preferences.binary = str(folder / name)
     return refused(resolution=32)
 for name in ("absent", "plain.txt", "interrupted", "crash", "empty", "dumb"):
-    told[name] = program(name)
+    reported[name] = program(name)
 preferences.timeout = 1
 started = time.monotonic()
-told["slow"] = program("slow")
-told["waited"] = time.monotonic() - started
+reported["slow"] = program("slow")
+reported["waited"] = time.monotonic() - started
 preferences.timeout = 600
 preferences.binary, path = "", os.environ["PATH"]
 os.environ["PATH"] = str(folder)
-told["not in PATH"] = refused()
+reported["not in PATH"] = refused()
 os.environ["PATH"] = path
 preferences.binary = SHERD
-told["folder"] = refused(resolution=32, folder=str(folder / "taken"))
+reported["folder"] = refused(resolution=32, folder=str(folder / "taken"))
 bpy.ops.object.select_all(action="DESELECT")
-told["nothing"] = refused()
+reported["nothing"] = refused()
 only(bpy.data.objects["Light"])
-told["light"] = refused()
+reported["light"] = refused()
 only(cube)
 bpy.ops.object.mode_set(mode="EDIT")
-told["edit"] = refused()
+reported["edit"] = refused()
 bpy.ops.object.mode_set(mode="OBJECT")
 after = sorted(bpy.data.objects.keys()), sorted(bpy.data.meshes.keys()), sorted(bpy.data.collections.keys())
 empty = bpy.data.objects.new("Void", bpy.data.meshes.new("Void"))
 bpy.context.collection.objects.link(empty)
 only(empty)
-told["faceless"] = refused()
-tell(same=before == after, **told)
+reported["faceless"] = refused()
+answer(same=before == after, **reported)
 ''', self.tmp)
-        self.assertTrue(told.pop("same"))
-        self.assertLess(told.pop("waited"), 10)
+        self.assertTrue(reported.pop("same"))
+        self.assertLess(reported.pop("waited"), 10)
         path = "Edit > Preferences > Add-ons > Sherd Fracture"
         for case, says in {
                 "absent": path, "plain.txt": path, "not in PATH": "program 'sherd' not found.*" + path,
@@ -451,9 +451,9 @@ tell(same=before == after, **told)
                 "folder": "taken", "nothing": "nothing is selected", "light": "Light is of type light, not a mesh",
                 "edit": "Cube is in edit mode", "faceless": "Void has no faces"}.items():
             with self.subTest(case):
-                self.assertRegex(told[case], "^Error: .*" + says)
-                self.assertEqual(len(told[case].strip().splitlines()), 1, told[case])
-                self.assertNotIn(str(self.scratch), told[case])
+                self.assertRegex(reported[case], "^Error: .*" + says)
+                self.assertEqual(len(reported[case].strip().splitlines()), 1, reported[case])
+                self.assertNotIn(str(self.scratch), reported[case])
 
 
 class Import(Blender):
@@ -474,22 +474,22 @@ class Import(Blender):
     def bring(self, script, *options, folder=None):
         """Runs import_sherd.py, which reads the words behind `--`, and then a script."""
         (self.tmp / "script.py").write_text(PRELUDE.replace('sys.argv[sys.argv.index("--") + 1:][:2]',
-                                                            f'"", {str(self.tmp / "told.json")!r}') + script)
+                                                            f'"", {str(self.tmp / "reported.json")!r}') + script)
         done = self.start("--python", TOOLS / "import_sherd.py", "--python", self.tmp / "script.py", "--",
                           folder or self.dir, *options)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        return json.loads((self.tmp / "told.json").read_text())
+        return json.loads((self.tmp / "reported.json").read_text())
 
     def test_meshes_lie_where_they_were(self):
-        told = self.bring('''
+        reported = self.bring('''
 things = [o for o in bpy.data.objects if o.type == "MESH"]
-tell(things=[{**measures(o), "at": world(o)[0], "materials": [m.name for m in o.data.materials],
+answer(things=[{**measures(o), "at": world(o)[0], "materials": [m.name for m in o.data.materials],
               "neighbor": [f.value for f in o.data.attributes["neighbor"].data], "id": o["sherd_fragment"],
               "material_index": [p.material_index for p in o.data.polygons],
               "in": [c.name for c in o.users_collection]} for o in things])
 ''', "-o", self.tmp / "out.blend")
-        self.assertEqual([t["name"] for t in told["things"]], ["ball_001", "ball_002", "ball_003"])
-        for t, says in zip(told["things"], self.manifest["fragments"]):
+        self.assertEqual([t["name"] for t in reported["things"]], ["ball_001", "ball_002", "ball_003"])
+        for t, says in zip(reported["things"], self.manifest["fragments"]):
             at, _, neighbor = read_triangles(self.dir / says["files"]["mesh"][0])
             np.testing.assert_array_equal(np.float32(t["at"]), np.float32(at))
             np.testing.assert_array_equal(t["neighbor"], neighbor)
@@ -507,66 +507,66 @@ tell(things=[{**measures(o), "at": world(o)[0], "materials": [m.name for m in o.
                 for f in manifest["fragments"]:
                     f["files"]["mesh"] = next(m for m in f["files"]["mesh"] if m.endswith(kind))
                 (folder / "manifest.json").write_text(json.dumps(manifest))
-                told = self.bring('''
-tell(things=[{**measures(o), "materials": [m.name for m in o.data.materials]} for o in bpy.data.objects
+                reported = self.bring('''
+answer(things=[{**measures(o), "materials": [m.name for m in o.data.materials]} for o in bpy.data.objects
              if o.type == "MESH"], materials=sorted(m.name for m in bpy.data.materials if m.users))
 ''', folder=folder)
-                for t, says in zip(told["things"], manifest["fragments"]):
+                for t, says in zip(reported["things"], manifest["fragments"]):
                     np.testing.assert_allclose(t["low"], says["bbox"]["min"], atol=1e-5)
                     np.testing.assert_allclose(t["high"], says["bbox"]["max"], atol=1e-5)
                     self.assertEqual(t["materials"], ["outside", "inside"])
-                self.assertEqual(len([m for m in told["materials"] if m.startswith("inside")]), 1)
+                self.assertEqual(len([m for m in reported["materials"] if m.startswith("inside")]), 1)
 
     def test_up_y_stands_it_up(self):
-        told = self.bring('tell(things=[measures(o) for o in bpy.data.objects if o.type == "MESH"])', "--up", "y")
-        for t, says in zip(told["things"], self.manifest["fragments"]):
+        reported = self.bring('answer(things=[measures(o) for o in bpy.data.objects if o.type == "MESH"])', "--up", "y")
+        for t, says in zip(reported["things"], self.manifest["fragments"]):
             (x, y, z), (high_x, high_y, high_z) = says["bbox"]["min"], says["bbox"]["max"]
             np.testing.assert_allclose(t["low"], [x, -high_z, y], atol=1e-5)
             np.testing.assert_allclose(t["high"], [high_x, -z, high_y], atol=1e-5)
 
     def test_every_volume_is_an_object_and_meshes_at_zero(self):
-        told = self.bring('''
+        reported = self.bring('''
 volumes = [o for o in bpy.data.objects if o.type == "VOLUME"]
 grids = []
 for o in volumes:
     o.data.grids.load()
     grids.append([(g.name, g.data_type) for g in o.data.grids])
-tell(volumes=[o.name for o in volumes], grids=grids, files=[os.path.basename(o.data.filepath) for o in volumes],
+answer(volumes=[o.name for o in volumes], grids=grids, files=[os.path.basename(o.data.filepath) for o in volumes],
      sequences=[o.data.is_sequence for o in volumes], same=[list(map(list, o.matrix_world)) for o in volumes],
      meshes=[{**measures(o), "of": o.parent.name} for o in bpy.data.objects if o.type == "MESH"])
 ''', "--volumes", "--to-mesh")
         names = ["ball_001", "ball_002", "ball_003"]
-        self.assertEqual((told["volumes"], told["files"]), (names, [n + ".vdb" for n in names]))
-        self.assertEqual(told["grids"], [[["surface", "FLOAT"]]] * 3)
-        self.assertEqual(told["sequences"], [False] * 3)
-        for matrix in told["same"]:
+        self.assertEqual((reported["volumes"], reported["files"]), (names, [n + ".vdb" for n in names]))
+        self.assertEqual(reported["grids"], [[["surface", "FLOAT"]]] * 3)
+        self.assertEqual(reported["sequences"], [False] * 3)
+        for matrix in reported["same"]:
             np.testing.assert_array_equal(matrix, np.eye(4))
-        self.assertEqual([m["of"] for m in told["meshes"]], names)
-        for mesh, says in zip(told["meshes"], self.manifest["fragments"]):
+        self.assertEqual([m["of"] for m in reported["meshes"]], names)
+        for mesh, says in zip(reported["meshes"], self.manifest["fragments"]):
             self.assertTrue(mesh["closed"])
             self.assertAlmostEqual(mesh["volume"] / says["volume"], 1, delta=0.01)
             # Blender 3.4 adds half a voxel to every vertex.  What is left over is the mesher's: it rounds corners.
             self.assertLess(np.abs(np.subtract(mesh["center"], says["centroid"]) - self.voxel / 2).max(),
                             0.05 * self.voxel)
-        low = np.min([m["low"] for m in told["meshes"]], axis=0)
-        high = np.max([m["high"] for m in told["meshes"]], axis=0)
+        low = np.min([m["low"] for m in reported["meshes"]], axis=0)
+        high = np.max([m["high"] for m in reported["meshes"]], axis=0)
         np.testing.assert_allclose(low, np.array([0.5, 1.5, 3.5]) + self.voxel / 2, atol=0.25 * self.voxel)
         np.testing.assert_allclose(high, np.array([3.5, 4.5, 6.5]) + self.voxel / 2, atol=0.25 * self.voxel)
 
     def test_numbered_files_are_an_animation_unless_told_otherwise(self):
-        told = self.blender('''
+        reported = self.blender('''
 folder = sys.argv[-1]
 files = [{"name": n} for n in sorted(os.listdir(folder))]
 def opened(**options):
     before = set(bpy.data.objects)
     bpy.ops.object.volume_import(directory=folder, files=files, **options)
     return [o.data.is_sequence for o in bpy.data.objects if o not in before]
-tell(default=opened(), each=opened(use_sequence_detection=False))
+answer(default=opened(), each=opened(use_sequence_detection=False))
 ''', self.dir / "fragments")
-        self.assertEqual(told, {"default": [True], "each": [False] * 3})
+        self.assertEqual(reported, {"default": [True], "each": [False] * 3})
 
     def test_glb_opens_by_name_with_its_materials(self):
-        told = self.blender('''
+        reported = self.blender('''
 if "bool" not in vars(np):
     np.bool = bool  # Blender 3.4's importer asks for a name that numpy 1.24 (Debian 12) has dropped
 things = []
@@ -577,10 +577,10 @@ for file in sorted(f for f in os.listdir(sys.argv[-1]) if f.endswith(".glb")):
     for o in set(bpy.data.objects) - before:
         things.append({**measures(o), "materials": [m.name.split(".")[0] for m in o.data.materials],
                        "attributes": [a.name for a in o.data.attributes]})
-tell(things=things)
+answer(things=things)
 ''', self.dir / "meshes")
-        self.assertEqual([t["name"] for t in told["things"]], ["ball_001", "ball_002", "ball_003"])
-        for t, says in zip(told["things"], self.manifest["fragments"]):
+        self.assertEqual([t["name"] for t in reported["things"]], ["ball_001", "ball_002", "ball_003"])
+        for t, says in zip(reported["things"], self.manifest["fragments"]):
             self.assertEqual(t["materials"], ["outside", "inside"])
             self.assertAlmostEqual(t["volume"] / says["volume"], 1, delta=1e-4)
             (x, y, z), (high_x, high_y, high_z) = says["bbox"]["min"], says["bbox"]["max"]

@@ -42,9 +42,9 @@ class Meshes(ConvertTest):
         self.put("box.obj", write_obj(CORNERS, FACES))
 
     def triangles(self, name):
-        """The sum over corners tells a mesh apart, whatever the order of its vertices."""
-        told = self.told(name)
-        return told["kind"], told["triangles"], round(told["volume"], 6), told["closed"], told["box_max"]
+        """The sum over corners identifies a mesh, whatever the order of its vertices."""
+        reported = self.reported(name)
+        return reported["kind"], reported["triangles"], round(reported["volume"], 6), reported["closed"], reported["box_max"]
 
     def test_a_mesh_goes_through_every_format(self):
         for ending in ("ply", "obj", "stl", "glb", "binm"):
@@ -85,8 +85,8 @@ class Meshes(ConvertTest):
         for name, data in (("a", binm([(CORNERS, FACES)])), ("b", binm([(CORNERS, FACES)], "Q")),
                            ("c", binm([(CORNERS, FACES)], "Q", True)), ("d", binm([(CORNERS, FACES), (far, FACES)], "Q", True))):
             self.put(name + ".binm", data)
-            told = self.told(name + ".binm")
-            self.assertEqual((told["triangles"], told["closed"], told["volume"]), (24, True, 14) if name == "d" else (12, True, 7))
+            reported = self.reported(name + ".binm")
+            self.assertEqual((reported["triangles"], reported["closed"], reported["volume"]), (24, True, 14) if name == "d" else (12, True, 7))
             for n in range(0, len(data), 7):
                 self.put("cut.binm", data[:n])
                 if n % 49 == 0:
@@ -187,7 +187,7 @@ class Points(ConvertTest):
             self.assertEqual(len(losses), 1 + (len(cells) < 500))
             self.assertLess(max(np.abs(points[:, None] - positions[None]).max(axis=2).min(axis=0)), 0.51 * header["voxel"])
             np.testing.assert_allclose(self.read("a.binp")["positions"], points.astype(np.float32))
-            self.assertEqual(self.told("a.binp")["points"], len(points))
+            self.assertEqual(self.reported("a.binp")["points"], len(points))
 
     def test_one_point_is_a_cloud(self):
         self.put("a.xyz", b"1 2 3\n")
@@ -237,7 +237,7 @@ class Points(ConvertTest):
 
     def test_other_arrays_are_told(self):
         np.savez(self.path("sdf.npz"), positions=np.zeros((3, 3)), sdf=np.zeros(3))
-        self.assertEqual(self.told("sdf.npz")["kind"], "arrays")
+        self.assertEqual(self.reported("sdf.npz")["kind"], "arrays")
         self.refused("convert", self.path("sdf.npz"), self.path("a.ply"))
 
 

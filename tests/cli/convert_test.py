@@ -66,7 +66,7 @@ class ConvertTest(unittest.TestCase):
         self.assertTrue(run.stderr.startswith("sherd: "))
         return run.stderr
 
-    def told(self, name):
+    def reported(self, name):
         return json.loads(self.sherd("inspect", self.path(name), "--json").stdout)
 
 
@@ -191,8 +191,8 @@ class Arrays(ConvertTest):
             np.testing.assert_array_equal(back["index_min"], place["index_min"] - [2, 2, 0])
             np.testing.assert_array_equal(back["labels"], vf.cube(labels, True))
         self.assertIn("origin", self.converted("a.npz", "b.rle")[1][0])
-        told = self.told("a.npz")
-        self.assertEqual((told["origin"], told["voxel_size"], told["index_min"]), ([1.5, -2, 3e7], 0.01, [-4, 5, 6]))
+        reported = self.reported("a.npz")
+        self.assertEqual((reported["origin"], reported["voxel_size"], reported["index_min"]), ([1.5, -2, 3e7], 0.01, [-4, 5, 6]))
 
     def test_a_place_is_given_by_options(self):
         self.put("a.rle", vf.write_rle(random_labels(6, (4, 5, 9), 2, 7)))
@@ -273,10 +273,10 @@ class Inspect(ConvertTest):
         self.put("a.rle", vf.write_rle(labels))
         for ending in ("rle", "npy", "npz", "vox", "qstack", "bing"):
             self.converted("a.rle", "b." + ending)
-            told = self.told("b." + ending)
-            self.assertEqual((told["kind"], told["format"]), ("voxels", ending))
-            self.assertEqual(told["dims"], [8, 8, 8] if ending == "bing" else [6, 7, 8])
-            got = dict(told["voxels_per_label"])
+            reported = self.reported("b." + ending)
+            self.assertEqual((reported["kind"], reported["format"]), ("voxels", ending))
+            self.assertEqual(reported["dims"], [8, 8, 8] if ending == "bing" else [6, 7, 8])
+            got = dict(reported["voxels_per_label"])
             if ending == "bing":
                 got["0"] -= 8 ** 3 - 6 * 7 * 8
             self.assertEqual(got, counts)
@@ -290,8 +290,8 @@ class Output(ConvertTest):
 
     def test_the_report_is_one_object(self):
         run = self.sherd("convert", self.path("a.rle"), self.path("b.qstack"), "--json")
-        told = json.loads(run.stdout)
-        self.assertEqual((told["schema"], told["command"], told["kind"], told["dims"], told["losses"]),
+        reported = json.loads(run.stdout)
+        self.assertEqual((reported["schema"], reported["command"], reported["kind"], reported["dims"], reported["losses"]),
                          ("sherd-report/1", "convert", "voxels", [5, 5, 5], []))
 
     def test_nothing_is_written_onto_folders_and_devices(self):

@@ -59,7 +59,7 @@ class Names(Safety):
                 self.assertEqual(len(owners), 0 if layout == "packed" else len(names))
                 moved = {r["object"]: r["folder"] for r in rows if "folder" in r}
                 self.assertEqual("journal.obj" in moved, layout == "paper")
-                for name in moved:  # each is told, alone or with others
+                for name in moved:  # each is reported, alone or with others
                     self.assertIn("warning: ", first.stderr)
                     self.assertIn("'" + moved[name].removeprefix("objects/").removeprefix("library/").split("/")[0], first.stderr)
                 self.done(*arguments, "--resume", library=library)
@@ -74,7 +74,7 @@ class Names(Safety):
         run = self.done(*QUICK)
         self.assertNotIn("warning", run.stderr)
         with open(os.path.join(self.out, "index.csv")) as file:
-            self.assertTrue(file.readline().endswith(",truth_shift\n"))
+            self.assertTrue(file.readline().endswith(",truth_translation\n"))
         self.assertFalse([r for r in self.rows() if "folder" in r])
 
     def test_a_name_with_its_extension_may_be_another_s_without(self):
@@ -220,7 +220,7 @@ class Journals(Safety):
             ("fracture", "../../x"), ("fracture", "3f_0"), ("fragments", 0, "id", 65535), ("fragments", 0, 7), ("fragments", 0, "withheld", 1),
             ("fragments", 0, "contacts", 0, [1]), ("fragments", 0, "files", 0, "objects/other.ply"), ("files", 0, 0, "../x"), ("files", 0, 0, "/x"),
             ("files", 0, 1, -4), ("files", 0, 2, "AB" * 32), ("files", 0, ["a"]), ("options", {"roughness": 1}), ("labels", 0, "x.rle"),
-            ("fragments", 0, "pose", "turn", [1, 2, 3]), ("fragments", 0, "pose", "center", None), ("fragments", 0, "pose", 3))]
+            ("fragments", 0, "pose", "rotation", [1, 2, 3]), ("fragments", 0, "pose", "center", None), ("fragments", 0, "pose", 3))]
         bad.append((4, changed(3, put("files", [["../x", 1, "ab"]]))))
         for number, text in bad:
             with self.subTest(line=number, text=text[-200:]):

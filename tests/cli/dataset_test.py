@@ -28,7 +28,7 @@ import skipping
 from cli_test import SHERD, CommandLine, joined, sphere, tree, write_obj, write_stl
 from png_file import pixels_of
 
-# What a run leaves that tells of the run, and not of the dataset.
+# What a run leaves that describes the run, and not the dataset.
 OF_THE_RUN = ("journal/", "run", "report.html")
 SMALL = {"--resolution": "24", "--pieces": "2..4", "--repeats": "3..1", "--points": "32"}
 
@@ -183,10 +183,28 @@ class Run(Dataset):
     def test_poses_lead_back(self):
         self.done("--poses", "--match", "ball*")
         for row in self.rows():
-            w, x, y, z = row["turn"]
+            w, x, y, z = row["rotation"]
             self.assertAlmostEqual(w * w + x * x + y * y + z * z, 1)
-            self.assertEqual(row["truth_turn"], [w, -x, -y, -z])
-            self.assertEqual(row["truth_shift"], row["center"])
+            self.assertEqual(row["truth_rotation"], [w, -x, -y, -z])
+            self.assertEqual(row["truth_translation"], row["center"])
+
+    def test_poses_of_an_earlier_version_are_read(self):
+        arguments = ("--poses", "--match", "ball*", "--pieces", "2", "--repeats", "1")
+        self.done(*arguments)
+        before = dataset(self.out)
+        journals = [os.path.join(self.out, "journal", name) for name in os.listdir(os.path.join(self.out, "journal")) if name.endswith(".jsonl")]
+        for journal in journals:
+            with open(journal) as file:
+                text = file.read()
+            self.assertIn('"truth_rotation"', text)
+            for former, current in (("truth_turn", "truth_rotation"), ("truth_shift", "truth_translation"), ("turn", "rotation"), ("centre", "center")):
+                text = text.replace(f'"{current}"', f'"{former}"')
+            with open(journal, "w") as file:
+                file.write(text)
+        self.done(*arguments, "--resume")
+        index = {name: content for name, content in before.items() if "index" in name}
+        self.assertTrue(index)
+        self.assertEqual({name: dataset(self.out)[name] for name in index}, index)
 
     def test_options_out_of_files(self):
         self.done("--erode-iterations", "1", "--match", "ball*")
@@ -382,7 +400,7 @@ class Trust(Dataset):
         others = [".sherd-mine.tmp", "journal/.sherd-1-2-3.tmp"]
 
         def now():
-            """All but what tells of the run."""
+            """All but what describes the run."""
             found = tree(self.out)
             return [name for name in left if name in found], [name for name in others if name in found]
 
@@ -434,8 +452,8 @@ class Trust(Dataset):
                 out = tempfile.mkdtemp(prefix="sherd-cli-")
                 self.addCleanup(shutil.rmtree, out)
                 arguments = (*layout, "--match", "ball*", "--verify")
-                told = self.done(*arguments, out=out).stdout
-                self.assertRegex(told, r"all \d+ files are whole\n\Z")
+                reported = self.done(*arguments, out=out).stdout
+                self.assertRegex(reported, r"all \d+ files are whole\n\Z")
                 names = sorted(n for n, _ in tree(out).items() if "ball" in n and "journal" not in n and n[-1] != "/")
                 for name in names[0], names[-1]:
                     path = os.path.join(out, name)
@@ -489,19 +507,19 @@ class Trust(Dataset):
         page = self.report()
         rows = [r for r in self.rows() if r["fracture"] != "whole"]
         size = lambda names: sum(os.path.getsize(os.path.join(self.out, n)) for n in names)
-        told = {row[0]: row[1] for row in page.tables[0]}
+        reported = {row[0]: row[1] for row in page.tables[0]}
         fractures = {(r["object"], r["fracture"]) for r in rows}
-        self.assertEqual(told["Fragments"], str(len(rows)))
-        self.assertEqual(told["Fractures"], str(len(fractures)))
-        self.assertEqual(told["Models"], "3")
+        self.assertEqual(reported["Fragments"], str(len(rows)))
+        self.assertEqual(reported["Fractures"], str(len(fractures)))
+        self.assertEqual(reported["Models"], "3")
         for kind, column, counts in (("Average faces", "faces", rows), ("Average vertices", "vertices", rows)):
-            self.assertEqual(told[kind], f"{np.mean([int(r[column]) for r in counts]):.0f}")
+            self.assertEqual(reported[kind], f"{np.mean([int(r[column]) for r in counts]):.0f}")
         all_files = {name for r in self.rows() for name in r["files"]}
         points = {name for name in all_files if "points" in name}
-        self.assertTrue(told["Triangle mesh files"].startswith(f"{len(all_files - points)} ("))
-        self.assertTrue(told["Point cloud files"].startswith(f"{len(points)} ("))
+        self.assertTrue(reported["Triangle mesh files"].startswith(f"{len(all_files - points)} ("))
+        self.assertTrue(reported["Point cloud files"].startswith(f"{len(points)} ("))
         labels = {name for r in self.rows() for name in r["labels"]}
-        self.assertTrue(told["Voxel files"].startswith(f"{len(labels)} ("))
+        self.assertTrue(reported["Voxel files"].startswith(f"{len(labels)} ("))
 
         by_pieces = {row[0]: row[1:] for row in page.tables[1][1:]}
         self.assertEqual(set(by_pieces), {"2", "3", "4"})
@@ -530,13 +548,13 @@ class Trust(Dataset):
         self.refused(5, self.dataset("--dry-run", env={**os.environ, "TMPDIR": self.path("absent")}), "TMPDIR")
 
     def test_a_forecast_is_about_right(self):
-        told = json.loads(self.done("--dry-run", "--json").stdout)
+        reported = json.loads(self.done("--dry-run", "--json").stdout)
         self.assertFalse(os.path.exists(self.out))
         last = json.loads(self.done("--json").stdout.splitlines()[-1])
-        self.assertEqual([told[k] for k in ("objects", "fractures", "fragments")],
+        self.assertEqual([reported[k] for k in ("objects", "fractures", "fragments")],
                          [last[k] for k in ("objects", "fractures", "fragments")])
-        self.assertAlmostEqual(told["bytes"] / last["bytes"], 1, delta=0.1)  # other fractures of these objects
-        self.assertGreater(told["seconds"], 0)
+        self.assertAlmostEqual(reported["bytes"] / last["bytes"], 1, delta=0.1)  # other fractures of these objects
+        self.assertGreater(reported["seconds"], 0)
 
     def test_shards_give_what_one_run_gives(self):
         self.done()
@@ -560,8 +578,8 @@ class Trust(Dataset):
             shards = [subprocess.Popen([SHERD, "dataset", self.library, "-o", os.path.join(out, "all"), *arguments, "--shard", f"{i}/3"],
                                        stderr=subprocess.PIPE, text=True) for i in (1, 2, 3)]
             for shard in shards:
-                _, told = shard.communicate()
-                self.assertEqual(shard.returncode, 0, told)
+                _, reported = shard.communicate()
+                self.assertEqual(shard.returncode, 0, reported)
             self.assertEqual(self.run_sherd("merge", os.path.join(out, "all")).returncode, 0)
 
     def test_objects_do_not_share_folders(self):

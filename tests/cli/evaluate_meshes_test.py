@@ -50,23 +50,23 @@ class EvaluateMeshes(Evaluating, unittest.TestCase):
         folder = self.folder([obj(box((a, 0, 0), (b, 10, 10)), FACES) for a, b in zip(ends, ends[1:])])
         whole = self.tmp / "bar.obj"
         whole.write_text(obj(box((0, 0, 0), (78, 10, 10)), FACES))
-        told = self.evaluate(folder, "--json", "--mesh", whole, "--samples", "2000")
-        self.assertEqual((told["manifest"], told["source"], told["seed"], told["pieces"]), (False, None, None, 12))
-        self.assertEqual([f["mesh"] for f in told["fragments"]], [f"piece_{i}.obj" for i in range(12)])
-        for width, fragment in zip(range(1, 13), told["fragments"]):
+        reported = self.evaluate(folder, "--json", "--mesh", whole, "--samples", "2000")
+        self.assertEqual((reported["manifest"], reported["source"], reported["seed"], reported["pieces"]), (False, None, None, 12))
+        self.assertEqual([f["mesh"] for f in reported["fragments"]], [f"piece_{i}.obj" for i in range(12)])
+        for width, fragment in zip(range(1, 13), reported["fragments"]):
             self.assertAlmostEqual(fragment["volume"], 100 * width, places=6)
             self.assertAlmostEqual(fragment["share"], width / 78, places=9)
             self.assertEqual(fragment["contacts"], 1 if width in (1, 12) else 2)
             self.assertAlmostEqual(fragment["convexity"], 0.9997, delta=2e-4)
-        self.assertEqual((told["sound"], told["open"], told["contacts"], told["notes"]), (12, 0, 11, []))
-        self.assertAlmostEqual(told["effective_pieces"], 78 ** 2 / sum(w * w for w in range(1, 13)), places=9)
-        self.assertAlmostEqual(told["whole"]["volume"], 7800, places=6)
-        self.assertAlmostEqual(told["whole"]["volume_error"], 0, places=9)
-        self.assertEqual(told["whole"]["void_share"], 0)
-        self.assertEqual((told["overlap"]["share"], told["overlap"]["depth"]), (0, 0))
-        self.assertLess(told["gap"]["max"], 1e-9)
-        self.assertLess(told["surface_error"]["max"], 1e-9)
-        self.assertNotIn("voxels", told["surface_error"])
+        self.assertEqual((reported["sound"], reported["open"], reported["contacts"], reported["notes"]), (12, 0, 11, []))
+        self.assertAlmostEqual(reported["effective_pieces"], 78 ** 2 / sum(w * w for w in range(1, 13)), places=9)
+        self.assertAlmostEqual(reported["whole"]["volume"], 7800, places=6)
+        self.assertAlmostEqual(reported["whole"]["volume_error"], 0, places=9)
+        self.assertEqual(reported["whole"]["void_share"], 0)
+        self.assertEqual((reported["overlap"]["share"], reported["overlap"]["depth"]), (0, 0))
+        self.assertLess(reported["gap"]["max"], 1e-9)
+        self.assertLess(reported["surface_error"]["max"], 1e-9)
+        self.assertNotIn("voxels", reported["surface_error"])
 
     def test_a_gap_and_an_overlap(self):
         """Three boxes in a row: 0.1 between the first two, the last is 0.5 in the second."""
@@ -74,16 +74,16 @@ class EvaluateMeshes(Evaluating, unittest.TestCase):
                               obj(box((3.5, 0, 0), (6, 2, 2)), FACES)])
         whole = self.tmp / "bar.obj"
         whole.write_text(obj(box((0, 0, 0), (6, 2, 2)), FACES))
-        told = self.evaluate(folder, "--json", "--mesh", whole, "--samples", "20000", "--tolerance", "5")
-        first, second, third = told["fragments"]
+        reported = self.evaluate(folder, "--json", "--mesh", whole, "--samples", "20000", "--tolerance", "5")
+        first, second, third = reported["fragments"]
         self.assertAlmostEqual(first["gap"]["mean"], 0.1, places=6)
         self.assertEqual(first["overlap"]["share"], 0)
         self.assertAlmostEqual(second["overlap"]["share"], 0.5 / 1.9, delta=0.02)
         self.assertAlmostEqual(third["overlap"]["share"], 0.5 / 2.5, delta=0.02)
-        self.assertAlmostEqual(told["overlap"]["depth"], 0.5, places=4)
-        self.assertAlmostEqual(told["overlap"]["share"], 2 * 0.5 / 6.4, delta=0.02)
-        self.assertAlmostEqual(told["whole"]["void_share"], 0.1 / 6, delta=0.005)
-        self.assertAlmostEqual(told["whole"]["volume_error"], 6.4 / 6 - 1, places=6)  # files are read in single precision
+        self.assertAlmostEqual(reported["overlap"]["depth"], 0.5, places=4)
+        self.assertAlmostEqual(reported["overlap"]["share"], 2 * 0.5 / 6.4, delta=0.02)
+        self.assertAlmostEqual(reported["whole"]["void_share"], 0.1 / 6, delta=0.005)
+        self.assertAlmostEqual(reported["whole"]["volume_error"], 6.4 / 6 - 1, places=6)  # files are read in single precision
 
     def test_bad_pieces_are_told_of(self):
         """Open, inside out, two bodies that share a vertex, flat: none ends the run."""
@@ -94,10 +94,10 @@ class EvaluateMeshes(Evaluating, unittest.TestCase):
             obj([(x + 3, y, z) for x, y, z in cube], [(a, c, b) for a, b, c in FACES]),
             obj([(x + 6, y, z) for x, y, z in corner], FACES + [tuple(i + 8 for i in face) for face in FACES]),
             obj([(0, 0, 9), (1, 0, 9), (0, 1, 9)], [(0, 1, 2)])])
-        told = self.evaluate(folder, "--json", "--samples", "500")
-        opened, inverted, joined, flat = told["fragments"]
-        self.assertEqual((told["sound"], told["open"]), (0, 2))
-        self.assertTrue(any("2 fragments are open" in note for note in told["notes"]), told["notes"])
+        reported = self.evaluate(folder, "--json", "--samples", "500")
+        opened, inverted, joined, flat = reported["fragments"]
+        self.assertEqual((reported["sound"], reported["open"]), (0, 2))
+        self.assertTrue(any("2 fragments are open" in note for note in reported["notes"]), reported["notes"])
         self.assertEqual((opened["quality"]["boundary_edges"], opened["quality"]["closed"]), (3, False))
         self.assertIsNone(opened["convexity"])
         self.assertIn("open", opened["no_convexity"])
@@ -116,11 +116,11 @@ class EvaluateMeshes(Evaluating, unittest.TestCase):
         folder = self.folder([obj(box((i, 0, 0), (i + 1, 1, 1)), FACES[:12 - (i == 2)]) for i in range(3)],
                              name="a & <b>")
         table, plot = self.tmp / "out.csv", self.tmp / "out.svg"
-        told = self.evaluate(folder, "--json", "--samples", "300", "--csv", table, "--plot", plot)
+        reported = self.evaluate(folder, "--json", "--samples", "300", "--csv", table, "--plot", plot)
         with table.open(newline="") as file:
             rows = list(csv.DictReader(file))
-        self.assertEqual([row["mesh"] for row in rows], [f["mesh"] for f in told["fragments"]])
-        for row, fragment in zip(rows, told["fragments"]):
+        self.assertEqual([row["mesh"] for row in rows], [f["mesh"] for f in reported["fragments"]])
+        for row, fragment in zip(rows, reported["fragments"]):
             self.assertEqual(float(row["share"]), fragment["share"])
             self.assertEqual(row["convexity"], "" if fragment["convexity"] is None else repr(fragment["convexity"]))
             self.assertEqual(int(row["boundary_edges"]), fragment["quality"]["boundary_edges"])

@@ -59,7 +59,7 @@ def hull_distance(origins, directions, vertices):
 
 
 def convexity(vertices, faces, samples=1000, seed=1):
-    """Value and standard error, as include/sherd/evaluate.h tells."""
+    """Value and standard error, as include/sherd/evaluate.h describes."""
     vertices = vertices - vertices.mean(axis=0)
     vertices = vertices / np.abs(vertices).max()
     corners = vertices[faces]
@@ -111,9 +111,9 @@ class Evaluate(Evaluating, unittest.TestCase):
 
     def compare_with_oracle(self, folder):
         manifest = json.loads((folder / "manifest.json").read_text())
-        told = self.evaluate(folder, "--json")
-        self.assertEqual(len(told["fragments"]), len(manifest["fragments"]))
-        for listed, fragment in zip(manifest["fragments"], told["fragments"]):
+        reported = self.evaluate(folder, "--json")
+        self.assertEqual(len(reported["fragments"]), len(manifest["fragments"]))
+        for listed, fragment in zip(manifest["fragments"], reported["fragments"]):
             with self.subTest(folder=folder.name, fragment=fragment["id"]):
                 value, error, kept = convexity(*read_triangles(folder / listed["files"]["mesh"])[:2])
                 both = math.hypot(error, fragment["distance_deviation"] / math.sqrt(fragment["samples"]))
@@ -129,23 +129,23 @@ class Evaluate(Evaluating, unittest.TestCase):
 
     def test_figures_are_those_of_the_manifest(self):
         fragments = json.loads((self.pieces / "manifest.json").read_text())["fragments"]
-        told = self.evaluate(self.pieces, "--json")
-        self.assertEqual((told["schema"], told["command"]), ("sherd-report/1", "evaluate"))
-        self.assertEqual((told["source"], told["seed"], told["pieces"]), ("amphora.ply", 3, 5))
+        reported = self.evaluate(self.pieces, "--json")
+        self.assertEqual((reported["schema"], reported["command"]), ("sherd-report/1", "evaluate"))
+        self.assertEqual((reported["source"], reported["seed"], reported["pieces"]), ("amphora.ply", 3, 5))
         shares = [f["share"] for f in fragments]
-        self.assertEqual([f["share"] for f in told["fragments"]], shares)
-        self.assertEqual((told["smallest_share"], told["largest_share"]), (min(shares), max(shares)))
-        self.assertAlmostEqual(told["effective_pieces"], 1 / sum(s * s for s in shares), places=9)
-        self.assertAlmostEqual(told["volume"], sum(f["volume"] for f in fragments), places=12)
-        self.assertAlmostEqual(told["fracture_area_share"],
+        self.assertEqual([f["share"] for f in reported["fragments"]], shares)
+        self.assertEqual((reported["smallest_share"], reported["largest_share"]), (min(shares), max(shares)))
+        self.assertAlmostEqual(reported["effective_pieces"], 1 / sum(s * s for s in shares), places=9)
+        self.assertAlmostEqual(reported["volume"], sum(f["volume"] for f in fragments), places=12)
+        self.assertAlmostEqual(reported["fracture_area_share"],
                                sum(f["fracture_area"] for f in fragments) / sum(f["area"] for f in fragments), places=9)
         contacts = [len(f["contacts"]) for f in fragments]
-        self.assertEqual([f["contacts"] for f in told["fragments"]], contacts)
-        self.assertEqual(2 * told["contacts"], sum(contacts))
-        self.assertAlmostEqual(told["contacts_per_fragment"], sum(contacts) / 5, places=9)
-        values = [f["convexity"] for f in told["fragments"]]
-        self.assertAlmostEqual(told["convexity"], np.mean(values), places=9)
-        self.assertAlmostEqual(told["convexity_standard_error"], np.std(values, ddof=1) / math.sqrt(5), places=9)
+        self.assertEqual([f["contacts"] for f in reported["fragments"]], contacts)
+        self.assertEqual(2 * reported["contacts"], sum(contacts))
+        self.assertAlmostEqual(reported["contacts_per_fragment"], sum(contacts) / 5, places=9)
+        values = [f["convexity"] for f in reported["fragments"]]
+        self.assertAlmostEqual(reported["convexity"], np.mean(values), places=9)
+        self.assertAlmostEqual(reported["convexity_standard_error"], np.std(values, ddof=1) / math.sqrt(5), places=9)
 
     def test_same_seed_same_bytes(self):
         once = self.evaluate(self.pieces, "--json")
@@ -153,27 +153,27 @@ class Evaluate(Evaluating, unittest.TestCase):
         self.assertNotEqual(self.evaluate(self.pieces, "--json", "--seed", "1")["convexity"], once["convexity"])
 
     def test_text_has_a_line_per_fragment(self):
-        told = self.evaluate(self.pieces, "--json", "--samples", "300")
+        reported = self.evaluate(self.pieces, "--json", "--samples", "300")
         text = self.evaluate(self.pieces, "--samples", "300")
-        for fragment in told["fragments"]:
+        for fragment in reported["fragments"]:
             self.assertRegex(text, rf"(?m)^ +{fragment['id']} .* {fragment['convexity']:.4f}$")
-        self.assertIn(f"{told['convexity']:.4f} +- {told['convexity_standard_error']:.4f}", text)
-        self.assertIn(f"{told['effective_pieces']:.2f} of 5", text)
+        self.assertIn(f"{reported['convexity']:.4f} +- {reported['convexity_standard_error']:.4f}", text)
+        self.assertIn(f"{reported['effective_pieces']:.2f} of 5", text)
 
     def test_one_fragment_has_no_standard_error(self):
         folder = pathlib.Path(self.tmp) / "one"
         self.fracture(AMPHORA, folder, pieces=1)
-        told = self.evaluate(folder, "--json")
-        self.assertEqual((told["effective_pieces"], told["contacts"], told["convexity_standard_error"]), (1, 0, None))
-        self.assertEqual(told["convexity"], told["fragments"][0]["convexity"])
+        reported = self.evaluate(folder, "--json")
+        self.assertEqual((reported["effective_pieces"], reported["contacts"], reported["convexity_standard_error"]), (1, 0, None))
+        self.assertEqual(reported["convexity"], reported["fragments"][0]["convexity"])
         self.assertIn("1 fragment of", self.evaluate(folder))
 
     def test_without_meshes_the_manifest_is_told(self):
         folder = pathlib.Path(self.tmp) / "labels"
         self.fracture(AMPHORA, folder, write="labels")
-        told = self.evaluate(folder, "--json")
-        self.assertIsNone(told["convexity"])
-        self.assertEqual([f["convexity"] for f in told["fragments"]], [None] * 5)
+        reported = self.evaluate(folder, "--json")
+        self.assertIsNone(reported["convexity"])
+        self.assertEqual([f["convexity"] for f in reported["fragments"]], [None] * 5)
         self.assertIn("--write mesh", self.evaluate(folder))
 
     def test_bad_folders_are_refused(self):
@@ -204,31 +204,31 @@ class Evaluate(Evaluating, unittest.TestCase):
         mesh.write_text("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
                         "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
                         "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
-        told = self.evaluate(folder, "--json")  # can be read, and measured as what it is
-        self.assertIsNone(told["fragments"][2]["convexity"])
-        self.assertIn("open", told["fragments"][2]["no_convexity"])
-        self.assertEqual((told["sound"], told["open"]), (4, 1))
+        reported = self.evaluate(folder, "--json")  # can be read, and measured as what it is
+        self.assertIsNone(reported["fragments"][2]["convexity"])
+        self.assertIn("open", reported["fragments"][2]["no_convexity"])
+        self.assertEqual((reported["sound"], reported["open"]), (4, 1))
         mesh.unlink()
         self.assertIn(mesh.name, self.evaluate(folder, status=3))
 
     def test_fragments_are_sound_and_lie_on_the_mesh(self):
-        told = self.evaluate(self.pieces, "--json", "--mesh", AMPHORA, "--samples", "2000")
-        self.assertEqual((told["sound"], told["open"], told["notes"]), (5, 0, []))
-        self.assertEqual(told["quality"]["triangles"], sum(f["quality"]["triangles"] for f in told["fragments"]))
-        self.assertEqual(sum(told["quality"]["smallest_angles"]), told["quality"]["triangles"])
+        reported = self.evaluate(self.pieces, "--json", "--mesh", AMPHORA, "--samples", "2000")
+        self.assertEqual((reported["sound"], reported["open"], reported["notes"]), (5, 0, []))
+        self.assertEqual(reported["quality"]["triangles"], sum(f["quality"]["triangles"] for f in reported["fragments"]))
+        self.assertEqual(sum(reported["quality"]["smallest_angles"]), reported["quality"]["triangles"])
         # At 64 voxels the neck's rims and the handles are a few voxels wide: half a voxel off there, little elsewhere.
-        error = told["surface_error"]
+        error = reported["surface_error"]
         self.assertEqual(set(error["voxels"]), {"mean", "p99", "max"})
-        self.assertAlmostEqual(error["voxels"]["mean"], error["mean"] / told["voxel_size"], places=12)
+        self.assertAlmostEqual(error["voxels"]["mean"], error["mean"] / reported["voxel_size"], places=12)
         self.assertLess(error["voxels"]["mean"], 0.05)
         self.assertLess(error["voxels"]["p99"], 0.5)
-        self.assertLess(told["whole"]["missing"]["voxels"]["mean"], 0.1)
+        self.assertLess(reported["whole"]["missing"]["voxels"]["mean"], 0.1)
         # Neighbors share their faces, but for single precision in the file.
-        self.assertLess(told["gap"]["max"], 1e-5 * told["diagonal"])
-        self.assertLess(told["overlap"]["share"], 1e-3)
-        # What is void is missing from the sum: 2000 points tell it to 5 times 0.003.
-        self.assertLess(abs(told["whole"]["volume_error"]), 0.03)
-        self.assertAlmostEqual(told["whole"]["void_share"], -told["whole"]["volume_error"], delta=0.02)
+        self.assertLess(reported["gap"]["max"], 1e-5 * reported["diagonal"])
+        self.assertLess(reported["overlap"]["share"], 1e-3)
+        # What is void is missing from the sum: 2000 points measure it to 5 times 0.003.
+        self.assertLess(abs(reported["whole"]["volume_error"]), 0.03)
+        self.assertAlmostEqual(reported["whole"]["void_share"], -reported["whole"]["volume_error"], delta=0.02)
         text = self.evaluate(self.pieces, "--mesh", AMPHORA, "--samples", "200")
         for words in ("5 of 5", "surface error", "missing surface", "gap", "overlap", "void", "volume error"):
             self.assertIn(words, text)

@@ -56,8 +56,8 @@ class Hosts(CommandLine):
             return json.load(file)
 
     def grids_of(self, name):
-        told = json.loads(self.run_sherd("inspect", os.path.join(self.out, name), "--json").stdout)
-        return {grid["name"] for grid in told["grids"]}
+        reported = json.loads(self.run_sherd("inspect", os.path.join(self.out, name), "--json").stdout)
+        return {grid["name"] for grid in reported["grids"]}
 
     def test_one_file_holds_all_fragments(self):
         manifest = self.broken("--write", "vdb", "--vdb", "both", "--density", "2.5")
@@ -128,10 +128,10 @@ class Hosts(CommandLine):
             manifest = json.load(file)
         self.assertEqual(manifest["solid"], {"vdb": "fragments/ball.vdb",
                                              "mesh": [f"meshes/ball.{kind}" for kind in ("ply", "obj", "glb")]})
-        told = json.loads(self.run_sherd("inspect", os.path.join(self.out, "meshes", "ball.ply"), "--json").stdout)
-        self.assertTrue(told["closed"])
+        reported = json.loads(self.run_sherd("inspect", os.path.join(self.out, "meshes", "ball.ply"), "--json").stdout)
+        self.assertTrue(reported["closed"])
         ball = json.loads(self.run_sherd("inspect", self.ball, "--json").stdout)
-        self.assertAlmostEqual(told["volume"] / ball["volume"], 1, delta=0.005)
+        self.assertAlmostEqual(reported["volume"] / ball["volume"], 1, delta=0.005)
         grid = vdb.read(os.path.join(self.out, "fragments", "ball.vdb"), "surface")
         self.assertEqual(grid.gridClass, "level set")
 
@@ -178,8 +178,8 @@ class Hosts(CommandLine):
             np.testing.assert_array_equal(rows[:, :3], vertices.astype(np.float32))
             self.assertEqual(data[1 + 16 * data[0]], len(triangles))
             np.testing.assert_array_equal(data[2 + 16 * data[0]:].reshape(-1, 4)[:, :3], triangles)
-            told = json.loads(self.run_sherd("inspect", binm, "--json").stdout)
-            self.assertTrue(told["closed"])
+            reported = json.loads(self.run_sherd("inspect", binm, "--json").stdout)
+            self.assertTrue(reported["closed"])
         both = self.run_sherd("fracture", AMPHORA, "-o", self.out, "--mesh-format", "stl,stl-ascii")
         self.assertEqual((both.returncode, "same file names" in both.stderr), (2, True))
 
@@ -196,8 +196,8 @@ class Hosts(CommandLine):
             np.testing.assert_array_equal(faces["at"], vertices[triangles].astype(np.float32))
             round_about = np.cross(faces["at"][:, 1] - faces["at"][:, 0], faces["at"][:, 2] - faces["at"][:, 0])
             self.assertGreater(np.einsum("ij,ij->i", faces["normal"], round_about).min(), 0)
-            told = json.loads(self.run_sherd("inspect", stl, "--json").stdout)
-            self.assertTrue(told["closed"])
+            reported = json.loads(self.run_sherd("inspect", stl, "--json").stdout)
+            self.assertTrue(reported["closed"])
 
     def test_scene_has_a_body_for_each_fragment(self):
         manifest = self.broken("--write", "scene,mesh", "--density", "3")
@@ -267,16 +267,16 @@ class Hosts(CommandLine):
         manifest = self.broken("--write", "proxy,mesh")
         for fragment in manifest["fragments"]:
             path = os.path.join(self.out, fragment["files"]["proxy"])
-            told = json.loads(self.run_sherd("inspect", path, "--json").stdout)
-            self.assertTrue(told["closed"])
+            reported = json.loads(self.run_sherd("inspect", path, "--json").stdout)
+            self.assertTrue(reported["closed"])
             with open(path) as file:
                 lines = [line.split() for line in file]
             self.assertEqual(lines[0], ["o", os.path.basename(path)[:-4]])
             corners = np.array([line[1:] for line in lines if line[0] == "v"], float)
             hull = ConvexHull(corners)
             self.assertEqual(len(hull.vertices), len(corners))
-            self.assertAlmostEqual(told["volume"] / hull.volume, 1, delta=1e-4)
-            self.assertGreater(told["volume"], fragment["volume"])
+            self.assertAlmostEqual(reported["volume"] / hull.volume, 1, delta=1e-4)
+            self.assertGreater(reported["volume"], fragment["volume"])
             np.testing.assert_allclose(corners.min(0), fragment["bbox"]["min"], atol=1e-5)
             np.testing.assert_allclose(corners.max(0), fragment["bbox"]["max"], atol=1e-5)
 

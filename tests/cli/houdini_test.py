@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What the recipe of docs/houdini.md relies on, told by OpenVDB itself.  Houdini is not run here.
+"""What the recipe of docs/houdini.md relies on, reported by OpenVDB itself.  Houdini is not run here.
 
 Environment: SHERD_BIN the program.  Needs Debian's python3-numpy and python3-openvdb.
 
@@ -127,7 +127,7 @@ class Houdini(unittest.TestCase):
 
     def test_fragments_fill_the_reference_and_do_not_overlap(self):
         """The reference is made by OpenVDB from the mesh, in the fragments' own transform: on the original surface both
-        have the same signs, and the same distances away from cracks.  So Convert VDB can tell which polygons lie on it.
+        have the same signs, and the same distances away from cracks.  So Convert VDB finds which polygons lie on it.
         """
         reference = self.dense(self.reference)
         fragments = np.array([self.dense(grid) for grid in self.grids])

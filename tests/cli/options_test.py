@@ -64,8 +64,8 @@ class Seeds(Options):
         for text, extra, each, seeds in (("30", 30, 0, 42), ("2n", 0, 2, 36), ("0", 0, 0, 12)):
             for metric in ("euclidean", "chebyshev", "manhattan"):
                 manifest = self.broken("--extra-seeds", text, "--merge-metric", metric)
-                told = manifest["options"]["seeds"]
-                self.assertEqual((told["extra"], told["extra_per_piece"], told["merge_metric"]), (extra, each, metric))
+                reported = manifest["options"]["seeds"]
+                self.assertEqual((reported["extra"], reported["extra_per_piece"], reported["merge_metric"]), (extra, each, metric))
                 self.assertEqual(len(self.seeds(manifest)), seeds)
 
     def test_impacts_scatter_seeds_where_they_strike(self):
@@ -74,8 +74,8 @@ class Seeds(Options):
             near = [s for s in self.seeds(manifest) if math.dist(s, (1, 0, 0)) < 0.45]
             self.assertGreaterEqual(len(near), 6)
             self.assertEqual(len(self.seeds(manifest)), 12)
-            told = manifest["options"]["seeds"]["impacts"]
-            self.assertEqual([(i["count"], i["sigma"], i["merge"]) for i in told], [(6, 0.1, False)])
+            reported = manifest["options"]["seeds"]["impacts"]
+            self.assertEqual([(i["count"], i["sigma"], i["merge"]) for i in reported], [(6, 0.1, False)])
 
     def test_impacts_that_merge_make_no_fragments(self):
         manifest = self.broken("--impact", "1,0,0,6,n=9,merge", "--impact", "0,0,1,3,merge")
@@ -134,13 +134,13 @@ class Seeds(Options):
 class Growth(Options):
     def test_growths(self):
         seen = set()
-        for growth, more, told in (("flood", (), {"neighborhood": 6}),
+        for growth, more, reported in (("flood", (), {"neighborhood": 6}),
                                    ("flood", ("--neighborhood", "26"), {"neighborhood": 26}),
                                    ("nearest", ("--metric", "manhattan"), {"metric": "manhattan"}),
                                    ("chain", ("--metric", "chebyshev"), {"metric": "chebyshev"}), ("euclid", (), {})):
             options = self.broken("--growth", growth, *more)["options"]["grow"]
             self.assertEqual(options, {"growth": growth, "roughness": 0, "hurst": 0.8, "roughness_window": 0, "outer_steps": 6,
-                                       "isolated": "regrow", **told})
+                                       "isolated": "regrow", **reported})
             seen.add(tree(self.out)["labels.rle"])
         self.assertEqual(len(seen), 4)  # in a ball a flood over faces is the nearest seed by manhattan's metric
 
@@ -207,14 +207,14 @@ class Erosion(Options):
         return manifest["grid"]["eroded_voxels"], manifest["options"]["erode"]
 
     def test_none_unless_asked(self):
-        worn, told = self.worn("--erode-size", "5", iterations="0")
-        self.assertEqual((worn, told), (0, {"iterations": 0}))
+        worn, reported = self.worn("--erode-size", "5", iterations="0")
+        self.assertEqual((worn, reported), (0, {"iterations": 0}))
 
     def test_shapes(self):
         plain = {"iterations": 2, "shape": "ellipse", "size": 3, "planes": False, "threshold": 1, "probability": 1,
                  "on": "fracture", "islands": "erode"}
-        worn, told = self.worn()
-        self.assertEqual(told, plain)
+        worn, reported = self.worn()
+        self.assertEqual(reported, plain)
         self.assertGreater(worn, 0)
         for option, name, value, sign in (("--erode-shape", "shape", "square", 1),
                                           ("--erode-shape", "shape", "cross", 0),
@@ -223,8 +223,8 @@ class Erosion(Options):
                                           ("--erode-probability", "probability", 0.5, -1),
                                           ("--erode-on", "on", "all", 1), ("--erode-islands", "islands", "keep", None)):
             with self.subTest(option):
-                other, told = self.worn(option, *([] if value is True else [str(value)]))
-                self.assertEqual(told, {**plain, name: value})
+                other, reported = self.worn(option, *([] if value is True else [str(value)]))
+                self.assertEqual(reported, {**plain, name: value})
                 if sign is not None:
                     self.assertEqual(np.sign(other - worn), sign)
 

@@ -120,8 +120,8 @@ class Points(CommandLine):
         for sampler, rule in (("uniform", "area"), ("halton", "area"), ("poisson", "area"),
                               ("uniform", "per-triangle"), ("halton", "per-triangle")):
             manifest = self.broken("--points", "100", "--point-sampler", sampler, "--point-rule", rule)
-            told = manifest["options"]["points"]
-            self.assertEqual((told["sampler"], told["rule"], told["formats"]), (sampler, rule, ["ply"]))
+            reported = manifest["options"]["points"]
+            self.assertEqual((reported["sampler"], reported["rule"], reported["formats"]), (sampler, rule, ["ply"]))
             first = [read_points_ply(self.at(f["files"]["points"]))[0] for f in manifest["fragments"]]
             self.assertEqual([len(p) for p in first], [100] * PIECES)
             seen.add(first[0].tobytes())
@@ -174,7 +174,7 @@ class Points(CommandLine):
                 positions, sdf = arrays["positions"], arrays["sdf"]
                 self.assertEqual((positions.dtype, positions.shape), (np.dtype(kind), (4000, 3)))
                 self.assertEqual((sdf.dtype, sdf.shape), (np.dtype(kind), (4000,)))
-                # The uniform half tells the volume: the share inside of a box that is known.
+                # The uniform half measures the volume: the share inside of a box that is known.
                 low, high = (np.array(fragment["bbox"][end]) for end in ("min", "max"))
                 wider = max(0.05 * max(high - low), 3 * manifest["grid"]["voxel_size"])
                 box = np.prod(high - low + 2 * wider)

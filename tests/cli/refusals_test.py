@@ -187,11 +187,11 @@ class OfDatasets(Dataset):
                                              (("--layout", "packed", "--compress", "zstd"), "--compress"), (("--mesh-format", "obj"), "--mesh-format"),
                                              (("--dry-run", "--verify"), "--verify"))):
             with self.subTest(options):
-                told = self.done("--match", "ball*", "--write", "labels", "--points", "0", *quick, *options, out=self.path(f"some{i}")).stderr
+                reported = self.done("--match", "ball*", "--write", "labels", "--points", "0", *quick, *options, out=self.path(f"some{i}")).stderr
                 if name:
-                    self.assertIn(f"warning: {name} ", told)
+                    self.assertIn(f"warning: {name} ", reported)
                 else:
-                    self.assertNotIn("warning", told)
+                    self.assertNotIn("warning", reported)
         self.refused(2, self.dataset("--fill", "parity", "--shell-thickness", "1"), "--shell-thickness")
 
     def test_files_of_options_are_read_strictly(self):

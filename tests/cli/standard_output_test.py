@@ -55,9 +55,9 @@ class StandardOutput(CommandLine):
         for more in [], ["--json"]:
             self.both_refuse(*arguments, "2", *more)
             self.assertEqual(tree(self.tmp), before)  # no folder at all
-        told = self.run_sherd(*arguments, "2", "--json")
-        self.assertEqual(told.returncode, 0, told.stderr)
-        self.assertEqual([one["fragments"] for one in json.loads(told.stdout)], [2, 2])
+        reported = self.run_sherd(*arguments, "2", "--json")
+        self.assertEqual(reported.returncode, 0, reported.stderr)
+        self.assertEqual([one["fragments"] for one in json.loads(reported.stdout)], [2, 2])
         before = tree(self.tmp)
         self.assertIn("out/part1/manifest.json", before)
         for more in [], ["--json"]:

@@ -137,9 +137,9 @@ class Triangles(SurfaceCase):
             files = []
             for fragment in manifest["fragments"]:
                 whole = self.mesh(fragment["files"]["mesh"])
-                told = fragment["decimated"]
-                self.assertEqual([t["asked"] for t in told], [2000, 400])
-                for entry in told:
+                reported = fragment["decimated"]
+                self.assertEqual([t["asked"] for t in reported], [2000, 400])
+                for entry in reported:
                     self.assertEqual(entry["file"],
                                      f"meshes/ball_{fragment['id']:03}_t{entry['asked']}.ply")
                     vertices, faces, neighbor = self.mesh(entry["file"])

@@ -49,14 +49,14 @@ class VolumesTest(unittest.TestCase):
     def test_fragments_of_a_level_set_lie_on_its_voxels(self):
         ball = vdb.createLevelSetSphere(radius=10.0, center=(3.0, 4.0, 5.0), voxelSize=0.5, halfWidth=3.0)
         vdb.write(self.path("ball.vdb"), grids=[ball])
-        told = json.loads(self.sherd("fracture", self.path("ball.vdb"), "-o", self.path("out"), "--pieces", 6, "--json").stdout)
-        self.assertEqual(told["voxel_size"], 0.5)
-        self.assertIsNone(told["report"])
+        reported = json.loads(self.sherd("fracture", self.path("ball.vdb"), "-o", self.path("out"), "--pieces", 6, "--json").stdout)
+        self.assertEqual(reported["voxel_size"], 0.5)
+        self.assertIsNone(reported["report"])
         dense = np.zeros((64, 64, 64), np.float32)
         low = (-26, -24, -22)
         ball.copyToArray(dense, ijk=low)
         inside = dense < 0
-        self.assertEqual(told["voxels"], int(inside.sum()))
+        self.assertEqual(reported["voxels"], int(inside.sum()))
         union = np.zeros_like(inside)
         for fragment in self.manifest("out")["fragments"]:
             grid = vdb.read(self.path("out", fragment["files"]["vdb"]), "surface")
@@ -70,9 +70,9 @@ class VolumesTest(unittest.TestCase):
     def test_another_resolution_measures_anew(self):
         ball = vdb.createLevelSetSphere(radius=10.0, center=(0.0, 0.0, 0.0), voxelSize=0.5, halfWidth=3.0)
         vdb.write(self.path("ball.vdb"), grids=[ball])
-        told = json.loads(self.sherd("fracture", self.path("ball.vdb"), "-o", self.path("out"), "--resolution", 80, "--json").stdout)
-        self.assertAlmostEqual(told["voxel_size"], 0.25, delta=0.005)
-        self.assertAlmostEqual(told["volume_out"], 4 / 3 * np.pi * 1000, delta=0.01 * 4189)
+        reported = json.loads(self.sherd("fracture", self.path("ball.vdb"), "-o", self.path("out"), "--resolution", 80, "--json").stdout)
+        self.assertAlmostEqual(reported["voxel_size"], 0.25, delta=0.005)
+        self.assertAlmostEqual(reported["volume_out"], 4 / 3 * np.pi * 1000, delta=0.01 * 4189)
 
     def test_voxels_break_as_they_are(self):
         labels = np.zeros((20, 12, 30), np.uint16)
@@ -102,9 +102,9 @@ class VolumesTest(unittest.TestCase):
                        "o Big\n" + box((20, 0, 0), (22, 4, 4)) + "o flat\n" + "v 0 0 0\nv 1 0 0\nv 2 0 0\nf -3 -2 -1\n")
         run = self.sherd("fracture", self.path("scene.obj"), "-o", self.path("out"), "--split-objects", "--pieces", 3,
                          "--resolution", 32, "--fill", "winding", "--json", code=3)
-        told = json.loads(run.stdout)
+        reported = json.loads(run.stdout)
         self.assertEqual(sorted(os.listdir(self.path("out"))), ["Big_2", "Small_Box", "big"])
-        self.assertEqual([t["fragments"] for t in told], [3, 3, 3])
+        self.assertEqual([t["fragments"] for t in reported], [3, 3, 3])
         self.assertRegex(run.stderr, r"(?m)'flat': .*; try a higher resolution \(--resolution\)$")
         for name, volume in (("Small_Box", 1), ("big", 64), ("Big_2", 32)):
             manifest = self.manifest("out", name)

@@ -5,8 +5,8 @@
 
 #include "faults.h"
 
-static cl_int failed(cl_int* told) {
-  if (told) *told = faultError();
+static cl_int failed(cl_int* reported) {
+  if (reported) *reported = faultError();
   return faultError();
 }
 

@@ -78,9 +78,9 @@ def main(sherd, resolution=None):
         radius = int(resolution) / 2
         assert max(abs(off["voxels"]), abs(off["meshes"])) < 3 / radius**2 and off["a piece"] < 20 / radius**2, off
 
-        told = subprocess.run([sherd, "evaluate", out, "--json"], capture_output=True, text=True)
-        assert told.returncode == 0, told.stderr
-        evaluated = json.loads(told.stdout)
+        reported = subprocess.run([sherd, "evaluate", out, "--json"], capture_output=True, text=True)
+        assert reported.returncode == 0, reported.stderr
+        evaluated = json.loads(reported.stdout)
         assert evaluated["sound"] == evaluated["pieces"] == len(inside), evaluated["sound"]
         print(f"{dims.prod() / 1e9:.2f} thousand million voxels, {inside.sum() / 1e9:.2f} inside, in {len(inside)} pieces; "
               f"voxels are off by {off['voxels']:.1e}, meshes by {off['meshes']:.1e}; {usage.ru_maxrss / 1e6:.1f} GB")

@@ -11,7 +11,7 @@ import subprocess
 import sys
 import tempfile
 
-# What the browser makes of the page, told in its title.
+# What the browser makes of the page, reported in its title.
 PROBE = """<script>
 addEventListener('load', () => {
   const box = e => e.getBoundingClientRect();

@@ -23,8 +23,8 @@ using Voxel = std::array<int, 3>;
 // VoxelComponents of the solid that steps over faces lead through.
 int componentsOf(const Solid& solid) {
   std::set<Voxel> left;
-  solid.blocks->forEachInside([&](std::size_t place) {
-    const openvdb::Coord v = solid.blocks->voxelAt(place);
+  solid.blocks->forEachInside([&](std::size_t voxelIndex) {
+    const openvdb::Coord v = solid.blocks->voxelAt(voxelIndex);
     left.insert({v.x(), v.y(), v.z()});
   });
   int components = 0;

@@ -18,13 +18,13 @@ constexpr int kOutside = -1;
 class Box {
  public:
   explicit Box(const Voxels& voxels) : labels_(kSide * kSide * kSide, kOutside) {
-    for (const auto& [voxel, label] : voxels) labels_[place(voxel)] = label;
+    for (const auto& [voxel, label] : voxels) labels_[voxelIndex(voxel)] = label;
   }
-  int at(const Coord& voxel) const { return labels_[place(voxel)]; }
+  int at(const Coord& voxel) const { return labels_[voxelIndex(voxel)]; }
 
  private:
   static constexpr std::size_t kSide = 32;  // solids within 9 of the origin, cells 6 further
-  static std::size_t place(const Coord& v) {
+  static std::size_t voxelIndex(const Coord& v) {
     const auto shifted = [](int c) { return static_cast<std::size_t>(c + 16); };
     return (shifted(v.x()) * kSide + shifted(v.y())) * kSide + shifted(v.z());
   }

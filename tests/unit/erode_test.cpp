@@ -52,11 +52,11 @@ class Erode : public DeviceTest {
     std::vector<std::uint64_t> eroded(static_cast<std::size_t>(solid.labels.fragmentCount) + 1);
     Labels labels = solid.labels;
     for (const auto& [voxel, label] : expected) {
-      const std::size_t place = voxel_shapes::voxelIndexOf(*solid.labels.blocks, voxel);
-      differ += result.labels.fragment[place] != label;
+      const std::size_t voxelIndex = voxel_shapes::voxelIndexOf(*solid.labels.blocks, voxel);
+      differ += result.labels.fragment[voxelIndex] != label;
       if (label != solid.voxels.at(voxel))
         ++eroded[static_cast<std::size_t>(solid.voxels.at(voxel))];
-      labels.fragment[place] = static_cast<std::uint16_t>(label);
+      labels.fragment[voxelIndex] = static_cast<std::uint16_t>(label);
     }
     for (std::size_t i = 1; i < eroded.size(); ++i) eroded[0] += eroded[i];
     EXPECT_EQ(differ, 0u);
@@ -287,8 +287,8 @@ TEST_F(Erode, RefusesWhatCannotBe) {
 TEST_F(Erode, StopsWhenAsked) {
   const Labeled solid = twoHalves(voxel_shapes::ball(6));
   int asked = 0;
-  std::vector<double> told;
-  const Progress progress{.report = [&](auto, double fraction) { told.push_back(fraction); },
+  std::vector<double> reported;
+  const Progress progress{.report = [&](auto, double fraction) { reported.push_back(fraction); },
                           .cancelled = [&] { return ++asked == 3; }};
   try {
     (void)erode(solid.labels, {.iterations = 4}, device(), &progress);
@@ -296,7 +296,7 @@ TEST_F(Erode, StopsWhenAsked) {
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ErrorCode::cancelled);
   }
-  EXPECT_EQ(told, (std::vector<double>{0.0, 0.25}));
+  EXPECT_EQ(reported, (std::vector<double>{0.0, 0.25}));
 }
 
 }  // namespace

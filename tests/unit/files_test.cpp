@@ -347,9 +347,9 @@ TEST_F(WriteVdb, OfAllHasTheIdOfEveryVoxel) {
   blocks.exteriorBand.assign(16, 0);
   Labels labels;
   labels.fragment.assign(1024, 0);
-  for (std::size_t place = 0; place < 1024; place += 3) {
-    blocks.inside[place / 64] |= std::uint64_t{1} << (place % 64);
-    labels.fragment[place] = static_cast<std::uint16_t>(1 + place % 4);  // of 2 fragments
+  for (std::size_t voxelIndex = 0; voxelIndex < 1024; voxelIndex += 3) {
+    blocks.inside[voxelIndex / 64] |= std::uint64_t{1} << (voxelIndex % 64);
+    labels.fragment[voxelIndex] = static_cast<std::uint16_t>(1 + voxelIndex % 4);  // of 2 fragments
   }
   labels.fragment[3] = Labels::kEroded;
   solid.blocks = labels.blocks = std::make_shared<const LeafBlocks>(std::move(blocks));
@@ -370,9 +370,9 @@ TEST_F(WriteVdb, OfAllHasTheIdOfEveryVoxel) {
   EXPECT_EQ(ids->background(), 0);
   EXPECT_EQ(ids->transform(), grid->transform());
   openvdb::Index64 active = 0;
-  solid.blocks->forEachInside([&](std::size_t place) {
-    const openvdb::Coord at = solid.blocks->voxelAt(place);
-    const std::uint16_t label = labels.fragment[place];
+  solid.blocks->forEachInside([&](std::size_t voxelIndex) {
+    const openvdb::Coord at = solid.blocks->voxelAt(voxelIndex);
+    const std::uint16_t label = labels.fragment[voxelIndex];
     EXPECT_EQ(ids->tree().getValue(at), label <= 2 ? label : 0);
     EXPECT_TRUE(ids->tree().isValueOn(at));
     ++active;

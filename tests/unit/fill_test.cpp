@@ -60,8 +60,8 @@ using Voxels = std::set<std::tuple<int, int, int>>;
 
 Voxels voxelsOf(const Solid& solid) {
   Voxels voxels;
-  solid.blocks->forEachInside([&](std::size_t place) {
-    const openvdb::Coord v = solid.blocks->voxelAt(place);
+  solid.blocks->forEachInside([&](std::size_t voxelIndex) {
+    const openvdb::Coord v = solid.blocks->voxelAt(voxelIndex);
     voxels.emplace(v.x(), v.y(), v.z());
   });
   return voxels;
@@ -379,8 +379,8 @@ TEST(Fill, OverlapsUniteWithExactDistancesOutside) {
       (apart * apart + 2 * apart * r - 3 * r * r + 2 * apart * R + 6 * r * R - 3 * R * R) /
       (12 * apart);
   EXPECT_NEAR(volumeOf(solid), shapes::ballVolume(R) + shapes::ballVolume(r) - lens, 0.012);
-  solid.blocks->forEachInside([&](std::size_t place) {
-    const openvdb::Coord v = solid.blocks->voxelAt(place);
+  solid.blocks->forEachInside([&](std::size_t voxelIndex) {
+    const openvdb::Coord v = solid.blocks->voxelAt(voxelIndex);
     const glm::dvec3 p = solid.frame.worldFromIndex(v);
     EXPECT_LT(std::min(glm::length(p - a) - R, glm::length(p - b) - r), 1e-9);
   });
@@ -452,8 +452,8 @@ TEST(Fill, LeavesRoundTheInsideAreNotComponentOfAFragment) {
   const Solid solid = solidOf(*grid);
   Labels labels{.blocks = solid.blocks, .fragmentCount = 2};
   labels.fragment.assign(solid.blocks->count() * std::size_t{512}, 0);
-  solid.blocks->forEachInside([&](std::size_t place) {
-    labels.fragment[place] = solid.blocks->voxelAt(place).x() < 6 ? 1 : 2;
+  solid.blocks->forEachInside([&](std::size_t voxelIndex) {
+    labels.fragment[voxelIndex] = solid.blocks->voxelAt(voxelIndex).x() < 6 ? 1 : 2;
   });
   const std::vector<Fragment> made = extractFragments(solid, labels);
   ASSERT_EQ(made.size(), 2u);

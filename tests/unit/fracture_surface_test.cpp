@@ -33,8 +33,8 @@ TEST_F(LabelSurface, FragmentsAreTheirVoxels) {
   const Solid& solid = result.solid;
   const double h = solid.frame.voxelSize;
   std::map<Coord, std::uint16_t> label;
-  solid.blocks->forEachInside([&](std::size_t place) {
-    label[solid.blocks->voxelAt(place)] = result.labels.fragment[place];
+  solid.blocks->forEachInside([&](std::size_t voxelIndex) {
+    label[solid.blocks->voxelAt(voxelIndex)] = result.labels.fragment[voxelIndex];
   });
   for (const Fragment& fragment : result.fragments) {
     SCOPED_TRACE(fragment.id);

@@ -1,4 +1,4 @@
-// Memory told before it is taken.
+// Memory estimated before it is taken.
 #include "base/memory.h"
 
 #include <gtest/gtest.h>

@@ -205,7 +205,7 @@ TEST(VertexNeighbor, IsWhatTheMostAngleFaces) {
 
 TEST(VertexNormals, WeighFacesByTheirAngles) {
   // However a cube's sides are cut into triangles, its corners' normals are its diagonals, to what
-  // an angle is told to.
+  // an angle is known to.
   const TriangleMesh cube = shapes::cube(2.0);
   const std::vector<glm::dvec3> normals = vertexNormals(cube);
   for (std::size_t i = 0; i < 8; ++i) {

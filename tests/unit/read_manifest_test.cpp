@@ -1,5 +1,5 @@
-// Manifests that nobody of ours wrote: what is wrong with them is told, and no file outside their
-// folder is named.
+// Manifests that nobody of ours wrote: what is wrong with them is reported, and no file outside
+// their folder is named.
 #include "folder/read_manifest.h"
 
 #include <gtest/gtest.h>

@@ -32,8 +32,8 @@ struct ShapeSolid {
   }
 
   std::uint32_t componentOf(const openvdb::Coord& voxel) const {
-    const std::size_t place = voxel_shapes::voxelIndexOf(*solid.blocks, voxel);
-    return components.at(place);
+    const std::size_t voxelIndex = voxel_shapes::voxelIndexOf(*solid.blocks, voxel);
+    return components.at(voxelIndex);
   }
 
   bool onSurface(const openvdb::Coord& voxel) const {

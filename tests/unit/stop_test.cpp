@@ -42,7 +42,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// How often `work` asks when nobody wants it to stop; and it has to stop wherever it is told to.
+// How often `work` asks when nobody wants it to stop; and it has to stop wherever it is asked to.
 std::size_t asksOf(const std::function<void(const Progress*)>& work) {
   std::atomic<std::size_t> asked{0};
   const Progress never{.report = {}, .cancelled = [&] {
@@ -149,10 +149,10 @@ TEST(Stop, CuttingAsksOftenEnough) {
   const Solid solid = voxelize(shapes::ball(1.0), {.resolution = 40});
   Labels labels{.blocks = solid.blocks, .fragmentCount = 2};
   labels.fragment.assign(solid.blocks->count() * 512, 0);
-  for (std::size_t place = 0; place < labels.fragment.size(); ++place) {
-    const bool isAny = solid.blocks->isInside(place) ||
-                       (solid.blocks->exteriorBand[place / 64] >> (place % 64) & 1) != 0;
-    if (isAny) labels.fragment[place] = solid.blocks->voxelAt(place).x() % 16 < 8 ? 1 : 2;
+  for (std::size_t voxelIndex = 0; voxelIndex < labels.fragment.size(); ++voxelIndex) {
+    const bool isAny = solid.blocks->isInside(voxelIndex) ||
+                       (solid.blocks->exteriorBand[voxelIndex / 64] >> (voxelIndex % 64) & 1) != 0;
+    if (isAny) labels.fragment[voxelIndex] = solid.blocks->voxelAt(voxelIndex).x() % 16 < 8 ? 1 : 2;
   }
   const std::vector<LeafNeighbors> rounds = leafNeighbors(solid.blocks->origins);
   EXPECT_GE(
