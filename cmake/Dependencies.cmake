@@ -11,8 +11,13 @@ if(SHERD_CGAL)
   find_package(CGAL REQUIRED QUIET)
 endif()
 
-# OpenCL 1.2 by its C++ bindings, errors as exceptions.
+# OpenCL 1.2 by its C++ bindings, errors as exceptions.  Only headers: src/cl/open_cl_loader.cpp opens the library.
 add_library(sherd_opencl INTERFACE)
-target_compile_definitions(sherd_opencl INTERFACE
-  CL_HPP_TARGET_OPENCL_VERSION=120 CL_HPP_MINIMUM_OPENCL_VERSION=120 CL_HPP_ENABLE_EXCEPTIONS
-  CL_TARGET_OPENCL_VERSION=120)
+if(SHERD_OPENCL)
+  find_path(SHERD_OPENCL_HEADERS CL/opencl.hpp REQUIRED)
+  mark_as_advanced(SHERD_OPENCL_HEADERS)
+  target_include_directories(sherd_opencl SYSTEM INTERFACE ${SHERD_OPENCL_HEADERS})
+  target_compile_definitions(sherd_opencl INTERFACE
+    CL_HPP_TARGET_OPENCL_VERSION=120 CL_HPP_MINIMUM_OPENCL_VERSION=120 CL_HPP_ENABLE_EXCEPTIONS
+    CL_TARGET_OPENCL_VERSION=120)
+endif()

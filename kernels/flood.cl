@@ -39,7 +39,7 @@
   global uint *restrict cost,              /* [items*512]    steps, when keepCost */                          \
   const uint keepCost
 
-constant ushort8 kRowBits = (ushort8)(1, 2, 4, 8, 16, 32, 64, 128);
+static constant ushort8 kRowBits = (ushort8)(1, 2, 4, 8, 16, 32, 64, 128);
 
 // Writes the labels of a leaf that is not mixed, one row of eight voxels at a time.
 inline void write_rows(const ulong8 mask, const ulong8 ofSecond, const uint tag, global ushort* out) {

@@ -32,7 +32,7 @@ inline size_t label_at(const uint item, const int k, const ulong bits) {
 }
 
 // The 26 neighbors of a leaf as indices into neighbors27 (x slowest, 13 the leaf): faces first, -x +x -y +y -z +z.
-constant uchar kBeside[26] = {4, 22, 10, 16, 12, 14, 0,  1,  2,  3,  5,  6,  7,
+static constant uchar kBeside[26] = {4, 22, 10, 16, 12, 14, 0,  1,  2,  3,  5,  6,  7,
                               8, 9,  11, 15, 17, 18, 19, 20, 21, 23, 24, 25, 26};
 
 // Returns the voxels of a front that are 26-adjacent to the leaf at index `beside` of neighbors27, as bits of a word of

@@ -10,12 +10,13 @@
 set -euo pipefail
 
 build=(cmake ninja-build g++ libopenvdb-dev libtbb-dev libboost-iostreams-dev libimath-dev libopenexr-dev libglm-dev
-  ocl-icd-opencl-dev opencl-c-headers opencl-clhpp-headers pocl-opencl-icd libassimp-dev libdraco-dev libembree-dev libqhull-dev
+  clang opencl-c-headers opencl-clhpp-headers libassimp-dev libdraco-dev libembree-dev libqhull-dev
   libcgal-dev libpng-dev zlib1g-dev libzstd-dev libssl-dev libcli11-dev nlohmann-json3-dev)
-test=(libgtest-dev libbenchmark-dev python3 python3-numpy python3-scipy python3-openvdb python3-jsonschema mesa-opencl-icd)
+test=(libgtest-dev libbenchmark-dev python3 python3-numpy python3-scipy python3-openvdb python3-jsonschema
+  ocl-icd-libopencl1 pocl-opencl-icd mesa-opencl-icd)
 hosts=(blender python3-openimageio)
 pictures=(python3-numpy python3-pil python3-matplotlib blender)
-ci=(clang clang-format doxygen universal-ctags libclang-rt-14-dev oclgrind valgrind ccache)
+ci=(clang-format doxygen universal-ctags libclang-rt-14-dev oclgrind valgrind ccache)
 
 case "${1:-}" in
   build) wanted=("${build[@]}") ;;

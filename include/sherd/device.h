@@ -1,4 +1,8 @@
-// OpenCL devices: listing and opening them, and the folder for their compiled kernels.
+// Devices that run the kernels: listing and opening them.
+//
+// The built-in device is always there: the kernels compiled with the program, on the threads of the
+// host (TBB's).  OpenCL devices come from the drivers of the machine, which compile the same
+// kernels at run time.
 #pragma once
 
 #include <filesystem>
@@ -9,11 +13,11 @@
 
 namespace sherd {
 
-/// One OpenCL device of this machine.
+/// One device of this machine.
 struct DeviceInfo {
-  std::string platform;
-  std::string name;
-  std::string version;  ///< OpenCL version of the device
+  std::string platform;  ///< "builtin", or OpenCL's platform
+  std::string name;      ///< of the built-in device the instructions, such as x86-64-v3
+  std::string version;   ///< OpenCL version of the device, or the compiler of its kernels
   bool gpu = false;
   unsigned computeUnits = 0;
   std::size_t memoryBytes = 0;
@@ -31,14 +35,14 @@ struct DriverFile {
   std::string fault;  ///< why it cannot be loaded; empty if it can
 };
 
-/// An OpenCL device, usable or not.
+/// A device, usable or not.
 struct DeviceState {
   DeviceInfo info;
-  std::string driver;  ///< the driver's version
+  std::string driver;  ///< the driver's version; empty without one
   std::string fault;   ///< why kernels cannot run on it; empty if they can
 };
 
-/// An OpenCL platform with its devices.
+/// A platform with its devices: the built-in one, or of an OpenCL driver.
 struct PlatformState {
   std::string name;
   std::string version;
@@ -66,15 +70,21 @@ struct DeviceMemory {
   std::size_t peakBytes = 0;
 };
 
-struct DeviceImpl;
+class DeviceImpl;
 
-/// An open device: context, queue and kernels.  Kernels are built once, on first use or while a
-/// mesh is voxelized.  Use a device from one thread at a time.
+/// Returns whether Device(choice) would load OpenCL's drivers: provideKernelCache() is needed
+/// before.
+[[nodiscard]] bool mayUseOpenCl(std::string_view choice);
+
+/// An open device.  OpenCL's drivers build the kernels once, on first use or while a mesh is
+/// voxelized.  Use a device from one thread at a time.
 class Device {
  public:
   /// Opens a device.
-  ///   choice  "auto" (a GPU, else a CPU), "gpu", "cpu", or a part of a platform's or device's
-  ///           name, ignoring case
+  ///   choice  "auto" (a GPU, else as "cpu"), "gpu", "cpu" (the built-in device, else PoCL, else
+  ///   any
+  ///           other), "builtin", or a part of a platform's or device's name or version, ignoring
+  ///           case.  "auto" loads OpenCL's drivers only where the system has a GPU's device file
   ///   throws  Error(device) nothing matches, or the device cannot be opened
   explicit Device(std::string_view choice = "auto");
   ~Device();
@@ -91,6 +101,9 @@ class Device {
 
  private:
   friend DeviceImpl& implOf(Device& device);  // of the stages that launch kernels
+  friend Device deviceOf(std::unique_ptr<DeviceImpl> opened);
+  explicit Device(std::unique_ptr<DeviceImpl> opened);
+
   std::unique_ptr<DeviceImpl> impl_;
 };
 

@@ -13,7 +13,7 @@ enum class ErrorCode {
   internal = 1,     ///< a bug in Sherd
   usage = 2,        ///< an invalid option or argument
   input = 3,        ///< a file that cannot be read, or an object that cannot be broken
-  device = 4,       ///< no OpenCL device, or a device failure
+  device = 4,       ///< no device, or a device failure
   output = 5,       ///< a file that cannot be written
   cancelled = 130,  ///< stopped by the caller
 };

@@ -6,10 +6,10 @@
 
 namespace sherd {
 
-DeviceBuffer BufferPool::take(const cl::Context& context, std::size_t bytes,
+DeviceBuffer BufferPool::take(const Allocate& allocate, std::size_t bytes,
                               const BufferLimits& limits) {
   constexpr std::size_t kMinBytes = std::size_t{1} << 16;
-  cl::Buffer buffer;
+  std::unique_ptr<Allocation> buffer;
   std::size_t size = 0;
   const auto found = storage_->free.lower_bound(bytes);
   if (found != storage_->free.end()) {
@@ -21,16 +21,16 @@ DeviceBuffer BufferPool::take(const cl::Context& context, std::size_t bytes,
     constexpr std::size_t kRoundingShare = 4;  // buffers in use cannot shrink later
     if (storage_->bytes + size > limits.together / kRoundingShare) size = bytes;
     if (storage_->bytes + size > limits.together) clear();
-    buffer = cl::Buffer(context, CL_MEM_READ_WRITE, size);
+    buffer = allocate(size);
     ++storage_->created;
     storage_->bytes += size;
     storage_->peakBytes = std::max(storage_->peakBytes.load(), storage_->bytes.load());
   }
-  const auto release = [size, storage = std::weak_ptr(storage_)](const cl::Buffer* held) {
-    if (const auto pool = storage.lock()) pool->free.emplace(size, *held);
-    delete held;
+  const auto release = [size, storage = std::weak_ptr(storage_)](Allocation* held) {
+    std::unique_ptr<Allocation> returned(held);
+    if (const auto pool = storage.lock()) pool->free.emplace(size, std::move(returned));
   };
-  return DeviceBuffer(std::shared_ptr<const cl::Buffer>(new cl::Buffer(buffer), release));
+  return DeviceBuffer(std::shared_ptr<Allocation>(buffer.release(), release));
 }
 
 void BufferPool::clear() {

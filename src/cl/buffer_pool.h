@@ -3,32 +3,29 @@
 
 #include <atomic>
 #include <cstddef>
+#include <functional>
 #include <map>
 #include <memory>
 
-#include "cl/open_cl.h"
-
 namespace sherd {
 
-/// A device buffer from a pool, returned to it on destruction.  Commands of one queue run in order,
+/// Memory of a device; each kind of device has a class of its own.
+struct Allocation {
+  virtual ~Allocation() = default;
+};
+
+/// A device buffer from a pool, returned to it on destruction.  Commands of a device run in order,
 /// so it may be returned while the device still uses it.
 class DeviceBuffer {
  public:
   DeviceBuffer() = default;
-  explicit DeviceBuffer(std::shared_ptr<const cl::Buffer> held) : held_(std::move(held)) {}
+  explicit DeviceBuffer(std::shared_ptr<Allocation> held) : held_(std::move(held)) {}
 
-  operator const cl::Buffer&() const { return *held_; }
+  Allocation& operator*() const { return *held_; }
 
  private:
-  std::shared_ptr<const cl::Buffer> held_;
+  std::shared_ptr<Allocation> held_;
 };
-
-/// Converts a DeviceBuffer to a kernel argument; other values stay as they are.
-inline const cl::Buffer& argument(const DeviceBuffer& buffer) { return buffer; }
-template <class T>
-const T& argument(const T& value) {
-  return value;
-}
 
 /// Limits on the buffers of a device.
 struct BufferLimits {
@@ -40,11 +37,14 @@ struct BufferLimits {
 /// For one thread at a time; the counts may be read from any thread.
 class BufferPool {
  public:
-  /// Return the smallest free buffer of at least `bytes`, or a new one.  The size of a new buffer
-  /// is rounded up to a power of two, at least 64 KiB, as fractures differ little in their needs;
-  /// above a quarter of limits.together it is exact.  Where all buffers would exceed that limit,
-  /// the free ones are released first; beyond that the driver refuses the allocation.
-  DeviceBuffer take(const cl::Context& context, std::size_t bytes, const BufferLimits& limits);
+  using Allocate = std::function<std::unique_ptr<Allocation>(std::size_t bytes)>;
+
+  /// Return the smallest free buffer of at least `bytes`, or a new one from `allocate`.  The size
+  /// of a new buffer is rounded up to a power of two, at least 64 KiB, as fractures differ little
+  /// in their needs; above a quarter of limits.together it is exact.  Where all buffers would
+  /// exceed that limit, the free ones are released first; beyond that the device refuses the
+  /// allocation.
+  DeviceBuffer take(const Allocate& allocate, std::size_t bytes, const BufferLimits& limits);
 
   /// Release the free buffers.
   void clear();
@@ -55,7 +55,7 @@ class BufferPool {
 
  private:
   struct Storage {
-    std::multimap<std::size_t, cl::Buffer> free;  ///< by size
+    std::multimap<std::size_t, std::unique_ptr<Allocation>> free;  ///< by size
     std::atomic<std::size_t> created{0}, bytes{0}, peakBytes{0};
   };
   std::shared_ptr<Storage> storage_ = std::make_shared<Storage>();

@@ -1,4 +1,4 @@
-// Choosing and opening OpenCL devices.
+// Choosing and opening devices.
 #include <sherd/device.h>
 #include <sherd/error.h>
 
@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "base/lower_case.h"
+#include "cl/builtin_device.h"
 #include "cl/device_impl.h"
 #include "cl/device_search.h"
 #include "cl/kernel_cache.h"
@@ -23,6 +24,11 @@ std::vector<DeviceFound> usableDevices(const std::vector<PlatformFound>& platfor
   return usable;
 }
 
+bool isBuiltin(const DeviceFound& device) { return device.info.platform == kBuiltin; }
+
+// Returns the index of the chosen device.  `auto` and `cpu` prefer the built-in device to PoCL,
+// which runs the same kernels no faster and starts later, and PoCL to other CPU drivers
+// (llvmpipe's), which run far slower (docs/performance.md, "Devices").
 std::optional<std::size_t> choose(const std::vector<DeviceFound>& all, const std::string& choice) {
   const auto first = [&](auto&& accept) -> std::optional<std::size_t> {
     const auto it = std::find_if(all.begin(), all.end(), accept);
@@ -30,21 +36,31 @@ std::optional<std::size_t> choose(const std::vector<DeviceFound>& all, const std
     return static_cast<std::size_t>(it - all.begin());
   };
   const auto gpu = [](const DeviceFound& c) { return c.info.gpu; };
-  // Other CPU drivers (llvmpipe's) run far slower than PoCL.
   const auto pocl = [](const DeviceFound& c) { return c.info.platform == kPocl; };
   const auto cpu = [](const DeviceFound& c) { return !c.info.gpu; };
   if (choice == "gpu") return first(gpu);
   if (choice == "cpu" || choice == "auto") {
     std::optional<std::size_t> found;
     if (choice == "auto") found = first(gpu);
+    if (!found) found = first(isBuiltin);
     if (!found) found = first(pocl);
     if (!found) found = first(cpu);
     return found;
   }
   return first([&](const DeviceFound& c) {
-    return lowerCase(c.info.platform).find(choice) != std::string::npos ||
-           lowerCase(c.info.name).find(choice) != std::string::npos;
+    for (const std::string& text : {c.info.platform, c.info.name, c.info.version}) {
+      if (lowerCase(text).find(choice) != std::string::npos) return true;
+    }
+    return false;
   });
+}
+
+// Returns the built-in device if it is the choice whatever OpenCL's drivers have.
+std::optional<DeviceFound> builtinFor(const std::string& choice) {
+  if (choice == "gpu" || (choice == "auto" && mayHaveGpu())) return std::nullopt;
+  const std::vector<DeviceFound> usable = usableDevices({builtinPlatform()});
+  const std::optional<std::size_t> found = choose(usable, choice);
+  return found ? std::optional(usable[*found]) : std::nullopt;
 }
 
 }  // namespace
@@ -62,14 +78,14 @@ std::vector<DeviceInfo> listDevices() {
 
 std::vector<PlatformState> listPlatforms() {
   const std::vector<PlatformFound> platforms = findPlatforms();
-  const std::vector<DeviceFound> usable = usableDevices(platforms);
-  const std::optional<std::size_t> chosen = choose(usable, "auto");
+  const std::optional<std::size_t> chosen = choose(usableDevices(platforms), "auto");
+  std::size_t usable = 0;
   std::vector<PlatformState> states;
   for (const PlatformFound& platform : platforms) {
     states.push_back({platform.name, platform.version, platform.fault, {}});
     for (const DeviceFound& device : platform.devices) {
       states.back().devices.push_back(device);
-      states.back().devices.back().info.chosen = chosen && usable[*chosen].id == device.id;
+      if (device.fault.empty()) states.back().devices.back().info.chosen = chosen == usable++;
     }
   }
   return states;
@@ -77,31 +93,30 @@ std::vector<PlatformState> listPlatforms() {
 
 std::string noDeviceReason() { return noDeviceReason(findPlatforms()); }
 
-Device::Device(std::string_view choice) : impl_(std::make_unique<DeviceImpl>()) {
+bool mayUseOpenCl(std::string_view choice) { return !builtinFor(lowerCase(std::string(choice))); }
+
+Device::Device(std::unique_ptr<DeviceImpl> opened) : impl_(std::move(opened)) {}
+
+Device::Device(std::string_view choice) {
+  const std::string wanted = lowerCase(std::string(choice));
+  if (const std::optional<DeviceFound> builtin = builtinFor(wanted)) {
+    impl_ = builtin->open();
+    return;
+  }
   const std::vector<PlatformFound> platforms = findPlatforms();
   const std::vector<DeviceFound> all = usableDevices(platforms);
-  const std::optional<std::size_t> found = choose(all, lowerCase(std::string(choice)));
+  const std::optional<std::size_t> found = choose(all, wanted);
   if (!found && all.empty())
-    throw Error(ErrorCode::device, "no OpenCL device can be used: " + noDeviceReason(platforms));
+    throw Error(ErrorCode::device, "no device can be used: " + noDeviceReason(platforms));
   if (!found) {
     std::string here;
     for (const DeviceFound& c : all)
       here += (here.empty() ? "" : ", ") + c.info.platform + " / " + c.info.name;
-    throw Error(ErrorCode::device,
-                "no OpenCL device matches '" + std::string(choice) + "'; devices here: " + here);
+    throw Error(ErrorCode::device, "no device matches '" + std::string(choice) +
+                                       "'; devices here: " + here + "; of others: " +
+                                       noDeviceReason(platforms));
   }
-  impl_->info = all[*found].info;
-  impl_->device = cl::Device(all[*found].id, /*retainObject=*/true);
-  if (impl_->info.platform == kPocl) {  // its compiler ends the process if it cannot write
-    const KernelCache cache = poclCache();
-    if (!cache.fault.empty()) throw Error(ErrorCode::device, cacheFaultMessage(cache));
-    if (const std::string fault = linkerFault(); !fault.empty())
-      throw Error(ErrorCode::device, fault);
-  }
-  withDevice(*impl_, "opening the device", [&] {
-    impl_->context = cl::Context(impl_->device);
-    impl_->queue = cl::CommandQueue(impl_->context, impl_->device);
-  });
+  impl_ = all[*found].open();
 }
 
 Device::~Device() = default;
@@ -118,5 +133,7 @@ DeviceMemory Device::memory() const {
 void Device::freeBuffers() { impl_->pool.clear(); }
 
 DeviceImpl& implOf(Device& device) { return *device.impl_; }
+
+Device deviceOf(std::unique_ptr<DeviceImpl> opened) { return Device(std::move(opened)); }
 
 }  // namespace sherd

@@ -1,63 +1,63 @@
-// The open device: program, buffers and launches, for the stages that launch kernels.
+// The open device: buffers and launches, for the stages that launch kernels.  An OpenCL device
+// (open_cl_device.h) and the built-in one (builtin_device.h) implement it.
 #pragma once
 
 #include <sherd/device.h>
 #include <sherd/error.h>
 
-#include <future>
+#include <algorithm>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "cl/buffer_pool.h"
-#include "cl/error_name.h"
-#include "cl/open_cl.h"
+#include "cl/kernel_launch.h"
 
 namespace sherd {
 
-struct DeviceImpl {
+/// Commands run in the order in which they are given.  Every function throws Error(device) where
+/// the device fails.
+class DeviceImpl {
+ public:
+  virtual ~DeviceImpl() = default;
+
   DeviceInfo info;
-  cl::Device device;
-  cl::Context context;
-  cl::CommandQueue queue;
   BufferPool pool;
-  std::shared_future<cl::Program> program;  ///< contains all kernels
 
-  /// Start building all kernels in a separate thread, once: a mesh can be voxelized meanwhile.
-  void buildKernels();
+  /// Starts to build the kernels, where they are built at run time: a mesh can be voxelized
+  /// meanwhile.
+  virtual void buildKernels() {}
 
-  /// Return a kernel of kernels/*.cl; waits for the build.
-  ///   throws  Error(device) with the build log's first lines
-  cl::Kernel kernel(const char* name);
+  /// Launches a kernel of kernels/*.cl; waits until the kernels are built.
+  virtual void launch(const KernelLaunch& launch) = 0;
 
-  /// Launch a grid-stride kernel over `work` elements with `group` work-items per work-group.
-  void launch(cl::Kernel& kernel, std::size_t work, std::size_t group);
+  [[nodiscard]] virtual std::unique_ptr<Allocation> allocate(std::size_t bytes) = 0;
+  virtual void write(Allocation& to, const void* from, std::size_t bytes) = 0;
+  virtual void read(Allocation& from, std::size_t offset, std::size_t bytes, void* to) = 0;
 
-  /// Work-items per work-group for grid-stride kernels on this device.
-  std::size_t workGroupSize() const { return info.gpu ? 64 : 16; }
+  /// Repeats a pattern over the first `bytes`.
+  virtual void fill(Allocation& to, const void* pattern, std::size_t patternBytes,
+                    std::size_t bytes) = 0;
+  virtual void copy(Allocation& from, Allocation& to, std::size_t toOffset, std::size_t bytes) = 0;
 
-  /// Work-items that saturate the device when each takes many leaves.
-  std::size_t workItems() const {
-    return info.computeUnits * (info.gpu ? 1024u : 8u * static_cast<unsigned>(workGroupSize()));
-  }
+  /// Passes memory to `use` that holds the same bytes.  On a CPU it is the buffer itself.
+  virtual void view(Allocation& from, std::size_t offset, std::size_t bytes,
+                    const std::function<void(const void*)>& use) = 0;
+
+  /// Waits until all commands are done.
+  virtual void finish() {}
+
+  /// Work-items per work-group on this device.
+  [[nodiscard]] std::size_t workGroupSize() const { return info.gpu ? 64 : 16; }
 };
 
 /// Returns the open device behind a Device.
 [[nodiscard]] DeviceImpl& implOf(Device& device);
 
-/// Run `body`; errors of the OpenCL bindings become Error(device), with `doing` in the message.
-template <class Body>
-auto withDevice(DeviceImpl& device, const char* doing, Body&& body) {
-  try {
-    return body();
-  } catch (const cl::Error& e) {
-    throw Error(ErrorCode::device,
-                device.info.name + ": " + doing + " failed in " + e.what() + " with OpenCL error " +
-                    errorName(e.err()) + "; try another device",
-                OptionNames{"device"});
-  }
-}
+/// Returns a Device that is not one of the machine's list, for tests.
+[[nodiscard]] Device deviceOf(std::unique_ptr<DeviceImpl> opened);
 
 /// A device buffer of `count` T.
 ///   throws  Error(device) with the size when it exceeds the device's largest allocation
@@ -72,32 +72,28 @@ DeviceBuffer makeBuffer(DeviceImpl& device, std::size_t count) {
                     " MiB; try a lower resolution or another device",
                 OptionNames{"resolution", "device"});
   }
-  return device.pool.take(device.context, bytes,
+  return device.pool.take([&](std::size_t size) { return device.allocate(size); }, bytes,
                           {device.info.largestBufferBytes, device.info.memoryBytes});
 }
 
-/// A device buffer with a copy of `data`.  (No CL_MEM_USE_HOST_PTR: oclgrind reports false errors
-/// for it.)
+/// A device buffer with a copy of `data`.
 template <class T>
 DeviceBuffer uploadBuffer(DeviceImpl& device, std::span<const T> data) {
   DeviceBuffer buffer = makeBuffer<T>(device, data.size());
-  if (!data.empty())
-    device.queue.enqueueWriteBuffer(buffer, CL_TRUE, 0, data.size_bytes(), data.data());
+  if (!data.empty()) device.write(*buffer, data.data(), data.size_bytes());
   return buffer;
 }
 
-/// Append `count` elements of a buffer, from `first` on, to `all`.  On a CPU the mapping is the
-/// buffer itself, so this is one copy, into memory that is not zeroed first.
+/// Append `count` elements of a buffer, from `first` on, to `all`: one copy, into memory that is
+/// not zeroed first.
 template <class T>
 void append(std::vector<T>& all, DeviceImpl& device, const DeviceBuffer& buffer, std::size_t count,
             std::size_t first = 0) {
   if (count == 0) return;
-  void* const mapped = device.queue.enqueueMapBuffer(buffer, CL_TRUE, CL_MAP_READ,
-                                                     first * sizeof(T), count * sizeof(T));
-  const auto unmap = [&](void* from) { device.queue.enqueueUnmapMemObject(buffer, from); };
-  const std::unique_ptr<void, decltype(unmap)> held(mapped, unmap);
-  const T* const from = static_cast<const T*>(mapped);
-  all.insert(all.end(), from, from + count);
+  device.view(*buffer, first * sizeof(T), count * sizeof(T), [&](const void* data) {
+    const T* const from = static_cast<const T*>(data);
+    all.insert(all.end(), from, from + count);
+  });
 }
 
 template <class T>
@@ -111,10 +107,21 @@ std::vector<T> downloaded(DeviceImpl& device, const DeviceBuffer& buffer, std::s
 template <class T>
 void readBuffer(DeviceImpl& device, const DeviceBuffer& buffer, std::span<T> out,
                 std::size_t first = 0) {
-  if (!out.empty()) {
-    device.queue.enqueueReadBuffer(buffer, CL_TRUE, first * sizeof(T), out.size_bytes(),
-                                   out.data());
-  }
+  if (!out.empty()) device.read(*buffer, first * sizeof(T), out.size_bytes(), out.data());
+}
+
+/// Fills the first `count` elements of a buffer, at least one.
+template <class T>
+void fillBuffer(DeviceImpl& device, const DeviceBuffer& buffer, std::size_t count, T value) {
+  device.fill(*buffer, &value, sizeof value, std::max<std::size_t>(count, 1) * sizeof value);
+}
+
+/// Launches the kernel `name` over `work` elements.
+template <class... Arguments>
+void launchKernel(DeviceImpl& device, const char* name, std::size_t work, std::size_t group,
+                  const Arguments&... arguments) {
+  const std::array<KernelArgument, sizeof...(Arguments)> list{argumentOf(arguments)...};
+  device.launch({name, work, group, list, &callKernel<Arguments...>});
 }
 
 }  // namespace sherd

@@ -1,19 +1,20 @@
-// OpenCL platforms, devices and drivers of this machine, with the reasons why some cannot be used.
+// The devices of this machine, with the reasons why some cannot be used.
 #pragma once
 
 #include <sherd/device.h>
 
-#include <filesystem>
+#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
-struct _cl_device_id;
+#include "cl/device_impl.h"
 
 namespace sherd {
 
-/// A device with OpenCL's handle of it.
+/// A device that can be opened.
 struct DeviceFound : DeviceState {
-  _cl_device_id* id = nullptr;
+  std::function<std::unique_ptr<DeviceImpl>()> open;
 };
 
 struct PlatformFound {
@@ -23,8 +24,18 @@ struct PlatformFound {
   std::vector<DeviceFound> devices;
 };
 
-/// Every platform with its devices.
+/// The built-in device, once per set of instructions that kernels are compiled for, the best first.
+[[nodiscard]] PlatformFound builtinPlatform();
+
+/// OpenCL's platforms; none in a build without OpenCL (SHERD_OPENCL=OFF).
+[[nodiscard]] std::vector<PlatformFound> openClPlatforms();
+
+/// Every platform, the built-in one first.
 [[nodiscard]] std::vector<PlatformFound> findPlatforms();
+
+/// Returns whether the system has a device file of a GPU's kernel driver, without which no OpenCL
+/// driver has a GPU.
+[[nodiscard]] bool mayHaveGpu();
 
 /// The reasons why no device can be used, and what to do, as the second half of a sentence.
 ///   platforms  without a usable device

@@ -46,7 +46,7 @@ void addRunOptions(CLI::App& command, DatasetArguments& arguments) {
 
 void runDatasetCommand(DatasetArguments& arguments) {
   if (!arguments.dryRun) setInterruptedState("go on with the same command and --resume");
-  provideKernelCache();
+  prepareDevice(arguments.machine);
   DatasetOptions& options = arguments.options;
   options.maxMemory = arguments.machine.memory();
   const auto threads = limitedThreads(arguments.machine);

@@ -1,4 +1,4 @@
-// `sherd devices`: lists the OpenCL devices of this machine.
+// `sherd devices`: lists the devices of this machine.
 #include <sherd/device.h>
 
 #include <memory>
@@ -27,7 +27,7 @@ std::string asJson(const std::vector<DeviceInfo>& devices) {
 
 std::string asText(const std::vector<DeviceInfo>& devices) {
   if (devices.empty()) {
-    return "no OpenCL device can be used: " + noDeviceReason() + " (sherd doctor reports more)\n";
+    return "no device can be used: " + noDeviceReason() + " (sherd doctor reports more)\n";
   }
   std::string text;
   for (const DeviceInfo& device : devices) {
@@ -43,7 +43,7 @@ std::string asText(const std::vector<DeviceInfo>& devices) {
 
 void addDevicesCommand(CLI::App& app, Action& run) {
   CLI::App* command =
-      app.add_subcommand("devices", "List the OpenCL devices, and which one auto picks");
+      app.add_subcommand("devices", "List the devices, and which one auto picks");
   auto json = std::make_shared<bool>(false);
   command->add_flag("--json", *json, "Print one JSON object");
   command->callback([json, &run] {

@@ -53,8 +53,9 @@ std::string platformText(const Json& platform) {
   for (const Json& device : platform["devices"]) {
     text += "  " + name + " / " + textOf(device["name"]) + ": " +
             (device["gpu"].get<bool>() ? "GPU" : "no GPU") + ", " + textOf(device["version"]) +
-            ", driver " + textOf(device["driver"]) + ", " + textOf(device["compute_units"]) +
-            " compute units, " + plain("memory_bytes", device["memory_bytes"]);
+            (device["driver"].is_null() ? "" : ", driver " + textOf(device["driver"])) + ", " +
+            textOf(device["compute_units"]) + " compute units, " +
+            plain("memory_bytes", device["memory_bytes"]);
     if (!device["fault"].is_null()) text += "; cannot be used: " + textOf(device["fault"]);
     if (device["chosen"].get<bool>()) text += "; what --device auto picks";
     text += "\n";
@@ -77,7 +78,7 @@ std::string sectionText(const std::string& name, const Json& section, const Json
   }
   if (name == "platforms") {
     for (const Json& platform : section) text += platformText(platform);
-    return "OpenCL devices\n" + (text.empty() ? "  none\n" : text);
+    return "devices\n" + (text.empty() ? "  none\n" : text);
   }
   if (name == "drivers_print" && section.is_string())
     return "what drivers print\n  " + textOf(section) + "\n";
@@ -97,7 +98,7 @@ void runDoctor(const std::string& device, bool json) {
   diagnosis.sections["environment"] = environment;
   printResult(json ? asJson(diagnosis) : asText(diagnosis));
   if (!diagnosis.deviceWorks)
-    throw Error(ErrorCode::device, "no OpenCL device works; see what is wrong above");
+    throw Error(ErrorCode::device, "no device works; see what is wrong above");
 }
 
 }  // namespace
@@ -126,7 +127,8 @@ void addDoctorCommand(CLI::App& app, Action& run) {
   auto device = std::make_shared<std::string>("auto");
   auto json = std::make_shared<bool>(false);
   command
-      ->add_option("--device", *device, "The device to try: auto, gpu, cpu or a part of its name")
+      ->add_option("--device", *device,
+                   "The device to try: auto, gpu, cpu, builtin or a part of its name")
       ->capture_default_str();
   command->add_flag("--json", *json, "Print one JSON object");
   command->callback([device, json, &run] { run = [device, json] { runDoctor(*device, *json); }; });

@@ -294,7 +294,7 @@ class FractureRun {
 
 void runFracture(FractureArguments& arguments) {
   setInterruptedState(arguments.folder + " is as it was before");
-  provideKernelCache();
+  prepareDevice(arguments.machine);
   FractureOptions& options = arguments.run.fracture;
   checkWriteOptions(arguments.run.write, options);
   options = optionsFor(options, arguments.run.write);

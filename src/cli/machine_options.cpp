@@ -2,6 +2,7 @@
 #include "cli/machine_options.h"
 
 #include <malloc.h>
+#include <sherd/device.h>
 
 #include "base/memory.h"
 #include "cli/option_text.h"
@@ -13,12 +14,12 @@ std::uint64_t MachineOptions::memory() const { return maxMemory.value_or(freeMem
 void addMachineOptions(CLI::App& command, MachineOptions& options) {
   command
       .add_option("--device", options.device,
-                  "OpenCL device: auto, gpu, cpu or a part of its name (see sherd devices)")
+                  "Device: auto, gpu, cpu, builtin or a part of its name (see sherd devices)")
       ->capture_default_str();
   command
-      .add_option(
-          "--threads", options.threads,
-          "Threads of the host's work; default all cores (PoCL's own: POCL_MAX_PTHREAD_COUNT)")
+      .add_option("--threads", options.threads,
+                  "Threads of the host and the built-in device; default all cores (PoCL's own: "
+                  "POCL_MAX_PTHREAD_COUNT)")
       ->transform(wholeNumber(1, 4096));
   command
       .add_option(
@@ -27,6 +28,10 @@ void addMachineOptions(CLI::App& command, MachineOptions& options) {
           "all free memory")
       ->transform(size())
       ->type_name("SIZE");
+}
+
+void prepareDevice(const MachineOptions& options) {
+  if (mayUseOpenCl(options.device)) provideKernelCache();
 }
 
 std::unique_ptr<tbb::global_control> limitedThreads(const MachineOptions& options) {

@@ -24,6 +24,9 @@ struct MachineOptions {
 /// Adds --device, --threads and --max-memory.
 void addMachineOptions(CLI::App& command, MachineOptions& options);
 
+/// Sets the environment for the device, before the first thread starts.
+void prepareDevice(const MachineOptions& options);
+
 /// Limits the host's threads during its lifetime; null where all cores are allowed.
 [[nodiscard]] std::unique_ptr<tbb::global_control> limitedThreads(const MachineOptions& options);
 

@@ -7,13 +7,13 @@ namespace sherd {
 
 /// Nodes and their components, see kernels/components.cl.
 struct NodeComponents {
-  DeviceBuffer localNode;            ///< [items*512] ushort
-  DeviceBuffer nodeCount;            ///< [items]
-  DeviceBuffer firstNode;            ///< [items]
-  DeviceBuffer root;                 ///< [nodes] lowest node of the component
-  std::vector<cl_uint> nodesOfItem;  ///< nodeCount, on the host
-  std::vector<cl_uint> first;        ///< firstNode, on the host
-  cl_uint nodes = 0;
+  DeviceBuffer localNode;                  ///< [items*512] ushort
+  DeviceBuffer nodeCount;                  ///< [items]
+  DeviceBuffer firstNode;                  ///< [items]
+  DeviceBuffer root;                       ///< [nodes] lowest node of the component
+  std::vector<std::uint32_t> nodesOfItem;  ///< nodeCount, on the host
+  std::vector<std::uint32_t> first;        ///< firstNode, on the host
+  std::uint32_t nodes = 0;
 };
 
 /// Find the components; with `labels` [items*512], those of voxels of equal label.
@@ -22,9 +22,9 @@ struct NodeComponents {
 
 /// Components of equal labels that keep their label.
 struct KeptComponents {
-  DeviceBuffer mask;                  ///< [items*8] their voxels
-  std::vector<cl_uint> disconnected;  ///< [fractures] inside voxels in no kept component
-  bool all() const;                   ///< whether no voxel is disconnected
+  DeviceBuffer mask;                        ///< [items*8] their voxels
+  std::vector<std::uint32_t> disconnected;  ///< [fractures] inside voxels in no kept component
+  bool all() const;                         ///< whether no voxel is disconnected
 };
 
 /// Keep the components that contain a primary seed.

@@ -27,17 +27,17 @@ class Flood {
   DeviceBuffer labels();
   /// Reads the labels of `count` items from `first` on to the host.  Unlike labels(), it does not
   /// touch device memory for the labels of leaves with at most two.
-  [[nodiscard]] std::vector<std::uint16_t> read(cl_uint first, cl_uint count);
+  [[nodiscard]] std::vector<std::uint16_t> read(std::uint32_t first, std::uint32_t count);
   const DeviceBuffer& cost() const { return cost_; }  ///< [items*512] with keepCost
 
  private:
-  cl_uint setState(cl::Kernel& kernel);
+  // Launches a kernel that takes FLOOD_STATE and these arguments.
   template <class... Arguments>
   void launch(const char* name, std::size_t work, const Arguments&... arguments);
 
   GrowthState& state_;
-  cl_uint keepCost_, neighbors_;
-  cl_uint step_ = 0;
+  std::uint32_t keepCost_, neighbors_;
+  std::uint32_t step_ = 0;
   bool seeded_ = false;  // the front is the seeds: no restart needed
   DeviceBuffer neighbors27_, domain_, beyond_, owned_, tag_, second_, owner_, fronts_, queued_,
       list_, listCount_, cost_;

@@ -114,9 +114,9 @@ void clearOutside(const LeafBlocks& blocks, std::vector<std::uint32_t>& cost) {
 
 std::vector<Labels> readLabels(const Growing& growing, Flood& last) {
   std::vector<Labels> all(growing.state.fractures);
-  const cl_uint leaves = growing.state.leafCount;
+  const std::uint32_t leaves = growing.state.leafCount;
   const std::size_t voxels = std::size_t{leaves} * SHERD_LEAF_SIZE;
-  for (cl_uint f = 0; f < all.size(); ++f) {
+  for (std::uint32_t f = 0; f < all.size(); ++f) {
     all[f].fragment = last.read(f * leaves, leaves);
     if (growing.options.keepCost) {
       all[f].cost =
@@ -130,10 +130,10 @@ std::vector<Labels> readLabels(const Growing& growing, Flood& last) {
 
 // Returns the mask of all inside voxels, once per fracture.
 DeviceBuffer allInside(GrowthState& state) {
-  DeviceBuffer mask = makeBuffer<cl_ulong>(state.device, state.words());
-  const std::size_t bytes = state.blocks.inside.size() * sizeof(cl_ulong);
+  DeviceBuffer mask = makeBuffer<std::uint64_t>(state.device, state.words());
+  const std::size_t bytes = state.blocks.inside.size() * sizeof(std::uint64_t);
   for (std::size_t f = 0; f < state.fractures; ++f) {
-    state.device.queue.enqueueCopyBuffer(state.inside, mask, 0, f * bytes, bytes);
+    state.device.copy(*state.inside, *mask, f * bytes, bytes);
   }
   return mask;
 }
@@ -209,7 +209,7 @@ bool givesVoronoiCells(const GrowOptions& options) {
 // Returns how many fractures grow together: no buffer may exceed the device's largest allocation
 // (the cost takes four bytes per voxel), nor all buffers its memory.
 std::size_t fracturesAtOnce(const LeafBlocks& blocks, const Device& device) {
-  constexpr std::size_t kLargestPerLeaf = sizeof(cl_uint) * SHERD_LEAF_SIZE;
+  constexpr std::size_t kLargestPerLeaf = sizeof(std::uint32_t) * SHERD_LEAF_SIZE;
   constexpr std::size_t kAllPerLeaf = 8 << 10;  // of chain, the largest: docs/kernels.md, "Memory"
   const DeviceInfo& info = device.info();
   const std::size_t leaves =
@@ -221,19 +221,17 @@ std::vector<Labels> growBatch(const std::shared_ptr<const LeafBlocks>& blocks,
                               std::span<const std::vector<Seed>> seedSets, Device& device,
                               const GrowOptions& options, const Progress* progress) {
   const SeedTable table = tableOf(*blocks, seedSets);
-  return withDevice(implOf(device), "growing fragments", [&] {
-    GrowthState state(*blocks, seedSets.size(), implOf(device), options.tuning.workGroupSize);
-    Growing growing{state, table, options, progress};
-    Flood last = growAll(growing);
-    std::vector<Labels> all = readLabels(growing, last);
-    for (std::size_t f = 0; f < all.size(); ++f) {
-      all[f].blocks = blocks;
-      all[f].fragmentCount = fragmentsOf(seedSets[f]);
-      if (!givesVoronoiCells(options)) continue;
-      all[f].sites = {{seedSets[f].begin(), seedSets[f].end()}, options.anisotropy};
-    }
-    return all;
-  });
+  GrowthState state(*blocks, seedSets.size(), implOf(device), options.tuning.workGroupSize);
+  Growing growing{state, table, options, progress};
+  Flood last = growAll(growing);
+  std::vector<Labels> all = readLabels(growing, last);
+  for (std::size_t f = 0; f < all.size(); ++f) {
+    all[f].blocks = blocks;
+    all[f].fragmentCount = fragmentsOf(seedSets[f]);
+    if (!givesVoronoiCells(options)) continue;
+    all[f].sites = {{seedSets[f].begin(), seedSets[f].end()}, options.anisotropy};
+  }
+  return all;
 }
 
 }  // namespace
@@ -262,14 +260,12 @@ std::vector<Labels> grow(std::shared_ptr<const LeafBlocks> blocks,
 
 Labels extendLabels(Labels labels, Device& device, int steps) {
   checkLabels(labels);
-  return withDevice(implOf(device), "extending labels into the exterior band", [&] {
-    GrowthState state(*labels.blocks, 1, implOf(device));
-    Flood flood(state, false);
-    flood.load(uploadBuffer<std::uint16_t>(state.device, labels.fragment), state.inside);
-    flood.grow(band(state), static_cast<std::uint32_t>(steps), 16, nullptr);
-    labels.fragment = flood.read(0, state.leafCount);
-    return std::move(labels);
-  });
+  GrowthState state(*labels.blocks, 1, implOf(device));
+  Flood flood(state, false);
+  flood.load(uploadBuffer<std::uint16_t>(state.device, labels.fragment), state.inside);
+  flood.grow(band(state), static_cast<std::uint32_t>(steps), 16, nullptr);
+  labels.fragment = flood.read(0, state.leafCount);
+  return labels;
 }
 
 std::vector<std::uint64_t> countVoxels(const Labels& labels) {

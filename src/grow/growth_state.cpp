@@ -12,13 +12,13 @@
 namespace sherd {
 namespace {
 
-cl_uint itemsOf(const LeafBlocks& blocks, std::size_t fractures) {
+std::uint32_t itemsOf(const LeafBlocks& blocks, std::size_t fractures) {
   const std::size_t items = blocks.count() * fractures;
   if (items >= SHERD_NO_LEAF) {
     throw Error(ErrorCode::usage, "the batch holds " + std::to_string(items) + " leaves, at most " +
                                       std::to_string(SHERD_NO_LEAF - 1) + " can grow together");
   }
-  return static_cast<cl_uint>(items);
+  return static_cast<std::uint32_t>(items);
 }
 
 }  // namespace
@@ -27,8 +27,8 @@ GrowthState::GrowthState(const LeafBlocks& b, std::size_t fractureCount, DeviceI
                          int workGroupSize)
     : device(d),
       blocks(b),
-      leafCount(static_cast<cl_uint>(b.count())),
-      fractures(static_cast<cl_uint>(fractureCount)),
+      leafCount(static_cast<std::uint32_t>(b.count())),
+      fractures(static_cast<std::uint32_t>(fractureCount)),
       items(itemsOf(b, fractureCount)),
       inside(uploadBuffer<std::uint64_t>(d, b.inside)),
       neighbor(uploadBuffer<std::uint32_t>(d, b.neighbors)),
@@ -36,10 +36,10 @@ GrowthState::GrowthState(const LeafBlocks& b, std::size_t fractureCount, DeviceI
 
 const DeviceBuffer& GrowthState::origin() {
   if (!origin_) {
-    std::vector<cl_int4> origins;
+    std::vector<Int4> origins;
     origins.reserve(leafCount);
-    for (const openvdb::Coord& o : blocks.origins) origins.push_back({{o.x(), o.y(), o.z(), 0}});
-    origin_ = uploadBuffer<cl_int4>(device, origins);
+    for (const openvdb::Coord& o : blocks.origins) origins.push_back({o.x(), o.y(), o.z(), 0});
+    origin_ = uploadBuffer<Int4>(device, origins);
   }
   return *origin_;
 }
@@ -74,8 +74,8 @@ SeedTable tableOf(const LeafBlocks& blocks, std::span<const std::vector<Seed>> s
   }
   SeedTable table;
   for (const auto& [key, entry] : sorted) {
-    table.item.push_back(static_cast<cl_uint>(key.first));
-    table.offset.push_back(static_cast<cl_ushort>(key.second));
+    table.item.push_back(static_cast<std::uint32_t>(key.first));
+    table.offset.push_back(static_cast<std::uint16_t>(key.second));
     table.label.push_back(entry.label);
     table.primary.push_back(entry.primary);
   }
@@ -83,28 +83,32 @@ SeedTable tableOf(const LeafBlocks& blocks, std::span<const std::vector<Seed>> s
 }
 
 SeedGroups groupsOf(GrowthState& state, const SeedTable& seeds) {
-  std::vector<cl_uint> item, first;
+  std::vector<std::uint32_t> item, first;
   for (std::size_t i = 0; i < seeds.item.size(); ++i) {
     if (!item.empty() && item.back() == seeds.item[i]) continue;
     item.push_back(seeds.item[i]);
-    first.push_back(static_cast<cl_uint>(i));
+    first.push_back(static_cast<std::uint32_t>(i));
   }
-  first.push_back(static_cast<cl_uint>(seeds.item.size()));
-  return {uploadBuffer<cl_uint>(state.device, item), uploadBuffer<cl_uint>(state.device, first),
-          uploadBuffer<cl_ushort>(state.device, seeds.offset), static_cast<cl_uint>(item.size())};
+  first.push_back(static_cast<std::uint32_t>(seeds.item.size()));
+  return {uploadBuffer<std::uint32_t>(state.device, item),
+          uploadBuffer<std::uint32_t>(state.device, first),
+          uploadBuffer<std::uint16_t>(state.device, seeds.offset),
+          static_cast<std::uint32_t>(item.size())};
 }
 
 PrimarySeeds primariesOf(GrowthState& state, const SeedTable& seeds) {
-  std::vector<cl_uint> item;
-  std::vector<cl_ushort> offset, label;
+  std::vector<std::uint32_t> item;
+  std::vector<std::uint16_t> offset, label;
   for (std::size_t i = 0; i < seeds.item.size(); ++i) {
     if (!seeds.primary[i]) continue;
     item.push_back(seeds.item[i]);
     offset.push_back(seeds.offset[i]);
     label.push_back(seeds.label[i]);
   }
-  return {uploadBuffer<cl_uint>(state.device, item), uploadBuffer<cl_ushort>(state.device, offset),
-          uploadBuffer<cl_ushort>(state.device, label), static_cast<cl_uint>(item.size())};
+  return {uploadBuffer<std::uint32_t>(state.device, item),
+          uploadBuffer<std::uint16_t>(state.device, offset),
+          uploadBuffer<std::uint16_t>(state.device, label),
+          static_cast<std::uint32_t>(item.size())};
 }
 
 openvdb::Coord seedVoxel(const GrowthState& state, const SeedTable& seeds, std::size_t i) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cl/device_impl.h"
+#include "cl/int4.h"
 #include "leaf_block.h"
 
 namespace sherd {
@@ -21,7 +22,7 @@ class GrowthState {
 
   DeviceImpl& device;
   const LeafBlocks& blocks;
-  const cl_uint leafCount, fractures, items;
+  const std::uint32_t leafCount, fractures, items;
   const DeviceBuffer inside;    ///< [leafCount*8]
   const DeviceBuffer neighbor;  ///< [leafCount*6]
 
@@ -34,20 +35,15 @@ class GrowthState {
   template <class T>
   DeviceBuffer filled(std::size_t count, T value) {
     DeviceBuffer buffer = makeBuffer<T>(device, count);
-    device.queue.enqueueFillBuffer<T>(buffer, value, 0,
-                                      std::max<std::size_t>(count, 1) * sizeof(T));
+    fillBuffer(device, buffer, count, value);
     return buffer;
   }
 
   /// Launch the kernel `name` over `work` elements.
   template <class... Arguments>
   void run(const char* name, std::size_t work, const Arguments&... arguments) {
-    cl::Kernel kernel = device.kernel(name);
-    cl_uint i = 0;
-    (kernel.setArg(i++, argument(arguments)), ...);
-    launch(kernel, work);
+    launchKernel(device, name, work, group_, arguments...);
   }
-  void launch(cl::Kernel& kernel, std::size_t work) { device.launch(kernel, work, group_); }
   int workGroupSize() const { return static_cast<int>(group_); }
 
  private:
@@ -57,8 +53,8 @@ class GrowthState {
 
 /// Seeds of all fractures, ascending by item and offset; of two on one voxel the lower label.
 struct SeedTable {
-  std::vector<cl_uint> item;
-  std::vector<cl_ushort> offset, label;
+  std::vector<std::uint32_t> item;
+  std::vector<std::uint16_t> offset, label;
   std::vector<bool> primary;  ///< the first of its fragment in its seed set
 };
 
@@ -67,13 +63,13 @@ struct SeedGroups {
   DeviceBuffer item;    ///< [count] items with seeds, ascending
   DeviceBuffer first;   ///< [count+1] index of an item's first seed
   DeviceBuffer offset;  ///< [seeds]
-  cl_uint count = 0;
+  std::uint32_t count = 0;
 };
 
 /// The first seed of each fragment on the device.
 struct PrimarySeeds {
   DeviceBuffer item, offset, label;  ///< [count]
-  cl_uint count = 0;
+  std::uint32_t count = 0;
 };
 
 [[nodiscard]] SeedGroups groupsOf(GrowthState& state, const SeedTable& seeds);

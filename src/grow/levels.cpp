@@ -10,36 +10,36 @@
 namespace sherd {
 namespace {
 
-constexpr cl_uint kPassesPerReadback = 32;
-constexpr cl_uint kBucketsPerVoxel = 2;  // of chain
+constexpr std::uint32_t kPassesPerReadback = 32;
+constexpr std::uint32_t kBucketsPerVoxel = 2;  // of chain
 constexpr std::size_t kControlWords = 11;
 
 class Levels {
  public:
   explicit Levels(GrowthState& state)
       : state_(state),
-        owned_(state.filled<cl_ulong>(state.words(), 0)),
-        offered_(state.filled<cl_ulong>(state.words(), 0)),
-        source_(makeBuffer<cl_uint>(state.device, state.voxels())),
-        cost_(makeBuffer<cl_uint>(state.device, state.voxels())),
-        claim_(state.filled<cl_ulong>(2 * state.words(), 0)),
-        claimed_(state.filled<cl_uint>(2 * std::size_t{state.items}, 0)),
-        wake_(state.filled<cl_uint>(state.items, SHERD_NO_STEP)),
-        dirty_(state.filled<cl_uint>(state.items, 0)),
-        queued_(state.filled<cl_uint>(state.items, 0)),
-        list_(makeBuffer<cl_uint>(state.device, 2 * std::size_t{state.items})),
-        taken_(makeBuffer<cl_uint>(state.device, state.items)) {
-    std::array<cl_uint, kControlWords> control{};
+        owned_(state.filled<std::uint64_t>(state.words(), 0)),
+        offered_(state.filled<std::uint64_t>(state.words(), 0)),
+        source_(makeBuffer<std::uint32_t>(state.device, state.voxels())),
+        cost_(makeBuffer<std::uint32_t>(state.device, state.voxels())),
+        claim_(state.filled<std::uint64_t>(2 * state.words(), 0)),
+        claimed_(state.filled<std::uint32_t>(2 * std::size_t{state.items}, 0)),
+        wake_(state.filled<std::uint32_t>(state.items, SHERD_NO_STEP)),
+        dirty_(state.filled<std::uint32_t>(state.items, 0)),
+        queued_(state.filled<std::uint32_t>(state.items, 0)),
+        list_(makeBuffer<std::uint32_t>(state.device, 2 * std::size_t{state.items})),
+        taken_(makeBuffer<std::uint32_t>(state.device, state.items)) {
+    std::array<std::uint32_t, kControlWords> control{};
     for (std::size_t i = 3; i < 6; ++i) control[i] = SHERD_NO_STEP;  // no offer waits
-    control_ = uploadBuffer<cl_uint>(state.device, control);
+    control_ = uploadBuffer<std::uint32_t>(state.device, control);
   }
 
-  void seed(const SeedTable& table, std::span<const cl_uint> source) {
-    state_.device.queue.enqueueFillBuffer<cl_uint>(cost_, 0, 0, state_.voxels() * sizeof(cl_uint));
+  void seed(const SeedTable& table, std::span<const std::uint32_t> source) {
+    fillBuffer(state_.device, cost_, state_.voxels(), std::uint32_t{0});
     const SeedGroups seeds = groupsOf(state_, table);
-    const DeviceBuffer sources = uploadBuffer<cl_uint>(state_.device, source);
+    const DeviceBuffer sources = uploadBuffer<std::uint32_t>(state_.device, source);
     launch("levels_seed", seeds.count, seeds.item, seeds.first, seeds.offset, sources, seeds.count);
-    state_.device.queue.finish();  // the seeds' buffers are released here
+    state_.device.finish();  // the seeds' buffers are released here
   }
 
   void load(const DeviceBuffer& labels, const DeviceBuffer& kept) {
@@ -53,60 +53,40 @@ class Levels {
   }
 
   // `stride`, `metric` and `seeds`: see levels_take.
-  void grow(const Steps& steps, bool chain, cl_uint stride, const sherd_metric& metric,
+  void grow(const Steps& steps, bool chain, std::uint32_t stride, const sherd_metric& metric,
             const DeviceBuffer& seeds, const Progress* progress) {
-    const DeviceBuffer stepBuffer = uploadBuffer<cl_int4>(state_.device, steps.step);
-    const DeviceBuffer within = uploadBuffer<cl_int>(state_.device, steps.within);
+    const DeviceBuffer stepBuffer = uploadBuffer<Int4>(state_.device, steps.step);
+    const DeviceBuffer within = uploadBuffer<std::int32_t>(state_.device, steps.within);
     launch("levels_begin", state_.items);
-    cl::Kernel take = state_.device.kernel("levels_take");
-    cl::Kernel publish = state_.device.kernel("levels_publish");
-    const cl_uint takePass = setState(take), publishPass = setState(publish);
-    cl_uint i = takePass + 1;
-    const auto set = [&](const auto&... argument) {
-      (take.setArg(i++, sherd::argument(argument)), ...);
-    };
-    const auto count = static_cast<cl_uint>(steps.step.size());
-    set(stepBuffer, within, count, static_cast<cl_uint>(chain), stride, metric, seeds,
-        state_.origin());
-    publish.setArg(publishPass + 1, count);
-    for (cl_uint pass = 1;;) {
-      for (cl_uint k = 0; k < kPassesPerReadback; ++k, ++pass) {
-        take.setArg(takePass, pass);
-        state_.launch(take, state_.items);
-        publish.setArg(publishPass, pass);
-        state_.launch(publish, state_.items);
+    const auto count = static_cast<std::uint32_t>(steps.step.size());
+    const DeviceBuffer& origin = state_.origin();
+    for (std::uint32_t pass = 1;;) {
+      for (std::uint32_t k = 0; k < kPassesPerReadback; ++k, ++pass) {
+        launch("levels_take", state_.items, pass, stepBuffer, within, count,
+               static_cast<std::uint32_t>(chain), stride, metric, seeds, origin);
+        launch("levels_publish", state_.items, pass, count);
       }
-      std::array<cl_uint, kControlWords> control;
-      readBuffer<cl_uint>(state_.device, control_, control);
+      std::array<std::uint32_t, kControlWords> control;
+      readBuffer<std::uint32_t>(state_.device, control_, control);
       reportProgress(progress, "grow", 0.0);
       if (control[pass % 3] == 0) break;
     }
   }
 
   Grown finish(const DeviceBuffer& labelOfSource, bool chain) {
-    Grown grown{makeBuffer<cl_ushort>(state_.device, state_.voxels()), cost_};
-    launch("levels_finish", state_.items, labelOfSource, static_cast<cl_uint>(chain), grown.labels);
+    Grown grown{makeBuffer<std::uint16_t>(state_.device, state_.voxels()), cost_};
+    launch("levels_finish", state_.items, labelOfSource, static_cast<std::uint32_t>(chain),
+           grown.labels);
     return grown;
   }
 
  private:
-  // Sets the arguments of LEVELS_STATE in order; returns the index of the next one.
-  cl_uint setState(cl::Kernel& kernel) {
-    cl_uint i = 0;
-    const auto set = [&](const auto&... argument) {
-      (kernel.setArg(i++, sherd::argument(argument)), ...);
-    };
-    set(state_.inside, state_.neighbors27(), state_.leafCount, state_.items, owned_, offered_,
-        source_, cost_, claim_, claimed_, wake_, dirty_, queued_, list_, taken_, control_);
-    return i;
-  }
-
+  // Launches a kernel that takes LEVELS_STATE and these arguments.
   template <class... Arguments>
   void launch(const char* name, std::size_t work, const Arguments&... arguments) {
-    cl::Kernel kernel = state_.device.kernel(name);
-    cl_uint i = setState(kernel);
-    (kernel.setArg(i++, argument(arguments)), ...);
-    state_.launch(kernel, work);
+    state_.run(name, work, state_.inside, state_.neighbors27(), state_.leafCount, state_.items,
+               owned_, offered_, source_, cost_, claim_, claimed_, wake_, dirty_, queued_, list_,
+               taken_, control_, arguments...);
   }
 
   GrowthState& state_;
@@ -115,13 +95,14 @@ class Levels {
 };
 
 void runByWeight(GrowthState& state, Levels& levels, const Steps& steps, const Progress* progress) {
-  const DeviceBuffer none = makeBuffer<cl_int4>(state.device, 1);
+  const DeviceBuffer none = makeBuffer<Int4>(state.device, 1);
   levels.grow(steps, false, steps.leastWeight, sherd_metric{}, none, progress);
 }
 
 // Returns the leaves with an inside voxel outside `kept` in any fracture, and the leaves around
 // them: no other voxel makes or takes an offer.
-std::vector<cl_uint> leavesToRegrow(const LeafBlocks& blocks, std::span<const cl_ulong> kept) {
+std::vector<std::uint32_t> leavesToRegrow(const LeafBlocks& blocks,
+                                          std::span<const std::uint64_t> kept) {
   std::vector<bool> regrows(blocks.count()), reached(blocks.count());
   for (std::size_t word = 0; word < kept.size(); ++word) {
     const std::size_t leafWord = word % blocks.inside.size();
@@ -135,15 +116,15 @@ std::vector<cl_uint> leavesToRegrow(const LeafBlocks& blocks, std::span<const cl
       if (around != LeafBlocks::kNone) reached[around] = true;
     }
   }
-  std::vector<cl_uint> leaves;
+  std::vector<std::uint32_t> leaves;
   for (std::size_t leaf = 0; leaf < blocks.count(); ++leaf) {
-    if (reached[leaf]) leaves.push_back(static_cast<cl_uint>(leaf));
+    if (reached[leaf]) leaves.push_back(static_cast<std::uint32_t>(leaf));
   }
   return leaves;
 }
 
 // Returns the inside of some leaves.
-LeafBlocks insideOf(const LeafBlocks& blocks, std::span<const cl_uint> leaves) {
+LeafBlocks insideOf(const LeafBlocks& blocks, std::span<const std::uint32_t> leaves) {
   LeafBlocks some;
   for (const std::size_t leaf : leaves) {
     const auto word = blocks.inside.begin() + static_cast<std::ptrdiff_t>(leaf * SHERD_LEAF_WORDS);
@@ -160,42 +141,43 @@ LeafBlocks insideOf(const LeafBlocks& blocks, std::span<const cl_uint> leaves) {
 Grown growByWeight(GrowthState& state, const SeedTable& seeds, const Steps& steps,
                    const Progress* progress) {
   Levels levels(state);
-  levels.seed(seeds, std::vector<cl_uint>(seeds.label.begin(), seeds.label.end()));
+  levels.seed(seeds, std::vector<std::uint32_t>(seeds.label.begin(), seeds.label.end()));
   runByWeight(state, levels, steps, progress);
-  return levels.finish(makeBuffer<cl_ushort>(state.device, 1), false);
+  return levels.finish(makeBuffer<std::uint16_t>(state.device, 1), false);
 }
 
 Grown growChain(GrowthState& state, const SeedTable& seeds, const sherd_metric& metric,
                 const Progress* progress) {
   // Sources are numbered by label, so that ties between them go to the lower label.
-  std::vector<cl_uint> order(seeds.item.size()), source(seeds.item.size());
+  std::vector<std::uint32_t> order(seeds.item.size()), source(seeds.item.size());
   std::iota(order.begin(), order.end(), 0u);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](cl_uint a, cl_uint b) { return seeds.label[a] < seeds.label[b]; });
-  std::vector<cl_int4> voxel;
-  std::vector<cl_ushort> label;
-  for (const cl_uint i : order) {
-    source[i] = static_cast<cl_uint>(voxel.size());
+  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return seeds.label[a] < seeds.label[b];
+  });
+  std::vector<Int4> voxel;
+  std::vector<std::uint16_t> label;
+  for (const std::uint32_t i : order) {
+    source[i] = static_cast<std::uint32_t>(voxel.size());
     const openvdb::Coord at = seedVoxel(state, seeds, i);
-    voxel.push_back({{at.x(), at.y(), at.z(), 0}});
+    voxel.push_back({at.x(), at.y(), at.z(), 0});
     label.push_back(seeds.label[i]);
   }
   Levels levels(state);
   levels.seed(seeds, source);
-  const DeviceBuffer voxels = uploadBuffer<cl_int4>(state.device, voxel);
+  const DeviceBuffer voxels = uploadBuffer<Int4>(state.device, voxel);
   levels.grow(layerSteps(6, {}), true, kBucketsPerVoxel, metric, voxels, progress);
-  return levels.finish(uploadBuffer<cl_ushort>(state.device, label), true);
+  return levels.finish(uploadBuffer<std::uint16_t>(state.device, label), true);
 }
 
 void regrowByWeight(GrowthState& state, const DeviceBuffer& labels, const DeviceBuffer& kept,
                     const Steps& steps, const Progress* progress) {
-  const auto keptWords = downloaded<cl_ulong>(state.device, kept, state.words());
-  const std::vector<cl_uint> leaves = leavesToRegrow(state.blocks, keptWords);
+  const auto keptWords = downloaded<std::uint64_t>(state.device, kept, state.words());
+  const std::vector<std::uint32_t> leaves = leavesToRegrow(state.blocks, keptWords);
   const LeafBlocks blocks = insideOf(state.blocks, leaves);
-  std::vector<cl_uint> itemOf;  // [items of `part`]
-  std::vector<cl_ulong> partKept;
-  for (cl_uint fracture = 0; fracture < state.fractures; ++fracture) {
-    for (const cl_uint leaf : leaves) {
+  std::vector<std::uint32_t> itemOf;  // [items of `part`]
+  std::vector<std::uint64_t> partKept;
+  for (std::uint32_t fracture = 0; fracture < state.fractures; ++fracture) {
+    for (const std::uint32_t leaf : leaves) {
       itemOf.push_back(fracture * state.leafCount + leaf);
       const auto word = keptWords.begin() + std::ptrdiff_t{itemOf.back()} * SHERD_LEAF_WORDS;
       partKept.insert(partKept.end(), word, word + SHERD_LEAF_WORDS);
@@ -203,9 +185,9 @@ void regrowByWeight(GrowthState& state, const DeviceBuffer& labels, const Device
   }
 
   GrowthState part(blocks, state.fractures, state.device, state.workGroupSize());
-  const DeviceBuffer items = uploadBuffer<cl_uint>(state.device, itemOf);
-  const DeviceBuffer partLabels = makeBuffer<cl_ushort>(state.device, part.voxels());
-  const DeviceBuffer keptOfPart = uploadBuffer<cl_ulong>(state.device, partKept);
+  const DeviceBuffer items = uploadBuffer<std::uint32_t>(state.device, itemOf);
+  const DeviceBuffer partLabels = makeBuffer<std::uint16_t>(state.device, part.voxels());
+  const DeviceBuffer keptOfPart = uploadBuffer<std::uint64_t>(state.device, partKept);
   part.run("gather_voxels", part.items, labels, items, part.items, partLabels);
   Levels levels(part);
   levels.load(partLabels, keptOfPart);

@@ -28,11 +28,11 @@ glm::dmat3 stretching(const Anisotropy& anisotropy) {
 }
 
 void add(Steps& steps, const glm::ivec3& d, double weight) {
-  const auto whole = static_cast<cl_int>(std::max(1.0, std::floor(weight + 0.5)));
-  steps.step.push_back({{d.x, d.y, d.z, whole}});
+  const auto whole = static_cast<std::int32_t>(std::max(1.0, std::floor(weight + 0.5)));
+  steps.step.push_back({d.x, d.y, d.z, whole});
   // The two voxels that a long step crosses: half of it, rounded towards its start and its end.
   for (const bool up : {false, true}) {
-    cl_int packed = 0;
+    std::int32_t packed = 0;
     for (int axis = 0; axis < 3; ++axis) {
       const int half = up ? (d[axis] + (d[axis] > 0) - (d[axis] < 0)) / 2 : d[axis] / 2;
       packed = packed << 4 | (half + 4);
@@ -42,9 +42,9 @@ void add(Steps& steps, const glm::ivec3& d, double weight) {
 }
 
 void setLeastWeight(Steps& steps) {
-  cl_int least = steps.step.front().s[3];
-  for (const cl_int4& step : steps.step) least = std::min(least, step.s[3]);
-  steps.leastWeight = static_cast<cl_uint>(least);
+  std::int32_t least = steps.step.front().w;
+  for (const Int4& step : steps.step) least = std::min(least, step.w);
+  steps.leastWeight = static_cast<std::uint32_t>(least);
 }
 
 }  // namespace

@@ -4,7 +4,10 @@
 #include <sherd/labels.h>
 #include <sherd/seeds.h>
 
-#include "cl/open_cl.h"
+#include <cstdint>
+#include <vector>
+
+#include "cl/int4.h"
 #include "voxel_metric.h"
 
 namespace sherd {
@@ -15,9 +18,9 @@ namespace sherd {
 
 /// Steps to neighbors for kernels/levels.cl.
 struct Steps {
-  std::vector<cl_int4> step;   ///< x, y, z, and the weight in w; the 26 neighbors first
-  std::vector<cl_int> within;  ///< [steps*2] voxels that a long step crosses, packed
-  cl_uint leastWeight = 1;
+  std::vector<Int4> step;            ///< x, y, z, and the weight in w; the 26 neighbors first
+  std::vector<std::int32_t> within;  ///< [steps*2] voxels that a long step crosses, packed
+  std::uint32_t leastWeight = 1;
 };
 
 /// The steps to 6 or 26 neighbors; weights are 1, or lengths (8 a voxel) with anisotropy.

@@ -9,10 +9,10 @@ namespace sherd {
 namespace {
 
 // Returns how many leaves away a walk can end.
-cl_uint leavesReached(std::span<const cl_int> amplitudes) {
+std::uint32_t leavesReached(std::span<const std::int32_t> amplitudes) {
   std::int64_t longest = 128;  // 1/256 voxel; 128 rounds to the nearest voxel
-  for (const cl_int amplitude : amplitudes) longest += std::abs(std::int64_t{amplitude}) + 1;
-  return static_cast<cl_uint>((longest / 256 + 7) / 8);
+  for (const std::int32_t amplitude : amplitudes) longest += std::abs(std::int64_t{amplitude}) + 1;
+  return static_cast<std::uint32_t>((longest / 256 + 7) / 8);
 }
 
 // Per-leaf data that shortens walks.
@@ -22,15 +22,15 @@ struct LeafSummaries {
   DeviceBuffer full;  // [items] 1: all voxels are inside
 };
 
-LeafSummaries summarizeLeaves(GrowthState& state, const DeviceBuffer& labels, cl_uint reach) {
-  constexpr cl_uint kMaxRings = 16;  // a leaf with a longer walk counts as near a crack
-  LeafSummaries leaves{state.filled<cl_uint>(state.items, 0),
-                       makeBuffer<cl_uint>(state.device, state.items)};
-  DeviceBuffer single = makeBuffer<cl_uint>(state.device, state.items);
-  DeviceBuffer wider = makeBuffer<cl_uint>(state.device, state.items);
+LeafSummaries summarizeLeaves(GrowthState& state, const DeviceBuffer& labels, std::uint32_t reach) {
+  constexpr std::uint32_t kMaxRings = 16;  // a leaf with a longer walk counts as near a crack
+  LeafSummaries leaves{state.filled<std::uint32_t>(state.items, 0),
+                       makeBuffer<std::uint32_t>(state.device, state.items)};
+  DeviceBuffer single = makeBuffer<std::uint32_t>(state.device, state.items);
+  DeviceBuffer wider = makeBuffer<std::uint32_t>(state.device, state.items);
   state.run("rough_leaves", state.items, state.inside, state.leafCount, state.items, labels, single,
             leaves.full);
-  for (cl_uint ring = 0; ring <= std::min(reach, kMaxRings); ++ring) {
+  for (std::uint32_t ring = 0; ring <= std::min(reach, kMaxRings); ++ring) {
     state.run("rough_rings", state.items, state.neighbors27(), state.leafCount, state.items, ring,
               single, wider, leaves.uniformRings);
     std::swap(single, wider);
@@ -42,19 +42,20 @@ LeafSummaries summarizeLeaves(GrowthState& state, const DeviceBuffer& labels, cl
 
 DeviceBuffer roughened(GrowthState& state, const DeviceBuffer& labels, const SeedTable& seeds,
                        std::span<const std::uint64_t> noiseSeeds,
-                       std::span<const cl_int> amplitudes) {
+                       std::span<const std::int32_t> amplitudes) {
   const DeviceBuffer noise = uploadBuffer<std::uint64_t>(state.device, noiseSeeds);
-  const DeviceBuffer amplitude = uploadBuffer<cl_int>(state.device, amplitudes);
-  const DeviceBuffer out = makeBuffer<cl_ushort>(state.device, state.voxels());
+  const DeviceBuffer amplitude = uploadBuffer<std::int32_t>(state.device, amplitudes);
+  const DeviceBuffer out = makeBuffer<std::uint16_t>(state.device, state.voxels());
   const LeafSummaries leaves = summarizeLeaves(state, labels, leavesReached(amplitudes));
   state.run("rough", state.items, state.inside, state.neighbor, state.neighbors27(), state.origin(),
-            state.leafCount, state.items, noise, amplitude, static_cast<cl_int>(amplitudes.size()),
-            leaves.uniformRings, leaves.full, labels, out);
+            state.leafCount, state.items, noise, amplitude,
+            static_cast<std::int32_t>(amplitudes.size()), leaves.uniformRings, leaves.full, labels,
+            out);
 
   const PrimarySeeds primaries = primariesOf(state, seeds);
   state.run("rough_pin", primaries.count, primaries.item, primaries.offset, primaries.label,
             primaries.count, out);
-  state.device.queue.finish();  // the local buffers are released here
+  state.device.finish();  // the local buffers are released here
   return out;
 }
 

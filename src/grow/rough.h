@@ -11,6 +11,6 @@ namespace sherd {
 [[nodiscard]] DeviceBuffer roughened(GrowthState& state, const DeviceBuffer& labels,
                                      const SeedTable& seeds,
                                      std::span<const std::uint64_t> noiseSeeds,
-                                     std::span<const cl_int> amplitudes);
+                                     std::span<const std::int32_t> amplitudes);
 
 }  // namespace sherd

@@ -14,21 +14,21 @@ Grown growByKernel(GrowthState& state, const SeedTable& seeds, const char* kerne
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return std::pair(fractureOf(a), seeds.label[a]) < std::pair(fractureOf(b), seeds.label[b]);
   });
-  std::vector<cl_int4> voxel;
-  std::vector<cl_uint> first(state.fractures + 1, 0);
+  std::vector<Int4> voxel;
+  std::vector<std::uint32_t> first(state.fractures + 1, 0);
   for (const std::size_t i : order) {
     const openvdb::Coord at = seedVoxel(state, seeds, i);
-    voxel.push_back({{at.x(), at.y(), at.z(), seeds.label[i]}});
+    voxel.push_back({at.x(), at.y(), at.z(), seeds.label[i]});
     ++first[fractureOf(i) + 1];
   }
   std::partial_sum(first.begin(), first.end(), first.begin());
-  const DeviceBuffer voxels = uploadBuffer<cl_int4>(state.device, voxel);
-  const DeviceBuffer firsts = uploadBuffer<cl_uint>(state.device, first);
-  Grown grown{makeBuffer<cl_ushort>(state.device, state.voxels()),
-              makeBuffer<cl_uint>(state.device, keepCost ? state.voxels() : 1)};
+  const DeviceBuffer voxels = uploadBuffer<Int4>(state.device, voxel);
+  const DeviceBuffer firsts = uploadBuffer<std::uint32_t>(state.device, first);
+  Grown grown{makeBuffer<std::uint16_t>(state.device, state.voxels()),
+              makeBuffer<std::uint32_t>(state.device, keepCost ? state.voxels() : 1)};
   state.run(kernel, state.items, state.inside, state.origin(), state.leafCount, state.items, voxels,
-            firsts, metric, grown.labels, grown.cost, static_cast<cl_uint>(keepCost));
-  state.device.queue.finish();  // the seeds' buffers are released here
+            firsts, metric, grown.labels, grown.cost, static_cast<std::uint32_t>(keepCost));
+  state.device.finish();  // the seeds' buffers are released here
   return grown;
 }
 

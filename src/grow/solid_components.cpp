@@ -15,7 +15,7 @@ namespace {
 // Numbers the components by their lowest node; nodes ascend with leaves and voxels.  Returns the
 // component of each node, and the number of components.
 std::pair<std::vector<std::uint32_t>, std::size_t> componentsOfNodes(
-    std::span<const cl_uint> root) {
+    std::span<const std::uint32_t> root) {
   std::vector<std::uint32_t> component(root.size());
   std::size_t count = 0;
   for (std::size_t n = 0; n < root.size(); ++n) {
@@ -27,7 +27,7 @@ std::pair<std::vector<std::uint32_t>, std::size_t> componentsOfNodes(
 
 std::vector<std::uint64_t> voxelsOf(const VoxelComponents& components, std::size_t count,
                                     const LeafBlocks& blocks,
-                                    std::span<const cl_uint> nodesOfLeaf) {
+                                    std::span<const std::uint32_t> nodesOfLeaf) {
   std::vector<std::uint64_t> voxels(count);
   for (std::size_t word = 0; word < blocks.inside.size(); ++word) {
     std::uint64_t bits = blocks.inside[word];
@@ -44,21 +44,21 @@ std::vector<std::uint64_t> voxelsOf(const VoxelComponents& components, std::size
 }
 
 // Returns the leaves of more than one node.
-std::vector<cl_uint> sharedLeaves(const NodeComponents& found) {
-  std::vector<cl_uint> leaves;
-  for (cl_uint leaf = 0; leaf < found.nodesOfItem.size(); ++leaf) {
+std::vector<std::uint32_t> sharedLeaves(const NodeComponents& found) {
+  std::vector<std::uint32_t> leaves;
+  for (std::uint32_t leaf = 0; leaf < found.nodesOfItem.size(); ++leaf) {
     if (found.nodesOfItem[leaf] >= 2) leaves.push_back(leaf);
   }
   return leaves;
 }
 
 std::vector<std::uint16_t> localNodes(GrowthState& state, const NodeComponents& found,
-                                      const std::vector<cl_uint>& leaves) {
+                                      const std::vector<std::uint32_t>& leaves) {
   const std::size_t voxels = leaves.size() * SHERD_LEAF_SIZE;
-  const DeviceBuffer gathered = makeBuffer<cl_ushort>(state.device, voxels);
+  const DeviceBuffer gathered = makeBuffer<std::uint16_t>(state.device, voxels);
   state.run("gather_voxels", leaves.size(), found.localNode,
-            uploadBuffer<cl_uint>(state.device, leaves), static_cast<cl_uint>(leaves.size()),
-            gathered);
+            uploadBuffer<std::uint32_t>(state.device, leaves),
+            static_cast<std::uint32_t>(leaves.size()), gathered);
   return downloaded<std::uint16_t>(state.device, gathered, voxels);
 }
 
@@ -66,31 +66,27 @@ std::vector<std::uint16_t> localNodes(GrowthState& state, const NodeComponents& 
 
 VoxelComponents findComponents(const LeafBlocks& blocks, Device& device) {
   DeviceImpl& impl = implOf(device);
-  return withDevice(impl, "finding connected components", [&] {
-    GrowthState state(blocks, 1, impl);
-    NodeComponents found = findNodeComponents(state);
-    const std::vector<cl_uint> leaves = sharedLeaves(found);
-    VoxelComponents components;
-    components.firstLocal_.assign(found.nodesOfItem.size(), VoxelComponents::kOneNode);
-    for (cl_uint i = 0; i < leaves.size(); ++i) components.firstLocal_[leaves[i]] = i;
-    components.localNode_ = localNodes(state, found, leaves);
-    components.firstNode_ = std::move(found.first);
-    std::size_t count = 0;
-    std::tie(components.componentOfNode_, count) =
-        componentsOfNodes(downloaded<cl_uint>(impl, found.root, found.nodes));
-    components.voxels_ = voxelsOf(components, count, blocks, found.nodesOfItem);
-    return components;
-  });
+  GrowthState state(blocks, 1, impl);
+  NodeComponents found = findNodeComponents(state);
+  const std::vector<std::uint32_t> leaves = sharedLeaves(found);
+  VoxelComponents components;
+  components.firstLocal_.assign(found.nodesOfItem.size(), VoxelComponents::kOneNode);
+  for (std::uint32_t i = 0; i < leaves.size(); ++i) components.firstLocal_[leaves[i]] = i;
+  components.localNode_ = localNodes(state, found, leaves);
+  components.firstNode_ = std::move(found.first);
+  std::size_t count = 0;
+  std::tie(components.componentOfNode_, count) =
+      componentsOfNodes(downloaded<std::uint32_t>(impl, found.root, found.nodes));
+  components.voxels_ = voxelsOf(components, count, blocks, found.nodesOfItem);
+  return components;
 }
 
 std::vector<std::uint64_t> largestComponents(const Labels& labels, Device& device) {
   DeviceImpl& impl = implOf(device);
-  return withDevice(impl, "finding the largest components", [&] {
-    GrowthState state(*labels.blocks, 1, impl);
-    const DeviceBuffer uploaded = uploadBuffer<std::uint16_t>(impl, labels.fragment);
-    return downloaded<std::uint64_t>(impl, keepLargestComponents(state, uploaded).mask,
-                                     state.words());
-  });
+  GrowthState state(*labels.blocks, 1, impl);
+  const DeviceBuffer uploaded = uploadBuffer<std::uint16_t>(impl, labels.fragment);
+  return downloaded<std::uint64_t>(impl, keepLargestComponents(state, uploaded).mask,
+                                   state.words());
 }
 
 }  // namespace sherd

@@ -16,19 +16,27 @@
 #include <array>
 #include <numeric>
 #include <set>
+#include <string>
 #include <vector>
 
 #include "ball.h"
-#include "cl/device_impl.h"
+#include "cl/open_cl_device.h"
 
 namespace {
 
 using bench::ball, bench::Ball;
 
-sherd::Device& device() {
-  static sherd::Device* const opened = new sherd::Device("auto");
-  return *opened;
+// The devices that benchmarks compare, in the order of their last argument.  They are never freed,
+// as some drivers crash at exit.
+constexpr std::array kDevices{"builtin", "pthread"};  // PoCL's name of the processor
+
+sherd::Device& device(std::int64_t index = 0) {
+  static std::array<sherd::Device*, kDevices.size()> opened{};
+  const auto at = static_cast<std::size_t>(index);
+  if (opened[at] == nullptr) opened[at] = new sherd::Device(kDevices[at]);
+  return *opened[at];
 }
+sherd::Device& openClDevice() { return device(1); }
 
 void report(benchmark::State& state, const Ball& solid) {
   state.counters["voxels/s"] = benchmark::Counter(static_cast<double>(solid.voxels),
@@ -40,9 +48,10 @@ void growDevice(benchmark::State& state) {
   const Ball& solid = ball(static_cast<int>(state.range(0)));
   const std::vector<std::vector<sherd::Seed>> sets{solid.seeds};
   for (auto _ : state) {
-    benchmark::DoNotOptimize(sherd::grow(solid.blocks, sets, device(),
+    benchmark::DoNotOptimize(sherd::grow(solid.blocks, sets, device(state.range(1)),
                                          {.growth = sherd::Growth::flood, .outerSteps = 0}));
   }
+  state.SetLabel(kDevices[static_cast<std::size_t>(state.range(1))]);
   report(state, solid);
 }
 
@@ -98,7 +107,7 @@ kernel void layer(const global uint* stack, const uint count, global uint* next,
 // a stack twice.
 void growTwoStacks(benchmark::State& state) {
   const Ball& solid = ball(static_cast<int>(state.range(0)));
-  sherd::DeviceImpl& impl = implOf(device());
+  auto& impl = dynamic_cast<sherd::OpenClDevice&>(implOf(openClDevice()));
   cl::Program program(impl.context, kTwoStacks);
   program.build();
   cl::Kernel layer(program, "layer");
@@ -267,23 +276,20 @@ void growWay(benchmark::State& state) {
   options.outerSteps = 0;
   const std::vector<std::vector<sherd::Seed>> sets{solid.seeds};
   for (auto _ : state) {
-    benchmark::DoNotOptimize(sherd::grow(solid.blocks, sets, device(), options));
+    benchmark::DoNotOptimize(sherd::grow(solid.blocks, sets, device(state.range(2)), options));
   }
-  state.SetLabel(way.name);
+  state.SetLabel(std::string(way.name) + ", " + kDevices[static_cast<std::size_t>(state.range(2))]);
   report(state, solid);
 }
 
 BENCHMARK(growWay)
     ->Name("grow/way")
-    ->ArgsProduct({{128, 256}, benchmark::CreateDenseRange(0, 7, 1)})
+    ->ArgsProduct({{128, 256}, benchmark::CreateDenseRange(0, 7, 1), {0, 1}})
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 BENCHMARK(growDevice)
     ->Name("grow/device")
-    ->Arg(128)
-    ->Arg(256)
-    ->Arg(512)
-    ->Arg(1024)
+    ->ArgsProduct({{128, 256, 512, 1024}, {0, 1}})
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 BENCHMARK(growSerialQueue)

@@ -46,9 +46,9 @@ class Doctor(unittest.TestCase):
         return subprocess.run([*before, program, "doctor", *arguments], stdout=stdout, stderr=subprocess.PIPE, text=True,
                               timeout=400, cwd="/", env={k: v for k, v in given.items() if v is not None})
 
-    def report(self, status, **more):
+    def report(self, status, device="auto", **more):
         """The JSON object, which has every section; the text has the same problems."""
-        result = self.run_doctor("--json", **more)
+        result = self.run_doctor("--device", device, "--json", **more)
         self.assertEqual(result.returncode, status, result.stderr)
         report = json.loads(result.stdout)
         self.assertEqual((report["schema"], report["command"]), (SCHEMA, "doctor"))
@@ -58,14 +58,18 @@ class Doctor(unittest.TestCase):
         if status == 0:
             self.assertEqual(result.stderr, "")
         else:
-            self.assertRegex(result.stderr, r"\Asherd: no OpenCL device works[^\n]*\n\Z")
-        text = self.run_doctor(**more)
+            self.assertRegex(result.stderr, r"\Asherd: no device works[^\n]*\n\Z")
+        text = self.run_doctor("--device", device, **more)
         self.assertEqual((text.returncode, text.stderr), (status, result.stderr))
         self.assertEqual(text.stdout.endswith("All is well.\n"), not report["problems"], text.stdout)
         for problem in report["problems"]:
             self.assertRegex(problem, r"\A[^\n]{8,}[^\n.]\Z")
             self.assertIn(f"  - {problem}.\n", text.stdout)
         return report, text.stdout
+
+    @staticmethod
+    def open_cl(report):
+        return [platform for platform in report["platforms"] if platform["name"] != "builtin"]
 
     def wrong(self, report, *words):
         """One problem has all of these words."""
@@ -98,15 +102,18 @@ class Doctor(unittest.TestCase):
     def test_no_driver(self):
         empty = self.path("vendors")
         os.mkdir(empty)
-        report, _ = self.report(4, OCL_ICD_VENDORS=empty)
-        self.assertEqual((report["drivers"], report["platforms"], report["driver_folder"]), ([], [], empty))
+        report, _ = self.report(4, "pocl", OCL_ICD_VENDORS=empty)
+        self.assertEqual((report["drivers"], self.open_cl(report), report["driver_folder"]), ([], [], empty))
         self.wrong(report, "no driver is installed", empty, "pocl-opencl-icd")
+        report, _ = self.report(0, OCL_ICD_VENDORS=empty)  # the built-in device needs none
+        self.assertEqual(report["problems"], [])
+        self.assertEqual(report["self_test"]["device"].split(" / ")[0], "builtin")
 
     def test_a_driver_without_its_library(self):
         vendors = self.path("vendors")
         os.mkdir(vendors)
         file = self.path("vendors/gone.icd", "libgone.so.7\n")
-        report, text = self.report(4, OCL_ICD_VENDORS=vendors)
+        report, text = self.report(4, "pocl", OCL_ICD_VENDORS=vendors)
         self.assertEqual([driver["library"] for driver in report["drivers"]], ["libgone.so.7"])
         self.wrong(report, file, "libgone.so.7", "No such file")
         self.assertNotIn("no driver is installed", text)
@@ -119,7 +126,7 @@ class Doctor(unittest.TestCase):
         vendors = self.path("vendors")
         os.mkdir(vendors)
         self.path("vendors/c.icd", "libc.so.6\n")
-        self.wrong(self.report(4, OCL_ICD_VENDORS=vendors)[0], "c.icd", "no OpenCL driver")
+        self.wrong(self.report(4, "pocl", OCL_ICD_VENDORS=vendors)[0], "c.icd", "no OpenCL driver")
 
     def test_a_device_that_is_not_here(self):
         result = self.run_doctor("--device", "no-such-device", "--json")
@@ -127,14 +134,14 @@ class Doctor(unittest.TestCase):
         self.wrong(json.loads(result.stdout), "no-such-device", "devices here: ")
 
     def test_no_folder_for_kernels(self):
-        report, _ = self.report(4, POCL_CACHE_DIR="/proc/cache")
+        report, _ = self.report(4, "pocl", POCL_CACHE_DIR="/proc/cache")
         self.assertEqual(report["kernel_cache"]["folder"], None)
         self.wrong(report, "/proc/cache", "POCL_CACHE_DIR")
 
     @skipping.skip_unless(os.path.exists("/etc/OpenCL/vendors/rusticl.icd"), "RUSTICL", "needs mesa-opencl-icd")
     def test_a_platform_without_devices(self):
-        report, _ = self.report(4, OCL_ICD_VENDORS="rusticl.icd")  # without RUSTICL_ENABLE it has none
-        self.assertEqual([(platform["devices"], platform["fault"]) for platform in report["platforms"]], [([], "it has no device")])
+        report, _ = self.report(4, "rusticl", OCL_ICD_VENDORS="rusticl.icd")  # without RUSTICL_ENABLE it has none
+        self.assertEqual([(platform["devices"], platform["fault"]) for platform in self.open_cl(report)], [([], "it has no device")])
 
     def test_nobody_without_a_home(self):
         program = self.path("bin")
@@ -171,9 +178,10 @@ class Doctor(unittest.TestCase):
     @skipping.skip_unless(MODULE, "FAULTS", "SHERD_FAULTS names the module that lets calls fail")
     def test_a_driver_that_ends_the_process(self):
         # as PoCL's compiler does where it cannot write; the first file is PoCL's own
-        report, _ = self.report(4, LD_PRELOAD=MODULE, SHERD_FAULT="write", SHERD_FAULT_AT="2", SHERD_FAULT_ERROR="28",
+        report, _ = self.report(4, "pocl", LD_PRELOAD=MODULE, SHERD_FAULT="write", SHERD_FAULT_AT="2", SHERD_FAULT_ERROR="28",
                                 SHERD_FAULT_BELOW=self.path("cache"), POCL_CACHE_DIR=self.path("cache"))
         self.wrong(report, "No space left on device")
+        self.assertTrue(report["drivers"] and self.open_cl(report))
 
     @skipping.skip_unless(MODULE, "FAULTS", "SHERD_FAULTS names the module that lets calls fail")
     def test_no_memory_to_look(self):
@@ -182,7 +190,7 @@ class Doctor(unittest.TestCase):
         os.makedirs(vendors)
         for number in range(100):
             pathlib.Path(vendors, f"{number}.icd").touch()
-        result = self.run_doctor("--json", LD_PRELOAD=MODULE, SHERD_FAULT="memory", SHERD_FAULT_AT="150",
+        result = self.run_doctor("--device", "pocl", "--json", LD_PRELOAD=MODULE, SHERD_FAULT="memory", SHERD_FAULT_AT="150",
                                  SHERD_FAULT_BYTES="3000", OCL_ICD_VENDORS=vendors)
         self.assertEqual(result.returncode, 4, result.stderr)
         report = json.loads(result.stdout)

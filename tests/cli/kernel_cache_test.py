@@ -47,7 +47,8 @@ class KernelCache(unittest.TestCase):
     def arguments(self, out="out"):
         if not os.path.exists(self.path(out)):
             self.folder(out)
-        return [self.sherd, "fracture", self.mesh, "-o", self.path(out), "--pieces", "2", "--resolution", "16"]
+        return [self.sherd, "fracture", self.mesh, "-o", self.path(out), "--pieces", "2", "--resolution", "16",
+                "--device", "pocl"]
 
     def environment(self, **variables):
         given = {"PATH": os.environ["PATH"], "OCL_ICD_VENDORS": DRIVER, "TMPDIR": self.temporary, **variables}
@@ -146,6 +147,28 @@ class Homeless(KernelCache):
             self.assertEqual(tree(self.path(out)), tree(self.path(outs[0])))
 
 
+class Builtin(KernelCache):
+    """The built-in device, which `auto` is without a GPU, keeps nothing and needs no driver."""
+
+    def test_nothing_is_kept(self):
+        home = self.folder("home")
+        for variables in ({"HOME": home}, {"HOME": None}, {"PATH": None}, {"POCL_CACHE_DIR": "/proc/cache"}):
+            with self.subTest(variables=variables):
+                self.works_with("auto", **variables)
+                self.assertEqual((os.listdir(home), os.listdir(self.temporary)), ([], []))
+
+    def test_drivers_that_fail(self):
+        vendors = self.folder("vendors")
+        self.works_with("builtin", OCL_ICD_VENDORS=vendors)
+        with open(os.path.join(vendors, "none.icd"), "w") as file:
+            file.write("libc.so.6\n")
+        self.works_with("builtin", OCL_ICD_VENDORS=vendors)
+
+    def works_with(self, device, **variables):
+        result = self.run_sherd(*self.arguments()[:-1], device, **variables)
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+
+
 class Linkers(KernelCache):
     """PoCL links kernels with ld, which it looks for in PATH."""
 
@@ -226,10 +249,13 @@ class Disks(KernelCache):
             file.write(f"mount --bind {self.tmp} /mnt && cd /mnt || exit 99\n"
                        "for folder in /tmp /var/tmp /dev/shm; do mount -t tmpfs -o ro tmpfs $folder || exit 99; done\n"
                        'exec "$@"\n')
-        result = self.run_sherd("/mnt/sherd", "fracture", "/mnt/ball.obj", "-o", "/mnt/" + os.path.basename(self.folder("out")),
-                                before=["unshare", "-m", "sh", script], HOME="/nonexistent", TMPDIR=None)
+        arguments = ["/mnt/sherd", "fracture", "/mnt/ball.obj", "-o", "/mnt/" + os.path.basename(self.folder("out"))]
+        environment = {"before": ["unshare", "-m", "sh", script], "HOME": "/nonexistent", "TMPDIR": None}
+        result = self.run_sherd(*arguments, "--device", "pocl", **environment)
         if result.returncode == 99:
             skipping.skip(self, "MOUNT", "no tmpfs can be mounted here")
+        builtin = self.run_sherd(*arguments, **environment)  # which needs no folder
+        self.assertEqual((builtin.returncode, builtin.stderr), (0, ""))
         self.refused(result, "/nonexistent", "HOME", "permission denied", "POCL_CACHE_DIR")
 
 

@@ -132,7 +132,7 @@ TEST_F(Growths, RegrowthNeedsMemoryOnlyWhereVoxelsAreDisconnected) {
   EXPECT_EQ(expected.disconnected.front(), 12u);  // of the blade, x² + 97 > (x - 12)² + 25
 
   Device small(device().info().name);
-  implOf(small).info.largestBufferBytes = blocks->count() * 512 * sizeof(cl_ushort);
+  implOf(small).info.largestBufferBytes = blocks->count() * 512 * sizeof(std::uint16_t);
   const Labels grown = std::move(grow(blocks, sets, small).front());
   EXPECT_EQ(grown.fragment, expected.fragment);
   EXPECT_EQ(grown.disconnected, expected.disconnected);

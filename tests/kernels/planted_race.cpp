@@ -4,18 +4,18 @@
 
 #include <iostream>
 
-#include "cl/device_impl.h"
+#include "cl/open_cl_device.h"
 
 int main() {
   sherd::Device device("oclgrind");
-  sherd::DeviceImpl& impl = implOf(device);
+  auto& impl = dynamic_cast<sherd::OpenClDevice&>(implOf(device));
   cl::Program program(impl.context,
                       "kernel void race(global uint* sum) { sum[0] += (uint)get_global_id(0); }");
   program.build(impl.device);
-  const sherd::DeviceBuffer sum = sherd::makeBuffer<cl_uint>(impl, 1);
+  const cl::Buffer sum(impl.context, CL_MEM_READ_WRITE, sizeof(cl_uint));
   impl.queue.enqueueFillBuffer<cl_uint>(sum, cl_uint{0}, 0, sizeof(cl_uint));
   cl::Kernel kernel(program, "race");
-  kernel.setArg(0, sherd::argument(sum));
+  kernel.setArg(0, sum);
   impl.queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(64), cl::NDRange(8));
   impl.queue.finish();
   std::cout << "ran on " << impl.info.name << '\n';

@@ -5,10 +5,10 @@
 #include <string>
 
 #include "base/lower_case.h"
-#include "cl/device_impl.h"
 #include "cl/error_name.h"
 #include "cl/kernel_cache.h"
 #include "cl/kernel_sources.h"
+#include "cl/open_cl_device.h"
 
 namespace sherd {
 namespace {
@@ -54,7 +54,10 @@ Error buildError(const DeviceInfo& device, const std::string& log, int number) {
   return Error(ErrorCode::device, sentence, OptionNames{"device"});
 }
 
-cl::Program built(const cl::Context& context, const cl::Device& device, const DeviceInfo& info) {
+}  // namespace
+
+cl::Program builtProgram(const cl::Context& context, const cl::Device& device,
+                         const DeviceInfo& info) {
   std::string text;
   for (const std::string_view source : kernels::sources()) text += source;
   try {
@@ -68,23 +71,6 @@ cl::Program built(const cl::Context& context, const cl::Device& device, const De
   } catch (const cl::Error& e) {
     throw buildError(info, {}, e.err());
   }
-}
-
-}  // namespace
-
-void DeviceImpl::buildKernels() {
-  if (!program.valid()) program = std::async(std::launch::async, built, context, device, info);
-}
-
-cl::Kernel DeviceImpl::kernel(const char* name) {
-  buildKernels();
-  return withDevice(*this, name, [&] { return cl::Kernel(program.get(), name); });
-}
-
-void DeviceImpl::launch(cl::Kernel& kernel, std::size_t work, std::size_t group) {
-  const std::size_t items = std::clamp<std::size_t>(work, 1, std::max(workItems(), group));
-  queue.enqueueNDRangeKernel(kernel, cl::NullRange,
-                             cl::NDRange((items + group - 1) / group * group), cl::NDRange(group));
 }
 
 }  // namespace sherd

@@ -1,0 +1,130 @@
+// Commands of the built-in device.  A launch returns when it is done, so commands run in order.
+#include "cl/builtin_device.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdlib>
+#include <cstring>
+
+namespace sherd {
+namespace {
+
+constexpr std::size_t kItemsPerThread = 8;  // work-items differ in how much they find to do
+constexpr std::size_t kMostArguments = 32;
+
+struct WorkItem {
+  std::size_t id = 0, size = 1;
+};
+thread_local WorkItem workItem;
+
+struct HostAllocation : Allocation {
+  struct Free {
+    void operator()(std::byte* bytes) const { std::free(bytes); }
+  };
+  std::unique_ptr<std::byte, Free> bytes;
+};
+
+std::byte* bytesOf(Allocation& memory) { return static_cast<HostAllocation&>(memory).bytes.get(); }
+
+std::size_t memoryOfMachine() {
+  const long pages = ::sysconf(_SC_PHYS_PAGES), size = ::sysconf(_SC_PAGESIZE);
+  return pages > 0 && size > 0 ? static_cast<std::size_t>(pages) * static_cast<std::size_t>(size)
+                               : std::size_t{1} << 32;
+}
+
+void onThreadsOfTbb(std::size_t items, const std::function<void(std::size_t)>& item) {
+  tbb::parallel_for(std::size_t{0}, items, item, tbb::simple_partitioner());
+}
+
+}  // namespace
+
+// What kernels/built_ins.h declares.
+extern "C" std::size_t sherd_global_id() { return workItem.id; }
+extern "C" std::size_t sherd_global_size() { return workItem.size; }
+
+BuiltinDevice::BuiltinDevice(DeviceInfo described, const NativeKernels& kernels)
+    : BuiltinDevice(std::move(described), kernels, onThreadsOfTbb) {}
+
+BuiltinDevice::BuiltinDevice(DeviceInfo described, const NativeKernels& kernels,
+                             ForEachItem forEachItem)
+    : kernels_(kernels), forEachItem_(std::move(forEachItem)) {
+  info = std::move(described);
+}
+
+void BuiltinDevice::launch(const KernelLaunch& launch) {
+  const auto entry = std::find_if(kernels_.entries.begin(), kernels_.entries.end(),
+                                  [&](const auto& each) { return each.name == launch.kernel; });
+  if (entry == kernels_.entries.end() || launch.arguments.size() > kMostArguments)
+    throw Error(ErrorCode::internal, std::string("there is no kernel ") + launch.kernel);
+  std::array<void*, kMostArguments> arguments{};
+  for (std::size_t i = 0; i < launch.arguments.size(); ++i) {
+    const KernelArgument& argument = launch.arguments[i];
+    arguments[i] = argument.buffer != nullptr ? static_cast<void*>(bytesOf(*argument.buffer))
+                                              : const_cast<void*>(argument.value);
+  }
+  const std::size_t items =
+      std::clamp<std::size_t>(launch.work, 1, info.computeUnits * kItemsPerThread);
+  forEachItem_(items, [&](std::size_t item) {
+    workItem = {item, items};
+    launch.call(entry->function, arguments.data());
+  });
+}
+
+std::unique_ptr<Allocation> BuiltinDevice::allocate(std::size_t bytes) {
+  constexpr std::size_t kLine = 64;  // of the cache
+  auto memory = std::make_unique<HostAllocation>();
+  memory->bytes.reset(
+      static_cast<std::byte*>(std::aligned_alloc(kLine, (bytes + kLine - 1) / kLine * kLine)));
+  if (!memory->bytes) {
+    throw Error(ErrorCode::device,
+                info.name + ": no memory for a buffer of " + std::to_string(bytes >> 20) +
+                    " MiB; try a lower resolution",
+                OptionNames{"resolution"});
+  }
+  return memory;
+}
+
+void BuiltinDevice::write(Allocation& to, const void* from, std::size_t bytes) {
+  std::memcpy(bytesOf(to), from, bytes);
+}
+
+void BuiltinDevice::read(Allocation& from, std::size_t offset, std::size_t bytes, void* to) {
+  std::memcpy(to, bytesOf(from) + offset, bytes);
+}
+
+void BuiltinDevice::fill(Allocation& to, const void* pattern, std::size_t patternBytes,
+                         std::size_t bytes) {
+  std::byte* const first = bytesOf(to);
+  std::memcpy(first, pattern, std::min(patternBytes, bytes));
+  for (std::size_t done = patternBytes; done < bytes; done *= 2)
+    std::memcpy(first + done, first, std::min(done, bytes - done));
+}
+
+void BuiltinDevice::copy(Allocation& from, Allocation& to, std::size_t toOffset,
+                         std::size_t bytes) {
+  std::memcpy(bytesOf(to) + toOffset, bytesOf(from), bytes);
+}
+
+void BuiltinDevice::view(Allocation& from, std::size_t offset, std::size_t,
+                         const std::function<void(const void*)>& use) {
+  use(bytesOf(from) + offset);
+}
+
+DeviceFound describedBuiltin(const NativeKernels& kernels) {
+  DeviceFound found;
+  found.info.platform = kBuiltin;
+  found.info.name = kernels.instructions;
+  found.info.version = "OpenCL C 1.2 compiled by " + std::string(kernels.compiler);
+  found.info.computeUnits = static_cast<unsigned>(tbb::this_task_arena::max_concurrency());
+  found.info.memoryBytes = found.info.largestBufferBytes = memoryOfMachine();
+  found.fault = instructionsFault(kernels.instructions);
+  found.open = [info = found.info, &kernels] {
+    return std::make_unique<BuiltinDevice>(info, kernels);
+  };
+  return found;
+}
+
+}  // namespace sherd

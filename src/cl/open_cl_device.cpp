@@ -1,0 +1,120 @@
+// Commands of an OpenCL device.
+#include "cl/open_cl_device.h"
+
+#include "cl/error_name.h"
+#include "cl/kernel_cache.h"
+
+namespace sherd {
+namespace {
+
+cl::Buffer& bufferOf(Allocation& memory) { return static_cast<OpenClAllocation&>(memory).buffer; }
+
+// Runs `body`; errors of the OpenCL bindings become Error(device).
+template <class Body>
+auto checked(const DeviceInfo& device, const std::string& doing, Body&& body) {
+  try {
+    return body();
+  } catch (const cl::Error& e) {
+    throw Error(ErrorCode::device,
+                device.name + ": " + doing + " failed in " + e.what() + " with OpenCL error " +
+                    errorName(e.err()) + "; try another device",
+                OptionNames{"device"});
+  }
+}
+
+}  // namespace
+
+OpenClDevice::OpenClDevice(DeviceInfo described, cl::Device opened) : device(std::move(opened)) {
+  info = std::move(described);
+  if (info.platform == kPocl) {  // its compiler ends the process if it cannot write
+    const KernelCache cache = poclCache();
+    if (!cache.fault.empty()) throw Error(ErrorCode::device, cacheFaultMessage(cache));
+    if (const std::string fault = linkerFault(); !fault.empty())
+      throw Error(ErrorCode::device, fault);
+  }
+  checked(info, "opening the device", [&] {
+    context = cl::Context(device);
+    queue = cl::CommandQueue(context, device);
+  });
+}
+
+void OpenClDevice::buildKernels() {
+  if (!program_.valid())
+    program_ = std::async(std::launch::async, builtProgram, context, device, info);
+}
+
+cl::Kernel& OpenClDevice::kernel(const char* name) {
+  const auto found = kernels_.find(name);
+  if (found != kernels_.end()) return found->second;
+  buildKernels();
+  return kernels_.emplace(name, cl::Kernel(program_.get(), name)).first->second;
+}
+
+void OpenClDevice::launch(const KernelLaunch& launch) {
+  // As many work-items as saturate the device when each takes many leaves.
+  const std::size_t most = std::max(
+      info.computeUnits * (info.gpu ? std::size_t{1024} : 8 * workGroupSize()), launch.group);
+  const std::size_t items = std::clamp<std::size_t>(launch.work, 1, most);
+  checked(info, std::string("the kernel ") + launch.kernel, [&] {
+    cl::Kernel& launched = kernel(launch.kernel);
+    cl_uint i = 0;
+    for (const KernelArgument& argument : launch.arguments) {
+      if (argument.buffer != nullptr)
+        launched.setArg(i++, bufferOf(*argument.buffer));
+      else
+        launched.setArg(i++, argument.bytes, argument.value);
+    }
+    queue.enqueueNDRangeKernel(
+        launched, cl::NullRange,
+        cl::NDRange((items + launch.group - 1) / launch.group * launch.group),
+        cl::NDRange(launch.group));
+  });
+}
+
+std::unique_ptr<Allocation> OpenClDevice::allocate(std::size_t bytes) {
+  return checked(info, "allocating a buffer of " + std::to_string(bytes) + " bytes", [&] {
+    return std::make_unique<OpenClAllocation>(cl::Buffer(context, CL_MEM_READ_WRITE, bytes));
+  });
+}
+
+// (No CL_MEM_USE_HOST_PTR: oclgrind reports false errors for it.)
+void OpenClDevice::write(Allocation& to, const void* from, std::size_t bytes) {
+  checked(info, "writing a buffer",
+          [&] { queue.enqueueWriteBuffer(bufferOf(to), CL_TRUE, 0, bytes, from); });
+}
+
+void OpenClDevice::read(Allocation& from, std::size_t offset, std::size_t bytes, void* to) {
+  checked(info, "reading a buffer",
+          [&] { queue.enqueueReadBuffer(bufferOf(from), CL_TRUE, offset, bytes, to); });
+}
+
+void OpenClDevice::fill(Allocation& to, const void* pattern, std::size_t patternBytes,
+                        std::size_t bytes) {
+  checked(info, "filling a buffer", [&] {
+    const cl_int error = ::clEnqueueFillBuffer(queue(), bufferOf(to)(), pattern, patternBytes, 0,
+                                               bytes, 0, nullptr, nullptr);
+    if (error != CL_SUCCESS) throw cl::Error(error, "clEnqueueFillBuffer");
+  });
+}
+
+void OpenClDevice::copy(Allocation& from, Allocation& to, std::size_t toOffset, std::size_t bytes) {
+  checked(info, "copying a buffer",
+          [&] { queue.enqueueCopyBuffer(bufferOf(from), bufferOf(to), 0, toOffset, bytes); });
+}
+
+void OpenClDevice::view(Allocation& from, std::size_t offset, std::size_t bytes,
+                        const std::function<void(const void*)>& use) {
+  checked(info, "reading a buffer", [&] {
+    void* const mapped =
+        queue.enqueueMapBuffer(bufferOf(from), CL_TRUE, CL_MAP_READ, offset, bytes);
+    const auto unmap = [&](void* held) { queue.enqueueUnmapMemObject(bufferOf(from), held); };
+    const std::unique_ptr<void, decltype(unmap)> held(mapped, unmap);
+    use(mapped);
+  });
+}
+
+void OpenClDevice::finish() {
+  checked(info, "waiting for the device", [&] { queue.finish(); });
+}
+
+}  // namespace sherd

@@ -1,0 +1,51 @@
+// A device of an OpenCL driver.
+#pragma once
+
+#include <future>
+#include <map>
+#include <string>
+
+#include "cl/device_impl.h"
+#include "cl/open_cl.h"
+
+namespace sherd {
+
+struct OpenClAllocation : Allocation {
+  explicit OpenClAllocation(cl::Buffer made) : buffer(std::move(made)) {}
+  cl::Buffer buffer;
+};
+
+class OpenClDevice : public DeviceImpl {
+ public:
+  ///   throws  Error(device) it cannot be opened
+  OpenClDevice(DeviceInfo described, cl::Device opened);
+
+  void buildKernels() override;
+  void launch(const KernelLaunch& launch) override;
+  std::unique_ptr<Allocation> allocate(std::size_t bytes) override;
+  void write(Allocation& to, const void* from, std::size_t bytes) override;
+  void read(Allocation& from, std::size_t offset, std::size_t bytes, void* to) override;
+  void fill(Allocation& to, const void* pattern, std::size_t patternBytes,
+            std::size_t bytes) override;
+  void copy(Allocation& from, Allocation& to, std::size_t toOffset, std::size_t bytes) override;
+  void view(Allocation& from, std::size_t offset, std::size_t bytes,
+            const std::function<void(const void*)>& use) override;
+  void finish() override;
+
+  cl::Device device;
+  cl::Context context;
+  cl::CommandQueue queue;
+
+ private:
+  cl::Kernel& kernel(const char* name);
+
+  std::shared_future<cl::Program> program_;  // contains all kernels
+  std::map<std::string, cl::Kernel, std::less<>> kernels_;
+};
+
+/// Builds the embedded kernels as one program.
+///   throws  Error(device) with the build log's first lines
+[[nodiscard]] cl::Program builtProgram(const cl::Context& context, const cl::Device& device,
+                                       const DeviceInfo& info);
+
+}  // namespace sherd
