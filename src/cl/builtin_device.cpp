@@ -22,7 +22,7 @@ thread_local WorkItem workItem;
 
 struct HostAllocation : Allocation {
   struct Free {
-    void operator()(std::byte* bytes) const { std::free(bytes); }
+    void operator()(std::byte* memory) const { std::free(memory); }
   };
   std::unique_ptr<std::byte, Free> bytes;
 };

@@ -24,7 +24,8 @@ auto checked(const DeviceInfo& device, const std::string& doing, Body&& body) {
 
 }  // namespace
 
-OpenClDevice::OpenClDevice(DeviceInfo described, cl::Device opened) : device(std::move(opened)) {
+OpenClDevice::OpenClDevice(DeviceInfo described, cl::Device opened, std::string source)
+    : device(std::move(opened)), source_(std::move(source)) {
   info = std::move(described);
   if (info.platform == kPocl) {  // its compiler ends the process if it cannot write
     const KernelCache cache = poclCache();
@@ -40,7 +41,7 @@ OpenClDevice::OpenClDevice(DeviceInfo described, cl::Device opened) : device(std
 
 void OpenClDevice::buildKernels() {
   if (!program_.valid())
-    program_ = std::async(std::launch::async, builtProgram, context, device, info);
+    program_ = std::async(std::launch::async, builtProgram, context, device, info, source_);
 }
 
 cl::Kernel& OpenClDevice::kernel(const char* name) {

@@ -17,8 +17,9 @@ struct OpenClAllocation : Allocation {
 
 class OpenClDevice : public DeviceImpl {
  public:
+  ///   source  of the kernels; empty for those that are embedded
   ///   throws  Error(device) it cannot be opened
-  OpenClDevice(DeviceInfo described, cl::Device opened);
+  OpenClDevice(DeviceInfo described, cl::Device opened, std::string source = {});
 
   void buildKernels() override;
   void launch(const KernelLaunch& launch) override;
@@ -39,13 +40,15 @@ class OpenClDevice : public DeviceImpl {
  private:
   cl::Kernel& kernel(const char* name);
 
+  std::string source_;
   std::shared_future<cl::Program> program_;  // contains all kernels
   std::map<std::string, cl::Kernel, std::less<>> kernels_;
 };
 
-/// Builds the embedded kernels as one program.
+/// Builds the kernels as one program.
+///   source  empty for those that are embedded
 ///   throws  Error(device) with the build log's first lines
 [[nodiscard]] cl::Program builtProgram(const cl::Context& context, const cl::Device& device,
-                                       const DeviceInfo& info);
+                                       const DeviceInfo& info, std::string source);
 
 }  // namespace sherd

@@ -57,11 +57,12 @@ Error buildError(const DeviceInfo& device, const std::string& log, int number) {
 }  // namespace
 
 cl::Program builtProgram(const cl::Context& context, const cl::Device& device,
-                         const DeviceInfo& info) {
-  std::string text;
-  for (const std::string_view source : kernels::sources()) text += source;
+                         const DeviceInfo& info, std::string source) {
+  if (source.empty()) {
+    for (const std::string_view file : kernels::sources()) source += file;
+  }
   try {
-    cl::Program program(context, text);
+    cl::Program program(context, source);
     // The bindings' build() queries the log at once and throws the error of that query.  -w: PoCL
     // prints the number of warnings.
     const cl_device_id id = device();
