@@ -35,8 +35,12 @@ std::size_t memoryOfMachine() {
                                : std::size_t{1} << 32;
 }
 
+// An error in other work of the process does not cancel the launch, half of whose work-items would
+// then never run, and this thread takes up no other work while it waits for the last of them.
 void onThreadsOfTbb(std::size_t items, const std::function<void(std::size_t)>& item) {
-  tbb::parallel_for(std::size_t{0}, items, item, tbb::simple_partitioner());
+  tbb::task_group_context own(tbb::task_group_context::isolated);
+  tbb::this_task_arena::isolate(
+      [&] { tbb::parallel_for(std::size_t{0}, items, item, tbb::simple_partitioner(), own); });
 }
 
 }  // namespace
