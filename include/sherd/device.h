@@ -28,6 +28,14 @@ struct DeviceInfo {
 /// Returns every usable device; empty if there is none.  Platforms without devices are skipped.
 [[nodiscard]] std::vector<DeviceInfo> listDevices();
 
+/// What this build can run kernels on.
+struct DeviceSupport {
+  std::vector<std::string> instructions;  ///< of the built-in device, the best first: "x86-64-v4"
+  std::string compiler;                   ///< of its kernels: "clang 14.0.6"; empty without it
+  bool openCl = false;                    ///< devices of OpenCL's drivers
+};
+[[nodiscard]] DeviceSupport deviceSupport();
+
 /// A driver file of OpenCL's loader: one line that names a library.
 struct DriverFile {
   std::filesystem::path file;  ///< empty where the environment names the library itself

@@ -76,6 +76,15 @@ std::vector<DeviceInfo> listDevices() {
   return infos;
 }
 
+DeviceSupport deviceSupport() {
+  DeviceSupport support{{}, {}, usesOpenCl()};
+  for (const NativeKernels& kernels : nativeKernels()) {
+    support.instructions.emplace_back(kernels.instructions);
+    support.compiler = kernels.compiler;
+  }
+  return support;
+}
+
 std::vector<PlatformState> listPlatforms() {
   const std::vector<PlatformFound> platforms = findPlatforms();
   const std::optional<std::size_t> chosen = choose(usableDevices(platforms), "auto");
@@ -113,8 +122,8 @@ Device::Device(std::string_view choice) {
     for (const DeviceFound& c : all)
       here += (here.empty() ? "" : ", ") + c.info.platform + " / " + c.info.name;
     throw Error(ErrorCode::device, "no device matches '" + std::string(choice) +
-                                       "'; devices here: " + here + "; of others: " +
-                                       noDeviceReason(platforms));
+                                       "'; devices here: " + here +
+                                       "; of others: " + noDeviceReason(platforms));
   }
   impl_ = all[*found].open();
 }

@@ -41,6 +41,10 @@ std::string noDeviceReason(const std::vector<PlatformFound>& platforms) {
         add(platform.name + " / " + device.info.name + ": " + device.fault);
     }
   }
+  if (!usesOpenCl()) {
+    add("this build is without OpenCL");
+    return why;
+  }
   const std::vector<DriverFile> drivers = listDrivers();
   for (const DriverFile& driver : drivers) {
     if (!driver.fault.empty()) add(driver.file.string() + ": " + driver.fault);

@@ -30,6 +30,9 @@ struct PlatformFound {
 /// OpenCL's platforms; none in a build without OpenCL (SHERD_OPENCL=OFF).
 [[nodiscard]] std::vector<PlatformFound> openClPlatforms();
 
+/// Returns whether this build can use OpenCL.
+[[nodiscard]] bool usesOpenCl();
+
 /// Every platform, the built-in one first.
 [[nodiscard]] std::vector<PlatformFound> findPlatforms();
 

@@ -5,4 +5,6 @@ namespace sherd {
 
 std::vector<PlatformFound> openClPlatforms() { return {}; }
 
+bool usesOpenCl() { return false; }
+
 }  // namespace sherd

@@ -76,4 +76,6 @@ std::vector<PlatformFound> openClPlatforms() {
   return found;
 }
 
+bool usesOpenCl() { return true; }
+
 }  // namespace sherd

@@ -57,16 +57,27 @@ std::string systemName() {
   return "unknown";
 }
 
+// "x86-64-v4, x86-64-v3, x86-64-v2, by clang 14.0.6".
+std::string builtinKernels(const DeviceSupport& support) {
+  std::string text;
+  for (const std::string& instructions : support.instructions)
+    text += (text.empty() ? "" : ", ") + instructions;
+  return text.empty() ? "not in this build" : text + ", by " + support.compiler;
+}
+
 Json versionFacts() {
 #ifdef __clang__
   const std::string compiler = "Clang " __clang_version__;
 #else
   const std::string compiler = "GCC " __VERSION__;
 #endif
+  const DeviceSupport support = deviceSupport();
   Json versions = {{"sherd", SHERD_VERSION}};
   for (const auto& [name, version] : libraryVersions()) versions[name] = version;
   versions["license"] = programLicense();
   versions["cgal_checks"] = hasCgalChecks() ? "in this build" : "not in this build";
+  versions["built_in_kernels"] = builtinKernels(support);
+  versions["opencl"] = support.openCl ? "in this build" : "not in this build";
   versions["compiler"] = compiler;
   versions["glibc"] = ::gnu_get_libc_version();
   versions["system"] = systemName();

@@ -89,6 +89,10 @@ class Doctor(unittest.TestCase):
         version = subprocess.run([SHERD, "--version"], stdout=subprocess.PIPE, text=True).stdout.split()[1]
         self.assertEqual(report["versions"]["sherd"], version)
         self.assertLess(0, report["memory"]["max_memory_default_bytes"])
+        self.assertEqual(report["versions"]["opencl"], "in this build")
+        builtin = next(platform["devices"] for platform in report["platforms"] if platform["name"] == "builtin")
+        self.assertEqual(report["versions"]["built_in_kernels"].split(", by ")[0],
+                         ", ".join(device["name"] for device in builtin))
         for fact in (version, report["versions"]["openvdb"], report["versions"]["system"], report["assimp"]["program"],
                      devices[0]["name"], report["kernel_cache"]["folder"], report["drivers"][0]["library"]):
             self.assertIn(fact, text)
