@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdlib>
 #include <cstring>
+#include <new>
 
 namespace sherd {
 namespace {
@@ -82,12 +83,7 @@ std::unique_ptr<Allocation> BuiltinDevice::allocate(std::size_t bytes) {
   auto memory = std::make_unique<HostAllocation>();
   memory->bytes.reset(
       static_cast<std::byte*>(std::aligned_alloc(kLine, (bytes + kLine - 1) / kLine * kLine)));
-  if (!memory->bytes) {
-    throw Error(ErrorCode::device,
-                info.name + ": no memory for a buffer of " + std::to_string(bytes >> 20) +
-                    " MiB; try a lower resolution",
-                OptionNames{"resolution"});
-  }
+  if (!memory->bytes) throw std::bad_alloc();
   return memory;
 }
 

@@ -18,7 +18,7 @@
 namespace sherd {
 
 /// Commands run in the order in which they are given.  Every function throws Error(device) where
-/// the device fails.
+/// the device fails, and std::bad_alloc where the host has no memory.
 class DeviceImpl {
  public:
   virtual ~DeviceImpl() = default;

@@ -251,6 +251,11 @@ class Memory(Faults):
 
 
 class Device(Faults):
+    """An OpenCL driver that fails."""
+
+    def fracture(self, out, pieces=2):
+        return (*Faults.fracture(self, out, pieces), "--device", "pocl")
+
     def test_an_absent_folder_stays_absent(self):
         # Where a program was refused, what is asked of it next fails with a number of its own.
         self.each(self.fracture, {4}, r"with OpenCL error -\d+", kind="device", error=OUT_OF_RESOURCES)

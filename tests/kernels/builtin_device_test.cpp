@@ -7,6 +7,7 @@
 #include <tbb/task_group.h>
 
 #include <limits>
+#include <new>
 #include <string>
 
 #include "voxel_shapes.h"
@@ -53,13 +54,7 @@ TEST_F(BuiltinDeviceTest, ABufferThatDoesNotFitIsAnError) {
   DeviceImpl& impl = implOf(device);
   EXPECT_THROW((void)makeBuffer<std::uint64_t>(impl, impl.info.largestBufferBytes / 8 + 1), Error);
   impl.info.largestBufferBytes = impl.info.memoryBytes = std::numeric_limits<std::size_t>::max();
-  try {
-    (void)makeBuffer<std::uint8_t>(impl, std::size_t{1} << 62);
-    FAIL() << "there are no 4 EiB";
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ErrorCode::device);
-    EXPECT_NE(std::string(e.what()).find("no memory"), std::string::npos) << e.what();
-  }
+  EXPECT_THROW((void)makeBuffer<std::uint8_t>(impl, std::size_t{1} << 62), std::bad_alloc);
 }
 
 TEST_F(BuiltinDeviceTest, AKernelThatIsNotThereIsAnError) {
