@@ -50,10 +50,19 @@ class Determinism(unittest.TestCase):
         self.same()
 
     def test_one_pocl_thread(self):
-        self.same(POCL_MAX_PTHREAD_COUNT="1")
+        self.same("--device", "pocl", POCL_MAX_PTHREAD_COUNT="1")
 
     def test_two_pocl_threads(self):
-        self.same(POCL_MAX_PTHREAD_COUNT="2")
+        self.same("--device", "pocl", POCL_MAX_PTHREAD_COUNT="2")
+
+    def test_each_set_of_instructions(self):
+        devices = subprocess.run([SHERD, "devices"], capture_output=True, text=True, check=True).stdout
+        here = [name for name in ("x86-64-v4", "x86-64-v3", "x86-64-v2") if f"builtin / {name}:" in devices]
+        if len(here) < 2:
+            skipping.skip(self, "OPENCL", "the processor has one set, or the build none")
+        for name in here:
+            with self.subTest(name):
+                self.same("--device", name)
 
     def test_one_tbb_thread(self):
         self.same("--threads", "1")
