@@ -42,8 +42,7 @@ std::string asText(const std::vector<DeviceInfo>& devices) {
 }  // namespace
 
 void addDevicesCommand(CLI::App& app, Action& run) {
-  CLI::App* command =
-      app.add_subcommand("devices", "List the devices, and which one auto picks");
+  CLI::App* command = app.add_subcommand("devices", "List the devices, and which one auto picks");
   auto json = std::make_shared<bool>(false);
   command->add_flag("--json", *json, "Print one JSON object");
   command->callback([json, &run] {

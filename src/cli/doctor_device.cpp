@@ -197,7 +197,7 @@ DeviceExamination::DeviceExamination(const std::string& device)
   ::alarm(kMostSeconds);
   ::dup2(printed_, STDOUT_FILENO);
   ::dup2(printed_, STDERR_FILENO);
-  try {                                               // the child must not return to the caller
+  try {                                             // the child must not return to the caller
     const bool needsDriver = mayUseOpenCl(device);  // else a driver that fails changes nothing
     if (!needsDriver) put(answer_, {{"self_test", selfTest(device)}});
     put(answer_, {{"drivers", driverFacts()}});
