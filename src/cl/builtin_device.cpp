@@ -44,73 +44,80 @@ void onThreadsOfTbb(std::size_t items, const std::function<void(std::size_t)>& i
       [&] { tbb::parallel_for(std::size_t{0}, items, item, tbb::simple_partitioner(), own); });
 }
 
+class BuiltinDevice : public DeviceImpl {
+ public:
+  BuiltinDevice(DeviceInfo described, const NativeKernels& kernels, ForEachItem forEachItem)
+      : kernels_(kernels), forEachItem_(std::move(forEachItem)) {
+    info = std::move(described);
+  }
+
+  void launch(const KernelLaunch& launch) override {
+    const auto entry = std::find_if(kernels_.entries.begin(), kernels_.entries.end(),
+                                    [&](const auto& each) { return each.name == launch.kernel; });
+    if (entry == kernels_.entries.end() || launch.arguments.size() > kMostArguments)
+      throw Error(ErrorCode::internal, std::string("there is no kernel ") + launch.kernel);
+    std::array<void*, kMostArguments> arguments{};
+    for (std::size_t i = 0; i < launch.arguments.size(); ++i) {
+      const KernelArgument& argument = launch.arguments[i];
+      arguments[i] = argument.buffer != nullptr ? static_cast<void*>(bytesOf(*argument.buffer))
+                                                : const_cast<void*>(argument.value);
+    }
+    const std::size_t items =
+        std::clamp<std::size_t>(launch.work, 1, info.computeUnits * kItemsPerThread);
+    forEachItem_(items, [&](std::size_t item) {
+      workItem = {item, items};
+      launch.call(entry->function, arguments.data());
+    });
+  }
+
+  std::unique_ptr<Allocation> allocate(std::size_t bytes) override {
+    constexpr std::size_t kLine = 64;  // of the cache
+    auto memory = std::make_unique<HostAllocation>();
+    memory->bytes.reset(
+        static_cast<std::byte*>(std::aligned_alloc(kLine, (bytes + kLine - 1) / kLine * kLine)));
+    if (!memory->bytes) throw std::bad_alloc();
+    return memory;
+  }
+
+  void write(Allocation& to, const void* from, std::size_t bytes) override {
+    std::memcpy(bytesOf(to), from, bytes);
+  }
+
+  void read(Allocation& from, std::size_t offset, std::size_t bytes, void* to) override {
+    std::memcpy(to, bytesOf(from) + offset, bytes);
+  }
+
+  void fill(Allocation& to, const void* pattern, std::size_t patternBytes,
+            std::size_t bytes) override {
+    std::byte* const first = bytesOf(to);
+    std::memcpy(first, pattern, std::min(patternBytes, bytes));
+    for (std::size_t done = patternBytes; done < bytes; done *= 2)
+      std::memcpy(first + done, first, std::min(done, bytes - done));
+  }
+
+  void copy(Allocation& from, Allocation& to, std::size_t toOffset, std::size_t bytes) override {
+    std::memcpy(bytesOf(to) + toOffset, bytesOf(from), bytes);
+  }
+
+  void view(Allocation& from, std::size_t offset, std::size_t,
+            const std::function<void(const void*)>& use) override {
+    use(bytesOf(from) + offset);
+  }
+
+ private:
+  const NativeKernels& kernels_;
+  ForEachItem forEachItem_;
+};
+
 }  // namespace
 
 // What kernels/built_ins.h declares.
 extern "C" std::size_t sherd_global_id() { return workItem.id; }
 extern "C" std::size_t sherd_global_size() { return workItem.size; }
 
-BuiltinDevice::BuiltinDevice(DeviceInfo described, const NativeKernels& kernels)
-    : BuiltinDevice(std::move(described), kernels, onThreadsOfTbb) {}
-
-BuiltinDevice::BuiltinDevice(DeviceInfo described, const NativeKernels& kernels,
-                             ForEachItem forEachItem)
-    : kernels_(kernels), forEachItem_(std::move(forEachItem)) {
-  info = std::move(described);
-}
-
-void BuiltinDevice::launch(const KernelLaunch& launch) {
-  const auto entry = std::find_if(kernels_.entries.begin(), kernels_.entries.end(),
-                                  [&](const auto& each) { return each.name == launch.kernel; });
-  if (entry == kernels_.entries.end() || launch.arguments.size() > kMostArguments)
-    throw Error(ErrorCode::internal, std::string("there is no kernel ") + launch.kernel);
-  std::array<void*, kMostArguments> arguments{};
-  for (std::size_t i = 0; i < launch.arguments.size(); ++i) {
-    const KernelArgument& argument = launch.arguments[i];
-    arguments[i] = argument.buffer != nullptr ? static_cast<void*>(bytesOf(*argument.buffer))
-                                              : const_cast<void*>(argument.value);
-  }
-  const std::size_t items =
-      std::clamp<std::size_t>(launch.work, 1, info.computeUnits * kItemsPerThread);
-  forEachItem_(items, [&](std::size_t item) {
-    workItem = {item, items};
-    launch.call(entry->function, arguments.data());
-  });
-}
-
-std::unique_ptr<Allocation> BuiltinDevice::allocate(std::size_t bytes) {
-  constexpr std::size_t kLine = 64;  // of the cache
-  auto memory = std::make_unique<HostAllocation>();
-  memory->bytes.reset(
-      static_cast<std::byte*>(std::aligned_alloc(kLine, (bytes + kLine - 1) / kLine * kLine)));
-  if (!memory->bytes) throw std::bad_alloc();
-  return memory;
-}
-
-void BuiltinDevice::write(Allocation& to, const void* from, std::size_t bytes) {
-  std::memcpy(bytesOf(to), from, bytes);
-}
-
-void BuiltinDevice::read(Allocation& from, std::size_t offset, std::size_t bytes, void* to) {
-  std::memcpy(to, bytesOf(from) + offset, bytes);
-}
-
-void BuiltinDevice::fill(Allocation& to, const void* pattern, std::size_t patternBytes,
-                         std::size_t bytes) {
-  std::byte* const first = bytesOf(to);
-  std::memcpy(first, pattern, std::min(patternBytes, bytes));
-  for (std::size_t done = patternBytes; done < bytes; done *= 2)
-    std::memcpy(first + done, first, std::min(done, bytes - done));
-}
-
-void BuiltinDevice::copy(Allocation& from, Allocation& to, std::size_t toOffset,
-                         std::size_t bytes) {
-  std::memcpy(bytesOf(to) + toOffset, bytesOf(from), bytes);
-}
-
-void BuiltinDevice::view(Allocation& from, std::size_t offset, std::size_t,
-                         const std::function<void(const void*)>& use) {
-  use(bytesOf(from) + offset);
+std::unique_ptr<DeviceImpl> builtinDevice(DeviceInfo described, const NativeKernels& kernels,
+                                          ForEachItem forEachItem) {
+  return std::make_unique<BuiltinDevice>(std::move(described), kernels, std::move(forEachItem));
 }
 
 DeviceFound describedBuiltin(const NativeKernels& kernels) {
@@ -122,7 +129,7 @@ DeviceFound describedBuiltin(const NativeKernels& kernels) {
   found.info.memoryBytes = found.info.largestBufferBytes = memoryOfMachine();
   found.fault = instructionsFault(kernels.instructions);
   found.open = [info = found.info, &kernels] {
-    return std::make_unique<BuiltinDevice>(info, kernels);
+    return builtinDevice(info, kernels, onThreadsOfTbb);
   };
   return found;
 }

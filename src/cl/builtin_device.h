@@ -2,7 +2,9 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "cl/device_impl.h"
@@ -31,32 +33,16 @@ struct NativeKernels {
 /// Returns why this processor cannot run such kernels; empty if it can.
 [[nodiscard]] std::string instructionsFault(std::string_view instructions);
 
-/// The device of one set of kernels.
+/// The device of one set of kernels, on TBB's threads.
 [[nodiscard]] DeviceFound describedBuiltin(const NativeKernels& kernels);
 
-class BuiltinDevice : public DeviceImpl {
- public:
-  /// Calls `item` once for each of 0..items-1, on several threads; returns when all are done.
-  using ForEachItem =
-      std::function<void(std::size_t items, const std::function<void(std::size_t)>& item)>;
+/// Calls `item` once for each of 0..items-1, on several threads; returns when all are done.
+using ForEachItem =
+    std::function<void(std::size_t items, const std::function<void(std::size_t)>& item)>;
 
-  /// Runs on TBB's threads.
-  BuiltinDevice(DeviceInfo described, const NativeKernels& kernels);
-  BuiltinDevice(DeviceInfo described, const NativeKernels& kernels, ForEachItem forEachItem);
-
-  void launch(const KernelLaunch& launch) override;
-  std::unique_ptr<Allocation> allocate(std::size_t bytes) override;
-  void write(Allocation& to, const void* from, std::size_t bytes) override;
-  void read(Allocation& from, std::size_t offset, std::size_t bytes, void* to) override;
-  void fill(Allocation& to, const void* pattern, std::size_t patternBytes,
-            std::size_t bytes) override;
-  void copy(Allocation& from, Allocation& to, std::size_t toOffset, std::size_t bytes) override;
-  void view(Allocation& from, std::size_t offset, std::size_t bytes,
-            const std::function<void(const void*)>& use) override;
-
- private:
-  const NativeKernels& kernels_;
-  ForEachItem forEachItem_;
-};
+/// Opens such a device on other threads, for tests.
+[[nodiscard]] std::unique_ptr<DeviceImpl> builtinDevice(DeviceInfo described,
+                                                        const NativeKernels& kernels,
+                                                        ForEachItem forEachItem);
 
 }  // namespace sherd

@@ -3,9 +3,10 @@
 #include <sherd/device.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cstdlib>
 #include <fstream>
+
+#include "base/text_scan.h"
 
 namespace sherd {
 namespace {
@@ -13,11 +14,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kVendors = "/etc/OpenCL/vendors";
-
-std::string withoutSpaceAtEnd(std::string s) {
-  while (!s.empty() && std::isspace(static_cast<unsigned char>(s.back()))) s.pop_back();
-  return s;
-}
 
 // Loads the library that a driver's file names, as OpenCL's loader does.
 DriverFile loaded(fs::path file, std::string library) {
@@ -37,7 +33,7 @@ DriverFile read(const fs::path& file) {
   std::ifstream in(file);
   std::string line;
   std::getline(in, line);
-  return in.is_open() ? loaded(file, withoutSpaceAtEnd(line))
+  return in.is_open() ? loaded(file, std::string(trimmed(line)))
                       : DriverFile{file, {}, "it cannot be read"};
 }
 

@@ -4,9 +4,9 @@
 #include <span>
 #include <string_view>
 
-namespace sherd::kernels {
+namespace sherd {
 
 /// The text of every embedded file behind a #line directive, headers first.
-std::span<const std::string_view> sources();
+std::span<const std::string_view> kernelSources();
 
-}  // namespace sherd::kernels
+}  // namespace sherd

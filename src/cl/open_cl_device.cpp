@@ -11,7 +11,7 @@ cl::Buffer& bufferOf(Allocation& memory) { return static_cast<OpenClAllocation&>
 
 // Runs `body`; errors of the OpenCL bindings become Error(device).
 template <class Body>
-auto checked(const DeviceInfo& device, const std::string& doing, Body&& body) {
+auto checked(const DeviceInfo& device, const char* doing, Body&& body) {
   try {
     return body();
   } catch (const cl::Error& e) {
@@ -56,7 +56,7 @@ void OpenClDevice::launch(const KernelLaunch& launch) {
   const std::size_t most = std::max(
       info.computeUnits * (info.gpu ? std::size_t{1024} : 8 * workGroupSize()), launch.group);
   const std::size_t items = std::clamp<std::size_t>(launch.work, 1, most);
-  checked(info, std::string("the kernel ") + launch.kernel, [&] {
+  checked(info, launch.kernel, [&] {
     cl::Kernel& launched = kernel(launch.kernel);
     cl_uint i = 0;
     for (const KernelArgument& argument : launch.arguments) {
@@ -73,7 +73,7 @@ void OpenClDevice::launch(const KernelLaunch& launch) {
 }
 
 std::unique_ptr<Allocation> OpenClDevice::allocate(std::size_t bytes) {
-  return checked(info, "allocating a buffer of " + std::to_string(bytes) + " bytes", [&] {
+  return checked(info, "allocating a buffer", [&] {
     return std::make_unique<OpenClAllocation>(cl::Buffer(context, CL_MEM_READ_WRITE, bytes));
   });
 }

@@ -59,7 +59,7 @@ Error buildError(const DeviceInfo& device, const std::string& log, int number) {
 cl::Program builtProgram(const cl::Context& context, const cl::Device& device,
                          const DeviceInfo& info, std::string source) {
   if (source.empty()) {
-    for (const std::string_view file : kernels::sources()) source += file;
+    for (const std::string_view file : kernelSources()) source += file;
   }
   try {
     cl::Program program(context, source);

@@ -1,7 +1,7 @@
 // Discovery of OpenCL platforms and devices.  All driver differences are handled here.
 #include <algorithm>
-#include <cctype>
 
+#include "base/text_scan.h"
 #include "cl/device_search.h"
 #include "cl/error_name.h"
 #include "cl/kernel_cache.h"
@@ -10,11 +10,8 @@
 namespace sherd {
 namespace {
 
-std::string trimmed(std::string s) {
-  while (!s.empty() && (s.back() == '\0' || std::isspace(static_cast<unsigned char>(s.back()))))
-    s.pop_back();
-  return s;
-}
+// Drivers pad their texts, by blanks or by null characters.
+std::string text(const std::string& padded) { return std::string(trimmed(padded.c_str())); }
 
 // Returns why kernels cannot run on a device; empty if they can.  They need OpenCL C 1.2, which
 // has 32-bit atomics on global memory.
@@ -30,13 +27,13 @@ std::string faultOf(const cl::Device& device) {
 DeviceFound described(const cl::Device& device, const std::string& platform) {
   DeviceFound found;
   found.info.platform = platform;
-  found.info.name = trimmed(device.getInfo<CL_DEVICE_NAME>());
-  found.info.version = trimmed(device.getInfo<CL_DEVICE_VERSION>());
+  found.info.name = text(device.getInfo<CL_DEVICE_NAME>());
+  found.info.version = text(device.getInfo<CL_DEVICE_VERSION>());
   found.info.gpu = (device.getInfo<CL_DEVICE_TYPE>() & CL_DEVICE_TYPE_GPU) != 0;
   found.info.computeUnits = std::max(1u, device.getInfo<CL_DEVICE_MAX_COMPUTE_UNITS>());
   found.info.memoryBytes = device.getInfo<CL_DEVICE_GLOBAL_MEM_SIZE>();
   found.info.largestBufferBytes = device.getInfo<CL_DEVICE_MAX_MEM_ALLOC_SIZE>();
-  found.driver = trimmed(device.getInfo<CL_DRIVER_VERSION>());
+  found.driver = text(device.getInfo<CL_DRIVER_VERSION>());
   found.fault = faultOf(device);
   found.open = [info = found.info, device] { return std::make_unique<OpenClDevice>(info, device); };
   return found;
@@ -45,8 +42,8 @@ DeviceFound described(const cl::Device& device, const std::string& platform) {
 PlatformFound examined(const cl::Platform& platform) {
   PlatformFound found;
   try {
-    found.name = trimmed(platform.getInfo<CL_PLATFORM_NAME>());
-    found.version = trimmed(platform.getInfo<CL_PLATFORM_VERSION>());
+    found.name = text(platform.getInfo<CL_PLATFORM_NAME>());
+    found.version = text(platform.getInfo<CL_PLATFORM_VERSION>());
     std::vector<cl::Device> devices;
     platform.getDevices(CL_DEVICE_TYPE_ALL, &devices);
     for (const cl::Device& device : devices) {

@@ -11,17 +11,19 @@
 #include <random>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "built_ins_text.h"
 #include "cl/builtin_device.h"
+#include "device_fixture.h"
 #if SHERD_OPENCL
 #include "cl/open_cl_device.h"
 #endif
 
 namespace sherd {
 
-std::span<const NativeKernels> builtInKernels();  // cmake/CompileKernels.cmake
+std::span<const NativeKernels> builtInKernels();   // cmake/CompileKernels.cmake
+std::span<const std::string_view> builtInTexts();  // cmake/EmbedKernels.cmake
 
 namespace {
 
@@ -30,8 +32,7 @@ std::vector<std::shared_ptr<DeviceImpl>> testDevices() {
   std::vector<std::shared_ptr<DeviceImpl>> devices;
   for (const NativeKernels& kernels : builtInKernels()) {
     const DeviceFound found = describedBuiltin(kernels);
-    if (found.fault.empty())
-      devices.push_back(std::make_shared<BuiltinDevice>(found.info, kernels));
+    if (found.fault.empty()) devices.push_back(found.open());
   }
 #if SHERD_OPENCL
   for (const PlatformFound& platform : openClPlatforms()) {
@@ -39,7 +40,8 @@ std::vector<std::shared_ptr<DeviceImpl>> testDevices() {
       if (!found.fault.empty()) continue;
       const auto open = found.open();
       const auto& opened = dynamic_cast<OpenClDevice&>(*open);
-      devices.push_back(std::make_shared<OpenClDevice>(found.info, opened.device, kBuiltInsText));
+      devices.push_back(std::make_shared<OpenClDevice>(found.info, opened.device,
+                                                       std::string(builtInTexts().front())));
     }
   }
 #endif
@@ -76,6 +78,7 @@ class BuiltIns : public testing::Test {
   template <class Check>
   void onEach(Check&& check) {
     static const auto* const devices = new std::vector(testDevices());  // drivers may crash at exit
+    if (devices->empty() && deviceRequired()) FAIL() << "no device here";
     if (devices->empty()) GTEST_SKIP() << "no device here";
     for (const auto& device : *devices) {
       SCOPED_TRACE(device->info.platform + " / " + device->info.name);

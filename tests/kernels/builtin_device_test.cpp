@@ -10,6 +10,7 @@
 #include <new>
 #include <string>
 
+#include "device_fixture.h"
 #include "voxel_shapes.h"
 
 namespace sherd {
@@ -18,6 +19,7 @@ namespace {
 class BuiltinDeviceTest : public testing::Test {
  protected:
   void SetUp() override {
+    if (nativeKernels().empty() && deviceRequired()) FAIL() << "a build without clang";
     if (nativeKernels().empty()) GTEST_SKIP() << "a build without clang";
   }
 };

@@ -9,17 +9,22 @@
 
 namespace sherd {
 
+/// Whether a missing device is a failure: SHERD_REQUIRE_OPENCL=1.
+inline bool deviceRequired() {
+  const char* const required = std::getenv("SHERD_REQUIRE_OPENCL");
+  return required != nullptr && *required == '1';
+}
+
 /// One device for all tests of a program, as in the product.  It is never freed, so that no driver
 /// is unloaded while others still use it.  Where there is no such device the tests are skipped,
-/// unless SHERD_REQUIRE_OPENCL=1.
+/// unless it is required.
 class DeviceTest : public testing::Test {
  protected:
   void SetUp() override {
-    const char* required = std::getenv("SHERD_REQUIRE_OPENCL");
     try {
       (void)device();
     } catch (const Error& e) {
-      if (required && *required == '1') throw;
+      if (deviceRequired()) throw;
       GTEST_SKIP() << e.what();
     }
   }

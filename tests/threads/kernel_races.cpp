@@ -37,12 +37,12 @@ void onOneThread(std::size_t items, const std::function<void(std::size_t)>& item
 }
 
 std::unique_ptr<DeviceImpl> deviceOn(std::span<const NativeKernels> sets,
-                                     const BuiltinDevice::ForEachItem& threads) {
+                                     const ForEachItem& threads) {
   for (const NativeKernels& kernels : sets) {
     DeviceFound found = describedBuiltin(kernels);
     if (!found.fault.empty()) continue;
     found.info.computeUnits = kThreads;
-    return std::make_unique<BuiltinDevice>(found.info, kernels, threads);
+    return builtinDevice(found.info, kernels, threads);
   }
   throw Error(ErrorCode::device, "no kernels are compiled for this processor");
 }
