@@ -28,7 +28,7 @@ using bench::ball, bench::Ball;
 
 // The devices that benchmarks compare, in the order of their last argument.  They are never freed,
 // as some drivers crash at exit.
-constexpr std::array kDevices{"builtin", "pthread"};  // PoCL's name of the processor
+constexpr std::array kDevices{"builtin", "pocl"};
 
 sherd::Device& device(std::int64_t index = 0) {
   static std::array<sherd::Device*, kDevices.size()> opened{};
