@@ -22,6 +22,7 @@ struct DeviceInfo {
   unsigned computeUnits = 0;
   std::size_t memoryBytes = 0;
   std::size_t largestBufferBytes = 0;
+  std::string caveat;   ///< why results can be wrong, as a clause; empty if they cannot
   bool chosen = false;  ///< selected by Device("auto")
 };
 
@@ -89,10 +90,11 @@ class DeviceImpl;
 class Device {
  public:
   /// Opens a device.
-  ///   choice  "auto" (a GPU, else as "cpu"), "gpu", "cpu" (the built-in device, else PoCL, else
-  ///   any
-  ///           other), "builtin", or a part of a platform's or device's name or version, ignoring
-  ///           case.  "auto" loads OpenCL's drivers only where the system has a GPU's device file
+  ///   choice  "auto": a GPU, else as "cpu".  Loads OpenCL's drivers only where the system has a
+  ///           GPU's device file
+  ///           "gpu"
+  ///           "cpu": the built-in device, else PoCL, else any other without a caveat
+  ///           "builtin", or a part of a platform's or device's name or version, ignoring case
   ///   throws  Error(device) nothing matches, or the device cannot be opened
   explicit Device(std::string_view choice = "auto");
   ~Device();

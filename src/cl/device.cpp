@@ -27,8 +27,7 @@ std::vector<DeviceFound> usableDevices(const std::vector<PlatformFound>& platfor
 bool isBuiltin(const DeviceFound& device) { return device.info.platform == kBuiltin; }
 
 // Returns the index of the chosen device.  `auto` and `cpu` prefer the built-in device to PoCL,
-// which runs the same kernels no faster and starts later, and PoCL to other CPU drivers
-// (llvmpipe's), which run far slower (docs/performance.md, "Devices").
+// which runs the same kernels no faster and starts later (docs/performance.md, "Devices").
 std::optional<std::size_t> choose(const std::vector<DeviceFound>& all, const std::string& choice) {
   const auto first = [&](auto&& accept) -> std::optional<std::size_t> {
     const auto it = std::find_if(all.begin(), all.end(), accept);
@@ -37,7 +36,7 @@ std::optional<std::size_t> choose(const std::vector<DeviceFound>& all, const std
   };
   const auto gpu = [](const DeviceFound& c) { return c.info.gpu; };
   const auto pocl = [](const DeviceFound& c) { return c.info.platform == kPocl; };
-  const auto cpu = [](const DeviceFound& c) { return !c.info.gpu; };
+  const auto cpu = [](const DeviceFound& c) { return !c.info.gpu && c.info.caveat.empty(); };
   if (choice == "gpu") return first(gpu);
   if (choice == "cpu" || choice == "auto") {
     std::optional<std::size_t> found;

@@ -52,10 +52,12 @@ cl::Kernel& OpenClDevice::kernel(const char* name) {
 }
 
 void OpenClDevice::launch(const KernelLaunch& launch) {
-  // As many work-items as saturate the device when each takes many leaves.
+  // As many work-items as saturate the device when each takes many leaves; where loops end early,
+  // one for each leaf.
   const std::size_t most = std::max(
       info.computeUnits * (info.gpu ? std::size_t{1024} : 8 * workGroupSize()), launch.group);
-  const std::size_t items = std::clamp<std::size_t>(launch.work, 1, most);
+  const std::size_t items =
+      std::max<std::size_t>(info.caveat.empty() ? std::min(launch.work, most) : launch.work, 1);
   checked(info, launch.kernel, [&] {
     cl::Kernel& launched = kernel(launch.kernel);
     cl_uint i = 0;

@@ -24,6 +24,14 @@ std::string faultOf(const cl::Device& device) {
   return {};
 }
 
+// Mesa's llvmpipe counts the iterations of all loops of a work-item, and leaves its loops after
+// 65,535 (LP_MAX_TGSI_LOOP_ITERATIONS).
+std::string caveatOf(const std::string& name) {
+  if (name.find("llvmpipe") == std::string::npos) return {};
+  return "llvmpipe ends long loops early, so voxels of fractures in many pieces can have the wrong "
+         "label";
+}
+
 DeviceFound described(const cl::Device& device, const std::string& platform) {
   DeviceFound found;
   found.info.platform = platform;
@@ -33,6 +41,7 @@ DeviceFound described(const cl::Device& device, const std::string& platform) {
   found.info.computeUnits = std::max(1u, device.getInfo<CL_DEVICE_MAX_COMPUTE_UNITS>());
   found.info.memoryBytes = device.getInfo<CL_DEVICE_GLOBAL_MEM_SIZE>();
   found.info.largestBufferBytes = device.getInfo<CL_DEVICE_MAX_MEM_ALLOC_SIZE>();
+  found.info.caveat = caveatOf(found.info.name);
   found.driver = text(device.getInfo<CL_DRIVER_VERSION>());
   found.fault = faultOf(device);
   found.open = [info = found.info, device] { return std::make_unique<OpenClDevice>(info, device); };

@@ -52,6 +52,7 @@ void runDatasetCommand(DatasetArguments& arguments) {
   const auto threads = limitedThreads(arguments.machine);
   keepFreedMemory();
   Device device(arguments.machine.device);
+  warnOfCaveat(device);
   const ForeignExit guard;
   DatasetPrinter printer(arguments.json, arguments.quiet);
   DatasetCallbacks callbacks = printer.callbacks();

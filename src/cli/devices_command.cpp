@@ -13,6 +13,8 @@ std::string asJson(const std::vector<DeviceInfo>& devices) {
   nlohmann::ordered_json json = {
       {"schema", "sherd-report/1"}, {"command", "devices"}, {"devices", nlohmann::json::array()}};
   for (const DeviceInfo& device : devices) {
+    nlohmann::ordered_json caveat;  // null where there is none
+    if (!device.caveat.empty()) caveat = device.caveat;
     json["devices"].push_back({{"platform", device.platform},
                                {"name", device.name},
                                {"version", device.version},
@@ -20,6 +22,7 @@ std::string asJson(const std::vector<DeviceInfo>& devices) {
                                {"compute_units", device.computeUnits},
                                {"memory_bytes", device.memoryBytes},
                                {"largest_buffer_bytes", device.largestBufferBytes},
+                               {"caveat", caveat},
                                {"chosen", device.chosen}});
   }
   return json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
@@ -34,7 +37,7 @@ std::string asText(const std::vector<DeviceInfo>& devices) {
     text += std::string(device.chosen ? "* " : "  ") + (device.gpu ? "gpu  " : "cpu  ") +
             device.platform + " / " + device.name + ": " + std::to_string(device.computeUnits) +
             " compute units, " + std::to_string(device.memoryBytes >> 20) + " MiB, " +
-            device.version + "\n";
+            device.version + (device.caveat.empty() ? "" : "; " + device.caveat) + "\n";
   }
   return text + "* is what --device auto picks\n";
 }

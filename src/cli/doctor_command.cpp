@@ -57,6 +57,7 @@ std::string platformText(const Json& platform) {
             textOf(device["compute_units"]) + " compute units, " +
             plain("memory_bytes", device["memory_bytes"]);
     if (!device["fault"].is_null()) text += "; cannot be used: " + textOf(device["fault"]);
+    if (!device["caveat"].is_null()) text += "; " + textOf(device["caveat"]);
     if (device["chosen"].get<bool>()) text += "; what --device auto picks";
     text += "\n";
   }

@@ -59,6 +59,7 @@ Json platformFacts() {
                          {"compute_units", device.info.computeUnits},
                          {"memory_bytes", device.info.memoryBytes},
                          {"chosen", device.info.chosen},
+                         {"caveat", textOrNull(device.info.caveat)},
                          {"fault", textOrNull(device.fault)}});
     }
     platforms.push_back({{"name", platform.name},

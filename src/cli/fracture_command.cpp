@@ -208,6 +208,7 @@ class FractureRun {
       allowOpenFiles();
     }
     Device device = timed("device", [&] { return opening.get(); });
+    warnOfCaveat(device);
     const ForeignExit guard;
     const std::vector<StageTime> before = times_;
     std::optional<Error> refused;

@@ -2,7 +2,6 @@
 #include "cli/machine_options.h"
 
 #include <malloc.h>
-#include <sherd/device.h>
 
 #include "base/memory.h"
 #include "cli/option_text.h"
@@ -32,6 +31,10 @@ void addMachineOptions(CLI::App& command, MachineOptions& options) {
 
 void prepareDevice(const MachineOptions& options) {
   if (mayUseOpenCl(options.device)) provideKernelCache();
+}
+
+void warnOfCaveat(const Device& device) {
+  if (!device.info().caveat.empty()) printMessage("sherd: warning: " + device.info().caveat);
 }
 
 std::unique_ptr<tbb::global_control> limitedThreads(const MachineOptions& options) {

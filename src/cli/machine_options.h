@@ -1,6 +1,7 @@
 // Options for device, threads and memory.
 #pragma once
 
+#include <sherd/device.h>
 #include <tbb/global_control.h>
 
 #include <cstdint>
@@ -26,6 +27,9 @@ void addMachineOptions(CLI::App& command, MachineOptions& options);
 
 /// Sets the environment for the device, before the first thread starts.
 void prepareDevice(const MachineOptions& options);
+
+/// Prints a warning if results of the device can be wrong.
+void warnOfCaveat(const Device& device);
 
 /// Limits the host's threads during its lifetime; null where all cores are allowed.
 [[nodiscard]] std::unique_ptr<tbb::global_control> limitedThreads(const MachineOptions& options);
