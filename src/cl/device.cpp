@@ -40,7 +40,7 @@ std::optional<std::size_t> choose(const std::vector<DeviceFound>& all, const std
   if (choice == "gpu") return first(gpu);
   if (choice == "cpu" || choice == "auto") {
     std::optional<std::size_t> found;
-    if (choice == "auto") found = first(gpu);
+    if (choice == "auto" && (mayHaveGpu() || !first(isBuiltin))) found = first(gpu);
     if (!found) found = first(isBuiltin);
     if (!found) found = first(pocl);
     if (!found) found = first(cpu);
@@ -99,7 +99,10 @@ std::vector<PlatformState> listPlatforms() {
   return states;
 }
 
-std::string noDeviceReason() { return noDeviceReason(findPlatforms()); }
+std::string noDeviceReason() {
+  const std::string why = faultsOf(findPlatforms());
+  return why.empty() ? "no driver has a platform" : why;
+}
 
 bool mayUseOpenCl(std::string_view choice) { return !builtinFor(lowerCase(std::string(choice))); }
 
@@ -114,15 +117,14 @@ Device::Device(std::string_view choice) {
   const std::vector<PlatformFound> platforms = findPlatforms();
   const std::vector<DeviceFound> all = usableDevices(platforms);
   const std::optional<std::size_t> found = choose(all, wanted);
-  if (!found && all.empty())
-    throw Error(ErrorCode::device, "no device can be used: " + noDeviceReason(platforms));
   if (!found) {
     std::string here;
     for (const DeviceFound& c : all)
       here += (here.empty() ? "" : ", ") + c.info.platform + " / " + c.info.name;
+    const std::string why = faultsOf(platforms);
     throw Error(ErrorCode::device, "no device matches '" + std::string(choice) +
-                                       "'; devices here: " + here +
-                                       "; of others: " + noDeviceReason(platforms));
+                                       "'; devices here: " + (here.empty() ? "none" : here) +
+                                       (why.empty() ? "" : "; of others: " + why));
   }
   impl_ = all[*found].open();
 }

@@ -24,14 +24,14 @@ std::vector<PlatformFound> findPlatforms() {
 }
 
 bool mayHaveGpu() {
-  constexpr const char* kNodes[] = {"/dev/dri", "/dev/nvidiactl", "/dev/kfd", "/dev/dxg",
-                                    "/dev/mali0"};
+  constexpr const char* kNodes[] = {"/dev/dri", "/dev/nvidiactl",      "/dev/kfd",
+                                    "/dev/dxg", "/proc/driver/nvidia", "/dev/mali0"};
   std::error_code ignored;
   return std::any_of(std::begin(kNodes), std::end(kNodes),
                      [&](const char* node) { return std::filesystem::exists(node, ignored); });
 }
 
-std::string noDeviceReason(const std::vector<PlatformFound>& platforms) {
+std::string faultsOf(const std::vector<PlatformFound>& platforms) {
   std::string why;
   const auto add = [&](const std::string& more) { why += (why.empty() ? "" : "; ") + more; };
   for (const PlatformFound& platform : platforms) {
@@ -52,7 +52,7 @@ std::string noDeviceReason(const std::vector<PlatformFound>& platforms) {
   if (drivers.empty())
     add("no driver is installed in " + driverFolder().string() +
         " (Debian's pocl-opencl-icd runs on any CPU)");
-  return why.empty() ? "no driver has a platform" : why;
+  return why;
 }
 
 }  // namespace sherd

@@ -27,7 +27,8 @@ struct PlatformFound {
 /// The built-in device, once per set of instructions that kernels are compiled for, the best first.
 [[nodiscard]] PlatformFound builtinPlatform();
 
-/// OpenCL's platforms; none in a build without OpenCL (SHERD_OPENCL=OFF).
+/// OpenCL's platforms; where its loader cannot be opened, one that says so.  None in a build
+/// without OpenCL (SHERD_OPENCL=OFF).
 [[nodiscard]] std::vector<PlatformFound> openClPlatforms();
 
 /// Returns whether this build can use OpenCL.
@@ -36,12 +37,12 @@ struct PlatformFound {
 /// Every platform, the built-in one first.
 [[nodiscard]] std::vector<PlatformFound> findPlatforms();
 
-/// Returns whether the system has a device file of a GPU's kernel driver, without which no OpenCL
-/// driver has a GPU.
+/// Returns whether the system has a file of a GPU's kernel driver.  Without one OpenCL's drivers
+/// hardly have a GPU, so that loading them can be spared.
 [[nodiscard]] bool mayHaveGpu();
 
-/// The reasons why no device can be used, and what to do, as the second half of a sentence.
-///   platforms  without a usable device
-[[nodiscard]] std::string noDeviceReason(const std::vector<PlatformFound>& platforms);
+/// Returns the reasons why devices and drivers cannot be used, and what to do, as the second half
+/// of a sentence; empty if all can.
+[[nodiscard]] std::string faultsOf(const std::vector<PlatformFound>& platforms);
 
 }  // namespace sherd

@@ -7,3 +7,13 @@
 #pragma GCC diagnostic ignored "-Wignored-attributes"
 #include <CL/opencl.hpp>
 #pragma GCC diagnostic pop
+
+#include <string>
+
+namespace sherd {
+
+/// Returns why OpenCL's loader, libOpenCL, cannot be used; empty if it can.  Its functions must not
+/// be called then.
+[[nodiscard]] std::string loaderFault();
+
+}  // namespace sherd

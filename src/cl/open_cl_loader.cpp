@@ -21,24 +21,24 @@ Function* real(Function*, const char* name) {
 }
 
 }  // namespace
+
+std::string loaderFault() {
+  if (found("clGetPlatformIDs") != nullptr) return {};
+  return "its loader libOpenCL.so.1 cannot be opened (Debian's ocl-icd-libopencl1)";
+}
+
 }  // namespace sherd
 
 // Hidden, so that no library of the process calls these in place of the loader's.
 #define SHERD_CL_HIDDEN extern "C" __attribute__((visibility("hidden")))
 
-SHERD_CL_HIDDEN cl_int CL_API_CALL clGetPlatformIDs(cl_uint most, cl_platform_id* platforms,
-                                                    cl_uint* count) {
-  static const auto function = sherd::real(&::clGetPlatformIDs, "clGetPlatformIDs");
-  return function != nullptr ? function(most, platforms, count) : CL_PLATFORM_NOT_FOUND_KHR;
-}
-
-// The others are called with what a platform has given, so there is a loader.
 #define SHERD_CL(result, name, parameters, arguments)         \
   SHERD_CL_HIDDEN result CL_API_CALL name parameters {        \
     static const auto function = sherd::real(&::name, #name); \
     return function arguments;                                \
   }
 
+SHERD_CL(cl_int, clGetPlatformIDs, (cl_uint a, cl_platform_id* b, cl_uint* c), (a, b, c))
 SHERD_CL(cl_int, clGetPlatformInfo,
          (cl_platform_id a, cl_platform_info b, size_t c, void* d, size_t* e), (a, b, c, d, e))
 SHERD_CL(cl_int, clGetDeviceIDs,

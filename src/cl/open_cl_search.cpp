@@ -72,6 +72,7 @@ PlatformFound examined(const cl::Platform& platform) {
 }  // namespace
 
 std::vector<PlatformFound> openClPlatforms() {
+  if (const std::string fault = loaderFault(); !fault.empty()) return {{"OpenCL", "", fault, {}}};
   std::vector<cl::Platform> platforms;
   try {
     cl::Platform::get(&platforms);
