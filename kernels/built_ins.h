@@ -29,8 +29,8 @@ SHERD_VECTORS(long)
 SHERD_VECTORS(ulong)
 
 // 6.12.1: of the work-item that the thread is at (src/cl/builtin_device.cpp).
-__attribute__((const)) size_t sherd_global_id(void);
-__attribute__((const)) size_t sherd_global_size(void);
+__attribute__((const, visibility("hidden"))) size_t sherd_global_id(void);
+__attribute__((const, visibility("hidden"))) size_t sherd_global_size(void);
 BUILT_IN size_t get_global_id(const uint dimension) { return dimension == 0 ? sherd_global_id() : 0; }
 BUILT_IN size_t get_global_size(const uint dimension) { return dimension == 0 ? sherd_global_size() : 1; }
 

@@ -1,8 +1,8 @@
 // Devices that run the kernels: listing and opening them.
 //
-// The built-in device is always there: the kernels compiled with the program, on the threads of the
-// host (TBB's).  OpenCL devices come from the drivers of the machine, which compile the same
-// kernels at run time.
+// The built-in device needs no driver: the kernels compiled with the library by clang for x86-64,
+// on the threads of the host (TBB's).  OpenCL devices come from the drivers of the machine, which
+// compile the same kernels at run time.
 #pragma once
 
 #include <filesystem>

@@ -7,7 +7,7 @@
 ///
 /// @code
 /// sherd::provideKernelCache();                              // once, before the first device
-/// sherd::Device device;                                     // a GPU, else PoCL
+/// sherd::Device device;                                     // a GPU, else the CPU
 /// const sherd::SourceMesh source = sherd::readMesh("bowl.obj");
 /// sherd::WrittenFracture broken =
 ///     sherd::fractureInto("pieces", {source}, {.pieces = 8, .seed = 7}, device);

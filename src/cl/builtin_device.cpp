@@ -1,9 +1,9 @@
 // Commands of the built-in device.  A launch returns when it is done, so commands run in order.
 #include "cl/builtin_device.h"
 
+#include <sanitizer/asan_interface.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
-#include <unistd.h>
 
 #include <array>
 #include <cstdlib>
@@ -26,15 +26,10 @@ struct HostAllocation : Allocation {
     void operator()(std::byte* memory) const { std::free(memory); }
   };
   std::unique_ptr<std::byte, Free> bytes;
+  std::size_t size = 0;
 };
 
 std::byte* bytesOf(Allocation& memory) { return static_cast<HostAllocation&>(memory).bytes.get(); }
-
-std::size_t memoryOfMachine() {
-  const long pages = ::sysconf(_SC_PHYS_PAGES), size = ::sysconf(_SC_PAGESIZE);
-  return pages > 0 && size > 0 ? static_cast<std::size_t>(pages) * static_cast<std::size_t>(size)
-                               : std::size_t{1} << 32;
-}
 
 // An error in other work of the process does not cancel the launch, half of whose work-items would
 // then never run, and this thread takes up no other work while it waits for the last of them.
@@ -76,7 +71,14 @@ class BuiltinDevice : public DeviceImpl {
     memory->bytes.reset(
         static_cast<std::byte*>(std::aligned_alloc(kLine, (bytes + kLine - 1) / kLine * kLine)));
     if (!memory->bytes) throw std::bad_alloc();
+    memory->size = bytes;
     return memory;
+  }
+
+  void bound(Allocation& memory, std::size_t bytes) override {
+    auto& all = static_cast<HostAllocation&>(memory);
+    ASAN_UNPOISON_MEMORY_REGION(all.bytes.get(), all.size);
+    ASAN_POISON_MEMORY_REGION(all.bytes.get() + bytes, all.size - bytes);
   }
 
   void write(Allocation& to, const void* from, std::size_t bytes) override {
@@ -111,22 +113,25 @@ class BuiltinDevice : public DeviceImpl {
 
 }  // namespace
 
-// What kernels/built_ins.h declares.
-extern "C" std::size_t sherd_global_id() { return workItem.id; }
-extern "C" std::size_t sherd_global_size() { return workItem.size; }
+// What kernels/built_ins.h declares; hidden, since another copy of the library has work-items of
+// its own.
+extern "C" {
+__attribute__((visibility("hidden"))) std::size_t sherd_global_id() { return workItem.id; }
+__attribute__((visibility("hidden"))) std::size_t sherd_global_size() { return workItem.size; }
+}
 
 std::unique_ptr<DeviceImpl> builtinDevice(DeviceInfo described, const NativeKernels& kernels,
                                           ForEachItem forEachItem) {
   return std::make_unique<BuiltinDevice>(std::move(described), kernels, std::move(forEachItem));
 }
 
-DeviceFound describedBuiltin(const NativeKernels& kernels) {
+DeviceFound describedBuiltin(const NativeKernels& kernels, std::uint64_t memory) {
   DeviceFound found;
   found.info.platform = kBuiltin;
   found.info.name = kernels.instructions;
   found.info.version = "OpenCL C 1.2 compiled by " + std::string(kernels.compiler);
   found.info.computeUnits = static_cast<unsigned>(tbb::this_task_arena::max_concurrency());
-  found.info.memoryBytes = found.info.largestBufferBytes = memoryOfMachine();
+  found.info.memoryBytes = found.info.largestBufferBytes = memory;
   found.fault = instructionsFault(kernels.instructions);
   found.open = [info = found.info, &kernels] {
     return builtinDevice(info, kernels, onThreadsOfTbb);

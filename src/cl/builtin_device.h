@@ -34,7 +34,8 @@ struct NativeKernels {
 [[nodiscard]] std::string instructionsFault(std::string_view instructions);
 
 /// The device of one set of kernels, on TBB's threads.
-[[nodiscard]] DeviceFound describedBuiltin(const NativeKernels& kernels);
+///   memory  bytes that its buffers may take
+[[nodiscard]] DeviceFound describedBuiltin(const NativeKernels& kernels, std::uint64_t memory);
 
 /// Calls `item` once for each of 0..items-1, on several threads; returns when all are done.
 using ForEachItem =

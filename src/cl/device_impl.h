@@ -34,6 +34,13 @@ class DeviceImpl {
   virtual void launch(const KernelLaunch& launch) = 0;
 
   [[nodiscard]] virtual std::unique_ptr<Allocation> allocate(std::size_t bytes) = 0;
+
+  /// Limits a buffer, which the pool may have made larger, to its user's bytes: a sanitizer
+  /// reports what lies beyond.
+  virtual void bound(Allocation& memory, std::size_t bytes) {
+    static_cast<void>(memory), static_cast<void>(bytes);
+  }
+
   virtual void write(Allocation& to, const void* from, std::size_t bytes) = 0;
   virtual void read(Allocation& from, std::size_t offset, std::size_t bytes, void* to) = 0;
 
@@ -72,8 +79,11 @@ DeviceBuffer makeBuffer(DeviceImpl& device, std::size_t count) {
                     " MiB; try a lower resolution or another device",
                 OptionNames{"resolution", "device"});
   }
-  return device.pool.take([&](std::size_t size) { return device.allocate(size); }, bytes,
-                          {device.info.largestBufferBytes, device.info.memoryBytes});
+  DeviceBuffer buffer =
+      device.pool.take([&](std::size_t size) { return device.allocate(size); }, bytes,
+                       {device.info.largestBufferBytes, device.info.memoryBytes});
+  device.bound(*buffer, bytes);
+  return buffer;
 }
 
 /// A device buffer with a copy of `data`.

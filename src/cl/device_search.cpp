@@ -4,15 +4,17 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "base/memory.h"
 #include "cl/builtin_device.h"
 
 namespace sherd {
 
 PlatformFound builtinPlatform() {
   PlatformFound found{kBuiltin, "", "this build has no compiled kernels", {}};
+  const std::uint64_t memory = freeMemory();
   for (const NativeKernels& kernels : nativeKernels()) {
     found.fault.clear();
-    found.devices.push_back(describedBuiltin(kernels));
+    found.devices.push_back(describedBuiltin(kernels, memory));
   }
   return found;
 }

@@ -102,6 +102,12 @@ kernel void of_atomics(volatile global uint* cells, const uint count, global uin
   }
 }
 
+// A fault on purpose, for the address sanitizer: writes behind the last element.
+kernel void of_fault(global uint* restrict numbers, const uint count)
+{
+  if (get_global_id(0) == 0) numbers[count] = 1;
+}
+
 kernel void of_items(volatile global uint* visits, global ulong* restrict sizes)
 {
   atomic_inc(&visits[get_global_id(0)]);

@@ -15,10 +15,8 @@
 #include <vector>
 
 #include "cl/builtin_device.h"
-#include "device_fixture.h"
-#if SHERD_OPENCL
 #include "cl/open_cl_device.h"
-#endif
+#include "device_fixture.h"
 
 namespace sherd {
 
@@ -31,10 +29,9 @@ namespace {
 std::vector<std::shared_ptr<DeviceImpl>> testDevices() {
   std::vector<std::shared_ptr<DeviceImpl>> devices;
   for (const NativeKernels& kernels : builtInKernels()) {
-    const DeviceFound found = describedBuiltin(kernels);
+    const DeviceFound found = describedBuiltin(kernels, std::uint64_t{1} << 32);
     if (found.fault.empty()) devices.push_back(found.open());
   }
-#if SHERD_OPENCL
   for (const PlatformFound& platform : openClPlatforms()) {
     for (const DeviceFound& found : platform.devices) {
       if (!found.fault.empty()) continue;
@@ -44,7 +41,6 @@ std::vector<std::shared_ptr<DeviceImpl>> testDevices() {
                                                        std::string(builtInTexts().front())));
     }
   }
-#endif
   return devices;
 }
 
@@ -297,6 +293,25 @@ TEST_F(BuiltIns, EachWorkItemIsThereOnce) {
     }
   });
 }
+
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer)
+// Buffers of the pool are larger than what is asked for; the sanitizer sees the end of that.
+TEST(Sanitizer, ReportsAKernelThatWritesBehindABuffer) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  for (const NativeKernels& kernels : builtInKernels()) {
+    const DeviceFound found = describedBuiltin(kernels, std::uint64_t{1} << 32);
+    if (!found.fault.empty()) continue;
+    const auto fails = [&] {
+      const auto device = found.open();
+      const DeviceBuffer numbers = makeBuffer<std::uint32_t>(*device, 1000);
+      launchKernel(*device, "of_fault", 1, 1, numbers, std::uint32_t{1000});
+    };
+    EXPECT_DEATH(fails(), "use-after-poison");
+  }
+}
+#endif
+#endif
 
 }  // namespace
 }  // namespace sherd

@@ -39,7 +39,7 @@ void onOneThread(std::size_t items, const std::function<void(std::size_t)>& item
 std::unique_ptr<DeviceImpl> deviceOn(std::span<const NativeKernels> sets,
                                      const ForEachItem& threads) {
   for (const NativeKernels& kernels : sets) {
-    DeviceFound found = describedBuiltin(kernels);
+    DeviceFound found = describedBuiltin(kernels, std::uint64_t{1} << 32);
     if (!found.fault.empty()) continue;
     found.info.computeUnits = kThreads;
     return builtinDevice(found.info, kernels, threads);
