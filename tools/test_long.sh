@@ -40,6 +40,9 @@ echo "== fuzzing the readers, each for five minutes"
 tools/build.sh asan sherd_fuzz
 tests/fuzz/run.sh build/asan/tests/fuzz/sherd_fuzz 300
 
+echo "== the same bytes on every device"
+tests/long/devices.py build/release/sherd
+
 echo "== points against Debian's Point Cloud Library"
 DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends libpcl-dev > /dev/null
 tools/check_pcl.sh build/release/sherd
