@@ -8,7 +8,7 @@ source tools/chroot.sh
 root=${1:-$(mktemp -d)}
 cleanup() {
   leave_chroot "$root"
-  [ -n "${1:-}" ] || rm -rf "$root"
+  [ -n "${1:-}" ] || rm -rf --one-file-system "$root"
 }
 trap 'cleanup "${1:-}"' EXIT
 make_chroot "$root"

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Run the program where there is no OpenCL: its Debian package in an empty Debian 12, as the user nobody, without HOME and
-# where nothing but the output can be written; then beside a driver's file that names no library.
+# Run the program where there is no OpenCL: its Debian package in an empty Debian 12, as the user nobody, without HOME,
+# where no folder for temporary files can be written; then beside a driver's file that names no library.
 #
 # usage: no_driver.sh PACKAGE.deb    (needs root and debootstrap)
 set -euo pipefail
@@ -10,7 +10,7 @@ work=$(mktemp -d)
 root=$work/root
 mkdir -p "$root"
 chmod 755 "$work" "$root"
-trap 'leave_chroot "$root"; rm -rf "$work"' EXIT
+trap 'leave_chroot "$root"; rm -rf --one-file-system "$work"' EXIT
 make_chroot "$root"
 cp "$1" "$root/sherd.deb"
 cp data/amphora.ply "$root/amphora.ply"
@@ -23,7 +23,7 @@ fi
 
 as_nobody() { chroot --userspec=65534:65534 "$root" env -i PATH=/usr/bin:/bin "$@"; }
 install -d -o 65534 -g 65534 "$root/out"
-chmod 755 "$root/tmp"  # nobody may not write there
+chmod 755 "$root/tmp" "$root/var/tmp"  # nobody may not write there
 breaks() {
   rm -rf "$root/out/pieces"
   as_nobody /usr/bin/sherd fracture /amphora.ply -o /out/pieces --pieces 8 --resolution 64 "$@"
