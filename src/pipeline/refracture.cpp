@@ -23,6 +23,7 @@ Solid fragmentSolid(const FinishedFracture& finished, int id) {
   }
   blocks.exteriorBand.assign(blocks.exteriorBand.size(), 0);
   Solid fragment = finished.solid;
+  fragment.region = nullptr;  // it holds for the whole
   fragment.blocks = std::make_shared<const LeafBlocks>(std::move(blocks));
   measureVoxels(fragment);
   return fragment;

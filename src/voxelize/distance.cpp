@@ -139,6 +139,12 @@ FloatGridPtr levelSetOf(const Filling& filling, const GridFrame& frame, const Pr
   return grid;
 }
 
+std::function<float(const openvdb::Coord&)> valuesOf(ConstFloatGridPtr grid) {
+  return [grid, values = grid->getConstAccessor()](const openvdb::Coord& voxel) {
+    return values.getValue(voxel);
+  };
+}
+
 void addVoxels(FloatGrid& grid, LeafBlocks& blocks, std::span<const std::size_t> voxelIndices) {
   const float depth = -worldFromVoxels(kLeastDepthVoxels, frameOf(grid));
   FloatGrid::Accessor accessor = grid.getAccessor();

@@ -20,6 +20,10 @@ using FloatGridPtr = std::shared_ptr<openvdb::FloatGrid>;
 [[nodiscard]] FloatGridPtr levelSetOf(const Filling& filling, const GridFrame& frame,
                                       const Progress* progress);
 
+/// Returns a function that reads values of a grid, fastest of voxels near the one before.  Use it
+/// from one thread.
+[[nodiscard]] std::function<float(const openvdb::Coord&)> valuesOf(ConstFloatGridPtr grid);
+
 /// Makes exterior band voxels inside voxels, at the least depth that an inside voxel may have.
 ///   grid, blocks  of one solid; both are updated
 ///   voxelIndices  of exterior band voxels

@@ -36,9 +36,30 @@ Filling shellOf(const TriangleMesh& mesh, const SolidOptions& options, double vo
   Filling out{.fill = Fill::shell,
               .reason = std::move(reason),
               .surface = std::make_shared<TriangleTree>(mesh),
-              .isInside = {}};
+              .isInside = {},
+              .contains = {}};
   out.halfThickness = 0.5 * shellVoxels(options, voxelSize);
+  // A thickness in voxels is another one at each resolution; the points of this layer are not.
+  const double reach =
+      options.shellThickness > 0.0 ? out.halfThickness : kSurfaceLayer * longestSide(bounds(mesh));
+  out.contains = [surface = out.surface, reach](const glm::dvec3& p) {
+    return surface->nearest(p, reach).triangle != TriangleTree::kNone;
+  };
   return out;
+}
+
+// Returns the classification of points where each triangle separates inside from outside: that of
+// the nearest voxel center, toggled by each triangle in between.
+template <class Centers>
+std::function<bool(const glm::dvec3&)> alternating(std::shared_ptr<const Centers> centers,
+                                                   std::shared_ptr<const TriangleTree> tree) {
+  return [centers = std::move(centers), tree = std::move(tree)](const glm::dvec3& p) {
+    const openvdb::Coord voxel(static_cast<int>(std::lround(p.x)),
+                               static_cast<int>(std::lround(p.y)),
+                               static_cast<int>(std::lround(p.z)));
+    const bool isOdd = tree->entries({voxel.x(), voxel.y(), voxel.z()}, p) % 2 != 0;
+    return centers->isInside(voxel) != isOdd;
+  };
 }
 
 Filling windingOf(const SearchedMesh& mesh, std::string reason, const Progress* progress) {
@@ -47,7 +68,13 @@ Filling windingOf(const SearchedMesh& mesh, std::string reason, const Progress* 
   Filling out{.fill = Fill::winding,
               .reason = std::move(reason),
               .surface = mesh.tree,
-              .isInside = [winding](const openvdb::Coord& c) { return winding->isInside(c); }};
+              .isInside = [winding](const openvdb::Coord& c) { return winding->isInside(c); },
+              .contains =
+                  [tree = mesh.tree, caps = winding->capTree()](const glm::dvec3& p) {
+                    // The closed mesh's winding number is whole, which sums of dipoles are not.
+                    const double ofCaps = caps->winding(p);
+                    return std::round(tree->winding(p) + ofCaps) - ofCaps >= 0.5;
+                  }};
   if (winding->isSimple()) return out;
   TriangleMesh surface = exposedSurface(mesh.mesh, *winding, progress);
   if (!mesh.caps.triangles.empty()) {
@@ -101,18 +128,21 @@ Filling fillingOf(const FillChoice& choice, const SearchedMesh& mesh, const Tria
       return shellOf(original, options, voxelSize, choice.reason);
     case Fill::parity: {
       const TriangleMesh whole = joined(mesh.mesh, coneCaps(mesh.mesh));
-      const auto columns = std::make_shared<Winding>(whole, Winding::Rule::parity, progress);
+      const auto columns = std::make_shared<const Winding>(whole, Winding::Rule::parity, progress);
+      const auto tree = std::make_shared<const TriangleTree>(whole);
       return {.fill = Fill::parity,
               .reason = choice.reason,
-              .surface = std::make_shared<TriangleTree>(whole),
-              .isInside = [columns](const openvdb::Coord& c) { return columns->isInside(c); }};
+              .surface = tree,
+              .isInside = [columns](const openvdb::Coord& c) { return columns->isInside(c); },
+              .contains = alternating<Winding>(columns, tree)};
     }
     case Fill::flood: {
-      const auto flooded = std::make_shared<FloodedBox>(mesh.mesh, progress);
+      const auto flooded = std::make_shared<const FloodedBox>(mesh.mesh, progress);
       return {.fill = Fill::flood,
               .reason = choice.reason,
               .surface = mesh.tree,
-              .isInside = [flooded](const openvdb::Coord& c) { return flooded->isInside(c); }};
+              .isInside = [flooded](const openvdb::Coord& c) { return flooded->isInside(c); },
+              .contains = alternating<FloodedBox>(flooded, mesh.tree)};
     }
     case Fill::winding:
     case Fill::automatic:  // not a choice

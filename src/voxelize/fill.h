@@ -13,6 +13,10 @@
 
 namespace sherd {
 
+/// Depth of a layer at a surface, as a share of the longest side of the mesh's box: seeds of the
+/// surface, and of a shell whose thickness is in voxels, lie in it.
+inline constexpr double kSurfaceLayer = 1.0 / 256;
+
 /// A mesh with the data that several steps share.
 struct SearchedMesh {
   TriangleMesh mesh;
@@ -28,6 +32,9 @@ struct Filling {
   std::shared_ptr<const TriangleTree> surface;  ///< the solid's distances are to this surface
 
   std::function<bool(const openvdb::Coord&)> isInside;  ///< of a voxel's center; empty for a shell
+  std::function<bool(const glm::dvec3&)> contains;      ///< of any point; of a shell whose
+                                                        ///< thickness is in voxels, a layer that
+                                                        ///< every resolution has
 
   double halfThickness = 0.0;  ///< of a shell, voxels: points nearer to the surface are inside
 };

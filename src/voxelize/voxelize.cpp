@@ -14,6 +14,7 @@
 #include "voxelize/bridges.h"
 #include "voxelize/distance.h"
 #include "voxelize/fill.h"
+#include "voxelize/region.h"
 #include "voxelize/walls.h"
 
 namespace sherd {
@@ -155,6 +156,9 @@ Solid voxelize(const TriangleMesh& source, const SolidOptions& options, const Pr
     solid.blocks = std::make_shared<const LeafBlocks>(std::move(blocks));
     report.bridges = bridges.size();
     solid.distance = distance;
+    const Box box = bounds(source);
+    solid.region = std::make_shared<const SolidRegion>((box.max - box.min) / voxelSize,
+                                                       filling.surface, filling.contains);
     measureVoxels(solid);
   }
   if (solid.voxels == 0) {

@@ -1,0 +1,34 @@
+// What a solid was made from: decides about points of space, whatever the voxels.
+#include "voxelize/region.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/common.hpp>
+#include <limits>
+
+#include "mesh/nearest_on_triangle.h"
+
+namespace sherd {
+
+glm::dvec3 SolidRegion::onSurface(const glm::dvec3& anywhere) const {
+  constexpr double kFar = 1e9;  // voxels; squares of more could overflow
+  const glm::dvec3 point = glm::clamp(anywhere, -kFar, kFar);
+  const TriangleTree::Nearest nearest =
+      surface_->nearest(point, std::numeric_limits<double>::infinity());
+  if (nearest.triangle == TriangleTree::kNone) return point;
+  const std::array<glm::dvec3, 3> t = surface_->corners(nearest.triangle);
+  return nearestOnTriangle(point, t[0], t[1], t[2]);
+}
+
+std::optional<glm::dvec3> SolidRegion::firstHit(const glm::dvec3& origin,
+                                                const glm::dvec3& direction) const {
+  // The longest component becomes 1, so that nothing overflows.
+  const glm::dvec3 along =
+      direction / std::max({std::abs(direction.x), std::abs(direction.y), std::abs(direction.z)});
+  const double at = surface_->firstHit(origin, along, 0.0);
+  if (!std::isfinite(at)) return {};
+  return origin + at * along;
+}
+
+}  // namespace sherd

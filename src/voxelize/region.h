@@ -1,0 +1,47 @@
+// What a solid was made from: decides about points of space, whatever the voxels.
+#pragma once
+
+#include <sherd/solid.h>
+
+#include <functional>
+#include <glm/vec3.hpp>
+#include <memory>
+#include <optional>
+
+#include "mesh/triangle_tree.h"
+
+namespace sherd {
+
+/// The inside of a mesh.  Points are in the index space of the solid.  Thread-safe.
+class SolidRegion {
+ public:
+  ///   sides     of the mesh's box, voxels; its low corner is that of voxel (0,0,0)
+  ///   surface   bounds the region
+  ///   contains  of a point
+  SolidRegion(const glm::dvec3& sides, std::shared_ptr<const TriangleTree> surface,
+              std::function<bool(const glm::dvec3&)> contains)
+      : sides_(sides), surface_(std::move(surface)), contains_(std::move(contains)) {}
+
+  [[nodiscard]] const glm::dvec3& sides() const { return sides_; }
+
+  [[nodiscard]] bool contains(const glm::dvec3& point) const { return contains_(point); }
+
+  /// Returns whether the surface is less than `reach` away.
+  [[nodiscard]] bool isWithin(const glm::dvec3& point, double reach) const {
+    return surface_->nearest(point, reach).triangle != TriangleTree::kNone;
+  }
+
+  /// Returns the point of the surface that is nearest.
+  [[nodiscard]] glm::dvec3 onSurface(const glm::dvec3& point) const;
+
+  /// Returns where a ray first meets the surface.
+  [[nodiscard]] std::optional<glm::dvec3> firstHit(const glm::dvec3& origin,
+                                                   const glm::dvec3& direction) const;
+
+ private:
+  glm::dvec3 sides_;
+  std::shared_ptr<const TriangleTree> surface_;
+  std::function<bool(const glm::dvec3&)> contains_;
+};
+
+}  // namespace sherd
