@@ -5,15 +5,18 @@
 // One work-item takes items i, i + all, ... (item = fracture * leafCount + leaf); any work-group size.
 // Reference: tests/kernels/growths_test.cpp, bit for bit.
 
-// Returns a lower (side -1) or upper (side 1) bound of the distance from any voxel of a leaf to a seed.  Differences
-// are doubled so that the center of a leaf is an integer; per axis no voxel is further than 7 from it (doubled).
-inline long leaf_bound(const struct sherd_metric* metric, const int4 doubledCenter, const int4 seed, const int side) {
-  const long x = doubledCenter.x - 2 * seed.x, y = doubledCenter.y - 2 * seed.y, z = doubledCenter.z - 2 * seed.z;
+// All points are in steps of 1/64 voxel (SHERD_SEED_BITS).
+#define NEAREST_VOXEL (1 << SHERD_SEED_BITS)
+
+// Returns a lower (side -1) or upper (side 1) bound of the distance from any voxel of a leaf to a seed.  Per axis no
+// voxel is farther than 3.5 from the center.
+inline long leaf_bound(const struct sherd_metric* metric, const int4 center, const int4 seed, const int side) {
+  const long x = center.x - seed.x, y = center.y - seed.y, z = center.z - seed.z;
   long a[3];
   for (int i = 0; i < 3; ++i) {
     const long q = sherd_row(metric, i, x, y, z);
     const long slack =
-        7l * (abs(metric->row[3 * i]) + abs(metric->row[3 * i + 1]) + abs(metric->row[3 * i + 2]));
+        7l * (NEAREST_VOXEL / 2) * (abs(metric->row[3 * i]) + abs(metric->row[3 * i + 1]) + abs(metric->row[3 * i + 2]));
     a[i] = max((long)abs(q) + side * slack, 0l);
   }
   return sherd_norm(metric->kind, a[0], a[1], a[2]);
@@ -24,12 +27,12 @@ struct leaf_seeds {
   const global int4* seed;
   uint first, last;
   int4 low;            // lowest voxel of the leaf
-  int4 doubledCenter;
+  int4 center;         // of the leaf
   long bound;          // of the distance of any of its voxels to the nearest seed
 };
 
 inline int may_be_nearest(const struct sherd_metric* metric, const struct leaf_seeds* seeds, const uint s) {
-  return leaf_bound(metric, seeds->doubledCenter, seeds->seed[s], -1) <= seeds->bound;
+  return leaf_bound(metric, seeds->center, seeds->seed[s], -1) <= seeds->bound;
 }
 
 // Returns the only seed that may be nearest to a voxel of the leaf, `last` if there is not one.
@@ -46,13 +49,16 @@ inline uint only_seed(const struct sherd_metric* metric, const struct leaf_seeds
 // Compares a seed with the nearest seed so far of each voxel of a leaf.
 inline void compare_seed(const struct sherd_metric* metric, const int4 at, const int4 low, const ulong* mask,
                          long* best, ushort* label) {
+  const long step[3] = {NEAREST_VOXEL * metric->row[2], NEAREST_VOXEL * metric->row[5],
+                        NEAREST_VOXEL * metric->row[8]};  // a voxel along z: a column of the matrix
   for (int row = 0; row < 64; ++row) {
     if (!((mask[row >> 3] >> (8 * (row & 7))) & 0xff)) continue;
-    const int x = low.x + (row >> 3) - at.x, y = low.y + (row & 7) - at.y, z = low.z - at.z;
+    const int x = NEAREST_VOXEL * (low.x + (row >> 3)) - at.x, y = NEAREST_VOXEL * (low.y + (row & 7)) - at.y,
+              z = NEAREST_VOXEL * low.z - at.z;
     const long a = sherd_row(metric, 0, x, y, z), b = sherd_row(metric, 1, x, y, z), c = sherd_row(metric, 2, x, y, z);
-    for (int k = 0; k < 8; ++k) {  // the next voxel adds a column of the matrix
-      const long d = sherd_norm(metric->kind, (long)abs(a + k * metric->row[2]), (long)abs(b + k * metric->row[5]),
-                                (long)abs(c + k * metric->row[8]));
+    for (int k = 0; k < 8; ++k) {  
+      const long d = sherd_norm(metric->kind, (long)abs(a + k * step[0]), (long)abs(b + k * step[1]),
+                                (long)abs(c + k * step[2]));
       const int v = 8 * row + k;
       if (d < best[v]) {  // strict: ties stay with the lower label
         best[v] = d;
@@ -69,13 +75,15 @@ kernel void nearest(
     const global int4* restrict origin,       // [leafCount]    lowest voxel, w unused
     const uint leafCount,
     const uint items,
-    const global int4* restrict seed,         // [seeds]        voxel, w the label; ascending by label in a fracture
+    const global int4* restrict seed,         // [seeds]        point, w the label; ascending by label in a fracture
     const global uint* restrict firstSeed,    // [fractures+1]
     const struct sherd_metric metric,
     global ushort* restrict owner,            // [items*512]    out: 1.. inside, 0 outside
-    global uint* restrict cost,               // [items*512]    out, when keepCost: distance >> metric.shift
+    global uint* restrict cost,               // [items*512]    out, when keepCost: distance in voxels, squared if
+                                              // Euclidean, >> metric.shift
     const uint keepCost)
 {
+  const int shift = metric.shift + (metric.kind == SHERD_EUCLIDEAN ? 2 : 1) * SHERD_SEED_BITS;
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
     const uint leaf = (uint)(item % leafCount);
     ulong mask[SHERD_LEAF_WORDS];
@@ -90,9 +98,9 @@ kernel void nearest(
       continue;
     }
     struct leaf_seeds seeds = {seed, firstSeed[item / leafCount], firstSeed[item / leafCount + 1], origin[leaf],
-                               2 * origin[leaf] + 7, LONG_MAX};
+                               NEAREST_VOXEL * origin[leaf] + 7 * NEAREST_VOXEL / 2, LONG_MAX};
     for (uint s = seeds.first; s < seeds.last; ++s) {
-      seeds.bound = min(seeds.bound, leaf_bound(&metric, seeds.doubledCenter, seed[s], 1));
+      seeds.bound = min(seeds.bound, leaf_bound(&metric, seeds.center, seed[s], 1));
     }
     const uint only = only_seed(&metric, &seeds);  // inside a Voronoi cell
     if (only != seeds.last && !keepCost) {
@@ -110,7 +118,7 @@ kernel void nearest(
     }
     for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
       owners[v] = is_set(mask, v) ? label[v] : (ushort)0;
-      if (keepCost) cost[item * SHERD_LEAF_SIZE + v] = is_set(mask, v) ? (uint)(best[v] >> metric.shift) : 0u;
+      if (keepCost) cost[item * SHERD_LEAF_SIZE + v] = is_set(mask, v) ? (uint)(best[v] >> shift) : 0u;
     }
   }
 }

@@ -10,6 +10,7 @@
 #define SHERD_CHEBYSHEV 1
 #define SHERD_MANHATTAN 2
 #define SHERD_ANISOTROPY_ONE 64
+#define SHERD_SEED_BITS 6  // points of seeds are in 1/64 voxel
 
 struct sherd_metric {
   int kind;

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <glm/ext/vector_int3_sized.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
 #include <span>
@@ -48,28 +49,46 @@ inline std::int64_t metricOrder(Metric metric, const openvdb::Coord& a, const op
 /// The largest fragment id: `labels.rle` stores id + 1 in 16 bits.
 inline constexpr int kMaxFragments = 65534;
 
-/// A voxel from which a fragment grows.
+/// Steps of a seed's shift in a voxel, and the most of them, so that the point lies within.
+inline constexpr int kSeedSteps = 64, kMostShift = kSeedSteps / 2 - 1;
+
+/// A point from which a fragment grows.
 struct Seed {
-  openvdb::Coord voxel;
+  openvdb::Coord voxel;        ///< an inside voxel, which belongs to the fragment
   std::uint16_t fragment = 0;  ///< 1..kMaxFragments
+  glm::ivec3 shift{0};         ///< of the point from the voxel's center, 1/kSeedSteps voxel, within
+                        ///< kMostShift.  Distances of growths by nearest seed are to the point
   bool operator==(const Seed&) const = default;
 };
+
+/// Returns the point of a seed in index space.
+[[nodiscard]] inline glm::dvec3 pointOf(const Seed& seed) {
+  return glm::dvec3(seed.voxel.x(), seed.voxel.y(), seed.voxel.z()) +
+         glm::dvec3(seed.shift) / static_cast<double>(kSeedSteps);
+}
+
+/// Returns the point in steps of 1/kSeedSteps voxel.
+[[nodiscard]] inline glm::i64vec3 stepsOf(const Seed& seed) {
+  return glm::i64vec3(seed.voxel.x(), seed.voxel.y(), seed.voxel.z()) * std::int64_t{kSeedSteps} +
+         glm::i64vec3(seed.shift);
+}
 
 /// Returns the number of fragments that grow from these seeds, the highest id.
 [[nodiscard]] int fragmentsOf(std::span<const Seed> seeds);
 
 /// How seeds are sampled.
 enum class Sampler {
-  uniform,   ///< every voxel with equal probability
-  halton,    ///< Halton sequence over the solid's box, digits scrambled by the seed
+  uniform,   ///< every point with equal probability
+  halton,    ///< Halton sequence over the mesh's box, digits scrambled by the seed
   gaussian,  ///< normal about the box's center, standard deviation a quarter of the box per axis
   poisson,   ///< dart throwing with a minimum distance that shrinks until all seeds fit
 };
 
-/// Which voxels can be seeds.
+/// Where seeds can be.
 enum class SeedsOn {
-  volume,   ///< all inside voxels
-  surface,  ///< inside voxels with a face neighbor that is not inside
+  volume,   ///< anywhere inside
+  surface,  ///< in inside voxels with a face neighbor that is not inside, at points at most 1/256
+            ///< of the box's longest side deep
 };
 
 /// A ray in world space.
@@ -78,12 +97,12 @@ struct Ray {
   glm::dvec3 direction{0.0, 0.0, -1.0};  ///< any length but 0
 };
 
-/// An impact: seeds scattered about a surface voxel, in the component of that voxel.
+/// An impact: seeds scattered about a point of the surface, in the component there.
 struct Impact {
-  struct Anywhere {};  ///< a random surface voxel
+  struct Anywhere {};  ///< a random point of the surface
 
-  /// The surface voxel: random, the nearest to a point (ties: lowest x, then y, then z), or the
-  /// first inside voxel on a ray.
+  /// The point of the surface: random, the nearest to a point, or the first on a ray.  Without a
+  /// mesh it is the center of a surface voxel (ties: lowest x, then y, then z).
   std::variant<Anywhere, glm::dvec3, Ray> target{};
   /// Seeds.  0: all such impacts share half of the pieces beyond one per component, at least 1
   /// each.
@@ -130,9 +149,14 @@ struct SeedOptions {
 /// impacts and extra ones by the sampler.  Each gets the id of the nearest of the N seeds in its
 /// component, by mergeMetric, ties to the lower id.
 ///
+/// Seeds are drawn as points of the mesh's box, and the mesh decides which are inside, so that
+/// solids of one mesh at several resolutions have the same seeds.  (Solids without a mesh use their
+/// voxels and the box of these.)  A seed has random numbers of its own: where one has to be drawn
+/// again, such as in a wall that the voxels do not resolve, the others stay.
+///
 /// An impact scatters its seeds by a normal distribution (a sum of uniforms), truncated to free
-/// voxels of its component; the distribution is widened where most of these are taken.  Halton and
-/// gaussian sampling are limited to a number of attempts per seed, after which the rest is uniform.
+/// voxels of its component; the distribution is widened where most of these are taken.  The number
+/// of draws is limited; what they do not find is a random free voxel.
 ///   return  [N, ascending by fragment id][merged][extra]
 ///   throws  Error(usage) more seeds than voxels, more fragments than kMaxFragments, impacts that
 ///           do not fit in pieces or in their component, a ray that misses, a value out of range
@@ -142,9 +166,9 @@ struct SeedOptions {
 [[nodiscard]] std::vector<Seed> placeSeeds(const Solid& solid, const VoxelComponents& components,
                                            const SeedOptions& options);
 
-/// Converts points to seeds.  In the order given, each moves to the nearest free inside voxel
-/// within 2 voxels (ties: lowest x, then y, then z).  A component without a seed gets one with a
-/// new id, at the position that placeSeeds uses.
+/// Converts points to seeds.  In the order given, each takes the nearest free inside voxel within 2
+/// voxels (ties: lowest x, then y, then z), and moves into it.  A component without a seed gets one
+/// with a new id, at the position that placeSeeds uses.
 ///   points  ids 1..n without gaps; all seeds of one id in one component
 ///   seed    random seed for the components without a seed
 ///   return  [fragments, ascending by id: the first seed of each][the others, in the order given]

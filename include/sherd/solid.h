@@ -196,6 +196,8 @@ struct SolidReport {
   std::uint64_t bridges = 0;  ///< voxels added where those of a wall share only an edge or corner
 };
 
+class SolidRegion;
+
 /// A solid, read-only once returned.
 struct Solid {
   GridFrame frame;

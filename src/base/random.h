@@ -22,8 +22,10 @@ enum class Stage : std::uint64_t {
   seedVoxel = 1,
   componentSeed = 2,
   fragmentId = 3,
+  seedPoint = 4,
   erosion = 16,
   reseed = 20,
+  reseedPoint = 21,
   noise = 22,
   refracture = 23,
   haltonDigit = 32,
@@ -33,6 +35,7 @@ enum class Stage : std::uint64_t {
   impactSeed = 36,  // derives a seed per impact, used by the next two
   impactOffset = 37,
   impactRest = 38,
+  impactVoxel = 39,
   convexitySample = 64,
   fitFragment = 65,  // derives a seed per fragment, 0: the whole, for points and the next
   fitSpace = 66,

@@ -115,8 +115,8 @@ Json contactsJson(const Fragment& fragment, std::map<int, double> boundaries) {
 std::vector<Json> seedPositions(const FractureResult& result) {
   std::vector<Json> positions(result.fragments.size(), Json::array());
   for (const Seed& seed : result.seeds) {
-    const openvdb::Coord& v = seed.voxel;
-    positions[seed.fragment - 1u].push_back(jsonOf(result.solid.frame.worldFromIndex(v)));
+    positions[seed.fragment - 1u].push_back(
+        jsonOf(result.solid.frame.worldFromIndex(pointOf(seed))));
   }
   return positions;
 }

@@ -77,10 +77,10 @@ void writeSeeds(const OutputFile& file, std::span<const Seed> seeds, const Solid
   std::string text = "{\n \"schema\": \"" + std::string(kSchema) + "\",\n \"seeds\": [";
   const char* separator = "\n";
   for (const Seed& seed : seeds) {
-    const glm::dvec3 center = solid.frame.worldFromIndex(seed.voxel);
+    const glm::dvec3 point = solid.frame.worldFromIndex(pointOf(seed));
     // Adding zero replaces -0 by 0.
     const Json entry = {{"fragment", seed.fragment},
-                        {"position", {center.x + 0.0, center.y + 0.0, center.z + 0.0}}};
+                        {"position", {point.x + 0.0, point.y + 0.0, point.z + 0.0}}};
     text += separator + ("  " + entry.dump());
     separator = ",\n";
   }

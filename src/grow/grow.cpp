@@ -11,6 +11,7 @@
 #include "grow/relief.h"
 #include "grow/rough.h"
 #include "grow/seed_kernel.h"
+#include "grow/settle.h"
 #include "voxelize/leaf_blocks.h"
 
 namespace sherd {
@@ -32,6 +33,11 @@ void check(const GrowOptions& options) {
 double tenthOfSide(const LeafBlocks& blocks) {
   const openvdb::Coord dims = insideBox(blocks).dims();
   return std::max({dims.x(), dims.y(), dims.z()}) / 10.0;
+}
+
+sherd_metric metricOf(const GrowOptions& options) {
+  const Metric metric = ruleOf(options.growth).usesMetric ? options.metric : Metric::euclidean;
+  return metricFor(metric, options.anisotropy);
 }
 
 // State of the growth of one batch of fractures.
@@ -59,10 +65,7 @@ struct Growing {
   }
 
   const GrowthRule& rule() const { return ruleOf(options.growth); }
-
-  sherd_metric metric() const {
-    return metricFor(rule().usesMetric ? options.metric : Metric::euclidean, options.anisotropy);
-  }
+  sherd_metric metric() const { return metricOf(options); }
 
   void growFirst() {
     if (rule().kernel != nullptr) {
@@ -220,7 +223,11 @@ std::size_t fracturesAtOnce(const LeafBlocks& blocks, const Device& device) {
 std::vector<Labels> growBatch(const std::shared_ptr<const LeafBlocks>& blocks,
                               std::span<const std::vector<Seed>> seedSets, Device& device,
                               const GrowOptions& options, const Progress* progress) {
-  const SeedTable table = tableOf(*blocks, seedSets);
+  std::vector<std::vector<Seed>> settledSets(seedSets.begin(), seedSets.end());
+  if (ruleOf(options.growth).kernel != nullptr) {
+    for (std::vector<Seed>& seeds : settledSets) seeds = settled(seeds, metricOf(options));
+  }
+  const SeedTable table = tableOf(*blocks, settledSets);
   GrowthState state(*blocks, seedSets.size(), implOf(device), options.tuning.workGroupSize);
   Growing growing{state, table, options, progress};
   Flood last = growAll(growing);
@@ -229,7 +236,7 @@ std::vector<Labels> growBatch(const std::shared_ptr<const LeafBlocks>& blocks,
     all[f].blocks = blocks;
     all[f].fragmentCount = fragmentsOf(seedSets[f]);
     if (!givesVoronoiCells(options)) continue;
-    all[f].sites = {{seedSets[f].begin(), seedSets[f].end()}, options.anisotropy};
+    all[f].sites = {std::move(settledSets[f]), options.anisotropy};
   }
   return all;
 }

@@ -55,6 +55,7 @@ class GrowthState {
 struct SeedTable {
   std::vector<std::uint32_t> item;
   std::vector<std::uint16_t> offset, label;
+  std::vector<glm::ivec3> shift;
   std::vector<bool> primary;  ///< the first of its fragment in its seed set
 };
 

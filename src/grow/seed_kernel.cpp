@@ -14,19 +14,20 @@ Grown growByKernel(GrowthState& state, const SeedTable& seeds, const char* kerne
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return std::pair(fractureOf(a), seeds.label[a]) < std::pair(fractureOf(b), seeds.label[b]);
   });
-  std::vector<Int4> voxel;
+  std::vector<Int4> point;
   std::vector<std::uint32_t> first(state.fractures + 1, 0);
   for (const std::size_t i : order) {
-    const openvdb::Coord at = seedVoxel(state, seeds, i);
-    voxel.push_back({at.x(), at.y(), at.z(), seeds.label[i]});
+    const Seed seed{seedVoxel(state, seeds, i), seeds.label[i], seeds.shift[i]};
+    const glm::ivec3 at(stepsOf(seed));
+    point.push_back({at.x, at.y, at.z, seed.fragment});
     ++first[fractureOf(i) + 1];
   }
   std::partial_sum(first.begin(), first.end(), first.begin());
-  const DeviceBuffer voxels = uploadBuffer<Int4>(state.device, voxel);
+  const DeviceBuffer points = uploadBuffer<Int4>(state.device, point);
   const DeviceBuffer firsts = uploadBuffer<std::uint32_t>(state.device, first);
   Grown grown{makeBuffer<std::uint16_t>(state.device, state.voxels()),
               makeBuffer<std::uint32_t>(state.device, keepCost ? state.voxels() : 1)};
-  state.run(kernel, state.items, state.inside, state.origin(), state.leafCount, state.items, voxels,
+  state.run(kernel, state.items, state.inside, state.origin(), state.leafCount, state.items, points,
             firsts, metric, grown.labels, grown.cost, static_cast<std::uint32_t>(keepCost));
   state.device.finish();  // the seeds' buffers are released here
   return grown;

@@ -142,7 +142,8 @@ const std::vector<Row> kSeedRows{
      .group = "Seeds",
      .value = V::choice(kSeeds, &SeedOptions::on, names::kSeedsOn),
      .help = "Where seeds may lie",
-     .details = "voxels that seeds are drawn from",
+     .details = "where seeds are drawn: anywhere inside, or at most 1/256 of the longest side "
+                "below the surface",
      .key = "seeds.on",
      .recorded = drawsSeeds,
      .drawn = true},

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -12,6 +13,7 @@
 #include "base/random.h"
 #include "seed/irwin_hall.h"
 #include "seed/ray.h"
+#include "voxelize/region.h"
 
 namespace sherd {
 namespace {
@@ -24,8 +26,10 @@ bool isFinite(const glm::dvec3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-openvdb::Coord centerOnRay(const Ray& ray, std::size_t number, const Solid& solid,
-                           const VoxelIndex& inside, const VoxelIndex& surface) {
+glm::dvec3 pointOf(const openvdb::Coord& voxel) { return {voxel.x(), voxel.y(), voxel.z()}; }
+
+glm::dvec3 centerOnRay(const Ray& ray, std::size_t number, const Solid& solid,
+                       const VoxelIndex& inside, const VoxelIndex& surface) {
   const glm::dvec3 origin = solid.frame.indexFromWorld(ray.origin);
   if (!isFinite(origin)) throw usageError(number, ": its ray's origin must be finite");
   if (!isFinite(ray.direction) || ray.direction == glm::dvec3(0.0)) {
@@ -34,22 +38,41 @@ openvdb::Coord centerOnRay(const Ray& ray, std::size_t number, const Solid& soli
   const std::optional<openvdb::Coord> hit =
       firstVoxelOnRay(inside, solid.box, origin, ray.direction);
   if (!hit) throw usageError(number, ": its ray misses the solid");
-  if (surface.find(*hit)) return *hit;
-  return surface.nearest({hit->x(), hit->y(), hit->z()});  // the ray starts inside
+  if (!solid.region) {
+    return pointOf(surface.find(*hit) ? *hit : surface.nearest(pointOf(*hit)));
+  }
+  const glm::dvec3 toHit = glm::abs(pointOf(*hit) - origin);
+  const bool startsInHit = std::max({toHit.x, toHit.y, toHit.z}) <= 0.5;
+  if (startsInHit && solid.region->contains(origin)) return solid.region->onSurface(origin);
+  const auto met = solid.region->firstHit(origin, ray.direction);
+  return met ? *met : solid.region->onSurface(pointOf(*hit));
 }
 
-openvdb::Coord centerOf(const Impact& impact, std::size_t number, const Solid& solid,
-                        std::uint64_t seed, const VoxelIndex& inside, const VoxelIndex& surface) {
+// Returns a random point of the surface.
+glm::dvec3 anywhere(const Candidates& onSurface, std::uint64_t seed, std::size_t number) {
+  for (std::uint64_t i = 0; i < onSurface.drawsForOne(); ++i) {
+    const glm::dvec3 unit = randomPoint(seed, Stage::impactPosition, drawItem(number, i));
+    const std::optional<Candidate> found = onSurface.inBox(unit);
+    if (found) {
+      return pointOf(Seed{onSurface.voxels().voxelAt(found->key), 0, found->shift});
+    }
+  }
+  const VoxelIndex& voxels = onSurface.voxels();
+  return pointOf(
+      voxels.voxelAt(voxels.at(randomBelow(voxels.total(), seed, Stage::impactVoxel, number))));
+}
+
+glm::dvec3 centerOf(const Impact& impact, std::size_t number, const Solid& solid,
+                    std::uint64_t seed, const VoxelIndex& inside, const Candidates& onSurface) {
   if (const auto* ray = std::get_if<Ray>(&impact.target)) {
-    return centerOnRay(*ray, number, solid, inside, surface);
+    return centerOnRay(*ray, number, solid, inside, onSurface.voxels());
   }
   if (const auto* point = std::get_if<glm::dvec3>(&impact.target)) {
     const glm::dvec3 at = solid.frame.indexFromWorld(*point);
     if (!isFinite(at)) throw usageError(number, ": its point must be finite");
-    return surface.nearest(at);
+    return solid.region ? solid.region->onSurface(at) : pointOf(onSurface.voxels().nearest(at));
   }
-  return surface.voxelAt(
-      surface.at(randomBelow(surface.total(), seed, Stage::impactPosition, number)));
+  return anywhere(onSurface, seed, number);
 }
 
 void checkRanges(const Impact& impact, std::size_t number) {
@@ -63,23 +86,19 @@ void checkRanges(const Impact& impact, std::size_t number) {
   }
 }
 
-// Draws one voxel around the impact's center; nullopt if it is not a candidate in its component.
-std::optional<VoxelKey> drawNear(const AimedImpact& aimedImpact, const glm::dvec3& side,
-                                 std::uint64_t seed, std::uint64_t item,
-                                 const SeedCandidates& candidates) {
-  const VoxelBox& box = candidates.box;
-  openvdb::Coord voxel;
+// Draws one candidate around the impact's center; nullopt if there is none in its component.
+std::optional<Candidate> drawNear(const AimedImpact& aimedImpact, const glm::dvec3& side,
+                                  std::uint64_t seed, std::uint64_t item,
+                                  const SeedCandidates& from) {
+  glm::dvec3 point = aimedImpact.center;
   for (int axis = 0; axis < 3; ++axis) {
-    const double offset = side[axis] * meanOfUniforms(static_cast<std::uint64_t>(aimedImpact.terms),
-                                                      seed, Stage::impactOffset,
-                                                      item * 3 + static_cast<std::uint64_t>(axis));
-    const double at = std::floor(aimedImpact.center[axis] + offset + 0.5);
-    if (at < box.min[axis] || at > box.max[axis]) return {};
-    voxel[axis] = static_cast<int>(at);
+    point[axis] += side[axis] * meanOfUniforms(static_cast<std::uint64_t>(aimedImpact.terms), seed,
+                                               Stage::impactOffset,
+                                               item * 3 + static_cast<std::uint64_t>(axis));
   }
-  const std::optional<VoxelKey> key = candidates.voxels.find(voxel);
-  if (!key || candidates.components.at(*key) != aimedImpact.component) return {};
-  return key;
+  const std::optional<Candidate> found = from.candidates.at(point);
+  if (!found || from.components.at(found->key) != aimedImpact.component) return {};
+  return found;
 }
 
 }  // namespace
@@ -91,14 +110,14 @@ std::vector<AimedImpact> aim(const Solid& solid, const VoxelComponents& componen
   impacts.resize(impacts.size() + static_cast<std::size_t>(options.randomImpacts));
   const std::size_t share = std::max<std::size_t>(
       (pieces - components.count()) / 2 / std::max<std::size_t>(impacts.size(), 1), 1);
-  const openvdb::Coord dims = solid.box.dims();
+  const Candidates onSurface(solid, surface, SeedsOn::surface);
   std::vector<AimedImpact> aimedImpacts;
   for (std::size_t i = 0; i < impacts.size(); ++i) {
     const Impact& impact = impacts[i];
     checkRanges(impact, i);
     AimedImpact aimedImpact;
-    aimedImpact.center = centerOf(impact, i, solid, options.seed, inside, surface);
-    aimedImpact.component = components.at(*inside.find(aimedImpact.center));
+    aimedImpact.center = centerOf(impact, i, solid, options.seed, inside, onSurface);
+    aimedImpact.component = components.at(*inside.find(surface.nearest(aimedImpact.center)));
     aimedImpact.count = impact.count > 0 ? static_cast<std::size_t>(impact.count) : share;
     aimedImpact.merge = impact.merge;
     if (impact.sigma > 0.0) {
@@ -107,7 +126,7 @@ std::vector<AimedImpact> aim(const Solid& solid, const VoxelComponents& componen
       aimedImpact.side = glm::dvec3(kNormalTerms * (impact.sigma / solid.frame.voxelSize));
     } else {
       aimedImpact.terms = impact.bias;
-      aimedImpact.side = {dims.x(), dims.y(), dims.z()};
+      aimedImpact.side = onSurface.sides();
     }
     aimedImpacts.push_back(aimedImpact);
   }
@@ -117,11 +136,11 @@ std::vector<AimedImpact> aim(const Solid& solid, const VoxelComponents& componen
 void scatter(const AimedImpact& aimedImpact, std::size_t number, const SeedCandidates& candidates,
              std::uint64_t seed, Chosen& chosen) {
   const VoxelComponents& components = candidates.components;
-  const std::uint64_t room = candidates.inComponent[aimedImpact.component] -
-                             static_cast<std::uint64_t>(std::count_if(
-                                 chosen.voxels.begin(), chosen.voxels.end(), [&](VoxelKey key) {
-                                   return components.at(key) == aimedImpact.component;
-                                 }));
+  const std::uint64_t room =
+      candidates.inComponent[aimedImpact.component] -
+      static_cast<std::uint64_t>(std::count_if(
+          chosen.all().begin(), chosen.all().end(),
+          [&](const Candidate& each) { return components.at(each.key) == aimedImpact.component; }));
   if (aimedImpact.count > room) {
     throw usageError(number,
                      " needs " + std::to_string(aimedImpact.count) +
@@ -134,19 +153,20 @@ void scatter(const AimedImpact& aimedImpact, std::size_t number, const SeedCandi
   // were, the chance is 1 in 65,536); kMissed misses in a row, that it holds few candidates.
   constexpr int kTaken = 16, kMissed = 4096;
   const std::uint64_t impactSeed = randomBits(seed, Stage::impactSeed, number);
-  const openvdb::Coord dims = candidates.box.dims();
+  const glm::dvec3& sides = candidates.candidates.sides();
   const double sideOfUnit =
       std::sqrt(12.0 * aimedImpact.terms);  // of a standard deviation of one voxel
-  const double widest = 2.0 * sideOfUnit * std::max({dims.x(), dims.y(), dims.z()});
+  const double widest = 2.0 * sideOfUnit * std::max({sides.x, sides.y, sides.z});
   const std::size_t end = chosen.size() + aimedImpact.count;
   glm::dvec3 side = aimedImpact.side;
   int taken = 0, missed = 0;
-  for (std::uint64_t item = 0; chosen.size() < end; ++item) {
+  for (std::uint64_t own = 0, draw = 0; chosen.size() < end; ++draw) {
     if (std::min({side.x, side.y, side.z}) > widest) break;
-    const std::optional<VoxelKey> key = drawNear(aimedImpact, side, impactSeed, item, candidates);
-    if (key && chosen.add(*key)) {
+    const auto found = drawNear(aimedImpact, side, impactSeed, drawItem(own, draw), candidates);
+    if (found && chosen.add(*found)) {
       taken = missed = 0;
-    } else if (++(key ? taken : missed); taken == kTaken || missed == kMissed) {
+      ++own, draw = 0;
+    } else if (++(found ? taken : missed); taken == kTaken || missed == kMissed) {
       side = glm::max(side * 1.25, glm::dvec3(0.5 * sideOfUnit));
       taken = missed = 0;
     }
@@ -155,14 +175,13 @@ void scatter(const AimedImpact& aimedImpact, std::size_t number, const SeedCandi
 
   // A distribution this wide is uniform: take any free voxel of the component.
   std::vector<VoxelKey> freeVoxels;
-  candidates.voxels.forEach([&](VoxelKey key) {
-    if (components.at(key) == aimedImpact.component && !chosen.taken.contains(key))
-      freeVoxels.push_back(key);
+  candidates.candidates.voxels().forEach([&](VoxelKey key) {
+    if (components.at(key) == aimedImpact.component && !chosen.has(key)) freeVoxels.push_back(key);
   });
   for (std::size_t i = 0; chosen.size() < end; ++i) {
     std::swap(freeVoxels[i],
               freeVoxels[i + randomBelow(freeVoxels.size() - i, impactSeed, Stage::impactRest, i)]);
-    chosen.add(freeVoxels[i]);
+    chosen.add(candidates.candidates.ofVoxel(freeVoxels[i]));
   }
 }
 

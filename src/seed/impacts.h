@@ -12,8 +12,8 @@ namespace sherd {
 
 /// An impact with its center, seed count and distribution resolved.
 struct AimedImpact {
-  openvdb::Coord center;        ///< a surface voxel
-  std::uint32_t component = 0;  ///< of the center
+  glm::dvec3 center{0.0};       ///< index space
+  std::uint32_t component = 0;  ///< of the nearest surface voxel
   std::size_t count = 0;        ///< seeds
   glm::dvec3 side{0.0};         ///< offset = side * meanOfUniforms(terms), voxels
   int terms = 0;
@@ -27,10 +27,9 @@ struct AimedImpact {
                                            const SeedOptions& options, std::size_t pieces,
                                            const VoxelIndex& inside, const VoxelIndex& surface);
 
-/// The voxels that impacts may take.
+/// What impacts may take.
 struct SeedCandidates {
-  const VoxelIndex& voxels;
-  const VoxelBox& box;  ///< of the solid
+  const Candidates& candidates;
   const VoxelComponents& components;
   std::span<const std::uint64_t> inComponent;  ///< [components] candidates in each
 };

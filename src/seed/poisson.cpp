@@ -17,33 +17,34 @@ std::int64_t rootRoundedUp(std::int64_t square) {
   return root;
 }
 
-// A hash grid of voxels in cubic cells.  Hash collisions only cost extra distance tests.
+// A hash grid of points in cubic cells.  Hash collisions only cost extra distance tests.
 class CellGrid {
  public:
   CellGrid(std::int64_t side, std::size_t capacity)
       : side_(side), first_(std::bit_ceil(2 * capacity + 1), kNone) {
-    voxels_.reserve(capacity);
+    points_.reserve(capacity);
     next_.reserve(capacity);
   }
 
   std::int64_t side() const { return side_; }
 
-  void add(const openvdb::Coord& voxel) {
-    std::uint32_t& first = first_[bucketOf(cellOf(voxel))];
+  void add(const glm::i64vec3& point) {
+    std::uint32_t& first = first_[bucketOf(cellOf(point))];
     next_.push_back(first);
-    first = static_cast<std::uint32_t>(voxels_.size());
-    voxels_.push_back(voxel);
+    first = static_cast<std::uint32_t>(points_.size());
+    points_.push_back(point);
   }
 
-  // Whether a voxel is nearer than sqrt(square), which is at most the cells' side.
-  bool holdsWithin(const openvdb::Coord& voxel, std::int64_t square) const {
-    const openvdb::Coord cell = cellOf(voxel);
-    if (bucketHoldsWithin(bucketOf(cell), voxel, square)) return true;  // the most frequent case
+  // Whether a point is nearer than sqrt(square), which is at most the cells' side.
+  bool holdsWithin(const glm::i64vec3& point, std::int64_t square) const {
+    const glm::i64vec3 cell = cellOf(point);
+    if (bucketHoldsWithin(bucketOf(cell), point, square)) return true;  // the most frequent case
     for (int dx = -1; dx <= 1; ++dx) {
       for (int dy = -1; dy <= 1; ++dy) {
         for (int dz = -1; dz <= 1; ++dz) {
           if (dx == 0 && dy == 0 && dz == 0) continue;
-          if (bucketHoldsWithin(bucketOf(cell.offsetBy(dx, dy, dz)), voxel, square)) return true;
+          if (bucketHoldsWithin(bucketOf(cell + glm::i64vec3(dx, dy, dz)), point, square))
+            return true;
         }
       }
     }
@@ -53,65 +54,67 @@ class CellGrid {
  private:
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
-  openvdb::Coord cellOf(const openvdb::Coord& voxel) const {
-    openvdb::Coord cell;
+  glm::i64vec3 cellOf(const glm::i64vec3& point) const {
+    glm::i64vec3 cell;
     for (int axis = 0; axis < 3; ++axis) {
-      const std::int64_t c = voxel[axis];
-      cell[axis] = static_cast<int>(c >= 0 ? c / side_ : -((side_ - 1 - c) / side_));
+      const std::int64_t c = point[axis];
+      cell[axis] = c >= 0 ? c / side_ : -((side_ - 1 - c) / side_);
     }
     return cell;
   }
 
-  std::size_t bucketOf(const openvdb::Coord& cell) const {
-    const std::uint64_t hash = static_cast<std::uint64_t>(cell.x()) * 0x9e3779b97f4a7c15u +
-                               static_cast<std::uint64_t>(cell.y()) * 0xc2b2ae3d27d4eb4fu +
-                               static_cast<std::uint64_t>(cell.z());
+  std::size_t bucketOf(const glm::i64vec3& cell) const {
+    const std::uint64_t hash = static_cast<std::uint64_t>(cell.x) * 0x9e3779b97f4a7c15u +
+                               static_cast<std::uint64_t>(cell.y) * 0xc2b2ae3d27d4eb4fu +
+                               static_cast<std::uint64_t>(cell.z);
     return mixed(hash) & (first_.size() - 1);
   }
 
-  bool bucketHoldsWithin(std::size_t bucket, const openvdb::Coord& voxel,
-                         std::int64_t square) const {
+  bool bucketHoldsWithin(std::size_t bucket, const glm::i64vec3& point, std::int64_t square) const {
     for (std::uint32_t i = first_[bucket]; i != kNone; i = next_[i]) {
-      if (metricOrder(Metric::euclidean, voxels_[i], voxel) < square) return true;
+      const glm::i64vec3 apart = points_[i] - point;
+      if (metricOrder(Metric::euclidean, apart.x, apart.y, apart.z) < square) return true;
     }
     return false;
   }
 
   std::int64_t side_;
-  std::vector<std::uint32_t> first_;  // [bucket] newest voxel
-  std::vector<std::uint32_t> next_;   // [voxel] the previous voxel in its bucket
-  std::vector<openvdb::Coord> voxels_;
+  std::vector<std::uint32_t> first_;  // [bucket] newest point
+  std::vector<std::uint32_t> next_;   // [point] the previous one in its bucket
+  std::vector<glm::i64vec3> points_;
 };
 
 }  // namespace
 
-void drawApart(const VoxelIndex& candidates, const VoxelBox& box, std::uint64_t seed,
-               std::size_t end, std::uint64_t& dart, Chosen& chosen) {
+void drawApart(const Candidates& candidates, std::uint64_t seed, std::size_t end,
+               std::uint64_t& dart, Chosen& chosen) {
   constexpr int kMisses = 100;  // in a row: about one dart in fifty would still be accepted
+  constexpr std::uint64_t kMost = 1 << 24;  // darts, those beside the solid included
+  constexpr std::int64_t kLeast = 256;      // a 4096th of the longest side
   const auto gridOf = [&](std::int64_t side) {
     CellGrid grid(side, end);
-    for (const VoxelKey key : chosen.voxels) grid.add(candidates.voxelAt(key));
+    for (const Candidate& each : chosen.all()) grid.add(each.inSpace);
     return grid;
   };
   // The squared distance starts at the box's diagonal and shrinks by a sixteenth.
-  std::int64_t square = metricOrder(Metric::euclidean, box.min, box.max);
+  const glm::i64vec3 sides = candidates.stepsOfBox();
+  std::int64_t square = metricOrder(Metric::euclidean, sides.x, sides.y, sides.z);
   CellGrid grid = gridOf(std::max<std::int64_t>(rootRoundedUp(square), 1));
-  while (square > 1 && chosen.size() < end) {
+  const std::uint64_t last = dart + kMost;
+  while (square > kLeast * kLeast && chosen.size() < end && dart < last) {
     const std::int64_t side = rootRoundedUp(square);
     if (side * 5 < grid.side() * 4) grid = gridOf(side);
-    for (int misses = 0; misses < kMisses && chosen.size() < end; ++dart) {
-      const VoxelKey key =
-          candidates.at(randomBelow(candidates.total(), seed, Stage::poissonDart, dart));
-      const openvdb::Coord voxel = candidates.voxelAt(key);
-      if (grid.holdsWithin(voxel, square)) {
+    for (int misses = 0; misses < kMisses && chosen.size() < end && dart < last; ++dart) {
+      const auto found = candidates.inBox(randomPoint(seed, Stage::poissonDart, dart));
+      if (!found || !chosen.mayTake(*found, end)) continue;
+      if (grid.holdsWithin(found->inSpace, square) || !chosen.add(*found)) {
         ++misses;
         continue;
       }
       misses = 0;
-      chosen.add(key);
-      grid.add(voxel);
+      grid.add(found->inSpace);
     }
-    square -= std::max<std::int64_t>(square / 16, 1);
+    square -= square / 16;
   }
 }
 

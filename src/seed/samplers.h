@@ -4,60 +4,52 @@
 #include <sherd/seeds.h>
 
 #include <cstdint>
-#include <span>
-#include <unordered_set>
-#include <vector>
+#include <functional>
 
-#include "seed/voxel_index.h"
+#include "base/random.h"
+#include "seed/candidates.h"
 
 namespace sherd {
 
-/// The distinct voxels chosen so far, in order.
-struct Chosen {
-  std::vector<VoxelKey> voxels;
-  std::unordered_set<VoxelKey> taken;
+/// Returns a point of the unit cube: items item * 3 .. item * 3 + 2 of a stage.
+[[nodiscard]] inline glm::dvec3 randomPoint(std::uint64_t seed, Stage stage, std::uint64_t item) {
+  return {randomUnit(seed, stage, 3 * item), randomUnit(seed, stage, 3 * item + 1),
+          randomUnit(seed, stage, 3 * item + 2)};
+}
 
-  std::size_t size() const { return voxels.size(); }
-
-  /// Adds a voxel; returns false if it is already chosen.
-  bool add(VoxelKey key) {
-    if (!taken.insert(key).second) return false;
-    voxels.push_back(key);
-    return true;
-  }
-};
-
-/// Returns a random candidate of each component.
-///   inComponent  [components] candidates in each component, all above 0
-[[nodiscard]] std::vector<VoxelKey> onePerComponent(const VoxelIndex& candidates,
-                                                    const VoxelComponents& components,
-                                                    std::span<const std::uint64_t> inComponent,
-                                                    std::uint64_t seed);
+/// The number of a draw: each seed has numbers of its own, so that one that is drawn again moves no
+/// other.
+[[nodiscard]] constexpr std::uint64_t drawItem(std::uint64_t seedNumber, std::uint64_t draw) {
+  return seedNumber << 20 | draw;  // draws are below 2^20
+}
 
 /// Draws seeds with one sampler.  Each call continues the sequence of the previous one.
 class SeedSampler {
  public:
-  /// candidates  the voxels that seeds may take; kept by reference
-  /// box         tight box of the solid
-  SeedSampler(const VoxelIndex& candidates, const VoxelBox& box, Sampler sampler,
-              std::uint64_t seed)
-      : candidates_(candidates), box_(box), sampler_(sampler), seed_(seed) {}
+  ///   candidates  kept by reference
+  SeedSampler(const Candidates& candidates, Sampler sampler, std::uint64_t seed)
+      : candidates_(candidates), sampler_(sampler), seed_(seed) {}
 
-  /// Adds `count` voxels; at least as many must be free.
+  /// Adds `count` candidates; at least as many voxels must be free, and `count` be at least the
+  /// number of components without a candidate.  Each of these gets one: once only as many are left,
+  /// points in other components are refused.  So components need no number that would be another at
+  /// another resolution.  Those too small to be met get a random voxel.
   void draw(std::size_t count, Chosen& chosen);
 
  private:
-  void drawHalton(std::size_t end, Chosen& chosen);
-  void drawGaussian(std::size_t end, Chosen& chosen);
-  void drawUniform(std::size_t end, Chosen& chosen);
-  std::uint64_t maxTries(std::size_t count) const;
+  using PointOf = std::function<glm::dvec3(std::uint64_t item)>;  // of the box; may lie beside it
 
-  const VoxelIndex& candidates_;
-  VoxelBox box_;
+  void drawEach(const PointOf& pointOf, std::size_t end, Chosen& chosen);
+  void drawHalton(std::size_t end, Chosen& chosen);
+  void addAny(std::size_t end, Chosen& chosen);
+
+  const Candidates& candidates_;
   Sampler sampler_;
   std::uint64_t seed_;
-  std::uint64_t next_ = 0;         // random item of the sampler's next draw
-  std::uint64_t nextUniform_ = 0;  // random item of the next uniform draw
+  std::uint64_t next_ = 0;              // item of the next point of Halton's sequence, or dart
+  std::uint64_t nextSeed_ = 0;          // number of the next seed with draws of its own
+  std::uint64_t coverDraws_ = 1 << 18;  // left for components without a seed
+  std::uint64_t nextVoxel_ = 0;         // item of the next voxel that is taken for want of a point
 };
 
 }  // namespace sherd

@@ -64,22 +64,24 @@ void checkRoom(std::size_t pieces, std::size_t further, const VoxelIndex& candid
               volume ? OptionNames{"resolution"} : OptionNames{"resolution", "seeds-on"});
 }
 
-// Returns the chosen voxels as seeds: [those of `ids`, ascending by id][the rest, each with the id
-// of the nearest of the former in its component].
+// Returns the chosen candidates as seeds: [those of `ids`, ascending by id][the rest, each with the
+// id of the nearest of the former in its component].
 std::vector<Seed> withIds(const Chosen& chosen, const std::vector<std::uint16_t>& ids,
-                          const VoxelIndex& candidates, const VoxelComponents& components,
+                          const VoxelIndex& voxels, const VoxelComponents& components,
                           Metric metric) {
   std::vector<Seed> seeds(ids.size());
-  std::vector<std::uint32_t> componentOfSeed(ids.size());
+  std::vector<NearestSeed::Site> sites;
   for (std::size_t i = 0; i < ids.size(); ++i) {
-    seeds[ids[i] - 1u] = {candidates.voxelAt(chosen.voxels[i]), ids[i]};
-    componentOfSeed[ids[i] - 1u] = components.at(chosen.voxels[i]);
+    const Candidate& own = chosen.all()[i];
+    seeds[ids[i] - 1u] = {voxels.voxelAt(own.key), ids[i], own.shift};
+    sites.push_back({own.inSpace, ids[i], components.at(own.key)});
   }
   if (chosen.size() == ids.size()) return seeds;
-  const NearestSeed nearest(seeds, componentOfSeed, components.count(), metric);
+  const NearestSeed nearest(std::move(sites), components.count(), metric);
   for (std::size_t i = ids.size(); i < chosen.size(); ++i) {
-    const openvdb::Coord voxel = candidates.voxelAt(chosen.voxels[i]);
-    seeds.push_back({voxel, nearest.fragmentAt(voxel, components.at(chosen.voxels[i]))});
+    const Candidate& own = chosen.all()[i];
+    seeds.push_back({voxels.voxelAt(own.key),
+                     nearest.fragmentAt(own.inSpace, components.at(own.key)), own.shift});
   }
   return seeds;
 }
@@ -104,11 +106,12 @@ std::vector<Seed> placeSeeds(const Solid& solid, const VoxelComponents& componen
   if (impacts || options.on == SeedsOn::surface) surface = surfaceMask(*solid.blocks);
   const VoxelIndex inside(*solid.blocks, solid.blocks->inside);
   const VoxelIndex onSurface(*solid.blocks, surface);
-  const VoxelIndex& candidates = options.on == SeedsOn::volume ? inside : onSurface;
+  const VoxelIndex& voxels = options.on == SeedsOn::volume ? inside : onSurface;
+  const Candidates candidates(solid, voxels, options.on);
 
   const auto extra = static_cast<std::size_t>(options.extraSeeds) +
                      static_cast<std::size_t>(options.extraSeedsPerPiece) * pieces;
-  checkRoom(pieces, extra, candidates, options);
+  checkRoom(pieces, extra, voxels, options);
   const std::vector<AimedImpact> aimedImpacts =
       impacts ? aim(solid, components, options, pieces, inside, onSurface)
               : std::vector<AimedImpact>{};
@@ -116,25 +119,22 @@ std::vector<Seed> placeSeeds(const Solid& solid, const VoxelComponents& componen
   const std::size_t merged = std::accumulate(
       aimedImpacts.begin(), aimedImpacts.end(), std::size_t{0},
       [](std::size_t sum, const AimedImpact& b) { return sum + (b.merge ? b.count : 0); });
-  checkRoom(pieces, merged + extra, candidates, options);
+  checkRoom(pieces, merged + extra, voxels, options);
 
-  const std::vector<std::uint64_t> room = candidates.countInComponents(components);
+  const std::vector<std::uint64_t> room = voxels.countInComponents(components);
   const auto scatterAll = [&](bool merge, Chosen& chosen) {
     for (std::size_t i = 0; i < aimedImpacts.size(); ++i) {
       if (aimedImpacts[i].merge != merge) continue;
-      scatter(aimedImpacts[i], i, {candidates, solid.box, components, room}, options.seed, chosen);
+      scatter(aimedImpacts[i], i, {candidates, components, room}, options.seed, chosen);
     }
   };
-  SeedSampler sampler(candidates, solid.box, options.sampler, options.seed);
-  Chosen chosen;
-  for (const VoxelKey key : onePerComponent(candidates, components, room, options.seed)) {
-    chosen.add(key);
-  }
+  SeedSampler sampler(candidates, options.sampler, options.seed);
+  Chosen chosen(components);
   scatterAll(/*merge=*/false, chosen);
   sampler.draw(pieces - chosen.size(), chosen);
   scatterAll(/*merge=*/true, chosen);
   sampler.draw(extra, chosen);
-  return withIds(chosen, permutedIds(pieces, options.seed), candidates, components,
+  return withIds(chosen, permutedIds(pieces, options.seed), voxels, components,
                  options.mergeMetric);
 }
 

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
+#include <glm/common.hpp>
 #include <limits>
 
 #include "voxelize/leaf_blocks.h"
@@ -115,6 +117,39 @@ openvdb::Coord VoxelIndex::nearest(const glm::dvec3& point) const {
   for (std::size_t leaf = 0; leaf < blocks_.count(); ++leaf) {
     if (leaf != first && distanceToLeaf(blocks_.origins[leaf], point) <= bestDistance) {
       searchLeaf(leaf);
+    }
+  }
+  return best;
+}
+
+std::optional<VoxelKey> VoxelIndex::nearestWithin(
+    const glm::dvec3& point, double reach, const std::function<bool(VoxelKey)>& accepts) const {
+  constexpr double kBeyond = 1 << 30;  // outside every solid, and still fits an int
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!(std::abs(point[axis]) < kBeyond)) return {};
+  }
+  // Mostly it is the voxel that contains the point, unless that lies on a face.
+  const glm::dvec3 rounded = glm::floor(point + 0.5);
+  const glm::dvec3 off = glm::abs(rounded - point);
+  if (off.x < 0.5 && off.y < 0.5 && off.z < 0.5) {
+    const std::optional<VoxelKey> key = find(
+        {static_cast<int>(rounded.x), static_cast<int>(rounded.y), static_cast<int>(rounded.z)});
+    if (key && accepts(*key)) return key;
+  }
+  const auto low = [&](int axis) { return static_cast<int>(std::ceil(point[axis] - reach)); };
+  const auto high = [&](int axis) { return static_cast<int>(std::floor(point[axis] + reach)); };
+  std::optional<VoxelKey> best;
+  double least = reach * reach;
+  for (int x = low(0); x <= high(0); ++x) {
+    for (int y = low(1); y <= high(1); ++y) {
+      for (int z = low(2); z <= high(2); ++z) {
+        const double square = squared(glm::dvec3(x, y, z) - point);
+        if (square > least || (best && square == least)) continue;
+        const std::optional<VoxelKey> key = find({x, y, z});
+        if (!key || !accepts(*key)) continue;
+        best = key;
+        least = square;
+      }
     }
   }
   return best;

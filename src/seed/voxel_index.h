@@ -5,6 +5,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -36,6 +37,12 @@ class VoxelIndex {
 
   /// Returns the nearest voxel to a point in index space; ties go to the lowest x, then y, then z.
   openvdb::Coord nearest(const glm::dvec3& point) const;
+
+  /// Returns the nearest voxel within `reach` of a point in index space, of those that `accepts`;
+  /// ties as in nearest.
+  std::optional<VoxelKey> nearestWithin(
+      const glm::dvec3& point, double reach,
+      const std::function<bool(VoxelKey)>& accepts = [](VoxelKey) { return true; }) const;
 
   /// Returns the number of the mask's voxels in each component.
   std::vector<std::uint64_t> countInComponents(const VoxelComponents& components) const;

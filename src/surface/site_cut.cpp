@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "grow/metric.h"
+#include "grow/settle.h"
 
 namespace sherd {
 namespace {
@@ -75,25 +76,20 @@ std::size_t haloRow(std::size_t row) {
 
 Sites::Sites(const VoronoiSites& sites) {
   if (sites.seeds.empty()) return;
-  const sherd_metric metric = metricFor(Metric::euclidean, sites.anisotropy);
-  for (std::size_t i = 0; i < 9; ++i) rows_[i] = metric.row[i];
+  metric_ = metricFor(Metric::euclidean, sites.anisotropy);
   std::vector<Seed> seeds = sites.seeds;
   std::stable_sort(seeds.begin(), seeds.end(),
                    [](const Seed& a, const Seed& b) { return a.fragment < b.fragment; });
   first_.assign(std::size_t{seeds.back().fragment} + 2, 0);
   for (const Seed& seed : seeds) {
     ++first_[seed.fragment + 1u];
-    const openvdb::Coord& at = seed.voxel;
-    sites_.push_back({stretched(at), glm::dvec3(at.x(), at.y(), at.z())});
+    sites_.push_back({sherd::stretched(metric_, stepsOf(seed)), pointOf(seed)});
   }
   for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
 }
 
 glm::i64vec3 Sites::stretched(const openvdb::Coord& voxel) const {
-  const auto row = [&](std::size_t i) {
-    return rows_[3 * i] * voxel.x() + rows_[3 * i + 1] * voxel.y() + rows_[3 * i + 2] * voxel.z();
-  };
-  return {row(0), row(1), row(2)};
+  return sherd::stretched(metric_, stepsOf(Seed{voxel}));
 }
 
 std::span<const Sites::Site> Sites::of(std::uint16_t fragment) const {
@@ -107,10 +103,10 @@ double Sites::slope(const glm::i64vec3& a, const glm::i64vec3& b) const {
   for (std::size_t row = 0; row < 3; ++row) {
     for (std::size_t column = 0; column < 3; ++column) {
       gradient[static_cast<int>(column)] +=
-          static_cast<double>(rows_[3 * row + column]) * d[static_cast<int>(row)];
+          static_cast<double>(metric_.row[3 * row + column]) * d[static_cast<int>(row)];
     }
   }
-  return 2.0 * glm::length(gradient);
+  return 2.0 * kSeedSteps * glm::length(gradient);
 }
 
 namespace {
@@ -207,7 +203,7 @@ class SitesOfLeaf {
     const glm::dvec3 voxel(origin_.x() + static_cast<int>(row_[0]) - kCutHalo,
                            origin_.y() + static_cast<int>(row_[1]) - kCutHalo,
                            origin_.z() + static_cast<int>(z) - kCutHalo);
-    const double away = glm::length(voxel - sites_[k][nearest_[k].site[z]].voxel);
+    const double away = glm::length(voxel - sites_[k][nearest_[k].site[z]].point);
     double d = -3.0;
     for (std::size_t i = 0;; ++i) {
       if (i + 1 == withSites_) break;

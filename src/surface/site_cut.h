@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "surface/leaf_labels.h"
+#include "voxel_metric.h"
 
 namespace sherd {
 
@@ -26,14 +27,13 @@ class Sites {
 
   bool empty() const { return first_.empty(); }
 
-  /// Returns a position or difference of voxels, transformed by the anisotropy, in units of the
-  /// metric.
+  /// Returns a position or difference of voxels, transformed by the anisotropy, in steps of seeds.
   glm::i64vec3 stretched(const openvdb::Coord& voxel) const;
 
   /// A seed.
   struct Site {
     glm::i64vec3 stretched{0};
-    glm::dvec3 voxel{0.0};
+    glm::dvec3 point{0.0};  ///< index space
   };
 
   /// Returns the sites of a fragment, possibly none.
@@ -44,7 +44,7 @@ class Sites {
   double slope(const glm::i64vec3& a, const glm::i64vec3& b) const;
 
  private:
-  std::array<std::int64_t, 9> rows_{};
+  sherd_metric metric_{};
   std::vector<std::uint32_t> first_;  // [ids+2] into sites_, or empty
   std::vector<Site> sites_;
 };

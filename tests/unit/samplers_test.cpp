@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "unit/seeds_fixture.h"
 
@@ -85,8 +86,8 @@ TEST_F(Samplers, HaltonIsMoreEvenThanUniform) {
 }
 
 // 2^k successive numbers of the base 2 inverse lie one in each of 2^k intervals, however their
-// digits are permuted; the same along y with 27 and along z with 25 intervals.  One more seed is
-// the part's own.
+// digits are permuted; the same along y with 27 and along z with 25 intervals.  One seed more
+// than intervals is drawn.
 TEST_F(Samplers, HaltonHasOnePointInEachInterval) {
   constexpr std::array<int, 3> kSides{32, 27, 25};
   const ShapeSolid solid = make(voxel_shapes::solidWhere("box", 32, [&](const Coord& v) {
@@ -117,8 +118,7 @@ double sumOfTwelveBelow(double t) {
 }
 
 // Along each axis a seed's place is normal (as 12 uniforms are) about the middle with a quarter of
-// the side as standard deviation, given that it lies within; but one seed of the 50 is the part's,
-// which is uniform.  (A seed that meets a taken voxel is drawn anew.  On average 25 are taken of
+// the side as standard deviation, given that it lies within.  (A seed that meets a taken voxel is drawn anew.  On average 25 are taken of
 // 110,592, where the density squared integrates to 1.9: 4 seeds in 10,000, far below the 3 % that
 // 1,250 seeds in an eighth resolve.)
 TEST_F(Samplers, GaussianIsNormalAboutTheMiddle) {
@@ -129,7 +129,7 @@ TEST_F(Samplers, GaussianIsNormalAboutTheMiddle) {
   for (std::size_t i = 0; i < 8; ++i) {
     const double low = static_cast<double>(i) / 8, high = static_cast<double>(i + 1) / 8;
     const double normal = (below(high) - below(low)) / (below(1) - below(0));
-    share[i] = ((kPieces - 1) * normal + 1.0 / 8) / kPieces;
+    share[i] = normal;
   }
   std::array<std::array<double, 8>, 3> hits{};
   std::array<double, 3> sum{}, squares{};
@@ -154,7 +154,7 @@ TEST_F(Samplers, GaussianIsNormalAboutTheMiddle) {
   for (int v = 0; v < 2 * kHalf; ++v) {
     const double low = v / (2.0 * kHalf), high = (v + 1) / (2.0 * kHalf);
     const double normal = (below(high) - below(low)) / (below(1) - below(0));
-    const double p = ((kPieces - 1) * normal + (high - low)) / kPieces;
+    const double p = normal;
     const double fromMiddle = (low + high) / 2 - 0.5;
     variance += p * fromMiddle * fromMiddle;
     fourth += p * std::pow(fromMiddle, 4);
@@ -168,11 +168,11 @@ TEST_F(Samplers, GaussianIsNormalAboutTheMiddle) {
   }
 }
 
-std::int64_t leastSquaredDistance(const std::vector<Seed>& seeds) {
-  std::int64_t least = std::numeric_limits<std::int64_t>::max();
+double leastDistance(const std::vector<Seed>& seeds) {
+  double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < seeds.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k) {
-      least = std::min(least, metricOrder(Metric::euclidean, seeds[i].voxel, seeds[k].voxel));
+      least = std::min(least, apart(Metric::euclidean, seeds[i], seeds[k]));
     }
   }
   return least;
@@ -180,20 +180,12 @@ std::int64_t leastSquaredDistance(const std::vector<Seed>& seeds) {
 
 // The distance shrinks only after 100 misses in a row.  Were a tenth of the solid still farther
 // than it from all seeds, that would happen once in 38,000 times.  So when it last shrank, n balls
-// of the squared radius before covered nine tenths, and it shrank by a sixteenth (at least 1).
-std::int64_t leastSquaredDistanceFor(std::uint64_t voxels, std::uint64_t seeds) {
-  const auto voxelsNearer = [](int square) {
-    std::uint64_t count = 0;
-    for (int x = -40; x <= 40; ++x) {
-      for (int y = -40; y <= 40; ++y) {
-        for (int z = -40; z <= 40; ++z) count += x * x + y * y + z * z < square ? 1 : 0;
-      }
-    }
-    return count;
-  };
-  int square = 1;
-  while (10 * seeds * voxelsNearer(square) < 9 * voxels) ++square;
-  return square - std::max(square / 16, 1);
+// of the radius before covered nine tenths of the voxels, and its square shrank by a sixteenth.  A
+// seed's point is rounded by 1/128 voxel along each axis.
+double leastDistanceFor(std::uint64_t voxels, std::uint64_t seeds) {
+  const double ball = 0.9 * static_cast<double>(voxels) / static_cast<double>(seeds);
+  const double radius = std::cbrt(ball / (4.0 / 3.0 * std::numbers::pi));
+  return radius * std::sqrt(15.0 / 16.0) - 3.0 / 64;
 }
 
 TEST_F(Samplers, PoissonKeepsSeedsApart) {
@@ -201,20 +193,17 @@ TEST_F(Samplers, PoissonKeepsSeedsApart) {
     const ShapeSolid solid = make(shape);
     for (const int pieces : {10, 100, 500}) {
       SeedOptions options{.pieces = pieces, .seed = 5, .sampler = Sampler::poisson};
-      const std::int64_t apart =
-          leastSquaredDistance(placeSeeds(solid.solid, solid.components, options));
-      EXPECT_GE(apart,
-                leastSquaredDistanceFor(solid.solid.voxels, static_cast<std::uint64_t>(pieces)));
+      const double least = leastDistance(placeSeeds(solid.solid, solid.components, options));
+      EXPECT_GE(least, leastDistanceFor(solid.solid.voxels, static_cast<std::uint64_t>(pieces)));
       options.sampler = Sampler::uniform;
-      EXPECT_GT(apart, leastSquaredDistance(placeSeeds(solid.solid, solid.components, options)));
+      EXPECT_GT(least, leastDistance(placeSeeds(solid.solid, solid.components, options)));
       // On the surface, and with seeds that shape.
       options.sampler = Sampler::poisson;
       options.on = SeedsOn::surface;
       options.extraSeeds = pieces / 2;
-      const std::int64_t more =
-          leastSquaredDistance(placeSeeds(solid.solid, solid.components, options));
+      const double more = leastDistance(placeSeeds(solid.solid, solid.components, options));
       options.sampler = Sampler::uniform;
-      EXPECT_GT(more, leastSquaredDistance(placeSeeds(solid.solid, solid.components, options)));
+      EXPECT_GT(more, leastDistance(placeSeeds(solid.solid, solid.components, options)));
     }
   }
 }
