@@ -8,10 +8,12 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <set>
 #include <string>
 
 #include "base/random.h"
+#include "seed/samplers.h"
 #include "voxelize/leaf_blocks.h"
 
 namespace sherd {
@@ -62,39 +64,47 @@ std::vector<std::uint16_t> removableFragments(const LeafBlocks& blocks,
   return small;
 }
 
-// Replaces the seeds of each `small` fragment by one new seed in the largest remaining
-// fragment.
-//   voxels  [fragments + 1] of `labels`
-//   random  draws a number below its first argument, its own for each fragment
-void reseed(const Labels& labels, std::vector<Seed>& seeds, const std::vector<std::uint16_t>& small,
-            std::vector<std::uint64_t> voxels,
-            const std::function<std::uint64_t(std::uint64_t, std::uint16_t)>& random) {
-  const std::set<std::uint16_t> removed(small.begin(), small.end());
-  const std::size_t primaries = voxels.size() - 1;
-  std::erase_if(seeds, [&, i = std::size_t{0}](const Seed& s) mutable {
-    return i++ >= primaries && removed.count(s.fragment);  // additional seeds of a removed fragment
-  });
-  std::set<openvdb::Coord> occupied;
-  for (const Seed& s : seeds) occupied.insert(s.voxel);
+// A seed that is to be placed in fragment `from`.
+struct NewSeed {
+  std::uint16_t from, id;
+  std::uint64_t rank = 0;  // of the voxel in leaf order within the fragment
+};
 
-  // A new seed is the voxel of the given rank in leaf order within fragment `from`; one pass below
-  // finds all of them.
-  std::vector<std::uint64_t> size = voxels;
-  struct NewSeed {
-    std::uint16_t from, id;
-    std::uint64_t rank;
-  };
-  std::vector<NewSeed> newSeeds;
-  for (const std::uint16_t id : small) {
-    const auto largest = static_cast<std::size_t>(
-        std::max_element(voxels.begin() + 1, voxels.end()) - voxels.begin());
-    voxels[largest] /= 2;
-    voxels[id] = voxels[largest];
-    newSeeds.push_back({static_cast<std::uint16_t>(largest), id, random(size[largest], id)});
+// Places new seeds at random points of their fragments; returns those for which none was found.
+//   item  number of a new seed's draws
+std::vector<NewSeed> placeAtPoints(const Solid& solid, const Labels& labels,
+                                   const std::vector<NewSeed>& newSeeds, std::uint64_t seed,
+                                   const std::function<std::uint64_t(std::uint16_t)>& item,
+                                   std::set<openvdb::Coord>& occupied, std::vector<Seed>& seeds) {
+  const VoxelIndex inside(*solid.blocks, solid.blocks->inside);
+  const Candidates candidates(solid, inside, SeedsOn::volume);
+  std::vector<NewSeed> left;
+  for (const NewSeed& newSeed : newSeeds) {
+    std::optional<Seed> found;
+    // The largest fragment has at least 1/65,534 of the voxels, mostly far more.
+    const std::uint64_t draws = 64 * candidates.drawsForOne();
+    for (std::uint64_t i = 0; i < draws && !found; ++i) {
+      const auto at =
+          candidates.inBox(randomPoint(seed, Stage::reseedPoint, drawItem(item(newSeed.id), i)));
+      if (!at || labels.fragment[at->key] != newSeed.from) continue;
+      const openvdb::Coord voxel = inside.voxelAt(at->key);
+      if (occupied.insert(voxel).second) found = Seed{voxel, newSeed.id, at->shift};
+    }
+    if (found)
+      seeds[newSeed.id - 1u] = *found;
+    else
+      left.push_back(newSeed);
   }
-  std::vector<std::vector<NewSeed>> newSeedsIn(size.size());
+  return left;
+}
+
+// Places new seeds at the voxels of their ranks, in one pass over the solid.
+void placeAtRanks(const Labels& labels, std::size_t fragments, const std::vector<NewSeed>& newSeeds,
+                  std::set<openvdb::Coord>& occupied, std::vector<Seed>& seeds) {
+  if (newSeeds.empty()) return;
+  std::vector<std::vector<NewSeed>> newSeedsIn(fragments + 1);
   for (const NewSeed& newSeed : newSeeds) newSeedsIn[newSeed.from].push_back(newSeed);
-  std::vector<std::uint64_t> visited(size.size(), 0);
+  std::vector<std::uint64_t> visited(fragments + 1, 0);
   labels.blocks->forEachInside([&](std::size_t voxelIndex) {
     const std::uint16_t label = labels.fragment[voxelIndex];
     if (label == 0) return;
@@ -105,17 +115,48 @@ void reseed(const Labels& labels, std::vector<Seed>& seeds, const std::vector<st
       if (!occupied.insert(voxel).second) {
         ++newSeed.rank;  // occupied by another seed: take the next voxel of the fragment
       } else {
-        seeds[newSeed.id - 1u].voxel = voxel;
+        seeds[newSeed.id - 1u] = {voxel, newSeed.id};
       }
     }
   });
 }
 
-// Moves each primary seed to the voxel of its fragment nearest to the fragment's centroid.
+// Replaces the seeds of each `small` fragment by one new seed in the largest remaining fragment.
+//   voxels   [fragments + 1] of `labels`
+//   attempt  draws are its own, and each fragment's
+void reseed(const Solid& solid, const Labels& labels, std::vector<Seed>& seeds,
+            const std::vector<std::uint16_t>& small, std::vector<std::uint64_t> voxels,
+            std::uint64_t seed, int attempt) {
+  const std::set<std::uint16_t> removed(small.begin(), small.end());
+  const std::size_t primaries = voxels.size() - 1;
+  std::erase_if(seeds, [&, i = std::size_t{0}](const Seed& s) mutable {
+    return i++ >= primaries && removed.count(s.fragment);  // additional seeds of a removed fragment
+  });
+  std::set<openvdb::Coord> occupied;
+  for (const Seed& s : seeds) occupied.insert(s.voxel);
+  const auto item = [&](std::uint16_t id) {
+    return static_cast<std::uint64_t>(attempt) << 16 | id;
+  };
+  const std::vector<std::uint64_t> size = voxels;
+  std::vector<NewSeed> newSeeds;
+  for (const std::uint16_t id : small) {
+    const auto largest = static_cast<std::size_t>(
+        std::max_element(voxels.begin() + 1, voxels.end()) - voxels.begin());
+    voxels[largest] /= 2;
+    voxels[id] = voxels[largest];
+    newSeeds.push_back({static_cast<std::uint16_t>(largest), id,
+                        randomBelow(size[largest], seed, Stage::reseed, item(id))});
+  }
+  placeAtRanks(labels, primaries,
+               placeAtPoints(solid, labels, newSeeds, seed, item, occupied, seeds), occupied,
+               seeds);
+}
+
+// Moves each primary seed to its fragment's centroid, into the nearest voxel of the fragment.
 // Additional seeds of a fragment stay.
 std::vector<Seed> centeredSeeds(const Labels& labels, std::vector<Seed> seeds) {
   struct Centroid {
-    std::array<std::int64_t, 3> position{};  // the sum of coordinates, then rounded to a voxel
+    std::array<std::int64_t, 3> position{};  // the sum of coordinates, then in steps of seeds
     std::int64_t count = 0;
     std::int64_t leastDistance = -1;  // squared, of `nearest`
     openvdb::Coord nearest;
@@ -132,8 +173,9 @@ std::vector<Seed> centeredSeeds(const Labels& labels, std::vector<Seed> seeds) {
   });
   for (Centroid& centroid : centroids) {
     for (std::int64_t& c : centroid.position) {
+      c *= 2 * kSeedSteps;
       if (centroid.count > 0)
-        c = (2 * c + (c < 0 ? -centroid.count : centroid.count)) / (2 * centroid.count);
+        c = (c + (c < 0 ? -centroid.count : centroid.count)) / (2 * centroid.count);
     }
   }
   std::set<openvdb::Coord> additional;  // seeds that stay
@@ -145,7 +187,7 @@ std::vector<Seed> centeredSeeds(const Labels& labels, std::vector<Seed> seeds) {
     const openvdb::Coord voxel = labels.blocks->voxelAt(voxelIndex);
     std::int64_t distance = 0;
     for (std::size_t i = 0; i < 3; ++i) {
-      const std::int64_t d = voxel[static_cast<int>(i)] - centroid.position[i];
+      const std::int64_t d = kSeedSteps * voxel[static_cast<int>(i)] - centroid.position[i];
       distance += d * d;
     }
     if ((centroid.leastDistance >= 0 && distance >= centroid.leastDistance) ||
@@ -156,17 +198,24 @@ std::vector<Seed> centeredSeeds(const Labels& labels, std::vector<Seed> seeds) {
   });
   for (std::size_t i = 0; i < fragments; ++i) {
     const Centroid& centroid = centroids[seeds[i].fragment];
-    if (centroid.leastDistance >= 0) seeds[i].voxel = centroid.nearest;
+    if (centroid.leastDistance < 0) continue;
+    seeds[i].voxel = centroid.nearest;
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::int64_t off = centroid.position[static_cast<std::size_t>(axis)] -
+                               std::int64_t{kSeedSteps} * centroid.nearest[axis];
+      seeds[i].shift[axis] =
+          static_cast<int>(std::clamp<std::int64_t>(off, -kMostShift, kMostShift));
+    }
   }
   return seeds;
 }
 
 }  // namespace
 
-SeededLabels growWithShares(const std::shared_ptr<const LeafBlocks>& blocks,
-                            const VoxelComponents& components, std::vector<Seed> seeds,
-                            Device& device, const SharedGrowthOptions& options,
-                            const Progress* progress) {
+SeededLabels growWithShares(const Solid& solid, const VoxelComponents& components,
+                            std::vector<Seed> seeds, Device& device,
+                            const SharedGrowthOptions& options, const Progress* progress) {
+  const std::shared_ptr<const LeafBlocks>& blocks = solid.blocks;
   const ShareOptions& shares = options.shares;
   const int fragments = fragmentsOf(seeds);
   const std::uint64_t voxels = blocks->insideVoxels();
@@ -194,11 +243,8 @@ SeededLabels growWithShares(const std::shared_ptr<const LeafBlocks>& blocks,
         small.push_back(static_cast<std::uint16_t>(id));
       }
     }
-    reseed(labels, seeds, removableFragments(*blocks, components, seeds, std::move(small)), counts,
-           [&](std::uint64_t end, std::uint16_t id) {
-             const auto item = static_cast<std::uint64_t>(attempt) << 16 | id;
-             return randomBelow(end, options.seed, Stage::reseed, item);
-           });
+    reseed(solid, labels, seeds, removableFragments(*blocks, components, seeds, std::move(small)),
+           counts, options.seed, attempt);
     if (attempt >= kTriesBeforeCentering) {
       seeds = centeredSeeds(growFrom(seeds), std::move(seeds));
     }

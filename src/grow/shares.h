@@ -29,8 +29,7 @@ struct SeededLabels {
 ///   throws  Error(usage) minShare cannot be reached: above 1 / fragments, a component of the solid
 ///           below it, or not within `tries`; what grow throws
 ///   source  Lloyd, Least squares quantization in PCM, 1982 (the steps on centers)
-[[nodiscard]] SeededLabels growWithShares(const std::shared_ptr<const LeafBlocks>& blocks,
-                                          const VoxelComponents& components,
+[[nodiscard]] SeededLabels growWithShares(const Solid& solid, const VoxelComponents& components,
                                           std::vector<Seed> seeds, Device& device,
                                           const SharedGrowthOptions& options,
                                           const Progress* progress = nullptr);

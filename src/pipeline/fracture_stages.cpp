@@ -90,13 +90,12 @@ SeedOptions seedOptionsFor(const FractureOptions& options, std::uint64_t seed) {
   return seeds;
 }
 
-SeededLabels growFor(const FractureOptions& options,
-                     const std::shared_ptr<const LeafBlocks>& blocks,
+SeededLabels growFor(const FractureOptions& options, const Solid& solid,
                      const VoxelComponents& components, std::vector<Seed> seeds, std::uint64_t seed,
                      Device& device, const Progress* progress) {
   GrowOptions grow = options.grow;
   grow.noiseSeeds = {randomBits(seed, Stage::noise, 0)};
-  return growWithShares(blocks, components, std::move(seeds), device, {grow, options.shares, seed},
+  return growWithShares(solid, components, std::move(seeds), device, {grow, options.shares, seed},
                         progress);
 }
 
@@ -169,7 +168,7 @@ std::vector<GrownFracture> growTogether(const PreparedSolid& ready,
   std::vector<Labels> labels;
   if (options.front().shares.isAny()) {  // how often each has to grow depends on what comes out
     for (std::size_t i = 0; i < all.size(); ++i) {
-      SeededLabels own = growFor(options[i], blocks, ready.components, std::move(seeds[i]),
+      SeededLabels own = growFor(options[i], ready.solid, ready.components, std::move(seeds[i]),
                                  options[i].seed, device, progress);
       all[i].result.seeds = std::move(own.seeds);
       labels.push_back(std::move(own.labels));

@@ -35,7 +35,7 @@ SeededLabels breakFragment(const Solid& fragment, int id, const FractureOptions&
       randomBits(options.seed, Stage::refracture, static_cast<std::uint64_t>(id));
   const VoxelComponents components = findComponents(*fragment.blocks, device);
   std::vector<Seed> seeds = placeSeeds(fragment, components, seedOptionsFor(options, seed));
-  return growFor(options, fragment.blocks, components, std::move(seeds), seed, device, progress);
+  return growFor(options, fragment, components, std::move(seeds), seed, device, progress);
 }
 
 }  // namespace
