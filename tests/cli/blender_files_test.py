@@ -16,7 +16,7 @@ import numpy as np
 import skipping
 from blender_test import Blender
 from appearance_test import png
-from cli_test import SHERD, sphere, write_obj
+from cli_test import SHERD, sphere, write_obj, write_spread_seeds
 from manifests import check_below
 
 PACKED = {"blosc": ["--vdb", "both", "--write", "vdb,fog,solid"], "zip": ["--compress", "zip", "--write", "vdb"],
@@ -55,15 +55,17 @@ class HostFiles(Blender):
         cls.addClassCleanup(shutil.rmtree, cls.made)
         cls.ball = cls.made / "ball.obj"
         write_obj(cls.ball, sphere(24, 48, center=(2.0, 3.0, 5.0), radius=1.5))
+        write_spread_seeds(cls.made / "seeds.json", PIECES, center=(2.0, 3.0, 5.0), radius=1.5)
 
     def fracture(self, folder, mesh, *options):
-        subprocess.run([SHERD, "fracture", mesh, "-o", folder, "--pieces", str(PIECES), "--resolution", "48", "--quiet", *options],
+        subprocess.run([SHERD, "fracture", mesh, "-o", folder, "--resolution", "48", "--quiet", *options],
                        check=True, timeout=120)
         check_below(folder)
         return json.loads((folder / "manifest.json").read_text())
 
     def test_every_packing_opens_in_place_and_closed(self):
-        manifests = {name: self.fracture(self.tmp / name, self.ball, *options) for name, options in PACKED.items()}
+        seeds = ("--seeds", self.made / "seeds.json")
+        manifests = {name: self.fracture(self.tmp / name, self.ball, *seeds, *options) for name, options in PACKED.items()}
         single = self.tmp / "blosc" / "fragments.vdb"
         solid = self.tmp / "blosc" / "fragments" / "ball.vdb"
         alone = {name: [str(self.tmp / name / f["files"]["vdb"]) for f in manifests[name]["fragments"]] for name in PACKED}
@@ -102,7 +104,7 @@ class HostFiles(Blender):
             file.writelines(f"v {x} {y} {z}\n" for x, y, z in places)
             file.writelines(f"vt {(x - 0.5) / 3} {(y - 1.5) / 3}\n" for x, y, _ in places)
             file.writelines(f"f {a + 1}/{a + 1} {b + 1}/{b + 1} {c + 1}/{c + 1}\n" for a, b, c in faces)
-        manifest = self.fracture(self.tmp / "painted", self.made / "painted.obj", "--write", "scene", "--density", "2")
+        manifest = self.fracture(self.tmp / "painted", self.made / "painted.obj", "--pieces", str(PIECES), "--write", "scene", "--density", "2")
         reported = self.blender('''
 if "bool" not in vars(np):
     np.bool = bool  # Blender 3.4's importer asks for a name that numpy 1.24 (Debian 12) has dropped

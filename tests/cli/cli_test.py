@@ -65,6 +65,17 @@ def write_obj(path, mesh):
         out.writelines(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in mesh[1])
 
 
+def write_spread_seeds(path, count, center, radius):
+    """Seeds on a spiral around a ball at six tenths of its radius: each fragment has a blunt shape."""
+    with open(path, "w") as out:
+        seeds = []
+        for i in range(count):
+            z, turn = 1 - (2 * i + 1) / count, i * math.pi * (3 - math.sqrt(5))
+            at = (math.sqrt(1 - z * z) * math.cos(turn), math.sqrt(1 - z * z) * math.sin(turn), z)
+            seeds.append({"fragment": i + 1, "position": [c + 0.6 * radius * a for c, a in zip(center, at)]})
+        json.dump({"schema": "sherd-seeds/1", "seeds": seeds}, out)
+
+
 def write_stl(path, mesh):
     v, f = mesh
     with open(path, "wb") as out:

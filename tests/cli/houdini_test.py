@@ -20,7 +20,7 @@ import numpy as np
 import pyopenvdb as vdb
 
 import skipping
-from cli_test import SHERD, sphere, write_obj
+from cli_test import SHERD, sphere, write_obj, write_spread_seeds
 from manifests import check_below
 
 PIECES, RESOLUTION = 5, 48
@@ -47,7 +47,8 @@ class Houdini(unittest.TestCase):
         cls.mesh = sphere(48, 96, center=(0.3, -2.0, 7.0), radius=1.25)
         write_obj(folder / "ball.obj", cls.mesh)
         cls.dir = folder / "pieces"
-        subprocess.run([SHERD, "fracture", folder / "ball.obj", "-o", cls.dir, "--pieces", str(PIECES), "--seed", "4",
+        write_spread_seeds(folder / "seeds.json", PIECES, center=(0.3, -2.0, 7.0), radius=1.25)
+        subprocess.run([SHERD, "fracture", folder / "ball.obj", "-o", cls.dir, "--seeds", folder / "seeds.json", "--seed", "4",
                         "--resolution", str(RESOLUTION), "--quiet"], check=True, timeout=120)
         check_below(cls.dir)
         cls.manifest = json.loads((cls.dir / "manifest.json").read_text())
