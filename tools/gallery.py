@@ -102,13 +102,14 @@ CHAPTERS = [
         Group("seed", "--seed", "Another seed, another fracture; the same seed, the same bytes.", "amphora.ply",
               "--pieces 8", [("1", "--seed 1", ""), ("2", "--seed 2", ""), ("4", "--seed 4", "")], 3),
         Group("resolution", "--resolution and --voxel-size",
-              "Voxels along the longest side, or the voxel size in the mesh's unit. A crack is a surface between voxels; at a low "
-              "resolution its steps are visible, especially on a thin wall.", "amphora.ply",
-              "--seeds six.json", [
-                  ("48", "--resolution 48", "the wall is one voxel thick"),
+              "Voxels along the longest side, or the voxel size in the mesh's unit. The same seed gives the same cracks at any "
+              "resolution, so that a coarse fracture shows what a fine one will be.", "amphora.ply",
+              "--pieces 8 --seed 3", [
+                  ("64", "--resolution 64", "the wall is one and a half voxels thick"),
                   ("128", "--resolution 128", "the automatic choice"),
-                  ("320", "--resolution 320", "fine"),
-                  ("size", "--voxel-size 0.004", "4 mm: the amphora is in meters")]),
+                  ("256", "--resolution 256", ""),
+                  ("512", "--resolution 512", ""),
+                  ("size", "--voxel-size 0.004", "4 mm: the amphora is in meters")], 5),
         Group("up", "--up", "The axis that points up in `preview.png`; the fragments stay the same.", "plate.obj",
               "--pieces 6 --seed 3", [("y", "--up y", "the default"), ("z", "--up z", "rotated")], 2),
     ]),
