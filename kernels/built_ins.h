@@ -49,6 +49,9 @@ BUILT_IN ulong abs(const long a) { return a < 0 ? 0ul - (ulong)a : (ulong)a; }
 BUILT_IN ulong clz(const ulong a) { return a == 0 ? 64ul : (ulong)__builtin_clzl(a); }
 BUILT_IN ulong popcount(const ulong a) { return (ulong)__builtin_popcountl(a); }
 BUILT_IN int mul_hi(const int a, const int b) { return (int)(((long)a * b) >> 32); }
+BUILT_IN int4 mul_hi(const int4 a, const int4 b) {
+  return __builtin_convertvector(__builtin_convertvector(a, long4) * __builtin_convertvector(b, long4) >> 32, int4);
+}
 BUILT_IN int8 mul_hi(const int8 a, const int8 b) {
   return __builtin_convertvector(__builtin_convertvector(a, long8) * __builtin_convertvector(b, long8) >> 32, int8);
 }

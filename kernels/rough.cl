@@ -1,10 +1,11 @@
 // rough: roughen cracks.  Every inside voxel takes the label at the end of a walk of displacement D through the solid,
 // so the two sides of a crack still fit exactly.
 //
-// D is a sum of octaves of value noise on lattices of 2, 4, 8, ... voxels with amplitudes proportional to spacing^H: a
-// smooth crack becomes a self-affine surface of Hurst exponent H.  The walk takes one face step at a time and skips
-// steps that leave the solid, so it slides along walls.  All arithmetic is on integers.  Leaves too far from every
-// crack for a walk to reach another label keep their labels.
+// D is a sum of octaves of value noise.  Octave k has a lattice with a spacing of S / 2^k, S the longest side of the
+// mesh's box, and an amplitude proportional to spacing^H: a smooth crack becomes a self-affine surface of Hurst
+// exponent H.  Lattices do not depend on the voxels, so D is a function of space; octaves with a spacing below 2 voxels
+// are left out.  The walk takes one face step at a time and skips steps that leave the solid, so it slides along walls.
+// All arithmetic is on integers.  Leaves too far from every crack for a walk to reach another label keep their labels.
 // Source: Bouchaud, Scaling properties of cracks, J. Phys. Condens. Matter 9, 1997.
 //
 // One work-item takes items i, i + all, ... (item = fracture * leafCount + leaf); any work-group size.
@@ -22,7 +23,7 @@ inline ulong rough_mixed(ulong x) {
 // Returns the values of a lattice point along x, y and z, 16 bits each.
 inline ulong lattice_bits(const ulong seed, const int octave, const int i, const int j, const int k) {
   const ulong key = (ulong)(uint)(i & 0xffff) | (ulong)(uint)(j & 0xffff) << 16 | (ulong)(uint)(k & 0xffff) << 32 |
-                    (ulong)(uint)octave << 48;
+                    (ulong)(uint)(octave & 0xffff) << 48;
   return rough_mixed(seed ^ rough_mixed(key + 0x9e3779b97f4a7c15ul));
 }
 
@@ -31,79 +32,101 @@ inline int lattice_value(const ulong bits, const int axis, const int amplitude) 
   return (int)(((long)value * amplitude) >> 15);
 }
 
-// Returns the lowest voxel of a leaf in an octave's lattice.  Lattices wider than a leaf are shifted by a random number
-// of leaves: unshifted ones would all have a lattice point, and so zero slope, at the origin.
-inline int4 shifted_low(const ulong seed, const int octave, const int4 low) {
-  if (octave < 3) return low;
-  const ulong bits = rough_mixed(seed + ((ulong)(uint)octave << 48));
-  const int leaves = (2 << octave) >> 3;
-  return low + (int4)((int)(bits & 0xffff) & (leaves - 1), (int)((bits >> 16) & 0xffff) & (leaves - 1),
-                      (int)((bits >> 32) & 0xffff) & (leaves - 1), 0) * 8;
+// Returns random bits for the shift of a lattice, 16 for each axis.  Unshifted lattices would all have a point, and so
+// zero slope, at the low corner of the box.
+inline ulong lattice_shift(const ulong seed, const int octave) {
+  return rough_mixed(seed + ((ulong)(uint)(octave & 0xffff) << 48));
 }
 
-// Returns t^3 (6 t^2 - 15 t + 10) for t = offset / 2^log2Spacing, in units of 1/32768.
-inline int smooth_weight(const int offset, const int log2Spacing) {
-  const long t = (long)offset << (15 - log2Spacing);
-  const long t2 = (t * t) >> 15;
-  const long t3 = (t2 * t) >> 15;
-  return (int)((t3 * (6 * t2 - 15 * t + 10 * 32768)) >> 15);
+// Returns the coordinate of a voxel's center in the lattice, in units of 2^-32 spacings: the high word is the cell, the
+// low word the position in it.
+inline long in_lattice(const int voxel, const long step, const ulong shift, const int axis) {
+  return voxel * step + (step >> 1) + (long)((shift >> (16 * axis)) & 0xffff) * 65536;
 }
 
-// Returns a + (b - a) * w / 32768, rounded down, for weight = w * 65536: mul_hi divides the product by 2^32.
-inline int blend(const int a, const int b, const int weight) { return a + mul_hi((b - a) << 1, weight); }
+// Returns t^3 (6 t^2 - 15 t + 10) in units of 2^-31 (a multiple of 2^-24), for t in units of 2^-31.  Rounding is
+// downwards, to below 1.
+inline int8 smooth_weights(const int8 t) {
+  const int8 t2 = mul_hi(t, t);                                             // 2^-30
+  const int8 t3 = mul_hi(t2 << 1, t);                                       // 2^-30
+  const int8 factor = 6 * (t2 >> 4) - 15 * ((t >> 5) + 1) + 10 * (1 << 26);  // 2^-26
+  return mul_hi(t3, factor) << 7;
+}
+
+// Returns a + (b - a) * weight, rounded down, for a weight in units of 2^-31.
+inline int4 blend4(const int4 a, const int4 b, const int4 weight) { return a + mul_hi((b - a) << 1, weight); }
 inline int8 blend8(const int8 a, const int8 b, const int8 weight) { return a + mul_hi((b - a) << 1, weight); }
 
-// Blends the lattice values `line` along z for a row of 8 voxels.
-inline int8 blend_row(const int* line, const int log2Spacing, const int8 weight) {
-  if (log2Spacing >= 3) return blend8((int8)(line[0]), (int8)(line[1]), weight);
-  if (log2Spacing == 2) {
-    const int4 a = (int4)(line[0]), b = (int4)(line[1]), c = (int4)(line[2]);
-    return blend8((int8)(a, b), (int8)(b, c), weight);
+// The voxels of a leaf along one axis of a lattice.  A leaf spans at most 5 cells.
+#define ROUGH_CELLS 5
+#define ROUGH_POINTS (ROUGH_CELLS + 1)
+
+struct lattice_span {
+  int low;    // the first cell
+  int cells;  // number of cells
+  int cell[8], weight[8];  // of each voxel, cells from the first one
+};
+
+inline struct lattice_span span_of(const int voxel, const long step, const ulong shift, const int axis) {
+  struct lattice_span span;
+  long at = in_lattice(voxel, step, shift, axis);
+  span.low = (int)(at >> 32);
+  int t[8];
+  for (int n = 0; n < 8; ++n) {
+    span.cell[n] = (int)(at >> 32) - span.low;
+    t[n] = (int)((uint)at >> 1);
+    at += step;
   }
-  const int2 a = (int2)(line[0]), b = (int2)(line[1]), c = (int2)(line[2]), d = (int2)(line[3]), e = (int2)(line[4]);
-  return blend8((int8)(a, b, c, d), (int8)(b, c, d, e), weight);
+  span.cells = span.cell[7] + 1;
+  vstore8(smooth_weights(vload8(0, t)), 0, span.weight);
+  return span;
 }
 
-// Adds an octave to a leaf's displacements, [axis*64 + x*8 + y] rows along z in 1/256 voxel.  A leaf spans at most 5
-// lattice points per axis.
-inline void add_octave(const ulong seed, const int octave, const int amplitude, const int4 leafLow,
+// Blends the lattice values `line` along z for a row of 8 voxels.
+inline int8 blend_row(const int* line, const int cells, const int8 cell, const int8 weight) {
+  int8 low = (int8)(line[0]), high = (int8)(line[1]);
+  for (int k = 1; k < cells; ++k) {
+    const int8 beyond = cell >= k;  // all bits where true
+    low += (int8)(line[k] - line[k - 1]) & beyond;
+    high += (int8)(line[k + 1] - line[k]) & beyond;
+  }
+  return blend8(low, high, weight);
+}
+
+// Adds an octave to a leaf's displacements, [axis*64 + x*8 + y] rows along z in 1/256 voxel.
+inline void add_octave(const ulong seed, const int octave, const long step, const int amplitude, const int4 leafLow,
                        int8* displacement) {
-  const int log2Spacing = octave + 1, spacing = 1 << log2Spacing;
-  const int side = log2Spacing >= 3 ? 2 : (8 >> log2Spacing) + 1;
-  const int4 low = shifted_low(seed, octave, leafLow);
-  const int i0 = low.x >> log2Spacing, j0 = low.y >> log2Spacing, k0 = low.z >> log2Spacing;
-  int lattice[3][5 * 5 * 5];
-  for (int i = 0; i < side; ++i) {
-    for (int j = 0; j < side; ++j) {
-      for (int k = 0; k < side; ++k) {
-        const ulong bits = lattice_bits(seed, octave, i0 + i, j0 + j, k0 + k);
+  const ulong shift = lattice_shift(seed, octave);
+  const struct lattice_span alongX = span_of(leafLow.x, step, shift, 0), alongY = span_of(leafLow.y, step, shift, 1),
+                            alongZ = span_of(leafLow.z, step, shift, 2);
+  int lattice[3][ROUGH_POINTS * ROUGH_POINTS * ROUGH_POINTS];
+  for (int i = 0; i <= alongX.cells; ++i) {
+    for (int j = 0; j <= alongY.cells; ++j) {
+      for (int k = 0; k <= alongZ.cells; ++k) {
+        const ulong bits = lattice_bits(seed, octave, alongX.low + i, alongY.low + j, alongZ.low + k);
         for (int axis = 0; axis < 3; ++axis) {
-          lattice[axis][(i * 5 + j) * 5 + k] = lattice_value(bits, axis, amplitude);
+          lattice[axis][(i * ROUGH_POINTS + j) * ROUGH_POINTS + k] = lattice_value(bits, axis, amplitude);
         }
       }
     }
   }
-  int weightX[8], weightY[8], rowWeight[8];
-  for (int n = 0; n < 8; ++n) {
-    weightX[n] = smooth_weight((low.x + n) & (spacing - 1), log2Spacing) << 16;
-    weightY[n] = smooth_weight((low.y + n) & (spacing - 1), log2Spacing) << 16;
-    rowWeight[n] = smooth_weight((low.z + n) & (spacing - 1), log2Spacing) << 16;
-  }
-  const int8 weightZ = vload8(0, rowWeight);
+  const int8 cellZ = vload8(0, alongZ.cell), weightZ = vload8(0, alongZ.weight);
   for (int axis = 0; axis < 3; ++axis) {
-    for (int x = 0; x < 8; ++x) {
-      const int* near = lattice[axis] + (((low.x + x) >> log2Spacing) - i0) * 25;
-      int plane[5 * 5];
-      for (int j = 0; j < side; ++j) {
-        for (int k = 0; k < side; ++k) {
-          plane[j * 5 + k] = blend(near[j * 5 + k], near[25 + j * 5 + k], weightX[x]);
-        }
+    int8 rows[ROUGH_POINTS * ROUGH_POINTS];
+    for (int i = 0; i <= alongX.cells; ++i) {
+      for (int j = 0; j <= alongY.cells; ++j) {
+        const int row = i * ROUGH_POINTS + j;
+        rows[row] = blend_row(lattice[axis] + row * ROUGH_POINTS, alongZ.cells, cellZ, weightZ);
       }
+    }
+    for (int x = 0; x < 8; ++x) {
+      const int8* near = rows + alongX.cell[x] * ROUGH_POINTS;
+      const int8 weightX = (int8)(alongX.weight[x]);
+      int8 plane[ROUGH_POINTS];
+      for (int j = 0; j <= alongY.cells; ++j) plane[j] = blend8(near[j], near[ROUGH_POINTS + j], weightX);
       for (int y = 0; y < 8; ++y) {
-        const int* row = plane + (((low.y + y) >> log2Spacing) - j0) * 5;
-        int line[5];
-        for (int k = 0; k < side; ++k) line[k] = blend(row[k], row[5 + k], weightY[y]);
-        displacement[axis * 64 + x * 8 + y] += blend_row(line, log2Spacing, weightZ);
+        const int8* row = plane + alongY.cell[y];
+        displacement[axis * 64 + x * 8 + y] += blend8(row[0], row[1], (int8)(alongY.weight[y]));
       }
     }
   }
@@ -159,60 +182,96 @@ kernel void rough_rings(
   }
 }
 
-inline int least_of(const int8 v) {
-  const int4 a = min(v.lo, v.hi);
-  return min(min(a.x, a.y), min(a.z, a.w));
-}
-inline int most_of(const int8 v) {
-  const int4 a = max(v.lo, v.hi);
-  return max(max(a.x, a.y), max(a.z, a.w));
-}
-
 // Returns how many leaves away a walk can end for displacements in least..most (1/256 voxel).
 inline int leaves_away(const int least, const int most) { return (max(-(least >> 8), most >> 8) + 7) / 8; }
 
-// Returns an upper bound of the same from the octaves' values at the corners of the leaf; between the corners an octave
-// is monotone along each axis.
-inline int leaves_away_at_most(const ulong seed, const global int* restrict amplitude, const int octaves,
-                               const int4 leafLow) {
-  int least[3] = {128, 128, 128}, most[3] = {128, 128, 128};  // 128 rounds to the nearest voxel
-  for (int octave = 0; octave < octaves; ++octave) {
-    const int log2Spacing = octave + 1, spacing = 1 << log2Spacing;
-    if (log2Spacing < 3) {  // the leaf spans several lattice cells
-      for (int axis = 0; axis < 3; ++axis) {
-        least[axis] -= amplitude[octave];
-        most[axis] += amplitude[octave];
+inline int least_of(const int4 v) { return min(min(v.x, v.y), min(v.z, v.w)); }
+inline int most_of(const int4 v) { return max(max(v.x, v.y), max(v.z, v.w)); }
+
+// The least and the greatest displacement of a leaf's voxels along each axis, 1/256 voxel.
+struct displacement_bounds {
+  int least[3], most[3];
+};
+
+// Narrows bounds that include an octave by its amplitude to its range in the leaf.  Within a lattice cell the octave is
+// monotone along each axis, so its extremes are at the ends of the leaf or at the lattice points between.
+inline void narrow_bounds(const ulong seed, const int octave, const long step, const int amplitude, const int4 leafLow,
+                          struct displacement_bounds* bounds) {
+  if (7 * step > (1l << 32)) return;  // the leaf may span more than two cells: their range is nearly the amplitude
+  const ulong shift = lattice_shift(seed, octave);
+  const int voxel[3] = {leafLow.x, leafLow.y, leafLow.z};
+  int low[3], cells[3], t[8] = {0, 0, 0, 0, 0, 0, 0, 0};
+  for (int axis = 0; axis < 3; ++axis) {
+    const long first = in_lattice(voxel[axis], step, shift, axis), last = first + 7 * step;
+    low[axis] = (int)(first >> 32);
+    cells[axis] = (int)(last >> 32) - low[axis] + 1;
+    t[axis] = (int)((uint)first >> 1);
+    t[4 + axis] = (int)((uint)last >> 1);
+  }
+  int end[8];
+  vstore8(smooth_weights(vload8(0, t)), 0, end);
+  // Points along an axis: the first voxel, the lattice point between two cells, the last voxel.
+  const int weightX[3] = {end[0], cells[0] == 1 ? end[4] : 0, end[4]};
+  const int weightY[3] = {end[1], cells[1] == 1 ? end[5] : 0, end[5]};
+  const int4 weightZ = (int4)(end[2], cells[2] == 1 ? end[6] : 0, end[6], end[6]);
+  int lattice[3][3 * 3 * 3];
+  for (int i = 0; i <= cells[0]; ++i) {
+    for (int j = 0; j <= cells[1]; ++j) {
+      for (int k = 0; k <= cells[2]; ++k) {
+        const ulong bits = lattice_bits(seed, octave, low[0] + i, low[1] + j, low[2] + k);
+        for (int axis = 0; axis < 3; ++axis) {
+          lattice[axis][(i * 3 + j) * 3 + k] = lattice_value(bits, axis, amplitude);
+        }
       }
-      continue;
-    }
-    const int4 low = shifted_low(seed, octave, leafLow);
-    ulong bits[8];
-    for (int corner = 0; corner < 8; ++corner) {
-      bits[corner] = lattice_bits(seed, octave, (low.x >> log2Spacing) + (corner >> 2),
-                                  (low.y >> log2Spacing) + ((corner >> 1) & 1), (low.z >> log2Spacing) + (corner & 1));
-    }
-    int first[3], last[3];  // weights at the ends of the leaf along x, y, z
-    const int offset[3] = {low.x & (spacing - 1), low.y & (spacing - 1), low.z & (spacing - 1)};
-    for (int axis = 0; axis < 3; ++axis) {
-      first[axis] = smooth_weight(offset[axis], log2Spacing) << 16;
-      last[axis] = smooth_weight(offset[axis] + 7, log2Spacing) << 16;
-    }
-    const int8 weightX = (int8)((int4)(first[0]), (int4)(last[0]));
-    const int8 weightY = (int8)((int2)(first[1]), (int2)(last[1]), (int2)(first[1]), (int2)(last[1]));
-    const int8 weightZ = (int8)(first[2], last[2], first[2], last[2], first[2], last[2], first[2], last[2]);
-    for (int axis = 0; axis < 3; ++axis) {
-      int8 along[4];
-      for (int n = 0; n < 4; ++n) {
-        along[n] = blend8((int8)(lattice_value(bits[n], axis, amplitude[octave])),
-                          (int8)(lattice_value(bits[n + 4], axis, amplitude[octave])), weightX);
-      }
-      const int8 value =
-          blend8(blend8(along[0], along[2], weightY), blend8(along[1], along[3], weightY), weightZ);
-      least[axis] += least_of(value) - 3;  // three blends round down
-      most[axis] += most_of(value) + 3;
     }
   }
-  return max(max(leaves_away(least[0], most[0]), leaves_away(least[1], most[1])), leaves_away(least[2], most[2]));
+  // Blends round down by less than 3 together; weights decrease by at most 6 * 2^-24 where they should rise.
+  const int rounding = 4 + (amplitude >> 18);
+  const int lastZ = cells[2];
+  for (int axis = 0; axis < 3; ++axis) {
+    int4 rows[3 * 3];
+    for (int i = 0; i <= cells[0]; ++i) {
+      for (int j = 0; j <= cells[1]; ++j) {
+        const int* line = lattice[axis] + (i * 3 + j) * 3;
+        const int4 near = (int4)(line[0], line[lastZ - 1], line[lastZ - 1], line[lastZ - 1]);
+        rows[i * 3 + j] = blend4(near, (int4)(line[1], line[lastZ], line[lastZ], line[lastZ]), weightZ);
+      }
+    }
+    int4 least = (int4)(amplitude), most = (int4)(-amplitude);
+    for (int x = 0; x <= cells[0]; ++x) {
+      const int4* near = rows + (x == 0 ? 0 : cells[0] - 1) * 3;
+      int4 plane[3];
+      for (int j = 0; j <= cells[1]; ++j) plane[j] = blend4(near[j], near[3 + j], (int4)(weightX[x]));
+      for (int y = 0; y <= cells[1]; ++y) {
+        const int4* row = plane + (y == 0 ? 0 : cells[1] - 1);
+        const int4 value = blend4(row[0], row[1], (int4)(weightY[y]));
+        least = min(least, value);
+        most = max(most, value);
+      }
+    }
+    bounds->least[axis] += amplitude + least_of(least) - rounding;
+    bounds->most[axis] -= amplitude - most_of(most) - rounding;
+  }
+}
+
+// Returns whether every walk from a leaf ends less than `rings` leaves away, as far as bounds of the octaves show.
+inline bool walks_end_within(const int rings, const ulong seed, const global long* restrict step,
+                             const global int* restrict amplitude, const int firstOctave, const int octaves,
+                             const int4 leafLow) {
+  int sum = 0;
+  for (int n = 0; n < octaves; ++n) sum += amplitude[n];
+  struct displacement_bounds bounds;
+  for (int axis = 0; axis < 3; ++axis) {
+    bounds.least[axis] = 128 - sum;  // 128 rounds to the nearest voxel
+    bounds.most[axis] = 128 + sum;
+  }
+  for (int n = 0; n <= octaves; ++n) {
+    int most = 0;
+    for (int axis = 0; axis < 3; ++axis) most = max(most, leaves_away(bounds.least[axis], bounds.most[axis]));
+    if (rings > most) return true;
+    if (n < octaves) narrow_bounds(seed, firstOctave + n, step[n], amplitude[n], leafLow, &bounds);
+  }
+  return false;
 }
 
 // Returns the voxel, leaf*512 + offset, where a walk of displacement `way` ends.  `from` is an offset in `leaf`.
@@ -276,7 +335,9 @@ kernel void rough(
     const uint leafCount,
     const uint items,
     const global ulong* restrict noiseSeed,   // [fractures]
+    const global long* restrict step,         // [octaves]     spacings per voxel, in units of 2^-32, at most 2^31
     const global int* restrict amplitude,     // [octaves]     1/256 voxel, the largest lattice value
+    const int firstOctave,                    // octave k has a spacing of S / 2^k
     const int octaves,
     const global uint* restrict uniformRings,  // [items]      from rough_rings
     const global uint* restrict full,         // [items]       from rough_leaves
@@ -287,7 +348,7 @@ kernel void rough(
     const uint leaf = (uint)(item % leafCount);
     const size_t base = (item - leaf) * SHERD_LEAF_SIZE;
     const ulong seed = noiseSeed[item / leafCount];
-    if ((int)uniformRings[item] > leaves_away_at_most(seed, amplitude, octaves, origin[leaf])) {  // only one label
+    if (walks_end_within((int)uniformRings[item], seed, step, amplitude, firstOctave, octaves, origin[leaf])) {
       for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
         const bool isInside = (inside[(size_t)leaf * SHERD_LEAF_WORDS + (v >> 6)] >> (v & 63)) & 1;
         after[item * SHERD_LEAF_SIZE + v] = isInside ? before[item * SHERD_LEAF_SIZE + v] : 0;
@@ -296,8 +357,8 @@ kernel void rough(
     }
     int8 displacement[3 * 64];
     for (int row = 0; row < 3 * 64; ++row) displacement[row] = (int8)(128);  // half a voxel: rounds to the nearest
-    for (int octave = 0; octave < octaves; ++octave) {
-      add_octave(seed, octave, amplitude[octave], origin[leaf], displacement);
+    for (int n = 0; n < octaves; ++n) {
+      add_octave(seed, firstOctave + n, step[n], amplitude[n], origin[leaf], displacement);
     }
     int4 last = (int4)(0);  // leaves away of the previous voxel: neighbors mostly end in the same leaf
     uint end = leaf_straight_away(neighbors27, full + (item - leaf), leaf, 0, 0, 0);

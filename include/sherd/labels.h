@@ -107,7 +107,11 @@ struct GrowOptions {
   double roughness = 0.0;      ///< rms height of a crack over a window, voxels, 0..100; 0: smooth
   double hurst = 0.8;          ///< Hurst exponent of rough cracks, 0.1..1; 0.8 is measured on most
                                ///< brittle materials (Bouchaud 1997)
-  double roughnessWindow = 0;  ///< side of that window, voxels; 0: a tenth of the longest side
+  double roughnessWindow = 0;  ///< side of that window, voxels; 0: a tenth of longestSideVoxels
+  double longestSideVoxels = 0.0;  ///< longest side of the mesh's box, voxels, not rounded.  With
+                                   ///< it, rough cracks are a function of space: the same noise
+                                   ///< seed displaces points of the mesh alike at every voxel size.
+                                   ///< 0: of the inside voxels
   bool regrowIsolated = true;  ///< gives voxels disconnected from their fragment's first seed to
                                ///< neighbors, so that every fragment is 6-connected
   std::vector<std::uint64_t> noiseSeeds{};  ///< [seed sets] for rough cracks; missing ones are 0

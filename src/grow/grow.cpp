@@ -26,13 +26,21 @@ void check(const GrowOptions& options) {
   need(options.hurst >= 0.1 && options.hurst <= 1.0, "the Hurst exponent must lie in 0.1..1");
   need(options.roughnessWindow >= 0.0 && std::isfinite(options.roughnessWindow),
        "the roughness window must be 0 or more voxels");
+  need(options.longestSideVoxels == 0.0 ||
+           (options.longestSideVoxels >= 1.0 && std::isfinite(options.longestSideVoxels)),
+       "the longest side must be 0, or 1 or more voxels");
   need(options.outerSteps >= 0 && options.outerSteps <= 64, "the outer steps must lie in 0..64");
 }
 
-// Returns a tenth of the longest side of the solid, in voxels.
-double tenthOfSide(const LeafBlocks& blocks) {
-  const openvdb::Coord dims = insideBox(blocks).dims();
-  return std::max({dims.x(), dims.y(), dims.z()}) / 10.0;
+// Returns the relief of rough cracks.
+Relief reliefOf(const GrowOptions& options, const LeafBlocks& blocks) {
+  double side = options.longestSideVoxels;
+  if (side == 0.0) {
+    const openvdb::Coord dims = insideBox(blocks).dims();
+    side = std::max({dims.x(), dims.y(), dims.z(), 1});
+  }
+  const double window = options.roughnessWindow > 0 ? options.roughnessWindow : side / 10.0;
+  return {options.roughness, options.hurst, window, side};
 }
 
 sherd_metric metricOf(const GrowOptions& options) {
@@ -79,10 +87,7 @@ struct Growing {
   void roughen() {
     std::vector<std::uint64_t> noise = options.noiseSeeds;
     noise.resize(state.fractures);
-    const double window =
-        options.roughnessWindow > 0 ? options.roughnessWindow : tenthOfSide(state.blocks);
-    labels = roughened(state, labels, seeds, noise,
-                       octaveAmplitudes(options.roughness, options.hurst, window));
+    labels = roughened(state, labels, seeds, noise, noiseOctaves(reliefOf(options, state.blocks)));
   }
 
   // Records the number of voxels that `kept` leaves out.

@@ -41,33 +41,65 @@ double varianceInWindow(double spacings) {
   return (atPoint * atPoint * atPoint - atPoint * pairs * pairs) / 3.0;
 }
 
-}  // namespace
+constexpr int kFinest = 12;    // S/4096
+constexpr int kCoarsest = -8;  // 256 S: the noise is almost constant in the mesh's box
 
-std::vector<std::int32_t> octaveAmplitudes(double roughness, double hurst, double window) {
-  // The largest lattice spacing is at least four windows: the relief extends beyond a window.
-  std::vector<double> spacing;
-  for (double s = 2.0; spacing.empty() || spacing.back() < 4.0 * window; s *= 2.0) {
-    spacing.push_back(s);
+// Returns the lattice spacing of an octave, in voxels.
+double spacingOf(const Relief& relief, int octave) {
+  return std::ldexp(relief.longestSide, -octave);
+}
+
+// Returns the finest octave whose lattice is at least four windows wide: the relief extends beyond
+// a window.
+int firstOctave(const Relief& relief) {
+  constexpr double kRounding = 1e-9;  // of lengths that are equal in other voxels
+  int octave = kFinest;
+  while (octave > kCoarsest &&
+         spacingOf(relief, octave) < (1.0 - kRounding) * 4.0 * relief.window) {
+    --octave;
   }
+  return octave;
+}
+
+// Returns the amplitudes of the octaves from `first` to kFinest, in voxels.
+std::vector<double> amplitudesFrom(int first, const Relief& relief) {
   // Over a distance d, lattices with spacing > d contribute d^2 spacing^(2H-2), which decreases
-  // slowly: without them C(d) bends well below the largest spacing.  The last octave includes their
-  // variance.
+  // slowly: without them C(d) bends well below the largest spacing.  The first octave includes
+  // their variance.
   constexpr int kOctavesBeyond = 16;  // more matter only near H = 1, where the sum diverges
   double beyond = 0.0;
-  for (int k = 0; k <= kOctavesBeyond; ++k) beyond += std::pow(2.0, k * (2.0 * hurst - 2.0));
-  std::vector<double> relative;
-  for (const double s : spacing) relative.push_back(std::pow(s, hurst));
-  relative.back() *= std::sqrt(beyond);
+  for (int k = 0; k <= kOctavesBeyond; ++k) beyond += std::pow(2.0, k * (2.0 * relief.hurst - 2.0));
+  std::vector<double> amplitude;
+  for (int k = first; k <= kFinest; ++k) {
+    amplitude.push_back(std::pow(2.0, (first - k) * relief.hurst));
+  }
+  amplitude.front() *= std::sqrt(beyond);
   double variance = 0.0;
-  for (std::size_t i = 0; i < spacing.size(); ++i) {
-    variance += relative[i] * relative[i] * varianceInWindow(window / spacing[i]);
+  for (std::size_t i = 0; i < amplitude.size(); ++i) {
+    const double spacing = spacingOf(relief, first + static_cast<int>(i));
+    variance += amplitude[i] * amplitude[i] * varianceInWindow(relief.window / spacing);
   }
-  const double scale = roughness / std::sqrt(variance);
-  std::vector<std::int32_t> amplitudes;
-  for (const double r : relative) {
-    amplitudes.push_back(static_cast<std::int32_t>(std::lround(256.0 * scale * r)));
+  for (double& a : amplitude) a *= relief.height / std::sqrt(variance);
+  return amplitude;
+}
+
+}  // namespace
+
+NoiseOctaves noiseOctaves(const Relief& relief) {
+  constexpr double kLeastSpacing = 2.0 * (1.0 - 1e-9);  // voxels
+  constexpr double kLargestAmplitude = 1 << 22;         // kernels have 32 bits
+  Relief wide = relief;
+  wide.window = std::max(relief.window, 0.5);
+  NoiseOctaves octaves{.first = firstOctave(wide)};
+  int octave = octaves.first;
+  for (const double amplitude : amplitudesFrom(octaves.first, wide)) {
+    const double spacing = spacingOf(wide, octave++);
+    if (spacing < kLeastSpacing) break;
+    octaves.step.push_back(std::min(std::llround(0x1p32 / spacing), 1ll << 31));
+    octaves.amplitude.push_back(
+        static_cast<std::int32_t>(std::lround(std::min(256.0 * amplitude, kLargestAmplitude))));
   }
-  return amplitudes;
+  return octaves;
 }
 
 }  // namespace sherd

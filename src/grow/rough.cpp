@@ -41,16 +41,16 @@ LeafSummaries summarizeLeaves(GrowthState& state, const DeviceBuffer& labels, st
 }  // namespace
 
 DeviceBuffer roughened(GrowthState& state, const DeviceBuffer& labels, const SeedTable& seeds,
-                       std::span<const std::uint64_t> noiseSeeds,
-                       std::span<const std::int32_t> amplitudes) {
+                       std::span<const std::uint64_t> noiseSeeds, const NoiseOctaves& octaves) {
   const DeviceBuffer noise = uploadBuffer<std::uint64_t>(state.device, noiseSeeds);
-  const DeviceBuffer amplitude = uploadBuffer<std::int32_t>(state.device, amplitudes);
+  const DeviceBuffer amplitude = uploadBuffer<std::int32_t>(state.device, octaves.amplitude);
+  const DeviceBuffer step = uploadBuffer<std::int64_t>(state.device, octaves.step);
   const DeviceBuffer out = makeBuffer<std::uint16_t>(state.device, state.voxels());
-  const LeafSummaries leaves = summarizeLeaves(state, labels, leavesReached(amplitudes));
+  const LeafSummaries leaves = summarizeLeaves(state, labels, leavesReached(octaves.amplitude));
   state.run("rough", state.items, state.inside, state.neighbor, state.neighbors27(), state.origin(),
-            state.leafCount, state.items, noise, amplitude,
-            static_cast<std::int32_t>(amplitudes.size()), leaves.uniformRings, leaves.full, labels,
-            out);
+            state.leafCount, state.items, noise, step, amplitude, octaves.first,
+            static_cast<std::int32_t>(octaves.step.size()), leaves.uniformRings, leaves.full,
+            labels, out);
 
   const PrimarySeeds primaries = primariesOf(state, seeds);
   state.run("rough_pin", primaries.count, primaries.item, primaries.offset, primaries.label,

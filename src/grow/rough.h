@@ -2,15 +2,15 @@
 #pragma once
 
 #include "grow/growth_state.h"
+#include "grow/relief.h"
 
 namespace sherd {
 
 /// Give every voxel the label at the end of its displacement; primary seeds keep their label.
 ///   noiseSeeds  [fractures]
-///   amplitudes  see grow/relief.h
 [[nodiscard]] DeviceBuffer roughened(GrowthState& state, const DeviceBuffer& labels,
                                      const SeedTable& seeds,
                                      std::span<const std::uint64_t> noiseSeeds,
-                                     std::span<const std::int32_t> amplitudes);
+                                     const NoiseOctaves& octaves);
 
 }  // namespace sherd

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/random.h"
+#include "voxelize/region.h"
 
 namespace sherd {
 namespace {
@@ -75,12 +76,13 @@ std::size_t dropSmall(GrownFracture& grown, double dropShare) {
 void checkOptions(const FractureOptions& options) {
   const SeedOptions none;
   if (options.seeds.pieces == none.pieces && options.seeds.seed == none.seed &&
-      options.grow.noiseSeeds.empty() && options.erode.seed == 0) {
+      options.grow.noiseSeeds.empty() && options.grow.longestSideVoxels == 0.0 &&
+      options.erode.seed == 0) {
     return;
   }
-  throw Error(
-      ErrorCode::usage,
-      "pieces and seed are options of the whole fracture; those of a stage must not be set");
+  throw Error(ErrorCode::usage,
+              "pieces, seed and longest side are those of the whole fracture; those of a stage "
+              "must not be set");
 }
 
 SeedOptions seedOptionsFor(const FractureOptions& options, std::uint64_t seed) {
@@ -90,11 +92,23 @@ SeedOptions seedOptionsFor(const FractureOptions& options, std::uint64_t seed) {
   return seeds;
 }
 
+namespace {
+
+// Returns the longest side in voxels: of the mesh's box, or that of a solid without a mesh.
+double longestSideVoxels(const Solid& solid) {
+  if (!solid.region) return solid.box.longestSide();
+  const glm::dvec3& sides = solid.region->sides();
+  return std::max({sides.x, sides.y, sides.z});
+}
+
+}  // namespace
+
 SeededLabels growFor(const FractureOptions& options, const Solid& solid,
                      const VoxelComponents& components, std::vector<Seed> seeds, std::uint64_t seed,
                      Device& device, const Progress* progress) {
   GrowOptions grow = options.grow;
   grow.noiseSeeds = {randomBits(seed, Stage::noise, 0)};
+  grow.longestSideVoxels = longestSideVoxels(solid);
   return growWithShares(solid, components, std::move(seeds), device, {grow, options.shares, seed},
                         progress);
 }
@@ -157,6 +171,7 @@ std::vector<GrownFracture> growTogether(const PreparedSolid& ready,
   std::vector<GrownFracture> all;
   std::vector<std::vector<Seed>> seeds;
   GrowOptions together = options.front().grow;
+  together.longestSideVoxels = longestSideVoxels(ready.solid);
   for (const FractureOptions& own : options) {
     checkOptions(own);
     all.push_back(seeded(ready, own));
@@ -164,7 +179,6 @@ std::vector<GrownFracture> growTogether(const PreparedSolid& ready,
     together.noiseSeeds.push_back(randomBits(own.seed, Stage::noise, 0));
   }
   clock.done("seed");
-  const std::shared_ptr<const LeafBlocks>& blocks = ready.solid.blocks;
   std::vector<Labels> labels;
   if (options.front().shares.isAny()) {  // how often each has to grow depends on what comes out
     for (std::size_t i = 0; i < all.size(); ++i) {
@@ -174,7 +188,7 @@ std::vector<GrownFracture> growTogether(const PreparedSolid& ready,
       labels.push_back(std::move(own.labels));
     }
   } else {
-    labels = grow(blocks, seeds, device, together, progress);
+    labels = grow(ready.solid.blocks, seeds, device, together, progress);
   }
   clock.done("grow");
   for (std::size_t i = 0; i < all.size(); ++i) {

@@ -34,7 +34,7 @@ class StageClock {
   std::vector<StageTime> times_;
 };
 
-/// Checks that no stage has pieces or a seed of its own.
+/// Checks that no stage has pieces, a seed or a longest side of its own.
 ///   throws  Error(usage)
 void checkOptions(const FractureOptions& options);
 

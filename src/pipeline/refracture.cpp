@@ -35,7 +35,11 @@ SeededLabels breakFragment(const Solid& fragment, int id, const FractureOptions&
       randomBits(options.seed, Stage::refracture, static_cast<std::uint64_t>(id));
   const VoxelComponents components = findComponents(*fragment.blocks, device);
   std::vector<Seed> seeds = placeSeeds(fragment, components, seedOptionsFor(options, seed));
-  return growFor(options, fragment, components, std::move(seeds), seed, device, progress);
+  FractureOptions own = options;
+  if (own.grow.roughnessWindow == 0.0) {  // a tenth of the fragment, not of the whole mesh
+    own.grow.roughnessWindow = fragment.box.longestSide() / 10.0;
+  }
+  return growFor(own, fragment, components, std::move(seeds), seed, device, progress);
 }
 
 }  // namespace

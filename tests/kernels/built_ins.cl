@@ -45,12 +45,14 @@ kernel void of_ulong(const global ulong* restrict a, const global ulong* restric
 // `count` vectors of four, then as many of eight.
 kernel void of_int_vectors(const global int4* restrict a, const global int4* restrict b, const uint count,
                            global int4* restrict least, global int4* restrict most, global int* restrict anySign,
-                           const global int8* restrict a8, const global int8* restrict b8, global int8* restrict high)
+                           global int4* restrict high4, const global int8* restrict a8, const global int8* restrict b8,
+                           global int8* restrict high)
 {
   for (size_t i = get_global_id(0); i < count; i += get_global_size(0)) {
     least[i] = min(a[i], b[i]);
     most[i] = max(a[i], b[i]);
     anySign[i] = any(a[i]);
+    high4[i] = mul_hi(a[i], b[i]);
     high[i] = mul_hi(a8[i], b8[i]);
   }
 }

@@ -173,17 +173,19 @@ TEST_F(BuiltIns, OfIntVectors) {
     a[i] &= std::numeric_limits<std::int32_t>::max();  // no sign set
   onEach([&](DeviceImpl& device) {
     const auto make = [&] { return makeBuffer<std::int32_t>(device, kCount); };
-    const DeviceBuffer least = make(), most = make(), sign = make(), high = make();
+    const DeviceBuffer least = make(), most = make(), sign = make(), high4 = make(), high = make();
     run(device, "of_int_vectors", kVectors, up(device, a), up(device, b), std::uint32_t{kVectors},
-        least, most, sign, up(device, a), up(device, b), high);
+        least, most, sign, high4, up(device, a), up(device, b), high);
     const auto found = [&](const DeviceBuffer& buffer, std::size_t count) {
       return downloaded<std::int32_t>(device, buffer, count);
     };
     const auto leastFound = found(least, 4 * kVectors), mostFound = found(most, 4 * kVectors),
-               signFound = found(sign, kVectors), highFound = found(high, 8 * kVectors);
+               signFound = found(sign, kVectors), high4Found = found(high4, 4 * kVectors),
+               highFound = found(high, 8 * kVectors);
     for (std::size_t i = 0; i < 4 * kVectors; ++i) {
       EXPECT_EQ(leastFound[i], std::min(a[i], b[i]));
       EXPECT_EQ(mostFound[i], std::max(a[i], b[i]));
+      EXPECT_EQ(high4Found[i], highHalf(a[i], b[i]));
     }
     int signs = 0;
     for (std::size_t i = 0; i < kVectors; ++i) {

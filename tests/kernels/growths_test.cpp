@@ -338,6 +338,7 @@ TEST_F(Growths, RefusesOptionsOutOfRange) {
   refused({.anisotropy = {{1, 0, 0}, -0.9}});
   refused({.roughness = -1.0});
   refused({.roughness = 1.0, .hurst = 2.0});
+  refused({.roughness = 1.0, .longestSideVoxels = 0.5});
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // kernels/rough.cl against a walk of one voxel at a time with noise evaluated at that voxel, bit
-// for bit; and the height of the relief against the requested one.
+// for bit; the noise against a function of space; and the height of the relief against the
+// requested one.
 #include <cmath>
 #include <cstdlib>
 
@@ -15,57 +16,74 @@ using openvdb::Coord;
 using reference::LabelMap;
 using voxel_shapes::VoxelSolid;
 
+constexpr std::int64_t kWord = std::int64_t{1} << 32;
+
 std::int64_t floorDiv(std::int64_t a, std::int64_t b) { return (a - (((a % b) + b) % b)) / b; }
 
+// Bits of an octave's number in hashes.
+std::uint64_t bitsOf(int octave) { return static_cast<std::uint64_t>(octave & 0xffff) << 48; }
+
 int latticeValue(std::uint64_t seed, int octave, int axis, const Coord& p) {
-  std::uint64_t key = static_cast<std::uint64_t>(octave) << 48;
+  std::uint64_t key = bitsOf(octave);
   for (int i = 0; i < 3; ++i) key |= static_cast<std::uint64_t>(p[i] & 0xffff) << (16 * i);
   const std::uint64_t bits = mixed(seed ^ mixed(key + 0x9e3779b97f4a7c15u));
   return static_cast<int>((bits >> (16 * axis)) & 0xffff) - 32768;
 }
 
-// Value noise at one voxel, 1/256 voxel: eight lattice points, blended along x, then y, then z.
-int noise(std::uint64_t seed, int octave, int axis, int amplitude, const Coord& voxel) {
-  const int spacing = 2 << octave;
-  Coord at = voxel;  // in the lattice, shifted by a random number of leaves
-  const std::uint64_t bits = mixed(seed + (static_cast<std::uint64_t>(octave) << 48));
-  for (int i = 0; spacing >= 16 && i < 3; ++i) {
-    at[i] += 8 * static_cast<int>((bits >> (16 * i)) % static_cast<std::uint64_t>(spacing / 8));
-  }
+// The random shift of a lattice along an axis, in 1/65536 spacing.
+int latticeShift(std::uint64_t seed, int octave, int axis) {
+  return static_cast<int>((mixed(seed + bitsOf(octave)) >> (16 * axis)) & 0xffff);
+}
+
+// t^3 (6 t^2 - 15 t + 10), rounded down; t and the result in 1/2^31.
+std::int64_t smoothWeight(std::int64_t t) {
+  const std::int64_t t2 = t * t / kWord, t3 = 2 * t2 * t / kWord;
+  return t3 * (6 * (t2 / 16) - 15 * (t / 32 + 1) + 10 * (kWord / 64)) / kWord * 128;
+}
+
+// Value noise at one voxel, 1/256 voxel: eight lattice points, blended along z, then x, then y.
+int noise(std::uint64_t seed, int octave, int axis, std::int64_t step, int amplitude,
+          const Coord& voxel) {
   Coord cell;
   std::int64_t weight[3];
   for (int i = 0; i < 3; ++i) {
-    cell[i] = static_cast<int>(floorDiv(at[i], spacing));
-    const std::int64_t t = (at[i] - cell[i] * spacing) * (32768 / spacing);
-    const std::int64_t t2 = t * t / 32768, t3 = t2 * t / 32768;
-    weight[i] = t3 * (6 * t2 - 15 * t + 10 * 32768) / 32768;
+    const std::int64_t at =
+        voxel[i] * step + step / 2 + std::int64_t{latticeShift(seed, octave, i)} * 65536;
+    cell[i] = static_cast<int>(floorDiv(at, kWord));
+    weight[i] = smoothWeight((at - cell[i] * kWord) / 2);
   }
   const auto value = [&](const Coord& offset) {
     const std::int64_t lattice = latticeValue(seed, octave, axis, cell + offset);
     return floorDiv(lattice * amplitude, 32768);
   };
   const auto blend = [](std::int64_t a, std::int64_t b, std::int64_t w) {
-    return a + floorDiv((b - a) * w, 32768);
+    return a + floorDiv(2 * (b - a) * w, kWord);
   };
-  std::int64_t alongX[2][2], alongY[2];
-  for (int j = 0; j < 2; ++j) {
-    for (int k = 0; k < 2; ++k) {
-      alongX[j][k] = blend(value({0, j, k}), value({1, j, k}), weight[0]);
+  std::int64_t alongZ[2][2], alongX[2];
+  for (int i = 0; i < 2; ++i) {
+    for (int j = 0; j < 2; ++j) {
+      alongZ[i][j] = blend(value({i, j, 0}), value({i, j, 1}), weight[2]);
     }
   }
-  for (int k = 0; k < 2; ++k) alongY[k] = blend(alongX[0][k], alongX[1][k], weight[1]);
-  return static_cast<int>(blend(alongY[0], alongY[1], weight[2]));
+  for (int j = 0; j < 2; ++j) alongX[j] = blend(alongZ[0][j], alongZ[1][j], weight[0]);
+  return static_cast<int>(blend(alongX[0], alongX[1], weight[1]));
 }
 
-Coord displacement(std::uint64_t seed, const std::vector<std::int32_t>& amplitudes,
-                   const Coord& voxel) {
+// The sum of all octaves, 1/256 voxel.
+std::int64_t displacement(std::uint64_t seed, const NoiseOctaves& octaves, int axis,
+                          const Coord& voxel) {
+  std::int64_t sum = 0;
+  for (std::size_t n = 0; n < octaves.step.size(); ++n) {
+    sum += noise(seed, octaves.first + static_cast<int>(n), axis, octaves.step[n],
+                 octaves.amplitude[n], voxel);
+  }
+  return sum;
+}
+
+Coord wholeVoxels(std::uint64_t seed, const NoiseOctaves& octaves, const Coord& voxel) {
   Coord whole;
   for (int axis = 0; axis < 3; ++axis) {
-    std::int64_t sum = 0;
-    for (std::size_t o = 0; o < amplitudes.size(); ++o) {
-      sum += noise(seed, static_cast<int>(o), axis, amplitudes[o], voxel);
-    }
-    whole[axis] = static_cast<int>(floorDiv(sum + 128, 256));
+    whole[axis] = static_cast<int>(floorDiv(displacement(seed, octaves, axis, voxel) + 128, 256));
   }
   return whole;
 }
@@ -84,34 +102,204 @@ Coord walk(const std::set<Coord>& inside, Coord at, const Coord& way) {
   return at;
 }
 
-using Rough = DeviceTest;
+// The smooth labels at the ends of the walks, and the seeds' own.
+LabelMap roughReference(const VoxelSolid& solid, const std::vector<Seed>& seeds, std::uint64_t seed,
+                        const NoiseOctaves& octaves) {
+  const auto smooth = reference::nearest(solid, seeds, Metric::euclidean);
+  LabelMap expected;
+  for (const Coord& voxel : solid.inside) {
+    expected[voxel] = smooth.at(walk(solid.inside, voxel, wholeVoxels(seed, octaves, voxel))).label;
+  }
+  for (const Seed& s : seeds) expected[s.voxel] = s.fragment;
+  return expected;
+}
+
+// Growth without the steps after roughening.
+GrowOptions roughOptions(const Relief& relief, std::uint64_t seed) {
+  return {.growth = Growth::nearest,
+          .roughness = relief.height,
+          .hurst = relief.hurst,
+          .roughnessWindow = relief.window,
+          .longestSideVoxels = relief.longestSide,
+          .regrowIsolated = false,
+          .noiseSeeds = {seed}};
+}
+
+class Rough : public DeviceTest {
+ protected:
+  static LabelMap grown(const VoxelSolid& solid, const std::vector<Seed>& seeds,
+                        const GrowOptions& options) {
+    return reference::mapOf(grow(voxel_shapes::blocksOf(solid),
+                                 std::vector<std::vector<Seed>>{seeds}, device(), options)
+                                .front());
+  }
+};
+
+VoxelSolid movedBy(const VoxelSolid& solid, const Coord& by) {
+  VoxelSolid moved{solid.name + ", moved", {}, {}};
+  for (const Coord& v : solid.inside) moved.inside.insert(v + by);
+  for (const Coord& v : solid.exteriorBand) moved.exteriorBand.insert(v + by);
+  return moved;
+}
 
 TEST_F(Rough, EqualsTheReferenceWalk) {
-  for (const VoxelSolid& solid : voxel_shapes::all()) {
-    const auto blocks = voxel_shapes::blocksOf(solid);
+  std::vector<VoxelSolid> solids = voxel_shapes::all();
+  solids.push_back(movedBy(solids.front(), {-700'003, 40'001, 12'345}));
+  std::size_t number = 0;
+  for (const VoxelSolid& solid : solids) {
     std::vector<Seed> seeds;
     for (const Coord& voxel : solid.inside) {
       if (mixed(static_cast<std::uint64_t>(voxel.x() * 961 + voxel.y() * 31 + voxel.z())) % 97 == 0)
         seeds.push_back({voxel, static_cast<std::uint16_t>(seeds.size() + 1)});
     }
     if (seeds.empty()) seeds.push_back({*solid.inside.begin(), 1});
-    GrowOptions options{.growth = Growth::nearest,
-                        .roughness = 2.0,
-                        .hurst = 0.7,
-                        .roughnessWindow = 6.0,
-                        .regrowIsolated = false,
-                        .noiseSeeds = {42}};
-    const LabelMap rough = reference::mapOf(
-        grow(blocks, std::vector<std::vector<Seed>>{seeds}, device(), options).front());
-    const auto smooth = reference::nearest(solid, seeds, Metric::euclidean);
-    const std::vector<std::int32_t> amplitudes = octaveAmplitudes(2.0, 0.7, 6.0);
-    LabelMap expected;
-    for (const Coord& voxel : solid.inside) {
-      expected[voxel] =
-          smooth.at(walk(solid.inside, voxel, displacement(42, amplitudes, voxel))).label;
+    // Spacings of at least 2 voxels, of 2 exactly, of 3.95, and of 8 and more.
+    for (const double side : {37.3, 64.0, 126.4, 65536.0}) {
+      if (voxel_shapes::small() && number++ % 4 != 0) continue;
+      const Relief relief{.height = 2.0, .hurst = 0.7, .window = 6.0, .longestSide = side};
+      EXPECT_EQ(grown(solid, seeds, roughOptions(relief, 42)),
+                roughReference(solid, seeds, 42, noiseOctaves(relief)))
+          << solid.name << ", side " << side;
     }
-    for (const Seed& seed : seeds) expected[seed.voxel] = seed.fragment;
-    EXPECT_EQ(rough, expected) << solid.name;
+  }
+}
+
+// Leaves far from the crack are skipped by bounds of their displacements.
+TEST_F(Rough, SkipsOnlyLeavesThatKeepTheirLabels) {
+  const int radius = voxel_shapes::small() ? 12 : 28;
+  const VoxelSolid solid = voxel_shapes::ball(radius);
+  const std::vector<Seed> seeds{{{-5, 0, 0}, 1}, {{4, 1, 0}, 2}};
+  for (std::uint64_t seed = 0; seed < (voxel_shapes::small() ? 1u : 6u); ++seed) {
+    const Relief relief{.height = 0.5 + 0.5 * static_cast<double>(seed),
+                        .window = 10.0,
+                        .longestSide = 50.0 + 17.3 * static_cast<double>(seed)};
+    EXPECT_EQ(grown(solid, seeds, roughOptions(relief, seed)),
+              roughReference(solid, seeds, seed, noiseOctaves(relief)))
+        << "seed " << seed;
+  }
+}
+
+TEST_F(Rough, WithoutALongestSideItIsThatOfTheInsideVoxels) {
+  const VoxelSolid solid = voxel_shapes::solidWhere(
+      "box", 12, [](const Coord& v) { return v.x() >= -3 && v.x() < 8 && v.z() > 0; });
+  const std::vector<Seed> seeds{{{-2, -3, 4}, 1}, {{6, 4, 9}, 2}};
+  const Relief relief{.height = 1.5, .window = 2.5, .longestSide = 25.0};
+  GrowOptions options = roughOptions(relief, 5);
+  options.longestSideVoxels = 0.0;
+  options.roughnessWindow = 0.0;
+  EXPECT_EQ(grown(solid, seeds, options), roughReference(solid, seeds, 5, noiseOctaves(relief)));
+}
+
+// What rounding adds to an octave, at most, 1/256 voxel.  A lattice value is rounded by 1, its
+// amplitude by 1/2, and each of three blends by 1.  Weights are rounded by less than 8 * 2^-24.
+// Coordinates in the lattice, of voxels below 512, are rounded by less than 513 * 2^-33 of a
+// spacing, where the slope is at most 15/8 of the difference of two lattice values.  Along each
+// axis both together are less than 2^-19 of the amplitude, and along all less than 0.1 if that is
+// below 2^14.
+constexpr double kRoundingPerOctave = 4.6;
+
+// The crack between two seeds in a box whose voxels are three times as fine the second time.  The
+// center of voxel i is that of voxel 3 i + 1 of the finer ones.  The displacement along x decides
+// on the side of the crack; where it ends further from the crack than the finer octaves, rounding
+// to whole voxels and rounding of noise reach, the label is the same.
+TEST_F(Rough, TheSameSeedGivesTheSameCrackInFinerVoxels) {
+  const auto box = [](int fine) {
+    return voxel_shapes::solidWhere("box", 32 * fine - 1, [=](const Coord& v) {
+      return v.x() >= 0 && v.y() >= 0 && v.z() >= 0 && v.y() < 16 * fine && v.z() < 16 * fine;
+    });
+  };
+  if (voxel_shapes::small()) GTEST_SKIP() << "takes long on simulated devices";
+  const VoxelSolid coarse = box(1), fine = box(3);
+  const auto reliefAt = [](double fineness) {
+    return Relief{.height = 2.5 * fineness,
+                  .hurst = 0.9,
+                  .window = 3.24 * fineness,
+                  .longestSide = 32.4 * fineness};
+  };
+  const std::vector<Seed> coarseSeeds{{{8, 8, 8}, 1}, {{23, 8, 8}, 2}};
+  const std::vector<Seed> fineSeeds{{{25, 25, 25}, 1}, {{70, 25, 25}, 2}};
+  const NoiseOctaves octaves = noiseOctaves(reliefAt(3.0));
+  const std::size_t resolved = noiseOctaves(reliefAt(1.0)).step.size();
+  ASSERT_LT(resolved, octaves.step.size());
+  double reach = 0.5 + 2.0 * static_cast<double>(octaves.step.size()) * kRoundingPerOctave / 256.0;
+  for (std::size_t n = resolved; n < octaves.step.size(); ++n) {
+    reach += octaves.amplitude[n] / 256.0 / 3.0;
+  }
+  for (const std::uint64_t seed : {3u, 4u, 5u}) {
+    const LabelMap labels = grown(coarse, coarseSeeds, roughOptions(reliefAt(1.0), seed));
+    const LabelMap fineLabels = grown(fine, fineSeeds, roughOptions(reliefAt(3.0), seed));
+    int compared = 0, moved = 0;
+    for (const auto& [voxel, label] : labels) {
+      if (voxel == coarseSeeds[0].voxel || voxel == coarseSeeds[1].voxel) continue;
+      const Coord same(3 * voxel.x() + 1, 3 * voxel.y() + 1, 3 * voxel.z() + 1);
+      const double end = voxel.x() - 15.5 +
+                         static_cast<double>(displacement(seed, octaves, 0, same)) / 256.0 / 3.0;
+      if (std::abs(end) <= reach) continue;
+      ++compared;
+      moved += (end < 0.0) != (voxel.x() < 15.5);
+      ASSERT_EQ(label, end < 0.0 ? 1 : 2) << voxel;
+      ASSERT_EQ(fineLabels.at(same), label) << voxel;
+    }
+    EXPECT_GT(compared, 32 * 16 * 16 / 2);
+    EXPECT_GT(moved, 0);
+  }
+}
+
+// Value noise in space: p is a position from the low corner of the box in units of its longest
+// side.  The largest lattice value is 1.
+double noiseInSpace(std::uint64_t seed, int octave, int axis, const double (&p)[3]) {
+  Coord cell;
+  double weight[3];
+  for (int i = 0; i < 3; ++i) {
+    const double at = p[i] * std::ldexp(1.0, octave) + latticeShift(seed, octave, i) / 65536.0;
+    cell[i] = static_cast<int>(std::floor(at));
+    const double t = at - cell[i];
+    weight[i] = t * t * t * (6.0 * t * t - 15.0 * t + 10.0);
+  }
+  double sum = 0.0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Coord offset(corner >> 2, corner >> 1 & 1, corner & 1);
+    double share = latticeValue(seed, octave, axis, cell + offset) / 32768.0;
+    for (int i = 0; i < 3; ++i) share *= offset[i] ? weight[i] : 1.0 - weight[i];
+    sum += share;
+  }
+  return sum;
+}
+
+// At every resolution the noise of a voxel is that function at its center, up to rounding, with
+// amplitudes that are the same lengths; only the octaves that the voxels do not resolve are
+// missing.
+TEST(RoughNoise, IsAFunctionOfSpace) {
+  const auto reliefAt = [](double side) {
+    return Relief{.height = 0.02 * side, .hurst = 0.7, .window = 0.1 * side, .longestSide = side};
+  };
+  constexpr double kAllResolved = 8192.0;
+  const NoiseOctaves all = noiseOctaves(reliefAt(kAllResolved));
+  EXPECT_EQ(all.first, 1);
+  EXPECT_EQ(all.step.size(), 12u);
+  for (const double side : {48.0, 70.3, 96.0, 409.7}) {
+    const NoiseOctaves octaves = noiseOctaves(reliefAt(side));
+    EXPECT_EQ(octaves.first, all.first);
+    EXPECT_EQ(octaves.step.size(), static_cast<std::size_t>(std::floor(std::log2(side / 2.0))));
+    for (std::size_t n = 0; n < octaves.step.size(); ++n) {
+      const int octave = octaves.first + static_cast<int>(n);
+      // Each is rounded to 1/256 voxel.
+      const double amplitude = all.amplitude[n] * side / kAllResolved;
+      EXPECT_NEAR(octaves.amplitude[n], amplitude, 0.5 + 0.5 * side / kAllResolved);
+      for (std::uint64_t i = 0; i < 500; ++i) {
+        const auto draw = [&](std::uint64_t k) {
+          return static_cast<int>(mixed(3 * i + k) % static_cast<std::uint64_t>(side + 20)) - 10;
+        };
+        const Coord voxel(draw(0), draw(1), draw(2));
+        const double at[3] = {(voxel.x() + 0.5) / side, (voxel.y() + 0.5) / side,
+                              (voxel.z() + 0.5) / side};
+        for (int axis = 0; axis < 3; ++axis) {
+          EXPECT_NEAR(noise(77, octave, axis, octaves.step[n], octaves.amplitude[n], voxel),
+                      amplitude * noiseInSpace(77, octave, axis, at), kRoundingPerOctave + 0.05)
+              << "side " << side << ", octave " << octave << ", voxel " << voxel;
+        }
+      }
+    }
   }
 }
 
@@ -119,9 +307,10 @@ TEST_F(Rough, EqualsTheReferenceWalk) {
 // 200 windows with 3 components are 600 nearly independent estimates.  A few long waves dominate
 // the variance in a window, so one estimate has a relative error of about 1, and the mean of 1 /
 // sqrt(600) = 4 %.  5 sigma are 20 % of the variance, 10 % of the height.
-TEST(RoughAmplitudes, GiveTheRequestedHeight) {
+TEST(RoughNoise, HasTheRequestedHeight) {
   constexpr double kHeight = 3.0, kWindow = 24.0;
-  const std::vector<std::int32_t> amplitudes = octaveAmplitudes(kHeight, 0.8, kWindow);
+  const NoiseOctaves octaves =
+      noiseOctaves({.height = kHeight, .window = kWindow, .longestSide = 240.0});
   double variance = 0.0;
   constexpr int kWindows = 200;
   for (int w = 0; w < kWindows; ++w) {
@@ -133,11 +322,9 @@ TEST(RoughAmplitudes, GiveTheRequestedHeight) {
       int n = 0;
       for (int y = 0; y < 24; y += 2) {
         for (int z = 0; z < 24; z += 2, ++n) {
-          double d = 0.0;
-          for (std::size_t o = 0; o < amplitudes.size(); ++o) {
-            d += noise(seed, static_cast<int>(o), axis, amplitudes[o], corner + Coord(0, y, z)) /
-                 256.0;
-          }
+          const double d =
+              static_cast<double>(displacement(seed, octaves, axis, corner + Coord(0, y, z))) /
+              256.0;
           sum += d;
           squares += d * d;
         }
@@ -146,6 +333,26 @@ TEST(RoughAmplitudes, GiveTheRequestedHeight) {
     }
   }
   EXPECT_NEAR(std::sqrt(variance / (3 * kWindows)), kHeight, 0.1 * kHeight);
+}
+
+// Lengths far from those of the voxels.
+TEST(RoughNoise, HasOctavesForEveryWindow) {
+  for (const double side : {1.0, 14.0, 4096.0, 1e6}) {
+    for (const double window : {1e-300, 0.1, 1.0, side, 1e6, 1e300}) {
+      for (const double hurst : {0.1, 1.0}) {
+        const NoiseOctaves octaves =
+            noiseOctaves({.height = 100.0, .hurst = hurst, .window = window, .longestSide = side});
+        ASSERT_GE(octaves.step.size(), 1u) << side << ' ' << window;
+        EXPECT_LE(octaves.step.size(), 21u);
+        for (std::size_t n = 0; n < octaves.step.size(); ++n) {
+          EXPECT_GE(octaves.step[n], 0);
+          EXPECT_LE(octaves.step[n], std::int64_t{1} << 31);
+          EXPECT_GE(octaves.amplitude[n], 0);
+          EXPECT_LE(octaves.amplitude[n], 1 << 22);
+        }
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -237,6 +237,9 @@ TEST_F(Fracture, RefusesPiecesAndSeedsOfAStage) {
   set.grow.noiseSeeds = {1};
   EXPECT_EQ(codeOf(set), ErrorCode::usage);
   set = {};
+  set.grow.longestSideVoxels = 16.0;
+  EXPECT_EQ(codeOf(set), ErrorCode::usage);
+  set = {};
   set.erode.seed = 1;
   EXPECT_EQ(codeOf(set), ErrorCode::usage);
 }

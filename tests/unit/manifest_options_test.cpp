@@ -110,7 +110,8 @@ TEST_F(ManifestOptions, OfAFractureAreRecorded) {
 
 TEST_F(ManifestOptions, OfGrowthAreRecorded) {
   auto& [growth, neighborhood, metric, anisotropy, roughness, hurst, roughnessWindow,
-         regrowIsolated, noiseSeeds, keepCost, outerSteps, tuning] = options_.grow;
+         longestSideVoxels, regrowIsolated, noiseSeeds, keepCost, outerSteps, tuning] =
+      options_.grow;
   expectRecorded("growth", growth, Growth::nearest);
   expectRecorded("roughness", roughness, 2.0);
   expectRecorded("hurst", hurst, 0.5);
@@ -125,8 +126,9 @@ TEST_F(ManifestOptions, OfGrowthAreRecorded) {
   expectRecorded("strength", strength, 1.0);
   strength = 1.0;  // without it there is no direction
   expectRecorded("direction", direction, {1.0, 0.0, 0.0});
-  // Made from the fracture's seed, beside the labels, or how fast they come.
+  // Made from the fracture's seed or solid, beside the labels, or how fast they come.
   expectNotRecorded("noiseSeeds", noiseSeeds, {7});
+  expectNotRecorded("longestSideVoxels", longestSideVoxels, 9.0);
   expectNotRecorded("keepCost", keepCost, true);
   auto& [stepsPerReadback, workGroupSize, warmUp] = tuning;
   expectNotRecorded("stepsPerReadback", stepsPerReadback, 1);
