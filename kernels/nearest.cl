@@ -56,7 +56,7 @@ inline void compare_seed(const struct sherd_metric* metric, const int4 at, const
     const int x = NEAREST_VOXEL * (low.x + (row >> 3)) - at.x, y = NEAREST_VOXEL * (low.y + (row & 7)) - at.y,
               z = NEAREST_VOXEL * low.z - at.z;
     const long a = sherd_row(metric, 0, x, y, z), b = sherd_row(metric, 1, x, y, z), c = sherd_row(metric, 2, x, y, z);
-    for (int k = 0; k < 8; ++k) {  
+    for (int k = 0; k < 8; ++k) {
       const long d = sherd_norm(metric->kind, (long)abs(a + k * step[0]), (long)abs(b + k * step[1]),
                                 (long)abs(c + k * step[2]));
       const int v = 8 * row + k;

@@ -36,6 +36,7 @@ enum class Stage : std::uint64_t {
   impactOffset = 37,
   impactRest = 38,
   impactVoxel = 39,
+  impactPoint = 40,
   convexitySample = 64,
   fitFragment = 65,  // derives a seed per fragment, 0: the whole, for points and the next
   fitSpace = 66,

@@ -27,7 +27,10 @@ std::vector<Seed> settled(std::span<const Seed> seeds, const sherd_metric& metri
   std::vector<Seed> out(seeds.begin(), seeds.end());
   // A seed that moves may be nearer to the center of another's voxel than before, so this is done
   // again until nothing moves; seeds that are at their centers stay, so it ends.
-  for (bool moved = true; moved;) {
+  // Drawn seeds take two passes; where many lie in a row that each move the next, all move.
+  constexpr int kMostPasses = 8;
+  bool moved = true;
+  for (int pass = 0; moved && pass < kMostPasses; ++pass) {
     moved = false;
     std::vector<NearestSeed::Site> sites;
     for (const Seed& seed : out)
@@ -40,6 +43,9 @@ std::vector<Seed> settled(std::span<const Seed> seeds, const sherd_metric& metri
       seed = center;
       moved = true;
     }
+  }
+  if (moved) {
+    for (Seed& seed : out) seed.shift = glm::ivec3(0);
   }
   return out;
 }

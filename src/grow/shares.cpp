@@ -86,8 +86,8 @@ std::vector<NewSeed> placeAtPoints(const Solid& solid, const Labels& labels,
     for (std::uint64_t i = 0; i < draws && !found; ++i) {
       const auto at =
           candidates.inBox(randomPoint(seed, Stage::reseedPoint, drawItem(item(newSeed.id), i)));
-      if (!at || labels.fragment[at->key] != newSeed.from) continue;
-      const openvdb::Coord voxel = inside.voxelAt(at->key);
+      if (!at || !at->key || labels.fragment[*at->key] != newSeed.from) continue;
+      const openvdb::Coord voxel = inside.voxelAt(*at->key);
       if (occupied.insert(voxel).second) found = Seed{voxel, newSeed.id, at->shift};
     }
     if (found)

@@ -54,29 +54,31 @@ glm::i64vec3 Candidates::stepsOfBox() const { return rounded(sides_ / longest_ *
 bool Candidates::isSolid(const glm::dvec3& point) const {
   const openvdb::Coord voxel = nearestVoxel(point);
   if (!distanceAt_) return voxels_.find(voxel).has_value();
+  const SolidRegion& region = *solid_.region;
+  if (!region.isAsVoxels()) return region.contains(point);
   constexpr double kSure = 1.5;  // voxels: a voxel's corner is 0.87 away, the rest is for rounding
   const double distance = distanceAt_(voxel) / solid_.frame.voxelSize;
   if (distance > kSure) return false;
-  const double layer = kSurfaceLayer * longest_;
   const bool isDeep = distance < -kSure;
-  if (on_ == SeedsOn::surface && isDeep && distance < -(layer + kSure) &&
-      distance > -(kHalfWidthVoxels - 0.01)) {
-    return false;
+  if (on_ == SeedsOn::surface) {
+    const double layer = kSurfaceLayer * longest_;
+    const bool isInBand = distance > -(kHalfWidthVoxels - 0.01);
+    if (isDeep && isInBand && distance < -(layer + kSure)) return false;
+    if (!region.isWithin(point, layer)) return false;
   }
-  if (!isDeep && !solid_.region->contains(point)) return false;
-  return on_ == SeedsOn::volume || solid_.region->isWithin(point, layer);
+  return isDeep || region.contains(point);
 }
 
 std::optional<Candidate> Candidates::near(const glm::dvec3& point,
                                           const glm::i64vec3& inSpace) const {
   if (!isSolid(point)) return {};
+  const bool moves = distanceAt_ && (on_ == SeedsOn::surface || !solid_.region->isAsVoxels());
+  const glm::dvec3 at = moves ? solid_.region->onSurface(point) : point;
   // A point that is inside the mesh may lie in a voxel whose center is not.
   constexpr double kFarthest = 2.0;
-  const double reach =
-      kFarthest + (on_ == SeedsOn::surface && distanceAt_ ? kSurfaceLayer * longest_ : 0.0);
-  const std::optional<VoxelKey> key = voxels_.nearestWithin(point, reach);
-  if (!key) return {};
-  return Candidate{*key, shiftOf(point, voxels_.voxelAt(*key)), inSpace};
+  Candidate found{voxels_.nearestWithin(at, kFarthest), {}, inSpace};
+  if (found.key) found.shift = shiftOf(at, voxels_.voxelAt(*found.key));
+  return found;
 }
 
 std::optional<Candidate> Candidates::inBox(const glm::dvec3& unit) const {

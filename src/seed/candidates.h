@@ -14,10 +14,10 @@
 
 namespace sherd {
 
-/// A voxel for a seed, and the point that it was chosen by.
+/// A point of the solid for a seed, and the voxel that it takes.
 struct Candidate {
-  VoxelKey key = 0;
-  glm::ivec3 shift{0};     ///< as in Seed
+  std::optional<VoxelKey> key{};  ///< none where the voxels do not resolve the solid
+  glm::ivec3 shift{0};            ///< as in Seed
   glm::i64vec3 inSpace{};  ///< the point in steps of 2^-20 of the box's longest side, from its low
                            ///< corner: the same at any resolution
 };
@@ -38,17 +38,18 @@ class Chosen {
   [[nodiscard]] bool isSeeded(std::uint32_t component) const { return isSeeded_[component]; }
   [[nodiscard]] const VoxelComponents& components() const { return components_; }
 
-  /// Returns whether a candidate may be one of `end`: each component without one needs one of those
-  /// that are left.
+  /// Returns whether a candidate may be one of `end`: it has a voxel, and each component without
+  /// one needs one of those that are left.
   [[nodiscard]] bool mayTake(const Candidate& candidate, std::size_t end) const {
-    return end - size() > unseeded_ || !isSeeded_[components_.at(candidate.key)];
+    if (!candidate.key) return false;
+    return end - size() > unseeded_ || !isSeeded_[components_.at(*candidate.key)];
   }
 
-  /// Adds a candidate; returns false if its voxel is already chosen.
+  /// Adds a candidate; returns false if it has no voxel or that is already chosen.
   bool add(const Candidate& candidate) {
-    if (!taken_.insert(candidate.key).second) return false;
+    if (!candidate.key || !taken_.insert(*candidate.key).second) return false;
     all_.push_back(candidate);
-    const std::uint32_t component = components_.at(candidate.key);
+    const std::uint32_t component = components_.at(*candidate.key);
     unseeded_ -= isSeeded_[component] ? 0 : 1;
     isSeeded_[component] = true;
     return true;
@@ -72,7 +73,7 @@ class Candidates {
   Candidates(const Solid& solid, const VoxelIndex& voxels, SeedsOn on);
 
   /// Returns the candidate at a point of the box, if the solid is there: inside it, and with
-  /// SeedsOn::surface within 1/256 of the box's longest side of the surface.
+  /// SeedsOn::surface within 1/256 of the box's longest side of the surface, onto which it moves.
   ///   unit  0..1 along each axis of the box
   [[nodiscard]] std::optional<Candidate> inBox(const glm::dvec3& unit) const;
 

@@ -68,11 +68,11 @@ std::vector<Seed> seedsFromPoints(std::span<const SeedPoint> points, const Solid
     const auto key = inside.nearestWithin(point, kFarthestVoxels,
                                           [&](VoxelKey voxel) { return !chosen.has(voxel); });
     if (!key) throw inputError(i, refusal(points[i].position, solid, inside));
-    chosen.add({*key, shiftOf(point, inside.voxelAt(*key))});
+    chosen.add({key, shiftOf(point, inside.voxelAt(*key))});
     const std::uint32_t component = components.at(*key);
     std::size_t& first = firstOf[static_cast<std::size_t>(points[i].fragment - 1)];
     if (first == kNone) first = i;
-    if (components.at(chosen.all()[first].key) != component) {
+    if (components.at(*chosen.all()[first].key) != component) {
       throw inputError(i, "of fragment " + std::to_string(points[i].fragment) +
                               " lies in another connected component than seed " +
                               std::to_string(first + 1) + "; a fragment must lie in one");
@@ -81,7 +81,7 @@ std::vector<Seed> seedsFromPoints(std::span<const SeedPoint> points, const Solid
 
   std::vector<Seed> seeds;
   const auto add = [&](const Candidate& at, std::size_t id) {
-    seeds.push_back({inside.voxelAt(at.key), static_cast<std::uint16_t>(id), at.shift});
+    seeds.push_back({inside.voxelAt(*at.key), static_cast<std::uint16_t>(id), at.shift});
   };
   for (std::size_t id = 1; id <= given; ++id) add(chosen.all()[firstOf[id - 1]], id);
   const std::size_t missing = chosen.unseeded();

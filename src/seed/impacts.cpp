@@ -28,6 +28,12 @@ bool isFinite(const glm::dvec3& v) {
 
 glm::dvec3 pointOf(const openvdb::Coord& voxel) { return {voxel.x(), voxel.y(), voxel.z()}; }
 
+// Returns a point of the mesh's surface, or that of a voxel if it belongs to what the voxels lack.
+glm::dvec3 atSolid(const glm::dvec3& point, const glm::dvec3& ofVoxel, const VoxelIndex& surface) {
+  constexpr double kNear = 3.0;  // voxels
+  return surface.nearestWithin(point, kNear) ? point : ofVoxel;
+}
+
 glm::dvec3 centerOnRay(const Ray& ray, std::size_t number, const Solid& solid,
                        const VoxelIndex& inside, const VoxelIndex& surface) {
   const glm::dvec3 origin = solid.frame.indexFromWorld(ray.origin);
@@ -41,11 +47,8 @@ glm::dvec3 centerOnRay(const Ray& ray, std::size_t number, const Solid& solid,
   if (!solid.region) {
     return pointOf(surface.find(*hit) ? *hit : surface.nearest(pointOf(*hit)));
   }
-  const glm::dvec3 toHit = glm::abs(pointOf(*hit) - origin);
-  const bool startsInHit = std::max({toHit.x, toHit.y, toHit.z}) <= 0.5;
-  if (startsInHit && solid.region->contains(origin)) return solid.region->onSurface(origin);
   const auto met = solid.region->firstHit(origin, ray.direction);
-  return met ? *met : solid.region->onSurface(pointOf(*hit));
+  return atSolid(met ? *met : pointOf(*hit), pointOf(*hit), surface);
 }
 
 // Returns a random point of the surface.
@@ -53,8 +56,8 @@ glm::dvec3 anywhere(const Candidates& onSurface, std::uint64_t seed, std::size_t
   for (std::uint64_t i = 0; i < onSurface.drawsForOne(); ++i) {
     const glm::dvec3 unit = randomPoint(seed, Stage::impactPosition, drawItem(number, i));
     const std::optional<Candidate> found = onSurface.inBox(unit);
-    if (found) {
-      return pointOf(Seed{onSurface.voxels().voxelAt(found->key), 0, found->shift});
+    if (found && found->key) {
+      return pointOf(Seed{onSurface.voxels().voxelAt(*found->key), 0, found->shift});
     }
   }
   const VoxelIndex& voxels = onSurface.voxels();
@@ -70,7 +73,9 @@ glm::dvec3 centerOf(const Impact& impact, std::size_t number, const Solid& solid
   if (const auto* point = std::get_if<glm::dvec3>(&impact.target)) {
     const glm::dvec3 at = solid.frame.indexFromWorld(*point);
     if (!isFinite(at)) throw usageError(number, ": its point must be finite");
-    return solid.region ? solid.region->onSurface(at) : pointOf(onSurface.voxels().nearest(at));
+    const glm::dvec3 ofVoxel = pointOf(onSurface.voxels().nearest(at));
+    return solid.region ? atSolid(solid.region->onSurface(at), ofVoxel, onSurface.voxels())
+                        : ofVoxel;
   }
   return anywhere(onSurface, seed, number);
 }
@@ -86,7 +91,7 @@ void checkRanges(const Impact& impact, std::size_t number) {
   }
 }
 
-// Draws one candidate around the impact's center; nullopt if there is none in its component.
+// Draws one candidate around the impact's center.
 std::optional<Candidate> drawNear(const AimedImpact& aimedImpact, const glm::dvec3& side,
                                   std::uint64_t seed, std::uint64_t item,
                                   const SeedCandidates& from) {
@@ -97,7 +102,6 @@ std::optional<Candidate> drawNear(const AimedImpact& aimedImpact, const glm::dve
                                                item * 3 + static_cast<std::uint64_t>(axis));
   }
   const std::optional<Candidate> found = from.candidates.at(point);
-  if (!found || from.components.at(found->key) != aimedImpact.component) return {};
   return found;
 }
 
@@ -140,7 +144,7 @@ void scatter(const AimedImpact& aimedImpact, std::size_t number, const SeedCandi
       candidates.inComponent[aimedImpact.component] -
       static_cast<std::uint64_t>(std::count_if(
           chosen.all().begin(), chosen.all().end(),
-          [&](const Candidate& each) { return components.at(each.key) == aimedImpact.component; }));
+          [&](const Candidate& each) { return components.at(*each.key) == aimedImpact.component; }));
   if (aimedImpact.count > room) {
     throw usageError(number,
                      " needs " + std::to_string(aimedImpact.count) +
@@ -156,24 +160,31 @@ void scatter(const AimedImpact& aimedImpact, std::size_t number, const SeedCandi
   const glm::dvec3& sides = candidates.candidates.sides();
   const double sideOfUnit =
       std::sqrt(12.0 * aimedImpact.terms);  // of a standard deviation of one voxel
+  // A distribution wider than the box is uniform.
   const double widest = 2.0 * sideOfUnit * std::max({sides.x, sides.y, sides.z});
   const std::size_t end = chosen.size() + aimedImpact.count;
   glm::dvec3 side = aimedImpact.side;
   int taken = 0, missed = 0;
   for (std::uint64_t own = 0, draw = 0; chosen.size() < end; ++draw) {
-    if (std::min({side.x, side.y, side.z}) > widest) break;
-    const auto found = drawNear(aimedImpact, side, impactSeed, drawItem(own, draw), candidates);
+    const std::uint64_t item = drawItem(own, draw);
+    const bool isUniform = std::min({side.x, side.y, side.z}) > widest;
+    auto found =
+        isUniform ? candidates.candidates.inBox(randomPoint(impactSeed, Stage::impactPoint, item))
+                  : drawNear(aimedImpact, side, impactSeed, item, candidates);
+    if (found && !(found->key && components.at(*found->key) == aimedImpact.component))
+      found.reset();
     if (found && chosen.add(*found)) {
       taken = missed = 0;
       ++own, draw = 0;
     } else if (++(found ? taken : missed); taken == kTaken || missed == kMissed) {
+      if (isUniform) break;
       side = glm::max(side * 1.25, glm::dvec3(0.5 * sideOfUnit));
       taken = missed = 0;
     }
   }
   if (chosen.size() == end) return;
 
-  // A distribution this wide is uniform: take any free voxel of the component.
+  // Hardly anything is free: take any free voxel of the component.
   std::vector<VoxelKey> freeVoxels;
   candidates.candidates.voxels().forEach([&](VoxelKey key) {
     if (components.at(key) == aimedImpact.component && !chosen.has(key)) freeVoxels.push_back(key);

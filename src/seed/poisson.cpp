@@ -87,7 +87,7 @@ class CellGrid {
 }  // namespace
 
 void drawApart(const Candidates& candidates, std::uint64_t seed, std::size_t end,
-               std::uint64_t& dart, Chosen& chosen) {
+               std::uint64_t& dart, Chosen& chosen, const std::function<void()>& drawAnew) {
   constexpr int kMisses = 100;  // in a row: about one dart in fifty would still be accepted
   constexpr std::uint64_t kMost = 1 << 24;  // darts, those beside the solid included
   constexpr std::int64_t kLeast = 256;      // a 4096th of the longest side
@@ -101,18 +101,23 @@ void drawApart(const Candidates& candidates, std::uint64_t seed, std::size_t end
   std::int64_t square = metricOrder(Metric::euclidean, sides.x, sides.y, sides.z);
   CellGrid grid = gridOf(std::max<std::int64_t>(rootRoundedUp(square), 1));
   const std::uint64_t last = dart + kMost;
-  while (square > kLeast * kLeast && chosen.size() < end && dart < last) {
+  // Once only components without a seed are left, darts hardly ever meet them.
+  const auto goesOn = [&] { return end - chosen.size() > chosen.unseeded() && dart < last; };
+  while (square > kLeast * kLeast && goesOn()) {
     const std::int64_t side = rootRoundedUp(square);
     if (side * 5 < grid.side() * 4) grid = gridOf(side);
-    for (int misses = 0; misses < kMisses && chosen.size() < end && dart < last; ++dart) {
+    for (int misses = 0; misses < kMisses && goesOn(); ++dart) {
       const auto found = candidates.inBox(randomPoint(seed, Stage::poissonDart, dart));
-      if (!found || !chosen.mayTake(*found, end)) continue;
-      if (grid.holdsWithin(found->inSpace, square) || !chosen.add(*found)) {
+      if (!found) continue;
+      if (grid.holdsWithin(found->inSpace, square)) {
         ++misses;
         continue;
       }
       misses = 0;
       grid.add(found->inSpace);
+      if (chosen.add(*found)) continue;
+      drawAnew();
+      grid.add(chosen.all().back().inSpace);
     }
     square -= square / 16;
   }

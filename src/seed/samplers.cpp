@@ -32,21 +32,30 @@ void SeedSampler::draw(std::size_t count, Chosen& chosen) {
             }
             return point;
           },
-          end, chosen);
+          end, end, chosen);
       break;
     case Sampler::poisson:
-      drawApart(candidates_, seed_, end, next_, chosen);
+      drawApart(candidates_, seed_, end, next_, chosen, [&] { drawAnew(end, chosen); });
       break;
   }
-  drawEach([this](std::uint64_t item) { return randomPoint(seed_, Stage::seedPoint, item); }, end,
-           chosen);
+  drawUniform(end, end, chosen);
+}
+
+void SeedSampler::drawUniform(std::size_t upTo, std::size_t end, Chosen& chosen) {
+  drawEach([this](std::uint64_t item) { return randomPoint(seed_, Stage::seedPoint, item); }, upTo,
+           end, chosen);
+}
+
+void SeedSampler::drawAnew(std::size_t end, Chosen& chosen) {
+  drawUniform(chosen.size() + 1, end, chosen);
 }
 
 // A seed whose draws meet kTaken taken voxels, or miss the solid too often, takes any free voxel,
 // so that as many seeds as voxels can be drawn.
-void SeedSampler::drawEach(const PointOf& pointOf, std::size_t end, Chosen& chosen) {
+void SeedSampler::drawEach(const PointOf& pointOf, std::size_t upTo, std::size_t end,
+                           Chosen& chosen) {
   constexpr int kTaken = 16;
-  for (; chosen.size() < end; ++nextSeed_) {
+  for (; chosen.size() < upTo; ++nextSeed_) {
     const std::size_t before = chosen.size();
     const bool covers = end - before <= chosen.unseeded();
     const std::uint64_t draws = covers ? coverDraws_ : candidates_.drawsForOne();
@@ -62,6 +71,7 @@ void SeedSampler::drawEach(const PointOf& pointOf, std::size_t end, Chosen& chos
       if (found && chosen.mayTake(*found, end) && !chosen.add(*found)) ++taken;
     }
     if (chosen.size() == before) addAny(end, chosen);
+    nextSeed_ += chosen.size() - before - 1;  // several, where components get a voxel each
   }
 }
 
@@ -90,9 +100,11 @@ void SeedSampler::drawHalton(std::size_t end, Chosen& chosen) {
       inZ(5, 13, seed_, Stage::haltonDigit);
   constexpr std::uint64_t kMost = 1 << 24;
   std::uint64_t left = std::min(kMost, candidates_.drawsForOne() * (end - chosen.size()) + 1024);
-  for (; left > 0 && chosen.size() < end; --left, ++next_) {
+  // The mesh alone decides which points are skipped.  Where a point has no free voxel, its seed is
+  // drawn anew.  Once only components without a seed are left, points hardly ever lie in them.
+  for (; left > 0 && end - chosen.size() > chosen.unseeded(); --left, ++next_) {
     const auto found = candidates_.inBox({inX.at(next_), inY.at(next_), inZ.at(next_)});
-    if (found && chosen.mayTake(*found, end)) chosen.add(*found);
+    if (found && !chosen.add(*found)) drawAnew(end, chosen);
   }
 }
 

@@ -39,7 +39,10 @@ class SeedSampler {
  private:
   using PointOf = std::function<glm::dvec3(std::uint64_t item)>;  // of the box; may lie beside it
 
-  void drawEach(const PointOf& pointOf, std::size_t end, Chosen& chosen);
+  // Draws until `upTo` of `end` candidates are chosen.
+  void drawEach(const PointOf& pointOf, std::size_t upTo, std::size_t end, Chosen& chosen);
+  void drawUniform(std::size_t upTo, std::size_t end, Chosen& chosen);
+  void drawAnew(std::size_t end, Chosen& chosen);
   void drawHalton(std::size_t end, Chosen& chosen);
   void addAny(std::size_t end, Chosen& chosen);
 

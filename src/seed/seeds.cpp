@@ -73,15 +73,15 @@ std::vector<Seed> withIds(const Chosen& chosen, const std::vector<std::uint16_t>
   std::vector<NearestSeed::Site> sites;
   for (std::size_t i = 0; i < ids.size(); ++i) {
     const Candidate& own = chosen.all()[i];
-    seeds[ids[i] - 1u] = {voxels.voxelAt(own.key), ids[i], own.shift};
-    sites.push_back({own.inSpace, ids[i], components.at(own.key)});
+    seeds[ids[i] - 1u] = {voxels.voxelAt(*own.key), ids[i], own.shift};
+    sites.push_back({own.inSpace, ids[i], components.at(*own.key)});
   }
   if (chosen.size() == ids.size()) return seeds;
   const NearestSeed nearest(std::move(sites), components.count(), metric);
   for (std::size_t i = ids.size(); i < chosen.size(); ++i) {
     const Candidate& own = chosen.all()[i];
-    seeds.push_back({voxels.voxelAt(own.key),
-                     nearest.fragmentAt(own.inSpace, components.at(own.key)), own.shift});
+    seeds.push_back({voxels.voxelAt(*own.key),
+                     nearest.fragmentAt(own.inSpace, components.at(*own.key)), own.shift});
   }
   return seeds;
 }

@@ -48,17 +48,12 @@ Filling shellOf(const TriangleMesh& mesh, const SolidOptions& options, double vo
   return out;
 }
 
-// Returns the classification of points where each triangle separates inside from outside: that of
-// the nearest voxel center, toggled by each triangle in between.
-template <class Centers>
-std::function<bool(const glm::dvec3&)> alternating(std::shared_ptr<const Centers> centers,
-                                                   std::shared_ptr<const TriangleTree> tree) {
-  return [centers = std::move(centers), tree = std::move(tree)](const glm::dvec3& p) {
-    const openvdb::Coord voxel(static_cast<int>(std::lround(p.x)),
-                               static_cast<int>(std::lround(p.y)),
-                               static_cast<int>(std::lround(p.z)));
-    const bool isOdd = tree->entries({voxel.x(), voxel.y(), voxel.z()}, p) % 2 != 0;
-    return centers->isInside(voxel) != isOdd;
+// Returns the classification of points where each triangle separates inside from outside: a step
+// down to the point from above the mesh passes an odd number of them.
+std::function<bool(const glm::dvec3&)> alternating(std::shared_ptr<const TriangleTree> tree) {
+  return [tree = std::move(tree)](const glm::dvec3& p) {
+    if (tree->empty()) return false;
+    return tree->entries({p.x, p.y, tree->box().max.z + 1.0}, p) % 2 != 0;
   };
 }
 
@@ -128,21 +123,21 @@ Filling fillingOf(const FillChoice& choice, const SearchedMesh& mesh, const Tria
       return shellOf(original, options, voxelSize, choice.reason);
     case Fill::parity: {
       const TriangleMesh whole = joined(mesh.mesh, coneCaps(mesh.mesh));
-      const auto columns = std::make_shared<const Winding>(whole, Winding::Rule::parity, progress);
+      const auto columns = std::make_shared<Winding>(whole, Winding::Rule::parity, progress);
       const auto tree = std::make_shared<const TriangleTree>(whole);
       return {.fill = Fill::parity,
               .reason = choice.reason,
               .surface = tree,
               .isInside = [columns](const openvdb::Coord& c) { return columns->isInside(c); },
-              .contains = alternating<Winding>(columns, tree)};
+              .contains = alternating(tree)};
     }
     case Fill::flood: {
-      const auto flooded = std::make_shared<const FloodedBox>(mesh.mesh, progress);
+      const auto flooded = std::make_shared<FloodedBox>(mesh.mesh, progress);
       return {.fill = Fill::flood,
               .reason = choice.reason,
               .surface = mesh.tree,
               .isInside = [flooded](const openvdb::Coord& c) { return flooded->isInside(c); },
-              .contains = alternating<FloodedBox>(flooded, mesh.tree)};
+              .contains = alternating(mesh.tree)};
     }
     case Fill::winding:
     case Fill::automatic:  // not a choice

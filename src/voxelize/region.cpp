@@ -5,11 +5,18 @@
 #include <array>
 #include <cmath>
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <limits>
 
 #include "mesh/nearest_on_triangle.h"
 
 namespace sherd {
+
+bool SolidRegion::isWithin(const glm::dvec3& point, double reach) const {
+  if (shell_.inVoxels) return contains_(point);
+  const double distance = surface_->nearest(point, shell_.halfThickness + reach).distance;
+  return std::abs(distance - shell_.halfThickness) < reach;
+}
 
 glm::dvec3 SolidRegion::onSurface(const glm::dvec3& anywhere) const {
   constexpr double kFar = 1e9;  // voxels; squares of more could overflow
@@ -18,7 +25,10 @@ glm::dvec3 SolidRegion::onSurface(const glm::dvec3& anywhere) const {
       surface_->nearest(point, std::numeric_limits<double>::infinity());
   if (nearest.triangle == TriangleTree::kNone) return point;
   const std::array<glm::dvec3, 3> t = surface_->corners(nearest.triangle);
-  return nearestOnTriangle(point, t[0], t[1], t[2]);
+  const glm::dvec3 on = nearestOnTriangle(point, t[0], t[1], t[2]);
+  const double apart = glm::length(point - on);
+  if (shell_.halfThickness == 0.0 || shell_.inVoxels || apart == 0.0) return on;
+  return on + shell_.halfThickness / apart * (point - on);
 }
 
 std::optional<glm::dvec3> SolidRegion::firstHit(const glm::dvec3& origin,

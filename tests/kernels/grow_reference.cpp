@@ -38,13 +38,15 @@ Arrival nearestTo(const Coord& voxel, const std::vector<Seed>& seeds, Metric met
 }  // namespace
 
 std::vector<Seed> settled(std::vector<Seed> seeds, Metric metric) {
-  for (bool moved = true; moved;) {
+  for (int pass = 0;; ++pass) {
     const std::vector<Seed> before = seeds;
     for (Seed& seed : seeds) {
       if (nearestTo(seed.voxel, before, metric).label != seed.fragment) seed.shift = glm::ivec3(0);
     }
-    moved = seeds != before;
+    if (seeds == before) return seeds;
+    if (pass == 7) break;
   }
+  for (Seed& seed : seeds) seed.shift = glm::ivec3(0);
   return seeds;
 }
 

@@ -23,7 +23,7 @@ struct Arrival {
 std::uint64_t distance(Metric metric, const Coord& a, const Coord& b);
 
 /// Seeds of which those move to their voxels' centers that have another fragment's seed nearer to
-/// it, until there are none.
+/// it, until there are none; all move after eight passes.
 std::vector<Seed> settled(std::vector<Seed> seeds, Metric metric);
 
 /// Nearest point of a seed from every inside voxel by brute force; ties to the lower label.  The

@@ -46,7 +46,8 @@ def main():
             coarse, of_coarse = broken(sherd, mesh, seed, 96, temp / "coarse", options)
             fine, of_fine = broken(sherd, mesh, seed, 256, temp / "fine", options)
         if coarse is None or fine is None:
-            continue  # no mesh, or thinner than a voxel everywhere
+            print(f"{mesh.name} seed {seed}: left out, {(of_coarse if coarse is None else of_fine).strip()}", flush=True)
+            continue
         side = longest_side(fine)
         ends = list(zip(coarse["fragments"], fine["fragments"]))
         moved = max(math.dist(a["centroid"], b["centroid"]) / side for a, b in ends)
