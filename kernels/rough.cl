@@ -47,8 +47,8 @@ inline long in_lattice(const int voxel, const long step, const ulong shift, cons
 // Returns t^3 (6 t^2 - 15 t + 10) in units of 2^-31 (a multiple of 2^-24), for t in units of 2^-31.  Rounding is
 // downwards, to below 1.
 inline int8 smooth_weights(const int8 t) {
-  const int8 t2 = mul_hi(t, t);                                             // 2^-30
-  const int8 t3 = mul_hi(t2 << 1, t);                                       // 2^-30
+  const int8 t2 = mul_hi(t, t);                                              // 2^-30
+  const int8 t3 = mul_hi(t2 << 1, t);                                        // 2^-30
   const int8 factor = 6 * (t2 >> 4) - 15 * ((t >> 5) + 1) + 10 * (1 << 26);  // 2^-26
   return mul_hi(t3, factor) << 7;
 }
@@ -57,14 +57,15 @@ inline int8 smooth_weights(const int8 t) {
 inline int4 blend4(const int4 a, const int4 b, const int4 weight) { return a + mul_hi((b - a) << 1, weight); }
 inline int8 blend8(const int8 a, const int8 b, const int8 weight) { return a + mul_hi((b - a) << 1, weight); }
 
-// The voxels of a leaf along one axis of a lattice.  A leaf spans at most 5 cells.
-#define ROUGH_CELLS 5
-#define ROUGH_POINTS (ROUGH_CELLS + 1)
+// A leaf meets at most 5 lattice cells along an axis, and their 6 points.
+#define ROUGH_POINTS 6
 
+// The voxels of a leaf along one axis of a lattice.
 struct lattice_span {
-  int low;    // the first cell
-  int cells;  // number of cells
-  int cell[8], weight[8];  // of each voxel, cells from the first one
+  int low;        // the first cell
+  int cells;      // number of cells
+  int cell[8];    // of each voxel, from the first cell
+  int weight[8];  // of each voxel
 };
 
 inline struct lattice_span span_of(const int voxel, const long step, const ulong shift, const int axis) {

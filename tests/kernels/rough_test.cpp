@@ -166,13 +166,28 @@ TEST_F(Rough, EqualsTheReferenceWalk) {
 
 // Leaves far from the crack are skipped by bounds of their displacements.
 TEST_F(Rough, SkipsOnlyLeavesThatKeepTheirLabels) {
-  const int radius = voxel_shapes::small() ? 12 : 28;
-  const VoxelSolid solid = voxel_shapes::ball(radius);
+  const VoxelSolid solid = voxel_shapes::ball(voxel_shapes::small() ? 12 : 28);
   const std::vector<Seed> seeds{{{-5, 0, 0}, 1}, {{4, 1, 0}, 2}};
   for (std::uint64_t seed = 0; seed < (voxel_shapes::small() ? 1u : 6u); ++seed) {
     const Relief relief{.height = 0.5 + 0.5 * static_cast<double>(seed),
                         .window = 10.0,
                         .longestSide = 50.0 + 17.3 * static_cast<double>(seed)};
+    EXPECT_EQ(grown(solid, seeds, roughOptions(relief, seed)),
+              roughReference(solid, seeds, seed, noiseOctaves(relief)))
+        << "seed " << seed;
+  }
+}
+
+// A crack between two layers of leaves, lattices little wider than a leaf, and displacements of
+// about half a voxel: whether a voxel crosses the crack depends on the lattice points within its
+// leaf.
+TEST_F(Rough, SkipsNoLeafWithALargeDisplacementInItsMiddle) {
+  const int extent = voxel_shapes::small() ? 10 : 56;
+  const VoxelSolid solid = voxel_shapes::solidWhere(
+      "slab", extent, [](const Coord& v) { return v.x() >= -8 && v.x() < 8; });
+  const std::vector<Seed> seeds{{{-5, 0, 0}, 1}, {{4, 0, 0}, 2}};
+  for (std::uint64_t seed = 0; seed < (voxel_shapes::small() ? 1u : 4u); ++seed) {
+    const Relief relief{.height = 0.05, .hurst = 1.0, .window = 2.0, .longestSide = 136.0};
     EXPECT_EQ(grown(solid, seeds, roughOptions(relief, seed)),
               roughReference(solid, seeds, seed, noiseOctaves(relief)))
         << "seed " << seed;
