@@ -87,8 +87,8 @@ enum class Sampler {
 /// Where seeds can be.
 enum class SeedsOn {
   volume,   ///< anywhere inside
-  surface,  ///< in inside voxels with a face neighbor that is not inside, at points at most 1/256
-            ///< of the box's longest side deep
+  surface,  ///< at the surface, in inside voxels with a face neighbor that is not inside: points
+            ///< within 1/256 of the box's longest side of it, moved onto it
 };
 
 /// A ray in world space.
@@ -168,7 +168,7 @@ struct SeedOptions {
 
 /// Converts points to seeds.  In the order given, each takes the nearest free inside voxel within 2
 /// voxels (ties: lowest x, then y, then z), and moves into it.  A component without a seed gets one
-/// with a new id, at the position that placeSeeds uses.
+/// at random, with a new id.
 ///   points  ids 1..n without gaps; all seeds of one id in one component
 ///   seed    random seed for the components without a seed
 ///   return  [fragments, ascending by id: the first seed of each][the others, in the order given]

@@ -209,8 +209,8 @@ struct Solid {
   std::uint64_t smallComponents = 0;       ///< components dropped, see kSmallComponentVoxels
   std::uint64_t smallComponentVoxels = 0;  ///< voxels in them
   SolidReport report{};
-  /// The mesh, which decides where seeds are inside; null for a solid that has none.  It takes some
-  /// 150 bytes per triangle.
+  /// The mesh, which decides where seeds are inside; null for a solid that has none.  It keeps
+  /// trees of triangles, some 150 bytes for each.
   std::shared_ptr<const SolidRegion> region{};
 };
 
