@@ -142,9 +142,10 @@ void scatter(const AimedImpact& aimedImpact, std::size_t number, const SeedCandi
   const VoxelComponents& components = candidates.components;
   const std::uint64_t room =
       candidates.inComponent[aimedImpact.component] -
-      static_cast<std::uint64_t>(std::count_if(
-          chosen.all().begin(), chosen.all().end(),
-          [&](const Candidate& each) { return components.at(*each.key) == aimedImpact.component; }));
+      static_cast<std::uint64_t>(
+          std::count_if(chosen.all().begin(), chosen.all().end(), [&](const Candidate& each) {
+            return components.at(*each.key) == aimedImpact.component;
+          }));
   if (aimedImpact.count > room) {
     throw usageError(number,
                      " needs " + std::to_string(aimedImpact.count) +

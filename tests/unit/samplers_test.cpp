@@ -118,9 +118,9 @@ double sumOfTwelveBelow(double t) {
 }
 
 // Along each axis a seed's place is normal (as 12 uniforms are) about the middle with a quarter of
-// the side as standard deviation, given that it lies within.  (A seed that meets a taken voxel is drawn anew.  On average 25 are taken of
-// 110,592, where the density squared integrates to 1.9: 4 seeds in 10,000, far below the 3 % that
-// 1,250 seeds in an eighth resolve.)
+// the side as standard deviation, given that it lies within.  (A seed that meets a taken voxel is
+// drawn anew.  On average 25 are taken of 110,592, where the density squared integrates to 1.9: 4
+// seeds in 10,000, far below the 3 % that 1,250 seeds in an eighth resolve.)
 TEST_F(Samplers, GaussianIsNormalAboutTheMiddle) {
   constexpr int kHalf = 24, kPieces = 50, kSeeds = 200;
   const ShapeSolid solid = make(cube(kHalf));
