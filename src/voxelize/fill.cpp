@@ -48,12 +48,22 @@ Filling shellOf(const TriangleMesh& mesh, const SolidOptions& options, double vo
   return out;
 }
 
-// Returns the classification of points where each triangle separates inside from outside: a step
-// down to the point from above the mesh passes an odd number of them.
+// Returns the winding number of a closed mesh around a point, by the triangles above it.
+int windingBelow(const TriangleTree& tree, const glm::dvec3& p) {
+  return tree.empty() ? 0 : tree.entries({p.x, p.y, tree.box().max.z + 1.0}, p);
+}
+
+// Returns the classification of points where each triangle separates inside from outside.
 std::function<bool(const glm::dvec3&)> alternating(std::shared_ptr<const TriangleTree> tree) {
-  return [tree = std::move(tree)](const glm::dvec3& p) {
-    if (tree->empty()) return false;
-    return tree->entries({p.x, p.y, tree->box().max.z + 1.0}, p) % 2 != 0;
+  return [tree = std::move(tree)](const glm::dvec3& p) { return windingBelow(*tree, p) % 2 != 0; };
+}
+
+// Returns the classification by the generalized winding number: a whole number for the mesh with
+// its caps, minus that of the caps.
+std::function<bool(const glm::dvec3&)> wound(const SearchedMesh& mesh) {
+  const auto caps = std::make_shared<const TriangleTree>(mesh.caps);
+  return [tree = mesh.tree, caps](const glm::dvec3& p) {
+    return windingBelow(*tree, p) + windingBelow(*caps, p) - caps->winding(p) >= 0.5;
   };
 }
 
@@ -64,12 +74,7 @@ Filling windingOf(const SearchedMesh& mesh, std::string reason, const Progress* 
               .reason = std::move(reason),
               .surface = mesh.tree,
               .isInside = [winding](const openvdb::Coord& c) { return winding->isInside(c); },
-              .contains =
-                  [tree = mesh.tree, caps = winding->capTree()](const glm::dvec3& p) {
-                    // The closed mesh's winding number is whole, which sums of dipoles are not.
-                    const double ofCaps = caps->winding(p);
-                    return std::round(tree->winding(p) + ofCaps) - ofCaps >= 0.5;
-                  }};
+              .contains = wound(mesh)};
   if (winding->isSimple()) return out;
   TriangleMesh surface = exposedSurface(mesh.mesh, *winding, progress);
   if (!mesh.caps.triangles.empty()) {

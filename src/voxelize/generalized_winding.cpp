@@ -62,7 +62,7 @@ GeneralizedWinding::GeneralizedWinding(const TriangleMesh& mesh, const TriangleM
                                        std::shared_ptr<const TriangleTree> tree,
                                        const Progress* progress)
     : caps_(onLattice(caps, bounds(mesh))),
-      capTree_(std::make_shared<const TriangleTree>(withArea(caps_))),
+      capTree_(withArea(caps_)),
       boundaryTree_(boundariesOf(withArea(caps_))),
       columns_(caps_.triangles.empty()
                    ? Winding(mesh, Winding::Rule::signedCrossings, progress)
@@ -104,10 +104,10 @@ void GeneralizedWinding::markOdd(const Progress* progress) {
 }
 
 double GeneralizedWinding::capsAt(const openvdb::Coord& voxel) const {
-  if (capTree_->empty()) return 0.0;
+  if (capTree_.empty()) return 0.0;
   const auto known = knownCaps_.find(voxel);
   if (known != knownCaps_.end()) return known->second;
-  const double winding = capTree_->winding(centerOf(voxel) + kTie);
+  const double winding = capTree_.winding(centerOf(voxel) + kTie);
   knownCaps_.emplace(voxel, winding);
   return winding;
 }

@@ -69,9 +69,6 @@ class GeneralizedWinding {
   /// Empty for a closed mesh.
   [[nodiscard]] const TriangleMesh& caps() const { return caps_; }
 
-  /// The caps as their solid angles are summed.
-  [[nodiscard]] const std::shared_ptr<const TriangleTree>& capTree() const { return capTree_; }
-
   /// Whether the mesh is closed and its winding number is 0 or 1 at all voxel centers: every
   /// surface then separates the inside from the outside.
   [[nodiscard]] bool isSimple() const {
@@ -90,7 +87,7 @@ class GeneralizedWinding {
   [[nodiscard]] openvdb::Coord oddDims() const;
 
   TriangleMesh caps_;
-  std::shared_ptr<const TriangleTree> capTree_;
+  TriangleTree capTree_;
   TriangleTree boundaryTree_;  // of the caps' edges that bound the mesh
   Winding columns_;
   std::shared_ptr<const TriangleTree> tree_;

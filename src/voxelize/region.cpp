@@ -13,9 +13,8 @@
 namespace sherd {
 
 bool SolidRegion::isWithin(const glm::dvec3& point, double reach) const {
-  if (shell_.inVoxels) return contains_(point);
-  const double distance = surface_->nearest(point, shell_.halfThickness + reach).distance;
-  return std::abs(distance - shell_.halfThickness) < reach;
+  const double distance = surface_->nearest(point, halfThickness_ + reach).distance;
+  return std::abs(distance - halfThickness_) < reach;
 }
 
 glm::dvec3 SolidRegion::onSurface(const glm::dvec3& anywhere) const {
@@ -27,8 +26,8 @@ glm::dvec3 SolidRegion::onSurface(const glm::dvec3& anywhere) const {
   const std::array<glm::dvec3, 3> t = surface_->corners(nearest.triangle);
   const glm::dvec3 on = nearestOnTriangle(point, t[0], t[1], t[2]);
   const double apart = glm::length(point - on);
-  if (shell_.halfThickness == 0.0 || shell_.inVoxels || apart == 0.0) return on;
-  return on + shell_.halfThickness / apart * (point - on);
+  if (halfThickness_ == 0.0 || apart == 0.0) return on;
+  return on + halfThickness_ / apart * (point - on);
 }
 
 std::optional<glm::dvec3> SolidRegion::firstHit(const glm::dvec3& origin,

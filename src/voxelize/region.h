@@ -12,38 +12,35 @@
 
 namespace sherd {
 
-/// A shell around a mesh, or none.
-struct ShellOfRegion {
-  double halfThickness = 0.0;  ///< voxels; 0: no shell
-  bool inVoxels =
-      false;  ///< the thickness is a number of voxels, another length at each resolution
-};
-
 /// The inside of a mesh.  Points are in the index space of the solid.  Thread-safe.
 class SolidRegion {
  public:
-  ///   sides     of the mesh's box, voxels; its low corner is that of voxel (0,0,0)
-  ///   surface   bounds the region, or is the middle of a shell
-  ///   contains  of a point
+  ///   sides          of the mesh's box, voxels; its low corner is that of voxel (0,0,0)
+  ///   surface        bounds the region, or is the middle of a shell
+  ///   contains       of a point
+  ///   halfThickness  of a shell, voxels; else 0
+  ///   isAsVoxels     whether the distances of the voxels are those of the region; not of a shell
+  ///                  whose thickness is a number of voxels: the region is a layer then that every
+  ///                  resolution has, and its half thickness 0
   SolidRegion(const glm::dvec3& sides, std::shared_ptr<const TriangleTree> surface,
-              std::function<bool(const glm::dvec3&)> contains, ShellOfRegion shell)
+              std::function<bool(const glm::dvec3&)> contains, double halfThickness,
+              bool isAsVoxels)
       : sides_(sides),
         surface_(std::move(surface)),
         contains_(std::move(contains)),
-        shell_(shell) {}
+        halfThickness_(halfThickness),
+        isAsVoxels_(isAsVoxels) {}
 
   [[nodiscard]] const glm::dvec3& sides() const { return sides_; }
 
   [[nodiscard]] bool contains(const glm::dvec3& point) const { return contains_(point); }
 
-  /// Returns whether the voxels' distances are those of the region.
-  [[nodiscard]] bool isAsVoxels() const { return !shell_.inVoxels; }
+  [[nodiscard]] bool isAsVoxels() const { return isAsVoxels_; }
 
-  /// Returns whether the surface is less than `reach` away; for a shell in voxels, whose layer is
-  /// thin, whether it contains the point.
+  /// Returns whether the surface is less than `reach` away.
   [[nodiscard]] bool isWithin(const glm::dvec3& point, double reach) const;
 
-  /// Returns the point of the surface that is nearest; of a shell in voxels, of its middle.
+  /// Returns the point of the surface that is nearest.
   [[nodiscard]] glm::dvec3 onSurface(const glm::dvec3& point) const;
 
   /// Returns where a ray first meets the surface.
@@ -54,7 +51,8 @@ class SolidRegion {
   glm::dvec3 sides_;
   std::shared_ptr<const TriangleTree> surface_;
   std::function<bool(const glm::dvec3&)> contains_;
-  ShellOfRegion shell_;
+  double halfThickness_;
+  bool isAsVoxels_;
 };
 
 }  // namespace sherd

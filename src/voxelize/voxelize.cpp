@@ -157,10 +157,10 @@ Solid voxelize(const TriangleMesh& source, const SolidOptions& options, const Pr
     report.bridges = bridges.size();
     solid.distance = distance;
     const Box box = bounds(source);
+    const bool isAsVoxels = filling.fill != Fill::shell || options.shellThickness > 0.0;
     solid.region = std::make_shared<const SolidRegion>(
         (box.max - box.min) / voxelSize, filling.surface, filling.contains,
-        ShellOfRegion{filling.halfThickness,
-                      filling.fill == Fill::shell && options.shellThickness == 0.0});
+        isAsVoxels ? filling.halfThickness : 0.0, isAsVoxels);
     measureVoxels(solid);
   }
   if (solid.voxels == 0) {
