@@ -43,9 +43,8 @@ Relief reliefOf(const GrowOptions& options, const LeafBlocks& blocks) {
   return {options.roughness, options.hurst, window, side};
 }
 
-sherd_metric metricOf(const GrowOptions& options) {
-  const Metric metric = ruleOf(options.growth).usesMetric ? options.metric : Metric::euclidean;
-  return metricFor(metric, options.anisotropy);
+Metric metricOf(const GrowOptions& options) {
+  return ruleOf(options.growth).usesMetric ? options.metric : Metric::euclidean;
 }
 
 // State of the growth of one batch of fractures.
@@ -73,7 +72,7 @@ struct Growing {
   }
 
   const GrowthRule& rule() const { return ruleOf(options.growth); }
-  sherd_metric metric() const { return metricOf(options); }
+  sherd_metric metric() const { return metricFor(metricOf(options), options.anisotropy); }
 
   void growFirst() {
     if (rule().kernel != nullptr) {
@@ -209,9 +208,8 @@ Flood growAll(Growing& growing) {
 }
 
 bool givesVoronoiCells(const GrowOptions& options) {
-  const GrowthRule& rule = ruleOf(options.growth);
-  return options.roughness == 0.0 && rule.givesVoronoiCells &&
-         (!rule.usesMetric || options.metric == Metric::euclidean);
+  return options.roughness == 0.0 && ruleOf(options.growth).givesVoronoiCells &&
+         metricOf(options) == Metric::euclidean;
 }
 
 // Returns how many fractures grow together: no buffer may exceed the device's largest allocation
@@ -230,7 +228,9 @@ std::vector<Labels> growBatch(const std::shared_ptr<const LeafBlocks>& blocks,
                               const GrowOptions& options, const Progress* progress) {
   std::vector<std::vector<Seed>> settledSets(seedSets.begin(), seedSets.end());
   if (ruleOf(options.growth).kernel != nullptr) {
-    for (std::vector<Seed>& seeds : settledSets) seeds = settled(seeds, metricOf(options));
+    for (std::vector<Seed>& seeds : settledSets) {
+      seeds = settled(seeds, metricOf(options), options.anisotropy);
+    }
   }
   const SeedTable table = tableOf(*blocks, settledSets);
   GrowthState state(*blocks, seedSets.size(), implOf(device), options.tuning.workGroupSize);

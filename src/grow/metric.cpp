@@ -13,6 +13,8 @@
 namespace sherd {
 namespace {
 
+static_assert(kSeedSteps == 1 << SHERD_SEED_BITS);
+
 // Returns the matrix that divides lengths along the direction by 1 + strength.
 glm::dmat3 stretching(const Anisotropy& anisotropy) {
   if (anisotropy.strength == 0.0) return glm::dmat3(1.0);
@@ -64,6 +66,15 @@ sherd_metric metricFor(Metric metric, const Anisotropy& anisotropy) {
   }
   if (!isIsotropic)
     out.shift = metric == Metric::euclidean ? 12 : 6;  // SHERD_ANISOTROPY_ONE or its square
+  return out;
+}
+
+glm::i64vec3 stretched(const sherd_metric& metric, const glm::i64vec3& steps) {
+  glm::i64vec3 out;
+  for (int i = 0; i < 3; ++i) {
+    out[i] = metric.row[3 * i] * steps.x + metric.row[3 * i + 1] * steps.y +
+             metric.row[3 * i + 2] * steps.z;
+  }
   return out;
 }
 

@@ -16,6 +16,9 @@ namespace sherd {
 ///   throws  Error(usage) a zero direction, or a strength outside -0.75..9
 [[nodiscard]] sherd_metric metricFor(Metric metric, const Anisotropy& anisotropy);
 
+/// Returns a point or difference, transformed by the metric's matrix.
+[[nodiscard]] glm::i64vec3 stretched(const sherd_metric& metric, const glm::i64vec3& steps);
+
 /// Steps to neighbors for kernels/levels.cl.
 struct Steps {
   std::vector<Int4> step;            ///< x, y, z, and the weight in w; the 26 neighbors first

@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "grow/metric.h"
-#include "grow/settle.h"
 
 namespace sherd {
 namespace {
