@@ -159,12 +159,15 @@ struct SeedOptions {
 /// of draws is limited; what they do not find is a random free voxel.
 ///   return  [N, ascending by fragment id][merged][extra]
 ///   throws  Error(usage) more seeds than voxels, more fragments than kMaxFragments, impacts that
-///           do not fit in pieces or in their component, a ray that misses, a value out of range
-///   cost    N log N and a pass over the masks; poisson about 5,000 darts, and 10 to 40 per seed
+///           do not fit in pieces or in their component, a ray that misses, a value out of range;
+///           Error(cancelled)
+///   cost    N log N and a pass over the masks; poisson about 5,000 darts at the solid,
+///           and 10 to 40 per seed, of which those near the surface take some microseconds
 ///   source  López et al., Generating implicit object fragment datasets for machine learning, 2024,
 ///           sections 3.2, 3.2.1, 3.2.2
 [[nodiscard]] std::vector<Seed> placeSeeds(const Solid& solid, const VoxelComponents& components,
-                                           const SeedOptions& options);
+                                           const SeedOptions& options,
+                                           const Progress* progress = nullptr);
 
 /// Converts points to seeds.  In the order given, each takes the nearest free inside voxel within 2
 /// voxels (ties: lowest x, then y, then z), and moves into it.  A component without a seed gets one

@@ -79,11 +79,13 @@ std::vector<NewSeed> placeAtPoints(const Solid& solid, const Labels& labels,
   const VoxelIndex inside(*solid.blocks, solid.blocks->inside);
   const Candidates candidates(solid, inside, SeedsOn::volume);
   std::vector<NewSeed> left;
+  std::uint64_t budget = 1 << 22;  // draws of all: a second of work at most
   for (const NewSeed& newSeed : newSeeds) {
     std::optional<Seed> found;
-    // The largest fragment has at least 1/65,534 of the voxels, mostly far more.
-    const std::uint64_t draws = 64 * candidates.drawsForOne();
+    // Some 4,096 points of the solid: the largest fragment mostly has far more than a thousandth.
+    const std::uint64_t draws = std::min(budget, 64 * candidates.drawsForOne());
     for (std::uint64_t i = 0; i < draws && !found; ++i) {
+      --budget;
       const auto at =
           candidates.inBox(randomPoint(seed, Stage::reseedPoint, drawItem(item(newSeed.id), i)));
       if (!at || !at->key || labels.fragment[*at->key] != newSeed.from) continue;

@@ -126,16 +126,17 @@ std::vector<Seed> seedsAt(const GivenSeeds& given, const PreparedSolid& ready, s
 }
 
 // Returns a fracture with its solid and seeds.
-GrownFracture seeded(const PreparedSolid& ready, const FractureOptions& options) {
+GrownFracture seeded(const PreparedSolid& ready, const FractureOptions& options,
+                     const Progress* progress) {
   GrownFracture grown;
   FractureResult& result = grown.result;
   grown.surface = ready.surface;
   result.solid = ready.solid;
   result.components = ready.components.count();
   const std::optional<GivenSeeds>& given = options.seeds.given;
-  result.seeds =
-      given ? seedsAt(*given, ready, options.seed)
-            : placeSeeds(result.solid, ready.components, seedOptionsFor(options, options.seed));
+  result.seeds = given ? seedsAt(*given, ready, options.seed)
+                       : placeSeeds(result.solid, ready.components,
+                                    seedOptionsFor(options, options.seed), progress);
   const auto fragments = static_cast<std::size_t>(fragmentsOf(result.seeds));
   (void)withheldCount(options.missing, fragments);  // checks before long work
   return grown;
@@ -174,7 +175,7 @@ std::vector<GrownFracture> growTogether(const PreparedSolid& ready,
   together.longestSideVoxels = longestSideVoxels(ready.solid);
   for (const FractureOptions& own : options) {
     checkOptions(own);
-    all.push_back(seeded(ready, own));
+    all.push_back(seeded(ready, own, progress));
     seeds.push_back(all.back().result.seeds);
     together.noiseSeeds.push_back(randomBits(own.seed, Stage::noise, 0));
   }

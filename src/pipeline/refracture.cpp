@@ -34,7 +34,8 @@ SeededLabels breakFragment(const Solid& fragment, int id, const FractureOptions&
   const std::uint64_t seed =
       randomBits(options.seed, Stage::refracture, static_cast<std::uint64_t>(id));
   const VoxelComponents components = findComponents(*fragment.blocks, device);
-  std::vector<Seed> seeds = placeSeeds(fragment, components, seedOptionsFor(options, seed));
+  std::vector<Seed> seeds =
+      placeSeeds(fragment, components, seedOptionsFor(options, seed), progress);
   FractureOptions own = options;
   if (own.grow.roughnessWindow == 0.0) {  // a tenth of the fragment, not of the whole mesh
     own.grow.roughnessWindow = fragment.box.longestSide() / 10.0;

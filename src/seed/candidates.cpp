@@ -19,8 +19,6 @@ openvdb::Coord nearestVoxel(const glm::dvec3& point) {
           static_cast<int>(std::floor(point.z + 0.5))};
 }
 
-glm::dvec3 centerOf(const openvdb::Coord& voxel) { return {voxel.x(), voxel.y(), voxel.z()}; }
-
 glm::i64vec3 rounded(const glm::dvec3& v) {
   return {std::llround(v.x), std::llround(v.y), std::llround(v.z)};
 }

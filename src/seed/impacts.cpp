@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "base/cancel_flag.h"
 #include "base/random.h"
 #include "seed/irwin_hall.h"
 #include "seed/ray.h"
@@ -26,16 +27,14 @@ bool isFinite(const glm::dvec3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-glm::dvec3 pointOf(const openvdb::Coord& voxel) { return {voxel.x(), voxel.y(), voxel.z()}; }
-
-// Returns a point of the mesh's surface, or that of a voxel if it belongs to what the voxels lack.
-glm::dvec3 atSolid(const glm::dvec3& point, const glm::dvec3& ofVoxel, const VoxelIndex& surface) {
+// Returns whether a point of the mesh belongs to the solid, not to a component that was dropped.
+bool isAtSolid(const glm::dvec3& point, const VoxelIndex& surface) {
   constexpr double kNear = 3.0;  // voxels
-  return surface.nearestWithin(point, kNear) ? point : ofVoxel;
+  return surface.nearestWithin(point, kNear).has_value();
 }
 
-glm::dvec3 centerOnRay(const Ray& ray, std::size_t number, const Solid& solid,
-                       const VoxelIndex& inside, const VoxelIndex& surface) {
+glm::dvec3 pointOnRay(const Ray& ray, std::size_t number, const Solid& solid,
+                      const VoxelIndex& inside, const VoxelIndex& surface) {
   const glm::dvec3 origin = solid.frame.indexFromWorld(ray.origin);
   if (!isFinite(origin)) throw usageError(number, ": its ray's origin must be finite");
   if (!isFinite(ray.direction) || ray.direction == glm::dvec3(0.0)) {
@@ -44,38 +43,43 @@ glm::dvec3 centerOnRay(const Ray& ray, std::size_t number, const Solid& solid,
   const std::optional<openvdb::Coord> hit =
       firstVoxelOnRay(inside, solid.box, origin, ray.direction);
   if (!hit) throw usageError(number, ": its ray misses the solid");
-  if (!solid.region) {
-    return pointOf(surface.find(*hit) ? *hit : surface.nearest(pointOf(*hit)));
+  if (solid.region) {
+    const auto met = solid.region->firstHit(origin, ray.direction);
+    if (met && isAtSolid(*met, surface)) return *met;
   }
-  const auto met = solid.region->firstHit(origin, ray.direction);
-  return atSolid(met ? *met : pointOf(*hit), pointOf(*hit), surface);
+  return centerOf(surface.find(*hit) ? *hit : surface.nearest(centerOf(*hit)));
+}
+
+glm::dvec3 pointNearest(const glm::dvec3& target, std::size_t number, const Solid& solid,
+                        const VoxelIndex& surface) {
+  const glm::dvec3 at = solid.frame.indexFromWorld(target);
+  if (!isFinite(at)) throw usageError(number, ": its point must be finite");
+  if (solid.region) {
+    const glm::dvec3 on = solid.region->onSurface(at);
+    if (isAtSolid(on, surface)) return on;
+  }
+  return centerOf(surface.nearest(at));
 }
 
 // Returns a random point of the surface.
 glm::dvec3 anywhere(const Candidates& onSurface, std::uint64_t seed, std::size_t number) {
-  for (std::uint64_t i = 0; i < onSurface.drawsForOne(); ++i) {
-    const glm::dvec3 unit = randomPoint(seed, Stage::impactPosition, drawItem(number, i));
-    const std::optional<Candidate> found = onSurface.inBox(unit);
-    if (found && found->key) {
-      return pointOf(Seed{onSurface.voxels().voxelAt(*found->key), 0, found->shift});
-    }
-  }
   const VoxelIndex& voxels = onSurface.voxels();
-  return pointOf(
+  for (std::uint64_t i = 0; i < onSurface.drawsForOne(); ++i) {
+    const auto found =
+        onSurface.inBox(randomPoint(seed, Stage::impactPosition, drawItem(number, i)));
+    if (found && found->key) return pointOf({voxels.voxelAt(*found->key), 0, found->shift});
+  }
+  return centerOf(
       voxels.voxelAt(voxels.at(randomBelow(voxels.total(), seed, Stage::impactVoxel, number))));
 }
 
-glm::dvec3 centerOf(const Impact& impact, std::size_t number, const Solid& solid,
-                    std::uint64_t seed, const VoxelIndex& inside, const Candidates& onSurface) {
+glm::dvec3 aimedPoint(const Impact& impact, std::size_t number, const Solid& solid,
+                      std::uint64_t seed, const VoxelIndex& inside, const Candidates& onSurface) {
   if (const auto* ray = std::get_if<Ray>(&impact.target)) {
-    return centerOnRay(*ray, number, solid, inside, onSurface.voxels());
+    return pointOnRay(*ray, number, solid, inside, onSurface.voxels());
   }
   if (const auto* point = std::get_if<glm::dvec3>(&impact.target)) {
-    const glm::dvec3 at = solid.frame.indexFromWorld(*point);
-    if (!isFinite(at)) throw usageError(number, ": its point must be finite");
-    const glm::dvec3 ofVoxel = pointOf(onSurface.voxels().nearest(at));
-    return solid.region ? atSolid(solid.region->onSurface(at), ofVoxel, onSurface.voxels())
-                        : ofVoxel;
+    return pointNearest(*point, number, solid, onSurface.voxels());
   }
   return anywhere(onSurface, seed, number);
 }
@@ -94,15 +98,14 @@ void checkRanges(const Impact& impact, std::size_t number) {
 // Draws one candidate around the impact's center.
 std::optional<Candidate> drawNear(const AimedImpact& aimedImpact, const glm::dvec3& side,
                                   std::uint64_t seed, std::uint64_t item,
-                                  const SeedCandidates& from) {
+                                  const Candidates& candidates) {
   glm::dvec3 point = aimedImpact.center;
   for (int axis = 0; axis < 3; ++axis) {
     point[axis] += side[axis] * meanOfUniforms(static_cast<std::uint64_t>(aimedImpact.terms), seed,
                                                Stage::impactOffset,
                                                item * 3 + static_cast<std::uint64_t>(axis));
   }
-  const std::optional<Candidate> found = from.candidates.at(point);
-  return found;
+  return candidates.at(point);
 }
 
 }  // namespace
@@ -120,7 +123,7 @@ std::vector<AimedImpact> aim(const Solid& solid, const VoxelComponents& componen
     const Impact& impact = impacts[i];
     checkRanges(impact, i);
     AimedImpact aimedImpact;
-    aimedImpact.center = centerOf(impact, i, solid, options.seed, inside, onSurface);
+    aimedImpact.center = aimedPoint(impact, i, solid, options.seed, inside, onSurface);
     aimedImpact.component = components.at(*inside.find(surface.nearest(aimedImpact.center)));
     aimedImpact.count = impact.count > 0 ? static_cast<std::size_t>(impact.count) : share;
     aimedImpact.merge = impact.merge;
@@ -137,15 +140,15 @@ std::vector<AimedImpact> aim(const Solid& solid, const VoxelComponents& componen
   return aimedImpacts;
 }
 
-void scatter(const AimedImpact& aimedImpact, std::size_t number, const SeedCandidates& candidates,
-             std::uint64_t seed, Chosen& chosen) {
-  const VoxelComponents& components = candidates.components;
+void scatter(const AimedImpact& aimedImpact, std::size_t number, const Candidates& candidates,
+             std::uint64_t inComponent, std::uint64_t seed, Chosen& chosen,
+             const Progress* progress) {
+  const VoxelComponents& components = chosen.components();
   const std::uint64_t room =
-      candidates.inComponent[aimedImpact.component] -
-      static_cast<std::uint64_t>(
-          std::count_if(chosen.all().begin(), chosen.all().end(), [&](const Candidate& each) {
-            return components.at(*each.key) == aimedImpact.component;
-          }));
+      inComponent - static_cast<std::uint64_t>(std::count_if(
+                        chosen.all().begin(), chosen.all().end(), [&](const Candidate& each) {
+                          return components.at(*each.key) == aimedImpact.component;
+                        }));
   if (aimedImpact.count > room) {
     throw usageError(number,
                      " needs " + std::to_string(aimedImpact.count) +
@@ -158,7 +161,7 @@ void scatter(const AimedImpact& aimedImpact, std::size_t number, const SeedCandi
   // were, the chance is 1 in 65,536); kMissed misses in a row, that it holds few candidates.
   constexpr int kTaken = 16, kMissed = 4096;
   const std::uint64_t impactSeed = randomBits(seed, Stage::impactSeed, number);
-  const glm::dvec3& sides = candidates.candidates.sides();
+  const glm::dvec3& sides = candidates.sides();
   const double sideOfUnit =
       std::sqrt(12.0 * aimedImpact.terms);  // of a standard deviation of one voxel
   // A distribution wider than the box is uniform.
@@ -167,11 +170,11 @@ void scatter(const AimedImpact& aimedImpact, std::size_t number, const SeedCandi
   glm::dvec3 side = aimedImpact.side;
   int taken = 0, missed = 0;
   for (std::uint64_t own = 0, draw = 0; chosen.size() < end; ++draw) {
+    throwIfCancelled(progress);
     const std::uint64_t item = drawItem(own, draw);
     const bool isUniform = std::min({side.x, side.y, side.z}) > widest;
-    auto found =
-        isUniform ? candidates.candidates.inBox(randomPoint(impactSeed, Stage::impactPoint, item))
-                  : drawNear(aimedImpact, side, impactSeed, item, candidates);
+    auto found = isUniform ? candidates.inBox(randomPoint(impactSeed, Stage::impactPoint, item))
+                           : drawNear(aimedImpact, side, impactSeed, item, candidates);
     if (found && !(found->key && components.at(*found->key) == aimedImpact.component))
       found.reset();
     if (found && chosen.add(*found)) {
@@ -187,13 +190,13 @@ void scatter(const AimedImpact& aimedImpact, std::size_t number, const SeedCandi
 
   // Hardly anything is free: take any free voxel of the component.
   std::vector<VoxelKey> freeVoxels;
-  candidates.candidates.voxels().forEach([&](VoxelKey key) {
+  candidates.voxels().forEach([&](VoxelKey key) {
     if (components.at(key) == aimedImpact.component && !chosen.has(key)) freeVoxels.push_back(key);
   });
   for (std::size_t i = 0; chosen.size() < end; ++i) {
     std::swap(freeVoxels[i],
               freeVoxels[i + randomBelow(freeVoxels.size() - i, impactSeed, Stage::impactRest, i)]);
-    chosen.add(candidates.candidates.ofVoxel(freeVoxels[i]));
+    chosen.add(candidates.ofVoxel(freeVoxels[i]));
   }
 }
 

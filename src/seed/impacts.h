@@ -27,17 +27,12 @@ struct AimedImpact {
                                            const SeedOptions& options, std::size_t pieces,
                                            const VoxelIndex& inside, const VoxelIndex& surface);
 
-/// What impacts may take.
-struct SeedCandidates {
-  const Candidates& candidates;
-  const VoxelComponents& components;
-  std::span<const std::uint64_t> inComponent;  ///< [components] candidates in each
-};
-
 /// Adds the seeds of an impact.
-///   number  index of the impact from 0; each has its own random sequence
-///   throws  Error(usage) too few free voxels in the component
-void scatter(const AimedImpact& aimedImpact, std::size_t number, const SeedCandidates& candidates,
-             std::uint64_t seed, Chosen& chosen);
+///   number       index of the impact from 0; each has its own random sequence
+///   inComponent  candidates in the component of the impact
+///   throws       Error(usage) too few free voxels in the component; Error(cancelled)
+void scatter(const AimedImpact& aimedImpact, std::size_t number, const Candidates& candidates,
+             std::uint64_t inComponent, std::uint64_t seed, Chosen& chosen,
+             const Progress* progress);
 
 }  // namespace sherd

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 
+#include "base/cancel_flag.h"
 #include "base/random.h"
 
 namespace sherd {
@@ -87,7 +88,8 @@ class CellGrid {
 }  // namespace
 
 void drawApart(const Candidates& candidates, std::uint64_t seed, std::size_t end,
-               std::uint64_t& dart, Chosen& chosen, const std::function<void()>& drawAnew) {
+               std::uint64_t& dart, Chosen& chosen, const std::function<void()>& drawAnew,
+               const Progress* progress) {
   constexpr int kMisses = 100;  // in a row: about one dart in fifty would still be accepted
   constexpr std::uint64_t kMost = 1 << 24;  // darts, those beside the solid included
   constexpr std::int64_t kLeast = 256;      // a 4096th of the longest side
@@ -107,6 +109,7 @@ void drawApart(const Candidates& candidates, std::uint64_t seed, std::size_t end
     const std::int64_t side = rootRoundedUp(square);
     if (side * 5 < grid.side() * 4) grid = gridOf(side);
     for (int misses = 0; misses < kMisses && goesOn(); ++dart) {
+      throwIfCancelled(progress);
       const auto found = candidates.inBox(randomPoint(seed, Stage::poissonDart, dart));
       if (!found) continue;
       if (grid.holdsWithin(found->inSpace, square)) {

@@ -14,8 +14,10 @@ namespace sherd {
 /// solid's shape, and the first n of a longer sequence are well separated too.
 ///   dart      index of the next dart, in and out
 ///   drawAnew  adds a candidate in place of a dart that has no free voxel
+///   throws    Error(cancelled)
 ///   source    McCool and Fiume, Hierarchical Poisson Disk Sampling Distributions, 1992
 void drawApart(const Candidates& candidates, std::uint64_t seed, std::size_t end,
-               std::uint64_t& dart, Chosen& chosen, const std::function<void()>& drawAnew);
+               std::uint64_t& dart, Chosen& chosen, const std::function<void()>& drawAnew,
+               const Progress* progress);
 
 }  // namespace sherd

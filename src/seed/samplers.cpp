@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/cancel_flag.h"
 #include "seed/irwin_hall.h"
 #include "seed/poisson.h"
 #include "seed/radical_inverse.h"
@@ -35,7 +36,8 @@ void SeedSampler::draw(std::size_t count, Chosen& chosen) {
           end, end, chosen);
       break;
     case Sampler::poisson:
-      drawApart(candidates_, seed_, end, next_, chosen, [&] { drawAnew(end, chosen); });
+      drawApart(
+          candidates_, seed_, end, next_, chosen, [&] { drawAnew(end, chosen); }, progress_);
       break;
   }
   drawUniform(end, end, chosen);
@@ -56,6 +58,7 @@ void SeedSampler::drawEach(const PointOf& pointOf, std::size_t upTo, std::size_t
                            Chosen& chosen) {
   constexpr int kTaken = 16;
   for (; chosen.size() < upTo; ++nextSeed_) {
+    throwIfCancelled(progress_);
     const std::size_t before = chosen.size();
     const bool covers = end - before <= chosen.unseeded();
     const std::uint64_t draws = covers ? coverDraws_ : candidates_.drawsForOne();
@@ -103,6 +106,7 @@ void SeedSampler::drawHalton(std::size_t end, Chosen& chosen) {
   // The mesh alone decides which points are skipped.  Where a point has no free voxel, its seed is
   // drawn anew.  Once only components without a seed are left, points hardly ever lie in them.
   for (; left > 0 && end - chosen.size() > chosen.unseeded(); --left, ++next_) {
+    throwIfCancelled(progress_);
     const auto found = candidates_.inBox({inX.at(next_), inY.at(next_), inZ.at(next_)});
     if (found && !chosen.add(*found)) drawAnew(end, chosen);
   }

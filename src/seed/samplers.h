@@ -27,13 +27,15 @@ namespace sherd {
 class SeedSampler {
  public:
   ///   candidates  kept by reference
-  SeedSampler(const Candidates& candidates, Sampler sampler, std::uint64_t seed)
-      : candidates_(candidates), sampler_(sampler), seed_(seed) {}
+  SeedSampler(const Candidates& candidates, Sampler sampler, std::uint64_t seed,
+              const Progress* progress = nullptr)
+      : candidates_(candidates), sampler_(sampler), seed_(seed), progress_(progress) {}
 
   /// Adds `count` candidates; at least as many voxels must be free, and `count` be at least the
   /// number of components without a candidate.  Each of these gets one: once only as many are left,
   /// points in other components are refused.  So components need no number that would be another at
   /// another resolution.  Those too small to be met get a random voxel.
+  ///   throws  Error(cancelled)
   void draw(std::size_t count, Chosen& chosen);
 
  private:
@@ -49,6 +51,7 @@ class SeedSampler {
   const Candidates& candidates_;
   Sampler sampler_;
   std::uint64_t seed_;
+  const Progress* progress_;
   std::uint64_t next_ = 0;              // item of the next point of Halton's sequence, or dart
   std::uint64_t nextSeed_ = 0;          // number of the next seed with draws of its own
   std::uint64_t coverDraws_ = 1 << 18;  // left for components without a seed

@@ -95,7 +95,7 @@ int fragmentsOf(std::span<const Seed> seeds) {
 }
 
 std::vector<Seed> placeSeeds(const Solid& solid, const VoxelComponents& components,
-                             const SeedOptions& options) {
+                             const SeedOptions& options, const Progress* progress) {
   if (options.pieces < 1) throw Error(ErrorCode::usage, "the number of pieces must be 1 or more");
   if (options.extraSeeds < 0 || options.extraSeedsPerPiece < 0 || options.randomImpacts < 0) {
     throw Error(ErrorCode::usage, "the number of extra seeds and of impacts must be 0 or more");
@@ -125,10 +125,11 @@ std::vector<Seed> placeSeeds(const Solid& solid, const VoxelComponents& componen
   const auto scatterAll = [&](bool merge, Chosen& chosen) {
     for (std::size_t i = 0; i < aimedImpacts.size(); ++i) {
       if (aimedImpacts[i].merge != merge) continue;
-      scatter(aimedImpacts[i], i, {candidates, components, room}, options.seed, chosen);
+      scatter(aimedImpacts[i], i, candidates, room[aimedImpacts[i].component], options.seed, chosen,
+              progress);
     }
   };
-  SeedSampler sampler(candidates, options.sampler, options.seed);
+  SeedSampler sampler(candidates, options.sampler, options.seed, progress);
   Chosen chosen(components);
   scatterAll(/*merge=*/false, chosen);
   sampler.draw(pieces - chosen.size(), chosen);

@@ -19,8 +19,6 @@ std::uint64_t nthBit(std::uint64_t bits, std::uint64_t n) {
   return static_cast<std::uint64_t>(std::countr_zero(bits));
 }
 
-glm::dvec3 asPoint(const openvdb::Coord& c) { return {c.x(), c.y(), c.z()}; }
-
 double squared(const glm::dvec3& d) { return d.x * d.x + d.y * d.y + d.z * d.z; }
 
 // Returns the squared distance to the nearest voxel center of the leaf.  Every operation is
@@ -92,7 +90,7 @@ openvdb::Coord VoxelIndex::nearest(const glm::dvec3& point) const {
       for (std::uint64_t bits = mask_[word]; bits; bits &= bits - 1) {
         const openvdb::Coord voxel =
             voxelAt(word * 64 + static_cast<std::uint64_t>(std::countr_zero(bits)));
-        const double distance = squared(asPoint(voxel) - point);
+        const double distance = squared(centerOf(voxel) - point);
         if (found && (distance > bestDistance || (distance == bestDistance && best < voxel))) {
           continue;
         }

@@ -19,6 +19,11 @@ using VoxelKey = std::uint64_t;
 /// LeafBlocks::inside.
 [[nodiscard]] std::vector<std::uint64_t> surfaceMask(const LeafBlocks& blocks);
 
+/// Returns a voxel's center in index space.
+[[nodiscard]] inline glm::dvec3 centerOf(const openvdb::Coord& voxel) {
+  return {voxel.x(), voxel.y(), voxel.z()};
+}
+
 /// The voxels of a mask over leaf blocks, numbered 0..total()-1 in leaf order.  Keeps references to
 /// the blocks and the mask.
 class VoxelIndex {
