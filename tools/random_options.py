@@ -30,7 +30,6 @@ PYTHON = "/usr/bin/python3"  # Debian's: numpy, scipy and pyopenvdb are there
 KINDS = (".obj", ".ply", ".stl", ".off", ".gltf", ".glb", ".fbx", ".gz")
 THIN_SHARE = 0.01  # the report's "thinnest" ignores 1 % of the area
 MOVING = ("--surface", "--adaptivity", "--smooth-iterations")  # --surface is drawn with "labels" only
-SHALLOW_SHARE = 0.9  # of a fragment's voxels
 OF_COMPONENTS = ("6-connected part", "separate bodies")
 OF_LEVEL_SET = ("are not on its level set", "do not face what they say")
 
@@ -142,15 +141,18 @@ def of_volume(folder, fault):
 
 
 def is_shallow(folder, fault):
-    """Whether nearly no voxel of the fragment lies half a voxel below the surface of its level set."""
+    """Whether most voxels of the fragment lie less than half a voxel below the surface of its level set, and it lacks no more than these.
+
+    A deeper voxel is whole in the mesh; of a layer of one voxel, which erosion at random leaves, the mesh may have a quarter.
+    """
     found = of_volume(folder, fault)
     if found is None:
         return False
-    fragment = found[0]
+    fragment, lacking = found
     grid = pyopenvdb.read(os.path.join(folder, fragment["files"]["vdb"]), "surface")
-    half = 0.5 * grid.transform.voxelSize()[0]
-    shallow = sum(1 for value in grid.citerOnValues() if -half < value.value < 0.0)
-    return shallow >= SHALLOW_SHARE * fragment["voxels"]
+    voxel_size = grid.transform.voxelSize()[0]
+    shallow = sum(1 for value in grid.citerOnValues() if -0.5 * voxel_size < value.value < 0.0)
+    return shallow >= 0.5 * fragment["voxels"] and lacking <= shallow * voxel_size ** 3
 
 
 def is_simplified(folder, fault, off, voxel_size):
