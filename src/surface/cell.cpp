@@ -2,6 +2,7 @@
 #include "surface/cell.h"
 
 #include <algorithm>
+#include <vector>
 
 namespace sherd {
 namespace {
@@ -161,6 +162,54 @@ CellSheets sheetsOf(const CellLabels& labels, const std::array<std::uint8_t, 8>&
     }
   }
   return sheets;
+}
+
+namespace {
+
+// The sheets of cells with at most two labels and 0.  They depend on the order of the labels only,
+// of which 0 is the highest: a cell's number has a digit 0 to 2 for each corner, base 3.
+class PlainSheets {
+ public:
+  static constexpr std::size_t kCells = 6561;  // 3^8
+
+  PlainSheets() : sheets_(kCells), isPlain_(kCells) {
+    constexpr std::array<std::uint16_t, 3> kLabelOf{1, 2, 0};
+    for (std::size_t cell = 0; cell < kCells; ++cell) {
+      CellLabels labels;
+      std::size_t rest = cell;
+      for (std::uint16_t& label : labels) {
+        label = kLabelOf[rest % 3];
+        rest /= 3;
+      }
+      isPlain_[cell] = !hasAmbiguousFace(labels, 1) && !hasAmbiguousFace(labels, 2);
+      if (isPlain_[cell]) sheets_[cell] = sheetsOf(labels);
+    }
+  }
+
+  const CellSheets* of(std::size_t cell) const { return isPlain_[cell] ? &sheets_[cell] : nullptr; }
+
+ private:
+  std::vector<CellSheets> sheets_;
+  std::vector<bool> isPlain_;
+};
+
+}  // namespace
+
+const CellSheets* plainSheetsOf(const CellLabels& labels) {
+  static const PlainSheets all;
+  std::uint16_t low = 0xffff, high = 0;
+  for (const std::uint16_t label : labels) {
+    if (label == 0) continue;
+    low = std::min(low, label);
+    high = std::max(high, label);
+  }
+  std::size_t cell = 0, place = 1;
+  for (const std::uint16_t label : labels) {
+    if (label != 0 && label != low && label != high) return nullptr;
+    cell += place * (label == 0 ? 2u : label == low ? 0u : 1u);
+    place *= 3;
+  }
+  return all.of(cell);
 }
 
 }  // namespace sherd

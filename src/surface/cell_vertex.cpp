@@ -31,47 +31,46 @@ glm::dvec3 cornerAt(unsigned corner) {
           static_cast<double>(corner & 1)};
 }
 
-// Corner values of a function that is negative at corner `low`, positive at corner `high` and zero
-// on the surface between their labels.
-Corners between(const CellValues& values, unsigned low, unsigned high) {
-  Corners f;
-  const bool outer = values.labels[low] == 0 || values.labels[high] == 0;
-  const double sign = values.labels[low] == 0 ? -1.0 : 1.0;
-  for (std::size_t c = 0; c < 8; ++c) {
-    f[c] = outer ? sign * double{values.toSurface[c]}
-                 : double{values.toCut[low][c]} - double{values.toCut[high][c]};
-  }
-  return f;
+// The value at a corner of a function that is negative at corner `low`, positive at corner `high`
+// and zero on the surface between their labels.
+double between(const CellValues& values, unsigned low, unsigned high, std::size_t corner) {
+  if (values.labels[low] == 0) return -1.0 * double{values.toSurface[corner]};
+  if (values.labels[high] == 0) return double{values.toSurface[corner]};
+  return double{values.toCut[low][corner]} - double{values.toCut[high][corner]};
 }
 
 // Gradient of the trilinear interpolant.
 glm::dvec3 gradientAt(const Corners& f, const glm::dvec3& p) {
+  const std::array<glm::dvec3, 2> weight{1.0 - p, p};  // of a corner's low and high coordinates
   glm::dvec3 g(0.0);
-  for (unsigned c = 0; c < 8; ++c) {
-    const glm::dvec3 at = cornerAt(c);
-    glm::dvec3 weight, slope;
-    for (int axis = 0; axis < 3; ++axis) {
-      weight[axis] = at[axis] > 0 ? p[axis] : 1.0 - p[axis];
-      slope[axis] = at[axis] > 0 ? 1.0 : -1.0;
-    }
-    g += f[c] * glm::dvec3(slope.x * weight.y * weight.z, weight.x * slope.y * weight.z,
-                           weight.x * weight.y * slope.z);
+  for (std::size_t c = 0; c < 8; ++c) {
+    const std::size_t i = c >> 2, j = (c >> 1) & 1, k = c & 1;
+    const double x = weight[i].x, y = weight[j].y, z = weight[k].z;
+    g += f[c] *
+         glm::dvec3(i == 0 ? -y * z : y * z, j == 0 ? -x * z : x * z, k == 0 ? -x * y : x * y);
   }
   return g;
 }
 
 struct Crossing {
-  glm::dvec3 point, normal;
+  unsigned low = 0, high = 0;  // corners of the edge
+  glm::dvec3 point{0.0};
+  glm::dvec3 normal{0.0};
 };
 
-Crossing crossing(const CellValues& values, unsigned low, unsigned high) {
-  const Corners f = between(values, low, high);
-  const double span = f[low] - f[high];
-  const double t = span != 0.0 ? std::clamp(f[low] / span, 0.0, 1.0) : 0.5;
-  const glm::dvec3 point = cornerAt(low) + t * (cornerAt(high) - cornerAt(low));
-  const glm::dvec3 gradient = gradientAt(f, point);
+glm::dvec3 pointOn(const CellValues& values, unsigned low, unsigned high) {
+  const double atLow = between(values, low, high, low);
+  const double span = atLow - between(values, low, high, high);
+  const double t = span != 0.0 ? std::clamp(atLow / span, 0.0, 1.0) : 0.5;
+  return cornerAt(low) + t * (cornerAt(high) - cornerAt(low));
+}
+
+glm::dvec3 normalAt(const CellValues& values, const Crossing& crossing) {
+  Corners f;
+  for (std::size_t c = 0; c < 8; ++c) f[c] = between(values, crossing.low, crossing.high, c);
+  const glm::dvec3 gradient = gradientAt(f, crossing.point);
   const double length = glm::length(gradient);
-  return {point, length > 0.0 ? gradient / length : glm::dvec3(0.0)};
+  return length > 0.0 ? gradient / length : glm::dvec3(0.0);
 }
 
 // The least-squares intersection of the planes, regularized towards `mean`.
@@ -97,8 +96,8 @@ glm::dvec3 clampedToCell(const glm::dvec3& p, double margin) {
 CellVertex cellVertex(const CellValues& values, const CellSheets& sheets, unsigned position,
                       std::span<const float> snapWeight) {
   std::array<Crossing, 12> crossings;
-  std::size_t count = 0, outers = 0;
-  glm::dvec3 sum(0.0), outerSum(0.0), outward(0.0);
+  std::size_t count = 0;
+  glm::dvec3 sum(0.0);
   std::uint16_t one = 0, other = 0;  // the pair of labels, if there is only one
   bool onePair = true, outer = false;
   float snap = 0.0f;
@@ -112,13 +111,8 @@ CellVertex cellVertex(const CellValues& values, const CellSheets& sheets, unsign
     other = b;
     outer = outer || a == 0;
     snap = std::max({snap, snapWeight[a], snapWeight[b]});
-    crossings[count] = crossing(values, low, high);
+    crossings[count] = {low, high, pointOn(values, low, high)};
     sum += crossings[count].point;
-    if (a == 0) {
-      outerSum += crossings[count].point;
-      outward += values.labels[low] == 0 ? -crossings[count].normal : crossings[count].normal;
-      ++outers;
-    }
     ++count;
   }
   const glm::dvec3 mean = sum / static_cast<double>(count);
@@ -132,6 +126,17 @@ CellVertex cellVertex(const CellValues& values, const CellSheets& sheets, unsign
     return {at, at};
   }
   // A boundary vertex lies on the original surface, which predates the crack.
+  std::size_t outers = 0;
+  glm::dvec3 outerSum(0.0), outward(0.0);
+  for (std::size_t i = 0; i < count; ++i) {
+    Crossing& crossing = crossings[i];
+    crossing.normal = normalAt(values, crossing);
+    const bool isLowOutside = values.labels[crossing.low] == 0;
+    if (!isLowOutside && values.labels[crossing.high] != 0) continue;
+    outerSum += crossing.point;
+    outward += isLowOutside ? -crossing.normal : crossing.normal;
+    ++outers;
+  }
   const glm::dvec3 intersection = leastSquaresPoint(crossings, count, mean);
   const double length = glm::length(outward);
   const auto ontoSurface = [&](const glm::dvec3& p) {

@@ -12,7 +12,8 @@ namespace sherd {
 /// Labels and distances at the corners of a cell.
 struct CellValues {
   CellLabels labels{};
-  std::array<float, 8> toSurface{};  ///< distance to the solid's surface, any unit, inside negative
+  std::array<float, 8> toSurface{};  ///< distance to the solid's surface, any unit, inside
+                                     ///< negative; set where a label is 0
   std::array<std::array<float, 8>, 8> toCut{};  ///< [corner whose label][corner] voxels to the cut,
                                                 ///< inside negative; set where two fragments meet
 };

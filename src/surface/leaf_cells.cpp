@@ -56,22 +56,34 @@ CellValues valuesOf(const Field& field, const openvdb::FloatGrid::ConstAccessor&
                     std::size_t leaf, int x, int y, int z, const CellLabels& labels) {
   CellValues values;
   values.labels = labels;
+  const bool isOnSurface = std::find(labels.begin(), labels.end(), 0) != labels.end();
   const std::uint16_t some = *std::max_element(labels.begin(), labels.end());
   const bool isCut =  // between two fragments
       std::any_of(labels.begin(), labels.end(), [&](auto l) { return l != 0 && l != some; });
   const openvdb::Coord low = field.solid().blocks->origins[leaf] + openvdb::Coord(x, y, z);
+  std::array<std::size_t, 8> voxelIndex{};
   for (int corner = 0; corner < 8; ++corner) {
     const int i = corner >> 2, j = (corner >> 1) & 1, k = corner & 1;
     const auto c = static_cast<std::size_t>(corner);
-    values.toSurface[c] = distance.getValue(low + openvdb::Coord(i, j, k));
-    if (!isCut) continue;
-    const std::size_t voxelIndex = field.voxelIndexNear(leaf, x + i, y + j, z + k);
-    for (std::size_t n = 0; n < 8; ++n) {
-      if (labels[n] == 0) continue;
-      const auto first = static_cast<std::size_t>(
-          std::find(labels.begin(), labels.begin() + static_cast<std::ptrdiff_t>(n), labels[n]) -
-          labels.begin());
-      values.toCut[n][c] = first < n ? values.toCut[first][c] : field.toCut(voxelIndex, labels[n]);
+    if (isOnSurface) values.toSurface[c] = distance.getValue(low + openvdb::Coord(i, j, k));
+    if (isCut) voxelIndex[c] = field.voxelIndexNear(leaf, x + i, y + j, z + k);
+  }
+  for (std::size_t n = 0; isCut && n < 8; ++n) {
+    if (labels[n] == 0) continue;
+    const auto first = static_cast<std::size_t>(std::find(labels.begin(), labels.end(), labels[n]) -
+                                                labels.begin());
+    if (first < n) {
+      values.toCut[n] = values.toCut[first];
+      continue;
+    }
+    std::size_t of = Field::kNoVoxel;  // most corners are of one leaf
+    Field::ToCut toCut;
+    for (std::size_t c = 0; c < 8; ++c) {
+      if (voxelIndex[c] / 512 != of) {
+        of = voxelIndex[c] / 512;
+        toCut = voxelIndex[c] == Field::kNoVoxel ? Field::ToCut{} : field.toCut(of, labels[n]);
+      }
+      values.toCut[n][c] = toCut.at(voxelIndex[c] % 512);
     }
   }
   return values;
@@ -112,8 +124,8 @@ bool isNonManifold(const CellSheets& sheets, const std::array<std::uint16_t, 24>
   return false;
 }
 
-// Adds a cell of the intact solid.
-void addIntact(const LeafCells& intact, std::size_t offset, LeafCells& to) {
+// Adds a cell of the intact solid, as one of a label.
+void addIntact(const LeafCells& intact, std::size_t offset, std::uint16_t label, LeafCells& to) {
   Cell cell = intact.at(offset);
   const auto loops = [&](const auto& all) {
     return std::span(all).subspan(cell.firstLoop, cell.loops);
@@ -123,6 +135,7 @@ void addIntact(const LeafCells& intact, std::size_t offset, LeafCells& to) {
   const std::uint32_t first = *std::min_element(positionIds.begin(), positionIds.end());
   cell.firstLoop = static_cast<std::uint32_t>(to.vertices.size());
   to.vertices.insert(to.vertices.end(), vertices.begin(), vertices.end());
+  to.labels.insert(to.labels.end(), vertices.size(), label);
   for (const std::uint32_t id : positionIds)
     to.positionIds.push_back(to.positionCount + id - first);
   to.positionCount += cell.positions;
@@ -150,6 +163,7 @@ LeafCells cellsOf(const Field& field, std::size_t leaf, const LeafCells* intact)
     count += static_cast<std::size_t>(std::popcount(row));
   found.cells.reserve(count);
   found.vertices.reserve(count);
+  found.labels.reserve(count);
   found.positionIds.reserve(count);
   const openvdb::FloatGrid::ConstAccessor distance = field.solid().distance->getConstAccessor();
   const openvdb::Coord& origin = field.solid().blocks->origins[leaf];
@@ -157,14 +171,19 @@ LeafCells cellsOf(const Field& field, std::size_t leaf, const LeafCells* intact)
     const openvdb::Coord at = coordFromOffset(offset);
     const auto row = static_cast<std::size_t>(at.x() * 9 + at.y());
     if (((passed.crossed[row] >> at.z()) & 1) == 0) continue;
+    const CellLabels labels = labelsAt(corners, at);
     if (intact != nullptr && intact->isPlain && ((passed.cut[row] >> at.z()) & 1) == 0) {
-      addIntact(*intact, offset, found);
+      addIntact(*intact, offset, *std::max_element(labels.begin(), labels.end()), found);
       continue;
     }
-    const CellLabels labels = labelsAt(corners, at);
-    const auto flipped = flippedByCorner(field, leaf, {at.x(), at.y(), at.z()}, labels);
-    const CellSheets sheets = sheetsOf(labels, flipped.faces);
-    found.isPlain &= !flipped.dependsOnNeighbors;
+    const CellSheets* const plain = plainSheetsOf(labels);
+    CellSheets made;
+    if (plain == nullptr) {
+      const auto flipped = flippedByCorner(field, leaf, {at.x(), at.y(), at.z()}, labels);
+      made = sheetsOf(labels, flipped.faces);
+      found.isPlain &= !flipped.dependsOnNeighbors;
+    }
+    const CellSheets& sheets = plain != nullptr ? *plain : made;
     const Cell cell{static_cast<std::uint16_t>(offset), sheets.loops, sheets.positions,
                     static_cast<std::uint32_t>(found.vertices.size()), sheets.loopOf};
     const CellValues values = valuesOf(field, distance, leaf, at.x(), at.y(), at.z(), labels);
@@ -172,6 +191,7 @@ LeafCells cellsOf(const Field& field, std::size_t leaf, const LeafCells* intact)
     found.vertices.resize(found.vertices.size() + sheets.loops);
     found.positionIds.resize(found.vertices.size());
     const std::array<std::uint16_t, 24> labelOf = labelsOfLoops(sheets, labels);
+    found.labels.insert(found.labels.end(), labelOf.begin(), labelOf.begin() + sheets.loops);
     for (std::uint8_t p = 0; p < sheets.positions; ++p) {
       if (isNonManifold(sheets, labelOf, p)) {
         found.nonManifold.push_back(found.positionCount + p);
@@ -214,6 +234,10 @@ std::vector<InterfaceQuad> quadsOf(const Field& field, const AllCells& all, std:
   const LeafCells& mine = *all.leaves[leaf];
   quads.reserve(2 * mine.cells.size());
   const LabelCube<9> corners = field.cornersOf(leaf);
+  std::array<std::uint16_t, 512> mineAt;  // by offset: most cells around an edge are the leaf's own
+  for (std::size_t i = 0; i < mine.cells.size(); ++i) {
+    mineAt[mine.cells[i].offset] = static_cast<std::uint16_t>(i);
+  }
   for (const Cell& cell : mine.cells) {
     const openvdb::Coord at = coordFromOffset(cell.offset);
     const CellLabels labels = labelsAt(corners, at);
@@ -232,15 +256,19 @@ std::vector<InterfaceQuad> quadsOf(const Field& field, const AllCells& all, std:
         low[static_cast<int>(c)] -= kRing[k][1];
         const unsigned corner = (kRing[k][0] ? kBit[b] : 0) + (kRing[k][1] ? kBit[c] : 0);
         const bool isMine = (low.x() | low.y() | low.z()) >= 0;
-        const std::size_t voxelIndex = isMine
-                                           ? leaf * 512 + offsetFromCoord(low)
-                                           : field.voxelIndexNear(leaf, low.x(), low.y(), low.z());
-        isComplete = voxelIndex != Field::kNoVoxel;
-        if (!isComplete) break;
-        const LeafCells& theirs = *all.leaves[voxelIndex / 512];
-        const Cell& own = theirs.at(voxelIndex % 512);
-        const std::uint32_t first = all.firstVertex[voxelIndex / 512] + own.firstLoop;
-        const auto& loops = own.loopOf[kEdgeAlong[axis][corner]];
+        std::size_t of = leaf;
+        const Cell* around = nullptr;
+        if (isMine) {
+          around = &mine.cells[mineAt[offsetFromCoord(low)]];
+        } else {
+          const std::size_t voxelIndex = field.voxelIndexNear(leaf, low.x(), low.y(), low.z());
+          isComplete = voxelIndex != Field::kNoVoxel;
+          if (!isComplete) break;
+          of = voxelIndex / 512;
+          around = &all.leaves[of]->at(voxelIndex % 512);
+        }
+        const std::uint32_t first = all.firstVertex[of] + around->firstLoop;
+        const auto& loops = around->loopOf[kEdgeAlong[axis][corner]];
         quad[0].vertex[k] = first + loops[0];
         quad[1].vertex[(4 - k) % 4] = first + loops[1];
       }

@@ -38,6 +38,7 @@ struct LeafCells {
   std::array<std::uint64_t, 8> passed{};     ///< [offset / 64] bit offset % 64: a cell exists
   std::array<std::uint16_t, 8> firstCell{};  ///< index of the first cell of each word
   std::vector<glm::dvec3> vertices;          ///< [loops] index space
+  std::vector<std::uint16_t> labels;         ///< [loops] whose surface it is
   std::vector<std::uint32_t> positionIds;    ///< [loops] equal where they share a position
   std::uint32_t positionCount = 0;
   std::vector<std::uint32_t> nonManifold;  ///< positionIds at which a fragment has several vertices
@@ -99,18 +100,21 @@ class Field {
     return labels;
   }
 
-  /// Returns the distance to the cut in voxels, negative inside the label's fragment.
-  float toCut(std::size_t voxelIndex, std::uint16_t label) const {
-    if (voxelIndex == kNoVoxel) return kHalfWidthVoxels;
-    const std::size_t leaf = voxelIndex / 512;
+  /// Distances to the cut of one label in one leaf, in voxels, negative inside its fragment.
+  struct ToCut {
+    const float* distance = nullptr;  ///< [512], or null where all are `everywhere`
+    float everywhere = kHalfWidthVoxels;
+
+    float at(std::size_t offset) const { return distance ? distance[offset] : everywhere; }
+  };
+  ToCut toCut(std::size_t leaf, std::uint16_t label) const {
     if (cut_.index[leaf] == Cut::kWhole) {
-      return cut_.only[leaf] == label ? -float{kHalfWidthVoxels} : float{kHalfWidthVoxels};
+      return {nullptr, (cut_.only[leaf] == label ? -1.0f : 1.0f) * float{kHalfWidthVoxels}};
     }
     const CutLeaf& cells = cut_.leaves[cut_.index[leaf]];
     const auto at = std::lower_bound(cells.fragments.begin(), cells.fragments.end(), label);
-    if (at == cells.fragments.end() || *at != label) return kHalfWidthVoxels;
-    return cells
-        .distance[static_cast<std::size_t>(at - cells.fragments.begin()) * 512 + voxelIndex % 512];
+    if (at == cells.fragments.end() || *at != label) return {};
+    return {&cells.distance[static_cast<std::size_t>(at - cells.fragments.begin()) * 512]};
   }
 
   const Solid& solid() const { return solid_; }
