@@ -12,6 +12,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -56,9 +57,11 @@ struct FractureResult {
   Labels labels;                      ///< after erosion
   std::vector<std::uint64_t> eroded;  ///< [fragments+1] eroded voxels of each, [0] the sum
   std::vector<Fragment> fragments;    ///< [max(pieces, components)] ascending by id
-  std::size_t withheld = 0;           ///< the last `withheld` fragments are withheld
-  std::vector<int> parents;           ///< [fragments] of refracture: id of the old fragment that
-                                      ///< each comes from; else empty
+  std::shared_ptr<const FragmentSurfaces>
+      surfaces{};            ///< without SurfaceOptions::meshes, else null
+  std::size_t withheld = 0;  ///< the last `withheld` fragments are withheld
+  std::vector<int> parents;  ///< [fragments] of refracture: id of the old fragment that
+                             ///< each comes from; else empty
   std::vector<StageTime> times;
 
   std::size_t kept() const { return fragments.size() - withheld; }

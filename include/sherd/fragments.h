@@ -75,6 +75,10 @@ struct SmoothOptions {
 
 struct SurfaceOptions {
   bool levelSets = true;  ///< also makes Fragment::surface; else it is null
+  bool meshes = true;  ///< makes Fragment::mesh; else it is empty, and volume, areas and contacts
+                       ///< are summed without it, which takes about half the time.  Only without
+                       ///< level sets, for Surface::smooth and Interface::shared as they are
+                       ///< meshed: neither smoothed nor simplified nor decimated
   Surface surface = Surface::smooth;
   Interface interface = Interface::shared;
   SmoothOptions smooth{};   ///< for both surfaces; the default does not smooth
@@ -133,14 +137,15 @@ struct Contact {
   glm::dvec3 centroid;     ///< of the shared surface, equal on both sides
 };
 
-/// One fragment.  Volume, centroid, inertia and areas are computed from its mesh.
+/// One fragment.  Volume, centroid, inertia and areas are those of its mesh.
 struct Fragment {
   int id = 0;  ///< 1..n
   std::uint64_t voxels = 0;
   VoxelBox voxelBox;          ///< of its inside voxels
   ConstFloatGridPtr surface;  ///< level set, world units, transform and background of the solid;
                               ///< null without SurfaceOptions::levelSets
-  TriangleMesh mesh;  ///< closed, edge-manifold, oriented outwards, world units, with neighbors
+  TriangleMesh mesh;  ///< closed, edge-manifold, oriented outwards, world units, with neighbors;
+                      ///< empty without SurfaceOptions::meshes
   MassProperties mass;
   double area = 0.0;
   double fractureArea = 0.0;      ///< area of the triangles with neighbor > 0
@@ -151,6 +156,9 @@ struct Fragment {
 
 /// The mesh of the intact solid's surface, from which fragments copy what the cuts do not change.
 struct IntactSurface;
+
+/// The surfaces of all fragments of a fracture without meshes, of which points are sampled.
+class FragmentSurfaces;
 
 /// Meshes the intact solid.  Saves time if a solid is broken several times with Surface::smooth and
 /// Interface::shared.

@@ -3,13 +3,16 @@
 #pragma once
 
 #include <sherd/fragments.h>
+#include <sherd/labels.h>
 #include <sherd/mesh.h>
 #include <sherd/progress.h>
+#include <sherd/solid.h>
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -56,6 +59,25 @@ struct SurfacePoints {
 ///           section 3.4 (perTriangle); Yuksel, Sample Elimination for Generating Poisson Disk
 ///           Sample Sets, 2015 (poisson)
 [[nodiscard]] SurfacePoints samplePoints(const TriangleMesh& mesh, const PointOptions& options);
+
+/// What samplePoints needs of a fracture beside its labels.
+struct FragmentPointOptions {
+  PointOptions points{};             ///< `count` of each fragment; each has a seed of its own,
+                                     ///< derived from `seed` as in a fracture's folder
+  const Labels* uneroded = nullptr;  ///< the labels before erosion, or null without erosion
+  std::shared_ptr<const IntactSurface> intact{};  ///< of the solid, or null; affects only the speed
+};
+
+/// Samples points on all fragments of a fracture without making their meshes: the points are those
+/// that would be sampled on the meshes of extractFragments, on the same triangles but where
+/// rounding decides between two.  Leaves without a crack are the intact solid's, so a fracture of a
+/// solid with an IntactSurface costs what its cracks cost.
+///   labels  of this solid's blocks: each id 1..fragmentCount with at least one voxel
+///   return  [fragmentCount] ascending by id
+///   throws  Error(usage) as extractFragments, an option out of range; Error(cancelled)
+[[nodiscard]] std::vector<SurfacePoints> samplePoints(const Solid& solid, const Labels& labels,
+                                                      const FragmentPointOptions& options,
+                                                      const Progress* progress = nullptr);
 
 /// Distributes `total` points in proportion to areas by the largest-remainder method, ties to the
 /// first.

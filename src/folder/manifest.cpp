@@ -17,6 +17,7 @@
 #include "folder/mesh_report.h"
 #include "folder/read_manifest.h"
 #include "options/record.h"
+#include "surface/fragment_surfaces.h"
 
 namespace sherd {
 namespace {
@@ -192,6 +193,18 @@ std::vector<MeshFacts> meshFacts(std::span<const Fragment> fragments) {
   std::vector<MeshFacts> facts(fragments.size());
   tbb::parallel_for(std::size_t{0}, facts.size(), [&](std::size_t i) {
     facts[i] = {bounds(fragments[i].mesh), boundaryLengths(fragments[i])};
+  });
+  return facts;
+}
+
+std::vector<MeshFacts> meshFacts(const FractureResult& result) {
+  if (!result.surfaces) return meshFacts(result.fragments);
+  std::vector<MeshFacts> facts(result.fragments.size());
+  tbb::parallel_for(std::size_t{0}, facts.size(), [&](std::size_t i) {
+    const auto id = static_cast<std::uint16_t>(result.fragments[i].id);
+    Fragment changed;
+    changed.mesh = result.surfaces->changedMesh(id);  // has all boundaries of contacts
+    facts[i] = {result.surfaces->box(id), boundaryLengths(changed)};
   });
   return facts;
 }

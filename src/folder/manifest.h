@@ -51,6 +51,9 @@ struct MeshFacts {
 /// Returns [fragments] the metrics of each mesh.
 [[nodiscard]] std::vector<MeshFacts> meshFacts(std::span<const Fragment> fragments);
 
+/// The same of all fragments, with or without meshes.
+[[nodiscard]] std::vector<MeshFacts> meshFacts(const FractureResult& result);
+
 /// Returns the manifest's text.  It has no times or machine names, and its numbers round-trip, so
 /// equal fractures give equal bytes.  The fragments' meshes and level sets are not used.
 ///   facts  [fragments] as returned by meshFacts

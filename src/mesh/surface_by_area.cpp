@@ -1,4 +1,4 @@
-// Sampling of a mesh's surface by area.
+// Sampling of a surface by area.
 #include "mesh/surface_by_area.h"
 
 #include <sherd/error.h>
@@ -6,46 +6,85 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <utility>
 
 namespace sherd {
 namespace {
 
-glm::dvec3 scaledNormal(const TriangleMesh& mesh, std::size_t triangle) {
-  const glm::uvec3& t = mesh.triangles[triangle];
-  const glm::dvec3& a = mesh.vertices[t.x];
-  return glm::cross(mesh.vertices[t.y] - a, mesh.vertices[t.z] - a);
+glm::dvec3 scaledNormal(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+  return glm::cross(b - a, c - a);
 }
 
 }  // namespace
 
-SurfaceByArea::SurfaceByArea(const TriangleMesh& mesh) : mesh_(mesh) {
-  sums_.reserve(mesh.triangles.size());
-  double sum = 0.0;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    sums_.push_back(sum += 0.5 * glm::length(scaledNormal(mesh, t)));
+void addArea(std::vector<double>& areaSums, std::size_t firstOfPart, const glm::dvec3& a,
+             const glm::dvec3& b, const glm::dvec3& c) {
+  const double sum = areaSums.size() > firstOfPart ? areaSums.back() : 0.0;
+  areaSums.push_back(sum + 0.5 * glm::length(scaledNormal(a, b, c)));
+}
+
+// The square root maps the unit square to the triangle uniformly.
+glm::dvec3 SurfaceTriangle::pointIn(double u, double v) const {
+  const double root = std::sqrt(u);
+  return (1.0 - root) * corner[0] + root * (1.0 - v) * corner[1] + root * v * corner[2];
+}
+
+glm::dvec3 SurfaceTriangle::normal() const {
+  return glm::normalize(scaledNormal(corner[0], corner[1], corner[2]));
+}
+
+SurfaceByArea::SurfaceByArea(const TriangleMesh& mesh) {
+  meshSums_.reserve(mesh.triangles.size());
+  for (const glm::uvec3& t : mesh.triangles) {
+    addArea(meshSums_, 0, mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z]);
   }
-  if (!(sum > 0.0 && std::isfinite(sum))) {
+  parts_ = {{meshSums_}, [&mesh](std::size_t, std::size_t triangle) {
+              const glm::uvec3& t = mesh.triangles[triangle];
+              return SurfaceTriangle{{mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z]},
+                                     mesh.neighborOf(triangle)};
+            }};
+  addParts();
+}
+
+SurfaceByArea::SurfaceByArea(SurfaceParts parts) : parts_(std::move(parts)) { addParts(); }
+
+void SurfaceByArea::addParts() {
+  double area = 0.0;
+  std::size_t triangles = 0;
+  for (const std::span<const double> sums : parts_.areaSums) {
+    partSums_.push_back(area += sums.empty() ? 0.0 : sums.back());
+    ends_.push_back(triangles += sums.size());
+  }
+  if (!(area > 0.0 && std::isfinite(area))) {
     throw Error(ErrorCode::input,
                 "the mesh has no area; points can be sampled only on a surface with area");
   }
 }
 
-// The first sum above share * area, so that the triangle's area is above 0.
+SurfaceByArea::Place SurfaceByArea::placeOf(std::size_t triangle) const {
+  const auto part = static_cast<std::size_t>(
+      std::upper_bound(ends_.begin(), ends_.end(), triangle) - ends_.begin());
+  return {part, triangle - (part == 0 ? 0 : ends_[part - 1])};
+}
+
+double SurfaceByArea::area(std::size_t triangle) const {
+  const Place place = placeOf(triangle);
+  const std::span<const double> sums = parts_.areaSums[place.part];
+  return place.triangle == 0 ? sums[0] : sums[place.triangle] - sums[place.triangle - 1];
+}
+
+// The first sum above the area, so that the triangle's area is above 0.  Rounding may leave none.
 std::size_t SurfaceByArea::triangleAt(double share) const {
-  const auto at = std::upper_bound(sums_.begin(), sums_.end(), share * sums_.back());
-  return static_cast<std::size_t>(at - sums_.begin());
-}
-
-// The square root maps the unit square to the triangle uniformly.
-glm::dvec3 SurfaceByArea::pointIn(std::size_t triangle, double u, double v) const {
-  const glm::uvec3& t = mesh_.triangles[triangle];
-  const double root = std::sqrt(u);
-  return (1.0 - root) * mesh_.vertices[t.x] + root * (1.0 - v) * mesh_.vertices[t.y] +
-         root * v * mesh_.vertices[t.z];
-}
-
-glm::dvec3 SurfaceByArea::normalOf(std::size_t triangle) const {
-  return glm::normalize(scaledNormal(mesh_, triangle));
+  const auto firstAbove = [](std::span<const double> sums, double area) {
+    const auto found = std::upper_bound(sums.begin(), sums.end(), area);
+    if (found != sums.end()) return static_cast<std::size_t>(found - sums.begin());
+    return static_cast<std::size_t>(std::lower_bound(sums.begin(), sums.end(), sums.back()) -
+                                    sums.begin());
+  };
+  const double area = share * partSums_.back();
+  const std::size_t part = firstAbove(partSums_, area);
+  if (part == 0) return firstAbove(parts_.areaSums[0], area);
+  return ends_[part - 1] + firstAbove(parts_.areaSums[part], area - partSums_[part - 1]);
 }
 
 }  // namespace sherd

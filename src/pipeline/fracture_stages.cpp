@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/random.h"
+#include "surface/extract.h"
 #include "voxelize/region.h"
 
 namespace sherd {
@@ -208,11 +209,18 @@ FractureResult extracted(GrownFracture grown, const FractureOptions& options,
                          const Progress* progress) {
   StageClock clock;
   FractureResult& result = grown.result;
-  result.fragments = extractFragments(result.solid, result.labels,
-                                      {.surface = options.surface,
-                                       .uneroded = grown.uneroded ? &*grown.uneroded : nullptr,
-                                       .intact = grown.surface.get()},
-                                      progress);
+  const Labels* const uneroded = grown.uneroded ? &*grown.uneroded : nullptr;
+  if (options.surface.meshes) {
+    result.fragments = extractFragments(
+        result.solid, result.labels,
+        {.surface = options.surface, .uneroded = uneroded, .intact = grown.surface.get()},
+        progress);
+  } else {
+    checkSurfaceOptions(options.surface);
+    result.surfaces = std::make_shared<const FragmentSurfaces>(result.solid, result.labels,
+                                                               uneroded, grown.surface, progress);
+    result.fragments = measuredFragments(*result.surfaces, result.solid, result.labels, uneroded);
+  }
   clock.done("extract");
   result.times.push_back(clock.times().front());
   return std::move(result);

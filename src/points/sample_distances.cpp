@@ -79,9 +79,10 @@ DistanceSamples sampleDistances(const TriangleMesh& mesh, const DistanceOptions&
       const std::size_t t = surface.triangleAt(randomUnit(seed, Stage::spaceSurface, 3 * i));
       // The mean of n uniforms has a standard deviation of 1 / sqrt(12 n), here 1 / 12.
       const double normal = 12.0 * meanOfUniforms(kNormalTerms, seed, Stage::spaceOffset, i);
-      p = surface.pointIn(t, randomUnit(seed, Stage::spaceSurface, 3 * i + 1),
-                          randomUnit(seed, Stage::spaceSurface, 3 * i + 2)) +
-          (i % 4 == 1 ? 1.0 : 3.0) * options.sigma * normal * surface.normalOf(t);
+      const SurfaceTriangle triangle = surface.at(t);
+      p = triangle.pointIn(randomUnit(seed, Stage::spaceSurface, 3 * i + 1),
+                           randomUnit(seed, Stage::spaceSurface, 3 * i + 2)) +
+          (i % 4 == 1 ? 1.0 : 3.0) * options.sigma * normal * triangle.normal();
     }
     for (int axis = 0; axis < 3; ++axis) p[axis] = rounded(p[axis], options.type);
     samples.positions.push_back(p);

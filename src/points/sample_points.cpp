@@ -12,15 +12,16 @@
 #include "base/random.h"
 #include "mesh/surface_by_area.h"
 #include "points/eliminate.h"
+#include "points/sample_surface.h"
 #include "seed/radical_inverse.h"
 
 namespace sherd {
 namespace {
 
-/// A sampled point.
+/// A sampled point: a triangle, and a place in the unit square (see SurfaceTriangle::pointIn).
 struct Draw {
   std::size_t triangle = 0;
-  glm::dvec3 position{0.0};
+  double u = 0.0, v = 0.0;
 };
 
 std::vector<Draw> drawUniform(const SurfaceByArea& surface, std::size_t count, std::uint64_t seed,
@@ -28,8 +29,7 @@ std::vector<Draw> drawUniform(const SurfaceByArea& surface, std::size_t count, s
   std::vector<Draw> draws(count);
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t t = surface.triangleAt(randomUnit(seed, stage, 3 * i));
-    draws[i] = {t, surface.pointIn(t, randomUnit(seed, stage, 3 * i + 1),
-                                   randomUnit(seed, stage, 3 * i + 2))};
+    draws[i] = {t, randomUnit(seed, stage, 3 * i + 1), randomUnit(seed, stage, 3 * i + 2)};
   }
   return draws;
 }
@@ -49,8 +49,7 @@ std::vector<Draw> drawHalton(const SurfaceByArea& surface, std::size_t count, st
   const Halton halton(seed);
   std::vector<Draw> draws(count);
   for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t t = surface.triangleAt(halton.a.at(i));
-    draws[i] = {t, surface.pointIn(t, halton.b.at(i), halton.c.at(i))};
+    draws[i] = {surface.triangleAt(halton.a.at(i)), halton.b.at(i), halton.c.at(i)};
   }
   return draws;
 }
@@ -60,10 +59,14 @@ std::vector<Draw> drawPoisson(const SurfaceByArea& surface, std::size_t count, s
       drawUniform(surface, count * kCandidatesPerPoint, seed, Stage::pointCandidate);
   std::vector<glm::dvec3> candidates;
   candidates.reserve(draws.size());
-  for (const Draw& draw : draws) candidates.push_back(draw.position);
+  for (const Draw& draw : draws) {
+    candidates.push_back(surface.at(draw.triangle).pointIn(draw.u, draw.v));
+  }
   std::vector<Draw> kept;
   kept.reserve(count);
-  for (const std::size_t i : eliminated(candidates, count, surface.area())) {
+  // Rounded, so that areas that were summed in another order give the same points.
+  const auto area = static_cast<double>(static_cast<float>(surface.area()));
+  for (const std::size_t i : eliminated(candidates, count, area)) {
     kept.push_back(draws[i]);
   }
   return kept;
@@ -99,7 +102,7 @@ std::vector<Draw> drawPerTriangle(const SurfaceByArea& surface, const PointOptio
         even ? halton.b.at(n) : randomUnit(options.seed, Stage::pointPosition, 3 * n + 1);
     const double v =
         even ? halton.c.at(n) : randomUnit(options.seed, Stage::pointPosition, 3 * n + 2);
-    draws[i] = {t, surface.pointIn(t, u, v)};
+    draws[i] = {t, u, v};
   }
   return draws;
 }
@@ -119,7 +122,7 @@ std::vector<Draw> draw(const SurfaceByArea& surface, const PointOptions& options
 
 }  // namespace
 
-SurfacePoints samplePoints(const TriangleMesh& mesh, const PointOptions& options) {
+void checkPointOptions(const PointOptions& options) {
   if (options.count > kMaxPoints) {
     throw Error(ErrorCode::usage, std::to_string(options.count) + " points; at most " +
                                       std::to_string(kMaxPoints) + " are supported");
@@ -129,18 +132,31 @@ SurfacePoints samplePoints(const TriangleMesh& mesh, const PointOptions& options
                 "the point sampler poisson does not support the rule per-triangle; use the rule "
                 "area, or the sampler uniform or halton");
   }
+}
+
+SurfacePoints samplePoints(const SurfaceByArea& surface, const PointOptions& options) {
   SurfacePoints points;
-  if (options.count == 0) return points;
-  const SurfaceByArea surface(mesh);
   points.positions.reserve(options.count);
   points.normals.reserve(options.count);
   points.neighbor.reserve(options.count);
   for (const Draw& d : draw(surface, options)) {
-    points.positions.push_back(d.position);
-    points.normals.push_back(surface.normalOf(d.triangle));
-    points.neighbor.push_back(mesh.neighborOf(d.triangle));
+    const SurfaceTriangle triangle = surface.at(d.triangle);
+    points.positions.push_back(triangle.pointIn(d.u, d.v));
+    points.normals.push_back(triangle.normal());
+    points.neighbor.push_back(triangle.neighbor);
   }
   return points;
+}
+
+SurfacePoints samplePoints(const TriangleMesh& mesh, const PointOptions& options) {
+  checkPointOptions(options);
+  if (options.count == 0) return {};
+  return samplePoints(SurfaceByArea(mesh), options);
+}
+
+PointOptions pointOptionsOf(PointOptions options, int id) {
+  options.seed = randomBits(options.seed, Stage::pointFragment, static_cast<std::uint64_t>(id));
+  return options;
 }
 
 std::vector<std::size_t> shareOut(std::size_t total, std::span<const double> areas) {

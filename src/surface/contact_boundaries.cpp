@@ -2,8 +2,9 @@
 #include "surface/contact_boundaries.h"
 
 #include <algorithm>
+#include <functional>
 #include <glm/geometric.hpp>
-#include <limits>
+#include <numeric>
 
 namespace sherd {
 namespace {
@@ -17,20 +18,33 @@ constexpr std::array kSteps{1.0, 0.75, 0.5, 0.25};
 class JunctionQuads {
  public:
   JunctionQuads(std::span<const std::vector<InterfaceQuad>> quads,
-                std::span<const Junction> junctions, std::span<const glm::dvec3> vertices)
-      : quads_(junctions.size()) {
+                std::span<const Junction> junctions, std::span<const glm::dvec3> vertices,
+                const std::function<bool(std::size_t)>& mayHave)
+      : first_(junctions.size() + 1) {
     constexpr std::uint32_t kNone = 0xffffffffu;
     std::vector<std::uint32_t> junctionOf(vertices.size(), kNone);
     for (std::uint32_t j = 0; j < junctions.size(); ++j) {
       for (const std::uint32_t v : junctions[j].vertices) junctionOf[v] = j;
     }
-    for (const std::vector<InterfaceQuad>& ofLeaf : quads) {
-      for (const InterfaceQuad& quad : ofLeaf) {
+    struct Found {
+      std::uint32_t junction;
+      const InterfaceQuad* quad;
+    };
+    std::vector<Found> found;
+    for (std::size_t leaf = 0; leaf < quads.size(); ++leaf) {
+      if (quads[leaf].empty() || !mayHave(leaf)) continue;
+      for (const InterfaceQuad& quad : quads[leaf]) {
         for (const std::uint32_t v : quad.vertex) {
-          if (junctionOf[v] == kNone) continue;
-          quads_[junctionOf[v]].push_back({&quad, normalOf(quad, vertices)});
+          if (junctionOf[v] != kNone) found.push_back({junctionOf[v], &quad});
         }
       }
+    }
+    for (const Found& at : found) ++first_[at.junction + 1];
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
+    std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
+    quads_.resize(found.size());
+    for (const Found& at : found) {
+      quads_[next[at.junction]++] = {at.quad, normalOf(*at.quad, vertices)};
     }
   }
 
@@ -39,7 +53,8 @@ class JunctionQuads {
   double worstQuality(std::size_t junction, std::span<const glm::dvec3> vertices,
                       double enough = -2.0) const {
     double least = kLeastCosine;
-    for (const QuadAtJunction& around : quads_[junction]) {
+    for (std::size_t i = first_[junction]; i < first_[junction + 1]; ++i) {
+      const QuadAtJunction& around = quads_[i];
       if (least < enough) return least;
       for (const auto& t : trianglesOf(*around.quad, vertices)) {
         const glm::dvec3 n =
@@ -68,7 +83,8 @@ class JunctionQuads {
     return length > 0.0 ? n / length : glm::dvec3(0.0);
   }
 
-  std::vector<std::vector<QuadAtJunction>> quads_;  // [junctions]
+  std::vector<std::size_t> first_;     // [junctions + 1] into quads_
+  std::vector<QuadAtJunction> quads_;  // by junction
 };
 
 }  // namespace
@@ -82,8 +98,10 @@ std::array<std::array<std::uint32_t, 3>, 2> trianglesOf(const InterfaceQuad& qua
 }
 
 void straightenBoundaries(std::span<const std::vector<InterfaceQuad>> quads,
-                          std::span<const Junction> junctions, std::vector<glm::dvec3>& vertices) {
-  const JunctionQuads junctionQuads(quads, junctions, vertices);
+                          std::span<const Junction> junctions, std::vector<glm::dvec3>& vertices,
+                          const std::function<bool(std::size_t)>& mayHave) {
+  if (junctions.empty()) return;
+  const JunctionQuads junctionQuads(quads, junctions, vertices, mayHave);
   for (int pass = 0; pass < kPasses; ++pass) {
     for (std::size_t j = 0; j < junctions.size(); ++j) {
       const auto moveTo = [&](const glm::dvec3& at) {

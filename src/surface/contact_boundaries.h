@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <glm/vec3.hpp>
 #include <span>
 #include <vector>
@@ -37,7 +38,9 @@ struct Junction {
 /// select.
 ///   quads     [leaves][..]
 ///   vertices  index space
+///   mayHave   returns false for leaves of which no quad has a vertex of a junction
 void straightenBoundaries(std::span<const std::vector<InterfaceQuad>> quads,
-                          std::span<const Junction> junctions, std::vector<glm::dvec3>& vertices);
+                          std::span<const Junction> junctions, std::vector<glm::dvec3>& vertices,
+                          const std::function<bool(std::size_t)>& mayHave);
 
 }  // namespace sherd

@@ -85,54 +85,65 @@ SurfaceSums voxelSurfaces(const Solid& solid, const Labels& labels, const Cut& c
 
 }  // namespace
 
+std::uint16_t NeighborSearch::across(const std::array<glm::dvec3, 3>& corners,
+                                     std::uint16_t fragment) {
+  const auto& [a, b, c] = corners;
+  const glm::dvec3 normal = glm::cross(b - a, c - a);
+  const double length = glm::length(normal);
+  const glm::dvec3 center = frame_.indexFromWorld((a + b + c) / 3.0);
+  const glm::dvec3 outwards = length > 0 ? normal / length : glm::dvec3(0.0);
+  // Voxels off the face belong to the neighbor.  At a boundary or in a narrow wedge there may be
+  // none at that distance, so others are tried.
+  for (const double away : {0.75, 0.25, 1.5}) {
+    const std::uint16_t found = majorityLabelAround(center + away * outwards, fragment, reader_);
+    if (found != 0) return found;
+  }
+  for (double away = 2.5; eroded_ && away < kMaxErosionDepth; away += 1.0) {
+    const glm::dvec3 at = center + away * outwards;
+    if (reader_.at(nearestVoxel(at)) == 0) break;  // outside the solid: original surface
+    const std::uint16_t found = majorityLabelAround(at, fragment, reader_);
+    if (found != 0) return found;
+  }
+  return 0;
+}
+
 std::vector<std::uint16_t> neighborsOf(const TriangleMesh& mesh, const std::vector<bool>& original,
                                        std::uint16_t fragment, const Solid& solid,
                                        const Labels& labels, bool eroded) {
   std::vector<std::uint16_t> neighbor(mesh.triangles.size(), 0);
-  LabelReader reader(*solid.blocks, labels);
+  NeighborSearch search(solid, labels, eroded);
   for (std::size_t t = 0; t < neighbor.size(); ++t) {
     if (original[t]) continue;
     const glm::uvec3& corner = mesh.triangles[t];
-    const glm::dvec3 a = mesh.vertices[corner.x], b = mesh.vertices[corner.y],
-                     c = mesh.vertices[corner.z];
-    const glm::dvec3 normal = glm::cross(b - a, c - a);
-    const double length = glm::length(normal);
-    const glm::dvec3 center = solid.frame.indexFromWorld((a + b + c) / 3.0);
-    const glm::dvec3 outwards = length > 0 ? normal / length : glm::dvec3(0.0);
-    // Voxels off the face belong to the neighbor.  At a boundary or in a narrow wedge there may be
-    // none at that distance, so others are tried.
-    for (const double away : {0.75, 0.25, 1.5}) {
-      neighbor[t] = majorityLabelAround(center + away * outwards, fragment, reader);
-      if (neighbor[t] != 0) break;
-    }
-    for (double away = 2.5; eroded && neighbor[t] == 0 && away < kMaxErosionDepth; away += 1.0) {
-      const glm::dvec3 at = center + away * outwards;
-      if (reader.at(nearestVoxel(at)) == 0) break;  // outside the solid: original surface
-      neighbor[t] = majorityLabelAround(at, fragment, reader);
-    }
+    neighbor[t] = search.across(
+        {mesh.vertices[corner.x], mesh.vertices[corner.y], mesh.vertices[corner.z]}, fragment);
   }
   return neighbor;
 }
 
 void ContactMeasure::add(const Fragment& fragment) {
-  const auto own = static_cast<std::uint16_t>(fragment.id);
-  std::uint16_t other = 0;
-  SurfaceSum* towards = nullptr;  // of `own` and `other`
-  for (std::size_t t = 0; t < fragment.mesh.neighbor.size(); ++t) {
-    if (fragment.mesh.neighbor[t] == 0) continue;
-    if (fragment.mesh.neighbor[t] != other) {
-      other = fragment.mesh.neighbor[t];
-      towards = &measured_[{std::min(own, other), std::max(own, other)}];
-    }
-    const glm::uvec3& corner = fragment.mesh.triangles[t];
-    const glm::dvec3 a = fragment.mesh.vertices[corner.x], b = fragment.mesh.vertices[corner.y],
-                     c = fragment.mesh.vertices[corner.z];
-    const glm::dvec3 doubled = glm::cross(b - a, c - a) * (own < other ? 1.0 : -1.0);
-    const double doubledArea = glm::length(doubled);
-    if (doubledArea == 0.0) continue;
-    // Half, because the faces of both sides are added.
-    towards->add(doubledArea / 4, doubled / doubledArea, (a + b + c) / 3.0);
+  const TriangleMesh& mesh = fragment.mesh;
+  for (std::size_t t = 0; t < mesh.neighbor.size(); ++t) {
+    if (mesh.neighbor[t] == 0) continue;
+    const glm::uvec3& corner = mesh.triangles[t];
+    add(static_cast<std::uint16_t>(fragment.id),
+        {{mesh.vertices[corner.x], mesh.vertices[corner.y], mesh.vertices[corner.z]},
+         mesh.neighbor[t]});
   }
+}
+
+void ContactMeasure::add(std::uint16_t fragment, const SurfaceTriangle& face) {
+  const Pair pair{std::min(fragment, face.neighbor), std::max(fragment, face.neighbor)};
+  if (lastSum_ == nullptr || pair != last_) {
+    last_ = pair;
+    lastSum_ = &measured_[pair];
+  }
+  const auto& [a, b, c] = face.corner;
+  const glm::dvec3 doubled = glm::cross(b - a, c - a) * (fragment < face.neighbor ? 1.0 : -1.0);
+  const double doubledArea = glm::length(doubled);
+  if (doubledArea == 0.0) return;
+  // Half, because the faces of both sides are added.
+  lastSum_->add(doubledArea / 4, doubled / doubledArea, (a + b + c) / 3.0);
 }
 
 std::vector<std::vector<Contact>> ContactMeasure::contacts(

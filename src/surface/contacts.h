@@ -3,12 +3,15 @@
 
 #include <sherd/fragments.h>
 
+#include <array>
 #include <map>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "mesh/surface_by_area.h"
 #include "surface/cut.h"
+#include "surface/label_reader.h"
 #include "voxelize/leaf_blocks.h"
 
 namespace sherd {
@@ -16,11 +19,29 @@ namespace sherd {
 /// How far a neighbor is searched through eroded voxels, voxels.
 inline constexpr int kMaxErosionDepth = 64;
 
+/// Finds the fragments on the other side of fracture faces.
+class NeighborSearch {
+ public:
+  ///   labels  before erosion
+  ///   eroded  true if faces may have receded up to kMaxErosionDepth voxels from their neighbors
+  NeighborSearch(const Solid& solid, const Labels& labels, bool eroded)
+      : frame_(solid.frame), reader_(*solid.blocks, labels), eroded_(eroded) {}
+
+  /// Returns the fragment on the other side of a fragment's face, 0 if there is none.
+  [[nodiscard]] std::uint16_t across(const std::array<glm::dvec3, 3>& corners,
+                                     std::uint16_t fragment);
+
+ private:
+  GridFrame frame_;
+  LabelReader reader_;
+  bool eroded_;
+};
+
 /// Returns for each triangle of a fragment's mesh the fragment on its other side, 0 on the original
 /// surface.
 ///   original  [triangles] true on the solid's surface
 ///   labels    before erosion
-///   eroded    true if faces may have receded up to kMaxErosionDepth voxels from their neighbors
+///   eroded    as of NeighborSearch
 [[nodiscard]] std::vector<std::uint16_t> neighborsOf(const TriangleMesh& mesh,
                                                      const std::vector<bool>& original,
                                                      std::uint16_t fragment, const Solid& solid,
@@ -30,9 +51,16 @@ inline constexpr int kMaxErosionDepth = 64;
 /// normal and centroid come from the faces of both meshes.
 class ContactMeasure {
  public:
+  ContactMeasure() = default;
+  ContactMeasure(const ContactMeasure&) = delete;
+  ContactMeasure& operator=(const ContactMeasure&) = delete;
+
   /// Adds the faces of a fragment's mesh.  Fragments must be added in the order of their ids,
   /// because floating-point sums depend on it.
   void add(const Fragment& fragment);
+
+  /// Adds a face of a fragment; its neighbor is not 0.
+  void add(std::uint16_t fragment, const SurfaceTriangle& face);
 
   /// Returns the contacts of fragments 1..fragments, all of which must have been added.
   ///   labels         before erosion
@@ -58,6 +86,8 @@ class ContactMeasure {
 
  private:
   std::map<Pair, SurfaceSum> measured_;
+  Pair last_{0, 0};
+  SurfaceSum* lastSum_ = nullptr;  // of last_
 };
 
 }  // namespace sherd

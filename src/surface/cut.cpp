@@ -274,6 +274,15 @@ Cut findCut(const Labels& labels, std::span<const LeafNeighbors> neighborhoods, 
         cut.only[leaf] = static_cast<std::uint16_t>(only);
         continue;
       }
+      if (extent == CutExtent::cells) {
+        // The corners of the cells that have a corner in the leaf.
+        const LabelRange found =
+            rangeOf(labelsAround<1, 1>(blocks, labels, neighborhood, Voxels::inside));
+        if (!found.isSeveral()) {
+          cut.only[leaf] = found.high;
+          continue;
+        }
+      }
       const CutHalo halo = labelsAround<kHalo, kHalo>(blocks, labels, neighborhood, Voxels::all);
       std::vector<std::uint16_t> fragments = fragmentsIn(halo);
       if (fragments.size() == 1) {

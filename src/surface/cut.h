@@ -37,7 +37,8 @@ struct Cut {
   static constexpr std::uint32_t kWhole = 0xffffffffu;
 
   std::vector<std::uint16_t>
-      only;  ///< [leaf] the only fragment within two voxels of the leaf, or 0
+      only;  ///< [leaf] the only fragment within two voxels of the leaf, or 0; by CutExtent::cells
+             ///< that of the inside voxels within one voxel
   std::vector<std::uint32_t> index;  ///< [leaf] into leaves, or kWhole
   std::vector<CutLeaf> leaves;
   std::vector<float> snapWeight;  ///< [65536] by label: 0..1, 1 snaps to its voxels' faces
@@ -46,7 +47,7 @@ struct Cut {
 /// Where distances to the cut are computed.
 enum class CutExtent {
   everywhere,
-  cells,  ///< at the corners of cells with several labels, enough for interface_mesh.h
+  cells,  ///< at the corners of cells with several labels, enough for interface_surface.h
 };
 
 /// Returns the cut between all labels.

@@ -18,6 +18,7 @@
 #include "surface/independent_mesh.h"
 #include "surface/intact.h"
 #include "surface/label_mesh.h"
+#include "surface/leaf_labels.h"
 #include "surface/level_set.h"
 #include "surface/smooth.h"
 #include "voxelize/leaf_blocks.h"
@@ -57,6 +58,36 @@ VoxelBox voxelBox(const Solid& solid, const Labels& labels, std::uint16_t fragme
     }
   }
   return box;
+}
+
+// [fragments + 1] the boxes of their inside voxels.
+std::vector<VoxelBox> voxelBoxes(const LeafBlocks& blocks, const Labels& labels) {
+  const auto end = static_cast<std::size_t>(labels.fragmentCount) + 1;
+  std::vector<VoxelBox> boxes(end, VoxelBox{openvdb::Coord::max(), openvdb::Coord::min()});
+  const auto widen = [](VoxelBox& box, const openvdb::Coord& low, const openvdb::Coord& high) {
+    box.min.minComponent(low);
+    box.max.maxComponent(high);
+  };
+  for (std::size_t leaf = 0; leaf < blocks.count(); ++leaf) {
+    const std::span<const std::uint16_t> own(&labels.fragment[leaf * 512], 512);
+    const openvdb::Coord& origin = blocks.origins[leaf];
+    const bool isWhole = std::all_of(&blocks.inside[leaf * 8], &blocks.inside[leaf * 8] + 8,
+                                     [](std::uint64_t bits) { return ~bits == 0; });
+    if (const LabelRange range = rangeOf(own); isWhole && range.isOne() && range.high < end) {
+      widen(boxes[range.high], origin, origin + openvdb::Coord(7));
+      continue;
+    }
+    for (std::size_t x = 0; x < 8; ++x) {
+      for (std::uint64_t bits = blocks.inside[leaf * 8 + x]; bits; bits &= bits - 1) {
+        const auto v =
+            static_cast<std::uint32_t>(x * 64) + static_cast<std::uint32_t>(std::countr_zero(bits));
+        if (own[v] >= end) continue;
+        const openvdb::Coord voxel = origin + coordFromOffset(v);
+        widen(boxes[own[v]], voxel, voxel);
+      }
+    }
+  }
+  return boxes;
 }
 
 // Sets the areas of the whole surface and of the fracture surface.
@@ -117,11 +148,11 @@ Extraction::Extraction(const Solid& solid, const Labels& labels, const ExtractOp
                                        : leafNeighbors(solid.blocks->origins)),
       neighborhoods_(options.intact ? options.intact->neighborhoods : ownNeighborhoods_),
       cut_(findCut(labels, neighborhoods_,
-                   surface_.levelSets ? CutExtent::everywhere : CutExtent::cells, progress)),
+                   surface_.levelSets || !isShared() ? CutExtent::everywhere : CutExtent::cells,
+                   progress)),
       leaves_(leavesOf(cut_, count_)) {
   if (!isShared()) return;
-  shared_.emplace(solid, labels, cut_, neighborhoods_, labels.fragmentCount, options.intact,
-                  progress);
+  shared_.emplace(solid, labels, cut_, neighborhoods_, options.intact, progress);
   const bool isProcessed = surface_.adaptivity > 0.0 || !surface_.triangles.empty() ||
                            movesAnything(surface_.smooth, solid.box.longestSide());
   if (!isProcessed) return;
@@ -240,8 +271,31 @@ std::vector<std::vector<Contact>> Extraction::contacts() const {
   return measure_.contacts(count_, solid_, uneroded_ ? *uneroded_ : labels_, cut_, neighborhoods_);
 }
 
+std::vector<Fragment> measuredFragments(const FragmentSurfaces& surfaces, const Solid& solid,
+                                        const Labels& labels, const Labels* uneroded) {
+  const std::vector<std::uint64_t> voxels = counted(solid, labels);
+  const std::vector<VoxelBox> boxes = voxelBoxes(*solid.blocks, labels);
+  std::vector<std::vector<Contact>> contacts =
+      surfaces.contacts(solid, uneroded ? *uneroded : labels);
+  std::vector<Fragment> all(surfaces.count());
+  tbb::parallel_for(std::size_t{0}, all.size(), [&](std::size_t i) {
+    all[i] = surfaces.measured(static_cast<std::uint16_t>(i + 1));
+    all[i].voxels = voxels[i + 1];
+    all[i].voxelBox = boxes[i + 1];
+    all[i].contacts = std::move(contacts[i]);
+  });
+  return all;
+}
+
 std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
                                        const ExtractOptions& options, const Progress* progress) {
+  if (!options.surface.meshes) {
+    (void)checked(solid, options, progress);
+    // Shares nothing: the surface outlives the call.
+    const std::shared_ptr<const IntactSurface> intact(std::shared_ptr<void>(), options.intact);
+    const FragmentSurfaces surfaces(solid, labels, options.uneroded, intact, progress);
+    return measuredFragments(surfaces, solid, labels, options.uneroded);
+  }
   Extraction extraction(solid, labels, options, progress);
   std::vector<Fragment> all;
   for (std::vector<Fragment> some = extraction.next(); !some.empty(); some = extraction.next()) {
@@ -260,7 +314,7 @@ TriangleMesh solidMesh(const Solid& solid) {
   uncut.index.assign(solid.blocks->count(), Cut::kWhole);
   uncut.snapWeight.resize(2);
   const std::vector<LeafNeighbors> neighborhoods = leafNeighbors(solid.blocks->origins);
-  return std::move(InterfaceMeshes(solid, one, uncut, neighborhoods, 1).meshOf(1).mesh);
+  return std::move(InterfaceMeshes(solid, one, uncut, neighborhoods).meshOf(1).mesh);
 }
 
 }  // namespace sherd

@@ -9,6 +9,7 @@
 
 #include "surface/contacts.h"
 #include "surface/cut.h"
+#include "surface/fragment_surfaces.h"
 #include "surface/interface_mesh.h"
 #include "voxelize/leaf_blocks.h"
 
@@ -62,5 +63,13 @@ class Extraction {
   ContactMeasure measure_;
   std::size_t next_ = 0;
 };
+
+/// Returns the fragments of surfaces, without meshes.
+///   labels    as the surfaces were made of
+///   uneroded  likewise, or null
+///   throws    as extractFragments
+[[nodiscard]] std::vector<Fragment> measuredFragments(const FragmentSurfaces& surfaces,
+                                                      const Solid& solid, const Labels& labels,
+                                                      const Labels* uneroded);
 
 }  // namespace sherd

@@ -53,7 +53,7 @@ LabeledMesh meshOfOne(const Solid& solid, const Labels& labels, const Cut& cut,
   reduced.blocks = std::make_shared<const LeafBlocks>(std::move(blocks));
   twoLabels.blocks = reduced.blocks;
   twoLabels.fragmentCount = 1;
-  return InterfaceMeshes(reduced, twoLabels, ownCut, neighborhoods, 1).meshOf(1);
+  return InterfaceMeshes(reduced, twoLabels, ownCut, neighborhoods).meshOf(1);
 }
 
 }  // namespace sherd

@@ -5,6 +5,9 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include <glm/common.hpp>
+
+#include "mesh/surface_by_area.h"
 #include "voxelize/leaf_blocks.h"
 
 namespace sherd {
@@ -17,13 +20,29 @@ void forEach(std::size_t count, const Work& work) {
   });
 }
 
-// The leaf of a slot (see IntactLeaf::Corner).
-std::uint32_t below(const LeafNeighbors& neighborhood, std::size_t slot) {
-  const auto step = [&](std::size_t bit) { return (slot & bit) != 0 ? 0u : 1u; };
-  return neighborhood[step(4) * 9 + step(2) * 3 + step(1)];
+// Sets the areas, mass and box of a leaf's triangles.
+void measure(IntactSurface& surface, std::size_t leaf, const GridFrame& frame) {
+  IntactLeaf& own = surface.leaves[leaf];
+  own.mass = MassSums(surface.reference);
+  own.areaSums.reserve(own.triangles.size());
+  for (std::size_t t = 0; t < own.triangles.size(); ++t) {
+    const std::array<glm::dvec3, 3> at = surface.corners(leaf, t, frame);
+    addArea(own.areaSums, 0, at[0], at[1], at[2]);
+    own.mass.add(at[0], at[1], at[2]);
+    if (t == 0) own.box = {at[0], at[0]};
+    for (const glm::dvec3& corner : at) {
+      own.box.min = glm::min(own.box.min, corner);
+      own.box.max = glm::max(own.box.max, corner);
+    }
+  }
 }
 
 }  // namespace
+
+glm::dvec3 middleOf(const Solid& solid) {
+  return 0.5 *
+         (solid.frame.worldFromIndex(solid.box.min) + solid.frame.worldFromIndex(solid.box.max));
+}
 
 std::shared_ptr<const IntactSurface> intactSurface(const Solid& solid) {
   auto made = std::make_shared<IntactSurface>();
@@ -52,7 +71,7 @@ std::shared_ptr<const IntactSurface> intactSurface(const Solid& solid) {
     std::array<std::uint32_t, 8> leafOfSlot{};
     own.isWhole = true;
     for (std::size_t slot = 0; slot < 8; ++slot) {
-      leafOfSlot[slot] = below(made->neighborhoods[leaf], slot);
+      leafOfSlot[slot] = made->neighborhoods[leaf][IntactLeaf::kSlots[slot]];
       const bool isPlain =
           leafOfSlot[slot] == LeafBlocks::kNone || made->leaves[leafOfSlot[slot]].cells.isPlain;
       own.isWhole &= isPlain;
@@ -78,6 +97,8 @@ std::shared_ptr<const IntactSurface> intactSurface(const Solid& solid) {
       }
     }
   });
+  made->reference = middleOf(solid);
+  forEach(count, [&](std::size_t leaf) { measure(*made, leaf, solid.frame); });
   return made;
 }
 

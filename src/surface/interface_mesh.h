@@ -27,12 +27,12 @@ struct IntactSurface;
 ///           Data, 2002; Wenger, Isosurfaces, 2013 (cells that share an ambiguous face)
 class InterfaceMeshes {
  public:
-  /// Meshes labels 1..fragments.  All arguments must outlive the object.
+  /// Meshes labels 1..fragmentCount.  All arguments must outlive the object.
   ///   neighborhoods  of the solid's leaves
   ///   intact         of this solid, or null: unchanged leaves are reused, with equal meshes
   ///   throws         Error(cancelled)
   InterfaceMeshes(const Solid& solid, const Labels& labels, const Cut& cut,
-                  std::span<const LeafNeighbors> neighborhoods, int fragments,
+                  std::span<const LeafNeighbors> neighborhoods,
                   const IntactSurface* intact = nullptr, const Progress* progress = nullptr);
   ~InterfaceMeshes();
   InterfaceMeshes(const InterfaceMeshes&) = delete;

@@ -149,6 +149,13 @@ bool movesAnything(const SmoothOptions& options, int longestSide) {
          options.boundaryIterations.over(longestSide) > 0;
 }
 
+bool canLackMeshes(const SurfaceOptions& options) {
+  return !options.levelSets && options.surface == Surface::smooth &&
+         options.interface == Interface::shared && options.adaptivity == 0.0 &&
+         options.triangles.empty() && !isAny(options.smooth.iterations) &&
+         !isAny(options.smooth.boundaryIterations);
+}
+
 void checkSurfaceOptions(const SurfaceOptions& options) {
   const SmoothOptions& smooth = options.smooth;
   if (!areValid(smooth.iterations) || !areValid(smooth.boundaryIterations) ||
@@ -166,6 +173,11 @@ void checkSurfaceOptions(const SurfaceOptions& options) {
   }
   if (!(options.adaptivity >= 0.0 && options.adaptivity <= 1.0)) {
     throw Error(ErrorCode::usage, "the adaptivity lies in 0..1");
+  }
+  if (!options.meshes && !canLackMeshes(options)) {
+    throw Error(ErrorCode::usage,
+                "fragments without meshes have smooth, shared surfaces, no level sets, and are "
+                "neither smoothed nor simplified nor decimated");
   }
   std::set<std::size_t> seen;
   for (const std::size_t triangles : options.triangles) {

@@ -21,4 +21,7 @@ namespace sherd {
 void smoothTogether(std::span<LabeledMesh> meshes, const SmoothOptions& options, int longestSide,
                     const Progress* progress = nullptr);
 
+/// Returns whether SurfaceOptions::meshes may be false.
+[[nodiscard]] bool canLackMeshes(const SurfaceOptions& options);
+
 }  // namespace sherd

@@ -175,9 +175,9 @@ std::vector<SurfaceSample> surfaceSamples(const TriangleMesh& mesh, std::size_t 
     const std::size_t t = surface.triangleAt((n + 0.5) / static_cast<double>(count));
     const double u = scattered ? std::fmod(0.5 + n * kU, 1.0) : 4.0 / 9.0;
     const double v = scattered ? std::fmod(0.5 + n * kV, 1.0) : 0.5;
-    const glm::uvec3& corners = mesh.triangles[t];
-    const glm::dvec3 edge = mesh.vertices[corners.y] - mesh.vertices[corners.x];
-    out.push_back({surface.pointIn(t, u, v), surface.normalOf(t), glm::normalize(edge)});
+    const SurfaceTriangle triangle = surface.at(t);
+    const glm::dvec3 edge = triangle.corner[1] - triangle.corner[0];
+    out.push_back({triangle.pointIn(u, v), triangle.normal(), glm::normalize(edge)});
   }
   return out;
 }

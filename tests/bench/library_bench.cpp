@@ -1,13 +1,20 @@
 // Fractures of a dataset run, whose solid and unbroken surface are there already, beside OpenVDB's
 // mesher alone on the same fragments' level sets.
 //
+// The points of such fractures, a thousand of each fragment, are sampled with and without meshes,
+// in a pipeline like that of a dataset, growth included.
+//
 // SHERD_BENCH_MESH names a mesh, in place of a torus; it is broken into 2 to 10 pieces, once each.
 // Run as grow_bench.cpp describes.
 #include <benchmark/benchmark.h>
 #include <sherd/folder.h>
 #include <sherd/fracture.h>
+#include <sherd/points.h>
+#include <tbb/parallel_pipeline.h>
 
+#include <atomic>
 #include <cstdlib>
+#include <memory>
 #include <vector>
 
 #include "pipeline/fracture_stages.h"
@@ -15,6 +22,11 @@
 #include "surface/mesh.h"
 
 namespace {
+
+sherd::TriangleMesh benchMesh() {
+  const char* const file = std::getenv("SHERD_BENCH_MESH");
+  return file != nullptr ? sherd::readMesh(file).mesh : sherd::shapes::torus(10.0, 2.0);
+}
 
 struct Library {
   sherd::Device device{"auto"};
@@ -26,10 +38,8 @@ struct Library {
 const Library& library() {
   static const Library made = [] {
     Library library;
-    const char* const file = std::getenv("SHERD_BENCH_MESH");
-    const sherd::TriangleMesh mesh =
-        file != nullptr ? sherd::readMesh(file).mesh : sherd::shapes::torus(10.0, 2.0);
-    library.ready = sherd::prepared(sherd::voxelize(mesh, {.resolution = 128}), library.device);
+    library.ready =
+        sherd::prepared(sherd::voxelize(benchMesh(), {.resolution = 128}), library.device);
     library.ready.surface = sherd::intactSurface(library.ready.solid);
     for (int pieces = 2; pieces <= 10; ++pieces) {
       sherd::FractureOptions options;
@@ -69,6 +79,76 @@ void bareMeshes(benchmark::State& state) {
   }
 }
 
+std::vector<sherd::SurfacePoints> pointsOfMeshes(const sherd::GrownFracture& grown,
+                                                 const sherd::PointOptions& points) {
+  sherd::FractureOptions options;
+  options.surface.levelSets = false;
+  std::vector<sherd::SurfacePoints> all;
+  for (const sherd::Fragment& fragment : sherd::extracted(grown, options, nullptr).fragments) {
+    all.push_back(sherd::samplePoints(fragment.mesh, points));
+  }
+  return all;
+}
+
+enum class Sampled { nothing, surfaces, meshes };
+
+void points(benchmark::State& state, Sampled sampled) {
+  sherd::Device device("auto");
+  sherd::PreparedSolid ready = sherd::prepared(
+      sherd::voxelize(benchMesh(), {.resolution = static_cast<int>(state.range(0))}), device);
+  ready.surface = sherd::intactSurface(ready.solid);
+  constexpr std::size_t kFractures = 90;
+  std::atomic<std::size_t> fragments = 0;
+  for (auto _ : state) {
+    std::size_t next = 0;
+    using Grown = std::shared_ptr<const sherd::GrownFracture>;
+    const auto grown = [&](tbb::flow_control& control) -> Grown {
+      if (next == kFractures) {
+        control.stop();
+        return nullptr;
+      }
+      sherd::FractureOptions options;
+      options.pieces = 2 + static_cast<int>(next % 9);
+      options.seed = next++;
+      return std::make_shared<const sherd::GrownFracture>(
+          sherd::grow(ready, options, device, sherd::StageClock(), nullptr));
+    };
+    const auto sample = [&](const Grown& of) {
+      const sherd::PointOptions options{.count = 1000};
+      if (sampled == Sampled::meshes) {
+        benchmark::DoNotOptimize(pointsOfMeshes(*of, options));
+      } else if (sampled == Sampled::surfaces) {
+        benchmark::DoNotOptimize(sherd::samplePoints(of->result.solid, of->result.labels,
+                                                     {options, nullptr, ready.surface}));
+      }
+      fragments += static_cast<std::size_t>(of->result.labels.fragmentCount);
+    };
+    tbb::parallel_pipeline(3,
+                           tbb::make_filter<void, Grown>(tbb::filter_mode::serial_in_order, grown) &
+                               tbb::make_filter<Grown, void>(tbb::filter_mode::parallel, sample));
+  }
+  state.counters["fragments"] =
+      benchmark::Counter(static_cast<double>(fragments), benchmark::Counter::kIsRate);
+}
+
+BENCHMARK_CAPTURE(points, none, Sampled::nothing)
+    ->Name("library/grow")
+    ->Arg(64)
+    ->Arg(128)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+BENCHMARK_CAPTURE(points, without_meshes, Sampled::surfaces)
+    ->Name("library/points")
+    ->Arg(64)
+    ->Arg(128)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+BENCHMARK_CAPTURE(points, of_meshes, Sampled::meshes)
+    ->Name("library/points_of_meshes")
+    ->Arg(64)
+    ->Arg(128)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
 BENCHMARK_CAPTURE(extracted, meshes, false)
     ->Name("library/extract")
     ->Unit(benchmark::kMillisecond)

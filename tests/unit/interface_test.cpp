@@ -77,7 +77,7 @@ Labeled labeled(int side, int fragments, const LabelOf& labelOf) {
 
 std::vector<LabeledMesh> meshesOf(const Labeled& made, int fragments) {
   const std::vector<LeafNeighbors> neighborhoods = leafNeighbors(made.solid.blocks->origins);
-  const InterfaceMeshes all(made.solid, made.labels, made.cut, neighborhoods, fragments);
+  const InterfaceMeshes all(made.solid, made.labels, made.cut, neighborhoods);
   std::vector<LabeledMesh> meshes;
   for (int label = 1; label <= fragments; ++label) meshes.push_back(all.meshOf(label));
   return meshes;

@@ -159,10 +159,9 @@ TEST(Stop, CuttingAsksOftenEnough) {
       asksOf([&](const Progress* p) { (void)findCut(labels, rounds, CutExtent::everywhere, p); }),
       solid.blocks->count() / 16);
   const Cut cut = findCut(labels, rounds);
-  EXPECT_GE(asksOf([&](const Progress* p) {
-              InterfaceMeshes(solid, labels, cut, rounds, 2, nullptr, p);
-            }),
-            4u);
+  EXPECT_GE(
+      asksOf([&](const Progress* p) { InterfaceMeshes(solid, labels, cut, rounds, nullptr, p); }),
+      4u);
   const TriangleMesh ball = shapes::ball(1.0, 5);
   const Complex complex = complexOf(ball);
   const std::vector<std::size_t> triangles{100};

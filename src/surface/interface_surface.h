@@ -1,0 +1,87 @@
+// The mesh of all labels, leaf by leaf.
+#pragma once
+
+#include <sherd/labels.h>
+#include <sherd/progress.h>
+#include <sherd/solid.h>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "surface/contact_boundaries.h"
+#include "surface/cut.h"
+#include "surface/intact.h"
+#include "surface/leaf_cells.h"
+#include "surface/non_manifold_vertices.h"
+#include "voxelize/leaf_blocks.h"
+
+namespace sherd {
+
+/// Of which leaves an InterfaceSurface has vertices.
+enum class SurfaceVertices {
+  all,
+  changed,  ///< of those whose triangles differ from the intact solid's, and those below them
+};
+
+/// All labels meshed together (see InterfaceMeshes): vertices, quads and gaps.  A leaf with only
+/// one label has the same surface as in the intact solid.  If that is given, the cells and
+/// triangles of such leaves are reused, and only the others are made.
+class InterfaceSurface {
+ public:
+  ///   neighborhoods  of the solid's leaves
+  ///   intact         of this solid, or null; must outlive the object
+  ///   throws         Error(cancelled)
+  InterfaceSurface(const Solid& solid, const Labels& labels, const Cut& cut,
+                   std::span<const LeafNeighbors> neighborhoods, const IntactSurface* intact,
+                   SurfaceVertices extent, const Progress* progress);
+
+  InterfaceSurface(const InterfaceSurface&) = delete;
+  InterfaceSurface& operator=(const InterfaceSurface&) = delete;
+
+  /// Returns whether the leaf's triangles are those of the intact solid.  Next to a crack they are
+  /// not, because they use vertices of changed leaves.
+  [[nodiscard]] bool reusesTriangles(std::size_t leaf) const { return reusesTriangles_[leaf] != 0; }
+
+  /// Returns the index of the leaf's first vertex, kNone if its vertices were not asked for.
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+  [[nodiscard]] std::uint32_t firstVertex(std::size_t leaf) const { return firstVertex_[leaf]; }
+
+  /// World units.
+  [[nodiscard]] const InterfaceVertices& vertices() const { return vertices_; }
+
+  /// Returns [vertices] the label of each; 0 if no face has it.
+  [[nodiscard]] std::span<const std::uint16_t> vertexLabels() const { return vertexLabels_; }
+
+  /// Returns the leaves with faces of a label, ascending.
+  [[nodiscard]] std::span<const std::uint32_t> leavesOf(std::uint16_t label) const {
+    return leavesOf_[label];
+  }
+
+  /// Returns the quads of a leaf that does not reuse triangles, by label.
+  [[nodiscard]] std::span<const InterfaceQuad> quadsOf(std::size_t leaf) const {
+    return quads_[leaf];
+  }
+
+  /// Returns those of one label.
+  [[nodiscard]] std::span<const InterfaceQuad> quadsOf(std::size_t leaf, std::uint16_t label) const;
+
+  /// Returns a label's triangles in gaps.
+  [[nodiscard]] std::span<const InterfaceTriangle* const> gapsOf(std::uint16_t label) const {
+    return gapsOf_[label];
+  }
+
+ private:
+  class Building;
+
+  std::vector<std::uint8_t> reusesTriangles_;  // [leaf]
+  std::vector<std::uint32_t> firstVertex_;     // [leaf] or kNone
+  InterfaceVertices vertices_;
+  std::vector<std::uint16_t> vertexLabels_;
+  std::vector<std::vector<InterfaceQuad>> quads_;  // [leaf] sorted by label
+  std::vector<InterfaceTriangle> gaps_;
+  std::vector<std::vector<std::uint32_t>> leavesOf_;           // [labels + 1]
+  std::vector<std::vector<const InterfaceTriangle*>> gapsOf_;  // [labels + 1]
+};
+
+}  // namespace sherd

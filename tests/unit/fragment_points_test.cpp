@@ -1,0 +1,248 @@
+// Points of fragments without meshes, against the meshes of the same fragments.
+#include <gtest/gtest.h>
+#include <sherd/error.h>
+#include <sherd/fracture.h>
+#include <sherd/points.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "base/random.h"
+#include "folder/manifest.h"
+#include "kernels/device_fixture.h"
+#include "mesh/triangle_tree.h"
+#include "pipeline/fracture_stages.h"
+#include "points/sample_surface.h"
+#include "shapes.h"
+#include "surface/fragment_surfaces.h"
+
+namespace sherd {
+namespace {
+
+struct Case {
+  std::string name;
+  TriangleMesh mesh;
+  FractureOptions options;
+};
+
+// Cracks that are planes, are smoothed, are rough; edges, walls of a voxel, hollows, tiny
+// fragments, sheets that touch; eroded surfaces.
+std::vector<Case> cases() {
+  const auto of = [](int resolution, int pieces, GrowOptions grow = {}) {
+    FractureOptions options;
+    options.solid.resolution = resolution;
+    options.pieces = pieces;
+    options.grow = grow;
+    options.seed = 5;
+    return options;
+  };
+  std::vector<Case> all{
+      {"ball", shapes::ball(1.0, 5), of(48, 7)},
+      {"cup", shapes::cup(1.0, 0.25, 1.6, 0.25), of(60, 9)},
+      {"torus", shapes::torus(1.0, 0.4), of(40, 5, {.growth = Growth::flood})},
+      {"hollow ball", shapes::hollowBall(1.0, 0.9), of(40, 6, {.roughness = 3.0})},
+      {"thin cup", shapes::cup(1.0, 0.05, 1.6, 0.05), of(40, 8, {.growth = Growth::flood})},
+      {"dust", shapes::ball(1.0, 4), of(24, 400, {.growth = Growth::flood})},
+      {"one", shapes::ball(1.0, 4), of(24, 1)}};
+  Case worn{"worn", shapes::cup(1.0, 0.25, 1.6, 0.25), of(60, 5)};
+  worn.options.erode.iterations = 2;
+  all.push_back(worn);
+  return all;
+}
+
+// A fracture with and without meshes.
+struct Both {
+  PreparedSolid ready;
+  FractureResult meshed, bare;
+  std::optional<Labels> uneroded;
+};
+
+class FragmentPoints : public DeviceTest {
+ protected:
+  Both broken(const Case& of) {
+    Both both;
+    both.ready = prepared(voxelize(of.mesh, of.options.solid), device());
+    both.ready.surface = intactSurface(both.ready.solid);
+    FractureOptions options = of.options;
+    options.surface.levelSets = false;
+    const GrownFracture grown = grow(both.ready, options, device(), StageClock(), nullptr);
+    both.uneroded = grown.uneroded;
+    both.meshed = extracted(grown, options, nullptr);
+    options.surface.meshes = false;
+    both.bare = extracted(grown, options, nullptr);
+    return both;
+  }
+};
+
+bool areEqual(const SurfacePoints& a, const SurfacePoints& b, std::size_t i) {
+  return a.positions[i] == b.positions[i] && a.normals[i] == b.normals[i] &&
+         a.neighbor[i] == b.neighbor[i];
+}
+
+// Both sum areas in another order, so a point may be of another triangle where it is within
+// rounding of the triangle's end: once in about 10^9 points of these meshes.  Elimination and
+// shuffles are of all points, so they differ as a whole then.
+TEST_F(FragmentPoints, AreThoseOfTheMeshes) {
+  for (const Case& of : cases()) {
+    SCOPED_TRACE(of.name);
+    const Both both = broken(of);
+    for (const PointOptions& way : {PointOptions{.sampler = PointSampler::uniform},
+                                    PointOptions{.sampler = PointSampler::halton},
+                                    PointOptions{.sampler = PointSampler::poisson},
+                                    PointOptions{.rule = PointRule::perTriangle}}) {
+      PointOptions options = way;
+      options.count = 307;
+      options.seed = 17;
+      const Labels* const uneroded = both.uneroded ? &*both.uneroded : nullptr;
+      for (const auto& intact : {both.ready.surface, std::shared_ptr<const IntactSurface>()}) {
+        const std::vector<SurfacePoints> found =
+            samplePoints(both.bare.solid, both.bare.labels, {options, uneroded, intact});
+        ASSERT_EQ(found.size(), both.meshed.fragments.size());
+        for (std::size_t i = 0; i < found.size(); ++i) {
+          const Fragment& fragment = both.meshed.fragments[i];
+          const SurfacePoints expected =
+              samplePoints(fragment.mesh, pointOptionsOf(options, fragment.id));
+          ASSERT_EQ(found[i].positions.size(), expected.positions.size());
+          std::size_t equal = 0;
+          for (std::size_t k = 0; k < expected.positions.size(); ++k) {
+            equal += areEqual(found[i], expected, k) ? 1 : 0;
+          }
+          EXPECT_GE(equal + 1, expected.positions.size())
+              << "fragment " << fragment.id << " sampler " << static_cast<int>(way.sampler)
+              << " rule " << static_cast<int>(way.rule);
+        }
+      }
+    }
+  }
+}
+
+// Points in proportion to area over original faces and each contact, on the mesh.
+TEST_F(FragmentPoints, AreUniformOverBothPartsOfTheSurface) {
+  constexpr std::size_t kCount = 200'000;
+  for (const Case& of : {cases()[0], cases()[1], cases()[3]}) {
+    SCOPED_TRACE(of.name);
+    const Both both = broken(of);
+    const std::vector<SurfacePoints> found =
+        samplePoints(both.bare.solid, both.bare.labels,
+                     {{.count = kCount, .seed = 3}, nullptr, both.ready.surface});
+    const double voxel = both.bare.solid.frame.voxelSize;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      const TriangleMesh& mesh = both.meshed.fragments[i].mesh;
+      std::map<std::uint16_t, double> areas;
+      for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        const glm::uvec3& c = mesh.triangles[t];
+        areas[mesh.neighbor[t]] +=
+            glm::length(glm::cross(mesh.vertices[c.y] - mesh.vertices[c.x],
+                                   mesh.vertices[c.z] - mesh.vertices[c.x])) /
+            2.0;
+      }
+      std::map<std::uint16_t, double> counts;
+      const TriangleTree tree(mesh);
+      for (std::size_t k = 0; k < kCount; ++k) {
+        counts[found[i].neighbor[k]] += 1.0;
+        if (k % 100 != 0) continue;
+        EXPECT_LT(tree.nearest(found[i].positions[k], voxel).distance, 1e-9 * voxel);
+      }
+      double squares = 0.0;
+      for (const auto& [neighbor, own] : areas) {
+        const double expected = kCount * own / area(mesh);
+        squares += (counts[neighbor] - expected) * (counts[neighbor] - expected) / expected;
+      }
+      EXPECT_EQ(counts.size(), areas.size());
+      // Chi-square of areas.size() - 1 degrees of freedom: mean plus six standard deviations.
+      const auto freedom = static_cast<double>(areas.size() - 1);
+      EXPECT_LT(squares, freedom + 6.0 * std::sqrt(2.0 * std::max(freedom, 1.0)));
+    }
+  }
+}
+
+void expectNear(const glm::dvec3& a, const glm::dvec3& b, double tolerance) {
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(a[k], b[k], tolerance);
+}
+
+// Sums of at most a million terms in another order.
+TEST_F(FragmentPoints, FragmentsHaveTheMeasuresOfTheirMeshes) {
+  constexpr double kRounding = 1e-10;
+  for (const Case& of : cases()) {
+    SCOPED_TRACE(of.name);
+    const Both both = broken(of);
+    ASSERT_EQ(both.bare.fragments.size(), both.meshed.fragments.size());
+    ASSERT_NE(both.bare.surfaces, nullptr);
+    EXPECT_EQ(both.meshed.surfaces, nullptr);
+    const double size = longestSide(bounds(of.mesh));
+    const std::vector<MeshFacts> facts = meshFacts(both.bare), expected = meshFacts(both.meshed);
+    const std::vector<std::size_t> vertices = both.bare.surfaces->vertexCounts();
+    for (std::size_t i = 0; i < both.bare.fragments.size(); ++i) {
+      const Fragment &a = both.bare.fragments[i], &b = both.meshed.fragments[i];
+      EXPECT_EQ(a.id, b.id);
+      EXPECT_TRUE(a.mesh.vertices.empty());
+      EXPECT_EQ(a.voxels, b.voxels);
+      EXPECT_EQ(a.voxelBox.min, b.voxelBox.min);
+      EXPECT_EQ(a.voxelBox.max, b.voxelBox.max);
+      EXPECT_NEAR(a.mass.volume, b.mass.volume, kRounding * std::pow(size, 3));
+      expectNear(a.mass.centroid, b.mass.centroid,
+                 kRounding * std::pow(size, 4) / std::abs(b.mass.volume));
+      for (int k = 0; k < 3; ++k) {
+        expectNear(a.mass.inertia[k], b.mass.inertia[k], kRounding * std::pow(size, 5));
+      }
+      EXPECT_NEAR(a.area, b.area, kRounding * b.area);
+      EXPECT_NEAR(a.fractureArea, b.fractureArea, kRounding * b.area);
+      EXPECT_EQ(vertices[i + 1], b.mesh.vertices.size());
+      EXPECT_EQ(both.bare.surfaces->triangles(static_cast<std::uint16_t>(i + 1)),
+                b.mesh.triangles.size());
+      EXPECT_EQ(facts[i].box.min, expected[i].box.min);
+      EXPECT_EQ(facts[i].box.max, expected[i].box.max);
+      ASSERT_EQ(facts[i].boundaryLengths.size(), expected[i].boundaryLengths.size());
+      for (const auto& [neighbor, length] : expected[i].boundaryLengths) {
+        EXPECT_NEAR(facts[i].boundaryLengths.at(neighbor), length, kRounding * size);
+      }
+      ASSERT_EQ(a.contacts.size(), b.contacts.size());
+      for (std::size_t k = 0; k < a.contacts.size(); ++k) {
+        EXPECT_EQ(a.contacts[k].fragment, b.contacts[k].fragment);
+        EXPECT_NEAR(a.contacts[k].area, b.contacts[k].area, kRounding * b.area);
+        expectNear(a.contacts[k].normal, b.contacts[k].normal, 1e-6);
+        expectNear(a.contacts[k].centroid, b.contacts[k].centroid, 1e-6 * size);
+      }
+    }
+  }
+}
+
+TEST_F(FragmentPoints, RefuseWhatNeedsMeshes) {
+  const std::vector<SurfaceOptions> refused{
+      {.levelSets = true, .meshes = false},
+      {.levelSets = false, .meshes = false, .surface = Surface::labels},
+      {.levelSets = false, .meshes = false, .interface = Interface::independent},
+      {.levelSets = false, .meshes = false, .smooth = {.iterations = {.count = 1}}},
+      {.levelSets = false, .meshes = false, .adaptivity = 0.5},
+      {.levelSets = false, .meshes = false, .triangles = {100}}};
+  for (const SurfaceOptions& options : refused) {
+    EXPECT_THROW(checkSurfaceOptions(options), Error);
+  }
+  EXPECT_NO_THROW(checkSurfaceOptions({.levelSets = false, .meshes = false}));
+}
+
+TEST_F(FragmentPoints, StopWhenAskedAndSampleNothingOfNothing) {
+  const Both both = broken(cases()[1]);
+  const Solid& solid = both.bare.solid;
+  for (const SurfacePoints& none : samplePoints(solid, both.bare.labels, FragmentPointOptions{})) {
+    EXPECT_TRUE(none.positions.empty());
+  }
+  const Progress stop{.report = {}, .cancelled = [] { return true; }};
+  EXPECT_THROW((void)samplePoints(solid, both.bare.labels, {.points = {.count = 10}}, &stop),
+               Error);
+  EXPECT_THROW((void)samplePoints(solid, both.bare.labels, {.points = {.count = kMaxPoints + 1}}),
+               Error);
+  Labels other = both.bare.labels;
+  other.fragment.resize(512);
+  EXPECT_THROW((void)samplePoints(solid, other, {.points = {.count = 10}}), Error);
+}
+
+}  // namespace
+}  // namespace sherd
