@@ -58,6 +58,12 @@ struct WriteOptions {
 
   bool needsLevelSets() const { return vdb || vdbOptions.fog; }  ///< Fragment::surface
 
+  /// Whether a file is written that needs Fragment::mesh.  Points do not.
+  bool needsMeshes() const {
+    return mesh || preview || boundaries || scene || graph || proxy || distances.count > 0 ||
+           correspondences > 0;
+  }
+
   /// Whether a file is written that needs the meshes, or the level sets, of all fragments at once.
   bool needsAllMeshes() const {
     return boundaries || scene || distances.count > 0 || correspondences > 0 ||

@@ -8,6 +8,7 @@
 #include "base/json_of.h"
 #include "base/random.h"
 #include "dataset/layout.h"
+#include "surface/fragment_surfaces.h"
 
 namespace sherd {
 namespace {
@@ -54,6 +55,9 @@ void FractureLine::addFragments(const FractureResult& result, const FractureFile
   line_["labels"] = Json::array();
   for (const std::string& label : names.labels) line_["labels"].push_back(files.stored(label));
   line_["fragments"] = Json::array();
+  const bool isMeshed = result.surfaces == nullptr;
+  std::vector<std::size_t> vertices;
+  if (!isMeshed) vertices = result.surfaces->vertexCounts();
   for (std::size_t i = 0; i < result.fragments.size(); ++i) {
     const Fragment& fragment = result.fragments[i];
     Json own = {
@@ -61,8 +65,9 @@ void FractureLine::addFragments(const FractureResult& result, const FractureFile
         {"voxels", fragment.voxels},
         {"share", static_cast<double>(fragment.voxels) / static_cast<double>(result.solid.voxels)},
         {"volume", fragment.mass.volume},
-        {"vertices", fragment.mesh.vertices.size()},
-        {"faces", fragment.mesh.triangles.size()},
+        {"vertices", isMeshed ? fragment.mesh.vertices.size() : vertices[i + 1]},
+        {"faces", isMeshed ? fragment.mesh.triangles.size()
+                           : result.surfaces->triangles(static_cast<std::uint16_t>(i + 1))},
         {"contacts", Json::array()}};
     for (const Contact& contact : fragment.contacts) {
       own["contacts"].push_back({contact.fragment, contact.area});

@@ -8,7 +8,6 @@
 #include <utility>
 
 namespace sherd {
-
 GrowthAhead::GrowthAhead(const PreparedSolid& ready, std::string sha256,
                          std::map<std::string, int> done, const DatasetRun& run,
                          const Progress& progress)
@@ -94,6 +93,7 @@ std::unique_ptr<PlannedGrowth> GrowthAhead::planOf(std::size_t number, int attem
     fractureOption(option.name)->value.set(each, plan->drawn.back().second);
   }
   plan->options = optionsFor(each.fracture, each.write);
+  if (options_.layout == DatasetLayout::bb) plan->options.surface.meshes = true;  // to scale them
   plan->options.pieces = plan->planned.pieces;
   plan->options.seed = seed;
   plan->options.grow.tuning.warmUp = !std::exchange(warmedUp_, true);

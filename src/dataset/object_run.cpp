@@ -142,6 +142,7 @@ class ObjectRun {
     const Solid& solid = ready_->solid;
     FractureOptions options = optionsFor(options_.each.fracture, options_.each.write);
     options.pieces = 1;
+    options.surface.meshes = true;
     FractureResult whole;
     whole.solid = solid;
     whole.components = ready_->components.count();
@@ -213,9 +214,14 @@ class ObjectRun {
     const std::unique_ptr<PlannedGrowth> growth = std::move(work.growth);
     const FractureOptions& options = growth->options;
     const PlannedFracture& planned = growth->planned;
+    if (!options.surface.meshes && run_.thumbnails.contains(planned.name())) {
+      FractureOptions meshed = options;
+      meshed.surface.meshes = true;
+      renderThumbnail(planned.name(), extracted(growth->grown, meshed, &progress_));
+    }
     FractureResult result = extracted(std::move(growth->grown), options, &progress_);
     run_.times.add("extract", secondsSince(begin));
-    renderThumbnail(planned.name(), result);
+    if (options.surface.meshes) renderThumbnail(planned.name(), result);
     begin = Clock::now();
     const NamedFiles names =
         fractureNames(options_.layout, named(options), planned, growth->number, result.kept());
@@ -229,7 +235,7 @@ class ObjectRun {
     }
     if (!names.manifest.empty()) {
       OutputFile(*work.files, names.manifest)
-          .write(manifestText(*source_, options, result, meshFacts(result.fragments), names.files,
+          .write(manifestText(*source_, options, result, meshFacts(result), names.files,
                               options_.each.write));
     }
     work.fragments = result.kept();

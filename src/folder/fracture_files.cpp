@@ -13,6 +13,7 @@
 #include "base/uncancelled.h"
 #include "folder/write_points.h"
 #include "render/preview_fragment.h"
+#include "surface/smooth.h"
 
 namespace sherd {
 namespace {
@@ -115,7 +116,7 @@ void FractureWriting::writeMeshes(std::size_t i) {
     if (!attributes_.empty()) attributes_[i] = std::move(attributes);
   }
   if (!files_.points.empty() && !write.sharePoints) {
-    writePointsOf(folder_, files_.points[i], fragment, write.points.count, options_.seed, write);
+    writePointsOf(folder_, files_.points[i], result_, i, write.points.count, options_.seed, write);
   }
   for (std::size_t k = 0; !files_.coarse.empty() && k < files_.coarse[i].size(); ++k) {
     const TriangleMesh& coarse = fragment.coarse[k];
@@ -146,7 +147,7 @@ void FractureWriting::finish(const Progress* progress) const {
     const std::vector<std::size_t> counts = sharedCounts(kept(), write.points.count);
     tbb::parallel_for(std::size_t{0}, counts.size(), [&](std::size_t i) {
       throwIfCancelled(progress);
-      writePointsOf(folder_, files_.points[i], kept()[i], counts[i], options_.seed, write);
+      writePointsOf(folder_, files_.points[i], result_, i, counts[i], options_.seed, write);
     });
   }
   throwIfCancelled(progress);
@@ -168,6 +169,7 @@ void FractureWriting::finish(const Progress* progress) const {
 FractureOptions optionsFor(FractureOptions options, const WriteOptions& write) {
   options.grow.keepCost = write.cost;
   options.surface.levelSets = write.needsLevelSets();
+  options.surface.meshes = write.needsMeshes() || !canLackMeshes(options.surface);
   return options;
 }
 

@@ -18,12 +18,34 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Measures and writes fragments without meshes.
+//   result  receives the fragments
+std::vector<MeshFacts> measureAndWrite(const GrownFracture& grown, FractureResult& result,
+                                       FractureWriting& writing, StageClock& clock,
+                                       const Progress* progress) {
+  const Labels* const uneroded = grown.uneroded ? &*grown.uneroded : nullptr;
+  result.surfaces = std::make_shared<const FragmentSurfaces>(result.solid, result.labels, uneroded,
+                                                             grown.surface, progress);
+  result.fragments = measuredFragments(*result.surfaces, result.solid, result.labels, uneroded);
+  clock.done("extract");
+  writing.begin(progress);
+  constexpr std::size_t kBatch = 64;  // between progress reports
+  for (std::size_t first = 0; first < result.fragments.size(); first += kBatch) {
+    reportProgress(progress, "write",
+                   static_cast<double>(first) / static_cast<double>(result.fragments.size()));
+    writing.write(first, first + kBatch);
+  }
+  clock.done("write");
+  return meshFacts(result);
+}
+
 // Makes and writes fragments in alternating batches, and frees what is not needed afterwards.
 //   result  receives the fragments; their number is final
 std::vector<MeshFacts> makeAndWrite(const GrownFracture& grown, const SurfaceOptions& surface,
                                     const WriteOptions& write, FractureResult& result,
                                     FractureWriting& writing, StageClock& clock,
                                     const Progress* progress) {
+  if (!surface.meshes) return measureAndWrite(grown, result, writing, clock, progress);
   Extraction extraction(result.solid, result.labels,
                         {.surface = surface,
                          .uneroded = grown.uneroded ? &*grown.uneroded : nullptr,

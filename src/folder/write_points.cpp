@@ -1,17 +1,10 @@
 // Writes points and distance samples of a fracture.
 #include "folder/write_points.h"
 
-#include "base/random.h"
+#include "points/sample_surface.h"
+#include "surface/fragment_surfaces.h"
 
 namespace sherd {
-namespace {
-
-// Returns the seed for the points of one fragment, id 0: the whole solid.
-std::uint64_t fragmentSeed(std::uint64_t seed, int id) {
-  return randomBits(seed, Stage::pointFragment, static_cast<std::uint64_t>(id));
-}
-
-}  // namespace
 
 std::vector<std::size_t> sharedCounts(std::span<const Fragment> fragments, std::size_t count) {
   std::vector<double> areas;
@@ -20,12 +13,20 @@ std::vector<std::size_t> sharedCounts(std::span<const Fragment> fragments, std::
 }
 
 void writePointsOf(const OutputFolder& folder, const std::vector<std::string>& files,
-                   const Fragment& fragment, std::size_t count, std::uint64_t seed,
-                   const WriteOptions& write) {
+                   const FractureResult& result, std::size_t i, std::size_t count,
+                   std::uint64_t seed, const WriteOptions& write) {
+  const Fragment& fragment = result.fragments[i];
   PointOptions options = write.points;
   options.count = count;
-  options.seed = fragmentSeed(seed, fragment.id);
-  const SurfacePoints points = samplePoints(fragment.mesh, options);
+  options.seed = seed;
+  options = pointOptionsOf(options, fragment.id);
+  SurfacePoints points;
+  if (count > 0) {
+    points = result.surfaces
+                 ? samplePoints(result.surfaces->byArea(static_cast<std::uint16_t>(fragment.id)),
+                                options)
+                 : samplePoints(fragment.mesh, options);
+  }
   for (std::size_t k = 0; k < files.size(); ++k) {
     writePoints(folder / files[k], points, write.pointFormats[k]);
   }
@@ -45,7 +46,7 @@ void writeAllDistances(const OutputFolder& folder, const FractureFiles& files,
     };
   }
   const auto write = [&](const std::string& file, const TriangleMesh& mesh, int id) {
-    options.seed = fragmentSeed(seed, id);
+    options.seed = pointOptionsOf({.seed = seed}, id).seed;
     writeDistances(folder / file, sampleDistances(mesh, options, &ofAll));
     ++done;
   };

@@ -16,12 +16,12 @@ namespace sherd {
 [[nodiscard]] std::vector<std::size_t> sharedCounts(std::span<const Fragment> fragments,
                                                     std::size_t count);
 
-/// Samples points on a fragment and writes them.
+/// Samples points on fragment i and writes them.
 ///   files  [write.pointFormats] relative to the folder
 ///   seed   of the fracture
 void writePointsOf(const OutputFolder& folder, const std::vector<std::string>& files,
-                   const Fragment& fragment, std::size_t count, std::uint64_t seed,
-                   const WriteOptions& write);
+                   const FractureResult& result, std::size_t i, std::size_t count,
+                   std::uint64_t seed, const WriteOptions& write);
 
 /// Samples distances and writes files.solidSdf and files.sdf.
 ///   seed  of the fracture

@@ -45,8 +45,7 @@ const std::vector<Row> kPointRows{
      .details = "`--points` is the total over all fragments, distributed by area; the "
                 "counts add up exactly",
      .key = "points.shared",
-     .recorded = samplesPoints,
-     .needs = "points"},
+     .recorded = samplesPoints},
     {.name = "point-sampler",
      .group = "Points",
      .value = V::choice(kPoints, &PointOptions::sampler, names::kPointSampler),
@@ -54,8 +53,7 @@ const std::vector<Row> kPointRows{
      .details = "distribution of points: independent; low-discrepancy; with a minimum "
                 "distance",
      .key = "points.sampler",
-     .recorded = samplesPoints,
-     .needs = "points"},
+     .recorded = samplesPoints},
     {.name = "point-rule",
      .group = "Points",
      .value = V::choice(kPoints, &PointOptions::rule, names::kPointRule),
@@ -66,8 +64,7 @@ const std::vector<Row> kPointRows{
                 "there are more triangles than points, small ones count as much as large "
                 "ones. Not with `poisson`",
      .key = "points.rule",
-     .recorded = samplesPoints,
-     .needs = "points"},
+     .recorded = samplesPoints},
     {.name = "point-format",
      .group = "Points",
      .value = V::choices(kWrite, &WriteOptions::pointFormats, names::kPointFormat),
@@ -75,8 +72,7 @@ const std::vector<Row> kPointRows{
      .details = "files of points: binary with neighbors; text; NumPy; the paper's "
                 "compressed octree",
      .key = "points.formats",
-     .recorded = samplesPoints,
-     .needs = "points"},
+     .recorded = samplesPoints},
     {.name = "sdf-samples",
      .group = "Points",
      .value = V::whole(kDistances, &DistanceOptions::count, 0, kMaxPoints),
@@ -175,7 +171,8 @@ const std::vector<Row> kFileRows{
      .help = "What to write, separated by commas",
      .details = "files to write besides `manifest.json` ([formats.md](formats.md)); `fog` "
                 "is added to the `.vdb` files, `solid` writes the intact object in the "
-                "other formats written",
+                "other formats written, `points` are 1000 on each fragment or as many as "
+                "`--points` says",
      .elsewhere = "files"},
     {.name = "voxel-format",
      .group = "",

@@ -188,11 +188,16 @@ constexpr WrittenName kWritten[] = {
     {"proxy", [](WriteOptions& w) -> bool& { return w.proxy; }},
 };
 
+// Files that a number asks for, whatever the list says; in the list they need no number.
+constexpr const char* kPointFiles = "points";
+constexpr std::size_t kListedPoints = 1000;
+
 }  // namespace
 
 std::vector<std::string> writtenNames() {
   std::vector<std::string> names;
   for (const WrittenName& file : kWritten) names.emplace_back(file.name);
+  names.emplace_back(kPointFiles);
   return names;
 }
 
@@ -200,7 +205,14 @@ void setWritten(WriteOptions& write, const std::string& text) {
   WriteOptions all = write;
   for (const WrittenName& file : kWritten) file.of(all) = false;
   const std::vector<std::string> names = writtenNames();
-  for (const std::string& part : split(text)) kWritten[indexOf(part, names)].of(all) = true;
+  for (const std::string& part : split(text)) {
+    const std::size_t i = indexOf(part, names);
+    if (i < std::size(kWritten)) {
+      kWritten[i].of(all) = true;
+    } else if (all.points.count == 0) {
+      all.points.count = kListedPoints;
+    }
+  }
   write = std::move(all);
 }
 
@@ -210,6 +222,7 @@ std::string writtenText(const WriteOptions& write) {
   for (const WrittenName& file : kWritten) {
     if (file.of(all)) names.emplace_back(file.name);
   }
+  if (write.points.count > 0) names.emplace_back(kPointFiles);
   return joinedText(names, ",");
 }
 

@@ -150,6 +150,42 @@ class Run(Dataset):
             counts.setdefault(row["pieces"], set()).add(row["fracture"])
         self.assertEqual([len(counts[n]) for n in range(2, 11)], [25, 23, 22, 21, 20, 18, 17, 16, 15])
 
+    def test_points_do_not_need_meshes(self):
+        """Points, statistics and pictures are the same with and without meshes."""
+        bare = os.path.join(self.tmp, "bare")
+        for layout in ("sherd", "paper", "bb"):
+            with self.subTest(layout):
+                options = ("--layout", layout, "--match", "ball*", "--points", "100", "--point-format", "npz", "--poses")
+                self.done(*options, "--write", "labels,mesh")
+                self.done(*options, "--write", "labels", out=bare)
+                files, alone = dataset(self.out), dataset(bare)
+                meshes = {n for n in files if n.endswith((".ply", ".binm", ".obj"))}
+                self.assertTrue(meshes and not meshes & alone.keys())
+                points = {n for n in files if n.endswith(".npz")}
+                self.assertEqual({n: files[n] for n in points}, {n: alone[n] for n in alone if n.endswith(".npz")})
+                for a, b in zip(self.rows(), self.rows(bare), strict=True):
+                    of_sums = ("volume", "contacts", "files", "sha256", "center", "truth_translation")
+                    self.assertEqual(*({k: v for k, v in row.items() if k not in of_sums} for row in (a, b)))
+                    self.assertAlmostEqual(a["volume"], b["volume"], places=12)
+                    np.testing.assert_allclose(a["contacts"], b["contacts"], rtol=1e-9)
+                    for place in ("center", "truth_translation"):
+                        np.testing.assert_allclose(a[place], b[place], rtol=0, atol=1e-12)
+                pictures = [re.findall(r"data:image/png;base64,[^\"]*", open(os.path.join(f, "report.html")).read()) for f in (self.out, bare)]
+                self.assertEqual(*pictures)
+                self.assertTrue(pictures[0])
+                shutil.rmtree(self.out)
+                shutil.rmtree(bare)
+
+    def test_a_fracture_of_points_can_be_made_again_alone(self):
+        self.done("--match", "ball*", "--write", "labels", "--points", "50")
+        row = next(r for r in self.rows() if r["fracture"] == "3f_0")
+        alone = os.path.join(self.tmp, "alone")
+        again = self.run_sherd("fracture", os.path.join(self.library, "ball.obj"), "-o", alone, "--resolution", "24",
+                               "--pieces", "3", "--seed", str(row["seed"]), "--write", "labels", "--points", "50")
+        self.assertEqual(again.returncode, 0, again.stderr)
+        folder = os.path.dirname(row["labels"][0])
+        self.assertEqual(tree(alone), tree(os.path.join(self.out, folder)))
+
     def test_a_fracture_can_be_made_again_alone(self):
         self.done("--erode-iterations", "0..2", "--sampler", "uniform|poisson", "--extra-seeds", "2n", "--roughness", "0..1.5")
         drawn = set()

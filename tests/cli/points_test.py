@@ -43,11 +43,11 @@ def read_mesh_ply(path):
 
 
 class Points(CommandLine):
-    def broken(self, *options, out=None):
+    def broken(self, *options, out=None, write="mesh"):
         """The manifest of the amphora in five pieces."""
         out = out or self.out
         result = self.run_sherd("fracture", AMPHORA, "-o", out, "--resolution", "48", "--pieces", str(PIECES),
-                                "--write", "mesh", *options)
+                                "--write", write, *options)
         self.assertEqual(result.returncode, 0, result.stderr)
         with open(os.path.join(out, "manifest.json")) as file:
             return json.load(file)
@@ -105,6 +105,52 @@ class Points(CommandLine):
             inside = [(np.cross(v - u, p - u) * across).sum(1) > -1e-8 for u, v in ((a, b), (b, c), (c, a))]
             near = (np.abs(((p - a) * across).sum(1)) < 1e-6) & (across @ n > 0.999) & np.all(inside, axis=0)
             self.assertIn(f, of_face[near])
+
+    def assert_near(self, a, b, at=""):
+        """Equal but for sums of floating-point numbers in another order."""
+        self.assertEqual(type(a), type(b), at)
+        if isinstance(a, dict):
+            self.assertEqual(a.keys(), b.keys(), at)
+            for key in a:
+                self.assert_near(a[key], b[key], f"{at}.{key}")
+        elif isinstance(a, list):
+            self.assertEqual(len(a), len(b), at)
+            for i, (x, y) in enumerate(zip(a, b)):
+                self.assert_near(x, y, f"{at}[{i}]")
+        elif isinstance(a, float):
+            self.assertAlmostEqual(a, b, delta=1e-9 * max(1.0, abs(b)), msg=at)
+        else:
+            self.assertEqual(a, b, at)
+
+    def test_points_do_not_need_meshes(self):
+        """Files of points, and what the manifest says of fragments, are the same with and without meshes."""
+        for options in ((), ("--roughness", "1"), ("--growth", "flood", "--erode-iterations", "2", "--erode-probability", "0.6"),
+                        ("--missing", "2", "--share-points", "--point-sampler", "poisson")):
+            with self.subTest(options):
+                with_meshes = self.broken("--points", "400", *options)
+                files = tree(os.path.join(self.out, "points"))
+                without = self.broken("--points", "400", *options, out=self.path("bare"), write="labels")
+                self.assertFalse(os.path.exists(self.path("bare/meshes")))
+                self.assertEqual(tree(self.path("bare/points")), files)
+                for kind in ("fragments", "withheld"):
+                    for a, b in zip(without[kind], with_meshes[kind], strict=True):
+                        a.pop("files"), b.pop("files")
+                        self.assert_near(a, b)
+                del with_meshes["options"]["plain_meshes"]
+                self.assertEqual(without["options"], with_meshes["options"])
+
+    def test_the_list_of_files_may_ask_for_points(self):
+        manifest = self.broken("--point-format", "npz", write="points")
+        self.assertEqual(sorted(os.listdir(self.out)), ["manifest.json", "points"])
+        for fragment in manifest["fragments"]:
+            self.assertEqual(fragment["files"], {"points": f"points/amphora_{fragment['id']:03}.npz"})
+            self.assertEqual(len(np.load(self.at(fragment["files"]["points"]))["positions"]), 1000)
+        self.assertEqual(manifest["options"]["points"]["count"], 1000)
+        self.broken("--points", "7", "--point-format", "npz", write="points")
+        self.assertEqual(len(np.load(self.at("points/amphora_001.npz"))["positions"]), 7)
+        result = self.fracture("--point-format", "npz")
+        self.assertIn("--point-format", result.stderr)
+        self.assertIn("does nothing without --points", result.stderr)
 
     def test_shares_add_up_to_the_whole(self):
         manifest = self.broken("--points", "1001", "--share-points", "--point-format", "npz")
@@ -258,9 +304,8 @@ class Points(CommandLine):
                         (*some, "--point-format", "obj"), (*some, "--point-format", "ply,"),
                         (*some, "--point-format", "ply,ply"), (*some, "--point-format", ""),
                         (*some, "--point-sampler", "poisson", "--point-rule", "per-triangle"),
-                        ("--share-points",), ("--point-sampler", "halton"), ("--point-format", "npz"),
                         ("--sdf-samples", "-5"), ("--sdf-samples", "0.5"), ("--sdf-type", "float16"),
-                        ("--sdf-samples", "10", "--sdf-type", "float64"), ("--write", "points")):
+                        ("--sdf-samples", "10", "--sdf-type", "float64")):
             with self.subTest(options):
                 self.refused(2, self.fracture(*options))
                 self.assertFalse(os.path.exists(self.out))
