@@ -24,6 +24,9 @@ MOST = 2**31 - 1  # a number that has no limit
 def values_of(row):
     """The column of values."""
     unit = f" {row['unit']}" if "unit" in row else ""
+    if row["type"] == "length":
+        voxels = ", ".join(row["choices"]) if "choices" in row else row["range"].split("|")[0].replace("..", " to ")
+        return f"{voxels}{unit}, or `P%`"
     if "choices" in row:
         quote = "{}" if row["type"] == "whole" else "`{}`"
         return ", ".join(quote.format(c) for c in row["choices"]) + (", separated by commas" if row["type"] == "choices" else "")
@@ -87,8 +90,10 @@ def schema_of(row):
         return {"type": "array", "items": {"$ref": "#/$defs/impact"}}
     if row["key"] == "grow.grain.direction":
         return {"$ref": "#/$defs/vector"}
-    if row["type"] == "whole" and "choices" in row:
-        return {"enum": [int(c) for c in row["choices"]]}
+    if row["type"] == "length":
+        voxels = {"enum": [int(c) for c in row["choices"]]} if "choices" in row else number_schema({"range": row["range"].split("|")[0]}, "number")
+        return {"oneOf": [voxels, {"type": "string", "pattern": "^[0-9.e+-]+%$"}]}
+    if row["type"] == "whole" and "choices" in row: {"enum": [int(c) for c in row["choices"]]}
     if row["type"] == "choice":
         return {"enum": row["choices"]}
     if row["type"] == "choices":

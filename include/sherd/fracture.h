@@ -21,8 +21,8 @@ namespace sherd {
 
 /// Options of a fracture, by stage.  `pieces` and `seed` are those of the whole: a stage's own
 /// (SeedOptions::pieces and seed, GrowOptions::noiseSeeds, ErodeOptions::seed) are derived from
-/// them, and refused where they are set.  So is GrowOptions::longestSideVoxels, which is derived
-/// from the solid.
+/// them, and refused where they are set.  So are GrowOptions::longestSideVoxels and
+/// ErodeOptions::longestSideVoxels, which are derived from the solid.
 struct FractureOptions {
   int pieces = 8;  ///< fragments wanted, 1..kMaxFragments
   std::uint64_t seed = 0;

@@ -63,6 +63,29 @@ struct Anisotropy {
                           ///< it (slate); 0: isotropic
 };
 
+/// A length: voxels, or a percentage of the longest side, which is the same length at any
+/// resolution.
+struct Length {
+  double voxels = 0.0;
+  double percent = 0.0;  ///< of the longest side
+
+  constexpr Length(double inVoxels = 0.0) : voxels(inVoxels) {}
+  [[nodiscard]] static constexpr Length ofSide(double percent) {
+    Length length;
+    length.percent = percent;
+    return length;
+  }
+
+  [[nodiscard]] constexpr bool isZero() const { return voxels == 0.0 && percent == 0.0; }
+
+  /// Returns the voxels where the longest side has so many.
+  [[nodiscard]] constexpr double over(double longestSide) const {
+    return voxels + percent / 100.0 * longestSide;
+  }
+
+  bool operator==(const Length&) const = default;
+};
+
 /// Seeds whose Voronoi cells are the fragments.
 struct VoronoiSites {
   std::vector<Seed> seeds;
@@ -104,10 +127,10 @@ struct GrowOptions {
   int neighborhood = 6;               ///< for flood: 6 (von Neumann) or 26 (Moore)
   Metric metric = Metric::euclidean;  ///< for nearest and chain
   Anisotropy anisotropy{};
-  double roughness = 0.0;      ///< rms height of a crack over a window, voxels, 0..100; 0: smooth
+  Length roughness = 0.0;      ///< rms height of a crack over a window, 0..100 voxels; 0: smooth
   double hurst = 0.8;          ///< Hurst exponent of rough cracks, 0.1..1; 0.8 is measured on most
                                ///< brittle materials (Bouchaud 1997)
-  double roughnessWindow = 0;  ///< side of that window, voxels; 0: a tenth of longestSideVoxels
+  Length roughnessWindow = 0;  ///< side of that window; 0: a tenth of longestSideVoxels
   double longestSideVoxels = 0.0;  ///< longest side of the mesh's box, voxels, not rounded.  With
                                    ///< it, rough cracks are a function of space: the same noise
                                    ///< seed displaces points of the mesh alike at every voxel size.
@@ -179,16 +202,19 @@ enum class Islands {
 
 struct ErodeOptions {
   ErodeShape shape = ErodeShape::ellipse;
-  int size = 3;          ///< voxels across the shape, odd, 3..13
-  bool planes = false;   ///< 2-D: uses the shape's section in each of the three axis planes; a
-                         ///< voxel erodes if any section is filled below the threshold
-  int iterations = 0;    ///< 0..1000; 0: no erosion
+  Length size = 3;        ///< across the shape: odd, 3..13 voxels; a percentage is rounded to the
+                          ///< nearest odd number, at least 3, and may be less than 14 voxels
+  bool planes = false;    ///< 2-D: uses the shape's section in each of the three axis planes; a
+                          ///< voxel erodes if any section is filled below the threshold
+  Length iterations = 0;  ///< whole, 0..1000; 0: no erosion.  Each removes at most one layer, so
+                          ///< that a percentage is a depth, rounded to voxels
   double threshold = 1;  ///< least share of the shape's cells that must be filled, above 0, at most
                          ///< 1, rounded to a millionth; lower erodes less
   double probability = 1;  ///< of testing a voxel in an iteration, above 0, at most 1
   ErodeOn on = ErodeOn::fracture;
   Islands islands = Islands::eroded;
-  std::uint64_t seed = 0;  ///< used only when probability < 1
+  std::uint64_t seed = 0;          ///< used only when probability < 1
+  double longestSideVoxels = 0.0;  ///< of percentages; 0: of the inside voxels
 };
 
 struct Erosion {

@@ -84,6 +84,7 @@ enum class OptionType {
   flag,     ///< "true" or "false"
   whole,    ///< a whole number
   number,   ///< a number
+  length,   ///< a number of voxels, or a percentage of the longest side: "0.8%"
   choice,   ///< one of OptionValue::choices
   choices,  ///< some of them, separated by commas, each once
   wholes,   ///< whole numbers, separated by commas

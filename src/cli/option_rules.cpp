@@ -119,7 +119,7 @@ std::vector<Rule> erosionRules() {
       {{"--erode-shape", "--erode-size", "--erode-planes", "--erode-threshold",
         "--erode-probability", "--erode-on", "--erode-islands"},
        Verdict::idle,
-       [](P p) { return p.run.fracture.erode.iterations == 0; },
+       [](P p) { return p.run.fracture.erode.iterations.isZero(); },
        "does nothing without --erode-iterations",
        {"--erode-iterations"}},
   };

@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kTypes[] = {"flag",    "whole",  "number",  "choice",
+constexpr const char* kTypes[] = {"flag",    "whole",  "number",  "length", "choice",
                                   "choices", "wholes", "numbers", "text"};
 
 // Adds a member unless the text is empty.

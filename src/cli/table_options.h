@@ -19,11 +19,15 @@ namespace sherd::cli {
 template <class Target>
 [[nodiscard]] std::string typeText(const OptionValue<Target>& value) {
   if (!value.choices.empty()) {
-    const char* const comma = value.type == OptionType::whole ? ", " : ",";
-    return ":{" + joinedText(value.choices, comma) + "}";
+    const char* const comma =
+        value.type == OptionType::whole || value.type == OptionType::length ? ", " : ",";
+    return ":{" + joinedText(value.choices, comma) + "}" +
+           (value.type == OptionType::length ? "|" + value.range : "");
   }
   if (value.type == OptionType::whole) return "INT:" + value.range;
-  if (value.type == OptionType::number) return "FLOAT:" + value.range;
+  if (value.type == OptionType::number || value.type == OptionType::length) {
+    return "FLOAT:" + value.range;
+  }
   return value.range;
 }
 

@@ -12,6 +12,7 @@
 
 #include "base/random.h"
 #include "erode/masks.h"
+#include "erode/passes.h"
 #include "erode/shape.h"
 #include "erode/shell.h"
 #include "grow/check_labels.h"
@@ -21,7 +22,6 @@
 namespace sherd {
 namespace {
 
-constexpr int kMostIterations = 1000;
 constexpr std::int64_t kMillion = 1'000'000;
 
 [[noreturn]] void refuse(const std::string& what) {
@@ -32,13 +32,6 @@ constexpr std::int64_t kMillion = 1'000'000;
 bool isShare(double x) { return x > 0 && x <= 1; }
 
 void check(const Labels& labels, const ErodeOptions& options) {
-  if (options.size < 3 || options.size > 2 * kLargestReach + 1 || options.size % 2 == 0) {
-    refuse("the size is " + std::to_string(options.size) + "; expected an odd size from 3 to 13");
-  }
-  if (options.iterations < 0 || options.iterations > kMostIterations) {
-    refuse("the number of iterations is " + std::to_string(options.iterations) +
-           "; expected 0 to " + std::to_string(kMostIterations));
-  }
   if (!isShare(options.threshold)) {
     refuse("the threshold is " + std::to_string(options.threshold) +
            "; it must be above 0 and at most 1");
@@ -63,9 +56,9 @@ struct Rule {
   std::uint64_t seed = 0;
 };
 
-Rule ruleOf(const ErodeOptions& options) {
+Rule ruleOf(const ErodeOptions& options, const ErosionPasses& passes) {
   Rule rule;
-  rule.reach = options.size / 2;
+  rule.reach = passes.size / 2;
   rule.shapes = shapesOf(options.shape, rule.reach, options.planes);
   const std::int64_t millionths = std::max(std::llround(options.threshold * 1e6), 1LL);
   for (const Shape& shape : rule.shapes) {
@@ -137,8 +130,8 @@ class Halo {
 // Erodes the fragments of one solid.
 class Eroder {
  public:
-  Eroder(const LeafBlocks& blocks, const ErodeOptions& options)
-      : blocks_(blocks), rule_(ruleOf(options)) {
+  Eroder(const LeafBlocks& blocks, const ErodeOptions& options, const ErosionPasses& passes)
+      : blocks_(blocks), rule_(ruleOf(options, passes)) {
     if (options.on == ErodeOn::fracture) solidNeighbors_ = leafNeighbors(blocks.origins);
   }
 
@@ -237,7 +230,9 @@ Erosion erode(const Labels& labels, const ErodeOptions& options, Device& device,
   reportProgress(progress, "erode", 0.0);
   Erosion result{labels,
                  std::vector<std::uint64_t>(static_cast<std::size_t>(labels.fragmentCount) + 1)};
-  if (options.iterations == 0) return result;
+  const ErosionPasses passes =
+      passesOf(options, longestSideOr(options.longestSideVoxels, *labels.blocks));
+  if (passes.count == 0) return result;
 
   std::vector<FragmentMasks> masks = fragmentMasks(labels);
   // Fragments share leaves but no voxels, so they write disjoint labels.  A fragment is never
@@ -249,10 +244,10 @@ Erosion erode(const Labels& labels, const ErodeOptions& options, Device& device,
         result.eroded[i + 1] += markEroded(masks[i], eroded, result.labels);
     });
   };
-  const Eroder eroder(*labels.blocks, options);
-  for (int iteration = 0; iteration < options.iterations; ++iteration) {
+  const Eroder eroder(*labels.blocks, options, passes);
+  for (int iteration = 0; iteration < passes.count; ++iteration) {
     erodeEach([&](const FragmentMasks& fragment) { return eroder.erodedIn(fragment, iteration); });
-    reportProgress(progress, "erode", static_cast<double>(iteration + 1) / options.iterations);
+    reportProgress(progress, "erode", static_cast<double>(iteration + 1) / passes.count);
   }
   if (options.islands == Islands::eroded) {
     const std::vector<std::uint64_t> largest = largestComponents(result.labels, device);

@@ -193,7 +193,7 @@ void checkWriteOptions(const WriteOptions& write, const FractureOptions& options
   const bool isShared = surface.surface == Surface::labels
                             ? !isSmoothed && surface.adaptivity == 0.0
                             : surface.interface == Interface::shared;
-  if (write.correspondences > 0 && (!isShared || options.erode.iterations > 0)) {
+  if (write.correspondences > 0 && (!isShared || !options.erode.iterations.isZero())) {
     throw Error(ErrorCode::usage,
                 "correspondences need surfaces that fragments share: not meshed independently, "
                 "not eroded, and of labels neither smoothed at the cracks nor simplified");

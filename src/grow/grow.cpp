@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/formatted.h"
 #include "grow/check_labels.h"
 #include "grow/components.h"
 #include "grow/flood.h"
@@ -22,10 +23,11 @@ void check(const GrowOptions& options) {
     if (!good) throw Error(ErrorCode::usage, sentence);
   };
   need(options.neighborhood == 6 || options.neighborhood == 26, "the neighborhood must be 6 or 26");
-  need(options.roughness >= 0.0 && options.roughness <= 100.0, "the roughness must lie in 0..100");
   need(options.hurst >= 0.1 && options.hurst <= 1.0, "the Hurst exponent must lie in 0.1..1");
-  need(options.roughnessWindow >= 0.0 && std::isfinite(options.roughnessWindow),
-       "the roughness window must be 0 or more voxels");
+  for (const Length& length : {options.roughness, options.roughnessWindow}) {
+    need(length.voxels >= 0.0 && length.percent >= 0.0 && std::isfinite(length.over(1.0)),
+         "the roughness and its window must be 0 or more voxels");
+  }
   need(options.longestSideVoxels == 0.0 ||
            (options.longestSideVoxels >= 1.0 && std::isfinite(options.longestSideVoxels)),
        "the longest side must be 0, or 1 or more voxels");
@@ -34,13 +36,17 @@ void check(const GrowOptions& options) {
 
 // Returns the relief of rough cracks.
 Relief reliefOf(const GrowOptions& options, const LeafBlocks& blocks) {
-  double side = options.longestSideVoxels;
-  if (side == 0.0) {
-    const openvdb::Coord dims = insideBox(blocks).dims();
-    side = std::max({dims.x(), dims.y(), dims.z(), 1});
+  constexpr double kMost = 100.0;
+  const double side = longestSideOr(options.longestSideVoxels, blocks);
+  const double height = options.roughness.over(side);
+  if (height > kMost) {
+    throw Error(
+        ErrorCode::usage,
+        "the roughness is " + formatted("%.4g", height) + " voxels; at most 100 are possible",
+        OptionNames{"roughness"});
   }
-  const double window = options.roughnessWindow > 0 ? options.roughnessWindow : side / 10.0;
-  return {options.roughness, options.hurst, window, side};
+  const Length& window = options.roughnessWindow;
+  return {height, options.hurst, window.isZero() ? side / 10.0 : window.over(side), side};
 }
 
 Metric metricOf(const GrowOptions& options) {
@@ -180,7 +186,7 @@ Flood growAll(Growing& growing) {
   const GrowOptions& options = growing.options;
   const auto outer = static_cast<std::uint32_t>(options.outerSteps);
   const bool regrows = options.regrowIsolated && growing.mayBeDisconnected();
-  const bool rough = options.roughness > 0.0;
+  const bool rough = !options.roughness.isZero();
 
   if (growing.isUnweightedFlood()) {
     Flood flood(state, options.keepCost, options.neighborhood);
@@ -208,7 +214,7 @@ Flood growAll(Growing& growing) {
 }
 
 bool givesVoronoiCells(const GrowOptions& options) {
-  return options.roughness == 0.0 && ruleOf(options.growth).givesVoronoiCells &&
+  return options.roughness.isZero() && ruleOf(options.growth).givesVoronoiCells &&
          metricOf(options) == Metric::euclidean;
 }
 

@@ -19,6 +19,11 @@ std::optional<std::int64_t> wholeIn(const std::string& text) {
   return value;
 }
 
+// Returns the text without the sign of a percentage.
+std::string withoutPercent(const std::string& text) {
+  return text.substr(0, text.size() - (text.ends_with('%') ? 1 : 0));
+}
+
 // A random stream per name: the value of an option does not depend on which others are drawn.
 std::uint64_t itemOf(const std::string& name) {
   std::uint64_t hash = 0;
@@ -43,12 +48,12 @@ std::string DrawnOption::valueFor(std::uint64_t seed) const {
     return std::to_string(
         *first + static_cast<std::int64_t>(randomBelow(count, seed, Stage::datasetOption, item)));
   }
-  const double from = *numberIn(low), to = *numberIn(high);
+  const double from = *numberIn(withoutPercent(low)), to = *numberIn(withoutPercent(high));
   // Six digits, so that the index records the exact value.
   char text[32];
   std::snprintf(text, sizeof text, "%.6g",
                 from + (to - from) * randomUnit(seed, Stage::datasetOption, item));
-  return text;
+  return std::string(text) + (low.ends_with('%') ? "%" : "");
 }
 
 std::optional<DrawnOption> drawnOption(std::string_view name, const std::string& text) {
@@ -60,8 +65,10 @@ std::optional<DrawnOption> drawnOption(std::string_view name, const std::string&
   const std::size_t dots = text.find("..");
   if (dots == std::string::npos) return std::nullopt;
   DrawnOption option{row->name, text.substr(0, dots), text.substr(dots + 2), {}};
-  const auto low = numberIn(option.low), high = numberIn(option.high);
+  const auto low = numberIn(withoutPercent(option.low)),
+             high = numberIn(withoutPercent(option.high));
   if (!low || !high || *low > *high) return std::nullopt;
+  if (option.low.ends_with('%') != option.high.ends_with('%')) return std::nullopt;
   return option;
 }
 

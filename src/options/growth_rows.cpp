@@ -19,7 +19,7 @@ constexpr auto kGrain = [](auto& o) -> auto& { return o.fracture.grow.anisotropy
 constexpr auto kShares = [](auto& o) -> auto& { return o.fracture.shares; };
 constexpr auto kErode = [](auto& o) -> auto& { return o.fracture.erode; };
 
-bool erodes(R o) { return o.fracture.erode.iterations > 0; }
+bool erodes(R o) { return !o.fracture.erode.iterations.isZero(); }
 bool hasGrain(R o) { return o.fracture.grow.anisotropy.strength != 0.0; }
 
 std::vector<const char*> growthNames() {
@@ -85,19 +85,18 @@ const std::vector<Row> kGrowthRows{
     {.name = "roughness",
      .group = "Growth",
      .value = V::custom(
-         OptionType::text, "r[,H]",
+         OptionType::text, "r[,H]|P%[,H]",
          [](RunOptions& o, const std::string& text) { setRoughness(o.fracture.grow, text); },
          [](R o) { return roughnessText(o.fracture.grow); }),
-     .help = "Rough cracks: rms height r in voxels over a tenth of the solid, Hurst exponent H "
-             "(default 0.8)",
-     .details = "rough cracks: rms height of r voxels (0 to 100) over a tenth of the "
-                "solid's longest side, self-affine with Hurst exponent H (0.1 to 1, "
-                "default 0.8)",
-     .drawn = true,
-     .unit = "voxels"},
+     .help = "Rough cracks: rms height in voxels, or in % of the longest side, over a tenth of it; "
+             "Hurst exponent H (default 0.8)",
+     .details = "rough cracks: rms height of r voxels (0 to 100), or of P % of the longest side, "
+                "which is the same at any resolution, over a tenth of that side, self-affine with "
+                "Hurst exponent H (0.1 to 1, default 0.8)",
+     .drawn = true},
     {.name = "roughness-height",
      .group = "Growth",
-     .value = V::number(kGrow, &GrowOptions::roughness, between(0.0, 100.0, "0..100")),
+     .value = V::length(kGrow, &GrowOptions::roughness, between(0.0, 100.0, "0..100")),
      .help = "Rms height of a crack",
      .key = "grow.roughness",
      .hidden = true,
@@ -110,7 +109,7 @@ const std::vector<Row> kGrowthRows{
      .hidden = true},
     {.name = "roughness-window",
      .group = "Growth",
-     .value = V::number(kGrow, &GrowOptions::roughnessWindow, kNotNegative),
+     .value = V::length(kGrow, &GrowOptions::roughnessWindow, kNotNegative),
      .help = "Side over which the roughness is measured; 0: a tenth of the longest side of what "
              "is broken",
      .key = "grow.roughness_window",
@@ -160,9 +159,10 @@ const std::vector<Row> kGrowthRows{
 const std::vector<Row> kErosionRows{
     {.name = "erode-iterations",
      .group = "Erosion",
-     .value = V::whole(kErode, &ErodeOptions::iterations, 0, 1000),
-     .help = "Number of erosion passes; 0 none",
-     .details = "tests of the outermost layer",
+     .value = V::wholeLength(kErode, &ErodeOptions::iterations, 1000),
+     .help = "Number of erosion passes, or a depth in % of the longest side; 0 none",
+     .details = "tests of the outermost layer, each of which removes at most a voxel; in % of "
+                "the longest side a depth, the same at any resolution, rounded to voxels",
      .key = "erode.iterations",
      .drawn = true},
     {.name = "erode-shape",
@@ -175,9 +175,9 @@ const std::vector<Row> kErosionRows{
      .drawn = true},
     {.name = "erode-size",
      .group = "Erosion",
-     .value = V::oneOf(kErode, &ErodeOptions::size, {3, 5, 7, 9, 11, 13}),
-     .help = "Size of the structuring element, odd",
-     .details = "size of the shape",
+     .value = V::lengthOf(kErode, &ErodeOptions::size, {3, 5, 7, 9, 11, 13}),
+     .help = "Size of the structuring element, odd, or in % of the longest side",
+     .details = "size of the shape; in % of the longest side rounded to the nearest of these",
      .key = "erode.size",
      .recorded = erodes,
      .drawn = true,

@@ -129,17 +129,21 @@ std::string directionText(const Anisotropy& grain) {
 }
 
 void setRoughness(GrowOptions& grow, const std::string& text) {
-  const auto numbers = numbersIn(split(text));
-  const bool good = numbers && numbers->size() <= 2 && (*numbers)[0] >= 0.0 &&
-                    (*numbers)[0] <= 100.0 &&
-                    (numbers->size() == 1 || ((*numbers)[1] >= 0.1 && (*numbers)[1] <= 1.0));
-  if (!good) refuseValue(text, "r or r,H with r in 0..100 voxels and H in 0.1..1");
-  grow.roughness = (*numbers)[0];
-  if (numbers->size() == 2) grow.hurst = (*numbers)[1];
+  const std::vector<std::string> parts = split(text);
+  const std::optional<Length> height = lengthIn(parts[0]);
+  const std::optional<double> hurst = numberIn(parts.size() == 2 ? parts[1] : "1");
+  const bool good = parts.size() <= 2 && height && height->voxels <= 100.0 && hurst &&
+                    *hurst >= 0.1 && *hurst <= 1.0;
+  if (!good) {
+    refuseValue(text,
+                "r or r,H with r in 0..100 voxels, or in % of the longest side, and H in 0.1..1");
+  }
+  grow.roughness = *height;
+  if (parts.size() == 2) grow.hurst = *hurst;
 }
 
 std::string roughnessText(const GrowOptions& grow) {
-  return shortestText(grow.roughness) +
+  return lengthText(grow.roughness) +
          (grow.hurst == GrowOptions{}.hurst ? "" : "," + shortestText(grow.hurst));
 }
 

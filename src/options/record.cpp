@@ -85,6 +85,10 @@ Json valueJson(OptionType type, const std::string& text) {
       return wholeJson(text);
     case OptionType::number:
       return numberJson(text);
+    case OptionType::length:
+      if (const Json whole = wholeJson(text); whole.is_number()) return whole;
+      if (const std::optional<double> number = numberIn(text)) return *number;
+      break;
     case OptionType::choices:
       return listJson(text, [](const std::string& part) { return Json(part); });
     case OptionType::wholes:

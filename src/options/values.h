@@ -12,6 +12,7 @@
 #include <charconv>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -62,6 +63,26 @@ template <class Whole>
   const auto found = std::find(names.begin(), names.end(), text);
   if (found == names.end()) refuseValue(text, "one of " + joinedText(names, ", "));
   return static_cast<std::size_t>(found - names.begin());
+}
+
+/// Returns the length that the text is, not negative, or nullopt.
+[[nodiscard]] inline std::optional<Length> lengthIn(const std::string& text) {
+  const bool isRelative = text.ends_with('%');
+  const std::optional<double> value = numberIn(text.substr(0, text.size() - (isRelative ? 1 : 0)));
+  if (!value || *value < 0.0 || (isRelative && *value > 100.0)) return {};
+  return isRelative ? Length::ofSide(*value) : Length(*value);
+}
+
+[[nodiscard]] inline std::string lengthText(const Length& length) {
+  return length.percent > 0.0 ? shortestText(length.percent) + "%" : shortestText(length.voxels);
+}
+
+/// Returns the percentage that the text is.
+///   throws  Error(usage)
+[[nodiscard]] inline Length percentageFrom(const std::string& text) {
+  const std::optional<Length> value = lengthIn(text);
+  if (!value) refuseValue(text, "a percentage in 0..100%");
+  return *value;
 }
 
 /// The kinds of values of options in a `Target`.
@@ -122,6 +143,45 @@ struct ValuesOf {
           parent(o).*field = *value;
         },
         [=](const Target& o) { return shortestText(parent(o).*field); });
+  }
+
+  /// Voxels in a range, or a percentage of the longest side.
+  template <class Parent, class Struct>
+  static Value length(Parent parent, Length Struct::*field, NumberRange range) {
+    return custom(
+        OptionType::length, range.text + "|P%",
+        [=](Target& o, const std::string& text) {
+          const std::optional<Length> value = lengthIn(text);
+          if (!value || value->voxels < range.low || value->voxels > range.high) {
+            refuseValue(text, "a number in " + range.text + ", or a percentage such as 0.8%");
+          }
+          parent(o).*field = *value;
+        },
+        [=](const Target& o) { return lengthText(parent(o).*field); });
+  }
+
+  /// The same of whole numbers of voxels, 0..most.
+  template <class Parent, class Struct>
+  static Value wholeLength(Parent parent, Length Struct::*field, int most) {
+    return custom(
+        OptionType::length, "0.." + std::to_string(most) + "|P%",
+        [=](Target& o, const std::string& text) {
+          parent(o).*field = text.ends_with('%') ? percentageFrom(text) : wholeFrom(text, 0, most);
+        },
+        [=](const Target& o) { return lengthText(parent(o).*field); });
+  }
+
+  /// Only these whole numbers of voxels, or a percentage.
+  template <class Parent, class Struct>
+  static Value lengthOf(Parent parent, Length Struct::*field, const std::vector<int>& numbers) {
+    std::vector<std::string> choices;
+    for (const int number : numbers) choices.push_back(std::to_string(number));
+    return {OptionType::length, "P%", choices,
+            [=](Target& o, const std::string& text) {
+              parent(o).*field = text.ends_with('%') ? percentageFrom(text)
+                                                     : Length(numbers[indexOf(text, choices)]);
+            },
+            [=](const Target& o) { return lengthText(parent(o).*field); }};
   }
 
   /// One of names, in the order of the enum.

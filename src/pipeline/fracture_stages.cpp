@@ -8,11 +8,19 @@
 #include <utility>
 
 #include "base/random.h"
+#include "erode/passes.h"
 #include "surface/extract.h"
 #include "voxelize/region.h"
 
 namespace sherd {
 namespace {
+
+// Returns the longest side in voxels: of the mesh's box, or that of a solid without a mesh.
+double longestSideVoxels(const Solid& solid) {
+  if (!solid.region) return solid.box.longestSide();
+  const glm::dvec3& sides = solid.region->sides();
+  return std::max({sides.x, sides.y, sides.z});
+}
 
 // Returns how many fragments to withhold: `missing` is a share below 1, else a count.
 std::size_t withheldCount(double missing, std::size_t fragments) {
@@ -78,7 +86,7 @@ void checkOptions(const FractureOptions& options) {
   const SeedOptions none;
   if (options.seeds.pieces == none.pieces && options.seeds.seed == none.seed &&
       options.grow.noiseSeeds.empty() && options.grow.longestSideVoxels == 0.0 &&
-      options.erode.seed == 0) {
+      options.erode.longestSideVoxels == 0.0 && options.erode.seed == 0) {
     return;
   }
   throw Error(ErrorCode::usage,
@@ -92,17 +100,6 @@ SeedOptions seedOptionsFor(const FractureOptions& options, std::uint64_t seed) {
   seeds.seed = seed;
   return seeds;
 }
-
-namespace {
-
-// Returns the longest side in voxels: of the mesh's box, or that of a solid without a mesh.
-double longestSideVoxels(const Solid& solid) {
-  if (!solid.region) return solid.box.longestSide();
-  const glm::dvec3& sides = solid.region->sides();
-  return std::max({sides.x, sides.y, sides.z});
-}
-
-}  // namespace
 
 SeededLabels growFor(const FractureOptions& options, const Solid& solid,
                      const VoxelComponents& components, std::vector<Seed> seeds, std::uint64_t seed,
@@ -140,6 +137,7 @@ GrownFracture seeded(const PreparedSolid& ready, const FractureOptions& options,
                                     seedOptionsFor(options, options.seed), progress);
   const auto fragments = static_cast<std::size_t>(fragmentsOf(result.seeds));
   (void)withheldCount(options.missing, fragments);  // checks before long work
+  (void)passesOf(options.erode, longestSideVoxels(ready.solid));
   return grown;
 }
 
@@ -148,9 +146,10 @@ void finish(GrownFracture& grown, Labels labels, const FractureOptions& options,
             StageClock clock, const Progress* progress) {
   FractureResult& result = grown.result;
   const auto fragments = static_cast<std::size_t>(labels.fragmentCount);
-  if (options.erode.iterations > 0) {
-    ErodeOptions erosion = options.erode;
-    erosion.seed = options.seed;
+  ErodeOptions erosion = options.erode;
+  erosion.seed = options.seed;
+  erosion.longestSideVoxels = longestSideVoxels(result.solid);
+  if (passesOf(erosion, erosion.longestSideVoxels).count > 0) {
     Erosion eroded = erode(labels, erosion, device, progress);
     result.labels = extendLabels(std::move(eroded.labels), device, options.grow.outerSteps);
     result.eroded = std::move(eroded.eroded);

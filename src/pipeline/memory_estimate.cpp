@@ -104,7 +104,7 @@ double bytesForVoxels(double surface, double inside, double perInside = kPerInsi
 // Returns bytes per inside voxel for these options.
 double perInsideVoxel(const FractureOptions& options) {
   return kPerInsideVoxel + ruleOf(options.grow.growth).bytesPerVoxel +
-         (options.erode.iterations > 0 ? kOfErosion : 0.0) +
+         (options.erode.iterations.isZero() ? 0.0 : kOfErosion) +
          (options.grow.keepCost ? kOfCost : 0.0);
 }
 

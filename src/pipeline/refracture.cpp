@@ -37,7 +37,7 @@ SeededLabels breakFragment(const Solid& fragment, int id, const FractureOptions&
   std::vector<Seed> seeds =
       placeSeeds(fragment, components, seedOptionsFor(options, seed), progress);
   FractureOptions own = options;
-  if (own.grow.roughnessWindow == 0.0) {  // a tenth of the fragment, not of the whole mesh
+  if (own.grow.roughnessWindow.isZero()) {  // a tenth of the fragment, not of the whole mesh
     own.grow.roughnessWindow = fragment.box.longestSide() / 10.0;
   }
   return growFor(own, fragment, components, std::move(seeds), seed, device, progress);

@@ -15,6 +15,10 @@ std::uint32_t findLeaf(const LeafBlocks& blocks, const openvdb::Coord& voxel) {
   return static_cast<std::uint32_t>(at - blocks.origins.begin());
 }
 
+double longestSideOr(double given, const LeafBlocks& blocks) {
+  return given > 0.0 ? given : std::max(insideBox(blocks).longestSide(), 1);
+}
+
 VoxelBox insideBox(const LeafBlocks& blocks) {
   VoxelBox box{openvdb::Coord::max(), openvdb::Coord::min()};
   for (std::size_t word = 0; word < blocks.inside.size(); ++word) {

@@ -16,6 +16,9 @@ namespace sherd {
 /// Returns the tight box of the inside voxels; empty() if there are none.
 [[nodiscard]] VoxelBox insideBox(const LeafBlocks& blocks);
 
+/// Returns the longest side of that box, at least 1; `given` if that is not 0.
+[[nodiscard]] double longestSideOr(double given, const LeafBlocks& blocks);
+
 /// Returns LeafBlocks::neighbors for leaves in the order of LeafBlocks::origins.
 [[nodiscard]] std::vector<std::uint32_t> leafNeighborTable(std::span<const openvdb::Coord> origins);
 

@@ -58,7 +58,7 @@ void expectGrowth(const ShapeSolid& on, const std::vector<Seed>& seeds, const La
     ++counts[label];
   }
   EXPECT_EQ(countVoxels(labels), counts);
-  const bool rough = options.roughness > 0.0;  // may move a fragment off its seed's voxel
+  const bool rough = !options.roughness.isZero();  // may move a fragment off its seed's voxel
   for (std::size_t i = 0; i < static_cast<std::size_t>(fragments) && !rough; ++i) {
     EXPECT_EQ(map.at(seeds[i].voxel), seeds[i].fragment) << "a fragment lost its first seed";
   }
@@ -95,8 +95,8 @@ void expectErosion(const ShapeSolid& on, const Labels& before, int fragments,
   }
   EXPECT_EQ(eroded.eroded[0],
             std::accumulate(eroded.eroded.begin() + 1, eroded.eroded.end(), 0ull));
-  EXPECT_TRUE(options.iterations > 0 || eroded.eroded[0] == 0);
-  if (options.iterations > 0 && options.islands == Islands::eroded) {
+  EXPECT_TRUE(!options.iterations.isZero() || eroded.eroded[0] == 0);
+  if (!options.iterations.isZero() && options.islands == Islands::eroded) {
     LabelMap left = reference::mapOf(eroded.labels);
     std::erase_if(left, [](const auto& voxel) { return voxel.second == Labels::kEroded; });
     EXPECT_EQ(reference::countConnectedComponents(left), static_cast<std::size_t>(fragments));

@@ -51,8 +51,9 @@ std::vector<Coord> cube(int reach) {
 // One list of cells, or three: the voxel is worn where one of them is filled too little.
 std::vector<std::vector<Coord>> shapes(const ErodeOptions& options) {
   std::vector<std::vector<Coord>> all(options.planes ? 3 : 1);
-  for (const Coord& cell : cube(options.size / 2)) {
-    if (!inShape(options.shape, options.size / 2, cell)) continue;
+  const int reach = static_cast<int>(options.size.voxels) / 2;
+  for (const Coord& cell : cube(reach)) {
+    if (!inShape(options.shape, reach, cell)) continue;
     for (int axis = 0; axis < 3; ++axis) {
       if (options.planes && cell[axis] == 0) all[static_cast<std::size_t>(axis)].push_back(cell);
     }
@@ -172,7 +173,7 @@ Voxels erode(const Labeled& solid, const ErodeOptions& options) {
     if (eroded.size() == voxelsOf(voxels, fragment).size()) return;
     for (const Coord& voxel : eroded) from[voxel] = Labels::kEroded;
   };
-  for (int iteration = 0; iteration < options.iterations; ++iteration) {
+  for (int iteration = 0; iteration < options.iterations.voxels; ++iteration) {
     const Box box(voxels);
     Voxels next = voxels;
     for (int id = 1; id <= solid.labels.fragmentCount; ++id)

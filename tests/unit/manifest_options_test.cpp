@@ -94,18 +94,21 @@ TEST_F(ManifestOptions, OfAFractureAreRecorded) {
   expectRecorded("balance", balance, 2);
   expectRecorded("tries", tries, 32);
 
-  auto& [shape, size, planes, iterations, threshold, probability, erodeOn, islands, erodeSeed] =
-      erode;
-  expectRecorded("iterations", iterations, 1);
+  auto& [shape, size, planes, iterations, threshold, probability, erodeOn, islands, erodeSeed,
+         erodeSide] = erode;
+  expectRecorded("iterations", iterations, Length(1));
+  expectRecorded("iterations", iterations, Length::ofSide(1.0));
   iterations = 2;  // without any the others do nothing
   expectRecorded("shape", shape, ErodeShape::cross);
-  expectRecorded("size", size, 5);
+  expectRecorded("size", size, Length(5));
+  expectRecorded("size", size, Length::ofSide(3.0));
   expectRecorded("planes", planes, true);
   expectRecorded("threshold", threshold, 0.5);
   expectRecorded("probability", probability, 0.5);
   expectRecorded("on", erodeOn, ErodeOn::all);
   expectRecorded("islands", islands, Islands::kept);
   expectNotRecorded("erode.seed", erodeSeed, std::uint64_t{9});  // taken from above
+  expectNotRecorded("erode.longestSideVoxels", erodeSide, 9.0);
 }
 
 TEST_F(ManifestOptions, OfGrowthAreRecorded) {
@@ -113,9 +116,10 @@ TEST_F(ManifestOptions, OfGrowthAreRecorded) {
          longestSideVoxels, regrowIsolated, noiseSeeds, keepCost, outerSteps, tuning] =
       options_.grow;
   expectRecorded("growth", growth, Growth::nearest);
-  expectRecorded("roughness", roughness, 2.0);
+  expectRecorded("roughness", roughness, Length(2.0));
+  expectRecorded("roughness", roughness, Length::ofSide(2.0));
   expectRecorded("hurst", hurst, 0.5);
-  expectRecorded("roughnessWindow", roughnessWindow, 9.0);
+  expectRecorded("roughnessWindow", roughnessWindow, Length(9.0));
   expectRecorded("regrowIsolated", regrowIsolated, false);
   expectRecorded("outerSteps", outerSteps, 5);
   growth = Growth::flood;

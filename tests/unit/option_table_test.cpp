@@ -40,13 +40,14 @@ std::vector<std::string> valuesOf(const FractureOptionRow& row) {
   if (name == "impact") return {"1,2,3", "ray:0.5,0,0,-1,0,0,4,0.25,merge", "1,0,0,6,n=9"};
   if (name == "grain") return {"1,0,0,0.5", "0,0,1,-0.5"};
   if (name == "grain-direction") return {"1,0,0"};
-  if (name == "roughness") return {"1.5", "2,0.6"};
+  if (name == "roughness") return {"1.5", "2,0.6", "0.7%", "0.8%,0.5"};
   if (name == "missing") return {"1", "0.25"};
   if (name.ends_with("-iterations") && row.value.type == OptionType::text) return {"4", "0.05k"};
   if (name == "triangles") return {"100,50"};
   if (row.value.type == OptionType::choices) {
     return {row.value.choices.back(), row.value.choices.back() + "," + row.value.choices.front()};
   }
+  if (row.value.type == OptionType::length) return {"9", "0.7%"};
   if (!row.value.choices.empty()) return row.value.choices;
   switch (row.value.type) {
     case OptionType::flag:
@@ -185,6 +186,20 @@ TEST(OptionTable, OnlySomeOptionsAreDrawn) {
   EXPECT_FALSE(drawnOption("unknown", "0..2"));
   EXPECT_NO_THROW(checkDrawn(*drawnOption("roughness", "0..2"), {}));
   EXPECT_THROW(checkDrawn(*drawnOption("roughness", "0..200"), {}), Error);
+  const std::optional<DrawnOption> relative = drawnOption("erode-iterations", "1%..3%");
+  ASSERT_TRUE(relative);
+  EXPECT_EQ(relative->text(), "1%..3%");
+  EXPECT_NO_THROW(checkDrawn(*relative, {}));
+  std::set<std::string> drawn;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    RunOptions options;
+    fractureOption("erode-iterations")->value.set(options, relative->valueFor(seed));
+    const Length depth = options.fracture.erode.iterations;
+    EXPECT_TRUE(depth.voxels == 0.0 && depth.percent >= 1.0 && depth.percent <= 3.0);
+    drawn.insert(relative->valueFor(seed));
+  }
+  EXPECT_EQ(drawn.size(), 20u);
+  EXPECT_FALSE(drawnOption("roughness", "1..3%"));
   EXPECT_THROW(checkDrawn(*drawnOption("growth", "flood|moss"), {}), Error);
 }
 
