@@ -73,10 +73,17 @@ struct FragmentPointOptions {
 /// rounding decides between two.  Leaves without a crack are the intact solid's, so a fracture of a
 /// solid with an IntactSurface costs what its cracks cost.
 ///   labels  of this solid's blocks: each id 1..fragmentCount with at least one voxel
-///   return  [fragmentCount] ascending by id
-///   throws  Error(usage) as extractFragments, an option out of range; Error(cancelled)
+///   return  [fragmentCount] ascending by id.  Without `uneroded`, the neighbor of points towards
+///           eroded voxels is Labels::kEroded
+///   throws  Error(usage) as extractFragments, an intact surface of another solid, an option out of
+///           range; Error(input) a fragment has no surface; Error(cancelled)
 [[nodiscard]] std::vector<SurfacePoints> samplePoints(const Solid& solid, const Labels& labels,
                                                       const FragmentPointOptions& options,
+                                                      const Progress* progress = nullptr);
+
+/// The same of FractureResult::surfaces, which a fracture without meshes has.
+[[nodiscard]] std::vector<SurfacePoints> samplePoints(const FragmentSurfaces& surfaces,
+                                                      const PointOptions& options,
                                                       const Progress* progress = nullptr);
 
 /// Distributes `total` points in proportion to areas by the largest-remainder method, ties to the

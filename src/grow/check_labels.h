@@ -5,7 +5,9 @@
 #include <sherd/labels.h>
 #include <sherd/solid.h>
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 namespace sherd {
 
@@ -25,6 +27,18 @@ inline void checkLabels(const Labels& labels, const Solid& solid) {
   checkLabels(labels);
   if (labels.blocks == solid.blocks) return;
   throw Error(ErrorCode::usage, "the labels are of other leaf blocks than the solid's");
+}
+
+/// Also checks that each inside voxel has a label.
+///   return  [fragmentCount + 1] the voxels of each fragment
+///   throws  Error(usage)
+[[nodiscard]] inline std::vector<std::uint64_t> checkedCounts(const Labels& labels,
+                                                              const Solid& solid) {
+  checkLabels(labels, solid);
+  std::vector<std::uint64_t> voxels = countVoxels(labels);
+  if (voxels[0] == 0) return voxels;
+  throw Error(ErrorCode::usage,
+              std::to_string(voxels[0]) + " voxels of the solid have no fragment");
 }
 
 }  // namespace sherd

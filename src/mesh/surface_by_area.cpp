@@ -61,16 +61,16 @@ void SurfaceByArea::addParts() {
   }
 }
 
-SurfaceByArea::Place SurfaceByArea::placeOf(std::size_t triangle) const {
+SurfaceByArea::Index SurfaceByArea::indexOf(std::size_t triangle) const {
   const auto part = static_cast<std::size_t>(
       std::upper_bound(ends_.begin(), ends_.end(), triangle) - ends_.begin());
   return {part, triangle - (part == 0 ? 0 : ends_[part - 1])};
 }
 
 double SurfaceByArea::area(std::size_t triangle) const {
-  const Place place = placeOf(triangle);
-  const std::span<const double> sums = parts_.areaSums[place.part];
-  return place.triangle == 0 ? sums[0] : sums[place.triangle] - sums[place.triangle - 1];
+  const Index index = indexOf(triangle);
+  const std::span<const double> sums = parts_.areaSums[index.part];
+  return index.triangle == 0 ? sums[0] : sums[index.triangle] - sums[index.triangle - 1];
 }
 
 // The first sum above the area, so that the triangle's area is above 0.  Rounding may leave none.

@@ -54,17 +54,17 @@ class SurfaceByArea {
   std::size_t triangleAt(double share) const;
 
   [[nodiscard]] SurfaceTriangle at(std::size_t triangle) const {
-    const Place place = placeOf(triangle);
-    return parts_.triangle(place.part, place.triangle);
+    const Index index = indexOf(triangle);
+    return parts_.triangle(index.part, index.triangle);
   }
 
  private:
-  struct Place {
+  struct Index {
     std::size_t part, triangle;
   };
 
   void addParts();
-  Place placeOf(std::size_t triangle) const;
+  Index indexOf(std::size_t triangle) const;
 
   std::vector<double> meshSums_;  // of a mesh, which is one part
   SurfaceParts parts_;

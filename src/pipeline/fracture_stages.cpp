@@ -204,6 +204,17 @@ GrownFracture grow(const PreparedSolid& ready, const FractureOptions& options, D
       growTogether(ready, std::span(&options, 1), device, std::move(clock), progress).front());
 }
 
+void measureFragments(const GrownFracture& grown, FractureResult& result,
+                      const Progress* progress) {
+  reportProgress(progress, "extract", 0.0);
+  const Labels* const uneroded = grown.uneroded ? &*grown.uneroded : nullptr;
+  result.surfaces = std::make_shared<const FragmentSurfaces>(result.solid, result.labels, uneroded,
+                                                             grown.surface, progress);
+  result.fragments =
+      measuredFragments(*result.surfaces, result.solid, result.labels, uneroded, progress);
+  reportProgress(progress, "extract", 1.0);
+}
+
 FractureResult extracted(GrownFracture grown, const FractureOptions& options,
                          const Progress* progress) {
   StageClock clock;
@@ -216,9 +227,7 @@ FractureResult extracted(GrownFracture grown, const FractureOptions& options,
         progress);
   } else {
     checkSurfaceOptions(options.surface);
-    result.surfaces = std::make_shared<const FragmentSurfaces>(result.solid, result.labels,
-                                                               uneroded, grown.surface, progress);
-    result.fragments = measuredFragments(*result.surfaces, result.solid, result.labels, uneroded);
+    measureFragments(grown, result, progress);
   }
   clock.done("extract");
   result.times.push_back(clock.times().front());

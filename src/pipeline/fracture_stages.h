@@ -74,6 +74,9 @@ struct GrownFracture {
                                     const FractureOptions& options, Device& device,
                                     const Progress* progress);
 
+/// Sets the surfaces and the fragments without meshes.
+void measureFragments(const GrownFracture& grown, FractureResult& result, const Progress* progress);
+
 /// Cut the fragments out.  Thread-safe; does not use the device.
 [[nodiscard]] FractureResult extracted(GrownFracture grown, const FractureOptions& options,
                                        const Progress* progress);

@@ -6,7 +6,6 @@
 #include <string>
 
 #include "base/cancel_flag.h"
-#include "grow/check_labels.h"
 #include "points/sample_surface.h"
 #include "surface/fragment_surfaces.h"
 
@@ -16,16 +15,20 @@ std::vector<SurfacePoints> samplePoints(const Solid& solid, const Labels& labels
                                         const FragmentPointOptions& options,
                                         const Progress* progress) {
   checkPointOptions(options.points);
-  checkLabels(labels, solid);
-  if (options.uneroded != nullptr) checkLabels(*options.uneroded, solid);
-  std::vector<SurfacePoints> points(static_cast<std::size_t>(labels.fragmentCount));
-  if (options.points.count == 0) return points;
   const FragmentSurfaces surfaces(solid, labels, options.uneroded, options.intact, progress);
+  return samplePoints(surfaces, options.points, progress);
+}
+
+std::vector<SurfacePoints> samplePoints(const FragmentSurfaces& surfaces,
+                                        const PointOptions& options, const Progress* progress) {
+  checkPointOptions(options);
+  std::vector<SurfacePoints> points(surfaces.count());
+  if (options.count == 0) return points;
   CancelFlag stop(progress);
   tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
     if (stop.isSet()) return;
     const auto id = static_cast<std::uint16_t>(i + 1);
-    points[i] = samplePoints(surfaces.byArea(id), pointOptionsOf(options.points, id));
+    points[i] = samplePoints(surfaces.byArea(id), pointOptionsOf(options, id));
   });
   stop.throwIfSet();
   return points;

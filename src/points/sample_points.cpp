@@ -18,7 +18,7 @@
 namespace sherd {
 namespace {
 
-/// A sampled point: a triangle, and a place in the unit square (see SurfaceTriangle::pointIn).
+/// A sampled point: a triangle, and a position in the unit square (see SurfaceTriangle::pointIn).
 struct Draw {
   std::size_t triangle = 0;
   double u = 0.0, v = 0.0;
@@ -64,8 +64,10 @@ std::vector<Draw> drawPoisson(const SurfaceByArea& surface, std::size_t count, s
   }
   std::vector<Draw> kept;
   kept.reserve(count);
-  // Rounded, so that areas that were summed in another order give the same points.
-  const auto area = static_cast<double>(static_cast<float>(surface.area()));
+  // Rounded to 24 bits, so that areas that were summed in another order give the same points.
+  int exponent = 0;
+  const double mantissa = std::frexp(surface.area(), &exponent);
+  const double area = std::ldexp(std::round(std::ldexp(mantissa, 24)), exponent - 24);
   for (const std::size_t i : eliminated(candidates, count, area)) {
     kept.push_back(draws[i]);
   }

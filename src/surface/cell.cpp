@@ -203,11 +203,11 @@ const CellSheets* plainSheetsOf(const CellLabels& labels) {
     low = std::min(low, label);
     high = std::max(high, label);
   }
-  std::size_t cell = 0, place = 1;
+  std::size_t cell = 0, digit = 1;
   for (const std::uint16_t label : labels) {
     if (label != 0 && label != low && label != high) return nullptr;
-    cell += place * (label == 0 ? 2u : label == low ? 0u : 1u);
-    place *= 3;
+    cell += digit * (label == 0 ? 2u : label == low ? 0u : 1u);
+    digit *= 3;
   }
   return all.of(cell);
 }

@@ -26,7 +26,8 @@
 namespace sherd {
 namespace {
 
-// [fragments + 1] the leaves within two voxels of each fragment, ascending.
+// [fragments + 1] the leaves that hold a fragment, and by CutExtent::everywhere all within two
+// voxels of it, ascending.
 std::vector<std::vector<std::uint32_t>> leavesOf(const Cut& cut, std::size_t fragments) {
   std::vector<std::vector<std::uint32_t>> leaves(fragments + 1);
   for (std::uint32_t leaf = 0; leaf < cut.only.size(); ++leaf) {
@@ -112,23 +113,16 @@ std::vector<bool> onSolid(const LabeledMesh& mesh) {
   return original;
 }
 
-// [fragmentCount + 1] voxels of each fragment.
-//   throws  Error(usage) other blocks, or an inside voxel without a fragment
-std::vector<std::uint64_t> counted(const Solid& solid, const Labels& labels) {
-  checkLabels(labels, solid);
-  std::vector<std::uint64_t> voxels = countVoxels(labels);
-  if (voxels[0] == 0) return voxels;
-  throw Error(ErrorCode::usage,
-              std::to_string(voxels[0]) + " voxels of the solid have no fragment");
+// Each fragment is meshed alone, with the leaves around it.
+bool isIndependent(const SurfaceOptions& surface) {
+  return surface.surface == Surface::smooth && surface.interface == Interface::independent;
 }
 
 const SurfaceOptions& checked(const Solid& solid, const ExtractOptions& options,
                               const Progress* progress) {
   checkSurfaceOptions(options.surface);
   if (options.uneroded != nullptr) checkLabels(*options.uneroded, solid);
-  if (options.intact != nullptr && options.intact->leaves.size() != solid.blocks->count()) {
-    throw Error(ErrorCode::usage, "the intact surface is of another solid");
-  }
+  checkIntact(options.intact, solid);
   reportProgress(progress, "extract", 0.0);
   return options.surface;
 }
@@ -143,13 +137,14 @@ Extraction::Extraction(const Solid& solid, const Labels& labels, const ExtractOp
       surface_(checked(solid, options, progress)),
       progress_(progress),
       count_(static_cast<std::size_t>(labels.fragmentCount)),
-      voxels_(counted(solid, labels)),
+      voxels_(checkedCounts(labels, solid)),
       ownNeighborhoods_(options.intact ? std::vector<LeafNeighbors>()
                                        : leafNeighbors(solid.blocks->origins)),
       neighborhoods_(options.intact ? options.intact->neighborhoods : ownNeighborhoods_),
-      cut_(findCut(labels, neighborhoods_,
-                   surface_.levelSets || !isShared() ? CutExtent::everywhere : CutExtent::cells,
-                   progress)),
+      cut_(findCut(
+          labels, neighborhoods_,
+          surface_.levelSets || isIndependent(surface_) ? CutExtent::everywhere : CutExtent::cells,
+          progress)),
       leaves_(leavesOf(cut_, count_)) {
   if (!isShared()) return;
   shared_.emplace(solid, labels, cut_, neighborhoods_, options.intact, progress);
@@ -272,18 +267,22 @@ std::vector<std::vector<Contact>> Extraction::contacts() const {
 }
 
 std::vector<Fragment> measuredFragments(const FragmentSurfaces& surfaces, const Solid& solid,
-                                        const Labels& labels, const Labels* uneroded) {
-  const std::vector<std::uint64_t> voxels = counted(solid, labels);
+                                        const Labels& labels, const Labels* uneroded,
+                                        const Progress* progress) {
+  const std::vector<std::uint64_t> voxels = checkedCounts(labels, solid);
   const std::vector<VoxelBox> boxes = voxelBoxes(*solid.blocks, labels);
   std::vector<std::vector<Contact>> contacts =
       surfaces.contacts(solid, uneroded ? *uneroded : labels);
   std::vector<Fragment> all(surfaces.count());
+  CancelFlag stop(progress);
   tbb::parallel_for(std::size_t{0}, all.size(), [&](std::size_t i) {
+    if (stop.isSet()) return;
     all[i] = surfaces.measured(static_cast<std::uint16_t>(i + 1));
     all[i].voxels = voxels[i + 1];
     all[i].voxelBox = boxes[i + 1];
     all[i].contacts = std::move(contacts[i]);
   });
+  stop.throwIfSet();
   return all;
 }
 
@@ -294,7 +293,7 @@ std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
     // Shares nothing: the surface outlives the call.
     const std::shared_ptr<const IntactSurface> intact(std::shared_ptr<void>(), options.intact);
     const FragmentSurfaces surfaces(solid, labels, options.uneroded, intact, progress);
-    return measuredFragments(surfaces, solid, labels, options.uneroded);
+    return measuredFragments(surfaces, solid, labels, options.uneroded, progress);
   }
   Extraction extraction(solid, labels, options, progress);
   std::vector<Fragment> all;

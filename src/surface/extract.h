@@ -70,6 +70,7 @@ class Extraction {
 ///   throws    as extractFragments
 [[nodiscard]] std::vector<Fragment> measuredFragments(const FragmentSurfaces& surfaces,
                                                       const Solid& solid, const Labels& labels,
-                                                      const Labels* uneroded);
+                                                      const Labels* uneroded,
+                                                      const Progress* progress);
 
 }  // namespace sherd

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "base/cancel_flag.h"
+#include "grow/check_labels.h"
 #include "mesh/mass_sums.h"
 
 namespace sherd {
@@ -27,12 +28,20 @@ const IntactLeaf* reusedLeaf(const InterfaceSurface& surface, const IntactSurfac
   return surface.reusesTriangles(leaf) ? &intact->leaves[leaf] : nullptr;
 }
 
+const Solid& checked(const Solid& solid, const Labels& labels, const Labels* uneroded,
+                     const IntactSurface* intact) {
+  (void)checkedCounts(labels, solid);
+  if (uneroded != nullptr) checkLabels(*uneroded, solid);
+  checkIntact(intact, solid);
+  return solid;
+}
+
 }  // namespace
 
 FragmentSurfaces::FragmentSurfaces(const Solid& solid, const Labels& labels, const Labels* uneroded,
                                    std::shared_ptr<const IntactSurface> intact,
                                    const Progress* progress)
-    : frame_(solid.frame),
+    : frame_(checked(solid, labels, uneroded, intact.get()).frame),
       count_(static_cast<std::size_t>(labels.fragmentCount)),
       intact_(std::move(intact)),
       ownNeighborhoods_(intact_ ? std::vector<LeafNeighbors>()
@@ -63,12 +72,13 @@ FragmentSurfaces::FragmentSurfaces(const Solid& solid, const Labels& labels, con
 }
 
 SurfaceTriangle FragmentSurfaces::triangle(std::size_t leaf, const InterfaceQuad& quad,
-                                           std::size_t half) const {
+                                           std::size_t half,
+                                           const std::array<std::uint32_t, 3>& vertex) const {
   const std::vector<glm::dvec3>& at = surface_.vertices().at;
-  const std::array<std::uint32_t, 3> t = trianglesOf(quad, at)[half];
   const std::vector<std::uint16_t>& found = changed_[leaf].neighbor;
   const auto i = static_cast<std::size_t>(&quad - surface_.quadsOf(leaf).data());
-  return {{at[t[0]], at[t[1]], at[t[2]]}, found.empty() ? quad.other : found[2 * i + half]};
+  return {{at[vertex[0]], at[vertex[1]], at[vertex[2]]},
+          found.empty() ? quad.other : found[2 * i + half]};
 }
 
 SurfaceTriangle FragmentSurfaces::gap(std::uint16_t id, std::size_t i) const {
@@ -89,9 +99,11 @@ void FragmentSurfaces::measureLeaf(std::size_t leaf, NeighborSearch* search) {
     for (const std::array<std::uint32_t, 3>& t : trianglesOf(quads[i], at)) {
       addArea(own.areaSums, firstOfLabel, at[t[0]], at[t[1]], at[t[2]]);
       if (search == nullptr) continue;
-      const bool isOriginal = quads[i].other == 0;
-      own.neighbor.push_back(
-          isOriginal ? 0 : search->across({at[t[0]], at[t[1]], at[t[2]]}, quads[i].label));
+      // The surface of eroded voxels themselves is of no fragment.
+      const bool isCrack = quads[i].other != 0 && quads[i].label != Labels::kEroded;
+      own.neighbor.push_back(isCrack
+                                 ? search->across({at[t[0]], at[t[1]], at[t[2]]}, quads[i].label)
+                                 : std::uint16_t{0});
     }
   }
   changed_[leaf] = std::move(own);
@@ -114,7 +126,9 @@ void FragmentSurfaces::forEachChanged(std::uint16_t id, const Visit& visit) cons
   for (const std::uint32_t leaf : surface_.leavesOf(id)) {
     for (const InterfaceQuad& quad : surface_.quadsOf(leaf, id)) {
       const auto halves = trianglesOf(quad, surface_.vertices().at);
-      for (const std::size_t half : {0, 1}) visit(triangle(leaf, quad, half), halves[half]);
+      for (const std::size_t half : {0, 1}) {
+        visit(triangle(leaf, quad, half, halves[half]), halves[half]);
+      }
     }
   }
   const auto gaps = surface_.gapsOf(id);
@@ -195,7 +209,10 @@ SurfaceByArea FragmentSurfaces::byArea(std::uint16_t id) const {
   parts.triangle = [this, id, own = std::move(own)](std::size_t part, std::size_t t) {
     if (part == own.size()) return gap(id, t);
     const auto& [leaf, quads] = own[part];
-    if (quads != nullptr) return triangle(leaf, quads[t / 2], t % 2);
+    if (quads != nullptr) {
+      const InterfaceQuad& quad = quads[t / 2];
+      return triangle(leaf, quad, t % 2, trianglesOf(quad, surface_.vertices().at)[t % 2]);
+    }
     return SurfaceTriangle{intact_->corners(leaf, t, frame_), 0};
   };
   return SurfaceByArea(std::move(parts));

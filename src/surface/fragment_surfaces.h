@@ -3,6 +3,7 @@
 
 #include <sherd/fragments.h>
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -72,7 +73,8 @@ class FragmentSurfaces {
   void measureGaps(std::uint16_t id, NeighborSearch* search);
 
   // The triangle `half` 0 or 1 of a quad of a leaf.
-  SurfaceTriangle triangle(std::size_t leaf, const InterfaceQuad& quad, std::size_t half) const;
+  SurfaceTriangle triangle(std::size_t leaf, const InterfaceQuad& quad, std::size_t half,
+                           const std::array<std::uint32_t, 3>& vertex) const;
   SurfaceTriangle gap(std::uint16_t id, std::size_t i) const;
 
   // Calls `visit` with the triangles of a fragment that the intact solid does not have, and their

@@ -1,6 +1,7 @@
 // Meshes the intact solid leaf by leaf.
 #include "surface/intact.h"
 
+#include <sherd/error.h>
 #include <sherd/fragments.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -38,6 +39,11 @@ void measure(IntactSurface& surface, std::size_t leaf, const GridFrame& frame) {
 }
 
 }  // namespace
+
+void checkIntact(const IntactSurface* surface, const Solid& solid) {
+  if (surface == nullptr || surface->leaves.size() == solid.blocks->count()) return;
+  throw Error(ErrorCode::usage, "the intact surface is of another solid");
+}
 
 glm::dvec3 middleOf(const Solid& solid) {
   return 0.5 *

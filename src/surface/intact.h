@@ -55,6 +55,10 @@ struct IntactSurface {
   }
 };
 
+/// Checks that an intact surface, if there is one, is of this solid.
+///   throws  Error(usage)
+void checkIntact(const IntactSurface* surface, const Solid& solid);
+
 /// Returns the middle of the box of a solid's voxels, world units.
 [[nodiscard]] glm::dvec3 middleOf(const Solid& solid);
 

@@ -103,12 +103,13 @@ class InterfaceSurface::Building {
     return !isAtSlots(leaf, [&](std::uint32_t other) { return !isReused(other); });
   }
 
-  // Whether a leaf or one of those below it, whose vertices its quads may have, is as asked.
-  template <class Asked>
-  bool isAtSlots(std::size_t leaf, const Asked& asked) const {
+  // Whether a leaf or one of those below it, whose vertices its quads may have, fulfills a
+  // condition.
+  template <class Condition>
+  bool isAtSlots(std::size_t leaf, const Condition& condition) const {
     return std::any_of(IntactLeaf::kSlots.begin(), IntactLeaf::kSlots.end(), [&](std::size_t slot) {
       const std::uint32_t other = neighborhoods_[leaf][slot];
-      return other != LeafBlocks::kNone && asked(other);
+      return other != LeafBlocks::kNone && condition(other);
     });
   }
 

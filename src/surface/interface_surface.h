@@ -43,7 +43,7 @@ class InterfaceSurface {
   /// not, because they use vertices of changed leaves.
   [[nodiscard]] bool reusesTriangles(std::size_t leaf) const { return reusesTriangles_[leaf] != 0; }
 
-  /// Returns the index of the leaf's first vertex, kNone if its vertices were not asked for.
+  /// Returns the index of the leaf's first vertex, kNone if SurfaceVertices left them out.
   static constexpr std::uint32_t kNone = 0xffffffffu;
   [[nodiscard]] std::uint32_t firstVertex(std::size_t leaf) const { return firstVertex_[leaf]; }
 

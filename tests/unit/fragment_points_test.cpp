@@ -51,9 +51,9 @@ std::vector<Case> cases() {
       {"thin cup", shapes::cup(1.0, 0.05, 1.6, 0.05), of(40, 8, {.growth = Growth::flood})},
       {"dust", shapes::ball(1.0, 4), of(24, 400, {.growth = Growth::flood})},
       {"one", shapes::ball(1.0, 4), of(24, 1)}};
-  Case worn{"worn", shapes::cup(1.0, 0.25, 1.6, 0.25), of(60, 5)};
-  worn.options.erode.iterations = 2;
-  all.push_back(worn);
+  Case eroded{"eroded", shapes::cup(1.0, 0.25, 1.6, 0.25), of(60, 5)};
+  eroded.options.erode.iterations = 2;
+  all.push_back(eroded);
   return all;
 }
 
@@ -101,6 +101,8 @@ TEST_F(FragmentPoints, AreThoseOfTheMeshes) {
       options.count = 307;
       options.seed = 17;
       const Labels* const uneroded = both.uneroded ? &*both.uneroded : nullptr;
+      const std::vector<SurfacePoints> reusing =
+          samplePoints(both.bare.solid, both.bare.labels, {options, uneroded, both.ready.surface});
       for (const auto& intact : {both.ready.surface, std::shared_ptr<const IntactSurface>()}) {
         const std::vector<SurfacePoints> found =
             samplePoints(both.bare.solid, both.bare.labels, {options, uneroded, intact});
@@ -110,6 +112,9 @@ TEST_F(FragmentPoints, AreThoseOfTheMeshes) {
           const SurfacePoints expected =
               samplePoints(fragment.mesh, pointOptionsOf(options, fragment.id));
           ASSERT_EQ(found[i].positions.size(), expected.positions.size());
+          for (std::size_t k = 0; k < expected.positions.size(); ++k) {
+            EXPECT_TRUE(areEqual(found[i], reusing[i], k));
+          }
           std::size_t equal = 0;
           for (std::size_t k = 0; k < expected.positions.size(); ++k) {
             equal += areEqual(found[i], expected, k) ? 1 : 0;
@@ -242,6 +247,35 @@ TEST_F(FragmentPoints, StopWhenAskedAndSampleNothingOfNothing) {
   Labels other = both.bare.labels;
   other.fragment.resize(512);
   EXPECT_THROW((void)samplePoints(solid, other, {.points = {.count = 10}}), Error);
+  other = both.bare.labels;
+  other.blocks = nullptr;
+  EXPECT_THROW((void)samplePoints(solid, other, {.points = {.count = 10}}), Error);
+  const ExtractOptions bare{.surface = {.levelSets = false, .meshes = false}};
+  EXPECT_THROW((void)extractFragments(solid, other, bare), Error);
+  const auto foreign = intactSurface(voxelize(shapes::ball(1.0, 3), {.resolution = 20}));
+  EXPECT_THROW((void)samplePoints(solid, both.bare.labels, {{.count = 10}, nullptr, foreign}),
+               Error);
+}
+
+// Cancelled at any question, in any of its parts.
+TEST_F(FragmentPoints, StopWherever) {
+  const Both both = broken(cases()[1]);
+  int asked = 0, last = 1 << 30;
+  const Progress progress{.report = {}, .cancelled = [&] { return ++asked > last; }};
+  const FragmentPointOptions options{{.count = 10}, nullptr, both.ready.surface};
+  (void)samplePoints(both.bare.solid, both.bare.labels, options, &progress);
+  const int all = asked;
+  EXPECT_GT(all, 10);
+  for (const int stop : {0, all / 4, all / 2, 3 * all / 4, all - 1}) {
+    asked = 0;
+    last = stop;
+    try {
+      (void)samplePoints(both.bare.solid, both.bare.labels, options, &progress);
+      ADD_FAILURE() << "not stopped at question " << stop;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::cancelled);
+    }
+  }
 }
 
 }  // namespace

@@ -234,6 +234,23 @@ TEST(SamplePoints, OfPoissonAreFarApart) {
 }
 
 // All areas are powers of two: no count is rounded up, and no point is cut.
+// Also far from the range of single precision.
+TEST(SamplePoints, OfPoissonScaleWithTheMesh) {
+  const TriangleMesh unit = shapes::ball(1.0, 3);
+  const SurfacePoints expected =
+      samplePoints(unit, {.count = 40, .sampler = PointSampler::poisson});
+  for (const int exponent : {-100, 100}) {
+    const double scale = std::ldexp(1.0, exponent);
+    TriangleMesh mesh = unit;
+    for (glm::dvec3& v : mesh.vertices) v *= scale;
+    const SurfacePoints found = samplePoints(mesh, {.count = 40, .sampler = PointSampler::poisson});
+    ASSERT_EQ(found.positions.size(), expected.positions.size());
+    for (std::size_t i = 0; i < found.positions.size(); ++i) {
+      EXPECT_EQ(found.positions[i], scale * expected.positions[i]);
+    }
+  }
+}
+
 TEST(SamplePoints, PerTriangleAreProportionalToAreaWithoutRounding) {
   const TriangleMesh mesh = row({1, 1, 2, 4, 8});
   for (const std::size_t each : {1u, 3u, 100u}) {
