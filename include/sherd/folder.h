@@ -18,8 +18,8 @@
 
 namespace sherd {
 
-/// Returns the options with GrowOptions::keepCost and SurfaceOptions::levelSets set exactly if the
-/// files need costs and level sets.
+/// Returns the options with GrowOptions::keepCost, SurfaceOptions::levelSets and meshes set exactly
+/// if the files need costs, level sets and meshes, or the surfaces are made from meshes.
 [[nodiscard]] FractureOptions optionsFor(FractureOptions options, const WriteOptions& write);
 
 /// Checks the options.  Call this before long work.
@@ -72,7 +72,8 @@ struct WrittenFracture {
 /// made, and their level sets and meshes are freed then unless WriteOptions::needsAllLevelSets or
 /// needsAllMeshes keeps them.  Where both are freed, large solids take a quarter to a third less
 /// memory (docs/performance.md).
-///   options  completed by optionsFor
+///   options  completed by optionsFor, as those of `fracture` and `refracture` must be for files
+///            equal to the last bit
 ///   return   the result without what was freed: Fragment::surface; mesh and neighbor
 ///   throws   Error(usage) both a solid and a finished fracture, `only` without one, costs of one;
 ///            what fracture, refracture and writeFracture throw

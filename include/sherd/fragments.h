@@ -76,7 +76,7 @@ struct SmoothOptions {
 struct SurfaceOptions {
   bool levelSets = true;  ///< also makes Fragment::surface; else it is null
   bool meshes = true;  ///< makes Fragment::mesh; else it is empty, and volume, areas and contacts
-                       ///< are summed without it, which takes about half the time.  Only without
+                       ///< are summed without it, which takes 0.6 of the time.  Only without
                        ///< level sets, for Surface::smooth and Interface::shared as they are
                        ///< meshed: neither smoothed nor simplified nor decimated
   Surface surface = Surface::smooth;

@@ -67,7 +67,7 @@ struct WriteOptions {
   /// Whether a file is written that needs the meshes, or the level sets, of all fragments at once.
   bool needsAllMeshes() const {
     return boundaries || scene || distances.count > 0 || correspondences > 0 ||
-           (points.count > 0 && sharePoints);
+           (needsMeshes() && points.count > 0 && sharePoints);
   }
   bool needsAllLevelSets() const { return vdb && vdbFiles != VdbFiles::files; }
 };

@@ -137,7 +137,7 @@ void check(const DatasetOptions& options) {
 
 DatasetOptions checkedOptions(DatasetOptions options) {
   check(options);
-  checkWriteOptions(options.each.write, options.each.fracture);
+  checkWriteOptions(options.each.write, optionsFor(options.each.fracture, options.each.write));
   options.each.write.plainMeshes |= options.layout == DatasetLayout::bb;
   return options;
 }

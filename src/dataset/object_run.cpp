@@ -219,6 +219,7 @@ class ObjectRun {
       meshed.surface.meshes = true;
       renderThumbnail(planned.name(), extracted(growth->grown, meshed, &progress_));
     }
+    begin = Clock::now();
     FractureResult result = extracted(std::move(growth->grown), options, &progress_);
     run_.times.add("extract", secondsSince(begin));
     if (options.surface.meshes) renderThumbnail(planned.name(), result);

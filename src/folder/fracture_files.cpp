@@ -12,6 +12,7 @@
 #include "base/cancel_flag.h"
 #include "base/uncancelled.h"
 #include "folder/write_points.h"
+#include "points/sample_surface.h"
 #include "render/preview_fragment.h"
 #include "surface/smooth.h"
 
@@ -43,14 +44,18 @@ void FractureWriter::write(const OutputFolder& folder, const FractureFiles& file
                            const FractureOptions& options, const FractureResult& result,
                            const Progress* progress) const {
   FractureWriting writing(*this, folder, files, options, result);
-  reportProgress(progress, "write", 0.0);
-  writing.begin(progress);
-  for (std::size_t first = 0; first < result.kept(); first += kFragmentsPerBatch) {
-    reportProgress(progress, "write",
-                   static_cast<double>(first) / static_cast<double>(result.kept()));
-    writing.write(first, std::min(result.kept(), first + kFragmentsPerBatch));
-  }
+  writing.writeAll(progress);
   writing.finish(progress);
+}
+
+void FractureWriting::writeAll(const Progress* progress) {
+  reportProgress(progress, "write", 0.0);
+  begin(progress);
+  for (std::size_t first = 0; first < result_.kept(); first += kFragmentsPerBatch) {
+    reportProgress(progress, "write",
+                   static_cast<double>(first) / static_cast<double>(result_.kept()));
+    write(first, std::min(result_.kept(), first + kFragmentsPerBatch));
+  }
 }
 
 FractureWriting::FractureWriting(const FractureWriter& writer, const OutputFolder& folder,
@@ -186,6 +191,7 @@ void checkWriteOptions(const WriteOptions& write, const FractureOptions& options
     throw Error(ErrorCode::usage,
                 "seeds of points and distances are derived from the fracture's; do not set them");
   }
+  checkPointOptions(write.points);
   const SurfaceOptions& surface = options.surface;
   const Iterations& smoothed = surface.smooth.boundaryIterations;
   const bool isSmoothed =

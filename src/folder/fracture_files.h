@@ -57,6 +57,9 @@ class FractureWriting {
   /// Writes the files of fragments first..end-1, which need neither contacts nor other fragments.
   void write(std::size_t first, std::size_t end);
 
+  /// `begin`, and `write` of all fragments.
+  void writeAll(const Progress* progress);
+
   /// Writes the files of all fragments; see WriteOptions::needsAllMeshes and needsAllLevelSets.
   void finish(const Progress* progress) const;
 

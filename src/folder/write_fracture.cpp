@@ -18,34 +18,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Measures and writes fragments without meshes.
-//   result  receives the fragments
-std::vector<MeshFacts> measureAndWrite(const GrownFracture& grown, FractureResult& result,
-                                       FractureWriting& writing, StageClock& clock,
-                                       const Progress* progress) {
-  const Labels* const uneroded = grown.uneroded ? &*grown.uneroded : nullptr;
-  result.surfaces = std::make_shared<const FragmentSurfaces>(result.solid, result.labels, uneroded,
-                                                             grown.surface, progress);
-  result.fragments = measuredFragments(*result.surfaces, result.solid, result.labels, uneroded);
-  clock.done("extract");
-  writing.begin(progress);
-  constexpr std::size_t kBatch = 64;  // between progress reports
-  for (std::size_t first = 0; first < result.fragments.size(); first += kBatch) {
-    reportProgress(progress, "write",
-                   static_cast<double>(first) / static_cast<double>(result.fragments.size()));
-    writing.write(first, first + kBatch);
-  }
-  clock.done("write");
-  return meshFacts(result);
-}
-
 // Makes and writes fragments in alternating batches, and frees what is not needed afterwards.
 //   result  receives the fragments; their number is final
 std::vector<MeshFacts> makeAndWrite(const GrownFracture& grown, const SurfaceOptions& surface,
                                     const WriteOptions& write, FractureResult& result,
                                     FractureWriting& writing, StageClock& clock,
                                     const Progress* progress) {
-  if (!surface.meshes) return measureAndWrite(grown, result, writing, clock, progress);
+  if (!surface.meshes) {
+    measureFragments(grown, result, progress);
+    clock.done("extract");
+    writing.writeAll(progress);
+    clock.done("write");
+    return meshFacts(result);
+  }
   Extraction extraction(result.solid, result.labels,
                         {.surface = surface,
                          .uneroded = grown.uneroded ? &*grown.uneroded : nullptr,
@@ -109,6 +94,11 @@ WrittenFolder writeFracture(const fs::path& folder, const SourceMesh& source,
                             const FractureOptions& options, const FractureResult& result,
                             const WriteOptions& write, const Progress* progress) {
   checkWriteOptions(write, options);
+  if (result.surfaces && write.needsMeshes()) {
+    throw Error(
+        ErrorCode::usage,
+        "the fracture has no meshes, which these files need; complete its options for them");
+  }
   const FractureWriter writer(source, write);
   const FractureFiles files =
       fileNames(source, result.kept(), options.surface.triangles, writer.materials(), write);
@@ -116,7 +106,7 @@ WrittenFolder writeFracture(const fs::path& folder, const SourceMesh& source,
   replacement.write([&](const fs::path& staged) {
     writer.write(staged, files, options, result, progress);
     writeWhole(staged / kManifestName,
-               manifestText(source, options, result, meshFacts(result.fragments), files, write));
+               manifestText(source, options, result, meshFacts(result), files, write));
   });
   const Uncut whole;
   replacement.putInPlace();
@@ -128,10 +118,10 @@ StagedFracture stageFracture(const fs::path& folder, FractureInput input,
                              const FractureOptions& asked, Device& device,
                              const WriteOptions& write, const Progress* progress) {
   checkInput(input, write);
-  checkWriteOptions(write, asked);
+  const FractureOptions options = optionsFor(asked, write);
+  checkWriteOptions(write, options);
   checkFractureFolder(folder);
   const SourceMesh& source = input.source;
-  const FractureOptions options = optionsFor(asked, write);
   GrownFracture grown = grownFrom(input, options, device, progress);
   const FractureWriter writer(source, write);
   FractureResult result = std::move(grown.result);

@@ -57,6 +57,36 @@ class FractureInto : public DeviceTest {
   FractureOptions options_{.pieces = 7, .solid = {.resolution = 48}};
 };
 
+TEST_F(FractureInto, WritesPointsWithoutMeshes) {
+  options_.missing = 2;
+  WriteOptions write{.vdb = false, .mesh = false, .preview = false};
+  write.points.count = 50;
+  for (const bool share : {false, true}) {
+    write.sharePoints = share;
+    for (const int erosions : {0, 1}) {
+      options_.erode.iterations = erosions;
+      const FractureResult result = bothWays(optionsFor(options_, write), write);
+      EXPECT_NE(result.surfaces, nullptr);
+      for (const Fragment& fragment : result.fragments) {
+        EXPECT_TRUE(fragment.mesh.vertices.empty());
+        EXPECT_GT(fragment.mass.volume, 0.0);
+      }
+    }
+  }
+}
+
+TEST_F(FractureInto, RefusesFilesOfMeshesThatWereNotMade) {
+  const WriteOptions points{.vdb = false, .mesh = false, .preview = false};
+  const FractureOptions bare = optionsFor(options_, points);
+  const FractureResult result = fracture(source_.mesh, bare, device());
+  const auto folder = folder_.path() / "refused";
+  EXPECT_THROW((void)writeFracture(folder, source_, bare, result, {.vdb = false}), Error);
+  WriteOptions tooMany = points;
+  tooMany.points.count = kMaxPoints + 1;
+  EXPECT_THROW((void)writeFracture(folder, source_, bare, result, tooMany), Error);
+  EXPECT_FALSE(fs::exists(folder));
+}
+
 TEST_F(FractureInto, LetsGoOfMeshesAndLevelSetsThatNoFileNeeds) {
   options_.missing = 2;
   const FractureResult result = bothWays(options_, {.preview = false, .graph = true});
