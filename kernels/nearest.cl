@@ -72,7 +72,7 @@ inline int is_set(const ulong* mask, const int v) { return (int)((mask[v >> 6] >
 
 kernel void nearest(
     const global ulong* restrict inside,      // [leafCount*8]
-    const global int4* restrict origin,       // [leafCount]    lowest voxel, w unused
+    const global int4* restrict origin,       // [leafCount]    lowest voxel as seen from the lowest leaf, w unused
     const uint leafCount,
     const uint items,
     const global int4* restrict seed,         // [seeds]        point, w the label; ascending by label in a fracture

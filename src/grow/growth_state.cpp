@@ -34,14 +34,25 @@ GrowthState::GrowthState(const LeafBlocks& b, std::size_t fractureCount, DeviceI
       neighbor(uploadBuffer<std::uint32_t>(d, b.neighbors)),
       group_(workGroupSize > 0 ? static_cast<std::size_t>(workGroupSize) : d.workGroupSize()) {}
 
-const DeviceBuffer& GrowthState::origin() {
-  if (!origin_) {
-    std::vector<Int4> origins;
-    origins.reserve(leafCount);
-    for (const openvdb::Coord& o : blocks.origins) origins.push_back({o.x(), o.y(), o.z(), 0});
-    origin_ = uploadBuffer<Int4>(device, origins);
+DeviceBuffer GrowthState::uploadOrigins(const openvdb::Coord& from) const {
+  std::vector<Int4> origins;
+  origins.reserve(leafCount);
+  for (const openvdb::Coord& origin : blocks.origins) {
+    const openvdb::Coord o = origin - from;
+    origins.push_back({o.x(), o.y(), o.z(), 0});
   }
+  return uploadBuffer<Int4>(device, origins);
+}
+
+const DeviceBuffer& GrowthState::origin() {
+  if (!origin_) origin_ = uploadOrigins(openvdb::Coord(0));
   return *origin_;
+}
+
+openvdb::Coord GrowthState::lowest() const {
+  openvdb::Coord low = blocks.origins.empty() ? openvdb::Coord(0) : blocks.origins.front();
+  for (const openvdb::Coord& origin : blocks.origins) low.minComponent(origin);
+  return low;
 }
 
 const DeviceBuffer& GrowthState::neighbors27() {

@@ -26,7 +26,13 @@ class GrowthState {
   const DeviceBuffer inside;    ///< [leafCount*8]
   const DeviceBuffer neighbor;  ///< [leafCount*6]
 
-  const DeviceBuffer& origin();       ///< [leafCount] int4
+  const DeviceBuffer& origin();  ///< [leafCount] int4
+
+  /// Returns the lowest coordinates of all leaves.
+  openvdb::Coord lowest() const;
+
+  /// Uploads [leafCount] int4: origins as seen from a voxel.
+  DeviceBuffer uploadOrigins(const openvdb::Coord& from) const;
   const DeviceBuffer& neighbors27();  ///< [leafCount*27] 26-neighborhood of a leaf, x slowest
 
   std::size_t voxels() const { return std::size_t{items} * SHERD_LEAF_SIZE; }

@@ -14,10 +14,13 @@ Grown growByKernel(GrowthState& state, const SeedTable& seeds, const char* kerne
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return std::pair(fractureOf(a), seeds.label[a]) < std::pair(fractureOf(b), seeds.label[b]);
   });
+  // Steps of seeds have 32 bits in kernels, so positions are relative to the leaves.
+  const openvdb::Coord lowest = state.lowest();
+  const DeviceBuffer origins = state.uploadOrigins(lowest);
   std::vector<Int4> point;
   std::vector<std::uint32_t> first(state.fractures + 1, 0);
   for (const std::size_t i : order) {
-    const Seed seed{seedVoxel(state, seeds, i), seeds.label[i], seeds.shift[i]};
+    const Seed seed{seedVoxel(state, seeds, i) - lowest, seeds.label[i], seeds.shift[i]};
     const glm::ivec3 at(stepsOf(seed));
     point.push_back({at.x, at.y, at.z, seed.fragment});
     ++first[fractureOf(i) + 1];
@@ -27,7 +30,7 @@ Grown growByKernel(GrowthState& state, const SeedTable& seeds, const char* kerne
   const DeviceBuffer firsts = uploadBuffer<std::uint32_t>(state.device, first);
   Grown grown{makeBuffer<std::uint16_t>(state.device, state.voxels()),
               makeBuffer<std::uint32_t>(state.device, keepCost ? state.voxels() : 1)};
-  state.run(kernel, state.items, state.inside, state.origin(), state.leafCount, state.items, points,
+  state.run(kernel, state.items, state.inside, origins, state.leafCount, state.items, points,
             firsts, metric, grown.labels, grown.cost, static_cast<std::uint32_t>(keepCost));
   state.device.finish();  // the seeds' buffers are released here
   return grown;

@@ -239,6 +239,27 @@ TEST_F(Growths, EveryGrowthGivesConnectedFragmentsThatCoverTheirComponents) {
   }
 }
 
+// A volume's voxels may lie anywhere: 64 steps of a seed to each voxel pass 32 bits here.
+TEST_F(Growths, DoNotDependOnTheDistanceFromTheOrigin) {
+  const VoxelSolid solid =
+      voxel_shapes::small() ? voxel_shapes::cup(6, 2) : voxel_shapes::cup(11, 3);
+  const auto blocks = voxel_shapes::blocksOf(solid);
+  const openvdb::Coord away(1 << 28, -(1 << 28), (1 << 27) + 8);
+  LeafBlocks far = *blocks;
+  for (openvdb::Coord& origin : far.origins) origin += away;
+  const auto farBlocks = std::make_shared<const LeafBlocks>(std::move(far));
+  const std::vector<std::vector<Seed>> sets{randomSeeds(solid, 9, 5, 2)};
+  std::vector<std::vector<Seed>> farSets = sets;
+  for (Seed& seed : farSets[0]) seed.voxel += away;
+  for (const Growth growth : {Growth::flood, Growth::nearest, Growth::chain, Growth::euclid}) {
+    const GrowOptions options{.growth = growth, .keepCost = true};
+    const Labels here = std::move(grow(blocks, sets, device(), options).front());
+    const Labels there = std::move(grow(farBlocks, farSets, device(), options).front());
+    EXPECT_EQ(here.fragment, there.fragment);
+    EXPECT_EQ(here.cost, there.cost);
+  }
+}
+
 TEST_F(Growths, BatchesAndWorkGroupsGiveTheSameLabels) {
   const VoxelSolid solid =
       voxel_shapes::small() ? voxel_shapes::cup(6, 2) : voxel_shapes::cup(11, 3);
