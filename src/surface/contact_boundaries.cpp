@@ -24,7 +24,7 @@ class JunctionQuads {
     constexpr std::uint32_t kNone = 0xffffffffu;
     std::vector<std::uint32_t> junctionOf(vertices.size(), kNone);
     for (std::uint32_t j = 0; j < junctions.size(); ++j) {
-      for (const std::uint32_t v : junctions[j].vertices) junctionOf[v] = j;
+      for (const std::uint32_t v : junctions[j].vertices()) junctionOf[v] = j;
     }
     struct Found {
       std::uint32_t junction;
@@ -105,9 +105,9 @@ void straightenBoundaries(std::span<const std::vector<InterfaceQuad>> quads,
   for (int pass = 0; pass < kPasses; ++pass) {
     for (std::size_t j = 0; j < junctions.size(); ++j) {
       const auto moveTo = [&](const glm::dvec3& at) {
-        for (const std::uint32_t v : junctions[j].vertices) vertices[v] = at;
+        for (const std::uint32_t v : junctions[j].vertices()) vertices[v] = at;
       };
-      const glm::dvec3 from = vertices[junctions[j].vertices[0]];
+      const glm::dvec3 from = vertices[junctions[j].vertices()[0]];
       if (from + (junctions[j].target - from) == from) continue;  // already there
       const double before = junctionQuads.worstQuality(j, vertices);
       bool moved = false;

@@ -25,8 +25,14 @@ struct InterfaceQuad {
 
 /// A position where more than two labels meet and whose target lies outside its cell.
 struct Junction {
-  std::vector<std::uint32_t> vertices;  ///< one or more per label, all at one position
   glm::dvec3 target{0.0};
+  std::uint32_t count = 0;
+  std::array<std::uint32_t, 24> all{};  ///< as many as a cell has sheets at most
+
+  /// One or more per label, all at one position.
+  [[nodiscard]] std::span<const std::uint32_t> vertices() const { return {all.data(), count}; }
+  [[nodiscard]] std::span<std::uint32_t> vertices() { return {all.data(), count}; }
+  void add(std::uint32_t vertex) { all[count++] = vertex; }
 };
 
 /// Moves junctions to their targets, or as far as no triangle degenerates: rotates by more than 45

@@ -8,6 +8,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -111,15 +112,19 @@ LeafWeights smoothed(const CutHalo& halo, std::uint16_t label) {
   return weights;
 }
 
+// The corners of the cells that have a corner in a leaf.
+constexpr std::size_t kCornerSide = 10;
+using CornerLabels = LabelCube<kCornerSide>;
+
 // The voxels of a leaf that are corners of a cell with several labels other than 0.
-VoxelBits cutCorners(const CutHalo& insideLabels) {
-  const PassedCells<kSide> passed = passedCells<kSide>(insideLabels);
+VoxelBits cutCorners(const CornerLabels& insideLabels) {
+  const PassedCells<kCornerSide> passed = passedCells<kCornerSide>(insideLabels);
   // A voxel is a corner of its own cell and of the cells one below it along each axis.
-  constexpr std::size_t kCells = 9, kFirst = kHalo - 1;
+  constexpr std::size_t kCells = 9;
   VoxelBits corners{};
   for (std::size_t x = 0; x < kCells; ++x) {
     for (std::size_t y = 0; y < kCells; ++y) {
-      const unsigned cells = (passed.cut[(kFirst + x) * kSide + kFirst + y] >> kFirst) & 0x1ffu;
+      const unsigned cells = passed.cut[x * kCornerSide + y] & 0x1ffu;
       if (cells == 0) continue;
       const auto bits = static_cast<std::uint8_t>(cells | cells >> 1);
       for (std::size_t i = x == 0 ? 0 : x - 1; i <= std::min(x, std::size_t{7}); ++i) {
@@ -197,29 +202,27 @@ struct CutSource {
   const LeafBlocks& blocks;
   const Labels& labels;
   const Sites& sites;
-  CutExtent extent;
   std::span<const float> snapWeight;  // by label
 };
 
+//   corners  of CutExtent::cells, else null
 CutLeaf cutLeaf(const CutSource& from, std::size_t leaf, const LeafNeighbors& neighborhood,
-                const CutHalo& halo, std::vector<std::uint16_t> fragments) {
+                const CutHalo& halo, const CornerLabels* corners,
+                std::vector<std::uint16_t> fragments) {
   CutLeaf cut;
   cut.fragments = std::move(fragments);
   const std::size_t count = cut.fragments.size();
-  const bool isEverywhere = from.extent == CutExtent::everywhere;
-  CutHalo insideLabels;
-  if (!isEverywhere || !from.sites.empty())
-    insideLabels =
-        labelsAround<kHalo, kHalo>(from.blocks, from.labels, neighborhood, Voxels::inside);
   VoxelBits requested;
   requested.fill(0xff);
-  if (!isEverywhere) requested = cutCorners(insideLabels);
+  if (corners != nullptr) requested = cutCorners(*corners);
   if (!isAny(requested)) return cut;
 
   VoxelBits rest = requested;
   if (from.sites.empty()) {
     cut.distance.resize(count * 512);
   } else {
+    const CutHalo insideLabels =
+        labelsAround<kHalo, kHalo>(from.blocks, from.labels, neighborhood, Voxels::inside);
     SiteCut planes =
         siteCut(insideLabels, from.blocks.origins[leaf], cut.fragments, from.sites, requested);
     cut.distance = std::move(planes.distance);
@@ -274,10 +277,10 @@ Cut findCut(const Labels& labels, std::span<const LeafNeighbors> neighborhoods, 
         cut.only[leaf] = static_cast<std::uint16_t>(only);
         continue;
       }
+      std::optional<CornerLabels> corners;
       if (extent == CutExtent::cells) {
-        // The corners of the cells that have a corner in the leaf.
-        const LabelRange found =
-            rangeOf(labelsAround<1, 1>(blocks, labels, neighborhood, Voxels::inside));
+        corners = labelsAround<1, 1>(blocks, labels, neighborhood, Voxels::inside);
+        const LabelRange found = rangeOf(*corners);
         if (!found.isSeveral()) {
           cut.only[leaf] = found.high;
           continue;
@@ -288,8 +291,8 @@ Cut findCut(const Labels& labels, std::span<const LeafNeighbors> neighborhoods, 
       if (fragments.size() == 1) {
         cut.only[leaf] = fragments.front();
       } else if (fragments.size() > 1) {
-        perLeaf[leaf] = cutLeaf({blocks, labels, sites, extent, cut.snapWeight}, leaf, neighborhood,
-                                halo, std::move(fragments));
+        perLeaf[leaf] = cutLeaf({blocks, labels, sites, cut.snapWeight}, leaf, neighborhood, halo,
+                                corners ? &*corners : nullptr, std::move(fragments));
       }
     }
   });

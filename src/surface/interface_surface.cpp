@@ -181,8 +181,8 @@ class InterfaceSurface::Building {
       }
       hasJunctions_[leaf] = own.junctions.empty() ? 0 : 1;
       for (Junction junction : own.junctions) {
-        for (std::uint32_t& v : junction.vertices) v += firstVertex;
-        junctions_.push_back(std::move(junction));
+        for (std::uint32_t& v : junction.vertices()) v += firstVertex;
+        junctions_.push_back(junction);
       }
     }
   }

@@ -199,10 +199,10 @@ LeafCells cellsOf(const Field& field, std::size_t leaf, const LeafCells* intact)
       }
       const CellVertex vertex = cellVertex(values, sheets, p, field.cut().snapWeight);
       const bool isJunction = vertex.target != vertex.at;
-      if (isJunction) found.junctions.push_back({{}, low + vertex.target});
+      if (isJunction) found.junctions.push_back({.target = low + vertex.target});
       for (std::uint8_t l = 0; l < sheets.loops; ++l) {
         if (sheets.positionOfLoop[l] != p) continue;
-        if (isJunction) found.junctions.back().vertices.push_back(cell.firstLoop + l);
+        if (isJunction) found.junctions.back().add(cell.firstLoop + l);
         found.vertices[cell.firstLoop + l] = low + vertex.at;
         found.positionIds[cell.firstLoop + l] = found.positionCount + p;
       }

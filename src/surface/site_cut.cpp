@@ -185,11 +185,13 @@ class SitesOfLeaf {
   }
 
   // True if a nearest site of the row's voxel z has this label.
-  bool agrees(std::uint16_t label, std::size_t z) const {
-    const auto at = std::lower_bound(fragments_.begin(), fragments_.end(), label);
-    if (at == fragments_.end() || *at != label) return false;
-    const auto k = static_cast<std::size_t>(at - fragments_.begin());
-    return least_[z] != kFar && nearest_[k].squared[z] == least_[z];
+  bool agrees(std::uint16_t label, std::size_t z) {
+    if (found_ >= fragments_.size() || fragments_[found_] != label) {  // adjacent ones mostly agree
+      const auto at = std::lower_bound(fragments_.begin(), fragments_.end(), label);
+      if (at == fragments_.end() || *at != label) return false;
+      found_ = static_cast<std::size_t>(at - fragments_.begin());
+    }
+    return least_[z] != kFar && nearest_[found_].squared[z] == least_[z];
   }
 
   bool hasSites(std::size_t k) const { return !sites_[k].empty(); }
@@ -281,6 +283,7 @@ class SitesOfLeaf {
   std::array<std::int64_t, kCutSide> least_{};
   std::vector<std::vector<Rival>> rivals_;  // [fragments] by plane, the nearest first
   std::uint64_t planes_ = 0;
+  std::size_t found_ = 0;  // fragment of the last label
 };
 
 }  // namespace
