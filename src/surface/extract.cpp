@@ -43,24 +43,6 @@ std::vector<std::vector<std::uint32_t>> leavesOf(const Cut& cut, std::size_t fra
   return leaves;
 }
 
-VoxelBox voxelBox(const Solid& solid, const Labels& labels, std::uint16_t fragment,
-                  std::span<const std::uint32_t> leaves) {
-  VoxelBox box{openvdb::Coord::max(), openvdb::Coord::min()};
-  for (const std::uint32_t leaf : leaves) {
-    for (std::size_t x = 0; x < 8; ++x) {
-      for (std::uint64_t bits = solid.blocks->inside[leaf * 8 + x]; bits; bits &= bits - 1) {
-        const auto v =
-            static_cast<std::uint32_t>(x * 64) + static_cast<std::uint32_t>(std::countr_zero(bits));
-        if (labels.fragment[std::size_t{leaf} * 512 + v] != fragment) continue;
-        const openvdb::Coord voxel = solid.blocks->origins[leaf] + coordFromOffset(v);
-        box.min.minComponent(voxel);
-        box.max.maxComponent(voxel);
-      }
-    }
-  }
-  return box;
-}
-
 // [fragments + 1] the boxes of their inside voxels.
 std::vector<VoxelBox> voxelBoxes(const LeafBlocks& blocks, const Labels& labels) {
   const auto end = static_cast<std::size_t>(labels.fragmentCount) + 1;
@@ -138,6 +120,7 @@ Extraction::Extraction(const Solid& solid, const Labels& labels, const ExtractOp
       progress_(progress),
       count_(static_cast<std::size_t>(labels.fragmentCount)),
       voxels_(checkedCounts(labels, solid)),
+      boxes_(voxelBoxes(*solid.blocks, labels)),
       ownNeighborhoods_(options.intact ? std::vector<LeafNeighbors>()
                                        : leafNeighbors(solid.blocks->origins)),
       neighborhoods_(options.intact ? options.intact->neighborhoods : ownNeighborhoods_),
@@ -226,7 +209,7 @@ Fragment Extraction::makeFragment(std::size_t i) {
   fragment.id = static_cast<int>(i) + 1;
   const auto id = static_cast<std::uint16_t>(fragment.id);
   fragment.voxels = voxels_[i + 1];
-  fragment.voxelBox = voxelBox(solid_, labels_, id, leaves_[id]);
+  fragment.voxelBox = boxes_[i + 1];
   if (surface_.levelSets) fragment.surface = fragmentLevelSet(solid_, cut_, id, leaves_[id]);
   isShared() ? meshShared(fragment) : meshIndependent(fragment);
   fragment.mass = massProperties(fragment.mesh);

@@ -54,6 +54,7 @@ class Extraction {
   const Progress* const progress_;
   const std::size_t count_;
   const std::vector<std::uint64_t> voxels_;            ///< [fragments + 1]
+  const std::vector<VoxelBox> boxes_;                  ///< [fragments + 1]
   const std::vector<LeafNeighbors> ownNeighborhoods_;  ///< empty if there is an intact surface
   const std::span<const LeafNeighbors> neighborhoods_;
   const Cut cut_;
