@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "base/formatted.h"
 #include "base/text_scan.h"
 
 namespace sherd::cli {
@@ -43,6 +44,14 @@ std::vector<std::string> warningsOf(const FractureSummary& summary) {
     for (std::string& warning : meshWarnings(source, result)) {
       warnings.push_back(std::move(warning));
     }
+  }
+  const Length& depth = summary.options.erode.iterations;
+  const int side = result.solid.box.longestSide();
+  if (depth.percent > 0.0 && depth.over(side) < 0.5 && result.eroded.front() == 0) {
+    warnings.push_back(
+        formatted("%g %% of the longest side is less than half a voxel of %d; "
+                  "nothing was eroded",
+                  depth.percent, side));
   }
   if (result.solid.smallComponents > 0) {
     warnings.push_back(summary.mesh + ": " + std::to_string(result.solid.smallComponents) +

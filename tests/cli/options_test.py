@@ -154,6 +154,14 @@ class Growth(Options):
         self.assertGreater(splinters, 1.5)
         self.assertLess(plates, 1 / 1.5)
 
+    def test_a_depth_below_half_a_voxel_gives_a_warning(self):
+        """The ball has 32 voxels."""
+        for depth, warnings, eroded in (("1%", 1, False), ("2%", 0, True)):
+            result = self.done("--erode-iterations", depth)
+            self.assertEqual(result.stderr.count("nothing was eroded"), warnings, result.stderr)
+            with open(os.path.join(self.out, "manifest.json")) as file:
+                self.assertEqual(json.load(file)["grid"]["eroded_voxels"] > 0, eroded)
+
     def test_roughness_makes_cracks_larger(self):
         def cracks(*options):
             return sum(f["fracture_area"] for f in self.broken(*options, pieces=3)["fragments"])
