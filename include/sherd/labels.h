@@ -203,7 +203,7 @@ enum class Islands {
 struct ErodeOptions {
   ErodeShape shape = ErodeShape::ellipse;
   Length size = 3;        ///< across the shape: odd, 3..13 voxels; a percentage is rounded to the
-                          ///< nearest odd number, at least 3, and may be less than 14 voxels
+                          ///< nearest odd number, at least 3; 14 voxels and more are refused
   bool planes = false;    ///< 2-D: uses the shape's section in each of the three axis planes; a
                           ///< voxel erodes if any section is filled below the threshold
   Length iterations = 0;  ///< whole, 0..1000; 0: no erosion.  Each removes at most one layer, so

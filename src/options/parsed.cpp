@@ -192,7 +192,8 @@ constexpr WrittenName kWritten[] = {
     {"proxy", [](WriteOptions& w) -> bool& { return w.proxy; }},
 };
 
-// Files that a number asks for, whatever the list says; in the list they need no number.
+// Files that are written if there is a number of points, whatever the list says; the list alone
+// means this number.
 constexpr const char* kPointFiles = "points";
 constexpr std::size_t kListedPoints = 1000;
 

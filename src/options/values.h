@@ -65,6 +65,12 @@ template <class Whole>
   return static_cast<std::size_t>(found - names.begin());
 }
 
+[[nodiscard]] inline std::vector<std::string> textsOf(const std::vector<int>& numbers) {
+  std::vector<std::string> texts;
+  for (const int number : numbers) texts.push_back(std::to_string(number));
+  return texts;
+}
+
 /// Returns the length that the text is, not negative, or nullopt.
 [[nodiscard]] inline std::optional<Length> lengthIn(const std::string& text) {
   const bool isRelative = text.ends_with('%');
@@ -120,8 +126,7 @@ struct ValuesOf {
   /// Only these whole numbers.
   template <class Parent, class Struct>
   static Value oneOf(Parent parent, int Struct::*field, const std::vector<int>& numbers) {
-    std::vector<std::string> choices;
-    for (const int number : numbers) choices.push_back(std::to_string(number));
+    const std::vector<std::string> choices = textsOf(numbers);
     return {OptionType::whole, "", choices,
             [=](Target& o, const std::string& text) {
               parent(o).*field = numbers[indexOf(text, choices)];
@@ -174,8 +179,7 @@ struct ValuesOf {
   /// Only these whole numbers of voxels, or a percentage.
   template <class Parent, class Struct>
   static Value lengthOf(Parent parent, Length Struct::*field, const std::vector<int>& numbers) {
-    std::vector<std::string> choices;
-    for (const int number : numbers) choices.push_back(std::to_string(number));
+    const std::vector<std::string> choices = textsOf(numbers);
     return {OptionType::length, "P%", choices,
             [=](Target& o, const std::string& text) {
               parent(o).*field = text.ends_with('%') ? percentageFrom(text)

@@ -1,9 +1,6 @@
 // Points on fragments without meshes.
-#include <sherd/error.h>
 #include <sherd/points.h>
 #include <tbb/parallel_for.h>
-
-#include <string>
 
 #include "base/cancel_flag.h"
 #include "points/sample_surface.h"

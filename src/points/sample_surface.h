@@ -3,8 +3,6 @@
 
 #include <sherd/points.h>
 
-#include <cstdint>
-
 #include "mesh/surface_by_area.h"
 
 namespace sherd {

@@ -131,24 +131,17 @@ void points(benchmark::State& state, Sampled sampled) {
       benchmark::Counter(static_cast<double>(fragments), benchmark::Counter::kIsRate);
 }
 
-BENCHMARK_CAPTURE(points, none, Sampled::nothing)
-    ->Name("library/grow")
-    ->Arg(64)
-    ->Arg(128)
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
+void atTwoResolutions(benchmark::internal::Benchmark* bench) {
+  bench->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond)->UseRealTime();
+}
+
+BENCHMARK_CAPTURE(points, none, Sampled::nothing)->Name("library/grow")->Apply(atTwoResolutions);
 BENCHMARK_CAPTURE(points, without_meshes, Sampled::surfaces)
     ->Name("library/points")
-    ->Arg(64)
-    ->Arg(128)
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
+    ->Apply(atTwoResolutions);
 BENCHMARK_CAPTURE(points, of_meshes, Sampled::meshes)
     ->Name("library/points_of_meshes")
-    ->Arg(64)
-    ->Arg(128)
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
+    ->Apply(atTwoResolutions);
 BENCHMARK_CAPTURE(extracted, meshes, false)
     ->Name("library/extract")
     ->Unit(benchmark::kMillisecond)
