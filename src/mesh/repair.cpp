@@ -33,9 +33,9 @@ std::pair<std::array<std::uint32_t, 3>, bool> sortedCorners(const glm::uvec3& t)
   return {corners, even};
 }
 
-// Keeps one of the triangles with the same corners, or none if as many have one orientation as the
-// other.
-std::vector<glm::uvec3> withoutDuplicates(const std::vector<glm::uvec3>& triangles) {
+// Returns the triangles to keep, ascending: one of those with the same corners, or none if as many
+// have one orientation as the other.
+std::vector<std::uint32_t> withoutDuplicates(const std::vector<glm::uvec3>& triangles) {
   struct Entry {
     std::array<std::uint32_t, 3> corners;
     bool even;
@@ -64,9 +64,9 @@ std::vector<glm::uvec3> withoutDuplicates(const std::vector<glm::uvec3>& triangl
     }
     i = end;
   }
-  std::vector<glm::uvec3> out;
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    if (kept[i]) out.push_back(triangles[i]);
+  std::vector<std::uint32_t> out;
+  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+    if (kept[i]) out.push_back(i);
   }
   return out;
 }
@@ -239,7 +239,8 @@ std::size_t flipComponents(TriangleMesh& mesh, const MeshComponents& components,
 }  // namespace
 
 Repaired repaired(const TriangleMesh& mesh, const Progress* progress) {
-  Repaired out{mesh, {}};
+  Repaired out{mesh, std::vector<std::uint32_t>(mesh.triangles.size()), {}};
+  std::iota(out.source.begin(), out.source.end(), 0u);
   MeshDefects& defects = out.defects;
   const auto countEdges = [&] {
     throwIfCancelled(progress);
@@ -257,7 +258,11 @@ Repaired repaired(const TriangleMesh& mesh, const Progress* progress) {
   for (const glm::uvec3& t : mesh.triangles) defects.zeroAreaTriangles += areaOf(mesh, t) == 0.0;
   std::size_t unbalanced = countEdges();
   if (unbalanced > 0 || defects.nonManifoldEdges > 0) {
-    out.mesh.triangles = withoutDuplicates(mesh.triangles);
+    out.source = withoutDuplicates(mesh.triangles);
+    for (std::size_t i = 0; i < out.source.size(); ++i) {
+      out.mesh.triangles[i] = mesh.triangles[out.source[i]];
+    }
+    out.mesh.triangles.resize(out.source.size());
     defects.duplicateTriangles = mesh.triangles.size() - out.mesh.triangles.size();
   }
   const MeshDefects asRead = defects;

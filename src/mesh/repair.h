@@ -7,7 +7,8 @@
 namespace sherd {
 
 struct Repaired {
-  TriangleMesh mesh;  ///< the same vertices
+  TriangleMesh mesh;                  ///< the same vertices
+  std::vector<std::uint32_t> source;  ///< [triangles] index in the original mesh
   MeshDefects defects;
 };
 

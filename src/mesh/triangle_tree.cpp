@@ -105,6 +105,7 @@ TriangleTree::TriangleTree(const TriangleMesh& mesh) {
   std::vector<std::uint32_t> number(mesh.vertices.size(), kNone);
   vertices_.reserve(mesh.vertices.size());
   triangles_.reserve(count);
+  source_.reserve(count);
   for (const Item& item : items) {
     glm::uvec3 triangle = mesh.triangles[item.triangle];
     for (int corner = 0; corner < 3; ++corner) {
@@ -116,6 +117,7 @@ TriangleTree::TriangleTree(const TriangleMesh& mesh) {
       triangle[corner] = vertex;
     }
     triangles_.push_back(triangle);
+    source_.push_back(item.triangle);
   }
   first_.assign((std::size_t{1} << levels_) + 1, static_cast<std::uint32_t>(count));
   bounds_.resize((std::size_t{2} << levels_) - 1);

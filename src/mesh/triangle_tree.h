@@ -72,6 +72,9 @@ class TriangleTree {
     return {vertices_[t.x], vertices_[t.y], vertices_[t.z]};
   }
 
+  /// Returns the index in the mesh of a triangle, given by the tree's order.
+  [[nodiscard]] std::uint32_t source(std::size_t triangle) const { return source_[triangle]; }
+
   /// Returns the distance of a ray's first hit beyond `from`, in lengths of `direction`; infinite
   /// if it hits nothing.
   [[nodiscard]] double firstHit(const glm::dvec3& origin, const glm::dvec3& direction,
@@ -135,6 +138,7 @@ class TriangleTree {
 
   std::vector<glm::dvec3> vertices_;
   std::vector<glm::uvec3> triangles_;  // in the order of the leaves
+  std::vector<std::uint32_t> source_;  // [triangles] index in the mesh
   std::vector<std::uint32_t> first_;   // [leaves + 1] a leaf's first triangle
   std::vector<Bounds> bounds_;         // [nodes]
   std::vector<Dipole> dipoles_;        // [nodes]
