@@ -1,0 +1,144 @@
+// Triangles of one mesh that cross each other.
+#include "exact/self_crossings.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include "base/cancel_flag.h"
+#include "exact/crossing_point.h"
+#include "exact/predicates.h"
+#include "mesh/boxes.h"
+#include "mesh/triangle_tree.h"
+
+namespace sherd {
+namespace {
+
+constexpr std::size_t kBlock = 512;  // triangles that a task processes
+
+using Corners = std::array<glm::dvec3, 3>;
+
+// Whether a segment in the plane of a triangle meets it.
+bool meetsInPlane(const glm::dvec3& p, const glm::dvec3& q, const Corners& t) {
+  const glm::dvec3 normal = glm::abs(glm::cross(t[1] - t[0], t[2] - t[0]));
+  const int axis = normal.x >= normal.y && normal.x >= normal.z ? 0 : normal.y >= normal.z ? 1 : 2;
+  const ExactPoint a(p), b(q);
+  const std::array<ExactPoint, 3> corner{ExactPoint(t[0]), ExactPoint(t[1]), ExactPoint(t[2])};
+  const auto areApart = [](int left, int right) { return left * right > 0; };
+  std::array<int, 3> ofP{}, ofQ{};  // sides of the triangle's edges
+  for (std::size_t k = 0; k < 3; ++k) {
+    const ExactPoint &from = corner[k], &to = corner[(k + 1) % 3];
+    ofP[k] = orientation(from, to, a, axis);
+    ofQ[k] = orientation(from, to, b, axis);
+    const int ofFrom = orientation(a, b, from, axis), ofTo = orientation(a, b, to, axis);
+    if (areApart(ofP[k], ofQ[k]) || areApart(ofFrom, ofTo)) continue;
+    const bool areInLine = ofP[k] == 0 && ofQ[k] == 0 && ofFrom == 0 && ofTo == 0;
+    if (!areInLine || meet(boxOf({p, q, q}), boxOf({from.rounded, to.rounded, to.rounded}))) {
+      return true;
+    }
+  }
+  return ofP[0] == ofP[1] && ofP[1] == ofP[2];  // within
+}
+
+// Whether a segment meets a triangle, whose border belongs to it.
+bool meets(const glm::dvec3& p, const glm::dvec3& q, const Corners& t) {
+  const int atP = orientation(t[0], t[1], t[2], p), atQ = orientation(t[0], t[1], t[2], q);
+  if (atP == 0 && atQ == 0) return meetsInPlane(p, q, t);
+  if (atP == atQ) return false;
+  int least = 1, most = -1;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const int side = orientation(p, q, t[k], t[(k + 1) % 3]);
+    least = std::min(least, side);
+    most = std::max(most, side);
+  }
+  return least >= 0 || most <= 0;
+}
+
+class PairsOfMesh {
+ public:
+  PairsOfMesh(std::span<const glm::dvec3> vertices, std::span<const glm::uvec3> triangles)
+      : vertices_(vertices), triangles_(triangles) {}
+
+  Corners corners(std::uint32_t t) const {
+    const glm::uvec3& v = triangles_[t];
+    return {vertices_[v.x], vertices_[v.y], vertices_[v.z]};
+  }
+
+  bool cross(std::uint32_t a, std::uint32_t b) const {
+    const std::array<bool, 3> inB = shared(a, b), inA = shared(b, a);
+    const auto common = std::count(inB.begin(), inB.end(), true);
+    if (common >= 2) return common == 3 || areFolded(a, b, inB, inA);
+    return edgesMeet(a, inB, common, b) || edgesMeet(b, inA, common, a);
+  }
+
+ private:
+  // [corners of a] whether it is one of b.
+  std::array<bool, 3> shared(std::uint32_t a, std::uint32_t b) const {
+    const glm::uvec3 &s = triangles_[a], &t = triangles_[b];
+    std::array<bool, 3> is{};
+    for (int k = 0; k < 3; ++k)
+      is[static_cast<std::size_t>(k)] = s[k] == t.x || s[k] == t.y || s[k] == t.z;
+    return is;
+  }
+
+  bool edgesMeet(std::uint32_t a, const std::array<bool, 3>& isShared, std::ptrdiff_t common,
+                 std::uint32_t b) const {
+    const Corners own = corners(a), other = corners(b);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t end = (k + 1) % 3;
+      if (common > 0 && (isShared[k] || isShared[end])) continue;
+      if (meets(own[k], own[end], other)) return true;
+    }
+    return false;
+  }
+
+  // Of triangles with a common edge: whether they are in one plane, on one side of it.
+  bool areFolded(std::uint32_t a, std::uint32_t b, const std::array<bool, 3>& inB,
+                 const std::array<bool, 3>& inA) const {
+    const Corners s = corners(a), t = corners(b);
+    const auto free = [](const std::array<bool, 3>& is) {
+      return static_cast<std::size_t>(std::find(is.begin(), is.end(), false) - is.begin());
+    };
+    const glm::dvec3 &p = t[free(inA)], &q = s[free(inB)];
+    if (orientation(s[0], s[1], s[2], p) != 0) return false;
+    const glm::dvec3 &from = s[(free(inB) + 1) % 3], &to = s[(free(inB) + 2) % 3];
+    const glm::dvec3 along = to - from;
+    return glm::dot(glm::cross(along, p - from), glm::cross(along, q - from)) >= 0.0;
+  }
+
+  const std::span<const glm::dvec3> vertices_;
+  const std::span<const glm::uvec3> triangles_;
+};
+
+}  // namespace
+
+std::vector<std::array<std::uint32_t, 2>> selfCrossings(std::span<const glm::dvec3> vertices,
+                                                        std::span<const glm::uvec3> triangles,
+                                                        const Progress* progress) {
+  const TriangleTree tree(
+      {{vertices.begin(), vertices.end()}, {triangles.begin(), triangles.end()}});
+  const PairsOfMesh pairs(vertices, triangles);
+  const std::size_t count = triangles.size(), blocks = (count + kBlock - 1) / kBlock;
+  std::vector<std::vector<std::array<std::uint32_t, 2>>> found(blocks);
+  CancelFlag stop(progress);
+  tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t block) {
+    if (stop.isSet()) return;
+    const std::size_t end = std::min(count, (block + 1) * kBlock);
+    for (auto t = static_cast<std::uint32_t>(block * kBlock); t < end; ++t) {
+      const std::size_t before = found[block].size();
+      for (const std::uint32_t near : tree.meeting(boxOf(pairs.corners(t)))) {
+        const std::uint32_t other = tree.source(near);
+        if (other > t && pairs.cross(t, other)) found[block].push_back({t, other});
+      }
+      std::sort(found[block].begin() + static_cast<std::ptrdiff_t>(before), found[block].end());
+    }
+  });
+  stop.throwIfSet();
+  std::vector<std::array<std::uint32_t, 2>> all;
+  for (const auto& own : found) all.insert(all.end(), own.begin(), own.end());
+  return all;
+}
+
+}  // namespace sherd
