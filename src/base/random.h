@@ -49,6 +49,7 @@ enum class Stage : std::uint64_t {
   spaceSurface = 86,
   spaceOffset = 87,
   pointContact = 88,
+  crackVertex = 92,
   datasetObject = 96,    // derives a seed per object of a library
   datasetFracture = 97,  // derives a seed per fracture of an object
   datasetOption = 98,

@@ -206,8 +206,9 @@ struct CutSource {
 };
 
 //   corners  of CutExtent::cells, else null
+//   extent   of the whole cut
 CutLeaf cutLeaf(const CutSource& from, std::size_t leaf, const LeafNeighbors& neighborhood,
-                const CutHalo& halo, const CornerLabels* corners,
+                const CutHalo& halo, const CornerLabels* corners, CutExtent extent,
                 std::vector<std::uint16_t> fragments) {
   CutLeaf cut;
   cut.fragments = std::move(fragments);
@@ -241,7 +242,8 @@ CutLeaf cutLeaf(const CutSource& from, std::size_t leaf, const LeafNeighbors& ne
       if (snap > 0.0f && owner[v] != 0) {
         d = (1.0f - snap) * d + snap * (owner[v] == cut.fragments[i] ? -0.5f : 0.5f);
       }
-      if (isInside) {
+      const bool isOnPlane = ((rest[v / 8] >> (v % 8)) & 1) == 0;
+      if (isInside && !(isOnPlane && extent == CutExtent::exact)) {
         d = owner[v] == cut.fragments[i] ? std::min(d, -Cut::kLeastDepth)
                                          : std::max(d, Cut::kLeastDepth);
       }
@@ -292,7 +294,7 @@ Cut findCut(const Labels& labels, std::span<const LeafNeighbors> neighborhoods, 
         cut.only[leaf] = fragments.front();
       } else if (fragments.size() > 1) {
         perLeaf[leaf] = cutLeaf({blocks, labels, sites, cut.snapWeight}, leaf, neighborhood, halo,
-                                corners ? &*corners : nullptr, std::move(fragments));
+                                corners ? &*corners : nullptr, extent, std::move(fragments));
       }
     }
   });

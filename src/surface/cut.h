@@ -47,6 +47,7 @@ struct Cut {
 /// Where distances to the cut are computed.
 enum class CutExtent {
   everywhere,
+  exact,  ///< everywhere, and not clamped where the cut is a plane, so that it is flat
   cells,  ///< at the corners of cells with several labels, enough for interface_surface.h
 };
 

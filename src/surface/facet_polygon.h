@@ -1,0 +1,26 @@
+// The polygon of a facet, triangulated.
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "surface/crack_chains.h"
+#include "surface/facets.h"
+
+namespace sherd {
+
+/// The triangles of a facet's polygon, or where its border crosses itself: chains and vertices.
+struct FacetPolygon {
+  bool isMade = false;
+  std::vector<glm::uvec3> triangles{};              ///< of vertices
+  std::vector<std::uint32_t> chains{}, vertices{};  ///< ascending; empty if it is made
+};
+
+/// Returns the polygon that a facet's sides enclose, triangulated in the facet's plane.  No
+/// triangle if all sides cancel.
+///   cost  about sides * log(sides)
+[[nodiscard]] FacetPolygon polygonOf(std::uint32_t facet, const CrackChains& chains,
+                                     const Facets::Plane& plane);
+
+}  // namespace sherd

@@ -1,0 +1,192 @@
+// Region growing over faces.
+#include "surface/facets.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+
+namespace sherd {
+namespace {
+
+constexpr std::uint32_t kNone = 0xffffffffu;
+
+// The least cosine between a face's normal and its facet's.
+constexpr double kLeastCosine = 0.5;
+
+// Facets of fewer faces are absorbed by larger ones beside them, which they may be this much
+// farther away from, and at an angle below 90 degrees: single faces along the lines between facets.
+constexpr std::size_t kSmallFacet = 16;
+constexpr double kSmallTolerance = 4.0;
+
+// Facets of fewer faces are parts of curved surfaces: borders are not moved onto them.
+constexpr std::size_t kPlanarFacet = 128;
+
+class FacetGrowing {
+ public:
+  FacetGrowing(const CrackSurface& cracks, const FaceEdges& edges, double tolerance)
+      : cracks_(cracks), edges_(edges), tolerance_(tolerance) {
+    facets_.ofFace.assign(cracks.faces.size(), kNone);
+  }
+
+  Facets grow() {
+    for (std::uint32_t f = 0; f < cracks_.faces.size(); ++f) {
+      if (facets_.ofFace[f] == kNone) growFrom(f);
+    }
+    absorbSmall();
+    return std::move(facets_);
+  }
+
+ private:
+  const glm::dvec3& at(std::uint32_t face, int corner) const {
+    return cracks_.vertices[cracks_.faces[face].corner[corner]];
+  }
+  glm::dvec3 areaNormal(std::uint32_t face) const {  // of length twice the area
+    return glm::cross(at(face, 1) - at(face, 0), at(face, 2) - at(face, 0));
+  }
+
+  // The plane of the faces so far, weighted by their area.
+  void add(std::uint32_t face) {
+    const glm::dvec3 normal = areaNormal(face);
+    const double area = glm::length(normal);
+    normals_ += normal;
+    points_ += area * (at(face, 0) + at(face, 1) + at(face, 2)) / 3.0;
+    areas_ += area;
+  }
+  Facets::Plane plane() const {
+    const double length = glm::length(normals_);
+    return {areas_ > 0.0 ? points_ / areas_ : glm::dvec3(0.0),
+            length > 0.0 ? normals_ / length : glm::dvec3(0.0)};
+  }
+
+  bool fits(std::uint32_t face, const Facets::Plane& plane, double leastCosine,
+            double tolerance) const {
+    const glm::dvec3 normal = areaNormal(face);
+    if (glm::dot(normal, plane.normal) < leastCosine * glm::length(normal)) return false;
+    for (int k = 0; k < 3; ++k) {
+      const double distance = glm::dot(at(face, k) - plane.point, plane.normal);
+      if (!(std::abs(distance) <= tolerance)) return false;
+    }
+    return true;
+  }
+
+  void growFrom(std::uint32_t seed) {
+    const auto facet = static_cast<std::uint32_t>(facets_.planes.size());
+    normals_ = points_ = glm::dvec3(0.0);
+    areas_ = 0.0;
+    std::vector<std::uint32_t> faces{seed};
+    facets_.ofFace[seed] = facet;
+    add(seed);
+    Facets::Plane current = plane();
+    std::size_t fitted = 1;  // faces that the plane is fitted to
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+      for (const std::uint32_t edge : edges_.of(faces[i])) {
+        const std::uint32_t other = across(edge, faces[i]);
+        if (other == kNone || facets_.ofFace[other] != kNone) continue;
+        if (!fits(other, current, kLeastCosine, tolerance_)) continue;
+        facets_.ofFace[other] = facet;
+        faces.push_back(other);
+        add(other);
+        if (faces.size() < 2 * fitted) continue;
+        fitted = faces.size();
+        current = plane();
+      }
+    }
+    facets_.planes.push_back(plane());
+    facets_.sizes.push_back(faces.size());
+  }
+
+  void absorbSmall() {
+    std::vector<std::uint32_t> todo;
+    for (std::uint32_t f = 0; f < cracks_.faces.size(); ++f) {
+      if (!isSmall(f)) todo.push_back(f);
+    }
+    for (std::size_t i = 0; i < todo.size(); ++i) {
+      const std::uint32_t facet = facets_.ofFace[todo[i]];
+      for (const std::uint32_t edge : edges_.of(todo[i])) {
+        const std::uint32_t other = across(edge, todo[i]);
+        if (other == kNone || !isSmall(other)) continue;
+        if (!fits(other, facets_.planes[facet], 0.0, kSmallTolerance * tolerance_)) continue;
+        facets_.ofFace[other] = facet;
+        todo.push_back(other);
+      }
+    }
+  }
+  bool isSmall(std::uint32_t face) const {
+    return facets_.sizes[facets_.ofFace[face]] < kSmallFacet;
+  }
+
+  // The face between the same labels on the other side of an edge that has no third face.
+  std::uint32_t across(std::uint32_t edge, std::uint32_t face) const {
+    const auto uses = edges_.uses(edge);
+    if (uses.size() != 2 || uses[0].isForward == uses[1].isForward) return kNone;
+    const std::uint32_t other = uses[0].face == face ? uses[1].face : uses[0].face;
+    const CrackFace &a = cracks_.faces[face], &b = cracks_.faces[other];
+    return a.front == b.front && a.back == b.back ? other : kNone;
+  }
+
+  const CrackSurface& cracks_;
+  const FaceEdges& edges_;
+  const double tolerance_;
+  Facets facets_;
+  glm::dvec3 normals_{0.0}, points_{0.0};
+  double areas_ = 0.0;
+};
+
+}  // namespace
+
+Facets facetsOf(const CrackSurface& cracks, const FaceEdges& edges, double tolerance) {
+  return FacetGrowing(cracks, edges, tolerance).grow();
+}
+
+void splitOff(Facets& facets, const CrackSurface& cracks,
+              const std::function<bool(std::size_t)>& condition) {
+  for (std::size_t f = 0; f < cracks.faces.size(); ++f) {
+    if (facets.sizes[facets.ofFace[f]] == 1 || !condition(f)) continue;
+    const glm::uvec3& t = cracks.faces[f].corner;
+    const glm::dvec3& a = cracks.vertices[t.x];
+    const glm::dvec3 normal = glm::cross(cracks.vertices[t.y] - a, cracks.vertices[t.z] - a);
+    const double length = glm::length(normal);
+    facets.ofFace[f] = static_cast<std::uint32_t>(facets.planes.size());
+    facets.planes.push_back({a, length > 0.0 ? normal / length : glm::dvec3(0.0)});
+    facets.sizes.push_back(1);
+  }
+}
+
+std::vector<glm::dvec3> snapped(const CrackSurface& cracks, const Facets& facets, double most) {
+  constexpr std::size_t kMostPlanes = 8;
+  struct Around {
+    std::array<std::uint32_t, kMostPlanes> facet{};
+    std::size_t count = 0;
+  };
+  std::vector<Around> around(cracks.vertices.size());
+  for (std::size_t f = 0; f < cracks.faces.size(); ++f) {
+    const std::uint32_t facet = facets.ofFace[f];
+    if (facets.sizes[facet] < kPlanarFacet) continue;
+    for (int k = 0; k < 3; ++k) {
+      Around& at = around[cracks.faces[f].corner[k]];
+      const auto end = at.facet.begin() + static_cast<std::ptrdiff_t>(at.count);
+      if (at.count < kMostPlanes && std::find(at.facet.begin(), end, facet) == end) {
+        at.facet[at.count++] = facet;
+      }
+    }
+  }
+  constexpr double kPull = 1e-3;  // towards where it is
+  std::vector<glm::dvec3> positions = cracks.vertices;
+  for (std::size_t v = 0; v < positions.size(); ++v) {
+    glm::dmat3 a(kPull);
+    glm::dvec3 b(0.0);
+    for (std::size_t i = 0; i < around[v].count; ++i) {
+      const Facets::Plane& plane = facets.planes[around[v].facet[i]];
+      a += glm::outerProduct(plane.normal, plane.normal);
+      b += glm::dot(plane.point - positions[v], plane.normal) * plane.normal;
+    }
+    const glm::dvec3 step = glm::inverse(a) * b;
+    if (glm::dot(step, step) <= most * most) positions[v] += step;
+  }
+  return positions;
+}
+
+}  // namespace sherd

@@ -1,0 +1,185 @@
+// Replaces each facet of a crack surface by a triangulated polygon.  Polygons share their borders.
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <numeric>
+#include <span>
+#include <utility>
+
+#include "base/cancel_flag.h"
+#include "base/random.h"
+#include "exact/sort_unique.h"
+#include "surface/crack_chains.h"
+#include "surface/crack_faults.h"
+#include "surface/crack_surface.h"
+#include "surface/face_edges.h"
+#include "surface/facet_polygon.h"
+#include "surface/facets.h"
+#include "surface/near_points.h"
+
+namespace sherd {
+namespace {
+
+constexpr std::uint32_t kNone = 0xffffffffu;
+
+// How far vertices may move onto the planes around them.
+constexpr double kMostSnap = 10.0;
+
+// How often faces are split off facets whose borders still cross.
+constexpr int kMostSplits = 8;
+
+// Near polygons that cross each other the faces stay: within this many tolerances, then within
+// twice that, and so on.
+constexpr double kFirstRadius = 20.0;
+constexpr int kMostRounds = 6;
+
+// Vertices are displaced at random by this share of the tolerance, so that no four are in a plane,
+// and none lies on the surface that the cracks are to cut.
+constexpr double kDisplacement = 1e-3;
+
+class CrackSimplifier {
+ public:
+  CrackSimplifier(const CrackSurface& cracks, double tolerance, std::uint64_t seed)
+      : cracks_(cracks),
+        edges_(trianglesOf(cracks), cracks.vertices.size()),
+        tolerance_(tolerance),
+        facets_(facetsOf(cracks, edges_, tolerance)),
+        seed_(seed),
+        positions_(snapped(cracks, facets_, kMostSnap * tolerance)) {
+    for (std::uint32_t v = 0; v < positions_.size(); ++v) positions_[v] += displacement(v);
+  }
+
+  CrackSurface simplify(const Progress* progress) {
+    double radius = kFirstRadius * tolerance_;
+    for (int round = 0;; ++round, radius *= 2.0) {
+      makeAllPolygons(progress);
+      CrackSurface all = assembled();
+      const std::vector<glm::dvec3> faults = faultsOf(all, progress);
+      if (faults.empty() || round == kMostRounds) return all;
+      restoreNear(faults, radius);
+    }
+  }
+
+ private:
+  glm::dvec3 displacement(std::uint32_t v) const {
+    glm::dvec3 d;
+    for (int k = 0; k < 3; ++k) {
+      const std::uint64_t item = 3 * std::uint64_t{v} + static_cast<unsigned>(k);
+      d[k] = kDisplacement * tolerance_ * (2.0 * randomUnit(seed_, Stage::crackVertex, item) - 1.0);
+    }
+    return d;
+  }
+
+  // Gives back the faces near some points.
+  void restoreNear(std::span<const glm::dvec3> points, double radius) {
+    const NearPoints faults(points);
+    std::vector<std::uint8_t> isNear(cracks_.vertices.size(), 0);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, isNear.size(), 512),
+                      [&](const auto& range) {
+                        for (std::size_t v = range.begin(); v < range.end(); ++v) {
+                          isNear[v] = faults.areWithin(radius, cracks_.vertices[v]) ? 1 : 0;
+                        }
+                      });
+    for (std::uint32_t v = 0; v < isNear.size(); ++v) {
+      if (isNear[v] != 0) positions_[v] = cracks_.vertices[v] + displacement(v);
+    }
+    splitOff(facets_, cracks_, [&](std::size_t f) {
+      const glm::uvec3& t = cracks_.faces[f].corner;
+      return isNear[t.x] + isNear[t.y] + isNear[t.z] > 0;
+    });
+  }
+
+  void makeAllPolygons(const Progress* progress) {
+    for (int split = 0; split <= kMostSplits; ++split) {
+      makePolygons(split < kMostSplits, progress);
+      const bool isAnyFailed = std::any_of(
+          polygons_.begin(), polygons_.end(),
+          [](const FacetPolygon& polygon) { return !polygon.isMade && !polygon.vertices.empty(); });
+      if (!isAnyFailed) return;
+      splitOff(facets_, cracks_, [&](std::size_t f) {
+        const FacetPolygon& polygon = polygons_[facets_.ofFace[f]];
+        const glm::uvec3& t = cracks_.faces[f].corner;
+        return !polygon.isMade && std::any_of(&t.x, &t.x + 3, [&](std::uint32_t v) {
+          return std::binary_search(polygon.vertices.begin(), polygon.vertices.end(), v);
+        });
+      });
+    }
+  }
+
+  // Chains that cross each other are refined, which changes the polygons on all sides.
+  //   mayFail  leaves polygons unmade whose borders cross; else their facets keep their faces
+  void makePolygons(bool mayFail, const Progress* progress) {
+    CrackChains chains(edges_, facets_, positions_, tolerance_);
+    polygons_.assign(facets_.planes.size(), {});
+    std::vector<bool> keepsFaces(polygons_.size(), false);
+    std::vector<std::uint32_t> todo(polygons_.size());
+    std::iota(todo.begin(), todo.end(), 0u);
+    while (!todo.empty()) {
+      CancelFlag stop(progress);
+      tbb::parallel_for(std::size_t{0}, todo.size(), [&](std::size_t i) {
+        const std::uint32_t f = todo[i];
+        if (!stop.isSet() && !keepsFaces[f]) polygons_[f] = polygonOf(f, chains, facets_.planes[f]);
+      });
+      stop.throwIfSet();
+      std::vector<std::uint32_t> again;
+      for (const std::uint32_t f : todo) {
+        if (polygons_[f].isMade || keepsFaces[f]) continue;
+        const std::size_t before = again.size();
+        chains.refine(polygons_[f].chains, again);
+        if (again.size() > before || mayFail) continue;
+        keepsFaces[f] = true;
+        polygons_[f] = {};
+        chains.keepAll(chains.of(f), again);
+      }
+      sortUnique(again);
+      todo = std::move(again);
+    }
+  }
+
+  CrackSurface assembled() const {
+    CrackSurface out;
+    std::vector<std::uint32_t> number(cracks_.vertices.size(), kNone);
+    const auto add = [&](const glm::uvec3& corner, std::uint32_t f) {
+      CrackFace face{.front = cracks_.faces[f].front, .back = cracks_.faces[f].back};
+      for (int k = 0; k < 3; ++k) {
+        std::uint32_t& n = number[corner[k]];
+        if (n == kNone) {
+          n = static_cast<std::uint32_t>(out.vertices.size());
+          out.vertices.push_back(positions_[corner[k]]);
+        }
+        face.corner[k] = n;
+      }
+      out.faces.push_back(face);
+    };
+    std::vector<bool> isDone(polygons_.size(), false);
+    for (std::uint32_t f = 0; f < cracks_.faces.size(); ++f) {
+      const std::uint32_t facet = facets_.ofFace[f];
+      if (!polygons_[facet].isMade) {
+        add(cracks_.faces[f].corner, f);
+      } else if (!isDone[facet]) {
+        isDone[facet] = true;
+        for (const glm::uvec3& t : polygons_[facet].triangles) add(t, f);
+      }
+    }
+    return out;
+  }
+
+  const CrackSurface& cracks_;
+  const FaceEdges edges_;
+  const double tolerance_;
+  Facets facets_;
+  const std::uint64_t seed_;
+  std::vector<glm::dvec3> positions_;   // [vertices]
+  std::vector<FacetPolygon> polygons_;  // [facets]
+};
+
+}  // namespace
+
+CrackSurface simplified(const CrackSurface& cracks, double tolerance, std::uint64_t seed,
+                        const Progress* progress) {
+  if (cracks.faces.empty()) return cracks;
+  return CrackSimplifier(cracks, tolerance, seed).simplify(progress);
+}
+
+}  // namespace sherd
