@@ -40,6 +40,18 @@ echo "== fuzzing the readers, each for five minutes"
 tools/build.sh asan sherd_fuzz
 tests/fuzz/run.sh build/asan/tests/fuzz/sherd_fuzz 300
 
+echo "== 2000 fractures with exact surfaces"
+tools/build.sh release sherd_exact_sweep
+meshes=()
+if [ -n "${SHERD_TEST_DATA:-}" ]; then
+  for name in armadillo.obj bunny.off dragon.obj lucy.ply drivaer_frontWheels.obj.gz vase_goblet.stl vented_rear_case.ply \
+    1002_tray_bottom.STL ADIS16480.STL flange.stl.gz mengerSponge3.glb boot.obj 99865_car.stl screw-big.obj nut-big.obj springer.obj \
+    sword-quad-dominant.obj bunny_closed_high_res.stl self_intersectA.obj footbones.ply 3DBenchy.ply; do
+    meshes+=("$SHERD_TEST_DATA/$name")
+  done
+fi
+build/release/tests/sherd_exact_sweep 2000 1 "${meshes[@]}"
+
 echo "== the same bytes on every device"
 tests/long/devices.py build/release/sherd
 

@@ -58,10 +58,12 @@ struct FractureResult {
   std::vector<std::uint64_t> eroded;  ///< [fragments+1] eroded voxels of each, [0] the sum
   std::vector<Fragment> fragments;    ///< [max(pieces, components)] ascending by id
   std::shared_ptr<const FragmentSurfaces>
-      surfaces{};            ///< without SurfaceOptions::meshes, else null
-  std::size_t withheld = 0;  ///< the last `withheld` fragments are withheld
-  std::vector<int> parents;  ///< [fragments] of refracture: id of the old fragment that
-                             ///< each comes from; else empty
+      surfaces{};              ///< without SurfaceOptions::meshes, else null
+  std::string exactFailure{};  ///< why Surface::exact was replaced by Surface::smooth, as a clause;
+                               ///< empty if it was not
+  std::size_t withheld = 0;    ///< the last `withheld` fragments are withheld
+  std::vector<int> parents;    ///< [fragments] of refracture: id of the old fragment that
+                               ///< each comes from; else empty
   std::vector<StageTime> times;
 
   std::size_t kept() const { return fragments.size() - withheld; }

@@ -26,6 +26,9 @@ enum class Surface {
            ///< and corners on both sides of a crack.  Where voxels of a fragment share only an edge
            ///< or a corner, each sheet has its own vertices, 1/64 voxel apart, so the mesh is edge-
            ///< and vertex-manifold and stays so if a program merges equal vertices.
+  exact    ///< the input's own triangles, cut by the cracks: outside the cracks every vertex and
+           ///< triangle stays as it is, bit for bit.  Needs Solid::mesh, closed; where it does not
+           ///< succeed, all fragments get Surface::smooth
 };
 
 /// How the surface between two fragments is meshed with Surface::smooth.
@@ -146,6 +149,7 @@ struct Fragment {
                               ///< null without SurfaceOptions::levelSets
   TriangleMesh mesh;  ///< closed, edge-manifold, oriented outwards, world units, with neighbors;
                       ///< empty without SurfaceOptions::meshes
+  Surface meshedAs = Surface::smooth;  ///< SurfaceOptions::surface, or what replaced it
   MassProperties mass;
   double area = 0.0;
   double fractureArea = 0.0;      ///< area of the triangles with neighbor > 0

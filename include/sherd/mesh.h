@@ -68,6 +68,11 @@ struct TriangleMesh {
   /// [m] id of the fragment on the other side, 0 for the original surface; empty: unknown
   std::vector<std::uint16_t> neighbor{};
   SurfaceAttributes attributes{};  ///< arrays of [m], each may be empty
+  /// [m] for Surface::exact: index of the input's triangle that a triangle is, or is a part of;
+  /// kNoSource on fracture surfaces; empty: unknown
+  std::vector<std::uint32_t> source{};
+
+  static constexpr std::uint32_t kNoSource = 0xffffffffu;
 
   /// Returns the neighbor of a triangle, 0 where it is unknown.
   [[nodiscard]] std::uint16_t neighborOf(std::size_t triangle) const {

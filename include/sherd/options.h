@@ -21,6 +21,12 @@ enum class VdbFiles {
   both,
 };
 
+/// The type of vertices in `.ply`.
+enum class Precision {
+  single,
+  full,  ///< double: vertices of the input keep their bits, whatever its precision
+};
+
 /// The files that a fracture writes in addition to `manifest.json`.
 struct WriteOptions {
   bool labels = true;        ///< labels.rle, or other formats by voxelFormats
@@ -53,6 +59,8 @@ struct WriteOptions {
                                     ///< count > 0; a `sigma` of 0 is the voxel size; `seed` as for
                                     ///< points
   std::size_t correspondences = 0;  ///< correspondences.npz: points per contact; 0: no file
+
+  Precision precision = Precision::single;  ///< of meshes/STEM_001.ply
 
   char up = 'y';  ///< the mesh's axis that points up in the preview: 'x', 'y' or 'z'
 

@@ -175,6 +175,7 @@ struct SolidOptions {
   Fill fill = Fill::automatic;
   double shellThickness = 0.0;  ///< world units, at most the mesh's longest side; 0: 2.5 voxels.
                                 ///< For Fill::shell; with Fill::automatic, above 0 selects a shell
+  bool keepMesh = false;        ///< sets Solid::mesh, which Surface::exact needs
 };
 
 /// The resolution of a solid and its origin.
@@ -198,6 +199,13 @@ struct SolidReport {
 
 class SolidRegion;
 
+/// The mesh that a solid was made from, repaired.
+struct SolidMesh {
+  TriangleMesh mesh;  ///< world units, with the vertices of the input, without attributes; oriented
+                      ///< outwards where that is possible
+  std::vector<std::uint32_t> source;  ///< [triangles] index in the input
+};
+
 /// A solid, read-only once returned.
 struct Solid {
   GridFrame frame;
@@ -212,6 +220,7 @@ struct Solid {
   /// The mesh, which decides where seeds are inside; null for a solid that has none.  It keeps
   /// trees of triangles, some 150 bytes for each.
   std::shared_ptr<const SolidRegion> region{};
+  std::shared_ptr<const SolidMesh> mesh{};  ///< with SolidOptions::keepMesh, else null
 };
 
 /// Voxelizes a mesh.  First the mesh is repaired: duplicate triangles are dropped, triangles are

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <numeric>
@@ -51,6 +52,13 @@ glm::dvec3 weightsAt(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3&
   const double v = std::clamp((cc * pb - bc * pc) / determinant, 0.0, 1.0);
   const double w = std::clamp((bb * pc - bc * pb) / determinant, 0.0, 1.0 - v);
   return {1.0 - v - w, v, w};
+}
+
+// Projects a point along the coordinate axis that is nearest to a normal.
+glm::vec2 projected(const glm::dvec3& p, const glm::dvec3& normal) {
+  const glm::dvec3 n = glm::abs(normal);
+  if (n.x >= n.y && n.x >= n.z) return {p.y, p.z};
+  return n.y >= n.z ? glm::vec2(p.x, p.z) : glm::vec2(p.x, p.y);
 }
 
 }  // namespace
@@ -194,14 +202,20 @@ void AttributeSource::setCorner(SurfaceAttributes& out, std::size_t triangle, st
   const glm::uvec3& t = mesh_.triangles[found.triangle];
   const glm::dvec3 weights =
       weightsAt(found.point, mesh_.vertices[t.x], mesh_.vertices[t.y], mesh_.vertices[t.z]);
+  interpolate(out, triangle, corner, found.triangle, weights);
+}
+
+// Sets a corner from the corners of the source's triangle `from`.
+void AttributeSource::interpolate(SurfaceAttributes& out, std::size_t triangle, std::size_t corner,
+                                  std::uint32_t from, const glm::dvec3& weights) const {
   glm::dvec2 texcoord(0.0);
   glm::dvec3 color(0.5);  // so that truncation rounds
   for (std::size_t k = 0; k < 3; ++k) {
     const double weight = weights[static_cast<int>(k)];
     if (!out.texcoords.empty()) {
-      texcoord += weight * glm::dvec2(attributes_.texcoords[found.triangle][k]);
+      texcoord += weight * glm::dvec2(attributes_.texcoords[from][k]);
     }
-    if (!out.colors.empty()) color += weight * glm::dvec3(attributes_.colors[found.triangle][k]);
+    if (!out.colors.empty()) color += weight * glm::dvec3(attributes_.colors[from][k]);
   }
   if (!out.texcoords.empty()) out.texcoords[triangle][corner] = glm::vec2(texcoord);
   if (!out.colors.empty()) out.colors[triangle][corner] = glm::u8vec3(color);
@@ -213,14 +227,9 @@ class AttributeSource::Transfer {
  public:
   Transfer(const AttributeSource& source, const TriangleMesh& mesh, std::uint32_t inside)
       : source_(source), mesh_(mesh), normals_(mesh.vertices.size(), glm::dvec3(0.0)) {
-    const SurfaceAttributes& from = source.attributes_;
     const std::size_t count = mesh.triangles.size();
-    if (!from.texcoords.empty()) out_.texcoords.resize(count);
-    if (!from.colors.empty()) {
-      out_.colors.assign(count, {kInsideColor, kInsideColor, kInsideColor});
-    }
-    if (!from.material.empty()) out_.material.assign(count, inside);
-    onlyMaterials_ = from.texcoords.empty() && from.colors.empty();
+    out_ = source.insideAttributes(count, inside);
+    onlyMaterials_ = out_.texcoords.empty() && out_.colors.empty();
     for (std::uint32_t t = 0; t < count; ++t) {
       if (mesh.neighborOf(t) == 0) original_.push_back(t);
     }
@@ -352,8 +361,47 @@ class AttributeSource::Transfer {
   std::vector<Face> faces_;              // [original_]
 };
 
+SurfaceAttributes AttributeSource::insideAttributes(std::size_t triangles,
+                                                    std::uint32_t inside) const {
+  SurfaceAttributes out;
+  if (!attributes_.texcoords.empty()) out.texcoords.resize(triangles);
+  if (!attributes_.colors.empty()) {
+    out.colors.assign(triangles, {kInsideColor, kInsideColor, kInsideColor});
+  }
+  if (!attributes_.material.empty()) out.material.assign(triangles, inside);
+  return out;
+}
+
+SurfaceAttributes AttributeSource::fromSources(const TriangleMesh& mesh,
+                                               std::uint32_t inside) const {
+  SurfaceAttributes out = insideAttributes(mesh.triangles.size(), inside);
+  tbb::parallel_for(std::size_t{0}, mesh.triangles.size(), [&](std::size_t t) {
+    const std::uint32_t from = mesh.source[t];
+    const Corners corners = cornersOf(mesh, mesh.triangles[t]);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const glm::dvec3& p = mesh.vertices[mesh.triangles[t][static_cast<int>(k)]];
+      if (from == TriangleMesh::kNoSource) {
+        if (!out.texcoords.empty()) out.texcoords[t][k] = projected(p, corners.normal);
+        continue;
+      }
+      const glm::uvec3& s = mesh_.triangles[from];
+      const std::vector<glm::dvec3>& v = mesh_.vertices;
+      glm::dvec3 weights(0.0);
+      const glm::dvec3 at = (p - center_) / scale_;  // to the bit, of a corner of the source
+      for (int c = 0; c < 3 && weights == glm::dvec3(0.0); ++c) weights[c] = at == v[s[c]];
+      if (weights == glm::dvec3(0.0)) weights = weightsAt(at, v[s.x], v[s.y], v[s.z]);
+      interpolate(out, t, k, from, weights);
+    }
+    if (!out.material.empty() && from != TriangleMesh::kNoSource) {
+      out.material[t] = attributes_.material[from];
+    }
+  });
+  return out;
+}
+
 SurfaceAttributes AttributeSource::transferTo(const TriangleMesh& mesh,
                                               std::uint32_t inside) const {
+  if (!mesh.source.empty()) return fromSources(mesh, inside);
   return Transfer(*this, mesh, inside).run();
 }
 

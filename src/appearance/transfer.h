@@ -29,6 +29,11 @@ class AttributeSource {
 
   /// Returns the attributes of a mesh's faces.  Faces of the original surface get them from the
   /// source; all others get kInsideColor, texture coordinates 0 and the material index `inside`.
+  ///
+  /// With TriangleMesh::source a face gets them from the triangle that it is a part of: at that
+  /// triangle's own corners the same, else interpolated.  Texture coordinates of fracture surfaces
+  /// are projected then, along the coordinate axis that is nearest to the face's normal: one is one
+  /// world unit.
   ///   return  the same arrays as the source has
   ///   cost    triangles * log(the source's triangles)
   [[nodiscard]] SurfaceAttributes transferTo(const TriangleMesh& mesh, std::uint32_t inside) const;
@@ -42,6 +47,11 @@ class AttributeSource {
   [[nodiscard]] bool isNearSelfSeam(const glm::dvec3& point, double reach) const;
   [[nodiscard]] std::vector<std::uint32_t> patch(std::uint32_t triangle, const glm::dvec3& point,
                                                  double reach) const;
+  [[nodiscard]] SurfaceAttributes fromSources(const TriangleMesh& mesh, std::uint32_t inside) const;
+  [[nodiscard]] SurfaceAttributes insideAttributes(std::size_t triangles,
+                                                   std::uint32_t inside) const;
+  void interpolate(SurfaceAttributes& out, std::size_t triangle, std::size_t corner,
+                   std::uint32_t from, const glm::dvec3& weights) const;
   void setCorner(SurfaceAttributes& out, std::size_t triangle, std::size_t corner,
                  const Nearest& found) const;
 

@@ -32,6 +32,10 @@ inline void keepLittle(char* bytes, float value) {
   keepLittle(bytes, std::bit_cast<std::uint32_t>(value));
 }
 
+inline void keepLittle(char* bytes, double value) {
+  keepLittle(bytes, std::bit_cast<std::uint64_t>(value));
+}
+
 /// Appends a number to `bytes`.
 template <class T>
 requires std::is_unsigned_v<T>

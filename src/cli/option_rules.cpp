@@ -132,6 +132,11 @@ std::vector<Rule> surfaceRules() {
        [](P p) { return p.run.fracture.surface.surface == Surface::labels; },
        "does nothing with --surface labels, which meshes fragments separately",
        {"--surface"}},
+      {{"--interface"},
+       Verdict::idle,
+       [](P p) { return p.run.fracture.surface.surface == Surface::exact; },
+       "does nothing with --surface exact, whose fragments always share their surfaces",
+       {"--surface"}},
       {{"--smoothing"},
        Verdict::idle,
        [](P p) {
@@ -166,6 +171,10 @@ std::vector<Rule> formatRules() {
                 !hasFormat(p, MeshFileFormat::obj);
        },
        "does nothing without ply or obj in --mesh-format"},
+      {{"--precision"},
+       Verdict::idle,
+       [](P p) { return !writes(p, {"mesh"}) || !hasFormat(p, MeshFileFormat::ply); },
+       "does nothing without mesh in --write and ply in --mesh-format"},
       {{"--voxel-format"},
        Verdict::idle,
        [](P p) { return !writes(p, {"labels"}); },

@@ -49,6 +49,7 @@ struct Work {
   std::unique_ptr<StagedFiles> files;
   Json line;
   std::size_t fragments = 0;
+  std::string exactFailure;
 };
 
 class ObjectRun {
@@ -186,6 +187,7 @@ class ObjectRun {
     };
     const auto record = [&](const std::shared_ptr<Work>& work) {
       keep(*work->files, std::move(work->line));
+      warnOfSurface(work->exactFailure);
       run_.fractured(work->fragments);
     };
     using Mode = tbb::filter_mode;
@@ -194,6 +196,13 @@ class ObjectRun {
         tbb::make_filter<void, std::shared_ptr<Work>>(Mode::serial_in_order, growNext) &
             tbb::make_filter<std::shared_ptr<Work>, std::shared_ptr<Work>>(Mode::parallel, finish) &
             tbb::make_filter<std::shared_ptr<Work>, void>(Mode::serial_in_order, record));
+  }
+
+  // Warns once for an object.
+  void warnOfSurface(const std::string& failure) {
+    if (failure.empty() || std::exchange(hasWarned_, true)) return;
+    run_.warning(object_.file.string() + ": " + failure +
+                 ", so fragments have the smooth surface instead of the exact one");
   }
 
   // Bridges disk stalls of one to three seconds; small beside the memory of fractures.
@@ -222,6 +231,7 @@ class ObjectRun {
     begin = Clock::now();
     FractureResult result = extracted(std::move(growth->grown), options, &progress_);
     run_.times.add("extract", secondsSince(begin));
+    work.exactFailure = result.exactFailure;
     if (options.surface.meshes) renderThumbnail(planned.name(), result);
     begin = Clock::now();
     const NamedFiles names =
@@ -299,6 +309,7 @@ class ObjectRun {
   const FractureWriter* writer_ = nullptr;
   std::map<std::string, int> done_;  // attempt of each finished fracture, by name
   std::uint64_t memory_ = 0;
+  bool hasWarned_ = false;  // of a surface that is not exact
 };
 
 }  // namespace

@@ -173,6 +173,7 @@ void FractureWriting::finish(const Progress* progress) const {
 
 FractureOptions optionsFor(FractureOptions options, const WriteOptions& write) {
   options.grow.keepCost = write.cost;
+  options.solid.keepMesh = options.surface.surface == Surface::exact;
   options.surface.levelSets = write.needsLevelSets();
   options.surface.meshes = write.needsMeshes() || !canLackMeshes(options.surface);
   return options;

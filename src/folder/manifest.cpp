@@ -138,6 +138,7 @@ Json fragmentJson(const Fragment& fragment, const MeshFacts& facts, const Fractu
       {"area", plain(fragment.area)},
       {"fracture_area", plain(fragment.fractureArea)},
       {"original_area", plain(fragment.area - fragment.fractureArea)},
+      {"surface", names::of(names::kSurface, fragment.meshedAs)},
       {"eroded_voxels", result.eroded[static_cast<std::size_t>(fragment.id)]},
       {"seeds", std::move(seeds)},
       {"files", std::move(files)},
@@ -221,6 +222,7 @@ std::string manifestText(const SourceMesh& source, const FractureOptions& option
   if (isRequested && static_cast<std::size_t>(options.pieces) < result.fragments.size()) {
     manifest["pieces_asked"] = options.pieces;
   }
+  if (!result.exactFailure.empty()) manifest["exact_failure"] = result.exactFailure;
   manifest["grid"] = gridJson(source, options, result);
   manifest["components"] = result.components;
   manifest["effective_number"] = effectiveNumber(result);

@@ -29,11 +29,12 @@ SurfaceAttributes MeshWriter::attributesOf(const TriangleMesh& mesh) const {
 void MeshWriter::write(const TriangleMesh& mesh, const SurfaceAttributes& attributes,
                        const std::vector<std::string>& paths) const {
   const std::string name = std::filesystem::path(paths.front()).stem().string();
-  const PieceMesh piece{name, mesh, attributes, table_};
+  const bool isDouble = options_.precision == Precision::full;
+  const PieceMesh piece{name, mesh, attributes, table_, isDouble};
   for (std::size_t i = 0; i < paths.size(); ++i) {
     const MeshFileFormat format = options_.meshFormats[i];
     if (options_.plainMeshes && format == MeshFileFormat::ply) {
-      writePlainPly(folder_ / paths[i], mesh);
+      writePlainPly(folder_ / paths[i], mesh, isDouble);
       continue;
     }
     if (options_.plainMeshes && format == MeshFileFormat::obj) {

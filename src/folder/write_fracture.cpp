@@ -36,6 +36,7 @@ std::vector<MeshFacts> makeAndWrite(const GrownFracture& grown, const SurfaceOpt
                          .uneroded = grown.uneroded ? &*grown.uneroded : nullptr,
                          .intact = grown.surface.get()},
                         progress);
+  result.exactFailure = extraction.exactFailure();
   clock.done("extract");
   writing.begin(progress);
   clock.done("write");

@@ -199,6 +199,14 @@ const std::vector<Row> kFileRows{
                 "or materials",
      .key = "plain_meshes",
      .recorded = [](R o) { return o.write.mesh; }},
+    {.name = "precision",
+     .group = "",
+     .value = V::choice(kWrite, &WriteOptions::precision, names::kPrecision),
+     .help = "Number type of vertices in .ply meshes",
+     .details = "number type of the vertices in `.ply` meshes; with `double` and `--surface exact` "
+                "uncut vertices are the input's bit for bit, whatever its precision",
+     .key = "mesh_precision",
+     .recorded = [](R o) { return o.write.mesh && o.write.precision != Precision::single; }},
     {.name = "up",
      .group = "",
      .value = {OptionType::choice,
@@ -227,9 +235,14 @@ const std::vector<Row> kSurfaceRows{
     {.name = "surface",
      .group = "Surface",
      .value = V::choice(kSurface, &SurfaceOptions::surface, names::kSurface),
-     .help = "Meshes of the smooth level sets, or of the faces of the labels' voxels",
-     .details = "meshes of the level sets, or the voxel faces of the fragment, as in the "
-                "paper. The `.vdb` files are the same for both",
+     .help =
+         "Meshes of the smooth level sets, of the faces of the labels' voxels, or the input's own "
+         "triangles, cut by the cracks",
+     .details = "meshes of the level sets; the voxel faces of the fragment, as in the paper; or "
+                "the triangles of the input, which stay as they are where no crack cuts them: "
+                "sharp edges, texture coordinates and all. `exact` needs a closed mesh that does "
+                "not cross itself where cracks meet it; where it does not succeed, all fragments "
+                "get the smooth surface, with a warning. The `.vdb` files are the same for all",
      .key = "surface.of",
      .drawn = true},
     {.name = "interface",

@@ -27,7 +27,9 @@ GrownFracture grown(const TriangleMesh& mesh, const FractureOptions& options, De
   checkOptions(options);  // before long work
   StageClock clock;
   implOf(device).buildKernels();
-  Solid solid = voxelize(mesh, options.solid, progress);
+  SolidOptions solidOptions = options.solid;
+  solidOptions.keepMesh = solidOptions.keepMesh || options.surface.surface == Surface::exact;
+  Solid solid = voxelize(mesh, solidOptions, progress);
   clock.done("voxelize");
   return grownOf(std::move(solid), options, clock, device, progress);
 }

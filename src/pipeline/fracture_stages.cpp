@@ -83,6 +83,12 @@ std::size_t dropSmall(GrownFracture& grown, double dropShare) {
 }  // namespace
 
 void checkOptions(const FractureOptions& options) {
+  if (options.surface.surface == Surface::exact && options.erode.on == ErodeOn::all &&
+      !options.erode.iterations.isZero()) {
+    throw Error(ErrorCode::usage,
+                "an exact surface stays as it is; erode only fracture surfaces with it",
+                OptionNames{"erode-on", "surface"});
+  }
   const SeedOptions none;
   if (options.seeds.pieces == none.pieces && options.seeds.seed == none.seed &&
       options.grow.noiseSeeds.empty() && options.grow.longestSideVoxels == 0.0 &&
@@ -221,10 +227,12 @@ FractureResult extracted(GrownFracture grown, const FractureOptions& options,
   FractureResult& result = grown.result;
   const Labels* const uneroded = grown.uneroded ? &*grown.uneroded : nullptr;
   if (options.surface.meshes) {
-    result.fragments = extractFragments(
+    ExtractedFragments all = extractAll(
         result.solid, result.labels,
         {.surface = options.surface, .uneroded = uneroded, .intact = grown.surface.get()},
         progress);
+    result.fragments = std::move(all.fragments);
+    result.exactFailure = std::move(all.exactFailure);
   } else {
     checkSurfaceOptions(options.surface);
     measureFragments(grown, result, progress);

@@ -15,6 +15,7 @@
 #include "base/uncancelled.h"
 #include "grow/check_labels.h"
 #include "surface/decimate.h"
+#include "surface/exact_meshes.h"
 #include "surface/independent_mesh.h"
 #include "surface/intact.h"
 #include "surface/label_mesh.h"
@@ -129,6 +130,7 @@ Extraction::Extraction(const Solid& solid, const Labels& labels, const ExtractOp
           surface_.levelSets || isIndependent(surface_) ? CutExtent::everywhere : CutExtent::cells,
           progress)),
       leaves_(leavesOf(cut_, count_)) {
+  if (surface_.surface == Surface::exact) makeExact();
   if (!isShared()) return;
   shared_.emplace(solid, labels, cut_, neighborhoods_, options.intact, progress);
   const bool isProcessed = surface_.adaptivity > 0.0 || !surface_.triangles.empty() ||
@@ -140,6 +142,29 @@ Extraction::Extraction(const Solid& solid, const Labels& labels, const ExtractOp
 
 bool Extraction::isShared() const {
   return surface_.surface == Surface::smooth && surface_.interface == Interface::shared;
+}
+
+void Extraction::makeExact() {
+  ExactSurface exact = exactMeshes(solid_, labels_, neighborhoods_, progress_);
+  if (!exact.failure.empty()) {
+    exactFailure_ = std::move(exact.failure);
+    surface_.surface = Surface::smooth;
+    return;
+  }
+  for (std::size_t i = 0; i < count_; ++i) {
+    LabeledMesh& mesh = exact.meshes[i];
+    mesh.mesh.neighbor = mesh.other;
+    if (!uneroded_) continue;
+    std::vector<bool> original;
+    for (const std::uint32_t source : mesh.mesh.source)
+      original.push_back(source != TriangleMesh::kNoSource);
+    mesh.mesh.neighbor = neighborsOf(mesh.mesh, original, static_cast<std::uint16_t>(i + 1), solid_,
+                                     *uneroded_, true);
+  }
+  if (!surface_.triangles.empty()) {
+    processed_.coarse = decimated(complexOf(exact.meshes), surface_.triangles, progress_);
+  }
+  processed_.meshes = std::move(exact.meshes);
 }
 
 LabeledMesh Extraction::sharedMesh(int id) const {
@@ -211,7 +236,9 @@ Fragment Extraction::makeFragment(std::size_t i) {
   fragment.voxels = voxels_[i + 1];
   fragment.voxelBox = boxes_[i + 1];
   if (surface_.levelSets) fragment.surface = fragmentLevelSet(solid_, cut_, id, leaves_[id]);
-  isShared() ? meshShared(fragment) : meshIndependent(fragment);
+  const bool isExact = surface_.surface == Surface::exact;
+  isShared() || isExact ? meshShared(fragment) : meshIndependent(fragment);
+  fragment.meshedAs = surface_.surface;
   fragment.mass = massProperties(fragment.mesh);
   measureAreas(fragment);
   return fragment;
@@ -269,14 +296,14 @@ std::vector<Fragment> measuredFragments(const FragmentSurfaces& surfaces, const 
   return all;
 }
 
-std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
-                                       const ExtractOptions& options, const Progress* progress) {
+ExtractedFragments extractAll(const Solid& solid, const Labels& labels,
+                              const ExtractOptions& options, const Progress* progress) {
   if (!options.surface.meshes) {
     (void)checked(solid, options, progress);
     // Shares nothing: the surface outlives the call.
     const std::shared_ptr<const IntactSurface> intact(std::shared_ptr<void>(), options.intact);
     const FragmentSurfaces surfaces(solid, labels, options.uneroded, intact, progress);
-    return measuredFragments(surfaces, solid, labels, options.uneroded, progress);
+    return {measuredFragments(surfaces, solid, labels, options.uneroded, progress)};
   }
   Extraction extraction(solid, labels, options, progress);
   std::vector<Fragment> all;
@@ -285,7 +312,12 @@ std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
   }
   std::vector<std::vector<Contact>> contacts = extraction.contacts();
   for (std::size_t i = 0; i < all.size(); ++i) all[i].contacts = std::move(contacts[i]);
-  return all;
+  return {std::move(all), extraction.exactFailure()};
+}
+
+std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
+                                       const ExtractOptions& options, const Progress* progress) {
+  return extractAll(solid, labels, options, progress).fragments;
 }
 
 TriangleMesh solidMesh(const Solid& solid) {

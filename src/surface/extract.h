@@ -5,6 +5,7 @@
 
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "surface/contacts.h"
@@ -32,8 +33,11 @@ class Extraction {
   /// Returns the contacts of each fragment.  Precondition: next() has returned all.
   [[nodiscard]] std::vector<std::vector<Contact>> contacts() const;
 
+  /// Returns why Surface::exact was replaced by Surface::smooth, as a clause; empty if it was not.
+  [[nodiscard]] const std::string& exactFailure() const { return exactFailure_; }
+
  private:
-  /// Meshes that are smoothed or decimated together, until next() moves them out.
+  /// Meshes that are exact, smoothed or decimated together, until next() moves them out.
   struct Processed {
     std::vector<LabeledMesh> meshes;
     std::vector<std::vector<TriangleMesh>> coarse;  ///< [meshes], or empty
@@ -42,6 +46,7 @@ class Extraction {
   bool isShared() const;
   LabeledMesh sharedMesh(int id) const;
   Processed processedTogether() const;
+  void makeExact();
   std::size_t endOfBatch() const;
   Fragment makeFragment(std::size_t i);
   void meshShared(Fragment& fragment);
@@ -50,7 +55,7 @@ class Extraction {
   const Solid& solid_;
   const Labels& labels_;
   const Labels* const uneroded_;
-  const SurfaceOptions surface_;
+  SurfaceOptions surface_;  ///< smooth where exact surfaces fail
   const Progress* const progress_;
   const std::size_t count_;
   const std::vector<std::uint64_t> voxels_;            ///< [fragments + 1]
@@ -60,10 +65,22 @@ class Extraction {
   const Cut cut_;
   const std::vector<std::vector<std::uint32_t>> leaves_;  ///< [fragments + 1] ascending
   std::optional<InterfaceMeshes> shared_;  ///< if meshes are shared and not processed
-  Processed processed_;                    ///< if they are
+  Processed processed_;                    ///< if they are, or exact
+  std::string exactFailure_;
   ContactMeasure measure_;
   std::size_t next_ = 0;
 };
+
+/// All fragments, with contacts.
+struct ExtractedFragments {
+  std::vector<Fragment> fragments;
+  std::string exactFailure{};  ///< as Extraction::exactFailure
+};
+
+/// As extractFragments.
+[[nodiscard]] ExtractedFragments extractAll(const Solid& solid, const Labels& labels,
+                                            const ExtractOptions& options,
+                                            const Progress* progress = nullptr);
 
 /// Returns the fragments of surfaces, without meshes.
 ///   labels    as the surfaces were made of

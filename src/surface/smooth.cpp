@@ -174,6 +174,10 @@ void checkSurfaceOptions(const SurfaceOptions& options) {
   if (!(options.adaptivity >= 0.0 && options.adaptivity <= 1.0)) {
     throw Error(ErrorCode::usage, "the adaptivity lies in 0..1");
   }
+  if (options.surface == Surface::exact &&
+      (options.adaptivity > 0.0 || isAny(smooth.iterations) || isAny(smooth.boundaryIterations))) {
+    throw Error(ErrorCode::usage, "exact surfaces are neither smoothed nor simplified");
+  }
   if (!options.meshes && !canLackMeshes(options)) {
     throw Error(ErrorCode::usage,
                 "fragments without meshes have smooth, shared surfaces, no level sets, and are "

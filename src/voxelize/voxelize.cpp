@@ -25,9 +25,10 @@ constexpr int kLargestResolution = 4096;
 // A mesh in the index space of a grid.
 struct MeshInGrid {
   GridFrame frame;
-  TriangleMesh mesh;   // before repair
-  SearchedMesh clean;  // after repair
-  SolidReport report;  // defects, volume and walls
+  TriangleMesh mesh;                  // before repair
+  SearchedMesh clean;                 // after repair
+  std::vector<std::uint32_t> source;  // [triangles of clean] index before repair
+  SolidReport report;                 // defects, volume and walls
 };
 
 // Returns the vertices and triangles, without attributes.
@@ -46,6 +47,7 @@ MeshInGrid inGrid(const TriangleMesh& source, double voxelSize,
   Repaired clean = repaired(out.mesh, progress);
   out.report.defects = clean.defects;
   throwIfCancelled(progress);
+  out.source = std::move(clean.source);
   out.clean = searched(std::move(clean.mesh));
   throwIfCancelled(progress);
   // As one mesh: the volume of an open part depends on the point that it is taken about.
@@ -162,6 +164,10 @@ Solid voxelize(const TriangleMesh& source, const SolidOptions& options, const Pr
         (box.max - box.min) / voxelSize, filling.surface, filling.contains,
         isAsVoxels ? filling.halfThickness : 0.0, isAsVoxels);
     measureVoxels(solid);
+    if (options.keepMesh) {
+      solid.mesh = std::make_shared<const SolidMesh>(
+          SolidMesh{{source.vertices, in.clean.mesh.triangles}, std::move(in.source)});
+    }
   }
   if (solid.voxels == 0) {
     throw Error(ErrorCode::input,

@@ -38,7 +38,7 @@ HEADERS = {
     "OpenCL, through that": r"cl/open_cl\.h", "Draco": r"draco/.*", "Assimp": r"assimp/.*",
     "Embree": r"embree\d?/.*", "Qhull": r"libqhull_r/.*", "OpenEXR": r"(Imf|OpenEXR).*", "CGAL": r"CGAL/.*", "libpng": r"png\.h",
     "zlib": r"zlib\.h", "zstd": r"zstd\.h", "OpenSSL": r"openssl/.*", "nlohmann/json": r"nlohmann/.*", "CLI11": r"CLI/.*",
-    "TBB": r"tbb/.*"}
+    "TBB": r"tbb/.*", "Boost.Multiprecision": r"boost/multiprecision/.*"}
 
 # Words that make a statement about a moment: it is false a month later, and nobody looks at it again.
 MOMENTS = r"\bat present\b|\bcurrently\b|\bfor now\b|\bhas it yet\b|\bwhen it comes\b"

@@ -1,7 +1,7 @@
 """Reads .ply files that Sherd wrote, by docs/formats.md and not by Sherd."""
 import numpy as np
 
-TYPES = {"float": "<f4", "int": "<i4", "uchar": "u1"}
+TYPES = {"float": "<f4", "double": "<f8", "int": "<i4", "uchar": "u1"}
 
 
 def read_ply(path):

@@ -93,6 +93,8 @@ class Together(CommandLine):
             ("--erode-shape", "cross"), ("--erode-size", "5"), ("--erode-planes",), ("--erode-threshold", "0.5"), ("--erode-probability", "0.5"),
             ("--erode-on", "all"), ("--erode-islands", "keep"), ("--interface", "independent", "--surface", "labels"),
             ("--smooth-weight", "0.5"), ("--smooth-boundary-weight", "0.5", "--smooth-iterations", "2"), ("--triangles", "500"), ("--mesh-format", "obj"),
+            ("--interface", "independent", "--surface", "exact"),
+            ("--precision", "double"), ("--precision", "double", "--write", "mesh", "--mesh-format", "glb"),
             ("--plain-meshes",), ("--plain-meshes", "--write", "mesh", "--mesh-format", "glb"), ("--voxel-format", "npy", "--write", "mesh"),
             ("--vdb", "single"), ("--half",), ("--compress", "zip"), ("--density", "2"), ("--proxy-gap", "0.1"), ("--up", "z"),
             ("--write", "labels,fog"), ("--write", "labels,solid"), ("--share-points", "--points", "0"), ("--point-sampler", "halton", "--points", "0"),
@@ -102,6 +104,7 @@ class Together(CommandLine):
             ("--merge-metric", "manhattan", "--impact", "0,0,1,2,merge"), ("--erode-size", "5", "--erode-iterations", "1"),
             ("--interface", "independent"), ("--smooth-weight", "0.5", "--smooth-iterations", "0.1k"), ("--triangles", "500", "--write", "mesh"),
             ("--plain-meshes", "--write", "mesh", "--mesh-format", "glb,obj"), ("--half", "--write", "vdb"), ("--compress", "zip", "--write", "vdb,fog,solid"),
+            ("--precision", "double", "--write", "mesh"),
             ("--density", "2", "--write", "graph"), ("--proxy-gap", "0.1", "--write", "proxy"), ("--up", "z", "--write", "preview"),
             ("--points", "5", "--point-sampler", "halton"), ("--preset", "paper"), ("--preset", "paper", "--neighborhood", "26"))
 

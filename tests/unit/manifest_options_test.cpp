@@ -61,7 +61,8 @@ TEST_F(ManifestOptions, OfAFractureAreRecorded) {
   expectRecorded("dropShare", dropShare, 0.01);
   expectRecorded("missing", missing, 0.5);
 
-  auto& [resolution, voxelSize, fill, shellThickness] = solid;
+  auto& [resolution, voxelSize, fill, shellThickness, keepMesh] = solid;
+  EXPECT_FALSE(keepMesh);  // follows from the surface
   expectRecorded("resolution", resolution, 25);
   expectRecorded("resolution", resolution, kAutoResolution);
   expectRecorded("voxelSize", voxelSize, 0.1);
@@ -160,7 +161,7 @@ TEST_F(ManifestOptions, OfSurfacesAreRecorded) {
 TEST_F(ManifestOptions, OfFilesAreRecorded) {
   auto& [labels, vdb, mesh, preview, seeds, boundaries, cost, solid, scene, graph, plainMeshes,
          proxy, vdbFiles, vdbOptions, density, proxyGap, voxelFormats, meshFormats, points,
-         sharePoints, pointFormats, distances, correspondences, up] = write_;
+         sharePoints, pointFormats, distances, correspondences, precision, up] = write_;
   // Which files there are is in the list of files, their formats in their names.
   for (bool* file : {&labels, &seeds, &boundaries, &cost, &solid, &scene, &graph}) {
     expectNotRecorded("a file", *file, !*file);
@@ -170,6 +171,7 @@ TEST_F(ManifestOptions, OfFilesAreRecorded) {
 
   vdb = mesh = preview = true;
   expectRecorded("plainMeshes", plainMeshes, true);
+  expectRecorded("precision", precision, Precision::full);
   expectRecorded("vdbFiles", vdbFiles, VdbFiles::single);
   expectRecorded("density", density, 2.0);
   expectRecorded("correspondences", correspondences, std::size_t{5});

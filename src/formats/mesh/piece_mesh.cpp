@@ -5,6 +5,7 @@
 #include <limits>
 #include <tuple>
 
+#include "formats/mesh/creases.h"
 #include "mesh/vertex_normals.h"
 
 namespace sherd {
@@ -92,18 +93,22 @@ SplitCorners splitCorners(const PieceMesh& piece) {
   SplitCorners split;
   split.ofTriangle.resize(mesh.triangles.size());
   Chains normalsOf(mesh.vertices.size()), cornersAt(mesh.vertices.size());
-  std::vector<std::uint16_t> neighborOfNormal;
+  // The input's own surface keeps its creases; a smooth surface has none but those of cracks.
+  const std::vector<std::uint32_t> groups =
+      mesh.source.empty() ? std::vector<std::uint32_t>() : creaseGroups(mesh);
+  std::vector<std::uint32_t> groupOfNormal;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const Corners at = cornersOf(mesh, mesh.triangles[t]);
     for (std::size_t k = 0; k < 3; ++k) {
       SplitCorners::Corner corner;
       corner.vertex = mesh.triangles[t][static_cast<int>(k)];
       corner.neighbor = mesh.neighborOf(t);
-      corner.normal = normalsOf.find(
-          corner.vertex, [&](std::uint32_t i) { return neighborOfNormal[i] == corner.neighbor; });
+      const std::uint32_t group = groups.empty() ? corner.neighbor : groups[3 * t + k];
+      corner.normal =
+          normalsOf.find(corner.vertex, [&](std::uint32_t i) { return groupOfNormal[i] == group; });
       if (corner.normal == split.normals.size()) {
         split.normals.emplace_back(0.0);
-        neighborOfNormal.push_back(corner.neighbor);
+        groupOfNormal.push_back(group);
       }
       split.normals[corner.normal] += at.angle[k] * at.normal;
       if (!piece.attributes.texcoords.empty()) corner.texcoord = piece.attributes.texcoords[t][k];

@@ -19,6 +19,7 @@ struct PieceMesh {
   const TriangleMesh& mesh;
   const SurfaceAttributes& attributes;  ///< of `mesh`, its own or transferred to it
   const MaterialTable& materials;
+  bool isDouble = false;  ///< writes vertices in double precision, in PLY
 
   /// Returns the triangle's material in the table.
   [[nodiscard]] std::uint32_t materialOf(std::size_t triangle) const {
@@ -33,7 +34,8 @@ struct PieceMesh {
 [[nodiscard]] std::vector<std::uint16_t> vertexNeighbor(const TriangleMesh& mesh);
 
 /// The corners of a mesh for formats whose vertices have one normal and one set of attributes: a
-/// vertex is repeated for each neighbor, texture coordinate and color.
+/// vertex is repeated for each neighbor, texture coordinate and color, and with
+/// TriangleMesh::source for each side of a crease.
 struct SplitCorners {
   struct Corner {
     std::uint32_t vertex = 0;
@@ -44,7 +46,8 @@ struct SplitCorners {
     bool operator==(const Corner&) const = default;
   };
   std::vector<Corner> corners;
-  std::vector<glm::dvec3> normals;  ///< unit; over faces around the vertex with one neighbor
+  std::vector<glm::dvec3> normals;  ///< unit; over faces around the vertex with one neighbor,
+                                    ///< or one of its creaseGroups
   std::vector<std::array<std::uint32_t, 3>> ofTriangle;  ///< [triangles]
 };
 [[nodiscard]] SplitCorners splitCorners(const PieceMesh& piece);
@@ -58,7 +61,7 @@ void writePiecePly(const OutputFile& file, const PieceMesh& piece);
 void writePieceObj(const OutputFile& file, const PieceMesh& piece, const std::string& library);
 
 /// Writes PLY and OBJ with vertices and triangles only.
-void writePlainPly(const OutputFile& file, const TriangleMesh& mesh);
+void writePlainPly(const OutputFile& file, const TriangleMesh& mesh, bool isDouble = false);
 void writePlainObj(const OutputFile& file, const TriangleMesh& mesh);
 
 /// Writes binary STL: triangles with their normals only.

@@ -40,8 +40,14 @@ class Records {
     keepLittle(bytes_.data() + end_, value);
     end_ += sizeof(T);
   }
-  void put(const glm::dvec3& v) {
-    for (int axis = 0; axis < 3; ++axis) put(static_cast<float>(v[axis]));
+  void put(const glm::dvec3& v, bool isDouble = false) {
+    for (int axis = 0; axis < 3; ++axis) {
+      if (isDouble) {
+        put(v[axis]);
+      } else {
+        put(static_cast<float>(v[axis]));
+      }
+    }
   }
   void putFace(const glm::uvec3& triangle) {
     put(std::uint8_t{3});
@@ -56,11 +62,13 @@ class Records {
   std::size_t end_ = 0;  // of the bytes in use
 };
 
-std::string header(const TriangleMesh& mesh, const std::string& comments,
+std::string header(const TriangleMesh& mesh, bool isDouble, const std::string& comments,
                    const std::string& ofVertices, const std::string& ofFaces) {
   std::string text = "ply\nformat binary_little_endian 1.0\n";
   text.append(comments).append("element vertex ").append(std::to_string(mesh.vertices.size()));
-  text.append("\nproperty float x\nproperty float y\nproperty float z\n").append(ofVertices);
+  for (const char* axis : {"x", "y", "z"})
+    text.append("\nproperty ").append(isDouble ? "double " : "float ").append(axis);
+  text.append("\n").append(ofVertices);
   text.append("element face ").append(std::to_string(mesh.triangles.size()));
   text.append("\nproperty list uchar int vertex_indices\n").append(ofFaces);
   return text.append("end_header\n");
@@ -104,12 +112,13 @@ void writePly(const OutputFile& file, const TriangleMesh& mesh) {
   writePiecePly(file, {"", mesh, {}, {}});
 }
 
-void writePlainPly(const OutputFile& file, const TriangleMesh& mesh) {
+void writePlainPly(const OutputFile& file, const TriangleMesh& mesh, bool isDouble) {
   file.write([&](const ByteSink& sink) {
-    Records records(sink, header(mesh, "", "", ""), mesh.vertices.size() + mesh.triangles.size());
+    Records records(sink, header(mesh, isDouble, "", "", ""),
+                    mesh.vertices.size() + mesh.triangles.size());
     for (const glm::dvec3& v : mesh.vertices) {
       records.begin();
-      records.put(v);
+      records.put(v, isDouble);
     }
     for (const glm::uvec3& t : mesh.triangles) {
       records.begin();
@@ -137,11 +146,11 @@ void writePiecePly(const OutputFile& file, const PieceMesh& piece) {
   const std::vector<std::uint16_t> neighbor = vertexNeighbor(mesh);
   const std::vector<glm::u8vec3> color = colors ? vertexColors(piece) : std::vector<glm::u8vec3>();
   file.write([&](const ByteSink& sink) {
-    Records records(sink, header(mesh, commentsOf(piece), ofVertices, ofFaces),
+    Records records(sink, header(mesh, piece.isDouble, commentsOf(piece), ofVertices, ofFaces),
                     mesh.vertices.size() + mesh.triangles.size());
     for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
       records.begin();
-      records.put(mesh.vertices[i]);
+      records.put(mesh.vertices[i], piece.isDouble);
       records.put(normals[i]);
       records.put(std::uint32_t{neighbor[i]});
       for (int k = 0; k < 3 && colors; ++k) records.put(std::uint8_t{color[i][k]});

@@ -1,0 +1,43 @@
+// Corners of a mesh that have one normal.
+#include "formats/mesh/creases.h"
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+#include <numeric>
+
+#include "mesh/vertex_normals.h"
+#include "surface/face_edges.h"
+
+namespace sherd {
+
+std::vector<std::uint32_t> creaseGroups(const TriangleMesh& mesh) {
+  std::vector<std::uint32_t> group(3 * mesh.triangles.size());
+  std::iota(group.begin(), group.end(), 0u);
+  const auto rootOf = [&](std::uint32_t corner) {
+    while (group[corner] != corner) corner = group[corner] = group[group[corner]];
+    return corner;
+  };
+  const auto unite = [&](std::uint32_t a, std::uint32_t b) {
+    a = rootOf(a);
+    b = rootOf(b);
+    group[std::max(a, b)] = std::min(a, b);
+  };
+  std::vector<glm::dvec3> normals;
+  normals.reserve(mesh.triangles.size());
+  for (const glm::uvec3& t : mesh.triangles) normals.push_back(cornersOf(mesh, t).normal);
+  const FaceEdges edges(mesh.triangles, mesh.vertices.size());
+  for (std::size_t e = 0; e < edges.count(); ++e) {
+    const auto uses = edges.uses(e);
+    if (uses.size() != 2 || uses[0].isForward == uses[1].isForward) continue;
+    const FaceEdges::Use &a = uses[0], &b = uses[1];
+    if (mesh.neighborOf(a.face) != mesh.neighborOf(b.face)) continue;
+    if (glm::dot(normals[a.face], normals[b.face]) < kCreaseCosine) continue;
+    // They use the edge in opposite directions.
+    unite(3 * a.face + a.corner, 3 * b.face + (b.corner + 1u) % 3);
+    unite(3 * a.face + (a.corner + 1u) % 3, 3 * b.face + b.corner);
+  }
+  for (std::uint32_t corner = 0; corner < group.size(); ++corner) group[corner] = rootOf(corner);
+  return group;
+}
+
+}  // namespace sherd

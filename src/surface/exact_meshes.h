@@ -1,0 +1,26 @@
+// Surface::exact, from labels to the meshes of fragments.
+#pragma once
+
+#include <sherd/labels.h>
+#include <sherd/progress.h>
+#include <sherd/solid.h>
+
+#include <span>
+
+#include "surface/exact_surface.h"
+#include "voxelize/leaf_blocks.h"
+
+namespace sherd {
+
+/// How far cracks may lie from the cut, to have few triangles, voxels.
+inline constexpr double kCrackTolerance = 0.1;
+
+/// Returns the meshes of all fragments with the surface of the solid's mesh, or why there are none:
+/// the solid has no mesh, that is not closed, or cracks can't cut it.
+///   neighborhoods  of the solid's leaves
+///   throws         Error(cancelled)
+[[nodiscard]] ExactSurface exactMeshes(const Solid& solid, const Labels& labels,
+                                       std::span<const LeafNeighbors> neighborhoods,
+                                       const Progress* progress = nullptr);
+
+}  // namespace sherd

@@ -1,0 +1,320 @@
+// Labels the parts of the mesh and of the cracks.  Seams, where they cross, separate patches: all
+// triangles of a patch have one label, which any seam on its border gives.
+#include "surface/exact_surface.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <glm/geometric.hpp>
+#include <map>
+#include <utility>
+
+#include "base/cancel_flag.h"
+#include "exact/cut_mesh.h"
+#include "exact/self_crossings.h"
+#include "surface/manifold.h"
+#include "surface/patches.h"
+
+namespace sherd {
+namespace {
+
+constexpr std::uint32_t kNone = 0xffffffffu;
+
+// How often islands are given to other fragments.
+constexpr int kMostRounds = 4;
+
+// A face of a fragment.
+struct Face {
+  glm::uvec3 corner{0};
+  std::uint32_t source = 0;
+  std::uint16_t neighbor = 0;  // label on the other side
+  std::uint32_t part = 0;      // of the mesh or of the cracks
+};
+
+class Assembly {
+ public:
+  Assembly(const TriangleMesh& source, const CrackSurface& cracks, std::size_t fragments,
+           const SpaceLabels& space)
+      : source_(source), cracks_(cracks), fragments_(fragments), space_(space) {}
+
+  ExactSurface assemble(const Progress* progress) {
+    Cutters cutters{cracks_.vertices, {}};
+    for (const CrackFace& face : cracks_.faces) cutters.triangles.push_back(face.corner);
+    const MeshCut cut = cutMesh(source_, cutters, progress);
+    if (!cut.isComplete())
+      return {.failure = failureOf(cut), .isDegenerate = !cut.degenerate.empty()};
+    throwIfCancelled(progress);
+    vertices_ = source_.vertices;
+    vertices_.insert(vertices_.end(), cutters.vertices.begin(), cutters.vertices.end());
+    vertices_.insert(vertices_.end(), cut.points.begin(), cut.points.end());
+    const auto firstCutter = static_cast<std::uint32_t>(source_.vertices.size());
+    const Patches outside(partsOf(source_.triangles, cut.surfaceCrossed, cut.surface, 0),
+                          vertices_.size(), cut.seams);
+    const Patches inside(partsOf(cutters.triangles, cut.cutterCrossed, cut.cutters, firstCutter),
+                         vertices_.size(), cut.seams);
+    throwIfCancelled(progress);
+    if (!labelOutside(outside, cut.seams))
+      return {.failure = "a part of the surface lies on both sides of a crack"};
+    if (!findInside(inside, cut.seams))
+      return {.failure = "a part of a crack lies on both sides of the surface"};
+    throwIfCancelled(progress);
+    if (std::string failure = newCrossings(cut, inside, progress); !failure.empty()) {
+      return {.failure = std::move(failure), .isDegenerate = true};
+    }
+    return assembled(outside, inside);
+  }
+
+ private:
+  static std::string failureOf(const MeshCut& cut) {
+    if (!cut.surfaceCrossings.empty()) return "the surface crosses itself at a crack";
+    if (!cut.cutterCrossings.empty()) return "cracks cross each other at the surface";
+    if (!cut.flat.empty()) return "a crack meets a triangle without area";
+    return "a crack meets the surface in a degenerate position";
+  }
+
+  glm::dvec3 centroidOf(const Part& part) const {
+    return (vertices_[part.corner.x] + vertices_[part.corner.y] + vertices_[part.corner.z]) / 3.0;
+  }
+
+  // Sets [parts] the labels of the mesh.  Returns false if seams contradict each other.
+  bool labelOutside(const Patches& outside, const std::vector<Seam>& seams) {
+    std::vector<std::uint16_t> ofPatch(outside.parts().size(), 0);
+    bool isConsistent = true;
+    for (const Seam& seam : seams) {
+      const CrackFace& crack = cracks_.faces[seam.c];
+      isConsistent &= outside.forEachBeside(seam, [&](std::uint32_t part, bool isLeft) {
+        const std::uint16_t label = isLeft == Seam::leftInSurfaceIsFront ? crack.back : crack.front;
+        std::uint16_t& known = ofPatch[outside.patchOf(part)];
+        isConsistent &= known == 0 || known == label;
+        known = label;
+      });
+    }
+    if (!isConsistent) return false;
+    labelAway(outside, ofPatch);
+    label_.resize(outside.parts().size());
+    for (std::uint32_t p = 0; p < label_.size(); ++p) label_[p] = ofPatch[outside.patchOf(p)];
+    return true;
+  }
+
+  // Labels the patches that no crack meets, by most of their triangles.
+  void labelAway(const Patches& outside, std::vector<std::uint16_t>& ofPatch) const {
+    constexpr std::size_t kMostSamples = 64;
+    std::vector<std::vector<std::uint32_t>> partsOfPatch(outside.parts().size());
+    for (std::uint32_t p = 0; p < outside.parts().size(); ++p) {
+      const std::uint32_t patch = outside.patchOf(p);
+      if (ofPatch[patch] == 0) partsOfPatch[patch].push_back(p);
+    }
+    for (std::uint32_t patch = 0; patch < partsOfPatch.size(); ++patch) {
+      const std::vector<std::uint32_t>& own = partsOfPatch[patch];
+      if (own.empty()) continue;
+      std::vector<std::uint16_t> found;
+      const std::size_t step = own.size() / kMostSamples + 1;
+      for (std::size_t i = 0; i < own.size(); i += step) {
+        const std::uint16_t label = space_.labelAt(centroidOf(outside.parts()[own[i]]));
+        if (label != 0) found.push_back(label);
+      }
+      ofPatch[patch] = found.empty() ? space_.nearestLabel(centroidOf(outside.parts()[own.front()]))
+                                     : mostFrequent(std::move(found));
+    }
+  }
+
+  static std::uint16_t mostFrequent(std::vector<std::uint16_t> labels) {
+    std::sort(labels.begin(), labels.end());
+    std::uint16_t best = 0;
+    std::ptrdiff_t most = 0;
+    for (auto at = labels.begin(); at != labels.end();) {
+      const auto end = std::upper_bound(at, labels.end(), *at);
+      if (end - at > most) {
+        most = end - at;
+        best = *at;
+      }
+      at = end;
+    }
+    return best;
+  }
+
+  // Sets [parts] whether a part of the cracks is within the mesh.  Returns false if seams
+  // contradict each other, or a crack ends inside.
+  bool findInside(const Patches& inside, const std::vector<Seam>& seams) {
+    enum : std::uint8_t { unknown, in, out };
+    std::vector<std::uint8_t> ofPatch(inside.parts().size(), unknown);
+    bool isConsistent = true;
+    for (const Seam& seam : seams) {
+      isConsistent &= inside.forEachBeside(seam, [&](std::uint32_t part, bool isLeft) {
+        const std::uint8_t side = isLeft == Seam::leftInCutterIsFront ? out : in;
+        std::uint8_t& known = ofPatch[inside.patchOf(part)];
+        isConsistent &= known == unknown || known == side;
+        known = side;
+      });
+    }
+    for (std::size_t e = 0; e < inside.edges().count(); ++e) {
+      const auto uses = inside.edges().uses(e);
+      if (uses.size() != 1 || inside.isSeam(e)) continue;
+      std::uint8_t& known = ofPatch[inside.patchOf(uses[0].face)];
+      isConsistent &= known != in;
+      known = out;
+    }
+    if (!isConsistent) return false;
+    isInside_.resize(inside.parts().size());
+    for (std::uint32_t p = 0; p < isInside_.size(); ++p) {
+      std::uint8_t& known = ofPatch[inside.patchOf(p)];
+      if (known == unknown) known = space_.isInside(centroidOf(inside.parts()[p])) ? in : out;
+      isInside_[p] = known == in;
+    }
+    return true;
+  }
+
+  // Whether parts of cut triangles cross each other, as their new corners are rounded.
+  //   return  a failure, or nothing
+  std::string newCrossings(const MeshCut& cut, const Patches& inside,
+                           const Progress* progress) const {
+    std::vector<glm::uvec3> parts;
+    for (const CutTriangle& part : cut.surface) parts.push_back(part.corner);
+    for (std::size_t p = 0; p < inside.parts().size(); ++p) {
+      if (isInside_[p]) parts.push_back(inside.parts()[p].corner);
+    }
+    const auto crossings = selfCrossings(vertices_, parts, progress);
+    if (crossings.empty()) return {};
+    const bool areCracks = crossings.front()[0] >= cut.surface.size();
+    return areCracks ? "cracks cross each other" : "rounding makes parts of the surface cross";
+  }
+
+  ExactSurface assembled(const Patches& outside, const Patches& inside) {
+    crackLabels_.reserve(inside.parts().size());
+    for (const Part& part : inside.parts()) {
+      const CrackFace& crack = cracks_.faces[part.source];
+      crackLabels_.push_back({crack.front, crack.back});
+    }
+    ExactSurface result;
+    // An island may have only islands beside it, so that more than one round is needed.
+    for (int round = 0; round < kMostRounds; ++round) {
+      const std::vector<std::vector<Face>> faces = facesOf(outside, inside);
+      result.meshes.assign(fragments_, {});
+      std::vector<std::uint8_t> isClosed(fragments_, 1);
+      tbb::parallel_for(std::size_t{0}, fragments_, [&](std::size_t i) {
+        result.meshes[i] = meshOf(faces[i + 1]);
+        isClosed[i] = makeManifold(result.meshes[i]) ? 1 : 0;
+      });
+      const auto open = std::find(isClosed.begin(), isClosed.end(), 0);
+      if (open != isClosed.end()) {
+        return {.failure =
+                    "fragment " + std::to_string(open - isClosed.begin() + 1) + " is not closed"};
+      }
+      if (!giveAwayIslands(result.meshes, faces)) break;
+    }
+    return result;
+  }
+
+  // Returns [fragments + 1] the faces of each.
+  std::vector<std::vector<Face>> facesOf(const Patches& outside, const Patches& inside) const {
+    std::vector<std::vector<Face>> faces(fragments_ + 1);
+    const auto add = [&](std::uint16_t label, const Face& face) {
+      if (label != 0 && label <= fragments_) faces[label].push_back(face);
+    };
+    for (std::uint32_t p = 0; p < outside.parts().size(); ++p) {
+      const Part& part = outside.parts()[p];
+      add(label_[p], {part.corner, part.source, 0, p});
+    }
+    for (std::uint32_t p = 0; p < inside.parts().size(); ++p) {
+      const auto& [front, back] = crackLabels_[p];
+      if (!isInside_[p] || front == back) continue;
+      const glm::uvec3& t = inside.parts()[p].corner;
+      add(front, {t, TriangleMesh::kNoSource, back, p});
+      add(back, {{t.x, t.z, t.y}, TriangleMesh::kNoSource, front, p});
+    }
+    return faces;
+  }
+
+  // A fragment's voxels are connected, so that components of its mesh beside the largest hold
+  // hardly a voxel: slivers where a crack grazes the surface.  They go to the fragment that they
+  // touch most.  Returns false if there are none.
+  bool giveAwayIslands(const std::vector<LabeledMesh>& meshes,
+                       const std::vector<std::vector<Face>>& faces) {
+    bool isAny = false;
+    for (std::size_t i = 0; i < meshes.size(); ++i) {
+      const TriangleMesh& mesh = meshes[i].mesh;
+      const MeshComponents components = meshComponents(mesh);
+      if (components.count < 2) continue;
+      std::vector<double> volumes(components.count, 0.0);
+      std::vector<std::map<std::uint16_t, double>> contacts(components.count);
+      const glm::dvec3 origin = mesh.vertices.front();
+      for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        const glm::uvec3& corner = mesh.triangles[t];
+        const glm::dvec3 a = mesh.vertices[corner.x] - origin;
+        const glm::dvec3 b = mesh.vertices[corner.y] - origin;
+        const glm::dvec3 c = mesh.vertices[corner.z] - origin;
+        const std::uint32_t component = components.ofTriangle[t];
+        volumes[component] += glm::dot(a, glm::cross(b, c));
+        const std::uint16_t other = meshes[i].other[t];
+        if (other != 0) contacts[component][other] += glm::length(glm::cross(b - a, c - a));
+      }
+      const auto largest = static_cast<std::size_t>(
+          std::max_element(volumes.begin(), volumes.end()) - volumes.begin());
+      std::vector<std::uint16_t> heirs(components.count, 0);
+      for (std::size_t k = 0; k < heirs.size(); ++k) {
+        // A cavity's surface has a negative volume; a body apart touches no crack.
+        if (k == largest || volumes[k] <= 0.0 || contacts[k].empty()) continue;
+        heirs[k] = std::max_element(contacts[k].begin(), contacts[k].end(), [](auto& a, auto& b) {
+                     return a.second < b.second;
+                   })->first;
+        isAny = true;
+      }
+      for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        const std::uint16_t heir = heirs[components.ofTriangle[t]];
+        if (heir == 0) continue;
+        const Face& face = faces[i + 1][t];
+        if (face.neighbor == 0) {
+          label_[face.part] = heir;
+          continue;
+        }
+        auto& [front, back] = crackLabels_[face.part];
+        (front == i + 1 ? front : back) = heir;
+      }
+    }
+    return isAny;
+  }
+
+  LabeledMesh meshOf(const std::vector<Face>& faces) const {
+    std::vector<std::uint32_t> used;
+    used.reserve(3 * faces.size());
+    for (const Face& face : faces)
+      used.insert(used.end(), {face.corner.x, face.corner.y, face.corner.z});
+    std::sort(used.begin(), used.end());
+    used.erase(std::unique(used.begin(), used.end()), used.end());
+    LabeledMesh out;
+    out.mesh.vertices.reserve(used.size());
+    for (const std::uint32_t v : used) out.mesh.vertices.push_back(vertices_[v]);
+    const auto number = [&](std::uint32_t v) {
+      return static_cast<std::uint32_t>(std::lower_bound(used.begin(), used.end(), v) -
+                                        used.begin());
+    };
+    for (const Face& face : faces) {
+      out.mesh.triangles.emplace_back(number(face.corner.x), number(face.corner.y),
+                                      number(face.corner.z));
+      out.other.push_back(face.neighbor);
+      out.mesh.source.push_back(face.source);
+    }
+    out.positionId = std::move(used);
+    return out;
+  }
+
+  const TriangleMesh& source_;
+  const CrackSurface& cracks_;
+  const std::size_t fragments_;
+  const SpaceLabels& space_;
+  std::vector<glm::dvec3> vertices_;  // the source's, the cracks', those of crossings
+  std::vector<std::uint16_t> label_;  // [parts of the source]
+  std::vector<bool> isInside_;        // [parts of the cracks]
+  std::vector<std::array<std::uint16_t, 2>> crackLabels_;  // [parts of the cracks] front, back
+};
+
+}  // namespace
+
+ExactSurface exactSurface(const TriangleMesh& source, const CrackSurface& cracks,
+                          std::size_t fragments, const SpaceLabels& space,
+                          const Progress* progress) {
+  return Assembly(source, cracks, fragments, space).assemble(progress);
+}
+
+}  // namespace sherd

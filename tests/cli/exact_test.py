@@ -1,0 +1,197 @@
+#!/usr/bin/python3
+"""--surface exact: the outside of the pieces is the input's mesh, as another reader finds it.
+
+Environment: SHERD_BIN the program.  Needs Debian's python3-numpy.
+"""
+import collections
+import json
+import math
+import os
+import pathlib
+import unittest
+
+import numpy as np
+
+from cli_test import CommandLine, sphere, tree, write_obj
+from ply_file import columns, read_ply
+
+TEETH = 9
+
+
+def gear():
+    """Vertices and triangles of a prism over a star, which has sharp edges, in coordinates that single precision lacks."""
+    corners = 2 * TEETH
+    ring = [((1.0 if k % 2 else 0.7) * math.cos(2 * math.pi * k / corners), (1.0 if k % 2 else 0.7) * math.sin(2 * math.pi * k / corners))
+            for k in range(corners)]
+    vertices = [(x, y, z) for z in (-0.2, 0.25) for x, y in ring] + [(0.01, 0.02, -0.2), (0.01, 0.02, 0.25)]
+    triangles = []
+    for k in range(corners):
+        n = (k + 1) % corners
+        triangles += [(k, n, corners + n), (k, corners + n, corners + k), (n, k, 2 * corners), (corners + k, corners + n, 2 * corners + 1)]
+    return np.array(vertices), np.array(triangles)
+
+
+def texcoord(p):
+    return np.array([0.4 * p[0] + 0.3 * p[2], 0.5 * p[1] - 0.2 * p[2]])
+
+
+def write_textured(path, vertices, triangles):
+    """With texture coordinates that are linear in the position, so that any cut keeps them so, and two materials."""
+    path.with_suffix(".mtl").write_text("newmtl sides\nKd 1 0 0\nnewmtl caps\nKd 0 0 1\n")
+    with open(path, "w") as out:
+        out.write(f"mtllib {path.stem}.mtl\n")
+        out.writelines("v %r %r %r\n" % tuple(map(float, v)) for v in vertices)
+        out.writelines("vt %.9g %.9g\n" % tuple(texcoord(v)) for v in vertices)
+        for first, name in ((0, "sides"), (2, "caps")):
+            out.write(f"usemtl {name}\n")
+            out.writelines("f " + " ".join(f"{v + 1}/{v + 1}" for v in t) + "\n" for k, t in enumerate(triangles) if k % 4 // 2 * 2 == first)
+
+
+def areas(vertices, triangles):
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    return np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+
+
+def volume(vertices, triangles):
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    return np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6
+
+
+def rotated(corners):
+    """A triangle's corners in their order, the least first."""
+    corners = [tuple(c) for c in corners]
+    k = corners.index(min(corners))
+    return tuple(corners[k:] + corners[:k])
+
+
+class Exact(CommandLine):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.mesh = pathlib.Path(cls.data) / "gear.obj"
+        cls.vertices, cls.triangles = gear()
+        write_textured(cls.mesh, cls.vertices, cls.triangles)
+
+    def exact(self, *options, **more):
+        return self.done("--surface", "exact", "--precision", "double", "--write", "mesh", *options, **{"mesh": str(self.mesh), "pieces": 7, **more})
+
+    def manifest(self, out=None):
+        with open(os.path.join(out or self.out, "manifest.json")) as file:
+            return json.load(file)
+
+    def pieces(self):
+        """The files of the pieces: vertices, triangles, neighbors, and all columns of faces."""
+        for fragment in self.manifest()["fragments"]:
+            _, vertex, face = read_ply(os.path.join(self.out, fragment["files"]["mesh"]))
+            yield fragment["id"], columns(vertex, *"xyz"), face["vertex_indices"], face["neighbor"], face
+
+    def test_the_outside_is_the_inputs(self):
+        for rough in ("0", "1.5"):
+            self.exact("--roughness", rough)
+            manifest = self.manifest()
+            self.assertNotIn("exact_failure", manifest)
+            self.assertEqual({f["surface"] for f in manifest["fragments"]}, {"exact"})
+            whole = {rotated(self.vertices[t]) for t in self.triangles}
+            input_vertices = {tuple(v) for v in self.vertices}
+            outer = total = 0.0
+            seen = set()
+            for fragment, (_, v, f, neighbor, _) in zip(manifest["fragments"], self.pieces()):
+                self.assertEqual(v.dtype, np.float64)
+                edges = collections.Counter((int(t[k]), int(t[(k + 1) % 3])) for t in f for k in range(3))
+                self.assertTrue(all(n == 1 and edges[b, a] == 1 for (a, b), n in edges.items()), "closed, manifold and oriented")
+                outer += areas(v, f[neighbor == 0]).sum()
+                total += volume(v, f)
+                self.assertAlmostEqual(volume(v, f) / fragment["volume"], 1, delta=1e-9)
+                for t in f[neighbor == 0]:
+                    if all(tuple(v[k]) in input_vertices for k in t):
+                        seen.add(rotated(v[t]))
+            self.assertAlmostEqual(outer / areas(self.vertices, self.triangles).sum(), 1, delta=1e-9)
+            self.assertAlmostEqual(total / volume(self.vertices, self.triangles), 1, delta=1e-9)
+            self.assertLessEqual({t for t in seen if t in whole}, whole)
+            self.assertGreater(len(seen & whole), 10, "some triangles are whole")
+
+    def test_both_sides_of_a_crack_have_the_same_faces(self):
+        self.exact("--roughness", "1")
+        faces = collections.Counter()
+        for own, v, f, neighbor, _ in self.pieces():
+            for t, other in zip(f, neighbor):
+                if other != 0:
+                    faces[own, int(other), rotated(v[t])] += 1
+                    faces[int(other), own, rotated(v[t[::-1]])] -= 1
+        self.assertGreater(len(faces), 0)
+        self.assertEqual({n for n in faces.values()}, {0})
+
+    def test_texture_coordinates_and_materials_stay(self):
+        self.exact("--roughness", "1")
+        for _, v, f, neighbor, face in self.pieces():
+            for t, other, uv, material in zip(f, neighbor, face["texcoord"].reshape(-1, 3, 2), face["material"]):
+                if other != 0:
+                    self.assertEqual(material, 2)  # inside
+                    continue
+                normal = np.abs(np.cross(v[t[1]] - v[t[0]], v[t[2]] - v[t[0]]))
+                self.assertEqual(material, 1 if normal[2] > normal[:2].max() else 0)
+                for k in range(3):
+                    self.assertLess(np.abs(uv[k] - texcoord(v[t[k]])).max(), 1e-6)
+
+    def test_normals_split_at_sharp_edges(self):
+        self.exact("--mesh-format", "obj")
+        for fragment in self.manifest()["fragments"]:
+            rows = [line.split() for line in pathlib.Path(self.out, fragment["files"]["mesh"]).read_text().splitlines()]
+            v = np.array([list(map(float, r[1:4])) for r in rows if r and r[0] == "v"])
+            vn = np.array([list(map(float, r[1:4])) for r in rows if r and r[0] == "vn"])
+            for r in rows:
+                if r and r[0] == "f":
+                    corners = [list(map(int, c.replace("//", "/0/").split("/"))) for c in r[1:]]
+                    a, b, c = (v[k[0] - 1] for k in corners)
+                    normal = np.cross(b - a, c - a)
+                    if np.linalg.norm(normal) < 1e-6:
+                        continue
+                    for corner in corners:  # all faces of the prism are planes
+                        self.assertGreater(vn[corner[-1] - 1] @ normal / np.linalg.norm(normal), 0.8)
+
+    def test_the_same_bytes_on_one_thread(self):
+        self.exact("--roughness", "1")
+        again = self.path("again")
+        self.exact("--roughness", "1", "--threads", "1", out=again)
+        self.assertEqual(tree(self.out), tree(again))
+
+    def test_what_contradicts_it_is_refused(self):
+        for options in (("--adaptivity", "0.1"), ("--smooth-iterations", "2"), ("--erode-iterations", "1", "--erode-on", "all")):
+            self.refused(2, self.fracture("--surface", "exact", *options))
+            self.nothing_written()
+
+    def test_open_meshes_get_the_smooth_surface_with_a_warning(self):
+        vertices, triangles = sphere()
+        open_mesh = self.path("open.obj")
+        write_obj(open_mesh, (vertices, triangles[1:]))
+        result = self.done("--surface", "exact", mesh=open_mesh)
+        self.assertIn("open.obj: the mesh has 3 open edges, so the fragments have the smooth surface instead of the exact one", result.stderr)
+        manifest = self.manifest()
+        self.assertEqual(manifest["exact_failure"], "the mesh has 3 open edges")
+        self.assertEqual({f["surface"] for f in manifest["fragments"]}, {"smooth"})
+
+    def test_a_fracture_that_is_broken_again_says_so(self):
+        self.exact("--write", "labels,vdb,mesh")
+        result = self.run_sherd("fracture", os.path.join(self.out, "manifest.json"), "-o", self.path("again"), "--only", "1", "--pieces", "2",
+                                "--surface", "exact")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("the solid has no mesh", result.stderr)
+
+    def test_datasets_have_it_too(self):
+        library = pathlib.Path(self.path("library"))
+        library.mkdir()
+        write_obj(library / "ball.obj", sphere())
+        write_obj(library / "open.obj", (sphere()[0], sphere()[1][1:]))
+        result = self.run_sherd("dataset", str(library), "-o", self.out, "--pieces", "2..3", "--repeats", "2", "--resolution", "32",
+                                "--surface", "exact", "--write", "mesh")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(result.stderr.count("instead of the exact one"), 1, "once for each object")
+        for name, surface in (("ball", "exact"), ("open", "smooth")):
+            manifests = list(pathlib.Path(self.out).glob(f"objects/{name}/*/manifest.json"))
+            self.assertEqual(len(manifests), 4)
+            for path in manifests:
+                self.assertEqual({f["surface"] for f in json.loads(path.read_text())["fragments"]}, {surface})
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,263 @@
+// Surface::exact: the input's own triangles, cut by the cracks.
+#include <gtest/gtest.h>
+#include <sherd/device.h>
+#include <sherd/error.h>
+#include <sherd/files.h>
+#include <sherd/fracture.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <glm/geometric.hpp>
+#include <map>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "appearance/transfer.h"
+#include "exact_checks.h"
+#include "mesh/repair.h"
+#include "shapes.h"
+#include "surface/bodies.h"
+
+namespace sherd {
+namespace {
+
+FractureOptions exactOptions(int pieces, int resolution, double roughness = 0.0) {
+  FractureOptions options;
+  options.pieces = pieces;
+  options.seed = 7;
+  options.solid.resolution = resolution;
+  options.grow.roughness = roughness;
+  options.surface = {.levelSets = false, .surface = Surface::exact};
+  return options;
+}
+
+FractureResult broken(const TriangleMesh& mesh, const FractureOptions& options) {
+  Device device("builtin");
+  return fracture(mesh, options, device);
+}
+
+void expectExact(const TriangleMesh& mesh, const FractureOptions& options) {
+  const FractureResult result = broken(mesh, options);
+  ASSERT_EQ(result.exactFailure, "");
+  const ExactFaults faults =
+      exactFaults(mesh, result.fragments, !options.erode.iterations.isZero());
+  EXPECT_FALSE(faults.any()) << faults.text();
+  for (const Fragment& fragment : result.fragments) {
+    EXPECT_EQ(fragment.meshedAs, Surface::exact);
+    EXPECT_NEAR(fragment.mass.volume, volume(fragment.mesh), 1e-12 * fragment.mass.volume);
+  }
+}
+
+class ExactShapes : public ::testing::TestWithParam<std::pair<const char*, TriangleMesh>> {};
+
+TEST_P(ExactShapes, FragmentsHaveTheInputsSurface) {
+  const TriangleMesh& mesh = GetParam().second;
+  for (const int pieces : {2, 10, 30}) {
+    for (const double roughness : {0.0, 2.0}) {
+      SCOPED_TRACE(std::to_string(pieces) + " pieces, roughness " + std::to_string(roughness));
+      expectExact(mesh, exactOptions(pieces, 48, roughness));
+    }
+  }
+}
+
+TEST_P(ExactShapes, OnePieceIsTheInput) {
+  const TriangleMesh& mesh = GetParam().second;
+  const FractureResult result = broken(mesh, exactOptions(1, 32));
+  if (result.fragments.size() > 1) return;  // one for each part
+  const TriangleMesh& whole = result.fragments.front().mesh;
+  EXPECT_EQ(whole.vertices, mesh.vertices);
+  EXPECT_EQ(whole.triangles, mesh.triangles);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Exact, ExactShapes,
+    ::testing::Values(std::pair("cube", shapes::cube(2.0)), std::pair("ball", shapes::ball(1.0, 3)),
+                      std::pair("torus", shapes::torus(2.0, 0.6, 48, 24)),
+                      std::pair("cup", shapes::cup(1.0, 0.1, 1.5, 0.15, 40)),
+                      std::pair("hollowBall", shapes::hollowBall(1.0, 0.7, 3)),
+                      std::pair("twoParts", shapes::append(shapes::cube(1.0),
+                                                           shapes::ball(0.6, 2, {2, 0, 0})))),
+    [](const auto& shape) { return std::string(shape.param.first); });
+
+TEST(Exact, PlanarCracksHaveFewTriangles) {
+  const FractureResult result = broken(shapes::cube(2.0), exactOptions(2, 128));
+  ASSERT_EQ(result.exactFailure, "");
+  for (const Fragment& fragment : result.fragments) {
+    const auto& neighbor = fragment.mesh.neighbor;
+    const auto cracks =
+        std::count_if(neighbor.begin(), neighbor.end(), [](int n) { return n > 0; });
+    // One polygon, with a corner for each of the cube's triangles that it crosses, and those of the
+    // crack's own border, which lies beyond the cube: some 130 triangles for 128 voxels a side.
+    EXPECT_LT(cracks, 300);
+  }
+}
+
+TEST(Exact, ErodedCracksKeepTheOuterSurface) {
+  FractureOptions options = exactOptions(6, 64);
+  options.erode.iterations = 2;
+  expectExact(shapes::ball(1.0, 3), options);
+  options.erode.on = ErodeOn::all;
+  EXPECT_THROW((void)broken(shapes::ball(1.0, 3), options), Error);
+}
+
+TEST(Exact, IsNeitherSmoothedNorSimplified) {
+  SurfaceOptions options{.surface = Surface::exact};
+  EXPECT_NO_THROW(checkSurfaceOptions(options));
+  options.adaptivity = 0.1;
+  EXPECT_THROW(checkSurfaceOptions(options), Error);
+  options = {.surface = Surface::exact, .smooth = {.iterations = {1}}};
+  EXPECT_THROW(checkSurfaceOptions(options), Error);
+}
+
+TEST(Exact, OpenMeshesFallBackWithTheReason) {
+  TriangleMesh mesh = shapes::ball(1.0, 3);
+  mesh.triangles.pop_back();
+  const FractureResult result = broken(mesh, exactOptions(3, 48));
+  EXPECT_EQ(result.exactFailure, "the mesh has 3 open edges");
+  for (const Fragment& fragment : result.fragments) {
+    EXPECT_EQ(fragment.meshedAs, Surface::smooth);
+    EXPECT_EQ(openEdges(fragment.mesh), 0u);
+    EXPECT_TRUE(fragment.mesh.source.empty());
+  }
+}
+
+TEST(Exact, ASolidWithoutItsMeshFallsBack) {
+  Device device("builtin");
+  const FractureResult result =
+      fracture(voxelize(shapes::cube(1.0), {.resolution = 32}), exactOptions(2, 32), device);
+  EXPECT_EQ(result.exactFailure, "the solid has no mesh");
+}
+
+TEST(Exact, BodiesThatOverlapAreCutOneByOne) {
+  const TriangleMesh mesh =
+      shapes::append(shapes::ball(1.0, 3), shapes::ball(1.0, 3, {1.1, 0.2, 0.1}));
+  const FractureResult result = broken(mesh, exactOptions(8, 64));
+  ASSERT_EQ(result.exactFailure, "");
+  ExactFaults faults = exactFaults(mesh, result.fragments);
+  EXPECT_GT(faults.selfCrossings, 0u);  // as the input
+  faults.selfCrossings = 0;
+  EXPECT_FALSE(faults.any()) << faults.text();
+}
+
+TEST(Exact, BodiesHaveTheirCavities) {
+  const TriangleMesh mesh =
+      shapes::append(shapes::hollowBall(1.0, 0.5, 2), shapes::ball(0.2, 2, {0.0, 0.0, 0.0}));
+  const std::vector<TriangleMesh> bodies = bodiesOf(mesh);
+  ASSERT_EQ(bodies.size(), 2u);
+  EXPECT_EQ(bodies[0].triangles.size(), shapes::hollowBall(1.0, 0.5, 2).triangles.size());
+  EXPECT_EQ(bodies[1].triangles.size(), shapes::ball(0.2, 2).triangles.size());
+}
+
+TEST(Exact, FragmentsAreOneBody) {
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    FractureOptions options = exactOptions(12, 48, 1.5);
+    options.seed = seed;
+    const FractureResult result = broken(shapes::cup(1.0, 0.06, 1.5, 0.1, 40), options);
+    ASSERT_EQ(result.exactFailure, "");
+    for (const Fragment& fragment : result.fragments) {
+      EXPECT_EQ(meshComponents(fragment.mesh).count, 1u);
+    }
+  }
+}
+
+using Corners = std::array<std::array<double, 3>, 2>;
+
+// Returns the length of the edges at which the outer surface bends by more than 30 degrees.
+double creaseLength(const TriangleMesh& mesh) {
+  std::map<Corners, std::vector<glm::dvec3>> normals;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (mesh.neighborOf(t) != 0) continue;
+    const glm::uvec3& c = mesh.triangles[t];
+    const std::vector<glm::dvec3>& v = mesh.vertices;
+    const glm::dvec3 n = glm::normalize(glm::cross(v[c.y] - v[c.x], v[c.z] - v[c.x]));
+    for (int k = 0; k < 3; ++k) {
+      const glm::dvec3 &a = v[c[k]], &b = v[c[(k + 1) % 3]];
+      Corners ends{{{a.x, a.y, a.z}, {b.x, b.y, b.z}}};
+      std::sort(ends.begin(), ends.end());
+      normals[ends].push_back(n);
+    }
+  }
+  double sum = 0.0;
+  for (const auto& [ends, around] : normals) {
+    if (around.size() != 2 || glm::dot(around[0], around[1]) > std::cos(M_PI / 6)) continue;
+    sum += glm::distance(glm::dvec3(ends[0][0], ends[0][1], ends[0][2]),
+                         glm::dvec3(ends[1][0], ends[1][1], ends[1][2]));
+  }
+  return sum;
+}
+
+TEST(Exact, SharpEdgesAreFoundAgainInThePieces) {
+  for (const TriangleMesh& mesh : {shapes::cube(2.0), shapes::cup(1.0, 0.2, 1.5, 0.2, 10)}) {
+    const FractureResult result = broken(mesh, exactOptions(9, 64, 1.0));
+    ASSERT_EQ(result.exactFailure, "");
+    double sum = 0.0;
+    for (const Fragment& fragment : result.fragments) sum += creaseLength(fragment.mesh);
+    EXPECT_NEAR(sum / creaseLength(mesh), 1.0, 1e-9);
+  }
+}
+
+TEST(Exact, AttributesAreTheInputsAndLinearBetween) {
+  TriangleMesh mesh = shapes::cube(2.0);
+  const auto texcoordAt = [](const glm::dvec3& p) { return glm::vec2(0.3 * p.x + p.y, p.z - p.x); };
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    std::array<glm::vec2, 3> texcoords;
+    for (int k = 0; k < 3; ++k) {
+      texcoords[static_cast<std::size_t>(k)] = texcoordAt(mesh.vertices[mesh.triangles[t][k]]);
+    }
+    mesh.attributes.texcoords.push_back(texcoords);
+    mesh.attributes.material.push_back(t / 2);
+  }
+  const FractureResult result = broken(mesh, exactOptions(5, 48));
+  ASSERT_EQ(result.exactFailure, "");
+  const AttributeSource source(mesh);
+  for (const Fragment& fragment : result.fragments) {
+    const SurfaceAttributes own = source.transferTo(fragment.mesh, 99);
+    for (std::size_t t = 0; t < fragment.mesh.triangles.size(); ++t) {
+      if (fragment.mesh.source[t] == TriangleMesh::kNoSource) {
+        EXPECT_EQ(own.material[t], 99u);
+        continue;
+      }
+      EXPECT_EQ(own.material[t], fragment.mesh.source[t] / 2);
+      for (int k = 0; k < 3; ++k) {
+        const glm::vec2 expected =
+            texcoordAt(fragment.mesh.vertices[fragment.mesh.triangles[t][k]]);
+        const glm::vec2 found = own.texcoords[t][static_cast<std::size_t>(k)];
+        EXPECT_LT(glm::distance(expected, found), 1e-6);  // single precision of values below 3
+      }
+    }
+  }
+}
+
+TEST(Exact, TheSameBytesOnOneThread) {
+  const TriangleMesh mesh = shapes::torus(2.0, 0.7, 40, 20);
+  FractureResult two = broken(mesh, exactOptions(12, 64, 1.0)), one;
+  tbb::task_arena arena(1);
+  arena.execute([&] { one = broken(mesh, exactOptions(12, 64, 1.0)); });
+  ASSERT_EQ(one.fragments.size(), two.fragments.size());
+  for (std::size_t i = 0; i < one.fragments.size(); ++i) {
+    EXPECT_EQ(one.fragments[i].mesh.vertices, two.fragments[i].mesh.vertices);
+    EXPECT_EQ(one.fragments[i].mesh.triangles, two.fragments[i].mesh.triangles);
+  }
+}
+
+TEST(Exact, RealMeshesKeepTheirSurface) {
+  const char* folder = std::getenv("SHERD_TEST_DATA");
+  if (folder == nullptr) {
+    GTEST_SKIP() << "SHERD_TEST_DATA is not set: it names the folder of shared meshes";
+  }
+  for (const char* name : {"1002_tray_bottom.STL", "ADIS16480.STL", "nut-big.obj", "springer.obj",
+                           "flange.stl.gz", "vented_rear_case.ply", "99865_car.stl"}) {
+    SCOPED_TRACE(name);
+    TriangleMesh mesh = readMesh(std::filesystem::path(folder) / name).mesh;
+    mesh.triangles = repaired(mesh).mesh.triangles;
+    expectExact(mesh, exactOptions(10, 96, 1.0));
+  }
+}
+
+}  // namespace
+}  // namespace sherd
