@@ -116,7 +116,14 @@ class PairsOfMesh {
 
 std::vector<std::array<std::uint32_t, 2>> selfCrossings(std::span<const glm::dvec3> vertices,
                                                         std::span<const glm::uvec3> triangles,
-                                                        const Progress* progress) {
+                                                        const Progress* progress,
+                                                        const CrossingPairs& tested) {
+  const auto& [of, source] = tested;
+  const auto isOf = [&](std::uint32_t t) { return of.empty() || of[t] != 0; };
+  const auto areOfOne = [&](std::uint32_t a, std::uint32_t b) {
+    return !source.empty() && source[a] == source[b];
+  };
+  if (!of.empty() && std::find(of.begin(), of.end(), 1) == of.end()) return {};
   const TriangleTree tree(
       {{vertices.begin(), vertices.end()}, {triangles.begin(), triangles.end()}});
   const PairsOfMesh pairs(vertices, triangles);
@@ -127,17 +134,20 @@ std::vector<std::array<std::uint32_t, 2>> selfCrossings(std::span<const glm::dve
     if (stop.isSet()) return;
     const std::size_t end = std::min(count, (block + 1) * kBlock);
     for (auto t = static_cast<std::uint32_t>(block * kBlock); t < end; ++t) {
-      const std::size_t before = found[block].size();
+      if (!isOf(t)) continue;
       for (const std::uint32_t near : tree.meeting(boxOf(pairs.corners(t)))) {
         const std::uint32_t other = tree.source(near);
-        if (other > t && pairs.cross(t, other)) found[block].push_back({t, other});
+        // Of two that both count, the lower one finds the pair.
+        if (other == t || (other < t && isOf(other)) || areOfOne(t, other)) continue;
+        if (!pairs.cross(t, other)) continue;
+        found[block].push_back({std::min(t, other), std::max(t, other)});
       }
-      std::sort(found[block].begin() + static_cast<std::ptrdiff_t>(before), found[block].end());
     }
   });
   stop.throwIfSet();
   std::vector<std::array<std::uint32_t, 2>> all;
   for (const auto& own : found) all.insert(all.end(), own.begin(), own.end());
+  std::sort(all.begin(), all.end());
   return all;
 }
 

@@ -68,6 +68,11 @@ CrackChains::CrackChains(const FaceEdges& edges, const Facets& facets,
 
 bool CrackChains::isBorder(std::size_t edge) const {
   const auto uses = edges_.uses(edge);
+  if (std::all_of(uses.begin(), uses.end(), [&](const FaceEdges::Use& use) {
+        return facets_.ofFace[use.face] == Facets::kNone;
+      })) {
+    return false;
+  }
   return uses.size() != 2 || uses[0].isForward == uses[1].isForward ||
          facets_.ofFace[uses[0].face] != facets_.ofFace[uses[1].face];
 }
@@ -89,7 +94,7 @@ void CrackChains::findChains() {
       v = ends[0] == v ? ends[1] : ends[0];
       chain.vertices.push_back(v);
       const auto here = borders.at(v);
-      if (here.size() != 2) break;
+      if (isEnd(here)) break;
       edge = here[0] == edge ? here[1] : here[0];
       if (isUsed[edge]) break;
     }
@@ -97,7 +102,7 @@ void CrackChains::findChains() {
   };
   for (std::uint32_t v = 0; v < positions_.size(); ++v) {
     const auto here = borders.at(v);
-    if (here.size() == 2) continue;
+    if (!isEnd(here)) continue;
     for (const std::uint32_t e : here) {
       if (!isUsed[e]) follow(v, e);
     }
@@ -107,10 +112,27 @@ void CrackChains::findChains() {
   }
 }
 
+// Whether chains end at a vertex with these border edges.  At the open border a facet and a face of
+// none may meet, where no third border edge begins.
+bool CrackChains::isEnd(std::span<const std::uint32_t> edges) const {
+  if (edges.size() != 2) return true;
+  const auto a = edges_.uses(edges[0]), b = edges_.uses(edges[1]);
+  const auto isNone = [&](const FaceEdges::Use& use) {
+    return facets_.ofFace[use.face] == Facets::kNone;
+  };
+  return a.size() != b.size() ||
+         std::count_if(a.begin(), a.end(), isNone) != std::count_if(b.begin(), b.end(), isNone);
+}
+
 void CrackChains::addFacets(std::uint32_t edge, std::uint32_t from, Chain& chain) const {
   for (const FaceEdges::Use& use : edges_.uses(edge)) {
+    const std::uint32_t facet = facets_.ofFace[use.face];
     const bool startsHere = (edges_.ends(edge)[0] == from) == use.isForward;
-    chain.facets.push_back({facets_.ofFace[use.face], startsHere});
+    if (facet == Facets::kNone) {
+      chain.isFixed = true;
+    } else {
+      chain.facets.push_back({facet, startsHere});
+    }
   }
 }
 
@@ -120,7 +142,8 @@ void CrackChains::add(Chain chain) {
     std::vector<std::uint32_t>& own = ofFacet_[beside.facet];
     if (own.empty() || own.back() != number) own.push_back(number);
   }
-  setTolerance(chain, chain.facets.size() == 1 ? kOpenBorder * tolerance_ : tolerance_);
+  const double tolerance = chain.facets.size() == 1 ? kOpenBorder * tolerance_ : tolerance_;
+  setTolerance(chain, chain.isFixed ? 0.0 : tolerance);
   chains_.push_back(std::move(chain));
 }
 

@@ -26,6 +26,7 @@ class CrackChains {
  public:
   /// Chains without a common facet that keep the same two neighboring vertices are refined until
   /// none do, because their facets would touch there.
+  /// Chains beside faces of no facet keep all their vertices.
   ///   edges, facets, positions  referenced; positions: [vertices]
   ///   tolerance                 world units
   CrackChains(const FaceEdges& edges, const Facets& facets, std::span<const glm::dvec3> positions,
@@ -58,11 +59,13 @@ class CrackChains {
     std::vector<std::uint32_t> vertices;
     std::vector<std::uint32_t> kept;  // of `vertices`, both ends included
     std::vector<Beside> facets;
+    bool isFixed = false;    // beside a face of no facet
     double tolerance = 0.0;  // of `kept`; 0: all are kept
   };
 
   [[nodiscard]] bool isBorder(std::size_t edge) const;
   void findChains();
+  [[nodiscard]] bool isEnd(std::span<const std::uint32_t> edges) const;
   void addFacets(std::uint32_t edge, std::uint32_t from, Chain& chain) const;
   void add(Chain chain);
 

@@ -49,7 +49,8 @@ bool isCrowded(const CrackSurface& cracks, std::span<const FaceEdges::Use> uses)
 
 }  // namespace
 
-std::vector<glm::dvec3> faultsOf(const CrackSurface& cracks, const Progress* progress) {
+std::vector<glm::dvec3> faultsOf(const CrackSurface& cracks, std::span<const std::uint8_t> of,
+                                 const Progress* progress) {
   const std::vector<glm::uvec3> triangles = trianglesOf(cracks);
   const auto corners = [&](std::uint32_t f) {
     const glm::uvec3& t = triangles[f];
@@ -57,7 +58,7 @@ std::vector<glm::dvec3> faultsOf(const CrackSurface& cracks, const Progress* pro
     return std::array<glm::dvec3, 3>{v[t.x], v[t.y], v[t.z]};
   };
   std::vector<glm::dvec3> points;
-  for (const auto& [f, g] : selfCrossings(cracks.vertices, triangles, progress)) {
+  for (const auto& [f, g] : selfCrossings(cracks.vertices, triangles, progress, {.of = of})) {
     points.push_back(commonPoint(corners(f), corners(g)));
   }
   const FaceEdges edges(triangles, cracks.vertices.size());

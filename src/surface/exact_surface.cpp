@@ -6,11 +6,13 @@
 
 #include <algorithm>
 #include <array>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <map>
 #include <utility>
 
 #include "base/cancel_flag.h"
+#include "exact/crossing_point.h"
 #include "exact/cut_mesh.h"
 #include "exact/self_crossings.h"
 #include "surface/manifold.h"
@@ -20,6 +22,8 @@ namespace sherd {
 namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
+
+constexpr const char* kRounding = "rounding makes parts of the surface cross";
 
 // How often islands are given to other fragments.
 constexpr int kMostRounds = 4;
@@ -165,19 +169,52 @@ class Assembly {
     return true;
   }
 
-  // Whether parts of cut triangles cross each other, as their new corners are rounded.
+  // Whether parts of cut triangles are flipped or cross each other, as their new corners are
+  // rounded.
   //   return  a failure, or nothing
   std::string newCrossings(const MeshCut& cut, const Patches& inside,
                            const Progress* progress) const {
     std::vector<glm::uvec3> parts;
-    for (const CutTriangle& part : cut.surface) parts.push_back(part.corner);
+    std::vector<std::uint32_t> sources;
+    std::vector<std::uint8_t> isNew;
+    const auto add = [&](const glm::uvec3& corner, std::size_t source, std::uint8_t isPart) {
+      parts.push_back(corner);
+      sources.push_back(static_cast<std::uint32_t>(source));
+      isNew.push_back(isPart);
+    };
+    for (const CutTriangle& part : cut.surface) add(part.corner, part.source, 1);
+    const std::size_t ofSurface = parts.size();
     for (std::size_t p = 0; p < inside.parts().size(); ++p) {
-      if (isInside_[p]) parts.push_back(inside.parts()[p].corner);
+      const Part& part = inside.parts()[p];
+      if (isInside_[p])
+        add(part.corner, source_.triangles.size() + part.source, cut.cutterCrossed[part.source]);
     }
-    const auto crossings = selfCrossings(vertices_, parts, progress);
+    // Parts of one triangle that are not flipped do not cross.
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      if (isNew[p] != 0 && isFlipped(parts[p], sources[p])) return kRounding;
+    }
+    const auto crossings =
+        selfCrossings(vertices_, parts, progress, {.of = isNew, .source = sources});
     if (crossings.empty()) return {};
-    const bool areCracks = crossings.front()[0] >= cut.surface.size();
-    return areCracks ? "cracks cross each other" : "rounding makes parts of the surface cross";
+    return crossings.front()[0] >= ofSurface ? "cracks cross each other" : kRounding;
+  }
+
+  // Whether a part faces away from its triangle of the mesh or, numbered after those, of the
+  // cracks.
+  bool isFlipped(const glm::uvec3& part, std::size_t source) const {
+    const std::size_t count = source_.triangles.size();
+    const glm::uvec3 whole = source < count
+                                 ? source_.triangles[source]
+                                 : cracks_.faces[source - count].corner +
+                                       static_cast<std::uint32_t>(source_.vertices.size());
+    const auto normalOf = [&](const glm::uvec3& t) {
+      return glm::cross(vertices_[t.y] - vertices_[t.x], vertices_[t.z] - vertices_[t.x]);
+    };
+    const glm::dvec3 normal = normalOf(whole), size = glm::abs(normal);
+    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    const int side = orientation(ExactPoint(vertices_[part.x]), ExactPoint(vertices_[part.y]),
+                                 ExactPoint(vertices_[part.z]), axis);
+    return side * (normal[axis] > 0.0 ? 1 : -1) < 0;
   }
 
   ExactSurface assembled(const Patches& outside, const Patches& inside) {

@@ -11,7 +11,7 @@
 namespace sherd {
 namespace {
 
-constexpr std::uint32_t kNone = 0xffffffffu;
+constexpr std::uint32_t kNone = Facets::kNone;
 
 // The least cosine between a face's normal and its facet's.
 constexpr double kLeastCosine = 0.5;
@@ -20,6 +20,10 @@ constexpr double kLeastCosine = 0.5;
 // farther away from, and at an angle below 90 degrees: single faces along the lines between facets.
 constexpr std::size_t kSmallFacet = 16;
 constexpr double kSmallTolerance = 4.0;
+
+// Facets of fewer faces after that stay faces: on curved surfaces polygons of a few faces save
+// little, and would cross each other.
+constexpr std::size_t kLeastFaces = 64;
 
 // Facets of fewer faces are parts of curved surfaces: borders are not moved onto them.
 constexpr std::size_t kPlanarFacet = 128;
@@ -36,6 +40,7 @@ class FacetGrowing {
       if (facets_.ofFace[f] == kNone) growFrom(f);
     }
     absorbSmall();
+    keepFew();
     return std::move(facets_);
   }
 
@@ -114,6 +119,23 @@ class FacetGrowing {
       }
     }
   }
+  // Leaves facets of a few faces out, and numbers the others anew.
+  void keepFew() {
+    std::vector<std::size_t> counts(facets_.planes.size(), 0);
+    for (const std::uint32_t facet : facets_.ofFace) ++counts[facet];
+    std::vector<std::uint32_t> number(counts.size(), kNone);
+    std::uint32_t kept = 0;
+    for (std::size_t f = 0; f < counts.size(); ++f) {
+      if (counts[f] < kLeastFaces) continue;
+      facets_.planes[kept] = facets_.planes[f];
+      facets_.sizes[kept] = facets_.sizes[f];
+      number[f] = kept++;
+    }
+    facets_.planes.resize(kept);
+    facets_.sizes.resize(kept);
+    for (std::uint32_t& facet : facets_.ofFace) facet = number[facet];
+  }
+
   bool isSmall(std::uint32_t face) const {
     return facets_.sizes[facets_.ofFace[face]] < kSmallFacet;
   }
@@ -141,17 +163,9 @@ Facets facetsOf(const CrackSurface& cracks, const FaceEdges& edges, double toler
   return FacetGrowing(cracks, edges, tolerance).grow();
 }
 
-void splitOff(Facets& facets, const CrackSurface& cracks,
-              const std::function<bool(std::size_t)>& condition) {
-  for (std::size_t f = 0; f < cracks.faces.size(); ++f) {
-    if (facets.sizes[facets.ofFace[f]] == 1 || !condition(f)) continue;
-    const glm::uvec3& t = cracks.faces[f].corner;
-    const glm::dvec3& a = cracks.vertices[t.x];
-    const glm::dvec3 normal = glm::cross(cracks.vertices[t.y] - a, cracks.vertices[t.z] - a);
-    const double length = glm::length(normal);
-    facets.ofFace[f] = static_cast<std::uint32_t>(facets.planes.size());
-    facets.planes.push_back({a, length > 0.0 ? normal / length : glm::dvec3(0.0)});
-    facets.sizes.push_back(1);
+void splitOff(Facets& facets, const std::function<bool(std::size_t)>& condition) {
+  for (std::size_t f = 0; f < facets.ofFace.size(); ++f) {
+    if (facets.ofFace[f] != kNone && condition(f)) facets.ofFace[f] = kNone;
   }
 }
 
@@ -160,13 +174,15 @@ std::vector<glm::dvec3> snapped(const CrackSurface& cracks, const Facets& facets
   struct Around {
     std::array<std::uint32_t, kMostPlanes> facet{};
     std::size_t count = 0;
+    bool isFixed = false;
   };
   std::vector<Around> around(cracks.vertices.size());
   for (std::size_t f = 0; f < cracks.faces.size(); ++f) {
     const std::uint32_t facet = facets.ofFace[f];
-    if (facets.sizes[facet] < kPlanarFacet) continue;
     for (int k = 0; k < 3; ++k) {
       Around& at = around[cracks.faces[f].corner[k]];
+      at.isFixed = at.isFixed || facet == kNone;
+      if (facet == kNone || facets.sizes[facet] < kPlanarFacet) continue;
       const auto end = at.facet.begin() + static_cast<std::ptrdiff_t>(at.count);
       if (at.count < kMostPlanes && std::find(at.facet.begin(), end, facet) == end) {
         at.facet[at.count++] = facet;
@@ -176,6 +192,7 @@ std::vector<glm::dvec3> snapped(const CrackSurface& cracks, const Facets& facets
   constexpr double kPull = 1e-3;  // towards where it is
   std::vector<glm::dvec3> positions = cracks.vertices;
   for (std::size_t v = 0; v < positions.size(); ++v) {
+    if (around[v].isFixed) continue;
     glm::dmat3 a(kPull);
     glm::dvec3 b(0.0);
     for (std::size_t i = 0; i < around[v].count; ++i) {

@@ -17,25 +17,27 @@ struct Facets {
     glm::dvec3 point{0.0};
     glm::dvec3 normal{0.0};  ///< unit, that of the faces
   };
-  std::vector<std::uint32_t> ofFace;  ///< [faces]
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+
+  std::vector<std::uint32_t> ofFace;  ///< [faces] kNone: a face that stays one
   std::vector<Plane> planes;          ///< [facets]
   std::vector<std::size_t> sizes;     ///< [facets] faces that the plane was fitted to
 };
 
 /// Grows regions from face to face, in the order of faces, while their corners are within a
-/// distance of the plane of the faces so far.
+/// distance of the plane of the faces so far.  A region of a few faces is part of a larger one
+/// beside it, or of none.
 ///   tolerance  world units
 [[nodiscard]] Facets facetsOf(const CrackSurface& cracks, const FaceEdges& edges, double tolerance);
 
 /// Moves vertices on the borders of facets to their common point or line, so that borders are
 /// straight.  A vertex that would move by more than `most`, because its planes are nearly parallel,
-/// stays.
+/// stays, and so does one of a face that is of no facet.
 ///   return  the positions of all vertices
 [[nodiscard]] std::vector<glm::dvec3> snapped(const CrackSurface& cracks, const Facets& facets,
                                               double most);
 
-/// Makes each face for which a condition holds a facet of its own, unless it is one already.
-void splitOff(Facets& facets, const CrackSurface& cracks,
-              const std::function<bool(std::size_t)>& condition);
+/// Takes each face for which a condition holds out of its facet.
+void splitOff(Facets& facets, const std::function<bool(std::size_t)>& condition);
 
 }  // namespace sherd

@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <functional>
 #include <numeric>
 #include <span>
 #include <utility>
@@ -54,8 +55,9 @@ class CrackSimplifier {
     double radius = kFirstRadius * tolerance_;
     for (int round = 0;; ++round, radius *= 2.0) {
       makeAllPolygons(progress);
-      CrackSurface all = assembled();
-      const std::vector<glm::dvec3> faults = faultsOf(all, progress);
+      std::vector<std::uint8_t> isOfFacet;
+      CrackSurface all = assembled(isOfFacet);
+      const std::vector<glm::dvec3> faults = faultsOf(all, isOfFacet, progress);
       if (faults.empty() || round == kMostRounds) return all;
       restoreNear(faults, radius);
     }
@@ -81,13 +83,21 @@ class CrackSimplifier {
                           isNear[v] = faults.areWithin(radius, cracks_.vertices[v]) ? 1 : 0;
                         }
                       });
-    for (std::uint32_t v = 0; v < isNear.size(); ++v) {
-      if (isNear[v] != 0) positions_[v] = cracks_.vertices[v] + displacement(v);
-    }
-    splitOff(facets_, cracks_, [&](std::size_t f) {
+    keepFaces([&](std::size_t f) {
       const glm::uvec3& t = cracks_.faces[f].corner;
       return isNear[t.x] + isNear[t.y] + isNear[t.z] > 0;
     });
+  }
+
+  // Takes faces out of their facets, and undoes the snapping of their vertices.
+  void keepFaces(const std::function<bool(std::size_t)>& condition) {
+    splitOff(facets_, condition);
+    for (std::size_t f = 0; f < cracks_.faces.size(); ++f) {
+      if (facets_.ofFace[f] != Facets::kNone) continue;
+      const glm::uvec3& t = cracks_.faces[f].corner;
+      for (const std::uint32_t v : {t.x, t.y, t.z})
+        positions_[v] = cracks_.vertices[v] + displacement(v);
+    }
   }
 
   void makeAllPolygons(const Progress* progress) {
@@ -97,7 +107,7 @@ class CrackSimplifier {
           polygons_.begin(), polygons_.end(),
           [](const FacetPolygon& polygon) { return !polygon.isMade && !polygon.vertices.empty(); });
       if (!isAnyFailed) return;
-      splitOff(facets_, cracks_, [&](std::size_t f) {
+      keepFaces([&](std::size_t f) {
         const FacetPolygon& polygon = polygons_[facets_.ofFace[f]];
         const glm::uvec3& t = cracks_.faces[f].corner;
         return !polygon.isMade && std::any_of(&t.x, &t.x + 3, [&](std::uint32_t v) {
@@ -137,7 +147,8 @@ class CrackSimplifier {
     }
   }
 
-  CrackSurface assembled() const {
+  //   isOfFacet  receives [faces] 0 or 1: whose corners may have moved
+  CrackSurface assembled(std::vector<std::uint8_t>& isOfFacet) const {
     CrackSurface out;
     std::vector<std::uint32_t> number(cracks_.vertices.size(), kNone);
     const auto add = [&](const glm::uvec3& corner, std::uint32_t f) {
@@ -155,11 +166,15 @@ class CrackSimplifier {
     std::vector<bool> isDone(polygons_.size(), false);
     for (std::uint32_t f = 0; f < cracks_.faces.size(); ++f) {
       const std::uint32_t facet = facets_.ofFace[f];
-      if (!polygons_[facet].isMade) {
+      if (facet == Facets::kNone || !polygons_[facet].isMade) {
         add(cracks_.faces[f].corner, f);
+        isOfFacet.push_back(facet == Facets::kNone ? 0 : 1);
       } else if (!isDone[facet]) {
         isDone[facet] = true;
-        for (const glm::uvec3& t : polygons_[facet].triangles) add(t, f);
+        for (const glm::uvec3& t : polygons_[facet].triangles) {
+          add(t, f);
+          isOfFacet.push_back(1);
+        }
       }
     }
     return out;

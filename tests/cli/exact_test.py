@@ -139,15 +139,19 @@ class Exact(CommandLine):
             rows = [line.split() for line in pathlib.Path(self.out, fragment["files"]["mesh"]).read_text().splitlines()]
             v = np.array([list(map(float, r[1:4])) for r in rows if r and r[0] == "v"])
             vn = np.array([list(map(float, r[1:4])) for r in rows if r and r[0] == "vn"])
+            material = None
             for r in rows:
-                if r and r[0] == "f":
-                    corners = [list(map(int, c.replace("//", "/0/").split("/"))) for c in r[1:]]
-                    a, b, c = (v[k[0] - 1] for k in corners)
-                    normal = np.cross(b - a, c - a)
-                    if np.linalg.norm(normal) < 1e-6:
-                        continue
-                    for corner in corners:  # all faces of the prism are planes
-                        self.assertGreater(vn[corner[-1] - 1] @ normal / np.linalg.norm(normal), 0.8)
+                if r and r[0] == "usemtl":
+                    material = r[1]
+                if not r or r[0] != "f" or material == "inside":
+                    continue
+                corners = [list(map(int, c.replace("//", "/0/").split("/"))) for c in r[1:]]
+                a, b, c = (v[k[0] - 1] for k in corners)
+                normal = np.cross(b - a, c - a)
+                if np.linalg.norm(normal) < 1e-6:
+                    continue
+                for corner in corners:  # all faces of the prism are planes
+                    self.assertGreater(vn[corner[-1] - 1] @ normal / np.linalg.norm(normal), 0.999)
 
     def test_the_same_bytes_on_one_thread(self):
         self.exact("--roughness", "1")

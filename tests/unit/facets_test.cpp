@@ -89,6 +89,7 @@ TEST(Facets, HaveTheirCornersWithinTheToleranceOfTheirPlane) {
   EXPECT_GT(facets.planes.size(), 4u);
   EXPECT_LT(facets.planes.size(), cracks.faces.size() / 16);
   for (std::size_t f = 0; f < cracks.faces.size(); ++f) {
+    if (facets.ofFace[f] == Facets::kNone) continue;
     const Facets::Plane& plane = facets.planes[facets.ofFace[f]];
     for (int k = 0; k < 3; ++k) {
       const glm::dvec3 apart = cracks.vertices[cracks.faces[f].corner[k]] - plane.point;
@@ -111,7 +112,10 @@ TEST(Facets, OtherLabelsAndEdgesOfThreeFacesSeparateFacets) {
     cracks.faces.push_back({{low, low + 1, high + 1}, 1, 3});
     cracks.faces.push_back({{low, high + 1, high}, 1, 3});
   }
-  EXPECT_EQ(facetsOf(cracks, 0.1).planes.size(), 3u);
+  const Facets facets = facetsOf(cracks, 0.1);
+  EXPECT_EQ(facets.planes.size(), 2u);  // and the wall's 16 faces are too few for a facet
+  EXPECT_EQ(std::count(facets.ofFace.begin(), facets.ofFace.end(), Facets::kNone), 16);
+  EXPECT_EQ(std::count(facets.ofFace.end() - 16, facets.ofFace.end(), Facets::kNone), 16);
 }
 
 TEST(Facets, SnappingMovesABorderToTheLineOfItsPlanes) {
@@ -147,27 +151,27 @@ TEST(Facets, SnappingLeavesVerticesThatWouldMoveFar) {
   EXPECT_NE(snapped(cracks, facets, 4.0), cracks.vertices);
 }
 
-TEST(Facets, SplittingOffGivesEachFaceAFacet) {
+TEST(Facets, SnappingLeavesVerticesOfOtherFaces) {
+  const CrackSurface cracks = folded(24, 90.0);
+  Facets facets = facetsOf(cracks, 0.1);
+  for (Facets::Plane& plane : facets.planes) plane.point.z += 0.5;
+  splitOff(facets, [](std::size_t f) { return f == 100; });
+  const std::vector<glm::dvec3> moved = snapped(cracks, facets, 1.0);
+  const glm::uvec3& fixed = cracks.faces[100].corner;
+  for (const std::uint32_t v : {fixed.x, fixed.y, fixed.z}) EXPECT_EQ(moved[v], cracks.vertices[v]);
+  EXPECT_NE(moved, cracks.vertices);
+}
+
+TEST(Facets, SplittingOffTakesFacesOut) {
   const CrackSurface cracks = folded(12, 90.0);
   Facets facets = facetsOf(cracks, 0.1);
-  const auto isOdd = [](std::size_t f) { return f % 2 == 1; };
-  splitOff(facets, cracks, isOdd);
-  ASSERT_EQ(facets.planes.size(), 2u + cracks.faces.size() / 2);
-  ASSERT_EQ(facets.sizes.size(), facets.planes.size());
-  for (std::size_t f = 0; f < cracks.faces.size(); ++f) {
-    const std::uint32_t facet = facets.ofFace[f];
-    if (!isOdd(f)) {
-      EXPECT_LT(facet, 2u);
-      continue;
-    }
-    EXPECT_EQ(std::count(facets.ofFace.begin(), facets.ofFace.end(), facet), 1);
-    EXPECT_EQ(facets.sizes[facet], 1u);
-  }
-  // Again: they are on their own already.
   const Facets before = facets;
-  splitOff(facets, cracks, isOdd);
+  const auto isOdd = [](std::size_t f) { return f % 2 == 1; };
+  splitOff(facets, isOdd);
   EXPECT_EQ(facets.planes.size(), before.planes.size());
-  EXPECT_EQ(facets.ofFace, before.ofFace);
+  for (std::size_t f = 0; f < cracks.faces.size(); ++f) {
+    EXPECT_EQ(facets.ofFace[f], isOdd(f) ? Facets::kNone : before.ofFace[f]);
+  }
 }
 
 }  // namespace
