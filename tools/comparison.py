@@ -5,7 +5,7 @@ usage: comparison.py SHERD MESH... [options]
 
 Every mesh (closed; .obj, .ply, .stl or .off) is broken by both programs, one after the other, into the same
 numbers of pieces.  Both start from the same file: the mesh in Blender, scaled to a longest side of 2.  Cell
-Fracture has its default options except the number of seeds; Sherd has its defaults.  Both are
+Fracture has its default options except the number of seeds; Sherd has its defaults, then --surface exact.  All are
 measured by `sherd evaluate --mesh`.
 
 Seconds are wall-clock time.  "fracture" is the fracture alone: for Cell Fracture from the add-on's call to its objects
@@ -15,7 +15,8 @@ mesh in memory to the fragments' meshes in memory (voxels, seeds, growth, surfac
 
 The volume kept is that of the closed pieces, relative to the input's: an open piece has none.  "closed" and "sound"
 are counts out of all pieces of all repeats; sound is closed, manifold, oriented outwards and without triangles that are
-degenerate or duplicate.
+degenerate or duplicate.  "triangles" are those of all pieces, the median of the repeats.  "off the input" is how far points
+on the pieces' original surface are from the input's on average, relative to its diagonal.
 
 Needs Debian's blender (3.4.1), which includes the add-on.
 """
@@ -28,7 +29,7 @@ import sys
 import tempfile
 import time
 
-COLUMNS = ["asked", "got", "fracture, s", "whole run, s", "volume kept", "closed", "sound"]
+COLUMNS = ["asked", "got", "fracture, s", "whole run, s", "volume kept", "closed", "sound", "triangles", "off the input"]
 
 
 def arguments():
@@ -60,7 +61,8 @@ def measured(options, folder, whole):
     report = json.loads(timed_run([options.sherd, "evaluate", folder, "--mesh", whole, "--samples", 100, "--json"],
                                 options.timeout)[0])
     closed = [f for f in report["fragments"] if f["quality"]["closed"]]
-    return {"got": report["pieces"] + len(empty), "kept": sum(f["volume"] for f in closed) / report["whole"]["volume"],
+    return {"triangles": sum(f["quality"]["triangles"] for f in report["fragments"]), "off": report["surface_error"]["of_diagonal"]["mean"],
+            "got": report["pieces"] + len(empty), "kept": sum(f["volume"] for f in closed) / report["whole"]["volume"],
             "closed": len(closed), "sound": report["sound"]}
 
 
@@ -73,9 +75,9 @@ def cell_fracture(options, mesh, folder, pieces, seed):
             **measured(options, folder / "pieces", folder / "whole.obj")}
 
 
-def sherd(options, whole, folder, pieces, seed):
+def sherd(options, whole, folder, pieces, seed, surface):
     output, whole_run = timed_run([options.sherd, "fracture", whole, "-o", folder, "--pieces", pieces, "--seed", seed,
-                                 "--resolution", options.resolution, "--write", "mesh", "--json"], options.timeout)
+                                 "--resolution", options.resolution, "--write", "mesh", "--surface", surface, "--json"], options.timeout)
     stages = json.loads(output)["seconds"]
     seconds = sum(stages[stage] for stage in ("voxelize", "components", "seed", "grow", "extract"))
     return {"fracture": seconds, "run": whole_run, **measured(options, folder, whole)}
@@ -86,13 +88,14 @@ def row(name, program, asked, results):
         return statistics.median(r[key] for r in results)
 
     if not results:
-        return f"| {name} | {program} | {asked} | | more than the time limit | | | | |"
+        return f"| {name} | {program} | {asked} | | more than the time limit | | | | | | |"
     got = sorted({r["got"] for r in results})
     total = sum(r["got"] for r in results)
     kept = statistics.fmean(r["kept"] for r in results)
     return (f"| {name} | {program} | {asked} | {' to '.join(map(str, got[:1] + got[1:][-1:]))} "
             f"| {median('fracture'):.1f} | {median('run'):.1f} | {100 * kept:.2f} % "
-            f"| {sum(r['closed'] for r in results)}/{total} | {sum(r['sound'] for r in results)}/{total} |")
+            f"| {sum(r['closed'] for r in results)}/{total} | {sum(r['sound'] for r in results)}/{total} "
+            f"| {median('triangles'):,.0f} | {100 * median('off'):.5f} % |")
 
 
 def main():
@@ -100,7 +103,7 @@ def main():
     print(f"| mesh | program | {' | '.join(COLUMNS)} |\n|{'---|' * (len(COLUMNS) + 2)}")
     for mesh in options.meshes:
         for pieces in options.pieces:
-            cells, ours = [], []
+            cells, smooth, exact = [], [], []
             for seed in range(1, options.repeats + 1):
                 with tempfile.TemporaryDirectory(prefix="sherd-comparison-") as folder:
                     folder = pathlib.Path(folder)
@@ -108,9 +111,10 @@ def main():
                         cells.append(cell_fracture(options, mesh, folder / "cells", pieces, seed))
                     except subprocess.TimeoutExpired:
                         print(f"{mesh.name}, {pieces}: Cell Fracture exceeded the time limit", file=sys.stderr)
-                    if (folder / "cells" / "whole.obj").exists():
-                        ours.append(sherd(options, folder / "cells" / "whole.obj", folder / "sherd", pieces, seed))
-            for program, results in (("Cell Fracture", cells), ("Sherd", ours)):
+                    for surface, results in (("smooth", smooth), ("exact", exact)):
+                        if (folder / "cells" / "whole.obj").exists():
+                            results.append(sherd(options, folder / "cells" / "whole.obj", folder / surface, pieces, seed, surface))
+            for program, results in (("Cell Fracture", cells), ("Sherd", smooth), ("Sherd, exact", exact)):
                 print(row(mesh.name, program, pieces, results), flush=True)
 
 

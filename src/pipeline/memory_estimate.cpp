@@ -28,9 +28,12 @@ constexpr double kOfSomeMeshes = 0.6;       // factor on it where only some mesh
 constexpr double kPerInsideVoxel = 8.0;     // leaves, labels and growth
 constexpr double kOfErosion = 9.0;          // additional: masks of fragments, labels before erosion
 constexpr double kOfCost = 11.0;  // additional: four bytes on the device, the host and in the file
-constexpr double kSimplified = 1.6;  // factor where meshes are decimated
-constexpr double kPerPiece = 25e3;   // of any size: distances to the cut in every leaf it reaches,
-                                     // its manifest entry
+constexpr double kExactTriangle = 220.0;  // additional, of exact surfaces: parts and their edges
+constexpr double kExactCut = 300.0;       // per voxel of cracks: their mesh, polygons and parts
+constexpr double kExactRoughCut = 800.0;  // the same of rough cracks, which stay as they are meshed
+constexpr double kSimplified = 1.6;       // factor where meshes are decimated
+constexpr double kPerPiece = 25e3;  // of any size: distances to the cut in every leaf it reaches,
+                                    // its manifest entry
 
 struct Extent {
   double area = 0.0, volume = 0.0, longest = 0.0;  // world units
@@ -119,6 +122,13 @@ double meshFactor(const SurfaceOptions& surface, MeshesHeld held, double resolut
   return kOfSomeMeshes + (1.0 - kOfSomeMeshes) / (cube * cube);
 }
 
+// Returns what exact surfaces take beyond smooth ones.
+double bytesForExact(std::size_t triangles, double cuts, const FractureOptions& options) {
+  if (options.surface.surface != Surface::exact) return 0.0;
+  return kExactTriangle * static_cast<double>(triangles) +
+         (options.grow.roughness.isZero() ? kExactCut : kExactRoughCut) * cuts;
+}
+
 double bytesFor(const Extent& extent, std::size_t triangles, const FractureOptions& options,
                 MeshesHeld held, double voxelSize) {
   const Amount solid = solidOf(extent, options.solid, voxelSize);
@@ -128,7 +138,7 @@ double bytesFor(const Extent& extent, std::size_t triangles, const FractureOptio
   const double cuts =
       6.0 * (std::cbrt(static_cast<double>(options.pieces)) - 1.0) * std::cbrt(inside * inside);
   return kPerTriangle * static_cast<double>(triangles) +
-         kPerPiece * static_cast<double>(options.pieces) +
+         kPerPiece * static_cast<double>(options.pieces) + bytesForExact(triangles, cuts, options) +
          bytesForVoxels(
              meshFactor(options.surface, held, extent.longest / voxelSize) * (surface + cuts),
              inside, perInsideVoxel(options));

@@ -17,6 +17,7 @@
 #include "exact/self_crossings.h"
 #include "surface/manifold.h"
 #include "surface/patches.h"
+#include "surface/vertex_numbers.h"
 
 namespace sherd {
 namespace {
@@ -317,22 +318,20 @@ class Assembly {
     used.reserve(3 * faces.size());
     for (const Face& face : faces)
       used.insert(used.end(), {face.corner.x, face.corner.y, face.corner.z});
-    std::sort(used.begin(), used.end());
-    used.erase(std::unique(used.begin(), used.end()), used.end());
+    const VertexNumbers numbers(std::move(used), vertices_.size());
     LabeledMesh out;
-    out.mesh.vertices.reserve(used.size());
-    for (const std::uint32_t v : used) out.mesh.vertices.push_back(vertices_[v]);
-    const auto number = [&](std::uint32_t v) {
-      return static_cast<std::uint32_t>(std::lower_bound(used.begin(), used.end(), v) -
-                                        used.begin());
-    };
+    out.positionId.assign(numbers.vertices().begin(), numbers.vertices().end());
+    out.mesh.vertices.reserve(out.positionId.size());
+    for (const std::uint32_t v : out.positionId) out.mesh.vertices.push_back(vertices_[v]);
+    out.mesh.triangles.reserve(faces.size());
+    out.mesh.source.reserve(faces.size());
+    out.other.reserve(faces.size());
     for (const Face& face : faces) {
-      out.mesh.triangles.emplace_back(number(face.corner.x), number(face.corner.y),
-                                      number(face.corner.z));
+      out.mesh.triangles.emplace_back(numbers.of(face.corner.x), numbers.of(face.corner.y),
+                                      numbers.of(face.corner.z));
       out.other.push_back(face.neighbor);
       out.mesh.source.push_back(face.source);
     }
-    out.positionId = std::move(used);
     return out;
   }
 

@@ -130,5 +130,67 @@ answer(things=[{**measures(o), "location": o.location[:], "materials": [m.name f
             self.assertAlmostEqual(thing["volume"] / says["volume"], 1, delta=1e-4)
 
 
+# Renders meshes by their texture alone, one sample in the middle of each pixel, and writes the pixels.
+RENDER = '''
+bpy.ops.object.select_all(action="SELECT")
+bpy.ops.object.delete()
+scene = bpy.context.scene
+target, *paths = sys.argv[sys.argv.index("--") + 3:]
+for path in paths:
+    bpy.ops.import_scene.obj(filepath=path, axis_forward="Y", axis_up="Z")
+for material in bpy.data.materials:
+    material.use_nodes = True
+    tree = material.node_tree
+    image = next((n for n in tree.nodes if n.type == "TEX_IMAGE"), None)
+    emission, output = tree.nodes.new("ShaderNodeEmission"), next(n for n in tree.nodes if n.type == "OUTPUT_MATERIAL")
+    if image:
+        tree.links.new(image.outputs["Color"], emission.inputs["Color"])
+    tree.links.new(emission.outputs["Emission"], output.inputs["Surface"])
+camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
+scene.collection.objects.link(camera)
+camera.data.type, camera.data.ortho_scale = "ORTHO", 4.0
+camera.location, camera.rotation_euler = (6.0, -5.0, 8.0), (0.70, 0.0, 0.88)
+scene.camera = camera
+scene.render.engine = "CYCLES"
+scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.pixel_filter_type = 1, False, "BOX"
+scene.cycles.filter_width, scene.cycles.use_adaptive_sampling = 0.01, False
+scene.render.resolution_x = scene.render.resolution_y = 400
+scene.view_settings.view_transform = "Standard"
+scene.render.filepath, scene.render.image_settings.file_format = target, "PNG"
+bpy.ops.render.render(write_still=True)
+pixels = bpy.data.images.load(target).pixels
+np.save(target + ".npy", np.rint(255 * np.array(pixels[:])).reshape(400, 400, 4)[:, :, :3].astype(int))
+answer(objects=len([o for o in bpy.data.objects if o.type == "MESH"]))
+'''
+
+
+class ExactPieces(Blender):
+    def test_assembled_pieces_look_like_the_input(self):
+        """Rendered by texture, 99.9 % of the pixels are within 1 of 255, and the rest is where cracks show."""
+        step = np.arange(64)
+        pixels = np.stack([np.add.outer(2 * step, step) % 256, np.add.outer(step, 3 * step) % 256, np.add.outer(step, step) // 32 % 2 * 200], axis=2)
+        (self.tmp / "cells.png").write_bytes(png(pixels.astype(np.uint8)))
+        (self.tmp / "look.mtl").write_text("newmtl glaze\nKd 1 1 1\nmap_Kd cells.png\n")
+        points, faces = sphere(24, 48, center=(0.0, 0.0, 0.0), radius=1.5)
+        with open(self.tmp / "painted.obj", "w") as file:
+            file.write("mtllib look.mtl\nusemtl glaze\n")
+            file.writelines(f"v {x} {y} {z}\n" for x, y, z in points)
+            file.writelines(f"vt {(x - 0.5 * y + 2) / 5} {(z + 0.3 * y + 2) / 5}\n" for x, y, z in points)
+            file.writelines(f"f {a + 1}/{a + 1} {b + 1}/{b + 1} {c + 1}/{c + 1}\n" for a, b, c in faces)
+        subprocess.run([SHERD, "fracture", self.tmp / "painted.obj", "-o", self.tmp / "out", "--resolution", "64", "--pieces", "8", "--roughness", "1",
+                        "--surface", "exact", "--write", "mesh", "--mesh-format", "obj", "--quiet"], check=True, timeout=120)
+        manifest = json.loads((self.tmp / "out" / "manifest.json").read_text())
+        self.assertEqual({f["surface"] for f in manifest["fragments"]}, {"exact"})
+        pieces = [self.tmp / "out" / f["files"]["mesh"] for f in manifest["fragments"]]
+        self.assertEqual(self.blender(RENDER, self.tmp / "input.png", self.tmp / "painted.obj")["objects"], 1)
+        self.assertEqual(self.blender(RENDER, self.tmp / "pieces.png", *pieces)["objects"], len(pieces))
+        whole, assembled = (np.load(self.tmp / f"{name}.png.npy") for name in ("input", "pieces"))
+        shown = (whole > 0).any(axis=2)
+        self.assertGreater(shown.mean(), 0.3, "the mesh is in the image")
+        self.assertGreater(np.unique(whole[shown], axis=0).shape[0], 1000, "with its texture")
+        off = np.abs(whole - assembled).max(axis=2) > 1
+        self.assertLess(off[shown].mean(), 0.001)
+
+
 if __name__ == "__main__":
     skipping.main()
