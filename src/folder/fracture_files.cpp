@@ -11,6 +11,7 @@
 
 #include "base/cancel_flag.h"
 #include "base/uncancelled.h"
+#include "folder/intact_mesh.h"
 #include "folder/write_points.h"
 #include "points/sample_surface.h"
 #include "render/preview_fragment.h"
@@ -96,7 +97,7 @@ void FractureWriting::begin(const Progress* progress) const {
   }
   throwIfCancelled(progress);
   if (!files_.solidMesh.empty()) {
-    const TriangleMesh whole = solidMesh(result_.solid);
+    const TriangleMesh whole = intactMesh(result_, options_.surface.surface);
     meshes_.write(whole, meshes_.attributesOf(whole), files_.solidMesh);
   }
 }
@@ -158,7 +159,8 @@ void FractureWriting::finish(const Progress* progress) const {
   throwIfCancelled(progress);
   if (!files_.scene.empty()) meshes_.writeScene(kept(), attributes_, files_.scene);
   if (!files_.solidSdf.empty()) {
-    writeAllDistances(folder_, files_, result_, options_.seed, write.distances, progress);
+    writeAllDistances(folder_, files_, result_, intactMesh(result_, options_.surface.surface),
+                      options_.seed, write.distances, progress);
   }
   throwIfCancelled(progress);
   if (!files_.correspondences.empty()) {

@@ -33,8 +33,8 @@ void writePointsOf(const OutputFolder& folder, const std::vector<std::string>& f
 }
 
 void writeAllDistances(const OutputFolder& folder, const FractureFiles& files,
-                       const FractureResult& result, std::uint64_t seed, DistanceOptions options,
-                       const Progress* progress) {
+                       const FractureResult& result, const TriangleMesh& intact, std::uint64_t seed,
+                       DistanceOptions options, const Progress* progress) {
   if (!(options.sigma > 0.0)) options.sigma = result.solid.frame.voxelSize;
   std::size_t done = 0;
   Progress ofAll;
@@ -50,7 +50,7 @@ void writeAllDistances(const OutputFolder& folder, const FractureFiles& files,
     writeDistances(folder / file, sampleDistances(mesh, options, &ofAll));
     ++done;
   };
-  write(files.solidSdf, solidMesh(result.solid), 0);
+  write(files.solidSdf, intact, 0);
   for (std::size_t i = 0; i < result.kept(); ++i) {
     write(files.sdf[i], result.fragments[i].mesh, result.fragments[i].id);
   }

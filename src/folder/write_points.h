@@ -24,9 +24,10 @@ void writePointsOf(const OutputFolder& folder, const std::vector<std::string>& f
                    std::uint64_t seed, const WriteOptions& write);
 
 /// Samples distances and writes files.solidSdf and files.sdf.
-///   seed  of the fracture
+///   intact  the mesh of the intact object
+///   seed    of the fracture
 void writeAllDistances(const OutputFolder& folder, const FractureFiles& files,
-                       const FractureResult& result, std::uint64_t seed, DistanceOptions options,
-                       const Progress* progress);
+                       const FractureResult& result, const TriangleMesh& intact, std::uint64_t seed,
+                       DistanceOptions options, const Progress* progress);
 
 }  // namespace sherd

@@ -35,6 +35,7 @@ struct Face {
   std::uint32_t source = 0;
   std::uint16_t neighbor = 0;  // label on the other side
   std::uint32_t part = 0;      // of the mesh or of the cracks
+  std::uint8_t side = 0;       // of a crack: 0 its front's, 1 its back's
 };
 
 class Assembly {
@@ -65,7 +66,8 @@ class Assembly {
       return {.failure = "a part of a crack lies on both sides of the surface"};
     throwIfCancelled(progress);
     if (std::string failure = newCrossings(cut, inside, progress); !failure.empty()) {
-      return {.failure = std::move(failure), .isDegenerate = true};
+      const bool isRounding = failure == kRounding;
+      return {.failure = std::move(failure), .isDegenerate = isRounding};
     }
     return assembled(outside, inside);
   }
@@ -177,25 +179,25 @@ class Assembly {
                            const Progress* progress) const {
     std::vector<glm::uvec3> parts;
     std::vector<std::uint32_t> sources;
-    std::vector<std::uint8_t> isNew;
-    const auto add = [&](const glm::uvec3& corner, std::size_t source, std::uint8_t isPart) {
+    std::vector<std::uint8_t> isPart;  // of a crossed triangle
+    const auto add = [&](const glm::uvec3& corner, std::size_t source, std::uint8_t isCrossed) {
       parts.push_back(corner);
       sources.push_back(static_cast<std::uint32_t>(source));
-      isNew.push_back(isPart);
+      isPart.push_back(isCrossed);
     };
     for (const CutTriangle& part : cut.surface) add(part.corner, part.source, 1);
     const std::size_t ofSurface = parts.size();
     for (std::size_t p = 0; p < inside.parts().size(); ++p) {
       const Part& part = inside.parts()[p];
-      if (isInside_[p])
+      if (isInside_[p]) {
         add(part.corner, source_.triangles.size() + part.source, cut.cutterCrossed[part.source]);
+      }
     }
     // Parts of one triangle that are not flipped do not cross.
     for (std::size_t p = 0; p < parts.size(); ++p) {
-      if (isNew[p] != 0 && isFlipped(parts[p], sources[p])) return kRounding;
+      if (isPart[p] != 0 && isFlipped(parts[p], sources[p])) return kRounding;
     }
-    const auto crossings =
-        selfCrossings(vertices_, parts, progress, {.of = isNew, .source = sources});
+    const auto crossings = selfCrossings(vertices_, parts, progress, {.source = sources});
     if (crossings.empty()) return {};
     return crossings.front()[0] >= ofSurface ? "cracks cross each other" : kRounding;
   }
@@ -259,7 +261,7 @@ class Assembly {
       if (!isInside_[p] || front == back) continue;
       const glm::uvec3& t = inside.parts()[p].corner;
       add(front, {t, TriangleMesh::kNoSource, back, p});
-      add(back, {{t.x, t.z, t.y}, TriangleMesh::kNoSource, front, p});
+      add(back, {{t.x, t.z, t.y}, TriangleMesh::kNoSource, front, p, 1});
     }
     return faces;
   }
@@ -306,8 +308,7 @@ class Assembly {
           label_[face.part] = heir;
           continue;
         }
-        auto& [front, back] = crackLabels_[face.part];
-        (front == i + 1 ? front : back) = heir;
+        crackLabels_[face.part][face.side] = heir;
       }
     }
     return isAny;

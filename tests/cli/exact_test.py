@@ -133,6 +133,13 @@ class Exact(CommandLine):
                 for k in range(3):
                     self.assertLess(np.abs(uv[k] - texcoord(v[t[k]])).max(), 1e-6)
 
+    def test_the_intact_object_is_the_input(self):
+        self.exact("--write", "mesh,solid")
+        _, vertex, face = read_ply(os.path.join(self.out, self.manifest()["solid"]["mesh"]))
+        np.testing.assert_array_equal(columns(vertex, *"xyz"), self.vertices)
+        self.assertEqual({tuple(sorted(t)) for t in face["vertex_indices"].tolist()}, {tuple(sorted(t)) for t in self.triangles.tolist()})
+        self.assertEqual(set(face["material"].tolist()), {0, 1})
+
     def test_normals_split_at_sharp_edges(self):
         self.exact("--mesh-format", "obj")
         for fragment in self.manifest()["fragments"]:
