@@ -118,7 +118,8 @@ std::vector<std::array<std::uint32_t, 2>> selfCrossings(std::span<const glm::dve
                                                         std::span<const glm::uvec3> triangles,
                                                         const Progress* progress,
                                                         const CrossingPairs& tested) {
-  const auto& [of, source] = tested;
+  const std::span<const std::uint8_t> of = tested.of;
+  const std::span<const std::uint32_t> source = tested.source;
   const auto isOf = [&](std::uint32_t t) { return of.empty() || of[t] != 0; };
   const auto areOfOne = [&](std::uint32_t a, std::uint32_t b) {
     return !source.empty() && source[a] == source[b];

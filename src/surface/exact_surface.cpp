@@ -22,8 +22,6 @@
 namespace sherd {
 namespace {
 
-constexpr std::uint32_t kNone = 0xffffffffu;
-
 constexpr const char* kRounding = "rounding makes parts of the surface cross";
 
 // How often islands are given to other fragments.
