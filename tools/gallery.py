@@ -57,6 +57,18 @@ def ball(meridians=96):
     return points, faces
 
 
+def gear(teeth=14):
+    """A prism over a star: sharp edges all around."""
+    ring = [((1.0 if k % 2 else 0.78) * math.cos(math.pi * k / teeth), (1.0 if k % 2 else 0.78) * math.sin(math.pi * k / teeth))
+            for k in range(2 * teeth)]
+    points = [(x, y, z) for z in (0, 0.4) for x, y in ring] + [(0, 0, 0), (0, 0, 0.4)]
+    faces = []
+    for k in range(2 * teeth):
+        n, up = (k + 1) % (2 * teeth), 2 * teeth
+        faces += [(k, n, up + n, up + k), (n, k, 2 * up), (up + k, up + n, 2 * up + 1)]
+    return points, faces
+
+
 def write_obj(path, mesh):
     points, faces = mesh
     path.write_text("".join("v %.9g %.9g %.9g\n" % p for p in points) +
@@ -72,6 +84,7 @@ def write_inputs(folder):
     write_obj(folder / "block.obj", box(1, 1, 1))
     write_obj(folder / "plate.obj", box(1, 1, 0.15))
     write_obj(folder / "ball.obj", ball())
+    write_obj(folder / "gear.obj", gear())
     write_seeds(folder / "bricks.json", [[x / 8, (2 * row + 1) / 10, 0.075] for row in range(5)
                                          for x in ([1, 3, 5, 7] if row % 2 == 0 else [0.5, 2, 4, 6, 7.5])])
     write_seeds(folder / "four.json", [[0.25, 0.27, 0.5], [0.74, 0.25, 0.5], [0.3, 0.76, 0.5], [0.77, 0.72, 0.5]])
@@ -251,6 +264,9 @@ CHAPTERS = [
                   ("independent", "--interface independent", "each fragment meshed separately"),
                   ("labels", "--surface labels", "voxel faces"),
                   ("paper", "--preset paper", "the paper's options: labels, smoothed")]),
+        Group("exact", "--surface exact", "The outside of a mesh with sharp edges.", "gear.obj", "--pieces 7 --seed 2 --resolution 64 --roughness 1", [
+            ("smooth", "--surface smooth", "the default: edges are as sharp as voxels"),
+            ("exact", "--surface exact", "the input's own triangles, cut by the cracks")], 2),
         Group("figure8", "Figure 8: --smooth-boundary-weight", "Voxel faces, smoothed without cracks, and with cracks.", "amphora.ply", VOXEL_FACES + " --smoothing laplacian --smooth-weight 0.9 --smooth-iterations 0.048k --smooth-boundary-iterations 0.048k", [
                   ("0", "--smooth-boundary-weight 0", "cracks keep voxel faces"),
                   ("02", "--smooth-boundary-weight 0.2", "the paper's"),
@@ -699,7 +715,7 @@ INTRODUCTION = """# Gallery
 
 Images of what each option does, each with its command. `tools/pictures.sh` makes this page and its
 images: `preview.png`, with the same crop in a row, scaled down. `tools/gallery.py --inputs .` writes the other
-inputs: `block.obj` (side 1), `plate.obj` (1 by 1 by 0.15, the front at z = 0.15), `ball.obj` (radius 1), and seeds.
+inputs: `block.obj` (side 1), `plate.obj` (1 by 1 by 0.15, the front at z = 0.15), `ball.obj` (radius 1), `gear.obj` (radius 1, 14 teeth), and seeds.
 
 Options without an image: `--device` and `--threads` change only the time, `--write`, `--json`, `--quiet` and the files for
 hosts (`--vdb` and following) select the output, and those of distances (`--sdf-samples` and its type) do not change fragments. [cli.md](cli.md) has the meaning and range of every option."""

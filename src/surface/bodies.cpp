@@ -2,9 +2,11 @@
 #include "surface/bodies.h"
 
 #include <glm/common.hpp>
+#include <memory>
 #include <numeric>
 #include <utility>
 
+#include "base/cancel_flag.h"
 #include "mesh/triangle_tree.h"
 #include "surface/manifold.h"
 
@@ -46,7 +48,7 @@ void append(const TriangleMesh& from, TriangleMesh& to) {
 
 }  // namespace
 
-std::vector<TriangleMesh> bodiesOf(const TriangleMesh& mesh) {
+std::vector<TriangleMesh> bodiesOf(const TriangleMesh& mesh, const Progress* progress) {
   LabeledMesh sheets{.mesh = {mesh.vertices, mesh.triangles}};
   sheets.positionId.resize(mesh.vertices.size());
   std::iota(sheets.positionId.begin(), sheets.positionId.end(), 0u);
@@ -56,20 +58,23 @@ std::vector<TriangleMesh> bodiesOf(const TriangleMesh& mesh) {
     (volume(component) < 0.0 ? cavities : bodies).push_back(std::move(component));
   }
   std::vector<Box> boxes;
-  for (const TriangleMesh& body : bodies) boxes.push_back(bounds(body));
+  std::vector<double> volumes;
+  for (const TriangleMesh& body : bodies) {
+    boxes.push_back(bounds(body));
+    volumes.push_back(volume(body));
+  }
+  std::vector<std::unique_ptr<TriangleTree>> trees(bodies.size());  // made when needed
   const std::size_t count = bodies.size();
   std::vector<std::size_t> bodyOf;  // [cavities] the smallest around it
   for (const TriangleMesh& cavity : cavities) {
     const glm::dvec3& p = cavity.vertices.front();
     std::size_t smallest = count;
-    double least = 0.0;
+    throwIfCancelled(progress);
     for (std::size_t b = 0; b < count; ++b) {
       if (!contains(boxes[b], p)) continue;
-      const double size = volume(bodies[b]);
-      if (smallest != count && size >= least) continue;
-      if (TriangleTree(bodies[b]).winding(p) < 0.5) continue;
-      smallest = b;
-      least = size;
+      if (smallest != count && volumes[b] >= volumes[smallest]) continue;
+      if (!trees[b]) trees[b] = std::make_unique<TriangleTree>(bodies[b]);
+      if (trees[b]->winding(p) >= 0.5) smallest = b;
     }
     bodyOf.push_back(smallest);
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <sherd/mesh.h>
+#include <sherd/progress.h>
 
 #include <vector>
 
@@ -11,6 +12,8 @@ namespace sherd {
 /// outwards, each with the cavities within it.  Sheets that touch belong to different components.
 ///   mesh    oriented
 ///   return  with TriangleMesh::source by the mesh's triangles; empty if the mesh is not closed
-[[nodiscard]] std::vector<TriangleMesh> bodiesOf(const TriangleMesh& mesh);
+///   throws  Error(cancelled)
+[[nodiscard]] std::vector<TriangleMesh> bodiesOf(const TriangleMesh& mesh,
+                                                 const Progress* progress = nullptr);
 
 }  // namespace sherd

@@ -33,7 +33,7 @@ struct CrackSurface {
 /// Returns the labels with one on every voxel of the exterior band that is connected to an inside
 /// voxel: of a voxel near several fragments the one whose cell it lies in, so that a planar cut
 /// stays a plane beyond the solid.
-///   cut  of the labels, with CutExtent::everywhere
+///   cut  of the labels, with CutExtent::exact
 [[nodiscard]] Labels labelsBeyond(const Solid& solid, const Labels& labels, const Cut& cut,
                                   std::span<const LeafNeighbors> neighborhoods);
 

@@ -8,6 +8,7 @@
 #include <limits>
 #include <optional>
 
+#include "base/cancel_flag.h"
 #include "mesh/triangle_tree.h"
 #include "surface/bodies.h"
 #include "surface/crack_surface.h"
@@ -54,7 +55,7 @@ std::uint16_t nearestLabel(const Labels& labels, const glm::dvec3& index) {
 }
 
 std::string obstacleOf(const Solid& solid) {
-  if (solid.mesh == nullptr) return "the solid has no mesh";
+  if (solid.mesh == nullptr) return "the solid has no input mesh";
   if (solid.report.fill != Fill::winding) return "the mesh is not filled by winding numbers";
   const std::size_t open = openEdges(solid.mesh->mesh);
   if (open > 0) return "the mesh has " + std::to_string(open) + " open edges";
@@ -80,12 +81,13 @@ void append(std::vector<LabeledMesh> from, const TriangleMesh& body, std::uint32
 }
 
 // Cuts each body alone.  Where bodies overlap, so do the faces of their cracks.
-ExactSurface cutBodies(const TriangleMesh& mesh, const CrackSurface& cracks, std::size_t fragments,
-                       SpaceLabels space, const Progress* progress) {
-  const std::vector<TriangleMesh> bodies = bodiesOf(mesh);
+ExactSurface cutBodies(std::span<const TriangleMesh> bodies, const CrackSurface& cracks,
+                       std::size_t fragments, SpaceLabels space, const Progress* progress) {
+  if (bodies.empty()) return {.failure = "the mesh is not closed"};
   ExactSurface all{.meshes = std::vector<LabeledMesh>(fragments)};
   std::uint32_t positions = 0;
   for (const TriangleMesh& body : bodies) {
+    throwIfCancelled(progress);
     std::optional<TriangleTree> tree;
     space.isInside = [&](const glm::dvec3& p) {
       if (!tree) tree.emplace(body);
@@ -120,13 +122,15 @@ ExactSurface exactMeshes(const Solid& solid, const Labels& labels,
   const auto fragments = static_cast<std::size_t>(labels.fragmentCount);
   const double tolerance = kCrackTolerance * solid.frame.voxelSize;
   ExactSurface surface;
+  std::optional<std::vector<TriangleMesh>> bodies;
   for (int attempt = 0; attempt < kMostTries; ++attempt) {
     const CrackSurface simple =
         simplified(cracks, tolerance, static_cast<std::uint64_t>(attempt), progress);
     surface = exactSurface(solid.mesh->mesh, simple, fragments, space, progress);
     if (!surface.failure.empty() && solid.report.defects.components > 1) {
       // Bodies that overlap or touch can be cut one by one.
-      surface = cutBodies(solid.mesh->mesh, simple, fragments, space, progress);
+      if (!bodies) bodies = bodiesOf(solid.mesh->mesh, progress);
+      surface = cutBodies(*bodies, simple, fragments, space, progress);
     }
     if (!surface.isDegenerate) break;
   }

@@ -25,7 +25,7 @@ namespace {
 constexpr const char* kRounding = "rounding makes parts of the surface cross";
 
 // How often islands are given to other fragments.
-constexpr int kMostRounds = 4;
+constexpr int kMostRounds = 32;
 
 // A face of a fragment.
 struct Face {
@@ -59,13 +59,14 @@ class Assembly {
                          vertices_.size(), cut.seams);
     throwIfCancelled(progress);
     if (!labelOutside(outside, cut.seams))
-      return {.failure = "a part of the surface lies on both sides of a crack"};
+      return {.failure = "a part of the surface lies on both sides of a crack",
+              .isDegenerate = true};
     if (!findInside(inside, cut.seams))
-      return {.failure = "a part of a crack lies on both sides of the surface"};
+      return {.failure = "a part of a crack lies on both sides of the surface",
+              .isDegenerate = true};
     throwIfCancelled(progress);
     if (std::string failure = newCrossings(cut, inside, progress); !failure.empty()) {
-      const bool isRounding = failure == kRounding;
-      return {.failure = std::move(failure), .isDegenerate = isRounding};
+      return {.failure = std::move(failure), .isDegenerate = true};
     }
     return assembled(outside, inside);
   }
@@ -195,7 +196,11 @@ class Assembly {
     for (std::size_t p = 0; p < parts.size(); ++p) {
       if (isPart[p] != 0 && isFlipped(parts[p], sources[p])) return kRounding;
     }
-    const auto crossings = selfCrossings(vertices_, parts, progress, {.source = sources});
+    // Neither do those of the mesh, which does not cross itself here: only cracks are tested.
+    std::vector<std::uint8_t> isOfCrack(parts.size(), 1);
+    std::fill_n(isOfCrack.begin(), ofSurface, 0);
+    const auto crossings =
+        selfCrossings(vertices_, parts, progress, {.of = isOfCrack, .source = sources});
     if (crossings.empty()) return {};
     return crossings.front()[0] >= ofSurface ? "cracks cross each other" : kRounding;
   }
@@ -236,8 +241,9 @@ class Assembly {
       });
       const auto open = std::find(isClosed.begin(), isClosed.end(), 0);
       if (open != isClosed.end()) {
-        return {.failure =
-                    "fragment " + std::to_string(open - isClosed.begin() + 1) + " is not closed"};
+        return {.failure = "the cracks do not close fragment " +
+                           std::to_string(open - isClosed.begin() + 1),
+                .isDegenerate = true};
       }
       if (!giveAwayIslands(result.meshes, faces)) break;
     }

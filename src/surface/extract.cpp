@@ -96,9 +96,11 @@ std::vector<bool> onSolid(const LabeledMesh& mesh) {
   return original;
 }
 
-// Each fragment is meshed alone, with the leaves around it.
-bool isIndependent(const SurfaceOptions& surface) {
-  return surface.surface == Surface::smooth && surface.interface == Interface::independent;
+// With independent interfaces each fragment is meshed alone, with the leaves around it.  Exact
+// surfaces may fail, and become what the other options say.
+bool needsWholeCut(const SurfaceOptions& surface) {
+  return surface.levelSets ||
+         (surface.surface != Surface::labels && surface.interface == Interface::independent);
 }
 
 const SurfaceOptions& checked(const Solid& solid, const ExtractOptions& options,
@@ -125,10 +127,8 @@ Extraction::Extraction(const Solid& solid, const Labels& labels, const ExtractOp
       ownNeighborhoods_(options.intact ? std::vector<LeafNeighbors>()
                                        : leafNeighbors(solid.blocks->origins)),
       neighborhoods_(options.intact ? options.intact->neighborhoods : ownNeighborhoods_),
-      cut_(findCut(
-          labels, neighborhoods_,
-          surface_.levelSets || isIndependent(surface_) ? CutExtent::everywhere : CutExtent::cells,
-          progress)),
+      cut_(findCut(labels, neighborhoods_,
+                   needsWholeCut(surface_) ? CutExtent::everywhere : CutExtent::cells, progress)),
       leaves_(leavesOf(cut_, count_)) {
   if (surface_.surface == Surface::exact) makeExact();
   if (!isShared()) return;

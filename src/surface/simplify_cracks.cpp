@@ -35,6 +35,9 @@ constexpr int kMostSplits = 8;
 constexpr double kFirstRadius = 20.0;
 constexpr int kMostRounds = 6;
 
+// Where polygons cross at more points, as those of thousands of small fragments do, all faces stay.
+constexpr std::size_t kMostFaults = 2000;
+
 // Vertices are displaced at random by this share of the tolerance, so that no four are in a plane,
 // and none lies on the surface that the cracks are to cut.
 constexpr double kDisplacement = 1e-3;
@@ -59,7 +62,11 @@ class CrackSimplifier {
       CrackSurface all = assembled(isOfFacet);
       const std::vector<glm::dvec3> faults = faultsOf(all, isOfFacet, progress);
       if (faults.empty() || round == kMostRounds) return all;
-      restoreNear(faults, radius);
+      if (faults.size() > kMostFaults) {
+        keepFaces([](std::size_t) { return true; });
+      } else {
+        restoreNear(faults, radius);
+      }
     }
   }
 

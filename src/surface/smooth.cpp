@@ -176,7 +176,8 @@ void checkSurfaceOptions(const SurfaceOptions& options) {
   }
   if (options.surface == Surface::exact &&
       (options.adaptivity > 0.0 || isAny(smooth.iterations) || isAny(smooth.boundaryIterations))) {
-    throw Error(ErrorCode::usage, "exact surfaces are neither smoothed nor simplified");
+    throw Error(ErrorCode::usage, "exact surfaces take neither smoothing nor adaptivity",
+                OptionNames{"surface"});
   }
   if (!options.meshes && !canLackMeshes(options)) {
     throw Error(ErrorCode::usage,

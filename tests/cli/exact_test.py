@@ -186,7 +186,7 @@ class Exact(CommandLine):
         result = self.run_sherd("fracture", os.path.join(self.out, "manifest.json"), "-o", self.path("again"), "--only", "1", "--pieces", "2",
                                 "--surface", "exact")
         self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertIn("the solid has no mesh", result.stderr)
+        self.assertIn("the solid has no input mesh", result.stderr)
 
     def test_datasets_have_it_too(self):
         library = pathlib.Path(self.path("library"))

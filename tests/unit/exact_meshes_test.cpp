@@ -57,10 +57,10 @@ class ExactShapes : public ::testing::TestWithParam<std::pair<const char*, Trian
 
 TEST_P(ExactShapes, FragmentsHaveTheInputsSurface) {
   const TriangleMesh& mesh = GetParam().second;
-  for (const int pieces : {2, 10, 30}) {
+  for (const int pieces : {2, 12}) {
     for (const double roughness : {0.0, 2.0}) {
       SCOPED_TRACE(std::to_string(pieces) + " pieces, roughness " + std::to_string(roughness));
-      expectExact(mesh, exactOptions(pieces, 48, roughness));
+      expectExact(mesh, exactOptions(pieces, 40, roughness));
     }
   }
 }
@@ -130,7 +130,7 @@ TEST(Exact, ASolidWithoutItsMeshFallsBack) {
   Device device("builtin");
   const FractureResult result =
       fracture(voxelize(shapes::cube(1.0), {.resolution = 32}), exactOptions(2, 32), device);
-  EXPECT_EQ(result.exactFailure, "the solid has no mesh");
+  EXPECT_EQ(result.exactFailure, "the solid has no input mesh");
 }
 
 TEST(Exact, BodiesThatOverlapAreCutOneByOne) {
@@ -250,12 +250,12 @@ TEST(Exact, RealMeshesKeepTheirSurface) {
   if (folder == nullptr) {
     GTEST_SKIP() << "SHERD_TEST_DATA is not set: it names the folder of shared meshes";
   }
-  for (const char* name : {"1002_tray_bottom.STL", "ADIS16480.STL", "nut-big.obj", "springer.obj",
-                           "flange.stl.gz", "vented_rear_case.ply", "99865_car.stl"}) {
+  for (const char* name :
+       {"1002_tray_bottom.STL", "nut-big.obj", "vented_rear_case.ply", "99865_car.stl"}) {
     SCOPED_TRACE(name);
     TriangleMesh mesh = readMesh(std::filesystem::path(folder) / name).mesh;
     mesh.triangles = repaired(mesh).mesh.triangles;
-    expectExact(mesh, exactOptions(10, 96, 1.0));
+    expectExact(mesh, exactOptions(10, 72, 1.0));
   }
 }
 
