@@ -4,8 +4,10 @@
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
-#include <numeric>
 #include <tuple>
+#include <utility>
+
+#include "base/union_find.h"
 
 namespace sherd {
 namespace {
@@ -51,11 +53,6 @@ void forEachPair(const std::vector<Edge>& edges, Call&& call) {
   }
 }
 
-std::uint32_t rootOf(std::vector<std::uint32_t>& parent, std::uint32_t i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
-}
-
 }  // namespace
 
 Charts charts(const TriangleMesh& mesh) {
@@ -72,8 +69,7 @@ Charts charts(const TriangleMesh& mesh) {
                      [](const Edge& a, const Edge& b) { return a.key() < b.key(); });
 
   Charts out;
-  out.ids.resize(mesh.triangles.size());
-  std::iota(out.ids.begin(), out.ids.end(), 0u);
+  UnionFind sets(mesh.triangles.size());
   out.neighbors.assign(mesh.triangles.size(), {kNoTriangle, kNoTriangle, kNoTriangle});
   forEachPair(edges, [&](const Edge& a, const Edge& b) {
     std::uint32_t& neighborA = out.neighbors[a.triangle][a.corner];
@@ -82,10 +78,9 @@ Charts charts(const TriangleMesh& mesh) {
       return;
     neighborA = b.triangle;
     neighborB = a.triangle;
-    const std::uint32_t rootA = rootOf(out.ids, a.triangle), rootB = rootOf(out.ids, b.triangle);
-    out.ids[std::max(rootA, rootB)] = std::min(rootA, rootB);
+    sets.unite(a.triangle, b.triangle);
   });
-  for (std::uint32_t t = 0; t < out.ids.size(); ++t) out.ids[t] = rootOf(out.ids, t);
+  out.ids = std::move(sets).all();
   forEachPair(edges, [&](const Edge& a, const Edge& b) {
     if (out.ids[a.triangle] != out.ids[b.triangle] ||
         out.neighbors[a.triangle][a.corner] == b.triangle) {

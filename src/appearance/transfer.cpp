@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <numeric>
@@ -20,6 +19,7 @@
 #include <unordered_set>
 
 #include "mesh/embree_error.h"
+#include "mesh/largest_axis.h"
 #include "mesh/nearest_on_triangle.h"
 #include "mesh/vertex_normals.h"
 
@@ -56,9 +56,8 @@ glm::dvec3 weightsAt(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3&
 
 // Projects a point along the coordinate axis that is nearest to a normal.
 glm::vec2 projected(const glm::dvec3& p, const glm::dvec3& normal) {
-  const glm::dvec3 n = glm::abs(normal);
-  if (n.x >= n.y && n.x >= n.z) return {p.y, p.z};
-  return n.y >= n.z ? glm::vec2(p.x, p.z) : glm::vec2(p.x, p.y);
+  const int axis = largestAxis(normal);
+  return {p[axis == 0 ? 1 : 0], p[axis == 2 ? 1 : 2]};
 }
 
 }  // namespace

@@ -7,11 +7,12 @@
 #include <cstdint>
 #include <glm/geometric.hpp>
 #include <numbers>
-#include <numeric>
 #include <span>
 #include <tuple>
 #include <utility>
 #include <vector>
+
+#include "base/union_find.h"
 
 namespace sherd {
 namespace {
@@ -77,44 +78,37 @@ void countEdges(MeshQuality& quality, std::span<const Side> sides) {
   quality.closed = balanced && !sides.empty();
 }
 
-/// Union-find over corners, three for each triangle; corners unite where triangles share an edge.
+/// Sets of corners, three for each triangle; corners unite where triangles share an edge.
 class Fans {
  public:
-  explicit Fans(const TriangleMesh& mesh) : mesh_(mesh), parent_(3 * mesh.triangles.size()) {
-    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
-  }
+  explicit Fans(const TriangleMesh& mesh) : mesh_(mesh), fans_(3 * mesh.triangles.size()) {}
 
   void unite(const Side& a, const Side& b) {
     for (const std::uint32_t vertex : {a.low, a.high}) {
-      const std::size_t x = root(corner(a.triangle, vertex)), y = root(corner(b.triangle, vertex));
-      parent_[std::max(x, y)] = std::min(x, y);
+      fans_.unite(corner(a.triangle, vertex), corner(b.triangle, vertex));
     }
   }
 
   /// Returns the number of fans round each vertex, [vertices]; 0 for an unused one.
   std::vector<std::uint32_t> perVertex() {
     std::vector<std::uint32_t> count(mesh_.vertices.size(), 0);
-    for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
+    for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i) {
       const glm::uvec3& t = mesh_.triangles[i];
       if (twoEqual(t)) continue;
       for (unsigned k = 0; k < 3; ++k)
-        count[t[static_cast<int>(k)]] += parent_[3 * i + k] == 3 * i + k;
+        count[t[static_cast<int>(k)]] += fans_.find(3 * i + k) == 3 * i + k;
     }
     return count;
   }
 
  private:
-  std::size_t corner(std::uint32_t triangle, std::uint32_t vertex) const {
+  std::uint32_t corner(std::uint32_t triangle, std::uint32_t vertex) const {
     const glm::uvec3& t = mesh_.triangles[triangle];
-    return 3 * std::size_t{triangle} + (t.x == vertex ? 0u : t.y == vertex ? 1u : 2u);
-  }
-  std::size_t root(std::size_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
+    return 3 * triangle + (t.x == vertex ? 0u : t.y == vertex ? 1u : 2u);
   }
 
   const TriangleMesh& mesh_;
-  std::vector<std::size_t> parent_;  ///< [3 * triangles]
+  UnionFind fans_;  ///< [3 * triangles]
 };
 
 void countVertices(MeshQuality& quality, const TriangleMesh& mesh, std::span<const Side> sides) {

@@ -4,13 +4,13 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "base/cancel_flag.h"
 #include "exact/crossing_point.h"
 #include "exact/predicates.h"
 #include "mesh/boxes.h"
+#include "mesh/largest_axis.h"
 #include "mesh/triangle_tree.h"
 
 namespace sherd {
@@ -22,8 +22,7 @@ using Corners = std::array<glm::dvec3, 3>;
 
 // Whether a segment in the plane of a triangle meets it.
 bool meetsInPlane(const glm::dvec3& p, const glm::dvec3& q, const Corners& t) {
-  const glm::dvec3 normal = glm::abs(glm::cross(t[1] - t[0], t[2] - t[0]));
-  const int axis = normal.x >= normal.y && normal.x >= normal.z ? 0 : normal.y >= normal.z ? 1 : 2;
+  const int axis = largestAxis(glm::cross(t[1] - t[0], t[2] - t[0]));
   const ExactPoint a(p), b(q);
   const std::array<ExactPoint, 3> corner{ExactPoint(t[0]), ExactPoint(t[1]), ExactPoint(t[2])};
   const auto areApart = [](int left, int right) { return left * right > 0; };

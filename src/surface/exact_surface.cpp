@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <map>
 #include <utility>
@@ -15,6 +14,7 @@
 #include "exact/crossing_point.h"
 #include "exact/cut_mesh.h"
 #include "exact/self_crossings.h"
+#include "mesh/largest_axis.h"
 #include "surface/manifold.h"
 #include "surface/patches.h"
 #include "surface/vertex_numbers.h"
@@ -216,8 +216,8 @@ class Assembly {
     const auto normalOf = [&](const glm::uvec3& t) {
       return glm::cross(vertices_[t.y] - vertices_[t.x], vertices_[t.z] - vertices_[t.x]);
     };
-    const glm::dvec3 normal = normalOf(whole), size = glm::abs(normal);
-    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    const glm::dvec3 normal = normalOf(whole);
+    const int axis = largestAxis(normal);
     const int side = orientation(ExactPoint(vertices_[part.x]), ExactPoint(vertices_[part.y]),
                                  ExactPoint(vertices_[part.z]), axis);
     return side * (normal[axis] > 0.0 ? 1 : -1) < 0;

@@ -19,6 +19,7 @@
 #include <glm/geometric.hpp>
 #include <numeric>
 
+#include "base/union_find.h"
 #include "surface/contacts.h"
 #include "surface/label_reader.h"
 
@@ -91,23 +92,21 @@ class Builder {
   Builder(std::span<const VoxelFace> faces, double offsetVoxels)
       : faces_(faces),
         offsetVoxels_(offsetVoxels),
-        parent_(faces.size() * 4),
-        middle_(faces.size() * 4, kNone) {
-    std::iota(parent_.begin(), parent_.end(), 0u);
-  }
+        vertexSets_(faces.size() * 4),
+        middle_(faces.size() * 4, kNone) {}
 
   TriangleMesh build(const GridFrame& frame) {
     const std::vector<EdgeUse> uses = edgeUses(faces_);
     for (std::size_t i = 0; i < uses.size(); i += 2) {
       assert(uses[i].sameEdge(uses[i + 1]));
-      unite(uses[i].lowSlot, uses[i + 1].lowSlot);
-      unite(uses[i].highSlot, uses[i + 1].highSlot);
+      vertexSets_.unite(uses[i].lowSlot, uses[i + 1].lowSlot);
+      vertexSets_.unite(uses[i].highSlot, uses[i + 1].highSlot);
     }
     makeVertices();
     for (std::size_t i = 0; i + 2 < uses.size(); i += 2) {
       if (!uses[i].sameEdge(uses[i + 2])) continue;
-      if (root(uses[i].lowSlot) != root(uses[i + 2].lowSlot) ||
-          root(uses[i].highSlot) != root(uses[i + 2].highSlot)) {
+      if (vertexSets_.find(uses[i].lowSlot) != vertexSets_.find(uses[i + 2].lowSlot) ||
+          vertexSets_.find(uses[i].highSlot) != vertexSets_.find(uses[i + 2].highSlot)) {
         continue;
       }
       addMiddle(uses[i], uses[i + 1]);
@@ -119,16 +118,6 @@ class Builder {
   }
 
  private:
-  std::uint32_t root(std::uint32_t slot) {
-    while (parent_[slot] != slot) slot = parent_[slot] = parent_[parent_[slot]];
-    return slot;
-  }
-  void unite(std::uint32_t a, std::uint32_t b) {
-    a = root(a);
-    b = root(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
   static glm::dvec3 positionOf(const Coord& corner) {
     return glm::dvec3(corner.x(), corner.y(), corner.z()) - 0.5;
   }
@@ -144,7 +133,7 @@ class Builder {
     std::vector<glm::dvec3> normals;
     std::vector<Coord> corners;
     for (std::uint32_t slot = 0; slot < vertex_.size(); ++slot) {
-      const std::uint32_t first = root(slot);
+      const std::uint32_t first = vertexSets_.find(slot);
       if (vertex_[first] == kNone) {  // then first == slot: roots are the lowest
         vertex_[first] = static_cast<std::uint32_t>(corners.size());
         corners.push_back(cornersOf(faces_[slot / 4])[slot % 4]);
@@ -206,7 +195,7 @@ class Builder {
 
   std::span<const VoxelFace> faces_;
   double offsetVoxels_;
-  std::vector<std::uint32_t> parent_;  // [faces * 4] union-find over the faces' corners
+  UnionFind vertexSets_;               // [faces * 4] the faces' corners
   std::vector<std::uint32_t> vertex_;  // [faces * 4]
   std::vector<std::uint32_t> middle_;  // [faces * 4] vertex on a side, or kNone
   TriangleMesh out_;

@@ -5,9 +5,9 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <numeric>
 #include <vector>
 
+#include "base/union_find.h"
 #include "surface/face_edges.h"
 
 namespace sherd {
@@ -20,7 +20,7 @@ class Fans {
   explicit Fans(const TriangleMesh& mesh)
       : mesh_(mesh),
         edges_(mesh.triangles, mesh.vertices.size()),
-        parent_(3 * mesh.triangles.size()),
+        fans_(3 * mesh.triangles.size()),
         hasOutside_(edges_.count(), false) {}
 
   // Returns false if an edge is not used as often in one direction as in the other.
@@ -32,7 +32,7 @@ class Fans {
       if (2 * static_cast<std::size_t>(forward) != uses.size()) return false;
     }
     do {
-      std::iota(parent_.begin(), parent_.end(), 0u);
+      fans_ = UnionFind(3 * mesh_.triangles.size());
       for (std::size_t e = 0; e < edges_.count(); ++e) {
         const auto uses = edges_.uses(e);
         if (uses.size() == 2) {
@@ -46,10 +46,7 @@ class Fans {
   }
 
   // The first of the corners of a fan.
-  std::uint32_t fanOf(std::uint32_t corner) {
-    while (parent_[corner] != corner) corner = parent_[corner] = parent_[parent_[corner]];
-    return corner;
-  }
+  std::uint32_t fanOf(std::uint32_t corner) { return fans_.find(corner); }
 
  private:
   std::uint32_t vertexAt(std::uint32_t corner) const {
@@ -60,14 +57,8 @@ class Fans {
     const std::uint32_t from = 3 * a.face + a.corner, to = 3 * a.face + (a.corner + 1u) % 3;
     const std::uint32_t otherFrom = 3 * b.face + b.corner,
                         otherTo = 3 * b.face + (b.corner + 1u) % 3;
-    unite(from, vertexAt(otherFrom) == vertexAt(from) ? otherFrom : otherTo);
-    unite(to, vertexAt(otherFrom) == vertexAt(to) ? otherFrom : otherTo);
-  }
-
-  void unite(std::uint32_t a, std::uint32_t b) {
-    a = fanOf(a);
-    b = fanOf(b);
-    parent_[std::max(a, b)] = std::min(a, b);
+    fans_.unite(from, vertexAt(otherFrom) == vertexAt(from) ? otherFrom : otherTo);
+    fans_.unite(to, vertexAt(otherFrom) == vertexAt(to) ? otherFrom : otherTo);
   }
 
   // Where the sheets at an edge are one fan at both ends, the edge still has more than two
@@ -133,8 +124,8 @@ class Fans {
 
   const TriangleMesh& mesh_;
   const FaceEdges edges_;
-  std::vector<std::uint32_t> parent_;  // [corners]
-  std::vector<bool> hasOutside_;       // [edges] between the triangles that are connected
+  UnionFind fans_;                // [corners]
+  std::vector<bool> hasOutside_;  // [edges] between the triangles that are connected
 };
 
 }  // namespace

@@ -1,9 +1,9 @@
 // Connects parts over edges that are no seams.
 #include "surface/patches.h"
 
-#include <algorithm>
-#include <numeric>
 #include <utility>
+
+#include "base/union_find.h"
 
 namespace sherd {
 namespace {
@@ -32,26 +32,18 @@ std::vector<Part> partsOf(std::span<const glm::uvec3> triangles,
 Patches::Patches(std::vector<Part> parts, std::size_t vertices, const std::vector<Seam>& seams)
     : parts_(std::move(parts)),
       edges_(trianglesOf(parts_), vertices),
-      isSeam_(edges_.count(), false),
-      patchOf_(parts_.size()) {
+      isSeam_(edges_.count(), false) {
   for (const Seam& seam : seams) {
     const std::uint32_t edge = edges_.between(seam.from, seam.to);
     if (edge != FaceEdges::kNone) isSeam_[edge] = true;
   }
-  std::iota(patchOf_.begin(), patchOf_.end(), 0u);
-  const auto rootOf = [&](std::uint32_t part) {
-    while (patchOf_[part] != part) part = patchOf_[part] = patchOf_[patchOf_[part]];
-    return part;
-  };
+  UnionFind patches(parts_.size());
   for (std::size_t e = 0; e < edges_.count(); ++e) {
     if (isSeam_[e]) continue;
     const auto uses = edges_.uses(e);
-    for (std::size_t i = 1; i < uses.size(); ++i) {
-      const std::uint32_t a = rootOf(uses[0].face), b = rootOf(uses[i].face);
-      patchOf_[std::max(a, b)] = std::min(a, b);
-    }
+    for (std::size_t i = 1; i < uses.size(); ++i) patches.unite(uses[0].face, uses[i].face);
   }
-  for (std::uint32_t part = 0; part < patchOf_.size(); ++part) patchOf_[part] = rootOf(part);
+  patchOf_ = std::move(patches).all();
 }
 
 }  // namespace sherd

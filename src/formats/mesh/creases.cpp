@@ -1,27 +1,17 @@
 // Corners of a mesh that have one normal.
 #include "formats/mesh/creases.h"
 
-#include <algorithm>
 #include <glm/geometric.hpp>
-#include <numeric>
+#include <utility>
 
+#include "base/union_find.h"
 #include "mesh/vertex_normals.h"
 #include "surface/face_edges.h"
 
 namespace sherd {
 
 std::vector<std::uint32_t> creaseGroups(const TriangleMesh& mesh) {
-  std::vector<std::uint32_t> group(3 * mesh.triangles.size());
-  std::iota(group.begin(), group.end(), 0u);
-  const auto rootOf = [&](std::uint32_t corner) {
-    while (group[corner] != corner) corner = group[corner] = group[group[corner]];
-    return corner;
-  };
-  const auto unite = [&](std::uint32_t a, std::uint32_t b) {
-    a = rootOf(a);
-    b = rootOf(b);
-    group[std::max(a, b)] = std::min(a, b);
-  };
+  UnionFind groups(3 * mesh.triangles.size());
   std::vector<glm::dvec3> normals;
   normals.reserve(mesh.triangles.size());
   for (const glm::uvec3& t : mesh.triangles) normals.push_back(cornersOf(mesh, t).normal);
@@ -33,11 +23,10 @@ std::vector<std::uint32_t> creaseGroups(const TriangleMesh& mesh) {
     if (mesh.neighborOf(a.face) != mesh.neighborOf(b.face)) continue;
     if (glm::dot(normals[a.face], normals[b.face]) < kCreaseCosine) continue;
     // They use the edge in opposite directions.
-    unite(3 * a.face + a.corner, 3 * b.face + (b.corner + 1u) % 3);
-    unite(3 * a.face + (a.corner + 1u) % 3, 3 * b.face + b.corner);
+    groups.unite(3 * a.face + a.corner, 3 * b.face + (b.corner + 1u) % 3);
+    groups.unite(3 * a.face + (a.corner + 1u) % 3, 3 * b.face + b.corner);
   }
-  for (std::uint32_t corner = 0; corner < group.size(); ++corner) group[corner] = rootOf(corner);
-  return group;
+  return std::move(groups).all();
 }
 
 }  // namespace sherd
