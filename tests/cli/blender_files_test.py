@@ -48,6 +48,17 @@ answer(files=reported)
 '''
 
 
+def write_textured_obj(path, points, faces, uvs, image, pixels):
+    """Writes an OBJ of the material "glaze", its texture image [h, w, 3] beside it, and a UV per point."""
+    path.with_name(image).write_bytes(png(pixels))
+    path.with_name("look.mtl").write_text(f"newmtl glaze\nKd 1 1 1\nmap_Kd {image}\n")
+    with open(path, "w") as file:
+        file.write("mtllib look.mtl\nusemtl glaze\n")
+        file.writelines(f"v {x} {y} {z}\n" for x, y, z in points)
+        file.writelines(f"vt {u} {v}\n" for u, v in uvs)
+        file.writelines(f"f {a + 1}/{a + 1} {b + 1}/{b + 1} {c + 1}/{c + 1}\n" for a, b, c in faces)
+
+
 class HostFiles(Blender):
     @classmethod
     def setUpClass(cls):
@@ -96,14 +107,9 @@ class HostFiles(Blender):
         self.assertAlmostEqual(whole["volume"] / sum(f["volume"] for f in manifests["blosc"]["fragments"]), 1, delta=0.01)
 
     def test_scene_has_named_nodes_materials_and_the_texture(self):
-        (self.made / "checks.png").write_bytes(png(np.arange(12, dtype=np.uint8).reshape(2, 2, 3) * 20))
-        (self.made / "look.mtl").write_text("newmtl glaze\nKd 1 1 1\nmap_Kd checks.png\n")
         places, faces = sphere(24, 48, center=(2.0, 3.0, 5.0), radius=1.5)
-        with open(self.made / "painted.obj", "w") as file:
-            file.write("mtllib look.mtl\nusemtl glaze\n")
-            file.writelines(f"v {x} {y} {z}\n" for x, y, z in places)
-            file.writelines(f"vt {(x - 0.5) / 3} {(y - 1.5) / 3}\n" for x, y, _ in places)
-            file.writelines(f"f {a + 1}/{a + 1} {b + 1}/{b + 1} {c + 1}/{c + 1}\n" for a, b, c in faces)
+        write_textured_obj(self.made / "painted.obj", places, faces, [((x - 0.5) / 3, (y - 1.5) / 3) for x, y, _ in places],
+                           "checks.png", np.arange(12, dtype=np.uint8).reshape(2, 2, 3) * 20)
         manifest = self.fracture(self.tmp / "painted", self.made / "painted.obj", "--pieces", str(PIECES), "--write", "scene", "--density", "2")
         reported = self.blender('''
 if "bool" not in vars(np):
@@ -169,14 +175,9 @@ class ExactPieces(Blender):
         """Rendered by texture, 99.9 % of the pixels are within 1 of 255, and the rest is where cracks show."""
         step = np.arange(64)
         pixels = np.stack([np.add.outer(2 * step, step) % 256, np.add.outer(step, 3 * step) % 256, np.add.outer(step, step) // 32 % 2 * 200], axis=2)
-        (self.tmp / "cells.png").write_bytes(png(pixels.astype(np.uint8)))
-        (self.tmp / "look.mtl").write_text("newmtl glaze\nKd 1 1 1\nmap_Kd cells.png\n")
         points, faces = sphere(24, 48, center=(0.0, 0.0, 0.0), radius=1.5)
-        with open(self.tmp / "painted.obj", "w") as file:
-            file.write("mtllib look.mtl\nusemtl glaze\n")
-            file.writelines(f"v {x} {y} {z}\n" for x, y, z in points)
-            file.writelines(f"vt {(x - 0.5 * y + 2) / 5} {(z + 0.3 * y + 2) / 5}\n" for x, y, z in points)
-            file.writelines(f"f {a + 1}/{a + 1} {b + 1}/{b + 1} {c + 1}/{c + 1}\n" for a, b, c in faces)
+        write_textured_obj(self.tmp / "painted.obj", points, faces, [((x - 0.5 * y + 2) / 5, (z + 0.3 * y + 2) / 5) for x, y, z in points],
+                           "cells.png", pixels.astype(np.uint8))
         subprocess.run([SHERD, "fracture", self.tmp / "painted.obj", "-o", self.tmp / "out", "--resolution", "64", "--pieces", "8", "--roughness", "1",
                         "--surface", "exact", "--write", "mesh", "--mesh-format", "obj", "--quiet"], check=True, timeout=120)
         manifest = json.loads((self.tmp / "out" / "manifest.json").read_text())
