@@ -44,7 +44,9 @@ bool meetsInPlane(const glm::dvec3& p, const glm::dvec3& q, const Corners& t) {
 // Whether a segment meets a triangle, whose border belongs to it.
 bool meets(const glm::dvec3& p, const glm::dvec3& q, const Corners& t) {
   const int atP = orientation(t[0], t[1], t[2], p), atQ = orientation(t[0], t[1], t[2], q);
-  if (atP == 0 && atQ == 0) return meetsInPlane(p, q, t);
+  // Every point is in the plane of a triangle without area.  Its edges are tested against the other
+  // triangle.
+  if (atP == 0 && atQ == 0) return !areCollinear(t) && meetsInPlane(p, q, t);
   if (atP == atQ) return false;
   int least = 1, most = -1;
   for (std::size_t k = 0; k < 3; ++k) {

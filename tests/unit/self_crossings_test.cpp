@@ -201,6 +201,14 @@ TEST(SelfCrossings, TrianglesThatShareAnEdgeCrossIfTheyAreFolded) {
   EXPECT_EQ(crossingsOf(mesh), kFirstTwo);
 }
 
+TEST(SelfCrossings, ATriangleWithoutAreaIsASegment) {
+  const std::vector<glm::dvec3> vertices{{0, 0, 0}, {4, 0, 0},  {0, 4, 0},    // a triangle
+                                         {1, 1, 1}, {1, 1, -1}, {1, 1, 0.5},  // through it
+                                         {1, 1, 3}, {2, 2, 3},  {3, 3, 3}};   // beside it
+  EXPECT_EQ(selfCrossings(vertices, std::vector<glm::uvec3>{{0, 1, 2}, {3, 4, 5}, {6, 7, 8}}),
+            (Pairs{{0, 1}}));
+}
+
 TEST(SelfCrossings, OfNoTrianglesAreNone) { EXPECT_TRUE(crossingsOf({}).empty()); }
 
 }  // namespace
