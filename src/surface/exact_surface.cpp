@@ -15,6 +15,7 @@
 #include "exact/cut_mesh.h"
 #include "exact/self_crossings.h"
 #include "mesh/largest_axis.h"
+#include "surface/flat_triangles.h"
 #include "surface/manifold.h"
 #include "surface/patches.h"
 #include "surface/vertex_numbers.h"
@@ -46,6 +47,7 @@ class Assembly {
     Cutters cutters{cracks_.vertices, {}};
     for (const CrackFace& face : cracks_.faces) cutters.triangles.push_back(face.corner);
     const MeshCut cut = cutMesh(source_, cutters, progress);
+    flat_ = cut.flat;
     if (!cut.isComplete())
       return {.failure = failureOf(cut), .isDegenerate = !cut.degenerate.empty()};
     throwIfCancelled(progress);
@@ -70,6 +72,9 @@ class Assembly {
     }
     return assembled(outside, inside);
   }
+
+  // The triangles without area that cracks meet.
+  const std::vector<std::uint32_t>& flat() const { return flat_; }
 
  private:
   static std::string failureOf(const MeshCut& cut) {
@@ -344,6 +349,7 @@ class Assembly {
   const CrackSurface& cracks_;
   const std::size_t fragments_;
   const SpaceLabels& space_;
+  std::vector<std::uint32_t> flat_;
   std::vector<glm::dvec3> vertices_;  // the source's, the cracks', those of crossings
   std::vector<std::uint16_t> label_;  // [parts of the source]
   std::vector<bool> isInside_;        // [parts of the cracks]
@@ -355,7 +361,18 @@ class Assembly {
 ExactSurface exactSurface(const TriangleMesh& source, const CrackSurface& cracks,
                           std::size_t fragments, const SpaceLabels& space,
                           const Progress* progress) {
-  return Assembly(source, cracks, fragments, space).assemble(progress);
+  Assembly assembly(source, cracks, fragments, space);
+  ExactSurface surface = assembly.assemble(progress);
+  if (assembly.flat().empty()) return surface;
+  const TriangleMesh mended = withoutFlat(source, assembly.flat());
+  if (mended.triangles.empty()) return surface;
+  surface = Assembly(mended, cracks, fragments, space).assemble(progress);
+  for (LabeledMesh& mesh : surface.meshes) {
+    for (std::uint32_t& from : mesh.mesh.source) {
+      if (from != TriangleMesh::kNoSource) from = mended.source[from];
+    }
+  }
+  return surface;
 }
 
 }  // namespace sherd

@@ -245,6 +245,47 @@ TEST(Exact, TheSameBytesOnOneThread) {
   }
 }
 
+// Inserts points on every edge of one triangle of each pair, so that triangles without area fill
+// the gaps to the other.
+TriangleMesh withFlatTriangles(const TriangleMesh& mesh, int points) {
+  TriangleMesh out{mesh.vertices, {}};
+  std::map<std::pair<std::uint32_t, std::uint32_t>, bool> isTwin;
+  for (const glm::uvec3& t : mesh.triangles) {
+    // The triangle as a polygon, with the points of its edges that come first.
+    std::vector<std::uint32_t> polygon;
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t from = t[k], to = t[(k + 1) % 3];
+      polygon.push_back(from);
+      isTwin[{from, to}] = true;
+      if (isTwin.count({to, from}) != 0) continue;
+      std::uint32_t last = from;
+      for (int i = 1; i <= points; ++i) {
+        const double along = static_cast<double>(i) / (points + 1);
+        const auto v = static_cast<std::uint32_t>(out.vertices.size());
+        out.vertices.push_back(mesh.vertices[from] +
+                               along * (mesh.vertices[to] - mesh.vertices[from]));
+        polygon.push_back(v);
+        out.triangles.push_back({last, to, v});  // p -> q, as the twin has q -> p
+        last = v;
+      }
+    }
+    const auto center = static_cast<std::uint32_t>(out.vertices.size());
+    out.vertices.push_back((mesh.vertices[t.x] + mesh.vertices[t.y] + mesh.vertices[t.z]) / 3.0);
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+      out.triangles.push_back({polygon[i], polygon[(i + 1) % polygon.size()], center});
+    }
+  }
+  return out;
+}
+
+TEST(Exact, TrianglesWithoutAreaAreCutToo) {
+  for (const int points : {1, 3, 7}) {  // in exact fractions of the edges
+    const TriangleMesh mesh = withFlatTriangles(shapes::cube(2.0), points);
+    ASSERT_EQ(openEdges(mesh), 0u);
+    for (const double roughness : {0.0, 2.0}) expectExact(mesh, exactOptions(12, 40, roughness));
+  }
+}
+
 TEST(Exact, RealMeshesKeepTheirSurface) {
   const char* folder = std::getenv("SHERD_TEST_DATA");
   if (folder == nullptr) {
