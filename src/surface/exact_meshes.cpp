@@ -13,6 +13,7 @@
 #include "surface/bodies.h"
 #include "surface/crack_surface.h"
 #include "surface/cut.h"
+#include "surface/vertex_numbers.h"
 #include "voxelize/region.h"
 
 namespace sherd {
@@ -80,12 +81,34 @@ void append(std::vector<LabeledMesh> from, const TriangleMesh& body, std::uint32
   }
 }
 
+// Returns the faces that meet a box.
+CrackSurface within(const CrackSurface& cracks, const TriangleTree& tree, const Box& box) {
+  std::vector<std::uint32_t> faces = tree.meeting(box);
+  for (std::uint32_t& face : faces) face = tree.source(face);
+  std::sort(faces.begin(), faces.end());
+  std::vector<std::uint32_t> used;
+  for (const std::uint32_t face : faces) {
+    const glm::uvec3& corner = cracks.faces[face].corner;
+    used.insert(used.end(), {corner.x, corner.y, corner.z});
+  }
+  const VertexNumbers numbers(std::move(used), cracks.vertices.size());
+  CrackSurface out;
+  for (const std::uint32_t v : numbers.vertices()) out.vertices.push_back(cracks.vertices[v]);
+  for (const std::uint32_t face : faces) {
+    CrackFace own = cracks.faces[face];
+    for (int k = 0; k < 3; ++k) own.corner[k] = numbers.of(own.corner[k]);
+    out.faces.push_back(own);
+  }
+  return out;
+}
+
 // Cuts each body alone.  Where bodies overlap, so do the faces of their cracks.
 ExactSurface cutBodies(std::span<const TriangleMesh> bodies, const CrackSurface& cracks,
                        std::size_t fragments, SpaceLabels space, const Progress* progress) {
   if (bodies.empty()) return {.failure = "the mesh is not closed"};
   ExactSurface all{.meshes = std::vector<LabeledMesh>(fragments)};
   std::uint32_t positions = 0;
+  const TriangleTree faces(TriangleMesh{cracks.vertices, trianglesOf(cracks)});
   for (const TriangleMesh& body : bodies) {
     throwIfCancelled(progress);
     std::optional<TriangleTree> tree;
@@ -93,7 +116,8 @@ ExactSurface cutBodies(std::span<const TriangleMesh> bodies, const CrackSurface&
       if (!tree) tree.emplace(body);
       return tree->winding(p) >= 0.5;
     };
-    ExactSurface own = exactSurface(body, cracks, fragments, space, progress);
+    ExactSurface own =
+        exactSurface(body, within(cracks, faces, bounds(body)), fragments, space, progress);
     if (!own.failure.empty()) return own;
     std::uint32_t next = positions;
     for (const LabeledMesh& part : own.meshes) {

@@ -286,6 +286,18 @@ TEST(Exact, TrianglesWithoutAreaAreCutToo) {
   }
 }
 
+TEST(Exact, ManyBodiesThatOverlapAreCut) {
+  TriangleMesh mesh;
+  for (int k = 0; k < 40; ++k) {
+    mesh = shapes::append(std::move(mesh), shapes::cube(1.0, {0.37 * k, 0.11 * (k % 3), 0.07 * k}));
+  }
+  const FractureResult result = broken(mesh, exactOptions(10, 96));
+  ASSERT_EQ(result.exactFailure, "");
+  ExactFaults faults = exactFaults(mesh, result.fragments);
+  faults.selfCrossings = 0;  // the input's bodies cross
+  EXPECT_FALSE(faults.any()) << faults.text();
+}
+
 TEST(Exact, RealMeshesKeepTheirSurface) {
   const char* folder = std::getenv("SHERD_TEST_DATA");
   if (folder == nullptr) {
