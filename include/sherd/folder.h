@@ -199,6 +199,12 @@ void requireSettled(const std::filesystem::path& path);
 ///           file that is absent, damaged or inconsistent with the others
 [[nodiscard]] FinishedFracture readFracture(const std::filesystem::path& manifest);
 
+/// Reads the meshes of a fracture's fragments from their `.ply` files.  Without such files, or
+/// with plain ones, which have no neighbors, the fracture stays without meshes.
+///   throws  Error(input) a file that is absent, damaged or larger than `maxMemory`
+void readFragmentMeshes(const std::filesystem::path& manifest, FinishedFracture& finished,
+                        std::uint64_t maxMemory);
+
 /// Reads the fragments of a folder: those that its manifest.json lists, else every file with an
 /// extension of readMesh, numbered from 1 in natural order: piece_2 before piece_10.
 ///   throws  Error(input) `folder` is not a folder, or has neither; the manifest is damaged; a mesh

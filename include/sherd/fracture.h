@@ -102,10 +102,18 @@ struct FinishedFracture {
   int resolution = 0;
   Solid solid;    ///< the union of the fragments, without eroded and withheld voxels
   Labels labels;  ///< an id on every inside voxel
+  /// Of the fragments' meshes, which Surface::exact cuts: the faces of one fragment after another,
+  /// with neighbors; fragment i has [firstFace[i-1], firstFace[i]).  Both are empty
+  /// until readFragmentMeshes.
+  TriangleMesh faces{};
+  std::vector<std::size_t> firstFace{};  ///< [fragments + 1]
 };
 
 /// Breaks some fragments again, each into options.pieces; the others stay.  Options of the whole
 /// (resolution, voxel size, seed file, missing, erosion) are ignored.
+///
+/// With Surface::exact the broken fragments' own meshes are cut, and the others stay as they are:
+/// their vertices and triangles do not change where they touch a fragment that is broken.
 ///   only    ids of the fragments to break, 1..labels.fragmentCount
 ///   return  as fracture(); `parents` has the old fragment that each is or comes from
 ///   throws  Error(usage) an id that does not exist; what placeSeeds and grow throw

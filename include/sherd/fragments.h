@@ -158,6 +158,9 @@ struct Fragment {
       coarse{};  ///< [SurfaceOptions::triangles] decimated meshes, with neighbors
 };
 
+/// Meshes made by Surface::exact.
+struct ExactSurface;
+
 /// The mesh of the intact solid's surface, from which fragments copy what the cuts do not change.
 struct IntactSurface;
 
@@ -174,6 +177,7 @@ struct ExtractOptions {
                                      ///< neighbors of eroded faces and contacts are computed from
                                      ///< them
   const IntactSurface* intact = nullptr;  ///< of this solid, or null; affects only the speed
+  const ExactSurface* exact = nullptr;  ///< what Surface::exact is, of refracture; null: it is made
 };
 
 /// Cuts every fragment out of the solid.  A fragment's level set is max(solid, distance to the

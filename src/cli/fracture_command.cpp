@@ -65,6 +65,9 @@ Input readInput(FractureArguments& arguments, const Progress& progress) {
   Input input;
   if (!arguments.only.empty()) {
     input.finished = readFracture(arguments.mesh);
+    if (arguments.run.fracture.surface.surface == Surface::exact) {
+      readFragmentMeshes(arguments.mesh, *input.finished, arguments.run.volume.maxMemory);
+    }
     input.meshes = {input.finished->source};
     arguments.run.fracture.solid.resolution = input.finished->resolution;
     return input;

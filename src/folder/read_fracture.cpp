@@ -1,4 +1,5 @@
 // Reads a fracture from its folder.
+#include <sherd/files.h>
 #include <sherd/folder.h>
 #include <sherd/fracture.h>
 
@@ -11,6 +12,7 @@
 #include "folder/read_manifest.h"
 #include "formats/voxels/vdb.h"
 #include "grow/small_components.h"
+#include "mesh/joined.h"
 #include "voxelize/distance.h"
 
 namespace sherd {
@@ -88,6 +90,23 @@ FinishedFracture readFracture(const fs::path& file) {
 
   finished.labels = labelsOn(solid, expand(readVoxels(*labels).voxels), manifest, *labels);
   return finished;
+}
+
+void readFragmentMeshes(const fs::path& file, FinishedFracture& finished, std::uint64_t maxMemory) {
+  TriangleMesh faces;
+  std::vector<std::size_t> firstFace{0};
+  for (const ManifestFragment& fragment : readManifest(file).fragments) {
+    const auto ply = std::find_if(fragment.meshes.begin(), fragment.meshes.end(),
+                                  [](const std::string& name) { return name.ends_with(".ply"); });
+    if (ply == fragment.meshes.end()) return;
+    const TriangleMesh own = readMesh(listedFile(file, *ply), {.maxMemory = maxMemory}).mesh;
+    if (own.neighbor.empty()) return;
+    faces = joined(std::move(faces), own);
+    faces.neighbor.insert(faces.neighbor.end(), own.neighbor.begin(), own.neighbor.end());
+    firstFace.push_back(faces.triangles.size());
+  }
+  finished.faces = std::move(faces);
+  finished.firstFace = std::move(firstFace);
 }
 
 }  // namespace sherd

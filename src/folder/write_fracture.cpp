@@ -31,11 +31,7 @@ std::vector<MeshFacts> makeAndWrite(const GrownFracture& grown, const SurfaceOpt
     clock.done("write");
     return meshFacts(result);
   }
-  Extraction extraction(result.solid, result.labels,
-                        {.surface = surface,
-                         .uneroded = grown.uneroded ? &*grown.uneroded : nullptr,
-                         .intact = grown.surface.get()},
-                        progress);
+  Extraction extraction(result.solid, result.labels, grown.extractOptions(surface), progress);
   result.exactFailure = extraction.exactFailure();
   clock.done("extract");
   writing.begin(progress);
@@ -129,7 +125,7 @@ StagedFracture stageFracture(const fs::path& folder, FractureInput input,
   result.fragments.resize(static_cast<std::size_t>(result.labels.fragmentCount));
   const FractureFiles files =
       fileNames(source, result.kept(), options.surface.triangles, writer.materials(), write);
-  StageClock clock;
+  StageClock clock(std::move(result.times));
   FractureReplacement replacement(folder, files.all());
   replacement.write([&](const fs::path& staged) {
     FractureWriting writing(writer, staged, files, options, result);
@@ -139,7 +135,7 @@ StagedFracture stageFracture(const fs::path& folder, FractureInput input,
     writeWhole(staged / kManifestName, manifestText(source, options, result, facts, files, write));
   });
   clock.done("write");
-  result.times.insert(result.times.end(), clock.times().begin(), clock.times().end());
+  result.times = clock.times();
   return {std::move(result), std::move(replacement)};
 }
 

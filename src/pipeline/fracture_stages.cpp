@@ -223,14 +223,11 @@ void measureFragments(const GrownFracture& grown, FractureResult& result,
 
 FractureResult extracted(GrownFracture grown, const FractureOptions& options,
                          const Progress* progress) {
-  StageClock clock;
   FractureResult& result = grown.result;
-  const Labels* const uneroded = grown.uneroded ? &*grown.uneroded : nullptr;
+  StageClock clock(std::move(result.times));
   if (options.surface.meshes) {
-    ExtractedFragments all = extractAll(
-        result.solid, result.labels,
-        {.surface = options.surface, .uneroded = uneroded, .intact = grown.surface.get()},
-        progress);
+    ExtractedFragments all =
+        extractAll(result.solid, result.labels, grown.extractOptions(options.surface), progress);
     result.fragments = std::move(all.fragments);
     result.exactFailure = std::move(all.exactFailure);
   } else {
@@ -238,7 +235,7 @@ FractureResult extracted(GrownFracture grown, const FractureOptions& options,
     measureFragments(grown, result, progress);
   }
   clock.done("extract");
-  result.times.push_back(clock.times().front());
+  result.times = clock.times();
   return std::move(result);
 }
 

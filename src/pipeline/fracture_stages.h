@@ -7,15 +7,21 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "grow/shares.h"
+#include "surface/exact_surface.h"
 
 namespace sherd {
 
 /// The seconds of consecutive stages; those of a repeated stage are summed.
 class StageClock {
  public:
+  StageClock() = default;
+  ///   earlier  times of other stages, or of the same
+  explicit StageClock(std::vector<StageTime> earlier) : times_(std::move(earlier)) {}
+
   void done(const char* stage) {
     const auto now = std::chrono::steady_clock::now();
     const double seconds = std::chrono::duration<double>(now - last_).count();
@@ -51,6 +57,15 @@ struct GrownFracture {
   FractureResult result;           ///< all but fragments
   std::optional<Labels> uneroded;  ///< the labels before erosion, if any
   std::shared_ptr<const IntactSurface> surface{};
+  std::optional<ExactSurface> exact{};  ///< of refracture, with Surface::exact
+
+  /// What extraction needs beside the solid and its labels.
+  [[nodiscard]] ExtractOptions extractOptions(const SurfaceOptions& options) const {
+    return {.surface = options,
+            .uneroded = uneroded ? &*uneroded : nullptr,
+            .intact = surface.get(),
+            .exact = exact ? &*exact : nullptr};
+  }
 };
 
 /// Seed several fractures, grow them together, and erode each; the results equal separate runs.

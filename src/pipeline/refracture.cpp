@@ -8,13 +8,15 @@
 #include "base/random.h"
 #include "grow/small_components.h"
 #include "pipeline/fracture_stages.h"
+#include "pipeline/refracture_meshes.h"
 #include "voxelize/distance.h"
 
 namespace sherd {
 namespace {
 
 // Returns the voxels of one fragment as a solid over the same leaves.
-Solid fragmentSolid(const FinishedFracture& finished, int id) {
+//   hasBand  with an exterior band, which exact surfaces need
+Solid fragmentSolid(const FinishedFracture& finished, int id, bool hasBand) {
   LeafBlocks blocks = *finished.solid.blocks;
   for (std::size_t voxelIndex = 0; voxelIndex < finished.labels.fragment.size(); ++voxelIndex) {
     if (finished.labels.fragment[voxelIndex] != id) {
@@ -22,6 +24,7 @@ Solid fragmentSolid(const FinishedFracture& finished, int id) {
     }
   }
   blocks.exteriorBand.assign(blocks.exteriorBand.size(), 0);
+  if (hasBand) setExteriorBand(blocks);
   Solid fragment = finished.solid;
   fragment.region = nullptr;  // it holds for the whole
   fragment.blocks = std::make_shared<const LeafBlocks>(std::move(blocks));
@@ -72,9 +75,11 @@ GrownFracture regrown(const FinishedFracture& finished, std::span<const int> onl
   finished.solid.blocks->forEachInside([&](std::size_t voxelIndex) {
     result.labels.fragment[voxelIndex] = newId[finished.labels.fragment[voxelIndex]];
   });
+  const bool isExact = options.surface.surface == Surface::exact;
+  std::vector<BrokenFragment> parts;
   for (const int id : broken) {
-    const Solid fragment = fragmentSolid(finished, id);
-    const SeededLabels grown = breakFragment(fragment, id, options, device, progress);
+    Solid fragment = fragmentSolid(finished, id, isExact);
+    SeededLabels grown = breakFragment(fragment, id, options, device, progress);
     const std::size_t first = result.parents.size();
     result.parents.insert(result.parents.end(), static_cast<std::size_t>(fragmentsOf(grown.seeds)),
                           id);
@@ -90,11 +95,16 @@ GrownFracture regrown(const FinishedFracture& finished, std::span<const int> onl
       seed.fragment = static_cast<std::uint16_t>(first + seed.fragment);
       result.seeds.push_back(seed);
     }
+    if (isExact) parts.push_back({id, first, std::move(fragment), std::move(grown.labels)});
   }
   result.labels.fragmentCount = static_cast<int>(result.parents.size());
   result.labels = extendLabels(std::move(result.labels), device, options.grow.outerSteps);
   result.eroded.assign(result.parents.size() + 1, 0);
   clock.done("grow");
+  if (isExact) {
+    all.exact = exactMeshesAgain(finished, parts, newId, result.labels, progress);
+    clock.done("extract");
+  }
   result.times = clock.times();
   return all;
 }

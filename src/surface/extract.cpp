@@ -130,7 +130,10 @@ Extraction::Extraction(const Solid& solid, const Labels& labels, const ExtractOp
       cut_(findCut(labels, neighborhoods_,
                    needsWholeCut(surface_) ? CutExtent::everywhere : CutExtent::cells, progress)),
       leaves_(leavesOf(cut_, count_)) {
-  if (surface_.surface == Surface::exact) makeExact();
+  if (surface_.surface == Surface::exact) {
+    makeExact(options.exact ? *options.exact
+                            : exactMeshes(solid_, labels_, neighborhoods_, progress_));
+  }
   if (!isShared()) return;
   shared_.emplace(solid, labels, cut_, neighborhoods_, options.intact, progress);
   const bool isProcessed = surface_.adaptivity > 0.0 || !surface_.triangles.empty() ||
@@ -144,8 +147,7 @@ bool Extraction::isShared() const {
   return surface_.surface == Surface::smooth && surface_.interface == Interface::shared;
 }
 
-void Extraction::makeExact() {
-  ExactSurface exact = exactMeshes(solid_, labels_, neighborhoods_, progress_);
+void Extraction::makeExact(ExactSurface exact) {
   if (!exact.failure.empty()) {
     exactFailure_ = std::move(exact.failure);
     surface_.surface = Surface::smooth;

@@ -10,6 +10,7 @@
 
 #include "surface/contacts.h"
 #include "surface/cut.h"
+#include "surface/exact_surface.h"
 #include "surface/fragment_surfaces.h"
 #include "surface/interface_mesh.h"
 #include "voxelize/leaf_blocks.h"
@@ -46,7 +47,7 @@ class Extraction {
   bool isShared() const;
   LabeledMesh sharedMesh(int id) const;
   Processed processedTogether() const;
-  void makeExact();
+  void makeExact(ExactSurface exact);
   std::size_t endOfBatch() const;
   Fragment makeFragment(std::size_t i);
   void meshShared(Fragment& fragment);

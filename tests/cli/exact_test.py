@@ -79,10 +79,10 @@ class Exact(CommandLine):
         with open(os.path.join(out or self.out, "manifest.json")) as file:
             return json.load(file)
 
-    def pieces(self):
+    def pieces(self, out=None):
         """The files of the pieces: vertices, triangles, neighbors, and all columns of faces."""
-        for fragment in self.manifest()["fragments"]:
-            _, vertex, face = read_ply(os.path.join(self.out, fragment["files"]["mesh"]))
+        for fragment in self.manifest(out)["fragments"]:
+            _, vertex, face = read_ply(os.path.join(out or self.out, fragment["files"]["mesh"]))
             yield fragment["id"], columns(vertex, *"xyz"), face["vertex_indices"], face["neighbor"], face
 
     def test_the_outside_is_the_inputs(self):
@@ -181,12 +181,55 @@ class Exact(CommandLine):
         self.assertEqual(manifest["exact_failure"], "the mesh has 3 open edges")
         self.assertEqual({f["surface"] for f in manifest["fragments"]}, {"smooth"})
 
-    def test_a_fracture_that_is_broken_again_says_so(self):
-        self.exact("--write", "labels,vdb,mesh")
-        result = self.run_sherd("fracture", os.path.join(self.out, "manifest.json"), "-o", self.path("again"), "--only", "1", "--pieces", "2",
-                                "--surface", "exact")
+    def again(self, *options):
+        again = self.path("again")
+        result = self.run_sherd("fracture", os.path.join(self.out, "manifest.json"), "-o", again, "--surface", "exact", *options)
         self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertIn("the solid has no input mesh", result.stderr)
+        return again, result.stderr
+
+    def test_fragments_that_are_broken_again_keep_their_surface(self):
+        for rough in ("0", "1"):
+            self.exact("--roughness", "1", "--write", "labels,vdb,mesh")
+            before = {own: (v, f, neighbor) for own, v, f, neighbor, _ in self.pieces()}
+            again, errors = self.again("--only", "2,5", "--pieces", "3", "--write", "mesh", "--precision", "double", "--roughness", rough)
+            self.assertEqual(errors, "")
+            manifest = self.manifest(again)
+            self.assertNotIn("exact_failure", manifest)
+            self.assertEqual({f["surface"] for f in manifest["fragments"]}, {"exact"})
+            parents = {f["id"]: f["parent"] for f in manifest["fragments"]}
+            self.assertEqual(collections.Counter(parents.values()), {1: 1, 2: 3, 3: 1, 4: 1, 5: 3, 6: 1, 7: 1})
+            outer, contact, volumes, faces = 0.0, collections.Counter(), collections.Counter(), collections.Counter()
+            for own, v, f, neighbor, _ in self.pieces(again):
+                parent = parents[own]
+                edges = collections.Counter((int(t[k]), int(t[(k + 1) % 3])) for t in f for k in range(3))
+                self.assertTrue(all(n == 1 and edges[b, a] == 1 for (a, b), n in edges.items()), "closed, manifold and oriented")
+                volumes[parent] += volume(v, f)
+                outer += areas(v, f[neighbor == 0]).sum()
+                for other in set(neighbor) - {0}:
+                    contact[own, int(other)] += areas(v, f[neighbor == other]).sum()
+                if parent not in (2, 5):
+                    old_v, old_f, old_neighbor = before[parent]
+                    np.testing.assert_array_equal(v[f], old_v[old_f], "a fragment that is not broken stays")
+                    np.testing.assert_array_equal([parents.get(n, 0) for n in neighbor], old_neighbor)
+                for t, other in zip(f, neighbor):
+                    if other != 0 and parents[other] == parent:
+                        faces[own, int(other), rotated(v[t])] += 1
+                        faces[int(other), own, rotated(v[t[::-1]])] -= 1
+            self.assertGreater(len(faces), 20)
+            self.assertEqual({n for n in faces.values()}, {0}, "new cracks are shared")
+            self.assertAlmostEqual(outer / areas(self.vertices, self.triangles).sum(), 1, delta=1e-9)
+            for parent, (v, f, _) in before.items():
+                self.assertAlmostEqual(volumes[parent] / volume(v, f), 1, delta=1e-9)
+            # Where old cracks are cut, the other side is not: its faces go to the nearest part.
+            total = sum(contact.values())
+            for (own, other), area in contact.items():
+                self.assertLess(abs(area - contact[other, own]), 0.02 * total)
+
+    def test_fragments_without_meshes_are_broken_again_with_the_reason(self):
+        self.exact("--write", "labels,vdb,mesh", "--mesh-format", "obj")
+        again, errors = self.again("--only", "1", "--pieces", "2")
+        self.assertIn("the fracture was written without .ply meshes with neighbors, so the fragments have the smooth surface", errors)
+        self.assertEqual({f["surface"] for f in self.manifest(again)["fragments"]}, {"smooth"})
 
     def test_datasets_have_it_too(self):
         library = pathlib.Path(self.path("library"))

@@ -1,0 +1,225 @@
+// Exact meshes of a fracture that is broken again.
+#include "pipeline/refracture_meshes.h"
+
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/Morphology.h>
+
+#include <algorithm>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <memory>
+#include <numeric>
+#include <string>
+#include <tuple>
+#include <utility>
+
+#include "mesh/triangle_tree.h"
+#include "surface/exact_meshes.h"
+#include "voxelize/region.h"
+
+namespace sherd {
+namespace {
+
+// A face's neighbor is searched among the voxels around it, up to so many away.
+constexpr int kReach = 3;
+
+// Returns the faces of one fragment, and their indices in `finished.faces`.
+SolidMesh meshOf(const FinishedFracture& finished, int id) {
+  const auto begin = finished.firstFace[static_cast<std::size_t>(id) - 1];
+  const auto end = finished.firstFace[static_cast<std::size_t>(id)];
+  SolidMesh out;
+  if (begin == end) return out;
+  // A fragment's vertices are consecutive.
+  std::uint32_t low = std::numeric_limits<std::uint32_t>::max(), high = 0;
+  for (std::size_t t = begin; t < end; ++t) {
+    const glm::uvec3& corner = finished.faces.triangles[t];
+    low = std::min({low, corner.x, corner.y, corner.z});
+    high = std::max({high, corner.x, corner.y, corner.z});
+  }
+  const auto vertices = finished.faces.vertices.begin();
+  out.mesh.vertices.assign(vertices + low, vertices + high + 1);
+  for (std::size_t t = begin; t < end; ++t) {
+    out.mesh.triangles.push_back(finished.faces.triangles[t] - low);
+    out.source.push_back(static_cast<std::uint32_t>(t));
+  }
+  return out;
+}
+
+std::shared_ptr<const SolidRegion> regionOf(const TriangleMesh& mesh, const GridFrame& frame) {
+  TriangleMesh index{{}, mesh.triangles};
+  for (const glm::dvec3& v : mesh.vertices) index.vertices.push_back(frame.indexFromWorld(v));
+  const Box box = bounds(index);
+  auto tree = std::make_shared<const TriangleTree>(index);
+  const auto contains = [tree](const glm::dvec3& p) { return tree->winding(p) >= 0.5; };
+  return std::make_shared<const SolidRegion>(box.max - box.min, tree, contains, 0.0, true);
+}
+
+// Finds the new neighbors of faces.
+class Neighbors {
+ public:
+  Neighbors(std::span<const BrokenFragment> broken, std::span<const std::uint16_t> newId,
+            const GridFrame& frame, const Labels& labels)
+      : newId_(newId), frame_(frame), labels_(labels), ends_(newId.size(), {0, 0}) {
+    for (const BrokenFragment& one : broken) {
+      ends_[static_cast<std::size_t>(one.id)] = {
+          one.first, one.first + static_cast<std::size_t>(one.labels.fragmentCount)};
+    }
+  }
+
+  // Returns the new neighbor of a face with an old one: of the parts of a broken fragment the
+  // nearest.  Withheld fragments are no longer there.
+  std::uint16_t of(std::uint16_t old, const glm::dvec3& centroid) const {
+    if (old >= newId_.size() || old == 0) return 0;
+    if (newId_[old] != 0) return newId_[old];
+    const auto [first, end] = ends_[old];
+    const glm::dvec3 at = frame_.indexFromWorld(centroid);
+    const glm::dvec3 middle = glm::round(at);
+    double least = std::numeric_limits<double>::infinity();
+    auto nearest = static_cast<std::uint16_t>(first + 1);
+    for (int k = 0; k < kSide * kSide * kSide; ++k) {
+      const glm::dvec3 voxel =
+          middle + glm::dvec3(k / (kSide * kSide), k / kSide % kSide, k % kSide) - double{kReach};
+      const double squared = glm::dot(voxel - at, voxel - at);
+      if (squared >= least) continue;
+      const std::uint16_t label = labelOf(voxel);
+      if (label <= first || label > end) continue;
+      least = squared;
+      nearest = label;
+    }
+    return nearest;
+  }
+
+ private:
+  static constexpr int kSide = 2 * kReach + 1;
+
+  std::uint16_t labelOf(const glm::dvec3& at) const {
+    const openvdb::Coord voxel(static_cast<int>(at.x), static_cast<int>(at.y),
+                               static_cast<int>(at.z));
+    const std::uint32_t leaf = findLeaf(*labels_.blocks, voxel);
+    if (leaf == LeafBlocks::kNone) return 0;
+    return labels_.fragment[std::size_t{leaf} * 512 + offsetFromCoord(voxel)];
+  }
+
+  const std::span<const std::uint16_t> newId_;
+  const GridFrame frame_;
+  const Labels& labels_;
+  std::vector<std::pair<std::size_t, std::size_t>> ends_;  // [old] its parts: above first, to end
+};
+
+glm::dvec3 centroidOf(const TriangleMesh& mesh, std::size_t t) {
+  const glm::uvec3& corner = mesh.triangles[t];
+  return (mesh.vertices[corner.x] + mesh.vertices[corner.y] + mesh.vertices[corner.z]) / 3.0;
+}
+
+// The meshes of a broken fragment's parts, with TriangleMesh::source in finished.faces.
+ExactSurface cutAgain(const FinishedFracture& finished, const BrokenFragment& broken,
+                      const Progress* progress) {
+  auto mesh = std::make_shared<const SolidMesh>(meshOf(finished, broken.id));
+  if (mesh->mesh.triangles.empty()) return {.failure = "it has no mesh"};
+  Solid solid = broken.solid;
+  solid.region = regionOf(mesh->mesh, solid.frame);
+  solid.report.fill = Fill::winding;
+  solid.report.defects.components = meshComponents(mesh->mesh).count;
+  solid.mesh = std::move(mesh);
+  return exactMeshes(solid, broken.labels, leafNeighbors(solid.blocks->origins), progress);
+}
+
+// A fragment that stays.
+LabeledMesh keptMesh(const FinishedFracture& finished, int id, const Neighbors& neighbors) {
+  SolidMesh own = meshOf(finished, id);
+  LabeledMesh out{.mesh = std::move(own.mesh)};
+  for (std::size_t t = 0; t < own.source.size(); ++t) {
+    out.other.push_back(
+        neighbors.of(finished.faces.neighbor[own.source[t]], centroidOf(out.mesh, t)));
+    out.mesh.source.push_back(out.other.back() == 0 ? own.source[t] : TriangleMesh::kNoSource);
+  }
+  return out;
+}
+
+// Gives the parts of faces that were cracks before their new neighbors.
+void setNeighbors(const FinishedFracture& finished, std::size_t first, const Neighbors& neighbors,
+                  LabeledMesh& part) {
+  for (std::size_t t = 0; t < part.other.size(); ++t) {
+    std::uint32_t& source = part.mesh.source[t];
+    if (source == TriangleMesh::kNoSource) {  // a new crack
+      part.other[t] = static_cast<std::uint16_t>(part.other[t] + first);
+      continue;
+    }
+    part.other[t] = neighbors.of(finished.faces.neighbor[source], centroidOf(part.mesh, t));
+    if (part.other[t] != 0) source = TriangleMesh::kNoSource;
+  }
+}
+
+// Numbers vertices at one position alike, also those of different fragments.
+void setPositions(std::vector<LabeledMesh>& meshes) {
+  std::vector<const glm::dvec3*> all;
+  for (const LabeledMesh& mesh : meshes) {
+    for (const glm::dvec3& v : mesh.mesh.vertices) all.push_back(&v);
+  }
+  const auto isLess = [](const glm::dvec3* a, const glm::dvec3* b) {
+    return std::tie(a->x, a->y, a->z) < std::tie(b->x, b->y, b->z);
+  };
+  std::sort(all.begin(), all.end(), isLess);
+  const auto isEqual = [](const glm::dvec3* a, const glm::dvec3* b) { return *a == *b; };
+  all.erase(std::unique(all.begin(), all.end(), isEqual), all.end());
+  for (LabeledMesh& mesh : meshes) {
+    mesh.positionId.clear();
+    for (const glm::dvec3& v : mesh.mesh.vertices) {
+      const auto at = std::lower_bound(all.begin(), all.end(), &v, isLess);
+      mesh.positionId.push_back(static_cast<std::uint32_t>(at - all.begin()));
+    }
+  }
+}
+
+}  // namespace
+
+void setExteriorBand(LeafBlocks& blocks) {
+  using Word = std::uint64_t;
+  openvdb::MaskTree band;
+  for (std::size_t leaf = 0; leaf < blocks.count(); ++leaf) {
+    openvdb::MaskTree::LeafNodeType::NodeMaskType mask;
+    for (openvdb::Index32 w = 0; w < 8; ++w) mask.getWord<Word>(w) = blocks.inside[leaf * 8 + w];
+    if (mask.isOff()) continue;
+    band.touchLeaf(blocks.origins[leaf])->setValueMask(mask);
+  }
+  // No leaf becomes a tile, even where all voxels are reached.
+  openvdb::tools::dilateActiveValues(band, kHalfWidthVoxels, openvdb::tools::NN_FACE_EDGE,
+                                     openvdb::tools::IGNORE_TILES);
+  for (std::size_t leaf = 0; leaf < blocks.count(); ++leaf) {
+    const auto* const found = band.probeConstLeaf(blocks.origins[leaf]);
+    for (openvdb::Index32 w = 0; w < 8; ++w) {
+      const Word reached = found == nullptr ? 0 : found->getValueMask().getWord<Word>(w);
+      blocks.exteriorBand[leaf * 8 + w] = reached & ~blocks.inside[leaf * 8 + w];
+    }
+  }
+}
+
+ExactSurface exactMeshesAgain(const FinishedFracture& finished,
+                              std::span<const BrokenFragment> broken,
+                              std::span<const std::uint16_t> newId, const Labels& labels,
+                              const Progress* progress) {
+  if (finished.firstFace.empty()) {
+    return {.failure = "the fracture was written without .ply meshes with neighbors"};
+  }
+  const Neighbors neighbors(broken, newId, finished.solid.frame, labels);
+  ExactSurface all;
+  for (int id = 1; id <= finished.labels.fragmentCount; ++id) {
+    if (newId[static_cast<std::size_t>(id)] == 0) continue;
+    all.meshes.push_back(keptMesh(finished, id, neighbors));
+  }
+  for (const BrokenFragment& one : broken) {
+    ExactSurface parts = cutAgain(finished, one, progress);
+    if (!parts.failure.empty()) {
+      return {.failure = "fragment " + std::to_string(one.id) + ": " + parts.failure};
+    }
+    for (LabeledMesh& part : parts.meshes) {
+      setNeighbors(finished, one.first, neighbors, part);
+      all.meshes.push_back(std::move(part));
+    }
+  }
+  setPositions(all.meshes);
+  return all;
+}
+
+}  // namespace sherd

@@ -1,0 +1,36 @@
+// Exact meshes of a fracture that is broken again.
+#pragma once
+
+#include <sherd/fracture.h>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "surface/exact_surface.h"
+
+namespace sherd {
+
+/// A fragment of a finished fracture after it was broken.
+struct BrokenFragment {
+  int id = 0;             ///< in the finished fracture
+  std::size_t first = 0;  ///< its parts have the new ids first + 1, ...
+  Solid solid;            ///< of the fragment alone, with an exterior band
+  Labels labels;          ///< of its parts, 1, 2, ...
+};
+
+/// Sets the exterior band to the voxels of the blocks' leaves that are not inside, and at most
+/// kHalfWidthVoxels steps over faces and edges away from one that is.
+void setExteriorBand(LeafBlocks& blocks);
+
+/// Returns the meshes of all new fragments: the faces of those that were kept, and the faces of the
+/// broken ones, cut.  TriangleMesh::source is an index in `finished.faces`.
+///   newId   [old fragments + 1] of those that were kept, else 0
+///   labels  of all new fragments
+///   return  a failure where a mesh is missing, open, or can't be cut
+[[nodiscard]] ExactSurface exactMeshesAgain(const FinishedFracture& finished,
+                                            std::span<const BrokenFragment> broken,
+                                            std::span<const std::uint16_t> newId,
+                                            const Labels& labels, const Progress* progress);
+
+}  // namespace sherd
