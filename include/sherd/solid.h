@@ -187,11 +187,13 @@ struct ResolutionChoice {
 /// Measurements and decisions of voxelize.
 struct SolidReport {
   MeshDefects defects;
-  Fill fill = Fill::winding;    ///< the fill used, never automatic
-  std::string fillReason;       ///< why, as a clause of a sentence
-  double shellThickness = 0.0;  ///< world units, of a shell; else 0
-  double meshVolume = 0.0;      ///< of the mesh by the divergence theorem, with components oriented
-                                ///< outwards and holes closed; 0 for a shell
+  Fill fill = Fill::winding;         ///< the fill used, never automatic
+  std::string fillReason;            ///< why, as a clause of a sentence
+  bool isThinnerThanVoxels = false;  ///< no voxel center lies inside the closed mesh: with
+                                     ///< SolidOptions::keepMesh the voxels are a shell around it
+  double shellThickness = 0.0;       ///< world units, of a shell; else 0
+  double meshVolume = 0.0;  ///< of the mesh by the divergence theorem, with components oriented
+                            ///< outwards and holes closed; 0 for a shell
   WallThickness walls{};
   ResolutionChoice resolution{};
   std::uint64_t bridges = 0;  ///< voxels added where those of a wall share only an edge or corner

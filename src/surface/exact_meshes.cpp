@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <glm/common.hpp>
 #include <limits>
+#include <memory>
 #include <optional>
 
 #include "base/cancel_flag.h"
@@ -55,9 +56,21 @@ std::uint16_t nearestLabel(const Labels& labels, const glm::dvec3& index) {
   return nearest;
 }
 
+// Whether points are inside the mesh.
+std::function<bool(const glm::dvec3&)> insideOf(const Solid& solid) {
+  if (!solid.report.isThinnerThanVoxels) {
+    return
+        [&](const glm::dvec3& p) { return solid.region->contains(solid.frame.indexFromWorld(p)); };
+  }
+  const auto tree = std::make_shared<const TriangleTree>(solid.mesh->mesh);
+  return [tree](const glm::dvec3& p) { return tree->winding(p) >= 0.5; };
+}
+
 std::string obstacleOf(const Solid& solid) {
   if (solid.mesh == nullptr) return "the solid has no input mesh";
-  if (solid.report.fill != Fill::winding) return "the mesh is not filled by winding numbers";
+  if (solid.report.fill != Fill::winding && !solid.report.isThinnerThanVoxels) {
+    return "the mesh is not filled by winding numbers";
+  }
   const std::size_t open = openEdges(solid.mesh->mesh);
   if (open > 0) return "the mesh has " + std::to_string(open) + " open edges";
   return {};
@@ -142,7 +155,7 @@ ExactSurface exactMeshes(const Solid& solid, const Labels& labels,
   const auto indexOf = [&](const glm::dvec3& p) { return solid.frame.indexFromWorld(p); };
   const SpaceLabels space{[&](const glm::dvec3& p) { return labelAt(beyond, voxelAt(indexOf(p))); },
                           [&](const glm::dvec3& p) { return nearestLabel(beyond, indexOf(p)); },
-                          [&](const glm::dvec3& p) { return solid.region->contains(indexOf(p)); }};
+                          insideOf(solid)};
   const auto fragments = static_cast<std::size_t>(labels.fragmentCount);
   const double tolerance = kCrackTolerance * solid.frame.voxelSize;
   ExactSurface surface;

@@ -83,6 +83,34 @@ bool isAutomatic(const SolidOptions& options) {
   return options.voxelSize == 0.0 && options.resolution == kAutoResolution;
 }
 
+// Sets the voxels, with how they were filled, which may be none.
+//   box  of the mesh, world units
+void fill(Solid& solid, const Filling& filling, const Box& box, const SolidOptions& options,
+          const Progress* progress) {
+  const double voxelSize = solid.frame.voxelSize;
+  SolidReport& report = solid.report;
+  report.fill = filling.fill;
+  report.fillReason = filling.reason;
+  if (filling.fill == Fill::shell) {
+    report.shellThickness = 2.0 * filling.halfThickness * voxelSize;
+    report.meshVolume = 0.0;
+  }
+  reportProgress(progress, "voxelize", 0.3);
+  if (filling.surface->empty()) return;
+  const FloatGridPtr distance = levelSetOf(filling, solid.frame, progress);
+  LeafBlocks blocks = leafBlocks(*distance);
+  const std::vector<std::size_t> bridges = bridgesOf(blocks, filling, progress);
+  addVoxels(*distance, blocks, bridges);
+  solid.blocks = std::make_shared<const LeafBlocks>(std::move(blocks));
+  report.bridges = bridges.size();
+  solid.distance = distance;
+  const bool isAsVoxels = filling.fill != Fill::shell || options.shellThickness > 0.0;
+  solid.region = std::make_shared<const SolidRegion>(
+      (box.max - box.min) / voxelSize, filling.surface, filling.contains,
+      isAsVoxels ? filling.halfThickness : 0.0, isAsVoxels);
+  measureVoxels(solid);
+}
+
 }  // namespace
 
 int automaticResolution(const TriangleMesh& mesh, const SolidOptions& options) {
@@ -127,8 +155,8 @@ Solid voxelize(const TriangleMesh& source, const SolidOptions& options, const Pr
   if (isAutomatic(options)) first.resolution = kLeastAutoResolution;
   MeshInGrid in = inGrid(source, voxelSizeFor(source, first), progress);
   reportProgress(progress, "voxelize", 0.1);
-  const FillChoice fill = chosenFill(in.clean, options);
-  if (isAutomatic(options) && fill.fill != Fill::shell) {
+  const FillChoice choice = chosenFill(in.clean, options);
+  if (isAutomatic(options) && choice.fill != Fill::shell) {
     const int resolution = automaticResolutionOf(in.report.walls);
     if (resolution != first.resolution) {
       in = inGrid(source, checkedLongestSide(source) / resolution, progress);
@@ -141,33 +169,20 @@ Solid voxelize(const TriangleMesh& source, const SolidOptions& options, const Pr
   SolidReport& report = solid.report;
   const double voxelSize = solid.frame.voxelSize;
   report.resolution = {resolutionFor(source, voxelSize), isAutomatic(options)};
-  const Filling filling = fillingOf(fill, in.clean, in.mesh, options, voxelSize, progress);
-  report.fill = filling.fill;
-  report.fillReason = filling.reason;
-  if (filling.fill == Fill::shell) {
-    report.shellThickness = 2.0 * filling.halfThickness * voxelSize;
-    report.meshVolume = 0.0;
+  const Box box = bounds(source);
+  fill(solid, fillingOf(choice, in.clean, in.mesh, options, voxelSize, progress), box, options,
+       progress);
+  if (solid.voxels == 0 && options.keepMesh && choice.fill == Fill::winding &&
+      report.defects.closed()) {
+    // The voxels only decide where cracks run.
+    report.isThinnerThanVoxels = true;
+    const FillChoice shell{Fill::shell, "no voxel center lies inside the closed mesh"};
+    fill(solid, fillingOf(shell, in.clean, in.mesh, options, voxelSize, progress), box, options,
+         progress);
   }
-  reportProgress(progress, "voxelize", 0.3);
-
-  if (!filling.surface->empty()) {
-    const FloatGridPtr distance = levelSetOf(filling, solid.frame, progress);
-    LeafBlocks blocks = leafBlocks(*distance);
-    const std::vector<std::size_t> bridges = bridgesOf(blocks, filling, progress);
-    addVoxels(*distance, blocks, bridges);
-    solid.blocks = std::make_shared<const LeafBlocks>(std::move(blocks));
-    report.bridges = bridges.size();
-    solid.distance = distance;
-    const Box box = bounds(source);
-    const bool isAsVoxels = filling.fill != Fill::shell || options.shellThickness > 0.0;
-    solid.region = std::make_shared<const SolidRegion>(
-        (box.max - box.min) / voxelSize, filling.surface, filling.contains,
-        isAsVoxels ? filling.halfThickness : 0.0, isAsVoxels);
-    measureVoxels(solid);
-    if (options.keepMesh) {
-      solid.mesh = std::make_shared<const SolidMesh>(
-          SolidMesh{{source.vertices, in.clean.mesh.triangles}, std::move(in.source)});
-    }
+  if (options.keepMesh) {
+    solid.mesh = std::make_shared<const SolidMesh>(
+        SolidMesh{{source.vertices, in.clean.mesh.triangles}, std::move(in.source)});
   }
   if (solid.voxels == 0) {
     throw Error(ErrorCode::input,

@@ -286,6 +286,24 @@ TEST(Exact, TrianglesWithoutAreaAreCutToo) {
   }
 }
 
+TEST(Exact, APaneThinnerThanAVoxelIsCut) {
+  for (const double tilt : {0.0, 0.3}) {  // without voxels inside, and with some
+    TriangleMesh pane = shapes::cube(2.0);
+    for (glm::dvec3& v : pane.vertices) {
+      v.z *= 0.4 / 64;
+      v = {v.x * std::cos(tilt) - v.z * std::sin(tilt), v.y,
+           v.x * std::sin(tilt) + v.z * std::cos(tilt)};
+    }
+    for (const double roughness : {0.0, 1.0}) {
+      SCOPED_TRACE(std::to_string(tilt) + ", roughness " + std::to_string(roughness));
+      expectExact(pane, exactOptions(8, 64, roughness));
+    }
+    SolidOptions options{.resolution = 64};
+    options.keepMesh = true;
+    EXPECT_EQ(voxelize(pane, options).report.isThinnerThanVoxels, tilt == 0.0);
+  }
+}
+
 TEST(Exact, ManyBodiesThatOverlapAreCut) {
   TriangleMesh mesh;
   for (int k = 0; k < 40; ++k) {
