@@ -135,7 +135,7 @@ std::vector<Rule> surfaceRules() {
       {{"--interface"},
        Verdict::idle,
        [](P p) { return p.run.fracture.surface.surface == Surface::exact; },
-       "does nothing with --surface exact, whose fragments always share their surfaces",
+       "does nothing where --surface exact succeeds, whose fragments always share their surfaces",
        {"--surface"}},
       {{"--smoothing"},
        Verdict::idle,
