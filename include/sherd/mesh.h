@@ -24,8 +24,13 @@ struct SurfaceAttributes {
                                                     ///< the image's lower left corner, as in OBJ
   std::vector<std::array<glm::u8vec3, 3>> colors;   ///< [m] sRGB
   std::vector<std::uint32_t> material;              ///< [m] index into Appearance::materials
+  std::vector<std::array<glm::vec3, 3>> normals;    ///< [m] unit, of any direction; those of a
+                                                    ///< file that has some, see readMesh
 
-  [[nodiscard]] bool empty() const {
+  [[nodiscard]] bool empty() const { return hasOnlyNormals() && normals.empty(); }
+
+  /// Whether no other array has content.
+  [[nodiscard]] bool hasOnlyNormals() const {
     return texcoords.empty() && colors.empty() && material.empty();
   }
 };

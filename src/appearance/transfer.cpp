@@ -18,8 +18,8 @@
 #include <tuple>
 #include <unordered_set>
 
+#include "appearance/weights.h"
 #include "mesh/embree_error.h"
-#include "mesh/largest_axis.h"
 #include "mesh/nearest_on_triangle.h"
 #include "mesh/vertex_normals.h"
 
@@ -34,31 +34,6 @@ constexpr double kMargin = 1e-6;  // above the error of single precision for a m
 constexpr double kWrongSide = 2.0, kTilt = 0.01;
 
 void check(RTCDevice device) { checkEmbree(device, ErrorCode::internal, "appearance"); }
-
-// Barycentric coordinates of a point of a triangle; of a triangle without area, 1 at the nearest
-// corner.
-glm::dvec3 weightsAt(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b,
-                     const glm::dvec3& c) {
-  const glm::dvec3 ab = b - a, ac = c - a, ap = p - a;
-  const double bb = glm::dot(ab, ab), bc = glm::dot(ab, ac), cc = glm::dot(ac, ac);
-  const double determinant = bb * cc - bc * bc;
-  if (!(determinant > 1e-12 * bb * cc)) {
-    const glm::dvec3 bp = p - b, cp = p - c;
-    const double toA = glm::dot(ap, ap), toB = glm::dot(bp, bp), toC = glm::dot(cp, cp);
-    if (toA <= toB && toA <= toC) return {1.0, 0.0, 0.0};
-    return toB <= toC ? glm::dvec3(0.0, 1.0, 0.0) : glm::dvec3(0.0, 0.0, 1.0);
-  }
-  const double pb = glm::dot(ap, ab), pc = glm::dot(ap, ac);
-  const double v = std::clamp((cc * pb - bc * pc) / determinant, 0.0, 1.0);
-  const double w = std::clamp((bb * pc - bc * pb) / determinant, 0.0, 1.0 - v);
-  return {1.0 - v - w, v, w};
-}
-
-// Projects a point along the coordinate axis that is nearest to a normal.
-glm::vec2 projected(const glm::dvec3& p, const glm::dvec3& normal) {
-  const int axis = largestAxis(normal);
-  return {p[axis == 0 ? 1 : 0], p[axis == 2 ? 1 : 2]};
-}
 
 }  // namespace
 
@@ -112,6 +87,7 @@ AttributeSource::AttributeSource(const TriangleMesh& mesh) : attributes_(mesh.at
     normals_.push_back(sign *
                        unitOrZero(glm::cross(mesh_.vertices[t.y] - a, mesh_.vertices[t.z] - a)));
   }
+  if (attributes_.hasOnlyNormals()) return;  // nothing is searched for
   charts_ = charts(mesh);
 
   device_.reset(rtcNewDevice(nullptr));
@@ -371,36 +347,10 @@ SurfaceAttributes AttributeSource::insideAttributes(std::size_t triangles,
   return out;
 }
 
-SurfaceAttributes AttributeSource::fromSources(const TriangleMesh& mesh,
-                                               std::uint32_t inside) const {
-  SurfaceAttributes out = insideAttributes(mesh.triangles.size(), inside);
-  tbb::parallel_for(std::size_t{0}, mesh.triangles.size(), [&](std::size_t t) {
-    const std::uint32_t from = mesh.source[t];
-    const Corners corners = cornersOf(mesh, mesh.triangles[t]);
-    for (std::size_t k = 0; k < 3; ++k) {
-      const glm::dvec3& p = mesh.vertices[mesh.triangles[t][static_cast<int>(k)]];
-      if (from == TriangleMesh::kNoSource) {
-        if (!out.texcoords.empty()) out.texcoords[t][k] = projected(p, corners.normal);
-        continue;
-      }
-      const glm::uvec3& s = mesh_.triangles[from];
-      const std::vector<glm::dvec3>& v = mesh_.vertices;
-      glm::dvec3 weights(0.0);
-      const glm::dvec3 at = (p - center_) / scale_;  // to the bit, of a corner of the source
-      for (int c = 0; c < 3 && weights == glm::dvec3(0.0); ++c) weights[c] = at == v[s[c]];
-      if (weights == glm::dvec3(0.0)) weights = weightsAt(at, v[s.x], v[s.y], v[s.z]);
-      interpolate(out, t, k, from, weights);
-    }
-    if (!out.material.empty() && from != TriangleMesh::kNoSource) {
-      out.material[t] = attributes_.material[from];
-    }
-  });
-  return out;
-}
-
 SurfaceAttributes AttributeSource::transferTo(const TriangleMesh& mesh,
                                               std::uint32_t inside) const {
   if (!mesh.source.empty()) return fromSources(mesh, inside);
+  if (attributes_.hasOnlyNormals()) return {};
   return Transfer(*this, mesh, inside).run();
 }
 

@@ -34,6 +34,9 @@ class AttributeSource {
   /// triangle's own corners the same, else interpolated.  Texture coordinates of fracture surfaces
   /// are projected then, along the coordinate axis that is nearest to the face's normal: one is one
   /// world unit.
+  ///
+  /// Only with TriangleMesh::source are normals transferred: flipped where the face is, and of unit
+  /// length between the corners.  Those of fracture surfaces are 0, for writers to compute.
   ///   return  the same arrays as the source has
   ///   cost    triangles * log(the source's triangles)
   [[nodiscard]] SurfaceAttributes transferTo(const TriangleMesh& mesh, std::uint32_t inside) const;
@@ -48,6 +51,7 @@ class AttributeSource {
   [[nodiscard]] std::vector<std::uint32_t> patch(std::uint32_t triangle, const glm::dvec3& point,
                                                  double reach) const;
   [[nodiscard]] SurfaceAttributes fromSources(const TriangleMesh& mesh, std::uint32_t inside) const;
+  void setFromSource(SurfaceAttributes& out, const TriangleMesh& mesh, std::size_t t) const;
   [[nodiscard]] SurfaceAttributes insideAttributes(std::size_t triangles,
                                                    std::uint32_t inside) const;
   void interpolate(SurfaceAttributes& out, std::size_t triangle, std::size_t corner,

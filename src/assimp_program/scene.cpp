@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "formats/mesh/normals.h"
 #include "formats/mesh/polygon_mesh.h"
 #include "mesh/colors.h"
 
@@ -112,7 +113,8 @@ struct Reader {
   const aiScene& scene;
   PolygonMesh mesh{};
   RawMesh out{};
-  bool hasTexcoords = false, hasColors = false, skinned = false, morphed = false;
+  bool hasTexcoords = false, hasColors = false, hasNormals = false, skinned = false,
+       morphed = false;
   std::vector<glm::vec3> colors{};  // [mesh.vertices]
 
   void addMaterials() {
@@ -135,11 +137,12 @@ struct Reader {
     if (!hasContent) out.appearance.materials.clear();
   }
 
-  // Colors default to white and texture coordinates to 0 if only other meshes have them.
+  // Colors default to white, texture coordinates and normals to 0 if only other meshes have them.
   void addVertices(const aiMesh& source, const Affine& world) {
     const bool known = source.mMaterialIndex < scene.mNumMaterials;
     unsigned set = known ? textureOf(*scene.mMaterials[source.mMaterialIndex]).set : 0;
     if (!source.HasTextureCoords(set)) set = 0;
+    const glm::dmat3 ofNormals = normalTransform(world.linear);
     for (unsigned i = 0; i < source.mNumVertices; ++i) {
       const aiVector3D& v = source.mVertices[i];
       mesh.vertices.push_back(world.linear * glm::dvec3(v.x, v.y, v.z) + world.offset);
@@ -147,6 +150,10 @@ struct Reader {
         const aiVector3D* at = source.mTextureCoords[set];
         mesh.vertexTexcoords.push_back(at == nullptr ? glm::vec2(0.0f)
                                                      : glm::vec2(at[i].x, at[i].y));
+      }
+      if (hasNormals) {
+        const aiVector3D n = source.HasNormals() ? source.mNormals[i] : aiVector3D(0.0f);
+        mesh.vertexNormals.push_back(transformedNormal(ofNormals, glm::vec3(n.x, n.y, n.z)));
       }
       if (hasColors) {
         const aiColor4D* color = source.mColors[0];
@@ -204,6 +211,7 @@ struct Reader {
   RawMesh read() {
     for (unsigned i = 0; i < scene.mNumMeshes; ++i) {
       hasTexcoords |= scene.mMeshes[i]->GetNumUVChannels() > 0;
+      hasNormals |= scene.mMeshes[i]->HasNormals();
       hasColors |= scene.mMeshes[i]->HasVertexColors(0);
     }
     addMaterials();

@@ -15,6 +15,7 @@
 #include <optional>
 #include <set>
 #include <type_traits>
+#include <utility>
 
 #include "base/lower_case.h"
 #include "base/safe_name.h"
@@ -91,6 +92,10 @@ Input readInput(FractureArguments& arguments, const Progress& progress) {
     source = std::move(volume.source);
   } else {
     source = readMesh(arguments.mesh, {.maxMemory = arguments.run.volume.maxMemory}, &progress);
+    if (arguments.run.fracture.surface.surface != Surface::exact) {
+      // Only exact surfaces have them, and they take more memory than the triangles.
+      std::exchange(source.mesh.attributes.normals, {});
+    }
   }
   if (arguments.splitObjects) {
     input.meshes = splitObjects(source);

@@ -49,9 +49,9 @@ std::vector<SourceMesh> splitObjects(const SourceMesh& source) {
     out.appearance.textures = source.appearance.textures;
     out.mesh.neighbor = chosen(source.mesh.neighbor, triangles);
     const SurfaceAttributes& attributes = source.mesh.attributes;
-    out.mesh.attributes = {chosen(attributes.texcoords, triangles),
-                           chosen(attributes.colors, triangles),
-                           chosen(attributes.material, triangles)};
+    out.mesh.attributes = {
+        chosen(attributes.texcoords, triangles), chosen(attributes.colors, triangles),
+        chosen(attributes.material, triangles), chosen(attributes.normals, triangles)};
     if (meshes.empty()) {
       out.warnings = source.warnings;
       out.degenerateTriangles = source.degenerateTriangles;

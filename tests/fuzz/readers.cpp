@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <glm/geometric.hpp>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -40,7 +41,11 @@ void checkLook(const SourceMesh& source) {
   const Appearance& look = source.appearance;
   const SurfaceAttributes& attributes = source.mesh.attributes;
   check(fits(attributes.texcoords, source) && fits(attributes.colors, source) &&
-        fits(attributes.material, source) && fits(source.mesh.neighbor, source));
+        fits(attributes.material, source) && fits(attributes.normals, source) &&
+        fits(source.mesh.neighbor, source));
+  for (const auto& corners : attributes.normals) {
+    for (const glm::vec3& n : corners) check(std::abs(glm::dot(n, n) - 1.0f) < 1e-4f);
+  }
   for (const auto& corners : attributes.texcoords) {
     for (const glm::vec2& at : corners) check(std::isfinite(at.x) && std::isfinite(at.y));
   }

@@ -7,6 +7,7 @@
 #include <sys/resource.h>
 #include <zlib.h>
 
+#include <array>
 #include <chrono>
 #include <csignal>
 #include <cstdint>
@@ -72,6 +73,28 @@ std::string dae() {
   out << R"(</visual_scene></library_visual_scenes>
 <scene><instance_visual_scene url="#scene"/></scene></COLLADA>)";
   return out.str();
+}
+
+TEST_F(ReadAssimp, NodesTransformNormals) {
+  const std::string source =
+      R"(<source id="n"><float_array id="na" count="9">0 0 1 0.6 0 0.8 0 -3 4</float_array><technique_common>
+<accessor source="#na" count="3" stride="3"><param name="X" type="float"/><param name="Y" type="float"/>
+<param name="Z" type="float"/></accessor></technique_common></source><vertices id="v">)";
+  std::string text = replaced(dae(), R"(<vertices id="v">)", source);
+  text =
+      replaced(text, R"(<vcount>)", R"(<input semantic="NORMAL" source="#n" offset="1"/><vcount>)");
+  text = replaced(text, "<scale>2 2 2", "<scale>1 2 4");
+  const TriangleMesh mesh = read("a.dae", text).mesh;
+  ASSERT_EQ(mesh.attributes.normals.size(), 8u);
+  const std::array<glm::dvec3, 3> given{
+      {{0, 0, 1}, {0.6, 0, 0.8}, {0, -0.6, 0.8}}};  // each face of <p> has these in order
+  for (std::size_t t = 0; t < 8; ++t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const glm::dvec3 expected =
+          glm::normalize(given[k] / (t < 4 ? glm::dvec3(1) : glm::dvec3(1, 2, 4)));
+      EXPECT_LT(glm::distance(glm::dvec3(mesh.attributes.normals[t][k]), expected), 1e-6) << t;
+    }
+  }
 }
 
 TEST_F(ReadAssimp, ReadsColladaWithNodesAndLooks) {
@@ -253,6 +276,7 @@ RawMesh decorated() {
   mesh.attributes.texcoords = {{glm::vec2(1, 2), glm::vec2(3, 4), glm::vec2(5, 6)}, {}};
   mesh.attributes.colors = {{glm::u8vec3(1, 2, 3)}, {}};
   mesh.attributes.material = {1, 0};
+  mesh.attributes.normals = {{glm::vec3(0, 3, 0)}, {}};
   mesh.appearance.materials = {{"a", glm::vec3(0.5f), 0}, {"", glm::vec3(1.0f), -1}};
   mesh.appearance.textures = {{"t.png", "bytes"}};
   mesh.objects = {"x", ""};
@@ -270,6 +294,7 @@ TEST(MeshStream, GivesBackWhatWasPutIn) {
   EXPECT_EQ(back->attributes.texcoords, mesh.attributes.texcoords);
   EXPECT_EQ(back->attributes.colors, mesh.attributes.colors);
   EXPECT_EQ(back->attributes.material, mesh.attributes.material);
+  EXPECT_EQ(back->attributes.normals, mesh.attributes.normals);
   ASSERT_EQ(back->appearance.materials.size(), 2u);
   EXPECT_EQ(back->appearance.materials[0].name, "a");
   EXPECT_EQ(back->appearance.materials[0].color, glm::vec3(0.5f));
@@ -299,6 +324,7 @@ TEST(MeshStream, RefusesWhatIsCutOrPointsNowhere) {
            [](RawMesh& m) { m.triangles[1].y = 3; }, [](RawMesh& m) { m.objectOfTriangle[0] = 2; },
            [](RawMesh& m) { m.attributes.material[0] = 2; },
            [](RawMesh& m) { m.attributes.colors.pop_back(); },
+           [](RawMesh& m) { m.attributes.normals.pop_back(); },
            [](RawMesh& m) { m.attributes.texcoords[0][0].x = std::nanf(""); },
            [](RawMesh& m) { m.appearance.materials[0].texture = 1; },
            [](RawMesh& m) { m.appearance.materials[0].texture = -2; }}) {

@@ -462,6 +462,7 @@ TEST(RawMesh, IsCheckedBeforeItIsUsed) {
   good.attributes.material = {0, 1, 1, 0};
   good.attributes.texcoords.resize(4);
   good.attributes.colors.resize(4);
+  good.attributes.normals.resize(4);
   good.objects = {"a"};
   good.objectOfTriangle = {0, 0, 0, 0};
   EXPECT_EQ(contradictionIn(good), std::nullopt);
@@ -477,6 +478,8 @@ TEST(RawMesh, IsCheckedBeforeItIsUsed) {
             "it has 3 texture coordinates for 4 triangles");
   EXPECT_EQ(found([](RawMesh& m) { m.attributes.colors.resize(5); }),
             "it has 5 colors for 4 triangles");
+  EXPECT_EQ(found([](RawMesh& m) { m.attributes.normals.pop_back(); }),
+            "it has 3 normals for 4 triangles");
   EXPECT_EQ(found([](RawMesh& m) { m.attributes.material[3] = 2; }),
             "triangle 4 has material 2, there are 2");
   EXPECT_EQ(found([](RawMesh& m) { m.objectOfTriangle[0] = 1; }),

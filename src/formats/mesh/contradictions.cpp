@@ -49,6 +49,8 @@ std::optional<std::string> contradictionIn(const RawMesh& mesh) {
     return countOf("colors", attributes.colors.size(), triangles);
   if (!fits(attributes.material, triangles))
     return countOf("materials", attributes.material.size(), triangles);
+  if (!fits(attributes.normals, triangles))
+    return countOf("normals", attributes.normals.size(), triangles);
   if (!fits(mesh.neighbor, triangles)) return countOf("neighbors", mesh.neighbor.size(), triangles);
   if (!fits(mesh.objectOfTriangle, triangles))
     return countOf("objects", mesh.objectOfTriangle.size(), triangles);

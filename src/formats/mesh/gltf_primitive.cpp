@@ -118,7 +118,8 @@ void requireLength(const GltfDocument& document, const GltfArray& array, std::si
 
 std::uint64_t GltfPrimitive::bytes() const {
   return positions.size() * sizeof(glm::dvec3) + triangles.size() * sizeof(glm::uvec3) +
-         texcoords.size() * sizeof(glm::vec2) + colors.size() * sizeof(glm::u8vec3);
+         texcoords.size() * sizeof(glm::vec2) + colors.size() * sizeof(glm::u8vec3) +
+         normals.size() * sizeof(glm::vec3);
 }
 
 std::optional<GltfPrimitive> readGltfPrimitive(const GltfDocument& document,
@@ -131,7 +132,7 @@ std::optional<GltfPrimitive> readGltfPrimitive(const GltfDocument& document,
   out.material = document.number(primitive, "material", materials);
   if (out.material != materials) (void)document.at("materials", out.material);
   std::string name = "TEXCOORD_" + std::to_string(texcoordSetOf(document, out.material));
-  Attributes attributes(document, primitive, {"POSITION", "COLOR_0", "TEXCOORD_0", name});
+  Attributes attributes(document, primitive, {"POSITION", "NORMAL", "COLOR_0", "TEXCOORD_0", name});
 
   const GltfArray positions = attributes.take("POSITION").value();
   if (positions.components != 3) throw document.bad("a mesh's 'POSITION' is not of three numbers");
@@ -155,6 +156,14 @@ std::optional<GltfPrimitive> readGltfPrimitive(const GltfDocument& document,
       const glm::vec2 at(texcoords->at(i, 0), 1.0f - static_cast<float>(texcoords->at(i, 1)));
       const bool finite = std::isfinite(at.x) && std::isfinite(at.y);
       out.texcoords.push_back(finite ? at : glm::vec2(0.0f));
+    }
+  }
+  if (const std::optional<GltfArray> normals = attributes.take("NORMAL")) {
+    requireLength(document, *normals, positions.count, 3, "NORMAL");
+    charge(document.file(), normals->count, sizeof(glm::vec3));
+    out.normals.reserve(normals->count);
+    for (std::size_t i = 0; i < normals->count; ++i) {
+      out.normals.emplace_back(normals->at(i, 0), normals->at(i, 1), normals->at(i, 2));
     }
   }
   if (const std::optional<GltfArray> colors = attributes.take("COLOR_0")) {

@@ -18,6 +18,7 @@ struct GltfPrimitive {
   std::vector<glm::uvec3> triangles;  ///< below positions.size()
   std::vector<glm::vec2> texcoords;   ///< [positions] v upwards, or empty
   std::vector<glm::u8vec3> colors;    ///< [positions] sRGB, or empty
+  std::vector<glm::vec3> normals;     ///< [positions] as in the file, or empty
   std::size_t material = 0;           ///< index into the file's materials, or their number
 
   /// Bytes of all of these.

@@ -156,7 +156,8 @@ SourceMesh mergeVertices(RawMesh&& raw) {
   out.mesh.neighbor = only(std::move(raw.neighbor), kept);
   out.mesh.attributes = {only(std::move(raw.attributes.texcoords), kept),
                          only(std::move(raw.attributes.colors), kept),
-                         only(std::move(raw.attributes.material), kept)};
+                         only(std::move(raw.attributes.material), kept),
+                         only(std::move(raw.attributes.normals), kept)};
   raw.objectOfTriangle = only(std::move(raw.objectOfTriangle), kept);
   setObjects(std::move(raw), out);
   out.warnings = std::move(raw.warnings);

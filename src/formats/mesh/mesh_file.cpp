@@ -60,9 +60,11 @@ std::vector<std::string> lossesOf(const SourceMesh& source, MeshFileFormat forma
   }
   const bool bare = format == MeshFileFormat::stl || format == MeshFileFormat::stlText ||
                     format == MeshFileFormat::binm;
-  if (bare && !source.mesh.attributes.empty()) {
+  const SurfaceAttributes& attributes = source.mesh.attributes;
+  if (bare && !attributes.hasOnlyNormals()) {
     losses.push_back("colors, texture coordinates and materials are left out");
   }
+  if (bare && !attributes.normals.empty()) losses.push_back("normals of corners are left out");
   if (!source.mesh.neighbor.empty() && (bare || format == MeshFileFormat::obj)) {
     losses.push_back("neighbor ids of faces are left out");
   }

@@ -44,7 +44,8 @@ inline void checkpoint(const MeshFile& file) { throwIfCancelled(file.progress); 
 struct RawMesh {
   std::vector<glm::dvec3> vertices;             ///< as in the file, finite or not
   std::vector<glm::uvec3> triangles;            ///< indices below vertices.size()
-  SurfaceAttributes attributes;                 ///< arrays of [triangles], or empty
+  SurfaceAttributes attributes;                 ///< arrays of [triangles], or empty; normals as in
+                                                ///< the file, which completeNormals() makes unit
   std::vector<std::uint16_t> neighbor;          ///< [triangles] see TriangleMesh, or empty
   Appearance appearance;                        ///< what `attributes` refers to
   std::vector<std::string> objects;             ///< names of the file's parts

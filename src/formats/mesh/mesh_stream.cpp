@@ -1,6 +1,6 @@
 // A reader's result as bytes that two programs of one build exchange.
 //
-//   "sherd mesh 1"  arrays and texts one after another  "end"
+//   "sherd mesh 2"  arrays and texts one after another  "end"
 //   an array: 8 bytes, its length; then its elements as in memory
 #include "formats/mesh/mesh_stream.h"
 
@@ -14,7 +14,7 @@
 namespace sherd {
 namespace {
 
-constexpr std::string_view kBegin = "sherd mesh 1", kEnd = "end";
+constexpr std::string_view kBegin = "sherd mesh 2", kEnd = "end";
 constexpr std::size_t kCount = sizeof(std::uint64_t);  // bytes of an array's length
 
 template <class Element>
@@ -98,6 +98,7 @@ std::string streamOf(const RawMesh& mesh) {
   put(out, mesh.attributes.texcoords);
   put(out, mesh.attributes.colors);
   put(out, mesh.attributes.material);
+  put(out, mesh.attributes.normals);
   put(out, std::vector<std::uint64_t>{mesh.appearance.materials.size()});
   for (const Material& material : mesh.appearance.materials) {
     put(out, material.name);
@@ -124,6 +125,7 @@ std::optional<RawMesh> meshFromStream(std::string_view stream, MemoryBudget* mem
   source.take(mesh.attributes.texcoords);
   source.take(mesh.attributes.colors);
   source.take(mesh.attributes.material);
+  source.take(mesh.attributes.normals);
   source.makeRoom(mesh.appearance.materials, 3 * kCount + sizeof(glm::vec3) + sizeof(int));
   for (Material& material : mesh.appearance.materials) {
     std::vector<glm::vec3> color;

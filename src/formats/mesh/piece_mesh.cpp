@@ -34,6 +34,52 @@ class Chains {
   std::vector<std::uint32_t> first_, next_;
 };
 
+// Numbers the normals of corners: those of the input, and means over groups of corners.
+class NormalNumbers {
+ public:
+  //   normals  set by numberOf() and finish()
+  NormalNumbers(const PieceMesh& piece, std::vector<glm::dvec3>& normals)
+      : piece_(piece), normals_(normals), chains_(piece.mesh.vertices.size()) {
+    // The input's own surface keeps its creases; a smooth surface has none but those of cracks.
+    if (!piece.mesh.source.empty()) groups_ = creaseGroups(piece.mesh);
+  }
+
+  // Returns the number of the normal of corner k of triangle t, whose corners are `at`.
+  std::uint32_t numberOf(std::size_t t, std::size_t k, const Corners& at) {
+    const glm::dvec3 given(piece_.normalOf(t, k));
+    const bool isGiven = given != glm::dvec3(0.0);
+    const std::uint32_t computed =
+        groups_.empty() ? std::uint32_t{piece_.mesh.neighborOf(t)} : groups_[3 * t + k];
+    const std::uint32_t group = isGiven ? kNone : computed;
+    const std::uint32_t vertex = piece_.mesh.triangles[t][static_cast<int>(k)];
+    const std::uint32_t number = chains_.find(vertex, [&](std::uint32_t i) {
+      return groupOf_[i] == group && (!isGiven || normals_[i] == given);
+    });
+    if (number == normals_.size()) {
+      normals_.push_back(given);
+      groupOf_.push_back(group);
+    }
+    if (!isGiven) normals_[number] += at.angle[k] * at.normal;
+    return number;
+  }
+
+  // Makes the means unit vectors.
+  void finish() {
+    for (std::size_t i = 0; i < normals_.size(); ++i) {
+      if (groupOf_[i] == kNone) continue;
+      normals_[i] = unitOrZero(normals_[i]);
+      if (normals_[i] == glm::dvec3(0.0)) normals_[i].y = 1.0;  // formats require a unit vector
+    }
+  }
+
+ private:
+  const PieceMesh& piece_;
+  std::vector<glm::dvec3>& normals_;
+  Chains chains_;
+  std::vector<std::uint32_t> groups_;   // of corners, or empty
+  std::vector<std::uint32_t> groupOf_;  // [normals_] kNone: of the input
+};
+
 // Sums of angles that differ by less are equal: an angle is exact to 4e-8.
 constexpr double kSameAngle = 1e-6;
 
@@ -88,29 +134,41 @@ std::vector<std::uint16_t> vertexNeighbor(const TriangleMesh& mesh) {
   return out;
 }
 
+std::vector<glm::dvec3> meanNormals(const PieceMesh& piece) {
+  const TriangleMesh& mesh = piece.mesh;
+  if (piece.attributes.normals.empty()) return vertexNormals(mesh);
+  std::vector<glm::dvec3> sums(mesh.vertices.size(), glm::dvec3(0.0)), firsts = sums;
+  std::vector<std::uint8_t> differ(mesh.vertices.size(), 0);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Corners at = cornersOf(mesh, mesh.triangles[t]);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t vertex = mesh.triangles[t][static_cast<int>(k)];
+      glm::dvec3 normal(piece.normalOf(t, k));
+      if (normal == glm::dvec3(0.0)) normal = at.normal;
+      sums[vertex] += at.angle[k] * normal;
+      if (firsts[vertex] == glm::dvec3(0.0)) firsts[vertex] = normal;
+      if (firsts[vertex] != normal) differ[vertex] = 1;
+    }
+  }
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    sums[i] = differ[i] != 0 ? unitOrZero(sums[i]) : firsts[i];
+  }
+  return sums;
+}
+
 SplitCorners splitCorners(const PieceMesh& piece) {
   const TriangleMesh& mesh = piece.mesh;
   SplitCorners split;
   split.ofTriangle.resize(mesh.triangles.size());
-  Chains normalsOf(mesh.vertices.size()), cornersAt(mesh.vertices.size());
-  // The input's own surface keeps its creases; a smooth surface has none but those of cracks.
-  const std::vector<std::uint32_t> groups =
-      mesh.source.empty() ? std::vector<std::uint32_t>() : creaseGroups(mesh);
-  std::vector<std::uint32_t> groupOfNormal;
+  Chains cornersAt(mesh.vertices.size());
+  NormalNumbers normals(piece, split.normals);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const Corners at = cornersOf(mesh, mesh.triangles[t]);
     for (std::size_t k = 0; k < 3; ++k) {
       SplitCorners::Corner corner;
       corner.vertex = mesh.triangles[t][static_cast<int>(k)];
       corner.neighbor = mesh.neighborOf(t);
-      const std::uint32_t group = groups.empty() ? corner.neighbor : groups[3 * t + k];
-      corner.normal =
-          normalsOf.find(corner.vertex, [&](std::uint32_t i) { return groupOfNormal[i] == group; });
-      if (corner.normal == split.normals.size()) {
-        split.normals.emplace_back(0.0);
-        groupOfNormal.push_back(group);
-      }
-      split.normals[corner.normal] += at.angle[k] * at.normal;
+      corner.normal = normals.numberOf(t, k, at);
       if (!piece.attributes.texcoords.empty()) corner.texcoord = piece.attributes.texcoords[t][k];
       if (!piece.attributes.colors.empty()) corner.color = piece.attributes.colors[t][k];
       const std::uint32_t number = cornersAt.find(
@@ -119,10 +177,7 @@ SplitCorners splitCorners(const PieceMesh& piece) {
       split.ofTriangle[t][k] = number;
     }
   }
-  for (glm::dvec3& normal : split.normals) {
-    normal = unitOrZero(normal);
-    if (normal == glm::dvec3(0.0)) normal.y = 1.0;  // formats require a unit vector
-  }
+  normals.finish();
   return split;
 }
 

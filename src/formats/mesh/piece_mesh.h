@@ -21,6 +21,11 @@ struct PieceMesh {
   const MaterialTable& materials;
   bool isDouble = false;  ///< writes vertices in double precision, in PLY
 
+  /// Returns the normal of a triangle's corner if `attributes` have one, else zero.
+  [[nodiscard]] glm::vec3 normalOf(std::size_t triangle, std::size_t corner) const {
+    return attributes.normals.empty() ? glm::vec3(0.0f) : attributes.normals[triangle][corner];
+  }
+
   /// Returns the triangle's material in the table.
   [[nodiscard]] std::uint32_t materialOf(std::size_t triangle) const {
     if (!attributes.material.empty()) return attributes.material[triangle];
@@ -32,6 +37,11 @@ struct PieceMesh {
 /// whose faces have the largest sum of angles at the vertex; of equal sums the lower id.
 ///   return  [vertices]
 [[nodiscard]] std::vector<std::uint16_t> vertexNeighbor(const TriangleMesh& mesh);
+
+/// Returns the normal of each vertex: that of its corners if all have the same, else their mean,
+/// weighted by their angles.  Corners have the normals of piece.attributes, else their face's.
+///   return  [vertices] unit, or zero if they cancel
+[[nodiscard]] std::vector<glm::dvec3> meanNormals(const PieceMesh& piece);
 
 /// The corners of a mesh for formats whose vertices have one normal and one set of attributes: a
 /// vertex is repeated for each neighbor, texture coordinate and color, and with
@@ -46,8 +56,9 @@ struct SplitCorners {
     bool operator==(const Corner&) const = default;
   };
   std::vector<Corner> corners;
-  std::vector<glm::dvec3> normals;  ///< unit; over faces around the vertex with one neighbor,
-                                    ///< or one of its creaseGroups
+  std::vector<glm::dvec3> normals;  ///< unit; as in piece.attributes, else the mean over faces
+                                    ///< around the vertex with one neighbor, or one of its
+                                    ///< creaseGroups
   std::vector<std::array<std::uint32_t, 3>> ofTriangle;  ///< [triangles]
 };
 [[nodiscard]] SplitCorners splitCorners(const PieceMesh& piece);

@@ -8,7 +8,6 @@
 
 #include "base/little_endian.h"
 #include "formats/mesh/piece_mesh.h"
-#include "mesh/vertex_normals.h"
 
 namespace sherd {
 namespace {
@@ -142,7 +141,7 @@ void writePiecePly(const OutputFile& file, const PieceMesh& piece) {
   if (textures) ofFaces += "property int texnumber\n";
   if (materials) ofFaces += "property int material\n";
 
-  const std::vector<glm::dvec3> normals = vertexNormals(mesh);
+  const std::vector<glm::dvec3> normals = meanNormals(piece);
   const std::vector<std::uint16_t> neighbor = vertexNeighbor(mesh);
   const std::vector<glm::u8vec3> color = colors ? vertexColors(piece) : std::vector<glm::u8vec3>();
   file.write([&](const ByteSink& sink) {

@@ -86,7 +86,8 @@ std::uint64_t bytesOf(const std::vector<Value>& values) {
 std::uint64_t PolygonMesh::bytes() const {
   return bytesOf(vertices) + bytesOf(corners) + bytesOf(faceEnds) + bytesOf(vertexColors) +
          bytesOf(faceColors) + bytesOf(vertexTexcoords) + bytesOf(cornerTexcoords) +
-         bytesOf(faceMaterials) + bytesOf(faceNeighbors) + bytesOf(objectOfFace);
+         bytesOf(vertexNormals) + bytesOf(cornerNormals) + bytesOf(faceMaterials) +
+         bytesOf(faceNeighbors) + bytesOf(objectOfFace);
 }
 
 void triangulateInto(const MeshFile& file, PolygonMesh&& mesh, RawMesh& out) {
@@ -100,9 +101,10 @@ void triangulateInto(const MeshFile& file, PolygonMesh&& mesh, RawMesh& out) {
   const std::uint64_t count = mesh.corners.size() - 2 * mesh.faceEnds.size();
   const bool colors = !mesh.vertexColors.empty() || !mesh.faceColors.empty();
   const bool texcoords = !mesh.vertexTexcoords.empty() || !mesh.cornerTexcoords.empty();
+  const bool normals = !mesh.vertexNormals.empty() || !mesh.cornerNormals.empty();
   charge(file, count,
          2 * sizeof(glm::uvec3) + sizeof(std::uint32_t) + (colors ? 3 * sizeof(glm::u8vec3) : 0) +
-             (texcoords ? 3 * sizeof(glm::vec2) : 0) +
+             (texcoords ? 3 * sizeof(glm::vec2) : 0) + (normals ? 3 * sizeof(glm::vec3) : 0) +
              (mesh.faceMaterials.empty() ? 0 : sizeof(std::uint32_t)) +
              (mesh.faceNeighbors.empty() ? 0 : sizeof(std::uint16_t)) +
              (mesh.objectOfFace.empty() ? 0 : sizeof(std::uint32_t)));
@@ -124,6 +126,8 @@ void triangulateInto(const MeshFile& file, PolygonMesh&& mesh, RawMesh& out) {
       if (!std::isfinite(at.x) || !std::isfinite(at.y)) at = glm::vec2(0.0f);
     }
   }
+  attributes.normals = mesh.vertexNormals.empty() ? atCorners(mesh.cornerNormals, triangles.corners)
+                                                  : atCorners(mesh.vertexNormals, out.triangles);
   attributes.material = chosen(mesh.faceMaterials, triangles.face);
   out.neighbor = chosen(mesh.faceNeighbors, triangles.face);
   out.objectOfTriangle = chosen(mesh.objectOfFace, triangles.face);

@@ -22,6 +22,8 @@ struct PolygonMesh {
   std::vector<glm::u8vec3> faceColors;       ///< [faces], where vertices have none
   std::vector<glm::vec2> vertexTexcoords;    ///< [vertices]
   std::vector<glm::vec2> cornerTexcoords;    ///< [corners], where vertices have none
+  std::vector<glm::vec3> vertexNormals;      ///< [vertices] of any length
+  std::vector<glm::vec3> cornerNormals;      ///< [corners], where vertices have none
   std::vector<std::uint32_t> faceMaterials;  ///< [faces]
   std::vector<std::uint16_t> faceNeighbors;  ///< [faces]
   std::vector<std::uint32_t> objectOfFace;   ///< [faces]

@@ -15,6 +15,7 @@
 #include "formats/mesh/gltf_attributes.h"
 #include "formats/mesh/gltf_document.h"
 #include "formats/mesh/gltf_primitive.h"
+#include "formats/mesh/normals.h"
 
 namespace sherd {
 namespace {
@@ -204,7 +205,7 @@ struct Reader {
   std::vector<MeshNode> meshNodes = findMeshNodes(document);
   std::vector<std::optional<std::vector<GltfPrimitive>>> meshes{document.array("meshes").size()};
   std::size_t pointsAndLines = 0;
-  bool hasTexcoords = false, hasColors = false, morphed = false;
+  bool hasTexcoords = false, hasColors = false, hasNormals = false, morphed = false;
   std::vector<std::uint32_t> materials{};  // indices in `out` of the file's materials, or empty
   RawMesh out{};
 
@@ -231,6 +232,7 @@ struct Reader {
         charge(document.file(), primitive->bytes());
         hasTexcoords |= !primitive->texcoords.empty();
         hasColors |= !primitive->colors.empty();
+        hasNormals |= !primitive->normals.empty();
         used[primitive->material] = true;
         if (primitive->positions.empty()) continue;  // its instances would add nothing
         primitives.push_back(std::move(*primitive));
@@ -239,13 +241,18 @@ struct Reader {
     materials = addMaterials(document, used, hasTexcoords, out);
   }
 
-  // Colors default to white and texture coordinates to 0 if only other primitives have them.
+  // Colors default to white, texture coordinates and normals to 0 if only other primitives have
+  // them.
   void append(const GltfPrimitive& primitive, const Affine& world) {
     const auto first = static_cast<std::uint32_t>(out.vertices.size());
     const bool moves = world.moves();
     for (const glm::dvec3& v : primitive.positions)
       out.vertices.push_back(moves ? world.linear * v + world.offset : v);
     const bool mirrored = glm::determinant(world.linear) < 0.0;
+    const glm::dmat3 ofNormals = normalTransform(world.linear);
+    const auto moved = [&](const glm::vec3& normal) {
+      return moves ? transformedNormal(ofNormals, normal) : normal;
+    };
     SurfaceAttributes& attributes = out.attributes;
     for (glm::uvec3 t : primitive.triangles) {
       if (mirrored) std::swap(t.x, t.z);
@@ -257,6 +264,11 @@ struct Reader {
       if (hasTexcoords)
         attributes.texcoords.push_back(atCorners(primitive.texcoords, glm::vec2(0.0f)));
       if (hasColors) attributes.colors.push_back(atCorners(primitive.colors, glm::u8vec3(255)));
+      if (hasNormals) {
+        std::array<glm::vec3, 3>& normals =
+            attributes.normals.emplace_back(atCorners(primitive.normals, glm::vec3(0.0f)));
+        for (glm::vec3& normal : normals) normal = moved(normal);
+      }
       if (!materials.empty()) attributes.material.push_back(materials[primitive.material]);
     }
   }
@@ -305,6 +317,7 @@ struct Reader {
     reserve(out.objectOfTriangle, triangles);
     if (hasTexcoords) reserve(attributes.texcoords, triangles);
     if (hasColors) reserve(attributes.colors, triangles);
+    if (hasNormals) reserve(attributes.normals, triangles);
     if (!materials.empty()) reserve(attributes.material, triangles);
   }
 

@@ -23,6 +23,7 @@
 #include "base/text_scan.h"
 #include "formats/mesh/contradictions.h"
 #include "formats/mesh/merge.h"
+#include "formats/mesh/normals.h"
 #include "formats/mesh/read_assimp.h"
 #include "formats/mesh/read_binm.h"
 #include "formats/mesh/read_gltf.h"
@@ -221,6 +222,7 @@ SourceMesh meshOf(const fs::path& path, std::string bytes, MemoryBudget& memory,
   // Readers check what they read; what one of them missed must not be used as an index.
   if (const auto contradiction = contradictionIn(raw))
     throw inputError(file, "contradicts itself: " + *contradiction);
+  completeNormals(raw);
 
   memory.charge(mergingMemory(raw));
   checkpoint(file);

@@ -42,18 +42,38 @@ class Names {
   std::map<std::string, std::uint32_t, std::less<>> numbers_;
 };
 
+// Which texture coordinate or normal each corner has.
+struct CornerIndices {
+  const char* kind;
+  std::vector<std::uint32_t> ofCorners{};  // kNone: none; empty until a corner has one
+  std::size_t largest = 0;                 // used, from 1
+
+  // Returns the values of all corners; empty if none has one.
+  template <class Value>
+  std::vector<Value> valuesOf(const MeshFile& file, std::size_t corners,
+                              const std::vector<Value>& values) {
+    std::vector<Value> out;
+    if (ofCorners.empty()) return out;
+    ofCorners.resize(corners, kNone);
+    charge(file, corners, sizeof(Value));
+    out.reserve(corners);
+    for (const std::uint32_t i : ofCorners) out.push_back(i == kNone ? Value(0.0f) : values[i]);
+    return out;
+  }
+};
+
 struct Reader {
   const MeshFile& file;
   PolygonMesh mesh{};
   std::vector<glm::vec3> colors{};  // [vertices] or empty
   std::vector<glm::vec2> texcoords{};
-  std::vector<std::uint32_t> cornerTexcoords{};  // [corners], kNone: none
-  std::size_t largestVertex = 0, largestVertexLine = 0, largestTexcoord = 0;  // used, from 1
+  std::vector<glm::vec3> normals{};
+  CornerIndices texcoordIndices{"texture coordinate"}, normalIndices{"normal"};
+  std::size_t largestVertex = 0, largestVertexLine = 0;  // used, from 1
   std::vector<std::string> libraries{};
   Names materials{}, objects{}, groups{};
   std::vector<std::uint32_t> groupOfFace{};                       // [faces] or empty
   std::uint32_t material = kNone, object = kNone, group = kNone;  // of the next faces
-  bool hasTexcoords = false;
   GrowingMemory memory{file.memory};
 
   void addVertex(std::string_view rest, std::size_t line) {
@@ -94,31 +114,38 @@ struct Reader {
       largestVertexLine = line;
     }
     mesh.corners.push_back(static_cast<std::uint32_t>(vertex < 0 ? count + vertex : vertex - 1));
-    addTexcoord(word, length, line);
+    std::string_view rest = word.substr(std::min(length + 1, word.size()));
+    addIndex(takePart(rest), texcoords.size(), texcoordIndices, word, line);
+    addIndex(takePart(rest), normals.size(), normalIndices, word, line);
     if (mesh.corners.size() % kAtATime == 0) hold();
   }
 
-  void addTexcoord(std::string_view word, std::size_t slash, std::size_t line) {
-    std::string_view second;
-    if (slash < word.size()) {
-      second = word.substr(slash + 1);
-      second = second.substr(0, second.find('/'));
-    }
-    if (second.empty()) {
-      if (hasTexcoords) cornerTexcoords.push_back(kNone);
+  // Returns the text before the next slash and removes both.
+  static std::string_view takePart(std::string_view& rest) {
+    const std::string_view part = rest.substr(0, rest.find('/'));
+    rest.remove_prefix(std::min(part.size() + 1, rest.size()));
+    return part;
+  }
+
+  // Sets the texture coordinate or the normal of the last corner.
+  //   number  may be empty
+  //   count   of those before it
+  void addIndex(std::string_view number, std::size_t count, CornerIndices& out,
+                std::string_view word, std::size_t line) const {
+    if (number.empty()) {
+      if (!out.ofCorners.empty()) out.ofCorners.push_back(kNone);
       return;
     }
-    const auto vt = parseInteger<std::int64_t>(second);
-    const auto count = static_cast<std::int64_t>(texcoords.size());
-    if (!vt || *vt == 0 || *vt < -count || *vt > std::int64_t{kNone}) {
+    const auto index = parseInteger<std::int64_t>(number);
+    const auto known = static_cast<std::int64_t>(count);
+    if (!index || *index == 0 || *index < -known || *index > std::int64_t{kNone}) {
       throw inputError(
           file, line,
-          "face has the corner " + inQuotes(word) + ", whose texture coordinate does not exist");
+          "face has the corner " + inQuotes(word) + ", whose " + out.kind + " does not exist");
     }
-    hasTexcoords = true;
-    cornerTexcoords.resize(mesh.corners.size(), kNone);
-    cornerTexcoords.back() = static_cast<std::uint32_t>(*vt < 0 ? count + *vt : *vt - 1);
-    largestTexcoord = std::max(largestTexcoord, cornerTexcoords.back() + std::size_t{1});
+    out.ofCorners.resize(mesh.corners.size(), kNone);
+    out.ofCorners.back() = static_cast<std::uint32_t>(*index < 0 ? known + *index : *index - 1);
+    out.largest = std::max(out.largest, out.ofCorners.back() + std::size_t{1});
   }
 
   // Faces are checked at the end: vertices may follow the faces that use them.
@@ -146,8 +173,11 @@ struct Reader {
   // Bytes held, with the look-up of names.
   [[nodiscard]] std::uint64_t bytesHeld() const {
     constexpr std::uint64_t kName = 160;
-    return mesh.bytes() + colors.size() * sizeof(glm::vec3) + texcoords.size() * sizeof(glm::vec2) +
-           (cornerTexcoords.size() + groupOfFace.size()) * sizeof(std::uint32_t) +
+    return mesh.bytes() + (colors.size() + normals.size()) * sizeof(glm::vec3) +
+           texcoords.size() * sizeof(glm::vec2) +
+           (texcoordIndices.ofCorners.size() + normalIndices.ofCorners.size() +
+            groupOfFace.size()) *
+               sizeof(std::uint32_t) +
            kName * (materials.list().size() + objects.list().size() + groups.list().size() +
                     libraries.size());
   }
@@ -169,6 +199,11 @@ struct Reader {
       } else if (keyword == "vt") {
         const auto u = parseReal(takeWord(rest)), v = parseReal(takeWord(rest));
         texcoords.emplace_back(u.value_or(0.0), v.value_or(0.0));
+      } else if (keyword == "vn") {
+        glm::vec3& normal = normals.emplace_back(0.0f);
+        for (int k = 0; k < 3; ++k) {
+          normal[k] = static_cast<float>(parseReal(takeWord(rest)).value_or(0.0));
+        }
       } else if (keyword == "f") {
         addFace(rest, lines.number());
       } else if (keyword == "usemtl") {
@@ -189,10 +224,15 @@ struct Reader {
                        "face uses vertex " + std::to_string(largestVertex) + ", the file has " +
                            std::to_string(mesh.vertices.size()));
     }
-    if (largestTexcoord > texcoords.size()) {
-      throw inputError(file, "face uses texture coordinate " + std::to_string(largestTexcoord) +
-                                 ", the file has " + std::to_string(texcoords.size()));
-    }
+    requireAll(texcoordIndices, texcoords.size());
+    requireAll(normalIndices, normals.size());
+  }
+
+  void requireAll(const CornerIndices& used, std::size_t count) const {
+    if (used.largest <= count) return;
+    throw inputError(file, std::string("face uses ") + used.kind + " " +
+                               std::to_string(used.largest) + ", the file has " +
+                               std::to_string(count));
   }
 
   // Faces before the first name have an empty name.
@@ -228,7 +268,7 @@ struct Reader {
       const auto found = known.find(named.name);
       if (found == known.end()) continue;
       named.color = found->second.color;
-      if (hasTexcoords && !found->second.texture.empty()) {
+      if (!mesh.cornerTexcoords.empty() && !found->second.texture.empty()) {
         named.texture = textureBeside(file, found->second.texture, out);
       }
     }
@@ -238,12 +278,8 @@ struct Reader {
     readLines();
     checkIndices();
     mesh.vertexColors = colorsFrom(colors);
-    cornerTexcoords.resize(hasTexcoords ? mesh.corners.size() : 0, kNone);
-    charge(file, cornerTexcoords.size(), sizeof(glm::vec2));
-    mesh.cornerTexcoords.reserve(cornerTexcoords.size());
-    for (const std::uint32_t vt : cornerTexcoords) {
-      mesh.cornerTexcoords.push_back(vt == kNone ? glm::vec2(0.0f) : texcoords[vt]);
-    }
+    mesh.cornerTexcoords = texcoordIndices.valuesOf(file, mesh.corners.size(), texcoords);
+    mesh.cornerNormals = normalIndices.valuesOf(file, mesh.corners.size(), normals);
     RawMesh out;
     nameAll(mesh.faceMaterials, materials);
     if (!mesh.faceMaterials.empty()) {

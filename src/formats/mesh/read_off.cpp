@@ -78,7 +78,7 @@ struct Reader {
       v[i] = *value;
     }
     mesh.vertices.push_back(v);
-    if (hasNormals && !takeNumbers(line, 3)) throw bad("vertex has no normal");
+    if (hasNormals) readNormal();
     if (hasColors) {
       const std::size_t others = hasTexcoords ? 2 : 0, numbers = countWords(line);
       vertexColors.push_back(color(numbers - std::min(numbers, others)).value_or(glm::vec3(1.0f)));
@@ -87,6 +87,15 @@ struct Reader {
       const auto s = nextReal(), t = nextReal();
       if (!s || !t) throw bad("vertex has no texture coordinates");
       mesh.vertexTexcoords.emplace_back(*s, *t);
+    }
+  }
+
+  void readNormal() {
+    glm::vec3& normal = mesh.vertexNormals.emplace_back(0.0f);
+    for (int i = 0; i < 3; ++i) {
+      const auto value = nextReal();
+      if (!value) throw bad("vertex has no normal");
+      normal[i] = static_cast<float>(*value);
     }
   }
 

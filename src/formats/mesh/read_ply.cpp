@@ -22,6 +22,9 @@ enum class Role {
   x,
   y,
   z,
+  nx,
+  ny,
+  nz,
   red,
   green,
   blue,
@@ -47,6 +50,9 @@ Role roleOf(const PlyElement& element, const PlyProperty& property) {
   if (ofVertex && is("x")) return Role::x;
   if (ofVertex && is("y")) return Role::y;
   if (ofVertex && is("z")) return Role::z;
+  if (ofVertex && is("nx")) return Role::nx;
+  if (ofVertex && is("ny")) return Role::ny;
+  if (ofVertex && is("nz")) return Role::nz;
   if (ofVertex && is("u", "s", "texture_u", "texture_s")) return Role::u;
   if (ofVertex && is("v", "t", "texture_v", "texture_t")) return Role::v;
   if ((ofVertex || ofFace) && is("red", "r", "diffuse_red")) return Role::red;
@@ -107,6 +113,7 @@ float channel(double value, const PlyType& type) {
 // The scalar values of one vertex or face.
 struct Values {
   glm::dvec3 position{0.0};
+  glm::vec3 normal{0.0f};
   glm::vec3 color{1.0f};
   glm::vec2 texcoord{0.0f};
   std::uint32_t texture = 0, material = 0;
@@ -128,6 +135,8 @@ struct Reader {
   bool vertexTexcoords = !cornerTexcoords && has(vertex, {Role::u, Role::v});
   bool byMaterial = has(face, {Role::material});
   bool hasNeighbors = has(face, {Role::neighbor}) && strips == nullptr;
+  // Beside neighbors they are Sherd's, means that include the faces of cracks.
+  bool vertexNormals = !hasNeighbors && has(vertex, {Role::nx, Role::ny, Role::nz});
 
   RawMesh out{};
   PolygonMesh mesh{};
@@ -199,6 +208,12 @@ struct Reader {
       case Role::z:
         values.position[static_cast<int>(column.role) - static_cast<int>(Role::x)] = value;
         break;
+      case Role::nx:
+      case Role::ny:
+      case Role::nz:
+        values.normal[static_cast<int>(column.role) - static_cast<int>(Role::nx)] =
+            static_cast<float>(value);
+        break;
       case Role::red:
       case Role::green:
       case Role::blue:
@@ -222,6 +237,7 @@ struct Reader {
 
   void addVertex(const Values& values) {
     mesh.vertices.push_back(values.position);
+    if (vertexNormals) mesh.vertexNormals.push_back(values.normal);
     if (vertexColors) colors.push_back(values.color);
     if (vertexTexcoords) mesh.vertexTexcoords.push_back(values.texcoord);
   }
