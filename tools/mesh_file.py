@@ -23,6 +23,9 @@ def read_ply(path):
     for name, count, fields in elements:
         dtype = np.dtype(fields)
         arrays[name] = np.frombuffer(raw, dtype, count, body)
+        for field in set(LENGTHS) & set(dtype.names):
+            if (arrays[name]["count of " + field] != LENGTHS[field]).any():
+                raise ValueError(f"{path}: has polygons, which only --surface exact of polygons writes; triangles are needed")
         body += count * dtype.itemsize
     return arrays
 

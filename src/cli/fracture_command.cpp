@@ -95,6 +95,7 @@ Input readInput(FractureArguments& arguments, const Progress& progress) {
     if (arguments.run.fracture.surface.surface != Surface::exact) {
       // Only exact surfaces have them, and they take more memory than the triangles.
       std::exchange(source.mesh.attributes.normals, {});
+      std::exchange(source.polygons, {});
     }
   }
   if (arguments.splitObjects) {

@@ -13,6 +13,7 @@ MeshWriter::MeshWriter(const OutputFolder& folder, const FractureFiles& files,
       table_(table),
       options_(write),
       attributes_(attributes),
+      input_{source},
       library_(std::filesystem::path(files.materials).filename().string()),
       stem_(safeName(source.stem, "piece")) {
   if (files.mesh.empty() && files.scene.empty()) return;
@@ -30,7 +31,7 @@ void MeshWriter::write(const TriangleMesh& mesh, const SurfaceAttributes& attrib
                        const std::vector<std::string>& paths) const {
   const std::string name = std::filesystem::path(paths.front()).stem().string();
   const bool isDouble = options_.precision == Precision::full;
-  const PieceMesh piece{name, mesh, attributes, table_, isDouble};
+  const PieceMesh piece{name, mesh, attributes, table_, isDouble, &input_};
   for (std::size_t i = 0; i < paths.size(); ++i) {
     const MeshFileFormat format = options_.meshFormats[i];
     if (options_.plainMeshes && format == MeshFileFormat::ply) {

@@ -42,6 +42,7 @@ class MeshWriter {
   const MaterialTable& table_;
   const WriteOptions& options_;
   const AttributeSource* attributes_;
+  PieceInput input_;
   std::string library_;  ///< file name of the material library
   std::string stem_;     ///< of node names
 };

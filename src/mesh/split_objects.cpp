@@ -30,6 +30,7 @@ std::vector<SourceMesh> splitObjects(const SourceMesh& source) {
     out.sha256 = source.sha256;
     out.objects = {source.objects[object]};
     out.objectOfTriangle.assign(triangles.size(), 0);
+    out.polygons = chosen(source.polygons, triangles);
     out.mesh.triangles = chosen(source.mesh.triangles, triangles);
     std::vector<std::uint32_t> used;
     for (glm::uvec3& triangle : out.mesh.triangles) {

@@ -238,13 +238,12 @@ const std::vector<Row> kSurfaceRows{
      .help =
          "Meshes of the smooth level sets, of the faces of the labels' voxels, or the input's own "
          "triangles, cut by the cracks",
-     .details =
-         "meshes of the level sets; the voxel faces of the fragment, as in the paper; or "
-         "the triangles of the input, which stay as they are where no crack cuts them: "
-         "sharp edges, normals, texture coordinates and all. `exact` needs a closed mesh that does "
-         "not cross itself where cracks meet it, and cracks that are not so rough that they cross "
-         "each other; where it does not succeed, all fragments "
-         "get the smooth surface, with a warning. The `.vdb` files are the same for all",
+     .details = "meshes of the level sets; the voxel faces of the fragment, as in the paper; or "
+                "the triangles of the input, which stay as they are where no crack cuts them: "
+                "sharp edges, normals, texture coordinates, polygons and all. `exact` needs a "
+                "closed mesh that does not cross itself where cracks meet it, and cracks that are "
+                "not so rough that they cross each other; where it does not succeed, all fragments "
+                "get the smooth surface, with a warning. The `.vdb` files are the same for all",
      .key = "surface.of",
      .drawn = true},
     {.name = "interface",

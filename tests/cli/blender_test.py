@@ -7,6 +7,7 @@ Blender all is skipped.  Needs Debian's python3-numpy.
 Blender runs without a window here, so this does not see: the panel, the click of a blow under the mouse (what the
 click finds is tested with a view of its own), and Esc.
 """
+import itertools
 import json
 import os
 import pathlib
@@ -479,6 +480,46 @@ class Import(Blender):
                           folder or self.dir, *options)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         return json.loads((self.tmp / "reported.json").read_text())
+
+    def test_exact_pieces_keep_polygons_and_normals(self):
+        """A cube of 6 x 16 quads, whose normals lean by a quarter to (1, 1, 1) on all sides."""
+        numbers, faces = {}, []
+        for axis in range(3):
+            for side in (0, 4):
+                for u, v in itertools.product(range(4), repeat=2):
+                    quad = [(u, v), (u + 1, v), (u + 1, v + 1), (u, v + 1)]
+                    at = [tuple(np.roll((side, *corner), axis)) for corner in (quad if side else quad[::-1])]
+                    faces.append((2 * axis + side // 4, [numbers.setdefault(p, len(numbers) + 1) for p in at]))
+        normals = [np.roll((side, 0, 0), axis) + 0.25 for axis in range(3) for side in (-1, 1)]
+        normals = [n / np.linalg.norm(n) for n in normals]
+        with open(self.tmp / "cube.obj", "w") as file:
+            file.writelines("v %d %d %d\n" % p for p in numbers)
+            file.writelines("vn %.9g %.9g %.9g\n" % tuple(n) for n in normals)
+            file.writelines("f " + " ".join(f"{v}//{side + 1}" for v in quad) + "\n" for side, quad in faces)
+        subprocess.run([SHERD, "fracture", self.tmp / "cube.obj", "-o", self.tmp / "cube", "--pieces", "2", "--resolution", "48", "--surface", "exact",
+                        "--write", "mesh", "--mesh-format", "ply,obj", "--quiet"], check=True, timeout=120)
+        reported = self.bring('''
+pieces = [o for o in bpy.data.objects if o.type == "MESH"]
+answer(ply=[{**measures(o), "corners": [p.loop_total for p in o.data.polygons]} for o in pieces])
+''', folder=self.tmp / "cube")
+        wholes = [t["corners"].count(4) for t in reported["ply"]]
+        self.assertTrue(all(t["closed"] for t in reported["ply"]))
+        self.assertAlmostEqual(sum(t["volume"] for t in reported["ply"]), 64, delta=1e-3)
+        self.assertGreater(sum(wholes), 40)
+        loops = self.blender('''
+found = []
+for path in sys.argv[-2:]:
+    bpy.ops.wm.obj_import(filepath=path, forward_axis="Y", up_axis="Z")
+    mesh = bpy.context.selected_objects[0].data
+    mesh.calc_normals_split()
+    found.append([(len(p.loop_indices), p.normal[:], mesh.loops[l].normal[:]) for p in mesh.polygons for l in p.loop_indices
+                  if max(map(abs, p.normal)) > 0.9999])
+answer(loops=found)
+''', *sorted((self.tmp / "cube" / "meshes").glob("*.obj")))["loops"]
+        self.assertEqual([sum(corners == 4 for corners, *_ in piece) / 4 for piece in loops], wholes)
+        for _, flat, normal in itertools.chain(*loops):
+            expected = np.round(flat) + 0.25
+            self.assertLess(np.abs(normal - expected / np.linalg.norm(expected)).max(), 2e-3)  # Blender stores 16 bits
 
     def test_meshes_lie_where_they_were(self):
         reported = self.bring('''

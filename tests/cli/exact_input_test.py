@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""--surface exact: pieces have the input's normals, as parsers of this test's own find them.
+"""--surface exact: pieces have the input's normals and polygons, as parsers of this test's own find them.
 
 Environment: SHERD_BIN the program.  Needs Debian's python3-numpy.
 """
@@ -13,7 +13,16 @@ import numpy as np
 
 from appearance_test import Glb
 from cli_test import CommandLine
-from exact_test import gear
+from exact_test import TEETH, gear
+
+CORNERS = 2 * TEETH
+
+
+def polygons():
+    """The gear's sides as quads and its caps as polygons that are not convex."""
+    vertices, _ = gear()
+    sides = [(k, (k + 1) % CORNERS, CORNERS + (k + 1) % CORNERS, CORNERS + k) for k in range(CORNERS)]
+    return vertices[:2 * CORNERS], sides + [tuple(range(CORNERS))[::-1], tuple(range(CORNERS, 2 * CORNERS))]
 
 
 def normal_of(vertex, side):
@@ -23,12 +32,13 @@ def normal_of(vertex, side):
     return np.float32(n / np.linalg.norm(n))
 
 
-def write(path, vertices, triangles):
+def write(path, vertices, faces, normals=False):
     with open(path, "w") as out:
         out.writelines("v %r %r %r\n" % tuple(map(float, v)) for v in vertices)
-        for i, t in enumerate(triangles):
-            out.writelines("vn %.9g %.9g %.9g\n" % tuple(normal_of(v, i)) for v in t)
-            out.write("f " + " ".join(f"{v + 1}//{k - 3}" for k, v in enumerate(t)) + "\n")
+        for i, face in enumerate(faces):
+            if normals:
+                out.writelines("vn %.9g %.9g %.9g\n" % tuple(normal_of(v, i)) for v in face)
+            out.write("f " + " ".join(f"{v + 1}//{k - len(face)}" if normals else str(v + 1) for k, v in enumerate(face)) + "\n")
 
 
 def read_obj(path):
@@ -61,6 +71,11 @@ def read_ply(path):
         at += 5 + 4 * n
     assert at == len(body)
     return rows, faces
+
+
+def volume(vertices, faces):
+    v = np.asarray(vertices, float)
+    return sum(v[f[0]] @ np.cross(v[f[k]], v[f[k + 1]]) for f in faces for k in range(1, len(f) - 1)) / 6
 
 
 class ExactInput(CommandLine):
@@ -106,7 +121,7 @@ class ExactInput(CommandLine):
     def test_normals_stay(self):
         vertices, triangles = gear()
         mesh = self.path("gear.obj")
-        write(mesh, vertices, triangles.tolist())
+        write(mesh, vertices, triangles.tolist(), normals=True)
         for kind in ("obj", "glb"):
             self.same = 0
             for piece in self.broken(mesh, "--mesh-format", kind):
@@ -136,6 +151,43 @@ class ExactInput(CommandLine):
                     same += 1
                 self.assertAlmostEqual(float(np.linalg.norm(row["normal"].astype(float))), 1, delta=1e-6)
         self.assertGreater(same, 20)
+
+    def test_whole_polygons_stay(self):
+        vertices, faces = polygons()
+        mesh = self.path("gear.obj")
+        write(mesh, vertices, faces)
+        whole = {tuple(map(tuple, np.float32(vertices[list(f)]).tolist())) for f in faces}
+        pieces = self.broken(mesh, "--mesh-format", "ply,obj")
+        counts = dict.fromkeys(("ply", "obj"), 0)
+        for piece in pieces:
+            for path in piece["files"]["mesh"]:
+                kind = path[-3:]
+                if kind == "ply":
+                    rows, found = read_ply(os.path.join(self.out, path))
+                    v, found = rows["at"], [f for f, _ in found]
+                else:
+                    v, found = read_obj(os.path.join(self.out, path))
+                    found = [f for f, *_ in found]
+                triangles = sum(len(f) - 2 for f in found)
+                self.assertAlmostEqual(volume(v, found) / piece["volume"], 1, delta=1e-5)
+                for f in found:
+                    if len(f) > 3:
+                        self.assertIn(tuple(map(tuple, v[list(f)].tolist())), whole)
+                        counts[kind] += 1
+                again = self.run_sherd("inspect", os.path.join(self.out, path), "--json")
+                self.assertEqual(json.loads(again.stdout)["triangles"], triangles)
+        self.assertGreater(counts["ply"], 3)
+        self.assertEqual(counts["ply"], counts["obj"])
+
+    def test_the_intact_object_has_all_polygons(self):
+        vertices, faces = polygons()
+        mesh = self.path("gear.obj")
+        write(mesh, vertices, faces)
+        self.done("--surface", "exact", "--write", "mesh,solid", "--mesh-format", "obj", mesh=mesh, pieces=3)
+        with open(os.path.join(self.out, "manifest.json")) as file:
+            v, found = read_obj(os.path.join(self.out, json.load(file)["solid"]["mesh"]))
+        self.assertEqual({tuple(map(tuple, v[f].tolist())) for f, *_ in found},
+                         {tuple(map(tuple, np.float32(vertices[list(f)]).tolist())) for f in faces})
 
 
 if __name__ == "__main__":

@@ -1,16 +1,27 @@
-// Surface::exact: normals of the input in the fragments.
+// Surface::exact: normals and polygons of the input in the fragments.
 #include <gtest/gtest.h>
 #include <sherd/device.h>
+#include <sherd/files.h>
 #include <sherd/fracture.h>
 
 #include <array>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <glm/geometric.hpp>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <sstream>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "appearance/transfer.h"
+#include "formats/mesh/materials.h"
+#include "formats/mesh/piece_mesh.h"
 #include "shapes.h"
+#include "temp_folder.h"
 
 namespace sherd {
 namespace {
@@ -115,6 +126,157 @@ TEST(ExactAttributes, SmoothSurfacesHaveNoneOfTheInputsNormals) {
   const SurfaceAttributes own = AttributeSource(mesh).transferTo(shapes::cube(2.0), 0);
   EXPECT_TRUE(own.normals.empty());
   EXPECT_EQ(own.material.size(), 12u);
+}
+
+class ExactFiles : public TempFolder {
+ protected:
+  struct Object {
+    explicit Object(SourceMesh read) : source(std::move(read)) {}
+
+    SourceMesh source;
+    std::vector<Fragment> fragments{};
+    MaterialTable table{};
+    PieceInput input{source};
+    std::vector<SurfaceAttributes> attributes{};
+  };
+
+  // The input of an OBJ, broken.
+  void breakObj(const std::string& text, int pieces) {
+    std::ofstream(folder_ / "in.obj") << text;
+    object_ = std::make_unique<Object>(readMesh(folder_ / "in.obj"));
+    object_->fragments = broken(object_->source.mesh, pieces).fragments;
+    object_->table = materialTable(object_->source.appearance);
+    const AttributeSource from(object_->source.mesh);
+    for (const Fragment& fragment : object_->fragments) {
+      object_->attributes.push_back(from.transferTo(fragment.mesh, object_->table.inside()));
+    }
+  }
+  PieceMesh piece(std::size_t i) const {
+    return {
+        name_,          object_->fragments[i].mesh, object_->attributes[i], object_->table, true,
+        &object_->input};
+  }
+
+  std::string name_ = "piece";
+  std::unique_ptr<Object> object_;
+};
+
+// The lines of a text file as words.
+std::vector<std::vector<std::string>> linesOf(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  std::vector<std::vector<std::string>> lines;
+  for (std::string line; std::getline(in, line);) {
+    std::istringstream words(line);
+    lines.emplace_back(std::istream_iterator<std::string>(words),
+                       std::istream_iterator<std::string>());
+  }
+  return lines;
+}
+
+// A prism over an L of six corners, split along x: polygons of six corners, which are not convex,
+// and quads, one of them not planar for `bend` other than 0.
+std::string prism(double bend) {
+  constexpr int kSteps = 8;
+  const double at[6][2] = {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
+  std::ostringstream out;
+  for (int i = 0; i <= kSteps; ++i) {
+    for (const auto& p : at) {
+      out << "v " << i + (i % 2 == 1 ? bend * p[0] * p[1] : 0.0) << ' ' << p[0] << ' ' << p[1]
+          << '\n';
+    }
+  }
+  out << "f 4 3 2 1 6 5\nf";  // not from the first corner
+  for (int k = 1; k <= 6; ++k) out << ' ' << 6 * kSteps + k;
+  for (int i = 0; i < kSteps; ++i) {
+    for (int k = 0; k < 6; ++k) {
+      const int a = 6 * i + k + 1, b = 6 * i + (k + 1) % 6 + 1;
+      out << "\nf " << b << ' ' << b + 6 << ' ' << a + 6 << ' ' << a;
+    }
+  }
+  return out.str() + "\n";
+}
+
+using Place = std::array<double, 3>;
+
+// The faces of an OBJ by the positions of their corners, with how often they are there.
+std::map<std::vector<Place>, int> facesOf(const std::filesystem::path& file) {
+  std::vector<Place> vertices;
+  std::map<std::vector<Place>, int> faces;
+  for (const auto& words : linesOf(file)) {
+    if (words.empty()) continue;
+    if (words[0] == "v")
+      vertices.push_back({std::stod(words[1]), std::stod(words[2]), std::stod(words[3])});
+    if (words[0] != "f") continue;
+    std::vector<Place> corners;
+    for (std::size_t k = 1; k < words.size(); ++k) {
+      corners.push_back(vertices[static_cast<std::size_t>(std::stoi(words[k])) - 1]);
+    }
+    ++faces[corners];
+  }
+  return faces;
+}
+
+TEST_F(ExactFiles, WholePolygonsAreFacesAgain) {
+  for (const double bend : {0.0, 0.25}) {
+    breakObj(prism(bend), 3);
+    const auto input = facesOf(folder_ / "in.obj");
+    ASSERT_EQ(input.size(), 50u);
+    std::size_t whole = 0, hexagons = 0;
+    for (std::size_t i = 0; i < object_->fragments.size(); ++i) {
+      writePieceObj(folder_ / "out.obj", piece(i), "");
+      for (const auto& [corners, count] : facesOf(folder_ / "out.obj")) {
+        if (corners.size() == 3) continue;
+        EXPECT_TRUE(input.contains(corners));  // from the same corner on
+        EXPECT_EQ(count, 1);
+        ++whole;
+        hexagons += corners.size() == 6;
+      }
+      writePiecePly(folder_ / "out.ply", piece(i));
+      const TriangleMesh& mesh = object_->fragments[i].mesh;
+      for (const char* name : {"out.obj", "out.ply"}) {
+        SCOPED_TRACE(name);
+        const TriangleMesh back = readMesh(folder_ / name).mesh;
+        const double rounding = std::string(name) == "out.ply" ? 1e-14 : 1e-6;
+        EXPECT_EQ(back.triangles.size(), mesh.triangles.size());
+        EXPECT_NEAR(volume(back), volume(mesh), rounding * 32);
+        EXPECT_NEAR(area(back), area(mesh), rounding * 80);
+        EXPECT_EQ(openEdges(back), 0u);
+      }
+      // The binary header counts faces.
+      std::ifstream in(folder_ / "out.ply", std::ios::binary);
+      std::string line;
+      while (std::getline(in, line) && !line.starts_with("element face")) continue;
+      EXPECT_LT(std::stoul(line.substr(13)), mesh.triangles.size());
+    }
+    EXPECT_GT(whole, 25u);
+    EXPECT_GT(hexagons, 0u);
+  }
+}
+
+TEST_F(ExactFiles, QuadsKeepTheirTextureCoordinates) {
+  // All sides of a cube have other texture coordinates: quads stay quads.
+  breakObj(
+      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nvt 0 0\nvt 1 0\n"
+      "vt 1 1\nvt 0 1\nf 1/1 4/2 3/3 2/4\nf 5/1 6/2 7/3 8/4\nf 1/1 2/2 6/3 5/4\n"
+      "f 2/1 3/2 7/3 6/4\nf 3/1 4/2 8/3 7/4\nf 4/1 1/2 5/3 8/4\n",
+      1);
+  writePieceObj(folder_ / "out.obj", piece(0), "");
+  writePiecePly(folder_ / "out.ply", piece(0));
+  EXPECT_EQ(facesOf(folder_ / "out.obj"), facesOf(folder_ / "in.obj"));
+  for (const char* name : {"out.obj", "out.ply"}) {
+    const SourceMesh back = readMesh(folder_ / name);
+    ASSERT_EQ(back.polygons.size(), 12u) << name;
+    for (std::size_t t = 0; t < 12; ++t) {
+      EXPECT_EQ(back.polygons[t].polygon, t / 2);
+      EXPECT_EQ(back.mesh.attributes.texcoords[t], object_->source.mesh.attributes.texcoords[t]);
+    }
+  }
+  // Where a triangle differs, its polygon stays two.
+  object_->attributes[0].texcoords[3][0].x += 0.5f;
+  writePieceObj(folder_ / "out.obj", piece(0), "");
+  EXPECT_EQ(facesOf(folder_ / "out.obj").size(), 7u);
+  writePiecePly(folder_ / "out.ply", piece(0));
+  EXPECT_EQ(readMesh(folder_ / "out.ply").mesh.triangles.size(), 12u);
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ import bpy
 import mathutils
 import numpy as np
 
-TYPES = {"float": "<f4", "int": "<i4", "uchar": "u1"}
+TYPES = {"float": "<f4", "double": "<f8", "int": "<i4", "uchar": "u1"}
 LISTS = {"vertex_indices": 3, "texcoord": 6}
 INSIDE_COLOR = (0.745, 0.672, 0.552)  # sRGB 224, 214, 196
 
@@ -49,11 +49,34 @@ def arguments():
     return parser.parse_args(words)
 
 
+def rows_of(body, properties, count, at):
+    """Columns of an element's rows: of a list all values one after another, and the lengths as "n_" and its name."""
+    fields = []
+    for name, kind, length_kind in properties:
+        fields += [("n_" + name, length_kind), (name, kind, LISTS[name])] if length_kind else [(name, kind)]
+    lists = {name: LISTS[name] for name, _, length_kind in properties if length_kind}
+    if at + count * np.dtype(fields).itemsize <= len(body):
+        rows = np.frombuffer(body, fields, count, at)
+        if all((rows["n_" + name] == length).all() for name, length in lists.items()):
+            return {name: rows[name].ravel() for name in rows.dtype.names}, at + rows.nbytes
+    columns = {name: [] for name, *_ in fields}  # polygons: --surface exact
+    for _ in range(count):
+        for name, kind, length_kind in properties:
+            length = 1
+            if length_kind:
+                length = int(np.frombuffer(body, length_kind, 1, at)[0])
+                at += np.dtype(length_kind).itemsize
+                columns["n_" + name].append(length)
+            columns[name].append(np.frombuffer(body, kind, length, at))
+            at += columns[name][-1].nbytes
+    return {name: np.array(values) if name.startswith("n_") else np.concatenate(values) for name, values in columns.items()}, at
+
+
 def read_ply(path):
-    """Comments, and the vertices and faces of a binary .ply that Sherd wrote (docs/formats.md)."""
+    """Comments, and the columns of vertices and faces of a binary .ply that Sherd wrote (docs/formats.md)."""
     with open(path, "rb") as file:
         head, body = file.read().split(b"end_header\n", 1)
-    comments, elements, arrays, at = [], [], [], 0
+    comments, elements, columns, at = [], [], [], 0
     for line in head.decode().splitlines():
         words = line.split()
         if words[0] == "comment":
@@ -61,13 +84,13 @@ def read_ply(path):
         elif words[0] == "element":
             elements.append((int(words[2]), []))
         elif words[:2] == ["property", "list"]:
-            elements[-1][1].extend([("n_" + words[4], TYPES[words[2]]), (words[4], TYPES[words[3]], LISTS[words[4]])])
+            elements[-1][1].append((words[4], TYPES[words[3]], TYPES[words[2]]))
         elif words[0] == "property":
-            elements[-1][1].append((words[2], TYPES[words[1]]))
-    for count, fields in elements:
-        arrays.append(np.frombuffer(body, fields, count, at))
-        at += arrays[-1].nbytes
-    return comments, arrays[0], arrays[1]
+            elements[-1][1].append((words[2], TYPES[words[1]], None))
+    for count, properties in elements:
+        rows, at = rows_of(body, properties, count, at)
+        columns.append(rows)
+    return comments, *columns
 
 
 def material(made, name, texture):
@@ -91,29 +114,29 @@ def from_ply(path, name, made):
     """The object of a .ply: materials by name, texture coordinates, colors, and faces' `neighbor` as an attribute."""
     comments, vertex, face = read_ply(path)
     mesh = bpy.data.meshes.new(name)
-    count = len(face)
-    neighbor = face["neighbor" if "neighbor" in face.dtype.names else "facing"].astype(np.int32)
-    mesh.vertices.add(len(vertex))
+    neighbor = face["neighbor" if "neighbor" in face else "facing"].astype(np.int32)
+    corners, lengths = face["vertex_indices"], face["n_vertex_indices"].astype(np.int32)
+    mesh.vertices.add(len(vertex["x"]))
     mesh.vertices.foreach_set("co", np.column_stack([vertex[axis] for axis in "xyz"]).astype(np.float32).ravel())
-    mesh.loops.add(3 * count)
-    mesh.loops.foreach_set("vertex_index", face["vertex_indices"].astype(np.int32).ravel())
-    mesh.polygons.add(count)
-    mesh.polygons.foreach_set("loop_start", np.arange(0, 3 * count, 3, dtype=np.int32))
+    mesh.loops.add(len(corners))
+    mesh.loops.foreach_set("vertex_index", corners.astype(np.int32))
+    mesh.polygons.add(len(lengths))
+    mesh.polygons.foreach_set("loop_start", (np.cumsum(lengths) - lengths).astype(np.int32))
     if bpy.app.version < (3, 6, 0):
-        mesh.polygons.foreach_set("loop_total", np.full(count, 3, np.int32))
+        mesh.polygons.foreach_set("loop_total", lengths)
 
     textures = [os.path.join(os.path.dirname(path), " ".join(c[1:])) for c in comments if c[0] == "TextureFile"]
     named = [c[2:] for c in comments if c[0] == "material"] or [["outside"], ["inside"]]
     for each, *texture in named:
         mesh.materials.append(material(made, each, textures[int(texture[0])] if texture and textures else None))
-    index = face["material"] if "material" in face.dtype.names else neighbor > 0
+    index = face["material"] if "material" in face else neighbor > 0
     mesh.polygons.foreach_set("material_index", index.astype(np.int32))
     mesh.update(calc_edges=True)
-    if "texcoord" in face.dtype.names:
-        mesh.uv_layers.new(name="UVMap").data.foreach_set("uv", face["texcoord"].astype(np.float32).ravel())
-    if "red" in vertex.dtype.names:
+    if "texcoord" in face:
+        mesh.uv_layers.new(name="UVMap").data.foreach_set("uv", face["texcoord"].astype(np.float32))
+    if "red" in vertex:
         layer = mesh.color_attributes.new("Col", "BYTE_COLOR", "POINT")
-        colors = np.column_stack([*(vertex[c] / 255 for c in ("red", "green", "blue")), np.ones(len(vertex))])
+        colors = np.column_stack([*(vertex[c] / 255 for c in ("red", "green", "blue")), np.ones(len(vertex["x"]))])
         layer.data.foreach_set("color_srgb", colors.astype(np.float32).ravel())
     mesh.attributes.new("neighbor", "INT", "FACE").data.foreach_set("value", neighbor)
     thing = bpy.data.objects.new(name, mesh)

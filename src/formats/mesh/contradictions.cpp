@@ -54,6 +54,8 @@ std::optional<std::string> contradictionIn(const RawMesh& mesh) {
   if (!fits(mesh.neighbor, triangles)) return countOf("neighbors", mesh.neighbor.size(), triangles);
   if (!fits(mesh.objectOfTriangle, triangles))
     return countOf("objects", mesh.objectOfTriangle.size(), triangles);
+  if (!fits(mesh.polygons, triangles))
+    return countOf("places in faces", mesh.polygons.size(), triangles);
   for (const auto& corners : attributes.texcoords) {
     if (!std::all_of(corners.begin(), corners.end(), isFinite))
       return "one of its texture coordinates is not finite";

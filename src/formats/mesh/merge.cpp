@@ -158,6 +158,7 @@ SourceMesh mergeVertices(RawMesh&& raw) {
                          only(std::move(raw.attributes.colors), kept),
                          only(std::move(raw.attributes.material), kept),
                          only(std::move(raw.attributes.normals), kept)};
+  out.polygons = only(std::move(raw.polygons), kept);
   raw.objectOfTriangle = only(std::move(raw.objectOfTriangle), kept);
   setObjects(std::move(raw), out);
   out.warnings = std::move(raw.warnings);

@@ -50,6 +50,7 @@ struct RawMesh {
   Appearance appearance;                        ///< what `attributes` refers to
   std::vector<std::string> objects;             ///< names of the file's parts
   std::vector<std::uint32_t> objectOfTriangle;  ///< [triangles] below objects.size(), or empty
+  std::vector<PolygonPart> polygons;            ///< [triangles] see SourceMesh, or empty
   std::vector<std::string> warnings;            ///< see SourceMesh
 };
 

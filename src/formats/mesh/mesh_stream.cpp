@@ -112,6 +112,7 @@ std::string streamOf(const RawMesh& mesh) {
   }
   put(out, mesh.objects);
   put(out, mesh.objectOfTriangle);
+  put(out, mesh.polygons);
   put(out, mesh.warnings);
   return out.append(kEnd);
 }
@@ -144,6 +145,7 @@ std::optional<RawMesh> meshFromStream(std::string_view stream, MemoryBudget* mem
   }
   source.take(mesh.objects);
   source.take(mesh.objectOfTriangle);
+  source.take(mesh.polygons);
   source.take(mesh.warnings);
   if (!source.isAt(kEnd) || contradictionIn(mesh)) return std::nullopt;
   return mesh;

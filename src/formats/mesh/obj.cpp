@@ -1,8 +1,53 @@
 // Writes meshes as OBJ.
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <span>
+
 #include "base/number_text.h"
+#include "formats/mesh/faces.h"
 #include "formats/mesh/piece_mesh.h"
 
 namespace sherd {
+namespace {
+
+// Appends the faces, those of one material together.
+//   texcoordOf      [split.corners] number in the file, 0: none
+//   namesMaterials  whether the file has a library
+void appendFaces(std::string& text, const PieceMesh& piece, const SplitCorners& split,
+                 const std::vector<std::size_t>& texcoordOf, bool namesMaterials) {
+  const auto splitCorner = [&](std::uint32_t corner) {
+    return split.ofTriangle[corner / 3][corner % 3];
+  };
+  const Faces faces(piece, [&](std::uint32_t a, std::uint32_t b) {
+    return splitCorner(a) == splitCorner(b) && piece.materialOf(a / 3) == piece.materialOf(b / 3);
+  });
+  std::vector<std::uint32_t> order(piece.mesh.triangles.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return piece.materialOf(a) < piece.materialOf(b);
+  });
+  std::array<std::uint32_t, 3> own{};
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const std::uint32_t material = piece.materialOf(order[i]);
+    if (namesMaterials && (i == 0 || piece.materialOf(order[i - 1]) != material)) {
+      text += "usemtl " + piece.materials.materials[material].name + "\n";
+    }
+    const std::span<const std::uint32_t> corners = faces.at(order[i], own);
+    if (corners.empty()) continue;
+    text += 'f';
+    for (const std::uint32_t at : corners) {
+      const std::uint32_t number = splitCorner(at);
+      appendShortest(text += ' ', split.corners[number].vertex + 1);
+      text += '/';
+      if (texcoordOf[number] > 0) appendShortest(text, texcoordOf[number]);
+      appendShortest(text += '/', split.corners[number].normal + 1);
+    }
+    text += '\n';
+  }
+}
+
+}  // namespace
 
 void writePieceObj(const OutputFile& file, const PieceMesh& piece, const std::string& library) {
   const TriangleMesh& mesh = piece.mesh;
@@ -41,24 +86,7 @@ void writePieceObj(const OutputFile& file, const PieceMesh& piece, const std::st
     text += '\n';
   }
 
-  for (std::uint32_t material = 0; material < piece.materials.materials.size(); ++material) {
-    bool named = false;
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-      if (piece.materialOf(t) != material) continue;
-      if (!named && !library.empty())
-        text += "usemtl " + piece.materials.materials[material].name + "\n";
-      named = true;
-      text += 'f';
-      for (const std::uint32_t number : split.ofTriangle[t]) {
-        const SplitCorners::Corner& corner = split.corners[number];
-        appendShortest(text += ' ', corner.vertex + 1);
-        text += '/';
-        if (texcoordOf[number] > 0) appendShortest(text, texcoordOf[number]);
-        appendShortest(text += '/', corner.normal + 1);
-      }
-      text += '\n';
-    }
-  }
+  appendFaces(text, piece, split, texcoordOf, !library.empty());
   file.write(text);
 }
 

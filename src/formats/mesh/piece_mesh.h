@@ -13,13 +13,19 @@
 
 namespace sherd {
 
+/// The input of an exact surface, to whose triangles TriangleMesh::source refers.
+struct PieceInput {
+  const SourceMesh& source;
+};
+
 /// The data of a fragment's mesh that is written, in any format.
 struct PieceMesh {
   const std::string& name;  ///< object name, in formats that have one
   const TriangleMesh& mesh;
   const SurfaceAttributes& attributes;  ///< of `mesh`, its own or transferred to it
   const MaterialTable& materials;
-  bool isDouble = false;  ///< writes vertices in double precision, in PLY
+  bool isDouble = false;              ///< writes vertices in double precision, in PLY
+  const PieceInput* input = nullptr;  ///< null: polygons and objects of the input are not written
 
   /// Returns the normal of a triangle's corner if `attributes` have one, else zero.
   [[nodiscard]] glm::vec3 normalOf(std::size_t triangle, std::size_t corner) const {
@@ -64,10 +70,12 @@ struct SplitCorners {
 [[nodiscard]] SplitCorners splitCorners(const PieceMesh& piece);
 
 /// Writes binary little-endian PLY with one vertex for each of the mesh's, so it stays closed.
+/// With PieceMesh::input its polygons are one face each where they are whole.
 ///   throws  Error(output), as all of them
 void writePiecePly(const OutputFile& file, const PieceMesh& piece);
 
-/// Writes OBJ with normals, and with texture coordinates and colors if present.
+/// Writes OBJ with normals, and with texture coordinates and colors if present.  With
+/// PieceMesh::input its polygons are one face each where they are whole.
 ///   library  the file of mtlText(piece.materials), beside it; empty: no materials are named
 void writePieceObj(const OutputFile& file, const PieceMesh& piece, const std::string& library);
 

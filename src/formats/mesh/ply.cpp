@@ -2,11 +2,14 @@
 #include <sherd/files.h>
 
 #include <algorithm>
+#include <array>
 #include <cassert>
+#include <span>
 #include <string>
 #include <string_view>
 
 #include "base/little_endian.h"
+#include "formats/mesh/faces.h"
 #include "formats/mesh/piece_mesh.h"
 
 namespace sherd {
@@ -16,18 +19,22 @@ namespace {
 /// the mesh.
 class Records {
  public:
-  /// Largest size of a record, bytes.
+  /// Size of the longest record that has no polygon, bytes.
   static constexpr std::size_t kLargest = 64;
 
   ///   records  their number
-  Records(const ByteSink& sink, std::string_view header, std::size_t records)
-      : sink_(sink), bytes_(std::min(records, kBlock / kLargest) * kLargest, '\0') {
+  ///   largest  size of the longest, bytes
+  Records(const ByteSink& sink, std::string_view header, std::size_t records,
+          std::size_t largest = kLargest)
+      : sink_(sink),
+        largest_(largest),
+        bytes_(std::min(records, kBlock / largest) * largest, '\0') {
     sink_(header);
   }
 
   /// To be called before each record.
   void begin() {
-    if (bytes_.size() - end_ < kLargest) finish();
+    if (bytes_.size() - end_ < largest_) finish();
   }
   void finish() {
     if (end_ > 0) sink_(std::string_view(bytes_).substr(0, end_));
@@ -57,18 +64,20 @@ class Records {
   static constexpr std::size_t kBlock = std::size_t{4} << 20;
 
   const ByteSink& sink_;
+  std::size_t largest_;
   std::string bytes_;
   std::size_t end_ = 0;  // of the bytes in use
 };
 
-std::string header(const TriangleMesh& mesh, bool isDouble, const std::string& comments,
-                   const std::string& ofVertices, const std::string& ofFaces) {
+std::string header(const TriangleMesh& mesh, std::size_t faces, bool isDouble,
+                   const std::string& comments, const std::string& ofVertices,
+                   const std::string& ofFaces) {
   std::string text = "ply\nformat binary_little_endian 1.0\n";
   text.append(comments).append("element vertex ").append(std::to_string(mesh.vertices.size()));
   for (const char* axis : {"x", "y", "z"})
     text.append("\nproperty ").append(isDouble ? "double " : "float ").append(axis);
   text.append("\n").append(ofVertices);
-  text.append("element face ").append(std::to_string(mesh.triangles.size()));
+  text.append("element face ").append(std::to_string(faces));
   text.append("\nproperty list uchar int vertex_indices\n").append(ofFaces);
   return text.append("end_header\n");
 }
@@ -103,6 +112,79 @@ std::string commentsOf(const PieceMesh& piece) {
   return text;
 }
 
+// The faces of a piece with their attributes.
+class FaceRecords {
+ public:
+  explicit FaceRecords(const PieceMesh& piece)
+      : piece_(piece),
+        hasTexcoords_(!piece.attributes.texcoords.empty()),
+        hasTextures_(hasTexcoords_ && piece.materials.textures.size() > 1),
+        hasMaterials_(!piece.attributes.material.empty()),
+        faces_(
+            piece, [this](std::uint32_t a, std::uint32_t b) { return isSame(a, b); }, kMost) {}
+
+  std::size_t count() const { return faces_.count(); }
+
+  std::string properties() const {
+    std::string text = "property int neighbor\n";
+    if (hasTexcoords_) text += "property list uchar float texcoord\n";
+    if (hasTextures_) text += "property int texnumber\n";
+    if (hasMaterials_) text += "property int material\n";
+    return text;
+  }
+
+  // Returns the size of the longest record, bytes.
+  std::size_t largest() const {
+    constexpr std::size_t kPerCorner = sizeof(std::uint32_t) + sizeof(glm::vec2);
+    return count() == piece_.mesh.triangles.size() ? Records::kLargest
+                                                   : Records::kLargest + kMost * kPerCorner;
+  }
+
+  void put(Records& records) const {
+    const SurfaceAttributes& attributes = piece_.attributes;
+    std::array<std::uint32_t, 3> own{};
+    for (std::uint32_t first = 0; first < piece_.mesh.triangles.size(); ++first) {
+      const std::span<const std::uint32_t> corners = faces_.at(first, own);
+      if (corners.empty()) continue;
+      const std::uint32_t t = corners[0] / 3;
+      records.begin();
+      records.put(static_cast<std::uint8_t>(corners.size()));
+      for (const std::uint32_t corner : corners) records.put(vertexOf(corner));
+      records.put(std::uint32_t{piece_.mesh.neighborOf(t)});
+      if (hasTexcoords_) records.put(static_cast<std::uint8_t>(2 * corners.size()));
+      for (std::size_t k = 0; k < corners.size() && hasTexcoords_; ++k) {
+        const glm::vec2& at = attributes.texcoords[corners[k] / 3][corners[k] % 3];
+        records.put(at.x);
+        records.put(at.y);
+      }
+      if (!hasMaterials_) continue;
+      const int texture = piece_.materials.materials[attributes.material[t]].texture;
+      if (hasTextures_) records.put(static_cast<std::uint32_t>(texture < 0 ? 0 : texture));
+      records.put(std::uint32_t{attributes.material[t]});
+    }
+  }
+
+ private:
+  // Two numbers of texture coordinates for each corner, and a byte counts these.
+  static constexpr std::size_t kMost = 127;
+
+  std::uint32_t vertexOf(std::uint32_t corner) const {
+    return piece_.mesh.triangles[corner / 3][static_cast<int>(corner % 3)];
+  }
+
+  bool isSame(std::uint32_t a, std::uint32_t b) const {
+    const SurfaceAttributes& attributes = piece_.attributes;
+    return vertexOf(a) == vertexOf(b) &&
+           (!hasTexcoords_ ||
+            attributes.texcoords[a / 3][a % 3] == attributes.texcoords[b / 3][b % 3]) &&
+           (!hasMaterials_ || attributes.material[a / 3] == attributes.material[b / 3]);
+  }
+
+  const PieceMesh& piece_;
+  bool hasTexcoords_, hasTextures_, hasMaterials_;
+  Faces faces_;  // last: it compares corners by the others
+};
+
 }  // namespace
 
 void writePly(const OutputFile& file, const TriangleMesh& mesh) {
@@ -113,7 +195,7 @@ void writePly(const OutputFile& file, const TriangleMesh& mesh) {
 
 void writePlainPly(const OutputFile& file, const TriangleMesh& mesh, bool isDouble) {
   file.write([&](const ByteSink& sink) {
-    Records records(sink, header(mesh, isDouble, "", "", ""),
+    Records records(sink, header(mesh, mesh.triangles.size(), isDouble, "", "", ""),
                     mesh.vertices.size() + mesh.triangles.size());
     for (const glm::dvec3& v : mesh.vertices) {
       records.begin();
@@ -130,23 +212,20 @@ void writePlainPly(const OutputFile& file, const TriangleMesh& mesh, bool isDoub
 void writePiecePly(const OutputFile& file, const PieceMesh& piece) {
   const TriangleMesh& mesh = piece.mesh;
   const SurfaceAttributes& attributes = piece.attributes;
-  const bool colors = !attributes.colors.empty(), texcoords = !attributes.texcoords.empty();
-  const bool materials = !attributes.material.empty();
-  const bool textures = texcoords && piece.materials.textures.size() > 1;
+  const bool colors = !attributes.colors.empty();
   std::string ofVertices =
       "property float nx\nproperty float ny\nproperty float nz\nproperty int neighbor\n";
   if (colors) ofVertices += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
-  std::string ofFaces = "property int neighbor\n";
-  if (texcoords) ofFaces += "property list uchar float texcoord\n";
-  if (textures) ofFaces += "property int texnumber\n";
-  if (materials) ofFaces += "property int material\n";
-
+  const FaceRecords faceRecords(piece);
   const std::vector<glm::dvec3> normals = meanNormals(piece);
   const std::vector<std::uint16_t> neighbor = vertexNeighbor(mesh);
   const std::vector<glm::u8vec3> color = colors ? vertexColors(piece) : std::vector<glm::u8vec3>();
   file.write([&](const ByteSink& sink) {
-    Records records(sink, header(mesh, piece.isDouble, commentsOf(piece), ofVertices, ofFaces),
-                    mesh.vertices.size() + mesh.triangles.size());
+    const std::size_t faces = faceRecords.count();
+    Records records(sink,
+                    header(mesh, faces, piece.isDouble, commentsOf(piece), ofVertices,
+                           faceRecords.properties()),
+                    mesh.vertices.size() + faces, faceRecords.largest());
     for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
       records.begin();
       records.put(mesh.vertices[i], piece.isDouble);
@@ -154,19 +233,7 @@ void writePiecePly(const OutputFile& file, const PieceMesh& piece) {
       records.put(std::uint32_t{neighbor[i]});
       for (int k = 0; k < 3 && colors; ++k) records.put(std::uint8_t{color[i][k]});
     }
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-      records.begin();
-      records.putFace(mesh.triangles[t]);
-      records.put(std::uint32_t{mesh.neighborOf(t)});
-      if (texcoords) records.put(std::uint8_t{6});
-      for (std::size_t k = 0; k < 3 && texcoords; ++k) {
-        records.put(attributes.texcoords[t][k].x);
-        records.put(attributes.texcoords[t][k].y);
-      }
-      const int texture = materials ? piece.materials.materials[attributes.material[t]].texture : 0;
-      if (textures) records.put(static_cast<std::uint32_t>(texture < 0 ? 0 : texture));
-      if (materials) records.put(std::uint32_t{attributes.material[t]});
-    }
+    faceRecords.put(records);
     records.finish();
   });
 }

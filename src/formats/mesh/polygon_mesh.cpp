@@ -33,6 +33,18 @@ std::size_t longestFace(const PolygonMesh& mesh) {
   return longest;
 }
 
+// Returns the place of each triangle in its face; nothing if all faces are triangles.
+std::vector<PolygonPart> partsOf(const PolygonMesh& mesh, const Triangles& triangles) {
+  std::vector<PolygonPart> parts;
+  if (triangles.face.size() == mesh.faceEnds.size()) return parts;
+  parts.reserve(triangles.face.size());
+  for (std::size_t t = 0; t < triangles.face.size(); ++t) {
+    const std::uint32_t face = triangles.face[t];
+    parts.push_back({face, triangles.corners[t] - (face == 0 ? 0 : mesh.faceEnds[face - 1])});
+  }
+  return parts;
+}
+
 Triangles triangulated(const MeshFile& file, const PolygonMesh& mesh) {
   // One face at a time: its corners and its triangles.
   const std::size_t longest = longestFace(mesh);
@@ -107,7 +119,8 @@ void triangulateInto(const MeshFile& file, PolygonMesh&& mesh, RawMesh& out) {
              (texcoords ? 3 * sizeof(glm::vec2) : 0) + (normals ? 3 * sizeof(glm::vec3) : 0) +
              (mesh.faceMaterials.empty() ? 0 : sizeof(std::uint32_t)) +
              (mesh.faceNeighbors.empty() ? 0 : sizeof(std::uint16_t)) +
-             (mesh.objectOfFace.empty() ? 0 : sizeof(std::uint32_t)));
+             (mesh.objectOfFace.empty() ? 0 : sizeof(std::uint32_t)) +
+             (count == mesh.faceEnds.size() ? 0 : sizeof(PolygonPart)));
   const Triangles triangles = triangulated(file, mesh);
   out.triangles.reserve(triangles.corners.size());
   for (const glm::uvec3& t : triangles.corners) {
@@ -131,6 +144,7 @@ void triangulateInto(const MeshFile& file, PolygonMesh&& mesh, RawMesh& out) {
   attributes.material = chosen(mesh.faceMaterials, triangles.face);
   out.neighbor = chosen(mesh.faceNeighbors, triangles.face);
   out.objectOfTriangle = chosen(mesh.objectOfFace, triangles.face);
+  out.polygons = partsOf(mesh, triangles);
   out.vertices = std::move(mesh.vertices);
 }
 
