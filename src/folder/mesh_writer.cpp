@@ -13,7 +13,7 @@ MeshWriter::MeshWriter(const OutputFolder& folder, const FractureFiles& files,
       table_(table),
       options_(write),
       attributes_(attributes),
-      input_{source},
+      input_{source, groupNames(source)},
       library_(std::filesystem::path(files.materials).filename().string()),
       stem_(safeName(source.stem, "piece")) {
   if (files.mesh.empty() && files.scene.empty()) return;

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""--surface exact: pieces have the input's normals and polygons, as parsers of this test's own find them.
+"""--surface exact: pieces have the input's normals, polygons and objects, as parsers of this test's own find them.
 
 Environment: SHERD_BIN the program.  Needs Debian's python3-numpy.
 """
@@ -32,10 +32,12 @@ def normal_of(vertex, side):
     return np.float32(n / np.linalg.norm(n))
 
 
-def write(path, vertices, faces, normals=False):
+def write(path, vertices, faces, normals=False, groups=()):
+    """groups: pairs of a name and the index of its first face."""
     with open(path, "w") as out:
         out.writelines("v %r %r %r\n" % tuple(map(float, v)) for v in vertices)
         for i, face in enumerate(faces):
+            out.writelines(f"g {name}\n" for name, first in groups if first == i)
             if normals:
                 out.writelines("vn %.9g %.9g %.9g\n" % tuple(normal_of(v, i)) for v in face)
             out.write("f " + " ".join(f"{v + 1}//{k - len(face)}" if normals else str(v + 1) for k, v in enumerate(face)) + "\n")
@@ -188,6 +190,25 @@ class ExactInput(CommandLine):
             v, found = read_obj(os.path.join(self.out, json.load(file)["solid"]["mesh"]))
         self.assertEqual({tuple(map(tuple, v[f].tolist())) for f, *_ in found},
                          {tuple(map(tuple, np.float32(vertices[list(f)]).tolist())) for f in faces})
+
+    def test_objects_are_groups(self):
+        vertices, faces = polygons()
+        mesh = self.path("gear.obj")
+        write(mesh, vertices, faces, groups=(("the sides", 0), ("caps", CORNERS)))
+        names = set()
+        for piece in self.broken(mesh, "--mesh-format", "obj"):
+            v, found = read_obj(os.path.join(self.out, piece["files"]["mesh"]))
+            for f, _, material, group in found:
+                flat = np.cross(v[f[1]] - v[f[0]], v[f[2]] - v[f[0]]).astype(float)
+                if material == "inside" or np.linalg.norm(flat) < 1e-6:
+                    self.assertTrue(material != "inside" or group == "inside")
+                    continue
+                self.assertEqual(group, "caps" if abs(flat[2]) > 0.9 * np.linalg.norm(flat) else "the_sides")
+                names.add(group)
+        self.assertEqual(names, {"caps", "the_sides"})
+        write(mesh, vertices, faces)
+        piece = self.broken(mesh, "--mesh-format", "obj")[0]
+        self.assertNotIn("\ng ", pathlib.Path(self.out, piece["files"]["mesh"]).read_text())
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-// Surface::exact: normals and polygons of the input in the fragments.
+// Surface::exact: normals, polygons and objects of the input in the fragments.
 #include <gtest/gtest.h>
 #include <sherd/device.h>
 #include <sherd/files.h>
@@ -136,7 +136,7 @@ class ExactFiles : public TempFolder {
     SourceMesh source;
     std::vector<Fragment> fragments{};
     MaterialTable table{};
-    PieceInput input{source};
+    PieceInput input{source, groupNames(source)};
     std::vector<SurfaceAttributes> attributes{};
   };
 
@@ -277,6 +277,40 @@ TEST_F(ExactFiles, QuadsKeepTheirTextureCoordinates) {
   EXPECT_EQ(facesOf(folder_ / "out.obj").size(), 7u);
   writePiecePly(folder_ / "out.ply", piece(0));
   EXPECT_EQ(readMesh(folder_ / "out.ply").mesh.triangles.size(), 12u);
+}
+
+TEST_F(ExactFiles, ObjectsAreGroupsBesideTheInside) {
+  std::string text = prism(0.0);
+  // The first 26 faces are one object, the others another, whose name is the inside's.
+  std::size_t at = 0;
+  for (int i = 0; i < 54; ++i) at = text.find('\n', at) + 1;
+  text.insert(at, "g a b\n");
+  for (int i = 0; i < 27; ++i) at = text.find('\n', at) + 1;
+  text.insert(at, "g inside\n");
+  breakObj(text, 4);
+  ASSERT_EQ(object_->source.objects, (std::vector<std::string>{"a b", "inside"}));
+  double areas[2] = {0.0, 0.0};
+  for (std::size_t i = 0; i < object_->fragments.size(); ++i) {
+    writePieceObj(folder_ / "out.obj", piece(i), "");
+    std::ifstream in(folder_ / "out.obj");
+    std::string own;
+    for (std::string line; std::getline(in, line);) {
+      if (!line.starts_with("o ")) own += line + "\n";
+    }
+    std::ofstream(folder_ / "groups.obj") << own;
+    const SourceMesh back = readMesh(folder_ / "groups.obj");
+    for (const SourceMesh& group : splitObjects(back)) {
+      const double amount = area(group.mesh);
+      if (group.objects[0] == "a_b") areas[0] += amount;
+      if (group.objects[0] == "inside_2") areas[1] += amount;
+      if (group.objects[0] == "inside") {
+        EXPECT_NEAR(amount, object_->fragments[i].fractureArea, 1e-5);
+      }
+    }
+  }
+  for (std::size_t object = 0; object < 2; ++object) {
+    EXPECT_NEAR(areas[object], area(splitObjects(object_->source)[object].mesh), 1e-5);
+  }
 }
 
 }  // namespace

@@ -66,6 +66,16 @@ MaterialTable materialTable(const Appearance& appearance) {
   return table;
 }
 
+std::vector<std::string> groupNames(const SourceMesh& source) {
+  std::vector<std::string> groups;
+  if (source.objects.size() < 2 || source.objectOfTriangle.empty()) return groups;
+  for (const std::string& object : source.objects) {
+    groups.push_back(withoutBlanks(safeName(object, "object")));
+    if (groups.back() == kInsideGroup) groups.back() += "_2";
+  }
+  return groups;
+}
+
 bool isTextureName(const std::string& file) {
   return file.find('/') == std::string::npos && !file.starts_with('.') &&
          isImageEnding(std::filesystem::path(file).extension().string());

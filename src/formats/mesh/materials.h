@@ -31,6 +31,12 @@ struct MaterialTable {
 
 [[nodiscard]] MaterialTable materialTable(const Appearance& appearance);
 
+/// Returns names for the input's objects as groups of OBJ files: UTF-8 without blanks, as often
+/// equal as in the input, none of them kInsideGroup.
+///   return  empty if the input has only one object
+[[nodiscard]] std::vector<std::string> groupNames(const SourceMesh& source);
+inline constexpr const char* kInsideGroup = "inside";
+
 /// Returns whether a file with this name, without a folder, may be one of MaterialTable::textures.
 [[nodiscard]] bool isTextureName(const std::string& file);
 

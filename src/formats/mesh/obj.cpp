@@ -3,6 +3,7 @@
 #include <array>
 #include <numeric>
 #include <span>
+#include <utility>
 
 #include "base/number_text.h"
 #include "formats/mesh/faces.h"
@@ -11,7 +12,23 @@
 namespace sherd {
 namespace {
 
-// Appends the faces, those of one material together.
+constexpr std::uint32_t kNoGroup = 0xffffffffu;
+
+// Returns for each triangle the index of its group in the input, kNoGroup on cracks; nothing if the
+// input has one object.
+std::vector<std::uint32_t> groupsOf(const PieceMesh& piece) {
+  std::vector<std::uint32_t> groups;
+  if (piece.input == nullptr || piece.input->groups.empty() || piece.mesh.source.empty())
+    return groups;
+  for (const std::uint32_t source : piece.mesh.source) {
+    groups.push_back(source == TriangleMesh::kNoSource
+                         ? kNoGroup
+                         : piece.input->source.objectOfTriangle[source]);
+  }
+  return groups;
+}
+
+// Appends the faces, those of one material and group together.
 //   texcoordOf      [split.corners] number in the file, 0: none
 //   namesMaterials  whether the file has a library
 void appendFaces(std::string& text, const PieceMesh& piece, const SplitCorners& split,
@@ -22,16 +39,24 @@ void appendFaces(std::string& text, const PieceMesh& piece, const SplitCorners& 
   const Faces faces(piece, [&](std::uint32_t a, std::uint32_t b) {
     return splitCorner(a) == splitCorner(b) && piece.materialOf(a / 3) == piece.materialOf(b / 3);
   });
+  const std::vector<std::uint32_t> groups = groupsOf(piece);
+  const auto under = [&](std::uint32_t t) {
+    return std::pair(piece.materialOf(t), groups.empty() ? kNoGroup : groups[t]);
+  };
   std::vector<std::uint32_t> order(piece.mesh.triangles.size());
   std::iota(order.begin(), order.end(), 0u);
-  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return piece.materialOf(a) < piece.materialOf(b);
-  });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return under(a) < under(b); });
   std::array<std::uint32_t, 3> own{};
   for (std::size_t i = 0; i < order.size(); ++i) {
-    const std::uint32_t material = piece.materialOf(order[i]);
-    if (namesMaterials && (i == 0 || piece.materialOf(order[i - 1]) != material)) {
+    const auto [material, group] = under(order[i]);
+    const bool isFirst = i == 0 || under(order[i - 1]) != under(order[i]);
+    if (isFirst && namesMaterials && (i == 0 || under(order[i - 1]).first != material)) {
       text += "usemtl " + piece.materials.materials[material].name + "\n";
+    }
+    if (isFirst && !groups.empty()) {
+      text.append("g ").append(group == kNoGroup ? kInsideGroup : piece.input->groups[group]);
+      text += '\n';
     }
     const std::span<const std::uint32_t> corners = faces.at(order[i], own);
     if (corners.empty()) continue;

@@ -16,6 +16,7 @@ namespace sherd {
 /// The input of an exact surface, to whose triangles TriangleMesh::source refers.
 struct PieceInput {
   const SourceMesh& source;
+  std::vector<std::string> groups;  ///< groupNames(source)
 };
 
 /// The data of a fragment's mesh that is written, in any format.
@@ -75,7 +76,8 @@ struct SplitCorners {
 void writePiecePly(const OutputFile& file, const PieceMesh& piece);
 
 /// Writes OBJ with normals, and with texture coordinates and colors if present.  With
-/// PieceMesh::input its polygons are one face each where they are whole.
+/// PieceMesh::input its polygons are one face each where they are whole, and its objects are
+/// groups, beside a group "inside".
 ///   library  the file of mtlText(piece.materials), beside it; empty: no materials are named
 void writePieceObj(const OutputFile& file, const PieceMesh& piece, const std::string& library);
 
