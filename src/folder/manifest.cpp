@@ -14,6 +14,7 @@
 
 #include "base/json_of.h"
 #include "base/option_names.h"
+#include "exact/rounded_crossings.h"
 #include "folder/mesh_report.h"
 #include "folder/read_manifest.h"
 #include "options/record.h"
@@ -125,7 +126,7 @@ std::vector<Json> seedPositions(const FractureResult& result) {
 Json fragmentJson(const Fragment& fragment, const MeshFacts& facts, const FractureResult& result,
                   Json seeds, Json files) {
   const glm::dmat3& m = fragment.mass.inertia;
-  return {
+  Json json = {
       {"id", fragment.id},
       {"voxels", fragment.voxels},
       {"volume", plain(fragment.mass.volume)},
@@ -143,6 +144,8 @@ Json fragmentJson(const Fragment& fragment, const MeshFacts& facts, const Fractu
       {"seeds", std::move(seeds)},
       {"files", std::move(files)},
       {"contacts", contactsJson(fragment, facts.boundaryLengths)}};
+  if (facts.roundedCrossings) json["rounded_crossings"] = *facts.roundedCrossings;
+  return json;
 }
 
 // Returns a path, or a list if there are several.
@@ -194,6 +197,9 @@ std::vector<MeshFacts> meshFacts(std::span<const Fragment> fragments) {
   std::vector<MeshFacts> facts(fragments.size());
   tbb::parallel_for(std::size_t{0}, facts.size(), [&](std::size_t i) {
     facts[i] = {bounds(fragments[i].mesh), boundaryLengths(fragments[i])};
+    if (fragments[i].meshedAs == Surface::exact) {
+      facts[i].roundedCrossings = roundedCrossings(fragments[i].mesh);
+    }
   });
   return facts;
 }

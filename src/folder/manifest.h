@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -45,7 +46,8 @@ struct FractureFiles {
 /// Metrics of a fragment's mesh in the manifest.
 struct MeshFacts {
   Box box;
-  std::map<int, double> boundaryLengths;  ///< of contacts by neighbor id, world units
+  std::map<int, double> boundaryLengths;          ///< of contacts by neighbor id, world units
+  std::optional<std::size_t> roundedCrossings{};  ///< of an exact mesh
 };
 
 /// Returns [fragments] the metrics of each mesh.

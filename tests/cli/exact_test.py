@@ -91,6 +91,7 @@ class Exact(CommandLine):
             manifest = self.manifest()
             self.assertNotIn("exact_failure", manifest)
             self.assertEqual({f["surface"] for f in manifest["fragments"]}, {"exact"})
+            self.assertTrue(all(f["rounded_crossings"] >= 0 for f in manifest["fragments"]))
             whole = {rotated(self.vertices[t]) for t in self.triangles}
             input_vertices = {tuple(v) for v in self.vertices}
             outer = total = 0.0

@@ -1,0 +1,78 @@
+// Triangles that cross each other in a file of single precision.
+#include "exact/rounded_crossings.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <iterator>
+#include <numeric>
+#include <tuple>
+#include <vector>
+
+#include "exact/self_crossings.h"
+
+namespace sherd {
+namespace {
+
+using Pairs = std::vector<std::array<std::uint32_t, 2>>;
+
+// Numbers vertices at one position alike.
+std::vector<std::uint32_t> positionsOf(const std::vector<glm::dvec3>& vertices) {
+  std::vector<std::uint32_t> order(vertices.size()), position(vertices.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    const glm::dvec3 &p = vertices[a], &q = vertices[b];
+    return std::tie(p.x, p.y, p.z, a) < std::tie(q.x, q.y, q.z, b);
+  });
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const bool isNew = i == 0 || vertices[order[i]] != vertices[order[i - 1]];
+    position[order[i]] = isNew ? order[i] : position[order[i - 1]];
+  }
+  return position;
+}
+
+// The pairs of triangles, numbered as in the mesh, that cross at these positions of its vertices.
+//   isMoved  [triangles] 0 or 1: pairs with one that has 1 count
+Pairs crossingsAt(const std::vector<glm::dvec3>& vertices, const TriangleMesh& mesh,
+                  const std::vector<std::uint8_t>& isMoved, const Progress* progress) {
+  const std::vector<std::uint32_t> position = positionsOf(vertices);
+  std::vector<glm::uvec3> triangles;
+  std::vector<std::uint32_t> number;
+  std::vector<std::uint8_t> of;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const glm::uvec3& corner = mesh.triangles[t];
+    const glm::uvec3 own(position[corner.x], position[corner.y], position[corner.z]);
+    if (own.x == own.y || own.y == own.z || own.z == own.x) continue;
+    triangles.push_back(own);
+    number.push_back(t);
+    of.push_back(isMoved[t]);
+  }
+  Pairs pairs = selfCrossings(vertices, triangles, progress, {.of = of});
+  for (auto& pair : pairs) pair = {number[pair[0]], number[pair[1]]};
+  return pairs;
+}
+
+}  // namespace
+
+std::size_t roundedCrossings(const TriangleMesh& mesh, const Progress* progress) {
+  std::vector<glm::dvec3> rounded;
+  rounded.reserve(mesh.vertices.size());
+  for (const glm::dvec3& v : mesh.vertices) rounded.emplace_back(glm::vec3(v));
+  std::vector<std::uint8_t> isMoved;
+  isMoved.reserve(mesh.triangles.size());
+  for (const glm::uvec3& t : mesh.triangles) {
+    const bool any = rounded[t.x] != mesh.vertices[t.x] || rounded[t.y] != mesh.vertices[t.y] ||
+                     rounded[t.z] != mesh.vertices[t.z];
+    isMoved.push_back(any ? 1 : 0);
+  }
+  const Pairs after = crossingsAt(rounded, mesh, isMoved, progress);
+  if (after.empty()) return 0;
+  const Pairs before = crossingsAt(mesh.vertices, mesh, isMoved, progress);
+  Pairs fresh;
+  std::set_difference(after.begin(), after.end(), before.begin(), before.end(),
+                      std::back_inserter(fresh));
+  return fresh.size();
+}
+
+}  // namespace sherd
