@@ -17,7 +17,12 @@ namespace sherd {
 
 /// The source of a fragment's mesh.
 enum class Surface {
-  smooth,  ///< its level set: smooth cuts and an unchanged original surface
+  smooth,  ///< its level set: smooth cuts and an unchanged original surface.
+           ///<
+           ///< Vertices at creases and corners of the input lie on them, by the planes of the
+           ///< triangles that cross the edges between voxel centers.  Creases less than a voxel
+           ///< apart share a vertex; the tip of one between voxel centers outside may be half a
+           ///< voxel off.  Solids of volumes and shells have the rounded edges of their distances.
   labels,  ///< its voxels: the paper's meshes before smoothing.
            ///<
            ///< The mesh consists of the voxels' faces, two triangles each, not of marching cubes of

@@ -73,18 +73,19 @@ double entryDistance(const glm::vec4& min, const glm::vec4& max, const glm::dvec
   return from <= to + kRounding ? from : kInfinity;
 }
 
-// source  Moeller, Trumbore: Fast, Minimum Storage Ray/Triangle Intersection, 1997
+//   margin  hits beside an edge that count, as a share of the triangle's size
+//   source  Moeller, Trumbore: Fast, Minimum Storage Ray/Triangle Intersection, 1997
 double rayHit(const std::array<glm::dvec3, 3>& t, const glm::dvec3& origin,
-              const glm::dvec3& direction) {
+              const glm::dvec3& direction, double margin = 0.0) {
   const glm::dvec3 e1 = t[1] - t[0], e2 = t[2] - t[0], p = glm::cross(direction, e2);
   const double determinant = glm::dot(e1, p);
   if (determinant == 0.0) return kInfinity;
   const glm::dvec3 s = origin - t[0];
   const double u = glm::dot(s, p) / determinant;
-  if (!(u >= 0.0 && u <= 1.0)) return kInfinity;
+  if (!(u >= -margin && u <= 1.0 + margin)) return kInfinity;
   const glm::dvec3 q = glm::cross(s, e1);
   const double v = glm::dot(direction, q) / determinant;
-  if (!(v >= 0.0 && u + v <= 1.0)) return kInfinity;
+  if (!(v >= -margin && u + v <= 1.0 + margin)) return kInfinity;
   return glm::dot(e2, q) / determinant;
 }
 
@@ -331,6 +332,27 @@ double TriangleTree::firstHit(const glm::dvec3& origin, const glm::dvec3& direct
         const double distance = rayHit(corners(triangle), origin, direction);
         if (distance > from && distance < first) first = distance;
       });
+  return first;
+}
+
+std::optional<TriangleTree::Hit> TriangleTree::firstBetween(const glm::dvec3& from,
+                                                            const glm::dvec3& to) const {
+  Hit first{1.0, kNone};
+  const glm::dvec3 along = to - from, inverse = 1.0 / along;
+  walk(
+      [&](const Range& range) {
+        const Bounds& box = bounds_[range.node];
+        return !(entryDistance(box.min, box.max, from, inverse) <= first.at + kRounding);
+      },
+      [&](std::size_t triangle) {
+        const double at = rayHit(corners(triangle), from, along, kRounding);
+        if (!(at >= -kRounding && at <= first.at + kRounding)) return;
+        const bool isFirst = first.triangle == kNone || at < first.at ||
+                             (at == first.at && source_[triangle] < source_[first.triangle]);
+        if (isFirst) first = {at, static_cast<std::uint32_t>(triangle)};
+      });
+  if (first.triangle == kNone) return std::nullopt;
+  first.at = std::clamp(first.at, 0.0, 1.0);
   return first;
 }
 

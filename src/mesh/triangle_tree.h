@@ -8,6 +8,7 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -79,6 +80,15 @@ class TriangleTree {
   /// if it hits nothing.
   [[nodiscard]] double firstHit(const glm::dvec3& origin, const glm::dvec3& direction,
                                 double from) const;
+
+  struct Hit {
+    double at = 0.0;             ///< 0 at the segment's begin, 1 at its end
+    std::uint32_t triangle = 0;  ///< in the tree's order
+  };
+
+  /// Returns where a segment first meets a triangle, of several the first in the mesh.  Edges
+  /// belong to their triangles, so that no segment passes between two of them.
+  [[nodiscard]] std::optional<Hit> firstBetween(const glm::dvec3& from, const glm::dvec3& to) const;
 
  private:
   // A traversal stores one node per level; 2^32 triangles have 30 levels.

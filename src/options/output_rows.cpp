@@ -238,7 +238,9 @@ const std::vector<Row> kSurfaceRows{
      .help =
          "Meshes of the smooth level sets, of the faces of the labels' voxels, or the input's own "
          "triangles, cut by the cracks",
-     .details = "meshes of the level sets; the voxel faces of the fragment, as in the paper; or "
+     .details = "meshes of the level sets, with the creases and corners of the input as sharp as "
+                "they are where its details are larger than a voxel; the voxel faces of the "
+                "fragment, as in the paper; or "
                 "the triangles of the input, which stay as they are where no crack cuts them: "
                 "sharp edges, normals, texture coordinates, polygons and all. `exact` needs a "
                 "closed mesh that does not cross itself where cracks meet it, and cracks that are "

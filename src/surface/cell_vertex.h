@@ -1,28 +1,20 @@
 // Positions of the vertices of a cell.
 #pragma once
 
-#include <array>
+#include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
 
-#include "surface/cell.h"
+#include "surface/cell_crossings.h"
 
 namespace sherd {
-
-/// Labels and distances at the corners of a cell.
-struct CellValues {
-  CellLabels labels{};
-  std::array<float, 8> toSurface{};  ///< distance to the solid's surface, any unit, inside
-                                     ///< negative; set where a label is 0
-  std::array<std::array<float, 8>, 8> toCut{};  ///< [corner whose label][corner] voxels to the cut,
-                                                ///< inside negative; set where two fragments meet
-};
 
 /// The position of a vertex, in 0..1 along each axis.
 struct CellVertex {
   glm::dvec3 at{0.0};
   glm::dvec3 target{0.0};  ///< position to move to: on a contact boundary up to half a voxel
                            ///< outside the cell, else `at`
+  std::uint8_t rank = 1;   ///< of the solid's surface: 2 on its creases, 3 at its corners
 };
 
 /// Returns the position of one vertex of a cell.

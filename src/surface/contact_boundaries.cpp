@@ -89,11 +89,36 @@ class JunctionQuads {
 
 }  // namespace
 
+namespace {
+
+bool isFirstDiagonal(const InterfaceQuad& quad, std::span<const glm::dvec3> vertices) {
+  const int u = (quad.axis + 1) % 3, v = (quad.axis + 2) % 3;
+  std::array<const glm::dvec3*, 4> at{};
+  for (std::size_t k = 0; k < 4; ++k) at[k] = &vertices[quad.vertex[k]];
+  // Twice the area of three corners, seen along the axis.
+  const auto area = [&](std::size_t i, std::size_t j, std::size_t k) {
+    const glm::dvec3 a = *at[j] - *at[i], b = *at[k] - *at[i];
+    return a[u] * b[v] - a[v] * b[u];
+  };
+  // Three corners on one straight crease have no area.
+  constexpr double kLeastShare = 0.01;
+  const auto isIn = [&](double a, double b) {
+    return a * b > kLeastShare * (1.0 - kLeastShare) * (a + b) * (a + b);
+  };
+  const bool isFirstIn = isIn(area(0, 1, 2), area(0, 2, 3)),
+             isSecondIn = isIn(area(1, 2, 3), area(1, 3, 0));
+  if (isFirstIn != isSecondIn) return isFirstIn;
+  if (quad.split != QuadSplit::shorter) return quad.split == QuadSplit::first;
+  const glm::dvec3 a = *at[0] - *at[2], b = *at[1] - *at[3];
+  return glm::dot(a, a) <= glm::dot(b, b);
+}
+
+}  // namespace
+
 std::array<std::array<std::uint32_t, 3>, 2> trianglesOf(const InterfaceQuad& quad,
                                                         std::span<const glm::dvec3> vertices) {
   const auto& v = quad.vertex;
-  const glm::dvec3 a = vertices[v[0]] - vertices[v[2]], b = vertices[v[1]] - vertices[v[3]];
-  if (glm::dot(a, a) <= glm::dot(b, b)) return {{{v[0], v[1], v[2]}, {v[0], v[2], v[3]}}};
+  if (isFirstDiagonal(quad, vertices)) return {{{v[0], v[1], v[2]}, {v[0], v[2], v[3]}}};
   return {{{v[1], v[2], v[3]}, {v[1], v[3], v[0]}}};
 }
 

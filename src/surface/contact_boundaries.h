@@ -10,16 +10,25 @@
 
 namespace sherd {
 
+/// The diagonal at which a quad is split, if both are in it.
+enum class QuadSplit : std::uint8_t {
+  shorter,  ///< the shorter one
+  first,    ///< of vertices 0 and 2
+  second,   ///< of vertices 1 and 3
+};
+
 /// One side of a face of the mesh of all labels.  Its corners lie in the four cells around the edge
 /// between two voxel centers, counter-clockwise from outside the label.
 struct InterfaceQuad {
   std::uint16_t label = 0;  ///< never 0
   std::uint16_t other = 0;  ///< label on the other side
   std::array<std::uint32_t, 4> vertex{};
+  std::uint8_t axis = 0;  ///< of the edge between the two voxel centers
+  QuadSplit split = QuadSplit::shorter;
 };
 
-/// Returns the two triangles of a quad, split at the shorter diagonal.  Both sides of an interface
-/// get the same split.
+/// Returns the two triangles of a quad, which do not fold seen along its axis if one of the
+/// diagonals allows it.  Both sides of an interface get the same split.
 [[nodiscard]] std::array<std::array<std::uint32_t, 3>, 2> trianglesOf(
     const InterfaceQuad& quad, std::span<const glm::dvec3> vertices);
 

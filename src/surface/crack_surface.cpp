@@ -39,7 +39,7 @@ class CrackMeshing {
  public:
   CrackMeshing(const Solid& solid, const Labels& labels, const Cut& cut,
                std::span<const LeafNeighbors> neighborhoods)
-      : field_(solid, labels, cut, neighborhoods),
+      : field_(solid, labels, cut, neighborhoods, nullptr),
         neighborhoods_(neighborhoods),
         cells_(neighborhoods.size()),
         quads_(neighborhoods.size()) {}

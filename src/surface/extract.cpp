@@ -18,6 +18,7 @@
 #include "surface/exact_meshes.h"
 #include "surface/independent_mesh.h"
 #include "surface/intact.h"
+#include "surface/intact_labels.h"
 #include "surface/label_mesh.h"
 #include "surface/leaf_labels.h"
 #include "surface/level_set.h"
@@ -134,8 +135,11 @@ Extraction::Extraction(const Solid& solid, const Labels& labels, const ExtractOp
     makeExact(options.exact ? *options.exact
                             : exactMeshes(solid_, labels_, neighborhoods_, progress_));
   }
+  if (surface_.surface != Surface::smooth) return;
+  if (!options.intact) ownCreases_ = Creases(solid, neighborhoods_, progress);
+  creases_ = options.intact ? &options.intact->creases : &ownCreases_;
   if (!isShared()) return;
-  shared_.emplace(solid, labels, cut_, neighborhoods_, options.intact, progress);
+  shared_.emplace(solid, labels, cut_, neighborhoods_, *creases_, options.intact, progress);
   const bool isProcessed = surface_.adaptivity > 0.0 || !surface_.triangles.empty() ||
                            movesAnything(surface_.smooth, solid.box.longestSide());
   if (!isProcessed) return;
@@ -214,7 +218,7 @@ void Extraction::meshIndependent(Fragment& fragment) const {
   if (surface_.surface == Surface::labels) {
     fragment.mesh = meshOfFaces(facesOf(solid_, labels_, before, id, leaves), solid_.frame);
   } else {
-    LabeledMesh meshed = meshOfOne(solid_, labels_, cut_, id, leaves);
+    LabeledMesh meshed = meshOfOne(solid_, labels_, cut_, *creases_, id, leaves);
     fragment.mesh = std::move(meshed.mesh);
     fragment.mesh.neighbor =
         neighborsOf(fragment.mesh, onSolid(meshed), id, solid_, before, uneroded_ != nullptr);
@@ -323,14 +327,11 @@ std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
 }
 
 TriangleMesh solidMesh(const Solid& solid) {
-  Labels one{.blocks = solid.blocks, .fragmentCount = 1};
-  one.fragment.assign(solid.blocks->count() * 512, 1);
-  Cut uncut;
-  uncut.only.assign(solid.blocks->count(), 1);
-  uncut.index.assign(solid.blocks->count(), Cut::kWhole);
-  uncut.snapWeight.resize(2);
+  const IntactLabels intact(solid.blocks);
   const std::vector<LeafNeighbors> neighborhoods = leafNeighbors(solid.blocks->origins);
-  return std::move(InterfaceMeshes(solid, one, uncut, neighborhoods).meshOf(1).mesh);
+  const Creases creases(solid, neighborhoods, nullptr);
+  const InterfaceMeshes meshes(solid, intact.labels, intact.cut, neighborhoods, creases);
+  return std::move(meshes.meshOf(1).mesh);
 }
 
 }  // namespace sherd

@@ -64,6 +64,8 @@ class Extraction {
   const std::vector<LeafNeighbors> ownNeighborhoods_;  ///< empty if there is an intact surface
   const std::span<const LeafNeighbors> neighborhoods_;
   const Cut cut_;
+  Creases ownCreases_{};                                  ///< without an intact surface
+  const Creases* creases_ = nullptr;                      ///< with Surface::smooth
   const std::vector<std::vector<std::uint32_t>> leaves_;  ///< [fragments + 1] ascending
   std::optional<InterfaceMeshes> shared_;  ///< if meshes are shared and not processed
   Processed processed_;                    ///< if they are, or exact

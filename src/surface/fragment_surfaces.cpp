@@ -47,9 +47,10 @@ FragmentSurfaces::FragmentSurfaces(const Solid& solid, const Labels& labels, con
       ownNeighborhoods_(intact_ ? std::vector<LeafNeighbors>()
                                 : leafNeighbors(solid.blocks->origins)),
       neighborhoods_(intact_ ? intact_->neighborhoods : ownNeighborhoods_),
+      ownCreases_(intact_ ? Creases() : Creases(solid, neighborhoods_, progress)),
       cut_(findCut(labels, neighborhoods_, CutExtent::cells, progress)),
-      surface_(solid, labels, cut_, neighborhoods_, intact_.get(), SurfaceVertices::changed,
-               progress),
+      surface_(solid, labels, cut_, neighborhoods_, intact_ ? intact_->creases : ownCreases_,
+               intact_.get(), SurfaceVertices::changed, progress),
       reference_(middleOf(solid)),
       changed_(solid.blocks->count()),
       gaps_(count_ + 1) {

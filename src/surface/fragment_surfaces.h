@@ -87,6 +87,7 @@ class FragmentSurfaces {
   std::shared_ptr<const IntactSurface> intact_;
   std::vector<LeafNeighbors> ownNeighborhoods_;  // without an intact surface
   std::span<const LeafNeighbors> neighborhoods_;
+  Creases ownCreases_;  // without an intact surface
   Cut cut_;
   InterfaceSurface surface_;
   glm::dvec3 reference_;              // of the integrals

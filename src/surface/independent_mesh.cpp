@@ -25,10 +25,12 @@ CutLeaf bothSides(const CutLeaf& cut, std::uint16_t fragment) {
 }  // namespace
 
 LabeledMesh meshOfOne(const Solid& solid, const Labels& labels, const Cut& cut,
-                      std::uint16_t fragment, std::span<const std::uint32_t> leaves) {
+                      const Creases& creases, std::uint16_t fragment,
+                      std::span<const std::uint32_t> leaves) {
   Solid reduced;
   reduced.frame = solid.frame;
   reduced.distance = solid.distance;
+  reduced.region = solid.region;
   LeafBlocks blocks;
   Labels twoLabels;
   Cut ownCut;
@@ -53,7 +55,7 @@ LabeledMesh meshOfOne(const Solid& solid, const Labels& labels, const Cut& cut,
   reduced.blocks = std::make_shared<const LeafBlocks>(std::move(blocks));
   twoLabels.blocks = reduced.blocks;
   twoLabels.fragmentCount = 1;
-  return InterfaceMeshes(reduced, twoLabels, ownCut, neighborhoods).meshOf(1);
+  return InterfaceMeshes(reduced, twoLabels, ownCut, neighborhoods, creases).meshOf(1);
 }
 
 }  // namespace sherd

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "surface/complex.h"
+#include "surface/creases.h"
 #include "surface/cut.h"
 
 namespace sherd {
@@ -15,9 +16,11 @@ namespace sherd {
 /// Returns the surface of a fragment's level set, max(solid, cut), with all other labels merged
 /// into one.  Meshed by InterfaceMeshes, so it is closed and edge-manifold, face-connected voxels
 /// form one component, and contact boundaries are sharp.
+///   creases  of the solid
 ///   leaves  those within two voxels of the fragment, ascending
 ///   return  `other` is 0 on the solid's surface, else Labels::kEroded
 [[nodiscard]] LabeledMesh meshOfOne(const Solid& solid, const Labels& labels, const Cut& cut,
-                                    std::uint16_t fragment, std::span<const std::uint32_t> leaves);
+                                    const Creases& creases, std::uint16_t fragment,
+                                    std::span<const std::uint32_t> leaves);
 
 }  // namespace sherd

@@ -9,6 +9,7 @@
 #include <glm/common.hpp>
 
 #include "mesh/surface_by_area.h"
+#include "surface/intact_labels.h"
 #include "voxelize/leaf_blocks.h"
 
 namespace sherd {
@@ -55,13 +56,9 @@ std::shared_ptr<const IntactSurface> intactSurface(const Solid& solid) {
   const std::size_t count = solid.blocks->count();
   made->neighborhoods = leafNeighbors(solid.blocks->origins);
   made->leaves.resize(count);
-  Labels one{.blocks = solid.blocks, .fragmentCount = 1};
-  one.fragment.assign(count * 512, 1);
-  Cut uncut;
-  uncut.only.assign(count, 1);
-  uncut.index.assign(count, Cut::kWhole);
-  uncut.snapWeight.resize(2);
-  const Field field(solid, one, uncut, made->neighborhoods);
+  made->creases = Creases(solid, made->neighborhoods, nullptr);
+  const IntactLabels intact(solid.blocks);
+  const Field field(solid, intact.labels, intact.cut, made->neighborhoods, &made->creases);
   forEach(count, [&](std::size_t leaf) { made->leaves[leaf].cells = cellsOf(field, leaf); });
 
   // Vertices are numbered by leaf, so that a vertex index identifies its leaf.
@@ -98,7 +95,7 @@ std::shared_ptr<const IntactSurface> intactSurface(const Solid& solid) {
           break;
         }
       }
-      for (const auto& t : trianglesOf({1, 0, {0, 1, 2, 3}}, at)) {
+      for (const auto& t : trianglesOf({1, 0, {0, 1, 2, 3}, quad.axis, quad.split}, at)) {
         own.triangles.push_back({corner[t[0]], corner[t[1]], corner[t[2]]});
       }
     }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "mesh/mass_sums.h"
+#include "surface/creases.h"
 #include "surface/leaf_cells.h"
 #include "voxelize/leaf_blocks.h"
 
@@ -40,6 +41,7 @@ struct IntactLeaf {
 struct IntactSurface {
   std::vector<LeafNeighbors> neighborhoods;  ///< of the solid's leaves
   glm::dvec3 reference{0.0};                 ///< middleOf the solid
+  Creases creases;
   std::vector<IntactLeaf> leaves;
 
   /// Returns the corners of a leaf's triangle, world units.

@@ -14,11 +14,12 @@ namespace sherd {
 class InterfaceMeshes::Meshing {
  public:
   Meshing(const Solid& solid, const Labels& labels, const Cut& cut,
-          std::span<const LeafNeighbors> neighborhoods, const IntactSurface* intact,
-          const Progress* progress)
+          std::span<const LeafNeighbors> neighborhoods, const Creases& creases,
+          const IntactSurface* intact, const Progress* progress)
       : intact_(intact),
         neighborhoods_(neighborhoods),
-        surface_(solid, labels, cut, neighborhoods, intact, SurfaceVertices::all, progress) {
+        surface_(solid, labels, cut, neighborhoods, creases, intact, SurfaceVertices::all,
+                 progress) {
     numberVertices(static_cast<std::size_t>(labels.fragmentCount));
   }
 
@@ -101,8 +102,10 @@ class InterfaceMeshes::Meshing {
 
 InterfaceMeshes::InterfaceMeshes(const Solid& solid, const Labels& labels, const Cut& cut,
                                  std::span<const LeafNeighbors> neighborhoods,
-                                 const IntactSurface* intact, const Progress* progress)
-    : meshing_(std::make_unique<Meshing>(solid, labels, cut, neighborhoods, intact, progress)) {}
+                                 const Creases& creases, const IntactSurface* intact,
+                                 const Progress* progress)
+    : meshing_(std::make_unique<Meshing>(solid, labels, cut, neighborhoods, creases, intact,
+                                         progress)) {}
 
 InterfaceMeshes::~InterfaceMeshes() = default;
 

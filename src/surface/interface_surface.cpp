@@ -31,13 +31,14 @@ bool hasLowerLabel(const InterfaceQuad& a, const InterfaceQuad& b) { return a.la
 class InterfaceSurface::Building {
  public:
   Building(InterfaceSurface& to, const Solid& solid, const Labels& labels, const Cut& cut,
-           std::span<const LeafNeighbors> neighborhoods, const IntactSurface* intact)
+           std::span<const LeafNeighbors> neighborhoods, const Creases& creases,
+           const IntactSurface* intact)
       : to_(to),
         solid_(solid),
         cut_(cut),
         intact_(intact),
         neighborhoods_(neighborhoods),
-        field_(solid, labels, cut, neighborhoods),
+        field_(solid, labels, cut, neighborhoods, &creases),
         count_(solid.blocks->count()),
         labels_(static_cast<std::size_t>(labels.fragmentCount)) {}
 
@@ -244,9 +245,9 @@ class InterfaceSurface::Building {
 
 InterfaceSurface::InterfaceSurface(const Solid& solid, const Labels& labels, const Cut& cut,
                                    std::span<const LeafNeighbors> neighborhoods,
-                                   const IntactSurface* intact, SurfaceVertices extent,
-                                   const Progress* progress) {
-  Building(*this, solid, labels, cut, neighborhoods, intact).build(extent, progress);
+                                   const Creases& creases, const IntactSurface* intact,
+                                   SurfaceVertices extent, const Progress* progress) {
+  Building(*this, solid, labels, cut, neighborhoods, creases, intact).build(extent, progress);
 }
 
 std::span<const InterfaceQuad> InterfaceSurface::quadsOf(std::size_t leaf,

@@ -30,11 +30,12 @@ enum class SurfaceVertices {
 class InterfaceSurface {
  public:
   ///   neighborhoods  of the solid's leaves
+  ///   creases        of this solid
   ///   intact         of this solid, or null; must outlive the object
   ///   throws         Error(cancelled)
   InterfaceSurface(const Solid& solid, const Labels& labels, const Cut& cut,
-                   std::span<const LeafNeighbors> neighborhoods, const IntactSurface* intact,
-                   SurfaceVertices extent, const Progress* progress);
+                   std::span<const LeafNeighbors> neighborhoods, const Creases& creases,
+                   const IntactSurface* intact, SurfaceVertices extent, const Progress* progress);
 
   InterfaceSurface(const InterfaceSurface&) = delete;
   InterfaceSurface& operator=(const InterfaceSurface&) = delete;

@@ -6,97 +6,12 @@
 #include <algorithm>
 #include <bit>
 
+#include "surface/cell_values.h"
 #include "surface/cell_vertex.h"
+#include "surface/creases.h"
 
 namespace sherd {
 namespace {
-
-// Ambiguous faces are flipped in six sweeps, by axis and parity: each cell has one face in each
-// sweep, and its state before a sweep does not depend on that sweep.
-constexpr unsigned kSweeps = 6;
-
-// Bits of the faces of a cell that are flipped for a label after the first `sweeps` sweeps.
-unsigned flippedFaces(const Field& field, std::size_t leaf, const std::array<int, 3>& cell,
-                      const CellLabels& labels, std::uint16_t label, unsigned sweeps = kSweeps) {
-  unsigned flipped = 0;
-  for (unsigned sweep = 0; sweep < sweeps; ++sweep) {
-    const unsigned axis = sweep / 2;
-    const bool high = (static_cast<unsigned>(cell[axis]) & 1) != sweep % 2;
-    const unsigned face = 2 * axis + high;
-    if (!((conflictingFaces(labels, label, flipped) >> face) & 1)) continue;
-    std::array<int, 3> beside = cell;
-    beside[axis] += high ? 1 : -1;
-    const CellLabels theirs = field.labelsOf(leaf, beside[0], beside[1], beside[2]);
-    const unsigned flippedTheirs = flippedFaces(field, leaf, beside, theirs, label, sweep);
-    if ((conflictingFaces(theirs, label, flippedTheirs) >> (face ^ 1)) & 1) flipped |= 1u << face;
-  }
-  return flipped;
-}
-
-// Bits of the faces that are flipped, by corner for its label.
-struct FlippedFaces {
-  std::array<std::uint8_t, 8> faces{};
-  bool dependsOnNeighbors = false;  // a face conflicts, so the neighbors' labels matter
-};
-
-FlippedFaces flippedByCorner(const Field& field, std::size_t leaf, const std::array<int, 3>& cell,
-                             const CellLabels& labels) {
-  FlippedFaces flipped;
-  for (std::size_t corner = 0; corner < 8; ++corner) {
-    const std::uint16_t label = labels[corner];
-    if (label == 0 || conflictingFaces(labels, label, 0) == 0) continue;
-    flipped.dependsOnNeighbors = true;
-    flipped.faces[corner] =
-        static_cast<std::uint8_t>(flippedFaces(field, leaf, cell, labels, label));
-  }
-  return flipped;
-}
-
-CellValues valuesOf(const Field& field, const openvdb::FloatGrid::ConstAccessor& distance,
-                    std::size_t leaf, int x, int y, int z, const CellLabels& labels) {
-  CellValues values;
-  values.labels = labels;
-  const bool isOnSurface = std::find(labels.begin(), labels.end(), 0) != labels.end();
-  const std::uint16_t some = *std::max_element(labels.begin(), labels.end());
-  const bool isCut =  // between two fragments
-      std::any_of(labels.begin(), labels.end(), [&](auto l) { return l != 0 && l != some; });
-  const openvdb::Coord low = field.solid().blocks->origins[leaf] + openvdb::Coord(x, y, z);
-  std::array<std::size_t, 8> voxelIndex{};
-  for (int corner = 0; corner < 8; ++corner) {
-    const int i = corner >> 2, j = (corner >> 1) & 1, k = corner & 1;
-    const auto c = static_cast<std::size_t>(corner);
-    if (isOnSurface) values.toSurface[c] = distance.getValue(low + openvdb::Coord(i, j, k));
-    if (isCut) voxelIndex[c] = field.voxelIndexNear(leaf, x + i, y + j, z + k);
-  }
-  for (std::size_t n = 0; isCut && n < 8; ++n) {
-    if (labels[n] == 0) continue;
-    const auto first = static_cast<std::size_t>(std::find(labels.begin(), labels.end(), labels[n]) -
-                                                labels.begin());
-    if (first < n) {
-      values.toCut[n] = values.toCut[first];
-      continue;
-    }
-    std::size_t of = Field::kNoVoxel;  // most corners are of one leaf
-    Field::ToCut toCut;
-    for (std::size_t c = 0; c < 8; ++c) {
-      if (voxelIndex[c] / 512 != of) {
-        of = voxelIndex[c] / 512;
-        toCut = voxelIndex[c] == Field::kNoVoxel ? Field::ToCut{} : field.toCut(of, labels[n]);
-      }
-      values.toCut[n][c] = toCut.at(voxelIndex[c] % 512);
-    }
-  }
-  return values;
-}
-
-CellLabels labelsAt(const LabelCube<9>& corners, const openvdb::Coord& cell) {
-  CellLabels labels;
-  const auto low = static_cast<std::size_t>((cell.x() * 9 + cell.y()) * 9 + cell.z());
-  for (std::size_t corner = 0; corner < 8; ++corner) {
-    labels[corner] = corners[low + (corner >> 2) * 81 + ((corner >> 1) & 1) * 9 + (corner & 1)];
-  }
-  return labels;
-}
 
 // [loop] the label whose sheet a loop is.
 std::array<std::uint16_t, 24> labelsOfLoops(const CellSheets& sheets, const CellLabels& labels) {
@@ -132,13 +47,48 @@ void addIntact(const LeafCells& intact, std::size_t offset, std::uint16_t label,
   };
   const auto vertices = loops(intact.vertices);
   const auto positionIds = loops(intact.positionIds);
+  const auto ranks = loops(intact.ranks);
   const std::uint32_t first = *std::min_element(positionIds.begin(), positionIds.end());
   cell.firstLoop = static_cast<std::uint32_t>(to.vertices.size());
   to.vertices.insert(to.vertices.end(), vertices.begin(), vertices.end());
   to.labels.insert(to.labels.end(), vertices.size(), label);
+  to.ranks.insert(to.ranks.end(), ranks.begin(), ranks.end());
   for (const std::uint32_t id : positionIds)
     to.positionIds.push_back(to.positionCount + id - first);
   to.positionCount += cell.positions;
+  to.add(cell);
+}
+
+// Adds a cell.
+//   low       its lowest corner, index space
+//   vertexOf  returns the vertex of a position
+template <class VertexOf>
+void addCell(std::uint32_t offset, const glm::dvec3& low, const CellLabels& labels,
+             const CellSheets& sheets, LeafCells& to, const VertexOf& vertexOf) {
+  const Cell cell{static_cast<std::uint16_t>(offset), sheets.loops, sheets.positions,
+                  static_cast<std::uint32_t>(to.vertices.size()), sheets.loopOf};
+  to.vertices.resize(to.vertices.size() + sheets.loops);
+  to.positionIds.resize(to.vertices.size());
+  to.ranks.resize(to.vertices.size());
+  const std::array<std::uint16_t, 24> labelOf = labelsOfLoops(sheets, labels);
+  to.labels.insert(to.labels.end(), labelOf.begin(), labelOf.begin() + sheets.loops);
+  for (std::uint8_t p = 0; p < sheets.positions; ++p) {
+    if (isNonManifold(sheets, labelOf, p)) {
+      to.nonManifold.push_back(to.positionCount + p);
+      to.isPlain = false;
+    }
+    const CellVertex vertex = vertexOf(p);
+    const bool isJunction = vertex.target != vertex.at;
+    if (isJunction) to.junctions.push_back({.target = low + vertex.target});
+    for (std::uint8_t l = 0; l < sheets.loops; ++l) {
+      if (sheets.positionOfLoop[l] != p) continue;
+      if (isJunction) to.junctions.back().add(cell.firstLoop + l);
+      to.vertices[cell.firstLoop + l] = low + vertex.at;
+      to.ranks[cell.firstLoop + l] = vertex.rank;
+      to.positionIds[cell.firstLoop + l] = to.positionCount + p;
+    }
+  }
+  to.positionCount += sheets.positions;
   to.add(cell);
 }
 
@@ -164,51 +114,38 @@ LeafCells cellsOf(const Field& field, std::size_t leaf, const LeafCells* intact)
   found.cells.reserve(count);
   found.vertices.reserve(count);
   found.labels.reserve(count);
+  found.ranks.reserve(count);
   found.positionIds.reserve(count);
   const openvdb::FloatGrid::ConstAccessor distance = field.solid().distance->getConstAccessor();
   const openvdb::Coord& origin = field.solid().blocks->origins[leaf];
+  InputCrossings input(field.solid(), origin);
+  CreasesOfLeaf creases(field.creases(), origin);
   for (std::uint32_t offset = 0; offset < 512; ++offset) {
     const openvdb::Coord at = coordFromOffset(offset);
     const auto row = static_cast<std::size_t>(at.x() * 9 + at.y());
     if (((passed.crossed[row] >> at.z()) & 1) == 0) continue;
     const CellLabels labels = labelsAt(corners, at);
-    if (intact != nullptr && intact->isPlain && ((passed.cut[row] >> at.z()) & 1) == 0) {
+    const bool isCut = ((passed.cut[row] >> at.z()) & 1) != 0;
+    if (intact != nullptr && intact->isPlain && !isCut) {
       addIntact(*intact, offset, *std::max_element(labels.begin(), labels.end()), found);
       continue;
     }
     const CellSheets* const plain = plainSheetsOf(labels);
-    CellSheets made;
+    ResolvedSheets made;
     if (plain == nullptr) {
-      const auto flipped = flippedByCorner(field, leaf, {at.x(), at.y(), at.z()}, labels);
-      made = sheetsOf(labels, flipped.faces);
-      found.isPlain &= !flipped.dependsOnNeighbors;
+      made = resolvedSheets(field, leaf, at, labels);
+      found.isPlain &= !made.dependsOnNeighbors;
     }
-    const CellSheets& sheets = plain != nullptr ? *plain : made;
-    const Cell cell{static_cast<std::uint16_t>(offset), sheets.loops, sheets.positions,
-                    static_cast<std::uint32_t>(found.vertices.size()), sheets.loopOf};
-    const CellValues values = valuesOf(field, distance, leaf, at.x(), at.y(), at.z(), labels);
+    const CellSheets& sheets = plain != nullptr ? *plain : made.sheets;
+    CellValues values = valuesOf(field, distance, leaf, at, labels);
+    const bool isBoundary = isCut && std::find(labels.begin(), labels.end(), 0) != labels.end();
+    if (isBoundary && field.creases() != nullptr) addInput(input, at, sheets, values);
     const glm::dvec3 low(origin.x() + at.x(), origin.y() + at.y(), origin.z() + at.z());
-    found.vertices.resize(found.vertices.size() + sheets.loops);
-    found.positionIds.resize(found.vertices.size());
-    const std::array<std::uint16_t, 24> labelOf = labelsOfLoops(sheets, labels);
-    found.labels.insert(found.labels.end(), labelOf.begin(), labelOf.begin() + sheets.loops);
-    for (std::uint8_t p = 0; p < sheets.positions; ++p) {
-      if (isNonManifold(sheets, labelOf, p)) {
-        found.nonManifold.push_back(found.positionCount + p);
-        found.isPlain = false;
-      }
-      const CellVertex vertex = cellVertex(values, sheets, p, field.cut().snapWeight);
-      const bool isJunction = vertex.target != vertex.at;
-      if (isJunction) found.junctions.push_back({.target = low + vertex.target});
-      for (std::uint8_t l = 0; l < sheets.loops; ++l) {
-        if (sheets.positionOfLoop[l] != p) continue;
-        if (isJunction) found.junctions.back().add(cell.firstLoop + l);
-        found.vertices[cell.firstLoop + l] = low + vertex.at;
-        found.positionIds[cell.firstLoop + l] = found.positionCount + p;
-      }
-    }
-    found.positionCount += sheets.positions;
-    found.add(cell);
+    addCell(offset, low, labels, sheets, found, [&](std::uint8_t p) {
+      const CreaseVertex* const crease = isCut ? nullptr : creases.find(offset, sheets, p);
+      if (crease != nullptr) return CellVertex{crease->at, crease->at, crease->rank};
+      return cellVertex(values, sheets, p, field.cut().snapWeight);
+    });
   }
   return found;
 }
@@ -226,6 +163,13 @@ constexpr std::array<std::array<std::uint8_t, 8>, 3> kEdgeAlong = [] {
   }
   return edges;
 }();
+
+// The diagonal along a crease.  A crease along a side of the quad does not matter.
+QuadSplit splitBy(const std::array<int, 4>& rank) {
+  const int first = rank[0] + rank[2], second = rank[1] + rank[3];
+  if (first == second) return QuadSplit::shorter;
+  return first > second ? QuadSplit::first : QuadSplit::second;
+}
 
 }  // namespace
 
@@ -249,6 +193,7 @@ std::vector<InterfaceQuad> quadsOf(const Field& field, const AllCells& all, std:
       // is reversed from the same first corner, so that both have the same diagonals.
       constexpr std::array<std::array<int, 2>, 4> kRing{{{1, 1}, {0, 1}, {0, 0}, {1, 0}}};
       std::array<InterfaceQuad, 2> quad{{{label[0], label[1], {}}, {label[1], label[0], {}}}};
+      std::array<int, 4> rank{};
       bool isComplete = true;
       for (std::size_t k = 0; k < 4; ++k) {
         openvdb::Coord low = at;
@@ -269,9 +214,13 @@ std::vector<InterfaceQuad> quadsOf(const Field& field, const AllCells& all, std:
         }
         const std::uint32_t first = all.firstVertex[of] + around->firstLoop;
         const auto& loops = around->loopOf[kEdgeAlong[axis][corner]];
+        const std::uint8_t loop = loops[0] != CellSheets::kNone ? loops[0] : loops[1];
+        rank[k] = all.leaves[of]->ranks[around->firstLoop + loop];
         quad[0].vertex[k] = first + loops[0];
         quad[1].vertex[(4 - k) % 4] = first + loops[1];
       }
+      quad[0].axis = quad[1].axis = static_cast<std::uint8_t>(axis);
+      quad[0].split = quad[1].split = splitBy(rank);
       for (const InterfaceQuad& side : quad) {
         if (side.label != 0 && isComplete) quads.push_back(side);
       }

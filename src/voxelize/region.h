@@ -37,6 +37,11 @@ class SolidRegion {
 
   [[nodiscard]] bool isAsVoxels() const { return isAsVoxels_; }
 
+  /// Returns the triangles that bound the solid; null for shells, whose surface lies beside them.
+  [[nodiscard]] const TriangleTree* boundary() const {
+    return isAsVoxels_ && halfThickness_ == 0.0 ? surface_.get() : nullptr;
+  }
+
   /// Returns whether the surface is less than `reach` away.
   [[nodiscard]] bool isWithin(const glm::dvec3& point, double reach) const;
 

@@ -17,6 +17,7 @@
 #include "mesh_checks.h"
 #include "shapes.h"
 #include "surface/cell.h"
+#include "surface/creases.h"
 #include "surface/interface_mesh.h"
 #include "voxelize/leaf_blocks.h"
 
@@ -77,7 +78,8 @@ Labeled labeled(int side, int fragments, const LabelOf& labelOf) {
 
 std::vector<LabeledMesh> meshesOf(const Labeled& made, int fragments) {
   const std::vector<LeafNeighbors> neighborhoods = leafNeighbors(made.solid.blocks->origins);
-  const InterfaceMeshes all(made.solid, made.labels, made.cut, neighborhoods);
+  const Creases creases(made.solid, neighborhoods, nullptr);
+  const InterfaceMeshes all(made.solid, made.labels, made.cut, neighborhoods, creases);
   std::vector<LabeledMesh> meshes;
   for (int label = 1; label <= fragments; ++label) meshes.push_back(all.meshOf(label));
   return meshes;

@@ -25,6 +25,7 @@
 #include "mesh/repair.h"
 #include "shapes.h"
 #include "surface/complex.h"
+#include "surface/creases.h"
 #include "surface/cut.h"
 #include "surface/decimate.h"
 #include "surface/extract.h"
@@ -159,9 +160,10 @@ TEST(Stop, CuttingAsksOftenEnough) {
       asksOf([&](const Progress* p) { (void)findCut(labels, rounds, CutExtent::everywhere, p); }),
       solid.blocks->count() / 16);
   const Cut cut = findCut(labels, rounds);
-  EXPECT_GE(
-      asksOf([&](const Progress* p) { InterfaceMeshes(solid, labels, cut, rounds, nullptr, p); }),
-      4u);
+  EXPECT_GE(asksOf([&](const Progress* p) {
+              InterfaceMeshes(solid, labels, cut, rounds, Creases(), nullptr, p);
+            }),
+            4u);
   const TriangleMesh ball = shapes::ball(1.0, 5);
   const Complex complex = complexOf(ball);
   const std::vector<std::size_t> triangles{100};

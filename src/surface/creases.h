@@ -1,0 +1,80 @@
+// Vertices of the intact solid's surface at the creases of its input.
+#pragma once
+
+#include <sherd/progress.h>
+#include <sherd/solid.h>
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "surface/cell.h"
+#include "voxelize/leaf_blocks.h"
+
+namespace sherd {
+
+/// The vertex of a cell in which the distances are not those to one plane.
+struct CreaseVertex {
+  std::uint16_t offset = 0;  ///< of the cell in its leaf
+  std::uint16_t edges = 0;   ///< bits of the cell's edges whose crossings it is of
+  std::uint8_t rank = 1;     ///< 1 on a smooth part of the input, 2 on a crease, 3 at a corner
+  bool isForced = false;     ///< its planes do not meet in the cell, or not on the input, as where
+                             ///< creases are less than a voxel apart, or at a small angle; its
+                             ///< triangles are checked
+  glm::dvec3 at{0.0};        ///< 0..1 along each axis in the cell, up to kMostOutside beyond it
+  glm::dvec3 inCell{0.0};    ///< the same within the cell
+};
+
+/// The creases of a solid: the positions that the input's own triangles give to vertices of cells
+/// without cracks.  They are found once, of the intact solid, so that they depend on no fracture.
+///
+/// A cell's edges cross triangles at points with normals.  The vertex is the point nearest to their
+/// planes, and there the nearest of the input.  Where its planes meet elsewhere and its triangles
+/// would cross others, it moves back into the cell, and else to where the distances put it.
+///   source  Ju, Losasso, Schaefer, Warren: Dual Contouring of Hermite Data, 2002
+class Creases {
+ public:
+  Creases() = default;
+
+  ///   neighborhoods  of the solid's leaves
+  ///   throws         Error(cancelled)
+  Creases(const Solid& solid, std::span<const LeafNeighbors> neighborhoods,
+          const Progress* progress);
+
+  /// Returns the vertices in a leaf, ascending by offset.
+  ///   origin  lowest voxel of the leaf
+  [[nodiscard]] std::span<const CreaseVertex> of(const openvdb::Coord& origin) const;
+
+  /// Returns how many vertices were moved back into their cell, and from there to where the
+  /// distances put them.
+  [[nodiscard]] std::size_t movedBack() const { return movedBack_; }
+  [[nodiscard]] std::size_t reverted() const { return reverted_; }
+
+ private:
+  class Finding;
+
+  std::vector<openvdb::Coord> origins_;              // ascending: of leaves with vertices
+  std::vector<std::vector<CreaseVertex>> vertices_;  // [origins]
+  std::size_t movedBack_ = 0, reverted_ = 0;
+};
+
+/// The vertices of one leaf, looked up by ascending offsets.
+class CreasesOfLeaf {
+ public:
+  ///   creases  or null
+  CreasesOfLeaf(const Creases* creases, const openvdb::Coord& origin)
+      : left_(creases != nullptr ? creases->of(origin) : std::span<const CreaseVertex>()) {}
+
+  /// Returns the vertex of a cell's position, or null.
+  [[nodiscard]] const CreaseVertex* find(std::uint32_t offset, const CellSheets& sheets,
+                                         unsigned position);
+
+ private:
+  std::span<const CreaseVertex> left_;
+};
+
+/// Returns bits of the edges of a position.
+[[nodiscard]] std::uint16_t edgesOf(const CellSheets& sheets, unsigned position);
+
+}  // namespace sherd
