@@ -87,9 +87,12 @@ class PairsOfMesh {
   bool edgesMeet(std::uint32_t a, const std::array<bool, 3>& isShared, std::ptrdiff_t common,
                  std::uint32_t b) const {
     const Corners own = corners(a), other = corners(b);
+    const Box box = boxOf(other);
     for (std::size_t k = 0; k < 3; ++k) {
       const std::size_t end = (k + 1) % 3;
       if (common > 0 && (isShared[k] || isShared[end])) continue;
+      // Saves exact arithmetic for triangles in one plane beside each other.
+      if (!meet(boxOf({own[k], own[end], own[end]}), box)) continue;
       if (meets(own[k], own[end], other)) return true;
     }
     return false;

@@ -65,7 +65,7 @@ std::optional<CellVertex> creaseOfBoundary(const Crossings& crossings) {
   const int rank = creasePoint(outer.span(), crossings.mean, cell).rank;
   if (rank == 1) return std::nullopt;
   return CellVertex{creasePoint(all.span(), crossings.mean, cell).at,
-                    creasePoint(all.span(), crossings.mean, cellBox(-kMaxOutside)).at,
+                    creasePoint(all.span(), crossings.mean, cell).at,
                     static_cast<std::uint8_t>(rank)};
 }
 

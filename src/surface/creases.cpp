@@ -5,7 +5,9 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <glm/common.hpp>
 #include <memory>
+#include <tuple>
 #include <utility>
 
 #include "base/cancel_flag.h"
@@ -79,7 +81,7 @@ class Creases::Finding {
     throwIfCancelled(progress);
     const auto crossings =
         selfCrossings(triangles.vertices, triangles.all, progress, {.of = triangles.hasCrease});
-    std::vector<std::uint32_t> moved;  // vertices
+    std::vector<std::uint32_t> moved = coincident(triangles);  // vertices
     for (const auto& pair : crossings) {
       for (const std::uint32_t t : pair) {
         for (int k = 0; k < 3; ++k) {
@@ -101,6 +103,28 @@ class Creases::Finding {
       std::erase_if(to_.vertices_[i], [](const CreaseVertex& v) { return v.edges == 0; });
     }
     return leaves;
+  }
+
+  // Vertices of several cells on one corner of the input, up to rounding: they are apart here, but
+  // may be one in world units.
+  static std::vector<std::uint32_t> coincident(const Triangles& triangles) {
+    constexpr double kGrid = 0x1p-14;  // voxels
+    std::vector<std::pair<std::tuple<double, double, double>, std::uint32_t>> all;
+    for (std::uint32_t v = 0; v < triangles.vertices.size(); ++v) {
+      if (triangles.creaseOf[v] == nullptr || triangles.isNear[v] == 0) continue;
+      const glm::dvec3 at = glm::round(triangles.vertices[v] / kGrid);
+      all.emplace_back(std::tuple(at.x, at.y, at.z), v);
+    }
+    std::sort(all.begin(), all.end());
+    std::vector<std::uint32_t> out;
+    for (std::size_t i = 1; i < all.size(); ++i) {
+      const std::uint32_t v = all[i].second, other = all[i - 1].second;
+      if (all[i].first != all[i - 1].first) continue;
+      if (triangles.creaseOf[v] == triangles.creaseOf[other]) continue;  // sheets of one cell
+      out.push_back(v);
+      out.push_back(other);
+    }
+    return out;
   }
 
   void stepBack(CreaseVertex& vertex) {
