@@ -135,7 +135,7 @@ void writeMeshFile(FileSink& files, const std::filesystem::path& file, const Sou
 [[nodiscard]] std::vector<std::string> lossesOf(const SourceMesh& source, MeshFileFormat format);
 
 /// The path of `sherd-assimp` (src/assimp_program/): the value of the environment variable
-/// SHERD_ASSIMP, else beside the running program or where it is installed.
+/// SHERD_ASSIMP, else beside the running program, where it is installed, or in a wheel.
 struct AssimpProgram {
   std::optional<std::filesystem::path> found;
   std::vector<std::filesystem::path> tried;

@@ -1,6 +1,7 @@
 // Reads FBX, DAE and 3MF files by Assimp, in a separate process.
 #include "formats/mesh/read_assimp.h"
 
+#include <dlfcn.h>
 #include <fcntl.h>
 #include <poll.h>
 #include <sherd/files.h>
@@ -173,6 +174,16 @@ void readTextures(const MeshFile& file, RawMesh& mesh) {
   }
 }
 
+// Returns the folder of the shared library that holds this code; nothing where the program does.
+std::optional<fs::path> libraryFolder(const fs::path& program) {
+  Dl_info info{};
+  std::error_code error;
+  if (::dladdr(static_cast<const void*>(&kProgram), &info) == 0) return {};
+  const fs::path file = fs::canonical(info.dli_fname, error);
+  if (error || file == program) return {};
+  return file.parent_path();
+}
+
 }  // namespace
 
 AssimpProgram findAssimp() {
@@ -181,9 +192,12 @@ AssimpProgram findAssimp() {
   if (const char* named = std::getenv("SHERD_ASSIMP"); named != nullptr) {
     program.tried.emplace_back(named);
   } else {
-    const fs::path here = fs::read_symlink("/proc/self/exe", error).parent_path();
-    program.tried = {here / kProgram, here / SHERD_LIBEXEC_FROM_BIN / kProgram,
-                     fs::path(SHERD_LIBEXEC) / kProgram};
+    const fs::path self = fs::read_symlink("/proc/self/exe", error);
+    const fs::path here = self.parent_path();
+    if (const auto library = libraryFolder(self)) program.tried = {*library / "bin" / kProgram};
+    program.tried.insert(program.tried.end(),
+                         {here / kProgram, here / SHERD_LIBEXEC_FROM_BIN / kProgram,
+                          fs::path(SHERD_LIBEXEC) / kProgram});
   }
   for (const fs::path& path : program.tried) {
     if (::access(path.c_str(), X_OK) != 0 || !fs::is_regular_file(path, error)) continue;
