@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Functions of more than 60 lines: prints them and fails.
 
-Universal Ctags finds the functions of src, include, kernels, tests and tools, in a second.  (clang-tidy's readability-function-size needs minutes, since it compiles
+Universal Ctags finds the functions of src, include, kernels, python, tests and tools, in a second.  (clang-tidy's readability-function-size needs minutes, since it compiles
 every file, and cannot read kernels.)
 """
 import json
@@ -13,7 +13,7 @@ MOST = 60
 ROOT = pathlib.Path(__file__).parents[1]
 tags = subprocess.run(
     ["ctags", "-R", "--output-format=json", "--languages=C++,Python", "--langmap=C++:+.cl", "--kinds-C++=f", "--kinds-Python=fm", "--fields=+ne", "-f", "-",
-     "src", "include", "kernels", "tests", "tools"],
+     "src", "include", "kernels", "python", "tests", "tools"],
     cwd=ROOT, stdout=subprocess.PIPE, check=True, text=True).stdout
 functions = [json.loads(line) for line in tags.splitlines()]
 functions = [f for f in functions if "end" in f]

@@ -1,0 +1,214 @@
+"""Keywords, made from the option table of the library: names, ranges, defaults and help are its rows."""
+
+from __future__ import annotations
+
+import inspect
+import numbers
+import operator
+import os
+from typing import Any, Callable, Iterable, Iterator, Mapping
+
+from . import _core
+from ._errors import UsageError
+
+class Row:
+    """A row of the option table."""
+
+    def __init__(self, row: dict[str, Any]) -> None:
+        self.name: str = row["name"]
+        self.keyword: str = row["keyword"]
+        self.group: str = row["group"]
+        self.type: str = row["type"]
+        self.range: str = row["range"]
+        self.choices: list[str] = row["choices"]
+        self.default: str = row["default"]
+        self.unit: str = row["unit"]
+        self.help: str = row["help"]
+        self.repeats: bool = row["repeats"]
+
+    def texts(self, value: Any) -> list[str]:
+        """Returns a value as on the command line; several texts where the option repeats."""
+        if self.repeats and not isinstance(value, str):
+            if not _is_sequence(value):
+                raise UsageError(f"{self.keyword}: a list is needed, each item one {self.range}")
+            items = [value] if value and all(_is_number(v) for v in value) else value
+            return [self._text(item) for item in items]
+        return [self._text(value)]
+
+    def _text(self, value: Any) -> str:
+        if _is_sequence(value):
+            return ",".join(self._text(item) for item in value)
+        if isinstance(value, (str, os.PathLike)):
+            return os.fspath(value) if not isinstance(value, str) else value
+        if _is_flag(value):
+            if self.type not in ("flag", "text"):
+                raise UsageError(f"{self.keyword}: {value!r} is no value for it; {self.expected()}")
+            return "true" if value else "false"
+        if self.type == "flag":
+            raise UsageError(f"{self.keyword}: {value!r} is not True or False")
+        if _is_number(value):
+            return _number_text(value)
+        raise UsageError(f"{self.keyword}: a {type(value).__name__} is no value for it; {self.expected()}")
+
+    def expected(self) -> str:
+        """Describes the values: ``"0..1, voxels"``."""
+        values = " | ".join(self.choices) if self.choices else self.range
+        if self.choices and self.range:
+            values += f" | {self.range}"
+        return (values or "True or False") + (f", {self.unit}" if self.unit else "")
+
+    def default_value(self) -> Any:
+        """Returns the default as a Python value, None where the option has none."""
+        if self.type == "flag":
+            return self.default == "true"
+        if self.type in ("choices", "wholes", "numbers") or not self.default:
+            return tuple(self.default.split(",")) if self.default else None
+        for kind in (int, float):
+            try:
+                return kind(self.default)
+            except ValueError:
+                continue
+        return self.default
+
+
+def _is_flag(value: Any) -> bool:
+    return isinstance(value, bool) or type(value).__name__ in ("bool_", "bool") and hasattr(value, "dtype")
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, numbers.Number) and not isinstance(value, (bool, complex)) or _is_scalar_array(value)
+
+
+def _is_scalar_array(value: Any) -> bool:
+    return hasattr(value, "dtype") and getattr(value, "ndim", None) == 0
+
+
+def _is_sequence(value: Any) -> bool:
+    return isinstance(value, Iterable) and not isinstance(value, (str, bytes, os.PathLike, Mapping)) and not _is_scalar_array(value)
+
+
+def _number_text(value: Any) -> str:
+    try:
+        return str(operator.index(value))
+    except TypeError:
+        number = float(value)
+    return repr(int(number)) if number.is_integer() and abs(number) < 2**53 else repr(number)
+
+
+ROWS: dict[str, Row] = {row["keyword"]: Row(row) for row in _core.option_table()}
+_FILES = frozenset(("write", "voxel_format", "mesh_format", "plain_meshes", "precision", "up"))
+
+
+def _makes_solid(row: Row) -> bool:
+    return row.keyword in ("resolution", "voxel_size") or row.group == "Solid"
+
+
+SOLID = {k: r for k, r in ROWS.items() if _makes_solid(r)}
+VOXELIZE = {k: r for k, r in ROWS.items() if k in SOLID or k in ("preset", "surface")}
+SAVE = {k: r for k, r in ROWS.items() if k in _FILES or r.group in ("Points", "Files for hosts")}
+POINTS = {k: r for k, r in ROWS.items() if k in ("share_points", "point_sampler", "point_rule")}
+
+
+def given(options: Mapping[str, Any], accepted: Mapping[str, Row] = ROWS, function: str = "fracture") -> list[tuple[str, str]]:
+    """Returns options as names and texts; those that are None are left out.
+
+    Raises
+    ------
+    UsageError
+        A keyword that `accepted` lacks, or a value that the table refuses, naming the keyword.
+    """
+    texts = []
+    for keyword, value in options.items():
+        if keyword not in accepted:
+            raise UsageError(_unknown(keyword, accepted, function))
+        if value is not None:
+            texts += [(accepted[keyword].name, text) for text in accepted[keyword].texts(value)]
+    _core.check_options(texts)
+    return texts
+
+
+def _unknown(keyword: str, accepted: Mapping[str, Row], function: str) -> str:
+    import difflib
+
+    if keyword in ROWS:
+        return f"{keyword}: {function}() does not take it"
+    nearest = difflib.get_close_matches(keyword, accepted, 1)
+    return f"{keyword}: {function}() has no such keyword" + (f"; the nearest is {nearest[0]}" if nearest else "")
+
+
+class Options(Mapping[str, Any]):
+    """Options of a fracture, checked once: ``pysherd.fracture(solid, **options)``.
+
+    A read-only mapping from keywords to values, as they were given; it can be pickled and compared.
+
+    Parameters
+    ----------
+    **options
+        Keywords of `fracture`.
+
+    Raises
+    ------
+    UsageError
+        An unknown keyword, or a value out of its range.
+    """
+
+    def __init__(self, **options: Any) -> None:
+        given(options)
+        self._options = {k: v for k, v in options.items() if v is not None}
+
+    def __getitem__(self, keyword: str) -> Any:
+        return self._options[keyword]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._options)
+
+    def __len__(self) -> int:
+        return len(self._options)
+
+    def __repr__(self) -> str:
+        return "Options(" + ", ".join(f"{k}={v!r}" for k, v in self._options.items()) + ")"
+
+    @classmethod
+    def _of_texts(cls, texts: Iterable[tuple[str, str]]) -> Options:
+        """Returns options as they are recorded: numbers where the text is one."""
+        values: dict[str, Any] = {}
+        by_name = {row.name: row for row in ROWS.values()}
+        for name, text in texts:
+            row = by_name[name]
+            if row.repeats:
+                values.setdefault(row.keyword, []).append(text)
+            elif row.type == "flag":
+                values[row.keyword] = text == "true"
+            else:
+                values[row.keyword] = _value_of(row, text)
+        return cls(**values)
+
+
+def _value_of(row: Row, text: str) -> Any:
+    for kind in (int, float) if row.type in ("whole", "number", "length") else ():
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return text
+
+
+def _keyword_help(row: Row) -> str:
+    default = f", default {row.default}" if row.default and row.type != "flag" else ""
+    return f"{row.keyword} : {row.expected()}{default}\n    {row.help}."
+
+
+def documented(accepted: Mapping[str, Row]) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Decorates a function that takes options as ``**options``: its signature and its docstring list them."""
+
+    def with_table(function: Callable[..., Any]) -> Callable[..., Any]:
+        signature = inspect.signature(function)
+        own = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
+        keywords = [inspect.Parameter(k, inspect.Parameter.KEYWORD_ONLY, default=r.default_value()) for k, r in accepted.items()]
+        function.__signature__ = signature.replace(parameters=own + keywords)  # type: ignore[attr-defined]
+        if function.__doc__:
+            listed = "\n".join(_keyword_help(row) for row in accepted.values())
+            function.__doc__ = inspect.cleandoc(function.__doc__).replace("{options}", listed)
+        return function
+
+    return with_table

@@ -1,0 +1,196 @@
+"""Solids: objects that are voxelized and ready to be broken any number of times."""
+
+from __future__ import annotations
+
+import itertools
+import operator
+import warnings
+from typing import Any, Iterable, Iterator
+
+import numpy as np
+
+from . import _core, _jobs, _options
+from ._errors import Error, FileError, UsageError
+from ._inputs import object_of
+
+DEVICE = "builtin"  # which any process has, also a forked one
+_TOGETHER = 16  # fractures that grow at once
+
+
+class Solid:
+    """An object as voxels, prepared once for any number of fractures; `voxelize` makes it.
+
+    It can be pickled: the pickle holds the mesh and the options, and unpickling voxelizes it again, to the same bits.  Textures and
+    materials, which only `Fracture.save` reads, are not kept.
+
+    Attributes
+    ----------
+    name : str
+        File name of the mesh, or what it is.
+    shape : tuple of int
+        Voxels of the tight box along x, y and z.
+    origin : ndarray, shape (3,), float64
+        World position of the center of the box's first voxel.
+    voxel_size : float
+        World units per voxel.
+    voxels : int
+        Voxels of the solid.
+    components : int
+        Its connected components; each becomes a fragment of its own at least.
+    options : Options
+        The options that it was voxelized with.
+    """
+
+    def __init__(self, core: _core.Solid) -> None:
+        self._core = core
+
+    name: str = property(lambda self: self._core.name)  # type: ignore[assignment]
+    shape: tuple[int, int, int] = property(lambda self: self._core.shape)  # type: ignore[assignment]
+    voxel_size: float = property(lambda self: self._core.voxel_size)  # type: ignore[assignment]
+    voxels: int = property(lambda self: self._core.voxels)  # type: ignore[assignment]
+    components: int = property(lambda self: self._core.components)  # type: ignore[assignment]
+
+    @property
+    def origin(self) -> np.ndarray[Any, Any]:
+        """World position of the center of the box's first voxel, shape (3,), float64."""
+        return np.array(self._core.origin)
+
+    @property
+    def options(self) -> _options.Options:
+        """The options that it was voxelized with."""
+        return _options.Options._of_texts(self._core.given)
+
+    def __repr__(self) -> str:
+        return f"<pysherd.Solid {self.name}: {self.voxels} voxels of {self.voxel_size:g}, {self.components} components>"
+
+    def fractures(
+        self,
+        pieces: int | Iterable[int] = 8,
+        seeds: int | Iterable[int] = (0,),
+        *,
+        device: str = DEVICE,
+        progress: _jobs.Progress | None = None,
+        **options: Any,
+    ) -> Iterator[Any]:
+        """Breaks the solid many times: for each number of pieces with each seed.
+
+        What all fractures share is made once, and several grow at a time, so this is faster than `fracture` in a loop, with the
+        same results.  Nothing of a fracture is kept here once the next is taken.
+
+        Parameters
+        ----------
+        pieces : int or iterable of int
+            Numbers of fragments, the outer loop.
+        seeds : int or iterable of int
+            Seeds, the inner loop.
+        device, progress, **options
+            As of `fracture`.
+
+        Yields
+        ------
+        Fracture
+
+        Raises
+        ------
+        Error
+            As `fracture`.
+        """
+        from ._fracture import break_solid
+
+        if "seed" in options:
+            raise UsageError("seed: fractures() takes seeds, a number or several")
+        given = fracture_options(self._core, options)
+        pairs = ((_whole("pieces", p), _whole("seeds", s)) for p in _each("pieces", pieces) for s in _each("seeds", seeds))
+        while some := list(itertools.islice(pairs, _TOGETHER)):
+            for p, s in some:
+                _options.given({"pieces": p, "seed": s})
+            yield from break_solid(self._core, given, some, device, progress)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _unpickled, (self._core.state,)
+
+
+def _whole(name: str, value: Any) -> int:
+    try:
+        return operator.index(value)
+    except TypeError:
+        raise UsageError(f"{name}: {value!r} is not a whole number") from None
+
+
+def _each(name: str, values: Any) -> Iterable[Any]:
+    if isinstance(values, str):
+        raise UsageError(f"{name}: {values!r} is neither a whole number nor several")
+    if not hasattr(values, "__iter__"):
+        return (values,)
+    # The inner one is gone through once for each of the outer ones.
+    return values if isinstance(values, range) else tuple(values)
+
+
+def fracture_options(core: _core.Solid, options: dict[str, Any]) -> list[tuple[str, str]]:
+    """Returns the options of a fracture of a solid: its own and those given."""
+    for keyword in options:
+        if keyword in _options.SOLID and options[keyword] is not None:
+            raise UsageError(f"{keyword}: the solid is voxelized already; give it to voxelize()")
+    own = _options.given(options)
+    solid_names = {row.name for row in _options.SOLID.values()}
+    return [option for option in core.given if option[0] in solid_names] + own
+
+
+def core_solid(mesh: Any, texts: list[tuple[str, str]], device: str, progress: _jobs.Progress | None) -> _core.Solid:
+    """Voxelizes what `voxelize` takes."""
+    obj, is_file = object_of(mesh)
+    try:
+        core = _jobs.finish(_core.voxelize(obj, texts, checked_device(device)), progress)
+    except Error as e:
+        if is_file and e.code == FileError.code:
+            raise FileError(str(e), e.options) from None
+        raise
+    for sentence in core.warnings:
+        warnings.warn(sentence, stacklevel=3)
+    return core
+
+
+def checked_device(device: Any) -> str:
+    """Returns the name of a device."""
+    if not isinstance(device, str) or not device:
+        raise UsageError(f"device: {device!r} is not a name such as 'builtin', 'cpu' or 'gpu'")
+    return device
+
+
+@_options.documented(_options.VOXELIZE)
+def voxelize(mesh: Any, *, device: str = DEVICE, progress: _jobs.Progress | None = None, **options: Any) -> Solid:
+    """Voxelizes an object, so that it can be broken any number of times.
+
+    Parameters
+    ----------
+    mesh
+        A path to a mesh or a volume; a pair (vertices, faces) of arrays of shapes (n, 3) and (m, 3), of any dtype and order; an
+        object with both, such as a ``trimesh.Trimesh`` or a mesh of Open3D; or a volume, an array of shape (nx, ny, nz) of bool or
+        whole numbers that is solid where it is not 0, with voxels of size 1 about whole positions.  Arrays are copied once.
+    device : str
+        'builtin', or as ``sherd devices`` lists them.
+    progress : callable, optional
+        Called from this thread as ``progress(stage, fraction)``; returning False cancels.
+    {options}
+
+    Returns
+    -------
+    Solid
+
+    Raises
+    ------
+    InputError
+        Arrays that are no mesh, naming the argument at fault, or an object in which nothing is solid.
+    FileError
+        A file that is absent, damaged, or of another kind.
+    UsageError
+        A keyword or a value that the table refuses.
+    """
+    return Solid(core_solid(mesh, _options.given(options, _options.VOXELIZE, "voxelize"), device, progress))
+
+
+def _unpickled(state: dict[str, Any]) -> Solid:
+    obj = _core.object_of_state(
+        state["vertices"], state["faces"], state["level_set"], state["own_voxel_size"], state["name"], state["sha256"]
+    )
+    return Solid(_jobs.finish(_core.voxelize(obj, state["given"], DEVICE)))

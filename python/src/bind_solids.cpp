@@ -1,0 +1,165 @@
+// Objects to break, and solids, for Python.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+#include <sherd/error.h>
+#include <sherd/folder.h>
+
+#include <cstring>
+
+#include "arrays.h"
+#include "base/memory.h"
+#include "base/sha256.h"
+#include "solid.h"
+
+namespace pysherd {
+namespace {
+
+template <class Scalar>
+using Rows = nb::ndarray<const Scalar, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+using Mask = nb::ndarray<const std::uint8_t, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
+
+template <class Scalar>
+std::string_view bytesOf(const Rows<Scalar>& rows) {
+  return {reinterpret_cast<const char*>(rows.data()), rows.size() * sizeof(Scalar)};
+}
+
+template <class Vector, class Scalar>
+std::vector<Vector> vectorsOf(const Rows<Scalar>& rows) {
+  static_assert(sizeof(Vector) == 3 * sizeof(Scalar));
+  std::vector<Vector> vectors(rows.shape(0));
+  if (!vectors.empty()) std::memcpy(vectors.data(), rows.data(), bytesOf(rows).size());
+  return vectors;
+}
+
+// The Python side has checked shapes, numbers and indices.
+std::shared_ptr<Object> meshObject(const Rows<double>& vertices, const Rows<std::uint32_t>& faces) {
+  auto object = std::make_shared<Object>();
+  object->mesh.vertices = vectorsOf<glm::dvec3>(vertices);
+  object->mesh.triangles = vectorsOf<glm::uvec3>(faces);
+  sherd::Sha256 sum;
+  sum.add(bytesOf(vertices));
+  sum.add(bytesOf(faces));
+  object->sha256 = sum.text();
+  return object;
+}
+
+std::shared_ptr<Object> fileObject(std::string file) {
+  auto object = std::make_shared<Object>();
+  object->file = std::move(file);
+  return object;
+}
+
+std::vector<sherd::Run> runsOf(const Mask& mask) {
+  std::vector<sherd::Run> runs;
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    const auto label = static_cast<std::uint16_t>(mask.data()[i] != 0);
+    const bool isNext = !runs.empty() && runs.back().label == label &&
+                        runs.back().length < std::numeric_limits<std::uint32_t>::max();
+    if (!isNext) runs.push_back({label, 0});
+    ++runs.back().length;
+  }
+  return runs;
+}
+
+std::shared_ptr<Object> volumeObject(const Mask& mask) {
+  auto object = std::make_shared<Object>();
+  const auto side = [&](std::size_t axis) { return static_cast<int>(mask.shape(axis)); };
+  object->voxels = {{{side(0), side(1), side(2)}, runsOf(mask)}, sherd::VoxelTransform{}};
+  object->name = "volume";
+  object->sha256 = sherd::sha256({reinterpret_cast<const char*>(mask.data()), mask.size()});
+  return object;
+}
+
+/// Keeps one file in memory.
+struct InMemory : sherd::FileSink {
+  std::string bytes;
+  void take(const std::string&, const sherd::Content& content) override {
+    content([this](std::string_view more) { bytes += more; });
+  }
+};
+
+// What pickle keeps of a solid: its mesh, or the level set of one that has none.
+nb::dict stateOf(const Solid& solid) {
+  const sherd::SourceMesh& source = solid.source();
+  nb::dict state;
+  state["name"] = source.name;
+  state["sha256"] = source.sha256;
+  state["given"] = solid.given();
+  state["own_voxel_size"] = solid.ownVoxelSize();
+  state["vertices"] = arrayOf(source.mesh.vertices);
+  state["faces"] = arrayOf(source.mesh.triangles);
+  InMemory file;
+  if (source.mesh.triangles.empty()) {
+    const auto write = [&] {
+      sherd::writeVdbOfSolid(sherd::OutputFile(file, "solid.vdb"), solid.solid(), {});
+    };
+    freeElsewhere(write);  // which uses TBB
+  }
+  state["level_set"] = nb::bytes(file.bytes.data(), file.bytes.size());
+  return state;
+}
+
+std::shared_ptr<Object> objectOfState(const Rows<double>& vertices,
+                                      const Rows<std::uint32_t>& faces, const nb::bytes& levelSet,
+                                      double ownVoxelSize, std::string name, std::string sha256) {
+  std::shared_ptr<Object> object = meshObject(vertices, faces);
+  object->levelSet.assign(levelSet.c_str(), levelSet.size());
+  object->ownVoxelSize = ownVoxelSize;
+  object->name = std::move(name);
+  object->sha256 = std::move(sha256);
+  return object;
+}
+
+Job* voxelizeJob(const std::shared_ptr<Object>& object, GivenOptions given, std::string device) {
+  return new Job([object, given = std::move(given),
+                  device = std::move(device)](const sherd::Progress& progress) -> Made {
+    const SolidPtr solid = voxelized(std::move(*object), given, device, progress);
+    return [solid] { return nb::cast(solid); };
+  });
+}
+
+// What may be lost of the object, in sentences; what is lost of its volume is known of fragments.
+std::vector<std::string> warningsOf(const Solid& solid) {
+  sherd::FractureResult result;
+  result.solid = solid.solid();
+  result.fragments.emplace_back().mass.volume = result.solid.report.meshVolume;
+  std::vector<std::string> warnings = solid.source().warnings;
+  for (std::string& own : meshWarnings(solid.source(), result)) warnings.push_back(std::move(own));
+  return warnings;
+}
+
+nb::tuple vectorOf(const glm::dvec3& v) { return nb::make_tuple(v.x, v.y, v.z); }
+
+}  // namespace
+
+void bindSolids(nb::module_& module) {
+  nb::class_<Object>(module, "Object");
+  module.def("mesh_object", meshObject);
+  module.def("file_object", fileObject);
+  module.def("volume_object", volumeObject);
+  module.def("object_of_state", objectOfState);
+  module.def("voxelize", voxelizeJob, nb::rv_policy::take_ownership);
+  module.def("free_memory", sherd::freeMemory);
+  nb::class_<Solid>(module, "Solid")
+      .def_prop_ro("state", stateOf)
+      .def_prop_ro("warnings", warningsOf)
+      .def_prop_ro("given", &Solid::given)
+      .def_prop_ro("name", [](const Solid& s) { return s.source().name; })
+      .def_prop_ro("components", &Solid::components)
+      .def_prop_ro("voxels", [](const Solid& s) { return s.solid().voxels; })
+      .def_prop_ro("voxel_size", [](const Solid& s) { return s.solid().frame.voxelSize; })
+      .def_prop_ro("keeps_mesh", [](const Solid& s) { return s.solid().mesh != nullptr; })
+      .def_prop_ro("shape",
+                   [](const Solid& s) {
+                     const openvdb::Coord dims = s.solid().box.dims();
+                     return nb::make_tuple(dims.x(), dims.y(), dims.z());
+                   })
+      .def_prop_ro("origin", [](const Solid& s) {
+        return vectorOf(s.solid().frame.worldFromIndex(s.solid().box.min));
+      });
+}
+
+}  // namespace pysherd

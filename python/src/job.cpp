@@ -1,0 +1,202 @@
+// Work on a thread of its own, beside the interpreter.
+#include "job.h"
+
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <sherd/error.h>
+#include <sys/eventfd.h>
+#include <tbb/task_arena.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <condition_variable>
+#include <csignal>
+#include <exception>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <system_error>
+#include <thread>
+
+#include "process.h"
+
+namespace pysherd {
+
+struct Job::State {
+  State() : file(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+    if (file < 0) throw std::system_error(errno, std::generic_category(), "no file for a job");
+  }
+  ~State() { ::close(file); }
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+
+  const int file;
+  std::thread thread;               // of the caller; joined, or detached when the job is abandoned
+  std::atomic<bool> isDone{false};  // nothing follows but the end of the thread
+  std::atomic<bool> isCancelled{false};
+  std::mutex mutex;  // guards the two below
+  std::string stage;
+  double fraction = 0.0;
+  // Of the work, until `file` can be read:
+  Made made;
+  std::exception_ptr error;
+};
+
+namespace {
+
+// All jobs of this process.  Never destroyed: threads may outlive the end of main().
+struct Jobs {
+  std::mutex mutex;
+  std::condition_variable ended;
+  std::set<Job::State*> running;
+  bool isClosing = false;
+};
+Jobs* jobs = new Jobs;
+std::atomic<int> mostThreads{0};
+
+void begin(Job::State& state) {
+  const std::lock_guard lock(jobs->mutex);
+  if (jobs->isClosing) {
+    throw sherd::Error(sherd::ErrorCode::cancelled, "the interpreter is closing");
+  }
+  jobs->running.insert(&state);
+}
+
+void end(Job::State& state) {
+  Jobs& all = *jobs;
+  {
+    const std::lock_guard lock(all.mutex);
+    all.running.erase(&state);
+  }
+  state.isDone = true;
+  all.ended.notify_all();
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const auto written = ::write(state.file, &one, sizeof one);
+}
+
+sherd::Progress progressOf(Job::State& state) {
+  return {.report =
+              [&state](std::string_view stage, double fraction) {
+                const std::lock_guard lock(state.mutex);
+                state.stage = stage;
+                state.fraction = fraction;
+              },
+          .cancelled = [&state] { return state.isCancelled.load(std::memory_order_relaxed); }};
+}
+
+void runWork(Job::State& state, Work work) {
+  const sherd::Progress progress = progressOf(state);
+  const int most = threadLimit();
+  try {
+    if (most > 0) {
+      tbb::task_arena arena(most);
+      arena.execute([&] { state.made = work(progress); });
+    } else {
+      state.made = work(progress);
+    }
+  } catch (...) {
+    state.error = std::current_exception();
+  }
+  work = nullptr;  // frees what it holds on this thread, before the caller goes on
+}
+
+// Signals are for the interpreter's thread, and TBB's threads inherit what is blocked here.
+class BlockedSignals {
+ public:
+  BlockedSignals() {
+    sigset_t all;
+    ::sigfillset(&all);
+    ::pthread_sigmask(SIG_BLOCK, &all, &before_);
+  }
+  ~BlockedSignals() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  BlockedSignals(const BlockedSignals&) = delete;
+  BlockedSignals& operator=(const BlockedSignals&) = delete;
+
+ private:
+  sigset_t before_{};
+};
+
+}  // namespace
+
+Job::Job(Work work) : state_(std::make_shared<State>()) {
+  requireUsableProcess();
+  begin(*state_);
+  const BlockedSignals blocked;
+  try {
+    state_->thread = std::thread([state = state_, work = std::move(work)]() mutable {
+      runWork(*state, std::move(work));
+      end(*state);
+    });
+  } catch (const std::system_error&) {
+    end(*state_);
+    throw sherd::Error(sherd::ErrorCode::device, "the system has no thread left for the work");
+  }
+}
+
+Job::~Job() {
+  cancel();
+  if (!state_->thread.joinable()) return;
+  if (state_->isDone) {
+    state_->thread.join();  // which frees what TBB keeps for it
+  } else {
+    state_->thread.detach();
+  }
+}
+
+int Job::file() const { return state_->file; }
+
+std::pair<std::string, double> Job::progress() const {
+  const std::lock_guard lock(state_->mutex);
+  return {state_->stage, state_->fraction};
+}
+
+void Job::cancel() { state_->isCancelled = true; }
+
+nb::object Job::result() {
+  if (state_->thread.joinable()) state_->thread.join();
+  if (state_->error) std::rethrow_exception(std::exchange(state_->error, nullptr));
+  const Made made = std::exchange(state_->made, nullptr);
+  return made ? made() : nb::none();
+}
+
+std::size_t runningJobs() {
+  const std::lock_guard lock(jobs->mutex);
+  return jobs->running.size();
+}
+
+void waitForCancelled(std::chrono::milliseconds limit) {
+  std::unique_lock lock(jobs->mutex);
+  jobs->ended.wait_for(lock, limit, [] {
+    return std::none_of(jobs->running.begin(), jobs->running.end(),
+                        [](const Job::State* state) { return state->isCancelled.load(); });
+  });
+}
+
+void closeJobs(std::chrono::milliseconds limit) {
+  std::unique_lock lock(jobs->mutex);
+  jobs->isClosing = true;
+  for (Job::State* const state : jobs->running) state->isCancelled = true;
+  jobs->ended.wait_for(lock, limit, [] { return jobs->running.empty(); });
+}
+
+void forgetJobs() { jobs = new Jobs; }  // whose mutex may be locked for good here
+
+void limitThreads(int most) { mostThreads = most; }
+int threadLimit() { return mostThreads; }
+
+void bindJobs(nb::module_& module) {
+  nb::class_<Job>(module, "Job")
+      .def_prop_ro("file", &Job::file)
+      .def_prop_ro("progress", &Job::progress)
+      .def("cancel", &Job::cancel)
+      .def("result", &Job::result);
+  module.def(
+      "close_jobs", [](int milliseconds) { closeJobs(std::chrono::milliseconds(milliseconds)); },
+      nb::call_guard<nb::gil_scoped_release>());
+  module.def("limit_threads", limitThreads);
+  module.def("thread_limit", threadLimit);
+}
+
+}  // namespace pysherd

@@ -1,0 +1,89 @@
+// A fracture read from its folder.
+#include <sherd/error.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "base/input_error.h"
+#include "folder/read_manifest.h"
+#include "fracture.h"
+#include "points/sample_surface.h"
+
+namespace pysherd {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using sherd::Contact;
+using sherd::Fragment;
+
+glm::dvec3 vectorIn(const json& numbers) {
+  return {numbers.at(0).get<double>(), numbers.at(1).get<double>(), numbers.at(2).get<double>()};
+}
+
+std::vector<Contact> contactsIn(const json& fragment) {
+  std::vector<Contact> contacts;
+  for (const json& own : fragment.at("contacts")) {
+    contacts.push_back({own.at("id").get<int>(), own.at("area").get<double>(),
+                        vectorIn(own.at("normal")), vectorIn(own.at("centroid"))});
+  }
+  return contacts;
+}
+
+}  // namespace
+
+LoadedPieces::LoadedPieces(const std::string& folder)
+    : file_(fs::is_directory(folder) ? (fs::path(folder) / sherd::kManifestName).string() : folder),
+      manifest_(sherd::readManifest(file_)) {
+  const json manifest = sherd::manifestJson(file_).value();
+  try {
+    frame_ = {vectorIn(manifest.at("grid").at("origin")), manifest_.voxelSize};
+    for (const json& fragment : manifest.at("fragments")) {
+      if (fragment.value("withheld", false)) continue;
+      contacts_.push_back(contactsIn(fragment));
+    }
+  } catch (const json::exception& e) {
+    sherd::inputError(file_, std::string("is no manifest of this version: ") + e.what());
+  }
+}
+
+VoxelIds LoadedPieces::labels() const {
+  for (const char* name : {"labels.rle", "labels.npy", "labels.npz", "labels.qstack"}) {
+    if (std::find(manifest_.files.begin(), manifest_.files.end(), name) == manifest_.files.end()) {
+      continue;
+    }
+    sherd::VoxelLabels read = expand(sherd::readVoxels(sherd::listedFile(file_, name)).voxels);
+    for (std::uint16_t& label : read.labels) {  // 1 is the solid's, k + 1 is fragment k's
+      if (label != 0) label = label == 1 ? kNoFragment : static_cast<std::uint16_t>(label - 1);
+    }
+    return {read.dims, std::move(read.labels)};
+  }
+  sherd::inputError(file_, "the fracture was written without labels.rle, .npy, .npz or .qstack");
+}
+
+const std::vector<Fragment>& LoadedPieces::meshed(const sherd::Progress& progress) {
+  const std::lock_guard lock(making_);
+  if (!meshed_.empty()) return meshed_;
+  sherd::reportProgress(&progress, "read", 0.0);
+  std::vector<Fragment> fragments = sherd::readPieces(fs::path(file_).parent_path());
+  if (fragments.size() != manifest_.fragments.size() || contacts_.size() != fragments.size()) {
+    sherd::inputError(file_, "lists another number of fragments than there are files of");
+  }
+  for (std::size_t i = 0; i < fragments.size(); ++i) {
+    const sherd::ManifestFragment& listed = manifest_.fragments[i];
+    fragments[i].voxels = listed.voxels;
+    fragments[i].area = listed.area;
+    fragments[i].fractureArea = listed.fractureArea;
+    fragments[i].contacts = contacts_[i];
+  }
+  meshed_ = std::move(fragments);
+  sherd::reportProgress(&progress, "read", 1.0);
+  return meshed_;
+}
+
+sherd::SurfacePoints LoadedPieces::pointsOf(std::size_t i, const sherd::PointOptions& options) {
+  return samplePoints(meshed_[i].mesh, options);
+}
+
+}  // namespace pysherd

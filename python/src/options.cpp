@@ -1,0 +1,136 @@
+// The option table, as Python sees it.
+#include "options.h"
+
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+#include <sherd/error.h>
+#include <sherd/files.h>
+#include <sherd/folder.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "folder/read_manifest.h"
+#include "options/record.h"
+
+namespace pysherd {
+
+namespace nb = nanobind;
+using sherd::Error;
+using sherd::ErrorCode;
+using sherd::FractureOptionRow;
+using sherd::RunOptions;
+
+namespace {
+
+constexpr const char* kTypes[] = {"flag",    "whole",  "number",  "length", "choice",
+                                  "choices", "wholes", "numbers", "text"};
+
+// Returns the default as text; empty where the option has none that could be given.
+std::string defaultOf(const FractureOptionRow& row) {
+  RunOptions options;
+  const std::string text = row.value.text(options);
+  try {
+    row.value.set(options, text);
+  } catch (const Error&) {
+    return {};
+  }
+  return text;
+}
+
+nb::dict dictOf(const FractureOptionRow& row) {
+  nb::dict dict;
+  dict["name"] = row.name;
+  dict["keyword"] = keywordOf(row.name);
+  dict["alias"] = keywordOf(row.alias);
+  dict["group"] = row.group;
+  dict["type"] = kTypes[static_cast<std::size_t>(row.value.type)];
+  dict["range"] = row.value.range;
+  dict["choices"] = row.value.choices;
+  dict["default"] = defaultOf(row);
+  dict["unit"] = row.unit;
+  dict["help"] = row.help;
+  dict["repeats"] = row.repeats;
+  return dict;
+}
+
+nb::list table() {
+  nb::list rows;
+  for (const FractureOptionRow& row : sherd::fractureOptionTable()) {
+    if (!row.hidden) rows.append(dictOf(row));
+  }
+  return rows;
+}
+
+void setRow(RunOptions& options, const FractureOptionRow& row, const std::string& text) {
+  try {
+    row.value.set(options, text);
+  } catch (const Error& e) {
+    throw Error(e.code(), keywordOf(row.name) + ": " + e.what());
+  }
+}
+
+void checkRelations(const FractureOptionRow& row, const GivenOptions& given) {
+  if (*row.excludes != '\0' && isGiven(given, row.excludes)) {
+    throw Error(ErrorCode::usage, keywordOf(row.name) + " cannot be given with " +
+                                      keywordOf(row.excludes) + "; omit one of them");
+  }
+  if (*row.needs != '\0' && !isGiven(given, row.needs)) {
+    throw Error(ErrorCode::usage, keywordOf(row.name) + " needs " + keywordOf(row.needs));
+  }
+}
+
+// Returns the options that a fracture's manifest records, but for those with their defaults.
+GivenOptions optionsOfManifest(const std::string& file) {
+  const auto manifest = sherd::manifestJson(file);
+  if (!manifest) throw Error(ErrorCode::input, file + ": is not a fracture's manifest");
+  const RunOptions recorded =
+      sherd::optionsRecorded(manifest->value("options", nlohmann::json::object()));
+  GivenOptions given;
+  for (const FractureOptionRow& row : sherd::fractureOptionTable()) {
+    const std::string text = row.value.text(recorded);
+    if (row.hidden || text == row.value.text(RunOptions{})) continue;
+    std::istringstream parts(text);  // those of an option that repeats are separated by spaces
+    for (std::string part; row.repeats && parts >> part;) given.emplace_back(row.name, part);
+    if (!row.repeats) given.emplace_back(row.name, text);
+  }
+  return given;
+}
+
+}  // namespace
+
+std::string keywordOf(std::string name) {
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+bool isGiven(const GivenOptions& given, const char* name) {
+  return std::any_of(given.begin(), given.end(),
+                     [&](const auto& option) { return option.first == name; });
+}
+
+RunOptions optionsFrom(const GivenOptions& given) {
+  RunOptions options;
+  for (const FractureOptionRow& row : sherd::fractureOptionTable()) {  // the preset comes first
+    for (const auto& [name, text] : given) {
+      if (row.hidden || name != row.name) continue;
+      setRow(options, row, text);
+      checkRelations(row, given);
+    }
+  }
+  auto& seeds = options.fracture.seeds.given;
+  if (seeds && seeds->points.empty()) seeds->points = sherd::readSeedPoints(seeds->file);
+  options.volume.ownVoxels =
+      !isGiven(given, "voxel-size") && options.fracture.solid.resolution == sherd::kAutoResolution;
+  return options;
+}
+
+void bindOptions(nb::module_& module) {
+  module.def("option_table", table);
+  module.def("check_options", [](const GivenOptions& given) { (void)optionsFrom(given); });
+  module.def("recorded_options", optionsOfManifest);
+}
+
+}  // namespace pysherd

@@ -1,0 +1,29 @@
+// The option table, as Python sees it.
+#pragma once
+
+#include <nanobind/nanobind.h>
+#include <sherd/options.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace pysherd {
+
+/// Names of options and texts of values, in the order of the table; an option that repeats may
+/// appear several times.
+using GivenOptions = std::vector<std::pair<std::string, std::string>>;
+
+/// Sets the options by the rows of the table, and reads the file of `seeds`.
+///   throws  Error(usage) naming the keyword; Error(input) the file of seeds
+[[nodiscard]] sherd::RunOptions optionsFrom(const GivenOptions& given);
+
+/// Whether an option is among those given.
+[[nodiscard]] bool isGiven(const GivenOptions& given, const char* name);
+
+/// Returns the keyword of an option: its name with underscores.
+[[nodiscard]] std::string keywordOf(std::string name);
+
+void bindOptions(nanobind::module_& module);
+
+}  // namespace pysherd

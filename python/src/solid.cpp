@@ -1,0 +1,160 @@
+// Objects to break: read, checked and voxelized.
+#include "solid.h"
+
+#include <sherd/error.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <memory>
+#include <thread>
+#include <utility>
+
+#include "base/memory.h"
+#include "formats/mesh/merge.h"
+#include "formats/voxels/voxel_faces.h"
+#include "process.h"
+
+namespace pysherd {
+
+using sherd::Error;
+using sherd::ErrorCode;
+using sherd::Progress;
+using sherd::RunOptions;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// An object as read: a mesh to be voxelized, or a solid on its own voxels.
+struct Read {
+  sherd::SourceMesh source;
+  std::optional<sherd::Solid> solid{};
+  double voxelSize = 0.0;  // of voxels that were given
+};
+
+// A file that is removed again.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(const std::string& bytes) {
+    std::string name = (fs::temp_directory_path() / "sherd-XXXXXX.vdb").string();
+    const int file = ::mkstemps(name.data(), 4);
+    if (file < 0) throw Error(ErrorCode::output, name + ": cannot be made");
+    ::close(file);
+    path_ = name;
+    std::ofstream(path_, std::ios::binary) << bytes;
+  }
+  ~TemporaryFile() {
+    std::error_code ignored;
+    fs::remove(path_, ignored);
+  }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+
+  [[nodiscard]] const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+Read readVolumeAt(const fs::path& file, const RunOptions& run, const Progress& progress) {
+  sherd::Volume volume = sherd::readVolume(file, run.volume, &progress);
+  return {std::move(volume.source), std::move(volume.solid),
+          run.volume.ownVoxels ? volume.voxelSize : 0.0};
+}
+
+// Returns a mesh of arrays as a reader of files does.
+sherd::SourceMesh merged(Object& object) {
+  sherd::SourceMesh source = sherd::mergeVertices(std::move(object.mesh));
+  if (source.mesh.triangles.empty()) {
+    throw Error(ErrorCode::input, "faces: none has three different corners");
+  }
+  return source;
+}
+
+sherd::SourceMesh facesOf(const Object& object, std::uint64_t memory, const Progress& progress) {
+  constexpr std::uint64_t kBytesPerTriangle = 240;  // docs/performance.md, "Memory"
+  constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max() / 2;
+  const std::uint64_t most = std::min(memory / kBytesPerTriangle, kMost);
+  auto faces =
+      sherd::voxelFaces(object.voxels->voxels, object.voxels->transform->frame, most, &progress);
+  if (!faces) sherd::requireMemory("volume: its surface", (most + 1) * kBytesPerTriangle, 0);
+  if (faces->triangles.empty()) throw Error(ErrorCode::input, "volume: nothing in it is solid");
+  sherd::SourceMesh source;
+  source.mesh = std::move(*faces);
+  return source;
+}
+
+Read readObject(Object& object, const RunOptions& run, const Progress& progress) {
+  if (!object.file.empty() && sherd::isVolumeName(object.file)) {
+    return readVolumeAt(object.file, run, progress);
+  }
+  if (!object.file.empty()) {
+    return {sherd::readMesh(object.file, {.maxMemory = run.volume.maxMemory}, &progress), {}, 0.0};
+  }
+  Read read;
+  if (!object.levelSet.empty()) {
+    read = readVolumeAt(TemporaryFile(object.levelSet).path(), run, progress);
+  } else if (object.voxels) {
+    read.source = facesOf(object, run.volume.maxMemory, progress);
+    read.voxelSize = run.volume.ownVoxels ? object.voxels->transform->frame.voxelSize : 0.0;
+  } else {
+    read.source = merged(object);
+    read.voxelSize = object.ownVoxelSize;
+  }
+  read.source.name = object.name;
+  read.source.stem = fs::path(object.name).stem().string();
+  read.source.sha256 = object.sha256;
+  return read;
+}
+
+sherd::Solid solidOf(Read& read, sherd::FractureOptions options, std::uint64_t memory,
+                     const Progress& progress) {
+  if (read.solid) return std::move(*read.solid);
+  if (read.voxelSize > 0.0) options.solid.voxelSize = read.voxelSize;
+  sherd::requireMemory(read.source.mesh, options, memory);
+  options.solid.keepMesh = options.surface.surface == sherd::Surface::exact;
+  return sherd::voxelize(read.source.mesh, options.solid, &progress);
+}
+
+}  // namespace
+
+void freeElsewhere(const std::function<void()>& free) {
+  try {
+    std::thread(free).join();
+  } catch (const std::system_error&) {  // there is no thread
+    free();
+  }
+}
+
+sherd::PreparedSolid Solid::prepared(bool withSurface) const {
+  constexpr std::size_t kMaxLeaves = 50'000;  // as in a dataset, for its memory
+  sherd::PreparedSolid ready = ready_;
+  if (withSurface && solid().blocks->count() <= kMaxLeaves) {
+    std::call_once(surfaceMade_, [&] { surface_ = sherd::intactSurface(solid()); });
+    ready.surface = surface_;
+  }
+  return ready;
+}
+
+SolidPtr voxelized(Object object, const GivenOptions& given, const std::string& device,
+                   const Progress& progress) {
+  RunOptions run = optionsFrom(given);
+  run.volume.maxMemory = sherd::freeMemory();
+  const std::string file = object.file;
+  Read read = readObject(object, run, progress);
+  try {
+    sherd::Solid solid = solidOf(read, run.fracture, run.volume.maxMemory, progress);
+    LeasedDevice leased(device);
+    return freedElsewhere(std::make_unique<Solid>(given, read.voxelSize, std::move(read.source),
+                                                  sherd::prepared(std::move(solid), *leased)));
+  } catch (const Error& e) {
+    if (e.code() != ErrorCode::input) throw;  // what the stages say of an object without its name
+    throw Error(e.code(), (file.empty() ? "mesh" : file) + ": " + e.what(), e.options());
+  }
+}
+
+}  // namespace pysherd

@@ -1,0 +1,81 @@
+// Objects to break: read, checked and voxelized.
+#pragma once
+
+#include <nanobind/nanobind.h>
+#include <sherd/files.h>
+#include <sherd/fracture.h>
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "formats/mesh/mesh_reader.h"
+#include "job.h"
+#include "options.h"
+
+namespace pysherd {
+
+/// Runs `free` on a thread of its own and waits for it.  OpenVDB frees grids with TBB, which would
+/// then keep threads for the caller's, and could not be stopped before a fork.
+void freeElsewhere(const std::function<void()>& free);
+
+/// Shares an object that is deleted so.
+template <class Owned>
+[[nodiscard]] std::shared_ptr<Owned> freedElsewhere(std::unique_ptr<Owned> owned) {
+  return {owned.release(), [](Owned* p) { freeElsewhere([p] { delete p; }); }};
+}
+
+/// What is to be broken, as given.
+///
+/// This and what follows is shared by std::enable_shared_from_this: a pointer that nanobind makes
+/// for another type refers to the Python object, and the thread of a job would need the
+/// interpreter's lock to free it.
+struct Object : std::enable_shared_from_this<Object> {
+  std::string file{};                           ///< a mesh or a volume; empty: one of the others
+  sherd::RawMesh mesh{};                        ///< of arrays
+  std::optional<sherd::PlacedVoxels> voxels{};  ///< of an array
+  std::string levelSet{};                       ///< of a pickle: the bytes of a `.vdb` file
+  double ownVoxelSize = 0.0;                    ///< of a pickle: of the voxels that were given
+  std::string name = "mesh", sha256{};          ///< without a file
+};
+
+/// A solid that is prepared for any number of fractures.
+class Solid : public std::enable_shared_from_this<Solid> {
+ public:
+  Solid(GivenOptions given, double ownVoxelSize, sherd::SourceMesh source,
+        sherd::PreparedSolid ready)
+      : given_(std::move(given)),
+        ownVoxelSize_(ownVoxelSize),
+        source_(std::move(source)),
+        ready_(std::move(ready)) {}
+
+  [[nodiscard]] const GivenOptions& given() const { return given_; }
+  [[nodiscard]] const sherd::SourceMesh& source() const { return source_; }
+  [[nodiscard]] const sherd::Solid& solid() const { return ready_.solid; }
+  [[nodiscard]] double ownVoxelSize() const { return ownVoxelSize_; }
+  [[nodiscard]] std::size_t components() const { return ready_.components.count(); }
+
+  /// The prepared solid.
+  ///   withSurface  with the intact surface, made once, unless the solid is too large to keep it
+  [[nodiscard]] sherd::PreparedSolid prepared(bool withSurface) const;
+
+ private:
+  GivenOptions given_;
+  double ownVoxelSize_;  // of voxels that were given, else 0
+  sherd::SourceMesh source_;
+  sherd::PreparedSolid ready_;  // without a surface
+  mutable std::once_flag surfaceMade_;
+  mutable std::shared_ptr<const sherd::IntactSurface> surface_;
+};
+
+using SolidPtr = std::shared_ptr<Solid>;
+
+/// Reads and voxelizes an object as `sherd fracture` does.
+[[nodiscard]] SolidPtr voxelized(Object object, const GivenOptions& given,
+                                 const std::string& device, const sherd::Progress& progress);
+
+void bindSolids(nanobind::module_& module);
+
+}  // namespace pysherd

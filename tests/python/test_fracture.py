@@ -1,0 +1,227 @@
+"""What a fracture gives, and that it is what the program gives."""
+import json
+import pickle
+
+import numpy as np
+import pytest
+from conftest import AMPHORA, cube, program
+
+import pysherd
+
+# Names of rows with values, as keywords: every group of the table, and what changes how meshes are made.
+SETS = [
+    {},
+    {"pieces": 1},
+    {"pieces": 20, "seed": 18446744073709551615},
+    {"roughness": 1.0},
+    {"roughness": "0.8%,0.6"},
+    {"extra_seeds": "2n", "merge_metric": "euclidean"},
+    {"growth": "flood", "neighborhood": 26},
+    {"growth": "nearest", "metric": "manhattan"},
+    {"growth": "chain"},
+    {"grain": (0, 1, 0, 3)},
+    {"sampler": "poisson", "seeds_on": "surface"},
+    {"impacts": 2, "pieces": 7},
+    {"impact": [(0.0, 0.1, 0.0, 3), "ray:0,1,0,0,-1,0,2"], "pieces": 9},
+    {"min_share": 0.05, "balance": 2},
+    {"erode_iterations": 2, "erode_probability": 0.5, "erode_shape": "square"},
+    {"missing": 2, "drop_share": 0.01},
+    {"surface": "labels", "smooth_iterations": 3},
+    {"surface": "exact"},
+    {"interface": "independent", "adaptivity": 0.5},
+    {"preset": "paper", "resolution": 40, "pieces": 5},
+    {"smooth_iterations": "0.05k", "smooth_boundary_iterations": 2, "smoothing": "laplacian", "triangles": [200]},
+    {"voxel_size": 0.01, "fill": "shell", "shell_thickness": 0.02},
+]
+
+
+def arguments_of(options):
+    """The options as the command line has them."""
+    for keyword, value in options.items():
+        name = "--" + keyword.replace("_", "-")
+        values = value if keyword == "impact" else [value]
+        for one in values:
+            yield f"{name}={one if not isinstance(one, (tuple, list)) else ','.join(map(str, one))}"
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("options", SETS, ids=lambda o: ",".join(o) or "defaults")
+def test_the_program_gives_the_same(options, tmp_path):
+    options = {"pieces": 6, "seed": 5, **({} if "voxel_size" in options else {"resolution": 40}), **options}
+    program(AMPHORA, tmp_path / "program", *arguments_of(options), "--precision=double", "--voxel-format=npy", "--write=labels,mesh")
+    f = pysherd.fracture(AMPHORA, **options)
+    theirs = np.load(tmp_path / "program" / "labels.npy").astype(int) - 1  # 0 of the file: outside, 1: in no fragment
+    assert np.array_equal(np.select([theirs < 0, theirs == 0], [0, 65535], theirs), f.labels)
+    manifest = json.loads((tmp_path / "program" / "manifest.json").read_text())
+    read = pysherd.load(tmp_path / "program")
+    assert len(f) == len(read) == len(manifest["fragments"])
+    for own, other, listed in zip(f, read, manifest["fragments"]):
+        assert np.array_equal(own.vertices, other.vertices)
+        assert np.array_equal(own.faces, other.faces)
+        assert np.array_equal(own.neighbor, other.neighbor)
+        assert own.voxels == listed["voxels"]
+        assert own.volume == pytest.approx(listed["volume"], rel=1e-9)
+
+
+def files_of(folder):
+    return {p.relative_to(folder).as_posix(): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
+
+
+def test_saving_writes_what_the_program_writes(tmp_path):
+    options = {"pieces": 5, "seed": 2, "resolution": 40, "roughness": 1}
+    program(AMPHORA, tmp_path / "program", *arguments_of(options), "--write=labels,vdb,mesh,preview,seeds,scene,graph", "--points=50")
+    f = pysherd.fracture(AMPHORA, **options)
+    f.contacts  # measured before: nothing of it is left in what is written
+    f.save(tmp_path / "module", write=["labels", "vdb", "mesh", "preview", "seeds", "scene", "graph"], points=50)
+    theirs, ours = files_of(tmp_path / "program"), files_of(tmp_path / "module")
+    assert theirs.keys() == ours.keys()
+    assert [name for name in theirs if theirs[name] != ours[name]] == []
+
+
+def test_points_are_those_of_the_program(tmp_path):
+    program(AMPHORA, tmp_path / "p", "--pieces=4", "--resolution=40", "--points=100", "--point-format=npz", "--write=points")
+    points = pysherd.fracture(AMPHORA, pieces=4, resolution=40).points(100)
+    for i, file in enumerate(sorted((tmp_path / "p" / "points").glob("*.npz")), 1):
+        theirs, own = np.load(file), points.fragment == i
+        assert np.array_equal(theirs["positions"], points.positions[own].astype(np.float32))
+        assert np.array_equal(theirs["neighbor"], points.neighbor[own])
+
+
+def test_points_are_shared_by_area(fracture):
+    points = fracture.points(1000, share_points=True, point_sampler="halton")
+    assert len(points.positions) == len(points.normals) == len(points.neighbor) == 1000
+    counts = np.bincount(points.fragment, minlength=len(fracture) + 1)[1:]
+    areas = np.array([f.area for f in fracture])
+    assert np.abs(counts - 1000 * areas / areas.sum()).max() <= 1
+    assert np.allclose(np.linalg.norm(points.normals, axis=1), 1)
+
+
+def test_points_of_meshes_with_surfaces_of_their_own(amphora):
+    f = pysherd.fracture(amphora, pieces=3, interface="independent")
+    assert len(f.points(20).positions) == 60
+
+
+def test_fragments_fill_the_cube():
+    f = pysherd.fracture(cube(2.0), pieces=5, seed=1, resolution=32)
+    assert sum(g.volume for g in f) == pytest.approx(8, rel=0.02)
+    for g in f:
+        corners = g.vertices[g.faces]
+        volume = np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6
+        assert volume == pytest.approx(g.volume, rel=1e-9)
+        assert g.fracture_area < g.area
+        assert g.inertia.shape == (3, 3) and g.centroid.shape == (3,)
+
+
+def test_labels_and_contacts_agree(fracture):
+    labels = fracture.labels
+    assert labels.dtype == np.uint16 and labels.shape == fracture.solid.shape
+    assert set(np.unique(labels)) == {0, *range(1, len(fracture) + 1)}
+    pairs = set()
+    for axis in range(3):
+        a, b = np.moveaxis(labels, axis, 0)[:-1], np.moveaxis(labels, axis, 0)[1:]
+        touching = (a != b) & (a > 0) & (b > 0)
+        pairs |= {tuple(sorted(p)) for p in zip(a[touching].tolist(), b[touching].tolist())}
+    assert pairs == {tuple(p) for p in fracture.contacts.fragments.tolist()}
+    sparse = fracture.sparse_labels
+    assert np.array_equal(labels[tuple(sparse.voxels.T)], sparse.labels)
+    assert len(sparse.labels) == fracture.solid.voxels
+
+
+def test_many_fractures_equal_single_ones(amphora):
+    many = list(amphora.fractures(pieces=range(2, 5), seeds=range(8), extra_seeds="2n"))
+    assert [(len(f), f.seed) for f in many] == [(p, s) for p in (2, 3, 4) for s in range(8)]
+    for f in many[::7]:
+        own = pysherd.fracture(amphora, pieces=len(f), seed=f.seed, extra_seeds="2n")
+        assert np.array_equal(f.labels, own.labels)
+        assert np.array_equal(f[0].vertices, own[0].vertices)
+        assert f.options == own.options
+
+
+def test_arrays_survive_their_owner():
+    f = pysherd.fracture(cube(), pieces=2, resolution=16)
+    arrays = [f[0].vertices, f[0].faces, f[0].neighbor, f.labels, f.contacts.area, *f.points(10)]
+    copies = [a.copy() for a in arrays]
+    del f
+    for _ in range(20):
+        pysherd.fracture(cube(), pieces=3, resolution=16)[0].vertices
+    for array, copy in zip(arrays, copies):
+        assert np.array_equal(array, copy)
+        assert array.flags.writeable
+        array[...] = 0  # its own memory
+
+
+def test_arrays_leave_by_dlpack(fracture):
+    assert np.array_equal(np.from_dlpack(fracture[0].vertices), fracture[0].vertices)
+
+
+@pytest.mark.parametrize("protocol", range(2, pickle.HIGHEST_PROTOCOL + 1))
+def test_pickles(amphora, fracture, protocol):
+    def again(value):
+        return pickle.loads(pickle.dumps(value, protocol))
+
+    assert again(pysherd.Options(pieces=3, grain=(0, 0, 1, 2))) == pysherd.Options(pieces=3, grain=(0, 0, 1, 2))
+    solid = again(amphora)
+    assert (solid.shape, solid.voxels, solid.name, solid.options) == (amphora.shape, amphora.voxels, amphora.name, amphora.options)
+    assert np.array_equal(pysherd.fracture(solid, pieces=6, seed=3).labels, fracture.labels)
+    f = again(fracture)
+    assert np.array_equal(f.labels, fracture.labels) and np.array_equal(f[1].vertices, fracture[1].vertices)
+    error = again(pysherd.UsageError("a", ["erode-on"]))
+    assert (type(error), str(error), error.options) == (pysherd.UsageError, "a", ("erode_on",))
+
+
+def test_volumes(tmp_path):
+    ball = np.sum((np.indices((20, 20, 20)) - 9.5) ** 2, axis=0) < 81
+    for volume in (ball, ball.astype(np.int64), np.asfortranarray(ball.astype(np.uint8)), ball[::-1]):
+        f = pysherd.fracture(volume, pieces=3)
+        assert np.array_equal(f.labels > 0, volume[1:-1, 1:-1, 1:-1])
+    assert f.voxel_size == 1 and f.origin.tolist() == [1, 1, 1]
+    np.save(tmp_path / "ball.npy", ball.astype(np.uint16))
+    assert np.array_equal(pysherd.fracture(tmp_path / "ball.npy", pieces=3).labels, pysherd.fracture(ball, pieces=3).labels)
+    assert np.array_equal(pickle.loads(pickle.dumps(f)).labels, f.labels)
+
+
+def test_a_level_set_is_broken_on_its_own_voxels_and_pickled(fracture, tmp_path):
+    fracture.save(tmp_path / "out", write=["vdb", "solid"])
+    solid = pysherd.voxelize(tmp_path / "out" / "fragments" / "amphora.vdb")
+    assert solid.voxels == fracture.solid.voxels
+    f = pysherd.fracture(solid, pieces=4)
+    assert np.array_equal(pickle.loads(pickle.dumps(f)).labels, f.labels)
+
+
+def test_a_loaded_fracture_is_the_saved_one(fracture, tmp_path):
+    fracture.save(tmp_path / "out", precision="double")
+    f = pysherd.load(tmp_path / "out")
+    assert np.array_equal(f.labels, fracture.labels) and np.array_equal(f.origin, fracture.origin)
+    assert np.array_equal(f[2].vertices, fracture[2].vertices)
+    assert np.allclose(f.contacts.area, fracture.contacts.area) and np.array_equal(f.contacts.fragments, fracture.contacts.fragments)
+    assert (f.options["pieces"], f.seed, f.solid) == (6, 3, None)
+    assert len(f.points(5).positions) == 30
+    assert np.array_equal(pickle.loads(pickle.dumps(f)).labels, f.labels)
+    with pytest.raises(pysherd.UsageError, match="was loaded"):
+        f.save(tmp_path / "other")
+
+
+def test_images(fracture, tmp_path):
+    image = fracture.render(tmp_path / "x.png", explode=0.3, size=(80, 60))
+    assert image.shape == (60, 80, 3) and image.dtype == np.uint8 and image.std() > 1
+    assert (tmp_path / "x.png").read_bytes().startswith(b"\x89PNG")
+    fracture.render(tmp_path / "x.exr", size=(32, 32))
+    assert (tmp_path / "x.exr").stat().st_size > 0
+
+
+def test_to_trimesh(fracture):
+    pytest.importorskip("trimesh")
+    assert all(mesh.is_watertight for mesh in fracture.to_trimesh())
+
+
+def test_what_is_not_read_is_not_made(amphora):
+    f = pysherd.fracture(amphora, pieces=4)
+    f.labels, f.contacts, f.points(5)
+    assert list(f._kept) == [False]  # measured, without meshes
+
+
+def test_a_sequence(fracture):
+    assert [g.id for g in fracture] == [1, 2, 3, 4, 5, 6]
+    assert fracture[-1].id == 6 and [g.id for g in fracture[1:3]] == [2, 3]
+    with pytest.raises(IndexError):
+        fracture[6]
