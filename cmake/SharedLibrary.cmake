@@ -13,7 +13,8 @@ add_executable(sherd_shared_cli $<TARGET_OBJECTS:sherd_cli> src/cgal/no_cgal_che
 target_include_directories(sherd_shared_cli PRIVATE include src)
 target_link_libraries(sherd_shared_cli PRIVATE sherd_shared TBB::tbb sherd_flags)
 set_target_properties(sherd_shared PROPERTIES OUTPUT_NAME sherd)
-set_target_properties(sherd_shared_cli PROPERTIES OUTPUT_NAME sherd BUILD_RPATH_USE_ORIGIN ON)
+set_target_properties(sherd_shared_cli PROPERTIES OUTPUT_NAME sherd BUILD_RPATH_USE_ORIGIN ON
+  BUILD_RPATH "$ORIGIN/..")  # where a wheel has the library
 set_target_properties(sherd_shared sherd_shared_cli PROPERTIES
   LIBRARY_OUTPUT_DIRECTORY ${shared_folder} RUNTIME_OUTPUT_DIRECTORY ${shared_folder})
 add_custom_target(sherd_wheel_parts DEPENDS sherd_shared sherd_shared_cli sherd_assimp)

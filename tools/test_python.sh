@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# Build the wheel for Debian's Python, install it in a fresh virtual environment below build/python, and test what is installed.
+#
+# usage: test_python.sh [PYTEST_ARGUMENT...]
+set -euo pipefail
+cd "$(dirname "$0")/.."
+python=/usr/bin/python3
+work=$PWD/build/python
+
+rm -rf "$work/wheel" "$work/venv"
+tools/build_wheel.sh "$work/wheel" "$python"
+"$work"/tools-cp3*/bin/auditwheel show "$work"/wheel/*.whl | grep -q manylinux_2_35 ||
+  { echo "test_python.sh: the wheel does not fit manylinux_2_35" >&2; exit 1; }
+
+# What the tests need is downloaded once.
+if ! cmp -s python/requirements.txt "$work/downloads/requirements.txt"; then
+  rm -rf "$work/downloads"
+  mkdir -p "$work/downloads"
+  "$work"/tools-cp3*/bin/pip download -q --disable-pip-version-check --no-deps -d "$work/downloads" -r python/requirements.txt
+  cp python/requirements.txt "$work/downloads/"
+fi
+"$python" -m venv "$work/venv"
+pip=("$work/venv/bin/pip" install -q --disable-pip-version-check --no-deps --no-index)
+"${pip[@]}" --find-links "$work/downloads" -r python/requirements.txt
+"${pip[@]}" "$work"/wheel/*.whl
+
+export SHERD_BIN=$PWD/build/release/sherd SHERD_DATA=$PWD/data OCL_ICD_VENDORS=pocl.icd
+export PATH=$work/venv/bin:$PATH
+cd "$work"  # so that what is imported is what is installed
+python -B -m pytest -q -c ../../python/pyproject.toml --rootdir ../.. ../../tests/python "$@"
