@@ -1,0 +1,47 @@
+"""The examples run, and their types are right."""
+import pathlib
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from conftest import AMPHORA
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+EXAMPLES = ROOT / "examples" / "python"
+
+
+def example(name, *arguments):
+    result = subprocess.run([sys.executable, "-B", EXAMPLES / name, *map(str, arguments)], capture_output=True, text=True, timeout=300)
+    assert result.returncode == 0, result.stderr
+    return result.stdout
+
+
+def test_walk_through(tmp_path):
+    printed = example("walk_through.py", AMPHORA, tmp_path)
+    assert "8192 points" in printed and "70 fragments of 20 fractures" in printed
+    assert (tmp_path / "exploded.png").stat().st_size > 1000 and (tmp_path / "pieces" / "manifest.json").is_file()
+
+
+def test_many_objects(tmp_path):
+    assert f"{AMPHORA}: 8 fractures" in example("many_objects.py", tmp_path, AMPHORA)
+    assert np.load(tmp_path / "amphora.npz")["arr_0"].shape == (1024, 8)
+
+
+def test_examples_have_types():
+    pytest.importorskip("mypy")
+    result = subprocess.run([sys.executable, "-m", "mypy", "--strict", "--cache-dir=/dev/null", *EXAMPLES.glob("*.py")], capture_output=True, text=True)
+    assert result.returncode == 0, result.stdout
+
+
+def test_stubs_are_those_of_the_table():
+    assert subprocess.run([sys.executable, "-B", ROOT / "tools" / "python_stubs.py", "--check"]).returncode == 0
+
+
+def test_stubs_agree_with_the_module(tmp_path):
+    pytest.importorskip("mypy")
+    (tmp_path / "allowed").write_text("pysherd\\..*\\._.*\npysherd\\._.*\n")  # names with an underscore are internal
+    (tmp_path / "mypy.ini").write_text("[mypy]\nignore_missing_imports = True\n")
+    result = subprocess.run([sys.executable, "-m", "mypy.stubtest", "pysherd", "--allowlist", tmp_path / "allowed", "--ignore-unused-allowlist",
+                             "--ignore-missing-stub", "--mypy-config-file", "mypy.ini"], capture_output=True, text=True, cwd=tmp_path)  # fmt: skip
+    assert result.returncode == 0, result.stdout + result.stderr
