@@ -97,5 +97,13 @@ lacking Portable -DSHERD_CLANG=
 echo "== the package where there is no OpenCL"
 tools/no_driver.sh build/release/sherd_*.deb
 
+echo "== the Python module: 10,000 fractures, Python and pip alone, and its meshes in trimesh and manifold3d"
+SHERD_PYTHON_FRACTURES=10000 tools/test_python.sh -k memory
+tools/bare_python.sh build/python/wheel/*.whl
+meshes=(data/amphora.ply)
+[ -z "${SHERD_TEST_DATA:-}" ] || for name in bunny.off armadillo.obj dragon.obj vase_goblet.stl 3DBenchy.ply boot.obj 99865_car.stl footbones.ply \
+  ADIS16480.STL; do meshes+=("$SHERD_TEST_DATA/$name"); done
+build/python/venv/bin/python -B tests/long/python_meshes.py "${meshes[@]}"
+
 echo "== a fresh Debian 12"
 tools/fresh_machine.sh
