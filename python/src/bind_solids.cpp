@@ -12,6 +12,7 @@
 #include "arrays.h"
 #include "base/memory.h"
 #include "base/sha256.h"
+#include "process.h"
 #include "solid.h"
 
 namespace pysherd {
@@ -96,7 +97,8 @@ nb::dict stateOf(const Solid& solid) {
     const auto write = [&] {
       sherd::writeVdbOfSolid(sherd::OutputFile(file, "solid.vdb"), solid.solid(), {});
     };
-    freeElsewhere(write);  // which uses TBB
+    requireUsableProcess();
+    onWorker(write);
   }
   state["level_set"] = nb::bytes(file.bytes.data(), file.bytes.size());
   return state;

@@ -14,11 +14,13 @@
 #include <condition_variable>
 #include <csignal>
 #include <exception>
+#include <future>
 #include <mutex>
 #include <optional>
 #include <set>
 #include <system_error>
 #include <thread>
+#include <vector>
 
 #include "process.h"
 
@@ -33,8 +35,6 @@ struct Job::State {
   State& operator=(const State&) = delete;
 
   const int file;
-  std::thread thread;               // of the caller; joined, or detached when the job is abandoned
-  std::atomic<bool> isDone{false};  // nothing follows but the end of the thread
   std::atomic<bool> isCancelled{false};
   std::mutex mutex;  // guards the two below
   std::string stage;
@@ -46,11 +46,70 @@ struct Job::State {
 
 namespace {
 
+// Signals are for the interpreter's thread, and TBB's threads inherit what is blocked here.
+class BlockedSignals {
+ public:
+  BlockedSignals() {
+    sigset_t all;
+    ::sigfillset(&all);
+    ::pthread_sigmask(SIG_BLOCK, &all, &before_);
+  }
+  ~BlockedSignals() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  BlockedSignals(const BlockedSignals&) = delete;
+  BlockedSignals& operator=(const BlockedSignals&) = delete;
+
+ private:
+  sigset_t before_{};
+};
+
+// A thread that does the work of one job after another.  A new one for each would cost as much as a
+// small fracture: TBB and malloc keep a lot for each thread.
+class Worker {
+ public:
+  Worker() : thread_([this] { loop(); }) {}
+  ~Worker() {
+    give(nullptr);
+    thread_.join();
+  }
+  Worker(const Worker&) = delete;
+  Worker& operator=(const Worker&) = delete;
+
+  /// Starts work; without any the thread ends.
+  void give(std::function<void()> work) {
+    {
+      const std::lock_guard lock(mutex_);
+      work_ = std::move(work);
+      isGiven_ = true;
+    }
+    given_.notify_one();
+  }
+
+ private:
+  void loop() {
+    for (;;) {
+      std::unique_lock lock(mutex_);
+      given_.wait(lock, [this] { return isGiven_; });
+      const std::function<void()> work = std::exchange(work_, nullptr);
+      isGiven_ = false;
+      lock.unlock();
+      if (!work) return;
+      work();
+    }
+  }
+
+  std::mutex mutex_;
+  std::condition_variable given_;
+  std::function<void()> work_;
+  bool isGiven_ = false;
+  std::thread thread_;
+};
+
 // All jobs of this process.  Never destroyed: threads may outlive the end of main().
 struct Jobs {
   std::mutex mutex;
   std::condition_variable ended;
   std::set<Job::State*> running;
+  std::vector<std::unique_ptr<Worker>> idle;
   bool isClosing = false;
 };
 Jobs* jobs = new Jobs;
@@ -64,14 +123,30 @@ void begin(Job::State& state) {
   jobs->running.insert(&state);
 }
 
-void end(Job::State& state) {
+// Returns an idle thread, or a new one.
+std::unique_ptr<Worker> takeWorker() {
+  {
+    const std::lock_guard lock(jobs->mutex);
+    if (!jobs->idle.empty()) {
+      std::unique_ptr<Worker> worker = std::move(jobs->idle.back());
+      jobs->idle.pop_back();
+      return worker;
+    }
+  }
+  const BlockedSignals blocked;
+  return std::make_unique<Worker>();
+}
+
+// The worker is idle before the caller learns that the work is done, so that it can be stopped
+// then.
+void end(Job::State& state, std::unique_ptr<Worker> worker) {
   Jobs& all = *jobs;
   {
     const std::lock_guard lock(all.mutex);
     all.running.erase(&state);
+    if (worker) all.idle.push_back(std::move(worker));
+    all.ended.notify_all();
   }
-  state.isDone = true;
-  all.ended.notify_all();
   const std::uint64_t one = 1;
   [[maybe_unused]] const auto written = ::write(state.file, &one, sizeof one);
 }
@@ -102,48 +177,25 @@ void runWork(Job::State& state, Work work) {
   work = nullptr;  // frees what it holds on this thread, before the caller goes on
 }
 
-// Signals are for the interpreter's thread, and TBB's threads inherit what is blocked here.
-class BlockedSignals {
- public:
-  BlockedSignals() {
-    sigset_t all;
-    ::sigfillset(&all);
-    ::pthread_sigmask(SIG_BLOCK, &all, &before_);
-  }
-  ~BlockedSignals() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
-  BlockedSignals(const BlockedSignals&) = delete;
-  BlockedSignals& operator=(const BlockedSignals&) = delete;
-
- private:
-  sigset_t before_{};
-};
-
 }  // namespace
 
 Job::Job(Work work) : state_(std::make_shared<State>()) {
   requireUsableProcess();
   begin(*state_);
-  const BlockedSignals blocked;
   try {
-    state_->thread = std::thread([state = state_, work = std::move(work)]() mutable {
+    std::unique_ptr<Worker> owned = takeWorker();
+    Worker* const worker = owned.release();  // owned by its work until that is done
+    worker->give([state = state_, work = std::move(work), worker]() mutable {
       runWork(*state, std::move(work));
-      end(*state);
+      end(*state, std::unique_ptr<Worker>(worker));
     });
   } catch (const std::system_error&) {
-    end(*state_);
+    end(*state_, nullptr);
     throw sherd::Error(sherd::ErrorCode::device, "the system has no thread left for the work");
   }
 }
 
-Job::~Job() {
-  cancel();
-  if (!state_->thread.joinable()) return;
-  if (state_->isDone) {
-    state_->thread.join();  // which frees what TBB keeps for it
-  } else {
-    state_->thread.detach();
-  }
-}
+Job::~Job() { cancel(); }
 
 int Job::file() const { return state_->file; }
 
@@ -155,7 +207,6 @@ std::pair<std::string, double> Job::progress() const {
 void Job::cancel() { state_->isCancelled = true; }
 
 nb::object Job::result() {
-  if (state_->thread.joinable()) state_->thread.join();
   if (state_->error) std::rethrow_exception(std::exchange(state_->error, nullptr));
   const Made made = std::exchange(state_->made, nullptr);
   return made ? made() : nb::none();
@@ -179,7 +230,38 @@ void closeJobs(std::chrono::milliseconds limit) {
   jobs->isClosing = true;
   for (Job::State* const state : jobs->running) state->isCancelled = true;
   jobs->ended.wait_for(lock, limit, [] { return jobs->running.empty(); });
+  lock.unlock();
+  stopIdleThreads();
 }
+
+void onWorker(const std::function<void()>& work) {
+  std::unique_ptr<Worker> worker = takeWorker();
+  const auto done = std::make_shared<std::promise<void>>();  // the worker may still hold it
+  worker->give([done, &work] {
+    try {
+      work();
+      done->set_value();
+    } catch (...) {
+      done->set_exception(std::current_exception());
+    }
+  });
+  std::future<void> ended = done->get_future();
+  ended.wait();
+  {
+    const std::lock_guard lock(jobs->mutex);
+    if (!jobs->isClosing) jobs->idle.push_back(std::move(worker));
+  }
+  worker.reset();  // ends it if the interpreter is closing
+  ended.get();
+}
+
+void stopIdleThreads() {
+  std::vector<std::unique_ptr<Worker>> idle;
+  {
+    const std::lock_guard lock(jobs->mutex);
+    idle.swap(jobs->idle);
+  }
+}  // whose threads end here
 
 void forgetJobs() { jobs = new Jobs; }  // whose mutex may be locked for good here
 

@@ -3,8 +3,8 @@
 // The calling thread waits in Python code, by poll() on Job::file(): so an interrupt reaches it at
 // once, whatever the work is doing, the callback for progress runs on it and on no other, and an
 // interpreter that closes finds no frame of C++ on a thread that waits for its lock.  The thread
-// of the work never uses Python.  It ends with the work, and with it everything that TBB keeps for
-// a thread, so that TBB can be stopped before a fork (process.h).
+// of the work never uses Python.  It is kept for the next job, and ended before a fork with all
+// that TBB keeps for a thread, so that TBB can be stopped then (process.h).
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -57,6 +57,14 @@ class Job {
 
 /// The number of jobs whose work goes on.
 [[nodiscard]] std::size_t runningJobs();
+
+/// Runs short work that uses TBB on a thread of jobs, and waits for it.  TBB would keep threads for
+/// the caller's, and could not be stopped before a fork.
+///   throws  what the work throws; std::system_error there is no thread
+void onWorker(const std::function<void()>& work);
+
+/// Ends the threads that wait for work, and with them what TBB keeps for each.
+void stopIdleThreads();
 
 /// Waits until no cancelled work goes on, at most `limit`.
 void waitForCancelled(std::chrono::milliseconds limit);

@@ -45,6 +45,7 @@ bool stopThreadsOfTbb() {
 
 void beforeFork() {
   waitForCancelled(std::chrono::seconds(2));
+  stopIdleThreads();
   canContinueForked = runningJobs() == 0 && stopThreadsOfTbb();
 }
 
@@ -58,6 +59,8 @@ void afterForkInChild() {
 }
 
 }  // namespace
+
+bool isUsableProcess() { return ::getpid() == process && !isLost; }
 
 void requireUsableProcess() {
   if (::getpid() != process) {

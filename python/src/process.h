@@ -35,6 +35,9 @@ class LeasedDevice {
 ///   throws  Error(device) it was forked while a fracture was under way, or not by Python
 void requireUsableProcess();
 
+/// Whether requireUsableProcess() would throw.
+[[nodiscard]] bool isUsableProcess();
+
 void bindProcess(nanobind::module_& module);
 
 }  // namespace pysherd

@@ -10,7 +10,6 @@
 #include <fstream>
 #include <limits>
 #include <memory>
-#include <thread>
 #include <utility>
 
 #include "base/memory.h"
@@ -123,8 +122,9 @@ sherd::Solid solidOf(Read& read, sherd::FractureOptions options, std::uint64_t m
 }  // namespace
 
 void freeElsewhere(const std::function<void()>& free) {
+  if (!isUsableProcess()) return;  // TBB's threads are gone, and nothing may wait for them
   try {
-    std::thread(free).join();
+    onWorker(free);
   } catch (const std::system_error&) {  // there is no thread
     free();
   }

@@ -17,8 +17,7 @@
 
 namespace pysherd {
 
-/// Runs `free` on a thread of its own and waits for it.  OpenVDB frees grids with TBB, which would
-/// then keep threads for the caller's, and could not be stopped before a fork.
+/// Frees grids by onWorker(), since OpenVDB does that with TBB.
 void freeElsewhere(const std::function<void()>& free);
 
 /// Shares an object that is deleted so.
