@@ -105,5 +105,9 @@ meshes=(data/amphora.ply)
   ADIS16480.STL; do meshes+=("$SHERD_TEST_DATA/$name"); done
 build/python/venv/bin/python -B tests/long/python_meshes.py "${meshes[@]}"
 
+echo "== the example of Dask, on this machine"
+build/python/venv/bin/pip install -q --disable-pip-version-check "dask[bag]==2026.8.0"
+build/python/venv/bin/python -B examples/python/with_dask.py build/python/dask data/amphora.ply
+
 echo "== a fresh Debian 12"
 tools/fresh_machine.sh
