@@ -4,6 +4,7 @@ Environment: SHERD_DATA the folder with amphora.ply, SHERD_BIN the program of th
 """
 import os
 import pathlib
+import signal
 import subprocess
 import sys
 
@@ -15,6 +16,8 @@ import pysherd
 DATA = pathlib.Path(os.environ.get("SHERD_DATA", pathlib.Path(__file__).resolve().parents[2] / "data"))
 SHERD = os.environ.get("SHERD_BIN")
 AMPHORA = DATA / "amphora.ply"
+
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it
 
 
 def cube(side=1.0):
