@@ -64,9 +64,8 @@ std::optional<CellVertex> creaseOfBoundary(const Crossings& crossings) {
   const PositionBox cell = cellBox(kCellMargin);
   const int rank = creasePoint(outer.span(), crossings.mean, cell).rank;
   if (rank == 1) return std::nullopt;
-  return CellVertex{creasePoint(all.span(), crossings.mean, cell).at,
-                    creasePoint(all.span(), crossings.mean, cell).at,
-                    static_cast<std::uint8_t>(rank)};
+  const glm::dvec3 at = creasePoint(all.span(), crossings.mean, cell).at;
+  return CellVertex{at, at, static_cast<std::uint8_t>(rank)};
 }
 
 // Where surfaces of several pairs of labels meet.

@@ -87,10 +87,6 @@ class JunctionQuads {
   std::vector<QuadAtJunction> quads_;  // by junction
 };
 
-}  // namespace
-
-namespace {
-
 bool isFirstDiagonal(const InterfaceQuad& quad, std::span<const glm::dvec3> vertices) {
   const int u = (quad.axis + 1) % 3, v = (quad.axis + 2) % 3;
   std::array<const glm::dvec3*, 4> at{};

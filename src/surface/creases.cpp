@@ -1,7 +1,6 @@
 // Finds the creases of the intact solid, and takes back those whose triangles cross others.
 #include "surface/creases.h"
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -12,22 +11,13 @@
 
 #include "base/cancel_flag.h"
 #include "exact/self_crossings.h"
+#include "exact/sort_unique.h"
 #include "surface/crease_vertices.h"
 #include "surface/intact_labels.h"
 #include "surface/leaf_cells.h"
 #include "voxelize/region.h"
 
 namespace sherd {
-namespace {
-
-template <class Work>
-void forEach(std::size_t count, const Work& work) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) work(i);
-  });
-}
-
-}  // namespace
 
 class Creases::Finding {
  public:
@@ -41,8 +31,11 @@ class Creases::Finding {
   void find(const Progress* progress) {
     const std::size_t count = solid_.blocks->count();
     std::vector<std::vector<CreaseVertex>> found(count);
-    forEach(count, [&](std::size_t leaf) { found[leaf] = creaseVertices(field_, leaf); });
-    throwIfCancelled(progress);
+    CancelFlag stop(progress);
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t leaf) {
+      if (!stop.isSet()) found[leaf] = creaseVertices(field_, leaf);
+    });
+    stop.throwIfSet();
     for (std::uint32_t leaf = 0; leaf < count; ++leaf) {
       if (found[leaf].empty()) continue;
       leaves_.push_back(leaf);
@@ -90,15 +83,15 @@ class Creases::Finding {
         }
       }
     }
-    std::sort(moved.begin(), moved.end());
-    moved.erase(std::unique(moved.begin(), moved.end()), moved.end());
+    std::vector<CreaseVertex*> creases;  // sheets of one position have a vertex each
     std::vector<std::uint32_t> leaves;
     for (const std::uint32_t v : moved) {
-      stepBack(*triangles.creaseOf[v]);
+      creases.push_back(triangles.creaseOf[v]);
       leaves.push_back(triangles.indexOf[v]);
     }
-    std::sort(leaves.begin(), leaves.end());
-    leaves.erase(std::unique(leaves.begin(), leaves.end()), leaves.end());
+    sortUnique(creases);
+    sortUnique(leaves);
+    for (CreaseVertex* crease : creases) stepBack(*crease);
     for (const std::uint32_t i : leaves) {
       std::erase_if(to_.vertices_[i], [](const CreaseVertex& v) { return v.edges == 0; });
     }
@@ -131,7 +124,7 @@ class Creases::Finding {
     if (vertex.at != vertex.inCell) {
       vertex.at = vertex.inCell;
       ++to_.movedBack_;
-    } else if (vertex.edges != 0) {  // sheets of one position have a vertex each
+    } else {
       vertex.edges = 0;
       ++to_.reverted_;
     }
@@ -152,7 +145,7 @@ class Creases::Finding {
       }
     }
     std::vector<std::unique_ptr<const LeafCells>> cells(count);
-    forEach(count, [&](std::size_t leaf) {
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t leaf) {
       if (hasCells[leaf] != 0) cells[leaf] = std::make_unique<LeafCells>(cellsOf(field_, leaf));
     });
     Triangles out;
@@ -167,7 +160,7 @@ class Creases::Finding {
     addCreases(all, out);
     findNear(within, all, out);
     std::vector<std::vector<InterfaceQuad>> quads(count);
-    forEach(count, [&](std::size_t leaf) {
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t leaf) {
       if (hasQuads[leaf] != 0) quads[leaf] = quadsOf(field_, all, leaf);
     });
     for (const std::vector<InterfaceQuad>& ofLeaf : quads) {

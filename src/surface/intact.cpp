@@ -3,7 +3,6 @@
 
 #include <sherd/error.h>
 #include <sherd/fragments.h>
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <glm/common.hpp>
@@ -14,13 +13,6 @@
 
 namespace sherd {
 namespace {
-
-template <class Work>
-void forEach(std::size_t count, const Work& work) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) work(i);
-  });
-}
 
 // Sets the areas, mass and box of a leaf's triangles.
 void measure(IntactSurface& surface, std::size_t leaf, const GridFrame& frame) {
@@ -59,7 +51,8 @@ std::shared_ptr<const IntactSurface> intactSurface(const Solid& solid) {
   made->creases = Creases(solid, made->neighborhoods, nullptr);
   const IntactLabels intact(solid.blocks);
   const Field field(solid, intact.labels, intact.cut, made->neighborhoods, &made->creases);
-  forEach(count, [&](std::size_t leaf) { made->leaves[leaf].cells = cellsOf(field, leaf); });
+  tbb::parallel_for(std::size_t{0}, count,
+                    [&](std::size_t leaf) { made->leaves[leaf].cells = cellsOf(field, leaf); });
 
   // Vertices are numbered by leaf, so that a vertex index identifies its leaf.
   AllCells all;
@@ -69,7 +62,7 @@ std::shared_ptr<const IntactSurface> intactSurface(const Solid& solid) {
     all.firstVertex.push_back(vertices);
     vertices += static_cast<std::uint32_t>(leaf.cells.vertices.size());
   }
-  forEach(count, [&](std::size_t leaf) {
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t leaf) {
     IntactLeaf& own = made->leaves[leaf];
     std::array<std::uint32_t, 8> leafOfSlot{};
     own.isWhole = true;
@@ -101,7 +94,8 @@ std::shared_ptr<const IntactSurface> intactSurface(const Solid& solid) {
     }
   });
   made->reference = middleOf(solid);
-  forEach(count, [&](std::size_t leaf) { measure(*made, leaf, solid.frame); });
+  tbb::parallel_for(std::size_t{0}, count,
+                    [&](std::size_t leaf) { measure(*made, leaf, solid.frame); });
   return made;
 }
 

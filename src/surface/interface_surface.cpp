@@ -1,7 +1,6 @@
 // Builds the mesh of all labels.
 #include "surface/interface_surface.h"
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -14,13 +13,6 @@
 
 namespace sherd {
 namespace {
-
-template <class Work>
-void forEach(std::size_t begin, std::size_t end, const Work& work) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(begin, end), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) work(i);
-  });
-}
 
 bool hasMesh(std::uint16_t label) { return label != 0 && label != Labels::kEroded; }
 
@@ -52,12 +44,13 @@ class InterfaceSurface::Building {
     });
     throwIfCancelled(progress);
     to_.gaps_ = splitNonManifoldVertices(nonManifold_, to_.quads_, to_.vertices_);
-    forEach(0, vertices.size(),
-            [&](std::size_t v) { vertices[v] = solid_.frame.worldFromIndex(vertices[v]); });
+    tbb::parallel_for(std::size_t{0}, vertices.size(), [&](std::size_t v) {
+      vertices[v] = solid_.frame.worldFromIndex(vertices[v]);
+    });
     throwIfCancelled(progress);
     labelVertices();
     // Groups quads by label; within a label they keep their order.
-    forEach(0, count_, [&](std::size_t leaf) {
+    tbb::parallel_for(std::size_t{0}, count_, [&](std::size_t leaf) {
       std::stable_sort(to_.quads_[leaf].begin(), to_.quads_[leaf].end(), hasLowerLabel);
     });
     sortFaces();
@@ -72,8 +65,9 @@ class InterfaceSurface::Building {
     hasVertices_.assign(count_, extent == SurfaceVertices::all ? 1 : 0);
     hasJunctions_.assign(count_, 0);
     if (intact_ != nullptr) {
-      forEach(0, count_, [&](std::size_t leaf) { intactLabels_[leaf] = intactLabelOf(leaf); });
-      forEach(0, count_, [&](std::size_t leaf) {
+      tbb::parallel_for(std::size_t{0}, count_,
+                        [&](std::size_t leaf) { intactLabels_[leaf] = intactLabelOf(leaf); });
+      tbb::parallel_for(std::size_t{0}, count_, [&](std::size_t leaf) {
         to_.reusesTriangles_[leaf] = reusesTriangles(leaf, extent) ? 1 : 0;
       });
     }
@@ -135,13 +129,13 @@ class InterfaceSurface::Building {
         end = nextSlab(end);
       }
       throwIfCancelled(progress);
-      forEach(first, end, [&](std::size_t leaf) { makeCells(leaf); });
+      tbb::parallel_for(first, end, [&](std::size_t leaf) { makeCells(leaf); });
       appendVertices(first, end);
       throwIfCancelled(progress);
-      forEach(first, end, [&](std::size_t leaf) {
+      tbb::parallel_for(first, end, [&](std::size_t leaf) {
         if (!to_.reusesTriangles(leaf)) to_.quads_[leaf] = sherd::quadsOf(field_, cells_, leaf);
       });
-      forEach(kept, last, [&](std::size_t leaf) { newCells_[leaf].reset(); });
+      tbb::parallel_for(kept, last, [&](std::size_t leaf) { newCells_[leaf].reset(); });
       kept = last;
     }
     to_.firstVertex_ = std::move(cells_.firstVertex);
