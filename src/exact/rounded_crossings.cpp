@@ -6,37 +6,21 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <iterator>
-#include <numeric>
-#include <tuple>
 #include <vector>
 
 #include "exact/self_crossings.h"
+#include "mesh/positions.h"
 
 namespace sherd {
 namespace {
 
 using Pairs = std::vector<std::array<std::uint32_t, 2>>;
 
-// Numbers vertices at one position alike.
-std::vector<std::uint32_t> positionsOf(const std::vector<glm::dvec3>& vertices) {
-  std::vector<std::uint32_t> order(vertices.size()), position(vertices.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    const glm::dvec3 &p = vertices[a], &q = vertices[b];
-    return std::tie(p.x, p.y, p.z, a) < std::tie(q.x, q.y, q.z, b);
-  });
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const bool isNew = i == 0 || vertices[order[i]] != vertices[order[i - 1]];
-    position[order[i]] = isNew ? order[i] : position[order[i - 1]];
-  }
-  return position;
-}
-
 // The pairs of triangles, numbered as in the mesh, that cross at these positions of its vertices.
 //   isMoved  [triangles] 0 or 1: pairs with one that has 1 count
 Pairs crossingsAt(const std::vector<glm::dvec3>& vertices, const TriangleMesh& mesh,
                   const std::vector<std::uint8_t>& isMoved, const Progress* progress) {
-  const std::vector<std::uint32_t> position = positionsOf(vertices);
+  const std::vector<std::uint32_t> position = firstAtPosition(vertices);
   std::vector<glm::uvec3> triangles;
   std::vector<std::uint32_t> number;
   std::vector<std::uint8_t> of;

@@ -9,14 +9,12 @@
 #include <glm/geometric.hpp>
 #include <limits>
 #include <memory>
-#include <numeric>
 #include <string>
-#include <tuple>
 #include <utility>
 
-#include "mesh/triangle_tree.h"
+#include "mesh/positions.h"
 #include "surface/exact_meshes.h"
-#include "voxelize/region.h"
+#include "surface/label_reader.h"
 
 namespace sherd {
 namespace {
@@ -46,21 +44,12 @@ SolidMesh meshOf(const FinishedFracture& finished, int id) {
   return out;
 }
 
-std::shared_ptr<const SolidRegion> regionOf(const TriangleMesh& mesh, const GridFrame& frame) {
-  TriangleMesh index{{}, mesh.triangles};
-  for (const glm::dvec3& v : mesh.vertices) index.vertices.push_back(frame.indexFromWorld(v));
-  const Box box = bounds(index);
-  auto tree = std::make_shared<const TriangleTree>(index);
-  const auto contains = [tree](const glm::dvec3& p) { return tree->winding(p) >= 0.5; };
-  return std::make_shared<const SolidRegion>(box.max - box.min, tree, contains, 0.0, true);
-}
-
 // Finds the new neighbors of faces.
 class Neighbors {
  public:
   Neighbors(std::span<const BrokenFragment> broken, std::span<const std::uint16_t> newId,
             const GridFrame& frame, const Labels& labels)
-      : newId_(newId), frame_(frame), labels_(labels), ends_(newId.size(), {0, 0}) {
+      : newId_(newId), frame_(frame), labels_(*labels.blocks, labels), ends_(newId.size(), {0, 0}) {
     for (const BrokenFragment& one : broken) {
       ends_[static_cast<std::size_t>(one.id)] = {
           one.first, one.first + static_cast<std::size_t>(one.labels.fragmentCount)};
@@ -69,7 +58,7 @@ class Neighbors {
 
   // Returns the new neighbor of a face with an old one: of the parts of a broken fragment the
   // nearest.  Withheld fragments are no longer there.
-  std::uint16_t of(std::uint16_t old, const glm::dvec3& centroid) const {
+  std::uint16_t of(std::uint16_t old, const glm::dvec3& centroid) {
     if (old >= newId_.size() || old == 0) return 0;
     if (newId_[old] != 0) return newId_[old];
     const auto [first, end] = ends_[old];
@@ -82,7 +71,8 @@ class Neighbors {
           middle + glm::dvec3(k / (kSide * kSide), k / kSide % kSide, k % kSide) - double{kReach};
       const double squared = glm::dot(voxel - at, voxel - at);
       if (squared >= least) continue;
-      const std::uint16_t label = labelOf(voxel);
+      const std::uint16_t label = labels_.at(openvdb::Coord(openvdb::Vec3i(
+          static_cast<int>(voxel.x), static_cast<int>(voxel.y), static_cast<int>(voxel.z))));
       if (label <= first || label > end) continue;
       least = squared;
       nearest = label;
@@ -93,17 +83,9 @@ class Neighbors {
  private:
   static constexpr int kSide = 2 * kReach + 1;
 
-  std::uint16_t labelOf(const glm::dvec3& at) const {
-    const openvdb::Coord voxel(static_cast<int>(at.x), static_cast<int>(at.y),
-                               static_cast<int>(at.z));
-    const std::uint32_t leaf = findLeaf(*labels_.blocks, voxel);
-    if (leaf == LeafBlocks::kNone) return 0;
-    return labels_.fragment[std::size_t{leaf} * 512 + offsetFromCoord(voxel)];
-  }
-
   const std::span<const std::uint16_t> newId_;
   const GridFrame frame_;
-  const Labels& labels_;
+  LabelReader labels_;
   std::vector<std::pair<std::size_t, std::size_t>> ends_;  // [old] its parts: above first, to end
 };
 
@@ -118,7 +100,6 @@ ExactSurface cutAgain(const FinishedFracture& finished, const BrokenFragment& br
   auto mesh = std::make_shared<const SolidMesh>(meshOf(finished, broken.id));
   if (mesh->mesh.triangles.empty()) return {.failure = "it has no mesh"};
   Solid solid = broken.solid;
-  solid.region = regionOf(mesh->mesh, solid.frame);
   solid.report.fill = Fill::winding;
   solid.report.defects.components = meshComponents(mesh->mesh).count;
   solid.mesh = std::move(mesh);
@@ -126,7 +107,7 @@ ExactSurface cutAgain(const FinishedFracture& finished, const BrokenFragment& br
 }
 
 // A fragment that stays.
-LabeledMesh keptMesh(const FinishedFracture& finished, int id, const Neighbors& neighbors) {
+LabeledMesh keptMesh(const FinishedFracture& finished, int id, Neighbors& neighbors) {
   SolidMesh own = meshOf(finished, id);
   LabeledMesh out{.mesh = std::move(own.mesh)};
   for (std::size_t t = 0; t < own.source.size(); ++t) {
@@ -138,7 +119,7 @@ LabeledMesh keptMesh(const FinishedFracture& finished, int id, const Neighbors& 
 }
 
 // Gives the parts of faces that were cracks before their new neighbors.
-void setNeighbors(const FinishedFracture& finished, std::size_t first, const Neighbors& neighbors,
+void setNeighbors(const FinishedFracture& finished, std::size_t first, Neighbors& neighbors,
                   LabeledMesh& part) {
   for (std::size_t t = 0; t < part.other.size(); ++t) {
     std::uint32_t& source = part.mesh.source[t];
@@ -153,22 +134,16 @@ void setNeighbors(const FinishedFracture& finished, std::size_t first, const Nei
 
 // Numbers vertices at one position alike, also those of different fragments.
 void setPositions(std::vector<LabeledMesh>& meshes) {
-  std::vector<const glm::dvec3*> all;
+  std::vector<glm::dvec3> all;
   for (const LabeledMesh& mesh : meshes) {
-    for (const glm::dvec3& v : mesh.mesh.vertices) all.push_back(&v);
+    all.insert(all.end(), mesh.mesh.vertices.begin(), mesh.mesh.vertices.end());
   }
-  const auto isLess = [](const glm::dvec3* a, const glm::dvec3* b) {
-    return std::tie(a->x, a->y, a->z) < std::tie(b->x, b->y, b->z);
-  };
-  std::sort(all.begin(), all.end(), isLess);
-  const auto isEqual = [](const glm::dvec3* a, const glm::dvec3* b) { return *a == *b; };
-  all.erase(std::unique(all.begin(), all.end(), isEqual), all.end());
+  const std::vector<std::uint32_t> first = firstAtPosition(all);
+  auto next = first.begin();
   for (LabeledMesh& mesh : meshes) {
-    mesh.positionId.clear();
-    for (const glm::dvec3& v : mesh.mesh.vertices) {
-      const auto at = std::lower_bound(all.begin(), all.end(), &v, isLess);
-      mesh.positionId.push_back(static_cast<std::uint32_t>(at - all.begin()));
-    }
+    const auto end = next + static_cast<std::ptrdiff_t>(mesh.mesh.vertices.size());
+    mesh.positionId.assign(next, end);
+    next = end;
   }
 }
 
@@ -202,7 +177,7 @@ ExactSurface exactMeshesAgain(const FinishedFracture& finished,
   if (finished.firstFace.empty()) {
     return {.failure = "the fracture was written without .ply meshes with neighbors"};
   }
-  const Neighbors neighbors(broken, newId, finished.solid.frame, labels);
+  Neighbors neighbors(broken, newId, finished.solid.frame, labels);
   ExactSurface all;
   for (int id = 1; id <= finished.labels.fragmentCount; ++id) {
     if (newId[static_cast<std::size_t>(id)] == 0) continue;

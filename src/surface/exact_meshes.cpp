@@ -14,6 +14,7 @@
 #include "surface/bodies.h"
 #include "surface/crack_surface.h"
 #include "surface/cut.h"
+#include "surface/label_reader.h"
 #include "surface/vertex_numbers.h"
 #include "voxelize/region.h"
 
@@ -26,12 +27,6 @@ constexpr int kMostTries = 4;
 openvdb::Coord voxelAt(const glm::dvec3& index) {
   const glm::dvec3 rounded = glm::round(index);
   return {static_cast<int>(rounded.x), static_cast<int>(rounded.y), static_cast<int>(rounded.z)};
-}
-
-std::uint16_t labelAt(const Labels& labels, const openvdb::Coord& voxel) {
-  const std::uint32_t leaf = findLeaf(*labels.blocks, voxel);
-  if (leaf == LeafBlocks::kNone) return 0;
-  return labels.fragment[std::size_t{leaf} * 512 + offsetFromCoord(voxel)];
 }
 
 // The label of the voxel that is nearest to a point.
@@ -56,9 +51,10 @@ std::uint16_t nearestLabel(const Labels& labels, const glm::dvec3& index) {
   return nearest;
 }
 
-// Whether points are inside the mesh.
+// Whether points are inside the mesh.  The solid has no region of its mesh where its voxels are
+// those of a shell, or of a fragment.
 std::function<bool(const glm::dvec3&)> insideOf(const Solid& solid) {
-  if (!solid.report.isThinnerThanVoxels) {
+  if (solid.region != nullptr && !solid.report.isThinnerThanVoxels) {
     return
         [&](const glm::dvec3& p) { return solid.region->contains(solid.frame.indexFromWorld(p)); };
   }
@@ -153,7 +149,8 @@ ExactSurface exactMeshes(const Solid& solid, const Labels& labels,
   const Labels beyond = labelsBeyond(solid, labels, cut, neighborhoods);
   const CrackSurface cracks = crackSurface(solid, beyond, cut, neighborhoods, progress);
   const auto indexOf = [&](const glm::dvec3& p) { return solid.frame.indexFromWorld(p); };
-  const SpaceLabels space{[&](const glm::dvec3& p) { return labelAt(beyond, voxelAt(indexOf(p))); },
+  LabelReader reader(*beyond.blocks, beyond);
+  const SpaceLabels space{[&](const glm::dvec3& p) { return reader.at(voxelAt(indexOf(p))); },
                           [&](const glm::dvec3& p) { return nearestLabel(beyond, indexOf(p)); },
                           insideOf(solid)};
   const auto fragments = static_cast<std::size_t>(labels.fragmentCount);
