@@ -5,12 +5,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source tools/chroot.sh
-work=$(mktemp -d)
-root=$work/root
-mkdir -p "$root"
-chmod 755 "$work" "$root"
-trap 'leave_chroot "$root"; rm -rf --one-file-system "$work"' EXIT
-make_chroot "$root"
+new_chroot
 cp "$1" data/amphora.ply "$root/"
 in_chroot "$root" sh -c 'apt-get update -qq && apt-get install -y -qq --no-install-recommends python3 python3-pip' > "$root.apt" 2>&1 ||
   { tail "$root.apt" >&2; exit 1; }

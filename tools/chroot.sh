@@ -19,6 +19,16 @@ leave_chroot() {
   umount "$1/proc" "$1/dev" "$1/sys" 2>/dev/null || true
 }
 
+# new_chroot: makes one in a folder of its own, which is removed at exit; sets root.
+new_chroot() {
+  work=$(mktemp -d)
+  root=$work/root
+  mkdir -p "$root"
+  chmod 755 "$work" "$root"
+  trap 'leave_chroot "$root"; rm -rf --one-file-system "$work"' EXIT
+  make_chroot "$root"
+}
+
 # in_chroot ROOT COMMAND...: runs it with a plain environment.
 in_chroot() {
   local root=$1

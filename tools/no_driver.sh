@@ -6,12 +6,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source tools/chroot.sh
-work=$(mktemp -d)
-root=$work/root
-mkdir -p "$root"
-chmod 755 "$work" "$root"
-trap 'leave_chroot "$root"; rm -rf --one-file-system "$work"' EXIT
-make_chroot "$root"
+new_chroot
 cp "$1" "$root/sherd.deb"
 cp data/amphora.ply "$root/amphora.ply"
 in_chroot "$root" sh -c 'apt-get update -qq && apt-get install -y -qq --no-install-recommends /sherd.deb' > "$root.apt" 2>&1 ||
