@@ -19,6 +19,9 @@ constexpr double kTiny = 1e-290;
 
 int exactOrientation(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c,
                      const glm::dvec3& d) {
+  for (int axis = 0; axis < 3; ++axis) {  // in the plane of two axes, as much of what is built
+    if (a[axis] == b[axis] && a[axis] == c[axis] && a[axis] == d[axis]) return 0;
+  }
   if (const std::optional<int> sign = signOf(determinant<Bounded>(a, b, c, d))) return *sign;
   return determinant<Dyadic>(a, b, c, d).sign();
 }

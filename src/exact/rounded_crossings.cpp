@@ -37,19 +37,36 @@ Pairs crossingsAt(const std::vector<glm::dvec3>& vertices, const TriangleMesh& m
   return pairs;
 }
 
+// Marks the vertices that are of a crack and of the original surface; all where cracks are unknown.
+std::vector<bool> verticesAtCuts(const TriangleMesh& mesh) {
+  std::vector<bool> isAtCut(mesh.vertices.size(), mesh.neighbor.empty());
+  std::vector<bool> isOfCrack(mesh.vertices.size());
+  const auto visit = [&](bool ofCrack, const auto& mark) {
+    for (std::size_t t = 0; t < mesh.neighbor.size(); ++t) {
+      if ((mesh.neighbor[t] != 0) != ofCrack) continue;
+      for (int k = 0; k < 3; ++k) mark(mesh.triangles[t][k]);
+    }
+  };
+  visit(true, [&](std::uint32_t v) { isOfCrack[v] = true; });
+  visit(false, [&](std::uint32_t v) { isAtCut[v] = isOfCrack[v]; });
+  return isAtCut;
+}
+
 }  // namespace
 
 std::size_t roundedCrossings(const TriangleMesh& mesh, const Progress* progress) {
   std::vector<glm::dvec3> rounded;
   rounded.reserve(mesh.vertices.size());
   for (const glm::dvec3& v : mesh.vertices) rounded.emplace_back(glm::vec3(v));
+  const std::vector<bool> isAtCut = verticesAtCuts(mesh);
   std::vector<std::uint8_t> isMoved;
   isMoved.reserve(mesh.triangles.size());
   for (const glm::uvec3& t : mesh.triangles) {
     const bool any = rounded[t.x] != mesh.vertices[t.x] || rounded[t.y] != mesh.vertices[t.y] ||
                      rounded[t.z] != mesh.vertices[t.z];
-    isMoved.push_back(any ? 1 : 0);
+    isMoved.push_back(any && (isAtCut[t.x] || isAtCut[t.y] || isAtCut[t.z]) ? 1 : 0);
   }
+  if (std::find(isMoved.begin(), isMoved.end(), 1) == isMoved.end()) return 0;
   const Pairs after = crossingsAt(rounded, mesh, isMoved, progress);
   if (after.empty()) return 0;
   const Pairs before = crossingsAt(mesh.vertices, mesh, isMoved, progress);

@@ -25,6 +25,15 @@ TEST(RoundedCrossings, AGapBelowSinglePrecisionCloses) {
   EXPECT_EQ(roundedCrossings(withTip(0x1p-20 * (1 + 0x1p-30))), 0u);
 }
 
+TEST(RoundedCrossings, OfCracksCountAtTheirRim) {
+  TriangleMesh mesh = withTip(0x1p-30);
+  mesh.neighbor = {2, 2};
+  EXPECT_EQ(roundedCrossings(mesh), 0u);
+  mesh.triangles.push_back({3, 5, 0});  // the second triangle meets the original surface
+  mesh.neighbor.push_back(0);
+  EXPECT_GE(roundedCrossings(mesh), 1u);
+}
+
 TEST(RoundedCrossings, WhatCrossesBeforeDoesNotCount) {
   EXPECT_EQ(roundedCrossings(withTip(-0x1p-30)), 0u);
   EXPECT_EQ(roundedCrossings(withTip(-0.5, {0.1, 0.1, 0.1})), 0u);
