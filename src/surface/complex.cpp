@@ -68,6 +68,13 @@ LabeledMesh meshOf(std::span<const glm::dvec3> vertices, std::span<const Complex
 
 }  // namespace
 
+std::vector<glm::uvec3> trianglesOf(const Complex& complex) {
+  std::vector<glm::uvec3> triangles;
+  triangles.reserve(complex.faces.size());
+  for (const ComplexFace& face : complex.faces) triangles.push_back(face.corner);
+  return triangles;
+}
+
 Complex complexOf(const TriangleMesh& mesh) {
   Complex out{mesh.vertices, std::vector<bool>(mesh.vertices.size(), false), {}, 1};
   out.faces.reserve(mesh.triangles.size());

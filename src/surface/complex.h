@@ -32,13 +32,18 @@ struct ComplexFace {
 
 /// Closed surfaces of labels 1..labels.  A face between two of them is stored once.
 struct Complex {
-  std::vector<glm::dvec3> vertices;
-  std::vector<bool> fixed;  ///< [vertices] non-manifold: a label has several vertices there
-  std::vector<ComplexFace> faces;
-  std::uint16_t labels = 0;
+  std::vector<glm::dvec3> vertices{};
+  std::vector<bool> fixed{};  ///< [vertices] non-manifold: a label has several vertices there;
+                              ///< empty: none
+  std::vector<ComplexFace> faces{};
+  std::uint16_t labels = 0;  ///< 0 for surfaces of which no mesh is made, such as cracks alone
 
   bool isClosed(std::uint16_t label) const { return label >= 1 && label <= labels; }
+  bool isFixed(std::uint32_t vertex) const { return !fixed.empty() && fixed[vertex]; }
 };
+
+/// Returns the corners of the faces.
+[[nodiscard]] std::vector<glm::uvec3> trianglesOf(const Complex& complex);
 
 /// Returns the complex of a single closed mesh, as label 1.
 [[nodiscard]] Complex complexOf(const TriangleMesh& mesh);

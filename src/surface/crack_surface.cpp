@@ -44,7 +44,7 @@ class CrackMeshing {
         cells_(neighborhoods.size()),
         quads_(neighborhoods.size()) {}
 
-  CrackSurface mesh(const GridFrame& frame, const Progress* progress) {
+  Complex mesh(const GridFrame& frame, const Progress* progress) {
     findLeaves();
     makeCells(progress);
     collectVertices();
@@ -223,8 +223,8 @@ class CrackMeshing {
     return at;
   }
 
-  CrackSurface assembled(const GridFrame& frame) const {
-    CrackSurface out;
+  Complex assembled(const GridFrame& frame) const {
+    Complex out;
     std::vector<std::uint32_t> number(vertices_.positionCount, kNone);
     const auto numberOf = [&](std::uint32_t v) {
       std::uint32_t& n = number[vertices_.positionId[v]];
@@ -277,15 +277,8 @@ class CrackMeshing {
 
 }  // namespace
 
-std::vector<glm::uvec3> trianglesOf(const CrackSurface& cracks) {
-  std::vector<glm::uvec3> triangles;
-  triangles.reserve(cracks.faces.size());
-  for (const CrackFace& face : cracks.faces) triangles.push_back(face.corner);
-  return triangles;
-}
-
-CrackSurface crackSurface(const Solid& solid, const Labels& beyond, const Cut& cut,
-                          std::span<const LeafNeighbors> neighborhoods, const Progress* progress) {
+Complex crackSurface(const Solid& solid, const Labels& beyond, const Cut& cut,
+                     std::span<const LeafNeighbors> neighborhoods, const Progress* progress) {
   Solid whole = solid;
   whole.blocks = beyond.blocks;
   return CrackMeshing(whole, beyond, cut, neighborhoods).mesh(solid.frame, progress);

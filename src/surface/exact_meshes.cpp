@@ -15,6 +15,7 @@
 #include "surface/crack_surface.h"
 #include "surface/cut.h"
 #include "surface/label_reader.h"
+#include "surface/merge_facets.h"
 #include "surface/vertex_numbers.h"
 #include "voxelize/region.h"
 
@@ -91,7 +92,7 @@ void append(std::vector<LabeledMesh> from, const TriangleMesh& body, std::uint32
 }
 
 // Returns the faces that meet a box.
-CrackSurface within(const CrackSurface& cracks, const TriangleTree& tree, const Box& box) {
+Complex within(const Complex& cracks, const TriangleTree& tree, const Box& box) {
   std::vector<std::uint32_t> faces = tree.meeting(box);
   for (std::uint32_t& face : faces) face = tree.source(face);
   std::sort(faces.begin(), faces.end());
@@ -101,10 +102,10 @@ CrackSurface within(const CrackSurface& cracks, const TriangleTree& tree, const 
     used.insert(used.end(), {corner.x, corner.y, corner.z});
   }
   const VertexNumbers numbers(std::move(used), cracks.vertices.size());
-  CrackSurface out;
+  Complex out;
   for (const std::uint32_t v : numbers.vertices()) out.vertices.push_back(cracks.vertices[v]);
   for (const std::uint32_t face : faces) {
-    CrackFace own = cracks.faces[face];
+    ComplexFace own = cracks.faces[face];
     for (int k = 0; k < 3; ++k) own.corner[k] = numbers.of(own.corner[k]);
     out.faces.push_back(own);
   }
@@ -112,7 +113,7 @@ CrackSurface within(const CrackSurface& cracks, const TriangleTree& tree, const 
 }
 
 // Cuts each body alone.  Where bodies overlap, so do the faces of their cracks.
-ExactSurface cutBodies(std::span<const TriangleMesh> bodies, const CrackSurface& cracks,
+ExactSurface cutBodies(std::span<const TriangleMesh> bodies, const Complex& cracks,
                        std::size_t fragments, SpaceLabels space, const Progress* progress) {
   if (bodies.empty()) return {.failure = "the mesh is not closed"};
   ExactSurface all{.meshes = std::vector<LabeledMesh>(fragments)};
@@ -147,7 +148,7 @@ ExactSurface exactMeshes(const Solid& solid, const Labels& labels,
   }
   const Cut cut = findCut(labels, neighborhoods, CutExtent::exact, progress);
   const Labels beyond = labelsBeyond(solid, labels, cut, neighborhoods);
-  const CrackSurface cracks = crackSurface(solid, beyond, cut, neighborhoods, progress);
+  const Complex cracks = crackSurface(solid, beyond, cut, neighborhoods, progress);
   const auto indexOf = [&](const glm::dvec3& p) { return solid.frame.indexFromWorld(p); };
   LabelReader reader(*beyond.blocks, beyond);
   const SpaceLabels space{[&](const glm::dvec3& p) { return reader.at(voxelAt(indexOf(p))); },
@@ -158,8 +159,11 @@ ExactSurface exactMeshes(const Solid& solid, const Labels& labels,
   ExactSurface surface;
   std::optional<std::vector<TriangleMesh>> bodies;
   for (int attempt = 0; attempt < kMostTries; ++attempt) {
-    const CrackSurface simple =
-        simplified(cracks, tolerance, static_cast<std::uint64_t>(attempt), progress);
+    const Complex simple =
+        withMergedFacets(cracks,
+                         {.facets = {.tolerance = tolerance},
+                          .displacementSeed = static_cast<std::uint64_t>(attempt)},
+                         progress);
     surface = exactSurface(solid.mesh->mesh, simple, fragments, space, progress);
     if (!surface.failure.empty() && solid.report.defects.components > 1) {
       // Bodies that overlap or touch can be cut one by one.

@@ -39,13 +39,13 @@ struct Face {
 
 class Assembly {
  public:
-  Assembly(const TriangleMesh& source, const CrackSurface& cracks, std::size_t fragments,
+  Assembly(const TriangleMesh& source, const Complex& cracks, std::size_t fragments,
            const SpaceLabels& space)
       : source_(source), cracks_(cracks), fragments_(fragments), space_(space) {}
 
   ExactSurface assemble(const Progress* progress) {
     Cutters cutters{cracks_.vertices, {}};
-    for (const CrackFace& face : cracks_.faces) cutters.triangles.push_back(face.corner);
+    for (const ComplexFace& face : cracks_.faces) cutters.triangles.push_back(face.corner);
     const MeshCut cut = cutMesh(source_, cutters, progress);
     flat_ = cut.flat;
     if (!cut.isComplete())
@@ -93,7 +93,7 @@ class Assembly {
     std::vector<std::uint16_t> ofPatch(outside.parts().size(), 0);
     bool isConsistent = true;
     for (const Seam& seam : seams) {
-      const CrackFace& crack = cracks_.faces[seam.c];
+      const ComplexFace& crack = cracks_.faces[seam.c];
       isConsistent &= outside.forEachBeside(seam, [&](std::uint32_t part, bool isLeft) {
         const std::uint16_t label = isLeft == Seam::leftInSurfaceIsFront ? crack.back : crack.front;
         std::uint16_t& known = ofPatch[outside.patchOf(part)];
@@ -231,7 +231,7 @@ class Assembly {
   ExactSurface assembled(const Patches& outside, const Patches& inside) {
     crackLabels_.reserve(inside.parts().size());
     for (const Part& part : inside.parts()) {
-      const CrackFace& crack = cracks_.faces[part.source];
+      const ComplexFace& crack = cracks_.faces[part.source];
       crackLabels_.push_back({crack.front, crack.back});
     }
     ExactSurface result;
@@ -346,7 +346,7 @@ class Assembly {
   }
 
   const TriangleMesh& source_;
-  const CrackSurface& cracks_;
+  const Complex& cracks_;
   const std::size_t fragments_;
   const SpaceLabels& space_;
   std::vector<std::uint32_t> flat_;
@@ -358,9 +358,8 @@ class Assembly {
 
 }  // namespace
 
-ExactSurface exactSurface(const TriangleMesh& source, const CrackSurface& cracks,
-                          std::size_t fragments, const SpaceLabels& space,
-                          const Progress* progress) {
+ExactSurface exactSurface(const TriangleMesh& source, const Complex& cracks, std::size_t fragments,
+                          const SpaceLabels& space, const Progress* progress) {
   Assembly assembly(source, cracks, fragments, space);
   ExactSurface surface = assembly.assemble(progress);
   if (assembly.flat().empty()) return surface;

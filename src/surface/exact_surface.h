@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "surface/complex.h"
-#include "surface/crack_surface.h"
 
 namespace sherd {
 
@@ -37,7 +36,7 @@ struct SpaceLabels {
 ///   cracks     overhang the source, and do not cross themselves
 ///   fragments  number of labels; Labels::kEroded has no mesh
 ///   throws     Error(cancelled)
-[[nodiscard]] ExactSurface exactSurface(const TriangleMesh& source, const CrackSurface& cracks,
+[[nodiscard]] ExactSurface exactSurface(const TriangleMesh& source, const Complex& cracks,
                                         std::size_t fragments, const SpaceLabels& space,
                                         const Progress* progress = nullptr);
 

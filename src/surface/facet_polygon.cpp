@@ -34,7 +34,7 @@ std::optional<FacetPolygon> triangleOf(std::span<const Side> sides) {
 }
 
 // Returns the corners of a triangle around all points, and the points, in the facet's plane.
-std::vector<TrianglePoint> enclosingTriangle(const Facets::Plane& plane, const CrackChains& chains,
+std::vector<TrianglePoint> enclosingTriangle(const Facets::Plane& plane, const FacetChains& chains,
                                              std::span<const std::uint32_t> used) {
   const glm::dvec3 n = plane.normal;
   const glm::dvec3 away = std::abs(n.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
@@ -113,7 +113,7 @@ std::optional<std::vector<bool>> insideOf(const Triangulation& all,
 
 }  // namespace
 
-FacetPolygon polygonOf(std::uint32_t facet, const CrackChains& chains, const Facets::Plane& plane) {
+FacetPolygon polygonOf(std::uint32_t facet, const FacetChains& chains, const Facets::Plane& plane) {
   const std::vector<Side> sides = chains.sidesOf(facet);
   if (sides.empty()) return {.isMade = true};
   if (const std::optional<FacetPolygon> triangle = triangleOf(sides)) return *triangle;

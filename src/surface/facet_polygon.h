@@ -5,7 +5,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "surface/crack_chains.h"
+#include "surface/facet_chains.h"
 #include "surface/facets.h"
 
 namespace sherd {
@@ -20,7 +20,7 @@ struct FacetPolygon {
 /// Returns the polygon that a facet's sides enclose, triangulated in the facet's plane.  No
 /// triangle if all sides cancel.
 ///   cost  about sides * log(sides)
-[[nodiscard]] FacetPolygon polygonOf(std::uint32_t facet, const CrackChains& chains,
+[[nodiscard]] FacetPolygon polygonOf(std::uint32_t facet, const FacetChains& chains,
                                      const Facets::Plane& plane);
 
 }  // namespace sherd

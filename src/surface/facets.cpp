@@ -16,28 +16,23 @@ constexpr std::uint32_t kNone = Facets::kNone;
 // The least cosine between a face's normal and its facet's.
 constexpr double kLeastCosine = 0.5;
 
-// Facets of fewer faces are absorbed by larger ones beside them, which they may be this much
-// farther away from, and at an angle below 90 degrees: single faces along the lines between facets.
+// Facets of fewer faces are absorbed by larger ones beside them, at an angle below 90 degrees:
+// single faces along the lines between facets.
 constexpr std::size_t kSmallFacet = 16;
-constexpr double kSmallTolerance = 4.0;
-
-// Facets of fewer faces after that stay faces: on curved surfaces polygons of a few faces save
-// little, and would cross each other.
-constexpr std::size_t kLeastFaces = 64;
 
 // Facets of fewer faces are parts of curved surfaces: borders are not moved onto them.
 constexpr std::size_t kPlanarFacet = 128;
 
 class FacetGrowing {
  public:
-  FacetGrowing(const CrackSurface& cracks, const FaceEdges& edges, double tolerance)
-      : cracks_(cracks), edges_(edges), tolerance_(tolerance) {
-    facets_.ofFace.assign(cracks.faces.size(), kNone);
+  FacetGrowing(const Complex& complex, const FaceEdges& edges, const FacetOptions& options)
+      : complex_(complex), edges_(edges), options_(options) {
+    facets_.ofFace.assign(complex.faces.size(), kNone);
   }
 
   Facets grow() {
-    for (std::uint32_t f = 0; f < cracks_.faces.size(); ++f) {
-      if (facets_.ofFace[f] == kNone) growFrom(f);
+    for (std::uint32_t f = 0; f < complex_.faces.size(); ++f) {
+      if (facets_.ofFace[f] == kNone && !isFixed(f)) growFrom(f);
     }
     absorbSmall();
     keepFew();
@@ -46,7 +41,7 @@ class FacetGrowing {
 
  private:
   const glm::dvec3& at(std::uint32_t face, int corner) const {
-    return cracks_.vertices[cracks_.faces[face].corner[corner]];
+    return complex_.vertices[complex_.faces[face].corner[corner]];
   }
   glm::dvec3 areaNormal(std::uint32_t face) const {  // of length twice the area
     return glm::cross(at(face, 1) - at(face, 0), at(face, 2) - at(face, 0));
@@ -89,8 +84,8 @@ class FacetGrowing {
     for (std::size_t i = 0; i < faces.size(); ++i) {
       for (const std::uint32_t edge : edges_.of(faces[i])) {
         const std::uint32_t other = across(edge, faces[i]);
-        if (other == kNone || facets_.ofFace[other] != kNone) continue;
-        if (!fits(other, current, kLeastCosine, tolerance_)) continue;
+        if (other == kNone || facets_.ofFace[other] != kNone || isFixed(other)) continue;
+        if (!fits(other, current, kLeastCosine, options_.tolerance)) continue;
         facets_.ofFace[other] = facet;
         faces.push_back(other);
         add(other);
@@ -105,15 +100,17 @@ class FacetGrowing {
 
   void absorbSmall() {
     std::vector<std::uint32_t> todo;
-    for (std::uint32_t f = 0; f < cracks_.faces.size(); ++f) {
-      if (!isSmall(f)) todo.push_back(f);
+    for (std::uint32_t f = 0; f < complex_.faces.size(); ++f) {
+      if (!isFixed(f) && !isSmall(f)) todo.push_back(f);
     }
     for (std::size_t i = 0; i < todo.size(); ++i) {
       const std::uint32_t facet = facets_.ofFace[todo[i]];
       for (const std::uint32_t edge : edges_.of(todo[i])) {
         const std::uint32_t other = across(edge, todo[i]);
-        if (other == kNone || !isSmall(other)) continue;
-        if (!fits(other, facets_.planes[facet], 0.0, kSmallTolerance * tolerance_)) continue;
+        if (other == kNone || isFixed(other) || !isSmall(other)) continue;
+        if (!fits(other, facets_.planes[facet], 0.0, options_.ofSmall * options_.tolerance)) {
+          continue;
+        }
         facets_.ofFace[other] = facet;
         todo.push_back(other);
       }
@@ -122,18 +119,27 @@ class FacetGrowing {
   // Leaves facets of a few faces out, and numbers the others anew.
   void keepFew() {
     std::vector<std::size_t> counts(facets_.planes.size(), 0);
-    for (const std::uint32_t facet : facets_.ofFace) ++counts[facet];
+    for (const std::uint32_t facet : facets_.ofFace) {
+      if (facet != kNone) ++counts[facet];
+    }
     std::vector<std::uint32_t> number(counts.size(), kNone);
     std::uint32_t kept = 0;
     for (std::size_t f = 0; f < counts.size(); ++f) {
-      if (counts[f] < kLeastFaces) continue;
+      if (counts[f] < options_.leastFaces) continue;
       facets_.planes[kept] = facets_.planes[f];
       facets_.sizes[kept] = facets_.sizes[f];
       number[f] = kept++;
     }
     facets_.planes.resize(kept);
     facets_.sizes.resize(kept);
-    for (std::uint32_t& facet : facets_.ofFace) facet = number[facet];
+    for (std::uint32_t& facet : facets_.ofFace) {
+      if (facet != kNone) facet = number[facet];
+    }
+  }
+
+  bool isFixed(std::uint32_t face) const {
+    const glm::uvec3& t = complex_.faces[face].corner;
+    return complex_.isFixed(t.x) || complex_.isFixed(t.y) || complex_.isFixed(t.z);
   }
 
   bool isSmall(std::uint32_t face) const {
@@ -145,13 +151,14 @@ class FacetGrowing {
     const auto uses = edges_.uses(edge);
     if (uses.size() != 2 || uses[0].isForward == uses[1].isForward) return kNone;
     const std::uint32_t other = uses[0].face == face ? uses[1].face : uses[0].face;
-    const CrackFace &a = cracks_.faces[face], &b = cracks_.faces[other];
-    return a.front == b.front && a.back == b.back ? other : kNone;
+    const ComplexFace &a = complex_.faces[face], &b = complex_.faces[other];
+    const bool isAlike = a.front == b.front && a.back == b.back && a.neighbor == b.neighbor;
+    return isAlike ? other : kNone;
   }
 
-  const CrackSurface& cracks_;
+  const Complex& complex_;
   const FaceEdges& edges_;
-  const double tolerance_;
+  const FacetOptions options_;
   Facets facets_;
   glm::dvec3 normals_{0.0}, points_{0.0};
   double areas_ = 0.0;
@@ -159,8 +166,8 @@ class FacetGrowing {
 
 }  // namespace
 
-Facets facetsOf(const CrackSurface& cracks, const FaceEdges& edges, double tolerance) {
-  return FacetGrowing(cracks, edges, tolerance).grow();
+Facets facetsOf(const Complex& complex, const FaceEdges& edges, const FacetOptions& options) {
+  return FacetGrowing(complex, edges, options).grow();
 }
 
 void splitOff(Facets& facets, const std::function<bool(std::size_t)>& condition) {
@@ -169,18 +176,18 @@ void splitOff(Facets& facets, const std::function<bool(std::size_t)>& condition)
   }
 }
 
-std::vector<glm::dvec3> snapped(const CrackSurface& cracks, const Facets& facets, double most) {
+std::vector<glm::dvec3> snapped(const Complex& complex, const Facets& facets, double most) {
   constexpr std::size_t kMostPlanes = 8;
   struct Around {
     std::array<std::uint32_t, kMostPlanes> facet{};
     std::size_t count = 0;
     bool isFixed = false;
   };
-  std::vector<Around> around(cracks.vertices.size());
-  for (std::size_t f = 0; f < cracks.faces.size(); ++f) {
+  std::vector<Around> around(complex.vertices.size());
+  for (std::size_t f = 0; f < complex.faces.size(); ++f) {
     const std::uint32_t facet = facets.ofFace[f];
     for (int k = 0; k < 3; ++k) {
-      Around& at = around[cracks.faces[f].corner[k]];
+      Around& at = around[complex.faces[f].corner[k]];
       at.isFixed = at.isFixed || facet == kNone;
       if (facet == kNone || facets.sizes[facet] < kPlanarFacet) continue;
       const auto end = at.facet.begin() + static_cast<std::ptrdiff_t>(at.count);
@@ -190,7 +197,7 @@ std::vector<glm::dvec3> snapped(const CrackSurface& cracks, const Facets& facets
     }
   }
   constexpr double kPull = 1e-3;  // towards where it is
-  std::vector<glm::dvec3> positions = cracks.vertices;
+  std::vector<glm::dvec3> positions = complex.vertices;
   for (std::size_t v = 0; v < positions.size(); ++v) {
     if (around[v].isFixed) continue;
     glm::dmat3 a(kPull);

@@ -1,4 +1,4 @@
-// The nearly planar regions of a crack surface.
+// The nearly planar regions of a complex.
 #pragma once
 
 #include <cstdint>
@@ -6,12 +6,21 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "surface/crack_surface.h"
+#include "surface/complex.h"
 #include "surface/face_edges.h"
 
 namespace sherd {
 
-/// Regions of connected faces between the same two labels, near one plane each.
+/// When faces are one facet.
+struct FacetOptions {
+  double tolerance = 0.0;       ///< distance of corners from the facet's plane, world units
+  double ofSmall = 4.0;         ///< factor on it where a larger facet absorbs some faces beside it
+  std::size_t leastFaces = 64;  ///< of a facet.  On curved surfaces polygons of a few faces save
+                                ///< little, and would cross each other
+};
+
+/// Regions of connected faces between the same two labels, with the same neighbor, near one plane
+/// each.
 struct Facets {
   struct Plane {
     glm::dvec3 point{0.0};
@@ -26,15 +35,16 @@ struct Facets {
 
 /// Grows regions from face to face, in the order of faces, while their corners are within a
 /// distance of the plane of the faces so far.  A region of a few faces is part of a larger one
-/// beside it, or of none.
-///   tolerance  world units
-[[nodiscard]] Facets facetsOf(const CrackSurface& cracks, const FaceEdges& edges, double tolerance);
+/// beside it, or of none.  Faces at fixed vertices are of none.
+///   edges  of the complex's faces
+[[nodiscard]] Facets facetsOf(const Complex& complex, const FaceEdges& edges,
+                              const FacetOptions& options);
 
 /// Moves vertices on the borders of facets to their common point or line, so that borders are
 /// straight.  A vertex that would move by more than `most`, because its planes are nearly parallel,
 /// stays, and so does one of a face that is of no facet.
 ///   return  the positions of all vertices
-[[nodiscard]] std::vector<glm::dvec3> snapped(const CrackSurface& cracks, const Facets& facets,
+[[nodiscard]] std::vector<glm::dvec3> snapped(const Complex& complex, const Facets& facets,
                                               double most);
 
 /// Takes each face for which a condition holds out of its facet.

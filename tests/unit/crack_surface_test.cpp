@@ -19,6 +19,7 @@
 #include "exact/self_crossings.h"
 #include "mesh/triangle_tree.h"
 #include "shapes.h"
+#include "surface/merge_facets.h"
 #include "voxelize/leaf_blocks.h"
 
 namespace sherd {
@@ -26,10 +27,14 @@ namespace {
 
 constexpr double kTolerance = 0.1;  // voxels
 
+Complex simplified(const Complex& cracks, double tolerance, std::uint64_t seed) {
+  return withMergedFacets(cracks, {.facets = {.tolerance = tolerance}, .displacementSeed = seed});
+}
+
 // A fracture by planes, with its cracks in world units.
 struct Cracked {
   FractureResult result;
-  CrackSurface cracks;
+  Complex cracks;
 
   Cracked(const TriangleMesh& mesh, int pieces, double roughness = 0.0) {
     Device device("builtin");
@@ -43,19 +48,19 @@ struct Cracked {
   }
 
   double voxel() const { return result.solid.frame.voxelSize; }
-  CrackSurface simple() const { return simplified(cracks, kTolerance * voxel(), 0); }
+  Complex simple() const { return simplified(cracks, kTolerance * voxel(), 0); }
 };
 
-std::size_t crossings(const CrackSurface& cracks) {
+std::size_t crossings(const Complex& cracks) {
   return selfCrossings(cracks.vertices, trianglesOf(cracks)).size();
 }
 
-TriangleMesh meshOf(const CrackSurface& cracks) { return {cracks.vertices, trianglesOf(cracks)}; }
+TriangleMesh meshOf(const Complex& cracks) { return {cracks.vertices, trianglesOf(cracks)}; }
 
 // Edges that the surface of a label uses more often in one direction.
-std::set<std::array<std::uint32_t, 2>> openEdges(const CrackSurface& cracks) {
+std::set<std::array<std::uint32_t, 2>> openEdges(const Complex& cracks) {
   std::map<std::array<std::uint32_t, 3>, int> balance;  // lower end, higher end, label
-  for (const CrackFace& face : cracks.faces) {
+  for (const ComplexFace& face : cracks.faces) {
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t a = face.corner[k], b = face.corner[(k + 1) % 3];
       const int forward = a < b ? 1 : -1;
@@ -76,7 +81,7 @@ struct Overhang {
   double nearer = 1e9, farther = 1e9;
 };
 
-Overhang overhangOf(const CrackSurface& cracks) {
+Overhang overhangOf(const Complex& cracks) {
   Overhang least;
   for (const auto& [a, b] : openEdges(cracks)) {
     const auto [low, high] =
@@ -112,7 +117,7 @@ TEST(CrackSurface, LiesOnTheBisectorPlanesOfSeeds) {
       const std::map<std::uint16_t, glm::dvec3> seeds = seedsOf(cracked);
       ASSERT_EQ(seeds.size(), static_cast<std::size_t>(pieces));
       std::size_t onPlanes = 0;
-      for (const CrackFace& face : cracked.cracks.faces) {
+      for (const ComplexFace& face : cracked.cracks.faces) {
         const glm::dvec3 &front = seeds.at(face.front), &back = seeds.at(face.back);
         for (int k = 0; k < 3; ++k) {
           const glm::dvec3 p =
@@ -166,7 +171,7 @@ TEST(CrackSurface, DoesNotCrossItself) {
 }
 
 TEST(CrackSurface, IsTheSameWithOneThreadAndTwo) {
-  std::vector<CrackSurface> all;
+  std::vector<Complex> all;
   for (const std::size_t threads : {1u, 2u}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     const Cracked cracked(shapes::torus(1.0, 0.4), 12, 1.0);
@@ -176,7 +181,7 @@ TEST(CrackSurface, IsTheSameWithOneThreadAndTwo) {
   for (std::size_t i = 0; i < 2; ++i) {
     EXPECT_EQ(all[i].vertices, all[2 + i].vertices);
     EXPECT_TRUE(std::equal(all[i].faces.begin(), all[i].faces.end(), all[2 + i].faces.begin(),
-                           all[2 + i].faces.end(), [](const CrackFace& a, const CrackFace& b) {
+                           all[2 + i].faces.end(), [](const ComplexFace& a, const ComplexFace& b) {
                              return a.corner == b.corner && a.front == b.front && a.back == b.back;
                            }));
   }
@@ -184,7 +189,7 @@ TEST(CrackSurface, IsTheSameWithOneThreadAndTwo) {
 
 TEST(SimplifiedCracks, OfAPlaneHaveFewTriangles) {
   const Cracked cracked(shapes::ball(1.0), 2);
-  const CrackSurface simple = cracked.simple();
+  const Complex simple = cracked.simple();
   const std::map<std::uint16_t, glm::dvec3> seeds = seedsOf(cracked);
   for (const glm::dvec3& v : simple.vertices) {
     const glm::dvec3 p = cracked.result.solid.frame.indexFromWorld(v);
@@ -204,12 +209,12 @@ TEST(SimplifiedCracks, StayNearTheCracks) {
   for (const double roughness : {0.0, 1.5}) {
     const Cracked cracked(shapes::cube(1.0), 8, roughness);
     const TriangleTree before(meshOf(cracked.cracks));
-    const CrackSurface simple = cracked.simple();
+    const Complex simple = cracked.simple();
     EXPECT_LT(simple.faces.size(), cracked.cracks.faces.size());
     // Vertices move by ten tolerances at most onto their planes, single faces join facets up to
     // four away.
     const double reach = 14.1 * kTolerance * cracked.voxel();
-    for (const CrackFace& face : simple.faces) {
+    for (const ComplexFace& face : simple.faces) {
       const glm::dvec3 middle = (simple.vertices[face.corner.x] + simple.vertices[face.corner.y] +
                                  simple.vertices[face.corner.z]) /
                                 3.0;
@@ -221,7 +226,7 @@ TEST(SimplifiedCracks, StayNearTheCracks) {
 TEST(SimplifiedCracks, AreDisplacedBySeed) {
   const Cracked cracked(shapes::cube(1.0), 8);
   const double tolerance = kTolerance * cracked.voxel();
-  const CrackSurface a = simplified(cracked.cracks, tolerance, 0);
+  const Complex a = simplified(cracked.cracks, tolerance, 0);
   EXPECT_EQ(simplified(cracked.cracks, tolerance, 0).vertices, a.vertices);
   EXPECT_NE(simplified(cracked.cracks, tolerance, 1).vertices, a.vertices);
   EXPECT_TRUE(simplified({}, tolerance, 0).faces.empty());
@@ -229,9 +234,9 @@ TEST(SimplifiedCracks, AreDisplacedBySeed) {
 
 // A ramp that winds around the z axis, over [10, 10 + width], two turns within less than a
 // tolerance of 1: each turn covers the one below in the projection along the axis.
-CrackSurface ramp(std::uint32_t width) {
+Complex ramp(std::uint32_t width) {
   constexpr std::uint32_t kSteps = 160;
-  CrackSurface cracks;
+  Complex cracks;
   for (std::uint32_t i = 0; i <= kSteps; ++i) {
     const double angle = 4.0 * std::numbers::pi * i / kSteps;
     for (std::uint32_t j = 0; j <= width; ++j) {
@@ -252,8 +257,8 @@ CrackSurface ramp(std::uint32_t width) {
 TEST(SimplifiedCracks, KeepTheFacesOfAFacetThatCoversItself) {
   // Splitting faces off its border does not help.
   for (const std::uint32_t width : {2u, 30u}) {
-    const CrackSurface cracks = ramp(width);
-    const CrackSurface simple = simplified(cracks, 1.0, 0);
+    const Complex cracks = ramp(width);
+    const Complex simple = simplified(cracks, 1.0, 0);
     EXPECT_EQ(crossings(simple), 0u);
     EXPECT_NEAR(area(meshOf(simple)), area(meshOf(cracks)), 0.05 * area(meshOf(cracks)));
   }
@@ -261,13 +266,13 @@ TEST(SimplifiedCracks, KeepTheFacesOfAFacetThatCoversItself) {
 
 TEST(SimplifiedCracks, MayHaveFacesWithoutArea) {
   // A row of them has no plane.
-  CrackSurface cracks;
+  Complex cracks;
   for (int i = 0; i < 9; ++i) cracks.vertices.emplace_back(i, 0.0, 0.0);
   for (std::uint32_t i = 0; i + 2 < 9; ++i) {
     cracks.faces.push_back(
         {i % 2 == 0 ? glm::uvec3(i, i + 1, i + 2) : glm::uvec3(i + 1, i, i + 2), 1, 2});
   }
-  const CrackSurface simple = simplified(cracks, 1e-3, 0);
+  const Complex simple = simplified(cracks, 1e-3, 0);
   EXPECT_LE(simple.faces.size(), cracks.faces.size());
   for (const glm::dvec3& v : simple.vertices) EXPECT_TRUE(std::isfinite(v.x + v.y + v.z));
 }

@@ -16,8 +16,8 @@ namespace sherd {
 namespace {
 
 // A sheet of n * n squares over [0, n]^2, each of two triangles, its front above it.
-CrackSurface sheet(std::uint32_t n, const std::function<glm::dvec3(double, double)>& at) {
-  CrackSurface cracks;
+Complex sheet(std::uint32_t n, const std::function<glm::dvec3(double, double)>& at) {
+  Complex cracks;
   for (std::uint32_t i = 0; i <= n; ++i) {
     for (std::uint32_t j = 0; j <= n; ++j) cracks.vertices.push_back(at(i, j));
   }
@@ -34,16 +34,14 @@ CrackSurface sheet(std::uint32_t n, const std::function<glm::dvec3(double, doubl
 
 double noise(std::uint64_t item) { return 2.0 * randomUnit(3, Stage::noise, item) - 1.0; }
 
-FaceEdges edgesOf(const CrackSurface& cracks) {
-  return {trianglesOf(cracks), cracks.vertices.size()};
-}
+FaceEdges edgesOf(const Complex& cracks) { return {trianglesOf(cracks), cracks.vertices.size()}; }
 
-Facets facetsOf(const CrackSurface& cracks, double tolerance) {
-  return facetsOf(cracks, edgesOf(cracks), tolerance);
+Facets facetsOf(const Complex& cracks, double tolerance) {
+  return facetsOf(cracks, edgesOf(cracks), FacetOptions{.tolerance = tolerance});
 }
 
 // Two half planes that meet in the line x = n / 2, z = 0 at an angle of `degrees` between normals.
-CrackSurface folded(std::uint32_t n, double degrees) {
+Complex folded(std::uint32_t n, double degrees) {
   const double angle = degrees / 180.0 * std::acos(-1.0), middle = n / 2.0;
   return sheet(n, [=](double x, double y) {
     const double apart = x - middle;
@@ -54,7 +52,7 @@ CrackSurface folded(std::uint32_t n, double degrees) {
 
 TEST(Facets, APlaneIsOneFacet) {
   const glm::dvec3 normal = glm::normalize(glm::dvec3(-0.3, 0.2, 1.0));
-  const CrackSurface cracks =
+  const Complex cracks =
       sheet(12, [](double x, double y) { return glm::dvec3(x, y, 0.3 * x - 0.2 * y + 7.0); });
   const Facets facets = facetsOf(cracks, 1e-9);
   ASSERT_EQ(facets.planes.size(), 1u);
@@ -66,7 +64,7 @@ TEST(Facets, APlaneIsOneFacet) {
 TEST(Facets, HalfPlanesAtALargeAngleAreTwo) {
   // Beyond 60 degrees no face joins the other plane's facet, at any tolerance.
   for (const double degrees : {61.0, 90.0, 120.0}) {
-    const CrackSurface cracks = folded(12, degrees);
+    const Complex cracks = folded(12, degrees);
     const Facets facets = facetsOf(cracks, 100.0);
     ASSERT_EQ(facets.planes.size(), 2u);
     EXPECT_NEAR(glm::dot(facets.planes[0].normal, facets.planes[1].normal),
@@ -82,7 +80,7 @@ TEST(Facets, HaveTheirCornersWithinTheToleranceOfTheirPlane) {
   // the tolerance of each when that was added, with at least half of the final faces but the last
   // few, so that twice the tolerance and what small facets may add is an upper bound.
   const double tolerance = 0.2;
-  const CrackSurface cracks = sheet(40, [=](double x, double y) {
+  const Complex cracks = sheet(40, [=](double x, double y) {
     return glm::dvec3(x, y, 3.0 * tolerance * std::sin(0.3 * x) * std::cos(0.25 * y));
   });
   const Facets facets = facetsOf(cracks, tolerance);
@@ -99,7 +97,7 @@ TEST(Facets, HaveTheirCornersWithinTheToleranceOfTheirPlane) {
 }
 
 TEST(Facets, OtherLabelsAndEdgesOfThreeFacesSeparateFacets) {
-  CrackSurface cracks = sheet(8, [](double x, double y) { return glm::dvec3(x, y, 0.0); });
+  Complex cracks = sheet(8, [](double x, double y) { return glm::dvec3(x, y, 0.0); });
   for (std::size_t f = 64; f < 128; ++f) cracks.faces[f].back = 3;
   EXPECT_EQ(facetsOf(cracks, 0.1).planes.size(), 2u);
   for (std::size_t f = 64; f < 128; ++f) cracks.faces[f].back = 2;
@@ -121,7 +119,7 @@ TEST(Facets, OtherLabelsAndEdgesOfThreeFacesSeparateFacets) {
 TEST(Facets, SnappingMovesABorderToTheLineOfItsPlanes) {
   // The vertices of the fold are displaced along x, by less than a square.
   constexpr std::uint32_t kSide = 24;
-  CrackSurface cracks = folded(kSide, 90.0);
+  Complex cracks = folded(kSide, 90.0);
   const glm::dvec3* const fold = &cracks.vertices[kSide / 2 * (kSide + 1)];
   for (std::uint32_t j = 0; j <= kSide; ++j) {
     cracks.vertices[kSide / 2 * (kSide + 1) + j] += glm::dvec3(0.1 * noise(j), 0.0, 0.0);
@@ -143,7 +141,7 @@ TEST(Facets, SnappingMovesABorderToTheLineOfItsPlanes) {
 }
 
 TEST(Facets, SnappingLeavesVerticesThatWouldMoveFar) {
-  const CrackSurface cracks = folded(24, 90.0);
+  const Complex cracks = folded(24, 90.0);
   Facets facets = facetsOf(cracks, 0.1);
   ASSERT_EQ(facets.planes.size(), 2u);
   for (Facets::Plane& plane : facets.planes) plane.point.z += 3.0;
@@ -152,7 +150,7 @@ TEST(Facets, SnappingLeavesVerticesThatWouldMoveFar) {
 }
 
 TEST(Facets, SnappingLeavesVerticesOfOtherFaces) {
-  const CrackSurface cracks = folded(24, 90.0);
+  const Complex cracks = folded(24, 90.0);
   Facets facets = facetsOf(cracks, 0.1);
   for (Facets::Plane& plane : facets.planes) plane.point.z += 0.5;
   splitOff(facets, [](std::size_t f) { return f == 100; });
@@ -163,7 +161,7 @@ TEST(Facets, SnappingLeavesVerticesOfOtherFaces) {
 }
 
 TEST(Facets, SplittingOffTakesFacesOut) {
-  const CrackSurface cracks = folded(12, 90.0);
+  const Complex cracks = folded(12, 90.0);
   Facets facets = facetsOf(cracks, 0.1);
   const Facets before = facets;
   const auto isOdd = [](std::size_t f) { return f % 2 == 1; };

@@ -22,14 +22,14 @@ struct Side {
 
 /// Chains of border edges with the same facets beside them, each with some of its vertices left
 /// out: those that are within a tolerance of the line between the kept ones.
-class CrackChains {
+class FacetChains {
  public:
   /// Chains without a common facet that keep the same two neighboring vertices are refined until
   /// none do, because their facets would touch there.
   /// Chains beside faces of no facet keep all their vertices.
   ///   edges, facets, positions  referenced; positions: [vertices]
   ///   tolerance                 world units
-  CrackChains(const FaceEdges& edges, const Facets& facets, std::span<const glm::dvec3> positions,
+  FacetChains(const FaceEdges& edges, const Facets& facets, std::span<const glm::dvec3> positions,
               double tolerance);
 
   [[nodiscard]] const glm::dvec3& position(std::uint32_t vertex) const {

@@ -1,5 +1,5 @@
 // Follows border edges from branch to branch, and simplifies the chains.
-#include "surface/crack_chains.h"
+#include "surface/facet_chains.h"
 
 #include <algorithm>
 #include <array>
@@ -55,7 +55,7 @@ class BorderEdges {
 
 }  // namespace
 
-CrackChains::CrackChains(const FaceEdges& edges, const Facets& facets,
+FacetChains::FacetChains(const FaceEdges& edges, const Facets& facets,
                          std::span<const glm::dvec3> positions, double tolerance)
     : edges_(edges),
       facets_(facets),
@@ -66,7 +66,7 @@ CrackChains::CrackChains(const FaceEdges& edges, const Facets& facets,
   separateChains();
 }
 
-bool CrackChains::isBorder(std::size_t edge) const {
+bool FacetChains::isBorder(std::size_t edge) const {
   const auto uses = edges_.uses(edge);
   if (std::all_of(uses.begin(), uses.end(), [&](const FaceEdges::Use& use) {
         return facets_.ofFace[use.face] == Facets::kNone;
@@ -77,7 +77,7 @@ bool CrackChains::isBorder(std::size_t edge) const {
          facets_.ofFace[uses[0].face] != facets_.ofFace[uses[1].face];
 }
 
-void CrackChains::findChains() {
+void FacetChains::findChains() {
   std::vector<std::uint32_t> all;
   for (std::uint32_t e = 0; e < edges_.count(); ++e) {
     if (isBorder(e)) all.push_back(e);
@@ -114,7 +114,7 @@ void CrackChains::findChains() {
 
 // Whether chains end at a vertex with these border edges.  At the open border a facet and a face of
 // none may meet, where no third border edge begins.
-bool CrackChains::isEnd(std::span<const std::uint32_t> edges) const {
+bool FacetChains::isEnd(std::span<const std::uint32_t> edges) const {
   if (edges.size() != 2) return true;
   const auto a = edges_.uses(edges[0]), b = edges_.uses(edges[1]);
   const auto isNone = [&](const FaceEdges::Use& use) {
@@ -124,7 +124,7 @@ bool CrackChains::isEnd(std::span<const std::uint32_t> edges) const {
          std::count_if(a.begin(), a.end(), isNone) != std::count_if(b.begin(), b.end(), isNone);
 }
 
-void CrackChains::addFacets(std::uint32_t edge, std::uint32_t from, Chain& chain) const {
+void FacetChains::addFacets(std::uint32_t edge, std::uint32_t from, Chain& chain) const {
   for (const FaceEdges::Use& use : edges_.uses(edge)) {
     const std::uint32_t facet = facets_.ofFace[use.face];
     const bool startsHere = (edges_.ends(edge)[0] == from) == use.isForward;
@@ -136,7 +136,7 @@ void CrackChains::addFacets(std::uint32_t edge, std::uint32_t from, Chain& chain
   }
 }
 
-void CrackChains::add(Chain chain) {
+void FacetChains::add(Chain chain) {
   const auto number = static_cast<std::uint32_t>(chains_.size());
   for (const Beside& beside : chain.facets) {
     std::vector<std::uint32_t>& own = ofFacet_[beside.facet];
@@ -147,7 +147,7 @@ void CrackChains::add(Chain chain) {
   chains_.push_back(std::move(chain));
 }
 
-void CrackChains::setTolerance(Chain& chain, double tolerance) const {
+void FacetChains::setTolerance(Chain& chain, double tolerance) const {
   chain.tolerance = tolerance;
   chain.kept.clear();
   const std::size_t last = chain.vertices.size() - 1;
@@ -165,7 +165,7 @@ void CrackChains::setTolerance(Chain& chain, double tolerance) const {
   }
 }
 
-std::size_t CrackChains::farthestFromFirst(const Chain& chain) const {
+std::size_t FacetChains::farthestFromFirst(const Chain& chain) const {
   std::size_t farthest = 0;
   const glm::dvec3& first = position(chain.vertices.front());
   for (std::size_t i = 1; i < chain.vertices.size(); ++i) {
@@ -179,7 +179,7 @@ std::size_t CrackChains::farthestFromFirst(const Chain& chain) const {
 
 //   source  Douglas, Peucker, Algorithms for the reduction of the number of points required to
 //           represent a digitized line, 1973
-void CrackChains::keepBetween(const Chain& chain, std::size_t from, std::size_t to,
+void FacetChains::keepBetween(const Chain& chain, std::size_t from, std::size_t to,
                               std::vector<bool>& keeps) const {
   if (chain.tolerance == 0.0) return;  // all are kept
   std::vector<std::array<std::size_t, 2>> spans{{from, to}};
@@ -204,7 +204,7 @@ void CrackChains::keepBetween(const Chain& chain, std::size_t from, std::size_t 
   }
 }
 
-void CrackChains::separateChains() {
+void FacetChains::separateChains() {
   for (bool isAny = true; isAny;) {
     const std::vector<std::uint32_t> touching = touchingChains();
     std::vector<std::uint32_t> facets;
@@ -214,7 +214,7 @@ void CrackChains::separateChains() {
 }
 
 // Chains that can be refined, ascending.
-std::vector<std::uint32_t> CrackChains::touchingChains() const {
+std::vector<std::uint32_t> FacetChains::touchingChains() const {
   std::vector<Side> sides;
   for (std::uint32_t c = 0; c < chains_.size(); ++c) {
     const std::vector<std::uint32_t>& kept = chains_[c].kept;
@@ -235,7 +235,7 @@ std::vector<std::uint32_t> CrackChains::touchingChains() const {
   return touching;
 }
 
-bool CrackChains::haveCommonFacet(std::uint32_t a, std::uint32_t b) const {
+bool FacetChains::haveCommonFacet(std::uint32_t a, std::uint32_t b) const {
   const std::vector<Beside>& others = chains_[b].facets;
   return std::any_of(chains_[a].facets.begin(), chains_[a].facets.end(), [&](const Beside& x) {
     return std::any_of(others.begin(), others.end(),
@@ -243,7 +243,7 @@ bool CrackChains::haveCommonFacet(std::uint32_t a, std::uint32_t b) const {
   });
 }
 
-std::vector<Side> CrackChains::sidesOf(std::uint32_t facet) const {
+std::vector<Side> FacetChains::sidesOf(std::uint32_t facet) const {
   std::vector<Side> sides;
   for (const std::uint32_t c : ofFacet_[facet]) {
     const std::vector<std::uint32_t>& kept = chains_[c].kept;
@@ -266,7 +266,7 @@ std::vector<Side> CrackChains::sidesOf(std::uint32_t facet) const {
   return left;
 }
 
-void CrackChains::refine(std::span<const std::uint32_t> chains,
+void FacetChains::refine(std::span<const std::uint32_t> chains,
                          std::vector<std::uint32_t>& facets) {
   for (const std::uint32_t c : chains) {
     Chain& chain = chains_[c];
@@ -277,7 +277,7 @@ void CrackChains::refine(std::span<const std::uint32_t> chains,
   }
 }
 
-void CrackChains::keepAll(std::span<const std::uint32_t> chains,
+void FacetChains::keepAll(std::span<const std::uint32_t> chains,
                           std::vector<std::uint32_t>& facets) {
   for (const std::uint32_t c : chains) {
     Chain& chain = chains_[c];

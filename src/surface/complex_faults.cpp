@@ -1,5 +1,5 @@
 // Finds crossings and edges with too many faces.
-#include "surface/crack_faults.h"
+#include "surface/complex_faults.h"
 
 #include <algorithm>
 #include <array>
@@ -32,38 +32,38 @@ glm::dvec3 commonPoint(const std::array<glm::dvec3, 3>& s, const std::array<glm:
   return s[0];
 }
 
-// Whether a label has more than two of the faces at an edge.
-bool isCrowded(const CrackSurface& cracks, std::span<const FaceEdges::Use> uses) {
+// Whether a label other than 0 has more than two of the faces at an edge.
+bool isCrowded(const Complex& complex, std::span<const FaceEdges::Use> uses) {
   if (uses.size() <= 3) return false;
   std::vector<std::uint16_t> labels;
   for (const FaceEdges::Use& use : uses) {
-    labels.push_back(cracks.faces[use.face].front);
-    labels.push_back(cracks.faces[use.face].back);
+    labels.push_back(complex.faces[use.face].front);
+    labels.push_back(complex.faces[use.face].back);
   }
   std::sort(labels.begin(), labels.end());
   for (std::size_t i = 2; i < labels.size(); ++i) {
-    if (labels[i] == labels[i - 2]) return true;
+    if (labels[i] != 0 && labels[i] == labels[i - 2]) return true;
   }
   return false;
 }
 
 }  // namespace
 
-std::vector<glm::dvec3> faultsOf(const CrackSurface& cracks, std::span<const std::uint8_t> of,
+std::vector<glm::dvec3> faultsOf(const Complex& complex, std::span<const std::uint8_t> of,
                                  const Progress* progress) {
-  const std::vector<glm::uvec3> triangles = trianglesOf(cracks);
+  const std::vector<glm::uvec3> triangles = trianglesOf(complex);
   const auto corners = [&](std::uint32_t f) {
     const glm::uvec3& t = triangles[f];
-    const std::vector<glm::dvec3>& v = cracks.vertices;
+    const std::vector<glm::dvec3>& v = complex.vertices;
     return std::array<glm::dvec3, 3>{v[t.x], v[t.y], v[t.z]};
   };
   std::vector<glm::dvec3> points;
-  for (const auto& [f, g] : selfCrossings(cracks.vertices, triangles, progress, {.of = of})) {
+  for (const auto& [f, g] : selfCrossings(complex.vertices, triangles, progress, {.of = of})) {
     points.push_back(commonPoint(corners(f), corners(g)));
   }
-  const FaceEdges edges(triangles, cracks.vertices.size());
+  const FaceEdges edges(triangles, complex.vertices.size());
   for (std::size_t e = 0; e < edges.count(); ++e) {
-    if (isCrowded(cracks, edges.uses(e))) points.push_back(cracks.vertices[edges.ends(e)[0]]);
+    if (isCrowded(complex, edges.uses(e))) points.push_back(complex.vertices[edges.ends(e)[0]]);
   }
   return points;
 }

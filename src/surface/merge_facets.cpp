@@ -1,4 +1,6 @@
-// Replaces each facet of a crack surface by a triangulated polygon.  Polygons share their borders.
+// Replaces each facet by a triangulated polygon.  Polygons share their borders.
+#include "surface/merge_facets.h"
+
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
@@ -11,12 +13,10 @@
 #include "base/cancel_flag.h"
 #include "base/random.h"
 #include "exact/sort_unique.h"
-#include "surface/crack_chains.h"
-#include "surface/crack_faults.h"
-#include "surface/crack_surface.h"
+#include "surface/complex_faults.h"
 #include "surface/face_edges.h"
+#include "surface/facet_chains.h"
 #include "surface/facet_polygon.h"
-#include "surface/facets.h"
 #include "surface/near_points.h"
 
 namespace sherd {
@@ -42,24 +42,24 @@ constexpr std::size_t kMostFaults = 2000;
 // and none lies on the surface that the cracks are to cut.
 constexpr double kDisplacement = 1e-3;
 
-class CrackSimplifier {
+class FacetMerging {
  public:
-  CrackSimplifier(const CrackSurface& cracks, double tolerance, std::uint64_t seed)
-      : cracks_(cracks),
-        edges_(trianglesOf(cracks), cracks.vertices.size()),
-        tolerance_(tolerance),
-        facets_(facetsOf(cracks, edges_, tolerance)),
-        seed_(seed),
-        positions_(snapped(cracks, facets_, kMostSnap * tolerance)) {
+  FacetMerging(const Complex& complex, const MergeOptions& options)
+      : complex_(complex),
+        edges_(trianglesOf(complex), complex.vertices.size()),
+        tolerance_(options.facets.tolerance),
+        facets_(facetsOf(complex, edges_, options.facets)),
+        seed_(options.displacementSeed),
+        positions_(snapped(complex, facets_, kMostSnap * tolerance_)) {
     for (std::uint32_t v = 0; v < positions_.size(); ++v) positions_[v] += displacement(v);
   }
 
-  CrackSurface simplify(const Progress* progress) {
+  Complex merge(const Progress* progress) {
     double radius = kFirstRadius * tolerance_;
     for (int round = 0;; ++round, radius *= 2.0) {
       makeAllPolygons(progress);
       std::vector<std::uint8_t> isOfFacet;
-      CrackSurface all = assembled(isOfFacet);
+      Complex all = assembled(isOfFacet);
       const std::vector<glm::dvec3> faults = faultsOf(all, isOfFacet, progress);
       if (faults.empty() || round == kMostRounds) return all;
       if (faults.size() > kMostFaults) {
@@ -72,10 +72,12 @@ class CrackSimplifier {
 
  private:
   glm::dvec3 displacement(std::uint32_t v) const {
-    glm::dvec3 d;
+    glm::dvec3 d(0.0);
+    if (!seed_) return d;
     for (int k = 0; k < 3; ++k) {
       const std::uint64_t item = 3 * std::uint64_t{v} + static_cast<unsigned>(k);
-      d[k] = kDisplacement * tolerance_ * (2.0 * randomUnit(seed_, Stage::crackVertex, item) - 1.0);
+      d[k] =
+          kDisplacement * tolerance_ * (2.0 * randomUnit(*seed_, Stage::crackVertex, item) - 1.0);
     }
     return d;
   }
@@ -83,15 +85,15 @@ class CrackSimplifier {
   // Gives back the faces near some points.
   void restoreNear(std::span<const glm::dvec3> points, double radius) {
     const NearPoints faults(points);
-    std::vector<std::uint8_t> isNear(cracks_.vertices.size(), 0);
+    std::vector<std::uint8_t> isNear(complex_.vertices.size(), 0);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, isNear.size(), 512),
                       [&](const auto& range) {
                         for (std::size_t v = range.begin(); v < range.end(); ++v) {
-                          isNear[v] = faults.areWithin(radius, cracks_.vertices[v]) ? 1 : 0;
+                          isNear[v] = faults.areWithin(radius, complex_.vertices[v]) ? 1 : 0;
                         }
                       });
     keepFaces([&](std::size_t f) {
-      const glm::uvec3& t = cracks_.faces[f].corner;
+      const glm::uvec3& t = complex_.faces[f].corner;
       return isNear[t.x] + isNear[t.y] + isNear[t.z] > 0;
     });
   }
@@ -99,11 +101,11 @@ class CrackSimplifier {
   // Takes faces out of their facets, and undoes the snapping of their vertices.
   void keepFaces(const std::function<bool(std::size_t)>& condition) {
     splitOff(facets_, condition);
-    for (std::size_t f = 0; f < cracks_.faces.size(); ++f) {
+    for (std::size_t f = 0; f < complex_.faces.size(); ++f) {
       if (facets_.ofFace[f] != Facets::kNone) continue;
-      const glm::uvec3& t = cracks_.faces[f].corner;
+      const glm::uvec3& t = complex_.faces[f].corner;
       for (const std::uint32_t v : {t.x, t.y, t.z})
-        positions_[v] = cracks_.vertices[v] + displacement(v);
+        positions_[v] = complex_.vertices[v] + displacement(v);
     }
   }
 
@@ -116,7 +118,7 @@ class CrackSimplifier {
       if (!isAnyFailed) return;
       keepFaces([&](std::size_t f) {
         const FacetPolygon& polygon = polygons_[facets_.ofFace[f]];
-        const glm::uvec3& t = cracks_.faces[f].corner;
+        const glm::uvec3& t = complex_.faces[f].corner;
         return !polygon.isMade && std::any_of(&t.x, &t.x + 3, [&](std::uint32_t v) {
           return std::binary_search(polygon.vertices.begin(), polygon.vertices.end(), v);
         });
@@ -127,7 +129,7 @@ class CrackSimplifier {
   // Chains that cross each other are refined, which changes the polygons on all sides.
   //   mayFail  leaves polygons unmade whose borders cross; else their facets keep their faces
   void makePolygons(bool mayFail, const Progress* progress) {
-    CrackChains chains(edges_, facets_, positions_, tolerance_);
+    FacetChains chains(edges_, facets_, positions_, tolerance_);
     polygons_.assign(facets_.planes.size(), {});
     std::vector<bool> keepsFaces(polygons_.size(), false);
     std::vector<std::uint32_t> todo(polygons_.size());
@@ -155,26 +157,27 @@ class CrackSimplifier {
   }
 
   //   isOfFacet  receives [faces] 0 or 1: whose corners may have moved
-  CrackSurface assembled(std::vector<std::uint8_t>& isOfFacet) const {
-    CrackSurface out;
-    std::vector<std::uint32_t> number(cracks_.vertices.size(), kNone);
+  Complex assembled(std::vector<std::uint8_t>& isOfFacet) const {
+    Complex out{.labels = complex_.labels};
+    std::vector<std::uint32_t> number(complex_.vertices.size(), kNone);
     const auto add = [&](const glm::uvec3& corner, std::uint32_t f) {
-      CrackFace face{.front = cracks_.faces[f].front, .back = cracks_.faces[f].back};
+      ComplexFace face = complex_.faces[f];  // at fixed vertices it has its corners, in their order
       for (int k = 0; k < 3; ++k) {
         std::uint32_t& n = number[corner[k]];
         if (n == kNone) {
           n = static_cast<std::uint32_t>(out.vertices.size());
           out.vertices.push_back(positions_[corner[k]]);
+          if (!complex_.fixed.empty()) out.fixed.push_back(complex_.fixed[corner[k]]);
         }
         face.corner[k] = n;
       }
       out.faces.push_back(face);
     };
     std::vector<bool> isDone(polygons_.size(), false);
-    for (std::uint32_t f = 0; f < cracks_.faces.size(); ++f) {
+    for (std::uint32_t f = 0; f < complex_.faces.size(); ++f) {
       const std::uint32_t facet = facets_.ofFace[f];
       if (facet == Facets::kNone || !polygons_[facet].isMade) {
-        add(cracks_.faces[f].corner, f);
+        add(complex_.faces[f].corner, f);
         isOfFacet.push_back(facet == Facets::kNone ? 0 : 1);
       } else if (!isDone[facet]) {
         isDone[facet] = true;
@@ -187,21 +190,21 @@ class CrackSimplifier {
     return out;
   }
 
-  const CrackSurface& cracks_;
+  const Complex& complex_;
   const FaceEdges edges_;
   const double tolerance_;
   Facets facets_;
-  const std::uint64_t seed_;
+  const std::optional<std::uint64_t> seed_;
   std::vector<glm::dvec3> positions_;   // [vertices]
   std::vector<FacetPolygon> polygons_;  // [facets]
 };
 
 }  // namespace
 
-CrackSurface simplified(const CrackSurface& cracks, double tolerance, std::uint64_t seed,
-                        const Progress* progress) {
-  if (cracks.faces.empty()) return cracks;
-  return CrackSimplifier(cracks, tolerance, seed).simplify(progress);
+Complex withMergedFacets(const Complex& complex, const MergeOptions& options,
+                         const Progress* progress) {
+  if (complex.faces.empty()) return complex;
+  return FacetMerging(complex, options).merge(progress);
 }
 
 }  // namespace sherd

@@ -1,0 +1,29 @@
+// Merging of the faces in nearly planar regions.
+#pragma once
+
+#include <sherd/progress.h>
+
+#include <cstdint>
+#include <optional>
+
+#include "surface/complex.h"
+#include "surface/facets.h"
+
+namespace sherd {
+
+struct MergeOptions {
+  FacetOptions facets{};  ///< the tolerance is also that of lines between facets
+  /// Displaces vertices at random by a thousandth of the tolerance, after which none lies in the
+  /// plane of a face that it does not belong to: for cracks, so that a mesh can be cut by them.
+  std::optional<std::uint64_t> displacementSeed{};
+};
+
+/// Returns the complex with each facet as one polygon, triangulated, and the lines between facets
+/// with fewer vertices.  All labels share the polygons.  Vertices of facets' borders move onto
+/// their planes; others stay.  Where polygons would cross each other or other faces, they keep
+/// more.
+///   throws  Error(cancelled)
+[[nodiscard]] Complex withMergedFacets(const Complex& complex, const MergeOptions& options,
+                                       const Progress* progress = nullptr);
+
+}  // namespace sherd
