@@ -161,7 +161,7 @@ ExactSurface exactMeshes(const Solid& solid, const Labels& labels,
   for (int attempt = 0; attempt < kMostTries; ++attempt) {
     const Complex simple =
         withMergedFacets(cracks,
-                         {.facets = {.tolerance = tolerance},
+                         {.facets = {.cracks = {.tolerance = tolerance}},
                           .displacementSeed = static_cast<std::uint64_t>(attempt)},
                          progress);
     surface = exactSurface(solid.mesh->mesh, simple, fragments, space, progress);

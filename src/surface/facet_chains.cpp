@@ -5,6 +5,7 @@
 #include <array>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <utility>
 
 #include "exact/sort_unique.h"
@@ -56,12 +57,8 @@ class BorderEdges {
 }  // namespace
 
 FacetChains::FacetChains(const FaceEdges& edges, const Facets& facets,
-                         std::span<const glm::dvec3> positions, double tolerance)
-    : edges_(edges),
-      facets_(facets),
-      positions_(positions),
-      tolerance_(tolerance),
-      ofFacet_(facets.planes.size()) {
+                         std::span<const glm::dvec3> positions)
+    : edges_(edges), facets_(facets), positions_(positions), ofFacet_(facets.planes.size()) {
   findChains();
   separateChains();
 }
@@ -142,8 +139,11 @@ void FacetChains::add(Chain chain) {
     std::vector<std::uint32_t>& own = ofFacet_[beside.facet];
     if (own.empty() || own.back() != number) own.push_back(number);
   }
-  const double tolerance = chain.facets.size() == 1 ? kOpenBorder * tolerance_ : tolerance_;
-  setTolerance(chain, chain.isFixed ? 0.0 : tolerance);
+  chain.own = std::numeric_limits<double>::infinity();
+  for (const Beside& beside : chain.facets)
+    chain.own = std::min(chain.own, facets_.tolerances[beside.facet]);
+  setTolerance(chain,
+               chain.isFixed ? 0.0 : (chain.facets.size() == 1 ? kOpenBorder : 1.0) * chain.own);
   chains_.push_back(std::move(chain));
 }
 
@@ -272,7 +272,7 @@ void FacetChains::refine(std::span<const std::uint32_t> chains,
     Chain& chain = chains_[c];
     if (chain.tolerance == 0.0) continue;
     const double finer = kFiner * chain.tolerance;
-    setTolerance(chain, finer < kFinest * tolerance_ ? 0.0 : finer);
+    setTolerance(chain, finer < kFinest * chain.own ? 0.0 : finer);
     for (const Beside& beside : chain.facets) facets.push_back(beside.facet);
   }
 }

@@ -28,9 +28,8 @@ class FacetChains {
   /// none do, because their facets would touch there.
   /// Chains beside faces of no facet keep all their vertices.
   ///   edges, facets, positions  referenced; positions: [vertices]
-  ///   tolerance                 world units
-  FacetChains(const FaceEdges& edges, const Facets& facets, std::span<const glm::dvec3> positions,
-              double tolerance);
+  /// The tolerance of a chain is the least of those of the facets beside it.
+  FacetChains(const FaceEdges& edges, const Facets& facets, std::span<const glm::dvec3> positions);
 
   [[nodiscard]] const glm::dvec3& position(std::uint32_t vertex) const {
     return positions_[vertex];
@@ -60,6 +59,7 @@ class FacetChains {
     std::vector<std::uint32_t> kept;  // of `vertices`, both ends included
     std::vector<Beside> facets;
     bool isFixed = false;    // beside a face of no facet
+    double own = 0.0;        // tolerance at first
     double tolerance = 0.0;  // of `kept`; 0: all are kept
   };
 
@@ -81,7 +81,6 @@ class FacetChains {
   const FaceEdges& edges_;
   const Facets& facets_;
   const std::span<const glm::dvec3> positions_;
-  const double tolerance_;
   std::vector<Chain> chains_;
   std::vector<std::vector<std::uint32_t>> ofFacet_;  // [facets] chains
 };

@@ -20,9 +20,6 @@ constexpr double kLeastCosine = 0.5;
 // single faces along the lines between facets.
 constexpr std::size_t kSmallFacet = 16;
 
-// Facets of fewer faces are parts of curved surfaces: borders are not moved onto them.
-constexpr std::size_t kPlanarFacet = 128;
-
 class FacetGrowing {
  public:
   FacetGrowing(const Complex& complex, const FaceEdges& edges, const FacetOptions& options)
@@ -32,7 +29,7 @@ class FacetGrowing {
 
   Facets grow() {
     for (std::uint32_t f = 0; f < complex_.faces.size(); ++f) {
-      if (facets_.ofFace[f] == kNone && !isFixed(f)) growFrom(f);
+      if (facets_.ofFace[f] == kNone && !staysFace(f)) growFrom(f);
     }
     absorbSmall();
     keepFew();
@@ -84,8 +81,8 @@ class FacetGrowing {
     for (std::size_t i = 0; i < faces.size(); ++i) {
       for (const std::uint32_t edge : edges_.of(faces[i])) {
         const std::uint32_t other = across(edge, faces[i]);
-        if (other == kNone || facets_.ofFace[other] != kNone || isFixed(other)) continue;
-        if (!fits(other, current, kLeastCosine, options_.tolerance)) continue;
+        if (other == kNone || facets_.ofFace[other] != kNone || staysFace(other)) continue;
+        if (!fits(other, current, kLeastCosine, kindOf(seed).tolerance)) continue;
         facets_.ofFace[other] = facet;
         faces.push_back(other);
         add(other);
@@ -95,22 +92,24 @@ class FacetGrowing {
       }
     }
     facets_.planes.push_back(plane());
-    facets_.sizes.push_back(faces.size());
+    facets_.tolerances.push_back(kindOf(seed).tolerance);
+    facets_.isPlanar.push_back(faces.size() >= kindOf(seed).planarFaces);
+    sizes_.push_back(faces.size());
+    leastFaces_.push_back(kindOf(seed).leastFaces);
   }
 
   void absorbSmall() {
     std::vector<std::uint32_t> todo;
     for (std::uint32_t f = 0; f < complex_.faces.size(); ++f) {
-      if (!isFixed(f) && !isSmall(f)) todo.push_back(f);
+      if (!staysFace(f) && !isSmall(f)) todo.push_back(f);
     }
     for (std::size_t i = 0; i < todo.size(); ++i) {
       const std::uint32_t facet = facets_.ofFace[todo[i]];
       for (const std::uint32_t edge : edges_.of(todo[i])) {
         const std::uint32_t other = across(edge, todo[i]);
-        if (other == kNone || isFixed(other) || !isSmall(other)) continue;
-        if (!fits(other, facets_.planes[facet], 0.0, options_.ofSmall * options_.tolerance)) {
-          continue;
-        }
+        if (other == kNone || staysFace(other) || !isSmall(other)) continue;
+        const FacetKind& kind = kindOf(other);
+        if (!fits(other, facets_.planes[facet], 0.0, kind.ofSmall * kind.tolerance)) continue;
         facets_.ofFace[other] = facet;
         todo.push_back(other);
       }
@@ -125,26 +124,29 @@ class FacetGrowing {
     std::vector<std::uint32_t> number(counts.size(), kNone);
     std::uint32_t kept = 0;
     for (std::size_t f = 0; f < counts.size(); ++f) {
-      if (counts[f] < options_.leastFaces) continue;
+      if (counts[f] < leastFaces_[f]) continue;
       facets_.planes[kept] = facets_.planes[f];
-      facets_.sizes[kept] = facets_.sizes[f];
+      facets_.tolerances[kept] = facets_.tolerances[f];
+      facets_.isPlanar[kept] = facets_.isPlanar[f];
       number[f] = kept++;
     }
     facets_.planes.resize(kept);
-    facets_.sizes.resize(kept);
+    facets_.tolerances.resize(kept);
+    facets_.isPlanar.resize(kept);
     for (std::uint32_t& facet : facets_.ofFace) {
       if (facet != kNone) facet = number[facet];
     }
   }
 
-  bool isFixed(std::uint32_t face) const {
+  const FacetKind& kindOf(std::uint32_t face) const { return options_.of(complex_.faces[face]); }
+
+  bool staysFace(std::uint32_t face) const {
     const glm::uvec3& t = complex_.faces[face].corner;
-    return complex_.isFixed(t.x) || complex_.isFixed(t.y) || complex_.isFixed(t.z);
+    return kindOf(face).tolerance == 0.0 || complex_.isFixed(t.x) || complex_.isFixed(t.y) ||
+           complex_.isFixed(t.z);
   }
 
-  bool isSmall(std::uint32_t face) const {
-    return facets_.sizes[facets_.ofFace[face]] < kSmallFacet;
-  }
+  bool isSmall(std::uint32_t face) const { return sizes_[facets_.ofFace[face]] < kSmallFacet; }
 
   // The face between the same labels on the other side of an edge that has no third face.
   std::uint32_t across(std::uint32_t edge, std::uint32_t face) const {
@@ -160,6 +162,8 @@ class FacetGrowing {
   const FaceEdges& edges_;
   const FacetOptions options_;
   Facets facets_;
+  std::vector<std::size_t> sizes_;       // [facets] faces that the plane was fitted to
+  std::vector<std::size_t> leastFaces_;  // [facets]
   glm::dvec3 normals_{0.0}, points_{0.0};
   double areas_ = 0.0;
 };
@@ -189,7 +193,7 @@ std::vector<glm::dvec3> snapped(const Complex& complex, const Facets& facets, do
     for (int k = 0; k < 3; ++k) {
       Around& at = around[complex.faces[f].corner[k]];
       at.isFixed = at.isFixed || facet == kNone;
-      if (facet == kNone || facets.sizes[facet] < kPlanarFacet) continue;
+      if (facet == kNone || !facets.isPlanar[facet]) continue;
       const auto end = at.facet.begin() + static_cast<std::ptrdiff_t>(at.count);
       if (at.count < kMostPlanes && std::find(at.facet.begin(), end, facet) == end) {
         at.facet[at.count++] = facet;
@@ -197,15 +201,19 @@ std::vector<glm::dvec3> snapped(const Complex& complex, const Facets& facets, do
     }
   }
   constexpr double kPull = 1e-3;  // towards where it is
+  double loosest = 0.0;
+  for (const double tolerance : facets.tolerances) loosest = std::max(loosest, tolerance);
   std::vector<glm::dvec3> positions = complex.vertices;
   for (std::size_t v = 0; v < positions.size(); ++v) {
     if (around[v].isFixed) continue;
     glm::dmat3 a(kPull);
     glm::dvec3 b(0.0);
     for (std::size_t i = 0; i < around[v].count; ++i) {
-      const Facets::Plane& plane = facets.planes[around[v].facet[i]];
-      a += glm::outerProduct(plane.normal, plane.normal);
-      b += glm::dot(plane.point - positions[v], plane.normal) * plane.normal;
+      const std::uint32_t facet = around[v].facet[i];
+      const Facets::Plane& plane = facets.planes[facet];
+      const double weight = std::pow(loosest / facets.tolerances[facet], 2);
+      a += weight * glm::outerProduct(plane.normal, plane.normal);
+      b += weight * glm::dot(plane.point - positions[v], plane.normal) * plane.normal;
     }
     const glm::dvec3 step = glm::inverse(a) * b;
     if (glm::dot(step, step) <= most * most) positions[v] += step;

@@ -12,11 +12,23 @@
 namespace sherd {
 
 /// When faces are one facet.
+struct FacetKind {
+  double tolerance =
+      0.0;               ///< distance of corners from the facet's plane, world units; 0: no facets
+  double ofSmall = 4.0;  ///< factor on it where a larger facet absorbs some faces beside it
+  std::size_t leastFaces = 64;    ///< of a facet.  On curved surfaces polygons of a few faces save
+                                  ///< little, and would cross each other
+  std::size_t planarFaces = 128;  ///< facets of fewer are parts of curved surfaces: borders are not
+                                  ///< moved onto them
+};
+
 struct FacetOptions {
-  double tolerance = 0.0;       ///< distance of corners from the facet's plane, world units
-  double ofSmall = 4.0;         ///< factor on it where a larger facet absorbs some faces beside it
-  std::size_t leastFaces = 64;  ///< of a facet.  On curved surfaces polygons of a few faces save
-                                ///< little, and would cross each other
+  FacetKind cracks{};    ///< faces between two fragments, or eroded ones
+  FacetKind original{};  ///< faces whose back is 0
+
+  [[nodiscard]] const FacetKind& of(const ComplexFace& face) const {
+    return face.back == 0 ? original : cracks;
+  }
 };
 
 /// Regions of connected faces between the same two labels, with the same neighbor, near one plane
@@ -30,7 +42,8 @@ struct Facets {
 
   std::vector<std::uint32_t> ofFace;  ///< [faces] kNone: a face that stays one
   std::vector<Plane> planes;          ///< [facets]
-  std::vector<std::size_t> sizes;     ///< [facets] faces that the plane was fitted to
+  std::vector<double> tolerances;     ///< [facets] FacetKind::tolerance
+  std::vector<bool> isPlanar;         ///< [facets] borders are moved onto them
 };
 
 /// Grows regions from face to face, in the order of faces, while their corners are within a

@@ -32,8 +32,8 @@ constexpr int kMostSplits = 8;
 
 // Near polygons that cross each other the faces stay: within this many tolerances, then within
 // twice that, and so on.
-constexpr double kFirstRadius = 20.0;
-constexpr int kMostRounds = 6;
+constexpr double kFirstRadius = 5.0;
+constexpr int kMostRounds = 8;
 
 // Where polygons cross at more points, as those of thousands of small fragments do, all faces stay.
 constexpr std::size_t kMostFaults = 2000;
@@ -47,7 +47,7 @@ class FacetMerging {
   FacetMerging(const Complex& complex, const MergeOptions& options)
       : complex_(complex),
         edges_(trianglesOf(complex), complex.vertices.size()),
-        tolerance_(options.facets.tolerance),
+        tolerance_(std::max(options.facets.cracks.tolerance, options.facets.original.tolerance)),
         facets_(facetsOf(complex, edges_, options.facets)),
         seed_(options.displacementSeed),
         positions_(snapped(complex, facets_, kMostSnap * tolerance_)) {
@@ -129,7 +129,7 @@ class FacetMerging {
   // Chains that cross each other are refined, which changes the polygons on all sides.
   //   mayFail  leaves polygons unmade whose borders cross; else their facets keep their faces
   void makePolygons(bool mayFail, const Progress* progress) {
-    FacetChains chains(edges_, facets_, positions_, tolerance_);
+    FacetChains chains(edges_, facets_, positions_);
     polygons_.assign(facets_.planes.size(), {});
     std::vector<bool> keepsFaces(polygons_.size(), false);
     std::vector<std::uint32_t> todo(polygons_.size());
@@ -192,7 +192,7 @@ class FacetMerging {
 
   const Complex& complex_;
   const FaceEdges edges_;
-  const double tolerance_;
+  const double tolerance_;  // the larger one
   Facets facets_;
   const std::optional<std::uint64_t> seed_;
   std::vector<glm::dvec3> positions_;   // [vertices]

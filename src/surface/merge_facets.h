@@ -12,9 +12,9 @@
 namespace sherd {
 
 struct MergeOptions {
-  FacetOptions facets{};  ///< the tolerance is also that of lines between facets
-  /// Displaces vertices at random by a thousandth of the tolerance, after which none lies in the
-  /// plane of a face that it does not belong to: for cracks, so that a mesh can be cut by them.
+  FacetOptions facets{};  ///< the tolerances are also those of lines between facets
+  /// Displaces vertices at random by a thousandth of the larger tolerance, after which none lies in
+  /// the plane of a face that it does not belong to: for cracks, so that a mesh can be cut by them.
   std::optional<std::uint64_t> displacementSeed{};
 };
 

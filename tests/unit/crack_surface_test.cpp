@@ -28,7 +28,8 @@ namespace {
 constexpr double kTolerance = 0.1;  // voxels
 
 Complex simplified(const Complex& cracks, double tolerance, std::uint64_t seed) {
-  return withMergedFacets(cracks, {.facets = {.tolerance = tolerance}, .displacementSeed = seed});
+  return withMergedFacets(
+      cracks, {.facets = {.cracks = {.tolerance = tolerance}}, .displacementSeed = seed});
 }
 
 // A fracture by planes, with its cracks in world units.
