@@ -189,8 +189,8 @@ def type_of(row):
         return choices
     if row.type == "choices":
         return f"str | Sequence[{choices}]"
-    if row.name == "resolution":
-        return 'int | Literal["auto"]'
+    if row.range.startswith("auto|"):
+        return f'{TYPES[row.type]} | Literal["auto"]'
     if row.type == "text":
         return "float | str | os.PathLike[str] | Sequence[Any]"
     return TYPES[row.type]

@@ -58,7 +58,9 @@ struct FractureResult {
   std::vector<std::uint64_t> eroded;  ///< [fragments+1] eroded voxels of each, [0] the sum
   std::vector<Fragment> fragments;    ///< [max(pieces, components)] ascending by id
   std::shared_ptr<const FragmentSurfaces>
-      surfaces{};              ///< without SurfaceOptions::meshes, else null
+      surfaces{};  ///< without SurfaceOptions::meshes, else null
+  std::shared_ptr<const FragmentSurfaces>
+      unmerged{};              ///< with SurfaceOptions::points, if triangles of meshes are merged
   std::string exactFailure{};  ///< why Surface::exact was replaced by Surface::smooth, as a clause;
                                ///< empty if it was not
   std::size_t withheld = 0;    ///< the last `withheld` fragments are withheld

@@ -81,17 +81,29 @@ struct SmoothOptions {
   Smoothing method = Smoothing::taubin;
 };
 
+/// SurfaceOptions::adaptivity: where the input is piecewise flat, the triangles in each plane are
+/// merged.  That is so where at least half of the area is flat at the scale of a voxel.
+inline constexpr double kAutoAdaptivity = -1.0;
+
+/// How far the triangles merged by kAutoAdaptivity may be from their common plane, voxels: those of
+/// the original surface, and those of cracks.
+inline constexpr double kPlanarTolerance = 0.005, kPlanarCrackTolerance = 0.1;
+
 struct SurfaceOptions {
   bool levelSets = true;  ///< also makes Fragment::surface; else it is null
-  bool meshes = true;  ///< makes Fragment::mesh; else it is empty, and volume, areas and contacts
-                       ///< are summed without it, which takes 0.6 of the time.  Only without
-                       ///< level sets, for Surface::smooth and Interface::shared as they are
-                       ///< meshed: neither smoothed nor simplified nor decimated
+  bool meshes = true;   ///< makes Fragment::mesh; else it is empty, and volume, areas and contacts
+                        ///< are summed without it, which takes 0.6 of the time.  Only without
+                        ///< level sets, for Surface::smooth and Interface::shared as they are
+                        ///< meshed: neither smoothed nor decimated, with any adaptivity but one
+                        ///< above 0
+  bool points = false;  ///< makes what points are sampled of, FractureResult::unmerged, so that
+                        ///< points do not depend on merged triangles
   Surface surface = Surface::smooth;
   Interface interface = Interface::shared;
-  SmoothOptions smooth{};   ///< for both surfaces; the default does not smooth
-  double adaptivity = 0.0;  ///< 0..1 voxels; 0: none.  Merges polygons in flat regions: the largest
-                            ///< rms distance of a vertex from the planes of the faces it replaces
+  SmoothOptions smooth{};                ///< for both surfaces; the default does not smooth
+  double adaptivity = kAutoAdaptivity;   ///< 0..1 voxels, or kAutoAdaptivity; 0: none.  Merges
+                                         ///< polygons in flat regions: the largest rms distance of
+                                         ///< a vertex from the planes of the faces it replaces
   std::vector<std::size_t> triangles{};  ///< also decimates every mesh to at most each of these
                                          ///< numbers: >= 4, no duplicates
 };
@@ -206,6 +218,7 @@ struct ExtractOptions {
     const Fragment& fragment);
 
 /// Returns the smooth mesh of the intact solid, equal to that of a fracture into one fragment.
-[[nodiscard]] TriangleMesh solidMesh(const Solid& solid);
+///   adaptivity  0 or kAutoAdaptivity
+[[nodiscard]] TriangleMesh solidMesh(const Solid& solid, double adaptivity = kAutoAdaptivity);
 
 }  // namespace sherd

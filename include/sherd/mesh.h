@@ -79,6 +79,10 @@ struct TriangleMesh {
 
   static constexpr std::uint32_t kNoSource = 0xffffffffu;
 
+  bool isMerged = false;  ///< the triangles in each plane are merged, see kAutoAdaptivity: edges of
+                          ///< more than 30 degrees are creases, and corners beside one have normals
+                          ///< of their own in files
+
   /// Returns the neighbor of a triangle, 0 where it is unknown.
   [[nodiscard]] std::uint16_t neighborOf(std::size_t triangle) const {
     return neighbor.empty() ? std::uint16_t{0} : neighbor[triangle];

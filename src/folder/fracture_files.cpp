@@ -97,7 +97,7 @@ void FractureWriting::begin(const Progress* progress) const {
   }
   throwIfCancelled(progress);
   if (!files_.solidMesh.empty()) {
-    const TriangleMesh whole = intactMesh(result_, options_.surface.surface);
+    const TriangleMesh whole = intactMesh(result_, options_.surface);
     meshes_.write(whole, meshes_.attributesOf(whole), files_.solidMesh);
   }
 }
@@ -159,7 +159,7 @@ void FractureWriting::finish(const Progress* progress) const {
   throwIfCancelled(progress);
   if (!files_.scene.empty()) meshes_.writeScene(kept(), attributes_, files_.scene);
   if (!files_.solidSdf.empty()) {
-    writeAllDistances(folder_, files_, result_, intactMesh(result_, options_.surface.surface),
+    writeAllDistances(folder_, files_, result_, intactMesh(result_, options_.surface),
                       options_.seed, write.distances, progress);
   }
   throwIfCancelled(progress);
@@ -178,6 +178,7 @@ FractureOptions optionsFor(FractureOptions options, const WriteOptions& write) {
   options.solid.keepMesh = options.surface.surface == Surface::exact;
   options.surface.levelSets = write.needsLevelSets();
   options.surface.meshes = write.needsMeshes() || !canLackMeshes(options.surface);
+  options.surface.points = write.points.count > 0;
   return options;
 }
 

@@ -31,6 +31,7 @@ std::vector<MeshFacts> makeAndWrite(const GrownFracture& grown, const SurfaceOpt
     clock.done("write");
     return meshFacts(result);
   }
+  result.unmerged = unmergedSurfaces(grown, result, surface, progress);
   Extraction extraction(result.solid, result.labels, grown.extractOptions(surface), progress);
   result.exactFailure = extraction.exactFailure();
   clock.done("extract");

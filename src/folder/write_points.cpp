@@ -22,9 +22,9 @@ void writePointsOf(const OutputFolder& folder, const std::vector<std::string>& f
   options = pointOptionsOf(options, fragment.id);
   SurfacePoints points;
   if (count > 0) {
-    points = result.surfaces
-                 ? samplePoints(result.surfaces->byArea(static_cast<std::uint16_t>(fragment.id)),
-                                options)
+    const auto& surfaces = result.surfaces ? result.surfaces : result.unmerged;
+    points = surfaces
+                 ? samplePoints(surfaces->byArea(static_cast<std::uint16_t>(fragment.id)), options)
                  : samplePoints(fragment.mesh, options);
   }
   for (std::size_t k = 0; k < files.size(); ++k) {

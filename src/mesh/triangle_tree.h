@@ -26,6 +26,7 @@ class TriangleTree {
   explicit TriangleTree(const TriangleMesh& mesh);
 
   [[nodiscard]] bool empty() const { return triangles_.empty(); }
+  [[nodiscard]] std::size_t count() const { return triangles_.size(); }
 
   /// Returns the box of all triangles, rounded outwards to single precision; the tree must not be
   /// empty.

@@ -231,6 +231,22 @@ OptionValue<RunOptions> passes(Parent parent) {
       [=](R o) { return iterationsText(parent(o)); });
 }
 
+OptionValue<RunOptions> adaptivity() {
+  const auto number = V::number(kSurface, &SurfaceOptions::adaptivity, kShare);
+  return V::custom(
+      OptionType::number, "auto|0..1",
+      [=](RunOptions& o, const std::string& text) {
+        if (text == "auto") {
+          o.fracture.surface.adaptivity = kAutoAdaptivity;
+        } else {
+          number.set(o, text);
+        }
+      },
+      [=](R o) {
+        return o.fracture.surface.adaptivity == kAutoAdaptivity ? "auto" : number.text(o);
+      });
+}
+
 const std::vector<Row> kSurfaceRows{
     {.name = "surface",
      .group = "Surface",
@@ -259,11 +275,14 @@ const std::vector<Row> kSurfaceRows{
      .drawn = true},
     {.name = "adaptivity",
      .group = "Surface",
-     .value = V::number(kSurface, &SurfaceOptions::adaptivity, kShare),
-     .help = "Simplify flat regions: error in voxels that a vertex may have; 0 none",
+     .value = adaptivity(),
+     .help = "Simplify flat regions: error in voxels that a vertex may have; 0 none; auto: merge "
+             "the triangles in each plane where the mesh is piecewise flat",
      .details = "fewer polygons in flat regions: the largest rms distance, in voxels, "
                 "from a vertex to the planes of the faces it replaces. Applied after "
-                "smoothing, which needs the even triangles of the extracted mesh",
+                "smoothing, which needs the even triangles of the extracted mesh. `auto` merges "
+                "the triangles within 0.005 voxels of a plane, of cracks too, where at least half "
+                "of the mesh's surface is flat at the scale of a voxel",
      .key = "surface.adaptivity",
      .drawn = true,
      .unit = "voxels"},

@@ -75,7 +75,11 @@ Json listJson(const std::string& text, Json (*jsonOfPart)(const std::string&)) {
   return list;
 }
 
-Json numberJson(const std::string& text) { return plain(numberIn(text).value_or(0.0)); }
+// Returns a number, or the text where it is none.
+Json numberJson(const std::string& text) {
+  const std::optional<double> number = numberIn(text);
+  return number ? Json(plain(*number)) : Json(text);
+}
 
 Json valueJson(OptionType type, const std::string& text) {
   switch (type) {

@@ -10,6 +10,8 @@
 #include "base/random.h"
 #include "erode/passes.h"
 #include "surface/extract.h"
+#include "surface/simplify.h"
+#include "surface/smooth.h"
 #include "voxelize/region.h"
 
 namespace sherd {
@@ -210,15 +212,35 @@ GrownFracture grow(const PreparedSolid& ready, const FractureOptions& options, D
       growTogether(ready, std::span(&options, 1), device, std::move(clock), progress).front());
 }
 
+namespace {
+
+std::shared_ptr<const FragmentSurfaces> surfacesOf(const GrownFracture& grown,
+                                                   const FractureResult& result,
+                                                   const Progress* progress) {
+  return std::make_shared<const FragmentSurfaces>(result.solid, result.labels,
+                                                  grown.unerodedOrNull(), grown.surface, progress);
+}
+
+}  // namespace
+
 void measureFragments(const GrownFracture& grown, FractureResult& result,
                       const Progress* progress) {
   reportProgress(progress, "extract", 0.0);
-  const Labels* const uneroded = grown.uneroded ? &*grown.uneroded : nullptr;
-  result.surfaces = std::make_shared<const FragmentSurfaces>(result.solid, result.labels, uneroded,
-                                                             grown.surface, progress);
-  result.fragments =
-      measuredFragments(*result.surfaces, result.solid, result.labels, uneroded, progress);
+  result.surfaces = surfacesOf(grown, result, progress);
+  result.fragments = measuredFragments(*result.surfaces, result.solid, result.labels,
+                                       grown.unerodedOrNull(), progress);
   reportProgress(progress, "extract", 1.0);
+}
+
+std::shared_ptr<const FragmentSurfaces> unmergedSurfaces(const GrownFracture& grown,
+                                                         const FractureResult& result,
+                                                         const SurfaceOptions& options,
+                                                         const Progress* progress) {
+  SurfaceOptions bare = options;
+  bare.levelSets = false;
+  if (!options.points || !canLackMeshes(bare)) return nullptr;
+  if (!simplificationOf(options, result.solid, grown.surface.get()).isAny()) return nullptr;
+  return surfacesOf(grown, result, progress);
 }
 
 FractureResult extracted(GrownFracture grown, const FractureOptions& options,
@@ -226,6 +248,7 @@ FractureResult extracted(GrownFracture grown, const FractureOptions& options,
   FractureResult& result = grown.result;
   StageClock clock(std::move(result.times));
   if (options.surface.meshes) {
+    result.unmerged = unmergedSurfaces(grown, result, options.surface, progress);
     ExtractedFragments all =
         extractAll(result.solid, result.labels, grown.extractOptions(options.surface), progress);
     result.fragments = std::move(all.fragments);

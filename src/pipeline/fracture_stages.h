@@ -59,10 +59,12 @@ struct GrownFracture {
   std::shared_ptr<const IntactSurface> surface{};
   std::optional<ExactSurface> exact{};  ///< of refracture, with Surface::exact
 
+  [[nodiscard]] const Labels* unerodedOrNull() const { return uneroded ? &*uneroded : nullptr; }
+
   /// What extraction needs beside the solid and its labels.
   [[nodiscard]] ExtractOptions extractOptions(const SurfaceOptions& options) const {
     return {.surface = options,
-            .uneroded = uneroded ? &*uneroded : nullptr,
+            .uneroded = unerodedOrNull(),
             .intact = surface.get(),
             .exact = exact ? &*exact : nullptr};
   }
@@ -91,6 +93,11 @@ struct GrownFracture {
 
 /// Sets the surfaces and the fragments without meshes.
 void measureFragments(const GrownFracture& grown, FractureResult& result, const Progress* progress);
+
+/// Returns FractureResult::unmerged.
+[[nodiscard]] std::shared_ptr<const FragmentSurfaces> unmergedSurfaces(
+    const GrownFracture& grown, const FractureResult& result, const SurfaceOptions& options,
+    const Progress* progress);
 
 /// Cut the fragments out.  Thread-safe; does not use the device.
 [[nodiscard]] FractureResult extracted(GrownFracture grown, const FractureOptions& options,

@@ -39,20 +39,32 @@ struct Extent {
   double area = 0.0, volume = 0.0, longest = 0.0;  // world units
   double components = 0.0;
   bool isOpen = false;
+  bool hasLargeTriangles = false;  // most of the area: kAutoAdaptivity likely merges triangles
   glm::dvec3 box{0.0};
 };
+
+// Returns whether a triangle is high enough, as a share of the mesh's longest side, that the surface
+// around most of its points is flat for kAutoAdaptivity.
+bool isLarge(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, double longest) {
+  constexpr double kLeastHeight = 0.008;
+  const double edge = std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
+  return glm::length(glm::cross(b - a, c - a)) > kLeastHeight * longest * edge;
+}
 
 // Sums the absolute volumes of mesh components, so that inverted ones do not cancel.
 Extent extentOf(const TriangleMesh& mesh) {
   const MeshComponents components = meshComponents(mesh);
   std::vector<double> volumes(components.count, 0.0);
   const glm::dvec3 origin = bounds(mesh).min;
-  double area = 0.0;
+  const double longest = longestSide(bounds(mesh));
+  double area = 0.0, ofLarge = 0.0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const glm::uvec3& corners = mesh.triangles[t];
     const glm::dvec3 a = mesh.vertices[corners.x] - origin, b = mesh.vertices[corners.y] - origin,
                      c = mesh.vertices[corners.z] - origin;
-    area += 0.5 * glm::length(glm::cross(b - a, c - a));
+    const double own = 0.5 * glm::length(glm::cross(b - a, c - a));
+    area += own;
+    if (isLarge(a, b, c, longest)) ofLarge += own;
     volumes[components.ofTriangle[t]] += glm::dot(a, glm::cross(b, c)) / 6.0;
   }
   double volume = 0.0;
@@ -60,9 +72,10 @@ Extent extentOf(const TriangleMesh& mesh) {
   const glm::dvec3 box = bounds(mesh).max - origin;
   return {.area = area,
           .volume = std::min(volume, box.x * box.y * box.z),
-          .longest = std::max({box.x, box.y, box.z}),
+          .longest = longest,
           .components = static_cast<double>(components.count),
           .isOpen = openEdges(mesh) > 0,
+          .hasLargeTriangles = ofLarge > 0.5 * area,
           .box = box};
 }
 
@@ -113,8 +126,11 @@ double perInsideVoxel(const FractureOptions& options) {
 
 // Returns the factor on the memory of meshes for these options.
 //   resolution  voxels along the longest side
-double meshFactor(const SurfaceOptions& surface, MeshesHeld held, double resolution) {
-  if (surface.adaptivity > 0.0 || !surface.triangles.empty()) return kSimplified;
+//   isFlat      whether kAutoAdaptivity likely merges triangles
+double meshFactor(const SurfaceOptions& surface, MeshesHeld held, double resolution, bool isFlat) {
+  const bool isMerged =
+      surface.surface == Surface::smooth && surface.adaptivity == kAutoAdaptivity && isFlat;
+  if (surface.adaptivity > 0.0 || isMerged || !surface.triangles.empty()) return kSimplified;
   if (movesAnything(surface.smooth, static_cast<int>(resolution))) return 1.0;
   if (held == MeshesHeld::some) return kOfSomeMeshes;
   if (held == MeshesHeld::all || resolution < kPreviewCubes) return 1.0;
@@ -140,7 +156,9 @@ double bytesFor(const Extent& extent, std::size_t triangles, const FractureOptio
   return kPerTriangle * static_cast<double>(triangles) +
          kPerPiece * static_cast<double>(options.pieces) + bytesForExact(triangles, cuts, options) +
          bytesForVoxels(
-             meshFactor(options.surface, held, extent.longest / voxelSize) * (surface + cuts),
+             meshFactor(options.surface, held, extent.longest / voxelSize,
+                        extent.hasLargeTriangles) *
+                 (surface + cuts),
              inside, perInsideVoxel(options));
 }
 

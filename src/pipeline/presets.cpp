@@ -27,7 +27,8 @@ FractureOptions paperOptions() {
                                 .weight = 0.9,
                                 .boundaryIterations = kIterations,
                                 .boundaryWeight = 0.2,
-                                .method = Smoothing::laplacian}};
+                                .method = Smoothing::laplacian},
+                     .adaptivity = 0.0};
   return options;
 }
 

@@ -138,9 +138,10 @@ Extraction::Extraction(const Solid& solid, const Labels& labels, const ExtractOp
   if (surface_.surface != Surface::smooth) return;
   if (!options.intact) ownCreases_ = Creases(solid, neighborhoods_, progress);
   creases_ = options.intact ? &options.intact->creases : &ownCreases_;
+  simplification_ = simplificationOf(surface_, solid, options.intact);
   if (!isShared()) return;
   shared_.emplace(solid, labels, cut_, neighborhoods_, *creases_, options.intact, progress);
-  const bool isProcessed = surface_.adaptivity > 0.0 || !surface_.triangles.empty() ||
+  const bool isProcessed = simplification_.isAny() || !surface_.triangles.empty() ||
                            movesAnything(surface_.smooth, solid.box.longestSide());
   if (!isProcessed) return;
   processed_ = processedTogether();
@@ -191,9 +192,8 @@ Extraction::Processed Extraction::processedTogether() const {
   stop.throwIfSet();
   smoothTogether(all.meshes, surface_.smooth, solid_.box.longestSide(), progress_);
   throwIfCancelled(progress_);
-  if (surface_.adaptivity > 0.0) {
-    all.meshes =
-        simplified(complexOf(all.meshes), surface_.adaptivity * solid_.frame.voxelSize, progress_);
+  if (simplification_.isAny()) {
+    all.meshes = simplified(complexOf(all.meshes), simplification_, progress_);
   }
   if (!surface_.triangles.empty()) {
     all.coarse = decimated(complexOf(all.meshes), surface_.triangles, progress_);
@@ -225,11 +225,9 @@ void Extraction::meshIndependent(Fragment& fragment) const {
   }
   fragment.mesh =
       smoothed(std::move(fragment.mesh), surface_.smooth, solid_.box.longestSide(), progress_);
-  if (surface_.adaptivity > 0.0) {
-    fragment.mesh = std::move(simplified(complexOf(fragment.mesh),
-                                         surface_.adaptivity * solid_.frame.voxelSize, progress_)
-                                  .front()
-                                  .mesh);
+  if (simplification_.isAny()) {
+    fragment.mesh =
+        std::move(simplified(complexOf(fragment.mesh), simplification_, progress_).front().mesh);
   }
   fragment.coarse =
       std::move(decimated(complexOf(fragment.mesh), surface_.triangles, progress_).front());
@@ -326,12 +324,16 @@ std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
   return extractAll(solid, labels, options, progress).fragments;
 }
 
-TriangleMesh solidMesh(const Solid& solid) {
+TriangleMesh solidMesh(const Solid& solid, double adaptivity) {
   const IntactLabels intact(solid.blocks);
   const std::vector<LeafNeighbors> neighborhoods = leafNeighbors(solid.blocks->origins);
   const Creases creases(solid, neighborhoods, nullptr);
   const InterfaceMeshes meshes(solid, intact.labels, intact.cut, neighborhoods, creases);
-  return std::move(meshes.meshOf(1).mesh);
+  LabeledMesh mesh = meshes.meshOf(1);
+  mesh.mesh.neighbor = mesh.other;
+  const Simplification simplification = simplificationOf({.adaptivity = adaptivity}, solid);
+  if (!simplification.isAny()) return std::move(mesh.mesh);
+  return std::move(simplified(complexOf(std::span(&mesh, 1)), simplification).front().mesh);
 }
 
 }  // namespace sherd

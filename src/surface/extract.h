@@ -13,6 +13,7 @@
 #include "surface/exact_surface.h"
 #include "surface/fragment_surfaces.h"
 #include "surface/interface_mesh.h"
+#include "surface/simplify.h"
 #include "voxelize/leaf_blocks.h"
 
 namespace sherd {
@@ -64,8 +65,9 @@ class Extraction {
   const std::vector<LeafNeighbors> ownNeighborhoods_;  ///< empty if there is an intact surface
   const std::span<const LeafNeighbors> neighborhoods_;
   const Cut cut_;
-  Creases ownCreases_{};                                  ///< without an intact surface
-  const Creases* creases_ = nullptr;                      ///< with Surface::smooth
+  Creases ownCreases_{};              ///< without an intact surface
+  const Creases* creases_ = nullptr;  ///< with Surface::smooth
+  Simplification simplification_{};
   const std::vector<std::vector<std::uint32_t>> leaves_;  ///< [fragments + 1] ascending
   std::optional<InterfaceMeshes> shared_;  ///< if meshes are shared and not processed
   Processed processed_;                    ///< if they are, or exact

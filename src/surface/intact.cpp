@@ -9,6 +9,7 @@
 
 #include "mesh/surface_by_area.h"
 #include "surface/intact_labels.h"
+#include "surface/simplify.h"
 #include "voxelize/leaf_blocks.h"
 
 namespace sherd {
@@ -49,6 +50,7 @@ std::shared_ptr<const IntactSurface> intactSurface(const Solid& solid) {
   made->neighborhoods = leafNeighbors(solid.blocks->origins);
   made->leaves.resize(count);
   made->creases = Creases(solid, made->neighborhoods, nullptr);
+  made->isPiecewiseFlat = isPiecewiseFlat(solid);
   const IntactLabels intact(solid.blocks);
   const Field field(solid, intact.labels, intact.cut, made->neighborhoods, &made->creases);
   tbb::parallel_for(std::size_t{0}, count,

@@ -151,7 +151,7 @@ bool movesAnything(const SmoothOptions& options, int longestSide) {
 
 bool canLackMeshes(const SurfaceOptions& options) {
   return !options.levelSets && options.surface == Surface::smooth &&
-         options.interface == Interface::shared && options.adaptivity == 0.0 &&
+         options.interface == Interface::shared && options.adaptivity <= 0.0 &&
          options.triangles.empty() && !isAny(options.smooth.iterations) &&
          !isAny(options.smooth.boundaryIterations);
 }
@@ -171,8 +171,9 @@ void checkSurfaceOptions(const SurfaceOptions& options) {
                 "Laplacian smoothing",
                 OptionNames{"smoothing"});
   }
-  if (!(options.adaptivity >= 0.0 && options.adaptivity <= 1.0)) {
-    throw Error(ErrorCode::usage, "the adaptivity lies in 0..1");
+  if (options.adaptivity != kAutoAdaptivity &&
+      !(options.adaptivity >= 0.0 && options.adaptivity <= 1.0)) {
+    throw Error(ErrorCode::usage, "the adaptivity is automatic or lies in 0..1");
   }
   if (options.surface == Surface::exact &&
       (options.adaptivity > 0.0 || isAny(smooth.iterations) || isAny(smooth.boundaryIterations))) {

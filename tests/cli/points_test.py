@@ -140,6 +140,26 @@ class Points(CommandLine):
                 del with_meshes["options"]["plain_meshes"]
                 self.assertEqual(without["options"], with_meshes["options"])
 
+    def test_points_do_not_depend_on_merged_triangles(self):
+        cube = self.path("cube.obj")
+        corners = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+        faces = ((1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4))
+        with open(cube, "w") as file:
+            file.writelines("v {} {} {}\n".format(*corner) for corner in corners)
+            file.writelines("f {} {} {} {}\n".format(*face) for face in faces)
+        trees = {}
+        for write, *options in (("points",), ("points,mesh",), ("points,mesh", "--adaptivity", "0")):
+            out = self.path(f"{write}{len(options)}")
+            result = self.run_sherd("fracture", cube, "-o", out, "--resolution", "48", "--pieces", "4", "--points", "200", "--write", write, *options)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            trees[out] = tree(os.path.join(out, "points"))
+            if not options and "mesh" in write:
+                self.assertLess(sum(len(read_mesh_ply(os.path.join(out, "meshes", name))[1]) for name in os.listdir(os.path.join(out, "meshes"))), 2000)
+        first, *others = trees.values()
+        self.assertEqual(len(first), 4)
+        for other in others:
+            self.assertEqual(other, first)
+
     def test_the_list_of_files_may_ask_for_points(self):
         manifest = self.broken("--point-format", "npz", write="points")
         self.assertEqual(sorted(os.listdir(self.out)), ["manifest.json", "points"])

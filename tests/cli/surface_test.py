@@ -16,7 +16,7 @@ from ply_file import read_triangles
 
 AMPHORA = os.path.join(os.environ["SHERD_DATA"], "amphora.ply")
 
-BARE = {"of": "smooth", "interface": "shared", "adaptivity": 0.0, "triangles": [],
+BARE = {"of": "smooth", "interface": "shared", "adaptivity": "auto", "triangles": [],
         "smooth": {"method": "taubin", "iterations": 0, "weight": 0.5, "boundary_iterations": 0, "boundary_weight": 0.5}}
 
 # Section 4.1 of the paper, at 128 voxels along the longest side: trunc(0.048 * 128) = 6.

@@ -142,9 +142,11 @@ TEST_F(ManifestOptions, OfGrowthAreRecorded) {
 }
 
 TEST_F(ManifestOptions, OfSurfacesAreRecorded) {
-  auto& [levelSets, meshes, surface, interface, smooth, adaptivity, triangles] = options_.surface;
+  auto& [levelSets, meshes, points, surface, interface, smooth, adaptivity, triangles] =
+      options_.surface;
   expectNotRecorded("levelSets", levelSets, false);  // its files say so
   expectNotRecorded("meshes", meshes, false);
+  expectNotRecorded("points", points, true);
   expectRecorded("surface", surface, Surface::labels);
   expectRecorded("interface", interface, Interface::independent);
   expectRecorded("adaptivity", adaptivity, 0.5);

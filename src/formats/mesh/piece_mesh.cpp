@@ -40,8 +40,9 @@ class NormalNumbers {
   //   normals  set by numberOf() and finish()
   NormalNumbers(const PieceMesh& piece, std::vector<glm::dvec3>& normals)
       : piece_(piece), normals_(normals), chains_(piece.mesh.vertices.size()) {
-    // The input's own surface keeps its creases; a smooth surface has none but those of cracks.
-    if (!piece.mesh.source.empty()) groups_ = creaseGroups(piece.mesh);
+    // Triangles of a voxel's size round the creases of a smooth surface, other than those of
+    // cracks.
+    if (!piece.mesh.source.empty() || piece.mesh.isMerged) groups_ = creaseGroups(piece.mesh);
   }
 
   // Returns the number of the normal of corner k of triangle t, whose corners are `at`.

@@ -52,7 +52,7 @@ struct PieceMesh {
 
 /// The corners of a mesh for formats whose vertices have one normal and one set of attributes: a
 /// vertex is repeated for each neighbor, texture coordinate and color, and with
-/// TriangleMesh::source for each side of a crease.
+/// TriangleMesh::source or isMerged for each side of a crease.
 struct SplitCorners {
   struct Corner {
     std::uint32_t vertex = 0;

@@ -1,0 +1,34 @@
+// What SurfaceOptions::adaptivity does to meshes.
+#pragma once
+
+#include <sherd/fragments.h>
+
+#include <vector>
+
+#include "surface/complex.h"
+
+namespace sherd {
+
+struct Simplification {
+  double mergedVoxels = 0.0;  ///< size of a voxel; above 0: merges the triangles of planes
+  double error = 0.0;         ///< world units; above 0: decimates, see decimate.h
+
+  [[nodiscard]] bool isAny() const { return mergedVoxels > 0.0 || error > 0.0; }
+};
+
+/// Returns whether most of a solid's input is flat as far as its voxels can show it, so that
+/// kAutoAdaptivity merges triangles.  Solids of volumes and shells are not.
+[[nodiscard]] bool isPiecewiseFlat(const Solid& solid);
+
+/// Returns what the adaptivity is for a solid.
+///   intact  of the solid, or null; affects only the speed
+[[nodiscard]] Simplification simplificationOf(const SurfaceOptions& options, const Solid& solid,
+                                              const IntactSurface* intact = nullptr);
+
+/// Returns the simplified meshes of all labels, [labels].
+///   throws  Error(cancelled)
+[[nodiscard]] std::vector<LabeledMesh> simplified(const Complex& complex,
+                                                  const Simplification& simplification,
+                                                  const Progress* progress = nullptr);
+
+}  // namespace sherd
