@@ -9,7 +9,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "appearance/charts.h"
+#include "mesh/charts.h"
 
 namespace sherd {
 

@@ -9,8 +9,8 @@
 #include <numbers>
 #include <set>
 
-#include "appearance/charts.h"
 #include "appearance/transfer.h"
+#include "mesh/charts.h"
 #include "shapes.h"
 
 namespace sherd {

@@ -1,5 +1,5 @@
 // Charts: the regions of a mesh whose surface attributes have no seam.
-#include "appearance/charts.h"
+#include "mesh/charts.h"
 
 #include <tbb/parallel_sort.h>
 
