@@ -157,6 +157,13 @@ struct Contact {
   glm::dvec3 centroid;     ///< of the shared surface, equal on both sides
 };
 
+/// A face that was cut along seams of the input's attributes.
+struct CutFace {
+  std::uint32_t first = 0;  ///< index of the first of its parts in the mesh
+  std::uint32_t count = 0;  ///< of its parts, which follow one another
+  glm::uvec3 corner{0};     ///< of the whole face
+};
+
 /// One fragment.  Volume, centroid, inertia and areas are those of its mesh.
 struct Fragment {
   int id = 0;  ///< 1..n
@@ -173,7 +180,12 @@ struct Fragment {
   std::vector<Contact> contacts;  ///< ascending by fragment
   std::vector<TriangleMesh>
       coarse{};  ///< [SurfaceOptions::triangles] decimated meshes, with neighbors
+  std::vector<CutFace> cutFaces{};  ///< ascending; none where the mesh was simplified afterwards
 };
+
+/// Returns a fragment's mesh with its cut faces whole, as it is without attributes of the input.
+/// Vertices of the cuts stay, without faces.
+[[nodiscard]] TriangleMesh uncut(const Fragment& fragment);
 
 /// Meshes made by Surface::exact.
 struct ExactSurface;

@@ -176,6 +176,7 @@ struct SolidOptions {
   double shellThickness = 0.0;  ///< world units, at most the mesh's longest side; 0: 2.5 voxels.
                                 ///< For Fill::shell; with Fill::automatic, above 0 selects a shell
   bool keepMesh = false;        ///< sets Solid::mesh, which Surface::exact needs
+  bool keepSeams = true;        ///< sets Solid::seams, along which meshes are cut
 };
 
 /// The resolution of a solid and its origin.
@@ -199,6 +200,7 @@ struct SolidReport {
   std::uint64_t bridges = 0;  ///< voxels added where those of a wall share only an edge or corner
 };
 
+class Seams;
 class SolidRegion;
 
 /// The mesh that a solid was made from, repaired.
@@ -223,6 +225,9 @@ struct Solid {
   /// trees of triangles, some 150 bytes for each.
   std::shared_ptr<const SolidRegion> region{};
   std::shared_ptr<const SolidMesh> mesh{};  ///< with SolidOptions::keepMesh, else null
+  /// Where the surface attributes of the mesh change abruptly.  With SolidOptions::keepSeams, if
+  /// they do so anywhere; else null.
+  std::shared_ptr<const Seams> seams{};
 };
 
 /// Voxelizes a mesh.  First the mesh is repaired: duplicate triangles are dropped, triangles are

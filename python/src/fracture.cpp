@@ -110,7 +110,11 @@ std::string GrownPieces::exactFailure() const {
 
 sherd::SurfacePoints GrownPieces::pointsOf(std::size_t i, const sherd::PointOptions& options) {
   const sherd::FractureResult& result = grown_.result;  // nothing changes it any more
-  if (!result.surfaces) return samplePoints(meshed_->fragments[i].mesh, options);
+  if (!result.surfaces) {
+    const Fragment& fragment = meshed_->fragments[i];
+    return fragment.cutFaces.empty() ? samplePoints(fragment.mesh, options)
+                                     : samplePoints(uncut(fragment), options);
+  }
   return samplePoints(result.surfaces->byArea(static_cast<std::uint16_t>(i + 1)), options);
 }
 

@@ -21,11 +21,12 @@ void writePointsOf(const OutputFolder& folder, const std::vector<std::string>& f
   options.seed = seed;
   options = pointOptionsOf(options, fragment.id);
   SurfacePoints points;
-  if (count > 0) {
-    const auto& surfaces = result.surfaces ? result.surfaces : result.unmerged;
-    points = surfaces
-                 ? samplePoints(surfaces->byArea(static_cast<std::uint16_t>(fragment.id)), options)
-                 : samplePoints(fragment.mesh, options);
+  const auto& surfaces = result.surfaces ? result.surfaces : result.unmerged;
+  if (count > 0 && surfaces) {
+    points = samplePoints(surfaces->byArea(static_cast<std::uint16_t>(fragment.id)), options);
+  } else if (count > 0) {  // the same points whether or not the input has attributes
+    points = fragment.cutFaces.empty() ? samplePoints(fragment.mesh, options)
+                                       : samplePoints(uncut(fragment), options);
   }
   for (std::size_t k = 0; k < files.size(); ++k) {
     writePoints(folder / files[k], points, write.pointFormats[k]);

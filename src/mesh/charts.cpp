@@ -30,15 +30,17 @@ bool haveSameAttributes(const SurfaceAttributes& attributes, std::uint32_t a, st
           attributes.colors[a][cornerA] == attributes.colors[b][cornerB]);
 }
 
-bool areConnected(const SurfaceAttributes& attributes, const Edge& a, const Edge& b) {
-  if (a.ascending == b.ascending) return false;
+// Whether two triangles have the same attributes along their edge.
+bool haveSameAttributes(const SurfaceAttributes& attributes, const Edge& a, const Edge& b) {
   if (!attributes.material.empty() &&
       attributes.material[a.triangle] != attributes.material[b.triangle]) {
     return false;
   }
-  const std::size_t a0 = a.corner, a1 = (a0 + 1) % 3, b0 = b.corner, b1 = (b0 + 1) % 3;
-  return haveSameAttributes(attributes, a.triangle, a0, b.triangle, b1) &&
-         haveSameAttributes(attributes, a.triangle, a1, b.triangle, b0);
+  const std::size_t a0 = a.corner, a1 = (a0 + 1) % 3, nextB = (b.corner + 1u) % 3;
+  const std::size_t b0 = a.ascending == b.ascending ? b.corner : nextB;
+  const std::size_t b1 = a.ascending == b.ascending ? nextB : b.corner;
+  return haveSameAttributes(attributes, a.triangle, a0, b.triangle, b0) &&
+         haveSameAttributes(attributes, a.triangle, a1, b.triangle, b1);
 }
 
 // Calls `call` for pairs of triangle edges with the same ends.  Each is paired with the next three
@@ -74,18 +76,23 @@ Charts charts(const TriangleMesh& mesh) {
   forEachPair(edges, [&](const Edge& a, const Edge& b) {
     std::uint32_t& neighborA = out.neighbors[a.triangle][a.corner];
     std::uint32_t& neighborB = out.neighbors[b.triangle][b.corner];
-    if (neighborA != kNoTriangle || neighborB != kNoTriangle || !areConnected(attributes, a, b))
+    if (neighborA != kNoTriangle || neighborB != kNoTriangle || a.ascending == b.ascending ||
+        !haveSameAttributes(attributes, a, b)) {
       return;
+    }
     neighborA = b.triangle;
     neighborB = a.triangle;
     sets.unite(a.triangle, b.triangle);
   });
   out.ids = std::move(sets).all();
   forEachPair(edges, [&](const Edge& a, const Edge& b) {
-    if (out.ids[a.triangle] != out.ids[b.triangle] ||
-        out.neighbors[a.triangle][a.corner] == b.triangle) {
-      return;
+    const std::uint32_t beyondA = out.neighbors[a.triangle][a.corner];
+    const bool isOpen =
+        beyondA == kNoTriangle || out.neighbors[b.triangle][b.corner] == kNoTriangle;
+    if (isOpen && !haveSameAttributes(attributes, a, b)) {
+      out.seams.push_back({{a.triangle, b.triangle}, {a.corner, b.corner}});
     }
+    if (out.ids[a.triangle] != out.ids[b.triangle] || beyondA == b.triangle) return;
     out.selfSeam.push_back(a.triangle);
     out.selfSeam.push_back(b.triangle);
   });

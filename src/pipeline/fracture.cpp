@@ -29,6 +29,8 @@ GrownFracture grown(const TriangleMesh& mesh, const FractureOptions& options, De
   implOf(device).buildKernels();
   SolidOptions solidOptions = options.solid;
   solidOptions.keepMesh = solidOptions.keepMesh || options.surface.surface == Surface::exact;
+  solidOptions.keepSeams = solidOptions.keepSeams && options.surface.meshes &&
+                           options.surface.surface != Surface::labels;
   Solid solid = voxelize(mesh, solidOptions, progress);
   clock.done("voxelize");
   return grownOf(std::move(solid), options, clock, device, progress);

@@ -22,6 +22,7 @@
 #include "surface/label_mesh.h"
 #include "surface/leaf_labels.h"
 #include "surface/level_set.h"
+#include "surface/seam_cuts.h"
 #include "surface/smooth.h"
 #include "voxelize/leaf_blocks.h"
 
@@ -192,7 +193,9 @@ Extraction::Processed Extraction::processedTogether() const {
   stop.throwIfSet();
   smoothTogether(all.meshes, surface_.smooth, solid_.box.longestSide(), progress_);
   throwIfCancelled(progress_);
+  if (solid_.seams) all.cutFaces = cutTogether(all.meshes, *solid_.seams, solid_.frame);
   if (simplification_.isAny()) {
+    all.cutFaces.clear();
     all.meshes = simplified(complexOf(all.meshes), simplification_, progress_);
   }
   if (!surface_.triangles.empty()) {
@@ -205,10 +208,20 @@ void Extraction::meshShared(Fragment& fragment) {
   const std::size_t i = static_cast<std::size_t>(fragment.id) - 1;
   if (shared_) {
     fragment.mesh = std::move(sharedMesh(fragment.id).mesh);
+    cutSeams(fragment);
     return;
   }
   fragment.mesh = std::move(processed_.meshes[i].mesh);
+  if (!processed_.cutFaces.empty()) fragment.cutFaces = std::move(processed_.cutFaces[i]);
   if (!processed_.coarse.empty()) fragment.coarse = std::move(processed_.coarse[i]);
+}
+
+// Cuts a fragment's mesh along the seams of the input's attributes.
+void Extraction::cutSeams(Fragment& fragment) const {
+  if (!solid_.seams) return;
+  SeamCutMesh cut = cutAlong(std::move(fragment.mesh), *solid_.seams, solid_.frame);
+  fragment.mesh = std::move(cut.mesh);
+  fragment.cutFaces = std::move(cut.faces);
 }
 
 void Extraction::meshIndependent(Fragment& fragment) const {
@@ -225,7 +238,9 @@ void Extraction::meshIndependent(Fragment& fragment) const {
   }
   fragment.mesh =
       smoothed(std::move(fragment.mesh), surface_.smooth, solid_.box.longestSide(), progress_);
+  if (surface_.surface == Surface::smooth) cutSeams(fragment);
   if (simplification_.isAny()) {
+    fragment.cutFaces.clear();
     fragment.mesh =
         std::move(simplified(complexOf(fragment.mesh), simplification_, progress_).front().mesh);
   }
@@ -331,6 +346,7 @@ TriangleMesh solidMesh(const Solid& solid, double adaptivity) {
   const InterfaceMeshes meshes(solid, intact.labels, intact.cut, neighborhoods, creases);
   LabeledMesh mesh = meshes.meshOf(1);
   mesh.mesh.neighbor = mesh.other;
+  if (solid.seams) cutTogether(std::span(&mesh, 1), *solid.seams, solid.frame);
   const Simplification simplification = simplificationOf({.adaptivity = adaptivity}, solid);
   if (!simplification.isAny()) return std::move(mesh.mesh);
   return std::move(simplified(complexOf(std::span(&mesh, 1)), simplification).front().mesh);

@@ -43,6 +43,7 @@ class Extraction {
   struct Processed {
     std::vector<LabeledMesh> meshes;
     std::vector<std::vector<TriangleMesh>> coarse;  ///< [meshes], or empty
+    std::vector<std::vector<CutFace>> cutFaces{};   ///< [meshes], or empty
   };
 
   bool isShared() const;
@@ -52,6 +53,7 @@ class Extraction {
   std::size_t endOfBatch() const;
   Fragment makeFragment(std::size_t i);
   void meshShared(Fragment& fragment);
+  void cutSeams(Fragment& fragment) const;
   void meshIndependent(Fragment& fragment) const;
 
   const Solid& solid_;

@@ -11,6 +11,7 @@
 #include "base/cancel_flag.h"
 #include "mesh/joined.h"
 #include "mesh/repair.h"
+#include "mesh/seams.h"
 #include "voxelize/bridges.h"
 #include "voxelize/distance.h"
 #include "voxelize/fill.h"
@@ -183,6 +184,10 @@ Solid voxelize(const TriangleMesh& source, const SolidOptions& options, const Pr
   if (options.keepMesh) {
     solid.mesh = std::make_shared<const SolidMesh>(
         SolidMesh{{source.vertices, in.clean.mesh.triangles}, std::move(in.source)});
+  }
+  if (options.keepSeams) {
+    Seams seams(source, solid.frame.origin, voxelSize);
+    if (!seams.empty()) solid.seams = std::make_shared<const Seams>(std::move(seams));
   }
   if (solid.voxels == 0) {
     throw Error(ErrorCode::input,

@@ -61,8 +61,9 @@ TEST_F(ManifestOptions, OfAFractureAreRecorded) {
   expectRecorded("dropShare", dropShare, 0.01);
   expectRecorded("missing", missing, 0.5);
 
-  auto& [resolution, voxelSize, fill, shellThickness, keepMesh] = solid;
+  auto& [resolution, voxelSize, fill, shellThickness, keepMesh, keepSeams] = solid;
   EXPECT_FALSE(keepMesh);  // follows from the surface
+  EXPECT_TRUE(keepSeams);  // follows from the files
   expectRecorded("resolution", resolution, 25);
   expectRecorded("resolution", resolution, kAutoResolution);
   expectRecorded("voxelSize", voxelSize, 0.1);
