@@ -1,13 +1,13 @@
 // Triangulates a face with vertices on its sides, by dynamic programming over its diagonals.
 #include "surface/face_ring.h"
 
-#include <glm/geometric.hpp>
 #include <limits>
 
 namespace sherd {
 
-std::vector<std::array<std::size_t, 3>> triangulated(const FaceRing& ring,
-                                                     std::span<const glm::dvec3> vertices) {
+std::vector<std::array<std::size_t, 3>> triangulated(
+    const FaceRing& ring, std::span<const glm::dvec3> vertices,
+    const std::function<double(const glm::dvec3&, const glm::dvec3&)>& cost) {
   const std::size_t n = ring.size();
   const auto at = [&](std::size_t i) { return vertices[ring[i % n].vertex]; };
   std::size_t lowest = 0;
@@ -16,7 +16,7 @@ std::vector<std::array<std::size_t, 3>> triangulated(const FaceRing& ring,
   }
   const bool isForward = isBefore(at(lowest + 1), at(lowest + n - 1));
   const auto index = [&](std::size_t i) { return (lowest + (isForward ? i : n - i)) % n; };
-  // The least length of the diagonals between points i and j, and the corner beyond the last one.
+  // The least cost of the diagonals between points i and j, and the corner beyond the last one.
   std::vector<double> least(n * n, 0.0);
   std::vector<std::size_t> corner(n * n, 0);
   for (std::size_t size = 2; size < n; ++size) {
@@ -25,10 +25,14 @@ std::vector<std::array<std::size_t, 3>> triangulated(const FaceRing& ring,
       double best = std::numeric_limits<double>::infinity();
       for (std::size_t k = i + 1; k < j; ++k) {
         if (ring[index(i)].sides & ring[index(k)].sides & ring[index(j)].sides) continue;
-        const double length = least[i * n + k] + least[k * n + j];
-        if (length < best) best = length, corner[i * n + j] = k;
+        const double all = least[i * n + k] + least[k * n + j];
+        if (all < best) best = all, corner[i * n + j] = k;
       }
-      least[i * n + j] = best + glm::length(at(index(j)) - at(index(i)));
+      least[i * n + j] = best;
+      const bool isDiagonal = size + 1 < n && !(ring[index(i)].sides & ring[index(j)].sides);
+      if (!isDiagonal) continue;
+      const glm::dvec3 a = at(index(i)), b = at(index(j));
+      least[i * n + j] += isBefore(a, b) ? cost(a, b) : cost(b, a);
     }
   }
   std::vector<std::array<std::size_t, 3>> out;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <glm/vec3.hpp>
 #include <span>
 #include <vector>
@@ -27,11 +28,13 @@ struct RingPoint {
 /// The vertices around a face, counter-clockwise.
 using FaceRing = std::vector<RingPoint>;
 
-/// Triangulates a face by diagonals of the least length in all.  Depends on nothing but positions:
+/// Triangulates a face by diagonals of the least cost in all.  Depends on nothing but positions:
 /// seen from the other side the triangles are the same.
 ///   ring    at least three points
+///   cost    of a diagonal, > 0; its first end is the first one by isBefore
 ///   return  corners of triangles as indices of the ring, counter-clockwise
 [[nodiscard]] std::vector<std::array<std::size_t, 3>> triangulated(
-    const FaceRing& ring, std::span<const glm::dvec3> vertices);
+    const FaceRing& ring, std::span<const glm::dvec3> vertices,
+    const std::function<double(const glm::dvec3&, const glm::dvec3&)>& cost);
 
 }  // namespace sherd

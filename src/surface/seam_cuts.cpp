@@ -138,7 +138,14 @@ class SeamCutting {
       return;
     }
     if (isOriginal && addAround(face)) return;
-    for (const auto& [a, b, c] : triangulated(ring_, out_.mesh.vertices)) {
+    // With fewer points every diagonal that passes a seam passes a side, too.
+    constexpr std::size_t kForced = 5;
+    const auto cost = [&](const glm::dvec3& a, const glm::dvec3& b) {
+      const bool isBad = ring_.size() > kForced &&
+                         seams_.crossing(frame_.indexFromWorld(a), frame_.indexFromWorld(b));
+      return (isBad ? 100.0 : 1.0) * glm::length(b - a);
+    };
+    for (const auto& [a, b, c] : triangulated(ring_, out_.mesh.vertices, cost)) {
       out_.mesh.triangles.emplace_back(ring_[a].vertex, ring_[b].vertex, ring_[c].vertex);
     }
   }
