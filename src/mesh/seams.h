@@ -45,6 +45,18 @@ class Seams {
     return edges_.nearest(point, kReach).distance;
   }
 
+  /// Returns whether a seam is less than kReach from a ball.
+  [[nodiscard]] bool isNear(const glm::dvec3& center, double radius) const {
+    return edges_.nearest(center, radius + kReach + 1e-6).triangle != TriangleTree::kNone;
+  }
+
+  /// Returns the chart at a point at most kReach from a seam; kNoTriangle for a small one, and for
+  /// one that meets itself.
+  [[nodiscard]] std::uint32_t chartAt(const glm::dvec3& point) const {
+    const std::uint32_t triangle = nearest(point).triangle;
+    return meetsItself_[triangle] ? kNoTriangle : chart_[triangle];
+  }
+
   /// Returns whether a line of this length may pass a seam that is so far from its ends.
   [[nodiscard]] static bool mayCross(double length, double fromBegin, double fromEnd) {
     return fromBegin + fromEnd <= length + 2.0 * kAside;

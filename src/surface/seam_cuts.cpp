@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <map>
@@ -57,16 +58,34 @@ class SeamCutting {
 
   const glm::dvec3& at(std::uint32_t v) const { return out_.mesh.vertices[v]; }
 
+  // Vertices that follow one another are mostly near one another.
   void measure() {
-    distance_.resize(out_.mesh.vertices.size());
-    tbb::parallel_for(std::size_t{0}, distance_.size(), [&](std::size_t v) {
-      distance_[v] = seams_.distance(frame_.indexFromWorld(out_.mesh.vertices[v]));
+    constexpr std::size_t kBlock = 64;
+    const std::span<const glm::dvec3> vertices = out_.mesh.vertices;
+    distance_.assign(vertices.size(), std::numeric_limits<double>::infinity());
+    chart_.assign(vertices.size(), kNoTriangle);
+    tbb::parallel_for(std::size_t{0}, (vertices.size() + kBlock - 1) / kBlock, [&](std::size_t i) {
+      const std::size_t end = std::min(vertices.size(), (i + 1) * kBlock);
+      Box box{vertices[i * kBlock], vertices[i * kBlock]};
+      for (std::size_t v = i * kBlock; v < end; ++v) {
+        box.min = glm::min(box.min, vertices[v]);
+        box.max = glm::max(box.max, vertices[v]);
+      }
+      const double radius = 0.5 * glm::length(box.max - box.min) / frame_.voxelSize;
+      if (!seams_.isNear(frame_.indexFromWorld(0.5 * (box.min + box.max)), radius)) return;
+      for (std::size_t v = i * kBlock; v < end; ++v) {
+        const glm::dvec3 at = frame_.indexFromWorld(vertices[v]);
+        distance_[v] = seams_.distance(at);
+        const bool isBeside = distance_[v] > 2.0 * Seams::kOnSeam && distance_[v] < Seams::kReach;
+        if (isBeside) chart_[v] = seams_.chartAt(at);
+      }
     });
   }
 
   bool mayCross(std::uint32_t a, std::uint32_t b) const {
     const double apart = distance_[a] + distance_[b];
     if (!(apart < 2.0 * Seams::kReach)) return false;
+    if (chart_[a] != kNoTriangle && chart_[a] == chart_[b]) return false;
     return Seams::mayCross(glm::length(at(a) - at(b)) / frame_.voxelSize, distance_[a],
                            distance_[b]);
   }
@@ -100,8 +119,10 @@ class SeamCutting {
       if (isBefore(high, low)) std::swap(low, high);
       addCrossings(low, high, kDepth, cuts[i]);
     });
+    isEnd_.assign(distance_.size(), 0);
     for (std::size_t i = 0; i < edges.size(); ++i) {
       if (cuts[i].empty()) continue;
+      isEnd_[edges[i][0]] = isEnd_[edges[i][1]] = 1;
       edges_.push_back({edges[i], static_cast<std::uint32_t>(out_.mesh.vertices.size()),
                         static_cast<std::uint32_t>(cuts[i].size())});
       for (std::uint32_t k = 0; k < cuts[i].size(); ++k) {
@@ -118,7 +139,7 @@ class SeamCutting {
   // Appends a corner and the cuts of the side that begins there.
   void addSide(std::uint32_t a, std::uint32_t b, int side, FaceRing& ring) const {
     ring.push_back({a, 1u << side | 1u << (side + 2) % 3});
-    if (distance_[a] >= Seams::kReach || distance_[b] >= Seams::kReach) return;
+    if (!isEnd_[a] || !isEnd_[b]) return;
     const std::array<std::uint32_t, 2> ends{std::min(a, b), std::max(a, b)};
     const auto found =
         std::lower_bound(edges_.begin(), edges_.end(), ends,
@@ -131,6 +152,10 @@ class SeamCutting {
   }
 
   void add(const glm::uvec3& face, bool isOriginal) {
+    if (isEnd_[face.x] + isEnd_[face.y] + isEnd_[face.z] < 2) {
+      out_.mesh.triangles.push_back(face);
+      return;
+    }
     ring_.clear();
     for (int k = 0; k < 3; ++k) addSide(face[k], face[(k + 1) % 3], k, ring_);
     if (ring_.size() == 3) {
@@ -193,9 +218,11 @@ class SeamCutting {
   const Seams& seams_;
   const GridFrame& frame_;
   SeamCutMesh out_;
-  std::vector<double> distance_;  // [vertices of the uncut mesh] to seams, voxels
-  std::vector<CutEdge> edges_;    // ascending
-  FaceRing ring_;                 // of the face at hand
+  std::vector<double> distance_;      // [vertices of the uncut mesh] to seams, voxels
+  std::vector<std::uint32_t> chart_;  // [vertices of the uncut mesh] of those beside seams
+  std::vector<CutEdge> edges_;        // ascending
+  std::vector<std::uint8_t> isEnd_;   // [vertices of the uncut mesh] of one of them
+  FaceRing ring_;                     // of the face at hand
 };
 
 }  // namespace
