@@ -193,6 +193,49 @@ class Look(CommandLine):
                 np.add.at(summed, corners[:, k], normal)
             self.assertGreater(np.mean((summed * normals).sum(axis=1) > 0), 0.999)
 
+    def test_points_do_not_depend_on_attributes(self):
+        """Faces are cut along seams, of which points and the figures of fragments show nothing."""
+        mesh = self.drum()
+        trees, measures = [], []
+        for write in ("mesh", "labels"):
+            self.done("--write", write, "--points", "300", mesh=mesh, pieces=4)
+            trees.append(tree(self.at("points")))
+            measures.append([(p["volume"], p["area"], p["fracture_area"]) for p in self.pieces()["fragments"]])
+        self.assertEqual(trees[0], trees[1])
+        np.testing.assert_allclose(measures[0], measures[1], rtol=1e-9)
+
+    def test_seams_are_straight(self):
+        """Edges between faces of different materials lie where the drum's caps begin, and seams at angle 0."""
+        self.done("--write", "mesh", mesh=self.drum(), pieces=4)
+        h = self.pieces()["grid"]["voxel_size"]
+        borders = {"material": [], "texture": []}
+        for piece in self.pieces()["fragments"]:
+            _, v, f = read_ply(self.at(piece["files"]["mesh"]))
+            place, corners = columns(v, "x", "y", "z"), f["vertex_indices"]
+            uv, material = f["texcoord"].reshape(-1, 3, 2), f["material"]
+            at = {}
+            for i in np.flatnonzero(f["neighbor"] == 0):
+                for k in range(3):
+                    edge = (corners[i, k], corners[i, (k + 1) % 3])
+                    at[edge] = i, uv[i, k], uv[i, (k + 1) % 3]
+            for (a, b), (i, u, w) in at.items():
+                if a > b or (b, a) not in at:
+                    continue
+                j, w2, u2 = at[b, a]
+                if material[i] != material[j]:
+                    borders["material"] += [place[a], place[b]]
+                elif max(abs(u - u2).max(), abs(w - w2).max()) > 0.5:
+                    borders["texture"] += [place[a], place[b]]
+        caps, seam = np.array(borders["material"]), np.array(borders["texture"])
+        self.assertGreater(min(len(caps), len(seam)), 50)
+        # The rim has facets of 48 sides, 0.002 deep; beside cracks it is rounded by half a voxel at most, and a face may be
+        # turned so far that it takes the other side's attributes.
+        off = np.hypot(1 - abs(caps[:, 1]), 1 - np.hypot(caps[:, 0], caps[:, 2])) / h
+        self.assertLess(np.percentile(off, 90), 0.1)
+        self.assertLess(np.percentile(off, 99), 0.5)
+        self.assertGreater(seam[:, 0].min(), 0)
+        self.assertLess(np.percentile(abs(seam[:, 2]), 95) / h, 0.02)
+
     def test_all_formats_agree(self):
         self.done("--write", "mesh", "--mesh-format", "glb,ply,obj", "--triangles", "300", mesh=self.drum())
         manifest = self.pieces()

@@ -176,13 +176,27 @@ TEST(Charts, EndAtSeamsAndMaterials) {
   const Charts one = charts(whole);
   EXPECT_EQ(one.ids, std::vector<std::uint32_t>(128, 0));
   EXPECT_EQ(one.selfSeam.size(), 8u);  // a triangle on each side of the seam in each of four rings
+  ASSERT_EQ(one.seams.size(), 4u);
+  for (const Charts::Seam& seam : one.seams) {
+    for (std::size_t side = 0; side < 2; ++side) {
+      EXPECT_TRUE(
+          std::binary_search(one.selfSeam.begin(), one.selfSeam.end(), seam.triangle[side]));
+      const glm::uvec3& t = whole.triangles[seam.triangle[side]];
+      for (const std::uint32_t v : {t[seam.corner[side]], t[(seam.corner[side] + 1) % 3]}) {
+        EXPECT_NEAR(whole.vertices[v].y, 0.0, 1e-12);
+        EXPECT_GT(whole.vertices[v].x, 0.0);
+      }
+    }
+  }
   const Charts plain = charts({whole.vertices, whole.triangles});
   EXPECT_EQ(plain.ids, std::vector<std::uint32_t>(128, 0));
   EXPECT_TRUE(plain.selfSeam.empty());
+  EXPECT_TRUE(plain.seams.empty());
   TriangleMesh halves = whole;
   for (std::uint32_t t = 0; t < 128; ++t) halves.attributes.material.push_back(t / 64);
   const Charts two = charts(halves);
   for (std::uint32_t t = 0; t < 128; ++t) EXPECT_EQ(two.ids[t], t < 64 ? 0u : 64u);
+  EXPECT_EQ(two.seams.size(), 4u + 16u);
   TriangleMesh cube = shapes::cube(1.0);
   SurfaceAttributes& faces = cube.attributes;  // each triangle has texture coordinates of its own
   for (std::size_t t = 0; t < 12; ++t) {
