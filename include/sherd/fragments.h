@@ -140,8 +140,9 @@ void checkSurfaceOptions(const SurfaceOptions& options);
 /// number of triangles is left.  Collapses keep the topology of the surface and of its regions of
 /// equal neighbor: borders of regions are simplified as polylines with their own quadrics, and
 /// vertices where three regions meet do not move.  So a mesh may keep more triangles than
-/// requested. With Interface::shared all fragments are decimated at once and still share their
-/// contact surfaces.
+/// requested.  A fragment's regions also end at seams of the input's attributes, except where a
+/// chart meets itself. With Interface::shared all fragments are decimated at once and still share
+/// their contact surfaces.
 ///   mesh       closed, edge- and vertex-manifold
 ///   triangles  [k] any order; each result continues from the next larger one
 ///   return     [k] in the order of `triangles`, closed and manifold like `mesh`, with neighbors

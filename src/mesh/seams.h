@@ -50,9 +50,13 @@ class Seams {
     return edges_.nearest(center, radius + kReach + 1e-6).triangle != TriangleTree::kNone;
   }
 
-  /// Returns the chart at a point at most kReach from a seam; kNoTriangle for a small one, and for
-  /// one that meets itself.
+  /// Returns the chart at a point at most kReach from a seam; kNoTriangle for a small one.
   [[nodiscard]] std::uint32_t chartAt(const glm::dvec3& point) const {
+    return chart_[nearest(point).triangle];
+  }
+
+  /// Returns the same, but kNoTriangle for a chart that meets itself.
+  [[nodiscard]] std::uint32_t sideAt(const glm::dvec3& point) const {
     const std::uint32_t triangle = nearest(point).triangle;
     return meetsItself_[triangle] ? kNoTriangle : chart_[triangle];
   }

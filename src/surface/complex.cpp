@@ -62,6 +62,8 @@ LabeledMesh meshOf(std::span<const glm::dvec3> vertices, std::span<const Complex
     out.mesh.triangles.push_back(corner);
     out.other.push_back(isFront ? face.back : face.front);
     out.mesh.neighbor.push_back(isFront ? face.neighbor : face.front);
+    if (face.chart != 0) out.chart.resize(out.other.size() - 1, 0);
+    if (face.chart != 0 || !out.chart.empty()) out.chart.push_back(face.chart);
   }
   return out;
 }
@@ -75,11 +77,12 @@ std::vector<glm::uvec3> trianglesOf(const Complex& complex) {
   return triangles;
 }
 
-Complex complexOf(const TriangleMesh& mesh) {
+Complex complexOf(const TriangleMesh& mesh, std::span<const std::uint32_t> charts) {
   Complex out{mesh.vertices, std::vector<bool>(mesh.vertices.size(), false), {}, 1};
   out.faces.reserve(mesh.triangles.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     out.faces.push_back({mesh.triangles[t], 1, 0, mesh.neighborOf(t)});
+    if (!charts.empty()) out.faces.back().chart = charts[t];
   }
   return out;
 }
@@ -118,7 +121,8 @@ Complex complexOf(std::span<const LabeledMesh> meshes) {
           other,
           mesh.mesh.neighborOf(t),
           {sheets[i][vertex.x], sheets[i][vertex.y], sheets[i][vertex.z]},
-          {}};
+          {},
+          mesh.chart.empty() ? 0 : mesh.chart[t]};
       const bool isBack = out.isClosed(other) && other < label;
       const glm::uvec3& c = face.corner;
       if (out.fixed[c.x] || out.fixed[c.y] || out.fixed[c.z]) {

@@ -16,6 +16,8 @@ struct LabeledMesh {
   std::vector<std::uint16_t> other{};  ///< [triangles] the label on the other side; 0: outside
   std::vector<std::uint32_t>
       positionId{};  ///< [vertices] equal for vertices with one position, of any labels
+  std::vector<std::uint32_t>
+      chart{};  ///< [triangles] of the input's attributes (see seamCharts), or empty
 };
 
 /// A face between two labels, counter-clockwise seen from outside the front label.
@@ -26,6 +28,7 @@ struct ComplexFace {
   std::uint16_t neighbor = 0;  ///< of the front: `back`, or the label there before erosion
   std::array<std::uint8_t, 3> frontSheet{};  ///< [corners] index among the label's vertices there
   std::array<std::uint8_t, 3> backSheet{};
+  std::uint32_t chart = 0;  ///< as LabeledMesh::chart
 
   bool isOf(std::uint16_t label) const { return front == label || back == label; }
 };
@@ -46,7 +49,9 @@ struct Complex {
 [[nodiscard]] std::vector<glm::uvec3> trianglesOf(const Complex& complex);
 
 /// Returns the complex of a single closed mesh, as label 1.
-[[nodiscard]] Complex complexOf(const TriangleMesh& mesh);
+///   charts  [triangles] as LabeledMesh::chart, or empty
+[[nodiscard]] Complex complexOf(const TriangleMesh& mesh,
+                                std::span<const std::uint32_t> charts = {});
 
 /// Returns the complex of the meshes of labels 1..n.
 [[nodiscard]] Complex complexOf(std::span<const LabeledMesh> meshes);

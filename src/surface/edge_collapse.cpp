@@ -31,8 +31,8 @@ CollapsingMesh::CollapsingMesh(const Complex& complex)
 std::uint64_t CollapsingMesh::region(Index f) const {
   const ComplexFace& face = faces_[f];
   const bool isBetween = face.back >= 1 && face.back <= labels_;
-  return std::uint64_t{isBetween} << 32 | std::uint64_t{face.front} << 16 |
-         (isBetween ? face.back : face.neighbor);
+  return std::uint64_t{face.chart} << 33 | std::uint64_t{isBetween} << 32 |
+         std::uint64_t{face.front} << 16 | (isBetween ? face.back : face.neighbor);
 }
 
 std::vector<CollapsingMesh::Index> CollapsingMesh::neighbors(Index v) const {

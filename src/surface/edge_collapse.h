@@ -11,7 +11,7 @@
 namespace sherd {
 
 /// The connectivity of closed meshes that share faces.  A region is the set of faces between the
-/// same two labels, or of one label with the same neighbor.
+/// same two labels, or of one label with the same neighbor, and of the same chart.
 ///
 /// A boundary edge has faces of several regions.  A vertex is free if it has no boundary edges, on
 /// a boundary if it has two, and fixed if it has any other number.
@@ -48,7 +48,7 @@ class CollapsingMesh {
   void collapse(Index a, Index b);
 
  private:
-  // A region's key: its two labels, or the label that has a mesh and its neighbor.
+  // A region's key: its two labels, or the label that has a mesh and its neighbor; and its chart.
   std::uint64_t region(Index f) const;
   std::vector<Index> neighborsOn(std::uint16_t label, Index v) const;
 

@@ -22,6 +22,7 @@
 #include "surface/label_mesh.h"
 #include "surface/leaf_labels.h"
 #include "surface/level_set.h"
+#include "surface/seam_charts.h"
 #include "surface/seam_cuts.h"
 #include "surface/smooth.h"
 #include "voxelize/leaf_blocks.h"
@@ -239,13 +240,19 @@ void Extraction::meshIndependent(Fragment& fragment) const {
   fragment.mesh =
       smoothed(std::move(fragment.mesh), surface_.smooth, solid_.box.longestSide(), progress_);
   if (surface_.surface == Surface::smooth) cutSeams(fragment);
+  std::vector<std::uint32_t> charts;
+  const bool isSimplified = simplification_.isAny() || !surface_.triangles.empty();
+  if (isSimplified && solid_.seams && surface_.surface == Surface::smooth)
+    charts = seamCharts(fragment.mesh, *solid_.seams, solid_.frame);
   if (simplification_.isAny()) {
     fragment.cutFaces.clear();
-    fragment.mesh =
-        std::move(simplified(complexOf(fragment.mesh), simplification_, progress_).front().mesh);
+    LabeledMesh simple =
+        std::move(simplified(complexOf(fragment.mesh, charts), simplification_, progress_).front());
+    fragment.mesh = std::move(simple.mesh);
+    charts = std::move(simple.chart);
   }
   fragment.coarse =
-      std::move(decimated(complexOf(fragment.mesh), surface_.triangles, progress_).front());
+      std::move(decimated(complexOf(fragment.mesh, charts), surface_.triangles, progress_).front());
 }
 
 Fragment Extraction::makeFragment(std::size_t i) {

@@ -154,7 +154,8 @@ class FacetGrowing {
     if (uses.size() != 2 || uses[0].isForward == uses[1].isForward) return kNone;
     const std::uint32_t other = uses[0].face == face ? uses[1].face : uses[0].face;
     const ComplexFace &a = complex_.faces[face], &b = complex_.faces[other];
-    const bool isAlike = a.front == b.front && a.back == b.back && a.neighbor == b.neighbor;
+    const bool isAlike =
+        a.front == b.front && a.back == b.back && a.neighbor == b.neighbor && a.chart == b.chart;
     return isAlike ? other : kNone;
   }
 

@@ -31,8 +31,8 @@ struct FacetOptions {
   }
 };
 
-/// Regions of connected faces between the same two labels, with the same neighbor, near one plane
-/// each.
+/// Regions of connected faces between the same two labels, with the same neighbor and chart, near
+/// one plane each.
 struct Facets {
   struct Plane {
     glm::dvec3 point{0.0};

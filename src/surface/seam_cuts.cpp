@@ -13,6 +13,7 @@
 
 #include "mesh/seams.h"
 #include "surface/face_ring.h"
+#include "surface/seam_charts.h"
 
 namespace sherd {
 namespace {
@@ -77,7 +78,7 @@ class SeamCutting {
         const glm::dvec3 at = frame_.indexFromWorld(vertices[v]);
         distance_[v] = seams_.distance(at);
         const bool isBeside = distance_[v] > 2.0 * Seams::kOnSeam && distance_[v] < Seams::kReach;
-        if (isBeside) chart_[v] = seams_.chartAt(at);
+        if (isBeside) chart_[v] = seams_.sideAt(at);
       }
     });
   }
@@ -237,6 +238,7 @@ std::vector<std::vector<CutFace>> cutTogether(std::span<LabeledMesh> meshes, con
   std::vector<SeamCutMesh> cut(meshes.size());
   tbb::parallel_for(std::size_t{0}, meshes.size(), [&](std::size_t i) {
     cut[i] = cutAlong(std::move(meshes[i].mesh), seams, frame);
+    meshes[i].chart = seamCharts(cut[i].mesh, seams, frame);
   });
   std::uint32_t next = 0;
   for (const LabeledMesh& mesh : meshes) {

@@ -37,7 +37,7 @@ struct SeamCutMesh {
 [[nodiscard]] SeamCutMesh cutAlong(TriangleMesh mesh, const Seams& seams, const GridFrame& frame);
 
 /// The same for all labels of a complex, in place; new vertices with the same position get the same
-/// number.
+/// number, and faces their charts.
 ///   return  [meshes] their cut faces
 std::vector<std::vector<CutFace>> cutTogether(std::span<LabeledMesh> meshes, const Seams& seams,
                                               const GridFrame& frame);

@@ -373,6 +373,27 @@ TEST_F(SeamCuts, OfEverySurfaceAreClosedAndShared) {
   }
 }
 
+// Borders of charts are borders of regions, which decimation keeps, to its error; but not where a
+// chart meets itself.
+TEST_F(SeamCuts, StayWhenFacesAreMerged) {
+  for (const Case& of : {Case{"box", box()}, Case{"ball", ball()}}) {
+    for (const Interface interface : {Interface::shared, Interface::independent}) {
+      SCOPED_TRACE(of.name);
+      FractureOptions options = optionsOf(48);
+      options.surface.interface = interface;
+      options.surface.adaptivity = 0.05;
+      const FractureResult cut = broken(of.mesh, options), plain = broken(of.mesh, options, false);
+      EXPECT_LT(share(deviationsOf(cut, of.mesh).borders, 0.95), 0.1);
+      EXPECT_GT(share(deviationsOf(plain, of.mesh).borders, 0.95), 1.0);
+      std::size_t faces = 0, before = 0;
+      for (const Fragment& fragment : cut.fragments) faces += fragment.mesh.triangles.size();
+      for (const Fragment& fragment : broken(of.mesh, optionsOf(48)).fragments)
+        before += fragment.mesh.triangles.size();
+      EXPECT_LT(faces, before / 2);
+    }
+  }
+}
+
 // Sheets that touch, edges around which many labels meet, and islands of single voxels.
 TEST_F(SeamCuts, OfDustAreShared) {
   FractureOptions options = optionsOf(32, 300);
