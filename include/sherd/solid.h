@@ -228,6 +228,8 @@ struct Solid {
   /// Where the surface attributes of the mesh change abruptly.  With SolidOptions::keepSeams, if
   /// they do so anywhere; else null.
   std::shared_ptr<const Seams> seams{};
+  bool hasLinearAttributes = true;  ///< faces in one plane can be merged and keep the attributes of
+                                    ///< the mesh; known with SolidOptions::keepSeams
 };
 
 /// Voxelizes a mesh.  First the mesh is repaired: duplicate triangles are dropped, triangles are

@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <unordered_set>
 
+#include "mesh/bent_attributes.h"
 #include "mesh/vertex_normals.h"
 
 namespace sherd {
@@ -17,6 +18,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Smaller charts have no seams, square voxels.
 constexpr double kLeastChart = 1.0;
+
+// The share of the area on which attributes need not be linear.
+constexpr double kMostBent = 0.01;
 
 // A crossing is found to this many voxels.
 constexpr double kPrecision = 2e-4;
@@ -83,9 +87,17 @@ Seams::Seams(const TriangleMesh& source, const glm::dvec3& origin, double voxelS
     : edges_(TriangleMesh()), corners_(TriangleMesh()), near_(TriangleMesh()) {
   if (source.attributes.hasOnlyNormals()) return;
   Charts charts = sherd::charts(source);
-  if (charts.seams.empty()) return;
+  double bent = bentArea(source, charts) / (voxelSize * voxelSize);
+  if (charts.seams.empty()) {
+    areLinear_ = bent <= kMostBent * area(source) / (voxelSize * voxelSize);
+    return;
+  }
   const TriangleMesh mesh = inVoxels(source, origin, voxelSize);
   const std::vector<double> areas = chartAreas(mesh, charts);
+  for (std::size_t t = 0; t < areas.size(); ++t) {
+    if (charts.ids[t] == t && areas[t] < kLeastChart) bent += areas[t];
+  }
+  areLinear_ = bent <= kMostBent * area(mesh);
   std::erase_if(charts.seams, [&](const Charts::Seam& seam) {
     return std::any_of(seam.triangle.begin(), seam.triangle.end(),
                        [&](std::uint32_t t) { return areas[charts.ids[t]] < kLeastChart; });

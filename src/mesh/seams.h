@@ -40,6 +40,11 @@ class Seams {
 
   [[nodiscard]] bool empty() const { return edges_.empty(); }
 
+  /// Returns whether faces in one plane can be merged on each side of the seams, and keep their
+  /// attributes: not where these are other than linear in planes, or have charts without seams, on
+  /// more than a hundredth of the area.
+  [[nodiscard]] bool areLinear() const { return areLinear_; }
+
   /// Returns the distance to the nearest seam if it is below kReach, else infinity.
   [[nodiscard]] double distance(const glm::dvec3& point) const {
     return edges_.nearest(point, kReach).distance;
@@ -101,6 +106,7 @@ class Seams {
   [[nodiscard]] double between(const Line& line, const Side& side, double low, std::uint32_t lowIn,
                                double high, std::uint32_t highIn) const;
 
+  bool areLinear_ = true;
   TriangleTree edges_;    // of the seams, as triangles without area
   TriangleTree corners_;  // vertices of seams, as triangles without area
   TriangleTree near_;     // the triangles near seams

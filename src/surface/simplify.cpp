@@ -33,7 +33,7 @@ FacetOptions facetsFor(double voxelSize) {
 
 bool isPiecewiseFlat(const Solid& solid) {
   const TriangleTree* const input = solid.region ? solid.region->boundary() : nullptr;
-  if (input == nullptr) return false;
+  if (input == nullptr || !solid.hasLinearAttributes) return false;
   const double reach = std::max(kFlatVoxels, kFlatShareOfSide * solid.box.longestSide());
   return flatShare(*input, reach) >= kLeastFlat;
 }

@@ -17,7 +17,8 @@ struct Simplification {
 };
 
 /// Returns whether most of a solid's input is flat as far as its voxels can show it, so that
-/// kAutoAdaptivity merges triangles.  Solids of volumes and shells are not.
+/// kAutoAdaptivity merges triangles: not those of volumes and shells, and not where the input's
+/// texture coordinates or colors are not linear in its planes.
 [[nodiscard]] bool isPiecewiseFlat(const Solid& solid);
 
 /// Returns what the adaptivity is for a solid.

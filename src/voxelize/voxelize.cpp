@@ -187,6 +187,7 @@ Solid voxelize(const TriangleMesh& source, const SolidOptions& options, const Pr
   }
   if (options.keepSeams) {
     Seams seams(source, solid.frame.origin, voxelSize);
+    solid.hasLinearAttributes = seams.areLinear();
     if (!seams.empty()) solid.seams = std::make_shared<const Seams>(std::move(seams));
   }
   if (solid.voxels == 0) {

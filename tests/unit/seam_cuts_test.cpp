@@ -225,6 +225,7 @@ FractureOptions optionsOf(int resolution, int pieces = 8) {
   options.pieces = pieces;
   options.seed = 3;
   options.surface.levelSets = false;
+  options.surface.adaptivity = 0.0;
   return options;
 }
 
@@ -339,20 +340,21 @@ TEST_F(SeamCuts, ChangeNothingElse) {
       }
     }
     EXPECT_GT(cutFaces, 100u);
-    const TriangleMesh intact = solidMesh(cut.solid);
+    const TriangleMesh intact = solidMesh(cut.solid, 0.0);
     EXPECT_EQ(nonManifoldEdges(intact), 0u);
-    EXPECT_GT(intact.triangles.size(), solidMesh(plain.solid).triangles.size());
+    EXPECT_GT(intact.triangles.size(), solidMesh(plain.solid, 0.0).triangles.size());
   }
 }
 
 TEST_F(SeamCuts, OfEverySurfaceAreClosedAndShared) {
   const TriangleMesh mesh = box();
-  std::vector<FractureOptions> ways(5, optionsOf(40));
+  std::vector<FractureOptions> ways(6, optionsOf(40));
   ways[0].grow.roughness = 2.0;
   ways[1].surface.smooth.iterations = {.count = 2};
   ways[2].surface.adaptivity = 0.1;
   ways[3].surface.triangles = {400};
   ways[4].grow.growth = growthNamed("flood");
+  ways[5].surface.adaptivity = kAutoAdaptivity;
   for (const FractureOptions& options : ways) {
     const FractureResult result = broken(mesh, options);
     expectShared(result);
@@ -375,6 +377,21 @@ TEST_F(SeamCuts, OfEverySurfaceAreClosedAndShared) {
 
 // Borders of charts are borders of regions, which decimation keeps, to its error; but not where a
 // chart meets itself.
+TEST_F(SeamCuts, StayWhenPlanesAreMerged) {
+  FractureOptions options = optionsOf(48);
+  std::size_t faces = 0, before = 0;
+  for (const Fragment& fragment : broken(box(), options).fragments)
+    before += fragment.mesh.triangles.size();
+  options.surface.adaptivity = kAutoAdaptivity;
+  const FractureResult merged = broken(box(), options);
+  for (const Fragment& fragment : merged.fragments) faces += fragment.mesh.triangles.size();
+  EXPECT_LT(faces, before / 5);
+  const Deviations deviations = deviationsOf(merged, box());
+  // Merging moves a border within its plane and off it.
+  EXPECT_LT(share(deviations.borders, 0.95), Seams::kOnSeam + 2.0 * kPlanarTolerance);
+  EXPECT_LT(share(deviations.seams, 0.95), Seams::kOnSeam + 2.0 * kPlanarTolerance);
+}
+
 TEST_F(SeamCuts, StayWhenFacesAreMerged) {
   for (const Case& of : {Case{"box", box()}, Case{"ball", ball()}}) {
     for (const Interface interface : {Interface::shared, Interface::independent}) {
