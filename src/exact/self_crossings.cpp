@@ -57,66 +57,55 @@ bool meets(const glm::dvec3& p, const glm::dvec3& q, const Corners& t) {
   return least >= 0 || most <= 0;
 }
 
-class PairsOfMesh {
- public:
-  PairsOfMesh(std::span<const glm::dvec3> vertices, std::span<const glm::uvec3> triangles)
-      : vertices_(vertices), triangles_(triangles) {}
+Corners cornersOf(std::span<const glm::dvec3> vertices, const glm::uvec3& t) {
+  return {vertices[t.x], vertices[t.y], vertices[t.z]};
+}
 
-  Corners corners(std::uint32_t t) const {
-    const glm::uvec3& v = triangles_[t];
-    return {vertices_[v.x], vertices_[v.y], vertices_[v.z]};
+// [corners of a] whether it is one of b.
+std::array<bool, 3> shared(const glm::uvec3& a, const glm::uvec3& b) {
+  std::array<bool, 3> is{};
+  for (int k = 0; k < 3; ++k)
+    is[static_cast<std::size_t>(k)] = a[k] == b.x || a[k] == b.y || a[k] == b.z;
+  return is;
+}
+
+// Whether the edges of a triangle meet another, other than at common corners.
+bool edgesMeet(const Corners& own, const std::array<bool, 3>& isShared, std::ptrdiff_t common,
+               const Corners& other) {
+  const Box box = boxOf(other);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t end = (k + 1) % 3;
+    if (common > 0 && (isShared[k] || isShared[end])) continue;
+    // Saves exact arithmetic for triangles in one plane beside each other.
+    if (!meet(boxOf({own[k], own[end], own[end]}), box)) continue;
+    if (meets(own[k], own[end], other)) return true;
   }
+  return false;
+}
 
-  bool cross(std::uint32_t a, std::uint32_t b) const {
-    const std::array<bool, 3> inB = shared(a, b), inA = shared(b, a);
-    const auto common = std::count(inB.begin(), inB.end(), true);
-    if (common >= 2) return common == 3 || areFolded(a, b, inB, inA);
-    return edgesMeet(a, inB, common, b) || edgesMeet(b, inA, common, a);
-  }
-
- private:
-  // [corners of a] whether it is one of b.
-  std::array<bool, 3> shared(std::uint32_t a, std::uint32_t b) const {
-    const glm::uvec3 &s = triangles_[a], &t = triangles_[b];
-    std::array<bool, 3> is{};
-    for (int k = 0; k < 3; ++k)
-      is[static_cast<std::size_t>(k)] = s[k] == t.x || s[k] == t.y || s[k] == t.z;
-    return is;
-  }
-
-  bool edgesMeet(std::uint32_t a, const std::array<bool, 3>& isShared, std::ptrdiff_t common,
-                 std::uint32_t b) const {
-    const Corners own = corners(a), other = corners(b);
-    const Box box = boxOf(other);
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::size_t end = (k + 1) % 3;
-      if (common > 0 && (isShared[k] || isShared[end])) continue;
-      // Saves exact arithmetic for triangles in one plane beside each other.
-      if (!meet(boxOf({own[k], own[end], own[end]}), box)) continue;
-      if (meets(own[k], own[end], other)) return true;
-    }
-    return false;
-  }
-
-  // Of triangles with a common edge: whether they are in one plane, on one side of it.
-  bool areFolded(std::uint32_t a, std::uint32_t b, const std::array<bool, 3>& inB,
-                 const std::array<bool, 3>& inA) const {
-    const Corners s = corners(a), t = corners(b);
-    const auto free = [](const std::array<bool, 3>& is) {
-      return static_cast<std::size_t>(std::find(is.begin(), is.end(), false) - is.begin());
-    };
-    const glm::dvec3 &p = t[free(inA)], &q = s[free(inB)];
-    if (orientation(s[0], s[1], s[2], p) != 0) return false;
-    const glm::dvec3 &from = s[(free(inB) + 1) % 3], &to = s[(free(inB) + 2) % 3];
-    const glm::dvec3 along = to - from;
-    return glm::dot(glm::cross(along, p - from), glm::cross(along, q - from)) >= 0.0;
-  }
-
-  const std::span<const glm::dvec3> vertices_;
-  const std::span<const glm::uvec3> triangles_;
-};
+// Of triangles with a common edge: whether they are in one plane, on one side of it.
+bool areFolded(const Corners& s, const std::array<bool, 3>& inT, const Corners& t,
+               const std::array<bool, 3>& inS) {
+  const auto free = [](const std::array<bool, 3>& is) {
+    return static_cast<std::size_t>(std::find(is.begin(), is.end(), false) - is.begin());
+  };
+  const glm::dvec3 &p = t[free(inS)], &q = s[free(inT)];
+  if (orientation(s[0], s[1], s[2], p) != 0) return false;
+  const glm::dvec3 &from = s[(free(inT) + 1) % 3], &to = s[(free(inT) + 2) % 3];
+  const glm::dvec3 along = to - from;
+  return glm::dot(glm::cross(along, p - from), glm::cross(along, q - from)) >= 0.0;
+}
 
 }  // namespace
+
+bool trianglesCross(std::span<const glm::dvec3> vertices, const glm::uvec3& a,
+                    const glm::uvec3& b) {
+  const std::array<bool, 3> inB = shared(a, b), inA = shared(b, a);
+  const auto common = std::count(inB.begin(), inB.end(), true);
+  const Corners s = cornersOf(vertices, a), t = cornersOf(vertices, b);
+  if (common >= 2) return common == 3 || areFolded(s, inB, t, inA);
+  return edgesMeet(s, inB, common, t) || edgesMeet(t, inA, common, s);
+}
 
 std::vector<std::array<std::uint32_t, 2>> selfCrossings(std::span<const glm::dvec3> vertices,
                                                         std::span<const glm::uvec3> triangles,
@@ -131,7 +120,6 @@ std::vector<std::array<std::uint32_t, 2>> selfCrossings(std::span<const glm::dve
   if (!of.empty() && std::find(of.begin(), of.end(), 1) == of.end()) return {};
   const TriangleTree tree(
       {{vertices.begin(), vertices.end()}, {triangles.begin(), triangles.end()}});
-  const PairsOfMesh pairs(vertices, triangles);
   const std::size_t count = triangles.size(), blocks = (count + kBlock - 1) / kBlock;
   std::vector<std::vector<std::array<std::uint32_t, 2>>> found(blocks);
   CancelFlag stop(progress);
@@ -140,11 +128,11 @@ std::vector<std::array<std::uint32_t, 2>> selfCrossings(std::span<const glm::dve
     const std::size_t end = std::min(count, (block + 1) * kBlock);
     for (auto t = static_cast<std::uint32_t>(block * kBlock); t < end; ++t) {
       if (!isOf(t)) continue;
-      for (const std::uint32_t near : tree.meeting(boxOf(pairs.corners(t)))) {
+      for (const std::uint32_t near : tree.meeting(boxOf(cornersOf(vertices, triangles[t])))) {
         const std::uint32_t other = tree.source(near);
         // Of two that both count, the lower one finds the pair.
         if (other == t || (other < t && isOf(other)) || areOfOne(t, other)) continue;
-        if (!pairs.cross(t, other)) continue;
+        if (!trianglesCross(vertices, triangles[t], triangles[other])) continue;
         found[block].push_back({std::min(t, other), std::max(t, other)});
       }
     }

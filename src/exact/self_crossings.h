@@ -26,4 +26,8 @@ struct CrossingPairs {
     std::span<const glm::dvec3> vertices, std::span<const glm::uvec3> triangles,
     const Progress* progress = nullptr, const CrossingPairs& tested = {});
 
+/// Returns whether two different triangles of one mesh are such a pair.
+[[nodiscard]] bool trianglesCross(std::span<const glm::dvec3> vertices, const glm::uvec3& a,
+                                  const glm::uvec3& b);
+
 }  // namespace sherd

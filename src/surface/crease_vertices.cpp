@@ -11,6 +11,7 @@
 #include "mesh/nearest_on_triangle.h"
 #include "surface/cell_values.h"
 #include "surface/crease_point.h"
+#include "surface/quad_crossings.h"
 #include "voxelize/region.h"
 
 namespace sherd {

@@ -8,9 +8,6 @@
 
 namespace sherd {
 
-/// How far beyond its cell a vertex may lie, in voxels.
-inline constexpr double kMostOutside = 0.25;
-
 /// Returns the vertices of a leaf's cells in which the input's crossings may differ from those of
 /// the distances.
 ///   field  of the intact solid

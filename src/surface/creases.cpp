@@ -10,11 +10,12 @@
 #include <utility>
 
 #include "base/cancel_flag.h"
-#include "exact/self_crossings.h"
 #include "exact/sort_unique.h"
+#include "surface/cell_set.h"
 #include "surface/crease_vertices.h"
 #include "surface/intact_labels.h"
 #include "surface/leaf_cells.h"
+#include "surface/quad_crossings.h"
 #include "voxelize/region.h"
 
 namespace sherd {
@@ -26,7 +27,8 @@ class Creases::Finding {
         solid_(solid),
         neighborhoods_(neighborhoods),
         intact_(solid.blocks),
-        field_(solid, intact_.labels, intact_.cut, neighborhoods, &to) {}
+        field_(solid, intact_.labels, intact_.cut, neighborhoods, &to),
+        aroundMoved_(solid.blocks->count()) {}
 
   void find(const Progress* progress) {
     const std::size_t count = solid_.blocks->count();
@@ -42,52 +44,53 @@ class Creases::Finding {
       to_.origins_.push_back(solid_.blocks->origins[leaf]);
       to_.vertices_.push_back(std::move(found[leaf]));
     }
-    // A vertex has two steps back, and each may make another one cross.
-    constexpr int kRounds = 4;
     std::vector<std::uint32_t> changed;
     for (std::uint32_t i = 0; i < leaves_.size(); ++i) {
       const std::vector<CreaseVertex>& own = to_.vertices_[i];
       if (std::any_of(own.begin(), own.end(), [](const auto& v) { return v.isForced; }))
         changed.push_back(i);
     }
+    // A vertex has two steps back, and each may make another one cross.
+    constexpr int kRounds = 4;
+    CellSet near = cellsNear(changed);
     for (int round = 0; round < kRounds && !changed.empty(); ++round) {
-      changed = moveBack(changed, progress);
+      if (round > 0) {
+        // All other pairs of triangles have been compared.
+        near = cellsNear(changed);
+        near.intersect(aroundMoved_);
+      }
+      changed = moveBack(near, progress);
     }
   }
 
  private:
-  // The triangles near forced vertices in some leaves.
-  struct Triangles {
+  // The quads near forced vertices.
+  struct Surface {
     std::vector<glm::dvec3> vertices;
-    std::vector<glm::uvec3> all;
-    std::vector<std::uint8_t> hasCrease;  // [all]
-    std::vector<CreaseVertex*> creaseOf;  // [vertices] of rank 2 or 3, or null
-    std::vector<std::uint8_t> isNear;     // [vertices] to a forced vertex
-    std::vector<std::uint32_t> indexOf;   // [vertices] of its leaf in leaves_
+    std::vector<CreaseVertex*> creaseOf;            // [vertices] of rank 2 or 3, or null
+    std::vector<std::uint8_t> isNear;               // [vertices] to a forced vertex
+    std::vector<std::uint32_t> indexOf;             // [vertices] of its leaf in leaves_
+    std::vector<std::uint16_t> offsetOf;            // [vertices] of its cell in its leaf
+    std::vector<std::vector<QuadTriangles>> quads;  // [leaf]
   };
 
-  // Moves the vertices of triangles that cross others back.  Returns the indices in leaves_ of the
-  // leaves with such vertices, ascending.
-  std::vector<std::uint32_t> moveBack(std::span<const std::uint32_t> within,
-                                      const Progress* progress) {
-    const Triangles triangles = trianglesAround(within);
-    throwIfCancelled(progress);
-    const auto crossings =
-        selfCrossings(triangles.vertices, triangles.all, progress, {.of = triangles.hasCrease});
-    std::vector<std::uint32_t> moved = coincident(triangles);  // vertices
-    for (const auto& pair : crossings) {
-      for (const std::uint32_t t : pair) {
-        for (int k = 0; k < 3; ++k) {
-          const std::uint32_t v = triangles.all[t][k];
-          if (triangles.creaseOf[v] != nullptr) moved.push_back(v);
-        }
-      }
-    }
+  // Moves the vertices of triangles near some cells that cross others back.  Returns the indices in
+  // leaves_ of the leaves with such vertices, ascending.
+  std::vector<std::uint32_t> moveBack(const CellSet& near, const Progress* progress) {
+    const Surface surface = surfaceAt(near, progress);
+    std::vector<std::uint32_t> moved = verticesOfCrossings(
+        solid_.blocks->origins, neighborhoods_, surface.quads, surface.vertices, progress);
+    for (const std::uint32_t v : coincident(surface)) moved.push_back(v);
+    sortUnique(moved);
     std::vector<CreaseVertex*> creases;  // sheets of one position have a vertex each
     std::vector<std::uint32_t> leaves;
     for (const std::uint32_t v : moved) {
-      creases.push_back(triangles.creaseOf[v]);
-      leaves.push_back(triangles.indexOf[v]);
+      if (surface.creaseOf[v] == nullptr) continue;
+      constexpr int kReach = 3;  // of triangles that a triangle with the vertex may cross
+      const std::uint32_t i = surface.indexOf[v];
+      creases.push_back(surface.creaseOf[v]);
+      leaves.push_back(i);
+      aroundMoved_.addAround(neighborhoods_[leaves_[i]], surface.offsetOf[v], kReach);
     }
     sortUnique(creases);
     sortUnique(leaves);
@@ -100,12 +103,12 @@ class Creases::Finding {
 
   // Vertices of several cells on one corner of the input, up to rounding: they are apart here, but
   // may be one in world units.
-  static std::vector<std::uint32_t> coincident(const Triangles& triangles) {
+  static std::vector<std::uint32_t> coincident(const Surface& surface) {
     constexpr double kGrid = 0x1p-14;  // voxels
     std::vector<std::pair<std::tuple<double, double, double>, std::uint32_t>> all;
-    for (std::uint32_t v = 0; v < triangles.vertices.size(); ++v) {
-      if (triangles.creaseOf[v] == nullptr || triangles.isNear[v] == 0) continue;
-      const glm::dvec3 at = glm::round(triangles.vertices[v] / kGrid);
+    for (std::uint32_t v = 0; v < surface.vertices.size(); ++v) {
+      if (surface.creaseOf[v] == nullptr || surface.isNear[v] == 0) continue;
+      const glm::dvec3 at = glm::round(surface.vertices[v] / kGrid);
       all.emplace_back(std::tuple(at.x, at.y, at.z), v);
     }
     std::sort(all.begin(), all.end());
@@ -113,7 +116,7 @@ class Creases::Finding {
     for (std::size_t i = 1; i < all.size(); ++i) {
       const std::uint32_t v = all[i].second, other = all[i - 1].second;
       if (all[i].first != all[i - 1].first) continue;
-      if (triangles.creaseOf[v] == triangles.creaseOf[other]) continue;  // sheets of one cell
+      if (surface.creaseOf[v] == surface.creaseOf[other]) continue;  // sheets of one cell
       out.push_back(v);
       out.push_back(other);
     }
@@ -130,104 +133,84 @@ class Creases::Finding {
     }
   }
 
-  Triangles trianglesAround(std::span<const std::uint32_t> within) {
-    const std::size_t count = solid_.blocks->count();
-    std::vector<std::uint8_t> hasQuads(count), hasCells(count);
-    for (const std::uint32_t i : within) {
-      for (const std::uint32_t other : neighborhoods_[leaves_[i]]) {
-        if (other != LeafBlocks::kNone) hasQuads[other] = 1;
-      }
-    }
-    for (std::size_t leaf = 0; leaf < count; ++leaf) {
-      if (hasQuads[leaf] == 0) continue;
-      for (const std::uint32_t other : neighborhoods_[leaf]) {
-        if (other != LeafBlocks::kNone) hasCells[other] = 1;
-      }
-    }
-    std::vector<std::unique_ptr<const LeafCells>> cells(count);
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t leaf) {
-      if (hasCells[leaf] != 0) cells[leaf] = std::make_unique<LeafCells>(cellsOf(field_, leaf));
-    });
-    Triangles out;
-    AllCells all;
-    for (std::size_t leaf = 0; leaf < count; ++leaf) {
-      all.leaves.push_back(cells[leaf].get());
-      all.firstVertex.push_back(static_cast<std::uint32_t>(out.vertices.size()));
-      if (cells[leaf] == nullptr) continue;
-      out.vertices.insert(out.vertices.end(), cells[leaf]->vertices.begin(),
-                          cells[leaf]->vertices.end());
-    }
-    addCreases(all, out);
-    findNear(within, all, out);
-    std::vector<std::vector<InterfaceQuad>> quads(count);
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t leaf) {
-      if (hasQuads[leaf] != 0) quads[leaf] = quadsOf(field_, all, leaf);
-    });
-    for (const std::vector<InterfaceQuad>& ofLeaf : quads) {
-      for (const InterfaceQuad& quad : ofLeaf) {
-        if (std::none_of(quad.vertex.begin(), quad.vertex.end(),
-                         [&](std::uint32_t v) { return out.isNear[v] != 0; })) {
-          continue;
-        }
-        for (const auto& t : trianglesOf(quad, out.vertices)) {
-          out.all.emplace_back(t[0], t[1], t[2]);
-          out.hasCrease.push_back(std::any_of(t.begin(), t.end(), [&](std::uint32_t v) {
-            return out.creaseOf[v] != nullptr && out.isNear[v] != 0;
-          }));
-        }
-      }
-    }
-    return out;
-  }
-
-  // [voxels] the cells within kReach of those of forced vertices.
-  std::vector<bool> cellsNear(std::span<const std::uint32_t> within) const {
+  // The cells near the forced vertices of some leaves.
+  CellSet cellsNear(std::span<const std::uint32_t> within) const {
     constexpr int kReach = 2;
-    std::vector<bool> near(solid_.blocks->count() * 512);
+    CellSet near(solid_.blocks->count());
     for (const std::uint32_t i : within) {
       for (const CreaseVertex& crease : to_.vertices_[i]) {
-        if (!crease.isForced) continue;
-        const openvdb::Coord at = coordFromOffset(crease.offset);
-        for (int x = at.x() - kReach; x <= at.x() + kReach; ++x) {
-          for (int y = at.y() - kReach; y <= at.y() + kReach; ++y) {
-            for (int z = at.z() - kReach; z <= at.z() + kReach; ++z) {
-              const std::size_t voxel = field_.voxelIndexNear(leaves_[i], x, y, z);
-              if (voxel != Field::kNoVoxel) near[voxel] = true;
-            }
-          }
-        }
+        if (crease.isForced) near.addAround(neighborhoods_[leaves_[i]], crease.offset, kReach);
       }
     }
     return near;
   }
 
-  void findNear(std::span<const std::uint32_t> within, const AllCells& all, Triangles& out) const {
-    const std::vector<bool> near = cellsNear(within);
-    out.isNear.resize(out.vertices.size());
-    for (std::size_t leaf = 0; leaf < all.leaves.size(); ++leaf) {
-      if (all.leaves[leaf] == nullptr) continue;
-      for (const Cell& cell : all.leaves[leaf]->cells) {
-        if (!near[leaf * 512 + cell.offset]) continue;
-        for (std::size_t l = 0; l < cell.loops; ++l)
-          out.isNear[all.firstVertex[leaf] + cell.firstLoop + l] = 1;
+  Surface surfaceAt(const CellSet& near, const Progress* progress) {
+    const std::size_t count = solid_.blocks->count();
+    const CellSet made = near.grown(neighborhoods_);  // by the cells of their quads
+    std::vector<std::unique_ptr<const LeafCells>> cells(count);
+    const std::vector<std::uint32_t> leaves = made.leaves();
+    CancelFlag stop(progress);
+    tbb::parallel_for(std::size_t{0}, leaves.size(), [&](std::size_t i) {
+      const std::uint32_t leaf = leaves[i];
+      if (stop.isSet()) return;
+      cells[leaf] = std::make_unique<LeafCells>(cellsOf(field_, leaf, nullptr, made.of(leaf)));
+    });
+    stop.throwIfSet();
+    Surface out;
+    AllCells all{std::vector<const LeafCells*>(count), std::vector<std::uint32_t>(count)};
+    for (const std::uint32_t leaf : leaves) {
+      const LeafCells& own = *cells[leaf];
+      all.leaves[leaf] = &own;
+      all.firstVertex[leaf] = static_cast<std::uint32_t>(out.vertices.size());
+      out.vertices.insert(out.vertices.end(), own.vertices.begin(), own.vertices.end());
+      for (const Cell& cell : own.cells) {
+        out.offsetOf.insert(out.offsetOf.end(), cell.loops, cell.offset);
+        out.isNear.insert(out.isNear.end(), cell.loops, near.has(leaf, cell.offset) ? 1 : 0);
       }
     }
+    addCreases(made, all, out);
+    out.quads.resize(count);
+    tbb::parallel_for(std::size_t{0}, leaves.size(), [&](std::size_t i) {
+      if (stop.isSet()) return;
+      for (const InterfaceQuad& quad : quadsOf(field_, all, leaves[i], &near))
+        out.quads[leaves[i]].push_back(trianglesOf(quad, out));
+    });
+    stop.throwIfSet();
+    return out;
   }
 
-  void addCreases(const AllCells& all, Triangles& out) {
+  static QuadTriangles trianglesOf(const InterfaceQuad& quad, const Surface& surface) {
+    QuadTriangles out;
+    out.offset = surface.offsetOf[quad.vertex[2]];  // see quadsOf
+    const auto halves = sherd::trianglesOf(quad, surface.vertices);
+    for (std::size_t half = 0; half < 2; ++half) {
+      const auto& t = halves[half];
+      out.triangle[half] = {t[0], t[1], t[2]};
+      out.isTested[half] = std::any_of(t.begin(), t.end(), [&](std::uint32_t v) {
+        return surface.creaseOf[v] != nullptr && surface.isNear[v] != 0;
+      });
+    }
+    const auto at = [&](std::size_t k) { return surface.vertices[quad.vertex[k]]; };
+    out.box = {glm::min(glm::min(at(0), at(1)), glm::min(at(2), at(3))),
+               glm::max(glm::max(at(0), at(1)), glm::max(at(2), at(3)))};
+    return out;
+  }
+
+  void addCreases(const CellSet& made, const AllCells& all, Surface& out) {
     out.creaseOf.resize(out.vertices.size());
     out.indexOf.resize(out.vertices.size());
     for (std::uint32_t i = 0; i < leaves_.size(); ++i) {
-      if (all.leaves[leaves_[i]] == nullptr) continue;
-      const LeafCells& cells = *all.leaves[leaves_[i]];
+      const std::uint32_t leaf = leaves_[i];
+      if (made.of(leaf) == nullptr) continue;
       for (CreaseVertex& crease : to_.vertices_[i]) {
-        if (crease.rank == 1) continue;
-        const Cell& cell = cells.at(crease.offset);
+        if (crease.rank == 1 || !made.has(leaf, crease.offset)) continue;
+        const Cell& cell = all.leaves[leaf]->at(crease.offset);
         for (std::size_t e = 0; e < 12; ++e) {
           if (((crease.edges >> e) & 1) == 0) continue;
           for (const std::uint8_t loop : cell.loopOf[e]) {
             if (loop == CellSheets::kNone) continue;
-            const std::uint32_t v = all.firstVertex[leaves_[i]] + cell.firstLoop + loop;
+            const std::uint32_t v = all.firstVertex[leaf] + cell.firstLoop + loop;
             out.creaseOf[v] = &crease;
             out.indexOf[v] = i;
           }
@@ -242,6 +225,7 @@ class Creases::Finding {
   const IntactLabels intact_;
   const Field field_;
   std::vector<std::uint32_t> leaves_;  // [origins_]
+  CellSet aroundMoved_;                // of triangles that may cross others since a vertex moved
 };
 
 Creases::Creases(const Solid& solid, std::span<const LeafNeighbors> neighborhoods,

@@ -92,6 +92,14 @@ void addCell(std::uint32_t offset, const glm::dvec3& low, const CellLabels& labe
   to.add(cell);
 }
 
+// Removes other cells than some of the leaf.
+void keepOnly(const CellBits& cells, PassedCells<9>& passed) {
+  for (std::size_t x = 0; x < 8; ++x) {
+    for (std::size_t y = 0; y < 8; ++y)
+      passed.crossed[x * 9 + y] &= static_cast<std::uint16_t>((cells[x] >> (8 * y)) & 0xff);
+  }
+}
+
 }  // namespace
 
 std::optional<std::uint16_t> onlyLabelOf(const Field& field, std::size_t leaf) {
@@ -104,10 +112,12 @@ std::optional<std::uint16_t> onlyLabelOf(const Field& field, std::size_t leaf) {
   return found;
 }
 
-LeafCells cellsOf(const Field& field, std::size_t leaf, const LeafCells* intact) {
+LeafCells cellsOf(const Field& field, std::size_t leaf, const LeafCells* intact,
+                  const CellBits* only) {
   LeafCells found;
   const LabelCube<9> corners = field.cornersOf(leaf);
-  const PassedCells<9> passed = passedCells<9>(corners);
+  PassedCells<9> passed = passedCells<9>(corners);
+  if (only != nullptr) keepOnly(*only, passed);
   std::size_t count = 0;
   for (const std::uint16_t row : passed.crossed)
     count += static_cast<std::size_t>(std::popcount(row));
@@ -164,6 +174,28 @@ constexpr std::array<std::array<std::uint8_t, 8>, 3> kEdgeAlong = [] {
   return edges;
 }();
 
+// Steps down along the next two axes to the cells around an edge, counter-clockwise seen from its
+// far end.
+constexpr std::array<std::array<int, 2>, 4> kRing{{{1, 1}, {0, 1}, {0, 0}, {1, 0}}};
+
+openvdb::Coord cellAround(const openvdb::Coord& at, unsigned axis, std::size_t k) {
+  openvdb::Coord low = at;
+  low[static_cast<int>((axis + 1) % 3)] -= kRing[k][0];
+  low[static_cast<int>((axis + 2) % 3)] -= kRing[k][1];
+  return low;
+}
+
+// Whether a cell around an edge is one of a set.
+bool isNear(const CellSet& cells, const Field& field, std::size_t leaf, const openvdb::Coord& at,
+            unsigned axis) {
+  for (std::size_t k = 0; k < kRing.size(); ++k) {
+    const openvdb::Coord low = cellAround(at, axis, k);
+    const std::size_t voxelIndex = field.voxelIndexNear(leaf, low.x(), low.y(), low.z());
+    if (voxelIndex != Field::kNoVoxel && cells.has(voxelIndex / 512, voxelIndex % 512)) return true;
+  }
+  return false;
+}
+
 // The diagonal along a crease.  A crease along a side of the quad does not matter.
 QuadSplit splitBy(const std::array<int, 4>& rank) {
   const int first = rank[0] + rank[2], second = rank[1] + rank[3];
@@ -173,7 +205,8 @@ QuadSplit splitBy(const std::array<int, 4>& rank) {
 
 }  // namespace
 
-std::vector<InterfaceQuad> quadsOf(const Field& field, const AllCells& all, std::size_t leaf) {
+std::vector<InterfaceQuad> quadsOf(const Field& field, const AllCells& all, std::size_t leaf,
+                                   const CellSet* near) {
   std::vector<InterfaceQuad> quads;
   const LeafCells& mine = *all.leaves[leaf];
   quads.reserve(2 * mine.cells.size());
@@ -187,18 +220,16 @@ std::vector<InterfaceQuad> quadsOf(const Field& field, const AllCells& all, std:
     const CellLabels labels = labelsAt(corners, at);
     for (unsigned axis = 0; axis < 3; ++axis) {
       if (!cell.isCrossed(kEdgeAlong[axis][0])) continue;
+      if (near != nullptr && !isNear(*near, field, leaf, at, axis)) continue;
       const std::array<std::uint16_t, 2> label{labels[0], labels[kBit[axis]]};
       const unsigned b = (axis + 1) % 3, c = (axis + 2) % 3;
-      // Cells around the edge, counter-clockwise seen from its far end.  The quad of the other side
-      // is reversed from the same first corner, so that both have the same diagonals.
-      constexpr std::array<std::array<int, 2>, 4> kRing{{{1, 1}, {0, 1}, {0, 0}, {1, 0}}};
+      // The quad of the other side is reversed from the same first corner, so that both have the
+      // same diagonals.
       std::array<InterfaceQuad, 2> quad{{{label[0], label[1], {}}, {label[1], label[0], {}}}};
       std::array<int, 4> rank{};
       bool isComplete = true;
       for (std::size_t k = 0; k < 4; ++k) {
-        openvdb::Coord low = at;
-        low[static_cast<int>(b)] -= kRing[k][0];
-        low[static_cast<int>(c)] -= kRing[k][1];
+        const openvdb::Coord low = cellAround(at, axis, k);
         const unsigned corner = (kRing[k][0] ? kBit[b] : 0) + (kRing[k][1] ? kBit[c] : 0);
         const bool isMine = (low.x() | low.y() | low.z()) >= 0;
         std::size_t of = leaf;

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "surface/cell.h"
+#include "surface/cell_set.h"
 #include "surface/contact_boundaries.h"
 #include "surface/field.h"
 #include "voxelize/leaf_blocks.h"
@@ -64,8 +65,9 @@ struct LeafCells {
 
 /// Returns the cells of a leaf.
 ///   intact  cells of the leaf in the intact solid, or null: cells with one label are reused
+///   only    the cells that are wanted, or null: all
 [[nodiscard]] LeafCells cellsOf(const Field& field, std::size_t leaf,
-                                const LeafCells* intact = nullptr);
+                                const LeafCells* intact = nullptr, const CellBits* only = nullptr);
 
 /// Returns the only label other than 0 at the corners of a leaf's cells; 0 if there is none,
 /// nullopt if there are several.
@@ -80,7 +82,9 @@ struct AllCells {
 /// Returns the quads around the edges that begin at the lowest corners of the leaf's cells.  Edges
 /// with a missing leaf next to them have no quad; that happens only when part of a solid is meshed,
 /// away from the fragment in question.
+///   near  only the quads with a vertex in these cells, or null: all; cells farther than one from
+///         them may be missing in `all`
 [[nodiscard]] std::vector<InterfaceQuad> quadsOf(const Field& field, const AllCells& all,
-                                                 std::size_t leaf);
+                                                 std::size_t leaf, const CellSet* near = nullptr);
 
 }  // namespace sherd
