@@ -335,6 +335,16 @@ double TriangleTree::firstHit(const glm::dvec3& origin, const glm::dvec3& direct
   return first;
 }
 
+// Sets the first hit of a segment if a triangle has it.
+void TriangleTree::hit(const glm::dvec3& from, const glm::dvec3& along, std::size_t triangle,
+                       Hit& first) const {
+  const double at = rayHit(corners(triangle), from, along, kRounding);
+  if (!(at >= -kRounding && at <= first.at + kRounding)) return;
+  const bool isFirst = first.triangle == kNone || at < first.at ||
+                       (at == first.at && source_[triangle] < source_[first.triangle]);
+  if (isFirst) first = {at, static_cast<std::uint32_t>(triangle)};
+}
+
 std::optional<TriangleTree::Hit> TriangleTree::firstBetween(const glm::dvec3& from,
                                                             const glm::dvec3& to) const {
   Hit first{1.0, kNone};
@@ -344,16 +354,20 @@ std::optional<TriangleTree::Hit> TriangleTree::firstBetween(const glm::dvec3& fr
         const Bounds& box = bounds_[range.node];
         return !(entryDistance(box.min, box.max, from, inverse) <= first.at + kRounding);
       },
-      [&](std::size_t triangle) {
-        const double at = rayHit(corners(triangle), from, along, kRounding);
-        if (!(at >= -kRounding && at <= first.at + kRounding)) return;
-        const bool isFirst = first.triangle == kNone || at < first.at ||
-                             (at == first.at && source_[triangle] < source_[first.triangle]);
-        if (isFirst) first = {at, static_cast<std::uint32_t>(triangle)};
-      });
-  if (first.triangle == kNone) return std::nullopt;
-  first.at = std::clamp(first.at, 0.0, 1.0);
-  return first;
+      [&](std::size_t triangle) { hit(from, along, triangle, first); });
+  return clamped(first);
+}
+
+std::optional<TriangleTree::Hit> TriangleTree::firstBetween(
+    const glm::dvec3& from, const glm::dvec3& to, std::span<const std::uint32_t> triangles) const {
+  Hit first{1.0, kNone};
+  for (const std::uint32_t triangle : triangles) hit(from, to - from, triangle, first);
+  return clamped(first);
+}
+
+std::optional<TriangleTree::Hit> TriangleTree::clamped(const Hit& hit) {
+  if (hit.triangle == kNone) return std::nullopt;
+  return Hit{std::clamp(hit.at, 0.0, 1.0), hit.triangle};
 }
 
 }  // namespace sherd

@@ -28,6 +28,9 @@ class TriangleTree {
   [[nodiscard]] bool empty() const { return triangles_.empty(); }
   [[nodiscard]] std::size_t count() const { return triangles_.size(); }
 
+  /// Returns the number of triangles.
+  [[nodiscard]] std::size_t size() const { return triangles_.size(); }
+
   /// Returns the box of all triangles, rounded outwards to single precision; the tree must not be
   /// empty.
   [[nodiscard]] Box box() const { return {glm::dvec3(bounds_[0].min), glm::dvec3(bounds_[0].max)}; }
@@ -91,6 +94,10 @@ class TriangleTree {
   /// belong to their triangles, so that no segment passes between two of them.
   [[nodiscard]] std::optional<Hit> firstBetween(const glm::dvec3& from, const glm::dvec3& to) const;
 
+  /// The same for some triangles, given by the tree's order.
+  [[nodiscard]] std::optional<Hit> firstBetween(const glm::dvec3& from, const glm::dvec3& to,
+                                                std::span<const std::uint32_t> triangles) const;
+
  private:
   // A traversal stores one node per level; 2^32 triangles have 30 levels.
   static constexpr std::size_t kDeepest = 64;
@@ -145,6 +152,8 @@ class TriangleTree {
 
   static void sortInto(std::span<Item> items, const Range& range);
   void measure(const Range& range);
+  [[nodiscard]] static std::optional<Hit> clamped(const Hit& hit);
+  void hit(const glm::dvec3& from, const glm::dvec3& along, std::size_t triangle, Hit& first) const;
   [[nodiscard]] int entry(const glm::dvec3& from, const glm::dvec3& to, std::size_t triangle) const;
 
   std::vector<glm::dvec3> vertices_;

@@ -1,16 +1,13 @@
 // Labels, sheets and distances of cells.
 #include "surface/cell_values.h"
 
+#include <openvdb/openvdb.h>
+
 #include <algorithm>
 #include <array>
 
 namespace sherd {
 namespace {
-
-openvdb::Coord cornerOf(unsigned corner) {
-  return {static_cast<int>(corner >> 2), static_cast<int>((corner >> 1) & 1),
-          static_cast<int>(corner & 1)};
-}
 
 // Ambiguous faces are flipped in six sweeps, by axis and parity: each cell has one face in each
 // sweep, and its state before a sweep does not depend on that sweep.
@@ -70,21 +67,53 @@ ResolvedSheets resolvedSheets(const Field& field, std::size_t leaf, const openvd
   return {sheetsOf(labels, flipped.faces), flipped.dependsOnNeighbors};
 }
 
-CellValues valuesOf(const Field& field, const openvdb::FloatGrid::ConstAccessor& distance,
-                    std::size_t leaf, const openvdb::Coord& cell, const CellLabels& labels) {
+DistanceCube distancesOf(const Field& field, std::size_t leaf) {
+  using Leaf = openvdb::FloatTree::LeafNodeType;
+  DistanceCube cube;
+  const auto grid = field.solid().distance->getConstAccessor();
+  for (int k = 0; k < 8; ++k) {
+    const std::array<int, 3> high{k >> 2, (k >> 1) & 1, k & 1};
+    const openvdb::Coord low =
+        field.solid().blocks->origins[leaf] + openvdb::Coord(8 * high[0], 8 * high[1], 8 * high[2]);
+    const Leaf* const own = grid.probeConstLeaf(low);
+    const float everywhere = own != nullptr ? 0.0f : grid.getValue(low);
+    const auto count = [&](std::size_t axis) { return high[axis] != 0 ? 1 : 8; };
+    for (int x = 0; x < count(0); ++x) {
+      for (int y = 0; y < count(1); ++y) {
+        float* const to = &cube[static_cast<std::size_t>(
+            ((8 * high[0] + x) * 9 + 8 * high[1] + y) * 9 + 8 * high[2])];
+        if (own == nullptr) {
+          std::fill_n(to, count(2), everywhere);
+        } else {
+          std::copy_n(own->buffer().data() + x * 64 + y * 8, count(2), to);
+        }
+      }
+    }
+  }
+  return cube;
+}
+
+std::array<float, 8> distancesAt(const DistanceCube& distance, const openvdb::Coord& cell) {
+  std::array<float, 8> at;
+  const auto low = static_cast<std::size_t>((cell.x() * 9 + cell.y()) * 9 + cell.z());
+  for (std::size_t corner = 0; corner < 8; ++corner)
+    at[corner] = distance[low + (corner >> 2) * 81 + ((corner >> 1) & 1) * 9 + (corner & 1)];
+  return at;
+}
+
+CellValues valuesOf(const Field& field, const DistanceCube& distance, std::size_t leaf,
+                    const openvdb::Coord& cell, const CellLabels& labels) {
   CellValues values;
   values.labels = labels;
   const bool isOnSurface = std::find(labels.begin(), labels.end(), 0) != labels.end();
   const std::uint16_t some = *std::max_element(labels.begin(), labels.end());
   const bool isCut =  // between two fragments
       std::any_of(labels.begin(), labels.end(), [&](auto l) { return l != 0 && l != some; });
-  const openvdb::Coord low = field.solid().blocks->origins[leaf] + cell;
+  if (isOnSurface) values.toSurface = distancesAt(distance, cell);
   std::array<std::size_t, 8> voxelIndex{};
-  for (int corner = 0; corner < 8; ++corner) {
-    const openvdb::Coord step = cornerOf(static_cast<unsigned>(corner)), at = cell + step;
-    const auto c = static_cast<std::size_t>(corner);
-    if (isOnSurface) values.toSurface[c] = distance.getValue(low + step);
-    if (isCut) voxelIndex[c] = field.voxelIndexNear(leaf, at.x(), at.y(), at.z());
+  for (unsigned c = 0; isCut && c < 8; ++c) {
+    const openvdb::Coord at = cell + coordOfCorner(c);
+    voxelIndex[c] = field.voxelIndexNear(leaf, at.x(), at.y(), at.z());
   }
   for (std::size_t n = 0; isCut && n < 8; ++n) {
     if (labels[n] == 0) continue;
@@ -117,7 +146,7 @@ void addInput(InputCrossings& input, const openvdb::Coord& cell, const CellSheet
       continue;
     }
     values.onInput[e] =
-        input.on(cell + cornerOf(low), static_cast<unsigned>(e / 4), labels[low] != 0);
+        input.on({cell + coordOfCorner(low), static_cast<std::uint8_t>(e / 4), labels[low] != 0});
   }
 }
 

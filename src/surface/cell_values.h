@@ -1,7 +1,7 @@
 // Reads the cells of a field.
 #pragma once
 
-#include <openvdb/openvdb.h>
+#include <array>
 
 #include "surface/cell_crossings.h"
 #include "surface/field.h"
@@ -22,9 +22,23 @@ struct ResolvedSheets {
 [[nodiscard]] ResolvedSheets resolvedSheets(const Field& field, std::size_t leaf,
                                             const openvdb::Coord& cell, const CellLabels& labels);
 
+/// Distances to the solid's surface at the corners of a leaf's cells, as Field::cornersOf.
+using DistanceCube = std::array<float, 9 * 9 * 9>;
+[[nodiscard]] DistanceCube distancesOf(const Field& field, std::size_t leaf);
+
+/// Returns those at the corners of one cell.
+[[nodiscard]] std::array<float, 8> distancesAt(const DistanceCube& distance,
+                                               const openvdb::Coord& cell);
+
+/// Returns the step from the lowest corner of a cell to another.
+[[nodiscard]] inline openvdb::Coord coordOfCorner(unsigned corner) {
+  return {static_cast<int>(corner >> 2), static_cast<int>((corner >> 1) & 1),
+          static_cast<int>(corner & 1)};
+}
+
 /// Returns the distances at the corners of a cell, without the input's crossings.
-[[nodiscard]] CellValues valuesOf(const Field& field,
-                                  const openvdb::FloatGrid::ConstAccessor& distance,
+///   distance  of its leaf
+[[nodiscard]] CellValues valuesOf(const Field& field, const DistanceCube& distance,
                                   std::size_t leaf, const openvdb::Coord& cell,
                                   const CellLabels& labels);
 

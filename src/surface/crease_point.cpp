@@ -53,28 +53,46 @@ glm::dvec3 slid(const glm::dvec3& from, const glm::dvec3& along, const PositionB
   return low <= high ? from + std::clamp(0.0, low, high) * along : from;
 }
 
+// Whether all normals are so near their mean that the surface is certainly smooth: of eigenvalues
+// whose sum is 1, the second one is at most the rest of the spread along any direction.
+bool isSmooth(std::span<const TangentPlane> planes) {
+  constexpr double kSure = 0.99 * kLeastEigenvalue;
+  glm::dvec3 sum(0.0);
+  for (const TangentPlane& plane : planes) sum += plane.normal;
+  const double length = glm::length(sum);
+  if (length == 0.0) return false;
+  double rest = 0.0;
+  for (const TangentPlane& plane : planes) {
+    const double along = glm::dot(plane.normal, sum) / length;
+    rest += glm::dot(plane.normal, plane.normal) - along * along;
+  }
+  return rest < kSure * static_cast<double>(planes.size());
+}
+
 }  // namespace
 
-CreasePoint creasePoint(std::span<const TangentPlane> planes, const glm::dvec3& mean,
-                        const PositionBox& within) {
+CreaseFit::CreaseFit(std::span<const TangentPlane> planes, const glm::dvec3& mean) : at_(mean) {
+  if (isSmooth(planes)) return;
   const std::array<Eigen, 3> spread = spreadOf(planes);
-  CreasePoint found{mean, 1};
-  if (spread[1].value < kLeastEigenvalue) return {glm::clamp(mean, within.low, within.high)};
-  found.rank = spread[2].value < kLeastEigenvalue ? 2 : 3;
-  found.least = spread[static_cast<std::size_t>(found.rank) - 1].value;
+  if (spread[1].value < kLeastEigenvalue) return;
+  rank_ = spread[2].value < kLeastEigenvalue ? 2 : 3;
+  least_ = spread[static_cast<std::size_t>(rank_) - 1].value;
+  along_ = spread[2].vector;
   glm::dvec3 offsets(0.0);
   for (const TangentPlane& plane : planes)
     offsets += glm::dot(plane.normal, plane.point - mean) * plane.normal;
   offsets /= static_cast<double>(planes.size());
-  for (int k = 0; k < found.rank; ++k) {
+  for (int k = 0; k < rank_; ++k) {
     const Eigen& eigen = spread[static_cast<std::size_t>(k)];
-    found.at += glm::dot(eigen.vector, offsets) / eigen.value * eigen.vector;
+    at_ += glm::dot(eigen.vector, offsets) / eigen.value * eigen.vector;
   }
-  if (found.rank == 2) found.at = slid(found.at, spread[2].vector, within);
-  const glm::dvec3 clamped = glm::clamp(found.at, within.low, within.high);
-  found.isClamped = glm::distance(clamped, found.at) > kRounding;
-  found.at = clamped;
-  return found;
+}
+
+CreasePoint CreaseFit::within(const PositionBox& box) const {
+  if (rank_ == 1) return {glm::clamp(at_, box.low, box.high)};
+  const glm::dvec3 at = rank_ == 2 ? slid(at_, along_, box) : at_;
+  const glm::dvec3 clamped = glm::clamp(at, box.low, box.high);
+  return {clamped, rank_, glm::distance(clamped, at) > kRounding, least_};
 }
 
 }  // namespace sherd

@@ -38,13 +38,32 @@ struct CreasePoint {
 /// at an angle of 20 degrees, one of six and the others at 26 degrees.
 inline constexpr double kLeastEigenvalue = 0.03;
 
-/// Returns the position nearest to all planes, among those nearest to `mean`: the quadratic error
-/// is minimized along the eigenvectors of the normals' covariance that count.
-///   planes  at least one
-///   mean    the planes' mean point; the result of rank 1
-///   within  box of the result: a point outside moves along the crease, or else to the box
+/// The crease or corner of a few planes: the quadratic error is minimized along the eigenvectors of
+/// the normals' covariance that count.
 ///   source  Ju, Losasso, Schaefer, Warren: Dual Contouring of Hermite Data, 2002
-[[nodiscard]] CreasePoint creasePoint(std::span<const TangentPlane> planes, const glm::dvec3& mean,
-                                      const PositionBox& within);
+class CreaseFit {
+ public:
+  ///   planes  at least one
+  ///   mean    the planes' mean point; the result of rank 1
+  CreaseFit(std::span<const TangentPlane> planes, const glm::dvec3& mean);
+
+  [[nodiscard]] int rank() const { return rank_; }
+
+  /// Returns the position nearest to all planes, among those nearest to the mean.
+  ///   box  of the result: a point outside moves along the crease, or else to the box
+  [[nodiscard]] CreasePoint within(const PositionBox& box) const;
+
+ private:
+  glm::dvec3 at_{0.0};
+  glm::dvec3 along_{0.0};  // of a crease
+  int rank_ = 1;
+  double least_ = 0.0;
+};
+
+/// Returns CreaseFit::within.
+[[nodiscard]] inline CreasePoint creasePoint(std::span<const TangentPlane> planes,
+                                             const glm::dvec3& mean, const PositionBox& box) {
+  return CreaseFit(planes, mean).within(box);
+}
 
 }  // namespace sherd

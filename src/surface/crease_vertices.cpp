@@ -1,9 +1,10 @@
 // Places vertices on creases.
 #include "surface/crease_vertices.h"
 
-#include <openvdb/openvdb.h>
-
+#include <algorithm>
 #include <array>
+#include <bitset>
+#include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <optional>
@@ -27,16 +28,47 @@ constexpr double kBeside = 0.05;
 // where one of six crossings is on its other side.
 constexpr double kClear = 0.12;
 
-// The nearest point of the input within a box: the planes of two creases less than a voxel apart
-// meet beside it.
-glm::dvec3 ontoInput(const TriangleTree& input, const glm::dvec3& cell, const glm::dvec3& p,
-                     const PositionBox& box) {
-  constexpr double kReach = 2.0;  // voxels
-  const TriangleTree::Nearest nearest = input.nearest(cell + p, kReach);
-  if (nearest.triangle == TriangleTree::kNone || nearest.distance < kOnSurface) return p;
-  const std::array<glm::dvec3, 3> t = input.corners(nearest.triangle);
-  return glm::clamp(nearestOnTriangle(cell + p, t[0], t[1], t[2]) - cell, box.low, box.high);
-}
+// The nearest points of the input: the planes of two creases less than a voxel apart meet beside
+// it.
+class OntoInput {
+ public:
+  ///   cell       its lowest corner
+  ///   triangles  of the crossings: most points are on them
+  OntoInput(const TriangleTree& input, const glm::dvec3& cell,
+            std::span<const std::uint32_t> triangles)
+      : input_(input), cell_(cell), triangles_(triangles) {}
+
+  /// Returns the nearest point to one, within a box; both of the cell.
+  [[nodiscard]] glm::dvec3 of(const glm::dvec3& p, const PositionBox& box) {
+    if (p != from_) {
+      from_ = p;
+      nearest_ = nearestTo(cell_ + p);
+    }
+    return nearest_ ? glm::clamp(*nearest_ - cell_, box.low, box.high) : p;
+  }
+
+ private:
+  // Nothing if it is on the input, or far from it.
+  [[nodiscard]] std::optional<glm::dvec3> nearestTo(const glm::dvec3& at) const {
+    double reach = 2.0;  // voxels
+    for (const std::uint32_t triangle : triangles_) {
+      const double distance = std::sqrt(input_.squaredTo(at, triangle));
+      if (distance < kOnSurface) return std::nullopt;
+      reach = std::min(reach, 1.001 * distance);
+    }
+    const TriangleTree::Nearest nearest = input_.nearest(at, reach);
+    if (nearest.triangle == TriangleTree::kNone || nearest.distance < kOnSurface)
+      return std::nullopt;
+    const std::array<glm::dvec3, 3> t = input_.corners(nearest.triangle);
+    return nearestOnTriangle(at, t[0], t[1], t[2]);
+  }
+
+  const TriangleTree& input_;
+  const glm::dvec3 cell_;
+  const std::span<const std::uint32_t> triangles_;
+  glm::dvec3 from_{INFINITY};
+  std::optional<glm::dvec3> nearest_{};  // to it
+};
 
 std::optional<CreaseVertex> vertexOf(const TriangleTree& input, const glm::dvec3& cell,
                                      const CellValues& values, const CellSheets& sheets,
@@ -44,23 +76,45 @@ std::optional<CreaseVertex> vertexOf(const TriangleTree& input, const glm::dvec3
   constexpr std::array<float, 2> kNoSnap{};
   const Crossings crossings = crossingsOf(values, sheets, position, kNoSnap);
   if (!crossings.areOnInput) return std::nullopt;
-  const TangentPlanes planes(crossings, true);
+  const CreaseFit fit(TangentPlanes(crossings, true).span(), crossings.mean);
+  std::array<std::uint32_t, 12> triangles;
+  std::size_t count = 0;
+  for (std::size_t e = 0; e < 12; ++e) {
+    if (sheets.positionOf[e] == position) triangles[count++] = values.onInput[e]->triangle;
+  }
+  OntoInput ontoInput(input, cell, std::span(triangles).first(count));
   bool isForced = false;
   const auto placed = [&](const PositionBox& box) {
-    CreasePoint point = creasePoint(planes.span(), crossings.mean, box);
-    if (point.rank == 1) return point;
-    const glm::dvec3 on = ontoInput(input, cell, point.at, box);
+    CreasePoint point = fit.within(box);
+    if (point.rank == 1) return point.at;
+    const glm::dvec3 on = ontoInput.of(point.at, box);
     isForced = isForced || point.isClamped || point.least < kClear ||
                glm::distance(on, point.at) > kBeside;
-    point.at = on;
-    return point;
+    return on;
   };
-  const CreasePoint point = placed(cellBox(-kMostOutside)), inCell = placed(cellBox(kCellMargin));
+  const glm::dvec3 at = placed(cellBox(-kMostOutside)), inCell = placed(cellBox(kCellMargin));
   return CreaseVertex{.edges = edgesOf(sheets, position),
-                      .rank = static_cast<std::uint8_t>(point.rank),
+                      .rank = static_cast<std::uint8_t>(fit.rank()),
                       .isForced = isForced,
-                      .at = point.rank > 1 ? point.at : inCell.at,
-                      .inCell = inCell.at};
+                      .at = fit.rank() > 1 ? at : inCell,
+                      .inCell = inCell};
+}
+
+// Adds the edges of a cell that the surface crosses, each once.
+//   known  [9][9][9][axis] those that are there
+void addCrossedEdges(const openvdb::Coord& cell, const CellLabels& labels,
+                     std::bitset<9 * 9 * 9 * 3>& known, std::vector<CrossedEdge>& edges) {
+  for (std::size_t e = 0; e < 12; ++e) {
+    const unsigned low = kCellEdges[e][0], high = kCellEdges[e][1];
+    if ((labels[low] == 0) == (labels[high] == 0)) continue;
+    const CrossedEdge edge{cell + coordOfCorner(low), static_cast<std::uint8_t>(e / 4),
+                           labels[low] != 0};
+    const auto at = static_cast<std::size_t>(
+        ((edge.low.x() * 9 + edge.low.y()) * 9 + edge.low.z()) * 3 + edge.axis);
+    if (known[at]) continue;
+    known[at] = true;
+    edges.push_back(edge);
+  }
 }
 
 }  // namespace
@@ -72,25 +126,35 @@ std::vector<CreaseVertex> creaseVertices(const Field& field, std::size_t leaf) {
   if (!input.exist()) return found;
   const LabelCube<9> corners = field.cornersOf(leaf);
   const PassedCells<9> passed = passedCells<9>(corners);
-  const openvdb::FloatGrid::ConstAccessor distance = field.solid().distance->getConstAccessor();
-  for (std::uint32_t offset = 0; offset < 512; ++offset) {
+  if (std::none_of(passed.crossed.begin(), passed.crossed.end(), [](auto row) { return row != 0; }))
+    return found;
+  const DistanceCube distance = distancesOf(field, leaf);
+  std::vector<std::uint16_t> cells;
+  std::vector<CrossedEdge> edges;
+  std::bitset<9 * 9 * 9 * 3> known;
+  for (std::uint16_t offset = 0; offset < 512; ++offset) {
     const openvdb::Coord at = coordFromOffset(offset);
     const auto row = static_cast<std::size_t>(at.x() * 9 + at.y());
     if (((passed.crossed[row] >> at.z()) & 1) == 0) continue;
+    if (!input.areNeededFor(distancesAt(distance, at))) continue;
+    cells.push_back(offset);
+    addCrossedEdges(at, labelsAt(corners, at), known, edges);
+  }
+  input.find(edges);
+  for (const std::uint16_t offset : cells) {
+    const openvdb::Coord at = coordFromOffset(offset), low = origin + at;
     const CellLabels labels = labelsAt(corners, at);
     CellValues values = valuesOf(field, distance, leaf, at, labels);
-    if (!input.areNeededFor(values.toSurface)) continue;
     const CellSheets* const plain = plainSheetsOf(labels);
     const CellSheets sheets =
         plain != nullptr ? *plain : resolvedSheets(field, leaf, at, labels).sheets;
     addInput(input, at, sheets, values);
-    const openvdb::Coord low = origin + at;
     for (unsigned p = 0; p < sheets.positions; ++p) {
       const std::optional<CreaseVertex> vertex = vertexOf(
           *field.solid().region->boundary(), {low.x(), low.y(), low.z()}, values, sheets, p);
       if (!vertex) continue;
       found.push_back(*vertex);
-      found.back().offset = static_cast<std::uint16_t>(offset);
+      found.back().offset = offset;
     }
   }
   return found;

@@ -1,8 +1,6 @@
 // The cells of one leaf.
 #include "surface/leaf_cells.h"
 
-#include <openvdb/openvdb.h>
-
 #include <algorithm>
 #include <bit>
 
@@ -121,12 +119,13 @@ LeafCells cellsOf(const Field& field, std::size_t leaf, const LeafCells* intact,
   std::size_t count = 0;
   for (const std::uint16_t row : passed.crossed)
     count += static_cast<std::size_t>(std::popcount(row));
+  if (count == 0) return found;
   found.cells.reserve(count);
   found.vertices.reserve(count);
   found.labels.reserve(count);
   found.ranks.reserve(count);
   found.positionIds.reserve(count);
-  const openvdb::FloatGrid::ConstAccessor distance = field.solid().distance->getConstAccessor();
+  const DistanceCube distance = distancesOf(field, leaf);
   const openvdb::Coord& origin = field.solid().blocks->origins[leaf];
   InputCrossings input(field.solid(), origin);
   CreasesOfLeaf creases(field.creases(), origin);
