@@ -55,7 +55,7 @@ inline constexpr unsigned kCellFaces = 6;
                                         unsigned flipped);
 
 /// Returns the sheets of a cell.
-///   flipped  [corner] bits of the faces whose resolution is flipped for the corner's label
+///   flipped  [first corner of a label] bits of the faces whose resolution is flipped for it
 [[nodiscard]] CellSheets sheetsOf(const CellLabels& labels,
                                   const std::array<std::uint8_t, 8>& flipped = {});
 

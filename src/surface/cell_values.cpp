@@ -31,7 +31,7 @@ unsigned flippedFaces(const Field& field, std::size_t leaf, const std::array<int
   return flipped;
 }
 
-// Bits of the faces that are flipped, by corner for its label.
+// Bits of the faces that are flipped, by the first corner of each label.
 struct FlippedFaces {
   std::array<std::uint8_t, 8> faces{};
   bool dependsOnNeighbors = false;  // a face conflicts, so the neighbors' labels matter
@@ -42,7 +42,9 @@ FlippedFaces flippedByCorner(const Field& field, std::size_t leaf, const std::ar
   FlippedFaces flipped;
   for (std::size_t corner = 0; corner < 8; ++corner) {
     const std::uint16_t label = labels[corner];
-    if (label == 0 || conflictingFaces(labels, label, 0) == 0) continue;
+    const auto end = labels.begin() + static_cast<std::ptrdiff_t>(corner);
+    if (label == 0 || std::find(labels.begin(), end, label) != end) continue;
+    if (conflictingFaces(labels, label, 0) == 0) continue;
     flipped.dependsOnNeighbors = true;
     flipped.faces[corner] =
         static_cast<std::uint8_t>(flippedFaces(field, leaf, cell, labels, label));

@@ -186,14 +186,13 @@ class Creases::Finding {
     const auto halves = sherd::trianglesOf(quad, surface.vertices);
     for (std::size_t half = 0; half < 2; ++half) {
       const auto& t = halves[half];
-      out.triangle[half] = {t[0], t[1], t[2]};
-      out.isTested[half] = std::any_of(t.begin(), t.end(), [&](std::uint32_t v) {
+      const bool isTested = std::any_of(t.begin(), t.end(), [&](std::uint32_t v) {
         return surface.creaseOf[v] != nullptr && surface.isNear[v] != 0;
       });
+      out.triangle[half] = {surface.vertices, {t[0], t[1], t[2]}, isTested};
     }
-    const auto at = [&](std::size_t k) { return surface.vertices[quad.vertex[k]]; };
-    out.box = {glm::min(glm::min(at(0), at(1)), glm::min(at(2), at(3))),
-               glm::max(glm::max(at(0), at(1)), glm::max(at(2), at(3)))};
+    const Box &a = out.triangle[0].box, &b = out.triangle[1].box;
+    out.box = {glm::min(a.min, b.min), glm::max(a.max, b.max)};
     return out;
   }
 

@@ -67,7 +67,7 @@ InputCrossings::InputCrossings(const Solid& solid, const openvdb::Coord& origin)
     : tree_(solid.region ? solid.region->boundary() : nullptr),
       origin_(origin.x(), origin.y(), origin.z()),
       voxelSize_(solid.frame.voxelSize),
-      areTrianglesFew_(tree_ != nullptr && tree_->size() < 256 * solid.blocks->count()) {}
+      areTrianglesFew_(tree_ != nullptr && tree_->size() < 1024 * solid.blocks->count()) {}
 
 bool InputCrossings::areNeededFor(const std::array<float, 8>& toSurface) const {
   if (tree_ == nullptr) return false;

@@ -8,7 +8,6 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <numeric>
-#include <optional>
 #include <tuple>
 
 #include "base/cancel_flag.h"
@@ -81,32 +80,21 @@ class QuadsAround {
   std::vector<const QuadTriangles*> all_;  // by place
 };
 
-// A triangle, with the plane that it is in up to rounding.
-struct Side {
-  glm::uvec3 vertex{0};
-  glm::dvec3 corner{0.0}, normal{0.0};
-  Box box;
-
-  Side(std::span<const glm::dvec3> vertices, const glm::uvec3& t)
-      : vertex(t),
-        corner(vertices[t.x]),
-        normal(glm::cross(vertices[t.y] - corner, vertices[t.z] - corner)),
-        box(boxOf({corner, vertices[t.y], vertices[t.z]})) {}
-
-  [[nodiscard]] bool has(std::uint32_t v) const {
-    return v == vertex.x || v == vertex.y || v == vertex.z;
-  }
-};
+bool has(const QuadTriangle& t, std::uint32_t v) {
+  return v == t.vertex.x || v == t.vertex.y || v == t.vertex.z;
+}
 
 // Exceeds the rounding of a product of four lengths of a few voxels.
 constexpr double kRounding = 1e-9;
 
 // Whether all corners of a triangle but common ones are certainly on one side of another's plane.
-bool isBeside(std::span<const glm::dvec3> vertices, const Side& t, const Side& plane) {
+bool isBeside(std::span<const glm::dvec3> vertices, const QuadTriangle& t,
+              const QuadTriangle& plane) {
+  const glm::dvec3& corner = vertices[plane.vertex.x];
   bool isAbove = true, isBelow = true;
   for (int k = 0; k < 3; ++k) {
-    if (plane.has(t.vertex[k])) continue;
-    const double height = glm::dot(plane.normal, vertices[t.vertex[k]] - plane.corner);
+    if (has(plane, t.vertex[k])) continue;
+    const double height = glm::dot(plane.normal, vertices[t.vertex[k]] - corner);
     isAbove = isAbove && height > kRounding;
     isBelow = isBelow && height < -kRounding;
   }
@@ -115,7 +103,7 @@ bool isBeside(std::span<const glm::dvec3> vertices, const Side& t, const Side& p
 
 // Whether all corners of a triangle but common ones are certainly beyond an edge of another, as of
 // neighbors in one plane.
-bool isBeyond(std::span<const glm::dvec3> vertices, const Side& t, const Side& of) {
+bool isBeyond(std::span<const glm::dvec3> vertices, const QuadTriangle& t, const QuadTriangle& of) {
   for (int k = 0; k < 3; ++k) {
     const std::uint32_t from = of.vertex[k], to = of.vertex[(k + 1) % 3];
     const glm::dvec3 outward = glm::cross(vertices[to] - vertices[from], of.normal);
@@ -129,7 +117,7 @@ bool isBeyond(std::span<const glm::dvec3> vertices, const Side& t, const Side& o
 }
 
 // Whether triangles certainly do not cross; most of the near ones.
-bool areApart(std::span<const glm::dvec3> vertices, const Side& a, const Side& b) {
+bool areApart(std::span<const glm::dvec3> vertices, const QuadTriangle& a, const QuadTriangle& b) {
   return !meet(a.box, b.box) || isBeside(vertices, a, b) || isBeside(vertices, b, a) ||
          isBeyond(vertices, a, b) || isBeyond(vertices, b, a);
 }
@@ -139,21 +127,17 @@ bool isLess(const glm::uvec3& a, const glm::uvec3& b) {
 }
 
 // Adds the vertices of the tested triangles of a quad that cross another's.
-void addCrossings(const QuadTriangles& quad, const std::array<Side, 2>& own,
-                  const QuadTriangles& other, std::span<const glm::dvec3> vertices,
-                  std::vector<std::uint32_t>& found) {
-  for (std::size_t j = 0; j < 2; ++j) {
-    std::optional<Side> theirs;
-    for (std::size_t i = 0; i < 2; ++i) {
-      if (!quad.isTested[i] || (&quad == &other && i == j)) continue;
+void addCrossings(const QuadTriangles& quad, const QuadTriangles& other,
+                  std::span<const glm::dvec3> vertices, std::vector<std::uint32_t>& found) {
+  for (const QuadTriangle& own : quad.triangle) {
+    if (!own.isTested) continue;
+    for (const QuadTriangle& theirs : other.triangle) {
       // Of two that are both tested, the later one finds the pair.
-      if (other.isTested[j] && isLess(own[i].vertex, other.triangle[j])) continue;
-      if (!theirs) theirs.emplace(vertices, other.triangle[j]);
-      if (areApart(vertices, own[i], *theirs) ||
-          !trianglesCross(vertices, own[i].vertex, theirs->vertex)) {
+      if (&own == &theirs || (theirs.isTested && isLess(own.vertex, theirs.vertex))) continue;
+      if (areApart(vertices, own, theirs) || !trianglesCross(vertices, own.vertex, theirs.vertex)) {
         continue;
       }
-      for (const glm::uvec3& t : {own[i].vertex, theirs->vertex})
+      for (const glm::uvec3& t : {own.vertex, theirs.vertex})
         found.insert(found.end(), {t.x, t.y, t.z});
     }
   }
@@ -161,13 +145,19 @@ void addCrossings(const QuadTriangles& quad, const std::array<Side, 2>& own,
 
 }  // namespace
 
+QuadTriangle::QuadTriangle(std::span<const glm::dvec3> vertices, const glm::uvec3& of, bool tested)
+    : vertex(of),
+      isTested(tested),
+      normal(glm::cross(vertices[of.y] - vertices[of.x], vertices[of.z] - vertices[of.x])),
+      box(boxOf({vertices[of.x], vertices[of.y], vertices[of.z]})) {}
+
 std::vector<std::uint32_t> verticesOfCrossings(std::span<const openvdb::Coord> origins,
                                                std::span<const LeafNeighbors> neighborhoods,
                                                std::span<const std::vector<QuadTriangles>> quads,
                                                std::span<const glm::dvec3> vertices,
                                                const Progress* progress) {
   const auto isTested = [](const QuadTriangles& quad) {
-    return quad.isTested[0] || quad.isTested[1];
+    return quad.triangle[0].isTested || quad.triangle[1].isTested;
   };
   std::vector<std::vector<std::uint32_t>> found(quads.size());
   CancelFlag stop(progress);
@@ -178,10 +168,8 @@ std::vector<std::uint32_t> verticesOfCrossings(std::span<const openvdb::Coord> o
     const glm::dvec3 origin(low.x(), low.y(), low.z());
     for (const QuadTriangles& quad : quads[leaf]) {
       if (!isTested(quad)) continue;
-      const std::array<Side, 2> own{Side(vertices, quad.triangle[0]),
-                                    Side(vertices, quad.triangle[1])};
       around.forEachMeeting(origin, quad.box, [&](const QuadTriangles& other) {
-        addCrossings(quad, own, other, vertices, found[leaf]);
+        addCrossings(quad, other, vertices, found[leaf]);
       });
     }
   });

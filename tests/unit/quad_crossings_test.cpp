@@ -51,19 +51,15 @@ class RandomQuads {
       if (k < 2) p[(axis + 2) % 3] -= 1.0;
       vertices.push_back(p);
     }
-    QuadTriangles quad{{glm::uvec3(first, first + 1, first + 2), {first, first + 2, first + 3}},
-                       {random_() % 2 == 0, random_() % 2 == 0},
-                       offset,
-                       {}};
-    if (first > 0 && random_() % 4 == 0 && glm::distance(vertices[first - 1], at) < 1.0)
-      quad.triangle[0].x = quad.triangle[1].x = first - 1;
-    std::vector<glm::dvec3> corners;
-    for (const glm::uvec3& t : quad.triangle) {
-      for (int k = 0; k < 3; ++k) corners.push_back(vertices[t[k]]);
-    }
-    quad.box = {corners[0], corners[0]};
-    for (const glm::dvec3& p : corners)
-      quad.box = {glm::min(quad.box.min, p), glm::max(quad.box.max, p)};
+    const bool isShared =
+        first > 0 && random_() % 4 == 0 && glm::distance(vertices[first - 1], at) < 1.0;
+    const std::uint32_t corner = isShared ? first - 1 : first;
+    QuadTriangles quad;
+    quad.offset = offset;
+    quad.triangle[0] = {vertices, {corner, first + 1, first + 2}, random_() % 2 == 0};
+    quad.triangle[1] = {vertices, {corner, first + 2, first + 3}, random_() % 2 == 0};
+    const Box &a = quad.triangle[0].box, &b = quad.triangle[1].box;
+    quad.box = {glm::min(a.min, b.min), glm::max(a.max, b.max)};
     return quad;
   }
 
@@ -77,8 +73,10 @@ TEST(QuadCrossings, AreThoseOfAllPairs) {
   std::vector<std::uint8_t> isTested;
   for (const std::vector<QuadTriangles>& ofLeaf : random.quads) {
     for (const QuadTriangles& quad : ofLeaf) {
-      triangles.insert(triangles.end(), quad.triangle.begin(), quad.triangle.end());
-      for (const bool is : quad.isTested) isTested.push_back(is ? 1 : 0);
+      for (const QuadTriangle& t : quad.triangle) {
+        triangles.push_back(t.vertex);
+        isTested.push_back(t.isTested ? 1 : 0);
+      }
     }
   }
   std::vector<std::uint32_t> expected;
