@@ -157,6 +157,7 @@ std::vector<CreaseVertex> creaseVertices(const Field& field, std::size_t leaf) {
       found.back().offset = offset;
     }
   }
+  found.shrink_to_fit();
   return found;
 }
 

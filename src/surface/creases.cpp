@@ -173,8 +173,10 @@ class Creases::Finding {
     out.quads.resize(count);
     tbb::parallel_for(std::size_t{0}, leaves.size(), [&](std::size_t i) {
       if (stop.isSet()) return;
-      for (const InterfaceQuad& quad : quadsOf(field_, all, leaves[i], &near))
-        out.quads[leaves[i]].push_back(trianglesOf(quad, out));
+      const std::vector<InterfaceQuad> quads = quadsOf(field_, all, leaves[i], &near);
+      std::vector<QuadTriangles>& own = out.quads[leaves[i]];
+      own.reserve(quads.size());
+      for (const InterfaceQuad& quad : quads) own.push_back(trianglesOf(quad, out));
     });
     stop.throwIfSet();
     return out;
@@ -186,13 +188,11 @@ class Creases::Finding {
     const auto halves = sherd::trianglesOf(quad, surface.vertices);
     for (std::size_t half = 0; half < 2; ++half) {
       const auto& t = halves[half];
-      const bool isTested = std::any_of(t.begin(), t.end(), [&](std::uint32_t v) {
+      out.triangle[half] = {t[0], t[1], t[2]};
+      out.isTested[half] = std::any_of(t.begin(), t.end(), [&](std::uint32_t v) {
         return surface.creaseOf[v] != nullptr && surface.isNear[v] != 0;
       });
-      out.triangle[half] = {surface.vertices, {t[0], t[1], t[2]}, isTested};
     }
-    const Box &a = out.triangle[0].box, &b = out.triangle[1].box;
-    out.box = {glm::min(a.min, b.min), glm::max(a.max, b.max)};
     return out;
   }
 

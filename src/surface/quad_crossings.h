@@ -1,7 +1,6 @@
 // Triangles of quads that cross each other.
 #pragma once
 
-#include <sherd/mesh.h>
 #include <sherd/progress.h>
 
 #include <array>
@@ -14,23 +13,11 @@
 
 namespace sherd {
 
-/// A triangle of a quad.
-struct QuadTriangle {
-  glm::uvec3 vertex{0};
-  bool isTested = false;   ///< against all others
-  glm::dvec3 normal{0.0};  ///< times twice the area, up to rounding
-  Box box;
-
-  QuadTriangle() = default;
-  ///   vertices  that `of` refers to
-  QuadTriangle(std::span<const glm::dvec3> vertices, const glm::uvec3& of, bool tested);
-};
-
 /// The two triangles of a quad.
 struct QuadTriangles {
-  std::array<QuadTriangle, 2> triangle;
-  std::uint16_t offset = 0;  ///< in the leaf: of the lower end of the quad's edge
-  Box box;                   ///< of both
+  std::array<glm::uvec3, 2> triangle{};  ///< of vertices
+  std::array<bool, 2> isTested{};        ///< against all others
+  std::uint16_t offset = 0;              ///< in the leaf: of the lower end of the quad's edge
 };
 
 /// How far beyond its cell a vertex may lie, in voxels.

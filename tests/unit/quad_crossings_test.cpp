@@ -56,10 +56,8 @@ class RandomQuads {
     const std::uint32_t corner = isShared ? first - 1 : first;
     QuadTriangles quad;
     quad.offset = offset;
-    quad.triangle[0] = {vertices, {corner, first + 1, first + 2}, random_() % 2 == 0};
-    quad.triangle[1] = {vertices, {corner, first + 2, first + 3}, random_() % 2 == 0};
-    const Box &a = quad.triangle[0].box, &b = quad.triangle[1].box;
-    quad.box = {glm::min(a.min, b.min), glm::max(a.max, b.max)};
+    quad.triangle = {glm::uvec3(corner, first + 1, first + 2), {corner, first + 2, first + 3}};
+    for (bool& is : quad.isTested) is = random_() % 2 == 0;
     return quad;
   }
 
@@ -73,10 +71,8 @@ TEST(QuadCrossings, AreThoseOfAllPairs) {
   std::vector<std::uint8_t> isTested;
   for (const std::vector<QuadTriangles>& ofLeaf : random.quads) {
     for (const QuadTriangles& quad : ofLeaf) {
-      for (const QuadTriangle& t : quad.triangle) {
-        triangles.push_back(t.vertex);
-        isTested.push_back(t.isTested ? 1 : 0);
-      }
+      triangles.insert(triangles.end(), quad.triangle.begin(), quad.triangle.end());
+      for (const bool is : quad.isTested) isTested.push_back(is ? 1 : 0);
     }
   }
   std::vector<std::uint32_t> expected;
