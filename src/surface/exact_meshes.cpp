@@ -159,11 +159,9 @@ ExactSurface exactMeshes(const Solid& solid, const Labels& labels,
   ExactSurface surface;
   std::optional<std::vector<TriangleMesh>> bodies;
   for (int attempt = 0; attempt < kMostTries; ++attempt) {
-    const Complex simple =
-        withMergedFacets(cracks,
-                         {.facets = {.cracks = {.tolerance = tolerance}},
-                          .displacementSeed = static_cast<std::uint64_t>(attempt)},
-                         progress);
+    const MergeOptions merging{.facets = {.cracks = {.tolerance = tolerance}},
+                               .displacementSeed = static_cast<std::uint64_t>(attempt)};
+    const Complex simple = withMergedFacets(cracks, merging, progress).complex;
     surface = exactSurface(solid.mesh->mesh, simple, fragments, space, progress);
     if (!surface.failure.empty() && solid.report.defects.components > 1) {
       // Bodies that overlap or touch can be cut one by one.

@@ -54,13 +54,13 @@ class FacetMerging {
     for (std::uint32_t v = 0; v < positions_.size(); ++v) positions_[v] += displacement(v);
   }
 
-  Complex merge(const Progress* progress) {
+  MergedFacets merge(const Progress* progress) {
     double radius = kFirstRadius * tolerance_;
     for (int round = 0;; ++round, radius *= 2.0) {
       makeAllPolygons(progress);
       std::vector<std::uint8_t> isOfFacet;
-      Complex all = assembled(isOfFacet);
-      const std::vector<glm::dvec3> faults = faultsOf(all, isOfFacet, progress);
+      MergedFacets all = assembled(isOfFacet);
+      const std::vector<glm::dvec3> faults = faultsOf(all.complex, isOfFacet, progress);
       if (faults.empty() || round == kMostRounds) return all;
       if (faults.size() > kMostFaults) {
         keepFaces([](std::size_t) { return true; });
@@ -157,8 +157,10 @@ class FacetMerging {
   }
 
   //   isOfFacet  receives [faces] 0 or 1: whose corners may have moved
-  Complex assembled(std::vector<std::uint8_t>& isOfFacet) const {
-    Complex out{.labels = complex_.labels};
+  MergedFacets assembled(std::vector<std::uint8_t>& isOfFacet) const {
+    MergedFacets merged;
+    Complex& out = merged.complex;
+    out.labels = complex_.labels;
     std::vector<std::uint32_t> number(complex_.vertices.size(), kNone);
     const auto add = [&](const glm::uvec3& corner, std::uint32_t f) {
       ComplexFace face = complex_.faces[f];  // at fixed vertices it has its corners, in their order
@@ -167,6 +169,7 @@ class FacetMerging {
         if (n == kNone) {
           n = static_cast<std::uint32_t>(out.vertices.size());
           out.vertices.push_back(positions_[corner[k]]);
+          merged.vertex.push_back(corner[k]);
           if (!complex_.fixed.empty()) out.fixed.push_back(complex_.fixed[corner[k]]);
         }
         face.corner[k] = n;
@@ -187,7 +190,7 @@ class FacetMerging {
         }
       }
     }
-    return out;
+    return merged;
   }
 
   const Complex& complex_;
@@ -201,9 +204,9 @@ class FacetMerging {
 
 }  // namespace
 
-Complex withMergedFacets(const Complex& complex, const MergeOptions& options,
-                         const Progress* progress) {
-  if (complex.faces.empty()) return complex;
+MergedFacets withMergedFacets(const Complex& complex, const MergeOptions& options,
+                              const Progress* progress) {
+  if (complex.faces.empty()) return {complex, {}};
   return FacetMerging(complex, options).merge(progress);
 }
 

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "surface/complex.h"
 #include "surface/facets.h"
@@ -18,12 +19,17 @@ struct MergeOptions {
   std::optional<std::uint64_t> displacementSeed{};
 };
 
+struct MergedFacets {
+  Complex complex;
+  std::vector<std::uint32_t> vertex;  ///< [vertices] the one of the complex before
+};
+
 /// Returns the complex with each facet as one polygon, triangulated, and the lines between facets
 /// with fewer vertices.  All labels share the polygons.  Vertices of facets' borders move onto
 /// their planes; others stay.  Where polygons would cross each other or other faces, they keep
 /// more.
 ///   throws  Error(cancelled)
-[[nodiscard]] Complex withMergedFacets(const Complex& complex, const MergeOptions& options,
-                                       const Progress* progress = nullptr);
+[[nodiscard]] MergedFacets withMergedFacets(const Complex& complex, const MergeOptions& options,
+                                            const Progress* progress = nullptr);
 
 }  // namespace sherd

@@ -2,6 +2,7 @@
 #include "surface/simplify.h"
 
 #include <algorithm>
+#include <glm/common.hpp>
 
 #include "mesh/flat_share.h"
 #include "surface/decimate.h"
@@ -20,13 +21,38 @@ constexpr double kFlatVoxels = 0.5, kFlatShareOfSide = 0.002;
 // Facets of the original surface are planes of the input, and come out as exactly as numbers are
 // rounded, however small.  Cracks between two seeds are planes too, but where their vertices would
 // leave a voxel's center on the wrong side, these are up to a tenth of a voxel off.
-FacetOptions facetsFor(double voxelSize) {
+FacetOptions facetsInVoxels() {
   constexpr std::size_t kLeastFaces = 16;
-  return {.cracks = {.tolerance = kPlanarCrackTolerance * voxelSize, .leastFaces = kLeastFaces},
-          .original = {.tolerance = kPlanarTolerance * voxelSize,
+  return {.cracks = {.tolerance = kPlanarCrackTolerance, .leastFaces = kLeastFaces},
+          .original = {.tolerance = kPlanarTolerance,
                        .ofSmall = 1.0,
                        .leastFaces = kLeastFaces,
                        .planarFaces = kLeastFaces}};
+}
+
+// Rounded, so that what is decided by positions does not depend on the frame.
+Complex inVoxels(const Complex& complex, const GridFrame& frame) {
+  constexpr double kGrid = 0x1p-24;
+  Complex out = complex;
+  for (glm::dvec3& v : out.vertices) v = kGrid * glm::round(frame.indexFromWorld(v) / kGrid);
+  return out;
+}
+
+// Vertices that did not move keep their bits.
+std::vector<LabeledMesh> mergedPlanes(const Complex& complex, const GridFrame& frame,
+                                      const Progress* progress) {
+  const Complex before = inVoxels(complex, frame);
+  MergedFacets merged = withMergedFacets(before, {.facets = facetsInVoxels()}, progress);
+  Complex& after = merged.complex;
+  for (std::size_t v = 0; v < after.vertices.size(); ++v) {
+    const std::uint32_t source = merged.vertex[v];
+    after.vertices[v] = after.vertices[v] == before.vertices[source]
+                            ? complex.vertices[source]
+                            : frame.worldFromIndex(after.vertices[v]);
+  }
+  std::vector<LabeledMesh> meshes = meshesOf(after.vertices, after.faces, after.labels);
+  for (LabeledMesh& mesh : meshes) mesh.mesh.isMerged = true;
+  return meshes;
 }
 
 }  // namespace
@@ -45,17 +71,13 @@ Simplification simplificationOf(const SurfaceOptions& options, const Solid& soli
     return {.error = options.adaptivity * solid.frame.voxelSize};
   }
   const bool isFlat = intact != nullptr ? intact->isPiecewiseFlat : isPiecewiseFlat(solid);
-  return {.mergedVoxels = isFlat ? solid.frame.voxelSize : 0.0};
+  return {.mergesPlanes = isFlat, .frame = solid.frame};
 }
 
 std::vector<LabeledMesh> simplified(const Complex& complex, const Simplification& simplification,
                                     const Progress* progress) {
   if (simplification.error > 0.0) return simplified(complex, simplification.error, progress);
-  const Complex merged =
-      withMergedFacets(complex, {.facets = facetsFor(simplification.mergedVoxels)}, progress);
-  std::vector<LabeledMesh> meshes = meshesOf(merged.vertices, merged.faces, merged.labels);
-  for (LabeledMesh& mesh : meshes) mesh.mesh.isMerged = true;
-  return meshes;
+  return mergedPlanes(complex, simplification.frame, progress);
 }
 
 }  // namespace sherd

@@ -10,10 +10,11 @@
 namespace sherd {
 
 struct Simplification {
-  double mergedVoxels = 0.0;  ///< size of a voxel; above 0: merges the triangles of planes
-  double error = 0.0;         ///< world units; above 0: decimates, see decimate.h
+  bool mergesPlanes = false;  ///< merges the triangles of planes, see kAutoAdaptivity
+  GridFrame frame{};
+  double error = 0.0;  ///< world units; above 0: decimates, see decimate.h
 
-  [[nodiscard]] bool isAny() const { return mergedVoxels > 0.0 || error > 0.0; }
+  [[nodiscard]] bool isAny() const { return mergesPlanes || error > 0.0; }
 };
 
 /// Returns whether most of a solid's input is flat as far as its voxels can show it, so that

@@ -29,7 +29,8 @@ constexpr double kTolerance = 0.1;  // voxels
 
 Complex simplified(const Complex& cracks, double tolerance, std::uint64_t seed) {
   return withMergedFacets(
-      cracks, {.facets = {.cracks = {.tolerance = tolerance}}, .displacementSeed = seed});
+             cracks, {.facets = {.cracks = {.tolerance = tolerance}}, .displacementSeed = seed})
+      .complex;
 }
 
 // A fracture by planes, with its cracks in world units.

@@ -16,7 +16,7 @@ namespace sherd {
 namespace {
 
 TEST(Memory, GoesByTheSurfaceInVoxelsAndTheVolume) {
-  const TriangleMesh ball = shapes::ball(1.0);
+  const TriangleMesh ball = shapes::ball(1.0, 6);
   const auto at = [&](int resolution) {
     return static_cast<double>(estimatedMemory(ball, {.solid = {.resolution = resolution}}));
   };
@@ -79,7 +79,7 @@ TEST(Memory, AShellTakesMoreTheThickerItIs) {
 }
 
 TEST(Memory, ARefusalNamesTheResolutionThatFits) {
-  const TriangleMesh ball = shapes::ball(1.0);
+  const TriangleMesh ball = shapes::ball(1.0, 6);
   const std::uint64_t limit = 1'000'000'000;
   EXPECT_NO_THROW(requireMemory(ball, {.solid = {.resolution = 128}}, limit));
   try {

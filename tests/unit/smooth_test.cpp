@@ -231,7 +231,7 @@ TEST(Smooth, TaubinsKeepsTheVolumeOfABall) {
 // A plate of voxels, two thick, and a cup with a wall of two and a half.
 TEST(Smooth, TaubinsKeepsThinWalls) {
   std::vector<TriangleMesh> thin;
-  thin.push_back(solidMesh(voxelize(shapes::cup(1.0, 0.1, 1.5, 0.1, 64), {.resolution = 50})));
+  thin.push_back(solidMesh(voxelize(shapes::cup(1.0, 0.1, 1.5, 0.1, 64), {.resolution = 50}), 0.0));
   std::vector<VoxelFace> faces;
   const int n = 40, height = 2;
   const auto isIn = [&](const Coord& c) {
