@@ -165,4 +165,21 @@ struct DrawnOption {
 ///   throws  Error(usage) "'TEXT' is not ..."
 void checkDrawn(const DrawnOption& drawn, const RunOptions& options);
 
+/// What idleOptions asks beside the values of options; names are those of rows.
+struct OptionUse {
+  std::function<bool(std::string_view name)> isGiven;         ///< whether the user chose the value
+  std::function<std::string(std::string_view name)> spelled;  ///< in sentences, as "--pieces"
+  std::function<bool(std::string_view name)> isDrawn{};  ///< of a dataset's options; null: none is
+  std::string input{};     ///< the file that is broken; empty: there is none, or several
+  bool isDataset = false;  ///< many fractures
+};
+
+/// Checks the given options against each other.
+///   return  a sentence for each that does nothing: "--metric does nothing without --growth ..."
+///   throws  Error(usage) two contradict each other, or one contradicts the kind of the input
+[[nodiscard]] std::vector<std::string> idleOptions(const RunOptions& options, const OptionUse& use);
+
+/// Returns a sentence for each given option that does nothing with a volume that was read.
+[[nodiscard]] std::vector<std::string> idleOptions(const Volume& volume, const OptionUse& use);
+
 }  // namespace sherd

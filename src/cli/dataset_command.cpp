@@ -14,7 +14,6 @@
 #include "cli/foreign_exit.h"
 #include "cli/interrupts.h"
 #include "cli/machine_options.h"
-#include "cli/option_rules.h"
 #include "cli/table_options.h"
 
 namespace sherd::cli {
@@ -88,6 +87,36 @@ void sortAsGiven(std::vector<DrawnOption>& drawn, const CLI::App& command) {
                    [&](const DrawnOption& a, const DrawnOption& b) { return place(a) < place(b); });
 }
 
+// Returns a sentence for each option that does nothing.
+std::vector<std::string> idleOptionsOf(const CLI::App& command, const DatasetArguments& arguments) {
+  const DatasetOptions& options = arguments.options;
+  OptionUse use = useOf(command);
+  use.isDataset = true;
+  use.isDrawn = [&](std::string_view name) {
+    return std::any_of(options.drawn.begin(), options.drawn.end(),
+                       [&](const DrawnOption& option) { return option.name == name; });
+  };
+  std::vector<std::string> sentences = idleOptions(options.each, use);
+  const DatasetLayout layout = options.layout;
+  if (use.isGiven("write") && options.each.write.solid &&
+      (layout == DatasetLayout::paper || layout == DatasetLayout::bb)) {
+    sentences.emplace_back(
+        "--write solid does nothing with --layout paper and bb, which hold the intact object once");
+  }
+  if (use.isGiven("compress") && layout == DatasetLayout::packed &&
+      options.compression == FileCompression::zstd) {
+    sentences.emplace_back(
+        "--compress zstd is the same as zip with --layout packed, which deflates archives");
+  }
+  for (const char* option : {"verify", "resume"}) {
+    if (arguments.dryRun && use.isGiven(option)) {
+      sentences.push_back(use.spelled(option) +
+                          " does nothing with --dry-run, which writes no dataset");
+    }
+  }
+  return sentences;
+}
+
 }  // namespace
 
 CLI::App* addDatasetCommand(CLI::App& app, Action& run) {
@@ -125,7 +154,7 @@ CLI::App* addDatasetCommand(CLI::App& app, Action& run) {
         throw CLI::ValidationError("--" + drawn.name, e.what());
       }
     }
-    arguments->idle = idleOptions({*command, options.each, {}, arguments->dryRun, &options});
+    arguments->idle = idleOptionsOf(*command, *arguments);
     run = [arguments] { runDatasetCommand(*arguments); };
   });
   return command;

@@ -26,7 +26,6 @@
 #include "cli/fracture_printer.h"
 #include "cli/interrupts.h"
 #include "cli/machine_options.h"
-#include "cli/option_rules.h"
 #include "cli/progress_line.h"
 #include "cli/table_options.h"
 
@@ -43,8 +42,7 @@ struct FractureArguments {
       only;  ///< fragments of a finished fracture to break again; empty: MESH is a mesh or volume
   RunOptions run;
   bool splitObjects = false;
-  bool fillGiven = false;      ///< --fill or --shell-thickness was given
-  bool isovalueGiven = false;  ///< --isovalue was given
+  OptionUse use;
   MachineOptions machine;
   bool json = false;
   bool quiet = false;
@@ -79,16 +77,10 @@ Input readInput(FractureArguments& arguments, const Progress& progress) {
     if (arguments.run.volume.ownVoxels) {
       arguments.run.fracture.solid.voxelSize = volume.voxelSize;
     }
+    for (const std::string& sentence : idleOptions(volume, arguments.use)) {
+      printMessage("sherd: warning: " + sentence);
+    }
     input.solid = std::move(volume.solid);
-    if (input.solid && arguments.fillGiven) {
-      printMessage(
-          "sherd: warning: --fill and --shell-thickness do nothing with a level set's own voxels; "
-          "--resolution or --voxel-size resamples it");
-    }
-    if (volume.isLevelSet && arguments.isovalueGiven) {
-      printMessage(
-          "sherd: warning: --isovalue does nothing with a level set, whose surface is at 0");
-    }
     source = std::move(volume.source);
   } else {
     source = readMesh(arguments.mesh, {.maxMemory = arguments.run.volume.maxMemory}, &progress);
@@ -343,8 +335,18 @@ void setGiven(const CLI::App& command, FractureArguments& arguments) {
                        (command.count("--resolution") > 0 &&
                         arguments.run.fracture.solid.resolution != kAutoResolution);
   arguments.run.volume.ownVoxels = !isGiven;
-  arguments.fillGiven = command.count("--fill") + command.count("--shell-thickness") > 0;
-  arguments.isovalueGiven = command.count("--isovalue") > 0;
+  arguments.use = useOf(command);
+  arguments.use.input = arguments.mesh;
+}
+
+// Returns a sentence for each option that does nothing.
+std::vector<std::string> checkedOptions(const FractureArguments& arguments) {
+  if (arguments.splitObjects && isVolumeName(arguments.mesh)) {
+    throw Error(ErrorCode::usage,
+                "--split-objects breaks the objects of a mesh, and MESH is a volume without "
+                "objects");
+  }
+  return idleOptions(arguments.run, arguments.use);
 }
 
 }  // namespace
@@ -372,7 +374,7 @@ CLI::App* addFractureCommand(CLI::App& app, Action& run) {
   command->add_flag("--quiet", arguments->quiet, "Print nothing but warnings and errors");
   command->callback([arguments, command, &run] {
     setGiven(*command, *arguments);
-    const std::vector<std::string> idle = idleOptions({*command, arguments->run, arguments->mesh});
+    const std::vector<std::string> idle = checkedOptions(*arguments);
     run = [arguments, idle] {
       for (const std::string& sentence : idle) printMessage("sherd: warning: " + sentence);
       runFracture(*arguments);

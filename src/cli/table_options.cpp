@@ -1,6 +1,7 @@
 // Command-line options from tables of options.
 #include "cli/table_options.h"
 
+#include <set>
 #include <utility>
 
 namespace sherd::cli {
@@ -32,6 +33,15 @@ void addDatasetOptions(CLI::App& command, DatasetOptions& options) {
            });
   }
   addRelations(command, fractureOptionTable());
+}
+
+OptionUse useOf(const CLI::App& command) {
+  std::set<std::string, std::less<>> given;
+  for (const CLI::Option* const option : command.get_options()) {
+    if (option->count() > 0) given.insert(option->get_lnames().begin(), option->get_lnames().end());
+  }
+  return {.isGiven = [given](std::string_view name) { return given.contains(name); },
+          .spelled = [](std::string_view name) { return "--" + std::string(name); }};
 }
 
 }  // namespace sherd::cli

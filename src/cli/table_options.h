@@ -104,4 +104,7 @@ void addFractureOptions(CLI::App& command, RunOptions& options);
 /// added to options.drawn.
 void addDatasetOptions(CLI::App& command, DatasetOptions& options);
 
+/// Describes a parsed command line for idleOptions.
+[[nodiscard]] OptionUse useOf(const CLI::App& command);
+
 }  // namespace sherd::cli

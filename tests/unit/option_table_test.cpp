@@ -4,6 +4,7 @@
 #include <sherd/error.h>
 #include <sherd/options.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
@@ -201,6 +202,38 @@ TEST(OptionTable, OnlySomeOptionsAreDrawn) {
   EXPECT_EQ(drawn.size(), 20u);
   EXPECT_FALSE(drawnOption("roughness", "1..3%"));
   EXPECT_THROW(checkDrawn(*drawnOption("growth", "flood|moss"), {}), Error);
+}
+
+TEST(OptionTable, IdleOptionsAreSpelledAsTheUserDoes) {
+  const OptionUse all{.isGiven = [](std::string_view) { return true; },
+                      .spelled =
+                          [](std::string_view name) {
+                            EXPECT_TRUE(fractureOption(name)) << name;
+                            return "<" + std::string(name) + ">";
+                          },
+                      .input = "a.vdb"};
+  const std::vector<std::string> idle = idleOptions(RunOptions{}, all);
+  EXPECT_GT(idle.size(), 15u);  // seven are of erosion
+  EXPECT_NE(std::find(idle.begin(), idle.end(),
+                      "<merge-metric> does nothing without <extra-seeds>, or an <impact> that "
+                      "merges"),
+            idle.end());
+
+  OptionUse drawn = all;
+  drawn.isDrawn = [](std::string_view name) { return name == "erode-iterations"; };
+  EXPECT_EQ(idleOptions(RunOptions{}, drawn).size(), idle.size() - 7);
+
+  OptionUse ofMesh = all;
+  ofMesh.input = "a.obj";
+  EXPECT_THROW((void)idleOptions(RunOptions{}, ofMesh), Error);
+  ofMesh.isGiven = [](std::string_view) { return false; };
+  EXPECT_TRUE(idleOptions(RunOptions{}, ofMesh).empty());
+
+  Volume levelSet;
+  levelSet.solid.emplace();
+  levelSet.isLevelSet = true;
+  EXPECT_EQ(idleOptions(levelSet, all).size(), 3u);
+  EXPECT_TRUE(idleOptions(Volume{}, all).empty());
 }
 
 }  // namespace

@@ -1,0 +1,287 @@
+// Options that require or exclude others: one rule for each condition.
+#include <sherd/error.h>
+#include <sherd/files.h>
+#include <sherd/options.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "base/lower_case.h"
+#include "base/option_text.h"
+
+namespace sherd {
+namespace {
+
+using O = const RunOptions&;
+using U = const OptionUse&;
+using Names = std::vector<const char*>;
+
+enum class Verdict {
+  idle,      ///< the option does nothing: a warning
+  conflict,  ///< two options contradict each other: an error
+};
+
+/// Options, and the verdict on each that is given while a condition holds.
+struct Rule {
+  Names options;
+  Verdict verdict;
+  bool (*holds)(O options, U use);
+  const char* sentence;  ///< after the option's name; names of others in braces
+  Names by{};            ///< options that the condition depends on; skipped where one is drawn
+};
+
+bool writes(const RunOptions& options, std::initializer_list<const char*> names) {
+  const std::vector<std::string> written = split(fractureOption("write")->value.text(options));
+  return std::any_of(names.begin(), names.end(), [&](const char* name) {
+    return std::find(written.begin(), written.end(), name) != written.end();
+  });
+}
+
+bool isVdb(const OptionUse& use) {
+  return lowerCase(std::filesystem::path(use.input).extension().string()) == ".vdb";
+}
+
+bool hasFormat(const RunOptions& options, MeshFileFormat format) {
+  const std::vector<MeshFileFormat>& formats = options.write.meshFormats;
+  return std::find(formats.begin(), formats.end(), format) != formats.end();
+}
+
+bool none(const Iterations& iterations) {
+  return iterations.count == 0 && iterations.perVoxel == 0.0;
+}
+
+std::vector<Rule> joined(std::initializer_list<std::vector<Rule>> groups) {
+  std::vector<Rule> all;
+  for (const std::vector<Rule>& group : groups) all.insert(all.end(), group.begin(), group.end());
+  return all;
+}
+
+std::vector<Rule> solidRules() {
+  return {
+      {{"shell-thickness"},
+       Verdict::conflict,
+       [](O o, U) {
+         const Fill fill = o.fracture.solid.fill;
+         return fill != Fill::automatic && fill != Fill::shell;
+       },
+       "makes a shell, which {fill} winding, parity and flood do not; omit one of them"},
+      {{"grid", "isovalue"},
+       Verdict::conflict,
+       [](O, U u) { return !isVdb(u); },
+       "applies to the grids of a .vdb file, and the input is not one"},
+  };
+}
+
+std::vector<Rule> seedRules() {
+  return {
+      {{"sampler", "seeds-on", "extra-seeds", "merge-metric", "impact", "impacts"},
+       Verdict::conflict,
+       [](O o, U) { return o.fracture.seeds.given.has_value(); },
+       "applies to seeds that are drawn, and {seeds} reads them from a file; omit one of them"},
+      {{"merge-metric"},
+       Verdict::idle,
+       [](O o, U) {
+         const SeedOptions& seeds = o.fracture.seeds;
+         return seeds.extraSeeds == 0 && seeds.extraSeedsPerPiece == 0 &&
+                std::none_of(seeds.impacts.begin(), seeds.impacts.end(),
+                             [](const Impact& impact) { return impact.merge; });
+       },
+       "does nothing without {extra-seeds}, or an {impact} that merges",
+       {"extra-seeds", "impact"}},
+  };
+}
+
+std::vector<Rule> growthRules() {
+  return {
+      {{"neighborhood"},
+       Verdict::idle,
+       [](O o, U) { return !ruleOf(o.fracture.grow.growth).usesNeighborhood; },
+       "does nothing without {growth} flood",
+       {"growth"}},
+      {{"metric"},
+       Verdict::idle,
+       [](O o, U) { return !ruleOf(o.fracture.grow.growth).usesMetric; },
+       "does nothing without {growth} nearest or chain",
+       {"growth"}},
+  };
+}
+
+std::vector<Rule> erosionRules() {
+  return {
+      {{"erode-shape", "erode-size", "erode-planes", "erode-threshold", "erode-probability",
+        "erode-on", "erode-islands"},
+       Verdict::idle,
+       [](O o, U) { return o.fracture.erode.iterations.isZero(); },
+       "does nothing without {erode-iterations}",
+       {"erode-iterations"}},
+  };
+}
+
+std::vector<Rule> surfaceRules() {
+  return {
+      {{"interface"},
+       Verdict::idle,
+       [](O o, U) { return o.fracture.surface.surface == Surface::labels; },
+       "does nothing with {surface} labels, which meshes fragments separately",
+       {"surface"}},
+      {{"interface"},
+       Verdict::idle,
+       [](O o, U) { return o.fracture.surface.surface == Surface::exact; },
+       "does nothing where {surface} exact succeeds, whose fragments always share their surfaces",
+       {"surface"}},
+      {{"smoothing"},
+       Verdict::idle,
+       [](O o, U) {
+         const SmoothOptions& smooth = o.fracture.surface.smooth;
+         return none(smooth.iterations) && none(smooth.boundaryIterations);
+       },
+       "does nothing without {smooth-iterations} or {smooth-boundary-iterations}",
+       {"smooth-iterations", "smooth-boundary-iterations"}},
+      {{"smooth-weight"},
+       Verdict::idle,
+       [](O o, U) { return none(o.fracture.surface.smooth.iterations); },
+       "does nothing without {smooth-iterations}",
+       {"smooth-iterations"}},
+      {{"smooth-boundary-weight"},
+       Verdict::idle,
+       [](O o, U) { return none(o.fracture.surface.smooth.boundaryIterations); },
+       "does nothing without {smooth-boundary-iterations}",
+       {"smooth-boundary-iterations"}},
+  };
+}
+
+std::vector<Rule> formatRules() {
+  return {
+      {{"triangles", "mesh-format", "plain-meshes"},
+       Verdict::idle,
+       [](O o, U) { return !writes(o, {"mesh"}); },
+       "does nothing without mesh in {write}"},
+      {{"plain-meshes"},
+       Verdict::idle,
+       [](O o, U) {
+         return writes(o, {"mesh"}) && !hasFormat(o, MeshFileFormat::ply) &&
+                !hasFormat(o, MeshFileFormat::obj);
+       },
+       "does nothing without ply or obj in {mesh-format}"},
+      {{"precision"},
+       Verdict::idle,
+       [](O o, U) { return !writes(o, {"mesh"}) || !hasFormat(o, MeshFileFormat::ply); },
+       "does nothing without mesh in {write} and ply in {mesh-format}"},
+      {{"voxel-format"},
+       Verdict::idle,
+       [](O o, U) { return !writes(o, {"labels"}); },
+       "does nothing without labels in {write}"},
+      {{"vdb", "half", "vdb-compress"},
+       Verdict::idle,
+       [](O o, U) { return !writes(o, {"vdb"}); },
+       "does nothing without vdb in {write}"},
+      {{"density"},
+       Verdict::idle,
+       [](O o, U) {
+         return !writes(o, {"vdb", "scene", "graph"});
+       },
+       "does nothing without vdb, scene or graph in {write}"},
+      {{"proxy-gap"},
+       Verdict::idle,
+       [](O o, U) { return !writes(o, {"proxy"}); },
+       "does nothing without proxy in {write}"},
+      {{"up"},
+       Verdict::idle,
+       [](O o, U u) { return !u.isDataset && !writes(o, {"preview"}); },
+       "does nothing without preview in {write}"},
+  };
+}
+
+std::vector<Rule> writeRules() {
+  return {
+      {{"write"},
+       Verdict::idle,
+       [](O o, U) { return writes(o, {"fog"}) && !writes(o, {"vdb"}); },
+       "fog does nothing without vdb: fog is written to the .vdb files"},
+      {{"write"},
+       Verdict::idle,
+       [](O o, U) {
+         return writes(o, {"solid"}) && !writes(o, {"vdb", "mesh"});
+       },
+       "solid does nothing without vdb or mesh: the intact solid is written in their formats"},
+  };
+}
+
+std::vector<Rule> pointRules() {
+  return {
+      {{"share-points", "point-sampler", "point-rule", "point-format"},
+       Verdict::idle,
+       [](O o, U) { return o.write.points.count == 0; },
+       "does nothing without {points}, or points in {write}"},
+      {{"point-rule"},
+       Verdict::conflict,
+       [](O o, U) {
+         return o.write.points.sampler == PointSampler::poisson &&
+                o.write.points.rule == PointRule::perTriangle;
+       },
+       "per-triangle is not possible with {point-sampler} poisson"},
+      {{"sdf-type"},
+       Verdict::idle,
+       [](O o, U) { return o.write.distances.count == 0; },
+       "does nothing without {sdf-samples}"},
+  };
+}
+
+const std::vector<Rule>& rules() {
+  static const std::vector<Rule> kRules =
+      joined({solidRules(), seedRules(), growthRules(), erosionRules(), surfaceRules(),
+              formatRules(), writeRules(), pointRules()});
+  return kRules;
+}
+
+// Returns the sentence on an option, with names as the user wrote them.
+std::string sentenceOn(const char* option, std::string_view rest, const OptionUse& use) {
+  std::string sentence = use.spelled(option) + " ";
+  for (std::size_t open; (open = rest.find('{')) != rest.npos;) {
+    const std::size_t close = rest.find('}', open);
+    sentence += rest.substr(0, open);
+    sentence += use.spelled(rest.substr(open + 1, close - open - 1));
+    rest.remove_prefix(close + 1);
+  }
+  return sentence.append(rest);
+}
+
+bool isDrawn(const OptionUse& use, const char* name) { return use.isDrawn && use.isDrawn(name); }
+
+}  // namespace
+
+std::vector<std::string> idleOptions(const RunOptions& options, const OptionUse& use) {
+  std::vector<std::string> sentences;
+  for (const Rule& rule : rules()) {
+    const bool isKnown = std::none_of(rule.by.begin(), rule.by.end(),
+                                      [&](const char* name) { return isDrawn(use, name); });
+    if (!isKnown) continue;
+    for (const char* option : rule.options) {
+      if (!use.isGiven(option) || !rule.holds(options, use)) continue;
+      const std::string sentence = sentenceOn(option, rule.sentence, use);
+      if (rule.verdict == Verdict::conflict) throw Error(ErrorCode::usage, sentence);
+      sentences.push_back(sentence);
+    }
+  }
+  return sentences;
+}
+
+std::vector<std::string> idleOptions(const Volume& volume, const OptionUse& use) {
+  std::vector<std::string> sentences;
+  const auto addIfGiven = [&](const char* option, const char* sentence) {
+    if (use.isGiven(option)) sentences.push_back(sentenceOn(option, sentence, use));
+  };
+  if (volume.solid) {
+    for (const char* option : {"fill", "shell-thickness"}) {
+      addIfGiven(option,
+                 "does nothing with a level set's own voxels; {resolution} or {voxel-size} "
+                 "resamples it");
+    }
+  }
+  if (volume.isLevelSet) {
+    addIfGiven("isovalue", "does nothing with a level set, whose surface is at 0");
+  }
+  return sentences;
+}
+
+}  // namespace sherd
