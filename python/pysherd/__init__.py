@@ -11,7 +11,7 @@ Lengths are in the mesh's own unit unless a name says voxels.  Same object, opti
 
 from ._core import limit_threads as _limit_threads
 from ._core import version as _version
-from ._errors import Cancelled, DeviceError, Error, FileError, InputError, OutputError, UsageError
+from ._errors import Cancelled, DeviceError, Error, FileError, InputError, OutputError, SherdWarning, UsageError
 from ._fracture import Contacts, Fracture, Fragment, Points, SparseLabels, fracture, load
 from ._options import Options
 from ._solid import Solid, voxelize
@@ -19,7 +19,7 @@ from ._solid import Solid, voxelize
 __version__: str = _version()
 __all__ = [
     "Cancelled", "Contacts", "DeviceError", "Error", "FileError", "Fracture", "Fragment", "InputError", "Options", "OutputError",
-    "Points", "Solid", "SparseLabels", "UsageError", "fracture", "limit_threads", "load", "voxelize",
+    "Points", "SherdWarning", "Solid", "SparseLabels", "UsageError", "fracture", "limit_threads", "load", "voxelize",
 ]  # fmt: skip
 
 

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, Sequence
+import functools
+import os
+import sys
+import warnings
+from typing import ClassVar, Iterable, Sequence
 
 
 class Error(Exception):
@@ -59,6 +63,22 @@ class Cancelled(Error):
     """Stopped by ``progress``, which returned False (code 130)."""
 
     code = 130
+
+
+class SherdWarning(UserWarning):
+    """Every warning of pysherd: an option without effect, or what may be lost of an object."""
+
+
+_HERE = os.path.dirname(__file__) + os.sep
+
+
+def warn(sentences: Iterable[str]) -> None:
+    """Warns once for each sentence, at the line outside this package that called it."""
+    level, frame = 2, sys._getframe(1)
+    while frame.f_back is not None and frame.f_code.co_filename.startswith((_HERE, functools.__file__)):  # cached_property is there
+        level, frame = level + 1, frame.f_back
+    for sentence in sentences:
+        warnings.warn(sentence, SherdWarning, stacklevel=level)
 
 
 _BY_CODE: dict[int, type[Error]] = {c.code: c for c in (Error, UsageError, InputError, DeviceError, OutputError, Cancelled)}

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import os
-import warnings
 from functools import cached_property
 from typing import Any, Iterator, NamedTuple, Sequence, overload
 
 import numpy as np
 
 from . import _core, _jobs, _options
-from ._errors import Error, FileError, UsageError
+from ._errors import Error, FileError, UsageError, warn
 from ._solid import DEVICE, Solid, _unpickled, checked_device, core_solid, fracture_options
 
 Array = np.ndarray[Any, Any]
+
+
+_FILE_NAMES = frozenset(row.name for row in _options.SAVE.values())
 
 
 class Points(NamedTuple):
@@ -173,9 +175,7 @@ class Fracture(Sequence[Fragment]):
         if meshes not in kept:
             kept[meshes] = _files(_core.fragments(self._core, meshes), progress, self._is_loaded)
             if meshes and self._core.exact_failure:
-                warnings.warn(
-                    self._core.exact_failure + ", so fragments have the smooth surface instead of the exact one", stacklevel=4
-                )
+                warn([self._core.exact_failure + ", so fragments have the smooth surface instead of the exact one"])
         return kept[meshes]
 
     # --- the whole
@@ -248,7 +248,9 @@ class Fracture(Sequence[Fragment]):
         UsageError
             A number or a keyword that the table refuses.
         """
-        texts = _options.given({"points": n}) + _options.given(options, _options.POINTS, "points")
+        own = _options.given(options, _options.POINTS, "points")
+        texts = _options.given({"points": n}) + own
+        _options.check_together(texts, own)
         return Points(*_files(_core.points(self._core, texts), progress, self._is_loaded))
 
     # --- files and other libraries
@@ -278,8 +280,8 @@ class Fracture(Sequence[Fragment]):
         new = _options.given(options, _options.SAVE, "save")
         names = {name for name, _ in new}
         texts = [option for option in texts if option[0] not in names] + new
-        for sentence in _jobs.finish(_core.save(self._core, _folder("folder", folder), texts), progress):
-            warnings.warn(sentence, stacklevel=3)
+        _options.check_together(texts, [option for option in texts if option[0] in _FILE_NAMES], before=self._core.given)
+        warn(_jobs.finish(_core.save(self._core, _folder("folder", folder), texts), progress))
 
     def to_trimesh(self) -> list[Any]:
         """Returns a ``trimesh.Trimesh`` of each fragment, with the face attribute ``neighbor``.

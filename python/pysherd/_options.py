@@ -6,10 +6,12 @@ import inspect
 import numbers
 import operator
 import os
-from typing import Any, Callable, Iterable, Iterator, Mapping
+import re
+from typing import Any, Callable, Iterable, Iterator, List, Mapping, Tuple
 
 from . import _core
-from ._errors import UsageError
+from ._errors import UsageError, warn
+
 
 class Row:
     """A row of the option table."""
@@ -23,7 +25,7 @@ class Row:
         self.choices: list[str] = row["choices"]
         self.default: str = row["default"]
         self.unit: str = row["unit"]
-        self.help: str = row["help"]
+        self.help: str = _in_keywords(row["help"])
         self.repeats: bool = row["repeats"]
 
     def texts(self, value: Any) -> list[str]:
@@ -69,6 +71,11 @@ class Row:
             except ValueError:
                 continue
         return self.default
+
+
+def _in_keywords(sentence: str) -> str:
+    """Returns a sentence with keywords in place of the program's options: ``erode_on`` for ``--erode-on``."""
+    return re.sub(r"--([a-z][a-z-]*)", lambda option: option[1].replace("-", "_"), sentence)
 
 
 def _is_flag(value: Any) -> bool:
@@ -125,6 +132,29 @@ def given(options: Mapping[str, Any], accepted: Mapping[str, Row] = ROWS, functi
             texts += [(accepted[keyword].name, text) for text in accepted[keyword].texts(value)]
     _core.check_options(texts)
     return texts
+
+
+Texts = List[Tuple[str, str]]
+
+
+def check_together(texts: Texts, own: Texts, file: str = "", before: Texts | None = None) -> None:
+    """Checks options against each other, and warns of those of `own` that do nothing.
+
+    Parameters
+    ----------
+    file : str
+        The file that is broken, if it is one.
+    before : list, optional
+        Options of which was warned before.
+
+    Raises
+    ------
+    UsageError
+        Two of them contradict each other.
+    """
+    names = [name for name, _ in own]
+    known = set(_core.idle_options(before, names, file)) if before is not None else ()
+    warn(sentence for sentence in _core.idle_options(texts, names, file) if sentence not in known)
 
 
 def _unknown(keyword: str, accepted: Mapping[str, Row], function: str) -> str:

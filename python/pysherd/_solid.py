@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import itertools
 import operator
-import warnings
 from typing import Any, Iterable, Iterator
 
 import numpy as np
 
 from . import _core, _jobs, _options
-from ._errors import Error, FileError, UsageError
+from ._errors import Error, FileError, UsageError, warn
 from ._inputs import object_of
 
 DEVICE = "builtin"  # which any process has, also a forked one
@@ -133,20 +132,22 @@ def fracture_options(core: _core.Solid, options: dict[str, Any]) -> list[tuple[s
             raise UsageError(f"{keyword}: the solid is voxelized already; give it to voxelize()")
     own = _options.given(options)
     solid_names = {row.name for row in _options.SOLID.values()}
-    return [option for option in core.given if option[0] in solid_names] + own
+    texts = [option for option in core.given if option[0] in solid_names] + own
+    _options.check_together(texts, own)
+    return texts
 
 
 def core_solid(mesh: Any, texts: list[tuple[str, str]], device: str, progress: _jobs.Progress | None) -> _core.Solid:
     """Voxelizes what `voxelize` takes."""
     obj, is_file = object_of(mesh)
+    _options.check_together(texts, texts, obj.file)
     try:
         core = _jobs.finish(_core.voxelize(obj, texts, checked_device(device)), progress)
     except Error as e:
         if is_file and e.code == FileError.code:
             raise FileError(str(e), e.options) from None
         raise
-    for sentence in core.warnings:
-        warnings.warn(sentence, stacklevel=3)
+    warn(core.warnings)
     return core
 
 

@@ -128,7 +128,9 @@ std::vector<std::string> warningsOf(const Solid& solid) {
   sherd::FractureResult result;
   result.solid = solid.solid();
   result.fragments.emplace_back().mass.volume = result.solid.report.meshVolume;
-  std::vector<std::string> warnings = solid.source().warnings;
+  std::vector<std::string> warnings = solid.idle();
+  const std::vector<std::string>& read = solid.source().warnings;
+  warnings.insert(warnings.end(), read.begin(), read.end());
   for (std::string& own : meshWarnings(solid.source(), result)) warnings.push_back(std::move(own));
   return warnings;
 }
@@ -138,7 +140,7 @@ nb::tuple vectorOf(const glm::dvec3& v) { return nb::make_tuple(v.x, v.y, v.z); 
 }  // namespace
 
 void bindSolids(nb::module_& module) {
-  nb::class_<Object>(module, "Object");
+  nb::class_<Object>(module, "Object").def_ro("file", &Object::file);
   module.def("mesh_object", meshObject);
   module.def("file_object", fileObject);
   module.def("volume_object", volumeObject);

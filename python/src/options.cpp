@@ -127,8 +127,21 @@ RunOptions optionsFrom(const GivenOptions& given) {
   return options;
 }
 
+sherd::OptionUse useOf(std::vector<std::string> names, std::string input) {
+  return {.isGiven =
+              [names = std::move(names)](std::string_view name) {
+                return std::find(names.begin(), names.end(), name) != names.end();
+              },
+          .spelled = [](std::string_view name) { return keywordOf(std::string(name)); },
+          .input = std::move(input)};
+}
+
 void bindOptions(nb::module_& module) {
   module.def("option_table", table);
+  module.def("idle_options",
+             [](const GivenOptions& given, std::vector<std::string> names, std::string input) {
+               return idleOptions(optionsFrom(given), useOf(std::move(names), std::move(input)));
+             });
   module.def("check_options", [](const GivenOptions& given) { (void)optionsFrom(given); });
   module.def("recorded_options", optionsOfManifest);
 }

@@ -24,6 +24,10 @@ using GivenOptions = std::vector<std::pair<std::string, std::string>>;
 /// Returns the keyword of an option: its name with underscores.
 [[nodiscard]] std::string keywordOf(std::string name);
 
+/// Describes the options with these names, spelled as keywords, for sherd::idleOptions.
+///   input  the file that is broken; empty: there is none
+[[nodiscard]] sherd::OptionUse useOf(std::vector<std::string> names, std::string input);
+
 void bindOptions(nanobind::module_& module);
 
 }  // namespace pysherd

@@ -32,7 +32,8 @@ namespace fs = std::filesystem;
 struct Read {
   sherd::SourceMesh source;
   std::optional<sherd::Solid> solid{};
-  double voxelSize = 0.0;  // of voxels that were given
+  double voxelSize = 0.0;           // of voxels that were given
+  std::vector<std::string> idle{};  // sentences on options that do nothing with it
 };
 
 // A file that is removed again.
@@ -59,10 +60,12 @@ class TemporaryFile {
   fs::path path_;
 };
 
-Read readVolumeAt(const fs::path& file, const RunOptions& run, const Progress& progress) {
+Read readVolumeAt(const fs::path& file, const RunOptions& run, const sherd::OptionUse& use,
+                  const Progress& progress) {
   sherd::Volume volume = sherd::readVolume(file, run.volume, &progress);
+  std::vector<std::string> idle = idleOptions(volume, use);
   return {std::move(volume.source), std::move(volume.solid),
-          run.volume.ownVoxels ? volume.voxelSize : 0.0};
+          run.volume.ownVoxels ? volume.voxelSize : 0.0, std::move(idle)};
 }
 
 // Returns a mesh of arrays as a reader of files does.
@@ -87,16 +90,17 @@ sherd::SourceMesh facesOf(const Object& object, std::uint64_t memory, const Prog
   return source;
 }
 
-Read readObject(Object& object, const RunOptions& run, const Progress& progress) {
+Read readObject(Object& object, const RunOptions& run, const sherd::OptionUse& use,
+                const Progress& progress) {
   if (!object.file.empty() && sherd::isVolumeName(object.file)) {
-    return readVolumeAt(object.file, run, progress);
+    return readVolumeAt(object.file, run, use, progress);
   }
   if (!object.file.empty()) {
-    return {sherd::readMesh(object.file, {.maxMemory = run.volume.maxMemory}, &progress), {}, 0.0};
+    return {sherd::readMesh(object.file, {.maxMemory = run.volume.maxMemory}, &progress)};
   }
   Read read;
   if (!object.levelSet.empty()) {
-    read = readVolumeAt(TemporaryFile(object.levelSet).path(), run, progress);
+    read = readVolumeAt(TemporaryFile(object.levelSet).path(), run, use, progress);
   } else if (object.voxels) {
     read.source = facesOf(object, run.volume.maxMemory, progress);
     read.voxelSize = run.volume.ownVoxels ? object.voxels->transform->frame.voxelSize : 0.0;
@@ -145,12 +149,15 @@ SolidPtr voxelized(Object object, const GivenOptions& given, const std::string& 
   RunOptions run = optionsFrom(given);
   run.volume.maxMemory = sherd::freeMemory();
   const std::string file = object.file;
-  Read read = readObject(object, run, progress);
+  std::vector<std::string> names;
+  for (const auto& [name, text] : given) names.push_back(name);
+  Read read = readObject(object, run, useOf(std::move(names), file), progress);
   try {
     sherd::Solid solid = solidOf(read, run.fracture, run.volume.maxMemory, progress);
     LeasedDevice leased(device);
-    return freedElsewhere(std::make_unique<Solid>(given, read.voxelSize, std::move(read.source),
-                                                  sherd::prepared(std::move(solid), *leased)));
+    return freedElsewhere(std::make_unique<Solid>(
+        given, std::move(read.idle), read.voxelSize, std::move(read.source),
+        sherd::prepared(std::move(solid), *leased)));
   } catch (const Error& e) {
     if (e.code() != ErrorCode::input) throw;  // what the stages say of an object without its name
     throw Error(e.code(), (file.empty() ? "mesh" : file) + ": " + e.what(), e.options());

@@ -43,14 +43,17 @@ struct Object : std::enable_shared_from_this<Object> {
 /// A solid that is prepared for any number of fractures.
 class Solid : public std::enable_shared_from_this<Solid> {
  public:
-  Solid(GivenOptions given, double ownVoxelSize, sherd::SourceMesh source,
-        sherd::PreparedSolid ready)
+  Solid(GivenOptions given, std::vector<std::string> idle, double ownVoxelSize,
+        sherd::SourceMesh source, sherd::PreparedSolid ready)
       : given_(std::move(given)),
+        idle_(std::move(idle)),
         ownVoxelSize_(ownVoxelSize),
         source_(std::move(source)),
         ready_(std::move(ready)) {}
 
   [[nodiscard]] const GivenOptions& given() const { return given_; }
+  /// A sentence for each given option that does nothing with the volume that was read.
+  [[nodiscard]] const std::vector<std::string>& idle() const { return idle_; }
   [[nodiscard]] const sherd::SourceMesh& source() const { return source_; }
   [[nodiscard]] const sherd::Solid& solid() const { return ready_.solid; }
   [[nodiscard]] double ownVoxelSize() const { return ownVoxelSize_; }
@@ -62,6 +65,7 @@ class Solid : public std::enable_shared_from_this<Solid> {
 
  private:
   GivenOptions given_;
+  std::vector<std::string> idle_;
   double ownVoxelSize_;  // of voxels that were given, else 0
   sherd::SourceMesh source_;
   sherd::PreparedSolid ready_;  // without a surface

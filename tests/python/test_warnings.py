@@ -1,0 +1,111 @@
+"""Options that do nothing, or contradict each other: the same sentences as the program's, with keywords for options."""
+import re
+import subprocess
+import warnings
+
+import pytest
+from conftest import AMPHORA, SHERD, cube
+from test_fracture import arguments_of
+
+import pysherd
+
+SETS = [
+    {"neighborhood": 26},
+    {"metric": "manhattan", "growth": "flood"},
+    {"merge_metric": "manhattan"},
+    {"erode_size": 3, "erode_on": "fracture"},
+    {"interface": "independent", "surface": "labels"},
+    {"smoothing": "laplacian", "smooth_weight": 0.4},
+    {"triangles": [100], "precision": "double", "write": "labels"},
+    {"plain_meshes": True, "mesh_format": "stl"},
+    {"voxel_format": "npy", "write": "mesh"},
+    {"write": "fog"},
+    {"write": ["labels", "solid"], "vdb_compress": "zip"},
+    {"point_sampler": "halton"},
+    {"sdf_type": "float16", "sdf_samples": 0},
+    {"roughness": 1, "growth": "nearest", "metric": "manhattan"},
+    {"fill": "parity", "shell_thickness": 0.1},
+    {"point_rule": "per-triangle", "point_sampler": "poisson", "points": 3},
+    {"grid": "density"},
+    {"isovalue": 0.3},
+]
+
+
+def caught(function):
+    """Returns what a function warns of, as (sentence, file) pairs, and the sentence of its usage error or None."""
+    with warnings.catch_warnings(record=True) as all:
+        warnings.simplefilter("always")
+        try:
+            function()
+            error = None
+        except pysherd.UsageError as e:
+            error = str(e)
+    assert {w.category for w in all} <= {pysherd.SherdWarning}
+    return [(str(w.message), w.filename) for w in all], error
+
+
+def open_box():
+    """A cube without its lid, which cannot have exact surfaces."""
+    v, f = cube()
+    return v, f[:-2]
+
+
+def in_keywords(sentence):
+    return re.sub(r"--([a-z-]+)", lambda name: name[1].replace("-", "_"), sentence)
+
+
+@pytest.mark.parametrize("options", SETS, ids=lambda o: ",".join(o))
+def test_sentences_are_those_of_the_program(options, tmp_path):
+    if not SHERD:
+        pytest.skip("SHERD_BIN does not name the program")
+    given = [a.replace("=True", "") for a in arguments_of({"resolution": 32, "pieces": 3, **options})]
+    printed = subprocess.run([SHERD, "fracture", AMPHORA, "-o", tmp_path / "out", "--quiet", *given], capture_output=True, text=True)
+    theirs = [in_keywords(line[len("sherd: "):]) for line in printed.stderr.splitlines() if " --" in line]
+    ours, error = caught(lambda: pysherd.fracture(AMPHORA, resolution=32, pieces=3, **options))
+    about_options = ["warning: " + sentence for sentence, _ in ours if re.match(r"[a-z_]+ (does nothing|fog|solid)", sentence)]
+    assert about_options + ([error] if error else []) == theirs
+    assert all(file == __file__ for _, file in ours)
+
+
+def test_each_function_warns_of_its_own_keywords(tmp_path):
+    solid = pysherd.voxelize(cube(), resolution=16)
+    f = pysherd.fracture(solid, pieces=2, precision="double")
+    sentence = "precision does nothing without mesh in write and ply in mesh_format"
+    for call, expected in (
+        (lambda: pysherd.fracture(solid, pieces=2, metric="manhattan"), "metric does nothing without growth nearest or chain"),
+        (lambda: list(solid.fractures(pieces=2, seeds=range(20), metric="manhattan")), "metric does nothing without growth nearest or chain"),
+        (lambda: f.points(0, point_sampler="halton"), "point_sampler does nothing without points, or points in write"),
+        (lambda: f.save(tmp_path / "a", write="labels"), sentence),
+        (lambda: f.save(tmp_path / "b"), None),
+        (lambda: f.points(3), None),
+    ):
+        found, error = caught(call)
+        assert error is None and found == ([(expected, __file__)] if expected else [])
+
+
+def test_each_function_refuses_what_contradicts():
+    solid = pysherd.voxelize(cube(), resolution=16)
+    f = pysherd.fracture(solid, pieces=2)
+    for call, name in (
+        (lambda: pysherd.voxelize(cube(), grid="density"), "grid"),
+        (lambda: pysherd.voxelize(cube(), fill="flood", shell_thickness=0.1), "shell_thickness"),
+        (lambda: f.points(3, point_rule="per-triangle", point_sampler="poisson"), "point_rule"),
+        (lambda: f.save("nowhere", points=3, point_rule="per-triangle", point_sampler="poisson"), "point_rule"),
+    ):
+        found, error = caught(call)
+        assert error.startswith(name + " ") and not found
+
+
+def test_options_that_do_nothing_with_a_level_set(tmp_path):
+    pysherd.fracture(cube(), pieces=2, resolution=16).save(tmp_path / "out", write=["vdb", "solid"])
+    file = next((tmp_path / "out" / "fragments").glob("mesh.vdb"))
+    found, _ = caught(lambda: pysherd.voxelize(file, fill="parity", isovalue=0.2))
+    assert [sentence.split(" does nothing with a level set")[0] for sentence, _ in found] == ["fill", "isovalue"]
+
+
+def test_warnings_of_an_object_point_at_the_caller():
+    found, _ = caught(lambda: pysherd.fracture(AMPHORA, resolution=24, pieces=2))
+    assert any("walls" in sentence for sentence, _ in found) and all(file == __file__ for _, file in found)
+    solid = pysherd.voxelize(open_box(), resolution=24, surface="exact")
+    found, _ = caught(lambda: pysherd.fracture(solid, pieces=2, surface="exact")[0].vertices)
+    assert [file for sentence, file in found if "smooth surface instead of the exact one" in sentence] == [__file__]
