@@ -11,8 +11,10 @@ Lengths are in the mesh's own unit unless a name says voxels.  Same object, opti
 
 from ._core import limit_threads as _limit_threads
 from ._core import version as _version
+from ._break import fracture, load
 from ._errors import Cancelled, DeviceError, Error, FileError, InputError, OutputError, SherdWarning, UsageError
-from ._fracture import Contacts, Fracture, Fragment, Points, SparseLabels, fracture, load
+from ._fracture import Fracture
+from ._fragment import Contacts, Fragment, Points, SparseLabels
 from ._options import Options
 from ._solid import Solid, voxelize
 

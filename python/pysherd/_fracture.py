@@ -1,133 +1,19 @@
-"""Fractures and fragments.  Meshes, measures, labels and points are made when they are first read."""
+"""Fractures.  Meshes, measures, labels and points are made when they are first read."""
 
 from __future__ import annotations
 
 import os
 from functools import cached_property
-from typing import Any, Iterator, NamedTuple, Sequence, overload
+from typing import Any, Iterator, Sequence, overload
 
 import numpy as np
 
 from . import _core, _jobs, _options
 from ._errors import Error, FileError, UsageError, warn
-from ._solid import DEVICE, Solid, _unpickled, checked_device, core_solid, fracture_options
-
-Array = np.ndarray[Any, Any]
-
+from ._fragment import Array, Contacts, Fragment, Points, SparseLabels
+from ._solid import Solid
 
 _FILE_NAMES = frozenset(row.name for row in _options.SAVE.values())
-
-
-class Points(NamedTuple):
-    """Points on the surfaces of all fragments, one fragment after another."""
-
-    positions: Array
-    """(n, 3) float64, world units"""
-    normals: Array
-    """(n, 3) float64, unit, outwards"""
-    neighbor: Array
-    """(n,) uint16, id of the fragment on the other side, 0 on the original surface"""
-    fragment: Array
-    """(n,) uint16, id of the point's fragment"""
-
-
-class Contacts(NamedTuple):
-    """Where fragments touch, each pair once."""
-
-    fragments: Array
-    """(n, 2) int32, ids, the lower first"""
-    area: Array
-    """(n,) float64, world units squared"""
-    normal: Array
-    """(n, 3) float64, mean direction from the lower id to the higher, unit"""
-    centroid: Array
-    """(n, 3) float64, world units"""
-
-
-class SparseLabels(NamedTuple):
-    """The voxels of the solid with their fragments."""
-
-    voxels: Array
-    """(n, 3) int32, positions in `Fracture.labels`"""
-    labels: Array
-    """(n,) uint16, as in `Fracture.labels`"""
-
-
-class Fragment:
-    """One fragment of a fracture.
-
-    Each array is made when it is first read, owns its memory, and stays when the fracture is gone.
-
-    Attributes
-    ----------
-    id : int
-        1 to the number of fragments.
-    """
-
-    def __init__(self, fracture: Fracture, index: int) -> None:
-        self._fracture = fracture
-        self._index = index
-        self.id: int = index + 1
-
-    @cached_property
-    def vertices(self) -> Array:
-        """(n, 3) float64, world units."""
-        return self._fracture._meshed.vertices(self._index)
-
-    @cached_property
-    def faces(self) -> Array:
-        """(m, 3) uint32, rows of `vertices`, counter-clockwise seen from outside; a closed mesh."""
-        return self._fracture._meshed.faces(self._index)
-
-    @cached_property
-    def neighbor(self) -> Array:
-        """(m,) uint16, per face the id of the fragment on the other side, 0 on the original surface."""
-        return self._fracture._meshed.neighbor(self._index)
-
-    @cached_property
-    def voxels(self) -> int:
-        """Number of voxels."""
-        return self._fracture._measured.voxels(self._index)
-
-    @cached_property
-    def volume(self) -> float:
-        """Volume of the mesh, world units cubed."""
-        return self._fracture._measured.volume(self._index)
-
-    @cached_property
-    def area(self) -> float:
-        """Area of the mesh, world units squared."""
-        return self._fracture._measured.area(self._index)
-
-    @cached_property
-    def fracture_area(self) -> float:
-        """Area of the faces that have a neighbor."""
-        return self._fracture._measured.fracture_area(self._index)
-
-    @cached_property
-    def centroid(self) -> Array:
-        """(3,) float64, center of mass, world units."""
-        return self._fracture._measured.centroid(self._index)
-
-    @cached_property
-    def inertia(self) -> Array:
-        """(3, 3) float64, about the centroid at unit density."""
-        return self._fracture._measured.inertia(self._index)
-
-    def to_trimesh(self) -> Any:
-        """Returns a ``trimesh.Trimesh`` with the face attribute ``neighbor``.
-
-        Raises
-        ------
-        ImportError
-            trimesh is not installed.
-        """
-        import trimesh
-
-        return trimesh.Trimesh(self.vertices, self.faces, face_attributes={"neighbor": self.neighbor}, process=False)
-
-    def __repr__(self) -> str:
-        return f"<pysherd.Fragment {self.id}>"
 
 
 class Fracture(Sequence[Fragment]):
@@ -153,14 +39,21 @@ class Fracture(Sequence[Fragment]):
     @overload
     def __getitem__(self, index: slice) -> list[Fragment]: ...
     def __getitem__(self, index: int | slice) -> Fragment | list[Fragment]:
-        return self._fragments[index]
+        if isinstance(index, slice):
+            return [Fragment(self, i) for i in range(len(self))[index]]
+        try:
+            return Fragment(self, range(len(self))[index])
+        except IndexError:
+            raise IndexError(f"there is no fragment at {index}, the fracture has {len(self)}") from None
 
     def __iter__(self) -> Iterator[Fragment]:
-        return iter(self._fragments)
+        # Fragments refer to their fracture, and it keeps none of them: it is freed without the garbage collector.
+        return (Fragment(self, i) for i in range(len(self)))
 
-    @cached_property
-    def _fragments(self) -> list[Fragment]:
-        return [Fragment(self, i) for i in range(len(self))]
+    def _arrays(self, index: int) -> tuple[Array, Array, Array]:
+        """Returns vertices, faces and neighbors of a fragment."""
+        kept: dict[int, tuple[Array, Array, Array]] = self.__dict__.setdefault("_kept_arrays", {})
+        return kept.get(index) or kept.setdefault(index, self._meshed.arrays(index))
 
     @property
     def _measured(self) -> _core.Fragments:
@@ -173,7 +66,7 @@ class Fracture(Sequence[Fragment]):
     def _made(self, meshes: bool, progress: _jobs.Progress | None = None) -> _core.Fragments:
         kept = self.__dict__.setdefault("_kept", {})
         if meshes not in kept:
-            kept[meshes] = _files(_core.fragments(self._core, meshes), progress, self._is_loaded)
+            kept[meshes] = file_errors(_core.fragments(self._core, meshes), progress, self._is_loaded)
             if meshes and self._core.exact_failure:
                 warn([self._core.exact_failure + ", so fragments have the smooth surface instead of the exact one"])
         return kept[meshes]
@@ -213,7 +106,7 @@ class Fracture(Sequence[Fragment]):
     def labels(self) -> Array:
         """(nx, ny, nz) uint16, the fragment's id of each voxel of the solid's tight box: 0 outside, 65535 in the solid but in no
         fragment (eroded or withheld).  Voxel (i, j, k) lies at ``origin + voxel_size * (i, j, k)``."""
-        return _files(_core.labels(self._core), None, self._is_loaded)
+        return file_errors(_core.labels(self._core), None, self._is_loaded)
 
     @property
     def sparse_labels(self) -> SparseLabels:
@@ -251,7 +144,7 @@ class Fracture(Sequence[Fragment]):
         own = _options.given(options, _options.POINTS, "points")
         texts = _options.given({"points": n}) + own
         _options.check_together(texts, own)
-        return Points(*_files(_core.points(self._core, texts), progress, self._is_loaded))
+        return Points(*file_errors(_core.points(self._core, texts), progress, self._is_loaded))
 
     # --- files and other libraries
 
@@ -281,7 +174,7 @@ class Fracture(Sequence[Fragment]):
         names = {name for name, _ in new}
         texts = [option for option in texts if option[0] not in names] + new
         _options.check_together(texts, [option for option in texts if option[0] in _FILE_NAMES], before=self._core.given)
-        warn(_jobs.finish(_core.save(self._core, _folder("folder", folder), texts), progress))
+        warn(_jobs.finish(_core.save(self._core, folder_name("folder", folder), texts), progress))
 
     def to_trimesh(self) -> list[Any]:
         """Returns a ``trimesh.Trimesh`` of each fragment, with the face attribute ``neighbor``.
@@ -330,7 +223,7 @@ class Fracture(Sequence[Fragment]):
         OutputError
             The file cannot be written.
         """
-        path = "" if file is None else _folder("file", file)
+        path = "" if file is None else folder_name("file", file)
         if path and not path.lower().endswith((".png", ".exr")):
             raise UsageError(f"file: {path} ends neither in .png nor .exr")
         if up not in ("x", "y", "z"):
@@ -340,7 +233,7 @@ class Fracture(Sequence[Fragment]):
             numbers = float(explode), float(azimuth), float(elevation)
         except (TypeError, ValueError) as e:
             raise UsageError(f"render: {e}") from None
-        return _files(_core.render(self._core, path, *numbers, up, width, height), progress, self._is_loaded)
+        return file_errors(_core.render(self._core, path, *numbers, up, width, height), progress, self._is_loaded)
 
     @property
     def _is_loaded(self) -> bool:
@@ -350,14 +243,16 @@ class Fracture(Sequence[Fragment]):
         return f"<pysherd.Fracture: {len(self)} fragments, seed {self.seed}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
+        from ._break import broken_again, load
+
         if isinstance(self._core, _core.LoadedPieces):
             return load, (self._core.file,)
         solid = self.solid
         assert solid is not None and isinstance(self._core, _core.GrownPieces)
-        return _broken_again, (solid, self._core.given)
+        return broken_again, (solid, self._core.given)
 
 
-def _files(job: _core.Job, progress: _jobs.Progress | None, is_file: bool) -> Any:
+def file_errors(job: _core.Job, progress: _jobs.Progress | None, is_file: bool) -> Any:
     """Waits for a job whose input errors are about files if `is_file`."""
     try:
         return _jobs.finish(job, progress)
@@ -367,7 +262,7 @@ def _files(job: _core.Job, progress: _jobs.Progress | None, is_file: bool) -> An
         raise
 
 
-def _folder(name: str, path: Any) -> str:
+def folder_name(name: str, path: Any) -> str:
     try:
         text = os.fsdecode(os.fspath(path))
     except TypeError:
@@ -375,83 +270,3 @@ def _folder(name: str, path: Any) -> str:
     if not text or "\0" in text:
         raise UsageError(f"{name}: {text!r} is no path")
     return text
-
-
-def break_solid(
-    core: _core.Solid, given: list[tuple[str, str]], pairs: list[tuple[int, int]], device: str, progress: _jobs.Progress | None
-) -> Iterator[Fracture]:
-    """Breaks a solid by pairs of pieces and seeds, which grow together."""
-    all = _jobs.finish(_core.fracture(core, given, pairs, checked_device(device)), progress)
-    solid = Solid(core)
-    while all:  # lets go of each when the next is taken
-        yield Fracture(all.pop(0), solid)
-
-
-def _pieces_and_seed(given: list[tuple[str, str]]) -> tuple[int, int]:
-    texts = {"pieces": _options.ROWS["pieces"].default, "seed": _options.ROWS["seed"].default, **dict(given)}
-    return int(texts["pieces"]), int(texts["seed"])
-
-
-def _broken_again(solid: Solid, given: list[tuple[str, str]]) -> Fracture:
-    return next(break_solid(solid._core, given, [_pieces_and_seed(given)], DEVICE, None))
-
-
-@_options.documented(_options.ROWS)
-def fracture(mesh: Any, *, device: str = DEVICE, progress: _jobs.Progress | None = None, **options: Any) -> Fracture:
-    """Breaks an object into fragments.
-
-    Parameters
-    ----------
-    mesh
-        A `Solid`, or what `voxelize` takes.
-    device : str
-        'builtin', or as ``sherd devices`` lists them.  Results are the same on all.
-    progress : callable, optional
-        Called from this thread as ``progress(stage, fraction)``, some twenty times a second; returning False cancels.
-    {options}
-
-    Returns
-    -------
-    Fracture
-        The same for the same object, options and seed, and that of ``sherd fracture``.
-
-    Raises
-    ------
-    UsageError
-        A keyword or a value that the table refuses, or a keyword of the solid beside a `Solid`.
-    InputError, FileError
-        As `voxelize`.
-    DeviceError
-        There is no such device, or the process was forked while a fracture was under way.
-    Cancelled
-        `progress` returned False.
-    """
-    if isinstance(mesh, Solid):
-        core = mesh._core
-        given = fracture_options(core, options)
-    else:
-        given = _options.given(options)
-        core = core_solid(mesh, given, device, progress)
-    return next(break_solid(core, given, [_pieces_and_seed(given)], device, progress))
-
-
-def load(folder: str | os.PathLike[str]) -> Fracture:
-    """Reads a fracture that `Fracture.save` or ``sherd fracture`` wrote.
-
-    Parameters
-    ----------
-    folder : path
-        The folder, or its manifest.json.
-
-    Returns
-    -------
-    Fracture
-        Its meshes and labels are read from their files when they are first read.  `solid` is None.
-
-    Raises
-    ------
-    FileError
-        There is no fracture, or a file of it is absent or damaged.
-    """
-    core = _files(_core.load(_folder("folder", folder)), None, True)
-    return Fracture(core, None, _options.Options._of_texts(_core.recorded_options(core.file)))

@@ -94,7 +94,7 @@ class Solid:
         Error
             As `fracture`.
         """
-        from ._fracture import break_solid
+        from ._break import break_solid
 
         if "seed" in options:
             raise UsageError("seed: fractures() takes seeds, a number or several")

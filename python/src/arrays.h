@@ -1,4 +1,4 @@
-// Arrays of NumPy that own their memory.
+// Arrays of NumPy that keep their memory.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -16,19 +16,26 @@ namespace pysherd {
 
 namespace nb = nanobind;
 
-/// Returns an array that owns the numbers.
+/// Returns an array of the numbers, which it keeps; they are not copied.
 ///   shape  its product is the number of scalars in `values`
+template <class Scalar, class Value>
+[[nodiscard]] nb::object arrayOf(const std::shared_ptr<std::vector<Value>>& values,
+                                 std::initializer_list<std::size_t> shape) {
+  using Kept = std::shared_ptr<std::vector<Value>>;
+  // A pointer that is not null also for an array without elements.
+  static Scalar none{};
+  auto* const data = values->empty() ? &none : reinterpret_cast<Scalar*>(values->data());
+  auto kept = std::make_unique<Kept>(values);
+  nb::capsule owner(kept.get(), [](void* p) noexcept { delete static_cast<Kept*>(p); });
+  (void)kept.release();
+  return nb::cast(nb::ndarray<nb::numpy, Scalar>(data, shape, owner));
+}
+
+/// Returns an array that owns the numbers.
 template <class Scalar, class Value>
 [[nodiscard]] nb::object arrayOf(std::vector<Value> values,
                                  std::initializer_list<std::size_t> shape) {
-  auto owned = std::make_unique<std::vector<Value>>(std::move(values));
-  // A pointer that is not null also for an array without elements.
-  static Scalar none{};
-  auto* const data = owned->empty() ? &none : reinterpret_cast<Scalar*>(owned->data());
-  nb::capsule owner(owned.get(),
-                    [](void* p) noexcept { delete static_cast<std::vector<Value>*>(p); });
-  (void)owned.release();
-  return nb::cast(nb::ndarray<nb::numpy, Scalar>(data, shape, owner));
+  return arrayOf<Scalar>(std::make_shared<std::vector<Value>>(std::move(values)), shape);
 }
 
 template <class Scalar>
@@ -39,10 +46,17 @@ template <class Scalar>
 
 /// Returns an array [n, 3].
 template <class Scalar>
-[[nodiscard]] nb::object arrayOf(std::vector<glm::vec<3, Scalar, glm::defaultp>> values) {
+using Vectors = std::vector<glm::vec<3, Scalar, glm::defaultp>>;
+
+template <class Scalar>
+[[nodiscard]] nb::object arrayOf(const std::shared_ptr<Vectors<Scalar>>& values) {
   static_assert(sizeof(glm::vec<3, Scalar, glm::defaultp>) == 3 * sizeof(Scalar));
-  const std::size_t count = values.size();
-  return arrayOf<Scalar>(std::move(values), {count, std::size_t{3}});
+  return arrayOf<Scalar>(values, {values->size(), std::size_t{3}});
+}
+
+template <class Scalar>
+[[nodiscard]] nb::object arrayOf(std::vector<glm::vec<3, Scalar, glm::defaultp>> values) {
+  return arrayOf<Scalar>(std::make_shared<Vectors<Scalar>>(std::move(values)));
 }
 
 }  // namespace pysherd

@@ -124,9 +124,12 @@ Job* renderJob(FracturePtr fracture, std::string file, double explode, double az
                                      .elevation = elevation,
                                      .up = up};
   return jobOf(std::move(fracture), [=](FracturePtr of, const Progress& progress) -> Made {
-    const std::span<const Fragment> all(of->meshed(progress).data(), of->count());
-    if (file.ends_with(".exr")) sherd::writeExr(file, renderAovs(all, options, &progress));
-    auto image = std::make_shared<sherd::Image>(renderFragments(all, options, &progress));
+    auto image = std::make_shared<sherd::Image>();
+    of->withMeshes(progress, [&](const std::vector<Fragment>& fragments) {
+      const std::span<const Fragment> all(fragments.data(), of->count());
+      if (file.ends_with(".exr")) sherd::writeExr(file, renderAovs(all, options, &progress));
+      *image = renderFragments(all, options, &progress);
+    });
     if (file.ends_with(".png")) sherd::writePng(file, *image);
     return [image] {
       return arrayOf<std::uint8_t>(std::move(image->rgb),
@@ -170,17 +173,16 @@ nb::object centroidOf(const Fragment& fragment) {
   return arrayOf(std::vector<double>{at.x, at.y, at.z});
 }
 
+nb::tuple arraysOf(const Fragments& fragments, std::size_t i) {
+  const HandedArrays& arrays = fragments.of->arrays(i);
+  return nb::make_tuple(arrayOf(arrays.vertices), arrayOf(arrays.triangles),
+                        arrayOf<std::uint16_t>(arrays.neighbor, {arrays.neighbor->size()}));
+}
+
 void bindFragments(nb::module_& module) {
   using I = std::size_t;
   nb::class_<Fragments>(module, "Fragments")
-      .def("vertices", [](const Fragments& f, I i) { return arrayOf(f.at(i).mesh.vertices); })
-      .def("faces", [](const Fragments& f, I i) { return arrayOf(f.at(i).mesh.triangles); })
-      .def("neighbor",
-           [](const Fragments& f, I i) {
-             std::vector<std::uint16_t> neighbor = f.at(i).mesh.neighbor;
-             neighbor.resize(f.at(i).mesh.triangles.size(), 0);
-             return arrayOf(std::move(neighbor));
-           })
+      .def("arrays", arraysOf)
       .def("voxels", [](const Fragments& f, I i) { return f.at(i).voxels; })
       .def("volume", [](const Fragments& f, I i) { return f.at(i).mass.volume; })
       .def("area", [](const Fragments& f, I i) { return f.at(i).area; })

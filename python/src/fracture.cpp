@@ -32,21 +32,76 @@ std::vector<std::size_t> pointCounts(const std::vector<Fragment>& fragments, std
 
 }  // namespace
 
+const std::vector<Fragment>& Fracture::meshed(const Progress& progress) {
+  const std::lock_guard lock(making_);
+  if (!meshed_) {
+    meshed_ = made(progress);
+    handed_.resize(meshed_->size());
+  }
+  return *meshed_;
+}
+
+void Fracture::makeAgain(const Progress& progress) {
+  const std::lock_guard making(making_);
+  std::vector<Fragment> again = made(progress);
+  const std::unique_lock lock(reading_);
+  for (std::size_t i = 0; i < again.size(); ++i) (*meshed_)[i].mesh = std::move(again[i].mesh);
+  isWhole_ = true;
+}
+
+void Fracture::withMeshes(const Progress& progress,
+                          const std::function<void(const std::vector<Fragment>&)>& read) {
+  const std::vector<Fragment>& all = meshed(progress);
+  for (;;) {
+    {
+      const std::shared_lock lock(reading_);
+      if (isWhole_) return read(all);
+    }
+    makeAgain(progress);
+  }
+}
+
+const HandedArrays& Fracture::arrays(std::size_t i) {
+  HandedArrays& arrays = handed_.at(i);
+  if (arrays.vertices) return arrays;
+  sherd::TriangleMesh& mesh = meshed_->at(i).mesh;
+  const std::unique_lock lock(reading_, std::try_to_lock);
+  const bool isMoved = lock.owns_lock() && canBeMadeAgain();
+  const auto handed = [isMoved]<class Array>(Array& array) {
+    return std::make_shared<Array>(isMoved ? std::move(array) : Array(array));
+  };
+  if (isMoved) isWhole_ = false;
+  arrays = {handed(mesh.vertices), handed(mesh.triangles), handed(mesh.neighbor)};
+  arrays.neighbor->resize(arrays.triangles->size(), 0);  // meshes of plain files have no neighbors
+  return arrays;
+}
+
 std::vector<sherd::SurfacePoints> Fracture::points(PointChoice choice, const Progress& progress) {
   choice.points.seed = seed();
   sherd::checkPointOptions(choice.points);
-  preparePoints(progress);
-  const std::vector<std::size_t> counts = pointCounts(measured(progress), count(), choice);
+  const std::vector<Fragment>& fragments = measured(progress);
+  const std::vector<std::size_t> counts = pointCounts(fragments, count(), choice);
   std::vector<sherd::SurfacePoints> points(count());
-  sherd::reportProgress(&progress, "points", 0.0);
-  tbb::parallel_for(std::size_t{0}, count(), [&](std::size_t i) {
-    if (counts[i] == 0 || progress.cancelled()) return;
-    sherd::PointOptions options = choice.points;
-    options.count = counts[i];
-    sherd::uncancelled(
-        [&] { points[i] = pointsOf(i, pointOptionsOf(options, static_cast<int>(i) + 1)); });
-  });
-  sherd::reportProgress(&progress, "points", 1.0);
+  const auto sampleEach = [&](const auto& surfaceOf) {
+    sherd::reportProgress(&progress, "points", 0.0);
+    tbb::parallel_for(std::size_t{0}, count(), [&](std::size_t i) {
+      if (counts[i] == 0 || progress.cancelled()) return;
+      sherd::PointOptions options = choice.points;
+      options.count = counts[i];
+      sherd::uncancelled([&] {
+        const auto id = static_cast<int>(i) + 1;
+        points[i] = samplePoints(surfaceOf(i), pointOptionsOf(options, id));
+      });
+    });
+    sherd::reportProgress(&progress, "points", 1.0);
+  };
+  if (const sherd::FragmentSurfaces* const all = surfaces()) {
+    sampleEach([&](std::size_t i) { return all->byArea(static_cast<std::uint16_t>(i + 1)); });
+  } else {
+    withMeshes(progress, [&](const std::vector<Fragment>& whole) {
+      sampleEach([&](std::size_t i) { return uncut(whole[i]); });
+    });
+  }
   return points;
 }
 
@@ -94,28 +149,16 @@ const std::vector<Fragment>& GrownPieces::measured(const Progress& progress) {
   return grown_.result.fragments;
 }
 
-const std::vector<Fragment>& GrownPieces::meshed(const Progress& progress) {
-  const std::lock_guard lock(making_);
-  if (!meshed_) {
-    meshed_ = extractAll(grown_.result.solid, grown_.result.labels,
-                         grown_.extractOptions(surface(true)), &progress);
-  }
-  return meshed_->fragments;
+std::vector<Fragment> GrownPieces::made(const Progress& progress) {
+  sherd::ExtractedFragments extracted = extractAll(grown_.result.solid, grown_.result.labels,
+                                                   grown_.extractOptions(surface(true)), &progress);
+  exactFailure_ = std::move(extracted.exactFailure);
+  return std::move(extracted.fragments);
 }
 
 std::string GrownPieces::exactFailure() const {
   const std::lock_guard lock(making_);
-  return meshed_ ? meshed_->exactFailure : std::string();
-}
-
-sherd::SurfacePoints GrownPieces::pointsOf(std::size_t i, const sherd::PointOptions& options) {
-  const sherd::FractureResult& result = grown_.result;  // nothing changes it any more
-  if (!result.surfaces) {
-    const Fragment& fragment = meshed_->fragments[i];
-    return fragment.cutFaces.empty() ? samplePoints(fragment.mesh, options)
-                                     : samplePoints(uncut(fragment), options);
-  }
-  return samplePoints(result.surfaces->byArea(static_cast<std::uint16_t>(i + 1)), options);
+  return exactFailure_;
 }
 
 std::vector<std::string> GrownPieces::save(const std::string& folder,

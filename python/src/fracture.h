@@ -6,9 +6,11 @@
 #include <sherd/points.h>
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <shared_mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -33,6 +35,13 @@ struct PointChoice {
   bool isShared = false;  ///< `count` is the total, distributed by areas
 };
 
+/// The arrays of a fragment's mesh, once Python has them.
+struct HandedArrays {
+  std::shared_ptr<std::vector<glm::dvec3>> vertices;
+  std::shared_ptr<std::vector<glm::uvec3>> triangles;
+  std::shared_ptr<std::vector<std::uint16_t>> neighbor;  ///< as many as triangles
+};
+
 class Fracture : public std::enable_shared_from_this<Fracture> {
  public:
   virtual ~Fracture() = default;
@@ -46,8 +55,18 @@ class Fracture : public std::enable_shared_from_this<Fracture> {
   /// The fragments with mass, areas, voxels and contacts; perhaps without meshes.
   [[nodiscard]] virtual const std::vector<sherd::Fragment>& measured(const sherd::Progress&) = 0;
 
-  /// The fragments with meshes.
-  [[nodiscard]] virtual const std::vector<sherd::Fragment>& meshed(const sherd::Progress&) = 0;
+  /// The same once their meshes are made, which are in arrays() or still in the fragments.
+  [[nodiscard]] const std::vector<sherd::Fragment>& meshed(const sherd::Progress& progress);
+
+  /// Calls `read` with the fragments and their meshes, which are made again where arrays have them.
+  void withMeshes(const sherd::Progress& progress,
+                  const std::function<void(const std::vector<sherd::Fragment>&)>& read);
+
+  /// Moves the arrays of a fragment's mesh to Python, whose owner they then are: nothing is copied,
+  /// and what is written into them changes nothing here.  Copies them while withMeshes() reads them
+  /// on another thread, and where meshes cannot be made again.  The caller has the interpreter's
+  /// lock, and has called meshed().
+  [[nodiscard]] const HandedArrays& arrays(std::size_t i);
 
   /// Samples points of each fragment.
   [[nodiscard]] std::vector<sherd::SurfacePoints> points(PointChoice choice,
@@ -57,11 +76,24 @@ class Fracture : public std::enable_shared_from_this<Fracture> {
   [[nodiscard]] virtual std::string exactFailure() const { return {}; }
 
  protected:
-  /// Samples points of one fragment, with a seed of its own.
-  [[nodiscard]] virtual sherd::SurfacePoints pointsOf(std::size_t i,
-                                                      const sherd::PointOptions& options) = 0;
-  /// Makes what pointsOf reads.
-  virtual void preparePoints(const sherd::Progress& progress) = 0;
+  /// Makes the fragments with their meshes; each time the same.
+  [[nodiscard]] virtual std::vector<sherd::Fragment> made(const sherd::Progress& progress) = 0;
+
+  /// Whether made() gives the same again.
+  [[nodiscard]] virtual bool canBeMadeAgain() const { return true; }
+
+  /// What points of fragments are sampled on; null: their meshes.
+  [[nodiscard]] virtual const sherd::FragmentSurfaces* surfaces() const { return nullptr; }
+
+  mutable std::mutex making_;  ///< guards what is made once
+
+ private:
+  void makeAgain(const sherd::Progress& progress);
+
+  std::optional<std::vector<sherd::Fragment>> meshed_;
+  std::shared_mutex reading_;         // of the meshes in meshed_
+  bool isWhole_ = true;               // no array of them was moved away
+  std::vector<HandedArrays> handed_;  // guarded by the interpreter's lock
 };
 
 /// A fracture of a solid.
@@ -80,7 +112,6 @@ class GrownPieces : public Fracture {
   [[nodiscard]] VoxelIds labels() const override;
   [[nodiscard]] std::uint64_t seed() const override { return run_.fracture.seed; }
   [[nodiscard]] const std::vector<sherd::Fragment>& measured(const sherd::Progress&) override;
-  [[nodiscard]] const std::vector<sherd::Fragment>& meshed(const sherd::Progress&) override;
   [[nodiscard]] std::string exactFailure() const override;
 
   [[nodiscard]] const SolidPtr& solid() const { return solid_; }
@@ -93,9 +124,10 @@ class GrownPieces : public Fracture {
                                               const sherd::Progress& progress);
 
  protected:
-  [[nodiscard]] sherd::SurfacePoints pointsOf(std::size_t i,
-                                              const sherd::PointOptions& options) override;
-  void preparePoints(const sherd::Progress& progress) override { (void)measured(progress); }
+  [[nodiscard]] std::vector<sherd::Fragment> made(const sherd::Progress& progress) override;
+  [[nodiscard]] const sherd::FragmentSurfaces* surfaces() const override {
+    return grown_.result.surfaces.get();
+  }
 
  private:
   [[nodiscard]] sherd::SurfaceOptions surface(bool meshes) const;
@@ -103,10 +135,9 @@ class GrownPieces : public Fracture {
   SolidPtr solid_;
   GivenOptions given_;
   sherd::RunOptions run_;
-  mutable std::mutex making_;   // guards the rest
-  sherd::GrownFracture grown_;  // its fragments are those of measured()
+  sherd::GrownFracture grown_;  // guarded by making_; its fragments are those of measured()
   bool isMeasured_ = false;
-  std::optional<sherd::ExtractedFragments> meshed_;
+  std::string exactFailure_;
 };
 
 /// A fracture read from its folder.
@@ -122,22 +153,18 @@ class LoadedPieces : public Fracture {
   [[nodiscard]] const std::vector<sherd::Fragment>& measured(const sherd::Progress& p) override {
     return meshed(p);
   }
-  [[nodiscard]] const std::vector<sherd::Fragment>& meshed(const sherd::Progress&) override;
 
   [[nodiscard]] const std::string& file() const { return file_; }
 
  protected:
-  [[nodiscard]] sherd::SurfacePoints pointsOf(std::size_t i,
-                                              const sherd::PointOptions& options) override;
-  void preparePoints(const sherd::Progress& progress) override { (void)meshed(progress); }
+  [[nodiscard]] std::vector<sherd::Fragment> made(const sherd::Progress& progress) override;
+  [[nodiscard]] bool canBeMadeAgain() const override { return false; }  // files may change
 
  private:
   std::string file_;  // the manifest's path
   sherd::Manifest manifest_;
   sherd::GridFrame frame_;
   std::vector<std::vector<sherd::Contact>> contacts_;
-  std::mutex making_;
-  std::vector<sherd::Fragment> meshed_;
 };
 
 /// Breaks a solid several times by the same options but for pieces and seed, growing together.

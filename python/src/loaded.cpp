@@ -62,9 +62,7 @@ VoxelIds LoadedPieces::labels() const {
   sherd::inputError(file_, "the fracture was written without labels.rle, .npy, .npz or .qstack");
 }
 
-const std::vector<Fragment>& LoadedPieces::meshed(const sherd::Progress& progress) {
-  const std::lock_guard lock(making_);
-  if (!meshed_.empty()) return meshed_;
+std::vector<Fragment> LoadedPieces::made(const sherd::Progress& progress) {
   sherd::reportProgress(&progress, "read", 0.0);
   std::vector<Fragment> fragments = sherd::readPieces(fs::path(file_).parent_path());
   if (fragments.size() != manifest_.fragments.size() || contacts_.size() != fragments.size()) {
@@ -77,13 +75,8 @@ const std::vector<Fragment>& LoadedPieces::meshed(const sherd::Progress& progres
     fragments[i].fractureArea = listed.fractureArea;
     fragments[i].contacts = contacts_[i];
   }
-  meshed_ = std::move(fragments);
   sherd::reportProgress(&progress, "read", 1.0);
-  return meshed_;
-}
-
-sherd::SurfacePoints LoadedPieces::pointsOf(std::size_t i, const sherd::PointOptions& options) {
-  return samplePoints(meshed_[i].mesh, options);
+  return fragments;
 }
 
 }  // namespace pysherd

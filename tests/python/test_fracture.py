@@ -1,6 +1,8 @@
 """What a fracture gives, and that it is what the program gives."""
+import gc
 import json
 import pickle
+import weakref
 
 import numpy as np
 import pytest
@@ -148,6 +150,31 @@ def test_arrays_survive_their_owner():
         assert np.array_equal(array, copy)
         assert array.flags.writeable
         array[...] = 0  # its own memory
+
+
+def test_what_is_written_into_arrays_changes_nothing_else(amphora):
+    """Also where points and images need the meshes, whose arrays are given away: they are made again then."""
+    for options in ({}, {"surface": "labels"}, {"surface": "exact"}):
+        solid = pysherd.voxelize(AMPHORA, resolution=32, surface="exact") if "exact" in options.values() else amphora
+        untouched, f = (pysherd.fracture(solid, pieces=3, **options) for _ in range(2))
+        f[1].vertices[...] = np.nan
+        f[2].faces[...] = 0
+        assert np.isnan(f[1].vertices).all()  # the same array at each reading
+        assert np.array_equal(f.points(50).positions, untouched.points(50).positions)
+        assert np.array_equal(f.render(size=(64, 64)), untouched.render(size=(64, 64)))
+        assert f[1].volume == untouched[1].volume
+        assert np.array_equal(f[0].vertices, untouched[0].vertices) and np.isnan(f[1].vertices).all()
+
+
+def test_a_fracture_is_freed_without_the_garbage_collector(amphora):
+    gc.disable()
+    try:
+        f = pysherd.fracture(amphora, pieces=3)
+        seen, core = [g.vertices for g in f], weakref.ref(f)
+        del f
+        assert core() is None and len(seen) == 3
+    finally:
+        gc.enable()
 
 
 def test_arrays_leave_by_dlpack(fracture):
