@@ -112,7 +112,7 @@ def _volume(values: Any) -> _core.Object:
         raise InputError(f"volume: bool or whole numbers are needed, not dtype {volume.dtype}; give volume > 0.5, or what is solid in it")
     if volume.size == 0 or max(volume.shape) > _MOST_SIDE:
         raise InputError(f"volume: 1 to {_MOST_SIDE} voxels along each side are needed, not {volume.shape}")
-    if 2 * volume.size > _core.free_memory():
+    if 3 * volume.size > _core.free_memory():
         raise InputError(f"volume: {volume.size} voxels take more memory than is free")
     mask = np.ascontiguousarray(volume != 0)
     if not mask.any():

@@ -191,7 +191,4 @@ def voxelize(mesh: Any, *, device: str = DEVICE, progress: _jobs.Progress | None
 
 
 def _unpickled(state: dict[str, Any]) -> Solid:
-    obj = _core.object_of_state(
-        state["vertices"], state["faces"], state["level_set"], state["own_voxel_size"], state["name"], state["sha256"]
-    )
-    return Solid(_jobs.finish(_core.voxelize(obj, state["given"], DEVICE)))
+    return Solid(_jobs.finish(_core.voxelize(_core.object_of_state(state), state["given"], DEVICE)))

@@ -11,8 +11,7 @@
 
 #include "arrays.h"
 #include "base/memory.h"
-#include "base/sha256.h"
-#include "process.h"
+#include "pickled.h"
 #include "solid.h"
 
 namespace pysherd {
@@ -20,30 +19,22 @@ namespace {
 
 template <class Scalar>
 using Rows = nb::ndarray<const Scalar, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
-using Mask = nb::ndarray<const std::uint8_t, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
-
-template <class Scalar>
-std::string_view bytesOf(const Rows<Scalar>& rows) {
-  return {reinterpret_cast<const char*>(rows.data()), rows.size() * sizeof(Scalar)};
-}
+using MaskArray = nb::ndarray<const std::uint8_t, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
 
 template <class Vector, class Scalar>
 std::vector<Vector> vectorsOf(const Rows<Scalar>& rows) {
   static_assert(sizeof(Vector) == 3 * sizeof(Scalar));
   std::vector<Vector> vectors(rows.shape(0));
-  if (!vectors.empty()) std::memcpy(vectors.data(), rows.data(), bytesOf(rows).size());
+  if (!vectors.empty()) std::memcpy(vectors.data(), rows.data(), rows.size() * sizeof(Scalar));
   return vectors;
 }
 
-// The Python side has checked shapes, numbers and indices.
+// The Python side has checked shapes, numbers and indices.  Arrays are only copied here: an
+// interrupt would wait for more.
 std::shared_ptr<Object> meshObject(const Rows<double>& vertices, const Rows<std::uint32_t>& faces) {
   auto object = std::make_shared<Object>();
   object->mesh.vertices = vectorsOf<glm::dvec3>(vertices);
   object->mesh.triangles = vectorsOf<glm::uvec3>(faces);
-  sherd::Sha256 sum;
-  sum.add(bytesOf(vertices));
-  sum.add(bytesOf(faces));
-  object->sha256 = sum.text();
   return object;
 }
 
@@ -53,65 +44,11 @@ std::shared_ptr<Object> fileObject(std::string file) {
   return object;
 }
 
-std::vector<sherd::Run> runsOf(const Mask& mask) {
-  std::vector<sherd::Run> runs;
-  for (std::size_t i = 0; i < mask.size(); ++i) {
-    const auto label = static_cast<std::uint16_t>(mask.data()[i] != 0);
-    const bool isNext = !runs.empty() && runs.back().label == label &&
-                        runs.back().length < std::numeric_limits<std::uint32_t>::max();
-    if (!isNext) runs.push_back({label, 0});
-    ++runs.back().length;
-  }
-  return runs;
-}
-
-std::shared_ptr<Object> volumeObject(const Mask& mask) {
+std::shared_ptr<Object> volumeObject(const MaskArray& mask) {
   auto object = std::make_shared<Object>();
   const auto side = [&](std::size_t axis) { return static_cast<int>(mask.shape(axis)); };
-  object->voxels = {{{side(0), side(1), side(2)}, runsOf(mask)}, sherd::VoxelTransform{}};
+  object->mask = Mask{{side(0), side(1), side(2)}, {mask.data(), mask.data() + mask.size()}};
   object->name = "volume";
-  object->sha256 = sherd::sha256({reinterpret_cast<const char*>(mask.data()), mask.size()});
-  return object;
-}
-
-/// Keeps one file in memory.
-struct InMemory : sherd::FileSink {
-  std::string bytes;
-  void take(const std::string&, const sherd::Content& content) override {
-    content([this](std::string_view more) { bytes += more; });
-  }
-};
-
-// What pickle keeps of a solid: its mesh, or the level set of one that has none.
-nb::dict stateOf(const Solid& solid) {
-  const sherd::SourceMesh& source = solid.source();
-  nb::dict state;
-  state["name"] = source.name;
-  state["sha256"] = source.sha256;
-  state["given"] = solid.given();
-  state["own_voxel_size"] = solid.ownVoxelSize();
-  state["vertices"] = arrayOf(source.mesh.vertices);
-  state["faces"] = arrayOf(source.mesh.triangles);
-  InMemory file;
-  if (source.mesh.triangles.empty()) {
-    const auto write = [&] {
-      sherd::writeVdbOfSolid(sherd::OutputFile(file, "solid.vdb"), solid.solid(), {});
-    };
-    requireUsableProcess();
-    onWorker(write);
-  }
-  state["level_set"] = nb::bytes(file.bytes.data(), file.bytes.size());
-  return state;
-}
-
-std::shared_ptr<Object> objectOfState(const Rows<double>& vertices,
-                                      const Rows<std::uint32_t>& faces, const nb::bytes& levelSet,
-                                      double ownVoxelSize, std::string name, std::string sha256) {
-  std::shared_ptr<Object> object = meshObject(vertices, faces);
-  object->levelSet.assign(levelSet.c_str(), levelSet.size());
-  object->ownVoxelSize = ownVoxelSize;
-  object->name = std::move(name);
-  object->sha256 = std::move(sha256);
   return object;
 }
 

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "base/memory.h"
+#include "base/sha256.h"
 #include "formats/mesh/merge.h"
 #include "formats/voxels/voxel_faces.h"
 #include "process.h"
@@ -77,12 +78,35 @@ sherd::SourceMesh merged(Object& object) {
   return source;
 }
 
-sherd::SourceMesh facesOf(const Object& object, std::uint64_t memory, const Progress& progress) {
+template <class Item>
+std::string_view bytesOf(const std::vector<Item>& items) {
+  return {reinterpret_cast<const char*>(items.data()), items.size() * sizeof(Item)};
+}
+
+std::string sha256Of(const sherd::RawMesh& mesh) {
+  sherd::Sha256 sum;
+  sum.add(bytesOf(mesh.vertices));
+  sum.add(bytesOf(mesh.triangles));
+  return sum.text();
+}
+
+std::vector<sherd::Run> runsOf(const Mask& mask) {
+  std::vector<sherd::Run> runs;
+  for (const std::uint8_t solid : mask.solid) {
+    const auto label = static_cast<std::uint16_t>(solid != 0);
+    const bool isNext = !runs.empty() && runs.back().label == label &&
+                        runs.back().length < std::numeric_limits<std::uint32_t>::max();
+    if (!isNext) runs.push_back({label, 0});
+    ++runs.back().length;
+  }
+  return runs;
+}
+
+sherd::SourceMesh facesOf(const Mask& mask, std::uint64_t memory, const Progress& progress) {
   constexpr std::uint64_t kBytesPerTriangle = 240;  // docs/performance.md, "Memory"
   constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max() / 2;
   const std::uint64_t most = std::min(memory / kBytesPerTriangle, kMost);
-  auto faces =
-      sherd::voxelFaces(object.voxels->voxels, object.voxels->transform->frame, most, &progress);
+  auto faces = sherd::voxelFaces({mask.dims, runsOf(mask)}, sherd::GridFrame{}, most, &progress);
   if (!faces) sherd::requireMemory("volume: its surface", (most + 1) * kBytesPerTriangle, 0);
   if (faces->triangles.empty()) throw Error(ErrorCode::input, "volume: nothing in it is solid");
   sherd::SourceMesh source;
@@ -99,18 +123,25 @@ Read readObject(Object& object, const RunOptions& run, const sherd::OptionUse& u
     return {sherd::readMesh(object.file, {.maxMemory = run.volume.maxMemory}, &progress)};
   }
   Read read;
-  if (!object.levelSet.empty()) {
-    read = readVolumeAt(TemporaryFile(object.levelSet).path(), run, use, progress);
-  } else if (object.voxels) {
-    read.source = facesOf(object, run.volume.maxMemory, progress);
-    read.voxelSize = run.volume.ownVoxels ? object.voxels->transform->frame.voxelSize : 0.0;
-  } else {
-    read.source = merged(object);
+  if (object.source) {
+    if (!object.levelSet.empty()) {
+      read = readVolumeAt(TemporaryFile(object.levelSet).path(), run, use, progress);
+    }
+    read.source = std::move(*object.source);
     read.voxelSize = object.ownVoxelSize;
+    return read;
+  }
+  if (object.mask) {
+    read.source = facesOf(*object.mask, run.volume.maxMemory, progress);
+    read.source.sha256 = sherd::sha256(bytesOf(object.mask->solid));
+    read.voxelSize = run.volume.ownVoxels ? 1.0 : 0.0;
+  } else {
+    std::string sum = sha256Of(object.mesh);
+    read.source = merged(object);
+    read.source.sha256 = std::move(sum);
   }
   read.source.name = object.name;
   read.source.stem = fs::path(object.name).stem().string();
-  read.source.sha256 = object.sha256;
   return read;
 }
 
@@ -155,9 +186,9 @@ SolidPtr voxelized(Object object, const GivenOptions& given, const std::string& 
   try {
     sherd::Solid solid = solidOf(read, run.fracture, run.volume.maxMemory, progress);
     LeasedDevice leased(device);
-    return freedElsewhere(std::make_unique<Solid>(
-        given, std::move(read.idle), read.voxelSize, std::move(read.source),
-        sherd::prepared(std::move(solid), *leased)));
+    return freedElsewhere(std::make_unique<Solid>(given, std::move(read.idle), read.voxelSize,
+                                                  std::move(read.source),
+                                                  sherd::prepared(std::move(solid), *leased)));
   } catch (const Error& e) {
     if (e.code() != ErrorCode::input) throw;  // what the stages say of an object without its name
     throw Error(e.code(), (file.empty() ? "mesh" : file) + ": " + e.what(), e.options());

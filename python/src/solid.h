@@ -10,6 +10,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "formats/mesh/mesh_reader.h"
 #include "job.h"
@@ -26,18 +27,25 @@ template <class Owned>
   return {owned.release(), [](Owned* p) { freeElsewhere([p] { delete p; }); }};
 }
 
+/// Voxels of an array, of size 1 about whole positions.
+struct Mask {
+  openvdb::Coord dims;
+  std::vector<std::uint8_t> solid;  ///< [dims.x * dims.y * dims.z] not 0 inside, z fastest
+};
+
 /// What is to be broken, as given.
 ///
 /// This and what follows is shared by std::enable_shared_from_this: a pointer that nanobind makes
 /// for another type refers to the Python object, and the thread of a job would need the
 /// interpreter's lock to free it.
 struct Object : std::enable_shared_from_this<Object> {
-  std::string file{};                           ///< a mesh or a volume; empty: one of the others
-  sherd::RawMesh mesh{};                        ///< of arrays
-  std::optional<sherd::PlacedVoxels> voxels{};  ///< of an array
-  std::string levelSet{};                       ///< of a pickle: the bytes of a `.vdb` file
-  double ownVoxelSize = 0.0;                    ///< of a pickle: of the voxels that were given
-  std::string name = "mesh", sha256{};          ///< without a file
+  std::string file{};                         ///< a mesh or a volume; empty: one of the others
+  sherd::RawMesh mesh{};                      ///< of arrays
+  std::optional<Mask> mask{};                 ///< of an array
+  std::optional<sherd::SourceMesh> source{};  ///< of a pickle
+  std::string levelSet{};                     ///< of one without a mesh: the bytes of a `.vdb` file
+  double ownVoxelSize = 0.0;                  ///< of a pickle: of the voxels that were given
+  std::string name = "mesh";                  ///< without a file
 };
 
 /// A solid that is prepared for any number of fractures.

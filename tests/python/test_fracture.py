@@ -196,6 +196,42 @@ def test_pickles(amphora, fracture, protocol):
     assert (type(error), str(error), error.options) == (pysherd.UsageError, "a", ("erode_on",))
 
 
+TEXTURED = """mtllib box.mtl
+g left
+usemtl painted
+{corners}
+vt 0 0
+vt 1 0
+vt 1 1
+vt 0 1
+vn 0 0 1
+f 1/1/1 2/2/1 4/3/1 3/4/1
+f 5/1/1 7/2/1 8/3/1 6/4/1
+f 1/1/1 5/2/1 6/3/1 2/4/1
+g right
+f 3/1/1 4/2/1 8/3/1 7/4/1
+f 1/1/1 3/2/1 7/3/1 5/4/1
+f 2/1/1 6/2/1 8/3/1 4/4/1
+"""
+
+
+@pytest.mark.parametrize("surface", ["smooth", "exact"])
+def test_a_pickle_keeps_what_was_read_of_a_mesh(fracture, tmp_path, surface):
+    """Textures, materials, polygons, objects and counts: the files of what is unpickled are the same."""
+    corners = "\n".join("v {} {} {}".format(*v) for v in cube()[0])
+    (tmp_path / "box.obj").write_text(TEXTURED.format(corners=corners))
+    (tmp_path / "box.mtl").write_text("newmtl painted\nKd 0.5 0.25 1\nmap_Kd wood.png\n")
+    fracture.render(tmp_path / "wood.png", size=(16, 16))
+    f = pysherd.fracture(tmp_path / "box.obj", pieces=3, resolution=24, surface=surface)
+    again = pickle.loads(pickle.dumps(f))
+    for name, one in (("a", f), ("b", again)):
+        one.save(tmp_path / name, write=["mesh", "labels"], mesh_format=["obj", "ply", "glb"])
+    first, second = files_of(tmp_path / "a"), files_of(tmp_path / "b")
+    assert any(name.endswith(".png") for name in first) and b"painted" in first["meshes/box_001.obj"]
+    assert first.keys() == second.keys()
+    assert [name for name in first if first[name] != second[name]] == []
+
+
 def test_volumes(tmp_path):
     ball = np.sum((np.indices((20, 20, 20)) - 9.5) ** 2, axis=0) < 81
     for volume in (ball, ball.astype(np.int64), np.asfortranarray(ball.astype(np.uint8)), ball[::-1]):
