@@ -114,6 +114,20 @@ def test_one_fracture_read_by_four_threads(amphora):
     assert len(volumes) == 4 and all(v == volumes[0] for v in volumes)
 
 
+def test_arrays_are_read_and_written_while_another_thread_renders(amphora):
+    f, images = pysherd.fracture(amphora, pieces=5), []
+    expected = f.render(size=(300, 200))
+    threads = [threading.Thread(target=lambda: images.append(f.render(size=(300, 200)))) for _ in range(3)]
+    for thread in threads:
+        thread.start()
+    for fragment in f:
+        fragment.vertices[...] = np.nan
+        time.sleep(0.05)
+    for thread in threads:
+        thread.join()
+    assert len(images) == 3 and all(np.array_equal(image, expected) for image in images)
+
+
 def forked(work):
     """Runs work in a forked process; returns its status, or fails after a minute."""
     pid = os.fork()
