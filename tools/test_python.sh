@@ -27,5 +27,6 @@ pip=("$work/venv/bin/pip" install -q --disable-pip-version-check --no-deps --no-
 
 export SHERD_BIN=$PWD/build/release/sherd SHERD_DATA=$PWD/data OCL_ICD_VENDORS=pocl.icd
 export PATH=$work/venv/bin:$PATH
+tools/python_api.sh > /dev/null
 cd "$work"  # so that what is imported is what is installed
 python -B -m pytest -q -c ../../python/pyproject.toml --rootdir ../.. ../../tests/python "$@"

@@ -1,4 +1,5 @@
 """The examples run, and their types are right."""
+import inspect
 import pathlib
 import subprocess
 import sys
@@ -6,6 +7,8 @@ import sys
 import numpy as np
 import pytest
 from conftest import AMPHORA
+
+import pysherd
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples" / "python"
@@ -33,6 +36,20 @@ def test_examples_have_types():
     examples = [p for p in EXAMPLES.glob("*.py") if p.name != "with_dask.py"]  # Dask is not installed here
     result = subprocess.run([sys.executable, "-m", "mypy", "--strict", "--cache-dir=/dev/null", *examples], capture_output=True, text=True)
     assert result.returncode == 0, result.stdout
+
+
+def test_every_public_name_is_in_the_pages(tmp_path):
+    pytest.importorskip("pdoc")
+    made = subprocess.run([ROOT / "tools" / "python_api.sh", tmp_path, sys.executable], capture_output=True, text=True)
+    assert made.returncode == 0, made.stderr
+    page = (tmp_path / "pysherd.html").read_text()
+    names = set(pysherd.__all__)
+    for name in pysherd.__all__:
+        value = getattr(pysherd, name)
+        names |= {f"{name}.{member}" for member in vars(value) if inspect.isclass(value) and not member.startswith("_")}
+    names -= {"Error.with_traceback"}
+    assert [name for name in sorted(names) if f'id="{name}"' not in page] == []
+    assert "{options}" not in page and "numpy.uint16" in page  # types of the stubs
 
 
 def test_stubs_are_those_of_the_table():
