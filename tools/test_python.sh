@@ -10,6 +10,7 @@ work=$PWD/build/python
 rm -rf "$work/wheel" "$work/venv"
 tools/build_wheel.sh "$work/wheel" "$python"
 [ -f "$(echo "$work"/wheel/*-manylinux_2_35_x86_64.whl)" ] || { echo "test_python.sh: the wheel is not for manylinux_2_35" >&2; exit 1; }
+[ "$(stat -c %s "$work"/wheel/*.whl)" -lt 50000000 ] || { echo "test_python.sh: the wheel has 50 MB or more" >&2; exit 1; }
 "$work"/tools-cp3*/bin/auditwheel show "$work"/wheel/*.whl > "$work/show"
 grep -q 'manylinux_2_35' "$work/show" || { cat "$work/show" >&2; exit 1; }
 
