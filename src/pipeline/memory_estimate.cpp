@@ -43,8 +43,8 @@ struct Extent {
   glm::dvec3 box{0.0};
 };
 
-// Returns whether a triangle is high enough, as a share of the mesh's longest side, that the surface
-// around most of its points is flat for kAutoAdaptivity.
+// Returns whether a triangle is high enough, as a share of the mesh's longest side, that the
+// surface around most of its points is flat for kAutoAdaptivity.
 bool isLarge(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, double longest) {
   constexpr double kLeastHeight = 0.008;
   const double edge = std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
@@ -155,11 +155,10 @@ double bytesFor(const Extent& extent, std::size_t triangles, const FractureOptio
       6.0 * (std::cbrt(static_cast<double>(options.pieces)) - 1.0) * std::cbrt(inside * inside);
   return kPerTriangle * static_cast<double>(triangles) +
          kPerPiece * static_cast<double>(options.pieces) + bytesForExact(triangles, cuts, options) +
-         bytesForVoxels(
-             meshFactor(options.surface, held, extent.longest / voxelSize,
-                        extent.hasLargeTriangles) *
-                 (surface + cuts),
-             inside, perInsideVoxel(options));
+         bytesForVoxels(meshFactor(options.surface, held, extent.longest / voxelSize,
+                                   extent.hasLargeTriangles) *
+                            (surface + cuts),
+                        inside, perInsideVoxel(options));
 }
 
 }  // namespace
