@@ -265,8 +265,10 @@ CHAPTERS = [
                   ("labels", "--surface labels", "voxel faces"),
                   ("paper", "--preset paper", "the paper's options: labels, smoothed")]),
         Group("exact", "--surface exact", "The outside of a mesh with sharp edges.", "gear.obj", "--pieces 7 --seed 2 --resolution 64 --roughness 1", [
-            ("smooth", "--surface smooth", "the default: edges are as sharp as voxels"),
+            ("smooth", "--surface smooth", "the default: edges on those of the input, which resolves what is larger than a voxel"),
             ("exact", "--surface exact", "the input's own triangles, cut by the cracks")], 2),
+        Group("sharp", "Sharp edges and --resolution", "Edges of the default surface lie on those of the mesh.", "gear.obj", "--pieces 7 --seed 2", [
+            (str(n), f"--resolution {n}", "") for n in (24, 64, 128, 256)]),
         Group("figure8", "Figure 8: --smooth-boundary-weight", "Voxel faces, smoothed without cracks, and with cracks.", "amphora.ply", VOXEL_FACES + " --smoothing laplacian --smooth-weight 0.9 --smooth-iterations 0.048k --smooth-boundary-iterations 0.048k", [
                   ("0", "--smooth-boundary-weight 0", "cracks keep voxel faces"),
                   ("02", "--smooth-boundary-weight 0.2", "the paper's"),
@@ -680,6 +682,20 @@ def show_figure9(page, runner):
     page.commands(lines)
 
 
+def show_merged(page, runner):
+    page.text("### `--adaptivity auto`", "",
+              "A fragment of a block, whose faces are flat: by default the triangles in each plane are merged.")
+    cells, lines = [], []
+    for key, own in (("none", "--adaptivity 0"), ("auto", "--adaptivity auto")):
+        options = f"--pieces 8 --seed 1 --resolution 64 {own}"
+        path = runner.fracture("block.obj", options, "mesh") / "meshes" / "block_005.ply"
+        count = len(read_ply(path)["face"])
+        cells.append((page.drawing(f"merged-{key}", wires(path, SIDE)), f"`{own}`<br>{count} triangles"))
+        lines.append(command("block.obj", options))
+    page.table(cells, 2)
+    page.commands(lines)
+
+
 def show_figure11(page, runner):
     page.text("### Figure 11: `--point-sampler`", "", "1000 points on a fragment; those on cracks are red.")
     base, cells, lines = "--pieces 8 --seed 1 --points 1000", [], []
@@ -745,6 +761,7 @@ def main():
             if title == "Surfaces":
                 print("figures 9 and 11", flush=True)
                 show_figure9(page, runner)
+                show_merged(page, runner)
                 show_figure11(page, runner)
                 if shutil.which("blender"):
                     show_figure15(page, runner)
