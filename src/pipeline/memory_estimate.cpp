@@ -32,6 +32,7 @@ constexpr double kExactTriangle = 220.0;  // additional, of exact surfaces: part
 constexpr double kExactCut = 300.0;       // per voxel of cracks: their mesh, polygons and parts
 constexpr double kExactRoughCut = 800.0;  // the same of rough cracks, which stay as they are meshed
 constexpr double kSimplified = 1.6;       // factor where meshes are decimated
+constexpr double kMerged = 1.3;           // the same where triangles are merged in planes
 constexpr double kPerPiece = 25e3;  // of any size: distances to the cut in every leaf it reaches,
                                     // its manifest entry
 
@@ -130,7 +131,8 @@ double perInsideVoxel(const FractureOptions& options) {
 double meshFactor(const SurfaceOptions& surface, MeshesHeld held, double resolution, bool isFlat) {
   const bool isMerged =
       surface.surface == Surface::smooth && surface.adaptivity == kAutoAdaptivity && isFlat;
-  if (surface.adaptivity > 0.0 || isMerged || !surface.triangles.empty()) return kSimplified;
+  if (surface.adaptivity > 0.0 || !surface.triangles.empty()) return kSimplified;
+  if (isMerged) return kMerged;
   if (movesAnything(surface.smooth, static_cast<int>(resolution))) return 1.0;
   if (held == MeshesHeld::some) return kOfSomeMeshes;
   if (held == MeshesHeld::all || resolution < kPreviewCubes) return 1.0;

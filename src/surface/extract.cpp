@@ -146,8 +146,7 @@ Extraction::Extraction(const Solid& solid, const Labels& labels, const ExtractOp
   const bool isProcessed = simplification_.isAny() || !surface_.triangles.empty() ||
                            movesAnything(surface_.smooth, solid.box.longestSide());
   if (!isProcessed) return;
-  processed_ = processedTogether();
-  shared_.reset();
+  processTogether();
 }
 
 bool Extraction::isShared() const {
@@ -185,24 +184,27 @@ LabeledMesh Extraction::sharedMesh(int id) const {
   return mesh;
 }
 
-Extraction::Processed Extraction::processedTogether() const {
-  Processed all{std::vector<LabeledMesh>(count_), {}};
+// Frees what is not needed any more before the next step, which takes about as much memory.
+void Extraction::processTogether() {
+  Processed& all = processed_;
+  all.meshes.resize(count_);
   CancelFlag stop(progress_);
   tbb::parallel_for(std::size_t{0}, count_, [&](std::size_t i) {
     if (!stop.isSet()) all.meshes[i] = sharedMesh(static_cast<int>(i) + 1);
   });
   stop.throwIfSet();
+  shared_.reset();
   smoothTogether(all.meshes, surface_.smooth, solid_.box.longestSide(), progress_);
   throwIfCancelled(progress_);
   if (solid_.seams) all.cutFaces = cutTogether(all.meshes, *solid_.seams, solid_.frame);
   if (simplification_.isAny()) {
     all.cutFaces.clear();
-    all.meshes = simplified(complexOf(all.meshes), simplification_, progress_);
+    Complex complex = complexOf(std::exchange(all.meshes, {}));
+    all.meshes = simplified(std::move(complex), simplification_, progress_);
   }
   if (!surface_.triangles.empty()) {
     all.coarse = decimated(complexOf(all.meshes), surface_.triangles, progress_);
   }
-  return all;
 }
 
 void Extraction::meshShared(Fragment& fragment) {

@@ -48,7 +48,7 @@ class Extraction {
 
   bool isShared() const;
   LabeledMesh sharedMesh(int id) const;
-  Processed processedTogether() const;
+  void processTogether();
   void makeExact(ExactSurface exact);
   std::size_t endOfBatch() const;
   Fragment makeFragment(std::size_t i);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <tuple>
 
 namespace sherd {
 
@@ -31,7 +32,9 @@ FaceEdges::FaceEdges(std::span<const glm::uvec3> triangles, std::size_t vertices
   ends_.reserve(halves.size() / 2);
   for (std::uint32_t low = 0; low < vertices; ++low) {
     const auto from = halves.begin() + begin[low], to = halves.begin() + begin[low + 1];
-    std::stable_sort(from, to, [](const Half& a, const Half& b) { return a.high < b.high; });
+    std::sort(from, to, [](const Half& a, const Half& b) {  // a face uses an edge once
+      return std::tie(a.high, a.use.face) < std::tie(b.high, b.use.face);
+    });
     for (auto at = from; at != to; ++at) {
       if (at == from || at->high != (at - 1)->high) {
         first_.push_back(static_cast<std::uint32_t>(uses_.size()));

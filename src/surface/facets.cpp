@@ -8,6 +8,8 @@
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 
+#include "base/cancel_flag.h"
+
 namespace sherd {
 namespace {
 
@@ -22,8 +24,9 @@ constexpr std::size_t kSmallFacet = 16;
 
 class FacetGrowing {
  public:
-  FacetGrowing(const Complex& complex, const FaceEdges& edges, const FacetOptions& options)
-      : complex_(complex), edges_(edges), options_(options) {
+  FacetGrowing(const Complex& complex, const FaceEdges& edges, const FacetOptions& options,
+               const Progress* progress)
+      : complex_(complex), edges_(edges), options_(options), progress_(progress) {
     facets_.ofFace.assign(complex.faces.size(), kNone);
   }
 
@@ -79,6 +82,7 @@ class FacetGrowing {
     Facets::Plane current = plane();
     std::size_t fitted = 1;  // faces that the plane is fitted to
     for (std::size_t i = 0; i < faces.size(); ++i) {
+      if (++steps_ % kStepsPerPoll == 0) throwIfCancelled(progress_);
       for (const std::uint32_t edge : edges_.of(faces[i])) {
         const std::uint32_t other = across(edge, faces[i]);
         if (other == kNone || facets_.ofFace[other] != kNone || staysFace(other)) continue;
@@ -161,7 +165,10 @@ class FacetGrowing {
 
   const Complex& complex_;
   const FaceEdges& edges_;
+  static constexpr std::size_t kStepsPerPoll = 65536;
   const FacetOptions options_;
+  const Progress* const progress_;
+  std::size_t steps_ = 0;
   Facets facets_;
   std::vector<std::size_t> sizes_;       // [facets] faces that the plane was fitted to
   std::vector<std::size_t> leastFaces_;  // [facets]
@@ -171,8 +178,9 @@ class FacetGrowing {
 
 }  // namespace
 
-Facets facetsOf(const Complex& complex, const FaceEdges& edges, const FacetOptions& options) {
-  return FacetGrowing(complex, edges, options).grow();
+Facets facetsOf(const Complex& complex, const FaceEdges& edges, const FacetOptions& options,
+                const Progress* progress) {
+  return FacetGrowing(complex, edges, options, progress).grow();
 }
 
 void splitOff(Facets& facets, const std::function<bool(std::size_t)>& condition) {

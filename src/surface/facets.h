@@ -1,6 +1,8 @@
 // The nearly planar regions of a complex.
 #pragma once
 
+#include <sherd/progress.h>
+
 #include <cstdint>
 #include <functional>
 #include <glm/vec3.hpp>
@@ -49,9 +51,10 @@ struct Facets {
 /// Grows regions from face to face, in the order of faces, while their corners are within a
 /// distance of the plane of the faces so far.  A region of a few faces is part of a larger one
 /// beside it, or of none.  Faces at fixed vertices are of none.
-///   edges  of the complex's faces
+///   edges   of the complex's faces
+///   throws  Error(cancelled)
 [[nodiscard]] Facets facetsOf(const Complex& complex, const FaceEdges& edges,
-                              const FacetOptions& options);
+                              const FacetOptions& options, const Progress* progress = nullptr);
 
 /// Moves vertices on the borders of facets to their common point or line, so that borders are
 /// straight.  A vertex that would move by more than `most`, because its planes are nearly parallel,

@@ -44,11 +44,11 @@ constexpr double kDisplacement = 1e-3;
 
 class FacetMerging {
  public:
-  FacetMerging(const Complex& complex, const MergeOptions& options)
+  FacetMerging(const Complex& complex, const MergeOptions& options, const Progress* progress)
       : complex_(complex),
         edges_(trianglesOf(complex), complex.vertices.size()),
         tolerance_(std::max(options.facets.cracks.tolerance, options.facets.original.tolerance)),
-        facets_(facetsOf(complex, edges_, options.facets)),
+        facets_(facetsOf(complex, edges_, options.facets, progress)),
         seed_(options.displacementSeed),
         positions_(snapped(complex, facets_, kMostSnap * tolerance_)) {
     for (std::uint32_t v = 0; v < positions_.size(); ++v) positions_[v] += displacement(v);
@@ -57,6 +57,7 @@ class FacetMerging {
   MergedFacets merge(const Progress* progress) {
     double radius = kFirstRadius * tolerance_;
     for (int round = 0;; ++round, radius *= 2.0) {
+      throwIfCancelled(progress);
       makeAllPolygons(progress);
       std::vector<std::uint8_t> isOfFacet;
       MergedFacets all = assembled(isOfFacet);
@@ -129,6 +130,7 @@ class FacetMerging {
   // Chains that cross each other are refined, which changes the polygons on all sides.
   //   mayFail  leaves polygons unmade whose borders cross; else their facets keep their faces
   void makePolygons(bool mayFail, const Progress* progress) {
+    throwIfCancelled(progress);
     FacetChains chains(edges_, facets_, positions_);
     polygons_.assign(facets_.planes.size(), {});
     std::vector<bool> keepsFaces(polygons_.size(), false);
@@ -207,7 +209,7 @@ class FacetMerging {
 MergedFacets withMergedFacets(const Complex& complex, const MergeOptions& options,
                               const Progress* progress) {
   if (complex.faces.empty()) return {complex, {}};
-  return FacetMerging(complex, options).merge(progress);
+  return FacetMerging(complex, options, progress).merge(progress);
 }
 
 }  // namespace sherd

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <glm/common.hpp>
+#include <utility>
 
 #include "mesh/flat_share.h"
 #include "surface/decimate.h"
@@ -30,24 +31,25 @@ FacetOptions facetsInVoxels() {
                        .planarFaces = kLeastFaces}};
 }
 
-// Rounded, so that what is decided by positions does not depend on the frame.
-Complex inVoxels(const Complex& complex, const GridFrame& frame) {
+// Moves vertices to index space, rounded so that what is decided by positions does not depend on
+// the frame.  Returns them as they were.
+std::vector<glm::dvec3> toVoxels(Complex& complex, const GridFrame& frame) {
   constexpr double kGrid = 0x1p-24;
-  Complex out = complex;
-  for (glm::dvec3& v : out.vertices) v = kGrid * glm::round(frame.indexFromWorld(v) / kGrid);
-  return out;
+  std::vector<glm::dvec3> world = complex.vertices;
+  for (glm::dvec3& v : complex.vertices) v = kGrid * glm::round(frame.indexFromWorld(v) / kGrid);
+  return world;
 }
 
 // Vertices that did not move keep their bits.
-std::vector<LabeledMesh> mergedPlanes(const Complex& complex, const GridFrame& frame,
+std::vector<LabeledMesh> mergedPlanes(Complex complex, const GridFrame& frame,
                                       const Progress* progress) {
-  const Complex before = inVoxels(complex, frame);
-  MergedFacets merged = withMergedFacets(before, {.facets = facetsInVoxels()}, progress);
+  const std::vector<glm::dvec3> world = toVoxels(complex, frame);
+  MergedFacets merged = withMergedFacets(complex, {.facets = facetsInVoxels()}, progress);
   Complex& after = merged.complex;
   for (std::size_t v = 0; v < after.vertices.size(); ++v) {
     const std::uint32_t source = merged.vertex[v];
-    after.vertices[v] = after.vertices[v] == before.vertices[source]
-                            ? complex.vertices[source]
+    after.vertices[v] = after.vertices[v] == complex.vertices[source]
+                            ? world[source]
                             : frame.worldFromIndex(after.vertices[v]);
   }
   std::vector<LabeledMesh> meshes = meshesOf(after.vertices, after.faces, after.labels);
@@ -74,10 +76,10 @@ Simplification simplificationOf(const SurfaceOptions& options, const Solid& soli
   return {.mergesPlanes = isFlat, .frame = solid.frame};
 }
 
-std::vector<LabeledMesh> simplified(const Complex& complex, const Simplification& simplification,
+std::vector<LabeledMesh> simplified(Complex complex, const Simplification& simplification,
                                     const Progress* progress) {
   if (simplification.error > 0.0) return simplified(complex, simplification.error, progress);
-  return mergedPlanes(complex, simplification.frame, progress);
+  return mergedPlanes(std::move(complex), simplification.frame, progress);
 }
 
 }  // namespace sherd

@@ -29,7 +29,7 @@ struct Simplification {
 
 /// Returns the simplified meshes of all labels, [labels].
 ///   throws  Error(cancelled)
-[[nodiscard]] std::vector<LabeledMesh> simplified(const Complex& complex,
+[[nodiscard]] std::vector<LabeledMesh> simplified(Complex complex,
                                                   const Simplification& simplification,
                                                   const Progress* progress = nullptr);
 
