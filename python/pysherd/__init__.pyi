@@ -260,7 +260,7 @@ def fracture(
     up: Literal["x", "y", "z"] | None = "y",
     surface: Literal["smooth", "labels", "exact"] | None = "smooth",
     interface: Literal["shared", "independent"] | None = "shared",
-    adaptivity: float | None = 0,
+    adaptivity: float | Literal["auto"] | None = "auto",
     smoothing: Literal["taubin", "laplacian"] | None = "taubin",
     smooth_iterations: float | str | os.PathLike[str] | Sequence[Any] | None = 0,
     smooth_weight: float | None = 0.5,

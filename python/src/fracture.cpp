@@ -10,6 +10,7 @@
 #include "base/uncancelled.h"
 #include "points/sample_surface.h"
 #include "process.h"
+#include "surface/simplify.h"
 #include "surface/smooth.h"
 
 namespace pysherd {
@@ -95,7 +96,7 @@ std::vector<sherd::SurfacePoints> Fracture::points(PointChoice choice, const Pro
     });
     sherd::reportProgress(&progress, "points", 1.0);
   };
-  if (const sherd::FragmentSurfaces* const all = surfaces()) {
+  if (const sherd::FragmentSurfaces* const all = surfaces(progress)) {
     sampleEach([&](std::size_t i) { return all->byArea(static_cast<std::uint16_t>(i + 1)); });
   } else {
     withMeshes(progress, [&](const std::vector<Fragment>& whole) {
@@ -139,14 +140,31 @@ sherd::SurfaceOptions GrownPieces::surface(bool meshes) const {
   return options;
 }
 
+// Measures are those of the meshes, which differ from the surfaces before triangles are merged.
 const std::vector<Fragment>& GrownPieces::measured(const Progress& progress) {
   if (!canLackMeshes(surface(false))) return meshed(progress);
-  const std::lock_guard lock(making_);
-  if (!isMeasured_) {
-    measureFragments(grown_, grown_.result, &progress);
-    isMeasured_ = true;
+  {
+    const std::lock_guard lock(making_);
+    if (!isMerged_) {
+      isMerged_ =
+          simplificationOf(surface(true), grown_.result.solid, grown_.surface.get()).isAny();
+    }
+    if (!*isMerged_ && !isMeasured_) {
+      measureFragments(grown_, grown_.result, &progress);
+      isMeasured_ = true;
+    }
   }
-  return grown_.result.fragments;
+  return *isMerged_ ? meshed(progress) : grown_.result.fragments;
+}
+
+const sherd::FragmentSurfaces* GrownPieces::surfaces(const Progress& progress) {
+  const std::lock_guard lock(making_);
+  sherd::FractureResult& result = grown_.result;
+  if (result.surfaces) return result.surfaces.get();
+  sherd::SurfaceOptions options = surface(true);
+  options.points = true;
+  if (!result.unmerged) result.unmerged = unmergedSurfaces(grown_, result, options, &progress);
+  return result.unmerged.get();
 }
 
 std::vector<Fragment> GrownPieces::made(const Progress& progress) {
@@ -178,6 +196,7 @@ std::vector<std::string> GrownPieces::save(const std::string& folder,
   }
   copy.result.fragments.clear();  // measured ones, without meshes
   copy.result.surfaces = nullptr;
+  copy.result.unmerged = nullptr;
   const sherd::FractureResult result = extracted(std::move(copy), options, &progress);
   const sherd::WrittenFolder written =
       writeFracture(folder, solid_->source(), options, result, write, &progress);

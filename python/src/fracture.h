@@ -82,8 +82,10 @@ class Fracture : public std::enable_shared_from_this<Fracture> {
   /// Whether made() gives the same again.
   [[nodiscard]] virtual bool canBeMadeAgain() const { return true; }
 
-  /// What points of fragments are sampled on; null: their meshes.
-  [[nodiscard]] virtual const sherd::FragmentSurfaces* surfaces() const { return nullptr; }
+  /// What points of fragments are sampled on, after measured(); null: their meshes.
+  [[nodiscard]] virtual const sherd::FragmentSurfaces* surfaces(const sherd::Progress&) {
+    return nullptr;
+  }
 
   mutable std::mutex making_;  ///< guards what is made once
 
@@ -125,9 +127,7 @@ class GrownPieces : public Fracture {
 
  protected:
   [[nodiscard]] std::vector<sherd::Fragment> made(const sherd::Progress& progress) override;
-  [[nodiscard]] const sherd::FragmentSurfaces* surfaces() const override {
-    return grown_.result.surfaces.get();
-  }
+  [[nodiscard]] const sherd::FragmentSurfaces* surfaces(const sherd::Progress& progress) override;
 
  private:
   [[nodiscard]] sherd::SurfaceOptions surface(bool meshes) const;
@@ -137,6 +137,7 @@ class GrownPieces : public Fracture {
   sherd::RunOptions run_;
   sherd::GrownFracture grown_;  // guarded by making_; its fragments are those of measured()
   bool isMeasured_ = false;
+  std::optional<bool> isMerged_;  // once it is known, guarded by making_
   std::string exactFailure_;
 };
 
