@@ -58,14 +58,17 @@ glm::dvec3 boundaryTarget(const Crossings& crossings, const glm::dvec3& intersec
   return target;
 }
 
-// On a crease or corner of the input there is no one plane to project onto.
+// On a crease or corner of the input there is no one plane to project onto.  The vertex moves there
+// from the mean of the crossings as far as triangles allow: on the crease they may cross others,
+// where cracks meet it at a small angle.
 std::optional<CellVertex> creaseOfBoundary(const Crossings& crossings) {
   const TangentPlanes outer(crossings, true), all(crossings, false);
   const PositionBox cell = cellBox(kCellMargin);
   const int rank = creasePoint(outer.span(), crossings.mean, cell).rank;
   if (rank == 1) return std::nullopt;
   const glm::dvec3 at = creasePoint(all.span(), crossings.mean, cell).at;
-  return CellVertex{at, at, static_cast<std::uint8_t>(rank)};
+  return CellVertex{clampedToCell(crossings.mean, kCellMargin), at,
+                    static_cast<std::uint8_t>(rank)};
 }
 
 // Where surfaces of several pairs of labels meet.

@@ -13,7 +13,7 @@ namespace sherd {
 struct CellVertex {
   glm::dvec3 at{0.0};
   glm::dvec3 target{0.0};  ///< position to move to: on a contact boundary up to half a voxel
-                           ///< outside the cell, else `at`
+                           ///< outside the cell, or on a crease; else `at`
   std::uint8_t rank = 1;   ///< of the solid's surface: 2 on its creases, 3 at its corners
 };
 

@@ -10,7 +10,8 @@ namespace sherd {
 namespace {
 
 constexpr double kLeastCosine = 0.7;  // between a triangle and its quad before any move
-constexpr double kLeastArea = 0.01;   // square voxels
+constexpr double kLeastOnCrease = 0.5;
+constexpr double kLeastArea = 0.01;  // square voxels
 constexpr int kPasses = 2;
 constexpr std::array kSteps{1.0, 0.75, 0.5, 0.25};
 
@@ -131,10 +132,11 @@ void straightenBoundaries(std::span<const std::vector<InterfaceQuad>> quads,
       const glm::dvec3 from = vertices[junctions[j].vertices()[0]];
       if (from + (junctions[j].target - from) == from) continue;  // already there
       const double before = junctionQuads.worstQuality(j, vertices);
+      const double enough = junctions[j].isOnCrease ? std::min(before, kLeastOnCrease) : before;
       bool moved = false;
       for (std::size_t k = 0; k < kSteps.size() && !moved; ++k) {
         moveTo(from + kSteps[k] * (junctions[j].target - from));
-        moved = junctionQuads.worstQuality(j, vertices, before) >= before;
+        moved = junctionQuads.worstQuality(j, vertices, enough) >= enough;
       }
       if (!moved) moveTo(from);
     }

@@ -32,9 +32,11 @@ struct InterfaceQuad {
 [[nodiscard]] std::array<std::array<std::uint32_t, 3>, 2> trianglesOf(
     const InterfaceQuad& quad, std::span<const glm::dvec3> vertices);
 
-/// A position where more than two labels meet and whose target lies outside its cell.
+/// A position where more than two labels meet that has a target: outside its cell, or on a crease.
 struct Junction {
   glm::dvec3 target{0.0};
+  bool isOnCrease = false;  ///< of the input: triangles rotate by up to 60 degrees then, as a
+                            ///< corner needs
   std::uint32_t count = 0;
   std::array<std::uint32_t, 24> all{};  ///< as many as a cell has sheets at most
 
@@ -45,9 +47,9 @@ struct Junction {
 };
 
 /// Moves junctions to their targets, or as far as no triangle degenerates: rotates by more than 45
-/// degrees from its quad's first normal, or gets smaller than a hundredth of a voxel's face.
-/// Degenerate triangles do not get worse.  Two passes over all junctions, because a move may make
-/// room for its neighbors.
+/// degrees from its quad's first normal, on creases 60, or gets smaller than a hundredth of a
+/// voxel's face. Degenerate triangles do not get worse.  Two passes over all junctions, because a
+/// move may make room for its neighbors.
 ///
 /// Without it boundaries zigzag where a crack crosses the surface outside the cells that the labels
 /// select.

@@ -77,7 +77,9 @@ void addCell(std::uint32_t offset, const glm::dvec3& low, const CellLabels& labe
     }
     const CellVertex vertex = vertexOf(p);
     const bool isJunction = vertex.target != vertex.at;
-    if (isJunction) to.junctions.push_back({.target = low + vertex.target});
+    if (isJunction) {
+      to.junctions.push_back({.target = low + vertex.target, .isOnCrease = vertex.rank > 1});
+    }
     for (std::uint8_t l = 0; l < sheets.loops; ++l) {
       if (sheets.positionOfLoop[l] != p) continue;
       if (isJunction) to.junctions.back().add(cell.firstLoop + l);
