@@ -165,7 +165,8 @@ struct CutFace {
   glm::uvec3 corner{0};     ///< of the whole face
 };
 
-/// One fragment.  Volume, centroid, inertia and areas are those of its mesh.
+/// One fragment.  Volume, centroid, inertia and areas are those of its mesh; without
+/// SurfaceOptions::meshes those of the surface before triangles are merged.
 struct Fragment {
   int id = 0;  ///< 1..n
   std::uint64_t voxels = 0;

@@ -31,15 +31,6 @@ PlacedVoxels labeledBox(const FractureResult& result, int fragments) {
           VoxelTransform{{origin, frame.voxelSize}, first}};
 }
 
-// Whether a mesh is written with surface attributes, if the input has some.
-bool hasAttributes(const WriteOptions& write) {
-  const auto isPlain = [&](MeshFileFormat format) {
-    return write.plainMeshes && (format == MeshFileFormat::ply || format == MeshFileFormat::obj);
-  };
-  return write.scene ||
-         (write.mesh && !std::all_of(write.meshFormats.begin(), write.meshFormats.end(), isPlain));
-}
-
 }  // namespace
 
 FractureWriter::FractureWriter(const SourceMesh& source, const WriteOptions& write)
@@ -185,7 +176,7 @@ void FractureWriting::finish(const Progress* progress) const {
 FractureOptions optionsFor(FractureOptions options, const WriteOptions& write) {
   options.grow.keepCost = write.cost;
   options.solid.keepMesh = options.surface.surface == Surface::exact;
-  options.solid.keepSeams = hasAttributes(write) && options.surface.surface != Surface::labels;
+  options.solid.keepSeams = options.surface.surface != Surface::labels;
   options.surface.levelSets = write.needsLevelSets();
   options.surface.meshes = write.needsMeshes() || !canLackMeshes(options.surface);
   options.surface.points = write.points.count > 0;

@@ -232,18 +232,17 @@ OptionValue<RunOptions> passes(Parent parent) {
 }
 
 OptionValue<RunOptions> adaptivity() {
-  const auto number = V::number(kSurface, &SurfaceOptions::adaptivity, kShare);
   return V::custom(
       OptionType::number, "auto|0..1",
-      [=](RunOptions& o, const std::string& text) {
-        if (text == "auto") {
-          o.fracture.surface.adaptivity = kAutoAdaptivity;
-        } else {
-          number.set(o, text);
-        }
+      [](RunOptions& o, const std::string& text) {
+        const std::optional<double> value = text == "auto" ? kAutoAdaptivity : numberIn(text);
+        const bool isIn = value && *value <= 1.0 && (*value >= 0.0 || text == "auto");
+        if (!isIn) refuseValue(text, "auto, or a number in 0..1");
+        o.fracture.surface.adaptivity = *value;
       },
-      [=](R o) {
-        return o.fracture.surface.adaptivity == kAutoAdaptivity ? "auto" : number.text(o);
+      [](R o) {
+        const double value = o.fracture.surface.adaptivity;
+        return value == kAutoAdaptivity ? "auto" : shortestText(value);
       });
 }
 
@@ -281,8 +280,9 @@ const std::vector<Row> kSurfaceRows{
      .details = "fewer polygons in flat regions: the largest rms distance, in voxels, "
                 "from a vertex to the planes of the faces it replaces. Applied after "
                 "smoothing, which needs the even triangles of the extracted mesh. `auto` merges "
-                "the triangles within 0.005 voxels of a plane, of cracks too, where at least half "
-                "of the mesh's surface is flat at the scale of a voxel",
+                "the triangles within 0.005 voxels of a plane, of cracks within 0.1, where at "
+                "least half of the mesh's surface is flat at the scale of a voxel, and its texture "
+                "coordinates and colors are linear in its planes",
      .key = "surface.adaptivity",
      .drawn = true,
      .unit = "voxels"},

@@ -26,10 +26,10 @@ struct FacetKind {
 
 struct FacetOptions {
   FacetKind cracks{};    ///< faces between two fragments, or eroded ones
-  FacetKind original{};  ///< faces whose back is 0
+  FacetKind original{};  ///< other faces
 
   [[nodiscard]] const FacetKind& of(const ComplexFace& face) const {
-    return face.back == 0 ? original : cracks;
+    return face.isCrack() ? cracks : original;
   }
 };
 

@@ -35,9 +35,6 @@ constexpr int kMostSplits = 8;
 constexpr double kFirstRadius = 5.0;
 constexpr int kMostRounds = 8;
 
-// Where polygons cross at more points, as those of thousands of small fragments do, all faces stay.
-constexpr std::size_t kMostFaults = 2000;
-
 // Vertices are displaced at random by this share of the tolerance, so that no four are in a plane,
 // and none lies on the surface that the cracks are to cut.
 constexpr double kDisplacement = 1e-3;
@@ -50,6 +47,7 @@ class FacetMerging {
         tolerance_(std::max(options.facets.cracks.tolerance, options.facets.original.tolerance)),
         facets_(facetsOf(complex, edges_, options.facets, progress)),
         seed_(options.displacementSeed),
+        mostFaults_(options.mostFaults),
         positions_(snapped(complex, facets_, kMostSnap * tolerance_)) {
     for (std::uint32_t v = 0; v < positions_.size(); ++v) positions_[v] += displacement(v);
   }
@@ -63,8 +61,8 @@ class FacetMerging {
       MergedFacets all = assembled(isOfFacet);
       const std::vector<glm::dvec3> faults = faultsOf(all.complex, isOfFacet, progress);
       if (faults.empty() || round == kMostRounds) return all;
-      if (faults.size() > kMostFaults) {
-        keepFaces([](std::size_t) { return true; });
+      if (faults.size() > mostFaults_) {
+        keepFaces([&](std::size_t f) { return complex_.faces[f].isCrack(); });
       } else {
         restoreNear(faults, radius);
       }
@@ -200,6 +198,7 @@ class FacetMerging {
   const double tolerance_;  // the larger one
   Facets facets_;
   const std::optional<std::uint64_t> seed_;
+  const std::size_t mostFaults_;
   std::vector<glm::dvec3> positions_;   // [vertices]
   std::vector<FacetPolygon> polygons_;  // [facets]
 };

@@ -3,6 +3,7 @@
 
 #include <sherd/progress.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -13,6 +14,9 @@
 namespace sherd {
 
 struct MergeOptions {
+  /// Where polygons cross others at more points, all faces of cracks stay: those of thousands of
+  /// small fragments.
+  std::size_t mostFaults = 2000;
   FacetOptions facets{};  ///< the tolerances are also those of lines between facets
   /// Displaces vertices at random by a thousandth of the larger tolerance, after which none lies in
   /// the plane of a face that it does not belong to: for cracks, so that a mesh can be cut by them.

@@ -20,16 +20,20 @@ constexpr double kLeastFlat = 0.5;
 constexpr double kFlatVoxels = 0.5, kFlatShareOfSide = 0.002;
 
 // Facets of the original surface are planes of the input, and come out as exactly as numbers are
-// rounded, however small.  Cracks between two seeds are planes too, but where their vertices would
+// rounded, however small, but for single vertices beside creases and cracks, which move back onto
+// their planes.  Cracks between two seeds are planes too, but where their vertices would
 // leave a voxel's center on the wrong side, these are up to a tenth of a voxel off.
 FacetOptions facetsInVoxels() {
   constexpr std::size_t kLeastFaces = 16;
   return {.cracks = {.tolerance = kPlanarCrackTolerance, .leastFaces = kLeastFaces},
           .original = {.tolerance = kPlanarTolerance,
-                       .ofSmall = 1.0,
+                       .ofSmall = 20.0,
                        .leastFaces = kLeastFaces,
                        .planarFaces = kLeastFaces}};
 }
+
+// MergeOptions::mostFaults.
+constexpr std::size_t kLeastFaults = 2000, kFacesPerFault = 100;
 
 // Moves vertices to index space, rounded so that what is decided by positions does not depend on
 // the frame.  Returns them as they were.
@@ -44,7 +48,11 @@ std::vector<glm::dvec3> toVoxels(Complex& complex, const GridFrame& frame) {
 std::vector<LabeledMesh> mergedPlanes(Complex complex, const GridFrame& frame,
                                       const Progress* progress) {
   const std::vector<glm::dvec3> world = toVoxels(complex, frame);
-  MergedFacets merged = withMergedFacets(complex, {.facets = facetsInVoxels()}, progress);
+  MergedFacets merged =
+      withMergedFacets(complex,
+                       {.mostFaults = std::max(kLeastFaults, complex.faces.size() / kFacesPerFault),
+                        .facets = facetsInVoxels()},
+                       progress);
   Complex& after = merged.complex;
   for (std::size_t v = 0; v < after.vertices.size(); ++v) {
     const std::uint32_t source = merged.vertex[v];

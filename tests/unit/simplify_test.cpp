@@ -173,6 +173,17 @@ std::map<Position, double> distancesFromCube(const std::vector<Fragment>& fragme
   return all;
 }
 
+TEST(MergedPlanes, AreThoseOfManyFragmentsToo) {
+  FractureOptions options = optionsFor(kAutoAdaptivity);
+  options.pieces = 700;
+  const std::vector<Fragment> merged = fragmentsOf(shapes::cube(1.0), options);
+  options.surface.adaptivity = 0.0;
+  const std::vector<Fragment> all = fragmentsOf(shapes::cube(1.0), options);
+  EXPECT_LT(2 * trianglesOf(merged), trianglesOf(all));
+  EXPECT_LE(crossingsOf(merged), crossingsOf(all));
+  expectSound(merged);
+}
+
 TEST(MergedPlanes, StayOnTheInput) {
   const double voxel = 1.0 / 64.0;
   const auto before = distancesFromCube(fragmentsOf(shapes::cube(1.0), optionsFor(0.0)));
@@ -196,6 +207,9 @@ TEST(MergedPlanes, AreSoundWithRoughAndErodedCracksAndOfEachFragmentAlone) {
     options.surface.adaptivity = 0.0;
     const std::vector<Fragment> all = fragmentsOf(shapes::cube(1.0), options);
     EXPECT_LT(trianglesOf(merged), trianglesOf(all));
+    if (options.surface.interface == Interface::independent) {  // cracks are merged, too
+      EXPECT_LT(10 * trianglesOf(merged), trianglesOf(all));
+    }
     EXPECT_LE(crossingsOf(merged), crossingsOf(all));
     for (const Fragment& fragment : merged) {
       EXPECT_EQ(openEdges(fragment.mesh) + nonManifoldEdges(fragment.mesh) +
