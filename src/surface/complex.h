@@ -31,7 +31,6 @@ struct ComplexFace {
   std::uint32_t chart = 0;  ///< as LabeledMesh::chart
 
   bool isOf(std::uint16_t label) const { return front == label || back == label; }
-  bool isCrack() const { return back != 0 || neighbor != 0; }  ///< or is eroded
 };
 
 /// Closed surfaces of labels 1..labels.  A face between two of them is stored once.

@@ -26,10 +26,10 @@ struct FacetKind {
 
 struct FacetOptions {
   FacetKind cracks{};    ///< faces between two fragments, or eroded ones
-  FacetKind original{};  ///< other faces
+  FacetKind original{};  ///< faces whose back is 0, and all of a mesh alone
 
   [[nodiscard]] const FacetKind& of(const ComplexFace& face) const {
-    return face.isCrack() ? cracks : original;
+    return face.back == 0 ? original : cracks;
   }
 };
 

@@ -62,7 +62,7 @@ class FacetMerging {
       const std::vector<glm::dvec3> faults = faultsOf(all.complex, isOfFacet, progress);
       if (faults.empty() || round == kMostRounds) return all;
       if (faults.size() > mostFaults_) {
-        keepFaces([&](std::size_t f) { return complex_.faces[f].isCrack(); });
+        keepFaces([&](std::size_t f) { return complex_.faces[f].back != 0; });
       } else {
         restoreNear(faults, radius);
       }

@@ -25,11 +25,10 @@ constexpr double kFlatVoxels = 0.5, kFlatShareOfSide = 0.002;
 // leave a voxel's center on the wrong side, these are up to a tenth of a voxel off.
 FacetOptions facetsInVoxels() {
   constexpr std::size_t kLeastFaces = 16;
-  return {.cracks = {.tolerance = kPlanarCrackTolerance, .leastFaces = kLeastFaces},
-          .original = {.tolerance = kPlanarTolerance,
-                       .ofSmall = 20.0,
-                       .leastFaces = kLeastFaces,
-                       .planarFaces = kLeastFaces}};
+  return {
+      .cracks = {.tolerance = kPlanarCrackTolerance, .leastFaces = kLeastFaces},
+      .original = {
+          .tolerance = kPlanarTolerance, .leastFaces = kLeastFaces, .planarFaces = kLeastFaces}};
 }
 
 // MergeOptions::mostFaults.

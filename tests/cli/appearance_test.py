@@ -152,7 +152,7 @@ class Look(CommandLine):
         return os.path.join(self.out, name)
 
     def test_ply(self):
-        self.done("--write", "mesh", mesh=self.drum(), pieces=4)
+        self.done("--write", "mesh", "--adaptivity", "0", mesh=self.drum(), pieces=4)
         h = self.pieces()["grid"]["voxel_size"]
         for piece in self.pieces()["fragments"]:
             comments, v, f = read_ply(self.at(piece["files"]["mesh"]))
