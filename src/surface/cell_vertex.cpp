@@ -38,8 +38,8 @@ glm::dvec3 clampedToCell(const glm::dvec3& p, double margin) {
   return glm::clamp(p, glm::dvec3(margin), glm::dvec3(1.0 - margin));
 }
 
-// A boundary vertex lies on the original surface, which predates the crack.
-glm::dvec3 boundaryTarget(const Crossings& crossings, const glm::dvec3& intersection) {
+// The plane of the original surface in a cell; without one, a normal of 0.
+TangentPlane outerPlane(const Crossings& crossings) {
   glm::dvec3 sum(0.0), outward(0.0);
   for (const Crossing& crossing : crossings.span()) {
     if (!crossing.isOuter) continue;
@@ -47,15 +47,19 @@ glm::dvec3 boundaryTarget(const Crossings& crossings, const glm::dvec3& intersec
     outward += crossing.isLowOutside ? -crossing.plane.normal : crossing.plane.normal;
   }
   const double length = glm::length(outward);
-  const auto ontoSurface = [&](const glm::dvec3& p) {
-    if (length == 0.0) return p;
-    const glm::dvec3 n = outward / length;
-    return p - glm::dot(p - sum / static_cast<double>(crossings.outers), n) * n;
-  };
+  if (length == 0.0) return {};
+  return {sum / static_cast<double>(crossings.outers), outward / length};
+}
+
+// A boundary vertex lies on the original surface, which predates the crack.
+CellVertex onSurface(const Crossings& crossings, const glm::dvec3& intersection) {
+  const TangentPlane plane = outerPlane(crossings);
   glm::dvec3 target = clampedToCell(intersection, -kMaxOutside);
-  for (int pass = 0; pass < kPasses; ++pass)
-    target = clampedToCell(ontoSurface(target), -kMaxOutside);
-  return target;
+  for (int pass = 0; pass < kPasses; ++pass) {
+    target -= glm::dot(target - plane.point, plane.normal) * plane.normal;
+    target = clampedToCell(target, -kMaxOutside);
+  }
+  return {clampedToCell(intersection, kCellMargin), target, 1, plane.normal};
 }
 
 // On a crease or corner of the input there is no one plane to project onto.  The vertex moves there
@@ -81,7 +85,7 @@ CellVertex boundaryVertex(const CellValues& values, Crossings crossings) {
     if (const std::optional<CellVertex> crease = creaseOfBoundary(crossings)) return *crease;
   }
   const glm::dvec3 intersection = leastSquaresPoint(crossings);
-  return {clampedToCell(intersection, kCellMargin), boundaryTarget(crossings, intersection)};
+  return onSurface(crossings, intersection);
 }
 
 }  // namespace

@@ -15,6 +15,8 @@ struct CellVertex {
   glm::dvec3 target{0.0};  ///< position to move to: on a contact boundary up to half a voxel
                            ///< outside the cell, or on a crease; else `at`
   std::uint8_t rank = 1;   ///< of the solid's surface: 2 on its creases, 3 at its corners
+  glm::dvec3 normal{
+      0.0};  ///< of the solid's plane at the target of a contact boundary, unit; else 0
 };
 
 /// Returns the position of one vertex of a cell.

@@ -13,7 +13,8 @@ constexpr double kLeastCosine = 0.7;  // between a triangle and its quad before 
 constexpr double kLeastOnCrease = 0.5;
 constexpr double kLeastArea = 0.01;  // square voxels
 constexpr int kPasses = 2;
-constexpr std::array kSteps{1.0, 0.75, 0.5, 0.25};
+constexpr std::array kSteps{0.75, 0.5, 0.25};
+constexpr std::array kStepsOnSurface{0.75, 0.5, 0.25, 0.0};
 
 // The quads at junctions.
 class JunctionQuads {
@@ -133,12 +134,23 @@ void straightenBoundaries(std::span<const std::vector<InterfaceQuad>> quads,
       if (from + (junctions[j].target - from) == from) continue;  // already there
       const double before = junctionQuads.worstQuality(j, vertices);
       const double enough = junctions[j].isOnCrease ? std::min(before, kLeastOnCrease) : before;
-      bool moved = false;
-      for (std::size_t k = 0; k < kSteps.size() && !moved; ++k) {
-        moveTo(from + kSteps[k] * (junctions[j].target - from));
-        moved = junctionQuads.worstQuality(j, vertices, enough) >= enough;
+      const auto moves = [&](const glm::dvec3& to, double quality) {
+        moveTo(to);
+        return junctionQuads.worstQuality(j, vertices, quality) >= quality;
+      };
+      const glm::dvec3 &target = junctions[j].target, &normal = junctions[j].normal;
+      const auto towards = [&](double step) { return from + step * (target - from); };
+      const auto isMoved = [&](double step) { return moves(towards(step), enough); };
+      const auto isMovedOnSurface = [&](double step) {
+        const glm::dvec3 at = towards(step);
+        return moves(at - glm::dot(at - target, normal) * normal, kLeastCosine);
+      };
+      const bool hasSurface = normal != glm::dvec3(0.0);
+      if (!isMoved(1.0) &&
+          !(hasSurface && std::ranges::any_of(kStepsOnSurface, isMovedOnSurface)) &&
+          !std::ranges::any_of(kSteps, isMoved)) {
+        moveTo(from);
       }
-      if (!moved) moveTo(from);
     }
   }
 }

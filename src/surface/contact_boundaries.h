@@ -35,6 +35,7 @@ struct InterfaceQuad {
 /// A position where more than two labels meet that has a target: outside its cell, or on a crease.
 struct Junction {
   glm::dvec3 target{0.0};
+  glm::dvec3 normal{0.0};   ///< of the solid's surface at it, unit; 0 on a crease
   bool isOnCrease = false;  ///< of the input: triangles rotate by up to 60 degrees then, as a
                             ///< corner needs
   std::uint32_t count = 0;
@@ -48,8 +49,9 @@ struct Junction {
 
 /// Moves junctions to their targets, or as far as no triangle degenerates: rotates by more than 45
 /// degrees from its quad's first normal, on creases 60, or gets smaller than a hundredth of a
-/// voxel's face. Degenerate triangles do not get worse.  Two passes over all junctions, because a
-/// move may make room for its neighbors.
+/// voxel's face. Degenerate triangles do not get worse.  Where that
+/// is not the whole way, a junction moves onto the surface, if that leaves no triangle degenerate.
+/// Two passes over all junctions, because a move may make room for its neighbors.
 ///
 /// Without it boundaries zigzag where a crack crosses the surface outside the cells that the labels
 /// select.

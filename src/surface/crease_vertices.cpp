@@ -31,6 +31,8 @@ constexpr double kClear = 0.12;
 // The nearest points of the input: the planes of two creases less than a voxel apart meet beside
 // it.
 class OntoInput {
+  static constexpr int kPasses = 8;
+
  public:
   ///   cell       its lowest corner
   ///   triangles  of the crossings: most points are on them
@@ -38,13 +40,20 @@ class OntoInput {
             std::span<const std::uint32_t> triangles)
       : input_(input), cell_(cell), triangles_(triangles) {}
 
-  /// Returns the nearest point to one, within a box; both of the cell.
+  /// Returns a point of the input near one, within a box; both of the cell.
   [[nodiscard]] glm::dvec3 of(const glm::dvec3& p, const PositionBox& box) {
     if (p != from_) {
       from_ = p;
       nearest_ = nearestTo(cell_ + p);
     }
-    return nearest_ ? glm::clamp(*nearest_ - cell_, box.low, box.high) : p;
+    if (!nearest_) return p;
+    glm::dvec3 at = glm::clamp(*nearest_ - cell_, box.low, box.high);
+    for (int pass = 1; pass < kPasses; ++pass) {  // the nearest point may be beyond the box
+      const std::optional<glm::dvec3> on = nearestTo(cell_ + at);
+      if (!on) break;
+      at = glm::clamp(*on - cell_, box.low, box.high);
+    }
+    return at;
   }
 
  private:

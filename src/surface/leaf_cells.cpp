@@ -78,7 +78,8 @@ void addCell(std::uint32_t offset, const glm::dvec3& low, const CellLabels& labe
     const CellVertex vertex = vertexOf(p);
     const bool isJunction = vertex.target != vertex.at;
     if (isJunction) {
-      to.junctions.push_back({.target = low + vertex.target, .isOnCrease = vertex.rank > 1});
+      to.junctions.push_back(
+          {.target = low + vertex.target, .normal = vertex.normal, .isOnCrease = vertex.rank > 1});
     }
     for (std::uint8_t l = 0; l < sheets.loops; ++l) {
       if (sheets.positionOfLoop[l] != p) continue;
@@ -154,7 +155,7 @@ LeafCells cellsOf(const Field& field, std::size_t leaf, const LeafCells* intact,
     const glm::dvec3 low(origin.x() + at.x(), origin.y() + at.y(), origin.z() + at.z());
     addCell(offset, low, labels, sheets, found, [&](std::uint8_t p) {
       const CreaseVertex* const crease = isCut ? nullptr : creases.find(offset, sheets, p);
-      if (crease != nullptr) return CellVertex{crease->at, crease->at, crease->rank};
+      if (crease != nullptr) return CellVertex{crease->at, crease->at, crease->rank, {}};
       return cellVertex(values, sheets, p, field.cut().snapWeight);
     });
   }

@@ -21,7 +21,7 @@ struct QuadTriangles {
 };
 
 /// How far beyond its cell a vertex may lie, in voxels.
-inline constexpr double kMostOutside = 0.25;
+inline constexpr double kMostOutside = 0.45;
 
 /// Returns the vertices of pairs of triangles that cross as by selfCrossings, at least one of them
 /// tested; may repeat.  Quads are small, so that only those of the next cells are compared.

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <glm/mat3x3.hpp>
@@ -23,6 +24,7 @@
 #include "shapes.h"
 #include "surface/contact_boundaries.h"
 #include "voxelize/leaf_blocks.h"
+#include "voxelize/region.h"
 
 namespace sherd {
 namespace {
@@ -73,12 +75,14 @@ std::vector<double> fromEdges(double side, const TriangleMesh& surface) {
 
 class CreasesOfFragments : public DeviceTest {
  protected:
-  FractureResult broken(const TriangleMesh& mesh, Interface interface = Interface::shared) {
+  FractureResult broken(const TriangleMesh& mesh, Interface interface = Interface::shared,
+                        double adaptivity = kAutoAdaptivity) {
     FractureOptions options;
     options.pieces = 8;
     options.seed = 3;
     options.solid.resolution = 64;
     options.surface.interface = interface;
+    options.surface.adaptivity = adaptivity;
     return fracture(mesh, options, device());
   }
 };
@@ -103,6 +107,48 @@ TEST_F(CreasesOfFragments, EdgesOfACubeStay) {
       EXPECT_NEAR(volumeSum, 8.0, 0.5 * h * h);
     }
   }
+}
+
+// Where a crack meets the surface outside its cell, its vertex stays on the surface.
+TEST_F(CreasesOfFragments, CracksEndOnTheFacesOfACube) {
+  constexpr double kSide = 2.0;
+  const FractureResult result = broken(rotated(shapes::cube(kSide)), Interface::shared, 0.0);
+  const double h = result.solid.frame.voxelSize;
+  std::size_t count = 0, off = 0;
+  for (const Fragment& fragment : result.fragments) {
+    const TriangleMesh& mesh = fragment.mesh;
+    std::vector<int> sides(mesh.vertices.size(), 0);  // 1: original, 2: of a crack
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      for (int k = 0; k < 3; ++k) sides[mesh.triangles[t][k]] |= mesh.neighbor[t] == 0 ? 1 : 2;
+    }
+    for (std::size_t v = 0; v < sides.size(); ++v) {
+      const glm::dvec3 at = glm::abs(glm::transpose(kRotation) * mesh.vertices[v]);
+      std::array<double, 3> depth{kSide / 2 - at.x, kSide / 2 - at.y, kSide / 2 - at.z};
+      std::sort(depth.begin(), depth.end());
+      if (sides[v] != 3 || depth[1] < h) continue;  // at the edges
+      ++count;
+      if (std::abs(depth[0]) > 0.01 * h) ++off;
+    }
+  }
+  EXPECT_GT(count, 500u);
+  // Not where triangles leave no room: 6 of 100, and 9 if junctions only moved towards targets.
+  EXPECT_LT(off, count * 15 / 200) << count;
+}
+
+TEST(Creases, AreOnTheInput) {
+  const Solid solid = voxelize(rotated(shapes::cube(2.0)), {.resolution = 64});
+  const Creases creases(solid, leafNeighbors(solid.blocks->origins), nullptr);
+  std::size_t count = 0;
+  for (const openvdb::Coord& origin : solid.blocks->origins) {
+    for (const CreaseVertex& vertex : creases.of(origin)) {
+      const openvdb::Coord cell = origin + coordFromOffset(vertex.offset);
+      const glm::dvec3 at = glm::dvec3(cell.x(), cell.y(), cell.z()) + vertex.at;
+      if (vertex.rank == 1) continue;
+      ++count;
+      EXPECT_LT(solid.region->boundary()->nearest(at, 1.0).distance, 0.002) << cell;  // voxels
+    }
+  }
+  EXPECT_GT(count, 500u);
 }
 
 TEST(Creases, DoNotMakeTrianglesCross) {
