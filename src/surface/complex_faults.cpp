@@ -2,12 +2,9 @@
 #include "surface/complex_faults.h"
 
 #include <algorithm>
-#include <array>
-#include <cstdint>
 #include <glm/geometric.hpp>
 #include <utility>
 
-#include "exact/self_crossings.h"
 #include "surface/face_edges.h"
 
 namespace sherd {
@@ -49,23 +46,25 @@ bool isCrowded(const Complex& complex, std::span<const FaceEdges::Use> uses) {
 
 }  // namespace
 
-std::vector<glm::dvec3> faultsOf(const Complex& complex, std::span<const std::uint8_t> of,
-                                 const Progress* progress) {
+std::vector<ComplexFault> faultsOf(const Complex& complex, const CrossingPairs& tested,
+                                   const Progress* progress) {
   const std::vector<glm::uvec3> triangles = trianglesOf(complex);
   const auto corners = [&](std::uint32_t f) {
     const glm::uvec3& t = triangles[f];
     const std::vector<glm::dvec3>& v = complex.vertices;
     return std::array<glm::dvec3, 3>{v[t.x], v[t.y], v[t.z]};
   };
-  std::vector<glm::dvec3> points;
-  for (const auto& [f, g] : selfCrossings(complex.vertices, triangles, progress, {.of = of})) {
-    points.push_back(commonPoint(corners(f), corners(g)));
+  std::vector<ComplexFault> faults;
+  for (const auto& [f, g] : selfCrossings(complex.vertices, triangles, progress, tested)) {
+    faults.push_back({commonPoint(corners(f), corners(g)), {f, g}});
   }
   const FaceEdges edges(triangles, complex.vertices.size());
   for (std::size_t e = 0; e < edges.count(); ++e) {
-    if (isCrowded(complex, edges.uses(e))) points.push_back(complex.vertices[edges.ends(e)[0]]);
+    const auto uses = edges.uses(e);
+    if (!isCrowded(complex, uses)) continue;
+    faults.push_back({complex.vertices[edges.ends(e)[0]], {uses[0].face, uses[1].face}});
   }
-  return points;
+  return faults;
 }
 
 }  // namespace sherd

@@ -3,21 +3,27 @@
 
 #include <sherd/progress.h>
 
+#include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
-#include <span>
 #include <vector>
 
+#include "exact/self_crossings.h"
 #include "surface/complex.h"
 
 namespace sherd {
 
-/// Returns points where faces cross each other, or a label other than 0 has more than two faces at
-/// an edge; none if the surface has no such faults.
-///   of      [faces] 0 or 1: looks for crossings of the faces with 1 only
+struct ComplexFault {
+  glm::dvec3 at{0.0};
+  std::array<std::uint32_t, 2> faces{};  ///< two that take part
+};
+
+/// Returns where faces cross each other, or a label other than 0 has more than two faces at an
+/// edge; nothing if the surface has no such faults.
+///   tested  the pairs of faces that are looked at for crossings
 ///   throws  Error(cancelled)
-[[nodiscard]] std::vector<glm::dvec3> faultsOf(const Complex& complex,
-                                               std::span<const std::uint8_t> of,
-                                               const Progress* progress = nullptr);
+[[nodiscard]] std::vector<ComplexFault> faultsOf(const Complex& complex,
+                                                 const CrossingPairs& tested,
+                                                 const Progress* progress = nullptr);
 
 }  // namespace sherd

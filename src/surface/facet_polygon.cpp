@@ -113,8 +113,8 @@ std::optional<std::vector<bool>> insideOf(const Triangulation& all,
 
 }  // namespace
 
-FacetPolygon polygonOf(std::uint32_t facet, const FacetChains& chains, const Facets::Plane& plane) {
-  const std::vector<Side> sides = chains.sidesOf(facet);
+FacetPolygon polygonOf(std::uint32_t facet, std::span<const Side> sides, const FacetChains& chains,
+                       const Facets::Plane& plane) {
   if (sides.empty()) return {.isMade = true};
   if (const std::optional<FacetPolygon> triangle = triangleOf(sides)) return *triangle;
   std::vector<std::uint32_t> used;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <span>
 #include <vector>
 
 #include "surface/facet_chains.h"
@@ -19,8 +20,9 @@ struct FacetPolygon {
 
 /// Returns the polygon that a facet's sides enclose, triangulated in the facet's plane.  No
 /// triangle if all sides cancel.
+///   sides  FacetChains::sidesOf the facet
 ///   cost  about sides * log(sides)
-[[nodiscard]] FacetPolygon polygonOf(std::uint32_t facet, const FacetChains& chains,
-                                     const Facets::Plane& plane);
+[[nodiscard]] FacetPolygon polygonOf(std::uint32_t facet, std::span<const Side> sides,
+                                     const FacetChains& chains, const Facets::Plane& plane);
 
 }  // namespace sherd

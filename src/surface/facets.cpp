@@ -183,12 +183,6 @@ Facets facetsOf(const Complex& complex, const FaceEdges& edges, const FacetOptio
   return FacetGrowing(complex, edges, options, progress).grow();
 }
 
-void splitOff(Facets& facets, const std::function<bool(std::size_t)>& condition) {
-  for (std::size_t f = 0; f < facets.ofFace.size(); ++f) {
-    if (facets.ofFace[f] != kNone && condition(f)) facets.ofFace[f] = kNone;
-  }
-}
-
 std::vector<glm::dvec3> snapped(const Complex& complex, const Facets& facets, double most) {
   constexpr std::size_t kMostPlanes = 8;
   struct Around {

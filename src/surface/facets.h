@@ -4,7 +4,6 @@
 #include <sherd/progress.h>
 
 #include <cstdint>
-#include <functional>
 #include <glm/vec3.hpp>
 #include <vector>
 
@@ -62,8 +61,5 @@ struct Facets {
 ///   return  the positions of all vertices
 [[nodiscard]] std::vector<glm::dvec3> snapped(const Complex& complex, const Facets& facets,
                                               double most);
-
-/// Takes each face for which a condition holds out of its facet.
-void splitOff(Facets& facets, const std::function<bool(std::size_t)>& condition);
 
 }  // namespace sherd

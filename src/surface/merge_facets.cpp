@@ -31,7 +31,7 @@ constexpr double kMostSnap = 10.0;
 constexpr int kMostSplits = 8;
 
 // Near polygons that cross each other the faces stay: within this many tolerances, then within
-// twice that, and so on.
+// twice that, and so on; after so many rounds all of them.
 constexpr double kFirstRadius = 5.0;
 constexpr int kMostRounds = 8;
 
@@ -48,7 +48,11 @@ class FacetMerging {
         facets_(facetsOf(complex, edges_, options.facets, progress)),
         seed_(options.displacementSeed),
         mostFaults_(options.mostFaults),
-        positions_(snapped(complex, facets_, kMostSnap * tolerance_)) {
+        positions_(snapped(complex, facets_, kMostSnap * tolerance_)),
+        polygons_(facets_.planes.size()),
+        sides_(polygons_.size()),
+        isTested_(polygons_.size(), 1),
+        isRestored_(complex.faces.size(), false) {
     for (std::uint32_t v = 0; v < positions_.size(); ++v) positions_[v] += displacement(v);
   }
 
@@ -57,11 +61,15 @@ class FacetMerging {
     for (int round = 0;; ++round, radius *= 2.0) {
       throwIfCancelled(progress);
       makeAllPolygons(progress);
-      std::vector<std::uint8_t> isOfFacet;
-      MergedFacets all = assembled(isOfFacet);
-      const std::vector<glm::dvec3> faults = faultsOf(all.complex, isOfFacet, progress);
-      if (faults.empty() || round == kMostRounds) return all;
-      if (faults.size() > mostFaults_) {
+      Assembled all = assembled();
+      if (round == kMostRounds) return std::move(all.merged);
+      const std::vector<ComplexFault> faults =
+          faultsOf(all.merged.complex, {.of = all.isTested, .source = all.source}, progress);
+      if (faults.empty()) return std::move(all.merged);
+      testNext(faults, all.facet);
+      if (round + 1 == kMostRounds) {
+        keepFaces([](std::size_t) { return true; });
+      } else if (faults.size() > mostFaults_) {
         keepFaces([&](std::size_t f) { return complex_.faces[f].back != 0; });
       } else {
         restoreNear(faults, radius);
@@ -82,13 +90,15 @@ class FacetMerging {
   }
 
   // Gives back the faces near some points.
-  void restoreNear(std::span<const glm::dvec3> points, double radius) {
-    const NearPoints faults(points);
+  void restoreNear(std::span<const ComplexFault> faults, double radius) {
+    std::vector<glm::dvec3> points;
+    for (const ComplexFault& fault : faults) points.push_back(fault.at);
+    const NearPoints near(points);
     std::vector<std::uint8_t> isNear(complex_.vertices.size(), 0);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, isNear.size(), 512),
                       [&](const auto& range) {
                         for (std::size_t v = range.begin(); v < range.end(); ++v) {
-                          isNear[v] = faults.areWithin(radius, complex_.vertices[v]) ? 1 : 0;
+                          isNear[v] = near.areWithin(radius, complex_.vertices[v]) ? 1 : 0;
                         }
                       });
     keepFaces([&](std::size_t f) {
@@ -99,12 +109,22 @@ class FacetMerging {
 
   // Takes faces out of their facets, and undoes the snapping of their vertices.
   void keepFaces(const std::function<bool(std::size_t)>& condition) {
-    splitOff(facets_, condition);
+    std::vector<bool> isMoved(positions_.size(), false);
     for (std::size_t f = 0; f < complex_.faces.size(); ++f) {
-      if (facets_.ofFace[f] != Facets::kNone) continue;
+      if (facets_.ofFace[f] == Facets::kNone || !condition(f)) continue;
+      facets_.ofFace[f] = Facets::kNone;
+      isRestored_[f] = true;
       const glm::uvec3& t = complex_.faces[f].corner;
-      for (const std::uint32_t v : {t.x, t.y, t.z})
-        positions_[v] = complex_.vertices[v] + displacement(v);
+      for (const std::uint32_t v : {t.x, t.y, t.z}) {
+        const glm::dvec3 before = complex_.vertices[v] + displacement(v);
+        isMoved[v] = isMoved[v] || positions_[v] != before;
+        positions_[v] = before;
+      }
+    }
+    for (std::size_t f = 0; f < complex_.faces.size(); ++f) {
+      const glm::uvec3& t = complex_.faces[f].corner;
+      if (facets_.ofFace[f] != Facets::kNone && (isMoved[t.x] || isMoved[t.y] || isMoved[t.z]))
+        polygons_[facets_.ofFace[f]] = {};
     }
   }
 
@@ -125,12 +145,12 @@ class FacetMerging {
     }
   }
 
-  // Chains that cross each other are refined, which changes the polygons on all sides.
+  // Chains that cross each other are refined, which changes the polygons on all sides.  Polygons
+  // whose sides did not change since the last call stay.
   //   mayFail  leaves polygons unmade whose borders cross; else their facets keep their faces
   void makePolygons(bool mayFail, const Progress* progress) {
     throwIfCancelled(progress);
     FacetChains chains(edges_, facets_, positions_);
-    polygons_.assign(facets_.planes.size(), {});
     std::vector<bool> keepsFaces(polygons_.size(), false);
     std::vector<std::uint32_t> todo(polygons_.size());
     std::iota(todo.begin(), todo.end(), 0u);
@@ -138,7 +158,7 @@ class FacetMerging {
       CancelFlag stop(progress);
       tbb::parallel_for(std::size_t{0}, todo.size(), [&](std::size_t i) {
         const std::uint32_t f = todo[i];
-        if (!stop.isSet() && !keepsFaces[f]) polygons_[f] = polygonOf(f, chains, facets_.planes[f]);
+        if (!stop.isSet() && !keepsFaces[f]) makePolygon(f, chains);
       });
       stop.throwIfSet();
       std::vector<std::uint32_t> again;
@@ -156,41 +176,75 @@ class FacetMerging {
     }
   }
 
-  //   isOfFacet  receives [faces] 0 or 1: whose corners may have moved
-  MergedFacets assembled(std::vector<std::uint8_t>& isOfFacet) const {
+  void makePolygon(std::uint32_t facet, const FacetChains& chains) {
+    std::vector<Side> sides = chains.sidesOf(facet);
+    FacetPolygon& polygon = polygons_[facet];
+    if (polygon.isMade && std::ranges::equal(sides, sides_[facet], {}, &Side::ends, &Side::ends))
+      return;
+    polygon = polygonOf(facet, sides, chains, facets_.planes[facet]);
+    sides_[facet] = std::move(sides);
+    isTested_[facet] = 1;
+  }
+
+  struct Assembled {
     MergedFacets merged;
-    Complex& out = merged.complex;
+    std::vector<std::uint32_t> facet;    // [faces] kNone: a face of before
+    std::vector<std::uint8_t> isTested;  // [faces] 0 or 1: for crossings with all others
+    std::vector<std::uint32_t> source;   // [faces] those of one need not be compared
+  };
+
+  // Faces that stay are not compared with each other, and neither are triangles of one polygon,
+  // which lie side by side in its plane.
+  Assembled assembled() const {
+    Assembled all;
+    Complex& out = all.merged.complex;
     out.labels = complex_.labels;
     std::vector<std::uint32_t> number(complex_.vertices.size(), kNone);
-    const auto add = [&](const glm::uvec3& corner, std::uint32_t f) {
+    const auto add = [&](const glm::uvec3& corner, std::uint32_t f, std::uint32_t facet,
+                         bool isTested, std::uint32_t source) {
       ComplexFace face = complex_.faces[f];  // at fixed vertices it has its corners, in their order
       for (int k = 0; k < 3; ++k) {
         std::uint32_t& n = number[corner[k]];
         if (n == kNone) {
           n = static_cast<std::uint32_t>(out.vertices.size());
           out.vertices.push_back(positions_[corner[k]]);
-          merged.vertex.push_back(corner[k]);
+          all.merged.vertex.push_back(corner[k]);
           if (!complex_.fixed.empty()) out.fixed.push_back(complex_.fixed[corner[k]]);
         }
         face.corner[k] = n;
       }
       out.faces.push_back(face);
+      all.facet.push_back(facet);
+      all.isTested.push_back(isTested ? 1 : 0);
+      all.source.push_back(source);
     };
-    std::vector<bool> isDone(polygons_.size(), false);
+    const auto facets = static_cast<std::uint32_t>(polygons_.size());
+    std::vector<bool> isDone(facets, false);
     for (std::uint32_t f = 0; f < complex_.faces.size(); ++f) {
       const std::uint32_t facet = facets_.ofFace[f];
-      if (facet == Facets::kNone || !polygons_[facet].isMade) {
-        add(complex_.faces[f].corner, f);
-        isOfFacet.push_back(facet == Facets::kNone ? 0 : 1);
+      if (facet == Facets::kNone) {
+        add(complex_.faces[f].corner, f, kNone, isRestored_[f], facets);
+      } else if (!polygons_[facet].isMade) {
+        add(complex_.faces[f].corner, f, facet, true, facets + 1 + f);
       } else if (!isDone[facet]) {
         isDone[facet] = true;
-        for (const glm::uvec3& t : polygons_[facet].triangles) {
-          add(t, f);
-          isOfFacet.push_back(1);
-        }
+        for (const glm::uvec3& t : polygons_[facet].triangles)
+          add(t, f, facet, isTested_[facet] != 0, facet);
       }
     }
-    return merged;
+    return all;
+  }
+
+  // Only what changes from here on is compared next, and what crosses others.
+  //   facet  [faces] of the assembled complex
+  void testNext(std::span<const ComplexFault> faults, std::span<const std::uint32_t> facet) {
+    isTested_.assign(polygons_.size(), 0);
+    isRestored_.assign(complex_.faces.size(), false);
+    for (const ComplexFault& fault : faults) {
+      for (const std::uint32_t f : fault.faces) {
+        if (facet[f] != kNone) isTested_[facet[f]] = 1;
+      }
+    }
   }
 
   const Complex& complex_;
@@ -199,8 +253,11 @@ class FacetMerging {
   Facets facets_;
   const std::optional<std::uint64_t> seed_;
   const std::size_t mostFaults_;
-  std::vector<glm::dvec3> positions_;   // [vertices]
-  std::vector<FacetPolygon> polygons_;  // [facets]
+  std::vector<glm::dvec3> positions_;     // [vertices]
+  std::vector<FacetPolygon> polygons_;    // [facets]
+  std::vector<std::vector<Side>> sides_;  // [facets] of the polygons that are made
+  std::vector<std::uint8_t> isTested_;    // [facets] made since polygons were compared
+  std::vector<bool> isRestored_;          // [faces] taken out of a facet since then
 };
 
 }  // namespace

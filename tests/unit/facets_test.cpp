@@ -152,23 +152,11 @@ TEST(Facets, SnappingLeavesVerticesOfOtherFaces) {
   const Complex cracks = folded(24, 90.0);
   Facets facets = facetsOf(cracks, 0.1);
   for (Facets::Plane& plane : facets.planes) plane.point.z += 0.5;
-  splitOff(facets, [](std::size_t f) { return f == 100; });
+  facets.ofFace[100] = Facets::kNone;
   const std::vector<glm::dvec3> moved = snapped(cracks, facets, 1.0);
   const glm::uvec3& fixed = cracks.faces[100].corner;
   for (const std::uint32_t v : {fixed.x, fixed.y, fixed.z}) EXPECT_EQ(moved[v], cracks.vertices[v]);
   EXPECT_NE(moved, cracks.vertices);
-}
-
-TEST(Facets, SplittingOffTakesFacesOut) {
-  const Complex cracks = folded(12, 90.0);
-  Facets facets = facetsOf(cracks, 0.1);
-  const Facets before = facets;
-  const auto isOdd = [](std::size_t f) { return f % 2 == 1; };
-  splitOff(facets, isOdd);
-  EXPECT_EQ(facets.planes.size(), before.planes.size());
-  for (std::size_t f = 0; f < cracks.faces.size(); ++f) {
-    EXPECT_EQ(facets.ofFace[f], isOdd(f) ? Facets::kNone : before.ofFace[f]);
-  }
 }
 
 }  // namespace
