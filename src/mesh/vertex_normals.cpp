@@ -47,7 +47,8 @@ Corners cornersOf(const TriangleMesh& mesh, const glm::uvec3& triangle) {
   if (!(length > 0.0)) return {};
   return {across / length,
           {angleOf(length, glm::dot(ab, -ca)), angleOf(length, glm::dot(bc, -ab)),
-           angleOf(length, glm::dot(ca, -bc))}};
+           angleOf(length, glm::dot(ca, -bc))},
+          length};
 }
 
 std::vector<glm::dvec3> vertexNormals(const TriangleMesh& mesh) {

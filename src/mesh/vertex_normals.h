@@ -12,6 +12,7 @@ namespace sherd {
 struct Corners {
   glm::dvec3 normal{0.0};
   std::array<double, 3> angle{};  ///< radians
+  double twiceArea = 0.0;
 };
 [[nodiscard]] Corners cornersOf(const TriangleMesh& mesh, const glm::uvec3& triangle);
 

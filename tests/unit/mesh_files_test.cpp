@@ -227,5 +227,27 @@ TEST(Srgb, ThereAndBackAgain) {
   EXPECT_NEAR(linearFromSrgb(glm::u8vec3(188)).x, 0.5029, 1e-4);  // half the light
 }
 
+// A square of side 10 in the plane z = 0 and a small triangle at one of its corners, tilted by 20
+// degrees: less than a crease.
+TEST(SplitCorners, OfMergedPlanesKeepTheirNormals) {
+  TriangleMesh mesh;
+  const double tilt = std::tan(20.0 * std::numbers::pi / 180.0);
+  mesh.vertices = {{0, 0, 0},  {10, 0, 0},   {10, 10, 0},
+                   {0, 10, 0}, {10, 0.1, 0}, {10.1, 0, -0.1 * tilt}};
+  mesh.triangles = {{0, 1, 4}, {0, 4, 2}, {0, 2, 3}, {1, 5, 4}};
+  mesh.neighbor.assign(4, 0);
+  const SurfaceAttributes none;
+  const MaterialTable materials;
+  const std::string name = "square";
+  const auto tiltAtCorner = [&](bool isMerged) {
+    mesh.isMerged = isMerged;
+    const SplitCorners split = splitCorners({name, mesh, none, materials});
+    const glm::dvec3& normal = split.normals[split.corners[split.ofTriangle[0][1]].normal];
+    return std::acos(std::min(1.0, normal.z)) * 180.0 / std::numbers::pi;
+  };
+  EXPECT_GT(tiltAtCorner(false), 5.0);
+  EXPECT_LT(tiltAtCorner(true), 1.0);
+}
+
 }  // namespace
 }  // namespace sherd

@@ -41,7 +41,7 @@ class NormalNumbers {
   NormalNumbers(const PieceMesh& piece, std::vector<glm::dvec3>& normals)
       : piece_(piece), normals_(normals), chains_(piece.mesh.vertices.size()) {
     // Triangles of a voxel's size round the creases of a smooth surface, other than those of
-    // cracks.
+    // cracks.  Others differ in size, and a small one beside a plane must not tilt its normals.
     if (!piece.mesh.source.empty() || piece.mesh.isMerged) groups_ = creaseGroups(piece.mesh);
   }
 
@@ -60,7 +60,8 @@ class NormalNumbers {
       normals_.push_back(given);
       groupOf_.push_back(group);
     }
-    if (!isGiven) normals_[number] += at.angle[k] * at.normal;
+    if (!isGiven)
+      normals_[number] += (groups_.empty() ? 1.0 : at.twiceArea) * at.angle[k] * at.normal;
     return number;
   }
 
