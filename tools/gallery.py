@@ -682,6 +682,16 @@ def show_figure9(page, runner):
     page.commands(lines)
 
 
+def show_creases(page):
+    """Images by crease_pictures.py, of meshes that are not in the repository."""
+    page.text("### Creases of open, overlapping and thin meshes", "",
+              "Fragments close up in Blender at 64, 96, 128 and 256 voxels: without creases above, with them below. Creases less than a voxel apart,"
+              " as the monkey's eyes and the tires at 64, are not kept.")
+    for name, words in (("monkey", "Blender's monkey, which is open"), ("tray", "a tray of one voxel's thickness, with holes"), ("car", "a tire"),
+                        ("gearbox", "overlapping gears"), ("goblet", "the rim of a goblet")):
+        page.text(f'<img src="images/creases/{name}.jpg" width="1200" alt="{words}">', "", words.capitalize() + ".")
+
+
 def show_merged(page, runner):
     page.text("### `--adaptivity auto`", "",
               "A fragment of a block, whose faces are flat: by default the triangles in each plane are merged.")
@@ -760,6 +770,7 @@ def main():
                 show_group(page, runner, group)
             if title == "Surfaces":
                 print("figures 9 and 11", flush=True)
+                show_creases(page)
                 show_figure9(page, runner)
                 show_merged(page, runner)
                 show_figure11(page, runner)
