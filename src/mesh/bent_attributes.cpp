@@ -7,11 +7,10 @@
 #include <cstddef>
 #include <glm/geometric.hpp>
 
+#include "mesh/triangle_area.h"
+
 namespace sherd {
 namespace {
-
-// Of a tenth of a degree.
-constexpr double kLeastCosine = 1.0 - 1.523e-6;
 
 // Thinner triangles do not determine what is beside them: height by longest edge.
 constexpr double kLeastHeight = 0.01;
@@ -21,17 +20,6 @@ constexpr double kTextureError = 0.01, kColorError = 3.0;
 std::array<glm::dvec3, 3> cornersAt(const TriangleMesh& mesh, std::uint32_t t) {
   const glm::uvec3& v = mesh.triangles[t];
   return {mesh.vertices[v.x], mesh.vertices[v.y], mesh.vertices[v.z]};
-}
-
-// Of length twice the area.
-glm::dvec3 areaNormal(const std::array<glm::dvec3, 3>& t) {
-  return glm::cross(t[1] - t[0], t[2] - t[0]);
-}
-
-bool isThin(const std::array<glm::dvec3, 3>& t, double twiceArea) {
-  const double longest =
-      std::max({glm::distance(t[0], t[1]), glm::distance(t[1], t[2]), glm::distance(t[2], t[0])});
-  return twiceArea <= kLeastHeight * longest * longest;
 }
 
 // The corner of a triangle that is not one of two positions; 3 if there is none.
@@ -84,7 +72,7 @@ double areaAtSlits(const TriangleMesh& mesh, const Charts& charts) {
     const glm::dvec3 a = areaNormal(cornersAt(mesh, seam.triangle[0])),
                      b = areaNormal(cornersAt(mesh, seam.triangle[1]));
     const double lengths = glm::length(a) * glm::length(b);
-    if (lengths > 0.0 && glm::dot(a, b) >= kLeastCosine * lengths)
+    if (lengths > 0.0 && glm::dot(a, b) >= kSamePlaneCosine * lengths)
       area += 0.5 * (glm::length(a) + glm::length(b));
   }
   return area;
@@ -100,16 +88,16 @@ double bentArea(const TriangleMesh& mesh, const Charts& charts) {
     const std::array<glm::dvec3, 3> own = cornersAt(mesh, t);
     const glm::dvec3 normal = areaNormal(own);
     const double length = glm::length(normal);
-    if (isThin(own, length)) continue;
+    if (isThin(own, length, kLeastHeight)) continue;
     bool isBent = false;
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t next = charts.neighbors[t][k];
       if (next == kNoTriangle) continue;
       const std::array<glm::dvec3, 3> other = cornersAt(mesh, next);
       const glm::dvec3 across = areaNormal(other);
-      if (glm::dot(normal, across) < kLeastCosine * length * glm::length(across)) continue;
+      if (glm::dot(normal, across) < kSamePlaneCosine * length * glm::length(across)) continue;
       const std::size_t corner = cornerBeside(other, own[k], own[(k + 1) % 3]);
-      if (corner == 3 || isThin(other, glm::length(across))) continue;
+      if (corner == 3 || isThin(other, glm::length(across), kLeastHeight)) continue;
       glm::dvec3 weights;
       for (std::size_t i = 0; i < 3; ++i) {
         std::array<glm::dvec3, 3> part = own;

@@ -10,25 +10,21 @@
 
 #include "base/random.h"
 #include "mesh/surface_by_area.h"
+#include "mesh/triangle_area.h"
 
 namespace sherd {
 namespace {
 
 constexpr int kSamples = 1000;
 
-// Of a tenth of a degree.
-constexpr double kLeastCosine = 1.0 - 1.523e-6;
-
 // The normal of a triangle with a height below this share of its longest edge is rounding error.
 constexpr double kLeastHeight = 1e-3;
 
 bool isParallel(const std::array<glm::dvec3, 3>& t, const glm::dvec3& normal) {
-  const double longest =
-      std::max({glm::distance(t[0], t[1]), glm::distance(t[1], t[2]), glm::distance(t[2], t[0])});
-  const glm::dvec3 own = glm::cross(t[1] - t[0], t[2] - t[0]);
+  const glm::dvec3 own = areaNormal(t);
   const double twiceArea = glm::length(own);
-  return twiceArea <= kLeastHeight * longest * longest ||
-         std::abs(glm::dot(own, normal)) >= kLeastCosine * twiceArea;
+  return isThin(t, twiceArea, kLeastHeight) ||
+         std::abs(glm::dot(own, normal)) >= kSamePlaneCosine * twiceArea;
 }
 
 bool isFlatAround(const TriangleTree& tree, const glm::dvec3& point, const glm::dvec3& normal,

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "mesh/boxes.h"
+#include "mesh/triangle_area.h"
 #include "voxelize/region.h"
 
 namespace sherd {
@@ -21,10 +22,6 @@ constexpr float kLeastBend = 0.05f;
 // the mean within kAround along each axis, of those within 40 degrees of the crossed triangle's.
 constexpr double kSmall = 0.5, kAround = 0.25;  // voxels
 constexpr double kAlikeCosine = 0.766;
-
-glm::dvec3 areaNormal(const std::array<glm::dvec3, 3>& t) {
-  return glm::cross(t[1] - t[0], t[2] - t[0]);
-}
 
 bool isSmall(const std::array<glm::dvec3, 3>& t) {
   return std::max({glm::distance(t[0], t[1]), glm::distance(t[1], t[2]),
