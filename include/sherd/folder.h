@@ -199,8 +199,10 @@ void requireSettled(const std::filesystem::path& path);
 ///           file that is absent, damaged or inconsistent with the others
 [[nodiscard]] FinishedFracture readFracture(const std::filesystem::path& manifest);
 
-/// Reads the meshes of a fracture's fragments from their `.ply` files.  Without such files, or
-/// with plain ones, which have no neighbors, the fracture stays without meshes.
+/// Reads the meshes of a fracture's fragments from their `.ply` files, and sets the solid's region:
+/// its surface keeps the edges of theirs, and its flat parts are merged, when it is broken again.
+/// Without such files, or with plain ones, which have no neighbors, the fracture stays without
+/// meshes.
 ///   throws  Error(input) a file that is absent, damaged or larger than `maxMemory`
 void readFragmentMeshes(const std::filesystem::path& manifest, FinishedFracture& finished,
                         std::uint64_t maxMemory);

@@ -64,8 +64,12 @@ Input readInput(FractureArguments& arguments, const Progress& progress) {
   Input input;
   if (!arguments.only.empty()) {
     input.finished = readFracture(arguments.mesh);
-    if (arguments.run.fracture.surface.surface == Surface::exact) {
+    try {
       readFragmentMeshes(arguments.mesh, *input.finished, arguments.run.volume.maxMemory);
+    } catch (const Error& e) {
+      const bool isExact = arguments.run.fracture.surface.surface == Surface::exact;
+      if (isExact || e.code() != ErrorCode::input) throw;
+      printMessage("sherd: warning: " + std::string(e.what()) + "; edges are rounded");
     }
     input.meshes = {input.finished->source};
     arguments.run.fracture.solid.resolution = input.finished->resolution;

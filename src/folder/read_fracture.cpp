@@ -14,6 +14,7 @@
 #include "grow/small_components.h"
 #include "mesh/joined.h"
 #include "voxelize/distance.h"
+#include "voxelize/region.h"
 
 namespace sherd {
 namespace {
@@ -105,6 +106,12 @@ void readFragmentMeshes(const fs::path& file, FinishedFracture& finished, std::u
     faces.neighbor.insert(faces.neighbor.end(), own.neighbor.begin(), own.neighbor.end());
     firstFace.push_back(faces.triangles.size());
   }
+  TriangleMesh original;
+  original.vertices = faces.vertices;
+  for (std::size_t t = 0; t < faces.triangles.size(); ++t) {
+    if (faces.neighbor[t] == 0) original.triangles.push_back(faces.triangles[t]);
+  }
+  finished.solid.region = regionOf(finished.solid, std::move(original));
   finished.faces = std::move(faces);
   finished.firstFace = std::move(firstFace);
 }

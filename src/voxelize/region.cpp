@@ -1,6 +1,9 @@
 // What a solid was made from: decides about points of space, whatever the voxels.
 #include "voxelize/region.h"
 
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/Interpolation.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -38,6 +41,18 @@ std::optional<glm::dvec3> SolidRegion::firstHit(const glm::dvec3& origin,
   const double at = surface_->firstHit(origin, along, 0.0);
   if (!std::isfinite(at)) return {};
   return origin + at * along;
+}
+
+std::shared_ptr<const SolidRegion> regionOf(const Solid& solid, TriangleMesh surface) {
+  for (glm::dvec3& v : surface.vertices) v = solid.frame.indexFromWorld(v);
+  const openvdb::Coord dims = solid.box.dims();
+  return std::make_shared<const SolidRegion>(
+      glm::dvec3(dims.x(), dims.y(), dims.z()), std::make_shared<const TriangleTree>(surface),
+      [distance = solid.distance](const glm::dvec3& at) {
+        const auto grid = distance->getConstAccessor();
+        return openvdb::tools::BoxSampler::sample(grid, openvdb::Vec3d(at.x, at.y, at.z)) < 0.0f;
+      },
+      0.0, true);
 }
 
 }  // namespace sherd

@@ -60,4 +60,9 @@ class SolidRegion {
   bool isAsVoxels_;
 };
 
+/// Returns the region of a solid without a mesh, such as one that is read back, whose surface is
+/// known.  Points are inside where the solid's level set says so.
+///   surface  world units; may have holes, where only the level set is known
+[[nodiscard]] std::shared_ptr<const SolidRegion> regionOf(const Solid& solid, TriangleMesh surface);
+
 }  // namespace sherd

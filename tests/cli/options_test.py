@@ -266,6 +266,36 @@ class Again(Options):
             # A tenth of a voxel more or less along a rim, and for new cuts all over them, of pieces 10 voxels wide.
             self.assertLess(abs(volume / old["volume"] - 1), 0.01 if len(pieces) == 1 else 0.03)
 
+    def test_edges_and_planes_are_those_of_the_meshes(self):
+        """A rotated cube: eight corners times a matrix of orthogonal columns."""
+        cube, first = os.path.join(self.data, "cube.obj"), os.path.join(self.data, "first")
+        turned = np.array([[2, -2, 1], [1, 2, 2], [2, 1, -2]]) / 3.0
+        corners = [turned @ [x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+        with open(cube, "w") as file:
+            file.writelines("v {} {} {}\n".format(*corner) for corner in corners)
+            file.writelines(f"f {face}\n" for face in ("1 3 4 2", "5 6 8 7", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6"))
+        result = self.run_sherd("fracture", cube, "-o", first, "--pieces", "4", "--resolution", "32", "--write", "labels,vdb,mesh")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        again = lambda: self.run_sherd("fracture", os.path.join(first, "manifest.json"), "--only", "2", "-o", self.out, "--pieces", "3", "--write", "mesh")
+
+        def measured():
+            result = self.run_sherd("evaluate", self.out, "--mesh", cube, "--json")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            found = json.loads(result.stdout)
+            return found["surface_error"]["voxels"]["mean"], found["quality"]["triangles"]
+
+        result = again()
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        sharp, few = measured()
+        os.remove(os.path.join(first, "meshes", "cube_003.ply"))
+        result = again()
+        self.assertEqual(result.returncode, 0)
+        self.assertIn("cube_003.ply", result.stderr)
+        self.assertIn("edges are rounded", result.stderr)
+        rounded, many = measured()
+        self.assertLess(sharp, 0.25 * rounded)
+        self.assertLess(few, 0.3 * many)
+
     def test_what_is_no_finished_fracture_is_refused(self):
         self.done("--write", "vdb", pieces=2)
         manifest = os.path.join(self.out, "manifest.json")
