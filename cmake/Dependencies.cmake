@@ -21,3 +21,11 @@ if(SHERD_OPENCL)
     CL_HPP_TARGET_OPENCL_VERSION=120 CL_HPP_MINIMUM_OPENCL_VERSION=120 CL_HPP_ENABLE_EXCEPTIONS
     CL_TARGET_OPENCL_VERSION=120)
 endif()
+
+# HDF5.  Only the header: src/formats/arrays/hdf5_library.cpp opens the library.
+add_library(sherd_hdf5 INTERFACE)
+if(SHERD_HDF5)
+  find_path(SHERD_HDF5_HEADERS hdf5.h PATH_SUFFIXES hdf5/serial REQUIRED)
+  mark_as_advanced(SHERD_HDF5_HEADERS)
+  target_include_directories(sherd_hdf5 SYSTEM INTERFACE ${SHERD_HDF5_HEADERS})
+endif()

@@ -82,13 +82,15 @@ for gpl in ON OFF; do
   grep -qx "License: $license" <<< "$copyright" && echo "its copyright file has $license"
 done
 
-echo "== builds without OpenCL, and without the built-in device"
+echo "== builds without OpenCL, without the built-in device, and both without HDF5"
 lacking() {  # device, CMake argument: a build that has only that
-  cmake --preset release -B build/lacking -DSHERD_TESTS=OFF -DSHERD_BENCH=OFF "$2" > /dev/null
+  cmake --preset release -B build/lacking -DSHERD_TESTS=OFF -DSHERD_BENCH=OFF -DSHERD_HDF5=OFF "$2" > /dev/null
   cmake --build build/lacking --target sherd_cli > /dev/null
   OCL_ICD_VENDORS=pocl.icd build/lacking/sherd fracture data/amphora.ply -o build/lacking/pieces --pieces 3 --resolution 64 --quiet
   OCL_ICD_VENDORS=pocl.icd build/lacking/sherd devices | tee build/lacking/devices
   [ -z "$(grep -vE "^\* is|$1" build/lacking/devices)" ]
+  ! build/lacking/sherd dataset data -o build/lacking/h5 --layout hdf5 2> build/lacking/refused
+  grep -q "built without HDF5" build/lacking/refused
   rm -r build/lacking
 }
 lacking builtin -DSHERD_OPENCL=OFF

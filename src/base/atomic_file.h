@@ -33,6 +33,9 @@ class AtomicFile {
   ///   throws  Error(output) write error such as a full disk, with the number of bytes written
   void write(std::string_view bytes);
 
+  /// Returns the path of the temporary, for a library that opens files by their names.
+  [[nodiscard]] const std::filesystem::path& temporary() const { return temporary_; }
+
   /// Ends writing.
   ///   throws  Error(output)
   void close();

@@ -36,7 +36,7 @@ HEADERS = {
     "OpenVDB, whole": r"openvdb/(openvdb\.h|tools/.*|io/.*)", "OpenVDB, `Mat3.h`": r"openvdb/math/Mat3\.h",
     "OpenVDB, `Coord.h` and `version.h`": r"openvdb/(math/Coord|version)\.h", "GLM": None, "OpenCL": r"CL/.*",
     "OpenCL, through that": r"cl/open_cl\.h", "Draco": r"draco/.*", "Assimp": r"assimp/.*",
-    "Embree": r"embree\d?/.*", "Qhull": r"libqhull_r/.*", "OpenEXR": r"(Imf|OpenEXR).*", "CGAL": r"CGAL/.*", "libpng": r"png\.h",
+    "Embree": r"embree\d?/.*", "Qhull": r"libqhull_r/.*", "OpenEXR": r"(Imf|OpenEXR).*", "HDF5": r"hdf5\.h", "CGAL": r"CGAL/.*", "libpng": r"png\.h",
     "zlib": r"zlib\.h", "zstd": r"zstd\.h", "OpenSSL": r"openssl/.*", "nlohmann/json": r"nlohmann/.*", "CLI11": r"CLI/.*",
     "TBB": r"tbb/.*", "Boost.Multiprecision": r"boost/multiprecision/.*"}
 
