@@ -89,6 +89,8 @@ enum class DatasetLayout {
   packed,  ///< a ZIP file for each object, with the same content
   paper,   ///< the paper's file names, in a folder for each object
   bb,      ///< the tree of the Breaking Bad dataset: fragments scaled to a unit box
+  hdf5,    ///< one HDF5 file, which GARF, Rectified Point Flow and TORA read: likewise scaled
+  pfpp,    ///< PuzzleFusion++'s points and matches, likewise scaled
 };
 
 /// How each file is compressed.
@@ -96,6 +98,8 @@ enum class FileCompression { none, zip, zstd };
 
 /// Names and values of the options that were drawn for one fracture.
 using DrawnValues = std::vector<std::pair<std::string, std::string>>;
+
+inline constexpr std::size_t kMaxRedundantPieces = 64;
 
 struct DatasetOptions {
   Schedule schedule{};
@@ -111,6 +115,9 @@ struct DatasetOptions {
   std::array<int, 3> split{80, 10, 10};  ///< ratio of training, validation and test objects
   DatasetLayout layout = DatasetLayout::sherd;
   FileCompression compression = FileCompression::none;
+  bool removal = false;             ///< hdf5: an order in which fragments may be removed
+  std::size_t redundantPieces = 0;  ///< hdf5: foreign fragments listed for each fracture,
+                                    ///< 0..kMaxRedundantPieces
   LibraryOptions library{};
   Shard shard{};
   bool resume = false;

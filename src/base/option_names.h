@@ -24,7 +24,7 @@ inline constexpr const char* kVoxelFormat[] = {"rle", "npy", "npz", "vox", "qsta
 inline constexpr const char* kVdbFiles[] = {"files", "single", "both"};
 inline constexpr const char* kPrecision[] = {"single", "double"};
 inline constexpr const char* kVdbCompression[] = {"blosc", "zip", "none"};
-inline constexpr const char* kDatasetLayout[] = {"sherd", "packed", "paper", "bb"};
+inline constexpr const char* kDatasetLayout[] = {"sherd", "packed", "paper", "bb", "hdf5", "pfpp"};
 inline constexpr const char* kFileCompression[] = {"none", "zip", "zstd"};
 inline constexpr const char* kSampleType[] = {"float32", "float16"};
 

@@ -55,7 +55,9 @@ enum class Stage : std::uint64_t {
   datasetFracture = 97,  // derives a seed per fracture of an object
   datasetOption = 98,
   datasetPose = 99,
-  datasetSplit = 100
+  datasetSplit = 100,
+  datasetRedundant = 101,
+  datasetMatches = 102  // derives the seed of points that are matched
 };
 
 /// 64 random bits of one item.

@@ -19,6 +19,8 @@
 namespace sherd::cli {
 namespace {
 
+constexpr std::size_t kPointsOfPfpp = 1000;  // of each fragment, as its loaders expect
+
 struct DatasetArguments {
   std::string library;
   std::string folder;
@@ -87,6 +89,28 @@ void sortAsGiven(std::vector<DrawnOption>& drawn, const CLI::App& command) {
                    [&](const DrawnOption& a, const DrawnOption& b) { return place(a) < place(b); });
 }
 
+// Adds sentences on options of files that a layout of one kind of file does not have.
+void addIdleOfLayout(DatasetLayout layout, const OptionUse& use,
+                     std::vector<std::string>& sentences) {
+  const bool isHdf5 = layout == DatasetLayout::hdf5;
+  for (const char* option : {"removal", "redundant-pieces"}) {
+    if (!isHdf5 && use.isGiven(option)) {
+      sentences.push_back(use.spelled(option) + " does nothing without --layout hdf5");
+    }
+  }
+  if (!isHdf5 && layout != DatasetLayout::pfpp) return;
+  std::vector<const char*> idle{"write",        "mesh-format", "plain-meshes", "precision",
+                                "voxel-format", "sdf-samples", "triangles",    "correspondences",
+                                "point-format", "share-points"};
+  if (isHdf5) idle.insert(idle.end(), {"points", "point-sampler", "point-rule"});
+  for (const char* option : idle) {
+    if (!use.isGiven(option)) continue;
+    sentences.push_back(use.spelled(option) + " does nothing with --layout " +
+                        (isHdf5 ? "hdf5, which holds meshes of vertices and faces"
+                                : "pfpp, which holds points and their matches"));
+  }
+}
+
 // Returns a sentence for each option that does nothing.
 std::vector<std::string> idleOptionsOf(const CLI::App& command, const DatasetArguments& arguments) {
   const DatasetOptions& options = arguments.options;
@@ -108,6 +132,7 @@ std::vector<std::string> idleOptionsOf(const CLI::App& command, const DatasetArg
     sentences.emplace_back(
         "--compress zstd is the same as zip with --layout packed, which deflates archives");
   }
+  addIdleOfLayout(layout, use, sentences);
   for (const char* option : {"verify", "resume"}) {
     if (arguments.dryRun && use.isGiven(option)) {
       sentences.push_back(use.spelled(option) +
@@ -146,6 +171,9 @@ CLI::App* addDatasetCommand(CLI::App& app, Action& run) {
     sortAsGiven(options.drawn, *command);
     if (options.layout == DatasetLayout::bb && command->count("--mesh-format") == 0) {
       options.each.write.meshFormats = {MeshFileFormat::obj};
+    }
+    if (options.layout == DatasetLayout::pfpp && command->count("--points") == 0) {
+      options.each.write.points.count = kPointsOfPfpp;
     }
     for (const DrawnOption& drawn : options.drawn) {
       try {

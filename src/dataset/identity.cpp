@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "base/option_text.h"
+#include "dataset/pfpp.h"
+#include "formats/arrays/hdf5_file.h"
 #include "pipeline/fracture_stages.h"
 
 namespace sherd {
@@ -30,6 +32,7 @@ void addRow(std::vector<Given>& given, const OptionRow<Target>& row, const Targe
 DatasetOptions defaultsOf(DatasetLayout layout) {
   DatasetOptions defaults;
   if (layout == DatasetLayout::bb) defaults.each.write.meshFormats = {MeshFileFormat::obj};
+  if (layout == DatasetLayout::pfpp) defaults.each.write.points.count = kPfppPointsEach;
   return defaults;
 }
 
@@ -44,9 +47,9 @@ bool sets(std::span<const OptionRow<Target>> rows, Target& options, const Given&
   return false;
 }
 
-// Returns the options of an identity.
-//   throws  Error(usage) an option or a value that does not exist
-DatasetOptions optionsOf(const std::string& identity) {
+}  // namespace
+
+DatasetOptions optionsOfIdentity(const std::string& identity) {
   std::vector<Given> all;
   for (const std::string& part : split(identity, ' ')) {
     const std::size_t equals = part.find('=');
@@ -63,7 +66,9 @@ DatasetOptions optionsOf(const std::string& identity) {
   for (const Given& given : all) {
     if (given.first == "layout") {
       (void)sets(datasetOptionTable(), options, given);
-      options.each.write.meshFormats = defaultsOf(options.layout).each.write.meshFormats;
+      const DatasetOptions defaults = defaultsOf(options.layout);
+      options.each.write.meshFormats = defaults.each.write.meshFormats;
+      options.each.write.points.count = defaults.each.write.points.count;
     } else if (auto drawn = drawnOption(given.first, given.second)) {
       options.drawn.push_back(std::move(*drawn));
     } else if (!sets(datasetOptionTable(), options, given) &&
@@ -73,8 +78,6 @@ DatasetOptions optionsOf(const std::string& identity) {
   }
   return options;
 }
-
-}  // namespace
 
 std::string datasetIdentity(const DatasetOptions& options) {
   std::vector<Given> given;
@@ -99,7 +102,7 @@ bool isIdentityOf(const DatasetOptions& options, const std::string& text) {
   const std::string own = datasetIdentity(options);
   if (text == own) return true;
   try {
-    return datasetIdentity(optionsOf(text)) == own;
+    return datasetIdentity(optionsOfIdentity(text)) == own;
   } catch (const Error&) {
     return false;
   }
@@ -107,10 +110,33 @@ bool isIdentityOf(const DatasetOptions& options, const std::string& text) {
 
 namespace {
 
+void need(bool good, const char* sentence) {
+  if (!good) throw Error(ErrorCode::usage, sentence);
+}
+
+void checkHdf5(const DatasetOptions& options) {
+  constexpr int kMostLabels = 32767;  // of int16
+  const std::string fault = hdf5Fault();
+  if (!fault.empty()) {
+    throw Error(ErrorCode::usage, "the layout hdf5 is not possible here: " + fault);
+  }
+  need(options.compression == FileCompression::none,
+       "the layout hdf5 compresses arrays by itself; omit the other compression");
+  need(options.schedule.most <= kMostLabels, "the layout hdf5 holds at most 32767 pieces");
+  need(options.redundantPieces <= kMaxRedundantPieces, "redundant pieces are in 0..64");
+}
+
+void checkPfpp(const DatasetOptions& options) {
+  need(options.compression == FileCompression::none,
+       "loaders of the layout pfpp read no compressed files; omit the compression");
+  need(options.schedule.most <= static_cast<int>(kPfppParts),
+       "the layout pfpp holds at most 20 pieces; use a range within 2..20");
+  need(options.each.write.points.count >= 1, "the layout pfpp holds points; ask for at least 1");
+  need(fracturesOf(options.schedule).size() <= kPfppFractures,
+       "the layout pfpp holds at most 8192 fractures of an object");
+}
+
 void check(const DatasetOptions& options) {
-  const auto need = [](bool good, const char* sentence) {
-    if (!good) throw Error(ErrorCode::usage, sentence);
-  };
   const Schedule& schedule = options.schedule;
   need(schedule.fewest >= 1 && schedule.fewest <= schedule.most && schedule.most <= kMaxFragments,
        "pieces are a range from 1 up");
@@ -126,6 +152,8 @@ void check(const DatasetOptions& options) {
        "a split is three shares, such as 80/10/10");
   need(options.layout != DatasetLayout::bb || options.each.write.meshFormats.size() == 1,
        "the layout bb takes one format of meshes");
+  if (options.layout == DatasetLayout::hdf5) checkHdf5(options);
+  if (options.layout == DatasetLayout::pfpp) checkPfpp(options);
   const FractureOptions& each = options.each.fracture;
   need(each.pieces == FractureOptions{}.pieces && each.seed == 0 && !each.seeds.given,
        "the pieces and seeds of a dataset are those of its schedule");
@@ -138,7 +166,18 @@ void check(const DatasetOptions& options) {
 DatasetOptions checkedOptions(DatasetOptions options) {
   check(options);
   checkWriteOptions(options.each.write, optionsFor(options.each.fracture, options.each.write));
-  options.each.write.plainMeshes |= options.layout == DatasetLayout::bb;
+  WriteOptions& write = options.each.write;
+  write.plainMeshes |= options.layout == DatasetLayout::bb;
+  // Only what the layout holds is made.
+  WriteOptions alone{.labels = false, .vdb = false, .mesh = false, .preview = false};
+  alone.up = write.up;
+  if (options.layout == DatasetLayout::hdf5) {
+    alone.mesh = true;
+    write = alone;
+  } else if (options.layout == DatasetLayout::pfpp) {
+    alone.points = write.points;
+    write = alone;
+  }
   return options;
 }
 

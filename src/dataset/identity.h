@@ -10,6 +10,10 @@ namespace sherd {
 /// Whether a text, also one of an earlier version, is the identity of a dataset with these options.
 [[nodiscard]] bool isIdentityOf(const DatasetOptions& options, const std::string& text);
 
+/// Returns the options of an identity.
+///   throws  Error(usage) an option or a value that does not exist
+[[nodiscard]] DatasetOptions optionsOfIdentity(const std::string& identity);
+
 /// Checks the options, and returns them as the layout takes them: loaders of Breaking Bad read only
 /// vertices and faces, and every file as a piece.
 ///   throws  Error(usage)

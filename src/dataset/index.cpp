@@ -13,6 +13,9 @@
 #include "base/sha256.h"
 #include "dataset/bb_lists.h"
 #include "dataset/fracture_line.h"
+#include "dataset/hdf5_join.h"
+#include "dataset/hdf5_lists.h"
+#include "dataset/hdf5_part.h"
 #include "dataset/journal.h"
 #include "dataset/object_folder.h"
 #include "dataset/thumbnails.h"
@@ -99,6 +102,15 @@ std::string csvOf(const Json& row, std::span<const char* const> columns) {
   return line;
 }
 
+// Where a fragment is in the HDF5 file of its fracture: the parts are removed.
+std::string hdf5Piece(const LibraryObject& object, const Json& line, const Json& fragment) {
+  std::string path = hdf5Group(object) + "/" + hdf5Name(line);
+  if (line.at("fracture") == kWholeName) return path;
+  // Ids ascend, and those of fragments that are withheld are the last.
+  const auto index = fragment.at("id").get<std::size_t>() - 1;
+  return path + "/pieces/" + hdf5Key(index, hdf5Kept(line));
+}
+
 // The row of a fragment.
 Json rowOf(const DatasetPlan& plan, const LibraryObject& object, const std::string& split,
            const Json& line, const Json& fragment) {
@@ -123,9 +135,15 @@ Json rowOf(const DatasetPlan& plan, const LibraryObject& object, const std::stri
               {"labels", line.at("labels")},
               {"files", fragment.at("files")},
               {"sha256", Json::array()}};
-  for (const Json& file : fragment.at("files")) row["sha256"].push_back(sums[file]);
+  if (plan.layout == DatasetLayout::hdf5) {
+    if (!fragment.at("files").empty()) row["files"] = {hdf5Piece(object, line, fragment)};
+  } else {
+    for (const Json& file : fragment.at("files")) row["sha256"].push_back(sums[file]);
+  }
   if (fragment.contains("pose")) row.update(fragment.at("pose"));
-  if (isRenamed(object)) row["folder"] = objectFolder(plan.layout, object);
+  const bool isTree = plan.layout != DatasetLayout::hdf5 && plan.layout != DatasetLayout::pfpp;
+  if (isRenamed(object))
+    row["folder"] = objectFolder(isTree ? plan.layout : DatasetLayout::bb, object);
   return row;
 }
 

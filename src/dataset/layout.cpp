@@ -2,6 +2,8 @@
 #include "dataset/layout.h"
 
 #include "base/option_names.h"
+#include "dataset/hdf5_part.h"
+#include "dataset/pfpp.h"
 #include "folder/file_names.h"
 #include "folder/read_manifest.h"
 
@@ -122,6 +124,13 @@ Naming bbNaming(const std::string& fracture) {
   return naming;
 }
 
+// One file for all fragments.
+FractureFiles oneFile(const std::string& name, std::size_t fragments) {
+  FractureFiles files;
+  files.mesh.assign(fragments, {name});
+  return files;
+}
+
 }  // namespace
 
 NamedFiles fractureNames(DatasetLayout layout, const NamedObject& object,
@@ -142,6 +151,15 @@ NamedFiles fractureNames(DatasetLayout layout, const NamedObject& object,
     }
     case DatasetLayout::bb:
       return {"", filesBy(bbNaming("fractured_" + std::to_string(number)), object, fragments), ""};
+    case DatasetLayout::hdf5:
+      return {"", oneFile("fractured_" + std::to_string(number) + kHdf5Part, fragments), ""};
+    case DatasetLayout::pfpp: {
+      const PfppNames own = pfppNames(object.object, object.split, number);
+      FractureFiles files;
+      files.points.assign(fragments, {own.points});
+      files.correspondences = own.matches;
+      return {"", std::move(files), ""};
+    }
   }
   return {};
 }
@@ -152,8 +170,8 @@ NamedFiles wholeNames(DatasetLayout layout, const NamedObject& object) {
   write.vdbFiles = VdbFiles::files;
   write.correspondences = 0;
   write.distances.count = 0;
-  const NamedObject whole{object.source, object.materials, object.options, write,
-                          object.longestSide};
+  const NamedObject whole{object.object,  object.split, object.source,     object.materials,
+                          object.options, write,        object.longestSide};
   const std::string stem = safeName(object.source.stem, "piece");
   Naming naming;
   std::string prefix;
@@ -179,6 +197,10 @@ NamedFiles wholeNames(DatasetLayout layout, const NamedObject& object) {
     case DatasetLayout::paper:
       naming = paperNaming(object, stem, true);
       break;
+    case DatasetLayout::hdf5:
+      return {"", oneFile(std::string("complete") + kHdf5Part, 1), ""};
+    case DatasetLayout::pfpp:  // has only fractures
+      return {};
     case DatasetLayout::bb: {
       naming = bbNaming("");
       const auto in = [](const char* folder) {

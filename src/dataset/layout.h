@@ -19,6 +19,8 @@ struct NamedFiles {
 
 /// The inputs of file names.
 struct NamedObject {
+  const LibraryObject& object;
+  std::string split;
   const SourceMesh& source;
   const MaterialTable& materials;
   const FractureOptions& options;

@@ -21,7 +21,10 @@ constexpr unsigned bit(DatasetLayout layout) { return 1U << static_cast<unsigned
 constexpr unsigned kPacked = bit(DatasetLayout::packed);
 constexpr unsigned kPaper = bit(DatasetLayout::paper);
 constexpr unsigned kBb = bit(DatasetLayout::bb);
-constexpr unsigned kAll = bit(DatasetLayout::sherd) | kPacked | kPaper | kBb;
+constexpr unsigned kHdf5 = bit(DatasetLayout::hdf5);
+constexpr unsigned kPfpp = bit(DatasetLayout::pfpp);
+constexpr unsigned kTraining = kBb | kHdf5 | kPfpp;  // paths of SUBSET/CATEGORY/OBJECT
+constexpr unsigned kAll = bit(DatasetLayout::sherd) | kPacked | kPaper | kTraining;
 
 /// A reserved name, as a pattern in lower case.
 struct Reserved {
@@ -41,8 +44,9 @@ constexpr std::array kReserved{
     Reserved{"test.txt", kPaper | kBb, true},
     Reserved{"run*.json", kPaper | kBb, true},
     Reserved{kJournalFolder, kPaper | kBb, true},
-    Reserved{kBbTop, kBb, true},
-    Reserved{kBbSplitFolder, kBb, true},
+    Reserved{kBbTop, kTraining, true},
+    Reserved{kBbSplitFolder, kBb | kHdf5, true},
+    Reserved{"fractures*", kHdf5, true},  // the lists by the file's name
     Reserved{kBbListFolder, kBb, true},
     Reserved{"*.train.txt", kBb, true},
     Reserved{"*.val.txt", kBb, true},
@@ -70,8 +74,8 @@ using Renamed = std::pair<std::string, std::string>;
 
 std::string renamed(DatasetLayout layout, const std::string& folder,
                     std::vector<Renamed>& changes) {
-  // Objects at the top of a library lie in kBbTop in Breaking Bad's tree.
-  bool isTop = layout != DatasetLayout::bb || folder.find('/') != std::string::npos;
+  // Objects at the top of a library lie in kBbTop in the trees of training data.
+  bool isTop = (kTraining & bit(layout)) == 0 || folder.find('/') != std::string::npos;
   fs::path before, after;
   for (const fs::path& part : fs::path(folder)) {
     std::string name = part.string();
@@ -97,6 +101,10 @@ std::string objectFolder(DatasetLayout layout, const LibraryObject& object) {
       return object.folder.find('/') == std::string::npos
                  ? std::string(kBbTop) + "/" + object.folder
                  : object.folder;
+    case DatasetLayout::hdf5:
+      return std::string(kHdf5PartFolder) + "/" + objectFolder(DatasetLayout::bb, object);
+    case DatasetLayout::pfpp:
+      return std::string(kPfppPointFolder) + "/" + objectFolder(DatasetLayout::bb, object);
   }
   return object.folder;
 }

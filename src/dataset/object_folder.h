@@ -17,8 +17,12 @@ inline constexpr const char* kReportName = "report.html";
 inline constexpr const char* kJournalFolder = "journal";
 inline constexpr const char* kBbSplitFolder = "data_split";
 inline constexpr const char* kBbListFolder = "data_list";
+inline constexpr const char* kHdf5PartFolder = "parts";
+inline constexpr const char* kPfppPointFolder = "pc_data";
+inline constexpr const char* kPfppMatchFolder = "matching_data";
 
-/// Returns the path of an object's folder below the dataset's.
+/// Returns the path of an object's folder below the dataset's.  With the layout pfpp it stays
+/// absent: the files of all objects lie together (pfpp.h).
 [[nodiscard]] std::string objectFolder(DatasetLayout layout, const LibraryObject& object);
 
 /// Renames folders of objects that collide with the dataset's own files: appends '_' to each part

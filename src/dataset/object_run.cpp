@@ -26,9 +26,12 @@
 #include "base/uncancelled.h"
 #include "dataset/fracture_line.h"
 #include "dataset/growth_ahead.h"
+#include "dataset/hdf5_part.h"
+#include "dataset/index.h"
 #include "dataset/layout.h"
 #include "dataset/object_folder.h"
-#include "dataset/store.h"
+#include "dataset/pfpp.h"
+#include "dataset/stored_object.h"
 #include "dataset/thumbnails.h"
 #include "folder/fracture_files.h"
 #include "formats/arrays/npz.h"
@@ -74,8 +77,7 @@ class ObjectRun {
     const SourceMesh source = timed("read", [&] { return read(); });
     if (!journal_.text().sha256.empty() && journal_.text().sha256 != source.sha256)
       journal_.clear();
-    store_.emplace(run_.out, objectFolder(options_.layout, object_), options_.layout,
-                   options_.compression, journal_.files(), journal_.archiveBytes(),
+    store_.emplace(storeOf(run_.out, object_, options_, journal_.files(), journal_.archiveBytes()),
                    maxQueuedBytes());
     if (journal_.text().sha256.empty()) journal_.begin(source.sha256);
     breakAll(source);
@@ -134,7 +136,12 @@ class ObjectRun {
   }
 
   NamedObject named(const FractureOptions& options) const {
-    return {*source_, writer_->materials(), options, options_.each.write,
+    return {object_,
+            splitOf(object_.key, options_.split),
+            *source_,
+            writer_->materials(),
+            options,
+            options_.each.write,
             ready_->solid.box.longestSide()};
   }
 
@@ -165,8 +172,14 @@ class ObjectRun {
     label(solid.blocks->inside, Labels::kEroded);  // inside the solid, but in no fragment
     const NamedFiles names = wholeNames(options_.layout, named(options));
     const auto files = store_->stage(names.prefix);
-    if (options_.layout == DatasetLayout::bb) intoUnitBox(whole);
-    writer_->write(*files, names.files, options, whole, &progress_);
+    const bool isUnit =
+        options_.layout == DatasetLayout::bb || options_.layout == DatasetLayout::hdf5;
+    if (isUnit) intoUnitBox(whole);
+    if (options_.layout == DatasetLayout::hdf5) {
+      writeHdf5Part(OutputFile(*files, names.files.mesh[0][0]), hdf5WholeArrays(whole));
+    } else if (options_.layout != DatasetLayout::pfpp) {
+      writer_->write(*files, names.files, options, whole, &progress_);
+    }
     FractureLine line(kWholeName, {0, 0}, options.seed, 0, {});
     line.addFragments(whole, names.files, *files, options_.poses);
     keep(*files, line.json());
@@ -239,11 +252,7 @@ class ObjectRun {
     work.files = store_->stage(names.prefix);
     FractureLine line(planned.name(), planned, options.seed, growth->attempt, growth->drawn);
     line.addFragments(result, names.files, *work.files, options_.poses);
-    if (options_.layout == DatasetLayout::bb) intoUnitBox(result);
-    writer_->write(*work.files, names.files, options, result, &progress_);
-    if (options_.layout == DatasetLayout::bb && options_.each.write.mesh) {
-      writeNeighbors(result, "neighbor/fractured_" + std::to_string(growth->number), *work.files);
-    }
+    writeFiles(*work.files, names.files, options, growth->number, result);
     if (!names.manifest.empty()) {
       OutputFile(*work.files, names.manifest)
           .write(manifestText(*source_, options, result, meshFacts(result), names.files,
@@ -252,6 +261,35 @@ class ObjectRun {
     work.fragments = result.kept();
     work.line = line.json();
     run_.times.add("write", secondsSince(begin) - work.files->packing());
+  }
+
+  // Writes a fracture as its layout has it.
+  void writeFiles(StagedFiles& files, const FractureFiles& names, const FractureOptions& options,
+                  std::size_t number, FractureResult& result) const {
+    const std::string name = "fractured_" + std::to_string(number);
+    switch (options_.layout) {
+      case DatasetLayout::hdf5:
+        intoUnitBox(result);
+        writeHdf5Part(OutputFile(files, names.mesh[0][0]), hdf5Arrays(result, options_.removal));
+        return;
+      case DatasetLayout::pfpp: {
+        const auto [center, scale] = unitBox();
+        const PfppFracture fracture{pfppId(object_, number),
+                                    objectFolder(DatasetLayout::bb, object_) + "/" + name,
+                                    options.seed,
+                                    options_.each.write.points,
+                                    center,
+                                    scale};
+        return writePfpp(files, {names.points[0][0], names.correspondences}, fracture, result);
+      }
+      case DatasetLayout::bb:
+        intoUnitBox(result);
+        writer_->write(files, names, options, result, &progress_);
+        if (options_.each.write.mesh) writeNeighbors(result, "neighbor/" + name, files);
+        return;
+      default:
+        writer_->write(files, names, options, result, &progress_);
+    }
   }
 
   void renderThumbnail(const std::string& name, const FractureResult& result) const {
@@ -282,11 +320,14 @@ class ObjectRun {
   }
 
   // Breaking Bad's frame: longest side 1, center of the box at 0.
-  void intoUnitBox(FractureResult& result) const {
+  std::pair<glm::dvec3, double> unitBox() const {
     const Box box = bounds(source_->mesh);
-    const glm::dvec3 center = (box.min + box.max) / 2.0;
-    const double scale = 1.0 / longestSide(box);
-    const auto move = [&](TriangleMesh& mesh) {
+    return {(box.min + box.max) / 2.0, 1.0 / longestSide(box)};
+  }
+
+  void intoUnitBox(FractureResult& result) const {
+    const auto [center, scale] = unitBox();
+    const auto move = [center = center, scale = scale](TriangleMesh& mesh) {
       for (glm::dvec3& v : mesh.vertices) v = (v - center) * scale;
     };
     for (Fragment& fragment : result.fragments) {

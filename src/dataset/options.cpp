@@ -156,7 +156,7 @@ const std::vector<Row> kRunRows{
      .group = "Run",
      .value = V::choice(kDataset, &DatasetOptions::layout, names::kDatasetLayout),
      .help = "Files: a folder for each fracture, a ZIP file for each object, the paper's layout, "
-             "Breaking Bad's",
+             "Breaking Bad's, one HDF5 file, PuzzleFusion++'s",
      .key = "layout"},
     {.name = "compress",
      .group = "Run",
@@ -165,6 +165,20 @@ const std::vector<Row> kRunRows{
      .details = "each file separately; with `--layout packed` `none`, otherwise deflated "
                 "within the archive",
      .key = "compress"},
+    {.name = "removal",
+     .group = "Run",
+     .value = V::flag(kDataset, &DatasetOptions::removal),
+     .help = "With --layout hdf5: an order in which fragments may be taken away",
+     .details = "with `--layout hdf5`: `removal_masks` and `removal_order`, by which GARF takes "
+                "fragments away (`num_removal`)",
+     .key = "removal"},
+    {.name = "redundant-pieces",
+     .group = "Run",
+     .value = V::whole(kDataset, &DatasetOptions::redundantPieces, 0, kMaxRedundantPieces),
+     .help = "With --layout hdf5: fragments of other objects listed for each fracture",
+     .details = "with `--layout hdf5`: fragments of other objects of the same split listed for "
+                "each fracture, which GARF adds (`num_redundancy`)",
+     .key = "redundant_pieces"},
     {.name = "resume",
      .group = "Run",
      .value = V::flag(kDataset, &DatasetOptions::resume),

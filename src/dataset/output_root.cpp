@@ -11,8 +11,11 @@
 
 #include "base/atomic_file.h"
 #include "base/below_folder.h"
+#include "dataset/hdf5_join.h"
+#include "dataset/index.h"
 #include "dataset/journal.h"
 #include "dataset/object_folder.h"
+#include "dataset/pfpp.h"
 
 namespace sherd {
 namespace {
@@ -68,11 +71,19 @@ void requireApart(const fs::path& library, const std::vector<LibraryObject>& obj
 }
 
 void requireNoLinks(const fs::path& out, const DatasetPlan& plan) {
+  if (plan.layout == DatasetLayout::hdf5) {
+    for (const char* end : {".hdf5", ".hdf5.json"})
+      requireOwnFile(out, kHdf5Stem + std::string(end));
+  }
   for (const LibraryObject& object : plan.objects) {
     requireOwnFile(out, journalName(object));
     const std::string folder = objectFolder(plan.layout, object);
     if (plan.layout == DatasetLayout::packed) {
       requireOwnFile(out, folder + ".zip");
+    } else if (plan.layout == DatasetLayout::pfpp) {
+      const PfppNames first = pfppNames(object, splitOf(object.key, plan.split), 0);
+      requireOwnSubfolder(out, first.points);
+      requireOwnSubfolder(out, first.matches);
     } else {
       requireOwnSubfolder(out, folder + "/file");
     }
@@ -93,7 +104,9 @@ void OutputLock::share() {
     for (const char* folder : {kBbSplitFolder, kBbListFolder}) {
       removeTemporaries<fs::directory_iterator>(out_ / folder);
     }
-    removeTemporaries<fs::recursive_directory_iterator>(out_ / kJournalFolder);
+    for (const char* folder : {kJournalFolder, kPfppPointFolder, kPfppMatchFolder}) {
+      removeTemporaries<fs::recursive_directory_iterator>(out_ / folder);
+    }
     isAlone_ = false;
   }
   lock_.share();

@@ -11,14 +11,17 @@
 #include "base/atomic_file.h"
 #include "base/cancel_flag.h"
 #include "dataset/fracture_line.h"
+#include "dataset/hdf5_join.h"
 #include "dataset/identity.h"
 #include "dataset/index.h"
 #include "dataset/object_folder.h"
 #include "dataset/object_run.h"
 #include "dataset/output_root.h"
+#include "dataset/pfpp.h"
 #include "dataset/report.h"
 #include "dataset/resources.h"
 #include "dataset/run_record.h"
+#include "dataset/stored_object.h"
 #include "dataset/thumbnails.h"
 
 namespace sherd {
@@ -86,6 +89,7 @@ class LibraryRun {
     for (const LibraryObject& object : objects) {
       progress_.object = object.key;
       Journal journal(out_, object);
+      clearIfLost(object, journal);
       if (journal.text().done || journal.text().failed) {
         progress_.ofFractures -= each;
       } else {
@@ -107,6 +111,17 @@ class LibraryRun {
   }
 
  private:
+  // A finished object whose fractures are gone, as their file was cut or removed, is broken again.
+  void clearIfLost(const LibraryObject& object, Journal& journal) const {
+    if (plan_.layout != DatasetLayout::hdf5 || !journal.text().done) return;
+    if (hasFractures(out_, object, journal.text(), joined_)) return;
+    journal.clear();
+    if (callbacks_.warning) {
+      callbacks_.warning(object.key + ": its fractures are not whole in " + out_.string() +
+                         ", and are made again");
+    }
+  }
+
   void breakOne(const LibraryObject& object, Journal& journal, std::size_t each) {
     const auto found = std::lower_bound(
         plan_.objects.begin(), plan_.objects.end(), object,
@@ -143,9 +158,7 @@ class LibraryRun {
   }
 
   void fail(const LibraryObject& object, Journal& journal, const Error& reason, std::size_t each) {
-    ObjectStore(out_, objectFolder(options_.layout, object), options_.layout, options_.compression,
-                {}, 0)
-        .discard();
+    ObjectStore(storeOf(out_, object, options_)).discard();
     device_.freeBuffers();
     journal.fail(reason.what());
     progress_.ofFractures -= std::min(each, progress_.ofFractures);
@@ -163,6 +176,7 @@ class LibraryRun {
   Device& device_;
   const DatasetCallbacks& callbacks_;
   Clock::time_point begin_ = Clock::now();
+  const std::vector<JoinedFile> joined_ = joinedFiles(out_);
   StageSums sums_;
   DatasetProgress progress_;
 };
@@ -180,6 +194,7 @@ DatasetSummary runDataset(const fs::path& library, const fs::path& out, const Da
   for (std::string& renamed : renameReserved(plan.layout, plan.objects)) {
     warnings.push_back(std::move(renamed));
   }
+  if (plan.layout == DatasetLayout::pfpp) requirePfppIds(plan.objects);
   requireNoLinks(out, plan);
   makeFolder(out);
   OutputLock lock(out);
@@ -197,6 +212,9 @@ DatasetSummary runDataset(const fs::path& library, const fs::path& out, const Da
   DatasetSummary& summary = index.summary;
   try {
     run.execute(shardOf(plan.objects, options.shard));
+    if (plan.layout == DatasetLayout::hdf5) {
+      joinHdf5(out, plan, options.shard, callbacks.progress);
+    }
     if (options.shard.of == 1) {
       index = writeIndex(out, plan, callbacks.progress);
     } else {
@@ -238,6 +256,7 @@ DatasetSummary mergeDataset(const fs::path& out, const Progress* progress) {
                     missing + "; resume the runs of their shards",
                 OptionNames{"resume"});
   }
+  if (plan.layout == DatasetLayout::hdf5) joinHdf5(out, plan, {}, progress);
   const DatasetIndex index = writeIndex(out, plan, progress);
   writeReport(out, index.statistics);
   return index.summary;

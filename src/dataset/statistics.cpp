@@ -4,6 +4,8 @@
 #include <set>
 
 #include "dataset/fracture_line.h"
+#include "dataset/hdf5_part.h"
+#include "dataset/object_folder.h"
 
 namespace sherd {
 namespace {
@@ -19,7 +21,7 @@ fs::path unpackedName(fs::path name) {
 // In all layouts point files lie in a folder "points" or end in the count: M_4f_0_1024p.binp.
 bool isOfPoints(const fs::path& name) {
   for (const fs::path& part : name.parent_path()) {
-    if (part == "points") return true;
+    if (part == "points" || part == kPfppPointFolder) return true;
   }
   const std::string stem = name.stem().string();
   const std::size_t digits = stem.find_last_of('_');
@@ -39,6 +41,7 @@ FileStatistics* kindOf(DatasetStatistics& statistics, const std::string& name) {
 // "ply", "rle.zip"
 std::string formatOf(const std::string& name) {
   const fs::path path(name), plain = unpackedName(path);
+  if (plain.extension() == kHdf5Part) return "hdf5";
   const std::string format =
       plain.extension().string() + (plain == path ? "" : path.extension().string());
   return format.empty() ? format : format.substr(1);

@@ -259,7 +259,7 @@ class ObjectStore::Archive {
 namespace {
 
 // Removes links, not their targets; the folder itself is no link, see requireOwnSubfolder.
-void removeAllBut(const fs::path& folder, const std::set<fs::path>& kept) try {
+void removeAllBelow(const fs::path& folder, const std::set<fs::path>& kept) try {
   if (!fs::exists(folder)) return;
   std::vector<fs::path> folders;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
@@ -278,28 +278,39 @@ void removeAllBut(const fs::path& folder, const std::set<fs::path>& kept) try {
 
 }  // namespace
 
-ObjectStore::ObjectStore(fs::path root, std::string folder, DatasetLayout layout,
-                         FileCompression compression, const std::vector<FileRecord>& kept,
-                         std::uint64_t archive, std::size_t maxQueuedBytes)
-    : root_(std::move(root)), folder_(std::move(folder)), compression_(compression) {
-  if (layout == DatasetLayout::packed) {
-    requireOwnFile(root_, folder_ + kArchive);
-    requireOwnFile(root_, folder_ + kUnfinished);
-    archive_ = std::make_unique<Archive>(path(), archive);
+ObjectStore::ObjectStore(StorePlace place, std::size_t maxQueuedBytes) : place_(std::move(place)) {
+  if (place_.isArchive) {
+    requireOwnFile(place_.root, place_.folder + kArchive);
+    requireOwnFile(place_.root, place_.folder + kUnfinished);
+    archive_ = std::make_unique<Archive>(path(), place_.archive);
     return;
   }
-  requireOwnSubfolder(root_, folder_ + "/file");
+  for (const std::string& name : place_.names) requireOwnFile(place_.root, name);
+  if (!place_.folder.empty()) requireOwnSubfolder(place_.root, place_.folder + "/file");
   queue_ = std::make_unique<FileQueue>(maxQueuedBytes);
-  std::set<fs::path> names;
-  for (const FileRecord& record : kept) names.insert(root_ / record.name);
-  removeAllBut(path(), names);
+  removeAllBut(place_.kept);
 }
 
 ObjectStore::~ObjectStore() = default;
 
+void ObjectStore::removeAllBut(const std::vector<FileRecord>& kept) const {
+  std::set<fs::path> names;
+  for (const FileRecord& record : kept) names.insert(place_.root / record.name);
+  for (const std::string& name : place_.names) {
+    const fs::path file = place_.root / name;
+    if (names.contains(file) || ::unlink(file.c_str()) == 0 || errno == ENOENT || errno == ENOTDIR)
+      continue;
+    cannot(file, "removed", errno);
+  }
+  if (!place_.folder.empty()) removeAllBelow(path(), names);
+}
+
 std::unique_ptr<StagedFiles> ObjectStore::stage(const std::string& prefix) const {
-  if (archive_) return std::make_unique<StagedFiles>(fs::path(), prefix, compression_, nullptr);
-  return std::make_unique<StagedFiles>(root_, folder_ + "/" + prefix, compression_, queue_.get());
+  if (archive_)
+    return std::make_unique<StagedFiles>(fs::path(), prefix, place_.compression, nullptr);
+  const std::string folder = place_.folder.empty() ? "" : place_.folder + "/";
+  return std::make_unique<StagedFiles>(place_.root, folder + prefix, place_.compression,
+                                       queue_.get());
 }
 
 std::vector<FileRecord> ObjectStore::keep(StagedFiles& files) {
@@ -320,14 +331,15 @@ std::uint64_t ObjectStore::archiveBytes() const { return archive_ ? archive_->by
 std::vector<FileRecord> ObjectStore::finish() {
   if (!archive_) return {};
   archive_->finish();
-  return {{folder_ + kArchive, fs::file_size(archive_->file()), sha256OfFile(archive_->file())}};
+  return {
+      {place_.folder + kArchive, fs::file_size(archive_->file()), sha256OfFile(archive_->file())}};
 }
 
 void ObjectStore::discard() {
   if (archive_) {
     archive_->discard();
   } else {
-    removeAllBut(path(), {});
+    removeAllBut({});
   }
 }
 

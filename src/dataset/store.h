@@ -66,19 +66,24 @@ class StagedFiles : public FileSink {
   double packing_ = 0.0, writing_ = 0.0;
 };
 
-/// Stores the files of an object.  Other files below the object's folder are leftovers of an
-/// interrupted run and are removed.
+/// Where the files of an object are stored.
+struct StorePlace {
+  std::filesystem::path root;        ///< the dataset's folder, which exists
+  std::string folder;                ///< the object's, below it; or empty, and then
+  std::vector<std::string> names{};  ///< all that its files may have, in folders of many objects
+  bool isArchive = false;            ///< one archive beside the folder instead of loose files
+  FileCompression compression = FileCompression::none;
+  std::vector<FileRecord> kept{};  ///< files of an earlier run to keep
+  std::uint64_t archive = 0;       ///< bytes of the archive to keep
+};
+
+/// Stores the files of an object.  Other files below the object's folder, or with its names, are
+/// leftovers of an interrupted run and are removed.
 class ObjectStore {
  public:
-  ///   root            the dataset's folder, which exists
-  ///   folder          the object's, below it
-  ///   kept            files of an earlier run to keep
-  ///   archive         bytes of the archive to keep
   ///   maxQueuedBytes  of loose files that wait for the disk
   ///   throws  Error(output), also for a symbolic link on the path of the folder or the archive
-  ObjectStore(std::filesystem::path root, std::string folder, DatasetLayout layout,
-              FileCompression compression, const std::vector<FileRecord>& kept,
-              std::uint64_t archive, std::size_t maxQueuedBytes = 0);
+  explicit ObjectStore(StorePlace place, std::size_t maxQueuedBytes = 0);
   ~ObjectStore();
   ObjectStore(const ObjectStore&) = delete;
   ObjectStore& operator=(const ObjectStore&) = delete;
@@ -103,11 +108,10 @@ class ObjectStore {
 
  private:
   class Archive;
-  [[nodiscard]] std::filesystem::path path() const { return root_ / folder_; }
+  [[nodiscard]] std::filesystem::path path() const { return place_.root / place_.folder; }
+  void removeAllBut(const std::vector<FileRecord>& kept) const;
 
-  std::filesystem::path root_;
-  std::string folder_;
-  FileCompression compression_;
+  StorePlace place_;
   std::unique_ptr<Archive> archive_;
   std::unique_ptr<FileQueue> queue_;
 };

@@ -7,6 +7,7 @@
 
 #include <map>
 #include <mutex>
+#include <optional>
 
 #include "base/below_folder.h"
 #include "base/cancel_flag.h"
@@ -14,6 +15,7 @@
 #include "base/input_error.h"
 #include "base/sha256.h"
 #include "dataset/fracture_line.h"
+#include "dataset/hdf5_verify.h"
 #include "dataset/index.h"
 #include "dataset/journal.h"
 #include "dataset/object_folder.h"
@@ -156,6 +158,11 @@ DatasetCheck verifyDataset(const fs::path& out, const Progress* progress) {
     const std::lock_guard lock(mutex);
     check.problems.push_back(sentence);
   };
+  std::optional<JoinedFractures> joined;
+  if (plan.layout == DatasetLayout::hdf5) {
+    joined.emplace(out);
+    for (const std::string& sentence : joined->problems()) problem(sentence);
+  }
   for (const LibraryObject& object : plan.objects) {
     try {
       const JournalText journal = readJournal(out, object);
@@ -164,13 +171,18 @@ DatasetCheck verifyDataset(const fs::path& out, const Progress* progress) {
         problem(object.key + ": is not done");
         continue;
       }
+      const bool isHdf5 = plan.layout == DatasetLayout::hdf5;
       const bool isPacked = plan.layout == DatasetLayout::packed;
       const StoredFiles files(
           out, isPacked ? objectFolder(plan.layout, object) + ".zip" : std::string());
       tbb::parallel_for(std::size_t{0}, journal.fractures.size(), [&](std::size_t i) {
         throwIfCancelled(progress);
         try {
-          checkFracture(files, journal.fractures[i]);
+          if (isHdf5) {
+            joined->check(object, journal.fractures[i]);
+          } else {
+            checkFracture(files, journal.fractures[i]);
+          }
         } catch (const Error& e) {
           if (e.code() == ErrorCode::cancelled) throw;
           problem(e.what());

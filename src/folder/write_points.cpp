@@ -12,22 +12,25 @@ std::vector<std::size_t> sharedCounts(std::span<const Fragment> fragments, std::
   return shareOut(count, areas);
 }
 
+SurfacePoints pointsOf(const FractureResult& result, std::size_t i, const PointOptions& points) {
+  const Fragment& fragment = result.fragments[i];
+  const PointOptions options = pointOptionsOf(points, fragment.id);
+  const auto& surfaces = result.surfaces ? result.surfaces : result.unmerged;
+  if (options.count == 0) return {};
+  if (surfaces)
+    return samplePoints(surfaces->byArea(static_cast<std::uint16_t>(fragment.id)), options);
+  // The same points whether or not the input has attributes.
+  return fragment.cutFaces.empty() ? samplePoints(fragment.mesh, options)
+                                   : samplePoints(uncut(fragment), options);
+}
+
 void writePointsOf(const OutputFolder& folder, const std::vector<std::string>& files,
                    const FractureResult& result, std::size_t i, std::size_t count,
                    std::uint64_t seed, const WriteOptions& write) {
-  const Fragment& fragment = result.fragments[i];
   PointOptions options = write.points;
   options.count = count;
   options.seed = seed;
-  options = pointOptionsOf(options, fragment.id);
-  SurfacePoints points;
-  const auto& surfaces = result.surfaces ? result.surfaces : result.unmerged;
-  if (count > 0 && surfaces) {
-    points = samplePoints(surfaces->byArea(static_cast<std::uint16_t>(fragment.id)), options);
-  } else if (count > 0) {  // the same points whether or not the input has attributes
-    points = fragment.cutFaces.empty() ? samplePoints(fragment.mesh, options)
-                                       : samplePoints(uncut(fragment), options);
-  }
+  const SurfacePoints points = pointsOf(result, i, options);
   for (std::size_t k = 0; k < files.size(); ++k) {
     writePoints(folder / files[k], points, write.pointFormats[k]);
   }

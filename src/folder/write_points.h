@@ -16,7 +16,12 @@ namespace sherd {
 [[nodiscard]] std::vector<std::size_t> sharedCounts(std::span<const Fragment> fragments,
                                                     std::size_t count);
 
-/// Samples points on fragment i and writes them.
+/// Samples points on fragment i.
+///   points  `count` of it; `seed` of the fracture
+[[nodiscard]] SurfacePoints pointsOf(const FractureResult& result, std::size_t i,
+                                     const PointOptions& points);
+
+/// The same, and writes them.
 ///   files  [write.pointFormats] relative to the folder
 ///   seed   of the fracture
 void writePointsOf(const OutputFolder& folder, const std::vector<std::string>& files,

@@ -13,8 +13,13 @@ import skipping
 from cli_test import sphere, tree, write_obj
 from dataset_test import Dataset, dataset
 
-LAYOUTS = "sherd", "packed", "paper", "bb"
+LAYOUTS = "sherd", "packed", "paper", "bb", "hdf5", "pfpp"
+TREES = "sherd", "paper", "bb"  # with a folder for each object
 QUICK = ("--pieces", "2", "--repeats", "1", "--write", "labels,mesh", "--points", "0", "--resolution", "16")
+
+
+def quick(layout):
+    return ("--layout", layout, *QUICK) if layout != "pfpp" else ("--layout", "pfpp", *(a if a != "0" else "5" for a in QUICK))
 
 
 class Safety(Dataset):
@@ -40,7 +45,7 @@ class Names(Safety):
         for layout in LAYOUTS:
             with self.subTest(layout=layout):
                 self.fresh()
-                arguments = ("--layout", layout, *QUICK, "--verify")
+                arguments = (*quick(layout), "--verify")
                 forecast = self.done(*arguments[:-1], "--dry-run", library=library)
                 first = self.done(*arguments, library=library)
                 warnings = [[line for line in run.stderr.splitlines() if "for itself" in line] for run in (forecast, first)]
@@ -49,14 +54,14 @@ class Names(Safety):
                 rows = self.rows()
                 self.assertEqual({r["object"] for r in rows}, set(names))
                 self.assertEqual({r["folder"] for r in rows if r["object"] == "ball.jsonl/a.obj"},
-                                 {"ball.jsonl_/a" if layout in ("paper", "bb") else "objects/ball.jsonl_/a"})
+                                 {"objects/ball.jsonl_/a" if layout in ("sherd", "packed") else "ball.jsonl_/a"})
                 owners = {}  # of each folder of an object
-                for r in rows if layout != "packed" else []:
+                for r in rows if layout in TREES else []:
                     for name in r["files"]:
                         below = 3 if layout == "sherd" else 2 if layout == "bb" and r["fracture"] != "whole" else 1
                         owners.setdefault(name.lower().rsplit("/", below)[0], set()).add(r["object"])
                 self.assertEqual({folder: own for folder, own in owners.items() if len(own) != 1}, {})
-                self.assertEqual(len(owners), 0 if layout == "packed" else len(names))
+                self.assertEqual(len(owners), len(names) if layout in TREES else 0)
                 moved = {r["object"]: r["folder"] for r in rows if "folder" in r}
                 self.assertEqual("journal.obj" in moved, layout == "paper")
                 for name in moved:  # each is reported, alone or with others
@@ -115,12 +120,14 @@ class Links(Safety):
 
     def test_links_in_place_of_the_datasets_own(self):
         folders = {"sherd": ("objects", "objects/ball", "journal", "journal/vases"), "packed": ("objects", "journal"),
-                   "paper": ("vases", "ball", "vases/egg"), "bb": ("library", "library/ball", "data_split", "data_list", "journal")}
+                   "paper": ("vases", "ball", "vases/egg"), "bb": ("library", "library/ball", "data_split", "data_list", "journal"),
+                   "hdf5": ("parts", "journal"), "pfpp": ("pc_data", "pc_data/vases", "matching_data", "matching_data/library", "journal")}
         files = {"sherd": ("journal/ball.jsonl", "dataset.json", "index.csv", "run.json", "report.html"),
-                 "packed": ("objects/ball.zip", "objects/ball.zip.partial"), "paper": ("train.txt",), "bb": ("library.train.txt",)}
+                 "packed": ("objects/ball.zip", "objects/ball.zip.partial"), "paper": ("train.txt",), "bb": ("library.train.txt",),
+                 "hdf5": ("fractures.hdf5", "fractures.hdf5.json"), "pfpp": ("train.txt",)}
         for layout in LAYOUTS:
             self.fresh()
-            arguments = ("--layout", layout, *QUICK)
+            arguments = quick(layout)
             self.done(*arguments)
             for name in folders[layout] + files[layout]:
                 with self.subTest(layout=layout, name=name):

@@ -416,7 +416,8 @@ class Trust(Dataset):
         return kills
 
     def test_what_was_killed_goes_on(self):
-        for layout in (), ("--layout", "packed"), ("--layout", "paper", "--compress", "zip"), ("--layout", "bb"):
+        for layout in (), ("--layout", "packed"), ("--layout", "paper", "--compress", "zip"), ("--layout", "bb"), \
+                ("--layout", "hdf5"), ("--layout", "pfpp"):
             with self.subTest(layout=layout):
                 self.tmp = tempfile.mkdtemp(prefix="sherd-cli-")
                 self.addCleanup(shutil.rmtree, self.tmp)

@@ -29,7 +29,7 @@ FOREIGN = set("""math/Mat3.h Mat3.h Coord.h version.h InteriorTest UNSIGNED_DIST
 meshopt_simplify KHR_texture_transform file_compression file_mem_bytes interior_polygons seam_points seam_polygons
 cl::Device::getDefault() MADV_POPULATE_WRITE closestPointOnTriangleToPoint
 bowl_001.vdb bowl_002.vdb a_1024p.binp a_3f_128r_0it.rle a_3f_128r_0it_2.binm a_3f_128r_0it_2_1024p.binp a_grid_128r.rle boundary_001_002
-bunny_closed_high_res.stl""".split())
+bunny_closed_high_res.stl fractures_3_of_8.hdf5 data_val_dir matching_data_path""".split())
 
 # The headers that the rows of "Who may include what" are about (docs/architecture.md).
 HEADERS = {

@@ -314,7 +314,7 @@ class Kills(unittest.TestCase):
         def made(folder):  # what a run records of itself differs from run to run
             return {name: file for name, file in tree(folder).items() if not name.startswith(("run", "report", "journal/"))}
 
-        for layout in ("sherd", "packed"):
+        for layout in ("sherd", "packed", "hdf5", "pfpp"):
             whole = os.path.join(self.tmp, layout)
             total = self.calls(dataset(whole, layout), whole, "change")
             for number in spread(total * 3 // 4, 3):  # threads that write at once may need a few calls less another time

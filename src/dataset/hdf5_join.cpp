@@ -1,0 +1,274 @@
+// Joins the fractures of the layout hdf5 to one file.
+#include "dataset/hdf5_join.h"
+
+#include <fcntl.h>
+#include <sherd/error.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "base/atomic_file.h"
+#include "base/below_folder.h"
+#include "base/cancel_flag.h"
+#include "base/file_bytes.h"
+#include "base/input_error.h"
+#include "base/sha256.h"
+#include "dataset/fracture_line.h"
+#include "dataset/hdf5_lists.h"
+#include "dataset/hdf5_part.h"
+#include "dataset/hdf5_record.h"
+#include "dataset/identity.h"
+#include "dataset/index.h"
+#include "dataset/object_folder.h"
+#include "formats/arrays/hdf5_file.h"
+
+namespace sherd {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Waits until a file, or the names in a folder, are on the disk.
+void requireOnDisk(const fs::path& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const int failed = descriptor < 0 || ::fsync(descriptor) != 0 ? errno : 0;
+  if (descriptor >= 0) ::close(descriptor);
+  if (failed == 0 || failed == EINVAL) return;  // some file systems cannot wait for folders
+  throw Error(ErrorCode::output, path.string() + ": cannot be written: " + reasonOf(failed));
+}
+
+/// A finished object with its journal's lines of fractures.
+struct Finished {
+  const LibraryObject* object;
+  std::vector<Json> lines;
+};
+
+std::optional<Finished> finished(const fs::path& out, const LibraryObject& object) {
+  JournalText journal = readJournal(out, object);
+  if (!journal.done) return {};
+  return Finished{&object, std::move(journal.fractures)};
+}
+
+class Joining {
+ public:
+  Joining(const fs::path& out, const DatasetPlan& plan, std::vector<JoinedFile> joined)
+      : out_(out),
+        plan_(plan),
+        options_(optionsOfIdentity(plan.text)),
+        joined_(std::move(joined)) {}
+
+  void write(const std::vector<const LibraryObject*>& objects, const std::string& stem,
+             const Progress* progress) {
+    const std::string name = stem + ".hdf5";
+    AtomicFile file(out_ / name);
+    JoinedFile record{name, 0, {}, {}};
+    {
+      Hdf5Lists lists(plan_.seed, options_.redundantPieces);
+      for (const LibraryObject* object : objects) {
+        throwIfCancelled(progress);
+        if (const auto done = finished(out_, *object)) {
+          lists.add(hdf5Group(*object), splitOf(object->key, plan_.split), countsOf(*done));
+        }
+      }
+      Hdf5Writer writer(file.temporary(), (out_ / name).string());
+      for (const LibraryObject* object : objects) {
+        const auto done = finished(out_, *object);
+        if (!done) continue;
+        addObject(*done, lists, writer, progress);
+        record.objects.insert(object->key);
+      }
+      lists.writeSplits(stem, writer);
+      writer.close();
+    }
+    readers_.clear();
+    requireOnDisk(file.temporary());
+    record.bytes = fs::file_size(file.temporary());
+    record.sha256 = sha256OfFile(file.temporary());
+    replace(file, record);
+  }
+
+ private:
+  // [fractures] the numbers of fragments, without the intact object.
+  static std::vector<std::pair<std::string, std::size_t>> countsOf(const Finished& done) {
+    std::vector<std::pair<std::string, std::size_t>> counts;
+    for (const Json& line : done.lines) {
+      if (line.at("fracture") != kWholeName) counts.emplace_back(hdf5Name(line), hdf5Kept(line));
+    }
+    return counts;
+  }
+
+  void addObject(const Finished& done, const Hdf5Lists& lists, Hdf5Writer& writer,
+                 const Progress* progress) {
+    const std::string group = hdf5Group(*done.object);
+    for (const Json& line : done.lines) {
+      throwIfCancelled(progress);
+      const std::string fracture = group + "/" + hdf5Name(line) + "/";
+      for (const auto& [path, array] : arraysOf(*done.object, line, fracture)) {
+        writer.add(fracture + path, array);
+      }
+      if (line.at("fracture") == kWholeName) continue;
+      if (const auto redundant = lists.redundantPieces(group, hdf5Name(line))) {
+        writer.add(fracture + "redundant_pieces", *redundant);
+      }
+    }
+  }
+
+  // At every moment a record fits the file.
+  void replace(AtomicFile& file, const JoinedFile& record) const {
+    std::vector<JoinedFile> states{record};
+    for (const JoinedFile& before : joined_) {
+      if (before.name == record.name) states.push_back(before);
+    }
+    writeRecord(out_, states);
+    requireOnDisk(out_ / recordName(record.name));
+    file.commit();
+    requireOnDisk(out_);
+    writeRecord(out_, {record});
+  }
+
+  // Returns the arrays of a fracture, from its part or a joined file.
+  Hdf5Arrays arraysOf(const LibraryObject& object, const Json& line, const std::string& group) {
+    const FileRecord part = filesOf(line).front();  // hdf5Name has found it
+    if (isOwnFile(out_, part.name)) {
+      const std::string bytes = readFileBytes(out_ / part.name);
+      if (bytes.size() == part.bytes && sha256(bytes) == part.sha256) return parsedHdf5Part(bytes);
+      throw Error(ErrorCode::input,
+                  (out_ / part.name).string() +
+                      ": differs from what was written; remove it, and a resumed run breaks its "
+                      "object again",
+                  OptionNames{"resume"});
+    }
+    const Hdf5Reader& reader = readerOf(object);
+    Hdf5Arrays arrays;
+    std::vector<std::string> paths{"vertices", "faces"};
+    if (line.at("fracture") != kWholeName) paths = hdf5Paths(hdf5Kept(line));
+    for (const std::string& path : paths) {
+      if (auto array = reader.read(group + path)) {
+        arrays.emplace_back(path, std::move(*array));
+      } else if (!path.starts_with("removal_")) {
+        inputError(out_, group + path + " is missing from its HDF5 file");
+      }
+    }
+    return arrays;
+  }
+
+  const Hdf5Reader& readerOf(const LibraryObject& object) {
+    for (const bool isLast : {false, true}) {
+      for (const JoinedFile& file : joined_) {
+        if (!file.objects.contains(object.key)) continue;
+        std::unique_ptr<Hdf5Reader>& reader = readers_[file.name];
+        if (!reader) reader = std::make_unique<Hdf5Reader>(out_ / file.name);
+        return *reader;
+      }
+      if (!isLast) joined_ = joinedFiles(out_);  // another shard may have joined its parts by now
+    }
+    throw Error(ErrorCode::input,
+                out_.string() + ": the fractures of " + object.key + " are missing; resume the run",
+                OptionNames{"resume"});
+  }
+
+  const fs::path& out_;
+  const DatasetPlan& plan_;
+  const DatasetOptions options_;
+  std::vector<JoinedFile> joined_;
+  std::map<std::string, std::unique_ptr<Hdf5Reader>> readers_;
+};
+
+// Removes the parts of a finished object, and folders that are empty then.
+void removeParts(const fs::path& out, const JournalText& journal) {
+  for (const Json& line : journal.fractures) {
+    for (const FileRecord& part : filesOf(line)) {
+      if (!part.name.ends_with(kHdf5Part) || !isOwnFile(out, part.name)) continue;
+      ::unlink((out / part.name).c_str());
+      for (fs::path above = fs::path(part.name).parent_path(); !above.empty();
+           above = above.parent_path()) {
+        if (::rmdir((out / above).c_str()) != 0) break;
+      }
+    }
+  }
+}
+
+bool hasParts(const fs::path& out, const JournalText& journal) {
+  return std::any_of(journal.fractures.begin(), journal.fractures.end(), [&](const Json& line) {
+    const std::vector<FileRecord> files = filesOf(line);
+    return std::any_of(files.begin(), files.end(),
+                       [&](const FileRecord& part) { return isOwnFile(out, part.name); });
+  });
+}
+
+bool hasAllParts(const fs::path& out, const JournalText& journal) {
+  return std::all_of(journal.fractures.begin(), journal.fractures.end(), [&](const Json& line) {
+    const std::vector<FileRecord> files = filesOf(line);
+    return std::all_of(files.begin(), files.end(), [&](const FileRecord& part) {
+      std::error_code failed;
+      return isOwnFile(out, part.name) && fs::file_size(out / part.name, failed) == part.bytes;
+    });
+  });
+}
+
+// Whether a joined file has these objects, and none of them newer parts.
+//   alone  and no others
+bool isJoined(const fs::path& out, const std::vector<const LibraryObject*>& objects,
+              const JoinedFile& file, bool alone) {
+  std::size_t done = 0;
+  for (const LibraryObject* object : objects) {
+    const JournalText journal = readJournal(out, *object);
+    if (!journal.done) continue;
+    ++done;
+    if (!file.objects.contains(object->key) || hasAllParts(out, journal)) return false;
+  }
+  return !alone || done == file.objects.size();
+}
+
+}  // namespace
+
+std::string hdf5Group(const LibraryObject& object) {
+  return objectFolder(DatasetLayout::bb, object);
+}
+
+bool hasFractures(const fs::path& out, const LibraryObject& object, const JournalText& journal,
+                  const std::vector<JoinedFile>& joined) {
+  if (hasAllParts(out, journal)) return true;
+  return std::any_of(joined.begin(), joined.end(),
+                     [&](const JoinedFile& file) { return file.objects.contains(object.key); });
+}
+
+void joinHdf5(const fs::path& out, const DatasetPlan& plan, Shard shard, const Progress* progress) {
+  const bool isWhole = shard.of == 1;
+  const std::string stem =
+      isWhole
+          ? kHdf5Stem
+          : kHdf5Stem + ("_" + std::to_string(shard.number) + "_of_" + std::to_string(shard.of));
+  std::vector<const LibraryObject*> objects;
+  std::set<std::string> wanted;
+  if (!isWhole) {
+    for (const LibraryObject& object : shardOf(plan.objects, shard)) wanted.insert(object.key);
+  }
+  for (const LibraryObject& object : plan.objects) {
+    if (isWhole || wanted.contains(object.key)) objects.push_back(&object);
+  }
+  const std::vector<JoinedFile> joined = joinedFiles(out);
+  const bool isDone = std::any_of(joined.begin(), joined.end(), [&](const JoinedFile& file) {
+    // After `sherd merge` the whole dataset's file has what a shard's had.
+    return file.name == stem + ".hdf5" ? isJoined(out, objects, file, true)
+                                       : file.name == kHdf5Stem + std::string(".hdf5") &&
+                                             isJoined(out, objects, file, false);
+  });
+  if (!isDone) Joining(out, plan, joined).write(objects, stem, progress);
+  for (const LibraryObject* object : objects) {
+    const JournalText journal = readJournal(out, *object);
+    if (journal.done && hasParts(out, journal)) removeParts(out, journal);
+  }
+  if (!isWhole) return;
+  for (const JoinedFile& file : joined) {
+    if (file.name == stem + ".hdf5") continue;
+    removeRecord(out, file.name);
+    ::unlink((out / file.name).c_str());
+  }
+}
+
+}  // namespace sherd

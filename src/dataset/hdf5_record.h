@@ -1,0 +1,21 @@
+// The records of joined files: fractures.hdf5.json says what fractures.hdf5 has.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "dataset/hdf5_join.h"
+
+namespace sherd {
+
+[[nodiscard]] std::string recordName(const std::string& joined);
+
+/// Records what is, or is about to be, a joined file: of several states the file's size and sum say
+/// which it has.  So a file is replaced without a moment at which no record fits.
+///   throws  Error(output)
+void writeRecord(const std::filesystem::path& out, const std::vector<JoinedFile>& states);
+
+void removeRecord(const std::filesystem::path& out, const std::string& joined);
+
+}  // namespace sherd
