@@ -66,6 +66,13 @@ inline Files dataset() {
           R"("options":"pieces 2..3","objects":[{"key":"a/b.obj","folder":"a/b","bytes":12}]})"};
 }
 
+inline Files hdf5Part() {
+  return {
+      R"({"schema":"sherd-hdf5-part/1","arrays":[{"path":"pieces/00/faces","type":"int32","item":4,)"
+      R"("shape":[2,3],"bytes":5},{"path":"pieces_names","type":"text","item":8,"shape":[1],"bytes":3}]})"
+      "\n12345abc"};
+}
+
 inline Files toml() {
   return {
       "# fractures\n[schedule]\npieces = \"2..10\"\r\nseed = 1_000\nposes = true\n",

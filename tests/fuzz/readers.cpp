@@ -17,6 +17,7 @@
 #include "base/below_folder.h"
 #include "base/parsed_json.h"
 #include "cli/config_file.h"
+#include "dataset/hdf5_part.h"
 #include "dataset/journal.h"
 #include "dataset/plan.h"
 #include "dataset/statistics.h"
@@ -132,6 +133,15 @@ void readPlanOf(std::string_view bytes) {
   const DatasetPlan plan = parsedPlan(bytes);
   for (const int share : plan.split) check(share >= 0);
   for (const LibraryObject& object : plan.objects) check(isBelowFolder(object.folder));
+}
+
+void readHdf5PartOf(std::string_view bytes) {
+  std::size_t packed = 0;
+  for (const auto& [path, array] : parsedHdf5Part(bytes)) {
+    check(isBelowFolder(path) && !array.shape.empty() && array.shape.size() <= kMostHdf5Axes);
+    packed += array.packed.size();
+  }
+  check(packed < bytes.size());
 }
 
 void readConfig(const char* name, std::string_view bytes) {

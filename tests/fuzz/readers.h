@@ -19,6 +19,7 @@ void readManifestOf(std::string_view bytes);
 void readSeedFile(std::string_view bytes);
 void readJournalOf(std::string_view bytes);
 void readPlanOf(std::string_view bytes);
+void readHdf5PartOf(std::string_view bytes);
 void readConfig(const char* name, std::string_view bytes);
 
 }  // namespace sherd::fuzz

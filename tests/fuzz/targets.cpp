@@ -40,6 +40,7 @@ const std::vector<Target> kTargets{
     {"seeds", readSeedFile, "seeds.json", {}},
     {"journal", readJournalOf, "", handmade::journal()},
     {"dataset", readPlanOf, "", handmade::dataset()},
+    {"hdf5_part", readHdf5PartOf, "", handmade::hdf5Part()},
     {"toml", [](std::string_view bytes) { readConfig("a.toml", bytes); }, "", handmade::toml()},
     {"json", [](std::string_view bytes) { readConfig("a.json", bytes); }, "", handmade::json()},
 };

@@ -67,8 +67,8 @@ class Hdf5Writer {
   [[noreturn]] void fail() const;
 
   std::string name_;
-  std::string groups_;  // of the array added last: "a/b/"
-  std::int64_t file_ = -1;
+  std::string groups_;                       // of the array added last: "a/b/"
+  [[maybe_unused]] std::int64_t file_ = -1;  // not in a build without HDF5
 };
 
 /// An existing HDF5 file.
@@ -86,7 +86,7 @@ class Hdf5Reader {
 
  private:
   std::filesystem::path name_;
-  std::int64_t file_ = -1;
+  [[maybe_unused]] std::int64_t file_ = -1;  // not in a build without HDF5
 };
 
 }  // namespace sherd
