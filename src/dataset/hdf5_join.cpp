@@ -44,13 +44,14 @@ void requireOnDisk(const fs::path& path) {
 /// A finished object with its journal's lines of fractures.
 struct Finished {
   const LibraryObject* object;
+  std::string meshSum;
   std::vector<Json> lines;
 };
 
 std::optional<Finished> finished(const fs::path& out, const LibraryObject& object) {
   JournalText journal = readJournal(out, object);
   if (!journal.done) return {};
-  return Finished{&object, std::move(journal.fractures)};
+  return Finished{&object, std::move(journal.sha256), std::move(journal.fractures)};
 }
 
 class Joining {
@@ -79,7 +80,7 @@ class Joining {
         const auto done = finished(out_, *object);
         if (!done) continue;
         addObject(*done, lists, writer, progress);
-        record.objects.insert(object->key);
+        record.objects.emplace(object->key, done->meshSum);
       }
       lists.writeSplits(stem, writer);
       writer.close();
@@ -107,7 +108,7 @@ class Joining {
     for (const Json& line : done.lines) {
       throwIfCancelled(progress);
       const std::string fracture = group + "/" + hdf5Name(line) + "/";
-      for (const auto& [path, array] : arraysOf(*done.object, line, fracture)) {
+      for (const auto& [path, array] : arraysOf(done, line, fracture)) {
         writer.add(fracture + path, array);
       }
       if (line.at("fracture") == kWholeName) continue;
@@ -131,7 +132,7 @@ class Joining {
   }
 
   // Returns the arrays of a fracture, from its part or a joined file.
-  Hdf5Arrays arraysOf(const LibraryObject& object, const Json& line, const std::string& group) {
+  Hdf5Arrays arraysOf(const Finished& done, const Json& line, const std::string& group) {
     const FileRecord part = filesOf(line).front();  // hdf5Name has found it
     if (isOwnFile(out_, part.name)) {
       const std::string bytes = readFileBytes(out_ / part.name);
@@ -142,7 +143,7 @@ class Joining {
                       "object again",
                   OptionNames{"resume"});
     }
-    const Hdf5Reader& reader = readerOf(object);
+    const Hdf5Reader& reader = readerOf(done);
     Hdf5Arrays arrays;
     std::vector<std::string> paths{"vertices", "faces"};
     if (line.at("fracture") != kWholeName) paths = hdf5Paths(hdf5Kept(line));
@@ -156,19 +157,20 @@ class Joining {
     return arrays;
   }
 
-  const Hdf5Reader& readerOf(const LibraryObject& object) {
+  const Hdf5Reader& readerOf(const Finished& done) {
     for (const bool isLast : {false, true}) {
       for (const JoinedFile& file : joined_) {
-        if (!file.objects.contains(object.key)) continue;
+        if (!file.holds(*done.object, done.meshSum)) continue;
         std::unique_ptr<Hdf5Reader>& reader = readers_[file.name];
         if (!reader) reader = std::make_unique<Hdf5Reader>(out_ / file.name);
         return *reader;
       }
       if (!isLast) joined_ = joinedFiles(out_);  // another shard may have joined its parts by now
     }
-    throw Error(ErrorCode::input,
-                out_.string() + ": the fractures of " + object.key + " are missing; resume the run",
-                OptionNames{"resume"});
+    throw Error(
+        ErrorCode::input,
+        out_.string() + ": the fractures of " + done.object->key + " are missing; resume the run",
+        OptionNames{"resume"});
   }
 
   const fs::path& out_;
@@ -219,7 +221,7 @@ bool isJoined(const fs::path& out, const std::vector<const LibraryObject*>& obje
     const JournalText journal = readJournal(out, *object);
     if (!journal.done) continue;
     ++done;
-    if (!file.objects.contains(object->key) || hasAllParts(out, journal)) return false;
+    if (!file.holds(*object, journal.sha256) || hasAllParts(out, journal)) return false;
   }
   return !alone || done == file.objects.size();
 }
@@ -233,8 +235,9 @@ std::string hdf5Group(const LibraryObject& object) {
 bool hasFractures(const fs::path& out, const LibraryObject& object, const JournalText& journal,
                   const std::vector<JoinedFile>& joined) {
   if (hasAllParts(out, journal)) return true;
-  return std::any_of(joined.begin(), joined.end(),
-                     [&](const JoinedFile& file) { return file.objects.contains(object.key); });
+  return journal.done && std::any_of(joined.begin(), joined.end(), [&](const JoinedFile& file) {
+           return file.holds(object, journal.sha256);
+         });
 }
 
 void joinHdf5(const fs::path& out, const DatasetPlan& plan, Shard shard, const Progress* progress) {

@@ -9,7 +9,7 @@
 #include <sherd/dataset.h>
 
 #include <filesystem>
-#include <set>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -28,14 +28,21 @@ struct JoinedFile {
   std::string name;  ///< "fractures.hdf5", or "fractures_2_of_4.hdf5" of a shard
   std::uint64_t bytes = 0;
   std::string sha256;
-  std::set<std::string> objects;  ///< keys
+  std::map<std::string, std::string> objects;  ///< by key the SHA-256 of the object's mesh
+
+  /// Whether it has the fractures of an object as it is now.
+  [[nodiscard]] bool holds(const LibraryObject& object, const std::string& meshSum) const {
+    const auto found = objects.find(object.key);
+    return found != objects.end() && found->second == meshSum;
+  }
 };
 
 /// Returns the joined files of a dataset that have the recorded size: one that was cut, or is
 /// absent, is left out, and so are files without a record.
 [[nodiscard]] std::vector<JoinedFile> joinedFiles(const std::filesystem::path& out);
 
-/// Whether the fractures of a finished object exist, as parts or in a joined file.
+/// Whether the fractures that a journal lists exist: as parts, or of a finished object in a joined
+/// file.
 [[nodiscard]] bool hasFractures(const std::filesystem::path& out, const LibraryObject& object,
                                 const JournalText& journal, const std::vector<JoinedFile>& joined);
 

@@ -23,9 +23,10 @@ constexpr std::uintmax_t kLargestRecord = std::uintmax_t{1} << 30;
 
 JoinedFile stateFrom(const Json& json, const std::string& name) {
   JoinedFile state{name, fields::count(json, "bytes"), fields::text(json, "sha256"), {}};
-  for (const Json& key : fields::list(json, "objects")) {
-    if (!key.is_string()) fields::damaged("a key of \"objects\" is not text");
-    state.objects.insert(key);
+  for (const auto& [key, sum] :
+       fields::get(json, "objects", &Json::is_object, "an object").items()) {
+    if (!sum.is_string()) fields::damaged("a checksum of \"objects\" is not text");
+    state.objects.emplace(key, sum);
   }
   return state;
 }

@@ -36,7 +36,8 @@ JoinedFractures::JoinedFractures(std::filesystem::path out)
   std::erase_if(files_, [&](const JoinedFile& file) { return !readers_.contains(file.name); });
 }
 
-void JoinedFractures::check(const LibraryObject& object, const Json& line) const {
+void JoinedFractures::check(const LibraryObject& object, const std::string& meshSum,
+                            const Json& line) const {
   const std::string name = hdf5Name(line);
   const FileRecord part = filesOf(line).front();
   std::map<std::string, Hdf5Array> arrays;
@@ -48,7 +49,7 @@ void JoinedFractures::check(const LibraryObject& object, const Json& line) const
     for (auto& [path, array] : parsedHdf5Part(bytes)) arrays.emplace(path, std::move(array));
   } else {
     for (const JoinedFile& file : files_) {
-      if (file.objects.contains(object.key)) reader = readers_.at(file.name).get();
+      if (file.holds(object, meshSum)) reader = readers_.at(file.name).get();
     }
     if (reader == nullptr)
       throw Error(ErrorCode::input, hdf5Group(object) + "/" + name + ": is missing");

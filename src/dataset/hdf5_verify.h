@@ -24,7 +24,8 @@ class JoinedFractures {
   /// Compares the faces of a fracture's fragments with its journal's line, in its part or else in a
   /// joined file.
   ///   throws  Error(input) they are absent, or differ
-  void check(const LibraryObject& object, const Json& line) const;
+  ///   meshSum  the journal's
+  void check(const LibraryObject& object, const std::string& meshSum, const Json& line) const;
 
  private:
   std::filesystem::path out_;

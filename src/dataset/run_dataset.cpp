@@ -111,9 +111,9 @@ class LibraryRun {
   }
 
  private:
-  // A finished object whose fractures are gone, as their file was cut or removed, is broken again.
+  // An object whose fractures are gone, as their file was cut or removed, is broken again.
   void clearIfLost(const LibraryObject& object, Journal& journal) const {
-    if (plan_.layout != DatasetLayout::hdf5 || !journal.text().done) return;
+    if (plan_.layout != DatasetLayout::hdf5 || journal.text().fractures.empty()) return;
     if (hasFractures(out_, object, journal.text(), joined_)) return;
     journal.clear();
     if (callbacks_.warning) {

@@ -179,7 +179,7 @@ DatasetCheck verifyDataset(const fs::path& out, const Progress* progress) {
         throwIfCancelled(progress);
         try {
           if (isHdf5) {
-            joined->check(object, journal.fractures[i]);
+            joined->check(object, journal.sha256, journal.fractures[i]);
           } else {
             checkFracture(files, journal.fractures[i]);
           }

@@ -404,7 +404,8 @@ class Whole(Layouts):
             return do
 
         for what in (cut, lambda: os.remove(path), lambda: os.remove(record), spoil("{"), spoil("[]"), spoil('{"schema":"sherd-hdf5/1"}'),
-                     spoil('{"schema":"sherd-hdf5/1","states":[3,{"bytes":-1}]}')):
+                     spoil('{"schema":"sherd-hdf5/1","states":[3,{"bytes":-1}]}'),
+                     spoil(f'{{"schema":"sherd-hdf5/1","states":[{{"bytes":{os.path.getsize(path)},"sha256":"","objects":["ball.obj"]}}]}}')):
             what()
             run = self.done(*options, "--resume")
             self.assertIn("are made again", run.stderr)
@@ -443,13 +444,41 @@ class Whole(Layouts):
         self.killed(options)
         parts = [os.path.join(self.out, n) for n in tree(self.out) if n.endswith(".part")]
         self.assertGreater(len(parts), 2)
-        os.truncate(parts[0], 100)
+        killed = self.path("killed")
+        shutil.copytree(self.out, killed)
+        with open(os.path.join(self.out, "journal", "vases", "egg.jsonl")) as journal:
+            recorded = [part for part in parts if os.path.relpath(part, self.out) in journal.read() or "egg" not in part]
+        for part in recorded[0], recorded[-1]:
+            for spoil in (lambda: os.truncate(part, 100), lambda: os.remove(part)):
+                spoil()
+                self.assertIn("made again", self.done(*options, "--resume").stderr)
+                self.assertEqual(dataset(self.out), dataset(whole))
+                shutil.rmtree(self.out)
+                shutil.copytree(killed, self.out)
+        with open(parts[0], "r+b") as file:  # with its size
+            file.seek(-1, os.SEEK_END)
+            last = file.read()
+            file.seek(-1, os.SEEK_END)
+            file.write(bytes([last[0] ^ 1]))
         run = self.dataset(*options, "--resume")
-        if run.returncode:  # it was of an object that was not finished
-            self.refused(3, run, "differs from what was written")
-            os.remove(parts[0])
+        self.assertEqual(run.returncode, 3, run.stderr)
+        self.assertIn("differs from what was written", run.stderr)
+        os.remove(parts[0])
         self.done(*options, "--resume")
         self.assertEqual(dataset(self.out), dataset(whole))
+
+    def test_a_mesh_that_was_replaced(self):
+        """Its journal is removed, and what the file has of it is not mixed with the new one."""
+        options = self.OPTIONS["hdf5"]
+        library, fresh = self.path("replaced"), self.path("fresh")
+        shutil.copytree(self.library, library)
+        self.done(*options, library=library)
+        write_obj(os.path.join(library, "ball.obj"), sphere(14, 28))
+        os.remove(os.path.join(self.out, "journal", "ball.jsonl"))
+        self.done(*options, "--resume", library=library)
+        self.done(*options, library=library, out=fresh)
+        now, expected = dataset(self.out), dataset(fresh)
+        self.assertEqual({n for n in expected if now[n] != expected[n]}, {"dataset.json"})  # which has the former mesh's size
 
     def killed(self, options):
         """A run that was killed between its first and its last part."""
