@@ -99,10 +99,14 @@ void addIdleOfLayout(DatasetLayout layout, const OptionUse& use,
     }
   }
   if (!isHdf5 && layout != DatasetLayout::pfpp) return;
-  std::vector<const char*> idle{"write",        "mesh-format", "plain-meshes", "precision",
-                                "voxel-format", "sdf-samples", "triangles",    "correspondences",
-                                "point-format", "share-points"};
-  if (isHdf5) idle.insert(idle.end(), {"points", "point-sampler", "point-rule"});
+  std::vector<const char*> idle{"write",        "mesh-format",     "plain-meshes",
+                                "precision",    "voxel-format",    "sdf-samples",
+                                "point-format", "correspondences", "share-points"};
+  if (isHdf5) {
+    idle.insert(idle.end(), {"points", "point-sampler", "point-rule"});
+  } else {
+    idle.push_back("triangles");
+  }
   for (const char* option : idle) {
     if (!use.isGiven(option)) continue;
     sentences.push_back(use.spelled(option) + " does nothing with --layout " +

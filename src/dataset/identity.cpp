@@ -122,6 +122,8 @@ void checkHdf5(const DatasetOptions& options) {
   }
   need(options.compression == FileCompression::none,
        "the layout hdf5 compresses arrays by itself; omit the other compression");
+  need(options.each.fracture.surface.triangles.size() <= 1,
+       "the layout hdf5 holds one mesh of each fragment; give one number of triangles");
   need(options.schedule.most <= kMostLabels, "the layout hdf5 holds at most 32767 pieces");
   need(options.redundantPieces <= kMaxRedundantPieces, "redundant pieces are in 0..64");
 }

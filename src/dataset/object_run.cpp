@@ -170,6 +170,7 @@ class ObjectRun {
     whole.eroded = {0, 0};
     renderThumbnail(kWholeName, whole);
     label(solid.blocks->inside, Labels::kEroded);  // inside the solid, but in no fragment
+    keepDecimated(whole);
     const NamedFiles names = wholeNames(options_.layout, named(options));
     const auto files = store_->stage(names.prefix);
     const bool isUnit =
@@ -247,6 +248,7 @@ class ObjectRun {
     work.exactFailure = result.exactFailure;
     if (options.surface.meshes) renderThumbnail(planned.name(), result);
     begin = Clock::now();
+    keepDecimated(result);
     const NamedFiles names =
         fractureNames(options_.layout, named(options), planned, growth->number, result.kept());
     work.files = store_->stage(names.prefix);
@@ -261,6 +263,14 @@ class ObjectRun {
     work.fragments = result.kept();
     work.line = line.json();
     run_.times.add("write", secondsSince(begin) - work.files->packing());
+  }
+
+  // An HDF5 file has one mesh of each fragment: the decimated one, if there is one.
+  void keepDecimated(FractureResult& result) const {
+    if (options_.layout != DatasetLayout::hdf5) return;
+    for (Fragment& fragment : result.fragments) {
+      if (!fragment.coarse.empty()) fragment.mesh = std::move(fragment.coarse.front());
+    }
   }
 
   // Writes a fracture as its layout has it.

@@ -206,6 +206,24 @@ class OneFile(Layouts):
                     seen += (shared == 3).any()
         self.assertGreater(seen, 0)
 
+    def test_decimated_meshes_have_labels(self):
+        options = ("--pieces", "3", "--repeats", "2", "--resolution", "24", "--adaptivity", "0", "--match", "vases/bowl/*", "--split", "1/0/0")
+        self.done("--layout", "hdf5", "--triangles", "300", *options, "--verify")
+        full = self.path("full")
+        self.done("--layout", "hdf5", *options, out=full)
+        few, many = (Garf(os.path.join(out, HDF5), "vases", "train") for out in (self.out, full))
+        self.assertEqual(few.data_list, many.data_list)
+        for i in range(len(few.data_list)):
+            a, b = few[i], many[i]
+            np.testing.assert_array_equal(a["graph"], b["graph"])
+            for (vertices, faces), shared, (_, others) in zip(a["meshes"], a["shared_faces"], b["meshes"]):
+                self.assertLess(len(faces), min(400, len(others)))
+                self.assertEqual(len(shared), len(faces))
+                edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+                self.assertEqual(set(np.unique(edges, axis=0, return_counts=True)[1]), {2})  # closed
+        faces = [row["faces"] for row in self.rows() if row["fracture"] != "whole"]
+        self.assertLess(max(faces), 400)
+
     def test_a_library_may_use_names_of_the_file(self):
         library = self.path("named")
         for name in "fractures/a", "data_split/b", "plain/c":
@@ -549,6 +567,7 @@ class Refused(Layouts):
     def test_options_that_contradict(self):
         for options, sentence in ((("--layout", "hdf5", "--compress", "zip"), "compresses arrays by itself"),
                                   (("--layout", "hdf5", "--redundant-pieces", "65"), "0..64"),
+                                  (("--layout", "hdf5", "--triangles", "100,200"), "one number of triangles"),
                                   (("--layout", "pfpp", "--compress", "zstd"), "no compressed files"),
                                   (("--layout", "pfpp", "--pieces", "2..21"), "at most 20 pieces"),
                                   (("--layout", "pfpp", "--points", "0"), "holds points")):
