@@ -24,6 +24,7 @@
 #include "dataset/hdf5_record.h"
 #include "dataset/identity.h"
 #include "dataset/index.h"
+#include "dataset/json_fields.h"
 #include "dataset/object_folder.h"
 #include "formats/arrays/hdf5_file.h"
 
@@ -51,16 +52,36 @@ struct Finished {
 std::optional<Finished> finished(const fs::path& out, const LibraryObject& object) {
   JournalText journal = readJournal(out, object);
   if (!journal.done) return {};
+  try {
+    for (const Json& line : journal.fractures) {
+      (void)hdf5Name(line);
+      if (hdf5Kept(line) == 0) fields::damaged("a fracture has no fragment");
+    }
+  } catch (const Error& e) {
+    inputError(out / journalName(object),
+               std::string("is damaged: ") + e.what() +
+                   "; remove the file, and a resumed run breaks its object again",
+               OptionNames{"resume"});
+  }
   return Finished{&object, std::move(journal.sha256), std::move(journal.fractures)};
+}
+
+std::size_t redundantOf(const fs::path& out, const DatasetPlan& plan) try {
+  return optionsOfIdentity(plan.text).redundantPieces;
+} catch (const Error& e) {
+  inputError(out / kPlanName, std::string("is damaged: ") + e.what());
+}
+
+Hdf5Arrays arraysIn(const fs::path& part, std::string_view bytes) try {
+  return parsedHdf5Part(bytes);
+} catch (const Error& e) {
+  inputError(part, e.what());
 }
 
 class Joining {
  public:
   Joining(const fs::path& out, const DatasetPlan& plan, std::vector<JoinedFile> joined)
-      : out_(out),
-        plan_(plan),
-        options_(optionsOfIdentity(plan.text)),
-        joined_(std::move(joined)) {}
+      : out_(out), plan_(plan), redundant_(redundantOf(out, plan)), joined_(std::move(joined)) {}
 
   void write(const std::vector<const LibraryObject*>& objects, const std::string& stem,
              const Progress* progress) {
@@ -68,7 +89,7 @@ class Joining {
     AtomicFile file(out_ / name);
     JoinedFile record{name, 0, {}, {}};
     {
-      Hdf5Lists lists(plan_.seed, options_.redundantPieces);
+      Hdf5Lists lists(plan_.seed, redundant_);
       for (const LibraryObject* object : objects) {
         throwIfCancelled(progress);
         if (const auto done = finished(out_, *object)) {
@@ -136,7 +157,8 @@ class Joining {
     const FileRecord part = filesOf(line).front();  // hdf5Name has found it
     if (isOwnFile(out_, part.name)) {
       const std::string bytes = readFileBytes(out_ / part.name);
-      if (bytes.size() == part.bytes && sha256(bytes) == part.sha256) return parsedHdf5Part(bytes);
+      if (bytes.size() == part.bytes && sha256(bytes) == part.sha256)
+        return arraysIn(out_ / part.name, bytes);
       throw Error(ErrorCode::input,
                   (out_ / part.name).string() +
                       ": differs from what was written; remove it, and a resumed run breaks its "
@@ -175,7 +197,7 @@ class Joining {
 
   const fs::path& out_;
   const DatasetPlan& plan_;
-  const DatasetOptions options_;
+  const std::size_t redundant_;
   std::vector<JoinedFile> joined_;
   std::map<std::string, std::unique_ptr<Hdf5Reader>> readers_;
 };

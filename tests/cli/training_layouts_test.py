@@ -498,6 +498,35 @@ class Whole(Layouts):
         now, expected = dataset(self.out), dataset(fresh)
         self.assertEqual({n for n in expected if now[n] != expected[n]}, {"dataset.json"})  # which has the former mesh's size
 
+    def test_damaged_journals_and_plans_are_named(self):
+        options = self.OPTIONS["hdf5"]
+        self.done(*options, "--match", "vases/bowl/[01]*")
+        os.remove(os.path.join(self.out, HDF5 + ".json"))
+        journal, plan = os.path.join(self.out, "journal/vases/bowl/0.jsonl"), os.path.join(self.out, "dataset.json")
+
+        def spoiled(path, change):
+            with open(path) as file:
+                text = file.read()
+            with open(path, "w") as file:
+                file.write(change(text))
+            run = self.run_sherd("merge", self.out)
+            with open(path, "w") as file:
+                file.write(text)
+            return run
+
+        def on_line(number, change):
+            def of(text):
+                lines = [json.loads(line) for line in text.splitlines()]
+                change(lines[number])
+                return "".join(json.dumps(line) + "\n" for line in lines)
+            return of
+
+        for change in (lambda line: line.update(fragments=[]), lambda line: [f.update(withheld=True) for f in line["fragments"]],
+                       lambda line: line.update(files=[], fragments=[{**f, "files": []} for f in line["fragments"]])):
+            self.refused(3, spoiled(journal, on_line(2, change)), "0.jsonl: is damaged", "remove the file")
+        self.refused(3, spoiled(plan, lambda text: text.replace("--redundant-pieces=1", "--redundant-pieces=99")), "dataset.json: is damaged")
+        self.refused(3, self.run_sherd("merge", self.out), "are missing; resume the run")
+
     def killed(self, options):
         """A run that was killed between its first and its last part."""
         process = subprocess.Popen([SHERD, "dataset", self.library, "-o", self.out, *options], stdout=subprocess.DEVNULL,
