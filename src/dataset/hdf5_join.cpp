@@ -202,26 +202,20 @@ class Joining {
   std::map<std::string, std::unique_ptr<Hdf5Reader>> readers_;
 };
 
-// Removes the parts of a finished object, and folders that are empty then.
-void removeParts(const fs::path& out, const JournalText& journal) {
+// Removes the parts of a finished object and its folder, also one that a killed run left empty.
+//   above  and the folders above, which other shards may be about to write to
+void removeParts(const fs::path& out, const LibraryObject& object, const JournalText& journal,
+                 bool above) {
   for (const Json& line : journal.fractures) {
     for (const FileRecord& part : filesOf(line)) {
-      if (!part.name.ends_with(kHdf5Part) || !isOwnFile(out, part.name)) continue;
-      ::unlink((out / part.name).c_str());
-      for (fs::path above = fs::path(part.name).parent_path(); !above.empty();
-           above = above.parent_path()) {
-        if (::rmdir((out / above).c_str()) != 0) break;
-      }
+      if (part.name.ends_with(kHdf5Part) && isOwnFile(out, part.name))
+        ::unlink((out / part.name).c_str());
     }
   }
-}
-
-bool hasParts(const fs::path& out, const JournalText& journal) {
-  return std::any_of(journal.fractures.begin(), journal.fractures.end(), [&](const Json& line) {
-    const std::vector<FileRecord> files = filesOf(line);
-    return std::any_of(files.begin(), files.end(),
-                       [&](const FileRecord& part) { return isOwnFile(out, part.name); });
-  });
+  for (fs::path folder = objectFolder(DatasetLayout::hdf5, object); !folder.empty();
+       folder = folder.parent_path()) {
+    if ((::rmdir((out / folder).c_str()) != 0 && errno != ENOENT) || !above) break;
+  }
 }
 
 bool hasAllParts(const fs::path& out, const JournalText& journal) {
@@ -285,8 +279,9 @@ void joinHdf5(const fs::path& out, const DatasetPlan& plan, Shard shard, const P
   });
   if (!isDone) Joining(out, plan, joined).write(objects, stem, progress);
   for (const LibraryObject* object : objects) {
+    if (!fs::exists(out / kHdf5PartFolder)) break;
     const JournalText journal = readJournal(out, *object);
-    if (journal.done && hasParts(out, journal)) removeParts(out, journal);
+    if (journal.done) removeParts(out, *object, journal, isWhole);
   }
   if (!isWhole) return;
   for (const JoinedFile& file : joined) {
