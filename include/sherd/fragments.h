@@ -40,7 +40,9 @@ enum class Surface {
 enum class Interface {
   shared,  ///< one mesh of all fragments: both sides of a contact have the same vertices and faces,
            ///< bit for bit, also after smoothing and decimation
-  independent  ///< each fragment's level set is meshed separately
+  independent  ///< each fragment's level set is meshed separately, with the vertices of its cracks
+               ///< at other points: no vertex is a neighbor's to the bit, after smoothing and
+               ///< decimation neither
 };
 
 /// A number of iterations: `count`, and `perVoxel` times the solid's longest side in voxels,
@@ -209,6 +211,7 @@ struct ExtractOptions {
                                      ///< them
   const IntactSurface* intact = nullptr;  ///< of this solid, or null; affects only the speed
   const ExactSurface* exact = nullptr;  ///< what Surface::exact is, of refracture; null: it is made
+  std::uint64_t seed = 0;  ///< where the vertices of Interface::independent's cracks are
 };
 
 /// Cuts every fragment out of the solid.  A fragment's level set is max(solid, distance to the

@@ -50,6 +50,8 @@ enum class Stage : std::uint64_t {
   spaceOffset = 87,
   pointContact = 88,
   crackVertex = 92,
+  crackShift = 94,
+  crackJitter = 95,
   flatPoint = 93,
   datasetObject = 96,    // derives a seed per object of a library
   datasetFracture = 97,  // derives a seed per fracture of an object

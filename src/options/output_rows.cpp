@@ -268,7 +268,7 @@ const std::vector<Row> kSurfaceRows{
      .value = V::choice(kSurface, &SurfaceOptions::interface, names::kInterface),
      .help = "Surfaces between fragments: shared bit for bit, or each fragment meshed separately",
      .details = "two fragments share the vertices and faces between them, bit for bit; or "
-                "each level set is meshed separately ([decision "
+                "each level set is meshed separately, and no vertex is a neighbor's ([decision "
                 "0010](decisions/0010-one-mesh-of-all-labels.md))",
      .key = "surface.interface",
      .drawn = true},

@@ -137,6 +137,7 @@ GrownFracture seeded(const PreparedSolid& ready, const FractureOptions& options,
   GrownFracture grown;
   FractureResult& result = grown.result;
   grown.surface = ready.surface;
+  grown.seed = options.seed;
   result.solid = ready.solid;
   result.components = ready.components.count();
   const std::optional<GivenSeeds>& given = options.seeds.given;

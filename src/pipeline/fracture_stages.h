@@ -58,6 +58,7 @@ struct GrownFracture {
   std::optional<Labels> uneroded;  ///< the labels before erosion, if any
   std::shared_ptr<const IntactSurface> surface{};
   std::optional<ExactSurface> exact{};  ///< of refracture, with Surface::exact
+  std::uint64_t seed = 0;               ///< of the fracture
 
   [[nodiscard]] const Labels* unerodedOrNull() const { return uneroded ? &*uneroded : nullptr; }
 
@@ -66,7 +67,8 @@ struct GrownFracture {
     return {.surface = options,
             .uneroded = unerodedOrNull(),
             .intact = surface.get(),
-            .exact = exact ? &*exact : nullptr};
+            .exact = exact ? &*exact : nullptr,
+            .seed = seed};
   }
 };
 

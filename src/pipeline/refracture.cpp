@@ -46,21 +46,27 @@ SeededLabels breakFragment(const Solid& fragment, int id, const FractureOptions&
   return growFor(own, fragment, components, std::move(seeds), seed, device, progress);
 }
 
-}  // namespace
-
-GrownFracture regrown(const FinishedFracture& finished, std::span<const int> only,
-                      const FractureOptions& options, Device& device, const Progress* progress) {
-  checkOptions(options);
-  const std::set<int> broken(only.begin(), only.end());
-  const int fragments = finished.labels.fragmentCount;
-  for (const int id : broken) {
+std::set<int> existingIds(std::span<const int> given, int fragments) {
+  std::set<int> ids(given.begin(), given.end());
+  for (const int id : ids) {
     if (id < 1 || id > fragments) {
       throw Error(ErrorCode::usage, "there is no fragment " + std::to_string(id) +
                                         ", the fracture has 1.." + std::to_string(fragments));
     }
   }
+  return ids;
+}
+
+}  // namespace
+
+GrownFracture regrown(const FinishedFracture& finished, std::span<const int> only,
+                      const FractureOptions& options, Device& device, const Progress* progress) {
+  checkOptions(options);
+  const int fragments = finished.labels.fragmentCount;
+  const std::set<int> broken = existingIds(only, fragments);
   StageClock clock;
   GrownFracture all;
+  all.seed = options.seed;
   FractureResult& result = all.result;
   result.solid = finished.solid;
   result.components = findComponents(*finished.solid.blocks, device).count();

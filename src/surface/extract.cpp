@@ -16,6 +16,7 @@
 #include "grow/check_labels.h"
 #include "surface/decimate.h"
 #include "surface/exact_meshes.h"
+#include "surface/independent_cracks.h"
 #include "surface/independent_mesh.h"
 #include "surface/intact.h"
 #include "surface/intact_labels.h"
@@ -124,6 +125,7 @@ Extraction::Extraction(const Solid& solid, const Labels& labels, const ExtractOp
       uneroded_(options.uneroded),
       surface_(checked(solid, options, progress)),
       progress_(progress),
+      seed_(options.seed),
       count_(static_cast<std::size_t>(labels.fragmentCount)),
       voxels_(checkedCounts(labels, solid)),
       boxes_(voxelBoxes(*solid.blocks, labels)),
@@ -231,13 +233,17 @@ void Extraction::meshIndependent(Fragment& fragment) const {
   const auto id = static_cast<std::uint16_t>(fragment.id);
   const std::vector<std::uint32_t>& leaves = leaves_[id];
   const Labels& before = uneroded_ ? *uneroded_ : labels_;
+  const FragmentKey key{seed_, id};
   if (surface_.surface == Surface::labels) {
     fragment.mesh = meshOfFaces(facesOf(solid_, labels_, before, id, leaves), solid_.frame);
   } else {
     LabeledMesh meshed = meshOfOne(solid_, labels_, cut_, *creases_, id, leaves);
+    meshed.mesh.neighbor =
+        neighborsOf(meshed.mesh, onSolid(meshed), id, solid_, before, uneroded_ != nullptr);
+    slideCracks(meshed, solid_.frame, key);
+    // Planes are merged first: they would no longer be planes.
+    if (!simplification_.isAny()) jitterCracks(meshed.mesh, solid_.frame, key);
     fragment.mesh = std::move(meshed.mesh);
-    fragment.mesh.neighbor =
-        neighborsOf(fragment.mesh, onSolid(meshed), id, solid_, before, uneroded_ != nullptr);
   }
   fragment.mesh =
       smoothed(std::move(fragment.mesh), surface_.smooth, solid_.box.longestSide(), progress_);
@@ -252,6 +258,7 @@ void Extraction::meshIndependent(Fragment& fragment) const {
         std::move(simplified(complexOf(fragment.mesh, charts), simplification_, progress_).front());
     fragment.mesh = std::move(simple.mesh);
     charts = std::move(simple.chart);
+    jitterCracks(fragment.mesh, solid_.frame, key);
   }
   fragment.coarse =
       std::move(decimated(complexOf(fragment.mesh, charts), surface_.triangles, progress_).front());

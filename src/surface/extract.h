@@ -61,6 +61,7 @@ class Extraction {
   const Labels* const uneroded_;
   SurfaceOptions surface_;  ///< smooth where exact surfaces fail
   const Progress* const progress_;
+  const std::uint64_t seed_;
   const std::size_t count_;
   const std::vector<std::uint64_t> voxels_;            ///< [fragments + 1]
   const std::vector<VoxelBox> boxes_;                  ///< [fragments + 1]

@@ -15,7 +15,8 @@ namespace sherd {
 
 /// Returns the surface of a fragment's level set, max(solid, cut), with all other labels merged
 /// into one.  Meshed by InterfaceMeshes, so it is closed and edge-manifold, face-connected voxels
-/// form one component, and contact boundaries are sharp.
+/// form one component, and contact boundaries are sharp.  Voids of the solid of less than
+/// kSmallComponentVoxels are left out.
 ///   creases  of the solid
 ///   leaves  those within two voxels of the fragment, ascending
 ///   return  `other` is 0 on the solid's surface, else Labels::kEroded
