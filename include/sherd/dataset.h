@@ -165,6 +165,8 @@ struct DatasetSummary {
   std::map<std::string, std::uintmax_t> bytesByFormat;  ///< by extension: "rle", "ply.zip"
   bool complete = true;  ///< false: one of several shards, not merged into an index yet
   std::vector<StageTime> times;
+  std::vector<std::string> warnings;  ///< what would mislead a loader of the dataset: a split
+                                      ///< without objects.  A run reports them itself, too
 };
 
 /// Breaks a library.  Objects are read in order and voxelized once; fractures are grown on the

@@ -200,8 +200,10 @@ void addMergeCommand(CLI::App& app, Action& run) {
   command->add_flag("--json", *json, "Print JSON");
   command->callback([folder, json, &run] {
     run = [folder, json] {
-      DatasetPrinter(*json, false)
-          .printSummary(*folder, mergeDataset(*folder, &untilInterrupted()));
+      DatasetPrinter printer(*json, false);
+      const DatasetSummary summary = mergeDataset(*folder, &untilInterrupted());
+      for (const std::string& warning : summary.warnings) printer.callbacks().warning(warning);
+      printer.printSummary(*folder, summary);
     };
   });
 }

@@ -3,8 +3,11 @@
 
 #include <sherd/error.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
+#include <fstream>
+#include <iterator>
 #include <map>
 #include <set>
 
@@ -16,18 +19,71 @@ namespace sherd {
 
 namespace fs = std::filesystem;
 
-void writeBbLists(const fs::path& out, const std::vector<BbObject>& objects) {
-  std::set<std::string> subsets;
-  std::map<std::string, std::string> folders, fractures;  // by subset and split
+namespace {
+
+constexpr std::array kSplits{"train", "val", "test"};
+
+// The lists that a loader or converter opens whatever the library's folders are called.
+constexpr std::array kKnownSubsets{"everyday", "artifact"};
+
+// Fewer objects than this are no sample: a shape of the others may be missing.
+constexpr std::size_t kFewObjects = 3;
+
+// Jigsaw's list of fractures, which it makes of the lists once and reads ever after.
+constexpr const char* kJigsawList = "all_piece_matching_metadata_";
+
+std::string textAt(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::vector<std::string> fewObjects(const std::vector<BbObject>& objects,
+                                    const std::array<int, 3>& shares) {
+  std::string few;
+  for (std::size_t i = 0; i < kSplits.size(); ++i) {
+    const auto count = static_cast<std::size_t>(
+        std::count_if(objects.begin(), objects.end(),
+                      [&](const BbObject& object) { return object.split == kSplits[i]; }));
+    if (shares[i] == 0 || count >= kFewObjects) continue;
+    few += (few.empty() ? "" : ", ") + std::string(kSplits[i]) + " has " + std::to_string(count);
+  }
+  if (few.empty()) return {};
+  const std::string split =
+      std::to_string(shares[0]) + "/" + std::to_string(shares[1]) + "/" + std::to_string(shares[2]);
+  return {"of " + std::to_string(objects.size()) + " objects split " + split + ", " + few +
+          "; loaders read an empty list without an error"};
+}
+
+std::vector<std::string> keptLists(const fs::path& out) {
+  std::vector<std::string> sentences;
+  std::error_code failed;
+  for (fs::directory_iterator at(out, failed), end; !failed && at != end; at.increment(failed)) {
+    const std::string name = at->path().filename().string();
+    if (!name.starts_with(kJigsawList)) continue;
+    sentences.push_back(at->path().string() +
+                        ": a loader's list of the fractures that were here before; remove it, or "
+                        "the new ones are not read");
+  }
+  std::sort(sentences.begin(), sentences.end());
+  return sentences;
+}
+
+}  // namespace
+
+std::vector<std::string> writeBbLists(const fs::path& out, const std::vector<BbObject>& objects,
+                                      const std::array<int, 3>& shares) {
+  std::set<std::string> subsets(kKnownSubsets.begin(), kKnownSubsets.end());
+  std::map<std::string, std::string> folders, counted, fractures;  // by subset and split
   for (const BbObject& object : objects) {
     const std::string subset = object.folder.substr(0, object.folder.find('/'));
     subsets.insert(subset);
     folders[subset + "." + object.split] += object.folder + "\n";
-    std::string& list = fractures[subset + "_" + object.split];
     for (std::size_t i = 0; i < object.fragmentCounts.size(); ++i) {
       std::array<char, 16> count{};
       std::snprintf(count.data(), count.size(), "%03zu ", object.fragmentCounts[i]);
-      list += count.data() + object.folder + "/fractured_" + std::to_string(i) + "\n";
+      const std::string fracture = object.folder + "/fractured_" + std::to_string(i) + "\n";
+      counted[subset + "_" + object.split] += count.data() + fracture;
+      fractures[object.split] += fracture;
     }
   }
   std::error_code failed;
@@ -38,16 +94,25 @@ void writeBbLists(const fs::path& out, const std::vector<BbObject>& objects) {
     throw Error(ErrorCode::output,
                 (out / folder).string() + ": cannot be made: " + reasonOf(failed.value()));
   }
+  bool isChanged = false;
   // Empty lists too: a loader opens the file of each split.
-  for (const std::string& subset : subsets) {
-    for (const char* split : {"train", "val", "test"}) {
+  for (const char* split : kSplits) {
+    const fs::path all = out / kBbSplitFolder / (std::string(split) + ".txt");
+    isChanged = isChanged || textAt(all) != fractures[split];
+    writeWhole(all, fractures[split]);
+    for (const std::string& subset : subsets) {
       const std::string name = subset + "." + split;
       writeWhole(out / (name + ".txt"), folders[name]);
       writeWhole(out / kBbSplitFolder / (name + ".txt"), folders[name]);
       const std::string list = subset + "_" + split;
-      writeWhole(out / kBbListFolder / (list + ".txt"), fractures[list]);
+      writeWhole(out / kBbListFolder / (list + ".txt"), counted[list]);
     }
   }
+  std::vector<std::string> sentences = fewObjects(objects, shares);
+  if (isChanged) {
+    for (std::string& kept : keptLists(out)) sentences.push_back(std::move(kept));
+  }
+  return sentences;
 }
 
 }  // namespace sherd

@@ -1,6 +1,7 @@
 // The list files that loaders of Breaking Bad read.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -15,9 +16,15 @@ struct BbObject {
 };
 
 /// Writes SUBSET.SPLIT.txt with one folder per line, both at the root, for loaders, and below
-/// data_split/, as in the archive and for converters; and data_list/SUBSET_SPLIT.txt with the
-/// number of fragments and the folder of each fracture, for PMTR and CMNet.
+/// data_split/, as in the archive and for converters; data_split/SPLIT.txt with the folder of each
+/// fracture, for Rectified Point Flow; and data_list/SUBSET_SPLIT.txt with the number of fragments
+/// and the folder of each fracture, for PMTR and CMNet.  The lists of the subsets everyday and
+/// artifact are there even if empty: the converter of GARF opens them.
+///   return  sentences about what would mislead a loader without an error: splits with few objects,
+///           and lists that a loader keeps of what was there before
 ///   throws  Error(output)
-void writeBbLists(const std::filesystem::path& out, const std::vector<BbObject>& objects);
+[[nodiscard]] std::vector<std::string> writeBbLists(const std::filesystem::path& out,
+                                                    const std::vector<BbObject>& objects,
+                                                    const std::array<int, 3>& shares);
 
 }  // namespace sherd

@@ -230,8 +230,9 @@ DatasetIndex writeIndex(const fs::path& out, const DatasetPlan& plan, const Prog
   for (const char* split : {"train", "val", "test"}) {
     writeWhole(out / (std::string(split) + ".txt"), lists[split]);
   }
-  if (plan.layout == DatasetLayout::bb) writeBbLists(out, bb);
-  return {summaryOf(statistics, complete), std::move(statistics)};
+  DatasetSummary summary = summaryOf(statistics, complete);
+  if (plan.layout == DatasetLayout::bb) summary.warnings = writeBbLists(out, bb, plan.split);
+  return {std::move(summary), std::move(statistics)};
 }
 
 }  // namespace sherd

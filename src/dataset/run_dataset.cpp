@@ -217,6 +217,9 @@ DatasetSummary runDataset(const fs::path& library, const fs::path& out, const Da
     }
     if (options.shard.of == 1) {
       index = writeIndex(out, plan, callbacks.progress);
+      for (const std::string& warning : summary.warnings) {
+        if (callbacks.warning) callbacks.warning(warning);
+      }
     } else {
       const DatasetProgress& progress = run.progress();
       summary.objects = progress.objects;

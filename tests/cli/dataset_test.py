@@ -368,6 +368,62 @@ class Layouts(Dataset):
                     self.assertEqual(len(neighbor), self.faces(os.path.join(own, fracture, piece)))
                     self.assertEqual(set(neighbor) - set(range(len(pieces) + 1)), set())
 
+    def listed(self, name):
+        return self.file(name).decode().splitlines()
+
+    def test_lists_of_fractures_as_rectified_point_flow_reads_them(self):
+        """data_split/SPLIT.txt has a line per fracture, a folder whose *.ply are the parts."""
+        self.done("--layout", "bb", "--split", "1/1/0", "--mesh-format", "ply")
+        objects = {s: sum((self.listed(f"{subset}.{s}.txt") for subset in ("library", "vases")), []) for s in ("train", "val", "test")}
+        for split, folders in objects.items():
+            fractures = self.listed(f"data_split/{split}.txt")
+            self.assertEqual(sorted(fractures), sorted(f"{o}/fractured_{i}" for o in folders for i in range(6)))
+            for fracture in fractures:
+                names = os.listdir(os.path.join(self.out, fracture))
+                self.assertGreaterEqual(len([n for n in names if n.endswith(".ply")]), 2)
+        self.assertEqual(sum(map(len, objects.values())), 3)
+
+    def test_lists_that_garf_opens_are_there(self):
+        """Its converter opens the lists of two subsets, whatever the dataset holds."""
+        self.done("--layout", "bb", "--write", "labels")
+        for subset in "everyday", "artifact":
+            for split in "train", "val":
+                self.assertEqual(self.listed(f"data_split/{subset}.{split}.txt"), [])
+
+    def test_subsets_of_those_names_are_in_their_lists(self):
+        library = self.path("named")
+        os.makedirs(os.path.join(library, "artifact", "pot"))
+        write_obj(os.path.join(library, "artifact", "pot", "a.obj"), sphere())
+        self.done("--layout", "bb", "--write", "labels", "--split", "1/0/0", library=library)
+        self.assertEqual(self.listed("data_split/artifact.train.txt"), ["artifact/pot/a"])
+        self.assertEqual(self.listed("data_split/everyday.train.txt"), [])
+
+    def test_a_split_of_few_objects_is_reported(self):
+        words = "of 3 objects split 80/10/10, "
+        for arguments, given in (((), True), (("--split", "1/0/0"), False), (("--layout", "sherd"), False)):
+            with self.subTest(arguments):
+                shutil.rmtree(self.out, ignore_errors=True)
+                run = self.done("--write", "labels", *(() if "--layout" in arguments else ("--layout", "bb")), *arguments)
+                self.assertEqual(words in run.stderr, given, run.stderr)
+        shutil.rmtree(self.out)
+        for i in "12":
+            self.done("--layout", "bb", "--write", "labels", "--shard", i + "/2", "--resume")
+        merged = self.run_sherd("merge", self.out)
+        self.assertEqual(merged.returncode, 0, merged.stderr)
+        self.assertIn(words, merged.stderr)
+
+    def test_lists_that_a_loader_made_before_are_reported(self):
+        """Jigsaw keeps the fractures that it found once, and reads no others."""
+        made = "all_piece_matching_metadata_2_20_vases.train.txt"
+        arguments = ("--layout", "bb", "--write", "labels", "--split", "1/0/0")
+        first = self.done(*arguments, "--match", "vases/e*")
+        with open(os.path.join(self.out, made), "wb") as file:
+            file.write(b"pickled")
+        same = self.done(*arguments, "--match", "vases/e*", "--resume")
+        more = self.done(*arguments, "--resume")
+        self.assertEqual([made in run.stderr for run in (first, same, more)], [False, False, True], more.stderr)
+        self.assertEqual(self.file(made), b"pickled")
+
     def lines(self, path):
         with open(path) as file:
             kinds = [line.split() for line in file]
