@@ -295,7 +295,7 @@ class ObjectRun {
       case DatasetLayout::bb:
         intoUnitBox(result);
         writer_->write(files, names, options, result, &progress_);
-        if (options_.each.write.mesh) writeNeighbors(result, "neighbor/" + name, files);
+        if (options_.each.write.mesh) writeNeighbors(result, options, name, files);
         return;
       default:
         writer_->write(files, names, options, result, &progress_);
@@ -310,15 +310,24 @@ class ObjectRun {
     run_.times.add("picture", secondsSince(begin));
   }
 
-  // Writes the neighbor of each face, in a folder that no loader reads as fragments.
-  static void writeNeighbors(const FractureResult& result, const std::string& folder,
-                             StagedFiles& files) {
-    for (std::size_t i = 0; i < result.kept(); ++i) {
-      const std::vector<std::uint16_t>& neighbor = result.fragments[i].mesh.neighbor;
-      NpyArray array{"", "<u2", {neighbor.size()}, {}};
-      for (const std::uint16_t label : neighbor) storeLittle(array.bytes, label);
-      OutputFile(files, folder + "/piece_" + std::to_string(i) + ".npy")
+  // Writes the neighbor of each face, in folders that no loader reads as fragments.
+  static void writeNeighbors(const FractureResult& result, const FractureOptions& options,
+                             const std::string& fracture, StagedFiles& files) {
+    const auto write = [&](const TriangleMesh& mesh, const std::string& folder, std::size_t i) {
+      NpyArray array{"", "<u2", {mesh.triangles.size()}, {}};
+      for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        storeLittle(array.bytes, mesh.neighborOf(t));
+      }
+      OutputFile(files, "neighbor/" + folder + fracture + "/piece_" + std::to_string(i) + ".npy")
           .write(npyHeader(array) + array.bytes);
+    };
+    for (std::size_t i = 0; i < result.kept(); ++i) {
+      const Fragment& fragment = result.fragments[i];
+      write(fragment.mesh, "", i);
+      for (std::size_t k = 0; k < fragment.coarse.size(); ++k) {
+        const std::string most = std::to_string(options.surface.triangles[k]);
+        write(fragment.coarse[k], "decimated_" + most + "/", i);
+      }
     }
   }
 
@@ -329,10 +338,12 @@ class ObjectRun {
     journal_.add(std::move(line));
   }
 
-  // Breaking Bad's frame: longest side 1, center of the box at 0.
+  // Breaking Bad's frame: longest side 1, center of the box at 0.  A shell reaches half of its
+  // thickness beyond the mesh.
   std::pair<glm::dvec3, double> unitBox() const {
     const Box box = bounds(source_->mesh);
-    return {(box.min + box.max) / 2.0, 1.0 / longestSide(box)};
+    const double side = longestSide(box) + ready_->solid.report.shellThickness;
+    return {(box.min + box.max) / 2.0, 1.0 / side};
   }
 
   void intoUnitBox(FractureResult& result) const {

@@ -398,6 +398,30 @@ class Layouts(Dataset):
         self.assertEqual(self.listed("data_split/artifact.train.txt"), ["artifact/pot/a"])
         self.assertEqual(self.listed("data_split/everyday.train.txt"), [])
 
+    def test_neighbors_of_decimated_meshes(self):
+        self.done("--layout", "bb", "--triangles", "60,200", "--match", "ball*")
+        own = os.path.join(self.out, "library", "ball")
+        for fracture in (f for f in os.listdir(own) if "fractured" in f):
+            pieces = os.listdir(os.path.join(own, fracture))
+            for most in "60", "200":
+                for piece in pieces:
+                    faces = self.faces(os.path.join(own, "decimated_" + most, fracture, piece))
+                    neighbor = np.load(os.path.join(own, "neighbor", "decimated_" + most, fracture, piece[:-3] + "npy"))
+                    self.assertEqual((len(neighbor), neighbor.dtype.str), (faces, "<u2"))
+                    self.assertIn(0, neighbor)
+                    others = set(range(1, len(pieces) + 1)) - {int(piece[6:-4]) + 1}
+                    self.assertTrue(set(neighbor) - {0} and set(neighbor) - {0} <= others)
+
+    def test_shells_have_boxes_of_side_1(self):
+        """A shell reaches half of its thickness, some 5 voxels of 24, beyond the mesh."""
+        self.done("--layout", "bb", "--fill", "shell", "--shell-thickness", "0.4", "--match", "ball*")
+        own = os.path.join(self.out, "library", "ball")
+        whole = self.vertices(os.path.join(own, "complete.obj"))
+        self.assertAlmostEqual(np.ptp(whole, axis=0).max(), 1, delta=0.01)
+        self.assertLess(np.abs(whole.max(0) + whole.min(0)).max(), 0.02)
+        pieces = [self.vertices(os.path.join(own, "fractured_0", p)) for p in os.listdir(os.path.join(own, "fractured_0"))]
+        self.assertAlmostEqual(np.ptp(np.concatenate(pieces), axis=0).max(), 1, delta=0.01)
+
     def test_a_split_of_few_objects_is_reported(self):
         words = "of 3 objects split 80/10/10, "
         for arguments, given in (((), True), (("--split", "1/0/0"), False), (("--layout", "sherd"), False)):
