@@ -44,6 +44,11 @@ struct FractureOptions {
 ///   source  Generating implicit object fragment datasets for machine learning
 [[nodiscard]] FractureOptions paperOptions();
 
+/// Returns options for data that networks learn to assemble from: no vertex of a fragment is one of
+/// its neighbors', cracks are not planes, sizes are uneven, and no fragment is a speck.  Sizes and
+/// cracks are as near to those of Breaking Bad as seeds make them (docs/training.md).
+[[nodiscard]] FractureOptions trainingOptions();
+
 /// The wall-clock time of one stage.
 struct StageTime {
   std::string stage;

@@ -173,7 +173,9 @@ CLI::App* addDatasetCommand(CLI::App& app, Action& run) {
   command->callback([arguments, command, &run] {
     DatasetOptions& options = arguments->options;
     sortAsGiven(options.drawn, *command);
-    if (options.layout == DatasetLayout::bb && command->count("--mesh-format") == 0) {
+    const CLI::Option* const preset = command->get_option("--preset");
+    const bool isPly = preset->count() > 0 && preset->as<std::string>() == "training";
+    if (options.layout == DatasetLayout::bb && command->count("--mesh-format") == 0 && !isPly) {
       options.each.write.meshFormats = {MeshFileFormat::obj};
     }
     if (options.layout == DatasetLayout::pfpp && command->count("--points") == 0) {

@@ -21,6 +21,13 @@ constexpr auto kSeeds = [](auto& o) -> auto& { return o.fracture.seeds; };
 
 constexpr std::uint64_t kAnySeed = std::numeric_limits<std::uint64_t>::max();
 
+// A preset with files of its own.
+void setTraining(RunOptions& o) {
+  o.fracture = trainingOptions();
+  o.write.vdb = o.write.preview = false;
+  o.write.meshFormats = {MeshFileFormat::ply};
+}
+
 bool drawsSeeds(R o) { return !o.fracture.seeds.given; }
 
 const std::vector<Row> kGeneralRows{
@@ -28,15 +35,16 @@ const std::vector<Row> kGeneralRows{
      .group = "",
      .value = {OptionType::choice,
                "",
-               {"paper"},
+               {"paper", "training"},
                [](RunOptions& o, const std::string& text) {
-                 (void)indexOf(text, {"paper"});
+                 if (indexOf(text, {"paper", "training"}) == 1) return setTraining(o);
                  o.fracture = paperOptions();
                },
                [](R) { return std::string(); }},
-     .help = "Options of section 4.1 of the paper; options that are given override them",
-     .details = "set options to the paper's values (below); explicit options override the "
-                "preset, in any order"},
+     .help = "Options of section 4.1 of the paper, or for training data; options that are given "
+             "override them",
+     .details = "set options to the paper's values, or to those for training networks (both "
+                "below); explicit options override the preset, in any order"},
     {.name = "pieces",
      .group = "",
      .value = V::whole(kFracture, &FractureOptions::pieces, 1, kMaxFragments),

@@ -32,4 +32,14 @@ FractureOptions paperOptions() {
   return options;
 }
 
+FractureOptions trainingOptions() {
+  FractureOptions options;
+  options.seeds.sampler = Sampler::gaussian;
+  options.seeds.extraSeedsPerPiece = 2;
+  options.seeds.randomImpacts = 1;
+  options.shares.minShare = 0.002;
+  options.surface.interface = Interface::independent;
+  return options;
+}
+
 }  // namespace sherd

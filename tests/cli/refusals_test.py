@@ -106,7 +106,8 @@ class Together(CommandLine):
             ("--plain-meshes", "--write", "mesh", "--mesh-format", "glb,obj"), ("--half", "--write", "vdb"), ("--compress", "zip", "--write", "vdb,fog,solid"),
             ("--precision", "double", "--write", "mesh"),
             ("--density", "2", "--write", "graph"), ("--proxy-gap", "0.1", "--write", "proxy"), ("--up", "z", "--write", "preview"),
-            ("--points", "5", "--point-sampler", "halton"), ("--preset", "paper"), ("--preset", "paper", "--neighborhood", "26"))
+            ("--points", "5", "--point-sampler", "halton"), ("--preset", "paper"), ("--preset", "training"),
+            ("--preset", "paper", "--neighborhood", "26"))
 
     def test_what_contradicts_is_refused(self):
         for options, name in self.CONFLICTS:

@@ -190,6 +190,85 @@ class Preset(SurfaceCase):
         self.assertEqual((options.get("voxel_size"), options.get("resolution")), (0.05, None))
 
 
+TRAINING = ("--sampler", "gaussian", "--extra-seeds", "2n", "--impacts", "1", "--min-share", "0.002", "--interface", "independent",
+            "--write", "labels,mesh", "--mesh-format", "ply")
+
+
+class Training(SurfaceCase):
+    """`--preset training`: what a network could learn instead of how fragments fit is not there."""
+
+    def broke(self, *options, mesh=None, resolution="32"):
+        out = self.path(f"out{len(os.listdir(self.tmp))}")
+        result = self.run_sherd("fracture", mesh or self.ball, "-o", out, "--resolution", resolution, "--pieces", "6", *options)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return out
+
+    def test_is_the_same_as_its_options(self):
+        preset = tree(self.broke("--preset", "training"))
+        self.assertEqual(preset, tree(self.broke(*TRAINING)))
+        self.assertFalse([name for name in preset if name.endswith((".vdb", ".png"))])
+
+    def test_options_that_are_given_win(self):
+        given = ("--sampler", "halton", "--mesh-format", "obj", "--min-share", "0.01")
+        others = [word for i, word in enumerate(TRAINING) if TRAINING[i - i % 2] not in given]
+        self.assertEqual(tree(self.broke(*given, "--preset", "training")), tree(self.broke(*others, *given)))
+
+    def meshes(self, out):
+        with open(os.path.join(out, "manifest.json")) as file:
+            fragments = json.load(file)["fragments"]
+        return fragments, [read_triangles(os.path.join(out, f["files"]["mesh"])) for f in fragments]
+
+    def shared(self, out):
+        """The share of the vertices of cracks that are another fragment's, bit for bit."""
+        all_, same = 0, 0
+        keys = [{tuple(v) for v in vertices} for vertices, _, _ in self.meshes(out)[1]]
+        for i, (vertices, faces, neighbor) in enumerate(self.meshes(out)[1]):
+            others = set().union(*keys[:i], *keys[i + 1:])
+            cracked = np.unique(faces[neighbor != 0])
+            all_ += len(cracked)
+            same += sum(tuple(vertices[v]) in others for v in cracked)
+        self.assertGreater(all_, 300)
+        return same / all_
+
+    def test_no_vertex_is_a_neighbors(self):
+        for mesh in self.ball, AMPHORA:
+            for seed in "0", "1", "2":
+                with self.subTest(mesh=mesh, seed=seed):
+                    self.assertEqual(self.shared(self.broke("--preset", "training", "--seed", seed, mesh=mesh)), 0)
+        self.assertEqual(self.shared(self.broke("--preset", "training", "--interface", "shared")), 1)
+
+    def flatness(self, out):
+        """Of each contact the extent across its plane relative to its largest, by principal axes."""
+        found = []
+        for vertices, faces, neighbor in self.meshes(out)[1]:
+            for other in set(neighbor[neighbor != 0]):
+                at = vertices[np.unique(faces[neighbor == other])]
+                if len(at) >= 12:
+                    extents = np.linalg.svd(at - at.mean(0), compute_uv=False)
+                    found.append(extents[2] / extents[0])
+        return found
+
+    def test_cracks_are_no_planes_and_sizes_are_uneven(self):
+        """Medians and means of 8 fractures, beside those of the default."""
+        ratios, largest = {}, {}
+        for name, preset in ("default", ()), ("training", ("--preset", "training")):
+            ratios[name], largest[name] = [], []
+            for seed in range(8):
+                out = self.broke("--write", "labels,mesh", "--seed", str(seed), *preset)
+                ratios[name] += self.flatness(out)
+                shares = [f["share"] for f in self.meshes(out)[0]]
+                self.assertGreaterEqual(min(shares), 0.002 if preset else 0)
+                largest[name].append(max(shares))
+        self.assertLess(np.median(ratios["default"]), 0.02)
+        self.assertGreater(np.median(ratios["training"]), 0.05)
+        self.assertGreater(np.mean(largest["training"]), np.mean(largest["default"]))
+
+    def test_meshes_are_closed_bodies(self):
+        for fragment in self.broken("--preset", "training")["fragments"]:
+            vertices, faces, _ = self.mesh(fragment["files"]["mesh"])
+            self.assertAlmostEqual(volume(vertices, faces) / fragment["volume"], 1, delta=1e-4)
+
+
 class WrongValues(SurfaceCase):
     def test_one_sentence_and_status_2(self):
         wrong = {"--surface": ("", "Labels", "cubes"), "--preset": ("", "Paper", "release"),

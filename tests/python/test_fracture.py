@@ -32,6 +32,7 @@ SETS = [
     {"surface": "exact"},
     {"interface": "independent", "adaptivity": 0.5},
     {"preset": "paper", "resolution": 40, "pieces": 5},
+    {"preset": "training", "resolution": 40, "pieces": 5},
     {"smooth_iterations": "0.05k", "smooth_boundary_iterations": 2, "smoothing": "laplacian", "triangles": [200]},
     {"voxel_size": 0.01, "fill": "shell", "shell_thickness": 0.02},
 ]
