@@ -197,6 +197,10 @@ CHAPTERS = [
                   ("chebyshev", "--merge-metric chebyshev", "the default: the seed right of the center goes to yellow"),
                   ("euclidean", "--merge-metric euclidean", "it goes to violet"),
                   ("manhattan", "--merge-metric manhattan", "it goes to red")], 3),
+        Group("size-spread", "--size-spread", "Uneven sizes: some fragments get more of the extra seeds, others fewer.", "plate.obj",
+              "--pieces 6 --seed 3 --extra-seeds 6n", [
+                  ("0", "--size-spread 0", "none"), ("05", "--size-spread 0.5", "a factor of 1.4 between fragments"),
+                  ("1", "--size-spread 1", "a factor of 2"), ("2", "--size-spread 2", "a factor of 4: one fragment gets most of them")], 4),
         Group("seed-file", "--seeds", "Seeds from a file, in the format of `--write seeds`.", "plate.obj", "", [
             ("bricks", "--seeds bricks.json", "a wall"),
             ("flood", "--seeds bricks.json --growth flood", "a wall, flooded"),

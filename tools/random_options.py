@@ -55,6 +55,7 @@ def drawn(draw):
     one_of(0.3, "--seeds-on", "volume", "surface")
     if perhaps(0.3, "--extra-seeds", draw.choice(("1n", "2n", "5"))):
         one_of(0.5, "--merge-metric", "euclidean", "chebyshev", "manhattan")
+        one_of(0.3, "--size-spread", "1", "2.5")
     perhaps(0.15, "--impacts", str(draw.randint(1, 3)))
     growth = draw.choice(("euclid", "flood", "nearest", "chain"))
     options.extend(("--growth", growth))

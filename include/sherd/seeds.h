@@ -130,6 +130,8 @@ struct GivenSeeds {
   std::vector<SeedPoint> points{};
 };
 
+inline constexpr double kMostSizeSpread = 4.0;
+
 struct SeedOptions {
   int pieces = 8;          ///< number of fragments, 1..kMaxFragments
   std::uint64_t seed = 0;  ///< every random number is a hash of this, a stage and an item
@@ -138,6 +140,10 @@ struct SeedOptions {
   int extraSeeds = 0;                      ///< further seeds, each added to the nearest fragment
   int extraSeedsPerPiece = 0;              ///< the same for each fragment, 0..1000
   Metric mergeMetric = Metric::chebyshev;  ///< distance of extra and merged seeds to fragments
+  /// Makes sizes uneven: the distance of extra and merged seeds to a fragment is divided by its
+  /// reach, a random number whose logarithm to the base 2 has this standard deviation,
+  /// 0..kMostSizeSpread.  A fragment of small reach gets few seeds or none.
+  double sizeSpread = 0.0;
   std::vector<Impact> impacts{};
   int randomImpacts = 0;              ///< additional impacts, each an Impact{}
   std::optional<GivenSeeds> given{};  ///< in place of all these in a fracture; see seedsFromPoints
@@ -147,7 +153,7 @@ struct SeedOptions {
 /// component, those of the impacts, the rest by the sampler.  Ids are a random permutation of 1..N,
 /// independent of position.  Then it places the seeds added to these fragments, those of merged
 /// impacts and extra ones by the sampler.  Each gets the id of the nearest of the N seeds in its
-/// component, by mergeMetric, ties to the lower id.
+/// component, by mergeMetric and sizeSpread, ties to the lower id.
 ///
 /// Seeds are drawn as points of the mesh's box, and the mesh decides which are inside, so that
 /// solids of one mesh at several resolutions have the same seeds.  (Solids without a mesh use their

@@ -219,6 +219,7 @@ def fracture(
     seeds_on: Literal["volume", "surface"] | None = "volume",
     extra_seeds: float | str | os.PathLike[str] | Sequence[Any] | None = 0,
     merge_metric: Literal["euclidean", "chebyshev", "manhattan"] | None = "chebyshev",
+    size_spread: float | None = 0,
     impacts: int | None = 0,
     impact: float | str | os.PathLike[str] | Sequence[Any] | None = None,
     growth: Literal["flood", "nearest", "chain", "euclid"] | None = "euclid",

@@ -74,11 +74,11 @@ std::vector<Rule> solidRules() {
 
 std::vector<Rule> seedRules() {
   return {
-      {{"sampler", "seeds-on", "extra-seeds", "merge-metric", "impact", "impacts"},
+      {{"sampler", "seeds-on", "extra-seeds", "merge-metric", "size-spread", "impact", "impacts"},
        Verdict::conflict,
        [](O o, U) { return o.fracture.seeds.given.has_value(); },
        "applies to seeds that are drawn, and {seeds} reads them from a file; omit one of them"},
-      {{"merge-metric"},
+      {{"merge-metric", "size-spread"},
        Verdict::idle,
        [](O o, U) {
          const SeedOptions& seeds = o.fracture.seeds;

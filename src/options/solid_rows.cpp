@@ -188,6 +188,16 @@ const std::vector<Row> kSeedRows{
      .key = "seeds.merge_metric",
      .recorded = drawsSeeds,
      .drawn = true},
+    {.name = "size-spread",
+     .group = "Seeds",
+     .value = V::number(kSeeds, &SeedOptions::sizeSpread, between(0.0, kMostSizeSpread, "0..4")),
+     .help =
+         "Makes sizes uneven: extra seeds go rather to some fragments than to others; 2 is much",
+     .details = "uneven sizes: the distance of extra seeds to a fragment is divided by a random "
+                "number of its own, whose logarithm to the base 2 has this standard deviation",
+     .key = "seeds.size_spread",
+     .recorded = [](R o) { return drawsSeeds(o) && o.fracture.seeds.sizeSpread > 0.0; },
+     .drawn = true},
     {.name = "impacts",
      .group = "Seeds",
      .value = V::whole(kSeeds, &SeedOptions::randomImpacts, 0, 10000),

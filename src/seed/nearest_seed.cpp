@@ -8,7 +8,7 @@
 namespace sherd {
 
 struct NearestSeed::Best {
-  std::int64_t order = std::numeric_limits<std::int64_t>::max();
+  double order = std::numeric_limits<double>::max();
   std::uint16_t fragment = 0;
 };
 
@@ -29,8 +29,9 @@ NearestSeed::NearestSeed(std::vector<Site> sites, std::size_t components, Metric
 void NearestSeed::build(std::uint32_t first, std::uint32_t last) {
   constexpr std::uint32_t kFew = 8;
   Node node{glm::i64vec3(std::numeric_limits<std::int64_t>::max() / 4),
-            glm::i64vec3(std::numeric_limits<std::int64_t>::min() / 4), first, last, 0};
+            glm::i64vec3(std::numeric_limits<std::int64_t>::min() / 4), first, last};
   for (std::uint32_t i = first; i < last; ++i) {
+    node.mostScale = std::max(node.mostScale, sites_[i].scale);
     node.min = glm::min(node.min, sites_[i].at);
     node.max = glm::max(node.max, sites_[i].at);
   }
@@ -48,12 +49,12 @@ void NearestSeed::build(std::uint32_t first, std::uint32_t last) {
 }
 
 // Returns a lower bound of the order of the node's sites.
-std::int64_t NearestSeed::leastOrder(std::uint32_t node, const glm::i64vec3& point) const {
+double NearestSeed::leastOrder(std::uint32_t node, const glm::i64vec3& point) const {
   const glm::i64vec3 &min = nodes_[node].min, &max = nodes_[node].max;
   const auto gap = [&](int axis) {
     return std::max({min[axis] - point[axis], point[axis] - max[axis], std::int64_t{0}});
   };
-  return metricOrder(metric_, gap(0), gap(1), gap(2));
+  return static_cast<double>(metricOrder(metric_, gap(0), gap(1), gap(2))) / nodes_[node].mostScale;
 }
 
 void NearestSeed::search(std::uint32_t at, const glm::i64vec3& point, Best& best) const {
@@ -61,7 +62,8 @@ void NearestSeed::search(std::uint32_t at, const glm::i64vec3& point, Best& best
   if (node.right == 0) {
     for (std::uint32_t i = node.first; i < node.last; ++i) {
       const glm::i64vec3 apart = sites_[i].at - point;
-      const std::int64_t order = metricOrder(metric_, apart.x, apart.y, apart.z);
+      const double order =
+          static_cast<double>(metricOrder(metric_, apart.x, apart.y, apart.z)) / sites_[i].scale;
       if (order > best.order || (order == best.order && sites_[i].fragment > best.fragment)) {
         continue;
       }
@@ -70,7 +72,7 @@ void NearestSeed::search(std::uint32_t at, const glm::i64vec3& point, Best& best
     return;
   }
   std::uint32_t near = at + 1, far = node.right;
-  std::int64_t nearLeast = leastOrder(near, point), farLeast = leastOrder(far, point);
+  double nearLeast = leastOrder(near, point), farLeast = leastOrder(far, point);
   if (farLeast < nearLeast) {
     std::swap(near, far);
     std::swap(nearLeast, farLeast);

@@ -3,11 +3,13 @@
 #include <sherd/seeds.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <string>
 
 #include "base/random.h"
 #include "seed/impacts.h"
+#include "seed/irwin_hall.h"
 #include "seed/nearest_seed.h"
 #include "seed/samplers.h"
 #include "seed/voxel_index.h"
@@ -64,20 +66,36 @@ void checkRoom(std::size_t pieces, std::size_t further, const VoxelIndex& candid
               volume ? OptionNames{"resolution"} : OptionNames{"resolution", "seeds-on"});
 }
 
+// 2^x, linear between whole x: the last bits of exp2 differ between machines.
+double powerOfTwo(double x) {
+  const double whole = std::floor(x);
+  return std::ldexp(1.0 + (x - whole), static_cast<int>(whole));
+}
+
+// By what the order of distances to a fragment is divided: SeedOptions::sizeSpread.
+double scaleOf(std::uint16_t id, const SeedOptions& options) {
+  if (options.sizeSpread == 0.0) return 1.0;
+  // The mean of 12 uniforms has a standard deviation of 1/12.
+  const double normal =
+      kNormalTerms * meanOfUniforms(kNormalTerms, options.seed, Stage::fragmentReach, id);
+  const double reach = powerOfTwo(options.sizeSpread * normal);
+  return options.mergeMetric == Metric::euclidean ? reach * reach : reach;
+}
+
 // Returns the chosen candidates as seeds: [those of `ids`, ascending by id][the rest, each with the
 // id of the nearest of the former in its component].
 std::vector<Seed> withIds(const Chosen& chosen, const std::vector<std::uint16_t>& ids,
                           const VoxelIndex& voxels, const VoxelComponents& components,
-                          Metric metric) {
+                          const SeedOptions& options) {
   std::vector<Seed> seeds(ids.size());
   std::vector<NearestSeed::Site> sites;
   for (std::size_t i = 0; i < ids.size(); ++i) {
     const Candidate& own = chosen.all()[i];
     seeds[ids[i] - 1u] = {voxels.voxelAt(*own.key), ids[i], own.shift};
-    sites.push_back({own.inSpace, ids[i], components.at(*own.key)});
+    sites.push_back({own.inSpace, ids[i], components.at(*own.key), scaleOf(ids[i], options)});
   }
   if (chosen.size() == ids.size()) return seeds;
-  const NearestSeed nearest(std::move(sites), components.count(), metric);
+  const NearestSeed nearest(std::move(sites), components.count(), options.mergeMetric);
   for (std::size_t i = ids.size(); i < chosen.size(); ++i) {
     const Candidate& own = chosen.all()[i];
     seeds.push_back({voxels.voxelAt(*own.key),
@@ -99,6 +117,9 @@ std::vector<Seed> placeSeeds(const Solid& solid, const VoxelComponents& componen
   if (options.pieces < 1) throw Error(ErrorCode::usage, "the number of pieces must be 1 or more");
   if (options.extraSeeds < 0 || options.extraSeedsPerPiece < 0 || options.randomImpacts < 0) {
     throw Error(ErrorCode::usage, "the number of extra seeds and of impacts must be 0 or more");
+  }
+  if (!(options.sizeSpread >= 0.0 && options.sizeSpread <= kMostSizeSpread)) {
+    throw Error(ErrorCode::usage, "the spread of sizes must lie in 0..4");
   }
   const std::size_t pieces = countPieces(components, options);
   const bool impacts = !options.impacts.empty() || options.randomImpacts > 0;
@@ -135,8 +156,7 @@ std::vector<Seed> placeSeeds(const Solid& solid, const VoxelComponents& componen
   sampler.draw(pieces - chosen.size(), chosen);
   scatterAll(/*merge=*/true, chosen);
   sampler.draw(extra, chosen);
-  return withIds(chosen, permutedIds(pieces, options.seed), voxels, components,
-                 options.mergeMetric);
+  return withIds(chosen, permutedIds(pieces, options.seed), voxels, components, options);
 }
 
 }  // namespace sherd

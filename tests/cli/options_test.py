@@ -68,6 +68,17 @@ class Seeds(Options):
                 self.assertEqual((reported["extra"], reported["extra_per_piece"], reported["merge_metric"]), (extra, each, metric))
                 self.assertEqual(len(self.seeds(manifest)), seeds)
 
+    def test_size_spread(self):
+        """The largest share of eight fractures on average: with few seeds of its own a fragment stays small."""
+        largest = []
+        for spread in "0", "2":
+            shares = [max(f["share"] for f in self.broken("--extra-seeds", "8n", "--size-spread", spread, "--seed", str(seed))["fragments"])
+                      for seed in range(8)]
+            largest.append(np.mean(shares))
+        self.assertGreater(largest[1], 1.5 * largest[0])
+        self.assertEqual(self.broken("--extra-seeds", "8n", "--size-spread", "1.5")["options"]["seeds"]["size_spread"], 1.5)
+        self.assertNotIn("size_spread", self.broken("--extra-seeds", "8n")["options"]["seeds"])
+
     def test_impacts_scatter_seeds_where_they_strike(self):
         for impact in ("1,0,0,6,0.1", "9,0,0,6,0.1", "ray:9,0,0,-2,0,0,6,0.1"):
             manifest = self.broken("--impact", impact)
@@ -364,7 +375,8 @@ MATTERS = {
     "--fill": ((), "winding", "parity"), "--shell-thickness": (("--fill", "shell"), "0.3", "0.4"),
     "--grid": ((), "surface_1", "surface_2"), "--isovalue": ((), "0.4", "0.6"),
     "--sampler": ((), "uniform", "halton"), "--seeds-on": ((), "volume", "surface"), "--extra-seeds": ((), "0", "1n"),
-    "--merge-metric": (("--extra-seeds", "5"), "euclidean", "manhattan"), "--impact": ((), "1,0,0,1", "0,1,0,1"), "--impacts": ((), "0", "1"),
+    "--merge-metric": (("--extra-seeds", "5"), "euclidean", "manhattan"), "--size-spread": (("--extra-seeds", "5"), "0", "2"),
+    "--impact": ((), "1,0,0,1", "0,1,0,1"), "--impacts": ((), "0", "1"),
     "--seeds": ((), None, "seeds.json"), "--growth": ((), "euclid", "flood"), "--neighborhood": (("--growth", "flood"), "6", "26"),
     "--metric": (("--growth", "nearest"), "euclidean", "manhattan"), "--grain": ((), "0,0,1,2", "0,0,1,3"), "--roughness": ((), "1", "3%,0.5"),
     "--isolated": ((), "regrow", "keep"), "--min-share": ((), "0", "0.01"), "--balance": ((), "0", "1"), "--drop-share": ((), "0", "0.01"),

@@ -89,7 +89,7 @@ class Together(CommandLine):
                  (("--grid", "surface"), "--grid"), (("--isovalue", "0.2"), "--isovalue"),
                  (("--points", "5", "--point-sampler", "poisson", "--point-rule", "per-triangle"), "--point-rule"))
     IDLE = (("--metric", "manhattan"), ("--metric", "chebyshev", "--growth", "flood"), ("--neighborhood", "26"), ("--merge-metric", "manhattan"),
-            ("--merge-metric", "manhattan", "--impact", "0,0,1"),
+            ("--merge-metric", "manhattan", "--impact", "0,0,1"), ("--size-spread", "1"),
             ("--erode-shape", "cross"), ("--erode-size", "5"), ("--erode-planes",), ("--erode-threshold", "0.5"), ("--erode-probability", "0.5"),
             ("--erode-on", "all"), ("--erode-islands", "keep"), ("--interface", "independent", "--surface", "labels"),
             ("--smooth-weight", "0.5"), ("--smooth-boundary-weight", "0.5", "--smooth-iterations", "2"), ("--triangles", "500"), ("--mesh-format", "obj"),
@@ -100,7 +100,7 @@ class Together(CommandLine):
             ("--write", "labels,fog"), ("--write", "labels,solid"), ("--share-points", "--points", "0"), ("--point-sampler", "halton", "--points", "0"),
             ("--sdf-type", "float16", "--sdf-samples", "0"))
     BUSY = (("--shell-thickness", "0.3"), ("--shell-thickness", "0.3", "--fill", "shell"), ("--metric", "manhattan", "--growth", "nearest"),
-            ("--neighborhood", "26", "--growth", "flood"), ("--merge-metric", "manhattan", "--extra-seeds", "2n"),
+            ("--neighborhood", "26", "--growth", "flood"), ("--merge-metric", "manhattan", "--extra-seeds", "2n"), ("--size-spread", "1", "--extra-seeds", "2n"),
             ("--merge-metric", "manhattan", "--impact", "0,0,1,2,merge"), ("--erode-size", "5", "--erode-iterations", "1"),
             ("--interface", "independent"), ("--smooth-weight", "0.5", "--smooth-iterations", "0.1k"), ("--triangles", "500", "--write", "mesh"),
             ("--plain-meshes", "--write", "mesh", "--mesh-format", "glb,obj"), ("--half", "--write", "vdb"), ("--compress", "zip", "--write", "vdb,fog,solid"),

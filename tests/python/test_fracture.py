@@ -18,6 +18,7 @@ SETS = [
     {"roughness": 1.0},
     {"roughness": "0.8%,0.6"},
     {"extra_seeds": "2n", "merge_metric": "euclidean"},
+    {"extra_seeds": "4n", "size_spread": 2},
     {"growth": "flood", "neighborhood": 26},
     {"growth": "nearest", "metric": "manhattan"},
     {"growth": "chain"},

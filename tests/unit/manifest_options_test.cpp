@@ -70,8 +70,8 @@ TEST_F(ManifestOptions, OfAFractureAreRecorded) {
   expectRecorded("fill", fill, Fill::parity);
   expectRecorded("shellThickness", shellThickness, 0.2);
 
-  auto& [seedPieces, seedSeed, sampler, on, extraSeeds, extraSeedsPerPiece, mergeMetric, impacts,
-         randomImpacts, given] = seeds;
+  auto& [seedPieces, seedSeed, sampler, on, extraSeeds, extraSeedsPerPiece, mergeMetric, sizeSpread,
+         impacts, randomImpacts, given] = seeds;
   expectRecorded("extraSeedsPerPiece", extraSeedsPerPiece, 2);
   expectRecorded("given", given, {GivenSeeds{"seeds.json", {}}});
   expectNotRecorded("seeds.pieces", seedPieces, 9);  // this and the next are taken from above
@@ -80,6 +80,7 @@ TEST_F(ManifestOptions, OfAFractureAreRecorded) {
   expectRecorded("on", on, SeedsOn::surface);
   expectRecorded("extraSeeds", extraSeeds, 3);
   expectRecorded("mergeMetric", mergeMetric, Metric::manhattan);
+  expectRecorded("sizeSpread", sizeSpread, 1.5);
   expectRecorded("randomImpacts", randomImpacts, 2);
   expectRecorded("impacts", impacts, {Impact{}});
   impacts.push_back({.target = glm::dvec3{1, 0, 0}});

@@ -3,9 +3,12 @@
 #include <sherd/error.h>
 #include <sherd/seeds.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
+#include "base/random.h"
+#include "seed/nearest_seed.h"
 #include "unit/seeds_fixture.h"
 
 namespace sherd {
@@ -113,6 +116,67 @@ TEST_F(Seeds, FurtherOnesTakeTheNearestIdInTheirComponent) {
                                   .mergeMetric = metric};
         expectPromises(on, placeSeeds(on.solid, on.components, options),
                        static_cast<std::size_t>(pieces), 800, options);
+      }
+    }
+  }
+}
+
+TEST_F(Seeds, ASpreadGivesFurtherOnesToFewFragments) {
+  const ShapeSolid ball = make(voxel_shapes::ball(12));
+  constexpr std::size_t kPieces = 10, kExtra = 400;
+  double largestEven = 0.0, largest = 0.0;  // numbers of further seeds, of all seed sets
+  for (const Metric metric : kMetrics) {
+    for (std::uint64_t seed = 0; seed < 10; ++seed) {
+      SeedOptions options{
+          .pieces = kPieces, .seed = seed, .extraSeeds = kExtra, .mergeMetric = metric};
+      const std::vector<Seed> even = placeSeeds(ball.solid, ball.components, options);
+      options.sizeSpread = 2.0;
+      const std::vector<Seed> uneven = placeSeeds(ball.solid, ball.components, options);
+      ASSERT_EQ(even.size(), uneven.size());
+      std::vector<double> counts(kPieces + 1), countsEven(kPieces + 1);
+      for (std::size_t i = 0; i < even.size(); ++i) {
+        EXPECT_EQ(even[i].voxel, uneven[i].voxel);
+        if (i < kPieces) {
+          EXPECT_EQ(even[i], uneven[i]);
+        }
+        ++countsEven[even[i].fragment];
+        ++counts[uneven[i].fragment];
+      }
+      largestEven += *std::max_element(countsEven.begin(), countsEven.end());
+      largest += *std::max_element(counts.begin(), counts.end());
+    }
+  }
+  EXPECT_GT(largest, 1.5 * largestEven);
+  EXPECT_EQ(codeOf(ball, {.sizeSpread = 4.1}), ErrorCode::usage);
+  EXPECT_EQ(codeOf(ball, {.sizeSpread = -0.1}), ErrorCode::usage);
+}
+
+TEST(NearestSeed, AgreesWithASearchOfAllScaledSites) {
+  for (const Metric metric : {Metric::euclidean, Metric::chebyshev, Metric::manhattan}) {
+    const auto at = [](std::uint64_t item) {
+      glm::i64vec3 p;
+      for (int k = 0; k < 3; ++k)
+        p[k] = static_cast<std::int64_t>(mixed(3 * item + static_cast<std::uint64_t>(k)) % 1000);
+      return p;
+    };
+    std::vector<NearestSeed::Site> sites;
+    for (std::uint16_t id = 1; id <= 200; ++id) {
+      sites.push_back({at(id), id, id % 2u, std::ldexp(1.0, static_cast<int>(mixed(id) % 7) - 3)});
+    }
+    const NearestSeed nearest(sites, 2, metric);
+    for (std::uint64_t item = 1000; item < 2000; ++item) {
+      const glm::i64vec3 point = at(item);
+      for (const std::uint32_t component : {0u, 1u}) {
+        double least = 1e300;
+        std::uint16_t found = 0;
+        for (const NearestSeed::Site& site : sites) {
+          const glm::i64vec3 d = site.at - point;
+          const double order = static_cast<double>(metricOrder(metric, d.x, d.y, d.z)) / site.scale;
+          if (site.component != component || order >= least) continue;
+          least = order;
+          found = site.fragment;
+        }
+        ASSERT_EQ(nearest.fragmentAt(point, component), found);
       }
     }
   }
