@@ -34,9 +34,8 @@ FractureOptions paperOptions() {
 
 FractureOptions trainingOptions() {
   FractureOptions options;
-  options.seeds.sampler = Sampler::gaussian;
   options.seeds.extraSeedsPerPiece = 2;
-  options.seeds.randomImpacts = 1;
+  options.seeds.sizeSpread = 1.0;
   options.shares.minShare = 0.002;
   options.surface.interface = Interface::independent;
   return options;

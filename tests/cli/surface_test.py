@@ -190,7 +190,7 @@ class Preset(SurfaceCase):
         self.assertEqual((options.get("voxel_size"), options.get("resolution")), (0.05, None))
 
 
-TRAINING = ("--sampler", "gaussian", "--extra-seeds", "2n", "--impacts", "1", "--min-share", "0.002", "--interface", "independent",
+TRAINING = ("--extra-seeds", "2n", "--size-spread", "1", "--min-share", "0.002", "--interface", "independent",
             "--write", "labels,mesh", "--mesh-format", "ply")
 
 
@@ -209,7 +209,7 @@ class Training(SurfaceCase):
         self.assertFalse([name for name in preset if name.endswith((".vdb", ".png"))])
 
     def test_options_that_are_given_win(self):
-        given = ("--sampler", "halton", "--mesh-format", "obj", "--min-share", "0.01")
+        given = ("--extra-seeds", "3n", "--mesh-format", "obj", "--min-share", "0.01")
         others = [word for i, word in enumerate(TRAINING) if TRAINING[i - i % 2] not in given]
         self.assertEqual(tree(self.broke(*given, "--preset", "training")), tree(self.broke(*others, *given)))
 
