@@ -283,12 +283,7 @@ void joinHdf5(const fs::path& out, const DatasetPlan& plan, Shard shard, const P
     const JournalText journal = readJournal(out, *object);
     if (journal.done) removeParts(out, *object, journal, isWhole);
   }
-  if (!isWhole) return;
-  for (const JoinedFile& file : joined) {
-    if (file.name == stem + ".hdf5") continue;
-    removeRecord(out, file.name);
-    ::unlink((out / file.name).c_str());
-  }
+  if (isWhole) removeShardFiles(out);
 }
 
 }  // namespace sherd

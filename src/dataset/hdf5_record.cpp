@@ -19,6 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kRecordSchema = "sherd-hdf5/1";
+constexpr const char* kShardFiles = "fractures_[0-9]*_of_[0-9]*.hdf5";
 constexpr std::uintmax_t kLargestRecord = std::uintmax_t{1} << 30;
 
 JoinedFile stateFrom(const Json& json, const std::string& name) {
@@ -68,8 +69,14 @@ void writeRecord(const fs::path& out, const std::vector<JoinedFile>& states) {
              record.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
-void removeRecord(const fs::path& out, const std::string& joined) {
-  ::unlink((out / recordName(joined)).c_str());
+void removeShardFiles(const fs::path& out) {
+  std::error_code failed;
+  for (fs::directory_iterator at(out, failed), end; !failed && at != end; at.increment(failed)) {
+    const std::string name = at->path().filename().string();
+    const bool isShards = ::fnmatch(kShardFiles, name.c_str(), 0) == 0 ||
+                          ::fnmatch(recordName(kShardFiles).c_str(), name.c_str(), 0) == 0;
+    if (isShards && isOwnFile(out, name)) ::unlink(at->path().c_str());
+  }
 }
 
 std::vector<JoinedFile> joinedFiles(const fs::path& out) {
@@ -77,8 +84,8 @@ std::vector<JoinedFile> joinedFiles(const fs::path& out) {
   std::error_code failed;
   for (fs::directory_iterator at(out, failed), end; !failed && at != end; at.increment(failed)) {
     const std::string name = at->path().filename().string();
-    const bool isNamed = name == std::string(kHdf5Stem) + ".hdf5" ||
-                         ::fnmatch("fractures_[0-9]*_of_[0-9]*.hdf5", name.c_str(), 0) == 0;
+    const bool isNamed =
+        name == std::string(kHdf5Stem) + ".hdf5" || ::fnmatch(kShardFiles, name.c_str(), 0) == 0;
     if (!isNamed || !isOwnFile(out, name) || !isOwnFile(out, recordName(name))) continue;
     if (std::optional<JoinedFile> file = stateOf(out, name)) files.push_back(std::move(*file));
   }

@@ -16,6 +16,7 @@ namespace sherd {
 ///   throws  Error(output)
 void writeRecord(const std::filesystem::path& out, const std::vector<JoinedFile>& states);
 
-void removeRecord(const std::filesystem::path& out, const std::string& joined);
+/// Removes the files of shards and their records, also those that a killed run left of either.
+void removeShardFiles(const std::filesystem::path& out);
 
 }  // namespace sherd

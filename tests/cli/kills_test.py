@@ -326,5 +326,27 @@ class Kills(unittest.TestCase):
                     self.assertEqual(made(out), made(whole))
 
 
+    def test_shards_are_joined_after_a_kill(self):
+        library, shards, whole = (os.path.join(self.tmp, name) for name in ("two", "shards", "whole"))
+        os.mkdir(library)
+        for name in ("a.obj", "b.obj"):
+            shutil.copy(self.ball, os.path.join(library, name))
+        for number in 1, 2:
+            done = self.sherd(["dataset", library, "-o", shards, "--pieces", "2", "--repeats", "1", "--resolution", "16", "--layout", "hdf5",
+                               "--shard", f"{number}/2", "--resume"])
+            self.assertEqual(done.returncode, 0, done.stderr)
+        shutil.copytree(shards, whole)
+        total = self.calls(["merge", whole], whole, "change")
+        for number in range(1, total + 1):
+            out = os.path.join(self.tmp, f"merged-{number}")
+            shutil.copytree(shards, out)
+            self.kill(["merge", out], out, "change", number)
+            result = self.sherd(["merge", out])
+            with self.subTest(number=number, of=total):
+                self.assertEqual(result.returncode, 0, result.stderr)
+                found, expected = tree(out), tree(whole)
+                self.assertEqual({n for n in found.keys() | expected.keys() if found.get(n) != expected.get(n)} - {"report.html"}, set())
+
+
 if __name__ == "__main__":
     skipping.main()
