@@ -25,15 +25,29 @@ def object_of(mesh: Any) -> tuple[_core.Object, bool]:
     """
     if isinstance(mesh, (str, os.PathLike)):
         return _core.file_object(_path(mesh)), True
+    arrays = arrays_of(mesh)
+    if isinstance(arrays, tuple):
+        return _core.mesh_object(*arrays), False
+    return _core.volume_object(arrays.view(np.uint8)), False
+
+
+def arrays_of(mesh: Any) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]] | np.ndarray[Any, Any]:
+    """Returns vertices and faces, or a volume of bool, of an object in memory; given those, the same without a copy.
+
+    Raises
+    ------
+    InputError
+        As `object_of`.
+    """
     if hasattr(mesh, "vertices") and (hasattr(mesh, "faces") or hasattr(mesh, "triangles")):
         faces = mesh.faces if hasattr(mesh, "faces") else mesh.triangles  # Open3D's name
-        return _mesh(mesh.vertices, faces), False
+        return _mesh(mesh.vertices, faces)
     if isinstance(mesh, (tuple, list)):
         if len(mesh) != 2:
             raise InputError(f"mesh: a {type(mesh).__name__} of {len(mesh)} is no pair (vertices, faces)")
-        return _mesh(*mesh), False
+        return _mesh(*mesh)
     if hasattr(mesh, "__array__") or hasattr(mesh, "__dlpack__"):
-        return _volume(mesh), False
+        return _volume(mesh)
     raise InputError(
         f"mesh: a {type(mesh).__name__} cannot be broken; a path, a pair (vertices, faces), an object with both, or a volume can"
     )
@@ -99,12 +113,12 @@ def _faces(values: Any, vertices: int) -> np.ndarray[Any, Any]:
     return np.ascontiguousarray(faces, dtype=np.uint32)
 
 
-def _mesh(vertices: Any, faces: Any) -> _core.Object:
+def _mesh(vertices: Any, faces: Any) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
     vertices = _vertices(vertices)
-    return _core.mesh_object(vertices, _faces(faces, len(vertices)))
+    return vertices, _faces(faces, len(vertices))
 
 
-def _volume(values: Any) -> _core.Object:
+def _volume(values: Any) -> np.ndarray[Any, Any]:
     volume = _array("volume", values)
     if volume.ndim != 3:
         raise InputError(f"volume: shape (nx, ny, nz) is needed, not {volume.shape}")
@@ -117,4 +131,4 @@ def _volume(values: Any) -> _core.Object:
     mask = np.ascontiguousarray(volume != 0)
     if not mask.any():
         raise InputError("volume: nothing in it is solid")
-    return _core.volume_object(mask.view(np.uint8))
+    return mask

@@ -127,7 +127,7 @@ def given(options: Mapping[str, Any], accepted: Mapping[str, Row] = ROWS, functi
     texts = []
     for keyword, value in options.items():
         if keyword not in accepted:
-            raise UsageError(_unknown(keyword, accepted, function))
+            raise UsageError(unknown(keyword, accepted, function))
         if value is not None:
             texts += [(accepted[keyword].name, text) for text in accepted[keyword].texts(value)]
     _core.check_options(texts)
@@ -157,7 +157,7 @@ def check_together(texts: Texts, own: Texts, file: str = "", before: Texts | Non
     warn(sentence for sentence in _core.idle_options(texts, names, file) if sentence not in known)
 
 
-def _unknown(keyword: str, accepted: Mapping[str, Row], function: str) -> str:
+def unknown(keyword: str, accepted: Mapping[str, Row], function: str) -> str:
     import difflib
 
     if keyword in ROWS:
@@ -236,9 +236,12 @@ def documented(accepted: Mapping[str, Row]) -> Callable[[Callable[..., Any]], Ca
         own = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
         keywords = [inspect.Parameter(k, inspect.Parameter.KEYWORD_ONLY, default=r.default_value()) for k, r in accepted.items()]
         function.__signature__ = signature.replace(parameters=own + keywords)  # type: ignore[attr-defined]
-        if function.__doc__:
-            listed = "\n".join(_keyword_help(row) for row in accepted.values())
-            function.__doc__ = inspect.cleandoc(function.__doc__).replace("{options}", listed)
+        function.__doc__ = documented_text(function.__doc__, accepted)
         return function
 
     return with_table
+
+
+def documented_text(text: str | None, accepted: Mapping[str, Row]) -> str | None:
+    """Returns a docstring in which ``{options}`` are listed."""
+    return text and inspect.cleandoc(text).replace("{options}", "\n".join(_keyword_help(row) for row in accepted.values()))

@@ -94,11 +94,12 @@ AllPoints joined(std::vector<sherd::SurfacePoints> each) {
   return all;
 }
 
-Job* pointsJob(FracturePtr fracture, const GivenOptions& given) {
+// counts  of each fragment, instead of the number that is given; or empty
+Job* pointsJob(FracturePtr fracture, const GivenOptions& given, std::vector<std::size_t> counts) {
   const sherd::WriteOptions write = optionsFrom(given).write;
-  return jobOf(std::move(fracture), [write](FracturePtr of, const Progress& progress) -> Made {
-    auto all = std::make_shared<AllPoints>(
-        joined(of->points({write.points, write.sharePoints}, progress)));
+  const PointChoice choice{write.points, write.sharePoints, std::move(counts)};
+  return jobOf(std::move(fracture), [choice](FracturePtr of, const Progress& progress) -> Made {
+    auto all = std::make_shared<AllPoints>(joined(of->points(choice, progress)));
     return [all]() -> nb::object {
       return nb::make_tuple(arrayOf(std::move(all->positions)), arrayOf(std::move(all->normals)),
                             arrayOf(std::move(all->neighbor)), arrayOf(std::move(all->fragment)));
@@ -214,7 +215,8 @@ void bindFractures(nb::module_& module) {
   module.def("load", loadJob, nb::rv_policy::take_ownership);
   module.def("labels", labelsJob, nb::rv_policy::take_ownership);
   module.def("fragments", fragmentsJob, nb::rv_policy::take_ownership);
-  module.def("points", pointsJob, nb::rv_policy::take_ownership);
+  module.def("points", pointsJob, nb::arg("fracture"), nb::arg("given"),
+             nb::arg("counts") = std::vector<std::size_t>{}, nb::rv_policy::take_ownership);
   module.def("save", saveJob, nb::rv_policy::take_ownership);
   module.def("render", renderJob, nb::rv_policy::take_ownership);
 }

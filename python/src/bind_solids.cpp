@@ -93,6 +93,11 @@ void bindSolids(nb::module_& module) {
       .def_prop_ro("voxels", [](const Solid& s) { return s.solid().voxels; })
       .def_prop_ro("voxel_size", [](const Solid& s) { return s.solid().frame.voxelSize; })
       .def_prop_ro("keeps_mesh", [](const Solid& s) { return s.solid().mesh != nullptr; })
+      .def_prop_ro("surface_box",
+                   [](const Solid& s) {
+                     const sherd::Box box = s.surfaceBox();
+                     return nb::make_tuple(vectorOf(box.min), vectorOf(box.max));
+                   })
       .def_prop_ro("shape",
                    [](const Solid& s) {
                      const openvdb::Coord dims = s.solid().box.dims();

@@ -25,6 +25,7 @@ namespace {
 
 std::vector<std::size_t> pointCounts(const std::vector<Fragment>& fragments, std::size_t count,
                                      const PointChoice& choice) {
+  if (choice.counts.size() == count) return choice.counts;
   if (!choice.isShared) return std::vector<std::size_t>(count, choice.points.count);
   std::vector<double> areas;
   for (std::size_t i = 0; i < count; ++i) areas.push_back(fragments[i].area);
@@ -228,7 +229,8 @@ std::vector<std::shared_ptr<GrownPieces>> broken(
     options.back().seed = seed;
   }
   // Meshing the intact solid pays from the second fracture on.
-  const sherd::PreparedSolid ready = solid->prepared(options.size() > 1);
+  if (options.size() > 1) solid->keepSurface();
+  const sherd::PreparedSolid ready = solid->prepared();
   std::vector<sherd::GrownFracture> grown;
   {
     LeasedDevice leased(device);

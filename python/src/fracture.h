@@ -32,7 +32,8 @@ struct VoxelIds {
 /// How many points, and of which kind.
 struct PointChoice {
   sherd::PointOptions points{};
-  bool isShared = false;  ///< `count` is the total, distributed by areas
+  bool isShared = false;              ///< `count` is the total, distributed by areas
+  std::vector<std::size_t> counts{};  ///< [fragments] instead of `count`, or empty
 };
 
 /// The arrays of a fragment's mesh, once Python has them.

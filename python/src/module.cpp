@@ -8,6 +8,7 @@
 #include "options.h"
 #include "process.h"
 #include "solid.h"
+#include "stream.h"
 
 NB_MODULE(_core, module) {
   nanobind::set_leak_warnings(false);  // an interpreter that closes may leave fractures
@@ -17,5 +18,6 @@ NB_MODULE(_core, module) {
   pysherd::bindOptions(module);
   pysherd::bindSolids(module);
   pysherd::bindFractures(module);
+  pysherd::bindStreams(module);
   module.def("version", sherd::version);
 }

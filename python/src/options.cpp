@@ -2,6 +2,7 @@
 #include "options.h"
 
 #include <nanobind/stl/pair.h>
+#include <nanobind/stl/set.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 #include <sherd/error.h>
@@ -10,6 +11,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
 #include "folder/read_manifest.h"
@@ -138,10 +140,16 @@ sherd::OptionUse useOf(std::vector<std::string> names, std::string input) {
 
 void bindOptions(nb::module_& module) {
   module.def("option_table", table);
-  module.def("idle_options",
-             [](const GivenOptions& given, std::vector<std::string> names, std::string input) {
-               return idleOptions(optionsFrom(given), useOf(std::move(names), std::move(input)));
-             });
+  module.def(
+      "idle_options",
+      [](const GivenOptions& given, std::vector<std::string> names, std::string input,
+         const std::set<std::string, std::less<>>& drawn) {
+        sherd::OptionUse use = useOf(std::move(names), std::move(input));
+        use.isDrawn = [&](std::string_view name) { return drawn.contains(name); };
+        return idleOptions(optionsFrom(given), use);
+      },
+      nb::arg("given"), nb::arg("names"), nb::arg("input"),
+      nb::arg("drawn") = std::set<std::string, std::less<>>{});
   module.def("check_options", [](const GivenOptions& given) { (void)optionsFrom(given); });
   module.def("recorded_options", optionsOfManifest);
 }

@@ -165,14 +165,25 @@ void freeElsewhere(const std::function<void()>& free) {
   }
 }
 
-sherd::PreparedSolid Solid::prepared(bool withSurface) const {
-  constexpr std::size_t kMaxLeaves = 50'000;  // as in a dataset, for its memory
+std::shared_ptr<const sherd::IntactSurface> Solid::surface() const {
+  const std::lock_guard lock(surfaceMutex_);
+  return surface_;
+}
+
+sherd::PreparedSolid Solid::prepared() const {
   sherd::PreparedSolid ready = ready_;
-  if (withSurface && solid().blocks->count() <= kMaxLeaves) {
-    std::call_once(surfaceMade_, [&] { surface_ = sherd::intactSurface(solid()); });
-    ready.surface = surface_;
-  }
+  ready.surface = surface();
   return ready;
+}
+
+void Solid::keepSurface() const {
+  constexpr std::size_t kMaxLeaves = 50'000;  // as in a dataset, for its memory
+  if (solid().blocks->count() > kMaxLeaves) return;
+  std::call_once(surfaceMade_, [&] {
+    auto made = sherd::intactSurface(solid());
+    const std::lock_guard lock(surfaceMutex_);
+    surface_ = std::move(made);
+  });
 }
 
 SolidPtr voxelized(Object object, const GivenOptions& given, const std::string& device,

@@ -67,9 +67,17 @@ class Solid : public std::enable_shared_from_this<Solid> {
   [[nodiscard]] double ownVoxelSize() const { return ownVoxelSize_; }
   [[nodiscard]] std::size_t components() const { return ready_.components.count(); }
 
-  /// The prepared solid.
-  ///   withSurface  with the intact surface, made once, unless the solid is too large to keep it
-  [[nodiscard]] sherd::PreparedSolid prepared(bool withSurface) const;
+  /// The prepared solid, with the intact surface if that is kept.
+  [[nodiscard]] sherd::PreparedSolid prepared() const;
+
+  /// Makes the intact surface, once, unless the solid is too large to keep it.
+  void keepSurface() const;
+
+  /// The box of the intact surface, or of the voxels without one, world units.
+  [[nodiscard]] sherd::Box surfaceBox() const;
+
+  /// Bytes that the solid takes, about: grid, leaf blocks, mesh, and the surface if it is kept.
+  [[nodiscard]] std::uint64_t bytes() const;
 
  private:
   GivenOptions given_;
@@ -77,7 +85,10 @@ class Solid : public std::enable_shared_from_this<Solid> {
   double ownVoxelSize_;  // of voxels that were given, else 0
   sherd::SourceMesh source_;
   sherd::PreparedSolid ready_;  // without a surface
+  [[nodiscard]] std::shared_ptr<const sherd::IntactSurface> surface() const;
+
   mutable std::once_flag surfaceMade_;
+  mutable std::mutex surfaceMutex_;
   mutable std::shared_ptr<const sherd::IntactSurface> surface_;
 };
 

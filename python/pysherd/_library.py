@@ -1,0 +1,128 @@
+"""Meshes of a stream of fractures, and their solids, which are kept within a limit of memory."""
+
+from __future__ import annotations
+
+import os
+from collections import OrderedDict
+from typing import Any, Iterable, NamedTuple
+
+from . import _core, _inputs, _jobs, _options
+from ._errors import Error, FileError, InputError, UsageError, warn
+from ._solid import Solid
+
+
+class Mesh(NamedTuple):
+    """A mesh of a library, as it was given."""
+
+    key: str
+    """path in the library, or its position in a list"""
+    given: Any
+    """a path, a `Solid`, a pair of arrays, or a volume"""
+
+
+def library_of(meshes: Any) -> list[Mesh]:
+    """Returns the meshes of a folder, of a list of paths, or those given.
+
+    Raises
+    ------
+    InputError, FileError, UsageError
+        There are none, or one of them cannot be broken.
+    """
+    if isinstance(meshes, (str, os.PathLike)):
+        return _files(os.fsdecode(os.fspath(meshes)))
+    if isinstance(meshes, Solid) or hasattr(meshes, "vertices") or _is_pair(meshes):
+        meshes = [meshes]
+    if not isinstance(meshes, Iterable):
+        raise UsageError(f"meshes: a {type(meshes).__name__} is neither a folder nor several meshes")
+    found = [_mesh(number, mesh) for number, mesh in enumerate(meshes)]
+    if not found:
+        raise InputError("meshes: there are none")
+    return found
+
+
+def _files(path: str) -> list[Mesh]:
+    if not path or "\0" in path:
+        raise FileError(f"meshes: {path!r} is no path")
+    if not os.path.isdir(path) and not path.lower().endswith(".txt"):
+        if not os.path.exists(path):
+            raise FileError(f"{path}: does not exist")
+        return [Mesh(os.path.basename(path), path)]
+    try:
+        found, skipped = _core.find_objects(path)
+    except Error as e:
+        raise FileError(str(e), e.options) from None
+    warn(skipped)
+    return [Mesh(key, file) for key, file in found]
+
+
+def _is_pair(meshes: Any) -> bool:
+    return isinstance(meshes, tuple) and len(meshes) == 2 and all(getattr(part, "ndim", 0) == 2 for part in meshes)
+
+
+def _mesh(number: int, mesh: Any) -> Mesh:
+    if isinstance(mesh, (str, os.PathLike)):
+        path = os.fsdecode(os.fspath(mesh))
+        return Mesh(path, path)
+    if isinstance(mesh, Solid):
+        return Mesh(str(number), mesh)
+    try:
+        arrays = _inputs.arrays_of(mesh)
+        return Mesh(str(number), tuple(a.copy() for a in arrays) if isinstance(arrays, tuple) else arrays.copy())
+    except InputError as e:
+        raise InputError(f"mesh {number}: {e}", e.options) from None
+
+
+class Solids:
+    """Solids of meshes, made when they are first used; those used longest ago go when there are too many bytes of them.
+
+    Parameters
+    ----------
+    texts : list
+        Options of all solids.
+    most_bytes : int
+        The last solid is kept even if it alone takes more.
+    """
+
+    def __init__(self, meshes: list[Mesh], texts: _options.Texts, most_bytes: int, device: str) -> None:
+        self._meshes = meshes
+        self._texts = texts
+        self._most_bytes = most_bytes
+        self._device = device
+        self._kept: OrderedDict[int, tuple[_core.Solid, int]] = OrderedDict()
+        self.bytes = 0
+
+    def __getitem__(self, mesh: int) -> _core.Solid:
+        """Returns a solid.
+
+        Raises
+        ------
+        Error
+            The mesh cannot be voxelized.
+        """
+        if mesh in self._kept:
+            self._kept.move_to_end(mesh)
+            return self._kept[mesh][0]
+        core = self._made(self._meshes[mesh])
+        self._kept[mesh] = core, _jobs.finish(_core.keep_surface(core))
+        self.bytes += self._kept[mesh][1]
+        while self.bytes > self._most_bytes and len(self._kept) > 1:
+            self.bytes -= self._kept.popitem(last=False)[1][1]
+        return core
+
+    def __len__(self) -> int:
+        return len(self._kept)
+
+    def emptied(self) -> Solids:
+        """Returns the same without solids."""
+        return Solids(self._meshes, self._texts, self._most_bytes, self._device)
+
+    def _made(self, mesh: Mesh) -> _core.Solid:
+        if isinstance(mesh.given, Solid):
+            return mesh.given._core
+        obj, is_file = _inputs.object_of(mesh.given)
+        try:
+            return _jobs.finish(_core.voxelize(obj, self._texts, self._device))
+        except Error as e:
+            if e.code != InputError.code:
+                raise
+            raise (FileError(str(e), e.options) if is_file else InputError(f"mesh {mesh.key}: {e}", e.options)) from None

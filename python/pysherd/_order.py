@@ -1,0 +1,86 @@
+"""The order of an endless stream of fractures: which mesh is broken when, by which seed, and in which process.
+
+Everything here is a pure function of the seed, so that a stream can be stopped and resumed, and divided among processes.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+_SEED_BITS = 63  # so that a tensor of int64 holds a seed
+
+
+class Slot(NamedTuple):
+    """A fracture of the stream."""
+
+    number: int
+    """of the item, in all processes"""
+    mesh: int
+    seed: int
+    """of the fracture, and of all random choices for the item"""
+
+
+@dataclass(frozen=True)
+class Share:
+    """A part of the stream: that of one worker of one rank."""
+
+    stream: int
+    streams: int
+    items: int | None
+    """of an epoch, None: endless"""
+
+
+@dataclass(frozen=True)
+class Order:
+    """The order of items.
+
+    A *visit* is `repeats` fractures of one mesh.  Visits are dealt to the streams in turn, as cards are; a stream goes through `mix`
+    of its visits at a time, a fracture of each in turn.  Visits go through all meshes, in an order of its own each time.
+    """
+
+    meshes: int
+    seed: int
+    repeats: int
+    mix: int
+    shuffle: bool
+
+    def slot(self, epoch: int, share: Share, position: int) -> Slot:
+        """Returns the fracture at a position, from 0, in the share of a stream."""
+        group, within = divmod(position, self.mix * self.repeats)
+        repeat, member = divmod(within, self.mix)
+        return self.item(epoch, ((group * self.mix + member) * share.streams + share.stream) * self.repeats + repeat)
+
+    def item(self, epoch: int, number: int) -> Slot:
+        """Returns the fracture that has a number in an epoch."""
+        passed, at = divmod(number // self.repeats, self.meshes)
+        mesh = int(self._permutation(epoch, passed)[at]) if self.shuffle else at
+        return Slot(number, mesh, hashed("item", self.seed, epoch, number))
+
+    def _permutation(self, epoch: int, passed: int) -> np.ndarray[Any, Any]:
+        kept: dict[tuple[int, int], np.ndarray[Any, Any]] = self.__dict__.setdefault("_permutations", {})
+        if (epoch, passed) not in kept:
+            while len(kept) > 1:  # visits that are mixed may be of two
+                del kept[next(iter(kept))]
+            kept[epoch, passed] = generator(hashed("order", self.seed, epoch, passed)).permutation(self.meshes)
+        return kept[epoch, passed]
+
+
+def share_of(items: int | None, rank: int, ranks: int, worker: int, workers: int) -> Share:
+    """Returns the share of a worker.  All ranks have the same number of items, so that none waits for another at an epoch's end."""
+    own = None if items is None else items // ranks // workers + (worker < items // ranks % workers)
+    return Share(rank * workers + worker, ranks * workers, own)
+
+
+def hashed(purpose: str, *numbers: int) -> int:
+    """Returns a number that looks random: the same for the same arguments."""
+    text = " ".join([purpose, *map(str, numbers)])
+    return int.from_bytes(hashlib.blake2b(text.encode(), digest_size=8).digest(), "little") >> (64 - _SEED_BITS)
+
+
+def generator(seed: int) -> np.random.Generator:
+    """Returns NumPy's random numbers for a seed."""
+    return np.random.Generator(np.random.PCG64(seed))
