@@ -12,7 +12,7 @@ set -euo pipefail
 build=(cmake ninja-build g++ libopenvdb-dev libtbb-dev libboost-iostreams-dev libimath-dev libopenexr-dev libglm-dev
   clang opencl-c-headers opencl-clhpp-headers libassimp-dev libdraco-dev libembree-dev libqhull-dev libhdf5-dev
   libcgal-dev libpng-dev zlib1g-dev libzstd-dev libssl-dev libcli11-dev nlohmann-json3-dev)
-test=(libgtest-dev libbenchmark-dev python3 python3-dev python3-venv python3-numpy python3-scipy python3-openvdb python3-jsonschema python3-h5py
+test=(libgtest-dev libbenchmark-dev python3 python3-dev python3-venv python3-numpy python3-scipy python3-openvdb python3-jsonschema python3-h5py python3-torch
   ocl-icd-libopencl1 pocl-opencl-icd mesa-opencl-icd)
 hosts=(blender python3-openimageio)
 pictures=(python3-numpy python3-pil python3-matplotlib blender)

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Build the wheel for Debian's Python, install it in a fresh virtual environment below build/python, and test what is installed.
+# Build the wheel for Debian's Python, install it in a fresh virtual environment below build/python, and test what is installed; and once more
+# beside Debian's PyTorch, which needs Debian's NumPy.
 #
 # usage: test_python.sh [PYTEST_ARGUMENT...]
 set -euo pipefail
@@ -7,7 +8,7 @@ cd "$(dirname "$0")/.."
 python=/usr/bin/python3
 work=$PWD/build/python
 
-rm -rf "$work/wheel" "$work/venv"
+rm -rf "$work/wheel" "$work/venv" "$work/venv-torch"
 tools/build_wheel.sh "$work/wheel" "$python"
 [ -f "$(echo "$work"/wheel/*-manylinux_2_35_x86_64.whl)" ] || { echo "test_python.sh: the wheel is not for manylinux_2_35" >&2; exit 1; }
 [ "$(stat -c %s "$work"/wheel/*.whl)" -lt 50000000 ] || { echo "test_python.sh: the wheel has 50 MB or more" >&2; exit 1; }
@@ -21,13 +22,26 @@ if ! cmp -s python/requirements.txt "$work/downloads/requirements.txt"; then
   "$work"/tools-cp3*/bin/pip download -q --disable-pip-version-check --no-deps -d "$work/downloads" -r python/requirements.txt
   cp python/requirements.txt "$work/downloads/"
 fi
-"$python" -m venv "$work/venv"
-pip=("$work/venv/bin/pip" install -q --disable-pip-version-check --no-deps --no-index)
-"${pip[@]}" --find-links "$work/downloads" -r python/requirements.txt
-"${pip[@]}" "$work"/wheel/*.whl
+# Makes a virtual environment with what the tests need, except packages of a name, and with the wheel.
+environment() {  # its folder, the name, arguments of venv
+  "$python" -m venv "${@:3}" "$1"
+  local pip=("$1/bin/pip" install -q --disable-pip-version-check --no-deps --no-index)
+  "${pip[@]}" --find-links "$work/downloads" -r <(grep -v "^$2==" python/requirements.txt)
+  "${pip[@]}" "$work"/wheel/*.whl
+}
+environment "$work/venv" nothing
+environment "$work/venv-torch" numpy --system-site-packages
 
 export SHERD_BIN=$PWD/build/release/sherd SHERD_DATA=$PWD/data OCL_ICD_VENDORS=pocl.icd
-export PATH=$work/venv/bin:$PATH
 tools/python_api.sh > /dev/null
 cd "$work"  # so that what is imported is what is installed
-python -B -m pytest -q -c ../../python/pyproject.toml --rootdir ../.. ../../tests/python "$@"
+tests() {  # the environment, arguments of pytest
+  PATH=$work/$1/bin:$PATH python -B -m pytest -q -c ../../python/pyproject.toml --rootdir ../.. "${@:2}"
+}
+status=0
+tests venv ../../tests/python --ignore ../../tests/python/with_torch "$@" || status=$?
+torch=0
+tests venv-torch ../../tests/python/with_torch "$@" || torch=$?
+# 5: the arguments select none
+[ $status -eq 5 ] && [ $torch -eq 5 ] && exit 5
+[[ $status =~ ^[05]$ && $torch =~ ^[05]$ ]]

@@ -1,5 +1,6 @@
 """What is installed: the program, its library, licenses, documentation and types."""
 import importlib.metadata
+import importlib.util
 import inspect
 import pathlib
 import pickle
@@ -58,6 +59,13 @@ def test_metadata():
     assert "MPL-2.0" in metadata["License-Expression"] and "LICENSES.md" in metadata.get_all("License-File")
     assert {p.stem for p in (HERE / "licenses").glob("*.txt")} >= {"libopenvdb10.0", "libtbb12", "libembree3-3"}
     assert not any("opencl" in p.name.lower() for p in HERE.parent.joinpath("pysherd.libs").iterdir())
+
+
+def test_without_pytorch_its_module_says_so():
+    if importlib.util.find_spec("torch") is not None:
+        pytest.skip("PyTorch is installed")
+    with pytest.raises(ImportError, match="^pysherd.torch needs PyTorch, which is not installed: pip install torch$"):
+        import pysherd.torch
 
 
 def public():

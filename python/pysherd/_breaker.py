@@ -1,0 +1,135 @@
+"""Makes the items of a stream of fractures: breaks a mesh, samples points, and arranges them as a layout does."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from . import _core, _layouts
+from ._break import break_solid
+from ._drawn import Drawn
+from ._errors import Error, InputError, UsageError, warn
+from ._fracture import Fracture
+from ._library import Mesh, Solids
+from ._options import ROWS, SOLID
+from ._order import Slot, generator, hashed
+from ._solid import Solid
+
+_MOST_FAILURES = 1000  # attempts in a row
+_MOST_CYCLES = 50  # without an item, when most meshes are known to fail
+_SOLID_NAMES = frozenset(row.name for row in SOLID.values())
+
+
+class Breaker:
+    """Makes items of meshes by the same options.
+
+    Parameters
+    ----------
+    layout : str
+        A key of `LAYOUTS`.
+    points : int, optional
+        Points of an item or of a fragment; by default the layout's.
+    cache_bytes : int
+        Memory of the solids that are kept.
+    skips : bool
+        Leaves out meshes that cannot be broken, with a warning; else they are errors.
+    cycle : int
+        Items in which every mesh comes up.
+    """
+
+    def __init__(self, meshes: list[Mesh], options: Drawn, layout: str, points: int | None, cache_bytes: int, device: str, skips: bool,
+                 cycle: int) -> None:  # fmt: skip
+        self.layout = layout
+        self._layout = _layouts.LAYOUTS[layout]
+        self.points = points or self._layout.points
+        self.skipped: dict[str, int] = {}
+        self._options, self._meshes, self._device, self._skips, self._cycle = options, meshes, device, skips, cycle
+        self._check()
+        self.solids = Solids(meshes, options.of_solids, cache_bytes, device)
+        self._failed: set[int] = set()
+        self._failures = self._passed = 0  # since the last item
+        self._reason = ""  # of the last failure
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "solids": self.solids.emptied()}
+
+    def _check(self) -> None:
+        most, least = self._layout.fragments, self._layout.least
+        low, high = self._options.pieces
+        if most and not 2 <= low <= high <= most:
+            raise UsageError(f"pieces: layout {self.layout} holds 2 to {most} fragments, not {low if low < 2 else high}")
+        if self._layout.counts is not _layouts.equal_counts and self.points < most * least:
+            raise UsageError(f"points: layout {self.layout} needs at least {most * least}, {least} for each of {most} fragments")
+        if any(isinstance(mesh.given, Solid) for mesh in self._meshes) and self._options.of_solids:
+            raise UsageError(f"{self._options.of_solids[0][0]}: the solids are voxelized already; give it to voxelize()")
+
+    def fracture(self, slot: Slot) -> Fracture:
+        """Breaks a mesh."""
+        core = self.solids[slot.mesh]
+        own = [option for option in self._options.texts(slot.seed) if option[0] not in _SOLID_NAMES]
+        texts = [option for option in core.given if option[0] in _SOLID_NAMES] + own
+        pieces = int(dict(texts).get("pieces", ROWS["pieces"].default))
+        return next(break_solid(core, texts, [(pieces, slot.seed)], self._device, None))
+
+    def item(self, slot: Slot) -> dict[str, Any] | None:
+        """Returns an item; None if it is left out.
+
+        Raises
+        ------
+        Error
+            The mesh cannot be broken, and none is left out, or too many were in a row.
+        """
+        item = self._item(slot)
+        self._passed = 0 if item else self._passed + 1
+        if item:
+            self._failures = 0
+        elif self._skips:
+            self._check_failures()
+        return item
+
+    def _item(self, slot: Slot) -> dict[str, Any] | None:
+        if slot.mesh in self._failed:
+            return None
+        mesh = self._meshes[slot.mesh]
+        try:
+            core = self._solid(slot.mesh)
+        except Error as e:
+            self._failed.add(slot.mesh)
+            self._skip(mesh, e, "")
+            return None
+        try:
+            f = self.fracture(slot)
+            self._check_count(len(f), "breaks into {} fragments")
+            return self._layout.make(_layouts.sample_of(
+                f, self._layout, self.points, self._options.of_points, core.surface_box, number=slot.number, mesh=slot.mesh, seed=slot.seed,
+                name=f"{mesh.key}/fractured_{slot.number}", random=generator(hashed("pose", slot.seed))))  # fmt: skip
+        except Error as e:
+            self._skip(mesh, e, f"{mesh.key}, seed {slot.seed}: ")
+            return None
+
+    def _solid(self, mesh: int) -> _core.Solid:
+        core = self.solids[mesh]
+        if self._layout.fragments and core.components > self._layout.fragments:
+            self._check_count(core.components, f"{self._meshes[mesh].key}: has {{}} connected components")
+        return core
+
+    def _check_count(self, count: int, sentence: str) -> None:
+        most = self._layout.fragments
+        if most and not 2 <= count <= most:
+            raise InputError(f"{sentence.format(count)}, and layout {self.layout} holds 2 to {most}")
+
+    def _skip(self, mesh: Mesh, error: Error, prefix: str) -> None:
+        """Counts what is left out, and warns of each mesh once; raises the error if nothing is."""
+        if error.code != InputError.code or not self._skips:
+            raise type(error)(f"{prefix}{error}", error.options) from error
+        self._failures += 1
+        self._reason = f"{prefix}{error}"
+        if mesh.key not in self.skipped:
+            warn([f"{self._reason}; skipped, as of {len(self.skipped) + 1} of {len(self._meshes)} meshes until now"])
+        self.skipped[mesh.key] = self.skipped.get(mesh.key, 0) + 1
+
+    def _check_failures(self) -> None:
+        """Raises an error where no item comes any more."""
+        if len(self._failed) == len(self._meshes):
+            raise InputError(f"none of {len(self._meshes)} meshes can be broken; the last: {self._reason}")
+        if self._failures >= _MOST_FAILURES or self._passed >= _MOST_CYCLES * self._cycle:
+            raise InputError(f"{self._passed} fractures in a row cannot be used; the last: {self._reason}")

@@ -1,0 +1,299 @@
+"""Endless fractures for PyTorch: a data set that breaks meshes as a network trains.
+
+>>> from pysherd.torch import FractureDataset, collate
+>>> data = FractureDataset("vessels", layout="garf", pieces="2..10", resolution=64, roughness="0%..1%")
+>>> for batch in torch.utils.data.DataLoader(data, batch_size=16, num_workers=4, collate_fn=collate):
+...     batch["pointclouds"], batch["fracture_surface_gt"]
+
+PyTorch is not among the requirements of pysherd: install it beside, 1.13 or later.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import operator
+from typing import Any, Iterator, Mapping, Sequence
+
+import numpy as np
+
+try:
+    import torch
+    from torch.utils.data import IterableDataset, default_collate, get_worker_info
+except ModuleNotFoundError as _missing:
+    if _missing.name != "torch":
+        raise
+    raise ImportError("pysherd.torch needs PyTorch, which is not installed: pip install torch") from None
+
+from . import _core
+from ._breaker import Breaker
+from ._drawn import ACCEPTED, Drawn
+from ._errors import UsageError, warn
+from ._fracture import Fracture
+from ._layouts import LAYOUTS
+from ._library import library_of
+from ._options import documented_text
+from ._order import Order, Share, share_of
+from ._solid import DEVICE, checked_device
+
+__all__ = ["FractureDataset", "collate", "collate_fragments"]
+
+_EPOCH, _IN_WORKERS = 0, 1  # positions in the tensor that workers share
+
+
+class FractureDataset(IterableDataset[Any]):
+    """Breaks meshes as a network trains: a stream of items, each of a fracture that no other item has.
+
+    The stream is a pure function of `seed` and the epoch.  Ranks and workers share it: none breaks what another does.  Items are
+    dictionaries of NumPy arrays, numbers and strings, of which `collate` makes tensors.
+
+    Parameters
+    ----------
+    meshes
+        A folder, with all below it, or a ``.txt`` file with a path a line, both as ``sherd dataset`` reads them; or a mesh, or
+        several: each whatever `pysherd.voxelize` takes, or a `Solid`.  Arrays are copied once.
+    layout : str
+        Keys, shapes and dtypes of an item: ``"points"`` and ``"fragments"`` of our own, or those of the loaders of published
+        networks: ``"garf"`` (GARF), ``"rpf"`` (Rectified Point Flow), ``"pfpp"`` (PuzzleFusion++), ``"jigsaw"`` (Jigsaw),
+        ``"mpa"`` (multi_part_assembly).
+    points : int, optional
+        Points of an item, by the fragments' areas; of ``"fragments"``, ``"pfpp"`` and ``"mpa"`` points of each fragment.  The
+        default is the loader's: 5000 or 1000; of ``"fragments"`` 1024.
+    items : int, optional
+        Items of an epoch in all processes; each rank has ``items // world_size``.  By default the stream is endless.
+    seed : int
+        Of all random choices.
+    repeats : int
+        Fractures of a mesh before the next one is voxelized.
+    mix : int
+        Meshes that a process breaks in turn.
+    shuffle : bool
+        Goes through the meshes in another order each time.
+    on_error : str
+        ``"skip"``: a mesh that cannot be broken is left out with a warning, and counted in `skipped`; ``"raise"``: it is an error.
+    cache_bytes : int
+        About how much memory the solids that are kept may take, in each process.
+    threads : int, optional
+        Threads of each fracture; 0: all cores.  By default 1 in a worker, and what `limit_threads` has set elsewhere.
+    device : str
+        As of `pysherd.fracture`.
+    rank, world_size : int, optional
+        Of this process among those that train.  By default those of ``torch.distributed``.
+    {options}
+
+    Raises
+    ------
+    UsageError
+        A keyword or a value that is not accepted.
+    InputError, FileError
+        There are no meshes.
+
+    Notes
+    -----
+    An option of the groups Seeds, Growth, Erosion and Surface may be a range, ``roughness="0%..1%"``, or a choice,
+    ``sampler="uniform|poisson"``; it is drawn for each fracture, as by ``sherd dataset``.  So is ``pieces="2..10"``.
+    """
+
+    def __init__(
+        self,
+        meshes: Any,
+        *,
+        layout: str = "points",
+        points: int | None = None,
+        items: int | None = None,
+        seed: int = 0,
+        repeats: int = 8,
+        mix: int = 16,
+        shuffle: bool = True,
+        on_error: str = "skip",
+        cache_bytes: int = 2**30,
+        threads: int | None = None,
+        device: str = DEVICE,
+        rank: int | None = None,
+        world_size: int | None = None,
+        **options: Any,
+    ) -> None:
+        if layout not in LAYOUTS:
+            raise UsageError(f"layout: {layout!r} is not one of {', '.join(LAYOUTS)}")
+        if on_error not in ("skip", "raise"):
+            raise UsageError(f"on_error: {on_error!r} is neither 'skip' nor 'raise'")
+        self._items = None if items is None else _whole("items", items, 1)
+        self._threads = None if threads is None else _whole("threads", threads, 0)
+        self._given_ranks = _given_ranks(rank, world_size)
+        self._known_ranks: tuple[int, int] | None = None
+        self._options, meshes = Drawn(options), library_of(meshes)
+        self._keys = [mesh.key for mesh in meshes]
+        self._order = Order(len(meshes), _whole("seed", seed, 0), _whole("repeats", repeats, 1), _whole("mix", mix, 1), bool(shuffle))
+        self._breaker = Breaker(meshes, self._options, layout, None if points is None else _whole("points", points, 1),
+                                _whole("cache_bytes", cache_bytes, 0), checked_device(device), on_error == "skip",
+                                self._order.repeats * (self._order.mix + len(meshes)))  # fmt: skip
+        self._shared = torch.zeros(2, dtype=torch.int64).share_memory_()
+        self._resumed: dict[str, Any] | None = None
+        self._reached: dict[str, Any] | None = None
+
+    @property
+    def skipped(self) -> dict[str, int]:
+        """How many fractures of which meshes were left out, in this process."""
+        return dict(self._breaker.skipped)
+
+    # --- the stream
+
+    def set_epoch(self, epoch: int) -> None:
+        """Chooses the epoch that the next iteration goes through; each has other fractures.  Reaches workers that persist, too."""
+        self._shared[_EPOCH] = _whole("epoch", epoch, 0)
+        if self._resumed is not None and self._resumed["epoch"] != epoch:
+            self._resumed = None
+
+    def __len__(self) -> int:
+        if self._items is None:
+            raise TypeError("the stream is endless and has no length; give items=")
+        return self._items // self._ranks()[1]
+
+    def __iter__(self) -> Iterator[dict[str, Any]]:
+        worker = get_worker_info()
+        share = share_of(self._items, *self._ranks(), *((worker.id, worker.num_workers) if worker else (0, 1)))
+        if worker:
+            self._shared[_IN_WORKERS] = 1
+        if worker or self._threads is not None:
+            _core.limit_threads(1 if self._threads is None else self._threads)
+        epoch, position, taken = int(self._shared[_EPOCH]), 0, 0
+        if self._resumed is not None:
+            self._check_share(self._resumed, share)
+            position, taken = self._resumed["position"], self._resumed["taken"]
+        self._resumed, self._reached = None, self._state(epoch, share, position, taken)
+        return self._stream(epoch, share, position, taken)
+
+    def _stream(self, epoch: int, share: Share, position: int, taken: int) -> Iterator[dict[str, Any]]:
+        while share.items is None or taken < share.items:
+            item = self._breaker.item(self._order.slot(epoch, share, position))
+            position += 1
+            if item is not None:
+                taken += 1
+                self._reached = self._state(epoch, share, position, taken)
+                yield item
+
+    def fracture(self, index: int, epoch: int | None = None) -> Fracture:
+        """Breaks a mesh as for an item, of which the layout may not hold all: its meshes, its image.
+
+        Parameters
+        ----------
+        index : int
+            Of the item: its ``index``, or ``data_id``.
+        epoch : int, optional
+            That of the item; by default the current one.
+        """
+        number = _whole("index", index, 0)
+        return self._breaker.fracture(self._order.item(int(self._shared[_EPOCH]) if epoch is None else epoch, number))
+
+    # --- processes
+
+    def _ranks(self) -> tuple[int, int]:
+        return self._given_ranks or _group_ranks() or self._known_ranks or (0, 1)
+
+    def __getstate__(self) -> dict[str, Any]:
+        # A worker that is spawned has no process group.
+        return {**self.__dict__, "_known_ranks": _group_ranks() or self._known_ranks}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        if not self._shared.is_shared():
+            self._shared.share_memory_()
+
+    # --- state
+
+    def _identity(self) -> str:
+        """Returns a checksum of what the stream depends on."""
+        parts = [self._order, self._options, self._breaker.layout, self._breaker.points, self._items, *self._keys]
+        return hashlib.blake2b("\n".join(map(repr, parts)).encode(), digest_size=8).hexdigest()
+
+    def _state(self, epoch: int, share: Share, position: int, taken: int) -> dict[str, Any]:
+        return {"epoch": epoch, "position": position, "taken": taken, "stream": share.stream, "streams": share.streams}
+
+    def state_dict(self) -> dict[str, Any]:
+        """Returns where the stream is: after the last item that was taken from it, in this process.
+
+        With a DataLoader that has no workers, this is after its last batch.  Workers have states of their own, which torchdata's
+        ``StatefulDataLoader`` saves and restores.
+        """
+        state = self._resumed or self._reached
+        if state is None:
+            if int(self._shared[_IN_WORKERS]) and get_worker_info() is None:
+                warn(["state_dict: the workers of the DataLoader have the state; use torchdata's StatefulDataLoader"])
+            state = self._state(int(self._shared[_EPOCH]), share_of(self._items, *self._ranks(), 0, 1), 0, 0)
+        return {**state, "identity": self._identity()}
+
+    def load_state_dict(self, state_dict: Mapping[str, Any]) -> None:
+        """Lets the next iteration go on where `state_dict` was taken.
+
+        Raises
+        ------
+        UsageError
+            The state is that of another stream.
+        """
+        if state_dict.get("identity") != self._identity():
+            raise UsageError("state_dict: it is that of another stream: meshes, options, seed or items differ")
+        self._resumed = {k: state_dict[k] for k in ("epoch", "position", "taken", "stream", "streams")}
+        self._shared[_EPOCH] = self._resumed["epoch"]
+
+    def _check_share(self, state: Mapping[str, Any], share: Share) -> None:
+        if (state["stream"], state["streams"]) != (share.stream, share.streams):
+            raise UsageError(f"state_dict: it is that of worker {state['stream']} of {state['streams']} in all ranks, and this is "
+                             f"{share.stream} of {share.streams}; use as many processes as before")  # fmt: skip
+
+
+FractureDataset.__doc__ = documented_text(FractureDataset.__doc__, ACCEPTED)
+
+
+# --- batches
+
+
+def collate(items: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Makes a batch of items: arrays become tensors with an axis more, strings lists; arrays of different shapes lists of tensors."""
+    return {key: _stacked([item[key] for item in items]) for key in items[0]}
+
+
+def collate_fragments(items: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Makes a batch of items of the layout ``"fragments"``: all their fragments along the first axis.
+
+    Returns
+    -------
+    dict
+        ``positions`` and ``normals`` (fragments, points, 3), ``neighbor`` (fragments, points), and ``item`` (fragments,): whose
+        fragment each is.  The others as `collate` has them.
+    """
+    joined = {key: torch.from_numpy(np.concatenate([item[key] for item in items])) for key in ("positions", "normals", "neighbor")}
+    counts = torch.tensor([item["fragments"] for item in items])
+    others = [{key: value for key, value in item.items() if key not in joined} for item in items]
+    return {**joined, "item": torch.repeat_interleave(torch.arange(len(items)), counts), **collate(others)}
+
+
+def _stacked(values: list[Any]) -> Any:
+    if isinstance(values[0], np.ndarray) and len({value.shape for value in values}) > 1:
+        return [torch.from_numpy(value) for value in values]
+    return list(values) if isinstance(values[0], str) else default_collate(values)
+
+
+# --- arguments
+
+
+def _whole(name: str, value: Any, least: int) -> int:
+    try:
+        number = operator.index(value)
+    except TypeError:
+        number = least - 1
+    if number < least or isinstance(value, bool):
+        raise UsageError(f"{name}: {value!r} is not a whole number from {least} on")
+    return number
+
+
+def _given_ranks(rank: int | None, world_size: int | None) -> tuple[int, int] | None:
+    if rank is None and world_size is None:
+        return None
+    if rank is None or world_size is None or not 0 <= _whole("rank", rank, 0) < _whole("world_size", world_size, 1):
+        raise UsageError(f"rank: {rank!r} is not one of 0..world_size - 1, and world_size is {world_size!r}")
+    return rank, world_size
+
+
+def _group_ranks() -> tuple[int, int] | None:
+    if not (torch.distributed.is_available() and torch.distributed.is_initialized()):
+        return None
+    return torch.distributed.get_rank(), torch.distributed.get_world_size()
