@@ -99,13 +99,16 @@ lacking Portable -DSHERD_CLANG=
 echo "== the package where there is no OpenCL"
 tools/no_driver.sh build/release/sherd_*.deb
 
-echo "== the Python module: 10,000 fractures, Python and pip alone, and its meshes in trimesh and manifold3d"
+echo "== the Python module: 10,000 fractures and objects, Python and pip alone, and its meshes in trimesh and manifold3d"
 SHERD_PYTHON_FRACTURES=10000 tools/test_python.sh -k memory
 tools/bare_python.sh build/python/wheel/*.whl
 meshes=(data/amphora.ply)
 [ -z "${SHERD_TEST_DATA:-}" ] || for name in bunny.off armadillo.obj dragon.obj vase_goblet.stl 3DBenchy.ply boot.obj 99865_car.stl footbones.ply \
   ADIS16480.STL; do meshes+=("$SHERD_TEST_DATA/$name"); done
 build/python/venv/bin/python -B tests/long/python_meshes.py "${meshes[@]}"
+
+echo "== a network that is trained on fractures made meanwhile, with three seeds"
+build/python/venv-torch/bin/python -B tests/long/training.py
 
 echo "== the example of Dask, on this machine"
 build/python/venv/bin/pip install -q --disable-pip-version-check "dask[bag]==2026.8.0"
