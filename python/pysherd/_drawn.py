@@ -59,7 +59,8 @@ class Drawn:
             for end in ends:
                 _core.check_options([*self._fixed, (name, end)])
         texts = self._fixed + first
-        warn(_core.idle_options(texts, [name for name, _ in texts], "", {name for name, _ in self._ranges}))
+        names = [name for name, _ in texts]
+        warn(_core.idle_options([*texts, ("points", "1")], names, "", {name for name, _ in self._ranges}))
 
     def texts(self, seed: int) -> Texts:
         """Returns the options of a fracture."""

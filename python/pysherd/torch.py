@@ -90,7 +90,8 @@ class FractureDataset(IterableDataset[Any]):
     Notes
     -----
     An option of the groups Seeds, Growth, Erosion and Surface may be a range, ``roughness="0%..1%"``, or a choice,
-    ``sampler="uniform|poisson"``; it is drawn for each fracture, as by ``sherd dataset``.  So is ``pieces="2..10"``.
+    ``sampler="uniform|poisson"``; it is drawn for each fracture, as by ``sherd dataset``.  So is ``pieces="2..10"``.  Meshes are
+    voxelized as by the program, with 128 to 512 voxels along the longest side: give ``resolution``, such as 64, for more items a second.
     """
 
     def __init__(
@@ -121,11 +122,12 @@ class FractureDataset(IterableDataset[Any]):
         self._given_ranks = _given_ranks(rank, world_size)
         self._known_ranks: tuple[int, int] | None = None
         self._options, meshes = Drawn(options), library_of(meshes)
-        self._keys = [mesh.key for mesh in meshes]
         self._order = Order(len(meshes), _whole("seed", seed, 0), _whole("repeats", repeats, 1), _whole("mix", mix, 1), bool(shuffle))
         self._breaker = Breaker(meshes, self._options, layout, None if points is None else _whole("points", points, 1),
                                 _whole("cache_bytes", cache_bytes, 0), checked_device(device), on_error == "skip",
                                 self._order.repeats * (self._order.mix + len(meshes)))  # fmt: skip
+        parts = [self._order, self._options, layout, self._breaker.points, self._items, *(mesh.key for mesh in meshes)]
+        self._identity = hashlib.blake2b("\n".join(map(repr, parts)).encode(), digest_size=8).hexdigest()  # of what the stream depends on
         self._shared = torch.zeros(2, dtype=torch.int64).share_memory_()
         self._resumed: dict[str, Any] | None = None
         self._reached: dict[str, Any] | None = None
@@ -142,6 +144,8 @@ class FractureDataset(IterableDataset[Any]):
         self._shared[_EPOCH] = _whole("epoch", epoch, 0)
         if self._resumed is not None and self._resumed["epoch"] != epoch:
             self._resumed = None
+        if self._reached is not None and self._reached["epoch"] != epoch:
+            self._reached = None
 
     def __len__(self) -> int:
         if self._items is None:
@@ -200,11 +204,6 @@ class FractureDataset(IterableDataset[Any]):
 
     # --- state
 
-    def _identity(self) -> str:
-        """Returns a checksum of what the stream depends on."""
-        parts = [self._order, self._options, self._breaker.layout, self._breaker.points, self._items, *self._keys]
-        return hashlib.blake2b("\n".join(map(repr, parts)).encode(), digest_size=8).hexdigest()
-
     def _state(self, epoch: int, share: Share, position: int, taken: int) -> dict[str, Any]:
         return {"epoch": epoch, "position": position, "taken": taken, "stream": share.stream, "streams": share.streams}
 
@@ -219,7 +218,7 @@ class FractureDataset(IterableDataset[Any]):
             if int(self._shared[_IN_WORKERS]) and get_worker_info() is None:
                 warn(["state_dict: the workers of the DataLoader have the state; use torchdata's StatefulDataLoader"])
             state = self._state(int(self._shared[_EPOCH]), share_of(self._items, *self._ranks(), 0, 1), 0, 0)
-        return {**state, "identity": self._identity()}
+        return {**state, "identity": self._identity}
 
     def load_state_dict(self, state_dict: Mapping[str, Any]) -> None:
         """Lets the next iteration go on where `state_dict` was taken.
@@ -229,7 +228,7 @@ class FractureDataset(IterableDataset[Any]):
         UsageError
             The state is that of another stream.
         """
-        if state_dict.get("identity") != self._identity():
+        if state_dict.get("identity") != self._identity:
             raise UsageError("state_dict: it is that of another stream: meshes, options, seed or items differ")
         self._resumed = {k: state_dict[k] for k in ("epoch", "position", "taken", "stream", "streams")}
         self._shared[_EPOCH] = self._resumed["epoch"]

@@ -82,7 +82,7 @@ def test_pieces_are_drawn_evenly():
 @pytest.mark.parametrize("options, named", [
     ({"piece": 3}, "piece: FractureDataset() has no such keyword; the nearest is pieces"), ({"mesh_format": "ply"}, "mesh_format"),
     ({"seed": 3}, "seed"), ({"pieces": "5..2"}, "pieces: '5..2' is empty"), ({"pieces": "0..2"}, "pieces"), ({"pieces": range(2, 9, 2)}, "pieces"),
-    ({"roughness": "0..900"}, "roughness"), ({"resolution": "16..32"}, "resolution"), ({"sampler": "uniform|even"}, "sampler"),
+    ({"point_sampler": "poisson", "point_rule": "per-triangle"}, "point_rule"), ({"roughness": "0..900"}, "roughness"), ({"resolution": "16..32"}, "resolution"), ({"sampler": "uniform|even"}, "sampler"),
 ])  # fmt: skip
 def test_options_are_refused_by_name(options, named):
     with pytest.raises(pysherd.UsageError, match="^" + named.replace("(", "\\(").replace(")", "\\)")):
@@ -95,6 +95,7 @@ def test_an_option_that_does_nothing_is_warned_of():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         Drawn({"metric": "manhattan", "growth": "nearest|euclid"})  # it does in some
+        Drawn({"point_sampler": "poisson"})
 
 
 def test_a_library_is_that_of_the_program(tmp_path):

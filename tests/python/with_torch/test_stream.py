@@ -37,6 +37,9 @@ def test_epochs_have_other_fractures():
         seen |= set(items)
     data.set_epoch(0)
     assert fractures(data) == fractures(stream(items=10))
+    data.set_epoch(3)
+    state = data.state_dict()
+    assert (state["epoch"], state["taken"]) == (3, 0)
 
 
 def test_an_endless_stream_has_no_length():
