@@ -7,7 +7,6 @@ import sys
 import time
 
 import numpy as np
-import pysherd
 import pytest
 from conftest import AMPHORA, run
 from streams import CUBES, fractures, loaded, stream
