@@ -37,6 +37,22 @@ std::string textAt(const fs::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
+std::vector<std::string> keptLists(const fs::path& out) {
+  std::vector<std::string> sentences;
+  std::error_code failed;
+  for (fs::directory_iterator at(out, failed), end; !failed && at != end; at.increment(failed)) {
+    const std::string name = at->path().filename().string();
+    if (!name.starts_with(kJigsawList)) continue;
+    sentences.push_back(at->path().string() +
+                        ": a loader's list of the fractures that were here before; remove it, or "
+                        "the new ones are not read");
+  }
+  std::sort(sentences.begin(), sentences.end());
+  return sentences;
+}
+
+}  // namespace
+
 std::vector<std::string> fewObjects(const std::vector<BbObject>& objects,
                                     const std::array<int, 3>& shares) {
   std::string few;
@@ -54,24 +70,7 @@ std::vector<std::string> fewObjects(const std::vector<BbObject>& objects,
           "; loaders read an empty list without an error"};
 }
 
-std::vector<std::string> keptLists(const fs::path& out) {
-  std::vector<std::string> sentences;
-  std::error_code failed;
-  for (fs::directory_iterator at(out, failed), end; !failed && at != end; at.increment(failed)) {
-    const std::string name = at->path().filename().string();
-    if (!name.starts_with(kJigsawList)) continue;
-    sentences.push_back(at->path().string() +
-                        ": a loader's list of the fractures that were here before; remove it, or "
-                        "the new ones are not read");
-  }
-  std::sort(sentences.begin(), sentences.end());
-  return sentences;
-}
-
-}  // namespace
-
-std::vector<std::string> writeBbLists(const fs::path& out, const std::vector<BbObject>& objects,
-                                      const std::array<int, 3>& shares) {
+std::vector<std::string> writeBbLists(const fs::path& out, const std::vector<BbObject>& objects) {
   std::set<std::string> subsets(kKnownSubsets.begin(), kKnownSubsets.end());
   std::map<std::string, std::string> folders, counted, fractures;  // by subset and split
   for (const BbObject& object : objects) {
@@ -108,11 +107,7 @@ std::vector<std::string> writeBbLists(const fs::path& out, const std::vector<BbO
       writeWhole(out / kBbListFolder / (list + ".txt"), counted[list]);
     }
   }
-  std::vector<std::string> sentences = fewObjects(objects, shares);
-  if (isChanged) {
-    for (std::string& kept : keptLists(out)) sentences.push_back(std::move(kept));
-  }
-  return sentences;
+  return isChanged ? keptLists(out) : std::vector<std::string>();
 }
 
 }  // namespace sherd

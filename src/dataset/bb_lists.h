@@ -20,11 +20,15 @@ struct BbObject {
 /// fracture, for Rectified Point Flow; and data_list/SUBSET_SPLIT.txt with the number of fragments
 /// and the folder of each fracture, for PMTR and CMNet.  The lists of the subsets everyday and
 /// artifact are there even if empty: the converter of GARF opens them.
-///   return  sentences about what would mislead a loader without an error: splits with few objects,
-///           and lists that a loader keeps of what was there before
+///   return  sentences about lists that a loader keeps of what was there before: it would read
+///           those without an error
 ///   throws  Error(output)
 [[nodiscard]] std::vector<std::string> writeBbLists(const std::filesystem::path& out,
-                                                    const std::vector<BbObject>& objects,
-                                                    const std::array<int, 3>& shares);
+                                                    const std::vector<BbObject>& objects);
+
+/// Returns a sentence if splits have fewer than three objects; else nothing.
+///   shares  of train, val and test; splits of no share do not count
+[[nodiscard]] std::vector<std::string> fewObjects(const std::vector<BbObject>& objects,
+                                                  const std::array<int, 3>& shares);
 
 }  // namespace sherd

@@ -164,6 +164,12 @@ std::string splitOf(const std::string& key, const std::array<int, 3>& shares) {
 
 namespace {
 
+// Layouts that programs of others read: an empty split gives no error there.
+bool isForLoaders(DatasetLayout layout) {
+  return layout == DatasetLayout::bb || layout == DatasetLayout::hdf5 ||
+         layout == DatasetLayout::pfpp;
+}
+
 DatasetSummary summaryOf(const DatasetStatistics& statistics, bool complete) {
   DatasetSummary summary;
   summary.objects = statistics.objects;
@@ -231,7 +237,10 @@ DatasetIndex writeIndex(const fs::path& out, const DatasetPlan& plan, const Prog
     writeWhole(out / (std::string(split) + ".txt"), lists[split]);
   }
   DatasetSummary summary = summaryOf(statistics, complete);
-  if (plan.layout == DatasetLayout::bb) summary.warnings = writeBbLists(out, bb, plan.split);
+  if (isForLoaders(plan.layout)) summary.warnings = fewObjects(bb, plan.split);
+  if (plan.layout == DatasetLayout::bb) {
+    for (std::string& kept : writeBbLists(out, bb)) summary.warnings.push_back(std::move(kept));
+  }
   return {std::move(summary), std::move(statistics)};
 }
 

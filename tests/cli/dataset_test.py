@@ -424,10 +424,13 @@ class Layouts(Dataset):
 
     def test_a_split_of_few_objects_is_reported(self):
         words = "of 3 objects split 80/10/10, "
-        for arguments, given in (((), True), (("--split", "1/0/0"), False), (("--layout", "sherd"), False)):
+        labels = ("--write", "labels", "--layout")
+        cases = ((*labels, "bb"), True), (("--layout", "hdf5"), True), (("--layout", "pfpp"), True), ((*labels, "bb", "--split", "1/0/0"), False), \
+            ((*labels, "sherd"), False)
+        for arguments, given in cases:
             with self.subTest(arguments):
                 shutil.rmtree(self.out, ignore_errors=True)
-                run = self.done("--write", "labels", *(() if "--layout" in arguments else ("--layout", "bb")), *arguments)
+                run = self.done(*arguments)
                 self.assertEqual(words in run.stderr, given, run.stderr)
         shutil.rmtree(self.out)
         for i in "12":
