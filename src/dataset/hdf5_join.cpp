@@ -11,6 +11,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 
 #include "base/atomic_file.h"
 #include "base/below_folder.h"

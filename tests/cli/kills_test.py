@@ -327,7 +327,7 @@ class Kills(unittest.TestCase):
 
 
     def test_shards_are_joined_after_a_kill(self):
-        library, shards, whole = (os.path.join(self.tmp, name) for name in ("two", "shards", "whole"))
+        library, shards, whole = (os.path.join(self.tmp, name) for name in ("objects", "shards", "whole"))
         os.mkdir(library)
         for name in ("a.obj", "b.obj"):
             shutil.copy(self.ball, os.path.join(library, name))

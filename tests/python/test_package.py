@@ -2,9 +2,11 @@
 import importlib.metadata
 import importlib.util
 import inspect
+import os
 import pathlib
 import pickle
 import re
+import shutil
 import subprocess
 import sys
 
@@ -13,6 +15,7 @@ from conftest import AMPHORA
 
 import pysherd
 from pysherd import _core, _options
+from pysherd.__main__ import _hdf5_library
 
 HERE = pathlib.Path(pysherd.__file__).parent
 
@@ -32,6 +35,27 @@ def test_the_program_is_inside(command, tmp_path):
     subprocess.run([*command, "fracture", AMPHORA, "-o", tmp_path / "out", "--resolution", "32", "--pieces", "3", "--quiet"], check=True)
     assert len(pysherd.load(tmp_path / "out")) == 3
     assert subprocess.run([*command, "fracture", tmp_path / "absent.obj", "-o", tmp_path / "other"], capture_output=True).returncode == 3
+
+
+def test_the_hdf5_library_is_that_of_h5py(tmp_path):
+    """The machine needs none of its own: the program gets the path of the one inside the wheel, and opens no other."""
+    installed()
+    h5py = pytest.importorskip("h5py")
+    library = pathlib.Path(_hdf5_library() or "")
+    assert library.is_file() and library.parent.name == "h5py.libs"
+    (tmp_path / "library").mkdir()
+    shutil.copy(AMPHORA, tmp_path / "library")
+    command = [sys.executable, "-m", "pysherd", "dataset", tmp_path / "library", "-o", tmp_path / "out", "--layout", "hdf5", "--pieces", "2..3",
+               "--repeats", "1", "--resolution", "32", "--quiet"]
+    traced = subprocess.run(command, env={**os.environ, "LD_DEBUG": "files", "LD_DEBUG_OUTPUT": str(tmp_path / "opened")}, capture_output=True)
+    assert traced.returncode == 0, traced.stderr
+    opened = "".join(file.read_text() for file in tmp_path.glob("opened.*"))
+    assert set(re.findall(r"calling init: (\S*/libhdf5\S*)", opened)) == {str(library)}
+    with h5py.File(tmp_path / "out" / "fractures.hdf5") as file:
+        paths = [path.decode() for path in file["data_split/fractures/train"]]
+        assert sorted(len(file[path]) for path in paths) == [2, 3]
+    named = subprocess.run([*command[:6], tmp_path / "other", *command[7:]], env={**os.environ, "SHERD_HDF5_LIBRARY": "/absent.so"}, capture_output=True)
+    assert named.returncode == 2 and b"/absent.so" in named.stderr
 
 
 def test_program_and_module_share_one_library():

@@ -13,7 +13,7 @@
 #include <string>
 
 // Every function that is used: its type comes from the library's header, its address from the
-// library.  All are in versions 1.10.3 to 1.14.
+// library.  All are in versions 1.10.3 to 2.0.
 #define SHERD_HDF5_FUNCTIONS(use)                                                                 \
   use(H5dont_atexit) use(H5open) use(H5get_libversion) use(H5Eset_auto2) use(H5Pcreate)           \
       use(H5Pclose) use(H5Pset_libver_bounds) use(H5Pset_link_phase_change)                       \
