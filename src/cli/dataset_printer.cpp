@@ -155,8 +155,11 @@ void DatasetPrinter::printVerified(const std::string& folder, const DatasetCheck
     }
   }
   if (!check.problems.empty()) {
-    throw Error(ErrorCode::input, folder + ": " + std::to_string(check.problems.size()) +
-                                      " files are not as they were written");
+    const std::size_t count = check.problems.size();
+    throw Error(ErrorCode::input,
+                folder + ": " +
+                    (count == 1 ? "1 file is not as it was written"
+                                : std::to_string(count) + " files are not as they were written"));
   }
   if (json_) {
     return printEvent({{"event", "verified"}, {"files", check.files}, {"bytes", check.bytes}});

@@ -55,6 +55,7 @@ std::vector<std::string> keptLists(const fs::path& out) {
 
 std::vector<std::string> fewObjects(const std::vector<BbObject>& objects,
                                     const std::array<int, 3>& shares) {
+  if (objects.empty()) return {};
   std::string few;
   for (std::size_t i = 0; i < kSplits.size(); ++i) {
     const auto count = static_cast<std::size_t>(
@@ -66,7 +67,9 @@ std::vector<std::string> fewObjects(const std::vector<BbObject>& objects,
   if (few.empty()) return {};
   const std::string split =
       std::to_string(shares[0]) + "/" + std::to_string(shares[1]) + "/" + std::to_string(shares[2]);
-  return {"of " + std::to_string(objects.size()) + " objects split " + split + ", " + few +
+  const std::string count =
+      objects.size() == 1 ? "1 object" : std::to_string(objects.size()) + " objects";
+  return {"of " + count + " split " + split + ", " + few +
           "; loaders read an empty list without an error"};
 }
 

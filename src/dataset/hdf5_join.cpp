@@ -185,7 +185,13 @@ class Joining {
       for (const JoinedFile& file : joined_) {
         if (!file.holds(*done.object, done.meshSum)) continue;
         std::unique_ptr<Hdf5Reader>& reader = readers_[file.name];
-        if (!reader) reader = std::make_unique<Hdf5Reader>(out_ / file.name);
+        if (reader) return *reader;
+        // Else a damaged file would be copied, under a checksum that fits.
+        if (sha256OfFile(out_ / file.name) != file.sha256) {
+          throw Error(ErrorCode::input, differs((out_ / file.name).string()),
+                      OptionNames{"resume"});
+        }
+        reader = std::make_unique<Hdf5Reader>(out_ / file.name);
         return *reader;
       }
       if (!isLast) joined_ = joinedFiles(out_);  // another shard may have joined its parts by now

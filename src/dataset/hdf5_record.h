@@ -19,4 +19,10 @@ void writeRecord(const std::filesystem::path& out, const std::vector<JoinedFile>
 /// Removes the files of shards and their records, also those that a killed run left of either.
 void removeShardFiles(const std::filesystem::path& out);
 
+/// Returns the sentence about a joined file whose checksum is not its record's.
+[[nodiscard]] inline std::string differs(const std::string& file) {
+  return file +
+         ": differs from what was written; remove it, and a resumed run makes its fractures again";
+}
+
 }  // namespace sherd

@@ -30,10 +30,9 @@ JoinedFractures::JoinedFractures(std::filesystem::path out)
     if (sha256OfFile(out_ / file.name) == file.sha256) {
       readers_[file.name] = std::make_unique<Hdf5Reader>(out_ / file.name);
     } else {
-      problems_.push_back(file.name + ": differs from what was written");
+      problems_.push_back(differs(file.name));
     }
   }
-  std::erase_if(files_, [&](const JoinedFile& file) { return !readers_.contains(file.name); });
 }
 
 void JoinedFractures::check(const LibraryObject& object, const std::string& meshSum,
@@ -48,11 +47,14 @@ void JoinedFractures::check(const LibraryObject& object, const std::string& mesh
       throw Error(ErrorCode::input, part.name + ": differs from what was written");
     for (auto& [path, array] : parsedHdf5Part(bytes)) arrays.emplace(path, std::move(array));
   } else {
+    bool isHeld = false;
     for (const JoinedFile& file : files_) {
-      if (file.holds(object, meshSum)) reader = readers_.at(file.name).get();
+      if (!file.holds(object, meshSum)) continue;
+      isHeld = true;
+      if (readers_.contains(file.name)) reader = readers_.at(file.name).get();
     }
-    if (reader == nullptr)
-      throw Error(ErrorCode::input, hdf5Group(object) + "/" + name + ": is missing");
+    if (!isHeld) throw Error(ErrorCode::input, hdf5Group(object) + "/" + name + ": is missing");
+    if (reader == nullptr) return;  // of a file that differs, which is a problem of its own
   }
   const bool isWhole = line.at("fracture") == kWholeName;
   const std::size_t kept = hdf5Kept(line);

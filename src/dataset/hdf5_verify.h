@@ -22,7 +22,7 @@ class JoinedFractures {
   [[nodiscard]] const std::vector<std::string>& problems() const { return problems_; }
 
   /// Compares the faces of a fracture's fragments with its journal's line, in its part or else in a
-  /// joined file.
+  /// joined file, unless that differs.
   ///   throws  Error(input) they are absent, or differ
   ///   meshSum  the journal's
   void check(const LibraryObject& object, const std::string& meshSum, const Json& line) const;

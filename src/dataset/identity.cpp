@@ -131,8 +131,8 @@ void checkHdf5(const DatasetOptions& options) {
 void checkPfpp(const DatasetOptions& options) {
   need(options.compression == FileCompression::none,
        "loaders of the layout pfpp read no compressed files; omit the compression");
-  need(options.schedule.most <= static_cast<int>(kPfppParts),
-       "the layout pfpp holds at most 20 pieces; use a range within 2..20");
+  need(options.schedule.fewest >= 2 && options.schedule.most <= static_cast<int>(kPfppParts),
+       "the layout pfpp holds 2 to 20 pieces; use a range within 2..20");
   need(options.each.write.points.count >= 1, "the layout pfpp holds points; ask for at least 1");
   need(fracturesOf(options.schedule).size() <= kPfppFractures,
        "the layout pfpp holds at most 8192 fractures of an object");

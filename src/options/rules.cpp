@@ -129,6 +129,14 @@ std::vector<Rule> surfaceRules() {
        [](O o, U) { return o.fracture.surface.surface == Surface::exact; },
        "does nothing where {surface} exact succeeds, whose fragments always share their surfaces",
        {"surface"}},
+      {{"surface"},
+       Verdict::idle,
+       [](O o, U u) {
+         return o.fracture.surface.surface != Surface::smooth && !u.isGiven("interface") &&
+                o.fracture.surface.interface == Interface::independent;
+       },
+       "makes neighbors share vertices, which {preset} training prevents for smooth surfaces only",
+       {"surface", "interface"}},
       {{"smoothing"},
        Verdict::idle,
        [](O o, U) {

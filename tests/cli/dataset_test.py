@@ -583,7 +583,7 @@ class Trust(Dataset):
                         file.write(bytes([data[len(data) // 2] ^ 1]))
                     run = self.dataset(*arguments, "--resume", out=out)
                     self.assertEqual(run.returncode, 3, name)
-                    self.assertIn("not as they were written", run.stderr)
+                    self.assertIn("1 file is not as it was written", run.stderr)
                     with open(path, "wb") as file:
                         file.write(data)
                 os.remove(os.path.join(out, names[0]))

@@ -237,6 +237,15 @@ class Training(SurfaceCase):
                     self.assertEqual(self.shared(self.broke("--preset", "training", "--seed", seed, mesh=mesh)), 0)
         self.assertEqual(self.shared(self.broke("--preset", "training", "--interface", "shared")), 1)
 
+    def test_a_surface_that_shares_vertices_is_reported(self):
+        words = "--surface makes neighbors share vertices"
+        for surface, more, given in ("labels", (), True), ("exact", (), True), ("smooth", (), False), ("labels", ("--interface", "shared"), False):
+            with self.subTest(surface=surface, more=more):
+                out = self.path(f"out{len(os.listdir(self.tmp))}")
+                run = self.run_sherd("fracture", self.ball, "-o", out, "--resolution", "24", "--pieces", "3", "--preset", "training", "--surface", surface, *more)
+                self.assertEqual(run.returncode, 0, run.stderr)
+                self.assertEqual(words in run.stderr, given, run.stderr)
+
     def flatness(self, out):
         """Of each contact the extent across its plane relative to its largest, by principal axes."""
         found = []

@@ -452,7 +452,14 @@ class Whole(Layouts):
                 file.write(good[:at] + bytes([good[at] ^ 1]) + good[at + 1:])
             run = self.dataset(*options, "--resume", "--verify")
             self.assertEqual(run.returncode, 3, run.stderr)
-            self.assertIn("not as they were written", run.stderr)
+            # One sentence on the file, which names the way out, and none on each of its fractures.
+            self.assertEqual(run.stderr.count("differs from what was written; remove it"), 1, run.stderr)
+            self.assertNotIn("is missing", run.stderr)
+            self.assertIn("1 file is not as it was written", run.stderr)
+        os.remove(path)
+        self.done(*options, "--resume", "--verify")
+        with open(path, "rb") as file:
+            self.assertEqual(file.read(), good)
         for text in b"", b"\x89HDF\r\n\x1a\n" + b"\xff" * 4000, os.urandom(3000):  # of any size, beside a record of its size
             with open(path, "wb") as file:
                 file.write(text)
@@ -463,6 +470,20 @@ class Whole(Layouts):
                 json.dump(record, file)
             run = self.dataset(*options, "--resume", "--verify")
             self.assertEqual(run.returncode, 3, run.stderr)
+
+    def test_a_damaged_shard_is_not_merged(self):
+        for number in "12":
+            self.done(*self.OPTIONS["hdf5"], "--shard", number + "/2", "--resume")
+        path = os.path.join(self.out, "fractures_1_of_2.hdf5")
+        with open(path, "r+b") as file:
+            file.seek(os.path.getsize(path) // 2)
+            byte = file.read(1)[0]
+            file.seek(-1, os.SEEK_CUR)
+            file.write(bytes([byte ^ 1]))
+        self.refused(3, self.run_sherd("merge", self.out), path, "remove it, and a resumed run")
+        os.remove(path)
+        self.done(*self.OPTIONS["hdf5"], "--shard", "1/2", "--resume")
+        self.assertEqual(self.run_sherd("merge", self.out).returncode, 0)
 
     def test_a_part_that_was_cut_or_changed(self):
         options = (*self.OPTIONS["hdf5"], "--threads", "1")
@@ -606,7 +627,8 @@ class Refused(Layouts):
                                   (("--layout", "hdf5", "--redundant-pieces", "65"), "0..64"),
                                   (("--layout", "hdf5", "--triangles", "100,200"), "one number of triangles"),
                                   (("--layout", "pfpp", "--compress", "zstd"), "no compressed files"),
-                                  (("--layout", "pfpp", "--pieces", "2..21"), "at most 20 pieces"),
+                                  (("--layout", "pfpp", "--pieces", "2..21"), "2 to 20 pieces"),
+                                  (("--layout", "pfpp", "--pieces", "1..3"), "2 to 20 pieces"),
                                   (("--layout", "pfpp", "--points", "0"), "holds points")):
             with self.subTest(options=options):
                 self.refused(2, self.run_sherd("dataset", self.library, "-o", self.out, *options), sentence)
