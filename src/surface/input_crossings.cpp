@@ -18,6 +18,10 @@ namespace {
 // ball with a radius of 20 voxels.
 constexpr float kLeastBend = 0.05f;
 
+// Voxels on both sides of a crossing that are on the surface, up to this, in voxels: the planes of
+// a crease through their centers have the distances of one plane there.
+constexpr float kLeastSlope = 0.05f;
+
 // Triangles with all edges shorter than kSmall are details, such as a scan's noise: the normal is
 // the mean within kAround along each axis, of those within 40 degrees of the crossed triangle's.
 constexpr double kSmall = 0.5, kAround = 0.25;  // voxels
@@ -68,12 +72,14 @@ InputCrossings::InputCrossings(const Solid& solid, const openvdb::Coord& origin)
 
 bool InputCrossings::areNeededFor(const std::array<float, 8>& toSurface) const {
   if (tree_ == nullptr) return false;
-  const auto bend = kLeastBend * static_cast<float>(voxelSize_);
+  const auto bend = kLeastBend * static_cast<float>(voxelSize_),
+             slope = kLeastSlope * static_cast<float>(voxelSize_);
   for (const std::size_t bit : {4u, 2u, 1u}) {
     float least = INFINITY, most = -INFINITY;
     for (std::size_t corner = 0; corner < 8; ++corner) {
       if (corner & bit) continue;
-      const float step = toSurface[corner | bit] - toSurface[corner];
+      const float from = toSurface[corner], to = toSurface[corner | bit], step = to - from;
+      if ((from < 0.0f) != (to < 0.0f) && std::abs(step) < slope) return true;
       least = std::min(least, step);
       most = std::max(most, step);
     }

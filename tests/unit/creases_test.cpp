@@ -14,6 +14,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
+#include <glm/vec2.hpp>
 #include <limits>
 #include <vector>
 
@@ -149,6 +150,24 @@ TEST(Creases, AreOnTheInput) {
     }
   }
   EXPECT_GT(count, 500u);
+}
+
+// Beside the long box a cube, whose edges along z pass through centers of voxels: there the
+// distances are those of one plane.
+TEST(Creases, StayWhereTheyPassThroughVoxelCenters) {
+  TriangleMesh mesh = shapes::cube(1.0);
+  for (glm::dvec3& v : mesh.vertices) v = (v + 0.5) * glm::dvec3(64.0, 10.0, 10.0);
+  mesh = shapes::append(mesh, shapes::cube(10.0, {20.5, 25.5, 5.5}));
+  const Solid solid = voxelize(mesh, {.resolution = 64});
+  const TriangleMesh surface = solidMesh(solid, 0.0);
+  expectClosedManifold(surface);
+  const TriangleTree tree(surface);
+  for (const glm::dvec2 corner :
+       {glm::dvec2(15.5, 20.5), {25.5, 20.5}, {15.5, 30.5}, {25.5, 30.5}}) {
+    for (double z = 2.0; z <= 9.0; z += 0.25) {
+      EXPECT_LT(tree.nearest({corner.x, corner.y, z}, kInfinity).distance, 0.01) << corner.x << z;
+    }
+  }
 }
 
 TEST(Creases, DoNotMakeTrianglesCross) {
