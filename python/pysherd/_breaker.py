@@ -10,13 +10,14 @@ from ._drawn import Drawn
 from ._errors import Error, InputError, UsageError, warn
 from ._fracture import Fracture
 from ._library import Mesh, Solids
-from ._options import ROWS, SOLID
+from ._options import ROWS, SOLID, VOXELIZE
 from ._order import Slot, generator, hashed
 from ._solid import Solid
 
 _MOST_FAILURES = 1000  # attempts in a row
 _MOST_CYCLES = 50  # without an item, when most meshes are known to fail
 _SOLID_NAMES = frozenset(row.name for row in SOLID.values())
+_KEPT_NAMES = frozenset(row.name for row in VOXELIZE.values())  # of a solid, where the fracture has no value of its own
 
 
 class Breaker:
@@ -59,14 +60,19 @@ class Breaker:
             raise UsageError(f"pieces: layout {self.layout} holds 2 to {most} fragments, not {low if low < 2 else high}")
         if self._layout.counts is not _layouts.equal_counts and self.points < most * least:
             raise UsageError(f"points: layout {self.layout} needs at least {most * least}, {least} for each of {most} fragments")
-        if any(isinstance(mesh.given, Solid) for mesh in self._meshes) and self._options.of_solids:
-            raise UsageError(f"{self._options.of_solids[0][0]}: the solids are voxelized already; give it to voxelize()")
+        given, solids = dict(self._options.of_solids), [mesh.given._core for mesh in self._meshes if isinstance(mesh.given, Solid)]
+        for name in given:
+            if solids and name in _SOLID_NAMES:
+                raise UsageError(f"{name.replace('-', '_')}: the solids are voxelized already; give it to voxelize()")
+        if given.get("surface") == "exact" and any(dict(core.given).get("surface") != "exact" for core in solids):
+            raise UsageError("surface: a solid keeps no mesh; give surface='exact' to voxelize() too")
 
     def fracture(self, slot: Slot) -> Fracture:
         """Breaks a mesh."""
         core = self.solids[slot.mesh]
         own = [option for option in self._options.texts(slot.seed) if option[0] not in _SOLID_NAMES]
-        texts = [option for option in core.given if option[0] in _SOLID_NAMES] + own
+        names = {name for name, _ in own}
+        texts = [option for option in core.given if option[0] in _KEPT_NAMES - names] + own
         pieces = int(dict(texts).get("pieces", ROWS["pieces"].default))
         return next(break_solid(core, texts, [(pieces, slot.seed)], self._device, None))
 

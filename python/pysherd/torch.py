@@ -50,7 +50,8 @@ class FractureDataset(IterableDataset[Any]):
     ----------
     meshes
         A folder, with all below it, or a ``.txt`` file with a path a line, both as ``sherd dataset`` reads them; or a mesh, or
-        several: each whatever `pysherd.voxelize` takes, or a `Solid`.  Arrays are copied once.
+        several: each whatever `pysherd.voxelize` takes, or a `Solid`, whose `preset` and `surface` hold unless they are given here.
+        Arrays are copied once.
     layout : str
         Keys, shapes and dtypes of an item: ``"points"`` and ``"fragments"`` of our own, or those of the loaders of published
         networks: ``"garf"`` (GARF), ``"rpf"`` (Rectified Point Flow), ``"pfpp"`` (PuzzleFusion++), ``"jigsaw"`` (Jigsaw),

@@ -124,6 +124,24 @@ def test_solids_are_broken_as_they_are():
     assert fractures(loaded(FractureDataset([solid], pieces=3, items=4), 2, multiprocessing_context="spawn"))
 
 
+def test_solids_take_a_preset_and_a_surface():
+    """Those of the data set, else those that the solid was voxelized with."""
+    plain, exact = pysherd.voxelize(cube(), resolution=20), pysherd.voxelize(cube(), resolution=20, preset="training", surface="exact")
+    options = {"points": 64, "pieces": 3, "items": 2}
+    for solid, own, preset, surface in ((plain, {"preset": "training"}, "training", None), (exact, {}, "training", "exact"),
+                                        (exact, {"surface": "smooth", "preset": "paper"}, "paper", "smooth")):  # fmt: skip
+        data = FractureDataset([solid], **options, **own)
+        item = next(iter(data))
+        f = data.fracture(item["index"])
+        same = {"preset": preset, "surface": surface}
+        expected = pysherd.fracture(cube(), resolution=20, pieces=3, seed=item["seed"], **same)
+        assert {keyword: f.options.get(keyword) for keyword in same} == same
+        assert np.array_equal(f.labels, expected.labels) and np.array_equal(f[0].faces, expected[0].faces)
+    for solid, own in ((plain, {"voxel_size": 0.1}), (exact, {"fill": "winding"}), (plain, {"surface": "exact"})):
+        with pytest.raises(pysherd.UsageError, match=f"^{next(iter(own))}: .*voxelize"):
+            FractureDataset([solid], **own)
+
+
 def test_a_data_set_can_be_pickled():
     data = stream(items=6)
     first = next(iter(data))
