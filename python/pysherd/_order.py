@@ -39,7 +39,8 @@ class Order:
     """The order of items.
 
     A *visit* is `repeats` fractures of one mesh.  Visits are dealt to the streams in turn, as cards are; a stream goes through `mix`
-    of its visits at a time, a fracture of each in turn.  Visits go through all meshes, in an order of its own each time.
+    of its visits at a time, a fracture of each in turn.  Visits go through all meshes, in an order of its own each time: a random one,
+    or theirs from a random mesh on.  So every stream comes to every mesh, also where their numbers have a common divisor.
     """
 
     meshes: int
@@ -57,8 +58,12 @@ class Order:
     def item(self, epoch: int, number: int) -> Slot:
         """Returns the fracture that has a number in an epoch."""
         passed, at = divmod(number // self.repeats, self.meshes)
-        mesh = int(self._permutation(epoch, passed)[at]) if self.shuffle else at
+        mesh = int(self._permutation(epoch, passed)[at]) if self.shuffle else (at + self._first(epoch, passed)) % self.meshes
         return Slot(number, mesh, hashed("item", self.seed, epoch, number))
+
+    def _first(self, epoch: int, passed: int) -> int:
+        # Drawn: by `passed` modulo the meshes, each of 4 streams of 2 meshes has one of them only.
+        return hashed("first", self.seed, epoch, passed) % self.meshes if passed else 0
 
     def _permutation(self, epoch: int, passed: int) -> np.ndarray[Any, Any]:
         kept: dict[tuple[int, int], np.ndarray[Any, Any]] = self.__dict__.setdefault("_permutations", {})

@@ -68,7 +68,7 @@ class FractureDataset(IterableDataset[Any]):
     mix : int
         Meshes that a process breaks in turn.
     shuffle : bool
-        Goes through the meshes in another order each time.
+        Goes through the meshes in a random order each time; else in theirs, at first from the first on, then from a random one.
     on_error : str
         ``"skip"``: a mesh that cannot be broken is left out with a warning, and counted in `skipped`; ``"raise"``: it is an error.
     cache_bytes : int

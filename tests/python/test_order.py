@@ -33,7 +33,22 @@ def test_meshes_come_equally_often_and_in_another_order_each_time():
     visits = [order.item(0, number).mesh for number in range(0, 3 * 100, 3)]
     passes = [visits[i : i + 10] for i in range(0, 100, 10)]
     assert all(sorted(each) == list(range(10)) for each in passes) and len({tuple(each) for each in passes}) == 10
-    assert [Order(4, 0, 2, 1, False).item(0, n).mesh for n in range(10)] == [0, 0, 1, 1, 2, 2, 3, 3, 0, 0]
+    plain = [Order(4, 0, 2, 1, False).item(0, n).mesh for n in range(64)]
+    passes = [plain[i : i + 8 : 2] for i in range(0, 64, 8)]
+    assert plain[:8] == [0, 0, 1, 1, 2, 2, 3, 3] and len({tuple(each) for each in passes}) > 1
+    assert all(each == [(each[0] + i) % 4 for i in range(4)] for each in passes)
+
+
+@pytest.mark.parametrize("shuffle", [False, True])
+def test_every_stream_comes_to_every_mesh(shuffle):
+    """Also where the numbers of meshes and of streams have a common divisor, or are a number and its powers."""
+    for meshes in range(1, 7):
+        order, seen = Order(meshes, 0, 2, 1, shuffle), {}
+        for streams in [*range(1, 2 * meshes + 1), meshes**2, meshes**3]:
+            for stream in range(streams):
+                share = share_of(None, 0, 1, stream, streams)
+                seen[streams, stream] = {order.slot(0, share, position).mesh for position in range(0, 2 * 16 * meshes, 2)}
+        assert all(each == set(range(meshes)) for each in seen.values()), (meshes, seen)
 
 
 def test_a_process_breaks_some_meshes_in_turn():

@@ -46,6 +46,16 @@ def test_fewer_meshes_than_workers():
     assert len(set(fractures(loaded(stream(CUBES[:1], items=12, repeats=1), 4)))) == 12
 
 
+@pytest.mark.filterwarnings("ignore::pysherd.SherdWarning")
+@pytest.mark.parametrize("workers", [2, 4])
+def test_one_bad_mesh_ends_no_worker(tmp_path, workers):
+    """Without shuffling, meshes and workers of a common divisor."""
+    (tmp_path / "a.ply").write_text("ply\nthis is none\n")
+    (tmp_path / "b.ply").write_bytes(AMPHORA.read_bytes())
+    data = stream(tmp_path, items=3 * workers, resolution=16, repeats=1, mix=1, shuffle=False)
+    assert [item["mesh"] for item in loaded(data, workers)] == [1] * 3 * workers
+
+
 GROUP = """
 import sys, torch, torch.distributed as dist, torch.multiprocessing as mp
 from torch.nn.parallel import DistributedDataParallel
