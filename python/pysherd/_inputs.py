@@ -62,7 +62,7 @@ def _path(path: str | os.PathLike[str]) -> str:
     return text
 
 
-def _array(name: str, values: Any) -> np.ndarray[Any, Any]:
+def numbers_of(name: str, values: Any) -> np.ndarray[Any, Any]:
     """Returns an array of numbers without copying where that can be; never of objects."""
     try:
         has_array = hasattr(values, "__array__") or not hasattr(values, "__dlpack__")
@@ -76,7 +76,7 @@ def _array(name: str, values: Any) -> np.ndarray[Any, Any]:
 
 
 def _rows(name: str, values: Any) -> np.ndarray[Any, Any]:
-    array = _array(name, values)
+    array = numbers_of(name, values)
     if array.ndim != 2 or array.shape[1] != 3:
         raise InputError(f"{name}: shape (n, 3) is needed, not {array.shape}")
     if array.dtype.kind == "b":
@@ -119,7 +119,7 @@ def _mesh(vertices: Any, faces: Any) -> tuple[np.ndarray[Any, Any], np.ndarray[A
 
 
 def _volume(values: Any) -> np.ndarray[Any, Any]:
-    volume = _array("volume", values)
+    volume = numbers_of("volume", values)
     if volume.ndim != 3:
         raise InputError(f"volume: shape (nx, ny, nz) is needed, not {volume.shape}")
     if volume.dtype.kind == "f":

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import OrderedDict
-from typing import Any, Iterable, NamedTuple
+from typing import Any, Iterable, Mapping, NamedTuple
 
 from . import _core, _inputs, _jobs, _options
 from ._errors import Error, FileError, InputError, UsageError, warn
@@ -30,7 +30,7 @@ def library_of(meshes: Any) -> list[Mesh]:
     """
     if isinstance(meshes, (str, os.PathLike)):
         return _files(os.fsdecode(os.fspath(meshes)))
-    if isinstance(meshes, Solid) or hasattr(meshes, "vertices") or _is_pair(meshes):
+    if isinstance(meshes, Solid) or hasattr(meshes, "vertices") or _is_array(meshes) or _is_pair(meshes):
         meshes = [meshes]
     if not isinstance(meshes, Iterable):
         raise UsageError(f"meshes: a {type(meshes).__name__} is neither a folder nor several meshes")
@@ -56,7 +56,26 @@ def _files(path: str) -> list[Mesh]:
 
 
 def _is_pair(meshes: Any) -> bool:
-    return isinstance(meshes, tuple) and len(meshes) == 2 and all(getattr(part, "ndim", 0) == 2 for part in meshes)
+    return isinstance(meshes, (tuple, list)) and len(meshes) == 2 and _has_rows(meshes[0])  # of numbers, and no mesh alone has those
+
+
+def _is_array(values: Any) -> bool:
+    of_paths = getattr(getattr(values, "dtype", None), "kind", "") in ("O", "S", "T", "U")
+    return (hasattr(values, "__array__") or hasattr(values, "__dlpack__")) and not of_paths
+
+
+def _has_rows(values: Any) -> bool:
+    if _is_array(values):
+        try:
+            return _inputs.numbers_of("vertices", values).ndim == 2
+        except InputError:
+            return False
+    row: Any = values[0] if _is_list(values) and len(values) else None
+    return _is_list(row) and len(row) == 3 and all(map(_options.is_number, row))
+
+
+def _is_list(values: Any) -> bool:
+    return hasattr(values, "__len__") and hasattr(values, "__getitem__") and not isinstance(values, (str, bytes, Mapping))
 
 
 def _mesh(number: int, mesh: Any) -> Mesh:

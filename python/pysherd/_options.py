@@ -33,7 +33,7 @@ class Row:
         if self.repeats and not isinstance(value, str):
             if not _is_sequence(value):
                 raise UsageError(f"{self.keyword}: a list is needed, each item one {self.range}")
-            items = [value] if value and all(_is_number(v) for v in value) else value
+            items = [value] if value and all(is_number(v) for v in value) else value
             return [self._text(item) for item in items]
         return [self._text(value)]
 
@@ -48,7 +48,7 @@ class Row:
             return "true" if value else "false"
         if self.type == "flag":
             raise UsageError(f"{self.keyword}: {value!r} is not True or False")
-        if _is_number(value):
+        if is_number(value):
             return _number_text(value)
         raise UsageError(f"{self.keyword}: a {type(value).__name__} is no value for it; {self.expected()}")
 
@@ -82,7 +82,7 @@ def _is_flag(value: Any) -> bool:
     return isinstance(value, bool) or type(value).__name__ in ("bool_", "bool") and hasattr(value, "dtype")
 
 
-def _is_number(value: Any) -> bool:
+def is_number(value: Any) -> bool:
     return isinstance(value, numbers.Number) and not isinstance(value, (bool, complex)) or _is_scalar_array(value)
 
 

@@ -129,6 +129,36 @@ def test_a_library_is_that_of_the_program(tmp_path):
             library_of(bad)
 
 
+class OnlyDlpack:
+    def __init__(self, array):
+        self.array = array
+
+    def __dlpack__(self, **keywords):
+        return self.array.__dlpack__(**keywords)
+
+    def __dlpack_device__(self):
+        return self.array.__dlpack_device__()
+
+
+def test_one_mesh_in_memory_is_one():
+    """Whatever voxelize takes: an array is not read slice by slice, and a pair of lists is one mesh."""
+    volume, (vertices, faces) = np.ones((3, 12, 12), np.uint8), cube()
+    for whole in (volume, OnlyDlpack(volume)):
+        (mesh,) = library_of(whole)
+        assert mesh.given.shape == (3, 12, 12)
+    lists = vertices.tolist(), faces.tolist()
+    rows = [tuple(row) for row in vertices], list(faces)
+    for pair in ((vertices, faces), [vertices, faces], lists, list(lists), rows, (OnlyDlpack(vertices), faces.tolist())):
+        (mesh,) = library_of(pair)
+        assert np.array_equal(mesh.given[0], vertices) and np.array_equal(mesh.given[1], faces)
+    for several in ([volume, volume], (cube(), cube(2)), [lists, lists], [OnlyDlpack(volume), lists], ["a.ply", "b.ply"], np.array(["abc", "abd"])):
+        assert len(library_of(several)) == 2
+    for bad, named in ((np.ones((2, 4, 4, 4), bool), "volume: shape"), (vertices, "volume: shape"), ([vertices[:, :2], faces], "vertices: shape"),
+                       ((vertices, 3), "faces: "), ((lists[0], []), "faces: ")):  # fmt: skip
+        with pytest.raises(pysherd.InputError, match=named):
+            library_of(bad)
+
+
 def test_arrays_are_copied():
     vertices, faces = cube()
     (mesh,) = library_of([(vertices, faces)])
