@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from typing import Any, Mapping
+from typing import Any, Mapping, Sequence
 
 from . import _core, _options
 from ._errors import UsageError, warn
@@ -43,6 +43,8 @@ class Drawn:
                 raise UsageError(f"pieces: {value!r} has no numbers that follow one another; give one such as range(2, 11)")
             value = f"{value[0]}..{value[-1]}"
         texts = [(row.name, text) for text in row.texts(value)]
+        if isinstance(value, (tuple, list)) and row.keyword not in _options.VOXELIZE:
+            _check_list(texts, value)
         if len(texts) > 1 or _option(*texts[0]) is None:
             self._fixed += texts
         elif row.keyword in _options.VOXELIZE:
@@ -90,6 +92,19 @@ class Drawn:
 
     def __repr__(self) -> str:
         return repr(self._fixed + self._ranges)
+
+
+def _check_list(texts: Texts, value: Sequence[Any]) -> None:
+    """Refuses a tuple that is no value, with what it was meant to be: a range or a choice."""
+    try:
+        _core.check_options(texts)
+    except UsageError as e:
+        hint = ""
+        if len(value) == 2 and all(map(_options.is_number, value)):
+            hint = f"; a range is '{min(value)}..{max(value)}'"
+        elif value and all(isinstance(part, str) for part in value):
+            hint = f"; a choice is {'|'.join(value)!r}"
+        raise UsageError(f"{e}{hint}", e.options) from None
 
 
 @functools.lru_cache(maxsize=256)

@@ -91,7 +91,8 @@ class FractureDataset(IterableDataset[Any]):
     Notes
     -----
     An option of the groups Seeds, Growth, Erosion and Surface may be a range, ``roughness="0%..1%"``, or a choice,
-    ``sampler="uniform|poisson"``; it is drawn for each fracture, as by ``sherd dataset``.  So is ``pieces="2..10"``.  Meshes are
+    ``sampler="uniform|poisson"``; it is drawn for each fracture, as by ``sherd dataset``.  So is ``pieces="2..10"``, or ``range(2, 11)``; a
+    tuple is no range, but a value of several numbers, ``roughness=(1, 0.7)``.  Meshes are
     voxelized as by the program, with 128 to 512 voxels along the longest side: give ``resolution``, such as 64, for more items a second.
     """
 

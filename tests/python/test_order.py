@@ -97,11 +97,14 @@ def test_pieces_are_drawn_evenly():
 @pytest.mark.parametrize("options, named", [
     ({"piece": 3}, "piece: FractureDataset() has no such keyword; the nearest is pieces"), ({"mesh_format": "ply"}, "mesh_format"),
     ({"seed": 3}, "seed"), ({"pieces": "5..2"}, "pieces: '5..2' is empty"), ({"pieces": "0..2"}, "pieces"), ({"pieces": range(2, 9, 2)}, "pieces"),
+    ({"pieces": (2, 5)}, "pieces: '2,5' is not a whole number in 1..65534; a range is '2..5'"), ({"pieces": [2, 3, 5]}, "pieces: '2,3,5' is not"),
+    ({"min_share": (0, 0.02)}, "min_share: .* a range is '0..0.02'"), ({"sampler": ("uniform", "poisson")}, "sampler: .* a choice is 'uniform|poisson'"),
     ({"point_sampler": "poisson", "point_rule": "per-triangle"}, "point_rule"), ({"roughness": "0..900"}, "roughness"), ({"resolution": "16..32"}, "resolution"), ({"sampler": "uniform|even"}, "sampler"),
 ])  # fmt: skip
 def test_options_are_refused_by_name(options, named):
-    with pytest.raises(pysherd.UsageError, match="^" + named.replace("(", "\\(").replace(")", "\\)")):
+    with pytest.raises(pysherd.UsageError, match="^" + named.replace("(", "\\(").replace(")", "\\)").replace("|", "\\|")):
         Drawn(options)
+    assert Drawn({"roughness": (1, 0.7)}).texts(0) == [("roughness", "1,0.7")]  # a value of two numbers
 
 
 def test_an_option_that_does_nothing_is_warned_of():
