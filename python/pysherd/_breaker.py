@@ -93,9 +93,10 @@ class Breaker:
         return item
 
     def _item(self, slot: Slot) -> dict[str, Any] | None:
-        if slot.mesh in self._failed:
-            return None
         mesh = self._meshes[slot.mesh]
+        if slot.mesh in self._failed:
+            self.skipped[mesh.key] += 1
+            return None
         try:
             core = self._solid(slot.mesh)
         except Error as e:

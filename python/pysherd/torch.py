@@ -70,7 +70,7 @@ class FractureDataset(IterableDataset[Any]):
     shuffle : bool
         Goes through the meshes in a random order each time; else in theirs, at first from the first on, then from a random one.
     on_error : str
-        ``"skip"``: a mesh that cannot be broken is left out with a warning, and counted in `skipped`; ``"raise"``: it is an error.
+        ``"skip"``: a mesh that cannot be broken is left out with a warning, its fractures counted in `skipped`; ``"raise"``: it is an error.
     cache_bytes : int
         About how much memory the solids that are kept may take, in each process.
     threads : int, optional
@@ -136,7 +136,7 @@ class FractureDataset(IterableDataset[Any]):
 
     @property
     def skipped(self) -> dict[str, int]:
-        """How many fractures of which meshes were left out, in this process."""
+        """How many fractures of each mesh were left out in this process; those that workers left out are counted there."""
         return dict(self._breaker.skipped)
 
     # --- the stream
