@@ -11,6 +11,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ._errors import UsageError
+
 _SEED_BITS = 63  # so that a tensor of int64 holds a seed
 
 
@@ -74,10 +76,23 @@ class Order:
         return kept[epoch, passed]
 
 
+def items_of_rank(items: int, ranks: int) -> int:
+    """Returns the items that each rank has in an epoch: all as many, so that none waits for another at its end.
+
+    Raises
+    ------
+    UsageError
+        There are fewer items than ranks.
+    """
+    if items < ranks:
+        raise UsageError(f"items: {items} in all processes are fewer than the {ranks} ranks, and none would have an item")
+    return items // ranks
+
+
 def share_of(items: int | None, rank: int, ranks: int, worker: int, workers: int) -> Share:
-    """Returns the share of a worker.  All ranks have the same number of items, so that none waits for another at an epoch's end."""
-    own = None if items is None else items // ranks // workers + (worker < items // ranks % workers)
-    return Share(rank * workers + worker, ranks * workers, own)
+    """Returns the share of a worker."""
+    own = None if items is None else items_of_rank(items, ranks)
+    return Share(rank * workers + worker, ranks * workers, None if own is None else own // workers + (worker < own % workers))
 
 
 def hashed(purpose: str, *numbers: int) -> int:

@@ -32,7 +32,7 @@ from ._fracture import Fracture
 from ._layouts import LAYOUTS
 from ._library import library_of
 from ._options import documented_text
-from ._order import Order, Share, share_of
+from ._order import Order, Share, items_of_rank, share_of
 from ._solid import DEVICE, checked_device
 
 __all__ = ["FractureDataset", "collate", "collate_fragments"]
@@ -60,7 +60,7 @@ class FractureDataset(IterableDataset[Any]):
         Points of an item, by the fragments' areas; of ``"fragments"``, ``"pfpp"`` and ``"mpa"`` points of each fragment.  The
         default is the loader's: 5000 or 1000; of ``"fragments"`` 1024.
     items : int, optional
-        Items of an epoch in all processes; each rank has ``items // world_size``.  By default the stream is endless.
+        Items of an epoch in all processes; each rank has ``items // world_size``, at least 1.  By default the stream is endless.
     seed : int
         Of all random choices.
     repeats : int
@@ -123,6 +123,8 @@ class FractureDataset(IterableDataset[Any]):
         self._threads = None if threads is None else _whole("threads", threads, 0)
         self._given_ranks = _given_ranks(rank, world_size)
         self._known_ranks: tuple[int, int] | None = None
+        if self._items is not None:
+            items_of_rank(self._items, self._ranks()[1])  # is there one?
         self._options, meshes = Drawn(options), library_of(meshes)
         self._order = Order(len(meshes), _whole("seed", seed, 0), _whole("repeats", repeats, 1), _whole("mix", mix, 1), bool(shuffle))
         self._breaker = Breaker(meshes, self._options, layout, None if points is None else _whole("points", points, 1),
@@ -152,7 +154,7 @@ class FractureDataset(IterableDataset[Any]):
     def __len__(self) -> int:
         if self._items is None:
             raise TypeError("the stream is endless and has no length; give items=")
-        return self._items // self._ranks()[1]
+        return items_of_rank(self._items, self._ranks()[1])
 
     def __iter__(self) -> Iterator[dict[str, Any]]:
         worker = get_worker_info()

@@ -64,9 +64,11 @@ def test_epochs_and_seeds_change_all_fractures():
 
 
 def test_ranks_have_as_many_items_as_each_other():
-    for items, ranks, workers in ((10, 3, 2), (7, 1, 4), (2, 4, 1), (1000, 7, 3)):
+    for items, ranks, workers in ((10, 3, 2), (7, 1, 4), (4, 4, 2), (1000, 7, 3)):
         each = [sum(share.items for share in shares(ranks, workers, items)[r * workers : (r + 1) * workers]) for r in range(ranks)]
         assert set(each) == {items // ranks}
+    with pytest.raises(pysherd.UsageError, match="^items: 2 in all processes are fewer than the 4 ranks"):
+        share_of(2, 0, 4, 0, 1)
 
 
 def test_drawn_values_are_those_of_a_dataset(tmp_path):

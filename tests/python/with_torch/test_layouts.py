@@ -174,7 +174,7 @@ def test_batches_of_fragments():
 @pytest.mark.parametrize("options, named", [
     ({"layout": "gart"}, "layout: 'gart' is not one of points, fragments, garf"), ({"layout": "garf", "pieces": "1..4"}, "pieces: layout garf holds 2 to 20"),
     ({"layout": "garf", "pieces": 30}, "pieces: layout garf holds 2 to 20 fragments, not 30"), ({"layout": "garf", "points": 100}, "points: .* at least 400"),
-    ({"points": 0}, "points"), ({"points": 2.5}, "points"), ({"items": 0}, "items"), ({"repeats": 0}, "repeats"), ({"cache_bytes": -1}, "cache_bytes"),
+    ({"points": 0}, "points"), ({"points": 2.5}, "points"), ({"items": 0}, "items"), ({"items": 2, "rank": 0, "world_size": 3}, "items: 2 .* 3 ranks"), ({"repeats": 0}, "repeats"), ({"cache_bytes": -1}, "cache_bytes"),
     ({"on_error": "stop"}, "on_error"), ({"rank": 2, "world_size": 2}, "rank"), ({"rank": 1}, "rank"), ({"device": ""}, "device"), ({"seed": True}, "seed"),
 ])  # fmt: skip
 def test_arguments_are_refused_by_name(options, named):

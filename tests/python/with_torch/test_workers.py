@@ -12,6 +12,7 @@ from conftest import AMPHORA, run
 from streams import CUBES, fractures, loaded, stream
 from torch.utils.data import DataLoader
 
+import pysherd
 from pysherd.torch import collate
 
 
@@ -103,6 +104,15 @@ def test_distributed_ranks_have_no_item_twice(tmp_path, method):
 def test_ranks_that_are_given():
     ranks = [fractures(stream(items=20, rank=rank, world_size=3)) for rank in range(3)]
     assert [len(rank) for rank in ranks] == [6] * 3 and len(set(sum(ranks, []))) == 18
+
+
+def test_a_group_of_more_ranks_than_items(monkeypatch):
+    """The group may begin after the data set was made."""
+    data = stream(items=2)
+    monkeypatch.setattr("pysherd.torch._group_ranks", lambda: (1, 3))
+    for use in (len, iter):
+        with pytest.raises(pysherd.UsageError, match="^items: 2 .* 3 ranks"):
+            use(data)
 
 
 INTERRUPTED = """
