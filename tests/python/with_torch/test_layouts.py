@@ -171,6 +171,13 @@ def test_batches_of_fragments():
     assert isinstance(collate(items)["positions"], list)
 
 
+@pytest.mark.parametrize("layout", TABLES)
+@pytest.mark.parametrize("pieces", [1, "1", "1..4", range(1, 3)])
+def test_a_single_piece_is_refused_where_pairs_are_needed(layout, pieces):
+    with pytest.raises(pysherd.UsageError, match=f"^pieces: layout {layout} holds 2 to {TABLES[layout][0]} fragments, not 1$"):
+        stream(layout, pieces=pieces)
+
+
 @pytest.mark.parametrize("options, named", [
     ({"layout": "gart"}, "layout: 'gart' is not one of points, fragments, garf"), ({"layout": "garf", "pieces": "1..4"}, "pieces: layout garf holds 2 to 20"),
     ({"layout": "garf", "pieces": 30}, "pieces: layout garf holds 2 to 20 fragments, not 30"), ({"layout": "garf", "points": 100}, "points: .* at least 400"),
