@@ -6,6 +6,7 @@ Everything here is a pure function of the seed, so that a stream can be stopped 
 from __future__ import annotations
 
 import hashlib
+import operator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -74,6 +75,26 @@ class Order:
                 del kept[next(iter(kept))]
             kept[epoch, passed] = generator(hashed("order", self.seed, epoch, passed)).permutation(self.meshes)
         return kept[epoch, passed]
+
+
+def whole(name: str, value: Any, least: int) -> int:
+    """Returns a whole number, or raises `UsageError`."""
+    try:
+        number = operator.index(value)
+    except TypeError:
+        number = least - 1
+    if number < least or isinstance(value, bool):
+        raise UsageError(f"{name}: {value!r} is not a whole number from {least} on")
+    return number
+
+
+def given_ranks(rank: int | None, world_size: int | None) -> tuple[int, int] | None:
+    """Returns a rank and the number of ranks, None where neither is given."""
+    if rank is None and world_size is None:
+        return None
+    if rank is None or world_size is None or not 0 <= whole("rank", rank, 0) < whole("world_size", world_size, 1):
+        raise UsageError(f"rank: {rank!r} is not one of 0..world_size - 1, and world_size is {world_size!r}")
+    return rank, world_size
 
 
 def items_of_rank(items: int, ranks: int) -> int:

@@ -11,7 +11,6 @@ PyTorch is not among the requirements of pysherd: install it beside, 1.13 or lat
 from __future__ import annotations
 
 import hashlib
-import operator
 from typing import Any, Iterator, Mapping, Sequence
 
 import numpy as np
@@ -32,12 +31,13 @@ from ._fracture import Fracture
 from ._layouts import LAYOUTS
 from ._library import library_of
 from ._options import documented_text
-from ._order import Order, Share, items_of_rank, share_of
+from ._order import Order, Share, given_ranks, items_of_rank, share_of, whole
 from ._solid import DEVICE, checked_device
 
 __all__ = ["FractureDataset", "collate", "collate_fragments"]
 
 _EPOCH, _IN_WORKERS = 0, 1  # positions in the tensor that workers share
+_PLACE = ("epoch", "position", "taken", "stream", "streams")  # in a state
 
 
 class FractureDataset(IterableDataset[Any]):
@@ -119,16 +119,16 @@ class FractureDataset(IterableDataset[Any]):
             raise UsageError(f"layout: {layout!r} is not one of {', '.join(LAYOUTS)}")
         if on_error not in ("skip", "raise"):
             raise UsageError(f"on_error: {on_error!r} is neither 'skip' nor 'raise'")
-        self._items = None if items is None else _whole("items", items, 1)
-        self._threads = None if threads is None else _whole("threads", threads, 0)
-        self._given_ranks = _given_ranks(rank, world_size)
+        self._items = None if items is None else whole("items", items, 1)
+        self._threads = None if threads is None else whole("threads", threads, 0)
+        self._given_ranks = given_ranks(rank, world_size)
         self._known_ranks: tuple[int, int] | None = None
         if self._items is not None:
             items_of_rank(self._items, self._ranks()[1])  # is there one?
         self._options, meshes = Drawn(options), library_of(meshes)
-        self._order = Order(len(meshes), _whole("seed", seed, 0), _whole("repeats", repeats, 1), _whole("mix", mix, 1), bool(shuffle))
-        self._breaker = Breaker(meshes, self._options, layout, None if points is None else _whole("points", points, 1),
-                                _whole("cache_bytes", cache_bytes, 0), checked_device(device), on_error == "skip",
+        self._order = Order(len(meshes), whole("seed", seed, 0), whole("repeats", repeats, 1), whole("mix", mix, 1), bool(shuffle))
+        self._breaker = Breaker(meshes, self._options, layout, None if points is None else whole("points", points, 1),
+                                whole("cache_bytes", cache_bytes, 0), checked_device(device), on_error == "skip",
                                 self._order.repeats * (self._order.mix + len(meshes)))  # fmt: skip
         parts = [self._order, self._options, layout, self._breaker.points, self._items, *(mesh.key for mesh in meshes)]
         self._identity = hashlib.blake2b("\n".join(map(repr, parts)).encode(), digest_size=8).hexdigest()  # of what the stream depends on
@@ -145,7 +145,7 @@ class FractureDataset(IterableDataset[Any]):
 
     def set_epoch(self, epoch: int) -> None:
         """Chooses the epoch that the next iteration goes through; each has other fractures.  Reaches workers that persist, too."""
-        self._shared[_EPOCH] = _whole("epoch", epoch, 0)
+        self._shared[_EPOCH] = whole("epoch", epoch, 0)
         if self._resumed is not None and self._resumed["epoch"] != epoch:
             self._resumed = None
         if self._reached is not None and self._reached["epoch"] != epoch:
@@ -164,9 +164,11 @@ class FractureDataset(IterableDataset[Any]):
         if worker or self._threads is not None:
             _core.limit_threads(1 if self._threads is None else self._threads)
         epoch, position, taken = int(self._shared[_EPOCH]), 0, 0
-        if self._resumed is not None:
-            self._check_share(self._resumed, share)
-            position, taken = self._resumed["position"], self._resumed["taken"]
+        resumed = self._pending()
+        if resumed is not None:
+            self._check_share(resumed, share)
+            position, taken = resumed["position"], resumed["taken"]
+            resumed["used"].fill_(1)
         self._resumed, self._reached = None, self._state(epoch, share, position, taken)
         return self._stream(epoch, share, position, taken)
 
@@ -189,7 +191,7 @@ class FractureDataset(IterableDataset[Any]):
         epoch : int, optional
             That of the item; by default the current one.
         """
-        number = _whole("index", index, 0)
+        number = whole("index", index, 0)
         return self._breaker.fracture(self._order.item(int(self._shared[_EPOCH]) if epoch is None else epoch, number))
 
     # --- processes
@@ -203,8 +205,8 @@ class FractureDataset(IterableDataset[Any]):
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
-        if not self._shared.is_shared():
-            self._shared.share_memory_()
+        for tensor in [self._shared] + ([self._resumed["used"]] if self._resumed else []):
+            tensor.share_memory_()  # does nothing to one that is
 
     # --- state
 
@@ -217,12 +219,12 @@ class FractureDataset(IterableDataset[Any]):
         With a DataLoader that has no workers, this is after its last batch.  Workers have states of their own, which torchdata's
         ``StatefulDataLoader`` saves and restores.
         """
-        state = self._resumed or self._reached
+        state = self._pending() or self._reached
         if state is None:
             if int(self._shared[_IN_WORKERS]) and get_worker_info() is None:
                 warn(["state_dict: the workers of the DataLoader have the state; use torchdata's StatefulDataLoader"])
             state = self._state(int(self._shared[_EPOCH]), share_of(self._items, *self._ranks(), 0, 1), 0, 0)
-        return {**state, "identity": self._identity}
+        return {**{k: state[k] for k in _PLACE}, "identity": self._identity}
 
     def load_state_dict(self, state_dict: Mapping[str, Any]) -> None:
         """Lets the next iteration go on where `state_dict` was taken.
@@ -234,8 +236,14 @@ class FractureDataset(IterableDataset[Any]):
         """
         if state_dict.get("identity") != self._identity:
             raise UsageError("state_dict: it is that of another stream: meshes, options, seed or items differ")
-        self._resumed = {k: state_dict[k] for k in ("epoch", "position", "taken", "stream", "streams")}
+        # Each epoch's worker is a copy of this process, so the first that uses the state marks it for all copies.
+        used = torch.zeros(1, dtype=torch.int64).share_memory_()
+        self._resumed = {**{k: state_dict[k] for k in _PLACE}, "used": used}
         self._shared[_EPOCH] = self._resumed["epoch"]
+
+    def _pending(self) -> dict[str, Any] | None:
+        """Returns the state that was loaded, unless a worker has used it."""
+        return None if self._resumed is None or int(self._resumed["used"]) else self._resumed
 
     def _check_share(self, state: Mapping[str, Any], share: Share) -> None:
         if (state["stream"], state["streams"]) != (share.stream, share.streams):
@@ -273,27 +281,6 @@ def _stacked(values: list[Any]) -> Any:
     if isinstance(values[0], np.ndarray) and len({value.shape for value in values}) > 1:
         return [torch.from_numpy(value) for value in values]
     return list(values) if isinstance(values[0], str) else default_collate(values)
-
-
-# --- arguments
-
-
-def _whole(name: str, value: Any, least: int) -> int:
-    try:
-        number = operator.index(value)
-    except TypeError:
-        number = least - 1
-    if number < least or isinstance(value, bool):
-        raise UsageError(f"{name}: {value!r} is not a whole number from {least} on")
-    return number
-
-
-def _given_ranks(rank: int | None, world_size: int | None) -> tuple[int, int] | None:
-    if rank is None and world_size is None:
-        return None
-    if rank is None or world_size is None or not 0 <= _whole("rank", rank, 0) < _whole("world_size", world_size, 1):
-        raise UsageError(f"rank: {rank!r} is not one of 0..world_size - 1, and world_size is {world_size!r}")
-    return rank, world_size
 
 
 def _group_ranks() -> tuple[int, int] | None:

@@ -43,6 +43,24 @@ def test_workers_that_persist_go_to_the_next_epoch(method):
     assert len(set(seen)) == 24
 
 
+@pytest.mark.parametrize("persist", [False, True])
+@pytest.mark.parametrize("method", ["fork", "spawn"])
+def test_one_worker_uses_a_state_once(method, persist):
+    """It was loaded in the process that trains, of which each epoch's worker is a copy."""
+    data, whole = stream(items=9), fractures(stream(items=9))
+    first = stream(items=9)
+    items = iter(first)
+    before = [next(items) for _ in range(4)]
+    data.load_state_dict(first.state_dict())
+    loader = DataLoader(data, batch_size=None, num_workers=1, multiprocessing_context=method, persistent_workers=persist)
+    assert fractures(before) + fractures(loader) == whole
+    assert fractures(loader) == whole == fractures(data)
+    data.load_state_dict(first.state_dict())
+    data.load_state_dict(first.state_dict())
+    if not persist:  # a worker that persists was copied before
+        assert fractures(before) + fractures(loader) == whole == fractures(loader)
+
+
 def test_fewer_meshes_than_workers():
     assert len(set(fractures(loaded(stream(CUBES[:1], items=12, repeats=1), 4)))) == 12
 
