@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 from collections import OrderedDict
 from typing import Any, Iterable, Mapping, NamedTuple
@@ -18,6 +19,17 @@ class Mesh(NamedTuple):
     """path in the library, or its position in a list"""
     given: Any
     """a path, a `Solid`, a pair of arrays, or a volume"""
+
+    @property
+    def identity(self) -> str:
+        """The key of a file; of a mesh in memory, what it is made of, too."""
+        if isinstance(self.given, str):
+            return self.key
+        if isinstance(self.given, Solid):
+            state = self.given._core.state
+            return repr((self.key, state["sha256"], state["own_voxel_size"], state["given"], self.given.shape))
+        arrays = self.given if isinstance(self.given, tuple) else (self.given,)
+        return repr((self.key, *((a.shape, hashlib.blake2b(a, digest_size=8).hexdigest()) for a in arrays)))
 
 
 def library_of(meshes: Any) -> list[Mesh]:

@@ -10,6 +10,7 @@ PyTorch is not among the requirements of pysherd: install it beside, 1.13 or lat
 
 from __future__ import annotations
 
+import functools
 import hashlib
 from typing import Any, Iterator, Mapping, Sequence
 
@@ -130,8 +131,7 @@ class FractureDataset(IterableDataset[Any]):
         self._breaker = Breaker(meshes, self._options, layout, None if points is None else whole("points", points, 1),
                                 whole("cache_bytes", cache_bytes, 0), checked_device(device), on_error == "skip",
                                 self._order.repeats * (self._order.mix + len(meshes)))  # fmt: skip
-        parts = [self._order, self._options, layout, self._breaker.points, self._items, *(mesh.key for mesh in meshes)]
-        self._identity = hashlib.blake2b("\n".join(map(repr, parts)).encode(), digest_size=8).hexdigest()  # of what the stream depends on
+        self._meshes = meshes
         self._shared = torch.zeros(2, dtype=torch.int64).share_memory_()
         self._resumed: dict[str, Any] | None = None
         self._reached: dict[str, Any] | None = None
@@ -210,6 +210,12 @@ class FractureDataset(IterableDataset[Any]):
 
     # --- state
 
+    @functools.cached_property
+    def _identity(self) -> str:
+        """Of what the stream depends on; of files, this is their paths."""
+        parts = [self._order, self._options, self._breaker.layout, self._breaker.points, self._items, *(mesh.identity for mesh in self._meshes)]
+        return hashlib.blake2b("\n".join(map(repr, parts)).encode(), digest_size=8).hexdigest()
+
     def _state(self, epoch: int, share: Share, position: int, taken: int) -> dict[str, Any]:
         return {"epoch": epoch, "position": position, "taken": taken, "stream": share.stream, "streams": share.streams}
 
@@ -232,7 +238,8 @@ class FractureDataset(IterableDataset[Any]):
         Raises
         ------
         UsageError
-            The state is that of another stream.
+            The state is that of another stream: of other options, seed or items, other paths of meshes, or other meshes in memory.
+            The content of files is not compared.
         """
         if state_dict.get("identity") != self._identity:
             raise UsageError("state_dict: it is that of another stream: meshes, options, seed or items differ")

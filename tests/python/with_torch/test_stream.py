@@ -107,6 +107,25 @@ def test_a_state_of_another_stream_is_refused():
     assert len(list(data)) == 20
 
 
+def test_a_state_of_other_meshes_in_memory_is_refused(tmp_path):
+    """Though their positions in the list are the same; the content of files is not compared."""
+    volume = np.ones((12, 12, 12), np.uint8)
+    vertices, faces = cube()
+    solid, finer, other = (pysherd.voxelize(mesh, resolution=n) for mesh, n in ((cube(), 12), (cube(), 16), (cube(2), 12)))
+    (tmp_path / "a.ply").write_bytes(AMPHORA.read_bytes())
+    for mesh, others in (((vertices, faces), [(2 * vertices, faces), (vertices, faces[::-1]), (vertices[:, ::-1], faces), volume]),
+                         (volume, [volume.reshape(6, 12, 24), np.ones((12, 12, 13), bool)]), (solid, [finer, other, cube()])):  # fmt: skip
+        state = FractureDataset([mesh], pieces=2, items=4).state_dict()
+        FractureDataset([mesh], pieces=2, items=4).load_state_dict(pickle.loads(pickle.dumps(state)))
+        pickle.loads(pickle.dumps(FractureDataset([mesh], pieces=2, items=4))).load_state_dict(state)
+        for one in others:
+            with pytest.raises(pysherd.UsageError, match="another stream"):
+                FractureDataset([one], pieces=2, items=4).load_state_dict(state)
+    state = stream(tmp_path, items=4).state_dict()
+    (tmp_path / "a.ply").write_bytes(AMPHORA.read_bytes() + b" ")
+    stream(tmp_path, items=4).load_state_dict(state)
+
+
 def test_a_state_that_workers_have_is_warned_of():
     data = stream(items=4)
     loaded(data, 1)
