@@ -12,6 +12,7 @@
 #include "dataset/fracture_line.h"
 #include "dataset/hdf5_lists.h"
 #include "dataset/hdf5_part.h"
+#include "dataset/hdf5_record.h"
 
 namespace sherd {
 namespace {
