@@ -159,6 +159,7 @@ struct ManifestFragment {
   std::size_t contacts = 0;
   std::vector<std::string> meshes;  ///< [formats]; empty if none was written
   std::string vdb;                  ///< empty if none was written
+  bool isOfVoxelFaces = false;      ///< the meshes are those of Surface::labels
 };
 
 /// The fields of a manifest that are read.  Every file named by a field is in `files`.
@@ -201,8 +202,8 @@ void requireSettled(const std::filesystem::path& path);
 
 /// Reads the meshes of a fracture's fragments from their `.ply` files, and sets the solid's region:
 /// its surface keeps the edges of theirs, and its flat parts are merged, when it is broken again.
-/// Without such files, or with plain ones, which have no neighbors, the fracture stays without
-/// meshes.
+/// Voxel faces have no edges of the original surface, so they set no region.  Without such files,
+/// or with plain ones, which have no neighbors, the fracture stays without meshes.
 ///   throws  Error(input) a file that is absent, damaged or larger than `maxMemory`
 void readFragmentMeshes(const std::filesystem::path& manifest, FinishedFracture& finished,
                         std::uint64_t maxMemory);

@@ -57,6 +57,15 @@ std::optional<fs::path> labelFile(const fs::path& file, const Manifest& manifest
   return {};
 }
 
+TriangleMesh originalOf(const TriangleMesh& faces) {
+  TriangleMesh original;
+  original.vertices = faces.vertices;
+  for (std::size_t t = 0; t < faces.triangles.size(); ++t) {
+    if (faces.neighbor[t] == 0) original.triangles.push_back(faces.triangles[t]);
+  }
+  return original;
+}
+
 }  // namespace
 
 FinishedFracture readFracture(const fs::path& file) {
@@ -96,7 +105,9 @@ FinishedFracture readFracture(const fs::path& file) {
 void readFragmentMeshes(const fs::path& file, FinishedFracture& finished, std::uint64_t maxMemory) {
   TriangleMesh faces;
   std::vector<std::size_t> firstFace{0};
+  bool hasVoxelFaces = false;
   for (const ManifestFragment& fragment : readManifest(file).fragments) {
+    hasVoxelFaces |= fragment.isOfVoxelFaces;
     const auto ply = std::find_if(fragment.meshes.begin(), fragment.meshes.end(),
                                   [](const std::string& name) { return name.ends_with(".ply"); });
     if (ply == fragment.meshes.end()) return;
@@ -106,12 +117,7 @@ void readFragmentMeshes(const fs::path& file, FinishedFracture& finished, std::u
     faces.neighbor.insert(faces.neighbor.end(), own.neighbor.begin(), own.neighbor.end());
     firstFace.push_back(faces.triangles.size());
   }
-  TriangleMesh original;
-  original.vertices = faces.vertices;
-  for (std::size_t t = 0; t < faces.triangles.size(); ++t) {
-    if (faces.neighbor[t] == 0) original.triangles.push_back(faces.triangles[t]);
-  }
-  finished.solid.region = regionOf(finished.solid, std::move(original));
+  if (!hasVoxelFaces) finished.solid.region = regionOf(finished.solid, originalOf(faces));
   finished.faces = std::move(faces);
   finished.firstFace = std::move(firstFace);
 }

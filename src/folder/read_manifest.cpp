@@ -11,6 +11,7 @@
 
 #include "base/below_folder.h"
 #include "base/input_error.h"
+#include "base/option_names.h"
 #include "base/parsed_json.h"
 #include "folder/partial_folder.h"
 
@@ -115,6 +116,8 @@ ManifestFragment fragmentOf(const Json& json, int id, const Names& files) {
   const Json& contacts = field(json, "contacts", where);
   if (!contacts.is_array()) damaged(where + "'s \"contacts\" is not a list");
   fragment.contacts = contacts.size();
+  fragment.isOfVoxelFaces =  // manifests of sherd/1 may be without
+      json.value("surface", Json()) == names::of(names::kSurface, Surface::labels);
   const Json& own = field(json, "files", where);
   if (!own.is_object()) damaged(where + "'s \"files\" is not an object");
   if (const auto mesh = own.find("mesh"); mesh != own.end()) {

@@ -307,6 +307,18 @@ class Again(Options):
         self.assertLess(sharp, 0.25 * rounded)
         self.assertLess(few, 0.3 * many)
 
+    def test_voxel_faces_are_not_taken_for_edges(self):
+        """A ball has none: broken again its surface is as smooth after voxel faces as after a smooth surface."""
+        errors = []
+        for surface in "smooth", "labels":
+            first = os.path.join(self.data, surface)
+            self.done("--write", "labels,vdb,mesh", "--surface", surface, pieces=4, out=first)
+            result = self.run_sherd("fracture", os.path.join(first, "manifest.json"), "--only", "2", "-o", self.out, "--pieces", "2", "--write", "mesh")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            result = self.run_sherd("evaluate", self.out, "--mesh", self.ball, "--json")
+            errors.append(json.loads(result.stdout)["surface_error"]["voxels"]["mean"])
+        self.assertLess(errors[1], 2 * errors[0])
+
     def test_what_is_no_finished_fracture_is_refused(self):
         self.done("--write", "vdb", pieces=2)
         manifest = os.path.join(self.out, "manifest.json")
