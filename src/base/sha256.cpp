@@ -5,6 +5,7 @@
 #include <sherd/error.h>
 
 #include <array>
+#include <charconv>
 #include <fstream>
 #include <new>
 
@@ -47,6 +48,13 @@ std::string sha256(std::string_view bytes) {
   Sha256 sum;
   sum.add(bytes);
   return sum.text();
+}
+
+std::uint64_t sha256Number(std::string_view bytes) {
+  std::uint64_t number = 0;
+  const std::string text = sha256(bytes);
+  std::from_chars(text.data(), text.data() + 16, number, 16);
+  return number;
 }
 
 std::string sha256OfFile(const std::filesystem::path& file) {

@@ -1,6 +1,7 @@
 // SHA-256 checksums.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -30,7 +31,10 @@ class Sha256 {
 /// Returns 64 hexadecimal digits.
 [[nodiscard]] std::string sha256(std::string_view bytes);
 
-/// The same for a file, read in blocks of 1 MiB.
+/// Returns the first 64 bits of it as a number: the same on every machine.
+[[nodiscard]] std::uint64_t sha256Number(std::string_view bytes);
+
+/// Returns the checksum of a file, read in blocks of 1 MiB.
 ///   throws  Error(input) it cannot be read
 [[nodiscard]] std::string sha256OfFile(const std::filesystem::path& file);
 

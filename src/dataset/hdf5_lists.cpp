@@ -4,7 +4,6 @@
 #include <sherd/error.h>
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <set>
 
@@ -17,13 +16,6 @@ namespace sherd {
 namespace {
 
 constexpr const char* kSplits[] = {"train", "val", "test"};
-
-std::uint64_t hashOf(const std::string& path) {
-  std::uint64_t hash = 0;
-  const std::string sum = sha256(path);
-  std::from_chars(sum.data(), sum.data() + 16, hash, 16);
-  return hash;
-}
 
 }  // namespace
 
@@ -54,7 +46,7 @@ std::optional<Hdf5Array> Hdf5Lists::redundantPieces(const std::string& group,
   const std::vector<Fracture>& all = fractures_.at(own.split);
   const std::size_t others = all.size() - (own.end - own.begin);
   if (redundant_ == 0 || others == 0) return {};
-  const std::uint64_t item = hashOf(group + "/" + fracture);
+  const std::uint64_t item = sha256Number(group + "/" + fracture);
   std::set<std::pair<std::size_t, std::size_t>> drawn;
   std::vector<std::string> texts;
   // Fragments differ while there are enough: a few tries find a new one.

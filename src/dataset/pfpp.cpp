@@ -7,7 +7,6 @@
 #include <sherd/error.h>
 
 #include <algorithm>
-#include <charconv>
 #include <map>
 
 #include "base/little_endian.h"
@@ -197,10 +196,7 @@ void writeMatches(FileSink& sink, const std::string& file, const PfppFracture& f
 }  // namespace
 
 std::uint64_t pfppId(const LibraryObject& object, std::size_t fracture) {
-  std::uint64_t hash = 0;
-  const std::string sum = sha256(groupOf(object));
-  std::from_chars(sum.data(), sum.data() + 16, hash, 16);
-  return (hash >> 14) * kPfppFractures + fracture;
+  return (sha256Number(groupOf(object)) >> 14) * kPfppFractures + fracture;
 }
 
 PfppNames pfppNames(const LibraryObject& object, const std::string& split, std::size_t fracture) {

@@ -28,6 +28,19 @@ def cube(side=1.0):
     return vertices, faces
 
 
+class OnlyDlpack:
+    """An array that only DLPack can read."""
+
+    def __init__(self, array):
+        self.array = array
+
+    def __dlpack__(self, **keywords):
+        return self.array.__dlpack__(**keywords)
+
+    def __dlpack_device__(self):
+        return self.array.__dlpack_device__()
+
+
 def program(mesh, folder, *arguments):
     """Runs the program of the C++ build."""
     if not SHERD:

@@ -3,7 +3,7 @@ import types
 
 import numpy as np
 import pytest
-from conftest import AMPHORA, cube
+from conftest import AMPHORA, OnlyDlpack, cube
 
 import pysherd
 
@@ -83,19 +83,7 @@ def test_any_order():
 
 
 def test_dlpack():
-    class Tensor:
-        """What only DLPack can read."""
-
-        def __init__(self, array):
-            self.array = array
-
-        def __dlpack__(self, **keywords):
-            return self.array.__dlpack__(**keywords)
-
-        def __dlpack_device__(self):
-            return self.array.__dlpack_device__()
-
-    assert len(pysherd.fracture((Tensor(V), Tensor(F)), pieces=3, resolution=16)) == 3
+    assert len(pysherd.fracture((OnlyDlpack(V), OnlyDlpack(F)), pieces=3, resolution=16)) == 3
 
 
 def test_arrays_are_not_kept():

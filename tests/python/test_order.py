@@ -5,7 +5,7 @@ import warnings
 
 import numpy as np
 import pytest
-from conftest import AMPHORA, SHERD, cube
+from conftest import AMPHORA, OnlyDlpack, SHERD, cube
 
 import pysherd
 from pysherd import _core
@@ -132,17 +132,6 @@ def test_a_library_is_that_of_the_program(tmp_path):
                     ([cube(), np.zeros(3)], pysherd.InputError)):  # fmt: skip
         with pytest.raises(of):
             library_of(bad)
-
-
-class OnlyDlpack:
-    def __init__(self, array):
-        self.array = array
-
-    def __dlpack__(self, **keywords):
-        return self.array.__dlpack__(**keywords)
-
-    def __dlpack_device__(self):
-        return self.array.__dlpack_device__()
 
 
 def test_one_mesh_in_memory_is_one():
