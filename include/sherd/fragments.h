@@ -197,7 +197,7 @@ struct ExactSurface;
 /// The mesh of the intact solid's surface, from which fragments copy what the cuts do not change.
 struct IntactSurface;
 
-/// The surfaces of all fragments of a fracture without meshes, of which points are sampled.
+/// The surfaces of all fragments of a fracture, of which points are sampled without meshes.
 class FragmentSurfaces;
 
 /// Meshes the intact solid.  Saves time if a solid is broken several times with Surface::smooth and
@@ -209,7 +209,8 @@ struct ExtractOptions {
   const Labels* uneroded = nullptr;  ///< the labels before erosion, or null without erosion;
                                      ///< neighbors of eroded faces and contacts are computed from
                                      ///< them
-  const IntactSurface* intact = nullptr;  ///< of this solid, or null; affects only the speed
+  std::shared_ptr<const IntactSurface>
+      intact{};                         ///< of this solid, or null; affects only the speed
   const ExactSurface* exact = nullptr;  ///< what Surface::exact is, of refracture; null: it is made
   std::uint64_t seed = 0;  ///< where the vertices of Interface::independent's cracks are
 };

@@ -35,14 +35,16 @@ std::uint64_t bytesOf(const sherd::IntactLeaf& leaf) {
   const sherd::LeafCells& cells = leaf.cells;
   return sizeof leaf + bytesOf(cells.cells) + bytesOf(cells.vertices) + bytesOf(cells.labels) +
          bytesOf(cells.ranks) + bytesOf(cells.positionIds) + bytesOf(cells.nonManifold) +
-         bytesOf(cells.junctions) + bytesOf(leaf.triangles) + bytesOf(leaf.areaSums);
+         bytesOf(cells.junctions) + bytesOf(leaf.quads) + bytesOf(leaf.areas) +
+         bytesOf(leaf.areaSums);
 }
 
 std::uint64_t bytesOf(const sherd::IntactSurface& surface, const sherd::LeafBlocks& blocks) {
   std::uint64_t bytes = bytesOf(surface.neighborhoods);
   for (const sherd::IntactLeaf& leaf : surface.leaves) bytes += bytesOf(leaf);
   for (const openvdb::Coord& origin : blocks.origins)
-    bytes += surface.creases.of(origin).size_bytes();
+    bytes +=
+        surface.creases.of(origin).size_bytes() + surface.creases.crossings(origin).size_bytes();
   return bytes;
 }
 

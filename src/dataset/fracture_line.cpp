@@ -1,6 +1,7 @@
 // The journal line of a fracture.
 #include "dataset/fracture_line.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/vec4.hpp>
 #include <numbers>
@@ -55,7 +56,8 @@ void FractureLine::addFragments(const FractureResult& result, const FractureFile
   line_["labels"] = Json::array();
   for (const std::string& label : names.labels) line_["labels"].push_back(files.stored(label));
   line_["fragments"] = Json::array();
-  const bool isMeshed = result.surfaces == nullptr;
+  const auto hasMesh = [](const Fragment& fragment) { return !fragment.mesh.vertices.empty(); };
+  const bool isMeshed = std::ranges::any_of(result.fragments, hasMesh);
   std::vector<std::size_t> vertices;
   if (!isMeshed) vertices = result.surfaces->vertexCounts();
   for (std::size_t i = 0; i < result.fragments.size(); ++i) {

@@ -164,9 +164,8 @@ class ObjectRun {
     };
     label(solid.blocks->inside, 1);
     label(solid.blocks->exteriorBand, 1);
-    whole.fragments =
-        extractFragments(solid, whole.labels,
-                         {.surface = options.surface, .intact = ready_->surface.get()}, &progress_);
+    whole.fragments = extractFragments(
+        solid, whole.labels, {.surface = options.surface, .intact = ready_->surface}, &progress_);
     whole.eroded = {0, 0};
     renderThumbnail(kWholeName, whole);
     label(solid.blocks->inside, Labels::kEroded);  // inside the solid, but in no fragment

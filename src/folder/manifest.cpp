@@ -19,6 +19,7 @@
 #include "folder/read_manifest.h"
 #include "options/record.h"
 #include "surface/fragment_surfaces.h"
+#include "surface/region_edges.h"
 
 namespace sherd {
 namespace {
@@ -84,21 +85,6 @@ Json gridJson(const SourceMesh& source, const FractureOptions& options,
           {"origin", jsonOf(solid.frame.worldFromIndex(first))},
           {"solid_voxels", solid.voxels},
           {"eroded_voxels", solid.voxels - labeled}};
-}
-
-// Returns the length of the contact boundary by neighbor id, world units.
-std::map<int, double> boundaryLengths(const Fragment& fragment) {
-  std::map<int, double> lengths;
-  for (const auto& [other, curves] : boundaryLoops(fragment)) {
-    double& length = lengths[other];
-    for (const std::vector<std::uint32_t>& curve : curves) {
-      for (std::size_t i = 0; i < curve.size(); ++i) {
-        length += glm::length(fragment.mesh.vertices[curve[(i + 1) % curve.size()]] -
-                              fragment.mesh.vertices[curve[i]]);
-      }
-    }
-  }
-  return lengths;
 }
 
 Json contactsJson(const Fragment& fragment, std::map<int, double> boundaries) {
@@ -196,7 +182,8 @@ std::vector<std::string> FractureFiles::all() const {
 std::vector<MeshFacts> meshFacts(std::span<const Fragment> fragments) {
   std::vector<MeshFacts> facts(fragments.size());
   tbb::parallel_for(std::size_t{0}, facts.size(), [&](std::size_t i) {
-    facts[i] = {bounds(fragments[i].mesh), boundaryLengths(fragments[i])};
+    facts[i] = {bounds(fragments[i].mesh),
+                lengthsOf(boundaryLoops(fragments[i]), fragments[i].mesh.vertices)};
     if (fragments[i].meshedAs == Surface::exact) {
       facts[i].roundedCrossings = roundedCrossings(fragments[i].mesh);
     }
@@ -204,16 +191,17 @@ std::vector<MeshFacts> meshFacts(std::span<const Fragment> fragments) {
   return facts;
 }
 
-std::vector<MeshFacts> meshFacts(const FractureResult& result) {
-  if (!result.surfaces) return meshFacts(result.fragments);
-  std::vector<MeshFacts> facts(result.fragments.size());
+std::vector<MeshFacts> meshFacts(const FragmentSurfaces& surfaces) {
+  std::vector<MeshFacts> facts(surfaces.count());
+  std::vector<std::map<int, double>> lengths = surfaces.boundaryLengths();
   tbb::parallel_for(std::size_t{0}, facts.size(), [&](std::size_t i) {
-    const auto id = static_cast<std::uint16_t>(result.fragments[i].id);
-    Fragment changed;
-    changed.mesh = result.surfaces->changedMesh(id);  // has all boundaries of contacts
-    facts[i] = {result.surfaces->box(id), boundaryLengths(changed)};
+    facts[i] = {surfaces.box(static_cast<std::uint16_t>(i + 1)), std::move(lengths[i + 1])};
   });
   return facts;
+}
+
+std::vector<MeshFacts> meshFacts(const FractureResult& result) {
+  return result.surfaces ? meshFacts(*result.surfaces) : meshFacts(result.fragments);
 }
 
 std::string manifestText(const SourceMesh& source, const FractureOptions& options,

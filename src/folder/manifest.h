@@ -53,7 +53,10 @@ struct MeshFacts {
 /// Returns [fragments] the metrics of each mesh.
 [[nodiscard]] std::vector<MeshFacts> meshFacts(std::span<const Fragment> fragments);
 
-/// The same of all fragments, with or without meshes.
+/// The same of surfaces.
+[[nodiscard]] std::vector<MeshFacts> meshFacts(const FragmentSurfaces& surfaces);
+
+/// The same of a fracture: of its surfaces, or where these are null, of its meshes.
 [[nodiscard]] std::vector<MeshFacts> meshFacts(const FractureResult& result);
 
 /// Returns the manifest's text.  It has no times or machine names, and its numbers round-trip, so

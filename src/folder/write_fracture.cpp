@@ -2,6 +2,7 @@
 #include <sherd/error.h>
 #include <sherd/folder.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "base/atomic_file.h"
@@ -31,29 +32,34 @@ std::vector<MeshFacts> makeAndWrite(const GrownFracture& grown, const SurfaceOpt
     clock.done("write");
     return meshFacts(result);
   }
-  result.unmerged = unmergedSurfaces(grown, result, surface, progress);
   Extraction extraction(result.solid, result.labels, grown.extractOptions(surface), progress);
   result.exactFailure = extraction.exactFailure();
+  result.surfaces = extraction.surfaces();
+  result.unmerged = extraction.unmerged();
   clock.done("extract");
   writing.begin(progress);
   clock.done("write");
   std::vector<MeshFacts> facts;
+  if (result.surfaces) facts = meshFacts(*result.surfaces);
+  std::size_t first = 0;
   for (std::vector<Fragment> some = extraction.next(); !some.empty(); some = extraction.next()) {
     clock.done("extract");
-    const std::size_t first = facts.size();
-    for (MeshFacts& own : meshFacts(some)) facts.push_back(std::move(own));
-    const auto to = result.fragments.begin() + static_cast<std::ptrdiff_t>(first);
-    std::move(some.begin(), some.end(), to);
-    writing.write(first, facts.size());
-    for (std::size_t i = first; i < facts.size(); ++i) {
+    if (!result.surfaces) {
+      for (MeshFacts& own : meshFacts(some)) facts.push_back(std::move(own));
+    }
+    const std::size_t end = first + some.size();
+    std::move(some.begin(), some.end(),
+              result.fragments.begin() + static_cast<std::ptrdiff_t>(first));
+    writing.write(first, end);
+    for (std::size_t i = first; i < end; ++i) {
       Fragment& fragment = result.fragments[i];
       if (!write.needsAllLevelSets()) fragment.surface = nullptr;
       if (write.needsAllMeshes()) continue;
       fragment.mesh = {};
     }
-    reportProgress(
-        progress, "write",
-        static_cast<double>(facts.size()) / static_cast<double>(result.fragments.size()));
+    first = end;
+    reportProgress(progress, "write",
+                   static_cast<double>(end) / static_cast<double>(result.fragments.size()));
     clock.done("write");
   }
   std::vector<std::vector<Contact>> contacts = extraction.contacts();
@@ -92,7 +98,8 @@ WrittenFolder writeFracture(const fs::path& folder, const SourceMesh& source,
                             const FractureOptions& options, const FractureResult& result,
                             const WriteOptions& write, const Progress* progress) {
   checkWriteOptions(write, options);
-  if (result.surfaces && write.needsMeshes()) {
+  const auto lacksMesh = [](const Fragment& fragment) { return fragment.mesh.vertices.empty(); };
+  if (write.needsMeshes() && std::ranges::all_of(result.fragments, lacksMesh)) {
     throw Error(
         ErrorCode::usage,
         "the fracture has no meshes, which these files need; complete its options for them");

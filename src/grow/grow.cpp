@@ -3,12 +3,14 @@
 #include <sherd/labels.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "base/formatted.h"
 #include "grow/check_labels.h"
 #include "grow/components.h"
 #include "grow/flood.h"
+#include "grow/label_slices.h"
 #include "grow/relief.h"
 #include "grow/rough.h"
 #include "grow/seed_kernel.h"
@@ -289,8 +291,11 @@ Labels extendLabels(Labels labels, Device& device, int steps) {
 std::vector<std::uint64_t> countVoxels(const Labels& labels) {
   checkLabels(labels);
   std::vector<std::uint64_t> counts(std::size_t{Labels::kEroded} + 1);
-  labels.blocks->forEachInside(
-      [&](std::size_t voxelIndex) { ++counts[labels.fragment[voxelIndex]]; });
+  for (std::size_t leaf = 0; leaf < labels.blocks->count(); ++leaf) {
+    forEachLabelSlice(labels, leaf, [&](std::uint16_t label, std::size_t, std::uint64_t bits) {
+      counts[label] += static_cast<std::size_t>(std::popcount(bits));
+    });
+  }
   const auto end = static_cast<std::size_t>(labels.fragmentCount) + 1;
   for (std::size_t label = end; label < Labels::kEroded; ++label) {
     if (counts[label] == 0) continue;

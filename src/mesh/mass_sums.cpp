@@ -10,20 +10,19 @@ glm::dvec3 yzx(const glm::dvec3& v) { return {v.y, v.z, v.x}; }
 
 }  // namespace
 
-void MassSums::add(const glm::dvec3& corner0, const glm::dvec3& corner1,
-                   const glm::dvec3& corner2) {
+glm::dvec3 MassSums::add(const glm::dvec3& corner0, const glm::dvec3& corner1,
+                         const glm::dvec3& corner2) {
   const glm::dvec3 a = corner0 - reference_;
   const glm::dvec3 b = corner1 - reference_;
   const glm::dvec3 c = corner2 - reference_;
-  const glm::dvec3 d = glm::cross(b - a, c - a);
-  const glm::dvec3 f1 = a + b + c;
-  const glm::dvec3 f2 = a * a + b * (a + b) + c * f1;
-  const glm::dvec3 f3 = a * a * a + b * (a * a + b * (a + b)) + c * f2;
-  const glm::dvec3 ga = f2 + a * (f1 + a), gb = f2 + b * (f1 + b), gc = f2 + c * (f1 + c);
-  one_ += d.x * f1.x;
-  linear_ += d * f2;
-  square_ += d * f3;
-  mixed_ += d * (yzx(a) * ga + yzx(b) * gb + yzx(c) * gc);
+  const glm::dvec3 normal = glm::cross(b - a, c - a);
+  const double volume = glm::dot(a, normal);  // six times that of the tetrahedron
+  const glm::dvec3 sum = a + b + c;
+  one_ += volume;
+  linear_ += volume * sum;
+  square_ += volume * (a * a + b * b + c * c + sum * sum);
+  mixed_ += volume * (a * yzx(a) + b * yzx(b) + c * yzx(c) + sum * yzx(sum));
+  return normal;
 }
 
 void MassSums::add(const MassSums& part) {
@@ -41,7 +40,7 @@ MassProperties MassSums::properties() const {
     return mass;
   }
   const glm::dvec3 m = linear_ / 24.0 / mass.volume;  // centroid, from the reference point
-  const glm::dvec3 s = square_ / 60.0 - mass.volume * m * m;
+  const glm::dvec3 s = square_ / 120.0 - mass.volume * m * m;
   const glm::dvec3 p = mixed_ / 120.0 - mass.volume * m * yzx(m);  // xy, yz, zx
   mass.centroid = reference_ + m;
   mass.inertia = glm::dmat3(s.y + s.z, -p.x, -p.z,  //

@@ -5,15 +5,21 @@
 
 namespace sherd {
 
-/// Eberly's integrals over a solid of 1, (x, y, z), (x^2, y^2, z^2) and (xy, yz, zx), as sums over
-/// the triangles of its surface by the divergence theorem; a vectorized form of the paper's
-/// Subexpressions().  Sums of parts of one surface may be added.
+/// The integrals over a solid of 1, (x, y, z), (x^2, y^2, z^2) and (xy, yz, zx), as sums over the
+/// signed tetrahedra of its surface's triangles and a reference.  Sums of parts of one surface may
+/// be added.  The paper's Subexpressions() sum the same by the divergence theorem, with twice the
+/// operations.
+///   source  Tonon, Explicit exact formulas for the 3-D tetrahedron inertia tensor, 2005
 class MassSums {
  public:
-  ///   reference  near the solid: far from the origin, the terms would be large and cancel
-  explicit MassSums(const glm::dvec3& reference = glm::dvec3(0.0)) : reference_(reference) {}
+  MassSums() = default;
 
-  void add(const glm::dvec3& corner0, const glm::dvec3& corner1, const glm::dvec3& corner2);
+  ///   reference  near the solid: far from the origin, the terms would be large and cancel
+  explicit MassSums(const glm::dvec3& reference) : reference_(reference) {}
+
+  /// Adds a triangle.
+  ///   return  its normal, as long as twice its area
+  glm::dvec3 add(const glm::dvec3& corner0, const glm::dvec3& corner1, const glm::dvec3& corner2);
 
   /// Adds sums with the same reference.
   void add(const MassSums& part);

@@ -34,15 +34,18 @@ glm::dvec3 SurfaceTriangle::normal() const {
 }
 
 SurfaceByArea::SurfaceByArea(const TriangleMesh& mesh) {
-  meshSums_.reserve(mesh.triangles.size());
+  std::vector<double> sums;
+  sums.reserve(mesh.triangles.size());
   for (const glm::uvec3& t : mesh.triangles) {
-    addArea(meshSums_, 0, mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z]);
+    addArea(sums, 0, mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z]);
   }
-  parts_ = {{meshSums_}, [&mesh](std::size_t, std::size_t triangle) {
-              const glm::uvec3& t = mesh.triangles[triangle];
-              return SurfaceTriangle{{mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z]},
-                                     mesh.neighborOf(triangle)};
-            }};
+  parts_.ownSums = std::move(sums);
+  parts_.areaSums = {parts_.ownSums};
+  parts_.triangle = [&mesh](std::size_t, std::size_t triangle) {
+    const glm::uvec3& t = mesh.triangles[triangle];
+    return SurfaceTriangle{{mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z]},
+                           mesh.neighborOf(triangle)};
+  };
   addParts();
 }
 

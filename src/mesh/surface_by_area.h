@@ -28,6 +28,7 @@ struct SurfaceParts {
   std::vector<std::span<const double>> areaSums;  ///< [parts][triangles] area of triangles 0..i of
                                                   ///< the part
   std::function<SurfaceTriangle(std::size_t part, std::size_t triangle)> triangle;
+  std::vector<double> ownSums{};  ///< sums that are kept nowhere else
 };
 
 /// Appends the area of a triangle to the sums of its part.
@@ -66,7 +67,6 @@ class SurfaceByArea {
   void addParts();
   Index indexOf(std::size_t triangle) const;
 
-  std::vector<double> meshSums_;  // of a mesh, which is one part
   SurfaceParts parts_;
   std::vector<double> partSums_;   // [parts] area of parts 0..i
   std::vector<std::size_t> ends_;  // [parts] number of triangles in parts 0..i

@@ -249,11 +249,12 @@ FractureResult extracted(GrownFracture grown, const FractureOptions& options,
   FractureResult& result = grown.result;
   StageClock clock(std::move(result.times));
   if (options.surface.meshes) {
-    result.unmerged = unmergedSurfaces(grown, result, options.surface, progress);
     ExtractedFragments all =
         extractAll(result.solid, result.labels, grown.extractOptions(options.surface), progress);
     result.fragments = std::move(all.fragments);
     result.exactFailure = std::move(all.exactFailure);
+    result.surfaces = std::move(all.surfaces);
+    result.unmerged = std::move(all.unmerged);
   } else {
     checkSurfaceOptions(options.surface);
     measureFragments(grown, result, progress);

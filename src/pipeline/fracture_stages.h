@@ -66,7 +66,7 @@ struct GrownFracture {
   [[nodiscard]] ExtractOptions extractOptions(const SurfaceOptions& options) const {
     return {.surface = options,
             .uneroded = unerodedOrNull(),
-            .intact = surface.get(),
+            .intact = surface,
             .exact = exact ? &*exact : nullptr,
             .seed = seed};
   }

@@ -18,6 +18,44 @@ using CellBits = std::array<std::uint64_t, 8>;
   return ((cells[offset / 64] >> (offset % 64)) & 1) != 0;
 }
 
+/// The edges that begin at the lowest corners of a leaf's cells: [axis] by cell.
+using LeafEdges = std::array<CellBits, 3>;
+
+/// Returns the edges of a leaf with one of some cells around them.
+///   cellsOf  returns the cells of a leaf, or null if there are none: const CellBits*(std::size_t)
+template <class CellsOf>
+[[nodiscard]] LeafEdges edgesAround(const LeafNeighbors& neighborhood, const CellsOf& cellsOf) {
+  constexpr std::size_t kSide = 9;                  // the leaf's cells, and those below them
+  std::array<std::uint16_t, kSide * kSide> rows{};  // [x*9+y] bit z
+  for (std::size_t slot = 0; slot < 8; ++slot) {
+    const bool x = (slot & 4) != 0, y = (slot & 2) != 0, z = (slot & 1) != 0;  // the leaf's own
+    const std::uint32_t leaf = neighborhood[(x ? 9u : 0u) + (y ? 3u : 0u) + (z ? 1u : 0u)];
+    const CellBits* const cells = leaf == LeafBlocks::kNone ? nullptr : cellsOf(leaf);
+    if (cells == nullptr) continue;
+    for (std::size_t i = x ? 1 : 0; i < (x ? kSide : 1); ++i) {
+      for (std::size_t j = y ? 1 : 0; j < (y ? kSide : 1); ++j) {
+        const std::uint64_t bits = ((*cells)[(i + 7) % 8] >> (8 * ((j + 7) % 8))) & 0xff;
+        rows[i * kSide + j] |= static_cast<std::uint16_t>(z ? bits << 1 : bits >> 7);
+      }
+    }
+  }
+  LeafEdges edges{};
+  const auto add = [&](std::size_t axis, std::size_t x, std::size_t y, unsigned row) {
+    edges[axis][x] |= std::uint64_t{(row >> 1) & 0xff} << (8 * y);
+  };
+  for (std::size_t x = 0; x < 8; ++x) {
+    for (std::size_t y = 0; y < 8; ++y) {
+      const unsigned own = rows[(x + 1) * kSide + y + 1], belowX = rows[x * kSide + y + 1],
+                     belowY = rows[(x + 1) * kSide + y], belowBoth = rows[x * kSide + y];
+      const unsigned aroundX = own | belowY, aroundY = own | belowX;
+      add(0, x, y, aroundX | aroundX << 1);
+      add(1, x, y, aroundY | aroundY << 1);
+      add(2, x, y, own | belowX | belowY | belowBoth);
+    }
+  }
+  return edges;
+}
+
 /// Some cells of a solid.
 class CellSet {
  public:

@@ -36,6 +36,7 @@ class JunctionQuads {
     for (std::size_t leaf = 0; leaf < quads.size(); ++leaf) {
       if (quads[leaf].empty() || !mayHave(leaf)) continue;
       for (const InterfaceQuad& quad : quads[leaf]) {
+        if (quad.isIntact) continue;
         for (const std::uint32_t v : quad.vertex) {
           if (junctionOf[v] != kNone) found.push_back({junctionOf[v], &quad});
         }
@@ -90,7 +91,7 @@ class JunctionQuads {
 };
 
 bool isFirstDiagonal(const InterfaceQuad& quad, std::span<const glm::dvec3> vertices) {
-  const int u = (quad.axis + 1) % 3, v = (quad.axis + 2) % 3;
+  const int u = (quad.axis() + 1) % 3, v = (quad.axis() + 2) % 3;
   std::array<const glm::dvec3*, 4> at{};
   for (std::size_t k = 0; k < 4; ++k) at[k] = &vertices[quad.vertex[k]];
   // Twice the area of three corners, seen along the axis.
@@ -113,11 +114,8 @@ bool isFirstDiagonal(const InterfaceQuad& quad, std::span<const glm::dvec3> vert
 
 }  // namespace
 
-std::array<std::array<std::uint32_t, 3>, 2> trianglesOf(const InterfaceQuad& quad,
-                                                        std::span<const glm::dvec3> vertices) {
-  const auto& v = quad.vertex;
-  if (isFirstDiagonal(quad, vertices)) return {{{v[0], v[1], v[2]}, {v[0], v[2], v[3]}}};
-  return {{{v[1], v[2], v[3]}, {v[1], v[3], v[0]}}};
+QuadSplit settledSplit(const InterfaceQuad& quad, std::span<const glm::dvec3> vertices) {
+  return isFirstDiagonal(quad, vertices) ? QuadSplit::first : QuadSplit::second;
 }
 
 void straightenBoundaries(std::span<const std::vector<InterfaceQuad>> quads,
@@ -132,6 +130,10 @@ void straightenBoundaries(std::span<const std::vector<InterfaceQuad>> quads,
       };
       const glm::dvec3 from = vertices[junctions[j].vertices()[0]];
       if (from + (junctions[j].target - from) == from) continue;  // already there
+      // No quality is above kLeastCosine, so that there the one before does not matter.
+      moveTo(from + (junctions[j].target - from));
+      if (junctionQuads.worstQuality(j, vertices, kLeastCosine) >= kLeastCosine) continue;
+      moveTo(from);
       const double before = junctionQuads.worstQuality(j, vertices);
       const double enough = junctions[j].isOnCrease ? std::min(before, kLeastOnCrease) : before;
       const auto moves = [&](const glm::dvec3& to, double quality) {

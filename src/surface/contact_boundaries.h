@@ -10,7 +10,7 @@
 
 namespace sherd {
 
-/// The diagonal at which a quad is split, if both are in it.
+/// The diagonal at which a quad is split, if both are in it; of a settled quad always.
 enum class QuadSplit : std::uint8_t {
   shorter,  ///< the shorter one
   first,    ///< of vertices 0 and 2
@@ -23,14 +23,40 @@ struct InterfaceQuad {
   std::uint16_t label = 0;  ///< never 0
   std::uint16_t other = 0;  ///< label on the other side
   std::array<std::uint32_t, 4> vertex{};
-  std::uint8_t axis = 0;  ///< of the edge between the two voxel centers
+  std::uint16_t edge = 0;  ///< between the two voxel centers: 3 times the offset of the lower one
+                           ///< in its leaf, plus the axis
   QuadSplit split = QuadSplit::shorter;
+  bool isIntact = false;  ///< of the intact solid: settled, and no vertex is a junction's
+
+  [[nodiscard]] int axis() const { return edge % 3; }
 };
 
-/// Returns the two triangles of a quad, which do not fold seen along its axis if one of the
-/// diagonals allows it.  Both sides of an interface get the same split.
-[[nodiscard]] std::array<std::array<std::uint32_t, 3>, 2> trianglesOf(
-    const InterfaceQuad& quad, std::span<const glm::dvec3> vertices);
+/// Returns the eighth of a leaf that an edge belongs to: of half its side along each axis.
+[[nodiscard]] inline std::size_t octantOf(std::uint16_t edge) {
+  const unsigned offset = edge / 3u;
+  return (offset >> 6 & 4) | (offset >> 4 & 2) | (offset >> 2 & 1);
+}
+
+/// The two triangles of a quad, by their corners.
+using QuadHalves = std::array<std::array<std::uint32_t, 3>, 2>;
+
+/// Settles the diagonal at which a quad is split, so that its triangles do not fold seen along its
+/// axis, if one of the diagonals allows it.  Both sides of an interface get the same.
+[[nodiscard]] QuadSplit settledSplit(const InterfaceQuad& quad,
+                                     std::span<const glm::dvec3> vertices);
+
+/// Returns the two triangles of four corners split at a settled diagonal.
+[[nodiscard]] inline QuadHalves trianglesOf(const std::array<std::uint32_t, 4>& v,
+                                            QuadSplit settled) {
+  if (settled == QuadSplit::first) return {{{v[0], v[1], v[2]}, {v[0], v[2], v[3]}}};
+  return {{{v[1], v[2], v[3]}, {v[1], v[3], v[0]}}};
+}
+
+/// Returns the two triangles of a quad.
+[[nodiscard]] inline QuadHalves trianglesOf(const InterfaceQuad& quad,
+                                            std::span<const glm::dvec3> vertices) {
+  return trianglesOf(quad.vertex, settledSplit(quad, vertices));
+}
 
 /// A position where more than two labels meet that has a target: outside its cell, or on a crease.
 struct Junction {
@@ -55,7 +81,7 @@ struct Junction {
 ///
 /// Without it boundaries zigzag where a crack crosses the surface outside the cells that the labels
 /// select.
-///   quads     [leaves][..]
+///   quads     [leaves][..] not settled, unless they are of the intact solid
 ///   vertices  index space
 ///   mayHave   returns false for leaves of which no quad has a vertex of a junction
 void straightenBoundaries(std::span<const std::vector<InterfaceQuad>> quads,

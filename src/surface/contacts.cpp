@@ -83,6 +83,27 @@ SurfaceSums voxelSurfaces(const Solid& solid, const Labels& labels, const Cut& c
   return found;
 }
 
+std::vector<std::vector<Contact>> contactsOf(std::size_t fragments, const SurfaceSums& sums) {
+  std::vector<std::vector<Contact>> all(fragments);
+  for (const auto& [pair, sum] : sums) {
+    const double length = glm::length(sum.normal);
+    Contact contact;
+    contact.area = sum.area;
+    contact.normal = length > 0 ? sum.normal / length : glm::dvec3(0.0);
+    contact.centroid = sum.centroid / sum.area;
+    contact.fragment = pair.second;
+    all[pair.first - 1u].push_back(contact);
+    contact.fragment = pair.first;
+    contact.normal = -contact.normal;
+    all[pair.second - 1u].push_back(contact);
+  }
+  for (std::vector<Contact>& own : all) {
+    std::sort(own.begin(), own.end(),
+              [](const Contact& a, const Contact& b) { return a.fragment < b.fragment; });
+  }
+  return all;
+}
+
 }  // namespace
 
 std::uint16_t NeighborSearch::across(const std::array<glm::dvec3, 3>& corners,
@@ -149,27 +170,17 @@ void ContactMeasure::add(std::uint16_t fragment, const SurfaceTriangle& face) {
 std::vector<std::vector<Contact>> ContactMeasure::contacts(
     std::size_t fragments, const Solid& solid, const Labels& labels, const Cut& cut,
     std::span<const LeafNeighbors> neighborhoods) const {
-  std::vector<std::vector<Contact>> all(fragments);
-  for (const auto& [pair, byVoxels] : voxelSurfaces(solid, labels, cut, neighborhoods)) {
+  SurfaceSums all = voxelSurfaces(solid, labels, cut, neighborhoods);
+  // A contact of a few voxels may have no face in the meshes; its voxel faces are used then.
+  for (auto& [pair, sum] : all) {
     const auto found = measured_.find(pair);
-    // A contact of a few voxels may have no face in the meshes; its voxel faces are used then.
-    const SurfaceSum& interface = found != measured_.end() ? found->second : byVoxels;
-    const double length = glm::length(interface.normal);
-    Contact contact;
-    contact.area = interface.area;
-    contact.normal = length > 0 ? interface.normal / length : glm::dvec3(0.0);
-    contact.centroid = interface.centroid / interface.area;
-    contact.fragment = pair.second;
-    all[pair.first - 1u].push_back(contact);
-    contact.fragment = pair.first;
-    contact.normal = -contact.normal;
-    all[pair.second - 1u].push_back(contact);
+    if (found != measured_.end()) sum = found->second;
   }
-  for (std::vector<Contact>& own : all) {
-    std::sort(own.begin(), own.end(),
-              [](const Contact& a, const Contact& b) { return a.fragment < b.fragment; });
-  }
-  return all;
+  return contactsOf(fragments, all);
+}
+
+std::vector<std::vector<Contact>> ContactMeasure::contacts(std::size_t fragments) const {
+  return contactsOf(fragments, measured_);
 }
 
 }  // namespace sherd

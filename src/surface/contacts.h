@@ -3,6 +3,7 @@
 
 #include <sherd/fragments.h>
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <span>
@@ -62,6 +63,11 @@ class ContactMeasure {
   /// Adds a face of a fragment; its neighbor is not 0.
   void add(std::uint16_t fragment, const SurfaceTriangle& face);
 
+  /// Returns whether faces between two fragments have been added.
+  [[nodiscard]] bool has(std::uint16_t a, std::uint16_t b) const {
+    return measured_.contains({std::min(a, b), std::max(a, b)});
+  }
+
   /// Returns the contacts of fragments 1..fragments, all of which must have been added.
   ///   labels         before erosion
   ///   cut            of the eroded labels
@@ -69,6 +75,9 @@ class ContactMeasure {
   [[nodiscard]] std::vector<std::vector<Contact>> contacts(
       std::size_t fragments, const Solid& solid, const Labels& labels, const Cut& cut,
       std::span<const LeafNeighbors> neighborhoods) const;
+
+  /// The same of fragments that share voxel faces only where faces have been added.
+  [[nodiscard]] std::vector<std::vector<Contact>> contacts(std::size_t fragments) const;
 
   /// Sums over the shared surface of a pair of fragments.
   struct SurfaceSum {

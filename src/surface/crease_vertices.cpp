@@ -128,8 +128,8 @@ void addCrossedEdges(const openvdb::Coord& cell, const CellLabels& labels,
 
 }  // namespace
 
-std::vector<CreaseVertex> creaseVertices(const Field& field, std::size_t leaf) {
-  std::vector<CreaseVertex> found;
+LeafCreases creaseVertices(const Field& field, std::size_t leaf) {
+  LeafCreases found;
   const openvdb::Coord& origin = field.solid().blocks->origins[leaf];
   InputCrossings input(field.solid(), origin);
   if (!input.exist()) return found;
@@ -162,11 +162,12 @@ std::vector<CreaseVertex> creaseVertices(const Field& field, std::size_t leaf) {
       const std::optional<CreaseVertex> vertex = vertexOf(
           *field.solid().region->boundary(), {low.x(), low.y(), low.z()}, values, sheets, p);
       if (!vertex) continue;
-      found.push_back(*vertex);
-      found.back().offset = offset;
+      found.vertices.push_back(*vertex);
+      found.vertices.back().offset = offset;
     }
   }
-  found.shrink_to_fit();
+  found.vertices.shrink_to_fit();
+  found.crossings = input.found();
   return found;
 }
 

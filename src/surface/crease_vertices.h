@@ -8,9 +8,14 @@
 
 namespace sherd {
 
-/// Returns the vertices of a leaf's cells in which the input's crossings may differ from those of
-/// the distances.
+/// The cells of a leaf in which the input's crossings may differ from those of the distances.
+struct LeafCreases {
+  std::vector<CreaseVertex> vertices;
+  std::vector<KnownCrossing> crossings;  ///< of these cells' edges
+};
+
+/// Returns those of a leaf.
 ///   field  of the intact solid
-[[nodiscard]] std::vector<CreaseVertex> creaseVertices(const Field& field, std::size_t leaf);
+[[nodiscard]] LeafCreases creaseVertices(const Field& field, std::size_t leaf);
 
 }  // namespace sherd

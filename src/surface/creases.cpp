@@ -22,8 +22,10 @@ namespace sherd {
 
 class Creases::Finding {
  public:
-  Finding(Creases& to, const Solid& solid, std::span<const LeafNeighbors> neighborhoods)
+  Finding(Creases& to, const Solid& solid, std::span<const LeafNeighbors> neighborhoods,
+          KeepCrossings keep)
       : to_(to),
+        keep_(keep),
         solid_(solid),
         neighborhoods_(neighborhoods),
         intact_(solid.blocks),
@@ -32,17 +34,20 @@ class Creases::Finding {
 
   void find(const Progress* progress) {
     const std::size_t count = solid_.blocks->count();
-    std::vector<std::vector<CreaseVertex>> found(count);
+    std::vector<LeafCreases> found(count);
     CancelFlag stop(progress);
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t leaf) {
-      if (!stop.isSet()) found[leaf] = creaseVertices(field_, leaf);
+      if (stop.isSet()) return;
+      found[leaf] = creaseVertices(field_, leaf);
+      if (keep_ == KeepCrossings::no) found[leaf].crossings = {};
     });
     stop.throwIfSet();
     for (std::uint32_t leaf = 0; leaf < count; ++leaf) {
-      if (found[leaf].empty()) continue;
+      if (found[leaf].vertices.empty() && found[leaf].crossings.empty()) continue;
       leaves_.push_back(leaf);
       to_.origins_.push_back(solid_.blocks->origins[leaf]);
-      to_.vertices_.push_back(std::move(found[leaf]));
+      to_.vertices_.push_back(std::move(found[leaf].vertices));
+      if (keep_ == KeepCrossings::yes) to_.crossings_.push_back(std::move(found[leaf].crossings));
     }
     std::vector<std::uint32_t> changed;
     for (std::uint32_t i = 0; i < leaves_.size(); ++i) {
@@ -173,7 +178,9 @@ class Creases::Finding {
     out.quads.resize(count);
     tbb::parallel_for(std::size_t{0}, leaves.size(), [&](std::size_t i) {
       if (stop.isSet()) return;
-      const std::vector<InterfaceQuad> quads = quadsOf(field_, all, leaves[i], &near);
+      const LeafEdges edges =
+          edgesAround(neighborhoods_[leaves[i]], [&](std::size_t leaf) { return near.of(leaf); });
+      const std::vector<InterfaceQuad> quads = quadsOf(field_, all, leaves[i], &edges);
       std::vector<QuadTriangles>& own = out.quads[leaves[i]];
       own.reserve(quads.size());
       for (const InterfaceQuad& quad : quads) own.push_back(trianglesOf(quad, out));
@@ -219,6 +226,7 @@ class Creases::Finding {
   }
 
   Creases& to_;
+  const KeepCrossings keep_;
   const Solid& solid_;
   const std::span<const LeafNeighbors> neighborhoods_;
   const IntactLabels intact_;
@@ -228,15 +236,25 @@ class Creases::Finding {
 };
 
 Creases::Creases(const Solid& solid, std::span<const LeafNeighbors> neighborhoods,
-                 const Progress* progress) {
+                 const Progress* progress, KeepCrossings keep) {
   if (solid.region == nullptr || solid.region->boundary() == nullptr) return;
-  Finding(*this, solid, neighborhoods).find(progress);
+  Finding(*this, solid, neighborhoods, keep).find(progress);
+}
+
+std::size_t Creases::indexOf(const openvdb::Coord& origin) const {
+  const auto at = std::lower_bound(origins_.begin(), origins_.end(), origin);
+  if (at == origins_.end() || *at != origin) return origins_.size();
+  return static_cast<std::size_t>(at - origins_.begin());
 }
 
 std::span<const CreaseVertex> Creases::of(const openvdb::Coord& origin) const {
-  const auto at = std::lower_bound(origins_.begin(), origins_.end(), origin);
-  if (at == origins_.end() || *at != origin) return {};
-  return vertices_[static_cast<std::size_t>(at - origins_.begin())];
+  const std::size_t index = indexOf(origin);
+  return index < vertices_.size() ? vertices_[index] : std::span<const CreaseVertex>();
+}
+
+std::span<const KnownCrossing> Creases::crossings(const openvdb::Coord& origin) const {
+  const std::size_t index = indexOf(origin);
+  return index < crossings_.size() ? crossings_[index] : std::span<const KnownCrossing>();
 }
 
 const CreaseVertex* CreasesOfLeaf::find(std::uint32_t offset, const CellSheets& sheets,

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "surface/cell.h"
+#include "surface/input_crossings.h"
 #include "voxelize/leaf_blocks.h"
 
 namespace sherd {
@@ -26,6 +27,9 @@ struct CreaseVertex {
   glm::dvec3 inCell{0.0};    ///< the same within the cell
 };
 
+/// Whether Creases keep the crossings that they are made of.
+enum class KeepCrossings { no, yes };
+
 /// The creases of a solid: the positions that the input's own triangles give to vertices of cells
 /// without cracks.  They are found once, of the intact solid, so that they depend on no fracture.
 ///
@@ -40,11 +44,14 @@ class Creases {
   ///   neighborhoods  of the solid's leaves
   ///   throws         Error(cancelled)
   Creases(const Solid& solid, std::span<const LeafNeighbors> neighborhoods,
-          const Progress* progress);
+          const Progress* progress, KeepCrossings keep = KeepCrossings::no);
 
   /// Returns the vertices in a leaf, ascending by offset.
   ///   origin  lowest voxel of the leaf
   [[nodiscard]] std::span<const CreaseVertex> of(const openvdb::Coord& origin) const;
+
+  /// Returns the crossings of a leaf's cells that were kept, which spares fractures to find them.
+  [[nodiscard]] std::span<const KnownCrossing> crossings(const openvdb::Coord& origin) const;
 
   /// Returns how many vertices were moved back into their cell, and from there to where the
   /// distances put them.
@@ -54,8 +61,12 @@ class Creases {
  private:
   class Finding;
 
-  std::vector<openvdb::Coord> origins_;              // ascending: of leaves with vertices
-  std::vector<std::vector<CreaseVertex>> vertices_;  // [origins]
+  // Returns the index of a leaf in origins_, or their number.
+  [[nodiscard]] std::size_t indexOf(const openvdb::Coord& origin) const;
+
+  std::vector<openvdb::Coord> origins_;  // ascending: of leaves with vertices or crossings
+  std::vector<std::vector<CreaseVertex>> vertices_;    // [origins]
+  std::vector<std::vector<KnownCrossing>> crossings_;  // [origins], or empty
   std::size_t movedBack_ = 0, reverted_ = 0;
 };
 

@@ -70,6 +70,59 @@ std::vector<std::uint32_t> leafLabels(const Labels& labels) {
   return only;
 }
 
+std::uint32_t onlyOf(std::uint32_t a, std::uint32_t b) {
+  if (a == 0 || b == 0) return a | b;
+  return a == b ? a : kMixed;
+}
+
+// [6] the only label of each outermost layer of a leaf, 0 if none, kMixed if several.
+std::array<std::uint32_t, 6> layersOf(const Labels& labels, std::size_t leaf) {
+  const std::uint16_t* const own = &labels.fragment[leaf * 512];
+  std::array<std::uint32_t, 6> layers{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::size_t across = std::array<std::size_t, 3>{64, 8, 1}[axis],
+                      rows = std::array<std::size_t, 3>{8, 64, 64}[axis],
+                      along = std::array<std::size_t, 3>{1, 1, 8}[axis];
+    for (std::size_t high = 0; high < 2; ++high) {
+      std::array<std::uint16_t, 64> layer;
+      for (std::size_t i = 0; i < 64; ++i)
+        layer[i] = own[high * 7 * across + i / 8 * rows + i % 8 * along];
+      const LabelRange found = rangeOf(layer);
+      layers[2 * axis + high] = found.isSeveral() ? kMixed : found.high;
+    }
+  }
+  return layers;
+}
+
+// [leaf] layersOf the leaves with several labels.
+std::vector<std::array<std::uint32_t, 6>> mixedLayers(const Labels& labels,
+                                                      std::span<const std::uint32_t> leafLabel) {
+  std::vector<std::array<std::uint32_t, 6>> layers(leafLabel.size());
+  tbb::parallel_for(std::size_t{0}, layers.size(), [&](std::size_t leaf) {
+    if (leafLabel[leaf] == kMixed) layers[leaf] = layersOf(labels, leaf);
+  });
+  return layers;
+}
+
+// The only label of a leaf and the layer around it, 0 if none, kMixed if there may be several: of
+// a leaf that it meets at an edge or a corner, a whole layer is taken.
+std::uint32_t onlyWithinOne(const LeafNeighbors& neighborhood,
+                            std::span<const std::uint32_t> leafLabel,
+                            std::span<const std::array<std::uint32_t, 6>> layers) {
+  std::uint32_t only = 0;
+  for (std::size_t k = 0; k < neighborhood.size() && only != kMixed; ++k) {
+    const std::uint32_t other = neighborhood[k];
+    if (other == LeafBlocks::kNone) continue;
+    std::uint32_t label = leafLabel[other];
+    const std::array<std::size_t, 3> step{k / 9, k / 3 % 3, k % 3};  // 1: none
+    for (std::size_t axis = 0; axis < 3 && label == kMixed; ++axis) {
+      if (step[axis] != 1) label = layers[other][2 * axis + (step[axis] == 0 ? 1 : 0)];
+    }
+    only = onlyOf(only, label);
+  }
+  return only;
+}
+
 // The labels other than 0 in a halo, ascending.
 std::vector<std::uint16_t> fragmentsIn(const CutHalo& halo) {
   // Most halos have at most one label, which this branch-free test finds.
@@ -259,6 +312,7 @@ Cut findCut(const Labels& labels, std::span<const LeafNeighbors> neighborhoods, 
   const LeafBlocks& blocks = *labels.blocks;
   const std::vector<std::uint64_t> voxels = countVoxels(labels);
   const std::vector<std::uint32_t> leafLabel = leafLabels(labels);
+  const std::vector<std::array<std::uint32_t, 6>> layers = mixedLayers(labels, leafLabel);
   const Sites sites(labels.sites);
   std::vector<CutLeaf> perLeaf(blocks.count());
   Cut cut;
@@ -272,8 +326,8 @@ Cut findCut(const Labels& labels, std::span<const LeafNeighbors> neighborhoods, 
       const LeafNeighbors& neighborhood = neighborhoods[leaf];
       std::uint32_t only = 0;
       for (const std::uint32_t other : neighborhood) {
-        if (other == LeafBlocks::kNone || leafLabel[other] == 0) continue;
-        only = only == 0 || only == leafLabel[other] ? leafLabel[other] : kMixed;
+        if (other == LeafBlocks::kNone) continue;
+        only = onlyOf(only, leafLabel[other]);
       }
       if (only != kMixed) {
         cut.only[leaf] = static_cast<std::uint16_t>(only);
@@ -281,6 +335,11 @@ Cut findCut(const Labels& labels, std::span<const LeafNeighbors> neighborhoods, 
       }
       std::optional<CornerLabels> corners;
       if (extent == CutExtent::cells) {
+        const std::uint32_t near = onlyWithinOne(neighborhood, leafLabel, layers);
+        if (near != kMixed) {
+          cut.only[leaf] = static_cast<std::uint16_t>(near);
+          continue;
+        }
         corners = labelsAround<1, 1>(blocks, labels, neighborhood, Voxels::inside);
         const LabelRange found = rangeOf(*corners);
         if (!found.isSeveral()) {

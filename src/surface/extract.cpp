@@ -14,11 +14,11 @@
 #include "base/cancel_flag.h"
 #include "base/uncancelled.h"
 #include "grow/check_labels.h"
+#include "grow/label_slices.h"
 #include "surface/decimate.h"
 #include "surface/exact_meshes.h"
 #include "surface/independent_cracks.h"
 #include "surface/independent_mesh.h"
-#include "surface/intact.h"
 #include "surface/intact_labels.h"
 #include "surface/label_mesh.h"
 #include "surface/leaf_labels.h"
@@ -52,28 +52,20 @@ std::vector<std::vector<std::uint32_t>> leavesOf(const Cut& cut, std::size_t fra
 std::vector<VoxelBox> voxelBoxes(const LeafBlocks& blocks, const Labels& labels) {
   const auto end = static_cast<std::size_t>(labels.fragmentCount) + 1;
   std::vector<VoxelBox> boxes(end, VoxelBox{openvdb::Coord::max(), openvdb::Coord::min()});
-  const auto widen = [](VoxelBox& box, const openvdb::Coord& low, const openvdb::Coord& high) {
-    box.min.minComponent(low);
-    box.max.maxComponent(high);
-  };
   for (std::size_t leaf = 0; leaf < blocks.count(); ++leaf) {
-    const std::span<const std::uint16_t> own(&labels.fragment[leaf * 512], 512);
     const openvdb::Coord& origin = blocks.origins[leaf];
-    const bool isWhole = std::all_of(&blocks.inside[leaf * 8], &blocks.inside[leaf * 8] + 8,
-                                     [](std::uint64_t bits) { return ~bits == 0; });
-    if (const LabelRange range = rangeOf(own); isWhole && range.isOne() && range.high < end) {
-      widen(boxes[range.high], origin, origin + openvdb::Coord(7));
-      continue;
-    }
-    for (std::size_t x = 0; x < 8; ++x) {
-      for (std::uint64_t bits = blocks.inside[leaf * 8 + x]; bits; bits &= bits - 1) {
-        const auto v =
-            static_cast<std::uint32_t>(x * 64) + static_cast<std::uint32_t>(std::countr_zero(bits));
-        if (own[v] >= end) continue;
-        const openvdb::Coord voxel = origin + coordFromOffset(v);
-        widen(boxes[own[v]], voxel, voxel);
-      }
-    }
+    forEachLabelSlice(labels, leaf, [&](std::uint16_t label, std::size_t x, std::uint64_t bits) {
+      if (label >= end) return;
+      std::uint64_t row = bits;  // bits z of all y
+      for (const int shift : {32, 16, 8}) row |= row >> shift;
+      row &= 0xff;
+      const auto at = [&](int y, int z) {
+        return origin + openvdb::Coord(static_cast<int>(x), y, z);
+      };
+      boxes[label].min.minComponent(at(std::countr_zero(bits) / 8, std::countr_zero(row)));
+      boxes[label].max.maxComponent(
+          at((63 - std::countl_zero(bits)) / 8, 63 - std::countl_zero(row)));
+    });
   }
   return boxes;
 }
@@ -107,11 +99,16 @@ bool needsWholeCut(const SurfaceOptions& surface) {
          (surface.surface != Surface::labels && surface.interface == Interface::independent);
 }
 
+// The options of the surfaces before any simplification, of which points are sampled.
+SurfaceOptions bare(SurfaceOptions surface) {
+  surface.levelSets = false;
+  return surface;
+}
+
 const SurfaceOptions& checked(const Solid& solid, const ExtractOptions& options,
                               const Progress* progress) {
   checkSurfaceOptions(options.surface);
   if (options.uneroded != nullptr) checkLabels(*options.uneroded, solid);
-  checkIntact(options.intact, solid);
   reportProgress(progress, "extract", 0.0);
   return options.surface;
 }
@@ -129,26 +126,27 @@ Extraction::Extraction(const Solid& solid, const Labels& labels, const ExtractOp
       count_(static_cast<std::size_t>(labels.fragmentCount)),
       voxels_(checkedCounts(labels, solid)),
       boxes_(voxelBoxes(*solid.blocks, labels)),
-      ownNeighborhoods_(options.intact ? std::vector<LeafNeighbors>()
-                                       : leafNeighbors(solid.blocks->origins)),
-      neighborhoods_(options.intact ? options.intact->neighborhoods : ownNeighborhoods_),
-      cut_(findCut(labels, neighborhoods_,
-                   needsWholeCut(surface_) ? CutExtent::everywhere : CutExtent::cells, progress)),
-      leaves_(leavesOf(cut_, count_)) {
+      cut_(std::make_shared<CutSolid>(
+          solid, labels, options.intact,
+          needsWholeCut(surface_) ? CutExtent::everywhere : CutExtent::cells, progress)),
+      leaves_(leavesOf(cut_->cut(), count_)) {
   if (surface_.surface == Surface::exact) {
     makeExact(options.exact ? *options.exact
-                            : exactMeshes(solid_, labels_, neighborhoods_, progress_));
+                            : exactMeshes(solid_, labels_, cut_->neighborhoods(), progress_));
   }
   if (surface_.surface != Surface::smooth) return;
-  if (!options.intact) ownCreases_ = Creases(solid, neighborhoods_, progress);
-  creases_ = options.intact ? &options.intact->creases : &ownCreases_;
-  simplification_ = simplificationOf(surface_, solid, options.intact);
+  cut_->findCreases(solid, progress);
+  simplification_ = simplificationOf(surface_, solid, options.intact.get());
   if (!isShared()) return;
-  shared_.emplace(solid, labels, cut_, neighborhoods_, *creases_, options.intact, progress);
+  auto shared = std::make_shared<const FragmentSurfaces>(solid, labels, uneroded_, cut_,
+                                                         SurfaceVertices::all, progress);
   const bool isProcessed = simplification_.isAny() || !surface_.triangles.empty() ||
                            movesAnything(surface_.smooth, solid.box.longestSide());
-  if (!isProcessed) return;
-  processTogether();
+  if (isProcessed) {
+    processTogether(std::move(shared));
+  } else {
+    surfaces_ = std::move(shared);
+  }
 }
 
 bool Extraction::isShared() const {
@@ -177,25 +175,17 @@ void Extraction::makeExact(ExactSurface exact) {
   processed_.meshes = std::move(exact.meshes);
 }
 
-LabeledMesh Extraction::sharedMesh(int id) const {
-  LabeledMesh mesh = shared_->meshOf(id);
-  mesh.mesh.neighbor = uneroded_
-                           ? neighborsOf(mesh.mesh, onSolid(mesh), static_cast<std::uint16_t>(id),
-                                         solid_, *uneroded_, true)
-                           : mesh.other;
-  return mesh;
-}
-
 // Frees what is not needed any more before the next step, which takes about as much memory.
-void Extraction::processTogether() {
+void Extraction::processTogether(std::shared_ptr<const FragmentSurfaces> surfaces) {
   Processed& all = processed_;
   all.meshes.resize(count_);
   CancelFlag stop(progress_);
   tbb::parallel_for(std::size_t{0}, count_, [&](std::size_t i) {
-    if (!stop.isSet()) all.meshes[i] = sharedMesh(static_cast<int>(i) + 1);
+    if (!stop.isSet()) all.meshes[i] = surfaces->meshOf(static_cast<std::uint16_t>(i + 1));
   });
   stop.throwIfSet();
-  shared_.reset();
+  if (surface_.points && canLackMeshes(bare(surface_))) unmerged_ = surfaces;
+  surfaces.reset();
   smoothTogether(all.meshes, surface_.smooth, solid_.box.longestSide(), progress_);
   throwIfCancelled(progress_);
   if (solid_.seams) all.cutFaces = cutTogether(all.meshes, *solid_.seams, solid_.frame);
@@ -211,8 +201,8 @@ void Extraction::processTogether() {
 
 void Extraction::meshShared(Fragment& fragment) {
   const std::size_t i = static_cast<std::size_t>(fragment.id) - 1;
-  if (shared_) {
-    fragment.mesh = std::move(sharedMesh(fragment.id).mesh);
+  if (surfaces_) {
+    fragment.mesh = std::move(surfaces_->meshOf(static_cast<std::uint16_t>(fragment.id)).mesh);
     cutSeams(fragment);
     return;
   }
@@ -237,7 +227,7 @@ void Extraction::meshIndependent(Fragment& fragment) const {
   if (surface_.surface == Surface::labels) {
     fragment.mesh = meshOfFaces(facesOf(solid_, labels_, before, id, leaves), solid_.frame);
   } else {
-    LabeledMesh meshed = meshOfOne(solid_, labels_, cut_, *creases_, id, leaves);
+    LabeledMesh meshed = meshOfOne(solid_, labels_, cut_->cut(), cut_->creases(), id, leaves);
     meshed.mesh.neighbor =
         neighborsOf(meshed.mesh, onSolid(meshed), id, solid_, before, uneroded_ != nullptr);
     slideCracks(meshed, solid_.frame, key);
@@ -265,17 +255,19 @@ void Extraction::meshIndependent(Fragment& fragment) const {
 }
 
 Fragment Extraction::makeFragment(std::size_t i) {
-  Fragment fragment;
-  fragment.id = static_cast<int>(i) + 1;
-  const auto id = static_cast<std::uint16_t>(fragment.id);
+  const auto id = static_cast<std::uint16_t>(i + 1);
+  Fragment fragment = surfaces_ ? surfaces_->measured(id) : Fragment{};
+  fragment.id = id;
   fragment.voxels = voxels_[i + 1];
   fragment.voxelBox = boxes_[i + 1];
-  if (surface_.levelSets) fragment.surface = fragmentLevelSet(solid_, cut_, id, leaves_[id]);
+  if (surface_.levelSets) fragment.surface = fragmentLevelSet(solid_, cut_->cut(), id, leaves_[id]);
   const bool isExact = surface_.surface == Surface::exact;
   isShared() || isExact ? meshShared(fragment) : meshIndependent(fragment);
   fragment.meshedAs = surface_.surface;
-  fragment.mass = massProperties(fragment.mesh);
-  measureAreas(fragment);
+  if (!surfaces_) {
+    fragment.mass = massProperties(fragment.mesh);
+    measureAreas(fragment);
+  }
   return fragment;
 }
 
@@ -302,13 +294,17 @@ std::vector<Fragment> Extraction::next() {
     if (!stop.isSet()) uncancelled([&] { fragments[i - begin] = makeFragment(i); });
   });
   stop.throwIfSet();
-  for (const Fragment& fragment : fragments) measure_.add(fragment);
+  if (!surfaces_) {
+    for (const Fragment& fragment : fragments) measure_.add(fragment);
+  }
   reportProgress(progress_, "extract", static_cast<double>(next_) / static_cast<double>(count_));
   return fragments;
 }
 
 std::vector<std::vector<Contact>> Extraction::contacts() const {
-  return measure_.contacts(count_, solid_, uneroded_ ? *uneroded_ : labels_, cut_, neighborhoods_);
+  const Labels& before = uneroded_ ? *uneroded_ : labels_;
+  return surfaces_ ? surfaces_->contacts(solid_, before)
+                   : measure_.contacts(count_, solid_, before, cut_->cut(), cut_->neighborhoods());
 }
 
 std::vector<Fragment> measuredFragments(const FragmentSurfaces& surfaces, const Solid& solid,
@@ -335,10 +331,10 @@ ExtractedFragments extractAll(const Solid& solid, const Labels& labels,
                               const ExtractOptions& options, const Progress* progress) {
   if (!options.surface.meshes) {
     (void)checked(solid, options, progress);
-    // Shares nothing: the surface outlives the call.
-    const std::shared_ptr<const IntactSurface> intact(std::shared_ptr<void>(), options.intact);
-    const FragmentSurfaces surfaces(solid, labels, options.uneroded, intact, progress);
-    return {measuredFragments(surfaces, solid, labels, options.uneroded, progress)};
+    auto surfaces = std::make_shared<const FragmentSurfaces>(solid, labels, options.uneroded,
+                                                             options.intact, progress);
+    return {.fragments = measuredFragments(*surfaces, solid, labels, options.uneroded, progress),
+            .surfaces = surfaces};
   }
   Extraction extraction(solid, labels, options, progress);
   std::vector<Fragment> all;
@@ -347,7 +343,7 @@ ExtractedFragments extractAll(const Solid& solid, const Labels& labels,
   }
   std::vector<std::vector<Contact>> contacts = extraction.contacts();
   for (std::size_t i = 0; i < all.size(); ++i) all[i].contacts = std::move(contacts[i]);
-  return {std::move(all), extraction.exactFailure()};
+  return {std::move(all), extraction.exactFailure(), extraction.surfaces(), extraction.unmerged()};
 }
 
 std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,
@@ -359,8 +355,9 @@ TriangleMesh solidMesh(const Solid& solid, double adaptivity) {
   const IntactLabels intact(solid.blocks);
   const std::vector<LeafNeighbors> neighborhoods = leafNeighbors(solid.blocks->origins);
   const Creases creases(solid, neighborhoods, nullptr);
-  const InterfaceMeshes meshes(solid, intact.labels, intact.cut, neighborhoods, creases);
-  LabeledMesh mesh = meshes.meshOf(1);
+  const InterfaceSurface surface(solid, intact.labels, intact.cut, neighborhoods, creases, nullptr,
+                                 SurfaceVertices::all, nullptr);
+  LabeledMesh mesh = InterfaceMeshes(surface, neighborhoods, nullptr).meshOf(1);
   mesh.mesh.neighbor = mesh.other;
   if (solid.seams) cutTogether(std::span(&mesh, 1), *solid.seams, solid.frame);
   const Simplification simplification = simplificationOf({.adaptivity = adaptivity}, solid);

@@ -3,18 +3,16 @@
 
 #include <sherd/fragments.h>
 
-#include <optional>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "surface/contacts.h"
-#include "surface/cut.h"
+#include "surface/cut_solid.h"
 #include "surface/exact_surface.h"
 #include "surface/fragment_surfaces.h"
-#include "surface/interface_mesh.h"
 #include "surface/simplify.h"
-#include "voxelize/leaf_blocks.h"
 
 namespace sherd {
 
@@ -35,6 +33,12 @@ class Extraction {
   /// Returns the contacts of each fragment.  Precondition: next() has returned all.
   [[nodiscard]] std::vector<std::vector<Contact>> contacts() const;
 
+  /// Returns FractureResult::surfaces.
+  [[nodiscard]] std::shared_ptr<const FragmentSurfaces> surfaces() const { return surfaces_; }
+
+  /// Returns FractureResult::unmerged, if SurfaceOptions::points asks for it.
+  [[nodiscard]] std::shared_ptr<const FragmentSurfaces> unmerged() const { return unmerged_; }
+
   /// Returns why Surface::exact was replaced by Surface::smooth, as a clause; empty if it was not.
   [[nodiscard]] const std::string& exactFailure() const { return exactFailure_; }
 
@@ -47,8 +51,7 @@ class Extraction {
   };
 
   bool isShared() const;
-  LabeledMesh sharedMesh(int id) const;
-  void processTogether();
+  void processTogether(std::shared_ptr<const FragmentSurfaces> surfaces);
   void makeExact(ExactSurface exact);
   std::size_t endOfBatch() const;
   Fragment makeFragment(std::size_t i);
@@ -63,17 +66,14 @@ class Extraction {
   const Progress* const progress_;
   const std::uint64_t seed_;
   const std::size_t count_;
-  const std::vector<std::uint64_t> voxels_;            ///< [fragments + 1]
-  const std::vector<VoxelBox> boxes_;                  ///< [fragments + 1]
-  const std::vector<LeafNeighbors> ownNeighborhoods_;  ///< empty if there is an intact surface
-  const std::span<const LeafNeighbors> neighborhoods_;
-  const Cut cut_;
-  Creases ownCreases_{};              ///< without an intact surface
-  const Creases* creases_ = nullptr;  ///< with Surface::smooth
+  const std::vector<std::uint64_t> voxels_;  ///< [fragments + 1]
+  const std::vector<VoxelBox> boxes_;        ///< [fragments + 1]
+  const std::shared_ptr<CutSolid> cut_;
   Simplification simplification_{};
   const std::vector<std::vector<std::uint32_t>> leaves_;  ///< [fragments + 1] ascending
-  std::optional<InterfaceMeshes> shared_;  ///< if meshes are shared and not processed
-  Processed processed_;                    ///< if they are, or exact
+  std::shared_ptr<const FragmentSurfaces> surfaces_;      ///< if meshes are shared, not processed
+  std::shared_ptr<const FragmentSurfaces> unmerged_;
+  Processed processed_;  ///< if meshes are processed, or exact
   std::string exactFailure_;
   ContactMeasure measure_;
   std::size_t next_ = 0;
@@ -82,7 +82,8 @@ class Extraction {
 /// All fragments, with contacts.
 struct ExtractedFragments {
   std::vector<Fragment> fragments;
-  std::string exactFailure{};  ///< as Extraction::exactFailure
+  std::string exactFailure{};                                      ///< as Extraction::exactFailure
+  std::shared_ptr<const FragmentSurfaces> surfaces{}, unmerged{};  ///< as those of Extraction
 };
 
 /// As extractFragments.

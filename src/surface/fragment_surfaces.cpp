@@ -8,12 +8,14 @@
 #include <array>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <numeric>
 #include <optional>
 #include <utility>
 
 #include "base/cancel_flag.h"
 #include "grow/check_labels.h"
 #include "mesh/mass_sums.h"
+#include "surface/region_edges.h"
 
 namespace sherd {
 namespace {
@@ -28,12 +30,42 @@ const IntactLeaf* reusedLeaf(const InterfaceSurface& surface, const IntactSurfac
   return surface.reusesTriangles(leaf) ? &intact->leaves[leaf] : nullptr;
 }
 
-const Solid& checked(const Solid& solid, const Labels& labels, const Labels* uneroded,
-                     const IntactSurface* intact) {
+double areaOf(const SurfaceTriangle& t) {
+  const auto& [a, b, c] = t.corner;
+  return 0.5 * glm::length(glm::cross(b - a, c - a));
+}
+
+// The areas of the quads of a leaf that are the intact solid's, looked up by ascending edges.
+class AreasOfLeaf {
+ public:
+  AreasOfLeaf(const IntactSurface* intact, std::size_t leaf)
+      : own_(intact != nullptr ? &intact->leaves[leaf] : nullptr) {}
+
+  // Returns those of a quad's triangles, or null.
+  const std::array<double, 2>* find(const InterfaceQuad& quad) {
+    if (!quad.isIntact) return nullptr;
+    while (own_->quads[next_].edge < quad.edge) ++next_;
+    return &own_->areas[next_];
+  }
+
+ private:
+  const IntactLeaf* own_;
+  std::size_t next_ = 0;
+};
+
+const Solid& checked(const Solid& solid, const Labels& labels, const Labels* uneroded) {
   (void)checkedCounts(labels, solid);
   if (uneroded != nullptr) checkLabels(*uneroded, solid);
-  checkIntact(intact, solid);
   return solid;
+}
+
+std::shared_ptr<const CutSolid> cutSolid(const Solid& solid, const Labels& labels,
+                                         std::shared_ptr<const IntactSurface> intact,
+                                         const Progress* progress) {
+  auto cut =
+      std::make_shared<CutSolid>(solid, labels, std::move(intact), CutExtent::cells, progress);
+  cut->findCreases(solid, progress);
+  return cut;
 }
 
 }  // namespace
@@ -41,133 +73,145 @@ const Solid& checked(const Solid& solid, const Labels& labels, const Labels* une
 FragmentSurfaces::FragmentSurfaces(const Solid& solid, const Labels& labels, const Labels* uneroded,
                                    std::shared_ptr<const IntactSurface> intact,
                                    const Progress* progress)
-    : frame_(checked(solid, labels, uneroded, intact.get()).frame),
+    : FragmentSurfaces(
+          solid, labels, uneroded,
+          cutSolid(checked(solid, labels, uneroded), labels, std::move(intact), progress),
+          SurfaceVertices::changed, progress) {}
+
+FragmentSurfaces::FragmentSurfaces(const Solid& solid, const Labels& labels, const Labels* uneroded,
+                                   std::shared_ptr<const CutSolid> cut, SurfaceVertices vertices,
+                                   const Progress* progress)
+    : frame_(solid.frame),
       count_(static_cast<std::size_t>(labels.fragmentCount)),
-      intact_(std::move(intact)),
-      ownNeighborhoods_(intact_ ? std::vector<LeafNeighbors>()
-                                : leafNeighbors(solid.blocks->origins)),
-      neighborhoods_(intact_ ? intact_->neighborhoods : ownNeighborhoods_),
-      ownCreases_(intact_ ? Creases() : Creases(solid, neighborhoods_, progress)),
-      cut_(findCut(labels, neighborhoods_, CutExtent::cells, progress)),
-      surface_(solid, labels, cut_, neighborhoods_, intact_ ? intact_->creases : ownCreases_,
-               intact_.get(), SurfaceVertices::changed, progress),
-      reference_(middleOf(solid)),
-      changed_(solid.blocks->count()),
-      gaps_(count_ + 1) {
-  CancelFlag stop(progress);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, changed_.size(), 64),
-                    [&](const auto& range) {
-                      if (stop.isSet()) return;
-                      std::optional<NeighborSearch> search;
-                      if (uneroded != nullptr) search.emplace(solid, *uneroded, true);
-                      for (std::size_t leaf = range.begin(); leaf < range.end(); ++leaf) {
-                        measureLeaf(leaf, search ? &*search : nullptr);
-                      }
-                    });
-  stop.throwIfSet();
-  std::optional<NeighborSearch> search;
-  if (uneroded != nullptr) search.emplace(solid, *uneroded, true);
-  for (std::size_t id = 1; id <= count_; ++id) {
-    measureGaps(static_cast<std::uint16_t>(id), search ? &*search : nullptr);
-  }
+      cut_(std::move(cut)),
+      surface_(solid, labels, cut_->cut(), cut_->neighborhoods(), cut_->creases(), cut_->intact(),
+               vertices, progress),
+      reference_(middleOf(solid)) {
+  if (vertices == SurfaceVertices::all)
+    meshes_.emplace(surface_, cut_->neighborhoods(), cut_->intact());
+  if (uneroded != nullptr) findNeighbors(solid, *uneroded, progress);
+}
+
+std::uint16_t FragmentSurfaces::neighborOf(std::size_t leaf, const InterfaceQuad& quad,
+                                           std::size_t half) const {
+  if (neighbors_.empty()) return quad.other;
+  const auto i = static_cast<std::size_t>(&quad - surface_.quadsOf(leaf).data());
+  return neighbors_[leaf][2 * i + half];
 }
 
 SurfaceTriangle FragmentSurfaces::triangle(std::size_t leaf, const InterfaceQuad& quad,
-                                           std::size_t half,
-                                           const std::array<std::uint32_t, 3>& vertex) const {
+                                           std::size_t half) const {
   const std::vector<glm::dvec3>& at = surface_.vertices().at;
-  const std::vector<std::uint16_t>& found = changed_[leaf].neighbor;
-  const auto i = static_cast<std::size_t>(&quad - surface_.quadsOf(leaf).data());
-  return {{at[vertex[0]], at[vertex[1]], at[vertex[2]]},
-          found.empty() ? quad.other : found[2 * i + half]};
+  const auto [a, b, c] = trianglesOf(quad.vertex, quad.split)[half];
+  return {{at[a], at[b], at[c]}, neighborOf(leaf, quad, half)};
 }
 
 SurfaceTriangle FragmentSurfaces::gap(std::uint16_t id, std::size_t i) const {
   const std::vector<glm::dvec3>& at = surface_.vertices().at;
   const InterfaceTriangle& t = *surface_.gapsOf(id)[i];
-  const std::vector<std::uint16_t>& found = gaps_[id].neighbor;
-  return {{at[t.vertex[0]], at[t.vertex[1]], at[t.vertex[2]]}, found.empty() ? t.other : found[i]};
+  return {{at[t.vertex[0]], at[t.vertex[1]], at[t.vertex[2]]},
+          gapNeighbors_.empty() ? t.other : gapNeighbors_[id][i]};
 }
 
-void FragmentSurfaces::measureLeaf(std::size_t leaf, NeighborSearch* search) {
-  ChangedLeaf own;
-  const std::vector<glm::dvec3>& at = surface_.vertices().at;
-  const std::span<const InterfaceQuad> quads = surface_.quadsOf(leaf);
-  own.areaSums.reserve(2 * quads.size());
-  std::size_t firstOfLabel = 0;
-  for (std::size_t i = 0; i < quads.size(); ++i) {
-    if (i > 0 && quads[i].label != quads[i - 1].label) firstOfLabel = 2 * i;
-    for (const std::array<std::uint32_t, 3>& t : trianglesOf(quads[i], at)) {
-      addArea(own.areaSums, firstOfLabel, at[t[0]], at[t[1]], at[t[2]]);
-      if (search == nullptr) continue;
-      // The surface of eroded voxels themselves is of no fragment.
-      const bool isCrack = quads[i].other != 0 && quads[i].label != Labels::kEroded;
-      own.neighbor.push_back(isCrack
-                                 ? search->across({at[t[0]], at[t[1]], at[t[2]]}, quads[i].label)
-                                 : std::uint16_t{0});
+void FragmentSurfaces::findNeighbors(const Solid& solid, const Labels& uneroded,
+                                     const Progress* progress) {
+  std::vector<std::vector<std::uint16_t>> found(solid.blocks->count());
+  CancelFlag stop(progress);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, found.size(), 64), [&](const auto& range) {
+    if (stop.isSet()) return;
+    NeighborSearch search(solid, uneroded, true);
+    for (std::size_t leaf = range.begin(); leaf < range.end(); ++leaf) {
+      for (const InterfaceQuad& quad : surface_.quadsOf(leaf)) {
+        // The surface of eroded voxels themselves is of no fragment.
+        const bool isCrack = quad.other != 0 && quad.label != Labels::kEroded;
+        for (const std::size_t half : {0, 1}) {
+          found[leaf].push_back(isCrack
+                                    ? search.across(triangle(leaf, quad, half).corner, quad.label)
+                                    : std::uint16_t{0});
+        }
+      }
+    }
+  });
+  stop.throwIfSet();
+  NeighborSearch search(solid, uneroded, true);
+  std::vector<std::vector<std::uint16_t>> ofGaps(count_ + 1);
+  for (std::size_t i = 1; i <= count_; ++i) {
+    const auto id = static_cast<std::uint16_t>(i);
+    for (std::size_t k = 0; k < surface_.gapsOf(id).size(); ++k) {
+      const SurfaceTriangle t = gap(id, k);
+      ofGaps[id].push_back(t.neighbor == 0 ? std::uint16_t{0} : search.across(t.corner, id));
     }
   }
-  changed_[leaf] = std::move(own);
-}
-
-void FragmentSurfaces::measureGaps(std::uint16_t id, NeighborSearch* search) {
-  ChangedGaps own;
-  const auto gaps = surface_.gapsOf(id);
-  for (std::size_t i = 0; i < gaps.size(); ++i) {
-    const SurfaceTriangle t = gap(id, i);
-    addArea(own.areaSums, 0, t.corner[0], t.corner[1], t.corner[2]);
-    if (search == nullptr) continue;
-    own.neighbor.push_back(gaps[i]->other == 0 ? 0 : search->across(t.corner, id));
-  }
-  gaps_[id] = std::move(own);
+  neighbors_ = std::move(found);
+  gapNeighbors_ = std::move(ofGaps);
 }
 
 template <class Visit>
-void FragmentSurfaces::forEachChanged(std::uint16_t id, const Visit& visit) const {
+void FragmentSurfaces::forEachCrackOfQuads(std::uint16_t id, const Visit& visit) const {
   for (const std::uint32_t leaf : surface_.leavesOf(id)) {
     for (const InterfaceQuad& quad : surface_.quadsOf(leaf, id)) {
-      const auto halves = trianglesOf(quad, surface_.vertices().at);
+      if (quad.other == 0) continue;
       for (const std::size_t half : {0, 1}) {
-        visit(triangle(leaf, quad, half, halves[half]), halves[half]);
+        const SurfaceTriangle t = triangle(leaf, quad, half);
+        if (t.neighbor != 0) visit(t, trianglesOf(quad.vertex, quad.split)[half]);
       }
     }
   }
+}
+
+template <class Visit>
+void FragmentSurfaces::forEachCrackOfGaps(std::uint16_t id, const Visit& visit) const {
   const auto gaps = surface_.gapsOf(id);
-  for (std::size_t i = 0; i < gaps.size(); ++i) visit(gap(id, i), gaps[i]->vertex);
+  for (std::size_t i = 0; i < gaps.size(); ++i) {
+    const SurfaceTriangle t = gap(id, i);
+    if (t.neighbor != 0) visit(t, gaps[i]->vertex);
+  }
 }
 
 Fragment FragmentSurfaces::measured(std::uint16_t id) const {
   Fragment fragment;
   fragment.id = id;
-  // Summed leaf by leaf, so that sums do not depend on which leaves are the intact solid's.
   MassSums mass(reference_);
-  const std::vector<glm::dvec3>& at = surface_.vertices().at;
   for (const std::uint32_t leaf : surface_.leavesOf(id)) {
-    if (const IntactLeaf* const reused = reusedLeaf(surface_, intact_.get(), leaf)) {
+    if (const IntactLeaf* const reused = reusedLeaf(surface_, cut_->intact(), leaf)) {
       if (!reused->areaSums.empty()) fragment.area += reused->areaSums.back();
       mass.add(reused->mass);
       continue;
     }
-    const std::span<const InterfaceQuad> quads = surface_.quadsOf(leaf, id);
-    if (quads.empty()) continue;
-    MassSums ofLeaf(reference_);
-    for (const InterfaceQuad& quad : quads) {
-      for (const auto& t : trianglesOf(quad, at)) ofLeaf.add(at[t[0]], at[t[1]], at[t[2]]);
+    std::array<MassSums, 8> octants;
+    octants.fill(MassSums(reference_));
+    AreasOfLeaf areas(cut_->intact(), leaf);
+    unsigned reusedOctants = 0;
+    double area = 0.0;
+    for (const InterfaceQuad& quad : surface_.quadsOf(leaf, id)) {
+      const std::size_t octant = octantOf(quad.edge);
+      const bool isReused = ((surface_.intactOctants(leaf) >> octant) & 1) != 0;
+      reusedOctants |= unsigned{isReused} << octant;
+      const std::array<double, 2>* const known = areas.find(quad);
+      for (const std::size_t half : {0, 1}) {
+        double own = known != nullptr ? (*known)[half] : 0.0;
+        if (!isReused) {
+          const SurfaceTriangle t = triangle(leaf, quad, half);
+          own = 0.5 * glm::length(octants[octant].add(t.corner[0], t.corner[1], t.corner[2]));
+        }
+        area += own;
+        if (neighborOf(leaf, quad, half) != 0) fragment.fractureArea += own;
+      }
     }
-    mass.add(ofLeaf);
-    const auto last = static_cast<std::size_t>(&quads.back() - surface_.quadsOf(leaf).data());
-    fragment.area += changed_[leaf].areaSums[2 * last + 1];
+    for (std::size_t i = 0; i < 8; ++i) {
+      if ((reusedOctants >> i) & 1) octants[i] = cut_->intact()->leaves[leaf].octants[i];
+    }
+    fragment.area += area;
+    mass.add(sumOf(octants, reference_));
   }
-  const auto gaps = surface_.gapsOf(id);
-  for (std::size_t i = 0; i < gaps.size(); ++i) {
+  double ofGaps = 0.0;
+  for (std::size_t i = 0; i < surface_.gapsOf(id).size(); ++i) {
     const SurfaceTriangle t = gap(id, i);
-    mass.add(t.corner[0], t.corner[1], t.corner[2]);
+    const double own = 0.5 * glm::length(mass.add(t.corner[0], t.corner[1], t.corner[2]));
+    ofGaps += own;
+    if (t.neighbor != 0) fragment.fractureArea += own;
   }
-  if (!gaps.empty()) fragment.area += gaps_[id].areaSums.back();
-  forEachChanged(id, [&](const SurfaceTriangle& t, const auto&) {
-    const auto& [a, b, c] = t.corner;
-    if (t.neighbor != 0) fragment.fractureArea += glm::length(glm::cross(b - a, c - a)) / 2.0;
-  });
+  fragment.area += ofGaps;
   fragment.mass = mass.properties();
   return fragment;
 }
@@ -175,13 +219,17 @@ Fragment FragmentSurfaces::measured(std::uint16_t id) const {
 std::vector<std::vector<Contact>> FragmentSurfaces::contacts(const Solid& solid,
                                                              const Labels& labels) const {
   ContactMeasure measure;
-  for (std::size_t id = 1; id <= count_; ++id) {
-    const auto label = static_cast<std::uint16_t>(id);
-    forEachChanged(label, [&](const SurfaceTriangle& t, const auto&) {
-      if (t.neighbor != 0) measure.add(label, t);
+  for (std::size_t i = 1; i <= count_; ++i) {
+    const auto id = static_cast<std::uint16_t>(i);
+    forEachCrackOfQuads(id, [&](const SurfaceTriangle& t, const auto&) { measure.add(id, t); });
+    // Gaps may also be between fragments that share no voxel face.
+    forEachCrackOfGaps(id, [&](const SurfaceTriangle& t, const auto&) {
+      if (!neighbors_.empty() || measure.has(id, t.neighbor)) measure.add(id, t);
     });
   }
-  return measure.contacts(count_, solid, labels, cut_, neighborhoods_);
+  // Each face between voxels of two fragments is a quad, unless erosion has parted them.
+  if (neighbors_.empty()) return measure.contacts(count_);
+  return measure.contacts(count_, solid, labels, cut_->cut(), cut_->neighborhoods());
 }
 
 SurfaceByArea FragmentSurfaces::byArea(std::uint16_t id) const {
@@ -191,30 +239,43 @@ SurfaceByArea FragmentSurfaces::byArea(std::uint16_t id) const {
   };
   std::vector<Part> own;  // all parts but the last
   SurfaceParts parts;
+  std::size_t changed = surface_.gapsOf(id).size();
+  for (const std::uint32_t leaf : surface_.leavesOf(id))
+    changed += 2 * surface_.quadsOf(leaf, id).size();
+  std::vector<double>& sums = parts.ownSums;
+  sums.reserve(changed);
+  const auto endPart = [&](std::size_t first) {
+    std::partial_sum(sums.begin() + static_cast<std::ptrdiff_t>(first), sums.end(),
+                     sums.begin() + static_cast<std::ptrdiff_t>(first));
+    parts.areaSums.push_back(std::span(sums).subspan(first));
+  };
   for (const std::uint32_t leaf : surface_.leavesOf(id)) {
-    std::span<const double> sums;
-    const InterfaceQuad* quads = nullptr;
-    if (const IntactLeaf* const reused = reusedLeaf(surface_, intact_.get(), leaf)) {
-      sums = reused->areaSums;
-    } else {
-      const std::span<const InterfaceQuad> ofLabel = surface_.quadsOf(leaf, id);
-      quads = ofLabel.data();
-      const auto first = static_cast<std::size_t>(quads - surface_.quadsOf(leaf).data());
-      sums = std::span(changed_[leaf].areaSums).subspan(2 * first, 2 * ofLabel.size());
+    if (const IntactLeaf* const reused = reusedLeaf(surface_, cut_->intact(), leaf)) {
+      if (reused->areaSums.empty()) continue;
+      own.push_back({leaf, nullptr});
+      parts.areaSums.push_back(reused->areaSums);
+      continue;
     }
-    if (sums.empty()) continue;
-    own.push_back({leaf, quads});
-    parts.areaSums.push_back(sums);
+    const std::span<const InterfaceQuad> quads = surface_.quadsOf(leaf, id);
+    if (quads.empty()) continue;
+    own.push_back({leaf, quads.data()});
+    const std::size_t first = sums.size();
+    AreasOfLeaf areas(cut_->intact(), leaf);
+    for (const InterfaceQuad& quad : quads) {
+      const std::array<double, 2>* const known = areas.find(quad);
+      for (const std::size_t half : {0, 1})
+        sums.push_back(known != nullptr ? (*known)[half] : areaOf(triangle(leaf, quad, half)));
+    }
+    endPart(first);
   }
-  parts.areaSums.push_back(gaps_[id].areaSums);
+  const std::size_t first = sums.size();
+  for (std::size_t i = 0; i < surface_.gapsOf(id).size(); ++i) sums.push_back(areaOf(gap(id, i)));
+  endPart(first);
   parts.triangle = [this, id, own = std::move(own)](std::size_t part, std::size_t t) {
     if (part == own.size()) return gap(id, t);
     const auto& [leaf, quads] = own[part];
-    if (quads != nullptr) {
-      const InterfaceQuad& quad = quads[t / 2];
-      return triangle(leaf, quad, t % 2, trianglesOf(quad, surface_.vertices().at)[t % 2]);
-    }
-    return SurfaceTriangle{intact_->corners(leaf, t, frame_), 0};
+    if (quads != nullptr) return triangle(leaf, quads[t / 2], t % 2);
+    return SurfaceTriangle{cut_->intact()->corners(leaf, t, frame_), 0};
   };
   return SurfaceByArea(std::move(parts));
 }
@@ -222,22 +283,28 @@ SurfaceByArea FragmentSurfaces::byArea(std::uint16_t id) const {
 Box FragmentSurfaces::box(std::uint16_t id) const {
   std::optional<Box> box;
   for (const std::uint32_t leaf : surface_.leavesOf(id)) {
-    const IntactLeaf* const reused = reusedLeaf(surface_, intact_.get(), leaf);
-    if (reused != nullptr && !reused->triangles.empty()) {
+    const IntactLeaf* const reused = reusedLeaf(surface_, cut_->intact(), leaf);
+    if (reused != nullptr && !reused->quads.empty()) {
       widen(box, reused->box.min, reused->box.max);
     }
   }
-  forEachChanged(id, [&](const SurfaceTriangle& t, const auto&) {
-    for (const glm::dvec3& corner : t.corner) widen(box, corner, corner);
-  });
+  const std::vector<glm::dvec3>& at = surface_.vertices().at;
+  for (const std::uint32_t leaf : surface_.leavesOf(id)) {
+    for (const InterfaceQuad& quad : surface_.quadsOf(leaf, id)) {
+      for (const std::uint32_t v : quad.vertex) widen(box, at[v], at[v]);
+    }
+  }
+  for (const InterfaceTriangle* gap : surface_.gapsOf(id)) {
+    for (const std::uint32_t v : gap->vertex) widen(box, at[v], at[v]);
+  }
   return box.value_or(Box{});
 }
 
 std::size_t FragmentSurfaces::triangles(std::uint16_t id) const {
   std::size_t sum = surface_.gapsOf(id).size();
   for (const std::uint32_t leaf : surface_.leavesOf(id)) {
-    const IntactLeaf* const reused = reusedLeaf(surface_, intact_.get(), leaf);
-    sum += reused ? reused->triangles.size() : 2 * surface_.quadsOf(leaf, id).size();
+    const IntactLeaf* const reused = reusedLeaf(surface_, cut_->intact(), leaf);
+    sum += reused ? reused->triangles() : 2 * surface_.quadsOf(leaf, id).size();
   }
   return sum;
 }
@@ -250,29 +317,65 @@ std::vector<std::size_t> FragmentSurfaces::vertexCounts() const {
   for (std::size_t id = 1; id <= count_; ++id) {
     for (const std::uint32_t leaf : surface_.leavesOf(static_cast<std::uint16_t>(id))) {
       if (surface_.firstVertex(leaf) != InterfaceSurface::kNone) continue;
-      counts[id] += intact_->leaves[leaf].cells.vertices.size();
+      counts[id] += cut_->intact()->leaves[leaf].cells.vertices.size();
     }
   }
   return counts;
 }
 
-TriangleMesh FragmentSurfaces::changedMesh(std::uint16_t id) const {
-  TriangleMesh mesh;
-  std::vector<std::uint32_t> used;
-  forEachChanged(id, [&](const SurfaceTriangle& t, const std::array<std::uint32_t, 3>& vertex) {
-    mesh.triangles.emplace_back(vertex[0], vertex[1], vertex[2]);
-    mesh.neighbor.push_back(t.neighbor);
-    used.insert(used.end(), vertex.begin(), vertex.end());
-  });
-  std::sort(used.begin(), used.end());
-  used.erase(std::unique(used.begin(), used.end()), used.end());
-  for (const std::uint32_t v : used) mesh.vertices.push_back(surface_.vertices().at[v]);
-  for (glm::uvec3& t : mesh.triangles) {
-    for (int k = 0; k < 3; ++k) {
-      t[k] = static_cast<std::uint32_t>(std::lower_bound(used.begin(), used.end(), t[k]) -
-                                        used.begin());
+std::vector<std::map<int, double>> FragmentSurfaces::boundaryLengths() const {
+  const std::vector<glm::dvec3>& at = surface_.vertices().at;
+  // What neighbors the faces at a vertex have: an edge between two regions ends at vertices with
+  // several.  Each vertex belongs to one fragment.
+  RegionsAtVertices regions(at.size());
+  for (std::size_t leaf = 0; leaf < surface_.leaves(); ++leaf) {
+    for (const InterfaceQuad& quad : surface_.quadsOf(leaf)) {
+      for (const std::size_t half : {0, 1}) {
+        const std::uint16_t neighbor = neighborOf(leaf, quad, half);
+        const std::array<std::uint32_t, 3> corner = trianglesOf(quad.vertex, quad.split)[half];
+        for (const std::uint32_t v : corner) regions.add(v, neighbor);
+      }
     }
   }
+  std::vector<std::map<int, double>> lengths(count_ + 1);
+  for (std::size_t i = 1; i <= count_; ++i) {
+    const auto id = static_cast<std::uint16_t>(i);
+    const auto gaps = surface_.gapsOf(id);
+    for (std::size_t k = 0; k < gaps.size(); ++k) {
+      for (const std::uint32_t v : gaps[k]->vertex) regions.add(v, gap(id, k).neighbor);
+    }
+  }
+  tbb::parallel_for(std::size_t{1}, count_ + 1, [&](std::size_t id) {
+    RegionEdges edges(regions);
+    const auto add = [&](const SurfaceTriangle& t, const std::array<std::uint32_t, 3>& vertex) {
+      edges.add(vertex, t.neighbor);
+    };
+    forEachCrackOfQuads(static_cast<std::uint16_t>(id), add);
+    forEachCrackOfGaps(static_cast<std::uint16_t>(id), add);
+    lengths[id] = lengthsOf(std::move(edges).loops(), at);
+  });
+  return lengths;
+}
+
+LabeledMesh FragmentSurfaces::meshOf(std::uint16_t id) const {
+  LabeledMesh mesh = meshes_->meshOf(id);
+  if (neighbors_.empty()) {
+    mesh.mesh.neighbor = mesh.other;
+    return mesh;
+  }
+  mesh.mesh.neighbor.reserve(mesh.other.size());
+  for (const std::uint32_t leaf : surface_.leavesOf(id)) {
+    if (const IntactLeaf* const reused = reusedLeaf(surface_, cut_->intact(), leaf)) {
+      mesh.mesh.neighbor.insert(mesh.mesh.neighbor.end(), reused->triangles(), 0);
+    }
+    const std::span<const InterfaceQuad> quads = surface_.quadsOf(leaf, id);
+    const auto first =
+        neighbors_[leaf].begin() + 2 * (quads.data() - surface_.quadsOf(leaf).data());
+    mesh.mesh.neighbor.insert(mesh.mesh.neighbor.end(), first,
+                              first + 2 * static_cast<std::ptrdiff_t>(quads.size()));
+  }
+  const std::vector<std::uint16_t>& ofGaps = gapNeighbors_[id];
+  mesh.mesh.neighbor.insert(mesh.mesh.neighbor.end(), ofGaps.begin(), ofGaps.end());
   return mesh;
 }
 

@@ -5,22 +5,25 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "mesh/surface_by_area.h"
+#include "surface/complex.h"
 #include "surface/contacts.h"
-#include "surface/cut.h"
-#include "surface/intact.h"
+#include "surface/cut_solid.h"
+#include "surface/interface_mesh.h"
 #include "surface/interface_surface.h"
-#include "voxelize/leaf_blocks.h"
 
 namespace sherd {
 
-/// The triangles that extractFragments would make with Surface::smooth and Interface::shared, not
-/// assembled to a mesh for each fragment.  Those of leaves that no crack passes through are the
-/// intact solid's, whose areas and integrals are there already, so only the others cost time.
+/// The surfaces that extractFragments makes with Surface::smooth and Interface::shared, before they
+/// are smoothed or simplified.  Leaves that no crack passes through are the intact solid's, whose
+/// areas and integrals are there already, so only the others cost time.  All sums are made leaf by
+/// leaf, so that they do not depend on which leaves are the intact solid's.
 class FragmentSurfaces {
  public:
   ///   uneroded  labels before erosion, or null
@@ -28,6 +31,12 @@ class FragmentSurfaces {
   ///   throws    as extractFragments; Error(cancelled)
   FragmentSurfaces(const Solid& solid, const Labels& labels, const Labels* uneroded,
                    std::shared_ptr<const IntactSurface> intact, const Progress* progress);
+
+  /// The same of a solid that has been cut.
+  ///   vertices  all if meshes are wanted
+  FragmentSurfaces(const Solid& solid, const Labels& labels, const Labels* uneroded,
+                   std::shared_ptr<const CutSolid> cut, SurfaceVertices vertices,
+                   const Progress* progress);
 
   /// Returns the number of fragments.
   [[nodiscard]] std::size_t count() const { return count_; }
@@ -55,44 +64,37 @@ class FragmentSurfaces {
   /// Returns [fragments + 1] the number of vertices of each.
   [[nodiscard]] std::vector<std::size_t> vertexCounts() const;
 
-  /// Returns the part of a fragment's mesh that the intact solid does not have, with neighbors: all
-  /// fracture faces, and all faces that touch them.
-  [[nodiscard]] TriangleMesh changedMesh(std::uint16_t id) const;
+  /// Returns [fragments + 1] the length of the boundary of each contact by neighbor, world units.
+  [[nodiscard]] std::vector<std::map<int, double>> boundaryLengths() const;
+
+  /// Returns the mesh of a fragment, with the neighbor of each triangle.  Needs
+  /// SurfaceVertices::all.
+  [[nodiscard]] LabeledMesh meshOf(std::uint16_t id) const;
 
  private:
-  // What is known of the triangles of a leaf's quads, two of each.
-  struct ChangedLeaf {
-    std::vector<double> areaSums;         // restarted for each label
-    std::vector<std::uint16_t> neighbor;  // found before erosion; else empty
-  };
+  // Finds the neighbors before erosion.
+  void findNeighbors(const Solid& solid, const Labels& uneroded, const Progress* progress);
 
-  // Triangles of gaps, likewise.
-  using ChangedGaps = ChangedLeaf;
-
-  void measureLeaf(std::size_t leaf, NeighborSearch* search);
-  void measureGaps(std::uint16_t id, NeighborSearch* search);
-
-  // The triangle `half` 0 or 1 of a quad of a leaf.
-  SurfaceTriangle triangle(std::size_t leaf, const InterfaceQuad& quad, std::size_t half,
-                           const std::array<std::uint32_t, 3>& vertex) const;
+  // The neighbor of the triangle `half`, 0 or 1, of a quad of a leaf; and the triangle.
+  std::uint16_t neighborOf(std::size_t leaf, const InterfaceQuad& quad, std::size_t half) const;
+  SurfaceTriangle triangle(std::size_t leaf, const InterfaceQuad& quad, std::size_t half) const;
   SurfaceTriangle gap(std::uint16_t id, std::size_t i) const;
 
-  // Calls `visit` with the triangles of a fragment that the intact solid does not have, and their
-  // vertices.
+  // Call visit(triangle, vertices) for a fragment's triangles of cracks: those of quads, of gaps.
   template <class Visit>
-  void forEachChanged(std::uint16_t id, const Visit& visit) const;
+  void forEachCrackOfQuads(std::uint16_t id, const Visit& visit) const;
+  template <class Visit>
+  void forEachCrackOfGaps(std::uint16_t id, const Visit& visit) const;
 
   GridFrame frame_;
   std::size_t count_ = 0;
-  std::shared_ptr<const IntactSurface> intact_;
-  std::vector<LeafNeighbors> ownNeighborhoods_;  // without an intact surface
-  std::span<const LeafNeighbors> neighborhoods_;
-  Creases ownCreases_;  // without an intact surface
-  Cut cut_;
+  std::shared_ptr<const CutSolid> cut_;
   InterfaceSurface surface_;
-  glm::dvec3 reference_;              // of the integrals
-  std::vector<ChangedLeaf> changed_;  // [leaf]
-  std::vector<ChangedGaps> gaps_;     // [labels + 1]
+  std::optional<InterfaceMeshes> meshes_;  // with SurfaceVertices::all
+  glm::dvec3 reference_;                   // of the integrals
+  // Neighbors before erosion, two of each quad; empty without erosion.
+  std::vector<std::vector<std::uint16_t>> neighbors_;     // [leaf]
+  std::vector<std::vector<std::uint16_t>> gapNeighbors_;  // [labels + 1]
 };
 
 }  // namespace sherd

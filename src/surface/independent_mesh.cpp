@@ -102,9 +102,10 @@ LabeledMesh meshOfOne(const Solid& solid, const Labels& labels, const Cut& cut,
   reduced.blocks = std::make_shared<const LeafBlocks>(std::move(blocks));
   twoLabels.blocks = reduced.blocks;
   twoLabels.fragmentCount = 1;
-  return withoutSmallVoids(
-      InterfaceMeshes(reduced, twoLabels, ownCut, neighborhoods, creases).meshOf(1),
-      solid.frame.voxelSize);
+  const InterfaceSurface surface(reduced, twoLabels, ownCut, neighborhoods, creases, nullptr,
+                                 SurfaceVertices::all, nullptr);
+  return withoutSmallVoids(InterfaceMeshes(surface, neighborhoods, nullptr).meshOf(1),
+                           solid.frame.voxelSize);
 }
 
 }  // namespace sherd

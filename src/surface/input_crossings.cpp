@@ -64,8 +64,10 @@ void forEachEdge(const Box& box, const Visit& visit) {
 
 }  // namespace
 
-InputCrossings::InputCrossings(const Solid& solid, const openvdb::Coord& origin)
+InputCrossings::InputCrossings(const Solid& solid, const openvdb::Coord& origin,
+                               std::span<const KnownCrossing> known)
     : tree_(solid.region ? solid.region->boundary() : nullptr),
+      known_(known),
       origin_(origin.x(), origin.y(), origin.z()),
       voxelSize_(solid.frame.voxelSize),
       areTrianglesFew_(tree_ != nullptr && tree_->size() < 1024 * solid.blocks->count()) {}
@@ -90,8 +92,21 @@ bool InputCrossings::areNeededFor(const std::array<float, 8>& toSurface) const {
 
 std::uint16_t& InputCrossings::indexOf(const CrossedEdge& edge) {
   if (index_.empty()) index_.assign(9 * 9 * 9 * 3, kUnknown);
+  return index_[numberOf(edge)];
+}
+
+std::uint16_t InputCrossings::numberOf(const CrossedEdge& edge) {
   const openvdb::Coord& low = edge.low;
-  return index_[static_cast<std::size_t>((low.x() * 9 + low.y()) * 9 + low.z()) * 3 + edge.axis];
+  return static_cast<std::uint16_t>(((low.x() * 9 + low.y()) * 9 + low.z()) * 3 + edge.axis);
+}
+
+std::vector<KnownCrossing> InputCrossings::found() const {
+  std::vector<KnownCrossing> found;
+  for (std::size_t edge = 0; edge < index_.size(); ++edge) {
+    if (index_[edge] != kUnknown)
+      found.push_back({static_cast<std::uint16_t>(edge), all_[index_[edge]]});
+  }
+  return found;
 }
 
 InputCrossings::Segment InputCrossings::segmentOf(const CrossedEdge& edge) const {
@@ -141,6 +156,8 @@ void InputCrossings::find(std::span<const CrossedEdge> edges) {
 }
 
 const std::optional<InputCrossing>& InputCrossings::on(const CrossedEdge& edge) {
+  const auto known = std::ranges::lower_bound(known_, numberOf(edge), {}, &KnownCrossing::edge);
+  if (known != known_.end() && known->edge == numberOf(edge)) return known->crossing;
   std::uint16_t& index = indexOf(edge);
   if (index == kUnknown) {
     index = static_cast<std::uint16_t>(all_.size());

@@ -28,11 +28,19 @@ struct CrossedEdge {
   bool isLowInside = false;  ///< whether the lower voxel is the one inside
 };
 
+/// The crossing of an edge that was found before.
+struct KnownCrossing {
+  std::uint16_t edge = 0;  ///< 3 times the place of its lower voxel among the 9*9*9, plus the axis
+  std::optional<InputCrossing> crossing{};
+};
+
 /// The crossings of one leaf's cells, each found once.  Solids of volumes and shells have none.
 class InputCrossings {
  public:
   ///   origin  lowest voxel of the leaf
-  InputCrossings(const Solid& solid, const openvdb::Coord& origin);
+  ///   known   ascending by edge
+  InputCrossings(const Solid& solid, const openvdb::Coord& origin,
+                 std::span<const KnownCrossing> known = {});
 
   /// Returns whether crossings may differ from those of the distances: not where the distances at
   /// the corners of a cell are those to one plane.
@@ -48,9 +56,13 @@ class InputCrossings {
   /// Returns the crossing of an edge; nullopt where no triangle crosses it, as in holes.
   [[nodiscard]] const std::optional<InputCrossing>& on(const CrossedEdge& edge);
 
+  /// Returns all that were found, ascending by edge.
+  [[nodiscard]] std::vector<KnownCrossing> found() const;
+
  private:
   using Segment = std::array<glm::dvec3, 2>;  // from outside to inside
 
+  [[nodiscard]] static std::uint16_t numberOf(const CrossedEdge& edge);
   [[nodiscard]] std::uint16_t& indexOf(const CrossedEdge& edge);
   [[nodiscard]] Segment segmentOf(const CrossedEdge& edge) const;
   [[nodiscard]] std::optional<InputCrossing> crossingOf(
@@ -59,6 +71,7 @@ class InputCrossings {
 
   static constexpr std::uint16_t kUnknown = 0xffff;
   const TriangleTree* tree_;  // null if there are no crossings
+  std::span<const KnownCrossing> known_;
   glm::dvec3 origin_;
   double voxelSize_;
   bool areTrianglesFew_;              // in a leaf, on average

@@ -6,8 +6,8 @@
 #include <tbb/parallel_for.h>
 
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 
-#include "mesh/surface_by_area.h"
 #include "surface/intact_labels.h"
 #include "surface/simplify.h"
 #include "voxelize/leaf_blocks.h"
@@ -15,21 +15,26 @@
 namespace sherd {
 namespace {
 
-// Sets the areas, mass and box of a leaf's triangles.
+// Sets the areas, masses and box of a leaf's triangles.
 void measure(IntactSurface& surface, std::size_t leaf, const GridFrame& frame) {
   IntactLeaf& own = surface.leaves[leaf];
-  own.mass = MassSums(surface.reference);
-  own.areaSums.reserve(own.triangles.size());
-  for (std::size_t t = 0; t < own.triangles.size(); ++t) {
+  own.octants.fill(MassSums(surface.reference));
+  own.areas.resize(own.quads.size());
+  own.areaSums.reserve(own.triangles());
+  double area = 0.0;
+  for (std::size_t t = 0; t < own.triangles(); ++t) {
     const std::array<glm::dvec3, 3> at = surface.corners(leaf, t, frame);
-    addArea(own.areaSums, 0, at[0], at[1], at[2]);
-    own.mass.add(at[0], at[1], at[2]);
+    MassSums& octant = own.octants[octantOf(own.quads[t / 2].edge)];
+    const double one = 0.5 * glm::length(octant.add(at[0], at[1], at[2]));
+    own.areas[t / 2][t % 2] = one;
+    own.areaSums.push_back(area += one);
     if (t == 0) own.box = {at[0], at[0]};
     for (const glm::dvec3& corner : at) {
       own.box.min = glm::min(own.box.min, corner);
       own.box.max = glm::max(own.box.max, corner);
     }
   }
+  own.mass = sumOf(own.octants, surface.reference);
 }
 
 }  // namespace
@@ -49,7 +54,7 @@ std::shared_ptr<const IntactSurface> intactSurface(const Solid& solid) {
   const std::size_t count = solid.blocks->count();
   made->neighborhoods = leafNeighbors(solid.blocks->origins);
   made->leaves.resize(count);
-  made->creases = Creases(solid, made->neighborhoods, nullptr);
+  made->creases = Creases(solid, made->neighborhoods, nullptr, KeepCrossings::yes);
   made->isPiecewiseFlat = isPiecewiseFlat(solid);
   const IntactLabels intact(solid.blocks);
   const Field field(solid, intact.labels, intact.cut, made->neighborhoods, &made->creases);
@@ -90,9 +95,8 @@ std::shared_ptr<const IntactSurface> intactSurface(const Solid& solid) {
           break;
         }
       }
-      for (const auto& t : trianglesOf({1, 0, {0, 1, 2, 3}, quad.axis, quad.split}, at)) {
-        own.triangles.push_back({corner[t[0]], corner[t[1]], corner[t[2]]});
-      }
+      own.quads.push_back(
+          {corner, quad.edge, settledSplit({1, 0, {0, 1, 2, 3}, quad.edge, quad.split}, at)});
     }
   });
   made->reference = middleOf(solid);

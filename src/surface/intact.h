@@ -27,14 +27,33 @@ struct IntactLeaf {
   /// [slots] index into LeafNeighbors of the leaf.
   static constexpr std::array<std::size_t, 8> kSlots{13, 12, 10, 9, 4, 3, 1, 0};
 
+  /// A quad, with the members of InterfaceQuad.
+  struct Quad {
+    std::array<Corner, 4> corner{};
+    std::uint16_t edge = 0;
+    QuadSplit split = QuadSplit::first;  ///< settled
+  };
+
+  [[nodiscard]] std::size_t triangles() const { return 2 * quads.size(); }
+
   LeafCells cells;
-  std::vector<std::array<Corner, 3>> triangles;
-  std::vector<double> areaSums;  ///< [triangles] area of triangles 0..i, world units
-  MassSums mass;                 ///< of the triangles, about IntactSurface::reference
-  Box box;                       ///< of the triangles' corners
+  std::vector<Quad> quads;                   ///< ascending by edge
+  std::vector<std::array<double, 2>> areas;  ///< [quads] of the two triangles, world units
+  std::vector<double> areaSums;              ///< [2*quads] area of triangles 0..i
+  std::array<MassSums, 8> octants{};         ///< of the triangles, about IntactSurface::reference
+  MassSums mass;                             ///< their sum
+  Box box;                                   ///< of the triangles' corners
   bool isWhole = false;  ///< the leaf and those below it are plain, so that the triangles are valid
                          ///< if all of these have one label
 };
+
+/// Returns the sum of a leaf's octants.
+[[nodiscard]] inline MassSums sumOf(const std::array<MassSums, 8>& octants,
+                                    const glm::dvec3& reference) {
+  MassSums sum(reference);
+  for (const MassSums& octant : octants) sum.add(octant);
+  return sum;
+}
 
 /// The intact surface, computed once for a solid that is fractured several times.  About 0.7 kB per
 /// leaf and 280 bytes per cell that the surface passes through.
@@ -49,8 +68,9 @@ struct IntactSurface {
   [[nodiscard]] std::array<glm::dvec3, 3> corners(std::size_t leaf, std::size_t triangle,
                                                   const GridFrame& frame) const {
     std::array<glm::dvec3, 3> at{};
+    const IntactLeaf::Quad& quad = leaves[leaf].quads[triangle / 2];
     for (std::size_t k = 0; k < 3; ++k) {
-      const IntactLeaf::Corner corner = leaves[leaf].triangles[triangle][k];
+      const IntactLeaf::Corner corner = trianglesOf(quad.corner, quad.split)[triangle % 2][k];
       const std::uint32_t of = neighborhoods[leaf][IntactLeaf::kSlots[IntactLeaf::slotOf(corner)]];
       at[k] = frame.worldFromIndex(leaves[of].cells.vertices[IntactLeaf::vertexOf(corner)]);
     }

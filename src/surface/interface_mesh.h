@@ -1,20 +1,16 @@
 // One mesh of all labels, which contains the mesh of each fragment.
 #pragma once
 
-#include <sherd/labels.h>
-#include <sherd/solid.h>
-
-#include <memory>
+#include <array>
+#include <cstdint>
 #include <span>
+#include <vector>
 
 #include "surface/complex.h"
-#include "surface/cut.h"
+#include "surface/interface_surface.h"
 #include "voxelize/leaf_blocks.h"
 
 namespace sherd {
-
-class Creases;
-struct IntactSurface;
 
 /// All labels meshed together: a dual mesh over the cells between voxel centers, with two triangles
 /// for each pair of face-adjacent voxels of different labels.  Two fragments therefore share one
@@ -29,25 +25,31 @@ struct IntactSurface;
 ///           Data, 2002; Wenger, Isosurfaces, 2013 (cells that share an ambiguous face)
 class InterfaceMeshes {
  public:
-  /// Meshes labels 1..fragmentCount.  All arguments must outlive the object.
+  /// Numbers the vertices of each label.  All arguments must outlive the object.
+  ///   surface        with all vertices
   ///   neighborhoods  of the solid's leaves
-  ///   creases        of this solid
-  ///   intact         of this solid, or null: unchanged leaves are reused, with equal meshes
-  ///   throws         Error(cancelled)
-  InterfaceMeshes(const Solid& solid, const Labels& labels, const Cut& cut,
-                  std::span<const LeafNeighbors> neighborhoods, const Creases& creases,
-                  const IntactSurface* intact = nullptr, const Progress* progress = nullptr);
-  ~InterfaceMeshes();
-  InterfaceMeshes(const InterfaceMeshes&) = delete;
-  InterfaceMeshes& operator=(const InterfaceMeshes&) = delete;
+  ///   intact         of which the surface reuses leaves, or null
+  InterfaceMeshes(const InterfaceSurface& surface, std::span<const LeafNeighbors> neighborhoods,
+                  const IntactSurface* intact);
 
-  /// Returns the mesh of a label.  It is assembled on each call, because storing all meshes would
-  /// double the memory.  Thread-safe.
-  [[nodiscard]] LabeledMesh meshOf(int label) const;
+  /// Returns the mesh of a label, 1..fragmentCount.  It is assembled on each call, because storing
+  /// all meshes would double the memory.  Thread-safe.
+  [[nodiscard]] LabeledMesh meshOf(std::uint16_t label) const;
 
  private:
-  class Meshing;
-  std::unique_ptr<const Meshing> meshing_;
+  // Consecutive vertices of one label.
+  struct Run {
+    std::uint32_t first = 0, count = 0;
+  };
+
+  void addReused(std::uint32_t leaf, LabeledMesh& out) const;
+
+  const InterfaceSurface& surface_;
+  std::span<const LeafNeighbors> neighborhoods_;
+  const IntactSurface* intact_;
+  std::vector<std::uint32_t> number_;        // [vertices] in its label's mesh
+  std::vector<std::vector<Run>> runsOf_;     // [labels + 1] ascending
+  std::vector<std::uint32_t> vertexCounts_;  // [labels + 1]
 };
 
 }  // namespace sherd

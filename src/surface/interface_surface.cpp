@@ -37,6 +37,7 @@ class InterfaceSurface::Building {
   void build(SurfaceVertices extent, const Progress* progress) {
     findReused(extent);
     to_.quads_.resize(count_);
+    to_.intactOctants_.assign(count_, 0);
     meshLeaves(progress);
     std::vector<glm::dvec3>& vertices = to_.vertices_.at;
     straightenBoundaries(to_.quads_, junctions_, vertices, [&](std::size_t leaf) {
@@ -49,10 +50,7 @@ class InterfaceSurface::Building {
     });
     throwIfCancelled(progress);
     labelVertices();
-    // Groups quads by label; within a label they keep their order.
-    tbb::parallel_for(std::size_t{0}, count_, [&](std::size_t leaf) {
-      std::stable_sort(to_.quads_[leaf].begin(), to_.quads_[leaf].end(), hasLowerLabel);
-    });
+    tbb::parallel_for(std::size_t{0}, count_, [&](std::size_t leaf) { finishQuads(leaf); });
     sortFaces();
   }
 
@@ -133,7 +131,7 @@ class InterfaceSurface::Building {
       appendVertices(first, end);
       throwIfCancelled(progress);
       tbb::parallel_for(first, end, [&](std::size_t leaf) {
-        if (!to_.reusesTriangles(leaf)) to_.quads_[leaf] = sherd::quadsOf(field_, cells_, leaf);
+        if (!to_.reusesTriangles(leaf)) makeQuads(leaf);
       });
       tbb::parallel_for(kept, last, [&](std::size_t leaf) { newCells_[leaf].reset(); });
       kept = last;
@@ -149,6 +147,91 @@ class InterfaceSurface::Building {
     }
     newCells_[leaf] = std::make_unique<LeafCells>(cellsOf(field_, leaf, before));
     cells_.leaves[leaf] = newCells_[leaf].get();
+  }
+
+  void makeQuads(std::size_t leaf) {
+    if (intact_ == nullptr || !intact_->leaves[leaf].isWhole) {
+      to_.quads_[leaf] = sherd::quadsOf(field_, cells_, leaf);
+      return;
+    }
+    const LeafEdges edges = edgesAround(neighborhoods_[leaf], [&](std::size_t other) {
+      return newCells_[other] ? &newCells_[other]->made : nullptr;
+    });
+    const bool isAny =
+        std::ranges::any_of(edges, [](const CellBits& of) { return of != CellBits{}; });
+    const std::vector<InterfaceQuad> made =
+        isAny ? sherd::quadsOf(field_, cells_, leaf, &edges) : std::vector<InterfaceQuad>();
+    const std::vector<InterfaceQuad> kept = intactQuads(leaf);
+    to_.intactOctants_[leaf] = intactOctants(leaf, made, kept);
+    to_.quads_[leaf].resize(made.size() + kept.size());
+    std::merge(made.begin(), made.end(), kept.begin(), kept.end(), to_.quads_[leaf].begin(),
+               [](const InterfaceQuad& a, const InterfaceQuad& b) { return a.edge < b.edge; });
+  }
+
+  // The intact solid's quads whose cells all are the intact solid's.  A cell has one label, so all
+  // cells around an edge have that of its inside voxel.
+  std::vector<InterfaceQuad> intactQuads(std::size_t leaf) const {
+    std::array<std::uint32_t, 8> first{};
+    std::array<const std::uint16_t*, 8>
+        fromIntact{};  // null where all cells are the intact solid's
+    for (std::size_t slot = 0; slot < 8; ++slot) {
+      const std::uint32_t other = neighborhoods_[leaf][IntactLeaf::kSlots[slot]];
+      if (other == LeafBlocks::kNone) continue;
+      first[slot] = cells_.firstVertex[other];
+      if (newCells_[other]) fromIntact[slot] = newCells_[other]->fromIntact.data();
+    }
+    std::vector<InterfaceQuad> kept;
+    kept.reserve(intact_->leaves[leaf].quads.size());
+    for (const IntactLeaf::Quad& quad : intact_->leaves[leaf].quads) {
+      InterfaceQuad own{.edge = quad.edge, .split = quad.split, .isIntact = true};
+      bool isKept = true;
+      for (std::size_t k = 0; k < 4; ++k) {
+        const std::size_t slot = IntactLeaf::slotOf(quad.corner[k]);
+        std::uint32_t vertex = IntactLeaf::vertexOf(quad.corner[k]);
+        if (fromIntact[slot] != nullptr) vertex = fromIntact[slot][vertex];
+        isKept &= vertex != LeafCells::kNotIntact;
+        own.vertex[k] = first[slot] + vertex;
+      }
+      if (!isKept) continue;
+      own.label = to_.vertexLabels_[own.vertex[0]];
+      kept.push_back(own);
+    }
+    return kept;
+  }
+
+  std::uint8_t intactOctants(std::size_t leaf, std::span<const InterfaceQuad> made,
+                             std::span<const InterfaceQuad> kept) const {
+    struct Octant {
+      std::size_t quads = 0;
+      std::uint16_t label = 0;
+      bool isChanged = false;
+    };
+    std::array<Octant, 8> octants{};
+    for (const InterfaceQuad& quad : made) octants[octantOf(quad.edge)].isChanged = true;
+    for (const InterfaceQuad& quad : kept) {
+      Octant& own = octants[octantOf(quad.edge)];
+      own.isChanged |= own.quads > 0 && own.label != quad.label;
+      own.label = quad.label;
+      ++own.quads;
+    }
+    for (const IntactLeaf::Quad& quad : intact_->leaves[leaf].quads)
+      --octants[octantOf(quad.edge)].quads;
+    unsigned bits = 0;
+    for (std::size_t i = 0; i < 8; ++i) {
+      if (!octants[i].isChanged && octants[i].quads == 0) bits |= 1u << i;
+    }
+    return static_cast<std::uint8_t>(bits);
+  }
+
+  // Settles quads and groups them by label; within a label they keep their order.
+  void finishQuads(std::size_t leaf) {
+    std::vector<InterfaceQuad>& quads = to_.quads_[leaf];
+    for (InterfaceQuad& quad : quads) {
+      if (!quad.isIntact) quad.split = settledSplit(quad, to_.vertices_.at);
+    }
+    if (!std::is_sorted(quads.begin(), quads.end(), hasLowerLabel)) {
+      std::stable_sort(quads.begin(), quads.end(), hasLowerLabel);
+    }
   }
 
   void appendVertices(std::size_t first, std::size_t end) {

@@ -31,7 +31,7 @@ class InterfaceSurface {
  public:
   ///   neighborhoods  of the solid's leaves
   ///   creases        of this solid
-  ///   intact         of this solid, or null; must outlive the object
+  ///   intact         of this solid, or null
   ///   throws         Error(cancelled)
   InterfaceSurface(const Solid& solid, const Labels& labels, const Cut& cut,
                    std::span<const LeafNeighbors> neighborhoods, const Creases& creases,
@@ -44,9 +44,18 @@ class InterfaceSurface {
   /// not, because they use vertices of changed leaves.
   [[nodiscard]] bool reusesTriangles(std::size_t leaf) const { return reusesTriangles_[leaf] != 0; }
 
+  /// Returns bits of the octants (see octantOf) of a leaf that does not reuse triangles, in which
+  /// all quads are the intact solid's, and of one label.
+  [[nodiscard]] std::uint8_t intactOctants(std::size_t leaf) const { return intactOctants_[leaf]; }
+
   /// Returns the index of the leaf's first vertex, kNone if SurfaceVertices left them out.
   static constexpr std::uint32_t kNone = 0xffffffffu;
   [[nodiscard]] std::uint32_t firstVertex(std::size_t leaf) const { return firstVertex_[leaf]; }
+
+  [[nodiscard]] std::size_t leaves() const { return quads_.size(); }
+
+  /// Returns the number of labels with meshes.
+  [[nodiscard]] std::size_t labels() const { return leavesOf_.size() - 1; }
 
   /// World units.
   [[nodiscard]] const InterfaceVertices& vertices() const { return vertices_; }
@@ -59,7 +68,7 @@ class InterfaceSurface {
     return leavesOf_[label];
   }
 
-  /// Returns the quads of a leaf that does not reuse triangles, by label.
+  /// Returns the quads of a leaf that does not reuse triangles, settled, by label.
   [[nodiscard]] std::span<const InterfaceQuad> quadsOf(std::size_t leaf) const {
     return quads_[leaf];
   }
@@ -76,6 +85,7 @@ class InterfaceSurface {
   class Building;
 
   std::vector<std::uint8_t> reusesTriangles_;  // [leaf]
+  std::vector<std::uint8_t> intactOctants_;    // [leaf]
   std::vector<std::uint32_t> firstVertex_;     // [leaf] or kNone
   InterfaceVertices vertices_;
   std::vector<std::uint16_t> vertexLabels_;

@@ -40,6 +40,9 @@ bool isNonManifold(const CellSheets& sheets, const std::array<std::uint16_t, 24>
 // Adds a cell of the intact solid, as one of a label.
 void addIntact(const LeafCells& intact, std::size_t offset, std::uint16_t label, LeafCells& to) {
   Cell cell = intact.at(offset);
+  for (std::uint32_t l = 0; l < cell.loops; ++l) {
+    to.fromIntact[cell.firstLoop + l] = static_cast<std::uint16_t>(to.vertices.size() + l);
+  }
   const auto loops = [&](const auto& all) {
     return std::span(all).subspan(cell.firstLoop, cell.loops);
   };
@@ -116,6 +119,7 @@ std::optional<std::uint16_t> onlyLabelOf(const Field& field, std::size_t leaf) {
 LeafCells cellsOf(const Field& field, std::size_t leaf, const LeafCells* intact,
                   const CellBits* only) {
   LeafCells found;
+  if (intact != nullptr) found.fromIntact.assign(intact->vertices.size(), LeafCells::kNotIntact);
   const LabelCube<9> corners = field.cornersOf(leaf);
   PassedCells<9> passed = passedCells<9>(corners);
   if (only != nullptr) keepOnly(*only, passed);
@@ -130,7 +134,9 @@ LeafCells cellsOf(const Field& field, std::size_t leaf, const LeafCells* intact,
   found.positionIds.reserve(count);
   const DistanceCube distance = distancesOf(field, leaf);
   const openvdb::Coord& origin = field.solid().blocks->origins[leaf];
-  InputCrossings input(field.solid(), origin);
+  InputCrossings input(field.solid(), origin,
+                       field.creases() != nullptr ? field.creases()->crossings(origin)
+                                                  : std::span<const KnownCrossing>());
   CreasesOfLeaf creases(field.creases(), origin);
   for (std::uint32_t offset = 0; offset < 512; ++offset) {
     const openvdb::Coord at = coordFromOffset(offset);
@@ -142,13 +148,14 @@ LeafCells cellsOf(const Field& field, std::size_t leaf, const LeafCells* intact,
       addIntact(*intact, offset, *std::max_element(labels.begin(), labels.end()), found);
       continue;
     }
+    found.made[offset / 64] |= std::uint64_t{1} << (offset % 64);
     const CellSheets* const plain = plainSheetsOf(labels);
-    ResolvedSheets made;
+    ResolvedSheets resolved;
     if (plain == nullptr) {
-      made = resolvedSheets(field, leaf, at, labels);
-      found.isPlain &= !made.dependsOnNeighbors;
+      resolved = resolvedSheets(field, leaf, at, labels);
+      found.isPlain &= !resolved.dependsOnNeighbors;
     }
-    const CellSheets& sheets = plain != nullptr ? *plain : made.sheets;
+    const CellSheets& sheets = plain != nullptr ? *plain : resolved.sheets;
     CellValues values = valuesOf(field, distance, leaf, at, labels);
     const bool isBoundary = isCut && std::find(labels.begin(), labels.end(), 0) != labels.end();
     if (isBoundary && field.creases() != nullptr) addInput(input, at, sheets, values);
@@ -187,17 +194,6 @@ openvdb::Coord cellAround(const openvdb::Coord& at, unsigned axis, std::size_t k
   return low;
 }
 
-// Whether a cell around an edge is one of a set.
-bool isNear(const CellSet& cells, const Field& field, std::size_t leaf, const openvdb::Coord& at,
-            unsigned axis) {
-  for (std::size_t k = 0; k < kRing.size(); ++k) {
-    const openvdb::Coord low = cellAround(at, axis, k);
-    const std::size_t voxelIndex = field.voxelIndexNear(leaf, low.x(), low.y(), low.z());
-    if (voxelIndex != Field::kNoVoxel && cells.has(voxelIndex / 512, voxelIndex % 512)) return true;
-  }
-  return false;
-}
-
 // The diagonal along a crease.  A crease along a side of the quad does not matter.
 QuadSplit splitBy(const std::array<int, 4>& rank) {
   const int first = rank[0] + rank[2], second = rank[1] + rank[3];
@@ -208,10 +204,10 @@ QuadSplit splitBy(const std::array<int, 4>& rank) {
 }  // namespace
 
 std::vector<InterfaceQuad> quadsOf(const Field& field, const AllCells& all, std::size_t leaf,
-                                   const CellSet* near) {
+                                   const LeafEdges* edges) {
   std::vector<InterfaceQuad> quads;
   const LeafCells& mine = *all.leaves[leaf];
-  quads.reserve(2 * mine.cells.size());
+  if (edges == nullptr) quads.reserve(2 * mine.cells.size());
   const LabelCube<9> corners = field.cornersOf(leaf);
   std::array<std::uint16_t, 512> mineAt;  // by offset: most cells around an edge are the leaf's own
   for (std::size_t i = 0; i < mine.cells.size(); ++i) {
@@ -222,7 +218,7 @@ std::vector<InterfaceQuad> quadsOf(const Field& field, const AllCells& all, std:
     const CellLabels labels = labelsAt(corners, at);
     for (unsigned axis = 0; axis < 3; ++axis) {
       if (!cell.isCrossed(kEdgeAlong[axis][0])) continue;
-      if (near != nullptr && !isNear(*near, field, leaf, at, axis)) continue;
+      if (edges != nullptr && !has((*edges)[axis], cell.offset)) continue;
       const std::array<std::uint16_t, 2> label{labels[0], labels[kBit[axis]]};
       const unsigned b = (axis + 1) % 3, c = (axis + 2) % 3;
       // The quad of the other side is reversed from the same first corner, so that both have the
@@ -252,14 +248,13 @@ std::vector<InterfaceQuad> quadsOf(const Field& field, const AllCells& all, std:
         quad[0].vertex[k] = first + loops[0];
         quad[1].vertex[(4 - k) % 4] = first + loops[1];
       }
-      quad[0].axis = quad[1].axis = static_cast<std::uint8_t>(axis);
+      quad[0].edge = quad[1].edge = static_cast<std::uint16_t>(3 * cell.offset + axis);
       quad[0].split = quad[1].split = splitBy(rank);
       for (const InterfaceQuad& side : quad) {
         if (side.label != 0 && isComplete) quads.push_back(side);
       }
     }
   }
-  quads.shrink_to_fit();
   return quads;
 }
 

@@ -44,6 +44,10 @@ struct LeafCells {
   std::uint32_t positionCount = 0;
   std::vector<std::uint32_t> nonManifold;  ///< positionIds at which a fragment has several vertices
   std::vector<Junction> junctions;         ///< vertices within the leaf
+  CellBits made{};                         ///< cells that are not the intact solid's
+  std::vector<std::uint16_t> fromIntact;   ///< [vertices of the leaf in the intact solid] index of
+                                           ///< each, or kNotIntact; empty without intact cells
+  static constexpr std::uint16_t kNotIntact = 0xffff;
   bool isPlain = true;  ///< no position is non-manifold and no face conflicting, so that no cell
                         ///< depends on its neighbors
 
@@ -82,9 +86,11 @@ struct AllCells {
 /// Returns the quads around the edges that begin at the lowest corners of the leaf's cells.  Edges
 /// with a missing leaf next to them have no quad; that happens only when part of a solid is meshed,
 /// away from the fragment in question.
-///   near  only the quads with a vertex in these cells, or null: all; cells farther than one from
-///         them may be missing in `all`
+///   edges  only those of the quads, or null: all; cells that are not around them may be missing in
+///          `all`
+///   return ascending by edge
 [[nodiscard]] std::vector<InterfaceQuad> quadsOf(const Field& field, const AllCells& all,
-                                                 std::size_t leaf, const CellSet* near = nullptr);
+                                                 std::size_t leaf,
+                                                 const LeafEdges* edges = nullptr);
 
 }  // namespace sherd

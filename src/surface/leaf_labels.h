@@ -41,31 +41,43 @@ template <std::size_t kBelow, std::size_t kAbove>
                                                           const LeafNeighbors& neighborhood,
                                                           Voxels voxels) {
   constexpr std::size_t kSide = kBelow + 8 + kAbove;
+  // Of the leaf below, the leaf itself and the leaf above along an axis: the first layer within the
+  // leaf, the number of layers, and the first layer in the cube.
+  constexpr std::array<std::size_t, 3> kFrom{8 - kBelow, 0, 0}, kCount{kBelow, 8, kAbove},
+      kTo{0, kBelow, kBelow + 8};
   LabelCube<kSide> cube;
-  std::uint16_t* to = cube.data();
-  // Counts are compile-time constants, so that labels are copied as words.
-  const auto take = [&]<std::size_t kFrom, std::size_t kCount>(std::uint32_t leaf,
-                                                               std::size_t row) {
-    if (leaf == LeafBlocks::kNone) {
-      to = std::fill_n(to, kCount, std::uint16_t{0});
-      return;
+  // The part along z is a compile-time constant, so that labels are copied as words.
+  const auto take = [&]<std::size_t kZ>(std::size_t xPart, std::size_t yPart) {
+    constexpr std::size_t kRow = kCount[kZ];
+    if constexpr (kRow == 0) return;
+    const std::uint32_t leaf = neighborhood[xPart * 9 + yPart * 3 + kZ];
+    for (std::size_t x = 0; x < kCount[xPart]; ++x) {
+      for (std::size_t y = 0; y < kCount[yPart]; ++y) {
+        std::uint16_t* const to =
+            &cube[((kTo[xPart] + x) * kSide + kTo[yPart] + y) * kSide + kTo[kZ]];
+        if (leaf == LeafBlocks::kNone) {
+          std::fill_n(to, kRow, std::uint16_t{0});
+          continue;
+        }
+        const std::size_t row = (kFrom[xPart] + x) * 8 + kFrom[yPart] + y;
+        const std::uint16_t* const from =
+            &labels.fragment[std::size_t{leaf} * 512 + row * 8 + kFrom[kZ]];
+        if (voxels == Voxels::all) {
+          std::copy_n(from, kRow, to);
+          continue;
+        }
+        const auto bits = (blocks.inside[leaf * 8 + row / 8] >> (row % 8 * 8)) & 0xff;
+        const std::uint16_t* const mask = &kBitMasks[bits][kFrom[kZ]];
+        for (std::size_t i = 0; i < kRow; ++i)
+          to[i] = static_cast<std::uint16_t>(from[i] & mask[i]);
+      }
     }
-    const std::uint16_t* const from = &labels.fragment[std::size_t{leaf} * 512 + row * 8 + kFrom];
-    std::copy_n(from, kCount, to);
-    if (voxels == Voxels::inside) {
-      const auto bits = (blocks.inside[leaf * 8 + row / 8] >> (row % 8 * 8)) & 0xff;
-      for (std::size_t i = 0; i < kCount; ++i) to[i] &= kBitMasks[bits][kFrom + i];
-    }
-    to += kCount;
   };
-  for (std::size_t x = 8 - kBelow; x < 16 + kAbove; ++x) {
-    for (std::size_t y = 8 - kBelow; y < 16 + kAbove; ++y) {
-      // The row spans three leaves.
-      const std::uint32_t* const leaves = &neighborhood[x / 8 * 9 + y / 8 * 3];
-      const std::size_t row = x % 8 * 8 + y % 8;
-      if constexpr (kBelow > 0) take.template operator()<8 - kBelow, kBelow>(leaves[0], row);
-      take.template operator()<0, 8>(leaves[1], row);
-      if constexpr (kAbove > 0) take.template operator()<0, kAbove>(leaves[2], row);
+  for (std::size_t xPart = 0; xPart < 3; ++xPart) {
+    for (std::size_t yPart = 0; yPart < 3; ++yPart) {
+      take.template operator()<0>(xPart, yPart);
+      take.template operator()<1>(xPart, yPart);
+      take.template operator()<2>(xPart, yPart);
     }
   }
   return cube;

@@ -298,14 +298,17 @@ SiteCut siteCut(const CutHalo& halo, const openvdb::Coord& origin,
   for (std::size_t row = 0; row < 64; ++row) {
     own[haloRow(row)] = static_cast<std::uint16_t>(requested[row] << kCutHalo);
   }
-  const HaloBits tested = dilated(own);
+  HaloBits tested = dilated(own);
   for (std::size_t row = 0; row < tested.size(); ++row) {
-    if (tested[row] == 0) continue;
+    unsigned labeled = 0;
+    for (std::size_t z = 0; z < kCutSide; ++z)
+      labeled |= static_cast<unsigned>(halo[row * kCutSide + z] != 0) << z;
+    tested[row] &= static_cast<std::uint16_t>(labeled);
+    if ((tested[row] | own[row]) == 0) continue;
     ofLeaf.setRow(row / kCutSide, row % kCutSide);
     for (unsigned bits = tested[row]; bits != 0; bits &= bits - 1) {
       const auto z = static_cast<std::size_t>(std::countr_zero(bits));
-      const std::uint16_t label = halo[row * kCutSide + z];
-      if (label != 0 && !ofLeaf.agrees(label, z)) {
+      if (!ofLeaf.agrees(halo[row * kCutSide + z], z)) {
         mismatches[row] |= static_cast<std::uint16_t>(1u << z);
       }
     }

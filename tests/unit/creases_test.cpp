@@ -181,7 +181,7 @@ TEST_F(CreasesOfFragments, AreTheSameForOneFractureOrSeveral) {
   const FractureResult result = broken(rotated(shapes::cup(1.0, 0.25, 1.5, 0.25, 40)));
   const auto intact = intactSurface(result.solid);
   const std::vector<Fragment> again =
-      extractFragments(result.solid, result.labels, {.intact = intact.get()});
+      extractFragments(result.solid, result.labels, {.intact = intact});
   ASSERT_EQ(again.size(), result.fragments.size());
   for (std::size_t i = 0; i < again.size(); ++i) {
     EXPECT_EQ(again[i].mesh.vertices, result.fragments[i].mesh.vertices);

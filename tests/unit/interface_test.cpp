@@ -80,9 +80,12 @@ Labeled labeled(int side, int fragments, const LabelOf& labelOf) {
 std::vector<LabeledMesh> meshesOf(const Labeled& made, int fragments) {
   const std::vector<LeafNeighbors> neighborhoods = leafNeighbors(made.solid.blocks->origins);
   const Creases creases(made.solid, neighborhoods, nullptr);
-  const InterfaceMeshes all(made.solid, made.labels, made.cut, neighborhoods, creases);
+  const InterfaceSurface surface(made.solid, made.labels, made.cut, neighborhoods, creases, nullptr,
+                                 SurfaceVertices::all, nullptr);
+  const InterfaceMeshes all(surface, neighborhoods, nullptr);
   std::vector<LabeledMesh> meshes;
-  for (int label = 1; label <= fragments; ++label) meshes.push_back(all.meshOf(label));
+  for (int label = 1; label <= fragments; ++label)
+    meshes.push_back(all.meshOf(static_cast<std::uint16_t>(label)));
   return meshes;
 }
 

@@ -239,8 +239,8 @@ TEST(MergedPlanes, AreTheSameWithAnIntactSurface) {
   options.solid = {};
   const FractureResult alone = fracture(solid, options, device);
   const auto intact = intactSurface(alone.solid);
-  const std::vector<Fragment> again = extractFragments(
-      alone.solid, alone.labels, {.surface = options.surface, .intact = intact.get()});
+  const std::vector<Fragment> again =
+      extractFragments(alone.solid, alone.labels, {.surface = options.surface, .intact = intact});
   ASSERT_EQ(again.size(), alone.fragments.size());
   for (std::size_t i = 0; i < again.size(); ++i) {
     EXPECT_EQ(again[i].mesh.vertices, alone.fragments[i].mesh.vertices);

@@ -161,7 +161,8 @@ TEST(Stop, CuttingAsksOftenEnough) {
       solid.blocks->count() / 16);
   const Cut cut = findCut(labels, rounds);
   EXPECT_GE(asksOf([&](const Progress* p) {
-              InterfaceMeshes(solid, labels, cut, rounds, Creases(), nullptr, p);
+              InterfaceSurface(solid, labels, cut, rounds, Creases(), nullptr, SurfaceVertices::all,
+                               p);
             }),
             4u);
   const TriangleMesh ball = shapes::ball(1.0, 5);
