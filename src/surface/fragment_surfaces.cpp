@@ -326,14 +326,15 @@ std::vector<std::size_t> FragmentSurfaces::vertexCounts() const {
 std::vector<std::map<int, double>> FragmentSurfaces::boundaryLengths() const {
   const std::vector<glm::dvec3>& at = surface_.vertices().at;
   // What neighbors the faces at a vertex have: an edge between two regions ends at vertices with
-  // several.  Each vertex belongs to one fragment.
+  // several.  Each vertex belongs to one fragment.  No quad of a crack has a vertex of an intact
+  // one.
   RegionsAtVertices regions(at.size());
   for (std::size_t leaf = 0; leaf < surface_.leaves(); ++leaf) {
     for (const InterfaceQuad& quad : surface_.quadsOf(leaf)) {
+      if (quad.isIntact) continue;
+      const QuadHalves halves = trianglesOf(quad.vertex, quad.split);
       for (const std::size_t half : {0, 1}) {
-        const std::uint16_t neighbor = neighborOf(leaf, quad, half);
-        const std::array<std::uint32_t, 3> corner = trianglesOf(quad.vertex, quad.split)[half];
-        for (const std::uint32_t v : corner) regions.add(v, neighbor);
+        for (const std::uint32_t v : halves[half]) regions.add(v, neighborOf(leaf, quad, half));
       }
     }
   }

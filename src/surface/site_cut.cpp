@@ -116,10 +116,11 @@ struct NearestInRow {
   std::array<std::size_t, kCutSide> site;  // index
 };
 
-//   low   the row's first voxel, stretched
-//   step  from a voxel to the next, stretched
+//   low    the row's first voxel, stretched
+//   step   from a voxel to the next, stretched
+//   voxels  the range that is needed
 NearestInRow nearestInRow(std::span<const Sites::Site> sites, const glm::i64vec3& low,
-                          const glm::i64vec3& step) {
+                          const glm::i64vec3& step, const std::array<std::size_t, 2>& voxels) {
   const auto dot = [](const glm::i64vec3& a, const glm::i64vec3& b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
   };
@@ -127,10 +128,11 @@ NearestInRow nearestInRow(std::span<const Sites::Site> sites, const glm::i64vec3
   nearest.squared.fill(kFar);
   nearest.site.fill(0);
   const std::int64_t square = dot(step, step);
+  const auto first = static_cast<std::int64_t>(voxels[0]);
   for (std::size_t i = 0; i < sites.size(); ++i) {
-    const glm::i64vec3 d = low - sites[i].stretched;
+    const glm::i64vec3 d = low + first * step - sites[i].stretched;
     std::int64_t squared = dot(d, d), growth = 2 * dot(d, step) + square;
-    for (std::size_t z = 0; z < kCutSide; ++z) {
+    for (std::size_t z = voxels[0]; z < voxels[1]; ++z) {
       if (squared < nearest.squared[z]) {
         nearest.squared[z] = squared;
         nearest.site[z] = i;
@@ -171,13 +173,14 @@ class SitesOfLeaf {
     }
   }
 
-  void setRow(std::size_t x, std::size_t y) {
+  //   voxels  the range of z that is needed
+  void setRow(std::size_t x, std::size_t y, const std::array<std::size_t, 2>& voxels) {
     const glm::i64vec3 low =
         low_ + static_cast<std::int64_t>(x) * steps_[0] + static_cast<std::int64_t>(y) * steps_[1];
     row_ = {x, y};
     least_.fill(kFar);
     for (std::size_t k = 0; k < sites_.size(); ++k) {
-      nearest_[k] = nearestInRow(sites_[k], low, steps_[2]);
+      nearest_[k] = nearestInRow(sites_[k], low, steps_[2], voxels);
       for (std::size_t z = 0; z < kCutSide; ++z) {
         least_[z] = std::min(least_[z], nearest_[k].squared[z]);
       }
@@ -304,8 +307,11 @@ SiteCut siteCut(const CutHalo& halo, const openvdb::Coord& origin,
     for (std::size_t z = 0; z < kCutSide; ++z)
       labeled |= static_cast<unsigned>(halo[row * kCutSide + z] != 0) << z;
     tested[row] &= static_cast<std::uint16_t>(labeled);
-    if ((tested[row] | own[row]) == 0) continue;
-    ofLeaf.setRow(row / kCutSide, row % kCutSide);
+    const auto needed = static_cast<std::uint16_t>(tested[row] | own[row]);
+    if (needed == 0) continue;
+    ofLeaf.setRow(row / kCutSide, row % kCutSide,
+                  {static_cast<std::size_t>(std::countr_zero(needed)),
+                   static_cast<std::size_t>(std::bit_width(needed))});
     for (unsigned bits = tested[row]; bits != 0; bits &= bits - 1) {
       const auto z = static_cast<std::size_t>(std::countr_zero(bits));
       if (!ofLeaf.agrees(halo[row * kCutSide + z], z)) {
