@@ -255,6 +255,7 @@ std::vector<InterfaceQuad> quadsOf(const Field& field, const AllCells& all, std:
       }
     }
   }
+  quads.shrink_to_fit();
   return quads;
 }
 

@@ -10,36 +10,56 @@ namespace {
 
 using Curves = std::vector<std::vector<std::uint32_t>>;
 
-// Chains edges into loops.  Each vertex has as many incoming as outgoing edges, so a walk ends
-// where it began.
-Curves loopsOf(std::multimap<std::uint32_t, std::uint32_t> next) {
-  Curves curves;
-  while (!next.empty()) {
-    std::vector<std::uint32_t>& curve = curves.emplace_back();
-    for (auto at = next.begin(); at != next.end(); at = next.find(curve.back())) {
-      if (curve.empty()) curve.push_back(at->first);
-      curve.push_back(at->second);
-      next.erase(at);
+// The directed edges of one region's boundary, ascending, each taken once.
+class BoundaryEdges {
+ public:
+  void add(std::uint32_t from, std::uint32_t to) { edges_.push_back({from, to}); }
+
+  // Chains the edges into loops.  Each vertex has as many incoming as outgoing edges, so a walk
+  // ends where it began.
+  Curves loops() {
+    Curves curves;
+    for (Edge& first : edges_) {
+      if (first.isTaken) continue;
+      std::vector<std::uint32_t>& curve = curves.emplace_back();
+      for (Edge* at = &first; at != nullptr; at = nextFrom(at->to)) {
+        at->isTaken = true;
+        curve.push_back(at->from);
+      }
     }
-    curve.pop_back();  // repeats the first vertex
+    return curves;
   }
-  return curves;
-}
+
+ private:
+  struct Edge {
+    std::uint32_t from, to;
+    bool isTaken = false;
+  };
+
+  // Returns the first edge from a vertex that is left, or null.
+  Edge* nextFrom(std::uint32_t vertex) {
+    auto at = std::ranges::lower_bound(edges_, vertex, {}, &Edge::from);
+    while (at != edges_.end() && at->from == vertex && at->isTaken) ++at;
+    return at != edges_.end() && at->from == vertex ? &*at : nullptr;
+  }
+
+  std::vector<Edge> edges_;
+};
 
 }  // namespace
 
 RegionLoops RegionEdges::loops() && {
   std::sort(edges_.begin(), edges_.end());
   // A boundary edge of a region has no face of the same region in the opposite direction.
-  std::map<int, std::multimap<std::uint32_t, std::uint32_t>> next;
+  std::map<int, BoundaryEdges> boundaries;
   for (const Edge& edge : edges_) {
     if (!std::binary_search(edges_.begin(), edges_.end(),
                             Edge{edge.neighbor, edge.to, edge.from})) {
-      next[edge.neighbor].emplace(edge.from, edge.to);
+      boundaries[edge.neighbor].add(edge.from, edge.to);
     }
   }
   RegionLoops curves;
-  for (auto& [neighbor, ofRegion] : next) curves[neighbor] = loopsOf(std::move(ofRegion));
+  for (auto& [neighbor, ofRegion] : boundaries) curves[neighbor] = ofRegion.loops();
   return curves;
 }
 
