@@ -5,6 +5,9 @@
 
 #include <glm/geometric.hpp>
 #include <limits>
+#include <vector>
+
+#include "render/embree_scene.h"
 
 namespace sherd {
 namespace {
@@ -12,6 +15,7 @@ namespace {
 struct Centers {
   std::span<const Fragment> fragments;
   const Scene& scene;
+  RTCScene embree;
   const Camera& camera;
   char up;
   Aovs& aovs;
@@ -27,7 +31,7 @@ struct Centers {
     ray.hit.geomID = ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    rtcIntersect1(scene.embree.get(), &context, &ray);
+    rtcIntersect1(embree, &context, &ray);
     if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return;
     store(static_cast<std::size_t>(y) * static_cast<std::size_t>(aovs.width) +
               static_cast<std::size_t>(x),
@@ -65,7 +69,11 @@ void traceCenters(std::span<const Fragment> fragments, const Scene& scene, const
   aovs.position.assign(pixels, glm::vec3(0.0f));
   aovs.fragment.assign(pixels, 0);
   aovs.neighbor.assign(pixels, 0);
-  const Centers centers{fragments, scene, camera, up, aovs};
+  std::vector<EmbreeMesh> meshes;
+  for (const SceneFragment& fragment : scene.fragments)
+    meshes.push_back({fragment.vertices, fragment.triangles});
+  const EmbreeScene embree = embreeScene(meshes, EmbreeTree::exact);
+  const Centers centers{fragments, scene, embree.scene.get(), camera, up, aovs};
   tbb::parallel_for(0, aovs.height, [&](int y) {
     for (int x = 0; x < aovs.width; ++x) centers.trace(x, y);
   });

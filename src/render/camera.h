@@ -4,7 +4,6 @@
 #include <sherd/render.h>
 
 #include <glm/geometric.hpp>
-#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 #include "render/scene.h"
@@ -26,12 +25,16 @@ struct Camera {
     return right * ((x - halfWidth) * pixel) + up * ((halfHeight - y) * pixel) - back;
   }
 
-  /// Returns the image position of a point in front of the camera; the inverse of direction().
-  [[nodiscard]] glm::vec2 project(glm::vec3 p) const {
+  /// Returns the image position of a point in front of the camera, the inverse of direction(), and
+  /// one over its distance along `back`.
+  [[nodiscard]] glm::vec3 project(glm::vec3 p) const {
     const glm::vec3 d = p - eye;
-    const float scale = -1.0f / (glm::dot(d, back) * pixel);
-    return {halfWidth + glm::dot(d, right) * scale, halfHeight - glm::dot(d, up) * scale};
+    const float near = -1.0f / glm::dot(d, back), scale = near / pixel;
+    return {halfWidth + glm::dot(d, right) * scale, halfHeight - glm::dot(d, up) * scale, near};
   }
+
+  /// Returns the distance from a surface's tangent plane within which it goes on a few pixels away.
+  [[nodiscard]] float reachAt(glm::vec3 p) const { return 3.0f * pixel * glm::dot(eye - p, back); }
 };
 
 /// Returns the closest camera that shows every vertex with a margin; its field of view is 35

@@ -16,6 +16,7 @@ constexpr float kPi = 3.14159265f;
 constexpr float kKeyRadius = 0.16f;     // tangent of the key light's half angle: 9 degrees
 constexpr float kKeyElevation = 0.93f;  // radians above the horizon
 constexpr float kKeyAside = 0.80f;      // radians to the left of the camera
+constexpr float kBelow = 2e-4f;         // of the ground under the fragments, scene units
 
 /// Maps the unit square to the unit disk, preserving area ratios and neighborhoods.
 /// source  P. Shirley and K. Chiu, A Low Distortion Map Between Disk and Square, 1997
@@ -45,25 +46,93 @@ glm::vec2 sobol(std::uint32_t i, std::uint32_t n) {
   return {reverseBits(i) + half, static_cast<float>(second >> 8) * 0x1p-24f + half};
 }
 
-/// Returns the mean over 5x5 texels with half weight on the border, so that all cells of the
-/// pattern weigh the same.
-std::vector<glm::vec2> tent(const std::vector<glm::vec2>& map, int size) {
-  std::vector<glm::vec2> result(map.size());
-  tbb::parallel_for(0, size, [&](int y) {
-    for (int x = 0; x < size; ++x) {
-      glm::vec2 sum(0.0f);
-      for (int dy = -2; dy <= 2; ++dy)
-        for (int dx = -2; dx <= 2; ++dx) {
-          const float weight =
-              (std::abs(dy) == 2 ? 0.5f : 1.0f) * (std::abs(dx) == 2 ? 0.5f : 1.0f);
-          const int nx = std::clamp(x + dx, 0, size - 1), ny = std::clamp(y + dy, 0, size - 1);
-          sum += weight * map[static_cast<std::size_t>(ny * size + nx)];
-        }
-      result[static_cast<std::size_t>(y * size + x)] = sum / static_cast<float>(kPatternCells);
-    }
+/// A square map of values, rows along x.
+struct Map {
+  int size;
+  std::vector<float> values = std::vector<float>(static_cast<std::size_t>(size * size));
+
+  float& at(int x, int z) { return values[static_cast<std::size_t>(z * size + x)]; }
+  float at(int x, int z) const { return values[static_cast<std::size_t>(z * size + x)]; }
+};
+
+/// Returns the mean over five texels of each row, with half weight on the ends, and swaps x and z.
+Map tentAlongX(const Map& map) {
+  Map result{map.size};
+  const int last = map.size - 1;
+  tbb::parallel_for(0, map.size, [&](int z) {
+    for (int x = 0; x < map.size; ++x)
+      result.at(z, x) =
+          0.25f *
+          (0.5f * map.at(std::max(x - 2, 0), z) + map.at(std::max(x - 1, 0), z) + map.at(x, z) +
+           map.at(std::min(x + 1, last), z) + 0.5f * map.at(std::min(x + 2, last), z));
   });
   return result;
 }
+
+/// Returns the mean over 5x5 texels with half weight on the border, so that all cells of the
+/// pattern weigh the same.
+Map tent(const Map& map) { return tentAlongX(tentAlongX(map)); }
+
+/// The light that reaches a square of the ground.
+struct Ground {
+  const Occluders& occluders;
+  glm::vec3 low;  ///< corner of the square
+  float side;
+  glm::vec3 shadowLow, shadowHigh;                  ///< box of the key light's shadow
+  static constexpr int kKeyRays = 4, kSkyRays = 2;  ///< at a texel
+
+  /// Whether a texel may lie in the shadow that the box of the fragments throws.
+  bool isShaded(int size, int x, int z) const {
+    const float texel = side / static_cast<float>(size);
+    const float atX = low.x + (static_cast<float>(x) + 0.5f) * texel;
+    const float atZ = low.z + (static_cast<float>(z) + 0.5f) * texel;
+    return atX >= shadowLow.x && atX <= shadowHigh.x && atZ >= shadowLow.z && atZ <= shadowHigh.z;
+  }
+
+  /// As in the image, a texel traces its cell's share of the pattern.
+  float traced(const std::vector<glm::vec3>& directions, int size, int x, int z) const {
+    const float texel = side / static_cast<float>(size);
+    const glm::vec3 origin(low.x + (static_cast<float>(x) + 0.5f) * texel, low.y,
+                           low.z + (static_cast<float>(z) + 0.5f) * texel);
+    float sum = 0.0f;
+    for (auto i = static_cast<std::size_t>(patternCell(x, z)); i < directions.size();
+         i += kPatternCells)
+      sum += occluders.free(origin, directions[i], 0.0f);
+    return sum * kPatternCells / static_cast<float>(directions.size());
+  }
+
+  Map skyMap(int size) const {
+    std::vector<glm::vec3> directions = skyDirections(kSkyRays * kPatternCells);
+    for (glm::vec3& d : directions) d = {d.y, d.z, d.x};
+    Map map{size};
+    tbb::parallel_for(0, size, [&](int z) {
+      for (int x = 0; x < size; ++x) map.at(x, z) = traced(directions, size, x, z);
+    });
+    return map;
+  }
+
+  /// Traces every second texel of every second row, and those where the ones beside them differ:
+  /// outside of the shadow's soft edge they agree.
+  Map keyMap(const Light& light, int size) const {
+    const std::vector<glm::vec3> directions = keyDirections(light, kKeyRays * kPatternCells);
+    Map map{size};
+    tbb::parallel_for(0, size / 2, [&](int z) {
+      for (int x = 0; x < size; x += 2)
+        map.at(x, 2 * z) = isShaded(size, x, 2 * z) ? traced(directions, size, x, 2 * z) : 1.0f;
+    });
+    tbb::parallel_for(0, size, [&](int z) {
+      for (int x = z % 2 == 0 ? 1 : 0; x < size; x += z % 2 == 0 ? 2 : 1) {
+        const int left = x - x % 2, right = std::min(left + 2 * (x % 2), size - 2);
+        const int top = z - z % 2, bottom = std::min(top + 2 * (z % 2), size - 2);
+        const float value = map.at(left, top);
+        const bool agrees = (value == 0.0f || value == 1.0f) && map.at(right, top) == value &&
+                            map.at(left, bottom) == value && map.at(right, bottom) == value;
+        map.at(x, z) = agrees ? value : traced(directions, size, x, z);
+      }
+    });
+    return map;
+  }
+};
 
 }  // namespace
 
@@ -104,25 +173,8 @@ Frame frameAround(glm::vec3 n) {
   return {{1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n};
 }
 
-void ShadowPacket::set(std::size_t lane, glm::vec3 origin, glm::vec3 direction) {
-  valid[lane] = -1;
-  rays.org_x[lane] = origin.x, rays.org_y[lane] = origin.y, rays.org_z[lane] = origin.z;
-  rays.dir_x[lane] = direction.x, rays.dir_y[lane] = direction.y, rays.dir_z[lane] = direction.z;
-  rays.tnear[lane] = 0.0f, rays.tfar[lane] = std::numeric_limits<float>::infinity();
-  rays.mask[lane] = ~0u, rays.flags[lane] = 0, rays.time[lane] = 0.0f;
-}
-
-std::array<float, 8> ShadowPacket::free(RTCScene scene, RTCIntersectContextFlags flags) {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = flags;
-  rtcOccluded8(valid.data(), scene, &context, &rays);
-  std::array<float, 8> result{};
-  for (std::size_t i = 0; i < 8; ++i) result[i] = valid[i] && rays.tfar[i] > 0.0f ? 1.0f : 0.0f;
-  return result;
-}
-
-GroundLight::GroundLight(const Scene& scene, const Light& light) : share_(kSize * kSize) {
+GroundLight::GroundLight(const Scene& scene, const Light& light, const Occluders& occluders)
+    : share_(kSize * kSize) {
   // The map covers the box's shadow and the occlusion of the sky at its base.
   constexpr float kMargin = 0.7f;
   glm::vec3 high(-std::numeric_limits<float>::infinity());
@@ -130,52 +182,37 @@ GroundLight::GroundLight(const Scene& scene, const Light& light) : share_(kSize 
   for (const glm::vec3& corner : scene.boxCorners) {
     const glm::vec3 cast =
         corner - light.keyDirection * ((corner.y - scene.groundY) / light.keyDirection.y);
-    low_ = glm::min(low_, glm::min(corner, cast) - kMargin);
-    high = glm::max(high, glm::max(corner, cast) + kMargin);
+    low_ = glm::min(low_, glm::min(corner, cast));
+    high = glm::max(high, glm::max(corner, cast));
   }
+  // The light's disk shifts a point's shadow by at most its height times twice the disk's radius.
+  const float soft = 2.0f * kKeyRadius * (high.y - scene.groundY) / light.keyDirection.y;
+  const glm::vec3 shadowLow = low_ - soft, shadowHigh = high + soft;
+  low_ -= kMargin, high += kMargin;
   texel_ = std::max(high.x - low_.x, high.z - low_.z) / kSize;
-
-  // As in the image, a texel traces its cell's share of the pattern and a tent filter combines all
-  // cells.  Shadows reach further here, so there are more directions.
-  constexpr std::uint32_t kPackets = 2, kGroundDirections = kPatternCells * 8 * kPackets;
-  const std::vector<glm::vec3> keys = keyDirections(light, kGroundDirections);
-  std::vector<glm::vec3> skies = skyDirections(kGroundDirections);
-  for (glm::vec3& d : skies) d = {d.y, d.z, d.x};
-  std::vector<glm::vec2> free(share_.size());
-  tbb::parallel_for(0, kSize, [&](int z) {
-    for (int x = 0; x < kSize; ++x) {
-      const glm::vec3 origin(low_.x + (static_cast<float>(x) + 0.5f) * texel_,
-                             scene.groundY - kLift,
-                             low_.z + (static_cast<float>(z) + 0.5f) * texel_);
-      const auto count = [&](const std::vector<glm::vec3>& directions,
-                             RTCIntersectContextFlags flags) {
-        float sum = 0.0f;
-        for (std::uint32_t k = 0; k < kPackets; ++k) {
-          ShadowPacket packet;
-          for (std::uint32_t lane = 0; lane < 8; ++lane)
-            packet.set(lane, origin,
-                       directions[(k * 8 + lane) * kPatternCells +
-                                  static_cast<std::uint32_t>(patternCell(x, z))]);
-          for (const float f : packet.free(scene.embree.get(), flags)) sum += f;
-        }
-        return sum / (8.0f * kPackets);
-      };
-      free[static_cast<std::size_t>(z * kSize + x)] = {
-          count(keys, RTC_INTERSECT_CONTEXT_FLAG_COHERENT),
-          count(skies, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT)};
-    }
-  });
-
+  const Ground ground{occluders,
+                      {low_.x, scene.groundY - kBelow, low_.z},
+                      texel_ * static_cast<float>(kSize),
+                      shadowLow,
+                      shadowHigh};
   // One pass combines the pattern; the second removes what remains visible of it in soft shadows.
-  free = tent(tent(free, kSize), kSize);
+  const Map keyFree = tent(tent(tent(ground.keyMap(light, kSize))));
+  const Map skyFree = tent(tent(ground.skyMap(kSize / 2)));
   const glm::vec3 key = light.key * light.keyDirection.y;
   tbb::parallel_for(0, kSize, [&](int z) {
+    // The sky's texels are twice as large: a quarter of one to the left or right, and up or down.
+    const auto near = [](int i) { return i / 2; };
+    const auto far = [](int i) {
+      return std::clamp(i / 2 + (i % 2 == 0 ? -1 : 1), 0, kSize / 2 - 1);
+    };
     for (int x = 0; x < kSize; ++x) {
-      const std::size_t texel = static_cast<std::size_t>(z * kSize + x);
+      const float sky = (9.0f * skyFree.at(near(x), near(z)) + 3.0f * skyFree.at(far(x), near(z)) +
+                         3.0f * skyFree.at(near(x), far(z)) + skyFree.at(far(x), far(z))) /
+                        16.0f;
       const int edge = std::min(std::min(x, kSize - 1 - x), std::min(z, kSize - 1 - z));
       const float fade = glm::smoothstep(0.0f, 0.12f * kSize, static_cast<float>(edge));
-      const glm::vec3 share = (key * free[texel].x + light.sky * free[texel].y) / (key + light.sky);
-      share_[texel] = glm::mix(glm::vec3(1.0f), share, fade);
+      const glm::vec3 share = (key * keyFree.at(x, z) + light.sky * sky) / (key + light.sky);
+      share_[static_cast<std::size_t>(z * kSize + x)] = glm::mix(glm::vec3(1.0f), share, fade);
     }
   });
 }

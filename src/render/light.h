@@ -7,22 +7,17 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "render/occluders.h"
 #include "render/scene.h"
 
 namespace sherd {
 
-/// Offset of ray origins above their surface, scene units; floats are exact to 1e-7 there.
-inline constexpr float kLift = 2e-4f;
-
-/// Ray directions repeat in a pattern: each of the four samples of a 4x4 pixel square has one of 64
-/// directions.  Pixels four apart share directions, which makes packets coherent, and a 5x5 tent
+/// Ray directions repeat in a pattern: each cell of 4x4 has some of the directions, and a 5x5 tent
 /// filter with half weight on the border covers every direction equally.
 inline constexpr int kPatternSize = 4;
 inline constexpr int kPatternCells = kPatternSize * kPatternSize;
-inline constexpr int kSamplesPerPixel = 4;
-inline constexpr std::uint32_t kDirections = kPatternCells * kSamplesPerPixel;
 
-/// Returns the pixel's cell 0..15 of the pattern, a Bayer matrix: 2x2 squares are spread out too.
+/// Returns the cell 0..15 of the pattern, a Bayer matrix: 2x2 squares are spread out too.
 [[nodiscard]] constexpr int patternCell(int x, int y) {
   constexpr std::array<int, kPatternCells> kBayer = {0, 8,  2, 10, 12, 4, 14, 6,
                                                      3, 11, 1, 9,  15, 7, 13, 5};
@@ -53,20 +48,10 @@ struct Frame {
 };
 [[nodiscard]] Frame frameAround(glm::vec3 n);
 
-/// Eight occlusion rays.
-struct ShadowPacket {
-  alignas(32) std::array<int, 8> valid{};
-  RTCRay8 rays;
-
-  void set(std::size_t lane, glm::vec3 origin, glm::vec3 direction);
-  /// Returns 1 for each lane that is valid and unoccluded, else 0.
-  [[nodiscard]] std::array<float, 8> free(RTCScene scene, RTCIntersectContextFlags flags);
-};
-
 /// Square map of the light on the ground, relative to open ground.
 class GroundLight {
  public:
-  GroundLight(const Scene& scene, const Light& light);
+  GroundLight(const Scene& scene, const Light& light, const Occluders& occluders);
 
   /// Returns the light at a point, 0..1 of open ground's, per color channel.
   [[nodiscard]] glm::vec3 at(float x, float z) const;

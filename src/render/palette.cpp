@@ -32,6 +32,10 @@ glm::vec3 inGamut(float lightness, float chroma, float hue) {
   }
 }
 
+double encoded(double linear) {
+  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
+}
+
 }  // namespace
 
 FragmentColor fragmentColor(int n) {
@@ -58,13 +62,27 @@ std::uint8_t byteFromLinear(float value) {
     std::array<std::uint8_t, kSteps + 1> bytes{};
     for (int i = 0; i <= kSteps; ++i) {
       const double x = static_cast<double>(i) / kSteps;
-      const double y = x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1.0 / 2.4) - 0.055;
-      bytes[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(std::lround(255.0 * y));
+      bytes[static_cast<std::size_t>(i)] =
+          static_cast<std::uint8_t>(std::lround(255.0 * encoded(x)));
     }
     return bytes;
   }();
   const float clamped = std::clamp(value, 0.0f, 1.0f);
   return kBytes[static_cast<std::size_t>(clamped * kSteps + 0.5f)];
+}
+
+float srgbFromLinear(float value) {
+  constexpr int kSteps = 1 << 12;  // interpolated linearly
+  static const std::array<float, kSteps + 2> kValues = [] {
+    std::array<float, kSteps + 2> values{};
+    for (int i = 0; i < kSteps + 2; ++i)
+      values[static_cast<std::size_t>(i)] =
+          static_cast<float>(encoded(static_cast<double>(i) / kSteps));
+    return values;
+  }();
+  const float at = kSteps * std::clamp(value, 0.0f, 1.0f);
+  const auto i = static_cast<std::size_t>(at);
+  return kValues[i] + (at - static_cast<float>(i)) * (kValues[i + 1] - kValues[i]);
 }
 
 float linearFromSrgb(float value) {

@@ -22,6 +22,9 @@ struct FragmentColor {
 /// Returns the sRGB byte of a linear value, clamped to 0..1.
 [[nodiscard]] std::uint8_t byteFromLinear(float value);
 
+/// Returns the sRGB value 0..1 of a linear value, clamped to 0..1.
+[[nodiscard]] float srgbFromLinear(float value);
+
 /// Returns the linear value of an sRGB value 0..1.
 [[nodiscard]] float linearFromSrgb(float value);
 

@@ -1,4 +1,5 @@
-// Renders fragments band by band: traces a band of rows, smooths its light, shades it.
+// Renders fragments band by band: finds what a band of rows shows, traces and smooths its light,
+// shades it.
 #include <sherd/error.h>
 #include <sherd/render.h>
 #include <tbb/parallel_for.h>
@@ -12,16 +13,19 @@
 #include <string>
 
 #include "render/aovs.h"
+#include "render/backdrop.h"
 #include "render/camera.h"
 #include "render/light.h"
+#include "render/occluders.h"
 #include "render/palette.h"
+#include "render/raster.h"
 #include "render/scene.h"
 #include "render/trace.h"
 
 namespace sherd {
 namespace {
 
-constexpr int kReach = 2;  // radius of the light's smoothing, pixels
+constexpr int kReach = 2;  // radius of the light's smoothing, squares of 2x2 pixels
 
 void checkOptions(const RenderOptions& options) {
   const auto fail = [](const std::string& sentence) { throw Error(ErrorCode::usage, sentence); };
@@ -48,6 +52,12 @@ glm::vec3 withBounces(float sky, glm::vec3 albedo) {
   return glm::max(glm::vec3(open), ((open * a + b) * open + c) * open);
 }
 
+/// Side of the cubes that the occluders' vertices merge in: some pixels, and less in small images.
+float occluderCell(const Camera& camera) {
+  constexpr float kPixels = 8.0f, kMost = 0.025f;
+  return std::min(kPixels * camera.pixel * glm::length(camera.eye), kMost);
+}
+
 class Renderer {
  public:
   Renderer(std::span<const Fragment> fragments, const RenderOptions& options)
@@ -57,17 +67,24 @@ class Renderer {
         camera_(frameScene(scene_, options)),
         light_(
             makeLight(static_cast<float>(std::fmod(options.azimuth, 360.0) * kRadiansPerDegree))),
-        coverage_(scene_, camera_),
-        ground_(scene_, light_) {
+        raster_(scene_, camera_),
+        occluders_(scene_, occluderCell(camera_)),
+        ground_(scene_, light_, occluders_) {
     for (const Fragment& fragment : fragments)
       colors_.push_back(fragmentColor(std::max(0, fragment.id - 1)));
   }
 
   Image render(const Progress* progress) const {
     Image image{width_, height_, std::vector<std::uint8_t>(3 * pixels())};
-    forEachPixel(progress, [&](const Bands& ring, int x, int y) {
+    const Backdrop backdrop(camera_, ground_, scene_.groundY);
+    const auto prepare = [&](int row) { backdrop.fill(row, image.rgb); };
+    forEachPixel(progress, prepare, [&](const Bands& ring, int x, int y) {
       const Pixel shaded = shadedPixel(ring, x, y, toneMap);
-      const glm::vec3 light = shaded.light + shaded.open * backdrop(x, y);
+      if (shaded.open == 1.0f) return;
+      glm::vec3 light = shaded.light;
+      if (shaded.open > 0.0f)
+        light +=
+            shaded.open * backdrop.at(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
       std::uint8_t* rgb = &image.rgb[3 * pixelIndex(x, y)];
       for (int k = 0; k < 3; ++k) rgb[k] = byteFromLinear(light[k]);
     });
@@ -76,23 +93,23 @@ class Renderer {
 
   Aovs renderAovs(std::span<const Fragment> fragments, char up, const Progress* progress) const {
     Aovs aovs{width_, height_, std::vector<float>(4 * pixels()), {}, {}, {}, {}, {}};
-    forEachPixel(progress, [&](const Bands& ring, int x, int y) {
-      const Pixel shaded = shadedPixel(ring, x, y, [](const glm::vec3& light) { return light; });
-      float* rgba = &aovs.rgba[4 * pixelIndex(x, y)];
-      for (int k = 0; k < 3; ++k) rgba[k] = shaded.light[k];
-      rgba[3] = 1.0f - shaded.open;
-    });
+    forEachPixel(
+        progress, [](int) {},
+        [&](const Bands& ring, int x, int y) {
+          const Pixel shaded =
+              shadedPixel(ring, x, y, [](const glm::vec3& light) { return light; });
+          float* rgba = &aovs.rgba[4 * pixelIndex(x, y)];
+          for (int k = 0; k < 3; ++k) rgba[k] = shaded.light[k];
+          rgba[3] = 1.0f - shaded.open;
+        });
     traceCenters(fragments, scene_, camera_, up, aovs);
     return aovs;
   }
 
  private:
-  void trace(int band, Band& target) const {
-    tbb::parallel_for(0, (width_ + kTile - 1) / kTile,
-                      [&](int tile) { tracer_.trace(tile * kTile, band * kTile, target); });
-  }
+  using Bands = std::array<Band, 3>;  // band b is ring[b % 3]
 
-  using Bands = std::array<Band, 3>;
+  static constexpr int kSquareRows = kTile / 2;  // in a band
 
   std::size_t pixels() const {
     return static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
@@ -102,25 +119,122 @@ class Renderer {
            static_cast<std::size_t>(x);
   }
 
-  // Smoothing reads kReach rows of the next band, so a band is shaded after that is traced.
-  template <class Shade>
-  void forEachPixel(const Progress* progress, const Shade& shade) const {
+  void trace(int band, Band& target) const {
+    tbb::parallel_for(0, (width_ + kTile - 1) / kTile,
+                      [&](int tile) { tracer_.trace(tile, band, target); });
+  }
+
+  // The light of a square is smoothed once the two rows below are traced, and a pixel is shaded
+  // once the squares around it are smooth.
+  //   prepare  called for each Backdrop::kRows rows, before their covered pixels are shaded
+  template <class Prepare, class Shade>
+  void forEachPixel(const Progress* progress, const Prepare& prepare, const Shade& shade) const {
     const int bands = (height_ + kTile - 1) / kTile;
     Bands ring{Band(width_), Band(width_), Band(width_)};
-    for (int band = 0; band <= bands; ++band) {
-      reportProgress(progress, "render", static_cast<double>(band) / (bands + 1));
-      if (band < bands) trace(band, ring[static_cast<std::size_t>(band % 3)]);
-      if (band == 0) continue;
-      const int first = (band - 1) * kTile, last = std::min(height_, first + kTile);
-      tbb::parallel_for(first, last, [&](int y) {
-        for (int x = 0; x < width_; ++x) shade(ring, x, y);
-      });
+    int smoothed = 0, shaded = 0;  // rows
+    for (int band = 0; band < bands; ++band) {
+      reportProgress(progress, "render", static_cast<double>(band) / bands);
+      trace(band, ring[static_cast<std::size_t>(band % 3)]);
+      const bool isLast = band + 1 == bands;
+      const int end = (band + 1) * kSquareRows, toSmooth = isLast ? end : end - kReach;
+      tbb::parallel_for(smoothed, toSmooth, [&](int row) { smoothRow(ring, row, end); });
+      smoothed = toSmooth;
+      const int toShade = isLast ? height_ : end * 2 - Backdrop::kRows;
+      tbb::parallel_for(shaded / Backdrop::kRows, (toShade + Backdrop::kRows - 1) / Backdrop::kRows,
+                        [&](int group) {
+                          const int first = group * Backdrop::kRows;
+                          prepare(first);
+                          for (int y = first; y < std::min(height_, first + Backdrop::kRows); ++y)
+                            shadeRow(ring, y, shade);
+                        });
+      shaded = toShade;
     }
   }
 
-  /// Index in its band of a sample of pixel (x, y).
-  std::size_t sampleIndex(int sample, int x, int y) const {
-    return static_cast<std::size_t>((sample * kTile + y % kTile) * width_ + x);
+  template <class Shade>
+  void shadeRow(const Bands& ring, int y, const Shade& shade) const {
+    const Band& band = ring[static_cast<std::size_t>(y / kTile % 3)];
+    for (std::size_t tile = 0; tile < band.covered.size(); ++tile) {
+      if (!band.covered[tile]) continue;
+      const int first = static_cast<int>(tile) * kTile;
+      for (int x = first; x < std::min(width_, first + kTile); ++x) shade(ring, x, y);
+    }
+  }
+
+  /// Returns the points of a square; null where no fragment is near.
+  template <class Ring>
+  auto pointsAt(Ring& ring, int x, int y) const -> decltype(ring[0].points.get()) {
+    auto& band = ring[static_cast<std::size_t>(y / kSquareRows % 3)];
+    if (!band.covered[static_cast<std::size_t>(x / kSquareRows)]) return nullptr;
+    return &band.points[static_cast<std::size_t>(Band::kPointsPerSquare *
+                                                 (y % kSquareRows * tracer_.squares() + x))];
+  }
+
+  /// Calls visit for each point of a square.
+  template <class Visit>
+  void forEachPoint(const Bands& ring, int x, int y, const Visit& visit) const {
+    const LightPoint* const points = pointsAt(ring, x, y);
+    for (int k = 0; points && k < Band::kPointsPerSquare && points[k].surface != kNoSurface; ++k)
+      visit(points[k]);
+  }
+
+  /// Sets the smoothed light of a row of squares: the mean over nearby points of the same smooth
+  /// surface, each of which traced some directions of the pattern.
+  ///   end  first row of squares that is not yet traced
+  void smoothRow(Bands& ring, int y, int end) const {
+    for (int x = 0; x < tracer_.squares(); ++x) {
+      LightPoint* const points = pointsAt(ring, x, y);
+      for (int k = 0; points && k < Band::kPointsPerSquare && points[k].surface != kNoSurface; ++k)
+        points[k].smoothed = smoothed(ring, x, y, points[k], end);
+    }
+  }
+
+  glm::vec2 smoothed(const Bands& ring, int x, int y, const LightPoint& point, int end) const {
+    constexpr float kEnough = 3.0f;  // a few directions alone would give specks
+    const float reach = camera_.reachAt(point.position);
+    glm::vec2 sum(0.0f), anySum(0.0f);
+    float weights = 0.0f, anyWeights = 0.0f;
+    for (int ny = std::max(0, y - kReach); ny <= std::min(end - 1, y + kReach); ++ny) {
+      const float rowWeight = std::abs(ny - y) == kReach ? 0.5f : 1.0f;
+      for (int nx = std::max(0, x - kReach); nx <= std::min(tracer_.squares() - 1, x + kReach);
+           ++nx) {
+        const float weight = std::abs(nx - x) == kReach ? 0.5f * rowWeight : rowWeight;
+        forEachPoint(ring, nx, ny, [&](const LightPoint& other) {
+          if (other.surface != point.surface) return;
+          anySum += weight * other.free;
+          anyWeights += weight;
+          if (!continues(other, point.surface, point.position, point.normal, reach)) return;
+          sum += weight * other.free;
+          weights += weight;
+        });
+      }
+    }
+    return weights >= kEnough ? sum / weights : anySum / anyWeights;
+  }
+
+  /// Returns the key and sky light at a pixel: interpolated between the squares around it.
+  glm::vec2 freeAt(const Bands& ring, int x, int y, const Shown& shown) const {
+    const float reach = camera_.reachAt(shown.position);
+    const int squareX = x / 2, squareY = y / 2;
+    const int besideX = std::clamp(squareX + (x % 2 == 0 ? -1 : 1), 0, tracer_.squares() - 1);
+    const int besideY = std::clamp(squareY + (y % 2 == 0 ? -1 : 1), 0, (height_ - 1) / 2);
+    glm::vec2 sum(0.0f);
+    float weights = 0.0f;
+    const auto add = [&](int atX, int atY, float weight) {
+      forEachPoint(ring, atX, atY, [&](const LightPoint& point) {
+        if (!continues(point, shown.surface, shown.position, shown.normal, reach)) return;
+        sum += weight * point.smoothed;
+        weights += weight;
+      });
+    };
+    add(squareX, squareY, 9.0f);
+    add(besideX, squareY, 3.0f);
+    add(squareX, besideY, 3.0f);
+    add(besideX, besideY, 1.0f);
+    if (weights > 0.0f) return sum / weights;
+    // A third surface in its square: that of the one in front of it.
+    const LightPoint* const points = pointsAt(ring, squareX, squareY);
+    return points && points[0].surface != kNoSurface ? points[0].smoothed : glm::vec2(1.0f);
   }
 
   /// Averages over a pixel's samples.
@@ -130,61 +244,32 @@ class Renderer {
   };
   template <class Tone>
   Pixel shadedPixel(const Bands& ring, int x, int y, const Tone& tone) const {
-    glm::vec3 sum(0.0f);
-    int open = 0;
-    for (int s = 0; s < kSamplesPerPixel; ++s) {
-      const Band& band = ring[static_cast<std::size_t>(y / kTile % 3)];
-      const std::size_t at = sampleIndex(s, x, y);
-      if (band.surface[at] == Band::kNothing) {
-        ++open;
-      } else {
-        const glm::vec2 free = smoothed(ring, s, x, y, band.surface[at], band.samples[at]);
-        sum += tone(surfaceLight(band.surface[at], band.samples[at], free));
-      }
-    }
+    const Band& band = ring[static_cast<std::size_t>(y / kTile % 3)];
+    const Shown* const shown =
+        &band.shown[static_cast<std::size_t>(Band::kShownPerPixel * (y % kTile * width_ + x))];
     constexpr float kShare = 1.0f / static_cast<float>(kSamplesPerPixel);
-    return {kShare * sum, kShare * static_cast<float>(open)};
-  }
-
-  /// Returns the key and sky light at a sample: the mean over nearby samples of the same smooth
-  /// surface, each of which traced one direction of the pattern.
-  glm::vec2 smoothed(const Bands& ring, int s, int x, int y, std::uint32_t surface,
-                     const Sample& sample) const {
-    const float tolerance =
-        1.5f * camera_.pixel * glm::dot(camera_.eye - sample.position, camera_.back);
-    glm::vec2 sum(0.0f);
-    float weights = 0.0f;
-    for (int ny = std::max(0, y - kReach); ny <= std::min(height_ - 1, y + kReach); ++ny) {
-      const Band& band = ring[static_cast<std::size_t>(ny / kTile % 3)];
-      const float rowWeight = std::abs(ny - y) == kReach ? 0.5f : 1.0f;
-      for (int nx = std::max(0, x - kReach); nx <= std::min(width_ - 1, x + kReach); ++nx) {
-        const std::size_t at = sampleIndex(s, nx, ny);
-        if (band.surface[at] != surface) continue;
-        const Sample& other = band.samples[at];
-        if (glm::dot(other.normal, sample.normal) < 0.9f ||
-            std::abs(glm::dot(sample.normal, other.position - sample.position)) > tolerance)
-          continue;
-        const float weight = std::abs(nx - x) == kReach ? 0.5f * rowWeight : rowWeight;
-        sum += weight * glm::vec2(other.key, other.sky);
-        weights += weight;
-      }
+    Pixel pixel{glm::vec3(0.0f), 1.0f};
+    for (int k = 0; k < Band::kShownPerPixel && shown[k].surface != kNoSurface; ++k) {
+      const float share = kShare * static_cast<float>(shown[k].samples);
+      pixel.light += share * tone(surfaceLight(shown[k], freeAt(ring, x, y, shown[k])));
+      pixel.open -= share;
     }
-    return weights > 0.0f ? sum / weights : glm::vec2(sample.key, sample.sky);
+    return pixel;
   }
 
-  glm::vec3 surfaceLight(std::uint32_t surface, const Sample& sample, glm::vec2 free) const {
-    const bool inner = (surface - 1) % 2 != 0;
-    const FragmentColor& color = colors_[(surface - 1) / 2];
+  glm::vec3 surfaceLight(const Shown& shown, glm::vec2 free) const {
+    const bool inner = (shown.surface - 1) % 2 != 0;
+    const FragmentColor& color = colors_[(shown.surface - 1) / 2];
     const glm::vec3 albedo = inner ? color.inner : color.outer;
-    const glm::vec3 n = sample.normal;
-    const glm::vec3 below = light_.ground * ground_.at(sample.position.x, sample.position.z);
+    const glm::vec3 n = shown.normal;
+    const glm::vec3 below = light_.ground * ground_.at(shown.position.x, shown.position.z);
     const glm::vec3 around =
         glm::mix(below, light_.sky, 0.5f + 0.5f * n.y) * withBounces(free.y, albedo);
     const float cosine = std::max(0.0f, glm::dot(n, light_.keyDirection));
     glm::vec3 light = albedo * (light_.key * (cosine * free.x) + around);
     if (!inner) {
       // The original surface has a faint sheen, a fracture surface has none.
-      const glm::vec3 view = glm::normalize(camera_.eye - sample.position);
+      const glm::vec3 view = glm::normalize(camera_.eye - shown.position);
       const float h = std::max(0.0f, glm::dot(n, glm::normalize(view + light_.keyDirection)));
       const float h8 = h * h * h * h * h * h * h * h, h32 = h8 * h8 * h8 * h8;
       const float graze = 1.0f - std::max(0.0f, glm::dot(n, view));
@@ -194,28 +279,14 @@ class Renderer {
     return light;
   }
 
-  /// Returns the backdrop: bright paper, darker towards the corners, with the fragments' shadow.
-  glm::vec3 backdrop(int x, int y) const {
-    const float u = (static_cast<float>(x) + 0.5f) / static_cast<float>(width_) - 0.5f;
-    const float v = (static_cast<float>(y) + 0.5f) / static_cast<float>(height_) - 0.44f;
-    const glm::vec3 middle(0.890f, 0.878f, 0.855f), corner(0.700f, 0.690f, 0.675f);
-    const glm::vec3 paper =
-        glm::mix(middle, corner, glm::smoothstep(0.1f, 0.85f, std::sqrt(u * u + v * v)));
-    const glm::vec3 d =
-        camera_.direction(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
-    const float drop = camera_.eye.y - scene_.groundY;
-    if (d.y >= 0.0f || drop <= 0.0f) return paper;
-    const float t = drop / -d.y;
-    return paper * ground_.at(camera_.eye.x + t * d.x, camera_.eye.z + t * d.z);
-  }
-
   int width_, height_;
   Scene scene_;
   Camera camera_;
   Light light_;
-  Coverage coverage_;
+  Raster raster_;
+  Occluders occluders_;
   GroundLight ground_;
-  Tracer tracer_{scene_, camera_, light_, coverage_, width_};
+  Tracer tracer_{scene_, camera_, light_, raster_, occluders_, width_, height_};
   std::vector<FragmentColor> colors_;
 };
 

@@ -1,18 +1,12 @@
-// The exploded fragments as an Embree scene.
+// The exploded fragments, centered and scaled.
 #include "render/scene.h"
 
-#include <sherd/error.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_invoke.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
-#include <string>
-
-#include "mesh/embree_error.h"
 
 namespace sherd {
 namespace {
@@ -55,68 +49,65 @@ Fans fans(const TriangleMesh& mesh) {
   return result;  // first[v + 1] has advanced to the end of v's list, where the next one begins
 }
 
+/// Whether all faces around a vertex have one neighbor, and no two of them are more than 45 degrees
+/// apart: none is more than half of that from the first.
+bool isSmooth(const TriangleMesh& mesh, std::span<const std::uint32_t> around,
+              const std::vector<glm::vec3>& areaNormal) {
+  constexpr float kHalfCosine = 0.925f;
+  if (around.empty()) return false;
+  const glm::vec3& first = areaNormal[around.front()];
+  const float least = kHalfCosine * kHalfCosine * glm::dot(first, first);
+  return std::all_of(around.begin(), around.end(), [&](std::uint32_t i) {
+    const float cosine = glm::dot(areaNormal[i], first);
+    return mesh.neighborOf(i) == mesh.neighborOf(around.front()) && cosine > 0.0f &&
+           cosine * cosine > least * glm::dot(areaNormal[i], areaNormal[i]);
+  });
+}
+
 /// Computes corner normals: the area-weighted mean over the faces around the vertex with the same
 /// neighbor as the corner's own face and at most 45 degrees from it.
 void setNormals(const Fragment& fragment, SceneFragment& target) {
   const TriangleMesh& mesh = fragment.mesh;
-  const std::size_t count = mesh.triangles.size();
-  std::vector<glm::vec3> areaNormal(count), normal(count);
-  for (std::size_t i = 0; i < count; ++i) {
+  std::vector<glm::vec3> areaNormal(mesh.triangles.size());
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const glm::uvec3& t = mesh.triangles[i];
     const glm::vec3 a = target.vertices[t.x], b = target.vertices[t.y], c = target.vertices[t.z];
     areaNormal[i] = glm::cross(b - a, c - a);
-    const float length = glm::length(areaNormal[i]);
-    normal[i] = length > 0.0f ? areaNormal[i] / length : glm::vec3(0.0f, 1.0f, 0.0f);
   }
+  const auto normal = [&](std::uint32_t i) {
+    const float length = glm::length(areaNormal[i]);
+    return length > 0.0f ? areaNormal[i] / length : glm::vec3(0.0f, 1.0f, 0.0f);
+  };
   const Fans fan = fans(mesh);
   target.normals.reserve(mesh.vertices.size());
-  target.normalOf.resize(count);
+  target.normalOf.resize(mesh.triangles.size());
   for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
     const std::span around =
         std::span(fan.triangle).subspan(fan.first[v], fan.first[v + 1] - fan.first[v]);
     const auto first = static_cast<std::ptrdiff_t>(target.normals.size());
+    const auto setNormal = [&](std::uint32_t i, std::ptrdiff_t index) {
+      for (int k = 0; k < 3; ++k)
+        if (mesh.triangles[i][k] == v) target.normalOf[i][k] = static_cast<std::uint32_t>(index);
+    };
+    const bool isPlain = isSmooth(mesh, around, areaNormal);
     for (const std::uint32_t i : around) {
       glm::vec3 sum(0.0f);
       for (const std::uint32_t other : around) {
-        if (mesh.neighborOf(other) == mesh.neighborOf(i) &&
-            glm::dot(normal[other], normal[i]) > kCreaseCosine)
+        if (isPlain || (mesh.neighborOf(other) == mesh.neighborOf(i) &&
+                        glm::dot(normal(other), normal(i)) > kCreaseCosine))
           sum += areaNormal[other];
       }
       const float length = glm::length(sum);
-      const glm::vec3 smooth = length > 0.0f ? sum / length : normal[i];
+      const glm::vec3 smooth = length > 0.0f ? sum / length : normal(i);
       auto at = std::find(target.normals.begin() + first, target.normals.end(), smooth);
       if (at == target.normals.end()) at = target.normals.insert(at, smooth);
-      const auto index = static_cast<std::uint32_t>(at - target.normals.begin());
-      for (int k = 0; k < 3; ++k)
-        if (mesh.triangles[i][k] == v) target.normalOf[i][k] = index;
+      if (isPlain) {
+        for (const std::uint32_t other : around) setNormal(other, first);
+        break;
+      }
+      setNormal(i, at - target.normals.begin());
     }
   }
-}
-
-void check(RTCDevice device) { checkEmbree(device, ErrorCode::output, "image"); }
-
-void build(Scene& scene) {
-  scene.device.reset(rtcNewDevice(nullptr));
-  if (!scene.device) check(nullptr);
-  scene.embree.reset(rtcNewScene(scene.device.get()));
-  // Compact: two thirds of the memory, and faster to build.
-  rtcSetSceneFlags(scene.embree.get(),
-                   static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_COMPACT));
-  for (std::size_t i = 0; i < scene.fragments.size(); ++i) {
-    const SceneFragment& fragment = scene.fragments[i];
-    RTCGeometry geometry = rtcNewGeometry(scene.device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                               fragment.vertices.data(), 0, sizeof(glm::vec3),
-                               fragment.vertices.size() - 1);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                               fragment.triangles.data(), 0, sizeof(glm::uvec3),
-                               fragment.triangles.size());
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometryByID(scene.embree.get(), geometry, static_cast<unsigned>(i));
-    rtcReleaseGeometry(geometry);
-  }
-  rtcCommitScene(scene.embree.get());
-  check(scene.device.get());
 }
 
 }  // namespace
@@ -162,17 +153,8 @@ Scene makeScene(std::span<const Fragment> fragments, const RenderOptions& option
     target.inner.resize(mesh.triangles.size(), 0);
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
       target.inner[t] = mesh.neighborOf(t) != 0;
+    setNormals(fragments[i], target);
   });
-  // One thread builds the tree.  With more, the order within a leaf depends on their number, and so
-  // does which of two triangles a ray through their common edge hits.  (Embree's own threads=1
-  // throttles the whole process.)  The other threads compute normals meanwhile.
-  tbb::task_arena alone(1);
-  tbb::parallel_invoke([&] { alone.execute([&] { build(scene); }); },
-                       [&] {
-                         tbb::parallel_for(std::size_t{0}, fragments.size(), [&](std::size_t i) {
-                           setNormals(fragments[i], scene.fragments[i]);
-                         });
-                       });
   return scene;
 }
 

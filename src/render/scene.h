@@ -1,15 +1,12 @@
-// The exploded fragments as an Embree scene.
+// The exploded fragments, centered and scaled.
 #pragma once
 
-#include <embree3/rtcore.h>
 #include <sherd/render.h>
 
 #include <cstdint>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
-#include <memory>
 #include <span>
-#include <type_traits>
 #include <vector>
 
 namespace sherd {
@@ -28,28 +25,32 @@ struct SceneFragment {
     const glm::uvec3& n = normalOf[triangle];
     return glm::normalize((1.0f - u - v) * normals[n.x] + u * normals[n.y] + v * normals[n.z]);
   }
+
+  /// Returns the unit normal of a triangle's side that faces a point.
+  [[nodiscard]] glm::vec3 faceTowards(unsigned triangle, glm::vec3 point) const {
+    const glm::uvec3& t = triangles[triangle];
+    const glm::vec3 a = vertices[t.x];
+    const glm::vec3 area = glm::cross(vertices[t.y] - a, vertices[t.z] - a);
+    const float length = glm::length(area);
+    const glm::vec3 face = length > 0.0f ? area / length : glm::vec3(0.0f, 1.0f, 0.0f);
+    return glm::dot(face, point - a) < 0.0f ? -face : face;
+  }
 };
 
 struct Scene {
-  std::vector<glm::dvec3> shifts;        ///< [fragments] displacement of each, world units
-  double size = 1.0;                     ///< world units per scene unit
-  std::vector<SceneFragment> fragments;  ///< indexed by Embree's geometry id
-  std::vector<glm::vec3> boxCorners;     ///< [8] of the whole
-  float groundY = 0.0f;                  ///< height of the lowest vertex, scene units
-
-  std::unique_ptr<std::remove_pointer_t<RTCDevice>, decltype(&rtcReleaseDevice)> device{
-      nullptr, &rtcReleaseDevice};
-  std::unique_ptr<std::remove_pointer_t<RTCScene>, decltype(&rtcReleaseScene)> embree{
-      nullptr, &rtcReleaseScene};
+  std::vector<glm::dvec3> shifts;  ///< [fragments] displacement of each, world units
+  double size = 1.0;               ///< world units per scene unit
+  std::vector<SceneFragment> fragments;
+  std::vector<glm::vec3> boxCorners;  ///< [8] of the whole
+  float groundY = 0.0f;               ///< height of the lowest vertex, scene units
 };
 
 /// Converts a direction of the scene, y up, to the mesh's own axes.
 ///   up  RenderOptions::up
 [[nodiscard]] glm::vec3 worldDirection(const glm::vec3& direction, char up);
 
-/// Explodes, centers and scales the fragments, computes smooth normals, and builds Embree's tree.
+/// Explodes, centers and scales the fragments, and computes smooth normals.
 ///   fragments  must outlive the scene
-///   throws     Error(output) Embree failed
 [[nodiscard]] Scene makeScene(std::span<const Fragment> fragments, const RenderOptions& options);
 
 }  // namespace sherd

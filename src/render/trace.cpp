@@ -1,4 +1,4 @@
-// Traces the samples of an image, and which light reaches them.
+// What the pixels of an image show, and which light reaches it.
 #include "render/trace.h"
 
 #include <algorithm>
@@ -6,81 +6,10 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <limits>
+#include <optional>
 
 namespace sherd {
 namespace {
-
-/// Sample positions in a pixel: a rotated grid, one per row and column.
-constexpr std::array<glm::vec2, kSamplesPerPixel> kInPixel = {
-    {{0.375f, 0.125f}, {0.875f, 0.375f}, {0.125f, 0.625f}, {0.625f, 0.875f}}};
-
-/// 16x8 pixels.  A packet of shadow rays covers eight pixels four apart, which share a direction; a
-/// packet of camera rays covers two whole pixels, which hit the same triangles (measured: a third
-/// of the time).
-struct Block {
-  const Tracer& tracer;
-  int x0, y0;  ///< upper left pixel
-  int row0;    ///< the band's first row
-  Band& band;
-  /// Unit face normals at the hits, towards the camera.
-  std::array<glm::vec3, kSamplesPerPixel * Coverage::kWidth * Coverage::kHeight> faces;
-
-  /// Index of a sample in `faces`, and in the band.
-  static std::size_t inBlock(int sample, int x, int y) {
-    return static_cast<std::size_t>((sample * Coverage::kHeight + y) * Coverage::kWidth + x);
-  }
-  std::size_t inBand(int sample, int x, int y) const {
-    return static_cast<std::size_t>((sample * kTile + y0 - row0 + y) * tracer.width + x0 + x);
-  }
-
-  void tracePixels(int x, int y);
-  void lightPixels(int cellX, int cellY, int sample);
-};
-
-/// Traces the camera rays of pixels (x, y) and (x + 1, y) of the block.
-void Block::tracePixels(int x, int y) {
-  alignas(32) std::array<int, 8> valid;
-  RTCRayHit8 hits;
-  for (int i = 0; i < 8; ++i) {
-    const glm::vec2 at = kInPixel[static_cast<std::size_t>(i % 4)] +
-                         glm::vec2(static_cast<float>(x0 + x + i / 4), static_cast<float>(y0 + y));
-    const glm::vec3 d = tracer.camera.direction(at.x, at.y), eye = tracer.camera.eye;
-    hits.ray.org_x[i] = eye.x, hits.ray.org_y[i] = eye.y, hits.ray.org_z[i] = eye.z;
-    hits.ray.dir_x[i] = d.x, hits.ray.dir_y[i] = d.y, hits.ray.dir_z[i] = d.z;
-    hits.ray.tnear[i] = 0.0f, hits.ray.tfar[i] = std::numeric_limits<float>::infinity();
-    hits.ray.mask[i] = ~0u, hits.ray.flags[i] = 0, hits.ray.time[i] = 0.0f;
-    hits.hit.geomID[i] = hits.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
-    valid[static_cast<std::size_t>(i)] = x0 + x + i / 4 < tracer.width ? -1 : 0;
-  }
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  rtcIntersect8(valid.data(), tracer.scene.embree.get(), &context, &hits);
-
-  for (int i = 0; i < 8; ++i) {
-    if (!valid[static_cast<std::size_t>(i)] || hits.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID)
-      continue;
-    const SceneFragment& fragment = tracer.scene.fragments[hits.hit.geomID[i]];
-    const unsigned triangle = hits.hit.primID[i];
-    const float u = hits.hit.u[i], v = hits.hit.v[i], w = 1.0f - u - v;
-    glm::vec3 face =
-        glm::normalize(glm::vec3(hits.hit.Ng_x[i], hits.hit.Ng_y[i], hits.hit.Ng_z[i]));
-    const glm::vec3 ray(hits.ray.dir_x[i], hits.ray.dir_y[i], hits.ray.dir_z[i]);
-    if (glm::dot(face, ray) > 0.0f) face = -face;
-
-    const std::size_t at = inBand(i % 4, x + i / 4, y);
-    band.surface[at] = 1 + 2 * hits.hit.geomID[i] + fragment.inner[triangle];
-    Sample& sample = band.samples[at];
-    // Interpolated from the corners, which is more accurate than along the ray.
-    const glm::uvec3& t = fragment.triangles[triangle];
-    sample.position =
-        w * fragment.vertices[t.x] + u * fragment.vertices[t.y] + v * fragment.vertices[t.z];
-    sample.normal = fragment.normalAt(triangle, u, v);
-    if (glm::dot(face, sample.normal) < 0.0f) sample.normal = -sample.normal;
-    faces[inBlock(i % 4, x + i / 4, y)] = face;
-  }
-}
 
 /// Rotates a direction about +z to the smooth normal, and reflects it above the face.
 glm::vec3 skyDirection(glm::vec3 d, glm::vec3 normal, glm::vec3 face) {
@@ -90,77 +19,182 @@ glm::vec3 skyDirection(glm::vec3 d, glm::vec3 normal, glm::vec3 face) {
   return rotated - 2.0f * below * face;
 }
 
-/// Traces key and sky light for one sample of the block's pixels in one cell of the pattern.
-void Block::lightPixels(int cellX, int cellY, int sample) {
-  ShadowPacket key, sky;
-  std::array<Sample*, 8> target{};
-  bool any = false;
-  const std::size_t direction =
-      static_cast<std::size_t>(sample * kPatternCells + patternCell(cellX, cellY));
-  for (int i = 0; i < 8; ++i) {
-    const int x = cellX + kPatternSize * (i % 4), y = cellY + kPatternSize * (i / 4);
-    if (x0 + x >= tracer.width || band.surface[inBand(sample, x, y)] == Band::kNothing) continue;
-    any = true;
-    const std::size_t lane = static_cast<std::size_t>(i);
-    target[lane] = &band.samples[inBand(sample, x, y)];
-    const glm::vec3 face = faces[inBlock(sample, x, y)], normal = target[lane]->normal;
-    const glm::vec3 origin = target[lane]->position + kLift * face;
-    if (glm::dot(normal, tracer.light.keyDirection) > 0.0f)
-      key.set(lane, origin, tracer.keys[direction]);
-    sky.set(lane, origin, skyDirection(tracer.skies[direction], normal, face));
+struct Tile {
+  const Tracer& tracer;
+  int x0, y0;  ///< upper left pixel
+  const TileHits& hits;
+  Band& band;
+  int squares;  ///< in a row
+
+  const SceneFragment& fragmentOf(const Shown& shown) const {
+    return tracer.scene.fragments[(shown.surface - 1) / 2];
   }
-  if (!any) return;
-  const RTCScene scene = tracer.scene.embree.get();
-  const auto keyFree = key.free(scene, RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
-  const auto skyFree = sky.free(scene, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
-  for (std::size_t lane = 0; lane < 8; ++lane)
-    if (target[lane]) target[lane]->key = keyFree[lane], target[lane]->sky = skyFree[lane];
+  Shown* pixel(int x, int y) const {
+    return &band.shown[static_cast<std::size_t>(Band::kShownPerPixel *
+                                                (y * tracer.width + x0 + x))];
+  }
+
+  Shown shownBy(const TileHits::Triangle& triangle, std::uint32_t surface,
+                glm::vec2 position) const;
+  void findShown(int x, int y) const;
+
+  std::size_t pointsOf(int squareX, int squareY) const;
+  std::optional<float> agreedKey(const LightPoint& point, int squareX, int squareY) const;
+  void light(LightPoint& point, std::optional<float> key, glm::vec3 face, int cell) const;
+  void lightSquare(int squareX, int squareY) const;
+  void lightSquares() const;
+};
+
+Shown Tile::shownBy(const TileHits::Triangle& triangle, std::uint32_t surface,
+                    glm::vec2 position) const {
+  const SceneFragment& fragment = tracer.scene.fragments[triangle.fragment];
+  const glm::uvec3& t = fragment.triangles[triangle.triangle];
+  const glm::vec3 &a = fragment.vertices[t.x], &b = fragment.vertices[t.y],
+                  &c = fragment.vertices[t.z];
+  const glm::vec2 at = tracer.raster.barycentric(triangle, position);
+  Shown shown{surface, triangle.triangle, 1, (1.0f - at.x - at.y) * a + at.x * b + at.y * c,
+              fragment.normalAt(triangle.triangle, at.x, at.y)};
+  // On the side of the face that the camera sees.
+  const glm::vec3 face = glm::cross(b - a, c - a);
+  if (glm::dot(face, tracer.camera.eye - a) * glm::dot(face, shown.normal) < 0.0f)
+    shown.normal = -shown.normal;
+  return shown;
+}
+
+/// Finds the surfaces of pixel (x, y) of the tile.
+void Tile::findShown(int x, int y) const {
+  const std::uint32_t* const shown =
+      &hits.shown[static_cast<std::size_t>(kSamplesPerPixel * (y * kTile + x))];
+  Shown* const found = pixel(x, y);
+  std::array<Shown*, kSamplesPerPixel> foundBy{};
+  int count = 0;
+  for (int s = 0; s < kSamplesPerPixel; ++s) {
+    if (shown[s] == TileHits::kNothing) continue;
+    Shown*& target = foundBy[static_cast<std::size_t>(s)];
+    if (const auto same = std::find(shown, shown + s, shown[s]); same != shown + s) {
+      target = foundBy[static_cast<std::size_t>(same - shown)];
+      ++target->samples;
+      continue;
+    }
+    // A triangle that continues one already found needs no sample of its own.
+    const TileHits::Triangle& triangle = hits.triangles[shown[s]];
+    const SceneFragment& fragment = tracer.scene.fragments[triangle.fragment];
+    const std::uint32_t surface = 1 + 2 * triangle.fragment + fragment.inner[triangle.triangle];
+    const glm::vec3 normal = fragment.normals[fragment.normalOf[triangle.triangle].x];
+    target = std::find_if(found, found + count, [&](const Shown& other) {
+      return other.surface == surface && std::abs(glm::dot(other.normal, normal)) > kSmooth;
+    });
+    if (target != found + count) {
+      ++target->samples;
+      continue;
+    }
+    ++count;
+    *target = shownBy(triangle, surface,
+                      kInPixel[static_cast<std::size_t>(s)] +
+                          glm::vec2(static_cast<float>(x0 + x), static_cast<float>(y0 + y)));
+  }
+  if (count < Band::kShownPerPixel) found[count].surface = kNoSurface;
+}
+
+/// Returns the index of the first light point of a square of the tile.
+std::size_t Tile::pointsOf(int squareX, int squareY) const {
+  return static_cast<std::size_t>(Band::kPointsPerSquare *
+                                  (squareY * tracer.squares() + x0 / 2 + squareX));
+}
+
+/// Returns the key light that the traced squares beside this one agree on.
+std::optional<float> Tile::agreedKey(const LightPoint& point, int squareX, int squareY) const {
+  const float reach = tracer.camera.reachAt(point.position);
+  const int stepX = squareX % 2, stepY = squareY % 2;
+  int agreeing = 0;
+  float key = 0.0f;
+  for (int y = squareY - stepY; y <= squareY + stepY; y += 2)
+    for (int x = squareX - stepX; x <= squareX + stepX; x += 2) {
+      if (x >= squares || y >= kTile / 2) continue;
+      const LightPoint* const others = &band.points[pointsOf(x, y)];
+      for (int k = 0; k < Band::kPointsPerSquare && others[k].surface != kNoSurface; ++k) {
+        if (!continues(others[k], point.surface, point.position, point.normal, reach)) continue;
+        if (agreeing++ == 0) key = others[k].free.x;
+        if (others[k].free.x != key) return std::nullopt;
+      }
+    }
+  if (agreeing < 2 || (key != 0.0f && key != 1.0f)) return std::nullopt;
+  return key;
+}
+
+/// Traces rays to the key light, unless its share is known, and to the sky, in the directions of
+/// the square's cell.
+void Tile::light(LightPoint& point, std::optional<float> key, glm::vec3 face, int cell) const {
+  const Occluders& occluders = tracer.occluders;
+  const glm::vec3 origin = point.position + occluders.lift() * face;
+  const auto share = [&](int rays, const auto& direction) {
+    float sum = 0.0f;
+    for (int i = 0; i < rays; ++i)
+      sum += occluders.free(origin, direction(static_cast<std::size_t>(i * kPatternCells + cell)),
+                            occluders.start());
+    return sum / static_cast<float>(rays);
+  };
+  if (glm::dot(point.normal, tracer.light.keyDirection) <= 0.0f) key = 0.0f;
+  if (!key) key = share(Tracer::kKeyRays, [&](std::size_t i) { return tracer.keys[i]; });
+  point.free.x = *key;
+  point.free.y = share(Tracer::kSkyRays, [&](std::size_t i) {
+    return skyDirection(tracer.skies[i], point.normal, face);
+  });
+}
+
+/// Lights a square of four pixels: up to two of its surfaces.
+void Tile::lightSquare(int squareX, int squareY) const {
+  LightPoint* const points = &band.points[pointsOf(squareX, squareY)];
+  const bool isFirst = squareX % 2 == 0 && squareY % 2 == 0;
+  int count = 0;
+  for (int i = 0; i < 4 && count < Band::kPointsPerSquare; ++i) {
+    const int x = 2 * squareX + i % 2;
+    if (x0 + x >= tracer.width) continue;
+    const Shown* const shown = pixel(x, 2 * squareY + i / 2);
+    for (int k = 0; k < Band::kShownPerPixel && count < Band::kPointsPerSquare; ++k) {
+      if (shown[k].surface == kNoSurface) break;
+      const bool isFound = std::any_of(points, points + count, [&](const LightPoint& other) {
+        return other.surface == shown[k].surface &&
+               glm::dot(other.normal, shown[k].normal) > kSmooth;
+      });
+      if (isFound) continue;
+      LightPoint& point = points[count++];
+      point = {shown[k].surface, shown[k].position, shown[k].normal, {}, {}};
+      light(point, isFirst ? std::nullopt : agreedKey(point, squareX, squareY),
+            fragmentOf(shown[k]).faceTowards(shown[k].triangle, tracer.camera.eye),
+            patternCell(x0 / 2 + squareX, y0 / 2 + squareY));
+    }
+  }
+  if (count < Band::kPointsPerSquare) points[count].surface = kNoSurface;
+}
+
+/// Traces the key light of a quarter of the squares, then of those where these do not agree.
+void Tile::lightSquares() const {
+  for (const bool first : {true, false})
+    for (int y = 0; y < kTile / 2; ++y)
+      for (int x = 0; x < squares; ++x)
+        if ((x % 2 == 0 && y % 2 == 0) == first) lightSquare(x, y);
 }
 
 }  // namespace
 
-Coverage::Coverage(const Scene& scene, const Camera& camera)
-    : columns_((static_cast<int>(2.0f * camera.halfWidth) + kTile - 1) / kTile * (kTile / kWidth)),
-      rows_((static_cast<int>(2.0f * camera.halfHeight) + kTile - 1) / kTile * (kTile / kHeight)),
-      covered_(static_cast<std::size_t>(columns_ * rows_), 0) {
-  const auto cell = [](float position, int size, int count) {
-    return std::clamp(static_cast<int>(std::floor(position / static_cast<float>(size))), 0,
-                      count - 1);
-  };
-  std::vector<glm::vec2> projected;
-  for (const SceneFragment& fragment : scene.fragments) {
-    projected.clear();
-    for (const glm::vec3& v : fragment.vertices) projected.push_back(camera.project(v));
-    for (const glm::uvec3& t : fragment.triangles) {
-      const glm::vec2 a = projected[t.x], b = projected[t.y], c = projected[t.z];
-      constexpr float kRounding = 0.05f;  // pixels, far above the error of projection in floats
-      const glm::vec2 low = glm::min(a, glm::min(b, c)) - kRounding;
-      const glm::vec2 high = glm::max(a, glm::max(b, c)) + kRounding;
-      const int left = cell(low.x, kWidth, columns_), right = cell(high.x, kWidth, columns_);
-      const int bottom = cell(high.y, kHeight, rows_);
-      for (int y = cell(low.y, kHeight, rows_); y <= bottom; ++y)
-        for (int x = left; x <= right; ++x)
-          covered_[static_cast<std::size_t>(y * columns_ + x)] = 1;
-    }
-  }
+Band::Band(int width) : covered(static_cast<std::size_t>((width + kTile - 1) / kTile), 0) {
+  const auto pixels = static_cast<std::size_t>(kTile * width);
+  shown = std::make_unique_for_overwrite<Shown[]>(kShownPerPixel * pixels);
+  points = std::make_unique_for_overwrite<LightPoint[]>(
+      static_cast<std::size_t>(kPointsPerSquare * (kTile / 2) * ((width + 1) / 2)));
 }
 
-void Tracer::trace(int x0, int y0, Band& band) const {
-  const int x1 = std::min(x0 + kTile, width);
-  for (std::size_t row = 0; row < kSamplesPerPixel * kTile; ++row) {
-    std::uint32_t* const first = &band.surface[row * static_cast<std::size_t>(width)];
-    std::fill(first + x0, first + x1, Band::kNothing);
-  }
-  for (int y = y0; y < y0 + kTile; y += Coverage::kHeight)
-    for (int x = x0; x < x1; x += Coverage::kWidth) {
-      if (!coverage.at(x, y)) continue;
-      Block block{*this, x, y, y0, band, {}};
-      for (int v = 0; v < Coverage::kHeight; ++v)
-        for (int u = 0; u < Coverage::kWidth; u += 2) block.tracePixels(u, v);
-      for (int sample = 0; sample < kSamplesPerPixel; ++sample)
-        for (int v = 0; v < kPatternSize; ++v)
-          for (int u = 0; u < kPatternSize; ++u) block.lightPixels(u, v, sample);
-    }
+void Tracer::trace(int tileX, int tileY, Band& band) const {
+  TileHits hits;
+  const bool isCovered = raster.draw(tileX, tileY, hits);
+  band.covered[static_cast<std::size_t>(tileX)] = isCovered ? 1 : 0;
+  if (!isCovered) return;
+  const int columns = std::min(kTile, width - tileX * kTile);
+  const Tile tile{*this, tileX * kTile, tileY * kTile, hits, band, (columns + 1) / 2};
+  for (int y = 0; y < kTile; ++y)
+    for (int x = 0; x < columns; ++x) tile.findShown(x, y);
+  tile.lightSquares();
 }
 
 }  // namespace sherd

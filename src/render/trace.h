@@ -1,60 +1,67 @@
-// Traces the samples of an image, and which light reaches them.
+// What the pixels of an image show, and which light reaches it.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <memory>
 #include <vector>
 
 #include "render/camera.h"
 #include "render/light.h"
+#include "render/occluders.h"
+#include "render/raster.h"
 #include "render/scene.h"
 
 namespace sherd {
 
-/// Pixels along a tile's side: whole pattern squares, and whole packets of eight squares.
-inline constexpr int kTile = 32;
+/// A surface of a fragment: 1 + 2 * fragment index + inner.
+inline constexpr std::uint32_t kNoSurface = 0;
 
-/// The hit of a sample on a fragment.
-struct Sample {
-  glm::vec3 position;  ///< scene space
+/// A smooth surface that some of a pixel's samples show.
+struct Shown {
+  std::uint32_t surface;
+  std::uint32_t triangle;  ///< of the fragment, at one of the samples
+  int samples;
+  glm::vec3 position;  ///< scene space, at that sample
   glm::vec3 normal;    ///< smooth, towards the camera
-  float key;           ///< 1 where its ray to the key light is unoccluded
-  float sky;           ///< 1 where its ray to the sky is unoccluded
 };
+
+/// The light at a point of a square of 2x2 pixels.
+struct LightPoint {
+  std::uint32_t surface;
+  glm::vec3 position;
+  glm::vec3 normal;
+  glm::vec2 free;      ///< shares of the key light and of the sky that are unoccluded
+  glm::vec2 smoothed;  ///< mean over nearby points
+};
+
+inline constexpr float kSmooth = 0.9f;  ///< least cosine between normals of a smooth surface
+
+/// Whether a point lies on the same smooth surface as another one.
+///   reach  greatest distance from the tangent plane
+[[nodiscard]] inline bool continues(const LightPoint& point, std::uint32_t surface,
+                                    glm::vec3 position, glm::vec3 normal, float reach) {
+  return point.surface == surface && glm::dot(point.normal, normal) > kSmooth &&
+         std::abs(glm::dot(normal, point.position - position)) <= reach;
+}
 
 /// kTile rows of the image.
 struct Band {
-  static constexpr std::uint32_t kNothing = 0;
+  static constexpr int kShownPerPixel = kSamplesPerPixel;
+  static constexpr int kPointsPerSquare = 2;
 
-  /// [4 * kTile * width] kNothing, or 1 + 2 * fragment index + inner
-  std::unique_ptr<std::uint32_t[]> surface;
-  /// [4 * kTile * width] set where surface is.  Not zero-filled: the tracing threads touch their
-  /// tiles' memory first, and many tiles are never touched.
-  std::unique_ptr<Sample[]> samples;
+  /// [kTile * width * 4] up to 4 surfaces for each pixel, then one with kNoSurface.  Not
+  /// zero-filled: the tracing threads touch their tiles' memory first, and many tiles are never
+  /// touched.
+  std::unique_ptr<Shown[]> shown;
+  /// [kTile / 2 * squares in a row * 2] up to 2 points, then one with kNoSurface.
+  std::unique_ptr<LightPoint[]> points;
+  std::vector<std::uint8_t> covered;  ///< [tiles in a row] 1 where the others are set
 
-  explicit Band(int width) {
-    const auto size = static_cast<std::size_t>(kSamplesPerPixel * kTile * width);
-    surface = std::make_unique_for_overwrite<std::uint32_t[]>(size);
-    samples = std::make_unique_for_overwrite<Sample[]>(size);
-  }
-};
-
-/// The blocks of 16x8 pixels, the footprint of a packet, that may show a fragment: those that the
-/// image-space box of a triangle touches.
-class Coverage {
- public:
-  static constexpr int kWidth = 16, kHeight = 8;  ///< pixels
-
-  Coverage(const Scene& scene, const Camera& camera);
-
-  [[nodiscard]] bool at(int x, int y) const {
-    return covered_[static_cast<std::size_t>(y / kHeight * columns_ + x / kWidth)] != 0;
-  }
-
- private:
-  int columns_, rows_;
-  std::vector<std::uint8_t> covered_;
+  explicit Band(int width);
 };
 
 /// Inputs of tracing, the same for every tile.
@@ -62,14 +69,19 @@ struct Tracer {
   const Scene& scene;
   const Camera& camera;
   const Light& light;
-  const Coverage& coverage;
-  int width;  ///< of the image, pixels
-  std::vector<glm::vec3> keys = keyDirections(light, kDirections);
-  std::vector<glm::vec3> skies = skyDirections(kDirections);
+  const Raster& raster;
+  const Occluders& occluders;
+  int width, height;                                ///< of the image, pixels
+  static constexpr int kKeyRays = 4, kSkyRays = 2;  ///< at a point
+  std::vector<glm::vec3> keys = keyDirections(light, kKeyRays* kPatternCells);
+  std::vector<glm::vec3> skies = skyDirections(kSkyRays * kPatternCells);
 
-  /// Fills one tile of a band; a sample's index there is (sample * kTile + row) * width + x.
-  ///   x0, y0  the tile's upper left pixel; rows count from y0
-  void trace(int x0, int y0, Band& band) const;
+  [[nodiscard]] int squares() const { return (width + 1) / 2; }  ///< in a row
+
+  /// Fills one tile of a band: pixel (x, y) is at (y % kTile) * width + x, square (x / 2, y / 2) at
+  /// (y % kTile) / 2 * squares() + x / 2.
+  ///   tileX, tileY  pixel position divided by kTile
+  void trace(int tileX, int tileY, Band& band) const;
 };
 
 }  // namespace sherd
