@@ -100,6 +100,7 @@ void DepthTile::draw(const std::array<glm::vec3, 3>& corners, float rounding, st
   const float constant = a.z - slopeX * a.x - slopeY * a.y;
   const Floats lowest = spread(least.z), highest = spread(most.z);
 
+  const Ints numbers = Ints{} + static_cast<std::int32_t>(number);
   const Floats firstX = kSampleX + static_cast<float>(low.x);
   for (int y = low.y; y <= high.y; ++y) {
     const Floats atY = kSampleY + static_cast<float>(y);
@@ -116,14 +117,11 @@ void DepthTile::draw(const std::array<glm::vec3, 3>& corners, float rounding, st
         std::memcpy(&old, &near[at], sizeof old);
         std::memcpy(&shown, &hits.shown[at], sizeof shown);
         // A sliver's slope is not accurate.
-        Floats here = depth;
-        const Ints below = here<lowest, above = here> highest;
-        here = (Floats)((below & (Ints)lowest) | (above & (Ints)highest) |
-                        (~(below | above) & (Ints)here));
+        Floats here = depth > lowest ? depth : lowest;
+        here = here < highest ? here : highest;
         const Ints nearer = inside & (here > old);
-        const Ints numbers = Ints{} + static_cast<std::int32_t>(number);
-        here = (Floats)((nearer & (Ints)here) | (~nearer & (Ints)old));
-        shown = (nearer & numbers) | (~nearer & shown);
+        here = nearer ? here : old;
+        shown = nearer ? numbers : shown;
         std::memcpy(&near[at], &here, sizeof here);
         std::memcpy(&hits.shown[at], &shown, sizeof shown);
       }
@@ -193,7 +191,6 @@ void Raster::sortTriangles(std::size_t i) {
 
 bool Raster::draw(int tileX, int tileY, TileHits& hits) const {
   hits.triangles.clear();
-  std::size_t fronts = 0;
   const auto add = [&](int back) {
     for (std::size_t i = 0; i < sorted_.size(); ++i) {
       const Tiles& tiles = sorted_[i];
@@ -206,7 +203,7 @@ bool Raster::draw(int tileX, int tileY, TileHits& hits) const {
   };
   hits.triangles.push_back({0, 0});
   add(0);
-  fronts = hits.triangles.size();
+  hits.fronts = hits.triangles.size();
   add(1);
   if (hits.triangles.size() == 1) return false;
 
@@ -215,7 +212,7 @@ bool Raster::draw(int tileX, int tileY, TileHits& hits) const {
   const glm::vec3 origin(static_cast<float>(tileX * kTile), static_cast<float>(tileY * kTile),
                          0.0f);
   for (std::size_t k = 1; k < hits.triangles.size(); ++k) {
-    if (k == fronts) tile.findFarthest();
+    if (k == hits.fronts) tile.findFarthest();
     const TileHits::Triangle& shown = hits.triangles[k];
     const std::vector<glm::vec3>& screen = screen_[shown.fragment];
     const glm::uvec3& t = scene_.fragments[shown.fragment].triangles[shown.triangle];

@@ -28,7 +28,9 @@ struct TileHits {
   struct Triangle {
     std::uint32_t fragment, triangle;
   };
-  std::vector<Triangle> triangles;  ///< that may be visible; the first one is unused
+  /// That may be visible: the first one is unused, then those that face the camera, then others.
+  std::vector<Triangle> triangles;
+  std::size_t fronts = 0;  ///< the end of those that face the camera
   /// [(y * kTile + x) * 4 + sample] kNothing, or an index of `triangles`
   std::array<std::uint32_t, kSamplesPerPixel * kTile * kTile> shown;
 };

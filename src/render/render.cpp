@@ -10,6 +10,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <new>
+#include <span>
 #include <string>
 
 #include "render/aovs.h"
@@ -78,9 +79,8 @@ class Renderer {
     Image image{width_, height_, std::vector<std::uint8_t>(3 * pixels())};
     const Backdrop backdrop(camera_, ground_, scene_.groundY);
     const auto prepare = [&](int row) { backdrop.fill(row, image.rgb); };
-    forEachPixel(progress, prepare, [&](const Bands& ring, int x, int y) {
-      const Pixel shaded = shadedPixel(ring, x, y, toneMap);
-      if (shaded.open == 1.0f) return;
+    forEachPixel(progress, prepare, [&](const Shown* shown, const Nearby& rows, int x, int y) {
+      const Pixel shaded = shadedPixel(shown, rows, x, toneMap);
       glm::vec3 light = shaded.light;
       if (shaded.open > 0.0f)
         light +=
@@ -95,9 +95,9 @@ class Renderer {
     Aovs aovs{width_, height_, std::vector<float>(4 * pixels()), {}, {}, {}, {}, {}};
     forEachPixel(
         progress, [](int) {},
-        [&](const Bands& ring, int x, int y) {
+        [&](const Shown* shown, const Nearby& rows, int x, int y) {
           const Pixel shaded =
-              shadedPixel(ring, x, y, [](const glm::vec3& light) { return light; });
+              shadedPixel(shown, rows, x, [](const glm::vec3& light) { return light; });
           float* rgba = &aovs.rgba[4 * pixelIndex(x, y)];
           for (int k = 0; k < 3; ++k) rgba[k] = shaded.light[k];
           rgba[3] = 1.0f - shaded.open;
@@ -110,6 +110,29 @@ class Renderer {
   using Bands = std::array<Band, 3>;  // band b is ring[b % 3]
 
   static constexpr int kSquareRows = kTile / 2;  // in a band
+
+  /// A row of squares.
+  struct Squares {
+    LightPoint* points;
+    const std::uint8_t* covered;
+
+    /// Returns the points of a square; null where no fragment is near.
+    LightPoint* at(int x) const {
+      return covered[x / kSquareRows] ? points + Band::kPointsPerSquare * x : nullptr;
+    }
+    /// Calls visit for each point of a square.
+    template <class Visit>
+    void visit(int x, const Visit& visit) const {
+      LightPoint* const first = at(x);
+      for (int k = 0; first && k < Band::kPointsPerSquare && first[k].surface != kNoSurface; ++k)
+        visit(first[k]);
+    }
+  };
+
+  /// The squares that the light of a row of pixels is interpolated between.
+  struct Nearby {
+    Squares own, beside;
+  };
 
   std::size_t pixels() const {
     return static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
@@ -154,52 +177,55 @@ class Renderer {
   template <class Shade>
   void shadeRow(const Bands& ring, int y, const Shade& shade) const {
     const Band& band = ring[static_cast<std::size_t>(y / kTile % 3)];
+    const int own = y / 2;
+    const int beside = std::clamp(own + (y % 2 == 0 ? -1 : 1), 0, (height_ - 1) / 2);
+    const Nearby rows{squaresOf(ring, own), squaresOf(ring, beside)};
+    const Shown* const shown =
+        &band.shown[static_cast<std::size_t>(Band::kShownPerPixel * (y % kTile) * width_)];
     for (std::size_t tile = 0; tile < band.covered.size(); ++tile) {
       if (!band.covered[tile]) continue;
       const int first = static_cast<int>(tile) * kTile;
-      for (int x = first; x < std::min(width_, first + kTile); ++x) shade(ring, x, y);
+      for (int x = first; x < std::min(width_, first + kTile); ++x) {
+        const Shown* const here = shown + Band::kShownPerPixel * x;
+        if (here->surface != kNoSurface) shade(here, rows, x, y);
+      }
     }
   }
 
-  /// Returns the points of a square; null where no fragment is near.
-  template <class Ring>
-  auto pointsAt(Ring& ring, int x, int y) const -> decltype(ring[0].points.get()) {
-    auto& band = ring[static_cast<std::size_t>(y / kSquareRows % 3)];
-    if (!band.covered[static_cast<std::size_t>(x / kSquareRows)]) return nullptr;
-    return &band.points[static_cast<std::size_t>(Band::kPointsPerSquare *
-                                                 (y % kSquareRows * tracer_.squares() + x))];
-  }
-
-  /// Calls visit for each point of a square.
-  template <class Visit>
-  void forEachPoint(const Bands& ring, int x, int y, const Visit& visit) const {
-    const LightPoint* const points = pointsAt(ring, x, y);
-    for (int k = 0; points && k < Band::kPointsPerSquare && points[k].surface != kNoSurface; ++k)
-      visit(points[k]);
+  Squares squaresOf(const Bands& ring, int y) const {
+    const Band& band = ring[static_cast<std::size_t>(y / kSquareRows % 3)];
+    return {&band.points[static_cast<std::size_t>(Band::kPointsPerSquare * (y % kSquareRows) *
+                                                  tracer_.squares())],
+            band.covered.data()};
   }
 
   /// Sets the smoothed light of a row of squares: the mean over nearby points of the same smooth
   /// surface, each of which traced some directions of the pattern.
   ///   end  first row of squares that is not yet traced
-  void smoothRow(Bands& ring, int y, int end) const {
-    for (int x = 0; x < tracer_.squares(); ++x) {
-      LightPoint* const points = pointsAt(ring, x, y);
-      for (int k = 0; points && k < Band::kPointsPerSquare && points[k].surface != kNoSurface; ++k)
-        points[k].smoothed = smoothed(ring, x, y, points[k], end);
-    }
+  void smoothRow(const Bands& ring, int y, int end) const {
+    std::array<Squares, 2 * kReach + 1> rows;
+    const int first = std::max(0, y - kReach), last = std::min(end - 1, y + kReach);
+    for (int near = first; near <= last; ++near)
+      rows[static_cast<std::size_t>(near - first)] = squaresOf(ring, near);
+    const std::span<const Squares> around(rows.data(), static_cast<std::size_t>(last - first + 1));
+    const Squares& row = around[static_cast<std::size_t>(y - first)];
+    for (int x = 0; x < tracer_.squares(); ++x)
+      row.visit(x,
+                [&](LightPoint& point) { point.smoothed = smoothed(around, y - first, x, point); });
   }
 
-  glm::vec2 smoothed(const Bands& ring, int x, int y, const LightPoint& point, int end) const {
+  ///   rows  the squares around the point's own, which is in rows[y]
+  glm::vec2 smoothed(std::span<const Squares> rows, int y, int x, const LightPoint& point) const {
     constexpr float kEnough = 3.0f;  // a few directions alone would give specks
     const float reach = camera_.reachAt(point.position);
     glm::vec2 sum(0.0f), anySum(0.0f);
     float weights = 0.0f, anyWeights = 0.0f;
-    for (int ny = std::max(0, y - kReach); ny <= std::min(end - 1, y + kReach); ++ny) {
+    const int left = std::max(0, x - kReach), right = std::min(tracer_.squares() - 1, x + kReach);
+    for (int ny = 0; ny < static_cast<int>(rows.size()); ++ny) {
       const float rowWeight = std::abs(ny - y) == kReach ? 0.5f : 1.0f;
-      for (int nx = std::max(0, x - kReach); nx <= std::min(tracer_.squares() - 1, x + kReach);
-           ++nx) {
+      for (int nx = left; nx <= right; ++nx) {
         const float weight = std::abs(nx - x) == kReach ? 0.5f * rowWeight : rowWeight;
-        forEachPoint(ring, nx, ny, [&](const LightPoint& other) {
+        rows[static_cast<std::size_t>(ny)].visit(nx, [&](const LightPoint& other) {
           if (other.surface != point.surface) return;
           anySum += weight * other.free;
           anyWeights += weight;
@@ -213,27 +239,26 @@ class Renderer {
   }
 
   /// Returns the key and sky light at a pixel: interpolated between the squares around it.
-  glm::vec2 freeAt(const Bands& ring, int x, int y, const Shown& shown) const {
+  glm::vec2 freeAt(const Nearby& rows, int x, const Shown& shown) const {
     const float reach = camera_.reachAt(shown.position);
-    const int squareX = x / 2, squareY = y / 2;
-    const int besideX = std::clamp(squareX + (x % 2 == 0 ? -1 : 1), 0, tracer_.squares() - 1);
-    const int besideY = std::clamp(squareY + (y % 2 == 0 ? -1 : 1), 0, (height_ - 1) / 2);
+    const int own = x / 2;
+    const int beside = std::clamp(own + (x % 2 == 0 ? -1 : 1), 0, tracer_.squares() - 1);
     glm::vec2 sum(0.0f);
     float weights = 0.0f;
-    const auto add = [&](int atX, int atY, float weight) {
-      forEachPoint(ring, atX, atY, [&](const LightPoint& point) {
+    const auto add = [&](const Squares& squares, int at, float weight) {
+      squares.visit(at, [&](const LightPoint& point) {
         if (!continues(point, shown.surface, shown.position, shown.normal, reach)) return;
         sum += weight * point.smoothed;
         weights += weight;
       });
     };
-    add(squareX, squareY, 9.0f);
-    add(besideX, squareY, 3.0f);
-    add(squareX, besideY, 3.0f);
-    add(besideX, besideY, 1.0f);
+    add(rows.own, own, 9.0f);
+    add(rows.own, beside, 3.0f);
+    add(rows.beside, own, 3.0f);
+    add(rows.beside, beside, 1.0f);
     if (weights > 0.0f) return sum / weights;
     // A third surface in its square: that of the one in front of it.
-    const LightPoint* const points = pointsAt(ring, squareX, squareY);
+    const LightPoint* const points = rows.own.at(own);
     return points && points[0].surface != kNoSurface ? points[0].smoothed : glm::vec2(1.0f);
   }
 
@@ -243,15 +268,12 @@ class Renderer {
     float open = 0.0f;      ///< share of samples without a fragment
   };
   template <class Tone>
-  Pixel shadedPixel(const Bands& ring, int x, int y, const Tone& tone) const {
-    const Band& band = ring[static_cast<std::size_t>(y / kTile % 3)];
-    const Shown* const shown =
-        &band.shown[static_cast<std::size_t>(Band::kShownPerPixel * (y % kTile * width_ + x))];
+  Pixel shadedPixel(const Shown* shown, const Nearby& rows, int x, const Tone& tone) const {
     constexpr float kShare = 1.0f / static_cast<float>(kSamplesPerPixel);
     Pixel pixel{glm::vec3(0.0f), 1.0f};
     for (int k = 0; k < Band::kShownPerPixel && shown[k].surface != kNoSurface; ++k) {
       const float share = kShare * static_cast<float>(shown[k].samples);
-      pixel.light += share * tone(surfaceLight(shown[k], freeAt(ring, x, y, shown[k])));
+      pixel.light += share * tone(surfaceLight(shown[k], freeAt(rows, x, shown[k])));
       pixel.open -= share;
     }
     return pixel;

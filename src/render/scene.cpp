@@ -65,7 +65,8 @@ bool isSmooth(const TriangleMesh& mesh, std::span<const std::uint32_t> around,
 }
 
 /// Computes corner normals: the area-weighted mean over the faces around the vertex with the same
-/// neighbor as the corner's own face and at most 45 degrees from it.
+/// neighbor as the corner's own face and at most 45 degrees from it.  Most vertices have one, with
+/// their own index; those at creases have more, behind.
 void setNormals(const Fragment& fragment, SceneFragment& target) {
   const TriangleMesh& mesh = fragment.mesh;
   std::vector<glm::vec3> areaNormal(mesh.triangles.size());
@@ -79,33 +80,32 @@ void setNormals(const Fragment& fragment, SceneFragment& target) {
     return length > 0.0f ? areaNormal[i] / length : glm::vec3(0.0f, 1.0f, 0.0f);
   };
   const Fans fan = fans(mesh);
-  target.normals.reserve(mesh.vertices.size());
-  target.normalOf.resize(mesh.triangles.size());
+  target.normalOf.assign(mesh.triangles.begin(), mesh.triangles.end());
+  target.normals.resize(mesh.vertices.size());
   for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
     const std::span around =
         std::span(fan.triangle).subspan(fan.first[v], fan.first[v + 1] - fan.first[v]);
+    if (isSmooth(mesh, around, areaNormal)) {
+      glm::vec3 sum(0.0f);
+      for (const std::uint32_t i : around) sum += areaNormal[i];
+      target.normals[v] = sum / glm::length(sum);
+      continue;
+    }
     const auto first = static_cast<std::ptrdiff_t>(target.normals.size());
-    const auto setNormal = [&](std::uint32_t i, std::ptrdiff_t index) {
-      for (int k = 0; k < 3; ++k)
-        if (mesh.triangles[i][k] == v) target.normalOf[i][k] = static_cast<std::uint32_t>(index);
-    };
-    const bool isPlain = isSmooth(mesh, around, areaNormal);
     for (const std::uint32_t i : around) {
       glm::vec3 sum(0.0f);
       for (const std::uint32_t other : around) {
-        if (isPlain || (mesh.neighborOf(other) == mesh.neighborOf(i) &&
-                        glm::dot(normal(other), normal(i)) > kCreaseCosine))
+        if (mesh.neighborOf(other) == mesh.neighborOf(i) &&
+            glm::dot(normal(other), normal(i)) > kCreaseCosine)
           sum += areaNormal[other];
       }
       const float length = glm::length(sum);
       const glm::vec3 smooth = length > 0.0f ? sum / length : normal(i);
       auto at = std::find(target.normals.begin() + first, target.normals.end(), smooth);
       if (at == target.normals.end()) at = target.normals.insert(at, smooth);
-      if (isPlain) {
-        for (const std::uint32_t other : around) setNormal(other, first);
-        break;
-      }
-      setNormal(i, at - target.normals.begin());
+      const auto index = static_cast<std::uint32_t>(at - target.normals.begin());
+      for (int k = 0; k < 3; ++k)
+        if (mesh.triangles[i][k] == v) target.normalOf[i][k] = index;
     }
   }
 }

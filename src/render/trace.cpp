@@ -34,8 +34,8 @@ struct Tile {
                                                 (y * tracer.width + x0 + x))];
   }
 
-  Shown shownBy(const TileHits::Triangle& triangle, std::uint32_t surface,
-                glm::vec2 position) const;
+  Shown shownBy(std::uint32_t hit, glm::vec2 position) const;
+  bool isPartOf(const Shown& shown, std::uint32_t hit) const;
   void findShown(int x, int y) const;
 
   std::size_t pointsOf(int squareX, int squareY) const;
@@ -45,55 +45,55 @@ struct Tile {
   void lightSquares() const;
 };
 
-Shown Tile::shownBy(const TileHits::Triangle& triangle, std::uint32_t surface,
-                    glm::vec2 position) const {
+Shown Tile::shownBy(std::uint32_t hit, glm::vec2 position) const {
+  const TileHits::Triangle& triangle = hits.triangles[hit];
   const SceneFragment& fragment = tracer.scene.fragments[triangle.fragment];
   const glm::uvec3& t = fragment.triangles[triangle.triangle];
-  const glm::vec3 &a = fragment.vertices[t.x], &b = fragment.vertices[t.y],
-                  &c = fragment.vertices[t.z];
   const glm::vec2 at = tracer.raster.barycentric(triangle, position);
-  Shown shown{surface, triangle.triangle, 1, (1.0f - at.x - at.y) * a + at.x * b + at.y * c,
-              fragment.normalAt(triangle.triangle, at.x, at.y)};
-  // On the side of the face that the camera sees.
-  const glm::vec3 face = glm::cross(b - a, c - a);
-  if (glm::dot(face, tracer.camera.eye - a) * glm::dot(face, shown.normal) < 0.0f)
-    shown.normal = -shown.normal;
-  return shown;
+  const glm::vec3 normal = fragment.normalAt(triangle.triangle, at.x, at.y);
+  return {1 + 2 * triangle.fragment + fragment.inner[triangle.triangle], triangle.triangle,
+          kSamplesPerPixel,
+          (1.0f - at.x - at.y) * fragment.vertices[t.x] + at.x * fragment.vertices[t.y] +
+              at.y * fragment.vertices[t.z],
+          hit < hits.fronts ? normal : -normal};
+}
+
+/// Whether a triangle continues a surface: nearly its normal at one corner.
+bool Tile::isPartOf(const Shown& shown, std::uint32_t hit) const {
+  const TileHits::Triangle& triangle = hits.triangles[hit];
+  const SceneFragment& fragment = tracer.scene.fragments[triangle.fragment];
+  const float cosine =
+      glm::dot(shown.normal, fragment.normals[fragment.normalOf[triangle.triangle].x]);
+  return shown.surface == 1 + 2 * triangle.fragment + fragment.inner[triangle.triangle] &&
+         (hit < hits.fronts ? cosine : -cosine) > kSmooth;
 }
 
 /// Finds the surfaces of pixel (x, y) of the tile.
 void Tile::findShown(int x, int y) const {
   const std::uint32_t* const shown =
       &hits.shown[static_cast<std::size_t>(kSamplesPerPixel * (y * kTile + x))];
+  const auto positionOf = [&](std::size_t sample) {
+    return kInPixel[sample] + glm::vec2(static_cast<float>(x0 + x), static_cast<float>(y0 + y));
+  };
   Shown* const found = pixel(x, y);
-  std::array<Shown*, kSamplesPerPixel> foundBy{};
-  int count = 0;
-  for (int s = 0; s < kSamplesPerPixel; ++s) {
-    if (shown[s] == TileHits::kNothing) continue;
-    Shown*& target = foundBy[static_cast<std::size_t>(s)];
-    if (const auto same = std::find(shown, shown + s, shown[s]); same != shown + s) {
-      target = foundBy[static_cast<std::size_t>(same - shown)];
-      ++target->samples;
-      continue;
-    }
-    // A triangle that continues one already found needs no sample of its own.
-    const TileHits::Triangle& triangle = hits.triangles[shown[s]];
-    const SceneFragment& fragment = tracer.scene.fragments[triangle.fragment];
-    const std::uint32_t surface = 1 + 2 * triangle.fragment + fragment.inner[triangle.triangle];
-    const glm::vec3 normal = fragment.normals[fragment.normalOf[triangle.triangle].x];
-    target = std::find_if(found, found + count, [&](const Shown& other) {
-      return other.surface == surface && std::abs(glm::dot(other.normal, normal)) > kSmooth;
-    });
-    if (target != found + count) {
-      ++target->samples;
-      continue;
-    }
-    ++count;
-    *target = shownBy(triangle, surface,
-                      kInPixel[static_cast<std::size_t>(s)] +
-                          glm::vec2(static_cast<float>(x0 + x), static_cast<float>(y0 + y)));
+  found[0].surface = found[1].surface = kNoSurface;
+  if (std::all_of(shown, shown + kSamplesPerPixel, [&](auto hit) { return hit == shown[0]; })) {
+    if (shown[0] != TileHits::kNothing) found[0] = shownBy(shown[0], positionOf(0));
+    return;
   }
-  if (count < Band::kShownPerPixel) found[count].surface = kNoSurface;
+  int count = 0;
+  for (std::size_t s = 0; s < kSamplesPerPixel; ++s) {
+    if (shown[s] == TileHits::kNothing) continue;
+    Shown* const same = std::find_if(found, found + count,
+                                     [&](const Shown& other) { return isPartOf(other, shown[s]); });
+    if (same != found + count) {
+      ++same->samples;
+      continue;
+    }
+    *same = shownBy(shown[s], positionOf(s));
+    same->samples = 1;
+    if (++count < Band::kShownPerPixel) found[count].surface = kNoSurface;
+  }
 }
 
 /// Returns the index of the first light point of a square of the tile.
