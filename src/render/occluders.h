@@ -22,8 +22,8 @@ class Occluders {
 
   /// Offset of a ray's origin above the fragments' surfaces, and the distance within which it
   /// meets nothing: the merged surface may lie above.
-  [[nodiscard]] float lift() const { return 0.3f * cell_; }
-  [[nodiscard]] float start() const { return 0.5f * cell_; }
+  [[nodiscard]] float lift() const { return 0.2f * cell_; }
+  [[nodiscard]] float start() const { return 0.3f * cell_; }
 
  private:
   float cell_;
