@@ -79,15 +79,16 @@ class Renderer {
     Image image{width_, height_, std::vector<std::uint8_t>(3 * pixels())};
     const Backdrop backdrop(camera_, ground_, scene_.groundY);
     const auto prepare = [&](int row) { backdrop.fill(row, image.rgb); };
-    forEachPixel(progress, prepare, [&](const Shown* shown, const Nearby& rows, int x, int y) {
-      const Pixel shaded = shadedPixel(shown, rows, x, toneMap);
-      glm::vec3 light = shaded.light;
-      if (shaded.open > 0.0f)
-        light +=
-            shaded.open * backdrop.at(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
-      std::uint8_t* rgb = &image.rgb[3 * pixelIndex(x, y)];
-      for (int k = 0; k < 3; ++k) rgb[k] = byteFromLinear(light[k]);
-    });
+    forEachPixel(
+        progress, prepare, [&](const PixelSurfaces& surfaces, const Nearby& rows, int x, int y) {
+          const Pixel shaded = shadedPixel(surfaces, rows, x, toneMap);
+          glm::vec3 light = shaded.light;
+          if (shaded.open > 0.0f)
+            light += shaded.open *
+                     backdrop.at(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
+          std::uint8_t* rgb = &image.rgb[3 * pixelIndex(x, y)];
+          for (int k = 0; k < 3; ++k) rgb[k] = byteFromLinear(light[k]);
+        });
     return image;
   }
 
@@ -95,9 +96,9 @@ class Renderer {
     Aovs aovs{width_, height_, std::vector<float>(4 * pixels()), {}, {}, {}, {}, {}};
     forEachPixel(
         progress, [](int) {},
-        [&](const Shown* shown, const Nearby& rows, int x, int y) {
+        [&](const PixelSurfaces& surfaces, const Nearby& rows, int x, int y) {
           const Pixel shaded =
-              shadedPixel(shown, rows, x, [](const glm::vec3& light) { return light; });
+              shadedPixel(surfaces, rows, x, [](const glm::vec3& light) { return light; });
           float* rgba = &aovs.rgba[4 * pixelIndex(x, y)];
           for (int k = 0; k < 3; ++k) rgba[k] = shaded.light[k];
           rgba[3] = 1.0f - shaded.open;
@@ -180,14 +181,12 @@ class Renderer {
     const int own = y / 2;
     const int beside = std::clamp(own + (y % 2 == 0 ? -1 : 1), 0, (height_ - 1) / 2);
     const Nearby rows{squaresOf(ring, own), squaresOf(ring, beside)};
-    const Shown* const shown =
-        &band.shown[static_cast<std::size_t>(Band::kShownPerPixel * (y % kTile) * width_)];
     for (std::size_t tile = 0; tile < band.covered.size(); ++tile) {
       if (!band.covered[tile]) continue;
       const int first = static_cast<int>(tile) * kTile;
       for (int x = first; x < std::min(width_, first + kTile); ++x) {
-        const Shown* const here = shown + Band::kShownPerPixel * x;
-        if (here->surface != kNoSurface) shade(here, rows, x, y);
+        const PixelSurfaces here = band.surfaces(y % kTile * width_ + x);
+        if (here[0].surface != kNoSurface) shade(here, rows, x, y);
       }
     }
   }
@@ -268,14 +267,15 @@ class Renderer {
     float open = 0.0f;      ///< share of samples without a fragment
   };
   template <class Tone>
-  Pixel shadedPixel(const Shown* shown, const Nearby& rows, int x, const Tone& tone) const {
+  Pixel shadedPixel(const PixelSurfaces& surfaces, const Nearby& rows, int x,
+                    const Tone& tone) const {
     constexpr float kShare = 1.0f / static_cast<float>(kSamplesPerPixel);
     Pixel pixel{glm::vec3(0.0f), 1.0f};
-    for (int k = 0; k < Band::kShownPerPixel && shown[k].surface != kNoSurface; ++k) {
-      const float share = kShare * static_cast<float>(shown[k].samples);
-      pixel.light += share * tone(surfaceLight(shown[k], freeAt(rows, x, shown[k])));
+    surfaces.visit([&](const Shown& shown) {
+      const float share = kShare * static_cast<float>(shown.samples);
+      pixel.light += share * tone(surfaceLight(shown, freeAt(rows, x, shown)));
       pixel.open -= share;
-    }
+    });
     return pixel;
   }
 

@@ -29,10 +29,7 @@ struct Tile {
   const SceneFragment& fragmentOf(const Shown& shown) const {
     return tracer.scene.fragments[(shown.surface - 1) / 2];
   }
-  Shown* pixel(int x, int y) const {
-    return &band.shown[static_cast<std::size_t>(Band::kShownPerPixel *
-                                                (y * tracer.width + x0 + x))];
-  }
+  PixelSurfaces pixel(int x, int y) const { return band.surfaces(y * tracer.width + x0 + x); }
 
   Shown shownBy(std::uint32_t hit, glm::vec2 position) const;
   bool isPartOf(const Shown& shown, std::uint32_t hit) const;
@@ -51,8 +48,10 @@ Shown Tile::shownBy(std::uint32_t hit, glm::vec2 position) const {
   const glm::uvec3& t = fragment.triangles[triangle.triangle];
   const glm::vec2 at = tracer.raster.barycentric(triangle, position);
   const glm::vec3 normal = fragment.normalAt(triangle.triangle, at.x, at.y);
-  return {1 + 2 * triangle.fragment + fragment.inner[triangle.triangle], triangle.triangle,
+  return {1 + 2 * triangle.fragment + fragment.inner[triangle.triangle],
+          triangle.triangle,
           kSamplesPerPixel,
+          true,
           (1.0f - at.x - at.y) * fragment.vertices[t.x] + at.x * fragment.vertices[t.y] +
               at.y * fragment.vertices[t.z],
           hit < hits.fronts ? normal : -normal};
@@ -75,24 +74,24 @@ void Tile::findShown(int x, int y) const {
   const auto positionOf = [&](std::size_t sample) {
     return kInPixel[sample] + glm::vec2(static_cast<float>(x0 + x), static_cast<float>(y0 + y));
   };
-  Shown* const found = pixel(x, y);
-  found[0].surface = found[1].surface = kNoSurface;
+  const PixelSurfaces found = pixel(x, y);
+  found[0].surface = kNoSurface;
   if (std::all_of(shown, shown + kSamplesPerPixel, [&](auto hit) { return hit == shown[0]; })) {
     if (shown[0] != TileHits::kNothing) found[0] = shownBy(shown[0], positionOf(0));
     return;
   }
-  int count = 0;
+  std::size_t count = 0;
   for (std::size_t s = 0; s < kSamplesPerPixel; ++s) {
     if (shown[s] == TileHits::kNothing) continue;
-    Shown* const same = std::find_if(found, found + count,
-                                     [&](const Shown& other) { return isPartOf(other, shown[s]); });
-    if (same != found + count) {
-      ++same->samples;
+    std::size_t same = 0;
+    while (same < count && !isPartOf(found[same], shown[s])) ++same;
+    if (same < count) {
+      ++found[same].samples;
       continue;
     }
-    *same = shownBy(shown[s], positionOf(s));
-    same->samples = 1;
-    if (++count < Band::kShownPerPixel) found[count].surface = kNoSurface;
+    if (count > 0) found[count - 1].isLast = false;
+    found[count] = shownBy(shown[s], positionOf(s));
+    found[count++].samples = 1;
   }
 }
 
@@ -150,20 +149,17 @@ void Tile::lightSquare(int squareX, int squareY) const {
   for (int i = 0; i < 4 && count < Band::kPointsPerSquare; ++i) {
     const int x = 2 * squareX + i % 2;
     if (x0 + x >= tracer.width) continue;
-    const Shown* const shown = pixel(x, 2 * squareY + i / 2);
-    for (int k = 0; k < Band::kShownPerPixel && count < Band::kPointsPerSquare; ++k) {
-      if (shown[k].surface == kNoSurface) break;
+    pixel(x, 2 * squareY + i / 2).visit([&](const Shown& shown) {
       const bool isFound = std::any_of(points, points + count, [&](const LightPoint& other) {
-        return other.surface == shown[k].surface &&
-               glm::dot(other.normal, shown[k].normal) > kSmooth;
+        return other.surface == shown.surface && glm::dot(other.normal, shown.normal) > kSmooth;
       });
-      if (isFound) continue;
+      if (isFound || count == Band::kPointsPerSquare) return;
       LightPoint& point = points[count++];
-      point = {shown[k].surface, shown[k].position, shown[k].normal, {}, {}};
+      point = {shown.surface, shown.position, shown.normal, {}, {}};
       light(point, isFirst ? std::nullopt : agreedKey(point, squareX, squareY),
-            fragmentOf(shown[k]).faceTowards(shown[k].triangle, tracer.camera.eye),
+            fragmentOf(shown).faceTowards(shown.triangle, tracer.camera.eye),
             patternCell(x0 / 2 + squareX, y0 / 2 + squareY));
-    }
+    });
   }
   if (count < Band::kPointsPerSquare) points[count].surface = kNoSurface;
 }
@@ -178,9 +174,10 @@ void Tile::lightSquares() const {
 
 }  // namespace
 
-Band::Band(int width) : covered(static_cast<std::size_t>((width + kTile - 1) / kTile), 0) {
-  const auto pixels = static_cast<std::size_t>(kTile * width);
-  shown = std::make_unique_for_overwrite<Shown[]>(kShownPerPixel * pixels);
+Band::Band(int width)
+    : covered(static_cast<std::size_t>((width + kTile - 1) / kTile), 0),
+      pixels(static_cast<std::size_t>(kTile * width)) {
+  shown = std::make_unique_for_overwrite<Shown[]>(kSamplesPerPixel * pixels);
   points = std::make_unique_for_overwrite<LightPoint[]>(
       static_cast<std::size_t>(kPointsPerSquare * (kTile / 2) * ((width + 1) / 2)));
 }

@@ -24,9 +24,28 @@ inline constexpr std::uint32_t kNoSurface = 0;
 struct Shown {
   std::uint32_t surface;
   std::uint32_t triangle;  ///< of the fragment, at one of the samples
-  int samples;
+  std::uint8_t samples;
+  bool isLast;         ///< of the pixel's
   glm::vec3 position;  ///< scene space, at that sample
   glm::vec3 normal;    ///< smooth, towards the camera
+};
+
+/// The surfaces of a pixel.
+struct PixelSurfaces {
+  Shown* first;        ///< with kNoSurface if there is none
+  std::size_t stride;  ///< from one to the next
+
+  [[nodiscard]] Shown& operator[](std::size_t i) const { return first[i * stride]; }
+
+  /// Calls visit for each.
+  template <class Visit>
+  void visit(const Visit& visit) const {
+    if (first->surface == kNoSurface) return;
+    for (const Shown* shown = first;; shown += stride) {
+      visit(*shown);
+      if (shown->isLast) return;
+    }
+  }
 };
 
 /// The light at a point of a square of 2x2 pixels.
@@ -50,18 +69,24 @@ inline constexpr float kSmooth = 0.9f;  ///< least cosine between normals of a s
 
 /// kTile rows of the image.
 struct Band {
-  static constexpr int kShownPerPixel = kSamplesPerPixel;
   static constexpr int kPointsPerSquare = 2;
 
-  /// [kTile * width * 4] up to 4 surfaces for each pixel, then one with kNoSurface.  Not
-  /// zero-filled: the tracing threads touch their tiles' memory first, and many tiles are never
-  /// touched.
+  /// [4 * kTile * width] see `surfaces`.  Not zero-filled: the tracing threads touch their tiles'
+  /// memory first, and many tiles, and most pixels' second surfaces, are never touched.
   std::unique_ptr<Shown[]> shown;
   /// [kTile / 2 * squares in a row * 2] up to 2 points, then one with kNoSurface.
   std::unique_ptr<LightPoint[]> points;
   std::vector<std::uint8_t> covered;  ///< [tiles in a row] 1 where the others are set
 
   explicit Band(int width);
+
+  /// Returns those of the pixel at y * width + x in the band.
+  [[nodiscard]] PixelSurfaces surfaces(int pixel) const {
+    return {&shown[static_cast<std::size_t>(pixel)], pixels};
+  }
+
+ private:
+  std::size_t pixels;
 };
 
 /// Inputs of tracing, the same for every tile.
