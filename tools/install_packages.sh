@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
 # Install the Debian packages that are missing.
 #
-# usage: install_packages.sh build|test|ci|hosts|pictures
+# usage: install_packages.sh build|test|ci|hosts|pictures|bench
 #   build  dependencies of the library and the program
 #   test   also dependencies of the tests
 #   ci     also sanitizers, oclgrind, valgrind and the formatter
 #   hosts  programs that read Sherd's files: Blender, OpenImageIO
 #   pictures  dependencies of the images of the documents
+#   bench  what Sherd is measured by, and programs that it is compared with
 set -euo pipefail
 
 build=(cmake ninja-build g++ libopenvdb-dev libtbb-dev libboost-iostreams-dev libimath-dev libopenexr-dev libglm-dev
@@ -16,6 +17,7 @@ test=(libgtest-dev libbenchmark-dev python3 python3-dev python3-venv python3-num
   ocl-icd-libopencl1 pocl-opencl-icd mesa-opencl-icd)
 hosts=(blender python3-openimageio)
 pictures=(python3-numpy python3-pil python3-matplotlib blender)
+bench=(valgrind blender python3-openvdb python3-skimage)
 ci=(clang-format doxygen universal-ctags libclang-rt-14-dev oclgrind valgrind ccache)
 
 case "${1:-}" in
@@ -24,7 +26,8 @@ case "${1:-}" in
   ci) wanted=("${build[@]}" "${test[@]}" "${ci[@]}") ;;
   hosts) wanted=("${hosts[@]}") ;;
   pictures) wanted=("${build[@]}" "${pictures[@]}") ;;
-  *) echo "usage: install_packages.sh build|test|ci|hosts|pictures" >&2; exit 2 ;;
+  bench) wanted=("${bench[@]}") ;;
+  *) echo "usage: install_packages.sh build|test|ci|hosts|pictures|bench" >&2; exit 2 ;;
 esac
 
 missing=()

@@ -1,0 +1,82 @@
+#!/usr/bin/python3
+"""The tools that measure (tools/bench_*): small runs of each, and their arithmetic against files written by hand.
+
+SHERD_BIN names the program, in a build whose programs of tests/bench lie in tests/bench beside it.  No time is checked.
+"""
+import importlib
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import numpy as np
+
+import skipping
+
+SHERD = pathlib.Path(os.environ["SHERD_BIN"])
+PROGRAMS = SHERD.parent / "tests" / "bench"
+TOOLS = pathlib.Path(__file__).resolve().parents[2] / "tools"
+CUBE = ([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)],
+        [(0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1),
+         (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3)])
+sys.path.insert(0, str(TOOLS))
+
+
+def tool(name):
+    return importlib.import_module(name)
+
+
+def run(command, **more):
+    return subprocess.run([*map(str, command)], capture_output=True, text=True, **more)
+
+
+def cells(line):
+    return [cell.strip() for cell in line.strip().strip("|").split("|")]
+
+
+class Folder(unittest.TestCase):
+    def setUp(self):
+        self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
+
+
+class Counts(Folder):
+    def test_the_ball_is_one(self):
+        path = self.folder / "ball.obj"
+        tool("bench_counts").ball(path, 3)
+        words = [line.split() for line in path.read_text().splitlines()]
+        corners = np.array([w[1:] for w in words if w[0] == "v"], float)
+        a, b, c = (corners[np.array([w[1:] for w in words if w[0] == "f"], int)[:, i] - 1] for i in range(3))
+        self.assertEqual(len(a), 20 * 4 ** 3)
+        np.testing.assert_allclose(np.linalg.norm(corners, axis=1), 1, atol=1e-8)
+        self.assertAlmostEqual((a * np.cross(b, c)).sum() / 6, 4 / 3 * np.pi, delta=0.05)  # faces outwards
+
+    def test_inclusive_counts_are_sums_over_calls(self):
+        profile = self.folder / "profile"
+        profile.write_text("events: Ir\nfn=(1) main\n1 5\ncfn=(2) sherd::voxelize(sherd::Mesh const&)\ncalls=1 0\n2 100\n"
+                           "cfn=(3) sherd::readMesh(std::string)\ncalls=1 0\n3 30\n\nfn=(2)\n4 60\ncfn=(4) std::sort(int)\n"
+                           "calls=4 0\n5 40\n\nfn=(3)\n6 30\n\nfn=(4)\n7 40\n\nfn=(5) other\n8 7\ncfn=(2)\ncalls=1 0\n9 3\n"
+                           "totals: 145\n")
+        counts = tool("bench_counts").inclusive(profile)
+        self.assertEqual((counts["total"], counts["voxelize"], counts["read"], counts["grow"]), (145, 103, 30, 0))
+        self.assertEqual(counts["other"], 145 - 103 - 30)
+
+    @skipping.skip_unless(shutil.which("valgrind"), "VALGRIND", "there is no valgrind")
+    def test_each_stage_of_a_small_run_is_found(self):
+        done = run([TOOLS / "bench_counts.py", "--quick", SHERD])
+        self.assertEqual(done.returncode, 0, done.stderr)
+        header, _, *rows = done.stdout.splitlines()
+        self.assertEqual(len(rows), 2)
+        for row in rows:
+            counts = dict(zip(cells(header)[1:], (float(cell.replace(",", "")) for cell in cells(row)[1:])))
+            self.assertEqual(counts.pop("preview"), 0)
+            total = counts.pop("total")
+            self.assertGreater(min(counts.values()), 0.1, row)  # a stage whose function has another name now has none
+            self.assertAlmostEqual(total, sum(counts.values()), delta=0.5)
+
+
+if __name__ == "__main__":
+    skipping.main()
