@@ -1,9 +1,10 @@
-"""Break a mesh by Blender's add-on Cell Fracture with default options; run by cell_fracture_study.py.
+"""Break a mesh by Blender's add-on Cell Fracture with default options; run by cell_fracture_study.py and bench_peers.py.
 
 usage: blender --background --factory-startup --python-exit-code 1 --python cell_fracture_in_blender.py
-         -- MESH FOLDER PIECES SEED
+         -- MESH FOLDER PIECES SEED [FRACTURES]
 
-Writes FOLDER/whole.obj and FOLDER/pieces/piece_0.obj, piece_1.obj, ...  The mesh is scaled to a longest side of 2, like
+Writes FOLDER/whole.obj and FOLDER/pieces/piece_0.obj, piece_1.obj, ...; further FRACTURES, by the next random seeds, go to
+FOLDER/pieces_1, pieces_2, ...  The mesh is scaled to a longest side of 2, like
 Blender's default cube, because the add-on's margin, noise and tolerances are lengths.
 """
 import pathlib
@@ -51,10 +52,27 @@ def write(path, thing):
     path.write_text("".join(lines))
 
 
+def fracture(whole, folder, pieces, seed):
+    folder.mkdir()
+    whole.hide_set(False)  # the add-on hides it
+    bpy.ops.object.select_all(action="DESELECT")
+    bpy.context.view_layer.objects.active = whole
+    whole.select_set(True)
+    random.seed(seed)  # the add-on shuffles the vertices that it selects seeds from
+    mathutils.noise.seed_set(seed)
+    bpy.ops.object.add_fracture_cell_objects(source_limit=pieces)
+    bpy.context.view_layer.update()
+    cells = [thing for thing in bpy.context.scene.objects if thing.type == "MESH" and thing != whole]
+    for i, cell in enumerate(sorted(cells, key=lambda thing: thing.name)):
+        write(folder / f"piece_{i}.obj", cell)
+    for cell in cells:
+        bpy.data.objects.remove(cell)
+
+
 def main():
-    source, folder, pieces, seed = sys.argv[sys.argv.index("--") + 1:]
+    source, folder, pieces, seed, *fractures = sys.argv[sys.argv.index("--") + 1:]
     folder = pathlib.Path(folder)
-    (folder / "pieces").mkdir(parents=True)
+    folder.mkdir(parents=True)
     bpy.ops.object.select_all(action="SELECT")
     bpy.ops.object.delete()
     vertices, polygons = read(pathlib.Path(source))
@@ -63,18 +81,10 @@ def main():
     mesh.validate()
     whole = bpy.data.objects.new("whole", mesh)
     bpy.context.collection.objects.link(whole)
-    bpy.context.view_layer.objects.active = whole
-    whole.select_set(True)
     write(folder / "whole.obj", whole)
-
     addon_utils.enable("object_fracture_cell")
-    random.seed(int(seed))  # the add-on shuffles the vertices that it selects seeds from
-    mathutils.noise.seed_set(int(seed))
-    bpy.ops.object.add_fracture_cell_objects(source_limit=int(pieces))
-    bpy.context.view_layer.update()
-    cells = [thing for thing in bpy.context.scene.objects if thing.type == "MESH" and thing != whole]
-    for i, cell in enumerate(sorted(cells, key=lambda thing: thing.name)):
-        write(folder / "pieces" / f"piece_{i}.obj", cell)
+    for i in range(int(fractures[0]) if fractures else 1):
+        fracture(whole, folder / (f"pieces_{i}" if i else "pieces"), int(pieces), int(seed) + i)
 
 
 main()

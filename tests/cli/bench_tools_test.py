@@ -78,5 +78,41 @@ class Counts(Folder):
             self.assertAlmostEqual(total, sum(counts.values()), delta=0.5)
 
 
+class Peers(Folder):
+    def test_closed_meshes(self):
+        vertices, faces = CUBE
+        flipped = [tuple(reversed(faces[0])), *faces[1:]]
+        for name, mesh in (("closed", faces), ("open", faces[1:]), ("flipped", flipped), ("empty", [])):
+            (self.folder / f"{name}.obj").write_text("".join("v %d %d %d\n" % v for v in vertices) +
+                                                     "".join("f %d %d %d\n" % tuple(i + 1 for i in f) for f in mesh))
+        # Each face has vertices of its own, which are equal.
+        (self.folder / "soup.obj").write_text("".join("v %d %d %d\n" % vertices[i] for f in faces for i in f) +
+                                              "".join(f"f {3 * i + 1} {3 * i + 2} {3 * i + 3}\n" for i in range(len(faces))))
+        done = run([sys.executable, TOOLS / "bench_peers.py", "--closed", self.folder, "*.obj"])
+        self.assertEqual(done.stdout.split(), ["5", "2"], done.stderr)
+
+    def test_a_missing_program_is_a_row(self):
+        done = run([TOOLS / "bench_peers.py", SHERD, self.folder / "absent", "--pieces", 3, "--resolution", 32, "--fractures", 2,
+                    "--blender", "no-blender"])
+        self.assertEqual(done.returncode, 0, done.stderr)
+        rows = [cells(line) for line in done.stdout.splitlines() if line.startswith("|")]
+        by_name = {row[0]: row for row in rows}
+        self.assertIn("no-blender is missing", by_name["Cell Fracture"][1])
+        self.assertIn("absent is missing", by_name["LevelSetFracture"][1])
+        self.assertEqual({len(row) for row in rows}, {8})
+        self.assertEqual((by_name["Sherd"][1:3], by_name["Sherd"][7]), (["1", "3"], "3/3"))
+        self.assertEqual((by_name["Sherd, dataset"][1:3], by_name["Sherd, dataset"][7]), (["2", "6"], "6/6"))
+
+    @skipping.skip_unless((PROGRAMS / "level_set_fracture").exists(), "BENCH", "the benchmarks are not built")
+    def test_level_set_fracture_gives_pieces_that_fill_the_mesh(self):
+        done = run([PROGRAMS / "level_set_fracture", os.path.join(os.environ["SHERD_DATA"], "amphora.ply"), self.folder, 4, 1, 64, 2])
+        self.assertEqual(done.returncode, 0, done.stderr)
+        whole = json.loads(run([SHERD, "inspect", os.path.join(os.environ["SHERD_DATA"], "amphora.ply"), "--json"]).stdout)["volume"]
+        for fracture in ("0", "1"):
+            report = json.loads(run([SHERD, "evaluate", self.folder / fracture, "--json"]).stdout)
+            self.assertEqual([f["quality"]["closed"] for f in report["fragments"]], [True] * 4)
+            self.assertAlmostEqual(sum(f["volume"] for f in report["fragments"]) / whole, 1, delta=0.05)
+
+
 if __name__ == "__main__":
     skipping.main()
