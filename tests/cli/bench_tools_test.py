@@ -114,5 +114,53 @@ class Peers(Folder):
             self.assertAlmostEqual(sum(f["volume"] for f in report["fragments"]) / whole, 1, delta=0.05)
 
 
+@skipping.skip_unless((PROGRAMS / "device_bench").exists(), "BENCH", "the benchmarks are not built")
+class Devices(Folder):
+    """tools/bench_gpu.sh as it lies in an unpacked archive, where it builds nothing."""
+
+    def setUp(self):
+        super().setUp()
+        shutil.copy(TOOLS / "bench_gpu.sh", self.folder)
+        (self.folder / "programs").mkdir()
+        (self.folder / "programs" / "device_bench").symlink_to(PROGRAMS / "device_bench")
+        tests = self.folder / "programs" / "sherd_kernel_tests"  # the real ones have tests of their own
+        tests.write_text("#!/bin/sh\necho '[  PASSED  ] 3 tests.'\n")
+        tests.chmod(0o755)
+
+    def bench(self, *arguments, drivers):
+        return run([self.folder / "bench_gpu.sh", *arguments], env={**os.environ, "OCL_ICD_VENDORS": drivers})
+
+    def test_no_device_is_a_sentence_and_status_4(self):
+        done = self.bench(drivers=str(self.folder / "none"))
+        if "NVIDIA" not in done.stderr:
+            self.assertIn("no OpenCL device can be used", done.stderr)
+        self.assertEqual((done.returncode, done.stdout), (4, ""))
+
+    def test_wrong_arguments_are_refused(self):
+        self.assertEqual(self.bench("--sec", drivers="none").returncode, 2)
+        self.assertIn("usage: bench_gpu.sh", self.bench("--help", drivers="none").stdout)
+
+    def test_failed_kernel_tests_are_status_1(self):
+        self.need_device()
+        (self.folder / "programs" / "sherd_kernel_tests").write_text("#!/bin/sh\necho '[  FAILED  ] 1 test'; exit 1\n")
+        done = self.bench("--seconds", 1, drivers=os.environ.get("OCL_ICD_VENDORS", "pocl.icd"))
+        self.assertEqual(done.returncode, 1)
+        self.assertEqual(cells(done.stdout.splitlines()[-1])[:3], ["kernel tests", "", "FAILED"])
+
+    def need_device(self):
+        if not run([PROGRAMS / "device_bench", "--list"]).stdout.strip():
+            skipping.skip(self, "OPENCL", "there is no OpenCL device")
+
+    def test_a_device_is_measured(self):
+        self.need_device()
+        done = self.bench("--seconds", 4, drivers=os.environ.get("OCL_ICD_VENDORS", "pocl.icd"))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        rows = [cells(line) for line in done.stdout.splitlines() if line.startswith("|")]
+        self.assertEqual({len(row) for row in rows}, {len(rows[0])})
+        self.assertEqual(rows[0][-1][:7], "x86-64-")  # the built-in device is the last column
+        self.assertGreater(float(rows[2][2].replace(",", "")), 0)
+        self.assertEqual(rows[-1][:3], ["kernel tests", "", "3 passed"])
+
+
 if __name__ == "__main__":
     skipping.main()
