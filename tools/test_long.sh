@@ -72,6 +72,15 @@ echo "== a dataset's report in a browser"
 DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends chromium > /dev/null
 tests/long/report.py build/release/sherd
 
+echo "== what measures: Sherd beside other programs, instructions, and devices from an archive"
+tools/bench_peers.sh
+tools/bench_counts.sh --repeats 2 build/release/sherd
+folder=$(mktemp -d)
+tools/bench_gpu.sh --pack "$folder/bench_gpu.tar.gz"
+tar -C "$folder" -xzf "$folder/bench_gpu.tar.gz"
+OCL_ICD_VENDORS=pocl.icd "$folder/bench_gpu/bench_gpu.sh" --seconds 120
+rm -r "$folder"
+
 echo "== the Debian package, with both licenses"
 for gpl in ON OFF; do
   tools/build.sh release -- -DSHERD_GPL=$gpl

@@ -114,6 +114,18 @@ class Peers(Folder):
             self.assertAlmostEqual(sum(f["volume"] for f in report["fragments"]) / whole, 1, delta=0.05)
 
 
+class Ratios(Folder):
+    def test_are_of_medians(self):
+        runs = [(f"{name}/real_time", kind, time, unit) for name, kind, time, unit in (
+            ("grow/device/128/0", "mean", 9, "ms"), ("grow/device/128/0", "median", 2, "ms"),
+            ("grow/serial_queue/128", "median", 4000, "us"), ("extract/shared", "median", 30, "ms"))]
+        path = self.folder / "results.json"
+        path.write_text(json.dumps({"benchmarks": [
+            {"run_name": name, "aggregate_name": kind, "real_time": time, "time_unit": unit} for name, kind, time, unit in runs]}))
+        rows = run([TOOLS / "bench_ratios.py", path]).stdout.splitlines()[2:]
+        self.assertEqual([cells(row)[1:] for row in rows], [["2.0 ms", "4.0 ms", "0.50"]])  # no row without the other
+
+
 @skipping.skip_unless((PROGRAMS / "device_bench").exists(), "BENCH", "the benchmarks are not built")
 class Devices(Folder):
     """tools/bench_gpu.sh as it lies in an unpacked archive, where it builds nothing."""
