@@ -19,9 +19,6 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kLeafTriangles = 4;  // at most
 
-// Groups farther away than this many of their radii count as dipoles.
-constexpr double kFarRadii = 2.5;
-
 // Ranges of fewer triangles are processed by one thread.
 constexpr std::size_t kMinParallel = 8192;
 
@@ -250,9 +247,17 @@ TriangleTree::Nearest TriangleTree::nearest(const glm::dvec3& point, double reac
 }
 
 double TriangleTree::winding(const glm::dvec3& point) const {
-  double angle = 0.0;
+  if (empty()) return 0.0;
   SolidAngles near;
+  const double far = addSolidAngles(root(), point, near);
+  return (far + near.sum()) / (4.0 * std::numbers::pi);
+}
+
+double TriangleTree::addSolidAngles(const Range& from, const glm::dvec3& point,
+                                    SolidAngles& near) const {
+  double angle = 0.0;
   walk(
+      from,
       [&](const Range& range) {
         const Dipole& dipole = dipoles_[range.node];
         const glm::dvec3 apart = dipole.center - point;
@@ -262,7 +267,7 @@ double TriangleTree::winding(const glm::dvec3& point) const {
         return true;
       },
       [&](std::size_t triangle) { near.add(corners(triangle), point); });
-  return (angle + near.sum()) / (4.0 * std::numbers::pi);
+  return angle;
 }
 
 // Returns 1 if the step enters through the triangle's front, -1 if it leaves through its back, else

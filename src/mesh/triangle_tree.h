@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "mesh/nearest_on_triangle.h"
+#include "mesh/solid_angles.h"
 
 namespace sherd {
 
@@ -59,6 +60,9 @@ class TriangleTree {
   ///           Clouds, 2018
   [[nodiscard]] double winding(const glm::dvec3& point) const;
 
+  /// The same at many points of a small ball, with a bound of the difference: winding_in_ball.h.
+  class WindingInBall;
+
   /// Returns the number of triangles that a short step enters through the front minus the number
   /// that it leaves through the back.  Of the triangles around an edge a step passes a consistent
   /// set.
@@ -102,6 +106,9 @@ class TriangleTree {
   // A traversal stores one node per level; 2^32 triangles have 30 levels.
   static constexpr std::size_t kDeepest = 64;
 
+  // Groups farther away than this many of their radii count as dipoles.
+  static constexpr double kFarRadii = 2.5;
+
   struct Bounds {
     glm::vec4 min, max;  // rounded outwards; w is 0, for reading four at a time
   };
@@ -134,10 +141,15 @@ class TriangleTree {
   // Visits the triangles of all leaves, except below nodes for which `skip` returns true.
   template <class Skip, class Visit>
   void walk(const Skip& skip, const Visit& visit) const {
-    if (empty()) return;
+    if (!empty()) walk(root(), skip, visit);
+  }
+
+  // The same of the triangles below a node.
+  template <class Skip, class Visit>
+  void walk(const Range& from, const Skip& skip, const Visit& visit) const {
     std::array<Range, kDeepest> stack;
     std::size_t waiting = 0;
-    stack[waiting++] = root();
+    stack[waiting++] = from;
     while (waiting > 0) {
       const Range range = stack[--waiting];
       if (skip(range)) continue;
@@ -149,6 +161,10 @@ class TriangleTree {
       for (std::size_t i = range.begin; i < range.end; ++i) visit(i);
     }
   }
+
+  // Adds the triangles near a point of those below a node to `near`.  Returns the solid angle of
+  // the others, as dipoles.
+  double addSolidAngles(const Range& range, const glm::dvec3& point, SolidAngles& near) const;
 
   static void sortInto(std::span<Item> items, const Range& range);
   void measure(const Range& range);

@@ -2,9 +2,13 @@
 #include "voxelize/generalized_winding.h"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <limits>
+#include <numbers>
 #include <utility>
 
 #include "base/cancel_flag.h"
@@ -26,6 +30,22 @@ TriangleMesh onLattice(TriangleMesh caps, const Box& box) {
   return caps;
 }
 constexpr glm::dvec3 kTie(1e-10, 1e-11, 1e-9);
+
+// A bound of the change of the winding number over a voxel, farther than kNearBoundary from all
+// boundaries of holes.
+constexpr double kChange = 0.3;
+
+// At the center of the voxel nearest to a point that isFarFromHoles().
+constexpr double kSmallWinding = 0.25;
+
+// Whether no number that winding numbers of caps are compared with lies between two: these are
+// levels plus a whole number.
+bool areTogether(double a, double b) {
+  constexpr std::array<double, 5> kLevels{0.5 - kChange, kSmallWinding, 0.5, 1.0 - kSmallWinding,
+                                          0.5 + kChange};
+  return std::all_of(kLevels.begin(), kLevels.end(),
+                     [&](double level) { return std::floor(a - level) == std::floor(b - level); });
+}
 
 openvdb::Coord nearestVoxel(const glm::dvec3& point) {
   return {static_cast<int>(std::lround(point.x)), static_cast<int>(std::lround(point.y)),
@@ -72,8 +92,6 @@ GeneralizedWinding::GeneralizedWinding(const TriangleMesh& mesh, const TriangleM
 }
 
 bool GeneralizedWinding::isSteady(const glm::dvec3& point, double winding) const {
-  // A bound of the change over a voxel, farther than kNearBoundary from all boundaries.
-  constexpr double kChange = 0.3;
   constexpr double kNearBoundary = 1.2;  // voxels
   if (boundaryTree_.empty()) return true;
   return std::abs(winding - 0.5) > kChange &&
@@ -104,16 +122,44 @@ void GeneralizedWinding::markOdd(const Progress* progress) {
 }
 
 double GeneralizedWinding::capsAt(const openvdb::Coord& voxel) const {
+  return capTree_.winding(centerOf(voxel) + kTie);
+}
+
+// The numbers of the voxels that were asked for.
+struct GeneralizedWinding::CapsInCube {
+  static constexpr int kSide = 8;
+  static constexpr double kMiddle = 0.5 * (kSide - 1);
+  CapsInCube(const TriangleTree& caps, const openvdb::Coord& low)
+      : around(caps, centerOf(low) + kMiddle, kMiddle * std::numbers::sqrt3 + glm::length(kTie)) {
+    for (std::atomic<double>& number : numbers)
+      number.store(std::numeric_limits<double>::quiet_NaN(), std::memory_order_relaxed);
+  }
+  TriangleTree::WindingInBall around;
+  std::array<std::atomic<double>, kSide * kSide * kSide> numbers;  // NaN until computed
+};
+
+GeneralizedWinding::~GeneralizedWinding() = default;
+
+double GeneralizedWinding::capsNear(const openvdb::Coord& voxel) const {
   if (capTree_.empty()) return 0.0;
-  const auto known = knownCaps_.find(voxel);
-  if (known != knownCaps_.end()) return known->second;
-  const double winding = capTree_.winding(centerOf(voxel) + kTie);
-  knownCaps_.emplace(voxel, winding);
+  constexpr int kSide = CapsInCube::kSide;
+  const openvdb::Coord low(voxel.x() & -kSide, voxel.y() & -kSide, voxel.z() & -kSide);
+  auto cube = cubes_.find(low);
+  if (cube == cubes_.end())
+    cube = cubes_.emplace(low, std::make_unique<CapsInCube>(capTree_, low)).first;
+  const openvdb::Coord at = voxel - low;
+  std::atomic<double>& number =
+      cube->second->numbers[static_cast<std::size_t>((at.x() * kSide + at.y()) * kSide + at.z())];
+  double winding = number.load(std::memory_order_relaxed);
+  if (!std::isnan(winding)) return winding;
+  const TriangleTree::WindingInBall& around = cube->second->around;
+  winding = around.at(centerOf(voxel) + kTie);
+  if (!areTogether(winding - around.error(), winding + around.error())) winding = capsAt(voxel);
+  number.store(winding, std::memory_order_relaxed);
   return winding;
 }
 
 bool GeneralizedWinding::isFarFromHoles(std::span<const glm::dvec3> samples, double size) const {
-  constexpr double kSmallWinding = 0.25;  // at the nearest voxel's center
   // At a distance r from a straight boundary the winding number changes by 1 / (2 pi r) per voxel,
   // and no point of a triangle is farther than a third of its longest edge from the nearest sample.
   // So only a boundary within 0.2 longest edges can change kSmallWinding to 0.5; the limit is 0.5
@@ -124,7 +170,7 @@ bool GeneralizedWinding::isFarFromHoles(std::span<const glm::dvec3> samples, dou
   const double reach = (kFromCenter + kNearBoundary) * size;
   if (std::isfinite(boundaryTree_.nearest(samples.front(), reach).distance)) return false;
   return std::all_of(samples.begin(), samples.end(), [&](const glm::dvec3& sample) {
-    return std::abs(capsAt(nearestVoxel(sample))) < kSmallWinding;
+    return std::abs(capsNear(nearestVoxel(sample))) < kSmallWinding;
   });
 }
 
@@ -164,13 +210,13 @@ double GeneralizedWinding::near(const glm::dvec3& point) const { return near(poi
 
 double GeneralizedWinding::near(const glm::dvec3& point, const glm::dvec3& from) const {
   const openvdb::Coord voxel = nearestVoxel(from);
-  return at(voxel) + tree_->entries(centerOf(voxel), point);
+  return near(voxel) + tree_->entries(centerOf(voxel), point);
 }
 
 double GeneralizedWinding::near(const glm::dvec3& point,
                                 std::span<const std::uint32_t> around) const {
   const openvdb::Coord voxel = nearestVoxel(point);
-  return at(voxel) + tree_->entries(centerOf(voxel), point, around);
+  return near(voxel) + tree_->entries(centerOf(voxel), point, around);
 }
 
 }  // namespace sherd

@@ -96,8 +96,8 @@ class HoleNet {
 
  private:
   struct Voxel {
-    double distance = 0.0;            // to the mesh; infinite from 1 voxel
-    std::optional<double> winding{};  // computed on first use
+    double distance = 0.0;         // to the mesh; infinite from 1 voxel
+    std::optional<bool> inside{};  // computed on first use
   };
   struct Cell {
     glm::dvec3 sum{0.0};
@@ -120,9 +120,9 @@ class HoleNet {
     if (isNew) found->second.distance = tree_.nearest({at.x(), at.y(), at.z()}, 1.0).distance;
     return found->second;
   }
-  double windingOf(Voxel& voxel, const Coord& at) const {
-    if (!voxel.winding) voxel.winding = winding_.at(at);
-    return *voxel.winding;
+  bool isInside(Voxel& voxel, const Coord& at) const {
+    if (!voxel.inside) voxel.inside = winding_.isInside(at);
+    return *voxel.inside;
   }
 
   // Records a step whose ends are on different sides, if no triangle can lie between them.
@@ -134,8 +134,8 @@ class HoleNet {
     const Coord next = shifted(step.from, step.axis, 1);
     Voxel &from = voxel(step.from), &to = voxel(next);  // references stay valid
     if (from.distance + to.distance <= 1.0) return;
-    const double a = windingOf(from, step.from), b = windingOf(to, next);
-    if ((a >= 0.5) == (b >= 0.5)) return;
+    if (isInside(from, step.from) == isInside(to, next)) return;
+    const double a = winding_.at(step.from), b = winding_.at(next);
     glm::dvec3 crossing(step.from.x(), step.from.y(), step.from.z());
     crossing[step.axis] += (0.5 - a) / (b - a);
     crossed_.push_back(step);

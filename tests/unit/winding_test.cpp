@@ -2,12 +2,20 @@
 #include "voxelize/winding.h"
 
 #include <gtest/gtest.h>
+#include <sherd/files.h>
 
 #include <bit>
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <glm/geometric.hpp>
+#include <memory>
 #include <random>
 
+#include "mesh/winding_in_ball.h"
 #include "shapes.h"
+#include "voxelize/caps.h"
+#include "voxelize/generalized_winding.h"
 
 namespace sherd {
 namespace {
@@ -82,6 +90,74 @@ TEST(Winding, EveryColumnOfAClosedMeshEndsOutside) {
         ASSERT_EQ(winding.windingAbove(x, y), 0) << "column " << x << ", " << y << " never ends";
       }
     }
+  }
+}
+
+// Triangles that intersect each other, of all sizes, and the boundaries between them.
+TriangleMesh scattered(std::minstd_rand& random, int triangles) {
+  std::uniform_real_distribution<double> place(-30.0, 30.0), spread(-1.0, 1.0), power(-2.0, 4.0);
+  TriangleMesh mesh;
+  for (int i = 0; i < triangles; ++i) {
+    const glm::dvec3 center(place(random), place(random), place(random));
+    const double size = std::exp2(power(random));
+    for (int corner = 0; corner < 3; ++corner) {
+      const double x = spread(random), y = spread(random), z = spread(random);
+      mesh.vertices.push_back(center + size * glm::dvec3(x, y, z));
+    }
+    const auto first = static_cast<std::uint32_t>(3 * i);
+    mesh.triangles.emplace_back(first, first + 1, first + 2);
+  }
+  return mesh;
+}
+
+TEST(WindingInBall, DiffersFromTheTreeByLessThanItsBound) {
+  std::minstd_rand random(8);
+  std::uniform_real_distribution<double> place(-30.0, 30.0);
+  int decided = 0;
+  for (int round = 0; round < 20; ++round) {
+    const TriangleTree tree(round == 0 ? shapes::ball(20.0, 5) : scattered(random, 300));
+    for (int ball = 0; ball < 20; ++ball) {
+      const glm::dvec3 center(place(random), place(random), place(random));
+      const double radius = std::exp2(ball % 5);
+      const TriangleTree::WindingInBall around(tree, center, radius);
+      for (int i = 0; i < 20; ++i) {
+        const glm::dvec3 step(place(random), place(random), place(random));
+        const glm::dvec3 point = center + radius * std::pow(0.05 * i, 0.25) * glm::normalize(step);
+        EXPECT_LE(std::abs(around.at(point) - tree.winding(point)), around.error());
+      }
+      decided += around.error() < 0.12 ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(decided, 400) << "bounds are of no use";
+}
+
+TEST(GeneralizedWinding, DecidesOnRealMeshesAsTheWholeSumDoes) {
+  const char* folder = std::getenv("SHERD_TEST_DATA");
+  if (folder == nullptr) GTEST_SKIP() << "SHERD_TEST_DATA names no folder of meshes";
+  std::minstd_rand random(9);
+  for (const char* name : {"2CylinderEngine.glb", "CesiumMilkTruck.glb", "Lantern.gltf",
+                           "spider.obj", "simple_vase_open.obj", "openscad-nonmanifold-crash.obj",
+                           "teapot.stl", "rotatingZone_misoriented.obj", "self_intersectA.obj"}) {
+    TriangleMesh mesh = readMesh(std::filesystem::path(folder) / name).mesh;
+    const Box box = bounds(mesh);
+    const double voxelSize = longestSide(box) / 200.0;
+    for (glm::dvec3& v : mesh.vertices) v = (v - box.min) / voxelSize;
+    const auto tree = std::make_shared<const TriangleTree>(mesh);
+    const GeneralizedWinding winding(mesh, loopCaps(mesh), tree);
+    std::size_t wrong = 0;
+    for (int i = 0; i < 20000; ++i) {  // beside vertices, where the voxels of the band are
+      const glm::dvec3 v = mesh.vertices[random() % mesh.vertices.size()];
+      const auto near = [&](double x) {
+        return static_cast<int>(std::lround(x)) + static_cast<int>(random() % 7) - 3;
+      };
+      const openvdb::Coord voxel(near(v.x), near(v.y), near(v.z));
+      const double whole = winding.at(voxel);
+      const double other = winding.near(glm::dvec3(voxel.x(), voxel.y(), voxel.z()));
+      wrong += winding.isInside(voxel) != (whole >= 0.5);
+      wrong += (other >= 0.5) != (whole >= 0.5);
+      wrong += (std::abs(other - 0.5) > 0.3) != (std::abs(whole - 0.5) > 0.3);
+    }
+    EXPECT_EQ(wrong, 0u) << name;
   }
 }
 
