@@ -80,7 +80,11 @@ SHERD_ROWS(ulong, private)
 // 6.12.11: atomic functions return the value before; they order no other memory.
 #define SHERD_ATOMIC BUILT_IN uint
 #define SHERD_SHARED volatile global uint*
-SHERD_ATOMIC atomic_add(SHERD_SHARED p, const uint value) { return __atomic_fetch_add(p, value, __ATOMIC_RELAXED); }
+SHERD_ATOMIC atomic_add(SHERD_SHARED p, const uint value) {
+  // A literal 0 makes it a load, which OpenCL C 1.2 does not have.
+  if (__builtin_constant_p(value) && value == 0) return __atomic_load_n(p, __ATOMIC_RELAXED);
+  return __atomic_fetch_add(p, value, __ATOMIC_RELAXED);
+}
 SHERD_ATOMIC atomic_inc(SHERD_SHARED p) { return __atomic_fetch_add(p, 1u, __ATOMIC_RELAXED); }
 SHERD_ATOMIC atomic_min(SHERD_SHARED p, const uint value) { return __atomic_fetch_min(p, value, __ATOMIC_RELAXED); }
 SHERD_ATOMIC atomic_xchg(SHERD_SHARED p, const uint value) { return __atomic_exchange_n(p, value, __ATOMIC_RELAXED); }

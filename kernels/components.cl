@@ -45,14 +45,15 @@ kernel void component_nodes(
     const global ulong* restrict inside,  // [leafCount*8]
     const uint leafCount,
     const uint items,
-    const global ushort* restrict label,  // [items*512]  read when byLabel
+    LEAF_LABELS,                          // read when byLabel
     const uint byLabel,
     global ushort* restrict localNode,    // [items*512]  out, items with several nodes: node of an inside voxel, else 0
     global uint* restrict nodeCount)      // [items]      out
 {
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
     const size_t leaf = item % leafCount;
-    const global ushort* restrict labels = label + (byLabel ? item * SHERD_LEAF_SIZE : 0);
+    const uint itemTag = byLabel ? tag[item] : 0;
+    const global ushort* restrict labels = owner + (itemTag == SHERD_TAG_MIXED ? item * SHERD_LEAF_SIZE : 0);
     ulong remaining[SHERD_LEAF_WORDS];
     ulong any = 0;
     for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
@@ -60,8 +61,9 @@ kernel void component_nodes(
       any |= remaining[x];
     }
     uint node = 0;
-    ulong same[SHERD_LEAF_WORDS];  // voxels whose label is `sameLabel`
+    ulong same[SHERD_LEAF_WORDS], seconds[SHERD_LEAF_WORDS];  // voxels with the label of `first`; with the second
     for (int x = 0; x < SHERD_LEAF_WORDS; ++x) same[x] = ~0ul;
+    vstore8(second_of(itemTag, (uint)item, second), 0, seconds);
     uint sameLabel = SHERD_TAG_MIXED;
     while (any) {
       ulong component[SHERD_LEAF_WORDS];
@@ -70,9 +72,12 @@ kernel void component_nodes(
         component[x] = first >= 0 ? 0 : remaining[x] & (~remaining[x] + 1);
         if (component[x]) first = (x << 6) + lowest_bit(component[x]);
       }
-      if (byLabel && labels[first] != sameLabel) {
+      if (itemTag == SHERD_TAG_MIXED && labels[first] != sameLabel) {
         sameLabel = labels[first];
         equal_mask(labels, (ushort)sameLabel, same);
+      } else if (is_pair(itemTag)) {
+        const ulong others = seconds[first >> 6] >> (first & 63) & 1 ? 0 : ~0ul;
+        for (int x = 0; x < SHERD_LEAF_WORDS; ++x) same[x] = seconds[x] ^ others;
       }
       ulong mask[SHERD_LEAF_WORDS];
       for (int x = 0; x < SHERD_LEAF_WORDS; ++x) mask[x] = remaining[x] & same[x];
@@ -122,13 +127,14 @@ kernel void component_join(
     const global uint* restrict neighbor,     // [leafCount*6]
     const uint leafCount,
     const uint items,
-    const global ushort* restrict label,      // [items*512]  read when byLabel
+    LEAF_LABELS,                              // read when byLabel
     const uint byLabel,
     const global ushort* restrict localNode,  // [items*512]
     const global uint* restrict firstNode,    // [items]
     const global uint* restrict nodeCount,    // [items]
     volatile global uint* parent)             // [nodes]  in, out
 {
+  const struct leaf_labels labels = {owner, tag, second};
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
     const size_t leaf = item % leafCount;
     for (int k = 1; k < SHERD_LEAF_FACES; k += 2) {
@@ -150,7 +156,7 @@ kernel void component_join(
           const uint a = node_of(firstNode, nodeCount, localNode, item, v);
           const uint b = node_of(firstNode, nodeCount, localNode, other, otherV);
           if (a == lastA && b == lastB) continue;
-          if (byLabel && label[item * SHERD_LEAF_SIZE + v] != label[other * SHERD_LEAF_SIZE + otherV]) continue;
+          if (byLabel && label_of(&labels, item, v) != label_of(&labels, other, otherV)) continue;
           join(parent, a, b);
           lastA = a;
           lastB = b;
@@ -173,13 +179,14 @@ kernel void component_measure(
     const global ulong* restrict inside,      // [leafCount*8]
     const uint leafCount,
     const uint items,
-    const global ushort* restrict label,      // [items*512]
+    LEAF_LABELS,
     const global ushort* restrict localNode,  // [items*512]
     const global uint* restrict firstNode,    // [items]
     const global uint* restrict nodeCount,    // [items]
     global uint* restrict nodeVoxels,         // [nodes]  out
     global ushort* restrict nodeLabel)        // [nodes]  out
 {
+  const struct leaf_labels labels = {owner, tag, second};
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
     const size_t leaf = item % leafCount;
     for (uint n = 0; n < nodeCount[item]; ++n) nodeVoxels[firstNode[item] + n] = 0;
@@ -188,7 +195,7 @@ kernel void component_measure(
         const int v = (x << 6) + lowest_bit(bits);
         const uint node = node_of(firstNode, nodeCount, localNode, item, v);
         ++nodeVoxels[node];
-        nodeLabel[node] = label[item * SHERD_LEAF_SIZE + v];
+        nodeLabel[node] = (ushort)label_of(&labels, item, v);
       }
     }
   }

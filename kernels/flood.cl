@@ -39,28 +39,6 @@
   global uint *restrict cost,              /* [items*512]    steps, when keepCost */                          \
   const uint keepCost
 
-static constant ushort8 kRowBits = (ushort8)(1, 2, 4, 8, 16, 32, 64, 128);
-
-// Writes the labels of a leaf that is not mixed, one row of eight voxels at a time.
-inline void write_rows(const ulong8 mask, const ulong8 ofSecond, const uint tag, global ushort* out) {
-  const ushort low = (ushort)(tag & 0xffff), other = low ^ (ushort)(tag >> 16);
-  ulong words[SHERD_LEAF_WORDS], seconds[SHERD_LEAF_WORDS];
-  vstore8(mask, 0, words);
-  vstore8(ofSecond, 0, seconds);
-  for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
-    for (int y = 0; y < 8; ++y) {
-      const ushort row = (ushort)(words[x] >> (8 * y) & 0xff), secondRow = (ushort)(seconds[x] >> (8 * y) & 0xff);
-      const ushort8 set = convert_ushort8((kRowBits & row) != (ushort8)(0)) & low;
-      vstore8(set ^ (convert_ushort8((kRowBits & secondRow) != (ushort8)(0)) & other), (x << 3) + y, out);
-    }
-  }
-}
-
-// Returns the voxels that have the second label of a tag of two.
-inline ulong8 second_of(const uint tag, const uint item, const global ulong* second) {
-  return is_pair(tag) ? vload8(second_voxels(item), second) : (ulong8)(0);
-}
-
 // Writes the domain behind each face of a leaf.  Runs before the first step into a new domain.
 kernel void flood_enter(FLOOD_STATE)
 {
@@ -110,13 +88,6 @@ kernel void flood_seed(
   flush_frontier(&next);
 }
 
-// Returns the union of the bits of a row.
-inline ushort bits_of(const ushort8 row) {
-  const ushort4 a = row.lo | row.hi;
-  const ushort2 b = a.lo | a.hi;
-  return b.x | b.y;
-}
-
 // Returns the first label of a row that is not 0, or 0.
 inline ushort first_of(const ushort8 row) {
   ushort all[8];
@@ -127,12 +98,28 @@ inline ushort first_of(const ushort8 row) {
   return 0;
 }
 
-// Starts from the labels in `owner` instead of seeds: kept voxels keep their label, the others become 0.
+// Keeps some voxels of a leaf that is not mixed.
+inline void load_unmixed(const ulong8 kept, const uint item, global ulong* owned, global uint* tag,
+                         global ulong* second) {
+  const uint old = tag[item];
+  const ulong8 ofSecond = second_of(old, item, second) & kept;
+  uint left = any_of(kept & ~ofSecond) ? old & 0xffff : 0;
+  if (any_of(ofSecond)) left = with_label(left, old >> 16);
+  vstore8(old ? kept : (ulong8)(0), item, owned);
+  if (is_pair(left)) vstore8(ofSecond, second_voxels(item), second);
+  tag[item] = left;
+}
+
+// Starts from labels instead of seeds: kept voxels, which have a label, keep it, the others become 0.
 kernel void flood_load(
     FLOOD_STATE,
     const global ulong* restrict kept)       // [items*8]    voxels whose label stays
 {
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
+    if (tag[item] != SHERD_TAG_MIXED) {
+      load_unmixed(vload8(item, kept), (uint)item, owned, tag, second);
+      continue;
+    }
     ulong labeled[SHERD_LEAF_WORDS];
     ulong seconds[SHERD_LEAF_WORDS];  // voxels with a label other than `firstLabel`
     ushort firstLabel = 0;

@@ -1,4 +1,4 @@
-// Data that leaves of flood.cl exchange: tags, fronts and the list of the next step.
+// Data that leaves of flood.cl exchange: fronts and the list of the next step.
 #ifndef SHERD_FLOOD_FRONT_H
 #define SHERD_FLOOD_FRONT_H
 
@@ -10,18 +10,7 @@ struct front {
   ulong unused;
 };
 
-// Returns the tag with `label` added; label 0 adds nothing.
-inline uint with_label(const uint tag, const uint label) {
-  const uint low = tag & 0xffff, high = tag >> 16;
-  if (label == 0 || label == low || label == high || tag == SHERD_TAG_MIXED) return tag;
-  if (high != 0) return SHERD_TAG_MIXED;
-  return low == 0 ? label : min(low, label) | max(low, label) << 16;
-}
-
-inline int is_pair(const uint tag) { return tag >> 16 != 0 && tag != SHERD_TAG_MIXED; }
-
-// Offsets in `second` of an item's voxels of the second label, and of their words on the faces of its front.
-inline size_t second_voxels(const uint item) { return 3 * (size_t)item; }
+// Offset in `second` of an item's words of the second label on the faces of its front.
 inline size_t second_faces(const uint item, const uint step) {
   return (3 * (size_t)item + 1 + (step & 1)) * SHERD_LEAF_WORDS;
 }

@@ -11,7 +11,7 @@
 #define SHERD_LEAF_FACES 6
 #define SHERD_NO_LEAF 0xffffffffu
 
-#define SHERD_TAG_MIXED 0xffffffffu  // see flood.cl
+#define SHERD_TAG_MIXED 0xffffffffu  // see leaf_labels.h
 #define SHERD_FRONT_WORDS 8          // 64-bit words of a front
 #define SHERD_NO_STEP 0xffffffffu     // a front that was never published
 

@@ -1,6 +1,7 @@
 // nearest: give every inside voxel the label of its nearest seed, across gaps too; ties go to the lower label.  A leaf
-// first computes an upper bound of the distance of its voxels to their nearest seed, then tests only seeds whose lower
-// bound does not exceed it.
+// first leaves out the seeds that are nearest to none of its voxels: of Euclidean distances those that are farther than
+// another seed in the box of its inside voxels, else those whose lower bound exceeds the least upper bound.  Where the
+// others have one label, or two, no label is written per voxel (leaf_labels.h).
 //
 // One work-item takes items i, i + all, ... (item = fracture * leafCount + leaf); any work-group size.
 // Reference: tests/kernels/growths_test.cpp, bit for bit.
@@ -22,31 +23,92 @@ inline long leaf_bound(const struct sherd_metric* metric, const int4 center, con
   return sherd_norm(metric->kind, a[0], a[1], a[2]);
 }
 
-// The seeds of a fracture, and what bounds their distances to the voxels of a leaf.
+// The seeds of a fracture, and what decides which of them may be nearest to a voxel of a leaf.
 struct leaf_seeds {
   const global int4* seed;
   uint first, last;
-  int4 low;            // lowest voxel of the leaf
-  int4 center;         // of the leaf
-  long bound;          // of the distance of any of its voxels to the nearest seed
+  int4 low;     // lowest voxel of the leaf
+  int4 center;  // of the leaf; of Euclidean distances that of its inside voxels' box
+  int4 reach;   // from the center of that box to its corners
+  uint near;    // a seed near the center
+  long bound;   // of the distance of any of its voxels to the nearest seed, unless Euclidean
 };
 
-inline int may_be_nearest(const struct sherd_metric* metric, const struct leaf_seeds* seeds, const uint s) {
-  return leaf_bound(metric, seeds->center, seeds->seed[s], -1) <= seeds->bound;
-}
+// How much farther a point is from a seed than from another, squared: a linear function of the point.
+struct farther {
+  long there;    // at a point
+  long slope[3]; // per step
+};
 
-// Returns the only seed that may be nearest to a voxel of the leaf, `last` if there is not one.
-inline uint only_seed(const struct sherd_metric* metric, const struct leaf_seeds* seeds) {
-  uint only = seeds->last;
-  for (uint s = seeds->first; s < seeds->last; ++s) {
-    if (!may_be_nearest(metric, seeds, s)) continue;
-    if (only != seeds->last) return seeds->last;
-    only = s;
+// |M (p - s)|^2 - |M (p - n)|^2 = |a|^2 - 2 (M^T a) (p - n), where a = M (s - n).
+inline struct farther farther_than(const struct sherd_metric* metric, const int4 seed, const int4 other,
+                                   const int4 point) {
+  const long x = seed.x - other.x, y = seed.y - other.y, z = seed.z - other.z;
+  struct farther f;
+  f.slope[0] = -2 * x;
+  f.slope[1] = -2 * y;
+  f.slope[2] = -2 * z;
+  f.there = x * x + y * y + z * z;
+  if (metric->shift != 0) {  // else the matrix is the identity
+    const long a = sherd_row(metric, 0, x, y, z), b = sherd_row(metric, 1, x, y, z), c = sherd_row(metric, 2, x, y, z);
+    for (int j = 0; j < 3; ++j) {
+      f.slope[j] = -2 * (metric->row[j] * a + metric->row[3 + j] * b + metric->row[6 + j] * c);
+    }
+    f.there = a * a + b * b + c * c;
   }
-  return only;
+  f.there += f.slope[0] * (point.x - other.x) + f.slope[1] * (point.y - other.y) + f.slope[2] * (point.z - other.z);
+  return f;
 }
 
-// Compares a seed with the nearest seed so far of each voxel of a leaf.
+inline int may_be_nearest(const struct sherd_metric* metric, const struct leaf_seeds* seeds, const uint s) {
+  if (metric->kind != SHERD_EUCLIDEAN) return leaf_bound(metric, seeds->center, seeds->seed[s], -1) <= seeds->bound;
+  const struct farther f = farther_than(metric, seeds->seed[s], seeds->seed[seeds->near], seeds->center);
+  const long least = f.there - (long)abs(f.slope[0]) * seeds->reach.x - (long)abs(f.slope[1]) * seeds->reach.y -
+                     (long)abs(f.slope[2]) * seeds->reach.z;
+  return least < (s > seeds->near ? 0 : 1);  // ties go to the lower label
+}
+
+// Returns the box of a mask that is not empty, as its lowest and its highest voxel.
+inline void mask_box(const ulong* mask, int4* low, int4* high) {
+  ulong all = 0;
+  int first = SHERD_LEAF_WORDS, last = 0;
+  for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
+    all |= mask[x];
+    if (!mask[x]) continue;
+    first = min(first, x);
+    last = x;
+  }
+  ulong row = all | all >> 32;  // the union of the rows along z
+  row |= row >> 16;
+  row = (row | row >> 8) & 0xff;
+  *low = (int4)(first, lowest_bit(all) >> 3, lowest_bit(row), 0);
+  *high = (int4)(last, (63 - (int)clz(all)) >> 3, 63 - (int)clz(row), 0);
+}
+
+inline struct leaf_seeds seeds_of(const struct sherd_metric* metric, const global int4* seed, const uint first,
+                                  const uint last, const ulong* mask, const int4 origin) {
+  const int4 middle = NEAREST_VOXEL * origin + 7 * NEAREST_VOXEL / 2;
+  struct leaf_seeds seeds = {seed, first, last, origin, middle, (int4)(0), first, LONG_MAX};
+  if (metric->kind != SHERD_EUCLIDEAN) {
+    for (uint s = first; s < last; ++s) seeds.bound = min(seeds.bound, leaf_bound(metric, seeds.center, seed[s], 1));
+    return seeds;
+  }
+  int4 low, high;
+  mask_box(mask, &low, &high);
+  seeds.center = NEAREST_VOXEL * origin + NEAREST_VOXEL / 2 * (low + high);
+  seeds.reach = NEAREST_VOXEL / 2 * (high - low);
+  long nearest = LONG_MAX;
+  for (uint s = first; s < last; ++s) {
+    const int4 from = seeds.center - seed[s];
+    const long d = (long)from.x * from.x + (long)from.y * from.y + (long)from.z * from.z;
+    if (d < nearest) seeds.near = s;
+    nearest = min(nearest, d);
+  }
+  return seeds;
+}
+
+// Compares a seed with the nearest seed so far of each voxel of a leaf.  Distances are relative to that of `near` if
+// Euclidean.
 inline void compare_seed(const struct sherd_metric* metric, const int4 at, const int4 low, const ulong* mask,
                          long* best, ushort* label) {
   const long step[3] = {NEAREST_VOXEL * metric->row[2], NEAREST_VOXEL * metric->row[5],
@@ -68,6 +130,48 @@ inline void compare_seed(const struct sherd_metric* metric, const int4 at, const
   }
 }
 
+// The same of Euclidean distances, relative to that of the seed `near`.
+inline void compare_farther(const struct farther* f, const ushort own, const ulong* mask, long* best, ushort* label) {
+  for (int row = 0; row < 64; ++row) {
+    if (!((mask[row >> 3] >> (8 * (row & 7))) & 0xff)) continue;
+    const long there = f->there + NEAREST_VOXEL * ((row >> 3) * f->slope[0] + (row & 7) * f->slope[1]);
+    for (int k = 0; k < 8; ++k) {
+      const long d = there + k * (NEAREST_VOXEL * f->slope[2]);
+      const int v = 8 * row + k;
+      if (d < best[v]) {
+        best[v] = d;
+        label[v] = own;
+      }
+    }
+  }
+}
+
+// Writes the labels of a leaf's inside voxels, as a tag of two labels if `labels` is one.
+inline void write_labels(const ulong* mask, const ushort* label, const uint labels, const uint item,
+                         global ushort* owner, global uint* tag, global ulong* second) {
+  if (!is_pair(labels)) {
+    for (int row = 0; row < 64; ++row) {
+      const ushort bits = (ushort)(mask[row >> 3] >> (8 * (row & 7)) & 0xff);
+      vstore8(vload8(row, label) & convert_ushort8((kRowBits & bits) != (ushort8)(0)), (size_t)item * 64 + row, owner);
+    }
+    tag[item] = SHERD_TAG_MIXED;
+    return;
+  }
+  const ushort high = (ushort)(labels >> 16);
+  ulong ofSecond[SHERD_LEAF_WORDS], anySecond = 0, anyFirst = 0;
+  for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
+    ulong word = 0;
+    for (int y = 0; y < 8; ++y) {
+      word |= (ulong)bits_of(convert_ushort8(vload8((x << 3) + y, label) == (ushort8)(high)) & kRowBits) << (8 * y);
+    }
+    ofSecond[x] = word & mask[x];
+    anySecond |= ofSecond[x];
+    anyFirst |= mask[x] & ~word;
+  }
+  tag[item] = !anySecond ? labels & 0xffff : !anyFirst ? high : labels;
+  if (anySecond && anyFirst) vstore8(vload8(0, ofSecond), second_voxels(item), second);
+}
+
 inline int is_set(const ulong* mask, const int v) { return (int)((mask[v >> 6] >> (v & 63)) & 1); }
 
 kernel void nearest(
@@ -78,7 +182,9 @@ kernel void nearest(
     const global int4* restrict seed,         // [seeds]        point, w the label; ascending by label in a fracture
     const global uint* restrict firstSeed,    // [fractures+1]
     const struct sherd_metric metric,
-    global ushort* restrict owner,            // [items*512]    out: 1.. inside, 0 outside
+    global ushort* restrict owner,            // [items*512]    out, see leaf_labels.h: 1.. inside, 0 outside
+    global uint* restrict tag,                // [items]        out
+    global ulong* restrict second,            // [items*3*8]    out
     global uint* restrict cost,               // [items*512]    out, when keepCost: distance in voxels, squared if
                                               // Euclidean, >> metric.shift
     const uint keepCost)
@@ -92,19 +198,18 @@ kernel void nearest(
       mask[x] = inside[(size_t)leaf * SHERD_LEAF_WORDS + x];
       any |= mask[x];
     }
-    global ushort* restrict owners = owner + item * SHERD_LEAF_SIZE;
     if (!any) {
-      for (int v = 0; v < SHERD_LEAF_SIZE; ++v) owners[v] = 0;
+      tag[item] = 0;
       continue;
     }
-    struct leaf_seeds seeds = {seed, firstSeed[item / leafCount], firstSeed[item / leafCount + 1], origin[leaf],
-                               NEAREST_VOXEL * origin[leaf] + 7 * NEAREST_VOXEL / 2, LONG_MAX};
-    for (uint s = seeds.first; s < seeds.last; ++s) {
-      seeds.bound = min(seeds.bound, leaf_bound(&metric, seeds.center, seed[s], 1));
+    const struct leaf_seeds seeds =
+        seeds_of(&metric, seed, firstSeed[item / leafCount], firstSeed[item / leafCount + 1], mask, origin[leaf]);
+    uint labels = 0;  // of the seeds that may be nearest, as a tag
+    for (uint s = seeds.first; s < seeds.last && labels != SHERD_TAG_MIXED; ++s) {
+      if (may_be_nearest(&metric, &seeds, s)) labels = with_label(labels, (uint)seed[s].w);
     }
-    const uint only = only_seed(&metric, &seeds);  // inside a Voronoi cell
-    if (only != seeds.last && !keepCost) {
-      for (int v = 0; v < SHERD_LEAF_SIZE; ++v) owners[v] = is_set(mask, v) ? (ushort)seed[only].w : (ushort)0;
+    if (labels <= 0xffff && !keepCost) {  // inside a Voronoi cell
+      tag[item] = labels;
       continue;
     }
     long best[SHERD_LEAF_SIZE];
@@ -113,12 +218,19 @@ kernel void nearest(
       best[v] = LONG_MAX;
       label[v] = 0;
     }
+    const int relative = metric.kind == SHERD_EUCLIDEAN && !keepCost;
     for (uint s = seeds.first; s < seeds.last; ++s) {
-      if (may_be_nearest(&metric, &seeds, s)) compare_seed(&metric, seed[s], seeds.low, mask, best, label);
+      if (!may_be_nearest(&metric, &seeds, s)) continue;
+      if (relative) {
+        const struct farther f = farther_than(&metric, seed[s], seed[seeds.near], NEAREST_VOXEL * seeds.low);
+        compare_farther(&f, (ushort)seed[s].w, mask, best, label);
+      } else {
+        compare_seed(&metric, seed[s], seeds.low, mask, best, label);
+      }
     }
-    for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
-      owners[v] = is_set(mask, v) ? label[v] : (ushort)0;
-      if (keepCost) cost[item * SHERD_LEAF_SIZE + v] = is_set(mask, v) ? (uint)(best[v] >> shift) : 0u;
+    write_labels(mask, label, labels, (uint)item, owner, tag, second);
+    for (int v = 0; keepCost && v < SHERD_LEAF_SIZE; ++v) {
+      cost[item * SHERD_LEAF_SIZE + v] = is_set(mask, v) ? (uint)(best[v] >> shift) : 0u;
     }
   }
 }

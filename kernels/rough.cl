@@ -142,7 +142,7 @@ kernel void rough_leaves(
     const global ulong* restrict inside,   // [leafCount*8]
     const uint leafCount,
     const uint items,
-    const global ushort* restrict before,  // [items*512]  labels
+    LEAF_LABELS,                           // before
     global uint* restrict single,          // [items]      out: the leaf's common label
     global uint* restrict full)            // [items]      out: 1 where all voxels are inside
 {
@@ -152,8 +152,9 @@ kernel void rough_leaves(
     for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
       const ulong word = inside[(item % leafCount) * SHERD_LEAF_WORDS + x];
       all &= word;
-      for (int v = 0; word != 0 && v < 64; ++v) {
-        if ((word >> v) & 1) found = label_of_both(found, before[item * SHERD_LEAF_SIZE + x * 64 + v]);
+      if (word != 0 && tag[item] != SHERD_TAG_MIXED) found = is_pair(tag[item]) ? ROUGH_SEVERAL : tag[item];
+      for (int v = 0; word != 0 && tag[item] == SHERD_TAG_MIXED && v < 64; ++v) {
+        if ((word >> v) & 1) found = label_of_both(found, owner[item * SHERD_LEAF_SIZE + x * 64 + v]);
       }
     }
     single[item] = found;
@@ -342,17 +343,18 @@ kernel void rough(
     const int octaves,
     const global uint* restrict uniformRings,  // [items]      from rough_rings
     const global uint* restrict full,         // [items]       from rough_leaves
-    const global ushort* restrict before,     // [items*512]   labels
+    LEAF_LABELS,                              // before
     global ushort* restrict after)            // [items*512]   out
 {
+  const struct leaf_labels before = {owner, tag, second};
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
     const uint leaf = (uint)(item % leafCount);
-    const size_t base = (item - leaf) * SHERD_LEAF_SIZE;
+    const size_t base = item - leaf;
     const ulong seed = noiseSeed[item / leafCount];
     if (walks_end_within((int)uniformRings[item], seed, step, amplitude, firstOctave, octaves, origin[leaf])) {
       for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
         const bool isInside = (inside[(size_t)leaf * SHERD_LEAF_WORDS + (v >> 6)] >> (v & 63)) & 1;
-        after[item * SHERD_LEAF_SIZE + v] = isInside ? before[item * SHERD_LEAF_SIZE + v] : 0;
+        after[item * SHERD_LEAF_SIZE + v] = isInside ? (ushort)label_of(&before, item, v) : 0;
       }
       continue;
     }
@@ -377,9 +379,10 @@ kernel void rough(
         }
         ushort label = 0;
         if (end != SHERD_NO_LEAF) {  // only inside voxels between
-          label = before[base + (size_t)end * SHERD_LEAF_SIZE + (((x & 7) << 6) | ((y & 7) << 3) | (to & 7))];
+          label = (ushort)label_of(&before, base + end, ((x & 7) << 6) | ((y & 7) << 3) | (to & 7));
         } else if ((inside[(size_t)leaf * SHERD_LEAF_WORDS + (v >> 6)] >> (v & 63)) & 1) {
-          label = before[base + walk_end(inside, neighbor, leaf, v, way)];
+          const size_t at = walk_end(inside, neighbor, leaf, v, way);
+          label = (ushort)label_of(&before, base + at / SHERD_LEAF_SIZE, (int)(at % SHERD_LEAF_SIZE));
         }
         after[item * SHERD_LEAF_SIZE + v] = label;
       }

@@ -5,14 +5,17 @@
 
 namespace sherd {
 
-NodeComponents findNodeComponents(GrowthState& state, const DeviceBuffer* labels) {
+NodeComponents findNodeComponents(GrowthState& state, const DeviceLabels* labels) {
   NodeComponents found;
   const auto byLabel = static_cast<std::uint32_t>(labels != nullptr);
-  const DeviceBuffer label = labels ? *labels : makeBuffer<std::uint16_t>(state.device, 1);
+  const DeviceLabels label = labels ? *labels
+                                    : DeviceLabels{makeBuffer<std::uint16_t>(state.device, 1),
+                                                   makeBuffer<std::uint32_t>(state.device, 1),
+                                                   makeBuffer<std::uint64_t>(state.device, 1)};
   found.localNode = makeBuffer<std::uint16_t>(state.device, state.voxels());
   found.nodeCount = makeBuffer<std::uint32_t>(state.device, state.items);
-  state.run("component_nodes", state.items, state.inside, state.leafCount, state.items, label,
-            byLabel, found.localNode, found.nodeCount);
+  state.run("component_nodes", state.items, state.inside, state.leafCount, state.items, label.owner,
+            label.tag, label.second, byLabel, found.localNode, found.nodeCount);
 
   found.nodesOfItem = downloaded<std::uint32_t>(state.device, found.nodeCount, state.items);
   found.first.reserve(state.items);
@@ -28,7 +31,8 @@ NodeComponents findNodeComponents(GrowthState& state, const DeviceBuffer* labels
   const DeviceBuffer parent = makeBuffer<std::uint32_t>(state.device, capacity);
   state.run("component_begin", found.nodes, found.nodes, parent);
   state.run("component_join", state.items, state.inside, state.neighbor, state.leafCount,
-            state.items, label, byLabel, found.localNode, found.firstNode, found.nodeCount, parent);
+            state.items, label.owner, label.tag, label.second, byLabel, found.localNode,
+            found.firstNode, found.nodeCount, parent);
   state.run("component_flatten", found.nodes, found.nodes, parent, found.root);
   return found;
 }
@@ -55,7 +59,7 @@ KeptComponents markedVoxels(GrowthState& state, const NodeComponents& components
 
 }  // namespace
 
-KeptComponents keepSeededComponents(GrowthState& state, const DeviceBuffer& labels,
+KeptComponents keepSeededComponents(GrowthState& state, const DeviceLabels& labels,
                                     const SeedTable& seeds) {
   const NodeComponents components = findNodeComponents(state, &labels);
   const PrimarySeeds primaries = primariesOf(state, seeds);
@@ -66,13 +70,13 @@ KeptComponents keepSeededComponents(GrowthState& state, const DeviceBuffer& labe
   return markedVoxels(state, components, keep);
 }
 
-KeptComponents keepLargestComponents(GrowthState& state, const DeviceBuffer& labels) {
+KeptComponents keepLargestComponents(GrowthState& state, const DeviceLabels& labels) {
   const NodeComponents components = findNodeComponents(state, &labels);
   const DeviceBuffer voxelBuffer = makeBuffer<std::uint32_t>(state.device, components.nodes);
   const DeviceBuffer labelBuffer = makeBuffer<std::uint16_t>(state.device, components.nodes);
-  state.run("component_measure", state.items, state.inside, state.leafCount, state.items, labels,
-            components.localNode, components.firstNode, components.nodeCount, voxelBuffer,
-            labelBuffer);
+  state.run("component_measure", state.items, state.inside, state.leafCount, state.items,
+            labels.owner, labels.tag, labels.second, components.localNode, components.firstNode,
+            components.nodeCount, voxelBuffer, labelBuffer);
   std::vector<std::uint32_t> voxels =
       downloaded<std::uint32_t>(state.device, voxelBuffer, components.nodes);
   const auto root = downloaded<std::uint32_t>(state.device, components.root, components.nodes);

@@ -16,9 +16,9 @@ struct NodeComponents {
   std::uint32_t nodes = 0;
 };
 
-/// Find the components; with `labels` [items*512], those of voxels of equal label.
+/// Find the components; with `labels`, those of voxels of equal label.
 [[nodiscard]] NodeComponents findNodeComponents(GrowthState& state,
-                                                const DeviceBuffer* labels = nullptr);
+                                                const DeviceLabels* labels = nullptr);
 
 /// Components of equal labels that keep their label.
 struct KeptComponents {
@@ -28,10 +28,10 @@ struct KeptComponents {
 };
 
 /// Keep the components that contain a primary seed.
-[[nodiscard]] KeptComponents keepSeededComponents(GrowthState& state, const DeviceBuffer& labels,
+[[nodiscard]] KeptComponents keepSeededComponents(GrowthState& state, const DeviceLabels& labels,
                                                   const SeedTable& seeds);
 
 /// Keep the largest component of each label; of equally large ones the first.
-[[nodiscard]] KeptComponents keepLargestComponents(GrowthState& state, const DeviceBuffer& labels);
+[[nodiscard]] KeptComponents keepLargestComponents(GrowthState& state, const DeviceLabels& labels);
 
 }  // namespace sherd

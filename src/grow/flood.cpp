@@ -33,8 +33,10 @@ void Flood::seed(const SeedTable& table) {
   seeded_ = true;
 }
 
-void Flood::load(const DeviceBuffer& labels, const DeviceBuffer& kept) {
-  owner_ = labels;
+void Flood::load(const DeviceLabels& labels, const DeviceBuffer& kept) {
+  owner_ = labels.owner;
+  tag_ = labels.tag;
+  second_ = labels.second;
   launch("flood_load", state_.items, kept);
   seeded_ = false;
 }
@@ -58,9 +60,9 @@ void Flood::grow(const DeviceBuffer& domain, std::uint32_t steps, std::uint32_t 
   }
 }
 
-DeviceBuffer Flood::labels() {
+DeviceLabels Flood::labels() {
   launch("flood_finish", state_.items);
-  return owner_;
+  return labelsPerVoxel(state_, owner_);
 }
 
 std::vector<std::uint16_t> Flood::read(std::uint32_t first, std::uint32_t count) {

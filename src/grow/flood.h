@@ -14,17 +14,17 @@ class Flood {
   /// Start from seeds.
   void seed(const SeedTable& table);
 
-  /// Start from existing labels: `labels` [items*512] becomes this growth's buffer, and voxels that
-  /// are not in `kept` [items*8] become 0.
-  void load(const DeviceBuffer& labels, const DeviceBuffer& kept);
+  /// Start from existing labels: their buffers become this growth's, and voxels that are not in
+  /// `kept` [items*8] become 0.
+  void load(const DeviceLabels& labels, const DeviceBuffer& kept);
 
   /// Grow up to `steps` layers into `domain` [leafCount*8], from all owned voxels after the first
   /// call.  Every `perReadback` layers it reads back whether leaves remain on the list.
   void grow(const DeviceBuffer& domain, std::uint32_t steps, std::uint32_t perReadback,
             const Progress* progress);
 
-  /// The labels [items*512], 0 for unreached voxels.
-  DeviceBuffer labels();
+  /// The labels per voxel, 0 for unreached voxels.
+  DeviceLabels labels();
   /// Reads the labels of `count` items from `first` on to the host.  Unlike labels(), it does not
   /// touch device memory for the labels of leaves with at most two.
   [[nodiscard]] std::vector<std::uint16_t> read(std::uint32_t first, std::uint32_t count);

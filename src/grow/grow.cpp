@@ -61,7 +61,8 @@ struct Growing {
   const SeedTable& seeds;
   const GrowOptions& options;
   const Progress* progress;
-  DeviceBuffer labels{}, cost{};
+  DeviceLabels labels{};
+  DeviceBuffer cost{};
   std::vector<std::vector<std::uint64_t>> disconnected{};  // [fracture][pass]
 
   std::uint32_t perReadback() const {
@@ -94,7 +95,8 @@ struct Growing {
   void roughen() {
     std::vector<std::uint64_t> noise = options.noiseSeeds;
     noise.resize(state.fractures);
-    labels = roughened(state, labels, seeds, noise, noiseOctaves(reliefOf(options, state.blocks)));
+    labels = labelsPerVoxel(state, roughened(state, labels, seeds, noise,
+                                             noiseOctaves(reliefOf(options, state.blocks))));
   }
 
   // Records the number of voxels that `kept` leaves out.
@@ -282,7 +284,8 @@ Labels extendLabels(Labels labels, Device& device, int steps) {
   checkLabels(labels);
   GrowthState state(*labels.blocks, 1, implOf(device));
   Flood flood(state, false);
-  flood.load(uploadBuffer<std::uint16_t>(state.device, labels.fragment), state.inside);
+  flood.load(labelsPerVoxel(state, uploadBuffer<std::uint16_t>(state.device, labels.fragment)),
+             state.inside);
   flood.grow(band(state), static_cast<std::uint32_t>(steps), 16, nullptr);
   labels.fragment = flood.read(0, state.leafCount);
   return labels;

@@ -62,6 +62,17 @@ const DeviceBuffer& GrowthState::neighbors27() {
   return *neighbors27_;
 }
 
+DeviceLabels makeLabels(GrowthState& state) {
+  return {makeBuffer<std::uint16_t>(state.device, state.voxels()),
+          makeBuffer<std::uint32_t>(state.device, state.items),
+          makeBuffer<std::uint64_t>(state.device, 3 * state.words())};
+}
+
+DeviceLabels labelsPerVoxel(GrowthState& state, const DeviceBuffer& owner) {
+  return {owner, state.filled<std::uint32_t>(state.items, SHERD_TAG_MIXED),
+          makeBuffer<std::uint64_t>(state.device, 3 * state.words())};
+}
+
 SeedTable tableOf(const LeafBlocks& blocks, std::span<const std::vector<Seed>> seedSets) {
   struct Entry {
     std::uint16_t label;

@@ -57,6 +57,20 @@ class GrowthState {
   std::optional<DeviceBuffer> origin_, neighbors27_;
 };
 
+/// Labels of all items on the device, per leaf where it has one or two: kernels/leaf_labels.h.
+struct DeviceLabels {
+  DeviceBuffer owner;   ///< [items*512] ushort
+  DeviceBuffer tag;     ///< [items] uint
+  DeviceBuffer second;  ///< [items*3*8] ulong
+};
+
+/// Returns buffers for labels, uninitialized.
+[[nodiscard]] DeviceLabels makeLabels(GrowthState& state);
+
+/// Returns labels that are all stored per voxel.
+///   owner  [items*512]
+[[nodiscard]] DeviceLabels labelsPerVoxel(GrowthState& state, const DeviceBuffer& owner);
+
 /// Seeds of all fractures, ascending by item and offset; of two on one voxel the lower label.
 struct SeedTable {
   std::vector<std::uint32_t> item;

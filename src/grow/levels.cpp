@@ -74,10 +74,9 @@ class Levels {
   }
 
   Grown finish(const DeviceBuffer& labelOfSource, bool chain) {
-    Grown grown{makeBuffer<std::uint16_t>(state_.device, state_.voxels()), cost_};
-    launch("levels_finish", state_.items, labelOfSource, static_cast<std::uint32_t>(chain),
-           grown.labels);
-    return grown;
+    const DeviceBuffer labels = makeBuffer<std::uint16_t>(state_.device, state_.voxels());
+    launch("levels_finish", state_.items, labelOfSource, static_cast<std::uint32_t>(chain), labels);
+    return {labelsPerVoxel(state_, labels), cost_};
   }
 
  private:
@@ -169,7 +168,7 @@ Grown growChain(GrowthState& state, const SeedTable& seeds, const sherd_metric& 
   return levels.finish(uploadBuffer<std::uint16_t>(state.device, label), true);
 }
 
-void regrowByWeight(GrowthState& state, const DeviceBuffer& labels, const DeviceBuffer& kept,
+void regrowByWeight(GrowthState& state, const DeviceLabels& labels, const DeviceBuffer& kept,
                     const Steps& steps, const Progress* progress) {
   const auto keptWords = downloaded<std::uint64_t>(state.device, kept, state.words());
   const std::vector<std::uint32_t> leaves = leavesToRegrow(state.blocks, keptWords);
@@ -188,12 +187,14 @@ void regrowByWeight(GrowthState& state, const DeviceBuffer& labels, const Device
   const DeviceBuffer items = uploadBuffer<std::uint32_t>(state.device, itemOf);
   const DeviceBuffer partLabels = makeBuffer<std::uint16_t>(state.device, part.voxels());
   const DeviceBuffer keptOfPart = uploadBuffer<std::uint64_t>(state.device, partKept);
-  part.run("gather_voxels", part.items, labels, items, part.items, partLabels);
+  part.run("expand_labels", part.items, state.inside, state.leafCount, items, part.items,
+           labels.owner, labels.tag, labels.second);
+  part.run("gather_voxels", part.items, labels.owner, items, part.items, partLabels);
   Levels levels(part);
   levels.load(partLabels, keptOfPart);
   runByWeight(part, levels, steps, progress);
   levels.save(partLabels, keptOfPart);
-  part.run("scatter_voxels", part.items, partLabels, items, part.items, labels);
+  part.run("scatter_voxels", part.items, partLabels, items, part.items, labels.owner);
 }
 
 }  // namespace sherd

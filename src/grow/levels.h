@@ -6,10 +6,10 @@
 
 namespace sherd {
 
-/// Labels and their arrival costs, [items*512] each.
+/// Labels and their arrival costs.
 struct Grown {
-  DeviceBuffer labels;  ///< ushort, 0 for unreached voxels
-  DeviceBuffer cost;    ///< uint
+  DeviceLabels labels;  ///< 0 for unreached voxels
+  DeviceBuffer cost;    ///< [items*512] uint
 };
 
 /// Grow from seeds; a step costs its weight.
@@ -22,7 +22,7 @@ struct Grown {
 
 /// Regrow the inside voxels outside `kept` from the kept `labels`, in place.  Memory is allocated
 /// for the leaves around those voxels only.
-void regrowByWeight(GrowthState& state, const DeviceBuffer& labels, const DeviceBuffer& kept,
+void regrowByWeight(GrowthState& state, const DeviceLabels& labels, const DeviceBuffer& kept,
                     const Steps& steps, const Progress* progress);
 
 }  // namespace sherd

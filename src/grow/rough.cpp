@@ -22,14 +22,14 @@ struct LeafSummaries {
   DeviceBuffer full;  // [items] 1: all voxels are inside
 };
 
-LeafSummaries summarizeLeaves(GrowthState& state, const DeviceBuffer& labels, std::uint32_t reach) {
+LeafSummaries summarizeLeaves(GrowthState& state, const DeviceLabels& labels, std::uint32_t reach) {
   constexpr std::uint32_t kMaxRings = 16;  // a leaf with a longer walk counts as near a crack
   LeafSummaries leaves{state.filled<std::uint32_t>(state.items, 0),
                        makeBuffer<std::uint32_t>(state.device, state.items)};
   DeviceBuffer single = makeBuffer<std::uint32_t>(state.device, state.items);
   DeviceBuffer wider = makeBuffer<std::uint32_t>(state.device, state.items);
-  state.run("rough_leaves", state.items, state.inside, state.leafCount, state.items, labels, single,
-            leaves.full);
+  state.run("rough_leaves", state.items, state.inside, state.leafCount, state.items, labels.owner,
+            labels.tag, labels.second, single, leaves.full);
   for (std::uint32_t ring = 0; ring <= std::min(reach, kMaxRings); ++ring) {
     state.run("rough_rings", state.items, state.neighbors27(), state.leafCount, state.items, ring,
               single, wider, leaves.uniformRings);
@@ -40,7 +40,7 @@ LeafSummaries summarizeLeaves(GrowthState& state, const DeviceBuffer& labels, st
 
 }  // namespace
 
-DeviceBuffer roughened(GrowthState& state, const DeviceBuffer& labels, const SeedTable& seeds,
+DeviceBuffer roughened(GrowthState& state, const DeviceLabels& labels, const SeedTable& seeds,
                        std::span<const std::uint64_t> noiseSeeds, const NoiseOctaves& octaves) {
   const DeviceBuffer noise = uploadBuffer<std::uint64_t>(state.device, noiseSeeds);
   const DeviceBuffer amplitude = uploadBuffer<std::int32_t>(state.device, octaves.amplitude);
@@ -50,7 +50,7 @@ DeviceBuffer roughened(GrowthState& state, const DeviceBuffer& labels, const See
   state.run("rough", state.items, state.inside, state.neighbor, state.neighbors27(), state.origin(),
             state.leafCount, state.items, noise, step, amplitude, octaves.first,
             static_cast<std::int32_t>(octaves.step.size()), leaves.uniformRings, leaves.full,
-            labels, out);
+            labels.owner, labels.tag, labels.second, out);
 
   const PrimarySeeds primaries = primariesOf(state, seeds);
   state.run("rough_pin", primaries.count, primaries.item, primaries.offset, primaries.label,

@@ -8,7 +8,7 @@ namespace sherd {
 
 /// Give every voxel the label at the end of its displacement; primary seeds keep their label.
 ///   noiseSeeds  [fractures]
-[[nodiscard]] DeviceBuffer roughened(GrowthState& state, const DeviceBuffer& labels,
+[[nodiscard]] DeviceBuffer roughened(GrowthState& state, const DeviceLabels& labels,
                                      const SeedTable& seeds,
                                      std::span<const std::uint64_t> noiseSeeds,
                                      const NoiseOctaves& octaves);

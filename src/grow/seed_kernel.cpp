@@ -28,10 +28,11 @@ Grown growByKernel(GrowthState& state, const SeedTable& seeds, const char* kerne
   std::partial_sum(first.begin(), first.end(), first.begin());
   const DeviceBuffer points = uploadBuffer<Int4>(state.device, point);
   const DeviceBuffer firsts = uploadBuffer<std::uint32_t>(state.device, first);
-  Grown grown{makeBuffer<std::uint16_t>(state.device, state.voxels()),
+  Grown grown{makeLabels(state),
               makeBuffer<std::uint32_t>(state.device, keepCost ? state.voxels() : 1)};
   state.run(kernel, state.items, state.inside, origins, state.leafCount, state.items, points,
-            firsts, metric, grown.labels, grown.cost, static_cast<std::uint32_t>(keepCost));
+            firsts, metric, grown.labels.owner, grown.labels.tag, grown.labels.second, grown.cost,
+            static_cast<std::uint32_t>(keepCost));
   state.device.finish();  // the seeds' buffers are released here
   return grown;
 }

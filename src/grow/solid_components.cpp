@@ -85,8 +85,8 @@ std::vector<std::uint64_t> largestComponents(const Labels& labels, Device& devic
   DeviceImpl& impl = implOf(device);
   GrowthState state(*labels.blocks, 1, impl);
   const DeviceBuffer uploaded = uploadBuffer<std::uint16_t>(impl, labels.fragment);
-  return downloaded<std::uint64_t>(impl, keepLargestComponents(state, uploaded).mask,
-                                   state.words());
+  return downloaded<std::uint64_t>(
+      impl, keepLargestComponents(state, labelsPerVoxel(state, uploaded)).mask, state.words());
 }
 
 }  // namespace sherd

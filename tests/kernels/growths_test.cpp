@@ -40,8 +40,14 @@ std::vector<Seed> randomSeeds(const VoxelSolid& solid, std::size_t fragments, st
 std::vector<Labels> growOne(const VoxelSolid& solid, const std::vector<Seed>& seeds, Device& device,
                             GrowOptions options) {
   const std::vector<std::vector<Seed>> sets{seeds};
+  const auto blocks = voxel_shapes::blocksOf(solid);
+  options.keepCost = false;
+  const std::vector<Labels> plain = grow(blocks, sets, device, options);
   options.keepCost = true;
-  return grow(voxel_shapes::blocksOf(solid), sets, device, options);
+  std::vector<Labels> withCost = grow(blocks, sets, device, options);
+  EXPECT_EQ(plain.front().fragment, withCost.front().fragment)
+      << solid.name << ": the labels without the cost, which leaves may have as a whole";
+  return withCost;
 }
 
 LabelMap labelsOf(const std::map<Coord, reference::Arrival>& arrivals) {
