@@ -23,6 +23,10 @@ requires std::is_unsigned_v<T> T loadLittle(const char* bytes) {
 template <class T>
 requires std::is_unsigned_v<T>
 void keepLittle(char* bytes, T value) {
+  if constexpr (std::endian::native == std::endian::little) {
+    std::memcpy(bytes, &value, sizeof(T));  // the loop below is no single store to some compilers
+    return;
+  }
   for (std::size_t i = 0; i < sizeof(T); ++i) {
     bytes[i] = static_cast<char>((std::uint64_t{value} >> (8 * i)) & 0xff);
   }

@@ -15,12 +15,29 @@ glm::dvec3 scaledNormal(const glm::dvec3& a, const glm::dvec3& b, const glm::dve
   return glm::cross(b - a, c - a);
 }
 
+double areaOf(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+  return 0.5 * glm::length(scaledNormal(a, b, c));
+}
+
+// Returns the index of the first sum above `area`, as std::upper_bound does, without branches that
+// depend on the sums: no processor predicts those of a random area.
+std::size_t firstSumAbove(std::span<const double> sums, double area) {
+  const double* first = sums.data();
+  std::size_t count = sums.size();
+  while (count > 1) {
+    const std::size_t half = count / 2;
+    first += half * static_cast<std::size_t>(first[half - 1] <= area);
+    count -= half;
+  }
+  return static_cast<std::size_t>(first - sums.data()) + (count == 1 && *first <= area ? 1 : 0);
+}
+
 }  // namespace
 
 void addArea(std::vector<double>& areaSums, std::size_t firstOfPart, const glm::dvec3& a,
              const glm::dvec3& b, const glm::dvec3& c) {
   const double sum = areaSums.size() > firstOfPart ? areaSums.back() : 0.0;
-  areaSums.push_back(sum + 0.5 * glm::length(scaledNormal(a, b, c)));
+  areaSums.push_back(sum + areaOf(a, b, c));
 }
 
 // The square root maps the unit square to the triangle uniformly.
@@ -36,8 +53,10 @@ glm::dvec3 SurfaceTriangle::normal() const {
 SurfaceByArea::SurfaceByArea(const TriangleMesh& mesh) {
   std::vector<double> sums;
   sums.reserve(mesh.triangles.size());
+  double sum = 0.0;  // as addArea() sums, without reading each sum back
   for (const glm::uvec3& t : mesh.triangles) {
-    addArea(sums, 0, mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z]);
+    sum += areaOf(mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z]);
+    sums.push_back(sum);
   }
   parts_.ownSums = std::move(sums);
   parts_.areaSums = {parts_.ownSums};
@@ -79,8 +98,8 @@ double SurfaceByArea::area(std::size_t triangle) const {
 // The first sum above the area, so that the triangle's area is above 0.  Rounding may leave none.
 std::size_t SurfaceByArea::triangleAt(double share) const {
   const auto firstAbove = [](std::span<const double> sums, double area) {
-    const auto found = std::upper_bound(sums.begin(), sums.end(), area);
-    if (found != sums.end()) return static_cast<std::size_t>(found - sums.begin());
+    const std::size_t found = firstSumAbove(sums, area);
+    if (found < sums.size()) return found;
     return static_cast<std::size_t>(std::lower_bound(sums.begin(), sums.end(), sums.back()) -
                                     sums.begin());
   };

@@ -15,8 +15,11 @@
 namespace sherd {
 namespace {
 
-/// Writes a file's header and its records block by block: all of them would take as much memory as
-/// the mesh.
+// All records would take as much memory as the mesh, and more than the processor's cache, from
+// which the sink reads a block.
+constexpr std::size_t kBlock = std::size_t{64} << 10;
+
+/// Writes a file's header and its records block by block.
 class Records {
  public:
   /// Size of the longest record that has no polygon, bytes.
@@ -55,19 +58,36 @@ class Records {
       }
     }
   }
-  void putFace(const glm::uvec3& triangle) {
-    put(std::uint8_t{3});
-    for (int corner = 0; corner < 3; ++corner) put(std::uint32_t{triangle[corner]});
-  }
 
  private:
-  static constexpr std::size_t kBlock = std::size_t{4} << 20;
-
   const ByteSink& sink_;
   std::size_t largest_;
   std::string bytes_;
   std::size_t end_ = 0;  // of the bytes in use
 };
+
+// Writes records of a fixed size block by block.
+//   put  writes the record of an element to memory
+template <std::size_t kSize, class Elements, class Put>
+void writeRecords(const ByteSink& sink, const Elements& elements, const Put& put) {
+  constexpr std::size_t kMost = kBlock / kSize;  // records of a block
+  std::string block(std::min(elements.size(), kMost) * kSize, '\0');
+  for (std::size_t first = 0; first < elements.size(); first += kMost) {
+    const std::size_t end = std::min(elements.size(), first + kMost);
+    char* at = block.data();
+    for (std::size_t i = first; i < end; ++i, at += kSize) put(elements[i], at);
+    sink(std::string_view(block).substr(0, (end - first) * kSize));
+  }
+}
+
+template <class Number>
+void writeVertices(const ByteSink& sink, const std::vector<glm::dvec3>& vertices) {
+  writeRecords<3 * sizeof(Number)>(sink, vertices, [](const glm::dvec3& v, char* at) {
+    keepLittle(at, static_cast<Number>(v.x));
+    keepLittle(at + sizeof(Number), static_cast<Number>(v.y));
+    keepLittle(at + 2 * sizeof(Number), static_cast<Number>(v.z));
+  });
+}
 
 std::string header(const TriangleMesh& mesh, std::size_t faces, bool isDouble,
                    const std::string& comments, const std::string& ofVertices,
@@ -195,17 +215,15 @@ void writePly(const OutputFile& file, const TriangleMesh& mesh) {
 
 void writePlainPly(const OutputFile& file, const TriangleMesh& mesh, bool isDouble) {
   file.write([&](const ByteSink& sink) {
-    Records records(sink, header(mesh, mesh.triangles.size(), isDouble, "", "", ""),
-                    mesh.vertices.size() + mesh.triangles.size());
-    for (const glm::dvec3& v : mesh.vertices) {
-      records.begin();
-      records.put(v, isDouble);
-    }
-    for (const glm::uvec3& t : mesh.triangles) {
-      records.begin();
-      records.putFace(t);
-    }
-    records.finish();
+    sink(header(mesh, mesh.triangles.size(), isDouble, "", "", ""));
+    isDouble ? writeVertices<double>(sink, mesh.vertices)
+             : writeVertices<float>(sink, mesh.vertices);
+    writeRecords<13>(sink, mesh.triangles, [](const glm::uvec3& t, char* at) {
+      at[0] = 3;
+      keepLittle(at + 1, std::uint32_t{t.x});
+      keepLittle(at + 5, std::uint32_t{t.y});
+      keepLittle(at + 9, std::uint32_t{t.z});
+    });
   });
 }
 

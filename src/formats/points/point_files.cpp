@@ -14,7 +14,12 @@ namespace sherd {
 namespace {
 
 void storeFloats(std::string& bytes, const glm::dvec3& v) {
-  for (int axis = 0; axis < 3; ++axis) storeLittle(bytes, static_cast<float>(v[axis]));
+  std::array<char, 3 * sizeof(float)> little;
+  for (int axis = 0; axis < 3; ++axis) {
+    keepLittle(little.data() + sizeof(float) * static_cast<std::size_t>(axis),
+               static_cast<float>(v[axis]));
+  }
+  bytes.append(little.data(), little.size());
 }
 
 std::string plyBytes(const SurfacePoints& points) {

@@ -1,6 +1,7 @@
 // Converts labels of leaf blocks to runs over a box.
 #include <sherd/files.h>
 
+#include <bit>
 #include <cassert>
 
 #include "formats/voxels/voxel_runs.h"
@@ -51,10 +52,18 @@ RunLengthVoxels encodeRuns(const Solid& solid, const Labels& labels, int fragmen
   const VoxelBox& box = solid.box;
   assert(!box.empty());
   const LeafColumns columns(*solid.blocks, box);
-  const auto voxelLabel = [&](std::uint16_t label) {
-    return static_cast<std::uint16_t>(label <= fragments ? label + 1 : 1);
-  };
   RunLengthVoxels voxels{box.dims(), {}};
+  // Appends the runs of voxels along z.
+  const auto append = [&](const std::uint16_t* label, unsigned count) {
+    for (unsigned begin = 0; begin < count;) {
+      unsigned end = begin + 1;
+      while (end < count && label[end] == label[begin]) ++end;
+      appendRun(voxels.runs,
+                static_cast<std::uint16_t>(label[begin] <= fragments ? label[begin] + 1 : 1),
+                end - begin);
+      begin = end;
+    }
+  };
   for (int x = box.min.x(); x <= box.max.x(); ++x) {
     for (int y = box.min.y(); y <= box.max.y(); ++y) {
       int z = box.min.z();  // voxels below it are in the runs
@@ -62,15 +71,16 @@ RunLengthVoxels encodeRuns(const Solid& solid, const Labels& labels, int fragmen
       for (std::size_t leaf = begin; leaf < end; ++leaf) {
         const auto rowBit = static_cast<unsigned>(y & 7) << 3;
         const std::uint64_t slab = solid.blocks->inside[leaf * 8 + static_cast<unsigned>(x & 7)];
-        const auto row = static_cast<unsigned>((slab >> rowBit) & 0xff);
-        if (row == 0) continue;
+        auto row = static_cast<unsigned>((slab >> rowBit) & 0xff);
         const std::size_t first = leaf * 512 + (static_cast<unsigned>(x & 7) << 6) + rowBit;
-        for (unsigned bit = 0; bit < 8; ++bit) {
-          if ((row >> bit & 1) == 0) continue;
+        while (row != 0) {
+          const auto bit = static_cast<unsigned>(std::countr_zero(row));
+          const auto count = static_cast<unsigned>(std::countr_one(row >> bit));
           const int inside = solid.blocks->origins[leaf].z() + static_cast<int>(bit);
           appendRun(voxels.runs, 0, static_cast<std::uint64_t>(inside - z));
-          appendRun(voxels.runs, voxelLabel(labels.fragment[first + bit]), 1);
-          z = inside + 1;
+          append(&labels.fragment[first + bit], count);
+          z = inside + static_cast<int>(count);
+          row &= ~(((1u << count) - 1) << bit);
         }
       }
       appendRun(voxels.runs, 0, static_cast<std::uint64_t>(box.max.z() + 1 - z));

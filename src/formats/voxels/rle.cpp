@@ -6,6 +6,9 @@
 // length.
 #include <sherd/files.h>
 
+#include <algorithm>
+#include <string>
+
 #include "base/file_bytes.h"
 #include "base/input_error.h"
 #include "base/little_endian.h"
@@ -78,19 +81,22 @@ RunLengthVoxels parseRle(std::string_view bytes, const std::string& name,
 }
 
 void encodeRle(const RunLengthVoxels& voxels, const ByteSink& sink) {
-  constexpr std::size_t kBlock = kRunBytes << 16;  // bytes per call of the sink
-  std::string block;
+  constexpr std::size_t kMost = 10'000;  // runs per call of the sink, 60 kB
+  std::string header;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    storeLittle(block, static_cast<std::uint32_t>(voxels.dims[axis]));
+    storeLittle(header, static_cast<std::uint32_t>(voxels.dims[axis]));
   }
-  for (const Run& run : voxels.runs) {
-    storeLittle(block, run.label);
-    storeLittle(block, run.length);
-    if (block.size() < kBlock) continue;
-    sink(block);
-    block.clear();
+  sink(header);
+  std::string block(std::min(voxels.runs.size(), kMost) * kRunBytes, '\0');
+  for (std::size_t first = 0; first < voxels.runs.size(); first += kMost) {
+    const std::size_t end = std::min(voxels.runs.size(), first + kMost);
+    char* at = block.data();
+    for (std::size_t i = first; i < end; ++i, at += kRunBytes) {
+      keepLittle(at, voxels.runs[i].label);
+      keepLittle(at + 2, voxels.runs[i].length);
+    }
+    sink(std::string_view(block).substr(0, (end - first) * kRunBytes));
   }
-  sink(block);
 }
 
 RunLengthVoxels readRle(const std::filesystem::path& file) {

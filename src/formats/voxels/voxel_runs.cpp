@@ -12,7 +12,6 @@
 namespace sherd {
 namespace {
 
-constexpr std::uint64_t kLongestRun = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint64_t kLargestExpanded = std::uint64_t{1} << 31;
 
 }  // namespace
@@ -32,12 +31,7 @@ openvdb::Coord boxOf(const std::array<std::uint64_t, 3>& sides, const std::strin
   return {static_cast<int>(sides[0]), static_cast<int>(sides[1]), static_cast<int>(sides[2])};
 }
 
-void appendRun(std::vector<Run>& runs, std::uint16_t label, std::uint64_t length) {
-  if (length > 0 && !runs.empty() && runs.back().label == label) {
-    const std::uint64_t more = std::min(length, kLongestRun - runs.back().length);
-    runs.back().length += static_cast<std::uint32_t>(more);
-    length -= more;
-  }
+void appendNewRuns(std::vector<Run>& runs, std::uint16_t label, std::uint64_t length) {
   while (length > 0) {
     const std::uint64_t part = std::min(length, kLongestRun);
     runs.push_back({label, static_cast<std::uint32_t>(part)});

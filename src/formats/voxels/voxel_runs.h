@@ -6,6 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
 
 #include "base/memory_budget.h"
 
@@ -13,6 +16,8 @@ namespace sherd {
 
 /// The largest box, in voxels, that is written or reordered voxel by voxel.
 inline constexpr std::uint64_t kMostDenseVoxels = std::uint64_t{1} << 34;
+
+inline constexpr std::uint64_t kLongestRun = std::numeric_limits<std::uint32_t>::max();
 
 [[nodiscard]] inline std::uint64_t voxelsIn(const openvdb::Coord& dims) {
   return static_cast<std::uint64_t>(dims.x()) * static_cast<std::uint64_t>(dims.y()) *
@@ -24,8 +29,18 @@ inline constexpr std::uint64_t kMostDenseVoxels = std::uint64_t{1} << 34;
 [[nodiscard]] openvdb::Coord boxOf(const std::array<std::uint64_t, 3>& sides,
                                    const std::string& name);
 
+/// Appends runs, split where they are longer than 32 bits.
+void appendNewRuns(std::vector<Run>& runs, std::uint16_t label, std::uint64_t length);
+
 /// Extends the last run if the label is equal, else appends one; lengths beyond 32 bits are split.
-void appendRun(std::vector<Run>& runs, std::uint16_t label, std::uint64_t length);
+inline void appendRun(std::vector<Run>& runs, std::uint16_t label, std::uint64_t length) {
+  if (!runs.empty() && runs.back().label == label) {
+    const std::uint64_t more = std::min<std::uint64_t>(length, kLongestRun - runs.back().length);
+    runs.back().length += static_cast<std::uint32_t>(more);
+    length -= more;
+  }
+  if (length > 0) appendNewRuns(runs, label, length);
+}
 
 /// Calls use(x, y, z, length, label) for each run, split at the ends of rows, in order.
 template <class Use>
