@@ -4,9 +4,11 @@
 #include <fcntl.h>
 #include <sherd/error.h>
 #include <sys/stat.h>
+#include <sys/uio.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cctype>
 #include <cerrno>
@@ -14,6 +16,7 @@
 #include <cstdio>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 namespace sherd {
 namespace {
@@ -40,14 +43,6 @@ bool isUnsupported(int number) {
 }
 
 constexpr std::size_t kLeastDirect = 16 * kDirectBlock;  // fewer bytes are not worth it
-
-// Enables or disables writes past the cache.
-void setDirect(int descriptor, bool direct) {
-  const int flags = ::fcntl(descriptor, F_GETFL);
-  if (flags < 0) return;
-  // Ignored on file systems without support.
-  (void)::fcntl(descriptor, F_SETFL, direct ? flags | O_DIRECT : flags & ~O_DIRECT);
-}
 
 std::string amount(std::uintmax_t bytes) {
   if (bytes >= 1'000'000) return std::to_string(bytes / 1'000'000) + " MB";
@@ -91,22 +86,46 @@ AtomicFile::~AtomicFile() {
   (void)undo();
 }
 
-void AtomicFile::write(std::string_view bytes) {
-  const bool isAligned = reinterpret_cast<std::uintptr_t>(bytes.data()) % kDirectBlock == 0 &&
-                         written_ % kDirectBlock == 0;
-  if (caching_ == Caching::none && isAligned && bytes.size() >= kLeastDirect) {
-    const std::size_t whole = bytes.size() / kDirectBlock * kDirectBlock;
-    setDirect(descriptor_, true);
-    put(bytes.substr(0, whole), true);
-    setDirect(descriptor_, false);
-    bytes.remove_prefix(whole);
+void AtomicFile::write(std::span<const std::string_view> pieces) {
+  const auto isAligned = [](std::string_view piece) {
+    return reinterpret_cast<std::uintptr_t>(piece.data()) % kDirectBlock == 0;
+  };
+  const auto isWhole = [](std::string_view piece) { return piece.size() % kDirectBlock == 0; };
+  std::size_t bytes = 0;
+  for (const std::string_view piece : pieces) bytes += piece.size();
+  if (caching_ != Caching::none || bytes < kLeastDirect || written_ % kDirectBlock != 0 ||
+      !std::all_of(pieces.begin(), pieces.end(), isAligned) ||
+      !std::all_of(pieces.begin(), pieces.end() - 1, isWhole)) {
+    return put(pieces, false);
   }
-  put(bytes, false);
+  std::vector<std::string_view> whole(pieces.begin(), pieces.end());
+  const std::string_view end =
+      whole.back().substr(whole.back().size() / kDirectBlock * kDirectBlock);
+  whole.back().remove_suffix(end.size());
+  setDirect(descriptor_, true);
+  put(whole, true);
+  setDirect(descriptor_, false);
+  put(std::span(&end, 1), false);
 }
 
-void AtomicFile::put(std::string_view bytes, bool direct) {
-  while (!bytes.empty()) {
-    const ssize_t n = ::write(descriptor_, bytes.data(), bytes.size());
+void AtomicFile::put(std::span<const std::string_view> pieces, bool direct) {
+  constexpr std::size_t kMost = 1024;  // pieces in one call, a limit of the system
+  std::array<iovec, kMost> some;
+  std::size_t done = 0;  // bytes of the first piece that are written
+  const auto skip = [&](std::size_t bytes) {
+    for (done += bytes; !pieces.empty() && done >= pieces.front().size();) {
+      done -= pieces.front().size();
+      pieces = pieces.subspan(1);
+    }
+  };
+  for (skip(0); !pieces.empty();) {
+    const std::size_t count = std::min(pieces.size(), kMost);
+    for (std::size_t i = 0; i < count; ++i) {
+      some[i] = {const_cast<char*>(pieces[i].data()), pieces[i].size()};
+    }
+    some[0] = {const_cast<char*>(pieces[0].data()) + done, pieces[0].size() - done};
+    const ssize_t n = count == 1 ? ::write(descriptor_, some[0].iov_base, some[0].iov_len)
+                                 : ::writev(descriptor_, some.data(), static_cast<int>(count));
     if (n < 0 && errno == EINTR) continue;
     if (n < 0 && errno == EINVAL &&
         std::exchange(direct, false)) {  // the file system needs larger blocks
@@ -115,7 +134,7 @@ void AtomicFile::put(std::string_view bytes, bool direct) {
     }
     if (n <= 0) fail(n < 0 ? errno : EIO);
     written_ += static_cast<std::uintmax_t>(n);
-    bytes.remove_prefix(static_cast<std::size_t>(n));
+    skip(static_cast<std::size_t>(n));
   }
 }
 

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 
+#include "base/direct_io.h"
 #include "base/unfinished.h"
 
 namespace sherd {
@@ -15,8 +17,6 @@ enum class Caching {
   none  ///< direct I/O where the file system supports it and memory is aligned to kDirectBlock; for
         ///< data larger than the cache, where evicting pages costs more than writing
 };
-
-constexpr std::size_t kDirectBlock = 4096;
 
 /// A file written under a hidden temporary name in the target's folder and renamed by commit().
 /// Until then the target does not change; without commit() the temporary is removed.  The target
@@ -31,7 +31,11 @@ class AtomicFile {
 
   /// Appends without a buffer: pass large chunks.
   ///   throws  Error(output) write error such as a full disk, with the number of bytes written
-  void write(std::string_view bytes);
+  void write(std::string_view bytes) { write(std::span(&bytes, 1)); }
+
+  /// The same for several pieces of memory, in as few calls of the system as possible.  Direct I/O
+  /// needs all but the last to be multiples of kDirectBlock.
+  void write(std::span<const std::string_view> pieces);
 
   /// Returns the path of the temporary, for a library that opens files by their names.
   [[nodiscard]] const std::filesystem::path& temporary() const { return temporary_; }
@@ -56,7 +60,7 @@ class AtomicFile {
 
  private:
   [[noreturn]] void fail(int number) const;
-  void put(std::string_view bytes, bool direct);
+  void put(std::span<const std::string_view> pieces, bool direct);
   void replaceByTwoRenames();
   bool undo() noexcept;
 

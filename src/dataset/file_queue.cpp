@@ -4,6 +4,8 @@
 #include <chrono>
 #include <utility>
 
+#include "base/atomic_file.h"
+
 namespace sherd {
 
 FileQueue::FileQueue(std::size_t mostBytes, int threads) : mostBytes_(mostBytes) {
@@ -19,7 +21,7 @@ FileQueue::~FileQueue() {
   for (std::thread& thread : threads_) thread.join();
 }
 
-void FileQueue::add(std::filesystem::path file, FileBytes bytes, Done done) {
+void FileQueue::add(std::filesystem::path file, ByteBlocks bytes, Done done) {
   const std::size_t size = bytes.size();
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return bytes_ == 0 || bytes_ + size <= mostBytes_; });
@@ -41,13 +43,13 @@ void FileQueue::work() {
     std::exception_ptr problem;
     try {
       AtomicFile file(entry.file, Caching::none);
-      file.write({entry.bytes.data(), entry.bytes.size()});
+      file.write(entry.bytes.pieces());
       file.commit();
     } catch (...) {
       problem = std::current_exception();
     }
     const std::size_t size = entry.bytes.size();
-    entry.bytes = {};
+    entry.bytes.clear();
     entry.done(problem,
                std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
     lock.lock();

@@ -1,7 +1,6 @@
 // Writes files in background threads, so that compute threads do not wait for the disk.
 #pragma once
 
-#include <boost/align/aligned_allocator.hpp>
 #include <condition_variable>
 #include <cstddef>
 #include <deque>
@@ -12,14 +11,11 @@
 #include <thread>
 #include <vector>
 
-#include "base/atomic_file.h"
+#include "dataset/byte_blocks.h"
 
 namespace sherd {
 
-/// The bytes of a file, aligned for direct I/O, which bypasses the system's cache.
-using FileBytes = std::vector<char, boost::alignment::aligned_allocator<char, kDirectBlock>>;
-
-/// A queue of files to write, bounded in bytes.
+/// A queue of files to write past the system's cache, bounded in bytes.
 class FileQueue {
  public:
   explicit FileQueue(std::size_t mostBytes, int threads = 2);
@@ -33,12 +29,12 @@ class FileQueue {
 
   /// Enqueues a file; blocks while the queue is full.
   ///   done  called from another thread
-  void add(std::filesystem::path file, FileBytes bytes, Done done);
+  void add(std::filesystem::path file, ByteBlocks bytes, Done done);
 
  private:
   struct Entry {
     std::filesystem::path file;
-    FileBytes bytes;
+    ByteBlocks bytes;
     Done done;
   };
   void work();

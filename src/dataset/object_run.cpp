@@ -49,7 +49,7 @@ double secondsSince(Clock::time_point begin) {
 /// A fracture in the pipeline.
 struct Work {
   std::unique_ptr<PlannedGrowth> growth;
-  std::unique_ptr<StagedFiles> files;
+  std::shared_ptr<StagedFiles> files;
   Json line;
   std::size_t fragments = 0;
   std::string exactFailure;
@@ -171,7 +171,7 @@ class ObjectRun {
     label(solid.blocks->inside, Labels::kEroded);  // inside the solid, but in no fragment
     keepDecimated(whole);
     const NamedFiles names = wholeNames(options_.layout, named(options));
-    const auto files = store_->stage(names.prefix);
+    const std::shared_ptr<StagedFiles> files = store_->stage(names.prefix);
     const bool isUnit =
         options_.layout == DatasetLayout::bb || options_.layout == DatasetLayout::hdf5;
     if (isUnit) intoUnitBox(whole);
@@ -182,7 +182,7 @@ class ObjectRun {
     }
     FractureLine line(kWholeName, {0, 0}, options.seed, 0, {});
     line.addFragments(whole, names.files, *files, options_.poses);
-    keep(*files, line.json());
+    keep(files, line.json());
   }
 
   void breakPlanned() {
@@ -199,7 +199,7 @@ class ObjectRun {
       return work;
     };
     const auto record = [&](const std::shared_ptr<Work>& work) {
-      keep(*work->files, std::move(work->line));
+      keep(std::move(work->files), std::move(work->line));
       warnOfSurface(work->exactFailure);
       run_.fractured(work->fragments);
     };
@@ -218,9 +218,9 @@ class ObjectRun {
                  ", so fragments have the smooth surface instead of the exact one");
   }
 
-  // Bridges disk stalls of one to three seconds; small beside the memory of fractures.
+  // Bridges stalls of the disk; small beside the memory of fractures.
   std::size_t maxQueuedBytes() const {
-    constexpr std::uint64_t kMost = std::uint64_t{384} << 20;
+    constexpr std::uint64_t kMost = std::uint64_t{64} << 20;
     return static_cast<std::size_t>(std::min(kMost, options_.maxMemory / 8));
   }
 
@@ -330,11 +330,14 @@ class ObjectRun {
     }
   }
 
-  void keep(StagedFiles& files, Json line) {
-    line["files"] = jsonOf(store_->keep(files));
-    run_.times.add("store", files.packing() + files.writing());
-    line["archive"] = store_->archiveBytes();
-    journal_.add(std::move(line));
+  // Records the fracture in the journal once its files are stored.
+  void keep(std::shared_ptr<StagedFiles> files, Json line) {
+    store_->keep(std::move(files), [this, line = std::move(line)](KeptFiles kept) mutable {
+      line["files"] = jsonOf(kept.files);
+      run_.times.add("store", kept.seconds);
+      line["archive"] = kept.archiveBytes;
+      journal_.add(std::move(line));
+    });
   }
 
   // Breaking Bad's frame: longest side 1, center of the box at 0.  A shell reaches half of its

@@ -1,7 +1,6 @@
 // Storage of an object's files.
 #include "dataset/store.h"
 
-#include <fcntl.h>
 #include <sherd/error.h>
 #include <unistd.h>
 #include <zstd.h>
@@ -13,7 +12,6 @@
 
 #include "base/atomic_file.h"
 #include "base/below_folder.h"
-#include "base/little_endian.h"
 #include "base/sha256.h"
 
 namespace sherd {
@@ -22,8 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr const char* kArchive = ".zip";
-constexpr const char* kUnfinished = ".zip.partial";
+constexpr std::size_t kMostSpareBlocks = 256;
 
 std::string zstdBytes(std::string_view bytes) {
   std::string out(ZSTD_compressBound(bytes.size()), '\0');
@@ -33,6 +30,16 @@ std::string zstdBytes(std::string_view bytes) {
   }
   out.resize(size);
   return out;
+}
+
+// Passes bytes on in pieces that stay in the processor's cache while several uses read them.
+ByteSink inPieces(const ByteSink& sink) {
+  return [&sink](std::string_view bytes) {
+    for (; bytes.size() > BlockPool::kBytes; bytes.remove_prefix(BlockPool::kBytes)) {
+      sink(bytes.substr(0, BlockPool::kBytes));
+    }
+    sink(bytes);
+  };
 }
 
 std::string allOf(const Content& content) {
@@ -57,10 +64,11 @@ void makeFolder(const fs::path& folder) {
 // ---- Staged files
 
 StagedFiles::StagedFiles(fs::path root, std::string prefix, FileCompression compression,
-                         FileQueue* queue)
+                         BlockPool& pool, FileQueue* queue)
     : root_(std::move(root)),
       prefix_(std::move(prefix)),
       compression_(compression),
+      pool_(pool),
       queue_(queue) {}
 
 StagedFiles::~StagedFiles() { waitForAll(); }
@@ -91,12 +99,13 @@ std::string StagedFiles::stored(const std::string& name) const {
 FileRecord StagedFiles::toDisk(const std::string& name, const Content& content) {
   FileRecord record{stored(name), 0, {}};
   Sha256 sum;
-  FileBytes file;
-  const auto write = [&](std::string_view bytes) {
+  ByteBlocks file(pool_);
+  const ByteSink keep = [&](std::string_view bytes) {
     record.bytes += bytes.size();
     sum.add(bytes);
-    file.insert(file.end(), bytes.begin(), bytes.end());
+    file.append(bytes);
   };
+  const ByteSink write = inPieces(keep);
   switch (compression_) {
     case FileCompression::none:
       content(write);
@@ -137,18 +146,40 @@ FileRecord StagedFiles::toDisk(const std::string& name, const Content& content) 
 FileRecord StagedFiles::toArchive(const std::string& name, const Content& content) {
   FileRecord record{stored(name), 0, {}};
   Sha256 sum;
-  PackedFile entry =
-      packed(record.name, compression_ != FileCompression::none, [&](const ByteSink& sink) {
-        content([&](std::string_view bytes) {
-          record.bytes += bytes.size();
-          sum.add(bytes);
-          sink(bytes);
-        });
-      });
+  ByteBlocks bytes(pool_);
+  const auto contentWithSum = [&](const ByteSink& sink) {
+    const ByteSink both = [&](std::string_view some) {
+      record.bytes += some.size();
+      sum.add(some);
+      sink(some);
+    };
+    content(inPieces(both));
+  };
+  PackedFile file = packed(record.name, compression_ != FileCompression::none, contentWithSum,
+                           [&bytes](std::string_view some) { bytes.append(some); });
   record.sha256 = sum.text();
   const std::lock_guard lock(mutex_);
-  packed_.push_back(std::move(entry));
+  packedBytes_ += bytes.size();
+  packed_.push_back({std::move(file), std::move(bytes)});
   return record;
+}
+
+std::vector<FileRecord> StagedFiles::recorded() {
+  std::sort(records_.begin(), records_.end(),
+            [](const FileRecord& a, const FileRecord& b) { return a.name < b.name; });
+  return std::move(records_);
+}
+
+void StagedFiles::appendTo(Archive& archive) {
+  const Clock::time_point begin = Clock::now();
+  std::sort(packed_.begin(), packed_.end(),
+            [](const Packed& a, const Packed& b) { return a.file.name < b.file.name; });
+  for (Packed& packed : packed_) {
+    archive.add(packed.file, packed.bytes);
+    packed.bytes.clear();
+  }
+  archive.flush();
+  writing_ += std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
 void StagedFiles::take(const std::string& name, const Content& content) {
@@ -158,101 +189,6 @@ void StagedFiles::take(const std::string& name, const Content& content) {
   records_.push_back(std::move(record));
   packing_ += std::chrono::duration<double>(Clock::now() - begin).count();
 }
-
-// ---- The archive
-
-class ObjectStore::Archive {
- public:
-  Archive(const fs::path& path, std::uint64_t kept)
-      : final_(path.string() + kArchive), file_(path.string() + kUnfinished) {
-    makeFolder(file_.parent_path());
-    // The archive may be finished although the journal is not.
-    if (kept > 0 && !fs::exists(file_)) ::rename(final_.c_str(), file_.c_str());
-    descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
-    if (descriptor_ < 0) cannot(file_, "written", errno);
-    readKept(kept);
-    if (::ftruncate(descriptor_, static_cast<off_t>(kept)) != 0 ||
-        ::lseek(descriptor_, 0, SEEK_END) < 0) {
-      cannot(file_, "written", errno);
-    }
-  }
-  ~Archive() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-  }
-  Archive(const Archive&) = delete;
-  Archive& operator=(const Archive&) = delete;
-
-  void add(const PackedFile& file) { zip_.add(file); }
-  std::uint64_t bytes() const { return zip_.offset(); }
-  const fs::path& file() const { return final_; }
-
-  void finish() {
-    zip_.finish();
-    if (::close(std::exchange(descriptor_, -1)) != 0) cannot(file_, "written", errno);
-    if (::rename(file_.c_str(), final_.c_str()) != 0) cannot(final_, "put in place", errno);
-  }
-
-  void discard() {
-    ::unlink(file_.c_str());
-    ::unlink(final_.c_str());
-  }
-
- private:
-  void write(std::string_view bytes) const {
-    while (!bytes.empty()) {
-      const ssize_t n = ::write(descriptor_, bytes.data(), bytes.size());
-      if (n < 0 && errno == EINTR) continue;
-      if (n <= 0) cannot(file_, "written", n < 0 ? errno : EIO);
-      bytes.remove_prefix(static_cast<std::size_t>(n));
-    }
-  }
-
-  // Restores the directory from the local headers of kept entries.
-  void readKept(std::uint64_t kept) {
-    constexpr std::size_t kLocal = 30;
-    while (zip_.offset() < kept) {
-      std::string head = read(kLocal, zip_.offset());
-      const std::size_t name = loadLittle<std::uint16_t>(head.data() + 26);
-      const std::size_t extra = loadLittle<std::uint16_t>(head.data() + 28);
-      const std::string rest = read(name + extra, zip_.offset() + kLocal);
-      PackedFile file;
-      file.name = rest.substr(0, name);
-      file.deflated = loadLittle<std::uint16_t>(head.data() + 8) != 0;
-      file.sum = loadLittle<std::uint32_t>(head.data() + 14);
-      std::uint64_t packedBytes = loadLittle<std::uint32_t>(head.data() + 18);
-      file.size = loadLittle<std::uint32_t>(head.data() + 22);
-      if (extra >= 20) {
-        file.size = loadLittle<std::uint64_t>(rest.data() + name + 4);
-        packedBytes = loadLittle<std::uint64_t>(rest.data() + name + 12);
-      }
-      if (packedBytes > kept - zip_.offset()) damaged();  // and the sum of both must not overflow
-      zip_.note(file, packedBytes);
-    }
-    if (zip_.offset() != kept) damaged();
-  }
-
-  std::string read(std::size_t bytes, std::uint64_t at) const {
-    std::string out(bytes, '\0');
-    for (std::size_t done = 0; done < bytes;) {
-      const ssize_t n =
-          ::pread(descriptor_, out.data() + done, bytes - done, static_cast<off_t>(at + done));
-      if (n < 0 && errno == EINTR) continue;
-      if (n <= 0) damaged();
-      done += static_cast<std::size_t>(n);
-    }
-    return out;
-  }
-
-  [[noreturn]] void damaged() const {
-    throw Error(ErrorCode::output, file_.string() +
-                                       ": does not match the object's journal; remove "
-                                       "both");
-  }
-
-  fs::path final_, file_;
-  int descriptor_ = -1;
-  ZipWriter zip_{[this](std::string_view bytes) { write(bytes); }};
-};
 
 // ---- The object
 
@@ -278,20 +214,30 @@ void removeAllBelow(const fs::path& folder, const std::set<fs::path>& kept) try 
 
 }  // namespace
 
-ObjectStore::ObjectStore(StorePlace place, std::size_t maxQueuedBytes) : place_(std::move(place)) {
+ObjectStore::ObjectStore(StorePlace place, std::size_t maxQueuedBytes)
+    : place_(std::move(place)), maxQueuedBytes_(maxQueuedBytes), pool_(kMostSpareBlocks) {
   if (place_.isArchive) {
-    requireOwnFile(place_.root, place_.folder + kArchive);
-    requireOwnFile(place_.root, place_.folder + kUnfinished);
+    requireOwnFile(place_.root, place_.folder + Archive::kSuffix);
+    requireOwnFile(place_.root, place_.folder + Archive::kUnfinished);
+    makeFolder(path().parent_path());
     archive_ = std::make_unique<Archive>(path(), place_.archive);
-    return;
+  } else {
+    for (const std::string& name : place_.names) requireOwnFile(place_.root, name);
+    if (!place_.folder.empty()) requireOwnSubfolder(place_.root, place_.folder + "/file");
+    queue_ = std::make_unique<FileQueue>(maxQueuedBytes);
+    removeAllBut(place_.kept);
   }
-  for (const std::string& name : place_.names) requireOwnFile(place_.root, name);
-  if (!place_.folder.empty()) requireOwnSubfolder(place_.root, place_.folder + "/file");
-  queue_ = std::make_unique<FileQueue>(maxQueuedBytes);
-  removeAllBut(place_.kept);
+  thread_ = std::thread([this] { work(); });
 }
 
-ObjectStore::~ObjectStore() = default;
+ObjectStore::~ObjectStore() {
+  {
+    const std::lock_guard lock(mutex_);
+    isClosed_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
 
 void ObjectStore::removeAllBut(const std::vector<FileRecord>& kept) const {
   std::set<fs::path> names;
@@ -305,34 +251,69 @@ void ObjectStore::removeAllBut(const std::vector<FileRecord>& kept) const {
   if (!place_.folder.empty()) removeAllBelow(path(), names);
 }
 
-std::unique_ptr<StagedFiles> ObjectStore::stage(const std::string& prefix) const {
-  if (archive_)
-    return std::make_unique<StagedFiles>(fs::path(), prefix, place_.compression, nullptr);
+std::unique_ptr<StagedFiles> ObjectStore::stage(const std::string& prefix) {
+  if (archive_) {
+    return std::make_unique<StagedFiles>(fs::path(), prefix, place_.compression, pool_, nullptr);
+  }
   const std::string folder = place_.folder.empty() ? "" : place_.folder + "/";
-  return std::make_unique<StagedFiles>(place_.root, folder + prefix, place_.compression,
+  return std::make_unique<StagedFiles>(place_.root, folder + prefix, place_.compression, pool_,
                                        queue_.get());
 }
 
-std::vector<FileRecord> ObjectStore::keep(StagedFiles& files) {
-  files.waitForAll();
-  if (files.problem_) std::rethrow_exception(files.problem_);
-  const auto byName = [](const auto& a, const auto& b) { return a.name < b.name; };
-  std::sort(files.packed_.begin(), files.packed_.end(), byName);
-  for (PackedFile& file : files.packed_) {
-    archive_->add(file);
-    file.bytes = {};
+void ObjectStore::keep(std::shared_ptr<StagedFiles> files, Kept kept) {
+  const std::size_t size = files->packedBytes_;
+  {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] {
+      return problem_ || entries_.empty() || waitingBytes_ + size <= maxQueuedBytes_;
+    });
+    if (problem_) std::rethrow_exception(problem_);
+    entries_.push_back({std::move(files), std::move(kept), size});
+    waitingBytes_ += size;
   }
-  std::sort(files.records_.begin(), files.records_.end(), byName);
-  return std::move(files.records_);
+  changed_.notify_all();
 }
 
-std::uint64_t ObjectStore::archiveBytes() const { return archive_ ? archive_->bytes() : 0; }
+void ObjectStore::work() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    changed_.wait(lock, [this] { return isClosed_ || !entries_.empty(); });
+    if (entries_.empty()) return;
+    Entry& entry = entries_.front();  // stays there until it is recorded
+    const bool isUseless = problem_ != nullptr;
+    lock.unlock();
+    std::exception_ptr problem;
+    try {
+      if (!isUseless) record(*entry.files, entry.kept);
+    } catch (...) {
+      problem = std::current_exception();
+    }
+    const Entry done = std::move(entry);
+    lock.lock();
+    if (problem) problem_ = problem;
+    waitingBytes_ -= done.bytes;
+    entries_.pop_front();
+    changed_.notify_all();
+  }
+}
+
+void ObjectStore::record(StagedFiles& files, const Kept& kept) {
+  files.waitForAll();
+  if (files.problem_) std::rethrow_exception(files.problem_);
+  if (archive_) files.appendTo(*archive_);
+  const std::uint64_t archive = archive_ ? archive_->bytes() : 0;
+  kept({files.recorded(), archive, files.packing() + files.writing()});
+}
 
 std::vector<FileRecord> ObjectStore::finish() {
+  {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return entries_.empty(); });
+    if (problem_) std::rethrow_exception(problem_);
+  }
   if (!archive_) return {};
-  archive_->finish();
-  return {
-      {place_.folder + kArchive, fs::file_size(archive_->file()), sha256OfFile(archive_->file())}};
+  const Archive::Finished finished = archive_->finish();
+  return {{place_.folder + Archive::kSuffix, finished.bytes, finished.sha256}};
 }
 
 void ObjectStore::discard() {

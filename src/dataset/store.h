@@ -5,14 +5,18 @@
 
 #include <condition_variable>
 #include <cstdint>
+#include <deque>
 #include <exception>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
+#include "dataset/archive.h"
+#include "dataset/byte_blocks.h"
 #include "dataset/file_queue.h"
 #include "formats/arrays/zip_writer.h"
 
@@ -30,9 +34,10 @@ class StagedFiles : public FileSink {
  public:
   ///   root     the dataset's folder; empty for an archive
   ///   prefix   of every name
+  ///   pool     of the files' bytes
   ///   queue    writes loose files; null for an archive
   StagedFiles(std::filesystem::path root, std::string prefix, FileCompression compression,
-              FileQueue* queue);
+              BlockPool& pool, FileQueue* queue);
   ~StagedFiles() override;
 
   void take(const std::string& name, const Content& content) override;
@@ -48,21 +53,28 @@ class StagedFiles : public FileSink {
 
  private:
   friend class ObjectStore;
+  struct Packed {
+    PackedFile file;
+    ByteBlocks bytes;
+  };
   FileRecord toDisk(const std::string& name, const Content& content);
   FileRecord toArchive(const std::string& name, const Content& content);
+  void waitForAll();
+  void appendTo(Archive& archive);     // all of them, ascending by name
+  std::vector<FileRecord> recorded();  // [files] ascending by name
 
   std::filesystem::path root_;
   std::string prefix_;
   FileCompression compression_;
-  void waitForAll();
-
+  BlockPool& pool_;
   FileQueue* queue_;
   mutable std::mutex mutex_;
   std::condition_variable written_;
   std::size_t pending_ = 0;
   std::exception_ptr problem_;  // the first one
   std::vector<FileRecord> records_;
-  std::vector<PackedFile> packed_;
+  std::vector<Packed> packed_;
+  std::size_t packedBytes_ = 0;
   double packing_ = 0.0, writing_ = 0.0;
 };
 
@@ -77,43 +89,67 @@ struct StorePlace {
   std::uint64_t archive = 0;       ///< bytes of the archive to keep
 };
 
+/// The files of one fracture once they are stored.
+struct KeptFiles {
+  std::vector<FileRecord> files;   ///< ascending by name
+  std::uint64_t archiveBytes = 0;  ///< so far; 0 for loose files
+  double seconds = 0.0;            ///< of packing and writing
+};
+
 /// Stores the files of an object.  Other files below the object's folder, or with its names, are
 /// leftovers of an interrupted run and are removed.
 class ObjectStore {
  public:
-  ///   maxQueuedBytes  of loose files that wait for the disk
+  ///   maxQueuedBytes  that wait for the disk
   ///   throws  Error(output), also for a symbolic link on the path of the folder or the archive
   explicit ObjectStore(StorePlace place, std::size_t maxQueuedBytes = 0);
+  /// Waits for all that is kept.
   ~ObjectStore();
   ObjectStore(const ObjectStore&) = delete;
   ObjectStore& operator=(const ObjectStore&) = delete;
 
   /// Returns a sink for files under names below the object's folder.
-  [[nodiscard]] std::unique_ptr<StagedFiles> stage(const std::string& prefix) const;
+  [[nodiscard]] std::unique_ptr<StagedFiles> stage(const std::string& prefix);
 
-  /// Waits until the files are written and appends them to the archive, in the order of the calls.
-  ///   return  [files] ascending by name
-  ///   throws  Error(output)
-  std::vector<FileRecord> keep(StagedFiles& files);
+  using Kept = std::function<void(KeptFiles)>;
 
-  /// Bytes of the archive so far; 0 for loose files.
-  [[nodiscard]] std::uint64_t archiveBytes() const;
+  /// Keeps staged files: a thread waits until they are written, or appends them to the archive, in
+  /// the order of the calls.  Blocks while too many bytes wait for the archive.
+  ///   kept    called from that thread once the files are stored; not after a problem
+  ///   throws  Error(output), also of earlier files and of what `kept` throws
+  void keep(std::shared_ptr<StagedFiles> files, Kept kept);
 
-  /// Ends the archive.
+  /// Waits until all are kept, and ends the archive.
   ///   return  the archive; empty for loose files
+  ///   throws  as keep()
   std::vector<FileRecord> finish();
 
   /// Removes all files of the object.
   void discard();
 
  private:
-  class Archive;
+  struct Entry {
+    std::shared_ptr<StagedFiles> files;
+    Kept kept;
+    std::size_t bytes = 0;  // that wait for the archive
+  };
   [[nodiscard]] std::filesystem::path path() const { return place_.root / place_.folder; }
   void removeAllBut(const std::vector<FileRecord>& kept) const;
+  void work();
+  void record(StagedFiles& files, const Kept& kept);
 
   StorePlace place_;
+  std::size_t maxQueuedBytes_;
+  BlockPool pool_;
   std::unique_ptr<Archive> archive_;
   std::unique_ptr<FileQueue> queue_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Entry> entries_;     // the first is being stored
+  std::size_t waitingBytes_ = 0;  // of all entries
+  std::exception_ptr problem_;    // the first one
+  bool isClosed_ = false;
+  std::thread thread_;
 };
 
 }  // namespace sherd

@@ -554,14 +554,18 @@ class Trust(Dataset):
         if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1m", "tmpfs", disk], stderr=subprocess.DEVNULL).returncode:
             skipping.skip(self, "MOUNT", "this process may not mount")
         try:
-            out = os.path.join(disk, "out")
-            run = self.dataset(out=out)
-            self.assertEqual(run.returncode, 5, run.stderr)
-            self.assertIn("no space left", run.stderr)
-            self.assertEqual(subprocess.run(["mount", "-o", "remount,size=100m", disk]).returncode, 0)
-            self.done("--resume", out=out)
-            self.done()
-            self.assertEqual(dataset(out), dataset(self.out))
+            for layout in "sherd", "packed":
+                with self.subTest(layout=layout):
+                    self.assertEqual(subprocess.run(["mount", "-o", "remount,size=1m", disk]).returncode, 0)
+                    out, whole = os.path.join(disk, "out"), self.path(layout)
+                    run = self.dataset("--layout", layout, out=out)
+                    self.assertEqual(run.returncode, 5, run.stderr)
+                    self.assertIn("no space left", run.stderr)
+                    self.assertEqual(subprocess.run(["mount", "-o", "remount,size=100m", disk]).returncode, 0)
+                    self.done("--layout", layout, "--resume", out=out)
+                    self.done("--layout", layout, out=whole)
+                    self.assertEqual(dataset(out), dataset(whole))
+                    shutil.rmtree(out)
         finally:
             subprocess.run(["umount", disk])
 

@@ -142,6 +142,39 @@ class Files(Faults):
             self.assertEqual(result.returncode, 0, result.stderr)
             self.assertEqual(tree(out), tree(self.whole))
 
+    def test_datasets_report_it_and_go_on(self):
+        library = os.path.join(self.tmp, "library")
+        os.mkdir(library)
+        shutil.copy(self.ball, library)
+
+        def made(folder):  # what a run records of itself differs from run to run
+            return {name: file for name, file in tree(folder).items() if not name.startswith(("run", "report", "journal/"))}
+
+        for layout in "sherd", "packed":
+            def dataset(out, *more):
+                return ("dataset", library, "-o", out, "--pieces", "2", "--repeats", "3", "--resolution", "24", "--layout", layout, *more)
+
+            whole, short = (os.path.join(self.tmp, f"{layout}-{name}") for name in ("whole", "short"))
+            self.assertEqual(self.sherd(*dataset(whole)).returncode, 0)
+            result = self.sherd(*dataset(short), kind="short", below=short)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual(made(short), made(whole))
+            for kind in FILES:
+                counted = os.path.join(self.tmp, "counted")
+                total = self.calls(*dataset(counted), kind=kind, below=counted)
+                shutil.rmtree(counted)
+                for number in spread(total):
+                    out = os.path.join(self.tmp, f"{layout}-{kind}-{number}")
+                    result = self.sherd(*dataset(out), kind=kind, error=errno.ENOSPC, below=out, at=number)
+                    with self.subTest(layout=layout, kind=kind, number=number, of=total):
+                        if result.returncode != 0:  # threads that write may need fewer calls another time
+                            self.assertEqual(result.returncode, 5, result.stderr)
+                            self.assertRegex(result.stderr, "no space left on device")
+                            again = self.sherd(*dataset(out, *(["--resume"] if os.path.exists(out) else [])))
+                            self.assertEqual(again.returncode, 0, again.stderr)
+                        self.assertEqual(made(out), made(whole))
+                    shutil.rmtree(out)
+
     def test_pictures_and_tables(self):
         for command in (lambda out: ("render", self.whole, "-o", out + ".png", "--size", "64x64"),
                         lambda out: ("render", self.whole, "-o", out + ".exr", "--size", "64x64"),

@@ -7,10 +7,12 @@
 
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <exception>
 #include <filesystem>
 #include <functional>
 #include <iterator>
+#include <memory>
 #include <string>
 #include <thread>
 #include <vector>
@@ -19,6 +21,7 @@
 #include "base/unfinished.h"
 #include "cli/held_files.h"
 #include "dataset/file_queue.h"
+#include "dataset/store.h"
 #include "temp_folder.h"
 
 namespace sherd {
@@ -47,13 +50,16 @@ class Threads : public TempFolder {
 TEST_F(Threads, MayAllAddFilesToAQueue) {
   constexpr int kThreads = 4, kFiles = 50;
   std::atomic<int> written{0}, failed{0};
+  BlockPool pool(kThreads);
   {
     FileQueue queue(1000);  // room for a few, so that those who add wait
     inThreads(kThreads, [&](int thread) {
       for (int i = 0; i < kFiles; ++i) {
         const bool bad = i == 7;
         const fs::path where = bad ? folder_ / "absent" / "a" : file(thread, i);
-        queue.add(where, FileBytes(static_cast<std::size_t>(100 + i), 'x'),
+        ByteBlocks bytes(pool);
+        bytes.append(std::string(static_cast<std::size_t>(100 + i), 'x'));
+        queue.add(where, std::move(bytes),
                   [&](std::exception_ptr problem, double) { ++(problem ? failed : written); });
       }
     });
@@ -61,6 +67,27 @@ TEST_F(Threads, MayAllAddFilesToAQueue) {
   EXPECT_EQ(written, kThreads * (kFiles - 1));
   EXPECT_EQ(failed, kThreads);
   EXPECT_EQ(files(), static_cast<std::size_t>(written));
+}
+
+TEST_F(Threads, StoreFracturesWhileTheStoreRecordsThem) {
+  constexpr int kThreads = 3, kFractures = 40;
+  for (const bool isArchive : {false, true}) {
+    std::vector<std::uint64_t> bytes;  // only the store's thread writes to it
+    ObjectStore store({.root = folder_, .folder = "ball", .isArchive = isArchive}, 100'000);
+    std::vector<std::shared_ptr<StagedFiles>> fractures;
+    for (int i = 0; i < kFractures; ++i) fractures.push_back(store.stage(std::to_string(i) + "/"));
+    for (const std::shared_ptr<StagedFiles>& files : fractures) {
+      inThreads(kThreads, [&](int thread) {  // the one before may still be written
+        files->take(std::to_string(thread),
+                    [&](const ByteSink& sink) { sink(std::string(20'000, 'x')); });
+      });
+      store.keep(files, [&bytes](const KeptFiles& kept) {
+        bytes.push_back(kept.files[0].bytes + kept.files[1].bytes + kept.files[2].bytes);
+      });
+    }
+    (void)store.finish();
+    EXPECT_EQ(bytes, std::vector<std::uint64_t>(kFractures, 60'000));
+  }
 }
 
 TEST_F(Threads, MayMakeAndDropTemporaryFiles) {

@@ -5,12 +5,10 @@
 #include <openvdb/tools/LevelSetSphere.h>
 #include <sherd/error.h>
 #include <sherd/folder.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <csignal>
 #include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -22,6 +20,7 @@
 #include "cli/held_files.h"
 #include "folder/read_manifest.h"
 #include "formats/voxels/vdb.h"
+#include "full_disk.h"
 #include "shapes.h"
 #include "temp_folder.h"
 
@@ -57,26 +56,6 @@ ErrorCode codeOf(const std::function<void()>& work) {
   }
   return ErrorCode{0};
 }
-
-// Files of this process may not grow past `bytes` while this lives: a disk that is full, wherever
-// the test runs.
-class FullDisk {
- public:
-  explicit FullDisk(rlim_t bytes) {
-    ::getrlimit(RLIMIT_FSIZE, &old_);
-    const rlimit small{bytes, old_.rlim_max};
-    ::setrlimit(RLIMIT_FSIZE, &small);
-    handler_ = std::signal(SIGXFSZ, SIG_IGN);
-  }
-  ~FullDisk() {
-    ::setrlimit(RLIMIT_FSIZE, &old_);
-    std::signal(SIGXFSZ, handler_);
-  }
-
- private:
-  rlimit old_{};
-  void (*handler_)(int) = nullptr;
-};
 
 using AtomicFileTest = TempFolder;
 using WritePly = TempFolder;

@@ -40,7 +40,7 @@ std::uint32_t addTo(std::uint32_t sum, std::string_view bytes) {
 /// Deflates bytes in blocks that fit zlib's 32-bit counter.
 class Deflater {
  public:
-  explicit Deflater(std::string& out) : out_(out) {
+  explicit Deflater(const ByteSink& out) : out_(out) {
     const int made = ::deflateInit2(&stream_, Z_DEFAULT_COMPRESSION, Z_DEFLATED, -MAX_WBITS, 8,
                                     Z_DEFAULT_STRATEGY);
     if (made != Z_OK) throw std::bad_alloc();
@@ -64,11 +64,11 @@ class Deflater {
       stream_.next_out = block_.data();
       stream_.avail_out = static_cast<uInt>(block_.size());
       ::deflate(&stream_, last ? Z_FINISH : Z_NO_FLUSH);
-      out_.append(reinterpret_cast<const char*>(block_.data()), block_.size() - stream_.avail_out);
+      out_({reinterpret_cast<const char*>(block_.data()), block_.size() - stream_.avail_out});
     } while (stream_.avail_out == 0);
   }
 
-  std::string& out_;
+  const ByteSink& out_;
   z_stream stream_{};
   std::array<Bytef, 1 << 15> block_;
 };
@@ -101,16 +101,24 @@ void storeHeader(std::string& to, const PackedFile& file, std::uint64_t bytes, b
 }  // namespace
 
 PackedFile packed(std::string name, bool deflate, const Content& content) {
+  std::string bytes;
+  PackedFile file =
+      packed(std::move(name), deflate, content, [&bytes](std::string_view more) { bytes += more; });
+  file.bytes = std::move(bytes);
+  return file;
+}
+
+PackedFile packed(std::string name, bool deflate, const Content& content, const ByteSink& to) {
   PackedFile file{std::move(name), deflate, 0, 0, {}};
   std::optional<Deflater> deflater;
-  if (deflate) deflater.emplace(file.bytes);
+  if (deflate) deflater.emplace(to);
   content([&](std::string_view bytes) {
     file.sum = addTo(file.sum, bytes);
     file.size += bytes.size();
     if (deflater) {
       deflater->take(bytes);
     } else {
-      file.bytes += bytes;
+      to(bytes);
     }
   });
   if (deflater) deflater->finish();
@@ -118,14 +126,18 @@ PackedFile packed(std::string name, bool deflate, const Content& content) {
 }
 
 void ZipWriter::add(const PackedFile& file) {
-  const bool wide = std::max(file.size, std::uint64_t{file.bytes.size()}) >= kLargest32;
-  const std::string extra = wide ? extraField({file.size, file.bytes.size()}) : std::string();
+  begin(file, file.bytes.size());
+  sink_(file.bytes);
+}
+
+void ZipWriter::begin(const PackedFile& file, std::uint64_t size) {
+  const bool wide = std::max(file.size, size) >= kLargest32;
+  const std::string extra = wide ? extraField({file.size, size}) : std::string();
   std::string local("PK\x03\x04", 4);
-  storeHeader(local, file, file.bytes.size(), wide, wide, extra.size());
+  storeHeader(local, file, size, wide, wide, extra.size());
   local += file.name + extra;
   sink_(local);
-  sink_(file.bytes);
-  note(file, file.bytes.size());
+  note(file, size);
 }
 
 void ZipWriter::note(const PackedFile& file, std::uint64_t size) {

@@ -19,12 +19,21 @@ struct PackedFile {
 
 [[nodiscard]] PackedFile packed(std::string name, bool deflate, const Content& content);
 
+/// The same, with the packed bytes passed to a sink instead of PackedFile::bytes.
+[[nodiscard]] PackedFile packed(std::string name, bool deflate, const Content& content,
+                                const ByteSink& to);
+
 /// Writes a ZIP file, one packed file after another; uses ZIP64 where 32 bits are too few.
 class ZipWriter {
  public:
   explicit ZipWriter(ByteSink sink) : sink_(std::move(sink)) {}
 
   void add(const PackedFile& file);
+
+  /// Writes what precedes the bytes of a file, which the caller writes.
+  ///   file  its `bytes` are ignored
+  ///   size  packed bytes
+  void begin(const PackedFile& file, std::uint64_t size);
 
   /// Records a file that is already at the end of the output.
   ///   file  its `bytes` are ignored
@@ -34,7 +43,7 @@ class ZipWriter {
   /// Writes the directory, which ends the ZIP file.
   void finish();
 
-  /// Bytes written so far.
+  /// Bytes written so far, with those that follow a begin().
   [[nodiscard]] std::uint64_t offset() const { return offset_; }
 
  private:
