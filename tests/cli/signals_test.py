@@ -111,6 +111,8 @@ class Signals(CommandLine):
         "many pieces": ["fracture", "ball.obj", "-o", "out", "--pieces", "300", "--resolution", "96"],
         "points": ["fracture", "pair.obj", "-o", "old", "--points", "5000", "--sdf-samples", "5000", "--pieces", "6", "--resolution", "64"],
         "a dataset": ["dataset", "library", "-o", "out", "--resolution", "32", "--pieces", "2..4", "--repeats", "2..1", "--points", "64"],
+        "archives": ["dataset", "library", "-o", "out", "--resolution", "32", "--pieces", "2..4", "--repeats", "2..1", "--points", "64", "--layout",
+                     "packed"],
         "a forecast": ["dataset", "library", "-o", "out", "--resolution", "24", "--pieces", "2..3", "--repeats", "1..1", "--dry-run"],
         "figures": ["evaluate", "pieces", "--samples", "10000", "--csv", "old.csv"],
         "a picture": ["render", "pieces", "-o", "old.png", "--size", "1000x750"],

@@ -45,6 +45,16 @@ class LeafColumns {
   std::vector<Range> columns_;
 };
 
+// Returns a bit for each of eight labels, set where it differs from the one before.  Most rows have
+// one label, and a loop to the first that differs ends where no processor expects it.
+unsigned changesIn(const std::uint16_t* label) {
+  unsigned changes = 0;
+  for (unsigned k = 1; k < 8; ++k) {
+    changes |= static_cast<unsigned>(label[k] != label[k - 1]) << k;
+  }
+  return changes;
+}
+
 }  // namespace
 
 RunLengthVoxels encodeRuns(const Solid& solid, const Labels& labels, int fragments) {
@@ -53,14 +63,15 @@ RunLengthVoxels encodeRuns(const Solid& solid, const Labels& labels, int fragmen
   assert(!box.empty());
   const LeafColumns columns(*solid.blocks, box);
   RunLengthVoxels voxels{box.dims(), {}};
+  const auto voxelLabel = [&](std::uint16_t label) {
+    return static_cast<std::uint16_t>(label <= fragments ? label + 1 : 1);
+  };
   // Appends the runs of voxels along z.
   const auto append = [&](const std::uint16_t* label, unsigned count) {
     for (unsigned begin = 0; begin < count;) {
       unsigned end = begin + 1;
       while (end < count && label[end] == label[begin]) ++end;
-      appendRun(voxels.runs,
-                static_cast<std::uint16_t>(label[begin] <= fragments ? label[begin] + 1 : 1),
-                end - begin);
+      appendRun(voxels.runs, voxelLabel(label[begin]), end - begin);
       begin = end;
     }
   };
@@ -72,15 +83,23 @@ RunLengthVoxels encodeRuns(const Solid& solid, const Labels& labels, int fragmen
         const auto rowBit = static_cast<unsigned>(y & 7) << 3;
         const std::uint64_t slab = solid.blocks->inside[leaf * 8 + static_cast<unsigned>(x & 7)];
         auto row = static_cast<unsigned>((slab >> rowBit) & 0xff);
-        const std::size_t first = leaf * 512 + (static_cast<unsigned>(x & 7) << 6) + rowBit;
+        if (row == 0) continue;
+        const std::uint16_t* const label =
+            &labels.fragment[leaf * 512 + (static_cast<unsigned>(x & 7) << 6) + rowBit];
+        const unsigned changes = changesIn(label);
         while (row != 0) {
           const auto bit = static_cast<unsigned>(std::countr_zero(row));
           const auto count = static_cast<unsigned>(std::countr_one(row >> bit));
           const int inside = solid.blocks->origins[leaf].z() + static_cast<int>(bit);
           appendRun(voxels.runs, 0, static_cast<std::uint64_t>(inside - z));
-          append(&labels.fragment[first + bit], count);
+          const unsigned span = ((1u << count) - 1) << bit;
+          if ((changes & span & (span << 1)) == 0) {
+            appendRun(voxels.runs, voxelLabel(label[bit]), count);
+          } else {
+            append(label + bit, count);
+          }
           z = inside + static_cast<int>(count);
-          row &= ~(((1u << count) - 1) << bit);
+          row &= ~span;
         }
       }
       appendRun(voxels.runs, 0, static_cast<std::uint64_t>(box.max.z() + 1 - z));
