@@ -63,8 +63,7 @@ struct FractureResult {
   std::vector<std::uint64_t> eroded;  ///< [fragments+1] eroded voxels of each, [0] the sum
   std::vector<Fragment> fragments;    ///< [max(pieces, components)] ascending by id
   std::shared_ptr<const FragmentSurfaces>
-      surfaces{};  ///< whose measures the fragments have, with and without meshes; null unless
-                   ///< these are smooth, shared, and neither smoothed nor simplified nor decimated
+      surfaces{};  ///< without SurfaceOptions::meshes, else null
   std::shared_ptr<const FragmentSurfaces>
       unmerged{};              ///< with SurfaceOptions::points, if triangles of meshes are merged
   std::string exactFailure{};  ///< why Surface::exact was replaced by Surface::smooth, as a clause;

@@ -93,8 +93,8 @@ inline constexpr double kPlanarTolerance = 0.005, kPlanarCrackTolerance = 0.1;
 
 struct SurfaceOptions {
   bool levelSets = true;  ///< also makes Fragment::surface; else it is null
-  bool meshes = true;   ///< makes Fragment::mesh; else it is empty, and volume, areas and contacts
-                        ///< are summed without it, which takes 0.6 of the time.  Only without
+  bool meshes = true;   ///< makes Fragment::mesh; else it is empty, which takes 0.6 of the time;
+                        ///< volume, areas and contacts are the same.  Only without
                         ///< level sets, for Surface::smooth and Interface::shared as they are
                         ///< meshed: neither smoothed nor decimated, with any adaptivity but one
                         ///< above 0
@@ -197,7 +197,7 @@ struct ExactSurface;
 /// The mesh of the intact solid's surface, from which fragments copy what the cuts do not change.
 struct IntactSurface;
 
-/// The surfaces of all fragments of a fracture, of which points are sampled without meshes.
+/// The surfaces of all fragments of a fracture, of which points are sampled.
 class FragmentSurfaces;
 
 /// Meshes the intact solid.  Saves time if a solid is broken several times with Surface::smooth and

@@ -81,7 +81,7 @@ struct FragmentPointOptions {
                                                       const FragmentPointOptions& options,
                                                       const Progress* progress = nullptr);
 
-/// The same of FractureResult::surfaces, which a fracture without meshes has.
+/// The same of the surfaces of a fracture, FractureResult::surfaces or unmerged.
 [[nodiscard]] std::vector<SurfacePoints> samplePoints(const FragmentSurfaces& surfaces,
                                                       const PointOptions& options,
                                                       const Progress* progress = nullptr);

@@ -348,7 +348,10 @@ class ObjectRun {
     return {(box.min + box.max) / 2.0, 1.0 / side};
   }
 
+  // Points are of the meshes then, which have moved.
   void intoUnitBox(FractureResult& result) const {
+    result.surfaces.reset();
+    result.unmerged.reset();
     const auto [center, scale] = unitBox();
     const auto move = [center = center, scale = scale](TriangleMesh& mesh) {
       for (glm::dvec3& v : mesh.vertices) v = (v - center) * scale;

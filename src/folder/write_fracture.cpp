@@ -62,6 +62,7 @@ std::vector<MeshFacts> makeAndWrite(const GrownFracture& grown, const SurfaceOpt
                    static_cast<double>(end) / static_cast<double>(result.fragments.size()));
     clock.done("write");
   }
+  result.surfaces.reset();  // points are written; what is left needs meshes alone
   std::vector<std::vector<Contact>> contacts = extraction.contacts();
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     result.fragments[i].contacts = std::move(contacts[i]);
@@ -99,7 +100,7 @@ WrittenFolder writeFracture(const fs::path& folder, const SourceMesh& source,
                             const WriteOptions& write, const Progress* progress) {
   checkWriteOptions(write, options);
   const auto lacksMesh = [](const Fragment& fragment) { return fragment.mesh.vertices.empty(); };
-  if (write.needsMeshes() && std::ranges::all_of(result.fragments, lacksMesh)) {
+  if (write.needsMeshes() && std::ranges::any_of(result.fragments, lacksMesh)) {
     throw Error(
         ErrorCode::usage,
         "the fracture has no meshes, which these files need; complete its options for them");

@@ -10,8 +10,8 @@ glm::dvec3 yzx(const glm::dvec3& v) { return {v.y, v.z, v.x}; }
 
 }  // namespace
 
-glm::dvec3 MassSums::add(const glm::dvec3& corner0, const glm::dvec3& corner1,
-                         const glm::dvec3& corner2) {
+void MassSums::add(const glm::dvec3& corner0, const glm::dvec3& corner1,
+                   const glm::dvec3& corner2) {
   const glm::dvec3 a = corner0 - reference_;
   const glm::dvec3 b = corner1 - reference_;
   const glm::dvec3 c = corner2 - reference_;
@@ -22,7 +22,6 @@ glm::dvec3 MassSums::add(const glm::dvec3& corner0, const glm::dvec3& corner1,
   linear_ += volume * sum;
   square_ += volume * (a * a + b * b + c * c + sum * sum);
   mixed_ += volume * (a * yzx(a) + b * yzx(b) + c * yzx(c) + sum * yzx(sum));
-  return normal;
 }
 
 void MassSums::add(const MassSums& part) {

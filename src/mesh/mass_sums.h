@@ -18,8 +18,7 @@ class MassSums {
   explicit MassSums(const glm::dvec3& reference) : reference_(reference) {}
 
   /// Adds a triangle.
-  ///   return  its normal, as long as twice its area
-  glm::dvec3 add(const glm::dvec3& corner0, const glm::dvec3& corner1, const glm::dvec3& corner2);
+  void add(const glm::dvec3& corner0, const glm::dvec3& corner1, const glm::dvec3& corner2);
 
   /// Adds sums with the same reference.
   void add(const MassSums& part);

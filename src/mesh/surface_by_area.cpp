@@ -15,10 +15,6 @@ glm::dvec3 scaledNormal(const glm::dvec3& a, const glm::dvec3& b, const glm::dve
   return glm::cross(b - a, c - a);
 }
 
-double areaOf(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
-  return 0.5 * glm::length(scaledNormal(a, b, c));
-}
-
 // Returns the index of the first sum above `area`, as std::upper_bound does, without branches that
 // depend on the sums: no processor predicts those of a random area.
 std::size_t firstSumAbove(std::span<const double> sums, double area) {
@@ -34,10 +30,14 @@ std::size_t firstSumAbove(std::span<const double> sums, double area) {
 
 }  // namespace
 
+double areaOf(const std::array<glm::dvec3, 3>& corner) {
+  return 0.5 * glm::length(scaledNormal(corner[0], corner[1], corner[2]));
+}
+
 void addArea(std::vector<double>& areaSums, std::size_t firstOfPart, const glm::dvec3& a,
              const glm::dvec3& b, const glm::dvec3& c) {
   const double sum = areaSums.size() > firstOfPart ? areaSums.back() : 0.0;
-  areaSums.push_back(sum + areaOf(a, b, c));
+  areaSums.push_back(sum + areaOf({a, b, c}));
 }
 
 // The square root maps the unit square to the triangle uniformly.
@@ -55,7 +55,7 @@ SurfaceByArea::SurfaceByArea(const TriangleMesh& mesh) {
   sums.reserve(mesh.triangles.size());
   double sum = 0.0;  // as addArea() sums, without reading each sum back
   for (const glm::uvec3& t : mesh.triangles) {
-    sum += areaOf(mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z]);
+    sum += areaOf({mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z]});
     sums.push_back(sum);
   }
   parts_.ownSums = std::move(sums);

@@ -20,6 +20,12 @@ GrownFracture grownOf(Solid solid, const FractureOptions& options, StageClock cl
   return grown;
 }
 
+// Drops what is only needed to write fragments with meshes.
+FractureResult finished(FractureResult result, const FractureOptions& options) {
+  if (options.surface.meshes) result.surfaces.reset();
+  return result;
+}
+
 }  // namespace
 
 GrownFracture grown(const TriangleMesh& mesh, const FractureOptions& options, Device& device,
@@ -43,12 +49,13 @@ GrownFracture grown(Solid solid, const FractureOptions& options, Device& device,
 
 FractureResult fracture(const TriangleMesh& mesh, const FractureOptions& options, Device& device,
                         const Progress* progress) {
-  return extracted(grown(mesh, options, device, progress), options, progress);
+  return finished(extracted(grown(mesh, options, device, progress), options, progress), options);
 }
 
 FractureResult fracture(Solid solid, const FractureOptions& options, Device& device,
                         const Progress* progress) {
-  return extracted(grown(std::move(solid), options, device, progress), options, progress);
+  return finished(extracted(grown(std::move(solid), options, device, progress), options, progress),
+                  options);
 }
 
 PreparedSolid prepared(Solid solid, Device& device) {
@@ -59,7 +66,8 @@ PreparedSolid prepared(Solid solid, Device& device) {
 
 FractureResult fracture(const PreparedSolid& ready, const FractureOptions& options, Device& device,
                         const Progress* progress) {
-  return extracted(grow(ready, options, device, StageClock(), progress), options, progress);
+  return finished(
+      extracted(grow(ready, options, device, StageClock(), progress), options, progress), options);
 }
 
 }  // namespace sherd

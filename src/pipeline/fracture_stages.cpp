@@ -237,9 +237,7 @@ std::shared_ptr<const FragmentSurfaces> unmergedSurfaces(const GrownFracture& gr
                                                          const FractureResult& result,
                                                          const SurfaceOptions& options,
                                                          const Progress* progress) {
-  SurfaceOptions bare = options;
-  bare.levelSets = false;
-  if (!options.points || !canLackMeshes(bare)) return nullptr;
+  if (!keepsUnmerged(options)) return nullptr;
   if (!simplificationOf(options, result.solid, grown.surface.get()).isAny()) return nullptr;
   return surfacesOf(grown, result, progress);
 }

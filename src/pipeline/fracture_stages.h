@@ -102,6 +102,9 @@ void measureFragments(const GrownFracture& grown, FractureResult& result, const 
     const Progress* progress);
 
 /// Cut the fragments out.  Thread-safe; does not use the device.
+///   return  with FractureResult::surfaces also where there are meshes that are neither smoothed
+///   nor
+///           simplified nor decimated: measures of fragments and points are taken of them
 [[nodiscard]] FractureResult extracted(GrownFracture grown, const FractureOptions& options,
                                        const Progress* progress);
 

@@ -118,7 +118,10 @@ GrownFracture regrown(const FinishedFracture& finished, std::span<const int> onl
 FractureResult refracture(const FinishedFracture& finished, std::span<const int> only,
                           const FractureOptions& options, Device& device,
                           const Progress* progress) {
-  return extracted(regrown(finished, only, options, device, progress), options, progress);
+  FractureResult result =
+      extracted(regrown(finished, only, options, device, progress), options, progress);
+  if (options.surface.meshes) result.surfaces.reset();
+  return result;
 }
 
 }  // namespace sherd

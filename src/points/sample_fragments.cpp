@@ -1,4 +1,4 @@
-// Points on fragments without meshes.
+// Points on the surfaces of fragments.
 #include <sherd/points.h>
 #include <tbb/parallel_for.h>
 

@@ -130,7 +130,7 @@ void straightenBoundaries(std::span<const std::vector<InterfaceQuad>> quads,
       };
       const glm::dvec3 from = vertices[junctions[j].vertices()[0]];
       if (from + (junctions[j].target - from) == from) continue;  // already there
-      // No quality is above kLeastCosine, so that there the one before does not matter.
+      // A quality of kLeastCosine is the best there is, so the one before need not be known.
       moveTo(from + (junctions[j].target - from));
       if (junctionQuads.worstQuality(j, vertices, kLeastCosine) >= kLeastCosine) continue;
       moveTo(from);

@@ -10,7 +10,7 @@
 
 namespace sherd {
 
-/// The diagonal at which a quad is split, if both are in it; of a settled quad always.
+/// The diagonal at which a quad is split: preferred, if both are in it; of a settled quad, used.
 enum class QuadSplit : std::uint8_t {
   shorter,  ///< the shorter one
   first,    ///< of vertices 0 and 2

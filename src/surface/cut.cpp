@@ -312,7 +312,8 @@ Cut findCut(const Labels& labels, std::span<const LeafNeighbors> neighborhoods, 
   const LeafBlocks& blocks = *labels.blocks;
   const std::vector<std::uint64_t> voxels = countVoxels(labels);
   const std::vector<std::uint32_t> leafLabel = leafLabels(labels);
-  const std::vector<std::array<std::uint32_t, 6>> layers = mixedLayers(labels, leafLabel);
+  std::vector<std::array<std::uint32_t, 6>> layers;
+  if (extent == CutExtent::cells) layers = mixedLayers(labels, leafLabel);
   const Sites sites(labels.sites);
   std::vector<CutLeaf> perLeaf(blocks.count());
   Cut cut;

@@ -38,7 +38,7 @@ struct Cut {
 
   std::vector<std::uint16_t>
       only;  ///< [leaf] the only fragment within two voxels of the leaf, or 0; by CutExtent::cells
-             ///< that of the inside voxels within one voxel
+             ///< the only one within one voxel, or of inside voxels there
   std::vector<std::uint32_t> index;  ///< [leaf] into leaves, or kWhole
   std::vector<CutLeaf> leaves;
   std::vector<float> snapWeight;  ///< [65536] by label: 0..1, 1 snaps to its voxels' faces

@@ -21,7 +21,6 @@
 #include "surface/independent_mesh.h"
 #include "surface/intact_labels.h"
 #include "surface/label_mesh.h"
-#include "surface/leaf_labels.h"
 #include "surface/level_set.h"
 #include "surface/seam_charts.h"
 #include "surface/seam_cuts.h"
@@ -99,12 +98,6 @@ bool needsWholeCut(const SurfaceOptions& surface) {
          (surface.surface != Surface::labels && surface.interface == Interface::independent);
 }
 
-// The options of the surfaces before any simplification, of which points are sampled.
-SurfaceOptions bare(SurfaceOptions surface) {
-  surface.levelSets = false;
-  return surface;
-}
-
 const SurfaceOptions& checked(const Solid& solid, const ExtractOptions& options,
                               const Progress* progress) {
   checkSurfaceOptions(options.surface);
@@ -121,6 +114,7 @@ Extraction::Extraction(const Solid& solid, const Labels& labels, const ExtractOp
       labels_(labels),
       uneroded_(options.uneroded),
       surface_(checked(solid, options, progress)),
+      keepsUnmerged_(keepsUnmerged(options.surface)),
       progress_(progress),
       seed_(options.seed),
       count_(static_cast<std::size_t>(labels.fragmentCount)),
@@ -175,7 +169,8 @@ void Extraction::makeExact(ExactSurface exact) {
   processed_.meshes = std::move(exact.meshes);
 }
 
-// Frees what is not needed any more before the next step, which takes about as much memory.
+// Frees what is not needed any more before the next step, which takes about as much memory: the
+// surfaces too, unless points are sampled of them.
 void Extraction::processTogether(std::shared_ptr<const FragmentSurfaces> surfaces) {
   Processed& all = processed_;
   all.meshes.resize(count_);
@@ -184,7 +179,7 @@ void Extraction::processTogether(std::shared_ptr<const FragmentSurfaces> surface
     if (!stop.isSet()) all.meshes[i] = surfaces->meshOf(static_cast<std::uint16_t>(i + 1));
   });
   stop.throwIfSet();
-  if (surface_.points && canLackMeshes(bare(surface_))) unmerged_ = surfaces;
+  if (keepsUnmerged_) unmerged_ = surfaces;
   surfaces.reset();
   smoothTogether(all.meshes, surface_.smooth, solid_.box.longestSide(), progress_);
   throwIfCancelled(progress_);

@@ -4,7 +4,6 @@
 #include <sherd/fragments.h>
 
 #include <memory>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -63,6 +62,7 @@ class Extraction {
   const Labels& labels_;
   const Labels* const uneroded_;
   SurfaceOptions surface_;  ///< smooth where exact surfaces fail
+  const bool keepsUnmerged_;
   const Progress* const progress_;
   const std::uint64_t seed_;
   const std::size_t count_;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <numeric>
@@ -28,11 +29,6 @@ void widen(std::optional<Box>& box, const glm::dvec3& low, const glm::dvec3& hig
 const IntactLeaf* reusedLeaf(const InterfaceSurface& surface, const IntactSurface* intact,
                              std::size_t leaf) {
   return surface.reusesTriangles(leaf) ? &intact->leaves[leaf] : nullptr;
-}
-
-double areaOf(const SurfaceTriangle& t) {
-  const auto& [a, b, c] = t.corner;
-  return 0.5 * glm::length(glm::cross(b - a, c - a));
 }
 
 // The areas of the quads of a leaf that are the intact solid's, looked up by ascending edges.
@@ -192,7 +188,8 @@ Fragment FragmentSurfaces::measured(std::uint16_t id) const {
         double own = known != nullptr ? (*known)[half] : 0.0;
         if (!isReused) {
           const SurfaceTriangle t = triangle(leaf, quad, half);
-          own = 0.5 * glm::length(octants[octant].add(t.corner[0], t.corner[1], t.corner[2]));
+          octants[octant].add(t.corner[0], t.corner[1], t.corner[2]);
+          if (known == nullptr) own = areaOf(t.corner);
         }
         area += own;
         if (neighborOf(leaf, quad, half) != 0) fragment.fractureArea += own;
@@ -207,7 +204,8 @@ Fragment FragmentSurfaces::measured(std::uint16_t id) const {
   double ofGaps = 0.0;
   for (std::size_t i = 0; i < surface_.gapsOf(id).size(); ++i) {
     const SurfaceTriangle t = gap(id, i);
-    const double own = 0.5 * glm::length(mass.add(t.corner[0], t.corner[1], t.corner[2]));
+    const double own = areaOf(t.corner);
+    mass.add(t.corner[0], t.corner[1], t.corner[2]);
     ofGaps += own;
     if (t.neighbor != 0) fragment.fractureArea += own;
   }
@@ -264,12 +262,14 @@ SurfaceByArea FragmentSurfaces::byArea(std::uint16_t id) const {
     for (const InterfaceQuad& quad : quads) {
       const std::array<double, 2>* const known = areas.find(quad);
       for (const std::size_t half : {0, 1})
-        sums.push_back(known != nullptr ? (*known)[half] : areaOf(triangle(leaf, quad, half)));
+        sums.push_back(known != nullptr ? (*known)[half]
+                                        : areaOf(triangle(leaf, quad, half).corner));
     }
     endPart(first);
   }
   const std::size_t first = sums.size();
-  for (std::size_t i = 0; i < surface_.gapsOf(id).size(); ++i) sums.push_back(areaOf(gap(id, i)));
+  for (std::size_t i = 0; i < surface_.gapsOf(id).size(); ++i)
+    sums.push_back(areaOf(gap(id, i).corner));
   endPart(first);
   parts.triangle = [this, id, own = std::move(own)](std::size_t part, std::size_t t) {
     if (part == own.size()) return gap(id, t);
@@ -329,36 +329,35 @@ std::vector<std::map<int, double>> FragmentSurfaces::boundaryLengths() const {
   // several.  Each vertex belongs to one fragment.  No quad of a crack has a vertex of an intact
   // one.
   RegionsAtVertices regions(at.size());
-  for (std::size_t leaf = 0; leaf < surface_.leaves(); ++leaf) {
-    for (const InterfaceQuad& quad : surface_.quadsOf(leaf)) {
-      if (quad.isIntact) continue;
-      const QuadHalves halves = trianglesOf(quad.vertex, quad.split);
-      for (const std::size_t half : {0, 1}) {
-        for (const std::uint32_t v : halves[half]) regions.add(v, neighborOf(leaf, quad, half));
+  std::vector<std::map<int, double>> lengths(count_ + 1);
+  tbb::parallel_for(std::size_t{1}, count_ + 1, [&](std::size_t i) {
+    const auto id = static_cast<std::uint16_t>(i);
+    for (const std::uint32_t leaf : surface_.leavesOf(id)) {
+      for (const InterfaceQuad& quad : surface_.quadsOf(leaf, id)) {
+        if (quad.isIntact) continue;
+        const QuadHalves halves = trianglesOf(quad.vertex, quad.split);
+        for (const std::size_t half : {0, 1}) {
+          for (const std::uint32_t v : halves[half]) regions.add(v, neighborOf(leaf, quad, half));
+        }
       }
     }
-  }
-  std::vector<std::map<int, double>> lengths(count_ + 1);
-  for (std::size_t i = 1; i <= count_; ++i) {
-    const auto id = static_cast<std::uint16_t>(i);
     const auto gaps = surface_.gapsOf(id);
     for (std::size_t k = 0; k < gaps.size(); ++k) {
       for (const std::uint32_t v : gaps[k]->vertex) regions.add(v, gap(id, k).neighbor);
     }
-  }
-  tbb::parallel_for(std::size_t{1}, count_ + 1, [&](std::size_t id) {
     RegionEdges edges(regions);
     const auto add = [&](const SurfaceTriangle& t, const std::array<std::uint32_t, 3>& vertex) {
       edges.add(vertex, t.neighbor);
     };
-    forEachCrackOfQuads(static_cast<std::uint16_t>(id), add);
-    forEachCrackOfGaps(static_cast<std::uint16_t>(id), add);
+    forEachCrackOfQuads(id, add);
+    forEachCrackOfGaps(id, add);
     lengths[id] = lengthsOf(std::move(edges).loops(), at);
   });
   return lengths;
 }
 
 LabeledMesh FragmentSurfaces::meshOf(std::uint16_t id) const {
+  assert(meshes_);
   LabeledMesh mesh = meshes_->meshOf(id);
   if (neighbors_.empty()) {
     mesh.mesh.neighbor = mesh.other;

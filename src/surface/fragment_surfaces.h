@@ -1,14 +1,12 @@
-// The surfaces of all fragments, without their meshes.
+// The surfaces of all fragments, their measures and meshes.
 #pragma once
 
 #include <sherd/fragments.h>
 
-#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "mesh/surface_by_area.h"
@@ -21,8 +19,8 @@
 namespace sherd {
 
 /// The surfaces that extractFragments makes with Surface::smooth and Interface::shared, before they
-/// are smoothed or simplified.  Leaves that no crack passes through are the intact solid's, whose
-/// areas and integrals are there already, so only the others cost time.  All sums are made leaf by
+/// are smoothed or simplified.  Quads away from cracks are the intact solid's, whose areas and
+/// integrals are there already, so mostly the others cost time.  All sums are made leaf by
 /// leaf, so that they do not depend on which leaves are the intact solid's.
 class FragmentSurfaces {
  public:

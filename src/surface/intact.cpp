@@ -6,8 +6,8 @@
 #include <tbb/parallel_for.h>
 
 #include <glm/common.hpp>
-#include <glm/geometric.hpp>
 
+#include "mesh/surface_by_area.h"
 #include "surface/intact_labels.h"
 #include "surface/simplify.h"
 #include "voxelize/leaf_blocks.h"
@@ -18,14 +18,16 @@ namespace {
 // Sets the areas, masses and box of a leaf's triangles.
 void measure(IntactSurface& surface, std::size_t leaf, const GridFrame& frame) {
   IntactLeaf& own = surface.leaves[leaf];
-  own.octants.fill(MassSums(surface.reference));
+  if (own.quads.empty()) return;
+  own.octants.assign(8, MassSums(surface.reference));
   own.areas.resize(own.quads.size());
   own.areaSums.reserve(own.triangles());
   double area = 0.0;
   for (std::size_t t = 0; t < own.triangles(); ++t) {
     const std::array<glm::dvec3, 3> at = surface.corners(leaf, t, frame);
     MassSums& octant = own.octants[octantOf(own.quads[t / 2].edge)];
-    const double one = 0.5 * glm::length(octant.add(at[0], at[1], at[2]));
+    octant.add(at[0], at[1], at[2]);
+    const double one = areaOf(at);
     own.areas[t / 2][t % 2] = one;
     own.areaSums.push_back(area += one);
     if (t == 0) own.box = {at[0], at[0]};
@@ -98,6 +100,7 @@ std::shared_ptr<const IntactSurface> intactSurface(const Solid& solid) {
       own.quads.push_back(
           {corner, quad.edge, settledSplit({1, 0, {0, 1, 2, 3}, quad.edge, quad.split}, at)});
     }
+    own.quads.shrink_to_fit();
   });
   made->reference = middleOf(solid);
   tbb::parallel_for(std::size_t{0}, count,

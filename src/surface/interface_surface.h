@@ -26,7 +26,8 @@ enum class SurfaceVertices {
 
 /// All labels meshed together (see InterfaceMeshes): vertices, quads and gaps.  A leaf with only
 /// one label has the same surface as in the intact solid.  If that is given, the cells and
-/// triangles of such leaves are reused, and only the others are made.
+/// triangles of such leaves are reused; in the others, cells with one label and the quads between
+/// them.  Only the rest is made.
 class InterfaceSurface {
  public:
   ///   neighborhoods  of the solid's leaves

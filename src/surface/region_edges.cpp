@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <glm/geometric.hpp>
-#include <utility>
 
 namespace sherd {
 namespace {

@@ -156,6 +156,12 @@ bool canLackMeshes(const SurfaceOptions& options) {
          !isAny(options.smooth.boundaryIterations);
 }
 
+bool keepsUnmerged(const SurfaceOptions& options) {
+  SurfaceOptions meshesOnly = options;
+  meshesOnly.levelSets = false;
+  return options.points && canLackMeshes(meshesOnly);
+}
+
 void checkSurfaceOptions(const SurfaceOptions& options) {
   const SmoothOptions& smooth = options.smooth;
   if (!areValid(smooth.iterations) || !areValid(smooth.boundaryIterations) ||

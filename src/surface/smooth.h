@@ -24,4 +24,7 @@ void smoothTogether(std::span<LabeledMesh> meshes, const SmoothOptions& options,
 /// Returns whether SurfaceOptions::meshes may be false.
 [[nodiscard]] bool canLackMeshes(const SurfaceOptions& options);
 
+/// Returns whether points are sampled of the surfaces before triangles are merged, if they are.
+[[nodiscard]] bool keepsUnmerged(const SurfaceOptions& options);
+
 }  // namespace sherd

@@ -368,6 +368,32 @@ class Layouts(Dataset):
                     self.assertEqual(len(neighbor), self.faces(os.path.join(own, fracture, piece)))
                     self.assertEqual(set(neighbor) - set(range(len(pieces) + 1)), set())
 
+    def test_points_of_breaking_bad_are_in_its_frame(self):
+        """On the pieces as their meshes are written, scaled; on flat solids too, whose triangles are merged."""
+        library = self.path("frames")
+        os.makedirs(os.path.join(library, "all"))
+        write_obj(os.path.join(library, "all", "ball.obj"), sphere())
+        corners = 7 + 4 * np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 2)], float)
+        faces = np.array([[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]])
+        write_obj(os.path.join(library, "all", "block.obj"), (corners, faces))
+        for files in "mesh,points", "points":
+            self.out = self.path(f"frames-{files}")
+            self.done("--layout", "bb", "--write", files, "--points", "300", "--point-format", "xyz", library=library)
+            for name in "ball", "block":
+                found = []
+                for folder, _, names in os.walk(os.path.join(self.out, "all", name, "points")):
+                    found += [np.loadtxt(os.path.join(folder, file)) for file in names if file.startswith("piece_")]
+                    for file in names:
+                        mesh = os.path.join(folder.replace(os.sep + "points" + os.sep, os.sep), file[:-3] + "obj")
+                        if not file.startswith("piece_") or not os.path.exists(mesh):
+                            continue
+                        at, own = self.vertices(mesh), np.loadtxt(os.path.join(folder, file))[:, :3]
+                        self.assertTrue((own >= at.min(0) - 1e-4).all() and (own <= at.max(0) + 1e-4).all(), file)
+                self.assertGreater(len(found), 10)
+                at = np.concatenate(found)[:, :3]
+                self.assertAlmostEqual(np.ptp(at, axis=0).max(), 1, delta=0.1)
+                self.assertLess(np.abs(at.max(0) + at.min(0)).max(), 0.1)
+
     def listed(self, name):
         return self.file(name).decode().splitlines()
 

@@ -91,6 +91,7 @@ TEST_F(FractureInto, LetsGoOfMeshesAndLevelSetsThatNoFileNeeds) {
   options_.missing = 2;
   const FractureResult result = bothWays(options_, {.preview = false, .graph = true});
   EXPECT_EQ(result.kept(), 5u);
+  EXPECT_EQ(result.surfaces, nullptr);
   for (const Fragment& fragment : result.fragments) {
     EXPECT_EQ(fragment.surface, nullptr);
     EXPECT_TRUE(fragment.mesh.triangles.empty());

@@ -5,6 +5,7 @@
 #include <sherd/points.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <map>
@@ -23,7 +24,11 @@
 #include "pipeline/fracture_stages.h"
 #include "points/sample_surface.h"
 #include "shapes.h"
+#include "surface/contacts.h"
+#include "surface/cut.h"
 #include "surface/fragment_surfaces.h"
+#include "surface/interface_surface.h"
+#include "voxelize/leaf_blocks.h"
 
 namespace sherd {
 namespace {
@@ -208,6 +213,30 @@ std::set<std::pair<std::uint16_t, std::uint16_t>> touchingPairs(const Solid& sol
   return pairs;
 }
 
+// Of all faces of the meshes, and of faces between voxels.
+std::vector<std::vector<Contact>> contactsOfMeshes(const Both& both, const Labels& before) {
+  const std::vector<LeafNeighbors> neighborhoods = leafNeighbors(both.bare.solid.blocks->origins);
+  ContactMeasure measure;
+  for (const Fragment& fragment : both.meshed.fragments) measure.add(fragment);
+  return measure.contacts(both.bare.fragments.size(), both.bare.solid, before,
+                          findCut(both.bare.labels, neighborhoods), neighborhoods);
+}
+
+struct ContactTolerance {
+  double area, normal, centroid;
+};
+
+void expectNear(std::span<const Contact> a, std::span<const Contact> b,
+                const ContactTolerance& tolerance) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    EXPECT_EQ(a[k].fragment, b[k].fragment);
+    EXPECT_NEAR(a[k].area, b[k].area, tolerance.area);
+    expectNear(a[k].normal, b[k].normal, tolerance.normal);
+    expectNear(a[k].centroid, b[k].centroid, tolerance.centroid);
+  }
+}
+
 // Sums of at most a million terms in another order.
 TEST_F(FragmentPoints, FragmentsHaveTheMeasuresOfTheirMeshes) {
   constexpr double kRounding = 1e-10;
@@ -220,8 +249,9 @@ TEST_F(FragmentPoints, FragmentsHaveTheMeasuresOfTheirMeshes) {
     const std::vector<MeshFacts> facts = meshFacts(both.bare),
                                  expected = meshFacts(std::span(both.meshed.fragments));
     const std::vector<std::size_t> vertices = both.bare.surfaces->vertexCounts();
-    const auto pairs =
-        touchingPairs(both.bare.solid, both.uneroded ? *both.uneroded : both.bare.labels);
+    const Labels& before = both.uneroded ? *both.uneroded : both.bare.labels;
+    const std::vector<std::vector<Contact>> expectedContacts = contactsOfMeshes(both, before);
+    const auto pairs = touchingPairs(both.bare.solid, before);
     std::size_t contacts = 0;
     for (std::size_t i = 0; i < both.bare.fragments.size(); ++i) {
       const Fragment &a = both.bare.fragments[i], &b = both.meshed.fragments[i];
@@ -252,6 +282,7 @@ TEST_F(FragmentPoints, FragmentsHaveTheMeasuresOfTheirMeshes) {
         EXPECT_NEAR(facts[i].boundaryLengths.at(neighbor), length, kRounding * size);
       }
       contacts += a.contacts.size();
+      expectNear(a.contacts, expectedContacts[i], {kRounding * area, 1e-6, 1e-6 * size});
       for (const Contact& contact : a.contacts) {
         const auto other = static_cast<std::uint16_t>(contact.fragment);
         const auto own = static_cast<std::uint16_t>(a.id);
@@ -288,12 +319,63 @@ TEST_F(FragmentPoints, MeasuresAreTheSameForOneFractureOrSeveral) {
         ASSERT_EQ(a.contacts.size(), b.contacts.size());
         for (std::size_t k = 0; k < a.contacts.size(); ++k) {
           EXPECT_EQ(a.contacts[k].area, b.contacts[k].area);
+          EXPECT_EQ(a.contacts[k].normal, b.contacts[k].normal);
           EXPECT_EQ(a.contacts[k].centroid, b.contacts[k].centroid);
         }
       }
       EXPECT_EQ(a.mesh.vertices, both.meshed.fragments[i].mesh.vertices);
       EXPECT_EQ(a.mesh.triangles, both.meshed.fragments[i].mesh.triangles);
       EXPECT_EQ(a.mesh.neighbor, both.meshed.fragments[i].mesh.neighbor);
+    }
+  }
+}
+
+// Beside cracks, and whatever the labels of the exterior band are.
+TEST_F(FragmentPoints, TakeQuadsOfTheIntactSolid) {
+  const Both both = broken(cases()[1]);
+  const IntactSurface& intact = *both.ready.surface;
+  const Cut cut = findCut(both.bare.labels, intact.neighborhoods, CutExtent::cells);
+  const InterfaceSurface surface(both.bare.solid, both.bare.labels, cut, intact.neighborhoods,
+                                 intact.creases, &intact, SurfaceVertices::all, nullptr);
+  std::size_t leaves = 0, octants = 0, quads = 0, made = 0;
+  for (std::size_t leaf = 0; leaf < surface.leaves(); ++leaf) {
+    leaves += surface.reusesTriangles(leaf) ? 1 : 0;
+    octants += static_cast<std::size_t>(std::popcount(surface.intactOctants(leaf)));
+    for (const InterfaceQuad& quad : surface.quadsOf(leaf)) ++(quad.isIntact ? quads : made);
+  }
+  EXPECT_GT(leaves, 0u);
+  EXPECT_GT(octants, leaves);
+  EXPECT_GT(quads, made);
+  std::size_t crossings = 0;
+  for (const openvdb::Coord& origin : both.bare.solid.blocks->origins)
+    crossings += intact.creases.crossings(origin).size();
+  EXPECT_GT(crossings, 0u);
+}
+
+// A leaf without a cut has no cell with several labels.
+TEST_F(FragmentPoints, CutEveryLeafWithCellsOfSeveralLabels) {
+  for (const Case& of : cases()) {
+    SCOPED_TRACE(of.name);
+    const Both both = broken(of);
+    const LeafBlocks& blocks = *both.bare.solid.blocks;
+    const Cut cut = findCut(both.bare.labels, leafNeighbors(blocks.origins), CutExtent::cells);
+    std::map<openvdb::Coord, std::uint16_t> at;
+    blocks.forEachInside(
+        [&](std::size_t voxel) { at[blocks.voxelAt(voxel)] = both.bare.labels.fragment[voxel]; });
+    std::size_t whole = 0;
+    for (std::size_t leaf = 0; leaf < blocks.count(); ++leaf) {
+      if (cut.index[leaf] != Cut::kWhole) continue;
+      ++whole;
+      const openvdb::Coord low = blocks.origins[leaf] - openvdb::Coord(1);
+      for (int i = 0; i < 1000; ++i) {  // the corners of all cells with a corner in the leaf
+        const auto found = at.find(low + openvdb::Coord(i / 100, i / 10 % 10, i % 10));
+        if (found != at.end()) {
+          ASSERT_EQ(found->second, cut.only[leaf]) << "leaf " << leaf;
+        }
+      }
+    }
+    if (of.options.pieces < 10) {
+      EXPECT_GT(whole, 0u);
     }
   }
 }
