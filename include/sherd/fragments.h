@@ -93,13 +93,13 @@ inline constexpr double kPlanarTolerance = 0.005, kPlanarCrackTolerance = 0.1;
 
 struct SurfaceOptions {
   bool levelSets = true;  ///< also makes Fragment::surface; else it is null
-  bool meshes = true;   ///< makes Fragment::mesh; else it is empty, which takes 0.6 of the time;
-                        ///< volume, areas and contacts are the same.  Only without
-                        ///< level sets, for Surface::smooth and Interface::shared as they are
-                        ///< meshed: neither smoothed nor decimated, with any adaptivity but one
-                        ///< above 0
-  bool points = false;  ///< makes what points are sampled of, FractureResult::unmerged, so that
-                        ///< points do not depend on merged triangles
+  bool meshes = true;     ///< makes Fragment::mesh; else it is empty, which takes 0.6 of the time;
+                          ///< volume, areas and contacts are the same.  Only without
+                          ///< level sets, for Surface::smooth and Interface::shared as they are
+                          ///< meshed: neither smoothed nor decimated, with any adaptivity but one
+                          ///< above 0
+  bool points = false;    ///< makes what points are sampled of, FractureResult::unmerged, so that
+                          ///< points do not depend on merged triangles
   Surface surface = Surface::smooth;
   Interface interface = Interface::shared;
   SmoothOptions smooth{};                ///< for both surfaces; the default does not smooth
