@@ -23,19 +23,11 @@ struct Centers {
   void trace(int x, int y) const {
     const glm::vec3 d =
         camera.direction(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
-    RTCRayHit ray;
-    ray.ray.org_x = camera.eye.x, ray.ray.org_y = camera.eye.y, ray.ray.org_z = camera.eye.z;
-    ray.ray.dir_x = d.x, ray.ray.dir_y = d.y, ray.ray.dir_z = d.z;
-    ray.ray.tnear = 0.0f, ray.ray.tfar = std::numeric_limits<float>::infinity();
-    ray.ray.mask = ~0u, ray.ray.flags = 0, ray.ray.time = 0.0f;
-    ray.hit.geomID = ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcIntersect1(embree, &context, &ray);
-    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return;
+    const RTCHit hit = firstHit(embree, camera.eye, d);
+    if (hit.geomID == RTC_INVALID_GEOMETRY_ID) return;
     store(static_cast<std::size_t>(y) * static_cast<std::size_t>(aovs.width) +
               static_cast<std::size_t>(x),
-          ray.hit, d);
+          hit, d);
   }
 
   void store(std::size_t pixel, const RTCHit& hit, const glm::vec3& ray) const {

@@ -4,6 +4,8 @@
 #include <sherd/error.h>
 #include <tbb/task_arena.h>
 
+#include <limits>
+
 #include "mesh/embree_error.h"
 
 namespace sherd {
@@ -49,6 +51,19 @@ EmbreeScene embreeScene(std::span<const EmbreeMesh> meshes, EmbreeTree tree) {
     check(embree.device.get());
   });
   return embree;
+}
+
+RTCHit firstHit(RTCScene scene, glm::vec3 origin, glm::vec3 direction) {
+  RTCRayHit ray;
+  ray.ray.org_x = origin.x, ray.ray.org_y = origin.y, ray.ray.org_z = origin.z;
+  ray.ray.dir_x = direction.x, ray.ray.dir_y = direction.y, ray.ray.dir_z = direction.z;
+  ray.ray.tnear = 0.0f, ray.ray.tfar = std::numeric_limits<float>::infinity();
+  ray.ray.mask = ~0u, ray.ray.flags = 0, ray.ray.time = 0.0f;
+  ray.hit.geomID = ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcIntersect1(scene, &context, &ray);
+  return ray.hit;
 }
 
 }  // namespace sherd

@@ -32,4 +32,7 @@ enum class EmbreeTree {
 ///   throws  Error(output) Embree failed
 [[nodiscard]] EmbreeScene embreeScene(std::span<const EmbreeMesh> meshes, EmbreeTree tree);
 
+/// Returns what a ray hits first; geomID is RTC_INVALID_GEOMETRY_ID if nothing.
+[[nodiscard]] RTCHit firstHit(RTCScene scene, glm::vec3 origin, glm::vec3 direction);
+
 }  // namespace sherd

@@ -11,10 +11,8 @@
 #include <sherd/error.h>
 #include <sherd/fracture.h>
 #include <sherd/points.h>
-#include <tbb/parallel_pipeline.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -28,6 +26,7 @@
 
 #include "ball.h"
 #include "cl/device_impl.h"
+#include "grown_pipeline.h"
 #include "pipeline/fracture_stages.h"
 #include "shapes.h"
 
@@ -176,30 +175,13 @@ double pointsPerSecond(Column& column, int size, const sherd::Progress& progress
       sherd::voxelize(sherd::shapes::torus(10.0, 2.0), {.resolution = size}), *column.device);
   ready.surface = sherd::intactSurface(ready.solid);
   constexpr std::size_t kFractures = 36;
-  std::atomic<std::size_t> fragments = 0;
+  std::size_t fragments = 0;
   const auto run = [&] {
-    std::size_t next = 0;
-    fragments = 0;
-    using Grown = std::shared_ptr<const sherd::GrownFracture>;
-    const auto grown = [&](tbb::flow_control& control) -> Grown {
-      if (next == kFractures) {
-        control.stop();
-        return nullptr;
-      }
-      sherd::FractureOptions options;
-      options.pieces = 2 + static_cast<int>(next % 9);
-      options.seed = next++;
-      return std::make_shared<const sherd::GrownFracture>(
-          sherd::grow(ready, options, *column.device, sherd::StageClock(), &progress));
-    };
-    const auto sample = [&](const Grown& of) {
-      (void)sherd::samplePoints(of->result.solid, of->result.labels,
-                                {{.count = 1000}, nullptr, ready.surface});
-      fragments += static_cast<std::size_t>(of->result.labels.fragmentCount);
-    };
-    tbb::parallel_pipeline(3,
-                           tbb::make_filter<void, Grown>(tbb::filter_mode::serial_in_order, grown) &
-                               tbb::make_filter<Grown, void>(tbb::filter_mode::parallel, sample));
+    fragments = sherd::forEachGrown(
+        ready, kFractures, *column.device, &progress, [&](const sherd::GrownFracture& grown) {
+          (void)sherd::samplePoints(grown.result.solid, grown.result.labels,
+                                    {{.count = 1000}, nullptr, ready.surface});
+        });
   };
   const double seconds = medianSeconds(run);
   return static_cast<double>(fragments) / seconds;

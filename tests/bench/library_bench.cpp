@@ -10,13 +10,12 @@
 #include <sherd/folder.h>
 #include <sherd/fracture.h>
 #include <sherd/points.h>
-#include <tbb/parallel_pipeline.h>
 
-#include <atomic>
 #include <cstdlib>
 #include <memory>
 #include <vector>
 
+#include "grown_pipeline.h"
 #include "pipeline/fracture_stages.h"
 #include "shapes.h"
 #include "surface/mesh.h"
@@ -98,35 +97,17 @@ void points(benchmark::State& state, Sampled sampled) {
       sherd::voxelize(benchMesh(), {.resolution = static_cast<int>(state.range(0))}), device);
   ready.surface = sherd::intactSurface(ready.solid);
   constexpr std::size_t kFractures = 90;
-  std::atomic<std::size_t> fragments = 0;
-  for (auto _ : state) {
-    std::size_t next = 0;
-    using Grown = std::shared_ptr<const sherd::GrownFracture>;
-    const auto grown = [&](tbb::flow_control& control) -> Grown {
-      if (next == kFractures) {
-        control.stop();
-        return nullptr;
-      }
-      sherd::FractureOptions options;
-      options.pieces = 2 + static_cast<int>(next % 9);
-      options.seed = next++;
-      return std::make_shared<const sherd::GrownFracture>(
-          sherd::grow(ready, options, device, sherd::StageClock(), nullptr));
-    };
-    const auto sample = [&](const Grown& of) {
-      const sherd::PointOptions options{.count = 1000};
-      if (sampled == Sampled::meshes) {
-        benchmark::DoNotOptimize(pointsOfMeshes(*of, options));
-      } else if (sampled == Sampled::surfaces) {
-        benchmark::DoNotOptimize(sherd::samplePoints(of->result.solid, of->result.labels,
-                                                     {options, nullptr, ready.surface}));
-      }
-      fragments += static_cast<std::size_t>(of->result.labels.fragmentCount);
-    };
-    tbb::parallel_pipeline(3,
-                           tbb::make_filter<void, Grown>(tbb::filter_mode::serial_in_order, grown) &
-                               tbb::make_filter<Grown, void>(tbb::filter_mode::parallel, sample));
-  }
+  std::size_t fragments = 0;
+  const auto sample = [&](const sherd::GrownFracture& grown) {
+    const sherd::PointOptions options{.count = 1000};
+    if (sampled == Sampled::meshes) {
+      benchmark::DoNotOptimize(pointsOfMeshes(grown, options));
+    } else if (sampled == Sampled::surfaces) {
+      benchmark::DoNotOptimize(sherd::samplePoints(grown.result.solid, grown.result.labels,
+                                                   {options, nullptr, ready.surface}));
+    }
+  };
+  for (auto _ : state) fragments += sherd::forEachGrown(ready, kFractures, device, nullptr, sample);
   state.counters["fragments"] =
       benchmark::Counter(static_cast<double>(fragments), benchmark::Counter::kIsRate);
 }

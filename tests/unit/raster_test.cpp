@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <limits>
 
 #include "render/backdrop.h"
 #include "render/camera.h"
@@ -41,18 +40,9 @@ struct View {
   Camera camera = frameScene(scene, options);
 };
 
-RTCRayHit hitAt(const View& view, const EmbreeScene& embree, glm::vec2 position) {
-  const glm::vec3 d = view.camera.direction(position.x, position.y), eye = view.camera.eye;
-  RTCRayHit ray;
-  ray.ray.org_x = eye.x, ray.ray.org_y = eye.y, ray.ray.org_z = eye.z;
-  ray.ray.dir_x = d.x, ray.ray.dir_y = d.y, ray.ray.dir_z = d.z;
-  ray.ray.tnear = 0.0f, ray.ray.tfar = std::numeric_limits<float>::infinity();
-  ray.ray.mask = ~0u, ray.ray.flags = 0, ray.ray.time = 0.0f;
-  ray.hit.geomID = ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcIntersect1(embree.scene.get(), &context, &ray);
-  return ray;
+RTCHit hitAt(const View& view, const EmbreeScene& embree, glm::vec2 position) {
+  return firstHit(embree.scene.get(), view.camera.eye,
+                  view.camera.direction(position.x, position.y));
 }
 
 float distanceToEdge(float u, float v) { return std::min({u, v, 1.0f - u - v}); }
@@ -73,22 +63,22 @@ TEST(Raster, ShowsTheTriangleThatARayHitsFirst) {
       const bool isCovered = raster.draw(x / kTile, y / kTile, hits);
       for (std::size_t s = 0; s < kInPixel.size(); ++s) {
         const glm::vec2 at = kInPixel[s] + glm::vec2(x, y);
-        const RTCRayHit ray = hitAt(view, embree, at);
+        const RTCHit ray = hitAt(view, embree, at);
         const std::uint32_t hit =
             isCovered ? hits.shown[4 * static_cast<std::size_t>(y % kTile * kTile + x % kTile) + s]
                       : TileHits::kNothing;
         if (hit == TileHits::kNothing) {
-          if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) continue;
+          if (ray.geomID == RTC_INVALID_GEOMETRY_ID) continue;
           ++differences;
-          EXPECT_LT(distanceToEdge(ray.hit.u, ray.hit.v), kBesideEdge) << x << " " << y;
+          EXPECT_LT(distanceToEdge(ray.u, ray.v), kBesideEdge) << x << " " << y;
           continue;
         }
         const TileHits::Triangle& found = hits.triangles[hit];
         const glm::vec2 inTriangle = raster.barycentric(found, at);
         ++shown[found.fragment];
-        if (found.fragment == ray.hit.geomID && found.triangle == ray.hit.primID) {
-          EXPECT_NEAR(inTriangle.x, ray.hit.u, 1e-2f);
-          EXPECT_NEAR(inTriangle.y, ray.hit.v, 1e-2f);
+        if (found.fragment == ray.geomID && found.triangle == ray.primID) {
+          EXPECT_NEAR(inTriangle.x, ray.u, 1e-2f);
+          EXPECT_NEAR(inTriangle.y, ray.v, 1e-2f);
           continue;
         }
         ++differences;
