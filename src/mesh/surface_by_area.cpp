@@ -8,12 +8,10 @@
 #include <glm/geometric.hpp>
 #include <utility>
 
+#include "mesh/triangle_area.h"
+
 namespace sherd {
 namespace {
-
-glm::dvec3 scaledNormal(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
-  return glm::cross(b - a, c - a);
-}
 
 // Returns the index of the first sum above `area`, as std::upper_bound does, without branches that
 // depend on the sums: no processor predicts those of a random area.
@@ -30,10 +28,6 @@ std::size_t firstSumAbove(std::span<const double> sums, double area) {
 
 }  // namespace
 
-double areaOf(const std::array<glm::dvec3, 3>& corner) {
-  return 0.5 * glm::length(scaledNormal(corner[0], corner[1], corner[2]));
-}
-
 void addArea(std::vector<double>& areaSums, std::size_t firstOfPart, const glm::dvec3& a,
              const glm::dvec3& b, const glm::dvec3& c) {
   const double sum = areaSums.size() > firstOfPart ? areaSums.back() : 0.0;
@@ -46,9 +40,7 @@ glm::dvec3 SurfaceTriangle::pointIn(double u, double v) const {
   return (1.0 - root) * corner[0] + root * (1.0 - v) * corner[1] + root * v * corner[2];
 }
 
-glm::dvec3 SurfaceTriangle::normal() const {
-  return glm::normalize(scaledNormal(corner[0], corner[1], corner[2]));
-}
+glm::dvec3 SurfaceTriangle::normal() const { return glm::normalize(areaNormal(corner)); }
 
 SurfaceByArea::SurfaceByArea(const TriangleMesh& mesh) {
   std::vector<double> sums;

@@ -31,8 +31,6 @@ struct SurfaceParts {
   std::vector<double> ownSums{};  ///< sums that are kept nowhere else
 };
 
-[[nodiscard]] double areaOf(const std::array<glm::dvec3, 3>& corner);
-
 /// Appends the area of a triangle to the sums of its part.
 void addArea(std::vector<double>& areaSums, std::size_t firstOfPart, const glm::dvec3& a,
              const glm::dvec3& b, const glm::dvec3& c);

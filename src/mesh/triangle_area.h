@@ -15,6 +15,10 @@ inline constexpr double kSamePlaneCosine = 1.0 - 1.523e-6;
   return glm::cross(t[1] - t[0], t[2] - t[0]);
 }
 
+[[nodiscard]] inline double areaOf(const std::array<glm::dvec3, 3>& t) {
+  return 0.5 * glm::length(areaNormal(t));
+}
+
 /// Returns whether a triangle's height is at most a share of its longest edge.
 ///   twiceArea  of it
 [[nodiscard]] inline bool isThin(const std::array<glm::dvec3, 3>& t, double twiceArea,

@@ -16,6 +16,7 @@
 #include "base/cancel_flag.h"
 #include "grow/check_labels.h"
 #include "mesh/mass_sums.h"
+#include "mesh/triangle_area.h"
 #include "surface/region_edges.h"
 
 namespace sherd {

@@ -7,7 +7,7 @@
 
 #include <glm/common.hpp>
 
-#include "mesh/surface_by_area.h"
+#include "mesh/triangle_area.h"
 #include "surface/intact_labels.h"
 #include "surface/simplify.h"
 #include "voxelize/leaf_blocks.h"
