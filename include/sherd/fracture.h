@@ -19,18 +19,41 @@
 
 namespace sherd {
 
+/// What is broken: a preset of options, see materialOptions.
+enum class MaterialPreset : std::uint8_t {
+  none,
+  ceramic,
+  stone,
+  glass,
+  tempered,  ///< tempered glass
+  plaster,
+  wood,
+  concrete,
+  ice
+};
+
+/// Cracks that are given: the first splits of growth by splits follow them.
+struct Guide {
+  std::string file{};                                ///< named in messages and manifests
+  std::vector<std::vector<glm::dvec3>> polylines{};  ///< each with two points or more: cracks pass
+                                                     ///< through them across the surface near them
+  TriangleMesh mesh{};  ///< its surface becomes a crack; open or closed
+};
+
 /// Options of a fracture, by stage.  `pieces` and `seed` are those of the whole: a stage's own
 /// (SeedOptions::pieces and seed, GrowOptions::noiseSeeds, ErodeOptions::seed) are derived from
 /// them, and refused where they are set.  So are GrowOptions::longestSideVoxels and
 /// ErodeOptions::longestSideVoxels, which are derived from the solid.
 struct FractureOptions {
-  int pieces = 8;  ///< fragments wanted, 1..kMaxFragments
+  MaterialPreset material = MaterialPreset::none;  ///< whose options these are; only recorded
+  int pieces = 8;                                  ///< fragments wanted, 1..kMaxFragments
   std::uint64_t seed = 0;
   SolidOptions solid{};
   SeedOptions seeds{};
   GrowOptions grow{};
   ShareOptions shares{};
   ErodeOptions erode{};
+  std::vector<Guide> guides{};
   double dropShare = 0.0;  ///< withholds fragments below this share of the solid's voxels, 0..1
   double missing = 0.0;    ///< withholds further fragments: a number if >= 1, a share if below 1
   SurfaceOptions surface{};

@@ -24,6 +24,8 @@ enum class Growth : std::uint8_t {
   chain,    ///< Discrete Voronoi Chain: across faces, in the order of the largest distance to the
             ///< seed along the path (rounded up to half voxels)
   euclid,   ///< nearest seed; voxels disconnected from their seed are regrown by a 5^3 chamfer
+  sequential,  ///< pieces are split in two one after another, without seeds: a crack ends at the
+               ///< border of its piece, so older cracks stop newer ones
 };
 
 /// How a rule grows, and which options it uses.
@@ -36,6 +38,7 @@ struct GrowthRule {
   bool growsOverFaces = false;     ///< over 6 neighbors the voxels of a seed are connected
   bool givesVoronoiCells = false;  ///< with the Euclidean metric, so that cuts are planes
   bool regrowsByChamfer = false;   ///< disconnected voxels are regrown by a 5^3 chamfer first
+  bool splits = false;             ///< pieces are split one after another; there are no seeds
   double bytesPerVoxel = 0.0;      ///< memory beyond that of a flood, measured
 };
 
@@ -45,6 +48,7 @@ inline constexpr GrowthRule kGrowthRules[] = {
     {.name = "nearest", .kernel = "nearest", .usesMetric = true, .givesVoronoiCells = true},
     {.name = "chain", .usesMetric = true, .growsOverFaces = true, .bytesPerVoxel = 8.5},
     {.name = "euclid", .kernel = "nearest", .givesVoronoiCells = true, .regrowsByChamfer = true},
+    {.name = "sequential", .splits = true},
 };
 
 /// Returns the row of a rule.
@@ -92,6 +96,27 @@ struct VoronoiSites {
   Anisotropy anisotropy{};  ///< scales the Euclidean distances
 };
 
+/// How pieces are split one after another, by growths that do.
+struct SplitOptions {
+  double power = 1.0;   ///< the next piece to split is drawn by its size to this power, 0..10
+  double offset = 0.1;  ///< standard deviation of the share that a crack cuts off, from one half,
+                        ///< 0..0.3
+  double tilt = 10.0;   ///< standard deviation of the angle between a crack's normal and the
+                        ///< piece's long axis, degrees, 0..90
+};
+
+/// A crack that splits a piece in two.  Voxels of the piece on its positive side become the piece
+/// `added`, the others keep the id; components that the crack would cut off besides stay with what
+/// they touch, so that both are connected.
+struct Split {
+  std::uint16_t fragment = 0;  ///< the piece, by the id that stays on the negative side
+  std::uint16_t added = 0;     ///< the new piece
+  int generation = 0;          ///< number of splits that the piece comes from
+  glm::ivec3 normal{0};        ///< of the plane, each at most 2^14; 0: the crack is no plane
+  std::int64_t offset = 0;     ///< positive: dot(normal, voxel) * 64 > offset
+  std::uint64_t voxels = 0;    ///< of the piece before the split
+};
+
 /// The fragment of each voxel of leaf blocks.
 struct Labels {
   static constexpr std::uint16_t kEroded = 65535;  ///< an eroded voxel
@@ -111,6 +136,9 @@ struct Labels {
   VoronoiSites sites{};  ///< if not empty, voxels belong to the nearest of these seeds except
                          ///< where they were regrown or eroded, so cuts are planes.  Empty for
                          ///< growths without this property
+  std::vector<Split> splits{};  ///< of growths by splits, a piece before those that come of it: the
+                                ///< crack between two fragments lies on the plane that parted
+                                ///< them.  Empty where cracks are rough, and for other growths
 };
 
 /// How work is given to the device.  Results are the same.
@@ -127,10 +155,15 @@ struct GrowOptions {
   int neighborhood = 6;               ///< for flood: 6 (von Neumann) or 26 (Moore)
   Metric metric = Metric::euclidean;  ///< for nearest and chain
   Anisotropy anisotropy{};
+  SplitOptions split{};
   Length roughness = 0.0;      ///< rms height of a crack over a window, 0..100 voxels; 0: smooth
   double hurst = 0.8;          ///< Hurst exponent of rough cracks, 0.1..1; 0.8 is measured on most
                                ///< brittle materials (Bouchaud 1997)
   Length roughnessWindow = 0;  ///< side of that window; 0: a tenth of longestSideVoxels
+  double propagationHurst = 0.0;  ///< Hurst exponent along the propagation of cracks, 0.1..1; 0: as
+                                  ///< `hurst`, which else is that along their front
+  glm::dvec3 propagation{0.0, 0.0, 1.0};  ///< direction of propagation, any length but 0; the
+                                          ///< nearest axis of the grid is taken
   double longestSideVoxels = 0.0;  ///< longest side of the mesh's box, voxels, not rounded.  With
                                    ///< it, rough cracks are a function of space: the same noise
                                    ///< seed displaces points of the mesh alike at every voxel size.
@@ -170,13 +203,25 @@ struct GrowOptions {
 ///           fragmentCount
 [[nodiscard]] std::vector<std::uint64_t> countVoxels(const Labels& labels);
 
+/// A distribution of fragment sizes.
+enum class Sizes : std::uint8_t {
+  grown,        ///< what growth gives
+  uniform,      ///< all equal
+  lognormal,    ///< the logarithm is normal with a standard deviation of sizeParameter
+  power,        ///< the density falls by size to the power -sizeParameter
+  exponential,  ///< exponential
+};
+
 /// Control of fragment sizes in a fracture.
 struct ShareOptions {
-  double minShare = 0.0;  ///< least share of the solid's voxels in a fragment, 0..1
+  Sizes sizes = Sizes::grown;  ///< from which the fragments' shares are drawn
+  double sizeParameter = 0.0;  ///< of lognormal, 0.01..3; of power, 1..4
+  double minShare = 0.0;       ///< least share of the solid's voxels in a fragment, 0..1
   int balance = 0;  ///< Lloyd iterations before that: seeds move to their fragment's center, 0..100
   int tries = 64;   ///< most growths to reach minShare
 
-  bool isAny() const { return minShare != 0.0 || balance != 0; }  ///< whether an option is set
+  /// Whether an option is set.
+  bool isAny() const { return minShare != 0.0 || balance != 0 || sizes != Sizes::grown; }
 };
 
 /// The structuring element: the cells around a voxel that are counted, for a size of 2r + 1:

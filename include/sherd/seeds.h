@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <glm/ext/vector_int3_sized.hpp>
 #include <glm/vec3.hpp>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -58,6 +59,8 @@ struct Seed {
   std::uint16_t fragment = 0;  ///< 1..kMaxFragments
   glm::ivec3 shift{0};         ///< of the point from the voxel's center, 1/kSeedSteps voxel, within
                         ///< kMostShift.  Distances of growths by nearest seed are to the point
+  std::int64_t weight = 0;  ///< subtracted from the squared distance to the point, which is in
+                            ///< (1/kSeedSteps voxel)^2, so that cells differ in size
   bool operator==(const Seed&) const = default;
 };
 
@@ -111,6 +114,10 @@ struct Impact {
   /// The paper's n, 1..kMaxBias: sum of n uniforms over the box's side / n, so the standard
   /// deviation per axis is side / sqrt(12 n).
   int bias = 5;
+  /// 0: scattered seeds.  Else, 0.01..100, seeds in rings about the point, of which each is cut
+  /// by radial cracks: more rings and more radial cracks for a higher energy, and fewer pieces with
+  /// the distance.
+  double energy = 0.0;
   /// false: each seed is a new fragment, counted in pieces.  true: each seed is added to the
   /// nearest fragment, as extra seeds are.
   bool merge = false;
@@ -130,6 +137,15 @@ struct GivenSeeds {
   std::vector<SeedPoint> points{};
 };
 
+/// How small pieces are at each point, see seed/density.h.
+class DensityField;
+
+/// Where pieces are small: the number of pieces per volume is proportional to a field.
+struct Density {
+  std::string source{};  ///< the attribute or the file, as recorded in manifests; empty: none
+  std::shared_ptr<const DensityField> field{};
+};
+
 inline constexpr double kMostSizeSpread = 4.0;
 
 struct SeedOptions {
@@ -146,6 +162,7 @@ struct SeedOptions {
   double sizeSpread = 0.0;
   std::vector<Impact> impacts{};
   int randomImpacts = 0;              ///< additional impacts, each an Impact{}
+  Density density{};                  ///< of uniform seeds, and of splits
   std::optional<GivenSeeds> given{};  ///< in place of all these in a fracture; see seedsFromPoints
 };
 
