@@ -46,6 +46,32 @@ inline ulong8 second_of(const uint tag, const uint item, const global ulong* sec
   return is_pair(tag) ? vload8(second_voxels(item), second) : (ulong8)(0);
 }
 
+// Writes the labels of a leaf's inside voxels, as a tag of two labels if `labels` is one.
+inline void write_labels(const ulong* mask, const ushort* label, const uint labels, const uint item,
+                         global ushort* owner, global uint* tag, global ulong* second) {
+  if (!is_pair(labels)) {
+    for (int row = 0; row < 64; ++row) {
+      const ushort bits = (ushort)(mask[row >> 3] >> (8 * (row & 7)) & 0xff);
+      vstore8(vload8(row, label) & convert_ushort8((kRowBits & bits) != (ushort8)(0)), (size_t)item * 64 + row, owner);
+    }
+    tag[item] = SHERD_TAG_MIXED;
+    return;
+  }
+  const ushort high = (ushort)(labels >> 16);
+  ulong ofSecond[SHERD_LEAF_WORDS], anySecond = 0, anyFirst = 0;
+  for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
+    ulong word = 0;
+    for (int y = 0; y < 8; ++y) {
+      word |= (ulong)bits_of(convert_ushort8(vload8((x << 3) + y, label) == (ushort8)(high)) & kRowBits) << (8 * y);
+    }
+    ofSecond[x] = word & mask[x];
+    anySecond |= ofSecond[x];
+    anyFirst |= mask[x] & ~word;
+  }
+  tag[item] = !anySecond ? labels & 0xffff : !anyFirst ? high : labels;
+  if (anySecond && anyFirst) vstore8(vload8(0, ofSecond), second_voxels(item), second);
+}
+
 // The labels of all items; one argument list for the kernels that read them.
 #define LEAF_LABELS                                                                         \
   const global ushort *restrict owner, /* [items*512]  valid where the tag is mixed */      \

@@ -146,32 +146,6 @@ inline void compare_farther(const struct farther* f, const ushort own, const ulo
   }
 }
 
-// Writes the labels of a leaf's inside voxels, as a tag of two labels if `labels` is one.
-inline void write_labels(const ulong* mask, const ushort* label, const uint labels, const uint item,
-                         global ushort* owner, global uint* tag, global ulong* second) {
-  if (!is_pair(labels)) {
-    for (int row = 0; row < 64; ++row) {
-      const ushort bits = (ushort)(mask[row >> 3] >> (8 * (row & 7)) & 0xff);
-      vstore8(vload8(row, label) & convert_ushort8((kRowBits & bits) != (ushort8)(0)), (size_t)item * 64 + row, owner);
-    }
-    tag[item] = SHERD_TAG_MIXED;
-    return;
-  }
-  const ushort high = (ushort)(labels >> 16);
-  ulong ofSecond[SHERD_LEAF_WORDS], anySecond = 0, anyFirst = 0;
-  for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
-    ulong word = 0;
-    for (int y = 0; y < 8; ++y) {
-      word |= (ulong)bits_of(convert_ushort8(vload8((x << 3) + y, label) == (ushort8)(high)) & kRowBits) << (8 * y);
-    }
-    ofSecond[x] = word & mask[x];
-    anySecond |= ofSecond[x];
-    anyFirst |= mask[x] & ~word;
-  }
-  tag[item] = !anySecond ? labels & 0xffff : !anyFirst ? high : labels;
-  if (anySecond && anyFirst) vstore8(vload8(0, ofSecond), second_voxels(item), second);
-}
-
 inline int is_set(const ulong* mask, const int v) { return (int)((mask[v >> 6] >> (v & 63)) & 1); }
 
 kernel void nearest(

@@ -38,6 +38,12 @@ enum class Stage : std::uint64_t {
   impactVoxel = 39,
   impactPoint = 40,
   fragmentReach = 41,
+  splitPiece = 48,
+  splitShare = 49,
+  splitOrder = 50,
+  splitPart = 51,
+  splitAxis = 52,
+  splitTilt = 53,
   convexitySample = 64,
   fitFragment = 65,  // derives a seed per fragment, 0: the whole, for points and the next
   fitSpace = 66,

@@ -14,7 +14,9 @@
 #include "grow/relief.h"
 #include "grow/rough.h"
 #include "grow/seed_kernel.h"
+#include "grow/sequential.h"
 #include "grow/settle.h"
+#include "grow/split.h"
 #include "voxelize/leaf_blocks.h"
 
 namespace sherd {
@@ -34,6 +36,10 @@ void check(const GrowOptions& options) {
            (options.longestSideVoxels >= 1.0 && std::isfinite(options.longestSideVoxels)),
        "the longest side must be 0, or 1 or more voxels");
   need(options.outerSteps >= 0 && options.outerSteps <= 64, "the outer steps must lie in 0..64");
+  const SplitOptions& split = options.split;
+  need(split.power >= 0.0 && split.power <= 10.0, "the power of splits must lie in 0..10");
+  need(split.offset >= 0.0 && split.offset <= 0.3, "the offset of splits must lie in 0..0.3");
+  need(split.tilt >= 0.0 && split.tilt <= 90.0, "the tilt of splits must lie in 0..90 degrees");
 }
 
 // Returns the relief of rough cracks.
@@ -184,6 +190,20 @@ Flood regrown(Growing& growing, const DeviceBuffer& kept, std::uint32_t outerSte
   return flood;
 }
 
+// Roughens cracks, if they are meant to be, and extends labels into the exterior band.
+//   kept  voxels that are connected to their fragment; where cracks are rough all are labeled
+Flood roughAndExtended(Growing& growing, DeviceBuffer kept) {
+  if (!growing.options.roughness.isZero()) {
+    // A fragment lies in one component of the solid and stays in it when displaced.  It may lose
+    // its seed's voxel, so from here its largest component is kept.
+    growing.roughen();
+    kept = growing.options.regrowIsolated
+               ? growing.recorded(keepLargestComponents(growing.state, growing.labels)).mask
+               : allInside(growing.state);
+  }
+  return regrown(growing, kept, static_cast<std::uint32_t>(growing.options.outerSteps));
+}
+
 // Runs all stages; the returned flood holds the labels.
 Flood growAll(Growing& growing) {
   GrowthState& state = growing.state;
@@ -204,17 +224,9 @@ Flood growAll(Growing& growing) {
   } else {
     growing.growFirst();
   }
-  DeviceBuffer kept = regrows ? connectedToSeeds(growing) : allInside(state);
-  if (rough) {
-    // A fragment lies in one component of the solid and stays in it when displaced.  It may lose
-    // its seed's voxel, so from here its largest component is kept.
-    if (regrows) growing.labels = regrown(growing, kept, 0).labels();
-    growing.roughen();
-    kept = options.regrowIsolated
-               ? growing.recorded(keepLargestComponents(state, growing.labels)).mask
-               : allInside(state);
-  }
-  return regrown(growing, kept, outer);
+  const DeviceBuffer kept = regrows ? connectedToSeeds(growing) : allInside(state);
+  if (rough && regrows) growing.labels = regrown(growing, kept, 0).labels();
+  return roughAndExtended(growing, kept);
 }
 
 bool givesVoronoiCells(const GrowOptions& options) {
@@ -231,6 +243,32 @@ std::size_t fracturesAtOnce(const LeafBlocks& blocks, const Device& device) {
   const std::size_t leaves =
       std::min(info.largestBufferBytes / kLargestPerLeaf, info.memoryBytes / kAllPerLeaf);
   return std::max<std::size_t>(leaves / std::max<std::size_t>(blocks.count(), 1), 1);
+}
+
+std::vector<SeededLabels> splitBatch(const std::shared_ptr<const LeafBlocks>& blocks,
+                                     const VoxelComponents& components,
+                                     std::span<const SplitRun> runs, Device& device,
+                                     const GrowOptions& options, const Progress* progress) {
+  GrowthState state(*blocks, runs.size(), implOf(device), options.tuning.workGroupSize);
+  SplitGrowth grown = splitPieces(state, components, runs, options, progress);
+  std::vector<std::vector<Seed>> seedSets;
+  for (const SplitPieces& each : grown.fractures) seedSets.push_back(each.seeds);
+  const SeedTable table = tableOf(*blocks, seedSets);
+  Growing growing{state, table, options, progress};
+  growing.labels = grown.labels;
+  Flood last = roughAndExtended(growing, allInside(state));
+  std::vector<Labels> labels = readLabels(growing, last);
+  std::vector<SeededLabels> all;
+  for (std::size_t f = 0; f < labels.size(); ++f) {
+    labels[f].blocks = blocks;
+    labels[f].fragmentCount = static_cast<int>(seedSets[f].size());
+    labels[f].splits = std::move(grown.fractures[f].splits);
+    if (!options.roughness.isZero()) {
+      for (Split& split : labels[f].splits) split.normal = glm::ivec3(0);
+    }
+    all.push_back({std::move(seedSets[f]), std::move(labels[f])});
+  }
+  return all;
 }
 
 std::vector<Labels> growBatch(const std::shared_ptr<const LeafBlocks>& blocks,
@@ -256,6 +294,26 @@ std::vector<Labels> growBatch(const std::shared_ptr<const LeafBlocks>& blocks,
   return all;
 }
 
+// Grows fractures in batches that fit the device.
+template <class Grown, class Run, class Grow>
+std::vector<Grown> inBatches(std::span<const Run> runs, const LeafBlocks& blocks,
+                             const Device& device, const GrowOptions& options, const Grow& grow) {
+  const std::size_t batch = fracturesAtOnce(blocks, device);
+  std::vector<Grown> all;
+  for (std::size_t first = 0; first < runs.size(); first += batch) {
+    const std::size_t count = std::min(batch, runs.size() - first);
+    GrowOptions batchOptions = options;
+    batchOptions.noiseSeeds.resize(runs.size());
+    batchOptions.noiseSeeds.erase(
+        batchOptions.noiseSeeds.begin(),
+        batchOptions.noiseSeeds.begin() + static_cast<std::ptrdiff_t>(first));
+    for (Grown& grown : grow(runs.subspan(first, count), batchOptions)) {
+      all.push_back(std::move(grown));
+    }
+  }
+  return all;
+}
+
 }  // namespace
 
 std::vector<Labels> grow(std::shared_ptr<const LeafBlocks> blocks,
@@ -263,21 +321,31 @@ std::vector<Labels> grow(std::shared_ptr<const LeafBlocks> blocks,
                          const GrowOptions& options, const Progress* progress) {
   check(options);
   if (!blocks) throw Error(ErrorCode::usage, "there are no leaf blocks to grow over");
-  const std::size_t batch = fracturesAtOnce(*blocks, device);
-  std::vector<Labels> all;
-  for (std::size_t first = 0; first < seedSets.size(); first += batch) {
-    const std::size_t count = std::min(batch, seedSets.size() - first);
-    GrowOptions batchOptions = options;
-    batchOptions.noiseSeeds.resize(seedSets.size());
-    batchOptions.noiseSeeds.erase(
-        batchOptions.noiseSeeds.begin(),
-        batchOptions.noiseSeeds.begin() + static_cast<std::ptrdiff_t>(first));
-    for (Labels& labels :
-         growBatch(blocks, seedSets.subspan(first, count), device, batchOptions, progress)) {
-      all.push_back(std::move(labels));
-    }
+  if (ruleOf(options.growth).splits) {
+    throw Error(ErrorCode::usage, "this growth splits a solid, and does not grow from seeds",
+                OptionNames{"growth"});
   }
-  return all;
+  return inBatches<Labels>(seedSets, *blocks, device, options, [&](auto sets, const auto& own) {
+    return growBatch(blocks, sets, device, own, progress);
+  });
+}
+
+std::vector<SeededLabels> growBySplits(std::shared_ptr<const LeafBlocks> blocks,
+                                       const VoxelComponents& components,
+                                       std::span<const SplitRun> runs, Device& device,
+                                       const GrowOptions& options, const Progress* progress) {
+  check(options);
+  const std::uint64_t voxels = blocks->insideVoxels();
+  for (const SplitRun& run : runs) {
+    if (run.shares.size() <= voxels) continue;
+    throw Error(ErrorCode::usage,
+                std::to_string(run.shares.size()) + " pieces do not fit into a solid of " +
+                    std::to_string(voxels) + " voxels; try a higher resolution",
+                OptionNames{"resolution"});
+  }
+  return inBatches<SeededLabels>(runs, *blocks, device, options, [&](auto some, const auto& own) {
+    return splitBatch(blocks, components, some, device, own, progress);
+  });
 }
 
 Labels extendLabels(Labels labels, Device& device, int steps) {

@@ -25,27 +25,6 @@ std::string percent(double share) {
   return text;
 }
 
-void check(const ShareOptions& options, const VoxelComponents& components, int fragments,
-           std::uint64_t voxels) {
-  if (!(options.minShare >= 0.0 && options.minShare <= 1.0)) {
-    throw Error(ErrorCode::usage, "the least share must lie in 0..1");
-  }
-  if (options.balance < 0 || options.balance > 100) {
-    throw Error(ErrorCode::usage, "the balance steps must lie in 0..100");
-  }
-  if (options.minShare * fragments > 1.0) {
-    throw Error(ErrorCode::usage, std::to_string(fragments) + " fragments cannot each have " +
-                                      percent(options.minShare) + " of the solid");
-  }
-  for (const std::uint64_t component : components.voxels()) {
-    const double share = static_cast<double>(component) / static_cast<double>(voxels);
-    if (share >= options.minShare) continue;
-    throw Error(ErrorCode::usage, "a component of the solid has " + percent(share) +
-                                      " of its volume, so no fragment there can have at least " +
-                                      percent(options.minShare));
-  }
-}
-
 // Returns `small` without fragments whose component of the solid would lose its last seed.
 std::vector<std::uint16_t> removableFragments(const LeafBlocks& blocks,
                                               const VoxelComponents& components,
@@ -214,6 +193,43 @@ std::vector<Seed> centeredSeeds(const Labels& labels, std::vector<Seed> seeds) {
 
 }  // namespace
 
+void checkShares(const ShareOptions& options, const VoxelComponents& components, int fragments,
+                 std::uint64_t voxels) {
+  if (!(options.minShare >= 0.0 && options.minShare <= 1.0)) {
+    throw Error(ErrorCode::usage, "the least share must lie in 0..1");
+  }
+  if (options.balance < 0 || options.balance > 100) {
+    throw Error(ErrorCode::usage, "the balance steps must lie in 0..100");
+  }
+  if (options.minShare * fragments > 1.0) {
+    throw Error(ErrorCode::usage, std::to_string(fragments) + " fragments cannot each have " +
+                                      percent(options.minShare) + " of the solid");
+  }
+  for (const std::uint64_t component : components.voxels()) {
+    const double share = static_cast<double>(component) / static_cast<double>(voxels);
+    if (share >= options.minShare) continue;
+    throw Error(ErrorCode::usage, "a component of the solid has " + percent(share) +
+                                      " of its volume, so no fragment there can have at least " +
+                                      percent(options.minShare));
+  }
+}
+
+std::uint64_t leastVoxels(const ShareOptions& options, std::uint64_t voxels) {
+  return static_cast<std::uint64_t>(
+      std::ceil(options.minShare * static_cast<double>(voxels) - 1e-9));
+}
+
+Error unreachedShare(const ShareOptions& options, int fragments, std::uint64_t smallest,
+                     std::uint64_t voxels) {
+  return Error(ErrorCode::usage,
+               "no " + std::to_string(fragments) + " fragments of at least " +
+                   percent(options.minShare) + " were found in " + std::to_string(options.tries) +
+                   " growths, the smallest had " +
+                   percent(static_cast<double>(smallest) / static_cast<double>(voxels)) +
+                   "; try fewer pieces, or a balance of 8",
+               OptionNames{"pieces", "balance"});
+}
+
 SeededLabels growWithShares(const Solid& solid, const VoxelComponents& components,
                             std::vector<Seed> seeds, Device& device,
                             const SharedGrowthOptions& options, const Progress* progress) {
@@ -221,9 +237,8 @@ SeededLabels growWithShares(const Solid& solid, const VoxelComponents& component
   const ShareOptions& shares = options.shares;
   const int fragments = fragmentsOf(seeds);
   const std::uint64_t voxels = blocks->insideVoxels();
-  check(shares, components, fragments, voxels);
-  const auto minVoxels =
-      static_cast<std::uint64_t>(std::ceil(shares.minShare * static_cast<double>(voxels) - 1e-9));
+  checkShares(shares, components, fragments, voxels);
+  const std::uint64_t minVoxels = leastVoxels(shares, voxels);
   const auto growFrom = [&](const std::vector<Seed>& from) {
     return std::move(grow(blocks, std::span(&from, 1), device, options.grow, progress).front());
   };
@@ -252,13 +267,7 @@ SeededLabels growWithShares(const Solid& solid, const VoxelComponents& component
     }
     labels = growFrom(seeds);
   }
-  throw Error(ErrorCode::usage,
-              "no " + std::to_string(fragments) + " fragments of at least " +
-                  percent(shares.minShare) + " were found in " + std::to_string(shares.tries) +
-                  " growths, the smallest had " +
-                  percent(static_cast<double>(smallest) / static_cast<double>(voxels)) +
-                  "; try fewer pieces, or a balance of 8",
-              OptionNames{"pieces", "balance"});
+  throw unreachedShare(shares, fragments, smallest, voxels);
 }
 
 }  // namespace sherd

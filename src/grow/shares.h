@@ -1,11 +1,14 @@
 // Control of fragment sizes: a least share, and balancing.
 #pragma once
 
+#include <sherd/error.h>
 #include <sherd/labels.h>
 
 #include <cstdint>
 #include <memory>
 #include <vector>
+
+#include "grow/seeded_labels.h"
 
 namespace sherd {
 
@@ -16,11 +19,17 @@ struct SharedGrowthOptions {
   std::uint64_t seed = 0;  ///< of new seeds
 };
 
-/// Seeds and the labels grown from them.
-struct SeededLabels {
-  std::vector<Seed> seeds;
-  Labels labels;
-};
+/// Checks that fragments can have the least share.
+///   throws  Error(usage)
+void checkShares(const ShareOptions& options, const VoxelComponents& components, int fragments,
+                 std::uint64_t voxels);
+
+/// Returns the least voxels of a fragment.
+[[nodiscard]] std::uint64_t leastVoxels(const ShareOptions& options, std::uint64_t voxels);
+
+/// Returns the error where the least share was not reached within ShareOptions::tries.
+[[nodiscard]] Error unreachedShare(const ShareOptions& options, int fragments,
+                                   std::uint64_t smallest, std::uint64_t voxels);
 
 /// Grows fragments, repeatedly until no fragment is below minShare.  A fragment below it loses its
 /// seeds, so that its neighbors fill its volume, and its id gets a new seed in the largest

@@ -9,6 +9,8 @@
 
 #include "base/random.h"
 #include "erode/passes.h"
+#include "grow/sequential.h"
+#include "seed/fragment_ids.h"
 #include "surface/extract.h"
 #include "surface/simplify.h"
 #include "surface/smooth.h"
@@ -55,6 +57,10 @@ void renumber(Labels& labels, const std::vector<std::uint16_t>& newIds) {
     if (label != Labels::kEroded) label = newIds[label];
   }
   for (Seed& seed : labels.sites.seeds) seed.fragment = newIds[seed.fragment];
+  for (Split& split : labels.splits) {
+    split.fragment = newIds[split.fragment];
+    split.added = newIds[split.added];
+  }
 }
 
 // Gives the last ids to fragments below `dropShare` of the solid; returns their number.
@@ -115,6 +121,12 @@ SeededLabels growFor(const FractureOptions& options, const Solid& solid,
   GrowOptions grow = options.grow;
   grow.noiseSeeds = {randomBits(seed, Stage::noise, 0)};
   grow.longestSideVoxels = longestSideVoxels(solid);
+  if (ruleOf(grow.growth).splits) {
+    const std::size_t fragments = countFragments(components, options.pieces);
+    return std::move(growSequential(solid, components, std::span(&fragments, 1),
+                                    std::span(&seed, 1), device, grow, options.shares, progress)
+                         .front());
+  }
   return growWithShares(solid, components, std::move(seeds), device, {grow, options.shares, seed},
                         progress);
 }
@@ -141,10 +153,19 @@ GrownFracture seeded(const PreparedSolid& ready, const FractureOptions& options,
   result.solid = ready.solid;
   result.components = ready.components.count();
   const std::optional<GivenSeeds>& given = options.seeds.given;
-  result.seeds = given ? seedsAt(*given, ready, options.seed)
-                       : placeSeeds(result.solid, ready.components,
-                                    seedOptionsFor(options, options.seed), progress);
-  const auto fragments = static_cast<std::size_t>(fragmentsOf(result.seeds));
+  const bool splits = ruleOf(options.grow.growth).splits;
+  if (given && splits) {
+    throw Error(ErrorCode::usage, "a growth that splits the solid has no seeds that can be given",
+                OptionNames{"seeds", "growth"});
+  }
+  if (given) {
+    result.seeds = seedsAt(*given, ready, options.seed);
+  } else if (!splits) {
+    result.seeds =
+        placeSeeds(result.solid, ready.components, seedOptionsFor(options, options.seed), progress);
+  }
+  const std::size_t fragments = splits ? countFragments(ready.components, options.pieces)
+                                       : static_cast<std::size_t>(fragmentsOf(result.seeds));
   (void)withheldCount(options.missing, fragments);  // checks before long work
   (void)passesOf(options.erode, longestSideVoxels(ready.solid));
   return grown;
@@ -173,6 +194,26 @@ void finish(GrownFracture& grown, Labels labels, const FractureOptions& options,
   result.times = clock.times();
 }
 
+// Grows fractures by splits, and sets their seeds.
+std::vector<Labels> splitTogether(const PreparedSolid& ready, std::vector<GrownFracture>& all,
+                                  std::span<const FractureOptions> options,
+                                  const GrowOptions& together, Device& device,
+                                  const Progress* progress) {
+  std::vector<std::size_t> fragments;
+  std::vector<std::uint64_t> seeds;
+  for (const FractureOptions& own : options) {
+    fragments.push_back(countFragments(ready.components, own.pieces));
+    seeds.push_back(own.seed);
+  }
+  std::vector<Labels> labels;
+  for (SeededLabels& grown : growSequential(ready.solid, ready.components, fragments, seeds, device,
+                                            together, options.front().shares, progress)) {
+    all[labels.size()].result.seeds = std::move(grown.seeds);
+    labels.push_back(std::move(grown.labels));
+  }
+  return labels;
+}
+
 }  // namespace
 
 std::vector<GrownFracture> growTogether(const PreparedSolid& ready,
@@ -190,7 +231,10 @@ std::vector<GrownFracture> growTogether(const PreparedSolid& ready,
   }
   clock.done("seed");
   std::vector<Labels> labels;
-  if (options.front().shares.isAny()) {  // how often each has to grow depends on what comes out
+  if (ruleOf(together.growth).splits) {
+    labels = splitTogether(ready, all, options, together, device, progress);
+  } else if (options.front()
+                 .shares.isAny()) {  // how often each has to grow depends on what comes out
     for (std::size_t i = 0; i < all.size(); ++i) {
       SeededLabels own = growFor(options[i], ready.solid, ready.components, std::move(seeds[i]),
                                  options[i].seed, device, progress);

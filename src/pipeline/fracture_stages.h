@@ -48,6 +48,7 @@ void checkOptions(const FractureOptions& options);
 [[nodiscard]] SeedOptions seedOptionsFor(const FractureOptions& options, std::uint64_t seed);
 
 /// Grow by options.grow and options.shares; `seed` determines every random choice.
+///   seeds  none where growth splits the solid
 [[nodiscard]] SeededLabels growFor(const FractureOptions& options, const Solid& solid,
                                    const VoxelComponents& components, std::vector<Seed> seeds,
                                    std::uint64_t seed, Device& device, const Progress* progress);

@@ -37,8 +37,10 @@ SeededLabels breakFragment(const Solid& fragment, int id, const FractureOptions&
   const std::uint64_t seed =
       randomBits(options.seed, Stage::refracture, static_cast<std::uint64_t>(id));
   const VoxelComponents components = findComponents(*fragment.blocks, device);
-  std::vector<Seed> seeds =
-      placeSeeds(fragment, components, seedOptionsFor(options, seed), progress);
+  std::vector<Seed> seeds;
+  if (!ruleOf(options.grow.growth).splits) {
+    seeds = placeSeeds(fragment, components, seedOptionsFor(options, seed), progress);
+  }
   FractureOptions own = options;
   if (own.grow.roughnessWindow.isZero()) {  // a tenth of the fragment, not of the whole mesh
     own.grow.roughnessWindow = fragment.box.longestSide() / 10.0;

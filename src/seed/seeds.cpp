@@ -8,6 +8,7 @@
 #include <string>
 
 #include "base/random.h"
+#include "seed/fragment_ids.h"
 #include "seed/impacts.h"
 #include "seed/irwin_hall.h"
 #include "seed/nearest_seed.h"
@@ -16,27 +17,6 @@
 
 namespace sherd {
 namespace {
-
-// Returns a random permutation of 1..n (Fisher and Yates).
-std::vector<std::uint16_t> permutedIds(std::size_t n, std::uint64_t seed) {
-  std::vector<std::uint16_t> ids(n);
-  std::iota(ids.begin(), ids.end(), std::uint16_t{1});
-  for (std::size_t i = n; i > 1; --i) {
-    std::swap(ids[i - 1], ids[randomBelow(i, seed, Stage::fragmentId, i)]);
-  }
-  return ids;
-}
-
-std::size_t countPieces(const VoxelComponents& components, const SeedOptions& options) {
-  const std::size_t count = std::max(static_cast<std::size_t>(options.pieces), components.count());
-  if (count > kMaxFragments) {
-    throw Error(ErrorCode::usage,
-                "the solid would give " + std::to_string(count) + " fragments; at most " +
-                    std::to_string(kMaxFragments) + " are possible; try a lower resolution",
-                OptionNames{"resolution"});
-  }
-  return count;
-}
 
 // Checks that the seeds of impacts and one seed per component fit into the number of pieces.
 void checkImpactsFit(const std::vector<AimedImpact>& aimedImpacts,
@@ -121,7 +101,7 @@ std::vector<Seed> placeSeeds(const Solid& solid, const VoxelComponents& componen
   if (!(options.sizeSpread >= 0.0 && options.sizeSpread <= kMostSizeSpread)) {
     throw Error(ErrorCode::usage, "the spread of sizes must lie in 0..4");
   }
-  const std::size_t pieces = countPieces(components, options);
+  const std::size_t pieces = countFragments(components, options.pieces);
   const bool impacts = !options.impacts.empty() || options.randomImpacts > 0;
   std::vector<std::uint64_t> surface;
   if (impacts || options.on == SeedsOn::surface) surface = surfaceMask(*solid.blocks);

@@ -15,6 +15,7 @@
 #include "base/cancel_flag.h"
 #include "surface/leaf_labels.h"
 #include "surface/site_cut.h"
+#include "surface/split_cut.h"
 #include "voxelize/leaf_blocks.h"
 
 namespace sherd {
@@ -255,6 +256,7 @@ struct CutSource {
   const LeafBlocks& blocks;
   const Labels& labels;
   const Sites& sites;
+  const SplitTree& splits;
   std::span<const float> snapWeight;  // by label
 };
 
@@ -272,13 +274,15 @@ CutLeaf cutLeaf(const CutSource& from, std::size_t leaf, const LeafNeighbors& ne
   if (!isAny(requested)) return cut;
 
   VoxelBits rest = requested;
-  if (from.sites.empty()) {
+  if (from.sites.empty() && from.splits.empty()) {
     cut.distance.resize(count * 512);
   } else {
     const CutHalo insideLabels =
         labelsAround<kHalo, kHalo>(from.blocks, from.labels, neighborhood, Voxels::inside);
-    SiteCut planes =
-        siteCut(insideLabels, from.blocks.origins[leaf], cut.fragments, from.sites, requested);
+    const openvdb::Coord& origin = from.blocks.origins[leaf];
+    SiteCut planes = from.splits.empty()
+                         ? siteCut(insideLabels, origin, cut.fragments, from.sites, requested)
+                         : splitCut(insideLabels, origin, cut.fragments, from.splits, requested);
     cut.distance = std::move(planes.distance);
     for (std::size_t row = 0; row < rest.size(); ++row) rest[row] ^= planes.holds[row];
   }
@@ -315,6 +319,7 @@ Cut findCut(const Labels& labels, std::span<const LeafNeighbors> neighborhoods, 
   std::vector<std::array<std::uint32_t, 6>> layers;
   if (extent == CutExtent::cells) layers = mixedLayers(labels, leafLabel);
   const Sites sites(labels.sites);
+  const SplitTree splits(labels.splits);
   std::vector<CutLeaf> perLeaf(blocks.count());
   Cut cut;
   cut.snapWeight.resize(std::size_t{Labels::kEroded} + 1);
@@ -353,8 +358,8 @@ Cut findCut(const Labels& labels, std::span<const LeafNeighbors> neighborhoods, 
       if (fragments.size() == 1) {
         cut.only[leaf] = fragments.front();
       } else if (fragments.size() > 1) {
-        perLeaf[leaf] = cutLeaf({blocks, labels, sites, cut.snapWeight}, leaf, neighborhood, halo,
-                                corners ? &*corners : nullptr, extent, std::move(fragments));
+        perLeaf[leaf] = cutLeaf({blocks, labels, sites, splits, cut.snapWeight}, leaf, neighborhood,
+                                halo, corners ? &*corners : nullptr, extent, std::move(fragments));
       }
     }
   });

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "grow/metric.h"
+#include "surface/halo_bits.h"
 
 namespace sherd {
 namespace {
@@ -35,40 +36,6 @@ std::vector<Sites::Site> nearLeaf(std::span<const Sites::Site> sites, const open
     return distance(site) > (least + 2.0 * reach) * (1.0 + 1e-9);
   });
   return near;
-}
-
-// Bits of a halo's voxels by row, [x*12+y] bit z.
-using HaloBits = std::array<std::uint16_t, kCutSide * kCutSide>;
-
-// Dilates voxels by kCutHalo along all axes.
-HaloBits dilated(const HaloBits& voxels) {
-  constexpr int kLast = kCutSide - 1;
-  HaloBits rows{}, out{};
-  for (int x = 0; x < kCutSide; ++x) {
-    for (int y = 0; y < kCutSide; ++y) {
-      unsigned bits = voxels[static_cast<std::size_t>(x * kCutSide + y)];
-      if (bits == 0) continue;
-      for (int k = 0; k < kCutHalo; ++k) bits |= bits << 1 | bits >> 1;
-      for (int j = std::max(y - kCutHalo, 0); j <= std::min(y + kCutHalo, kLast); ++j) {
-        rows[static_cast<std::size_t>(x * kCutSide + j)] |=
-            static_cast<std::uint16_t>(bits & 0xfff);
-      }
-    }
-  }
-  for (int x = 0; x < kCutSide; ++x) {
-    for (int i = std::max(x - kCutHalo, 0); i <= std::min(x + kCutHalo, kLast); ++i) {
-      for (int y = 0; y < kCutSide; ++y) {
-        out[static_cast<std::size_t>(i * kCutSide + y)] |=
-            rows[static_cast<std::size_t>(x * kCutSide + y)];
-      }
-    }
-  }
-  return out;
-}
-
-// The row of the halo that holds a row of the leaf.
-std::size_t haloRow(std::size_t row) {
-  return (row / 8 + kCutHalo) * kCutSide + row % 8 + kCutHalo;
 }
 
 }  // namespace

@@ -1,0 +1,319 @@
+// split: pieces of a solid are split in two by planes, one plane for each piece; nodes of components are measured for
+// the next splits, and labeled anew where a crack would cut off more than one component.  All arithmetic is on integers.
+//
+// One work-item takes items i, i + all, ... (item = fracture * leafCount + leaf); any work-group size.
+// Reference: tests/kernels/split_test.cpp, bit for bit.
+
+// The planes of a fracture's pieces, by their label.
+struct piece_planes {
+  const global int4* plane;  // normal; w: the label of voxels on the positive side, 0 where the piece is not split
+  const global long* offset;
+};
+
+// Returns 64 dot(normal, voxel) - offset, which is above 0 on the positive side.
+inline long beyond_plane(const struct piece_planes* planes, const uint label, const int x, const int y, const int z) {
+  const int4 n = planes->plane[label];
+  return 64 * ((long)n.x * x + (long)n.y * y + (long)n.z * z) - planes->offset[label];
+}
+
+// Returns the voxels of a leaf on the positive side of a label's plane.
+inline void positive_side(const struct piece_planes* planes, const uint label, const int4 low, ulong* side) {
+  const int4 n = planes->plane[label];
+  const long start = beyond_plane(planes, label, low.x, low.y, low.z);
+  for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
+    ulong word = 0;
+    for (int y = 0; y < 8; ++y) {
+      const long row = start + 64 * ((long)n.x * x + (long)n.y * y);
+      for (int z = 0; z < 8; ++z) word |= (ulong)(row + 64l * n.z * z > 0) << (8 * y + z);
+    }
+    side[x] = word;
+  }
+}
+
+// Splits a leaf of one label.
+inline void split_one(const struct piece_planes* planes, const ulong* mask, const int4 low, const uint item,
+                      global uint* tag, global ulong* second) {
+  const uint label = tag[item];
+  const int4 n = planes->plane[label];
+  if (n.w == 0) return;
+  const long least = beyond_plane(planes, label, low.x, low.y, low.z) +
+                     64 * 7 * ((long)min(n.x, 0) + (long)min(n.y, 0) + (long)min(n.z, 0));
+  const long most = least + 64 * 7 * ((long)abs(n.x) + (long)abs(n.y) + (long)abs(n.z));
+  if (most <= 0) return;
+  ulong side[SHERD_LEAF_WORDS];
+  ulong anyAdded = least > 0, anyKept = 0;
+  if (least <= 0) {
+    positive_side(planes, label, low, side);
+    for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
+      anyAdded |= side[x] & mask[x];
+      anyKept |= ~side[x] & mask[x];
+    }
+  }
+  if (!anyAdded) return;
+  if (!anyKept) {
+    tag[item] = (uint)n.w;
+    return;
+  }
+  const uint added = (uint)n.w;
+  ulong ofSecond[SHERD_LEAF_WORDS];
+  for (int x = 0; x < SHERD_LEAF_WORDS; ++x) ofSecond[x] = (added > label ? side[x] : ~side[x]) & mask[x];
+  vstore8(vload8(0, ofSecond), second_voxels(item), second);
+  tag[item] = with_label(label, added);
+}
+
+// Writes a label per inside voxel, and 0 outside.
+inline void read_labels(const struct leaf_labels* labels, const ulong* mask, const size_t item, ushort* label) {
+  for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
+    label[v] = (mask[v >> 6] >> (v & 63)) & 1 ? (ushort)label_of(labels, item, v) : 0;
+  }
+}
+
+// Returns the tag of labels per voxel.
+inline uint tag_of(const ushort* label) {
+  uint found = 0;
+  for (int v = 0; v < SHERD_LEAF_SIZE && found != SHERD_TAG_MIXED; ++v) found = with_label(found, label[v]);
+  return found;
+}
+
+// Writes the labels of a leaf, where it has one as its tag.
+inline void store_labels(const ulong* mask, const ushort* label, const uint item, global ushort* owner,
+                         global uint* tag, global ulong* second) {
+  const uint all = tag_of(label);
+  if (all <= 0xffff) {
+    tag[item] = all;
+  } else {
+    write_labels(mask, label, all, item, owner, tag, second);
+  }
+}
+
+// Voxels on the positive side of their piece's plane get its second label.
+kernel void split_labels(
+    const global ulong* restrict inside,     // [leafCount*8]
+    const global int4* restrict origin,      // [leafCount]    lowest voxel as seen from the lowest leaf, w unused
+    const uint leafCount,
+    const uint items,
+    const global uint* restrict firstPiece,  // [fractures]    index of label 0 in the next two
+    const global int4* restrict plane,       // [labels]       see piece_planes
+    const global long* restrict offset,      // [labels]
+    global ushort* restrict owner,           // [items*512]    in, out, see leaf_labels.h
+    global uint* restrict tag,               // [items]        in, out
+    global ulong* restrict second)           // [items*3*8]    in, out
+{
+  for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
+    const size_t leaf = item % leafCount;
+    const size_t first = firstPiece[item / leafCount];
+    const struct piece_planes planes = {plane + first, offset + first};
+    const uint before = tag[item];
+    if (before == 0) continue;
+    ulong mask[SHERD_LEAF_WORDS];
+    for (int x = 0; x < SHERD_LEAF_WORDS; ++x) mask[x] = inside[leaf * SHERD_LEAF_WORDS + x];
+    if (before <= 0xffff) {
+      split_one(&planes, mask, origin[leaf], (uint)item, tag, second);
+      continue;
+    }
+    if (is_pair(before) && planes.plane[before & 0xffff].w == 0 && planes.plane[before >> 16].w == 0) continue;
+    const struct leaf_labels labels = {owner, tag, second};
+    ushort label[SHERD_LEAF_SIZE];
+    read_labels(&labels, mask, item, label);
+    uint splitLabel = 0;
+    ulong side[SHERD_LEAF_WORDS];
+    for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
+      if (label[v] == 0 || planes.plane[label[v]].w == 0) continue;
+      if (label[v] != splitLabel) {
+        splitLabel = label[v];
+        positive_side(&planes, splitLabel, origin[leaf], side);
+      }
+      if ((side[v >> 6] >> (v & 63)) & 1) label[v] = (ushort)planes.plane[splitLabel].w;
+    }
+    store_labels(mask, label, (uint)item, owner, tag, second);
+  }
+}
+
+// The sums of a node's voxels, relative to the leaf's lowest one.  Each is below 2^16.
+#define SPLIT_COUNT 0  // voxels
+#define SPLIT_SUM 1    // x, y, z
+#define SPLIT_SQUARE 4 // xx, yy, zz, xy, xz, yz
+#define SPLIT_LABEL 10
+#define SPLIT_SUMS 12
+
+// Bits of a word by the bits of their y and z.
+static constant ulong kBitsOfY[3] = {0xff00ff00ff00ff00ul, 0xffff0000ffff0000ul, 0xffffffff00000000ul};
+static constant ulong kBitsOfZ[3] = {0xaaaaaaaaaaaaaaaaul, 0xccccccccccccccccul, 0xf0f0f0f0f0f0f0f0ul};
+
+// Adds the sums of a mask's voxels.
+inline void add_sums(const ulong* mask, uint* sum) {
+  for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
+    const ulong word = mask[x];
+    if (!word) continue;
+    const uint count = (uint)popcount(word);
+    uint y = 0, z = 0, yy = 0, zz = 0, yz = 0;
+    for (int i = 0; i < 3; ++i) {
+      const ulong ofY = word & kBitsOfY[i], ofZ = word & kBitsOfZ[i];
+      y += (uint)popcount(ofY) << i;
+      z += (uint)popcount(ofZ) << i;
+      for (int j = 0; j < 3; ++j) {
+        yy += (uint)popcount(ofY & kBitsOfY[j]) << (i + j);
+        zz += (uint)popcount(ofZ & kBitsOfZ[j]) << (i + j);
+        yz += (uint)popcount(ofY & kBitsOfZ[j]) << (i + j);
+      }
+    }
+    sum[SPLIT_COUNT] += count;
+    sum[SPLIT_SUM] += count * x;
+    sum[SPLIT_SUM + 1] += y;
+    sum[SPLIT_SUM + 2] += z;
+    sum[SPLIT_SQUARE] += count * x * x;
+    sum[SPLIT_SQUARE + 1] += yy;
+    sum[SPLIT_SQUARE + 2] += zz;
+    sum[SPLIT_SQUARE + 3] += x * y;
+    sum[SPLIT_SQUARE + 4] += x * z;
+    sum[SPLIT_SQUARE + 5] += yz;
+  }
+}
+
+// Writes the sums of the voxels of each node, and their label.
+kernel void split_measure(
+    const global ulong* restrict inside,      // [leafCount*8]
+    const uint leafCount,
+    const uint items,
+    LEAF_LABELS,
+    const global ushort* restrict localNode,  // [items*512]  see components.cl
+    const global uint* restrict firstNode,    // [items]
+    const global uint* restrict nodeCount,    // [items]
+    global ushort* restrict sums)             // [nodes*SPLIT_SUMS]  out
+{
+  const struct leaf_labels labels = {owner, tag, second};
+  for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
+    const size_t leaf = item % leafCount;
+    const uint nodes = nodeCount[item];
+    for (uint node = 0; node < nodes; ++node) {
+      ulong mask[SHERD_LEAF_WORDS];
+      if (nodes > 1) equal_mask(localNode + item * SHERD_LEAF_SIZE, (ushort)node, mask);
+      int any = -1;  // a voxel of the node
+      for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
+        const ulong word = inside[leaf * SHERD_LEAF_WORDS + x];
+        mask[x] = nodes > 1 ? mask[x] & word : word;
+        if (mask[x]) any = (x << 6) + lowest_bit(mask[x]);
+      }
+      uint sum[SPLIT_LABEL] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+      add_sums(mask, sum);
+      global ushort* const out = sums + (size_t)(firstNode[item] + node) * SPLIT_SUMS;
+      for (int i = 0; i < SPLIT_LABEL; ++i) out[i] = (ushort)sum[i];
+      out[SPLIT_LABEL] = (ushort)label_of(&labels, item, any);
+      out[SPLIT_LABEL + 1] = 0;
+    }
+  }
+}
+
+// Appends a pair of components, unless it is the last one.
+inline void append_contact(const uint a, const uint b, uint* lastA, uint* lastB, const uint capacity,
+                           volatile global uint* count, global uint* contact) {
+  const uint low = min(a, b), high = max(a, b);
+  if (low == *lastA && high == *lastB) return;
+  *lastA = low;
+  *lastB = high;
+  const uint at = atomic_add(count, 1u);
+  if (at >= capacity) return;
+  contact[2 * (size_t)at] = low;
+  contact[2 * (size_t)at + 1] = high;
+}
+
+// Lists pairs of components of the same piece that touch, with repetitions and in any order.
+kernel void split_contacts(
+    const global ulong* restrict inside,      // [leafCount*8]
+    const global uint* restrict neighbor,     // [leafCount*6]
+    const uint leafCount,
+    const uint items,
+    const global ushort* restrict localNode,  // [items*512]
+    const global uint* restrict firstNode,    // [items]
+    const global uint* restrict nodeCount,    // [items]
+    const global uint* restrict root,         // [nodes]
+    const global uint* restrict piece,        // [nodes]      of each node; 0: not asked for
+    const uint capacity,
+    volatile global uint* count,              // [1]          in: 0; out: contacts found, also those beyond the capacity
+    global uint* restrict contact)            // [capacity*2] out
+{
+  for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
+    const size_t leaf = item % leafCount;
+    uint lastA = SHERD_NO_LEAF, lastB = SHERD_NO_LEAF;
+    for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
+      if (!((inside[leaf * SHERD_LEAF_WORDS + (v >> 6)] >> (v & 63)) & 1)) continue;
+      const uint a = node_of(firstNode, nodeCount, localNode, item, v);
+      if (piece[a] == 0) continue;
+      for (int axis = 0; axis < 3; ++axis) {
+        const int shift = 6 - 3 * axis;
+        size_t other = item;
+        int at = v + (1 << shift);
+        if (((v >> shift) & 7) == 7) {
+          const uint otherLeaf = neighbor[leaf * SHERD_LEAF_FACES + 2 * axis + 1];
+          if (otherLeaf == SHERD_NO_LEAF) continue;
+          other = item - leaf + otherLeaf;
+          at = v & ~(7 << shift);
+        }
+        if (!((inside[(other % leafCount) * SHERD_LEAF_WORDS + (at >> 6)] >> (at & 63)) & 1)) continue;
+        const uint b = node_of(firstNode, nodeCount, localNode, other, at);
+        if (piece[b] == piece[a] && root[a] != root[b]) {
+          append_contact(root[a], root[b], &lastA, &lastB, capacity, count, contact);
+        }
+      }
+    }
+  }
+}
+
+// Gives nodes new labels.
+kernel void split_relabel(
+    const global ulong* restrict inside,      // [leafCount*8]
+    const uint leafCount,
+    const uint items,
+    const global ushort* restrict localNode,  // [items*512]
+    const global uint* restrict firstNode,    // [items]
+    const global uint* restrict nodeCount,    // [items]
+    const global uint* restrict changed,      // [items]      not 0: of a node of the item
+    const global ushort* restrict nodeLabel,  // [nodes]
+    global ushort* restrict owner,            // [items*512]  out, of changed items; see leaf_labels.h
+    global uint* restrict tag,                // [items]      out
+    global ulong* restrict second)            // [items*3*8]  out
+{
+  for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
+    if (!changed[item]) continue;
+    if (nodeCount[item] == 1) {
+      tag[item] = nodeLabel[firstNode[item]];
+      continue;
+    }
+    ulong mask[SHERD_LEAF_WORDS];
+    ushort label[SHERD_LEAF_SIZE];
+    for (int x = 0; x < SHERD_LEAF_WORDS; ++x) mask[x] = inside[(item % leafCount) * SHERD_LEAF_WORDS + x];
+    for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
+      const int isInside = (mask[v >> 6] >> (v & 63)) & 1;
+      label[v] = isInside ? nodeLabel[node_of(firstNode, nodeCount, localNode, item, v)] : 0;
+    }
+    store_labels(mask, label, (uint)item, owner, tag, second);
+  }
+}
+
+// Finds the voxel of each of the given nodes that is nearest to a position; ties go to the lowest offset.
+kernel void split_nearest(
+    const global ulong* restrict inside,      // [leafCount*8]
+    const uint leafCount,
+    const global ushort* restrict localNode,  // [items*512]
+    const global uint* restrict firstNode,    // [items]
+    const global uint* restrict nodeCount,    // [items]
+    const global uint* restrict item,         // [count]
+    const global uint* restrict node,         // [count]  of the item, counted from its first
+    const global int4* restrict position,     // [count]  from the leaf's lowest voxel, w unused
+    const uint count,
+    global ushort* restrict offset)           // [count]  out
+{
+  for (size_t i = get_global_id(0); i < count; i += get_global_size(0)) {
+    const size_t leaf = item[i] % leafCount;
+    long least = LONG_MAX;
+    for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
+      if (!((inside[leaf * SHERD_LEAF_WORDS + (v >> 6)] >> (v & 63)) & 1)) continue;
+      if (node_of(firstNode, nodeCount, localNode, item[i], v) != firstNode[item[i]] + node[i]) continue;
+      const long x = (v >> 6) - position[i].x, y = ((v >> 3) & 7) - position[i].y, z = (v & 7) - position[i].z;
+      const long squared = x * x + y * y + z * z;
+      if (squared >= least) continue;
+      least = squared;
+      offset[i] = (ushort)v;
+    }
+  }
+}

@@ -1,0 +1,69 @@
+// Shares of fragments that splits are meant to give.
+#include "grow/sequential.h"
+
+#include <sherd/error.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "base/random.h"
+#include "grow/shares.h"
+#include "grow/split_plan.h"
+
+namespace sherd {
+namespace {
+
+// Returns the shares that the fragments of a fracture are meant to have.
+std::vector<double> meantShares(std::size_t fragments, const GrowOptions& options,
+                                const ShareOptions& shares, std::uint64_t seed) {
+  // Fragments miss their shares by some percent.
+  const double least = std::min(1.1 * shares.minShare,
+                                1.0 / static_cast<double>(std::max<std::size_t>(fragments, 1)));
+  return raisedTo(least, sharesOfSplits(options.split, fragments, seed));
+}
+
+std::uint64_t smallestOf(const Labels& labels) {
+  const std::vector<std::uint64_t> voxels = countVoxels(labels);
+  return *std::min_element(voxels.begin() + 1, voxels.end());
+}
+
+}  // namespace
+
+std::vector<SeededLabels> growSequential(const Solid& solid, const VoxelComponents& components,
+                                         std::span<const std::size_t> fragments,
+                                         std::span<const std::uint64_t> seeds, Device& device,
+                                         const GrowOptions& options, const ShareOptions& shares,
+                                         const Progress* progress) {
+  const std::uint64_t voxels = solid.blocks->insideVoxels();
+  const std::uint64_t least = leastVoxels(shares, voxels);
+  const auto runOf = [&](std::size_t f, std::uint64_t seed) {
+    return SplitRun{meantShares(fragments[f], options, shares, seed), seed};
+  };
+  std::vector<SplitRun> runs;
+  for (std::size_t f = 0; f < seeds.size(); ++f) {
+    checkShares(shares, components, static_cast<int>(fragments[f]), voxels);
+    runs.push_back(runOf(f, seeds[f]));
+  }
+  std::vector<SeededLabels> all =
+      growBySplits(solid.blocks, components, runs, device, options, progress);
+  for (std::size_t f = 0; f < all.size() && least > 0; ++f) {
+    GrowOptions own = options;
+    if (f < options.noiseSeeds.size()) own.noiseSeeds = {options.noiseSeeds[f]};
+    std::uint64_t smallest = smallestOf(all[f].labels);
+    for (int attempt = 1; smallest < least; ++attempt) {
+      if (attempt >= std::max(shares.tries, 1)) {
+        throw unreachedShare(shares, static_cast<int>(fragments[f]), smallest, voxels);
+      }
+      const SplitRun again =
+          runOf(f, randomBits(seeds[f], Stage::reseed, static_cast<std::uint64_t>(attempt)));
+      all[f] = std::move(
+          growBySplits(solid.blocks, components, std::span(&again, 1), device, own, progress)
+              .front());
+      smallest = smallestOf(all[f].labels);
+    }
+  }
+  return all;
+}
+
+}  // namespace sherd

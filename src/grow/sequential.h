@@ -1,0 +1,44 @@
+// Growth::sequential: a solid is split again and again in two.
+#pragma once
+
+#include <sherd/labels.h>
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "grow/seeded_labels.h"
+
+namespace sherd {
+
+/// What is split in one fracture.
+struct SplitRun {
+  std::vector<double> shares;  ///< that fragments are meant to have, in random order; the sum is 1
+  std::uint64_t seed = 0;      ///< of all random numbers
+};
+
+/// Grows fragments by splits, then the same as `grow`: roughness, regrowth, extension into the
+/// exterior band.  A crack ends at the border of its piece, so older cracks stop newer ones.
+///   components  of the solid, as many as a run's shares or fewer
+///   runs        fractures, grown together in batches that fit the device
+///   return      [runs] labels with their splits, and an inner voxel of each fragment
+///   throws      Error(device); Error(cancelled); Error(usage) an option out of range, more shares
+///               than voxels
+///   source      Domokos, Jerolmack, Kun, Toeroek, Plato's cube and the natural geometry of
+///               fragmentation, PNAS 117:18178, 2020 (binary breakup)
+[[nodiscard]] std::vector<SeededLabels> growBySplits(std::shared_ptr<const LeafBlocks> blocks,
+                                                     const VoxelComponents& components,
+                                                     std::span<const SplitRun> runs, Device& device,
+                                                     const GrowOptions& options,
+                                                     const Progress* progress = nullptr);
+
+/// The same for fractures with these numbers of fragments: shares are drawn, by ShareOptions or as
+/// splits give them, and drawn again where a fragment is below the least one.
+///   fragments, seeds  [fractures]
+///   throws  also Error(usage) the least share cannot be reached, or not within the tries
+[[nodiscard]] std::vector<SeededLabels> growSequential(
+    const Solid& solid, const VoxelComponents& components, std::size_t fragments,
+    std::span<const std::uint64_t> seeds, Device& device, const GrowOptions& options,
+    const ShareOptions& shares, const Progress* progress = nullptr);
+
+}  // namespace sherd
