@@ -410,9 +410,10 @@ void writeBoundaries(const OutputFile& file, std::span<const Fragment> fragments
 /// Writes the contact graph for simulations as JSON in the schema of NVIDIA Blast: chunks (the
 /// whole first, the fragments as its children) and bonds between fragments, each with area, normal
 /// and centroid.
+///   splits  if any, the pieces that were split are chunks between, after those of the fragments
 ///   throws  Error(output)
 void writeGraph(const OutputFile& file, std::span<const Fragment> fragments,
-                const GridMetadata& metadata);
+                const GridMetadata& metadata, std::span<const Split> splits = {});
 
 /// Writes the contact graph as a Houdini constraint network in the ASCII format `.geo`: a point at
 /// each fragment's center of mass, with `name`, and an open polygon for each contact, with

@@ -146,7 +146,7 @@ void FractureWriting::finish(const Progress* progress) const {
   }
   throwIfCancelled(progress);
   if (!files_.graph.empty()) {
-    writeGraph(folder_ / files_.graph, kept(), metadata());
+    writeGraph(folder_ / files_.graph, kept(), metadata(), result_.labels.splits);
     writeConstraints(folder_ / files_.constraints, kept());
   }
   if (!files_.points.empty() && write.sharePoints) {

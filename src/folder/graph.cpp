@@ -1,11 +1,13 @@
 // The contact graph, for simulations.
 #include <sherd/folder.h>
 
+#include <algorithm>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
 #include "base/json_of.h"
 #include "base/number_text.h"
+#include "folder/split_parents.h"
 
 namespace sherd {
 namespace {
@@ -35,21 +37,59 @@ void forEachContact(std::span<const Fragment> fragments, const Visit& visit) {
   }
 }
 
+// A piece before it was split, of the fragments that come of it.
+struct Piece {
+  double volume = 0.0;
+  glm::dvec3 moment{0.0};
+
+  glm::dvec3 centroid() const { return moment / volume; }
+};
+
+// [1 + splits] the intact object, and what each split divided.
+std::vector<Piece> piecesOf(std::span<const std::size_t> parentOfSplit,
+                            std::span<const std::size_t> splitOfFragment,
+                            std::span<const Fragment> fragments) {
+  std::vector<Piece> pieces(parentOfSplit.size() + 1);
+  for (const Fragment& fragment : fragments) {
+    std::size_t at = splitOfFragment[static_cast<std::size_t>(fragment.id - 1)];
+    for (;; at = parentOfSplit[at - 1]) {
+      pieces[at].volume += fragment.mass.volume;
+      pieces[at].moment += fragment.mass.volume * fragment.mass.centroid;
+      if (at == 0) break;
+    }
+  }
+  return pieces;
+}
+
 }  // namespace
 
 void writeGraph(const OutputFile& file, std::span<const Fragment> fragments,
-                const GridMetadata& metadata) {
-  double volume = 0.0;
-  glm::dvec3 moment(0.0);
-  for (const Fragment& fragment : fragments) {
-    volume += fragment.mass.volume;
-    moment += fragment.mass.volume * fragment.mass.centroid;
+                const GridMetadata& metadata, std::span<const Split> splits) {
+  std::size_t all = fragments.size();  // withheld ones included
+  for (const Split& split : splits) all = std::max<std::size_t>({all, split.fragment, split.added});
+  const SplitParents parents = parentsOf(splits, all);
+  const std::vector<Piece> pieces = piecesOf(parents.ofSplit, parents.ofFragment, fragments);
+  // The chunk of each split: those of fragments come first, so that they have their ids.
+  std::vector<std::uint32_t> chunkOf(pieces.size(), 0);
+  auto next = static_cast<std::uint32_t>(fragments.size());
+  const bool isWhole = std::count(parents.ofSplit.begin(), parents.ofSplit.end(), 0u) == 1;
+  for (std::size_t i = 1; i < pieces.size(); ++i) {
+    if (isWhole && parents.ofSplit[i - 1] == 0) continue;  // the first piece is the intact object
+    if (pieces[i].volume > 0.0) chunkOf[i] = ++next;
   }
-  Json chunks = Json::array({chunkJson(moment / volume, volume, kNoParent, false, 0)});
+  Json chunks =
+      Json::array({chunkJson(pieces[0].centroid(), pieces[0].volume, kNoParent, false, 0)});
   for (const Fragment& fragment : fragments) {
-    Json chunk = chunkJson(fragment.mass.centroid, fragment.mass.volume, 0, true, fragment.id);
+    const auto index = static_cast<std::size_t>(fragment.id - 1);
+    Json chunk = chunkJson(fragment.mass.centroid, fragment.mass.volume,
+                           chunkOf[parents.ofFragment[index]], true, fragment.id);
     chunk["mass"] = metadata.density * fragment.mass.volume;
     chunks.push_back(std::move(chunk));
+  }
+  for (std::size_t i = 1; i < pieces.size(); ++i) {
+    if (chunkOf[i] == 0) continue;
+    chunks.push_back(chunkJson(pieces[i].centroid(), pieces[i].volume,
+                               chunkOf[parents.ofSplit[i - 1]], false, 0));
   }
   Json bonds = Json::array();
   forEachContact(fragments,

@@ -17,6 +17,7 @@
 #include "exact/rounded_crossings.h"
 #include "folder/mesh_report.h"
 #include "folder/read_manifest.h"
+#include "folder/split_parents.h"
 #include "options/record.h"
 #include "surface/fragment_surfaces.h"
 #include "surface/region_edges.h"
@@ -134,6 +135,30 @@ Json fragmentJson(const Fragment& fragment, const MeshFacts& facts, const Fractu
   return json;
 }
 
+// The splits in order, each with the split that its piece comes from.
+Json splitsJson(const FractureResult& result, const SplitParents& parents) {
+  Json all = Json::array();
+  const std::vector<Split>& splits = result.labels.splits;
+  for (std::size_t i = 0; i < splits.size(); ++i) {
+    const Split& split = splits[i];
+    Json json = {{"id", i + 1},
+                 {"parent", parents.ofSplit[i]},
+                 {"level", split.generation + 1},
+                 {"voxels", split.voxels}};
+    if (split.normal != glm::ivec3(0)) {
+      const GridFrame& frame = result.solid.frame;
+      const glm::dvec3 normal = glm::normalize(glm::dvec3(split.normal));
+      const double index =
+          static_cast<double>(split.offset) / (64.0 * glm::length(glm::dvec3(split.normal)));
+      json["plane"] = {{"normal", jsonOf(normal)},
+                       {"distance", plain(glm::dot(normal, frame.worldFromIndex(glm::dvec3(0.0))) +
+                                          frame.voxelSize * index)}};
+    }
+    all.push_back(std::move(json));
+  }
+  return all;
+}
+
 // Returns a path, or a list if there are several.
 Json pathsJson(const std::vector<std::string>& paths) {
   return paths.size() == 1 ? Json(paths[0]) : Json(paths);
@@ -224,12 +249,17 @@ std::string manifestText(const SourceMesh& source, const FractureOptions& option
                                   {"voxels", result.solid.smallComponentVoxels}};
   manifest["fragments"] = Json::array();
   manifest["withheld"] = Json::array();
+  const bool isSplit = ruleOf(options.grow.growth).splits && !isRefracture;
+  const SplitParents parents = parentsOf(result.labels.splits, result.fragments.size());
+  if (isSplit) manifest["splits"] = splitsJson(result, parents);
   std::vector<Json> seeds = seedPositions(result);
   for (std::size_t i = 0; i < result.fragments.size(); ++i) {
     Json own = Json::object();
     if (i >= result.kept()) {
-      manifest["withheld"].push_back(
-          fragmentJson(result.fragments[i], facts[i], result, std::move(seeds[i]), std::move(own)));
+      Json fragment =
+          fragmentJson(result.fragments[i], facts[i], result, std::move(seeds[i]), std::move(own));
+      if (isSplit) fragment["split"] = parents.ofFragment[i];
+      manifest["withheld"].push_back(std::move(fragment));
       continue;
     }
     if (!files.vdb.empty()) own["vdb"] = files.vdb[i];
@@ -243,6 +273,7 @@ std::string manifestText(const SourceMesh& source, const FractureOptions& option
       fragment["decimated"] =
           decimatedJson(result.fragments[i], options.surface.triangles, files.coarse[i]);
     }
+    if (isSplit) fragment["split"] = parents.ofFragment[i];
     if (!result.parents.empty()) fragment["parent"] = result.parents[i];
     manifest["fragments"].push_back(std::move(fragment));
   }

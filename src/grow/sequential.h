@@ -37,7 +37,7 @@ struct SplitRun {
 ///   fragments, seeds  [fractures]
 ///   throws  also Error(usage) the least share cannot be reached, or not within the tries
 [[nodiscard]] std::vector<SeededLabels> growSequential(
-    const Solid& solid, const VoxelComponents& components, std::size_t fragments,
+    const Solid& solid, const VoxelComponents& components, std::span<const std::size_t> fragments,
     std::span<const std::uint64_t> seeds, Device& device, const GrowOptions& options,
     const ShareOptions& shares, const Progress* progress = nullptr);
 

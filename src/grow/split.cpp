@@ -1,8 +1,6 @@
 // The generations of splits: planes are decided on the host, from sums that kernels make.
 #include "grow/split.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -141,15 +139,12 @@ void decidePlanes(const GrowthState& state, const SplitNodes& nodes, std::size_t
                   Fracture& fracture, std::span<const glm::ivec3> low, const GrowOptions& options) {
   fracture.planes.assign(fracture.ids.size() + 1, Plane{});
   const NodesOfPieces own = nodesOfPieces(state, nodes, index, fracture);
-  std::vector<Plane> planes(fracture.pieces.size());
-  tbb::parallel_for(std::size_t{0}, planes.size(), [&](std::size_t i) {
-    if (!fracture.pieces[i].isSplit()) return;
-    planes[i] = planeThrough(fracture, fracture.pieces[i], nodes, own[i], low, options);
-  });
-  for (std::size_t i = 0; i < planes.size(); ++i) {
-    if (!fracture.pieces[i].isSplit()) continue;
-    planes[i].added = fracture.nextId();
-    fracture.planes[fracture.pieces[i].label] = planes[i];
+  for (std::size_t i = 0; i < fracture.pieces.size(); ++i) {
+    const Piece& piece = fracture.pieces[i];
+    if (!piece.isSplit()) continue;
+    Plane plane = planeThrough(fracture, piece, nodes, own[i], low, options);
+    plane.added = fracture.nextId();
+    fracture.planes[piece.label] = plane;
   }
 }
 

@@ -15,11 +15,13 @@ using Row = FractureOptionRow;
 using R = const RunOptions&;
 
 constexpr auto kGrow = [](auto& o) -> auto& { return o.fracture.grow; };
+constexpr auto kSplit = [](auto& o) -> auto& { return o.fracture.grow.split; };
 constexpr auto kGrain = [](auto& o) -> auto& { return o.fracture.grow.anisotropy; };
 constexpr auto kShares = [](auto& o) -> auto& { return o.fracture.shares; };
 constexpr auto kErode = [](auto& o) -> auto& { return o.fracture.erode; };
 
 bool erodes(R o) { return !o.fracture.erode.iterations.isZero(); }
+bool splits(R o) { return ruleOf(o.fracture.grow.growth).splits; }
 bool hasGrain(R o) { return o.fracture.grow.anisotropy.strength != 0.0; }
 
 std::vector<const char*> growthNames() {
@@ -32,10 +34,12 @@ const std::vector<Row> kGrowthRows{
     {.name = "growth",
      .group = "Growth",
      .value = V::choice(kGrow, &GrowOptions::growth, growthNames()),
-     .help = "How fragments grow from their seeds",
+     .help = "How fragments grow from their seeds, or by splits one after another",
      .details = "growth of fragments: layer by layer; nearest seed, ignoring gaps; over "
                 "voxel faces in the order of the distance to the seed; nearest seed, "
-                "disconnected voxels regrown ([decision 0009](decisions/0009-growth.md))",
+                "disconnected voxels regrown ([decision 0009](decisions/0009-growth.md)); without "
+                "seeds, by splitting pieces in two one after another, so that older cracks stop "
+                "newer ones ([decision 0020](decisions/0020-cracks-in-order.md))",
      .key = "grow.growth",
      .drawn = true},
     {.name = "neighborhood",
@@ -54,6 +58,38 @@ const std::vector<Row> kGrowthRows{
      .key = "grow.metric",
      .recorded = [](R o) { return ruleOf(o.fracture.grow.growth).usesMetric; },
      .drawn = true},
+    {.name = "split-power",
+     .group = "Growth",
+     .value = V::number(kSplit, &SplitOptions::power, between(0.0, 10.0, "0..10")),
+     .help = "Which piece --growth sequential splits next: drawn by its size to this power",
+     .details =
+         "the piece that `sequential` splits next is drawn by its size to this power: 0 each "
+         "alike, so that sizes spread widely; 10 nearly always the largest",
+     .key = "grow.split.power",
+     .recorded = splits,
+     .drawn = true},
+    {.name = "split-offset",
+     .group = "Growth",
+     .value = V::number(kSplit, &SplitOptions::offset, between(0.0, 0.3, "0..0.3")),
+     .help = "How far from the middle of a piece --growth sequential splits it: standard deviation "
+             "of the share that is cut off",
+     .details = "standard deviation of the share of a piece that a crack of `sequential` cuts off, "
+                "from one half",
+     .key = "grow.split.offset",
+     .recorded = splits,
+     .drawn = true},
+    {.name = "split-tilt",
+     .group = "Growth",
+     .value = V::number(kSplit, &SplitOptions::tilt, between(0.0, 90.0, "0..90")),
+     .help =
+         "Standard deviation in degrees of the angle between a crack of --growth sequential and "
+         "the section across its piece's long axis",
+     .details = "standard deviation of the angle between the normal of a crack of `sequential` and "
+                "the long axis of its piece",
+     .key = "grow.split.tilt",
+     .recorded = splits,
+     .drawn = true,
+     .unit = "degrees"},
     {.name = "grain",
      .group = "Growth",
      .value = V::custom(

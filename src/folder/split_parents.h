@@ -1,0 +1,32 @@
+// The tree of splits.
+#pragma once
+
+#include <sherd/labels.h>
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace sherd {
+
+/// For each split and each fragment the number of the split that it comes from, counted from 1; 0
+/// where it is a component of the solid.
+struct SplitParents {
+  std::vector<std::size_t> ofSplit;     ///< [splits]
+  std::vector<std::size_t> ofFragment;  ///< [fragments]
+};
+
+/// Returns the parents.
+///   splits  a piece before those that come of it
+inline SplitParents parentsOf(std::span<const Split> splits, std::size_t fragments) {
+  SplitParents parents;
+  std::vector<std::size_t> last(fragments + 1, 0);
+  for (const Split& split : splits) {
+    parents.ofSplit.push_back(last[split.fragment]);
+    last[split.fragment] = last[split.added] = parents.ofSplit.size();
+  }
+  parents.ofFragment.assign(last.begin() + 1, last.end());
+  return parents;
+}
+
+}  // namespace sherd

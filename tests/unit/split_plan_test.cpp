@@ -1,0 +1,156 @@
+// Shares and planes of splits against what they mean.
+#include "grow/split_plan.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numeric>
+
+namespace sherd {
+namespace {
+
+double sumOf(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0);
+}
+
+TEST(SplitPlan, SharesAddUpToOne) {
+  for (const std::size_t pieces : {1, 2, 9, 500, 65534}) {
+    const std::vector<double> shares = sharesOfSplits({}, pieces, 3);
+    ASSERT_EQ(shares.size(), pieces);
+    EXPECT_NEAR(sumOf(shares), 1.0, 1e-9);
+    EXPECT_GT(*std::min_element(shares.begin(), shares.end()), 0.0);
+  }
+}
+
+// With a high power the largest piece is always next: halves of halves.
+TEST(SplitPlan, AHighPowerSplitsTheLargest) {
+  const std::vector<double> shares = sharesOfSplits({.power = 10.0, .offset = 0.0}, 64, 5);
+  for (const double share : shares) {
+    EXPECT_GE(share, 1.0 / 128.0 - 1e-12);
+    EXPECT_LE(share, 1.0 / 32.0 + 1e-12);
+  }
+}
+
+// With power 0 every piece is as likely: sizes spread over many orders.
+TEST(SplitPlan, APowerOfZeroSpreadsSizes) {
+  const std::vector<double> shares = sharesOfSplits({.power = 0.0, .offset = 0.0}, 1024, 5);
+  EXPECT_GT(*std::max_element(shares.begin(), shares.end()) /
+                *std::min_element(shares.begin(), shares.end()),
+            100.0);
+}
+
+TEST(SplitPlan, SharesAreRaisedToTheLeast) {
+  const std::vector<double> raised = raisedTo(0.1, {0.01, 0.19, 0.3, 0.5});
+  EXPECT_NEAR(sumOf(raised), 1.0, 1e-12);
+  for (const double share : raised) EXPECT_GE(share, 0.1);
+  for (const double share : raisedTo(0.25, {0.0, 0.0, 0.0, 1.0})) EXPECT_NEAR(share, 0.25, 1e-12);
+}
+
+TEST(SplitPlan, TheFirstSharesAddUpToNearestToAFraction) {
+  const std::vector<double> shares{0.1, 0.2, 0.3, 0.4};
+  EXPECT_EQ(firstOf(shares, 0.5), 3u);  // 0.6, not 0.3
+  EXPECT_EQ(firstOf(shares, 0.32), 2u);
+  EXPECT_EQ(firstOf(shares, 0.0), 1u);
+  EXPECT_EQ(firstOf(shares, 1.0), 3u);  // at least one is left
+}
+
+TEST(SplitPlan, ComponentsGetSharesByTheirSize) {
+  const std::vector<std::uint64_t> voxels{700, 27, 273};
+  const std::vector<double> shares(10, 0.1);
+  const auto given = sharesOfComponents(shares, voxels);
+  EXPECT_EQ(given[0].size(), 6u);
+  EXPECT_EQ(given[1].size(), 1u);
+  EXPECT_EQ(given[2].size(), 3u);
+  const std::vector<std::uint64_t> two{2, 50};
+  const auto full = sharesOfComponents(std::vector<double>(52, 1.0 / 52.0), two);
+  EXPECT_EQ(full[0].size(), 2u);
+  EXPECT_EQ(full[1].size(), 50u);
+  const auto least = sharesOfComponents(std::vector<double>(3, 1.0 / 3.0), voxels);
+  for (const auto& each : least) EXPECT_EQ(each.size(), 1u);
+}
+
+VoxelSums sumsOfBox(const glm::ivec3& size) {
+  VoxelSums sums;
+  for (int x = 0; x < size.x; ++x) {
+    for (int y = 0; y < size.y; ++y) {
+      for (int z = 0; z < size.z; ++z) {
+        VoxelSums one;
+        one.count = 1;
+        sums.add(one, {x - 100, y + 7, z});
+      }
+    }
+  }
+  return sums;
+}
+
+// Of a box of n voxels the variance along an axis is (n^2 - 1) / 12, and that of the box n^2 / 12.
+TEST(SplitPlan, SumsOfABoxHaveItsVariance) {
+  const VoxelSums sums = sumsOfBox({8, 3, 20});
+  EXPECT_EQ(sums.count, 480);
+  const glm::dvec3 mean = sums.mean();
+  EXPECT_DOUBLE_EQ(mean.x, -96.5);
+  EXPECT_DOUBLE_EQ(mean.y, 8.0);
+  EXPECT_DOUBLE_EQ(mean.z, 9.5);
+  const glm::dmat3 covariance = sums.covariance();
+  EXPECT_NEAR(covariance[0][0], 64.0 / 12.0, 1e-9);
+  EXPECT_NEAR(covariance[1][1], 9.0 / 12.0, 1e-9);
+  EXPECT_NEAR(covariance[2][2], 400.0 / 12.0, 1e-9);
+  EXPECT_NEAR(covariance[1][0], 0.0, 1e-9);
+  EXPECT_NEAR(covariance[2][1], 0.0, 1e-9);
+}
+
+double degreesFrom(const glm::ivec3& normal, const glm::dvec3& axis) {
+  const double cosine = std::abs(glm::dot(glm::normalize(glm::dvec3(normal)), axis));
+  return std::acos(std::min(cosine, 1.0)) * 180.0 / M_PI;
+}
+
+TEST(SplitPlan, CracksGoAcrossTheLongAxis) {
+  const glm::dmat3 covariance = sumsOfBox({10, 10, 30}).covariance();
+  double sum = 0.0;
+  for (std::uint64_t i = 0; i < 400; ++i) {
+    EXPECT_LT(degreesFrom(crackNormal(covariance, {.tilt = 0.0}, {}, 1, i), {0, 0, 1}), 1.0);
+    const double angle = degreesFrom(crackNormal(covariance, {.tilt = 10.0}, {}, 1, i), {0, 0, 1});
+    sum += angle * angle;
+  }
+  // The angle has two parts of this deviation; the tangent of 10 degrees is 1 % above the angle.
+  EXPECT_NEAR(std::sqrt(sum / 800.0), 10.0, 1.0);
+}
+
+TEST(SplitPlan, CracksOfACubeHaveEveryDirection) {
+  const glm::dmat3 covariance = sumsOfBox({20, 20, 20}).covariance();
+  glm::dmat3 mean(0.0);
+  constexpr int kDraws = 3000;
+  for (std::uint64_t i = 0; i < kDraws; ++i) {
+    const glm::dvec3 n = glm::normalize(glm::dvec3(crackNormal(covariance, {}, {}, 1, i)));
+    mean += glm::outerProduct(n, n) / static_cast<double>(kDraws);
+  }
+  // Of isotropic directions the mean of n n^T is 1/3 of the identity; the standard error of an
+  // element is sqrt(4/45 / draws).
+  const double error = std::sqrt(4.0 / 45.0 / kDraws);
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) EXPECT_NEAR(mean[i][j], i == j ? 1.0 / 3.0 : 0.0, 4.0 * error);
+  }
+}
+
+// A grain of strength 3 divides lengths along it by 4: a box four times as long as wide is a cube.
+TEST(SplitPlan, GrainShortensThePiece) {
+  const glm::dmat3 covariance = sumsOfBox({10, 10, 20}).covariance();
+  const Anisotropy grain{{0.0, 0.0, 2.0}, 9.0};
+  for (std::uint64_t i = 0; i < 50; ++i) {
+    EXPECT_GT(degreesFrom(crackNormal(covariance, {.tilt = 0.0}, grain, 1, i), {0, 0, 1}), 80.0);
+  }
+}
+
+TEST(SplitPlan, QuantilesOfEvenVoxelsAreTheirPositions) {
+  ProjectedVoxels projected(50.0, 100.0 / std::sqrt(12.0));
+  for (int i = 0; i < 100; ++i) {
+    projected.add(i + 0.5, 1.0 / std::sqrt(12.0), 1.0);
+  }
+  for (const double fraction : {0.05, 0.25, 0.5, 0.9}) {
+    EXPECT_NEAR(projected.quantile(fraction), 100.0 * fraction, 0.6);  // a bin is 0.56
+  }
+}
+
+}  // namespace
+}  // namespace sherd
