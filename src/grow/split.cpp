@@ -12,6 +12,7 @@
 #include "base/random.h"
 #include "grow/split_nodes.h"
 #include "grow/split_plan.h"
+#include "grow/split_wall.h"
 #include "seed/fragment_ids.h"
 #include "seed/irwin_hall.h"
 #include "voxelize/leaf_blocks.h"
@@ -117,16 +118,18 @@ Plane planeThrough(const Fracture& fracture, const Piece& piece, const SplitNode
   const VoxelSums& sums = fracture.sums[piece.label];
   if (piece.missed) return acrossAxis(sums);
   const glm::dmat3 covariance = sums.covariance();
+  const glm::dvec3 normal = acrossWall(
+      covariance,
+      crackNormal(covariance, options.split, options.anisotropy, fracture.seed, piece.path));
   Plane plane;
-  plane.normal =
-      crackNormal(covariance, options.split, options.anisotropy, fracture.seed, piece.path);
-  const glm::dvec3 normal(plane.normal);
-  ProjectedVoxels projected(glm::dot(normal, sums.mean()),
-                            std::sqrt(glm::dot(normal, covariance * normal)));
+  plane.normal = inSteps(normal);
+  const glm::dvec3 steps(plane.normal);
+  ProjectedVoxels projected(glm::dot(steps, sums.mean()),
+                            std::sqrt(glm::dot(steps, covariance * steps)));
   for (const auto& [leaf, node] : own) {
     const VoxelSums ofNode = nodes.sums(node);
-    projected.add(glm::dot(normal, ofNode.mean() + glm::dvec3(low[leaf])),
-                  std::sqrt(glm::dot(normal, ofNode.covariance() * normal)),
+    projected.add(glm::dot(steps, ofNode.mean() + glm::dvec3(low[leaf])),
+                  std::sqrt(glm::dot(steps, ofNode.covariance() * steps)),
                   static_cast<double>(ofNode.count));
   }
   plane.offset = static_cast<std::int64_t>(

@@ -7,6 +7,8 @@
 #include <glm/geometric.hpp>
 #include <numeric>
 
+#include "grow/split_wall.h"
+
 namespace sherd {
 namespace {
 
@@ -100,8 +102,8 @@ TEST(SplitPlan, SumsOfABoxHaveItsVariance) {
   EXPECT_NEAR(covariance[2][1], 0.0, 1e-9);
 }
 
-double degreesFrom(const glm::ivec3& normal, const glm::dvec3& axis) {
-  const double cosine = std::abs(glm::dot(glm::normalize(glm::dvec3(normal)), axis));
+double degreesFrom(const glm::dvec3& normal, const glm::dvec3& axis) {
+  const double cosine = std::abs(glm::dot(glm::normalize(normal), axis));
   return std::acos(std::min(cosine, 1.0)) * 180.0 / M_PI;
 }
 
@@ -122,7 +124,7 @@ TEST(SplitPlan, CracksOfACubeHaveEveryDirection) {
   glm::dmat3 mean(0.0);
   constexpr int kDraws = 3000;
   for (std::uint64_t i = 0; i < kDraws; ++i) {
-    const glm::dvec3 n = glm::normalize(glm::dvec3(crackNormal(covariance, {}, {}, 1, i)));
+    const glm::dvec3 n = glm::normalize(crackNormal(covariance, {}, {}, 1, i));
     mean += glm::outerProduct(n, n) / static_cast<double>(kDraws);
   }
   // Of isotropic directions the mean of n n^T is 1/3 of the identity; the standard error of an
@@ -150,6 +152,30 @@ TEST(SplitPlan, QuantilesOfEvenVoxelsAreTheirPositions) {
   for (const double fraction : {0.05, 0.25, 0.5, 0.9}) {
     EXPECT_NEAR(projected.quantile(fraction), 100.0 * fraction, 0.6);  // a bin is 0.56
   }
+}
+
+glm::dmat3 covarianceOfWall(double thick) {
+  glm::dmat3 covariance(1600.0 / 12.0);
+  covariance[2][2] = thick * thick / 12.0;
+  return covariance;
+}
+
+TEST(SplitWall, CracksCrossAThinWallAtRightAngles) {
+  const glm::dvec3 normal = glm::normalize(glm::dvec3(0.8, 0.0, 0.6));
+  const glm::dvec3 rotated = acrossWall(covarianceOfWall(4.0), normal);
+  EXPECT_GT(degreesFrom(rotated, {0, 0, 1}), 89.9);
+  EXPECT_LT(degreesFrom(rotated, {1, 0, 0}), 0.1);  // its direction in the wall stays
+}
+
+TEST(SplitWall, CracksOfABlockAndOfARodStay) {
+  const glm::dvec3 normal = glm::normalize(glm::dvec3(0.8, 0.0, 0.6));
+  EXPECT_EQ(acrossWall(covarianceOfWall(40.0), normal), normal);
+  EXPECT_EQ(acrossWall(covarianceOfWall(400.0), normal), normal);
+}
+
+TEST(SplitWall, ACrackAlongTheWallStays) {
+  const glm::dvec3 normal(0.0, 0.0, 1.0);
+  EXPECT_EQ(acrossWall(covarianceOfWall(4.0), normal), normal);
 }
 
 }  // namespace
