@@ -100,7 +100,7 @@ struct VoronoiSites {
 struct SplitOptions {
   double power = 1.0;   ///< the next piece to split is drawn by its size to this power, 0..10
   double offset = 0.1;  ///< standard deviation of the share that a crack cuts off, from one half,
-                        ///< 0..0.3
+                        ///< 0..0.5
   double tilt = 10.0;   ///< standard deviation of the angle between a crack's normal and the
                         ///< piece's long axis, degrees, 0..90
 };
@@ -138,7 +138,7 @@ struct Labels {
                          ///< growths without this property
   std::vector<Split> splits{};  ///< of growths by splits, a piece before those that come of it: the
                                 ///< crack between two fragments lies on the plane that parted
-                                ///< them.  Empty where cracks are rough, and for other growths
+                                ///< them.  Normals are 0 where cracks are rough
 };
 
 /// How work is given to the device.  Results are the same.

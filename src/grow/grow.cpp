@@ -38,7 +38,7 @@ void check(const GrowOptions& options) {
   need(options.outerSteps >= 0 && options.outerSteps <= 64, "the outer steps must lie in 0..64");
   const SplitOptions& split = options.split;
   need(split.power >= 0.0 && split.power <= 10.0, "the power of splits must lie in 0..10");
-  need(split.offset >= 0.0 && split.offset <= 0.3, "the offset of splits must lie in 0..0.3");
+  need(split.offset >= 0.0 && split.offset <= 0.5, "the offset of splits must lie in 0..0.5");
   need(split.tilt >= 0.0 && split.tilt <= 90.0, "the tilt of splits must lie in 0..90 degrees");
 }
 

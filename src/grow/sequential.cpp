@@ -10,6 +10,7 @@
 #include "base/random.h"
 #include "grow/shares.h"
 #include "grow/split_plan.h"
+#include "voxelize/wall_normals.h"
 
 namespace sherd {
 namespace {
@@ -37,8 +38,9 @@ std::vector<SeededLabels> growSequential(const Solid& solid, const VoxelComponen
                                          const Progress* progress) {
   const std::uint64_t voxels = solid.blocks->insideVoxels();
   const std::uint64_t least = leastVoxels(shares, voxels);
+  const std::vector<glm::dmat3> walls = wallNormals(solid);
   const auto runOf = [&](std::size_t f, std::uint64_t seed) {
-    return SplitRun{meantShares(fragments[f], options, shares, seed), seed};
+    return SplitRun{meantShares(fragments[f], options, shares, seed), seed, walls};
   };
   std::vector<SplitRun> runs;
   for (std::size_t f = 0; f < seeds.size(); ++f) {

@@ -3,6 +3,7 @@
 
 #include <sherd/labels.h>
 
+#include <glm/mat3x3.hpp>
 #include <memory>
 #include <span>
 #include <vector>
@@ -15,6 +16,8 @@ namespace sherd {
 struct SplitRun {
   std::vector<double> shares;  ///< that fragments are meant to have, in random order; the sum is 1
   std::uint64_t seed = 0;      ///< of all random numbers
+  std::span<const glm::dmat3> walls{};  ///< [leaves] see wall_normals.h; none: cracks are not
+                                        ///< rotated into walls
 };
 
 /// Grows fragments by splits, then the same as `grow`: roughness, regrowth, extension into the

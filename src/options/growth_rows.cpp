@@ -70,7 +70,7 @@ const std::vector<Row> kGrowthRows{
      .drawn = true},
     {.name = "split-offset",
      .group = "Growth",
-     .value = V::number(kSplit, &SplitOptions::offset, between(0.0, 0.3, "0..0.3")),
+     .value = V::number(kSplit, &SplitOptions::offset, between(0.0, 0.5, "0..0.5")),
      .help = "How far from the middle of a piece --growth sequential splits it: standard deviation "
              "of the share that is cut off",
      .details = "standard deviation of the share of a piece that a crack of `sequential` cuts off, "
