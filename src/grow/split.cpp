@@ -480,7 +480,7 @@ SplitGrowth splitPieces(GrowthState& state, const VoxelComponents& components,
                         [](const Piece& piece) { return piece.isSplit(); });
   };
   SplitGrowth grown{componentLabels(state, components, fractures), {}};
-  SplitNodes nodes(state, grown.labels);
+  SplitNodes nodes = SplitNodes::withoutRoots(state, grown.labels);
   const auto measure = [&] {
     for (std::size_t f = 0; f < fractures.size(); ++f) {
       fractures[f].sums = sumsOfLabels(state, nodes, f, fractures[f].ids.size(), low);
