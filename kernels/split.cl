@@ -163,6 +163,39 @@ kernel void split_labels(
   }
 }
 
+// Voxels on the positive side of a given crack get the second label of their piece.
+kernel void split_by_sides(
+    const global ulong* restrict inside,     // [leafCount*8]
+    const global ulong* restrict positive,   // [leafCount*8]  inside voxels on the positive side
+    const uint leafCount,
+    const uint items,
+    const global uint* restrict firstPiece,  // [fractures]    index of label 0 in the next
+    const global uint* restrict added,       // [labels]       the label of voxels on the positive side, 0: not split
+    global ushort* restrict owner,           // [items*512]    in, out, see leaf_labels.h
+    global uint* restrict tag,               // [items]        in, out
+    global ulong* restrict second)           // [items*3*8]    in, out
+{
+  for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
+    const size_t leaf = item % leafCount;
+    const global uint* const addedTo = added + firstPiece[item / leafCount];
+    const uint before = tag[item];
+    ulong mask[SHERD_LEAF_WORDS], any = 0;
+    for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
+      mask[x] = inside[leaf * SHERD_LEAF_WORDS + x];
+      any |= positive[leaf * SHERD_LEAF_WORDS + x];
+    }
+    if (!any || (before <= 0xffff && addedTo[before] == 0)) continue;
+    const struct leaf_labels labels = {owner, tag, second};
+    ushort label[SHERD_LEAF_SIZE];
+    read_labels(&labels, mask, item, label);
+    for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
+      if (!((positive[leaf * SHERD_LEAF_WORDS + (v >> 6)] >> (v & 63)) & 1)) continue;
+      if (addedTo[label[v]] != 0) label[v] = (ushort)addedTo[label[v]];
+    }
+    store_labels(mask, label, (uint)item, owner, tag, second);
+  }
+}
+
 // The sums of a node's voxels, relative to the leaf's lowest one.  Each is below 2^16.
 #define SPLIT_COUNT 0  // voxels
 #define SPLIT_SUM 1    // x, y, z

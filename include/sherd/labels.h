@@ -105,6 +105,9 @@ struct SplitOptions {
                         ///< piece's long axis, degrees, 0..90
 };
 
+/// Surfaces of cracks that are given, see grow/guide_sides.h.
+class GivenCracks;
+
 /// A crack that splits a piece in two.  Voxels of the piece on its positive side become the piece
 /// `added`, the others keep the id; components that the crack would cut off besides stay with what
 /// they touch, so that both are connected.
@@ -113,8 +116,9 @@ struct Split {
   std::uint16_t added = 0;     ///< the new piece
   int generation = 0;          ///< number of splits that the piece comes from
   glm::ivec3 normal{0};        ///< of the plane, each at most 2^14; 0: the crack is no plane
-  std::int64_t offset = 0;     ///< positive: dot(normal, voxel) * 64 > offset
-  std::uint64_t voxels = 0;    ///< of the piece before the split
+  std::int64_t offset = 0;   ///< positive: dot(normal, voxel) * 64 > offset; of a crack that is no
+                             ///< plane its number in Labels::cracks
+  std::uint64_t voxels = 0;  ///< of the piece before the split
 };
 
 /// The fragment of each voxel of leaf blocks.
@@ -139,6 +143,9 @@ struct Labels {
   std::vector<Split> splits{};  ///< of growths by splits, a piece before those that come of it: the
                                 ///< crack between two fragments lies on the plane that parted
                                 ///< them.  Normals are 0 where cracks are rough
+  /// Of splits without a plane: on their positive side the signed distance to a crack is positive.
+  /// Null if there are none, and where cracks are rough.
+  std::shared_ptr<const GivenCracks> cracks{};
 };
 
 /// How work is given to the device.  Results are the same.

@@ -162,7 +162,8 @@ struct SeedOptions {
   double sizeSpread = 0.0;
   std::vector<Impact> impacts{};
   int randomImpacts = 0;              ///< additional impacts, each an Impact{}
-  Density density{};                  ///< of uniform seeds, and of splits
+  Density density{};                  ///< of seeds, but those of impacts, and of splits; not with
+                                      ///< Sampler::poisson
   std::optional<GivenSeeds> given{};  ///< in place of all these in a fracture; see seedsFromPoints
 };
 
@@ -180,8 +181,12 @@ struct SeedOptions {
 /// An impact scatters its seeds by a normal distribution (a sum of uniforms), truncated to free
 /// voxels of its component; the distribution is widened where most of these are taken.  The number
 /// of draws is limited; what they do not find is a random free voxel.
+///
+/// With a density, the sampler's points are accepted with a probability proportional to it, so that
+/// none lies where it is 0, but for the one seed of a component where it is 0 everywhere.
 ///   return  [N, ascending by fragment id][merged][extra]
-///   throws  Error(usage) more seeds than voxels, more fragments than kMaxFragments, impacts that
+///   throws  Error(usage) more seeds than voxels, or than voxels of a density above 0, more
+///   fragments than kMaxFragments, impacts that
 ///           do not fit in pieces or in their component, a ray that misses, a value out of range;
 ///           Error(cancelled)
 ///   cost    N log N and a pass over the masks; poisson about 5,000 darts at the solid,

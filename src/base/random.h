@@ -38,6 +38,8 @@ enum class Stage : std::uint64_t {
   impactVoxel = 39,
   impactPoint = 40,
   fragmentReach = 41,
+  seedDensity = 42,
+  denseVoxel = 43,
   splitPiece = 48,
   splitShare = 49,
   splitOrder = 50,

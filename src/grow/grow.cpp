@@ -265,6 +265,8 @@ std::vector<SeededLabels> splitBatch(const std::shared_ptr<const LeafBlocks>& bl
     labels[f].splits = std::move(grown.fractures[f].splits);
     if (!options.roughness.isZero()) {
       for (Split& split : labels[f].splits) split.normal = glm::ivec3(0);
+    } else if (runs.front().guides != nullptr) {
+      labels[f].cracks = runs.front().guides->cracks;
     }
     all.push_back({std::move(seedSets[f]), std::move(labels[f])});
   }

@@ -35,12 +35,12 @@ std::vector<SeededLabels> growSequential(const Solid& solid, const VoxelComponen
                                          std::span<const std::size_t> fragments,
                                          std::span<const std::uint64_t> seeds, Device& device,
                                          const GrowOptions& options, const ShareOptions& shares,
-                                         const Progress* progress) {
+                                         const GuideSides& guides, const Progress* progress) {
   const std::uint64_t voxels = solid.blocks->insideVoxels();
   const std::uint64_t least = leastVoxels(shares, voxels);
   const std::vector<glm::dmat3> walls = wallNormals(solid);
   const auto runOf = [&](std::size_t f, std::uint64_t seed) {
-    return SplitRun{meantShares(fragments[f], options, shares, seed), seed, walls};
+    return SplitRun{meantShares(fragments[f], options, shares, seed), seed, walls, &guides};
   };
   std::vector<SplitRun> runs;
   for (std::size_t f = 0; f < seeds.size(); ++f) {

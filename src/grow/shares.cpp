@@ -53,6 +53,7 @@ struct NewSeed {
 //   item  number of a new seed's draws
 std::vector<NewSeed> placeAtPoints(const Solid& solid, const Labels& labels,
                                    const std::vector<NewSeed>& newSeeds, std::uint64_t seed,
+                                   const DensityTest& density,
                                    const std::function<std::uint64_t(std::uint16_t)>& item,
                                    std::set<openvdb::Coord>& occupied, std::vector<Seed>& seeds) {
   const VoxelIndex inside(*solid.blocks, solid.blocks->inside);
@@ -65,9 +66,11 @@ std::vector<NewSeed> placeAtPoints(const Solid& solid, const Labels& labels,
     const std::uint64_t draws = std::min(budget, 64 * candidates.drawsForOne());
     for (std::uint64_t i = 0; i < draws && !found; ++i) {
       --budget;
-      const auto at =
-          candidates.inBox(randomPoint(seed, Stage::reseedPoint, drawItem(item(newSeed.id), i)));
+      const std::uint64_t number = drawItem(item(newSeed.id), i);
+      const glm::dvec3 point = randomPoint(seed, Stage::reseedPoint, number);
+      const auto at = candidates.inBox(point);
       if (!at || !at->key || labels.fragment[*at->key] != newSeed.from) continue;
+      if (!density.accepts(candidates.pointInBox(point), number)) continue;
       const openvdb::Coord voxel = inside.voxelAt(*at->key);
       if (occupied.insert(voxel).second) found = Seed{voxel, newSeed.id, at->shift};
     }
@@ -107,7 +110,7 @@ void placeAtRanks(const Labels& labels, std::size_t fragments, const std::vector
 //   attempt  draws are its own, and each fragment's
 void reseed(const Solid& solid, const Labels& labels, std::vector<Seed>& seeds,
             const std::vector<std::uint16_t>& small, std::vector<std::uint64_t> voxels,
-            std::uint64_t seed, int attempt) {
+            std::uint64_t seed, const DensityTest& density, int attempt) {
   const std::set<std::uint16_t> removed(small.begin(), small.end());
   const std::size_t primaries = voxels.size() - 1;
   std::erase_if(seeds, [&, i = std::size_t{0}](const Seed& s) mutable {
@@ -129,8 +132,8 @@ void reseed(const Solid& solid, const Labels& labels, std::vector<Seed>& seeds,
                         randomBelow(size[largest], seed, Stage::reseed, item(id))});
   }
   placeAtRanks(labels, primaries,
-               placeAtPoints(solid, labels, newSeeds, seed, item, occupied, seeds), occupied,
-               seeds);
+               placeAtPoints(solid, labels, newSeeds, seed, density, item, occupied, seeds),
+               occupied, seeds);
 }
 
 // Moves each primary seed to its fragment's centroid, into the nearest voxel of the fragment.
@@ -243,6 +246,7 @@ SeededLabels growWithShares(const Solid& solid, const VoxelComponents& component
     return std::move(grow(blocks, std::span(&from, 1), device, options.grow, progress).front());
   };
   constexpr int kTriesBeforeCentering = 8;
+  const DensityTest density(options.density, solid.frame, options.seed);
 
   Labels labels = growFrom(seeds);
   for (int i = 0; i < shares.balance; ++i) {
@@ -261,7 +265,7 @@ SeededLabels growWithShares(const Solid& solid, const VoxelComponents& component
       }
     }
     reseed(solid, labels, seeds, removableFragments(*blocks, components, seeds, std::move(small)),
-           counts, options.seed, attempt);
+           counts, options.seed, density, attempt);
     if (attempt >= kTriesBeforeCentering) {
       seeds = centeredSeeds(growFrom(seeds), std::move(seeds));
     }

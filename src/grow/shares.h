@@ -16,7 +16,8 @@ namespace sherd {
 struct SharedGrowthOptions {
   GrowOptions grow{};
   ShareOptions shares{};
-  std::uint64_t seed = 0;  ///< of new seeds
+  std::uint64_t seed = 0;                 ///< of new seeds
+  const DensityField* density = nullptr;  ///< of new seeds, in their fragments
 };
 
 /// Checks that fragments can have the least share.

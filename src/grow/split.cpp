@@ -214,6 +214,32 @@ void splitByPlanes(GrowthState& state, const DeviceLabels& labels, const DeviceB
       uploadBuffer<std::int64_t>(state.device, offset), labels.owner, labels.tag, labels.second);
 }
 
+// Gives every piece that can be split a second label; those without voxels on one side of a given
+// crack stay whole.
+void splitAll(Fracture& fracture, std::size_t crack) {
+  fracture.planes.assign(fracture.ids.size() + 1, Plane{});
+  for (const Piece& piece : fracture.pieces) {
+    if (!piece.isSplit()) continue;
+    fracture.planes[piece.label] = {glm::ivec3(0), static_cast<std::int64_t>(crack),
+                                    fracture.nextId()};
+  }
+}
+
+// Splits the voxels of all fractures by the sides of a given crack, on the device.
+void splitBySides(GrowthState& state, const DeviceLabels& labels,
+                  std::span<const std::uint64_t> positive, std::span<const Fracture> fractures) {
+  std::vector<std::uint32_t> first, added;
+  for (const Fracture& fracture : fractures) {
+    first.push_back(static_cast<std::uint32_t>(added.size()));
+    for (const Plane& each : fracture.planes) added.push_back(each.added);
+  }
+  state.run("split_by_sides", state.items, state.inside,
+            uploadBuffer<std::uint64_t>(state.device, positive), state.leafCount, state.items,
+            uploadBuffer<std::uint32_t>(state.device, first),
+            uploadBuffer<std::uint32_t>(state.device, added), labels.owner, labels.tag,
+            labels.second);
+}
+
 // The components of the two sides of a piece, by their roots.
 struct Sides {
   struct Component {
@@ -353,7 +379,7 @@ void recordSplits(Fracture& fracture) {
     const auto kept = static_cast<std::size_t>(fracture.sums[piece.label].count),
                added = static_cast<std::size_t>(fracture.sums[plane.added].count);
     if (added == 0) {
-      piece.missed = true;
+      piece.missed = plane.normal != glm::ivec3(0);
       std::swap(*std::find(fracture.ids.begin(), fracture.ids.end(), plane.added),
                 fracture.ids[--fracture.taken]);
       pieces.push_back(piece);
@@ -505,17 +531,28 @@ SplitGrowth splitPieces(GrowthState& state, const VoxelComponents& components,
     }
   };
   measure();
-  while (!std::all_of(fractures.begin(), fractures.end(), isDone)) {
+  const auto finishGeneration = [&] {
+    nodes = SplitNodes(state, grown.labels);
+    connectSides(state, grown.labels, nodes, fractures);
+    measure();
+    for (Fracture& fracture : fractures) recordSplits(fracture);
+  };
+  const auto isAllDone = [&] { return std::all_of(fractures.begin(), fractures.end(), isDone); };
+  const GuideSides* const guides = runs.front().guides;
+  for (std::size_t i = 0; guides && i < guides->positive.size() && !isAllDone(); ++i) {
+    reportProgress(progress, "grow", 0.0);
+    for (Fracture& fracture : fractures) splitAll(fracture, i);
+    splitBySides(state, grown.labels, guides->positive[i], fractures);
+    finishGeneration();
+  }
+  while (!isAllDone()) {
     reportProgress(progress, "grow", 0.0);
     throwIfCancelled(progress);
     for (std::size_t f = 0; f < fractures.size(); ++f) {
       decidePlanes(state, nodes, f, fractures[f], low, runs[f].walls, options);
     }
     splitByPlanes(state, grown.labels, origins, fractures);
-    nodes = SplitNodes(state, grown.labels);
-    connectSides(state, grown.labels, nodes, fractures);
-    measure();
-    for (Fracture& fracture : fractures) recordSplits(fracture);
+    finishGeneration();
   }
   for (std::size_t f = 0; f < fractures.size(); ++f) {
     grown.fractures.push_back({ordered(std::move(fractures[f].splits), lowest),

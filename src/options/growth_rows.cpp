@@ -151,6 +151,29 @@ const std::vector<Row> kGrowthRows{
      .key = "grow.roughness_window",
      .hidden = true,
      .unit = "voxels"},
+    {.name = "guide",
+     .group = "Growth",
+     .value = V::custom(
+         OptionType::text, "FILE",
+         [](RunOptions& o, const std::string& text) {
+           if (text.empty()) refuseValue(text, "a file");
+           o.fracture.guides.push_back({.file = text});
+         },
+         [](R o) {
+           std::vector<std::string> files;
+           for (const Guide& guide : o.fracture.guides) files.push_back(guide.file);
+           return joinedText(files, " ");
+         }),
+     .help = "Cracks along the lines of an OBJ or PLY file, drawn on the surface, or along the "
+             "surface of a mesh; repeatable",
+     .details =
+         "cracks that are given, in the mesh's space: the lines of an `.obj` or `.ply` file, "
+         "each across the wall on whose surface it is drawn, or the surface of a mesh; may "
+         "be repeated ([growth](growth.md#guides))",
+     .key = "guides",
+     .recorded = [](R o) { return !o.fracture.guides.empty(); },
+     .repeats = true,
+     .single = true},
     {.name = "outer-steps",
      .group = "Growth",
      .value = V::whole(kGrow, &GrowOptions::outerSteps, 0, 64),

@@ -78,6 +78,24 @@ std::vector<Rule> seedRules() {
        Verdict::conflict,
        [](O o, U) { return o.fracture.seeds.given.has_value(); },
        "applies to seeds that are drawn, and {seeds} reads them from a file; omit one of them"},
+      {{"density-attribute"},
+       Verdict::conflict,
+       [](O o, U) { return o.fracture.seeds.given && !ruleOf(o.fracture.grow.growth).splits; },
+       "applies to seeds that are drawn, and {seeds} reads them from a file; omit one of them"},
+      {{"density-attribute"},
+       Verdict::conflict,
+       [](O o, U) {
+         return o.fracture.seeds.sampler == Sampler::poisson &&
+                !ruleOf(o.fracture.grow.growth).splits;
+       },
+       "makes distances between seeds uneven, and {sampler} poisson keeps them even; choose "
+       "another sampler",
+       {"sampler", "growth"}},
+      {{"density-attribute"},
+       Verdict::conflict,
+       [](O o, U) { return o.fracture.shares.balance > 0; },
+       "makes sizes uneven, and {balance} evens them out; omit one of them",
+       {"balance"}},
       {{"seeds"},
        Verdict::conflict,
        [](O o, U) { return ruleOf(o.fracture.grow.growth).splits; },
@@ -102,6 +120,11 @@ std::vector<Rule> seedRules() {
 
 std::vector<Rule> growthRules() {
   return {
+      {{"guide"},
+       Verdict::conflict,
+       [](O o, U) { return !ruleOf(o.fracture.grow.growth).splits; },
+       "gives the first cracks of {growth} sequential; the other growths do not follow it",
+       {"growth"}},
       {{"neighborhood"},
        Verdict::idle,
        [](O o, U) { return !ruleOf(o.fracture.grow.growth).usesNeighborhood; },

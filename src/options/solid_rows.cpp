@@ -198,6 +198,24 @@ const std::vector<Row> kSeedRows{
      .key = "seeds.size_spread",
      .recorded = [](R o) { return drawsSeeds(o) && o.fracture.seeds.sizeSpread > 0.0; },
      .drawn = true},
+    {.name = "density-attribute",
+     .group = "Seeds",
+     .value = V::custom(
+         OptionType::text, "NAME|FILE.vdb[:GRID]",
+         [](RunOptions& o, const std::string& text) {
+           if (text.empty()) refuseValue(text, "the name of an attribute or a .vdb file");
+           o.fracture.seeds.density = {text, {}};
+         },
+         [](R o) { return o.fracture.seeds.density.source; }),
+     .help =
+         "Small pieces where an attribute of the mesh's vertices, or a grid of a .vdb file, has "
+         "high values: the number of pieces per volume is proportional to them",
+     .details =
+         "where pieces are small: their number per volume is proportional to an attribute of "
+         "the mesh's vertices, or to a grid of floats in a `.vdb` file (below)",
+     .key = "seeds.density",
+     .recorded = [](R o) { return drawsSeeds(o) && !o.fracture.seeds.density.source.empty(); },
+     .single = true},
     {.name = "impacts",
      .group = "Seeds",
      .value = V::whole(kSeeds, &SeedOptions::randomImpacts, 0, 10000),

@@ -80,7 +80,7 @@ std::optional<Candidate> Candidates::near(const glm::dvec3& point,
 }
 
 std::optional<Candidate> Candidates::inBox(const glm::dvec3& unit) const {
-  return near(low_ + unit * sides_, rounded(unit * (sides_ / longest_) * kStepsInSpace));
+  return near(pointInBox(unit), rounded(unit * (sides_ / longest_) * kStepsInSpace));
 }
 
 std::optional<Candidate> Candidates::at(const glm::dvec3& point) const {

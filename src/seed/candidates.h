@@ -77,6 +77,9 @@ class Candidates {
   ///   unit  0..1 along each axis of the box
   [[nodiscard]] std::optional<Candidate> inBox(const glm::dvec3& unit) const;
 
+  /// Returns a point of the box in index space.
+  [[nodiscard]] glm::dvec3 pointInBox(const glm::dvec3& unit) const { return low_ + unit * sides_; }
+
   /// The same at a point in index space.
   [[nodiscard]] std::optional<Candidate> at(const glm::dvec3& point) const;
 

@@ -101,6 +101,12 @@ std::vector<Seed> placeSeeds(const Solid& solid, const VoxelComponents& componen
   if (!(options.sizeSpread >= 0.0 && options.sizeSpread <= kMostSizeSpread)) {
     throw Error(ErrorCode::usage, "the spread of sizes must lie in 0..4");
   }
+  if (options.density.field && options.sampler == Sampler::poisson) {
+    throw Error(ErrorCode::usage,
+                "poisson keeps seeds apart by one distance, which a density of pieces does not "
+                "have; choose another sampler",
+                OptionNames{"sampler", "density-attribute"});
+  }
   const std::size_t pieces = countFragments(components, options.pieces);
   const bool impacts = !options.impacts.empty() || options.randomImpacts > 0;
   std::vector<std::uint64_t> surface;
@@ -130,7 +136,8 @@ std::vector<Seed> placeSeeds(const Solid& solid, const VoxelComponents& componen
               progress);
     }
   };
-  SeedSampler sampler(candidates, options.sampler, options.seed, progress);
+  const DensityTest density(options.density.field.get(), solid.frame, options.seed);
+  SeedSampler sampler(candidates, options.sampler, options.seed, density, progress);
   Chosen chosen(components);
   scatterAll(/*merge=*/false, chosen);
   sampler.draw(pieces - chosen.size(), chosen);

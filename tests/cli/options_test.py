@@ -389,6 +389,7 @@ MATTERS = {
     "--sampler": ((), "uniform", "halton"), "--seeds-on": ((), "volume", "surface"), "--extra-seeds": ((), "0", "1n"),
     "--merge-metric": (("--extra-seeds", "5"), "euclidean", "manhattan"), "--size-spread": (("--extra-seeds", "5"), "0", "2"),
     "--impact": ((), "1,0,0,1", "0,1,0,1"), "--impacts": ((), "0", "1"),
+    "--density-attribute": ((), "wear", "red"), "--guide": (("--growth", "sequential"), "one.obj", "other.obj"),
     "--seeds": ((), None, "seeds.json"), "--growth": ((), "euclid", "flood"), "--neighborhood": (("--growth", "flood"), "6", "26"),
     "--metric": (("--growth", "nearest"), "euclidean", "manhattan"), "--grain": ((), "0,0,1,2", "0,0,1,3"), "--roughness": ((), "1", "3%,0.5"),
     "--isolated": ((), "regrow", "keep"), "--min-share": ((), "0", "0.01"), "--balance": ((), "0", "1"), "--drop-share": ((), "0", "0.01"),
@@ -439,7 +440,16 @@ class EveryOption(CommandLine):
         grid = [g for g in vdb.readAll(self.path("first/fragments/ball_001.vdb"))[0] if g.name == "density"]
         vdb.write(self.path("fog.vdb"), grid)
         shutil.copy(self.path("first/seeds.json"), self.path("seeds.json"))
-        return {"--only": self.path("first/manifest.json"), "--split-objects": two, "--grid": self.path("single/fragments.vdb"),
+        for name, z in ("one", 0.1), ("other", 0.3):
+            self.path(name + ".obj", f"v 1 0 {z}\nv 0 1 {z}\nl 1 2\n".encode())
+        vertices, triangles = sphere(12, 24)
+        with open(self.path("valued.ply"), "w") as out:
+            out.write(f"ply\nformat ascii 1.0\nelement vertex {len(vertices)}\nproperty float x\nproperty float y\nproperty float z\n"
+                      f"property float wear\nproperty uchar red\nelement face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n")
+            out.writelines(f"{x:.9g} {y:.9g} {z:.9g} {2 + x:.9g} {round(100 + 99 * y)}\n" for x, y, z in vertices)
+            out.writelines("3 {} {} {}\n".format(*t) for t in triangles)
+        return {"--only": self.path("first/manifest.json"), "--density-attribute": self.path("valued.ply"),
+                "--split-objects": two, "--grid": self.path("single/fragments.vdb"),
                 "--isovalue": self.path("fog.vdb")}
 
     @staticmethod
@@ -452,7 +462,7 @@ class EveryOption(CommandLine):
         inputs = self.inputs()
         for name, (beside, one, other) in MATTERS.items():
             def with_value(value):
-                value = self.path(value) if name == "--seeds" and value else value
+                value = self.path(value) if name in ("--seeds", "--guide") and value else value
                 return () if value is None else (name,) if value == () else (name, value)
             with self.subTest(option=name):
                 first = self.files("one" + name, *beside, *with_value(one), mesh=inputs.get(name))

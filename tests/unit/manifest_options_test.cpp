@@ -115,6 +115,11 @@ TEST_F(ManifestOptions, OfAFractureAreRecorded) {
   expectNotRecorded("erode.longestSideVoxels", erodeSide, 9.0);
 }
 
+TEST_F(ManifestOptions, OfGivenFilesAreRecorded) {
+  expectRecorded("density", options_.seeds.density, {"field.vdb", {}});
+  expectRecorded("guides", options_.guides, {Guide{.file = "crack.obj"}});
+}
+
 TEST_F(ManifestOptions, OfGrowthAreRecorded) {
   auto& [growth, neighborhood, metric, anisotropy, split, roughness, hurst, roughnessWindow,
          propagationHurst, propagation, longestSideVoxels, regrowIsolated, noiseSeeds, keepCost,
