@@ -38,6 +38,7 @@ enum class Stage : std::uint64_t {
   impactVoxel = 39,
   impactPoint = 40,
   fragmentReach = 41,
+  pieceSize = 42,
   convexitySample = 64,
   fitFragment = 65,  // derives a seed per fragment, 0: the whole, for points and the next
   fitSpace = 66,
