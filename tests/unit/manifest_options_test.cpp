@@ -55,7 +55,8 @@ class ManifestOptions : public DeviceTest {
 };
 
 TEST_F(ManifestOptions, OfAFractureAreRecorded) {
-  auto& [pieces, seed, solid, seeds, grow, shares, erode, dropShare, missing, surface] = options_;
+  auto& [material, pieces, seed, solid, seeds, grow, shares, erode, guides, dropShare, missing,
+         surface] = options_;
   expectRecorded("pieces", pieces, 2);  // of a solid that gave three
   expectRecorded("seed", seed, std::uint64_t{7});
   expectRecorded("dropShare", dropShare, 0.01);
@@ -71,7 +72,7 @@ TEST_F(ManifestOptions, OfAFractureAreRecorded) {
   expectRecorded("shellThickness", shellThickness, 0.2);
 
   auto& [seedPieces, seedSeed, sampler, on, extraSeeds, extraSeedsPerPiece, mergeMetric, sizeSpread,
-         impacts, randomImpacts, given] = seeds;
+         impacts, randomImpacts, pieceDensity, given] = seeds;
   expectRecorded("extraSeedsPerPiece", extraSeedsPerPiece, 2);
   expectRecorded("given", given, {GivenSeeds{"seeds.json", {}}});
   expectNotRecorded("seeds.pieces", seedPieces, 9);  // this and the next are taken from above
@@ -84,7 +85,7 @@ TEST_F(ManifestOptions, OfAFractureAreRecorded) {
   expectRecorded("randomImpacts", randomImpacts, 2);
   expectRecorded("impacts", impacts, {Impact{}});
   impacts.push_back({.target = glm::dvec3{1, 0, 0}});
-  auto& [place, count, sigma, bias, merge] = impacts.front();
+  auto& [place, count, sigma, bias, energy, merge] = impacts.front();
   expectRecorded("place", place, {glm::dvec3{0, 1, 0}});
   expectRecorded("place", place, {Ray{{2, 0, 0}, {-1, 0, 0}}});
   expectRecorded("count", count, 4);
@@ -92,7 +93,7 @@ TEST_F(ManifestOptions, OfAFractureAreRecorded) {
   expectRecorded("bias", bias, 9);
   expectRecorded("merge", merge, true);
 
-  auto& [minShare, balance, tries] = shares;
+  auto& [sizes, sizeParameter, minShare, balance, tries] = shares;
   expectRecorded("minShare", minShare, 0.01);
   expectRecorded("balance", balance, 2);
   expectRecorded("tries", tries, 32);
@@ -115,9 +116,9 @@ TEST_F(ManifestOptions, OfAFractureAreRecorded) {
 }
 
 TEST_F(ManifestOptions, OfGrowthAreRecorded) {
-  auto& [growth, neighborhood, metric, anisotropy, roughness, hurst, roughnessWindow,
-         longestSideVoxels, regrowIsolated, noiseSeeds, keepCost, outerSteps, tuning] =
-      options_.grow;
+  auto& [growth, neighborhood, metric, anisotropy, split, roughness, hurst, roughnessWindow,
+         propagationHurst, propagation, longestSideVoxels, regrowIsolated, noiseSeeds, keepCost,
+         outerSteps, tuning] = options_.grow;
   expectRecorded("growth", growth, Growth::nearest);
   expectRecorded("roughness", roughness, Length(2.0));
   expectRecorded("roughness", roughness, Length::ofSide(2.0));
