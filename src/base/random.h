@@ -39,6 +39,8 @@ enum class Stage : std::uint64_t {
   impactPoint = 40,
   fragmentReach = 41,
   pieceSize = 42,
+  impactRing = 43,  // jitter of the rows and sectors of an impact
+  sizeNudge = 44,
   convexitySample = 64,
   fitFragment = 65,  // derives a seed per fragment, 0: the whole, for points and the next
   fitSpace = 66,

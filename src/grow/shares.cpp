@@ -13,6 +13,7 @@
 #include <string>
 
 #include "base/random.h"
+#include "grow/sized_growth.h"
 #include "seed/samplers.h"
 #include "voxelize/leaf_blocks.h"
 
@@ -44,6 +45,19 @@ void check(const ShareOptions& options, const VoxelComponents& components, int f
                                       " of its volume, so no fragment there can have at least " +
                                       percent(options.minShare));
   }
+}
+
+void checkSizes(const ShareOptions& options, const GrowOptions& grow) {
+  const GrowthRule& rule = ruleOf(grow.growth);
+  if (options.sizes == Sizes::grown || rule.splits) return;
+  if (rule.givesVoronoiCells && (!rule.usesMetric || grow.metric == Metric::euclidean)) return;
+  throw Error(ErrorCode::usage,
+              std::string("fragments of drawn sizes have planes between weighted seeds, which "
+                          "growth by ") +
+                  rule.name +
+                  " does not; try growth by euclid, or by nearest with the Euclidean "
+                  "metric",
+              OptionNames{"growth", "sizes"});
 }
 
 // Returns `small` without fragments whose component of the solid would lose its last seed.
@@ -154,8 +168,8 @@ void reseed(const Solid& solid, const Labels& labels, std::vector<Seed>& seeds,
                seeds);
 }
 
-// Moves each primary seed to its fragment's centroid, into the nearest voxel of the fragment.
-// Additional seeds of a fragment stay.
+}  // namespace
+
 std::vector<Seed> centeredSeeds(const Labels& labels, std::vector<Seed> seeds) {
   struct Centroid {
     std::array<std::int64_t, 3> position{};  // the sum of coordinates, then in steps of seeds
@@ -212,8 +226,6 @@ std::vector<Seed> centeredSeeds(const Labels& labels, std::vector<Seed> seeds) {
   return seeds;
 }
 
-}  // namespace
-
 SeededLabels growWithShares(const Solid& solid, const VoxelComponents& components,
                             std::vector<Seed> seeds, Device& device,
                             const SharedGrowthOptions& options, const Progress* progress) {
@@ -222,6 +234,7 @@ SeededLabels growWithShares(const Solid& solid, const VoxelComponents& component
   const int fragments = fragmentsOf(seeds);
   const std::uint64_t voxels = blocks->insideVoxels();
   check(shares, components, fragments, voxels);
+  checkSizes(shares, options.grow);
   const auto minVoxels =
       static_cast<std::uint64_t>(std::ceil(shares.minShare * static_cast<double>(voxels) - 1e-9));
   const auto growFrom = [&](const std::vector<Seed>& from) {
@@ -233,6 +246,10 @@ SeededLabels growWithShares(const Solid& solid, const VoxelComponents& component
   for (int i = 0; i < shares.balance; ++i) {
     seeds = centeredSeeds(labels, std::move(seeds));
     labels = growFrom(seeds);
+  }
+  // Growths by splits cut to the drawn shares themselves.
+  if (shares.sizes != Sizes::grown && !ruleOf(options.grow.growth).splits) {
+    return grownToSizes(solid, components, std::move(seeds), device, options, progress);
   }
   std::uint64_t smallest = 0;
   for (int attempt = 0; attempt < std::max(shares.tries, 1); ++attempt) {

@@ -195,6 +195,7 @@ std::vector<GrownFracture> growTogether(const PreparedSolid& ready,
       SeededLabels own = growFor(options[i], ready.solid, ready.components, std::move(seeds[i]),
                                  options[i].seed, device, progress);
       all[i].result.seeds = std::move(own.seeds);
+      all[i].result.sizeError = own.sizeError;
       labels.push_back(std::move(own.labels));
     }
   } else {

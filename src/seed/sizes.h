@@ -1,7 +1,7 @@
 // Shares of a solid drawn from a distribution of sizes.
 #pragma once
 
-#include <sherd/labels.h>
+#include <sherd/seeds.h>
 
 #include <cstddef>
 #include <cstdint>
