@@ -93,6 +93,18 @@ class Seeds(Options):
         self.assertEqual(len(self.seeds(manifest)), 12 + 9)
         self.assertEqual([i["bias"] for i in manifest["options"]["seeds"]["impacts"]], [9, 5])
 
+    def test_impacts_with_an_energy(self):
+        """On a shell the seeds lie in its middle, in rings about the point."""
+        shell = self.path("shell.obj")
+        inner = sphere(radius=0.85)
+        write_obj(shell, joined(sphere(), (inner[0], [f[::-1] for f in inner[1]])))
+        manifest = self.broken("--impact", "0,0,1,energy=1", "--resolution", "64", mesh=shell, pieces=40)
+        self.assertEqual([(i["count"], i["energy"], i["merge"]) for i in manifest["options"]["seeds"]["impacts"]], [(0, 1, False)])
+        middle = [s for s in self.seeds(manifest) if abs(math.dist(s, (0, 0, 0)) - 0.925) < 0.02]
+        self.assertGreaterEqual(len(middle), 24)
+        self.assertGreater(np.mean([s[2] for s in middle]), 0.5)
+        self.assertEqual(len(self.seeds(self.broken("--impact", "0,0,1,5,0.4,energy=2.5,merge"))), 12 + 5)
+
     def test_random_impacts(self):
         manifest = self.broken("--impacts", "3")
         self.assertEqual(manifest["options"]["seeds"]["random_impacts"], 3)
