@@ -98,7 +98,7 @@ class Seeds(Options):
         shell = self.path("shell.obj")
         inner = sphere(radius=0.85)
         write_obj(shell, joined(sphere(), (inner[0], [f[::-1] for f in inner[1]])))
-        manifest = self.broken("--impact", "0,0,1,energy=1", "--resolution", "64", mesh=shell, pieces=40)
+        manifest = self.broken("--impact", "0,0,1,energy=1", mesh=shell, pieces=40)
         self.assertEqual([(i["count"], i["energy"], i["merge"]) for i in manifest["options"]["seeds"]["impacts"]], [(0, 1, False)])
         middle = [s for s in self.seeds(manifest) if abs(math.dist(s, (0, 0, 0)) - 0.925) < 0.02]
         self.assertGreaterEqual(len(middle), 24)
