@@ -38,8 +38,11 @@ enum class Stage : std::uint64_t {
   impactVoxel = 39,
   impactPoint = 40,
   fragmentReach = 41,
-  seedDensity = 42,
-  denseVoxel = 43,
+  pieceSize = 42,
+  impactRing = 43,  // jitter of the rows and sectors of an impact
+  sizeNudge = 44,
+  seedDensity = 45,
+  denseVoxel = 46,
   splitPiece = 48,
   splitShare = 49,
   splitOrder = 50,

@@ -268,7 +268,7 @@ std::vector<SeededLabels> splitBatch(const std::shared_ptr<const LeafBlocks>& bl
     } else if (runs.front().guides != nullptr) {
       labels[f].cracks = runs.front().guides->cracks;
     }
-    all.push_back({std::move(seedSets[f]), std::move(labels[f])});
+    all.push_back({std::move(seedSets[f]), std::move(labels[f]), grown.fractures[f].sizeError});
   }
   return all;
 }

@@ -20,7 +20,7 @@ struct SplitRun {
   std::uint64_t seed = 0;      ///< of all random numbers
   std::span<const glm::dmat3> walls{};  ///< [leaves] see wall_normals.h; none: cracks are not
                                         ///< rotated into walls
-  const GuideSides* guides = nullptr;  ///< of the first splits, or null; the same of all runs
+  const GuideSides* guides = nullptr;   ///< of the first splits, or null; the same of all runs
 };
 
 /// Grows fragments by splits, then the same as `grow`: roughness, regrowth, extension into the

@@ -493,6 +493,18 @@ std::vector<Seed> innerVoxels(GrowthState& state, const SplitNodes& nodes, std::
   return seeds;
 }
 
+// Returns the greatest difference of a fragment's share from the one that it was meant to have,
+// divided by that.
+double sizeErrorOf(const Fracture& fracture) {
+  double voxels = 0.0, error = 0.0;
+  for (const VoxelSums& sums : fracture.sums) voxels += static_cast<double>(sums.count);
+  for (const Piece& piece : fracture.pieces) {
+    const double share = static_cast<double>(fracture.sums[piece.label].count) / voxels;
+    error = std::max(error, std::abs(share / fracture.shares[piece.first] - 1.0));
+  }
+  return error;
+}
+
 // Orders splits by the size of what they split, and converts planes to voxels of the grid.
 std::vector<Split> ordered(std::vector<Split> splits, const openvdb::Coord& lowest) {
   std::stable_sort(splits.begin(), splits.end(),
@@ -556,7 +568,8 @@ SplitGrowth splitPieces(GrowthState& state, const VoxelComponents& components,
   }
   for (std::size_t f = 0; f < fractures.size(); ++f) {
     grown.fractures.push_back({ordered(std::move(fractures[f].splits), lowest),
-                               innerVoxels(state, nodes, f, fractures[f], low)});
+                               innerVoxels(state, nodes, f, fractures[f], low),
+                               sizeErrorOf(fractures[f])});
   }
   return grown;
 }

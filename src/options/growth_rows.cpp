@@ -190,6 +190,21 @@ const std::vector<Row> kGrowthRows{
                 "stay (fragments may then have several connected components)",
      .key = "grow.isolated",
      .drawn = true},
+    {.name = "sizes",
+     .group = "Growth",
+     .value = V::custom(
+         OptionType::text, "grown|uniform|lognormal:s|power:t|exponential",
+         [](RunOptions& o, const std::string& text) { setSizes(kShares(o), text); },
+         [](R o) { return sizesText(kShares(o)); }),
+     .help = "Sizes of fragments: as grown, or drawn: all equal, lognormal:s, power:t, exponential",
+     .details =
+         "sizes of the fragments: as they grow, or shares that are drawn and met: all equal; "
+         "lognormal with a standard deviation s of the logarithm (0.01 to 3); by a density "
+         "that falls as size^-t (t of 1 to 4) over a factor of 1,000; exponential "
+         "([growth.md](growth.md#sizes))",
+     .key = "sizes",
+     .recorded = [](R o) { return o.fracture.shares.sizes != Sizes::grown; },
+     .drawn = true},
     {.name = "min-share",
      .group = "Growth",
      .value = V::number(kShares, &ShareOptions::minShare, kShare),

@@ -148,6 +148,22 @@ std::vector<Rule> growthRules() {
   };
 }
 
+std::vector<Rule> sizeRules() {
+  return {
+      {{"sizes"},
+       Verdict::conflict,
+       [](O o, U) {
+         const GrowthRule& rule = ruleOf(o.fracture.grow.growth);
+         const bool hasCells = rule.givesVoronoiCells &&
+                               (!rule.usesMetric || o.fracture.grow.metric == Metric::euclidean);
+         return o.fracture.shares.sizes != Sizes::grown && !hasCells && !rule.splits;
+       },
+       "cannot be met by {growth} flood or chain, nor by another {metric} than the Euclidean; use "
+       "{growth} euclid, nearest or sequential",
+       {"growth", "metric"}},
+  };
+}
+
 std::vector<Rule> erosionRules() {
   return {
       {{"erode-shape", "erode-size", "erode-planes", "erode-threshold", "erode-probability",
@@ -279,7 +295,7 @@ std::vector<Rule> pointRules() {
 
 const std::vector<Rule>& rules() {
   static const std::vector<Rule> kRules =
-      joined({solidRules(), seedRules(), growthRules(), erosionRules(), surfaceRules(),
+      joined({solidRules(), seedRules(), growthRules(), sizeRules(), erosionRules(), surfaceRules(),
               formatRules(), writeRules(), pointRules()});
   return kRules;
 }

@@ -150,8 +150,9 @@ const std::vector<Row> kSeedRows{
      .group = "Seeds",
      .value = V::choice(kSeeds, &SeedOptions::on, names::kSeedsOn),
      .help = "Where seeds may lie",
-     .details = "where seeds are drawn: anywhere inside, or at most 1/256 of the longest side "
-                "below the surface",
+     .details = "where seeds are drawn: anywhere inside; at most 1/256 of the longest side "
+                "below the surface; or anywhere, and moved to the middle of walls that are thinner "
+                "than a cube of a piece's volume, so that cracks cross them nearly at right angles",
      .key = "seeds.on",
      .recorded = drawsSeeds,
      .drawn = true},
@@ -239,13 +240,14 @@ const std::vector<Row> kSeedRows{
            return joinedText(texts, " ");
          }),
      .help = "An impact at x,y,z or ray:ox,oy,oz,dx,dy,dz, then ,count ,sigma (world units, or "
-             "n=5 as the paper's bias) ,merge; repeatable",
+             "n=5 as the paper's bias) ,energy=E ,merge; repeatable",
      .details = "an impact at `x,y,z` or `ray:ox,oy,oz,dx,dy,dz`, then optionally "
-                "`,count` `,sigma` `,merge`; may be repeated: `count` of the fragments "
+                "`,count` `,sigma` `,energy=E` `,merge`; may be repeated: `count` of the fragments "
                 "come from seeds scattered around the point, `sigma` being their "
                 "standard deviation in the mesh's unit, or the paper's bias as `n=5` "
-                "(side / sqrt(12 n)); with `merge` the seeds go to existing fragments "
-                "instead",
+                "(side / sqrt(12 n)); with an energy (0.01 to 100) a thin wall breaks by 8 E^(1/4) "
+                "radial cracks and 3 E^(1/4) rings, `sigma` being the radius of the last; with "
+                "`merge` the seeds go to existing fragments instead",
      .key = "seeds.impacts",
      .recorded = drawsSeeds,
      .repeats = true,

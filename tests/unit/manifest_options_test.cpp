@@ -120,6 +120,15 @@ TEST_F(ManifestOptions, OfGivenFilesAreRecorded) {
   expectRecorded("guides", options_.guides, {Guide{.file = "crack.obj"}});
 }
 
+TEST_F(ManifestOptions, OfSizesAndEnergiesAreRecorded) {
+  ShareOptions& shares = options_.shares;
+  expectRecorded("sizes", shares.sizes, Sizes::uniform);
+  shares.sizes = Sizes::power;
+  expectRecorded("sizeParameter", shares.sizeParameter, 2.5);
+  options_.seeds.impacts.push_back({.target = glm::dvec3{1, 0, 0}});
+  expectRecorded("energy", options_.seeds.impacts.front().energy, 2.0);
+}
+
 TEST_F(ManifestOptions, OfGrowthAreRecorded) {
   auto& [growth, neighborhood, metric, anisotropy, split, roughness, hurst, roughnessWindow,
          propagationHurst, propagation, longestSideVoxels, regrowIsolated, noiseSeeds, keepCost,
