@@ -88,7 +88,7 @@ def schema_of(row):
     """The schema of an option's value in a manifest."""
     if row["key"] == "seeds.impacts":
         return {"type": "array", "items": {"$ref": "#/$defs/impact"}}
-    if row["key"] == "grow.grain.direction":
+    if row["key"] in ("grow.grain.direction", "grow.propagation"):
         return {"$ref": "#/$defs/vector"}
     if row["type"] == "length":
         voxels = {"enum": [int(c) for c in row["choices"]]} if "choices" in row else number_schema({"range": row["range"].split("|")[0]}, "number")
