@@ -13,6 +13,8 @@ inline constexpr const char* kSizes[] = {"grown", "uniform", "lognormal", "power
 inline constexpr const char* kErodeShape[] = {"cross", "square", "ellipse"};
 inline constexpr const char* kErodeOn[] = {"fracture", "all"};
 inline constexpr const char* kIslands[] = {"erode", "keep"};
+inline constexpr const char* kMaterial[] = {"none",    "ceramic", "stone",    "glass", "tempered",
+                                            "plaster", "wood",    "concrete", "ice"};
 inline constexpr const char* kInterface[] = {"shared", "independent"};
 inline constexpr const char* kSurface[] = {"smooth", "labels", "exact"};
 inline constexpr const char* kSmoothing[] = {"taubin", "laplacian"};

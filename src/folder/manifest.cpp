@@ -53,6 +53,7 @@ RunOptions asUsed(const FractureOptions& options, const FractureResult& result,
                   const WriteOptions& write) {
   RunOptions used{.fracture = options, .volume = {}, .write = write};
   used.fracture.pieces = static_cast<int>(result.fragments.size());
+  if (!result.parents.empty()) used.fracture.erode.iterations = 0;  // of the whole: ignored
   SmoothOptions& smooth = used.fracture.surface.smooth;
   const int side = result.solid.box.longestSide();
   smooth.iterations = {.count = smooth.iterations.over(side)};

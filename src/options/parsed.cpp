@@ -15,6 +15,9 @@
 namespace sherd {
 namespace {
 
+// What an option is without a direction, as its empty text cannot be given.
+constexpr const char* kNone = "none";
+
 bool isWhole(double value) { return value == std::floor(value); }
 
 std::string numbersText(std::initializer_list<double> numbers) {
@@ -117,10 +120,14 @@ std::string impactText(const Impact& impact) {
 }
 
 void setGrain(Anisotropy& grain, const std::string& text) {
+  if (text == kNone) {
+    grain = {};
+    return;
+  }
   const auto numbers = numbersIn(split(text));
   if (!numbers || numbers->size() != 4 || (*numbers)[3] < -0.75 || (*numbers)[3] > 9.0 ||
       ((*numbers)[0] == 0.0 && (*numbers)[1] == 0.0 && (*numbers)[2] == 0.0)) {
-    refuseValue(text, "dx,dy,dz,strength with a strength in -0.75..9");
+    refuseValue(text, "dx,dy,dz,strength with a strength in -0.75..9, or none");
   }
   grain = {{(*numbers)[0], (*numbers)[1], (*numbers)[2]}, (*numbers)[3]};
 }
@@ -170,20 +177,58 @@ std::string sizesText(const ShareOptions& shares) {
 void setRoughness(GrowOptions& grow, const std::string& text) {
   const std::vector<std::string> parts = split(text);
   const std::optional<Length> height = lengthIn(parts[0]);
-  const std::optional<double> hurst = numberIn(parts.size() == 2 ? parts[1] : "1");
-  const bool good = parts.size() <= 2 && height && height->voxels <= 100.0 && hurst &&
-                    *hurst >= 0.1 && *hurst <= 1.0;
+  const GrowOptions usual;
+  const std::optional<double> hurst = parts.size() > 1 ? numberIn(parts[1]) : usual.hurst;
+  const std::optional<Length> window =
+      parts.size() > 2 ? lengthIn(parts[2]) : usual.roughnessWindow;
+  const bool good = parts.size() <= 3 && height && height->voxels <= 100.0 && hurst &&
+                    *hurst >= 0.1 && *hurst <= 1.0 && window;
   if (!good) {
     refuseValue(text,
-                "r or r,H with r in 0..100 voxels, or in % of the longest side, and H in 0.1..1");
+                "r, r,H or r,H,W with r in 0..100 voxels, or in % of the longest side, H in "
+                "0.1..1, and W in voxels or %");
   }
   grow.roughness = *height;
-  if (parts.size() == 2) grow.hurst = *hurst;
+  grow.hurst = *hurst;
+  grow.roughnessWindow = *window;
 }
 
 std::string roughnessText(const GrowOptions& grow) {
-  return lengthText(grow.roughness) +
-         (grow.hurst == GrowOptions{}.hurst ? "" : "," + shortestText(grow.hurst));
+  const bool hasWindow = !grow.roughnessWindow.isZero();
+  const bool hasHurst = hasWindow || grow.hurst != GrowOptions{}.hurst;
+  return lengthText(grow.roughness) + (hasHurst ? "," + shortestText(grow.hurst) : "") +
+         (hasWindow ? "," + lengthText(grow.roughnessWindow) : "");
+}
+
+void setPropagation(GrowOptions& grow, const std::string& text) {
+  if (text == kNone) {
+    grow.propagationHurst = GrowOptions{}.propagationHurst;
+    grow.propagation = GrowOptions{}.propagation;
+    return;
+  }
+  const auto numbers = numbersIn(split(text));
+  if (!numbers || numbers->size() != 4 || (*numbers)[3] < 0.1 || (*numbers)[3] > 1.0 ||
+      ((*numbers)[0] == 0.0 && (*numbers)[1] == 0.0 && (*numbers)[2] == 0.0)) {
+    refuseValue(text, "dx,dy,dz,H with H in 0.1..1, or none");
+  }
+  grow.propagation = {(*numbers)[0], (*numbers)[1], (*numbers)[2]};
+  grow.propagationHurst = (*numbers)[3];
+}
+
+std::string propagationText(const GrowOptions& grow) {
+  if (grow.propagationHurst == 0.0) return "";
+  const glm::dvec3& d = grow.propagation;
+  return numbersText({d.x, d.y, d.z, grow.propagationHurst});
+}
+
+void setPropagationDirection(GrowOptions& grow, const std::string& text) {
+  const auto numbers = numbersIn(split(text));
+  if (!numbers || numbers->size() != 3) refuseValue(text, "dx,dy,dz");
+  grow.propagation = {(*numbers)[0], (*numbers)[1], (*numbers)[2]};
+}
+
+std::string propagationDirectionText(const GrowOptions& grow) {
+  return numbersText({grow.propagation.x, grow.propagation.y, grow.propagation.z});
 }
 
 void setMissing(double& missing, const std::string& text) {

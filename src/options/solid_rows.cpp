@@ -1,5 +1,6 @@
 // What is broken, and the seeds: one row for each option.
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <string>
 #include <vector>
@@ -28,6 +29,15 @@ void setTraining(RunOptions& o) {
   o.write.meshFormats = {MeshFileFormat::ply};
 }
 
+std::vector<std::string> materialNames() {
+  return {std::begin(names::kMaterial), std::end(names::kMaterial)};
+}
+
+void setMaterial(RunOptions& o, const std::string& text) {
+  const auto material = static_cast<MaterialPreset>(indexOf(text, materialNames()));
+  o.fracture = materialOptions(material, o.fracture);
+}
+
 bool drawsSeeds(R o) { return !o.fracture.seeds.given; }
 
 const std::vector<Row> kGeneralRows{
@@ -45,6 +55,21 @@ const std::vector<Row> kGeneralRows{
              "override them",
      .details = "set options to the paper's values, or to those for training networks (both "
                 "below); explicit options override the preset, in any order"},
+    {.name = "material",
+     .group = "",
+     .value = {OptionType::choice, "", materialNames(), setMaterial,
+               [](R o) -> std::string { return names::of(names::kMaterial, o.fracture.material); }},
+     .help = "Break as a material does; options that are given override it",
+     .details = "set growth, roughness, grain, sizes and wear to those of a material "
+                "([materials.md](materials.md)); explicit options override it, and it overrides "
+                "`--preset`, in any order"},
+    {.name = "material-name",
+     .group = "",
+     .value = V::choice(kFracture, &FractureOptions::material, names::kMaterial),
+     .help = "The material whose options these are",
+     .key = "material",
+     .recorded = [](R o) { return o.fracture.material != MaterialPreset::none; },
+     .hidden = true},
     {.name = "pieces",
      .group = "",
      .value = V::whole(kFracture, &FractureOptions::pieces, 1, kMaxFragments),

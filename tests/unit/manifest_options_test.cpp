@@ -57,6 +57,7 @@ class ManifestOptions : public DeviceTest {
 TEST_F(ManifestOptions, OfAFractureAreRecorded) {
   auto& [material, pieces, seed, solid, seeds, grow, shares, erode, guides, dropShare, missing,
          surface] = options_;
+  expectRecorded("material", material, MaterialPreset::stone);
   expectRecorded("pieces", pieces, 2);  // of a solid that gave three
   expectRecorded("seed", seed, std::uint64_t{7});
   expectRecorded("dropShare", dropShare, 0.01);
@@ -138,6 +139,11 @@ TEST_F(ManifestOptions, OfGrowthAreRecorded) {
   expectRecorded("roughness", roughness, Length::ofSide(2.0));
   expectRecorded("hurst", hurst, 0.5);
   expectRecorded("roughnessWindow", roughnessWindow, Length(9.0));
+  expectRecorded("propagationHurst", propagationHurst, 0.6);
+  expectNotRecorded("propagation", propagation, {1.0, 0.0, 0.0});
+  propagationHurst = 0.6;  // without it there is no propagation
+  expectRecorded("propagation", propagation, {1.0, 0.0, 0.0});
+  propagationHurst = 0.0;
   expectRecorded("regrowIsolated", regrowIsolated, false);
   expectRecorded("outerSteps", outerSteps, 5);
   growth = Growth::flood;
