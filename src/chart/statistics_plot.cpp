@@ -114,7 +114,7 @@ void drawSizes(Svg& svg, const Panel& panel, const FractureStatistics& s) {
     drawCurve(
         svg, plane, [&](double x) { return std::exp(-x / s.sizes.exponential->parameter); },
         kOrange);
-    svg.text(panel.left + 4, kTop + 12, "exponential", 11, kOrange);
+    svg.text(panel.right - 4, kTop + 12, "exponential", 11, kOrange, Svg::Anchor::end);
   }
   if (s.sizes.power && high > low) {
     const double b = s.sizes.power->parameter - 1.0, length = high - low;
@@ -126,8 +126,8 @@ void drawSizes(Svg& svg, const Panel& panel, const FractureStatistics& s) {
           return 1.0 - std::expm1(-b * length * y) / std::expm1(-b * length);
         },
         kGreen);
-    svg.text(panel.left + 4, kTop + 28, formatted("power law, tau %.2f", s.sizes.power->parameter),
-             11, kGreen);
+    svg.text(panel.right - 4, kTop + 28, formatted("power law, tau %.2f", s.sizes.power->parameter),
+             11, kGreen, Svg::Anchor::end);
   }
   labelLogarithms(svg, plane, percentOf);
 }
