@@ -31,6 +31,7 @@ constexpr double kSampleUnits = 4.0;       // between points of triangles withou
 constexpr double kFlatShare = 0.9;         // of the original surface, in planes
 constexpr double kFlatPlane = 0.1;         // of a fragment's original surface, of such a plane
 constexpr std::size_t kMostSimulations = 1000000;
+constexpr int kMostIds = 65535;  // of neighbors
 
 /// The fragments with a mesh.
 struct Meshes {
@@ -101,6 +102,12 @@ void divide(Meshes& meshes, const FractureStatistics& result, const FragmentSet&
             const StatisticsOptions& options, const Progress* progress) {
   std::vector<BehindTriangles> behind;
   if (!result.knownNeighbors) {
+    if (set.fragments.size() > std::size_t{kMostIds}) {
+      throw Error(ErrorCode::input,
+                  formatted("statistics: %zu meshes without neighbors, at most %d "
+                            "are measured",
+                            set.fragments.size(), kMostIds));
+    }
     for (const std::size_t i : meshes.fragment) {
       const FragmentMesh& given = set.fragments[i].mesh;
       const bool inwards = openEdges(given.mesh) == 0 && volume(given.mesh) < 0.0;

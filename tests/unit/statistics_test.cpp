@@ -8,12 +8,16 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
+#include <glm/vector_relational.hpp>
+#include <map>
 #include <numbers>
 #include <random>
+#include <set>
 #include <vector>
 
 #include "../shapes.h"
 #include "evaluate/crack_faces.h"
+#include "mesh/largest_axis.h"
 #include "mesh/plane_moments.h"
 
 namespace sherd {
@@ -162,6 +166,118 @@ TEST(Statistics, OfAHexagonalPrism) {
   EXPECT_EQ(inside.interiorNeighbors->mean, 8.0);
   EXPECT_FALSE(inside.corners);
   EXPECT_EQ(inside.breakShare, 1.0);
+}
+
+/// An axis-aligned box of a block that is cut again and again.
+struct Brick {
+  glm::dvec3 low, high;
+  bool contains(const glm::dvec3& p) const {
+    return glm::all(glm::lessThan(low, p)) && glm::all(glm::lessThan(p, high));
+  }
+};
+
+// The largest box is cut across its longest side, near the middle: 500 boxes, of which a face has
+// several neighbors, since each crack ends at the border of its box.
+std::vector<Brick> cutBlock(std::size_t count) {
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> share(0.35, 0.65);
+  std::vector<Brick> boxes{{glm::dvec3(0.0), glm::dvec3(1.0)}};
+  const auto volumeOf = [](const Brick& b) {
+    const glm::dvec3 size = b.high - b.low;
+    return size.x * size.y * size.z;
+  };
+  while (boxes.size() < count) {
+    const auto largest =
+        std::max_element(boxes.begin(), boxes.end(),
+                         [&](const Brick& a, const Brick& b) { return volumeOf(a) < volumeOf(b); });
+    const glm::dvec3 size = largest->high - largest->low;
+    const int axis = largestAxis(size);
+    Brick upper = *largest;
+    upper.low[axis] = largest->low[axis] + share(random) * size[axis];
+    largest->high[axis] = upper.low[axis];
+    boxes.push_back(upper);
+  }
+  return boxes;
+}
+
+// A box whose sides are grids: lines where any other box has a side, so that a quad has one
+// neighbor.
+TriangleMesh gridOf(const Brick& box, const std::vector<Brick>& all) {
+  std::array<std::vector<double>, 3> ticks;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double>& at = ticks[static_cast<std::size_t>(axis)];
+    for (const Brick& other : all) {
+      if (glm::any(glm::greaterThan(other.low, box.high)) ||
+          glm::any(glm::lessThan(other.high, box.low))) {
+        continue;
+      }
+      for (const double value : {other.low[axis], other.high[axis]}) {
+        if (value >= box.low[axis] && value <= box.high[axis]) at.push_back(value);
+      }
+    }
+    std::sort(at.begin(), at.end());
+    at.erase(std::unique(at.begin(), at.end()), at.end());
+  }
+  TriangleMesh mesh;
+  std::map<std::array<double, 3>, unsigned> known;
+  const auto vertex = [&](const glm::dvec3& p) {
+    const auto [place, fresh] =
+        known.try_emplace({p.x, p.y, p.z}, static_cast<unsigned>(mesh.vertices.size()));
+    if (fresh) mesh.vertices.push_back(p);
+    return place->second;
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    const std::vector<double>&a = ticks[static_cast<std::size_t>(u)],
+          &b = ticks[static_cast<std::size_t>(v)];
+    for (const bool top : {false, true}) {
+      for (std::size_t i = 0; i + 1 < a.size(); ++i) {
+        for (std::size_t k = 0; k + 1 < b.size(); ++k) {
+          glm::dvec3 p((top ? box.high : box.low)[axis]), outside;
+          outside[axis] = p[axis] + (top ? 1e-9 : -1e-9);
+          outside[u] = 0.5 * (a[i] + a[i + 1]);
+          outside[v] = 0.5 * (b[k] + b[k + 1]);
+          const auto at = [&](std::size_t x, std::size_t y) {
+            p[u] = a[x];
+            p[v] = b[y];
+            return vertex(p);
+          };
+          const unsigned c[] = {at(i, k), at(i + 1, k), at(i + 1, k + 1), at(i, k + 1)};
+          mesh.triangles.emplace_back(c[0], c[top ? 1 : 2], c[top ? 2 : 1]);
+          mesh.triangles.emplace_back(c[0], c[top ? 2 : 3], c[top ? 3 : 2]);
+          const auto behind = std::find_if(all.begin(), all.end(),
+                                           [&](const Brick& o) { return o.contains(outside); });
+          const auto id = behind == all.end() ? 0 : behind - all.begin() + 1;
+          mesh.neighbor.insert(mesh.neighbor.end(), 2, static_cast<std::uint16_t>(id));
+        }
+      }
+    }
+  }
+  return mesh;
+}
+
+TEST(Statistics, TJunctionsLowerFacesAndNotNeighbors) {
+  const std::vector<Brick> boxes = cutBlock(500);
+  std::vector<TriangleMesh> meshes;
+  for (const Brick& box : boxes) meshes.push_back(gridOf(box, boxes));
+  const FractureStatistics found = statistics(setOf(meshes), {.unit = 1e-6, .simulations = kFew});
+  double neighbors = 0.0, interior = 0.0;
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    const FragmentShape& shape = found.fragments[i];
+    std::set<std::uint16_t> ids(meshes[i].neighbor.begin(), meshes[i].neighbor.end());
+    EXPECT_EQ(shape.interior, !ids.contains(0));
+    ids.erase(0);
+    EXPECT_EQ(shape.neighbors, ids.size()) << i;
+    EXPECT_EQ(shape.flatFaces, 6u) << i;
+    EXPECT_EQ(shape.flatVertices, 8u) << i;
+    if (!shape.interior) continue;
+    neighbors += static_cast<double>(ids.size());
+    interior += 1.0;
+  }
+  EXPECT_EQ(found.interiorFaces->mean, 6.0);
+  EXPECT_EQ(found.interiorVertices->mean, 8.0);
+  EXPECT_NEAR(found.interiorNeighbors->mean, neighbors / interior, 1e-9);
+  EXPECT_GT(found.interiorNeighbors->mean, 12.0);
 }
 
 /// Half spaces dot(normal, x) <= offset.
