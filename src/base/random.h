@@ -52,6 +52,9 @@ enum class Stage : std::uint64_t {
   convexitySample = 64,
   fitFragment = 65,  // derives a seed per fragment, 0: the whole, for points and the next
   fitSpace = 66,
+  statisticsExponential = 67,  // derives a seed per simulation, used by itself; so the next two
+  statisticsNormal = 68,
+  statisticsPower = 69,
   pointFragment = 80,  // derives a seed per fragment, 0: the whole, used by the next ones
   pointPosition = 81,
   pointDigit = 82,
