@@ -39,6 +39,23 @@ glm::dvec3 Walls::gradient(const glm::dvec3& point) const {
   return slope;
 }
 
+// Returns the point a voxel away along an axis that is nearest to the surface, if one is nearer.
+std::optional<glm::dvec3> Walls::towardsSurface(const glm::dvec3& point) const {
+  std::optional<glm::dvec3> best;
+  double greatest = distance(point) + 0.25;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double step : {1.0, -1.0}) {
+      glm::dvec3 beside = point;
+      beside[axis] += step;
+      const double value = distance(beside);
+      if (value <= greatest) continue;
+      greatest = value;
+      best = beside;
+    }
+  }
+  return best;
+}
+
 std::optional<glm::dvec3> Walls::onSurface(const glm::dvec3& point) const {
   if (solid_.region && solid_.region->boundary() != nullptr) {
     return solid_.region->onSurface(point);
@@ -48,7 +65,12 @@ std::optional<glm::dvec3> Walls::onSurface(const glm::dvec3& point) const {
   for (int i = 0; i < kSteps; ++i) {
     const glm::dvec3 slope = gradient(at);
     const double square = glm::dot(slope, slope);
-    if (square < 0.01) return {};  // far from the surface, or in the middle of a wall
+    if (square < 0.1) {  // far from the surface, or in the middle of a wall: leave the middle
+      const std::optional<glm::dvec3> beside = i == 0 ? towardsSurface(at) : std::nullopt;
+      if (!beside) return {};
+      at = *beside;
+      continue;
+    }
     at -= glm::clamp(distance(at), -2.0, 2.0) / std::sqrt(square) * (slope / std::sqrt(square));
   }
   return at;

@@ -39,6 +39,7 @@ class Walls {
  private:
   [[nodiscard]] double distance(const glm::dvec3& point) const;
   [[nodiscard]] glm::dvec3 gradient(const glm::dvec3& point) const;
+  [[nodiscard]] std::optional<glm::dvec3> towardsSurface(const glm::dvec3& point) const;
   [[nodiscard]] std::optional<glm::dvec3> onSurface(const glm::dvec3& point) const;
 
   const Solid& solid_;

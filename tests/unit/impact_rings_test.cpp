@@ -243,6 +243,27 @@ TEST_F(ImpactRings, AreScatteredWhereTheSolidIsThick) {
   EXPECT_GE(near, static_cast<long>(pattern.seeds() / 2));
 }
 
+// An open sheet, of which the voxels are a shell: its seeds lie on the sheet.
+TEST_F(ImpactRings, BreakAShellOfVoxels) {
+  TriangleMesh sheet;
+  sheet.vertices = {{-1, -1, 0.1}, {1, -1, -0.1}, {1, 1, 0.1}, {-1, 1, 0.3}};
+  sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
+  const PreparedSolid on = solidOf(sheet, 128);
+  const RingPattern pattern = ringPatternFor(1.0, 2.0, 0.0);
+  const Impact impact{.target = glm::dvec3(0.0, 0.0, 0.1), .energy = 1.0};
+  std::vector<double> near;
+  for (const Seed& seed : seedsOf(on, {impact}, static_cast<int>(pattern.seeds()) + 1)) {
+    near.push_back(
+        glm::length(on.solid.frame.worldFromIndex(pointOf(seed)) - glm::dvec3(0.0, 0.0, 0.1)));
+  }
+  std::sort(near.begin(), near.end());
+  // The innermost row and the next: moved by 0.15 of their spacing, and half a voxel.
+  const auto radials = static_cast<std::size_t>(pattern.radials);
+  const double tolerance = 0.16 * (1.0 - 1.0 / pattern.ratio);
+  EXPECT_NEAR(near[radials / 2] / pattern.rowRadius(0), 1.0, tolerance + 0.1);
+  EXPECT_NEAR(near[radials + radials / 2] / pattern.rowRadius(1), 1.0, tolerance + 0.05);
+}
+
 TEST_F(ImpactRings, RefuseEnergiesOutOfRange) {
   const PreparedSolid on = solidOf(plate(), 32);
   for (const double energy : {-1.0, 0.001, 101.0, std::nan(""), HUGE_VAL}) {
