@@ -3,10 +3,13 @@
 //
 // D is a sum of octaves of value noise.  Octave k has a lattice with a spacing of S / 2^k, S the longest side of the
 // mesh's box, and an amplitude proportional to spacing^H: a smooth crack becomes a self-affine surface of Hurst
-// exponent H.  Lattices do not depend on the voxels, so D is a function of space; octaves with a spacing below 2 voxels
-// are left out.  The walk takes one face step at a time and skips steps that leave the solid, so it slides along walls.
-// All arithmetic is on integers.  Leaves too far from every crack for a walk to reach another label keep their labels.
-// Source: Bouchaud, Scaling properties of cracks, J. Phys. Condens. Matter 9, 1997.
+// exponent H.  Along one axis, that of propagation, the spacing t may differ from the spacing s along the others: where
+// s^H is proportional to t^P in all octaves, the exponent is P along this axis, and the smaller of s and t is S / 2^k.
+// Lattices do not depend on the voxels, so D is a function of space; octaves with a spacing below 2 voxels are left
+// out.  The walk takes one face step at a time and skips steps that leave the solid, so it slides along walls.  All
+// arithmetic is on integers.  Leaves too far from every crack for a walk to reach another label keep their labels.
+// Sources: Bouchaud, Scaling properties of cracks, J. Phys. Condens. Matter 9, 1997; Ponson, Bonamy, Bouchaud,
+// Two-dimensional scaling properties of experimental fracture surfaces, Phys. Rev. Lett. 96, 2006.
 //
 // One work-item takes items i, i + all, ... (item = fracture * leafCount + leaf); any work-group size.
 // Reference: tests/kernels/rough_test.cpp, bit for bit.
@@ -36,6 +39,17 @@ inline int lattice_value(const ulong bits, const int axis, const int amplitude) 
 // zero slope, at the low corner of the box.
 inline ulong lattice_shift(const ulong seed, const int octave) {
   return rough_mixed(seed + ((ulong)(uint)(octave & 0xffff) << 48));
+}
+
+// Spacings per voxel of a lattice along x, y and z, in units of 2^-32.
+struct lattice_steps {
+  long along[3];
+};
+
+inline struct lattice_steps steps_of(const long step, const long propagationStep, const int propagation) {
+  struct lattice_steps steps;
+  for (int axis = 0; axis < 3; ++axis) steps.along[axis] = axis == propagation ? propagationStep : step;
+  return steps;
 }
 
 // Returns the coordinate of a voxel's center in the lattice, in units of 2^-32 spacings: the high word is the cell, the
@@ -95,11 +109,12 @@ inline int8 blend_row(const int* line, const int cells, const int8 cell, const i
 }
 
 // Adds an octave to a leaf's displacements, [axis*64 + x*8 + y] rows along z in 1/256 voxel.
-inline void add_octave(const ulong seed, const int octave, const long step, const int amplitude, const int4 leafLow,
-                       int8* displacement) {
+inline void add_octave(const ulong seed, const int octave, const struct lattice_steps steps, const int amplitude,
+                       const int4 leafLow, int8* displacement) {
   const ulong shift = lattice_shift(seed, octave);
-  const struct lattice_span alongX = span_of(leafLow.x, step, shift, 0), alongY = span_of(leafLow.y, step, shift, 1),
-                            alongZ = span_of(leafLow.z, step, shift, 2);
+  const struct lattice_span alongX = span_of(leafLow.x, steps.along[0], shift, 0),
+                            alongY = span_of(leafLow.y, steps.along[1], shift, 1),
+                            alongZ = span_of(leafLow.z, steps.along[2], shift, 2);
   int lattice[3][ROUGH_POINTS * ROUGH_POINTS * ROUGH_POINTS];
   for (int i = 0; i <= alongX.cells; ++i) {
     for (int j = 0; j <= alongY.cells; ++j) {
@@ -197,13 +212,15 @@ struct displacement_bounds {
 
 // Narrows bounds that include an octave by its amplitude to its range in the leaf.  Within a lattice cell the octave is
 // monotone along each axis, so its extremes are at the ends of the leaf or at the lattice points between.
-inline void narrow_bounds(const ulong seed, const int octave, const long step, const int amplitude, const int4 leafLow,
-                          struct displacement_bounds* bounds) {
-  if (7 * step > (1l << 32)) return;  // the leaf may span more than two cells: their range is nearly the amplitude
+inline void narrow_bounds(const ulong seed, const int octave, const struct lattice_steps steps, const int amplitude,
+                          const int4 leafLow, struct displacement_bounds* bounds) {
+  // The leaf may span more than two cells: their range is nearly the amplitude.
+  if (7 * max(steps.along[0], max(steps.along[1], steps.along[2])) > (1l << 32)) return;
   const ulong shift = lattice_shift(seed, octave);
   const int voxel[3] = {leafLow.x, leafLow.y, leafLow.z};
   int low[3], cells[3], t[8] = {0, 0, 0, 0, 0, 0, 0, 0};
   for (int axis = 0; axis < 3; ++axis) {
+    const long step = steps.along[axis];
     const long first = in_lattice(voxel[axis], step, shift, axis), last = first + 7 * step;
     low[axis] = (int)(first >> 32);
     cells[axis] = (int)(last >> 32) - low[axis] + 1;
@@ -258,6 +275,7 @@ inline void narrow_bounds(const ulong seed, const int octave, const long step, c
 
 // Returns whether every walk from a leaf ends less than `rings` leaves away, as far as bounds of the octaves show.
 inline bool walks_end_within(const int rings, const ulong seed, const global long* restrict step,
+                             const global long* restrict propagationStep, const int propagation,
                              const global int* restrict amplitude, const int firstOctave, const int octaves,
                              const int4 leafLow) {
   int sum = 0;
@@ -271,7 +289,9 @@ inline bool walks_end_within(const int rings, const ulong seed, const global lon
     int most = 0;
     for (int axis = 0; axis < 3; ++axis) most = max(most, leaves_away(bounds.least[axis], bounds.most[axis]));
     if (rings > most) return true;
-    if (n < octaves) narrow_bounds(seed, firstOctave + n, step[n], amplitude[n], leafLow, &bounds);
+    if (n == octaves) break;
+    const struct lattice_steps steps = steps_of(step[n], propagationStep[n], propagation);
+    narrow_bounds(seed, firstOctave + n, steps, amplitude[n], leafLow, &bounds);
   }
   return false;
 }
@@ -329,6 +349,15 @@ inline uint leaf_straight_away(const global uint* restrict neighbors27, const gl
   return alongZ;
 }
 
+// Writes the labels of a leaf that has no walk to another label.
+inline void keep_labels(const global ulong* restrict inside, const struct leaf_labels* before, const size_t leaf,
+                        const size_t item, global ushort* restrict after) {
+  for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
+    const bool isInside = (inside[leaf * SHERD_LEAF_WORDS + (v >> 6)] >> (v & 63)) & 1;
+    after[item * SHERD_LEAF_SIZE + v] = isInside ? (ushort)label_of(before, item, v) : 0;
+  }
+}
+
 kernel void rough(
     const global ulong* restrict inside,      // [leafCount*8]
     const global uint* restrict neighbor,     // [leafCount*6]
@@ -338,8 +367,10 @@ kernel void rough(
     const uint items,
     const global ulong* restrict noiseSeed,   // [fractures]
     const global long* restrict step,         // [octaves]     spacings per voxel, in units of 2^-32, at most 2^31
+    const global long* restrict propagationStep,  // [octaves] the same along the axis of propagation
+    const int propagation,                    // this axis, 0..2
     const global int* restrict amplitude,     // [octaves]     1/256 voxel, the largest lattice value
-    const int firstOctave,                    // octave k has a spacing of S / 2^k
+    const int firstOctave,                    // octave k has a least spacing of S / 2^k
     const int octaves,
     const global uint* restrict uniformRings,  // [items]      from rough_rings
     const global uint* restrict full,         // [items]       from rough_leaves
@@ -349,19 +380,17 @@ kernel void rough(
   const struct leaf_labels before = {owner, tag, second};
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
     const uint leaf = (uint)(item % leafCount);
-    const size_t base = item - leaf;
     const ulong seed = noiseSeed[item / leafCount];
-    if (walks_end_within((int)uniformRings[item], seed, step, amplitude, firstOctave, octaves, origin[leaf])) {
-      for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
-        const bool isInside = (inside[(size_t)leaf * SHERD_LEAF_WORDS + (v >> 6)] >> (v & 63)) & 1;
-        after[item * SHERD_LEAF_SIZE + v] = isInside ? (ushort)label_of(&before, item, v) : 0;
-      }
+    if (walks_end_within((int)uniformRings[item], seed, step, propagationStep, propagation, amplitude, firstOctave,
+                         octaves, origin[leaf])) {
+      keep_labels(inside, &before, leaf, item, after);
       continue;
     }
     int8 displacement[3 * 64];
     for (int row = 0; row < 3 * 64; ++row) displacement[row] = (int8)(128);  // half a voxel: rounds to the nearest
     for (int n = 0; n < octaves; ++n) {
-      add_octave(seed, firstOctave + n, step[n], amplitude[n], origin[leaf], displacement);
+      add_octave(seed, firstOctave + n, steps_of(step[n], propagationStep[n], propagation), amplitude[n], origin[leaf],
+                 displacement);
     }
     int4 last = (int4)(0);  // leaves away of the previous voxel: neighbors mostly end in the same leaf
     uint end = leaf_straight_away(neighbors27, full + (item - leaf), leaf, 0, 0, 0);
@@ -379,10 +408,10 @@ kernel void rough(
         }
         ushort label = 0;
         if (end != SHERD_NO_LEAF) {  // only inside voxels between
-          label = (ushort)label_of(&before, base + end, ((x & 7) << 6) | ((y & 7) << 3) | (to & 7));
+          label = (ushort)label_of(&before, item - leaf + end, ((x & 7) << 6) | ((y & 7) << 3) | (to & 7));
         } else if ((inside[(size_t)leaf * SHERD_LEAF_WORDS + (v >> 6)] >> (v & 63)) & 1) {
           const size_t at = walk_end(inside, neighbor, leaf, v, way);
-          label = (ushort)label_of(&before, base + at / SHERD_LEAF_SIZE, (int)(at % SHERD_LEAF_SIZE));
+          label = (ushort)label_of(&before, item - leaf + at / SHERD_LEAF_SIZE, (int)(at % SHERD_LEAF_SIZE));
         }
         after[item * SHERD_LEAF_SIZE + v] = label;
       }

@@ -8,6 +8,7 @@ Breaks a block of sides 1, 1, 0.5 by two given seeds, whose bisector is a plane 
 - Rough (`--growth euclid --roughness r,H`, labels): the height over the plane, column by column; the height-height
   correlation C(d) = <(h(x+d) - h(x))^2>^(1/2) along both axes of the plane, whose slope in log-log axes is the Hurst
   exponent; and the rms height in windows of a tenth of the block, which r defines.
+- Anisotropic (`--propagation 1,0,0,H`): the correlation along propagation and along the front separately.
 - Smooth: distances of the voxel faces between the two pieces, and of the mesh vertices on the crack, to the
   plane, for an axis-aligned plane and three tilted ones.
 
@@ -35,6 +36,10 @@ TILTED = ((12, 7, 60), (25, 0, 60), (-10, 17, 61))
 ROUGH = [  # way to seed 2, roughness, Hurst exponent, share of the random seeds
     (ALIGNED, 3, 0.8, 1.0), (ALIGNED, 6, 0.8, 0.6), (ALIGNED, 6, 0.5, 0.4), (ALIGNED, 1, 0.8, 0.4),
     (TILTED[0], 6, 0.8, 0.4)]
+ANISOTROPIC = [(3, 0.75, 0.6, 2.0), (6, 0.75, 0.6, 0.8)]  # roughness, exponents along front and propagation, share of the seeds
+# Distances of the fits along propagation and front, in voxels at 512: from two of the least spacings, 2 and 6 voxels, to a
+# fifth of the block, above which a crack has few independent waves.
+FITTED = ((4, 108), (12, 108))
 STRAIGHT = 0.03  # a range of C(d) is straight if the fitted line is within this share of all points
 
 
@@ -44,7 +49,8 @@ def arguments():
     parser.add_argument("folder", type=pathlib.Path, metavar="OUTFOLDER", help="made or continued")
     parser.add_argument("--resolution", type=int, default=512, help="voxels along the block's long sides (default 512)")
     parser.add_argument("--seeds", type=int, default=5, help="random seeds of the rough cracks (default 5)")
-    parser.add_argument("--plot", type=pathlib.Path, help="PNG to draw, such as docs/images/hurst.png")
+    parser.add_argument("--only-anisotropic", action="store_true", help="only the cracks with two exponents")
+    parser.add_argument("--plot", type=pathlib.Path, help="PNG to draw, such as docs/images/hurst.png; that of two exponents is named -anisotropic")
     return parser.parse_args()
 
 
@@ -104,14 +110,16 @@ def heights(labels, way):
     return (x - point[0]) * normal[0] + (y - point[1]) * normal[1] + (z - point[2]) * normal[2], (changes > 1).mean()
 
 
-def rough_case(options, way, roughness, hurst, seed):
-    """Heights and the share of overhanging columns of one rough crack."""
-    name = "rough_%d_%d_%d_r%g_H%g_s%d_at%d.npz" % (*way, roughness, hurst, seed, options.resolution)
+def rough_case(options, way, roughness, hurst, seed, propagation=None):
+    """Heights and the share of overhanging columns of one rough crack; `propagation`: the exponent along x."""
+    along = "" if propagation is None else "_P%g" % propagation
+    name = "rough_%d_%d_%d_r%g_H%g%s_s%d_at%d.npz" % (*way, roughness, hurst, along, seed, options.resolution)
+    more = [] if propagation is None else ["--propagation", f"1,0,0,{propagation}"]
     kept = options.folder / name
     if not kept.exists():
         with tempfile.TemporaryDirectory(prefix="sherd-crack-") as folder:
             pieces = fracture(options, way, pathlib.Path(folder), "--roughness", f"{roughness},{hurst}", "--seed", str(seed),
-                              "--write", "labels")
+                              "--write", "labels", *more)
             height, overhanging = heights(read_labels(pieces / "labels.rle"), way)
         np.savez_compressed(kept.with_suffix(".part.npz"), height=height.astype(np.float32), overhanging=overhanging)
         os.replace(kept.with_suffix(".part.npz"), kept)
@@ -120,10 +128,15 @@ def rough_case(options, way, roughness, hurst, seed):
         return stored["height"].astype(float), float(stored["overhanging"])
 
 
+def correlations(height, distances):
+    """C(d)^2 along x and along y, over all pairs."""
+    return np.array([[((height[d:] - height[:-d])**2).mean() for d in distances],
+                     [((height[:, d:] - height[:, :-d])**2).mean() for d in distances]])
+
+
 def correlation(height, distances):
-    """C(d)^2 along both axes, over all pairs."""
-    return np.array([(((height[d:] - height[:-d])**2).mean() + ((height[:, d:] - height[:, :-d])**2).mean()) / 2
-                     for d in distances])
+    """The mean of both."""
+    return correlations(height, distances).mean(axis=0)
 
 
 def window_rms(height):
@@ -155,11 +168,40 @@ def mean_and_error(values, digits=3):
     return f"{np.mean(values):.{digits}f} ± {error:.{digits}f}"
 
 
+def distances_at(resolution):
+    distances = np.unique(np.round(2.0**np.arange(0, 8.01, 0.25)).astype(int))
+    return distances[distances <= resolution // 3]
+
+
+def anisotropic_cracks(options):
+    """Rows of the table, and the curves to draw, for each direction."""
+    rows, curves = [], []
+    distances = distances_at(options.resolution)
+    for roughness, front, propagation, share in ANISOTROPIC:
+        squares, rms = [], []
+        for seed in range(1, max(2, round(share * options.seeds)) + 1):
+            height, _ = rough_case(options, ALIGNED, roughness, front, seed, propagation)
+            squares.append(correlations(height, distances))
+            rms.append(window_rms(height))
+        for axis, (name, asked) in enumerate((("propagation", propagation), ("front", front))):
+            c = np.sqrt(np.mean([s[axis] for s in squares], axis=0))
+            fitted = [i for i, d in enumerate(distances) if FITTED[axis][0] <= d * 512 / options.resolution <= FITTED[axis][1]]
+            first, last = fitted[0], fitted[-1]
+
+            def fit(values):
+                return slope(distances[fitted], values[fitted])[0]
+
+            off = np.abs(np.log(c[fitted]) - np.polyval(slope(distances[fitted], c[fitted]), np.log(distances[fitted]))).max()
+            rows.append([name, f"{roughness}", f"{asked}", f"{len(squares)}", mean_and_error([fit(np.sqrt(s[axis])) for s in squares]),
+                         f"{fit(c):.3f}", f"{distances[first]} to {distances[last]}", f"{off:.1%}", mean_and_error(rms, 2)])
+            curves.append((f"r = {roughness}, along {name}, {asked}", distances, c, (first, last), fit(c)))
+    return rows, curves
+
+
 def rough_cracks(options):
     """Rows of the table, and the curves to draw: (name, distances, C, range, slope)."""
     rows, curves = [], []
-    distances = np.unique(np.round(2.0**np.arange(0, 8.01, 0.25)).astype(int))
-    distances = distances[distances <= options.resolution // 3]
+    distances = distances_at(options.resolution)
     for way, roughness, hurst, share in ROUGH:
         squares, rms, overhanging = [], [], []
         for seed in range(1, max(2, round(share * options.seeds)) + 1):
@@ -230,7 +272,7 @@ def table(header, rows):
     return "\n".join("| " + " | ".join(row) + " |" for row in [header, ["---"] * len(header), *rows])
 
 
-def plot(options, curves):
+def plot(options, curves, file):
     import matplotlib
     matplotlib.use("Agg")
     from matplotlib import pyplot
@@ -248,17 +290,28 @@ def plot(options, curves):
     axes.spines[["top", "right"]].set_visible(False)
     axes.legend(frameon=False, fontsize=8)
     figure.tight_layout()
-    figure.savefig(options.plot, metadata={"Software": None})
+    figure.savefig(file, metadata={"Software": None})
+
+
+def show_anisotropic(options):
+    rows, curves = anisotropic_cracks(options)
+    print(table(["along", "r", "exponent asked", "seeds", "slope of each", "of the mean", "over d", "off the line, at most",
+                 "rms in windows"], rows), end="\n\n")
+    if options.plot:
+        plot(options, curves, options.plot.with_stem(options.plot.stem + "-anisotropic"))
 
 
 def main():
     options = arguments()
     options.folder.mkdir(parents=True, exist_ok=True)
+    if options.only_anisotropic:
+        return show_anisotropic(options)
     rows, curves = rough_cracks(options)
     print(table(["plane", "r", "H", "seeds", "slope", "over d (decades)", "slope, d 4 to 128", "rms in windows", "off r",
                  "overhanging"], rows), end="\n\n")
     if options.plot:
-        plot(options, curves)
+        plot(options, curves, options.plot)
+    show_anisotropic(options)
     print(table(["normal", "tilt", "voxel faces: rms (most)", "mesh vertices", "these without the contact boundary"],
                 smooth_cracks(options)))
 

@@ -696,6 +696,13 @@ def show_creases(page):
         page.text(f'<img src="images/creases/{name}.jpg" width="1200" alt="{words}">', "", words.capitalize() + ".")
 
 
+def show_materials(page):
+    """The section that material_pictures.py wrote."""
+    first, last = "<!-- materials -->", "<!-- end of materials -->"
+    section = (ROOT / "docs/gallery.md").read_text().split(first)[1].split(last)[0]
+    page.text(first + section + last)
+
+
 def show_merged(page, runner):
     page.text("### `--adaptivity auto`", "",
               "A fragment of a block, whose faces are flat: by default the triangles in each plane are merged.")
@@ -791,6 +798,7 @@ def main():
         show_figure7(page, runner)
         print("images", flush=True)
         show_render(page, runner)
+        show_materials(page)
         page.finish()
         size = sum(f.stat().st_size for f in page.images.iterdir())
         print(f"{runner.count} fractures, {len(list(page.images.iterdir()))} images, {size} bytes")

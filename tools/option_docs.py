@@ -90,7 +90,7 @@ def schema_of(row):
         return {"type": "array", "items": {"$ref": "#/$defs/impact"}}
     if row["key"] == "guides":
         return {"type": "array", "items": {"type": "string"}, "minItems": 1}
-    if row["key"] == "grow.grain.direction":
+    if row["key"] in ("grow.grain.direction", "grow.propagation"):
         return {"$ref": "#/$defs/vector"}
     if row["type"] == "length":
         voxels = {"enum": [int(c) for c in row["choices"]]} if "choices" in row else number_schema({"range": row["range"].split("|")[0]}, "number")

@@ -72,6 +72,13 @@ struct FractureOptions {
 /// cracks are as near to those of Breaking Bad as seeds make them (docs/training.md).
 [[nodiscard]] FractureOptions trainingOptions();
 
+/// Returns `options` with those by which a material breaks: growth, splits, grain, roughness, sizes
+/// and erosion, each set even where the material has its default.  Lengths are percentages of the
+/// longest side.  With MaterialPreset::none nothing changes.
+///   source  docs/materials.md, for each value
+[[nodiscard]] FractureOptions materialOptions(MaterialPreset material,
+                                              FractureOptions options = {});
+
 /// The wall-clock time of one stage.
 struct StageTime {
   std::string stage;
@@ -94,6 +101,8 @@ struct FractureResult {
   std::size_t withheld = 0;    ///< the last `withheld` fragments are withheld
   std::vector<int> parents;    ///< [fragments] of refracture: id of the old fragment that
                                ///< each comes from; else empty
+  double sizeError = 0.0;      ///< with ShareOptions::sizes, the greatest difference of a grown
+                               ///< share from the one drawn for it, divided by that
   std::vector<StageTime> times;
 
   std::size_t kept() const { return fragments.size() - withheld; }

@@ -100,7 +100,7 @@ struct VoronoiSites {
 struct SplitOptions {
   double power = 1.0;   ///< the next piece to split is drawn by its size to this power, 0..10
   double offset = 0.1;  ///< standard deviation of the share that a crack cuts off, from one half,
-                        ///< 0..0.3
+                        ///< 0..0.5
   double tilt = 10.0;   ///< standard deviation of the angle between a crack's normal and the
                         ///< piece's long axis, degrees, 0..90
 };
@@ -142,7 +142,7 @@ struct Labels {
                          ///< growths without this property
   std::vector<Split> splits{};  ///< of growths by splits, a piece before those that come of it: the
                                 ///< crack between two fragments lies on the plane that parted
-                                ///< them.  Empty where cracks are rough, and for other growths
+                                ///< them.  Normals are 0 where cracks are rough
   /// Of splits without a plane: on their positive side the signed distance to a crack is positive.
   /// Null if there are none, and where cracks are rough.
   std::shared_ptr<const GivenCracks> cracks{};
@@ -210,16 +210,11 @@ struct GrowOptions {
 ///           fragmentCount
 [[nodiscard]] std::vector<std::uint64_t> countVoxels(const Labels& labels);
 
-/// A distribution of fragment sizes.
-enum class Sizes : std::uint8_t {
-  grown,        ///< what growth gives
-  uniform,      ///< all equal
-  lognormal,    ///< the logarithm is normal with a standard deviation of sizeParameter
-  power,        ///< the density falls by size to the power -sizeParameter
-  exponential,  ///< exponential
-};
-
-/// Control of fragment sizes in a fracture.
+/// Control of fragment sizes in a fracture.  Drawn shares are met by weights of the seeds, so that
+/// cells are those of a power diagram and cracks stay planes, by growths whose cells are Voronoi's;
+/// growths by splits cut to them.  Each component of the solid gets those of the shares that fill
+/// it best, scaled to fill it.  Growths are repeated until each share is met within 2 %
+/// or 8 voxels, at most 100 times; FractureResult::sizeError is what remained.
 struct ShareOptions {
   Sizes sizes = Sizes::grown;  ///< from which the fragments' shares are drawn
   double sizeParameter = 0.0;  ///< of lognormal, 0.01..3; of power, 1..4

@@ -92,6 +92,8 @@ enum class SeedsOn {
   volume,   ///< anywhere inside
   surface,  ///< at the surface, in inside voxels with a face neighbor that is not inside: points
             ///< within 1/256 of the box's longest side of it, moved onto it
+  wall,     ///< anywhere inside, and moved to the middle of the wall where the solid is thinner
+            ///< than a cube of a piece's volume: cracks cross walls nearly at right angles
 };
 
 /// A ray in world space.
@@ -114,9 +116,13 @@ struct Impact {
   /// The paper's n, 1..kMaxBias: sum of n uniforms over the box's side / n, so the standard
   /// deviation per axis is side / sqrt(12 n).
   int bias = 5;
-  /// 0: scattered seeds.  Else, 0.01..100, seeds in rings about the point, of which each is cut
-  /// by radial cracks: more rings and more radial cracks for a higher energy, and fewer pieces with
-  /// the distance.
+  /// 0: scattered seeds.  Else, 0.01..100, on thin matter seeds in rings about the point, in the
+  /// middle of the wall: 8 energy^(1/4) radial cracks and 3 energy^(1/4) ring cracks, the last of
+  /// them at `sigma`, or without it at a quarter of the longest side times energy^(1/8).  Rings
+  /// follow each other at a constant ratio, so that pieces are about as wide as long and grow with
+  /// the distance.  A count of 0 is that of the pattern, as far as the pieces suffice; a lower one
+  /// leaves out its outer part, a higher one is met by scattered seeds.  Where the solid is thicker
+  /// than half the radius of the last ring, all are scattered about the point.
   double energy = 0.0;
   /// false: each seed is a new fragment, counted in pieces.  true: each seed is added to the
   /// nearest fragment, as extra seeds are.
@@ -144,6 +150,15 @@ class DensityField;
 struct Density {
   std::string source{};  ///< the attribute or the file, as recorded in manifests; empty: none
   std::shared_ptr<const DensityField> field{};
+};
+
+/// A distribution of fragment sizes.
+enum class Sizes : std::uint8_t {
+  grown,        ///< what growth gives
+  uniform,      ///< all equal
+  lognormal,    ///< the logarithm is normal with a standard deviation of sizeParameter
+  power,        ///< the density falls by size to the power -sizeParameter
+  exponential,  ///< exponential
 };
 
 inline constexpr double kMostSizeSpread = 4.0;

@@ -84,17 +84,23 @@ void checkRelations(const FractureOptionRow& row, const GivenOptions& given) {
   }
 }
 
-// Returns the options that a fracture's manifest records, but for those with their defaults.
+// Returns the options that a fracture's manifest records, but for those with their defaults and
+// those of the recorded material.
 GivenOptions optionsOfManifest(const std::string& file) {
   const auto manifest = sherd::manifestJson(file);
   if (!manifest) throw Error(ErrorCode::input, file + ": is not a fracture's manifest");
   const RunOptions recorded =
       sherd::optionsRecorded(manifest->value("options", nlohmann::json::object()));
+  const RunOptions usual;
+  RunOptions ofMaterial;
+  ofMaterial.fracture = sherd::materialOptions(recorded.fracture.material);
   GivenOptions given;
   for (const FractureOptionRow& row : sherd::fractureOptionTable()) {
-    const std::string text = row.value.text(recorded);
-    if (row.hidden || text == row.value.text(RunOptions{})) continue;
-    std::istringstream parts(text);  // those of an option that repeats are separated by spaces
+    std::string text = row.value.text(recorded);
+    const bool isMaterial = std::string_view(row.name) == "material";
+    if (row.hidden || text == row.value.text(isMaterial ? usual : ofMaterial)) continue;
+    if (text.empty()) text = "none";  // of an option that the material has
+    std::istringstream parts(text);   // those of an option that repeats are separated by spaces
     for (std::string part; row.repeats && parts >> part;) given.emplace_back(row.name, part);
     if (!row.repeats) given.emplace_back(row.name, text);
   }

@@ -62,6 +62,12 @@ DatasetOptions optionsOfIdentity(const std::string& identity) {
   const auto first = [](const Given& given) {
     return given.first == "preset" || given.first == "layout";
   };
+  // The other options of a material are named where they are not those of no material.
+  const auto setName = [&](const Given& given) {
+    RunOptions named;
+    fractureOption(given.first)->value.set(named, given.second);
+    options.each.fracture.material = named.fracture.material;
+  };
   std::stable_partition(all.begin(), all.end(), first);  // others override what these set
   for (const Given& given : all) {
     if (given.first == "layout") {
@@ -69,6 +75,8 @@ DatasetOptions optionsOfIdentity(const std::string& identity) {
       const DatasetOptions defaults = defaultsOf(options.layout);
       options.each.write.meshFormats = defaults.each.write.meshFormats;
       options.each.write.points.count = defaults.each.write.points.count;
+    } else if (given.first == "material") {
+      setName(given);
     } else if (auto drawn = drawnOption(given.first, given.second)) {
       options.drawn.push_back(std::move(*drawn));
     } else if (!sets(datasetOptionTable(), options, given) &&

@@ -53,6 +53,7 @@ RunOptions asUsed(const FractureOptions& options, const FractureResult& result,
                   const WriteOptions& write) {
   RunOptions used{.fracture = options, .volume = {}, .write = write};
   used.fracture.pieces = static_cast<int>(result.fragments.size());
+  if (!result.parents.empty()) used.fracture.erode.iterations = 0;  // of the whole: ignored
   SmoothOptions& smooth = used.fracture.surface.smooth;
   const int side = result.solid.box.longestSide();
   smooth.iterations = {.count = smooth.iterations.over(side)};
@@ -244,6 +245,7 @@ std::string manifestText(const SourceMesh& source, const FractureOptions& option
   if (!result.exactFailure.empty()) manifest["exact_failure"] = result.exactFailure;
   manifest["grid"] = gridJson(source, options, result);
   manifest["components"] = result.components;
+  if (result.sizeError > 0.0) manifest["size_error"] = result.sizeError;
   manifest["effective_number"] = effectiveNumber(result);
   manifest["small_components"] = {{"count", result.solid.smallComponents},
                                   {"voxels", result.solid.smallComponentVoxels}};

@@ -22,12 +22,32 @@
 namespace sherd {
 namespace {
 
+// Returns the largest component, without its sign.
+double largestOf(const glm::dvec3& v) {
+  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
+// Returns the axis nearest to a direction, of equally near ones the first.
+std::int32_t nearestAxis(const glm::dvec3& direction) {
+  const double most = largestOf(direction);
+  return std::abs(direction.x) == most ? 0 : std::abs(direction.y) == most ? 1 : 2;
+}
+
+bool isDirection(const glm::dvec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z) && largestOf(v) > 0.0;
+}
+
 void check(const GrowOptions& options) {
   const auto need = [](bool good, const char* sentence) {
     if (!good) throw Error(ErrorCode::usage, sentence);
   };
   need(options.neighborhood == 6 || options.neighborhood == 26, "the neighborhood must be 6 or 26");
   need(options.hurst >= 0.1 && options.hurst <= 1.0, "the Hurst exponent must lie in 0.1..1");
+  need(options.propagationHurst == 0.0 ||
+           (options.propagationHurst >= 0.1 && options.propagationHurst <= 1.0),
+       "the Hurst exponent along propagation must be 0 or lie in 0.1..1");
+  need(options.propagationHurst == 0.0 || isDirection(options.propagation),
+       "the direction of propagation must be finite and not 0");
   for (const Length& length : {options.roughness, options.roughnessWindow}) {
     need(length.voxels >= 0.0 && length.percent >= 0.0 && std::isfinite(length.over(1.0)),
          "the roughness and its window must be 0 or more voxels");
@@ -38,7 +58,7 @@ void check(const GrowOptions& options) {
   need(options.outerSteps >= 0 && options.outerSteps <= 64, "the outer steps must lie in 0..64");
   const SplitOptions& split = options.split;
   need(split.power >= 0.0 && split.power <= 10.0, "the power of splits must lie in 0..10");
-  need(split.offset >= 0.0 && split.offset <= 0.3, "the offset of splits must lie in 0..0.3");
+  need(split.offset >= 0.0 && split.offset <= 0.5, "the offset of splits must lie in 0..0.5");
   need(split.tilt >= 0.0 && split.tilt <= 90.0, "the tilt of splits must lie in 0..90 degrees");
 }
 
@@ -54,7 +74,12 @@ Relief reliefOf(const GrowOptions& options, const LeafBlocks& blocks) {
         OptionNames{"roughness"});
   }
   const Length& window = options.roughnessWindow;
-  return {height, options.hurst, window.isZero() ? side / 10.0 : window.over(side), side};
+  return {.height = height,
+          .hurst = options.hurst,
+          .window = window.isZero() ? side / 10.0 : window.over(side),
+          .longestSide = side,
+          .propagationHurst = options.propagationHurst,
+          .propagation = nearestAxis(options.propagation)};
 }
 
 Metric metricOf(const GrowOptions& options) {
@@ -268,7 +293,7 @@ std::vector<SeededLabels> splitBatch(const std::shared_ptr<const LeafBlocks>& bl
     } else if (runs.front().guides != nullptr) {
       labels[f].cracks = runs.front().guides->cracks;
     }
-    all.push_back({std::move(seedSets[f]), std::move(labels[f])});
+    all.push_back({std::move(seedSets[f]), std::move(labels[f]), grown.fractures[f].sizeError});
   }
   return all;
 }

@@ -30,24 +30,62 @@ double correlation(double x) {
   return integral(-1.0, 1.0, [&](double u) { return bump(u) * bump(u + x); });
 }
 
-// Returns the variance of one octave within a square window of `spacings` lattice spacings for
+// Returns the mean correlation over all pairs of points of a line of `spacings` lattice spacings;
+// the correlation is 0 from 2 spacings on.
+double meanOverPairs(double spacings) {
+  return 2.0 * integral(0.0, std::min(1.0, 2.0 / spacings),
+                        [&](double t) { return (1.0 - t) * correlation(t * spacings); });
+}
+
+// Returns the variance of one octave within a window of sides `a` and `b`, in lattice spacings, for
 // lattice values uniform on -1..1: the correlation at lag 0 minus its mean over all pairs of
 // points.
-double varianceInWindow(double spacings) {
+double varianceInWindow(double a, double b) {
   const double atPoint = correlation(0.0);
-  const double pairs =  // mean over pairs, one axis; the correlation is 0 from 2 spacings on
-      2.0 * integral(0.0, std::min(1.0, 2.0 / spacings),
-                     [&](double t) { return (1.0 - t) * correlation(t * spacings); });
-  return (atPoint * atPoint * atPoint - atPoint * pairs * pairs) / 3.0;
+  const double alongA = meanOverPairs(a), alongB = a == b ? alongA : meanOverPairs(b);
+  return (atPoint * atPoint * atPoint - atPoint * alongA * alongB) / 3.0;
 }
 
 constexpr int kFinest = 12;    // S/4096
 constexpr int kCoarsest = -8;  // 256 S: the noise is almost constant in the mesh's box
 
-// Returns the lattice spacing of an octave, in voxels.
-double spacingOf(const Relief& relief, int octave) {
-  return std::ldexp(relief.longestSide, -octave);
+// An axis of a lattice: its spacing in octave k is S / 2^(k rate), and heights d apart along it
+// differ by d^hurst.
+struct LatticeAxis {
+  double hurst = 0.0;
+  double rate = 1.0;  // at most 1
+
+  [[nodiscard]] double spacing(double longestSide, double octave) const {
+    if (rate == 1.0) return std::ldexp(longestSide, -static_cast<int>(octave));
+    return longestSide * std::exp2(-rate * octave);
+  }
+
+  // Returns the variance over a distance far below the spacings of all octaves from the first to
+  // coarser ones, relative to that of the first.  A lattice with a spacing of s contributes
+  // s^(2 hurst - 2), which decreases slowly.
+  [[nodiscard]] double beyond() const {
+    constexpr int kOctaves = 16;  // more matter only near an exponent of 1, where the sum diverges
+    double sum = 0.0;
+    for (int k = 0; k <= kOctaves; ++k) sum += std::pow(2.0, k * rate * (2.0 * hurst - 2.0));
+    return sum;
+  }
+};
+
+// The amplitude of an octave is spacing^hurst along both: hurst * rate is the same.
+struct LatticeAxes {
+  LatticeAxis front, propagation;
+};
+
+LatticeAxes axesOf(const Relief& relief) {
+  const double along = relief.propagationHurst > 0.0 ? relief.propagationHurst : relief.hurst;
+  const double least = std::min(relief.hurst, along);
+  return {{relief.hurst, least / relief.hurst}, {along, least / along}};
 }
+
+// An octave in double precision; lengths in voxels.
+struct Octave {
+  double spacing = 0.0, propagationSpacing = 0.0, amplitude = 0.0;
+};
 
 // Returns the finest octave whose lattice is at least four windows wide: the relief extends beyond
 // a window.
@@ -55,33 +93,40 @@ int firstOctave(const Relief& relief) {
   constexpr double kRounding = 1e-9;  // of lengths that are equal in other voxels
   int octave = kFinest;
   while (octave > kCoarsest &&
-         spacingOf(relief, octave) < (1.0 - kRounding) * 4.0 * relief.window) {
+         std::ldexp(relief.longestSide, -octave) < (1.0 - kRounding) * 4.0 * relief.window) {
     --octave;
   }
   return octave;
 }
 
-// Returns the amplitudes of the octaves from `first` to kFinest, in voxels.
-std::vector<double> amplitudesFrom(int first, const Relief& relief) {
-  // Over a distance d, lattices with spacing > d contribute d^2 spacing^(2H-2), which decreases
-  // slowly: without them C(d) bends well below the largest spacing.  The first octave includes
-  // their variance.
-  constexpr int kOctavesBeyond = 16;  // more matter only near H = 1, where the sum diverges
-  double beyond = 0.0;
-  for (int k = 0; k <= kOctavesBeyond; ++k) beyond += std::pow(2.0, k * (2.0 * relief.hurst - 2.0));
-  std::vector<double> amplitude;
+// Returns the octaves from `first` to kFinest.
+std::vector<Octave> octavesFrom(int first, const Relief& relief) {
+  const auto [front, propagation] = axesOf(relief);
+  std::vector<Octave> octaves;
   for (int k = first; k <= kFinest; ++k) {
-    amplitude.push_back(std::pow(2.0, (first - k) * relief.hurst));
+    octaves.push_back({front.spacing(relief.longestSide, k),
+                       propagation.spacing(relief.longestSide, k),
+                       std::pow(2.0, (first - k) * front.rate * relief.hurst)});
   }
-  amplitude.front() *= std::sqrt(beyond);
+  // Without coarser lattices the height-height correlation bends well below the largest spacing.
+  // The first octave includes their variance: its amplitude is that of the axis to which they
+  // contribute more, and its spacing along the other one is larger in turn.
+  const double alongFront = front.beyond(), alongPropagation = propagation.beyond();
+  octaves.front().amplitude *= std::sqrt(std::max(alongFront, alongPropagation));
+  octaves.front().spacing *= std::sqrt(std::max(alongPropagation / alongFront, 1.0));
+  octaves.front().propagationSpacing *= std::sqrt(std::max(alongFront / alongPropagation, 1.0));
   double variance = 0.0;
-  for (std::size_t i = 0; i < amplitude.size(); ++i) {
-    const double spacing = spacingOf(relief, first + static_cast<int>(i));
-    variance += amplitude[i] * amplitude[i] * varianceInWindow(relief.window / spacing);
+  for (const Octave& octave : octaves) {
+    variance +=
+        octave.amplitude * octave.amplitude *
+        varianceInWindow(relief.window / octave.spacing, relief.window / octave.propagationSpacing);
   }
-  for (double& a : amplitude) a *= relief.height / std::sqrt(variance);
-  return amplitude;
+  for (Octave& octave : octaves) octave.amplitude *= relief.height / std::sqrt(variance);
+  return octaves;
 }
+
+// Returns a lattice's spacings per voxel, in units of 2^-32.
+std::int64_t stepOf(double spacing) { return std::min(std::llround(0x1p32 / spacing), 1ll << 31); }
 
 }  // namespace
 
@@ -90,14 +135,14 @@ NoiseOctaves noiseOctaves(const Relief& relief) {
   constexpr double kLargestAmplitude = 1 << 22;         // kernels have 32 bits
   Relief wide = relief;
   wide.window = std::max(relief.window, 0.5);
-  NoiseOctaves octaves{.first = firstOctave(wide)};
-  int octave = octaves.first;
-  for (const double amplitude : amplitudesFrom(octaves.first, wide)) {
-    const double spacing = spacingOf(wide, octave++);
-    if (spacing < kLeastSpacing) break;
-    octaves.step.push_back(std::min(std::llround(0x1p32 / spacing), 1ll << 31));
-    octaves.amplitude.push_back(
-        static_cast<std::int32_t>(std::lround(std::min(256.0 * amplitude, kLargestAmplitude))));
+  NoiseOctaves octaves{.first = firstOctave(wide), .propagation = relief.propagation};
+  int number = octaves.first;
+  for (const Octave& octave : octavesFrom(octaves.first, wide)) {
+    if (std::ldexp(wide.longestSide, -number++) < kLeastSpacing) break;
+    octaves.step.push_back(stepOf(octave.spacing));
+    octaves.propagationStep.push_back(stepOf(octave.propagationSpacing));
+    octaves.amplitude.push_back(static_cast<std::int32_t>(
+        std::lround(std::min(256.0 * octave.amplitude, kLargestAmplitude))));
   }
   return octaves;
 }

@@ -45,12 +45,14 @@ DeviceBuffer roughened(GrowthState& state, const DeviceLabels& labels, const See
   const DeviceBuffer noise = uploadBuffer<std::uint64_t>(state.device, noiseSeeds);
   const DeviceBuffer amplitude = uploadBuffer<std::int32_t>(state.device, octaves.amplitude);
   const DeviceBuffer step = uploadBuffer<std::int64_t>(state.device, octaves.step);
+  const DeviceBuffer propagationStep =
+      uploadBuffer<std::int64_t>(state.device, octaves.propagationStep);
   const DeviceBuffer out = makeBuffer<std::uint16_t>(state.device, state.voxels());
   const LeafSummaries leaves = summarizeLeaves(state, labels, leavesReached(octaves.amplitude));
   state.run("rough", state.items, state.inside, state.neighbor, state.neighbors27(), state.origin(),
-            state.leafCount, state.items, noise, step, amplitude, octaves.first,
-            static_cast<std::int32_t>(octaves.step.size()), leaves.uniformRings, leaves.full,
-            labels.owner, labels.tag, labels.second, out);
+            state.leafCount, state.items, noise, step, propagationStep, octaves.propagation,
+            amplitude, octaves.first, static_cast<std::int32_t>(octaves.step.size()),
+            leaves.uniformRings, leaves.full, labels.owner, labels.tag, labels.second, out);
 
   const PrimarySeeds primaries = primariesOf(state, seeds);
   state.run("rough_pin", primaries.count, primaries.item, primaries.offset, primaries.label,

@@ -4,6 +4,7 @@
 #include <sherd/labels.h>
 
 #include <cstdint>
+#include <glm/mat3x3.hpp>
 #include <memory>
 #include <span>
 #include <vector>
@@ -17,7 +18,9 @@ namespace sherd {
 struct SplitRun {
   std::vector<double> shares;  ///< that fragments are meant to have, in random order; the sum is 1
   std::uint64_t seed = 0;      ///< of all random numbers
-  const GuideSides* guides = nullptr;  ///< of the first splits, or null; the same of all runs
+  std::span<const glm::dmat3> walls{};  ///< [leaves] see wall_normals.h; none: cracks are not
+                                        ///< rotated into walls
+  const GuideSides* guides = nullptr;   ///< of the first splits, or null; the same of all runs
 };
 
 /// Grows fragments by splits, then the same as `grow`: roughness, regrowth, extension into the

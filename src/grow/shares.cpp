@@ -13,6 +13,7 @@
 #include <string>
 
 #include "base/random.h"
+#include "grow/sized_growth.h"
 #include "seed/samplers.h"
 #include "voxelize/leaf_blocks.h"
 
@@ -23,6 +24,19 @@ std::string percent(double share) {
   char text[32];
   std::snprintf(text, sizeof text, "%.3g %%", 100.0 * share);
   return text;
+}
+
+void checkSizes(const ShareOptions& options, const GrowOptions& grow) {
+  const GrowthRule& rule = ruleOf(grow.growth);
+  if (options.sizes == Sizes::grown || rule.splits) return;
+  if (rule.givesVoronoiCells && (!rule.usesMetric || grow.metric == Metric::euclidean)) return;
+  throw Error(ErrorCode::usage,
+              std::string("fragments of drawn sizes have planes between weighted seeds, which "
+                          "growth by ") +
+                  rule.name +
+                  " does not; try growth by euclid, or by nearest with the Euclidean "
+                  "metric",
+              OptionNames{"growth", "sizes"});
 }
 
 // Returns `small` without fragments whose component of the solid would lose its last seed.
@@ -136,8 +150,8 @@ void reseed(const Solid& solid, const Labels& labels, std::vector<Seed>& seeds,
                occupied, seeds);
 }
 
-// Moves each primary seed to its fragment's centroid, into the nearest voxel of the fragment.
-// Additional seeds of a fragment stay.
+}  // namespace
+
 std::vector<Seed> centeredSeeds(const Labels& labels, std::vector<Seed> seeds) {
   struct Centroid {
     std::array<std::int64_t, 3> position{};  // the sum of coordinates, then in steps of seeds
@@ -194,8 +208,6 @@ std::vector<Seed> centeredSeeds(const Labels& labels, std::vector<Seed> seeds) {
   return seeds;
 }
 
-}  // namespace
-
 void checkShares(const ShareOptions& options, const VoxelComponents& components, int fragments,
                  std::uint64_t voxels) {
   if (!(options.minShare >= 0.0 && options.minShare <= 1.0)) {
@@ -241,6 +253,7 @@ SeededLabels growWithShares(const Solid& solid, const VoxelComponents& component
   const int fragments = fragmentsOf(seeds);
   const std::uint64_t voxels = blocks->insideVoxels();
   checkShares(shares, components, fragments, voxels);
+  checkSizes(shares, options.grow);
   const std::uint64_t minVoxels = leastVoxels(shares, voxels);
   const auto growFrom = [&](const std::vector<Seed>& from) {
     return std::move(grow(blocks, std::span(&from, 1), device, options.grow, progress).front());
@@ -252,6 +265,9 @@ SeededLabels growWithShares(const Solid& solid, const VoxelComponents& component
   for (int i = 0; i < shares.balance; ++i) {
     seeds = centeredSeeds(labels, std::move(seeds));
     labels = growFrom(seeds);
+  }
+  if (shares.sizes != Sizes::grown) {
+    return grownToSizes(solid, components, std::move(seeds), device, options, progress);
   }
   std::uint64_t smallest = 0;
   for (int attempt = 0; attempt < std::max(shares.tries, 1); ++attempt) {

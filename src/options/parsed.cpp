@@ -1,16 +1,22 @@
 // Values of options with a syntax of their own.
 #include "options/parsed.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <span>
 
+#include "base/option_names.h"
 #include "base/option_text.h"
 #include "options/values.h"
 
 namespace sherd {
 namespace {
+
+// What an option is without a direction, as its empty text cannot be given.
+constexpr const char* kNone = "none";
 
 bool isWhole(double value) { return value == std::floor(value); }
 
@@ -44,12 +50,19 @@ std::string extraSeedsText(const SeedOptions& seeds) {
 
 Impact impactFrom(const std::string& text) {
   const std::string expected =
-      "x,y,z or ray:ox,oy,oz,dx,dy,dz, then optionally ,count ,sigma (or n=5) and ,merge";
+      "x,y,z or ray:ox,oy,oz,dx,dy,dz, then optionally ,count ,sigma (or n=5) ,energy=0.01..100 "
+      "and ,merge";
   const bool isRay = text.starts_with("ray:");
   std::vector<std::string> parts = split(isRay ? text.substr(4) : text);
   Impact impact;
   if (parts.back() == "merge") {
     impact.merge = true;
+    parts.pop_back();
+  }
+  if (parts.size() > 1 && parts.back().starts_with("energy=")) {
+    const std::optional<double> energy = numberIn(parts.back().substr(7));
+    if (!energy || !(*energy >= 0.01 && *energy <= 100.0)) refuseValue(text, expected);
+    impact.energy = *energy;
     parts.pop_back();
   }
   const std::size_t coordinates = isRay ? 6 : 3;
@@ -73,7 +86,8 @@ Impact impactFrom(const std::string& text) {
     const std::string& sigma = parts[coordinates + 1];
     const bool isBias = sigma.starts_with("n=");
     const std::optional<double> value = numberIn(isBias ? sigma.substr(2) : sigma);
-    if (!value || *value <= 0 || (isBias && (*value > kMaxBias || !isWhole(*value)))) {
+    if (!value || *value <= 0 || (isBias && (*value > kMaxBias || !isWhole(*value))) ||
+        (isBias && impact.energy > 0.0)) {
       refuseValue(text, expected);
     }
     if (isBias) {
@@ -101,14 +115,19 @@ std::string impactText(const Impact& impact) {
       text += ",n=" + std::to_string(impact.bias);
     }
   }
+  if (impact.energy > 0.0) text += ",energy=" + shortestText(impact.energy);
   return text + (impact.merge ? ",merge" : "");
 }
 
 void setGrain(Anisotropy& grain, const std::string& text) {
+  if (text == kNone) {
+    grain = {};
+    return;
+  }
   const auto numbers = numbersIn(split(text));
   if (!numbers || numbers->size() != 4 || (*numbers)[3] < -0.75 || (*numbers)[3] > 9.0 ||
       ((*numbers)[0] == 0.0 && (*numbers)[1] == 0.0 && (*numbers)[2] == 0.0)) {
-    refuseValue(text, "dx,dy,dz,strength with a strength in -0.75..9");
+    refuseValue(text, "dx,dy,dz,strength with a strength in -0.75..9, or none");
   }
   grain = {{(*numbers)[0], (*numbers)[1], (*numbers)[2]}, (*numbers)[3]};
 }
@@ -128,23 +147,88 @@ std::string directionText(const Anisotropy& grain) {
   return numbersText({grain.direction.x, grain.direction.y, grain.direction.z});
 }
 
+void setSizes(ShareOptions& shares, const std::string& text) {
+  const std::size_t colon = text.find(':');
+  const std::string name = text.substr(0, colon);
+  const auto found = std::find(std::begin(names::kSizes), std::end(names::kSizes), name);
+  const auto sizes = static_cast<Sizes>(found - std::begin(names::kSizes));
+  const bool hasParameter = sizes == Sizes::lognormal || sizes == Sizes::power;
+  // A missing parameter is out of every range.
+  const double parameter =
+      colon == text.npos ? 0.0 : numberIn(text.substr(colon + 1)).value_or(0.0);
+  const bool good = found != std::end(names::kSizes) && hasParameter == (colon != text.npos) &&
+                    (sizes != Sizes::lognormal || (parameter >= 0.01 && parameter <= 3.0)) &&
+                    (sizes != Sizes::power || (parameter >= 1.0 && parameter <= 4.0));
+  if (!good) {
+    refuseValue(text,
+                "grown, uniform, exponential, lognormal:s with s in 0.01..3, or power:t with t in "
+                "1..4");
+  }
+  shares.sizes = sizes;
+  shares.sizeParameter = parameter;
+}
+
+std::string sizesText(const ShareOptions& shares) {
+  const std::string name = names::of(names::kSizes, shares.sizes);
+  const bool hasParameter = shares.sizes == Sizes::lognormal || shares.sizes == Sizes::power;
+  return hasParameter ? name + ":" + shortestText(shares.sizeParameter) : name;
+}
+
 void setRoughness(GrowOptions& grow, const std::string& text) {
   const std::vector<std::string> parts = split(text);
   const std::optional<Length> height = lengthIn(parts[0]);
-  const std::optional<double> hurst = numberIn(parts.size() == 2 ? parts[1] : "1");
-  const bool good = parts.size() <= 2 && height && height->voxels <= 100.0 && hurst &&
-                    *hurst >= 0.1 && *hurst <= 1.0;
+  const GrowOptions usual;
+  const std::optional<double> hurst = parts.size() > 1 ? numberIn(parts[1]) : usual.hurst;
+  const std::optional<Length> window =
+      parts.size() > 2 ? lengthIn(parts[2]) : usual.roughnessWindow;
+  const bool good = parts.size() <= 3 && height && height->voxels <= 100.0 && hurst &&
+                    *hurst >= 0.1 && *hurst <= 1.0 && window;
   if (!good) {
     refuseValue(text,
-                "r or r,H with r in 0..100 voxels, or in % of the longest side, and H in 0.1..1");
+                "r, r,H or r,H,W with r in 0..100 voxels, or in % of the longest side, H in "
+                "0.1..1, and W in voxels or %");
   }
   grow.roughness = *height;
-  if (parts.size() == 2) grow.hurst = *hurst;
+  grow.hurst = *hurst;
+  grow.roughnessWindow = *window;
 }
 
 std::string roughnessText(const GrowOptions& grow) {
-  return lengthText(grow.roughness) +
-         (grow.hurst == GrowOptions{}.hurst ? "" : "," + shortestText(grow.hurst));
+  const bool hasWindow = !grow.roughnessWindow.isZero();
+  const bool hasHurst = hasWindow || grow.hurst != GrowOptions{}.hurst;
+  return lengthText(grow.roughness) + (hasHurst ? "," + shortestText(grow.hurst) : "") +
+         (hasWindow ? "," + lengthText(grow.roughnessWindow) : "");
+}
+
+void setPropagation(GrowOptions& grow, const std::string& text) {
+  if (text == kNone) {
+    grow.propagationHurst = GrowOptions{}.propagationHurst;
+    grow.propagation = GrowOptions{}.propagation;
+    return;
+  }
+  const auto numbers = numbersIn(split(text));
+  if (!numbers || numbers->size() != 4 || (*numbers)[3] < 0.1 || (*numbers)[3] > 1.0 ||
+      ((*numbers)[0] == 0.0 && (*numbers)[1] == 0.0 && (*numbers)[2] == 0.0)) {
+    refuseValue(text, "dx,dy,dz,H with H in 0.1..1, or none");
+  }
+  grow.propagation = {(*numbers)[0], (*numbers)[1], (*numbers)[2]};
+  grow.propagationHurst = (*numbers)[3];
+}
+
+std::string propagationText(const GrowOptions& grow) {
+  if (grow.propagationHurst == 0.0) return "";
+  const glm::dvec3& d = grow.propagation;
+  return numbersText({d.x, d.y, d.z, grow.propagationHurst});
+}
+
+void setPropagationDirection(GrowOptions& grow, const std::string& text) {
+  const auto numbers = numbersIn(split(text));
+  if (!numbers || numbers->size() != 3) refuseValue(text, "dx,dy,dz");
+  grow.propagation = {(*numbers)[0], (*numbers)[1], (*numbers)[2]};
+}
+
+std::string propagationDirectionText(const GrowOptions& grow) {
+  return numbersText({grow.propagation.x, grow.propagation.y, grow.propagation.z});
 }
 
 void setMissing(double& missing, const std::string& text) {

@@ -16,7 +16,7 @@ void setExtraSeeds(SeedOptions& seeds, const std::string& text);
 [[nodiscard]] Impact impactFrom(const std::string& text);
 [[nodiscard]] std::string impactText(const Impact& impact);
 
-/// dx,dy,dz,strength
+/// dx,dy,dz,strength, or none
 void setGrain(Anisotropy& grain, const std::string& text);
 [[nodiscard]] std::string grainText(const Anisotropy& grain);
 
@@ -24,9 +24,21 @@ void setGrain(Anisotropy& grain, const std::string& text);
 void setDirection(Anisotropy& grain, const std::string& text);
 [[nodiscard]] std::string directionText(const Anisotropy& grain);
 
-/// r or r,H
+/// grown, uniform, exponential, lognormal:s or power:t
+void setSizes(ShareOptions& shares, const std::string& text);
+[[nodiscard]] std::string sizesText(const ShareOptions& shares);
+
+/// r, r,H or r,H,W; parts that are omitted get their defaults
 void setRoughness(GrowOptions& grow, const std::string& text);
 [[nodiscard]] std::string roughnessText(const GrowOptions& grow);
+
+/// dx,dy,dz,H, or none
+void setPropagation(GrowOptions& grow, const std::string& text);
+[[nodiscard]] std::string propagationText(const GrowOptions& grow);
+
+/// dx,dy,dz
+void setPropagationDirection(GrowOptions& grow, const std::string& text);
+[[nodiscard]] std::string propagationDirectionText(const GrowOptions& grow);
 
 /// A whole number of fragments, or a share below 1.
 void setMissing(double& missing, const std::string& text);

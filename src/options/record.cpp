@@ -34,6 +34,7 @@ Json impactJson(const Impact& impact) {
   } else {
     json["bias"] = impact.bias;
   }
+  if (impact.energy > 0.0) json["energy"] = impact.energy;
   json["merge"] = impact.merge;
   return json;
 }
@@ -69,6 +70,7 @@ Impact impactFrom(const In& json) {
   impact.count = json.at("count").get<int>();
   impact.sigma = json.value("sigma", impact.sigma);
   impact.bias = json.value("bias", impact.bias);
+  impact.energy = json.value("energy", impact.energy);
   impact.merge = json.at("merge").get<bool>();
   return impact;
 }

@@ -130,6 +130,11 @@ std::vector<Rule> growthRules() {
        [](O o, U) { return !ruleOf(o.fracture.grow.growth).usesNeighborhood; },
        "does nothing without {growth} flood",
        {"growth"}},
+      {{"propagation"},
+       Verdict::idle,
+       [](O o, U) { return o.fracture.grow.roughness.isZero(); },
+       "does nothing without {roughness}",
+       {"roughness"}},
       {{"metric"},
        Verdict::idle,
        [](O o, U) { return !ruleOf(o.fracture.grow.growth).usesMetric; },
@@ -145,6 +150,22 @@ std::vector<Rule> growthRules() {
        [](O o, U) { return ruleOf(o.fracture.grow.growth).splits; },
        "does nothing with {growth} sequential, whose pieces are connected and have no seeds",
        {"growth"}},
+  };
+}
+
+std::vector<Rule> sizeRules() {
+  return {
+      {{"sizes"},
+       Verdict::conflict,
+       [](O o, U) {
+         const GrowthRule& rule = ruleOf(o.fracture.grow.growth);
+         const bool hasCells = rule.givesVoronoiCells &&
+                               (!rule.usesMetric || o.fracture.grow.metric == Metric::euclidean);
+         return o.fracture.shares.sizes != Sizes::grown && !hasCells && !rule.splits;
+       },
+       "cannot be met by {growth} flood or chain, nor by another {metric} than the Euclidean; use "
+       "{growth} euclid, nearest or sequential",
+       {"growth", "metric"}},
   };
 }
 
@@ -279,7 +300,7 @@ std::vector<Rule> pointRules() {
 
 const std::vector<Rule>& rules() {
   static const std::vector<Rule> kRules =
-      joined({solidRules(), seedRules(), growthRules(), erosionRules(), surfaceRules(),
+      joined({solidRules(), seedRules(), growthRules(), sizeRules(), erosionRules(), surfaceRules(),
               formatRules(), writeRules(), pointRules()});
   return kRules;
 }

@@ -1,5 +1,6 @@
 // What is broken, and the seeds: one row for each option.
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <string>
 #include <vector>
@@ -28,6 +29,15 @@ void setTraining(RunOptions& o) {
   o.write.meshFormats = {MeshFileFormat::ply};
 }
 
+std::vector<std::string> materialNames() {
+  return {std::begin(names::kMaterial), std::end(names::kMaterial)};
+}
+
+void setMaterial(RunOptions& o, const std::string& text) {
+  const auto material = static_cast<MaterialPreset>(indexOf(text, materialNames()));
+  o.fracture = materialOptions(material, o.fracture);
+}
+
 bool drawsSeeds(R o) { return !o.fracture.seeds.given; }
 
 const std::vector<Row> kGeneralRows{
@@ -45,6 +55,21 @@ const std::vector<Row> kGeneralRows{
              "override them",
      .details = "set options to the paper's values, or to those for training networks (both "
                 "below); explicit options override the preset, in any order"},
+    {.name = "material",
+     .group = "",
+     .value = {OptionType::choice, "", materialNames(), setMaterial,
+               [](R o) -> std::string { return names::of(names::kMaterial, o.fracture.material); }},
+     .help = "Break as a material does; options that are given override it",
+     .details = "set growth, roughness, grain, sizes and wear to those of a material "
+                "([materials.md](materials.md)); explicit options override it, and it overrides "
+                "`--preset`, in any order"},
+    {.name = "material-name",
+     .group = "",
+     .value = V::choice(kFracture, &FractureOptions::material, names::kMaterial),
+     .help = "The material whose options these are",
+     .key = "material",
+     .recorded = [](R o) { return o.fracture.material != MaterialPreset::none; },
+     .hidden = true},
     {.name = "pieces",
      .group = "",
      .value = V::whole(kFracture, &FractureOptions::pieces, 1, kMaxFragments),
@@ -150,8 +175,9 @@ const std::vector<Row> kSeedRows{
      .group = "Seeds",
      .value = V::choice(kSeeds, &SeedOptions::on, names::kSeedsOn),
      .help = "Where seeds may lie",
-     .details = "where seeds are drawn: anywhere inside, or at most 1/256 of the longest side "
-                "below the surface",
+     .details = "where seeds are drawn: anywhere inside; at most 1/256 of the longest side "
+                "below the surface; or anywhere, and moved to the middle of walls that are thinner "
+                "than a cube of a piece's volume, so that cracks cross them nearly at right angles",
      .key = "seeds.on",
      .recorded = drawsSeeds,
      .drawn = true},
@@ -239,13 +265,14 @@ const std::vector<Row> kSeedRows{
            return joinedText(texts, " ");
          }),
      .help = "An impact at x,y,z or ray:ox,oy,oz,dx,dy,dz, then ,count ,sigma (world units, or "
-             "n=5 as the paper's bias) ,merge; repeatable",
+             "n=5 as the paper's bias) ,energy=E ,merge; repeatable",
      .details = "an impact at `x,y,z` or `ray:ox,oy,oz,dx,dy,dz`, then optionally "
-                "`,count` `,sigma` `,merge`; may be repeated: `count` of the fragments "
+                "`,count` `,sigma` `,energy=E` `,merge`; may be repeated: `count` of the fragments "
                 "come from seeds scattered around the point, `sigma` being their "
                 "standard deviation in the mesh's unit, or the paper's bias as `n=5` "
-                "(side / sqrt(12 n)); with `merge` the seeds go to existing fragments "
-                "instead",
+                "(side / sqrt(12 n)); with an energy (0.01 to 100) a thin wall breaks by 8 E^(1/4) "
+                "radial cracks and 3 E^(1/4) rings, `sigma` being the radius of the last; with "
+                "`merge` the seeds go to existing fragments instead",
      .key = "seeds.impacts",
      .recorded = drawsSeeds,
      .repeats = true,

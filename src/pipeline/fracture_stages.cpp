@@ -232,7 +232,9 @@ std::vector<Labels> splitTogether(const PreparedSolid& ready, std::vector<GrownF
        growSequential(ready.solid, ready.components, fragments, seeds, device, together,
                       options.front().shares,
                       sidesOf(options.front().guides, ready.solid, progress), progress)) {
-    all[labels.size()].result.seeds = std::move(grown.seeds);
+    FractureResult& result = all[labels.size()].result;
+    result.seeds = std::move(grown.seeds);
+    result.sizeError = grown.sizeError;
     labels.push_back(std::move(grown.labels));
   }
   return labels;
@@ -263,6 +265,7 @@ std::vector<GrownFracture> growTogether(const PreparedSolid& ready,
       SeededLabels own = growFor(options[i], ready.solid, ready.components, std::move(seeds[i]),
                                  options[i].seed, device, progress);
       all[i].result.seeds = std::move(own.seeds);
+      all[i].result.sizeError = own.sizeError;
       labels.push_back(std::move(own.labels));
     }
   } else {

@@ -41,12 +41,16 @@ std::int64_t smoothWeight(std::int64_t t) {
   return t3 * (6 * (t2 / 16) - 15 * (t / 32 + 1) + 10 * (kWord / 64)) / kWord * 128;
 }
 
-// Value noise at one voxel, 1/256 voxel: eight lattice points, blended along z, then x, then y.
-int noise(std::uint64_t seed, int octave, int axis, std::int64_t step, int amplitude,
+// Value noise of the n-th octave at one voxel, 1/256 voxel: eight lattice points, blended along z,
+// then x, then y.
+int noise(std::uint64_t seed, const NoiseOctaves& octaves, std::size_t n, int axis,
           const Coord& voxel) {
+  const int octave = octaves.first + static_cast<int>(n), amplitude = octaves.amplitude[n];
   Coord cell;
   std::int64_t weight[3];
   for (int i = 0; i < 3; ++i) {
+    const std::int64_t step =
+        i == octaves.propagation ? octaves.propagationStep[n] : octaves.step[n];
     const std::int64_t at =
         voxel[i] * step + step / 2 + std::int64_t{latticeShift(seed, octave, i)} * 65536;
     cell[i] = static_cast<int>(floorDiv(at, kWord));
@@ -74,8 +78,7 @@ std::int64_t displacement(std::uint64_t seed, const NoiseOctaves& octaves, int a
                           const Coord& voxel) {
   std::int64_t sum = 0;
   for (std::size_t n = 0; n < octaves.step.size(); ++n) {
-    sum += noise(seed, octaves.first + static_cast<int>(n), axis, octaves.step[n],
-                 octaves.amplitude[n], voxel);
+    sum += noise(seed, octaves, n, axis, voxel);
   }
   return sum;
 }
@@ -116,13 +119,17 @@ LabelMap roughReference(const VoxelSolid& solid, const std::vector<Seed>& seeds,
 
 // Growth without the steps after roughening.
 GrowOptions roughOptions(const Relief& relief, std::uint64_t seed) {
-  return {.growth = Growth::nearest,
-          .roughness = relief.height,
-          .hurst = relief.hurst,
-          .roughnessWindow = relief.window,
-          .longestSideVoxels = relief.longestSide,
-          .regrowIsolated = false,
-          .noiseSeeds = {seed}};
+  return {
+      .growth = Growth::nearest,
+      .roughness = relief.height,
+      .hurst = relief.hurst,
+      .roughnessWindow = relief.window,
+      .propagationHurst = relief.propagationHurst,
+      .propagation = {relief.propagation == 0 ? -2.0 : 0.5, relief.propagation == 1 ? 3.0 : -0.5,
+                      relief.propagation == 2 ? -1.0 : 0.25},
+      .longestSideVoxels = relief.longestSide,
+      .regrowIsolated = false,
+      .noiseSeeds = {seed}};
 }
 
 class Rough : public DeviceTest {
@@ -164,6 +171,34 @@ TEST_F(Rough, EqualsTheReferenceWalk) {
   }
 }
 
+TEST_F(Rough, EqualsTheReferenceWalkWithTwoExponents) {
+  const std::vector<VoxelSolid> solids = voxel_shapes::all();
+  std::size_t number = 0;
+  for (const VoxelSolid& solid : solids) {
+    std::vector<Seed> seeds;
+    for (const Coord& voxel : solid.inside) {
+      if (mixed(static_cast<std::uint64_t>(voxel.x() * 961 + voxel.y() * 31 + voxel.z())) % 97 == 0)
+        seeds.push_back({voxel, static_cast<std::uint16_t>(seeds.size() + 1)});
+    }
+    if (seeds.empty()) seeds.push_back({*solid.inside.begin(), 1});
+    for (const double side : {37.3, 64.0, 65536.0}) {
+      const auto axis = static_cast<std::int32_t>(number++ % 3);
+      if (voxel_shapes::small() && number % 4 != 0) continue;
+      for (const double along : {0.5, 1.0}) {
+        const Relief relief{.height = 2.0,
+                            .hurst = 0.7,
+                            .window = 6.0,
+                            .longestSide = side,
+                            .propagationHurst = along,
+                            .propagation = axis};
+        EXPECT_EQ(grown(solid, seeds, roughOptions(relief, 42)),
+                  roughReference(solid, seeds, 42, noiseOctaves(relief)))
+            << solid.name << ", side " << side << ", axis " << axis << ", exponent " << along;
+      }
+    }
+  }
+}
+
 // Leaves far from the crack are skipped by bounds of their displacements.
 TEST_F(Rough, SkipsOnlyLeavesThatKeepTheirLabels) {
   const VoxelSolid solid = voxel_shapes::ball(voxel_shapes::small() ? 12 : 28);
@@ -191,6 +226,40 @@ TEST_F(Rough, SkipsNoLeafWithALargeDisplacementInItsMiddle) {
     EXPECT_EQ(grown(solid, seeds, roughOptions(relief, seed)),
               roughReference(solid, seeds, seed, noiseOctaves(relief)))
         << "seed " << seed;
+  }
+}
+
+// The same with spacings of 2 voxels along one axis, and of more than a leaf along the others.
+TEST_F(Rough, SkipsNoLeafWithTwoExponents) {
+  const int extent = voxel_shapes::small() ? 10 : 40;
+  const VoxelSolid solid = voxel_shapes::solidWhere(
+      "slab", extent, [](const Coord& v) { return v.x() >= -16 && v.x() < 16; });
+  const std::vector<Seed> seeds{{{-5, 0, 0}, 1}, {{4, 0, 0}, 2}};
+  for (std::uint64_t seed = 0; seed < (voxel_shapes::small() ? 1u : 6u); ++seed) {
+    const Relief relief{.height = 0.05 + 0.1 * static_cast<double>(seed),
+                        .hurst = seed < 3 ? 1.0 : 0.4,
+                        .window = 2.0,
+                        .longestSide = 136.0,
+                        .propagationHurst = seed < 3 ? 0.5 : 0.9,
+                        .propagation = static_cast<std::int32_t>(seed % 3)};
+    EXPECT_EQ(grown(solid, seeds, roughOptions(relief, seed)),
+              roughReference(solid, seeds, seed, noiseOctaves(relief)))
+        << "seed " << seed;
+  }
+}
+
+TEST_F(Rough, RefusesADirectionOrAnExponentThatIsNone) {
+  const VoxelSolid solid = voxel_shapes::ball(5);
+  const std::vector<Seed> seeds{{{-2, 0, 0}, 1}, {{2, 0, 0}, 2}};
+  const double nan = std::nan(""), infinite = HUGE_VAL;
+  for (const glm::dvec3 direction :
+       {glm::dvec3{0.0}, glm::dvec3{nan, 1.0, 0.0}, glm::dvec3{1.0, infinite, 0.0}}) {
+    EXPECT_THROW(
+        grown(solid, seeds, {.roughness = 1.0, .propagationHurst = 0.6, .propagation = direction}),
+        Error);
+  }
+  for (const double hurst : {-0.5, 0.05, 1.1, nan}) {
+    EXPECT_THROW(grown(solid, seeds, {.roughness = 1.0, .propagationHurst = hurst}), Error);
   }
 }
 
@@ -309,7 +378,7 @@ TEST(RoughNoise, IsAFunctionOfSpace) {
         const double at[3] = {(voxel.x() + 0.5) / side, (voxel.y() + 0.5) / side,
                               (voxel.z() + 0.5) / side};
         for (int axis = 0; axis < 3; ++axis) {
-          EXPECT_NEAR(noise(77, octave, axis, octaves.step[n], octaves.amplitude[n], voxel),
+          EXPECT_NEAR(noise(77, octaves, n, axis, voxel),
                       amplitude * noiseInSpace(77, octave, axis, at), kRoundingPerOctave + 0.05)
               << "side " << side << ", octave " << octave << ", voxel " << voxel;
         }
@@ -350,18 +419,101 @@ TEST(RoughNoise, HasTheRequestedHeight) {
   EXPECT_NEAR(std::sqrt(variance / (3 * kWindows)), kHeight, 0.1 * kHeight);
 }
 
+// With two exponents the same, over windows with one side along the axis of propagation.
+TEST(RoughNoise, HasTheRequestedHeightWithTwoExponents) {
+  constexpr double kHeight = 3.0, kWindow = 24.0;
+  constexpr int kWindows = 300;  // of two components each: as many estimates
+  for (const double along : {0.5, 1.0}) {
+    const NoiseOctaves octaves = noiseOctaves({.height = kHeight,
+                                               .hurst = 0.75,
+                                               .window = kWindow,
+                                               .longestSide = 240.0,
+                                               .propagationHurst = along,
+                                               .propagation = 1});
+    double variance = 0.0;
+    for (int w = 0; w < kWindows; ++w) {
+      const std::uint64_t seed = 1000 + static_cast<std::uint64_t>(w);
+      const Coord corner(static_cast<int>(mixed(seed) % 512),
+                         static_cast<int>(mixed(seed + 7) % 512),
+                         static_cast<int>(mixed(seed + 9) % 512));
+      for (const int axis : {0, 2}) {
+        double sum = 0.0, squares = 0.0;
+        int n = 0;
+        for (int y = 0; y < 24; y += 2) {
+          for (int z = 0; z < 24; z += 2, ++n) {
+            const double d =
+                static_cast<double>(displacement(seed, octaves, axis, corner + Coord(0, y, z))) /
+                256.0;
+            sum += d;
+            squares += d * d;
+          }
+        }
+        variance += squares / n - sum / n * (sum / n);
+      }
+    }
+    EXPECT_NEAR(std::sqrt(variance / (2 * kWindows)), kHeight, 0.1 * kHeight) << along;
+  }
+}
+
+// Spacings s and t and amplitudes a of all octaves: a is proportional to s^hurst and to
+// t^propagationHurst, which makes heights scale with these exponents; s = t at the longest side;
+// and the smaller spacing is S / 2^k.  Steps are rounded to 2^-32, amplitudes to 1/256 voxel, and
+// the first octave is wider.
+TEST(RoughNoise, OctavesScaleByBothExponents) {
+  constexpr double kSide = 8192.0;
+  for (const double hurst : {0.4, 0.75, 1.0}) {
+    for (const double along : {0.6, 0.75, 1.0}) {
+      const NoiseOctaves octaves = noiseOctaves({.height = 100.0,
+                                                 .hurst = hurst,
+                                                 .window = 0.1 * kSide,
+                                                 .longestSide = kSide,
+                                                 .propagationHurst = along,
+                                                 .propagation = 0});
+      ASSERT_EQ(octaves.first, 1);
+      ASSERT_EQ(octaves.step.size(), 12u);
+      ASSERT_EQ(octaves.propagation, 0);
+      for (std::size_t n = 1; n < octaves.step.size(); ++n) {
+        const double s = std::ldexp(1.0, 32) / static_cast<double>(octaves.step[n]),
+                     t = std::ldexp(1.0, 32) / static_cast<double>(octaves.propagationStep[n]);
+        const double octave = octaves.first + static_cast<double>(n);
+        EXPECT_NEAR(std::min(s, t), kSide * std::exp2(-octave), 1e-3);
+        EXPECT_NEAR(std::log(t / kSide) * along, std::log(s / kSide) * hurst, 1e-4);
+        const double a = octaves.amplitude[n], b = octaves.amplitude[1];
+        const double s1 = std::ldexp(1.0, 32) / static_cast<double>(octaves.step[1]);
+        EXPECT_NEAR(a, b * std::pow(s / s1, hurst), 1.0) << hurst << ' ' << along << ' ' << n;
+      }
+    }
+  }
+}
+
+TEST(RoughNoise, EqualExponentsAreOne) {
+  const Relief one{.height = 3.0, .hurst = 0.7, .window = 24.0, .longestSide = 240.0};
+  Relief two = one;
+  two.propagationHurst = two.hurst;
+  const NoiseOctaves a = noiseOctaves(one), b = noiseOctaves(two);
+  EXPECT_EQ(a.step, b.step);
+  EXPECT_EQ(a.step, a.propagationStep);
+  EXPECT_EQ(b.step, b.propagationStep);
+  EXPECT_EQ(a.amplitude, b.amplitude);
+}
+
 // Lengths far from those of the voxels.
 TEST(RoughNoise, HasOctavesForEveryWindow) {
   for (const double side : {1.0, 14.0, 4096.0, 1e6}) {
     for (const double window : {1e-300, 0.1, 1.0, side, 1e6, 1e300}) {
       for (const double hurst : {0.1, 1.0}) {
-        const NoiseOctaves octaves =
-            noiseOctaves({.height = 100.0, .hurst = hurst, .window = window, .longestSide = side});
+        const NoiseOctaves octaves = noiseOctaves({.height = 100.0,
+                                                   .hurst = hurst,
+                                                   .window = window,
+                                                   .longestSide = side,
+                                                   .propagationHurst = 1.1 - hurst});
         ASSERT_GE(octaves.step.size(), 1u) << side << ' ' << window;
         EXPECT_LE(octaves.step.size(), 21u);
         for (std::size_t n = 0; n < octaves.step.size(); ++n) {
           EXPECT_GE(octaves.step[n], 0);
           EXPECT_LE(octaves.step[n], std::int64_t{1} << 31);
+          EXPECT_GE(octaves.propagationStep[n], 0);
+          EXPECT_LE(octaves.propagationStep[n], std::int64_t{1} << 31);
           EXPECT_GE(octaves.amplitude[n], 0);
           EXPECT_LE(octaves.amplitude[n], 1 << 22);
         }

@@ -23,6 +23,9 @@ SETS = [
     {"growth": "nearest", "metric": "manhattan"},
     {"growth": "chain"},
     {"grain": (0, 1, 0, 3)},
+    {"roughness": (2, 0.75), "propagation": (1, 0, 0, 0.6)},
+    {"material": "wood"},
+    {"material": "plaster", "roughness": "1%", "grain": (0, 1, 0, 2)},
     {"sampler": "poisson", "seeds_on": "surface"},
     {"impacts": 2, "pieces": 7},
     {"impact": [(0.0, 0.1, 0.0, 3), "ray:0,1,0,0,-1,0,2"], "pieces": 9},
@@ -80,6 +83,16 @@ def test_saving_writes_what_the_program_writes(tmp_path):
     theirs, ours = files_of(tmp_path / "program"), files_of(tmp_path / "module")
     assert theirs.keys() == ours.keys()
     assert [name for name in theirs if theirs[name] != ours[name]] == []
+
+
+def test_options_of_a_material_are_read_back(tmp_path):
+    """What overrides a material does so again, also where it is the default, or no value."""
+    own = {"pieces": 3, "resolution": 24, "material": "wood", "roughness": "0.8%", "grain": "none", "propagation": "none"}
+    pysherd.fracture(cube(2.0), **own).save(tmp_path / "one", write=["labels", "vdb", "mesh"])
+    options = pysherd.load(tmp_path / "one").options
+    assert (options["material"], options["grain"], options["propagation"]) == ("wood", "none", "none")
+    again = pysherd.fracture(cube(2.0), **options)
+    assert np.array_equal(again.labels, pysherd.fracture(cube(2.0), **own).labels)
 
 
 def test_points_are_those_of_the_program(tmp_path):

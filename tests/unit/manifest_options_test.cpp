@@ -57,6 +57,7 @@ class ManifestOptions : public DeviceTest {
 TEST_F(ManifestOptions, OfAFractureAreRecorded) {
   auto& [material, pieces, seed, solid, seeds, grow, shares, erode, guides, dropShare, missing,
          surface] = options_;
+  expectRecorded("material", material, MaterialPreset::stone);
   expectRecorded("pieces", pieces, 2);  // of a solid that gave three
   expectRecorded("seed", seed, std::uint64_t{7});
   expectRecorded("dropShare", dropShare, 0.01);
@@ -120,6 +121,15 @@ TEST_F(ManifestOptions, OfGivenFilesAreRecorded) {
   expectRecorded("guides", options_.guides, {Guide{.file = "crack.obj"}});
 }
 
+TEST_F(ManifestOptions, OfSizesAndEnergiesAreRecorded) {
+  ShareOptions& shares = options_.shares;
+  expectRecorded("sizes", shares.sizes, Sizes::uniform);
+  shares.sizes = Sizes::power;
+  expectRecorded("sizeParameter", shares.sizeParameter, 2.5);
+  options_.seeds.impacts.push_back({.target = glm::dvec3{1, 0, 0}});
+  expectRecorded("energy", options_.seeds.impacts.front().energy, 2.0);
+}
+
 TEST_F(ManifestOptions, OfGrowthAreRecorded) {
   auto& [growth, neighborhood, metric, anisotropy, split, roughness, hurst, roughnessWindow,
          propagationHurst, propagation, longestSideVoxels, regrowIsolated, noiseSeeds, keepCost,
@@ -129,6 +139,11 @@ TEST_F(ManifestOptions, OfGrowthAreRecorded) {
   expectRecorded("roughness", roughness, Length::ofSide(2.0));
   expectRecorded("hurst", hurst, 0.5);
   expectRecorded("roughnessWindow", roughnessWindow, Length(9.0));
+  expectRecorded("propagationHurst", propagationHurst, 0.6);
+  expectNotRecorded("propagation", propagation, {1.0, 0.0, 0.0});
+  propagationHurst = 0.6;  // without it there is no propagation
+  expectRecorded("propagation", propagation, {1.0, 0.0, 0.0});
+  propagationHurst = 0.0;
   expectRecorded("regrowIsolated", regrowIsolated, false);
   expectRecorded("outerSteps", outerSteps, 5);
   growth = Growth::flood;

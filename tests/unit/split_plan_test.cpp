@@ -61,9 +61,9 @@ TEST(SplitPlan, ComponentsGetSharesByTheirSize) {
   const std::vector<std::uint64_t> voxels{700, 27, 273};
   const std::vector<double> shares(10, 0.1);
   const auto given = sharesOfComponents(shares, voxels);
-  EXPECT_EQ(given[0].size(), 6u);
-  EXPECT_EQ(given[1].size(), 1u);
-  EXPECT_EQ(given[2].size(), 3u);
+  EXPECT_EQ(given[0].size(), 7u);
+  EXPECT_EQ(given[1].size(), 1u);  // though a third of a share is missing
+  EXPECT_EQ(given[2].size(), 2u);
   const std::vector<std::uint64_t> two{2, 50};
   const auto full = sharesOfComponents(std::vector<double>(52, 1.0 / 52.0), two);
   EXPECT_EQ(full[0].size(), 2u);
@@ -154,28 +154,39 @@ TEST(SplitPlan, QuantilesOfEvenVoxelsAreTheirPositions) {
   }
 }
 
-glm::dmat3 covarianceOfWall(double thick) {
-  glm::dmat3 covariance(1600.0 / 12.0);
-  covariance[2][2] = thick * thick / 12.0;
+glm::dmat3 covarianceOfBox(const glm::dvec3& size) {
+  glm::dmat3 covariance(0.0);
+  for (int i = 0; i < 3; ++i) covariance[i][i] = size[i] * size[i] / 12.0;
   return covariance;
 }
 
-TEST(SplitWall, CracksCrossAThinWallAtRightAngles) {
-  const glm::dvec3 normal = glm::normalize(glm::dvec3(0.8, 0.0, 0.6));
-  const glm::dvec3 rotated = acrossWall(covarianceOfWall(4.0), normal);
-  EXPECT_GT(degreesFrom(rotated, {0, 0, 1}), 89.9);
-  EXPECT_LT(degreesFrom(rotated, {1, 0, 0}), 0.1);  // its direction in the wall stays
+glm::dmat3 diagonal(double x, double y, double z) {
+  return {glm::dvec3(x, 0.0, 0.0), glm::dvec3(0.0, y, 0.0), glm::dvec3(0.0, 0.0, z)};
 }
 
-TEST(SplitWall, CracksOfABlockAndOfARodStay) {
-  const glm::dvec3 normal = glm::normalize(glm::dvec3(0.8, 0.0, 0.6));
-  EXPECT_EQ(acrossWall(covarianceOfWall(40.0), normal), normal);
-  EXPECT_EQ(acrossWall(covarianceOfWall(400.0), normal), normal);
+TEST(SplitWall, CracksCrossAPlateAtRightAngles) {
+  const glm::dvec3 normal(std::cos(10.0 * M_PI / 180.0), 0.0, std::sin(10.0 * M_PI / 180.0));
+  // Of a wall of 4 voxels half of the voxels are at the surface.
+  const CrackedLeaves leaves{1000.0, diagonal(0.0, 0.0, 500.0)};
+  const glm::dvec3 rotated = acrossWalls(leaves, covarianceOfBox({100.0, 100.0, 4.0}), normal);
+  EXPECT_NEAR(std::tan(degreesFrom(rotated, {1, 0, 0}) * M_PI / 180.0),
+              std::tan(10.0 * M_PI / 180.0) / 9.0, 1e-9);
 }
 
-TEST(SplitWall, ACrackAlongTheWallStays) {
-  const glm::dvec3 normal(0.0, 0.0, 1.0);
-  EXPECT_EQ(acrossWall(covarianceOfWall(4.0), normal), normal);
+TEST(SplitWall, CracksCrossATubeAcrossItsAxis) {
+  const glm::dvec3 normal(0.5, 0.0, std::sqrt(0.75));
+  const CrackedLeaves leaves{1000.0, diagonal(250.0, 250.0, 0.0)};
+  const glm::dvec3 rotated = acrossWalls(leaves, covarianceOfBox({100.0, 100.0, 200.0}), normal);
+  EXPECT_NEAR(std::tan(degreesFrom(rotated, {0, 0, 1}) * M_PI / 180.0),
+              std::tan(30.0 * M_PI / 180.0) / 5.0, 1e-9);
+}
+
+TEST(SplitWall, CracksOfABlockStay) {
+  const glm::dvec3 normal = glm::normalize(glm::dvec3(0.8, 0.0, 0.6));
+  // A section of 100 x 100 voxels has 400 at its border.
+  const CrackedLeaves leaves{10000.0, diagonal(200.0, 200.0, 0.0)};
+  EXPECT_EQ(acrossWalls(leaves, covarianceOfBox({100.0, 100.0, 100.0}), normal), normal);
+  EXPECT_EQ(acrossWalls({}, covarianceOfBox({100.0, 100.0, 100.0}), normal), normal);
 }
 
 }  // namespace
