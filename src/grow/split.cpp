@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 #include <map>
 #include <queue>
+#include <set>
 #include <utility>
 
 #include "base/cancel_flag.h"
@@ -25,8 +26,10 @@ struct Piece {
   std::uint16_t label = 0;
   std::size_t first = 0, last = 0;
   int generation = 0;
-  std::uint64_t path = 0;  // hash of the sides of all splits before, for random numbers
-  bool missed = false;     // the last plane had all voxels on one side
+  std::uint64_t path = 0;              // hash of the sides of all splits before, for random numbers
+  bool missed = false;                 // the last plane had all voxels on one side
+  std::vector<std::uint64_t> sides{};  // of given cracks, that its voxels are on, ascending: a bit
+                                       // for each of the first 64
 
   bool isSplit() const { return last - first > 1; }
 };
@@ -367,6 +370,39 @@ void connectSides(GrowthState& state, const DeviceLabels& labels, SplitNodes& no
   nodes.relabel(state, labels, newLabel);
 }
 
+// Returns [components] on which sides of given cracks their voxels are.
+std::vector<std::vector<std::uint64_t>> sidesOfComponents(const LeafBlocks& blocks,
+                                                          const VoxelComponents& components,
+                                                          const GuideSides& guides) {
+  const std::size_t cracks = std::min<std::size_t>(guides.positive.size(), 64);
+  std::vector<std::set<std::uint64_t>> found(components.count());
+  std::vector<std::uint64_t> before(components.count(), 0);  // to search rarely
+  blocks.forEachInside([&](std::size_t voxel) {
+    std::uint64_t sides = 0;
+    for (std::size_t i = 0; i < cracks; ++i) {
+      sides |= (guides.positive[i][voxel / 64] >> (voxel % 64) & 1) << i;
+    }
+    const std::uint32_t component = components.at(voxel);
+    if (sides == before[component] && !found[component].empty()) return;
+    found[component].insert(before[component] = sides);
+  });
+  std::vector<std::vector<std::uint64_t>> all;
+  for (const std::set<std::uint64_t>& each : found) all.emplace_back(each.begin(), each.end());
+  return all;
+}
+
+// Divides the sides of a piece that is split by a given crack, and returns how many of `count`
+// shares the first part gets, near `first`: each part one for each of its sides, if there are
+// enough, so that later cracks can split them.
+std::size_t dividedSides(const Piece& piece, std::int64_t crack, std::size_t first,
+                         std::vector<std::uint64_t>& kept, std::vector<std::uint64_t>& added) {
+  if (piece.sides.empty() || crack >= 64) return first;
+  for (const std::uint64_t each : piece.sides) ((each >> crack & 1) ? added : kept).push_back(each);
+  const std::size_t count = piece.last - piece.first;
+  if (kept.size() + added.size() > count) return first;
+  return std::clamp(first, kept.size(), count - added.size());
+}
+
 // Replaces split pieces by their two parts, and records the splits.
 void recordSplits(Fracture& fracture) {
   std::vector<Piece> pieces;
@@ -389,15 +425,19 @@ void recordSplits(Fracture& fracture) {
     const std::span<const double> shares(&fracture.shares[piece.first], count);
     std::size_t first =
         firstOf(shares, static_cast<double>(kept) / static_cast<double>(kept + added));
+    std::vector<std::uint64_t> keptSides, addedSides;
+    if (plane.normal == glm::ivec3(0)) {
+      first = dividedSides(piece, plane.offset, first, keptSides, addedSides);
+    }
     first = std::min(first, kept);
     if (count - first > added) first = count - added;
     const int generation = piece.generation + 1;
     fracture.splits.push_back(
         {piece.label, plane.added, piece.generation, plane.normal, plane.offset, kept + added});
-    pieces.push_back(
-        {piece.label, piece.first, piece.first + first, generation, mixed(2 * piece.path + 1)});
-    pieces.push_back(
-        {plane.added, piece.first + first, piece.last, generation, mixed(2 * piece.path + 2)});
+    pieces.push_back({piece.label, piece.first, piece.first + first, generation,
+                      mixed(2 * piece.path + 1), false, std::move(keptSides)});
+    pieces.push_back({plane.added, piece.first + first, piece.last, generation,
+                      mixed(2 * piece.path + 2), false, std::move(addedSides)});
   }
   fracture.pieces = std::move(pieces);
 }
@@ -551,6 +591,12 @@ SplitGrowth splitPieces(GrowthState& state, const VoxelComponents& components,
   };
   const auto isAllDone = [&] { return std::all_of(fractures.begin(), fractures.end(), isDone); };
   const GuideSides* const guides = runs.front().guides;
+  if (guides && !guides->positive.empty()) {
+    const auto sides = sidesOfComponents(state.blocks, components, *guides);
+    for (Fracture& fracture : fractures) {
+      for (std::size_t i = 0; i < sides.size(); ++i) fracture.pieces[i].sides = sides[i];
+    }
+  }
   for (std::size_t i = 0; guides && i < guides->positive.size() && !isAllDone(); ++i) {
     reportProgress(progress, "grow", 0.0);
     for (Fracture& fracture : fractures) splitAll(fracture, i);

@@ -20,7 +20,8 @@ std::vector<std::uint64_t> sideWhere(const LeafBlocks& blocks,
   return side;
 }
 
-// A ball, cut by three planes and a cylinder: its parts are connected, and some leaves have seven.
+// A ball, cut by three planes and a smaller ball: its parts are connected, and leaves in the middle
+// have four.
 TEST_F(SplitSides, EqualTheSideOfEachVoxel) {
   const auto blocks = voxel_shapes::blocksOf(voxel_shapes::ball(21));
   const VoxelComponents components = findComponents(*blocks, device());
@@ -28,7 +29,8 @@ TEST_F(SplitSides, EqualTheSideOfEachVoxel) {
       sideWhere(*blocks, [](const auto& v) { return 3 * v.x() + v.y() > 2; }),
       sideWhere(*blocks, [](const auto& v) { return v.z() - v.x() > 1; }),
       sideWhere(*blocks, [](const auto& v) { return v.y() > 100; }),  // beside the ball
-      sideWhere(*blocks, [](const auto& v) { return v.x() * v.x() + v.z() * v.z() < 30; }),
+      sideWhere(*blocks,
+                [](const auto& v) { return v.x() * v.x() + v.y() * v.y() + v.z() * v.z() < 100; }),
   }};
   const std::vector<SplitRun> runs{{std::vector<double>(8, 1.0 / 8), 1, &guides},
                                    {std::vector<double>(8, 1.0 / 8), 2, &guides}};
@@ -42,8 +44,7 @@ TEST_F(SplitSides, EqualTheSideOfEachVoxel) {
     std::uint16_t first = splits.front().fragment;
     for (const Split& split : splits) {
       EXPECT_EQ(split.normal, glm::ivec3(0));
-      // Pieces of the second guide are two, of the fourth, which the third precedes, four.
-      addedTo[split.generation == 2 ? 3 : split.generation][split.fragment] = split.added;
+      addedTo[split.offset][split.fragment] = split.added;
     }
     blocks->forEachInside([&](std::size_t voxel) {
       std::uint16_t label = first;
