@@ -55,10 +55,15 @@ kernel void component_nodes(
     const uint itemTag = byLabel ? tag[item] : 0;
     const global ushort* restrict labels = owner + (itemTag == SHERD_TAG_MIXED ? item * SHERD_LEAF_SIZE : 0);
     ulong remaining[SHERD_LEAF_WORDS];
-    ulong any = 0;
+    ulong any = 0, all = ~0ul;
     for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
       remaining[x] = inside[leaf * SHERD_LEAF_WORDS + x];
       any |= remaining[x];
+      all &= remaining[x];
+    }
+    if (all == ~0ul && itemTag <= 0xffff) {  // a full leaf of one label
+      nodeCount[item] = 1;
+      continue;
     }
     uint node = 0;
     ulong same[SHERD_LEAF_WORDS], seconds[SHERD_LEAF_WORDS];  // voxels with the label of `first`; with the second

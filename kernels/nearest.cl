@@ -3,6 +3,9 @@
 // another seed in the box of its inside voxels, else those whose lower bound exceeds the least upper bound.  Where the
 // others have one label, or two, no label is written per voxel (leaf_labels.h).
 //
+// A weight is subtracted from the squared distance to its seed, so the cells of Euclidean distances are those of a power
+// diagram: the difference of two distances stays linear.
+//
 // One work-item takes items i, i + all, ... (item = fracture * leafCount + leaf); any work-group size.
 // Reference: tests/kernels/growths_test.cpp, bit for bit.
 
@@ -26,6 +29,7 @@ inline long leaf_bound(const struct sherd_metric* metric, const int4 center, con
 // The seeds of a fracture, and what decides which of them may be nearest to a voxel of a leaf.
 struct leaf_seeds {
   const global int4* seed;
+  const global long* weight;
   uint first, last;
   int4 low;     // lowest voxel of the leaf
   int4 center;  // of the leaf; of Euclidean distances that of its inside voxels' box
@@ -41,8 +45,9 @@ struct farther {
 };
 
 // |M (p - s)|^2 - |M (p - n)|^2 = |a|^2 - 2 (M^T a) (p - n), where a = M (s - n).
+//   lighter  by how much the weight of the other is greater
 inline struct farther farther_than(const struct sherd_metric* metric, const int4 seed, const int4 other,
-                                   const int4 point) {
+                                   const long lighter, const int4 point) {
   const long x = seed.x - other.x, y = seed.y - other.y, z = seed.z - other.z;
   struct farther f;
   f.slope[0] = -2 * x;
@@ -56,13 +61,15 @@ inline struct farther farther_than(const struct sherd_metric* metric, const int4
     }
     f.there = a * a + b * b + c * c;
   }
+  f.there += lighter;
   f.there += f.slope[0] * (point.x - other.x) + f.slope[1] * (point.y - other.y) + f.slope[2] * (point.z - other.z);
   return f;
 }
 
 inline int may_be_nearest(const struct sherd_metric* metric, const struct leaf_seeds* seeds, const uint s) {
   if (metric->kind != SHERD_EUCLIDEAN) return leaf_bound(metric, seeds->center, seeds->seed[s], -1) <= seeds->bound;
-  const struct farther f = farther_than(metric, seeds->seed[s], seeds->seed[seeds->near], seeds->center);
+  const struct farther f = farther_than(metric, seeds->seed[s], seeds->seed[seeds->near],
+                                        seeds->weight[seeds->near] - seeds->weight[s], seeds->center);
   const long least = f.there - (long)abs(f.slope[0]) * seeds->reach.x - (long)abs(f.slope[1]) * seeds->reach.y -
                      (long)abs(f.slope[2]) * seeds->reach.z;
   return least < (s > seeds->near ? 0 : 1);  // ties go to the lower label
@@ -85,10 +92,11 @@ inline void mask_box(const ulong* mask, int4* low, int4* high) {
   *high = (int4)(last, (63 - (int)clz(all)) >> 3, 63 - (int)clz(row), 0);
 }
 
-inline struct leaf_seeds seeds_of(const struct sherd_metric* metric, const global int4* seed, const uint first,
-                                  const uint last, const ulong* mask, const int4 origin) {
+inline struct leaf_seeds seeds_of(const struct sherd_metric* metric, const global int4* seed,
+                                  const global long* weight, const uint first, const uint last, const ulong* mask,
+                                  const int4 origin) {
   const int4 middle = NEAREST_VOXEL * origin + 7 * NEAREST_VOXEL / 2;
-  struct leaf_seeds seeds = {seed, first, last, origin, middle, (int4)(0), first, LONG_MAX};
+  struct leaf_seeds seeds = {seed, weight, first, last, origin, middle, (int4)(0), first, LONG_MAX};
   if (metric->kind != SHERD_EUCLIDEAN) {
     for (uint s = first; s < last; ++s) seeds.bound = min(seeds.bound, leaf_bound(metric, seeds.center, seed[s], 1));
     return seeds;
@@ -100,7 +108,7 @@ inline struct leaf_seeds seeds_of(const struct sherd_metric* metric, const globa
   long nearest = LONG_MAX;
   for (uint s = first; s < last; ++s) {
     const int4 from = seeds.center - seed[s];
-    const long d = (long)from.x * from.x + (long)from.y * from.y + (long)from.z * from.z;
+    const long d = (long)from.x * from.x + (long)from.y * from.y + (long)from.z * from.z - (weight[s] >> metric->shift);
     if (d < nearest) seeds.near = s;
     nearest = min(nearest, d);
   }
@@ -109,8 +117,8 @@ inline struct leaf_seeds seeds_of(const struct sherd_metric* metric, const globa
 
 // Compares a seed with the nearest seed so far of each voxel of a leaf.  Distances are relative to that of `near` if
 // Euclidean.
-inline void compare_seed(const struct sherd_metric* metric, const int4 at, const int4 low, const ulong* mask,
-                         long* best, ushort* label) {
+inline void compare_seed(const struct sherd_metric* metric, const int4 at, const long weight, const int4 low,
+                         const ulong* mask, long* best, ushort* label) {
   const long step[3] = {NEAREST_VOXEL * metric->row[2], NEAREST_VOXEL * metric->row[5],
                         NEAREST_VOXEL * metric->row[8]};  // a voxel along z: a column of the matrix
   for (int row = 0; row < 64; ++row) {
@@ -120,7 +128,8 @@ inline void compare_seed(const struct sherd_metric* metric, const int4 at, const
     const long a = sherd_row(metric, 0, x, y, z), b = sherd_row(metric, 1, x, y, z), c = sherd_row(metric, 2, x, y, z);
     for (int k = 0; k < 8; ++k) {
       const long d = sherd_norm(metric->kind, (long)abs(a + k * step[0]), (long)abs(b + k * step[1]),
-                                (long)abs(c + k * step[2]));
+                                (long)abs(c + k * step[2])) -
+                     weight;
       const int v = 8 * row + k;
       if (d < best[v]) {  // strict: ties stay with the lower label
         best[v] = d;
@@ -146,6 +155,16 @@ inline void compare_farther(const struct farther* f, const ushort own, const ulo
   }
 }
 
+// Copies a leaf's mask; returns the union of its words.
+inline ulong load_mask(const global ulong* inside, ulong* mask) {
+  ulong any = 0;
+  for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
+    mask[x] = inside[x];
+    any |= mask[x];
+  }
+  return any;
+}
+
 inline int is_set(const ulong* mask, const int v) { return (int)((mask[v >> 6] >> (v & 63)) & 1); }
 
 kernel void nearest(
@@ -154,30 +173,26 @@ kernel void nearest(
     const uint leafCount,
     const uint items,
     const global int4* restrict seed,         // [seeds]        point, w the label; ascending by label in a fracture
+    const global long* restrict weight,       // [seeds]        in the unit of Euclidean distances; 0 of others
     const global uint* restrict firstSeed,    // [fractures+1]
     const struct sherd_metric metric,
     global ushort* restrict owner,            // [items*512]    out, see leaf_labels.h: 1.. inside, 0 outside
     global uint* restrict tag,                // [items]        out
     global ulong* restrict second,            // [items*3*8]    out
-    global uint* restrict cost,               // [items*512]    out, when keepCost: distance in voxels, squared if
-                                              // Euclidean, >> metric.shift
+    global uint* restrict cost,               // [items*512]    out, when keepCost: distance in voxels, squared and
+                                              // less the weight if Euclidean, >> metric.shift; at least 0
     const uint keepCost)
 {
   const int shift = metric.shift + (metric.kind == SHERD_EUCLIDEAN ? 2 : 1) * SHERD_SEED_BITS;
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
     const uint leaf = (uint)(item % leafCount);
     ulong mask[SHERD_LEAF_WORDS];
-    ulong any = 0;
-    for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
-      mask[x] = inside[(size_t)leaf * SHERD_LEAF_WORDS + x];
-      any |= mask[x];
-    }
-    if (!any) {
+    if (!load_mask(inside + (size_t)leaf * SHERD_LEAF_WORDS, mask)) {
       tag[item] = 0;
       continue;
     }
     const struct leaf_seeds seeds =
-        seeds_of(&metric, seed, firstSeed[item / leafCount], firstSeed[item / leafCount + 1], mask, origin[leaf]);
+        seeds_of(&metric, seed, weight, firstSeed[item / leafCount], firstSeed[item / leafCount + 1], mask, origin[leaf]);
     uint labels = 0;  // of the seeds that may be nearest, as a tag
     for (uint s = seeds.first; s < seeds.last && labels != SHERD_TAG_MIXED; ++s) {
       if (may_be_nearest(&metric, &seeds, s)) labels = with_label(labels, (uint)seed[s].w);
@@ -196,15 +211,16 @@ kernel void nearest(
     for (uint s = seeds.first; s < seeds.last; ++s) {
       if (!may_be_nearest(&metric, &seeds, s)) continue;
       if (relative) {
-        const struct farther f = farther_than(&metric, seed[s], seed[seeds.near], NEAREST_VOXEL * seeds.low);
+        const struct farther f = farther_than(&metric, seed[s], seed[seeds.near], weight[seeds.near] - weight[s],
+                                              NEAREST_VOXEL * seeds.low);
         compare_farther(&f, (ushort)seed[s].w, mask, best, label);
       } else {
-        compare_seed(&metric, seed[s], seeds.low, mask, best, label);
+        compare_seed(&metric, seed[s], weight[s], seeds.low, mask, best, label);
       }
     }
     write_labels(mask, label, labels, (uint)item, owner, tag, second);
     for (int v = 0; keepCost && v < SHERD_LEAF_SIZE; ++v) {
-      cost[item * SHERD_LEAF_SIZE + v] = is_set(mask, v) ? (uint)(best[v] >> shift) : 0u;
+      cost[item * SHERD_LEAF_SIZE + v] = is_set(mask, v) ? (uint)(max(best[v], 0l) >> shift) : 0u;
     }
   }
 }

@@ -17,48 +17,83 @@ inline long beyond_plane(const struct piece_planes* planes, const uint label, co
 }
 
 // Returns the voxels of a leaf on the positive side of a label's plane.
-inline void positive_side(const struct piece_planes* planes, const uint label, const int4 low, ulong* side) {
+inline ulong8 positive_side(const struct piece_planes* planes, const uint label, const int4 low) {
   const int4 n = planes->plane[label];
   const long start = beyond_plane(planes, label, low.x, low.y, low.z);
+  ulong side[SHERD_LEAF_WORDS];
   for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
     ulong word = 0;
     for (int y = 0; y < 8; ++y) {
-      const long row = start + 64 * ((long)n.x * x + (long)n.y * y);
-      for (int z = 0; z < 8; ++z) word |= (ulong)(row + 64l * n.z * z > 0) << (8 * y + z);
+      long at = start + 64 * ((long)n.x * x + (long)n.y * y);
+      for (int z = 0; z < 8; ++z) {
+        word |= (ulong)(at > 0) << (8 * y + z);
+        at += 64l * n.z;
+      }
     }
     side[x] = word;
   }
+  return vload8(0, side);
 }
 
-// Splits a leaf of one label.
-inline void split_one(const struct piece_planes* planes, const ulong* mask, const int4 low, const uint item,
-                      global uint* tag, global ulong* second) {
-  const uint label = tag[item];
-  const int4 n = planes->plane[label];
-  if (n.w == 0) return;
-  const long least = beyond_plane(planes, label, low.x, low.y, low.z) +
+// Voxels of a leaf with one label.
+struct labeled {
+  uint label;
+  ulong8 mask;
+};
+
+// Splits voxels of one label: the rest keeps it, and `added` gets those on the positive side.
+inline struct labeled split_voxels(const struct piece_planes* planes, const int4 low, struct labeled* kept) {
+  const int4 n = planes->plane[kept->label];
+  struct labeled added = {(uint)n.w, (ulong8)(0)};
+  if (n.w == 0) return added;
+  const long least = beyond_plane(planes, kept->label, low.x, low.y, low.z) +
                      64 * 7 * ((long)min(n.x, 0) + (long)min(n.y, 0) + (long)min(n.z, 0));
   const long most = least + 64 * 7 * ((long)abs(n.x) + (long)abs(n.y) + (long)abs(n.z));
-  if (most <= 0) return;
-  ulong side[SHERD_LEAF_WORDS];
-  ulong anyAdded = least > 0, anyKept = 0;
-  if (least <= 0) {
-    positive_side(planes, label, low, side);
-    for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
-      anyAdded |= side[x] & mask[x];
-      anyKept |= ~side[x] & mask[x];
-    }
+  if (most <= 0) return added;
+  added.mask = kept->mask;
+  if (least <= 0) added.mask &= positive_side(planes, kept->label, low);
+  kept->mask &= ~added.mask;
+  return added;
+}
+
+// Splits a leaf of one label or two.
+inline void split_leaf(const struct piece_planes* planes, const ulong8 mask, const int4 low, const uint item,
+                       global ushort* owner, global uint* tag, global ulong* second) {
+  const uint before = tag[item];
+  struct labeled part[4] = {{before & 0xffff, mask}, {before >> 16, (ulong8)(0)}};
+  if (is_pair(before)) {
+    part[1].mask = vload8(second_voxels(item), second);
+    part[0].mask &= ~part[1].mask;
   }
-  if (!anyAdded) return;
-  if (!anyKept) {
-    tag[item] = (uint)n.w;
+  part[2] = split_voxels(planes, low, &part[0]);
+  part[3] = split_voxels(planes, low, &part[1]);
+  uint after = 0;
+  for (int i = 0; i < 4; ++i) {
+    if (any_of(part[i].mask)) after = with_label(after, part[i].label);
+  }
+  if (after == before && !any_of(part[2].mask | part[3].mask)) return;
+  if (after == SHERD_TAG_MIXED) {
+    ushort label[SHERD_LEAF_SIZE];
+    for (int v = 0; v < SHERD_LEAF_SIZE; ++v) label[v] = 0;
+    for (int i = 0; i < 4; ++i) {
+      ulong words[SHERD_LEAF_WORDS];
+      vstore8(part[i].mask, 0, words);
+      for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
+        for (ulong bits = words[x]; bits; bits &= bits - 1) label[(x << 6) + lowest_bit(bits)] = (ushort)part[i].label;
+      }
+    }
+    ulong words[SHERD_LEAF_WORDS];
+    vstore8(mask, 0, words);
+    write_labels(words, label, after, item, owner, tag, second);
     return;
   }
-  const uint added = (uint)n.w;
-  ulong ofSecond[SHERD_LEAF_WORDS];
-  for (int x = 0; x < SHERD_LEAF_WORDS; ++x) ofSecond[x] = (added > label ? side[x] : ~side[x]) & mask[x];
-  vstore8(vload8(0, ofSecond), second_voxels(item), second);
-  tag[item] = with_label(label, added);
+  tag[item] = after;
+  if (!is_pair(after)) return;
+  ulong8 ofSecond = (ulong8)(0);
+  for (int i = 0; i < 4; ++i) {
+    if (part[i].label == after >> 16) ofSecond |= part[i].mask;
+  }
+  vstore8(ofSecond, second_voxels(item), second);
 }
 
 // Writes a label per inside voxel, and 0 outside.
@@ -105,13 +140,12 @@ kernel void split_labels(
     const struct piece_planes planes = {plane + first, offset + first};
     const uint before = tag[item];
     if (before == 0) continue;
-    ulong mask[SHERD_LEAF_WORDS];
-    for (int x = 0; x < SHERD_LEAF_WORDS; ++x) mask[x] = inside[leaf * SHERD_LEAF_WORDS + x];
-    if (before <= 0xffff) {
-      split_one(&planes, mask, origin[leaf], (uint)item, tag, second);
+    if (before != SHERD_TAG_MIXED) {
+      split_leaf(&planes, vload8(leaf, inside), origin[leaf], (uint)item, owner, tag, second);
       continue;
     }
-    if (is_pair(before) && planes.plane[before & 0xffff].w == 0 && planes.plane[before >> 16].w == 0) continue;
+    ulong mask[SHERD_LEAF_WORDS];
+    for (int x = 0; x < SHERD_LEAF_WORDS; ++x) mask[x] = inside[leaf * SHERD_LEAF_WORDS + x];
     const struct leaf_labels labels = {owner, tag, second};
     ushort label[SHERD_LEAF_SIZE];
     read_labels(&labels, mask, item, label);
@@ -121,9 +155,42 @@ kernel void split_labels(
       if (label[v] == 0 || planes.plane[label[v]].w == 0) continue;
       if (label[v] != splitLabel) {
         splitLabel = label[v];
-        positive_side(&planes, splitLabel, origin[leaf], side);
+        vstore8(positive_side(&planes, splitLabel, origin[leaf]), 0, side);
       }
       if ((side[v >> 6] >> (v & 63)) & 1) label[v] = (ushort)planes.plane[splitLabel].w;
+    }
+    store_labels(mask, label, (uint)item, owner, tag, second);
+  }
+}
+
+// Voxels on the positive side of a given crack get the second label of their piece.
+kernel void split_by_sides(
+    const global ulong* restrict inside,     // [leafCount*8]
+    const global ulong* restrict positive,   // [leafCount*8]  inside voxels on the positive side
+    const uint leafCount,
+    const uint items,
+    const global uint* restrict firstPiece,  // [fractures]    index of label 0 in the next
+    const global uint* restrict added,       // [labels]       the label of voxels on the positive side, 0: not split
+    global ushort* restrict owner,           // [items*512]    in, out, see leaf_labels.h
+    global uint* restrict tag,               // [items]        in, out
+    global ulong* restrict second)           // [items*3*8]    in, out
+{
+  for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
+    const size_t leaf = item % leafCount;
+    const global uint* const addedTo = added + firstPiece[item / leafCount];
+    const uint before = tag[item];
+    ulong mask[SHERD_LEAF_WORDS], any = 0;
+    for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
+      mask[x] = inside[leaf * SHERD_LEAF_WORDS + x];
+      any |= positive[leaf * SHERD_LEAF_WORDS + x];
+    }
+    if (!any || (before <= 0xffff && addedTo[before] == 0)) continue;
+    const struct leaf_labels labels = {owner, tag, second};
+    ushort label[SHERD_LEAF_SIZE];
+    read_labels(&labels, mask, item, label);
+    for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
+      if (!((positive[leaf * SHERD_LEAF_WORDS + (v >> 6)] >> (v & 63)) & 1)) continue;
+      if (addedTo[label[v]] != 0) label[v] = (ushort)addedTo[label[v]];
     }
     store_labels(mask, label, (uint)item, owner, tag, second);
   }
@@ -142,6 +209,17 @@ static constant ulong kBitsOfZ[3] = {0xaaaaaaaaaaaaaaaaul, 0xccccccccccccccccul,
 
 // Adds the sums of a mask's voxels.
 inline void add_sums(const ulong* mask, uint* sum) {
+  ulong all = ~0ul;
+  for (int x = 0; x < SHERD_LEAF_WORDS; ++x) all &= mask[x];
+  if (all == ~0ul) {
+    sum[SPLIT_COUNT] += 512;
+    for (int i = 0; i < 3; ++i) {
+      sum[SPLIT_SUM + i] += 64 * 28;           // 0 + 1 + ... + 7
+      sum[SPLIT_SQUARE + i] += 64 * 140;       // 0 + 1 + 4 + ... + 49
+      sum[SPLIT_SQUARE + 3 + i] += 8 * 28 * 28;
+    }
+    return;
+  }
   for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
     const ulong word = mask[x];
     if (!word) continue;
@@ -234,13 +312,25 @@ kernel void split_contacts(
 {
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
     const size_t leaf = item % leafCount;
+    const uint nodes = nodeCount[item];
+    int isAsked = 0, axes = 0;  // bit k: components may touch along axis k
+    for (uint n = 0; n < nodes; ++n) isAsked |= piece[firstNode[item] + n] != 0;
+    for (int axis = 0; axis < 3 && isAsked; ++axis) {
+      const uint otherLeaf = neighbor[leaf * SHERD_LEAF_FACES + 2 * axis + 1];
+      const size_t other = item - leaf + otherLeaf;
+      const int isOther = otherLeaf != SHERD_NO_LEAF &&
+                          (nodeCount[other] > 1 ||
+                           (nodeCount[other] == 1 && root[firstNode[other]] != root[firstNode[item]]));
+      axes |= (nodes > 1 || isOther) << axis;
+    }
     uint lastA = SHERD_NO_LEAF, lastB = SHERD_NO_LEAF;
-    for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
+    for (int v = 0; v < SHERD_LEAF_SIZE && axes; ++v) {
       if (!((inside[leaf * SHERD_LEAF_WORDS + (v >> 6)] >> (v & 63)) & 1)) continue;
       const uint a = node_of(firstNode, nodeCount, localNode, item, v);
       if (piece[a] == 0) continue;
       for (int axis = 0; axis < 3; ++axis) {
         const int shift = 6 - 3 * axis;
+        if (!((axes >> axis) & 1) || (nodes == 1 && ((v >> shift) & 7) != 7)) continue;
         size_t other = item;
         int at = v + (1 << shift);
         if (((v >> shift) & 7) == 7) {

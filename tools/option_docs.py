@@ -88,6 +88,8 @@ def schema_of(row):
     """The schema of an option's value in a manifest."""
     if row["key"] == "seeds.impacts":
         return {"type": "array", "items": {"$ref": "#/$defs/impact"}}
+    if row["key"] == "guides":
+        return {"type": "array", "items": {"type": "string"}, "minItems": 1}
     if row["key"] in ("grow.grain.direction", "grow.propagation"):
         return {"$ref": "#/$defs/vector"}
     if row["type"] == "length":

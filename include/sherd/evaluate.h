@@ -1,4 +1,4 @@
-// Metrics of a finished fracture: mesh quality, fit and convexity.
+// Metrics of a finished fracture: mesh quality, fit, convexity, and statistics beside real ones.
 #pragma once
 
 #include <sherd/mesh.h>
@@ -231,6 +231,165 @@ struct Evaluation {
 [[nodiscard]] Evaluation evaluate(const FragmentSet& set, const TriangleMesh* whole,
                                   const EvaluateOptions& options = {},
                                   const Progress* progress = nullptr);
+
+/// How the cracks of a fragment are divided into faces.
+enum class FaceRule {
+  planes,    ///< a face is a connected part of the cracks that lies in one plane, however many
+             ///< neighbors are behind it
+  neighbors  ///< a face is a connected part of the cracks towards one neighbor
+};
+
+struct StatisticsOptions {
+  std::optional<FaceRule> faces{};  ///< absent: planes, unless the cracks are rough, see
+                                    ///< FractureStatistics::planeShare
+  double unit = 0.0;  ///< world units, the unit of the next two; 0: FragmentSet::voxelSize,
+                      ///< or without one 1/128 of the longest side of all fragments' box
+  double planeTolerance = 0.1;  ///< units: rms distance up to which triangles are in one plane; > 0
+  double leastFace = 0.5;       ///< units squared: faces of a smaller area are not counted; >= 0
+  std::optional<glm::dvec3> propagation{};  ///< of the cracks, not 0: the direction of Hurst
+                                            ///< exponents; absent: the coordinate axes
+  std::size_t simulations = 2000;           ///< for each p-value; 1..1000000
+  std::uint64_t seed = 0;                   ///< of these
+  double tolerance = 0.01;  ///< FitOptions::tolerance, where meshes have no neighbors
+};
+
+/// The shape of one fragment.  Vertices of a fragment are points where three faces of it meet.
+struct FragmentShape {
+  int id = 0;
+  std::string name;              ///< mesh file, or empty
+  double share = 0.0;            ///< of the sum of all fragments' volumes
+  double breakShare = 0.0;       ///< share of its surface that is crack
+  std::size_t contacts = 0;      ///< fragments it touches, by the manifest, else as `neighbors`
+  bool hasMesh = false;          ///< with an area; the values below are 0 without one
+  std::size_t neighbors = 0;     ///< those behind cracks of at least the least face's area
+  std::size_t faces = 0;         ///< of the cracks
+  std::size_t vertices = 0;      ///< of the cracks' faces alone
+  bool interior = false;         ///< has less original surface than the least face
+  std::size_t flatFaces = 0;     ///< `faces`, and the planes of the original surface
+  std::size_t flatVertices = 0;  ///< where three of these meet
+  std::optional<std::size_t> corners{};  ///< of a plate's fragment: lines where two faces of cracks
+                                         ///< meet, at least half as long, along the thin axis, as
+                                         ///< the fragment; absent where it has part of the rim
+};
+
+/// The mean of a value over fragments.
+struct MeanFigure {
+  std::size_t count = 0;  ///< >= 1
+  double mean = 0.0;
+  double deviation = 0.0;                      ///< standard deviation, of a sample; 0 for one
+  [[nodiscard]] double standardError() const;  ///< deviation / sqrt(count)
+};
+
+/// A distribution fitted to sizes, and the test of the fit.
+struct DistributionFit {
+  double parameter = 0.0;
+  double standardError = 0.0;
+  double distance = 0.0;  ///< of Kolmogorov and Smirnov: the largest between the distributions
+  double pValue = 0.0;    ///< share of samples drawn from the fit, each fitted again, with at least
+                          ///< this distance: below 0.05 the distribution is rejected
+};
+
+/// Fits of sizes.  A fit is absent for fewer than 5 sizes, and where they do not differ.
+struct SizeFits {
+  std::size_t count = 0;  ///< sizes above 0: others are left out
+  double mean = 0.0, least = 0.0, greatest = 0.0;
+  std::optional<DistributionFit> exponential{};  ///< parameter: the mean
+  std::optional<DistributionFit> lognormal{};  ///< parameter s: standard deviation of the logarithm
+  std::optional<DistributionFit> power{};  ///< parameter tau: n(size) ~ size^-tau between the least
+                                           ///< and the greatest
+};
+
+/// Fits distributions to sizes, by maximum likelihood.
+///
+/// The p-value is by simulation, so that it is valid for fitted parameters (Lilliefors' tests, of
+/// an exponential, and of a normal distribution of logarithms).  Of more than 1000 sizes, samples
+/// of 1000 are drawn, and Stephens' modified distances compared.
+///   sizes        [n] finite
+///   simulations  for each p-value; 0: p-values are 1
+///   throws       Error(cancelled)
+///   source       Lilliefors, JASA 62:399 (1967) and 64:387 (1969); Stephens, JASA 69:730 (1974);
+///                Aban, Meerschaert, Panorska, JASA 101:270 (2006) for the power law of two bounds;
+///                Clauset, Shalizi, Newman, SIAM Review 51:661 (2009) for its test
+[[nodiscard]] SizeFits fitSizes(std::span<const double> sizes, std::size_t simulations = 2000,
+                                std::uint64_t seed = 0, const Progress* progress = nullptr);
+
+/// The roughness of cracks along one direction.
+struct RoughnessAlong {
+  std::string direction;   ///< "x", "y", "z", or "propagation" and "front", at right angles to it
+  std::size_t cracks = 0;  ///< that are long enough, >= 1
+  double hurst = 0.0;      ///< slope of the correlation, mean over the cracks by area
+  double deviation = 0.0;  ///< standard deviation of the slopes, 0 for one crack
+  std::vector<double> lags{};         ///< world units, ascending
+  std::vector<double> correlation{};  ///< [lags] sqrt <(h(x + lag) - h(x))^2>, world units
+};
+
+/// Statistics of a fracture, to be compared with real ones.
+struct FractureStatistics {
+  std::vector<FragmentShape> fragments;  ///< [>= 1]
+  FaceRule rule = FaceRule::planes;
+  double planeShare = 0.0;  ///< the share of a contact that lies in one plane, mean by area; the
+                            ///< rule is planes from 0.5 on, and where neighbors are unknown
+  bool knownNeighbors = false;  ///< recorded by the meshes; else by distance, as fit() does
+  double unit = 0.0;            ///< world units: what StatisticsOptions::unit came out as
+  double leastArea = 0.0;       ///< world units squared: that of the least face counted
+  double planeTolerance = 0.0;  ///< world units
+
+  std::optional<MeanFigure> interiorFaces, interiorVertices;  ///< of interior fragments
+  std::optional<MeanFigure> interiorNeighbors;
+  std::optional<MeanFigure> faces, vertices;          ///< of cracks, of all fragments
+  std::optional<MeanFigure> flatFaces, flatVertices;  ///< absent where the original surface is bent
+  std::optional<MeanFigure> corners;                  ///< absent unless a plate
+  std::optional<int> thinAxis;  ///< 0..2 of a plate, whose box is at most a quarter as thick as the
+                                ///< middle one of its sides
+  std::optional<MeanFigure> contacts, neighbors;  ///< per fragment
+  double breakShare = 0.0;                        ///< median over the fragments
+  SizeFits sizes;                                 ///< of the shares
+  std::optional<glm::dvec3> orientation;        ///< eigenvalues of the mean of n n^T over the area
+                                                ///< of cracks, descending; 1/3 each if isotropic
+  std::array<glm::dvec3, 3> orientationAxes{};  ///< their eigenvectors
+  std::optional<double> roughness;    ///< rms height of cracks over their planes, world units;
+                                      ///< absent where faces are planes
+  std::vector<RoughnessAlong> hurst;  ///< absent directions: no crack is long enough
+  std::vector<std::string> notes;     ///< what is absent, and why, one sentence each
+};
+
+/// Measures the shapes of fragments, their sizes and their cracks.
+///
+/// Triangles are in one face if they are connected and their rms distance from a common plane is
+/// within the tolerance: faces grow by merging the two neighbors that are nearest to one plane,
+/// first.  They start as the contacts with one neighbor that are planar, within three times the
+/// tolerance, since meshes bend a little where cracks meet, and else as triangles. Faces smaller
+/// than the least are given to the neighbor with the longest common boundary. Points at which three
+/// faces meet are one vertex if they are within half a unit, or within two units with the same
+/// three faces.
+///
+/// Heights of rough cracks are those over the plane that fits the contact of two fragments, in a
+/// grid of one unit.  A Hurst exponent is the slope of the logarithm of the correlation over lags
+/// from 4 units to a tenth of the crack's length, of which there must be four.
+///   set     meshes need not be closed; without any, only sizes and contacts are measured
+///   cost    triangles * log triangles; fragments * simulations * log fragments
+///   throws  Error(usage) an option out of range; Error(cancelled)
+///   source  Garland, Willmott, Heckbert, Hierarchical face clustering, 2001; for the correlation
+///           Ponson, Bonamy, Bouchaud, PRL 96:035506 (2006)
+[[nodiscard]] FractureStatistics statistics(const FragmentSet& set,
+                                            const StatisticsOptions& options = {},
+                                            const Progress* progress = nullptr);
+
+/// A figure of real fragments, or of a model, from the literature.
+struct PublishedFigure {
+  const char* quantity;  ///< the JSON key of the value measured: "interior_faces", ...
+  double low, high;      ///< equal for one value
+  const char* of;        ///< what was measured
+  const char* source;
+};
+
+/// Returns the figures that statistics are printed beside.
+[[nodiscard]] std::span<const PublishedFigure> publishedFigures();
+
+/// Plots faces, sizes with their fits, and cracks or contacts, as SVG.
+///   title  headline
+[[nodiscard]] std::string statisticsPlot(const FractureStatistics& statistics,
+                                         const std::string& title);
 
 /// Plots shares, convexity and smallest angles as SVG.
 ///   title      headline

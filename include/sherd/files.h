@@ -23,6 +23,8 @@
 
 namespace sherd {
 
+struct Guide;  // fracture.h
+
 /// Receives the bytes of a file in chunks.
 using ByteSink = std::function<void(std::string_view)>;
 
@@ -389,6 +391,27 @@ struct Volume {
 [[nodiscard]] Volume readVolume(const std::filesystem::path& file,
                                 const VolumeOptions& options = {},
                                 const Progress* progress = nullptr);
+
+// --- Densities and guides ------------------------------------------------------------------------
+
+/// Reads where pieces are small.
+///   source  name of an attribute of the mesh's vertices, or "FILE.vdb" or "FILE.vdb:GRID" for a
+///           grid of floats in the mesh's space.  An attribute is a property of PLY, a channel of
+///           colors (`red`, `green`, `blue`; in glTF also `alpha`), or one of glTF that begins with
+///           an underscore; inside, the value is that of the closest point of the surface
+///   mesh    the file of the mesh that is broken
+///   throws  Error(input) no such attribute or grid, several grids without a name, a value that is
+///           negative or not finite, all are 0; what readMesh throws; Error(usage) an attribute of
+///           a file that is no mesh
+[[nodiscard]] Density readDensity(const std::string& source, const std::filesystem::path& mesh,
+                                  const ReadOptions& options = {},
+                                  const Progress* progress = nullptr);
+
+/// Reads cracks that are given, of any mesh format.  The lines of OBJ (`l`) and PLY (element `edge`
+/// with `vertex1` and `vertex2`) are joined where two meet.
+///   throws  Error(input) as readMesh, of a file without lines and triangles
+[[nodiscard]] Guide readGuide(const std::filesystem::path& file, const ReadOptions& options = {},
+                              const Progress* progress = nullptr);
 
 // --- Seeds, contacts, convex hulls, images -------------------------------------------------------
 

@@ -101,6 +101,8 @@ struct FractureResult {
   std::size_t withheld = 0;    ///< the last `withheld` fragments are withheld
   std::vector<int> parents;    ///< [fragments] of refracture: id of the old fragment that
                                ///< each comes from; else empty
+  double sizeError = 0.0;      ///< with ShareOptions::sizes, the greatest difference of a grown
+                               ///< share from the one drawn for it, divided by that
   std::vector<StageTime> times;
 
   std::size_t kept() const { return fragments.size() - withheld; }

@@ -92,6 +92,8 @@ enum class SeedsOn {
   volume,   ///< anywhere inside
   surface,  ///< at the surface, in inside voxels with a face neighbor that is not inside: points
             ///< within 1/256 of the box's longest side of it, moved onto it
+  wall,     ///< anywhere inside, and moved to the middle of the wall where the solid is thinner
+            ///< than a cube of a piece's volume: cracks cross walls nearly at right angles
 };
 
 /// A ray in world space.
@@ -114,9 +116,13 @@ struct Impact {
   /// The paper's n, 1..kMaxBias: sum of n uniforms over the box's side / n, so the standard
   /// deviation per axis is side / sqrt(12 n).
   int bias = 5;
-  /// 0: scattered seeds.  Else, 0.01..100, seeds in rings about the point, of which each is cut
-  /// by radial cracks: more rings and more radial cracks for a higher energy, and fewer pieces with
-  /// the distance.
+  /// 0: scattered seeds.  Else, 0.01..100, on thin matter seeds in rings about the point, in the
+  /// middle of the wall: 8 energy^(1/4) radial cracks and 3 energy^(1/4) ring cracks, the last of
+  /// them at `sigma`, or without it at a quarter of the longest side times energy^(1/8).  Rings
+  /// follow each other at a constant ratio, so that pieces are about as wide as long and grow with
+  /// the distance.  A count of 0 is that of the pattern, as far as the pieces suffice; a lower one
+  /// leaves out its outer part, a higher one is met by scattered seeds.  Where the solid is thicker
+  /// than half the radius of the last ring, all are scattered about the point.
   double energy = 0.0;
   /// false: each seed is a new fragment, counted in pieces.  true: each seed is added to the
   /// nearest fragment, as extra seeds are.
@@ -146,6 +152,15 @@ struct Density {
   std::shared_ptr<const DensityField> field{};
 };
 
+/// A distribution of fragment sizes.
+enum class Sizes : std::uint8_t {
+  grown,        ///< what growth gives
+  uniform,      ///< all equal
+  lognormal,    ///< the logarithm is normal with a standard deviation of sizeParameter
+  power,        ///< the density falls by size to the power -sizeParameter
+  exponential,  ///< exponential
+};
+
 inline constexpr double kMostSizeSpread = 4.0;
 
 struct SeedOptions {
@@ -162,7 +177,8 @@ struct SeedOptions {
   double sizeSpread = 0.0;
   std::vector<Impact> impacts{};
   int randomImpacts = 0;              ///< additional impacts, each an Impact{}
-  Density density{};                  ///< of uniform seeds, and of splits
+  Density density{};                  ///< of seeds, but those of impacts, and of splits; not with
+                                      ///< Sampler::poisson
   std::optional<GivenSeeds> given{};  ///< in place of all these in a fracture; see seedsFromPoints
 };
 
@@ -180,8 +196,12 @@ struct SeedOptions {
 /// An impact scatters its seeds by a normal distribution (a sum of uniforms), truncated to free
 /// voxels of its component; the distribution is widened where most of these are taken.  The number
 /// of draws is limited; what they do not find is a random free voxel.
+///
+/// With a density, the sampler's points are accepted with a probability proportional to it, so that
+/// none lies where it is 0, but for the one seed of a component where it is 0 everywhere.
 ///   return  [N, ascending by fragment id][merged][extra]
-///   throws  Error(usage) more seeds than voxels, more fragments than kMaxFragments, impacts that
+///   throws  Error(usage) more seeds than voxels, or than voxels of a density above 0, more
+///   fragments than kMaxFragments, impacts that
 ///           do not fit in pieces or in their component, a ray that misses, a value out of range;
 ///           Error(cancelled)
 ///   cost    N log N and a pass over the masks; poisson about 5,000 darts at the solid,

@@ -210,6 +210,22 @@ std::vector<std::string> GrownPieces::save(const std::string& folder,
   return warnings;
 }
 
+namespace {
+
+// Reads the files that options name.
+void readGiven(FractureOptions& options, const std::string& mesh, const Progress& progress) {
+  const sherd::ReadOptions memory{.maxMemory = sherd::freeMemory()};
+  for (sherd::Guide& guide : options.guides) {
+    guide = sherd::readGuide(guide.file, memory, &progress);
+  }
+  sherd::Density& density = options.seeds.density;
+  if (!density.source.empty()) {
+    density = sherd::readDensity(density.source, mesh, memory, &progress);
+  }
+}
+
+}  // namespace
+
 std::vector<std::shared_ptr<GrownPieces>> broken(
     const SolidPtr& solid, const GivenOptions& given,
     const std::vector<std::pair<int, std::uint64_t>>& piecesAndSeeds, const std::string& device,
@@ -222,6 +238,7 @@ std::vector<std::shared_ptr<GrownPieces>> broken(
                 "surface: this solid keeps no mesh; give surface='exact' to voxelize() too");
   }
   checkSurfaceOptions(run.fracture.surface);
+  readGiven(run.fracture, solid->file(), progress);
   std::vector<FractureOptions> options;
   for (const auto& [pieces, seed] : piecesAndSeeds) {
     options.push_back(run.fracture);

@@ -197,9 +197,9 @@ SolidPtr voxelized(Object object, const GivenOptions& given, const std::string& 
   try {
     sherd::Solid solid = solidOf(read, run.fracture, run.volume.maxMemory, progress);
     LeasedDevice leased(device);
-    return freedElsewhere(std::make_unique<Solid>(given, std::move(read.idle), read.voxelSize,
-                                                  std::move(read.source),
-                                                  sherd::prepared(std::move(solid), *leased)));
+    return freedElsewhere(
+        std::make_unique<Solid>(given, std::move(read.idle), read.voxelSize, std::move(read.source),
+                                sherd::prepared(std::move(solid), *leased), file));
   } catch (const Error& e) {
     if (e.code() != ErrorCode::input) throw;  // what the stages say of an object without its name
     throw Error(e.code(), (file.empty() ? "mesh" : file) + ": " + e.what(), e.options());

@@ -52,12 +52,13 @@ struct Object : std::enable_shared_from_this<Object> {
 class Solid : public std::enable_shared_from_this<Solid> {
  public:
   Solid(GivenOptions given, std::vector<std::string> idle, double ownVoxelSize,
-        sherd::SourceMesh source, sherd::PreparedSolid ready)
+        sherd::SourceMesh source, sherd::PreparedSolid ready, std::string file)
       : given_(std::move(given)),
         idle_(std::move(idle)),
         ownVoxelSize_(ownVoxelSize),
         source_(std::move(source)),
-        ready_(std::move(ready)) {}
+        ready_(std::move(ready)),
+        file_(std::move(file)) {}
 
   [[nodiscard]] const GivenOptions& given() const { return given_; }
   /// A sentence for each given option that does nothing with the volume that was read.
@@ -66,6 +67,9 @@ class Solid : public std::enable_shared_from_this<Solid> {
   [[nodiscard]] const sherd::Solid& solid() const { return ready_.solid; }
   [[nodiscard]] double ownVoxelSize() const { return ownVoxelSize_; }
   [[nodiscard]] std::size_t components() const { return ready_.components.count(); }
+
+  /// The file that it was read from; empty without one, also after unpickling.
+  [[nodiscard]] const std::string& file() const { return file_; }
 
   /// The prepared solid, with the intact surface if that is kept.
   [[nodiscard]] sherd::PreparedSolid prepared() const;
@@ -85,6 +89,7 @@ class Solid : public std::enable_shared_from_this<Solid> {
   double ownVoxelSize_;  // of voxels that were given, else 0
   sherd::SourceMesh source_;
   sherd::PreparedSolid ready_;  // without a surface
+  std::string file_;
   [[nodiscard]] std::shared_ptr<const sherd::IntactSurface> surface() const;
 
   mutable std::once_flag surfaceMade_;

@@ -38,6 +38,11 @@ enum class Stage : std::uint64_t {
   impactVoxel = 39,
   impactPoint = 40,
   fragmentReach = 41,
+  pieceSize = 42,
+  impactRing = 43,  // jitter of the rows and sectors of an impact
+  sizeNudge = 44,
+  seedDensity = 45,
+  denseVoxel = 46,
   splitPiece = 48,
   splitShare = 49,
   splitOrder = 50,
@@ -47,6 +52,9 @@ enum class Stage : std::uint64_t {
   convexitySample = 64,
   fitFragment = 65,  // derives a seed per fragment, 0: the whole, for points and the next
   fitSpace = 66,
+  statisticsExponential = 67,  // derives a seed per simulation, used by itself; so the next two
+  statisticsNormal = 68,
+  statisticsPower = 69,
   pointFragment = 80,  // derives a seed per fragment, 0: the whole, used by the next ones
   pointPosition = 81,
   pointDigit = 82,

@@ -20,7 +20,9 @@
 #include "cli/evaluate_report.h"
 #include "cli/held_files.h"
 #include "cli/interrupts.h"
+#include "cli/option_text.h"
 #include "cli/output_path.h"
+#include "cli/statistics_report.h"
 
 namespace sherd::cli {
 namespace {
@@ -32,6 +34,10 @@ struct EvaluateArguments {
   std::string whole;
   EvaluateOptions options{};
   double tolerancePercent = 100.0 * EvaluateOptions().tolerance;
+  bool statistics = false;
+  StatisticsOptions statisticsOptions{};
+  std::string faces = "auto";
+  std::vector<double> propagation{};  ///< empty, or three
   std::string csv;
   std::string plot;
   int threads = 0;  ///< 0: all cores
@@ -49,18 +55,25 @@ std::vector<CgalVerdict> verdicts(const FragmentSet& set, const EvaluateOptions&
   return result;
 }
 
-EvaluateReport reportOf(const EvaluateArguments& arguments) {
-  EvaluateReport report;
-  report.folder = arguments.folder;
-  report.set = readFragments(arguments.folder, {.maxMemory = freeMemory()}, &untilInterrupted());
+/// Reads the folder, and refuses to write over it.
+FragmentSet fragmentsOf(const EvaluateArguments& arguments) {
+  FragmentSet set =
+      readFragments(arguments.folder, {.maxMemory = freeMemory()}, &untilInterrupted());
   std::vector<fs::path> inputs{arguments.whole};
-  for (const EvaluatedFragment& fragment : report.set.fragments) {
+  for (const EvaluatedFragment& fragment : set.fragments) {
     if (!fragment.name.empty()) inputs.push_back(fs::path(arguments.folder) / fragment.name);
   }
   for (const auto& [option, file] :
        {std::pair("--csv", arguments.csv), {"--plot", arguments.plot}}) {
     if (!file.empty()) requireNoInput(option, file, inputs);
   }
+  return set;
+}
+
+EvaluateReport reportOf(const EvaluateArguments& arguments) {
+  EvaluateReport report;
+  report.folder = arguments.folder;
+  report.set = fragmentsOf(arguments);
   std::optional<SourceMesh> whole;
   if (!arguments.whole.empty()) {
     whole = readMesh(arguments.whole, {.maxMemory = freeMemory()}, &untilInterrupted());
@@ -73,10 +86,33 @@ EvaluateReport reportOf(const EvaluateArguments& arguments) {
 }
 
 // Returns the source's name, or the folder's.
-std::string headline(const EvaluateReport& report) {
-  if (report.set.manifest) return report.set.source;
-  const fs::path folder = fs::path(report.folder).lexically_normal();
+std::string headline(const FragmentSet& set, const std::string& path) {
+  if (set.manifest) return set.source;
+  const fs::path folder = fs::path(path).lexically_normal();
   return (folder.has_filename() ? folder : folder.parent_path()).filename().string();
+}
+
+void runStatistics(EvaluateArguments& arguments) {
+  StatisticsOptions& options = arguments.statisticsOptions;
+  options.seed = arguments.options.seed;
+  options.tolerance = arguments.options.tolerance;
+  if (arguments.faces == "planes") options.faces = FaceRule::planes;
+  if (arguments.faces == "neighbors") options.faces = FaceRule::neighbors;
+  if (const std::vector<double>& p = arguments.propagation; !p.empty()) {
+    options.propagation = glm::dvec3(p[0], p[1], p[2]);
+  }
+  StatisticsReport report;
+  report.folder = arguments.folder;
+  report.set = fragmentsOf(arguments);
+  report.statistics = statistics(report.set, options, &untilInterrupted());
+  HeldFiles files;
+  if (!arguments.csv.empty()) OutputFile(files, arguments.csv).write(statisticsCsv(report));
+  if (!arguments.plot.empty()) {
+    OutputFile(files, arguments.plot)
+        .write(statisticsPlot(report.statistics, headline(report.set, report.folder)));
+  }
+  finish(files,
+         [&] { printResult(arguments.json ? statisticsJson(report) : statisticsTable(report)); });
 }
 
 void runEvaluate(EvaluateArguments& arguments) {
@@ -94,14 +130,62 @@ void runEvaluate(EvaluateArguments& arguments) {
     requireDifferent("--plot", arguments.plot, "--csv", arguments.csv);
   }
   arguments.options.tolerance = arguments.tolerancePercent / 100.0;
+  if (arguments.statistics) return runStatistics(arguments);
   const EvaluateReport report = reportOf(arguments);
   HeldFiles files;
   if (!arguments.csv.empty()) OutputFile(files, arguments.csv).write(reportCsv(report));
   if (!arguments.plot.empty()) {
     OutputFile(files, arguments.plot)
-        .write(evaluationPlot(report.evaluation, headline(report), report.set.voxelSize));
+        .write(evaluationPlot(report.evaluation, headline(report.set, report.folder),
+                              report.set.voxelSize));
   }
   finish(files, [&] { printResult(arguments.json ? reportJson(report) : reportTable(report)); });
+}
+
+// --mesh, --samples and --cgal measure what --statistics leaves out.
+void addStatisticsOptions(CLI::App& command, EvaluateArguments& arguments) {
+  StatisticsOptions& options = arguments.statisticsOptions;
+  CLI::Option* statistics = command.add_flag(
+      "--statistics", arguments.statistics,
+      "Measure shapes, sizes and cracks beside published figures, in place of quality and fit");
+  for (const char* other : {"--mesh", "--samples", "--cgal"}) {
+    statistics->excludes(command.get_option(other));
+  }
+  command
+      .add_option("--faces", arguments.faces,
+                  "A face is a plane, or the contact with one neighbor; auto: planes unless the "
+                  "cracks are rough")
+      ->check(CLI::IsMember({"auto", "planes", "neighbors"}))
+      ->type_name("")
+      ->capture_default_str()
+      ->needs(statistics);
+  command
+      .add_option("--unit", options.unit,
+                  "World units, of the next two; default: a voxel, or without a manifest 1/128 of "
+                  "the longest side")
+      ->check(aboveZero())
+      ->needs(statistics);
+  command
+      .add_option("--plane-tolerance", options.planeTolerance,
+                  "Rms distance up to which triangles lie in one plane, in units")
+      ->check(aboveZero())
+      ->capture_default_str()
+      ->needs(statistics);
+  command
+      .add_option("--least-face", options.leastFace,
+                  "Area, in units squared, below which no face is counted")
+      ->check(numberBetween(0.0, 1e9, "0..1e9"))
+      ->capture_default_str()
+      ->needs(statistics);
+  command
+      .add_option("--propagation", arguments.propagation,
+                  "Direction dx,dy,dz in which cracks ran, for Hurst exponents; default: the "
+                  "coordinate axes")
+      ->delimiter(',')
+      ->expected(3)
+      ->type_name("dx,dy,dz")
+      ->check(numberBetween(-1e9, 1e9, "a number"))
+      ->needs(statistics);
 }
 
 }  // namespace
@@ -140,6 +224,7 @@ void addEvaluateCommand(CLI::App& app, Action& run) {
       "--cgal", arguments->cgal,
       "Also check with CGAL whether each mesh is closed, bounds a volume or intersects "
       "itself, and measure its convexity; needs a build with SHERD_GPL=ON");
+  addStatisticsOptions(*command, *arguments);
   command->add_option("--threads", arguments->threads, "Threads; default all cores")
       ->transform(wholeNumber(1, 4096));
   command->add_flag("--json", arguments->json, "Print one JSON object");

@@ -1,45 +1,9 @@
 // Prints an evaluation as CSV, a row for each fragment.
-#include <charconv>
-
+#include "cli/csv_row.h"
 #include "cli/evaluate_report.h"
 
 namespace sherd::cli {
 namespace {
-
-/// One row; absent values are empty fields.
-class Row {
- public:
-  void add(const std::string& text) {
-    const bool plain = text.find_first_of(",\"\r\n") == std::string::npos;
-    std::string field = plain ? text : "\"";
-    if (!plain) {
-      for (const char c : text) field += c == '"' ? std::string("\"\"") : std::string(1, c);
-      field += '"';
-    }
-    line_ += (line_.empty() ? "" : ",") + field;
-  }
-  void add(std::size_t value) { add(std::to_string(value)); }
-  void add(int value) { add(std::to_string(value)); }
-  void add(bool value) { add(std::string(value ? "1" : "0")); }
-  void add(double value) {  // the shortest text that reads back exactly
-    char text[40];
-    add(std::string(text, std::to_chars(text, text + sizeof text, value).ptr));
-  }
-  template <class Value>
-  void add(const std::optional<Value>& value) {
-    value ? add(*value) : add(std::string());
-  }
-  void add(const std::optional<DistanceSummary>& d) {
-    add(d ? std::optional(d->mean) : std::nullopt);
-    add(d ? std::optional(d->p99) : std::nullopt);
-    add(d ? std::optional(d->max) : std::nullopt);
-  }
-
-  std::string line() const { return line_ + "\n"; }
-
- private:
-  std::string line_;
-};
 
 constexpr const char* kHead =
     "id,mesh,share,volume,area,fracture_area,contacts,convexity,distance_deviation,samples,"
@@ -51,7 +15,7 @@ constexpr const char* kCgalHead =
     ",cgal_polygon_mesh,cgal_valid,cgal_closed,cgal_bounds_volume,cgal_self_intersections,"
     "cgal_convexity";
 
-void addQuality(Row& row, const std::optional<MeshQuality>& q) {
+void addQuality(CsvRow& row, const std::optional<MeshQuality>& q) {
   const auto add = [&](auto member) { row.add(q ? std::optional((*q).*member) : std::nullopt); };
   add(&MeshQuality::triangles);
   add(&MeshQuality::vertices);
@@ -70,7 +34,7 @@ void addQuality(Row& row, const std::optional<MeshQuality>& q) {
 }
 
 std::string rowOf(const FragmentMetrics& f, const CgalVerdict* cgal) {
-  Row row;
+  CsvRow row;
   row.add(f.id);
   row.add(f.name);
   row.add(f.share);

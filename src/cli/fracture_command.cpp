@@ -60,8 +60,20 @@ struct Input {
   std::optional<FinishedFracture> finished;
 };
 
+// Reads the files that options name.
+void readGiven(FractureArguments& arguments, const Progress& progress) {
+  FractureOptions& options = arguments.run.fracture;
+  const ReadOptions memory{.maxMemory = arguments.run.volume.maxMemory};
+  for (Guide& guide : options.guides) guide = readGuide(guide.file, memory, &progress);
+  Density& density = options.seeds.density;
+  if (!density.source.empty()) {
+    density = readDensity(density.source, arguments.mesh, memory, &progress);
+  }
+}
+
 Input readInput(FractureArguments& arguments, const Progress& progress) {
   Input input;
+  readGiven(arguments, progress);
   if (!arguments.only.empty()) {
     input.finished = readFracture(arguments.mesh);
     try {
@@ -130,8 +142,11 @@ StagedFracture breakInput(const FractureArguments& arguments, Input& input,
   } catch (const Error& e) {
     const std::optional<GivenSeeds>& given = run.fracture.seeds.given;
     const std::string_view sentence = e.what();
+    const std::vector<Guide>& guides = run.fracture.guides;
     const bool namesFile =
-        (given && sentence.starts_with(given->file)) || sentence.starts_with(folder);
+        (given && sentence.starts_with(given->file)) || sentence.starts_with(folder) ||
+        std::any_of(guides.begin(), guides.end(),
+                    [&](const Guide& guide) { return sentence.starts_with(guide.file); });
     if (e.code() != ErrorCode::input || namesFile || input.finished) throw;
     throw Error(ErrorCode::input, titled(arguments.mesh, source) + ": " + e.what(), e.options());
   }

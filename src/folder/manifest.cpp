@@ -245,6 +245,7 @@ std::string manifestText(const SourceMesh& source, const FractureOptions& option
   if (!result.exactFailure.empty()) manifest["exact_failure"] = result.exactFailure;
   manifest["grid"] = gridJson(source, options, result);
   manifest["components"] = result.components;
+  if (result.sizeError > 0.0) manifest["size_error"] = result.sizeError;
   manifest["effective_number"] = effectiveNumber(result);
   manifest["small_components"] = {{"count", result.solid.smallComponents},
                                   {"voxels", result.solid.smallComponentVoxels}};

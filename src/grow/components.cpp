@@ -5,13 +5,21 @@
 
 namespace sherd {
 
-NodeComponents findNodeComponents(GrowthState& state, const DeviceLabels* labels) {
+namespace {
+
+DeviceLabels labelsOrNone(GrowthState& state, const DeviceLabels* labels) {
+  return labels ? *labels
+                : DeviceLabels{makeBuffer<std::uint16_t>(state.device, 1),
+                               makeBuffer<std::uint32_t>(state.device, 1),
+                               makeBuffer<std::uint64_t>(state.device, 1)};
+}
+
+}  // namespace
+
+NodeComponents findNodes(GrowthState& state, const DeviceLabels* labels) {
   NodeComponents found;
   const auto byLabel = static_cast<std::uint32_t>(labels != nullptr);
-  const DeviceLabels label = labels ? *labels
-                                    : DeviceLabels{makeBuffer<std::uint16_t>(state.device, 1),
-                                                   makeBuffer<std::uint32_t>(state.device, 1),
-                                                   makeBuffer<std::uint64_t>(state.device, 1)};
+  const DeviceLabels label = labelsOrNone(state, labels);
   found.localNode = makeBuffer<std::uint16_t>(state.device, state.voxels());
   found.nodeCount = makeBuffer<std::uint32_t>(state.device, state.items);
   state.run("component_nodes", state.items, state.inside, state.leafCount, state.items, label.owner,
@@ -23,10 +31,17 @@ NodeComponents findNodeComponents(GrowthState& state, const DeviceLabels* labels
     found.first.push_back(found.nodes);
     found.nodes += n;
   }
+  found.firstNode = uploadBuffer<std::uint32_t>(state.device, found.first);
+  return found;
+}
+
+NodeComponents findNodeComponents(GrowthState& state, const DeviceLabels* labels) {
+  NodeComponents found = findNodes(state, labels);
+  const auto byLabel = static_cast<std::uint32_t>(labels != nullptr);
+  const DeviceLabels label = labelsOrNone(state, labels);
 
   // Capacity for more nodes than most fractures have, so that the next one can reuse the buffers.
   const std::size_t capacity = std::max<std::size_t>(found.nodes, 8 * std::size_t{state.items});
-  found.firstNode = uploadBuffer<std::uint32_t>(state.device, found.first);
   found.root = makeBuffer<std::uint32_t>(state.device, capacity);
   const DeviceBuffer parent = makeBuffer<std::uint32_t>(state.device, capacity);
   state.run("component_begin", found.nodes, found.nodes, parent);

@@ -16,6 +16,9 @@ struct NodeComponents {
   std::uint32_t nodes = 0;
 };
 
+/// Find the nodes alone: `root` is not set.
+[[nodiscard]] NodeComponents findNodes(GrowthState& state, const DeviceLabels* labels = nullptr);
+
 /// Find the components; with `labels`, those of voxels of equal label.
 [[nodiscard]] NodeComponents findNodeComponents(GrowthState& state,
                                                 const DeviceLabels* labels = nullptr);

@@ -58,7 +58,7 @@ void check(const GrowOptions& options) {
   need(options.outerSteps >= 0 && options.outerSteps <= 64, "the outer steps must lie in 0..64");
   const SplitOptions& split = options.split;
   need(split.power >= 0.0 && split.power <= 10.0, "the power of splits must lie in 0..10");
-  need(split.offset >= 0.0 && split.offset <= 0.3, "the offset of splits must lie in 0..0.3");
+  need(split.offset >= 0.0 && split.offset <= 0.5, "the offset of splits must lie in 0..0.5");
   need(split.tilt >= 0.0 && split.tilt <= 90.0, "the tilt of splits must lie in 0..90 degrees");
 }
 
@@ -290,8 +290,10 @@ std::vector<SeededLabels> splitBatch(const std::shared_ptr<const LeafBlocks>& bl
     labels[f].splits = std::move(grown.fractures[f].splits);
     if (!options.roughness.isZero()) {
       for (Split& split : labels[f].splits) split.normal = glm::ivec3(0);
+    } else if (runs.front().guides != nullptr) {
+      labels[f].cracks = runs.front().guides->cracks;
     }
-    all.push_back({std::move(seedSets[f]), std::move(labels[f])});
+    all.push_back({std::move(seedSets[f]), std::move(labels[f]), grown.fractures[f].sizeError});
   }
   return all;
 }

@@ -78,6 +78,7 @@ SeedTable tableOf(const LeafBlocks& blocks, std::span<const std::vector<Seed>> s
     std::uint16_t label;
     bool primary;
     glm::ivec3 shift;
+    std::int64_t weight;
   };
   std::map<std::pair<std::uint64_t, std::uint32_t>, Entry> sorted;
   for (std::size_t f = 0; f < seedSets.size(); ++f) {
@@ -90,7 +91,7 @@ SeedTable tableOf(const LeafBlocks& blocks, std::span<const std::vector<Seed>> s
         throw Error(ErrorCode::usage, "seed of fragment " + std::to_string(seed.fragment) +
                                           " does not lie on a voxel of the solid");
       }
-      const Entry entry{seed.fragment, seen.insert(seed.fragment).second, seed.shift};
+      const Entry entry{seed.fragment, seen.insert(seed.fragment).second, seed.shift, seed.weight};
       const auto [at, added] = sorted.try_emplace({f * blocks.count() + leaf, offset}, entry);
       if (!added && entry.label < at->second.label) at->second = entry;
     }
@@ -101,6 +102,7 @@ SeedTable tableOf(const LeafBlocks& blocks, std::span<const std::vector<Seed>> s
     table.offset.push_back(static_cast<std::uint16_t>(key.second));
     table.label.push_back(entry.label);
     table.shift.push_back(entry.shift);
+    table.weight.push_back(entry.weight);
     table.primary.push_back(entry.primary);
   }
   return table;

@@ -76,6 +76,7 @@ struct SeedTable {
   std::vector<std::uint32_t> item;
   std::vector<std::uint16_t> offset, label;
   std::vector<glm::ivec3> shift;
+  std::vector<std::int64_t> weight;
   std::vector<bool> primary;  ///< the first of its fragment in its seed set
 };
 

@@ -19,6 +19,11 @@ namespace sherd {
 /// Returns a point or difference, transformed by the metric's matrix.
 [[nodiscard]] glm::i64vec3 stretched(const sherd_metric& metric, const glm::i64vec3& steps);
 
+/// Returns a seed's weight in the unit of the metric's squared distances; 0 of other metrics.
+[[nodiscard]] inline std::int64_t weightIn(const sherd_metric& metric, std::int64_t weight) {
+  return metric.kind == SHERD_EUCLIDEAN ? weight * (std::int64_t{1} << metric.shift) : 0;
+}
+
 /// Steps to neighbors for kernels/levels.cl.
 struct Steps {
   std::vector<Int4> step;            ///< x, y, z, and the weight in w; the 26 neighbors first

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "grow/metric.h"
+
 namespace sherd {
 
 Grown growByKernel(GrowthState& state, const SeedTable& seeds, const char* kernel,
@@ -18,21 +20,24 @@ Grown growByKernel(GrowthState& state, const SeedTable& seeds, const char* kerne
   const openvdb::Coord lowest = state.lowest();
   const DeviceBuffer origins = state.uploadOrigins(lowest);
   std::vector<Int4> point;
+  std::vector<std::int64_t> weight;
   std::vector<std::uint32_t> first(state.fractures + 1, 0);
   for (const std::size_t i : order) {
     const Seed seed{seedVoxel(state, seeds, i) - lowest, seeds.label[i], seeds.shift[i]};
     const glm::ivec3 at(stepsOf(seed));
     point.push_back({at.x, at.y, at.z, seed.fragment});
+    weight.push_back(weightIn(metric, seeds.weight[i]));
     ++first[fractureOf(i) + 1];
   }
   std::partial_sum(first.begin(), first.end(), first.begin());
   const DeviceBuffer points = uploadBuffer<Int4>(state.device, point);
+  const DeviceBuffer weights = uploadBuffer<std::int64_t>(state.device, weight);
   const DeviceBuffer firsts = uploadBuffer<std::uint32_t>(state.device, first);
   Grown grown{makeLabels(state),
               makeBuffer<std::uint32_t>(state.device, keepCost ? state.voxels() : 1)};
   state.run(kernel, state.items, state.inside, origins, state.leafCount, state.items, points,
-            firsts, metric, grown.labels.owner, grown.labels.tag, grown.labels.second, grown.cost,
-            static_cast<std::uint32_t>(keepCost));
+            weights, firsts, metric, grown.labels.owner, grown.labels.tag, grown.labels.second,
+            grown.cost, static_cast<std::uint32_t>(keepCost));
   state.device.finish();  // the seeds' buffers are released here
   return grown;
 }

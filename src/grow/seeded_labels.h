@@ -11,6 +11,7 @@ namespace sherd {
 struct SeededLabels {
   std::vector<Seed> seeds;
   Labels labels;
+  double sizeError = 0.0;  ///< as FractureResult::sizeError
 };
 
 }  // namespace sherd

@@ -10,17 +10,25 @@
 #include "base/random.h"
 #include "grow/shares.h"
 #include "grow/split_plan.h"
+#include "seed/sizes.h"
+#include "voxelize/wall_normals.h"
 
 namespace sherd {
 namespace {
 
 // Returns the shares that the fragments of a fracture are meant to have.
 std::vector<double> meantShares(std::size_t fragments, const GrowOptions& options,
-                                const ShareOptions& shares, std::uint64_t seed) {
+                                const ShareOptions& shares, std::uint64_t voxels,
+                                std::uint64_t seed) {
   // Fragments miss their shares by some percent.
-  const double least = std::min(1.1 * shares.minShare,
-                                1.0 / static_cast<double>(std::max<std::size_t>(fragments, 1)));
-  return raisedTo(least, sharesOfSplits(options.split, fragments, seed));
+  const auto pieces = static_cast<double>(std::max<std::size_t>(fragments, 1));
+  const double least = std::min(1.1 * shares.minShare, 1.0 / pieces);
+  if (shares.sizes == Sizes::grown) {
+    return raisedTo(least, sharesOfSplits(options.split, fragments, seed));
+  }
+  // A crack divides eight voxels as well as any.
+  const double fewest = std::min(8.0 / static_cast<double>(voxels), 1.0 / pieces);
+  return drawnShares(shares.sizes, shares.sizeParameter, fragments, std::max(least, fewest), seed);
 }
 
 std::uint64_t smallestOf(const Labels& labels) {
@@ -34,11 +42,12 @@ std::vector<SeededLabels> growSequential(const Solid& solid, const VoxelComponen
                                          std::span<const std::size_t> fragments,
                                          std::span<const std::uint64_t> seeds, Device& device,
                                          const GrowOptions& options, const ShareOptions& shares,
-                                         const Progress* progress) {
+                                         const GuideSides& guides, const Progress* progress) {
   const std::uint64_t voxels = solid.blocks->insideVoxels();
   const std::uint64_t least = leastVoxels(shares, voxels);
+  const std::vector<glm::dmat3> walls = wallNormals(solid);
   const auto runOf = [&](std::size_t f, std::uint64_t seed) {
-    return SplitRun{meantShares(fragments[f], options, shares, seed), seed};
+    return SplitRun{meantShares(fragments[f], options, shares, voxels, seed), seed, walls, &guides};
   };
   std::vector<SplitRun> runs;
   for (std::size_t f = 0; f < seeds.size(); ++f) {
@@ -47,6 +56,9 @@ std::vector<SeededLabels> growSequential(const Solid& solid, const VoxelComponen
   }
   std::vector<SeededLabels> all =
       growBySplits(solid.blocks, components, runs, device, options, progress);
+  if (shares.sizes == Sizes::grown) {
+    for (SeededLabels& each : all) each.sizeError = 0.0;
+  }
   for (std::size_t f = 0; f < all.size() && least > 0; ++f) {
     GrowOptions own = options;
     if (f < options.noiseSeeds.size()) own.noiseSeeds = {options.noiseSeeds[f]};

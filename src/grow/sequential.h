@@ -3,10 +3,13 @@
 
 #include <sherd/labels.h>
 
+#include <cstdint>
+#include <glm/mat3x3.hpp>
 #include <memory>
 #include <span>
 #include <vector>
 
+#include "grow/guide_sides.h"
 #include "grow/seeded_labels.h"
 
 namespace sherd {
@@ -15,6 +18,9 @@ namespace sherd {
 struct SplitRun {
   std::vector<double> shares;  ///< that fragments are meant to have, in random order; the sum is 1
   std::uint64_t seed = 0;      ///< of all random numbers
+  std::span<const glm::dmat3> walls{};  ///< [leaves] see wall_normals.h; none: cracks are not
+                                        ///< rotated into walls
+  const GuideSides* guides = nullptr;   ///< of the first splits, or null; the same of all runs
 };
 
 /// Grows fragments by splits, then the same as `grow`: roughness, regrowth, extension into the
@@ -35,10 +41,11 @@ struct SplitRun {
 /// The same for fractures with these numbers of fragments: shares are drawn, by ShareOptions or as
 /// splits give them, and drawn again where a fragment is below the least one.
 ///   fragments, seeds  [fractures]
+///   guides            see SplitRun
 ///   throws  also Error(usage) the least share cannot be reached, or not within the tries
 [[nodiscard]] std::vector<SeededLabels> growSequential(
     const Solid& solid, const VoxelComponents& components, std::span<const std::size_t> fragments,
     std::span<const std::uint64_t> seeds, Device& device, const GrowOptions& options,
-    const ShareOptions& shares, const Progress* progress = nullptr);
+    const ShareOptions& shares, const GuideSides& guides, const Progress* progress = nullptr);
 
 }  // namespace sherd

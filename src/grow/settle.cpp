@@ -1,14 +1,110 @@
 // Points of seeds whose voxels are theirs.
 #include "grow/settle.h"
 
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
 #include "grow/metric.h"
 #include "seed/nearest_seed.h"
 
 namespace sherd {
+namespace {
+
+// Finds the seed of the least squared distance minus weight.
+class LeastPower {
+ public:
+  LeastPower(std::span<const Seed> seeds, const sherd_metric& metric) : seeds_(seeds) {
+    order_.resize(seeds.size());
+    std::iota(order_.begin(), order_.end(), std::size_t{0});
+    for (const Seed& seed : seeds) {
+      at_.push_back(stretched(metric, stepsOf(seed)));
+      weight_.push_back(weightIn(metric, seed.weight));
+      mostWeight_ = std::max(mostWeight_, weight_.back());
+    }
+    std::stable_sort(order_.begin(), order_.end(),
+                     [&](std::size_t a, std::size_t b) { return at_[a].x < at_[b].x; });
+  }
+
+  std::int64_t power(std::size_t seed, const glm::i64vec3& point) const {
+    const glm::i64vec3 d = point - at_[seed];
+    return d.x * d.x + d.y * d.y + d.z * d.z - weight_[seed];
+  }
+
+  // Returns the seed at a point; ties go to the lower fragment.  Seeds are visited from the point's
+  // x to both sides, as far as the greatest weight could make up for the distance.
+  std::size_t at(const glm::i64vec3& point) const {
+    const auto from = std::lower_bound(order_.begin(), order_.end(), point.x,
+                                       [&](std::size_t i, std::int64_t x) { return at_[i].x < x; });
+    std::size_t best = order_.front();
+    std::int64_t least = std::numeric_limits<std::int64_t>::max();
+    const auto visit = [&](std::size_t i) {
+      const std::int64_t dx = point.x - at_[i].x;
+      if (least != std::numeric_limits<std::int64_t>::max() && dx * dx - mostWeight_ > least) {
+        return false;
+      }
+      const std::int64_t own = power(i, point);
+      if (own < least || (own == least && seeds_[i].fragment < seeds_[best].fragment)) {
+        least = own;
+        best = i;
+      }
+      return true;
+    };
+    for (auto up = from; up != order_.end() && visit(*up); ++up) {
+    }
+    for (auto down = from; down != order_.begin() && visit(*std::prev(down)); --down) {
+    }
+    return best;
+  }
+
+ private:
+  std::span<const Seed> seeds_;
+  std::vector<std::size_t> order_;  // by x
+  std::vector<glm::i64vec3> at_;
+  std::vector<std::int64_t> weight_;
+  std::int64_t mostWeight_ = std::numeric_limits<std::int64_t>::min();
+};
+
+// The same of seeds with weights.  A seed at its voxel's center that another still outweighs there
+// lowers the other's weight: it ends, because equal weights need no lowering.
+std::vector<Seed> settledWeights(std::span<const Seed> seeds, const sherd_metric& metric) {
+  std::vector<Seed> out(seeds.begin(), seeds.end());
+  const std::int64_t one = std::int64_t{1} << metric.shift;  // of a weight
+  constexpr int kMostPasses = 64;
+  for (int pass = 0; pass < kMostPasses; ++pass) {
+    const std::vector<Seed> before = out;
+    const LeastPower cells(before, metric);
+    bool moved = false;
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      const glm::i64vec3 center = stretched(metric, stepsOf(Seed{before[i].voxel}));
+      const std::size_t other = cells.at(center);
+      if (before[other].fragment == before[i].fragment) continue;
+      moved = true;
+      if (out[i].shift != glm::ivec3(0)) {
+        out[i].shift = glm::ivec3(0);
+        continue;
+      }
+      const std::int64_t excess = cells.power(i, center) - cells.power(other, center);
+      out[other].weight = std::min(out[other].weight, before[other].weight - excess / one - 1);
+    }
+    if (!moved) return out;
+  }
+  for (Seed& seed : out) {
+    seed.shift = glm::ivec3(0);
+    seed.weight = 0;
+  }
+  return out;
+}
+
+}  // namespace
 
 std::vector<Seed> settled(std::span<const Seed> seeds, Metric metric,
                           const Anisotropy& anisotropy) {
   const sherd_metric matrix = metricFor(metric, anisotropy);
+  if (metric == Metric::euclidean &&
+      std::any_of(seeds.begin(), seeds.end(), [](const Seed& seed) { return seed.weight != 0; })) {
+    return settledWeights(seeds, matrix);
+  }
   std::vector<Seed> out(seeds.begin(), seeds.end());
   // A seed that moves may be nearer to the center of another's voxel than before, so this is done
   // again until nothing moves.  Drawn seeds take two passes; where many lie in a row that each move

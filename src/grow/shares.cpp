@@ -13,6 +13,7 @@
 #include <string>
 
 #include "base/random.h"
+#include "grow/sized_growth.h"
 #include "seed/samplers.h"
 #include "voxelize/leaf_blocks.h"
 
@@ -23,6 +24,19 @@ std::string percent(double share) {
   char text[32];
   std::snprintf(text, sizeof text, "%.3g %%", 100.0 * share);
   return text;
+}
+
+void checkSizes(const ShareOptions& options, const GrowOptions& grow) {
+  const GrowthRule& rule = ruleOf(grow.growth);
+  if (options.sizes == Sizes::grown || rule.splits) return;
+  if (rule.givesVoronoiCells && (!rule.usesMetric || grow.metric == Metric::euclidean)) return;
+  throw Error(ErrorCode::usage,
+              std::string("fragments of drawn sizes have planes between weighted seeds, which "
+                          "growth by ") +
+                  rule.name +
+                  " does not; try growth by euclid, or by nearest with the Euclidean "
+                  "metric",
+              OptionNames{"growth", "sizes"});
 }
 
 // Returns `small` without fragments whose component of the solid would lose its last seed.
@@ -53,6 +67,7 @@ struct NewSeed {
 //   item  number of a new seed's draws
 std::vector<NewSeed> placeAtPoints(const Solid& solid, const Labels& labels,
                                    const std::vector<NewSeed>& newSeeds, std::uint64_t seed,
+                                   const DensityTest& density,
                                    const std::function<std::uint64_t(std::uint16_t)>& item,
                                    std::set<openvdb::Coord>& occupied, std::vector<Seed>& seeds) {
   const VoxelIndex inside(*solid.blocks, solid.blocks->inside);
@@ -65,9 +80,11 @@ std::vector<NewSeed> placeAtPoints(const Solid& solid, const Labels& labels,
     const std::uint64_t draws = std::min(budget, 64 * candidates.drawsForOne());
     for (std::uint64_t i = 0; i < draws && !found; ++i) {
       --budget;
-      const auto at =
-          candidates.inBox(randomPoint(seed, Stage::reseedPoint, drawItem(item(newSeed.id), i)));
+      const std::uint64_t number = drawItem(item(newSeed.id), i);
+      const glm::dvec3 point = randomPoint(seed, Stage::reseedPoint, number);
+      const auto at = candidates.inBox(point);
       if (!at || !at->key || labels.fragment[*at->key] != newSeed.from) continue;
+      if (!density.accepts(candidates.pointInBox(point), number)) continue;
       const openvdb::Coord voxel = inside.voxelAt(*at->key);
       if (occupied.insert(voxel).second) found = Seed{voxel, newSeed.id, at->shift};
     }
@@ -107,7 +124,7 @@ void placeAtRanks(const Labels& labels, std::size_t fragments, const std::vector
 //   attempt  draws are its own, and each fragment's
 void reseed(const Solid& solid, const Labels& labels, std::vector<Seed>& seeds,
             const std::vector<std::uint16_t>& small, std::vector<std::uint64_t> voxels,
-            std::uint64_t seed, int attempt) {
+            std::uint64_t seed, const DensityTest& density, int attempt) {
   const std::set<std::uint16_t> removed(small.begin(), small.end());
   const std::size_t primaries = voxels.size() - 1;
   std::erase_if(seeds, [&, i = std::size_t{0}](const Seed& s) mutable {
@@ -129,12 +146,12 @@ void reseed(const Solid& solid, const Labels& labels, std::vector<Seed>& seeds,
                         randomBelow(size[largest], seed, Stage::reseed, item(id))});
   }
   placeAtRanks(labels, primaries,
-               placeAtPoints(solid, labels, newSeeds, seed, item, occupied, seeds), occupied,
-               seeds);
+               placeAtPoints(solid, labels, newSeeds, seed, density, item, occupied, seeds),
+               occupied, seeds);
 }
 
-// Moves each primary seed to its fragment's centroid, into the nearest voxel of the fragment.
-// Additional seeds of a fragment stay.
+}  // namespace
+
 std::vector<Seed> centeredSeeds(const Labels& labels, std::vector<Seed> seeds) {
   struct Centroid {
     std::array<std::int64_t, 3> position{};  // the sum of coordinates, then in steps of seeds
@@ -191,8 +208,6 @@ std::vector<Seed> centeredSeeds(const Labels& labels, std::vector<Seed> seeds) {
   return seeds;
 }
 
-}  // namespace
-
 void checkShares(const ShareOptions& options, const VoxelComponents& components, int fragments,
                  std::uint64_t voxels) {
   if (!(options.minShare >= 0.0 && options.minShare <= 1.0)) {
@@ -238,16 +253,21 @@ SeededLabels growWithShares(const Solid& solid, const VoxelComponents& component
   const int fragments = fragmentsOf(seeds);
   const std::uint64_t voxels = blocks->insideVoxels();
   checkShares(shares, components, fragments, voxels);
+  checkSizes(shares, options.grow);
   const std::uint64_t minVoxels = leastVoxels(shares, voxels);
   const auto growFrom = [&](const std::vector<Seed>& from) {
     return std::move(grow(blocks, std::span(&from, 1), device, options.grow, progress).front());
   };
   constexpr int kTriesBeforeCentering = 8;
+  const DensityTest density(options.density, solid.frame, options.seed);
 
   Labels labels = growFrom(seeds);
   for (int i = 0; i < shares.balance; ++i) {
     seeds = centeredSeeds(labels, std::move(seeds));
     labels = growFrom(seeds);
+  }
+  if (shares.sizes != Sizes::grown) {
+    return grownToSizes(solid, components, std::move(seeds), device, options, progress);
   }
   std::uint64_t smallest = 0;
   for (int attempt = 0; attempt < std::max(shares.tries, 1); ++attempt) {
@@ -261,7 +281,7 @@ SeededLabels growWithShares(const Solid& solid, const VoxelComponents& component
       }
     }
     reseed(solid, labels, seeds, removableFragments(*blocks, components, seeds, std::move(small)),
-           counts, options.seed, attempt);
+           counts, options.seed, density, attempt);
     if (attempt >= kTriesBeforeCentering) {
       seeds = centeredSeeds(growFrom(seeds), std::move(seeds));
     }

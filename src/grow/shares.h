@@ -16,7 +16,8 @@ namespace sherd {
 struct SharedGrowthOptions {
   GrowOptions grow{};
   ShareOptions shares{};
-  std::uint64_t seed = 0;  ///< of new seeds
+  std::uint64_t seed = 0;                 ///< of new seeds
+  const DensityField* density = nullptr;  ///< of new seeds, in their fragments
 };
 
 /// Checks that fragments can have the least share.
@@ -31,11 +32,17 @@ void checkShares(const ShareOptions& options, const VoxelComponents& components,
 [[nodiscard]] Error unreachedShare(const ShareOptions& options, int fragments,
                                    std::uint64_t smallest, std::uint64_t voxels);
 
+/// Moves each primary seed to its fragment's centroid, into the nearest voxel of the fragment.
+/// Additional seeds of a fragment stay.
+[[nodiscard]] std::vector<Seed> centeredSeeds(const Labels& labels, std::vector<Seed> seeds);
+
 /// Grows fragments, repeatedly until no fragment is below minShare.  A fragment below it loses its
 /// seeds, so that its neighbors fill its volume, and its id gets a new seed in the largest
 /// fragment; from the eighth growth on every seed also takes a Lloyd step.
 ///   seeds   as returned by placeSeeds
-///   throws  Error(usage) minShare cannot be reached: above 1 / fragments, a component of the solid
+/// With ShareOptions::sizes grows as grownToSizes does.
+///   throws  Error(usage) the sizes are drawn and the growth gives no Voronoi cells; minShare
+///   cannot be reached: above 1 / fragments, a component of the solid
 ///           below it, or not within `tries`; what grow throws
 ///   source  Lloyd, Least squares quantization in PCM, 1982 (the steps on centers)
 [[nodiscard]] SeededLabels growWithShares(const Solid& solid, const VoxelComponents& components,

@@ -12,6 +12,7 @@
 #include "base/random.h"
 #include "grow/split_nodes.h"
 #include "grow/split_plan.h"
+#include "grow/split_wall.h"
 #include "seed/fragment_ids.h"
 #include "seed/irwin_hall.h"
 #include "voxelize/leaf_blocks.h"
@@ -111,38 +112,84 @@ double fractionOf(const Fracture& fracture, const Piece& piece, const SplitOptio
   return first / all;
 }
 
+// Voxels of a piece that are connected in a leaf.
+struct VoxelCluster {
+  std::uint32_t leaf = 0;
+  double voxels = 0.0;
+  glm::dvec3 mean{0.0};
+  glm::dmat3 covariance{0.0};
+};
+
+// Returns where along a normal a fraction of the voxels lies below.
+double positionOf(std::span<const VoxelCluster> clusters, const glm::dvec3& mean,
+                  const glm::dmat3& covariance, const glm::dvec3& normal, double fraction) {
+  ProjectedVoxels projected(glm::dot(normal, mean),
+                            std::sqrt(glm::dot(normal, covariance * normal)));
+  for (const VoxelCluster& cluster : clusters) {
+    projected.add(glm::dot(normal, cluster.mean),
+                  std::sqrt(glm::dot(normal, cluster.covariance * normal)), cluster.voxels);
+  }
+  return projected.quantile(fraction);
+}
+
+// Returns what a plane passes through or near, each leaf by how near it is: within half the
+// deviation of the piece along the normal, so that leaves, which are coarse at low resolutions,
+// matter little.
+CrackedLeaves crackedLeaves(std::span<const VoxelCluster> clusters,
+                            std::span<const glm::dmat3> walls, const glm::dmat3& covariance,
+                            const glm::dvec3& normal, double position) {
+  CrackedLeaves cracked;
+  const double near = glm::dot(normal, covariance * normal) / 4.0;  // squared
+  for (const VoxelCluster& cluster : clusters) {
+    const double away = glm::dot(normal, cluster.mean) - position;
+    const double reach = near + 6.0 * glm::dot(normal, cluster.covariance * normal);
+    if (away * away >= reach) continue;
+    const double weight = 1.0 - away * away / reach;
+    cracked.voxels += weight * cluster.voxels;
+    cracked.normals += weight * walls[cluster.leaf];
+  }
+  return cracked;
+}
+
 Plane planeThrough(const Fracture& fracture, const Piece& piece, const SplitNodes& nodes,
                    std::span<const std::pair<std::uint32_t, std::uint32_t>> own,
-                   std::span<const glm::ivec3> low, const GrowOptions& options) {
+                   std::span<const glm::ivec3> low, std::span<const glm::dmat3> walls,
+                   const GrowOptions& options) {
   const VoxelSums& sums = fracture.sums[piece.label];
   if (piece.missed) return acrossAxis(sums);
   const glm::dmat3 covariance = sums.covariance();
-  Plane plane;
-  plane.normal =
-      crackNormal(covariance, options.split, options.anisotropy, fracture.seed, piece.path);
-  const glm::dvec3 normal(plane.normal);
-  ProjectedVoxels projected(glm::dot(normal, sums.mean()),
-                            std::sqrt(glm::dot(normal, covariance * normal)));
+  const double fraction = fractionOf(fracture, piece, options.split);
+  std::vector<VoxelCluster> clusters;
+  clusters.reserve(own.size());
   for (const auto& [leaf, node] : own) {
     const VoxelSums ofNode = nodes.sums(node);
-    projected.add(glm::dot(normal, ofNode.mean() + glm::dvec3(low[leaf])),
-                  std::sqrt(glm::dot(normal, ofNode.covariance() * normal)),
-                  static_cast<double>(ofNode.count));
+    clusters.push_back({leaf, static_cast<double>(ofNode.count),
+                        ofNode.mean() + glm::dvec3(low[leaf]), ofNode.covariance()});
   }
-  plane.offset = static_cast<std::int64_t>(
-      std::floor(64.0 * projected.quantile(fractionOf(fracture, piece, options.split))));
+  glm::dvec3 normal =
+      crackNormal(covariance, options.split, options.anisotropy, fracture.seed, piece.path);
+  if (!walls.empty()) {
+    const double position = positionOf(clusters, sums.mean(), covariance, normal, fraction);
+    normal = acrossWalls(crackedLeaves(clusters, walls, covariance, normal, position), covariance,
+                         normal);
+  }
+  Plane plane;
+  plane.normal = inSteps(normal);
+  plane.offset = static_cast<std::int64_t>(std::floor(
+      64.0 * positionOf(clusters, sums.mean(), covariance, glm::dvec3(plane.normal), fraction)));
   return plane;
 }
 
 // Decides the planes of all pieces that are split next.
 void decidePlanes(const GrowthState& state, const SplitNodes& nodes, std::size_t index,
-                  Fracture& fracture, std::span<const glm::ivec3> low, const GrowOptions& options) {
+                  Fracture& fracture, std::span<const glm::ivec3> low,
+                  std::span<const glm::dmat3> walls, const GrowOptions& options) {
   fracture.planes.assign(fracture.ids.size() + 1, Plane{});
   const NodesOfPieces own = nodesOfPieces(state, nodes, index, fracture);
   for (std::size_t i = 0; i < fracture.pieces.size(); ++i) {
     const Piece& piece = fracture.pieces[i];
     if (!piece.isSplit()) continue;
-    Plane plane = planeThrough(fracture, piece, nodes, own[i], low, options);
+    Plane plane = planeThrough(fracture, piece, nodes, own[i], low, walls, options);
     plane.added = fracture.nextId();
     fracture.planes[piece.label] = plane;
   }
@@ -165,6 +212,32 @@ void splitByPlanes(GrowthState& state, const DeviceLabels& labels, const DeviceB
       "split_labels", state.items, state.inside, origins, state.leafCount, state.items,
       uploadBuffer<std::uint32_t>(state.device, first), uploadBuffer<Int4>(state.device, plane),
       uploadBuffer<std::int64_t>(state.device, offset), labels.owner, labels.tag, labels.second);
+}
+
+// Gives every piece that can be split a second label; those without voxels on one side of a given
+// crack stay whole.
+void splitAll(Fracture& fracture, std::size_t crack) {
+  fracture.planes.assign(fracture.ids.size() + 1, Plane{});
+  for (const Piece& piece : fracture.pieces) {
+    if (!piece.isSplit()) continue;
+    fracture.planes[piece.label] = {glm::ivec3(0), static_cast<std::int64_t>(crack),
+                                    fracture.nextId()};
+  }
+}
+
+// Splits the voxels of all fractures by the sides of a given crack, on the device.
+void splitBySides(GrowthState& state, const DeviceLabels& labels,
+                  std::span<const std::uint64_t> positive, std::span<const Fracture> fractures) {
+  std::vector<std::uint32_t> first, added;
+  for (const Fracture& fracture : fractures) {
+    first.push_back(static_cast<std::uint32_t>(added.size()));
+    for (const Plane& each : fracture.planes) added.push_back(each.added);
+  }
+  state.run("split_by_sides", state.items, state.inside,
+            uploadBuffer<std::uint64_t>(state.device, positive), state.leafCount, state.items,
+            uploadBuffer<std::uint32_t>(state.device, first),
+            uploadBuffer<std::uint32_t>(state.device, added), labels.owner, labels.tag,
+            labels.second);
 }
 
 // The components of the two sides of a piece, by their roots.
@@ -306,7 +379,7 @@ void recordSplits(Fracture& fracture) {
     const auto kept = static_cast<std::size_t>(fracture.sums[piece.label].count),
                added = static_cast<std::size_t>(fracture.sums[plane.added].count);
     if (added == 0) {
-      piece.missed = true;
+      piece.missed = plane.normal != glm::ivec3(0);
       std::swap(*std::find(fracture.ids.begin(), fracture.ids.end(), plane.added),
                 fracture.ids[--fracture.taken]);
       pieces.push_back(piece);
@@ -420,6 +493,18 @@ std::vector<Seed> innerVoxels(GrowthState& state, const SplitNodes& nodes, std::
   return seeds;
 }
 
+// Returns the greatest difference of a fragment's share from the one that it was meant to have,
+// divided by that.
+double sizeErrorOf(const Fracture& fracture) {
+  double voxels = 0.0, error = 0.0;
+  for (const VoxelSums& sums : fracture.sums) voxels += static_cast<double>(sums.count);
+  for (const Piece& piece : fracture.pieces) {
+    const double share = static_cast<double>(fracture.sums[piece.label].count) / voxels;
+    error = std::max(error, std::abs(share / fracture.shares[piece.first] - 1.0));
+  }
+  return error;
+}
+
 // Orders splits by the size of what they split, and converts planes to voxels of the grid.
 std::vector<Split> ordered(std::vector<Split> splits, const openvdb::Coord& lowest) {
   std::stable_sort(splits.begin(), splits.end(),
@@ -451,28 +536,40 @@ SplitGrowth splitPieces(GrowthState& state, const VoxelComponents& components,
                         [](const Piece& piece) { return piece.isSplit(); });
   };
   SplitGrowth grown{componentLabels(state, components, fractures), {}};
-  SplitNodes nodes(state, grown.labels);
+  SplitNodes nodes = SplitNodes::withoutRoots(state, grown.labels);
   const auto measure = [&] {
     for (std::size_t f = 0; f < fractures.size(); ++f) {
       fractures[f].sums = sumsOfLabels(state, nodes, f, fractures[f].ids.size(), low);
     }
   };
   measure();
-  while (!std::all_of(fractures.begin(), fractures.end(), isDone)) {
-    reportProgress(progress, "grow", 0.0);
-    throwIfCancelled(progress);
-    for (std::size_t f = 0; f < fractures.size(); ++f) {
-      decidePlanes(state, nodes, f, fractures[f], low, options);
-    }
-    splitByPlanes(state, grown.labels, origins, fractures);
+  const auto finishGeneration = [&] {
     nodes = SplitNodes(state, grown.labels);
     connectSides(state, grown.labels, nodes, fractures);
     measure();
     for (Fracture& fracture : fractures) recordSplits(fracture);
+  };
+  const auto isAllDone = [&] { return std::all_of(fractures.begin(), fractures.end(), isDone); };
+  const GuideSides* const guides = runs.front().guides;
+  for (std::size_t i = 0; guides && i < guides->positive.size() && !isAllDone(); ++i) {
+    reportProgress(progress, "grow", 0.0);
+    for (Fracture& fracture : fractures) splitAll(fracture, i);
+    splitBySides(state, grown.labels, guides->positive[i], fractures);
+    finishGeneration();
+  }
+  while (!isAllDone()) {
+    reportProgress(progress, "grow", 0.0);
+    throwIfCancelled(progress);
+    for (std::size_t f = 0; f < fractures.size(); ++f) {
+      decidePlanes(state, nodes, f, fractures[f], low, runs[f].walls, options);
+    }
+    splitByPlanes(state, grown.labels, origins, fractures);
+    finishGeneration();
   }
   for (std::size_t f = 0; f < fractures.size(); ++f) {
     grown.fractures.push_back({ordered(std::move(fractures[f].splits), lowest),
-                               innerVoxels(state, nodes, f, fractures[f], low)});
+                               innerVoxels(state, nodes, f, fractures[f], low),
+                               sizeErrorOf(fractures[f])});
   }
   return grown;
 }

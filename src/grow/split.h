@@ -17,6 +17,7 @@ namespace sherd {
 struct SplitPieces {
   std::vector<Split> splits;  ///< a piece before those that come of it
   std::vector<Seed> seeds;    ///< [fragments] by id: an inner voxel of each
+  double sizeError = 0.0;     ///< as FractureResult::sizeError, of the shares of the run
 };
 
 struct SplitGrowth {

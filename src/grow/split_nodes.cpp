@@ -5,13 +5,12 @@
 
 namespace sherd {
 
-SplitNodes::SplitNodes(GrowthState& state, const DeviceLabels& labels)
-    : found_(findNodeComponents(state, &labels)) {
+SplitNodes::SplitNodes(GrowthState& state, const DeviceLabels& labels, NodeComponents found)
+    : found_(std::move(found)) {
   const DeviceBuffer sums = makeBuffer<std::uint16_t>(state.device, found_.nodes * kSums);
   state.run("split_measure", state.items, state.inside, state.leafCount, state.items, labels.owner,
             labels.tag, labels.second, found_.localNode, found_.firstNode, found_.nodeCount, sums);
   sums_ = downloaded<std::uint16_t>(state.device, sums, found_.nodes * kSums);
-  root_ = downloaded<std::uint32_t>(state.device, found_.root, found_.nodes);
 }
 
 VoxelSums SplitNodes::sums(std::size_t node) const {

@@ -19,8 +19,16 @@ struct SplitNode {
 
 class SplitNodes {
  public:
-  /// Finds and measures the nodes of labels.
-  SplitNodes(GrowthState& state, const DeviceLabels& labels);
+  /// Measures the nodes of labels, and finds their components.
+  SplitNodes(GrowthState& state, const DeviceLabels& labels)
+      : SplitNodes(state, labels, findNodeComponents(state, &labels)) {
+    root_ = downloaded<std::uint32_t>(state.device, found_.root, found_.nodes);
+  }
+
+  /// Measures the nodes of labels; their components are not known.
+  [[nodiscard]] static SplitNodes withoutRoots(GrowthState& state, const DeviceLabels& labels) {
+    return {state, labels, findNodes(state, &labels)};
+  }
 
   std::uint32_t count() const { return found_.nodes; }
   std::uint32_t root(std::size_t node) const { return root_[node]; }
@@ -53,6 +61,9 @@ class SplitNodes {
 
  private:
   static constexpr std::size_t kSums = 12;
+
+  SplitNodes(GrowthState& state, const DeviceLabels& labels, NodeComponents found);
+
   NodeComponents found_;
   std::vector<std::uint32_t> root_;  // [nodes]
   std::vector<std::uint16_t> sums_;  // [nodes*kSums]

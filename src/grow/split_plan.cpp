@@ -184,7 +184,7 @@ glm::dvec3 normalVector(std::uint64_t seed, Stage stage, std::uint64_t item) {
 
 }  // namespace
 
-glm::ivec3 crackNormal(const glm::dmat3& covariance, const SplitOptions& options,
+glm::dvec3 crackNormal(const glm::dmat3& covariance, const SplitOptions& options,
                        const Anisotropy& anisotropy, std::uint64_t seed, std::uint64_t item) {
   // Lengths along the grain are divided by 1 + strength, so that pieces get longer along it.
   const glm::dvec3 along = glm::normalize(anisotropy.direction);
@@ -206,8 +206,11 @@ glm::ivec3 crackNormal(const glm::dmat3& covariance, const SplitOptions& options
   constexpr double kRadians = 3.14159265358979323846 / 180.0;
   const glm::dvec3 tilted =
       axis + options.tilt * kRadians * normalVector(seed, Stage::splitTilt, item);
-  const glm::dvec3 normal = scaled * (glm::length(tilted) > 1e-9 ? tilted : axis);
-  const glm::dvec3 steps = normal / glm::length(normal) * 16384.0;
+  return scaled * (glm::length(tilted) > 1e-9 ? tilted : axis);
+}
+
+glm::ivec3 inSteps(const glm::dvec3& direction) {
+  const glm::dvec3 steps = direction / glm::length(direction) * 16384.0;
   glm::ivec3 whole(0);
   for (int i = 0; i < 3; ++i) whole[i] = static_cast<int>(std::floor(steps[i] + 0.5));
   return whole;

@@ -46,10 +46,13 @@ struct VoxelSums {
 /// Draws the normal of a crack through a piece: a random direction where the piece is as long as
 /// it is wide; along its long axis, but for SplitOptions::tilt, where it is not.
 ///   item    of the random numbers
-///   return  each component within 2^14, not 0
-[[nodiscard]] glm::ivec3 crackNormal(const glm::dmat3& covariance, const SplitOptions& options,
+///   return  of any length but 0
+[[nodiscard]] glm::dvec3 crackNormal(const glm::dmat3& covariance, const SplitOptions& options,
                                      const Anisotropy& anisotropy, std::uint64_t seed,
                                      std::uint64_t item);
+
+/// Returns a direction in steps, each within 2^14.
+[[nodiscard]] glm::ivec3 inSteps(const glm::dvec3& direction);
 
 /// Voxels along a normal: where a share of them lies below.
 class ProjectedVoxels {

@@ -29,6 +29,9 @@ class TriangleTree {
   [[nodiscard]] bool empty() const { return triangles_.empty(); }
   [[nodiscard]] std::size_t count() const { return triangles_.size(); }
 
+  /// Returns the triangles in the tree's order, with their vertices.
+  [[nodiscard]] TriangleMesh mesh() const { return {vertices_, triangles_}; }
+
   /// Returns the number of triangles.
   [[nodiscard]] std::size_t size() const { return triangles_.size(); }
 

@@ -71,7 +71,7 @@ const std::vector<Row> kGrowthRows{
      .drawn = true},
     {.name = "split-offset",
      .group = "Growth",
-     .value = V::number(kSplit, &SplitOptions::offset, between(0.0, 0.3, "0..0.3")),
+     .value = V::number(kSplit, &SplitOptions::offset, between(0.0, 0.5, "0..0.5")),
      .help = "How far from the middle of a piece --growth sequential splits it: standard deviation "
              "of the share that is cut off",
      .details = "standard deviation of the share of a piece that a crack of `sequential` cuts off, "
@@ -153,6 +153,29 @@ const std::vector<Row> kGrowthRows{
      .key = "grow.roughness_window",
      .hidden = true,
      .unit = "voxels"},
+    {.name = "guide",
+     .group = "Growth",
+     .value = V::custom(
+         OptionType::text, "FILE",
+         [](RunOptions& o, const std::string& text) {
+           if (text.empty()) refuseValue(text, "a file");
+           o.fracture.guides.push_back({.file = text});
+         },
+         [](R o) {
+           std::vector<std::string> files;
+           for (const Guide& guide : o.fracture.guides) files.push_back(guide.file);
+           return joinedText(files, " ");
+         }),
+     .help = "Cracks along the lines of an OBJ or PLY file, drawn on the surface, or along the "
+             "surface of a mesh; repeatable",
+     .details =
+         "cracks that are given, in the mesh's space: the lines of an `.obj` or `.ply` file, "
+         "each across the wall on whose surface it is drawn, or the surface of a mesh; may "
+         "be repeated ([growth](growth.md#guides))",
+     .key = "guides",
+     .recorded = [](R o) { return !o.fracture.guides.empty(); },
+     .repeats = true,
+     .single = true},
     {.name = "propagation",
      .group = "Growth",
      .value = V::custom(
@@ -200,6 +223,21 @@ const std::vector<Row> kGrowthRows{
      .details = "voxels disconnected from the fragment's first seed go to neighbors, or "
                 "stay (fragments may then have several connected components)",
      .key = "grow.isolated",
+     .drawn = true},
+    {.name = "sizes",
+     .group = "Growth",
+     .value = V::custom(
+         OptionType::text, "grown|uniform|lognormal:s|power:t|exponential",
+         [](RunOptions& o, const std::string& text) { setSizes(kShares(o), text); },
+         [](R o) { return sizesText(kShares(o)); }),
+     .help = "Sizes of fragments: as grown, or drawn: all equal, lognormal:s, power:t, exponential",
+     .details =
+         "sizes of the fragments: as they grow, or shares that are drawn and met: all equal; "
+         "lognormal with a standard deviation s of the logarithm (0.01 to 3); by a density "
+         "that falls as size^-t (t of 1 to 4) over a factor of 1,000; exponential "
+         "([growth.md](growth.md#sizes))",
+     .key = "sizes",
+     .recorded = [](R o) { return o.fracture.shares.sizes != Sizes::grown; },
      .drawn = true},
     {.name = "min-share",
      .group = "Growth",

@@ -1,11 +1,14 @@
 // Values of options with a syntax of their own.
 #include "options/parsed.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <span>
 
+#include "base/option_names.h"
 #include "base/option_text.h"
 #include "options/values.h"
 
@@ -47,12 +50,19 @@ std::string extraSeedsText(const SeedOptions& seeds) {
 
 Impact impactFrom(const std::string& text) {
   const std::string expected =
-      "x,y,z or ray:ox,oy,oz,dx,dy,dz, then optionally ,count ,sigma (or n=5) and ,merge";
+      "x,y,z or ray:ox,oy,oz,dx,dy,dz, then optionally ,count ,sigma (or n=5) ,energy=0.01..100 "
+      "and ,merge";
   const bool isRay = text.starts_with("ray:");
   std::vector<std::string> parts = split(isRay ? text.substr(4) : text);
   Impact impact;
   if (parts.back() == "merge") {
     impact.merge = true;
+    parts.pop_back();
+  }
+  if (parts.size() > 1 && parts.back().starts_with("energy=")) {
+    const std::optional<double> energy = numberIn(parts.back().substr(7));
+    if (!energy || !(*energy >= 0.01 && *energy <= 100.0)) refuseValue(text, expected);
+    impact.energy = *energy;
     parts.pop_back();
   }
   const std::size_t coordinates = isRay ? 6 : 3;
@@ -76,7 +86,8 @@ Impact impactFrom(const std::string& text) {
     const std::string& sigma = parts[coordinates + 1];
     const bool isBias = sigma.starts_with("n=");
     const std::optional<double> value = numberIn(isBias ? sigma.substr(2) : sigma);
-    if (!value || *value <= 0 || (isBias && (*value > kMaxBias || !isWhole(*value)))) {
+    if (!value || *value <= 0 || (isBias && (*value > kMaxBias || !isWhole(*value))) ||
+        (isBias && impact.energy > 0.0)) {
       refuseValue(text, expected);
     }
     if (isBias) {
@@ -104,6 +115,7 @@ std::string impactText(const Impact& impact) {
       text += ",n=" + std::to_string(impact.bias);
     }
   }
+  if (impact.energy > 0.0) text += ",energy=" + shortestText(impact.energy);
   return text + (impact.merge ? ",merge" : "");
 }
 
@@ -133,6 +145,33 @@ void setDirection(Anisotropy& grain, const std::string& text) {
 
 std::string directionText(const Anisotropy& grain) {
   return numbersText({grain.direction.x, grain.direction.y, grain.direction.z});
+}
+
+void setSizes(ShareOptions& shares, const std::string& text) {
+  const std::size_t colon = text.find(':');
+  const std::string name = text.substr(0, colon);
+  const auto found = std::find(std::begin(names::kSizes), std::end(names::kSizes), name);
+  const auto sizes = static_cast<Sizes>(found - std::begin(names::kSizes));
+  const bool hasParameter = sizes == Sizes::lognormal || sizes == Sizes::power;
+  // A missing parameter is out of every range.
+  const double parameter =
+      colon == text.npos ? 0.0 : numberIn(text.substr(colon + 1)).value_or(0.0);
+  const bool good = found != std::end(names::kSizes) && hasParameter == (colon != text.npos) &&
+                    (sizes != Sizes::lognormal || (parameter >= 0.01 && parameter <= 3.0)) &&
+                    (sizes != Sizes::power || (parameter >= 1.0 && parameter <= 4.0));
+  if (!good) {
+    refuseValue(text,
+                "grown, uniform, exponential, lognormal:s with s in 0.01..3, or power:t with t in "
+                "1..4");
+  }
+  shares.sizes = sizes;
+  shares.sizeParameter = parameter;
+}
+
+std::string sizesText(const ShareOptions& shares) {
+  const std::string name = names::of(names::kSizes, shares.sizes);
+  const bool hasParameter = shares.sizes == Sizes::lognormal || shares.sizes == Sizes::power;
+  return hasParameter ? name + ":" + shortestText(shares.sizeParameter) : name;
 }
 
 void setRoughness(GrowOptions& grow, const std::string& text) {

@@ -24,6 +24,10 @@ void setGrain(Anisotropy& grain, const std::string& text);
 void setDirection(Anisotropy& grain, const std::string& text);
 [[nodiscard]] std::string directionText(const Anisotropy& grain);
 
+/// grown, uniform, exponential, lognormal:s or power:t
+void setSizes(ShareOptions& shares, const std::string& text);
+[[nodiscard]] std::string sizesText(const ShareOptions& shares);
+
 /// r, r,H or r,H,W; parts that are omitted get their defaults
 void setRoughness(GrowOptions& grow, const std::string& text);
 [[nodiscard]] std::string roughnessText(const GrowOptions& grow);

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <string_view>
 
+#include "base/density_source.h"
 #include "base/json_of.h"
 #include "base/option_text.h"
 #include "options/parsed.h"
@@ -18,7 +19,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 using In = nlohmann::json;
 
-constexpr std::string_view kImpacts = "seeds.impacts", kSeedFile = "seeds.file";
+constexpr std::string_view kImpacts = "seeds.impacts", kSeedFile = "seeds.file",
+                           kDensity = "seeds.density", kGuides = "guides";
 
 Json impactJson(const Impact& impact) {
   Json json = Json::object();
@@ -32,6 +34,7 @@ Json impactJson(const Impact& impact) {
   } else {
     json["bias"] = impact.bias;
   }
+  if (impact.energy > 0.0) json["energy"] = impact.energy;
   json["merge"] = impact.merge;
   return json;
 }
@@ -39,6 +42,17 @@ Json impactJson(const Impact& impact) {
 Json impactsJson(const std::vector<Impact>& impacts) {
   Json all = Json::array();
   for (const Impact& impact : impacts) all.push_back(impactJson(impact));
+  return all;
+}
+
+// Files are recorded without folders.
+std::string fileName(const std::string& path) {
+  return std::filesystem::path(path).filename().string();
+}
+
+Json guidesJson(const std::vector<Guide>& guides) {
+  Json all = Json::array();
+  for (const Guide& guide : guides) all.push_back(fileName(guide.file));
   return all;
 }
 
@@ -56,6 +70,7 @@ Impact impactFrom(const In& json) {
   impact.count = json.at("count").get<int>();
   impact.sigma = json.value("sigma", impact.sigma);
   impact.bias = json.value("bias", impact.bias);
+  impact.energy = json.value("energy", impact.energy);
   impact.merge = json.at("merge").get<bool>();
   return impact;
 }
@@ -109,7 +124,9 @@ Json valueJson(OptionType type, const std::string& text) {
 Json jsonOfRow(const FractureOptionRow& row, const RunOptions& options) {
   if (row.key == kImpacts) return impactsJson(options.fracture.seeds.impacts);
   const std::string text = row.value.text(options);
-  if (row.key == kSeedFile) return std::filesystem::path(text).filename().string();
+  if (row.key == kGuides) return guidesJson(options.fracture.guides);
+  if (row.key == kSeedFile) return fileName(text);
+  if (row.key == kDensity) return densitySourceOf(text).withoutFolders();
   return valueJson(row.value.type, text);
 }
 
@@ -147,6 +164,8 @@ RunOptions optionsRecorded(const In& recorded) {
     try {
       if (row.key == kImpacts) {
         for (const In& impact : *at) options.fracture.seeds.impacts.push_back(impactFrom(impact));
+      } else if (row.key == kGuides) {
+        for (const In& file : *at) row.value.set(options, file.get<std::string>());
       } else if (!at->is_array() || !at->empty()) {
         row.value.set(options, textFrom(*at));
       }

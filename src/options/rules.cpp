@@ -78,6 +78,24 @@ std::vector<Rule> seedRules() {
        Verdict::conflict,
        [](O o, U) { return o.fracture.seeds.given.has_value(); },
        "applies to seeds that are drawn, and {seeds} reads them from a file; omit one of them"},
+      {{"density-attribute"},
+       Verdict::conflict,
+       [](O o, U) { return o.fracture.seeds.given && !ruleOf(o.fracture.grow.growth).splits; },
+       "applies to seeds that are drawn, and {seeds} reads them from a file; omit one of them"},
+      {{"density-attribute"},
+       Verdict::conflict,
+       [](O o, U) {
+         return o.fracture.seeds.sampler == Sampler::poisson &&
+                !ruleOf(o.fracture.grow.growth).splits;
+       },
+       "makes distances between seeds uneven, and {sampler} poisson keeps them even; choose "
+       "another sampler",
+       {"sampler", "growth"}},
+      {{"density-attribute"},
+       Verdict::conflict,
+       [](O o, U) { return o.fracture.shares.balance > 0; },
+       "makes sizes uneven, and {balance} evens them out; omit one of them",
+       {"balance"}},
       {{"seeds"},
        Verdict::conflict,
        [](O o, U) { return ruleOf(o.fracture.grow.growth).splits; },
@@ -102,6 +120,11 @@ std::vector<Rule> seedRules() {
 
 std::vector<Rule> growthRules() {
   return {
+      {{"guide"},
+       Verdict::conflict,
+       [](O o, U) { return !ruleOf(o.fracture.grow.growth).splits; },
+       "gives the first cracks of {growth} sequential; the other growths do not follow it",
+       {"growth"}},
       {{"neighborhood"},
        Verdict::idle,
        [](O o, U) { return !ruleOf(o.fracture.grow.growth).usesNeighborhood; },
@@ -127,6 +150,22 @@ std::vector<Rule> growthRules() {
        [](O o, U) { return ruleOf(o.fracture.grow.growth).splits; },
        "does nothing with {growth} sequential, whose pieces are connected and have no seeds",
        {"growth"}},
+  };
+}
+
+std::vector<Rule> sizeRules() {
+  return {
+      {{"sizes"},
+       Verdict::conflict,
+       [](O o, U) {
+         const GrowthRule& rule = ruleOf(o.fracture.grow.growth);
+         const bool hasCells = rule.givesVoronoiCells &&
+                               (!rule.usesMetric || o.fracture.grow.metric == Metric::euclidean);
+         return o.fracture.shares.sizes != Sizes::grown && !hasCells && !rule.splits;
+       },
+       "cannot be met by {growth} flood or chain, nor by another {metric} than the Euclidean; use "
+       "{growth} euclid, nearest or sequential",
+       {"growth", "metric"}},
   };
 }
 
@@ -261,7 +300,7 @@ std::vector<Rule> pointRules() {
 
 const std::vector<Rule>& rules() {
   static const std::vector<Rule> kRules =
-      joined({solidRules(), seedRules(), growthRules(), erosionRules(), surfaceRules(),
+      joined({solidRules(), seedRules(), growthRules(), sizeRules(), erosionRules(), surfaceRules(),
               formatRules(), writeRules(), pointRules()});
   return kRules;
 }

@@ -175,8 +175,9 @@ const std::vector<Row> kSeedRows{
      .group = "Seeds",
      .value = V::choice(kSeeds, &SeedOptions::on, names::kSeedsOn),
      .help = "Where seeds may lie",
-     .details = "where seeds are drawn: anywhere inside, or at most 1/256 of the longest side "
-                "below the surface",
+     .details = "where seeds are drawn: anywhere inside; at most 1/256 of the longest side "
+                "below the surface; or anywhere, and moved to the middle of walls that are thinner "
+                "than a cube of a piece's volume, so that cracks cross them nearly at right angles",
      .key = "seeds.on",
      .recorded = drawsSeeds,
      .drawn = true},
@@ -223,6 +224,24 @@ const std::vector<Row> kSeedRows{
      .key = "seeds.size_spread",
      .recorded = [](R o) { return drawsSeeds(o) && o.fracture.seeds.sizeSpread > 0.0; },
      .drawn = true},
+    {.name = "density-attribute",
+     .group = "Seeds",
+     .value = V::custom(
+         OptionType::text, "NAME|FILE.vdb[:GRID]",
+         [](RunOptions& o, const std::string& text) {
+           if (text.empty()) refuseValue(text, "the name of an attribute or a .vdb file");
+           o.fracture.seeds.density = {text, {}};
+         },
+         [](R o) { return o.fracture.seeds.density.source; }),
+     .help =
+         "Small pieces where an attribute of the mesh's vertices, or a grid of a .vdb file, has "
+         "high values: the number of pieces per volume is proportional to them",
+     .details =
+         "where pieces are small: their number per volume is proportional to an attribute of "
+         "the mesh's vertices, or to a grid of floats in a `.vdb` file (below)",
+     .key = "seeds.density",
+     .recorded = [](R o) { return drawsSeeds(o) && !o.fracture.seeds.density.source.empty(); },
+     .single = true},
     {.name = "impacts",
      .group = "Seeds",
      .value = V::whole(kSeeds, &SeedOptions::randomImpacts, 0, 10000),
@@ -246,13 +265,14 @@ const std::vector<Row> kSeedRows{
            return joinedText(texts, " ");
          }),
      .help = "An impact at x,y,z or ray:ox,oy,oz,dx,dy,dz, then ,count ,sigma (world units, or "
-             "n=5 as the paper's bias) ,merge; repeatable",
+             "n=5 as the paper's bias) ,energy=E ,merge; repeatable",
      .details = "an impact at `x,y,z` or `ray:ox,oy,oz,dx,dy,dz`, then optionally "
-                "`,count` `,sigma` `,merge`; may be repeated: `count` of the fragments "
+                "`,count` `,sigma` `,energy=E` `,merge`; may be repeated: `count` of the fragments "
                 "come from seeds scattered around the point, `sigma` being their "
                 "standard deviation in the mesh's unit, or the paper's bias as `n=5` "
-                "(side / sqrt(12 n)); with `merge` the seeds go to existing fragments "
-                "instead",
+                "(side / sqrt(12 n)); with an energy (0.01 to 100) a thin wall breaks by 8 E^(1/4) "
+                "radial cracks and 3 E^(1/4) rings, `sigma` being the radius of the last; with "
+                "`merge` the seeds go to existing fragments instead",
      .key = "seeds.impacts",
      .recorded = drawsSeeds,
      .repeats = true,

@@ -9,7 +9,9 @@
 
 #include "base/random.h"
 #include "erode/passes.h"
+#include "grow/guide_sides.h"
 #include "grow/sequential.h"
+#include "pipeline/guide_surfaces.h"
 #include "seed/fragment_ids.h"
 #include "surface/extract.h"
 #include "surface/simplify.h"
@@ -97,6 +99,10 @@ void checkOptions(const FractureOptions& options) {
                 "an exact surface stays as it is; erode only fracture surfaces with it",
                 OptionNames{"erode-on", "surface"});
   }
+  if (!options.guides.empty() && !ruleOf(options.grow.growth).splits) {
+    throw Error(ErrorCode::usage, "guides are the first splits of a growth that splits the solid",
+                OptionNames{"guide", "growth"});
+  }
   const SeedOptions none;
   if (options.seeds.pieces == none.pieces && options.seeds.seed == none.seed &&
       options.grow.noiseSeeds.empty() && options.grow.longestSideVoxels == 0.0 &&
@@ -115,6 +121,21 @@ SeedOptions seedOptionsFor(const FractureOptions& options, std::uint64_t seed) {
   return seeds;
 }
 
+namespace {
+
+GuideSides sidesOf(std::span<const Guide> guides, const Solid& solid, const Progress* progress) {
+  if (guides.empty()) return {};
+  GuideSides sides;
+  sides.cracks =
+      std::make_shared<const GivenCracks>(guideSurfacesOf(guides, solid, progress), solid.frame);
+  for (const SidedMesh& surface : sides.cracks->surfaces()) {
+    sides.positive.push_back(positiveSide(*solid.blocks, solid.frame, surface, progress));
+  }
+  return sides;
+}
+
+}  // namespace
+
 SeededLabels growFor(const FractureOptions& options, const Solid& solid,
                      const VoxelComponents& components, std::vector<Seed> seeds, std::uint64_t seed,
                      Device& device, const Progress* progress) {
@@ -124,11 +145,12 @@ SeededLabels growFor(const FractureOptions& options, const Solid& solid,
   if (ruleOf(grow.growth).splits) {
     const std::size_t fragments = countFragments(components, options.pieces);
     return std::move(growSequential(solid, components, std::span(&fragments, 1),
-                                    std::span(&seed, 1), device, grow, options.shares, progress)
+                                    std::span(&seed, 1), device, grow, options.shares,
+                                    sidesOf(options.guides, solid, progress), progress)
                          .front());
   }
-  return growWithShares(solid, components, std::move(seeds), device, {grow, options.shares, seed},
-                        progress);
+  return growWithShares(solid, components, std::move(seeds), device,
+                        {grow, options.shares, seed, options.seeds.density.field.get()}, progress);
 }
 
 namespace {
@@ -206,9 +228,13 @@ std::vector<Labels> splitTogether(const PreparedSolid& ready, std::vector<GrownF
     seeds.push_back(own.seed);
   }
   std::vector<Labels> labels;
-  for (SeededLabels& grown : growSequential(ready.solid, ready.components, fragments, seeds, device,
-                                            together, options.front().shares, progress)) {
-    all[labels.size()].result.seeds = std::move(grown.seeds);
+  for (SeededLabels& grown :
+       growSequential(ready.solid, ready.components, fragments, seeds, device, together,
+                      options.front().shares,
+                      sidesOf(options.front().guides, ready.solid, progress), progress)) {
+    FractureResult& result = all[labels.size()].result;
+    result.seeds = std::move(grown.seeds);
+    result.sizeError = grown.sizeError;
     labels.push_back(std::move(grown.labels));
   }
   return labels;
@@ -239,6 +265,7 @@ std::vector<GrownFracture> growTogether(const PreparedSolid& ready,
       SeededLabels own = growFor(options[i], ready.solid, ready.components, std::move(seeds[i]),
                                  options[i].seed, device, progress);
       all[i].result.seeds = std::move(own.seeds);
+      all[i].result.sizeError = own.sizeError;
       labels.push_back(std::move(own.labels));
     }
   } else {

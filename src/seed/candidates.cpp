@@ -25,8 +25,9 @@ glm::i64vec3 rounded(const glm::dvec3& v) {
 
 }  // namespace
 
-Candidates::Candidates(const Solid& solid, const VoxelIndex& voxels, SeedsOn on)
-    : solid_(solid), voxels_(voxels), on_(on) {
+Candidates::Candidates(const Solid& solid, const VoxelIndex& voxels, SeedsOn on, double thin)
+    : solid_(solid), voxels_(voxels), on_(on), thin_(thin) {
+  if (on == SeedsOn::wall) walls_.emplace(solid);
   if (solid.region) {
     low_ = glm::dvec3(-0.5);
     sides_ = solid.region->sides();
@@ -71,16 +72,18 @@ std::optional<Candidate> Candidates::near(const glm::dvec3& point,
                                           const glm::i64vec3& inSpace) const {
   if (!isSolid(point)) return {};
   const bool moves = distanceAt_ && (on_ == SeedsOn::surface || !solid_.region->isAsVoxels());
-  const glm::dvec3 at = moves ? solid_.region->onSurface(point) : point;
+  glm::dvec3 at = moves ? solid_.region->onSurface(point) : point;
+  if (walls_ && !moves) at = wallMiddle(*walls_, point, thin_);
   // A point that is inside the mesh may lie in a voxel whose center is not.
   constexpr double kFarthest = 2.0;
   Candidate found{voxels_.nearestWithin(at, kFarthest), {}, inSpace};
+  if (at != point && walls_) found.inSpace = rounded((at - low_) / longest_ * kStepsInSpace);
   if (found.key) found.shift = shiftOf(at, voxels_.voxelAt(*found.key));
   return found;
 }
 
 std::optional<Candidate> Candidates::inBox(const glm::dvec3& unit) const {
-  return near(low_ + unit * sides_, rounded(unit * (sides_ / longest_) * kStepsInSpace));
+  return near(pointInBox(unit), rounded(unit * (sides_ / longest_) * kStepsInSpace));
 }
 
 std::optional<Candidate> Candidates::at(const glm::dvec3& point) const {

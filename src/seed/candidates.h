@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "seed/voxel_index.h"
+#include "seed/wall.h"
 
 namespace sherd {
 
@@ -70,12 +71,17 @@ class Candidates {
  public:
   /// solid, voxels  kept by reference
   ///   voxels  that seeds may take: the inside voxels, or those of the surface
-  Candidates(const Solid& solid, const VoxelIndex& voxels, SeedsOn on);
+  ///   thin    thickness in voxels up to which SeedsOn::wall moves seeds to the middle of a wall
+  Candidates(const Solid& solid, const VoxelIndex& voxels, SeedsOn on, double thin = 0.0);
 
   /// Returns the candidate at a point of the box, if the solid is there: inside it, and with
   /// SeedsOn::surface within 1/256 of the box's longest side of the surface, onto which it moves.
+  /// With SeedsOn::wall it moves to the middle of a thin wall.
   ///   unit  0..1 along each axis of the box
   [[nodiscard]] std::optional<Candidate> inBox(const glm::dvec3& unit) const;
+
+  /// Returns a point of the box in index space.
+  [[nodiscard]] glm::dvec3 pointInBox(const glm::dvec3& unit) const { return low_ + unit * sides_; }
 
   /// The same at a point in index space.
   [[nodiscard]] std::optional<Candidate> at(const glm::dvec3& point) const;
@@ -106,6 +112,8 @@ class Candidates {
   glm::dvec3 low_{}, sides_{};  // of the box, index space
   double longest_ = 0.0;
   std::function<float(const openvdb::Coord&)> distanceAt_;  // empty without a mesh
+  double thin_;
+  std::optional<Walls> walls_;  // with SeedsOn::wall
 };
 
 /// Returns a point's shift from a voxel's center, limited to the voxel's cube.

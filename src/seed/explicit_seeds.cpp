@@ -91,7 +91,8 @@ std::vector<Seed> seedsFromPoints(std::span<const SeedPoint> points, const Solid
                                       std::to_string(kMaxFragments) + " are possible");
   }
   const Candidates candidates(solid, inside, SeedsOn::volume);
-  SeedSampler(candidates, Sampler::uniform, seed).draw(missing, chosen);
+  const DensityTest anywhere(nullptr, solid.frame, seed);
+  SeedSampler(candidates, Sampler::uniform, seed, anywhere).draw(missing, chosen);
   for (std::size_t i = points.size(); i < chosen.size(); ++i)
     add(chosen.all()[i], seeds.size() + 1);
   for (std::size_t i = 0; i < points.size(); ++i) {

@@ -12,6 +12,7 @@
 
 #include "base/cancel_flag.h"
 #include "base/random.h"
+#include "seed/impact_rings.h"
 #include "seed/irwin_hall.h"
 #include "seed/ray.h"
 #include "voxelize/region.h"
@@ -89,10 +90,29 @@ void checkRanges(const Impact& impact, std::size_t number) {
   if (!std::isfinite(impact.sigma) || impact.sigma < 0.0) {
     throw usageError(number, ": its spread must be 0 or more");
   }
+  if (impact.energy != 0.0 && !(impact.energy >= kLeastEnergy && impact.energy <= kMostEnergy)) {
+    throw usageError(number, ": its energy must be 0, or lie in 0.01..100");
+  }
   if (impact.bias < 1 || impact.bias > kMaxBias) {
     throw usageError(number, ": its bias is " + std::to_string(impact.bias) + "; expected 1 to " +
                                  std::to_string(kMaxBias));
   }
+}
+
+// Sets the rings of an impact with an energy, and how the seeds that they do not give scatter.
+//   available  seeds where the impact has no count
+void setRings(AimedImpact& aimedImpact, const Impact& impact, std::uint64_t impactSeed,
+              const Solid& solid, double side, std::size_t available) {
+  const RingPattern pattern =
+      ringPatternFor(impact.energy, side, impact.sigma / solid.frame.voxelSize);
+  const Walls walls(solid);
+  const std::vector<glm::dvec3> points = ringPoints(pattern, walls, aimedImpact.center, impactSeed);
+  if (impact.count == 0) {
+    aimedImpact.count = std::min(points.empty() ? pattern.seeds() : points.size(), available);
+  }
+  aimedImpact.rings = innerPoints(points, pattern, aimedImpact.count);
+  aimedImpact.terms = kNormalTerms;
+  aimedImpact.side = glm::dvec3(kNormalTerms * 0.5 * pattern.radius);
 }
 
 // Draws one candidate around the impact's center.
@@ -106,6 +126,17 @@ std::optional<Candidate> drawNear(const AimedImpact& aimedImpact, const glm::dve
                                                item * 3 + static_cast<std::uint64_t>(axis));
   }
   return candidates.at(point);
+}
+
+// Adds the seeds on rings.  What is taken, or not resolved by the voxels, is left out.
+void addRings(const AimedImpact& aimedImpact, const Candidates& candidates, std::size_t end,
+              Chosen& chosen) {
+  for (const glm::dvec3& point : aimedImpact.rings) {
+    if (chosen.size() == end) return;
+    const std::optional<Candidate> found = candidates.at(point);
+    if (!found || !found->key) continue;
+    if (chosen.components().at(*found->key) == aimedImpact.component) (void)chosen.add(*found);
+  }
 }
 
 }  // namespace
@@ -127,7 +158,12 @@ std::vector<AimedImpact> aim(const Solid& solid, const VoxelComponents& componen
     aimedImpact.component = components.at(*inside.find(surface.nearest(aimedImpact.center)));
     aimedImpact.count = impact.count > 0 ? static_cast<std::size_t>(impact.count) : share;
     aimedImpact.merge = impact.merge;
-    if (impact.sigma > 0.0) {
+    if (impact.energy > 0.0) {
+      const std::size_t all = (pieces - components.count()) / impacts.size();
+      const glm::dvec3& sides = onSurface.sides();
+      setRings(aimedImpact, impact, randomBits(options.seed, Stage::impactSeed, i), solid,
+               std::max({sides.x, sides.y, sides.z}), std::max<std::size_t>(all, 1));
+    } else if (impact.sigma > 0.0) {
       // The mean of 12 uniforms has a standard deviation of 1/12.
       aimedImpact.terms = kNormalTerms;
       aimedImpact.side = glm::dvec3(kNormalTerms * (impact.sigma / solid.frame.voxelSize));
@@ -167,6 +203,7 @@ void scatter(const AimedImpact& aimedImpact, std::size_t number, const Candidate
   // A distribution wider than the box is uniform.
   const double widest = 2.0 * sideOfUnit * std::max({sides.x, sides.y, sides.z});
   const std::size_t end = chosen.size() + aimedImpact.count;
+  addRings(aimedImpact, candidates, end, chosen);
   glm::dvec3 side = aimedImpact.side;
   int taken = 0, missed = 0;
   for (std::uint64_t own = 0, draw = 0; chosen.size() < end; ++draw) {

@@ -17,6 +17,8 @@ struct AimedImpact {
   std::size_t count = 0;        ///< seeds
   glm::dvec3 side{0.0};         ///< offset = side * meanOfUniforms(terms), voxels
   int terms = 0;
+  std::vector<glm::dvec3> rings{};  ///< points of the first seeds, index space: of impacts with an
+                                    ///< energy on thin walls
   bool merge = false;
 };
 

@@ -57,20 +57,26 @@ void SeedSampler::drawAnew(std::size_t end, Chosen& chosen) {
 void SeedSampler::drawEach(const PointOf& pointOf, std::size_t upTo, std::size_t end,
                            Chosen& chosen) {
   constexpr int kTaken = 16;
+  constexpr std::uint64_t kMostDraws = (1 << 20) - 1;  // of drawItem
   for (; chosen.size() < upTo; ++nextSeed_) {
     throwIfCancelled(progress_);
     const std::size_t before = chosen.size();
     const bool covers = end - before <= chosen.unseeded();
-    const std::uint64_t draws = covers ? coverDraws_ : candidates_.drawsForOne();
+    std::uint64_t draws = covers ? coverDraws_ : candidates_.drawsForOne();
     int taken = 0;
     for (std::uint64_t i = 0; i < draws && taken < kTaken && chosen.size() == before; ++i) {
       coverDraws_ -= covers ? 1 : 0;
-      const glm::dvec3 point = pointOf(drawItem(nextSeed_, i));
+      const std::uint64_t item = drawItem(nextSeed_, i);
+      const glm::dvec3 point = pointOf(item);
       if (std::min({point.x, point.y, point.z}) < 0.0 ||
           std::max({point.x, point.y, point.z}) >= 1.0) {
         continue;
       }
       const std::optional<Candidate> found = candidates_.inBox(point);
+      if (found && !isAccepted(point, item)) {  // not one of the draws that miss the solid
+        draws += !covers && refusals_ > 0 && draws < kMostDraws ? 1 : 0;
+        continue;
+      }
       if (found && chosen.mayTake(*found, end) && !chosen.add(*found)) ++taken;
     }
     if (chosen.size() == before) addAny(end, chosen);
@@ -78,9 +84,26 @@ void SeedSampler::drawEach(const PointOf& pointOf, std::size_t upTo, std::size_t
   }
 }
 
+bool SeedSampler::isAccepted(const glm::dvec3& unit, std::uint64_t item) {
+  if (density_.accepts(candidates_.pointInBox(unit), item)) return true;
+  if (refusals_ % 4096 == 0) throwIfCancelled(progress_);
+  refusals_ -= refusals_ > 0 ? 1 : 0;
+  return false;
+}
+
+Candidate SeedSampler::denseCandidate(const Chosen& chosen) {
+  if (!dense_) dense_.emplace(candidates_.voxels(), density_, progress_);
+  return candidates_.ofVoxel(dense_->draw(randomUnit(seed_, Stage::denseVoxel, nextVoxel_++),
+                                          [&](VoxelKey key) { return !chosen.has(key); }));
+}
+
 void SeedSampler::addAny(std::size_t end, Chosen& chosen) {
   const VoxelIndex& voxels = candidates_.voxels();
   if (end - chosen.size() > chosen.unseeded()) {
+    if (density_.isAny()) {
+      chosen.add(denseCandidate(chosen));
+      return;
+    }
     std::uint64_t number = randomBelow(voxels.total(), seed_, Stage::seedVoxel, nextVoxel_++);
     while (!chosen.add(candidates_.ofVoxel(voxels.at(number))))
       number = (number + 1) % voxels.total();
@@ -101,14 +124,20 @@ void SeedSampler::drawHalton(std::size_t end, Chosen& chosen) {
   // Enough digits for 2^28 draws.
   const RadicalInverse inX(2, 28, seed_, Stage::haltonDigit), inY(3, 18, seed_, Stage::haltonDigit),
       inZ(5, 13, seed_, Stage::haltonDigit);
-  constexpr std::uint64_t kMost = 1 << 24;
+  constexpr std::uint64_t kMost = 1 << 24, kHaltonItem = std::uint64_t{1} << 63;
   std::uint64_t left = std::min(kMost, candidates_.drawsForOne() * (end - chosen.size()) + 1024);
   // The mesh alone decides which points are skipped.  Where a point has no free voxel, its seed is
   // drawn anew.  Once only components without a seed are left, points hardly ever lie in them.
   for (; left > 0 && end - chosen.size() > chosen.unseeded(); --left, ++next_) {
     throwIfCancelled(progress_);
-    const auto found = candidates_.inBox({inX.at(next_), inY.at(next_), inZ.at(next_)});
-    if (found && !chosen.add(*found)) drawAnew(end, chosen);
+    const glm::dvec3 point(inX.at(next_), inY.at(next_), inZ.at(next_));
+    const auto found = candidates_.inBox(point);
+    if (!found) continue;
+    if (!isAccepted(point, kHaltonItem | next_)) {
+      left += left < kMost ? 1 : 0;
+      continue;
+    }
+    if (!chosen.add(*found)) drawAnew(end, chosen);
   }
 }
 

@@ -14,6 +14,7 @@
 #include "seed/nearest_seed.h"
 #include "seed/samplers.h"
 #include "seed/voxel_index.h"
+#include "seed/wall.h"
 
 namespace sherd {
 namespace {
@@ -36,7 +37,7 @@ void checkImpactsFit(const std::vector<AimedImpact>& aimedImpacts,
 void checkRoom(std::size_t pieces, std::size_t further, const VoxelIndex& candidates,
                const SeedOptions& options) {
   if (pieces + further <= candidates.total()) return;
-  const bool volume = options.on == SeedsOn::volume;
+  const bool volume = options.on != SeedsOn::surface;
   throw Error(ErrorCode::usage,
               std::to_string(pieces) + " pieces" +
                   (further ? " and " + std::to_string(further) + " further seeds" : "") +
@@ -101,14 +102,20 @@ std::vector<Seed> placeSeeds(const Solid& solid, const VoxelComponents& componen
   if (!(options.sizeSpread >= 0.0 && options.sizeSpread <= kMostSizeSpread)) {
     throw Error(ErrorCode::usage, "the spread of sizes must lie in 0..4");
   }
+  if (options.density.field && options.sampler == Sampler::poisson) {
+    throw Error(ErrorCode::usage,
+                "poisson keeps seeds apart by one distance, which a density of pieces does not "
+                "have; choose another sampler",
+                OptionNames{"sampler", "density-attribute"});
+  }
   const std::size_t pieces = countFragments(components, options.pieces);
   const bool impacts = !options.impacts.empty() || options.randomImpacts > 0;
   std::vector<std::uint64_t> surface;
   if (impacts || options.on == SeedsOn::surface) surface = surfaceMask(*solid.blocks);
   const VoxelIndex inside(*solid.blocks, solid.blocks->inside);
   const VoxelIndex onSurface(*solid.blocks, surface);
-  const VoxelIndex& voxels = options.on == SeedsOn::volume ? inside : onSurface;
-  const Candidates candidates(solid, voxels, options.on);
+  const VoxelIndex& voxels = options.on == SeedsOn::surface ? onSurface : inside;
+  const Candidates candidates(solid, voxels, options.on, thinFor(solid.voxels, pieces));
 
   const auto extra = static_cast<std::size_t>(options.extraSeeds) +
                      static_cast<std::size_t>(options.extraSeedsPerPiece) * pieces;
@@ -130,7 +137,8 @@ std::vector<Seed> placeSeeds(const Solid& solid, const VoxelComponents& componen
               progress);
     }
   };
-  SeedSampler sampler(candidates, options.sampler, options.seed, progress);
+  const DensityTest density(options.density.field.get(), solid.frame, options.seed);
+  SeedSampler sampler(candidates, options.sampler, options.seed, density, progress);
   Chosen chosen(components);
   scatterAll(/*merge=*/false, chosen);
   sampler.draw(pieces - chosen.size(), chosen);

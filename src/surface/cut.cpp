@@ -319,7 +319,7 @@ Cut findCut(const Labels& labels, std::span<const LeafNeighbors> neighborhoods, 
   std::vector<std::array<std::uint32_t, 6>> layers;
   if (extent == CutExtent::cells) layers = mixedLayers(labels, leafLabel);
   const Sites sites(labels.sites);
-  const SplitTree splits(labels.splits);
+  const SplitTree splits(labels.splits, labels.cracks);
   std::vector<CutLeaf> perLeaf(blocks.count());
   Cut cut;
   cut.snapWeight.resize(std::size_t{Labels::kEroded} + 1);

@@ -30,6 +30,9 @@ std::vector<Sites::Site> nearLeaf(std::span<const Sites::Site> sites, const open
   const auto distance = [&](const Sites::Site& site) {
     return glm::length(glm::dvec3(site.stretched) - middle);
   };
+  const bool hasWeights = std::any_of(near.begin(), near.end(),
+                                      [&](const auto& s) { return s.weight != sites[0].weight; });
+  if (hasWeights) return near;  // they are few: a fragment's own
   double least = std::numeric_limits<double>::infinity();
   for (const Sites::Site& site : near) least = std::min(least, distance(site));
   std::erase_if(near, [&](const Sites::Site& site) {
@@ -49,7 +52,8 @@ Sites::Sites(const VoronoiSites& sites) {
   first_.assign(std::size_t{seeds.back().fragment} + 2, 0);
   for (const Seed& seed : seeds) {
     ++first_[seed.fragment + 1u];
-    sites_.push_back({sherd::stretched(metric_, stepsOf(seed)), pointOf(seed)});
+    sites_.push_back(
+        {sherd::stretched(metric_, stepsOf(seed)), pointOf(seed), weightIn(metric_, seed.weight)});
   }
   for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
 }
@@ -98,7 +102,7 @@ NearestInRow nearestInRow(std::span<const Sites::Site> sites, const glm::i64vec3
   const auto first = static_cast<std::int64_t>(voxels[0]);
   for (std::size_t i = 0; i < sites.size(); ++i) {
     const glm::i64vec3 d = low + first * step - sites[i].stretched;
-    std::int64_t squared = dot(d, d), growth = 2 * dot(d, step) + square;
+    std::int64_t squared = dot(d, d) - sites[i].weight, growth = 2 * dot(d, step) + square;
     for (std::size_t z = voxels[0]; z < voxels[1]; ++z) {
       if (squared < nearest.squared[z]) {
         nearest.squared[z] = squared;
@@ -198,7 +202,8 @@ class SitesOfLeaf {
   struct Rival {
     std::uint32_t other = 0;
     std::uint32_t from = ~std::uint32_t{0}, to = 0;
-    double plane = 0.0;  // least distance from a site of this fragment to a bisector plane, voxels
+    double plane = 0.0;  // least distance from a site of this fragment to a plane towards the
+                         // other, voxels; negative beyond it
     double slope = 0.0;
   };
 
@@ -218,7 +223,8 @@ class SitesOfLeaf {
     for (const Sites::Site& one : sites_[a]) {
       for (const Sites::Site& other : sites_[b]) {
         const double slope = all_.slope(one.stretched, other.stretched);
-        const auto apart = static_cast<double>(squared(one.stretched - other.stretched));
+        const auto apart = static_cast<double>(squared(one.stretched - other.stretched) +
+                                               one.weight - other.weight);
         least = std::min(least, slope > 0.0 ? apart / slope : 0.0);
       }
     }

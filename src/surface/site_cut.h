@@ -1,4 +1,4 @@
-// The cut between Voronoi cells: bisector planes of seeds.
+// The cut between Voronoi cells, or power cells where seeds have weights: planes between seeds.
 #pragma once
 
 #include <sherd/labels.h>
@@ -33,7 +33,8 @@ class Sites {
   /// A seed.
   struct Site {
     glm::i64vec3 stretched{0};
-    glm::dvec3 point{0.0};  ///< index space
+    glm::dvec3 point{0.0};    ///< index space
+    std::int64_t weight = 0;  ///< in the unit of squared stretched distances
   };
 
   /// Returns the sites of a fragment, possibly none.

@@ -4,12 +4,15 @@
 #include <algorithm>
 #include <bit>
 #include <glm/geometric.hpp>
+#include <utility>
 
+#include "grow/guide_sides.h"
 #include "surface/halo_bits.h"
 
 namespace sherd {
 
-SplitTree::SplitTree(std::span<const Split> splits) : splits_(splits.begin(), splits.end()) {
+SplitTree::SplitTree(std::span<const Split> splits, std::shared_ptr<const GivenCracks> cracks)
+    : splits_(splits.begin(), splits.end()), cracks_(std::move(cracks)) {
   for (std::uint32_t i = 0; i < splits_.size(); ++i) {
     const Split& split = splits_[i];
     length_.push_back(64.0 * glm::length(glm::dvec3(split.normal)));
@@ -21,8 +24,12 @@ SplitTree::SplitTree(std::span<const Split> splits) : splits_(splits.begin(), sp
 }
 
 bool SplitTree::empty() const {
-  return std::all_of(splits_.begin(), splits_.end(),
-                     [](const Split& split) { return split.normal == glm::ivec3(0); });
+  return std::none_of(splits_.begin(), splits_.end(),
+                      [this](const Split& split) { return isKnown(split); });
+}
+
+bool SplitTree::isKnown(const Split& split) const {
+  return split.normal != glm::ivec3(0) || cracks_ != nullptr;
 }
 
 const SplitTree::Side* SplitTree::parted(std::uint16_t fragment, std::uint16_t other) const {
@@ -30,17 +37,26 @@ const SplitTree::Side* SplitTree::parted(std::uint16_t fragment, std::uint16_t o
   const std::vector<Side>&a = sides_[fragment], &b = sides_[other];
   const auto [own, others] = std::mismatch(a.begin(), a.end(), b.begin(), b.end());
   const bool isParted = own != a.end() && others != b.end() && own->split == others->split;
-  return isParted && splits_[own->split].normal != glm::ivec3(0) ? &*own : nullptr;
+  return isParted && isKnown(splits_[own->split]) ? &*own : nullptr;
 }
 
 std::int64_t SplitTree::beyond(const Side& side, const openvdb::Coord& voxel) const {
   const Split& split = splits_[side.split];
+  if (split.normal == glm::ivec3(0)) {
+    const bool isPositive = cracks_->distance(static_cast<std::size_t>(split.offset), voxel) > 0.0;
+    return isPositive == side.isAdded ? 0 : 1;
+  }
   std::int64_t value = -split.offset;
   for (int i = 0; i < 3; ++i) value += 64 * std::int64_t{split.normal[i]} * voxel[i];
   return side.isAdded ? 1 - value : value;  // voxels on the plane are on the negative side
 }
 
 double SplitTree::distance(const Side& side, const openvdb::Coord& voxel) const {
+  const Split& split = splits_[side.split];
+  if (split.normal == glm::ivec3(0)) {
+    const double distance = cracks_->distance(static_cast<std::size_t>(split.offset), voxel);
+    return side.isAdded ? -distance : distance;
+  }
   const std::int64_t value = beyond(side, voxel) - (side.isAdded ? 1 : 0);
   return static_cast<double>(value) / length_[side.split];
 }

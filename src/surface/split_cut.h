@@ -4,6 +4,7 @@
 #include <sherd/labels.h>
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -15,12 +16,14 @@ namespace sherd {
 class SplitTree {
  public:
   SplitTree() = default;
-  explicit SplitTree(std::span<const Split> splits);
+  ///   cracks  see Labels, may be null
+  explicit SplitTree(std::span<const Split> splits,
+                     std::shared_ptr<const GivenCracks> cracks = nullptr);
 
-  /// Whether no crack is a plane.
+  /// Whether no crack is a plane or given.
   bool empty() const;
 
-  /// A plane that bounds a fragment.
+  /// A plane, or a given crack, that bounds a fragment.
   struct Side {
     std::uint32_t split = 0;
     bool isAdded = false;  ///< the fragment is on the positive side
@@ -28,8 +31,8 @@ class SplitTree {
     bool operator==(const Side&) const = default;
   };
 
-  /// Returns the side of the split that parted a fragment from another; null if none did, or by
-  /// no plane.
+  /// Returns the side of the split that parted a fragment from another; null if none did, or by a
+  /// crack of which only the labels are known.
   const Side* parted(std::uint16_t fragment, std::uint16_t other) const;
 
   /// Returns how far a voxel is beyond a side's plane, at most 0 for its own voxels: an integer,
@@ -38,7 +41,11 @@ class SplitTree {
   double distance(const Side& side, const openvdb::Coord& voxel) const;
 
  private:
+  // Whether the surface of a split's crack is known.
+  bool isKnown(const Split& split) const;
+
   std::vector<Split> splits_;
+  std::shared_ptr<const GivenCracks> cracks_;
   std::vector<double> length_;            // [splits] of 64 normals
   std::vector<std::vector<Side>> sides_;  // [fragments + 1] from the first split on
 };

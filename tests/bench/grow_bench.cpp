@@ -21,6 +21,8 @@
 
 #include "ball.h"
 #include "cl/open_cl_device.h"
+#include "grow/sequential.h"
+#include "grow/split_plan.h"
 
 namespace {
 
@@ -282,6 +284,26 @@ void growWay(benchmark::State& state) {
   report(state, solid);
 }
 
+// The same by splits, in as many pieces.
+void growSplits(benchmark::State& state) {
+  const Ball& solid = ball(static_cast<int>(state.range(0)));
+  sherd::Device& on = device(state.range(1));
+  const sherd::VoxelComponents components = sherd::findComponents(*solid.blocks, on);
+  const sherd::SplitRun run{sherd::sharesOfSplits({}, solid.seeds.size(), 1), 1};
+  const sherd::GrowOptions options{.growth = sherd::Growth::sequential, .outerSteps = 0};
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(
+        sherd::growBySplits(solid.blocks, components, std::span(&run, 1), on, options));
+  }
+  state.SetLabel(std::string("sequential, ") + kDevices[static_cast<std::size_t>(state.range(1))]);
+  report(state, solid);
+}
+
+BENCHMARK(growSplits)
+    ->Name("grow/splits")
+    ->ArgsProduct({{128, 256}, {0, 1}})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
 BENCHMARK(growWay)
     ->Name("grow/way")
     ->ArgsProduct({{128, 256}, benchmark::CreateDenseRange(0, 7, 1), {0, 1}})

@@ -50,7 +50,7 @@ class Seeds(Options):
     def test_samplers_and_places(self):
         seen = set()
         for sampler in ("uniform", "halton", "gaussian", "poisson"):
-            for place in ("volume", "surface"):
+            for place in ("volume", "surface", "wall"):
                 with self.subTest(sampler=sampler, place=place):
                     manifest = self.broken("--sampler", sampler, "--seeds-on", place)
                     self.assertEqual(manifest["options"]["seeds"]["sampler"], sampler)
@@ -58,7 +58,7 @@ class Seeds(Options):
                     seen.add(json.dumps(self.seeds(manifest)))
                     if place == "surface":  # a voxel is 1/16, and its diagonal 0.11
                         self.assertGreater(min(math.dist(s, (0, 0, 0)) for s in self.seeds(manifest)), 1 - 0.11)
-        self.assertEqual(len(seen), 8)
+        self.assertEqual(len(seen), 8)  # a ball has no wall
 
     def test_extra_seeds(self):
         for text, extra, each, seeds in (("30", 30, 0, 42), ("2n", 0, 2, 36), ("0", 0, 0, 12)):
@@ -92,6 +92,18 @@ class Seeds(Options):
         manifest = self.broken("--impact", "1,0,0,6,n=9,merge", "--impact", "0,0,1,3,merge")
         self.assertEqual(len(self.seeds(manifest)), 12 + 9)
         self.assertEqual([i["bias"] for i in manifest["options"]["seeds"]["impacts"]], [9, 5])
+
+    def test_impacts_with_an_energy(self):
+        """On a shell the seeds lie in its middle, in rings about the point."""
+        shell = self.path("shell.obj")
+        inner = sphere(radius=0.85)
+        write_obj(shell, joined(sphere(), (inner[0], [f[::-1] for f in inner[1]])))
+        manifest = self.broken("--impact", "0,0,1,energy=1", mesh=shell, pieces=40)
+        self.assertEqual([(i["count"], i["energy"], i["merge"]) for i in manifest["options"]["seeds"]["impacts"]], [(0, 1, False)])
+        middle = [s for s in self.seeds(manifest) if abs(math.dist(s, (0, 0, 0)) - 0.925) < 0.02]
+        self.assertGreaterEqual(len(middle), 24)
+        self.assertGreater(np.mean([s[2] for s in middle]), 0.5)
+        self.assertEqual(len(self.seeds(self.broken("--impact", "0,0,1,5,0.4,energy=2.5,merge"))), 12 + 5)
 
     def test_random_impacts(self):
         manifest = self.broken("--impacts", "3")
@@ -187,6 +199,18 @@ class Growth(Options):
         self.assertGreater(sum(freed[0]), 0)
         self.assertEqual(freed[1], [])
         self.assertNotEqual(self.labels(*many), self.labels("--isolated", "keep", *many))
+
+    def test_sizes(self):
+        for text in "uniform", "lognormal:0.5", "power:1.5", "exponential":
+            manifest = self.broken("--sizes", text)
+            self.assertEqual(manifest["options"]["sizes"], text)
+            shares = sorted(f["share"] for f in manifest["fragments"])
+            if text == "uniform":
+                self.assertLess(shares[-1] - shares[0], 2 * 0.0201 / 12)
+            self.assertLess(manifest["size_error"], 0.0201 + 8 / manifest["grid"]["solid_voxels"] / shares[0])
+        self.assertNotIn("sizes", self.broken("--sizes", "grown")["options"])
+        for growth in ("flood",), ("chain",), ("nearest", "--metric", "manhattan"):
+            self.refused(2, self.fracture("--sizes", "uniform", "--growth", *growth), "--sizes", "--growth euclid")
 
     def test_least_share_and_balance(self):
         plain, fair = self.broken(), self.broken("--balance", "10")
@@ -339,7 +363,11 @@ class WrongValues(Options):
             "--sampler": ("Uniform", "", "0"), "--seeds-on": ("edge",), "--merge-metric": ("cosine",),
             "--extra-seeds": ("", "-1", "n", "2m", "1.5n", "+2", "1001n", "99999999999n", "10000001"),
             "--impact": ("", "1,2", "1,2,x", "1,2,nan", "0,0,0,0", "0,0,0,1.5", "0,0,0,2,-1", "0,0,0,2,n=0",
-                         "0,0,0,2,n=1001", "0,0,0,2,0.1,merge,merge", "0,0,0,merge,2", "ray:0,0,0", "ray:", "0,0,0,"),
+                         "0,0,0,2,n=1001", "0,0,0,2,0.1,merge,merge", "0,0,0,merge,2", "ray:0,0,0", "ray:", "0,0,0,",
+                         "0,0,0,energy=", "0,0,0,energy=0", "0,0,0,energy=101", "0,0,0,energy=-1", "0,0,0,energy=nan", "energy=1",
+                         "0,0,0,4,n=9,energy=1", "0,0,0,energy=1,4", "0,0,0,energy=1,energy=1", "0,0,0,Energy=1"),
+            "--sizes": ("", "even", "Uniform", "uniform:1", "uniform:", "lognormal", "lognormal:", "lognormal:0", "lognormal:4", "lognormal:nan",
+                        "lognormal:0.8,1", "power", "power:0.9", "power:5", "power:-1", "exponential:1"),
             "--impacts": ("-1", "10001", "1.5"),
             "--growth": ("voronoi", "3"), "--neighborhood": ("18", "x"), "--metric": ("l2",),
             "--grain": ("", "1,0,0", "0,0,0,1", "1,0,0,10", "1,0,0,-0.8", "1,0,nan,1"),
@@ -391,10 +419,11 @@ MATTERS = {
     "--sampler": ((), "uniform", "halton"), "--seeds-on": ((), "volume", "surface"), "--extra-seeds": ((), "0", "1n"),
     "--merge-metric": (("--extra-seeds", "5"), "euclidean", "manhattan"), "--size-spread": (("--extra-seeds", "5"), "0", "2"),
     "--impact": ((), "1,0,0,1", "0,1,0,1"), "--impacts": ((), "0", "1"),
+    "--density-attribute": ((), "wear", "red"), "--guide": (("--growth", "sequential"), "one.obj", "other.obj"),
     "--seeds": ((), None, "seeds.json"), "--growth": ((), "euclid", "flood"), "--neighborhood": (("--growth", "flood"), "6", "26"),
     "--metric": (("--growth", "nearest"), "euclidean", "manhattan"), "--grain": ((), "0,0,1,2", "0,0,1,3"), "--roughness": ((), "1", "3%,0.5"),
     "--material": ((), "stone", "wood"), "--propagation": (("--roughness", "2"), "0,0,1,0.4", "1,0,0,0.4"),
-    "--isolated": ((), "regrow", "keep"), "--min-share": ((), "0", "0.01"), "--balance": ((), "0", "1"), "--drop-share": ((), "0", "0.01"),
+    "--sizes": ((), "uniform", "power:1.6"), "--isolated": ((), "regrow", "keep"), "--min-share": ((), "0", "0.01"), "--balance": ((), "0", "1"), "--drop-share": ((), "0", "0.01"),
     "--missing": ((), "0", "1"), "--erode-iterations": ((), "0", "1"),
     "--surface": ((), "smooth", "labels"), "--interface": ((), "shared", "independent"), "--adaptivity": ((), "0", "0.5"),
     "--smoothing": (("--smooth-iterations", "2"), "taubin", "laplacian"), "--smooth-iterations": ((), "1", "2"),
@@ -442,7 +471,16 @@ class EveryOption(CommandLine):
         grid = [g for g in vdb.readAll(self.path("first/fragments/ball_001.vdb"))[0] if g.name == "density"]
         vdb.write(self.path("fog.vdb"), grid)
         shutil.copy(self.path("first/seeds.json"), self.path("seeds.json"))
-        return {"--only": self.path("first/manifest.json"), "--split-objects": two, "--grid": self.path("single/fragments.vdb"),
+        for name, z in ("one", 0.1), ("other", 0.3):
+            self.path(name + ".obj", f"v 1 0 {z}\nv 0 1 {z}\nl 1 2\n".encode())
+        vertices, triangles = sphere(12, 24)
+        with open(self.path("valued.ply"), "w") as out:
+            out.write(f"ply\nformat ascii 1.0\nelement vertex {len(vertices)}\nproperty float x\nproperty float y\nproperty float z\n"
+                      f"property float wear\nproperty uchar red\nelement face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n")
+            out.writelines(f"{x:.9g} {y:.9g} {z:.9g} {2 + x:.9g} {round(100 + 99 * y)}\n" for x, y, z in vertices)
+            out.writelines("3 {} {} {}\n".format(*t) for t in triangles)
+        return {"--only": self.path("first/manifest.json"), "--density-attribute": self.path("valued.ply"),
+                "--split-objects": two, "--grid": self.path("single/fragments.vdb"),
                 "--isovalue": self.path("fog.vdb")}
 
     @staticmethod
@@ -455,7 +493,7 @@ class EveryOption(CommandLine):
         inputs = self.inputs()
         for name, (beside, one, other) in MATTERS.items():
             def with_value(value):
-                value = self.path(value) if name == "--seeds" and value else value
+                value = self.path(value) if name in ("--seeds", "--guide") and value else value
                 return () if value is None else (name,) if value == () else (name, value)
             with self.subTest(option=name):
                 first = self.files("one" + name, *beside, *with_value(one), mesh=inputs.get(name))

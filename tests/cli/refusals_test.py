@@ -87,7 +87,9 @@ class Together(CommandLine):
     CONFLICTS = ((("--shell-thickness", "0.1", "--fill", "parity"), "--shell-thickness"),
                  (("--shell-thickness", "0.1", "--fill", "winding"), "--shell-thickness"),
                  (("--grid", "surface"), "--grid"), (("--isovalue", "0.2"), "--isovalue"),
-                 (("--points", "5", "--point-sampler", "poisson", "--point-rule", "per-triangle"), "--point-rule"))
+                 (("--points", "5", "--point-sampler", "poisson", "--point-rule", "per-triangle"), "--point-rule"),
+                 (("--guide", "x.obj"), "--guide"), (("--density-attribute", "x", "--sampler", "poisson"), "--density-attribute"),
+                 (("--density-attribute", "x", "--balance", "1"), "--density-attribute"))
     IDLE = (("--metric", "manhattan"), ("--metric", "chebyshev", "--growth", "flood"), ("--neighborhood", "26"), ("--merge-metric", "manhattan"),
             ("--merge-metric", "manhattan", "--impact", "0,0,1"), ("--size-spread", "1"),
             ("--erode-shape", "cross"), ("--erode-size", "5"), ("--erode-planes",), ("--erode-threshold", "0.5"), ("--erode-probability", "0.5"),

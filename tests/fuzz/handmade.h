@@ -33,6 +33,18 @@ inline Files obj() {
           "usemtl m\nf 1/1 2/2/ 3/3\nusemtl n\nf -1/-1 -2/-2 -3//\n"};
 }
 
+inline Files guideObj() {
+  return {"v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2 3\nl -1 -2\n",
+          "l 1/1 2/2\nv 0 0 0 1\nv 1 0 0 # end\nv 0 1 0\nf 1 2 3\nl 2 3 1\n"};
+}
+
+inline Files guidePly() {
+  return {
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+      "property float z\nelement edge 2\nproperty int vertex1\nproperty int vertex2\n"
+      "property uchar red\nend_header\n0 0 0\n1 0 0\n0 1 0\n0 1 9\n1 2 9\n"};
+}
+
 inline Files off() { return {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"}; }
 
 inline Files gltf() {

@@ -81,6 +81,18 @@ void readMeshNamed(const char* name, std::string_view bytes) {
   checkMesh(source.mesh);
 }
 
+void readGuideNamed(const char* name, std::string_view bytes) {
+  const Guide guide = guideFromBytes(fs::path("/absent") / name, std::string(bytes));
+  check(!guide.polylines.empty() || !guide.mesh.triangles.empty());
+  if (!guide.mesh.triangles.empty()) checkMesh(guide.mesh);
+  for (const std::vector<glm::dvec3>& line : guide.polylines) {
+    check(line.size() > 1);
+    for (const glm::dvec3& v : line) {
+      check(std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z));
+    }
+  }
+}
+
 // Each form is read or refused on its own.
 void readDraco(std::string_view bytes) {
   for (const DracoPositions positions : {DracoPositions::packed, DracoPositions::plain}) {

@@ -11,6 +11,7 @@ namespace sherd::fuzz {
 void check(bool holds);
 
 void readMeshNamed(const char* name, std::string_view bytes);
+void readGuideNamed(const char* name, std::string_view bytes);
 void readDraco(std::string_view bytes);
 void checkVoxels(const RunLengthVoxels& voxels);
 void checkPoints(const SurfacePoints& points);

@@ -20,6 +20,8 @@ const std::vector<Target> kTargets{
     {"ply", [](std::string_view bytes) { readMeshNamed("a.ply", bytes); }, ".ply", handmade::ply()},
     {"stl", [](std::string_view bytes) { readMeshNamed("a.stl", bytes); }, ".stl", handmade::stl()},
     {"obj", [](std::string_view bytes) { readMeshNamed("a.obj", bytes); }, ".obj", handmade::obj()},
+    {"guide_obj", [](std::string_view bytes) { readGuideNamed("a.obj", bytes); }, "", handmade::guideObj()},
+    {"guide_ply", [](std::string_view bytes) { readGuideNamed("a.ply", bytes); }, "", handmade::guidePly()},
     {"off", [](std::string_view bytes) { readMeshNamed("a.off", bytes); }, "", handmade::off()},
     {"gltf", [](std::string_view bytes) { readMeshNamed("a.gltf", bytes); }, "", handmade::gltf()},
     {"glb", [](std::string_view bytes) { readMeshNamed("a.glb", bytes); }, ".glb", dracoGlbs()},

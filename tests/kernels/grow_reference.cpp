@@ -1,8 +1,10 @@
 #include "grow_reference.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <numeric>
 #include <queue>
 
@@ -24,12 +26,19 @@ std::uint64_t distance(Metric metric, const Coord& a, const Coord& b) {
 
 namespace {
 
-// The nearest seed to a voxel's center, in steps of seeds; ties to the lower label.
-Arrival nearestTo(const Coord& voxel, const std::vector<Seed>& seeds, Metric metric) {
-  Arrival best{~0ull, 0};
+struct Nearest {
+  std::int64_t cost = std::numeric_limits<std::int64_t>::max();
+  std::uint16_t label = 0;
+};
+
+// The nearest seed to a voxel's center, in steps of seeds; ties to the lower label.  Weights are
+// subtracted from squared distances.
+Nearest nearestTo(const Coord& voxel, const std::vector<Seed>& seeds, Metric metric) {
+  Nearest best;
   for (const Seed& seed : seeds) {
     const glm::i64vec3 apart = stepsOf(seed) - stepsOf(Seed{voxel});
-    const auto d = static_cast<std::uint64_t>(metricOrder(metric, apart.x, apart.y, apart.z));
+    const std::int64_t d = metricOrder(metric, apart.x, apart.y, apart.z) -
+                           (metric == Metric::euclidean ? seed.weight : 0);
     if (d < best.cost || (d == best.cost && seed.fragment < best.label)) best = {d, seed.fragment};
   }
   return best;
@@ -56,8 +65,9 @@ std::map<Coord, Arrival> nearest(const voxel_shapes::VoxelSolid& solid,
   const int bits = metric == Metric::euclidean ? 12 : 6;  // of a voxel's 64 steps, squared or not
   std::map<Coord, Arrival> owned;
   for (const Coord& voxel : solid.inside) {
-    owned[voxel] = nearestTo(voxel, points, metric);
-    owned[voxel].cost >>= bits;
+    const Nearest own = nearestTo(voxel, points, metric);
+    owned[voxel] = {static_cast<std::uint64_t>(std::max<std::int64_t>(own.cost, 0)) >> bits,
+                    own.label};
   }
   return owned;
 }

@@ -91,6 +91,49 @@ TEST_F(Growths, NearestEqualsBruteForceForEveryMetric) {
   }
 }
 
+// Weights of up to 40 voxels squared, mostly more than the distance of two seeds: hosts lower those
+// that would leave another seed without its own voxel.
+TEST_F(Growths, WeightedSeedsGivePowerCellsAroundTheirVoxels) {
+  for (const VoxelSolid& solid : voxel_shapes::all()) {
+    for (const std::size_t count : {2u, 30u}) {
+      std::vector<Seed> seeds = randomSeeds(solid, count, count / 3, 6);
+      std::mt19937 random(7);
+      for (Seed& seed : seeds) {
+        seed.weight = static_cast<std::int64_t>(random() % (80 * kSeedSteps * kSeedSteps)) -
+                      40 * kSeedSteps * kSeedSteps;
+      }
+      const Labels labels =
+          growOne(solid, seeds, device(), {.growth = Growth::nearest, .regrowIsolated = false})
+              .front();
+      const std::vector<Seed>& settled = labels.sites.seeds;
+      EXPECT_EQ(reference::settled(settled, Metric::euclidean), settled);
+      const auto reference = reference::nearest(solid, settled, Metric::euclidean);
+      EXPECT_EQ(reference::mapOf(labels), labelsOf(reference)) << solid.name;
+      expectCosts(solid, labels, reference);
+      bool anyWeight = false;
+      for (const Seed& seed : settled) {
+        anyWeight |= seed.weight != settled.front().weight;
+        EXPECT_EQ(reference.at(seed.voxel).label, seed.fragment) << solid.name;
+      }
+      EXPECT_TRUE(anyWeight) << solid.name;
+    }
+  }
+}
+
+TEST_F(Growths, EqualWeightsChangeNothing) {
+  const VoxelSolid solid = voxel_shapes::ball(voxel_shapes::small() ? 5 : 9);
+  const auto blocks = voxel_shapes::blocksOf(solid);
+  for (const double strength : {0.0, 1.0}) {
+    std::vector<Seed> seeds = randomSeeds(solid, 20, 5, 6);
+    const GrowOptions options{.growth = Growth::nearest, .anisotropy = {{1, 2, 0}, strength}};
+    const Labels plain = std::move(grow(blocks, std::span(&seeds, 1), device(), options).front());
+    for (Seed& seed : seeds) seed.weight = -5000;
+    const Labels weighted =
+        std::move(grow(blocks, std::span(&seeds, 1), device(), options).front());
+    EXPECT_EQ(plain.fragment, weighted.fragment);
+  }
+}
+
 TEST_F(Growths, MooreFloodEqualsDijkstra) {
   for (const VoxelSolid& solid : voxel_shapes::all()) {
     const auto blocks = voxel_shapes::blocksOf(solid);

@@ -12,6 +12,8 @@
 #include <utility>
 
 #include "cl/builtin_device.h"
+#include "grow/sequential.h"
+#include "grow/split_plan.h"
 #include "kernels/voxel_shapes.h"
 
 namespace sherd {
@@ -71,6 +73,22 @@ std::vector<std::vector<Seed>> seedSets(const voxel_shapes::VoxelSolid& solid) {
   return sets;
 }
 
+// The labels of two fractures by splits.
+std::vector<std::vector<std::uint16_t>> labelsBySplits(
+    const std::shared_ptr<const LeafBlocks>& blocks, Device& device) {
+  const VoxelComponents components = findComponents(*blocks, device);
+  std::vector<SplitRun> runs;
+  for (const std::size_t further : {3, 20}) {
+    runs.push_back({sharesOfSplits({}, components.count() + further, further), further});
+  }
+  std::vector<std::vector<std::uint16_t>> all;
+  for (SeededLabels& grown :
+       growBySplits(blocks, components, runs, device, {.growth = Growth::sequential})) {
+    all.push_back(std::move(grown.labels.fragment));
+  }
+  return all;
+}
+
 bool sameEverywhere() {
   Device several = deviceOf(deviceOn(nativeKernels(), onPlainThreads));
   Device one = deviceOf(deviceOn(nativeKernels(), onOneThread));
@@ -85,6 +103,7 @@ bool sameEverywhere() {
       for (std::size_t f = 0; f < sets.size(); ++f)
         same = same && grown[f].fragment == expected[f].fragment;
     }
+    same = same && labelsBySplits(blocks, several) == labelsBySplits(blocks, one);
   }
   return same;
 }

@@ -115,6 +115,20 @@ TEST_F(ManifestOptions, OfAFractureAreRecorded) {
   expectNotRecorded("erode.longestSideVoxels", erodeSide, 9.0);
 }
 
+TEST_F(ManifestOptions, OfGivenFilesAreRecorded) {
+  expectRecorded("density", options_.seeds.density, {"field.vdb", {}});
+  expectRecorded("guides", options_.guides, {Guide{.file = "crack.obj"}});
+}
+
+TEST_F(ManifestOptions, OfSizesAndEnergiesAreRecorded) {
+  ShareOptions& shares = options_.shares;
+  expectRecorded("sizes", shares.sizes, Sizes::uniform);
+  shares.sizes = Sizes::power;
+  expectRecorded("sizeParameter", shares.sizeParameter, 2.5);
+  options_.seeds.impacts.push_back({.target = glm::dvec3{1, 0, 0}});
+  expectRecorded("energy", options_.seeds.impacts.front().energy, 2.0);
+}
+
 TEST_F(ManifestOptions, OfGrowthAreRecorded) {
   auto& [growth, neighborhood, metric, anisotropy, split, roughness, hurst, roughnessWindow,
          propagationHurst, propagation, longestSideVoxels, regrowIsolated, noiseSeeds, keepCost,

@@ -74,6 +74,55 @@ TEST(SiteCut, GoesByTheNearestPlaneAndNotByTheNearestSite) {
   EXPECT_GT(notByTheNextSite, 50u);
 }
 
+// Planes between weighted sites: |p - a|^2 - u = |p - b|^2 - v.
+TEST(SiteCut, PlanesMoveByTheWeights) {
+  const std::vector<glm::ivec3> sites{{1, 3, 4}, {0, -2, 4}, {9, 5, 3}, {4, 11, 6}};
+  const std::vector<double> weights{10.5, -3.0, 20.25, 0.0};  // voxels squared
+  VoronoiSites voronoi;
+  std::vector<std::uint16_t> fragments;
+  for (std::size_t i = 0; i < sites.size(); ++i) {
+    fragments.push_back(static_cast<std::uint16_t>(i + 1));
+    Seed seed;
+    seed.voxel = openvdb::Coord(sites[i].x, sites[i].y, sites[i].z);
+    seed.fragment = fragments.back();
+    seed.weight = static_cast<std::int64_t>(weights[i] * kSeedSteps * kSeedSteps);
+    voronoi.seeds.push_back(seed);
+  }
+  const auto power = [&](std::size_t i, const glm::dvec3& p) {
+    const glm::dvec3 d = p - glm::dvec3(sites[i]);
+    return glm::dot(d, d) - weights[i];
+  };
+  CutHalo halo{};
+  std::size_t at = 0;
+  for (int x = -kCutHalo; x < 8 + kCutHalo; ++x) {
+    for (int y = -kCutHalo; y < 8 + kCutHalo; ++y) {
+      for (int z = -kCutHalo; z < 8 + kCutHalo; ++z) {
+        std::size_t nearest = 0;
+        for (std::size_t i = 1; i < sites.size(); ++i) {
+          if (power(i, {x, y, z}) < power(nearest, {x, y, z})) nearest = i;
+        }
+        halo[at++] = fragments[nearest];
+      }
+    }
+  }
+  VoxelBits all;
+  all.fill(0xff);
+  const SiteCut cut = siteCut(halo, {0, 0, 0}, fragments, Sites(voronoi), all);
+  EXPECT_EQ(cut.holds, all);
+  for (int v = 0; v < 512; ++v) {
+    const glm::dvec3 p(v / 64, v / 8 % 8, v % 8);
+    for (std::size_t k = 0; k < sites.size(); ++k) {
+      double most = -3.0;
+      for (std::size_t other = 0; other < sites.size(); ++other) {
+        if (other == k) continue;
+        const double apart = glm::length(glm::dvec3(sites[other] - sites[k]));
+        most = std::max(most, (power(k, p) - power(other, p)) / (2.0 * apart));
+      }
+      EXPECT_NEAR(cut.distance[k * 512 + static_cast<std::size_t>(v)], std::min(most, 3.0), 1e-6);
+    }
+  }
+}
+
 // Sites on a lattice, each moved by less than a voxel, numbered from 1; and their fragments.
 VoronoiSites lattice(int spacing, int halo, std::vector<std::uint16_t>& fragments) {
   VoronoiSites voronoi;

@@ -7,6 +7,8 @@
 #include <glm/geometric.hpp>
 #include <numeric>
 
+#include "grow/split_wall.h"
+
 namespace sherd {
 namespace {
 
@@ -59,9 +61,9 @@ TEST(SplitPlan, ComponentsGetSharesByTheirSize) {
   const std::vector<std::uint64_t> voxels{700, 27, 273};
   const std::vector<double> shares(10, 0.1);
   const auto given = sharesOfComponents(shares, voxels);
-  EXPECT_EQ(given[0].size(), 6u);
-  EXPECT_EQ(given[1].size(), 1u);
-  EXPECT_EQ(given[2].size(), 3u);
+  EXPECT_EQ(given[0].size(), 7u);
+  EXPECT_EQ(given[1].size(), 1u);  // though a third of a share is missing
+  EXPECT_EQ(given[2].size(), 2u);
   const std::vector<std::uint64_t> two{2, 50};
   const auto full = sharesOfComponents(std::vector<double>(52, 1.0 / 52.0), two);
   EXPECT_EQ(full[0].size(), 2u);
@@ -100,8 +102,8 @@ TEST(SplitPlan, SumsOfABoxHaveItsVariance) {
   EXPECT_NEAR(covariance[2][1], 0.0, 1e-9);
 }
 
-double degreesFrom(const glm::ivec3& normal, const glm::dvec3& axis) {
-  const double cosine = std::abs(glm::dot(glm::normalize(glm::dvec3(normal)), axis));
+double degreesFrom(const glm::dvec3& normal, const glm::dvec3& axis) {
+  const double cosine = std::abs(glm::dot(glm::normalize(normal), axis));
   return std::acos(std::min(cosine, 1.0)) * 180.0 / M_PI;
 }
 
@@ -122,7 +124,7 @@ TEST(SplitPlan, CracksOfACubeHaveEveryDirection) {
   glm::dmat3 mean(0.0);
   constexpr int kDraws = 3000;
   for (std::uint64_t i = 0; i < kDraws; ++i) {
-    const glm::dvec3 n = glm::normalize(glm::dvec3(crackNormal(covariance, {}, {}, 1, i)));
+    const glm::dvec3 n = glm::normalize(crackNormal(covariance, {}, {}, 1, i));
     mean += glm::outerProduct(n, n) / static_cast<double>(kDraws);
   }
   // Of isotropic directions the mean of n n^T is 1/3 of the identity; the standard error of an
@@ -150,6 +152,41 @@ TEST(SplitPlan, QuantilesOfEvenVoxelsAreTheirPositions) {
   for (const double fraction : {0.05, 0.25, 0.5, 0.9}) {
     EXPECT_NEAR(projected.quantile(fraction), 100.0 * fraction, 0.6);  // a bin is 0.56
   }
+}
+
+glm::dmat3 covarianceOfBox(const glm::dvec3& size) {
+  glm::dmat3 covariance(0.0);
+  for (int i = 0; i < 3; ++i) covariance[i][i] = size[i] * size[i] / 12.0;
+  return covariance;
+}
+
+glm::dmat3 diagonal(double x, double y, double z) {
+  return {glm::dvec3(x, 0.0, 0.0), glm::dvec3(0.0, y, 0.0), glm::dvec3(0.0, 0.0, z)};
+}
+
+TEST(SplitWall, CracksCrossAPlateAtRightAngles) {
+  const glm::dvec3 normal(std::cos(10.0 * M_PI / 180.0), 0.0, std::sin(10.0 * M_PI / 180.0));
+  // Of a wall of 4 voxels half of the voxels are at the surface.
+  const CrackedLeaves leaves{1000.0, diagonal(0.0, 0.0, 500.0)};
+  const glm::dvec3 rotated = acrossWalls(leaves, covarianceOfBox({100.0, 100.0, 4.0}), normal);
+  EXPECT_NEAR(std::tan(degreesFrom(rotated, {1, 0, 0}) * M_PI / 180.0),
+              std::tan(10.0 * M_PI / 180.0) / 9.0, 1e-9);
+}
+
+TEST(SplitWall, CracksCrossATubeAcrossItsAxis) {
+  const glm::dvec3 normal(0.5, 0.0, std::sqrt(0.75));
+  const CrackedLeaves leaves{1000.0, diagonal(250.0, 250.0, 0.0)};
+  const glm::dvec3 rotated = acrossWalls(leaves, covarianceOfBox({100.0, 100.0, 200.0}), normal);
+  EXPECT_NEAR(std::tan(degreesFrom(rotated, {0, 0, 1}) * M_PI / 180.0),
+              std::tan(30.0 * M_PI / 180.0) / 5.0, 1e-9);
+}
+
+TEST(SplitWall, CracksOfABlockStay) {
+  const glm::dvec3 normal = glm::normalize(glm::dvec3(0.8, 0.0, 0.6));
+  // A section of 100 x 100 voxels has 400 at its border.
+  const CrackedLeaves leaves{10000.0, diagonal(200.0, 200.0, 0.0)};
+  EXPECT_EQ(acrossWalls(leaves, covarianceOfBox({100.0, 100.0, 100.0}), normal), normal);
+  EXPECT_EQ(acrossWalls({}, covarianceOfBox({100.0, 100.0, 100.0}), normal), normal);
 }
 
 }  // namespace

@@ -2,11 +2,13 @@
 #include "formats/mesh/gltf_primitive.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 #include <string>
 #include <utility>
 
+#include "base/lower_case.h"
 #include "formats/mesh/gltf_accessor.h"
 #include "formats/mesh/gltf_attributes.h"
 #include "formats/mesh/gltf_draco.h"
@@ -114,12 +116,72 @@ void requireLength(const GltfDocument& document, const GltfArray& array, std::si
                      " numbers for each of its " + std::to_string(length) + " vertices");
 }
 
+std::vector<glm::dvec3> positionsOf(const GltfDocument& document, const GltfArray& array) {
+  if (array.components != 3) throw document.bad("a mesh's 'POSITION' is not of three numbers");
+  charge(document.file(), array.count, sizeof(glm::dvec3));
+  std::vector<glm::dvec3> positions;
+  positions.reserve(array.count);
+  for (std::size_t i = 0; i < array.count; ++i) {
+    positions.emplace_back(array.at(i, 0), array.at(i, 1), array.at(i, 2));
+  }
+  return positions;
+}
+
+constexpr std::array<const char*, 4> kChannels{"red", "green", "blue", "alpha"};
+
+// An attribute, and which of its numbers.
+struct WantedValues {
+  std::string attribute;  // empty: the primitive has none
+  std::size_t component = 0;
+};
+
+// Returns where the values of MeshFile::attribute are.  Upper case and a first underscore, which
+// glTF requires, need not be given.
+WantedValues valuesWanted(const GltfDocument& document, const Json& primitive) {
+  const std::string wanted = lowerCase(document.file().attribute);
+  if (wanted.empty()) return {};
+  for (const auto& [name, accessor] : GltfDocument::member(primitive, "attributes").items()) {
+    const std::string own = lowerCase(name);
+    if (own.starts_with('_') && (own == wanted || own.substr(1) == wanted)) return {name};
+    const auto* const channel = std::find(kChannels.begin(), kChannels.end(), wanted);
+    if (name == "COLOR_0" && channel != kChannels.end()) {
+      return {name, static_cast<std::size_t>(channel - kChannels.begin())};
+    }
+  }
+  return {};
+}
+
+std::vector<float> valuesOf(const GltfDocument& document, const std::optional<GltfArray>& array,
+                            std::size_t vertices, std::size_t component, const std::string& name) {
+  std::vector<float> values;
+  if (!array) return values;
+  requireLength(document, *array, vertices, component + 1, name);
+  if (name != "COLOR_0" && array->components > 1) {
+    throw document.bad("a mesh's '" + name + "' is not of one number for each of its vertices");
+  }
+  charge(document.file(), array->count, sizeof(float));
+  values.reserve(array->count);
+  for (std::size_t i = 0; i < array->count; ++i) {
+    values.push_back(static_cast<float>(array->at(i, component)));
+  }
+  return values;
+}
+
 }  // namespace
 
 std::uint64_t GltfPrimitive::bytes() const {
   return positions.size() * sizeof(glm::dvec3) + triangles.size() * sizeof(glm::uvec3) +
          texcoords.size() * sizeof(glm::vec2) + colors.size() * sizeof(glm::u8vec3) +
-         normals.size() * sizeof(glm::vec3);
+         normals.size() * sizeof(glm::vec3) + values.size() * sizeof(float);
+}
+
+std::vector<std::string> valueNamesOf(const Json& primitive) {
+  std::vector<std::string> names;
+  for (const auto& [name, accessor] : GltfDocument::member(primitive, "attributes").items()) {
+    if (name.starts_with('_')) names.push_back(name.substr(1));
+    if (name == "COLOR_0") names.insert(names.end(), kChannels.begin(), kChannels.end());
+  }
+  return names;
 }
 
 std::optional<GltfPrimitive> readGltfPrimitive(const GltfDocument& document,
@@ -132,15 +194,12 @@ std::optional<GltfPrimitive> readGltfPrimitive(const GltfDocument& document,
   out.material = document.number(primitive, "material", materials);
   if (out.material != materials) (void)document.at("materials", out.material);
   std::string name = "TEXCOORD_" + std::to_string(texcoordSetOf(document, out.material));
-  Attributes attributes(document, primitive, {"POSITION", "NORMAL", "COLOR_0", "TEXCOORD_0", name});
+  const auto [valueName, valueComponent] = valuesWanted(document, primitive);
+  Attributes attributes(document, primitive,
+                        {"POSITION", "NORMAL", "COLOR_0", "TEXCOORD_0", name, valueName});
 
   const GltfArray positions = attributes.take("POSITION").value();
-  if (positions.components != 3) throw document.bad("a mesh's 'POSITION' is not of three numbers");
-  charge(document.file(), positions.count, sizeof(glm::dvec3));
-  out.positions.reserve(positions.count);
-  for (std::size_t i = 0; i < positions.count; ++i) {
-    out.positions.emplace_back(positions.at(i, 0), positions.at(i, 1), positions.at(i, 2));
-  }
+  out.positions = positionsOf(document, positions);
   out.triangles =
       attributes.draco()
           ? unpackedTriangles(document, *attributes.draco(), positions.count)
@@ -166,7 +225,12 @@ std::optional<GltfPrimitive> readGltfPrimitive(const GltfDocument& document,
       out.normals.emplace_back(normals->at(i, 0), normals->at(i, 1), normals->at(i, 2));
     }
   }
-  if (const std::optional<GltfArray> colors = attributes.take("COLOR_0")) {
+  const std::optional<GltfArray> colors = attributes.take("COLOR_0");
+  if (!valueName.empty()) {
+    out.values = valuesOf(document, valueName == "COLOR_0" ? colors : attributes.take(valueName),
+                          positions.count, valueComponent, valueName);
+  }
+  if (colors) {
     requireLength(document, *colors, positions.count, 3, "COLOR_0");
     charge(document.file(), colors->count, sizeof(glm::u8vec3));
     out.colors.reserve(colors->count);

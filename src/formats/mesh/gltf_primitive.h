@@ -7,6 +7,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "formats/mesh/gltf_document.h"
@@ -19,11 +20,16 @@ struct GltfPrimitive {
   std::vector<glm::vec2> texcoords;   ///< [positions] v upwards, or empty
   std::vector<glm::u8vec3> colors;    ///< [positions] sRGB, or empty
   std::vector<glm::vec3> normals;     ///< [positions] as in the file, or empty
+  std::vector<float> values;          ///< [positions] of MeshFile::attribute, or empty
   std::size_t material = 0;           ///< index into the file's materials, or their number
 
   /// Bytes of all of these.
   [[nodiscard]] std::uint64_t bytes() const;
 };
+
+/// Returns the names by which MeshFile::attribute may select values of a primitive: attributes that
+/// begin with an underscore, without it, and `red green blue alpha` of COLOR_0.
+[[nodiscard]] std::vector<std::string> valueNamesOf(const GltfDocument::Json& primitive);
 
 /// Reads the triangles of a primitive: a list, strip or fan, indexed or not, compressed or not.
 ///   returns  nothing for points or lines

@@ -27,6 +27,7 @@ struct MeshFile {
   std::string bytes;
   MemoryBudget* memory = nullptr;      ///< limit on memory for reading; null: no limit
   const Progress* progress = nullptr;  ///< may be null
+  std::string attribute{};             ///< of vertices, to be read into RawMesh::values
 };
 
 /// Charges memory that is about to be allocated.
@@ -52,6 +53,8 @@ struct RawMesh {
   std::vector<std::uint32_t> objectOfTriangle;  ///< [triangles] below objects.size(), or empty
   std::vector<PolygonPart> polygons;            ///< [triangles] see SourceMesh, or empty
   std::vector<std::string> warnings;            ///< see SourceMesh
+  std::vector<float> values{};  ///< [vertices] of MeshFile::attribute; empty if the file has none
+  std::vector<std::string> valueNames{};  ///< of the attributes that could be read, if one is given
 };
 
 /// An error about a file's content: "bowl.stl: what".

@@ -205,7 +205,8 @@ struct Reader {
   std::vector<MeshNode> meshNodes = findMeshNodes(document);
   std::vector<std::optional<std::vector<GltfPrimitive>>> meshes{document.array("meshes").size()};
   std::size_t pointsAndLines = 0;
-  bool hasTexcoords = false, hasColors = false, hasNormals = false, morphed = false;
+  bool hasTexcoords = false, hasColors = false, hasNormals = false, hasValues = false;
+  bool morphed = false;
   std::vector<std::uint32_t> materials{};  // indices in `out` of the file's materials, or empty
   RawMesh out{};
 
@@ -213,6 +214,15 @@ struct Reader {
   std::optional<GltfPrimitive> decoded(const Json& source) const {
     const TransientMemory transient(document.file().memory);
     return readGltfPrimitive(document, source);
+  }
+
+  void addValueNames(const Json& primitive) {
+    if (document.file().attribute.empty()) return;
+    for (const std::string& name : valueNamesOf(primitive)) {
+      if (std::find(out.valueNames.begin(), out.valueNames.end(), name) == out.valueNames.end()) {
+        out.valueNames.push_back(name);
+      }
+    }
   }
 
   void decodeMeshes() {
@@ -233,6 +243,8 @@ struct Reader {
         hasTexcoords |= !primitive->texcoords.empty();
         hasColors |= !primitive->colors.empty();
         hasNormals |= !primitive->normals.empty();
+        hasValues |= !primitive->values.empty();
+        addValueNames(source);
         used[primitive->material] = true;
         if (primitive->positions.empty()) continue;  // its instances would add nothing
         primitives.push_back(std::move(*primitive));
@@ -241,13 +253,17 @@ struct Reader {
     materials = addMaterials(document, used, hasTexcoords, out);
   }
 
-  // Colors default to white, texture coordinates and normals to 0 if only other primitives have
-  // them.
+  // Colors default to white, texture coordinates, normals and values to 0 if only other primitives
+  // have them.
   void append(const GltfPrimitive& primitive, const Affine& world) {
     const auto first = static_cast<std::uint32_t>(out.vertices.size());
     const bool moves = world.moves();
     for (const glm::dvec3& v : primitive.positions)
       out.vertices.push_back(moves ? world.linear * v + world.offset : v);
+    if (hasValues) {
+      out.values.insert(out.values.end(), primitive.values.begin(), primitive.values.end());
+      out.values.resize(out.vertices.size(), 0.0f);
+    }
     const bool mirrored = glm::determinant(world.linear) < 0.0;
     const glm::dmat3 ofNormals = normalTransform(world.linear);
     const auto moved = [&](const glm::vec3& normal) {
@@ -313,6 +329,7 @@ struct Reader {
       values.reserve(count);
     };
     reserve(out.vertices, vertices);
+    if (hasValues) reserve(out.values, vertices);
     reserve(out.triangles, triangles);
     reserve(out.objectOfTriangle, triangles);
     if (hasTexcoords) reserve(attributes.texcoords, triangles);

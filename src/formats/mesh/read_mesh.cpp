@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <future>
@@ -27,6 +28,7 @@
 #include "formats/mesh/read_assimp.h"
 #include "formats/mesh/read_binm.h"
 #include "formats/mesh/read_gltf.h"
+#include "formats/mesh/read_lines.h"
 #include "formats/mesh/read_obj.h"
 #include "formats/mesh/read_off.h"
 #include "formats/mesh/read_ply.h"
@@ -173,6 +175,10 @@ RawMesh readRaw(const MeshFile& file) {
   return {};
 }
 
+bool isFinite(const glm::dvec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
 // Such lengths do not overflow in single precision, nor their squares in double precision.
 constexpr double kLongestSide = 1e37;
 
@@ -196,8 +202,9 @@ void checkMerged(const MeshFile& file, const SourceMesh& source) {
   }
 }
 
-//   memory  charged with `bytes`
-SourceMesh meshOf(const fs::path& path, std::string bytes, MemoryBudget& memory,
+//   bytes   may be moved from
+//   memory  charged with them
+MeshFile unpacked(const fs::path& path, std::string& bytes, MemoryBudget& memory,
                   const Progress* progress) {
   const FileName name = splitName(path);
   const std::string fileName = path.filename().string();
@@ -208,27 +215,41 @@ SourceMesh meshOf(const fs::path& path, std::string bytes, MemoryBudget& memory,
                                       ".glb .binm .fbx .dae .3mf, and "
                                       "each with .gz");
   }
-  const MeshFile file{
+  MeshFile file{
       path,    fileName,
       *format, name.packed ? gunzip(bytes, fileName, *format, memory, progress) : std::move(bytes),
       &memory, progress};
   if (file.bytes.empty()) throw inputError(file, "the file is empty");
-  std::future<std::string> hash =
-      std::async(std::launch::async, [&] { return sha256(name.packed ? bytes : file.bytes); });
-  RawMesh raw = readRaw(file);  // in the caller's thread, as `progress` requires
+  return file;
+}
+
+// Reads in the caller's thread, as `progress` requires.
+RawMesh checkedRaw(const MeshFile& file) {
+  RawMesh raw = readRaw(file);
   if (raw.triangles.empty()) throw inputError(file, "holds no triangle");
   if (raw.vertices.size() > std::numeric_limits<std::uint32_t>::max())
     throw inputError(file, "has more than 2^32 vertices, which is more than can be held");
   // Readers check what they read; what one of them missed must not be used as an index.
   if (const auto contradiction = contradictionIn(raw))
     throw inputError(file, "contradicts itself: " + *contradiction);
+  return raw;
+}
+
+//   memory  charged with `bytes`
+SourceMesh meshOf(const fs::path& path, std::string bytes, MemoryBudget& memory,
+                  const Progress* progress) {
+  const FileName name = splitName(path);
+  const MeshFile file = unpacked(path, bytes, memory, progress);
+  std::future<std::string> hash =
+      std::async(std::launch::async, [&] { return sha256(name.packed ? bytes : file.bytes); });
+  RawMesh raw = checkedRaw(file);
   completeNormals(raw);
 
   memory.charge(mergingMemory(raw));
   checkpoint(file);
   SourceMesh out = mergeVertices(std::move(raw));
   checkMerged(file, out);
-  out.name = fileName;
+  out.name = file.name;
   out.stem = name.stem.string();
   out.sha256 = hash.get();
   if (out.droppedVertices > 0) {
@@ -270,6 +291,57 @@ SourceMesh readMesh(const fs::path& path, const ReadOptions& options, const Prog
   MemoryBudget memory(path.filename().string(), options.maxMemory);
   std::string bytes = readFileBytes(path, &memory);
   return meshOf(path, std::move(bytes), memory, progress);
+}
+
+ValuedMesh readValuedMesh(const fs::path& path, const std::string& name, const ReadOptions& options,
+                          const Progress* progress) {
+  MemoryBudget memory(path.filename().string(), options.maxMemory);
+  std::string bytes = readFileBytes(path, &memory);
+  MeshFile file = unpacked(path, bytes, memory, progress);
+  file.attribute = name;
+  RawMesh raw = checkedRaw(file);
+  if (raw.values.size() != raw.vertices.size()) {
+    std::string known;
+    for (const std::string& other : raw.valueNames) {
+      known += (known.empty() ? "" : ", ") + inQuotes(other);
+    }
+    throw inputError(file,
+                     "its vertices have no attribute " + inQuotes(name) +
+                         (known.empty() ? ", nor another one that is read" : ", but " + known));
+  }
+  std::erase_if(raw.triangles, [&](const glm::uvec3& t) {
+    return !(isFinite(raw.vertices[t.x]) && isFinite(raw.vertices[t.y]) &&
+             isFinite(raw.vertices[t.z]));
+  });
+  if (raw.triangles.empty()) throw inputError(file, "holds no triangle with finite corners");
+  return {{std::move(raw.vertices), std::move(raw.triangles)}, std::move(raw.values)};
+}
+
+Guide guideFromBytes(const fs::path& path, std::string bytes, const ReadOptions& options,
+                     const Progress* progress) {
+  MemoryBudget memory(path.filename().string(), options.maxMemory);
+  memory.charge(bytes.size());
+  const MeshFile file = unpacked(path, bytes, memory, progress);
+  Guide guide{.file = path.string()};
+  bool hasFaces = true;
+  if (file.format == MeshFormat::obj || file.format == MeshFormat::ply) {
+    FileLines lines = file.format == MeshFormat::obj ? readObjLines(file) : readPlyLines(file);
+    hasFaces = lines.hasFaces;
+    guide.polylines = std::move(lines.polylines);
+    if (!hasFaces && guide.polylines.empty())
+      throw inputError(file, "holds neither lines nor faces");
+  }
+  if (!hasFaces) return guide;
+  RawMesh raw = checkedRaw(file);
+  memory.charge(mergingMemory(raw));
+  SourceMesh merged = mergeVertices(std::move(raw));
+  checkMerged(file, merged);
+  guide.mesh = {std::move(merged.mesh.vertices), std::move(merged.mesh.triangles)};
+  return guide;
+}
+
+Guide readGuide(const fs::path& path, const ReadOptions& options, const Progress* progress) {
+  return guideFromBytes(path, readFileBytes(path), options, progress);
 }
 
 SourceMesh meshFromBytes(const fs::path& path, std::string bytes, const ReadOptions& options,

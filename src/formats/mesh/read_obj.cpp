@@ -274,13 +274,26 @@ struct Reader {
     }
   }
 
+  // Vertices have colors and no other attributes.
+  void takeChannel(RawMesh& out) const {
+    if (file.attribute.empty() || colors.empty()) return;
+    out.valueNames = {"red", "green", "blue"};
+    const auto found = std::find(out.valueNames.begin(), out.valueNames.end(), file.attribute);
+    if (found == out.valueNames.end()) return;
+    charge(file, mesh.vertices.size(), sizeof(float));
+    const auto channel = static_cast<int>(found - out.valueNames.begin());
+    for (const glm::vec3& color : colors) out.values.push_back(color[channel]);
+    out.values.resize(mesh.vertices.size(), 1.0f);
+  }
+
   RawMesh read() {
     readLines();
     checkIndices();
+    RawMesh out;
+    takeChannel(out);
     mesh.vertexColors = colorsFrom(colors);
     mesh.cornerTexcoords = texcoordIndices.valuesOf(file, mesh.corners.size(), texcoords);
     mesh.cornerNormals = normalIndices.valuesOf(file, mesh.corners.size(), normals);
-    RawMesh out;
     nameAll(mesh.faceMaterials, materials);
     if (!mesh.faceMaterials.empty()) {
       for (const std::string& name : materials.list())

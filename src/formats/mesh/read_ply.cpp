@@ -68,6 +68,7 @@ Role roleOf(const PlyElement& element, const PlyProperty& property) {
 struct Column {
   const PlyProperty* property;
   Role role;
+  bool isValue = false;  // of MeshFile::attribute
 };
 
 std::vector<Column> columnsOf(const PlyElement& element) {
@@ -118,6 +119,7 @@ struct Values {
   glm::vec2 texcoord{0.0f};
   std::uint32_t texture = 0, material = 0;
   double neighbor = 0.0;
+  float value = 0.0f;  // of MeshFile::attribute
 };
 
 constexpr std::int64_t kItemsAtATime = 4096;
@@ -144,6 +146,7 @@ struct Reader {
   std::vector<std::uint32_t> materials{};  // [faces] as in the file
   std::vector<float> texcoords{};          // of one face
   std::vector<std::int64_t> strip{};
+  bool hasValues = false;      // of MeshFile::attribute
   std::size_t cornerRoom = 0;  // reserved for mesh.corners at once
   GrowingMemory memory{file.memory};
 
@@ -200,8 +203,9 @@ struct Reader {
 
   void takeNumber(PlyBody& body, const Column& column, Values& values) const {
     const PlyType& type = column.property->value;
-    if (column.role == Role::none) return body.skip(type, 1);
+    if (column.role == Role::none && !column.isValue) return body.skip(type, 1);
     const double value = body.number(type);
+    if (column.isValue) values.value = static_cast<float>(value);
     switch (column.role) {
       case Role::x:
       case Role::y:
@@ -239,6 +243,7 @@ struct Reader {
     mesh.vertices.push_back(values.position);
     if (vertexNormals) mesh.vertexNormals.push_back(values.normal);
     if (vertexColors) colors.push_back(values.color);
+    if (hasValues) out.values.push_back(values.value);
     if (vertexTexcoords) mesh.vertexTexcoords.push_back(values.texcoord);
   }
 
@@ -291,7 +296,7 @@ struct Reader {
         std::min(mesh.corners.size(), cornerRoom) * sizeof(std::uint32_t);
     return mesh.bytes() - reserved + colors.size() * sizeof(glm::vec3) +
            materials.size() * sizeof(std::uint32_t) + texcoords.size() * sizeof(float) +
-           strip.size() * sizeof(std::int64_t);
+           out.values.size() * sizeof(float) + strip.size() * sizeof(std::int64_t);
   }
 
   // A list may be as long as the file. An item of it is at most a corner of a strip, and a
@@ -302,11 +307,24 @@ struct Reader {
     memory.hold(bytesBeyondRoom() + std::min(length, file.bytes.size()) * kMostPerCorner);
   }
 
+  // Marks the property of the vertices that is wanted, if there is one.
+  void findValues(std::vector<Column>& columns) {
+    for (Column& column : columns) {
+      if (file.attribute.empty() || column.property->listCount) continue;
+      column.isValue = column.property->name == file.attribute;
+      hasValues = hasValues || column.isValue;
+      const bool isPosition =
+          column.role == Role::x || column.role == Role::y || column.role == Role::z;
+      if (!isPosition) out.valueNames.push_back(column.property->name);
+    }
+  }
+
   void readBody() {
     PlyBody body(file, header);
     for (const PlyElement& element : header.elements) {
-      const std::vector<Column> columns = columnsOf(element);
+      std::vector<Column> columns = columnsOf(element);
       const bool isVertex = &element == vertex, isFace = &element == face;
+      if (isVertex) findValues(columns);
       // Reserved at once, since doubling takes more; what exceeds it is charged as it grows.
       const std::size_t most = mostOf(element, file, header.encoding);
       if (isVertex) {

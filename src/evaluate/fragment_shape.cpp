@@ -1,0 +1,111 @@
+// Counts the faces, vertices and corners of a fragment.
+#include "evaluate/fragment_shape.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <map>
+
+#include "mesh/triangle_area.h"
+
+namespace sherd {
+namespace {
+
+constexpr double kLineShare = 0.5;  // of the fragment's thickness, for a line across a plate
+constexpr double kRimShare = 0.1;   // of its square, that counts as a part of the rim
+
+std::array<glm::dvec3, 3> cornersOf(const TriangleMesh& mesh, std::size_t triangle) {
+  const glm::uvec3& t = mesh.triangles[triangle];
+  return {mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z]};
+}
+
+/// Adds up areas by neighbor, and how much of each is in one plane.
+void addAreas(DividedMesh& divided) {
+  std::map<int, double> contacts;
+  std::map<std::pair<std::uint32_t, int>, double> parts;  // of a plane and a neighbor
+  for (std::size_t i = 0; i < divided.neighbor.size(); ++i) {
+    const double size = areaOf(cornersOf(*divided.mesh, i));
+    divided.area += size;
+    if (divided.neighbor[i] == 0) continue;
+    divided.crackArea += size;
+    contacts[divided.neighbor[i]] += size;
+    parts[{divided.planes.ofTriangle[i], divided.neighbor[i]}] += size;
+  }
+  divided.neighborArea.assign(contacts.begin(), contacts.end());
+  for (const auto& [part, size] : parts) {
+    if (size > 0.0) divided.onePlane += size * size / contacts[part.second];
+  }
+}
+
+/// The faces of a rule.  By neighbors, a connected part of the original surface is one.
+Faces facesOf(const DividedMesh& divided, FaceRule rule, double least) {
+  if (rule == FaceRule::planes) {
+    return countedFaces(*divided.mesh, divided.edges, divided.planes, least);
+  }
+  const std::vector<std::uint32_t> group(divided.neighbor.begin(), divided.neighbor.end());
+  return countedFaces(*divided.mesh, divided.edges,
+                      connectedAreas(*divided.mesh, divided.edges, group), least);
+}
+
+/// Returns the faces of cracks alone.
+std::vector<std::uint32_t> ofCracks(const Faces& faces) {
+  std::vector<std::uint32_t> face = faces.ofTriangle;
+  for (std::uint32_t& f : face) {
+    if (f != kNoFace && faces.original[f]) f = kNoFace;
+  }
+  return face;
+}
+
+bool hasRim(const DividedMesh& divided, int axis, double thickness, double leastArea) {
+  const double least = std::max(leastArea, kRimShare * thickness * thickness);
+  double size = 0.0;
+  for (std::size_t i = 0; i < divided.neighbor.size(); ++i) {
+    if (divided.neighbor[i] != 0) continue;
+    const glm::dvec3 normal = areaNormal(cornersOf(*divided.mesh, i));
+    if (std::abs(normal[axis]) < std::sqrt(0.5) * glm::length(normal)) {
+      size += 0.5 * glm::length(normal);
+    }
+  }
+  return size >= least;
+}
+
+}  // namespace
+
+DividedMesh divided(const TriangleMesh& mesh, std::vector<std::uint16_t> neighbor,
+                    const ShapeLimits& limits, const Progress* progress) {
+  DividedMesh result;
+  result.mesh = &mesh;
+  result.neighbor = std::move(neighbor);
+  result.edges = sharedEdges(mesh);
+  result.planes = planarAreas(mesh, result.edges, result.neighbor, limits.planeTolerance,
+                              limits.leastArea, progress);
+  addAreas(result);
+  return result;
+}
+
+void measureShape(FragmentShape& shape, const DividedMesh& divided, FaceRule rule,
+                  const ShapeLimits& limits) {
+  shape.hasMesh = true;
+  const Faces faces = facesOf(divided, rule, limits.leastArea);
+  const auto original = std::count(faces.original.begin(), faces.original.end(), 1);
+  shape.flatFaces = faces.original.size();
+  shape.faces = shape.flatFaces - static_cast<std::size_t>(original);
+  shape.flatVertices = countVertices(*divided.mesh, faces.ofTriangle, limits.vertexRadius);
+  shape.vertices = countVertices(*divided.mesh, ofCracks(faces), limits.vertexRadius);
+  shape.interior = divided.area - divided.crackArea < limits.leastArea;
+  shape.breakShare = divided.area > 0.0 ? divided.crackArea / divided.area : 0.0;
+  for (const auto& [id, size] : divided.neighborArea) shape.neighbors += size >= limits.leastArea;
+}
+
+std::optional<std::size_t> cornersOf(const DividedMesh& divided, FaceRule rule, int axis,
+                                     const ShapeLimits& limits) {
+  const Box box = bounds(*divided.mesh);
+  const double thickness = box.max[axis] - box.min[axis];
+  if (hasRim(divided, axis, thickness, limits.leastArea)) return {};
+  const Faces faces = facesOf(divided, rule, limits.leastArea);
+  return countLines(*divided.mesh, divided.edges, ofCracks(faces), axis, kLineShare * thickness);
+}
+
+}  // namespace sherd

@@ -1,0 +1,105 @@
+// The surfaces of given cracks.
+#include "pipeline/guide_surfaces.h"
+
+#include <sherd/error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "base/cancel_flag.h"
+#include "mesh/curtain.h"
+#include "mesh/repair.h"
+#include "mesh/vertex_normals.h"
+#include "surface/mesh.h"
+#include "voxelize/region.h"
+
+namespace sherd {
+namespace {
+
+Error inputError(const Guide& guide, const std::string& what) {
+  return Error(ErrorCode::input, (guide.file.empty() ? "a guide" : guide.file) + ": " + what);
+}
+
+bool isFinite(const glm::dvec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+void check(const Guide& guide) {
+  bool isGood = std::all_of(guide.mesh.vertices.begin(), guide.mesh.vertices.end(), isFinite);
+  for (const std::vector<glm::dvec3>& line : guide.polylines) {
+    if (line.size() < 2) throw inputError(guide, "has a line of less than two points");
+    isGood = isGood && std::all_of(line.begin(), line.end(), isFinite);
+  }
+  if (!isGood) throw inputError(guide, "has a coordinate that is not finite");
+  if (guide.polylines.empty() && guide.mesh.triangles.empty()) {
+    throw inputError(guide, "has neither lines nor triangles");
+  }
+}
+
+// The surface on which lines are drawn: of the mesh, or that of the voxels where there is none.
+DrawnSurface drawnSurface(const Solid& solid) {
+  const TriangleTree* const boundary = solid.region ? solid.region->boundary() : nullptr;
+  if (boundary == nullptr) return DrawnSurface(meshInWorld(*solid.distance));
+  TriangleMesh mesh = boundary->mesh();
+  for (glm::dvec3& v : mesh.vertices) v = solid.frame.worldFromIndex(v);
+  return DrawnSurface(std::move(mesh));
+}
+
+// Adds a surface for each connected component.
+void addComponents(const Guide& guide, const Progress* progress, std::vector<SidedMesh>& surfaces) {
+  const TriangleMesh mesh = repaired(guide.mesh, progress).mesh;
+  const MeshComponents components = meshComponents(mesh);
+  std::vector<TriangleMesh> parts(components.count);
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    parts[components.ofTriangle[i]].triangles.push_back(mesh.triangles[i]);
+  }
+  std::vector<std::uint32_t> number(mesh.vertices.size());
+  const std::size_t before = surfaces.size();
+  for (TriangleMesh& part : parts) {
+    throwIfCancelled(progress);
+    double extent = 0.0;
+    for (glm::uvec3& t : part.triangles) {
+      extent = std::max(extent, cornersOf(mesh, t).twiceArea);
+      for (int k = 0; k < 3; ++k) number[t[k]] = TriangleTree::kNone;
+    }
+    if (extent == 0.0) continue;
+    for (glm::uvec3& t : part.triangles) {
+      for (int k = 0; k < 3; ++k) {
+        std::uint32_t& own = number[t[k]];
+        if (own == TriangleTree::kNone) {
+          own = static_cast<std::uint32_t>(part.vertices.size());
+          part.vertices.push_back(mesh.vertices[t[k]]);
+        }
+        t[k] = own;
+      }
+    }
+    surfaces.emplace_back(std::move(part));
+  }
+  if (surfaces.size() == before) throw inputError(guide, "its triangles have no area");
+}
+
+}  // namespace
+
+std::vector<SidedMesh> guideSurfacesOf(std::span<const Guide> guides, const Solid& solid,
+                                       const Progress* progress) {
+  std::optional<DrawnSurface> drawn;
+  std::vector<SidedMesh> surfaces;
+  for (const Guide& guide : guides) {
+    check(guide);
+    for (const std::vector<glm::dvec3>& line : guide.polylines) {
+      throwIfCancelled(progress);
+      if (!drawn) drawn.emplace(drawnSurface(solid));
+      try {
+        surfaces.emplace_back(curtainOf(line, *drawn));
+      } catch (const Error& e) {
+        throw inputError(guide, e.what());
+      }
+    }
+    if (!guide.mesh.triangles.empty()) addComponents(guide, progress, surfaces);
+  }
+  return surfaces;
+}
+
+}  // namespace sherd

@@ -1,0 +1,121 @@
+// The walls of a solid: their middle, their thickness, and ways along them.
+#include "seed/wall.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include "voxelize/distance.h"
+#include "voxelize/region.h"
+
+namespace sherd {
+
+Walls::Walls(const Solid& solid) : solid_(solid) {
+  if (solid.distance) valueAt_ = valuesOf(solid.distance);
+}
+
+// In voxels, linear between the voxels' centers.
+double Walls::distance(const glm::dvec3& point) const {
+  const glm::dvec3 low = glm::floor(point), f = point - low;
+  double sum = 0.0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const int x = corner >> 2, y = corner >> 1 & 1, z = corner & 1;
+    const double share =
+        (x == 1 ? f.x : 1.0 - f.x) * (y == 1 ? f.y : 1.0 - f.y) * (z == 1 ? f.z : 1.0 - f.z);
+    sum += share * valueAt_({static_cast<int>(low.x) + x, static_cast<int>(low.y) + y,
+                             static_cast<int>(low.z) + z});
+  }
+  return sum / solid_.frame.voxelSize;
+}
+
+glm::dvec3 Walls::gradient(const glm::dvec3& point) const {
+  glm::dvec3 slope(0.0);
+  for (int axis = 0; axis < 3; ++axis) {
+    glm::dvec3 step(0.0);
+    step[axis] = 1.0;
+    slope[axis] = 0.5 * (distance(point + step) - distance(point - step));
+  }
+  return slope;
+}
+
+std::optional<glm::dvec3> Walls::onSurface(const glm::dvec3& point) const {
+  if (solid_.region && solid_.region->boundary() != nullptr) {
+    return solid_.region->onSurface(point);
+  }
+  glm::dvec3 at = point;
+  constexpr int kSteps = 4;
+  for (int i = 0; i < kSteps; ++i) {
+    const glm::dvec3 slope = gradient(at);
+    const double square = glm::dot(slope, slope);
+    if (square < 0.01) return {};  // far from the surface, or in the middle of a wall
+    at -= glm::clamp(distance(at), -2.0, 2.0) / std::sqrt(square) * (slope / std::sqrt(square));
+  }
+  return at;
+}
+
+std::optional<Wall> Walls::at(const glm::dvec3& point, double most) const {
+  if (!valueAt_) return {};
+  constexpr double kFar = 1e6;  // voxels
+  if (!(std::max({std::abs(point.x), std::abs(point.y), std::abs(point.z)}) < kFar)) return {};
+  const std::optional<glm::dvec3> surface = onSurface(point);
+  if (!surface || glm::length(*surface - point) > most) return {};
+  const glm::dvec3 slope = gradient(*surface);
+  if (glm::length(slope) < 0.1) return {};
+  Wall wall{*surface, glm::normalize(slope)};
+  // Values of the level set are at least a voxel's away from what they are here.
+  constexpr double kStart = 0.5, kLeastStep = 0.25;
+  double length = kStart, value = distance(*surface - kStart * wall.normal);
+  while (value < 0.0) {
+    if (length > most) return {};
+    const double step = std::max(-value, kLeastStep);
+    const double next = distance(*surface - (length + step) * wall.normal);
+    if (next >= 0.0) {
+      length += step * value / (value - next);
+      break;
+    }
+    length += step;
+    value = next;
+  }
+  if (length > most) return {};
+  wall.thickness = length;
+  wall.middle = *surface - 0.5 * length * wall.normal;
+  return wall;
+}
+
+std::vector<glm::dvec3> Walls::walk(const glm::dvec3& from, const glm::dvec3& direction,
+                                    const std::vector<double>& lengths) const {
+  constexpr double kMostAway = 0.35;  // of a step: beyond an edge the surface falls away
+  constexpr double kMostBend = 0.8;   // cosine of the angle between two steps
+  std::vector<glm::dvec3> points;
+  glm::dvec3 at = from, along = glm::normalize(direction);
+  double walked = 0.0;
+  while (points.size() < lengths.size()) {
+    const double step = std::min(lengths[points.size()] - walked, 1.0);
+    const glm::dvec3 ahead = at + step * along;
+    const std::optional<glm::dvec3> next = onSurface(ahead);
+    if (!next || glm::length(*next - ahead) > kMostAway * std::max(step, 0.5)) break;
+    const glm::dvec3 moved = *next - at;
+    const double advance = glm::length(moved);
+    if (step > 0.5) {
+      if (advance < kMostBend * step || glm::dot(moved, along) < kMostBend * advance) break;
+      along = moved / advance;
+    }
+    at = *next;
+    walked += step;
+    if (walked >= lengths[points.size()] - 1e-9) points.push_back(at);
+  }
+  return points;
+}
+
+glm::dvec3 wallMiddle(const Walls& walls, const glm::dvec3& point, double most) {
+  const std::optional<Wall> wall = walls.at(point, most);
+  return wall ? wall->middle : point;
+}
+
+double thinFor(std::uint64_t voxels, std::size_t pieces) {
+  return std::cbrt(static_cast<double>(voxels) /
+                   static_cast<double>(std::max<std::size_t>(pieces, 1)));
+}
+
+}  // namespace sherd
