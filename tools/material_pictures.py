@@ -46,7 +46,7 @@ TITLES = {"vessel": "A vessel", "plate": "A plate", "statue": "A statue"}
 GALLERY = f"""## Materials
 
 `--material`: the fragments moved apart, and one of them from near its largest crack. [materials.md](materials.md) has what each sets, and why.
-{FEW} pieces, and {MANY} of tempered glass. The statue is a lion by tomburtonwood (thing 25832, CC BY-SA 3.0, as modified by O. Stein); its images are
+{FEW} pieces, and {MANY} of tempered glass. `thin_plate.obj` is a box of 1 x 1 x 0.04. The statue is a lion by tomburtonwood (thing 25832, CC BY-SA 3.0, as modified by O. Stein); its images are
 under the same license.
 """
 
@@ -60,7 +60,7 @@ class Solid:
 
 def solids(statue):
     found = [Solid("vessel", "data/amphora.ply", "--seed 4", "35,20", 0.3),
-             Solid("plate", "plate.obj", "--seed 3", "0,35", 0.15, up="z", height=0.65)]
+             Solid("plate", "thin_plate.obj", "--seed 3", "0,35", 0.15, up="z", height=0.65)]
     if statue:
         found.append(Solid("statue", str(statue), "--seed 5", "40,15", 0.3))
     return found
@@ -256,7 +256,7 @@ def main():
     lines, keys = GALLERY.split("\n"), {}
     with tempfile.TemporaryDirectory(prefix="sherd-materials-") as folder:
         work = pathlib.Path(folder)
-        write_obj(work / "plate.obj", box(1, 1, 0.04))
+        write_obj(work / "thin_plate.obj", box(1, 1, 0.04))
         for solid in solids(options.statue):
             if solid.name not in options.only.split(","):
                 continue

@@ -23,7 +23,7 @@ def documented():
 class Materials(CommandLine):
     def broke(self, *options, pieces="4"):
         out = self.path(f"out{len(os.listdir(self.tmp))}")
-        result = self.run_sherd("fracture", self.ball, "-o", out, "--resolution", "24", "--pieces", pieces, "--write", "labels", *options)
+        result = self.run_sherd("fracture", self.ball, "-o", out, "--resolution", "48", "--pieces", pieces, "--write", "labels", *options)
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(result.stderr, "")
         with open(os.path.join(out, "manifest.json")) as file:

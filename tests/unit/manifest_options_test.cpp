@@ -57,7 +57,6 @@ class ManifestOptions : public DeviceTest {
 TEST_F(ManifestOptions, OfAFractureAreRecorded) {
   auto& [material, pieces, seed, solid, seeds, grow, shares, erode, guides, dropShare, missing,
          surface] = options_;
-  expectRecorded("material", material, MaterialPreset::stone);
   expectRecorded("pieces", pieces, 2);  // of a solid that gave three
   expectRecorded("seed", seed, std::uint64_t{7});
   expectRecorded("dropShare", dropShare, 0.01);
@@ -135,6 +134,7 @@ TEST_F(ManifestOptions, OfGrowthAreRecorded) {
          propagationHurst, propagation, longestSideVoxels, regrowIsolated, noiseSeeds, keepCost,
          outerSteps, tuning] = options_.grow;
   expectRecorded("growth", growth, Growth::nearest);
+  expectRecorded("material", options_.material, MaterialPreset::stone);
   expectRecorded("roughness", roughness, Length(2.0));
   expectRecorded("roughness", roughness, Length::ofSide(2.0));
   expectRecorded("hurst", hurst, 0.5);
