@@ -171,6 +171,7 @@ struct EvaluatedFragment {
   double area = 0.0;
   double fractureArea = 0.0;
   std::size_t contacts = 0;
+  int split = 0;  ///< that it comes from, 1..splits; 0: none, or not known
 };
 
 /// The fragments of one folder.
@@ -180,6 +181,9 @@ struct FragmentSet {
   std::uint64_t seed = 0;                    ///< the fracture's seed, from the manifest
   double voxelSize = 0.0;                    ///< world units, from the manifest, else 0
   std::vector<EvaluatedFragment> fragments;  ///< [>= 1]
+  /// [splits] of a fracture by splits, from the manifest: of split i + 1, the split that the piece
+  /// comes from which it divides, at most i; 0: none
+  std::vector<int> splitParents{};
 };
 
 struct EvaluateOptions {
@@ -234,18 +238,21 @@ struct Evaluation {
 
 /// How the cracks of a fragment are divided into faces.
 enum class FaceRule {
-  planes,    ///< a face is a connected part of the cracks that lies in one plane, however many
-             ///< neighbors are behind it
-  neighbors  ///< a face is a connected part of the cracks towards one neighbor
+  planes,     ///< a face is a connected part of the cracks that lies in one plane, however many
+              ///< neighbors are behind it
+  neighbors,  ///< a face is a connected part of the cracks towards one neighbor
+  splits      ///< a face is a connected part of the crack of one split, see
+              ///< FragmentSet::splitParents; where none is known it is as for neighbors
 };
 
 struct StatisticsOptions {
-  std::optional<FaceRule> faces{};  ///< absent: planes, unless the cracks are rough, see
-                                    ///< FractureStatistics::planeShare
+  std::optional<FaceRule> faces{};  ///< absent: splits where they are known; else planes, unless
+                                    ///< the cracks are rough, see FractureStatistics::planeShare
   double unit = 0.0;  ///< world units, the unit of the next two; 0: FragmentSet::voxelSize,
                       ///< or without one 1/128 of the longest side of all fragments' box
-  double planeTolerance = 0.1;  ///< units: rms distance up to which triangles are in one plane; > 0
-  double leastFace = 0.5;       ///< units squared: faces of a smaller area are not counted; >= 0
+  double planeTolerance =
+      0.125;               ///< units: rms distance up to which triangles are in one plane; > 0
+  double leastFace = 0.5;  ///< units squared: faces of a smaller area are not counted; >= 0
   std::optional<glm::dvec3> propagation{};  ///< of the cracks, not 0: the direction of Hurst
                                             ///< exponents; absent: the coordinate axes
   std::size_t simulations = 2000;           ///< for each p-value; 1..1000000
@@ -327,8 +334,8 @@ struct RoughnessAlong {
 struct FractureStatistics {
   std::vector<FragmentShape> fragments;  ///< [>= 1]
   FaceRule rule = FaceRule::planes;
-  double planeShare = 0.0;  ///< the share of a contact that lies in one plane, mean by area; the
-                            ///< rule is planes from 0.5 on, and where neighbors are unknown
+  double planeShare = 0.0;  ///< the share of a contact that lies in one plane, mean by area: below
+                            ///< 0.5 cracks are rough, where neighbors are known
   bool knownNeighbors = false;  ///< recorded by the meshes; else by distance, as fit() does
   double unit = 0.0;            ///< world units: what StatisticsOptions::unit came out as
   double leastArea = 0.0;       ///< world units squared: that of the least face counted
@@ -348,20 +355,20 @@ struct FractureStatistics {
                                                 ///< of cracks, descending; 1/3 each if isotropic
   std::array<glm::dvec3, 3> orientationAxes{};  ///< their eigenvectors
   std::optional<double> roughness;    ///< rms height of cracks over their planes, world units;
-                                      ///< absent where faces are planes
+                                      ///< absent where they are not rough
   std::vector<RoughnessAlong> hurst;  ///< absent directions: no crack is long enough
   std::vector<std::string> notes;     ///< what is absent, and why, one sentence each
 };
 
 /// Measures the shapes of fragments, their sizes and their cracks.
 ///
-/// Triangles are in one face if they are connected and their rms distance from a common plane is
-/// within the tolerance: faces grow by merging the two neighbors that are nearest to one plane,
-/// first.  They start as the contacts with one neighbor that are planar, within three times the
-/// tolerance, since meshes bend a little where cracks meet, and else as triangles. Faces smaller
-/// than the least are given to the neighbor with the longest common boundary. Points at which three
-/// faces meet are one vertex if they are within half a unit, or within two units with the same
-/// three faces.
+/// Planes grow by merging the two adjacent ones that are nearest to a common plane, first.  The
+/// limit is the tolerance, for the rms distance of each from the common plane beyond that from its
+/// own, and three times the tolerance for the distance itself.  They start as the contacts with one
+/// neighbor that are planar, within that limit, since meshes bend a little where cracks meet, and
+/// else as triangles.  Faces smaller than the least are given to the neighbor with the longest
+/// common boundary.  Points at which three faces meet are one vertex if they are within half a
+/// unit, or within two units with the same three faces.
 ///
 /// Heights of rough cracks are those over the plane that fits the contact of two fragments, in a
 /// grid of one unit.  A Hurst exponent is the slope of the logarithm of the correlation over lags

@@ -160,6 +160,7 @@ struct ManifestFragment {
   std::vector<std::string> meshes;  ///< [formats]; empty if none was written
   std::string vdb;                  ///< empty if none was written
   bool isOfVoxelFaces = false;      ///< the meshes are those of Surface::labels
+  int split = 0;                    ///< that it comes from, 1..splits; 0: none
 };
 
 /// The fields of a manifest that are read.  Every file named by a field is in `files`.
@@ -176,6 +177,7 @@ struct Manifest {
   std::vector<std::string> files;           ///< relative, below the manifest's folder
   std::string allVdb;                       ///< all fragments in one; empty if not written
   std::vector<ManifestFragment> fragments;  ///< [1..kMaxFragments], without withheld ones
+  std::vector<int> splitParents;            ///< [splits] as FragmentSet::splitParents
 };
 
 /// Reads a manifest, after restoring a fracture that a killed run left half replaced.

@@ -171,7 +171,9 @@ std::string subtitleOf(const FractureStatistics& s) {
   add("interior vertices", s.interiorVertices);
   add("corners", s.corners);
   add("contacts", s.contacts);
-  return text + (s.rule == FaceRule::planes ? "; faces are planes" : "; faces are contacts");
+  return text + (s.rule == FaceRule::planes   ? "; faces are planes"
+                 : s.rule == FaceRule::splits ? "; faces are cracks of splits"
+                                              : "; faces are contacts");
 }
 
 }  // namespace

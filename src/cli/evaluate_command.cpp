@@ -98,6 +98,7 @@ void runStatistics(EvaluateArguments& arguments) {
   options.tolerance = arguments.options.tolerance;
   if (arguments.faces == "planes") options.faces = FaceRule::planes;
   if (arguments.faces == "neighbors") options.faces = FaceRule::neighbors;
+  if (arguments.faces == "splits") options.faces = FaceRule::splits;
   if (const std::vector<double>& p = arguments.propagation; !p.empty()) {
     options.propagation = glm::dvec3(p[0], p[1], p[2]);
   }
@@ -152,10 +153,11 @@ void addStatisticsOptions(CLI::App& command, EvaluateArguments& arguments) {
     statistics->excludes(command.get_option(other));
   }
   command
-      .add_option("--faces", arguments.faces,
-                  "A face is a plane, or the contact with one neighbor; auto: planes unless the "
-                  "cracks are rough")
-      ->check(CLI::IsMember({"auto", "planes", "neighbors"}))
+      .add_option(
+          "--faces", arguments.faces,
+          "A face is a plane, the contact with one neighbor, or the crack of one split; auto: "
+          "splits of a manifest that has some, else planes unless the cracks are rough")
+      ->check(CLI::IsMember({"auto", "planes", "neighbors", "splits"}))
       ->type_name("")
       ->capture_default_str()
       ->needs(statistics);

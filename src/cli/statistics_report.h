@@ -18,9 +18,9 @@ struct StatisticsReport {
 [[nodiscard]] std::string statisticsCsv(
     const StatisticsReport& report);  ///< a row for each fragment
 
-/// Returns the name of a rule: "planes" or "neighbors".
+/// Returns the name of a rule: "planes", "neighbors" or "splits".
 [[nodiscard]] inline const char* nameOf(FaceRule rule) {
-  return rule == FaceRule::planes ? "planes" : "neighbors";
+  return rule == FaceRule::planes ? "planes" : rule == FaceRule::splits ? "splits" : "neighbors";
 }
 
 }  // namespace sherd::cli

@@ -39,12 +39,15 @@ void addAreas(DividedMesh& divided) {
   }
 }
 
-/// The faces of a rule.  By neighbors, a connected part of the original surface is one.
+/// The faces of a rule.  But by planes, a connected part of the original surface is one.
 Faces facesOf(const DividedMesh& divided, FaceRule rule, double least) {
   if (rule == FaceRule::planes) {
     return countedFaces(*divided.mesh, divided.edges, divided.planes, least);
   }
-  const std::vector<std::uint32_t> group(divided.neighbor.begin(), divided.neighbor.end());
+  const bool bySplits = rule == FaceRule::splits && !divided.split.empty();
+  const std::vector<std::uint32_t> group =
+      bySplits ? divided.split
+               : std::vector<std::uint32_t>(divided.neighbor.begin(), divided.neighbor.end());
   return countedFaces(*divided.mesh, divided.edges,
                       connectedAreas(*divided.mesh, divided.edges, group), least);
 }

@@ -15,6 +15,7 @@ struct DividedMesh {
   const TriangleMesh* mesh = nullptr;
   std::vector<std::uint16_t> neighbor{};               ///< [m] 0 for the original surface
   std::vector<std::pair<int, double>> neighborArea{};  ///< ascending ids
+  std::vector<std::uint32_t> split{};                  ///< [m] or empty: partingSplits
   std::vector<SharedEdge> edges{};
   Areas planes{};
   double area = 0.0, crackArea = 0.0;

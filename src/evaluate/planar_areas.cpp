@@ -30,6 +30,7 @@ struct Cluster {
   PlaneMoments moments;
   glm::dvec3 normals{0.0};                 ///< sum of area normals
   std::vector<std::uint32_t> neighbors{};  ///< clusters, also merged ones
+  double unevenness = 0.0;                 ///< mean square distance from its plane
   bool isContact = false;                  ///< began as a whole contact
   std::uint32_t version = 0;               ///< number of merges
 };
@@ -83,6 +84,7 @@ class Clustering {
       clusters_[a].neighbors.push_back(b);
       clusters_[b].neighbors.push_back(a);
     }
+    for (Cluster& cluster : clusters_) setUnevenness(cluster);
     for (std::uint32_t i = 0; i < clusters_.size(); ++i) propose(i, /*all=*/false);
   }
 
@@ -124,9 +126,10 @@ class Clustering {
     }
   }
 
-  /// Returns the larger rms distance of two clusters from their common plane, in steps; or, after
-  /// all of these, that of the smaller one from the larger one's plane, if it began as triangles.
-  /// Returns -1 if the clusters are not to be merged.
+  /// Returns by how much two clusters are farther from their common plane than from their own ones,
+  /// in steps: the larger root of the difference of mean squares.  So the unevenness of each does
+  /// not count, up to its limit.  Returns, after all of these, the distance of the smaller one from
+  /// the larger one's plane if it began as triangles; or -1 if they are not to be merged.
   int costOf(const Cluster& a, const Cluster& b) const {
     const auto& [small, large] = a.moments.area < b.moments.area ? std::tie(a, b) : std::tie(b, a);
     if (small.moments.area >= least_ &&
@@ -136,12 +139,20 @@ class Clustering {
     PlaneMoments both = a.moments;
     both.add(b.moments);
     const FittedPlane plane = both.plane();
-    const double cost =
-        std::sqrt(std::max(a.moments.meanSquare(plane), b.moments.meanSquare(plane))) / tolerance_;
-    if (cost <= 1.0) return static_cast<int>(cost * kCostSteps);
+    const double fromA = a.moments.meanSquare(plane), fromB = b.moments.meanSquare(plane);
+    const double limit = kBentTolerance * kBentTolerance * tolerance_ * tolerance_;
+    const double more = std::sqrt(std::max({0.0, fromA - a.unevenness, fromB - b.unevenness}));
+    if (std::max(fromA, fromB) <= limit && more <= tolerance_) {
+      return static_cast<int>(more / tolerance_ * kCostSteps);
+    }
     if (small.isContact) return -1;
-    const double strip = std::sqrt(small.moments.meanSquare(large.moments.plane())) / tolerance_;
-    return strip <= kBentTolerance ? static_cast<int>((1.0 + strip) * kCostSteps) : -1;
+    const double strip = small.moments.meanSquare(large.moments.plane());
+    if (strip > limit) return -1;
+    return static_cast<int>((1.0 + std::sqrt(strip) / tolerance_) * kCostSteps);
+  }
+
+  static void setUnevenness(Cluster& cluster) {
+    cluster.unevenness = cluster.moments.meanSquare(cluster.moments.plane());
   }
 
   void propose(std::uint32_t i, bool all) {
@@ -166,6 +177,7 @@ class Clustering {
     Cluster& into = clusters_[merge.a];  // the lower number, as in UnionFind
     Cluster& from = clusters_[merge.b];
     into.moments.add(from.moments);
+    setUnevenness(into);
     into.normals += from.normals;
     into.isContact |= from.isContact;
     into.neighbors.insert(into.neighbors.end(), from.neighbors.begin(), from.neighbors.end());

@@ -16,6 +16,7 @@
 #include "evaluate/crack_roughness.h"
 #include "evaluate/distance_neighbors.h"
 #include "evaluate/fragment_shape.h"
+#include "evaluate/parting_splits.h"
 #include "mesh/flipped_orientation.h"
 #include "mesh/plane_moments.h"
 #include "mesh/triangle_area.h"
@@ -123,10 +124,17 @@ void divide(Meshes& meshes, const FractureStatistics& result, const FragmentSet&
     meshes.divided[k] = divided(mesh, result.knownNeighbors ? mesh.neighbor : behind[k].neighbor,
                                 limitsOf(result), progress);
     if (!result.knownNeighbors) meshes.divided[k].neighborArea = std::move(behind[k].areas);
+    if (!set.splitParents.empty()) {
+      meshes.divided[k].split = partingSplits(set, meshes.fragment[k], meshes.divided[k].neighbor);
+    }
   });
 }
 
-void chooseRule(FractureStatistics& result, const Meshes& meshes,
+bool isRough(const FractureStatistics& result) {
+  return result.knownNeighbors && result.orientation && result.planeShare < kOnePlane;
+}
+
+void chooseRule(FractureStatistics& result, const FragmentSet& set, const Meshes& meshes,
                 const StatisticsOptions& options) {
   double inPlane = 0.0, cracks = 0.0;
   for (const DividedMesh& mesh : meshes.divided) {
@@ -134,8 +142,10 @@ void chooseRule(FractureStatistics& result, const Meshes& meshes,
     cracks += mesh.crackArea;
   }
   result.planeShare = cracks > 0.0 ? inPlane / cracks : 0.0;
-  const bool planes = cracks == 0.0 || !result.knownNeighbors || result.planeShare >= kOnePlane;
-  result.rule = options.faces.value_or(planes ? FaceRule::planes : FaceRule::neighbors);
+  const FaceRule found = !set.splitParents.empty() ? FaceRule::splits
+                         : isRough(result)         ? FaceRule::neighbors
+                                                   : FaceRule::planes;
+  result.rule = options.faces.value_or(found);
 }
 
 std::optional<int> thinAxisOf(const Box& box) {
@@ -283,8 +293,8 @@ void addNotes(FractureStatistics& result, const FragmentSet& set, const Meshes& 
   if (result.thinAxis && !result.corners) {
     notes.emplace_back("every fragment has a part of the plate's rim: no corners");
   }
-  if (result.rule == FaceRule::planes) {
-    notes.emplace_back("faces are planes: no roughness and Hurst exponents");
+  if (!isRough(result)) {
+    notes.emplace_back("the cracks are not rough: no Hurst exponents");
   } else if (result.hurst.empty()) {
     notes.emplace_back("no crack is long enough for a Hurst exponent");
   }
@@ -308,14 +318,14 @@ FractureStatistics statistics(const FragmentSet& set, const StatisticsOptions& o
   addShares(result, set);
   result.knownNeighbors = knowsNeighbors(set, meshes);
   divide(meshes, result, set, options, progress);
-  chooseRule(result, meshes, options);
+  addOrientation(result, meshes);
+  chooseRule(result, set, meshes, options);
   measureShapes(result, meshes, set, progress);
   addMeans(result, meshes);
-  addOrientation(result, meshes);
   std::vector<double> shares;
   for (const FragmentShape& shape : result.fragments) shares.push_back(shape.share);
   result.sizes = fitSizes(shares, options.simulations, options.seed, progress);
-  if (result.rule == FaceRule::neighbors) {
+  if (isRough(result)) {
     CrackRoughness rough =
         roughnessOf(meshes.divided, meshes.ids, options.propagation, result.unit, progress);
     result.roughness = rough.rms;

@@ -31,6 +31,7 @@ FragmentSet listOf(const Manifest& manifest) {
   set.source = manifest.source;
   set.seed = manifest.seed;
   set.voxelSize = manifest.voxelSize;
+  set.splitParents = manifest.splitParents;
   for (const ManifestFragment& fragment : manifest.fragments) {
     EvaluatedFragment& result = set.fragments.emplace_back();
     result.name = meshOf(fragment.meshes);
@@ -40,6 +41,7 @@ FragmentSet listOf(const Manifest& manifest) {
     result.area = fragment.area;
     result.fractureArea = fragment.fractureArea;
     result.contacts = fragment.contacts;
+    result.split = fragment.split;
   }
   return set;
 }

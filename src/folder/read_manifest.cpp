@@ -118,6 +118,9 @@ ManifestFragment fragmentOf(const Json& json, int id, const Names& files) {
   fragment.contacts = contacts.size();
   fragment.isOfVoxelFaces =  // manifests of sherd/1 may be without
       json.value("surface", Json()) == names::of(names::kSurface, Surface::labels);
+  if (json.contains("split")) {
+    fragment.split = wholeIn(json["split"], 0, kMaxFragments, where + "'s split");
+  }
   const Json& own = field(json, "files", where);
   if (!own.is_object()) damaged(where + "'s \"files\" is not an object");
   if (const auto mesh = own.find("mesh"); mesh != own.end()) {
@@ -130,6 +133,23 @@ ManifestFragment fragmentOf(const Json& json, int id, const Names& files) {
     fragment.vdb = listed(*vdb, files, where + "'s level set");
   }
   return fragment;
+}
+
+/// The splits that splits come from; fragments are read.
+void readSplits(Manifest& manifest, const Json& splits) {
+  if (!splits.is_array() || splits.size() > kMaxFragments) {
+    damaged("its \"splits\" is not a list of at most " + std::to_string(kMaxFragments));
+  }
+  for (const Json& split : splits) {
+    const auto before = static_cast<int>(manifest.splitParents.size());
+    manifest.splitParents.push_back(
+        wholeIn(field(split, "parent", "a split"), 0, before, "the parent of a split"));
+  }
+  for (const ManifestFragment& fragment : manifest.fragments) {
+    if (fragment.split > static_cast<int>(manifest.splitParents.size())) {
+      damaged("fragment " + std::to_string(fragment.id) + " comes from a split that is not listed");
+    }
+  }
 }
 
 }  // namespace
@@ -167,6 +187,7 @@ Manifest manifestOf(const Json& json) {
     const int id = static_cast<int>(manifest.fragments.size()) + 1;
     manifest.fragments.push_back(fragmentOf(fragment, id, names));
   }
+  readSplits(manifest, json.value("splits", Json::array()));
   return manifest;
 }
 

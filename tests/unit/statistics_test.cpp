@@ -178,10 +178,14 @@ struct Brick {
 
 // The largest box is cut across its longest side, near the middle: 500 boxes, of which a face has
 // several neighbors, since each crack ends at the border of its box.
-std::vector<Brick> cutBlock(std::size_t count) {
+//   parents  [splits] as FragmentSet::splitParents
+//   splits   [boxes] as EvaluatedFragment::split
+std::vector<Brick> cutBlock(std::size_t count, std::vector<int>& parents,
+                            std::vector<int>& splits) {
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> share(0.35, 0.65);
   std::vector<Brick> boxes{{glm::dvec3(0.0), glm::dvec3(1.0)}};
+  splits = {0};
   const auto volumeOf = [](const Brick& b) {
     const glm::dvec3 size = b.high - b.low;
     return size.x * size.y * size.z;
@@ -195,6 +199,10 @@ std::vector<Brick> cutBlock(std::size_t count) {
     Brick upper = *largest;
     upper.low[axis] = largest->low[axis] + share(random) * size[axis];
     largest->high[axis] = upper.low[axis];
+    int& split = splits[static_cast<std::size_t>(largest - boxes.begin())];
+    parents.push_back(split);
+    split = static_cast<int>(parents.size());
+    splits.push_back(split);
     boxes.push_back(upper);
   }
   return boxes;
@@ -257,7 +265,8 @@ TriangleMesh gridOf(const Brick& box, const std::vector<Brick>& all) {
 }
 
 TEST(Statistics, TJunctionsLowerFacesAndNotNeighbors) {
-  const std::vector<Brick> boxes = cutBlock(500);
+  std::vector<int> parents, splits;
+  const std::vector<Brick> boxes = cutBlock(500, parents, splits);
   std::vector<TriangleMesh> meshes;
   for (const Brick& box : boxes) meshes.push_back(gridOf(box, boxes));
   const FractureStatistics found = statistics(setOf(meshes), {.unit = 1e-6, .simulations = kFew});
@@ -278,6 +287,19 @@ TEST(Statistics, TJunctionsLowerFacesAndNotNeighbors) {
   EXPECT_EQ(found.interiorVertices->mean, 8.0);
   EXPECT_NEAR(found.interiorNeighbors->mean, neighbors / interior, 1e-9);
   EXPECT_GT(found.interiorNeighbors->mean, 12.0);
+
+  // The same by the tree of cuts, also with tilted sides, which are in no plane
+  FragmentSet set = setOf(meshes);
+  set.splitParents = parents;
+  for (std::size_t i = 0; i < boxes.size(); ++i) set.fragments[i].split = splits[i];
+  for (EvaluatedFragment& fragment : set.fragments) {
+    for (glm::dvec3& p : fragment.mesh.mesh.vertices)
+      p.z += 0.05 * std::sin(40.0 * p.x + 30.0 * p.y);
+  }
+  const FractureStatistics bySplits = statistics(set, {.unit = 1e-6, .simulations = kFew});
+  EXPECT_EQ(bySplits.rule, FaceRule::splits);
+  EXPECT_EQ(bySplits.interiorFaces->mean, 6.0);
+  EXPECT_EQ(bySplits.interiorVertices->mean, 8.0);
 }
 
 /// Half spaces dot(normal, x) <= offset.
