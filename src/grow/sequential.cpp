@@ -39,20 +39,21 @@ std::uint64_t smallestOf(const Labels& labels) {
 }  // namespace
 
 std::vector<SeededLabels> growSequential(const Solid& solid, const VoxelComponents& components,
-                                         std::span<const std::size_t> fragments,
-                                         std::span<const std::uint64_t> seeds, Device& device,
-                                         const GrowOptions& options, const ShareOptions& shares,
-                                         const GuideSides& guides, const Progress* progress) {
+                                         std::span<const SequentialFracture> fractures,
+                                         Device& device, const GrowOptions& options,
+                                         const ShareOptions& shares, const GuideSides& guides,
+                                         const Progress* progress) {
   const std::uint64_t voxels = solid.blocks->insideVoxels();
   const std::uint64_t least = leastVoxels(shares, voxels);
   const std::vector<glm::dmat3> walls = wallNormals(solid);
   const auto runOf = [&](std::size_t f, std::uint64_t seed) {
-    return SplitRun{meantShares(fragments[f], options, shares, voxels, seed), seed, walls, &guides};
+    return SplitRun{meantShares(fractures[f].fragments, options, shares, voxels, seed), seed, walls,
+                    &guides, fractures[f].densities};
   };
   std::vector<SplitRun> runs;
-  for (std::size_t f = 0; f < seeds.size(); ++f) {
-    checkShares(shares, components, static_cast<int>(fragments[f]), voxels);
-    runs.push_back(runOf(f, seeds[f]));
+  for (std::size_t f = 0; f < fractures.size(); ++f) {
+    checkShares(shares, components, static_cast<int>(fractures[f].fragments), voxels);
+    runs.push_back(runOf(f, fractures[f].seed));
   }
   std::vector<SeededLabels> all =
       growBySplits(solid.blocks, components, runs, device, options, progress);
@@ -65,10 +66,10 @@ std::vector<SeededLabels> growSequential(const Solid& solid, const VoxelComponen
     std::uint64_t smallest = smallestOf(all[f].labels);
     for (int attempt = 1; smallest < least; ++attempt) {
       if (attempt >= std::max(shares.tries, 1)) {
-        throw unreachedShare(shares, static_cast<int>(fragments[f]), smallest, voxels);
+        throw unreachedShare(shares, static_cast<int>(fractures[f].fragments), smallest, voxels);
       }
-      const SplitRun again =
-          runOf(f, randomBits(seeds[f], Stage::reseed, static_cast<std::uint64_t>(attempt)));
+      const SplitRun again = runOf(
+          f, randomBits(fractures[f].seed, Stage::reseed, static_cast<std::uint64_t>(attempt)));
       all[f] = std::move(
           growBySplits(solid.blocks, components, std::span(&again, 1), device, own, progress)
               .front());

@@ -21,6 +21,15 @@ struct SplitRun {
   std::span<const glm::dmat3> walls{};  ///< [leaves] see wall_normals.h; none: cracks are not
                                         ///< rotated into walls
   const GuideSides* guides = nullptr;   ///< of the first splits, or null; the same of all runs
+  std::span<const double> densities{};  ///< [leaves] see leaf_densities.h; shares are of voxels
+                                        ///< times these.  None: of voxels
+};
+
+/// A fracture whose shares are drawn.
+struct SequentialFracture {
+  std::size_t fragments = 0;
+  std::uint64_t seed = 0;
+  std::vector<double> densities{};  ///< as in SplitRun
 };
 
 /// Grows fragments by splits, then the same as `grow`: roughness, regrowth, extension into the
@@ -38,14 +47,13 @@ struct SplitRun {
                                                      const GrowOptions& options,
                                                      const Progress* progress = nullptr);
 
-/// The same for fractures with these numbers of fragments: shares are drawn, by ShareOptions or as
-/// splits give them, and drawn again where a fragment is below the least one.
-///   fragments, seeds  [fractures]
-///   guides            see SplitRun
+/// The same with shares that are drawn, by ShareOptions or as splits give them, and drawn again
+/// where a fragment is below the least one.
+///   guides  see SplitRun
 ///   throws  also Error(usage) the least share cannot be reached, or not within the tries
 [[nodiscard]] std::vector<SeededLabels> growSequential(
-    const Solid& solid, const VoxelComponents& components, std::span<const std::size_t> fragments,
-    std::span<const std::uint64_t> seeds, Device& device, const GrowOptions& options,
+    const Solid& solid, const VoxelComponents& components,
+    std::span<const SequentialFracture> fractures, Device& device, const GrowOptions& options,
     const ShareOptions& shares, const GuideSides& guides, const Progress* progress = nullptr);
 
 }  // namespace sherd

@@ -50,6 +50,7 @@ struct Fracture {
   std::vector<Piece> pieces{};
   std::vector<Split> splits{};
   std::vector<VoxelSums> sums{};  // [labels + 1]
+  std::vector<double> mass{};     // [labels + 1] voxels times densities
   std::vector<Plane> planes{};    // [labels + 1] of this generation
 
   std::uint16_t nextId() { return ids[taken++]; }
@@ -67,6 +68,24 @@ std::vector<VoxelSums> sumsOfLabels(const GrowthState& state, const SplitNodes& 
     }
   }
   return sums;
+}
+
+// The voxels of nodes times the densities of their leaves, by label.
+std::vector<double> massOfLabels(const GrowthState& state, const SplitNodes& nodes,
+                                 std::size_t fracture, std::span<const VoxelSums> sums,
+                                 std::span<const double> densities) {
+  std::vector<double> mass(sums.size(), 0.0);
+  if (densities.empty()) {
+    for (std::size_t i = 0; i < mass.size(); ++i) mass[i] = static_cast<double>(sums[i].count);
+    return mass;
+  }
+  for (std::size_t leaf = 0; leaf < state.leafCount; ++leaf) {
+    const auto [first, last] = nodes.of(fracture * state.leafCount + leaf);
+    for (std::size_t node = first; node < last; ++node) {
+      mass[nodes.label(node)] += nodes.voxels(node) * densities[leaf];
+    }
+  }
+  return mass;
 }
 
 // The nodes of each split piece: [piece] leaf and node.
@@ -118,7 +137,7 @@ double fractionOf(const Fracture& fracture, const Piece& piece, const SplitOptio
 // Voxels of a piece that are connected in a leaf.
 struct VoxelCluster {
   std::uint32_t leaf = 0;
-  double voxels = 0.0;
+  double voxels = 0.0;  // times the density there
   glm::dvec3 mean{0.0};
   glm::dmat3 covariance{0.0};
 };
@@ -156,7 +175,7 @@ CrackedLeaves crackedLeaves(std::span<const VoxelCluster> clusters,
 
 Plane planeThrough(const Fracture& fracture, const Piece& piece, const SplitNodes& nodes,
                    std::span<const std::pair<std::uint32_t, std::uint32_t>> own,
-                   std::span<const glm::ivec3> low, std::span<const glm::dmat3> walls,
+                   std::span<const glm::ivec3> low, const SplitRun& run,
                    const GrowOptions& options) {
   const VoxelSums& sums = fracture.sums[piece.label];
   if (piece.missed) return acrossAxis(sums);
@@ -166,15 +185,16 @@ Plane planeThrough(const Fracture& fracture, const Piece& piece, const SplitNode
   clusters.reserve(own.size());
   for (const auto& [leaf, node] : own) {
     const VoxelSums ofNode = nodes.sums(node);
-    clusters.push_back({leaf, static_cast<double>(ofNode.count),
+    const double density = run.densities.empty() ? 1.0 : run.densities[leaf];
+    clusters.push_back({leaf, density * static_cast<double>(ofNode.count),
                         ofNode.mean() + glm::dvec3(low[leaf]), ofNode.covariance()});
   }
   glm::dvec3 normal =
       crackNormal(covariance, options.split, options.anisotropy, fracture.seed, piece.path);
-  if (!walls.empty()) {
+  if (!run.walls.empty()) {
     const double position = positionOf(clusters, sums.mean(), covariance, normal, fraction);
-    normal = acrossWalls(crackedLeaves(clusters, walls, covariance, normal, position), covariance,
-                         normal);
+    normal = acrossWalls(crackedLeaves(clusters, run.walls, covariance, normal, position),
+                         covariance, normal);
   }
   Plane plane;
   plane.normal = inSteps(normal);
@@ -185,14 +205,14 @@ Plane planeThrough(const Fracture& fracture, const Piece& piece, const SplitNode
 
 // Decides the planes of all pieces that are split next.
 void decidePlanes(const GrowthState& state, const SplitNodes& nodes, std::size_t index,
-                  Fracture& fracture, std::span<const glm::ivec3> low,
-                  std::span<const glm::dmat3> walls, const GrowOptions& options) {
+                  Fracture& fracture, std::span<const glm::ivec3> low, const SplitRun& run,
+                  const GrowOptions& options) {
   fracture.planes.assign(fracture.ids.size() + 1, Plane{});
   const NodesOfPieces own = nodesOfPieces(state, nodes, index, fracture);
   for (std::size_t i = 0; i < fracture.pieces.size(); ++i) {
     const Piece& piece = fracture.pieces[i];
     if (!piece.isSplit()) continue;
-    Plane plane = planeThrough(fracture, piece, nodes, own[i], low, walls, options);
+    Plane plane = planeThrough(fracture, piece, nodes, own[i], low, run, options);
     plane.added = fracture.nextId();
     fracture.planes[piece.label] = plane;
   }
@@ -423,8 +443,8 @@ void recordSplits(Fracture& fracture) {
     }
     const std::size_t count = piece.last - piece.first;
     const std::span<const double> shares(&fracture.shares[piece.first], count);
-    std::size_t first =
-        firstOf(shares, static_cast<double>(kept) / static_cast<double>(kept + added));
+    const double keptMass = fracture.mass[piece.label], addedMass = fracture.mass[plane.added];
+    std::size_t first = firstOf(shares, keptMass / (keptMass + addedMass));
     std::vector<std::uint64_t> keptSides, addedSides;
     if (plane.normal == glm::ivec3(0)) {
       first = dividedSides(piece, plane.offset, first, keptSides, addedSides);
@@ -579,7 +599,9 @@ SplitGrowth splitPieces(GrowthState& state, const VoxelComponents& components,
   SplitNodes nodes = SplitNodes::withoutRoots(state, grown.labels);
   const auto measure = [&] {
     for (std::size_t f = 0; f < fractures.size(); ++f) {
-      fractures[f].sums = sumsOfLabels(state, nodes, f, fractures[f].ids.size(), low);
+      Fracture& each = fractures[f];
+      each.sums = sumsOfLabels(state, nodes, f, each.ids.size(), low);
+      each.mass = massOfLabels(state, nodes, f, each.sums, runs[f].densities);
     }
   };
   measure();
@@ -607,7 +629,7 @@ SplitGrowth splitPieces(GrowthState& state, const VoxelComponents& components,
     reportProgress(progress, "grow", 0.0);
     throwIfCancelled(progress);
     for (std::size_t f = 0; f < fractures.size(); ++f) {
-      decidePlanes(state, nodes, f, fractures[f], low, runs[f].walls, options);
+      decidePlanes(state, nodes, f, fractures[f], low, runs[f], options);
     }
     splitByPlanes(state, grown.labels, origins, fractures);
     finishGeneration();

@@ -102,7 +102,7 @@ std::vector<Rule> seedRules() {
        Verdict::conflict,
        [](O o, U) { return ruleOf(o.fracture.grow.growth).splits; },
        "places seeds, and {growth} sequential has none; omit one of them"},
-      {{"sampler", "seeds-on", "extra-seeds", "merge-metric", "size-spread", "density-attribute"},
+      {{"sampler", "seeds-on", "extra-seeds", "merge-metric", "size-spread"},
        Verdict::idle,
        [](O o, U) { return ruleOf(o.fracture.grow.growth).splits; },
        "does nothing with {growth} sequential, which has no seeds",

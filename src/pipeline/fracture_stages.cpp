@@ -13,6 +13,7 @@
 #include "grow/sequential.h"
 #include "pipeline/guide_surfaces.h"
 #include "seed/fragment_ids.h"
+#include "seed/leaf_densities.h"
 #include "surface/extract.h"
 #include "surface/simplify.h"
 #include "surface/smooth.h"
@@ -136,6 +137,17 @@ GuideSides sidesOf(std::span<const Guide> guides, const Solid& solid, const Prog
 
 }  // namespace
 
+namespace {
+
+SequentialFracture sequentialOf(const FractureOptions& options, const Solid& solid,
+                                const VoxelComponents& components, std::uint64_t seed) {
+  const std::size_t fragments = countFragments(components, options.pieces);
+  return {fragments, seed,
+          leafDensities(solid, components, seedOptionsFor(options, seed), fragments)};
+}
+
+}  // namespace
+
 SeededLabels growFor(const FractureOptions& options, const Solid& solid,
                      const VoxelComponents& components, std::vector<Seed> seeds, std::uint64_t seed,
                      Device& device, const Progress* progress) {
@@ -143,10 +155,10 @@ SeededLabels growFor(const FractureOptions& options, const Solid& solid,
   grow.noiseSeeds = {randomBits(seed, Stage::noise, 0)};
   grow.longestSideVoxels = longestSideVoxels(solid);
   if (ruleOf(grow.growth).splits) {
-    const std::size_t fragments = countFragments(components, options.pieces);
-    return std::move(growSequential(solid, components, std::span(&fragments, 1),
-                                    std::span(&seed, 1), device, grow, options.shares,
-                                    sidesOf(options.guides, solid, progress), progress)
+    const SequentialFracture fracture = sequentialOf(options, solid, components, seed);
+    return std::move(growSequential(solid, components, std::span(&fracture, 1), device, grow,
+                                    options.shares, sidesOf(options.guides, solid, progress),
+                                    progress)
                          .front());
   }
   return growWithShares(solid, components, std::move(seeds), device,
@@ -221,17 +233,14 @@ std::vector<Labels> splitTogether(const PreparedSolid& ready, std::vector<GrownF
                                   std::span<const FractureOptions> options,
                                   const GrowOptions& together, Device& device,
                                   const Progress* progress) {
-  std::vector<std::size_t> fragments;
-  std::vector<std::uint64_t> seeds;
+  std::vector<SequentialFracture> fractures;
   for (const FractureOptions& own : options) {
-    fragments.push_back(countFragments(ready.components, own.pieces));
-    seeds.push_back(own.seed);
+    fractures.push_back(sequentialOf(own, ready.solid, ready.components, own.seed));
   }
   std::vector<Labels> labels;
-  for (SeededLabels& grown :
-       growSequential(ready.solid, ready.components, fragments, seeds, device, together,
-                      options.front().shares,
-                      sidesOf(options.front().guides, ready.solid, progress), progress)) {
+  for (SeededLabels& grown : growSequential(
+           ready.solid, ready.components, fractures, device, together, options.front().shares,
+           sidesOf(options.front().guides, ready.solid, progress), progress)) {
     FractureResult& result = all[labels.size()].result;
     result.seeds = std::move(grown.seeds);
     result.sizeError = grown.sizeError;
