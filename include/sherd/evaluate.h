@@ -334,7 +334,8 @@ struct RoughnessAlong {
 struct FractureStatistics {
   std::vector<FragmentShape> fragments;  ///< [>= 1]
   FaceRule rule = FaceRule::planes;
-  double planeShare = 0.0;  ///< the share of a contact that lies in one plane, mean by area: below
+  double planeShare = 0.0;  ///< the share of a contact that lies in one plane, which is even within
+                            ///< the tolerance, mean by area: below
                             ///< 0.5 cracks are rough, where neighbors are known
   bool knownNeighbors = false;  ///< recorded by the meshes; else by distance, as fit() does
   double unit = 0.0;            ///< world units: what StatisticsOptions::unit came out as

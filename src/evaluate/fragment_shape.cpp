@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 
+#include "mesh/plane_moments.h"
 #include "mesh/triangle_area.h"
 
 namespace sherd {
@@ -21,8 +22,26 @@ std::array<glm::dvec3, 3> cornersOf(const TriangleMesh& mesh, std::size_t triang
   return {mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z]};
 }
 
+/// Returns whether the rms distance of an area from its plane is within the tolerance.
+std::vector<char> evenAreas(const DividedMesh& divided, double tolerance) {
+  const Box box = bounds(*divided.mesh);
+  const glm::dvec3 center = 0.5 * (box.min + box.max);
+  std::vector<PlaneMoments> moments(divided.planes.size.size());
+  for (std::size_t i = 0; i < divided.neighbor.size(); ++i) {
+    std::array<glm::dvec3, 3> corners = cornersOf(*divided.mesh, i);
+    for (glm::dvec3& corner : corners) corner -= center;
+    moments[divided.planes.ofTriangle[i]].add(corners);
+  }
+  std::vector<char> even;
+  for (const PlaneMoments& m : moments) {
+    even.push_back(m.meanSquare(m.plane()) <= tolerance * tolerance);
+  }
+  return even;
+}
+
 /// Adds up areas by neighbor, and how much of each is in one plane.
-void addAreas(DividedMesh& divided) {
+void addAreas(DividedMesh& divided, double tolerance) {
+  const std::vector<char> even = evenAreas(divided, tolerance);
   std::map<int, double> contacts;
   std::map<std::pair<std::uint32_t, int>, double> parts;  // of a plane and a neighbor
   for (std::size_t i = 0; i < divided.neighbor.size(); ++i) {
@@ -35,7 +54,7 @@ void addAreas(DividedMesh& divided) {
   }
   divided.neighborArea.assign(contacts.begin(), contacts.end());
   for (const auto& [part, size] : parts) {
-    if (size > 0.0) divided.onePlane += size * size / contacts[part.second];
+    if (size > 0.0 && even[part.first]) divided.onePlane += size * size / contacts[part.second];
   }
 }
 
@@ -84,7 +103,7 @@ DividedMesh divided(const TriangleMesh& mesh, std::vector<std::uint16_t> neighbo
   result.edges = sharedEdges(mesh);
   result.planes = planarAreas(mesh, result.edges, result.neighbor, limits.planeTolerance,
                               limits.leastArea, progress);
-  addAreas(result);
+  addAreas(result, limits.planeTolerance);
   return result;
 }
 
