@@ -176,6 +176,20 @@ Json decimatedJson(const Fragment& fragment, const std::vector<std::size_t>& ask
   return meshes;
 }
 
+// Adds the files that hold all fragments or the intact solid, and the list of all files.
+void addFiles(Json& manifest, const FractureFiles& files) {
+  Json solid = Json::object();
+  if (!files.solidVdb.empty()) solid["vdb"] = files.solidVdb;
+  if (!files.solidMesh.empty()) solid["mesh"] = pathsJson(files.solidMesh);
+  if (!solid.empty()) manifest["solid"] = std::move(solid);
+  if (!files.allVdb.empty()) manifest["vdb"] = files.allVdb;
+  if (!files.scene.empty()) manifest["scene"] = files.scene;
+  if (!files.graph.empty()) manifest["graph"] = files.graph;
+  if (!files.solidSdf.empty()) manifest["sdf"] = files.solidSdf;
+  if (!files.correspondences.empty()) manifest["correspondences"] = files.correspondences;
+  manifest["files"] = files.all();
+}
+
 }  // namespace
 
 std::vector<std::string> FractureFiles::all() const {
@@ -279,16 +293,7 @@ std::string manifestText(const SourceMesh& source, const FractureOptions& option
     if (!result.parents.empty()) fragment["parent"] = result.parents[i];
     manifest["fragments"].push_back(std::move(fragment));
   }
-  Json solid = Json::object();
-  if (!files.solidVdb.empty()) solid["vdb"] = files.solidVdb;
-  if (!files.solidMesh.empty()) solid["mesh"] = pathsJson(files.solidMesh);
-  if (!solid.empty()) manifest["solid"] = std::move(solid);
-  if (!files.allVdb.empty()) manifest["vdb"] = files.allVdb;
-  if (!files.scene.empty()) manifest["scene"] = files.scene;
-  if (!files.graph.empty()) manifest["graph"] = files.graph;
-  if (!files.solidSdf.empty()) manifest["sdf"] = files.solidSdf;
-  if (!files.correspondences.empty()) manifest["correspondences"] = files.correspondences;
-  manifest["files"] = files.all();
+  addFiles(manifest, files);
   // A source's name may have bytes that are not UTF-8, which JSON does not allow.
   return manifest.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -66,9 +66,12 @@ FractureOptions materialOptions(MaterialPreset material, FractureOptions options
       break;
     case MaterialPreset::glass:
       grow.split = {.power = 1.0, .offset = 0.25, .tilt = 60.0};
+      options.shares.sizes = Sizes::power;
+      options.shares.sizeParameter = 1.6;
       break;
     case MaterialPreset::tempered:
       grow.growth = Growth::euclid;
+      options.shares.sizes = Sizes::exponential;
       break;
     case MaterialPreset::plaster:
       setRelief(grow, 0.4, 0.8);

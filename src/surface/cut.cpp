@@ -210,6 +210,13 @@ float snapWeight(std::uint64_t voxels) {
   return std::clamp((kNone - static_cast<float>(voxels)) / (kNone - kAll), 0.0f, 1.0f);
 }
 
+// [65536] by label.
+std::vector<float> snapWeights(const std::vector<std::uint64_t>& voxels) {
+  std::vector<float> weights(std::size_t{Labels::kEroded} + 1);
+  for (std::size_t id = 1; id < voxels.size(); ++id) weights[id] = snapWeight(voxels[id]);
+  return weights;
+}
+
 // Distances to the surface of equal smoothed indicators, at the requested voxels.
 void smoothCut(const CutHalo& halo, std::span<const std::uint16_t> fragments,
                const VoxelBits& requested, std::vector<float>& distance) {
@@ -314,7 +321,6 @@ CutLeaf cutLeaf(const CutSource& from, std::size_t leaf, const LeafNeighbors& ne
 Cut findCut(const Labels& labels, std::span<const LeafNeighbors> neighborhoods, CutExtent extent,
             const Progress* progress) {
   const LeafBlocks& blocks = *labels.blocks;
-  const std::vector<std::uint64_t> voxels = countVoxels(labels);
   const std::vector<std::uint32_t> leafLabel = leafLabels(labels);
   std::vector<std::array<std::uint32_t, 6>> layers;
   if (extent == CutExtent::cells) layers = mixedLayers(labels, leafLabel);
@@ -322,8 +328,7 @@ Cut findCut(const Labels& labels, std::span<const LeafNeighbors> neighborhoods, 
   const SplitTree splits(labels.splits, labels.cracks);
   std::vector<CutLeaf> perLeaf(blocks.count());
   Cut cut;
-  cut.snapWeight.resize(std::size_t{Labels::kEroded} + 1);
-  for (std::size_t id = 1; id < voxels.size(); ++id) cut.snapWeight[id] = snapWeight(voxels[id]);
+  cut.snapWeight = snapWeights(countVoxels(labels));
   cut.only.resize(blocks.count());
   CancelFlag stop(progress);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks.count(), 16), [&](const auto& range) {

@@ -32,8 +32,9 @@ TEST_F(SplitSides, EqualTheSideOfEachVoxel) {
       sideWhere(*blocks,
                 [](const auto& v) { return v.x() * v.x() + v.y() * v.y() + v.z() * v.z() < 100; }),
   }};
-  const std::vector<SplitRun> runs{{std::vector<double>(8, 1.0 / 8), 1, &guides},
-                                   {std::vector<double>(8, 1.0 / 8), 2, &guides}};
+  const std::vector<SplitRun> runs{
+      {.shares = std::vector<double>(8, 1.0 / 8), .seed = 1, .guides = &guides},
+      {.shares = std::vector<double>(8, 1.0 / 8), .seed = 2, .guides = &guides}};
   const std::vector<SeededLabels> grown =
       growBySplits(blocks, components, runs, device(), GrowOptions{.growth = Growth::sequential});
   ASSERT_EQ(grown.size(), 2u);
@@ -63,7 +64,8 @@ TEST_F(SplitSides, LeaveConnectedPieces) {
   const auto blocks = voxel_shapes::blocksOf(voxel_shapes::cup(20, 3));
   const VoxelComponents components = findComponents(*blocks, device());
   const GuideSides guides{{sideWhere(*blocks, [](const auto& v) { return std::abs(v.x()) > 12; })}};
-  const std::vector<SplitRun> runs{{std::vector<double>(6, 1.0 / 6), 3, &guides}};
+  const std::vector<SplitRun> runs{
+      {.shares = std::vector<double>(6, 1.0 / 6), .seed = 3, .guides = &guides}};
   const Labels labels = std::move(
       growBySplits(blocks, components, runs, device(), GrowOptions{.growth = Growth::sequential})
           .front()

@@ -1,0 +1,100 @@
+// Pieces, and the shares of the fragments that come of them.
+#include "grow/split_fracture.h"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "base/random.h"
+#include "seed/fragment_ids.h"
+
+namespace sherd {
+
+std::vector<std::vector<std::uint64_t>> sidesOfComponents(const LeafBlocks& blocks,
+                                                          const VoxelComponents& components,
+                                                          const GuideSides& guides) {
+  const std::size_t cracks = std::min<std::size_t>(guides.positive.size(), 64);
+  std::vector<std::set<std::uint64_t>> found(components.count());
+  std::vector<std::uint64_t> before(components.count(), 0);  // to search rarely
+  blocks.forEachInside([&](std::size_t voxel) {
+    std::uint64_t sides = 0;
+    for (std::size_t i = 0; i < cracks; ++i) {
+      sides |= (guides.positive[i][voxel / 64] >> (voxel % 64) & 1) << i;
+    }
+    const std::uint32_t component = components.at(voxel);
+    if (sides == before[component] && !found[component].empty()) return;
+    found[component].insert(before[component] = sides);
+  });
+  std::vector<std::vector<std::uint64_t>> all;
+  for (const std::set<std::uint64_t>& each : found) all.emplace_back(each.begin(), each.end());
+  return all;
+}
+
+namespace {
+
+// Divides the sides of a piece that is split by a given crack, and returns how many of `count`
+// shares the first part gets, near `first`: each part one for each of its sides, if there are
+// enough, so that later cracks can split them.
+std::size_t dividedSides(const SplitPiece& piece, std::int64_t crack, std::size_t first,
+                         std::vector<std::uint64_t>& kept, std::vector<std::uint64_t>& added) {
+  if (piece.sides.empty() || crack >= 64) return first;
+  for (const std::uint64_t each : piece.sides) ((each >> crack & 1) ? added : kept).push_back(each);
+  const std::size_t count = piece.last - piece.first;
+  if (kept.size() + added.size() > count) return first;
+  return std::clamp(first, kept.size(), count - added.size());
+}
+
+}  // namespace
+
+void recordSplits(SplitFracture& fracture) {
+  std::vector<SplitPiece> pieces;
+  for (SplitPiece& piece : fracture.pieces) {
+    const SplitPlane& plane = fracture.planes[piece.label];
+    if (plane.added == 0) {
+      pieces.push_back(piece);
+      continue;
+    }
+    const auto kept = static_cast<std::size_t>(fracture.sums[piece.label].count),
+               added = static_cast<std::size_t>(fracture.sums[plane.added].count);
+    if (added == 0) {
+      piece.missed = plane.normal != glm::ivec3(0);
+      std::swap(*std::find(fracture.ids.begin(), fracture.ids.end(), plane.added),
+                fracture.ids[--fracture.taken]);
+      pieces.push_back(piece);
+      continue;
+    }
+    const std::size_t count = piece.last - piece.first;
+    const std::span<const double> shares(&fracture.shares[piece.first], count);
+    const double keptMass = fracture.mass[piece.label], addedMass = fracture.mass[plane.added];
+    std::size_t first = firstOf(shares, keptMass / (keptMass + addedMass));
+    std::vector<std::uint64_t> keptSides, addedSides;
+    if (plane.normal == glm::ivec3(0)) {
+      first = dividedSides(piece, plane.offset, first, keptSides, addedSides);
+    }
+    first = std::min(first, kept);
+    if (count - first > added) first = count - added;
+    const int generation = piece.generation + 1;
+    fracture.splits.push_back(
+        {piece.label, plane.added, piece.generation, plane.normal, plane.offset, kept + added});
+    pieces.push_back({piece.label, piece.first, piece.first + first, generation,
+                      mixed(2 * piece.path + 1), false, std::move(keptSides)});
+    pieces.push_back({plane.added, piece.first + first, piece.last, generation,
+                      mixed(2 * piece.path + 2), false, std::move(addedSides)});
+  }
+  fracture.pieces = std::move(pieces);
+}
+
+SplitFracture startedFracture(const SplitRun& run, const VoxelComponents& components) {
+  SplitFracture fracture;
+  fracture.seed = run.seed;
+  fracture.ids = permutedIds(run.shares.size(), run.seed);
+  for (const std::vector<double>& shares : sharesOfComponents(run.shares, components.voxels())) {
+    const std::size_t first = fracture.shares.size();
+    fracture.shares.insert(fracture.shares.end(), shares.begin(), shares.end());
+    const std::uint64_t path = mixed(fracture.pieces.size() + 1);
+    fracture.pieces.push_back({fracture.nextId(), first, fracture.shares.size(), 0, path});
+  }
+  return fracture;
+}
+
+}  // namespace sherd

@@ -1,0 +1,73 @@
+// The pieces of a fracture while they are split.
+#pragma once
+
+#include <sherd/labels.h>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "grow/growth_state.h"
+#include "grow/sequential.h"
+#include "grow/split_nodes.h"
+#include "grow/split_plan.h"
+
+namespace sherd {
+
+/// A piece, and the shares of the fragments that come of it: [first, last) of its fracture's.
+struct SplitPiece {
+  std::uint16_t label = 0;
+  std::size_t first = 0, last = 0;
+  int generation = 0;
+  std::uint64_t path = 0;              // hash of the sides of all splits before, for random numbers
+  bool missed = false;                 // the last plane had all voxels on one side
+  std::vector<std::uint64_t> sides{};  // of given cracks, that its voxels are on, ascending: a bit
+                                       // for each of the first 64
+
+  bool isSplit() const { return last - first > 1; }
+};
+
+/// The plane through a piece, and the label of the positive side.
+struct SplitPlane {
+  glm::ivec3 normal{0};
+  std::int64_t offset = 0;
+  std::uint16_t added = 0;
+};
+
+/// One fracture on the host.
+struct SplitFracture {
+  std::uint64_t seed = 0;
+  std::vector<double> shares{};
+  std::vector<std::uint16_t> ids{};  // in the order in which pieces take them
+  std::size_t taken = 0;
+  std::vector<SplitPiece> pieces{};
+  std::vector<Split> splits{};
+  std::vector<VoxelSums> sums{};     // [labels + 1]
+  std::vector<double> mass{};        // [labels + 1] voxels times densities
+  std::vector<SplitPlane> planes{};  // [labels + 1] of this generation
+
+  std::uint16_t nextId() { return ids[taken++]; }
+};
+
+/// Makes one piece of each component.
+[[nodiscard]] SplitFracture startedFracture(const SplitRun& run, const VoxelComponents& components);
+
+/// Decides the planes of all pieces that are split next, and gives ids to the new ones.
+///   low  [leaves] the lowest voxel of each, from the lowest of all
+void decidePlanes(const GrowthState& state, const SplitNodes& nodes, std::size_t index,
+                  SplitFracture& fracture, std::span<const glm::ivec3> low, const SplitRun& run,
+                  const GrowOptions& options);
+
+/// Labels components anew, so that both sides of every piece are connected: the largest component
+/// of each side is a part, the others join what they touch first.
+void connectSides(GrowthState& state, const DeviceLabels& labels, SplitNodes& nodes,
+                  std::span<const SplitFracture> fractures);
+
+/// Replaces split pieces by their two parts, and records the splits.
+void recordSplits(SplitFracture& fracture);
+
+/// Returns [components] on which sides of given cracks their voxels are.
+[[nodiscard]] std::vector<std::vector<std::uint64_t>> sidesOfComponents(
+    const LeafBlocks& blocks, const VoxelComponents& components, const GuideSides& guides);
+
+}  // namespace sherd
