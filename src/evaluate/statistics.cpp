@@ -142,6 +142,11 @@ void chooseRule(FractureStatistics& result, const FragmentSet& set, const Meshes
     cracks += mesh.crackArea;
   }
   result.planeShare = cracks > 0.0 ? inPlane / cracks : 0.0;
+  if (options.faces == FaceRule::splits && set.splitParents.empty()) {
+    throw Error(ErrorCode::usage,
+                "statistics: the folder's manifest has no splits; choose planes or neighbors",
+                OptionNames{"faces"});
+  }
   const FaceRule found = !set.splitParents.empty() ? FaceRule::splits
                          : isRough(result)         ? FaceRule::neighbors
                                                    : FaceRule::planes;
@@ -283,6 +288,13 @@ void addNotes(FractureStatistics& result, const FragmentSet& set, const Meshes& 
   if (meshes.fragment.size() < set.fragments.size()) {
     notes.push_back(formatted("%zu of %zu fragments have no mesh with an area",
                               set.fragments.size() - meshes.fragment.size(), set.fragments.size()));
+  }
+  const auto open =
+      std::count_if(meshes.fragment.begin(), meshes.fragment.end(),
+                    [&](std::size_t i) { return openEdges(set.fragments[i].mesh.mesh) > 0; });
+  if (open > 0) {
+    notes.push_back(formatted("%zu fragments are open: volumes and shares are unreliable",
+                              static_cast<std::size_t>(open)));
   }
   if (!result.knownNeighbors) {
     notes.emplace_back("the meshes record no neighbors: cracks are found by distance");

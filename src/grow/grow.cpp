@@ -293,7 +293,8 @@ std::vector<SeededLabels> splitBatch(const std::shared_ptr<const LeafBlocks>& bl
     } else if (runs.front().guides != nullptr) {
       labels[f].cracks = runs.front().guides->cracks;
     }
-    all.push_back({std::move(seedSets[f]), std::move(labels[f]), grown.fractures[f].sizeError});
+    all.push_back(
+        {std::move(seedSets[f]), std::move(labels[f]), 0.0, std::move(grown.fractures[f].shares)});
   }
   return all;
 }

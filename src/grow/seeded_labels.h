@@ -11,7 +11,8 @@ namespace sherd {
 struct SeededLabels {
   std::vector<Seed> seeds;
   Labels labels;
-  double sizeError = 0.0;  ///< as FractureResult::sizeError
+  double sizeError = 0.0;             ///< as FractureResult::sizeError
+  std::vector<double> meantShares{};  ///< [fragments] of growth by splits
 };
 
 }  // namespace sherd

@@ -4,6 +4,8 @@
 #include <sherd/error.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -36,6 +38,20 @@ std::uint64_t smallestOf(const Labels& labels) {
   return *std::min_element(voxels.begin() + 1, voxels.end());
 }
 
+// Returns the greatest difference of a fragment's share from the one that it was meant to have,
+// divided by that.
+double sizeErrorOf(const SeededLabels& grown) {
+  const std::vector<std::uint64_t> voxels = countVoxels(grown.labels);
+  const auto all =
+      static_cast<double>(std::accumulate(voxels.begin() + 1, voxels.end(), std::uint64_t{0}));
+  double error = 0.0;
+  for (std::size_t i = 0; i < grown.meantShares.size(); ++i) {
+    const double share = static_cast<double>(voxels[i + 1]) / all;
+    error = std::max(error, std::abs(share / grown.meantShares[i] - 1.0));
+  }
+  return error;
+}
+
 }  // namespace
 
 std::vector<SeededLabels> growSequential(const Solid& solid, const VoxelComponents& components,
@@ -46,9 +62,10 @@ std::vector<SeededLabels> growSequential(const Solid& solid, const VoxelComponen
   const std::uint64_t voxels = solid.blocks->insideVoxels();
   const std::uint64_t least = leastVoxels(shares, voxels);
   const std::vector<glm::dmat3> walls = wallNormals(solid);
+  const bool isDrawn = shares.sizes != Sizes::grown;
   const auto runOf = [&](std::size_t f, std::uint64_t seed) {
     return SplitRun{meantShares(fractures[f].fragments, options, shares, voxels, seed), seed, walls,
-                    &guides, fractures[f].densities};
+                    &guides, isDrawn ? std::span<const double>{} : fractures[f].densities};
   };
   std::vector<SplitRun> runs;
   for (std::size_t f = 0; f < fractures.size(); ++f) {
@@ -57,16 +74,14 @@ std::vector<SeededLabels> growSequential(const Solid& solid, const VoxelComponen
   }
   std::vector<SeededLabels> all =
       growBySplits(solid.blocks, components, runs, device, options, progress);
-  if (shares.sizes == Sizes::grown) {
-    for (SeededLabels& each : all) each.sizeError = 0.0;
-  }
   for (std::size_t f = 0; f < all.size() && least > 0; ++f) {
     GrowOptions own = options;
     if (f < options.noiseSeeds.size()) own.noiseSeeds = {options.noiseSeeds[f]};
     std::uint64_t smallest = smallestOf(all[f].labels);
     for (int attempt = 1; smallest < least; ++attempt) {
       if (attempt >= std::max(shares.tries, 1)) {
-        throw unreachedShare(shares, static_cast<int>(fractures[f].fragments), smallest, voxels);
+        throw unreachedShare(shares, static_cast<int>(fractures[f].fragments), smallest, voxels,
+                             true);
       }
       const SplitRun again = runOf(
           f, randomBits(fractures[f].seed, Stage::reseed, static_cast<std::uint64_t>(attempt)));
@@ -75,6 +90,9 @@ std::vector<SeededLabels> growSequential(const Solid& solid, const VoxelComponen
               .front());
       smallest = smallestOf(all[f].labels);
     }
+  }
+  for (SeededLabels& each : all) {
+    if (isDrawn) each.sizeError = sizeErrorOf(each);
   }
   return all;
 }

@@ -235,14 +235,14 @@ std::uint64_t leastVoxels(const ShareOptions& options, std::uint64_t voxels) {
 }
 
 Error unreachedShare(const ShareOptions& options, int fragments, std::uint64_t smallest,
-                     std::uint64_t voxels) {
+                     std::uint64_t voxels, bool splits) {
   return Error(ErrorCode::usage,
                "no " + std::to_string(fragments) + " fragments of at least " +
                    percent(options.minShare) + " were found in " + std::to_string(options.tries) +
                    " growths, the smallest had " +
                    percent(static_cast<double>(smallest) / static_cast<double>(voxels)) +
-                   "; try fewer pieces, or a balance of 8",
-               OptionNames{"pieces", "balance"});
+                   "; try fewer pieces" + (splits ? ", or smoother cracks" : ", or a balance of 8"),
+               splits ? OptionNames{"pieces", "roughness"} : OptionNames{"pieces", "balance"});
 }
 
 SeededLabels growWithShares(const Solid& solid, const VoxelComponents& components,
@@ -287,7 +287,7 @@ SeededLabels growWithShares(const Solid& solid, const VoxelComponents& component
     }
     labels = growFrom(seeds);
   }
-  throw unreachedShare(shares, fragments, smallest, voxels);
+  throw unreachedShare(shares, fragments, smallest, voxels, false);
 }
 
 }  // namespace sherd

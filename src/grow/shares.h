@@ -30,7 +30,7 @@ void checkShares(const ShareOptions& options, const VoxelComponents& components,
 
 /// Returns the error where the least share was not reached within ShareOptions::tries.
 [[nodiscard]] Error unreachedShare(const ShareOptions& options, int fragments,
-                                   std::uint64_t smallest, std::uint64_t voxels);
+                                   std::uint64_t smallest, std::uint64_t voxels, bool splits);
 
 /// Moves each primary seed to its fragment's centroid, into the nearest voxel of the fragment.
 /// Additional seeds of a fragment stay.

@@ -168,16 +168,13 @@ std::vector<Seed> innerVoxels(GrowthState& state, const SplitNodes& nodes, std::
   return seeds;
 }
 
-// Returns the greatest difference of a fragment's share from the one that it was meant to have,
-// divided by that.
-double sizeErrorOf(const SplitFracture& fracture) {
-  double voxels = 0.0, error = 0.0;
-  for (const VoxelSums& sums : fracture.sums) voxels += static_cast<double>(sums.count);
+// [fragments] the shares that they were meant to have, by id.
+std::vector<double> meantShares(const SplitFracture& fracture) {
+  std::vector<double> shares(fracture.pieces.size());
   for (const SplitPiece& piece : fracture.pieces) {
-    const double share = static_cast<double>(fracture.sums[piece.label].count) / voxels;
-    error = std::max(error, std::abs(share / fracture.shares[piece.first] - 1.0));
+    shares[piece.label - 1u] = fracture.shares[piece.first];
   }
-  return error;
+  return shares;
 }
 
 // Orders splits by the size of what they split, and converts planes to voxels of the grid.
@@ -212,7 +209,8 @@ SplitGrowth splitPieces(GrowthState& state, const VoxelComponents& components,
                         std::span<const SplitRun> runs, const GrowOptions& options,
                         const Progress* progress) {
   std::vector<SplitFracture> fractures;
-  for (const SplitRun& run : runs) fractures.push_back(startedFracture(run, components));
+  for (const SplitRun& run : runs)
+    fractures.push_back(startedFracture(run, state.blocks, components));
   const openvdb::Coord lowest = state.lowest();
   const DeviceBuffer origins = state.uploadOrigins(lowest);
   const std::vector<glm::ivec3> low = lowestOfLeaves(state.blocks, lowest);
@@ -258,7 +256,7 @@ SplitGrowth splitPieces(GrowthState& state, const VoxelComponents& components,
   for (std::size_t f = 0; f < fractures.size(); ++f) {
     grown.fractures.push_back({ordered(std::move(fractures[f].splits), lowest),
                                innerVoxels(state, nodes, f, fractures[f], low),
-                               sizeErrorOf(fractures[f])});
+                               meantShares(fractures[f])});
   }
   return grown;
 }

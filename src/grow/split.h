@@ -15,9 +15,9 @@ namespace sherd {
 
 /// A fracture after all splits.
 struct SplitPieces {
-  std::vector<Split> splits;  ///< a piece before those that come of it
-  std::vector<Seed> seeds;    ///< [fragments] by id: an inner voxel of each
-  double sizeError = 0.0;     ///< as FractureResult::sizeError, of the shares of the run
+  std::vector<Split> splits;   ///< a piece before those that come of it
+  std::vector<Seed> seeds;     ///< [fragments] by id: an inner voxel of each
+  std::vector<double> shares;  ///< [fragments] by id: those of the run
 };
 
 struct SplitGrowth {

@@ -2,6 +2,7 @@
 #include "grow/split_fracture.h"
 
 #include <algorithm>
+#include <bit>
 #include <set>
 #include <utility>
 
@@ -41,7 +42,9 @@ std::size_t dividedSides(const SplitPiece& piece, std::int64_t crack, std::size_
   for (const std::uint64_t each : piece.sides) ((each >> crack & 1) ? added : kept).push_back(each);
   const std::size_t count = piece.last - piece.first;
   if (kept.size() + added.size() > count) return first;
-  return std::clamp(first, kept.size(), count - added.size());
+  // Components that joined the other part are not among its sides: each part gets a share.
+  return std::clamp(std::clamp(first, kept.size(), count - added.size()), std::size_t{1},
+                    count - 1);
 }
 
 }  // namespace
@@ -84,11 +87,36 @@ void recordSplits(SplitFracture& fracture) {
   fracture.pieces = std::move(pieces);
 }
 
-SplitFracture startedFracture(const SplitRun& run, const VoxelComponents& components) {
+namespace {
+
+// [components] voxels times the densities of their leaves: of a leaf with several components, all
+// count for that of its first voxel.
+std::vector<double> massOfComponents(const LeafBlocks& blocks, const VoxelComponents& components,
+                                     std::span<const double> densities) {
+  std::vector<double> mass(components.count(), 0.0);
+  for (std::size_t leaf = 0; leaf < densities.size(); ++leaf) {
+    std::size_t voxels = 0, first = 0;
+    for (std::size_t word = leaf * 8; word < leaf * 8 + 8; ++word) {
+      const std::uint64_t bits = blocks.inside[word];
+      if (voxels == 0) first = word * 64 + static_cast<std::size_t>(std::countr_zero(bits));
+      voxels += static_cast<std::size_t>(std::popcount(bits));
+    }
+    if (voxels > 0) mass[components.at(first)] += densities[leaf] * static_cast<double>(voxels);
+  }
+  return mass;
+}
+
+}  // namespace
+
+SplitFracture startedFracture(const SplitRun& run, const LeafBlocks& blocks,
+                              const VoxelComponents& components) {
   SplitFracture fracture;
   fracture.seed = run.seed;
   fracture.ids = permutedIds(run.shares.size(), run.seed);
-  for (const std::vector<double>& shares : sharesOfComponents(run.shares, components.voxels())) {
+  const std::vector<std::uint64_t>& voxels = components.voxels();
+  std::vector<double> mass(voxels.begin(), voxels.end());
+  if (!run.densities.empty()) mass = massOfComponents(blocks, components, run.densities);
+  for (const std::vector<double>& shares : sharesOfComponents(run.shares, mass, voxels)) {
     const std::size_t first = fracture.shares.size();
     fracture.shares.insert(fracture.shares.end(), shares.begin(), shares.end());
     const std::uint64_t path = mixed(fracture.pieces.size() + 1);

@@ -50,7 +50,8 @@ struct SplitFracture {
 };
 
 /// Makes one piece of each component.
-[[nodiscard]] SplitFracture startedFracture(const SplitRun& run, const VoxelComponents& components);
+[[nodiscard]] SplitFracture startedFracture(const SplitRun& run, const LeafBlocks& blocks,
+                                            const VoxelComponents& components);
 
 /// Decides the planes of all pieces that are split next, and gives ids to the new ones.
 ///   low  [leaves] the lowest voxel of each, from the lowest of all

@@ -11,12 +11,7 @@
 
 namespace sherd {
 
-/// The voxels of one label in a leaf that are connected there, see kernels/split.cl.
-struct SplitNode {
-  VoxelSums sums;  ///< relative to the leaf's lowest voxel
-  std::uint16_t label = 0;
-};
-
+/// Nodes: the voxels of one label in a leaf that are connected there, see kernels/split.cl.
 class SplitNodes {
  public:
   /// Measures the nodes of labels, and finds their components.

@@ -114,16 +114,16 @@ std::size_t firstOf(std::span<const double> shares, double fraction) {
 }
 
 std::vector<std::vector<double>> sharesOfComponents(std::span<const double> shares,
+                                                    std::span<const double> mass,
                                                     std::span<const std::uint64_t> voxels) {
   std::vector<std::vector<double>> all(voxels.size());
   if (all.size() == 1) {
     all.front().assign(shares.begin(), shares.end());
     return all;
   }
-  const double total =
-      static_cast<double>(std::accumulate(voxels.begin(), voxels.end(), std::uint64_t{0}));
+  const double total = std::accumulate(mass.begin(), mass.end(), 0.0);
   std::vector<double> missing;  // share of each component that is not given yet
-  for (const std::uint64_t n : voxels) missing.push_back(static_cast<double>(n) / total);
+  for (const double each : mass) missing.push_back(each / total);
   std::vector<double> descending(shares.begin(), shares.end());
   std::stable_sort(descending.begin(), descending.end(), std::greater<>());
   std::size_t empty = all.size();

@@ -95,6 +95,7 @@ void connectSides(GrowthState& state, const DeviceLabels& labels, SplitNodes& no
     for (std::size_t label = 1; label < all[f].size(); ++label) {
       Sides& sides = all[f][label];
       if (fractures[f].planes[label].added == 0 || sides.isEach()) continue;
+      if (sides.added.empty()) continue;  // the plane missed the piece
       isAny = true;
       if (sides.kept.empty()) {  // the plane missed the piece
         for (const auto& each : sides.added)

@@ -13,9 +13,9 @@ struct CrackedLeaves {
 };
 
 /// Rotates a crack's normal into the walls that the crack passes, so that it crosses them at right
-/// angles as nearly as a plane can: n becomes (I + 30 W)^-1 n, where W is the mean of n n^T over
-/// the surface there.  In the wall of a plate or a sherd an angle of 10 degrees becomes 0.3; across
-/// a tube one of 30 becomes 2.  Blocks have no walls: with L the piece's standard deviation in
+/// angles as nearly as a plane can: n becomes (I + 8 W)^-1 n, where W is the mean of n n^T over
+/// the surface there.  In the wall of a plate or a sherd an angle of 10 degrees becomes 1.1; across
+/// a tube one of 30 becomes 7.  Blocks have no walls: with L the piece's standard deviation in
 /// space, the normal is rotated where there are more than 6 voxels at the surface in L of those
 /// passed (walls thinner than about a third of L), partly from 3 on.
 ///   covariance  of the piece

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -222,7 +223,9 @@ TriangleTree::Nearest TriangleTree::nearest(const glm::dvec3& point, double reac
   std::size_t waiting = 0;
   const Near near(point);
   const auto squaredTo = [&](std::size_t node) {
-    return near.squaredTo(bounds_[node].min, bounds_[node].max);
+    // Not infinite: a tree that is very far away has a nearest triangle too.
+    return std::min(near.squaredTo(bounds_[node].min, bounds_[node].max),
+                    std::numeric_limits<float>::max());
   };
   std::size_t node = 0;
   float here = squaredTo(0);

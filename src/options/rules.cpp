@@ -84,19 +84,24 @@ std::vector<Rule> seedRules() {
        "applies to seeds that are drawn, and {seeds} reads them from a file; omit one of them"},
       {{"density-attribute"},
        Verdict::conflict,
-       [](O o, U) { return o.fracture.seeds.sampler == Sampler::poisson; },
+       [](O o, U) {
+         return o.fracture.seeds.sampler == Sampler::poisson &&
+                !ruleOf(o.fracture.grow.growth).splits;
+       },
        "makes distances between seeds uneven, and {sampler} poisson keeps them even; choose "
        "another sampler",
        {"sampler"}},
       {{"density-attribute"},
        Verdict::conflict,
-       [](O o, U) { return o.fracture.shares.balance > 0; },
+       [](O o, U) {
+         return o.fracture.shares.balance > 0 && !ruleOf(o.fracture.grow.growth).splits;
+       },
        "makes sizes uneven, and {balance} evens them out; omit one of them",
        {"balance"}},
       {{"density-attribute"},
        Verdict::conflict,
        [](O o, U) { return o.fracture.shares.sizes != Sizes::grown; },
-       "decides where pieces are small, and {sizes} draws their sizes anywhere; omit one of them",
+       "and {sizes} both set the sizes of pieces; omit one of them",
        {"sizes"}},
       {{"seeds"},
        Verdict::conflict,
@@ -147,6 +152,20 @@ std::vector<Rule> growthRules() {
        [](O o, U) { return !ruleOf(o.fracture.grow.growth).splits; },
        "does nothing without {growth} sequential",
        {"growth"}},
+      {{"split-power"},
+       Verdict::idle,
+       [](O o, U) {
+         return ruleOf(o.fracture.grow.growth).splits && o.fracture.shares.sizes != Sizes::grown;
+       },
+       "does nothing with {sizes}, which draws the shares of pieces",
+       {"growth", "sizes"}},
+      {{"impact", "impacts"},
+       Verdict::idle,
+       [](O o, U) {
+         return ruleOf(o.fracture.grow.growth).splits && o.fracture.shares.sizes != Sizes::grown;
+       },
+       "does nothing with {growth} sequential and {sizes}, which draws sizes anywhere",
+       {"growth", "sizes"}},
       {{"balance", "isolated"},
        Verdict::idle,
        [](O o, U) { return ruleOf(o.fracture.grow.growth).splits; },

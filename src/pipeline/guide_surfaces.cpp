@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "base/cancel_flag.h"
@@ -17,6 +18,8 @@
 
 namespace sherd {
 namespace {
+
+constexpr std::size_t kMostGuides = 256;
 
 Error inputError(const Guide& guide, const std::string& what) {
   return Error(ErrorCode::input, (guide.file.empty() ? "a guide" : guide.file) + ": " + what);
@@ -47,10 +50,19 @@ DrawnSurface drawnSurface(const Solid& solid) {
   return DrawnSurface(std::move(mesh));
 }
 
+// Each crack is a pass over the voxels near it.
+void requireFew(const Guide& guide, std::size_t cracks) {
+  if (cracks <= kMostGuides) return;
+  throw inputError(guide, "there are " + std::to_string(cracks) +
+                              " lines and connected components to follow; at most " +
+                              std::to_string(kMostGuides) + " are possible");
+}
+
 // Adds a surface for each connected component.
 void addComponents(const Guide& guide, const Progress* progress, std::vector<SidedMesh>& surfaces) {
   const TriangleMesh mesh = repaired(guide.mesh, progress).mesh;
   const MeshComponents components = meshComponents(mesh);
+  requireFew(guide, surfaces.size() + components.count);
   std::vector<TriangleMesh> parts(components.count);
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     parts[components.ofTriangle[i]].triangles.push_back(mesh.triangles[i]);
@@ -88,6 +100,7 @@ std::vector<SidedMesh> guideSurfacesOf(std::span<const Guide> guides, const Soli
   std::vector<SidedMesh> surfaces;
   for (const Guide& guide : guides) {
     check(guide);
+    requireFew(guide, surfaces.size() + guide.polylines.size());
     for (const std::vector<glm::dvec3>& line : guide.polylines) {
       throwIfCancelled(progress);
       if (!drawn) drawn.emplace(drawnSurface(solid));

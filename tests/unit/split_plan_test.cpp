@@ -60,15 +60,17 @@ TEST(SplitPlan, TheFirstSharesAddUpToNearestToAFraction) {
 TEST(SplitPlan, ComponentsGetSharesByTheirSize) {
   const std::vector<std::uint64_t> voxels{700, 27, 273};
   const std::vector<double> shares(10, 0.1);
-  const auto given = sharesOfComponents(shares, voxels);
+  const auto given = sharesOfComponents(shares, std::vector<double>{700, 27, 273}, voxels);
   EXPECT_EQ(given[0].size(), 7u);
   EXPECT_EQ(given[1].size(), 1u);  // though a third of a share is missing
   EXPECT_EQ(given[2].size(), 2u);
   const std::vector<std::uint64_t> two{2, 50};
-  const auto full = sharesOfComponents(std::vector<double>(52, 1.0 / 52.0), two);
+  const auto full =
+      sharesOfComponents(std::vector<double>(52, 1.0 / 52.0), std::vector<double>{2, 50}, two);
   EXPECT_EQ(full[0].size(), 2u);
   EXPECT_EQ(full[1].size(), 50u);
-  const auto least = sharesOfComponents(std::vector<double>(3, 1.0 / 3.0), voxels);
+  const auto least =
+      sharesOfComponents(std::vector<double>(3, 1.0 / 3.0), std::vector<double>{1, 1, 98}, voxels);
   for (const auto& each : least) EXPECT_EQ(each.size(), 1u);
 }
 
@@ -135,7 +137,8 @@ TEST(SplitPlan, CracksOfACubeHaveEveryDirection) {
   }
 }
 
-// A grain of strength 3 divides lengths along it by 4: a box four times as long as wide is a cube.
+// A grain of strength 9 divides lengths along it by 10: a box twice as long as wide is a plate,
+// whose cracks go along the grain.
 TEST(SplitPlan, GrainShortensThePiece) {
   const glm::dmat3 covariance = sumsOfBox({10, 10, 20}).covariance();
   const Anisotropy grain{{0.0, 0.0, 2.0}, 9.0};
