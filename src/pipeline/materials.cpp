@@ -66,8 +66,8 @@ FractureOptions materialOptions(MaterialPreset material, FractureOptions options
       break;
     case MaterialPreset::glass:
       grow.split = {.power = 1.0, .offset = 0.25, .tilt = 60.0};
-      options.shares.sizes = Sizes::power;
-      options.shares.sizeParameter = 1.6;
+      options.shares.sizes = Sizes::lognormal;
+      options.shares.sizeParameter = 0.8;
       break;
     case MaterialPreset::tempered:
       grow.growth = Growth::euclid;
