@@ -144,8 +144,7 @@ void chooseRule(FractureStatistics& result, const FragmentSet& set, const Meshes
   result.planeShare = cracks > 0.0 ? inPlane / cracks : 0.0;
   if (options.faces == FaceRule::splits && set.splitParents.empty()) {
     throw Error(ErrorCode::usage,
-                "statistics: the folder's manifest has no splits; choose planes or neighbors",
-                OptionNames{"faces"});
+                "statistics: the folder's manifest has no splits; choose planes or neighbors");
   }
   const FaceRule found = !set.splitParents.empty() ? FaceRule::splits
                          : isRough(result)         ? FaceRule::neighbors

@@ -31,7 +31,7 @@ std::vector<const char*> growthNames() {
   return names;
 }
 
-const std::vector<Row> kGrowthRows{
+const Row kGrowthRows[]{
     {.name = "growth",
      .group = "Growth",
      .value = V::choice(kGrow, &GrowOptions::growth, growthNames()),
@@ -264,7 +264,7 @@ const std::vector<Row> kGrowthRows{
      .hidden = true},
 };
 
-const std::vector<Row> kErosionRows{
+const Row kErosionRows[]{
     {.name = "erode-iterations",
      .group = "Erosion",
      .value = V::wholeLength(kErode, &ErodeOptions::iterations, 1000),
@@ -332,7 +332,7 @@ const std::vector<Row> kErosionRows{
      .drawn = true},
 };
 
-const std::vector<Row> kWithheldRows{
+const Row kWithheldRows[]{
     {.name = "drop-share",
      .group = "Growth",
      .value = V::number(kFracture, &FractureOptions::dropShare, kShare),

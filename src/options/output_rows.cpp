@@ -29,7 +29,7 @@ bool samplesPoints(R o) { return o.write.points.count > 0; }
 bool samplesDistances(R o) { return o.write.distances.count > 0; }
 bool writesVdb(R o) { return o.write.needsLevelSets(); }
 
-const std::vector<Row> kPointRows{
+const Row kPointRows[]{
     {.name = "points",
      .group = "Points",
      .value = V::whole(kPoints, &PointOptions::count, 0, kMaxPoints),
@@ -112,7 +112,7 @@ const std::vector<Row> kPointRows{
      .recorded = [](R o) { return o.write.correspondences > 0; }},
 };
 
-const std::vector<Row> kFileRows{
+const Row kFileRows[]{
     {.name = "density",
      .group = "Files for hosts",
      .value = V::number(kWrite, &WriteOptions::density, aboveZero()),
@@ -246,7 +246,7 @@ OptionValue<RunOptions> adaptivity() {
       });
 }
 
-const std::vector<Row> kSurfaceRows{
+const Row kSurfaceRows[]{
     {.name = "surface",
      .group = "Surface",
      .value = V::choice(kSurface, &SurfaceOptions::surface, names::kSurface),

@@ -40,7 +40,7 @@ void setMaterial(RunOptions& o, const std::string& text) {
 
 bool drawsSeeds(R o) { return !o.fracture.seeds.given; }
 
-const std::vector<Row> kGeneralRows{
+const Row kGeneralRows[]{
     {.name = "preset",
      .group = "",
      .value = {OptionType::choice,
@@ -93,7 +93,7 @@ std::string resolutionText(R o) {
   return resolution == kAutoResolution ? "auto" : std::to_string(resolution);
 }
 
-const std::vector<Row> kSolidRows{
+const Row kSolidRows[]{
     {.name = "resolution",
      .group = "",
      .value = V::custom(OptionType::whole, "auto|8..4096", setResolution, resolutionText),
@@ -146,7 +146,7 @@ const std::vector<Row> kSolidRows{
      .single = true},
 };
 
-const std::vector<Row> kSeedRows{
+const Row kSeedRows[]{
     {.name = "seeds",
      .group = "Seeds",
      .value = V::custom(

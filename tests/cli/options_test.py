@@ -422,6 +422,8 @@ MATTERS = {
     "--density-attribute": ((), "wear", "red"), "--guide": (("--growth", "sequential"), "one.obj", "other.obj"),
     "--seeds": ((), None, "seeds.json"), "--growth": ((), "euclid", "flood"), "--neighborhood": (("--growth", "flood"), "6", "26"),
     "--metric": (("--growth", "nearest"), "euclidean", "manhattan"), "--grain": ((), "0,0,1,2", "0,0,1,3"), "--roughness": ((), "1", "3%,0.5"),
+    "--split-power": (("--growth", "sequential"), "1", "3"), "--split-offset": (("--growth", "sequential"), "0.1", "0.2"),
+    "--split-tilt": (("--growth", "sequential"), "10", "30"),
     "--material": ((), "stone", "wood"), "--propagation": (("--roughness", "2"), "0,0,1,0.4", "1,0,0,0.4"),
     "--sizes": ((), "uniform", "power:1.6"), "--isolated": ((), "regrow", "keep"), "--min-share": ((), "0", "0.01"), "--balance": ((), "0", "1"), "--drop-share": ((), "0", "0.01"),
     "--missing": ((), "0", "1"), "--erode-iterations": ((), "0", "1"),
