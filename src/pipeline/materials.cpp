@@ -62,7 +62,7 @@ FractureOptions materialOptions(MaterialPreset material, FractureOptions options
       setRelief(grow, 0.2, 0.8);
       break;
     case MaterialPreset::stone:
-      setRelief(grow, 0.9, 0.4);
+      setRelief(grow, 1.5, 0.8);
       break;
     case MaterialPreset::glass:
       grow.split = {.power = 1.0, .offset = 0.25, .tilt = 60.0};
@@ -82,7 +82,7 @@ FractureOptions materialOptions(MaterialPreset material, FractureOptions options
       grow.anisotropy = {kUp, 7.0};
       break;
     case MaterialPreset::concrete:
-      setRelief(grow, 0.6, 0.75, 0.6);
+      setRelief(grow, 0.4, 0.75, 0.6);
       grow.roughnessWindow = Length::ofSide(2.0);
       setWear(options.erode, 1.2, 3.0, 0.75, 0.35);
       break;
