@@ -197,6 +197,17 @@ class Guides(Guided):
         with open(os.path.join(self.out, "labels.rle"), "rb") as one, open(os.path.join(again, "labels.rle"), "rb") as other:
             self.assertEqual(one.read(), other.read())
 
+    def test_guides_that_are_very_far_away_or_very_many(self):
+        """Squares of such distances exceed single precision, in which boxes of triangles are."""
+        far = {"line.obj": "v -1e20 0.5 0\nv 1e20 0.5 0\nl 1 2\n", "mesh.obj": "v 1e20 0 0\nv 1e20 1 0\nv 1e20 0 1\nf 1 2 3\n"}
+        for name, text in far.items():
+            file = self.path(name, text.encode())
+            result = self.fracture("--growth", "sequential", "--guide", file, out=self.path(f"out-{name}"))
+            self.assertIn(result.returncode, (0, 3), result.stderr)
+        lines = "".join(f"v 0 {i} 0\nv 1 {i} 0\nl {2 * i + 1} {2 * i + 2}\n" for i in range(257))
+        many = self.path("many.obj", lines.encode())
+        self.refused(3, self.fracture("--growth", "sequential", "--guide", many), "many.obj", "257", "256")
+
     def test_what_is_no_guide_is_refused(self):
         guide = self.path("guide.obj")
         sequential = ("--growth", "sequential", "--guide", guide)
