@@ -97,7 +97,8 @@ class Blender(unittest.TestCase):
         self.scratch.mkdir()
         self.scripts = self.tmp / "scripts"
         (self.scripts / "addons").mkdir(parents=True)
-        shutil.copy(TOOLS / "sherd_fracture.py", self.scripts / "addons")
+        shutil.copytree(TOOLS / "sherd_fracture", self.scripts / "addons" / "sherd_fracture",
+                        ignore=shutil.ignore_patterns("__pycache__"))
 
     def start(self, *words):
         environment = {**os.environ, "BLENDER_USER_SCRIPTS": str(self.scripts), "TMPDIR": str(self.scratch)}
@@ -145,9 +146,11 @@ class AddOn(Blender):
             self.assertAlmostEqual(faced[other, one] / area, 1, delta=1e-4)
         return pieces
 
-    def test_installs_as_one_file(self):
+    def test_installs_from_an_archive(self):
+        archive = shutil.make_archive(str(self.tmp / "sherd_fracture"), "zip", TOOLS, "sherd_fracture")
+        shutil.rmtree(self.scripts / "addons" / "sherd_fracture")
         reported = self.blender(f'''
-bpy.ops.preferences.addon_install(filepath={str(TOOLS / "sherd_fracture.py")!r}, overwrite=True)
+bpy.ops.preferences.addon_install(filepath={archive!r}, overwrite=True)
 bpy.ops.preferences.addon_enable(module="sherd_fracture")
 here = hasattr(bpy.types.Scene, "sherd") and "VIEW3D_PT_sherd" in dir(bpy.types)
 settings = set(bpy.context.scene.sherd.__class__.__annotations__) | set(dir(bpy.context.scene.sherd))
@@ -310,7 +313,7 @@ seen = types.SimpleNamespace(is_perspective=False, view_matrix=view, window_matr
                              perspective_matrix=lens @ view)
 cube.location, cube.scale, cube.rotation_euler = (1, 1, 0.5), (0.5, 0.25, 2), (0, 0, math.pi / 2)
 bpy.context.view_layer.update()
-spot = lambda x, y: sherd_fracture.point_under(bpy.context, region, seen, (x, y), cube)
+spot = lambda x, y: sherd_fracture.operator.point_under(bpy.context, region, seen, (x, y), cube)
 answer(hit=spot(100, 75)[:], beside=spot(150, 75))
 ''')
         np.testing.assert_allclose(reported["hit"], [1, 1, 2.5], atol=1e-5)
