@@ -126,6 +126,42 @@ void addCrossedEdges(const openvdb::Coord& cell, const CellLabels& labels,
   }
 }
 
+// Returns the corner of a cell at which all crossed edges of a position end; 8 if there is none.
+unsigned cornerOf(const CellSheets& sheets, unsigned position) {
+  const std::uint16_t edges = edgesOf(sheets, position);
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    unsigned ending = 0;
+    for (unsigned e = 0; e < 12; ++e) {
+      if (kCellEdges[e][0] == corner || kCellEdges[e][1] == corner) ending |= 1u << e;
+    }
+    if (edges == ending) return corner;
+  }
+  return 8;
+}
+
+// Whether a position is of a voxel whose six neighbors are all on the other side.  Its surface is a
+// body of eight vertices, which lines of the input closer than a voxel could turn inside out, while
+// those that the distances put on its edges surround it.
+//   at  the cell's lowest corner in the leaf
+bool isAroundLoneVoxel(const Field& field, std::size_t leaf, const openvdb::Coord& at,
+                       const CellSheets& sheets, unsigned position) {
+  const unsigned corner = cornerOf(sheets, position);
+  if (corner == 8) return false;
+  const openvdb::Coord voxel = at + coordOfCorner(corner);
+  const auto isInside = [&](const openvdb::Coord& v) {
+    return field.label(field.voxelIndexNear(leaf, v.x(), v.y(), v.z())) != 0;
+  };
+  const bool own = isInside(voxel);
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const int step : {-1, 1}) {
+      openvdb::Coord other = voxel;
+      other[axis] += step;
+      if (isInside(other) == own) return false;
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 LeafCreases creaseVertices(const Field& field, std::size_t leaf) {
@@ -159,6 +195,7 @@ LeafCreases creaseVertices(const Field& field, std::size_t leaf) {
         plain != nullptr ? *plain : resolvedSheets(field, leaf, at, labels).sheets;
     addInput(input, at, sheets, values);
     for (unsigned p = 0; p < sheets.positions; ++p) {
+      if (isAroundLoneVoxel(field, leaf, at, sheets, p)) continue;
       const std::optional<CreaseVertex> vertex = vertexOf(
           *field.solid().region->boundary(), {low.x(), low.y(), low.z()}, values, sheets, p);
       if (!vertex) continue;

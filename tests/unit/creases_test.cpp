@@ -2,6 +2,7 @@
 #include "surface/creases.h"
 
 #include <gtest/gtest.h>
+#include <sherd/files.h>
 #include <sherd/fracture.h>
 #include <sherd/fragments.h>
 #include <sherd/mesh.h>
@@ -9,6 +10,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
@@ -23,6 +26,7 @@
 #include "mesh/triangle_tree.h"
 #include "mesh_checks.h"
 #include "shapes.h"
+#include "surface/bodies.h"
 #include "surface/contact_boundaries.h"
 #include "voxelize/leaf_blocks.h"
 #include "voxelize/region.h"
@@ -175,6 +179,16 @@ TEST(Creases, DoNotMakeTrianglesCross) {
   const TriangleMesh mesh = solidMesh(solid);
   expectClosedManifold(mesh);
   EXPECT_TRUE(selfCrossings(mesh.vertices, mesh.triangles).empty());
+}
+
+// Gears that overlap leave cavities around single voxels: the planes on a voxel's six edges may
+// meet on the other side of one another.
+TEST(Creases, DoNotTurnCavitiesAroundOneVoxelInsideOut) {
+  const char* folder = std::getenv("SHERD_TEST_DATA");
+  if (folder == nullptr) GTEST_SKIP() << "SHERD_TEST_DATA names no folder of meshes";
+  const TriangleMesh mesh = readMesh(std::filesystem::path(folder) / "cycloidal.ply").mesh;
+  const TriangleMesh surface = solidMesh(voxelize(mesh, {.resolution = 64}), 0.0);
+  EXPECT_EQ(bodiesOf(surface).size(), 1u);
 }
 
 TEST_F(CreasesOfFragments, AreTheSameForOneFractureOrSeveral) {
