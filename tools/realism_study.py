@@ -5,7 +5,8 @@ usage: realism_study.py SHERD RESULTS.csv block|plate|vessels|crack [MESH...] [o
 
 - block: a cube in 500 pieces.  Where cells are those of seeds (`euclid`, `nearest`), the exact cells of the same seeds,
   clipped to the block, are computed by scipy, and their faces compared with the measured ones.
-- plate: 1 x 1 x 1/32 in 100 pieces: corners of the pieces that have no part of the rim.
+- plate: 1 x 1 x 1/32 in 100 pieces: corners of the pieces that have no part of the rim.  Those of `sequential` are compared
+  with the polygons that the recorded splits cut out of the plate.
 - vessels: each MESH in 7, 9, 11, 28 and 60 pieces: contacts per piece.
 - crack: a block of sides 0.5, 1, 1 in 2 pieces, by two seeds whose bisector is a plane across its middle, with
   `--options "--roughness ..."`: Hurst exponents along z, the propagation, and along y, the front.
@@ -27,12 +28,15 @@ import tempfile
 import numpy as np
 import scipy.spatial
 
+import split_polygons
+
 KEY = ["study", "mesh", "growth", "options", "resolution", "pieces", "seed"]
 MEANS = ["interior_faces", "interior_vertices", "interior_neighbors", "faces", "flat_faces", "flat_vertices", "corners",
          "contacts", "neighbors"]
 METRICS = ["faces_by", *MEANS, "interior", "cornered", "break_share", "exponential_p", "lognormal_s", "lognormal_p", "tau",
            "tau_p", "least_orientation", "hurst_propagation", "hurst_front", "exact_faces", "exact_faces_counted",
-           "exact_vertices", "same_faces", "same_vertices", "face_difference"]
+           "exact_vertices", "same_faces", "same_vertices", "face_difference", "exact_corners_all", "exact_corners",
+           "exact_corners_counted", "same_corners", "corner_difference"]
 PIECES = {"block": [500], "plate": [100], "vessels": [7, 9, 11, 28, 60], "crack": [2]}
 SIDES = {"block": (1, 1, 1), "plate": (1, 1, 1 / 32), "crack": (0.5, 1, 1)}
 CRACK_SEEDS = [(0.125, 0.5, 0.5), (0.375, 0.5, 0.5)]
@@ -107,6 +111,23 @@ def beside_exact(folder, sides, report):
             "face_difference": np.abs(found - counted).mean()}
 
 
+def beside_polygons(folder, sides, report):
+    """Corners of a plate's pieces, exact and measured.
+
+    Counted are corners whose edges are at least a voxel long: shorter ones have no voxels of their own.
+    """
+    polygons = split_polygons.polygons_of(json.loads((folder / "manifest.json").read_text()), sides)
+    unit = report["statistics"]["unit"]
+    measured = {fragment["id"]: fragment["corners"] for fragment in report["fragments"]}
+    inner = [i for i in polygons if not split_polygons.has_rim(polygons[i])]
+    both = [i for i in inner if measured[i] is not None]
+    counted = np.array([(split_polygons.edge_lengths(polygons[i]) >= unit).sum() for i in both])
+    found = np.array([measured[i] for i in both])
+    return {"exact_corners_all": np.mean([len(polygon) for polygon in polygons.values()]),
+            "exact_corners": np.mean([len(polygons[i]) for i in inner]), "exact_corners_counted": counted.mean(),
+            "same_corners": found.mean(), "corner_difference": np.abs(found - counted).mean()}
+
+
 def metrics(report):
     statistics = report["statistics"]
     row = {name: statistics[name]["mean"] if statistics[name] else "" for name in MEANS}
@@ -146,6 +167,8 @@ def observe(options, mesh, case):
         row = {**case, **metrics(report)}
         if cells and not case["options"]:
             row |= beside_exact(folder / "pieces", SIDES["block"], report)
+        if case["study"] == "plate" and case["growth"] == "sequential" and not case["options"]:
+            row |= beside_polygons(folder / "pieces", SIDES["plate"], report)
     return {name: str(row.get(name, "")) for name in KEY + METRICS}
 
 
@@ -195,7 +218,10 @@ def table(options, rows):
                   ("faces of the exact cells", "exact_faces"), ("at the same cutoff", "exact_faces_counted"),
                   ("measured on the same pieces", "same_faces"), ("mean difference by piece", "face_difference"),
                   ("vertices of the exact cells", "exact_vertices"), ("measured", "same_vertices")],
-        "plate": [("corners", "corners"), ("pieces without rim", "cornered"), ("neighbors", "neighbors"), ("faces of cracks", "faces")],
+        "plate": [("corners", "corners"), ("pieces without rim", "cornered"), ("neighbors", "neighbors"), ("faces of cracks", "faces"),
+                  ("exact corners, all pieces", "exact_corners_all"), ("without rim", "exact_corners"),
+                  ("with edges of a voxel or more", "exact_corners_counted"), ("measured on the same pieces", "same_corners"),
+                  ("mean difference by piece", "corner_difference")],
         "vessels": [("contacts", "contacts"), ("neighbors", "neighbors"), ("break area", "break_share")],
         "crack": [("along propagation", "hurst_propagation"), ("along the front", "hurst_front")]}[options.study]
     sizes = [("p, exponential", "exponential_p"), ("s, lognormal", "lognormal_s"), ("tau, power", "tau")]

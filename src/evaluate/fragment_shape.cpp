@@ -15,7 +15,6 @@ namespace sherd {
 namespace {
 
 constexpr double kLineShare = 0.5;  // of the fragment's thickness, for a line across a plate
-constexpr double kRimShare = 0.1;   // of its square, that counts as a part of the rim
 
 std::array<glm::dvec3, 3> cornersOf(const TriangleMesh& mesh, std::size_t triangle) {
   const glm::uvec3& t = mesh.triangles[triangle];
@@ -80,8 +79,7 @@ std::vector<std::uint32_t> ofCracks(const Faces& faces) {
   return face;
 }
 
-bool hasRim(const DividedMesh& divided, int axis, double thickness, double leastArea) {
-  const double least = std::max(leastArea, kRimShare * thickness * thickness);
+bool hasRim(const DividedMesh& divided, int axis, double leastArea) {
   double size = 0.0;
   for (std::size_t i = 0; i < divided.neighbor.size(); ++i) {
     if (divided.neighbor[i] != 0) continue;
@@ -90,7 +88,7 @@ bool hasRim(const DividedMesh& divided, int axis, double thickness, double least
       size += 0.5 * glm::length(normal);
     }
   }
-  return size >= least;
+  return size >= leastArea;
 }
 
 }  // namespace
@@ -125,7 +123,7 @@ std::optional<std::size_t> cornersOf(const DividedMesh& divided, FaceRule rule, 
                                      const ShapeLimits& limits) {
   const Box box = bounds(*divided.mesh);
   const double thickness = box.max[axis] - box.min[axis];
-  if (hasRim(divided, axis, thickness, limits.leastArea)) return {};
+  if (hasRim(divided, axis, limits.leastArea)) return {};
   const Faces faces = facesOf(divided, rule, limits.leastArea);
   return countLines(*divided.mesh, divided.edges, ofCracks(faces), axis, kLineShare * thickness);
 }

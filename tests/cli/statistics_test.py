@@ -9,6 +9,7 @@ import pathlib
 import re
 import shutil
 import subprocess
+import sys
 import tempfile
 import unittest
 import xml.etree.ElementTree
@@ -19,6 +20,9 @@ from scipy.spatial import ConvexHull, Voronoi
 from evaluating import SHERD, Evaluating
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tools"))
+import split_polygons  # noqa: E402
+
 FACES = [(0, 4, 6), (0, 6, 2), (1, 3, 7), (1, 7, 5), (0, 1, 5), (0, 5, 4), (2, 6, 7), (2, 7, 3), (0, 2, 3), (0, 3, 1),
          (4, 5, 7), (4, 7, 6)]
 
@@ -136,6 +140,28 @@ class Statistics(Evaluating, unittest.TestCase):
         self.assertEqual([f["corners"] for f in reported["fragments"]],
                          [4 if i % 4 in (1, 2) and i // 4 in (1, 2) else None for i in range(16)])
         self.assertIsNone(statistics["interior_faces"])
+
+    def test_corners_of_splits_in_a_plate(self):
+        """Corners beside the polygons that the recorded splits cut out of the plate."""
+        plate, voxel = self.tmp / "plate.obj", 1 / 128
+        plate.write_text(obj(box((0, 0, 0), (1, 1, 1 / 32)), FACES))
+        folder = self.fracture(plate, "--pieces", "80", "--resolution", "128", "--seed", "3", "--growth", "sequential",
+                               "--write", "mesh")
+        polygons = split_polygons.polygons_of(json.loads((folder / "manifest.json").read_text()), (1, 1, 1 / 32))
+        self.assertEqual(sum(len(polygon) for polygon in polygons.values()), 4 * 80)
+        measured = {f["id"]: f["corners"] for f in self.evaluate(folder, "--statistics", "--json")["fragments"]}
+        same, long_edges = 0, []
+        for fragment, polygon in polygons.items():
+            edges = split_polygons.edge_lengths(polygon)
+            rim = sum(length for length, (_, split) in zip(edges, polygon) if split == split_polygons.RIM)
+            if rim == 0 or rim > voxel:  # a part of less than a voxel may have no voxel
+                self.assertEqual(measured[fragment] is None, rim > 0, f"fragment {fragment}")
+            if rim == 0 and edges.min() > 2 * voxel:
+                long_edges.append(fragment)
+                same += measured[fragment] == len(polygon)
+        self.assertGreater(len(long_edges), 30)
+        # Voxels at a sharp corner may belong to a neighbor, whose crack is then one more edge.
+        self.assertGreaterEqual(same, len(long_edges) - 1)
 
     def test_formats(self):
         folder = self.fracture(block_mesh(self.tmp / "block.obj"), "--pieces", "30", "--resolution", "48", "--write", "mesh")

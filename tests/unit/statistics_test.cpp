@@ -147,6 +147,19 @@ TEST(Statistics, AFaceMayHaveTwoNeighbors) {
   EXPECT_EQ(contacts.fragments[0].corners, 6u);
 }
 
+// A square whose one corner is cut off by the rim of the plate, a fourteenth as wide as it is
+// thick.
+TEST(Statistics, ANarrowPartOfTheRimIsRim) {
+  const auto cornersWith = [](int neighborOfCorner) {
+    const TriangleMesh square = prism(
+        {{{0, 0}, 1}, {{1, 0}, 2}, {{1, 0.99}, neighborOfCorner}, {{0.99, 1}, 3}, {{0, 1}, 4}}, 0.0,
+        0.2, 0, 0);
+    return statistics(setOf({square}), {.simulations = kFew}).fragments[0].corners;
+  };
+  EXPECT_EQ(cornersWith(5), 5u);
+  EXPECT_FALSE(cornersWith(0));
+}
+
 TEST(Statistics, OfAHexagonalPrism) {
   std::vector<Side> hexagon;
   for (int i = 0; i < 6; ++i) {
