@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "grow/metric.h"
-#include "surface/halo_bits.h"
+#include "surface/cut_of_leaf.h"
 
 namespace sherd {
 namespace {
@@ -138,9 +138,9 @@ class SitesOfLeaf {
       sites_.push_back(nearLeaf(sites.of(fragment), origin, sites));
     }
     rivals_.resize(sites_.size());
-    for (std::size_t k = 0; k < sites_.size(); ++k) withSites_ += hasSites(k) ? 1u : 0u;
+    for (std::size_t k = 0; k < sites_.size(); ++k) withSites_ += hasCut(k) ? 1u : 0u;
     for (std::size_t k = 0; k < sites_.size(); ++k) {
-      if (hasSites(k)) findRivals(k, kRivals);
+      if (hasCut(k)) findRivals(k, kRivals);
     }
   }
 
@@ -168,7 +168,7 @@ class SitesOfLeaf {
     return least_[z] != kFar && nearest_[found_].squared[z] == least_[z];
   }
 
-  bool hasSites(std::size_t k) const { return !sites_[k].empty(); }
+  bool hasCut(std::size_t k) const { return !sites_[k].empty(); }
 
   // The distance in voxels, -3..3, of the row's voxel z to the cell of fragment k.  The plane
   // towards the second nearest site need not be the nearest plane, because sites may lie close
@@ -236,7 +236,7 @@ class SitesOfLeaf {
     std::vector<Rival>& rivals = rivals_[k];
     rivals.clear();
     for (std::uint32_t other = 0; other < sites_.size(); ++other) {
-      if (other == k || !hasSites(other)) continue;
+      if (other == k || !hasCut(other)) continue;
       rivals.push_back({.other = other, .plane = leastPlane(k, other)});
     }
     const auto end = rivals.begin() + static_cast<std::ptrdiff_t>(std::min(most, rivals.size()));
@@ -267,48 +267,13 @@ class SitesOfLeaf {
 SiteCut siteCut(const CutHalo& halo, const openvdb::Coord& origin,
                 std::span<const std::uint16_t> fragments, const Sites& sites,
                 const VoxelBits& requested, SiteCutWork* work) {
-  SiteCut cut;
-  cut.distance.assign(fragments.size() * 512, 3.0f);
   SitesOfLeaf ofLeaf(origin, fragments, sites);
-  HaloBits own{}, mismatches{};
-  for (std::size_t row = 0; row < 64; ++row) {
-    own[haloRow(row)] = static_cast<std::uint16_t>(requested[row] << kCutHalo);
-  }
-  HaloBits tested = dilated(own);
-  for (std::size_t row = 0; row < tested.size(); ++row) {
-    unsigned labeled = 0;
-    for (std::size_t z = 0; z < kCutSide; ++z)
-      labeled |= static_cast<unsigned>(halo[row * kCutSide + z] != 0) << z;
-    tested[row] &= static_cast<std::uint16_t>(labeled);
-    const auto needed = static_cast<std::uint16_t>(tested[row] | own[row]);
-    if (needed == 0) continue;
-    ofLeaf.setRow(row / kCutSide, row % kCutSide,
-                  {static_cast<std::size_t>(std::countr_zero(needed)),
-                   static_cast<std::size_t>(std::bit_width(needed))});
-    for (unsigned bits = tested[row]; bits != 0; bits &= bits - 1) {
-      const auto z = static_cast<std::size_t>(std::countr_zero(bits));
-      if (!ofLeaf.agrees(halo[row * kCutSide + z], z)) {
-        mismatches[row] |= static_cast<std::uint16_t>(1u << z);
-      }
-    }
-    for (unsigned bits = own[row]; bits != 0; bits &= bits - 1) {
-      const auto z = static_cast<std::size_t>(std::countr_zero(bits));
-      const std::size_t v =
-          (row / kCutSide - kCutHalo) * 64 + (row % kCutSide - kCutHalo) * 8 + z - kCutHalo;
-      for (std::size_t k = 0; k < fragments.size(); ++k) {
-        if (ofLeaf.hasSites(k)) cut.distance[k * 512 + v] = ofLeaf.toCut(k, z);
-      }
-    }
-  }
+  SiteCut cut = cutOfLeaf(halo, fragments.size(), requested, ofLeaf);
   if (work != nullptr) {
     for (const std::uint8_t bits : requested) {
       work->distances += fragments.size() * static_cast<std::size_t>(std::popcount(bits));
     }
     work->planes += ofLeaf.planes();
-  }
-  const HaloBits fails = dilated(mismatches);
-  for (std::size_t row = 0; row < 64; ++row) {
-    cut.holds[row] = static_cast<std::uint8_t>(requested[row] & ~(fails[haloRow(row)] >> kCutHalo));
   }
   return cut;
 }

@@ -2,12 +2,14 @@
 #include "surface/split_cut.h"
 
 #include <algorithm>
-#include <bit>
+#include <array>
 #include <glm/geometric.hpp>
+#include <map>
+#include <optional>
 #include <utility>
 
 #include "grow/guide_sides.h"
-#include "surface/halo_bits.h"
+#include "surface/cut_of_leaf.h"
 
 namespace sherd {
 
@@ -40,25 +42,24 @@ const SplitTree::Side* SplitTree::parted(std::uint16_t fragment, std::uint16_t o
   return isParted && isKnown(splits_[own->split]) ? &*own : nullptr;
 }
 
+bool SplitTree::isPlane(const Side& side) const {
+  return splits_[side.split].normal != glm::ivec3(0);
+}
+
 std::int64_t SplitTree::beyond(const Side& side, const openvdb::Coord& voxel) const {
   const Split& split = splits_[side.split];
-  if (split.normal == glm::ivec3(0)) {
-    const bool isPositive = cracks_->distance(static_cast<std::size_t>(split.offset), voxel) > 0.0;
-    return isPositive == side.isAdded ? 0 : 1;
-  }
   std::int64_t value = -split.offset;
   for (int i = 0; i < 3; ++i) value += 64 * std::int64_t{split.normal[i]} * voxel[i];
   return side.isAdded ? 1 - value : value;  // voxels on the plane are on the negative side
 }
 
 double SplitTree::distance(const Side& side, const openvdb::Coord& voxel) const {
-  const Split& split = splits_[side.split];
-  if (split.normal == glm::ivec3(0)) {
-    const double distance = cracks_->distance(static_cast<std::size_t>(split.offset), voxel);
-    return side.isAdded ? -distance : distance;
-  }
   const std::int64_t value = beyond(side, voxel) - (side.isAdded ? 1 : 0);
   return static_cast<double>(value) / length_[side.split];
+}
+
+double SplitTree::toGiven(std::uint32_t split, const openvdb::Coord& voxel) const {
+  return cracks_->distance(static_cast<std::size_t>(splits_[split].offset), voxel);
 }
 
 namespace {
@@ -86,60 +87,81 @@ std::vector<Bounds> boundsOf(std::span<const std::uint16_t> fragments, const Spl
   return all;
 }
 
+// Bounds the fragments of one leaf by the surfaces of splits, row by row of its halo.
+class SidesOfLeaf {
+ public:
+  SidesOfLeaf(const openvdb::Coord& origin, std::span<const std::uint16_t> fragments,
+              const SplitTree& splits)
+      : fragments_(fragments),
+        splits_(splits),
+        low_(origin - openvdb::Coord(kCutHalo)),
+        bounds_(boundsOf(fragments, splits)) {
+    for (const Bounds& bounds : bounds_) {
+      for (const SplitTree::Side& side : bounds.sides) {
+        if (!splits.isPlane(side)) given_.try_emplace(side.split);
+      }
+    }
+  }
+
+  void setRow(std::size_t x, std::size_t y, const std::array<std::size_t, 2>&) {
+    row_ = low_ + openvdb::Coord(static_cast<int>(x), static_cast<int>(y), 0);
+    for (auto& [split, distances] : given_) distances.fill(std::nullopt);
+  }
+
+  bool agrees(std::uint16_t label, std::size_t z) {
+    const auto at = std::lower_bound(fragments_.begin(), fragments_.end(), label);
+    if (at == fragments_.end() || *at != label || label == Labels::kEroded) return false;
+    const Bounds& of = bounds_[static_cast<std::size_t>(at - fragments_.begin())];
+    return of.isAny && std::all_of(of.sides.begin(), of.sides.end(),
+                                   [&](const SplitTree::Side& side) { return isWithin(side, z); });
+  }
+
+  bool hasCut(std::size_t k) const { return !bounds_[k].sides.empty(); }
+
+  float toCut(std::size_t k, std::size_t z) {
+    double d = -3.0;
+    for (const SplitTree::Side& side : bounds_[k].sides) d = std::max(d, distance(side, z));
+    return static_cast<float>(std::min(d, 3.0));
+  }
+
+ private:
+  openvdb::Coord voxel(std::size_t z) const {
+    return row_ + openvdb::Coord(0, 0, static_cast<int>(z));
+  }
+
+  // The signed distance to a given crack, which takes a search: once for each voxel.
+  double toGiven(std::uint32_t split, std::size_t z) {
+    std::optional<double>& known = given_.find(split)->second[z];
+    if (!known) known = splits_.toGiven(split, voxel(z));
+    return *known;
+  }
+
+  bool isWithin(const SplitTree::Side& side, std::size_t z) {
+    if (splits_.isPlane(side)) return splits_.beyond(side, voxel(z)) <= 0;
+    return (toGiven(side.split, z) > 0.0) == side.isAdded;
+  }
+
+  double distance(const SplitTree::Side& side, std::size_t z) {
+    if (splits_.isPlane(side)) return splits_.distance(side, voxel(z));
+    const double distance = toGiven(side.split, z);
+    return side.isAdded ? -distance : distance;
+  }
+
+  std::span<const std::uint16_t> fragments_;
+  const SplitTree& splits_;
+  openvdb::Coord low_, row_;
+  std::vector<Bounds> bounds_;  // [fragments]
+  // By split, of the row's voxels.
+  std::map<std::uint32_t, std::array<std::optional<double>, kCutSide>> given_;
+};
+
 }  // namespace
 
 SiteCut splitCut(const CutHalo& halo, const openvdb::Coord& origin,
                  std::span<const std::uint16_t> fragments, const SplitTree& splits,
                  const VoxelBits& requested) {
-  SiteCut cut;
-  cut.distance.assign(fragments.size() * 512, 3.0f);
-  const std::vector<Bounds> bounds = boundsOf(fragments, splits);
-  HaloBits own{}, mismatches{};
-  for (std::size_t row = 0; row < 64; ++row) {
-    own[haloRow(row)] = static_cast<std::uint16_t>(requested[row] << kCutHalo);
-  }
-  const HaloBits tested = dilated(own);
-  const auto voxelAt = [&](std::size_t row, std::size_t z) {
-    return origin +
-           openvdb::Coord(static_cast<int>(row / kCutSide), static_cast<int>(row % kCutSide),
-                          static_cast<int>(z)) -
-           openvdb::Coord(kCutHalo);
-  };
-  const auto agrees = [&](std::uint16_t label, const openvdb::Coord& voxel) {
-    const auto at = std::lower_bound(fragments.begin(), fragments.end(), label);
-    if (at == fragments.end() || *at != label || label == Labels::kEroded) return false;
-    const Bounds& of = bounds[static_cast<std::size_t>(at - fragments.begin())];
-    return of.isAny && std::all_of(of.sides.begin(), of.sides.end(), [&](const auto& side) {
-             return splits.beyond(side, voxel) <= 0;
-           });
-  };
-  for (std::size_t row = 0; row < tested.size(); ++row) {
-    for (unsigned bits = tested[row]; bits != 0; bits &= bits - 1) {
-      const auto z = static_cast<std::size_t>(std::countr_zero(bits));
-      const std::uint16_t label = halo[row * kCutSide + z];
-      if (label != 0 && !agrees(label, voxelAt(row, z))) {
-        mismatches[row] |= static_cast<std::uint16_t>(1u << z);
-      }
-    }
-    for (unsigned bits = own[row]; bits != 0; bits &= bits - 1) {
-      const auto z = static_cast<std::size_t>(std::countr_zero(bits));
-      const std::size_t v =
-          (row / kCutSide - kCutHalo) * 64 + (row % kCutSide - kCutHalo) * 8 + z - kCutHalo;
-      for (std::size_t k = 0; k < fragments.size(); ++k) {
-        if (bounds[k].sides.empty()) continue;
-        double d = -3.0;
-        for (const SplitTree::Side& side : bounds[k].sides) {
-          d = std::max(d, splits.distance(side, voxelAt(row, z)));
-        }
-        cut.distance[k * 512 + v] = static_cast<float>(std::min(d, 3.0));
-      }
-    }
-  }
-  const HaloBits fails = dilated(mismatches);
-  for (std::size_t row = 0; row < 64; ++row) {
-    cut.holds[row] = static_cast<std::uint8_t>(requested[row] & ~(fails[haloRow(row)] >> kCutHalo));
-  }
-  return cut;
+  SidesOfLeaf ofLeaf(origin, fragments, splits);
+  return cutOfLeaf(halo, fragments.size(), requested, ofLeaf);
 }
 
 }  // namespace sherd

@@ -35,10 +35,17 @@ class SplitTree {
   /// crack of which only the labels are known.
   const Side* parted(std::uint16_t fragment, std::uint16_t other) const;
 
+  /// Returns whether a side is that of a plane, else of a given crack.
+  bool isPlane(const Side& side) const;
+
   /// Returns how far a voxel is beyond a side's plane, at most 0 for its own voxels: an integer,
   /// and by `distance` voxels.
   std::int64_t beyond(const Side& side, const openvdb::Coord& voxel) const;
   double distance(const Side& side, const openvdb::Coord& voxel) const;
+
+  /// Returns the signed distance of a voxel to the given crack of a split, voxels; positive on the
+  /// side of the added piece.
+  double toGiven(std::uint32_t split, const openvdb::Coord& voxel) const;
 
  private:
   // Whether the surface of a split's crack is known.
