@@ -143,9 +143,11 @@ class Sizing {
     for (std::vector<std::size_t>& of : seedsOf_) of.clear();
     for (std::size_t i = 0; i < seeds_.size(); ++i) seedsOf_[seeds_[i].fragment].push_back(i);
     std::vector<WeightSpring> springs;
+    std::vector<double> squaredGaps;
     for (const CrackArea& crack : crackAreas(cells)) {
       const Gap gap = gapOf(crack.a, crack.b);
       springs.push_back({crack.a, crack.b, crack.faces / std::max(gap.gradient, 1e-3)});
+      squaredGaps.push_back(gap.squared);
     }
     if (!refines) {
       for (std::size_t id = 1; id < weight_.size(); ++id) {
@@ -156,7 +158,7 @@ class Sizing {
       const std::vector<double> change = weightsFor(springs, changes(counts, targets));
       for (std::size_t id = 1; id < weight_.size(); ++id) weight_[id] += change[id];
     }
-    moveNear(cells, springs, targets, refines);
+    moveNear(cells, springs, squaredGaps, targets, refines);
     if (nudges != 0) nudge(cells, counts, targets, nudges);
     settle();
   }
@@ -167,17 +169,20 @@ class Sizing {
   static double squaredRadius(double voxels) { return radiusOf(voxels) * radiusOf(voxels); }
 
   // Moves seeds to their fragment's center that a crack is near: by the size that it is to have.
+  //   squaredGaps  [cracks] between the nearest seeds of both fragments, by the metric
   void moveNear(const Labels& cells, const std::vector<WeightSpring>& cracks,
-                const Targets& targets, bool refines) {
+                const std::vector<double>& squaredGaps, const Targets& targets, bool refines) {
     const double near = refines ? 0.3 : 0.5;  // of the fragment's radius
     std::vector<bool> moves(weight_.size(), false);
-    for (const WeightSpring& crack : cracks) {
-      const double squared = std::max(gapOf(crack.a, crack.b).squared, 1e-6);
+    for (std::size_t i = 0; i < cracks.size(); ++i) {
+      const WeightSpring& crack = cracks[i];
+      const double squared = std::max(squaredGaps[i], 1e-6);
       const double apart = std::sqrt(squared), lead = weight_[crack.a] - weight_[crack.b];
       const double fromA = 0.5 * (squared + lead) / apart, fromB = 0.5 * (squared - lead) / apart;
       if (fromA < near * radiusOf(targets.voxels[crack.a])) moves[crack.a] = true;
       if (fromB < near * radiusOf(targets.voxels[crack.b])) moves[crack.b] = true;
     }
+    if (std::find(moves.begin(), moves.end(), true) == moves.end()) return;
     const std::vector<Seed> centered = centeredSeeds(cells, seeds_);
     for (std::size_t i = 0; i + 1 < weight_.size(); ++i) {
       if (moves[seeds_[i].fragment]) seeds_[i] = centered[i];

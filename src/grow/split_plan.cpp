@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numeric>
+#include <queue>
 #include <utility>
 
 #include "base/random.h"
@@ -122,21 +123,27 @@ std::vector<std::vector<double>> sharesOfComponents(std::span<const double> shar
     return all;
   }
   const double total = std::accumulate(mass.begin(), mass.end(), 0.0);
-  std::vector<double> missing;  // share of each component that is not given yet
-  for (const double each : mass) missing.push_back(each / total);
+  // Components by the share that they are not given yet, the greatest first, then by number.
+  using Missing = std::pair<double, std::size_t>;
+  const auto isAfter = [](const Missing& a, const Missing& b) {
+    return a.first != b.first ? a.first < b.first : a.second > b.second;
+  };
+  std::priority_queue<Missing, std::vector<Missing>, decltype(isAfter)> missing(isAfter);
+  for (std::size_t c = 0; c < all.size(); ++c) missing.emplace(mass[c] / total, c);
   std::vector<double> descending(shares.begin(), shares.end());
   std::stable_sort(descending.begin(), descending.end(), std::greater<>());
   std::size_t empty = all.size();
   for (std::size_t i = 0; i < descending.size(); ++i) {
-    const bool onlyEmpty = descending.size() - i <= empty;
-    std::size_t best = all.size();
-    for (std::size_t c = 0; c < all.size(); ++c) {
-      if (all[c].size() >= voxels[c] || (onlyEmpty && !all[c].empty())) continue;
-      if (best == all.size() || missing[c] > missing[best]) best = c;
-    }
+    const bool onlyEmpty = descending.size() - i <= empty;  // from here on
+    const auto isFull = [&](std::size_t c) {
+      return all[c].size() >= voxels[c] || (onlyEmpty && !all[c].empty());
+    };
+    while (isFull(missing.top().second)) missing.pop();
+    const auto [share, best] = missing.top();
+    missing.pop();
     empty -= all[best].empty() ? 1 : 0;
     all[best].push_back(descending[i]);
-    missing[best] -= descending[i];
+    missing.emplace(share - descending[i], best);
   }
   return all;
 }

@@ -3,9 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <glm/geometric.hpp>
 #include <numeric>
+#include <random>
 
 #include "grow/split_wall.h"
 
@@ -72,6 +75,59 @@ TEST(SplitPlan, ComponentsGetSharesByTheirSize) {
   const auto least =
       sharesOfComponents(std::vector<double>(3, 1.0 / 3.0), std::vector<double>{1, 1, 98}, voxels);
   for (const auto& each : least) EXPECT_EQ(each.size(), 1u);
+}
+
+// The same by its definition: each share, the greatest first, goes to the component that lacks the
+// most of its mass, the first of equal ones, unless it is full, or others are empty and there is
+// only a share left for each of them.
+std::vector<std::vector<double>> sharesByDefinition(std::vector<double> shares,
+                                                    const std::vector<double>& mass,
+                                                    const std::vector<std::uint64_t>& voxels) {
+  std::vector<std::vector<double>> all(mass.size());
+  const double total = sumOf(mass);
+  std::vector<double> lacking;
+  for (const double each : mass) lacking.push_back(each / total);
+  std::sort(shares.begin(), shares.end(), std::greater<>());
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    const auto empty = static_cast<std::size_t>(
+        std::count_if(all.begin(), all.end(), [](const auto& own) { return own.empty(); }));
+    std::size_t best = all.size();
+    for (std::size_t c = 0; c < all.size(); ++c) {
+      const bool mayGet = all[c].empty() || shares.size() - i > empty;
+      if (!mayGet || all[c].size() == voxels[c]) continue;
+      if (best == all.size() || lacking[c] > lacking[best]) best = c;
+    }
+    all[best].push_back(shares[i]);
+    lacking[best] -= shares[i];
+  }
+  return all;
+}
+
+TEST(SplitPlan, ComponentsGetSharesAsDefined) {
+  std::mt19937 random(7);
+  const auto below = [&](std::uint64_t n) { return random() % n; };
+  for (int run = 0; run < 500; ++run) {
+    std::vector<std::uint64_t> voxels(2 + below(12));
+    for (std::uint64_t& each : voxels) each = 1 + below(run % 2 == 0 ? 3 : 40);  // with ties
+    const std::vector<double> mass(voxels.begin(), voxels.end());
+    const auto all = static_cast<std::size_t>(sumOf(mass));
+    const std::size_t pieces = voxels.size() + below(all - voxels.size() + 1);
+    std::vector<double> shares(pieces);
+    for (double& share : shares) share = static_cast<double>(1 + below(run % 3 == 0 ? 1 : 9));
+    const double sum = sumOf(shares);
+    for (double& share : shares) share /= sum;
+    EXPECT_EQ(sharesOfComponents(shares, mass, voxels), sharesByDefinition(shares, mass, voxels))
+        << run;
+  }
+}
+
+TEST(SplitPlan, ManyComponentsGetSharesInLittleTime) {
+  const std::vector<std::uint64_t> voxels(60000, 2);
+  const auto given = sharesOfComponents(std::vector<double>(65534, 1.0 / 65534.0),
+                                        std::vector<double>(60000, 2.0), voxels);
+  std::size_t twice = 0;
+  for (const auto& each : given) twice += each.size() - 1;
+  EXPECT_EQ(twice, 5534u);
 }
 
 VoxelSums sumsOfBox(const glm::ivec3& size) {
