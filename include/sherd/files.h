@@ -420,6 +420,9 @@ struct Volume {
 ///
 ///     {"schema": "sherd-seeds/1", "seeds": [{"fragment": 1, "position": [x, y, z]}, ...]}
 ///
+/// Seeds with a weight have a member "weight", in squared world units: it is subtracted from the
+/// squared distance to the seed, so that the cells of drawn sizes can be computed.  It is not read.
+///
 ///   throws  Error(input) with the file's name: absent, larger than 64 MiB, not JSON, another
 ///           schema, an invalid entry; Error(output)
 [[nodiscard]] std::vector<SeedPoint> readSeedPoints(const std::filesystem::path& file);

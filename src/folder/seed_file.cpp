@@ -76,11 +76,13 @@ std::vector<SeedPoint> readSeedPoints(const fs::path& file) {
 void writeSeeds(const OutputFile& file, std::span<const Seed> seeds, const Solid& solid) {
   std::string text = "{\n \"schema\": \"" + std::string(kSchema) + "\",\n \"seeds\": [";
   const char* separator = "\n";
+  const double step = solid.frame.voxelSize / kSeedSteps;  // world units
   for (const Seed& seed : seeds) {
     const glm::dvec3 point = solid.frame.worldFromIndex(pointOf(seed));
     // Adding zero replaces -0 by 0.
-    const Json entry = {{"fragment", seed.fragment},
-                        {"position", {point.x + 0.0, point.y + 0.0, point.z + 0.0}}};
+    Json entry = {{"fragment", seed.fragment},
+                  {"position", {point.x + 0.0, point.y + 0.0, point.z + 0.0}}};
+    if (seed.weight != 0) entry["weight"] = static_cast<double>(seed.weight) * step * step;
     text += separator + ("  " + entry.dump());
     separator = ",\n";
   }

@@ -130,6 +130,30 @@ class Statistics(Evaluating, unittest.TestCase):
         self.assertAlmostEqual(np.mean(found) / np.mean(exact), 1.0, delta=0.05)
         self.assertLess(np.mean(np.abs(np.subtract(found, exact))), 1.0)
 
+    def test_cells_of_drawn_sizes_follow_from_the_seed_file(self):
+        """Weights in seeds.json are those of a power diagram: it gives all labels but those of voxels that were regrown."""
+        folder = self.fracture(block_mesh(self.tmp / "block.obj"), "--pieces", "25", "--resolution", "40", "--sizes", "exponential",
+                               "--seed", "3", "--write", "seeds,labels", "--voxel-format", "npz")
+        manifest = json.loads((folder / "manifest.json").read_text())
+        seeds = json.loads((folder / "seeds.json").read_text())["seeds"]
+        self.assertGreater(sum("weight" in seed for seed in seeds), 20)
+        [file] = [folder / name for name in manifest["files"] if name.endswith(".npz")]
+        with np.load(file) as archive:
+            labels = np.maximum(archive["labels"].astype(int) - 1, 0)
+        grid = manifest["grid"]
+        self.assertEqual(list(labels.shape), grid["dims"])
+        voxels = np.argwhere(labels > 0)
+        centers = np.array(grid["origin"]) + (np.array(grid["index_min"]) + voxels) * grid["voxel_size"]
+        squared = ((centers[:, None, :] - np.array([seed["position"] for seed in seeds])) ** 2).sum(axis=2)
+        powers = squared - np.array([seed.get("weight", 0.0) for seed in seeds])
+        nearest = np.array([seed["fragment"] for seed in seeds])[powers.argmin(axis=1)]
+        least_two = np.partition(powers, 1, axis=1)[:, :2]
+        is_tie = least_two[:, 1] - least_two[:, 0] < 1e-9
+        found = labels[tuple(voxels.T)]
+        self.assertLessEqual(((nearest != found) & ~is_tie).sum(), 0.001 * len(voxels))
+        unweighted = np.array([seed["fragment"] for seed in seeds])[squared.argmin(axis=1)]
+        self.assertGreater((unweighted != found).mean(), 0.1)
+
     def test_a_plate_has_corners(self):
         folder = self.folder([obj(box((2 * (i % 4), 2 * (i // 4), 0), (2 * (i % 4) + 2, 2 * (i // 4) + 2, 0.5)), FACES)
                               for i in range(16)])

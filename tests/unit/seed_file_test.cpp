@@ -79,6 +79,17 @@ TEST_F(SeedFile, HoldsWorldPositionsOfVoxelCenters) {
             "  {\"fragment\":2,\"position\":[10.5,20.5,31.0]}\n ]\n}\n");
 }
 
+TEST_F(SeedFile, HoldsWeightsInSquaredWorldUnits) {
+  ShapeSolid ball = make(voxel_shapes::ball(4));
+  ball.solid.frame = {{0, 0, 0}, 0.5};
+  writeSeeds(file_, std::vector<Seed>{{{0, 0, 2}, 1, glm::ivec3(0), 3 * kSeedSteps * kSeedSteps}},
+             ball.solid);
+  std::ifstream in(file_, std::ios::binary);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}),
+            "{\n \"schema\": \"sherd-seeds/1\",\n \"seeds\": [\n"
+            "  {\"fragment\":1,\"position\":[0.0,0.0,1.0],\"weight\":0.75}\n ]\n}\n");
+}
+
 TEST_F(SeedFile, PutsTheFirstSeedOfEachFragmentFirst) {
   const ShapeSolid ball = make(voxel_shapes::ball(4));
   const std::vector<Seed> seeds = seedsFromPoints(
