@@ -15,11 +15,11 @@ def halves(polygon, normal, distance, split):
     sides = [[], []]
     for (corner, edge), (following, _) in zip(polygon, polygon[1:] + polygon[:1]):
         here, there = corner @ normal - distance, following @ normal - distance
-        sides[here > 0].append((corner, edge))
+        sides[int(here > 0)].append((corner, edge))
         if (here > 0) != (there > 0):
             crossing = corner + (following - corner) * (here / (here - there))
-            sides[here > 0].append((crossing, split))
-            sides[there > 0].append((crossing, edge))
+            sides[int(here > 0)].append((crossing, split))
+            sides[int(there > 0)].append((crossing, edge))
     return sides
 
 

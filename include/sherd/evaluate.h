@@ -248,11 +248,12 @@ enum class FaceRule {
 struct StatisticsOptions {
   std::optional<FaceRule> faces{};  ///< absent: splits where they are known; else planes, unless
                                     ///< the cracks are rough, see FractureStatistics::planeShare
-  double unit = 0.0;  ///< world units, the unit of the next two; 0: FragmentSet::voxelSize,
-                      ///< or without one 1/128 of the longest side of all fragments' box
-  double planeTolerance =
-      0.125;               ///< units: rms distance up to which triangles are in one plane; > 0
-  double leastFace = 0.5;  ///< units squared: faces of a smaller area are not counted; >= 0
+  double unit = 0.0;                ///< world units, 1e-100..1e100, the unit of the next two; 0:
+                      ///< FragmentSet::voxelSize, or without one 1/128 of the longest side of all
+                      ///< fragments' box
+  double planeTolerance = 0.125;  ///< units, 1e-9..1e9: rms distance up to which triangles are in
+                                  ///< one plane
+  double leastFace = 0.5;  ///< units squared, 0..1e9: faces of a smaller area are not counted
   std::optional<glm::dvec3> propagation{};  ///< of the cracks, not 0: the direction of Hurst
                                             ///< exponents; absent: the coordinate axes
   std::size_t simulations = 2000;           ///< for each p-value; 1..1000000

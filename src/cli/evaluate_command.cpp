@@ -165,12 +165,12 @@ void addStatisticsOptions(CLI::App& command, EvaluateArguments& arguments) {
       .add_option("--unit", options.unit,
                   "World units, of the next two; default: a voxel, or without a manifest 1/128 of "
                   "the longest side")
-      ->check(aboveZero())
+      ->check(numberBetween(1e-100, 1e100, "1e-100..1e100"))
       ->needs(statistics);
   command
       .add_option("--plane-tolerance", options.planeTolerance,
                   "Rms distance up to which triangles lie in one plane, in units")
-      ->check(aboveZero())
+      ->check(numberBetween(1e-9, 1e9, "1e-9..1e9"))
       ->capture_default_str()
       ->needs(statistics);
   command

@@ -51,11 +51,12 @@ void check(const StatisticsOptions& o) {
                   formatted("statistics: %s is %g, expected %s", what, value, expected));
     }
   };
-  require(o.unit >= 0.0 && std::isfinite(o.unit), "the unit", o.unit, "0 or more");
-  require(o.planeTolerance > 0.0 && std::isfinite(o.planeTolerance), "the tolerance of planes",
-          o.planeTolerance, "above 0");
-  require(o.leastFace >= 0.0 && std::isfinite(o.leastFace), "the least face", o.leastFace,
-          "0 or more");
+  // Squares of lengths and products of both stay finite, and above 0.
+  require(o.unit == 0.0 || (o.unit >= 1e-100 && o.unit <= 1e100), "the unit", o.unit,
+          "0 or 1e-100 to 1e100");
+  require(o.planeTolerance >= 1e-9 && o.planeTolerance <= 1e9, "the tolerance of planes",
+          o.planeTolerance, "1e-9 to 1e9");
+  require(o.leastFace >= 0.0 && o.leastFace <= 1e9, "the least face", o.leastFace, "0 to 1e9");
   require(o.tolerance > 0.0 && std::isfinite(o.tolerance), "the tolerance", o.tolerance, "above 0");
   require(o.simulations >= 1 && o.simulations <= kMostSimulations, "the number of simulations",
           static_cast<double>(o.simulations), "1 to 1000000");

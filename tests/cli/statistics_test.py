@@ -225,8 +225,13 @@ class Statistics(Evaluating, unittest.TestCase):
         for options in (["--faces", "planes"], ["--statistics", "--cgal"], ["--statistics", "--samples", "9"],
                         ["--statistics", "--least-face", "-1"], ["--statistics", "--plane-tolerance", "nan"],
                         ["--statistics", "--propagation", "0,0,0"], ["--statistics", "--propagation", "1,2"],
-                        ["--statistics", "--faces", "round"], ["--statistics", "--unit", "0"]):
+                        ["--statistics", "--faces", "round"], ["--statistics", "--unit", "0"],
+                        ["--statistics", "--unit", "1e300"], ["--statistics", "--unit", "1e-300"],
+                        ["--statistics", "--plane-tolerance", "1e300"]):
             self.evaluate(folder, *options, status=2)
+        for unit in ("1e-100", "1e100"):
+            text = self.evaluate(folder, "--statistics", "--unit", unit)
+            self.assertNotRegex(text, r"\b(inf|nan)\b")
         reported = self.evaluate(folder, "--statistics", "--json")  # one piece without cracks
         self.assertEqual(reported["statistics"]["faces"]["mean"], 0)
         self.assertIsNone(reported["statistics"]["orientation"])

@@ -522,12 +522,20 @@ TEST(Statistics, RefuseOptionsOutOfRange) {
     return false;
   };
   EXPECT_TRUE(refused({.unit = -1.0}));
+  EXPECT_TRUE(refused({.unit = 1e300}));   // an area would be infinite
+  EXPECT_TRUE(refused({.unit = 1e-300}));  // or 0
   EXPECT_TRUE(refused({.planeTolerance = 0.0}));
+  EXPECT_TRUE(refused({.planeTolerance = 1e300}));
+  EXPECT_TRUE(refused({.leastFace = 1e300}));
   EXPECT_TRUE(refused({.leastFace = std::nan("")}));
   EXPECT_TRUE(refused({.propagation = glm::dvec3(0.0)}));
   EXPECT_TRUE(refused({.simulations = 0}));
   EXPECT_TRUE(refused({.tolerance = 0.0}));
   EXPECT_FALSE(refused({.simulations = kFew}));
+  for (const double unit : {1e-100, 1e100}) {
+    const FractureStatistics found = statistics(set, {.unit = unit, .simulations = kFew});
+    EXPECT_TRUE(std::isnormal(found.leastArea) && std::isnormal(found.planeTolerance));
+  }
   EXPECT_THROW((void)statistics(FragmentSet{}), Error);
 }
 
