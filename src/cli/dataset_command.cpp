@@ -115,6 +115,33 @@ void addIdleOfLayout(DatasetLayout layout, const OptionUse& use,
   }
 }
 
+// Refuses choices, of one drawn option or of several, that contradict another option: the objects
+// for which they are drawn would fail.
+void checkChoices(const DatasetOptions& options, OptionUse use) {
+  constexpr std::size_t kMostTried = 4096;
+  std::vector<const DrawnOption*> drawn;
+  for (const DrawnOption& option : options.drawn) {
+    if (!option.choices.empty()) drawn.push_back(&option);
+  }
+  const auto isRange = [&](std::string_view name) {
+    return std::any_of(options.drawn.begin(), options.drawn.end(), [&](const DrawnOption& option) {
+      return option.choices.empty() && option.name == name;
+    });
+  };
+  use.isDrawn = isRange;
+  std::vector<std::size_t> at(drawn.size(), 0);
+  for (std::size_t tried = 0; tried < kMostTried; ++tried) {
+    RunOptions each = options.each;
+    for (std::size_t i = 0; i < drawn.size(); ++i) {
+      fractureOption(drawn[i]->name)->value.set(each, drawn[i]->choices[at[i]]);
+    }
+    (void)idleOptions(each, use);
+    std::size_t next = 0;
+    while (next < at.size() && ++at[next] == drawn[next]->choices.size()) at[next++] = 0;
+    if (next == at.size()) return;
+  }
+}
+
 // Returns a sentence for each option that does nothing.
 std::vector<std::string> idleOptionsOf(const CLI::App& command, const DatasetArguments& arguments) {
   const DatasetOptions& options = arguments.options;
@@ -124,6 +151,7 @@ std::vector<std::string> idleOptionsOf(const CLI::App& command, const DatasetArg
     return std::any_of(options.drawn.begin(), options.drawn.end(),
                        [&](const DrawnOption& option) { return option.name == name; });
   };
+  checkChoices(options, use);
   std::vector<std::string> sentences = idleOptions(options.each, use);
   const DatasetLayout layout = options.layout;
   if (use.isGiven("write") && options.each.write.solid &&

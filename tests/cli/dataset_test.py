@@ -267,6 +267,10 @@ class Run(Dataset):
         self.refused(2, self.dataset("--pieces", "10..2"), "--pieces")
         self.refused(2, self.dataset("--shard", "3/2"), "--shard")
         self.refused(2, self.dataset("--erode-probability", "0..7"), "--erode-probability")
+        # What would fail for the objects for which it is drawn; one by one, and together.
+        self.refused(2, self.dataset("--sizes", "exponential", "--growth", "euclid|flood"), "--sizes", "--growth flood")
+        self.refused(2, self.dataset("--sizes", "exponential", "--growth", "euclid|nearest", "--metric", "euclidean|manhattan"),
+                     "--sizes", "--metric")
         self.refused(2, self.dataset("--split", "0/0/0"), "--split")
         self.done("--match", "ball*")
         before = tree(self.out)
