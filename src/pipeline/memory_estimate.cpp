@@ -33,6 +33,7 @@ constexpr double kExactCut = 300.0;       // per voxel of cracks: their mesh, po
 constexpr double kExactRoughCut = 800.0;  // the same of rough cracks, which stay as they are meshed
 constexpr double kSimplified = 1.6;       // factor where meshes are decimated
 constexpr double kMerged = 1.3;           // the same where triangles are merged in planes
+constexpr double kPerGuideTriangle = 350.0;  // their mesh, its repair, tree and normals
 constexpr double kPerPiece = 25e3;  // of any size: distances to the cut in every leaf it reaches,
                                     // its manifest entry
 
@@ -42,6 +43,8 @@ struct Extent {
   bool isOpen = false;
   bool hasLargeTriangles = false;  // most of the area: kAutoAdaptivity likely merges triangles
   glm::dvec3 box{0.0};
+  double guideTriangles = 0.0, guideCracks = 0.0;  // of surfaces along guides
+  bool hasGuideLines = false;
 };
 
 // Returns whether a triangle is high enough, as a share of the mesh's longest side, that the
@@ -78,6 +81,24 @@ Extent extentOf(const TriangleMesh& mesh) {
           .isOpen = openEdges(mesh) > 0,
           .hasLargeTriangles = ofLarge > 0.5 * area,
           .box = box};
+}
+
+// Adds what curtainOf and guideSurfacesOf make of guides.
+void addGuides(Extent& extent, const std::vector<Guide>& guides) {
+  constexpr double kSteps = 256.0, kMostSteps = 65536.0, kPerStep = 4.0;  // of curtainOf
+  for (const Guide& guide : guides) {
+    for (const std::vector<glm::dvec3>& line : guide.polylines) {
+      double length = 0.0;
+      for (std::size_t i = 1; i < line.size(); ++i) length += glm::distance(line[i - 1], line[i]);
+      const double steps = std::min(length / extent.longest * kSteps, kMostSteps);
+      extent.guideTriangles += kPerStep * (steps + static_cast<double>(line.size()));
+      extent.guideCracks += 1.0;
+      extent.hasGuideLines = true;
+    }
+    if (guide.mesh.triangles.empty()) continue;
+    extent.guideTriangles += static_cast<double>(guide.mesh.triangles.size());
+    extent.guideCracks += static_cast<double>(meshComponents(guide.mesh).count);
+  }
 }
 
 // Surface area and volume of a solid, world units.
@@ -147,6 +168,14 @@ double bytesForExact(std::size_t triangles, double cuts, const FractureOptions& 
          (options.grow.roughness.isZero() ? kExactCut : kExactRoughCut) * cuts;
 }
 
+// Returns what guides take: their surfaces, a bit for each voxel of the leaves, and for lines the
+// mesh again, on which they are drawn.
+double bytesForGuides(const Extent& extent, std::size_t triangles, double surface, double inside) {
+  const double leaves = inside / 512.0 + surface / 32.0;  // of which half are of the border
+  return kPerGuideTriangle * extent.guideTriangles + 64.0 * leaves * extent.guideCracks +
+         (extent.hasGuideLines ? kPerTriangle * static_cast<double>(triangles) : 0.0);
+}
+
 double bytesFor(const Extent& extent, std::size_t triangles, const FractureOptions& options,
                 MeshesHeld held, double voxelSize) {
   const Amount solid = solidOf(extent, options.solid, voxelSize);
@@ -157,6 +186,7 @@ double bytesFor(const Extent& extent, std::size_t triangles, const FractureOptio
       6.0 * (std::cbrt(static_cast<double>(options.pieces)) - 1.0) * std::cbrt(inside * inside);
   return kPerTriangle * static_cast<double>(triangles) +
          kPerPiece * static_cast<double>(options.pieces) + bytesForExact(triangles, cuts, options) +
+         bytesForGuides(extent, triangles, surface, inside) +
          bytesForVoxels(meshFactor(options.surface, held, extent.longest / voxelSize,
                                    extent.hasLargeTriangles) *
                             (surface + cuts),
@@ -168,8 +198,10 @@ double bytesFor(const Extent& extent, std::size_t triangles, const FractureOptio
 std::uint64_t estimatedMemory(const TriangleMesh& mesh, const FractureOptions& options,
                               MeshesHeld held) {
   const double voxelSize = voxelSizeFor(mesh, options.solid);
+  Extent extent = extentOf(mesh);
+  addGuides(extent, options.guides);
   return static_cast<std::uint64_t>(
-      bytesFor(extentOf(mesh), mesh.triangles.size(), options, held, voxelSize));
+      bytesFor(extent, mesh.triangles.size(), options, held, voxelSize));
 }
 
 std::uint64_t estimatedMemory(double surface, double inside) {
@@ -184,7 +216,8 @@ void requireMemory(const TriangleMesh& mesh, const FractureOptions& options, std
   if (isAutomatic) solidOptions.resolution = kMostAutoResolution;
   double voxelSize = voxelSizeFor(mesh, solidOptions);
   const double longest = longestSide(bounds(mesh));
-  const Extent extent = extentOf(mesh);
+  Extent extent = extentOf(mesh);
+  addGuides(extent, options.guides);
   const auto bytesOf = [&](double size, MeshesHeld of) {
     return static_cast<std::uint64_t>(bytesFor(extent, mesh.triangles.size(), options, of, size));
   };

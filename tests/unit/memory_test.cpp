@@ -49,6 +49,33 @@ TEST(Memory, GoesByTheSurfaceInVoxelsAndTheVolume) {
   EXPECT_EQ(estimatedMemory(two, {}), estimatedMemory(turned, {}));
 }
 
+// Guides take their surfaces, which do not depend on the resolution, and a bit for each voxel.
+TEST(Memory, GuidesTakeMore) {
+  const TriangleMesh ball = shapes::ball(1.0, 4);
+  const auto bytes = [&](const std::vector<Guide>& guides, int resolution) {
+    return static_cast<double>(
+        estimatedMemory(ball, {.solid = {.resolution = resolution}, .guides = guides}));
+  };
+  const TriangleMesh fine = shapes::ball(0.5, 6);
+  const double triangles = static_cast<double>(fine.triangles.size());
+  for (const int resolution : {64, 256}) {
+    const double none = bytes({}, resolution), one = bytes({{.mesh = fine}}, resolution),
+                 two = bytes({{.mesh = fine}, {.mesh = fine}}, resolution);
+    EXPECT_NEAR(two - one, one - none, 2.0);
+    // A sphere takes no less than its vertices and triangles twice, and the bits of inside voxels.
+    const double inside = 0.5 * std::pow(resolution, 3.0);
+    EXPECT_GT(one - none, 2.0 * (12.0 + 12.0) * triangles + inside / 8.0);
+    EXPECT_LT(one - none, 1000.0 * triangles + inside);
+  }
+  const std::vector<std::vector<glm::dvec3>> line{{{1, 0, 0}, {0, 1, 0}}};
+  EXPECT_GT(bytes({{.polylines = line}}, 64), bytes({}, 64));
+  FractureOptions many;
+  many.guides.assign(200, {.mesh = fine});
+  EXPECT_NO_THROW(requireMemory(ball, {.solid = {.resolution = 64}}, 800'000'000));
+  many.solid.resolution = 64;
+  EXPECT_THROW(requireMemory(ball, many, 800'000'000), Error);
+}
+
 // What a ball's shell is made of is known: between two balls, the inner of which may be gone.
 TEST(Memory, AShellTakesMoreTheThickerItIs) {
   const double radius = 1.0;
