@@ -89,7 +89,7 @@ def schema_of(row):
     if row["key"] == "seeds.impacts":
         return {"type": "array", "items": {"$ref": "#/$defs/impact"}}
     if row["key"] == "guides":
-        return {"type": "array", "items": {"type": "string"}, "minItems": 1}
+        return {"type": "array", "items": {"$ref": "#/$defs/guide"}, "minItems": 1}
     if row["key"] in ("grow.grain.direction", "grow.propagation"):
         return {"$ref": "#/$defs/vector"}
     if row["type"] == "length":

@@ -37,7 +37,8 @@ struct Guide {
   std::string file{};                                ///< named in messages and manifests
   std::vector<std::vector<glm::dvec3>> polylines{};  ///< each with two points or more: cracks pass
                                                      ///< through them across the surface near them
-  TriangleMesh mesh{};  ///< its surface becomes a crack; open or closed
+  TriangleMesh mesh{};   ///< its surface becomes a crack; open or closed
+  std::string sha256{};  ///< of the file's bytes, 64 hexadecimal digits; recorded unless empty
 };
 
 /// Options of a fracture, by stage.  `pieces` and `seed` are those of the whole: a stage's own
@@ -103,6 +104,8 @@ struct FractureResult {
                                ///< each comes from; else empty
   double sizeError = 0.0;      ///< with ShareOptions::sizes, the greatest difference of a grown
                                ///< share from the one drawn for it, divided by that
+  std::vector<std::string> guideWarnings{};  ///< a sentence for each of FractureOptions::guides
+                                             ///< that splits nothing, or of which a part does not
   std::vector<StageTime> times;
 
   std::size_t kept() const { return fragments.size() - withheld; }

@@ -6,6 +6,7 @@ import os
 from typing import Any, Iterator
 
 from . import _core, _jobs, _options
+from ._errors import warn
 from ._fracture import Fracture, file_errors, folder_name
 from ._solid import DEVICE, Solid, checked_device, core_solid, fracture_options
 
@@ -17,7 +18,9 @@ def break_solid(
     all = _jobs.finish(_core.fracture(core, given, pairs, checked_device(device)), progress)
     solid = Solid(core)
     while all:  # lets go of each when the next is taken
-        yield Fracture(all.pop(0), solid)
+        broken = all.pop(0)
+        warn(broken.guide_warnings)
+        yield Fracture(broken, solid)
 
 
 def _pieces_and_seed(given: list[tuple[str, str]]) -> tuple[int, int]:

@@ -76,6 +76,9 @@ class Fracture : public std::enable_shared_from_this<Fracture> {
   /// Why exact surfaces were replaced by smooth ones, as a clause; empty if they were not.
   [[nodiscard]] virtual std::string exactFailure() const { return {}; }
 
+  /// Sentences about guides that split nothing.
+  [[nodiscard]] virtual std::vector<std::string> guideWarnings() const { return {}; }
+
  protected:
   /// Makes the fragments with their meshes; each time the same.
   [[nodiscard]] virtual std::vector<sherd::Fragment> made(const sherd::Progress& progress) = 0;
@@ -116,6 +119,9 @@ class GrownPieces : public Fracture {
   [[nodiscard]] std::uint64_t seed() const override { return run_.fracture.seed; }
   [[nodiscard]] const std::vector<sherd::Fragment>& measured(const sherd::Progress&) override;
   [[nodiscard]] std::string exactFailure() const override;
+  [[nodiscard]] std::vector<std::string> guideWarnings() const override {
+    return grown_.result.guideWarnings;
+  }
 
   [[nodiscard]] const SolidPtr& solid() const { return solid_; }
   [[nodiscard]] const GivenOptions& given() const { return given_; }

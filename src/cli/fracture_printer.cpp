@@ -45,6 +45,7 @@ std::vector<std::string> warningsOf(const FractureSummary& summary) {
       warnings.push_back(std::move(warning));
     }
   }
+  warnings.insert(warnings.end(), result.guideWarnings.begin(), result.guideWarnings.end());
   if (!result.exactFailure.empty()) {
     warnings.push_back(summary.mesh + ": " + result.exactFailure +
                        ", so the fragments have the smooth surface instead of the exact one");

@@ -288,13 +288,17 @@ std::vector<SeededLabels> splitBatch(const std::shared_ptr<const LeafBlocks>& bl
     labels[f].blocks = blocks;
     labels[f].fragmentCount = static_cast<int>(seedSets[f].size());
     labels[f].splits = std::move(grown.fractures[f].splits);
+    std::vector<std::size_t> guided;
+    for (const Split& split : labels[f].splits) {
+      if (split.normal == glm::ivec3(0)) guided.push_back(static_cast<std::size_t>(split.offset));
+    }
     if (!options.roughness.isZero()) {
       for (Split& split : labels[f].splits) split.normal = glm::ivec3(0);
     } else if (runs.front().guides != nullptr) {
       labels[f].cracks = runs.front().guides->cracks;
     }
-    all.push_back(
-        {std::move(seedSets[f]), std::move(labels[f]), 0.0, std::move(grown.fractures[f].shares)});
+    all.push_back({std::move(seedSets[f]), std::move(labels[f]), 0.0,
+                   std::move(grown.fractures[f].shares), std::move(guided)});
   }
   return all;
 }

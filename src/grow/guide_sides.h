@@ -44,6 +44,7 @@ class GivenCracks {
 struct GuideSides {
   std::vector<std::vector<std::uint64_t>> positive{};  ///< [cracks] as positiveSide
   std::shared_ptr<const GivenCracks> cracks{};         ///< null: cracks are cut by labels
+  std::vector<std::size_t> guide{};                    ///< [cracks] index of the guide
 };
 
 }  // namespace sherd

@@ -3,6 +3,7 @@
 
 #include <sherd/labels.h>
 
+#include <cstddef>
 #include <vector>
 
 namespace sherd {
@@ -13,6 +14,9 @@ struct SeededLabels {
   Labels labels;
   double sizeError = 0.0;             ///< as FractureResult::sizeError
   std::vector<double> meantShares{};  ///< [fragments] of growth by splits
+  std::vector<std::size_t> guided{};  ///< of growth by splits: for each split by a given crack, its
+                                      ///< number
+  std::vector<std::size_t> guide{};   ///< [given cracks] index of the guide that each is of
 };
 
 }  // namespace sherd

@@ -92,6 +92,7 @@ std::vector<SeededLabels> growSequential(const Solid& solid, const VoxelComponen
     }
   }
   for (SeededLabels& each : all) {
+    each.guide = guides.guide;
     if (isDrawn) each.sizeError = sizeErrorOf(each);
   }
   return all;

@@ -52,7 +52,11 @@ std::string fileName(const std::string& path) {
 
 Json guidesJson(const std::vector<Guide>& guides) {
   Json all = Json::array();
-  for (const Guide& guide : guides) all.push_back(fileName(guide.file));
+  for (const Guide& guide : guides) {
+    Json one = {{"file", fileName(guide.file)}};
+    if (!guide.sha256.empty()) one["sha256"] = guide.sha256;
+    all.push_back(std::move(one));
+  }
   return all;
 }
 
@@ -165,7 +169,10 @@ RunOptions optionsRecorded(const In& recorded) {
       if (row.key == kImpacts) {
         for (const In& impact : *at) options.fracture.seeds.impacts.push_back(impactFrom(impact));
       } else if (row.key == kGuides) {
-        for (const In& file : *at) row.value.set(options, file.get<std::string>());
+        for (const In& guide : *at) {
+          row.value.set(options, guide.at("file").get<std::string>());
+          options.fracture.guides.back().sha256 = guide.value("sha256", "");
+        }
       } else if (!at->is_array() || !at->empty()) {
         row.value.set(options, textFrom(*at));
       }

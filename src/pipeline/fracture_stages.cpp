@@ -127,8 +127,9 @@ namespace {
 GuideSides sidesOf(std::span<const Guide> guides, const Solid& solid, const Progress* progress) {
   if (guides.empty()) return {};
   GuideSides sides;
-  sides.cracks =
-      std::make_shared<const GivenCracks>(guideSurfacesOf(guides, solid, progress), solid.frame);
+  GuideSurfaces surfaces = guideSurfacesOf(guides, solid, progress);
+  sides.guide = std::move(surfaces.guide);
+  sides.cracks = std::make_shared<const GivenCracks>(std::move(surfaces.surfaces), solid.frame);
   for (const SidedMesh& surface : sides.cracks->surfaces()) {
     sides.positive.push_back(positiveSide(*solid.blocks, solid.frame, surface, progress));
   }
@@ -237,11 +238,14 @@ std::vector<Labels> splitTogether(const PreparedSolid& ready, std::vector<GrownF
   for (const FractureOptions& own : options) {
     fractures.push_back(sequentialOf(own, ready.solid, ready.components, own.seed));
   }
+  const std::vector<Guide>& guides = options.front().guides;
+  const GuideSides sides = sidesOf(guides, ready.solid, progress);
   std::vector<Labels> labels;
-  for (SeededLabels& grown : growSequential(
-           ready.solid, ready.components, fractures, device, together, options.front().shares,
-           sidesOf(options.front().guides, ready.solid, progress), progress)) {
+  for (SeededLabels& grown : growSequential(ready.solid, ready.components, fractures, device,
+                                            together, options.front().shares, sides, progress)) {
     FractureResult& result = all[labels.size()].result;
+    result.guideWarnings =
+        guideWarnings(guides, grown.guide, grown.guided, grown.labels.splits.size());
     result.seeds = std::move(grown.seeds);
     result.sizeError = grown.sizeError;
     labels.push_back(std::move(grown.labels));

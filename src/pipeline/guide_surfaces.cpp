@@ -94,10 +94,11 @@ void addComponents(const Guide& guide, const Progress* progress, std::vector<Sid
 
 }  // namespace
 
-std::vector<SidedMesh> guideSurfacesOf(std::span<const Guide> guides, const Solid& solid,
-                                       const Progress* progress) {
+GuideSurfaces guideSurfacesOf(std::span<const Guide> guides, const Solid& solid,
+                              const Progress* progress) {
   std::optional<DrawnSurface> drawn;
-  std::vector<SidedMesh> surfaces;
+  GuideSurfaces all;
+  std::vector<SidedMesh>& surfaces = all.surfaces;
   for (const Guide& guide : guides) {
     check(guide);
     requireFew(guide, surfaces.size() + guide.polylines.size());
@@ -111,8 +112,37 @@ std::vector<SidedMesh> guideSurfacesOf(std::span<const Guide> guides, const Soli
       }
     }
     if (!guide.mesh.triangles.empty()) addComponents(guide, progress, surfaces);
+    all.guide.resize(surfaces.size(), static_cast<std::size_t>(&guide - guides.data()));
   }
-  return surfaces;
+  return all;
+}
+
+std::vector<std::string> guideWarnings(std::span<const Guide> guides,
+                                       std::span<const std::size_t> guide,
+                                       std::span<const std::size_t> guided, std::size_t splits) {
+  const bool areAllTried = splits > guided.size();  // other splits come after all surfaces
+  const std::string reason = areAllTried
+                                 ? ": no piece has voxels on both sides"
+                                 : ": there are no more pieces to make, or none has voxels on both "
+                                   "sides";
+  std::vector<std::string> warnings;
+  for (std::size_t i = 0; i < guides.size(); ++i) {
+    std::size_t all = 0, idle = 0;
+    for (std::size_t surface = 0; surface < guide.size(); ++surface) {
+      if (guide[surface] != i) continue;
+      ++all;
+      idle += std::find(guided.begin(), guided.end(), surface) == guided.end() ? 1 : 0;
+    }
+    if (idle == 0) continue;
+    const std::string name = guides[i].file.empty() ? "a guide" : guides[i].file;
+    warnings.push_back(name +
+                       (idle == all
+                            ? " splits nothing"
+                            : ": " + std::to_string(idle) + " of its " + std::to_string(all) +
+                                  " lines and connected components split nothing") +
+                       reason);
+  }
+  return warnings;
 }
 
 }  // namespace sherd

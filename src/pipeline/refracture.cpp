@@ -8,6 +8,7 @@
 #include "base/random.h"
 #include "grow/small_components.h"
 #include "pipeline/fracture_stages.h"
+#include "pipeline/guide_surfaces.h"
 #include "pipeline/refracture_meshes.h"
 #include "voxelize/distance.h"
 
@@ -48,6 +49,18 @@ SeededLabels breakFragment(const Solid& fragment, int id, const FractureOptions&
   return growFor(own, fragment, components, std::move(seeds), seed, device, progress);
 }
 
+// The splits of all broken fragments: a guide does something if it divides one of them.
+struct GuidedSplits {
+  std::vector<std::size_t> guide{}, cracks{};  // as SeededLabels::guide and guided
+  std::size_t splits = 0;
+
+  void add(const SeededLabels& grown) {
+    guide = grown.guide;  // the same of all
+    cracks.insert(cracks.end(), grown.guided.begin(), grown.guided.end());
+    splits += grown.labels.splits.size();
+  }
+};
+
 std::set<int> existingIds(std::span<const int> given, int fragments) {
   std::set<int> ids(given.begin(), given.end());
   for (const int id : ids) {
@@ -85,9 +98,11 @@ GrownFracture regrown(const FinishedFracture& finished, std::span<const int> onl
   });
   const bool isExact = options.surface.surface == Surface::exact;
   std::vector<BrokenFragment> parts;
+  GuidedSplits guided;
   for (const int id : broken) {
     Solid fragment = fragmentSolid(finished, id, isExact);
     SeededLabels grown = breakFragment(fragment, id, options, device, progress);
+    guided.add(grown);
     const std::size_t first = result.parents.size();
     result.parents.insert(result.parents.end(), static_cast<std::size_t>(fragmentsOf(grown.seeds)),
                           id);
@@ -105,6 +120,7 @@ GrownFracture regrown(const FinishedFracture& finished, std::span<const int> onl
     }
     if (isExact) parts.push_back({id, first, std::move(fragment), std::move(grown.labels)});
   }
+  result.guideWarnings = guideWarnings(options.guides, guided.guide, guided.cracks, guided.splits);
   result.labels.fragmentCount = static_cast<int>(result.parents.size());
   result.labels = extendLabels(std::move(result.labels), device, options.grow.outerSteps);
   result.eroded.assign(result.parents.size() + 1, 0);

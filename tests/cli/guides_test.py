@@ -3,6 +3,8 @@
 
 Environment: SHERD_BIN the program.  Needs Debian's python3-numpy and python3-openvdb.
 """
+import gzip
+import hashlib
 import json
 import math
 import os
@@ -149,7 +151,7 @@ class Guides(Guided):
     def test_a_ring_on_a_ball_is_a_cone(self):
         write_lines(self.path("ring.obj"), ring(math.sqrt(1 - 0.09), 0.3))
         manifest = self.broken("--guide", self.path("ring.obj"), "--write", "mesh,labels", pieces=2)
-        self.assertEqual(manifest["options"]["guides"], ["ring.obj"])
+        self.assertEqual([guide["file"] for guide in manifest["options"]["guides"]], ["ring.obj"])
         voxel = manifest["grid"]["voxel_size"]
         for vertices in self.crack_vertices():
             away = vertices[np.linalg.norm(vertices, axis=1) > 0.2]  # the cone is left open at its tip
@@ -188,25 +190,73 @@ class Guides(Guided):
                 self.assertFalse(beside.min() < -most and beside.max() > most, (z, beside.min(), beside.max()))
 
     def test_guides_come_in_their_order_and_repeat(self):
-        write_lines(self.path("a.obj"), ring(1, 0))
-        write_obj(self.path("b.obj"), sphere(radius=0.5))
-        manifest = self.broken("--guide", self.path("a.obj"), "--guide", self.path("b.obj"), "--write", "labels", pieces=4)
-        self.assertEqual(manifest["options"]["guides"], ["a.obj", "b.obj"])
+        """Of two pieces the first guide decides both: halves of the ball, or a ball within it."""
+        ring_file, ball_file = self.path("a.obj"), self.path("b.obj")
+        write_lines(ring_file, ring(1, 0))
+        ball = sphere(radius=0.5)
+        write_obj(ball_file, ball)
+        inner = np.linalg.det(np.array(ball[0])[np.array(ball[1])]).sum() / 6
+        for first, second, smaller in ((ring_file, ball_file, 2 / 3 * math.pi), (ball_file, ring_file, inner)):
+            result = self.done("--growth", "sequential", "--guide", first, "--guide", second, "--write", "labels", pieces=2)
+            self.assertEqual(result.stderr, f"sherd: warning: {second} splits nothing: there are no more pieces to make, or none has "
+                                            "voxels on both sides\n")
+            manifest = self.manifest()
+            self.assertEqual([guide["file"] for guide in manifest["options"]["guides"]],
+                             [os.path.basename(file) for file in (first, second)])
+            self.assertAlmostEqual(min(f["volume"] for f in manifest["fragments"]), smaller, delta=0.03 * smaller)
+        both = ("--growth", "sequential", "--guide", ring_file, "--guide", ball_file, "--write", "labels")
         again = self.path("again")
-        self.done("--growth", "sequential", "--guide", self.path("a.obj"), "--guide", self.path("b.obj"), "--write", "labels", pieces=4, out=again)
+        for out in self.out, again:
+            self.assertEqual(self.done(*both, pieces=4, out=out).stderr, "")
         with open(os.path.join(self.out, "labels.rle"), "rb") as one, open(os.path.join(again, "labels.rle"), "rb") as other:
             self.assertEqual(one.read(), other.read())
 
+    def test_a_guide_that_splits_nothing_is_reported(self):
+        beside, ring_file, both = self.path("beside.obj"), self.path("ring.obj"), self.path("both.obj")
+        ball = sphere(radius=0.2, center=(2, 0, 0))
+        write_obj(beside, ball)
+        write_lines(ring_file, ring(0.8, 0.6))
+        around = sphere(radius=0.4)
+        write_obj(both, (ball[0] + around[0], ball[1] + [tuple(len(ball[0]) + i for i in t) for t in around[1]]))
+        sequential = ("--growth", "sequential", "--roughness", "0.5", "--write", "labels,mesh")
+        nothing = f"sherd: warning: {beside} splits nothing: no piece has voxels on both sides\n"
+        self.assertEqual(self.done(*sequential, "--guide", beside, "--guide", ring_file).stderr, nothing)
+        report = json.loads(self.done(*sequential, "--guide", beside, "--guide", ring_file, "--json").stdout)
+        self.assertEqual([f"sherd: warning: {sentence}\n" for sentence in report["warnings"]], [nothing])
+        self.assertEqual(self.done(*sequential, "--guide", both).stderr,
+                         f"sherd: warning: {both}: 1 of its 2 lines and connected components split nothing: no piece has voxels on "
+                         "both sides\n")
+        # A fracture that is continued: the ring passes one of the two fragments, and that is enough.
+        self.done("--growth", "sequential", "--guide", both, "--write", "labels,vdb", pieces=2)
+        manifest = os.path.join(self.out, "manifest.json")
+        result = self.run_sherd("fracture", manifest, "-o", self.path("again"), "--only", "1,2", "--pieces", "3", "--growth", "sequential",
+                                "--guide", beside, "--guide", ring_file)
+        self.assertEqual((result.returncode, result.stderr), (0, nothing))
+
+    def test_files_of_guides_have_hashes(self):
+        plain, packed = self.path("ring.obj"), self.path("ring.obj.gz")
+        write_lines(plain, ring(0.8, 0.6))
+        with open(plain, "rb") as file:
+            data = file.read()
+        with gzip.open(packed, "wb") as file:
+            file.write(data)
+        with open(packed, "rb") as file:
+            zipped = file.read()
+        for path, content in (plain, data), (packed, zipped):
+            self.done("--growth", "sequential", "--guide", path, "--write", "labels")
+            self.assertEqual(self.manifest()["options"]["guides"],
+                             [{"file": os.path.basename(path), "sha256": hashlib.sha256(content).hexdigest()}])
+
     def test_guides_that_are_very_far_away_or_very_many(self):
         """Squares of such distances exceed single precision, in which boxes of triangles are."""
-        far = {"line.obj": "v -1e20 0.5 0\nv 1e20 0.5 0\nl 1 2\n", "mesh.obj": "v 1e20 0 0\nv 1e20 1 0\nv 1e20 0 1\nf 1 2 3\n"}
-        for name, text in far.items():
-            file = self.path(name, text.encode())
-            result = self.fracture("--growth", "sequential", "--guide", file, out=self.path(f"out-{name}"))
-            self.assertIn(result.returncode, (0, 3), result.stderr)
+        line = self.path("line.obj", b"v -1e20 0.5 0\nv 1e20 0.5 0\nl 1 2\n")  # no point of it is near the surface
+        self.refused(3, self.fracture("--growth", "sequential", "--guide", line), "line.obj", "far")
+        mesh = self.path("mesh.obj", b"v 1e20 0 0\nv 1e20 1 0\nv 1e20 0 1\nf 1 2 3\n")  # all of the ball is on one side
+        self.assertEqual(self.done("--growth", "sequential", "--guide", mesh).stderr,
+                         f"sherd: warning: {mesh} splits nothing: no piece has voxels on both sides\n")
         lines = "".join(f"v 0 {i} 0\nv 1 {i} 0\nl {2 * i + 1} {2 * i + 2}\n" for i in range(257))
         many = self.path("many.obj", lines.encode())
-        self.refused(3, self.fracture("--growth", "sequential", "--guide", many), "many.obj", "257", "256")
+        self.refused(3, self.fracture("--growth", "sequential", "--guide", many, out=self.path("many")), "many.obj", "257", "256")
 
     def test_what_is_no_guide_is_refused(self):
         guide = self.path("guide.obj")

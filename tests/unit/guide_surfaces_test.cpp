@@ -242,7 +242,7 @@ TEST(GuideSurfaces, AreOnePerLineAndComponent) {
   guide.polylines.push_back(circle(1.0, 0.0, 0.0, 2.0, 20));
   guide.polylines.push_back(circle(0.8, 0.6, 0.0, 1.0, 20));
   guide.mesh = shapes::append(shapes::cube(0.5), shapes::inverted(shapes::cube(0.2, {2, 0, 0})));
-  EXPECT_EQ(guideSurfacesOf(std::span(&guide, 1), solid).size(), 4u);
+  EXPECT_EQ(guideSurfacesOf(std::span(&guide, 1), solid).surfaces.size(), 4u);
   const auto refusal = [&](const Guide& bad) {
     try {
       (void)guideSurfacesOf(std::span(&bad, 1), solid);

@@ -118,6 +118,8 @@ TEST_F(ManifestOptions, OfAFractureAreRecorded) {
 TEST_F(ManifestOptions, OfGivenFilesAreRecorded) {
   expectRecorded("density", options_.seeds.density, {"field.vdb", {}});
   expectRecorded("guides", options_.guides, {Guide{.file = "crack.obj"}});
+  options_.guides = {Guide{.file = "crack.obj"}};
+  expectRecorded("guides' hashes", options_.guides.front().sha256, std::string(64, 'a'));
 }
 
 TEST_F(ManifestOptions, OfSizesAndEnergiesAreRecorded) {

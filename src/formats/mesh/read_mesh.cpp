@@ -323,6 +323,7 @@ Guide guideFromBytes(const fs::path& path, std::string bytes, const ReadOptions&
   memory.charge(bytes.size());
   const MeshFile file = unpacked(path, bytes, memory, progress);
   Guide guide{.file = path.string()};
+  guide.sha256 = sha256(splitName(path).packed ? bytes : file.bytes);
   bool hasFaces = true;
   if (file.format == MeshFormat::obj || file.format == MeshFormat::ply) {
     FileLines lines = file.format == MeshFormat::obj ? readObjLines(file) : readPlyLines(file);
