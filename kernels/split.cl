@@ -1,25 +1,36 @@
-// split: pieces of a solid are split in two by planes, one plane for each piece; nodes of components are measured for
+// split: pieces of a solid are split in two by planes or spheres, one for each piece; nodes of components are measured for
 // the next splits, and labeled anew where a crack would cut off more than one component.  All arithmetic is on integers.
 //
 // One work-item takes items i, i + all, ... (item = fracture * leafCount + leaf); any work-group size.
 // Reference: tests/kernels/split_test.cpp, bit for bit.
 
-// The planes of a fracture's pieces, by their label.
-struct piece_planes {
-  const global int4* plane;  // normal; w: the label of voxels on the positive side, 0 where the piece is not split
+// The cracks of a fracture's pieces, by their label.  Positions are in 1/64 voxel.
+struct piece_cracks {
+  const global int4* plane;   // normal; w: the label of voxels on the positive side, 0 where the piece is not split
+  const global int4* center;  // of a sphere; w: 0 of a plane, 1 of a sphere, 2 of a plane that ignores walls
   const global long* offset;
 };
 
-// Returns 64 dot(normal, voxel) - offset, which is above 0 on the positive side.
-inline long beyond_plane(const struct piece_planes* planes, const uint label, const int x, const int y, const int z) {
-  const int4 n = planes->plane[label];
-  return 64 * ((long)n.x * x + (long)n.y * y + (long)n.z * z) - planes->offset[label];
+// A leaf: its lowest voxel, the ways of its voxels to the middle of their walls (512*3, in 1/64 voxel; null: all are 0), and
+// the longest of any leaf along an axis.
+struct leaf_position {
+  int4 low;
+  const global short* way;
+  int reach;
+};
+
+// Returns by how much a position is beyond a crack, above 0 on the positive side: dot(normal, position) - offset, or
+// |position - center|^2 - offset.
+inline long beyond_crack(const struct piece_cracks* cracks, const uint label, const long x, const long y, const long z) {
+  const int4 n = cracks->plane[label], c = cracks->center[label];
+  if (c.w != 1) return n.x * x + n.y * y + n.z * z - cracks->offset[label];
+  return (x - c.x) * (x - c.x) + (y - c.y) * (y - c.y) + (z - c.z) * (z - c.z) - cracks->offset[label];
 }
 
-// Returns the voxels of a leaf on the positive side of a label's plane.
-inline ulong8 positive_side(const struct piece_planes* planes, const uint label, const int4 low) {
-  const int4 n = planes->plane[label];
-  const long start = beyond_plane(planes, label, low.x, low.y, low.z);
+// Returns the voxels of a leaf on the positive side of a label's plane, compared at their centers.
+inline ulong8 positive_side_of_plane(const struct piece_cracks* cracks, const uint label, const int4 low) {
+  const int4 n = cracks->plane[label];
+  const long start = beyond_crack(cracks, label, 64l * low.x, 64l * low.y, 64l * low.z);
   ulong side[SHERD_LEAF_WORDS];
   for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
     ulong word = 0;
@@ -35,6 +46,59 @@ inline ulong8 positive_side(const struct piece_planes* planes, const uint label,
   return vload8(0, side);
 }
 
+// Returns the voxels of a leaf on the positive side of a label's crack.
+inline ulong8 positive_side(const struct piece_cracks* cracks, const uint label, const struct leaf_position* leaf) {
+  const int kind = cracks->center[label].w;
+  if (kind == 2 || (!leaf->way && kind == 0)) return positive_side_of_plane(cracks, label, leaf->low);
+  ulong side[SHERD_LEAF_WORDS];
+  for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
+    ulong word = 0;
+    for (int v = 0; v < 64; ++v) {
+      long px = 64l * (leaf->low.x + x), py = 64l * (leaf->low.y + (v >> 3)), pz = 64l * (leaf->low.z + (v & 7));
+      if (leaf->way) {
+        const global short* const way = leaf->way + 3 * (64 * x + v);
+        px += way[0];
+        py += way[1];
+        pz += way[2];
+      }
+      word |= (ulong)(beyond_crack(cracks, label, px, py, pz) > 0) << v;
+    }
+    side[x] = word;
+  }
+  return vload8(0, side);
+}
+
+// The least and the greatest value of beyond_crack in a leaf, or values beyond them.
+struct crack_bounds {
+  long least, most;
+};
+
+// Adds the least and the greatest square of a difference from c along an axis.
+inline void add_squares(struct crack_bounds* bounds, const long low, const long high, const long c) {
+  const long below = c - low, above = high - c;
+  const long nearest = below < 0 ? -below : above < 0 ? -above : 0;
+  const long farthest = max(below, above);
+  bounds->least += nearest * nearest;
+  bounds->most += farthest * farthest;
+}
+
+inline struct crack_bounds bounds_in_leaf(const struct piece_cracks* cracks, const uint label, const struct leaf_position* leaf) {
+  const int4 n = cracks->plane[label], c = cracks->center[label];
+  const long reach = leaf->reach, side = 64 * 7 + 2 * reach;
+  const long x = 64l * leaf->low.x - reach, y = 64l * leaf->low.y - reach, z = 64l * leaf->low.z - reach;
+  struct crack_bounds bounds = {0, 0};
+  if (c.w == 1) {
+    bounds.least = bounds.most = -cracks->offset[label];
+    add_squares(&bounds, x, x + side, c.x);
+    add_squares(&bounds, y, y + side, c.y);
+    add_squares(&bounds, z, z + side, c.z);
+    return bounds;
+  }
+  bounds.least = beyond_crack(cracks, label, x, y, z) + side * ((long)min(n.x, 0) + (long)min(n.y, 0) + (long)min(n.z, 0));
+  bounds.most = bounds.least + side * ((long)abs(n.x) + (long)abs(n.y) + (long)abs(n.z));
+  return bounds;
+}
+
 // Voxels of a leaf with one label.
 struct labeled {
   uint label;
@@ -42,22 +106,19 @@ struct labeled {
 };
 
 // Splits voxels of one label: the rest keeps it, and `added` gets those on the positive side.
-inline struct labeled split_voxels(const struct piece_planes* planes, const int4 low, struct labeled* kept) {
-  const int4 n = planes->plane[kept->label];
-  struct labeled added = {(uint)n.w, (ulong8)(0)};
-  if (n.w == 0) return added;
-  const long least = beyond_plane(planes, kept->label, low.x, low.y, low.z) +
-                     64 * 7 * ((long)min(n.x, 0) + (long)min(n.y, 0) + (long)min(n.z, 0));
-  const long most = least + 64 * 7 * ((long)abs(n.x) + (long)abs(n.y) + (long)abs(n.z));
-  if (most <= 0) return added;
+inline struct labeled split_voxels(const struct piece_cracks* cracks, const struct leaf_position* leaf, struct labeled* kept) {
+  struct labeled added = {(uint)cracks->plane[kept->label].w, (ulong8)(0)};
+  if (added.label == 0) return added;
+  const struct crack_bounds bounds = bounds_in_leaf(cracks, kept->label, leaf);
+  if (bounds.most <= 0) return added;
   added.mask = kept->mask;
-  if (least <= 0) added.mask &= positive_side(planes, kept->label, low);
+  if (bounds.least <= 0) added.mask &= positive_side(cracks, kept->label, leaf);
   kept->mask &= ~added.mask;
   return added;
 }
 
 // Splits a leaf of one label or two.
-inline void split_leaf(const struct piece_planes* planes, const ulong8 mask, const int4 low, const uint item,
+inline void split_leaf(const struct piece_cracks* cracks, const ulong8 mask, const struct leaf_position* leaf, const uint item,
                        global ushort* owner, global uint* tag, global ulong* second) {
   const uint before = tag[item];
   struct labeled part[4] = {{before & 0xffff, mask}, {before >> 16, (ulong8)(0)}};
@@ -65,8 +126,8 @@ inline void split_leaf(const struct piece_planes* planes, const ulong8 mask, con
     part[1].mask = vload8(second_voxels(item), second);
     part[0].mask &= ~part[1].mask;
   }
-  part[2] = split_voxels(planes, low, &part[0]);
-  part[3] = split_voxels(planes, low, &part[1]);
+  part[2] = split_voxels(cracks, leaf, &part[0]);
+  part[3] = split_voxels(cracks, leaf, &part[1]);
   uint after = 0;
   for (int i = 0; i < 4; ++i) {
     if (any_of(part[i].mask)) after = with_label(after, part[i].label);
@@ -121,27 +182,36 @@ inline void store_labels(const ulong* mask, const ushort* label, const uint item
   }
 }
 
-// Voxels on the positive side of their piece's plane get its second label.
+// Voxels on the positive side of their piece's crack get its second label.
 kernel void split_labels(
     const global ulong* restrict inside,     // [leafCount*8]
     const global int4* restrict origin,      // [leafCount]    lowest voxel as seen from the lowest leaf, w unused
     const uint leafCount,
     const uint items,
-    const global uint* restrict firstPiece,  // [fractures]    index of label 0 in the next two
-    const global int4* restrict plane,       // [labels]       see piece_planes
+    const global short* restrict way,        // [leafCount*512*3] to the middle of walls, 1/64 voxel; [1] where no fracture uses it
+    const int reach,                         // the longest of these along an axis
+    const global uint* restrict usesWay,     // [fractures]    0: voxels are compared at their centers
+    const global uint* restrict firstPiece,  // [fractures]    index of label 0 in the next three
+    const global int4* restrict plane,       // [labels]       see piece_cracks
+    const global int4* restrict center,      // [labels]
     const global long* restrict offset,      // [labels]
     global ushort* restrict owner,           // [items*512]    in, out, see leaf_labels.h
     global uint* restrict tag,               // [items]        in, out
     global ulong* restrict second)           // [items*3*8]    in, out
 {
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
-    const size_t leaf = item % leafCount;
-    const size_t first = firstPiece[item / leafCount];
-    const struct piece_planes planes = {plane + first, offset + first};
+    const size_t leaf = item % leafCount, fracture = item / leafCount;
+    const size_t first = firstPiece[fracture];
+    const struct piece_cracks cracks = {plane + first, center + first, offset + first};
+    struct leaf_position position = {origin[leaf], 0, 0};
+    if (usesWay[fracture]) {
+      position.way = way + 3 * SHERD_LEAF_SIZE * leaf;
+      position.reach = reach;
+    }
     const uint before = tag[item];
     if (before == 0) continue;
     if (before != SHERD_TAG_MIXED) {
-      split_leaf(&planes, vload8(leaf, inside), origin[leaf], (uint)item, owner, tag, second);
+      split_leaf(&cracks, vload8(leaf, inside), &position, (uint)item, owner, tag, second);
       continue;
     }
     ulong mask[SHERD_LEAF_WORDS];
@@ -152,12 +222,12 @@ kernel void split_labels(
     uint splitLabel = 0;
     ulong side[SHERD_LEAF_WORDS];
     for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
-      if (label[v] == 0 || planes.plane[label[v]].w == 0) continue;
+      if (label[v] == 0 || cracks.plane[label[v]].w == 0) continue;
       if (label[v] != splitLabel) {
         splitLabel = label[v];
-        vstore8(positive_side(&planes, splitLabel, origin[leaf]), 0, side);
+        vstore8(positive_side(&cracks, splitLabel, &position), 0, side);
       }
-      if ((side[v >> 6] >> (v & 63)) & 1) label[v] = (ushort)planes.plane[splitLabel].w;
+      if ((side[v >> 6] >> (v & 63)) & 1) label[v] = (ushort)cracks.plane[splitLabel].w;
     }
     store_labels(mask, label, (uint)item, owner, tag, second);
   }

@@ -1,49 +1,46 @@
 #!/usr/bin/python3
-"""How far cracks lean from the normals of a thin wall: the mean angle over voxel faces of cracks at its surface.
+"""How far cracks lean from the normals of a thin wall: the mean angle over the area of cracks.
 
-    tools/wall_angles.py sherd data/amphora.ply [--pieces 30] [--resolution 192] [OPTION ...]
+    tools/wall_angles.py sherd data/amphora.ply [--pieces 30] [--resolution 192] [--runs 5] [--compare "--seeds-on volume" "--seeds-on wall"] [OPTION ...]
 
-Breaks the mesh with five seeds by --seeds-on volume and by --seeds-on wall.  A crack's normal is the difference of the two seeds; the wall's is
-the gradient of the solid, smoothed over 7 voxels, at voxels of its surface.
+Breaks the mesh with some seeds, by each set of options that is compared.  A crack's normals are those of its triangles, the wall's those of the
+triangle of the original surface that is nearest.  Cracks that cross the wall at right angles have 0.
 """
 import argparse
 import json
 import pathlib
+import shlex
 import subprocess
 import tempfile
 
 import numpy as np
+from scipy.spatial import cKDTree
+
+from mesh_file import read_mesh
 
 
-def smoothed(values):
-    for axis in range(3):
-        for width in (3, 3, 3):
-            values = sum(np.roll(values, k, axis) for k in range(-(width // 2), width // 2 + 1)) / width
-    return values
+def triangles_of(vertices, triangles):
+    """Centers, unit normals and areas."""
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    normal = np.cross(b - a, c - a)
+    length = np.linalg.norm(normal, axis=1)
+    return (a + b + c) / 3, normal / np.maximum(length, 1e-300)[:, None], length / 2
 
 
 def lean(folder):
-    """Angles in degrees, one for each voxel face of a crack at the surface."""
+    """Angles in degrees of the triangles of cracks, and their areas."""
     manifest = json.loads((folder / "manifest.json").read_text())
-    labels = np.pad(np.load(folder / "labels.npy").astype(np.int32), 4)
-    seed = {f["id"]: np.array(f["seeds"][0]) for f in manifest["fragments"]}
-    solid = labels > 0
-    normal = np.stack(np.gradient(smoothed(solid.astype(np.float32))), -1)
-    inner = solid.copy()
-    for axis in range(3):
-        for k in (-1, 1):
-            inner &= np.roll(solid, k, axis)
-    surface, angles = solid & ~inner, []
-    for axis in range(3):
-        a, b = labels, np.roll(labels, -1, axis)
-        at = np.argwhere((a > 0) & (b > 0) & (a != b) & surface)
-        own, other = a[tuple(at.T)], b[tuple(at.T)]
-        crack = np.array([seed[i - 1] - seed[j - 1] for i, j in zip(own, other)])  # a label is an id + 1
-        wall = normal[tuple(at.T)]
-        good = np.linalg.norm(wall, axis=1) > 0.02
-        cosine = np.abs((crack * wall).sum(1)[good]) / np.linalg.norm(crack[good], axis=1) / np.linalg.norm(wall[good], axis=1)
-        angles.append(np.degrees(np.arcsin(np.clip(cosine, 0, 1))))
-    return np.concatenate(angles)
+    center, normal, area, neighbor = [], [], [], []
+    for fragment in manifest["fragments"]:
+        vertices, triangles, own = read_mesh(folder / fragment["files"]["mesh"])
+        for values, new in zip((center, normal, area, neighbor), (*triangles_of(vertices, triangles), own)):
+            values.append(new)
+    center, normal, area, neighbor = (np.concatenate(each) for each in (center, normal, area, neighbor))
+    original = (neighbor == 0) & (area > 0)
+    crack = (neighbor > 0) & (area > 0)
+    nearest = cKDTree(center[original]).query(center[crack])[1]
+    cosine = np.abs((normal[crack] * normal[original][nearest]).sum(1))
+    return np.degrees(np.arcsin(np.clip(cosine, 0, 1))), area[crack]
 
 
 def main():
@@ -52,17 +49,24 @@ def main():
     parser.add_argument("mesh")
     parser.add_argument("--pieces", default="30")
     parser.add_argument("--resolution", default="192")
+    parser.add_argument("--runs", type=int, default=5)
+    parser.add_argument("--compare", nargs="+", default=["--seeds-on volume", "--seeds-on wall"])
     arguments, more = parser.parse_known_args()
-    for place in "volume", "wall":
-        angles = []
-        for seed in range(5):
+    for options in arguments.compare:
+        angles, areas = [], []
+        for seed in range(arguments.runs):
             with tempfile.TemporaryDirectory() as folder:
                 out = pathlib.Path(folder) / "out"
                 subprocess.run([arguments.sherd, "fracture", arguments.mesh, "-o", out, "--pieces", arguments.pieces, "--seed", str(seed), "--resolution",
-                                arguments.resolution, "--seeds-on", place, "--write", "labels", "--voxel-format", "npy", "--quiet", *more], check=True)
-                angles.append(lean(out))
-        angles = np.concatenate(angles)
-        print(f"{place:7} mean {angles.mean():5.2f}, median {np.median(angles):5.2f}, above 10: {100 * (angles > 10).mean():5.1f} %")
+                                arguments.resolution, "--write", "mesh", "--quiet", *shlex.split(options), *more], check=True)
+                angle, area = lean(out)
+                angles.append(angle)
+                areas.append(area)
+        angles, areas = np.concatenate(angles), np.concatenate(areas)
+        order = np.argsort(angles)
+        median = angles[order][np.searchsorted(np.cumsum(areas[order]), areas.sum() / 2)]
+        print(f"{options:40} mean {np.average(angles, weights=areas):5.2f}, median {median:5.2f}, above 10: {100 * areas[angles > 10].sum() / areas.sum():5.1f} %",
+              flush=True)
 
 
 if __name__ == "__main__":

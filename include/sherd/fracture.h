@@ -90,6 +90,7 @@ struct FractureResult {
   Solid solid;
   std::size_t components = 0;  ///< 6-connected components of the solid
   std::vector<Seed> seeds;
+  SeedsOn seedsOn = SeedsOn::volume;  ///< what SeedsOn::automatic came to, else that of the options
   Labels labels;                      ///< after erosion
   std::vector<std::uint64_t> eroded;  ///< [fragments+1] eroded voxels of each, [0] the sum
   std::vector<Fragment> fragments;    ///< [max(pieces, components)] ascending by id

@@ -108,6 +108,9 @@ struct SplitOptions {
 /// Surfaces of cracks that are given, see grow/guide_sides.h.
 class GivenCracks;
 
+/// The middle of thin walls, see voxelize/wall_middles.h.
+class WallMiddles;
+
 /// A crack that splits a piece in two.  Voxels of the piece on its positive side become the piece
 /// `added`, the others keep the id; components that the crack would cut off besides stay with what
 /// they touch, so that both are connected.
@@ -119,6 +122,9 @@ struct Split {
   std::int64_t offset = 0;   ///< positive: dot(normal, voxel) * 64 > offset; of a crack that is no
                              ///< plane its number in Labels::cracks
   std::uint64_t voxels = 0;  ///< of the piece before the split
+  bool isSphere = false;  ///< the crack is a sphere: positive where |64 voxel - center|^2 is above
+                          ///< `offset`; its normal is 0
+  glm::ivec3 center{0};   ///< of a sphere, 1/64 voxel
 };
 
 /// The fragment of each voxel of leaf blocks.
@@ -146,6 +152,9 @@ struct Labels {
   /// Of splits without a plane: on their positive side the signed distance to a crack is positive.
   /// Null if there are none, and where cracks are rough.
   std::shared_ptr<const GivenCracks> cracks{};
+  /// Of splits in thin walls: planes and spheres are compared with the middle of the wall at a
+  /// voxel, so that cracks pass straight through it.  Null: with the voxel itself.
+  std::shared_ptr<const WallMiddles> walls{};
 };
 
 /// How work is given to the device.  Results are the same.

@@ -89,11 +89,13 @@ enum class Sampler {
 
 /// Where seeds can be.
 enum class SeedsOn {
-  volume,   ///< anywhere inside
-  surface,  ///< at the surface, in inside voxels with a face neighbor that is not inside: points
-            ///< within 1/256 of the box's longest side of it, moved onto it
-  wall,     ///< anywhere inside, and moved to the middle of the wall where the solid is thinner
-            ///< than a cube of a piece's volume: cracks cross walls nearly at right angles
+  automatic,  ///< wall where nine tenths of the solid are walls thinner than a cube of a piece's
+              ///< volume, as vessels, shells and plates are; else volume
+  volume,     ///< anywhere inside
+  surface,    ///< at the surface, in inside voxels with a face neighbor that is not inside: points
+              ///< within 1/256 of the box's longest side of it, moved onto it
+  wall,       ///< anywhere inside, and moved to the middle of the wall where the solid is thinner
+              ///< than a cube of a piece's volume: cracks cross walls nearly at right angles
 };
 
 /// A ray in world space.
@@ -167,9 +169,10 @@ struct SeedOptions {
   int pieces = 8;          ///< number of fragments, 1..kMaxFragments
   std::uint64_t seed = 0;  ///< every random number is a hash of this, a stage and an item
   Sampler sampler = Sampler::uniform;
-  SeedsOn on = SeedsOn::volume;
-  int extraSeeds = 0;                      ///< further seeds, each added to the nearest fragment
-  int extraSeedsPerPiece = 0;              ///< the same for each fragment, 0..1000
+  SeedsOn on = SeedsOn::automatic;  ///< growths by splits have no seeds: cracks cross thin walls at
+                                    ///< right angles, but with `volume`
+  int extraSeeds = 0;               ///< further seeds, each added to the nearest fragment
+  int extraSeedsPerPiece = 0;       ///< the same for each fragment, 0..1000
   Metric mergeMetric = Metric::chebyshev;  ///< distance of extra and merged seeds to fragments
   /// Makes sizes uneven: the distance of extra and merged seeds to a fragment is divided by its
   /// reach, a random number whose logarithm to the base 2 has this standard deviation,

@@ -217,7 +217,7 @@ def fracture(
     isovalue: float | None = 0.5,
     seeds: float | str | os.PathLike[str] | Sequence[Any] | None = None,
     sampler: Literal["uniform", "halton", "gaussian", "poisson"] | None = "uniform",
-    seeds_on: Literal["volume", "surface", "wall"] | None = "volume",
+    seeds_on: Literal["auto", "volume", "surface", "wall"] | None = "auto",
     extra_seeds: float | str | os.PathLike[str] | Sequence[Any] | None = 0,
     merge_metric: Literal["euclidean", "chebyshev", "manhattan"] | None = "chebyshev",
     size_spread: float | None = 0,

@@ -53,7 +53,11 @@ RunOptions asUsed(const FractureOptions& options, const FractureResult& result,
                   const WriteOptions& write) {
   RunOptions used{.fracture = options, .volume = {}, .write = write};
   used.fracture.pieces = static_cast<int>(result.fragments.size());
-  if (!result.parents.empty()) used.fracture.erode.iterations = 0;  // of the whole: ignored
+  if (!result.parents.empty()) {
+    used.fracture.erode.iterations = 0;  // of the whole: ignored
+  } else if (options.seeds.on == SeedsOn::automatic) {
+    used.fracture.seeds.on = result.seedsOn;
+  }
   SmoothOptions& smooth = used.fracture.surface.smooth;
   const int side = result.solid.box.longestSide();
   smooth.iterations = {.count = smooth.iterations.over(side)};
@@ -154,6 +158,12 @@ Json splitsJson(const FractureResult& result, const SplitParents& parents) {
       json["plane"] = {{"normal", jsonOf(normal)},
                        {"distance", plain(glm::dot(normal, frame.worldFromIndex(glm::dvec3(0.0))) +
                                           frame.voxelSize * index)}};
+    }
+    if (split.isSphere) {
+      const double radius = std::sqrt(static_cast<double>(split.offset)) / 64.0;
+      json["sphere"] = {
+          {"center", jsonOf(result.solid.frame.worldFromIndex(glm::dvec3(split.center) / 64.0))},
+          {"radius", plain(radius * result.solid.frame.voxelSize)}};
     }
     all.push_back(std::move(json));
   }

@@ -293,9 +293,13 @@ std::vector<SeededLabels> splitBatch(const std::shared_ptr<const LeafBlocks>& bl
       if (split.normal == glm::ivec3(0)) guided.push_back(static_cast<std::size_t>(split.offset));
     }
     if (!options.roughness.isZero()) {
-      for (Split& split : labels[f].splits) split.normal = glm::ivec3(0);
-    } else if (runs.front().guides != nullptr) {
-      labels[f].cracks = runs.front().guides->cracks;
+      for (Split& split : labels[f].splits) {
+        split.normal = glm::ivec3(0);
+        split.isSphere = false;
+      }
+    } else {
+      if (runs.front().guides != nullptr) labels[f].cracks = runs.front().guides->cracks;
+      labels[f].walls = runs[f].middles;
     }
     all.push_back({std::move(seedSets[f]), std::move(labels[f]), 0.0,
                    std::move(grown.fractures[f].shares), std::move(guided)});

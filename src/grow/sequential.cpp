@@ -63,9 +63,21 @@ std::vector<SeededLabels> growSequential(const Solid& solid, const VoxelComponen
   const std::uint64_t least = leastVoxels(shares, voxels);
   const std::vector<glm::dmat3> walls = wallNormals(solid);
   const bool isDrawn = shares.sizes != Sizes::grown;
+  std::shared_ptr<const WallMiddles> middles;
+  if (std::any_of(fractures.begin(), fractures.end(),
+                  [](const SequentialFracture& each) { return each.on == SeedsOn::wall; })) {
+    middles = std::make_shared<const WallMiddles>(solid, WallMiddles::mostOf(solid), progress);
+  }
   const auto runOf = [&](std::size_t f, std::uint64_t seed) {
-    return SplitRun{meantShares(fractures[f].fragments, options, shares, voxels, seed), seed, walls,
-                    &guides, isDrawn ? std::span<const double>{} : fractures[f].densities};
+    const SequentialFracture& own = fractures[f];
+    SplitRun run{meantShares(own.fragments, options, shares, voxels, seed), seed};
+    if (own.on != SeedsOn::volume) run.walls = walls;
+    if (own.on == SeedsOn::wall) run.middles = middles;
+    run.guides = &guides;
+    if (isDrawn) return run;
+    run.densities = own.densities;
+    run.impacts = own.impacts;
+    return run;
   };
   std::vector<SplitRun> runs;
   for (std::size_t f = 0; f < fractures.size(); ++f) {

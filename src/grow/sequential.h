@@ -11,6 +11,8 @@
 
 #include "grow/guide_sides.h"
 #include "grow/seeded_labels.h"
+#include "seed/split_impacts.h"
+#include "voxelize/wall_middles.h"
 
 namespace sherd {
 
@@ -21,15 +23,21 @@ struct SplitRun {
   std::span<const glm::dmat3> walls{};  ///< [leaves] see wall_normals.h; none: cracks are not
                                         ///< rotated into walls
   const GuideSides* guides = nullptr;   ///< of the first splits, or null; the same of all runs
-  std::span<const double> densities{};  ///< [leaves] see leaf_densities.h; shares are of voxels
-                                        ///< times these.  None: of voxels
+  std::shared_ptr<const WallMiddles> middles{};  ///< that cracks are compared with, or null; the
+                                                 ///< same of all runs that have them
+  std::span<const SplitImpact> impacts{};  ///< of which cracks are the first after those of guides
+  std::span<const double> densities{};     ///< [leaves] see leaf_densities.h; shares are of voxels
+                                           ///< times these.  None: of voxels
 };
 
 /// A fracture whose shares are drawn.
 struct SequentialFracture {
   std::size_t fragments = 0;
   std::uint64_t seed = 0;
-  std::vector<double> densities{};  ///< as in SplitRun
+  std::vector<double> densities{};     ///< as in SplitRun
+  std::vector<SplitImpact> impacts{};  ///< as in SplitRun
+  SeedsOn on = SeedsOn::automatic;     ///< wall: cracks go straight through walls; volume: they are
+                                    ///< not even rotated into them
 };
 
 /// Grows fragments by splits, then the same as `grow`: roughness, regrowth, extension into the

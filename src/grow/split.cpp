@@ -2,6 +2,7 @@
 #include "grow/split.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <utility>
@@ -45,23 +46,48 @@ std::vector<double> massOfLabels(const GrowthState& state, const SplitNodes& nod
   return mass;
 }
 
+// The ways of voxels to the middle of their walls.
+struct WaysOnDevice {
+  DeviceBuffer way;        // [leaves*512*3], or [1]
+  std::int32_t reach = 0;  // the longest
+  DeviceBuffer isUsed;     // [fractures] uint
+};
+
+WaysOnDevice uploadWays(GrowthState& state, std::span<const SplitRun> runs) {
+  const WallMiddles* used = nullptr;
+  std::vector<std::uint32_t> isUsed;
+  for (const SplitRun& run : runs) {
+    isUsed.push_back(run.middles != nullptr ? 1 : 0);
+    if (run.middles) used = run.middles.get();
+  }
+  const std::array<std::int16_t, 1> none{0};
+  return {uploadBuffer<std::int16_t>(
+              state.device, used != nullptr ? used->ways() : std::span<const std::int16_t>(none)),
+          used != nullptr ? used->reach() : 0, uploadBuffer<std::uint32_t>(state.device, isUsed)};
+}
+
 // Splits the voxels of all fractures by their planes, on the device.
 void splitByPlanes(GrowthState& state, const DeviceLabels& labels, const DeviceBuffer& origins,
-                   std::span<const SplitFracture> fractures) {
-  std::vector<Int4> plane;
+                   const WaysOnDevice& ways, std::span<const SplitFracture> fractures) {
+  std::vector<Int4> plane, center;
   std::vector<std::int64_t> offset;
   std::vector<std::uint32_t> first;
   for (const SplitFracture& fracture : fractures) {
     first.push_back(static_cast<std::uint32_t>(plane.size()));
     for (const SplitPlane& each : fracture.planes) {
       plane.push_back({each.normal.x, each.normal.y, each.normal.z, each.added});
+      center.push_back({each.center.x, each.center.y, each.center.z,
+                        each.isSphere       ? 1
+                        : each.ignoresWalls ? 2
+                                            : 0});
       offset.push_back(each.offset);
     }
   }
-  state.run(
-      "split_labels", state.items, state.inside, origins, state.leafCount, state.items,
-      uploadBuffer<std::uint32_t>(state.device, first), uploadBuffer<Int4>(state.device, plane),
-      uploadBuffer<std::int64_t>(state.device, offset), labels.owner, labels.tag, labels.second);
+  state.run("split_labels", state.items, state.inside, origins, state.leafCount, state.items,
+            ways.way, ways.reach, ways.isUsed, uploadBuffer<std::uint32_t>(state.device, first),
+            uploadBuffer<Int4>(state.device, plane), uploadBuffer<Int4>(state.device, center),
+            uploadBuffer<std::int64_t>(state.device, offset), labels.owner, labels.tag,
+            labels.second);
 }
 
 // Gives every piece that can be split a second label; those without voxels on one side of a given
@@ -184,6 +210,7 @@ std::vector<Split> ordered(std::vector<Split> splits, const openvdb::Coord& lowe
   for (Split& split : splits) {
     for (int i = 0; i < 3; ++i) {
       split.offset += 64 * std::int64_t{split.normal[i]} * lowest[i];
+      if (split.isSphere) split.center[i] += 64 * lowest[i];
     }
   }
   return splits;
@@ -209,10 +236,11 @@ SplitGrowth splitPieces(GrowthState& state, const VoxelComponents& components,
                         std::span<const SplitRun> runs, const GrowOptions& options,
                         const Progress* progress) {
   std::vector<SplitFracture> fractures;
-  for (const SplitRun& run : runs)
-    fractures.push_back(startedFracture(run, state.blocks, components));
   const openvdb::Coord lowest = state.lowest();
+  for (const SplitRun& run : runs)
+    fractures.push_back(startedFracture(run, state.blocks, components, lowest));
   const DeviceBuffer origins = state.uploadOrigins(lowest);
+  const WaysOnDevice ways = uploadWays(state, runs);
   const std::vector<glm::ivec3> low = lowestOfLeaves(state.blocks, lowest);
   SplitGrowth grown{componentLabels(state, components, fractures), {}};
   SplitNodes nodes = SplitNodes::withoutRoots(state, grown.labels);
@@ -250,7 +278,7 @@ SplitGrowth splitPieces(GrowthState& state, const VoxelComponents& components,
     for (std::size_t f = 0; f < fractures.size(); ++f) {
       decidePlanes(state, nodes, f, fractures[f], low, runs[f], options);
     }
-    splitByPlanes(state, grown.labels, origins, fractures);
+    splitByPlanes(state, grown.labels, origins, ways, fractures);
     finishGeneration();
   }
   for (std::size_t f = 0; f < fractures.size(); ++f) {

@@ -60,7 +60,12 @@ void recordSplits(SplitFracture& fracture) {
     const auto kept = static_cast<std::size_t>(fracture.sums[piece.label].count),
                added = static_cast<std::size_t>(fracture.sums[plane.added].count);
     if (added == 0) {
-      piece.missed = plane.normal != glm::ivec3(0);
+      if (plane.impact) {
+        afterMiss(*plane.impact, fracture.sums[piece.label].mean(), piece.nextImpact,
+                  piece.pattern);
+      } else {
+        piece.missed = plane.normal != glm::ivec3(0);
+      }
       std::swap(*std::find(fracture.ids.begin(), fracture.ids.end(), plane.added),
                 fracture.ids[--fracture.taken]);
       pieces.push_back(piece);
@@ -71,18 +76,29 @@ void recordSplits(SplitFracture& fracture) {
     const double keptMass = fracture.mass[piece.label], addedMass = fracture.mass[plane.added];
     std::size_t first = firstOf(shares, keptMass / (keptMass + addedMass));
     std::vector<std::uint64_t> keptSides, addedSides;
-    if (plane.normal == glm::ivec3(0)) {
+    if (plane.impact) {
+      first = keptPieces(*plane.impact, count, kept, added);
+    } else if (plane.normal == glm::ivec3(0)) {
       first = dividedSides(piece, plane.offset, first, keptSides, addedSides);
     }
     first = std::min(first, kept);
     if (count - first > added) first = count - added;
     const int generation = piece.generation + 1;
-    fracture.splits.push_back(
-        {piece.label, plane.added, piece.generation, plane.normal, plane.offset, kept + added});
+    fracture.splits.push_back({piece.label, plane.added, piece.generation, plane.normal,
+                               plane.offset, kept + added, plane.isSphere,
+                               plane.ignoresWalls ? glm::ivec3(1) : plane.center});
     pieces.push_back({piece.label, piece.first, piece.first + first, generation,
-                      mixed(2 * piece.path + 1), false, std::move(keptSides)});
+                      mixed(2 * piece.path + 1), false, std::move(keptSides), piece.component,
+                      piece.nextImpact, piece.pattern});
     pieces.push_back({plane.added, piece.first + first, piece.last, generation,
-                      mixed(2 * piece.path + 2), false, std::move(addedSides)});
+                      mixed(2 * piece.path + 2), false, std::move(addedSides), piece.component,
+                      piece.nextImpact, piece.pattern});
+    if (plane.impact) {
+      SplitPiece &keptPiece = pieces[pieces.size() - 2], &addedPiece = pieces.back();
+      keptPiece.pattern = plane.impact->kept;
+      addedPiece.pattern = plane.impact->added;
+      keptPiece.nextImpact = addedPiece.nextImpact = plane.impact->nextImpact;
+    }
   }
   fracture.pieces = std::move(pieces);
 }
@@ -109,9 +125,13 @@ std::vector<double> massOfComponents(const LeafBlocks& blocks, const VoxelCompon
 }  // namespace
 
 SplitFracture startedFracture(const SplitRun& run, const LeafBlocks& blocks,
-                              const VoxelComponents& components) {
+                              const VoxelComponents& components, const openvdb::Coord& lowest) {
   SplitFracture fracture;
   fracture.seed = run.seed;
+  fracture.impacts.assign(run.impacts.begin(), run.impacts.end());
+  for (SplitImpact& impact : fracture.impacts) {
+    impact.center -= glm::dvec3(lowest.x(), lowest.y(), lowest.z());
+  }
   fracture.ids = permutedIds(run.shares.size(), run.seed);
   const std::vector<std::uint64_t>& voxels = components.voxels();
   std::vector<double> mass(voxels.begin(), voxels.end());
@@ -120,7 +140,9 @@ SplitFracture startedFracture(const SplitRun& run, const LeafBlocks& blocks,
     const std::size_t first = fracture.shares.size();
     fracture.shares.insert(fracture.shares.end(), shares.begin(), shares.end());
     const std::uint64_t path = mixed(fracture.pieces.size() + 1);
-    fracture.pieces.push_back({fracture.nextId(), first, fracture.shares.size(), 0, path});
+    const auto component = static_cast<std::uint32_t>(fracture.pieces.size());
+    fracture.pieces.push_back(
+        {fracture.nextId(), first, fracture.shares.size(), 0, path, false, {}, component});
   }
   return fracture;
 }

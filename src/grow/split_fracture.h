@@ -4,11 +4,13 @@
 #include <sherd/labels.h>
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "grow/growth_state.h"
 #include "grow/sequential.h"
+#include "grow/split_impact.h"
 #include "grow/split_nodes.h"
 #include "grow/split_plan.h"
 
@@ -24,14 +26,22 @@ struct SplitPiece {
   std::vector<std::uint64_t> sides{};  // of given cracks, that its voxels are on, ascending: a bit
                                        // for each of the first 64
 
+  std::uint32_t component = 0;
+  std::size_t nextImpact = 0;           // those before have struck
+  std::optional<ImpactPart> pattern{};  // of an impact, that is not divided yet
+
   bool isSplit() const { return last - first > 1; }
 };
 
-/// The plane through a piece, and the label of the positive side.
+/// The plane or the sphere through a piece, and the label of the positive side.
 struct SplitPlane {
   glm::ivec3 normal{0};
   std::int64_t offset = 0;
   std::uint16_t added = 0;
+  bool isSphere = false;
+  bool ignoresWalls = false;            // a plane that is compared with the voxels themselves
+  glm::ivec3 center{0};                 // of a sphere, 1/64 voxel
+  std::optional<ImpactSplit> impact{};  // what the crack is of an impact's pattern
 };
 
 /// One fracture on the host.
@@ -42,16 +52,19 @@ struct SplitFracture {
   std::size_t taken = 0;
   std::vector<SplitPiece> pieces{};
   std::vector<Split> splits{};
-  std::vector<VoxelSums> sums{};     // [labels + 1]
-  std::vector<double> mass{};        // [labels + 1] voxels times densities
-  std::vector<SplitPlane> planes{};  // [labels + 1] of this generation
+  std::vector<VoxelSums> sums{};       // [labels + 1]
+  std::vector<double> mass{};          // [labels + 1] voxels times densities
+  std::vector<SplitPlane> planes{};    // [labels + 1] of this generation
+  std::vector<SplitImpact> impacts{};  // from the lowest voxel of all
 
   std::uint16_t nextId() { return ids[taken++]; }
 };
 
 /// Makes one piece of each component.
+///   lowest  voxel of all
 [[nodiscard]] SplitFracture startedFracture(const SplitRun& run, const LeafBlocks& blocks,
-                                            const VoxelComponents& components);
+                                            const VoxelComponents& components,
+                                            const openvdb::Coord& lowest);
 
 /// Decides the planes of all pieces that are split next, and gives ids to the new ones.
 ///   low  [leaves] the lowest voxel of each, from the lowest of all

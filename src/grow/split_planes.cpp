@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <optional>
 #include <utility>
 
 #include "base/random.h"
@@ -39,6 +40,8 @@ SplitPlane acrossAxis(const VoxelSums& sums) {
   int axis = 0;
   for (int i = 1; i < 3; ++i) axis = covariance[i][i] > covariance[axis][axis] ? i : axis;
   SplitPlane plane;
+  // All voxels of a piece may have the same middle of the wall.
+  plane.ignoresWalls = true;
   plane.normal[axis] = 1;
   plane.offset = static_cast<std::int64_t>(std::floor(64.0 * sums.mean()[axis]));
   return plane;
@@ -59,10 +62,28 @@ double fractionOf(const SplitFracture& fracture, const SplitPiece& piece,
   return first / all;
 }
 
+// The crack of an impact's pattern, in integers.
+SplitPlane planeOf(const ImpactSplit& split) {
+  SplitPlane plane;
+  plane.impact = split;
+  if (split.radius > 0.0) {
+    const double radius = 64.0 * split.radius;
+    plane.isSphere = true;
+    plane.center = glm::ivec3(glm::floor(64.0 * split.center + 0.5));
+    plane.offset = static_cast<std::int64_t>(std::floor(radius * radius));
+    return plane;
+  }
+  plane.normal = inSteps(split.normal);
+  plane.offset = static_cast<std::int64_t>(
+      std::floor(64.0 * glm::dot(glm::dvec3(plane.normal), split.center)));
+  return plane;
+}
+
 // Voxels of a piece that are connected in a leaf.
 struct VoxelCluster {
   std::uint32_t leaf = 0;
   double voxels = 0.0;  // times the density there
+  double count = 0.0;   // of voxels
   glm::dvec3 mean{0.0};
   glm::dmat3 covariance{0.0};
 };
@@ -98,8 +119,36 @@ CrackedLeaves crackedLeaves(std::span<const VoxelCluster> clusters,
   return cracked;
 }
 
-SplitPlane planeThrough(const SplitFracture& fracture, const SplitPiece& piece,
-                        const SplitNodes& nodes,
+// Returns the crack by which the pattern of an impact divides a piece next, if one does.
+std::optional<SplitPlane> crackOfImpact(SplitPiece& piece, std::span<const VoxelCluster> clusters,
+                                        std::span<const SplitImpact> impacts) {
+  const std::size_t count = piece.last - piece.first;
+  while (!piece.pattern && piece.nextImpact < impacts.size()) {
+    const SplitImpact& impact = impacts[piece.nextImpact++];
+    if (impact.component != piece.component) continue;
+    double all = 0.0, near = 0.0;
+    for (const VoxelCluster& cluster : clusters) {
+      all += cluster.count;
+      const double away = glm::length(cluster.mean - impact.center);
+      near += away < impact.outerRadius() ? cluster.count : 0.0;
+    }
+    // Where the pattern is most of a piece, its radial cracks run on to the piece's border.
+    constexpr double kMost = 0.3;
+    const ImpactPart whole = wholePattern(impacts, piece.nextImpact - 1, count, piece.path);
+    if (near > kMost * all) {
+      piece.pattern = whole;
+    } else {
+      return planeOf(outerRing(impacts, whole, count, piece.nextImpact));
+    }
+  }
+  if (!piece.pattern) return {};
+  const std::optional<ImpactSplit> split =
+      nextSplit(impacts, *piece.pattern, piece.nextImpact, piece.path);
+  if (!split) piece.pattern.reset();
+  return split ? std::optional(planeOf(*split)) : std::nullopt;
+}
+
+SplitPlane planeThrough(const SplitFracture& fracture, SplitPiece& piece, const SplitNodes& nodes,
                         std::span<const std::pair<std::uint32_t, std::uint32_t>> own,
                         std::span<const glm::ivec3> low, const SplitRun& run,
                         const GrowOptions& options) {
@@ -112,9 +161,12 @@ SplitPlane planeThrough(const SplitFracture& fracture, const SplitPiece& piece,
   for (const auto& [leaf, node] : own) {
     const VoxelSums ofNode = nodes.sums(node);
     const double density = run.densities.empty() ? 1.0 : run.densities[leaf];
-    clusters.push_back({leaf, density * static_cast<double>(ofNode.count),
-                        ofNode.mean() + glm::dvec3(low[leaf]), ofNode.covariance()});
+    const auto count = static_cast<double>(ofNode.count);
+    clusters.push_back(
+        {leaf, density * count, count, ofNode.mean() + glm::dvec3(low[leaf]), ofNode.covariance()});
   }
+  if (std::optional<SplitPlane> crack = crackOfImpact(piece, clusters, fracture.impacts))
+    return *crack;
   glm::dvec3 normal =
       crackNormal(covariance, options.split, options.anisotropy, fracture.seed, piece.path);
   if (!run.walls.empty()) {
@@ -137,7 +189,7 @@ void decidePlanes(const GrowthState& state, const SplitNodes& nodes, std::size_t
   fracture.planes.assign(fracture.ids.size() + 1, SplitPlane{});
   const NodesOfPieces own = nodesOfPieces(state, nodes, index, fracture);
   for (std::size_t i = 0; i < fracture.pieces.size(); ++i) {
-    const SplitPiece& piece = fracture.pieces[i];
+    SplitPiece& piece = fracture.pieces[i];
     if (!piece.isSplit()) continue;
     SplitPlane plane = planeThrough(fracture, piece, nodes, own[i], low, run, options);
     plane.added = fracture.nextId();

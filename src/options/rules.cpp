@@ -107,10 +107,17 @@ std::vector<Rule> seedRules() {
        Verdict::conflict,
        [](O o, U) { return ruleOf(o.fracture.grow.growth).splits; },
        "places seeds, and {growth} sequential has none; omit one of them"},
-      {{"sampler", "seeds-on", "extra-seeds", "merge-metric", "size-spread"},
+      {{"sampler", "extra-seeds", "merge-metric", "size-spread"},
        Verdict::idle,
        [](O o, U) { return ruleOf(o.fracture.grow.growth).splits; },
        "does nothing with {growth} sequential, which has no seeds",
+       {"growth"}},
+      {{"seeds-on"},
+       Verdict::idle,
+       [](O o, U) {
+         return ruleOf(o.fracture.grow.growth).splits && o.fracture.seeds.on == SeedsOn::surface;
+       },
+       "surface does nothing with {growth} sequential, which has no seeds",
        {"growth"}},
       {{"merge-metric", "size-spread"},
        Verdict::idle,
@@ -166,6 +173,18 @@ std::vector<Rule> growthRules() {
        },
        "does nothing with {growth} sequential and {sizes}, which draws sizes anywhere",
        {"growth", "sizes"}},
+      {{"impact"},
+       Verdict::idle,
+       [](O o, U) {
+         const std::vector<Impact>& impacts = o.fracture.seeds.impacts;
+         return ruleOf(o.fracture.grow.growth).splits && o.fracture.shares.sizes == Sizes::grown &&
+                std::any_of(impacts.begin(), impacts.end(), [](const Impact& impact) {
+                  return impact.merge || (impact.count > 0 && impact.energy == 0.0);
+                });
+       },
+       "makes pieces small around its point with {growth} sequential: a count does nothing there "
+       "without an energy, and merge nothing at all",
+       {"growth"}},
       {{"balance", "isolated"},
        Verdict::idle,
        [](O o, U) { return ruleOf(o.fracture.grow.growth).splits; },

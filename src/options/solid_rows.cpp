@@ -175,9 +175,14 @@ const Row kSeedRows[]{
      .group = "Seeds",
      .value = V::choice(kSeeds, &SeedOptions::on, names::kSeedsOn),
      .help = "Where seeds may lie",
-     .details = "where seeds are drawn: anywhere inside; at most 1/256 of the longest side "
-                "below the surface; or anywhere, and moved to the middle of walls that are thinner "
-                "than a cube of a piece's volume, so that cracks cross them nearly at right angles",
+     .details =
+         "where seeds are drawn: anywhere inside; at most 1/256 of the longest side "
+         "below the surface; or anywhere, and moved to the middle of walls that are thinner "
+         "than a cube of a piece's volume, so that cracks cross them nearly at right angles. "
+         "`auto`: `wall` where nine tenths of the solid are such walls, else `volume`; the "
+         "manifest has the one that was used. With `--growth sequential`, which has no "
+         "seeds, cracks pass straight through thin walls with `wall`, are rotated into "
+         "walls with `auto` in other solids, and ignore walls with `volume`",
      .key = "seeds.on",
      .recorded = drawsSeeds,
      .drawn = true},

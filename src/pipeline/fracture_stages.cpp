@@ -14,6 +14,8 @@
 #include "pipeline/guide_surfaces.h"
 #include "seed/fragment_ids.h"
 #include "seed/leaf_densities.h"
+#include "seed/split_impacts.h"
+#include "seed/wall.h"
 #include "surface/extract.h"
 #include "surface/simplify.h"
 #include "surface/smooth.h"
@@ -124,6 +126,13 @@ SeedOptions seedOptionsFor(const FractureOptions& options, std::uint64_t seed) {
 
 namespace {
 
+// What SeedsOn::automatic is.  Growths by splits rotate cracks into walls wherever there are any.
+SeedsOn seedsOnFor(const FractureOptions& options, const Solid& solid, std::size_t fragments) {
+  const SeedsOn on = resolved(options.seeds.on, solid, fragments);
+  const bool isAutomatic = options.seeds.on == SeedsOn::automatic && on != SeedsOn::wall;
+  return isAutomatic && ruleOf(options.grow.growth).splits ? SeedsOn::automatic : on;
+}
+
 GuideSides sidesOf(std::span<const Guide> guides, const Solid& solid, const Progress* progress) {
   if (guides.empty()) return {};
   GuideSides sides;
@@ -143,8 +152,9 @@ namespace {
 SequentialFracture sequentialOf(const FractureOptions& options, const Solid& solid,
                                 const VoxelComponents& components, std::uint64_t seed) {
   const std::size_t fragments = countFragments(components, options.pieces);
-  return {fragments, seed,
-          leafDensities(solid, components, seedOptionsFor(options, seed), fragments)};
+  const SeedOptions seeds = seedOptionsFor(options, seed);
+  return {fragments, seed, leafDensities(solid, components, seeds, fragments),
+          splitImpacts(solid, components, seeds, fragments), seedsOnFor(options, solid, fragments)};
 }
 
 }  // namespace
@@ -196,8 +206,13 @@ GrownFracture seeded(const PreparedSolid& ready, const FractureOptions& options,
   if (given) {
     result.seeds = seedsAt(*given, ready, options.seed);
   } else if (!splits) {
-    result.seeds =
-        placeSeeds(result.solid, ready.components, seedOptionsFor(options, options.seed), progress);
+    SeedOptions seeds = seedOptionsFor(options, options.seed);
+    seeds.on = seedsOnFor(options, ready.solid, countFragments(ready.components, options.pieces));
+    result.seeds = placeSeeds(result.solid, ready.components, seeds, progress);
+    result.seedsOn = seeds.on;
+  } else {
+    result.seedsOn =
+        seedsOnFor(options, ready.solid, countFragments(ready.components, options.pieces));
   }
   const std::size_t fragments = splits ? countFragments(ready.components, options.pieces)
                                        : static_cast<std::size_t>(fragmentsOf(result.seeds));

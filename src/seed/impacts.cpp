@@ -110,6 +110,7 @@ void setRings(AimedImpact& aimedImpact, const Impact& impact, std::uint64_t impa
   if (impact.count == 0) {
     aimedImpact.count = std::min(points.empty() ? pattern.seeds() : points.size(), available);
   }
+  aimedImpact.pattern = pattern;
   aimedImpact.rings = innerPoints(points, pattern, aimedImpact.count);
   aimedImpact.terms = kNormalTerms;
   aimedImpact.side = glm::dvec3(kNormalTerms * 0.5 * pattern.radius);

@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "seed/impact_rings.h"
 #include "seed/samplers.h"
 #include "seed/voxel_index.h"
 
@@ -19,6 +20,7 @@ struct AimedImpact {
   int terms = 0;
   std::vector<glm::dvec3> rings{};  ///< points of the first seeds, index space: of impacts with an
                                     ///< energy on thin walls
+  RingPattern pattern{};            ///< of impacts with an energy
   bool merge = false;
 };
 

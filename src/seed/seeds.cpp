@@ -109,13 +109,14 @@ std::vector<Seed> placeSeeds(const Solid& solid, const VoxelComponents& componen
                 OptionNames{"sampler", "density-attribute"});
   }
   const std::size_t pieces = countFragments(components, options.pieces);
+  const SeedsOn on = resolved(options.on, solid, pieces);
   const bool impacts = !options.impacts.empty() || options.randomImpacts > 0;
   std::vector<std::uint64_t> surface;
-  if (impacts || options.on == SeedsOn::surface) surface = surfaceMask(*solid.blocks);
+  if (impacts || on == SeedsOn::surface) surface = surfaceMask(*solid.blocks);
   const VoxelIndex inside(*solid.blocks, solid.blocks->inside);
   const VoxelIndex onSurface(*solid.blocks, surface);
-  const VoxelIndex& voxels = options.on == SeedsOn::surface ? onSurface : inside;
-  const Candidates candidates(solid, voxels, options.on, thinFor(solid.voxels, pieces));
+  const VoxelIndex& voxels = on == SeedsOn::surface ? onSurface : inside;
+  const Candidates candidates(solid, voxels, on, thinFor(solid.voxels, pieces));
 
   const auto extra = static_cast<std::size_t>(options.extraSeeds) +
                      static_cast<std::size_t>(options.extraSeedsPerPiece) * pieces;

@@ -2,6 +2,7 @@
 #include "seed/wall.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -105,6 +106,13 @@ std::optional<Wall> Walls::at(const glm::dvec3& point, double most) const {
   return wall;
 }
 
+glm::dvec3 Walls::normalAt(const glm::dvec3& point) const {
+  if (!valueAt_) return glm::dvec3(0.0);
+  const glm::dvec3 slope = gradient(onSurface(point).value_or(point));
+  const double length = glm::length(slope);
+  return length > 0.1 ? slope / length : glm::dvec3(0.0);
+}
+
 std::vector<glm::dvec3> Walls::walk(const glm::dvec3& from, const glm::dvec3& direction,
                                     const std::vector<double>& lengths) const {
   constexpr double kMostAway = 0.35;  // of a step: beyond an edge the surface falls away
@@ -138,6 +146,36 @@ glm::dvec3 wallMiddle(const Walls& walls, const glm::dvec3& point, double most) 
 double thinFor(std::uint64_t voxels, std::size_t pieces) {
   return std::cbrt(static_cast<double>(voxels) /
                    static_cast<double>(std::max<std::size_t>(pieces, 1)));
+}
+
+bool isThin(const Solid& solid, std::size_t pieces) {
+  constexpr std::uint64_t kSamples = 64, kMostThick = kSamples / 10;
+  if (pieces < 2 || !solid.distance || solid.voxels == 0) return false;
+  const Walls walls(solid);
+  const double most = thinFor(solid.voxels, pieces);
+  const LeafBlocks& blocks = *solid.blocks;
+  const std::uint64_t all = blocks.insideVoxels();
+  std::uint64_t seen = 0, taken = 0, thick = 0;
+  for (std::size_t word = 0; word < blocks.inside.size(); ++word) {
+    std::uint64_t bits = blocks.inside[word];
+    const auto count = static_cast<std::uint64_t>(std::popcount(bits));
+    // The middle voxel of each of 64 parts, by their number.
+    for (std::uint64_t next = (2 * taken + 1) * all / (2 * kSamples);
+         taken < kSamples && next < seen + count; next = (2 * ++taken + 1) * all / (2 * kSamples)) {
+      std::uint64_t left = bits;
+      for (std::uint64_t i = seen; i < next; ++i) left &= left - 1;
+      const openvdb::Coord voxel =
+          blocks.voxelAt(word * 64 + static_cast<std::size_t>(std::countr_zero(left)));
+      if (!walls.at({voxel.x(), voxel.y(), voxel.z()}, most) && ++thick > kMostThick) return false;
+    }
+    seen += count;
+  }
+  return true;
+}
+
+SeedsOn resolved(SeedsOn on, const Solid& solid, std::size_t pieces) {
+  if (on != SeedsOn::automatic) return on;
+  return isThin(solid, pieces) ? SeedsOn::wall : SeedsOn::volume;
 }
 
 }  // namespace sherd

@@ -1,6 +1,7 @@
 // The walls of a solid: their middle, their thickness, and ways along them.
 #pragma once
 
+#include <sherd/seeds.h>
 #include <sherd/solid.h>
 
 #include <functional>
@@ -29,6 +30,10 @@ class Walls {
   /// or the level set does not reach.
   [[nodiscard]] std::optional<Wall> at(const glm::dvec3& point, double most) const;
 
+  /// Returns the normal of the surface nearest to a point, outward; of length 0 where there is
+  /// none.
+  [[nodiscard]] glm::dvec3 normalAt(const glm::dvec3& point) const;
+
   /// Walks along the surface, as straight as it is: each step goes on in the direction of the one
   /// before, and back onto the surface.
   ///   lengths  ascending, voxels
@@ -52,5 +57,12 @@ class Walls {
 /// Returns below which thickness a wall is thin for this number of pieces, in voxels: the side of a
 /// cube of a piece's volume.  Pieces of a thinner wall are wider than it is thick.
 [[nodiscard]] double thinFor(std::uint64_t voxels, std::size_t pieces);
+
+/// Returns whether a solid is a vessel, a shell or a plate as far as its pieces are concerned: the
+/// wall is thin at nine tenths of its voxels, of which up to 64 are measured.
+[[nodiscard]] bool isThin(const Solid& solid, std::size_t pieces);
+
+/// Returns what SeedsOn::automatic is for a solid, and other values as they are.
+[[nodiscard]] SeedsOn resolved(SeedsOn on, const Solid& solid, std::size_t pieces);
 
 }  // namespace sherd

@@ -325,7 +325,7 @@ Cut findCut(const Labels& labels, std::span<const LeafNeighbors> neighborhoods, 
   std::vector<std::array<std::uint32_t, 6>> layers;
   if (extent == CutExtent::cells) layers = mixedLayers(labels, leafLabel);
   const Sites sites(labels.sites);
-  const SplitTree splits(labels.splits, labels.cracks);
+  const SplitTree splits(labels.splits, labels.cracks, labels.walls);
   std::vector<CutLeaf> perLeaf(blocks.count());
   Cut cut;
   cut.snapWeight = snapWeights(countVoxels(labels));

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <glm/geometric.hpp>
 #include <map>
 #include <optional>
@@ -13,11 +14,13 @@
 
 namespace sherd {
 
-SplitTree::SplitTree(std::span<const Split> splits, std::shared_ptr<const GivenCracks> cracks)
-    : splits_(splits.begin(), splits.end()), cracks_(std::move(cracks)) {
+SplitTree::SplitTree(std::span<const Split> splits, std::shared_ptr<const GivenCracks> cracks,
+                     std::shared_ptr<const WallMiddles> walls)
+    : splits_(splits.begin(), splits.end()), cracks_(std::move(cracks)), walls_(std::move(walls)) {
   for (std::uint32_t i = 0; i < splits_.size(); ++i) {
     const Split& split = splits_[i];
-    length_.push_back(64.0 * glm::length(glm::dvec3(split.normal)));
+    length_.push_back(split.isSphere ? 64.0 * std::sqrt(static_cast<double>(split.offset))
+                                     : 64.0 * glm::length(glm::dvec3(split.normal)));
     sides_.resize(std::max<std::size_t>(sides_.size(), std::max(split.fragment, split.added) + 1u));
     sides_[split.added] = sides_[split.fragment];
     sides_[split.added].push_back({i, true});
@@ -31,7 +34,7 @@ bool SplitTree::empty() const {
 }
 
 bool SplitTree::isKnown(const Split& split) const {
-  return split.normal != glm::ivec3(0) || cracks_ != nullptr;
+  return split.isSphere || split.normal != glm::ivec3(0) || cracks_ != nullptr;
 }
 
 const SplitTree::Side* SplitTree::parted(std::uint16_t fragment, std::uint16_t other) const {
@@ -42,20 +45,36 @@ const SplitTree::Side* SplitTree::parted(std::uint16_t fragment, std::uint16_t o
   return isParted && isKnown(splits_[own->split]) ? &*own : nullptr;
 }
 
-bool SplitTree::isPlane(const Side& side) const {
-  return splits_[side.split].normal != glm::ivec3(0);
-}
-
-std::int64_t SplitTree::beyond(const Side& side, const openvdb::Coord& voxel) const {
+bool SplitTree::isGiven(const Side& side) const {
   const Split& split = splits_[side.split];
-  std::int64_t value = -split.offset;
-  for (int i = 0; i < 3; ++i) value += 64 * std::int64_t{split.normal[i]} * voxel[i];
-  return side.isAdded ? 1 - value : value;  // voxels on the plane are on the negative side
+  return !split.isSphere && split.normal == glm::ivec3(0);
 }
 
-double SplitTree::distance(const Side& side, const openvdb::Coord& voxel) const {
-  const std::int64_t value = beyond(side, voxel) - (side.isAdded ? 1 : 0);
-  return static_cast<double>(value) / length_[side.split];
+std::int64_t SplitTree::value(const Split& split, const Position& at) {
+  std::int64_t value = -split.offset;
+  const bool ignoresWalls = !split.isSphere && split.center != glm::ivec3(0);
+  for (int i = 0; i < 3; ++i) {
+    const std::int64_t own = ignoresWalls ? 64 * std::int64_t{at.voxel[i]} : at.middle[i];
+    const std::int64_t from = own - split.center[i];
+    value += split.isSphere ? from * from : std::int64_t{split.normal[i]} * own;
+  }
+  return value;
+}
+
+std::int64_t SplitTree::beyond(const Side& side, const Position& at) const {
+  const std::int64_t beyond = value(splits_[side.split], at);
+  return side.isAdded ? 1 - beyond : beyond;  // voxels on the crack are on the negative side
+}
+
+double SplitTree::distance(const Side& side, const Position& at) const {
+  const Split& split = splits_[side.split];
+  const std::int64_t whole = value(split, at);
+  const auto signedValue = static_cast<double>(side.isAdded ? -whole : whole);
+  if (!split.isSphere) return signedValue / length_[side.split];
+  // |p| - r as (p^2 - r^2) / (|p| + r), which cancels less.
+  const double radius = length_[side.split] / 64.0;
+  const double from = std::sqrt(std::max(static_cast<double>(whole) + radius * radius, 0.0));
+  return signedValue / (from + radius) / 64.0;
 }
 
 double SplitTree::toGiven(std::uint32_t split, const openvdb::Coord& voxel) const {
@@ -64,7 +83,7 @@ double SplitTree::toGiven(std::uint32_t split, const openvdb::Coord& voxel) cons
 
 namespace {
 
-// The planes that bound a fragment in a leaf, each once.
+// The cracks that bound a fragment in a leaf, each once.
 struct Bounds {
   std::vector<SplitTree::Side> sides{};
   bool isAny = true;  // false: no split parted it from some other fragment
@@ -95,16 +114,18 @@ class SidesOfLeaf {
       : fragments_(fragments),
         splits_(splits),
         low_(origin - openvdb::Coord(kCutHalo)),
-        bounds_(boundsOf(fragments, splits)) {
+        bounds_(boundsOf(fragments, splits)),
+        ways_(splits.walls(), origin) {
     for (const Bounds& bounds : bounds_) {
       for (const SplitTree::Side& side : bounds.sides) {
-        if (!splits.isPlane(side)) given_.try_emplace(side.split);
+        if (splits.isGiven(side)) given_.try_emplace(side.split);
       }
     }
   }
 
   void setRow(std::size_t x, std::size_t y, const std::array<std::size_t, 2>&) {
     row_ = low_ + openvdb::Coord(static_cast<int>(x), static_cast<int>(y), 0);
+    z_ = kCutSide;  // of no voxel
     for (auto& [split, distances] : given_) distances.fill(std::nullopt);
   }
 
@@ -129,6 +150,15 @@ class SidesOfLeaf {
     return row_ + openvdb::Coord(0, 0, static_cast<int>(z));
   }
 
+  // Asked for several sides of one voxel.
+  const SplitTree::Position& position(std::size_t z) {
+    if (z != z_) {
+      z_ = z;
+      position_ = {voxel(z), ways_.middleAt(voxel(z))};
+    }
+    return position_;
+  }
+
   // The signed distance to a given crack, which takes a search: once for each voxel.
   double toGiven(std::uint32_t split, std::size_t z) {
     std::optional<double>& known = given_.find(split)->second[z];
@@ -137,12 +167,12 @@ class SidesOfLeaf {
   }
 
   bool isWithin(const SplitTree::Side& side, std::size_t z) {
-    if (splits_.isPlane(side)) return splits_.beyond(side, voxel(z)) <= 0;
+    if (!splits_.isGiven(side)) return splits_.beyond(side, position(z)) <= 0;
     return (toGiven(side.split, z) > 0.0) == side.isAdded;
   }
 
   double distance(const SplitTree::Side& side, std::size_t z) {
-    if (splits_.isPlane(side)) return splits_.distance(side, voxel(z));
+    if (!splits_.isGiven(side)) return splits_.distance(side, position(z));
     const double distance = toGiven(side.split, z);
     return side.isAdded ? -distance : distance;
   }
@@ -151,6 +181,9 @@ class SidesOfLeaf {
   const SplitTree& splits_;
   openvdb::Coord low_, row_;
   std::vector<Bounds> bounds_;  // [fragments]
+  WaysAround ways_;
+  std::size_t z_ = kCutSide;
+  SplitTree::Position position_{};  // at z_
   // By split, of the row's voxels.
   std::map<std::uint32_t, std::array<std::optional<double>, kCutSide>> given_;
 };

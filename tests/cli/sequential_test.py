@@ -108,6 +108,62 @@ class Sequential(CommandLine):
         tilts = [abs(split["plane"]["normal"][2]) for split in manifest["splits"]]
         self.assertLess(np.median(tilts), 0.02)
 
+    def test_where_cracks_regard_walls_is_recorded(self):
+        """The amphora has thin walls, a block has none; what is recorded gives the same fracture again."""
+        block = self.path("block.obj")
+        box(block, (0, 0, 0), (1, 0.7, 0.6))
+        for mesh, on in ((AMPHORA, "wall"), (block, "auto")):
+            manifest, labels = self.broken(mesh=mesh, resolution=64, out=self.path(on))
+            self.assertEqual(manifest["options"]["seeds"]["on"], on)
+            again, same = self.broken("--seeds-on", on, mesh=mesh, resolution=64, out=self.path(on + " given"))
+            self.assertTrue((labels == same).all())
+            volume, other = self.broken("--seeds-on", "volume", mesh=mesh, resolution=64, out=self.path(on + " volume"))
+            self.assertEqual(volume["options"]["seeds"]["on"], "volume")
+            if on == "wall":
+                self.assertLess((labels == other)[labels > 0].mean(), 0.99)
+
+    def test_cracks_of_an_impact(self):
+        """Radial cracks through its point, as many as its energy makes, and rings that do not meet."""
+        plate = self.path("plate.obj")
+        box(plate, (0, 0, 0), (1, 1, 0.05))
+        for energy, radials in (("1", 8), ("16", 16)):
+            out = self.path("energy " + energy)
+            manifest, labels = self.broken("--impact", f"0.5,0.5,0.05,energy={energy}", mesh=plate, pieces=150, resolution=100, out=out)
+            center, splits = np.array([0.5, 0.5, 0.025]), manifest["splits"]
+            h = manifest["grid"]["voxel_size"]
+            through = [split for split in splits if "plane" in split
+                       and abs(center @ np.array(split["plane"]["normal"]) - split["plane"]["distance"]) < 0.1 * h]
+            # The first crack leads in both directions.
+            self.assertEqual(len([split for split in through if split["level"] <= np.log2(radials)]), radials - 1)
+            for split in through:
+                self.assertLess(abs(split["plane"]["normal"][2]), 0.02)
+            rings = [split["sphere"] for split in splits if "sphere" in split]
+            self.assertGreaterEqual(len(rings), 3 * radials)
+            self.assertTrue(np.allclose([ring["center"] for ring in rings], center, atol=0.2 * h))
+            self.assertEqual(len({ring["radius"] for ring in rings}), len(rings))
+
+    def test_a_small_impact_breaks_only_around_it(self):
+        """A ring bounds the pattern: the count of pieces comes of the solid within, to a voxel."""
+        block = self.path("block.obj")
+        box(block, (0, 0, 0), (1, 1, 1))
+        manifest, labels = self.broken("--impact", "0.5,0.5,1,20,0.1,energy=1", mesh=block, pieces=25, resolution=64)
+        spheres = [split for split in manifest["splits"] if "sphere" in split]
+        outer = max(spheres, key=lambda split: split["sphere"]["radius"])
+        self.assertEqual(outer["level"], 1)
+        index = np.argwhere(labels > 0)
+        at = np.array(manifest["grid"]["origin"]) + manifest["grid"]["voxel_size"] * index
+        near = np.linalg.norm(at - outer["sphere"]["center"], axis=1) < outer["sphere"]["radius"]
+        own = labels[tuple(index.T)]
+        self.assertEqual(len(np.unique(own[near])), 20)
+        self.assertEqual(len(np.unique(own[~near])), 5)
+
+    def test_what_impacts_do_not_do_is_said(self):
+        for impact, warns in (("0,0,0,4", True), ("0,0,0,energy=1,merge", True), ("0,0,0,energy=1", False), ("0,0,0", False)):
+            result = self.run_sherd("fracture", AMPHORA, "-o", self.path(impact), "--growth", "sequential", "--pieces", "9", "--resolution", "32",
+                                    "--impact", impact)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual("makes pieces small around its point" in result.stderr, warns, result.stderr)
+
     def test_cracks_are_the_same_at_twice_the_resolution(self):
         block = self.path("block.obj")
         box(block, (0, 0, 0), (1, 0.7, 0.6))

@@ -64,13 +64,22 @@ std::size_t largestOf(const std::vector<Voxels>& components) {
 }
 
 // The voxels of a piece that a split gives away.
-Voxels addedBy(const Split& split, const Voxels& piece, const LeafBlocks& blocks) {
+//   walls  null, or by whose ways voxels move
+Voxels addedBy(const Split& split, const Voxels& piece, const LeafBlocks& blocks,
+               const WallMiddles* walls) {
   Voxels kept, added;
   for (const auto& [index, v] : piece) {
-    const std::int64_t at = std::int64_t{split.normal.x} * v.x() +
-                            std::int64_t{split.normal.y} * v.y() +
-                            std::int64_t{split.normal.z} * v.z();
-    (64 * at > split.offset ? added : kept)[index] = v;
+    std::int64_t plane = 0, squared = 0;
+    for (int i = 0; i < 3; ++i) {
+      const bool ignoresWalls = !split.isSphere && split.center != glm::ivec3(0);
+      const std::int64_t way = walls == nullptr || ignoresWalls
+                                   ? 0
+                                   : walls->ways()[3 * index + static_cast<std::size_t>(i)];
+      const std::int64_t at = 64 * std::int64_t{v[i]} + way;
+      plane += split.normal[i] * at;
+      squared += (at - split.center[i]) * (at - split.center[i]);
+    }
+    ((split.isSphere ? squared : plane) > split.offset ? added : kept)[index] = v;
   }
   std::vector<Voxels> components = componentsOf(kept, blocks);
   const std::size_t keptFirst = largestOf(components);
@@ -102,6 +111,7 @@ Voxels addedBy(const Split& split, const Voxels& piece, const LeafBlocks& blocks
 
 // The labels that splits give, from a piece per component.
 LabelMap labelsBy(const std::vector<Split>& splits, const VoxelSolid& solid, const Labels& result) {
+  const WallMiddles* const walls = result.walls.get();
   const LeafBlocks& blocks = *result.blocks;
   Voxels all;
   for (const Coord& voxel : solid.inside) all[voxel_shapes::voxelIndexOf(blocks, voxel)] = voxel;
@@ -116,7 +126,7 @@ LabelMap labelsBy(const std::vector<Split>& splits, const VoxelSolid& solid, con
   for (const Split& split : splits) {
     Voxels& piece = pieces.at(split.fragment);
     EXPECT_EQ(piece.size(), split.voxels);
-    const Voxels added = addedBy(split, piece, blocks);
+    const Voxels added = addedBy(split, piece, blocks, walls);
     for (const auto& [index, voxel] : added) piece.erase(index);
     EXPECT_TRUE(pieces.emplace(split.added, added).second);
   }
@@ -171,6 +181,67 @@ TEST_F(Splits, LabelsOfABallAndACupAreThoseOfTheRecordedSplits) {
     EXPECT_TRUE(reference::mapOf(grown.labels) ==
                 labelsBy(grown.labels.splits, solid, grown.labels))
         << solid.name;
+  }
+}
+
+// Ways in all directions, up to three voxels long.
+std::shared_ptr<const WallMiddles> randomWays(const std::shared_ptr<const LeafBlocks>& blocks) {
+  std::mt19937 random(11);
+  std::vector<std::int16_t> ways(blocks->count() * 512 * 3);
+  for (std::int16_t& way : ways) {
+    way = static_cast<std::int16_t>(static_cast<int>(random() % 385) - 192);
+  }
+  return std::make_shared<const WallMiddles>(blocks, std::move(ways));
+}
+
+// An impact with three rings about the lowest voxel along x.
+SplitImpact impactAt(const glm::dvec3& center, double radius, std::size_t pieces) {
+  return {.center = center,
+          .u = {0.0, 1.0, 0.0},
+          .v = {0.0, 0.0, 1.0},
+          .pattern = {.radials = 5, .rings = 3, .ratio = 1.5, .radius = radius},
+          .component = 0,
+          .pieces = pieces,
+          .seed = 3};
+}
+
+TEST_F(Splits, OfImpactsAndInWallsAreThoseOfTheRecordedCracks) {
+  const VoxelSolid solids[] = {
+      voxel_shapes::ball(7), voxel_shapes::cup(8, 2),
+      voxel_shapes::solidWhere("plate", 12, [](const Coord& v) { return std::abs(v.z()) <= 1; })};
+  for (const VoxelSolid& solid : solids) {
+    const auto blocks = voxel_shapes::blocksOf(solid);
+    const VoxelComponents components = findComponents(*blocks, device());
+    const std::shared_ptr<const WallMiddles> ways = randomWays(blocks);
+    for (const double radius : {3.0, 6.0, 30.0}) {
+      for (const bool isInWalls : {false, true}) {
+        const std::vector<SplitImpact> impacts{impactAt({-5.3, 0.2, 1.1}, radius, 12),
+                                               impactAt({4.0, 4.0, 0.0}, radius / 2.0, 7)};
+        std::vector<SplitRun> runs;
+        for (const std::size_t pieces : {std::size_t{17}, std::size_t{3}}) {
+          SplitRun run{sharesOfSplits({}, pieces, 7), 7};
+          // One of the two in walls: each fracture has its own positions.
+          if (isInWalls && pieces == 17) run.middles = ways;
+          run.impacts = impacts;
+          runs.push_back(run);
+        }
+        const std::vector<SeededLabels> grown =
+            growBySplits(blocks, components, runs, device(), {.growth = Growth::sequential});
+        for (std::size_t i = 0; i < runs.size(); ++i) {
+          const Labels& labels = grown[i].labels;
+          EXPECT_EQ(labels.splits.size(), runs[i].shares.size() - 1) << solid.name;
+          const LabelMap expected = labelsBy(labels.splits, solid, labels);
+          EXPECT_TRUE(reference::mapOf(labels) == expected) << solid.name << ", " << radius;
+          EXPECT_EQ(reference::countConnectedComponents(expected), runs[i].shares.size());
+        }
+        const auto isSphere = [](const Split& split) { return split.isSphere; };
+        const std::vector<Split>& splits = grown[0].labels.splits;
+        // Rings of 30 voxels are beyond the solids.
+        if (radius < 10.0) {
+          EXPECT_TRUE(std::any_of(splits.begin(), splits.end(), isSphere)) << solid.name;
+        }
+      }
+    }
   }
 }
 
