@@ -91,7 +91,7 @@ struct TriangleMesh {
 
 /// The place of a triangle in the face of a file, a polygon, that it is a part of.
 struct PolygonPart {
-  std::uint32_t polygon = 0;  ///< number of the face; its triangles follow one another
+  std::uint32_t polygon = 0;  ///< index of the face in the file; its triangles are consecutive
   glm::uvec3 corner{0};       ///< the triangle's corners, as corners of the face, from 0
 };
 
@@ -110,7 +110,7 @@ struct SourceMesh {
   std::vector<std::string> objects{};   ///< names, possibly empty or equal, of the file's objects,
                                         ///< groups, solids or nodes; none if it has only one
   std::vector<std::uint32_t> objectOfTriangle{};  ///< [m] below objects.size(), or empty
-  std::vector<PolygonPart> polygons{};  ///< [m], or empty if all faces of the file are triangles
+  std::vector<PolygonPart> polygons{};  ///< [m], or empty if triangle t is face t of the file
   std::vector<std::string> grids{};     ///< the grids used of a `.vdb` file
   std::optional<double> isovalue{};     ///< used to extract their surface; none for level sets
   std::vector<std::string> warnings{};  ///< one sentence for each thing that was left out or

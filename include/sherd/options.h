@@ -61,6 +61,8 @@ struct WriteOptions {
   std::size_t correspondences = 0;  ///< correspondences.npz: points per contact; 0: no file
 
   Precision precision = Precision::single;  ///< of meshes/STEM_001.ply
+  bool sourceFaces = false;  ///< the face of the input on which each face of meshes/STEM_001.ply
+                             ///< lies, see sourceFaces; not of volumes
 
   char up = 'y';  ///< the mesh's axis that points up in the preview: 'x', 'y' or 'z'
 

@@ -76,6 +76,8 @@ class Fragment:
     @property
     def neighbor(self) -> NDArray[np.uint16]: ...
     @property
+    def source_faces(self) -> NDArray[np.int32] | None: ...
+    @property
     def voxels(self) -> int: ...
     @property
     def volume(self) -> float: ...
@@ -145,6 +147,7 @@ class Fracture(Sequence[Fragment]):
         mesh_format: str | Sequence[Literal["ply", "obj", "glb", "stl", "stl-ascii", "binm"]] | None = ("ply",),
         plain_meshes: bool | None = False,
         precision: Literal["single", "double"] | None = "single",
+        source_faces: bool | None = False,
         up: Literal["x", "y", "z"] | None = "y",
     ) -> None: ...
     def to_trimesh(self) -> list[Any]: ...
@@ -266,6 +269,7 @@ def fracture(
     mesh_format: str | Sequence[Literal["ply", "obj", "glb", "stl", "stl-ascii", "binm"]] | None = ("ply",),
     plain_meshes: bool | None = False,
     precision: Literal["single", "double"] | None = "single",
+    source_faces: bool | None = False,
     up: Literal["x", "y", "z"] | None = "y",
     surface: Literal["smooth", "labels", "exact"] | None = "smooth",
     interface: Literal["shared", "independent"] | None = "shared",

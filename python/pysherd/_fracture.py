@@ -55,6 +55,10 @@ class Fracture(Sequence[Fragment]):
         kept: dict[int, tuple[Array, Array, Array]] = self.__dict__.setdefault("_kept_arrays", {})
         return kept.get(index) or kept.setdefault(index, self._meshed.arrays(index))
 
+    def _source_faces(self, index: int) -> Array | None:
+        kept: dict[int, Array | None] = self.__dict__.setdefault("_kept_source_faces", {})
+        return kept[index] if index in kept else kept.setdefault(index, self._meshed.source_faces(index))
+
     @property
     def _measured(self) -> _core.Fragments:
         return self._made(meshes=False)

@@ -80,6 +80,15 @@ class Fragment:
         return self._fracture._arrays(self._index)[2]
 
     @property
+    def source_faces(self) -> Array | None:
+        """(m,) int32, per face the index of the input's face on which it lies, -1 on cracks and where a hole was closed.
+
+        None where `fracture` was not given ``source_faces=True``, and of volumes.  A face of a file counts once, with any number of
+        corners.
+        """
+        return self._fracture._source_faces(self._index)
+
+    @property
     def voxels(self) -> int:
         """Number of voxels."""
         return self._fracture._measured.voxels(self._index)

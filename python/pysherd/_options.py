@@ -103,7 +103,7 @@ def _number_text(value: Any) -> str:
 
 
 ROWS: dict[str, Row] = {row["keyword"]: Row(row) for row in _core.option_table()}
-_FILES = frozenset(("write", "voxel_format", "mesh_format", "plain_meshes", "precision", "up"))
+_FILES = frozenset(("write", "voxel_format", "mesh_format", "plain_meshes", "precision", "source_faces", "up"))
 
 
 def _makes_solid(row: Row) -> bool:

@@ -180,10 +180,16 @@ nb::tuple arraysOf(const Fragments& fragments, std::size_t i) {
                         arrayOf<std::uint16_t>(arrays.neighbor, {arrays.neighbor->size()}));
 }
 
+nb::object sourceFacesOf(const Fragments& fragments, std::size_t i) {
+  const auto faces = fragments.of->sourceFaces(i);
+  return faces ? arrayOf<std::int32_t>(faces, {faces->size()}) : nb::none();
+}
+
 void bindFragments(nb::module_& module) {
   using I = std::size_t;
   nb::class_<Fragments>(module, "Fragments")
       .def("arrays", arraysOf)
+      .def("source_faces", sourceFacesOf)
       .def("voxels", [](const Fragments& f, I i) { return f.at(i).voxels; })
       .def("volume", [](const Fragments& f, I i) { return f.at(i).mass.volume; })
       .def("area", [](const Fragments& f, I i) { return f.at(i).area; })

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "appearance/source_faces.h"
 #include "base/memory.h"
 #include "base/uncancelled.h"
 #include "points/sample_surface.h"
@@ -37,8 +38,10 @@ std::vector<std::size_t> pointCounts(const std::vector<Fragment>& fragments, std
 const std::vector<Fragment>& Fracture::meshed(const Progress& progress) {
   const std::lock_guard lock(making_);
   if (!meshed_) {
-    meshed_ = made(progress);
-    handed_.resize(meshed_->size());
+    std::vector<Fragment> fragments = made(progress);
+    sourceFaces_ = facesOf(fragments);
+    handed_.resize(fragments.size());
+    meshed_ = std::move(fragments);
   }
   return *meshed_;
 }
@@ -173,6 +176,20 @@ std::vector<Fragment> GrownPieces::made(const Progress& progress) {
                                                    grown_.extractOptions(surface(true)), &progress);
   exactFailure_ = std::move(extracted.exactFailure);
   return std::move(extracted.fragments);
+}
+
+std::vector<std::shared_ptr<std::vector<std::int32_t>>> GrownPieces::facesOf(
+    const std::vector<Fragment>& fragments) const {
+  const sherd::SourceMesh& source = solid_->source();
+  const bool isMesh = !source.mesh.triangles.empty() && !sherd::isVolumeName(source.name);
+  if (!run_.write.sourceFaces || !isMesh) return {};
+  const sherd::AttributeSource triangles(source.mesh, true);
+  std::vector<std::shared_ptr<std::vector<std::int32_t>>> faces;
+  for (const Fragment& fragment : fragments) {
+    faces.push_back(std::make_shared<std::vector<std::int32_t>>(
+        sherd::sourceFaces(fragment.mesh, source, triangles, grown_.result.solid)));
+  }
+  return faces;
 }
 
 std::string GrownPieces::exactFailure() const {

@@ -69,6 +69,12 @@ class Fracture : public std::enable_shared_from_this<Fracture> {
   /// lock, and has called meshed().
   [[nodiscard]] const HandedArrays& arrays(std::size_t i);
 
+  /// Returns the input's face of each face of a fragment, as many as triangles; null if the option
+  /// for them was not given.  The caller has called meshed().
+  [[nodiscard]] std::shared_ptr<std::vector<std::int32_t>> sourceFaces(std::size_t i) const {
+    return sourceFaces_.empty() ? nullptr : sourceFaces_.at(i);
+  }
+
   /// Samples points of each fragment.
   [[nodiscard]] std::vector<sherd::SurfacePoints> points(PointChoice choice,
                                                          const sherd::Progress& progress);
@@ -82,6 +88,12 @@ class Fracture : public std::enable_shared_from_this<Fracture> {
  protected:
   /// Makes the fragments with their meshes; each time the same.
   [[nodiscard]] virtual std::vector<sherd::Fragment> made(const sherd::Progress& progress) = 0;
+
+  /// Returns the input's faces of fragments that were made, or nothing.
+  [[nodiscard]] virtual std::vector<std::shared_ptr<std::vector<std::int32_t>>> facesOf(
+      const std::vector<sherd::Fragment>&) const {
+    return {};
+  }
 
   /// Whether made() gives the same again.
   [[nodiscard]] virtual bool canBeMadeAgain() const { return true; }
@@ -97,8 +109,9 @@ class Fracture : public std::enable_shared_from_this<Fracture> {
   void makeAgain(const sherd::Progress& progress);
 
   std::optional<std::vector<sherd::Fragment>> meshed_;
-  std::shared_mutex reading_;         // of the meshes in meshed_
-  bool isWhole_ = true;               // no array of them was moved away
+  std::shared_mutex reading_;  // of the meshes in meshed_
+  bool isWhole_ = true;        // no array of them was moved away
+  std::vector<std::shared_ptr<std::vector<std::int32_t>>> sourceFaces_;  // or empty
   std::vector<HandedArrays> handed_;  // guarded by the interpreter's lock
 };
 
@@ -134,6 +147,8 @@ class GrownPieces : public Fracture {
 
  protected:
   [[nodiscard]] std::vector<sherd::Fragment> made(const sherd::Progress& progress) override;
+  [[nodiscard]] std::vector<std::shared_ptr<std::vector<std::int32_t>>> facesOf(
+      const std::vector<sherd::Fragment>& fragments) const override;
   [[nodiscard]] const sherd::FragmentSurfaces* surfaces(const sherd::Progress& progress) override;
 
  private:

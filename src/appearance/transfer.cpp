@@ -70,7 +70,8 @@ struct AttributeSource::Nearest {
   }
 };
 
-AttributeSource::AttributeSource(const TriangleMesh& mesh) : attributes_(mesh.attributes) {
+AttributeSource::AttributeSource(const TriangleMesh& mesh, bool findsTriangles)
+    : attributes_(mesh.attributes), findsTriangles_(findsTriangles) {
   const Box box = bounds(mesh);
   center_ = 0.5 * (box.min + box.max);
   scale_ = 0.5 * longestSide(box);
@@ -87,8 +88,8 @@ AttributeSource::AttributeSource(const TriangleMesh& mesh) : attributes_(mesh.at
     normals_.push_back(sign *
                        unitOrZero(glm::cross(mesh_.vertices[t.y] - a, mesh_.vertices[t.z] - a)));
   }
-  if (attributes_.hasOnlyNormals()) return;  // nothing is searched for
-  charts_ = charts(mesh);
+  if (attributes_.hasOnlyNormals() && !findsTriangles) return;  // nothing is searched for
+  if (!attributes_.hasOnlyNormals()) charts_ = charts(mesh);
 
   device_.reset(rtcNewDevice(nullptr));
   if (!device_) check(nullptr);
@@ -133,6 +134,24 @@ AttributeSource::Nearest AttributeSource::nearest(const Query& query, const Near
   embreeQuery.radius = static_cast<float>(nearest.distance * (1.0 + kMargin) + kMargin);
   rtcPointQuery(scene_.get(), &embreeQuery, &context, &visitTriangle, &nearest);
   return nearest;
+}
+
+// Returns the query for the triangle nearest to a face.
+AttributeSource::Query AttributeSource::faceQuery(const TriangleMesh& mesh,
+                                                  const glm::uvec3& t) const {
+  const auto at = [&](std::uint32_t vertex) { return (mesh.vertices[vertex] - center_) / scale_; };
+  const glm::dvec3 a = at(t.x), b = at(t.y), c = at(t.z);
+  Query query;
+  query.point = (a + b + c) / 3.0;
+  query.normal = unitOrZero(glm::cross(b - a, c - a));
+  query.size = std::max({glm::length(b - a), glm::length(c - b), glm::length(a - c)});
+  query.tilt = kTilt;
+  return query;
+}
+
+//   guess  a triangle that is likely near, or kNoTriangle
+AttributeSource::Nearest AttributeSource::nearestTo(const Query& face, std::uint32_t guess) const {
+  return nearest(face, {this, nullptr, guess});
 }
 
 // Whether a triangle of charts_.selfSeam lies within reach.
@@ -252,14 +271,8 @@ class AttributeSource::Transfer {
 
   // Finds the triangle nearest to a face; returns it.
   std::uint32_t transferFace(std::size_t i, std::uint32_t guess) {
-    const glm::uvec3& t = mesh_.triangles[original_[i]];
-    const glm::dvec3 a = sourcePosition(t.x), b = sourcePosition(t.y), c = sourcePosition(t.z);
-    Query query;
-    query.point = (a + b + c) / 3.0;
-    query.normal = unitOrZero(glm::cross(b - a, c - a));
-    query.size = std::max({glm::length(b - a), glm::length(c - b), glm::length(a - c)});
-    query.tilt = kTilt;
-    const Nearest found = source_.nearest(query, {&source_, nullptr, guess});
+    const Query query = source_.faceQuery(mesh_, mesh_.triangles[original_[i]]);
+    const Nearest found = source_.nearestTo(query, guess);
     if (!out_.material.empty()) {
       out_.material[original_[i]] = source_.attributes_.material[found.triangle];
     }
@@ -335,6 +348,20 @@ class AttributeSource::Transfer {
   std::vector<glm::dvec3> normals_;      // [vertices] of the original surface, weighted by angle
   std::vector<Face> faces_;              // [original_]
 };
+
+std::vector<std::uint32_t> AttributeSource::trianglesOf(const TriangleMesh& mesh) const {
+  if (!mesh.source.empty()) return mesh.source;
+  std::vector<std::uint32_t> out(mesh.triangles.size(), TriangleMesh::kNoSource);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, out.size(), 256), [&](const auto& range) {
+    std::uint32_t guess = kNoTriangle;
+    for (std::size_t t = range.begin(); t != range.end(); ++t) {
+      if (mesh.neighborOf(t) != 0) continue;
+      guess = nearestTo(faceQuery(mesh, mesh.triangles[t]), guess).triangle;
+      out[t] = guess;
+    }
+  });
+  return out;
+}
 
 SurfaceAttributes AttributeSource::insideAttributes(std::size_t triangles,
                                                     std::uint32_t inside) const {

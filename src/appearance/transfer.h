@@ -23,9 +23,12 @@ namespace sherd {
 /// of a thin wall.
 class AttributeSource {
  public:
-  ///   mesh  closed, of either orientation; normals always point outwards.  Its attributes are kept
-  ///         by reference
-  explicit AttributeSource(const TriangleMesh& mesh);
+  ///   mesh            closed, of either orientation; normals always point outwards.  Its
+  ///                   attributes are kept by reference
+  ///   findsTriangles  needed by trianglesOf
+  explicit AttributeSource(const TriangleMesh& mesh, bool findsTriangles = false);
+
+  [[nodiscard]] bool findsTriangles() const { return findsTriangles_; }
 
   /// Returns the attributes of a mesh's faces.  Faces of the original surface get them from the
   /// source; all others get kInsideColor, texture coordinates 0 and the material index `inside`.
@@ -41,10 +44,17 @@ class AttributeSource {
   ///   cost    triangles * log(the source's triangles)
   [[nodiscard]] SurfaceAttributes transferTo(const TriangleMesh& mesh, std::uint32_t inside) const;
 
+  /// Returns the source's triangle of each face: with TriangleMesh::source the one that it is a
+  /// part of, else the one of whose chart its attributes are.  Precondition: findsTriangles.
+  ///   return  [triangles] TriangleMesh::kNoSource for those of fracture surfaces
+  [[nodiscard]] std::vector<std::uint32_t> trianglesOf(const TriangleMesh& mesh) const;
+
  private:
   struct Query;
   struct Nearest;
   class Transfer;
+  [[nodiscard]] Nearest nearestTo(const Query& face, std::uint32_t guess) const;
+  [[nodiscard]] Query faceQuery(const TriangleMesh& mesh, const glm::uvec3& triangle) const;
   static bool visitTriangle(RTCPointQueryFunctionArguments* found);
   [[nodiscard]] Nearest nearest(const Query& query, const Nearest& start) const;
   [[nodiscard]] bool isNearSelfSeam(const glm::dvec3& point, double reach) const;
@@ -60,6 +70,7 @@ class AttributeSource {
                  const Nearest& found) const;
 
   const SurfaceAttributes& attributes_;
+  bool findsTriangles_;
   glm::dvec3 center_{0.0};
   double scale_ = 1.0;
   TriangleMesh mesh_;                ///< centered at 0, longest side 2

@@ -99,9 +99,9 @@ void addIdleOfLayout(DatasetLayout layout, const OptionUse& use,
     }
   }
   if (!isHdf5 && layout != DatasetLayout::pfpp) return;
-  std::vector<const char*> idle{"write",        "mesh-format",     "plain-meshes",
-                                "precision",    "voxel-format",    "sdf-samples",
-                                "point-format", "correspondences", "share-points"};
+  std::vector<const char*> idle{"write",           "mesh-format",  "plain-meshes", "precision",
+                                "source-faces",    "voxel-format", "sdf-samples",  "point-format",
+                                "correspondences", "share-points"};
   if (isHdf5) {
     idle.insert(idle.end(), {"points", "point-sampler", "point-rule"});
   } else {

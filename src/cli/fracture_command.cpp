@@ -100,14 +100,18 @@ Input readInput(FractureArguments& arguments, const Progress& progress) {
     source = std::move(volume.source);
   } else {
     source = readMesh(arguments.mesh, {.maxMemory = arguments.run.volume.maxMemory}, &progress);
-    if (arguments.run.fracture.surface.surface != Surface::exact) {
-      // Only exact surfaces have them, and they take more memory than the triangles.
-      std::exchange(source.mesh.attributes.normals, {});
-      std::exchange(source.polygons, {});
-    }
   }
+  const RunOptions& run = arguments.run;
+  const bool isExact = run.fracture.surface.surface == Surface::exact;
+  // Only exact surfaces have them, and they take more memory than the triangles.
+  if (!isExact) std::exchange(source.mesh.attributes.normals, {});
+  const bool hasFaces = isExact || run.write.sourceFaces;
+  if (!hasFaces) std::exchange(source.polygons, {});
   if (arguments.splitObjects) {
     input.meshes = splitObjects(source);
+    for (SourceMesh& mesh : input.meshes) {
+      if (!hasFaces) std::exchange(mesh.polygons, {});
+    }
   } else {
     input.meshes = {std::move(source)};
   }
@@ -336,9 +340,9 @@ void addSelection(CLI::App& command, FractureArguments& arguments) {
           ->allow_extra_args(false)
           ->transform(wholeNumber(1, kMaxFragments))
           ->type_name("ID,...");
-  for (const char* option :
-       {"--resolution", "--voxel-size", "--seeds", "--missing", "--drop-share",
-        "--erode-iterations", "--fill", "--shell-thickness", "--grid", "--isovalue"}) {
+  for (const char* option : {"--resolution", "--voxel-size", "--seeds", "--missing", "--drop-share",
+                             "--erode-iterations", "--fill", "--shell-thickness", "--grid",
+                             "--isovalue", "--source-faces"}) {
     only->excludes(option);
   }
   command

@@ -31,13 +31,22 @@ PlacedVoxels labeledBox(const FractureResult& result, int fragments) {
           VoxelTransform{{origin, frame.voxelSize}, first}};
 }
 
+// Whether a file is written that has the faces of the source.
+bool hasSourceFaces(const WriteOptions& write) {
+  return write.sourceFaces && write.mesh && !write.plainMeshes &&
+         std::find(write.meshFormats.begin(), write.meshFormats.end(), MeshFileFormat::ply) !=
+             write.meshFormats.end();
+}
+
 }  // namespace
 
 FractureWriter::FractureWriter(const SourceMesh& source, const WriteOptions& write)
     : source_(source), options_(write), table_(materialTable(source.appearance)) {
   const bool hasMeshes = write.mesh || write.scene;
-  if (hasMeshes && !source.mesh.attributes.empty()) {
-    attributes_.emplace(source.mesh);
+  const bool hasFaces =
+      hasSourceFaces(write) && !source.mesh.triangles.empty() && !isVolumeName(source.name);
+  if ((hasMeshes && !source.mesh.attributes.empty()) || hasFaces) {
+    attributes_.emplace(source.mesh, hasFaces);
   }
 }
 
@@ -68,7 +77,7 @@ FractureWriting::FractureWriting(const FractureWriter& writer, const OutputFolde
       options_(options),
       result_(result),
       meshes_(folder_, files, writer.source(), writer.materials(), writer.attributes(),
-              writer.options()),
+              result.solid, writer.options()),
       attributes_(files.scene.empty() ? 0 : result.kept()),
       previews_(files.preview.empty() ? 0 : result.kept()) {}
 

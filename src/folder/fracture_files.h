@@ -22,7 +22,7 @@ class FractureWriter {
   [[nodiscard]] const SourceMesh& source() const { return source_; }
   [[nodiscard]] const WriteOptions& options() const { return options_; }
   [[nodiscard]] const MaterialTable& materials() const { return table_; }
-  /// The source of the meshes' surface attributes; null if it has none or no meshes are written.
+  /// The source of the meshes' surface attributes and source faces; null if there are neither.
   [[nodiscard]] const AttributeSource* attributes() const {
     return attributes_ ? &*attributes_ : nullptr;
   }

@@ -1,6 +1,7 @@
 // Writes the meshes of a fracture with the surface attributes of the input mesh.
 #include "folder/mesh_writer.h"
 
+#include "appearance/source_faces.h"
 #include "folder/file_names.h"
 #include "formats/mesh/piece_mesh.h"
 
@@ -8,11 +9,13 @@ namespace sherd {
 
 MeshWriter::MeshWriter(const OutputFolder& folder, const FractureFiles& files,
                        const SourceMesh& source, const MaterialTable& table,
-                       const AttributeSource* attributes, const WriteOptions& write)
+                       const AttributeSource* attributes, const Solid& solid,
+                       const WriteOptions& write)
     : folder_(folder),
       table_(table),
       options_(write),
       attributes_(attributes),
+      solid_(solid),
       input_{source, groupNames(source)},
       library_(std::filesystem::path(files.materials).filename().string()),
       stem_(safeName(source.stem, "piece")) {
@@ -31,7 +34,11 @@ void MeshWriter::write(const TriangleMesh& mesh, const SurfaceAttributes& attrib
                        const std::vector<std::string>& paths) const {
   const std::string name = std::filesystem::path(paths.front()).stem().string();
   const bool isDouble = options_.precision == Precision::full;
-  const PieceMesh piece{name, mesh, attributes, table_, isDouble, &input_};
+  std::vector<std::int32_t> faces;
+  if (attributes_ && attributes_->findsTriangles()) {
+    faces = sourceFaces(mesh, input_.source, *attributes_, solid_);
+  }
+  const PieceMesh piece{name, mesh, attributes, table_, isDouble, &input_, faces};
   for (std::size_t i = 0; i < paths.size(); ++i) {
     const MeshFileFormat format = options_.meshFormats[i];
     if (options_.plainMeshes && format == MeshFileFormat::ply) {

@@ -17,9 +17,11 @@ namespace sherd {
 class MeshWriter {
  public:
   /// Writes the files to which meshes refer: material library and textures.
-  ///   attributes  of the source; null if it has none
+  ///   attributes  of the source; null if it has none and source faces are not
+  ///               written
+  ///   solid       that the source became
   MeshWriter(const OutputFolder& folder, const FractureFiles& files, const SourceMesh& source,
-             const MaterialTable& table, const AttributeSource* attributes,
+             const MaterialTable& table, const AttributeSource* attributes, const Solid& solid,
              const WriteOptions& write);
 
   /// Transfers the source's surface attributes to a mesh; empty if it has none.
@@ -42,6 +44,7 @@ class MeshWriter {
   const MaterialTable& table_;
   const WriteOptions& options_;
   const AttributeSource* attributes_;
+  const Solid& solid_;
   PieceInput input_;
   std::string library_;  ///< file name of the material library
   std::string stem_;     ///< of node names

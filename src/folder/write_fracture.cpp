@@ -82,6 +82,11 @@ void checkInput(const FractureInput& input, const WriteOptions& write) {
     throw Error(ErrorCode::usage, "a fracture that is broken again has no arrival costs to write",
                 OptionNames{"write"});
   }
+  if (input.finished != nullptr && write.sourceFaces) {
+    throw Error(ErrorCode::usage,
+                "a fracture that is broken again does not have the faces of its input",
+                OptionNames{"source-faces"});
+  }
 }
 
 GrownFracture grownFrom(FractureInput& input, const FractureOptions& options, Device& device,

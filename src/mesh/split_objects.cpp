@@ -11,6 +11,16 @@ namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
+// Returns the faces of some triangles.
+std::vector<PolygonPart> facesOf(const SourceMesh& source,
+                                 const std::vector<std::uint32_t>& triangles) {
+  std::vector<PolygonPart> faces = chosen(source.polygons, triangles);
+  if (!source.polygons.empty()) return faces;
+  faces.reserve(triangles.size());
+  for (const std::uint32_t t : triangles) faces.push_back({t, {0, 1, 2}});
+  return faces;
+}
+
 }  // namespace
 
 std::vector<SourceMesh> splitObjects(const SourceMesh& source) {
@@ -30,7 +40,7 @@ std::vector<SourceMesh> splitObjects(const SourceMesh& source) {
     out.sha256 = source.sha256;
     out.objects = {source.objects[object]};
     out.objectOfTriangle.assign(triangles.size(), 0);
-    out.polygons = chosen(source.polygons, triangles);
+    out.polygons = facesOf(source, triangles);
     out.mesh.triangles = chosen(source.mesh.triangles, triangles);
     std::vector<std::uint32_t> used;
     for (glm::uvec3& triangle : out.mesh.triangles) {

@@ -207,6 +207,15 @@ const Row kFileRows[]{
                 "uncut vertices are the input's bit for bit, whatever its precision",
      .key = "mesh_precision",
      .recorded = [](R o) { return o.write.mesh && o.write.precision != Precision::single; }},
+    {.name = "source-faces",
+     .group = "",
+     .value = V::flag(kWrite, &WriteOptions::sourceFaces),
+     .help = "The face of the input on which each face of .ply meshes lies",
+     .details = "`.ply` meshes have a property `source_face` of each face: the index, from 0, of "
+                "the face of the input's file on which it lies, -1 on cracks and where a hole was "
+                "closed ([formats.md](formats.md)). Other formats have no place for it",
+     .key = "source_faces",
+     .recorded = [](R o) { return o.write.mesh && o.write.sourceFaces; }},
     {.name = "up",
      .group = "",
      .value = {OptionType::choice,

@@ -274,7 +274,12 @@ std::vector<Rule> formatRules() {
                 !hasFormat(o, MeshFileFormat::obj);
        },
        "does nothing without ply or obj in {mesh-format}"},
-      {{"precision"},
+      {{"source-faces"},
+       Verdict::idle,
+       [](O o, U) { return o.write.plainMeshes; },
+       "does nothing with {plain-meshes}",
+       {"plain-meshes"}},
+      {{"precision", "source-faces"},
        Verdict::idle,
        [](O o, U) { return !writes(o, {"mesh"}) || !hasFormat(o, MeshFileFormat::ply); },
        "does nothing without mesh in {write} and ply in {mesh-format}"},
@@ -389,6 +394,7 @@ std::vector<std::string> idleOptions(const Volume& volume, const OptionUse& use)
                  "resamples it");
     }
   }
+  addIfGiven("source-faces", "does nothing with a volume, which has no faces");
   if (volume.isLevelSet) {
     addIfGiven("isovalue", "does nothing with a level set, whose surface is at 0");
   }

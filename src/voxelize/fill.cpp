@@ -78,6 +78,7 @@ Filling windingOf(const SearchedMesh& mesh, std::string reason, const Progress* 
   if (winding->isSimple()) return out;
   TriangleMesh surface = exposedSurface(mesh.mesh, *winding, progress);
   if (!mesh.caps.triangles.empty()) {
+    out.firstClosing = static_cast<std::uint32_t>(surface.triangles.size());
     surface = joined(std::move(surface), holeSurface(*winding, *mesh.tree, progress));
   }
   out.surface = std::make_shared<TriangleTree>(surface);
@@ -133,6 +134,7 @@ Filling fillingOf(const FillChoice& choice, const SearchedMesh& mesh, const Tria
       return {.fill = Fill::parity,
               .reason = choice.reason,
               .surface = tree,
+              .firstClosing = static_cast<std::uint32_t>(mesh.mesh.triangles.size()),
               .isInside = [columns](const openvdb::Coord& c) { return columns->isInside(c); },
               .contains = alternating(tree)};
     }

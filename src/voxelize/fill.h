@@ -30,6 +30,8 @@ struct Filling {
   Fill fill = Fill::winding;                    ///< not automatic
   std::string reason;                           ///< why this fill, as half a sentence
   std::shared_ptr<const TriangleTree> surface;  ///< the solid's distances are to this surface
+  std::uint32_t firstClosing =
+      TriangleTree::kNone;  ///< this and later triangles of its mesh close holes
 
   std::function<bool(const openvdb::Coord&)> isInside;  ///< of a voxel's center; empty for a shell
   std::function<bool(const glm::dvec3&)> contains;      ///< of any point; of a shell whose

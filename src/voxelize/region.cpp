@@ -20,6 +20,14 @@ bool SolidRegion::isWithin(const glm::dvec3& point, double reach) const {
   return std::abs(distance - halfThickness_) < reach;
 }
 
+bool SolidRegion::isAtClosedHole(const glm::dvec3& point) const {
+  if (firstClosing_ == TriangleTree::kNone) return false;
+  const TriangleTree::Nearest nearest =
+      surface_->nearest(point, std::numeric_limits<double>::infinity());
+  return nearest.triangle != TriangleTree::kNone &&
+         surface_->source(nearest.triangle) >= firstClosing_;
+}
+
 glm::dvec3 SolidRegion::onSurface(const glm::dvec3& anywhere) const {
   constexpr double kFar = 1e9;  // voxels; squares of more could overflow
   const glm::dvec3 point = glm::clamp(anywhere, -kFar, kFar);

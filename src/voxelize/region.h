@@ -19,17 +19,19 @@ class SolidRegion {
   ///   surface        bounds the region, or is the middle of a shell
   ///   contains       of a point
   ///   halfThickness  of a shell, voxels; else 0
+  ///   firstClosing   this and later triangles of the surface's mesh close holes
   ///   isAsVoxels     whether the distances of the voxels are those of the region; not of a shell
   ///                  whose thickness is a number of voxels: the region is a layer then that every
   ///                  resolution has, and its half thickness 0
   SolidRegion(const glm::dvec3& sides, std::shared_ptr<const TriangleTree> surface,
               std::function<bool(const glm::dvec3&)> contains, double halfThickness,
-              bool isAsVoxels)
+              bool isAsVoxels, std::uint32_t firstClosing = TriangleTree::kNone)
       : sides_(sides),
         surface_(std::move(surface)),
         contains_(std::move(contains)),
         halfThickness_(halfThickness),
-        isAsVoxels_(isAsVoxels) {}
+        isAsVoxels_(isAsVoxels),
+        firstClosing_(firstClosing) {}
 
   [[nodiscard]] const glm::dvec3& sides() const { return sides_; }
 
@@ -48,6 +50,9 @@ class SolidRegion {
   /// Returns the point of the surface that is nearest.
   [[nodiscard]] glm::dvec3 onSurface(const glm::dvec3& point) const;
 
+  /// Returns whether the part of the surface that is nearest closes a hole.
+  [[nodiscard]] bool isAtClosedHole(const glm::dvec3& point) const;
+
   /// Returns where a ray first meets the surface.
   [[nodiscard]] std::optional<glm::dvec3> firstHit(const glm::dvec3& origin,
                                                    const glm::dvec3& direction) const;
@@ -58,6 +63,7 @@ class SolidRegion {
   std::function<bool(const glm::dvec3&)> contains_;
   double halfThickness_;
   bool isAsVoxels_;
+  std::uint32_t firstClosing_;
 };
 
 /// Returns the region of a solid without a mesh, such as one that is read back, whose surface is

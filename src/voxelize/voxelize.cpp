@@ -108,7 +108,7 @@ void fill(Solid& solid, const Filling& filling, const Box& box, const SolidOptio
   const bool isAsVoxels = filling.fill != Fill::shell || options.shellThickness > 0.0;
   solid.region = std::make_shared<const SolidRegion>(
       (box.max - box.min) / voxelSize, filling.surface, filling.contains,
-      isAsVoxels ? filling.halfThickness : 0.0, isAsVoxels);
+      isAsVoxels ? filling.halfThickness : 0.0, isAsVoxels, filling.firstClosing);
   measureVoxels(solid);
 }
 

@@ -104,6 +104,32 @@ def test_points_are_those_of_the_program(tmp_path):
         assert np.array_equal(theirs["neighbor"], points.neighbor[own])
 
 
+def test_source_faces_are_those_of_the_program(tmp_path):
+    """As a .ply has them, whose faces have a count, three corners, a neighbor and the face of the input."""
+    for name, options in ("smooth", {}), ("exact", {"surface": "exact"}):
+        options = {"pieces": 4, "resolution": 40, "source_faces": True, **options}
+        program(AMPHORA, tmp_path / name, *(f"--{k.replace('_', '-')}" if v is True else f"--{k}={v}" for k, v in options.items()), "--write=mesh")
+        f = pysherd.fracture(AMPHORA, **options)
+        for own in f:
+            head, body = (tmp_path / name / "meshes" / f"amphora_00{own.id}.ply").read_bytes().split(b"end_header\n", 1)
+            assert head.endswith(b"property int neighbor\nproperty int source_face\n")
+            faces = np.frombuffer(body[-21 * len(own.faces):], [("n", "u1"), ("at", "<i4", 3), ("neighbor", "<i4"), ("source", "<i4")])
+            assert np.array_equal(faces["source"], own.source_faces)
+            assert own.source_faces is own.source_faces and own.source_faces.dtype == np.int32
+            assert np.array_equal(own.source_faces == -1, own.neighbor != 0)
+        f.save(tmp_path / "saved")
+        saved, written = ({n: b for n, b in files_of(tmp_path / folder).items() if n.endswith(".ply")} for folder in ("saved", name))
+        assert saved == written
+
+
+def test_source_faces_of_arrays_are_rows(fracture):
+    vertices, faces = cube()
+    faces = np.concatenate([[[0, 0, 1]], faces])  # the first one is dropped
+    f = pysherd.fracture((vertices, faces), pieces=3, resolution=24, source_faces=True, surface="exact")
+    assert set(np.concatenate([own.source_faces for own in f])) == {-1, *range(1, len(faces))}
+    assert fracture[0].source_faces is None
+
+
 def test_points_are_shared_by_area(fracture):
     points = fracture.points(1000, share_points=True, point_sampler="halton")
     assert len(points.positions) == len(points.normals) == len(points.neighbor) == 1000

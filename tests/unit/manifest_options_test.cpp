@@ -188,7 +188,8 @@ TEST_F(ManifestOptions, OfSurfacesAreRecorded) {
 TEST_F(ManifestOptions, OfFilesAreRecorded) {
   auto& [labels, vdb, mesh, preview, seeds, boundaries, cost, solid, scene, graph, plainMeshes,
          proxy, vdbFiles, vdbOptions, density, proxyGap, voxelFormats, meshFormats, points,
-         sharePoints, pointFormats, distances, correspondences, precision, up] = write_;
+         sharePoints, pointFormats, distances, correspondences, precision, sourceFaces, up] =
+      write_;
   // Which files there are is in the list of files, their formats in their names.
   for (bool* file : {&labels, &seeds, &boundaries, &cost, &solid, &scene, &graph}) {
     expectNotRecorded("a file", *file, !*file);
@@ -199,6 +200,7 @@ TEST_F(ManifestOptions, OfFilesAreRecorded) {
   vdb = mesh = preview = true;
   expectRecorded("plainMeshes", plainMeshes, true);
   expectRecorded("precision", precision, Precision::full);
+  expectRecorded("sourceFaces", sourceFaces, true);
   expectRecorded("vdbFiles", vdbFiles, VdbFiles::single);
   expectRecorded("density", density, 2.0);
   expectRecorded("correspondences", correspondences, std::size_t{5});

@@ -98,6 +98,18 @@ std::vector<Value> only(std::vector<Value>&& values, const std::vector<std::uint
   return std::move(values);
 }
 
+// Sets the faces of the kept triangles.
+void setPolygons(RawMesh& raw, const std::vector<std::uint32_t>& kept, MemoryBudget* memory,
+                 SourceMesh& out) {
+  if (!raw.polygons.empty() || kept.size() == raw.triangles.size()) {
+    out.polygons = only(std::move(raw.polygons), kept);
+    return;
+  }
+  if (memory != nullptr) memory->charge(kept.size(), sizeof(PolygonPart));
+  out.polygons.reserve(kept.size());
+  for (const std::uint32_t i : kept) out.polygons.push_back({i, {0, 1, 2}});
+}
+
 // Keeps the objects that have a triangle; a single one is the mesh itself.
 void setObjects(RawMesh&& raw, SourceMesh& out) {
   std::vector<std::uint32_t> number(raw.objects.size(), kNone);
@@ -124,7 +136,7 @@ std::uint64_t mergingMemory(const RawMesh& raw) {
   return sizeof(std::uint32_t) * numbers;
 }
 
-SourceMesh mergeVertices(RawMesh&& raw) {
+SourceMesh mergeVertices(RawMesh&& raw, MemoryBudget* memory) {
   SourceMesh out;
   out.fileVertices = raw.vertices.size();
   std::vector<std::uint32_t> kept = finiteTriangles(raw, out);
@@ -149,6 +161,7 @@ SourceMesh mergeVertices(RawMesh&& raw) {
   raw.vertices.resize(used);
   raw.vertices.shrink_to_fit();
   out.mesh.vertices = std::move(raw.vertices);
+  setPolygons(raw, kept, memory, out);
   out.mesh.triangles = only(std::move(raw.triangles), kept);
   for (glm::uvec3& t : out.mesh.triangles) t = {number[t.x], number[t.y], number[t.z]};
 
@@ -158,7 +171,6 @@ SourceMesh mergeVertices(RawMesh&& raw) {
                          only(std::move(raw.attributes.colors), kept),
                          only(std::move(raw.attributes.material), kept),
                          only(std::move(raw.attributes.normals), kept)};
-  out.polygons = only(std::move(raw.polygons), kept);
   raw.objectOfTriangle = only(std::move(raw.objectOfTriangle), kept);
   setObjects(std::move(raw), out);
   out.warnings = std::move(raw.warnings);

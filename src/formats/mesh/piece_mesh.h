@@ -5,6 +5,7 @@
 #include <sherd/mesh.h>
 
 #include <array>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
@@ -27,6 +28,7 @@ struct PieceMesh {
   const MaterialTable& materials;
   bool isDouble = false;              ///< writes vertices in double precision, in PLY
   const PieceInput* input = nullptr;  ///< null: polygons and objects of the input are not written
+  std::span<const std::int32_t> sourceFaces{};  ///< [triangles] see sourceFaces, or empty; in PLY
 
   /// Returns the normal of a triangle's corner if `attributes` have one, else zero.
   [[nodiscard]] glm::vec3 normalOf(std::size_t triangle, std::size_t corner) const {

@@ -150,6 +150,7 @@ class FaceRecords {
     if (hasTexcoords_) text += "property list uchar float texcoord\n";
     if (hasTextures_) text += "property int texnumber\n";
     if (hasMaterials_) text += "property int material\n";
+    if (!piece_.sourceFaces.empty()) text += "property int source_face\n";
     return text;
   }
 
@@ -177,16 +178,21 @@ class FaceRecords {
         records.put(at.x);
         records.put(at.y);
       }
-      if (!hasMaterials_) continue;
-      const int texture = piece_.materials.materials[attributes.material[t]].texture;
-      if (hasTextures_) records.put(static_cast<std::uint32_t>(texture < 0 ? 0 : texture));
-      records.put(std::uint32_t{attributes.material[t]});
+      if (hasMaterials_) putMaterial(records, attributes.material[t]);
+      if (!piece_.sourceFaces.empty())
+        records.put(static_cast<std::uint32_t>(piece_.sourceFaces[t]));
     }
   }
 
  private:
   // Two numbers of texture coordinates for each corner, and a byte counts these.
   static constexpr std::size_t kMost = 127;
+
+  void putMaterial(Records& records, std::uint32_t material) const {
+    const int texture = piece_.materials.materials[material].texture;
+    if (hasTextures_) records.put(static_cast<std::uint32_t>(texture < 0 ? 0 : texture));
+    records.put(material);
+  }
 
   std::uint32_t vertexOf(std::uint32_t corner) const {
     return piece_.mesh.triangles[corner / 3][static_cast<int>(corner % 3)];

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <span>
 #include <utility>
 
@@ -33,14 +34,20 @@ std::size_t longestFace(const PolygonMesh& mesh) {
   return longest;
 }
 
+// Whether triangles are the faces of the file, each in its place.
+bool areAllTriangles(const PolygonMesh& mesh, std::size_t triangles) {
+  return triangles == mesh.faceEnds.size() && mesh.faceIndices.empty();
+}
+
 // Returns the place of each triangle in its face; nothing if all faces are triangles.
 std::vector<PolygonPart> partsOf(const PolygonMesh& mesh, const Triangles& triangles) {
   std::vector<PolygonPart> parts;
-  if (triangles.face.size() == mesh.faceEnds.size()) return parts;
+  if (areAllTriangles(mesh, triangles.face.size())) return parts;
   parts.reserve(triangles.face.size());
   for (std::size_t t = 0; t < triangles.face.size(); ++t) {
     const std::uint32_t face = triangles.face[t];
-    parts.push_back({face, triangles.corners[t] - (face == 0 ? 0 : mesh.faceEnds[face - 1])});
+    parts.push_back({mesh.faceIndices.empty() ? face : mesh.faceIndices[face],
+                     triangles.corners[t] - (face == 0 ? 0 : mesh.faceEnds[face - 1])});
   }
   return parts;
 }
@@ -99,7 +106,20 @@ std::uint64_t PolygonMesh::bytes() const {
   return bytesOf(vertices) + bytesOf(corners) + bytesOf(faceEnds) + bytesOf(vertexColors) +
          bytesOf(faceColors) + bytesOf(vertexTexcoords) + bytesOf(cornerTexcoords) +
          bytesOf(vertexNormals) + bytesOf(cornerNormals) + bytesOf(faceMaterials) +
-         bytesOf(faceNeighbors) + bytesOf(objectOfFace);
+         bytesOf(faceNeighbors) + bytesOf(objectOfFace) + bytesOf(faceIndices);
+}
+
+void PolygonMesh::endFace() {
+  if (facesLeftOut > 0) {
+    faceIndices.push_back(static_cast<std::uint32_t>(faceEnds.size()) + facesLeftOut);
+  }
+  faceEnds.push_back(static_cast<std::uint32_t>(corners.size()));
+}
+
+void PolygonMesh::leaveOutFace() {
+  if (facesLeftOut++ > 0) return;
+  faceIndices.resize(faceEnds.size());
+  std::iota(faceIndices.begin(), faceIndices.end(), 0u);
 }
 
 void triangulateInto(const MeshFile& file, PolygonMesh&& mesh, RawMesh& out) {
@@ -120,7 +140,7 @@ void triangulateInto(const MeshFile& file, PolygonMesh&& mesh, RawMesh& out) {
              (mesh.faceMaterials.empty() ? 0 : sizeof(std::uint32_t)) +
              (mesh.faceNeighbors.empty() ? 0 : sizeof(std::uint16_t)) +
              (mesh.objectOfFace.empty() ? 0 : sizeof(std::uint32_t)) +
-             (count == mesh.faceEnds.size() ? 0 : sizeof(PolygonPart)));
+             (areAllTriangles(mesh, count) ? 0 : sizeof(PolygonPart)));
   const Triangles triangles = triangulated(file, mesh);
   out.triangles.reserve(triangles.corners.size());
   for (const glm::uvec3& t : triangles.corners) {

@@ -27,9 +27,18 @@ struct PolygonMesh {
   std::vector<std::uint32_t> faceMaterials;  ///< [faces]
   std::vector<std::uint16_t> faceNeighbors;  ///< [faces]
   std::vector<std::uint32_t> objectOfFace;   ///< [faces]
+  std::vector<std::uint32_t> faceIndices;    ///< [faces] in the file; set if faces are left out
+
+  std::uint32_t facesLeftOut = 0;  ///< of the file
 
   /// Bytes of all of these.
   [[nodiscard]] std::uint64_t bytes() const;
+
+  /// Adds a face of the corners that were added since the last one.
+  void endFace();
+
+  /// Counts a face of the file that is left out.
+  void leaveOutFace();
 };
 
 /// Appends the faces, as triangles with their attributes, to `out`, which has no triangle yet.

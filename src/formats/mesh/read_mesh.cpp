@@ -247,7 +247,7 @@ SourceMesh meshOf(const fs::path& path, std::string bytes, MemoryBudget& memory,
 
   memory.charge(mergingMemory(raw));
   checkpoint(file);
-  SourceMesh out = mergeVertices(std::move(raw));
+  SourceMesh out = mergeVertices(std::move(raw), &memory);
   checkMerged(file, out);
   out.name = file.name;
   out.stem = name.stem.string();
@@ -335,7 +335,7 @@ Guide guideFromBytes(const fs::path& path, std::string bytes, const ReadOptions&
   if (!hasFaces) return guide;
   RawMesh raw = checkedRaw(file);
   memory.charge(mergingMemory(raw));
-  SourceMesh merged = mergeVertices(std::move(raw));
+  SourceMesh merged = mergeVertices(std::move(raw), &memory);
   checkMerged(file, merged);
   guide.mesh = {std::move(merged.mesh.vertices), std::move(merged.mesh.triangles)};
   return guide;

@@ -119,8 +119,8 @@ struct Reader {
       if (*corners >= 3) mesh.corners.push_back(*index);
       if (*corners >= 3 && mesh.corners.size() % kAtATime == 0) hold();
     }
-    if (*corners < 3) return;
-    mesh.faceEnds.push_back(static_cast<std::uint32_t>(mesh.corners.size()));
+    if (*corners < 3) return mesh.leaveOutFace();
+    mesh.endFace();
     if (hasColors) return;
     const auto found = isBlank(line) ? std::nullopt : color(countWords(line));
     anyFaceColor |= found.has_value();

@@ -251,8 +251,11 @@ struct Reader {
   void addFace(const Values& values) {
     const std::size_t first = mesh.faceEnds.empty() ? 0 : mesh.faceEnds.back();
     const std::size_t count = mesh.corners.size() - first;
-    if (count < 3) return mesh.corners.resize(first);
-    mesh.faceEnds.push_back(static_cast<std::uint32_t>(mesh.corners.size()));
+    if (count < 3) {
+      mesh.leaveOutFace();
+      return mesh.corners.resize(first);
+    }
+    mesh.endFace();
     if (faceColors) colors.push_back(values.color);
     materials.push_back(byMaterial ? values.material : values.texture);
     if (hasNeighbors) addNeighbor(values.neighbor);
