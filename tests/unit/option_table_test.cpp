@@ -242,8 +242,10 @@ TEST(OptionTable, IdleOptionsAreSpelledAsTheUserDoes) {
   Volume levelSet;
   levelSet.solid.emplace();
   levelSet.isLevelSet = true;
-  EXPECT_EQ(idleOptions(levelSet, all).size(), 3u);
-  EXPECT_TRUE(idleOptions(Volume{}, all).empty());
+  EXPECT_EQ(idleOptions(levelSet, all).size(), 4u);
+  EXPECT_EQ(
+      idleOptions(Volume{}, all),
+      std::vector<std::string>{"<source-faces> does nothing with a volume, which has no faces"});
 }
 
 }  // namespace
