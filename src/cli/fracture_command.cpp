@@ -26,6 +26,7 @@
 #include "cli/fracture_printer.h"
 #include "cli/interrupts.h"
 #include "cli/machine_options.h"
+#include "cli/progress_events.h"
 #include "cli/progress_line.h"
 #include "cli/table_options.h"
 
@@ -46,6 +47,7 @@ struct FractureArguments {
   MachineOptions machine;
   bool json = false;
   bool quiet = false;
+  bool progress = false;
 };
 
 double secondsSince(Clock::time_point start) {
@@ -217,7 +219,9 @@ class Replacements {
 class FractureRun {
  public:
   explicit FractureRun(FractureArguments& arguments)
-      : arguments_(arguments), line_(::isatty(STDERR_FILENO) == 1 && !arguments.quiet) {}
+      : arguments_(arguments),
+        line_(::isatty(STDERR_FILENO) == 1 && !arguments.quiet && !arguments.progress),
+        events_(arguments.progress, arguments.run.fracture.surface.surface == Surface::exact) {}
 
   void run() {
     if (!arguments_.splitObjects) checkFractureFolder(arguments_.folder);
@@ -236,6 +240,7 @@ class FractureRun {
     const ForeignExit guard;
     const std::vector<StageTime> before = times_;
     std::optional<Error> refused;
+    events_.overall().setParts(input.meshes.size());
     for (std::size_t i = 0; i < input.meshes.size(); ++i) {
       try {
         breakOne(input, input.meshes[i], folders[i], device);
@@ -247,18 +252,25 @@ class FractureRun {
       }
       times_ = before;
       start_ = Clock::now();
+      events_.overall().nextPart();
     }
     line_.clear();
     finish(
         replacements_, [this] { printReports(); }, refused ? static_cast<int>(refused->code()) : 0);
     if (refused) throw *refused;
+    events_.finish();
   }
 
  private:
+  void showProgress(std::string_view stage, double fraction) {
+    line_.show(stage, fraction);
+    events_.show(stage, fraction);
+  }
+
   template <class Work>
   std::invoke_result_t<Work> timed(const char* stage, const Work& work) {
     stopIfInterrupted();
-    line_.show(stage, 0.0);
+    showProgress(stage, 0.0);
     const Clock::time_point begin = Clock::now();
     auto result = work();
     times_.push_back({stage, secondsSince(begin)});
@@ -308,8 +320,9 @@ class FractureRun {
   FractureArguments& arguments_;
   Clock::time_point start_ = Clock::now();
   ProgressLine line_;
+  ProgressEvents events_;
   Progress progress_{
-      .report = [this](std::string_view stage, double fraction) { line_.show(stage, fraction); },
+      .report = [this](std::string_view stage, double fraction) { showProgress(stage, fraction); },
       .cancelled = isInterrupted};
   std::vector<StageTime> times_;
   nlohmann::ordered_json reports_ = nlohmann::ordered_json::array();
@@ -395,6 +408,8 @@ CLI::App* addFractureCommand(CLI::App& app, Action& run) {
   addConfig(*command);
   command->add_flag("--json", arguments->json, "Print one JSON object: counts, volumes, seconds");
   command->add_flag("--quiet", arguments->quiet, "Print nothing but warnings and errors");
+  command->add_flag("--progress", arguments->progress,
+                    "Print progress as JSON on standard error, an object a line");
   command->callback([arguments, command, &run] {
     setGiven(*command, *arguments);
     const std::vector<std::string> idle = checkedOptions(*arguments);

@@ -109,6 +109,7 @@ class Signals(CommandLine):
                          "--pieces", "20", "--resolution", "96"],
         "an OpenCL driver": ["fracture", "ball.obj", "-o", "out", "--growth", "chain", "--resolution", "96", "--device", "pocl"],
         "many pieces": ["fracture", "ball.obj", "-o", "out", "--pieces", "300", "--resolution", "96"],
+        "exact surfaces": ["fracture", "fine.obj", "-o", "old", "--surface", "exact", "--pieces", "10", "--resolution", "96"],
         "points": ["fracture", "pair.obj", "-o", "old", "--points", "5000", "--sdf-samples", "5000", "--pieces", "6", "--resolution", "64"],
         "a dataset": ["dataset", "library", "-o", "out", "--resolution", "32", "--pieces", "2..4", "--repeats", "2..1", "--points", "64"],
         "archives": ["dataset", "library", "-o", "out", "--resolution", "32", "--pieces", "2..4", "--repeats", "2..1", "--points", "64", "--layout",
