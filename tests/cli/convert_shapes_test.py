@@ -196,11 +196,14 @@ class Points(ConvertTest):
         np.testing.assert_allclose(self.read("a.binp")["positions"], [[1.0000005, 2.0000005, 3.0000005]])
 
     def test_many_points_have_their_frequencies_halved(self):
-        grid = np.stack(np.meshgrid(*[np.arange(60)] * 3), axis=-1).reshape(-1, 3) * 0.01
+        side = 24
+        grid = np.stack(np.meshgrid(*[np.arange(side)] * 3), axis=-1).reshape(-1, 3) * 0.01
         np.savez(self.path("a.npz"), positions=grid)
         data, _ = self.converted("a.npz", "a.binp")
-        self.assertEqual(len(read_binp(data)[1]), 60 ** 3)
-        self.assertEqual(len(self.read("a.binp")["positions"]), 60 ** 3)
+        self.assertGreater(struct.unpack_from("<Q", data, 100)[0], 65536)  # bytes of the tree, which are what is counted
+        self.assertLess(struct.unpack_from("<257I", data, 108)[256], 65536)
+        self.assertEqual(len(read_binp(data)[1]), side ** 3)
+        self.assertEqual(len(self.read("a.binp")["positions"]), side ** 3)
 
     def test_cut_and_damaged_points_are_refused(self):
         self.converted("all.npz", "a.binp")
