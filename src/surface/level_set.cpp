@@ -15,9 +15,12 @@ namespace {
 using openvdb::FloatGrid;
 using Leaf = FloatGrid::TreeType::LeafNodeType;
 
+// Grids are made through GridBase, whose virtual functions OpenVDB's library holds; FloatGrid's own
+// would compile the whole class here.
 FloatGrid::Ptr emptyLike(const FloatGrid& solid) {
-  FloatGrid::Ptr grid = FloatGrid::create(solid.background());
-  grid->setTransform(solid.transform().copy());
+  const openvdb::GridBase& base = solid;
+  const auto grid = openvdb::gridPtrCast<FloatGrid>(base.copyGridWithNewTree());
+  grid->clearMetadata();
   grid->setGridClass(openvdb::GRID_LEVEL_SET);
   grid->setName("surface");
   return grid;
@@ -73,7 +76,8 @@ ConstFloatGridPtr fragmentLevelSet(const Solid& solid, const Cut& cut, std::uint
 }
 
 std::shared_ptr<FloatGrid> fogVolume(const FloatGrid& levelSet) {
-  FloatGrid::Ptr fog = levelSet.deepCopy();
+  const openvdb::GridBase& base = levelSet;
+  const auto fog = openvdb::gridPtrCast<FloatGrid>(base.deepCopyGrid());
   openvdb::tools::sdfToFogVolume(*fog);
   return fog;
 }

@@ -3,6 +3,7 @@
 
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Composite.h>
+#include <openvdb/tools/Interpolation.h>
 #include <openvdb/tools/SignedFloodFill.h>
 #include <tbb/parallel_for.h>
 
@@ -155,6 +156,15 @@ void addVoxels(FloatGrid& grid, LeafBlocks& blocks, std::span<const std::size_t>
     blocks.exteriorBand[voxelIndex / 64] &= ~bit;
   }
 }
+
+std::function<float(const glm::dvec3&)> samplesOf(ConstFloatGridPtr grid) {
+  return [grid = std::move(grid)](const glm::dvec3& at) {
+    return openvdb::tools::BoxSampler::sample(grid->getConstAccessor(),
+                                              openvdb::Vec3d(at.x, at.y, at.z));
+  };
+}
+
+FloatGridPtr uniformGrid(float value) { return FloatGrid::create(value); }
 
 void unite(FloatGrid& grid, FloatGrid& other) { openvdb::tools::csgUnion(grid, other); }
 

@@ -24,6 +24,14 @@ using FloatGridPtr = std::shared_ptr<openvdb::FloatGrid>;
 /// from one thread.
 [[nodiscard]] std::function<float(const openvdb::Coord&)> valuesOf(ConstFloatGridPtr grid);
 
+/// Returns a function that interpolates a grid's values at points of its index space.  Use it from
+/// any thread.
+[[nodiscard]] std::function<float(const glm::dvec3&)> samplesOf(ConstFloatGridPtr grid);
+
+/// Returns a grid that has this value everywhere.  A file that makes one by FloatGrid::create
+/// compiles the whole class, in eight seconds.
+[[nodiscard]] FloatGridPtr uniformGrid(float value);
+
 /// Makes exterior band voxels inside voxels, at the least depth that an inside voxel may have.
 ///   grid, blocks  of one solid; both are updated
 ///   voxelIndices  of exterior band voxels

@@ -1,9 +1,6 @@
 // What a solid was made from: decides about points of space, whatever the voxels.
 #include "voxelize/region.h"
 
-#include <openvdb/openvdb.h>
-#include <openvdb/tools/Interpolation.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,6 +9,7 @@
 #include <limits>
 
 #include "mesh/nearest_on_triangle.h"
+#include "voxelize/distance.h"
 
 namespace sherd {
 
@@ -56,9 +54,8 @@ std::shared_ptr<const SolidRegion> regionOf(const Solid& solid, TriangleMesh sur
   const openvdb::Coord dims = solid.box.dims();
   return std::make_shared<const SolidRegion>(
       glm::dvec3(dims.x(), dims.y(), dims.z()), std::make_shared<const TriangleTree>(surface),
-      [distance = solid.distance](const glm::dvec3& at) {
-        const auto grid = distance->getConstAccessor();
-        return openvdb::tools::BoxSampler::sample(grid, openvdb::Vec3d(at.x, at.y, at.z)) < 0.0f;
+      [distanceAt = samplesOf(solid.distance)](const glm::dvec3& at) {
+        return distanceAt(at) < 0.0f;
       },
       0.0, true);
 }
