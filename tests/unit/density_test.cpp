@@ -16,6 +16,7 @@
 #include "mesh_folder.h"
 #include "shapes.h"
 #include "unit/seeds_fixture.h"
+#include "voxelize/distance.h"
 
 namespace sherd {
 namespace {
@@ -53,7 +54,7 @@ struct HalvedBox {
 
 std::shared_ptr<openvdb::FloatGrid> stepGrid(float left, float right) {
   openvdb::initialize();
-  auto grid = openvdb::FloatGrid::create(0.0f);
+  auto grid = uniformGrid(0.0f);
   grid->setTransform(openvdb::math::Transform::createLinearTransform(0.1));
   grid->fill(openvdb::CoordBBox({-20, -20, -20}, {-1, 20, 20}), left);
   grid->fill(openvdb::CoordBBox({0, -20, -20}, {20, 20, 20}), right);
@@ -153,7 +154,7 @@ TEST_F(Densities, ZeroHasNoSeedsAndOtherResolutionsTheSame) {
 // Draws hardly ever meet a ten thousandth of the box: voxels are drawn instead.
 TEST_F(Densities, AreFollowedWhereDrawsDoNotSuffice) {
   openvdb::initialize();
-  auto grid = openvdb::FloatGrid::create(0.0f);
+  auto grid = uniformGrid(0.0f);
   grid->setTransform(openvdb::math::Transform::createLinearTransform(0.02));
   grid->fill(openvdb::CoordBBox({-2, -2, -2}, {2, 2, 2}), 1.0f);
   const Solid solid = voxelize(shapes::cube(2.0), {.resolution = 100});

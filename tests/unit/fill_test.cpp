@@ -438,7 +438,7 @@ TEST(Fill, FacesThroughVoxelCentersLeaveWhatIsBetweenThem) {
 // As grids of other programs have it, and where a hole is far from any triangle.  Surfaces were
 // looked for in leaves that were not there.
 TEST(Fill, InsideVoxelsHaveLeavesAllRoundThem) {
-  const auto grid = openvdb::FloatGrid::create(3.0f);
+  const auto grid = uniformGrid(3.0f);
   grid->tree().sparseFill(openvdb::CoordBBox({0, 0, 0}, {7, 7, 7}), -3.0f, /*active=*/false);
   const LeafBlocks blocks = leafBlocks(*grid);
   EXPECT_EQ(blocks.insideVoxels(), 512u);
@@ -446,7 +446,7 @@ TEST(Fill, InsideVoxelsHaveLeavesAllRoundThem) {
 }
 
 TEST(Fill, LeavesRoundTheInsideAreNotComponentOfAFragment) {
-  const auto grid = openvdb::FloatGrid::create(3.0f);
+  const auto grid = uniformGrid(3.0f);
   grid->setGridClass(openvdb::GRID_LEVEL_SET);
   grid->tree().sparseFill(openvdb::CoordBBox({0, 0, 0}, {15, 15, 15}), -3.0f, /*active=*/false);
   const Solid solid = solidOf(*grid);

@@ -20,6 +20,7 @@
 #include "surface/creases.h"
 #include "surface/independent_cracks.h"
 #include "surface/interface_mesh.h"
+#include "voxelize/distance.h"
 #include "voxelize/leaf_blocks.h"
 
 namespace sherd {
@@ -39,7 +40,7 @@ template <class LabelOf>
 Labeled labeled(int side, int fragments, const LabelOf& labelOf) {
   Labeled made;
   made.solid.frame = {glm::dvec3(0.0), 1.0};
-  const openvdb::FloatGrid::Ptr distance = openvdb::FloatGrid::create(3.0f);
+  const FloatGridPtr distance = uniformGrid(3.0f);
   LeafBlocks blocks;
   for (int x = -8; x < side + 8; x += 8) {
     for (int y = -8; y < side + 8; y += 8) {
