@@ -291,7 +291,8 @@ const Row kSurfaceRows[]{
                 "smoothing, which needs the even triangles of the extracted mesh. `auto` merges "
                 "the triangles within 0.005 voxels of a plane, of cracks within 0.1, where at "
                 "least half of the mesh's surface is flat at the scale of a voxel, and its texture "
-                "coordinates and colors are linear in its planes",
+                "coordinates and colors are linear in its planes. With `--surface exact` only "
+                "where it does not succeed",
      .key = "surface.adaptivity",
      .drawn = true,
      .unit = "voxels"},

@@ -182,9 +182,8 @@ void checkSurfaceOptions(const SurfaceOptions& options) {
     throw Error(ErrorCode::usage, "the adaptivity is automatic or lies in 0..1");
   }
   if (options.surface == Surface::exact &&
-      (options.adaptivity > 0.0 || isAny(smooth.iterations) || isAny(smooth.boundaryIterations))) {
-    throw Error(ErrorCode::usage, "exact surfaces take neither smoothing nor adaptivity",
-                OptionNames{"surface"});
+      (isAny(smooth.iterations) || isAny(smooth.boundaryIterations))) {
+    throw Error(ErrorCode::usage, "exact surfaces take no smoothing", OptionNames{"surface"});
   }
   if (!options.meshes && !canLackMeshes(options)) {
     throw Error(ErrorCode::usage,

@@ -168,7 +168,7 @@ class Exact(CommandLine):
         self.assertEqual(tree(self.out), tree(again))
 
     def test_what_contradicts_it_is_refused(self):
-        for options in (("--adaptivity", "0.1"), ("--smooth-iterations", "2"), ("--erode-iterations", "1", "--erode-on", "all")):
+        for options in (("--smooth-iterations", "2"), ("--erode-iterations", "1", "--erode-on", "all")):
             self.refused(2, self.fracture("--surface", "exact", *options))
             self.nothing_written()
 
@@ -181,6 +181,20 @@ class Exact(CommandLine):
         manifest = self.manifest()
         self.assertEqual(manifest["exact_failure"], "the mesh has 3 open edges")
         self.assertEqual({f["surface"] for f in manifest["fragments"]}, {"smooth"})
+
+    def test_adaptivity_is_for_the_smooth_surface_only(self):
+        self.exact()
+        adapted = self.path("adapted")
+        self.exact("--adaptivity", "0.1", out=adapted)
+        meshes = {path.name: path.read_bytes() for path in pathlib.Path(self.out, "meshes").iterdir()}
+        self.assertEqual(meshes, {path.name: path.read_bytes() for path in pathlib.Path(adapted, "meshes").iterdir()})
+        vertices, triangles = sphere()
+        open_mesh = self.path("open.obj")
+        write_obj(open_mesh, (vertices, triangles[1:]))
+        self.done("--surface", "exact", "--adaptivity", "0.1", mesh=open_mesh, out=self.path("few"))
+        self.done("--adaptivity", "0.1", mesh=open_mesh, out=self.path("smooth"))
+        few, smooth = ([path.read_bytes() for path in sorted(pathlib.Path(self.path(name), "meshes").iterdir())] for name in ("few", "smooth"))
+        self.assertEqual(few, smooth)
 
     def again(self, *options):
         again = self.path("again")

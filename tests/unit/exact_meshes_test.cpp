@@ -105,11 +105,9 @@ TEST(Exact, ErodedCracksKeepTheOuterSurface) {
   EXPECT_THROW((void)broken(shapes::ball(1.0, 3), options), Error);
 }
 
-TEST(Exact, IsNeitherSmoothedNorSimplified) {
+TEST(Exact, IsNotSmoothed) {
   SurfaceOptions options{.surface = Surface::exact};
   EXPECT_NO_THROW(checkSurfaceOptions(options));
-  options.adaptivity = 0.1;
-  EXPECT_THROW(checkSurfaceOptions(options), Error);
   options = {.surface = Surface::exact, .smooth = {.iterations = {1}}};
   EXPECT_THROW(checkSurfaceOptions(options), Error);
 }
