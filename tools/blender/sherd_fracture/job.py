@@ -23,6 +23,7 @@ class Job:
 
     def __init__(self, context, thing, choices):
         self.thing, self.process, self.scratch = thing, None, None
+        self.collection, self.fragments = None, []
         self.density, self.rigid, self.original = choices.density, choices.rigid_body, choices.original
         self.inside, self.asleep = choices.inside_material, choices.asleep
         self.deadline = time.monotonic() + preference(context, "timeout", 600)
@@ -121,7 +122,14 @@ class Job:
                 manifest = json.load(file)
         except (OSError, ValueError):
             raise Failure("sherd succeeded but wrote no manifest.json; check that the program is sherd") from None
-        fragments = self.build(context, manifest)
+        for _ in self.build(context, manifest):
+            pass
+        fragments = self.fragments
+        for other in context.selected_objects:
+            other.select_set(False)
+        for fragment in fragments:
+            fragment.select_set(True)
+        context.view_layer.objects.active = fragments[0]
         if self.rigid and not make_rigid(context, fragments, self.density, self.asleep):
             warnings.append("this scene may not have rigid bodies; the fragments are plain objects")
         if self.original == "HIDE":
@@ -129,14 +137,13 @@ class Job:
         return fragments, warnings
 
     def build(self, context, manifest):
+        """Makes the fragments, in a collection of their own; a generator with a stop after each."""
         thing, materials = self.thing, self.materials
         inside = bpy.data.materials.get(self.inside) if self.inside else None
         inside = inside or material("Sherd inside", INSIDE_COLOR)
         materials = materials or [material("Sherd outside", (0.8, 0.8, 0.8))]
-        collection = bpy.data.collections.new(thing.name)
-        home(context, thing).children.link(collection)
+        self.collection = bpy.data.collections.new(thing.name)
         digits = max(3, len(str(manifest["fragments"][-1]["id"])))
-        fragments = []
         for entry in manifest["fragments"]:
             if "files" not in entry or "mesh" not in entry["files"]:
                 continue  # withheld
@@ -152,14 +159,10 @@ class Job:
             fragment["sherd_source"] = thing.name
             if self.kept:
                 fragment["sherd_folder"] = self.out
-            collection.objects.link(fragment)
-            fragments.append(fragment)
-        for other in context.selected_objects:
-            other.select_set(False)
-        for fragment in fragments:
-            fragment.select_set(True)
-        context.view_layer.objects.active = fragments[0]
-        return fragments
+            self.collection.objects.link(fragment)
+            self.fragments.append(fragment)
+            yield
+        home(context, thing).children.link(self.collection)
 
     def hide(self, context):
         """Hides the object and removes its rigid body, which would still push the fragments."""
